@@ -18,15 +18,14 @@ static double kink(double alpha)
 
 rp_status an_continuum_kink(double alpha, double *x_c)
 {
-    rp_status status = check_alpha(alpha);
-    if (!status) *x_c = kink(alpha);
-    return status;
+    RP_TRY(check_alpha(alpha));
+    *x_c = kink(alpha);
+    return RP_OK;
 }
 
 rp_status an_continuum(double alpha, double x, an_force *force)
 {
-    rp_status status = check_alpha(alpha);
-    if (status) return status;
+    RP_TRY(check_alpha(alpha));
     if (!(x >= 0 && x <= 1)) return rp_fail(RP_BAD_INPUT, "x/B = %.15g: out of range, allowed: [0, 1]", x);
     double a = sin(alpha), b = sin(2 * M_PI / 3 - alpha), c = sin(M_PI / 3 - alpha);
     double edge = fmin(x, 1 - x);

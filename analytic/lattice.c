@@ -30,8 +30,7 @@ static rp_status check_outline(long k, const long up[])
 
 rp_status an_lattice_triangle(long k, double theta, long i, an_force *force)
 {
-    rp_status status = check_lattice(k, AN_LAYERS_MAX, theta);
-    if (status) return status;
+    RP_TRY(check_lattice(k, AN_LAYERS_MAX, theta));
     if (i < 1 || i > k)
         return rp_fail(RP_BAD_INPUT, "base disk i = %ld: out of range, allowed: [1, %ld]", i, k);
     *force = (an_force){(double)(k + 1) / 2, tan(theta) * (double)(2 * i - k - 1) / 2};
@@ -40,8 +39,7 @@ rp_status an_lattice_triangle(long k, double theta, long i, an_force *force)
 
 rp_status an_lattice_cut(long k, double theta, double alpha, long up[])
 {
-    rp_status status = check_lattice(k, AN_LAYERS_MAX, theta);
-    if (status) return status;
+    RP_TRY(check_lattice(k, AN_LAYERS_MAX, theta));
     if (!(alpha > 0 && alpha <= M_PI / 2 - theta + ANGLE_SLACK))
         return rp_fail(RP_BAD_INPUT, "alpha = %.15g degrees: out of range, allowed: (0, 90 - theta = %.15g]",
                        alpha * DEG, 90 - theta * DEG);
@@ -57,9 +55,8 @@ rp_status an_lattice_cut(long k, double theta, double alpha, long up[])
 
 rp_status an_lattice_counts(long k, const long up[], double theta, an_force force[])
 {
-    rp_status status = check_lattice(k, AN_LAYERS_MAX, theta);
-    if (!status) status = check_outline(k, up);
-    if (status) return status;
+    RP_TRY(check_lattice(k, AN_LAYERS_MAX, theta));
+    RP_TRY(check_outline(k, up));
     /* Diagonal s to the right crosses the diagonals to the left of base disks s .. s + up[s] - 1:
      * differences of their counts first, summed afterwards. */
     for (long i = 0; i < k; i++) force[i].N = 0;
@@ -78,9 +75,8 @@ rp_status an_lattice_counts(long k, const long up[], double theta, an_force forc
 
 rp_status an_lattice_recursion(long k, const long up[], double theta, an_force force[])
 {
-    rp_status status = check_lattice(k, AN_RECURSION_MAX, theta);
-    if (!status) status = check_outline(k, up);
-    if (status) return status;
+    RP_TRY(check_lattice(k, AN_RECURSION_MAX, theta));
+    RP_TRY(check_outline(k, up));
     long top = 0;
     for (long s = 0; s < k; s++) {
         if (up[s] > top) top = up[s];

@@ -61,8 +61,7 @@ static double leave(const an_profile *p, double x, double lean)
 
 rp_status an_profile_chords(const an_profile *profile, double x, double l[2])
 {
-    rp_status status = check_x(profile, x);
-    if (status) return status;
+    RP_TRY(check_x(profile, x));
     l[0] = leave(profile, x, -LEAN) * 2 * LEAN;
     l[1] = leave(profile, x, LEAN) * 2 * LEAN;
     return RP_OK;
@@ -70,16 +69,15 @@ rp_status an_profile_chords(const an_profile *profile, double x, double l[2])
 
 rp_status an_profile_height(const an_profile *profile, double x, double *y)
 {
-    rp_status status = check_x(profile, x);
-    if (!status) *y = leave(profile, x, 0);
-    return status;
+    RP_TRY(check_x(profile, x));
+    *y = leave(profile, x, 0);
+    return RP_OK;
 }
 
 rp_status an_profile_force(const an_profile *profile, double x, an_force *force)
 {
     double l[2];
-    rp_status status = an_profile_chords(profile, x, l);
-    if (status) return status;
+    RP_TRY(an_profile_chords(profile, x, l));
     double base = profile->v[profile->n - 1].x - profile->v[0].x;
     *force = (an_force){(l[0] + l[1]) / (2 * base), (l[0] - l[1]) / (2 * sqrt(3) * base)};
     return RP_OK;
@@ -93,8 +91,7 @@ rp_status an_profile_largest(const an_profile *profile, double *x, double *N)
         for (int side = -1; side <= 1; side += 2) {
             const double at = fmin(fmax(profile->v[i].x + side * LEAN * profile->v[i].y, left), right);
             an_force force;
-            rp_status status = an_profile_force(profile, at, &force);
-            if (status) return status;
+            RP_TRY(an_profile_force(profile, at, &force));
             if (!(force.N > most)) continue;
             most = force.N;
             first = at;
@@ -112,9 +109,8 @@ static rp_status check_angle(const char *name, double angle)
 
 rp_status an_tent(double alpha_1, double alpha_2, double x_1, an_point v[5])
 {
-    rp_status status = check_angle("alpha_1", alpha_1);
-    if (!status) status = check_angle("alpha_2", alpha_2);
-    if (status) return status;
+    RP_TRY(check_angle("alpha_1", alpha_1));
+    RP_TRY(check_angle("alpha_2", alpha_2));
     if (!(x_1 > 0 && x_1 < 0.5))
         return rp_fail(RP_BAD_INPUT, "X_1/B = %.15g: out of range, allowed: (0, 0.5)", x_1);
     double shoulder = x_1 * tan(alpha_1), peak = shoulder + (0.5 - x_1) * tan(alpha_2);

@@ -40,8 +40,7 @@ rp_status cli_row_matches(const rp_table *table, size_t row, const cli_words *wo
         if (!equals) return rp_fail(RP_BAD_INPUT, "\"%s\": key=value expected", words->words[w]);
         snprintf(key, sizeof key, "%.*s", (int)(equals - words->words[w]), words->words[w]);
         int column;
-        rp_status status = rp_table_find(table, key, NULL, &column);
-        if (status) return status;
+        RP_TRY(rp_table_find(table, key, NULL, &column));
         *matches = text_equals(cli_text(table, row, column), equals + 1);
     }
     return RP_OK;
@@ -84,14 +83,13 @@ bool cli_find_sweep(const char *folders, const char *table, cli_sweep *sweep)
 rp_status cli_cell_find(const char *folders, const char *reference, cli_cell *cell)
 {
     *cell = (cli_cell){0};
-    rp_status status = cli_split(reference, &cell->words);
-    if (status) return status;
+    RP_TRY(cli_split(reference, &cell->words));
     const cli_words *w = &cell->words;
     if (w->n < 2) return rp_fail(RP_BAD_INPUT, "\"%s\": a table and a column expected", reference);
     cell->column = w->words[w->n - 1];
     cell->missing = !cli_find_table(folders, w->words[0], cell->path);
     if (cell->missing) return RP_OK;
-    status = cli_table_read(cell->path, &cell->table);
+    rp_status status = cli_table_read(cell->path, &cell->table);
     size_t found = 0;
     for (size_t r = 0; r < cell->table->n_rows && !status; r++) {
         bool matches;
@@ -101,9 +99,8 @@ rp_status cli_cell_find(const char *folders, const char *reference, cli_cell *ce
         found++;
     }
     if (status) return status;
-    return found == 1 || cell->column[0] == '#'
-               ? RP_OK
-               : rp_fail(RP_BAD_INPUT, "%s: %zu rows for \"%s\", one expected", cell->path, found, reference);
+    if (found == 1 || cell->column[0] == '#') return RP_OK;
+    return rp_fail(RP_BAD_INPUT, "%s: %zu rows for \"%s\", one expected", cell->path, found, reference);
 }
 
 const char *cli_cell_text(const cli_cell *cell, const char *column)
@@ -126,9 +123,8 @@ static rp_status note_number(const cli_cell *cell, stats_number *number)
     char *end;
     const char *text = cli_cell_text(cell, cell->column);
     *number = (stats_number){text ? strtod(text, &end) : NAN, 0.0};
-    return text && end != text ? RP_OK
-                               : rp_fail(RP_BAD_INPUT, "%s: no header line \"%s\" with a number", cell->path,
-                                         cell->column + 1);
+    if (text && end != text) return RP_OK;
+    return rp_fail(RP_BAD_INPUT, "%s: no header line \"%s\" with a number", cell->path, cell->column + 1);
 }
 
 rp_status cli_cell_number(const cli_cell *cell, stats_number *number)

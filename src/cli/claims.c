@@ -31,10 +31,10 @@ static rp_status number_of(const rp_table *t, size_t row, const char *name, doub
 
 static rp_status read_numbers(const rp_table *t, size_t row, cli_claim *c)
 {
-    rp_status status = number_of(t, row, "published", NAN, &c->published.value);
-    if (!status) status = number_of(t, row, "published_se", 0.0, &c->published.se);
-    if (!status) status = number_of(t, row, "samples", 0.0, &c->samples);
-    return status ? status : number_of(t, row, "margin", INFINITY, &c->margin);
+    RP_TRY(number_of(t, row, "published", NAN, &c->published.value));
+    RP_TRY(number_of(t, row, "published_se", 0.0, &c->published.se));
+    RP_TRY(number_of(t, row, "samples", 0.0, &c->samples));
+    return number_of(t, row, "margin", INFINITY, &c->margin);
 }
 
 /* A variant takes the published number of its claim, which stands before it. */
@@ -42,8 +42,7 @@ static rp_status find_number(const cli_claims *all, cli_claim *c)
 {
     const cli_claim *original = NULL;
     if (!*c->of) return RP_OK;
-    rp_status status = cli_claims_find(all, c->of, &original);
-    if (status) return status;
+    RP_TRY(cli_claims_find(all, c->of, &original));
     if (!isnan(c->published.value))
         return rp_fail(RP_BAD_INPUT, "variant %s of %s: a number is published once", c->id, c->of);
     c->published = original->published;
@@ -212,11 +211,13 @@ static bool tests_change(const cli_claim *c)
 /* Within a family the correction follows later; else the table's own holds. */
 static rp_status read_change(const cli_cell *cell, bool family, stats_change *change)
 {
-    rp_status status = cli_cell_column(cell, "change_lo90", &change->lo90);
-    if (!status) status = cli_cell_column(cell, "change_hi90", &change->hi90);
-    return status ? status
-                  : cli_cell_column(cell, !family && cli_cell_text(cell, "p_holm") ? "p_holm" : "p_value",
-                                    &change->p_value);
+    char lo[160], hi[160];
+    snprintf(lo, sizeof lo, "%s_lo90", cell->column);
+    snprintf(hi, sizeof hi, "%s_hi90", cell->column);
+    RP_TRY(cli_cell_column(cell, lo, &change->lo90));
+    RP_TRY(cli_cell_column(cell, hi, &change->hi90));
+    return cli_cell_column(cell, !family && cli_cell_text(cell, "p_holm") ? "p_holm" : "p_value",
+                           &change->p_value);
 }
 
 static void apply_test(const cli_claim *c, cli_judged *j)
@@ -265,12 +266,12 @@ static rp_status judge_table(const cli_claim *c, const char *folders, cli_judged
     cli_cell cell = {0}, other = {0};
     measured ours = {0}, against = {0};
     bool missing = false;
-    rp_status status = read_side(c->answer, folders, &cell, &ours, &missing);
-    if (!status && *c->against) status = read_side(c->against, folders, &other, &against, &missing);
-    if (!status && !missing && tests_change(c)) status = read_change(&cell, *c->family, &j->change);
-    if (!status && !missing && tests_change(c)) status = cli_cell_column(&cell, "dof", &ours.dof);
+    RP_TRY(read_side(c->answer, folders, &cell, &ours, &missing));
+    if (*c->against) RP_TRY(read_side(c->against, folders, &other, &against, &missing));
+    if (!missing && tests_change(c)) RP_TRY(read_change(&cell, *c->family, &j->change));
+    if (!missing && tests_change(c)) RP_TRY(cli_cell_column(&cell, "dof", &ours.dof));
     if (missing) j->verdict = STATS_NO_DATA;
-    if (status || missing) return status;
+    if (missing) return RP_OK;
     if (c->test == CLAIM_RATIO) {
         ours.shown = stats_quotient(ours.shown, against.shown);
         ours.tested = stats_quotient(ours.tested, against.tested);

@@ -117,6 +117,9 @@ void cli_defaults_in_units(void);
 rp_status cli_sweep_run(const char *dir, sweep_options options, bool quiet, sweep_counts *counts);
 enum { CLI_SNAPSHOT = 60 }; /* seconds of processor time between the snapshots of a run */
 
+/* sweep_export into a file, "-": standard output. */
+rp_status cli_sweep_export(const char *dir, unsigned what, const char *path, sweep_counts *counts);
+
 /* How many runs are planned, stored and missing, and how many have which status. */
 void cli_print_counts(const sweep_counts *counts);
 
@@ -151,6 +154,9 @@ gsl_rng *cli_random(unsigned long run);
  * the data folder. That is the one REPOSE_DATA names; where it is not set, ../share/repose beside the
  * program, or the source that the program was built in. The name itself where there is no such file. */
 const char *cli_data(const char *name);
+
+/* Does a text, as a file's name, end in these letters? */
+bool cli_ends_in(const char *text, const char *end);
 
 rp_status cli_table_read(const char *path, rp_table **table); /* as rp_table_read */
 rp_status cli_texts_read(const char *path, rp_table **table); /* as rp_table_read_texts */

@@ -18,8 +18,7 @@ static rp_status print_marginal(void *values)
     const marginal_options *o = values;
     bool extrapolated;
     double theta_ms;
-    rp_status status = ang_marginal(o->mu, o->phi_deg * deg, &theta_ms, &extrapolated);
-    if (status) return status;
+    RP_TRY(ang_marginal(o->mu, o->phi_deg * deg, &theta_ms, &extrapolated));
     cli_table(stdout);
     rp_table_header(stdout, "theta_ms_deg [deg], status");
     CLI_ROW_WORD(extrapolated ? "extrapolated" : "ok", theta_ms / deg);
@@ -51,8 +50,7 @@ static rp_status print_tilt(void *values)
 {
     const tilt_options *o = values;
     ang_tilt_result r;
-    rp_status status = ang_tilt((ang_form)o->form, o->mu, o->theta_r_deg * deg, o->phi_deg * deg, &r);
-    if (status) return status;
+    RP_TRY(ang_tilt((ang_form)o->form, o->mu, o->theta_r_deg * deg, o->phi_deg * deg, &r));
     cli_table(stdout);
     rp_table_header(stdout,
                     "theta_t_deg [deg], theta_ms_deg [deg], margin_deg [deg], limit_deg [deg], status");

@@ -14,10 +14,10 @@ CLI_OPTIONS(compare, COMPARE_OPTIONS)
 /* Piles ordered by mu: mu, theta_r, theta_t. */
 static rp_status read_piles(const rp_table *table, cli_rows *piles)
 {
-    rp_status status = cli_rows_read(table, "mu,theta_r3_deg,theta_t_displacement_deg",
-                                     &(cli_choice){.grouped = true}, piles);
-    for (size_t i = 0; i < piles->n && !status; i++) piles->column[1][i] *= deg, piles->column[2][i] *= deg;
-    return status;
+    RP_TRY(cli_rows_read(table, "mu,theta_r3_deg,theta_t_displacement_deg", &(cli_choice){.grouped = true},
+                         piles));
+    for (size_t i = 0; i < piles->n; i++) piles->column[1][i] *= deg, piles->column[2][i] *= deg;
+    return RP_OK;
 }
 
 static void print_compare_header(void)
@@ -146,19 +146,18 @@ static rp_status print_phi(const ang_piles *piles, size_t n_groups, size_t n, an
 /* All groups together, then each alone. */
 static rp_status fit_phis(size_t n_groups, const ang_piles groups[], const phi_options *o, gsl_rng *rng)
 {
-    rp_status status = RP_OK;
     size_t n_all = 0;
     ang_phi all[ANG_N_AGAINST], one[ANG_N_AGAINST];
     for (size_t i = 0; i < n_groups; i++) n_all += groups[i].n;
-    status = ang_phi_fit(n_groups, groups, (size_t)o->bootstrap, rng, all);
-    for (int a = 0; a < ANG_N_AGAINST && !status && n_groups > 1; a++)
-        status = print_phi(NULL, n_groups, n_all, (ang_against)a, &all[a], NAN);
-    for (size_t i = 0; i < n_groups && !status; i++) {
-        status = ang_phi_fit(1, &groups[i], (size_t)o->bootstrap, rng, one);
-        for (int a = 0; a < ANG_N_AGAINST && !status; a++)
-            status = print_phi(&groups[i], 1, groups[i].n, (ang_against)a, &one[a], all[a].phi);
+    RP_TRY(ang_phi_fit(n_groups, groups, (size_t)o->bootstrap, rng, all));
+    for (int a = 0; a < ANG_N_AGAINST && n_groups > 1; a++)
+        RP_TRY(print_phi(NULL, n_groups, n_all, (ang_against)a, &all[a], NAN));
+    for (size_t i = 0; i < n_groups; i++) {
+        RP_TRY(ang_phi_fit(1, &groups[i], (size_t)o->bootstrap, rng, one));
+        for (int a = 0; a < ANG_N_AGAINST; a++)
+            RP_TRY(print_phi(&groups[i], 1, groups[i].n, (ang_against)a, &one[a], all[a].phi));
     }
-    return status;
+    return RP_OK;
 }
 
 static rp_status phi_table(rp_table *table, void *values)

@@ -39,8 +39,7 @@ static rp_status read_start(const char *path, dem_grain **grains, long *n)
 {
     double *values;
     size_t rows;
-    rp_status status = cli_read_file(path, "x,y,r", &values, &rows);
-    if (status) return status;
+    RP_TRY(cli_read_file(path, "x,y,r", &values, &rows));
     if (rows == 0) return rp_fail(RP_BAD_INPUT, "%s: no grains", path);
     *grains = cli_memory(rows, sizeof **grains);
     for (size_t i = 0; i < rows; i++) {
@@ -113,8 +112,7 @@ static rp_status measure_slopes(const bench_options *o, const dem_sim *sim)
 static rp_status write_final(const char *path, const dem_sim *sim)
 {
     FILE *out;
-    rp_status status = rp_file_open(path, &out);
-    if (status) return status;
+    RP_TRY(rp_file_open(path, &out));
     cli_provenance(out);
     dem_write_state_columns(out);
     return rp_file_close(path, out, dem_write_states(sim, out));
@@ -128,13 +126,12 @@ static rp_status advance(dem_sim *sim, long steps, dem_phases *times)
 /* A whole run, from the fill to the slopes. */
 static rp_status run_sample(bench_options *o, dem_sim **sim, dem_phases *times)
 {
-    rp_status status = begin(o, sim);
-    if (!status) status = advance(*sim, FILL_STEPS, times);
-    if (status) return status;
+    RP_TRY(begin(o, sim));
+    RP_TRY(advance(*sim, FILL_STEPS, times));
     dem_wall_open(*sim, DEM_BOX_RIGHT, INFINITY);
-    status = advance(*sim, RELAX_STEPS, times);
-    if (!status) status = measure_slopes(o, *sim);
-    return !status && *o->o ? write_final(o->o, *sim) : status;
+    RP_TRY(advance(*sim, RELAX_STEPS, times));
+    RP_TRY(measure_slopes(o, *sim));
+    return *o->o ? write_final(o->o, *sim) : RP_OK;
 }
 
 typedef struct {

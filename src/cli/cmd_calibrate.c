@@ -46,20 +46,15 @@ typedef struct {
 static rp_status run_sweep(const char *file, const char *folder, const calibrate_options *o, char path[4096])
 {
     sweep_counts counts;
-    FILE *out;
-    rp_status status = cli_claim_sweep(folder, file, o->force);
-    if (!status) status = sweep_prepare(file, folder, 0, sweep_protocols, NULL, &counts);
-    if (!status && !o->quiet && counts.stored < counts.planned)
+    RP_TRY(cli_claim_sweep(folder, file, o->force));
+    RP_TRY(sweep_prepare(file, folder, 0, sweep_protocols, NULL, &counts));
+    if (!o->quiet && counts.stored < counts.planned)
         fprintf(stderr, "repose calibrate: makes %zu piles, once, and keeps them in the folder %s\n",
                 counts.planned - counts.stored, folder);
-    if (!status)
-        status = cli_sweep_run(folder, (sweep_options){.workers = (int)o->j, .snapshot = CLI_SNAPSHOT},
-                               o->quiet, &counts);
+    RP_TRY(cli_sweep_run(folder, (sweep_options){.workers = (int)o->j, .snapshot = CLI_SNAPSHOT}, o->quiet,
+                         &counts));
     snprintf(path, 4096, "%s/runs.tsv", folder);
-    if (!status) status = rp_file_open(path, &out);
-    if (status) return status;
-    return rp_file_close(path, out,
-                         sweep_export(folder, sweep_protocols, SWEEP_RUNS, cli_command_line(), NULL, out));
+    return cli_sweep_export(folder, SWEEP_RUNS, path, NULL);
 }
 
 /* The names under --fit, one or two, as column numbers. */
@@ -71,9 +66,8 @@ static rp_status find_fit(const rp_table *t, const char *fit, size_t *n, int col
         snprintf(why, sizeof why, "%s", rp_message());
         return rp_fail(status, "%s; the piles must vary each parameter", why);
     }
-    return *n < 2 || columns[0] != columns[1]
-               ? RP_OK
-               : rp_fail(RP_BAD_INPUT, "--fit = \"%s\": the same parameter twice", fit);
+    if (*n < 2 || columns[0] != columns[1]) return RP_OK;
+    return rp_fail(RP_BAD_INPUT, "--fit = \"%s\": the same parameter twice", fit);
 }
 
 /* The response is a function of the parameters sought: nothing else may vary. */
@@ -106,14 +100,12 @@ static rp_status read_piles(source *s, const char *fit)
     int columns[STATS_MAX_PARAMS];
     cli_rows rows;
     size_t n_params, used = (size_t)snprintf(names, sizeof names, "%.128s", fit);
-    rp_status status = find_fit(t, fit, &n_params, columns);
-    if (!status) status = refuse_others(t, n_params, columns);
-    if (status) return status;
+    RP_TRY(find_fit(t, fit, &n_params, columns));
+    RP_TRY(refuse_others(t, n_params, columns));
     for (size_t a = 0; a < N_ANGLES; a++)
         if (rp_table_column(t, angle_columns[a]) >= 0)
             used += (size_t)snprintf(names + used, sizeof names - used, ",%s", angle_columns[a]);
-    status = cli_rows_read(t, names, &(cli_choice){.any_number = true}, &rows);
-    if (status) return status;
+    RP_TRY(cli_rows_read(t, names, &(cli_choice){.any_number = true}, &rows));
     s->piles.n = rows.n;
     s->piles.n_params = n_params;
     for (size_t p = 0; p < n_params; p++) {
@@ -548,23 +540,20 @@ static rp_status verify_sources(const source *response, const calibrate_options 
     source planted = {0};
     char folder[4096];
     if (strcmp(o->planted, "hold-out") == 0) return verify(response, NULL, o);
-    size_t n = strlen(o->planted);
-    bool is_sweep = n > 4 && strcmp(o->planted + n - 4, ".cfg") == 0;
+    const bool is_sweep = strlen(o->planted) > strlen(".cfg") && cli_ends_in(o->planted, ".cfg");
     snprintf(folder, sizeof folder, "%s_planted", o->o);
-    rp_status status = open_source(o->planted, folder, is_sweep ? NULL : o->planted, o, &planted);
-    if (!status) status = verify(response, &planted, o);
-    return status;
+    RP_TRY(open_source(o->planted, folder, is_sweep ? NULL : o->planted, o, &planted));
+    return verify(response, &planted, o);
 }
 
 static rp_status answer(void *values)
 {
     const calibrate_options *o = values;
     source response = {0};
-    rp_status status = check_options(o);
-    if (!status) status = open_source(o->sweep, o->o, *o->runs ? o->runs : NULL, o, &response);
-    if (!status && o->response) return print_response(&response);
-    if (!status) status = o->verify > 0 ? verify_sources(&response, o) : calibrate(&response, o);
-    return status;
+    RP_TRY(check_options(o));
+    RP_TRY(open_source(o->sweep, o->o, *o->runs ? o->runs : NULL, o, &response));
+    if (o->response) return print_response(&response);
+    return o->verify > 0 ? verify_sources(&response, o) : calibrate(&response, o);
 }
 
 const cli_command cmd_calibrate = {

@@ -89,8 +89,7 @@ static void print_powers(const cli_claims *all, const cli_judged judged[], const
 static rp_status judge_all(const cli_claims *all, const claims_options *o)
 {
     cli_judged *judged;
-    rp_status status = cli_claims_judge(all, o->tables, &judged);
-    if (status) return status;
+    RP_TRY(cli_claims_judge(all, o->tables, &judged));
     cli_table(stdout);
     note_counts(all, judged, o);
     (o->power ? print_powers : print_verdicts)(all, judged, o);
@@ -115,9 +114,9 @@ static rp_status print_claims(void *values)
     const claims_options *o = values;
     cli_claims all;
     const cli_claim *one;
-    rp_status status = cli_claims_read(o->claims, &all);
-    if (!status && one_alone(o)) status = cli_claims_find(&all, o->id, &one);
-    return status ? status : o->published ? print_published(&all, o) : judge_all(&all, o);
+    RP_TRY(cli_claims_read(o->claims, &all));
+    if (one_alone(o)) RP_TRY(cli_claims_find(&all, o->id, &one));
+    return o->published ? print_published(&all, o) : judge_all(&all, o);
 }
 
 const cli_command cmd_claims = {

@@ -16,18 +16,17 @@ static rp_status write_triangle(void *values)
     double *x = NULL, x_c = 0;
     size_t n = 0;
     double alpha = o->alpha_deg * M_PI / 180;
-    rp_status status = an_continuum_kink(alpha, &x_c);
-    if (!status) status = cli_positions(o->points, o->at, &x, &n);
-    if (status) return status;
+    RP_TRY(an_continuum_kink(alpha, &x_c));
+    RP_TRY(cli_positions(o->points, o->at, &x, &n));
     cli_table(stdout);
     rp_table_note_number(stdout, "x_c/B", x_c, "");
     rp_table_header(stdout, "x/B, N/(chi*g*B), H/(chi*g*B)");
-    for (size_t i = 0; i < n && !status; i++) {
+    for (size_t i = 0; i < n; i++) {
         an_force f = {0};
-        status = an_continuum(alpha, x[i], &f);
+        RP_TRY(an_continuum(alpha, x[i], &f));
         CLI_ROW(x[i], f.N, f.H);
     }
-    return status;
+    return RP_OK;
 }
 
 const cli_command cmd_continuum = {

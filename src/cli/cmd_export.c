@@ -23,11 +23,6 @@ typedef enum { TO_CSV, TO_JSON, TO_LAMMPS, TO_XYZ, TO_VTK, TO_LAMMPS_INPUT } tar
 
 /* ---- files ---- */
 
-static bool ends_in(const char *text, const char *end)
-{
-    return strlen(text) >= strlen(end) && strcmp(text + strlen(text) - strlen(end), end) == 0;
-}
-
 static ssize_t gz_write(void *file, const char *bytes, size_t n)
 {
     return n == 0 ? 0 : gzwrite(file, bytes, (unsigned)n);
@@ -43,7 +38,7 @@ rp_status cli_export_open(const char *path, cli_export *e)
     *e = (cli_export){.path = path};
     rp_status status = rp_file_open(path, &e->plain);
     e->out = e->plain;
-    if (status || !ends_in(path, ".gz")) return status;
+    if (status || !cli_ends_in(path, ".gz")) return status;
     gzFile file = gzdopen(dup(fileno(e->plain)), "wb");
     e->out =
         file ? fopencookie(file, "w", (cookie_io_functions_t){.write = gz_write, .close = gz_close}) : NULL;
@@ -63,7 +58,7 @@ rp_status cli_export_close(const cli_export *e, rp_status keep)
 const char *cli_export_stem(const char *path, char stem[4096])
 {
     snprintf(stem, 4096, "%s", path);
-    if (ends_in(stem, ".gz")) stem[strlen(stem) - 3] = '\0';
+    if (cli_ends_in(stem, ".gz")) stem[strlen(stem) - 3] = '\0';
     char *name = strrchr(stem, '/'), *dot = strrchr(name ? name : stem, '.');
     if (dot) *dot = '\0';
     return stem;
@@ -85,10 +80,8 @@ static bool is_there(const char *folder, const char *name)
 
 static rp_status select_rows(rp_table *table, const rp_texts *conditions)
 {
-    rp_status status = RP_OK;
-    for (size_t i = 0; i < conditions->n && !status; i++)
-        status = rp_table_where(table, conditions->items[i]);
-    return status;
+    for (size_t i = 0; i < conditions->n; i++) RP_TRY(rp_table_where(table, conditions->items[i]));
+    return RP_OK;
 }
 
 /* A sweep's runs or points, with all parameters, by way of memory. */
@@ -158,16 +151,14 @@ static bool is_number(const char *text)
 static rp_status find_frames(rp_table *table, cli_frames *f)
 {
     double *step = cli_memory(table->n_rows, sizeof *step), unused;
-    rp_status status = RP_OK;
     *f = (cli_frames){
         .table = table, .step = rp_table_column(table, "step"), .t = rp_table_column(table, "t")};
-    for (size_t i = 0; i < table->n_rows && !status; i++) {
-        for (size_t c = 0; c < table->n_columns && !status; c++)
+    for (size_t i = 0; i < table->n_rows; i++) {
+        for (size_t c = 0; c < table->n_columns; c++)
             if (!is_number(cli_export_cell(table, i, (int)c)))
-                status = rp_table_number(table, i, (int)c, true, &unused);
-        if (!status && f->step >= 0) status = rp_table_number(table, i, f->step, false, &step[i]);
+                RP_TRY(rp_table_number(table, i, (int)c, true, &unused));
+        if (f->step >= 0) RP_TRY(rp_table_number(table, i, f->step, false, &step[i]));
     }
-    if (status) return status;
     cli_frames_split(table->n_rows, step, f);
     for (size_t k = 1; k < f->n; k++)
         if (f->steps[k] < f->steps[k - 1])
@@ -234,44 +225,43 @@ static rp_status find_grains(cli_run_frames *run, const char *names)
     const rp_table *t = run->grains.table;
     int columns[CLI_MOST_FIELDS];
     size_t n = 0;
-    rp_status status = cli_find_column(t, "x", &run->x);
-    if (!status) status = cli_find_column(t, "y", &run->y);
-    if (!status) status = cli_find_column(t, "r", &run->r);
-    if (status) return status;
+    RP_TRY(cli_find_column(t, "x", &run->x));
+    RP_TRY(cli_find_column(t, "y", &run->y));
+    RP_TRY(cli_find_column(t, "r", &run->r));
     run->id = rp_table_column(t, "id");
-    if (strcmp(names, "all") != 0) status = cli_column_list(t, names, CLI_MOST_FIELDS, &n, columns);
-    if (!status) status = add_field(run, run->r);
-    for (size_t c = 0; c < (n ? n : t->n_columns) && !status; c++)
-        if ((n ? columns[c] : (int)c) != run->r) status = add_field(run, n ? columns[c] : (int)c);
+    if (strcmp(names, "all") != 0) RP_TRY(cli_column_list(t, names, CLI_MOST_FIELDS, &n, columns));
+    RP_TRY(add_field(run, run->r));
+    for (size_t c = 0; c < (n ? n : t->n_columns); c++)
+        if ((n ? columns[c] : (int)c) != run->r) RP_TRY(add_field(run, n ? columns[c] : (int)c));
     run->box[0][0] = run->box[1][0] = INFINITY, run->box[0][1] = run->box[1][1] = -INFINITY;
-    for (size_t i = 0; i < t->n_rows && !status; i++) {
+    for (size_t i = 0; i < t->n_rows; i++) {
         double v[3];
         const int own[3] = {run->x, run->y, run->r};
-        for (int k = 0; k < 3 && !status; k++) status = rp_table_number(t, i, own[k], false, &v[k]);
-        for (int k = 0; k < 2 && !status; k++) {
+        for (int k = 0; k < 3; k++) RP_TRY(rp_table_number(t, i, own[k], false, &v[k]));
+        for (int k = 0; k < 2; k++) {
             run->box[k][0] = fmin(run->box[k][0], v[k] - v[2]);
             run->box[k][1] = fmax(run->box[k][1], v[k] + v[2]);
         }
-        if (!status) run->largest = fmax(run->largest, v[2]);
+        run->largest = fmax(run->largest, v[2]);
     }
-    return status;
+    return RP_OK;
 }
 
 /* The table beside that of the grains: DIR/contacts.tsv, or X_contacts.tsv of X_grains.tsv. */
 static rp_status read_beside(const char *source, const char *name, cli_frames *frames)
 {
     static const char grains[] = "grains.tsv";
-    const bool run = is_there(source, "states.tsv"), stage = ends_in(source, grains);
+    const bool run = is_there(source, "states.tsv"), stage = cli_ends_in(source, grains);
     const int stem = (int)(strlen(source) - (stage ? strlen(grains) : 0));
     char *path = cli_memory(strlen(source) + 64, 1);
     rp_table *table;
     sprintf(path, "%.*s%s%s.tsv", stem, source, run ? "/" : "", name);
     if (!(run || stage) || access(path, F_OK) != 0) return RP_OK;
-    rp_status status = cli_table_read(path, &table);
-    if (!status) status = find_frames(table, frames);
-    if (!status && frames->step < 0 && table->n_rows > 0)
-        status = rp_fail(RP_BAD_INPUT, "%s: no column \"step\": from an older version?", path);
-    return status;
+    RP_TRY(cli_table_read(path, &table));
+    RP_TRY(find_frames(table, frames));
+    if (frames->step < 0 && table->n_rows > 0)
+        return rp_fail(RP_BAD_INPUT, "%s: no column \"step\": from an older version?", path);
+    return RP_OK;
 }
 
 static rp_status export_frames(const char *source, const export_options *o)
@@ -281,13 +271,12 @@ static rp_status export_frames(const char *source, const export_options *o)
     sweep_counts none;
     if (is_there(source, "sweep.cfg"))
         return rp_fail(RP_USAGE, "%s is a sweep, which has no grains: csv and json go with it", source);
-    rp_status status = read_source(source, o, &table, &none);
-    if (!status) status = find_frames(table, &run.grains);
-    if (!status) status = find_grains(&run, o->columns);
-    if (!status && run.grains.n == 0) status = rp_fail(RP_BAD_INPUT, "%s: no grains", source);
-    if (!status) status = read_beside(source, "contacts", &run.contacts);
-    if (!status) status = read_beside(source, "walls", &run.walls);
-    if (status) return status;
+    RP_TRY(read_source(source, o, &table, &none));
+    RP_TRY(find_frames(table, &run.grains));
+    RP_TRY(find_grains(&run, o->columns));
+    if (run.grains.n == 0) return rp_fail(RP_BAD_INPUT, "%s: no grains", source);
+    RP_TRY(read_beside(source, "contacts", &run.contacts));
+    RP_TRY(read_beside(source, "walls", &run.walls));
     switch (o->to) {
     case TO_LAMMPS: return cli_export_dump(&run, o->o);
     case TO_XYZ: return cli_export_xyz(&run, o->o);

@@ -74,16 +74,15 @@ static rp_status find_posterior(inference *s)
 
 static rp_status infer(inference *s)
 {
-    rp_status status = forensics_emulate(&s->study, &s->angles);
+    RP_TRY(forensics_emulate(&s->study, &s->angles));
     for (size_t c = 0; c < s->study.n_cells; c++) s->stops |= s->study.ok[c] < s->study.runs_of[c];
-    if (!status && s->stops) status = forensics_emulate_completion(&s->study, &s->completion);
-    if (!status)
-        status = forensics_draw(&s->study, &s->angles, s->stops ? &s->completion : NULL, (size_t)s->o->draws,
-                                cli_random(0), &s->draws);
-    if (!status) status = find_posterior(s);
+    if (s->stops) RP_TRY(forensics_emulate_completion(&s->study, &s->completion));
+    RP_TRY(forensics_draw(&s->study, &s->angles, s->stops ? &s->completion : NULL, (size_t)s->o->draws,
+                          cli_random(0), &s->draws));
+    RP_TRY(find_posterior(s));
     s->weight = cli_memory((size_t)s->o->draws, sizeof *s->weight);
     s->order = cli_memory((size_t)s->o->draws, sizeof *s->order);
-    return status;
+    return RP_OK;
 }
 
 /* ---- choices ---- */
@@ -332,8 +331,7 @@ static rp_status forensics(void *values)
 {
     inference *s = cli_memory(1, sizeof *s);
     s->o = values;
-    rp_status status = forensics_claims_read(s->o->claims, &s->claims);
-    if (status) return status;
+    RP_TRY(forensics_claims_read(s->o->claims, &s->claims));
     return s->o->design > 0 ? forensics_design_print(&s->claims, (size_t)s->o->design, cli_random(0))
                             : report(s);
 }

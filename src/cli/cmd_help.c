@@ -133,8 +133,7 @@ static rp_status put_command(FILE *out, const cli_command *c)
 {
     const rp_param *p;
     char text[1024];
-    rp_status status = cli_options_of(c, &p);
-    if (status) return status;
+    RP_TRY(cli_options_of(c, &p));
     put_line(out, " ", c->name);
     put_line(out, "", c->synopsis);
     fputs(".SH DESCRIPTION\n", out);
@@ -188,12 +187,11 @@ static rp_status write_manual(const char *folder)
     char path[4096];
     FILE *out;
     snprintf(path, sizeof path, "%s/repose.1", folder);
-    rp_status status = rp_make_directory(folder);
-    if (!status) status = rp_file_open(path, &out);
-    if (status) return status;
+    RP_TRY(rp_make_directory(folder));
+    RP_TRY(rp_file_open(path, &out));
     put_head(out, "repose", about);
     fputs("\n.I COMMAND\n[options]\n", out);
-    status = put_group(out, folder, cli_commands);
+    rp_status status = put_group(out, folder, cli_commands);
     fputs(".SH EXIT STATUS\n", out);
 #define X(name, code, text) put_item(out, "", #code, text);
     RP_STATUS_LIST(X)

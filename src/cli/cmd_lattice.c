@@ -60,17 +60,16 @@ static void print(long k, double alpha, double theta, const an_force force[], do
 static rp_status write_pile(void *values)
 {
     const lattice_options *o = values;
-    rp_status status = check_usage(o);
-    if (status) return status;
+    RP_TRY(check_usage(o));
     long k = o->base > 0 ? o->base : o->layers;
     double theta = o->theta_deg * M_PI / 180,
            alpha = o->base > 0 ? o->alpha_deg * M_PI / 180 : M_PI / 2 - theta;
     double disks = 0;
     long *up = cli_memory((size_t)k, sizeof *up);
     an_force *force = cli_memory((size_t)k, sizeof *force);
-    status = solve(o, k, alpha, theta, up, force, &disks);
-    if (!status) print(k, alpha, theta, force, disks);
-    return status;
+    RP_TRY(solve(o, k, alpha, theta, up, force, &disks));
+    print(k, alpha, theta, force, disks);
+    return RP_OK;
 }
 
 const cli_command cmd_lattice = {

@@ -39,8 +39,7 @@ typedef struct {
 static rp_status read_outline(const char *path, an_point **v, size_t *n)
 {
     double *block;
-    rp_status status = cli_read_file(path, "x,y", &block, n);
-    if (status) return status;
+    RP_TRY(cli_read_file(path, "x,y", &block, n));
     *v = cli_memory(*n, sizeof **v);
     for (size_t i = 0; i < *n; i++) (*v)[i] = (an_point){block[i], block[*n + i]};
     return RP_OK;
@@ -51,11 +50,11 @@ static rp_status make_outline(const options *o, sweep_outline *h)
     an_point *v = NULL;
     size_t n = 0;
     if (!*o->own.outline) return sweep_pile_outline(&o->pile, (unsigned long)o->own.seed, 0, h);
-    rp_status status = read_outline(o->own.outline, &v, &n);
-    if (!status) status = sweep_outline_make(h, o->pile.base, o->pile.gap, 0, n, v);
-    if (!status && o->pile.disorder > 0)
-        status = sweep_outline_disorder(h, o->pile.disorder, (unsigned long)o->own.seed, 0);
-    return status;
+    RP_TRY(read_outline(o->own.outline, &v, &n));
+    RP_TRY(sweep_outline_make(h, o->pile.base, o->pile.gap, 0, n, v));
+    if (o->pile.disorder > 0)
+        RP_TRY(sweep_outline_disorder(h, o->pile.disorder, (unsigned long)o->own.seed, 0));
+    return RP_OK;
 }
 
 static rp_status read_disks(const char *path, sweep_outline *h)
@@ -156,8 +155,7 @@ static rp_status check_usage(const options *o)
 static rp_status find_threshold(const options *o, const sweep_outline *h)
 {
     sweep_result results;
-    rp_status status = sweep_pile_threshold(&o->pile, h, &results);
-    if (status) return status;
+    RP_TRY(sweep_pile_threshold(&o->pile, h, &results));
     cli_table(stdout);
     write_summary(o, &results);
     return RP_OK;
@@ -253,10 +251,9 @@ static rp_status solve_ensemble(const options *o, sweep_outline *h)
 static rp_status solve_any(void *values)
 {
     options *o = values;
-    rp_status status = check_usage(o);
-    if (status) return status;
+    RP_TRY(check_usage(o));
     sweep_outline h = {0};
-    status = *o->own.disks ? read_disks(o->own.disks, &h) : make_outline(o, &h);
+    rp_status status = *o->own.disks ? read_disks(o->own.disks, &h) : make_outline(o, &h);
     if (*o->own.disks || *o->own.outline) o->pile.alpha_deg = -1; /* the parameters do not describe it */
     if (!status)
         status = o->own.piles > 1    ? solve_ensemble(o, &h)

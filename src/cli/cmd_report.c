@@ -58,12 +58,10 @@ static void print_no_data(report *r, const char *table)
 static rp_status fill_cell(report *r, const char *reference, const char *format)
 {
     cli_cell cell;
-    rp_status status = cli_cell_find(r->options->tables, reference, &cell);
-    if (!status && cell.missing)
-        print_no_data(r, reference + strspn(reference, " "));
-    else if (!status)
-        status = fill_text(r, &cell, format);
-    return status;
+    RP_TRY(cli_cell_find(r->options->tables, reference, &cell));
+    if (!cell.missing) return fill_text(r, &cell, format);
+    print_no_data(r, reference + strspn(reference, " "));
+    return RP_OK;
 }
 
 static rp_status fill_note(report *r, const cli_words *w)
@@ -95,22 +93,22 @@ static rp_status fill_rows(report *r, cli_words *w)
         fprintf(r->out, "| %s |", no_data);
         return RP_OK;
     }
-    rp_status status = cli_table_read(cell.path, &cell.table);
+    RP_TRY(cli_table_read(cell.path, &cell.table));
     bool first = true;
-    for (cell.row = 0; cell.row < cell.table->n_rows && !status; cell.row++) {
+    for (cell.row = 0; cell.row < cell.table->n_rows; cell.row++) {
         bool matches;
-        status = cli_row_matches(cell.table, cell.row, w, 2, bar, &matches);
-        if (status || !matches) continue;
+        RP_TRY(cli_row_matches(cell.table, cell.row, w, 2, bar, &matches));
+        if (!matches) continue;
         fputs(first ? "|" : "\n|", r->out);
         first = false;
-        for (int k = bar + 1; k < w->n && !status; k++) {
+        for (int k = bar + 1; k < w->n; k++) {
             fputc(' ', r->out);
-            status = fill_column(r, &cell, w->words[k]);
+            RP_TRY(fill_column(r, &cell, w->words[k]));
             fputs(" |", r->out);
         }
     }
-    if (!status && first) status = rp_fail(RP_BAD_INPUT, "%s: no row for {{rows ...}}", cell.path);
-    return status;
+    if (first) return rp_fail(RP_BAD_INPUT, "%s: no row for {{rows ...}}", cell.path);
+    return RP_OK;
 }
 
 /* ---- claims ---- */
@@ -125,14 +123,13 @@ static rp_status fill_claim(report *r, const char *id, char word)
 {
     const cli_claim *claim = NULL;
     char text[128];
-    rp_status status = cli_claims_find(&r->claims, id, &claim);
-    if (!status && word == 'p') {
+    RP_TRY(cli_claims_find(&r->claims, id, &claim));
+    if (word == 'p') {
         cli_claim_published(claim, text);
         fputs(text, r->out);
         return RP_OK;
     }
-    if (!status) status = judge(r);
-    if (status) return status;
+    RP_TRY(judge(r));
     const cli_judged *j = &r->judged[claim - r->claims.claims];
     fputs(word == 'v' ? j->reason : *j->text ? j->text : no_data, r->out);
     return RP_OK;
@@ -172,9 +169,8 @@ static void print_in_short(report *r, const cli_claim *c, const cli_judged *j)
 /* The claims of a section; in short without their variants. */
 static rp_status fill_section(report *r, const char *section, bool in_full)
 {
-    rp_status status = judge(r);
+    RP_TRY(judge(r));
     bool any = false;
-    if (status) return status;
     fputs(in_full ? "| claim | what it says | paper (samples) | ours | values | verdict "
                     "|\n|---|---|---|---|---|---|"
                   : "| claim | paper | ours | verdict |\n|---|---|---|---|",
@@ -193,8 +189,7 @@ static rp_status fill_section(report *r, const char *section, bool in_full)
 static rp_status fill_counts(report *r, const char *paper)
 {
     char text[256];
-    rp_status status = judge(r);
-    if (status) return status;
+    RP_TRY(judge(r));
     cli_claims_count(&r->claims, r->judged, paper, text);
     fputs(text, r->out);
     return RP_OK;
@@ -224,8 +219,7 @@ static rp_status fill_include(report *r, const char *pattern)
 static rp_status fill_place(report *r, char *text)
 {
     cli_words w;
-    rp_status status = cli_split(text, &w);
-    if (status) return status;
+    RP_TRY(cli_split(text, &w));
     if (w.n < 2) return rp_fail(RP_BAD_INPUT, "{{%s}}: a word and what it is of expected", text);
     char *rest = text + strspn(text, " ") + strlen(w.words[0]);
     const char *word = w.words[0], *first = w.words[1];
@@ -253,8 +247,7 @@ static rp_status fill_places(report *r, char *line)
         if (!close) return rp_fail(RP_BAD_INPUT, "{{ without }} in the same line");
         fwrite(line, 1, (size_t)(open - line), r->out);
         *close = '\0';
-        rp_status status = fill_place(r, open + 2);
-        if (status) return status;
+        RP_TRY(fill_place(r, open + 2));
         line = close + 2;
     }
     fputs(line, r->out);

@@ -127,8 +127,7 @@ static rp_status open_growing(outputs *o)
 static rp_status outputs_open(outputs *o, const scene_run *r)
 {
     if (*o->tables.directory) {
-        rp_status status = open_growing(o);
-        if (status) return status;
+        RP_TRY(open_growing(o));
         dem_write_energy_columns(r->plan.ledger, o->file[ENERGY].out);
         dem_write_contact_columns(o->file[CONTACTS].out);
         dem_write_wall_columns(o->file[WALLS].out);
@@ -360,9 +359,8 @@ static rp_status run_row(const char *path, const run_options *o)
     static volatile bool stopped;
     char stage[4096], snapshot[4096 + 16];
     snprintf(run_note, sizeof run_note, "%s row %ld", path, o->row);
-    rp_status status = cli_claim_run(o->o, run_note, o->force, replaces);
-    if (!status) status = cli_stage_open(o->o, true, stage);
-    if (status) return status;
+    RP_TRY(cli_claim_run(o->o, run_note, o->force, replaces));
+    RP_TRY(cli_stage_open(o->o, true, stage));
     snprintf(snapshot, sizeof snapshot, "%s/snapshot", stage);
     cli_stage_stops(stage, &stopped);
     const sweep_tables tables = {.directory = stage,
@@ -372,25 +370,21 @@ static rp_status run_row(const char *path, const run_options *o)
                                  .snapshot = snapshot,
                                  .interval = CLI_SNAPSHOT,
                                  .stop = &stopped};
-    status = sweep_trace(path, sweep_protocols, (size_t)o->row, &tables, &protocol, &result);
+    rp_status status = sweep_trace(path, sweep_protocols, (size_t)o->row, &tables, &protocol, &result);
     status = cli_stage_close(o->o, stage, status);
     if (status) return status;
     const char *columns[SWEEP_MAX_OUTPUTS + 1][2];
     size_t n = 0;
-    for (; protocol->outputs[n].name; n++) {
-        columns[n][0] = protocol->outputs[n].name;
-        columns[n][1] = protocol->outputs[n].unit;
-    }
-    columns[n][0] = "status";
-    columns[n][1] = "";
+    for (const sweep_output *p = protocol->outputs; p->name; p++, n++)
+        columns[n][0] = p->name, columns[n][1] = p->unit;
+    columns[n][0] = "status", columns[n][1] = "";
     cli_provenance(stdout);
     rp_table_note(stdout, "run_time", "%.3g s", rp_clock() - started);
     rp_table_columns(stdout, n + 1, (const char *const(*)[2])columns);
     rp_table_row_word(stdout, n, result.values, result.status);
     if (!o->quiet && strncmp(result.status, "ok", 2) == 0) report_row(protocol, &result, o->o);
-    return strncmp(result.status, "ok", 2) == 0
-               ? RP_OK
-               : rp_fail(RP_NO_RESULT, "%s%s%s", result.status, *result.message ? ": " : "", result.message);
+    if (strncmp(result.status, "ok", 2) == 0) return RP_OK;
+    return rp_fail(RP_NO_RESULT, "%s%s%s", result.status, *result.message ? ": " : "", result.message);
 }
 
 /* A sweep has a protocol, or tables alone. */
@@ -433,10 +427,10 @@ static rp_status hash_scene(const dem_scene *scene, XXH128_hash_t *hash)
 
 static rp_status read_scene(const char *path, const run_options *o, dem_scene *scene)
 {
-    rp_status status = dem_scene_read(path, &o->set, scene);
-    if (!status) cli_warn_gravity(path, hypot(scene->def.gravity[0], scene->def.gravity[1]));
+    RP_TRY(dem_scene_read(path, &o->set, scene));
+    cli_warn_gravity(path, hypot(scene->def.gravity[0], scene->def.gravity[1]));
     if (o->ledger) scene->def.ledger = true;
-    return status;
+    return RP_OK;
 }
 
 /* A folder that this scene may write into. */
@@ -531,14 +525,14 @@ static rp_status run_any(void *values)
     if (*o->resume) return resume(o);
     if (!path) return rp_fail(RP_USAGE, "usage: repose run %s", cmd_run.synopsis);
     path = cli_data(path);
-    rp_status status = is_sweep(path, &sweep);
-    if (!status && sweep && (o->snapshot > 0 || o->plot || o->dump))
-        status = rp_fail(RP_USAGE, "--%s goes with a scene; %s is a sweep file",
-                         o->plot   ? "plot"
-                         : o->dump ? "dump"
-                                   : "snapshot",
-                         path);
-    return status ? status : sweep ? run_row(path, values) : run_file(path, values);
+    RP_TRY(is_sweep(path, &sweep));
+    if (sweep && (o->snapshot > 0 || o->plot || o->dump))
+        return rp_fail(RP_USAGE, "--%s goes with a scene; %s is a sweep file",
+                       o->plot   ? "plot"
+                       : o->dump ? "dump"
+                                 : "snapshot",
+                       path);
+    return sweep ? run_row(path, values) : run_file(path, values);
 }
 
 const cli_command cmd_run = {

@@ -22,13 +22,12 @@ static rp_status maximum_of_table(rp_table *table, void *values)
     cli_rows rows;
     stats_summary stats;
     double largest, se;
-    rp_status status = cli_rows_read(table, o->column, &(cli_choice){.any_status = true}, &rows);
-    if (status) return status;
+    RP_TRY(cli_rows_read(table, o->column, &(cli_choice){.any_status = true}, &rows));
     cli_table(stdout);
     rp_table_note(stdout, "rows", "%zu used, %zu left out for nan", rows.n, rows.n_nan);
     const double *v = rows.column[0];
     double *work = cli_memory(2 * rows.n + resamples, sizeof *work);
-    status = stats_mean(rows.n, v, &stats);
+    rp_status status = stats_mean(rows.n, v, &stats);
     if (!status) status = stats_expected_maximum(rows.n, v, draws, work, &largest);
     if (!status) status = stats_maximum_error(rows.n, v, draws, resamples, cli_random(0), work, &se);
     if (status) return rp_prefix(status, "%s: ", table->path);
@@ -81,9 +80,7 @@ static rp_status select_of_table(rp_table *t, void *options)
     if (n > MOST_COLUMNS)
         return rp_fail(RP_BAD_INPUT, "%s: %zu columns, at most %d", t->path, n, MOST_COLUMNS);
     for (size_t c = 0; c < n; c++) columns[c] = (int)c;
-    rp_status status = RP_OK;
-    if (strcmp(o->columns, "all") != 0) status = cli_column_list(t, o->columns, MOST_COLUMNS, &n, columns);
-    if (status) return status;
+    if (strcmp(o->columns, "all") != 0) RP_TRY(cli_column_list(t, o->columns, MOST_COLUMNS, &n, columns));
     if (!o->bare) print_selected_header(t, n, columns);
     for (size_t i = 0; i < t->n_rows; i++)
         for (size_t c = 0; c < n; c++) printf("%s%s", cli_text(t, i, columns[c]), c + 1 < n ? "\t" : "\n");

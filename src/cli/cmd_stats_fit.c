@@ -46,22 +46,20 @@ static rp_status print_successive(size_t n, const double x[], const double y[], 
 {
     double linear_to, bend_free_to;
     stats_prefix *fits = cli_memory(n, sizeof *fits);
-    rp_status status = stats_successive(n, x, y, se, level, fits, &linear_to, &bend_free_to);
-    if (!status) {
-        note_reach("linear_to", linear_to);
-        note_reach("bend_free_to", bend_free_to);
-        rp_table_header(
-            stdout, "x_to [x], n, slope [y/x], slope_se [y/x], intercept [y], intercept_se [y], chi2, dof, "
+    RP_TRY(stats_successive(n, x, y, se, level, fits, &linear_to, &bend_free_to));
+    note_reach("linear_to", linear_to);
+    note_reach("bend_free_to", bend_free_to);
+    rp_table_header(stdout,
+                    "x_to [x], n, slope [y/x], slope_se [y/x], intercept [y], intercept_se [y], chi2, dof, "
                     "p_value, bend [y/x^2], bend_se [y/x^2], p_bend, status");
-    }
-    for (size_t k = 0; k + 3 <= n && !status; k++) {
+    for (size_t k = 0; k + 3 <= n; k++) {
         const stats_line *l = &fits[k].line;
         const stats_contrast *bend = &fits[k].bend;
         CLI_ROW_WORD(l->p_value < level || fits[k].p_bend < level ? "curved" : "ok", x[k + 2], (double)l->n,
                      l->slope, l->slope_se, l->intercept, l->intercept_se, l->chi2, (double)l->dof,
                      l->p_value, bend->value, bend->se, fits[k].p_bend);
     }
-    return status;
+    return RP_OK;
 }
 
 static rp_status print_fit(size_t n, const double x[], const double y[], const double se[], bool logarithms,
@@ -70,8 +68,7 @@ static rp_status print_fit(size_t n, const double x[], const double y[], const d
     const int n_lines = logarithms ? 1 : 2; /* the line through the origin would be that through (1, 1) */
     stats_line lines[2];
     for (int i = 0; i < n_lines; i++) {
-        rp_status status = stats_line_fit(n, x, y, se, i == 1, &lines[i]);
-        if (status) return status;
+        RP_TRY(stats_line_fit(n, x, y, se, i == 1, &lines[i]));
     }
     rp_table_header(stdout,
                     "slope [y/x], slope_se [y/x], intercept [y], intercept_se [y], covariance [y^2/x], chi2, "
@@ -170,8 +167,9 @@ const cli_command cmd_stats_oscillation = {
     "y = constant - decay x + amplitude cos(2 pi frequency x + phase) by least squares. The frequency "
     "leaves\n"
     "the smallest squares between two periods in the series and half the sampling rate. share: part of the\n"
-    "squares about a straight line that the oscillation takes away. Errors follow from the scatter about\n"
-    "the model. An energy oscillates at twice the frequency of the motion. TABLE (- for standard input):\n"
+    "squares about a straight line that the oscillation takes away. Errors follow from the residuals, which\n"
+    "may be correlated within a period but not from one to another. An energy oscillates at twice the "
+    "frequency of the motion. TABLE (- for standard input):\n"
     "columns by name, or 1, 2, ... without header; rows with nan are left out.",
     "repose stats oscillation build/tables/lh1/energy.tsv -x t -y kinetic_per_grain --scale log --from 3",
     oscillation_params,

@@ -23,19 +23,18 @@ static rp_status threshold_of_table(rp_table *t, void *values)
     cli_groups groups;
     cli_rows rows;
     snprintf(names, sizeof names, most ? "%s,%s" : "%s", o->x, o->most);
-    rp_status status = cli_find_column(t, o->x, &x_column);
-    if (!status) status = cli_find_column(t, "status", &status_column);
-    if (!status) status = cli_group_rows(t, o->by, '\t', &groups);
+    RP_TRY(cli_find_column(t, o->x, &x_column));
+    RP_TRY(cli_find_column(t, "status", &status_column));
+    RP_TRY(cli_group_rows(t, o->by, '\t', &groups));
     const cli_choice choice = {.any_status = true, .any_number = true, .groups = &groups};
-    if (!status) status = cli_rows_read(t, names, &choice, &rows);
-    if (status) return status;
+    RP_TRY(cli_rows_read(t, names, &choice, &rows));
     bool *holds = cli_memory(rows.n, sizeof *holds);
     cli_column_unit(t, x_column, unit);
     snprintf(own, sizeof own, "n, unstable_%s [%s], stable_%s [%s], mixed%s%s", o->x, unit, o->x, unit,
              most ? ", " : "", most ? o->most : "");
     cli_table(stdout);
-    status = cli_header_by(t, o->by, own);
-    for (size_t g = 0; g < rows.n_groups && !status; g++) {
+    RP_TRY(cli_header_by(t, o->by, own));
+    for (size_t g = 0; g < rows.n_groups; g++) {
         const size_t first = rows.first[g], n = rows.first[g + 1] - first;
         stats_threshold threshold;
         double largest = 0.0;
@@ -49,7 +48,7 @@ static rp_status threshold_of_table(rp_table *t, void *values)
                      (double[]){(double)n, threshold.fails_to, threshold.holds_from, (double)threshold.mixed,
                                 largest});
     }
-    return status;
+    return RP_OK;
 }
 
 const cli_command cmd_stats_threshold = {
@@ -82,13 +81,13 @@ static rp_status print_costs(const rp_table *t, const cost_options *o, const cli
     snprintf(own, sizeof own, "n, mean [%s], sd [%s], bias [%s], bias_se [%s], seconds [s], cost [s], front",
              unit, unit, unit, unit);
     cli_table(stdout);
-    rp_status status = cli_header_by(t, o->by, own);
-    for (size_t s = 0; s < g->n_groups && !status; s++) {
+    RP_TRY(cli_header_by(t, o->by, own));
+    for (size_t s = 0; s < g->n_groups; s++) {
         const stats_cost *c = &costs[s];
         printf("%s\t", g->words[s]);
         CLI_ROW((double)c->n, c->mean, c->sd, c->bias, c->bias_se, c->seconds, c->cost, c->front);
     }
-    return status;
+    return RP_OK;
 }
 
 static rp_status cost_of_table(rp_table *t, void *values)
@@ -98,22 +97,21 @@ static rp_status cost_of_table(rp_table *t, void *values)
     int y_column;
     double *v = NULL;
     cli_groups settings, sizes;
-    rp_status status = rp_table_where(t, "status=ok");
-    if (!status && t->n_rows == 0) status = rp_fail(RP_NO_RESULT, "%s: no row with status ok", t->path);
+    RP_TRY(rp_table_where(t, "status=ok"));
+    if (t->n_rows == 0) return rp_fail(RP_NO_RESULT, "%s: no row with status ok", t->path);
     snprintf(names, sizeof names, "%s,replica,seconds,steps", o->y);
-    if (!status) status = cli_read_columns(t, names, &v);
-    if (!status) status = cli_find_column(t, o->y, &y_column);
-    if (!status) status = cli_group_rows(t, o->by, '\t', &settings);
-    if (!status) status = cli_group_rows(t, o->size, '\t', &sizes);
-    if (status) return status;
+    RP_TRY(cli_read_columns(t, names, &v));
+    RP_TRY(cli_find_column(t, o->y, &y_column));
+    RP_TRY(cli_group_rows(t, o->by, '\t', &settings));
+    RP_TRY(cli_group_rows(t, o->size, '\t', &sizes));
     const size_t n = t->n_rows;
     stats_cost_run *runs = cli_memory(n, sizeof *runs);
     stats_cost *costs = cli_memory(settings.n_groups, sizeof *costs);
     for (size_t i = 0; i < n; i++)
         runs[i] =
             (stats_cost_run){settings.of_row[i], sizes.of_row[i], v[n + i], v[i], v[2 * n + i], v[3 * n + i]};
-    status = stats_costs(n, runs, settings.n_groups, settings.n_groups - 1, costs);
-    return status ? status : print_costs(t, o, &settings, costs, y_column);
+    RP_TRY(stats_costs(n, runs, settings.n_groups, settings.n_groups - 1, costs));
+    return print_costs(t, o, &settings, costs, y_column);
 }
 
 const cli_command cmd_stats_cost = {

@@ -24,10 +24,8 @@ static rp_status read_block(const char *prefix, const char *what, const char *na
 static rp_status pile_read(const char *prefix, stress_pile *p)
 {
     double *block;
-    rp_status status =
-        read_block(prefix, "contacts", "id_b,wall,x,y,x_b,y_b,normal_force,shear_force", &block, &p->n);
-    if (!status) status = read_block(prefix, "grains", "x,y,m", &p->x, &p->n_grains);
-    if (status) return status;
+    RP_TRY(read_block(prefix, "contacts", "id_b,wall,x,y,x_b,y_b,normal_force,shear_force", &block, &p->n));
+    RP_TRY(read_block(prefix, "grains", "x,y,m", &p->x, &p->n_grains));
     p->y = p->x + p->n_grains; /* columns of one block */
     p->m = p->y + p->n_grains;
     p->contacts = cli_memory(p->n, sizeof *p->contacts);
@@ -62,16 +60,14 @@ static rp_status check_size(const stress_pile *p, const char *prefix, double wid
 /* The piles of all arguments, and the header of a table of them. */
 static rp_status read_piles(double width, const double *cell, size_t *n, stress_pile **piles)
 {
-    rp_status status = RP_OK;
     *n = 0;
     while (cli_argument((int)*n)) ++*n;
     *piles = cli_memory(*n, sizeof **piles);
-    for (size_t i = 0; i < *n && !status; i++) {
-        status = pile_read(cli_argument((int)i), &(*piles)[i]);
+    for (size_t i = 0; i < *n; i++) {
+        RP_TRY(pile_read(cli_argument((int)i), &(*piles)[i]));
         if (i == 0) cli_defaults_in_units();
-        if (!status) status = check_size(&(*piles)[i], cli_argument((int)i), width, *cell);
+        RP_TRY(check_size(&(*piles)[i], cli_argument((int)i), width, *cell));
     }
-    if (status) return status;
     cli_table(stdout);
     rp_table_note(stdout, "piles", "%zu", *n);
     return RP_OK;
@@ -86,23 +82,21 @@ static rp_status print_field(void *values)
     const field_options *o = values;
     stress_pile *piles;
     size_t n;
-    rp_status status = read_piles(o->width, &o->cell, &n, &piles);
-    if (status) return status;
+    RP_TRY(read_piles(o->width, &o->cell, &n, &piles));
     const stress_grid g = stress_grid_over(n, piles, o->width, o->cell);
     const size_t cells = g.nx * g.ny;
     stress_tensor *mean = cli_memory(cells, sizeof *mean);
-    status = stress_mean_cells(n, piles, &g, mean);
-    if (!status)
-        rp_table_header(stdout,
-                        "x/W, y/W, sxx [dyn/cm], sxy [dyn/cm], syx [dyn/cm], syy [dyn/cm], p [dyn/cm], shear "
-                        "[dyn/cm], couple [dyn/cm], direction [rad], mobilised_deg [deg]");
-    for (size_t k = 0; k < cells && !status; k++) {
+    RP_TRY(stress_mean_cells(n, piles, &g, mean));
+    rp_table_header(stdout,
+                    "x/W, y/W, sxx [dyn/cm], sxy [dyn/cm], syx [dyn/cm], syy [dyn/cm], p [dyn/cm], shear "
+                    "[dyn/cm], couple [dyn/cm], direction [rad], mobilised_deg [deg]");
+    for (size_t k = 0; k < cells; k++) {
         const stress_tensor *s = &mean[k];
         const stress_circle m = stress_mohr(s);
         CLI_ROW(((double)(k % g.nx) + 0.5) * g.dx / o->width, ((double)(k / g.nx) + 0.5) * g.dy / o->width,
                 s->xx, s->xy, s->yx, s->yy, m.pressure, m.shear, m.couple, m.direction, m.mobilised / deg);
     }
-    return status;
+    return RP_OK;
 }
 
 static const cli_command field = {
@@ -153,26 +147,23 @@ static rp_status print_base(void *values)
     double theta, size;
     stress_pile *piles;
     size_t n;
-    rp_status status = read_piles(o->width, &o->cell, &n, &piles);
-    if (!status) status = mean_slope(n, piles, o, &theta);
-    if (status) return status;
+    RP_TRY(read_piles(o->width, &o->cell, &n, &piles));
+    RP_TRY(mean_slope(n, piles, o, &theta));
     const size_t cells = stress_floor_cells(n, piles, o->width, o->cell, &size);
     stress_floor *floor = cli_memory(cells, sizeof *floor);
-    status = stress_floor_forces(n, piles, size, o->g, cells, floor);
-    if (!status) {
-        rp_table_note_number(stdout, "theta_r_deg", theta / deg, "");
-        rp_table_header(stdout,
-                        "x/W, N [dyn/cm], N_se [dyn/cm], H [dyn/cm], H_se [dyn/cm], weight [dyn/cm], through "
-                        "[dyn/cm], imbalance [dyn/cm], H/N, N_theory [dyn/cm], H_theory [dyn/cm]");
-    }
-    for (size_t j = 0; j < cells && !status; j++) {
+    RP_TRY(stress_floor_forces(n, piles, size, o->g, cells, floor));
+    rp_table_note_number(stdout, "theta_r_deg", theta / deg, "");
+    rp_table_header(stdout,
+                    "x/W, N [dyn/cm], N_se [dyn/cm], H [dyn/cm], H_se [dyn/cm], weight [dyn/cm], through "
+                    "[dyn/cm], imbalance [dyn/cm], H/N, N_theory [dyn/cm], H_theory [dyn/cm]");
+    for (size_t j = 0; j < cells; j++) {
         const stress_floor *f = &floor[j];
         double N, H;
         stress_wedge(f->weight, theta, o->phi_deg * deg, &N, &H);
         CLI_ROW(((double)j + 0.5) * size / o->width, f->n.mean, f->n.se, f->h.mean, f->h.se, f->weight,
                 f->through, f->imbalance, f->n.mean > 0.0 ? f->h.mean / f->n.mean : NAN, N, H);
     }
-    return status;
+    return RP_OK;
 }
 
 static const cli_command base = {

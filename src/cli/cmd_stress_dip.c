@@ -44,8 +44,7 @@ static rp_status read_rays(const rp_table *t, dip_piles *p)
 static rp_status read_piles(const rp_table *t, dip_piles *p)
 {
     cli_rows rows;
-    rp_status status = cli_rows_read(t, STRESS_DIP_BIN_LIST(BIN_NAME) "excess", &(cli_choice){0}, &rows);
-    if (status) return status;
+    RP_TRY(cli_rows_read(t, STRESS_DIP_BIN_LIST(BIN_NAME) "excess", &(cli_choice){0}, &rows));
     p->n = rows.n;
     p->profiles = cli_memory(rows.n * STRESS_DIP_BINS, sizeof *p->profiles);
     p->excess = rows.column[STRESS_DIP_BINS];
@@ -101,8 +100,7 @@ static rp_status print_power(const dip_piles *p, const dip_options *o)
     rp_table_header(stdout, "depth, profile, excess, share");
     for (size_t k = 0; k < sizeof depths / sizeof *depths; k++) {
         double found[3] = {0.0};
-        rp_status status = find_planted(p, o, depths[k], draws, resamples, found);
-        if (status) return status;
+        RP_TRY(find_planted(p, o, depths[k], draws, resamples, found));
         for (int i = 0; i < 3; i++) found[i] /= (double)o->ensembles;
         CLI_ROW(depths[k], found[0], found[1], found[2]);
     }
@@ -114,10 +112,9 @@ static rp_status dip_of_table(rp_table *table, void *values)
     const dip_options *o = values;
     dip_piles piles;
     stress_dips dips;
-    rp_status status = read_piles(table, &piles);
-    if (status) return status;
-    status = stress_dip_ensemble(piles.n, piles.profiles, piles.excess, o->margin, (size_t)o->resamples,
-                                 cli_random(0), &dips);
+    RP_TRY(read_piles(table, &piles));
+    rp_status status = stress_dip_ensemble(piles.n, piles.profiles, piles.excess, o->margin,
+                                           (size_t)o->resamples, cli_random(0), &dips);
     if (status) return rp_prefix(status, "%s: ", table->path);
     cli_table(stdout);
     rp_table_note(stdout, "rows", "%zu used, %zu left out", piles.n, table->n_rows - piles.n);

@@ -28,6 +28,14 @@ rp_status cli_check_whole(const char *dir, const sweep_counts *counts)
     return status ? rp_prefix(status, "the table is not whole: ") : RP_OK;
 }
 
+rp_status cli_sweep_export(const char *dir, unsigned what, const char *path, sweep_counts *counts)
+{
+    FILE *out;
+    RP_TRY(rp_file_open(path, &out));
+    return rp_file_close(path, out,
+                         sweep_export(dir, sweep_protocols, what, cli_command_line(), counts, out));
+}
+
 /* An energy that grows is seen in a run's tables, and not in its row. */
 static void warn_undamped(const char *file, const sweep_counts *counts)
 {
@@ -65,14 +73,13 @@ static rp_status act_plan(void *values)
 {
     const plan_options *o = values;
     sweep_counts counts;
-    rp_status status = cli_claim_sweep(o->o, cli_argument(0), o->force);
-    if (!status)
-        status = sweep_prepare(cli_data(cli_argument(0)), o->o, o->replicas > 0 ? (size_t)o->replicas : 0,
-                               sweep_protocols, cli_watch(o->quiet), &counts);
-    if (!status) cli_warn_sweep(cli_data(cli_argument(0)));
-    if (!status) warn_undamped(cli_argument(0), &counts);
-    if (!status) print_planned(o->o, &counts);
-    return status;
+    RP_TRY(cli_claim_sweep(o->o, cli_argument(0), o->force));
+    RP_TRY(sweep_prepare(cli_data(cli_argument(0)), o->o, o->replicas > 0 ? (size_t)o->replicas : 0,
+                         sweep_protocols, cli_watch(o->quiet), &counts));
+    cli_warn_sweep(cli_data(cli_argument(0)));
+    warn_undamped(cli_argument(0), &counts);
+    print_planned(o->o, &counts);
+    return RP_OK;
 }
 
 static const cli_command plan = {
@@ -150,8 +157,7 @@ static rp_status act_status_of(void *values)
 {
     (void)values;
     sweep_counts counts;
-    rp_status status = sweep_status(cli_argument(0), sweep_protocols, &counts);
-    if (status) return status;
+    RP_TRY(sweep_status(cli_argument(0), sweep_protocols, &counts));
     const double left = counts.seconds * (double)(counts.planned - counts.stored);
     rp_table_note(stdout, "running", "%zu", counts.running);
     if (isfinite(left)) rp_table_note(stdout, "left", "%.3g s of one core", left);
@@ -183,14 +189,9 @@ static rp_status act_export(void *values)
 {
     const export_options *o = values;
     sweep_counts counts;
-    FILE *out;
-    rp_status status = sweep_check_output(cli_argument(0), o->o);
-    if (!status) status = rp_file_open(o->o, &out);
-    if (status) return status;
-    status = sweep_export(cli_argument(0), sweep_protocols, o->reduce ? SWEEP_POINTS : SWEEP_RUNS,
-                          cli_command_line(), &counts, out);
-    status = rp_file_close(o->o, out, status);
-    return status ? status : cli_check_whole(cli_argument(0), &counts);
+    RP_TRY(sweep_check_output(cli_argument(0), o->o));
+    RP_TRY(cli_sweep_export(cli_argument(0), o->reduce ? SWEEP_POINTS : SWEEP_RUNS, o->o, &counts));
+    return cli_check_whole(cli_argument(0), &counts);
 }
 
 static const cli_command export = {
@@ -211,8 +212,7 @@ static rp_status act_digest(void *values)
     (void)values;
     char text[33];
     size_t rows;
-    rp_status status = sweep_digest(cli_argument(0), sweep_protocols, text, &rows);
-    if (status) return status;
+    RP_TRY(sweep_digest(cli_argument(0), sweep_protocols, text, &rows));
     if (!cli_given("json")) return printf("%s\t%zu\n", text, rows), RP_OK;
     cli_provenance(stdout);
     rp_table_note(stdout, "digest", "%s", text); /* a note is a text, even of digits alone */
@@ -285,11 +285,8 @@ CLI_OPTIONS(make, MAKE_OPTIONS)
 static rp_status export_to(const make_options *o, const char *name, const char *suffix, unsigned what)
 {
     char path[4096];
-    FILE *out;
     snprintf(path, sizeof path, "%s/%s%s.tsv", o->tables, name, suffix);
-    rp_status status = rp_file_open(path, &out);
-    if (!status) status = sweep_export(o->o, sweep_protocols, what, cli_command_line(), NULL, out);
-    return out ? rp_file_close(path, out, status) : status;
+    return cli_sweep_export(o->o, what, path, NULL);
 }
 
 /* "lh3: 80 runs: 78 ok, 2 not_at_rest" */

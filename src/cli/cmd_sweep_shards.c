@@ -11,9 +11,7 @@ static rp_status act_merge(void *values)
     sweep_merged merged = {0};
     int n = 0;
     while (cli_argument(n + 1)) n++;
-    rp_status status =
-        sweep_merge(cli_argument(0), sweep_protocols, (size_t)n, cli_arguments() + 1, &merged, &counts);
-    if (status) return status;
+    RP_TRY(sweep_merge(cli_argument(0), sweep_protocols, (size_t)n, cli_arguments() + 1, &merged, &counts));
     rp_table_note(stdout, "merged",
                   "%zu rows of %zu stores, %zu duplicates, %zu rows of other plans left out", merged.taken,
                   merged.stores, merged.duplicates, merged.foreign);
@@ -111,9 +109,9 @@ static rp_status act_salvage(void *values)
 {
     (void)values;
     size_t n = 0;
-    rp_status status = sweep_salvage(cli_argument(0), sweep_protocols, &n);
-    if (!status) printf("%s: %zu whole rows; the damaged store is damaged.sqlite\n", cli_argument(0), n);
-    return status;
+    RP_TRY(sweep_salvage(cli_argument(0), sweep_protocols, &n));
+    printf("%s: %zu whole rows; the damaged store is damaged.sqlite\n", cli_argument(0), n);
+    return RP_OK;
 }
 
 const cli_command cmd_sweep_salvage = {

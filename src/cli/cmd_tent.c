@@ -21,30 +21,29 @@ typedef struct {
 static rp_status find_dip(const an_profile *tent, dip *d)
 {
     an_force f;
-    rp_status status = an_profile_largest(tent, &d->x_most, &d->most);
-    if (!status) status = an_profile_force(tent, 0.5, &f);
-    if (!status) d->middle = f.N;
-    return status;
+    RP_TRY(an_profile_largest(tent, &d->x_most, &d->most));
+    RP_TRY(an_profile_force(tent, 0.5, &f));
+    d->middle = f.N;
+    return RP_OK;
 }
 
 static rp_status write_map(const tent_options *o)
 {
-    rp_status status = RP_OK;
     cli_table(stdout);
     rp_table_header(stdout,
                     "outer_deg [degree], inner_deg [degree], x_most/B, N_most/(chi*g*B), N_middle/(chi*g*B), "
                     "dip");
-    for (int outer = 1; outer < 60 && !status; outer++)
-        for (int inner = 1; inner < 60 && !status; inner++) {
+    for (int outer = 1; outer < 60; outer++)
+        for (int inner = 1; inner < 60; inner++) {
             an_point v[5];
             an_profile tent;
             dip d;
-            status = an_tent(outer * M_PI / 180, inner * M_PI / 180, o->x1, v);
-            if (!status) status = an_profile_set(&tent, v, 5);
-            if (!status) status = find_dip(&tent, &d);
-            if (!status) CLI_ROW(outer, inner, d.x_most, d.most, d.middle, 1 - d.middle / d.most);
+            RP_TRY(an_tent(outer * M_PI / 180, inner * M_PI / 180, o->x1, v));
+            RP_TRY(an_profile_set(&tent, v, 5));
+            RP_TRY(find_dip(&tent, &d));
+            CLI_ROW(outer, inner, d.x_most, d.most, d.middle, 1 - d.middle / d.most);
         }
-    return status;
+    return RP_OK;
 }
 
 static rp_status write_places(const tent_options *o, const an_profile *tent)
@@ -52,22 +51,20 @@ static rp_status write_places(const tent_options *o, const an_profile *tent)
     double *x = NULL;
     size_t n = 0;
     dip d;
-    rp_status status = cli_positions(o->points, o->at, &x, &n);
-    if (!status) status = find_dip(tent, &d);
-    if (!status) {
-        cli_table(stdout);
-        rp_table_note(stdout, "dip", "%.3g: N = %.4g at %.4g B, %.4g in the middle", 1 - d.middle / d.most,
-                      d.most, d.x_most, d.middle);
-        rp_table_header(stdout, "x/B, N/(chi*g*B), H/(chi*g*B), y/B");
-    }
-    for (size_t i = 0; i < n && !status; i++) {
+    RP_TRY(cli_positions(o->points, o->at, &x, &n));
+    RP_TRY(find_dip(tent, &d));
+    cli_table(stdout);
+    rp_table_note(stdout, "dip", "%.3g: N = %.4g at %.4g B, %.4g in the middle", 1 - d.middle / d.most,
+                  d.most, d.x_most, d.middle);
+    rp_table_header(stdout, "x/B, N/(chi*g*B), H/(chi*g*B), y/B");
+    for (size_t i = 0; i < n; i++) {
         an_force f = {0};
         double y = 0;
-        status = an_profile_force(tent, x[i], &f);
-        if (!status) status = an_profile_height(tent, x[i], &y);
+        RP_TRY(an_profile_force(tent, x[i], &f));
+        RP_TRY(an_profile_height(tent, x[i], &y));
         CLI_ROW(x[i], f.N, f.H, y);
     }
-    return status;
+    return RP_OK;
 }
 
 static rp_status write_tent(void *values)
@@ -78,9 +75,9 @@ static rp_status write_tent(void *values)
     if ((o->outer_deg > 0) + (o->inner_deg > 0) != (o->map ? 0 : 2))
         return rp_fail(RP_USAGE, "give --outer-deg and --inner-deg, or --map; see repose tent --help");
     if (o->map) return write_map(o);
-    rp_status status = an_tent(o->outer_deg * M_PI / 180, o->inner_deg * M_PI / 180, o->x1, v);
-    if (!status) status = an_profile_set(&tent, v, 5);
-    return status ? status : write_places(o, &tent);
+    RP_TRY(an_tent(o->outer_deg * M_PI / 180, o->inner_deg * M_PI / 180, o->x1, v));
+    RP_TRY(an_profile_set(&tent, v, 5));
+    return write_places(o, &tent);
 }
 
 const cli_command cmd_tent = {

@@ -48,10 +48,8 @@ static rp_status find_kind(const char *path, const struct kind **kind)
 {
     *kind = kinds;
     if (!*path) return RP_OK;
-    for (const struct kind *k = kinds + 1; k < kinds + N_OF(kinds); k++) {
-        const size_t n = strlen(path), m = strlen(k->ending);
-        if (n > m && strcmp(path + n - m, k->ending) == 0) return *kind = k, RP_OK;
-    }
+    for (const struct kind *k = kinds + 1; k < kinds + N_OF(kinds); k++)
+        if (strlen(path) > strlen(k->ending) && cli_ends_in(path, k->ending)) return *kind = k, RP_OK;
     return rp_fail(RP_USAGE, "-o %s: a name that ends in .png, .svg, .pdf, .gif or .mp4 expected", path);
 }
 
@@ -122,14 +120,13 @@ typedef struct {
 
 static rp_status put_frames(const picture *p, const view_options *o, FILE *out)
 {
-    rp_status status = RP_OK;
     put_terminal(p->kind, o, &p->scale, out);
     view_draw_start(&p->scene, &p->style, &p->scale, out);
-    for (size_t k = p->first; k <= p->last && !status; k++) {
-        status = view_draw(&p->scene, &p->scene.frames[k], &p->style, &p->scale, out);
+    for (size_t k = p->first; k <= p->last; k++) {
+        RP_TRY(view_draw(&p->scene, &p->scene.frames[k], &p->style, &p->scale, out));
         if (p->kind == kinds && k < p->last) fprintf(out, "pause %.3f\n", 1.0 / o->fps);
     }
-    return status;
+    return RP_OK;
 }
 
 /* gnuplot, whose pictures go to `out` (NULL: a window). */
@@ -137,9 +134,8 @@ static rp_status draw(const picture *p, const view_options *o, FILE *out)
 {
     char *const arguments[] = {"gnuplot", out ? NULL : "-persist", NULL};
     cli_gnuplot gnuplot;
-    rp_status status = cli_gnuplot_open(&gnuplot, arguments, out ? "gnuplot-nox" : "gnuplot-qt", out);
-    if (status) return status;
-    status = put_frames(p, o, gnuplot.in);
+    RP_TRY(cli_gnuplot_open(&gnuplot, arguments, out ? "gnuplot-nox" : "gnuplot-qt", out));
+    rp_status status = put_frames(p, o, gnuplot.in);
     const rp_status closed = cli_gnuplot_close(&gnuplot);
     return closed ? closed : status;
 }
@@ -155,9 +151,8 @@ static rp_status film(const picture *p, const view_options *o, FILE *out)
         rate,       "-c:v",      "png",   "-i",  "-",  "-vf",        "pad=ceil(iw/2)*2:ceil(ih/2)*2",
         "-pix_fmt", "yuv420p",   "-f",    "mp4", path, NULL};
     cli_gnuplot ffmpeg;
-    rp_status status = cli_gnuplot_open(&ffmpeg, arguments, "ffmpeg", NULL);
-    if (status) return status;
-    status = draw(p, o, ffmpeg.in);
+    RP_TRY(cli_gnuplot_open(&ffmpeg, arguments, "ffmpeg", NULL));
+    rp_status status = draw(p, o, ffmpeg.in);
     const rp_status closed = cli_gnuplot_close(&ffmpeg);
     return status ? status : closed;
 }

@@ -25,8 +25,7 @@ rp_status cli_column_list(const rp_table *table, const char *names, size_t most,
         char word[64];
         if (*n == most) return rp_fail(RP_BAD_INPUT, "\"%s\": at most %zu columns", names, most);
         snprintf(word, sizeof word, "%.*s", (int)strcspn(name, ","), name);
-        rp_status status = rp_table_find(table, word, header, &columns[(*n)++]);
-        if (status) return status;
+        RP_TRY(rp_table_find(table, word, header, &columns[(*n)++]));
     }
     return *n > 0 ? RP_OK : rp_fail(RP_BAD_INPUT, "\"%s\": a column expected", names);
 }
@@ -99,19 +98,17 @@ rp_status cli_rows_read(const rp_table *t, const char *names, const cli_choice *
     int columns[CLI_MOST_COLUMNS];
     size_t k;
     *r = (cli_rows){0};
-    rp_status status = cli_column_list(t, names, CLI_MOST_COLUMNS, &k, columns);
-    if (status) return status;
+    RP_TRY(cli_column_list(t, names, CLI_MOST_COLUMNS, &k, columns));
     double *numbers = cli_memory(t->n_rows * k, sizeof *numbers);
     ranked *rank = cli_memory(t->n_rows, sizeof *rank);
-    for (size_t i = 0; i < t->n_rows && !status; i++) {
+    for (size_t i = 0; i < t->n_rows; i++) {
         bool out;
         if (choice->among && !choice->among[i]) continue;
-        status = leave_out(t, i, k, columns, choice, r, numbers + i * k, &out);
-        if (status || out) continue;
+        RP_TRY(leave_out(t, i, k, columns, choice, r, numbers + i * k, &out));
+        if (out) continue;
         const double key = choice->groups ? (double)choice->groups->of_row[i] : numbers[i * k];
         rank[r->n++] = (ranked){choice->groups || choice->grouped ? key : 0.0, i};
     }
-    if (status) return status;
     if (r->n == 0)
         return rp_fail(RP_NO_RESULT, "%s: no row with status ok and numbers for %s", t->path, names);
     qsort(rank, r->n, sizeof *rank, by_key);

@@ -25,6 +25,11 @@ static bool exists_in(const char *folder, const char *sub, const char *name, cha
     return realpath(text, path) != NULL;
 }
 
+bool cli_ends_in(const char *text, const char *end)
+{
+    return strlen(text) >= strlen(end) && strcmp(text + strlen(text) - strlen(end), end) == 0;
+}
+
 const char *cli_data(const char *name)
 {
     char path[PATH_MAX], program[PATH_MAX];

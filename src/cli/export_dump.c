@@ -30,8 +30,7 @@ static void write_head(const cli_run_frames *run, size_t frame, const char *of, 
 static rp_status write_grains(const cli_run_frames *run, const char *path)
 {
     cli_export e;
-    rp_status status = cli_export_open(path, &e);
-    if (status) return status;
+    RP_TRY(cli_export_open(path, &e));
     for (size_t k = 0; k < run->grains.n; k++) {
         const size_t first = run->grains.first[k], end = run->grains.first[k + 1];
         write_head(run, k, "ATOMS", end - first, e.out);
@@ -52,8 +51,7 @@ static rp_status write_contacts(const cli_run_frames *run, const char *path)
     const cli_frames *f = &run->contacts;
     const rp_table *t = f->table;
     cli_export e;
-    rp_status status = cli_export_open(path, &e);
-    if (status) return status;
+    RP_TRY(cli_export_open(path, &e));
     for (size_t k = 0; k < run->grains.n; k++) {
         const size_t at = cli_frame_at(f, cli_frame_step(run, k)), first = at < f->n ? f->first[at] : 0,
                      end = at < f->n ? f->first[at + 1] : 0;
@@ -83,8 +81,7 @@ rp_status cli_export_dump(const cli_run_frames *run, const char *path)
 rp_status cli_export_xyz(const cli_run_frames *run, const char *path)
 {
     cli_export e;
-    rp_status status = cli_export_open(path, &e);
-    if (status) return status;
+    RP_TRY(cli_export_open(path, &e));
     for (size_t k = 0; k < run->grains.n; k++) {
         const size_t first = run->grains.first[k], end = run->grains.first[k + 1];
         fprintf(e.out, "%zu\nProperties=id:I:1:pos:R:3", end - first);

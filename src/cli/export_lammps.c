@@ -1,6 +1,7 @@
 /* A scene as a LAMMPS input: pair_style granular (version of 2021) and wall/gran/region, in two dimensions.
  * Both programs step by the same Verlet scheme, with the velocity of half a step before in dashpots and shear
  * springs. Laws that coincide are mapped; for any other setting the key is named and nothing is written. */
+#include <gsl/gsl_sort.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -88,12 +89,6 @@ static rp_status check_scene(const dem_definition *def)
     return status ? status : check_walls(def);
 }
 
-static int by_size(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 static rp_status find_types(lammps_scene *s)
 {
     if (s->def.normal == DEM_LINEAR) {
@@ -102,7 +97,7 @@ static rp_status find_types(lammps_scene *s)
     }
     double *r = cli_memory(s->n, sizeof *r);
     for (size_t i = 0; i < s->n; i++) r[i] = s->grains[i].r;
-    qsort(r, s->n, sizeof *r, by_size);
+    gsl_sort(r, 1, s->n);
     for (size_t i = 0; i < s->n; i++) {
         if (i > 0 && r[i] == r[i - 1]) continue;
         if (s->n_types == MOST_TYPES)
@@ -120,11 +115,10 @@ static rp_status find_types(lammps_scene *s)
 static rp_status start_scene(lammps_scene *s)
 {
     dem_sim *sim;
-    rp_status status = dem_scene_start(&s->scene, &sim);
-    if (status) return status;
+    RP_TRY(dem_scene_start(&s->scene, &sim));
     s->n = dem_count(sim);
     s->grains = cli_memory(s->n, sizeof *s->grains);
-    status = dem_states(sim, s->grains);
+    rp_status status = dem_states(sim, s->grains);
     dem_free(sim);
     dem_grain *grains = cli_memory(s->n, sizeof *grains);
     s->box[0][0] = s->box[1][0] = INFINITY, s->box[0][1] = s->box[1][1] = -INFINITY;
@@ -257,7 +251,7 @@ static void write_motion(const lammps_scene *s, FILE *out)
 
 static void write_input(const lammps_scene *s, const char *scene, const char *stem, FILE *out)
 {
-    const char *slash = strrchr(stem, '/'), *name = slash ? slash + 1 : stem;
+    const char *name = basename(stem);
     write_about(s, scene, out);
     fprintf(out, "# each may be set on the command line: lmp -in FILE -var steps 1000\n");
     fprintf(out, "variable steps index %ld\nvariable every index %ld\n", s->scene.steps,
@@ -288,10 +282,9 @@ static rp_status write_files(const lammps_scene *s, const char *scene, const cha
     cli_export e;
     cli_export_stem(path, stem);
     snprintf(data, sizeof data, "%s.data", stem);
-    rp_status status = cli_export_open(data, &e);
-    if (status) return status;
+    RP_TRY(cli_export_open(data, &e));
     write_data(s, scene, e.out);
-    status = cli_export_close(&e, RP_OK);
+    rp_status status = cli_export_close(&e, RP_OK);
     if (!status) status = cli_export_open(path, &e);
     if (status) return status;
     write_input(s, scene, stem, e.out);
@@ -302,7 +295,7 @@ rp_status cli_export_lammps_input(const char *scene, const rp_texts *changes, co
 {
     lammps_scene s = {.n = 0};
     const size_t n = strlen(path);
-    if (n < 4 || n > 4000 || strcmp(path + n - 3, ".in") != 0)
+    if (n < 4 || n > 4000 || !cli_ends_in(path, ".in"))
         return rp_fail(RP_USAGE, "-o %s: lammps-input needs a name that ends in .in", path);
     rp_status status = dem_scene_read(scene, changes, &s.scene);
     if (!status) {

@@ -94,9 +94,8 @@ static void write_line_data(const piece *p, size_t n, const int ends[], FILE *ou
 
 static rp_status find_columns(const rp_table *t, size_t n, const char *const names[], int columns[])
 {
-    rp_status status = RP_OK;
-    for (size_t k = 0; k < n && !status; k++) status = cli_find_column(t, names[k], &columns[k]);
-    return status;
+    for (size_t k = 0; k < n; k++) RP_TRY(cli_find_column(t, names[k], &columns[k]));
+    return RP_OK;
 }
 
 static rp_status write_contacts(const cli_run_frames *run, const piece *p, FILE *out)
@@ -104,8 +103,7 @@ static rp_status write_contacts(const cli_run_frames *run, const piece *p, FILE 
     (void)run;
     const rp_table *t = p->frames->table;
     int ends[4];
-    rp_status status = find_columns(t, 4, (const char *const[]){"x", "y", "x_b", "y_b"}, ends);
-    if (status) return status;
+    RP_TRY(find_columns(t, 4, (const char *const[]){"x", "y", "x_b", "y_b"}, ends));
     start(out, p);
     for (size_t i = p->first; i < p->end; i++)
         fprintf(out, "%s %s 0\n%s %s 0\n", cli_text(t, i, ends[0]), cli_text(t, i, ends[1]),
@@ -168,15 +166,12 @@ static rp_status write_frame(const cli_run_frames *run, size_t k, const char *fo
                          parts[i].size == 1 ? "Verts" : "Lines"};
         if (!f->table) continue;
         char path[4300];
-        const char *slash = strrchr(folder, '/');
         cli_export e;
         snprintf(path, sizeof path, "%s/%s_%06zu.vtp", folder, parts[i].name, k);
-        status = cli_export_open(path, &e);
-        if (status) return status;
+        RP_TRY(cli_export_open(path, &e));
         status = cli_export_close(&e, parts[i].write(run, &p, e.out));
         fprintf(collection, "<DataSet timestep=\"%s\" part=\"%zu\" name=\"%s\" file=\"%s/%s_%06zu.vtp\"/>\n",
-                CLI_SHORT(cli_frame_time(run, k)), i, parts[i].name, slash ? slash + 1 : folder,
-                parts[i].name, k);
+                CLI_SHORT(cli_frame_time(run, k)), i, parts[i].name, basename(folder), parts[i].name, k);
     }
     return status;
 }
@@ -186,7 +181,7 @@ rp_status cli_export_vtk(const cli_run_frames *run, const char *path)
     char folder[4096 + 8];
     cli_export e;
     const size_t n = strlen(path);
-    if (n < 5 || n > 4000 || strcmp(path + n - 4, ".pvd") != 0)
+    if (n < 5 || n > 4000 || !cli_ends_in(path, ".pvd"))
         return rp_fail(RP_USAGE, "-o %s: vtk needs a name that ends in .pvd", path);
     strcat(strcpy(folder, cli_export_stem(path, (char[4096]){0})), "_frames");
     rp_status status = rp_make_directory(folder);

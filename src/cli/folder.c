@@ -5,12 +5,6 @@
 
 #include "cli/cli.h"
 
-static const char *base_name(const char *path)
-{
-    const char *slash = strrchr(path, '/');
-    return slash ? slash + 1 : path;
-}
-
 /* The text of the header line "# KEY: text" of a table, "" without. */
 static void find_note(const char *path, const char *key, char *text, size_t size)
 {
@@ -36,7 +30,7 @@ static void find_run(const char *directory, char run[CLI_RUN_NOTE], char *comman
     for (size_t i = 0; i < tables.gl_pathc && !*run; i++) {
         const char *path = tables.gl_pathv[i];
         find_note(path, "run", run, CLI_RUN_NOTE);
-        if (*run || strcmp(base_name(path), "states.tsv") == 0) find_note(path, "command", command, size);
+        if (*run || strcmp(basename(path), "states.tsv") == 0) find_note(path, "command", command, size);
         if (!*run && *command) snprintf(run, CLI_RUN_NOTE, "a scene");
     }
     globfree(&tables);
@@ -84,7 +78,7 @@ rp_status cli_claim_sweep(const char *directory, const char *file, bool force)
     char found[CLI_RUN_NOTE], command[2048], sweep[256];
     rp_status status = sweep_source(directory, sweep);
     if (status || force) return force ? RP_OK : status;
-    if (*sweep && strcmp(base_name(sweep), base_name(file)) != 0)
+    if (*sweep && strcmp(basename(sweep), basename(file)) != 0)
         return rp_fail(RP_BAD_INPUT,
                        "%s: holds the sweep %s; give another folder, or --force to plan %s there (stored "
                        "runs are kept)",

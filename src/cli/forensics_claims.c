@@ -39,8 +39,7 @@ static bool same_point(const cli_words *a, const cli_words *b)
 static rp_status add_point(forensics_claims *all, const cli_words *words, int first, size_t *index)
 {
     cli_words *next = &all->points[all->n_points];
-    rp_status status = find_point(&all->usual, words, first, words->n, next);
-    if (status) return status;
+    RP_TRY(find_point(&all->usual, words, first, words->n, next));
     for (*index = 0; *index < all->n_points; ++*index)
         if (same_point(&all->points[*index], next)) return RP_OK;
     all->n_points++;

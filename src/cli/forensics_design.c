@@ -58,19 +58,18 @@ static rp_status set_factor(void *params, size_t f, size_t level)
 static rp_status find_setting(const forensics_claims *claims, const double group[], void *params, void *work)
 {
     double limit = INFINITY;
-    rp_status status = RP_OK;
     sweep_groups_apply(group, params);
-    for (size_t k = 0; k < claims->n_points && !status; k++) {
+    for (size_t k = 0; k < claims->n_points; k++) {
         repose_params_copy(work, params);
-        status = repose_params_at(work, &claims->points[k]);
+        RP_TRY(repose_params_at(work, &claims->points[k]));
         limit = fmin(limit, step_part * sweep_repose_step_limit(work));
     }
     const double digit = pow(10.0, floor(log10(limit)) - 1.0);
     char text[WORD];
     snprintf(text, sizeof text, "%.6g", floor(limit / digit) * digit);
-    if (!status) status = repose_params_set(params, "dt", text);
+    RP_TRY(repose_params_set(params, "dt", text));
     sweep_groups_apply(group, params);
-    return status;
+    return RP_OK;
 }
 
 /* One list of the grid, of n texts. */
@@ -127,8 +126,8 @@ rp_status forensics_design_print(const forensics_claims *claims, size_t n, gsl_r
     size_t *level = cli_memory(n * N_FACTORS, sizeof *level);
     const void **params = cli_memory(n, sizeof *params);
     void *work = repose_params_new();
-    rp_status status = stats_design(n, n_open, u, N_FACTORS, n_levels, level, rng);
-    for (size_t i = 0; i < n && !status; i++) {
+    RP_TRY(stats_design(n, n_open, u, N_FACTORS, n_levels, level, rng));
+    for (size_t i = 0; i < n; i++) {
         double group[SWEEP_N_GROUPS];
         void *own = repose_params_new();
         for (size_t g = 0, k = 0; g < SWEEP_N_GROUPS; g++) {
@@ -137,12 +136,11 @@ rp_status forensics_design_print(const forensics_claims *claims, size_t n, gsl_r
             const bool open = sweep_groups[g].lo < sweep_groups[g].hi;
             group[g] = open ? forensics_unscaled(g, lo + (hi - lo) * u[i * n_open + k++]) : INFINITY;
         }
-        status = repose_params_at(own, &claims->usual);
-        for (size_t f = 0; f < N_FACTORS && !status; f++) status = set_factor(own, f, level[f * n + i]);
-        if (!status) status = find_setting(claims, group, own, work);
+        RP_TRY(repose_params_at(own, &claims->usual));
+        for (size_t f = 0; f < N_FACTORS; f++) RP_TRY(set_factor(own, f, level[f * n + i]));
+        RP_TRY(find_setting(claims, group, own, work));
         params[i] = own;
     }
-    if (status) return status;
     puts("grid = (\n    {");
     char(*text)[WORD] = cli_memory(n, sizeof *text);
     for (size_t f = 0; f < N_FACTORS; f++) {

@@ -76,10 +76,9 @@ static rp_status try_kernel(forensics_emulator *m, stats_kernel kernel, const st
     const double quantile = 1.959963984540054; /* of 95 % */
     double *mean = cli_memory(m->n, sizeof *mean), *variance = cli_memory(m->n, sizeof *variance);
     double squares = 0.0, covered = 0.0;
-    rp_status status = stats_emulator_make(kernel, in, m->variance, m->spread, e);
-    if (!status) status = stats_emulator_fit(e, y, FIT_CELLS);
-    if (!status) status = stats_emulator_leave_out(e, y, m->group, mean, variance, &m->of[kernel].score);
-    if (status) return status;
+    RP_TRY(stats_emulator_make(kernel, in, m->variance, m->spread, e));
+    RP_TRY(stats_emulator_fit(e, y, FIT_CELLS));
+    RP_TRY(stats_emulator_leave_out(e, y, m->group, mean, variance, &m->of[kernel].score));
     for (size_t i = 0; i < m->n; i++) {
         const double r = y[i] - mean[i];
         squares += r * r;
@@ -136,9 +135,9 @@ rp_status forensics_emulate(const forensics_study *s, forensics_emulator *m)
         if (isfinite(s->mean[c])) sum += m->variance[i++] = s->variance[c];
     m->spread = root_mean_square(m->n, y);
     m->noise = sqrt(sum / (double)m->n);
-    rp_status status = choose_kernel(m, &in, y);
-    if (!status) weigh(s, m);
-    return status;
+    RP_TRY(choose_kernel(m, &in, y));
+    weigh(s, m);
+    return RP_OK;
 }
 
 rp_status forensics_emulate_completion(const forensics_study *s, forensics_emulator *m)
@@ -151,9 +150,9 @@ rp_status forensics_emulate_completion(const forensics_study *s, forensics_emula
     m->weights = cli_memory(m->n, sizeof *m->weights);
     const double *y = centred(s, s->runs_of, value, m->centre);
     m->spread = root_mean_square(m->n, y);
-    rp_status status = choose_kernel(m, &in, y);
-    if (!status) stats_emulator_weights(&m->e, y, m->weights);
-    return status;
+    RP_TRY(choose_kernel(m, &in, y));
+    stats_emulator_weights(&m->e, y, m->weights);
+    return RP_OK;
 }
 
 /* ---- draws ---- */
@@ -195,17 +194,17 @@ static rp_status predict(const forensics_study *s, const forensics_emulator *ang
     const size_t n = at->n;
     double *mean = draws->mean + d * draws->n_sets * n, z[FORENSICS_CLAIMS],
            block[FORENSICS_CLAIMS * FORENSICS_CLAIMS];
-    rp_status status = stats_emulator_predict(&angles->e, at, draws->n_sets, angles->weights, mean,
-                                              draws->covariance + d * n * n);
-    for (size_t k = 0; k < draws->n_sets * n && !status; k++) mean[k] += angles->centre[k / n];
-    if (status || !completion) return status;
-    status = stats_emulator_predict(&completion->e, at, 1, completion->weights, z, block);
-    for (size_t i = 0; i < s->claims->n && !status; i++) {
+    RP_TRY(stats_emulator_predict(&angles->e, at, draws->n_sets, angles->weights, mean,
+                                  draws->covariance + d * n * n));
+    for (size_t k = 0; k < draws->n_sets * n; k++) mean[k] += angles->centre[k / n];
+    if (!completion) return RP_OK;
+    RP_TRY(stats_emulator_predict(&completion->e, at, 1, completion->weights, z, block));
+    for (size_t i = 0; i < s->claims->n; i++) {
         const size_t k = s->claims->claims[i].point;
         if (!s->claims->claims[i].held)
             draws->log_complete[d] += stats_log_normal_chance(z[k] + *completion->centre, block[k * n + k]);
     }
-    return status;
+    return RP_OK;
 }
 
 rp_status forensics_draw(const forensics_study *s, const forensics_emulator *angles,
@@ -226,19 +225,18 @@ rp_status forensics_draw(const forensics_study *s, const forensics_emulator *ang
     double *u = cli_memory(n * n_choices, sizeof *u), *x = cli_memory(k * n_reals, sizeof *x);
     int *levels = cli_memory(k * s->n_factors, sizeof *levels), level[FORENSICS_FACTORS];
     void *base = repose_params_new(), *params = repose_params_new(), *work = repose_params_new();
-    rp_status status = stats_design(n, n_choices, u, s->n_factors, n_levels, draws->level, rng);
-    if (!status) status = forensics_study_params(s, 0, base);
-    for (size_t d = 0; d < n && !status; d++) {
+    RP_TRY(stats_design(n, n_choices, u, s->n_factors, n_levels, draws->level, rng));
+    RP_TRY(forensics_study_params(s, 0, base));
+    for (size_t d = 0; d < n; d++) {
         repose_params_copy(params, base);
         for (size_t f = 0; f < s->n_factors; f++) level[f] = (int)draws->level[f * n + d];
-        for (size_t f = 0; f < s->n_factors && !status; f++)
-            status = repose_params_set(params, s->factors[f].name, s->factors[f].levels.words[level[f]]);
-        if (status) break;
+        for (size_t f = 0; f < s->n_factors; f++)
+            RP_TRY(repose_params_set(params, s->factors[f].name, s->factors[f].levels.words[level[f]]));
         set_draw(s, u + d * n_choices, d, params, draws);
         sweep_groups_weight(params, &draws->mass[d], &draws->gravity[d]);
-        status = set_points(s, params, work, level, x, levels);
+        RP_TRY(set_points(s, params, work, level, x, levels));
         const stats_inputs at = {k, n_reals, s->n_factors, x, levels};
-        if (!status) status = predict(s, angles, completion, &at, d, draws);
+        RP_TRY(predict(s, angles, completion, &at, d, draws));
     }
-    return status;
+    return RP_OK;
 }

@@ -60,17 +60,15 @@ static rp_status add_factor(forensics_study *s, const char *name)
 static rp_status find_settings(forensics_study *s)
 {
     char names[1024] = "";
-    rp_status status = RP_OK;
-    for (size_t c = 0; c < s->runs->n_columns && !status; c++) {
+    for (size_t c = 0; c < s->runs->n_columns; c++) {
         const char *name = s->runs->names[c];
         if (!rp_params_find(sweep_protocol_repose.schema, name) || is_point_key(s->claims, name)) continue;
         if (strlen(names) + strlen(name) + 2 > sizeof names) return rp_fail(RP_BAD_INPUT, "too many columns");
         strcat(strcat(names, *names ? "," : ""), name);
-        if (!in_list(SWEEP_GROUP_KEYS, name)) status = add_factor(s, name);
+        if (!in_list(SWEEP_GROUP_KEYS, name)) RP_TRY(add_factor(s, name));
     }
-    if (!status && !*names) status = rp_fail(RP_BAD_INPUT, "%s: no column of a choice", s->runs->path);
-    if (!status) status = cli_group_rows(s->runs, names, ',', &s->settings);
-    if (status) return status;
+    if (!*names) return rp_fail(RP_BAD_INPUT, "%s: no column of a choice", s->runs->path);
+    RP_TRY(cli_group_rows(s->runs, names, ',', &s->settings));
     s->first = cli_memory(s->settings.n_groups, sizeof *s->first);
     for (size_t i = s->runs->n_rows; i-- > 0;) s->first[s->settings.of_row[i]] = i;
     return RP_OK;
@@ -104,17 +102,16 @@ rp_status forensics_study_params(const forensics_study *s, size_t setting, void 
 static rp_status find_groups(forensics_study *s)
 {
     void *own = repose_params_new(), *at = repose_params_new();
-    rp_status status = RP_OK;
-    for (size_t i = 0, c = 0; i < s->settings.n_groups && !status; i++) {
-        status = forensics_study_params(s, i, own);
+    for (size_t i = 0, c = 0; i < s->settings.n_groups; i++) {
+        RP_TRY(forensics_study_params(s, i, own));
         sweep_groups_of(own, s->base + i * SWEEP_N_GROUPS);
-        for (; c < s->n_cells && s->setting[c] == i && !status; c++) {
+        for (; c < s->n_cells && s->setting[c] == i; c++) {
             repose_params_copy(at, own);
-            status = repose_params_at(at, &s->claims->points[s->point[c]]);
+            RP_TRY(repose_params_at(at, &s->claims->points[s->point[c]]));
             sweep_groups_of(at, s->group + c * SWEEP_N_GROUPS);
         }
     }
-    return status;
+    return RP_OK;
 }
 
 /* Least and largest value of a group over n lists of groups, on its scale; steps and digits are rounded, so
@@ -155,8 +152,7 @@ static rp_status find_cells(forensics_study *s, size_t point[], size_t cell[])
         bool here = false;
         for (point[row] = 0; point[row] < k; point[row]++) {
             const cli_words *words = &s->claims->points[point[row]];
-            rp_status status = cli_row_matches(s->runs, row, words, 0, words->n, &here);
-            if (status) return status;
+            RP_TRY(cli_row_matches(s->runs, row, words, 0, words->n, &here));
             if (here) break;
         }
         if (here) seen[s->settings.of_row[row] * k + point[row]] = true;
@@ -195,8 +191,7 @@ static rp_status read_means(forensics_study *s, int column, const bool ok[], con
         const size_t c = cell[row];
         double v = NAN;
         if (c == s->n_cells || !ok[row]) continue;
-        rp_status status = rp_table_number(s->runs, row, column, true, &v);
-        if (status) return status;
+        RP_TRY(rp_table_number(s->runs, row, column, true, &v));
         if (!isfinite(v)) continue;
         const double change = v * deg - mean[c]; /* Welford */
         mean[c] += change / ++n_values[c];
@@ -236,14 +231,13 @@ static rp_status read_numbers(forensics_study *s, const size_t cell[])
         s->runs_of[cell[row]]++;
         s->ok[cell[row]] += ok[row];
     }
-    rp_status status = RP_OK;
-    for (size_t k = 0; k < n_sets && !status; k++) {
+    for (size_t k = 0; k < n_sets; k++) {
         int column;
-        status = find_column(s, s->claims->stems[k / FORENSICS_SURFACES], k % FORENSICS_SURFACES, &column);
-        if (!status) status = read_means(s, column, ok, cell, s->mean + k * n, squares, n_values);
-        if (!status && k == 0) pool_variance(s, squares, n_values);
+        RP_TRY(find_column(s, s->claims->stems[k / FORENSICS_SURFACES], k % FORENSICS_SURFACES, &column));
+        RP_TRY(read_means(s, column, ok, cell, s->mean + k * n, squares, n_values));
+        if (k == 0) pool_variance(s, squares, n_values);
     }
-    return status;
+    return RP_OK;
 }
 
 rp_status forensics_study_read(rp_table *runs, const forensics_claims *claims, forensics_study *s)
@@ -251,17 +245,16 @@ rp_status forensics_study_read(rp_table *runs, const forensics_claims *claims, f
     *s = (forensics_study){.claims = claims, .runs = runs};
     size_t *point = cli_memory(runs->n_rows, sizeof *point), *cell = cli_memory(runs->n_rows, sizeof *cell),
            n = 0;
-    rp_status status = find_settings(s);
-    if (!status) status = find_cells(s, point, cell);
-    if (status) return status;
+    RP_TRY(find_settings(s));
+    RP_TRY(find_cells(s, point, cell));
     s->group = cli_memory(s->n_cells * SWEEP_N_GROUPS, sizeof *s->group);
     s->base = cli_memory(s->settings.n_groups * SWEEP_N_GROUPS, sizeof *s->base);
-    status = find_groups(s);
-    if (!status) status = find_inputs(s);
-    if (!status) status = read_numbers(s, cell);
-    for (size_t c = 0; c < s->n_cells && !status; c++) n += isfinite(s->mean[c]);
-    if (!status && n < LEAST_CELLS)
-        status = rp_fail(RP_NO_RESULT, "%s: %zu settings and points with two results, at least %d expected",
-                         runs->path, n, LEAST_CELLS);
-    return status;
+    RP_TRY(find_groups(s));
+    RP_TRY(find_inputs(s));
+    RP_TRY(read_numbers(s, cell));
+    for (size_t c = 0; c < s->n_cells; c++) n += isfinite(s->mean[c]);
+    if (n < LEAST_CELLS)
+        return rp_fail(RP_NO_RESULT, "%s: %zu settings and points with two results, at least %d expected",
+                       runs->path, n, LEAST_CELLS);
+    return RP_OK;
 }

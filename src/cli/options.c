@@ -138,9 +138,9 @@ rp_status cli_options_of(const cli_command *command, const rp_param **options)
     memset(&line, 0, sizeof line);
     line.command = command;
     *options = line.options;
-    rp_status status = add_options(command->protocol, 0);
-    if (!status && command->options) status = add_options(command->options(), command->protocol_size);
-    return !status && prints_table(command) ? add_options(generic_params(), GENERIC_AT) : status;
+    RP_TRY(add_options(command->protocol, 0));
+    if (command->options) RP_TRY(add_options(command->options(), command->protocol_size));
+    return prints_table(command) ? add_options(generic_params(), GENERIC_AT) : RP_OK;
 }
 
 static rp_status set_option(size_t i, const char *text)
@@ -166,9 +166,8 @@ static rp_status check_given(const cli_command *c)
         if (!line.options[i].fallback && !line.given[i])
             return rp_fail(RP_USAGE, "%s%s is required (%s); see repose %s --help", dashes(&line.options[i]),
                            line.names[i], line.options[i].meaning, c->name);
-    return count_fits(c->synopsis, line.n_arguments)
-               ? RP_OK
-               : rp_fail(RP_USAGE, "usage: repose %s %s", c->name, c->synopsis);
+    if (count_fits(c->synopsis, line.n_arguments)) return RP_OK;
+    return rp_fail(RP_USAGE, "usage: repose %s %s", c->name, c->synopsis);
 }
 
 /* Index of an option, which there must be. */
@@ -322,16 +321,27 @@ rp_status cli_positions(long points, const char *at, double **x, size_t *n)
     return RP_OK;
 }
 
-/* Act on the table of the first argument, and there on the rows that --where leaves. */
+/* Read the tables of all arguments as one. */
+static rp_status read_tables(rp_table **table)
+{
+    RP_TRY(cli_table_read(cli_data(cli_argument(0)), table));
+    for (int i = 1; i < line.n_arguments; i++) {
+        rp_table *more;
+        RP_TRY(cli_table_read(cli_data(cli_argument(i)), &more));
+        RP_TRY(rp_table_append(*table, more));
+    }
+    return RP_OK;
+}
+
+/* Act on the table of the arguments, and there on the rows that --where leaves. */
 static rp_status act_on_table(const cli_command *command)
 {
     rp_table *table;
     const rp_param *where = rp_params_find(line.options, "where");
-    rp_status status = cli_table_read(cli_data(cli_argument(0)), &table);
+    RP_TRY(read_tables(&table));
     const rp_texts *conditions = where ? (const rp_texts *)(line.values + where->offset) : NULL;
-    for (size_t i = 0; where && i < conditions->n && !status; i++)
-        status = rp_table_where(table, conditions->items[i]);
-    return status ? status : command->on_table(table, line.values);
+    for (size_t i = 0; where && i < conditions->n; i++) RP_TRY(rp_table_where(table, conditions->items[i]));
+    return command->on_table(table, line.values);
 }
 
 const char *cli_own_name(const cli_command *c)

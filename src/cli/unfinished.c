@@ -33,9 +33,8 @@ static rp_status take_lock(const char *directory, const char *path, int *lock)
 {
     *lock = open(path, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     if (*lock < 0) return rp_fail(RP_BAD_INPUT, "%s: no unfinished run: %s", directory, strerror(errno));
-    return flock(*lock, LOCK_EX | LOCK_NB) == 0
-               ? RP_OK
-               : rp_fail(RP_IO, "%s: another process runs in this folder", directory);
+    if (flock(*lock, LOCK_EX | LOCK_NB) == 0) return RP_OK;
+    return rp_fail(RP_IO, "%s: another process runs in this folder", directory);
 }
 
 static rp_status enter(cli_unfinished *u, const char *directory, uint64_t layout,
@@ -60,9 +59,8 @@ static rp_status move_file(const char *from, const char *to)
 static rp_status remove_file(const char *path, const char *other)
 {
     (void)other;
-    return unlink(path) == 0 || errno == ENOENT
-               ? RP_OK
-               : rp_fail(RP_IO, "%s: cannot remove: %s", path, strerror(errno));
+    if (unlink(path) == 0 || errno == ENOENT) return RP_OK;
+    return rp_fail(RP_IO, "%s: cannot remove: %s", path, strerror(errno));
 }
 
 static rp_status remove_other(const char *path, const char *other)
@@ -108,12 +106,12 @@ static rp_status remove_own(const char *path, const char *other)
 
 static rp_status move_rest(const char *directory, const char *folder)
 {
-    rp_status status = each_file(folder, directory, remove_own);
-    if (!status) status = each_file(folder, directory, remove_other);
-    if (!status) status = rp_sync_folder_of(folder);
-    if (!status) status = each_file(folder, directory, move_file);
-    if (!status && rmdir(folder) != 0) status = failed(folder);
-    return status ? status : rp_sync_folder_of(folder);
+    RP_TRY(each_file(folder, directory, remove_own));
+    RP_TRY(each_file(folder, directory, remove_other));
+    RP_TRY(rp_sync_folder_of(folder));
+    RP_TRY(each_file(folder, directory, move_file));
+    if (rmdir(folder) != 0) RP_TRY(failed(folder));
+    return rp_sync_folder_of(folder);
 }
 
 /* Complete a move that another process began. *moved: there was one. */
@@ -136,9 +134,9 @@ static rp_status publish(const char *directory, int lock)
     char from[4400], to[4400];
     snprintf(from, sizeof from, "%s/unfinished", directory);
     snprintf(to, sizeof to, "%s/unfinished.moving", directory);
-    rp_status status = fsync(lock) == 0 ? move_file(from, to) : failed(from);
-    if (!status) status = rp_sync_folder_of(to);
-    return status ? status : move_rest(directory, to);
+    RP_TRY(fsync(lock) == 0 ? move_file(from, to) : failed(from));
+    RP_TRY(rp_sync_folder_of(to));
+    return move_rest(directory, to);
 }
 
 /* A run that can go on is not thrown away. */
@@ -158,14 +156,14 @@ rp_status cli_unfinished_start(cli_unfinished *u, const char *directory, uint64_
     char path[PATH_MAX];
     bool moved;
     *u = (cli_unfinished){.directory = directory, .lock = -1};
-    rp_status status = complete_move(directory, &moved);
-    if (!status) status = rp_make_directory(path_of(u, "", path));
-    if (!status) status = enter(u, directory, layout, names);
-    if (!status) status = check_vacant(directory);
-    if (!status) status = empty_folder(path_of(u, "", path));
-    for (int k = 0; k < CLI_GROWING && !status; k++)
-        if (!(u->table[k].file = fopen(path_of(u, names[k], path), "w+e"))) status = failed(path);
-    return status;
+    RP_TRY(complete_move(directory, &moved));
+    RP_TRY(rp_make_directory(path_of(u, "", path)));
+    RP_TRY(enter(u, directory, layout, names));
+    RP_TRY(check_vacant(directory));
+    RP_TRY(empty_folder(path_of(u, "", path)));
+    for (int k = 0; k < CLI_GROWING; k++)
+        if (!(u->table[k].file = fopen(path_of(u, names[k], path), "w+e"))) RP_TRY(failed(path));
+    return RP_OK;
 }
 
 /* Take the bytes up to `length` into the hash. */
@@ -199,8 +197,7 @@ static rp_status reopen(cli_unfinished *u, cli_growing *t, long length, XXH128_h
     path_of(u, t->name, path);
     if (!(t->file = fopen(path, "r+e")))
         return rp_fail(RP_BAD_INPUT, "%s: cannot open: %s", path, strerror(errno));
-    rp_status status = hash_to(t, length);
-    if (status) return status;
+    RP_TRY(hash_to(t, length));
     if (!XXH128_isEqual(hash, XXH3_128bits_digest(t->hash)))
         return rp_fail(RP_BAD_INPUT, "%s: not the table that the snapshot was written with", path);
     return ftruncate(fileno(t->file), length) == 0 && fseek(t->file, 0, SEEK_END) == 0 ? RP_OK : failed(path);
@@ -263,12 +260,11 @@ rp_status cli_unfinished_write(cli_unfinished *u, cli_keep *keep, void *context)
 
 rp_status cli_unfinished_finish(cli_unfinished *u)
 {
-    rp_status status = RP_OK;
-    for (int k = 0; k < CLI_GROWING && !status; k++) {
-        status = rp_table_finish(u->table[k].file, u->table[k].name);
-        if (!status && fsync(fileno(u->table[k].file)) != 0) status = failed(u->table[k].name);
+    for (int k = 0; k < CLI_GROWING; k++) {
+        RP_TRY(rp_table_finish(u->table[k].file, u->table[k].name));
+        if (fsync(fileno(u->table[k].file)) != 0) RP_TRY(failed(u->table[k].name));
     }
-    return status ? status : publish(u->directory, u->lock);
+    return publish(u->directory, u->lock);
 }
 
 void cli_unfinished_close(cli_unfinished *u)
@@ -292,12 +288,11 @@ rp_status cli_stage_open(const char *directory, bool resumes, char stage[4096])
     if (snprintf(stage, 4096, "%s/unfinished", directory) >= 4096)
         return rp_fail(RP_BAD_INPUT, "%.60s...: path too long", directory);
     bool moved;
-    rp_status status = rp_make_directory(directory);
-    if (!status) status = complete_move(directory, &moved);
-    if (!status) status = rp_make_directory(stage);
-    if (!status) status = take_lock(directory, stage, &stage_lock);
-    if (status) return status;
-    status = check_vacant(directory);
+    RP_TRY(rp_make_directory(directory));
+    RP_TRY(complete_move(directory, &moved));
+    RP_TRY(rp_make_directory(stage));
+    RP_TRY(take_lock(directory, stage, &stage_lock));
+    rp_status status = check_vacant(directory);
     return status ? resumes ? RP_OK : status : empty_folder(stage);
 }
 

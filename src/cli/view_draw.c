@@ -1,4 +1,5 @@
 /* Pictures of frames as text for gnuplot; see view.h. */
+#include <gsl/gsl_sort.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -70,16 +71,10 @@ static double largest_force(const view_frame *f)
     return f->n_contacts > 0 ? fabs(f->contacts[f->n_contacts - 1].normal) : 0.0;
 }
 
-static int by_size(const void *a, const void *b)
-{
-    const double f = *(const double *)a, g = *(const double *)b;
-    return (f > g) - (f < g);
-}
-
 /* Three of four frames stay below: an impact does not hide the forces at rest. */
 static double typical(size_t n, double largest[])
 {
-    qsort(largest, n, sizeof *largest, by_size);
+    gsl_sort(largest, 1, n);
     return largest[3 * (n - 1) / 4] > 0.0 ? largest[3 * (n - 1) / 4] : largest[n - 1];
 }
 
@@ -178,19 +173,18 @@ rp_status view_scale_of(const view_scene *scene, size_t first, size_t last, cons
     const size_t n = last - first + 1;
     double *force = cli_memory(n, sizeof *force), *stress = cli_memory(n, sizeof *stress),
            *pressure = cli_memory(n, sizeof *pressure);
-    rp_status status = RP_OK;
-    for (size_t k = 0; k < n && !status; k++) {
+    for (size_t k = 0; k < n; k++) {
         force[k] = largest_force(from + k);
-        status = measure(from + k, style, s, &stress[k], &pressure[k]);
+        RP_TRY(measure(from + k, style, s, &stress[k], &pressure[k]));
     }
     s->force = typical(n, force), s->stress = typical(n, stress), s->pressure = typical(n, pressure);
-    if (!status && style->stress && !(s->stress > 0.0))
-        status = rp_fail(RP_NO_RESULT, "--stress: no table of contacts with forces beside the grains");
-    if (!status && style->base && !(s->pressure > 0.0))
-        status = rp_fail(RP_NO_RESULT, "--base: no contacts that press on a wall below the grains");
-    if (!status && *style->color && !(s->value[0] <= s->value[1]))
-        status = rp_fail(RP_NO_RESULT, "column \"%s\": no number", style->color);
-    return status;
+    if (style->stress && !(s->stress > 0.0))
+        return rp_fail(RP_NO_RESULT, "--stress: no table of contacts with forces beside the grains");
+    if (style->base && !(s->pressure > 0.0))
+        return rp_fail(RP_NO_RESULT, "--base: no contacts that press on a wall below the grains");
+    if (*style->color && !(s->value[0] <= s->value[1]))
+        return rp_fail(RP_NO_RESULT, "column \"%s\": no number", style->color);
+    return RP_OK;
 }
 
 /* ---- text ---- */

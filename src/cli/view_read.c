@@ -22,16 +22,15 @@ static rp_status read_column(const rp_table *t, const char *name, const char *ex
 {
     const bool optional = *name == '?';
     int column = rp_table_column(t, name + optional);
-    rp_status status = RP_OK;
     strcpy(unit, "1");
     *values = cli_memory(t->n_rows, sizeof **values);
-    if (column < 0 && !optional) status = rp_table_find(t, name, expected, &column);
+    if (column < 0 && !optional) RP_TRY(rp_table_find(t, name, expected, &column));
     if (column >= 0) cli_column_unit(t, column, unit);
-    for (size_t i = 0; i < t->n_rows && !status; i++) {
+    for (size_t i = 0; i < t->n_rows; i++) {
         (*values)[i] = NAN;
-        if (column >= 0) status = rp_table_number(t, i, column, 1, &(*values)[i]);
+        if (column >= 0) RP_TRY(rp_table_number(t, i, column, 1, &(*values)[i]));
     }
-    return status;
+    return RP_OK;
 }
 
 /* A table without rows is empty, whatever its columns. */
@@ -64,19 +63,13 @@ static void find_beside(const char *path, size_t length, const char *name, char 
     if (!is_file(found)) *found = '\0';
 }
 
-static bool ends_with(const char *text, const char *end)
-{
-    const size_t n = strlen(text), m = strlen(end);
-    return n >= m && strcmp(text + n - m, end) == 0;
-}
-
 static void find_source(const char *path, source *s)
 {
     static const char *const grains[] = {"states.tsv", "grains.tsv", "disks.tsv"};
     *s = (source){{0}};
     snprintf(s->grains, sizeof s->grains, "%s", path);
     for (size_t k = 0; k < N_OF(grains); k++) {
-        if (!ends_with(path, grains[k])) continue;
+        if (!cli_ends_in(path, grains[k])) continue;
         find_beside(path, strlen(grains[k]), "contacts.tsv", s->contacts);
         find_beside(path, strlen(grains[k]), "walls.tsv", s->walls);
         if (k == 2) find_beside(path, strlen(grains[k]), "base.tsv", s->base);
@@ -116,8 +109,7 @@ static rp_status read_contacts(const char *path, numbers *c, view_contact **cont
 static rp_status read_walls(const char *path, numbers *w, view_wall **walls)
 {
     static const char *const names[] = {"?step", "x", "y", "direction_x", "direction_y", "from", "to", NULL};
-    rp_status status = read_numbers(path, names, "x y direction_x direction_y from to", w);
-    if (status) return status;
+    RP_TRY(read_numbers(path, names, "x y direction_x direction_y from to", w));
     *walls = cli_memory(w->n, sizeof **walls);
     for (size_t k = 0; k < w->n; k++)
         (*walls)[k] = (view_wall){w->column[1][k],
@@ -172,12 +164,11 @@ static rp_status add_source(const source *s, const char *color, view_scene *scen
     numbers g = {0}, c = {0}, w = {0}, b = {0};
     view_contact *contacts = cli_memory(0, sizeof *contacts); /* frames point into both, also if empty */
     view_wall *walls = cli_memory(0, sizeof *walls);
-    rp_status status = read_numbers(s->grains, names, "x y r", &g);
-    if (!status && *s->contacts) status = read_contacts(s->contacts, &c, &contacts, scene->force);
-    if (!status && *s->walls) status = read_walls(s->walls, &w, &walls);
-    if (!status && *s->base)
-        status = read_numbers(s->base, (const char *const[]){"x", "N/mg", NULL}, "x N/mg", &b);
-    if (status || g.n == 0) return status;
+    RP_TRY(read_numbers(s->grains, names, "x y r", &g));
+    if (*s->contacts) RP_TRY(read_contacts(s->contacts, &c, &contacts, scene->force));
+    if (*s->walls) RP_TRY(read_walls(s->walls, &w, &walls));
+    if (*s->base) RP_TRY(read_numbers(s->base, (const char *const[]){"x", "N/mg", NULL}, "x N/mg", &b));
+    if (g.n == 0) return RP_OK;
     for (size_t k = 0; k < g.n; k++)
         if (!(isfinite(g.column[2][k] + g.column[3][k]) && g.column[4][k] > 0.0 && isfinite(g.column[4][k])))
             return rp_fail(RP_BAD_INPUT, "%s: row %zu: x, y and a radius above 0 expected", s->grains, k + 1);
@@ -222,7 +213,7 @@ static rp_status read_folder(const char *path, const char *color, view_scene *sc
     for (int k = 0; k < n; k++) {
         snprintf(table, sizeof table, "%s/%s", path, names[k]->d_name);
         find_source(table, &s);
-        if (!status && ends_with(names[k]->d_name, "_grains.tsv")) status = add_source(&s, color, scene);
+        if (!status && cli_ends_in(names[k]->d_name, "_grains.tsv")) status = add_source(&s, color, scene);
         free(names[k]);
     }
     if (n >= 0) free(names);

@@ -121,8 +121,7 @@ rp_status cli_plot_open(cli_plot *plot)
 {
     static char *const arguments[] = {"gnuplot", NULL};
     *plot = (cli_plot){.text = !cli_has_screen(), .every = 1};
-    rp_status status = cli_gnuplot_open(&plot->gnuplot, arguments, "gnuplot-nox", stderr);
-    if (status) return status;
+    RP_TRY(cli_gnuplot_open(&plot->gnuplot, arguments, "gnuplot-nox", stderr));
     plot->sample = cli_memory(MOST_SAMPLES, sizeof *plot->sample);
     plot->open = true;
     struct winsize size = {.ws_col = 80, .ws_row = 32};

@@ -31,8 +31,7 @@ rp_status rp_config_read(const char *path, config_t *config)
     config_init(config);
     snprintf(folder, sizeof folder, "%.*s", slash ? (int)(slash - path) + (slash == path) : 1,
              slash ? path : ".");
-    rp_status status = rp_config_scan_file(path, folder);
-    if (status) return status;
+    RP_TRY(rp_config_scan_file(path, folder));
     config_set_include_dir(config, folder);
     if (config_read_file(config, path) == CONFIG_FALSE) {
         char hint[256];
@@ -144,9 +143,9 @@ rp_status rp_config_value(const config_setting_t *setting, const rp_param *param
                               path_within(config_setting_parent(setting), path), param->name,
                               list ? "list" : "group");
     if (param->type == RP_FLAGS) *(unsigned *)((char *)values + param->offset) = 0;
-    return rp_params_set(param, values, &value)
-               ? rp_config_fail(setting, "%s%s", path_within(setting, path), rp_message())
-               : RP_OK;
+    if (rp_params_set(param, values, &value))
+        return rp_config_fail(setting, "%s%s", path_within(setting, path), rp_message());
+    return RP_OK;
 }
 
 static bool listed(const char *const *names, const char *name)
@@ -169,8 +168,7 @@ rp_status rp_config_group(const config_setting_t *group, const rp_param *schema,
         if (listed(others, name)) continue;
         const rp_param *param = rp_params_find(schema, name);
         if (!param) return rp_config_unknown(setting, schema, others, "");
-        rp_status status = rp_config_value(setting, param, values);
-        if (status) return status;
+        RP_TRY(rp_config_value(setting, param, values));
     }
     for (; schema->name; schema++)
         if (!schema->fallback && !config_setting_get_member(group, schema->name))

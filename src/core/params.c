@@ -191,8 +191,7 @@ static rp_status set_flags_text(const rp_param *param, void *values, const char 
         size_t n = strcspn(text, ",");
         snprintf(word, sizeof word, "%.*s", (int)n, text);
         rp_value v = {.kind = RP_V_TEXT, .s = word};
-        rp_status status = rp_params_set(param, values, &v);
-        if (status) return status;
+        RP_TRY(rp_params_set(param, values, &v));
         text += n + (text[n] == ',');
     }
     return RP_OK;

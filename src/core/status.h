@@ -36,6 +36,14 @@ typedef enum {
 /* Record a message and return `status`, so that a caller can write: return rp_fail(RP_BAD_INPUT, ...). */
 rp_status rp_fail(rp_status status, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
+/* Return from this function with the status of a call that fails. For functions that have nothing to free by
+ * then. */
+#define RP_TRY(call)                                                                                         \
+    do {                                                                                                     \
+        const rp_status try_status = (call);                                                                 \
+        if (try_status) return try_status;                                                                   \
+    } while (0)
+
 /* Prepend a prefix such as "file:line: " to the last recorded message; returns `status`. */
 rp_status rp_prefix(rp_status status, const char *format, ...) __attribute__((format(printf, 2, 3)));
 

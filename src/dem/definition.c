@@ -73,17 +73,16 @@ bool dem_has_rolling(const dem_definition *def)
 
 static rp_status check_material(const dem_definition *def, const dem_material *c)
 {
-    rp_status status = check_number("k_n", c->k_n, 0.0, "[0, inf)");
-    if (!status) status = check_number("gamma_n", c->gamma_n, 0.0, "[0, inf)");
-    if (!status && dem_has_spring(def->tangential)) status = check_number("k_s", c->k_s, DBL_MIN, "(0, inf)");
-    if (!status && dem_has_friction(def->tangential))
-        status = check_number("gamma_s", c->gamma_s, 0.0, "[0, inf)");
-    if (!status) status = rp_check_range("mu", c->mu, 0.0, INFINITY, "[0, inf) | infinite");
-    if (!status) status = check_number("mu_roll", c->mu_roll, 0.0, "[0, inf)");
-    if (!status) status = dem_material_check(def, c);
-    if (!status && dem_has_rolling(def)) status = check_number("k_roll", c->k_roll, DBL_MIN, "(0, inf)");
-    if (!status && dem_has_rolling(def)) status = check_number("gamma_roll", c->gamma_roll, 0.0, "[0, inf)");
-    return status;
+    RP_TRY(check_number("k_n", c->k_n, 0.0, "[0, inf)"));
+    RP_TRY(check_number("gamma_n", c->gamma_n, 0.0, "[0, inf)"));
+    if (dem_has_spring(def->tangential)) RP_TRY(check_number("k_s", c->k_s, DBL_MIN, "(0, inf)"));
+    if (dem_has_friction(def->tangential)) RP_TRY(check_number("gamma_s", c->gamma_s, 0.0, "[0, inf)"));
+    RP_TRY(rp_check_range("mu", c->mu, 0.0, INFINITY, "[0, inf) | infinite"));
+    RP_TRY(check_number("mu_roll", c->mu_roll, 0.0, "[0, inf)"));
+    RP_TRY(dem_material_check(def, c));
+    if (dem_has_rolling(def)) RP_TRY(check_number("k_roll", c->k_roll, DBL_MIN, "(0, inf)"));
+    if (dem_has_rolling(def)) RP_TRY(check_number("gamma_roll", c->gamma_roll, 0.0, "[0, inf)"));
+    return RP_OK;
 }
 
 rp_status dem_wall_check(const dem_wall *w)
@@ -155,9 +154,8 @@ static rp_status check_hard(const dem_definition *def)
 {
     const dem_hard *hard = &def->hard;
     if (!hard->on) return RP_OK;
-    rp_status status = rp_check_range("hard: restitution", hard->restitution, 0.0, 1.0, "[0, 1]");
-    if (!status) status = rp_check_range("hard: mu", hard->mu, 0.0, INFINITY, "[0, inf) | infinite");
-    if (status) return status;
+    RP_TRY(rp_check_range("hard: restitution", hard->restitution, 0.0, 1.0, "[0, 1]"));
+    RP_TRY(rp_check_range("hard: mu", hard->mu, 0.0, INFINITY, "[0, inf) | infinite"));
     /* a pair that has just collided must not be held back */
     if (def->tension)
         return rp_fail(RP_BAD_INPUT, "hard: collisions need normal forces that do not pull, tension = false");
@@ -171,9 +169,8 @@ rp_status dem_refuse_turn(void)
 
 rp_status dem_grain_check(const dem_definition *def, const dem_grain *p)
 {
-    rp_status status = check_number("r", p->r, DBL_MIN, "(0, inf)");
-    if (!status) status = check_number("m", p->m, DBL_MIN, "(0, inf)");
-    if (status) return status;
+    RP_TRY(check_number("r", p->r, DBL_MIN, "(0, inf)"));
+    RP_TRY(check_number("m", p->m, DBL_MIN, "(0, inf)"));
     if (p->fixed && (p->vx != 0.0 || p->vy != 0.0 || p->omega != 0.0))
         return rp_fail(RP_BAD_INPUT, "vx = %g, vy = %g, omega = %g: must be 0, it is fixed", p->vx, p->vy,
                        p->omega);
@@ -215,17 +212,15 @@ rp_status dem_laws_check(const dem_definition *def)
 {
     rp_status status = check_material(def, &def->material);
     if (status) return rp_prefix(status, "particles: ");
-    status = check_walls(def);
-    if (!status) status = check_ground(def);
-    if (!status) status = check_hard(def);
-    if (!status) status = dem_scheme_check(def);
-    if (status) return status;
+    RP_TRY(check_walls(def));
+    RP_TRY(check_ground(def));
+    RP_TRY(check_hard(def));
+    RP_TRY(dem_scheme_check(def));
     if (!dem_kernel_runs(def->kernel))
         return rp_fail(RP_BAD_INPUT, "kernel: this processor has no %s instructions",
                        def->kernel == DEM_AVX512 ? "AVX-512" : "AVX2");
-    status = check_number("dt", def->dt, DBL_MIN, "(0, inf)");
-    if (!status) status = check_number("skin", def->skin, 0.0, "[0, inf)");
-    if (status) return status;
+    RP_TRY(check_number("dt", def->dt, DBL_MIN, "(0, inf)"));
+    RP_TRY(check_number("skin", def->skin, 0.0, "[0, inf)"));
     if (!isfinite(def->gravity[0] + def->gravity[1] + def->turn_per_step) ||
         !(fabs(def->turn_per_step) < 1.0))
         return rp_fail(RP_BAD_INPUT, "gravity and its turn must be finite, the turn below one radian a step");
@@ -251,10 +246,9 @@ static rp_status check_wall_speeds(const dem_definition *def)
 
 rp_status dem_definition_check(const dem_definition *def)
 {
-    rp_status status = check_grain_values(def);
-    if (!status) status = dem_laws_check(def);
-    if (!status) status = check_wall_speeds(def);
-    if (status) return status;
+    RP_TRY(check_grain_values(def));
+    RP_TRY(dem_laws_check(def));
+    RP_TRY(check_wall_speeds(def));
     const char *what;
     double limit = dem_time_step_limit(def, &what);
     if (def->dt > limit)

@@ -62,10 +62,10 @@ static rp_status step(dem_sim *sim, bool last)
 {
     (void)last;
     dem_walls_move(sim);
-    rp_status status = dem_step_lists(sim, predict(sim));
-    if (!status) status = dem_step_forces(sim);
-    if (!status) correct(sim);
-    return status;
+    RP_TRY(dem_step_lists(sim, predict(sim)));
+    RP_TRY(dem_step_forces(sim));
+    correct(sim);
+    return RP_OK;
 }
 
 static void start(dem_sim *sim, size_t from)

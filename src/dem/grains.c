@@ -58,8 +58,7 @@ rp_status dem_grains_copy(const dem_grains *grains, const dem_definition *def, s
                           dem_grains *copy)
 {
     *copy = *grains;
-    rp_status status = dem_grains_alloc(copy, def, capacity, false);
-    if (status) return status;
+    RP_TRY(dem_grains_alloc(copy, def, capacity, false));
 #define X(type, name, need, role)                                                                            \
     if (copy->name && role != DEM_OF_STEP) memcpy(copy->name, grains->name, grains->n * sizeof(type));
     DEM_GRAIN_ARRAYS(X)

@@ -70,14 +70,10 @@ static rp_status check(const dem_definition *def)
             return rp_fail(RP_BAD_INPUT, "wall %zu moves, but the integrator implicit needs walls that stand",
                            w + 1);
     }
-    rp_status status = RP_OK;
     if (s->solver == DEM_SOLVER_SOR)
-        status =
-            rp_check_range("implicit: relaxation", s->relaxation, DBL_MIN, nextafter(2.0, 0.0), "(0, 2)");
-    if (!status) status = rp_check_range("implicit: tolerance", s->tolerance, 1e-15, 1e-3, "[1e-15, 1e-3]");
-    return status ? status
-                  : rp_check_range("implicit: max_iterations", (double)s->max_iterations, 1.0, INFINITY,
-                                   "[1, inf)");
+        RP_TRY(rp_check_range("implicit: relaxation", s->relaxation, DBL_MIN, nextafter(2.0, 0.0), "(0, 2)"));
+    RP_TRY(rp_check_range("implicit: tolerance", s->tolerance, 1e-15, 1e-3, "[1e-15, 1e-3]"));
+    return rp_check_range("implicit: max_iterations", (double)s->max_iterations, 1.0, INFINITY, "[1, inf)");
 }
 
 static rp_status no_memory(const dem_sim *sim)
@@ -448,9 +444,9 @@ static rp_status prepare(dem_sim *sim)
     free(m->contact);
     m->contact = malloc((dem_contact_numbers(sim) + 1) * sizeof *m->contact);
     if (!m->contact) return no_memory(sim);
-    rp_status status = sim->def.implicit.solver == DEM_SOLVER_SOR ? make_contacts_of(sim) : make_matrix(sim);
-    if (!status) m->list = sim->count.rebuilds;
-    return status;
+    RP_TRY(sim->def.implicit.solver == DEM_SOLVER_SOR ? make_contacts_of(sim) : make_matrix(sim));
+    m->list = sim->count.rebuilds;
+    return RP_OK;
 }
 
 static rp_status solve(dem_sim *sim)

@@ -142,8 +142,7 @@ static int by_key(const void *a, const void *b)
 rp_status dem_ledger_forces(dem_sim *sim, double h)
 {
     contact_list *now = &sim->ledger->now;
-    rp_status status = reserve(now, dem_count_touching(&sim->pairs) + sim->walls.n_slots + 1);
-    if (status) return status;
+    RP_TRY(reserve(now, dem_count_touching(&sim->pairs) + sim->walls.n_slots + 1));
     now->n = 0;
     for (size_t k = 0; k < dem_contact_numbers(sim); k++)
         if (k >= sim->pairs.n || dem_touches(&sim->pairs, k)) now->at[now->n++] = contact_now(sim, k, h);
@@ -154,8 +153,7 @@ rp_status dem_ledger_forces(dem_sim *sim, double h)
 rp_status dem_ledger_between(dem_sim *sim, const dem_vec *force)
 {
     contact_list *between = &sim->ledger->between;
-    rp_status status = reserve(between, dem_contact_numbers(sim));
-    if (status) return status;
+    RP_TRY(reserve(between, dem_contact_numbers(sim)));
     for (size_t i = 0; i < sim->grains.n; i++) sim->ledger->grain[sim->grains.id[i]].force = force[i];
     between->n = dem_contact_numbers(sim);
     for (size_t k = 0; k < between->n; k++) {
@@ -386,8 +384,7 @@ void dem_ledger_collision(dem_sim *sim, const size_t grain[2], const dem_body be
 rp_status dem_ledger_add(dem_sim *sim, const dem_grain *p)
 {
     struct dem_ledger_state *b = sim->ledger;
-    rp_status status = reserve_grains(sim, sim->grains.last_id + 1);
-    if (status) return status;
+    RP_TRY(reserve_grains(sim, sim->grains.last_id + 1));
     ledger_grain *g = &b->grain[sim->grains.last_id + 1];
     *g = (ledger_grain){.present = true, .x = {p->x, p->y}, .angle = p->angle, .mass = p->m};
     g->kinetic = 0.5 * p->m * (p->vx * p->vx + p->vy * p->vy) +

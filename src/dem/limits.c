@@ -212,8 +212,7 @@ rp_status dem_check_start_overlaps(const dem_sim *sim)
         if (dem_contact_relative(sim, k, false, &r))
             limit =
                 fmin(limit, contact_step_limit(&sim->def, r.c, pair_at(sim, &r), r.overlap, DEM_AT_START));
-    return sim->def.dt <= limit
-               ? RP_OK
-               : rp_fail(RP_BAD_INPUT, "dt = %g: too large for an initial overlap, the limit is %.3g",
-                         sim->def.dt, limit);
+    if (sim->def.dt <= limit) return RP_OK;
+    return rp_fail(RP_BAD_INPUT, "dt = %g: too large for an initial overlap, the limit is %.3g", sim->def.dt,
+                   limit);
 }

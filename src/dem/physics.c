@@ -143,8 +143,7 @@ rp_status dem_physics_resolve(dem_definition *def)
 
 rp_status dem_material_check(const dem_definition *def, const dem_material *m)
 {
-    rp_status status = check_restitution(m);
-    if (status) return status;
+    RP_TRY(check_restitution(m));
     const char *law = dem_normal_descriptors[def->normal].name;
     if (m->gamma_n < 0.0 && !(m->restitution > 0.0))
         return rp_fail(RP_BAD_INPUT, "gamma_n: has no default for the law %s; give it or restitution", law);
@@ -177,9 +176,7 @@ rp_status dem_density_check(dem_shape shape, bool given)
 
 rp_status dem_radius_check(double mean, double least, double most)
 {
-    return least <= mean && mean <= most
-               ? RP_OK
-               : rp_fail(RP_BAD_INPUT,
-                         "radius_mean = %g: must lie between radius_min = %g and radius_max = %g", mean,
-                         least, most);
+    if (least <= mean && mean <= most) return RP_OK;
+    return rp_fail(RP_BAD_INPUT, "radius_mean = %g: must lie between radius_min = %g and radius_max = %g",
+                   mean, least, most);
 }

@@ -208,15 +208,15 @@ static rp_status read_line(const config_setting_t *setting, const wall_entry *en
     const config_setting_t *extent = config_setting_get_member(setting, "extent");
     if (!point || !direction)
         return rp_config_fail(setting, "%s: missing (or polygon, or circle)", point ? "direction" : "point");
-    rp_status status = rp_config_pair(point, wall.point);
-    if (!status) status = rp_config_pair(direction, wall.direction);
-    if (!status) status = normalise(direction, wall.direction);
-    if (!status && extent) status = rp_config_pair(extent, wall.extent);
+    RP_TRY(rp_config_pair(point, wall.point));
+    RP_TRY(rp_config_pair(direction, wall.direction));
+    RP_TRY(normalise(direction, wall.direction));
+    if (extent) RP_TRY(rp_config_pair(extent, wall.extent));
     for (int end = 0; end < 2; end++) {
         wall.joined[end] = isfinite(entry->corner[end]);
         wall.corner[end] = wall.joined[end] ? entry->corner[end] : 0.0;
     }
-    return status ? status : add_wall(setting, &wall, scene);
+    return add_wall(setting, &wall, scene);
 }
 
 /* The sides of a polygon through n points (x, y), with the direction on the left of the way along them. */
@@ -224,8 +224,7 @@ static rp_status add_polygon(const config_setting_t *setting, const wall_entry *
                              size_t n, bool closed, dem_scene *scene)
 {
     const size_t first = scene->def.n_walls, sides = closed ? n : n - 1;
-    rp_status status = RP_OK;
-    for (size_t i = 0; i < sides && !status; i++) {
+    for (size_t i = 0; i < sides; i++) {
         const double *p = &points[2 * i], *q = &points[2 * ((i + 1) % n)];
         const double dx = q[0] - p[0], dy = q[1] - p[1], length = hypot(dx, dy);
         if (!(length > 0.0) || !isfinite(length))
@@ -235,9 +234,9 @@ static rp_status add_polygon(const config_setting_t *setting, const wall_entry *
         memcpy(wall.point, p, sizeof wall.point);
         wall.direction[0] = -dy / length, wall.direction[1] = dx / length;
         wall.extent[0] = 0.0, wall.extent[1] = length;
-        status = add_wall(setting, &wall, scene);
+        RP_TRY(add_wall(setting, &wall, scene));
     }
-    for (size_t i = closed ? 0 : 1; i < sides && !status; i++) {
+    for (size_t i = closed ? 0 : 1; i < sides; i++) {
         dem_wall *before = &scene->walls[first + (i + sides - 1) % sides], *after = &scene->walls[first + i];
         const double *a = before->direction, *b = after->direction;
         before->joined[1] = after->joined[0] = true;
@@ -248,7 +247,7 @@ static rp_status add_polygon(const config_setting_t *setting, const wall_entry *
     }
     for (size_t i = first; i < scene->def.n_walls && i < DEM_FEW_WALLS; i++)
         scene->def.walls[i] = scene->walls[i];
-    return status;
+    return RP_OK;
 }
 
 /* `polygon = ( [x, y], ... )`. */
@@ -294,15 +293,13 @@ static rp_status read_wall(const config_setting_t *setting, dem_scene *scene)
                                          "circle", "velocity",  "pivot",  NULL};
     wall_entry entry = {.line.extent = {-INFINITY, INFINITY}};
     rp_params_defaults(wall_schema, &entry);
-    rp_status status = rp_config_group(setting, wall_schema, &entry, others);
-    if (status) return status;
+    RP_TRY(rp_config_group(setting, wall_schema, &entry, others));
     const config_setting_t *polygon = config_setting_get_member(setting, "polygon"),
                            *circle = config_setting_get_member(setting, "circle"),
                            *velocity = config_setting_get_member(setting, "velocity"),
                            *pivot = config_setting_get_member(setting, "pivot");
-    if (velocity) status = rp_config_pair(velocity, entry.line.velocity);
-    if (!status && pivot) status = rp_config_pair(pivot, entry.line.pivot);
-    if (status) return status;
+    if (velocity) RP_TRY(rp_config_pair(velocity, entry.line.velocity));
+    if (pivot) RP_TRY(rp_config_pair(pivot, entry.line.pivot));
     const config_setting_t *shape = polygon ? polygon : circle;
     for (int k = 0; k < 3 && shape; k++)
         if (config_setting_get_member(setting, others[k]) || (polygon && circle))
@@ -319,10 +316,8 @@ static rp_status read_walls(const config_setting_t *root, dem_scene *scene)
     if (!list) return RP_OK;
     if (!config_setting_is_list(list)) return rp_config_fail(list, "walls: a list ( { ... } ) expected");
     const int n = config_setting_length(list);
-    rp_status status = RP_OK;
-    for (int i = 0; i < n && !status; i++)
-        status = read_wall(config_setting_get_elem(list, (unsigned)i), scene);
-    return status;
+    for (int i = 0; i < n; i++) RP_TRY(read_wall(config_setting_get_elem(list, (unsigned)i), scene));
+    return RP_OK;
 }
 
 /* A group that may be missing; its values then stay as they are. */
@@ -353,14 +348,14 @@ static rp_status read_particles(const config_setting_t *list, scene_file *file)
     if (!config_setting_is_list(list)) return rp_config_fail(list, "particles: a list ( { ... } ) expected");
     const size_t n = (size_t)config_setting_length(list);
     if (n == 0) return rp_config_fail(list, "particles: no particles");
-    rp_status status = alloc_grains(file, n);
-    for (size_t i = 0; i < n && !status; i++) {
+    RP_TRY(alloc_grains(file, n));
+    for (size_t i = 0; i < n; i++) {
         dem_grain *p = &file->scene.grains[i];
         rp_params_defaults(particle_schema, p);
-        status = rp_config_group(config_setting_get_elem(list, (unsigned)i), particle_schema, p, NULL);
-        if (!status && p->m < 0.0) status = mass_of(file, p->r, &p->m);
+        RP_TRY(rp_config_group(config_setting_get_elem(list, (unsigned)i), particle_schema, p, NULL));
+        if (p->m < 0.0) RP_TRY(mass_of(file, p->r, &p->m));
     }
-    return status;
+    return RP_OK;
 }
 
 static rp_status read_particles_table(const rp_table *table, scene_file *file)
@@ -375,27 +370,26 @@ static rp_status read_particles_table(const rp_table *table, scene_file *file)
                                               "x y r, and m vx vy angle omega fixed as needed", &columns[c]);
         if (found && !particle_schema[c].fallback) return found;
     }
-    rp_status status = alloc_grains(file, table->n_rows);
-    for (size_t i = 0; i < table->n_rows && !status; i++) {
+    RP_TRY(alloc_grains(file, table->n_rows));
+    for (size_t i = 0; i < table->n_rows; i++) {
         double v[N] = {0.0};
-        for (int c = 0; c < N && !status; c++)
-            if (columns[c] >= 0) status = rp_table_number(table, i, columns[c], 0, &v[c]);
-        if (!status && !(v[2] > 0.0))
+        for (int c = 0; c < N; c++)
+            if (columns[c] >= 0) RP_TRY(rp_table_number(table, i, columns[c], 0, &v[c]));
+        if (!(v[2] > 0.0))
             return rp_fail(RP_BAD_INPUT, "%s:%zu: r = %g: out of range, allowed: (0, inf)", table->path,
                            table->lines[i], v[2]);
-        if (!status && columns[3] < 0) status = mass_of(file, v[2], &v[3]);
+        if (columns[3] < 0) RP_TRY(mass_of(file, v[2], &v[3]));
         file->scene.grains[i] = (dem_grain){v[0], v[1], v[2], v[3], v[4], v[5], v[6], v[7], v[8] != 0.0};
     }
-    return status;
+    return RP_OK;
 }
 
 static rp_status read_fill(const config_setting_t *group, scene_file *file)
 {
     dem_fill *f = &file->scene.fill;
     rp_params_defaults(fill_schema, f);
-    rp_status status = rp_config_group(group, fill_schema, f, NULL);
-    if (status) return status;
-    status = dem_radius_check(f->radius_mean, f->radius_min, f->radius_max);
+    RP_TRY(rp_config_group(group, fill_schema, f, NULL));
+    rp_status status = dem_radius_check(f->radius_mean, f->radius_min, f->radius_max);
     if (!status) status = dem_density_check(file->physics.shape, file->has_density);
     if (status) return rp_config_fail(group, "%s", rp_message());
     f->shape = file->physics.shape;
@@ -474,9 +468,8 @@ static rp_status step_into(char *name, const char *text, config_setting_t **grou
     if (!config_setting_is_list(member) && i != -1)
         return rp_fail(RP_BAD_INPUT, "--set %s: %s is no list with entries", text, name);
     *group = i < 0 ? member : config_setting_get_elem(member, (unsigned)i);
-    return config_setting_is_group(*group)
-               ? RP_OK
-               : rp_fail(RP_BAD_INPUT, "--set %s: %s has no keys of its own", text, name);
+    if (config_setting_is_group(*group)) return RP_OK;
+    return rp_fail(RP_BAD_INPUT, "--set %s: %s has no keys of its own", text, name);
 }
 
 /* Add a copy of the value to a group under this name; to a list or an array without a name. */
@@ -535,35 +528,32 @@ static rp_status read_scene(const char *path, config_t *config, const rp_texts *
     static const char *const others[] = {"gravity", "normal", "tangential", "rolling",  "walls", "particles",
                                          "fill",    "ground", "hard",       "implicit", NULL};
     const char *units = NULL;
-    rp_status status = rp_config_read(path, config);
-    for (size_t i = 0; !status && changes && i < changes->n; i++) status = change(config, changes->items[i]);
-    if (status) return status;
+    RP_TRY(rp_config_read(path, config));
+    for (size_t i = 0; changes && i < changes->n; i++) RP_TRY(change(config, changes->items[i]));
     const config_setting_t *root = config_root_setting(config);
     config_lookup_string(config, "units", &units);
     rp_units_set(rp_units_find(units));
     rp_params_defaults(top_schema, file);
-    status = rp_config_group(root, top_schema, file, others);
-    if (status) return status;
+    RP_TRY(rp_config_group(root, top_schema, file, others));
     file->has_density = config_setting_get_member(root, "density") != NULL;
     dem_definition *def = &file->scene.def;
     def->gravity[1] = rp_units_value("cm/s^2", def->gravity[1]);
     const config_setting_t *gravity = config_setting_get_member(root, "gravity");
-    if (gravity && (status = rp_config_pair(gravity, def->gravity)) != RP_OK) return status;
+    if (gravity) RP_TRY(rp_config_pair(gravity, def->gravity));
     def->skin = fmax(def->skin, 0.0);
     def->y_min = isinf(file->y_min) ? -INFINITY : file->y_min;
     def->turn_per_step = file->turn_deg * (M_PI / 180.0);
     def->box_turn_per_step = file->box_turn_deg * (M_PI / 180.0);
-    status = read_physics(root, &file->physics, def);
-    if (!status) status = read_walls(root, &file->scene);
+    RP_TRY(read_physics(root, &file->physics, def));
+    RP_TRY(read_walls(root, &file->scene));
     def->hard.on = config_setting_get_member(root, "hard") != NULL;
     const config_setting_t *implicit = config_setting_get_member(root, "implicit");
-    if (!status) status = read_group(root, "ground", ground_schema, &def->ground);
-    if (!status) status = read_group(root, "hard", hard_schema, &def->hard);
-    if (!status && implicit && def->integrator != DEM_IMPLICIT)
-        status = rp_config_fail(implicit, "implicit: needs integrator = \"implicit\"");
-    if (!status) status = read_group(root, "implicit", implicit_schema, &def->implicit);
-    if (!status) status = read_grains(path, root, file);
-    return status;
+    RP_TRY(read_group(root, "ground", ground_schema, &def->ground));
+    RP_TRY(read_group(root, "hard", hard_schema, &def->hard));
+    if (implicit && def->integrator != DEM_IMPLICIT)
+        return rp_config_fail(implicit, "implicit: needs integrator = \"implicit\"");
+    RP_TRY(read_group(root, "implicit", implicit_schema, &def->implicit));
+    return read_grains(path, root, file);
 }
 
 rp_status dem_scene_read(const char *path, const rp_texts *changes, dem_scene *scene)

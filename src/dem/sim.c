@@ -144,14 +144,14 @@ rp_status dem_create(const dem_definition *def, dem_sim **sim)
 
 static rp_status copy_parts(const dem_sim *sim, size_t capacity, dem_sim *c)
 {
-    rp_status status = dem_grains_copy(&sim->grains, &sim->def, capacity, &c->grains);
-    if (!status) status = dem_pairs_copy(&sim->pairs, &c->pairs);
-    if (!status && sim->pairs.n_chunks > 0) status = dem_pairs_plan_chunks(&c->pairs, c->grains.n);
-    if (!status) status = dem_walls_copy(&sim->walls, sim->def.n_walls, &c->walls);
+    RP_TRY(dem_grains_copy(&sim->grains, &sim->def, capacity, &c->grains));
+    RP_TRY(dem_pairs_copy(&sim->pairs, &c->pairs));
+    if (sim->pairs.n_chunks > 0) RP_TRY(dem_pairs_plan_chunks(&c->pairs, c->grains.n));
+    RP_TRY(dem_walls_copy(&sim->walls, sim->def.n_walls, &c->walls));
     c->def.wall_list = c->walls.wall;
-    if (!status) status = dem_neighbours_alloc(c, sim);
-    if (!status && sim->ledger) status = dem_ledger_clone(c, sim);
-    return status;
+    RP_TRY(dem_neighbours_alloc(c, sim));
+    if (sim->ledger) RP_TRY(dem_ledger_clone(c, sim));
+    return RP_OK;
 }
 
 void dem_forget_parts(dem_sim *sim)
@@ -194,8 +194,7 @@ static rp_status check_new_grain(const dem_sim *sim, const dem_grain *p)
 {
     dem_grain boxed = *p;
     dem_box_frame(sim, &boxed.x, &boxed.y);
-    rp_status status = dem_grain_check(&sim->def, &boxed);
-    if (status) return status;
+    RP_TRY(dem_grain_check(&sim->def, &boxed));
     if (p->fixed) return rp_fail(RP_BAD_INPUT, "a fixed grain must be there from the start");
     dem_definition def = sim->def;
     def.grains = (dem_grain[]){*p, *p};
@@ -236,8 +235,7 @@ rp_status dem_add(dem_sim *sim, const dem_grain *grain, uint32_t *id)
     if (status) return rp_prefix(status, "new particle: ");
     if (sim->grains.n == sim->grains.capacity) {
         dem_sim *larger, old = *sim;
-        status = copy_with_capacity(sim, 2 * sim->grains.capacity, &larger);
-        if (status) return status;
+        RP_TRY(copy_with_capacity(sim, 2 * sim->grains.capacity, &larger));
         *sim = *larger;
         *larger = old;
         dem_free(larger);

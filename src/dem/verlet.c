@@ -118,10 +118,9 @@ static rp_status step(dem_sim *sim, bool last)
     if (status) return status;
     dem_walls_move(sim);
     sim->ahead = false;
-    status = dem_step_lists(sim, hard    ? dem_hard_move(sim)
-                                 : ahead ? sim->ahead_left
-                                         : move(sim, 0, sim->grains.n));
-    if (status) return status;
+    RP_TRY(dem_step_lists(sim, hard    ? dem_hard_move(sim)
+                               : ahead ? sim->ahead_left
+                                       : move(sim, 0, sim->grains.n)));
     return !last && may_run_ahead(sim) ? run_ahead(sim) : dem_step_forces(sim);
 }
 

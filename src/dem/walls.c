@@ -25,18 +25,16 @@ rp_status dem_walls_alloc(dem_walls *walls, size_t n)
     walls->force = calloc(n + 1, sizeof *walls->force);
     walls->mu = calloc(n + 1, sizeof *walls->mu);
     walls->line = calloc(n + 1, sizeof *walls->line);
-    return walls->slot && walls->start && walls->next && walls->wall && walls->force && walls->mu &&
-                   walls->line
-               ? RP_OK
-               : rp_fail(RP_NO_MEMORY, "%zu walls: out of memory", n);
+    if (walls->slot && walls->start && walls->next && walls->wall && walls->force && walls->mu && walls->line)
+        return RP_OK;
+    return rp_fail(RP_NO_MEMORY, "%zu walls: out of memory", n);
 }
 
 rp_status dem_walls_copy(const dem_walls *walls, size_t n, dem_walls *copy)
 {
     *copy = *walls;
     dem_walls_forget(copy);
-    rp_status status = dem_walls_alloc(copy, n);
-    if (status) return status;
+    RP_TRY(dem_walls_alloc(copy, n));
     if (walls->n_slots) memcpy(copy->slot, walls->slot, walls->n_slots * sizeof *copy->slot);
     memcpy(copy->start, walls->start, (n + 1) * sizeof *copy->start);
     memcpy(copy->next, walls->next, n * sizeof *copy->next);
@@ -97,8 +95,7 @@ static dem_vec swing_of(dem_vec turn, double dt)
 rp_status dem_walls_place(dem_sim *sim, const dem_definition *def)
 {
     dem_walls *const walls = &sim->walls;
-    rp_status status = dem_walls_alloc(walls, def->n_walls);
-    if (status) return status;
+    RP_TRY(dem_walls_alloc(walls, def->n_walls));
     memcpy(walls->wall, dem_walls_of(def), def->n_walls * sizeof *walls->wall);
     sim->def.wall_list = walls->wall;
     walls->turn = (dem_vec){1.0, 0.0};

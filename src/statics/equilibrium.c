@@ -146,16 +146,15 @@ static rp_status check_disks(const statics_definition *def)
 
 static rp_status check_definition(const statics_definition *def)
 {
-    rp_status status = rp_check_range("eps", def->eps, 0, 0.1, "[0, 0.1]");
-    if (!status && def->well == STATICS_WELL_SPRING)
-        status = rp_check_range("k_x", def->k_x, DBL_MIN, 1e9, "(0, 1e9]");
-    if (!status && def->well == STATICS_WELL_FRICTION) {
-        status = rp_check_range("mu", def->mu, DBL_MIN, 1e9, "(0, 1e9]");
-        if (!status) status = rp_check_range("a", def->a, DBL_MIN, 1e9, "(0, 1e9]");
+    RP_TRY(rp_check_range("eps", def->eps, 0, 0.1, "[0, 0.1]"));
+    if (def->well == STATICS_WELL_SPRING) RP_TRY(rp_check_range("k_x", def->k_x, DBL_MIN, 1e9, "(0, 1e9]"));
+    if (def->well == STATICS_WELL_FRICTION) {
+        RP_TRY(rp_check_range("mu", def->mu, DBL_MIN, 1e9, "(0, 1e9]"));
+        RP_TRY(rp_check_range("a", def->a, DBL_MIN, 1e9, "(0, 1e9]"));
     }
-    if (!status) status = rp_check_range("set_load", def->set_load, 0, 1, "[0, 1]");
-    if (!status) status = rp_check_range("load_steps", (double)def->load_steps, 1, 1e6, "[1, 1000000]");
-    return status ? status : check_disks(def);
+    RP_TRY(rp_check_range("set_load", def->set_load, 0, 1, "[0, 1]"));
+    RP_TRY(rp_check_range("load_steps", (double)def->load_steps, 1, 1e6, "[1, 1000000]"));
+    return check_disks(def);
 }
 
 /* Overlap in eps sigma; 0 within rounding of touching. */
@@ -215,8 +214,7 @@ static rp_status refuse_hanging(const statics_pile *pile, size_t n, const size_t
 
 static rp_status find_network(statics_pile *pile)
 {
-    rp_status status = statics_bonds_find(pile->n, pile->disks, REACH, &pile->pairs, &pile->n_bonds);
-    if (status) return status;
+    RP_TRY(statics_bonds_find(pile->n, pile->disks, REACH, &pile->pairs, &pile->n_bonds));
     size_t hang[NAMED + 1];
     const size_t hanging = statics_bonds_unsupported(pile->n, pile->disks, pile->pairs, pile->n_bonds, REACH,
                                                      pile->trial, NAMED + 1, hang);
@@ -226,9 +224,9 @@ static rp_status find_network(statics_pile *pile)
     pile->changed = malloc(pile->n_changes * sizeof *pile->changed);
     pile->direction = malloc(pile->n_changes * sizeof *pile->direction);
     if (!pile->bonds || !pile->changed || !pile->direction) return no_memory(pile->n);
-    status = make_bonds(pile);
-    if (!status) make_wells(pile);
-    return status ? status : rp_stiffness_create(pile->n, pile->n_bonds, pile->pairs, &pile->matrix);
+    RP_TRY(make_bonds(pile));
+    make_wells(pile);
+    return rp_stiffness_create(pile->n, pile->n_bonds, pile->pairs, &pile->matrix);
 }
 
 rp_status statics_create(const statics_definition *def, statics_pile **made)
@@ -593,9 +591,8 @@ static rp_status newton(statics_pile *pile, bool start, int mode)
         if (r->fault) return RP_NO_RESULT;
         if (pile->def.watch) pile->def.watch(pile->n, r, pile->def.context);
         const bool serves = pile->factored && r->residual <= KEEP_FACTOR * last && same_contacts(pile);
-        rp_status status = serves ? rp_stiffness_solve(pile->matrix, pile->g, pile->p)
-                                  : find_step(pile, start, mode, r->residual < last);
-        if (status) return status;
+        RP_TRY(serves ? rp_stiffness_solve(pile->matrix, pile->g, pile->p)
+                      : find_step(pile, start, mode, r->residual < last));
         last = r->residual;
         for (size_t i = 0; i < 2 * pile->n; i++) pile->p[i] = -pile->p[i];
         r->residual = advance(pile, mode == FOLLOW || (mode == STRIDE && step < STEPS_STRIDE));
@@ -860,10 +857,9 @@ static rp_status go_to_minimum(statics_pile *pile)
 {
     const double primary = energy(pile);
     for (int i = 0; pile->result.negative_modes && i < KICKS; i++) {
-        rp_status status = kick(pile);
-        if (!status) status = settle(pile, DESCEND);
-        if (!status) status = count_modes(pile);
-        if (status) return status;
+        RP_TRY(kick(pile));
+        RP_TRY(settle(pile, DESCEND));
+        RP_TRY(count_modes(pile));
     }
     if (pile->def.leave && !pile->result.jumps) pile->result.released = primary - energy(pile);
     return pile->result.negative_modes ? no_result(pile, STATICS_NOT_CONVERGED, "no stable state downhill; ")

@@ -94,8 +94,7 @@ static rp_status crossing(problem *s, size_t p, double inside, double outside, d
     const double tolerance = 1e-9 * (s->c->hi[p] - s->c->lo[p]);
     while (fabs(outside - inside) > tolerance) {
         double middle = 0.5 * (inside + outside), chi2;
-        rp_status status = profile(s, p, middle, &chi2);
-        if (status) return status;
+        RP_TRY(profile(s, p, middle, &chi2));
         if (chi2 <= limit)
             inside = middle;
         else
@@ -242,20 +241,19 @@ rp_status stats_calibration_invert(const stats_calibration *c, const stats_measu
     for (size_t p = 0; p < c->n_params; p++)
         result[p] =
             (stats_calibrated){.value = NAN, .se = NAN, .boot_se = NAN, .boot_lower = NAN, .boot_upper = NAN};
-    rp_status status = check_measured(c, measured);
-    if (!status) status = search(&s, x, &chi2);
-    if (status) return status;
+    RP_TRY(check_measured(c, measured));
+    RP_TRY(search(&s, x, &chi2));
     double dof = (double)(c->n_angles > c->n_params ? c->n_angles - c->n_params : c->n_angles);
     if (!(gsl_cdf_chisq_Q(chi2, dof) >= match_level)) {
         no_match(&s, x, result);
         return RP_OK;
     }
     standard_errors(&s, x, result);
-    for (size_t p = 0; !status && p < c->n_params; p++) {
-        status = find_intervals(&s, p, &result[p]);
-        if (!status) judge(&s, p, &result[p]);
+    for (size_t p = 0; p < c->n_params; p++) {
+        RP_TRY(find_intervals(&s, p, &result[p]));
+        judge(&s, p, &result[p]);
     }
-    return status;
+    return RP_OK;
 }
 
 /* ---- bootstrap ---- */

@@ -71,8 +71,7 @@ rp_status stats_mean(size_t n, const double v[], stats_summary *stats)
 rp_status stats_expected_maximum(size_t n, const double v[], size_t draws, double work[], double *maximum)
 {
     *maximum = NAN;
-    rp_status status = stats_check_finite(n, v);
-    if (status) return status;
+    RP_TRY(stats_check_finite(n, v));
     if (draws < 1) return rp_fail(RP_BAD_INPUT, "draws = 0: out of range, allowed: [1, inf)");
     if (draws > n) return rp_fail(RP_NO_RESULT, "%zu values: too few for a maximum of %zu", n, draws);
     memcpy(work, v, n * sizeof *work);
@@ -112,12 +111,12 @@ rp_status stats_maximum_error(size_t n, const double v[], size_t draws, size_t n
     double *sample = work + n, *maxima = sample + n;
     stats_summary spread;
     *se = NAN;
-    rp_status status = stats_check_resamples(n_resamples);
-    for (size_t b = 0; b < n_resamples && !status; b++) {
+    RP_TRY(stats_check_resamples(n_resamples));
+    for (size_t b = 0; b < n_resamples; b++) {
         for (size_t i = 0; i < n; i++) sample[i] = v[gsl_rng_uniform_int(rng, n)];
-        status = stats_expected_maximum(n, sample, draws, work, &maxima[b]);
+        RP_TRY(stats_expected_maximum(n, sample, draws, work, &maxima[b]));
     }
-    if (!status) status = stats_mean(n_resamples, maxima, &spread);
-    if (!status) *se = spread.sd;
-    return status;
+    RP_TRY(stats_mean(n_resamples, maxima, &spread));
+    *se = spread.sd;
+    return RP_OK;
 }

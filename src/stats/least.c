@@ -48,7 +48,6 @@ rp_status stats_least(double (*f)(const double x[], void *data), void *data, con
     nlopt_set_maxeval(o, 2000);
     const nlopt_result result = nlopt_optimize(o, x, value);
     nlopt_destroy(o);
-    return result > 0 || result == NLOPT_ROUNDOFF_LIMITED
-               ? RP_OK
-               : rp_fail(RP_BROKEN, "minimum not found: %s", nlopt_result_to_string(result));
+    if (result > 0 || result == NLOPT_ROUNDOFF_LIMITED) return RP_OK;
+    return rp_fail(RP_BROKEN, "minimum not found: %s", nlopt_result_to_string(result));
 }

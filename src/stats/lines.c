@@ -30,8 +30,7 @@ rp_status stats_line_fit(size_t n, const double x[], const double y[], const dou
                          stats_line *line)
 {
     *line = (stats_line){n, 0, NAN, NAN, NAN, NAN, NAN, NAN, NAN};
-    rp_status status = check_points(n, x, y, se, origin);
-    if (status) return status;
+    RP_TRY(check_points(n, x, y, se, origin));
     double *w = malloc(n * sizeof *w), variance = 0.0, slope_variance;
     if (!w) return rp_fail(RP_NO_MEMORY, "line: out of memory");
     for (size_t i = 0; i < n; i++) w[i] = se ? 1.0 / (se[i] * se[i]) : 1.0;
@@ -105,9 +104,8 @@ rp_status stats_successive(size_t n, const double x[], const double y[], const d
     if (n < 3) return rp_fail(RP_NO_RESULT, "%zu points, at least 3 needed", n);
     for (size_t k = 0; k + 3 <= n; k++) {
         stats_prefix *p = &prefixes[k];
-        rp_status status = stats_line_fit(k + 3, x, y, se, false, &p->line);
-        if (!status) status = stats_bend(k + 3, x, y, se, &p->bend);
-        if (status) return status;
+        RP_TRY(stats_line_fit(k + 3, x, y, se, false, &p->line));
+        RP_TRY(stats_bend(k + 3, x, y, se, &p->bend));
         p->p_bend = stats_contrast_p(&p->bend);
         linear = linear && p->line.p_value >= level;
         bend_free = bend_free && p->p_bend >= level;

@@ -94,8 +94,7 @@ rp_status stats_points_make(const stats_ensemble *piles, stats_calibration *c)
 {
     enum { N_ARRAYS = STATS_MAX_PARAMS + 3 * STATS_MAX_ANGLES };
     *c = (stats_calibration){.n_params = piles->n_params, .n_angles = piles->n_angles};
-    rp_status status = check_piles(piles);
-    if (status) return status;
+    RP_TRY(check_piles(piles));
     c->block = calloc((N_ARRAYS + 1) * (piles->n + 1), sizeof *c->block);
     c->pile = calloc(2 * (piles->n + 1), sizeof *c->pile);
     if (!c->block || !c->pile) return rp_fail(RP_NO_MEMORY, "calibrate: out of memory");
@@ -144,10 +143,9 @@ static rp_status check_rectangle(const stats_calibration *c)
             for (before = 0; before < g && c->x[p][before] != c->x[p][g]; before++) continue;
             n[p] += before == g;
         }
-    return n[0] > 1 && n[1] > 1 && n[0] * n[1] == c->n_points
-               ? RP_OK
-               : rp_fail(RP_BAD_INPUT, "%zu x %zu values of two parameters in %zu points: a full grid needed",
-                         n[0], n[1], c->n_points);
+    if (n[0] > 1 && n[1] > 1 && n[0] * n[1] == c->n_points) return RP_OK;
+    return rp_fail(RP_BAD_INPUT, "%zu x %zu values of two parameters in %zu points: a full grid needed", n[0],
+                   n[1], c->n_points);
 }
 
 /* ---- scatter of piles ---- */
@@ -324,8 +322,7 @@ static rp_status find_scale(problem *s)
     const double range = s->r->hi[0] - s->r->lo[0];
     const double lo[2] = {log(0.05 * range)}, hi[2] = {log(3.0 * range)};
     double at[2], value;
-    rp_status status = stats_least(chi2_of_scale, s, lo, hi, 12, at, &value);
-    if (status) return status;
+    RP_TRY(stats_least(chi2_of_scale, s, lo, hi, 12, at, &value));
     if (!(isfinite(value) && *at > *lo + 1e-6 && *at < *hi - 1e-6))
         return rp_fail(RP_NO_RESULT, "scale: not determined by the points");
     chi2_of_scale(at, s);
@@ -422,16 +419,16 @@ static rp_status choose_form(stats_calibration *c, size_t angle)
 
 rp_status stats_calibration_fit(const stats_ensemble *piles, stats_calibration *c)
 {
-    rp_status status = stats_points_make(piles, c);
-    if (!status && c->n_points < 4 * c->n_params)
-        status = rp_fail(RP_BAD_INPUT, "%zu points with piles, at least %zu needed for a response",
-                         c->n_points, 4 * c->n_params);
-    if (!status) status = check_spread(c);
-    if (!status) status = check_rectangle(c);
-    if (!status) set_range(c);
-    for (size_t a = 0; !status && a < c->n_angles; a++) {
-        status = fit_scatter(c, a);
-        if (!status) status = choose_form(c, a);
+    RP_TRY(stats_points_make(piles, c));
+    if (c->n_points < 4 * c->n_params)
+        return rp_fail(RP_BAD_INPUT, "%zu points with piles, at least %zu needed for a response", c->n_points,
+                       4 * c->n_params);
+    RP_TRY(check_spread(c));
+    RP_TRY(check_rectangle(c));
+    set_range(c);
+    for (size_t a = 0; a < c->n_angles; a++) {
+        RP_TRY(fit_scatter(c, a));
+        RP_TRY(choose_form(c, a));
     }
-    return status;
+    return RP_OK;
 }

@@ -11,13 +11,12 @@ static const size_t LEAST_BLOCKS = 4;
 rp_status stats_blocking(size_t n, const double v[], double work[], stats_series *series)
 {
     *series = (stats_series){n, NAN, NAN, NAN, NAN, NAN, 0};
-    rp_status status = stats_check_finite(n, v);
-    if (status) return status;
+    RP_TRY(stats_check_finite(n, v));
     if (n < LEAST_BLOCKS) return rp_fail(RP_NO_RESULT, "%zu values: at least %zu needed", n, LEAST_BLOCKS);
     const double count = (double)n;
     stats_summary all, means;
     memcpy(work, v, n * sizeof *work);
-    status = stats_mean(n, v, &all);
+    rp_status status = stats_mean(n, v, &all);
     series->mean = all.mean;
     series->sd = all.sd;
     double block = 1.0;
@@ -41,8 +40,7 @@ rp_status stats_blocking(size_t n, const double v[], double work[], stats_series
 rp_status stats_level_off(size_t n, const double v[], size_t *from)
 {
     *from = 0;
-    rp_status status = stats_check_finite(n, v);
-    if (status) return status;
+    RP_TRY(stats_check_finite(n, v));
     if (n < LEAST_BLOCKS) return rp_fail(RP_NO_RESULT, "%zu values: at least %zu needed", n, LEAST_BLOCKS);
     /* from the end backwards, mean and scatter of what has been passed (Welford 1962) */
     double mean = 0.0, squares = 0.0, least = INFINITY;
@@ -54,9 +52,9 @@ rp_status stats_level_off(size_t n, const double v[], size_t *from)
         least = squares / (kept * kept);
         *from = i;
     }
-    return *from < n / 2 ? RP_OK
-                         : rp_fail(RP_NO_RESULT,
-                                   "the series of %zu values has not levelled off before its "
-                                   "second half",
-                                   n);
+    if (*from < n / 2) return RP_OK;
+    return rp_fail(RP_NO_RESULT,
+                   "the series of %zu values has not levelled off before its "
+                   "second half",
+                   n);
 }

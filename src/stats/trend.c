@@ -83,8 +83,7 @@ static rp_status fill_cells(sample *s)
         else
             for (; first + n < s->n && s->points[first + n].x == s->cells[j].x; n++)
                 s->work[n] = s->points[first + n].y;
-        rp_status status = stats_mean(n, s->work, &stats);
-        if (status) return status;
+        RP_TRY(stats_mean(n, s->work, &stats));
         s->cells[j] = (cell){s->cells[j].x, (double)n, NAN, stats.mean, stats.se * stats.se};
         single = single || n < 2;
         first += n;
@@ -218,8 +217,7 @@ static rp_status analyse(sample *s, double power, double margin, stats_trend *tr
         return rp_fail(RP_NO_RESULT,
                        "no trend: %zu values%s at %zu different x; at least 3 values at 2 x%s needed", s->n,
                        s->paired ? " of whole piles" : "", s->n_x, s->paired ? " of 2 piles" : "");
-    status = fill_cells(s);
-    if (status) return status;
+    RP_TRY(fill_cells(s));
     set_moments(s, power);
     if (!isnan(s->residual)) set_residual(s);
     trend->from = s->cells[0].x;

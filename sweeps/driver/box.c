@@ -109,9 +109,8 @@ rp_status sweep_box_check(const sweep_box *b, double drop)
 {
     dem_scene scene;
     sweep_box_scene(b, &scene);
-    rp_status status = dem_radius_check(b->radius_mean, b->radius_min, b->radius_max);
-    if (!status) status = dem_physics_check(&scene.def);
-    if (status) return status;
+    RP_TRY(dem_radius_check(b->radius_mean, b->radius_min, b->radius_max));
+    RP_TRY(dem_physics_check(&scene.def));
     if (b->W < 10.0 * b->radius_mean)
         return rp_fail(RP_BAD_INPUT, "W = %g: at least five grain diameters (%g) expected", b->W,
                        10.0 * b->radius_mean);
@@ -150,9 +149,8 @@ rp_status sweep_box_begin(sweep_box_run *run, const sweep_box *box, size_t most,
     SWEEP_ENTER(run->keep, run->scene.def.walls[DEM_BOX_RIGHT].open_at_step);
     if (!run->tables) return run->keep ? run->keep->source.status : RP_OK;
     run->scene.def.ledger = tables->ledger;
-    rp_status status = rp_make_directory(tables->directory);
-    if (!status) status = sweep_table_open(tables, "energy.tsv", &run->energy);
-    if (status) return status;
+    RP_TRY(rp_make_directory(tables->directory));
+    RP_TRY(sweep_table_open(tables, "energy.tsv", &run->energy));
     dem_write_energy_columns(tables->ledger, run->energy.out);
     sweep_keep_enter_file(run->keep, run->energy.out);
     return run->keep ? run->keep->source.status : RP_OK;
@@ -265,8 +263,7 @@ rp_status sweep_box_surface(sweep_box_run *run, const ang_options *options, ang_
     const size_t n_all = dem_count(run->sim);
     double *x = run->work, *y = x + n_all, *r = y + n_all;
     *surface = (ang_surface){0};
-    rp_status status = dem_states(run->sim, run->states);
-    if (status) return status;
+    RP_TRY(dem_states(run->sim, run->states));
     size_t n = 0;
     for (size_t i = 0; i < n_all; i++) {
         if (run->states[i].fixed) continue;
@@ -274,7 +271,7 @@ rp_status sweep_box_surface(sweep_box_run *run, const ang_options *options, ang_
         y[n] = run->states[i].y;
         r[n++] = run->states[i].r;
     }
-    status = ang_surface_make(n, x, y, r, run->box->W, options, surface);
+    rp_status status = ang_surface_make(n, x, y, r, run->box->W, options, surface);
     run->cells = (double)surface->n_occupied;
     return status == RP_NO_RESULT ? sweep_conclude(run->result, "no_pile", "%s", rp_message()) : status;
 }
@@ -310,8 +307,7 @@ rp_status sweep_state_write(const sweep_tables *tables, const dem_sim *sim, cons
         char name[64];
         sweep_file f;
         snprintf(name, sizeof name, "%s_%s.tsv", stage, list[i].name);
-        status = sweep_table_open(tables, name, &f);
-        if (status) return status;
+        RP_TRY(sweep_table_open(tables, name, &f));
         list[i].columns(f.out);
         status = sweep_table_close(&f, list[i].rows(sim, f.out));
     }
@@ -326,11 +322,11 @@ static long count_grains(const sweep_box *box)
 
 rp_status sweep_box_check_fill(const sweep_box *box)
 {
-    rp_status status = sweep_box_check(box, 2.0 * box->H);
-    if (!status && count_grains(box) < 1)
-        status = rp_fail(RP_BAD_INPUT, "W = %g, H = %g: no room for one grain of radius_mean = %g", box->W,
-                         box->H, box->radius_mean);
-    return status;
+    RP_TRY(sweep_box_check(box, 2.0 * box->H));
+    if (count_grains(box) < 1)
+        return rp_fail(RP_BAD_INPUT, "W = %g, H = %g: no room for one grain of radius_mean = %g", box->W,
+                       box->H, box->radius_mean);
+    return RP_OK;
 }
 
 rp_status sweep_box_begin_filled(sweep_box_run *run, const sweep_box *b, unsigned long seed,

@@ -82,20 +82,19 @@ static rp_status take_source(sweep_store *s, const sweep_plan *plan, const char 
 {
     char hash[33], beat[32];
     long long before, rows, after;
-    rp_status status = check_source(s, plan, path);
-    if (!status && verify) status = sweep_store_verify(s, "source", path);
-    if (!status) status = sweep_store_note(s, "source", "plan", hash, sizeof hash);
-    if (!status) status = sweep_store_note(s, "source", "beat", beat, sizeof beat);
-    if (!status) status = find_conflict(s, plan, path);
-    if (!status) status = sweep_sql_number(s, "SELECT count(*) FROM temp.runs", &before);
-    if (!status) status = sweep_sql_number(s, "SELECT count(*) FROM source.runs", &rows);
-    if (!status && strcmp(hash, plan->hash) != 0) {
+    RP_TRY(check_source(s, plan, path));
+    if (verify) RP_TRY(sweep_store_verify(s, "source", path));
+    RP_TRY(sweep_store_note(s, "source", "plan", hash, sizeof hash));
+    RP_TRY(sweep_store_note(s, "source", "beat", beat, sizeof beat));
+    RP_TRY(find_conflict(s, plan, path));
+    RP_TRY(sweep_sql_number(s, "SELECT count(*) FROM temp.runs", &before));
+    RP_TRY(sweep_sql_number(s, "SELECT count(*) FROM source.runs", &rows));
+    if (strcmp(hash, plan->hash) != 0) {
         *same = false; /* numbers of another plan may meet those of this one */
-        status = sweep_sql(s, "unite the stores", "DROP INDEX IF EXISTS temp.by_run");
+        RP_TRY(sweep_sql(s, "unite the stores", "DROP INDEX IF EXISTS temp.by_run"));
     }
-    if (!status) status = take_rows(s, plan, "source");
-    if (!status) status = sweep_sql_number(s, "SELECT count(*) FROM temp.runs", &after);
-    if (status) return status;
+    RP_TRY(take_rows(s, plan, "source"));
+    RP_TRY(sweep_sql_number(s, "SELECT count(*) FROM temp.runs", &after));
     found->sources++;
     found->running += is_running(beat);
     found->duplicates += (size_t)(before + rows - after);

@@ -16,8 +16,7 @@ static rp_status cut_profile(const an_profile *profile, long k, double theta, lo
     for (long s = 0; s < k; s++)
         for (up[s] = 1; s + up[s] < k; up[s]++) {
             double top, x = left + fmin(((double)s + 0.5 * (double)up[s]) * unit, width);
-            rp_status status = an_profile_height(profile, x, &top);
-            if (status) return status;
+            RP_TRY(an_profile_height(profile, x, &top));
             if (!((double)up[s] * height <= top + TIE * unit)) break;
         }
     return RP_OK;
@@ -51,16 +50,15 @@ static rp_status cut_outline(sweep_outline *h, double theta, double alpha, size_
                              long up[])
 {
     an_profile profile;
-    rp_status status = n > 0 ? an_profile_set(&profile, v, n) : an_lattice_cut((long)h->k, theta, alpha, up);
-    if (!status && n > 0) status = cut_profile(&profile, (long)h->k, theta, up);
-    for (size_t s = 0; !status && s < h->k; s++) h->n += (size_t)up[s];
+    RP_TRY(n > 0 ? an_profile_set(&profile, v, n) : an_lattice_cut((long)h->k, theta, alpha, up));
+    if (n > 0) RP_TRY(cut_profile(&profile, (long)h->k, theta, up));
+    for (size_t s = 0; s < h->k; s++) h->n += (size_t)up[s];
     if (h->n > STATICS_MAX) /* before there is memory for them */
         return rp_fail(RP_BAD_INPUT, "base of %zu disks: a pile of %zu, allowed: up to %d", h->k, h->n,
                        STATICS_MAX);
-    if (!status)
-        h->B = n > 0 ? sqrt((double)h->n * sin(2 * theta) / area(&profile))
-                     : an_lattice_base((double)h->n, theta, alpha);
-    return status;
+    h->B = n > 0 ? sqrt((double)h->n * sin(2 * theta) / area(&profile))
+                 : an_lattice_base((double)h->n, theta, alpha);
+    return RP_OK;
 }
 
 rp_status sweep_outline_count(sweep_outline *h, long k, double gap, double alpha, size_t n,
@@ -144,8 +142,7 @@ static rp_status bin_rays(const an_profile *profile, const stress_base *base, do
         an_force force;
         x[i] = base->centroid + base->width * ((i + 0.5) / POINTS - 0.5);
         r[i] = 0.5 * base->width / POINTS;
-        rp_status status = an_profile_force(profile, x[i], &force);
-        if (status) return status;
+        RP_TRY(an_profile_force(profile, x[i], &force));
         pressure[i] = force.N;
     }
     stress_base_bins(base, POINTS, x, r, pressure, N);

@@ -60,8 +60,7 @@ static rp_status write_contacts(const sweep_solved *s, FILE *out)
 {
     statics_contact *list;
     size_t n;
-    rp_status status = statics_contacts(s->pile, &list, &n);
-    if (status) return status;
+    RP_TRY(statics_contacts(s->pile, &list, &n));
     rp_table_header(out, "a, b, x [sigma], y [sigma], x_b [sigma], y_b [sigma], force [m g], horizontal, "
                          "strongest, weakest");
     for (const statics_contact *c = list; c < list + n; c++)
@@ -121,8 +120,7 @@ rp_status sweep_pile_write(const sweep_solved *s, const sweep_tables *tables)
     rp_status status = rp_make_directory(tables->directory);
     for (size_t i = 0; !status && i < n; i++) {
         sweep_file f;
-        status = sweep_table_open(tables, list[i].name, &f);
-        if (status) return status;
+        RP_TRY(sweep_table_open(tables, list[i].name, &f));
         sweep_pile_notes(s, f.out);
         status = sweep_table_close(&f, list[i].write(s, f.out));
     }

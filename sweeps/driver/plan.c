@@ -50,12 +50,12 @@ static rp_status read_head(const char *file, const config_setting_t *root,
         {"units", "", RP_CHOICE, offsetof(head, units), "cgs", RP_UNITS_WORDS,
          "of the numbers here and of the tables; defaults are converted"},
         {0}};
-    rp_status status = sweep_refuse_scene(file, root);
-    if (status) return status;
+    RP_TRY(sweep_refuse_scene(file, root));
     if (!config_setting_get_member(root, "protocol")) /* the root has no line to point at */
         return rp_fail(RP_BAD_INPUT, "%s: protocol: missing (kind of experiment), allowed: %s", file, names);
     rp_params_defaults(schema, h);
-    status = rp_config_group(root, schema, h, (const char *const[]){"fixed", "grid", "tables", NULL});
+    rp_status status =
+        rp_config_group(root, schema, h, (const char *const[]){"fixed", "grid", "tables", NULL});
     rp_units_set((rp_units)h->units);
     return status;
 }
@@ -102,9 +102,8 @@ static rp_status read_fixed(const sweep_plan *plan, const config_setting_t *fixe
     for (int i = 0; i < length(fixed); i++) {
         const rp_param *param;
         const config_setting_t *setting = element(fixed, (size_t)i);
-        rp_status status = find_param(plan->protocol, setting, &param);
-        if (!status) status = rp_config_value(setting, param, values);
-        if (status) return status;
+        RP_TRY(find_param(plan->protocol, setting, &param));
+        RP_TRY(rp_config_value(setting, param, values));
     }
     return RP_OK;
 }
@@ -138,8 +137,7 @@ static rp_status read_axis(sweep_plan *plan, size_t a, const config_setting_t *f
 {
     sweep_axis *axis = &plan->axes[a];
     const char *name = config_setting_name(axis->list);
-    rp_status status = find_param(plan->protocol, axis->list, &axis->param);
-    if (status) return status;
+    RP_TRY(find_param(plan->protocol, axis->list, &axis->param));
     for (size_t other = 0; other < a; other++)
         if (plan->axes[other].param == axis->param)
             return rp_config_fail(axis->list, "%s: appears twice in the grid; keep one", name);
@@ -157,9 +155,9 @@ static rp_status read_axis(sweep_plan *plan, size_t a, const config_setting_t *f
         return rp_config_fail(axis->list,
                               "%s: %zu values; lists that go together have the same number, %zu as in %s",
                               name, axis->n, axis[-1].n, axis[-1].param->name);
-    for (size_t i = 0; !status && i < axis->n; i++)
-        status = rp_config_value(element(axis->list, i), axis->param, plan->at->values);
-    return status;
+    for (size_t i = 0; i < axis->n; i++)
+        RP_TRY(rp_config_value(element(axis->list, i), axis->param, plan->at->values));
+    return RP_OK;
 }
 
 /* Find the axes of the grid and how many points they span. */
@@ -167,8 +165,7 @@ static rp_status read_axes(sweep_plan *plan, const config_setting_t *fixed)
 {
     plan->n_points = 1;
     for (size_t a = 0; a < plan->n_axes; a++) {
-        rp_status status = read_axis(plan, a, fixed);
-        if (status) return status;
+        RP_TRY(read_axis(plan, a, fixed));
         if (plan->axes[a].first) plan->n_points *= plan->axes[a].n;
         if (plan->n_points > MAX_RUNS / plan->replicas)
             return rp_config_fail(plan->axes[a].list, "%s: the grid has too many runs, allowed: %d",
@@ -217,9 +214,10 @@ rp_status sweep_plan_check_point(const sweep_plan *plan, const char *file, size_
     const void *values = sweep_plan_point(plan, point);
     rp_status status = plan->protocol->check(values);
     if (!status) status = check_density(plan, values);
-    return status ? rp_prefix(status, "%s: %s%s: ", file, plan->n_axes ? "grid point " : "parameters",
-                              sweep_plan_describe(plan, point, where, sizeof where))
-                  : RP_OK;
+    if (status)
+        return rp_prefix(status, "%s: %s%s: ", file, plan->n_axes ? "grid point " : "parameters",
+                         sweep_plan_describe(plan, point, where, sizeof where));
+    return RP_OK;
 }
 
 typedef struct {
@@ -328,15 +326,13 @@ rp_status sweep_plan_read(const char *file, const sweep_protocol *const *protoco
 {
     *plan = (sweep_plan){0};
     head h;
-    rp_status status = rp_config_read(file, &plan->config);
-    if (!status) status = rp_file_read(file, &plan->text);
-    if (!status) status = refuse_includes(file, plan->text);
-    if (status) return status;
+    RP_TRY(rp_config_read(file, &plan->config));
+    RP_TRY(rp_file_read(file, &plan->text));
+    RP_TRY(refuse_includes(file, plan->text));
     const config_setting_t *root = config_root_setting(&plan->config),
                            *fixed = config_setting_get_member(root, "fixed"),
                            *grid = config_setting_get_member(root, "grid");
-    status = read_head(file, root, protocols, &h);
-    if (status) return status;
+    RP_TRY(read_head(file, root, protocols, &h));
     plan->protocol = protocols[h.protocol];
     plan->replicas = (size_t)h.replicas;
     plan->seed = (unsigned long)h.seed;
@@ -345,15 +341,14 @@ rp_status sweep_plan_read(const char *file, const sweep_protocol *const *protoco
     plan->at = calloc(1, sizeof *plan->at + plan->protocol->params_size);
     if (!plan->axes || !plan->at) return rp_fail(RP_NO_MEMORY, "%s: out of memory", file);
     plan->at->point = SIZE_MAX;
-    status = find_lists(&h, grid, plan->axes, &plan->n_axes);
-    if (!status) status = read_axes(plan, fixed);
-    if (!status) status = read_fixed(plan, fixed, plan->at->values);
-    if (!status) status = find_model(plan);
-    if (status) return status;
+    RP_TRY(find_lists(&h, grid, plan->axes, &plan->n_axes));
+    RP_TRY(read_axes(plan, fixed));
+    RP_TRY(read_fixed(plan, fixed, plan->at->values));
+    RP_TRY(find_model(plan));
     sum_fixed(plan, fixed);
-    for (size_t a = 0; !status && a < plan->n_axes; a++)
-        if (plan->axes[a].first) status = refuse_twins(plan, a);
-    return status ? status : sweep_plan_replicate(plan, plan->replicas);
+    for (size_t a = 0; a < plan->n_axes; a++)
+        if (plan->axes[a].first) RP_TRY(refuse_twins(plan, a));
+    return sweep_plan_replicate(plan, plan->replicas);
 }
 
 rp_status sweep_plan_replicate(sweep_plan *plan, size_t replicas)

@@ -17,6 +17,7 @@
 
 #include <errno.h>
 #include <glob.h>
+#include <gsl/gsl_sort.h>
 #include <math.h>
 #include <poll.h>
 #include <signal.h>
@@ -90,9 +91,9 @@ static rp_status remove_snapshot(const pool *p, const task *t, double seconds)
     if (!t->kept && seconds < 0.5 * p->options->snapshot) return RP_OK;
     snapshot_of(p, t->run, key, path);
     if (access(path, F_OK) != 0) return RP_OK;
-    rp_status status = sweep_store_commit(p->store);
-    if (!status) sweep_keep_remove(path);
-    return status;
+    RP_TRY(sweep_store_commit(p->store));
+    sweep_keep_remove(path);
+    return RP_OK;
 }
 
 /* Make a run, from its snapshot if there is one; a snapshot that is refused is named in the row. */
@@ -221,8 +222,7 @@ static rp_status hand_out(pool *p, worker *w)
                                                                                            : BATCH;
     if (w->n > 0 || p->waiting == 0) return RP_OK;
     if (w->socket < 0) {
-        rp_status status = start_worker(p, w);
-        if (status) return status;
+        RP_TRY(start_worker(p, w));
     }
     while (w->n < most && p->waiting > 0) {
         w->tasks[w->n++] = p->todo[p->next];
@@ -351,10 +351,8 @@ static rp_status collect(pool *p, worker *w)
         w->n = 0;
         return RP_OK;
     }
-    rp_status status = RP_OK;
-    for (size_t i = 0; !status && i < (size_t)bytes / sizeof *rows && w->n > 0; i++)
-        status = take_row(p, w, &rows[i]);
-    return status;
+    for (size_t i = 0; i < (size_t)bytes / sizeof *rows && w->n > 0; i++) RP_TRY(take_row(p, w, &rows[i]));
+    return RP_OK;
 }
 
 /* Time that a process has had on a processor, s. */
@@ -366,19 +364,13 @@ static double cpu_time(pid_t pid)
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-static int compare(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 /* Of the last runs; NaN before any. */
 static double median(const pool *p)
 {
     double sorted[SAMPLES];
     const size_t n = p->finished < SAMPLES ? p->finished : SAMPLES;
     memcpy(sorted, p->samples, n * sizeof *sorted);
-    qsort(sorted, n, sizeof *sorted, compare);
+    gsl_sort(sorted, 1, n);
     return n > 0 ? sorted[n / 2] : NAN;
 }
 

@@ -89,6 +89,9 @@ typedef struct {
                                                   .fingerprint = fingerprint,                                \
                                                   .run = run_one}
 
+/* Number of a protocol's outputs. */
+size_t sweep_count_outputs(const sweep_protocol *protocol);
+
 /* No status word, no message, every value NaN. */
 void sweep_result_clear(sweep_result *result);
 

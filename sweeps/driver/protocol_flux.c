@@ -88,12 +88,12 @@ static rp_status check(const void *params)
     flux_params p = *(const flux_params *)params;
     fix_box(&p);
     /* a pile may grow higher, but then the run says so */
-    rp_status status = sweep_box_check(&p.box, 2.0 * (p.box.W + p.drop_height * p.box.radius_mean));
+    RP_TRY(sweep_box_check(&p.box, 2.0 * (p.box.W + p.drop_height * p.box.radius_mean)));
     dem_scene scene;
     sweep_box_scene(&p.box, &scene);
-    if (!status && scene.def.walls[DEM_BOX_FLOOR].material.mu == 0.0)
-        status = rp_fail(RP_BAD_INPUT, "no friction at the floor: nothing holds the first layer");
-    return status;
+    if (scene.def.walls[DEM_BOX_FLOOR].material.mu == 0.0)
+        return rp_fail(RP_BAD_INPUT, "no friction at the floor: nothing holds the first layer");
+    return RP_OK;
 }
 
 static double draw_radius(flux *f)
@@ -130,11 +130,10 @@ static rp_status insert(flux *f, uint32_t *id)
 {
     const double r = draw_radius(f), d = f->box.d,
                  x = r + f->p.entry_width * d * gsl_rng_uniform(f->positions);
-    rp_status status = dem_states(f->box.sim, f->box.states);
-    if (status) return status;
+    RP_TRY(dem_states(f->box.sim, f->box.states));
     double y = sweep_touch_height(dem_count(f->box.sim), f->box.states, x, r, 1e-6 * d);
     const dem_grain grain = grain_at(f, x, y + f->p.drop_height * d, r);
-    status = dem_add(f->box.sim, &grain, id);
+    rp_status status = dem_add(f->box.sim, &grain, id);
     /* a fall from there is too fast for dt */
     return status == RP_BAD_INPUT ? sweep_conclude(f->box.result, "too_high", "%s", rp_message()) : status;
 }
@@ -162,8 +161,7 @@ static rp_status wait_until_quiet(flux *f, uint32_t id, bool *quiet)
 static rp_status note_row(flux *f)
 {
     ang_slope slopes[ANG_N_METHODS];
-    rp_status status = sweep_box_slopes(&f->box, slopes);
-    if (status) return status;
+    RP_TRY(sweep_box_slopes(&f->box, slopes));
     const double cell = f->p.box.W / round(f->p.box.W / f->box.d);
     double first = 0.0, others = 0.0;
     double inside = 0.0;
@@ -276,8 +274,7 @@ static rp_status write_series(const flux *f)
 {
     sweep_file series;
     if (!f->box.tables) return RP_OK;
-    rp_status status = sweep_table_open(f->box.tables, "series.tsv", &series);
-    if (status) return status;
+    RP_TRY(sweep_table_open(f->box.tables, "series.tsv", &series));
     rp_table_note(series.out, "v_cut", "%g %s", f->p.v_cut, rp_unit("cm/s"));
     rp_table_header(series.out, "step, insertion, grains, theta_r3_deg [degree], outflow, tower [d]");
     for (size_t k = 0; k < f->n; k++)

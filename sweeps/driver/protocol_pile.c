@@ -191,8 +191,7 @@ static rp_status find_level(const statics_pile *pile, double *v)
 {
     statics_contact *list;
     size_t n, all[2] = {0}, level[2] = {0};
-    rp_status status = statics_contacts(pile, &list, &n);
-    if (status) return status;
+    RP_TRY(statics_contacts(pile, &list, &n));
     for (size_t i = 0; i < n; i++) {
         all[0] += list[i].strongest;
         all[1] += list[i].weakest;
@@ -382,8 +381,7 @@ static rp_status fingerprint(char digits[33])
     p.alpha_deg = 30;
     p.disorder = 1e-4;
     p.well = 1;
-    rp_status status = run_one(&p, 1, 0, NULL, &result);
-    if (status) return status;
+    RP_TRY(run_one(&p, 1, 0, NULL, &result));
     for (size_t i = 0; i < N_OUTPUTS; i++) result.values[i] = floor(result.values[i] * DIGITS + 0.5);
     sweep_results_digits(1, &result, outputs, hashed, digits);
     return RP_OK;

@@ -103,8 +103,7 @@ typedef struct {
 static rp_status check(const void *params)
 {
     const repose_params *p = params;
-    rp_status status = sweep_box_check_fill(&p->box);
-    if (status) return status;
+    RP_TRY(sweep_box_check_fill(&p->box));
     if (p->stop == STOP_REST && p->box.physics.slip == DEM_TOTAL)
         return rp_fail(
             RP_BAD_INPUT,
@@ -209,8 +208,7 @@ static rp_status note_state(experiment *e)
     double *v = e->values;
     dem_rest rest;
     bool quiet;
-    rp_status status = sweep_box_rest(&e->box, &rest, &quiet);
-    if (status) return status;
+    RP_TRY(sweep_box_rest(&e->box, &rest, &quiet));
     v[OUT_grains] = (double)rest.n;
     v[OUT_contact_number] = rest.contact_number;
     v[OUT_residual_energy] = rest.kinetic_energy / (e->box.mg * e->box.d);
@@ -228,9 +226,9 @@ static rp_status local_slope(const ang_surface *s, size_t from, size_t to, doubl
     }
     if (n < 3) return RP_OK;
     ang_slope slopes[ANG_N_METHODS];
-    rp_status status = ang_slopes(n, s->column + first, s->h + first, s->cell, ANG_PARABOLA_FREE, slopes);
-    if (!status) *theta_deg = sweep_degrees(slopes[1].theta);
-    return status;
+    RP_TRY(ang_slopes(n, s->column + first, s->h + first, s->cell, ANG_PARABOLA_FREE, slopes));
+    *theta_deg = sweep_degrees(slopes[1].theta);
+    return RP_OK;
 }
 
 /* The middle cell of an odd number belongs to neither half. */
@@ -271,14 +269,13 @@ static rp_status measure_pile(experiment *e)
 {
     double *v = e->values;
     ang_slope slopes[ANG_N_METHODS];
-    rp_status status = note_state(e);
-    if (!status) status = sweep_box_pile_slopes(&e->box, slopes);
-    if (status) return status;
+    RP_TRY(note_state(e));
+    RP_TRY(sweep_box_pile_slopes(&e->box, slopes));
     for (int m = 0; m < ANG_N_METHODS; m++) v[OUT_theta_r1_deg + m] = sweep_degrees(slopes[m].theta);
     v[OUT_theta_r3_error_deg] = sweep_degrees(slopes[2].theta_se);
     v[OUT_theta_r12_deg] = v[OUT_theta_r1_deg] - v[OUT_theta_r2_deg];
     v[OUT_theta_r23_deg] = v[OUT_theta_r2_deg] - v[OUT_theta_r3_deg];
-    status = measure_halves(e);
+    rp_status status = measure_halves(e);
     return status ? status : measure_variants(e);
 }
 
@@ -364,8 +361,7 @@ static rp_status write_scene(experiment *e)
 {
     sweep_file f;
     if (!e->box.tables || fills_by_ramp(e->p)) return RP_OK; /* no scene has a ramp */
-    rp_status status = sweep_table_open(e->box.tables, "scene.cfg", &f);
-    if (status) return status;
+    RP_TRY(sweep_table_open(e->box.tables, "scene.cfg", &f));
     e->box.scene.steps = dem_step(e->box.sim);
     dem_scene_write(&e->box.scene, f.out);
     return sweep_table_close(&f, RP_OK);
@@ -373,9 +369,9 @@ static rp_status write_scene(experiment *e)
 
 static rp_status note_pile(experiment *e)
 {
-    rp_status status = measure_pile(e);
-    if (!status) status = sweep_state_write(e->box.tables, e->box.sim, "pile");
-    return status ? status : write_scene(e);
+    RP_TRY(measure_pile(e));
+    RP_TRY(sweep_state_write(e->box.tables, e->box.sim, "pile"));
+    return write_scene(e);
 }
 
 /* The experiment from an empty box to its last measurement. */
@@ -442,8 +438,7 @@ static rp_status fingerprint(char digits[33])
     p[3].box.physics.rotation = true;
     p[3].box.physics.mu_roll = 0.1;
     for (int k = 0; k < N_RUNS; k++) {
-        rp_status status = run_one(&p[k], 1, (unsigned long)k, NULL, &results[k]);
-        if (status) return status;
+        RP_TRY(run_one(&p[k], 1, (unsigned long)k, NULL, &results[k]));
     }
     sweep_results_digits(N_RUNS, results, outputs, hashed, digits);
     return RP_OK;

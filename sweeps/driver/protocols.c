@@ -37,14 +37,21 @@ rp_status sweep_conclude(sweep_result *result, const char *status, const char *f
 rp_status sweep_table_open(const sweep_tables *t, const char *name, sweep_file *file)
 {
     snprintf(file->path, sizeof file->path, "%s/%s", t->directory, name);
-    rp_status status = rp_file_open(file->path, &file->out);
-    if (!status) t->header(file->out);
-    return status;
+    RP_TRY(rp_file_open(file->path, &file->out));
+    t->header(file->out);
+    return RP_OK;
 }
 
 rp_status sweep_table_close(const sweep_file *file, rp_status status)
 {
     return rp_file_close(file->path, file->out, status);
+}
+
+size_t sweep_count_outputs(const sweep_protocol *protocol)
+{
+    size_t n = 0;
+    while (protocol->outputs[n].name) n++;
+    return n;
 }
 
 static size_t find_output(const sweep_output outputs[], const char *name)

@@ -5,13 +5,6 @@
 
 #include "core/config.h"
 
-/* "lh3" of sweeps/lh/lh3.cfg. */
-static void base_name(const char *file, char *name, size_t size)
-{
-    const char *slash = strrchr(file, '/'), *base = slash ? slash + 1 : file;
-    snprintf(name, size, "%.*s", (int)strcspn(base, "."), base);
-}
-
 /* "lh3_phi = angle phi @/lh3_runs.tsv" */
 static rp_status read_table(const config_setting_t *setting, sweep_recipe *recipe)
 {
@@ -36,25 +29,23 @@ static rp_status read_tables(const config_setting_t *list, sweep_recipe *recipe)
 {
     if (!config_setting_is_array(list) && !config_setting_is_list(list))
         return rp_config_fail(list, "tables: a list [ \"NAME = COMMAND\", ... ] expected");
-    rp_status status = RP_OK;
-    for (int i = 0; !status && i < config_setting_length(list); i++)
-        status = read_table(config_setting_get_elem(list, (unsigned)i), recipe);
-    return status;
+    for (int i = 0; i < config_setting_length(list); i++)
+        RP_TRY(read_table(config_setting_get_elem(list, (unsigned)i), recipe));
+    return RP_OK;
 }
 
 rp_status sweep_recipe_read(const char *file, sweep_recipe *recipe)
 {
     *recipe = (sweep_recipe){0};
-    base_name(file, recipe->name, sizeof recipe->name);
-    rp_status status = rp_config_read(file, &recipe->config);
-    if (status) return status;
+    const char *base = basename(file); /* "lh3" of sweeps/lh/lh3.cfg */
+    snprintf(recipe->name, sizeof recipe->name, "%.*s", (int)strcspn(base, "."), base);
+    RP_TRY(rp_config_read(file, &recipe->config));
     const config_setting_t *root = config_root_setting(&recipe->config),
                            *tables = config_setting_get_member(root, "tables");
     int replicas = 0;
     recipe->has_runs = config_setting_get_member(root, "protocol") != NULL;
     if (config_setting_lookup_int(root, "study", &replicas) && replicas > 0) recipe->study = (size_t)replicas;
-    status = sweep_refuse_scene(file, root);
-    if (status) return status;
+    RP_TRY(sweep_refuse_scene(file, root));
     if (tables) return read_tables(tables, recipe);
     return recipe->has_runs ? RP_OK : rp_fail(RP_BAD_INPUT, "%s: neither a protocol nor tables", file);
 }

@@ -24,13 +24,6 @@ typedef struct {
     double *finite;   /* n_outputs x replicas */
 } table;
 
-static size_t count_outputs(const sweep_protocol *protocol)
-{
-    size_t n = 0;
-    while (protocol->outputs[n].name) n++;
-    return n;
-}
-
 static void note_maker(const char *program, size_t runs, void *context)
 {
     rp_table_note(context, "runs made by", "%s (%zu)", program ? program : "an older version", runs);
@@ -63,7 +56,8 @@ static rp_status digest_row(const sweep_row *row, void *context)
 
 static rp_status find_digest(const sweep_plan *plan, sweep_store *store, digester *d)
 {
-    *d = (digester){.plan = plan, .state = XXH3_createState(), .n_outputs = count_outputs(plan->protocol)};
+    *d = (digester){
+        .plan = plan, .state = XXH3_createState(), .n_outputs = sweep_count_outputs(plan->protocol)};
     XXH3_128bits_reset(d->state);
     rp_status status = sweep_store_visit(store, plan, digest_row, d);
     rp_hash_digits(XXH3_128bits_digest(d->state), d->text);
@@ -76,15 +70,14 @@ static rp_status write_head(const sweep_plan *plan, sweep_store *store, const ch
 {
     char text[256];
     digester digest;
-    rp_status status = sweep_store_note(store, "main", "file", text, sizeof text);
-    if (!status) status = sweep_store_count(store, plan, counts);
-    if (!status) status = find_digest(plan, store, &digest);
-    if (status) return status;
+    RP_TRY(sweep_store_note(store, "main", "file", text, sizeof text));
+    RP_TRY(sweep_store_count(store, plan, counts));
+    RP_TRY(find_digest(plan, store, &digest));
     rp_table_provenance(out, command);
     rp_table_note(out, "sweep", "%s, protocol %s, seed %lu, %zu grid points x %zu replicas%s", text,
                   plan->protocol->name, plan->seed, plan->n_points, plan->replicas,
                   plan->shared_piles ? ", shared piles" : "");
-    status = sweep_store_makers(store, note_maker, out);
+    rp_status status = sweep_store_makers(store, note_maker, out);
     rp_table_note(out, "plan", "%s", plan->hash);
     rp_table_note(out, "digest", "%s (%zu runs)", digest.text, digest.n_rows);
     rp_table_note(out, "missing", "%zu of %zu", counts->planned - counts->stored, counts->planned);
@@ -216,7 +209,8 @@ rp_status sweep_export(const char *dir, const sweep_protocol *const *protocols, 
     sweep_counts unused;
     rp_status status = sweep_folder_read(dir, protocols, true, &f);
     if (!status) {
-        table t = {.plan = &f.plan, .out = out, .what = what, .n_outputs = count_outputs(f.plan.protocol)};
+        table t = {
+            .plan = &f.plan, .out = out, .what = what, .n_outputs = sweep_count_outputs(f.plan.protocol)};
         status = write_head(&f.plan, f.store, command, counts ? counts : &unused, out);
         if (!status) status = write_columns(&t);
         if (!status)

@@ -99,14 +99,14 @@ static bool is_shared(const char *dir)
 static rp_status check_format(sweep_store *s)
 {
     long long tables, format;
-    rp_status status = sweep_sql_number(s, "SELECT count(*) FROM sqlite_schema", &tables);
-    if (!status) status = sweep_sql_number(s, "PRAGMA user_version", &format);
-    if (!status && tables > 0 && format != SWEEP_FORMAT)
-        status = rp_fail(RP_BAD_INPUT,
-                         "%s: a store of format %lld; this version reads and writes format %d: plan in "
-                         "another folder",
-                         s->path, format, SWEEP_FORMAT);
-    return status;
+    RP_TRY(sweep_sql_number(s, "SELECT count(*) FROM sqlite_schema", &tables));
+    RP_TRY(sweep_sql_number(s, "PRAGMA user_version", &format));
+    if (tables > 0 && format != SWEEP_FORMAT)
+        return rp_fail(RP_BAD_INPUT,
+                       "%s: a store of format %lld; this version reads and writes format %d: plan in "
+                       "another folder",
+                       s->path, format, SWEEP_FORMAT);
+    return RP_OK;
 }
 
 rp_status sweep_store_open(const char *path, sweep_access access, sweep_store **store)
@@ -119,16 +119,15 @@ rp_status sweep_store_open(const char *path, sweep_access access, sweep_store **
         SQLITE_OPEN_READWRITE | SQLITE_OPEN_NOMUTEX | (access == SWEEP_CREATE ? SQLITE_OPEN_CREATE : 0);
     if (sqlite3_open_v2(path, &s->db, flags, NULL) != SQLITE_OK) return sweep_sql_fail(s, "open the store");
     sqlite3_busy_handler(s->db, wait_for_others, NULL);
-    rp_status status = check_format(s);
+    RP_TRY(check_format(s));
     /* EXTRA: the removal of a rollback journal, which is the commit, reaches the disk too. Keys come in no
      * order: 64 MB hold the index of a million rows, and the log is copied into the file at the same size. */
-    if (!status && s->writes)
-        status =
-            sweep_sql(s, "write the store",
-                      "PRAGMA journal_mode = %s; PRAGMA synchronous = EXTRA; PRAGMA cache_size = -64000; "
-                      "PRAGMA wal_autocheckpoint = 16000",
-                      is_shared(path) ? "DELETE" : "WAL");
-    return status;
+    if (s->writes)
+        RP_TRY(sweep_sql(s, "write the store",
+                         "PRAGMA journal_mode = %s; PRAGMA synchronous = EXTRA; PRAGMA cache_size = -64000; "
+                         "PRAGMA wal_autocheckpoint = 16000",
+                         is_shared(path) ? "DELETE" : "WAL"));
+    return RP_OK;
 }
 
 void sweep_store_close(sweep_store *s)
@@ -177,19 +176,19 @@ rp_status sweep_store_note(sweep_store *s, const char *schema, const char *name,
 
 rp_status sweep_store_make_runs(sweep_store *s, const char *schema, const sweep_protocol *protocol)
 {
-    rp_status status = sweep_sql(
+    RP_TRY(sweep_sql(
         s, "write the store",
         "CREATE TABLE IF NOT EXISTS %s.runs (key TEXT PRIMARY KEY, run INTEGER, status TEXT NOT NULL,"
         " message TEXT, seconds REAL, seed INTEGER, model INTEGER, program TEXT, pile INTEGER,"
         " parameters TEXT, sum INTEGER);"
         "CREATE UNIQUE INDEX IF NOT EXISTS %s.by_run ON runs (run) WHERE run IS NOT NULL;"
         "CREATE INDEX IF NOT EXISTS %s.by_status ON runs (status) WHERE run IS NOT NULL",
-        schema, schema, schema);
-    for (const sweep_output *o = protocol->outputs; !status && o->name; o++)
+        schema, schema, schema));
+    for (const sweep_output *o = protocol->outputs; o->name; o++)
         if (sqlite3_table_column_metadata(s->db, schema, "runs", o->name, NULL, NULL, NULL, NULL, NULL))
-            status = sweep_sql(s, "write the store", "ALTER TABLE %s.runs ADD COLUMN \"%w\" REAL", schema,
-                               o->name);
-    return status;
+            RP_TRY(sweep_sql(s, "write the store", "ALTER TABLE %s.runs ADD COLUMN \"%w\" REAL", schema,
+                             o->name));
+    return RP_OK;
 }
 
 /* What users read: with the parameters as columns. */
@@ -214,12 +213,12 @@ static rp_status make_view(sweep_store *s, const sweep_protocol *protocol)
 
 static rp_status make_tables(sweep_store *s, const sweep_protocol *protocol)
 {
-    rp_status status = sweep_sql(s, "write the store",
-                                 "PRAGMA user_version = %d; CREATE TABLE IF NOT EXISTS sweep"
-                                 " (name TEXT PRIMARY KEY, value TEXT NOT NULL, sum INTEGER)",
-                                 SWEEP_FORMAT);
-    if (!status) status = sweep_store_make_runs(s, "main", protocol);
-    return status ? status : make_view(s, protocol);
+    RP_TRY(sweep_sql(s, "write the store",
+                     "PRAGMA user_version = %d; CREATE TABLE IF NOT EXISTS sweep"
+                     " (name TEXT PRIMARY KEY, value TEXT NOT NULL, sum INTEGER)",
+                     SWEEP_FORMAT));
+    RP_TRY(sweep_store_make_runs(s, "main", protocol));
+    return make_view(s, protocol);
 }
 
 rp_status sweep_store_number(sweep_store *s, const sweep_plan *plan, const sweep_watch *watch)
@@ -252,19 +251,16 @@ static rp_status write_notes(sweep_store *s, const sweep_plan *plan, const char 
                                     {"replicas", replicas},
                                     {"model", plan->model},
                                     {"plan", plan->hash}};
-    rp_status status = RP_OK;
-    for (size_t i = 0; !status && i < sizeof notes / sizeof *notes; i++)
-        status = set_note(s, notes[i][0], notes[i][1]);
-    return status;
+    for (size_t i = 0; i < sizeof notes / sizeof *notes; i++) RP_TRY(set_note(s, notes[i][0], notes[i][1]));
+    return RP_OK;
 }
 
 rp_status sweep_store_write_plan(sweep_store *s, const sweep_plan *plan, const char *file,
                                  const sweep_watch *watch)
 {
     char owner[64] = "", before[33] = "";
-    rp_status status = sweep_sql(s, "write the store", "BEGIN IMMEDIATE");
-    if (status) return status;
-    status = make_tables(s, plan->protocol);
+    RP_TRY(sweep_sql(s, "write the store", "BEGIN IMMEDIATE"));
+    rp_status status = make_tables(s, plan->protocol);
     if (!status) status = sweep_store_note(s, "main", "protocol", owner, sizeof owner);
     if (!status) status = sweep_store_note(s, "main", "plan", before, sizeof before);
     if (!status && *owner && strcmp(owner, plan->protocol->name) != 0)
@@ -281,13 +277,13 @@ rp_status sweep_store_write_plan(sweep_store *s, const sweep_plan *plan, const c
 rp_status sweep_store_check_plan(sweep_store *s, const sweep_plan *plan)
 {
     char hash[33];
-    rp_status status = sweep_store_note(s, "main", "plan", hash, sizeof hash);
-    if (!status && strcmp(hash, plan->hash) != 0)
-        status = rp_fail(RP_BAD_INPUT,
-                         "%s: the plan is not that of sweep.cfg and this version of the program; "
-                         "plan again with `repose sweep plan` (stored rows are kept)",
-                         s->path);
-    return status;
+    RP_TRY(sweep_store_note(s, "main", "plan", hash, sizeof hash));
+    if (strcmp(hash, plan->hash) != 0)
+        return rp_fail(RP_BAD_INPUT,
+                       "%s: the plan is not that of sweep.cfg and this version of the program; "
+                       "plan again with `repose sweep plan` (stored rows are kept)",
+                       s->path);
+    return RP_OK;
 }
 
 /* ---- writing rows ---- */
@@ -315,13 +311,6 @@ static sqlite3_int64 record_sum(const record *r, size_t n_values)
     return (sqlite3_int64)sum;
 }
 
-static size_t count_outputs(const sweep_protocol *protocol)
-{
-    size_t n = 0;
-    while (protocol->outputs[n].name) n++;
-    return n;
-}
-
 void sweep_store_columns(sqlite3_str *sql, const sweep_protocol *protocol)
 {
     sqlite3_str_appendall(sql,
@@ -338,7 +327,7 @@ sqlite3_stmt *sweep_store_query_insert(sweep_store *s, const sweep_protocol *pro
     sqlite3_str_appendall(sql, "INSERT INTO main.runs (");
     sweep_store_columns(sql, protocol);
     sqlite3_str_appendall(sql, ") VALUES (?");
-    for (size_t n = N_COLUMNS + count_outputs(protocol); --n > 0;) sqlite3_str_appendall(sql, ", ?");
+    for (size_t n = N_COLUMNS + sweep_count_outputs(protocol); --n > 0;) sqlite3_str_appendall(sql, ", ?");
     sqlite3_str_appendall(sql, ")");
     return sweep_sql_query_text(s, sql);
 }
@@ -393,7 +382,7 @@ rp_status sweep_store_insert(sweep_store *s, const sweep_plan *plan, const sweep
                       .pile = (sqlite3_int64)stream.pile,
                       .values = row->result.values};
     s->pending = true;
-    bind_record(s->insert, &r, row->run, count_outputs(plan->protocol));
+    bind_record(s->insert, &r, row->run, sweep_count_outputs(plan->protocol));
     if (sqlite3_step(s->insert) != SQLITE_DONE)
         status = rp_fail(RP_IO, "%s: cannot store run %zu: %s; the rows stored before are kept", s->path,
                          row->run, sqlite3_errmsg(s->db));
@@ -524,7 +513,7 @@ bool sweep_store_row_is_whole(sqlite3_stmt *row, const sweep_protocol *protocol)
 {
     record r;
     double values[SWEEP_MAX_OUTPUTS];
-    return read_record(row, count_outputs(protocol), &r, values);
+    return read_record(row, sweep_count_outputs(protocol), &r, values);
 }
 
 /* The row that is read, checked against its sum and against the plan's key of its number. */
@@ -551,7 +540,7 @@ rp_status sweep_store_visit(sweep_store *s, const sweep_plan *plan,
                             rp_status (*visit)(const sweep_row *row, void *context), void *context)
 {
     sqlite3_str *sql = sqlite3_str_new(s->db);
-    const size_t n_values = count_outputs(plan->protocol);
+    const size_t n_values = sweep_count_outputs(plan->protocol);
     sqlite3_str_appendall(sql, "SELECT ");
     sweep_store_columns(sql, plan->protocol);
     sqlite3_str_appendall(sql, " FROM runs WHERE run IS NOT NULL ORDER BY run");

@@ -49,14 +49,14 @@ static rp_status open_main(const char *dir, const sweep_protocol *const *protoco
 {
     char path[4096], text[32];
     snprintf(path, sizeof path, "%s/sweep.cfg", dir);
-    rp_status status = sweep_plan_read(path, protocols, &folder->plan);
+    RP_TRY(sweep_plan_read(path, protocols, &folder->plan));
     snprintf(path, sizeof path, "%s/store.sqlite", dir);
-    if (!status) status = sweep_store_open(path, access, &folder->store);
-    if (!status) status = sweep_store_note(folder->store, "main", "replicas", text, sizeof text);
-    const size_t replicas = status ? 0 : strtoul(text, NULL, 10);
+    RP_TRY(sweep_store_open(path, access, &folder->store));
+    RP_TRY(sweep_store_note(folder->store, "main", "replicas", text, sizeof text));
+    const size_t replicas = strtoul(text, NULL, 10);
     if (replicas > 0 && replicas != folder->plan.replicas)
-        status = sweep_plan_replicate(&folder->plan, replicas);
-    return status ? status : sweep_store_check_plan(folder->store, &folder->plan);
+        RP_TRY(sweep_plan_replicate(&folder->plan, replicas));
+    return sweep_store_check_plan(folder->store, &folder->plan);
 }
 
 rp_status sweep_folder_read(const char *dir, const sweep_protocol *const *protocols, bool verify,
@@ -115,15 +115,14 @@ static rp_status check_points(const sweep_plan *plan, const char *file, const sw
                               size_t *undamped)
 {
     const rp_param *damping = rp_params_find(plan->protocol->schema, "gamma_n");
-    rp_status status = RP_OK;
     *undamped = 0;
-    for (size_t i = 0; !status && i < plan->n_points; i++) {
-        status = sweep_plan_check_point(plan, file, i);
+    for (size_t i = 0; i < plan->n_points; i++) {
+        RP_TRY(sweep_plan_check_point(plan, file, i));
         const char *values = sweep_plan_point(plan, i);
         *undamped += damping && *(const double *)(values + damping->offset) == 0.0;
         if (watch && watch->call) watch->call("grid points checked", i + 1, plan->n_points, watch->context);
     }
-    return status;
+    return RP_OK;
 }
 
 rp_status sweep_prepare(const char *file, const char *dir, size_t replicas,
