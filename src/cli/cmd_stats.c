@@ -30,7 +30,7 @@ static rp_status maximum_of_table(rp_table *table, void *values)
     rp_status status = stats_mean(rows.n, v, &stats);
     if (!status) status = stats_expected_maximum(rows.n, v, draws, work, &largest);
     if (!status) status = stats_maximum_error(rows.n, v, draws, resamples, cli_random(0), work, &se);
-    if (status) return rp_prefix(status, "%s: ", table->path);
+    RP_TRY(rp_prefix(status, "%s: ", table->path));
     rp_table_header(stdout, "n, mean, sd, draws, maximum, maximum_se");
     CLI_ROW((double)rows.n, stats.mean, stats.sd, (double)o->draws, largest, se);
     return RP_OK;
@@ -99,8 +99,8 @@ static const cli_command select_rows = {
 
 /* ---- group ---- */
 
-static const cli_command *const commands[] = {&cmd_stats_fit,  &cmd_stats_trend,       &cmd_stats_size,
-                                              &maximum,        &cmd_stats_oscillation, &cmd_stats_threshold,
-                                              &cmd_stats_cost, &select_rows,           NULL};
+static const cli_command *const commands[] = {
+    &cmd_stats_fit,         &cmd_stats_trend,     &cmd_stats_size, &cmd_stats_predict, &maximum,
+    &cmd_stats_oscillation, &cmd_stats_threshold, &cmd_stats_cost, &select_rows,       NULL};
 const cli_command cmd_stats = {"stats", "lines, trends, thresholds and costs from tables of runs",
                                .group = commands};
