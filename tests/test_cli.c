@@ -836,6 +836,15 @@ static void test_stats_trends(void)
     CHECK_NEAR(cell(&t, 1, "x_to"), 6.0, 1e-12);
     CU_ASSERT_STRING_EQUAL(t.cells[3 * t.n_columns - 1], "no_result");
     rp_table_free(&t);
+    GOOD("stats size runs.tsv -x W -y theta --by mu --to 6 --exponent free");
+    t = read_table("out");
+    CU_ASSERT(t.n_rows == 3);
+    CU_ASSERT_STRING_EQUAL(t.cells[2 * t.n_columns - 1], "no_limit"); /* a constant has any exponent */
+    CU_ASSERT_STRING_EQUAL(t.cells[3 * t.n_columns - 1], "no_result");
+    CU_ASSERT(isnan(cell(&t, 2, "limit_lo")));
+    rp_table_free(&t);
+    FAILS(64, "not both", "stats size runs.tsv -x W -y theta --exponent free --power 1");
+    FAILS(64, "is for --exponent free", "stats size runs.tsv -x W -y theta --least-exponent 1");
     GOOD("stats trend runs.tsv -x k -y theta --by mu --to 1e6 --scale log --pair");
     CU_ASSERT(strstr(out, "# rows: 25 used, 1 without result, 2 with nan, 0 outside") != NULL);
     t = read_table("out");
@@ -848,6 +857,22 @@ static void test_stats_trends(void)
     CU_ASSERT_STRING_EQUAL(t.cells[2 * t.n_columns - 1], "no_dependence_within_margin");
     CU_ASSERT_STRING_EQUAL(t.cells[3 * t.n_columns - 1], "no_result");
     rp_table_free(&t);
+    /* several tables are read as one; those of other columns are refused */
+    write_text("less.tsv", "# mu\tW\tk\ttheta\tpile\tstatus\n0.3\t2\t1\t17\t0\tok\n0.3\t2\t1\t19\t0\tok\n");
+    write_text("more.tsv", "# mu\tW\tk\ttheta\tpile\tstatus\n0.3\t4\t1\t21\t0\tok\n0.3\t4\t1\t23\t0\tok\n");
+    GOOD("stats trend less.tsv more.tsv runs.tsv -x W -y theta --by mu --to 6");
+    t = read_table("out");
+    CU_ASSERT(t.n_rows == 3);
+    CHECK_NEAR(cell(&t, 0, "n"), 4.0, 0.0);
+    CHECK_NEAR(cell(&t, 0, "slope"), 2.0, 1e-12);
+    CHECK_NEAR(cell(&t, 1, "n"), 12.0, 0.0);
+    rp_table_free(&t);
+    write_text("other.tsv", "# mu\tW\tk\tslope\tpile\tstatus\n0.3\t4\t1\t21\t0\tok\n");
+    write_text("units.tsv",
+               "# units: 1\tm\t1\t1\t1\t1\n# mu\tW\tk\ttheta\tpile\tstatus\n0.3\t4\t1\t21\t0\tok\n");
+    FAILS(65, "runs.tsv and units.tsv have different units", "stats trend runs.tsv units.tsv -x W -y theta");
+    FAILS(65, "runs.tsv and other.tsv have different columns",
+          "stats trend runs.tsv other.tsv -x W -y theta");
     FAILS(65, "no column \"frob\"", "stats trend runs.tsv -x W -y theta --by frob");
     /* groups in the order in which they appear, the first of them without a row that counts */
     write_text("empty.tsv", "g\tx\ty\tstatus\nfew\t1\t9\tleaked\nb\t1\t2\tok\nb\t2\t4\tok\nb\t3\t6\tok\n"
@@ -1002,29 +1027,35 @@ static void test_claims(void)
     enter();
     write_text("claims.tsv",
                CLAIMS CLAIM("angle", "20\t1", "-") VARIANT("twin", "angle", "-\t-", "u v")
-                   PLAIN("level", "independent", "1", "trend k=1 change", "-") PLAIN("up", "rises", "1",
-                                                                                     "trend k=2 change", "-")
-                       PLAIN("high", "above", "-", "u v", "t v") PLAIN("count", "most", "-", "t #count", "7")
-                           PLAIN("elsewhere", "above", "-", "none v", "0")
-                               PLAIN("sketch", "untestable", "-", "-", "-")
-                                   PLAIN("form", "formula", "-", "angle: theta_MS", "-")
-                                       PLAIN("steady", "constant", "-", "angle twin", "-"));
+                   PLAIN("far", "independent", "1", "far limit", "-")
+                       PLAIN("level", "independent", "1", "trend k=1 change", "-")
+                           PLAIN("up", "rises", "1", "trend k=2 change", "-")
+                               PLAIN("high", "above", "-", "u v", "t v")
+                                   PLAIN("count", "most", "-", "t #count", "7")
+                                       PLAIN("elsewhere", "above", "-", "none v", "0")
+                                           PLAIN("sketch", "untestable", "-", "-", "-")
+                                               PLAIN("form", "formula", "-", "angle: theta_MS", "-")
+                                                   PLAIN("steady", "constant", "-", "angle twin", "-"));
     write_text("t.tsv", "# count: 7 of 8\n# v_mean\tv_se\tn\n20.5\t0.1\t101\n");
     write_text("u.tsv", "# v\tv_se\n30\t0.5\n");
     write_text("trend.tsv", "# k\tchange\tchange_se\tchange_lo90\tchange_hi90\tp_value\tp_holm\n"
                             "1\t0.1\t0.2\t-0.2\t0.4\t0.6\t0.9\n2\t3\t1\t1.4\t4.6\t0.003\t0.04\n");
+    write_text("far.tsv",
+               "# limit\tlimit_se\tlimit_lo90\tlimit_hi90\tchange_lo90\tchange_hi90\tdof\tp_value\n"
+               "0.5\t0.2\t0.3\t0.7\t-9\t9\t9\t0.01\n");
     GOOD("claims --claims claims.tsv --tables nowhere,. --variants");
     CU_ASSERT(
         strstr(
             out,
             "# lh: 0 reproduced, 0 not reproduced, 1 undecided, 0 can't be tested, 0 by eye, 0 no data\n"
-            "# li: 6 reproduced, 0 not reproduced, 0 undecided, 1 can't be tested, 0 by eye, 1 no data\n") !=
+            "# li: 7 reproduced, 0 not reproduced, 0 undecided, 1 can't be tested, 0 by eye, 1 no data\n") !=
         NULL);
     check_verdict(
         "angle", "detail",
         "undecided: undecided if ± is a standard error, not reproduced if it is a standard deviation");
     check_verdict("twin", "verdict", "not reproduced");
     check_verdict("twin", "published", "20 ± 1");
+    check_verdict("far", "ours", "0.50 ± 0.20 (90 %: 0.30 to 0.70)"); /* the interval of its own column */
     check_verdict("level", "ours", "0.10 ± 0.20 (90 %: -0.20 to 0.40)");
     check_verdict("level", "verdict", "reproduced");
     check_verdict("up", "verdict", "reproduced");

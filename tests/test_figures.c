@@ -326,14 +326,14 @@ static bool check_curve(char *words)
     return false;
 }
 
-/* "A B": y = A + B x; "A B C": y = A + B/x + C. */
+/* "A B": y = A + B x; "A B C": y = A + B/x + C; "A B C P": y = A + B/x^P + C. */
 static bool check_line(const char *words)
 {
-    double a = 0.0, b = 0.0, c = 0.0, point[6];
-    const int given = sscanf(words, "%lf %lf %lf", &a, &b, &c);
+    double a = 0.0, b = 0.0, c = 0.0, power = 1.0, point[6];
+    const int given = sscanf(words, "%lf %lf %lf %lf", &a, &b, &c, &power);
     size_t n, points = 0;
     for (; next_point(point, &n); points++) {
-        const double change = given == 3 ? b / point[0] + c : b * point[0];
+        const double change = given >= 3 ? b / pow(point[0], power) + c : b * point[0];
         if (fabs(point[1] - a - change) > DRAWN * (fabs(a) + fabs(change))) {
             fprintf(stderr, "line %s: (%g, %g)\n", words, point[0], point[1]);
             return false;

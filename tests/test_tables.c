@@ -910,7 +910,8 @@ static void write_points(double x[POINTS], double y[POINTS], double se[POINTS])
 
 static void test_fits(void)
 {
-    double x[POINTS], y[POINTS], se[POINTS], inverse[POINTS], lo[4], hi[4];
+    double x[POINTS], y[POINTS], se[POINTS], inverse[POINTS], falling[POINTS], lo[4], hi[4];
+    char path[256];
     stats_trend t;
     stats_line free_line, origin;
     enter();
@@ -970,6 +971,42 @@ static void test_fits(void)
                           {"p_bend", stats_contrast_p(&t.bend)}};
     CHECK_NAMED(&c, 0, size);
     CHECK_NEAR(at(&c, 0, "p_holm"), stats_contrast_p(&t.slope), 1e-15);
+    at(&c, 0, "status");
+    checked_end(&c);
+
+    stats_limit limit;
+    path_of("sizes.tsv", path);
+    FILE *file = fopen(path, "w");
+    CU_ASSERT_PTR_NOT_NULL_FATAL(file);
+    fputs("# x\ty\n", file);
+    for (int i = 0; i < POINTS; i++) {
+        falling[i] = 2.0 + 7.0 / x[i] + 0.02 * ((i * 7) % 11);
+        fprintf(file, "%.17g\t%.17g\n", x[i], falling[i]);
+    }
+    fclose(file);
+    CHECK_OK(stats_limit_fit(POINTS, x, falling, 0.1, &limit));
+    GOOD("stats size sizes.tsv -x x -y y --exponent free --least-exponent 0.1");
+    c = checked_read("out");
+    const named free_exponent[] = {{"n", POINTS},
+                                   {"n_x", 4.0},
+                                   {"x_from", 1.0},
+                                   {"x_to", 5.0},
+                                   {"limit", limit.limit},
+                                   {"limit_se", limit.se},
+                                   {"limit_lo", limit.lo},
+                                   {"limit_hi", limit.hi},
+                                   {"limit_lo90", limit.lo90},
+                                   {"limit_hi90", limit.hi90},
+                                   {"dof", limit.dof},
+                                   {"p_value", limit.p_value},
+                                   {"c", limit.c},
+                                   {"exponent", limit.exponent},
+                                   {"exponent_lo", limit.exponent_lo},
+                                   {"exponent_hi", limit.exponent_hi},
+                                   {"chi2", limit.chi2},
+                                   {"p_fit", limit.p_fit}};
+    CHECK_NAMED(&c, 0, free_exponent);
+    CU_ASSERT_STRING_EQUAL(word(&c.t, 0, "status"), "ok");
     at(&c, 0, "status");
     checked_end(&c);
 

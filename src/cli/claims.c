@@ -211,8 +211,11 @@ static bool tests_change(const cli_claim *c)
 /* Within a family the correction follows later; else the table's own holds. */
 static rp_status read_change(const cli_cell *cell, bool family, stats_change *change)
 {
-    RP_TRY(cli_cell_column(cell, "change_lo90", &change->lo90));
-    RP_TRY(cli_cell_column(cell, "change_hi90", &change->hi90));
+    char lo[160], hi[160];
+    snprintf(lo, sizeof lo, "%s_lo90", cell->column);
+    snprintf(hi, sizeof hi, "%s_hi90", cell->column);
+    RP_TRY(cli_cell_column(cell, lo, &change->lo90));
+    RP_TRY(cli_cell_column(cell, hi, &change->hi90));
     return cli_cell_column(cell, !family && cli_cell_text(cell, "p_holm") ? "p_holm" : "p_value",
                            &change->p_value);
 }

@@ -167,8 +167,9 @@ const cli_command cmd_stats_oscillation = {
     "y = constant - decay x + amplitude cos(2 pi frequency x + phase) by least squares. The frequency "
     "leaves\n"
     "the smallest squares between two periods in the series and half the sampling rate. share: part of the\n"
-    "squares about a straight line that the oscillation takes away. Errors follow from the scatter about\n"
-    "the model. An energy oscillates at twice the frequency of the motion. TABLE (- for standard input):\n"
+    "squares about a straight line that the oscillation takes away. Errors follow from the residuals, which\n"
+    "may be correlated within a period but not from one to another. An energy oscillates at twice the "
+    "frequency of the motion. TABLE (- for standard input):\n"
     "columns by name, or 1, 2, ... without header; rows with nan are left out.",
     "repose stats oscillation build/tables/lh1/energy.tsv -x t -y kinetic_per_grain --scale log --from 3",
     oscillation_params,

@@ -15,7 +15,8 @@ enum { SCALE_LINEAR, SCALE_LOG, SCALE_INVERSE };
     X(REAL, power, "", POWER, "[-10, 10]", "weights x^power: 2 where scatter falls as 1/x")                  \
     CLI_WHERE(X)
 #define TABLE_HELP                                                                                           \
-    "TABLE (- for standard input): one row per run, as repose sweep export writes. Rows are left out\n"      \
+    "TABLE (- for standard input): one row per run, as repose sweep export writes; several tables of the\n"  \
+    "same columns are read as one. Rows are left out\n"                                                      \
     "and counted (n_left) if a column holds nan, or a status that does not start with ok."
 
 #define TREND_OPTIONS(X)                                                                                     \
@@ -27,7 +28,12 @@ enum { SCALE_LINEAR, SCALE_LOG, SCALE_INVERSE };
 
 CLI_OPTIONS(trend, TREND_OPTIONS)
 
-#define SIZE_OPTIONS(X) COLUMN_OPTIONS(X, "2")
+enum { EXPONENT_ONE, EXPONENT_FREE };
+
+#define SIZE_OPTIONS(X)                                                                                      \
+    COLUMN_OPTIONS(X, "2")                                                                                   \
+    X(CHOICE, exponent, "", "1", "1 | free", "of limit + c/x^exponent")                                      \
+    X(REAL, least_exponent, "", "0", "[0, 8)", "least free exponent; 0 allows a logarithm")
 
 CLI_OPTIONS(size, SIZE_OPTIONS)
 
@@ -38,6 +44,9 @@ CLI_OPTIONS(size, SIZE_OPTIONS)
 #define SIZE_COLUMNS                                                                                         \
     "n, n_x, x_from [x], x_to [x], limit [y], limit_se [y], limit_lo [y], limit_hi [y], c [x y], "           \
     "c_se [x y], c_lo [x y], c_hi [x y], p_value, p_holm, p_bend, status"
+#define LIMIT_COLUMNS                                                                                        \
+    "n, n_x, x_from [x], x_to [x], limit [y], limit_se [y], limit_lo [y], limit_hi [y], limit_lo90 [y], "    \
+    "limit_hi90 [y], dof, p_value, c, exponent, exponent_lo, exponent_hi, chi2, p_fit, status"
 
 static bool grouped(const trend_options *o)
 {
@@ -102,13 +111,13 @@ static void print_size(const stats_trend *t, double p_holm)
                  stats_contrast_p(&t->slope), p_holm, stats_contrast_p(&t->bend));
 }
 
-static rp_status print_header(const rp_table *t, const rows *r, const trend_options *o, bool size)
+static rp_status print_header(const rp_table *t, const rows *r, const trend_options *o, const char *columns)
 {
     cli_table(stdout);
     rp_table_note(stdout, "rows", "%zu used, %zu without result, %zu with nan, %zu outside the range of x",
                   r->of.n, r->of.n_failed, r->of.n_nan, r->of.n_outside);
     if (*r->x_words) rp_table_note(stdout, "words", "%s", r->x_words);
-    return cli_header_by(t, o->by, size ? SIZE_COLUMNS : TREND_COLUMNS);
+    return cli_header_by(t, o->by, columns);
 }
 
 static rp_status fit_groups(const rp_table *t, const rows *r, const trend_options *o, bool size)
@@ -129,7 +138,7 @@ static rp_status fit_groups(const rp_table *t, const rows *r, const trend_option
     }
     if (with_result == 0) return group;
     stats_holm(n_groups, p, p_holm);
-    RP_TRY(print_header(t, r, o, size));
+    RP_TRY(print_header(t, r, o, size ? SIZE_COLUMNS : TREND_COLUMNS));
     for (size_t g = 0; g < n_groups; g++) {
         if (grouped(o)) printf("%s\t", r->groups.words[g]);
         if (size)
@@ -183,9 +192,55 @@ static rp_status trend_of_table(rp_table *table, void *values)
     return trend_or_size(table, o, false);
 }
 
+static const char *limit_word(const stats_limit *l)
+{
+    const int ends = isfinite(l->lo) + isfinite(l->hi);
+    return isnan(l->limit) ? "no_result" : ends == 2 ? "ok" : ends == 1 ? "one_end" : "no_limit";
+}
+
+/* Limits with a free exponent, one row a group. */
+static rp_status print_limits(const rp_table *t, const rows *r, const trend_options *o, double least_exponent)
+{
+    const size_t n_groups = r->of.n_groups, *first = r->of.first;
+    stats_limit *limits = cli_memory(n_groups, sizeof *limits);
+    rp_status group = RP_OK;
+    size_t with_result = 0;
+    for (size_t g = 0; g < n_groups; g++) {
+        group = stats_limit_fit(first[g + 1] - first[g], r->of.column[0] + first[g],
+                                r->of.column[1] + first[g], least_exponent, &limits[g]);
+        with_result += group == RP_OK;
+        if (group && group != RP_NO_RESULT)
+            return rp_prefix(group, "%s%s", r->groups.words[g], grouped(o) ? ": " : "");
+    }
+    if (with_result == 0) return group;
+    RP_TRY(print_header(t, r, o, LIMIT_COLUMNS));
+    for (size_t g = 0; g < n_groups; g++) {
+        const stats_limit *l = &limits[g];
+        if (grouped(o)) printf("%s\t", r->groups.words[g]);
+        CLI_ROW_WORD(limit_word(l), (double)l->n, (double)l->n_x, l->from, l->to, l->limit, l->se, l->lo,
+                     l->hi, l->lo90, l->hi90, l->dof, l->p_value, l->c, l->exponent, l->exponent_lo,
+                     l->exponent_hi, l->chi2, l->p_fit);
+    }
+    return RP_OK;
+}
+
+static rp_status limits_of_table(rp_table *table, const size_options *s)
+{
+    rows r = {0};
+    const trend_options o = {.x = s->x, .y = s->y, .by = s->by, .from = s->from, .to = s->to};
+    if (cli_given("power"))
+        return rp_fail(RP_USAGE,
+                       "--exponent free weighs by the errors of the means; give it or --power, not both");
+    RP_TRY(read_rows(table, &o, &r));
+    const rp_status status = print_limits(table, &r, &o, s->least_exponent);
+    return status ? rp_prefix(status, "%s: ", table->path) : RP_OK;
+}
+
 static rp_status size_of_table(rp_table *table, void *values)
 {
     const size_options *s = values;
+    if (s->exponent == EXPONENT_FREE) return limits_of_table(table, s);
+    if (cli_given("least-exponent")) return rp_fail(RP_USAGE, "--least-exponent is for --exponent free");
     const trend_options o = {.x = s->x,
                              .y = s->y,
                              .by = s->by,
@@ -200,7 +255,7 @@ static rp_status size_of_table(rp_table *table, void *values)
 const cli_command cmd_stats_trend = {
     "stats trend",
     "does a column of a table of runs depend on another?",
-    "TABLE -x COLUMN -y COLUMN [options]",
+    "TABLE... -x COLUMN -y COLUMN [options]",
     "Does y depend on x? Least squares, one row per group. Errors come from the scatter at each x; with\n"
     "--pair, from the slopes of single piles that have a row at every x. Words in column x count as\n"
     "0, 1, ... in the order in which they appear.\n"
@@ -221,11 +276,19 @@ const cli_command cmd_stats_trend = {
 const cli_command cmd_stats_size = {
     "stats size",
     "limit of infinite size, from a table of runs",
-    "TABLE -x COLUMN -y COLUMN [options]",
+    "TABLE... -x COLUMN -y COLUMN [options]",
     "Finite size: y = limit + c/x by least squares, one row a group; errors from the scatter at each x;\n"
     "lo and hi are 95 % intervals (Student). p_value: of c, two-sided; p_holm: corrected for the number\n"
-    "of groups; p_bend: of a term in 1/x^2, small where limit + c/x does not describe the "
-    "means.\n" TABLE_HELP,
+    "of groups; p_bend: of a term in 1/x^2, small where limit + c/x does not describe the means.\n"
+    "With --exponent free, y = limit + c/x^exponent through the means, weights 1/se^2. Intervals take every\n"
+    "exponent with them that the means allow (profile likelihood, Student). limit_lo or limit_hi is "
+    "infinite\n"
+    "where the means allow a logarithm of x, which has no limit (exponent_lo is 0); --least-exponent\n"
+    "excludes it. exponent_hi is infinite where they allow a step between the smallest two x.\n"
+    "  limit_se  larger half of the 95 % interval over Student's t\n"
+    "  p_value   of the limit against 0, two-sided; p_fit: chance of a larger chi2\n"
+    "  status    ok; one_end or no_limit where one or both ends of the interval are infinite; "
+    "no_result\n" TABLE_HELP,
     "repose stats size build/tables/lh2b_runs.tsv -x W -y theta_r3_deg --by mu",
     size_params,
     .on_table = size_of_table};

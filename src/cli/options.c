@@ -321,16 +321,27 @@ rp_status cli_positions(long points, const char *at, double **x, size_t *n)
     return RP_OK;
 }
 
-/* Act on the table of the first argument, and there on the rows that --where leaves. */
+/* Read the tables of all arguments as one. */
+static rp_status read_tables(rp_table **table)
+{
+    RP_TRY(cli_table_read(cli_data(cli_argument(0)), table));
+    for (int i = 1; i < line.n_arguments; i++) {
+        rp_table *more;
+        RP_TRY(cli_table_read(cli_data(cli_argument(i)), &more));
+        RP_TRY(rp_table_append(*table, more));
+    }
+    return RP_OK;
+}
+
+/* Act on the table of the arguments, and there on the rows that --where leaves. */
 static rp_status act_on_table(const cli_command *command)
 {
     rp_table *table;
     const rp_param *where = rp_params_find(line.options, "where");
-    rp_status status = cli_table_read(cli_data(cli_argument(0)), &table);
+    RP_TRY(read_tables(&table));
     const rp_texts *conditions = where ? (const rp_texts *)(line.values + where->offset) : NULL;
-    for (size_t i = 0; where && i < conditions->n && !status; i++)
-        status = rp_table_where(table, conditions->items[i]);
-    return status ? status : command->on_table(table, line.values);
+    for (size_t i = 0; where && i < conditions->n; i++) RP_TRY(rp_table_where(table, conditions->items[i]));
+    return command->on_table(table, line.values);
 }
 
 const char *cli_own_name(const cli_command *c)

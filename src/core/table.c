@@ -379,6 +379,32 @@ void rp_table_free(rp_table *table)
     *table = (rp_table){0};
 }
 
+static bool same_note(const rp_table *a, const rp_table *b, const char *key)
+{
+    const char *of_a = rp_table_find_note(a, key), *of_b = rp_table_find_note(b, key);
+    return of_a && of_b ? strcmp(of_a, of_b) == 0 : of_a == of_b;
+}
+
+rp_status rp_table_append(rp_table *table, const rp_table *more)
+{
+    const size_t columns = table->n_columns, n = table->n_rows, added = more->n_rows;
+    bool same = columns == more->n_columns;
+    for (size_t c = 0; c < columns && same; c++)
+        same = strcmp(table->names[c] ? table->names[c] : "", more->names[c] ? more->names[c] : "") == 0;
+    if (!same) return rp_fail(RP_BAD_INPUT, "%s and %s have different columns", table->path, more->path);
+    if (!same_note(table, more, "units") || !same_note(table, more, "system"))
+        return rp_fail(RP_BAD_INPUT, "%s and %s have different units", table->path, more->path);
+    char **cells = realloc(table->cells, ((n + added) * columns + 1) * sizeof *cells);
+    if (cells) table->cells = cells;
+    size_t *lines = realloc(table->lines, (n + added + 1) * sizeof *lines);
+    if (lines) table->lines = lines;
+    if (!cells || !lines) return rp_fail(RP_NO_MEMORY, "%s: out of memory", more->path);
+    for (size_t i = 0; i < added * columns; i++) cells[n * columns + i] = more->cells[i];
+    for (size_t i = 0; i < added; i++) lines[n + i] = more->lines[i];
+    table->n_rows += added;
+    return RP_OK;
+}
+
 int rp_table_column(const rp_table *table, const char *name)
 {
     for (size_t i = 0; table->names && i < table->n_columns; i++) /* none after an error of reading */

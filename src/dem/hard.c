@@ -93,7 +93,10 @@ static void redirect(dem_sim *sim, size_t i, const dem_body *from, const dem_bod
         sim->grains.angle[i] -= t * (to->omega - from->omega);
     }
     predict(sim, i);
-    sim->grains.collided[i] = sim->collided = true;
+    if (sim->grains.collided[i]) return;
+    sim->grains.collided[i] = true;
+    for (size_t c = sim->collided.n; c < DEM_FEW; c++) sim->collided.few[c] = (uint32_t)i;
+    sim->collided.n++;
 }
 
 /* Collide two bodies, unless one step of the acceleration that presses them together is above their closing
@@ -164,21 +167,28 @@ static void collide_wall(dem_sim *sim, dem_wall_slot slot)
     redirect(sim, i, &before[0], &after[0], t);
 }
 
-/* Slots of soft contacts with walls at rest are skipped. */
+/* The first slot of wall w from k on that may collide: soft contacts with a wall at rest are skipped. */
+static size_t next_slot(const dem_sim *sim, size_t w, size_t k, bool collided_only)
+{
+    const bool rests = dem_wall_rests(sim, w);
+    const size_t end = sim->walls.start[w + 1];
+    const dem_vec point = sim->walls.line[w].point, direction = sim->walls.line[w].direction;
+    for (; k < end; k++) {
+        const dem_wall_slot *slot = &sim->walls.slot[k];
+        const size_t i = slot->grain;
+        if (collided_only && !sim->grains.collided[i]) continue;
+        const dem_vec d = sim->grains.motion[i].x - point;
+        if (!(rests && sim->grains.radius[i] - slot->side * dem_dot(d, direction) > 0.0)) break;
+    }
+    return k;
+}
+
 static void collide_walls(dem_sim *sim, bool collided_only)
 {
-    for (size_t w = 0; w < sim->def.n_walls; w++) {
-        const bool rests = dem_wall_rests(sim, w);
-        for (size_t k = sim->walls.start[w]; k < sim->walls.start[w + 1]; k++) {
-            const dem_wall_slot *slot = &sim->walls.slot[k];
-            const size_t i = slot->grain;
-            if (collided_only && !sim->grains.collided[i]) continue;
-            const dem_vec d = sim->grains.motion[i].x - sim->walls.line[w].point;
-            const bool touches =
-                sim->grains.radius[i] - slot->side * dem_dot(d, sim->walls.line[w].direction) > 0.0;
-            if (!(touches && rests)) collide_wall(sim, *slot);
-        }
-    }
+    for (size_t w = 0; w < sim->def.n_walls; w++)
+        for (size_t k = next_slot(sim, w, sim->walls.start[w], collided_only); k < sim->walls.start[w + 1];
+             k = next_slot(sim, w, k + 1, collided_only))
+            collide_wall(sim, sim->walls.slot[k]);
 }
 
 /* May this pair touch on its straight line over the step? True wherever time_of_touch is finite, and for a
@@ -210,6 +220,8 @@ static size_t next_collided(const dem_sim *sim, size_t k, size_t end)
 {
     const bool *collided = sim->grains.collided;
     const uint32_t *i = sim->pairs.i, *j = sim->pairs.j;
+    if (sim->kernels.next_collided && sim->collided.n <= DEM_FEW)
+        return sim->kernels.next_collided(sim, k, end);
     while (k < end && !((collided[i[k]] | collided[j[k]]) && may_touch(sim, k))) k++;
     return k;
 }
@@ -229,7 +241,7 @@ static void collide_all(dem_sim *sim)
     const size_t n = sim->pairs.n;
     for (size_t k = 0, apart = next_approaching(sim, 0, n);; k++) {
         if (apart < k) apart = next_approaching(sim, k, n);
-        k = sim->collided ? next_collided(sim, k, apart) : apart;
+        k = sim->collided.n > 0 ? next_collided(sim, k, apart) : apart;
         if (k >= n) break;
         collide_listed(sim, k);
     }
@@ -270,8 +282,8 @@ rp_status dem_hard_apply(dem_sim *sim)
                             sqrt(sim->grains.margin2[beyond]));
     }
     long before = sim->count.collisions;
-    if (sim->collided) memset(sim->grains.collided, 0, sim->grains.n * sizeof *sim->grains.collided);
-    sim->collided = false;
+    if (sim->collided.n > 0) memset(sim->grains.collided, 0, sim->grains.n * sizeof *sim->grains.collided);
+    sim->collided.n = 0;
     collide_all(sim);
     for (int round = 1; round < ROUNDS && sim->count.collisions > before; round++) {
         before = sim->count.collisions;
@@ -286,9 +298,13 @@ unsigned dem_hard_move(dem_sim *sim)
     dem_motion *const grain = sim->grains.motion;
     double *const omega = sim->grains.omega, *const angle = sim->grains.angle;
     unsigned left = 0;
-    for (size_t i = 0; i < sim->grains.n && sim->collided; i++)
+    const bool few = sim->collided.n <= DEM_FEW;
+    const size_t n = few ? sim->collided.n : sim->grains.n;
+    for (size_t c = 0; c < n; c++) {
+        const size_t i = few ? sim->collided.few[c] : c;
         left |= (sim->grains.collided[i] && dem_beyond_margin(sim, i, sim->grains.next_motion[i].x)) *
                 DEM_LIST_OUT;
+    }
     sim->grains.motion = sim->grains.next_motion, sim->grains.next_motion = grain;
     sim->grains.omega = sim->grains.next_omega, sim->grains.next_omega = omega;
     sim->grains.angle = sim->grains.next_angle, sim->grains.next_angle = angle;

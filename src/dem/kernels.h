@@ -30,9 +30,10 @@ typedef size_t dem_margin_kernel(const struct dem_sim *sim, size_t from, size_t 
 typedef void dem_append_kernel(struct dem_sim *sim, size_t i, size_t from, size_t to);
 
 /* Hard collisions, see hard.c: predict as many grains as it can, from the first on, returns how many;
- * the next pair that approaches. */
+ * the next pair that approaches; the next one of grains that have collided, up to DEM_FEW. */
 typedef size_t dem_predict_kernel(struct dem_sim *sim, size_t *beyond);
 typedef size_t dem_approach_kernel(const struct dem_sim *sim, size_t k, size_t end);
+enum { DEM_FEW = 4 };
 
 /* Name, type. */
 #define DEM_KERNEL_LIST(X)                                                                                   \
@@ -42,7 +43,8 @@ typedef size_t dem_approach_kernel(const struct dem_sim *sim, size_t k, size_t e
     X(beyond_margin, dem_margin_kernel)                                                                      \
     X(append_pairs, dem_append_kernel)                                                                       \
     X(predict, dem_predict_kernel)                                                                           \
-    X(next_approaching, dem_approach_kernel)
+    X(next_approaching, dem_approach_kernel)                                                                 \
+    X(next_collided, dem_approach_kernel)
 
 /* The instances in use; NULL for none, save `pairs`. */
 typedef struct {

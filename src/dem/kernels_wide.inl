@@ -135,11 +135,11 @@ typedef struct {
     unsigned touch, deep;
 } slot_forces;
 
-/* As apply_slot in walls.c, for grains i[] in the slots at[] of wall w. */
-INLINE slot_forces slot_forces_of(const dem_sim *sim, const dem_laws *law, uint32_t w, const uint32_t *at,
-                                  const uint32_t *i, double h)
+/* As apply_slot in walls.c, for grains i[] in slots of wall w, the at[]-th ones of these. */
+INLINE slot_forces slot_forces_of(const dem_sim *sim, const dem_laws *law, const dem_wall_slot *slot,
+                                  const uint32_t *at, const uint32_t *i, double h)
 {
-    const dem_wall_slot *slot = sim->walls.slot;
+    const uint32_t w = slot->wall;
     const double *grain = (const double *)sim->grains.motion;
     const int of_slot = sizeof *slot / sizeof *grain, of_grain = sizeof *sim->grains.motion / sizeof *grain;
     const dem_vec point = sim->walls.line[w].point, n = sim->walls.line[w].direction;
@@ -207,11 +207,16 @@ void WIDE(line)(dem_sim *sim, size_t k, size_t end, double h)
     const dem_laws law = dem_laws_of(&sim->def, &sim->walls.wall[w].material, sim->walls.mu[w]);
     dem_vec wall = sim->walls.force[w];
     for (; k < end; k += WIDTH) {
+        static const uint32_t all[8] = {0, 1, 2, 3, 4, 5, 6, 7};
         const size_t n = end - k < WIDTH ? end - k : WIDTH;
-        uint32_t at[WIDTH], i[WIDTH];
-        for (size_t p = 0; p < WIDTH; p++) at[p] = (uint32_t)(k + (p < n ? p : n - 1));
-        for (size_t p = 0; p < WIDTH; p++) i[p] = slot[at[p]].grain;
-        const slot_forces b = slot_forces_of(sim, &law, w, at, i, h);
+        uint32_t some[WIDTH], i[WIDTH];
+        const uint32_t *at = all;
+        if (n < WIDTH) {
+            for (size_t p = 0; p < WIDTH; p++) some[p] = (uint32_t)(p < n ? p : n - 1);
+            at = some;
+        }
+        for (size_t p = 0; p < WIDTH; p++) i[p] = slot[k + at[p]].grain;
+        const slot_forces b = slot_forces_of(sim, &law, slot + k, at, i, h);
         take_slot_forces(sim, k, n, i, &b, &wall);
         sim->too_deep |= b.deep != 0;
     }
@@ -420,4 +425,27 @@ size_t WIDE(next_approaching)(const dem_sim *sim, size_t k, size_t end)
         }
     }
     return end;
+}
+
+/* The first pair from k on of one of n grains that may touch. */
+INLINE size_t next_of(const dem_sim *sim, const uint32_t *of, size_t n, size_t k, size_t end)
+{
+    const uint32_t *i = sim->pairs.i, *j = sim->pairs.j;
+    for (size_t at = k - k % WIDTH; at < end; at += WIDTH) {
+        unsigned found = 0;
+        for (size_t c = 0; c < n; c++) found |= index_equals(i + at, of[c]) | index_equals(j + at, of[c]);
+        if (at < k) found &= ~0u << (k - at);
+        if (found) found &= may_touch(sim, i + at, j + at, wide_load(sim->pairs.radii + at));
+        if (!found) continue;
+        at += (size_t)__builtin_ctz(found);
+        return at < end ? at : end;
+    }
+    return end;
+}
+
+/* As next_collided in hard.c. */
+size_t WIDE(next_collided)(const dem_sim *sim, size_t k, size_t end)
+{
+    return sim->collided.n <= 2 ? next_of(sim, sim->collided.few, 2, k, end)
+                                : next_of(sim, sim->collided.few, DEM_FEW, k, end);
 }

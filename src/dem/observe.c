@@ -35,11 +35,12 @@ double dem_rotational_energy(const dem_sim *sim, size_t i, double frame)
 static int *count_contacts(const dem_sim *sim)
 {
     int *count = calloc(sim->grains.n + 1, sizeof *count);
-    dem_relative r;
-    for (size_t k = 0; count && k < dem_contact_numbers(sim); k++) {
-        if (!dem_contact_relative(sim, k, false, &r)) continue;
-        count[r.a]++;
-        if (r.b != DEM_NOBODY) count[r.b]++;
+    if (!count) return NULL;
+    DEM_EACH_TOUCHING (&sim->pairs, k) count[sim->pairs.i[k]]++, count[sim->pairs.j[k]]++;
+    for (size_t s = 0; s < sim->walls.n_slots; s++) {
+        dem_relative r;
+        dem_wall_slot slot = sim->walls.slot[s];
+        count[slot.grain] += dem_slot_relative(sim, &slot, &r);
     }
     return count;
 }

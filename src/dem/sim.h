@@ -35,7 +35,11 @@ struct dem_sim {
         struct dem_list_work *work;
     } list;
 
-    bool collided; /* some grains have, in the coming step */
+    /* in the coming step: how many grains have collided; the first ones, the last of them to the end */
+    struct {
+        size_t n;
+        uint32_t few[DEM_FEW];
+    } collided;
 
     struct dem_ledger_state *ledger; /* NULL without */
 

@@ -166,6 +166,12 @@ static inline size_t wide_append(uint32_t *list, size_t n, unsigned bits, size_t
     return n + (size_t)__builtin_popcount(bits);
 }
 
+/* Which of WIDTH indices are this one. */
+static inline unsigned index_equals(const uint32_t *index, uint32_t one)
+{
+    return _mm256_cmpeq_epi32_mask(_mm256_loadu_si256((const __m256i *)index), _mm256_set1_epi32((int)one));
+}
+
 /* from[stride index[]] */
 static inline wide wide_gather(const double *from, const uint32_t *index, int stride)
 {
@@ -231,6 +237,12 @@ static inline size_t wide_append(uint32_t *list, size_t n, unsigned bits, size_t
         n += bits >> p & 1;
     }
     return n;
+}
+
+static inline unsigned index_equals(const uint32_t *index, uint32_t one)
+{
+    const __m128i same = _mm_cmpeq_epi32(_mm_loadu_si128((const __m128i *)index), _mm_set1_epi32((int)one));
+    return (unsigned)_mm_movemask_ps(_mm_castsi128_ps(same));
 }
 
 static inline wide wide_gather(const double *from, const uint32_t *index, int stride)

@@ -149,7 +149,7 @@ static void strip(dem_sim *state)
     state->kernels = (dem_kernels){""};
     state->times = NULL;
     state->ahead = false;
-    state->collided = false;
+    state->collided.n = 0;
 }
 
 void dem_keep(rp_snapshot *s, dem_sim **sim)

@@ -46,6 +46,35 @@ static double squares_at(const double x[], void *data)
     return s->squares;
 }
 
+/* Variances of the slope and of the frequency, [0] and [1]. Residuals of a simulation are other modes, thus
+ * correlated whatever the sampling: the scores x (y - fit) are summed over each period, and sums of different
+ * periods taken as independent (Liang & Zeger 1986). */
+static void period_variances(const problem *s, double frequency, double variances[2])
+{
+    const size_t terms = WITH_FREQUENCY, wanted[2] = {1, WITH_FREQUENCY - 1};
+    const double scale = s->squares / (double)(s->n - terms);
+    double sums[2] = {0.0}, squares[2] = {0.0};
+    size_t periods = 0;
+    for (size_t i = 0; i < s->n; i++) {
+        const double *x = s->X + terms * i;
+        double residual = s->y[i];
+        for (size_t k = 0; k < terms; k++) residual -= s->c[k] * x[k];
+        for (size_t v = 0; v < 2; v++)
+            for (size_t k = 0; k < terms; k++)
+                sums[v] += s->covariance[terms * wanted[v] + k] / scale * x[k] * residual;
+        const double period = floor((s->t[i] - s->from) * frequency);
+        if (i + 1 < s->n && floor((s->t[i + 1] - s->from) * frequency) == period) continue;
+        periods++;
+        for (size_t v = 0; v < 2; v++) {
+            squares[v] += sums[v] * sums[v];
+            sums[v] = 0.0;
+        }
+    }
+    const double n = (double)s->n, groups = (double)periods;
+    for (size_t v = 0; v < 2; v++)
+        variances[v] = squares[v] * groups / (groups - 1.0) * (n - 1.0) / (n - (double)terms);
+}
+
 static rp_status fit(problem *s, double lo, double hi, stats_oscillation *fit)
 {
     const double range = s->t[s->n - 1] - s->from;
@@ -62,11 +91,13 @@ static rp_status fit(problem *s, double lo, double hi, stats_oscillation *fit)
     set_terms(s, at[0], WITH_FREQUENCY);
     solve(s, WITH_FREQUENCY);
     if (s->status) return s->status;
+    double variances[2];
+    period_variances(s, at[0], variances);
     *fit = (stats_oscillation){.n = s->n,
                                .decay = -slope,
-                               .decay_se = sqrt(s->covariance[WITH_FREQUENCY + 1]),
+                               .decay_se = sqrt(variances[0]),
                                .frequency = at[0],
-                               .frequency_se = sqrt(s->covariance[WITH_FREQUENCY * WITH_FREQUENCY - 1]),
+                               .frequency_se = sqrt(variances[1]),
                                .amplitude = amplitude,
                                .share = 1.0 - least / line.chi2};
     return RP_OK;
