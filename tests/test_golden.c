@@ -56,6 +56,19 @@ static const char *const flux_hashed[] = {"level_step", "level_insertion", "aval
 static const char *const stress_hashed[] = {"tilts",        "grains",        "steps",
                                             "weight_error", "balance_error", NULL};
 
+/* Without coefficients of lines, as above. */
+static const char *const onset_hashed[] = {"grains",
+                                           "steps",
+                                           "contact_number",
+                                           "rattlers",
+                                           "limit_floor_2",
+                                           "limit_inside_2",
+                                           "limit_inside_4",
+                                           "limit_probe",
+                                           "floor_friction_0",
+                                           "all_x",
+                                           NULL};
+
 /* Counts: the forces of a static solve depend on the order of its operations in the last digits. */
 static const char *const pile_hashed[] = {"n_disks", "contacts", "horizontal", "negative_modes",
                                           "broken",  "jumps",    "load",       NULL};
@@ -123,6 +136,14 @@ static const golden_run runs[] = {
       {"sxy_0", -0.21902502432444304},
       {"syx_1", -0.12825093952911693},
       {"syy_1", -0.12225664625404206}}},
+    {"onset",
+     {{"W", "2"}, {"H", "2"}},
+     onset_hashed,
+     "ok",
+     0xa7f5e780b02b4c34,
+     {{"theta_r3_deg", 18.30022251707566},
+      {"theta_t_displacement_deg", 5.4399999999999284},
+      {"theta_steepest_deg", 31.027190318490319}}},
     {"drop",
      {{"N", "60"}, {"radius_width", "0.03"}, {"source_width", "5"}, {"rest_force", "0.1"}},
      drop_hashed,
@@ -149,11 +170,10 @@ static void check_digest(const char *what, uint64_t digest, uint64_t golden)
 }
 
 /* The key of stored runs: an accidental change loses all stored runs. */
-static const named_text fingerprints[] = {{"repose", "ff7faad142b4715592f58ae45ea9f76b"},
-                                          {"stress", "0473a29740d88bdab4abec2970e83db5"},
-                                          {"flux", "4c519ca0550eacb1b3a31074392d3c50"},
-                                          {"pile", "35a07936c7ac88f206d4971e786c3b61"},
-                                          {"drop", "29311b63ae04938ffc04493394c33446"}};
+static const named_text fingerprints[] = {
+    {"repose", "ff7faad142b4715592f58ae45ea9f76b"}, {"stress", "0473a29740d88bdab4abec2970e83db5"},
+    {"onset", "90923953f774d7847a556f6f417062d8"},  {"flux", "4c519ca0550eacb1b3a31074392d3c50"},
+    {"pile", "35a07936c7ac88f206d4971e786c3b61"},   {"drop", "29311b63ae04938ffc04493394c33446"}};
 enum { N_FINGERPRINTS = sizeof fingerprints / sizeof *fingerprints };
 
 static double output(const sweep_protocol *p, const sweep_result *result, const char *name)

@@ -708,6 +708,13 @@ static void protocol_stress(void)
             "ok");
 }
 
+static void protocol_onset(void)
+{
+    goes_on(&sweep_protocol_onset,
+            (setting[]){{"W", "1.4"}, {"H", "1.4"}, {"fill_steps", "6000"}, {"tilt_rate_deg", "0.01"}, {0}},
+            "ok");
+}
+
 static void protocol_flux(void)
 {
     goes_on(&sweep_protocol_flux,
@@ -837,6 +844,7 @@ void suite_snapshot(void)
         {"refused resumes", refused_resumes},
         {"protocol repose", protocol_repose},
         {"protocol stress", protocol_stress},
+        {"protocol onset", protocol_onset},
         {"protocol flux", protocol_flux},
         {"protocol drop", protocol_drop},
         {"sweep rows", sweep_rows},

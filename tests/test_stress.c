@@ -340,12 +340,17 @@ static void test_bad_grids(void)
 
 /* ---- the protocol ---- */
 
-static double output(const sweep_result *r, const char *name)
+static double output_of(const sweep_protocol *p, const sweep_result *r, const char *name)
 {
-    for (int i = 0; sweep_protocol_stress.outputs[i].name; i++)
-        if (strcmp(sweep_protocol_stress.outputs[i].name, name) == 0) return r->values[i];
+    for (int i = 0; p->outputs[i].name; i++)
+        if (strcmp(p->outputs[i].name, name) == 0) return r->values[i];
     CU_FAIL("no such output");
     return NAN;
+}
+
+static double output(const sweep_result *r, const char *name)
+{
+    return output_of(&sweep_protocol_stress, r, name);
 }
 
 /* A small pile: force balance, and the response at the measured tilts. */
@@ -379,6 +384,43 @@ static void test_protocol(void)
     free(params);
 }
 
+/* Protocol onset has the pile of protocol stress, with the forces on its floor. Its second tilt is the first
+ * one: where that has ended, 5 % of the grains have moved, those of no zone by more than all. */
+static void test_onset(void)
+{
+    const sweep_protocol *const protocols[] = {&sweep_protocol_stress, &sweep_protocol_onset};
+    static const char *const names[] = {"theta_r3_deg", "theta_t_displacement_deg", "floor_friction_0",
+                                        "grains", "bulk_friction_0"};
+    double v[2][5], moved = 0.0;
+    sweep_result r;
+    for (int k = 0; k < 2; k++) {
+        const sweep_protocol *p = protocols[k];
+        char *params = calloc(1, p->params_size);
+        CU_ASSERT_PTR_NOT_NULL_FATAL(params);
+        rp_params_defaults(p->schema, params);
+        CHECK_OK(rp_params_set_text(rp_params_find(p->schema, "W"), params, "2.0"));
+        CHECK_OK(rp_params_set_text(rp_params_find(p->schema, "H"), params, "2.0"));
+        CHECK_OK(p->run(params, 1993, 2, NULL, &r));
+        CU_ASSERT_STRING_EQUAL(r.status, "ok");
+        for (size_t j = 0; j < 5; j++) v[k][j] = output_of(p, &r, names[j]);
+        free(params);
+    }
+    for (size_t j = 0; j < 4; j++) CHECK_NEAR(v[1][j], v[0][j], 1e-12);
+    CHECK_NEAR(v[1][4], v[0][4],
+               0.05); /* branches that leave 0 < x < W count in one, and in part in the other */
+    const sweep_protocol *p = &sweep_protocol_onset;
+    for (int i = 0; p->outputs[i].name; i++) {
+        if (strncmp(p->outputs[i].name, "limit_", 6) == 0 && !isnan(r.values[i]))
+            CU_ASSERT(r.values[i] >= 0.0 && r.values[i] <= 1.0);
+        if (strncmp(p->outputs[i].name, "moved_", 6) == 0 && r.values[i] > moved) moved = r.values[i];
+    }
+    CU_ASSERT(moved >= 0.05 && moved <= 1.0);
+    CU_ASSERT(output_of(p, &r, "limit_inside_4") > output_of(p, &r, "limit_inside_0"));
+    CU_ASSERT(output_of(p, &r, "nonaffine_onset") > output_of(p, &r, "nonaffine_half"));
+    CU_ASSERT(output_of(p, &r, "nonaffine_share_onset") <= 1.0 &&
+              output_of(p, &r, "theta_steepest_deg") >= v[1][0]);
+}
+
 /* Slope 30 degrees, rays of 60: t^2/k = 1/9. H/N at a slope theta_MS of (3), tan theta_MS = mu tan^2 phi, is
  * mu. */
 static void wedge(void)
@@ -407,6 +449,7 @@ void suite_stress(void)
                                        {"critical tilts of an ensemble", test_critical},
                                        {"grids that cannot be", test_bad_grids},
                                        {"protocol stress", test_protocol},
+                                       {"protocol onset", test_onset},
                                        {0}};
     check_register("stress", cases);
 }

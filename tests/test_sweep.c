@@ -1033,7 +1033,7 @@ static void test_physics(void)
     {#name, key, fallback, DEM_RANGE_##kind(range, further)},
         DEM_PHYSICS(ROW)};
     static const sweep_protocol *const boxes[] = {&sweep_protocol_repose, &sweep_protocol_stress,
-                                                  &sweep_protocol_flux};
+                                                  &sweep_protocol_onset, &sweep_protocol_flux};
     const char *const own[] = {"mu", "tangential", "k_n", "integrator", "slip"};
     for (size_t i = 0; i < sizeof list / sizeof *list; i++) {
         bool in_scene = false, overridden = false;

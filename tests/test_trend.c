@@ -555,6 +555,76 @@ static void test_oscillation(void)
     CHECK_FAILS(stats_oscillation_fit(VALUES, t, y, &f), RP_BAD_INPUT, "");
 }
 
+/* Each value as a fold of its own. A straight line errs by r/(1 - h), r its residual and h its leverage 1/n +
+ * (x - mean)^2/sum (x - mean)^2; the mean of the others by n/(n - 1) of the residual. */
+static void test_predict(void)
+{
+    enum { COUNT = 9 };
+    const double x[COUNT] = {0.3, 1.1, 1.9, 2.2, 3.7, 4.1, 5.6, 6.2, 7.9},
+                 y[COUNT] = {1.2, 0.7, 2.9, 2.1, 4.4, 3.2, 5.1, 6.6, 6.9}, *const columns[] = {x};
+    size_t fold[COUNT];
+    double line[COUNT], mean[COUNT], c0, c1, v[4], x_mean = 0.0, y_mean = 0.0, sxx = 0.0;
+    for (size_t i = 0; i < COUNT; i++) fold[i] = i, x_mean += x[i] / COUNT, y_mean += y[i] / COUNT;
+    for (size_t i = 0; i < COUNT; i++) sxx += (x[i] - x_mean) * (x[i] - x_mean);
+    gsl_fit_linear(x, 1, y, 1, COUNT, &c0, &c1, &v[0], &v[1], &v[2], &v[3]);
+    CHECK_OK(stats_predict(COUNT, 1, columns, y, fold, line));
+    CHECK_OK(stats_predict(COUNT, 0, NULL, y, fold, mean));
+    double squares = 0.0, base = 0.0;
+    for (size_t i = 0; i < COUNT; i++) {
+        const double h = 1.0 / COUNT + (x[i] - x_mean) * (x[i] - x_mean) / sxx;
+        CHECK_NEAR(y[i] - line[i], (y[i] - c0 - c1 * x[i]) / (1.0 - h), sum_error);
+        CHECK_NEAR(y[i] - mean[i], (y[i] - y_mean) * COUNT / (COUNT - 1.0), sum_error);
+        squares += (y[i] - line[i]) * (y[i] - line[i]) / COUNT;
+        base += (y[i] - mean[i]) * (y[i] - mean[i]) / COUNT;
+    }
+    stats_prediction s;
+    CHECK_OK(stats_prediction_score(COUNT, y, x, line, mean, &s));
+    CHECK_NEAR(s.skill, 1.0 - squares / base, sum_error);
+    CHECK_NEAR(s.rms, sqrt(squares), sum_error);
+    CHECK_NEAR(s.correlation, c1 * sqrt(sxx) / sqrt(base * COUNT) * COUNT / (COUNT - 1.0), sum_error);
+    CU_ASSERT(s.correlation_lo < s.correlation && s.correlation < s.correlation_hi && s.n == COUNT);
+    CHECK_NEAR(s.measured.mean - s.predicted.mean, s.error.mean, sum_error);
+    CHECK_FAILS(stats_prediction_score(3, y, x, line, mean, &s), RP_NO_RESULT, "3 values");
+    CHECK_FAILS(stats_predict(COUNT, 1, columns, y, (size_t[COUNT]){0}, line), RP_BAD_INPUT, "1 folds");
+    CHECK_FAILS(stats_predict(3, 1, columns, y, fold, line), RP_NO_RESULT, "2 values");
+    CHECK_FAILS(stats_predict(2, 1, columns, (double[]){1.0, NAN}, fold, line), RP_BAD_INPUT, "value 2");
+}
+
+/* Planted: y = x + noise of the same spread has a correlation of 1/sqrt 2 and a skill of 1/2. The intervals
+ * of 95 % hold them, in as many of the cases; a column of noise has no skill beyond what its fit costs. */
+static void test_planted_skill(void)
+{
+    enum { COUNT = 150, ENSEMBLES = 300, FOLDS = 10 };
+    gsl_rng *rng = rp_random_alloc(1993, 13, RP_PURPOSE_TEST);
+    double x[COUNT], noise[COUNT], y[COUNT], mean[COUNT], predicted[COUNT], held = 0.0, held_skill = 0.0,
+                                                                            useless = 0.0;
+    const double *columns[] = {x}, *other[] = {noise};
+    size_t fold[COUNT];
+    stats_prediction s;
+    for (size_t i = 0; i < COUNT; i++) fold[i] = i % FOLDS;
+    for (int k = 0; k < ENSEMBLES; k++) {
+        for (size_t i = 0; i < COUNT; i++) {
+            x[i] = gsl_ran_gaussian(rng, 1.0);
+            noise[i] = gsl_ran_gaussian(rng, 1.0);
+            y[i] = x[i] + gsl_ran_gaussian(rng, 1.0);
+        }
+        CHECK_OK(stats_predict(COUNT, 0, NULL, y, fold, mean));
+        CHECK_OK(stats_predict(COUNT, 1, columns, y, fold, predicted));
+        CHECK_OK(stats_prediction_score(COUNT, y, x, predicted, mean, &s));
+        held += s.correlation_lo < M_SQRT1_2 && M_SQRT1_2 < s.correlation_hi;
+        held_skill += fabs(s.skill - 0.5) < 1.96 * s.skill_se;
+        CHECK_OK(stats_predict(COUNT, 1, other, y, fold, predicted));
+        CHECK_OK(stats_prediction_score(COUNT, y, noise, predicted, mean, &s));
+        useless += s.skill / ENSEMBLES;
+    }
+    /* 4 standard errors of a share: sqrt(0.95 0.05/300) = 0.0126; the delta method may lose 2 % more */
+    CHECK_NEAR(held / ENSEMBLES, 0.95, 0.05);
+    CHECK_NEAR(held_skill / ENSEMBLES, 0.95, 0.07);
+    /* a fitted slope costs 1/COUNT of the variance; its scatter over the cases is of the same order */
+    CHECK_NEAR(useless, -1.0 / COUNT, 3.0 / COUNT);
+    gsl_rng_free(rng);
+}
+
 void suite_trend(void)
 {
     static const check_case cases[] = {
@@ -569,6 +639,8 @@ void suite_trend(void)
         {"errors of trends", test_trend_errors},
         {"where linearity ends", test_successive},
         {"decay and oscillation", test_oscillation},
+        {"predictions out of sample", test_predict},
+        {"planted predictors", test_planted_skill},
         {"planted limits: coverage", test_limit_coverage},
         {"planted limits without an end", test_limit_without_end},
         {"limit against GSL's nonlinear fit", test_limit_against_gsl},

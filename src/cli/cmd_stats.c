@@ -99,8 +99,8 @@ static const cli_command select_rows = {
 
 /* ---- group ---- */
 
-static const cli_command *const commands[] = {&cmd_stats_fit,  &cmd_stats_trend,       &cmd_stats_size,
-                                              &maximum,        &cmd_stats_oscillation, &cmd_stats_threshold,
-                                              &cmd_stats_cost, &select_rows,           NULL};
+static const cli_command *const commands[] = {
+    &cmd_stats_fit,         &cmd_stats_trend,     &cmd_stats_size, &cmd_stats_predict, &maximum,
+    &cmd_stats_oscillation, &cmd_stats_threshold, &cmd_stats_cost, &select_rows,       NULL};
 const cli_command cmd_stats = {"stats", "lines, trends, thresholds and costs from tables of runs",
                                .group = commands};

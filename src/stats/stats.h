@@ -202,6 +202,30 @@ typedef struct {
 rp_status stats_successive(size_t n, const double x[], const double y[], const double se[], double level,
                            stats_prefix prefixes[], double *linear_to, double *bend_free_to);
 
+/* ---- predictions out of sample (predict.c) ---- */
+
+/* Predict y[n] by a linear function of p columns x[k][n] and a constant, value by value: that of fold[i] by
+ * the least squares of the values of all other folds, which are numbered from 0. p may be 0: the mean of the
+ * others. Errors: RP_BAD_INPUT (a number that is not finite, one fold), RP_NO_RESULT (too few values outside
+ * a fold), RP_NO_MEMORY, RP_BROKEN. */
+rp_status stats_predict(size_t n, size_t p, const double *const x[], const double y[], const size_t fold[],
+                        double predicted[]);
+
+/* How good predictions are. */
+typedef struct {
+    size_t n;
+    double correlation, correlation_se; /* Pearson's, of x and y; 95 % interval by Fisher's transformation */
+    double correlation_lo, correlation_hi;
+    double skill, skill_se; /* 1 less the mean square error over that of the mean; delta method */
+    double rms, rms_se;     /* root mean square error */
+    stats_summary measured, predicted, error; /* error: measured less predicted */
+} stats_prediction;
+
+/* Of predictions `predicted` of y by x, beside predictions `mean` that do without x (p = 0 above).
+ * Errors: RP_NO_RESULT for n < 4, RP_BAD_INPUT for a number that is not finite. */
+rp_status stats_prediction_score(size_t n, const double y[], const double x[], const double predicted[],
+                                 const double mean[], stats_prediction *score);
+
 /* ---- least value of a function (least.c) ---- */
 
 /* Least value of f over a box of two dimensions: downhill from the best of a grid of so many cells a side. A

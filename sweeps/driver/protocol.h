@@ -117,7 +117,7 @@ void sweep_results_digits(size_t n, const sweep_result results[], const sweep_ou
                           const char *names, char digits[33]);
 
 /* One list: every protocol. */
-#define SWEEP_PROTOCOLS(X) X(repose) X(stress) X(flux) X(pile) X(drop)
+#define SWEEP_PROTOCOLS(X) X(repose) X(stress) X(onset) X(flux) X(pile) X(drop)
 
 #define X(name) extern const sweep_protocol sweep_protocol_##name;
 SWEEP_PROTOCOLS(X)

@@ -13,6 +13,7 @@ mkdir -p "$work/sweeps"
 sweep() { printf 'protocol = "%s"; replicas = 3; seed = 1993;\nfixed = { %s };\n%s\n' "$1" "$2" "$3" >"$work/sweeps/$1.cfg"; }
 sweep repose 'W = 2.0; H = 2.0; stop = "steps"; fill_steps = 2500; relax_steps = 1500;' 'grid = { mu = [0.2, 0.3]; };'
 sweep stress 'W = 2.0; H = 1.0; fill_steps = 1500; rest_energy = 1e-3; rest_force = 1e3;' 'grid = { mu = [0.2, 0.3]; };'
+sweep onset 'W = 2.0; H = 1.0; fill_steps = 1500; rest_energy = 1e-3; rest_force = 1e3;' 'grid = { mu = [0.2, 0.3]; };'
 sweep flux 'W = 1.4; insertions = 12;' 'grid = { mu = [0.2, 0.3]; };'
 sweep pile 'base = 12; disorder = 1e-4; well = 1.0;' 'grid = { alpha_deg = [30.0, 45.0]; };'
 sweep drop 'N = 12; radius_width = 0.05;' 'grid = { mu = [0.3, 0.5]; };'
@@ -36,7 +37,7 @@ interrupted() {
 }
 
 echo "# protocol	cell	digest	verdict"
-for protocol in repose stress flux pile drop; do
+for protocol in repose stress onset flux pile drop; do
     dir=$work/sweeps/$protocol.d
     for workers in 1 2 5; do
         plan_of $protocol "$dir"
@@ -86,7 +87,7 @@ for compiler in gcc clang; do
         ${MAKE:-make} -s CC="${CCACHE:-} $compiler" SAN=$level B="$other" "$other/repose" >"$work/$compiler$level.log" 2>&1 ||
             { echo "matrix: $compiler $level does not build, see $work/$compiler$level.log" >&2; bad=1; continue; }
         program=$other/repose
-        for protocol in repose stress flux pile drop; do
+        for protocol in repose stress onset flux pile drop; do
             dir=$work/sweeps/$protocol.other
             plan_of $protocol "$dir"
             "$program" sweep run "$dir" -j 2 >/dev/null

@@ -401,6 +401,7 @@ const fuzz_target fuzz_targets[] = {
     TABLE("stats_fit", "stats fit t.tsv -x a -y b --se s --scale log --successive"),
     TABLE("stats_trend", "stats trend t.tsv -x a -y b --by c --pair"),
     TABLE("stats_size", "stats size t.tsv -x a -y b --by c"),
+    TABLE("stats_predict", "stats predict t.tsv -x a,s -y b --given s --by c --folds 2"),
     TABLE("stats_limit", "stats size t.tsv -x a -y b --by c --exponent free"),
     TABLE("stats_maximum", "stats maximum t.tsv --column b --draws 3 --bootstrap 5"),
     TABLE("stats_threshold", "stats threshold t.tsv -x a --by c --most b"),
