@@ -90,7 +90,7 @@ static rp_status read_claim(cli_claims *all, size_t row)
     if (!status) status = read_numbers(t, row, c);
     if (!status) status = find_number(all, c);
     if (!status) status = check(all, c);
-    if (status) return rp_prefix(status, "%s:%zu: ", t->path, t->lines[row]);
+    RP_TRY(rp_prefix(status, "%s:%zu: ", t->path, t->lines[row]));
     all->n++;
     return RP_OK;
 }
@@ -346,7 +346,7 @@ static rp_status judge_claim(const cli_claims *claims, const cli_claim *claim, c
                      : claim->test == CLAIM_PICTURE ? STATS_BY_EYE
                                                     : STATS_UNTESTABLE;
     j->uncorrected = j->verdict;
-    return status ? rp_prefix(status, "claim %s: ", claim->id) : RP_OK;
+    return rp_prefix(status, "claim %s: ", claim->id);
 }
 
 /* ---- families ---- */
