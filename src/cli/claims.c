@@ -253,7 +253,11 @@ static void print_ours(const cli_claim *c, cli_judged *j)
 {
     FILE *out = fmemopen(j->text, sizeof j->text, "w");
     cli_print_number(out, j->ours);
-    if (tests_change(c)) fprintf(out, " (90 %%: %.2g to %.2g)", j->change.lo90, j->change.hi90);
+    if (tests_change(c)) {
+        /* as many digits as the change, so that an end close to the margin is not rounded onto it */
+        const int decimals = j->ours.se > 0.0 ? cli_decimals(j->ours.se) : 3;
+        fprintf(out, " (90 %%: %.*f to %.*f)", decimals, j->change.lo90, decimals, j->change.hi90);
+    }
     if (*c->against && c->test != CLAIM_RATIO) {
         fputs(" against ", out);
         cli_print_number(out, j->against);
