@@ -1055,8 +1055,8 @@ static void test_claims(void)
         "undecided: undecided if ± is a standard error, not reproduced if it is a standard deviation");
     check_verdict("twin", "verdict", "not reproduced");
     check_verdict("twin", "published", "20 ± 1");
-    check_verdict("far", "ours", "0.50 ± 0.20 (90 %: 0.3 to 0.7)"); /* the interval of its own column */
-    check_verdict("level", "ours", "0.10 ± 0.20 (90 %: -0.2 to 0.4)");
+    check_verdict("far", "ours", "0.50 ± 0.20 (90 %: 0.30 to 0.70)"); /* the interval of its own column */
+    check_verdict("level", "ours", "0.10 ± 0.20 (90 %: -0.20 to 0.40)");
     check_verdict("level", "verdict", "reproduced");
     check_verdict("up", "verdict", "reproduced");
     check_verdict("high", "ours", "30.00 ± 0.50 against 20.50 ± 0.10");

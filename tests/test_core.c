@@ -625,6 +625,8 @@ static void statuses(void)
     rp_fail(RP_IO, "value %d", 3);
     CU_ASSERT_EQUAL(rp_prefix(RP_IO, "file:%d: ", 7), RP_IO);
     CU_ASSERT_STRING_EQUAL(rp_message(), "file:7: value 3");
+    CU_ASSERT_EQUAL(rp_prefix(RP_OK, "nothing failed: "), RP_OK);
+    CU_ASSERT_STRING_EQUAL(rp_message(), "file:7: value 3");
 }
 
 /* Costs by hand, and words between which no letter is right. */

@@ -144,6 +144,12 @@ rp_status cli_cell_number(const cli_cell *cell, stats_number *number)
     return status || !cli_cell_text(cell, error) ? status : cli_cell_column(cell, error, &number->se);
 }
 
+int cli_decimals(double se)
+{
+    const int decimals = 1 - (int)floor(log10(se));
+    return decimals < 0 ? 0 : decimals;
+}
+
 void cli_print_number(FILE *out, stats_number number)
 {
     if (isnan(number.value)) {
@@ -153,9 +159,8 @@ void cli_print_number(FILE *out, stats_number number)
     } else if (number.se == 0.0) {
         fprintf(out, "%.4g", number.value);
     } else {
-        const int decimals = 1 - (int)floor(log10(number.se));
-        fprintf(out, "%.*f ± %.*f", decimals < 0 ? 0 : decimals, number.value, decimals < 0 ? 0 : decimals,
-                number.se);
+        const int decimals = cli_decimals(number.se);
+        fprintf(out, "%.*f ± %.*f", decimals, number.value, decimals, number.se);
     }
 }
 

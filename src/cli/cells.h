@@ -61,6 +61,9 @@ rp_status cli_cell_number(const cli_cell *cell, stats_number *number);
 /* The number in another column, NaN if there is no such column. Errors: RP_BAD_INPUT. */
 rp_status cli_cell_column(const cli_cell *cell, const char *column, double *value);
 
+/* Decimals that show two significant digits of an error > 0. */
+int cli_decimals(double se);
+
 /* "18.04 ± 0.92", two significant digits of the error; "not known" for NaN. */
 void cli_print_number(FILE *out, stats_number number);
 

@@ -90,7 +90,7 @@ static rp_status read_claim(cli_claims *all, size_t row)
     if (!status) status = read_numbers(t, row, c);
     if (!status) status = find_number(all, c);
     if (!status) status = check(all, c);
-    if (status) return rp_prefix(status, "%s:%zu: ", t->path, t->lines[row]);
+    RP_TRY(rp_prefix(status, "%s:%zu: ", t->path, t->lines[row]));
     all->n++;
     return RP_OK;
 }
@@ -253,7 +253,11 @@ static void print_ours(const cli_claim *c, cli_judged *j)
 {
     FILE *out = fmemopen(j->text, sizeof j->text, "w");
     cli_print_number(out, j->ours);
-    if (tests_change(c)) fprintf(out, " (90 %%: %.2g to %.2g)", j->change.lo90, j->change.hi90);
+    if (tests_change(c)) {
+        /* as many digits as the change, so that an end close to the margin is not rounded onto it */
+        const int decimals = j->ours.se > 0.0 ? cli_decimals(j->ours.se) : 3;
+        fprintf(out, " (90 %%: %.*f to %.*f)", decimals, j->change.lo90, decimals, j->change.hi90);
+    }
     if (*c->against && c->test != CLAIM_RATIO) {
         fputs(" against ", out);
         cli_print_number(out, j->against);
@@ -342,7 +346,7 @@ static rp_status judge_claim(const cli_claims *claims, const cli_claim *claim, c
                      : claim->test == CLAIM_PICTURE ? STATS_BY_EYE
                                                     : STATS_UNTESTABLE;
     j->uncorrected = j->verdict;
-    return status ? rp_prefix(status, "claim %s: ", claim->id) : RP_OK;
+    return rp_prefix(status, "claim %s: ", claim->id);
 }
 
 /* ---- families ---- */

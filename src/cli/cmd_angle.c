@@ -72,8 +72,7 @@ static const cli_command tilt = {
     "balance), sine ((4b) with sines for tangents), printed.\n"
     "status: ok; ok_pulling (found, but there one ray of the lattice form pulls); already_unstable\n"
     "(margin negative, no theta_T); no_slide (no theta_T below the limit); rays_miss (theta_R >= phi,\n"
-    "no theory:\n"
-    "exit status 1).",
+    "no theory: exit status 1).",
     "repose angle tilt --mu 0.2 --theta-r-deg 18 --form balanced",
     tilt_params,
     .prints_table = true,

@@ -75,25 +75,22 @@ static rp_status compare_table(rp_table *table, void *values)
 {
     const compare_options *o = values;
     cli_rows piles;
-    rp_status status = read_piles(table, &piles);
+    RP_TRY(read_piles(table, &piles));
     gsl_rng *rng = cli_random(0);
-    if (!status) {
-        cli_table(stdout);
-        cli_rows_note(table, &piles);
-        print_compare_header();
-    }
-    for (size_t g = 0; !status && g < piles.n_groups; g++) {
+    cli_table(stdout);
+    cli_rows_note(table, &piles);
+    print_compare_header();
+    for (size_t g = 0; g < piles.n_groups; g++) {
         const size_t first = piles.first[g];
         const double mu = piles.column[0][first];
         ang_comparison c;
-        status = ang_compare(piles.first[g + 1] - first, piles.column[1] + first, piles.column[2] + first, mu,
-                             o->phi_deg * deg, (size_t)o->bootstrap, rng, &c);
-        if (status)
-            rp_prefix(status, "%s: mu = %g: ", table->path, mu);
-        else
-            print_comparison(mu, &c);
+        RP_TRY(rp_prefix(ang_compare(piles.first[g + 1] - first, piles.column[1] + first,
+                                     piles.column[2] + first, mu, o->phi_deg * deg, (size_t)o->bootstrap, rng,
+                                     &c),
+                         "%s: mu = %g: ", table->path, mu));
+        print_comparison(mu, &c);
     }
-    return status;
+    return RP_OK;
 }
 
 const cli_command cmd_angle_compare = {
@@ -165,29 +162,24 @@ static rp_status phi_table(rp_table *table, void *values)
     const phi_options *o = values;
     cli_rows piles;
     size_t n_groups = 0;
-    rp_status status = read_piles(table, &piles);
+    RP_TRY(read_piles(table, &piles));
     ang_piles *groups = cli_memory(piles.n_groups, sizeof *groups);
-    for (size_t g = 0; !status && g < piles.n_groups; g++) {
+    for (size_t g = 0; g < piles.n_groups; g++) {
         const size_t first = piles.first[g];
         const double mu = piles.column[0][first];
         if (mu == 0.0 || mu < o->from || mu > o->to) continue;
         groups[n_groups++] =
             (ang_piles){mu, piles.first[g + 1] - first, piles.column[1] + first, piles.column[2] + first};
     }
-    if (!status && n_groups == 0)
-        status =
-            rp_fail(RP_NO_RESULT, "%s: no row with status ok, both angles, and mu in range", table->path);
-    if (!status) {
-        cli_table(stdout);
-        cli_rows_note(table, &piles);
-        rp_table_header(stdout,
-                        "mu, n_mu, n, phi_deg [deg], phi_lo_deg [deg], phi_hi_deg [deg], boot_lo_deg [deg], "
-                        "boot_hi_deg [deg], chi2, dof, p_value, one_phi, open, measured_deg [deg], "
-                        "measured_se_deg [deg], fitted_deg [deg], sixty_deg [deg], against");
-        status = fit_phis(n_groups, groups, o, cli_random(0));
-        if (status) rp_prefix(status, "%s: ", table->path);
-    }
-    return status;
+    if (n_groups == 0)
+        return rp_fail(RP_NO_RESULT, "%s: no row with status ok, both angles, and mu in range", table->path);
+    cli_table(stdout);
+    cli_rows_note(table, &piles);
+    rp_table_header(stdout,
+                    "mu, n_mu, n, phi_deg [deg], phi_lo_deg [deg], phi_hi_deg [deg], boot_lo_deg [deg], "
+                    "boot_hi_deg [deg], chi2, dof, p_value, one_phi, open, measured_deg [deg], "
+                    "measured_se_deg [deg], fitted_deg [deg], sixty_deg [deg], against");
+    return rp_prefix(fit_phis(n_groups, groups, o, cli_random(0)), "%s: ", table->path);
 }
 
 const cli_command cmd_angle_phi = {

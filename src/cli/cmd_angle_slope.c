@@ -117,7 +117,7 @@ static rp_status slope_of_table(rp_table *table, void *values)
     if (!status) {
         status = ang_surface_make(n, block, block + n, with_r ? block + 2 * n : NULL, o->width, &options,
                                   &surface);
-        if (status) rp_prefix(status, "%s: ", table->path);
+        rp_prefix(status, "%s: ", table->path);
     }
     if (!status && 2 * surface.n_occupied < surface.n_cells) {
         word = "sparse";

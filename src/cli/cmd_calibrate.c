@@ -334,8 +334,7 @@ static rp_status calibrate(const source *s, const calibrate_options *o)
     choose_angles(s, mask, &piles);
     stats_calibration c;
     stats_calibrated found[STATS_MAX_PARAMS];
-    rp_status status = stats_calibration_fit(&piles, &c);
-    if (status) rp_prefix(status, "%s: ", s->path);
+    rp_status status = rp_prefix(stats_calibration_fit(&piles, &c), "%s: ", s->path);
     if (!status) status = stats_calibration_invert(&c, &m, found);
     if (!status)
         status = stats_calibration_bootstrap(&piles, &c, &m, (size_t)o->bootstrap, cli_random(0), found);
@@ -383,8 +382,7 @@ static rp_status print_response(const source *s)
     for (size_t a = 0; a < N_ANGLES; a++) mask |= s->angle[a] ? 1u << a : 0u;
     if (!mask) return rp_fail(RP_BAD_INPUT, "%s: no values of \"%s\"", s->path, angle_columns[0]);
     choose_angles(s, mask, &piles);
-    rp_status status = stats_calibration_fit(&piles, &c);
-    if (status) rp_prefix(status, "%s: ", s->path);
+    rp_status status = rp_prefix(stats_calibration_fit(&piles, &c), "%s: ", s->path);
     for (size_t p = 0; p < s->piles.n_params; p++)
         used += (size_t)snprintf(header + used, sizeof header - used, "%.64s, ", s->params[p]);
     for (size_t a = 0; a < N_ANGLES; a++)
@@ -492,28 +490,22 @@ static rp_status verify(const source *response, const source *planted, const cal
     trial trials[3] = {{0}};
     bool good = true;
     size_t n = 0;
-    rp_status status = RP_OK;
     cli_table(stdout);
     note_piles("piles", response);
     if (planted) note_piles("planted piles", planted);
     note_scope(response);
-    for (unsigned mask = 1; !status && mask <= 3; mask++) {
-        status = make_trial(response, planted, o, mask, &trials[mask - 1]);
-        if (status) break;
+    for (unsigned mask = 1; mask <= 3; mask++) {
+        RP_TRY(make_trial(response, planted, o, mask, &trials[mask - 1]));
         good = note_coverage(&trials[mask - 1], response) && good;
         n += trials[mask - 1].n;
     }
-    if (!status) {
-        rp_table_header(stdout,
-                        "angles, parameter, truth, theta_r_deg [deg], error_deg [deg], theta_t_deg [deg], "
-                        "theta_t_error_deg [deg], value, se, lower, upper, covered, status");
-        for (int i = 0; i < 3; i++) print_cases(&trials[i], response);
-        if (n == 0)
-            status = rp_fail(RP_BAD_INPUT, "verify: no angle that response and planted piles have");
-        else if (!good)
-            status = rp_fail(RP_NO_RESULT, "verify: fewer than 90 %% of the intervals hold the truth");
-    }
-    return status;
+    rp_table_header(stdout,
+                    "angles, parameter, truth, theta_r_deg [deg], error_deg [deg], theta_t_deg [deg], "
+                    "theta_t_error_deg [deg], value, se, lower, upper, covered, status");
+    for (int i = 0; i < 3; i++) print_cases(&trials[i], response);
+    if (n == 0) return rp_fail(RP_BAD_INPUT, "verify: no angle that response and planted piles have");
+    if (!good) return rp_fail(RP_NO_RESULT, "verify: fewer than 90 %% of the intervals hold the truth");
+    return RP_OK;
 }
 
 /* ---- command ---- */
@@ -561,10 +553,9 @@ const cli_command cmd_calibrate = {
     "friction that gives a measured angle of repose, with its interval",
     "--theta-r-deg ANGLE --error-deg SE [options]",
     "Finds the friction that gives a measured angle. Piles are simulated over a range of friction; this\n"
-    "takes some minutes the first time. The piles stay in the folder -o of the current one, and the next "
-    "call\n"
-    "from there takes no time. The mean angles, weighted by their errors,\n"
-    "are fitted by powers or a saturating form, whichever has the least AIC. The fit is inverted.\n"
+    "takes some minutes the first time. The piles stay in the folder -o of the current one, and the next\n"
+    "call from there takes no time. The mean angles, weighted by their errors, are fitted by powers or a\n"
+    "saturating form, whichever has the least AIC. The fit is inverted.\n"
     "\n"
     "lower and upper bound the 95 % interval. The interval contains the error of the measurement, the\n"
     "error of the fit, and its lack of fit. se is the standard error by the delta method. boot_se,\n"
@@ -584,10 +575,9 @@ const cli_command cmd_calibrate = {
     "The answer holds for the model and protocol that the header names: two-dimensional piles in a box\n"
     "opened on one side. It does not carry over to another model, protocol or size.\n"
     "\n"
-    "The header has the range of angles that the piles reach; so has the message of above_range, "
-    "below_range\n"
-    "and no_match, with what would extend it. --response prints the fitted angle, the standard error of the\n"
-    "fit and the standard deviation of one pile, over the range of friction.\n"
+    "The header has the range of angles that the piles reach; so has the message of above_range,\n"
+    "below_range and no_match, with what would extend it. --response prints the fitted angle, the standard\n"
+    "error of the fit and the standard deviation of one pile, over the range of friction.\n"
     "\n"
     "--verify prints one row per case; the exit status is 1 if fewer than 90 % of the intervals contain\n"
     "the truth.",

@@ -130,13 +130,12 @@ const cli_command cmd_claims = {
     "  can't be tested   for the reason given\n"
     "  by eye            the claim is a picture without a number\n"
     "  no data           the table with our value has not been made\n"
-    "Claims of paper `ours` are this program's own, beyond the papers.\n"
-    "--power takes present tables for a pilot: the chance that a test decides if the effect is as large as\n"
-    "matters (of `independent` and `order`: if there is none), with the present `runs` a grid point; and\n"
-    "how many are `needed` for a chance of 0.95, inf where the paper's own error is too large; needed_sd: "
-    "if\n"
-    "the paper's +- is a standard deviation; seconds: processor time of the sweep with needed_sd. Claims\n"
-    "without an error or a sweep have no row.",
+    "Claims of paper `ours` are this program's own, beyond the papers. --power takes present tables for a\n"
+    "pilot: the chance that a test decides if the effect is as large as matters (of `independent` and\n"
+    "`order`: if there is none), with the present `runs` a grid point; and how many are `needed` for a\n"
+    "chance of 0.95, inf where the paper's own error is too large; needed_sd: if the paper's +- is a\n"
+    "standard deviation; seconds: processor time of the sweep with needed_sd. Claims without an error or a\n"
+    "sweep have no row.",
     "repose claims --paper lh",
     claims_params,
     .prints_table = true,

@@ -87,16 +87,6 @@ static rp_status infer(inference *s)
 
 /* ---- choices ---- */
 
-/* The levels of a latent, number `level` of its list. */
-static void latent_word(const char *levels, unsigned level, char word[32])
-{
-    const char *bar = strstr(levels, " | ");
-    if (level)
-        snprintf(word, 32, "%s", bar + 3);
-    else
-        snprintf(word, 32, "%.*s", (int)(bar - levels), levels);
-}
-
 static void print_share(const char *choice, const char *level, double prior, double share)
 {
     printf("%s\t%s\t-\t", choice, level);
@@ -156,6 +146,7 @@ static void print_factor(const inference *s, size_t f)
 static rp_status print_choices(const inference *s)
 {
     double *value = cli_memory(s->draws.n, sizeof *value);
+    char word[32];
     rp_table_header(stdout, "choice, level, given, prior, share, bayes_factor, median, lower, upper, width");
     for (size_t g = 0; g < SWEEP_N_GROUPS; g++) {
         if (!s->study.is_choice[g]) continue;
@@ -169,12 +160,9 @@ static rp_status print_choices(const inference *s)
         print_share("surface", forensics_surfaces[f], 1.0 / FORENSICS_SURFACES,
                     stats_posterior_surface(&s->posterior, f));
 #define X(name, levels, meaning)                                                                             \
-    for (unsigned l = 0; l < 2; l++) {                                                                       \
-        char word[32];                                                                                       \
-        latent_word(levels, l, word);                                                                        \
-        print_share(#name, word, 0.5,                                                                        \
-                    stats_posterior_draws(&s->posterior, STATS_LATENT_##name, l, s->weight));                \
-    }
+    for (unsigned l = 0; l < 2; l++)                                                                         \
+        print_share(#name, rp_word_at(levels, (int)l, word, sizeof word), 0.5,                               \
+                    stats_posterior_draws(&s->posterior, STATS_LATENT_##name, l, s->weight));
     STATS_LATENT_LIST(X)
 #undef X
     return RP_OK;
@@ -349,9 +337,8 @@ const cli_command cmd_forensics = {
     "\n"
     "--design N prints the grid of a sweep: N settings of the choices by a scrambled Sobol sequence, with\n"
     "balanced factors, each at the points of the numbers. Choices with a scale are dimensionless groups:\n"
-    "stiffness k_n d^1.5/(m g), damping rate gamma_n sqrt(d/g), frictions of walls and floor over that of "
-    "the\n"
-    "grains, time from the opening to the measurement, and speed of the opening.\n"
+    "stiffness k_n d^1.5/(m g), damping rate gamma_n sqrt(d/g), frictions of walls and floor over that of\n"
+    "the grains, time from the opening to the measurement, and speed of the opening.\n"
     "\n"
     "RUNS has one row per run of such a sweep, as repose sweep export writes it. An emulator learns the\n"
     "angle from the runs: a Gaussian process or a quadratic regression, whichever predicts better the\n"

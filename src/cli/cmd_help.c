@@ -19,9 +19,9 @@ const cli_command *const cli_commands[] = {CLI_COMMANDS(X) NULL};
 static const char about[] =
     "forces in and under piles of grains, and the angles at which piles are stable and fail";
 static const char about_data[] =
-    "An example, sweep or table that the program brings along, as sweeps/lh/lh3.cfg, is looked for in the "
-    "current\n"
-    "folder first. Then comes the folder that REPOSE_DATA names. Where REPOSE_DATA is not set, it is\n"
+    "An example, sweep or table that the program brings along, as sweeps/lh/lh3.cfg, is looked for in the\n"
+    "current folder first. Then comes the folder that REPOSE_DATA names. Where REPOSE_DATA is not set, it\n"
+    "is\n"
     "../share/repose beside the program, or the source that the program was built in.\n";
 
 void cli_overview(FILE *out)

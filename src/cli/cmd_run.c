@@ -560,20 +560,16 @@ const cli_command cmd_run = {
     "1e-7 m g d), and theta_R by method 3 where the surface at rest falls to one side by all three methods.\n"
     "The pile ends at an upright wall that has opened, else where its grains end.\n"
     "\n"
-    "--snapshot N: the tables grow in DIR/unfinished, where a snapshot is written every N steps and at "
-    "SIGINT,\n"
-    "SIGTERM or SIGHUP. `repose run --resume DIR` goes on after a stop, a kill or a power cut, and ends "
-    "with\n"
-    "the files of an undisturbed run, byte by byte. A snapshot of another scene, program version or model,\n"
-    "or a damaged one, is refused.\n"
+    "--snapshot N: the tables grow in DIR/unfinished, where a snapshot is written every N steps and at\n"
+    "SIGINT, SIGTERM or SIGHUP. `repose run --resume DIR` goes on after a stop, a kill or a power cut, and\n"
+    "ends with the files of an undisturbed run, byte by byte. A snapshot of another scene, program version\n"
+    "or model, or a damaged one, is refused.\n"
     "\n"
     "SWEEP.cfg (a file with the key `protocol`): repeat one run of the sweep and print its results. The\n"
-    "folder gets the tables of this run. A long run of any protocol but pile keeps a snapshot there: after "
-    "a\n"
-    "stop or a kill the same command goes on. For a box: grains, contacts, energies, and a file scene.cfg "
-    "that\n"
-    "`repose run` repeats bit for bit. For a static pile: disks, contacts, wells and the forces on the\n"
-    "base.",
+    "folder gets the tables of this run. A long run of any protocol but pile keeps a snapshot there: after\n"
+    "a stop or a kill the same command goes on. For a box: grains, contacts, energies, and a file\n"
+    "scene.cfg that `repose run` repeats bit for bit. For a static pile: disks, contacts, wells and the\n"
+    "forces on the base.",
     "repose run scene.cfg --set tangential.mu=0.3 --every 1000 -o out",
     run_params,
     .prints_table = true,

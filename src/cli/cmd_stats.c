@@ -30,7 +30,7 @@ static rp_status maximum_of_table(rp_table *table, void *values)
     rp_status status = stats_mean(rows.n, v, &stats);
     if (!status) status = stats_expected_maximum(rows.n, v, draws, work, &largest);
     if (!status) status = stats_maximum_error(rows.n, v, draws, resamples, cli_random(0), work, &se);
-    if (status) return rp_prefix(status, "%s: ", table->path);
+    RP_TRY(rp_prefix(status, "%s: ", table->path));
     rp_table_header(stdout, "n, mean, sd, draws, maximum, maximum_se");
     CLI_ROW((double)rows.n, stats.mean, stats.sd, (double)o->draws, largest, se);
     return RP_OK;

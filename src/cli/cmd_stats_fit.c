@@ -95,19 +95,18 @@ static rp_status fit_table(rp_table *table, void *values)
         return rp_fail(RP_USAGE,
                        "--scale log is without --se: give one of them; see repose stats fit --help");
     snprintf(names, sizeof names, weighted ? "%s,%s,%s" : "%s,%s", o->x, o->y, o->se);
-    rp_status status = cli_rows_read(table, names, &choice, &rows);
-    if (status) return status;
+    RP_TRY(cli_rows_read(table, names, &choice, &rows));
     double *x = rows.column[0], *y = rows.column[1], range[2];
     cli_table(stdout);
     rp_table_note(stdout, "rows", "%zu used, %zu left out for nan, %zu outside the range of x", rows.n,
                   rows.n_nan, rows.n_outside);
     gsl_stats_minmax(&range[0], &range[1], x, 1, rows.n);
-    if (logarithms) status = take_logarithms(table, rows.n, x, o->x);
+    rp_status status = logarithms ? take_logarithms(table, rows.n, x, o->x) : RP_OK;
     if (logarithms && !status) status = take_logarithms(table, rows.n, y, o->y);
     if (!status)
         status = o->successive ? print_successive(rows.n, x, y, rows.column[2], o->level)
                                : print_fit(rows.n, x, y, rows.column[2], logarithms, range);
-    return status ? rp_prefix(status, "%s: ", table->path) : RP_OK;
+    return rp_prefix(status, "%s: ", table->path);
 }
 
 const cli_command cmd_stats_fit = {
@@ -148,7 +147,7 @@ static rp_status oscillation_of_table(rp_table *table, void *values)
     rp_status status = cli_rows_read(table, names, &choice, &rows);
     if (!status && o->scale == SCALE_LOG) status = take_logarithms(table, rows.n, rows.column[1], o->y);
     if (!status) status = stats_oscillation_fit(rows.n, rows.column[0], rows.column[1], &f);
-    if (status) return rp_prefix(status, "%s: ", table->path);
+    RP_TRY(rp_prefix(status, "%s: ", table->path));
     cli_table(stdout);
     rp_table_note(stdout, "rows", "%zu used, %zu left out for nan, %zu outside the range of x", rows.n,
                   rows.n_nan, rows.n_outside);
@@ -164,13 +163,13 @@ const cli_command cmd_stats_oscillation = {
     "stats oscillation",
     "decay and frequency of a series",
     "TABLE -x COLUMN -y COLUMN [options]",
-    "y = constant - decay x + amplitude cos(2 pi frequency x + phase) by least squares. The frequency "
-    "leaves\n"
-    "the smallest squares between two periods in the series and half the sampling rate. share: part of the\n"
-    "squares about a straight line that the oscillation takes away. Errors follow from the residuals, which\n"
-    "may be correlated within a period but not from one to another. An energy oscillates at twice the "
-    "frequency of the motion. TABLE (- for standard input):\n"
-    "columns by name, or 1, 2, ... without header; rows with nan are left out.",
+    "y = constant - decay x + amplitude cos(2 pi frequency x + phase) by least squares. The frequency\n"
+    "leaves the smallest squares between two periods in the series and half the sampling rate. share: part\n"
+    "of the squares about a straight line that the oscillation takes away. Errors follow from the "
+    "residuals,\n"
+    "which may be correlated within a period but not from one to another. An energy oscillates at twice\n"
+    "the frequency of the motion. TABLE (- for standard input): columns by name, or 1, 2, ... without\n"
+    "header; rows with nan are left out.",
     "repose stats oscillation build/tables/lh1/energy.tsv -x t -y kinetic_per_grain --scale log --from 3",
     oscillation_params,
     .on_table = oscillation_of_table};

@@ -180,8 +180,7 @@ static rp_status trend_or_size(rp_table *table, const trend_options *o, bool siz
     rows r = {0};
     RP_TRY(number_words(table, o, r.x_words));
     RP_TRY(read_rows(table, o, &r));
-    rp_status status = fit_groups(table, &r, o, size);
-    return status ? rp_prefix(status, "%s: ", table->path) : RP_OK;
+    return rp_prefix(fit_groups(table, &r, o, size), "%s: ", table->path);
 }
 
 static rp_status trend_of_table(rp_table *table, void *values)

@@ -52,11 +52,10 @@ static rp_status critical_table(rp_table *table, void *values)
 {
     const critical_options *o = values;
     cli_rows runs; /* a pile that stood every tilt has no theta_t to compare with */
-    rp_status status = cli_rows_read(table,
-                                     "mu,theta_t_displacement_deg,n_0,n_1,h_0,h_1,sxx_0,sxy_0,syx_0,syy_0,"
-                                     "sxx_1,sxy_1,syx_1,syy_1",
-                                     &(cli_choice){.grouped = true}, &runs);
-    if (status) return status;
+    RP_TRY(cli_rows_read(table,
+                         "mu,theta_t_displacement_deg,n_0,n_1,h_0,h_1,sxx_0,sxy_0,syx_0,syy_0,sxx_1,sxy_1,"
+                         "syx_1,syy_1",
+                         &(cli_choice){.grouped = true}, &runs));
     gsl_rng *rng = cli_random(0);
     stress_response *responses = cli_memory(runs.n, sizeof *responses);
     cli_table(stdout);
@@ -66,18 +65,16 @@ static rp_status critical_table(rp_table *table, void *values)
         runs.column[1][i] *= deg;
         responses[i] = response_of(&runs, i);
     }
-    for (size_t g = 0; !status && g < runs.n_groups; g++) {
+    for (size_t g = 0; g < runs.n_groups; g++) {
         const size_t first = runs.first[g], n = runs.first[g + 1] - first;
         const double mu = runs.column[0][first];
         stress_critical critical;
-        status = stress_critical_tilts(n, responses + first, runs.column[1] + first, mu, (size_t)o->bootstrap,
-                                       rng, &critical);
-        if (status)
-            rp_prefix(status, "%s: mu = %g: ", table->path, mu);
-        else
-            print_critical(mu, n, &critical);
+        RP_TRY(rp_prefix(stress_critical_tilts(n, responses + first, runs.column[1] + first, mu,
+                                               (size_t)o->bootstrap, rng, &critical),
+                         "%s: mu = %g: ", table->path, mu));
+        print_critical(mu, n, &critical);
     }
-    return status;
+    return RP_OK;
 }
 
 const cli_command cmd_stress_critical = {

@@ -113,9 +113,9 @@ static rp_status dip_of_table(rp_table *table, void *values)
     dip_piles piles;
     stress_dips dips;
     RP_TRY(read_piles(table, &piles));
-    rp_status status = stress_dip_ensemble(piles.n, piles.profiles, piles.excess, o->margin,
-                                           (size_t)o->resamples, cli_random(0), &dips);
-    if (status) return rp_prefix(status, "%s: ", table->path);
+    RP_TRY(rp_prefix(stress_dip_ensemble(piles.n, piles.profiles, piles.excess, o->margin,
+                                         (size_t)o->resamples, cli_random(0), &dips),
+                     "%s: ", table->path));
     cli_table(stdout);
     rp_table_note(stdout, "rows", "%zu used, %zu left out", piles.n, table->n_rows - piles.n);
     if (o->power) return print_power(&piles, o);

@@ -24,8 +24,7 @@ void cli_print_counts(const sweep_counts *counts)
 
 rp_status cli_check_whole(const char *dir, const sweep_counts *counts)
 {
-    rp_status status = sweep_check_whole(dir, counts);
-    return status ? rp_prefix(status, "the table is not whole: ") : RP_OK;
+    return rp_prefix(sweep_check_whole(dir, counts), "the table is not whole: ");
 }
 
 rp_status cli_sweep_export(const char *dir, unsigned what, const char *path, sweep_counts *counts)

@@ -25,9 +25,8 @@ const cli_command cmd_sweep_merge = {
     "take the rows of shards and of other stores",
     "DIR...",
     "Take the rows of the shards of the first folder, or of the further folders and stores, into its\n"
-    "store. Refused, with nothing taken: two results of the same run that differ; a store of another "
-    "protocol\n"
-    "or another model of the physics; a damaged store. Exit status 1 while runs are missing.",
+    "store. Refused, with nothing taken: two results of the same run that differ; a store of another\n"
+    "protocol or another model of the physics; a damaged store. Exit status 1 while runs are missing.",
     "repose sweep merge build/sweeps/lh3",
     NULL,
     .prints_table = true,

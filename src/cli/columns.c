@@ -141,15 +141,15 @@ rp_status cli_header_by(const rp_table *table, const char *by, const char *own)
     char text[4096], unit[32];
     int columns[MOST_BY];
     size_t n = 0, used = 0;
-    rp_status status = strcmp(by, "none") ? cli_column_list(table, by, MOST_BY, &n, columns) : RP_OK;
-    for (size_t i = 0; i < n && !status; i++) {
+    if (strcmp(by, "none") != 0) RP_TRY(cli_column_list(table, by, MOST_BY, &n, columns));
+    for (size_t i = 0; i < n; i++) {
         const char *name = table->names[columns[i]];
         cli_column_unit(table, columns[i], unit);
         used += (size_t)snprintf(text + used, sizeof text - used, "%.100s [%s], ", name ? name : "1", unit);
     }
     snprintf(text + used, sizeof text - used, "%s", own);
-    if (!status) rp_table_header(stdout, text);
-    return status;
+    rp_table_header(stdout, text);
+    return RP_OK;
 }
 
 rp_status cli_group_rows(const rp_table *t, const char *by, char separator, cli_groups *g)
@@ -157,8 +157,7 @@ rp_status cli_group_rows(const rp_table *t, const char *by, char separator, cli_
     size_t n_by = 0, length = 1;
     int columns[MOST_BY];
     *g = (cli_groups){0};
-    rp_status status = strcmp(by, "none") ? cli_column_list(t, by, MOST_BY, &n_by, columns) : RP_OK;
-    if (status) return status;
+    if (strcmp(by, "none") != 0) RP_TRY(cli_column_list(t, by, MOST_BY, &n_by, columns));
     for (size_t i = 0; i < t->n_rows; i++)
         for (size_t k = 0; k < n_by; k++) length += strlen(cli_text(t, i, columns[k])) + 1;
     char *label = cli_memory(length + t->n_rows, 1);

@@ -302,7 +302,7 @@ rp_status cli_export_lammps_input(const char *scene, const rp_texts *changes, co
         status = check_scene(&s.scene.def);
         if (!status) status = start_scene(&s);
         if (!status) status = find_types(&s);
-        if (status) rp_prefix(status, "%s: ", scene);
+        rp_prefix(status, "%s: ", scene);
     }
     if (!status) status = write_files(&s, scene, path);
     dem_physics_free(&s.def, &s.scene.def);

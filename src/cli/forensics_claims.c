@@ -86,7 +86,7 @@ static rp_status read_claims(const cli_claims *table, bool held, forensics_claim
         rp_status status = cli_split(c->forensics, &words);
         const bool own = !status && strcmp(words.words[0], "held") == 0;
         if (!status && own == held) status = add_claim(all, c, held, &words);
-        if (status) return rp_prefix(status, "%s: claim %s: ", table->table->path, c->id);
+        RP_TRY(rp_prefix(status, "%s: claim %s: ", table->table->path, c->id));
     }
     return RP_OK;
 }
@@ -96,16 +96,14 @@ rp_status forensics_claims_read(const char *path, forensics_claims *all)
     cli_claims table;
     void *params = repose_params_new();
     *all = (forensics_claims){0};
-    rp_status status = cli_claims_read(path, &table);
-    const char *at = status ? NULL : rp_table_find_note(table.table, "at");
-    if (!status)
-        status = at ? cli_split(at, &all->usual) : rp_fail(RP_BAD_INPUT, "%s: no header line \"at\"", path);
-    if (!status && (status = repose_params_at(params, &all->usual)) != RP_OK)
-        rp_prefix(status, "%s: at: ", path);
-    if (!status) status = read_claims(&table, false, all);
-    if (!status && all->n == 0) status = rp_fail(RP_NO_RESULT, "%s: no claims", path);
-    if (!status) status = read_claims(&table, true, all);
-    return status;
+    RP_TRY(cli_claims_read(path, &table));
+    const char *at = rp_table_find_note(table.table, "at");
+    if (!at) return rp_fail(RP_BAD_INPUT, "%s: no header line \"at\"", path);
+    RP_TRY(cli_split(at, &all->usual));
+    RP_TRY(rp_prefix(repose_params_at(params, &all->usual), "%s: at: ", path));
+    RP_TRY(read_claims(&table, false, all));
+    if (all->n == 0) return rp_fail(RP_NO_RESULT, "%s: no claims", path);
+    return read_claims(&table, true, all);
 }
 
 /* ---- parameters ---- */

@@ -27,26 +27,19 @@ enum { N_FACTORS = N_OF(factors), WORD = 32 };
 /* Part of the time-step limit that a design takes. */
 static const double step_part = 0.9;
 
-/* Word number `index` of a list with bars between. */
-static void word_at(const char *list, size_t index, char text[WORD])
-{
-    for (; index > 0; index--) list = strstr(list, " | ") + 3;
-    const char *end = strstr(list, " | ");
-    snprintf(text, WORD, "%.*s", end ? (int)(end - list) : WORD - 1, list);
-}
-
 static size_t count_words(const char *list)
 {
-    size_t n = 1;
-    for (; (list = strstr(list, " | ")); list += 3) n++;
-    return n;
+    char text[WORD];
+    int n = 0;
+    while (*rp_word_at(list, n, text, WORD)) n++;
+    return (size_t)n;
 }
 
 /* Set a factor; a text's quotes are the file's. */
 static rp_status set_factor(void *params, size_t f, size_t level)
 {
     char text[WORD], *word = text;
-    word_at(factors[f].values, level, text);
+    rp_word_at(factors[f].values, (int)level, text, WORD);
     if (*word == '"') {
         word++;
         word[strlen(word) - 1] = '\0';
@@ -144,7 +137,7 @@ rp_status forensics_design_print(const forensics_claims *claims, size_t n, gsl_r
     puts("grid = (\n    {");
     char(*text)[WORD] = cli_memory(n, sizeof *text);
     for (size_t f = 0; f < N_FACTORS; f++) {
-        for (size_t i = 0; i < n; i++) word_at(factors[f].values, level[f * n + i], text[i]);
+        for (size_t i = 0; i < n; i++) rp_word_at(factors[f].values, (int)level[f * n + i], text[i], WORD);
         print_list(factors[f].key, n, text);
     }
     print_keys(n, params);

@@ -79,17 +79,16 @@ static rp_status find_settings(forensics_study *s)
 /* Parameters of a run: its cells, else what the header says of all runs, else the defaults. */
 static rp_status read_params(const forensics_study *s, size_t row, void *params)
 {
-    rp_status status = RP_OK;
-    for (const rp_param *p = sweep_protocol_repose.schema; p->name && !status; p++) {
+    for (const rp_param *p = sweep_protocol_repose.schema; p->name; p++) {
         char value[64];
         const int column = rp_table_column(s->runs, p->name);
         const char *text =
             column >= 0 ? cli_text(s->runs, row, column) : rp_table_find_note(s->runs, p->name);
         if (!text) continue;
         snprintf(value, sizeof value, "%.*s", (int)strcspn(text, " "), text);
-        status = repose_params_set(params, p->name, value);
+        RP_TRY(rp_prefix(repose_params_set(params, p->name, value), "%s: ", s->runs->path));
     }
-    return status ? rp_prefix(status, "%s: ", s->runs->path) : RP_OK;
+    return RP_OK;
 }
 
 rp_status forensics_study_params(const forensics_study *s, size_t setting, void *params)

@@ -147,8 +147,7 @@ static rp_status set_option(size_t i, const char *text)
 {
     const rp_param *p = &line.options[i];
     line.given[i] = true;
-    rp_status status = rp_params_set_text(p, line.values, p->type == RP_BOOL ? "true" : text);
-    return status ? rp_prefix(status, "%s", dashes(p)) : RP_OK;
+    return rp_prefix(rp_params_set_text(p, line.values, p->type == RP_BOOL ? "true" : text), "%s", dashes(p));
 }
 
 /* Fewest and most arguments, from the synopsis. */

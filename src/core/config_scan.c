@@ -141,14 +141,12 @@ static rp_status scan_token(scan *s, const char *text, const char **p)
 static rp_status scan_text(scan *s, const char *name, const char *text)
 {
     int line = 1;
-    rp_status status = RP_OK;
-    for (const char *p = text; *p && !status;) {
+    for (const char *p = text; *p;) {
         const char *start = p;
-        status = scan_token(s, text, &p);
-        if (status) return rp_prefix(status, "%s:%d: ", name, line);
+        RP_TRY(rp_prefix(scan_token(s, text, &p), "%s:%d: ", name, line));
         for (; start < p; start++) line += *start == '\n';
     }
-    return status;
+    return RP_OK;
 }
 
 static rp_status scan_file(scan *s, const char *path)

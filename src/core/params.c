@@ -34,8 +34,7 @@ static numeric_range parse_range(const char *text)
     return r;
 }
 
-/* Word number `index` of a list separated by "|" and spaces; empty past the end. */
-static const char *word_at(const char *list, int index, char *buffer, size_t size)
+const char *rp_word_at(const char *list, int index, char *buffer, size_t size)
 {
     for (int i = 0; list; i++) {
         list += strspn(list, " |");
@@ -54,7 +53,7 @@ static const char *word_at(const char *list, int index, char *buffer, size_t siz
 static int word_index(const char *list, const char *word)
 {
     char buffer[64];
-    for (int i = 0; *word_at(list, i, buffer, sizeof buffer); i++)
+    for (int i = 0; *rp_word_at(list, i, buffer, sizeof buffer); i++)
         if (strcmp(buffer, word) == 0) return i;
     return -1;
 }
@@ -62,7 +61,7 @@ static int word_index(const char *list, const char *word)
 /* The spelling of -1 (auto) or infinity among the words of a numeric range; empty if there is none. */
 static const char *spelling(const char *words, bool is_auto, char *buffer, size_t size)
 {
-    for (int i = 0; *word_at(words, i, buffer, size); i++)
+    for (int i = 0; *rp_word_at(words, i, buffer, size); i++)
         if ((strcmp(buffer, "auto") == 0) == is_auto) break;
     return buffer;
 }
@@ -256,18 +255,18 @@ const char *rp_params_text(const rp_param *param, const void *values, char *buff
         long v = *(const long *)field;
         numeric_range range = parse_range(param->range);
         if (v == -1 && *range.words)
-            word_at(range.words, 0, buffer, size);
+            rp_word_at(range.words, 0, buffer, size);
         else
             snprintf(buffer, size, "%ld", v);
         break;
     }
     case RP_BOOL: snprintf(buffer, size, "%s", *(const bool *)field ? "true" : "false"); break;
-    case RP_CHOICE: word_at(param->range, *(const int *)field, buffer, size); break;
+    case RP_CHOICE: rp_word_at(param->range, *(const int *)field, buffer, size); break;
     case RP_FLAGS: {
         unsigned bits = *(const unsigned *)field;
         size_t used = 0;
         buffer[0] = '\0';
-        for (int i = 0; *word_at(param->range, i, word, sizeof word); i++)
+        for (int i = 0; *rp_word_at(param->range, i, word, sizeof word); i++)
             if (bits & 1u << i && used < size)
                 used += (size_t)snprintf(buffer + used, size - used, "%s%s", used ? "," : "", word);
         break;

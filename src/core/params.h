@@ -73,6 +73,9 @@ rp_status rp_params_set_text(const rp_param *param, void *values, const char *te
  * `buffer`. */
 const char *rp_number_text(double v, int digits, char *buffer, size_t size);
 
+/* Word number `index` of a list separated by "|" and blanks; empty past the end. Returns `buffer`. */
+const char *rp_word_at(const char *list, int index, char *buffer, size_t size);
+
 /* The value of one parameter as text that rp_params_set_text reads back exactly; returns `buffer`. */
 const char *rp_params_text(const rp_param *param, const void *values, char *buffer, size_t size);
 

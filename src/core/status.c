@@ -19,6 +19,7 @@ rp_status rp_fail(rp_status status, const char *format, ...)
 rp_status rp_prefix(rp_status status, const char *format, ...)
 {
     char rest[sizeof message];
+    if (!status) return RP_OK;
     memcpy(rest, message, sizeof message);
     va_list args;
     va_start(args, format);

@@ -44,7 +44,8 @@ rp_status rp_fail(rp_status status, const char *format, ...) __attribute__((form
         if (try_status) return try_status;                                                                   \
     } while (0)
 
-/* Prepend a prefix such as "file:line: " to the last recorded message; returns `status`. */
+/* Prepend a prefix such as "file:line: " to the last recorded message, unless `status` is RP_OK; returns it.
+ */
 rp_status rp_prefix(rp_status status, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
 /* RP_OK where lo <= value <= hi, else RP_BAD_INPUT with the range that is `allowed`. DBL_MIN and DBL_MAX

@@ -122,15 +122,14 @@ static rp_status check_moving(const dem_definition *def, const dem_wall *wall)
 
 static rp_status check_walls(const dem_definition *def)
 {
-    rp_status status = RP_OK;
-    for (size_t k = 0; k < def->n_walls && !status; k++) {
+    for (size_t k = 0; k < def->n_walls; k++) {
         const dem_wall *wall = &dem_walls_of(def)[k];
-        status = check_material(def, &wall->material);
+        rp_status status = check_material(def, &wall->material);
         if (!status) status = dem_wall_check(wall);
         if (!status) status = check_moving(def, wall);
-        if (status) rp_prefix(status, "wall %zu: ", k + 1);
+        RP_TRY(rp_prefix(status, "wall %zu: ", k + 1));
     }
-    return status;
+    return RP_OK;
 }
 
 static rp_status check_ground(const dem_definition *def)
@@ -147,7 +146,7 @@ static rp_status check_ground(const dem_definition *def)
         return rp_fail(RP_BAD_INPUT, "ground: the tangential law spring has static friction of its own");
     rp_status status = check_number("mu_static", g->mu_static, 0.0, "[0, inf)");
     if (!status) status = check_number("a", g->a, DBL_MIN, "(0, inf)");
-    return status ? rp_prefix(status, "ground: ") : RP_OK;
+    return rp_prefix(status, "ground: ");
 }
 
 static rp_status check_hard(const dem_definition *def)
@@ -191,10 +190,8 @@ static rp_status check_grain_values(const dem_definition *def)
     if (def->n_grains == 0) return rp_fail(RP_BAD_INPUT, "no particles");
     if (def->n_grains > 100000000)
         return rp_fail(RP_BAD_INPUT, "%zu particles: at most 100000000", def->n_grains);
-    for (size_t i = 0; i < def->n_grains; i++) {
-        rp_status status = dem_grain_check(def, &def->grains[i]);
-        if (status) return rp_prefix(status, "particle %zu: ", i + 1);
-    }
+    for (size_t i = 0; i < def->n_grains; i++)
+        RP_TRY(rp_prefix(dem_grain_check(def, &def->grains[i]), "particle %zu: ", i + 1));
     return RP_OK;
 }
 
@@ -210,8 +207,7 @@ rp_status dem_scheme_check(const dem_definition *def)
 
 rp_status dem_laws_check(const dem_definition *def)
 {
-    rp_status status = check_material(def, &def->material);
-    if (status) return rp_prefix(status, "particles: ");
+    RP_TRY(rp_prefix(check_material(def, &def->material), "particles: "));
     RP_TRY(check_walls(def));
     RP_TRY(check_ground(def));
     RP_TRY(check_hard(def));

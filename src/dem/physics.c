@@ -123,8 +123,7 @@ rp_status dem_physics_resolve(dem_definition *def)
     const double v = dem_impact_speed(def);
     double mass = 0.0;
     for (size_t i = 0; i < def->n_grains; i++) mass += def->grains[i].m / (double)def->n_grains;
-    rp_status status = find_damping(def, 0.5 * mass, v, &def->material);
-    if (status) return status;
+    RP_TRY(find_damping(def, 0.5 * mass, v, &def->material));
     complete(def, &def->material);
     dem_material given;
     for (size_t w = 0; w < def->n_walls; w++) {
@@ -134,8 +133,7 @@ rp_status dem_physics_resolve(dem_definition *def)
             continue;
         }
         given = *m;
-        status = find_damping(def, mass, v, m);
-        if (status) return rp_prefix(status, "wall %zu: ", w + 1);
+        RP_TRY(rp_prefix(find_damping(def, mass, v, m), "wall %zu: ", w + 1));
         *m = dem_wall_material(m, &def->material);
     }
     return RP_OK;

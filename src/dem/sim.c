@@ -231,8 +231,7 @@ static rp_status check_new_walls(const dem_sim *sim, size_t i)
 
 rp_status dem_add(dem_sim *sim, const dem_grain *grain, uint32_t *id)
 {
-    rp_status status = check_new_grain(sim, grain);
-    if (status) return rp_prefix(status, "new particle: ");
+    RP_TRY(rp_prefix(check_new_grain(sim, grain), "new particle: "));
     if (sim->grains.n == sim->grains.capacity) {
         dem_sim *larger, old = *sim;
         RP_TRY(copy_with_capacity(sim, 2 * sim->grains.capacity, &larger));
@@ -242,9 +241,8 @@ rp_status dem_add(dem_sim *sim, const dem_grain *grain, uint32_t *id)
     }
     dem_grains_clear(&sim->grains, sim->grains.n);
     put_grain(sim, sim->grains.n, grain);
-    status = check_new_walls(sim, sim->grains.n);
-    if (status) return rp_prefix(status, "new particle: ");
-    if (sim->ledger && (status = dem_ledger_add(sim, grain)) != RP_OK) return status;
+    RP_TRY(rp_prefix(check_new_walls(sim, sim->grains.n), "new particle: "));
+    if (sim->ledger) RP_TRY(dem_ledger_add(sim, grain));
     note_radius(sim, grain->r);
     sim->grains.id[sim->grains.n++] = ++sim->grains.last_id;
     if (sim->scheme->start) sim->scheme->start(sim, sim->grains.n - 1);

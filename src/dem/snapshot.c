@@ -55,8 +55,7 @@ static void check_numbers(rp_snapshot *s, const dem_sim *sim)
     for (size_t k = 0; k < sizeof bools / sizeof *bools; k++) known &= rp_keep_bool(bools[k]);
     rp_keep_check(s, known, "unknown words in its definition");
     if (s->status) return;
-    s->status = dem_laws_check(def);
-    if (s->status) rp_prefix(s->status, "%s: ", s->path);
+    s->status = rp_prefix(dem_laws_check(def), "%s: ", s->path);
     /* capacity doubles whenever it is used up */
     const dem_grains *g = &sim->grains;
     rp_keep_check(s,

@@ -21,7 +21,7 @@ static rp_status check_source(sweep_store *s, const sweep_plan *plan, const char
     if (!status && strcmp(model, plan->model) != 0)
         return rp_fail(RP_BAD_INPUT, "%s: made by another model of the physics (%s), not by this one (%s)",
                        path, model, plan->model);
-    return status ? rp_prefix(status, "%s: ", path) : RP_OK;
+    return rp_prefix(status, "%s: ", path);
 }
 
 /* Two results under one key differ: one of the machines is wrong, and nothing says which. */
@@ -113,8 +113,7 @@ rp_status sweep_store_unite(sweep_store *s, const sweep_plan *plan, size_t n, ch
     if (!status) status = sweep_store_make_runs(s, "temp", plan->protocol);
     if (!status) status = take_rows(s, plan, "main");
     for (size_t i = 0; !status && i < n; i++) {
-        status = sweep_sql(s, "open a store", "ATTACH %Q AS source", paths[i]);
-        if (status) return rp_prefix(status, "%s: ", paths[i]);
+        RP_TRY(rp_prefix(sweep_sql(s, "open a store", "ATTACH %Q AS source", paths[i]), "%s: ", paths[i]));
         status = take_source(s, plan, paths[i], verify, &same, found);
         rp_status detached = sweep_sql(s, "close a store", "DETACH source");
         if (!status) status = detached;

@@ -589,6 +589,5 @@ rp_status sweep_check_whole(const char *dir, const sweep_counts *counts)
     if (counts->stored < counts->planned)
         return rp_fail(RP_NO_RESULT, "%s: %zu of %zu runs are missing", dir, counts->planned - counts->stored,
                        counts->planned);
-    rp_status status = sweep_check_aborted(counts);
-    return status ? rp_prefix(status, "%s: ", dir) : RP_OK;
+    return rp_prefix(sweep_check_aborted(counts), "%s: ", dir);
 }

@@ -233,7 +233,7 @@ rp_status sweep_digest(const char *dir, const sweep_protocol *const *protocols, 
     *n_rows = d.n_rows;
     sweep_counts counts;
     if (!status) status = sweep_store_count(f.store, &f.plan, &counts);
-    if (!status && (status = sweep_check_whole(dir, &counts)) != RP_OK) rp_prefix(status, "no digest: ");
+    if (!status) status = rp_prefix(sweep_check_whole(dir, &counts), "no digest: ");
     sweep_folder_close(&f);
     return status;
 }
