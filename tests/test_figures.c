@@ -105,6 +105,12 @@ static void collect_names(void)
             snprintf(name, sizeof name, "theta_t_%s_%sdeg", forms[i], k ? "se_" : "");
             add_name(name, strlen(name));
         }
+    static const char *const onset[] = {"limit_floor", "limit_wall",   "limit_inside",
+                                        "moved_floor", "moved_inside", "moved_surface"};
+    for (int k = 0; k < 6 * 5 * 2; k++) {
+        snprintf(name, sizeof name, "%s_%d_%s", onset[k / 10], k / 2 % 5, k % 2 ? "se" : "mean");
+        add_name(name, strlen(name));
+    }
     for (int k = 0; k < 2; k++) {
         snprintf(name, sizeof name, "%c_diagonals/mg", "NH"[k]);
         add_name(name, strlen(name));
