@@ -33,8 +33,8 @@ eval panel(4, '(d) predicted against published')
 set autoscale y
 set xlabel 'published {/:Italic θ}_R (degrees)'
 set ylabel 'predicted {/:Italic θ}_R (degrees)'
-set xrange [14:23]
-set yrange [14:23]
+set xrange [14:24]
+set yrange [14:28]
 plot x with lines ls guide notitle, \
      role('used') using 'published_deg':'predicted_deg':'published_se_deg':'predicted_sd_deg' with xyerrorbars ls ours title 'used', \
      role('held_out') using 'published_deg':'predicted_deg':'published_se_deg':'predicted_sd_deg' with xyerrorbars ls 2 title 'held out'
