@@ -192,7 +192,7 @@ BENCH_instructions = instructions.sh $(REPOSE) $(B)/bench
 BENCH_scaling      = scaling.sh $(REPOSE) $(B)/bench scaling '1000 10000 100000 1000000'
 BENCH_workers      = scaling.sh $(REPOSE) $(B)/bench workers 5
 $(T)/bench.tsv: $(CODE)
-	@mkdir -p $(T) && $(REPOSE) bench --n 1372 >$@
+	@mkdir -p $(T) && $(REPOSE) bench --n 1372 >$@.new && mv $@.new $@
 $(T)/bench_%.tsv: $(CODE) $(wildcard validation/peers/*)
 	@mkdir -p $(T) && echo "bench   $*"
 	@bash validation/peers/$(BENCH_$*) >$@
