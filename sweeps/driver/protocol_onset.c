@@ -19,26 +19,13 @@ typedef struct {
 
 #define AT(field) offsetof(onset_params, field)
 
-/* clang-format off */
-static const rp_param schema[] = {
-    SWEEP_BOX_PHYSICS
-    SWEEP_BOX_WIDTH_ROW
-    SWEEP_BOX_COUNT_ROWS
-    SWEEP_BOX_WALL_ROWS
-    SWEEP_BOX_OPENING_ROWS
-    SWEEP_BOX_FILL_STEPS_ROW
-    SWEEP_BOX_REST_ROWS
-    SWEEP_BOX_MAX_STEPS_ROW
-    {"tilt_rate_deg", "degree", RP_REAL, AT(tilt_rate_deg), "1e-3", "[1e-6, 0.01]", "turn of gravity a step"},
-    SWEEP_BOX_SURFACE_ROWS
-    {0},
-    SWEEP_BOX_DEFAULTS,
-    [SWEEP_ROW_slip].range = "truncated" /* the other spring never comes to rest */};
+static const rp_param schema[] = {SWEEP_BOX_TILTED_SCHEMA};
 
 /* Readings at these tilts: PROBE_DEG, and quarters of the tilting angle, from none to all of it. */
 enum { N_QUARTERS = 5, HALF = 2, ONSET = 4 };
 static const double PROBE_DEG = 1.0;
 
+/* clang-format off */
 /* Where contacts are, with the words of their outputs. */
 #define CLASSES(X) X(floor, "with the floor") X(wall, "with the wall") X(inside, "between grains")
 /* Zones of the grains: quarters of the width from the wall on, and of each the surface, the inside, the floor. */
@@ -267,26 +254,6 @@ static void measure_grains(experiment *e)
 
 /* ---- Phases, each from where the last one ends, or from where a snapshot was written ---- */
 
-static rp_status start_box(experiment *e)
-{
-    return sweep_box_start(&e->box);
-}
-
-static rp_status fall(experiment *e)
-{
-    return sweep_box_advance(&e->box, e->p->box.fill_steps);
-}
-
-static rp_status fill_to_rest(experiment *e)
-{
-    return sweep_box_settle(&e->box, "filling");
-}
-
-static rp_status open_box(experiment *e)
-{
-    return sweep_box_open(&e->box, 0);
-}
-
 static rp_status note_pile(experiment *e)
 {
     double *v = e->values;
@@ -478,8 +445,8 @@ static rp_status tilt_again(experiment *e)
 
 static rp_status run_phases(experiment *e)
 {
-    static rp_status (*const phases[])(experiment *) = {start_box, fall,       fill_to_rest, open_box,
-                                                        note_pile, find_onset, tilt_again};
+    static rp_status (*const phases[])(experiment *) = {note_pile, find_onset, tilt_again};
+    enum { N_PHASES = SWEEP_BOX_PHASES + sizeof phases / sizeof *phases };
     sweep_keep *const keep = e->box.keep;
     size_t phase = 0;
     rp_status status = RP_OK;
@@ -487,7 +454,9 @@ static rp_status run_phases(experiment *e)
     sweep_keep_enter(keep, e->depth, (e->box.most + 1) * sizeof *e->depth);
     sweep_keep_enter_sim(keep, &e->rested);
     SWEEP_ENTER(keep, phase);
-    for (; phase < sizeof phases / sizeof *phases && !status; phase++) status = phases[phase](e);
+    for (; phase < N_PHASES && !status; phase++)
+        status =
+            phase < SWEEP_BOX_PHASES ? sweep_box_phase(&e->box, phase) : phases[phase - SWEEP_BOX_PHASES](e);
     if (!e->box.sim) return status;
     e->values[OUT_steps] = (double)(dem_step(e->box.sim) + e->steps_before);
     return status;
@@ -516,11 +485,7 @@ static rp_status fingerprint(char digits[33])
         "theta_r3_deg theta_t_displacement_deg theta_steepest_deg scatter floor_friction_0 bulk_friction_0 "
         "fabric reach_probe limit_inside_0 limit_inside_4 nonaffine_onset moves_depth_onset grains steps";
     rp_params_defaults(schema, &p);
-    p.box.W = 2.0;
-    p.box.H = 1.0;
-    p.box.fill_steps = 1500;
-    p.box.rest_energy = 1e-3;
-    p.box.rest_force = 1e3;
+    sweep_box_shorten(&p.box);
     rp_status status = run_one(&p, 1, 0, NULL, &result);
     if (status) return status;
     sweep_results_digits(1, &result, outputs, hashed, digits);

@@ -19,22 +19,7 @@ typedef struct {
 
 #define AT(field) offsetof(stress_params, field)
 
-/* clang-format off */
-static const rp_param schema[] = {
-    SWEEP_BOX_PHYSICS
-    SWEEP_BOX_WIDTH_ROW
-    SWEEP_BOX_COUNT_ROWS
-    SWEEP_BOX_WALL_ROWS
-    SWEEP_BOX_OPENING_ROWS
-    SWEEP_BOX_FILL_STEPS_ROW
-    SWEEP_BOX_REST_ROWS
-    SWEEP_BOX_MAX_STEPS_ROW
-    {"tilt_rate_deg", "degree", RP_REAL, AT(tilt_rate_deg), "1e-3", "[1e-6, 0.01]", "turn of gravity a step"},
-    SWEEP_BOX_SURFACE_ROWS
-    {0},
-    SWEEP_BOX_DEFAULTS,
-    [SWEEP_ROW_slip].range = "truncated" /* the other spring never comes to rest */};
-/* clang-format on */
+static const rp_param schema[] = {SWEEP_BOX_TILTED_SCHEMA};
 
 /* Tilts at which the forces are read, degrees; the response is that of the first N_FITTED, or as many as
  * there are, and the last shows how far it holds. */
@@ -96,26 +81,6 @@ static rp_status check(const void *params)
 }
 
 /* ---- Phases, each from where the last one ends, or from where a snapshot was written ---- */
-
-static rp_status start_box(experiment *e)
-{
-    return sweep_box_start(&e->box);
-}
-
-static rp_status fall(experiment *e)
-{
-    return sweep_box_advance(&e->box, e->p->box.fill_steps);
-}
-
-static rp_status fill_to_rest(experiment *e)
-{
-    return sweep_box_settle(&e->box, "filling");
-}
-
-static rp_status open_box(experiment *e)
-{
-    return sweep_box_open(&e->box, 0);
-}
 
 static rp_status note_pile(experiment *e)
 {
@@ -295,8 +260,8 @@ static rp_status conclude(experiment *e)
 
 static rp_status run_phases(experiment *e)
 {
-    static rp_status (*const phases[])(experiment *) = {start_box, fall,         fill_to_rest, open_box,
-                                                        note_pile, tilt_to_rest, tilt_at_rate, conclude};
+    static rp_status (*const phases[])(experiment *) = {note_pile, tilt_to_rest, tilt_at_rate, conclude};
+    enum { N_PHASES = SWEEP_BOX_PHASES + sizeof phases / sizeof *phases };
     sweep_keep *const keep = e->box.keep;
     size_t phase = 0;
     rp_status status = RP_OK;
@@ -306,7 +271,9 @@ static rp_status run_phases(experiment *e)
     SWEEP_ENTER(keep, e->steps_before);
     sweep_keep_enter_sim(keep, &e->rested);
     SWEEP_ENTER(keep, phase);
-    for (; phase < sizeof phases / sizeof *phases && !status; phase++) status = phases[phase](e);
+    for (; phase < N_PHASES && !status; phase++)
+        status =
+            phase < SWEEP_BOX_PHASES ? sweep_box_phase(&e->box, phase) : phases[phase - SWEEP_BOX_PHASES](e);
     if (!e->box.sim) return status;
     e->values[OUT_steps] = (double)(dem_step(e->box.sim) + e->steps_before);
     return status;
@@ -332,11 +299,7 @@ static rp_status fingerprint(char digits[33])
         "theta_r3_deg theta_t_displacement_deg n_0 n_1 h_0 h_1 sxx_0 syx_1 floor_tilt_deg "
         "weight_error balance_error grains steps";
     rp_params_defaults(schema, &p);
-    p.box.W = 2.0;
-    p.box.H = 1.0;
-    p.box.fill_steps = 1500;
-    p.box.rest_energy = 1e-3;
-    p.box.rest_force = 1e3;
+    sweep_box_shorten(&p.box);
     rp_status status = run_one(&p, 1, 0, NULL, &result);
     if (status) return status;
     sweep_results_digits(1, &result, outputs, hashed, digits);
