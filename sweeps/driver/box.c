@@ -259,15 +259,6 @@ rp_status sweep_box_phase(sweep_box_run *run, size_t phase)
     return phase == 2 ? sweep_box_settle(run, "filling") : sweep_box_open(run, 0);
 }
 
-void sweep_box_shorten(sweep_box *box)
-{
-    box->W = 2.0;
-    box->H = 1.0;
-    box->fill_steps = 1500;
-    box->rest_energy = 1e-3;
-    box->rest_force = 1e3;
-}
-
 ang_options sweep_box_options(const sweep_box *b)
 {
     return (ang_options){2.0 * b->radius_mean, (ang_height)b->height, (ang_empty)b->empty,

@@ -87,21 +87,6 @@ enum { DEM_PHYSICS(SWEEP_PHYSICS_INDEX) DEM_RADIUS_PARAMS(SWEEP_PHYSICS_INDEX) }
     SWEEP_ROW(empty, "", RP_CHOICE, "zero", ANG_EMPTY_WORDS, "empty cells: height 0, or left out")           \
     SWEEP_ROW(parabola, "", RP_CHOICE, "free", ANG_PARABOLA_WORDS, "of method 3")
 
-/* The whole schema of a protocol that tilts the pile at AT(tilt_rate_deg). */
-#define SWEEP_BOX_TILTED_SCHEMA                                                                              \
-    SWEEP_BOX_PHYSICS                                                                                        \
-    SWEEP_BOX_WIDTH_ROW                                                                                      \
-    SWEEP_BOX_COUNT_ROWS                                                                                     \
-    SWEEP_BOX_WALL_ROWS                                                                                      \
-    SWEEP_BOX_OPENING_ROWS                                                                                   \
-    SWEEP_BOX_FILL_STEPS_ROW                                                                                 \
-    SWEEP_BOX_REST_ROWS                                                                                      \
-    SWEEP_BOX_MAX_STEPS_ROW{"tilt_rate_deg",         "degree", RP_REAL,                                      \
-                            AT(tilt_rate_deg),       "1e-3",   "[1e-6, 0.01]",                               \
-                            "turn of gravity a step"},                                                       \
-        SWEEP_BOX_SURFACE_ROWS{0},                                                                           \
-        SWEEP_BOX_DEFAULTS, [SWEEP_ROW_slip].range = "truncated" /* the other spring never comes to rest */
-
 /* The scene of the box, closed, empty and without a fill. Where the floor is of grains, its wall lies below
  * them; the protocol adds them. */
 void sweep_box_scene(const sweep_box *box, dem_scene *scene);
@@ -165,9 +150,6 @@ rp_status sweep_box_open(sweep_box_run *run, long steps);
  * rest, opening and rest. Errors: as of these functions. */
 enum { SWEEP_BOX_PHASES = 4 };
 rp_status sweep_box_phase(sweep_box_run *run, size_t phase);
-
-/* Make a box small and its rest hardly one, so that a run takes milliseconds: for fingerprints. */
-void sweep_box_shorten(sweep_box *box);
 
 /* How the box's parameters say that a surface is measured. */
 ang_options sweep_box_options(const sweep_box *box);

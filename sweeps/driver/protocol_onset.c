@@ -9,17 +9,8 @@
 #include <stdlib.h>
 
 #include "stats/stats.h"
-#include "sweeps/driver/box.h"
+#include "sweeps/driver/tilted.h"
 #include "stress/stress.h"
-
-typedef struct {
-    sweep_box box;
-    double tilt_rate_deg;
-} onset_params;
-
-#define AT(field) offsetof(onset_params, field)
-
-static const rp_param schema[] = {SWEEP_BOX_TILTED_SCHEMA};
 
 /* Readings at these tilts: PROBE_DEG, and quarters of the tilting angle, from none to all of it. */
 enum { N_QUARTERS = 5, HALF = 2, ONSET = 4 };
@@ -90,19 +81,13 @@ enum { FLOOR, WALL, INSIDE, N_CLASSES };
 enum { N_COLUMNS = 4, SURFACE = 0, BULK = 1, BASE = 2, N_LAYERS = 3 };
 
 typedef struct {
-    const onset_params *p;
+    const sweep_tilted *p;
     sweep_box_run box;
     double *values;
     dem_sim *rested;   /* the pile, for the second tilt */
     double *depth;     /* [1 + most] by id, of the grains of the pile at rest, in d */
     long steps_before; /* of the first tilt, once that has ended */
 } experiment;
-
-static rp_status check(const void *params)
-{
-    const onset_params *p = params;
-    return sweep_box_check_fill(&p->box);
-}
 
 /* ---- the pile at rest ---- */
 
@@ -465,7 +450,7 @@ static rp_status run_phases(experiment *e)
 static rp_status run_one(const void *params, unsigned long seed, unsigned long run,
                          const sweep_tables *tables, sweep_result *result)
 {
-    const onset_params *p = params;
+    const sweep_tilted *p = params;
     experiment e = {.p = p, .values = result->values};
     rp_status status = sweep_box_begin_filled(&e.box, &p->box, seed, run, tables, result);
     if (!status) e.depth = calloc(e.box.most + 1, sizeof *e.depth);
@@ -476,22 +461,20 @@ static rp_status run_one(const void *params, unsigned long seed, unsigned long r
     return sweep_box_end(&e.box, status);
 }
 
-/* A short run through all phases, of a small pile that is hardly at rest. */
+static rp_status check(const void *params)
+{
+    return sweep_box_check_fill(&((const sweep_tilted *)params)->box);
+}
+
 static rp_status fingerprint(char digits[33])
 {
-    onset_params p = {0}; /* the schema has not every field of the box */
-    sweep_result result;
-    static const char hashed[] =
+    return sweep_tilted_fingerprint(
+        run_one, outputs,
         "theta_r3_deg theta_t_displacement_deg theta_steepest_deg scatter floor_friction_0 bulk_friction_0 "
-        "fabric reach_probe limit_inside_0 limit_inside_4 nonaffine_onset moves_depth_onset grains steps";
-    rp_params_defaults(schema, &p);
-    sweep_box_shorten(&p.box);
-    rp_status status = run_one(&p, 1, 0, NULL, &result);
-    if (status) return status;
-    sweep_results_digits(1, &result, outputs, hashed, digits);
-    return RP_OK;
+        "fabric reach_probe limit_inside_0 limit_inside_4 nonaffine_onset moves_depth_onset grains steps",
+        digits);
 }
 
 SWEEP_PROTOCOL(
-    onset, schema, onset_params,
+    onset, sweep_tilted_schema, sweep_tilted,
     "the pile of `repose`, tilted until it moves: what foretells the angle, what slides and moves first");

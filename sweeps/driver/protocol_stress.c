@@ -8,18 +8,9 @@
 #include <string.h>
 
 #include "core/table.h"
-#include "sweeps/driver/box.h"
+#include "sweeps/driver/tilted.h"
 #include "stats/stats.h"
 #include "stress/stress.h"
-
-typedef struct {
-    sweep_box box;
-    double tilt_rate_deg;
-} stress_params;
-
-#define AT(field) offsetof(stress_params, field)
-
-static const rp_param schema[] = {SWEEP_BOX_TILTED_SCHEMA};
 
 /* Tilts at which the forces are read, degrees; the response is that of the first N_FITTED, or as many as
  * there are, and the last shows how far it holds. */
@@ -64,7 +55,7 @@ typedef struct {
 } reading;
 
 typedef struct {
-    const stress_params *p;
+    const sweep_tilted *p;
     sweep_box_run box;
     double *values;
     double weight; /* of all grains at rest */
@@ -73,12 +64,6 @@ typedef struct {
     dem_sim *rested;   /* the pile, for the tilt at a rate */
     long steps_before; /* of the tilt from rest to rest, once that has ended */
 } experiment;
-
-static rp_status check(const void *params)
-{
-    const stress_params *p = params;
-    return sweep_box_check_fill(&p->box);
-}
 
 /* ---- Phases, each from where the last one ends, or from where a snapshot was written ---- */
 
@@ -282,7 +267,7 @@ static rp_status run_phases(experiment *e)
 static rp_status run_one(const void *params, unsigned long seed, unsigned long run,
                          const sweep_tables *tables, sweep_result *result)
 {
-    const stress_params *p = params;
+    const sweep_tilted *p = params;
     experiment e = {.p = p, .values = result->values};
     rp_status status = sweep_box_begin_filled(&e.box, &p->box, seed, run, tables, result);
     if (!status) status = run_phases(&e);
@@ -290,22 +275,20 @@ static rp_status run_one(const void *params, unsigned long seed, unsigned long r
     return sweep_box_end(&e.box, status);
 }
 
-/* A short run through all phases, of a small pile that is hardly at rest. */
+static rp_status check(const void *params)
+{
+    return sweep_box_check_fill(&((const sweep_tilted *)params)->box);
+}
+
 static rp_status fingerprint(char digits[33])
 {
-    stress_params p = {0}; /* the schema has not every field of the box */
-    sweep_result result;
-    static const char hashed[] =
+    return sweep_tilted_fingerprint(
+        run_one, outputs,
         "theta_r3_deg theta_t_displacement_deg n_0 n_1 h_0 h_1 sxx_0 syx_1 floor_tilt_deg "
-        "weight_error balance_error grains steps";
-    rp_params_defaults(schema, &p);
-    sweep_box_shorten(&p.box);
-    rp_status status = run_one(&p, 1, 0, NULL, &result);
-    if (status) return status;
-    sweep_results_digits(1, &result, outputs, hashed, digits);
-    return RP_OK;
+        "weight_error balance_error grains steps",
+        digits);
 }
 
 SWEEP_PROTOCOL(
-    stress, schema, stress_params,
+    stress, sweep_tilted_schema, sweep_tilted,
     "the pile of `repose`, tilted by small angles: forces on the floor, stress, Coulomb-critical tilt");
