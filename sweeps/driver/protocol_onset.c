@@ -239,8 +239,9 @@ static void measure_grains(experiment *e)
 
 /* ---- Phases, each from where the last one ends, or from where a snapshot was written ---- */
 
-static rp_status note_pile(experiment *e)
+static rp_status note_pile(void *data)
 {
+    experiment *e = data;
     double *v = e->values;
     ang_slope slopes[ANG_N_METHODS];
     ang_tilt_result theory;
@@ -263,8 +264,9 @@ static rp_status note_pile(experiment *e)
     return status ? status : dem_clone(e->box.sim, &e->rested);
 }
 
-static rp_status find_onset(experiment *e)
+static rp_status find_onset(void *data)
 {
+    experiment *e = data;
     double *theta_t = &e->values[OUT_theta_t_displacement_deg];
     rp_status status = sweep_box_tilt(&e->box, false, e->p->tilt_rate_deg, theta_t, NULL);
     return !status && isnan(*theta_t) ? sweep_conclude(e->box.result, "stable", "stable at 60 degrees")
@@ -397,8 +399,9 @@ static rp_status read_pile(experiment *e, int quarter)
 }
 
 /* The tilts at which the pile is read, in order. */
-static rp_status tilt_again(experiment *e)
+static rp_status tilt_again(void *data)
 {
+    experiment *e = data;
     const double rate = e->p->tilt_rate_deg, theta_t = e->values[OUT_theta_t_displacement_deg];
     struct {
         long turned; /* steps */
@@ -430,18 +433,12 @@ static rp_status tilt_again(experiment *e)
 
 static rp_status run_phases(experiment *e)
 {
-    static rp_status (*const phases[])(experiment *) = {note_pile, find_onset, tilt_again};
-    enum { N_PHASES = SWEEP_BOX_PHASES + sizeof phases / sizeof *phases };
+    static rp_status (*const phases[])(void *) = {note_pile, find_onset, tilt_again};
     sweep_keep *const keep = e->box.keep;
-    size_t phase = 0;
-    rp_status status = RP_OK;
     SWEEP_ENTER(keep, e->steps_before);
     sweep_keep_enter(keep, e->depth, (e->box.most + 1) * sizeof *e->depth);
     sweep_keep_enter_sim(keep, &e->rested);
-    SWEEP_ENTER(keep, phase);
-    for (; phase < N_PHASES && !status; phase++)
-        status =
-            phase < SWEEP_BOX_PHASES ? sweep_box_phase(&e->box, phase) : phases[phase - SWEEP_BOX_PHASES](e);
+    const rp_status status = sweep_tilted_phases(&e->box, sizeof phases / sizeof *phases, phases, e);
     if (!e->box.sim) return status;
     e->values[OUT_steps] = (double)(dem_step(e->box.sim) + e->steps_before);
     return status;

@@ -67,8 +67,9 @@ typedef struct {
 
 /* ---- Phases, each from where the last one ends, or from where a snapshot was written ---- */
 
-static rp_status note_pile(experiment *e)
+static rp_status note_pile(void *data)
 {
+    experiment *e = data;
     ang_slope slopes[ANG_N_METHODS];
     rp_status status = sweep_box_pile_slopes(&e->box, slopes);
     if (!status) e->values[OUT_theta_r3_deg] = sweep_degrees(slopes[2].theta);
@@ -159,8 +160,9 @@ static rp_status read_forces(experiment *e, double tilt_deg)
 }
 
 /* Tilt by tilt, until the pile moves. */
-static rp_status tilt_to_rest(experiment *e)
+static rp_status tilt_to_rest(void *data)
 {
+    experiment *e = data;
     struct {
         int k;
         bool waits;
@@ -186,8 +188,9 @@ static rp_status tilt_to_rest(experiment *e)
     return status;
 }
 
-static rp_status tilt_at_rate(experiment *e)
+static rp_status tilt_at_rate(void *data)
 {
+    experiment *e = data;
     if (e->rested) {
         e->steps_before = dem_step(e->box.sim) - dem_step(e->rested);
         dem_free(e->box.sim);
@@ -214,8 +217,9 @@ static rp_status respond(const experiment *e, size_t field, double *at_0, double
     return status;
 }
 
-static rp_status conclude(experiment *e)
+static rp_status conclude(void *data)
 {
+    experiment *e = data;
     double *v = e->values;
     stress_response r;
     const double mu_floor = e->box.scene.def.walls[DEM_BOX_FLOOR].material.mu;
@@ -245,20 +249,14 @@ static rp_status conclude(experiment *e)
 
 static rp_status run_phases(experiment *e)
 {
-    static rp_status (*const phases[])(experiment *) = {note_pile, tilt_to_rest, tilt_at_rate, conclude};
-    enum { N_PHASES = SWEEP_BOX_PHASES + sizeof phases / sizeof *phases };
+    static rp_status (*const phases[])(void *) = {note_pile, tilt_to_rest, tilt_at_rate, conclude};
     sweep_keep *const keep = e->box.keep;
-    size_t phase = 0;
-    rp_status status = RP_OK;
     SWEEP_ENTER(keep, e->weight);
     SWEEP_ENTER(keep, e->readings);
     SWEEP_ENTER(keep, e->n_readings);
     SWEEP_ENTER(keep, e->steps_before);
     sweep_keep_enter_sim(keep, &e->rested);
-    SWEEP_ENTER(keep, phase);
-    for (; phase < N_PHASES && !status; phase++)
-        status =
-            phase < SWEEP_BOX_PHASES ? sweep_box_phase(&e->box, phase) : phases[phase - SWEEP_BOX_PHASES](e);
+    const rp_status status = sweep_tilted_phases(&e->box, sizeof phases / sizeof *phases, phases, e);
     if (!e->box.sim) return status;
     e->values[OUT_steps] = (double)(dem_step(e->box.sim) + e->steps_before);
     return status;

@@ -3,6 +3,8 @@
 
 #include <stddef.h>
 
+#include "sweeps/driver/keep.h"
+
 #define AT(field) offsetof(sweep_tilted, field)
 
 /* clang-format off */
@@ -21,6 +23,18 @@ const rp_param sweep_tilted_schema[] = {
     SWEEP_BOX_DEFAULTS,
     [SWEEP_ROW_slip].range = "truncated" /* the other spring never comes to rest */};
 /* clang-format on */
+
+rp_status sweep_tilted_phases(sweep_box_run *run, size_t n, rp_status (*const phases[])(void *experiment),
+                              void *experiment)
+{
+    size_t phase = 0;
+    rp_status status = RP_OK;
+    SWEEP_ENTER(run->keep, phase);
+    for (; phase < SWEEP_BOX_PHASES + n && !status; phase++)
+        status = phase < SWEEP_BOX_PHASES ? sweep_box_phase(run, phase)
+                                          : phases[phase - SWEEP_BOX_PHASES](experiment);
+    return status;
+}
 
 rp_status sweep_tilted_fingerprint(rp_status (*run_one)(const void *params, unsigned long seed,
                                                         unsigned long run, const sweep_tables *tables,

@@ -1,5 +1,5 @@
-/* What protocols share that fill a box, open it and tilt the pile at rest by turning gravity: parameters and
- * fingerprint. */
+/* What protocols share that fill a box, open it and tilt the pile at rest by turning gravity: parameters,
+ * phases and fingerprint. */
 #ifndef SWEEP_TILTED_H
 #define SWEEP_TILTED_H
 
@@ -11,6 +11,11 @@ typedef struct {
 } sweep_tilted;
 
 extern const rp_param sweep_tilted_schema[];
+
+/* Fill the box, open it, and go through n further phases of an experiment; a resumed run goes on in its
+ * phase. Errors: those of sweep_box_phase and of the phases. */
+rp_status sweep_tilted_phases(sweep_box_run *run, size_t n, rp_status (*const phases[])(void *experiment),
+                              void *experiment);
 
 /* Digits of the outputs named in `hashed`, of a run of a small pile that is hardly at rest and so takes
  * milliseconds. Errors: those of run_one. */
