@@ -150,6 +150,8 @@ static void test_few(void)
     CHECK_NEAR(stats_of_few(number(3.0, 1.0), 21).se, 2.0859634473 / 2.0, 1e-8);
     CHECK_NEAR(stats_of_few(number(3.0, 1.0), NAN).se, 1.0, 0.0);
     CHECK_NEAR(stats_of_few(number(3.0, 1.0), 1).se, 1.0, 0.0);
+    CHECK_NEAR(stats_deviation_error(3.0, 19), 0.5, 1e-15);
+    CU_ASSERT(isnan(stats_deviation_error(3.0, 1)) && isnan(stats_deviation_error(3.0, NAN)));
     const stats_number q = stats_quotient(number(6.0, 0.3), number(2.0, 0.2)); /* 5 % and 10 % */
     CHECK_NEAR(q.value, 3.0, 0.0);
     CHECK_NEAR(q.se, 3.0 * hypot(0.05, 0.1), 1e-15);

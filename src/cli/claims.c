@@ -153,10 +153,11 @@ static rp_status read_measured(const cli_cell *cell, measured *m)
 static rp_status read_summary(const cli_cell *cell, stats_summary *part)
 {
     static const char *const suffixes[] = {"mean", "sd", "n"};
+    const int length = (int)strlen(cell->column) - (cli_cell_is_deviation(cell) ? (int)strlen("_sd") : 0);
     double numbers[N_OF(suffixes)];
     for (size_t k = 0; k < N_OF(suffixes); k++) {
         char name[160];
-        snprintf(name, sizeof name, "%s_%s", cell->column, suffixes[k]);
+        snprintf(name, sizeof name, "%.*s_%s", length, cell->column, suffixes[k]);
         rp_status status = cli_cell_column(cell, name, &numbers[k]);
         if (!status && isnan(numbers[k]))
             status = rp_fail(RP_BAD_INPUT, "%s: no column %s with a number", cell->path, name);
@@ -166,12 +167,14 @@ static rp_status read_summary(const cli_cell *cell, stats_summary *part)
     return RP_OK;
 }
 
-/* The mean of all values of several cells, "CELL + CELL ...". */
+/* The mean of all values of several cells, "CELL + CELL ..."; of columns NAME_sd, their standard deviation.
+ */
 static rp_status read_pooled(const char *text, const char *folders, measured *m, bool *missing)
 {
     enum { MOST = 8 };
-    stats_summary parts[MOST];
+    stats_summary parts[MOST] = {0};
     size_t n = 0;
+    bool deviation = false;
     for (const char *part = text, *end; part; part = end ? end + 3 : NULL) {
         char reference[CLI_MAX_REFERENCE];
         cli_cell cell;
@@ -180,14 +183,16 @@ static rp_status read_pooled(const char *text, const char *folders, measured *m,
         snprintf(reference, sizeof reference, "%.*s", (int)(end ? end - part : (long)strlen(part)), part);
         rp_status status = cli_cell_find(folders, reference, &cell);
         *missing |= cell.missing;
+        deviation = cli_cell_is_deviation(&cell);
         if (!status && !cell.missing) status = read_summary(&cell, &parts[n++]);
         if (status) return status;
     }
     const stats_summary all = stats_pooled(n, parts);
-    m->shown = (stats_number){all.mean, all.se};
     m->n = (double)all.n;
-    m->tested = stats_of_few(m->shown, m->n);
-    m->dof = m->n - 1.0;
+    m->shown = deviation ? (stats_number){all.sd, stats_deviation_error(all.sd, m->n)}
+                         : (stats_number){all.mean, all.se};
+    m->tested = deviation ? m->shown : stats_of_few(m->shown, m->n);
+    m->dof = deviation ? INFINITY : m->n - 1.0;
     return RP_OK;
 }
 

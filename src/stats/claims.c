@@ -16,6 +16,11 @@ stats_number stats_of_few(stats_number mean, double n)
     return mean;
 }
 
+double stats_deviation_error(double sd, double n)
+{
+    return n >= 2.0 ? sd / sqrt(2.0 * (n - 1.0)) : NAN;
+}
+
 static stats_verdict agree_once(double difference, double se, double margin)
 {
     if (isnan(difference) || isnan(se)) return STATS_UNDECIDED;

@@ -34,6 +34,10 @@ typedef struct {
  * scatter of few values is itself uncertain. n < 2 or NaN, not a mean of values: unchanged. */
 stats_number stats_of_few(stats_number mean, double n);
 
+/* Standard error of the standard deviation of n values with a normal distribution, sd/sqrt(2 (n - 1)); NaN
+ * for n < 2. */
+double stats_deviation_error(double sd, double n);
+
 /* Ours against a published number whose printed +- may be a standard error or a standard deviation. */
 typedef struct {
     stats_verdict verdict; /* of both readings; undecided where they differ */
