@@ -36,6 +36,7 @@ static const struct {
     {"same", "-", "-", "100", "9", "t k=1 a", "t k=4 a", "reproduced", "21.5 ± 1.0 against 23.70 ± 0.75"},
     {"same", "-", "-", "-", "9", "t k=1 a", "t k=3 a", "not reproduced", "21.5 ± 1.0 against 24.20 ± 0.80"},
     {"above", "-", "-", "-", "-", "t k=2 a", "t k=1 a", "undecided", "23.25 ± 0.75 against 21.5 ± 1.0"},
+    {"above", "-", "-", "-", "9", "t k=2 a", "t k=1 a", "not reproduced", "23.25 ± 0.75 against 21.5 ± 1.0"},
     {"above", "-", "-", "-", "-", "t k=3 a", "t k=1 a", "reproduced", "24.20 ± 0.80 against 21.5 ± 1.0"},
     {"above", "-", "-", "-", "-", "t k=1 a", "t k=3 a", "not reproduced", "21.5 ± 1.0 against 24.20 ± 0.80"},
     {"below", "-", "-", "-", "-", "t k=1 a", "t k=3 a", "reproduced", "21.5 ± 1.0 against 24.20 ± 0.80"},
@@ -116,6 +117,10 @@ static void check_reason(const char *line, size_t i)
         strcpy(expected, "reproduced (+1.1 standard errors)"); /* 1.5 over the root of 1 + 0.81 */
     if (strcmp(answers[i].test, "same") == 0 && strcmp(answers[i].against, "t k=4 a") == 0)
         strcpy(expected, "reproduced (-1.8 standard errors)"); /* -2.2 over 1.25 */
+    if (strcmp(answers[i].test, "above") == 0)
+        strcpy(expected, strcmp(answers[i].margin, "9") == 0
+                             ? "not reproduced (a difference of 9 or more is excluded)"
+                             : answers[i].verdict);
     CU_ASSERT(strncmp(line, expected, strlen(expected)) == 0);
 }
 
