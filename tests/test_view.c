@@ -221,6 +221,23 @@ static void find_frame(size_t which, double corners[4])
     }
 }
 
+/* Labels left of a frame, which are to be 0, step, 2 step ...: their number, -1 if one is not; heights of the
+ * first and of the last. */
+static int count_marks(const double frame[4], double step, double at[2])
+{
+    int n = 0;
+    for (const char *tag = svg; (tag = strstr(tag, "<g transform=\"translate(")); tag++) {
+        double x, y, value;
+        if (sscanf(tag, "<g transform=\"translate(%lf,%lf)\"", &x, &y) != 2 || x > frame[0] || y < frame[2] ||
+            sscanf(strchr(tag, '\n'), " <text><tspan font-family=\"DejaVu Sans\" >%lf", &value) != 1)
+            continue;
+        if (fabs(value - n * step) > 1e-9 * step) return -1;
+        at[n > 0] = y;
+        n++;
+    }
+    return n;
+}
+
 /* The frame is the window, at the grains' scale, with room for labels: on the left 1.8 cm, on the right 0.7
  * cm or 2.6 with a bar of colours, above 1.4 cm, below 1.5. The pressure has a frame of 3.2 cm less its
  * labels below. No text is outside the picture. */
@@ -313,16 +330,28 @@ static void test_stress(void)
     CU_ASSERT(shell("grep -q '> 4<' a.svg && ! grep -q '> 10<' a.svg") == 0);
     CU_ASSERT(shell("grep -q 'principal stress, largest 2 ' a.svg && grep -q '>pressure' a.svg") == 0);
     CU_ASSERT(shell("grep -c 'fill = .rgb(158, 202, 225)' a.svg | grep -qx 1") == 0);
-    /* marks of the pressure at 1, 2 or 5 times a power of ten, four or so: 120 has marks 50 apart, 0.048 has
-     * 0.02 */
-    static const char *const forces[][2] = {{"360", "> 100<' a.svg && grep -q '> 50<"},
-                                            {"0.144", "> 0.04<' a.svg && grep -q '> 0.02<"}};
-    for (int k = 0; k < 2; k++) {
-        char line[128];
-        write_text("contacts.tsv", "x\ty\tx_b\ty_b\tforce\twall\n2.5\t1.5\t2.5\t0\t%s\t1\n", forces[k][0]);
+    /* marks of the pressure from 0 at steps of 1, 2 or 5 times a power of ten, four or so; the axis ends at
+     * 1.08 times the largest. The bar over x = 2 to 5 m is as high as the pressure. */
+    static const struct {
+        double force, step;
+        int n;
+    } cases[] = {{12.0, 1.0, 5}, {12.6, 2.0, 3}, {360.0, 50.0, 3}, {0.144, 0.02, 3}, {66.0, 10.0, 3}};
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        double frame[4], bar[4], at[2];
+        write_text("contacts.tsv", "x\ty\tx_b\ty_b\tforce\twall\n2.5\t1.5\t2.5\t0\t%g\t1\n", cases[k].force);
         GOOD("view . -o a.svg --stress --base --cell 3");
-        snprintf(line, sizeof line, "grep -q '%s' a.svg", forces[k][1]);
-        CU_ASSERT(shell(line) == 0);
+        read_svg("a.svg");
+        find_frame(1, frame);
+        const double largest = cases[k].force / 3.0, scale = (circles[1].x - circles[0].x) / 2.5,
+                     height = (frame[3] - frame[2]) / (1.08 * largest);
+        CU_ASSERT_EQUAL(count_marks(frame, cases[k].step, at), cases[k].n);
+        CHECK_NEAR(at[0] - at[1], height * cases[k].step * (cases[k].n - 1), 0.03);
+        const char *points = strstr(svg, "<polygon fill = 'rgb(158, 202, 225)' points = '");
+        CU_ASSERT_FATAL(points && sscanf(strchr(points, '=') + 33, "%lf,%lf %*f,%*f %lf,%lf", &bar[0],
+                                         &bar[1], &bar[2], &bar[3]) == 4);
+        CHECK_NEAR(fabs(bar[2] - bar[0]), 3.0 * scale, 0.05);
+        CHECK_NEAR(fmin(bar[0], bar[2]), circles[0].x + 2.0 * scale, 1.0); /* frames are whole pixels apart */
+        CHECK_NEAR(fabs(bar[3] - bar[1]), height * largest, 0.05);
     }
     write_text("contacts.tsv", "x\ty\tx_b\ty_b\tforce\twall\n2.5\t1.5\t2.5\t0\t12\t1\n");
     /* in a single cell, which is the last one too */
