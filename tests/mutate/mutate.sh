@@ -51,8 +51,8 @@ suites_of() {
     src/cli/cmd_help.c) echo options cli install ;;
     src/cli/cmd_run.c) echo tables options snapshot cli ;;
     src/cli/forensics_* | src/cli/cmd_forensics.c) echo forensics evidence options tables cli ;;
-    src/cli/*) echo evidence options tables columns claims cli ;;
-    sweeps/driver/pile_tables.c) echo tables piles cli ;;
+    src/cli/*) echo notes evidence options tables columns claims cli ;;
+    sweeps/driver/pile_tables.c) echo tables notes piles cli ;;
     src/stress/dip.c) echo stress drop evidence ;;
     src/stress/*) echo stress drop piles columns ;;
     src/dem/implicit.c) echo midpoint implicit ;;
@@ -65,7 +65,7 @@ suites_of() {
     sweeps/driver/protocol_onset.c | sweeps/driver/tilted.c) echo stress golden columns snapshot keys ;;
     sweeps/driver/protocol_*) suite=${1#*_} && echo "${suite%.c}" golden columns snapshot ;;
     sweeps/driver/box.c) echo repose stress flux golden keys columns snapshot ;;
-    sweeps/driver/*) echo sweep tables evidence cli ;;
+    sweeps/driver/*) echo sweep notes tables evidence cli ;;
     src/dem/walls.c) echo walls scene contacts incline rotation golden ledger ;;
     *) echo soft property rotation incline contacts published motion hard walls golden scene dem laws ;;
     esac
