@@ -54,9 +54,13 @@ rp_status cli_cell_find(const char *folders, const char *reference, cli_cell *ce
 const char *cli_cell_text(const cli_cell *cell, const char *column);
 
 /* Value and standard error: NAME_mean and NAME_se, or NAME_deg and NAME_se_deg, or NAME and NAME_se; a
- * quantity without a column for its error is exact. Column #KEY is the number that a header line starts with.
+ * quantity without a column for its error is exact, save a standard deviation NAME_sd: its error follows from
+ * NAME_n, or n, values. Column #KEY is the number that a header line starts with.
  * Errors: RP_BAD_INPUT. */
 rp_status cli_cell_number(const cli_cell *cell, stats_number *number);
+
+/* Whether the cell's column is the standard deviation of a table's values, NAME_sd. */
+bool cli_cell_is_deviation(const cli_cell *cell);
 
 /* The number in another column, NaN if there is no such column. Errors: RP_BAD_INPUT. */
 rp_status cli_cell_column(const cli_cell *cell, const char *column, double *value);
@@ -64,7 +68,8 @@ rp_status cli_cell_column(const cli_cell *cell, const char *column, double *valu
 /* Decimals that show two significant digits of an error > 0. */
 int cli_decimals(double se);
 
-/* "18.04 ± 0.92", two significant digits of the error; "not known" for NaN. */
+/* "18.04 ± 0.92", two significant digits of the error; "not known" for NaN, "no limit" for an infinite value.
+ */
 void cli_print_number(FILE *out, stats_number number);
 
 /* A cell's text under a format such as %.3g or %.0f; without one a count stands as it is, other numbers take
