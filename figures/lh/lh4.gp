@@ -15,6 +15,6 @@ plot within(0.05, 0.2, x, start + slope*x) with lines ls theory title 'straight 
      t('lh3.tsv') using (column('mu') + 0.003):(column('theta_t_energy_deg_mean')):(column('theta_t_energy_deg_se')) \
        with yerrorbars ls 2 title 'energy above 10^{-5} {/:Italic mgd} a grain', \
      '' using (column('mu')):(column('theta_t_displacement_deg_mean')):(column('theta_t_displacement_deg_se')) \
-       with yerrorbars ls ours title '5 % of the grains moved by 0.1 {/:Italic d}, gravity turned', \
+       with yerrorbars ls ours title '5 % of grains moved 0.1 {/:Italic d}, gravity turned', \
      t('lh3_box_compare.tsv') using (column('mu') - 0.003):(column('theta_t_deg')):(column('theta_t_se_deg')) \
        with yerrorbars ls 3 title 'the same, box turned as in the paper'
