@@ -251,7 +251,7 @@ static void check_export(size_t stored)
     }
     check_note(&t, "sweep", "s.cfg, protocol pile, seed 5, 2 grid points x 3 replicas");
     check_note(&t, "missing", "%zu of 6", 6 - stored);
-    check_note(&t, "failed", "%zu of %zu", failed, stored);
+    check_note(&t, "failed", "%zu of %zu (collapses %zu)", failed, stored, failed);
     CU_ASSERT(failed > 0 && failed < stored);
     CHECK_NEAR(strtod(note(&t, "run_time"), NULL), seconds, 0.0501); /* one decimal is printed */
     CU_ASSERT(strcmp(note(&t, "base"), "10") == 0 && strcmp(note(&t, "disorder"), "0.02") == 0);
