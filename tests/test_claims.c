@@ -60,15 +60,21 @@ static void test_readings(void)
 
 static void test_inequalities(void)
 {
-    IS(stats_exceed(number(30.0, 3.0), number(20.0, 4.0), 1), "undecided");
-    IS(stats_exceed(number(10.0, 3.0), number(20.0, 4.0), 1), "undecided");
-    IS(stats_exceed(number(20.0 + 10.0 * beyond, 3.0), number(20.0, 4.0), 1), "reproduced");
-    IS(stats_exceed(number(20.0 - 10.0 * beyond, 3.0), number(20.0, 4.0), 1), "not reproduced");
-    IS(stats_exceed(number(20.0 - 10.0 * beyond, 3.0), number(20.0, 4.0), -1), "reproduced");
-    IS(stats_exceed(number(1.0, 0.0), number(1.0, 0.0), 1),
+    IS(stats_exceed(number(30.0, 3.0), number(20.0, 4.0), 1, INFINITY), "undecided");
+    IS(stats_exceed(number(10.0, 3.0), number(20.0, 4.0), 1, INFINITY), "undecided");
+    IS(stats_exceed(number(20.0 + 10.0 * beyond, 3.0), number(20.0, 4.0), 1, INFINITY), "reproduced");
+    IS(stats_exceed(number(20.0 - 10.0 * beyond, 3.0), number(20.0, 4.0), 1, INFINITY), "not reproduced");
+    IS(stats_exceed(number(20.0 - 10.0 * beyond, 3.0), number(20.0, 4.0), -1, INFINITY), "reproduced");
+    IS(stats_exceed(number(1.0, 0.0), number(1.0, 0.0), 1, INFINITY),
        "not reproduced"); /* exact numbers that are equal */
-    IS(stats_exceed(number(beyond, 0.0), number(1.0, 0.0), 1), "reproduced");
-    IS(stats_exceed(number(5.0, NAN), number(1.0, 0.0), 1), "undecided");
+    IS(stats_exceed(number(beyond, 0.0), number(1.0, 0.0), 1, INFINITY), "reproduced");
+    IS(stats_exceed(number(5.0, NAN), number(1.0, 0.0), 1, INFINITY), "undecided");
+    IS(stats_exceed(number(NAN, 0.0), number(1.0, 0.0), 1, 1.0), "undecided");
+    /* so small a difference that the margin, 1.8 standard errors away, is excluded; at 1.6 it is not */
+    IS(stats_exceed(number(20.5, 0.3), number(20.0, 0.4), 1, 1.4), "not reproduced");
+    IS(stats_exceed(number(19.5, 0.3), number(20.0, 0.4), 1, 1.4), "not reproduced");
+    IS(stats_exceed(number(20.5, 0.3), number(20.0, 0.4), 1, 1.3), "undecided");
+    IS(stats_exceed(number(21.5, 0.3), number(20.0, 0.4), 1, 5.0), "reproduced"); /* less than the margin */
     IS(stats_bound(0.05, 0.05, 1), "reproduced");
     IS(stats_bound(0.05 / beyond, 0.05, 1), "not reproduced");
     IS(stats_bound(0.05, 0.05, -1), "reproduced");
@@ -114,11 +120,17 @@ static void test_corrected(void)
     CHECK_NEAR(stats_exceed_p(a, b), 0.04550026389635839, 1e-14);
     CHECK_NEAR(stats_exceed_p(b, a), 0.04550026389635839, 1e-14);
     CU_ASSERT(isnan(stats_exceed_p(number(1.0, 0.0), number(2.0, 0.0))));
-    IS(stats_exceed_by_p(a, b, 1, 0.0454), "reproduced");
-    IS(stats_exceed_by_p(a, b, -1, 0.0454), "not reproduced");
-    IS(stats_exceed_by_p(b, a, 1, 0.0454), "not reproduced");
-    IS(stats_exceed_by_p(a, b, 1, 0.0456), "undecided");
-    IS(stats_exceed_by_p(a, b, 1, NAN), "undecided");
+    IS(stats_exceed_by_p(a, b, 1, 0.0454, NAN), "reproduced");
+    IS(stats_exceed_by_p(a, b, -1, 0.0454, NAN), "not reproduced");
+    IS(stats_exceed_by_p(b, a, 1, 0.0454, NAN), "not reproduced");
+    IS(stats_exceed_by_p(a, b, 1, 0.0456, NAN), "undecided");
+    IS(stats_exceed_by_p(a, b, 1, NAN, NAN), "undecided");
+    IS(stats_exceed_by_p(a, b, 1, 0.0456, 0.0499), "not reproduced");
+    IS(stats_exceed_by_p(a, b, 1, 0.0456, 0.0501), "undecided");
+    IS(stats_exceed_by_p(a, b, 1, 0.0454, 0.0499), "reproduced");
+    CHECK_NEAR(stats_exceed_p_margin(a, b, 5.0), gsl_cdf_ugaussian_Q(-1.0), 1e-15);
+    CHECK_NEAR(stats_exceed_p_margin(b, a, 15.0), gsl_cdf_ugaussian_Q(1.0), 1e-15);
+    CU_ASSERT(isnan(stats_exceed_p_margin(a, b, INFINITY)));
     IS(stats_equivalent_by_p(0.0499, 0.2), "reproduced");
     IS(stats_equivalent_by_p(0.0499, 0.001), "reproduced");
     IS(stats_equivalent_by_p(0.05, 0.0499), "not reproduced");

@@ -1808,7 +1808,9 @@ static void test_limits(void)
     FAILS(1, "no digest: d: 1 of 2 runs are aborted", "sweep digest d");
     for (int reduce = 0; reduce < 2; reduce++) {
         FAILS(1, "not whole: d: 1 of 2 runs are aborted", "sweep export d%s", reduce ? " --reduce" : "");
-        CU_ASSERT(strstr(out, "# failed: 1 of 2\n# aborted: 1 of the failed, to be tried again\n") != NULL);
+        CU_ASSERT(
+            strstr(out, "# failed: 1 of 2 (time_limit 1)\n# aborted: 1 of the failed, to be tried again\n") !=
+            NULL);
     }
     rp_table points = read_table("out");
     for (size_t k = 0; k < 2; k++) {

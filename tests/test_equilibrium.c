@@ -342,6 +342,26 @@ static void test_causes(void)
 
 /* ---- against diagonal contacts alone ---- */
 
+/* Contacts, and those of them between disks less than 15 degrees from level, counted from the overlaps of all
+ * pairs: of touching disks the displacements alone, along the line of centres. */
+static void count_closed(const test_pile *h)
+{
+    size_t closed = 0, level = 0;
+    for (size_t i = 0; i < h->n; i++)
+        for (size_t j = 0; j < i; j++) {
+            const double x = h->disks[i].x - h->disks[j].x, y = h->disks[i].y - h->disks[j].y,
+                         d = hypot(x, y);
+            if (d > 1 + 1e-9) continue;
+            const bool pressed =
+                x * (h->u[2 * i] - h->u[2 * j]) + y * (h->u[2 * i + 1] - h->u[2 * j + 1]) < -ROUNDING;
+            closed += pressed;
+            level += pressed && fabs(y) < sin(15 * DEG) * d;
+        }
+    CU_ASSERT(level > 0 && level < closed);
+    CU_ASSERT_EQUAL(h->result.contacts, closed);
+    CU_ASSERT_EQUAL(h->result.horizontal, level);
+}
+
 static void test_linearised(void)
 {
     double most;
@@ -358,6 +378,7 @@ static void test_linearised(void)
     test_pile flat = make_disks(90, 30, 0);
     CHECK_OK(solve(&flat, soft(0)));
     CU_ASSERT(flat.result.horizontal > 0 && flat.result.steps < 12 && flat.result.factored < 5);
+    count_closed(&flat);
     free_pile(&flat);
     /* gaps in the rows keep horizontal contacts open under any slope */
     test_pile gaps = make_disks(31, 27, 0.02);
@@ -514,6 +535,22 @@ static void test_minima(void)
         CU_ASSERT(released[i] > 10 && N_most[i] > 0.015 && N_most[i] < 0.045);
     }
     for (int i = 0; i < 3; i++) CU_ASSERT(fabs(released[i] - released[(i + 1) % 3]) > 0.1);
+    free_pile(&h);
+}
+
+/* Two minima near the saddle of a small pile, and which of them a number leads to: a result that names the
+ * number can be repeated. */
+static void test_ways(void)
+{
+    static const double released[] = {0.691513, 0.675877};
+    test_pile h = make_disks(9, 60, 0);
+    statics_definition def = soft(8e-3);
+    def.branch = STATICS_BRANCH_MINIMUM;
+    for (unsigned long way = 1; way < 3; way++) {
+        def.leave = way;
+        CHECK_OK(solve(&h, def));
+        CHECK_NEAR(h.result.released, released[way - 1], 1e-6); /* as printed */
+    }
     free_pile(&h);
 }
 
@@ -1311,6 +1348,7 @@ void suite_equilibrium(void)
                                        {"a branch that ends", test_jump},
                                        {"a large soft pile", test_large_soft},
                                        {"minima", test_minima},
+                                       {"ways to minima", test_ways},
                                        {"energy", test_energy},
                                        {"stability threshold", test_threshold},
                                        {"plain forces and modes", test_plain_forces_and_modes},

@@ -36,6 +36,7 @@ static const struct {
     {"same", "-", "-", "100", "9", "t k=1 a", "t k=4 a", "reproduced", "21.5 ± 1.0 against 23.70 ± 0.75"},
     {"same", "-", "-", "-", "9", "t k=1 a", "t k=3 a", "not reproduced", "21.5 ± 1.0 against 24.20 ± 0.80"},
     {"above", "-", "-", "-", "-", "t k=2 a", "t k=1 a", "undecided", "23.25 ± 0.75 against 21.5 ± 1.0"},
+    {"above", "-", "-", "-", "9", "t k=2 a", "t k=1 a", "not reproduced", "23.25 ± 0.75 against 21.5 ± 1.0"},
     {"above", "-", "-", "-", "-", "t k=3 a", "t k=1 a", "reproduced", "24.20 ± 0.80 against 21.5 ± 1.0"},
     {"above", "-", "-", "-", "-", "t k=1 a", "t k=3 a", "not reproduced", "21.5 ± 1.0 against 24.20 ± 0.80"},
     {"below", "-", "-", "-", "-", "t k=1 a", "t k=3 a", "reproduced", "21.5 ± 1.0 against 24.20 ± 0.80"},
@@ -116,6 +117,10 @@ static void check_reason(const char *line, size_t i)
         strcpy(expected, "reproduced (+1.1 standard errors)"); /* 1.5 over the root of 1 + 0.81 */
     if (strcmp(answers[i].test, "same") == 0 && strcmp(answers[i].against, "t k=4 a") == 0)
         strcpy(expected, "reproduced (-1.8 standard errors)"); /* -2.2 over 1.25 */
+    if (strcmp(answers[i].test, "above") == 0)
+        strcpy(expected, strcmp(answers[i].margin, "9") == 0
+                             ? "not reproduced (a difference of 9 or more is excluded)"
+                             : answers[i].verdict);
     CU_ASSERT(strncmp(line, expected, strlen(expected)) == 0);
 }
 
@@ -192,23 +197,34 @@ static void test_section(void)
     write_text("claims.tsv",
                CLAIMS "one\t-\tlh\tfigure 9\ts\tagrees\t20\t0.9\t40\t9\tmeans k=1 a\t-\t-\tfirst\tat rest\n"
                       "two\tone\tlh\tfigure 9\ts\tagrees\t-\t-\t-\t9\tt k=1 a\t-\t-\tsecond\t-\n"
-                      "three\t-\tlh\tfigure 9\tother\tuntestable\t-\t-\t-\t-\t-\t-\t-\tthird\ttoo few\n");
+                      "three\t-\tlh\tfigure 9\tother\tuntestable\t-\t-\t-\t-\t-\t-\t-\tthird\ttoo few\n"
+                      "four\t-\tli\t-\tli\tabove\t-\t-\t-\t-\tmeans_fit k=1 a\t0\t-\tfourth\t-\n"
+                      "five\t-\tli\t-\tli\tabove\t-\t-\t-\t-\tmeans k=1 a\t0\t-\tfifth\t-\n"
+                      "six\t-\tlh\t-\tno\tleast\t-\t-\t-\t-\tnone k=1 a\t0\t-\tsixth\t-\n");
     write_text("t.tsv", "# k\ta\ta_se\n1\t24\t1\n");
-    write_text("means.tsv", "# k\tn\ta_mean\ta_se\ta_n\n1\t100\t21.5\t1\t12\n");
-    write_text("in.md", "{{scores s}}\n{{claims s}}\n{{counts lh}}\n{{scores other}}\n{{claims other}}\n");
+    /* a sweep with failed runs, and a fit to its table */
+#define SWEEP "# sweep: means.cfg, protocol repose, seed 1, 5 grid points x 3 replicas\n# failed: "
+    write_text("means.tsv",
+               SWEEP "3 of 15 (no_pile 2, overlap 1)\n# k\tn\ta_mean\ta_se\ta_n\n1\t100\t21.5\t1\t12\n");
+    write_text("none.tsv", SWEEP "0 of 15\n# k\ta\n1\t1\n");
+    write_text("means_fit.tsv", "# k\ta\ta_se\n1\t3\t1\n");
+    write_text("in.md", "{{scores s}}\n{{claims s}}\n{{counts lh}}\n{{scores other}}\n{{claims other}}\n"
+                        "{{failures lh}}\n{{failures li}}\n");
     GOOD("report in.md --tables . --claims claims.tsv");
     CU_ASSERT_STRING_EQUAL(
         out,
         "| claim | paper | ours | verdict |\n|---|---|---|---|\n"
         "| first (at rest) | 20 ± 0.9 | 21.5 ± 1.0 | reproduced |\n"
         "| claim | what it says | paper (samples) | ours | values | verdict |\n|---|---|---|---|---|---|\n"
-        "| one | first (at rest) | 20 ± 0.9 (40) | 21.5 ± 1.0 | 12 | reproduced (+1.1 standard errors) |\n"
+        "| one | first (at rest) | 20 ± 0.9 (40) | 21.5 ± 1.0 | 12; 3 of 15 failed | reproduced (+1.1 "
+        "standard errors) |\n"
         "| variant two | second | 20 ± 0.9 (40) | 24.0 ± 1.0 |  | not reproduced (+3.0 standard errors) |\n"
-        "1 reproduced, 0 not reproduced, 0 undecided, 1 can't be tested, 0 by eye, 0 no data\n"
+        "2 reproduced, 0 not reproduced, 0 undecided, 1 can't be tested, 0 by eye, 0 no data\n"
         "| claim | paper | ours | verdict |\n|---|---|---|---|\n"
         "| third |  |  | can't be tested: too few |\n"
         "| claim | what it says | paper (samples) | ours | values | verdict |\n|---|---|---|---|---|---|\n"
-        "| three | third |  |  |  | can't be tested: too few |\n");
+        "| three | third |  |  |  | can't be tested: too few |\n"
+        "| `means` | 3 of 15 (no_pile 2, overlap 1) |\n| `means` | 3 of 15 (no_pile 2, overlap 1) |\n");
     leave();
 }
 

@@ -333,6 +333,31 @@ static void test_command(void)
     leave();
 }
 
+/* What the header says of the emulator is what its own report says of the better kernel. */
+static void test_notes(void)
+{
+    enter();
+    planted_write("", 60, false);
+    GOOD("forensics runs.tsv --claims claims.tsv --draws 200 --report emulator");
+    rp_table t = read_table("out");
+    char expected[256];
+    CU_ASSERT_FATAL(t.n_rows == 2);
+    const size_t used = strcmp(word(&t, 0, "used"), "yes") == 0 ? 0 : 1;
+    CU_ASSERT(strcmp(word(&t, used, "used"), "yes") == 0 && strcmp(word(&t, 1 - used, "used"), "no") == 0);
+    snprintf(expected, sizeof expected,
+             "# emulator: %s; leaving out a setting: %.2g degrees rms, noise of the piles %.2g\n",
+             word(&t, used, "kernel"), cell(&t, used, "rms_left_out"), cell(&t, used, "noise"));
+    CU_ASSERT(strstr(out, expected) != NULL);
+    CU_ASSERT(
+        strstr(out, "# settings: 60, at 3 points; 0 of 180 have fewer than two piles with a result\n") !=
+        NULL);
+    /* four piles of each cell scatter by 0.4 and 0.6 degrees to both sides */
+    CHECK_NEAR(cell(&t, used, "noise"), sqrt((0.16 + 0.16 + 0.36 + 0.36) / 3.0 / 4.0), 1e-6);
+    CU_ASSERT(cell(&t, used, "rms_left_out") < cell(&t, used, "spread"));
+    rp_table_free(&t);
+    leave();
+}
+
 /* A number was published where our runs stop: the reading that they would have stopped there too has little
  * left. Without such runs both readings are one. */
 static void test_stops(void)
@@ -433,6 +458,7 @@ void suite_forensics(void)
         {"errors of posteriors", test_errors},
         {"planted truths", test_truths},
         {"planted runs, by the command", test_command},
+        {"header of the command", test_notes},
         {"runs that stop, by the command", test_stops},
         {"errors of the command", test_command_errors},
         {"the design of the study", test_study},

@@ -64,6 +64,8 @@ static bool read_sweep(const char *path, cli_sweep *sweep)
     if (cli_table_read(path, &t)) return false;
     const char *plan = rp_table_find_note(t, "sweep"), *time = rp_table_find_note(t, "run_time");
     const char *numbers = plan ? strstr(plan, ", seed ") : NULL;
+    const char *failed = rp_table_find_note(t, "failed");
+    snprintf(sweep->failed, sizeof sweep->failed, "%s", failed && strtod(failed, NULL) > 0.0 ? failed : "");
     sweep->seconds = time ? strtod(time, NULL) : NAN;
     return numbers && sscanf(numbers, ", seed %*u, %lf grid points x %lf replicas", &sweep->points,
                              &sweep->replicas) == 2;

@@ -34,6 +34,7 @@ bool cli_find_table(const char *folders, const char *name, char path[4096]);
 typedef struct {
     char name[128];
     double points, replicas, seconds;
+    char failed[512]; /* runs without a result, "8 of 15 (no_pile 6, overlap 2)"; "" if there are none */
 } cli_sweep;
 bool cli_find_sweep(const char *folders, const char *table, cli_sweep *sweep);
 

@@ -208,6 +208,11 @@ static rp_status read_side(const char *text, const char *folders, cli_cell *cell
     return status || cell->missing ? status : read_measured(cell, m);
 }
 
+static bool is_inequality(const cli_claim *c)
+{
+    return c->test == CLAIM_ABOVE || c->test == CLAIM_BELOW;
+}
+
 static bool tests_change(const cli_claim *c)
 {
     return c->test == CLAIM_INDEPENDENT || c->test == CLAIM_RISES || c->test == CLAIM_FALLS;
@@ -233,8 +238,8 @@ static void apply_test(const cli_claim *c, cli_judged *j)
     case CLAIM_RATIO:
     case CLAIM_AGREES: j->match = stats_agree(ours, c->published, c->samples, c->margin); break;
     case CLAIM_SAME: j->match = stats_agree(ours, against, 0.0, c->margin); break;
-    case CLAIM_ABOVE: j->verdict = stats_exceed(ours, against, 1); return;
-    case CLAIM_BELOW: j->verdict = stats_exceed(ours, against, -1); return;
+    case CLAIM_ABOVE: j->verdict = stats_exceed(ours, against, 1, c->margin); return;
+    case CLAIM_BELOW: j->verdict = stats_exceed(ours, against, -1, c->margin); return;
     case CLAIM_LEAST: j->verdict = stats_bound(ours.value, against.value, 1); return;
     case CLAIM_MOST: j->verdict = stats_bound(ours.value, against.value, -1); return;
     case CLAIM_EQUALS: j->verdict = stats_bound(fabs(ours.value - c->published.value), c->margin, -1); return;
@@ -289,6 +294,8 @@ static rp_status judge_table(const cli_claim *c, const char *folders, cli_judged
     j->against = against.shown;
     j->n = ours.n;
     j->dof = ours.dof;
+    cli_sweep sweep;
+    if (cli_find_sweep(folders, c->answer, &sweep)) memcpy(j->failed, sweep.failed, sizeof j->failed);
     j->tested = ours.tested;
     j->tested_against = against.tested;
     apply_test(c, j);
@@ -313,6 +320,13 @@ static rp_status judge_constant(const cli_claims *all, const cli_claim *c, cli_j
     return RP_OK;
 }
 
+/* Whether the opposite of an inequality is significant by itself. */
+static bool is_opposite(const cli_claim *c, const cli_judged *j)
+{
+    const int sign = c->test == CLAIM_ABOVE ? 1 : -1;
+    return stats_exceed(j->tested, j->tested_against, sign, INFINITY) == STATS_NOT_REPRODUCED;
+}
+
 static void explain(const cli_claim *c, cli_judged *j)
 {
     const char *verdict = stats_verdict_texts[j->verdict];
@@ -325,6 +339,9 @@ static void explain(const cli_claim *c, cli_judged *j)
                  stats_verdict_texts[j->match.error], stats_verdict_texts[j->match.deviation]);
     else if ((c->test == CLAIM_AGREES || c->test == CLAIM_SAME) && j->verdict != STATS_NO_DATA)
         snprintf(j->reason, sizeof j->reason, "%s (%+.1f standard errors)", verdict, j->match.z_error);
+    else if (is_inequality(c) && j->verdict == STATS_NOT_REPRODUCED && !is_opposite(c, j))
+        snprintf(j->reason, sizeof j->reason, "%s (a difference of %g or more is excluded)", verdict,
+                 c->margin);
     else if (c->test == CLAIM_FORMULA)
         snprintf(j->reason, sizeof j->reason, "%s, by tests", verdict);
     else if (c->test == CLAIM_UNTESTABLE)
@@ -361,8 +378,10 @@ static rp_status judge_claim(const cli_claims *claims, const cli_claim *claim, c
 static void find_chances(const cli_claim *c, const cli_judged *j, double *effect, double *none)
 {
     *effect = *none = NAN;
-    if (c->test == CLAIM_ABOVE || c->test == CLAIM_BELOW)
+    if (is_inequality(c)) {
         *effect = stats_exceed_p(j->tested, j->tested_against);
+        *none = stats_exceed_p_margin(j->tested, j->tested_against, c->margin);
+    }
     if (tests_change(c)) *effect = j->change.p_value;
     if (c->test == CLAIM_INDEPENDENT)
         *none = stats_contrast_p_margin(
@@ -378,7 +397,8 @@ static void decide_again(const cli_claim *c, double effect, double none, cli_jud
     else if (tests_change(c))
         j->verdict = stats_trends(&j->change, c->test == CLAIM_RISES ? 1 : -1, c->margin);
     else
-        j->verdict = stats_exceed_by_p(j->tested, j->tested_against, c->test == CLAIM_ABOVE ? 1 : -1, effect);
+        j->verdict =
+            stats_exceed_by_p(j->tested, j->tested_against, c->test == CLAIM_ABOVE ? 1 : -1, effect, none);
 }
 
 /* The claims of one family answer one question: Holm's correction for the number of their tests. */
