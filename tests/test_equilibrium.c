@@ -962,8 +962,8 @@ static void test_errors(void)
 
 /* ---- the stiffness matrix ---- */
 
-/* A square with a diagonal, held at all corners: an update against a new factorisation, and as the inverse of
- * the product. */
+/* A square with a diagonal, held at all corners, and disk 1 by a spring to the ground: an update against a
+ * new factorisation, and as the inverse of the product. */
 static void test_stiffness_update(void)
 {
     static const rp_pair bonds[] = {{0, 1}, {0, 2}, {1, 2}, {1, 3}, {2, 3}};
@@ -976,13 +976,15 @@ static void test_stiffness_update(void)
         CHECK_OK(rp_stiffness_create(4, 5, bonds, &m));
         rp_stiffness_clear(m, 0.125);
         rp_stiffness_add_site(m, 3, -2, 0, 0); /* one negative mode */
-        for (size_t k = 0; k < 5; k++)         /* bond 2 is added, bond 4 removed */
+        if (way == 0) rp_stiffness_add_site(m, 1, 0.36, -0.48, 0.64);
+        for (size_t k = 0; k < 5; k++) /* bond 2 and the spring are added, bond 4 removed */
             if (way == 0 ? k != 4 : k != 2)
                 rp_stiffness_add_bond(m, k, bonds[k], along[k][0] * along[k][0], along[k][0] * along[k][1],
                                       along[k][1] * along[k][1]);
         CHECK_OK(rp_stiffness_factorise(m, &pivots));
         if (way == 1) {
-            CHECK_OK(rp_stiffness_update(m, true, 1, &bonds[2], &along[2], &pivots));
+            CHECK_OK(rp_stiffness_update(m, true, 2, (rp_pair[]){{1, 2}, {1, 1}},
+                                         (const double[][2]){{-0.6, 0.8}, {-0.6, 0.8}}, &pivots));
             CHECK_OK(rp_stiffness_update(m, false, 1, &bonds[4], &along[4], &pivots));
         }
         CU_ASSERT(pivots.negative == 1 && pivots.smallest > 0);
@@ -990,6 +992,8 @@ static void test_stiffness_update(void)
         rp_stiffness_free(m);
     }
     for (size_t i = 0; i < 8; i++) product[i] = 0.125 * x[0][i] - (i == 6 ? 2 * x[0][i] : 0);
+    const double pull = -0.6 * x[0][2] + 0.8 * x[0][3];
+    for (size_t c = 0; c < 2; c++) product[2 + c] += pull * along[2][c];
     for (size_t k = 0; k < 4; k++) {
         const size_t a = 2 * bonds[k].a, b = 2 * bonds[k].b;
         const double stretch = (x[0][b] - x[0][a]) * along[k][0] + (x[0][b + 1] - x[0][a + 1]) * along[k][1];

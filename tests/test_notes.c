@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "analytic/analytic.h"
+#include "core/clock.h"
 #include "stats/calibrate.h"
 #include "stats/stats.h"
 #include "sweeps/driver/pile.h"
@@ -60,12 +61,19 @@ static void test_rows(void)
         {"stats fit t.tsv -x x -y y --from 1 --to 5", "6 used, 2 left out for nan, 6 outside the range of x"},
         {"stats fit t.tsv -x x -y y --from 1 --to 5 --scale log",
          "6 used, 2 left out for nan, 6 outside the range of x"},
+        {"stats oscillation w.tsv -x x -y y --from 1 --to 40",
+         "40 used, 1 left out for nan, 2 outside the range of x"},
         {"stats trend t.tsv -x x -y y --from 1 --to 5",
          "5 used, 1 without result, 2 with nan, 6 outside the range of x"},
         {"stats predict t.tsv -x x -y y --folds 2", "11 used, 1 without result, 2 with nan"},
         {"stats maximum t.tsv --column y --draws 2 --bootstrap 3", "12 used, 2 left out for nan"}};
+    char text[4096] = "x\ty\n0\t1\n41\t1\n5.5\tnan\n";
     enter();
     write_rows();
+    for (int i = 1; i <= 40; i++)
+        snprintf(text + strlen(text), sizeof text - strlen(text), "%d\t%.9g\n", i,
+                 exp(-0.05 * i) * cos(0.7 * i));
+    write_text("w.tsv", "%s", text);
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         run("%s", cases[k].command);
         rp_table t = read_table("out");
@@ -243,7 +251,7 @@ static void check_export(size_t stored)
     }
     check_note(&t, "sweep", "s.cfg, protocol pile, seed 5, 2 grid points x 3 replicas");
     check_note(&t, "missing", "%zu of 6", 6 - stored);
-    check_note(&t, "failed", "%zu of %zu", failed, stored);
+    check_note(&t, "failed", "%zu of %zu (collapses %zu)", failed, stored, failed);
     CU_ASSERT(failed > 0 && failed < stored);
     CHECK_NEAR(strtod(note(&t, "run_time"), NULL), seconds, 0.0501); /* one decimal is printed */
     CU_ASSERT(strcmp(note(&t, "base"), "10") == 0 && strcmp(note(&t, "disorder"), "0.02") == 0);
@@ -269,6 +277,36 @@ static void check_export(size_t stored)
     rp_table_free(&t);
 }
 
+/* A copy with one more shard of two runs is merged twice, and then into a sweep that shares two of its runs.
+ */
+static void check_merge(void)
+{
+    write_text("f.cfg",
+               "protocol = \"pile\"; replicas = 2; seed = 5; fixed = { base = 10; disorder = 0.02; };\n"
+               "grid = { eps = [5e-3]; };\n");
+    GOOD("sweep plan f.cfg -o f");
+    CU_ASSERT(shell("cp -r s a") == 0);
+    run("sweep run a -j 1 --shard 3/3");
+    for (int again = 0; again < 2; again++) {
+        run("sweep merge s a"); /* the store of the copy and its two shards */
+        rp_table t = read_table("out");
+        check_note(&t, "merged", "%d rows of 3 stores, %d duplicates, 0 rows of other plans left out",
+                   again ? 0 : 4, again ? 4 : 0);
+        check_note(&t, "stored", "4");
+        check_note(&t, "shards with missing runs", "1 of 3");
+        rp_table_free(&t);
+    }
+    run("sweep merge f s");
+    rp_table t = read_table("out");
+    int taken, stores, twice, foreign;
+    CU_ASSERT(sscanf(note(&t, "merged"),
+                     "%d rows of %d stores, %d duplicates, %d rows of other plans left out", &taken, &stores,
+                     &twice, &foreign) == 4);
+    check_note(&t, "stored", "%d", taken);
+    CU_ASSERT(stores == 2 && taken > 0 && twice == 2 && foreign > 0 && taken + foreign == 4);
+    rp_table_free(&t);
+}
+
 /* A sweep of which a shard is there, and one of its runs has no result; then all of it. */
 static void test_sweep(void)
 {
@@ -279,8 +317,24 @@ static void test_sweep(void)
     GOOD("sweep plan s.cfg -o s");
     run("sweep run s -j 1 --shard 2/3");
     check_export(2);
+    check_merge();
     run("sweep run s -j 1");
     check_export(6);
+    leave();
+}
+
+/* A run says how long it took, by a clock of its own. */
+static void test_run(void)
+{
+    enter();
+    write_text("s.cfg", "protocol = \"pile\"; replicas = 1; fixed = { base = 4; };\n");
+    const double begin = rp_clock();
+    GOOD("run s.cfg --row 0 -o d");
+    const double passed = rp_clock() - begin;
+    rp_table t = read_table("out");
+    const double seconds = strtod(note(&t, "run_time"), NULL);
+    CU_ASSERT(seconds >= 0.0 && seconds <= passed);
+    rp_table_free(&t);
     leave();
 }
 
@@ -329,6 +383,54 @@ static void test_calibrate(void)
     leave();
 }
 
+/* Planted piles, of which two have larger angles, one beyond the range: how many rows of each trial cover,
+ * and have each status. */
+static void test_verify(void)
+{
+    static const char *const angles[] = {"theta_r", "theta_t", "both"};
+    static const double planted[] = {0.2, 0.3, 0.4, 0.5, 0.6};
+    char text[4096] = "# mu\ttheta_r3_deg\ttheta_t_displacement_deg\n";
+    enter();
+    for (int i = 0; i < 24; i++) {
+        const double mu = 0.1 + 0.1 * (i / 4), noise = i % 2 ? 0.5 : -0.5;
+        snprintf(text + strlen(text), sizeof text - strlen(text), "%g\t%g\t%g\n", mu,
+                 10.0 + 30.0 * mu + noise, 2.0 + 10.0 * mu + 0.3 * (i % 4 / 2 ? noise : -noise));
+    }
+    write_text("piles.tsv", "%s", text);
+    strcpy(text, "# mu\ttheta_r3_deg\ttheta_t_displacement_deg\n");
+    for (int i = 0; i < 10; i++) {
+        const double mu = planted[i / 2], noise = i % 2 ? 0.3 : -0.3, shift = i / 2 % 2 ? 0.0 : 1.5 * (i / 2);
+        snprintf(text + strlen(text), sizeof text - strlen(text), "%g\t%g\t%g\n", mu,
+                 10.0 + 30.0 * mu + noise + shift, 2.0 + 10.0 * mu + 0.3 * noise);
+    }
+    write_text("planted.tsv", "%s", text);
+    CU_ASSERT(run("calibrate --runs piles.tsv --verify 100 --planted planted.tsv") == 1);
+    rp_table t = read_table("out");
+    size_t others = 0;
+    for (size_t a = 0; a < 3; a++) {
+        size_t n = 0, covered = 0, status[STATS_CALIBRATED_NO_MATCH + 1] = {0};
+        for (size_t i = 0; i < t.n_rows; i++) {
+            if (strcmp(word(&t, i, "angles"), angles[a]) != 0) continue;
+            n++, covered += cell(&t, i, "covered") == 1.0;
+            for (size_t k = 1; k <= STATS_CALIBRATED_NO_MATCH; k++)
+                status[k] += strcmp(word(&t, i, "status"), stats_calibrated_words[k]) == 0;
+        }
+        char key[128];
+        snprintf(key, sizeof key, "covered_%s_mu", angles[a]);
+        check_note(&t, key, "%zu of %zu", covered, n);
+        CU_ASSERT(covered < n || a == 1);
+        for (size_t k = 1; k <= STATS_CALIBRATED_NO_MATCH; k++) {
+            snprintf(key, sizeof key, "%s_%s_mu", stats_calibrated_words[k], angles[a]);
+            if (status[k]) check_note(&t, key, "%zu of %zu", status[k], n);
+            if (!status[k]) CU_ASSERT_PTR_NULL(rp_table_find_note(&t, key));
+            others += status[k];
+        }
+    }
+    CU_ASSERT(others > 0);
+    rp_table_free(&t);
+    leave();
+}
+
 /* ---- the dip of the pressure ---- */
 
 /* The band's ends are so many standard errors from the mean as the note says. */
@@ -367,7 +469,9 @@ void suite_notes(void)
                                        {"several static piles", test_piles},
                                        {"models", test_models},
                                        {"a sweep", test_sweep},
+                                       {"a run", test_run},
                                        {"a calibration", test_calibrate},
+                                       {"a trial of calibrations", test_verify},
                                        {"dip of the pressure", test_dip},
                                        {0}};
     check_register("notes", cases);

@@ -15,7 +15,7 @@ unset MAKEFLAGS # of the make that runs this: the copies build their own
 limit_cpu=30    # seconds, three times what the suites of a file may take
 limit_wall=600  # on a machine that does other things too
 # what swaps arguments of other types does not compile
-flags='-O1 -Werror=int-conversion -Werror=incompatible-pointer-types -Werror=discarded-qualifiers'
+flags='-O1 -Werror=format -Werror=int-conversion -Werror=incompatible-pointer-types -Werror=discarded-qualifiers'
 tab='	'
 
 files='analytic/*.c src/angle/*.c src/core/stiffness.c src/statics/*.c src/stats/*.c src/stress/*.c
