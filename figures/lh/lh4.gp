@@ -1,7 +1,7 @@
 # Lee & Herrmann 1993, figure 4: tilting angle against friction.
 # tables: lh3.tsv lh3_box_compare.tsv lh3_fit_theta_t.tsv
 heading = 'Tilting angle against friction'
-remark = sprintf('%s degree per step; bars: standard error over %d piles, box turned %d; series shifted sideways', note('lh3.tsv', 'tilt_rate_deg'), most('lh3.tsv', 'n'), most('lh3_box_compare.tsv', 'n'))
+remark = sprintf('%s degree per step; bars: standard error over %d piles, %d in the turned box; series shifted sideways', note('lh3.tsv', 'tilt_rate_deg'), most('lh3.tsv', 'n'), most('lh3_box_compare.tsv', 'n'))
 legend = 4
 load 'figures/style.gp'
 fit = 'lh3_fit_theta_t.tsv'

@@ -1,7 +1,7 @@
 # Lee & Herrmann 1993, figure 7(a): measured theta_R + theta_T against theta_MS of (3).
 # tables: lh3_compare.tsv lh3_box_compare.tsv lh5.tsv lh_onset.tsv lh_onset_model.tsv
 heading = 'Marginal stability: measured, and by (3)'
-remark = sprintf('bars: standard error over %d piles, box turned %d; {/:Italic θ}_T by displacement', most('lh3_compare.tsv', 'n'), most('lh3_box_compare.tsv', 'n'))
+remark = sprintf('bars: standard error over %d piles, %d in the turned box; {/:Italic θ}_T by displacement', most('lh3_compare.tsv', 'n'), most('lh3_box_compare.tsv', 'n'))
 legend = 6
 load 'figures/style.gp'
 set xlabel 'friction coefficient {/:Italic μ}'

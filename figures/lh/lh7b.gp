@@ -1,7 +1,7 @@
 # Lee & Herrmann 1993, figure 7(b): measured theta_T against (4) at the measured theta_R, in its four forms.
 # tables: lh3_compare.tsv lh3_box_compare.tsv lh_onset_model.tsv
 heading = 'Tilting angle: measured, and by (4)'
-remark = sprintf('bars: standard error over %d piles, box turned %d (theory: bootstrap of {/:Italic θ}_R); series shifted sideways', most('lh3_compare.tsv', 'n'), most('lh3_box_compare.tsv', 'n'))
+remark = sprintf('bars: standard error over %d piles, %d in the turned box (theory: bootstrap of {/:Italic θ}_R); series shifted sideways', most('lh3_compare.tsv', 'n'), most('lh3_box_compare.tsv', 'n'))
 legend = 7
 load 'figures/style.gp'
 set xlabel 'friction coefficient {/:Italic μ}'
