@@ -446,7 +446,8 @@ rp_status dem_neighbours_rebuild(dem_sim *sim)
     if (!status) status = find_pairs(sim);
     dem_pairs_pad(&sim->pairs);
     if (!status) status = find_wall_slots(sim);
-    return status ? status : dem_pairs_plan_chunks(&sim->pairs, sim->grains.n);
+    if (!status) status = dem_pairs_plan_chunks(&sim->pairs, sim->grains.n);
+    return status ? status : dem_threads_divide(sim);
 }
 
 /* Remove the pairs of grain i that are beyond their cutoffs, and append those not yet listed. Touching pairs
