@@ -95,9 +95,11 @@ static inline size_t dem_count_touching(const dem_pairs *pairs)
     return n;
 }
 
-/* For each pair k that touches. `break` does not end it. */
-#define DEM_EACH_TOUCHING(pairs, k)                                                                          \
-    for (size_t word_ = 0, k; 64 * word_ < (pairs)->n; word_++)                                              \
+/* For each pair k that touches, of all or of those from..to, `from` a multiple of 64. `break` does not end it.
+ */
+#define DEM_EACH_TOUCHING(pairs, k) DEM_EACH_TOUCHING_OF (pairs, 0, (pairs)->n, k)
+#define DEM_EACH_TOUCHING_OF(pairs, from, to, k)                                                             \
+    for (size_t word_ = (from) / 64, k; 64 * word_ < (to); word_++)                                          \
         for (uint64_t bits_ = (pairs)->touching[word_];                                                      \
              bits_ && (k = 64 * word_ + (size_t)__builtin_ctzll(bits_), true); bits_ &= bits_ - 1)
 

@@ -24,6 +24,9 @@ typedef struct {
     rp_status status;
     char message[512];
 
+    dem_pairs found; /* new pairs, from this number on in the list */
+    size_t found_from;
+    bool collects;
     uint32_t *border; /* pairs of its stretch with a grain of another part */
     size_t n_border, border_capacity, done_capacity;
     uint32_t *done;
@@ -78,6 +81,8 @@ static void do_part(worker *w)
     w->sim = *w->team->sim;
     w->status = w->team->task(&w->sim, &w->part);
     if (w->status) snprintf(w->message, sizeof w->message, "%s", rp_message());
+    if (w->collects) w->found = w->sim.pairs;
+    w->collects = false;
 }
 
 static void *work(void *of)
@@ -143,6 +148,7 @@ void dem_threads_start(dem_sim *sim)
     for (size_t t = 0; t < sim->threads; t++) {
         worker *w = &team->worker[t];
         w->team = team;
+        w->found = (dem_pairs){.springs_only = true};
         w->part.before = w->part.after =
             (dem_pairs){.rotation = sim->pairs.rotation, .rolling = sim->pairs.rolling};
         team->n += start_thread(w, sim->def.n_walls);
@@ -164,7 +170,7 @@ void dem_threads_end(dem_sim *sim)
     for (size_t t = 1; t <= team->started; t++) pthread_join(team->worker[t].thread, NULL);
     for (size_t t = 0; t < sim->threads; t++) {
         worker *w = &team->worker[t];
-        dem_pairs_free(&w->part.before), dem_pairs_free(&w->part.after);
+        dem_pairs_free(&w->part.before), dem_pairs_free(&w->part.after), dem_pairs_free(&w->found);
         free(w->border), free(w->done), free(w->force), free(w->slot), free(w->wall_force);
     }
     pthread_mutex_destroy(&team->mutex);
@@ -182,6 +188,43 @@ bool dem_threads_divided(const dem_sim *sim)
 static inline bool has(const dem_part *part, uint32_t i)
 {
     return i >= part->grain && i < part->grain_end;
+}
+
+static worker *worker_of(const dem_sim *sim, const dem_part *part)
+{
+    return &sim->team->worker[part->index];
+}
+
+void dem_threads_collect(dem_sim *sim, const dem_part *part)
+{
+    if (sim->team) {
+        sim->pairs = worker_of(sim, part)->found;
+        worker_of(sim, part)->collects = true;
+    }
+    sim->pairs.n = 0;
+}
+
+static rp_status gather(dem_sim *sim, dem_part *part)
+{
+    const worker *w = worker_of(sim, part);
+    if (w->found.n == 0) return RP_OK;
+    memcpy(sim->pairs.i + w->found_from, w->found.i, w->found.n * sizeof *w->found.i);
+    memcpy(sim->pairs.j + w->found_from, w->found.j, w->found.n * sizeof *w->found.j);
+    return RP_OK;
+}
+
+rp_status dem_threads_gather(dem_sim *sim)
+{
+    size_t n = 0;
+    if (!sim->team) return RP_OK;
+    for (size_t t = 0; t < sim->team->n; t++) {
+        sim->team->worker[t].found_from = n;
+        n += sim->team->worker[t].found.n;
+    }
+    sim->pairs.n = 0;
+    RP_TRY(dem_pairs_reserve(&sim->pairs, n));
+    sim->pairs.n = n;
+    return dem_threads_do(sim, gather);
 }
 
 /* Stretches of the list with as many pairs each. The grains whose pairs begin there, rounded to groups, are
@@ -202,11 +245,6 @@ static rp_status set_bounds(dem_sim *sim)
         part->late = team->late;
     }
     return RP_OK;
-}
-
-static worker *worker_of(dem_sim *sim, const dem_part *part)
-{
-    return &sim->team->worker[part->index];
 }
 
 /* Of the part's stretch, the pairs that other parts need too. */

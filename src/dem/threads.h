@@ -36,6 +36,11 @@ rp_status dem_threads_divide(struct dem_sim *sim);
 /* Are there threads, and is the pile as they have divided it? */
 bool dem_threads_divided(const struct dem_sim *sim);
 
+/* In a task that makes new pairs: let `sim` have an empty list of the part's own. Then put these lists one
+ * after another: grains of the pairs alone. Errors: RP_NO_MEMORY. */
+void dem_threads_collect(struct dem_sim *sim, const dem_part *part);
+rp_status dem_threads_gather(struct dem_sim *sim);
+
 /* In a task of a divided pile: let `sim` have the part's forces and wall slots; add the forces of copies. */
 void dem_threads_enter(struct dem_sim *sim, const dem_part *part);
 void dem_threads_copies(struct dem_sim *sim, const dem_pairs *copies);
