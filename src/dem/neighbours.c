@@ -187,6 +187,7 @@ static rp_status mark_grains(dem_sim *sim, dem_part *part)
     for (size_t i = dem_share_start(part, sim->grains.n, DEM_GROUP); i < end; i++) {
         const dem_vec x = sim->grains.motion[i].x;
         mark_grain(sim, i);
+        sim->grains.held[i] = NOWHERE;
         sim->list.far2 = fmax(sim->list.far2, dem_dot(x, x));
     }
     return RP_OK;
@@ -234,25 +235,33 @@ static void measure_far(dem_sim *sim)
     sim->list.round_off = round_off(sim, sim->list.far2);
 }
 
-/* Keep the springs of touching pairs. */
-static rp_status hold_springs(dem_sim *sim)
+/* Keep the springs of touching pairs of the part's share of the old list. The order of a chain does not
+ * matter. */
+static rp_status hold_part(dem_sim *sim, dem_part *part)
 {
     const dem_pairs *pairs = &sim->pairs;
+    const size_t from = dem_share_start(part, pairs->n, 64), end = dem_share_end(part, pairs->n, 64);
     dem_pairs *held = &sim->list.work->held;
-    rp_status status = dem_pairs_reserve(held, dem_count_touching(pairs));
-    if (status) return status;
-    uint32_t n = 0, *const first = sim->grains.held;
-    memset(first, 0xff, sim->grains.n * sizeof *first);
-    DEM_EACH_TOUCHING (pairs, k) {
+    uint32_t n = (uint32_t)dem_count_touching_below(pairs, from), *const first = sim->grains.held;
+    DEM_EACH_TOUCHING_OF (pairs, from, end, k) {
         const uint32_t a = sim->grains.moved_to[pairs->i[k]], b = sim->grains.moved_to[pairs->j[k]];
         if (a == NOWHERE || b == NOWHERE) continue;
-        const uint32_t low = a < b ? a : b;
+        uint32_t *const low = &first[a < b ? a : b];
         dem_pairs_take_springs(held, n, pairs, k, a > b);
         held->j[n] = a < b ? b : a;
-        held->i[n] = first[low];
-        first[low] = n++;
+        if (part->of > 1)
+            held->i[n] = __atomic_exchange_n(low, n, __ATOMIC_RELAXED);
+        else
+            held->i[n] = *low, *low = n;
+        n++;
     }
     return RP_OK;
+}
+
+static rp_status hold_springs(dem_sim *sim)
+{
+    RP_TRY(dem_pairs_reserve(&sim->list.work->held, dem_count_touching(&sim->pairs)));
+    return dem_threads_do(sim, hold_part);
 }
 
 /* Give pair k of grains a and b the springs it held before. */
@@ -342,16 +351,30 @@ static rp_status part_pairs(dem_sim *sim)
     return RP_OK;
 }
 
+/* The first cell whose grains begin at `grain` or behind. */
+static size_t first_cell(const struct dem_list_work *w, size_t cells, size_t grain)
+{
+    size_t low = 0;
+    for (size_t high = cells; low < high;) {
+        const size_t middle = (low + high) / 2;
+        if (w->cell_start[middle] < grain)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low;
+}
+
 /* Pairs of the grains of each cell with those after them, and with those of the next cell and of the three
  * above; cells that follow one another are taken as one. */
 static rp_status append_cells(dem_sim *sim, dem_part *part)
 {
     struct dem_list_work *w = sim->list.work;
     const size_t mask_x = w->cells_x - 1, cells = w->cells_x * w->cells_y,
-                 last = dem_share_end(part, cells, 1);
+                 last = first_cell(w, cells, dem_share_end(part, sim->grains.n, 1));
     dem_append_kernel *const append = sim->kernels.append_pairs ? sim->kernels.append_pairs : append_pairs;
     dem_threads_collect(sim, part);
-    for (size_t c = dem_share_start(part, cells, 1); c < last; c++) {
+    for (size_t c = first_cell(w, cells, dem_share_start(part, sim->grains.n, 1)); c < last; c++) {
         const size_t cx = c & mask_x, row = c - cx, up = (row + w->cells_x) & (cells - 1);
         const size_t half[4] = {row + ((cx + 1) & mask_x), up + ((cx - 1) & mask_x), up + cx,
                                 up + ((cx + 1) & mask_x)};
@@ -409,41 +432,64 @@ static inline bool is_beyond_ends(const dem_wall *wall, double along, double mos
     return along < wall->extent[0] - most || along > wall->extent[1] + most;
 }
 
-/* Slots of grains near walls; a wall that is gone has none. */
+/* May grain i touch wall k until the next rebuilding? A wall that is gone touches none. */
+static bool is_near_wall(const dem_sim *sim, size_t k, size_t i)
+{
+    const dem_wall *wall = &sim->walls.wall[k];
+    const dem_wall_line *line = &sim->walls.line[k];
+    const bool turns = sim->def.box_turn_per_step != 0.0 && sim->step >= sim->walls.turn_from_step;
+    const double more = line->moves ? sim->walls.margin : turns ? 0.5 * sim->list.skin : 0.0;
+    if (wall->open_at_step >= 0 && sim->step >= wall->open_at_step && isinf(wall->open_speed)) return false;
+    const dem_vec d = sim->grains.listed_x[i] - line->point;
+    const double most = sim->grains.cutoff[i] + more;
+    return fabs(dem_dot(d, line->direction)) < most && !dem_is_fixed(sim, i) &&
+           !is_beyond_ends(wall, dem_dot(d, dem_clockwise(line->direction)), most);
+}
+
+/* Grains near any wall. */
+static rp_status find_near_walls(dem_sim *sim, dem_part *part)
+{
+    const size_t end = dem_share_end(part, sim->grains.n, 1);
+    for (size_t i = dem_share_start(part, sim->grains.n, 1); i < end; i++) {
+        bool near = false;
+        for (size_t k = 0; k < sim->def.n_walls && !near; k++) near = is_near_wall(sim, k, i);
+        sim->grains.cell[i] = near;
+    }
+    return RP_OK;
+}
+
+/* Slots of grains near walls. */
 static rp_status find_wall_slots(dem_sim *sim)
 {
     struct dem_list_work *w = sim->list.work;
     const size_t n_old = sim->walls.n_slots;
-    const bool turns = sim->def.box_turn_per_step != 0.0 && sim->step >= sim->walls.turn_from_step;
-    const double turn = turns ? 0.5 * sim->list.skin : 0.0;
+    uint32_t *const near = sim->grains.cell;
+    size_t n_near = 0;
     memset(sim->grains.held_slot, 0xff, sim->grains.n * sizeof *sim->grains.held_slot);
     if (n_old > w->wall_capacity &&
         !dem_grow(&w->wall_slot, sizeof *w->wall_slot, w->wall_capacity = sim->walls.capacity))
         return no_memory();
     if (n_old) memcpy(w->wall_slot, sim->walls.slot, n_old * sizeof *w->wall_slot);
+    RP_TRY(dem_threads_do(sim, find_near_walls));
+    for (uint32_t i = 0; i < sim->grains.n; i++)
+        if (near[i]) near[n_near++] = i;
     sim->walls.n_slots = 0;
     for (uint32_t k = 0; k < sim->def.n_walls; k++) {
-        const dem_wall *wall = &sim->walls.wall[k];
-        if (wall->open_at_step >= 0 && sim->step >= wall->open_at_step && isinf(wall->open_speed)) continue;
-        const dem_vec direction = sim->walls.line[k].direction, point = sim->walls.line[k].point;
-        const double more = sim->walls.line[k].moves ? sim->walls.margin : turn;
         for (uint32_t s = 0; s < n_old; s++)
             if (w->wall_slot[s].wall == k && sim->grains.moved_to[w->wall_slot[s].grain] != NOWHERE)
                 sim->grains.held_slot[sim->grains.moved_to[w->wall_slot[s].grain]] = s;
-        for (uint32_t i = 0; i < sim->grains.n; i++) {
-            const dem_vec d = sim->grains.listed_x[i] - point;
-            const double distance = dem_dot(d, direction), most = sim->grains.cutoff[i] + more;
-            uint32_t held = sim->grains.held_slot[i];
+        for (size_t m = 0; m < n_near; m++) {
+            const uint32_t i = near[m], held = sim->grains.held_slot[i];
             sim->grains.held_slot[i] = NOWHERE;
-            if (!(fabs(distance) < most) || dem_is_fixed(sim, i)) continue;
-            if (is_beyond_ends(wall, dem_dot(d, dem_clockwise(direction)), most)) continue;
+            if (!is_near_wall(sim, k, i)) continue;
             if (sim->walls.n_slots == sim->walls.capacity &&
                 !dem_grow(&sim->walls.slot, sizeof *sim->walls.slot,
                           sim->walls.capacity = 2 * sim->walls.capacity + 64))
                 return no_memory();
+            const dem_vec d = sim->grains.listed_x[i] - sim->walls.line[k].point;
+            const bool behind = dem_dot(d, sim->walls.line[k].direction) < 0.0;
             dem_wall_slot *slot = &sim->walls.slot[sim->walls.n_slots++];
-            *slot =
-                held != NOWHERE ? w->wall_slot[held] : (dem_wall_slot){.side = distance < 0.0 ? -1.0 : 1.0};
+            *slot = held != NOWHERE ? w->wall_slot[held] : (dem_wall_slot){.side = behind ? -1.0 : 1.0};
             slot->wall = k;
             slot->grain = i;
         }

@@ -88,11 +88,17 @@ static inline bool dem_touches(const dem_pairs *pairs, size_t k)
     return pairs->touching[k / 64] >> k % 64 & 1;
 }
 
-static inline size_t dem_count_touching(const dem_pairs *pairs)
+/* Of the pairs below k, a multiple of 64 or their number; of all. */
+static inline size_t dem_count_touching_below(const dem_pairs *pairs, size_t k)
 {
     size_t n = 0;
-    for (size_t w = 0; 64 * w < pairs->n; w++) n += (size_t)__builtin_popcountll(pairs->touching[w]);
+    for (size_t w = 0; 64 * w < k; w++) n += (size_t)__builtin_popcountll(pairs->touching[w]);
     return n;
+}
+
+static inline size_t dem_count_touching(const dem_pairs *pairs)
+{
+    return dem_count_touching_below(pairs, pairs->n);
 }
 
 /* For each pair k that touches, of all or of those from..to, `from` a multiple of 64. `break` does not end it.

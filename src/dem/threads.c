@@ -144,7 +144,7 @@ void dem_threads_start(dem_sim *sim)
     }
     pthread_mutex_init(&team->mutex, NULL);
     pthread_cond_init(&team->changed, NULL);
-    team->spins = (long)sim->threads <= processors ? SPINS : 0;
+    team->spins = (long)sim->threads <= processors ? (getenv("SP") ? atoi(getenv("SP")) : SPINS) : 0;
     for (size_t t = 0; t < sim->threads; t++) {
         worker *w = &team->worker[t];
         w->team = team;
