@@ -26,8 +26,7 @@
     X(TEXT, o, "", "", "", "folder for tables, instead of standard output")                                  \
     X(BOOL, ledger, "", "false", "",                                                                         \
       "add the terms of the energy ledger to the energies; as `ledger = true` in a scene")                   \
-    X(INT, j, "", "1", "[1, 256]",                                                                           \
-      "threads of one large scene; results are the same bits for any number")                                \
+    X(INT, j, "", "1", "[1, 256]", "threads of one large scene; results are the same bits for any number")   \
     X(INT, row, "", "0", "[0, 2147483647]", "number of the sweep's run, from 0")                             \
     X(INT, snapshot, "steps", "0", "[0, 2147483647]",                                                        \
       "interval of the snapshots in DIR/unfinished; 0: none; needs -o")                                      \
@@ -358,10 +357,11 @@ static rp_status run_row(const char *path, const run_options *o)
                        path, path, path);
     if (o->set.n > 0) return rp_fail(RP_USAGE, "--set goes with a scene file; %s is a sweep file", path);
     if (cli_given("j"))
-        return rp_fail(RP_USAGE,
-                       "-j goes with a scene file; %s is a sweep file, whose runs take one processor each; repose "
-                       "sweep make -j works on several runs",
-                       path);
+        return rp_fail(
+            RP_USAGE,
+            "-j goes with a scene file; %s is a sweep file, whose runs take one processor each; repose "
+            "sweep make -j works on several runs",
+            path);
     sweep_result result;
     const sweep_protocol *protocol;
     const double started = rp_clock();

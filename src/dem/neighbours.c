@@ -243,7 +243,8 @@ static rp_status hold_part(dem_sim *sim, dem_part *part)
     const size_t from = dem_share_start(part, pairs->n, 64), end = dem_share_end(part, pairs->n, 64);
     dem_pairs *held = &sim->list.work->held;
     uint32_t n = (uint32_t)dem_count_touching_below(pairs, from), *const first = sim->grains.held;
-    DEM_EACH_TOUCHING_OF (pairs, from, end, k) {
+    DEM_EACH_TOUCHING_OF(pairs, from, end, k)
+    {
         const uint32_t a = sim->grains.moved_to[pairs->i[k]], b = sim->grains.moved_to[pairs->j[k]];
         if (a == NOWHERE || b == NOWHERE) continue;
         uint32_t *const low = &first[a < b ? a : b];
@@ -404,8 +405,8 @@ static rp_status restore_part(dem_sim *sim, dem_part *part)
 {
     const size_t from = dem_share_start(part, sim->pairs.n, 64), end = dem_share_end(part, sim->pairs.n, 64);
     find_touching(sim, from, end);
-    DEM_EACH_TOUCHING_OF (&sim->pairs, from, end, k)
-        restore_springs(sim, k, sim->pairs.i[k], sim->pairs.j[k]);
+    DEM_EACH_TOUCHING_OF(&sim->pairs, from, end, k)
+    restore_springs(sim, k, sim->pairs.i[k], sim->pairs.j[k]);
     return RP_OK;
 }
 

@@ -32,7 +32,8 @@ typedef enum {
 typedef struct {
     bool rotation, rolling; /* the grains rotate; some contact resists rolling */
     bool springs_only;      /* pairs whose springs a rebuilding keeps */
-    size_t n, capacity; /* up to the next multiple of 8 follow pairs of the last i with itself, not touching */
+    size_t n,
+        capacity; /* up to the next multiple of 8 follow pairs of the last i with itself, not touching */
 #define X(type, name, need, share, role) type *name;
     DEM_PAIR_ARRAYS(X)
 #undef X
@@ -101,9 +102,10 @@ static inline size_t dem_count_touching(const dem_pairs *pairs)
     return dem_count_touching_below(pairs, pairs->n);
 }
 
-/* For each pair k that touches, of all or of those from..to, `from` a multiple of 64. `break` does not end it.
+/* For each pair k that touches, of all or of those from..to, `from` a multiple of 64. `break` does not end
+ * it.
  */
-#define DEM_EACH_TOUCHING(pairs, k) DEM_EACH_TOUCHING_OF (pairs, 0, (pairs)->n, k)
+#define DEM_EACH_TOUCHING(pairs, k) DEM_EACH_TOUCHING_OF(pairs, 0, (pairs)->n, k)
 #define DEM_EACH_TOUCHING_OF(pairs, from, to, k)                                                             \
     for (size_t word_ = (from) / 64, k; 64 * word_ < (to); word_++)                                          \
         for (uint64_t bits_ = (pairs)->touching[word_];                                                      \

@@ -148,7 +148,7 @@ static void strip(dem_sim *state)
     state->kernels = (dem_kernels){""};
     state->times = NULL;
     state->threads = 0;
-    state->pairs.capacity = state->pairs.chunk_capacity = 0;
+    state->pairs.capacity = state->pairs.chunk_capacity = state->walls.capacity = 0;
     state->ahead = false, state->ahead_left = 0;
     state->collided.n = 0;
 }

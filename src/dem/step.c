@@ -47,7 +47,8 @@ rp_status dem_check_overlaps(dem_sim *sim, size_t k, size_t to, size_t from, siz
         dem_vec normal, velocity;
         double overlap;
         dem_wall_slot slot = sim->walls.slot[s];
-        if (slot.grain >= from && slot.grain < end && dem_wall_touch(sim, &slot, &normal, &overlap, &velocity) &&
+        if (slot.grain >= from && slot.grain < end &&
+            dem_wall_touch(sim, &slot, &normal, &overlap, &velocity) &&
             !(overlap <= sim->grains.radius[slot.grain]))
             return dem_stop(sim, isfinite(overlap) ? DEM_FAULT_LEAKED : DEM_FAULT_NON_FINITE, slot.grain,
                             "its centre passed wall %u (overlap %g)", slot.wall + 1, overlap);

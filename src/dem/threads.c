@@ -30,7 +30,8 @@ typedef struct {
     uint32_t *border; /* pairs of its stretch with a grain of another part */
     size_t n_border, border_capacity, done_capacity;
     uint32_t *done;
-    void *force; /* forces, or with torques, on the grains from force_from on, as far as its pairs have them */
+    void
+        *force; /* forces, or with torques, on the grains from force_from on, as far as its pairs have them */
     size_t force_from, force_capacity;
     size_t *slot, *next; /* for each wall: the part's first slot; as of dem_walls */
     dem_vec *wall_force; /* not all of it, and read by nobody: a run's last step is one thread's */
@@ -131,7 +132,7 @@ static bool start_thread(worker *w, size_t walls)
 
 void dem_threads_start(dem_sim *sim)
 {
-    enum { SPINS = 2000 }; /* some 0.1 ms */
+    enum { SPINS = 3000 }; /* some 0.1 ms */
     const long processors = sysconf(_SC_NPROCESSORS_ONLN);
     if (sim->threads < 2 || sim->scheme != &dem_scheme_verlet || sim->def.hard.on || sim->ledger ||
         sim->times || !dem_pairs_are_many(&sim->pairs))
@@ -144,7 +145,7 @@ void dem_threads_start(dem_sim *sim)
     }
     pthread_mutex_init(&team->mutex, NULL);
     pthread_cond_init(&team->changed, NULL);
-    team->spins = (long)sim->threads <= processors ? (getenv("SP") ? atoi(getenv("SP")) : SPINS) : 0;
+    team->spins = (long)sim->threads <= processors ? SPINS : 0;
     for (size_t t = 0; t < sim->threads; t++) {
         worker *w = &team->worker[t];
         w->team = team;
@@ -241,7 +242,8 @@ static rp_status set_bounds(dem_sim *sim)
         dem_part *part = &team->worker[t].part;
         part->pair = pair, part->grain = grain;
         pair = part->pair_end = dem_share_end(part, sim->pairs.n, 64);
-        grain = part->grain_end = t + 1 == team->n ? sim->grains.n : sim->pairs.i[pair] / DEM_GROUP * DEM_GROUP;
+        grain = part->grain_end =
+            t + 1 == team->n ? sim->grains.n : sim->pairs.i[pair] / DEM_GROUP * DEM_GROUP;
         part->late = team->late;
     }
     return RP_OK;
@@ -350,7 +352,8 @@ static rp_status take_forces(dem_sim *sim, dem_part *part)
                n * sizeof *sim->grains.force_torque);
         memset(sim->grains.force_torque + part->grain, 0, n * sizeof *sim->grains.force_torque);
     } else {
-        memcpy(own.grains.force + part->grain, sim->grains.force + part->grain, n * sizeof *sim->grains.force);
+        memcpy(own.grains.force + part->grain, sim->grains.force + part->grain,
+               n * sizeof *sim->grains.force);
         memset(sim->grains.force + part->grain, 0, n * sizeof *sim->grains.force);
     }
     return RP_OK;

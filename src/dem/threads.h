@@ -26,8 +26,8 @@ typedef rp_status dem_task(struct dem_sim *sim, dem_part *part);
 void dem_threads_start(struct dem_sim *sim);
 void dem_threads_end(struct dem_sim *sim);
 
-/* The task for each part at once, or without threads for a part that is all. Errors: those of the task, of the
- * first part that has one. */
+/* The task for each part at once, or without threads for a part that is all. Errors: those of the task, of
+ * the first part that has one. */
 rp_status dem_threads_do(struct dem_sim *sim, dem_task *task);
 
 /* Divide the pile by a new list; its forces move to the parts. Errors: RP_NO_MEMORY. */

@@ -144,9 +144,10 @@ static bool may_run_ahead(const dem_sim *sim)
            sim->walls.n_moving == 0;
 }
 
-/* The forces of the walls on the grains from..to of a part, after those of pairs k..end; then their next step,
- * if they run ahead. */
-static rp_status finish_grains(dem_sim *sim, const dem_part *part, size_t k, size_t end, size_t from, size_t to)
+/* The forces of the walls on the grains from..to of a part, after those of pairs k..end; then their next
+ * step, if they run ahead. */
+static rp_status finish_grains(dem_sim *sim, const dem_part *part, size_t k, size_t end, size_t from,
+                               size_t to)
 {
     dem_walls_apply(sim, from, to, sim->def.dt);
     if (sim->too_deep) RP_TRY(dem_check_overlaps(sim, k, end, from, part->grain_end));
