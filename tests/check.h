@@ -40,6 +40,7 @@
     X(suite_options)                                                                                         \
     X(suite_tables)                                                                                          \
     X(suite_columns)                                                                                         \
+    X(suite_notes)                                                                                           \
     X(suite_stress)                                                                                          \
     X(suite_repose)                                                                                          \
     X(suite_sweep)                                                                                           \

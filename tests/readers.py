@@ -135,7 +135,9 @@ def vtp(path):
     ids, ends = (array(e, int) for e in cells.findall("DataArray"))
     data = piece.find("PointData") if piece.find("PointData") is not None else piece.find("CellData")
     points = rows(piece.find("Points/DataArray"))
-    assert int(piece.get("NumberOfPoints")) == len(points)
+    counts = {"Points": len(points), "Verts": 0, "Lines": 0, "Strips": 0, "Polys": 0, cells.tag: len(ends)}
+    assert piece.attrib == {"NumberOf" + kind: str(n) for kind, n in counts.items()}, "numbers of cells"
+    assert sorted(ids) == list(range(len(points))) and len(ids) == (ends or [0])[-1], "points of cells"
     return points, [ids[a:b] for a, b in zip([0] + ends, ends)], {e.get("Name"): rows(e) for e in data}
 
 
@@ -176,7 +178,7 @@ def check_vtk(states, contacts, walls, read):
     for i, part in enumerate(sets):
         step = list(states)[i // 3]
         name = ("grains", "contacts", "walls")[i % 3]
-        assert part.get("name") == name
+        assert part.get("name") == name and part.get("part") == str(i % 3)
         same(float(part.get("timestep")), states[step][0]["t"], "time")
         expected = (states, contacts, walls)[i % 3].get(step, [])
         if name == "walls":

@@ -1211,7 +1211,9 @@ static void test_pooled(void)
     write_text("a.tsv", "# k\tv_mean\tv_sd\tv_se\tv_n\tn\n1\t7\t7\t7\t9\t9\n2\t18\t2\t1\t4\t5\n");
     write_text("b.tsv", "# v_mean\tv_sd\tv_se\tv_n\tn\n22.5\t3\t1.06066\t8\t8\n");
     JUDGE(PLAIN("pooled", "above", "-", "a k=2 v + b v", "0")
-              PLAIN("short", "above", "-", "a k=2 v + none v", "0"));
+              PLAIN("short", "above", "-", "a k=2 v + none v", "0")
+                  PLAIN("scatter", "above", "-", "a k=2 v_sd + b v_sd", "0"));
+    check_verdict("scatter", "ours", "3.42 ± 0.73 against 0");
     check_verdict("pooled", "ours", "21.00 ± 0.99 against 0");
     check_verdict("pooled", "n", "12");
     check_verdict("short", "verdict", "no data");
@@ -1809,7 +1811,9 @@ static void test_limits(void)
     FAILS(1, "no digest: d: 1 of 2 runs are aborted", "sweep digest d");
     for (int reduce = 0; reduce < 2; reduce++) {
         FAILS(1, "not whole: d: 1 of 2 runs are aborted", "sweep export d%s", reduce ? " --reduce" : "");
-        CU_ASSERT(strstr(out, "# failed: 1 of 2\n# aborted: 1 of the failed, to be tried again\n") != NULL);
+        CU_ASSERT(
+            strstr(out, "# failed: 1 of 2 (time_limit 1)\n# aborted: 1 of the failed, to be tried again\n") !=
+            NULL);
     }
     rp_table points = read_table("out");
     for (size_t k = 0; k < 2; k++) {

@@ -1190,21 +1190,87 @@ static void check_rays(checked *o, const rp_table *grains, const bool away[])
     CHECK_NEAR(at(o, 0, "middle"), beside, 1e-12);
 }
 
+/* Disks glued to the base have their centres on it. */
+static bool is_glued(const rp_table *grains, size_t i)
+{
+    return cell(grains, i, "y") == 0.0;
+}
+
+/* Row of the disk that the contact's column `id` names; n_rows: a wall. */
+static size_t disk_of(const rp_table *grains, const rp_table *contacts, size_t k, const char *id)
+{
+    size_t i = 0;
+    while (i < grains->n_rows && cell(grains, i, "id") != cell(contacts, k, id)) i++;
+    return i;
+}
+
+/* Does a disk of the pile touch the base there? Which, and the base's force on it, by the angle of the line
+ * from the base to its centre: N along that line, the shear force along the line turned clockwise. */
+static bool on_base(const rp_table *grains, const rp_table *contacts, size_t k, size_t *disk, double f[2])
+{
+    const size_t a = disk_of(grains, contacts, k, "id_a"), b = disk_of(grains, contacts, k, "id_b");
+    const bool wall = b == grains->n_rows, b_below = wall || is_glued(grains, b);
+    if (!b_below && !is_glued(grains, a)) return false;
+    *disk = b_below ? a : b;
+    const double N = cell(contacts, k, "normal_force"), S = cell(contacts, k, "shear_force"),
+                 angle = atan2(cell(contacts, k, "y") - cell(contacts, k, "y_b"),
+                               cell(contacts, k, "x") - cell(contacts, k, "x_b")) +
+                         (b_below ? 0.0 : acos(-1.0));
+    f[0] = N * cos(angle) + S * sin(angle);
+    f[1] = N * sin(angle) - S * cos(angle);
+    return true;
+}
+
+/* Directions of the contacts between disks of the pile beyond a tenth of the base from its middle, mirrored
+ * to the right: principal axis of the tensor sum w n n, by its two invariants and by trying all axes. */
+static void check_fabric(checked *o, const rp_table *grains, const rp_table *contacts, double limit,
+                         const char *fabric, const char *degrees, const char *weight)
+{
+    double xx = 0.0, xy = 0.0, yy = 0.0, most = 0.0, lean = 0.0;
+    for (size_t k = 0; k < contacts->n_rows; k++) {
+        const size_t ends[2] = {disk_of(grains, contacts, k, "id_a"), disk_of(grains, contacts, k, "id_b")};
+        bool counts = true;
+        for (int e = 0; e < 2; e++)
+            counts = counts && ends[e] < grains->n_rows && !is_glued(grains, ends[e]) &&
+                     fabs(cell(grains, ends[e], "x")) <= limit;
+        const double middle =
+            0.5 * (cell(contacts, k, "x") + cell(contacts, k, "x_b")) - at(o, 0, "centroid");
+        if (!counts || fabs(middle) <= 0.1 * at(o, 0, "width")) continue;
+        const double angle =
+                         atan2(cell(contacts, k, "y_b") - cell(contacts, k, "y"),
+                               (cell(contacts, k, "x_b") - cell(contacts, k, "x")) * (middle < 0.0 ? -1 : 1)),
+                     w = weight ? cell(contacts, k, weight) : 1.0;
+        xx += w * cos(angle) * cos(angle), xy += w * cos(angle) * sin(angle),
+            yy += w * sin(angle) * sin(angle);
+    }
+    for (int i = -9000; i < 9000; i++) { /* the upper end is at x = -sin: towards the middle */
+        const double here = 0.01 * i * deg, along = xx * sin(here) * sin(here) -
+                                                    2.0 * xy * sin(here) * cos(here) +
+                                                    yy * cos(here) * cos(here);
+        if (along > most) most = along, lean = 0.01 * i;
+    }
+    CHECK_NEAR(at(o, 0, fabric), sqrt(1.0 - 4.0 * (xx * yy - xy * xy) / ((xx + yy) * (xx + yy))), 1e-9);
+    CHECK_NEAR(at(o, 0, degrees), lean, 0.01);
+    CU_ASSERT(fabs(lean) > 0.1);
+}
+
 static void check_base(checked *o, const rp_table *grains, const rp_table *contacts, double limit)
 {
-    double x[DROPPED], r[DROPPED], N[DROPPED], total = 0.0, moment = 0.0, weight = 0.0, width = INFINITY,
-                                               disks = 0.0;
-    size_t n = 0;
-    for (size_t k = 0; k < contacts->n_rows; k++) {
-        if (cell(contacts, k, "id_b") != 0.0 || fabs(cell(contacts, k, "x")) > limit) continue;
-        x[n] = cell(contacts, k, "x"), N[n] = cell(contacts, k, "normal_force");
-        for (size_t i = 0; i < grains->n_rows; i++)
-            if (cell(grains, i, "id") == cell(contacts, k, "id_a")) r[n] = cell(grains, i, "r");
+    enum { MOST = 3 * DROPPED };
+    double x[MOST], r[MOST], N[MOST], H[MOST], total = 0.0, moment = 0.0, weight = 0.0, width = INFINITY,
+                                               disks = 0.0, outward = 0.0, f[2];
+    size_t n = 0, i;
+    for (size_t k = 0; k < contacts->n_rows && n < MOST; k++) {
+        if (!on_base(grains, contacts, k, &i, f) || fabs(cell(grains, i, "x")) > limit) continue;
+        x[n] = cell(grains, i, "x"), r[n] = cell(grains, i, "r"), H[n] = -f[0], N[n] = f[1];
         total += N[n], moment += N[n] * x[n], n++;
     }
-    for (size_t i = 0; i < grains->n_rows; i++)
-        if (fabs(cell(grains, i, "x")) <= limit) weight += cell(grains, i, "m");
+    for (i = 0; i < grains->n_rows; i++)
+        if (fabs(cell(grains, i, "x")) <= limit && !is_glued(grains, i)) weight += cell(grains, i, "m");
     const double centroid = moment / total;
+    for (size_t k = 0; k < n; k++) outward += H[k] * (x[k] > centroid ? 1.0 : -1.0);
+    CHECK_NEAR(at(o, 0, "base_shear"), outward / total, 1e-12);
+    CU_ASSERT(outward > 0.01 * total);
     for (size_t k = 0; k < n; k++) { /* the least width that holds 98 % */
         double held = 0.0;
         for (size_t j = 0; j < n; j++) held += fabs(x[j] - centroid) <= fabs(x[k] - centroid) ? N[j] : 0.0;
@@ -1232,6 +1298,47 @@ static void check_base(checked *o, const rp_table *grains, const rp_table *conta
         dip += distance < 2.0 ? pressure[b] / 4.0 : distance < 6.0 ? -pressure[b] / 8.0 : 0.0;
     }
     CHECK_NEAR(at(o, 0, "dip"), dip, 1e-12);
+}
+
+/* A pile on glued disks: those are no part of it. */
+static void test_rough(void)
+{
+    const double limit = 15.0;
+    enter();
+    write_text("s.cfg",
+               "protocol = \"drop\"; replicas = 1; seed = 1993;\n"
+               "fixed = { N = %d; glued = 1.3; x_limit = %.1f; };\n",
+               DROPPED, limit);
+    GOOD("run s.cfg -o d");
+    checked o = checked_read("out");
+    rp_table grains = read_table("d/pile_grains.tsv"), contacts = read_table("d/pile_contacts.tsv");
+    double glued = 0.0, carried = 0.0, contact_number = 0.0, height = 0.0, right = -INFINITY;
+    for (size_t i = 0; i < grains.n_rows; i++) {
+        const bool base = is_glued(&grains, i);
+        if (base) { /* 1.3 apart, the middle is between two */
+            CHECK_NEAR(cell(&grains, i, "x"), 1.3 * ((double)i - 12.5), 1e-12);
+            CHECK_NEAR(cell(&grains, i, "r"), 0.5, 0.0);
+            right = cell(&grains, i, "x");
+            glued++, carried -= cell(&grains, i, "fy");
+            continue;
+        }
+        contact_number += cell(&grains, i, "contacts") / DROPPED;
+        height = fmax(height, cell(&grains, i, "y") + cell(&grains, i, "r"));
+    }
+    CU_ASSERT(glued == 26.0 && grains.n_rows == DROPPED + 26 && right > limit);
+    CHECK_NEAR(at(&o, 0, "disks"), DROPPED, 0.0);
+    CHECK_NEAR(at(&o, 0, "away"), 0.0, 0.0);
+    CHECK_NEAR(at(&o, 0, "height"), height, 0.0);
+    CHECK_NEAR(at(&o, 0, "contacts"), contact_number, 1e-12);
+    CHECK_NEAR(at(&o, 0, "balance"), 1.0 - carried / DROPPED, 1e-12);
+    CHECK_NEAR(at(&o, 0, "balance"), 0.0, 1e-5);
+    CU_ASSERT(at(&o, 0, "base_disks") > 1.5 * at(&o, 0, "width") / 1.3);
+    check_base(&o, &grains, &contacts, limit);
+    check_fabric(&o, &grains, &contacts, limit, "fabric", "fabric_deg", NULL);
+    rp_table_free(&grains);
+    rp_table_free(&contacts);
+    rp_table_free(&o.t);
+    leave();
 }
 
 /* A pile from which some disks roll away: everything from its grains, its contacts and what each drop moved.
@@ -1279,6 +1386,8 @@ static void test_drop(void)
     at(&o, 0, "status");
     CU_ASSERT_STRING_EQUAL(word(&o.t, 0, "status"), "ok");
     check_base(&o, &grains, &contacts, limit);
+    check_fabric(&o, &grains, &contacts, limit, "fabric", "fabric_deg", NULL);
+    check_fabric(&o, &grains, &contacts, limit, "force_fabric", "force_deg", "normal_force");
     check_rays(&o, &grains, away);
     rp_table_free(&grains);
     rp_table_free(&contacts);
@@ -1300,6 +1409,7 @@ void suite_columns(void)
                                        {"bench: boxes that it fills", test_bench_fill},
                                        {"series of protocol flux", test_series},
                                        {"protocol drop", test_drop},
+                                       {"protocol drop on a rough base", test_rough},
                                        {0}};
     check_register("columns", cases);
 }

@@ -247,6 +247,37 @@ static void leaving(void)
     leaving_below_others();
 }
 
+/* Work is counted in grains present at each step, by every integrator; one of three grains leaves on the way.
+ */
+static void work(void)
+{
+    for (int way = 0; way < 4; way++) {
+        dem_grain grains[] = {{0.2, 0.5, 0.1, 0.0042, 0.0, 0.0},
+                              {0.5, 0.5, 0.1, 0.0042, 0.0, 0.0},
+                              {0.93, 0.5, 0.1, 0.0042, 300.0, 0.0}};
+        dem_definition def = dem_definition_default();
+        def.grains = grains;
+        def.n_grains = 3;
+        def.dt = 1e-5;
+        def.x_max = 1.0;
+        def.integrator = way < 3 ? (dem_integrator[]){DEM_VERLET, DEM_GEAR5, DEM_IMPLICIT}[way] : DEM_VERLET;
+        if (def.integrator == DEM_IMPLICIT)
+            def.tension = false, def.tangential = DEM_NONE, def.material.mu = 0.0;
+        if (way == 3) def.hard = (dem_hard){.on = true, .restitution = 0.5}, def.tension = false;
+        dem_sim *sim = grains_start(&def);
+        dem_counts counts;
+        size_t steps = 0;
+        for (int k = 0; k < 50; k++) {
+            steps += dem_count(sim);
+            CHECK_OK(dem_run(sim, 1));
+        }
+        dem_count_work(sim, &counts);
+        CU_ASSERT(dem_count(sim) == 2 && counts.grain_steps == (double)steps);
+        CU_ASSERT(counts.collisions == 0 && counts.contacts == 0);
+        dem_free(sim);
+    }
+}
+
 /* Rebuilding the list more often than needed carries the springs over and changes the order of sums only. */
 static void extra_rebuilds_of(bool rotation)
 {
@@ -1512,6 +1543,7 @@ void suite_dem(void)
                                        {"mirror and relabelling symmetry", mirror_and_relabel},
                                        {"neighbour list finds every contact", list_is_complete},
                                        {"grains leave the list", leaving},
+                                       {"work is counted in grains", work},
                                        {"every array follows its grain", arrays_follow_grains},
                                        {"extra rebuilds change round-off only", extra_rebuilds},
                                        {"integration behind the pair loop", chunks},

@@ -469,6 +469,17 @@ static void away_is_no_part(void)
     CU_ASSERT(output(&r, "width") < 20.0);
 }
 
+/* No contact with the base carries more than its friction, which by default is that of the disks. */
+static void base_has_its_friction(void)
+{
+    const char *const changes[] = {"N", "40", "mu_base", "0.1", NULL};
+    sweep_result smooth = run(changes), same = run((const char *const[]){"N", "40", "mu_base", "0.5", NULL}),
+                 fallback = run((const char *const[]){"N", "40", NULL});
+    CU_ASSERT(output(&smooth, "base_shear") > 0.02 && output(&smooth, "base_shear") < 0.1 + 1e-6);
+    CU_ASSERT(output(&fallback, "base_shear") > 0.1);
+    CU_ASSERT(memcmp(same.values, fallback.values, sizeof same.values) == 0);
+}
+
 /* Disks that fall in a row onto a pile, added one by one, with several collisions per step. */
 enum { DROPPED = 60 };
 
@@ -676,6 +687,7 @@ void suite_drop(void)
                                        {"stricter rest takes more steps", rest_takes_its_steps},
                                        {"rest of every disk", every_disk_must_rest},
                                        {"disks that rolled away", away_is_no_part},
+                                       {"friction of the base", base_has_its_friction},
                                        {"kernels find the same collisions", kernels_collide_alike},
                                        {"subnormal numbers are zero", tiny_numbers_are_zero},
                                        {"lists are complete", lists_are_complete},

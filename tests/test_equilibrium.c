@@ -342,6 +342,26 @@ static void test_causes(void)
 
 /* ---- against diagonal contacts alone ---- */
 
+/* Contacts, and those of them between disks less than 15 degrees from level, counted from the overlaps of all
+ * pairs: of touching disks the displacements alone, along the line of centres. */
+static void count_closed(const test_pile *h)
+{
+    size_t closed = 0, level = 0;
+    for (size_t i = 0; i < h->n; i++)
+        for (size_t j = 0; j < i; j++) {
+            const double x = h->disks[i].x - h->disks[j].x, y = h->disks[i].y - h->disks[j].y,
+                         d = hypot(x, y);
+            if (d > 1 + 1e-9) continue;
+            const bool pressed =
+                x * (h->u[2 * i] - h->u[2 * j]) + y * (h->u[2 * i + 1] - h->u[2 * j + 1]) < -ROUNDING;
+            closed += pressed;
+            level += pressed && fabs(y) < sin(15 * DEG) * d;
+        }
+    CU_ASSERT(level > 0 && level < closed);
+    CU_ASSERT_EQUAL(h->result.contacts, closed);
+    CU_ASSERT_EQUAL(h->result.horizontal, level);
+}
+
 static void test_linearised(void)
 {
     double most;
@@ -358,6 +378,7 @@ static void test_linearised(void)
     test_pile flat = make_disks(90, 30, 0);
     CHECK_OK(solve(&flat, soft(0)));
     CU_ASSERT(flat.result.horizontal > 0 && flat.result.steps < 12 && flat.result.factored < 5);
+    count_closed(&flat);
     free_pile(&flat);
     /* gaps in the rows keep horizontal contacts open under any slope */
     test_pile gaps = make_disks(31, 27, 0.02);
@@ -514,6 +535,22 @@ static void test_minima(void)
         CU_ASSERT(released[i] > 10 && N_most[i] > 0.015 && N_most[i] < 0.045);
     }
     for (int i = 0; i < 3; i++) CU_ASSERT(fabs(released[i] - released[(i + 1) % 3]) > 0.1);
+    free_pile(&h);
+}
+
+/* Two minima near the saddle of a small pile, and which of them a number leads to: a result that names the
+ * number can be repeated. */
+static void test_ways(void)
+{
+    static const double released[] = {0.691513, 0.675877};
+    test_pile h = make_disks(9, 60, 0);
+    statics_definition def = soft(8e-3);
+    def.branch = STATICS_BRANCH_MINIMUM;
+    for (unsigned long way = 1; way < 3; way++) {
+        def.leave = way;
+        CHECK_OK(solve(&h, def));
+        CHECK_NEAR(h.result.released, released[way - 1], 1e-6); /* as printed */
+    }
     free_pile(&h);
 }
 
@@ -925,8 +962,8 @@ static void test_errors(void)
 
 /* ---- the stiffness matrix ---- */
 
-/* A square with a diagonal, held at all corners: an update against a new factorisation, and as the inverse of
- * the product. */
+/* A square with a diagonal, held at all corners, and disk 1 by a spring to the ground: an update against a
+ * new factorisation, and as the inverse of the product. */
 static void test_stiffness_update(void)
 {
     static const rp_pair bonds[] = {{0, 1}, {0, 2}, {1, 2}, {1, 3}, {2, 3}};
@@ -939,13 +976,15 @@ static void test_stiffness_update(void)
         CHECK_OK(rp_stiffness_create(4, 5, bonds, &m));
         rp_stiffness_clear(m, 0.125);
         rp_stiffness_add_site(m, 3, -2, 0, 0); /* one negative mode */
-        for (size_t k = 0; k < 5; k++)         /* bond 2 is added, bond 4 removed */
+        if (way == 0) rp_stiffness_add_site(m, 1, 0.36, -0.48, 0.64);
+        for (size_t k = 0; k < 5; k++) /* bond 2 and the spring are added, bond 4 removed */
             if (way == 0 ? k != 4 : k != 2)
                 rp_stiffness_add_bond(m, k, bonds[k], along[k][0] * along[k][0], along[k][0] * along[k][1],
                                       along[k][1] * along[k][1]);
         CHECK_OK(rp_stiffness_factorise(m, &pivots));
         if (way == 1) {
-            CHECK_OK(rp_stiffness_update(m, true, 1, &bonds[2], &along[2], &pivots));
+            CHECK_OK(rp_stiffness_update(m, true, 2, (rp_pair[]){{1, 2}, {1, 1}},
+                                         (const double[][2]){{-0.6, 0.8}, {-0.6, 0.8}}, &pivots));
             CHECK_OK(rp_stiffness_update(m, false, 1, &bonds[4], &along[4], &pivots));
         }
         CU_ASSERT(pivots.negative == 1 && pivots.smallest > 0);
@@ -953,6 +992,8 @@ static void test_stiffness_update(void)
         rp_stiffness_free(m);
     }
     for (size_t i = 0; i < 8; i++) product[i] = 0.125 * x[0][i] - (i == 6 ? 2 * x[0][i] : 0);
+    const double pull = -0.6 * x[0][2] + 0.8 * x[0][3];
+    for (size_t c = 0; c < 2; c++) product[2 + c] += pull * along[2][c];
     for (size_t k = 0; k < 4; k++) {
         const size_t a = 2 * bonds[k].a, b = 2 * bonds[k].b;
         const double stretch = (x[0][b] - x[0][a]) * along[k][0] + (x[0][b + 1] - x[0][a + 1]) * along[k][1];
@@ -1307,6 +1348,7 @@ void suite_equilibrium(void)
                                        {"a branch that ends", test_jump},
                                        {"a large soft pile", test_large_soft},
                                        {"minima", test_minima},
+                                       {"ways to minima", test_ways},
                                        {"energy", test_energy},
                                        {"stability threshold", test_threshold},
                                        {"plain forces and modes", test_plain_forces_and_modes},

@@ -36,11 +36,13 @@ static const struct {
     {"same", "-", "-", "100", "9", "t k=1 a", "t k=4 a", "reproduced", "21.5 ± 1.0 against 23.70 ± 0.75"},
     {"same", "-", "-", "-", "9", "t k=1 a", "t k=3 a", "not reproduced", "21.5 ± 1.0 against 24.20 ± 0.80"},
     {"above", "-", "-", "-", "-", "t k=2 a", "t k=1 a", "undecided", "23.25 ± 0.75 against 21.5 ± 1.0"},
+    {"above", "-", "-", "-", "9", "t k=2 a", "t k=1 a", "not reproduced", "23.25 ± 0.75 against 21.5 ± 1.0"},
     {"above", "-", "-", "-", "-", "t k=3 a", "t k=1 a", "reproduced", "24.20 ± 0.80 against 21.5 ± 1.0"},
     {"above", "-", "-", "-", "-", "t k=1 a", "t k=3 a", "not reproduced", "21.5 ± 1.0 against 24.20 ± 0.80"},
     {"below", "-", "-", "-", "-", "t k=1 a", "t k=3 a", "reproduced", "21.5 ± 1.0 against 24.20 ± 0.80"},
     {"below", "-", "-", "-", "-", "t k=1 a", "t k=2 a", "undecided", "21.5 ± 1.0 against 23.25 ± 0.75"},
     {"below", "-", "-", "-", "-", "t k=3 a", "t k=1 a", "not reproduced", "24.20 ± 0.80 against 21.5 ± 1.0"},
+    {"above", "-", "-", "-", "-", "t k=1 a", "means k=1 a_sd", "undecided", "21.5 ± 1.0 against 17.0 ± 8.5"},
     {"least", "-", "-", "-", "-", "t #count", "7", "reproduced", "7 against 7"},
     {"least", "-", "-", "-", "-", "t #count", "7.5", "not reproduced", "7 against 7.5"},
     {"most", "-", "-", "-", "-", "t #count", "7", "reproduced", "7 against 7"},
@@ -61,6 +63,8 @@ static const struct {
     {"independent", "-", "-", "-", "1", "trend k=2 change", "-", "undecided", "2.0 ± 1.0 (90 %: 0.3 to 3.7)"},
     {"independent", "-", "-", "-", "1", "trend k=3 change", "-", "not reproduced",
      "-3.0 ± 1.0 (90 %: -4.7 to -1.3)"},
+    {"independent", "-", "-", "-", "1", "trend k=4 change", "-", "undecided",
+     "no limit (90 %: -inf to 1.100)"},
     {"rises", "-", "-", "-", "1", "trend k=2 change", "-", "undecided", "2.0 ± 1.0 (90 %: 0.3 to 3.7)"},
     {"rises", "-", "-", "-", "1", "trend k=3 change", "-", "not reproduced",
      "-3.0 ± 1.0 (90 %: -4.7 to -1.3)"},
@@ -91,10 +95,10 @@ static void write_claims(void)
                "k\ta\ta_se\tb\n1\t21.5\t1\t9\n2\t23.25\t0.75\t9\n3\t24.2\t0.8\t9\n4\t23.7\t0.75\t9\n");
     /* of three values Student's t is 4.3 in place of 2; the row has more runs than this output has values */
     write_text("means.tsv",
-               "# k\tn\ta_mean\ta_se\ta_n\ta_sd\n1\t100\t21.5\t1\t3\t7\n2\t3\t21.5\t1\t100\t7\n");
+               "# k\tn\ta_mean\ta_se\ta_n\ta_sd\n1\t100\t21.5\t1\t3\t17\n2\t3\t21.5\t1\t100\t7\n");
     write_text("trend.tsv", "# k\tchange\tchange_se\tchange_lo90\tchange_hi90\tp_value\tp_holm\n"
                             "1\t0.1\t0.4\t-0.6\t0.8\t0.8\t0.9\n2\t2\t1\t0.3\t3.7\t0.03\t0.06\n"
-                            "3\t-3\t1\t-4.7\t-1.3\t0.002\t0.01\n");
+                            "3\t-3\t1\t-4.7\t-1.3\t0.002\t0.01\n4\t-inf\tnan\t-inf\t1.1\tnan\tnan\n");
 }
 
 /* How many values are behind the number; nan where the table does not say. */
@@ -113,6 +117,10 @@ static void check_reason(const char *line, size_t i)
         strcpy(expected, "reproduced (+1.1 standard errors)"); /* 1.5 over the root of 1 + 0.81 */
     if (strcmp(answers[i].test, "same") == 0 && strcmp(answers[i].against, "t k=4 a") == 0)
         strcpy(expected, "reproduced (-1.8 standard errors)"); /* -2.2 over 1.25 */
+    if (strcmp(answers[i].test, "above") == 0)
+        strcpy(expected, strcmp(answers[i].margin, "9") == 0
+                             ? "not reproduced (a difference of 9 or more is excluded)"
+                             : answers[i].verdict);
     CU_ASSERT(strncmp(line, expected, strlen(expected)) == 0);
 }
 
@@ -189,23 +197,34 @@ static void test_section(void)
     write_text("claims.tsv",
                CLAIMS "one\t-\tlh\tfigure 9\ts\tagrees\t20\t0.9\t40\t9\tmeans k=1 a\t-\t-\tfirst\tat rest\n"
                       "two\tone\tlh\tfigure 9\ts\tagrees\t-\t-\t-\t9\tt k=1 a\t-\t-\tsecond\t-\n"
-                      "three\t-\tlh\tfigure 9\tother\tuntestable\t-\t-\t-\t-\t-\t-\t-\tthird\ttoo few\n");
+                      "three\t-\tlh\tfigure 9\tother\tuntestable\t-\t-\t-\t-\t-\t-\t-\tthird\ttoo few\n"
+                      "four\t-\tli\t-\tli\tabove\t-\t-\t-\t-\tmeans_fit k=1 a\t0\t-\tfourth\t-\n"
+                      "five\t-\tli\t-\tli\tabove\t-\t-\t-\t-\tmeans k=1 a\t0\t-\tfifth\t-\n"
+                      "six\t-\tlh\t-\tno\tleast\t-\t-\t-\t-\tnone k=1 a\t0\t-\tsixth\t-\n");
     write_text("t.tsv", "# k\ta\ta_se\n1\t24\t1\n");
-    write_text("means.tsv", "# k\tn\ta_mean\ta_se\ta_n\n1\t100\t21.5\t1\t12\n");
-    write_text("in.md", "{{scores s}}\n{{claims s}}\n{{counts lh}}\n{{scores other}}\n{{claims other}}\n");
+    /* a sweep with failed runs, and a fit to its table */
+#define SWEEP "# sweep: means.cfg, protocol repose, seed 1, 5 grid points x 3 replicas\n# failed: "
+    write_text("means.tsv",
+               SWEEP "3 of 15 (no_pile 2, overlap 1)\n# k\tn\ta_mean\ta_se\ta_n\n1\t100\t21.5\t1\t12\n");
+    write_text("none.tsv", SWEEP "0 of 15\n# k\ta\n1\t1\n");
+    write_text("means_fit.tsv", "# k\ta\ta_se\n1\t3\t1\n");
+    write_text("in.md", "{{scores s}}\n{{claims s}}\n{{counts lh}}\n{{scores other}}\n{{claims other}}\n"
+                        "{{failures lh}}\n{{failures li}}\n");
     GOOD("report in.md --tables . --claims claims.tsv");
     CU_ASSERT_STRING_EQUAL(
         out,
         "| claim | paper | ours | verdict |\n|---|---|---|---|\n"
         "| first (at rest) | 20 ± 0.9 | 21.5 ± 1.0 | reproduced |\n"
         "| claim | what it says | paper (samples) | ours | values | verdict |\n|---|---|---|---|---|---|\n"
-        "| one | first (at rest) | 20 ± 0.9 (40) | 21.5 ± 1.0 | 12 | reproduced (+1.1 standard errors) |\n"
+        "| one | first (at rest) | 20 ± 0.9 (40) | 21.5 ± 1.0 | 12; 3 of 15 failed | reproduced (+1.1 "
+        "standard errors) |\n"
         "| variant two | second | 20 ± 0.9 (40) | 24.0 ± 1.0 |  | not reproduced (+3.0 standard errors) |\n"
-        "1 reproduced, 0 not reproduced, 0 undecided, 1 can't be tested, 0 by eye, 0 no data\n"
+        "2 reproduced, 0 not reproduced, 0 undecided, 1 can't be tested, 0 by eye, 0 no data\n"
         "| claim | paper | ours | verdict |\n|---|---|---|---|\n"
         "| third |  |  | can't be tested: too few |\n"
         "| claim | what it says | paper (samples) | ours | values | verdict |\n|---|---|---|---|---|---|\n"
-        "| three | third |  |  |  | can't be tested: too few |\n");
+        "| three | third |  |  |  | can't be tested: too few |\n"
+        "| `means` | 3 of 15 (no_pile 2, overlap 1) |\n| `means` | 3 of 15 (no_pile 2, overlap 1) |\n");
     leave();
 }
 

@@ -92,7 +92,7 @@ static void draw_shares(double mean, double sd, double *share_above, double *sha
         for (int i = 0; i < PILES; i++) y[i] = mean + gsl_ran_gaussian(rng, sd);
         CHECK_OK(stats_mean(PILES, y, &s));
         const stats_number own = stats_of_few((stats_number){s.mean, s.se}, PILES);
-        *share_above += stats_exceed(own, (stats_number){0.0, 0.0}, 1) == STATS_REPRODUCED;
+        *share_above += stats_exceed(own, (stats_number){0.0, 0.0}, 1, INFINITY) == STATS_REPRODUCED;
     }
     gsl_rng_free(rng);
     *share_above /= CASES;

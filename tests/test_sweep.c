@@ -363,7 +363,7 @@ static void test_reduce(void)
     CU_ASSERT(fread(text, 1, sizeof text - 1, in) > 0);
     fclose(in);
     CU_ASSERT_PTR_NOT_NULL(strstr(text, "# missing: 1 of 16\n"));
-    CU_ASSERT_PTR_NOT_NULL(strstr(text, "# failed: 8 of 15\n"));
+    CU_ASSERT_PTR_NOT_NULL(strstr(text, "# failed: 8 of 15 (no_pile 8)\n"));
     CU_ASSERT_PTR_NOT_NULL(strstr(text, "# command: the command\n"));
     CU_ASSERT_PTR_NOT_NULL(
         strstr(text, "s.cfg, protocol toy, seed 1993, 2 grid points x 8 replicas, shared piles\n"));

@@ -614,20 +614,50 @@ static void check_choices(void)
     checked_end(&c);
 }
 
-/* 20 bins for each of two choices; the posterior over the prior is 1 on average. */
+/* 20 bins for each of two choices, equal on the logarithmic scale of the prior; the posterior over the prior
+ * is 1 on average, and its quantiles are those that --report choices prints: 2.5, 50 and 97.5 % are reached
+ * within their bins. */
 static void check_density(void)
 {
-    static const char *const columns[3] = {"all", "none", "common"};
-    checked c = CHECKED_RUN(40, FORENSICS "--report density");
-    for (int k = 0; k < 3; k++) {
-        double sum = 0.0;
-        for (size_t i = 0; i < 20; i++) sum += at(&c, i, columns[k]) / 20.0;
-        CHECK_NEAR(sum, 1.0, 1e-9);
-    }
-    at(&c, 20, "choice");
-    CU_ASSERT_STRING_EQUAL(word(&c.t, 20, "choice"), "damping_rate");
-    CHECK_NEAR(at(&c, 20, "value"), 3.0 * pow(50.0 / 3.0, 0.025), 1e-9);
+    enum { BINS = 20 };
+    static const char *const columns[3] = {"all", "none", "common"},
+                             *const given[3] = {"all", "shift=none", "shift=common"},
+                             *const quantiles[3] = {"lower", "median", "upper"};
+    static const struct {
+        const char *name;
+        double lo, ratio;
+    } choices[2] = {{"stiffness", 2e3, 200.0}, {"damping_rate", 3.0, 50.0 / 3.0}};
+    static const double reached[3] = {0.025, 0.5, 0.975};
+    GOOD(FORENSICS);
+    rp_table t = read_table("out");
+    checked c = CHECKED_RUN(2 * BINS, FORENSICS "--report density");
+    for (size_t g = 0; g < 2; g++)
+        for (int k = 0; k < 3; k++) {
+            double below[BINS + 1] = {0.0};
+            for (size_t i = 0; i < BINS; i++) {
+                const size_t row = g * BINS + i;
+                at(&c, row, "choice");
+                CU_ASSERT_STRING_EQUAL(word(&c.t, row, "choice"), choices[g].name);
+                CHECK_NEAR(at(&c, row, "value"),
+                           choices[g].lo * pow(choices[g].ratio, ((double)i + 0.5) / BINS),
+                           1e-9 * choices[g].lo * choices[g].ratio);
+                below[i + 1] = below[i] + at(&c, row, columns[k]) / BINS;
+            }
+            CHECK_NEAR(below[BINS], 1.0, 1e-9);
+            for (size_t i = 0; i < t.n_rows; i++) {
+                if (strcmp(word(&t, i, "choice"), choices[g].name) != 0 ||
+                    strcmp(word(&t, i, "given"), given[k]) != 0)
+                    continue;
+                for (int q = 0; q < 3; q++) {
+                    const double place =
+                        log(cell(&t, i, quantiles[q]) / choices[g].lo) / log(choices[g].ratio);
+                    const size_t bin = (size_t)(place * BINS);
+                    CU_ASSERT(below[bin] <= reached[q] + 1e-9 && reached[q] <= below[bin + 1] + 1e-9);
+                }
+            }
+        }
     checked_end(&c);
+    rp_table_free(&t);
 }
 
 /* Published numbers are those of the claims, the one that is held out last; they narrow the predictions. */

@@ -18,6 +18,7 @@ typedef struct {
 enum { MOST = 400 };
 static mark circles[MOST], strokes[MOST];
 static size_t n_circles, n_strokes;
+static char svg[1 << 20];
 
 /* The straight lines of a path. */
 static void read_path(const char *path, double width)
@@ -36,12 +37,11 @@ static void read_path(const char *path, double width)
 /* gnuplot draws each grain by two points, its outline and its fill. */
 static void read_svg(const char *name)
 {
-    static char text[1 << 20];
     double width = 0.0;
     n_circles = n_strokes = 0;
-    slurp(name, text, sizeof text);
-    CU_ASSERT(strncmp(text, "<?xml", 5) == 0 && strstr(text, "</svg>") != NULL);
-    for (const char *tag = text; (tag = strchr(tag, '<')); tag++) {
+    slurp(name, svg, sizeof svg);
+    CU_ASSERT(strncmp(svg, "<?xml", 5) == 0 && strstr(svg, "</svg>") != NULL);
+    for (const char *tag = svg; (tag = strchr(tag, '<')); tag++) {
         mark m;
         if (strncmp(tag, "<path", 5) == 0) read_path(tag, width);
         if (strncmp(tag, "<g fill", 7) == 0) width = strtod(strstr(tag, "stroke-width=") + 14, NULL);
@@ -205,6 +205,87 @@ static void test_segment(void)
     leave();
 }
 
+/* Corners of frame number `which`, from above: least and largest x, least and largest y. A frame begins with
+ * its left side, downwards, and is wider than a bar of colours; it is drawn twice, below the grains and
+ * above. */
+static void find_frame(size_t which, double corners[4])
+{
+    size_t n = 0;
+    for (size_t k = 0; k < 4; k++) corners[k] = NAN;
+    for (size_t k = 0; k + 4 < n_strokes; k++) {
+        const mark *left = &strokes[k], *base = left + 1;
+        if (strcmp(left->color, "black") != 0 || left->x != left->x2 || left->y2 < left->y + 30.0 ||
+            base->x2 < base->x + 100.0 || n++ / 2 != which)
+            continue;
+        memcpy(corners, (double[]){left->x, base->x2, left->y, left->y2}, 4 * sizeof *corners);
+    }
+}
+
+/* Labels left of a frame, which are to be 0, step, 2 step ...: their number, -1 if one is not; heights of the
+ * first and of the last. */
+static int count_marks(const double frame[4], double step, double at[2])
+{
+    int n = 0;
+    for (const char *tag = svg; (tag = strstr(tag, "<g transform=\"translate(")); tag++) {
+        double x, y, value;
+        if (sscanf(tag, "<g transform=\"translate(%lf,%lf)\"", &x, &y) != 2 || x > frame[0] || y < frame[2] ||
+            sscanf(strchr(tag, '\n'), " <text><tspan font-family=\"DejaVu Sans\" >%lf", &value) != 1)
+            continue;
+        if (fabs(value - n * step) > 1e-9 * step) return -1;
+        at[n > 0] = y;
+        n++;
+    }
+    return n;
+}
+
+/* The frame is the window, at the grains' scale, with room for labels: on the left 1.8 cm, on the right 0.7
+ * cm or 2.6 with a bar of colours, above 1.4 cm, below 1.5. The pressure has a frame of 3.2 cm less its
+ * labels below. No text is outside the picture. */
+static void test_layout(void)
+{
+    static const struct {
+        const char *words;
+        double width, right, panel, x, y; /* of the window */
+    } cases[] = {{"", 18.0, 0.7, 0.0, 9.0 + 1.0 / 3.0, 5.0 + 1.0 / 3.0},
+                 {"--color m", 18.0, 2.6, 0.0, 9.0 + 1.0 / 3.0, 5.0 + 1.0 / 3.0},
+                 {"--width 30 --window -2,8,-1,4", 30.0, 0.7, 0.0, 10.0, 5.0},
+                 {"--base --width 12 --window -2,8,-1,5", 12.0, 0.7, 3.2, 10.0, 6.0},
+                 /* as high as is allowed, and as wide as labels need; as low as is allowed */
+                 {"--window -1,4,-1,19", 11.0, 0.7, 0.0, 5.0, 20.0},
+                 {"--window -20,20,-1,1", 18.0, 0.7, 0.0, 40.0, 1.2 * 40.0 / 15.5}};
+    enter();
+    write_pile();
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        double width, height, frame[4], panel[4], at[2];
+        GOOD("view . -o a.svg %s", cases[k].words);
+        read_svg("a.svg");
+        CU_ASSERT_FATAL(sscanf(strstr(svg, "viewBox=") + 9, "0 0 %lf %lf", &width, &height) == 2);
+        const double cm = width / cases[k].width;
+        CHECK_NEAR(cm, 37.8, 0.06); /* whole pixels */
+        find_frame(0, frame);
+        const double scale = (circles[1].x - circles[0].x) / 2.5;
+        CHECK_NEAR((frame[1] - frame[0]) / scale, cases[k].x, 0.01);
+        CHECK_NEAR((frame[3] - frame[2]) / scale, cases[k].y, 0.01);
+        const bool is_tall = cases[k].y > cases[k].x; /* centred */
+        if (!is_tall) CHECK_NEAR(frame[0], 1.8 * cm, 1.0);
+        if (!is_tall) CHECK_NEAR(frame[1], width - cases[k].right * cm, 1.0);
+        CHECK_NEAR(frame[2], 1.4 * cm, 1.0);
+        CHECK_NEAR(frame[3], height - (1.5 + cases[k].panel) * cm, 1.0);
+        find_frame(1, panel);
+        if (cases[k].panel > 0.0) {
+            CHECK_NEAR(panel[0], frame[0], 0.02);
+            CHECK_NEAR(panel[1], frame[1], 1.0);
+            CHECK_NEAR(panel[2], frame[3] + 1.3 * cm, 1.0);
+            CHECK_NEAR(panel[3], height - 1.5 * cm, 1.0);
+        }
+        for (const char *label = svg; (label = strstr(label, "<g transform=\"translate(")); label++) {
+            CU_ASSERT_FATAL(sscanf(label, "<g transform=\"translate(%lf,%lf)", &at[0], &at[1]) == 2);
+            CU_ASSERT(at[0] > 11.0 && at[0] < width && at[1] > 11.0 && at[1] < height);
+        }
+    }
+    leave();
+}
+
 /* Colours run from the least to the largest value of the column; of both signs, white is 0. */
 static void test_colors(void)
 {
@@ -249,16 +330,28 @@ static void test_stress(void)
     CU_ASSERT(shell("grep -q '> 4<' a.svg && ! grep -q '> 10<' a.svg") == 0);
     CU_ASSERT(shell("grep -q 'principal stress, largest 2 ' a.svg && grep -q '>pressure' a.svg") == 0);
     CU_ASSERT(shell("grep -c 'fill = .rgb(158, 202, 225)' a.svg | grep -qx 1") == 0);
-    /* marks of the pressure at 1, 2 or 5 times a power of ten, four or so: 120 has marks 50 apart, 0.048 has
-     * 0.02 */
-    static const char *const forces[][2] = {{"360", "> 100<' a.svg && grep -q '> 50<"},
-                                            {"0.144", "> 0.04<' a.svg && grep -q '> 0.02<"}};
-    for (int k = 0; k < 2; k++) {
-        char line[128];
-        write_text("contacts.tsv", "x\ty\tx_b\ty_b\tforce\twall\n2.5\t1.5\t2.5\t0\t%s\t1\n", forces[k][0]);
+    /* marks of the pressure from 0 at steps of 1, 2 or 5 times a power of ten, four or so; the axis ends at
+     * 1.08 times the largest. The bar over x = 2 to 5 m is as high as the pressure. */
+    static const struct {
+        double force, step;
+        int n;
+    } cases[] = {{12.0, 1.0, 5}, {12.6, 2.0, 3}, {360.0, 50.0, 3}, {0.144, 0.02, 3}, {66.0, 10.0, 3}};
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        double frame[4], bar[4], at[2];
+        write_text("contacts.tsv", "x\ty\tx_b\ty_b\tforce\twall\n2.5\t1.5\t2.5\t0\t%g\t1\n", cases[k].force);
         GOOD("view . -o a.svg --stress --base --cell 3");
-        snprintf(line, sizeof line, "grep -q '%s' a.svg", forces[k][1]);
-        CU_ASSERT(shell(line) == 0);
+        read_svg("a.svg");
+        find_frame(1, frame);
+        const double largest = cases[k].force / 3.0, scale = (circles[1].x - circles[0].x) / 2.5,
+                     height = (frame[3] - frame[2]) / (1.08 * largest);
+        CU_ASSERT_EQUAL(count_marks(frame, cases[k].step, at), cases[k].n);
+        CHECK_NEAR(at[0] - at[1], height * cases[k].step * (cases[k].n - 1), 0.03);
+        const char *points = strstr(svg, "<polygon fill = 'rgb(158, 202, 225)' points = '");
+        CU_ASSERT_FATAL(points && sscanf(strchr(points, '=') + 33, "%lf,%lf %*f,%*f %lf,%lf", &bar[0],
+                                         &bar[1], &bar[2], &bar[3]) == 4);
+        CHECK_NEAR(fabs(bar[2] - bar[0]), 3.0 * scale, 0.05);
+        CHECK_NEAR(fmin(bar[0], bar[2]), circles[0].x + 2.0 * scale, 1.0); /* frames are whole pixels apart */
+        CHECK_NEAR(fabs(bar[3] - bar[1]), height * largest, 0.05);
     }
     write_text("contacts.tsv", "x\ty\tx_b\ty_b\tforce\twall\n2.5\t1.5\t2.5\t0\t12\t1\n");
     /* in a single cell, which is the last one too */
@@ -492,6 +585,7 @@ void suite_view(void)
                                        {"forces and walls", test_forces},
                                        {"walls that slope", test_slopes},
                                        {"segments of walls", test_segment},
+                                       {"frame and labels", test_layout},
                                        {"colours", test_colors},
                                        {"stress and base", test_stress},
                                        {"frames", test_frames},

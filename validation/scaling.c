@@ -16,6 +16,7 @@ typedef struct {
     size_t n, k;
     an_force *exact; /* forces of diagonal contacts alone */
     double *N, *H;
+    statics_well *wells;
     statics_result result;
     double seconds; /* processor time to assemble and solve the pile */
 } solved;
@@ -25,6 +26,7 @@ static void free_solved(solved *s)
     free(s->exact);
     free(s->N);
     free(s->H);
+    free(s->wells);
 }
 
 static solved solve(long k, double alpha_deg, double eps, double well)
@@ -40,6 +42,7 @@ static solved solve(long k, double alpha_deg, double eps, double well)
     s.exact = malloc(s.k * sizeof *s.exact);
     s.N = calloc(s.k, sizeof *s.N);
     s.H = calloc(s.k, sizeof *s.H);
+    s.wells = calloc(s.k, sizeof *s.wells);
     CHECK_OK(an_lattice_counts(k, up, M_PI / 6, s.exact));
     statics_definition def = statics_definition_default();
     def.n = s.n;
@@ -57,6 +60,7 @@ static solved solve(long k, double alpha_deg, double eps, double well)
         CHECK_OK(statics_solve(pile, &s.result));
         s.seconds = rp_cpu_clock() - start;
         statics_base(pile, NULL, s.N, s.H);
+        statics_wells(pile, s.wells);
     }
     statics_free(pile);
     free(disks);
@@ -83,16 +87,20 @@ static void check_forces(const solved *s, double alpha_deg)
     CU_ASSERT(s->result.negative_modes == 0 && s->result.smallest_pivot > 1e-4);
 }
 
-/* The pile of half the size predicts nearly all contacts: one factorisation at any size. */
+/* The pile of half the size predicts nearly all contacts, and the stiffness of wells: one factorisation at
+ * any size. The force of a well of friction is mu N (x - x_0)/a. */
 static void one_factorisation(void)
 {
     static const long bases[] = {180, 360};
-    for (int i = 0; i < (check_fast() ? 1 : 2); i++) {
-        solved s = solve(bases[i], 30, 0, 0);
-        check_forces(&s, 30);
-        CU_ASSERT(s.result.factored == 1 && s.result.horizontal > s.n / 2);
-        free_solved(&s);
-    }
+    for (int i = 0; i < (check_fast() ? 1 : 2); i++)
+        for (double well = 0; well <= 100; well += 100) {
+            solved s = solve(bases[i], 30, 0, well);
+            check_forces(&s, 30);
+            CU_ASSERT(s.result.factored == 1 && s.result.steps < 40 && s.result.horizontal > s.n / 2);
+            for (size_t j = 0; well > 0 && j < s.k; j++)
+                CHECK_NEAR(s.H[j], s.N[j] * s.wells[j].x / well, 1e-14 * (double)s.n);
+            free_solved(&s);
+        }
 }
 
 /* BLAS factorises from 20 000 disks on: repeated solutions have the same bits, and forces are exact. */

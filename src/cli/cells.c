@@ -64,6 +64,8 @@ static bool read_sweep(const char *path, cli_sweep *sweep)
     if (cli_table_read(path, &t)) return false;
     const char *plan = rp_table_find_note(t, "sweep"), *time = rp_table_find_note(t, "run_time");
     const char *numbers = plan ? strstr(plan, ", seed ") : NULL;
+    const char *failed = rp_table_find_note(t, "failed");
+    snprintf(sweep->failed, sizeof sweep->failed, "%s", failed && strtod(failed, NULL) > 0.0 ? failed : "");
     sweep->seconds = time ? strtod(time, NULL) : NAN;
     return numbers && sscanf(numbers, ", seed %*u, %lf grid points x %lf replicas", &sweep->points,
                              &sweep->replicas) == 2;
@@ -127,6 +129,24 @@ static rp_status note_number(const cli_cell *cell, stats_number *number)
     return rp_fail(RP_BAD_INPUT, "%s: no header line \"%s\" with a number", cell->path, cell->column + 1);
 }
 
+bool cli_cell_is_deviation(const cli_cell *cell)
+{
+    const size_t n = strlen(cell->column);
+    return n > 3 && strcmp(cell->column + n - 3, "_sd") == 0;
+}
+
+/* The error of a standard deviation of the table's values: column NAME_sd of NAME_n or n values. */
+static rp_status deviation_error(const cli_cell *cell, stats_number *sd)
+{
+    char own[160];
+    double n = NAN;
+    snprintf(own, sizeof own, "%.*s_n", (int)strlen(cell->column) - 3, cell->column);
+    const char *column = cli_cell_text(cell, own) ? own : "n";
+    RP_TRY(cli_cell_column(cell, column, &n));
+    sd->se = stats_deviation_error(sd->value, n);
+    return RP_OK;
+}
+
 rp_status cli_cell_number(const cli_cell *cell, stats_number *number)
 {
     const char *name = cell->column;
@@ -141,7 +161,8 @@ rp_status cli_cell_number(const cli_cell *cell, stats_number *number)
     if (!cli_cell_text(cell, mean)) return rp_table_find(cell->table, name, NULL, &(int){0});
     number->se = 0.0;
     rp_status status = cli_cell_column(cell, mean, &number->value);
-    return status || !cli_cell_text(cell, error) ? status : cli_cell_column(cell, error, &number->se);
+    if (!status && cli_cell_text(cell, error)) return cli_cell_column(cell, error, &number->se);
+    return status || !cli_cell_is_deviation(cell) ? status : deviation_error(cell, number);
 }
 
 int cli_decimals(double se)
@@ -154,6 +175,8 @@ void cli_print_number(FILE *out, stats_number number)
 {
     if (isnan(number.value)) {
         fputs("not known", out);
+    } else if (isinf(number.value)) {
+        fputs("no limit", out);
     } else if (isnan(number.se)) {
         fprintf(out, "%.3g (error not known)", number.value);
     } else if (number.se == 0.0) {

@@ -34,6 +34,7 @@ bool cli_find_table(const char *folders, const char *name, char path[4096]);
 typedef struct {
     char name[128];
     double points, replicas, seconds;
+    char failed[512]; /* runs without a result, "8 of 15 (no_pile 6, overlap 2)"; "" if there are none */
 } cli_sweep;
 bool cli_find_sweep(const char *folders, const char *table, cli_sweep *sweep);
 
@@ -54,9 +55,13 @@ rp_status cli_cell_find(const char *folders, const char *reference, cli_cell *ce
 const char *cli_cell_text(const cli_cell *cell, const char *column);
 
 /* Value and standard error: NAME_mean and NAME_se, or NAME_deg and NAME_se_deg, or NAME and NAME_se; a
- * quantity without a column for its error is exact. Column #KEY is the number that a header line starts with.
+ * quantity without a column for its error is exact, save a standard deviation NAME_sd: its error follows from
+ * NAME_n, or n, values. Column #KEY is the number that a header line starts with.
  * Errors: RP_BAD_INPUT. */
 rp_status cli_cell_number(const cli_cell *cell, stats_number *number);
+
+/* Whether the cell's column is the standard deviation of a table's values, NAME_sd. */
+bool cli_cell_is_deviation(const cli_cell *cell);
 
 /* The number in another column, NaN if there is no such column. Errors: RP_BAD_INPUT. */
 rp_status cli_cell_column(const cli_cell *cell, const char *column, double *value);
@@ -64,7 +69,8 @@ rp_status cli_cell_column(const cli_cell *cell, const char *column, double *valu
 /* Decimals that show two significant digits of an error > 0. */
 int cli_decimals(double se);
 
-/* "18.04 ± 0.92", two significant digits of the error; "not known" for NaN. */
+/* "18.04 ± 0.92", two significant digits of the error; "not known" for NaN, "no limit" for an infinite value.
+ */
 void cli_print_number(FILE *out, stats_number number);
 
 /* A cell's text under a format such as %.3g or %.0f; without one a count stands as it is, other numbers take

@@ -153,10 +153,11 @@ static rp_status read_measured(const cli_cell *cell, measured *m)
 static rp_status read_summary(const cli_cell *cell, stats_summary *part)
 {
     static const char *const suffixes[] = {"mean", "sd", "n"};
+    const int length = (int)strlen(cell->column) - (cli_cell_is_deviation(cell) ? (int)strlen("_sd") : 0);
     double numbers[N_OF(suffixes)];
     for (size_t k = 0; k < N_OF(suffixes); k++) {
         char name[160];
-        snprintf(name, sizeof name, "%s_%s", cell->column, suffixes[k]);
+        snprintf(name, sizeof name, "%.*s_%s", length, cell->column, suffixes[k]);
         rp_status status = cli_cell_column(cell, name, &numbers[k]);
         if (!status && isnan(numbers[k]))
             status = rp_fail(RP_BAD_INPUT, "%s: no column %s with a number", cell->path, name);
@@ -166,12 +167,14 @@ static rp_status read_summary(const cli_cell *cell, stats_summary *part)
     return RP_OK;
 }
 
-/* The mean of all values of several cells, "CELL + CELL ...". */
+/* The mean of all values of several cells, "CELL + CELL ..."; of columns NAME_sd, their standard deviation.
+ */
 static rp_status read_pooled(const char *text, const char *folders, measured *m, bool *missing)
 {
     enum { MOST = 8 };
-    stats_summary parts[MOST];
+    stats_summary parts[MOST] = {0};
     size_t n = 0;
+    bool deviation = false;
     for (const char *part = text, *end; part; part = end ? end + 3 : NULL) {
         char reference[CLI_MAX_REFERENCE];
         cli_cell cell;
@@ -180,14 +183,16 @@ static rp_status read_pooled(const char *text, const char *folders, measured *m,
         snprintf(reference, sizeof reference, "%.*s", (int)(end ? end - part : (long)strlen(part)), part);
         rp_status status = cli_cell_find(folders, reference, &cell);
         *missing |= cell.missing;
+        deviation = cli_cell_is_deviation(&cell);
         if (!status && !cell.missing) status = read_summary(&cell, &parts[n++]);
         if (status) return status;
     }
     const stats_summary all = stats_pooled(n, parts);
-    m->shown = (stats_number){all.mean, all.se};
     m->n = (double)all.n;
-    m->tested = stats_of_few(m->shown, m->n);
-    m->dof = m->n - 1.0;
+    m->shown = deviation ? (stats_number){all.sd, stats_deviation_error(all.sd, m->n)}
+                         : (stats_number){all.mean, all.se};
+    m->tested = deviation ? m->shown : stats_of_few(m->shown, m->n);
+    m->dof = deviation ? INFINITY : m->n - 1.0;
     return RP_OK;
 }
 
@@ -201,6 +206,11 @@ static rp_status read_side(const char *text, const char *folders, cli_cell *cell
     rp_status status = cli_cell_find(folders, text, cell);
     *missing |= cell->missing;
     return status || cell->missing ? status : read_measured(cell, m);
+}
+
+static bool is_inequality(const cli_claim *c)
+{
+    return c->test == CLAIM_ABOVE || c->test == CLAIM_BELOW;
 }
 
 static bool tests_change(const cli_claim *c)
@@ -228,8 +238,8 @@ static void apply_test(const cli_claim *c, cli_judged *j)
     case CLAIM_RATIO:
     case CLAIM_AGREES: j->match = stats_agree(ours, c->published, c->samples, c->margin); break;
     case CLAIM_SAME: j->match = stats_agree(ours, against, 0.0, c->margin); break;
-    case CLAIM_ABOVE: j->verdict = stats_exceed(ours, against, 1); return;
-    case CLAIM_BELOW: j->verdict = stats_exceed(ours, against, -1); return;
+    case CLAIM_ABOVE: j->verdict = stats_exceed(ours, against, 1, c->margin); return;
+    case CLAIM_BELOW: j->verdict = stats_exceed(ours, against, -1, c->margin); return;
     case CLAIM_LEAST: j->verdict = stats_bound(ours.value, against.value, 1); return;
     case CLAIM_MOST: j->verdict = stats_bound(ours.value, against.value, -1); return;
     case CLAIM_EQUALS: j->verdict = stats_bound(fabs(ours.value - c->published.value), c->margin, -1); return;
@@ -284,6 +294,8 @@ static rp_status judge_table(const cli_claim *c, const char *folders, cli_judged
     j->against = against.shown;
     j->n = ours.n;
     j->dof = ours.dof;
+    cli_sweep sweep;
+    if (cli_find_sweep(folders, c->answer, &sweep)) memcpy(j->failed, sweep.failed, sizeof j->failed);
     j->tested = ours.tested;
     j->tested_against = against.tested;
     apply_test(c, j);
@@ -308,6 +320,13 @@ static rp_status judge_constant(const cli_claims *all, const cli_claim *c, cli_j
     return RP_OK;
 }
 
+/* Whether the opposite of an inequality is significant by itself. */
+static bool is_opposite(const cli_claim *c, const cli_judged *j)
+{
+    const int sign = c->test == CLAIM_ABOVE ? 1 : -1;
+    return stats_exceed(j->tested, j->tested_against, sign, INFINITY) == STATS_NOT_REPRODUCED;
+}
+
 static void explain(const cli_claim *c, cli_judged *j)
 {
     const char *verdict = stats_verdict_texts[j->verdict];
@@ -320,6 +339,9 @@ static void explain(const cli_claim *c, cli_judged *j)
                  stats_verdict_texts[j->match.error], stats_verdict_texts[j->match.deviation]);
     else if ((c->test == CLAIM_AGREES || c->test == CLAIM_SAME) && j->verdict != STATS_NO_DATA)
         snprintf(j->reason, sizeof j->reason, "%s (%+.1f standard errors)", verdict, j->match.z_error);
+    else if (is_inequality(c) && j->verdict == STATS_NOT_REPRODUCED && !is_opposite(c, j))
+        snprintf(j->reason, sizeof j->reason, "%s (a difference of %g or more is excluded)", verdict,
+                 c->margin);
     else if (c->test == CLAIM_FORMULA)
         snprintf(j->reason, sizeof j->reason, "%s, by tests", verdict);
     else if (c->test == CLAIM_UNTESTABLE)
@@ -356,8 +378,10 @@ static rp_status judge_claim(const cli_claims *claims, const cli_claim *claim, c
 static void find_chances(const cli_claim *c, const cli_judged *j, double *effect, double *none)
 {
     *effect = *none = NAN;
-    if (c->test == CLAIM_ABOVE || c->test == CLAIM_BELOW)
+    if (is_inequality(c)) {
         *effect = stats_exceed_p(j->tested, j->tested_against);
+        *none = stats_exceed_p_margin(j->tested, j->tested_against, c->margin);
+    }
     if (tests_change(c)) *effect = j->change.p_value;
     if (c->test == CLAIM_INDEPENDENT)
         *none = stats_contrast_p_margin(
@@ -373,7 +397,8 @@ static void decide_again(const cli_claim *c, double effect, double none, cli_jud
     else if (tests_change(c))
         j->verdict = stats_trends(&j->change, c->test == CLAIM_RISES ? 1 : -1, c->margin);
     else
-        j->verdict = stats_exceed_by_p(j->tested, j->tested_against, c->test == CLAIM_ABOVE ? 1 : -1, effect);
+        j->verdict =
+            stats_exceed_by_p(j->tested, j->tested_against, c->test == CLAIM_ABOVE ? 1 : -1, effect, none);
 }
 
 /* The claims of one family answer one question: Holm's correction for the number of their tests. */

@@ -80,6 +80,7 @@ typedef struct {
     stats_change change;
     double n;         /* values behind ours; NaN where the table does not say */
     double dof;       /* of the error of ours; infinite where the test takes it as known */
+    char failed[512]; /* runs without a result, of the whole sweep that answers; as in cli_sweep */
     char text[256];   /* ours, as the report shows it */
     char reason[512]; /* verdict with what explains it */
 } cli_judged;

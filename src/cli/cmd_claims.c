@@ -52,7 +52,7 @@ static void print_verdicts(const cli_claims *all, const cli_judged judged[], con
 {
     rp_table_header(stdout,
                     "id, paper, place, statement, test, published, samples, answer, ours, n, z_error, "
-                    "z_deviation, detail, verdict");
+                    "z_deviation, detail, verdict, failed");
     for (size_t i = 0; i < all->n; i++) {
         const cli_claim *c = &all->claims[i];
         const cli_judged *j = &judged[i];
@@ -61,8 +61,8 @@ static void print_verdicts(const cli_claims *all, const cli_judged judged[], con
         cli_claim_published(c, published);
         printf("%s\t%s\t%s\t%s\t%s\t%s\t%g\t%s\t%s\t", c->id, c->paper, or_dash(c->place), c->statement,
                c->test_word, or_dash(published), c->samples, or_dash(c->answer), or_dash(j->text));
-        printf("%g\t%.3g\t%.3g\t%s\t%s\n", fabs(j->n), j->match.z_error, j->match.z_deviation, j->reason,
-               stats_verdict_texts[j->verdict]);
+        printf("%g\t%.3g\t%.3g\t%s\t%s\t%s\n", fabs(j->n), j->match.z_error, j->match.z_deviation, j->reason,
+               stats_verdict_texts[j->verdict], or_dash(j->failed));
     }
 }
 
@@ -135,7 +135,8 @@ const cli_command cmd_claims = {
     "`order`: if there is none), with the present `runs` a grid point; and how many are `needed` for a\n"
     "chance of 0.95, inf where the paper's own error is too large; needed_sd: if the paper's +- is a\n"
     "standard deviation; seconds: processor time of the sweep with needed_sd. Claims without an error or a\n"
-    "sweep have no row.",
+    "sweep have no row. Column `failed`: runs without a result in the sweep that answers, of all its runs,\n"
+    "and their causes.",
     "repose claims --paper lh",
     claims_params,
     .prints_table = true,

@@ -145,9 +145,12 @@ static void print_statement(report *r, const cli_claim *c)
 /* A claim as a line of a table: with its name, samples, values and reason. */
 static void print_in_full(report *r, const cli_claim *c, const cli_judged *j)
 {
-    char published[160], values[32] = "";
+    char published[160], values[64] = "";
     cli_claim_published(c, published);
     if (isfinite(j->n)) snprintf(values, sizeof values, "%.0f", j->n);
+    if (*j->failed) /* without the causes */
+        snprintf(values + strlen(values), sizeof values - strlen(values), "; %.*s failed",
+                 (int)strcspn(j->failed, "(") - (strchr(j->failed, '(') ? 1 : 0), j->failed);
     if (c->samples > 0.0 && *published)
         snprintf(published + strlen(published), sizeof published - strlen(published), " (%.0f)", c->samples);
     fprintf(r->out, "\n| %s%s | ", *c->of ? "variant " : "", c->id);
@@ -184,6 +187,35 @@ static rp_status fill_section(report *r, const char *section, bool in_full)
     return any ? RP_OK
                : rp_fail(RP_BAD_INPUT, "{{%s %s}}: no claim has this section", in_full ? "claims" : "scores",
                          section);
+}
+
+/* Whether an earlier claim of the paper is answered by the same sweep; its name. */
+static bool is_sweep_again(const report *r, size_t claim, cli_sweep *sweep)
+{
+    const cli_claim *claims = r->claims.claims;
+    cli_sweep other;
+    cli_find_sweep(r->options->tables, claims[claim].answer, sweep);
+    for (size_t i = 0; i < claim; i++)
+        if (*r->judged[i].failed && strcmp(claims[i].paper, claims[claim].paper) == 0 &&
+            cli_find_sweep(r->options->tables, claims[i].answer, &other) &&
+            strcmp(other.name, sweep->name) == 0)
+            return true;
+    return false;
+}
+
+/* A line for each sweep behind a paper's claims that has runs without a result. */
+static rp_status fill_failures(report *r, const char *paper)
+{
+    RP_TRY(judge(r));
+    const char *line = "";
+    for (size_t i = 0; i < r->claims.n; i++) {
+        cli_sweep sweep;
+        if (strcmp(r->claims.claims[i].paper, paper) != 0 || !*r->judged[i].failed) continue;
+        if (is_sweep_again(r, i, &sweep)) continue;
+        fprintf(r->out, "%s| `%s` | %s |", line, sweep.name, sweep.failed);
+        line = "\n";
+    }
+    return RP_OK;
 }
 
 static rp_status fill_counts(report *r, const char *paper)
@@ -236,6 +268,7 @@ static rp_status fill_place(report *r, char *text)
     if (strcmp(word, "claims") == 0) return fill_section(r, first, true);
     if (strcmp(word, "scores") == 0) return fill_section(r, first, false);
     if (strcmp(word, "counts") == 0) return fill_counts(r, first);
+    if (strcmp(word, "failures") == 0) return fill_failures(r, first);
     if (strcmp(word, "include") == 0) return fill_include(r, first);
     return rp_fail(RP_BAD_INPUT, "{{%s ...}}: unknown word", word);
 }
@@ -322,6 +355,7 @@ const cli_command cmd_report = {
     "  {{scores SECTION}}           the claims of a section in short: paper, ours, verdict\n"
     "  {{claims SECTION}}           the same in full, with variants, counts and reasons\n"
     "  {{counts PAPER}}             how many claims of a paper have which verdict\n"
+    "  {{failures PAPER}}           the sweeps behind a paper's claims that have runs without a result\n"
     "  {{include FILES}}            texts beside the template, filled alike\n"
     "A table that has not been made gives `no data` in a table; a line of text then names it instead.",
     "repose report figures/paper-repro.md.in -o paper-repro.md",

@@ -217,16 +217,16 @@ rp_status rp_stiffness_update(rp_stiffness *m, bool add, size_t n_bonds, const r
     cholmod_sparse *C =
         cholmod_allocate_sparse(2 * m->n, n_bonds, 4 * n_bonds, false, true, 0, CHOLMOD_REAL, &m->common);
     if (!C) return no_memory(m->n);
-    int *p = C->p, *rows = C->i;
+    int *p = C->p, *rows = C->i, at = 0;
     double *v = C->x;
     for (size_t k = 0; k < n_bonds; k++) {
-        p[k] = (int)(4 * k);
-        for (int i = 0; i < 4; i++) {
-            rows[4 * k + i] = m->row[2 * (i < 2 ? bonds[k].a : bonds[k].b) + i % 2];
-            v[4 * k + i] = i < 2 ? direction[k][i % 2] : -direction[k][i % 2];
+        p[k] = at;
+        for (int i = 0; i < (bonds[k].a == bonds[k].b ? 2 : 4); i++, at++) {
+            rows[at] = m->row[2 * (i < 2 ? bonds[k].a : bonds[k].b) + i % 2];
+            v[at] = i < 2 ? direction[k][i % 2] : -direction[k][i % 2];
         }
     }
-    p[n_bonds] = (int)(4 * n_bonds);
+    p[n_bonds] = at;
     const bool good = cholmod_sort(C, &m->common) && cholmod_updown(add, C, m->L, &m->common);
     cholmod_free_sparse(&C, &m->common);
     if (!good && m->common.status == CHOLMOD_OUT_OF_MEMORY) return no_memory(m->n);

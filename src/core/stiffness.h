@@ -40,7 +40,8 @@ typedef struct {
 rp_status rp_stiffness_factorise(rp_stiffness *m, rp_pivots *pivots);
 
 /* Update the factor for bonds of stiffness 1 along the given directions, not all zero, added to the matrix or
- * removed from it. Far cheaper than a new factorisation for a few bonds. Errors: RP_NO_MEMORY. */
+ * removed from it; a bond with a = b is a spring to the ground. Far cheaper than a new factorisation for a
+ * few bonds. Errors: RP_NO_MEMORY. */
 rp_status rp_stiffness_update(rp_stiffness *m, bool add, size_t n_bonds, const rp_pair *bonds,
                               const double (*direction)[2], rp_pivots *pivots);
 

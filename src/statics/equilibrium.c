@@ -38,7 +38,8 @@ static const double SOFTEN_FIRST = 1e-4; /* first softening of a negative or sin
 static const double SOFTEN_TURN = 0.3;   /* the same in strides, of the largest turning term */
 static const double HELD =
     1e-3; /* of the smallest pivot: stiffness of open contacts that hides no free disk */
-static const double KICK = 0.1; /* of the largest force: displacement from a saddle towards a minimum */
+static const double FOLLOWED = 0.01; /* of a well's stiffness: change that hides no free disk */
+static const double KICK = 0.1;      /* of the largest force: displacement from a saddle towards a minimum */
 /* The search: along the branch of a rising load, stable or not; downhill with a check of the slope, in the
  * linearised problem and from a saddle; downhill by long strides at first. */
 enum { FOLLOW, DESCEND, STRIDE };
@@ -51,7 +52,9 @@ enum {
     SMALLEST_STEP = 10,
     KICKS = 20,
     HALVED = 1000, /* disks from which on a pile of half the size is solved first */
-    NAMED = 8,     /* most disks that a message names */
+    MANY =
+        5000,  /* disks: smaller piles, as the papers', keep their last digits; larger ones take less time */
+    NAMED = 8, /* most disks that a message names */
     INVERSE_STEPS = 30,
     MIXING_STEPS = 1 /* leaves many modes in */
 };
@@ -68,6 +71,7 @@ typedef struct {
     uint32_t disk;
     bool broken, lost;   /* now; at least once */
     double x_0, k, N, H; /* k: stiffness, which follows N from one round to the next */
+    double held;         /* stiffness in the factorised matrix */
 } well;
 
 struct statics_pile {
@@ -354,7 +358,8 @@ static void assemble(statics_pile *pile, bool start, double soften, double shift
     for (size_t i = 0; i < pile->n; i++)
         if (ground_force(pile, i, w) > 0) rp_stiffness_add_site(pile->matrix, i, 0, 0, 1);
     for (size_t i = 0; i < pile->n_wells; i++) {
-        const well *h = &pile->wells[i];
+        well *h = &pile->wells[i];
+        if (factor) h->held = h->k;
         rp_stiffness_add_site(pile->matrix, h->disk, h->k, 0,
                               ground_force(pile, h->disk, w) > 0 ? 0
                               : start                            ? 1
@@ -438,24 +443,48 @@ static size_t changed_contacts(const statics_pile *pile)
     return changed;
 }
 
-/* Update the factorised stiffness by the few bonds that changed, without the turning term of soft piles.
- * False if too many changed, or the result is singular or negative. */
+/* Wells of large piles whose stiffness has followed N since the stiffness was factorised or updated. */
+static size_t changed_wells(const statics_pile *pile)
+{
+    size_t changed = 0;
+    for (size_t i = 0; pile->n >= MANY && i < pile->n_wells; i++)
+        changed += pile->wells[i].k != pile->wells[i].held;
+    return changed;
+}
+
+/* Note a spring whose stiffness increases, or decreases, from *now to `next`, for an update. False if there
+ * is no room. */
+static bool note_change(statics_pile *pile, bool add, rp_pair ends, const double along[2], double next,
+                        double *now, size_t *n)
+{
+    if (add ? !(next > *now) : !(next < *now)) return true;
+    if (*n == pile->n_changes) return false;
+    const double part = sqrt(fabs(next - *now));
+    pile->changed[*n] = ends;
+    pile->direction[*n][0] = part * along[0];
+    pile->direction[(*n)++][1] = part * along[1];
+    *now = next;
+    return true;
+}
+
+/* Update the factorised stiffness by the few bonds and wells that changed, without the turning term of soft
+ * piles. False if too many changed, or the result is singular or negative. */
 static bool update(statics_pile *pile, rp_status *status)
 {
-    const bool settled = !(pile->eps > 0) && changed_contacts(pile) == 0;
+    const size_t wells = changed_wells(pile);
+    const bool settled = !(pile->eps > 0) && changed_contacts(pile) == 0 && wells == 0;
     size_t all = 0;
     for (int add = 1; add >= 0; add--) { /* first the new ones, so that it does not get singular on the way */
         size_t n = 0;
         for (size_t k = 0; k < pile->n_bonds; k++) {
             bond *b = &pile->bonds[k];
             const double next = next_stiffness(b, force_of(pile, k) > 0, settled, pile->soften);
-            if (add ? !(next > b->hard) : !(next < b->hard)) continue;
-            if (n == pile->n_changes) return false;
-            const double part = sqrt(fabs(next - b->hard));
-            pile->changed[n] = pile->pairs[k];
-            pile->direction[n][0] = part * b->along[0];
-            pile->direction[n++][1] = part * b->along[1];
-            b->hard = next;
+            if (!note_change(pile, add, pile->pairs[k], b->along, next, &b->hard, &n)) return false;
+        }
+        for (size_t i = 0; wells > 0 && i < pile->n_wells; i++) {
+            well *h = &pile->wells[i];
+            if (!note_change(pile, add, (rp_pair){h->disk, h->disk}, (double[]){1, 0}, h->k, &h->held, &n))
+                return false;
         }
         all += n;
         *status = rp_stiffness_update(pile->matrix, add, n, pile->changed,
@@ -556,7 +585,7 @@ static statics_fault fault_of_step(const statics_pile *pile, int mode, int step,
  * with less softening while the residual falls. False if this fails. */
 static bool step_by_old_factor(statics_pile *pile, bool falling, rp_status *status)
 {
-    const size_t changed = changed_contacts(pile);
+    const size_t changed = changed_contacts(pile) + changed_wells(pile);
     if (changed == 0 || changed > pile->n_changes / 2 || !update(pile, status)) return false;
     const double less = falling && pile->soften / 10 >= SOFTEN_MIN ? pile->soften / 10 : pile->soften;
     bool found = false;
@@ -727,6 +756,17 @@ static rp_status solve_half(const statics_pile *pile, double a, rp_pair *parents
     return status == RP_NO_MEMORY ? status : RP_OK;
 }
 
+/* Friction wells as under the N of the half-size pile, which is half of N here. */
+static void expect_wells(statics_pile *pile, const statics_pile *half, const rp_pair parents[])
+{
+    for (size_t i = 0; i < pile->n_wells; i++) {
+        const rp_pair from = parents[pile->wells[i].disk];
+        if (from.a >= half->n || from.b >= half->n) continue;
+        const double N = ground_force(half, from.a, half->w) + ground_force(half, from.b, half->w);
+        if (N > 0) pile->wells[i].k = pile->def.mu * N / pile->a;
+    }
+}
+
 /* Contacts that are expected to carry a force: all but the horizontal ones; if all neighbours touch, those
  * that do at the same position in the linearised pile of half the size. The solution does not depend on it.
  */
@@ -750,6 +790,7 @@ static rp_status expect_contacts(statics_pile *pile, double a)
         const double f = force_of(pile, k);
         if (!isnan(f)) pile->bonds[k].expected = f > 0;
     }
+    if (half && pile->def.well == STATICS_WELL_FRICTION && pile->n >= MANY) expect_wells(pile, half, parents);
     statics_free(half);
     free(parents);
     return status;
@@ -803,11 +844,24 @@ static double kept_open(const statics_pile *pile)
     return most;
 }
 
+/* Whether all wells have kept nearly the stiffness that they have in the factorised matrix. Without eps all
+ * springs pull back, so that the pivots change by no larger part than the wells. Piles of the papers' sizes
+ * keep the pivots of a new factorisation. */
+static bool wells_kept(const statics_pile *pile)
+{
+    bool kept = pile->n >= MANY && !(pile->eps > 0);
+    for (size_t i = 0; kept && i < pile->n_wells; i++) {
+        const well *h = &pile->wells[i];
+        kept = fabs(h->k - h->held) <= FOLLOWED * h->held;
+    }
+    return kept || pile->def.well == STATICS_WELL_SPRING;
+}
+
 /* Pivots of the stiffness at the state found. The last factorisation serves if its signs cannot differ. For
  * eps = 0 no pivot is negative, and the stiffness left to open contacts may at most hide a free disk. */
 static rp_status count_modes(statics_pile *pile)
 {
-    const bool exact = pile->factored && !(pile->soften > 0) && pile->def.well == STATICS_WELL_SPRING &&
+    const bool exact = pile->factored && !(pile->soften > 0) && wells_kept(pile) &&
                        pile->eps * pile->moved < SAME_PIVOTS * pile->pivots.smallest && same_contacts(pile) &&
                        kept_open(pile) <= (pile->eps > 0 ? 0 : HELD * pile->pivots.smallest);
     rp_status status = RP_OK;

@@ -16,6 +16,11 @@ stats_number stats_of_few(stats_number mean, double n)
     return mean;
 }
 
+double stats_deviation_error(double sd, double n)
+{
+    return n >= 2.0 ? sd / sqrt(2.0 * (n - 1.0)) : NAN;
+}
+
 static stats_verdict agree_once(double difference, double se, double margin)
 {
     if (isnan(difference) || isnan(se)) return STATS_UNDECIDED;
@@ -42,12 +47,12 @@ stats_match stats_agree(stats_number ours, stats_number published, double sample
     return m;
 }
 
-stats_verdict stats_exceed(stats_number a, stats_number b, int sign)
+stats_verdict stats_exceed(stats_number a, stats_number b, int sign, double margin)
 {
-    const double difference = sign * (a.value - b.value), se = hypot(a.se, b.se);
-    if (isnan(difference) || isnan(se)) return STATS_UNDECIDED;
-    if (difference > errors_that_decide * se) return STATS_REPRODUCED;
-    return difference < -errors_that_decide * se || se == 0.0 ? STATS_NOT_REPRODUCED : STATS_UNDECIDED;
+    const double difference = sign * (a.value - b.value);
+    if (hypot(a.se, b.se) == 0.0 && !isnan(difference))
+        return difference > 0.0 ? STATS_REPRODUCED : STATS_NOT_REPRODUCED;
+    return stats_exceed_by_p(a, b, sign, stats_exceed_p(a, b), stats_exceed_p_margin(a, b, margin));
 }
 
 double stats_exceed_p(stats_number a, stats_number b)
@@ -56,10 +61,17 @@ double stats_exceed_p(stats_number a, stats_number b)
     return se > 0.0 ? 2.0 * gsl_cdf_ugaussian_Q(difference / se) : NAN;
 }
 
-stats_verdict stats_exceed_by_p(stats_number a, stats_number b, int sign, double p)
+double stats_exceed_p_margin(stats_number a, stats_number b, double margin)
 {
-    if (!(p < 2.0 * gsl_cdf_ugaussian_Q(errors_that_decide))) return STATS_UNDECIDED;
-    return sign * (a.value - b.value) > 0.0 ? STATS_REPRODUCED : STATS_NOT_REPRODUCED;
+    const double difference = fabs(a.value - b.value), se = hypot(a.se, b.se);
+    return se > 0.0 && isfinite(margin) ? gsl_cdf_ugaussian_Q((margin - difference) / se) : NAN;
+}
+
+stats_verdict stats_exceed_by_p(stats_number a, stats_number b, int sign, double p, double p_margin)
+{
+    if (p < 2.0 * gsl_cdf_ugaussian_Q(errors_that_decide))
+        return sign * (a.value - b.value) > 0.0 ? STATS_REPRODUCED : STATS_NOT_REPRODUCED;
+    return p_margin < level ? STATS_NOT_REPRODUCED : STATS_UNDECIDED;
 }
 
 stats_verdict stats_bound(double value, double limit, int sign)

@@ -34,6 +34,10 @@ typedef struct {
  * scatter of few values is itself uncertain. n < 2 or NaN, not a mean of values: unchanged. */
 stats_number stats_of_few(stats_number mean, double n);
 
+/* Standard error of the standard deviation of n values with a normal distribution, sd/sqrt(2 (n - 1)); NaN
+ * for n < 2. */
+double stats_deviation_error(double sd, double n);
+
 /* Ours against a published number whose printed +- may be a standard error or a standard deviation. */
 typedef struct {
     stats_verdict verdict; /* of both readings; undecided where they differ */
@@ -48,13 +52,17 @@ typedef struct {
  * difference of `margin` is undecided. samples = 0: one reading; margin = INFINITY: any error will do. */
 stats_match stats_agree(stats_number ours, stats_number published, double samples, double margin);
 
-/* Inequality: a above b (sign = 1) or below it (-1) by more than two standard errors of the difference. */
-stats_verdict stats_exceed(stats_number a, stats_number b, int sign);
+/* Inequality: a above b (sign = 1) or below it (-1) by more than two standard errors of the difference. Not
+ * reproduced if the opposite is, or if the 90 % interval of the difference lies within +-margin; INFINITY: no
+ * margin. */
+stats_verdict stats_exceed(stats_number a, stats_number b, int sign, double margin);
 
-/* Chance of so large a difference if there is none, NaN for exact numbers; and the same verdict with that
- * chance corrected for other tests: significant where it is below that of two standard errors. */
+/* Chance of so large a difference if there is none, and of so small a one if the true one is the margin, NaN
+ * for exact numbers; and the same verdict with these chances corrected for other tests: a difference is
+ * significant where its chance is below that of two standard errors. */
 double stats_exceed_p(stats_number a, stats_number b);
-stats_verdict stats_exceed_by_p(stats_number a, stats_number b, int sign, double p);
+double stats_exceed_p_margin(stats_number a, stats_number b, double margin);
+stats_verdict stats_exceed_by_p(stats_number a, stats_number b, int sign, double p, double p_margin);
 
 /* A number without an error at least (sign = 1) or at most (-1) the limit. NaN: undecided. */
 stats_verdict stats_bound(double value, double limit, int sign);

@@ -12,7 +12,7 @@
 
 RP_C_BEGIN
 
-enum { SWEEP_MAX_OUTPUTS = 64 };
+enum { SWEEP_MAX_OUTPUTS = 80 };
 
 /* One number that a run yields, a column of the store. */
 typedef struct {

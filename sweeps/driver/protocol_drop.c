@@ -15,6 +15,10 @@
  * maximum. All disks move at all times: with those farther than 4 to 9 d from the falling one held, whole
  * flanks slip under it, and piles are 2 or 3 degrees steeper.
  *
+ * The base may have a friction of its own, which hard collisions with it ignore, or be rough: disks of
+ * diameter 1 are glued to it, their lower halves below the ground. They never move, and what they carry is
+ * load of the base, where the disk above has its centre.
+ *
  * A layer is no result (no_pile), nor is a pile with a drop that was cut short, so that the next fell onto
  * disks that still moved (drops_not_at_rest), nor one that does not relax at the end (not_at_rest). Their
  * outputs are kept. */
@@ -36,7 +40,7 @@
 
 typedef struct {
     double source_width, drop_height, radius_width, restitution, mu, mu_roll, eps, damping, mu_static, a;
-    double damping_shear, rest_speed, rest_force, x_limit;
+    double damping_shear, rest_speed, rest_force, x_limit, mu_base, glued;
     long N, max_steps;
     int law, collisions;
 } drop_params;
@@ -68,13 +72,15 @@ static const rp_param schema[] = {
     {"rest_force", "m g", RP_REAL, AT(rest_force), "0.2", "(0, 10]", "and nearer to balance than this, for a time 0.5"},
     {"x_limit", "d", RP_REAL, AT(x_limit), "100", "[10, 10000]", "a disk that goes farther from the middle has rolled away"},
     {"max_steps", "", RP_INT, AT(max_steps), "20000", "[100, 1000000000]", "most steps a drop"},
+    {"mu_base", "", RP_REAL, AT(mu_base), "auto", "[0, inf) | auto", "friction of the ground; auto: mu", true},
+    {"glued", "d", RP_REAL, AT(glued), "none", "[1, 10] | none", "from one disk that is glued to the ground to the next", true},
     {0},
     [ROW_mu].fallback = "0.5", /* of hard collisions too; the paper's */
     [ROW_mu_roll].fallback = "0.1" /* without it disks roll away */};
 
 #define OUTPUTS(X) \
     X(disks, "", "disks there at the end") \
-    X(base_disks, "", "disks on the ground within the base") \
+    X(base_disks, "", "contacts with the base within B") \
     X(height, "d", "highest point") \
     X(width, "d", "base that holds 98 % of the load, B") \
     X(centroid, "d", "centroid of the load on the ground") \
@@ -95,7 +101,12 @@ static const rp_param schema[] = {
     X(moved_share, "", "share of drops that moved more than 10") \
     X(settled, "", "disks that the relaxation at the end moved by more than 0.1 d") \
     X(steps, "", "steps of the drops") \
-    X(relax_steps, "", "steps of the relaxation at the end")
+    X(relax_steps, "", "steps of the relaxation at the end") \
+    X(base_shear, "", "outward force on the base, both flanks, over the load") \
+    X(fabric, "", "anisotropy of the contacts' directions farther than 0.1 B from the centroid, |mean exp(2 i direction)|") \
+    X(fabric_deg, "degree", "their principal direction: from the vertical, positive if its upper end leans to the middle") \
+    X(force_fabric, "", "fabric, each contact with the weight of its normal force") \
+    X(force_deg, "degree", "fabric_deg with these weights")
 /* clang-format on */
 enum {
     OUTPUTS(SWEEP_OUTPUT_INDEX) STRESS_DIP_BIN_LIST(SWEEP_N_INDEX) STRESS_DIP_BIN_LIST(SWEEP_RAYS_INDEX)
@@ -110,7 +121,8 @@ typedef struct {
     sweep_result *result;
     dem_definition scene;
     dem_sim *sim;
-    size_t n;                   /* disks in it */
+    size_t n_glued;             /* disks of the base; they come first */
+    size_t n;                   /* disks in it, those of the base too */
     dem_state *states, *before; /* before: a drop, or the relaxation */
     gsl_rng *radii, *positions;
     long *moved; /* by each drop */
@@ -152,7 +164,9 @@ static dem_definition make_scene(const drop_params *p)
                                   .k_roll = 0.05 * k,
                                   .gamma_roll = gamma_s};
     def.hard = (dem_hard){p->collisions == COLLISIONS_HARD, p->restitution, p->mu};
-    dem_box_walls(&def, 1.0, &def.material);
+    dem_material base = def.material;
+    if (p->mu_base >= 0.0) base.mu = p->mu_base;
+    dem_box_walls(&def, 1.0, &base);
     def.n_walls = 1; /* the floor of that box */
     if (p->law == LAW_SLIP_ROLL) def.ground = (dem_ground){1, p->mu_static, p->a, DEM_WELL_AGAIN};
     /* of the lightest disk, when it falls from a pile as steep as can be */
@@ -165,6 +179,25 @@ static dem_definition make_scene(const drop_params *p)
     def.grains = NULL;
     def.n_grains = 0;
     return def;
+}
+
+/* Number of the disks that are glued to the base, and, unless NULL, where they are: as far as disks of the
+ * pile can be. */
+static size_t glue(const drop_params *p, dem_state *states)
+{
+    if (!isfinite(p->glued)) return 0;
+    const size_t half = (size_t)(p->x_limit / p->glued) + 2, n = 2 * half;
+    for (size_t i = 0; i < n && states; i++)
+        states[i] = (dem_state){.x = p->glued * ((double)i - (double)half + 0.5),
+                                .r = 0.5,
+                                .m = dem_mass(DEM_DISK, density, 0.5),
+                                .fixed = true};
+    return n;
+}
+
+static dem_grain grain_of(const dem_state *s)
+{
+    return (dem_grain){.x = s->x, .y = s->y, .r = s->r, .m = s->m, .angle = s->angle, .fixed = s->fixed};
 }
 
 /* ---- Drops ---- */
@@ -203,7 +236,7 @@ static bool is_quiet(const drop *d)
         const double spin = s->omega * s->r;
         if ((s->vx * s->vx + s->vy * s->vy > v2 || spin * spin > v2 ||
              s->fx * s->fx + s->fy * s->fy > f * f * s->m * s->m || fabs(s->torque) > f * s->m * s->r) &&
-            !is_away(d, i))
+            !s->fixed && !is_away(d, i))
             return false;
     }
     return true;
@@ -235,9 +268,15 @@ static rp_status put_in(drop *d, const dem_grain *grain)
 {
     if (d->sim) return dem_add(d->sim, grain, NULL);
     dem_definition def = d->scene;
-    def.grains = grain;
-    def.n_grains = 1;
-    return dem_create(&def, &d->sim);
+    dem_grain *grains = malloc((d->n_glued + 1) * sizeof *grains);
+    if (!grains) return rp_fail(RP_NO_MEMORY, "drop: out of memory");
+    for (size_t i = 0; i < d->n_glued; i++) grains[i] = grain_of(&d->states[i]);
+    grains[d->n_glued] = *grain;
+    def.grains = grains;
+    def.n_grains = d->n_glued + 1;
+    rp_status status = dem_create(&def, &d->sim);
+    free(grains);
+    return status;
 }
 
 static rp_status draw_and_put_in(drop *d)
@@ -271,7 +310,7 @@ static rp_status drop_all(drop *d)
         now.falls = true;
         if (!status) status = settle(d, &rest);
         if (status) break;
-        const long moved = d->moved[now.k] = (long)count_moved(d, (size_t)now.k);
+        const long moved = d->moved[now.k] = (long)count_moved(d, d->n - 1);
         now.capped += !rest;
         now.most = fmax(now.most, (double)moved);
         now.large += moved > 10;
@@ -296,10 +335,7 @@ static rp_status stop_all(drop *d)
     rp_status status = dem_contacts(d->sim, &contacts, &def.n_contacts);
     dem_grain *grains = malloc(d->n * sizeof *grains);
     if (!status && !grains) status = rp_fail(RP_NO_MEMORY, "drop: out of memory");
-    for (size_t i = 0; i < d->n && !status; i++) {
-        const dem_state *s = &d->states[i];
-        grains[i] = (dem_grain){.x = s->x, .y = s->y, .r = s->r, .m = s->m, .angle = s->angle};
-    }
+    for (size_t i = 0; i < d->n && !status; i++) grains[i] = grain_of(&d->states[i]);
     def.grains = grains;
     def.n_grains = d->n;
     def.contacts = contacts;
@@ -468,26 +504,75 @@ static rp_status measure_rays(const drop *d, const stress_base *base)
     return status;
 }
 
+/* Anisotropy and principal direction of the contacts between disks of the flanks, the left flank mirrored. */
+static void measure_fabric(const drop *d, size_t n, const dem_contact contacts[], const stress_base *base)
+{
+    double cos2[2] = {0.0}, sin2[2] = {0.0}, weights[2] = {0.0}, *v = d->result->values;
+    for (const dem_contact *c = contacts; c < contacts + n; c++) {
+        const double out = 0.5 * (c->x + c->x_b) - base->centroid;
+        if (fabs(out) <= 0.1 * base->width || find(d, c->id_a) == d->n || !c->id_b ||
+            find(d, c->id_b) == d->n)
+            continue;
+        const double lx = copysign(1.0, out) * (c->x - c->x_b), ly = c->y - c->y_b, l2 = lx * lx + ly * ly,
+                     weight[2] = {1.0, c->normal_force};
+        for (int k = 0; k < 2; k++) {
+            cos2[k] += weight[k] * (lx * lx - ly * ly) / l2;
+            sin2[k] += weight[k] * 2.0 * lx * ly / l2;
+            weights[k] += weight[k];
+        }
+    }
+    v[OUT_fabric] = hypot(cos2[0], sin2[0]) / weights[0];
+    v[OUT_force_fabric] = hypot(cos2[1], sin2[1]) / weights[1];
+    /* turned by 90 degrees: from the vertical */
+    v[OUT_fabric_deg] = sweep_degrees(0.5 * atan2(-sin2[0], -cos2[0]));
+    v[OUT_force_deg] = sweep_degrees(0.5 * atan2(-sin2[1], -cos2[1]));
+}
+
+/* What a contact puts on the base: position and radius of the disk, load, force to the right. */
+typedef struct {
+    double x, r, N, H;
+} base_load;
+
+static bool load_of(const drop *d, const dem_contact *c, base_load *load)
+{
+    if (!c->id_b) {
+        *load = (base_load){c->x, c->y - c->y_b + c->overlap, c->normal_force, -c->shear_force};
+    } else {
+        const bool on_b = c->id_b <= d->n_glued;
+        if (!on_b && c->id_a > d->n_glued) return false;
+        const double lx = c->x - c->x_b, ly = c->y - c->y_b, l = hypot(lx, ly), sign = on_b ? 1.0 : -1.0;
+        load->x = on_b ? c->x : c->x_b;
+        load->r = l + c->overlap - 0.5;
+        load->N = sign * (c->normal_force * ly - c->shear_force * lx) / l;
+        load->H = -sign * (c->normal_force * lx + c->shear_force * ly) / l;
+    }
+    return fabs(load->x) <= d->p->x_limit;
+}
+
 static rp_status measure_base(const drop *d, size_t n_contacts, const dem_contact contacts[])
 {
-    double *v = d->result->values, weight = 0.0, load = 0.0, disks = 0.0;
+    double *v = d->result->values, weight = 0.0, load = 0.0, disks = 0.0, outward = 0.0;
     size_t n = 0;
-    double *x = malloc(3 * (n_contacts + 1) * sizeof *x), *r = x + n_contacts, *N = r + n_contacts;
+    double *x = malloc(4 * (n_contacts + 1) * sizeof *x), *r = x + n_contacts, *N = r + n_contacts,
+           *H = N + n_contacts;
     if (!x) return rp_fail(RP_NO_MEMORY, "drop: out of memory");
     for (size_t k = 0; k < n_contacts; k++) {
-        const dem_contact *c = &contacts[k];
-        if (c->id_b || fabs(c->x) > d->p->x_limit) continue;
-        x[n] = c->x;
-        r[n] = c->y - c->y_b + c->overlap;
-        N[n] = c->normal_force;
+        base_load on;
+        if (!load_of(d, &contacts[k], &on)) continue;
+        x[n] = on.x, r[n] = on.r, N[n] = on.N, H[n] = on.H;
         load += N[n++];
     }
     stress_base base;
     rp_status status = stress_base_profile(n, x, r, N, &base);
     for (size_t i = 0; i < d->n; i++) weight += d->states[i].m;
-    for (size_t i = 0; i < n && !status; i++) disks += fabs(x[i] - base.centroid) <= 0.5 * base.width;
+    for (size_t i = 0; i < n && !status; i++) {
+        disks += fabs(x[i] - base.centroid) <= 0.5 * base.width;
+        outward += x[i] > base.centroid ? H[i] : -H[i];
+    }
     free(x);
     if (status) return status;
+    v[OUT_base_shear] = outward / load;
+    measure_fabric(d, n_contacts, contacts, &base);
     v[OUT_balance] = 1.0 - load / weight;
     v[OUT_base_disks] = disks;
     v[OUT_width] = base.width;
@@ -510,11 +595,11 @@ static rp_status measure_contacts(const drop *d)
     return status;
 }
 
-/* From the states, those that rolled away. */
+/* From the states, those that rolled away, and the base. */
 static void leave_out_away(drop *d)
 {
     size_t n = 0;
-    for (size_t i = 0; i < d->n; i++)
+    for (size_t i = d->n_glued; i < d->n; i++)
         if (!is_away(d, i)) d->states[n++] = d->states[i];
     d->n = n;
 }
@@ -543,9 +628,9 @@ static void conclude(const drop *d)
 static rp_status make(drop *d, const drop_params *p, unsigned long seed, unsigned long run, sweep_keep *keep,
                       sweep_result *result)
 {
-    const size_t n = (size_t)p->N;
+    const size_t glued = glue(p, NULL), n = glued + (size_t)p->N;
     sweep_result_clear(result);
-    *d = (drop){.p = p, .result = result, .scene = make_scene(p), .keep = keep};
+    *d = (drop){.p = p, .result = result, .scene = make_scene(p), .n_glued = glued, .n = glued, .keep = keep};
     d->radii = rp_random_alloc(seed, run, RP_PURPOSE_RADII);
     d->positions = rp_random_alloc(seed, run, RP_PURPOSE_PLACES);
     d->states = calloc(n, sizeof *d->states);
@@ -553,6 +638,7 @@ static rp_status make(drop *d, const drop_params *p, unsigned long seed, unsigne
     d->moved = calloc(n, sizeof *d->moved);
     if (!d->radii || !d->positions || !d->states || !d->before || !d->moved)
         return rp_fail(RP_NO_MEMORY, "drop: out of memory");
+    glue(p, d->states);
     bool all = false; /* the drops are done */
     SWEEP_ENTER(keep, *result);
     sweep_keep_enter_sim(keep, &d->sim);

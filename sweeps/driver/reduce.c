@@ -65,6 +65,18 @@ static rp_status find_digest(const sweep_plan *plan, sweep_store *store, digeste
     return status;
 }
 
+/* "8 of 15 (no_pile 6, overlap 2)": runs without a result, and why. */
+static void note_failed(const sweep_counts *counts, FILE *out)
+{
+    char causes[SWEEP_MAX_WORDS * 40] = "";
+    size_t n = 0;
+    for (size_t i = 0; i < counts->n_words; i++)
+        if (!sweep_is_result(counts->words[i].status))
+            n += (size_t)snprintf(causes + n, sizeof causes - n, "%s%s %zu", n ? ", " : " (",
+                                  counts->words[i].status, counts->words[i].runs);
+    rp_table_note(out, "failed", "%zu of %zu%s%s", counts->failed, counts->stored, causes, n ? ")" : "");
+}
+
 static rp_status write_head(const sweep_plan *plan, sweep_store *store, const char *command,
                             sweep_counts *counts, FILE *out)
 {
@@ -81,7 +93,7 @@ static rp_status write_head(const sweep_plan *plan, sweep_store *store, const ch
     rp_table_note(out, "plan", "%s", plan->hash);
     rp_table_note(out, "digest", "%s (%zu runs)", digest.text, digest.n_rows);
     rp_table_note(out, "missing", "%zu of %zu", counts->planned - counts->stored, counts->planned);
-    rp_table_note(out, "failed", "%zu of %zu", counts->failed, counts->stored);
+    note_failed(counts, out);
     if (sweep_count_aborted(counts) > 0)
         rp_table_note(out, "aborted", "%zu of the failed, to be tried again", sweep_count_aborted(counts));
     rp_table_note(out, "run_time", "%.1f s", digest.seconds);

@@ -15,7 +15,7 @@ unset MAKEFLAGS # of the make that runs this: the copies build their own
 limit_cpu=30    # seconds, three times what the suites of a file may take
 limit_wall=600  # on a machine that does other things too
 # what swaps arguments of other types does not compile
-flags='-O1 -Werror=int-conversion -Werror=incompatible-pointer-types -Werror=discarded-qualifiers'
+flags='-O1 -Werror=format -Werror=int-conversion -Werror=incompatible-pointer-types -Werror=discarded-qualifiers'
 tab='	'
 
 files='analytic/*.c src/angle/*.c src/core/stiffness.c src/statics/*.c src/stats/*.c src/stress/*.c
@@ -24,7 +24,7 @@ files='analytic/*.c src/angle/*.c src/core/stiffness.c src/statics/*.c src/stats
     src/dem/definition.c src/dem/limits.c src/dem/step.c src/dem/sim.c
     sweeps/driver/*.c src/core/table.c src/core/params.c src/dem/output.c src/dem/scene.c src/dem/physics.c
     src/cli/cells.c src/cli/claims.c src/cli/claims_power.c src/cli/columns.c src/cli/options.c src/cli/cmd_*.c
-    src/cli/export_*.c src/cli/view_*.c src/cli/frames.c
+    src/cli/export_*.c src/cli/view_*.c src/cli/frames.c src/cli/forensics_*.c
     figures/lh/*.gp figures/li/*.gp
     validation/cases.c validation/oblique.c validation/solved_pile.c'
 
@@ -38,7 +38,7 @@ suites_of() {
     src/stats/oscillation.c) echo trend ;;
     src/stats/forensics.c | src/stats/design.c) echo forensics ;;
     src/stats/emulator.c) echo emulator ;;
-    src/stats/lines.c | src/stats/settings.c | src/stats/trend.c) echo trend evidence calibrate tables angle ;;
+    src/stats/lines.c | src/stats/settings.c | src/stats/trend.c | src/stats/limit.c | src/stats/predict.c) echo trend evidence calibrate tables angle ;;
     src/stats/*) echo calibrate columns ;;
     figures/*) echo figures ;;
     validation/*) echo helpers contacts rotation property ;;
@@ -50,8 +50,9 @@ suites_of() {
     src/cli/frames.c) echo export view ;;
     src/cli/cmd_help.c) echo options cli install ;;
     src/cli/cmd_run.c) echo tables options snapshot cli ;;
-    src/cli/*) echo evidence options tables columns claims cli ;;
-    sweeps/driver/pile_tables.c) echo tables piles cli ;;
+    src/cli/forensics_* | src/cli/cmd_forensics.c) echo forensics evidence options tables cli ;;
+    src/cli/*) echo notes evidence options tables columns claims cli ;;
+    sweeps/driver/pile_tables.c) echo tables notes piles cli ;;
     src/stress/dip.c) echo stress drop evidence ;;
     src/stress/*) echo stress drop piles columns ;;
     src/dem/implicit.c) echo midpoint implicit ;;
@@ -61,9 +62,10 @@ suites_of() {
         echo scene golden motion hard soft rotation dem laws ;;
     sweeps/driver/outline.c) echo piles equilibrium ;;
     sweeps/driver/protocol_pile.c) echo piles golden ;;
+    sweeps/driver/protocol_onset.c | sweeps/driver/tilted.c) echo stress golden columns snapshot keys ;;
     sweeps/driver/protocol_*) suite=${1#*_} && echo "${suite%.c}" golden columns snapshot ;;
     sweeps/driver/box.c) echo repose stress flux golden keys columns snapshot ;;
-    sweeps/driver/*) echo sweep tables evidence cli ;;
+    sweeps/driver/*) echo sweep notes tables evidence cli ;;
     src/dem/walls.c) echo walls scene contacts incline rotation golden ledger ;;
     *) echo soft property rotation incline contacts published motion hard walls golden scene dem laws ;;
     esac

@@ -1,0 +1,478 @@
+/* Numbers in the lines above a table, `# key: ...`: each is computed a second time, from the table's own
+ * rows, from what was written into its input, or by the library. */
+#include <gsl/gsl_math.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "analytic/analytic.h"
+#include "core/clock.h"
+#include "stats/calibrate.h"
+#include "stats/stats.h"
+#include "sweeps/driver/pile.h"
+#include "tests/check.h"
+#include "tests/program.h"
+
+/* The text of a note; a failed assertion and "" without. */
+static const char *note(const rp_table *t, const char *key)
+{
+    const char *found = rp_table_find_note(t, key);
+    if (found) return found;
+    fprintf(stderr, "no note \"%s\"\n", key);
+    CU_FAIL("no such note");
+    return "";
+}
+
+/* The note is this text. */
+static void check_note(const rp_table *t, const char *key, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+static void check_note(const rp_table *t, const char *key, const char *format, ...)
+{
+    char expected[512];
+    va_list list;
+    va_start(list, format);
+    vsnprintf(expected, sizeof expected, format, list);
+    va_end(list);
+    const char *found = note(t, key);
+    if (strcmp(found, expected) == 0) return;
+    fprintf(stderr, "%s: %s\nexpected: %s\n", key, found, expected);
+    CU_FAIL("another note");
+}
+
+/* ---- rows used and left out ---- */
+
+/* Of 14 rows five serve, one has no result, two have nan, and of the rest three lie below x = 1 and three
+ * above 5. */
+static void write_rows(void)
+{
+    write_text(
+        "t.tsv",
+        "x\ty\tpart\tstatus\n1\t2.1\t1\tok\n2\t3.9\t1\tok\n3\t6.2\t2\tok\n4\t7.9\t2\tok\n5\t10.3\t2\tok\n"
+        "2\t7\t1\tno_pile\n3\tnan\t1\tok\n4\tnan\t2\tok\n"
+        "0.1\t1\t1\tok\n0.2\t1\t1\tok\n0.3\t1\t2\tok\n6\t1\t1\tok\n7\t1\t1\tok\n8\t1\t2\tok\n");
+}
+
+static void test_rows(void)
+{
+    static const struct {
+        const char *command, *rows;
+    } cases[] = {
+        {"stats fit t.tsv -x x -y y --from 1 --to 5", "6 used, 2 left out for nan, 6 outside the range of x"},
+        {"stats fit t.tsv -x x -y y --from 1 --to 5 --scale log",
+         "6 used, 2 left out for nan, 6 outside the range of x"},
+        {"stats oscillation w.tsv -x x -y y --from 1 --to 40",
+         "40 used, 1 left out for nan, 2 outside the range of x"},
+        {"stats trend t.tsv -x x -y y --from 1 --to 5",
+         "5 used, 1 without result, 2 with nan, 6 outside the range of x"},
+        {"stats predict t.tsv -x x -y y --folds 2", "11 used, 1 without result, 2 with nan"},
+        {"stats maximum t.tsv --column y --draws 2 --bootstrap 3", "12 used, 2 left out for nan"}};
+    char text[4096] = "x\ty\n0\t1\n41\t1\n5.5\tnan\n";
+    enter();
+    write_rows();
+    for (int i = 1; i <= 40; i++)
+        snprintf(text + strlen(text), sizeof text - strlen(text), "%d\t%.9g\n", i,
+                 exp(-0.05 * i) * cos(0.7 * i));
+    write_text("w.tsv", "%s", text);
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        run("%s", cases[k].command);
+        rp_table t = read_table("out");
+        check_note(&t, "rows", "%s", cases[k].rows);
+        rp_table_free(&t);
+    }
+    leave();
+}
+
+/* ---- static piles ---- */
+
+/* What the notes say is what the tables beside them hold, and what the library finds for the same pile. */
+static void check_pile_notes(const char *file, const sweep_solved *s, const rp_table *contacts,
+                             const rp_table *wells)
+{
+    rp_table t = read_table(file);
+    size_t level = 0, left = 0;
+    for (size_t i = 0; i < contacts->n_rows; i++) level += cell(contacts, i, "horizontal") == 1.0;
+    for (size_t i = 0; i < wells->n_rows; i++) left += strcmp(word(wells, i, "state"), "holds") != 0;
+    check_note(&t, "n_disks", "%zu", s->h->n);
+    CHECK_NEAR(strtod(note(&t, "B"), NULL), s->h->B, 1e-12);
+    check_note(&t, "contacts", "%zu, %zu of them horizontal", contacts->n_rows, level);
+    check_note(&t, "wells", "%zu, %zu of them %s", wells->n_rows, left,
+               s->p->set_again ? "set anew" : "broken");
+    check_note(&t, "load", "%g of the weight; %zu jumps to another branch before", s->r.load, s->r.jumps);
+    CHECK_NEAR(strtod(note(&t, "energy"), NULL), s->r.energy, 1e-9 * fabs(s->r.energy));
+    CHECK_NEAR(strtod(note(&t, "residual"), NULL), 0.0, 1e-11);
+    check_note(&t, "negative_modes", "%zu", s->r.negative_modes);
+    check_note(&t, "smallest_pivot", "%.3g K_s, disk %zu", s->r.smallest_pivot, s->r.pivot_disk + 1);
+    check_note(&t, "solver", "%zu steps, %zu factorisations", s->r.steps, s->r.factored);
+    rp_table_free(&t);
+}
+
+/* Errors of N and H against diagonals alone, and how deep the base sinks: from the rows. */
+static void check_base_notes(double eps)
+{
+    rp_table t = read_table("d/base.tsv");
+    double squares = 0.0, worst = 0.0, H = 0.0, H_diagonals = 0.0, most = 0.0;
+    for (size_t i = 0; i < t.n_rows; i++) {
+        const double error = cell(&t, i, "N/mg") / cell(&t, i, "N_diagonals/mg") - 1.0;
+        squares += error * error;
+        worst = fmax(worst, fabs(error));
+        most = fmax(most, cell(&t, i, "N/mg"));
+        H = fmax(H, fabs(cell(&t, i, "H/mg")));
+        H_diagonals = fmax(H_diagonals, fabs(cell(&t, i, "H_diagonals/mg")));
+    }
+    check_note(&t, "N_error", "%.3g rms, %.3g at most, relative to diagonals alone",
+               sqrt(squares / (double)t.n_rows), worst);
+    check_note(&t, "H_ratio", "%.6g, the largest H over that of diagonals alone", H / H_diagonals);
+    check_note(&t, "sinks", "%.3g sigma at most", eps * most);
+    rp_table_free(&t);
+}
+
+static void test_pile(void)
+{
+    static const char *const files[] = {"d/base.tsv", "d/wells.tsv", "d/contacts.tsv", "d/disks.tsv"};
+    static const struct {
+        const char *words;
+        sweep_pile p;
+    } cases[] = {{"--base 12 --alpha-deg 30 --eps 1e-3", {.eps = 1e-3, .alpha_deg = 30.0, .base = 12}},
+                 {"--base 9 --eps 0.008 --branch minimum --leave 1",
+                  {.eps = 8e-3, .base = 9, .branch = STATICS_BRANCH_MINIMUM, .leave = 1}},
+                 {"--base 20 --alpha-deg 55 --eps 3e-3", {.eps = 3e-3, .alpha_deg = 55.0, .base = 20}},
+                 {"--base 45 --alpha-deg 30 --eps 1e-4 --well 1 --mu 0.2 --set-again",
+                  {.eps = 1e-4, .alpha_deg = 30.0, .base = 45, .well = 1.0, .mu = 0.2, .set_again = true}}};
+    enter();
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        sweep_pile p;
+        rp_params_defaults(sweep_pile_schema, &p);
+        const sweep_pile *given = &cases[k].p;
+        p.eps = given->eps, p.base = given->base, p.branch = given->branch, p.leave = given->leave;
+        if (given->alpha_deg > 0.0) p.alpha_deg = given->alpha_deg;
+        if (given->well > 0.0) p.well = given->well, p.mu = given->mu, p.set_again = given->set_again;
+        sweep_outline h = {0};
+        sweep_solved s;
+        sweep_result r;
+        CHECK_OK(sweep_pile_outline(&p, 1, 0, &h));
+        CHECK_OK(sweep_pile_solve(&p, &h, NULL, NULL, &s, &r));
+        GOOD("pile %s -o d", cases[k].words);
+        rp_table contacts = read_table("d/contacts.tsv"), wells = read_table("d/wells.tsv");
+        for (size_t f = 0; f < 4; f++) check_pile_notes(files[f], &s, &contacts, &wells);
+        check_base_notes(p.eps);
+        rp_table t = read_table("d/base.tsv");
+        CU_ASSERT((rp_table_find_note(&t, "released") != NULL) == !isnan(s.r.released));
+        if (!isnan(s.r.released))
+            check_note(&t, "released", "%.6g m g eps sigma, from the primary state on", s.r.released);
+        rp_table_free(&t);
+        rp_table_free(&contacts);
+        rp_table_free(&wells);
+        sweep_solved_free(&s);
+        sweep_outline_free(&h);
+        CU_ASSERT(shell("rm -r d") == 0);
+    }
+    leave();
+}
+
+/* Of 9 unequal piles some have an equilibrium, and of these some are unstable: each alone tells. */
+static void test_piles(void)
+{
+    enum { PILES = 9 };
+    size_t solved = 0, unstable = 0;
+    enter();
+    write_text("s.cfg",
+               "protocol = \"pile\"; replicas = %d; seed = 1; piles = \"shared\";\n"
+               "fixed = { base = 10; eps = 5e-3; disorder = 0.02; };\n",
+               PILES);
+    GOOD("sweep plan s.cfg -o s");
+    run("sweep run s -j 1");
+    GOOD("sweep export s");
+    rp_table t = read_table("out");
+    CU_ASSERT_FATAL(t.n_rows == PILES);
+    for (size_t k = 0; k < PILES; k++) {
+        const bool stands = strncmp(word(&t, k, "status"), "ok", 2) == 0;
+        solved += stands;
+        unstable += stands && cell(&t, k, "negative_modes") > 0.0;
+    }
+    rp_table_free(&t);
+    run("pile --base 10 --disorder 0.02 --eps 5e-3 --piles %d --seed 1", PILES);
+    t = read_table("out");
+    check_note(&t, "solved", "%zu of %d piles, %zu of them unstable", solved, PILES, unstable);
+    CU_ASSERT(unstable > 0 && unstable < solved);
+    check_note(&t, "n_disks", "55");
+    rp_table_free(&t);
+    leave();
+}
+
+/* ---- models ---- */
+
+static void test_models(void)
+{
+    enter();
+    GOOD("lattice --base 12 --alpha-deg 30");
+    rp_table t = read_table("out");
+    double weight = 0.0;
+    for (size_t i = 0; i < t.n_rows; i++) weight += cell(&t, i, "N/mg");
+    CHECK_NEAR(strtod(note(&t, "disks"), NULL), weight, 1e-9); /* the base carries all of them */
+    CHECK_NEAR(strtod(note(&t, "B"), NULL), cell(&t, 3, "N/mg") / cell(&t, 3, "N/(chi*g*B)"), 1e-9);
+    rp_table_free(&t);
+    GOOD("tent --outer-deg 30 --inner-deg 45 --x1 0.3 --points 2001");
+    t = read_table("out");
+    size_t top = 0, middle = t.n_rows / 2;
+    for (size_t i = 0; i <= middle; i++)
+        if (cell(&t, i, "N/(chi*g*B)") > cell(&t, top, "N/(chi*g*B)")) top = i;
+    double dip, N, x, low;
+    CU_ASSERT(sscanf(note(&t, "dip"), "%lf: N = %lf at %lf B, %lf in the middle", &dip, &N, &x, &low) == 4);
+    CHECK_NEAR(cell(&t, middle, "x/B"), 0.5, 1e-9);
+    CHECK_NEAR(low, cell(&t, middle, "N/(chi*g*B)"), 5e-5); /* four digits are printed */
+    CHECK_NEAR(N, cell(&t, top, "N/(chi*g*B)"), 5e-5);
+    CHECK_NEAR(x, cell(&t, top, "x/B"), 1e-3);
+    CHECK_NEAR(dip, 1.0 - low / N, 5e-4);
+    rp_table_free(&t);
+    GOOD("continuum --alpha-deg 30 --points 4001");
+    t = read_table("out");
+    top = 0;
+    for (size_t i = 0; i < t.n_rows / 2; i++)
+        if (fabs(cell(&t, i, "H/(chi*g*B)")) > fabs(cell(&t, top, "H/(chi*g*B)"))) top = i;
+    CHECK_NEAR(strtod(note(&t, "x_c/B"), NULL), cell(&t, top, "x/B"), 3e-4); /* the kink has the largest H */
+    rp_table_free(&t);
+    leave();
+}
+
+/* ---- sweeps ---- */
+
+/* The header of an exported sweep against its rows. */
+static void check_export(size_t stored)
+{
+    run("sweep export s");
+    rp_table t = read_table("out");
+    double seconds = 0.0;
+    size_t failed = 0;
+    CU_ASSERT_FATAL(t.n_rows == stored);
+    for (size_t i = 0; i < stored; i++) {
+        seconds += cell(&t, i, "seconds");
+        failed += strncmp(word(&t, i, "status"), "ok", 2) != 0;
+    }
+    check_note(&t, "sweep", "s.cfg, protocol pile, seed 5, 2 grid points x 3 replicas");
+    check_note(&t, "missing", "%zu of 6", 6 - stored);
+    check_note(&t, "failed", "%zu of %zu (collapses %zu)", failed, stored, failed);
+    CU_ASSERT(failed > 0 && failed < stored);
+    CHECK_NEAR(strtod(note(&t, "run_time"), NULL), seconds, 0.0501); /* one decimal is printed */
+    CU_ASSERT(strcmp(note(&t, "base"), "10") == 0 && strcmp(note(&t, "disorder"), "0.02") == 0);
+    CU_ASSERT(rp_table_find_note(&t, "eps") == NULL); /* it is a column */
+    char count[32], digest[64] = "";
+    snprintf(count, sizeof count, " (%zu)", stored);
+    CU_ASSERT(strstr(note(&t, "runs made by"), count) != NULL);
+    if (stored == 6) {
+        GOOD("sweep digest s");
+        CU_ASSERT_FATAL(sscanf(out, "%63s", digest) == 1);
+        check_note(&t, "digest", "%s (6 runs)", digest);
+    }
+    rp_table_free(&t);
+    run("sweep status s");
+    t = read_table("out");
+    check_note(&t, "running", "0");
+    check_note(&t, "planned", "6");
+    check_note(&t, "stored", "%zu", stored);
+    check_note(&t, "missing", "%zu", 6 - stored);
+    const double left = seconds / (double)stored * (double)(6 - stored);
+    CHECK_NEAR(strtod(note(&t, "left"), NULL), left, 0.006 * left); /* three digits */
+    if (stored < 6) check_note(&t, "shards with missing runs", "1,3 of 3");
+    rp_table_free(&t);
+}
+
+/* A copy with one more shard of two runs is merged twice, and then into a sweep that shares two of its runs.
+ */
+static void check_merge(void)
+{
+    write_text("f.cfg",
+               "protocol = \"pile\"; replicas = 2; seed = 5; fixed = { base = 10; disorder = 0.02; };\n"
+               "grid = { eps = [5e-3]; };\n");
+    GOOD("sweep plan f.cfg -o f");
+    CU_ASSERT(shell("cp -r s a") == 0);
+    run("sweep run a -j 1 --shard 3/3");
+    for (int again = 0; again < 2; again++) {
+        run("sweep merge s a"); /* the store of the copy and its two shards */
+        rp_table t = read_table("out");
+        check_note(&t, "merged", "%d rows of 3 stores, %d duplicates, 0 rows of other plans left out",
+                   again ? 0 : 4, again ? 4 : 0);
+        check_note(&t, "stored", "4");
+        check_note(&t, "shards with missing runs", "1 of 3");
+        rp_table_free(&t);
+    }
+    run("sweep merge f s");
+    rp_table t = read_table("out");
+    int taken, stores, twice, foreign;
+    CU_ASSERT(sscanf(note(&t, "merged"),
+                     "%d rows of %d stores, %d duplicates, %d rows of other plans left out", &taken, &stores,
+                     &twice, &foreign) == 4);
+    check_note(&t, "stored", "%d", taken);
+    CU_ASSERT(stores == 2 && taken > 0 && twice == 2 && foreign > 0 && taken + foreign == 4);
+    rp_table_free(&t);
+}
+
+/* A sweep of which a shard is there, and one of its runs has no result; then all of it. */
+static void test_sweep(void)
+{
+    enter();
+    write_text("s.cfg",
+               "protocol = \"pile\"; replicas = 3; seed = 5; fixed = { base = 10; disorder = 0.02; };\n"
+               "grid = { eps = [1e-4, 5e-3]; };\n");
+    GOOD("sweep plan s.cfg -o s");
+    run("sweep run s -j 1 --shard 2/3");
+    check_export(2);
+    check_merge();
+    run("sweep run s -j 1");
+    check_export(6);
+    leave();
+}
+
+/* A run says how long it took, by a clock of its own. */
+static void test_run(void)
+{
+    enter();
+    write_text("s.cfg", "protocol = \"pile\"; replicas = 1; fixed = { base = 4; };\n");
+    const double begin = rp_clock();
+    GOOD("run s.cfg --row 0 -o d");
+    const double passed = rp_clock() - begin;
+    rp_table t = read_table("out");
+    const double seconds = strtod(note(&t, "run_time"), NULL);
+    CU_ASSERT(seconds >= 0.0 && seconds <= passed);
+    rp_table_free(&t);
+    leave();
+}
+
+/* ---- calibration ---- */
+
+/* Both angles are lines in mu, and their scatter has a correlation. */
+static void test_calibrate(void)
+{
+    enum { POINTS = 6, EACH = 5, PILES = POINTS * EACH };
+    static const double scatter[EACH] = {-1.0, -0.4, 0.1, 0.5, 0.8};
+    double x[PILES], angle[2][PILES];
+    stats_calibration fit;
+    char text[4096] = "# mu\ttheta_r3_deg\ttheta_t_displacement_deg\tstatus\n0.3\t20\t3\tno_pile\n";
+    enter();
+    for (int i = 0; i < PILES; i++) {
+        const int k = i % EACH;
+        x[i] = 0.1 + 0.1 * (i / EACH);
+        angle[0][i] = 10.0 + 30.0 * x[i] + scatter[k];
+        angle[1][i] = 2.0 + 10.0 * x[i] - 0.3 * scatter[k] + 0.2 * scatter[(k + 2) % EACH];
+        snprintf(text + strlen(text), sizeof text - strlen(text), "%.17g\t%.17g\t%.17g\tok\n", x[i],
+                 angle[0][i], angle[1][i]);
+    }
+    write_text("piles.tsv", "%s", text);
+    run("calibrate --runs piles.tsv --theta-r-deg 20 --error-deg 0.5 --theta-t-deg 5.4 --theta-t-error-deg "
+        "0.2 "
+        "--bootstrap 3");
+    rp_table t = read_table("out");
+    const stats_ensemble piles = {PILES, 1, 2, {x}, {angle[0], angle[1]}};
+    CHECK_OK(stats_calibration_fit(&piles, &fit));
+    check_note(&t, "range", "0.1 to 0.6");
+    check_note(&t, "correlation of the angles", "%.2f", fit.correlation);
+    CU_ASSERT(fit.correlation < -0.3);
+    for (int a = 0; a < 2; a++) {
+        const stats_response_fit *r = &fit.response[a];
+        char line[512];
+        snprintf(line, sizeof line,
+                 "# response: theta_%c: %s, degree %zu, %zu coefficients, %d points, chi2 = %.3g, p = %.2g, "
+                 "discrepancy %.2g deg\n",
+                 a ? 't' : 'r', stats_shape_words[r->shape], r->degree[0], r->degree[0] + 1, POINTS, r->chi2,
+                 r->p_value, sqrt(r->discrepancy));
+        CU_ASSERT(strstr(out, line) != NULL);
+        if (!strstr(out, line)) fprintf(stderr, "expected: %s\n%s\n", line, out);
+    }
+    stats_calibration_free(&fit);
+    rp_table_free(&t);
+    leave();
+}
+
+/* Planted piles, of which two have larger angles, one beyond the range: how many rows of each trial cover,
+ * and have each status. */
+static void test_verify(void)
+{
+    static const char *const angles[] = {"theta_r", "theta_t", "both"};
+    static const double planted[] = {0.2, 0.3, 0.4, 0.5, 0.6};
+    char text[4096] = "# mu\ttheta_r3_deg\ttheta_t_displacement_deg\n";
+    enter();
+    for (int i = 0; i < 24; i++) {
+        const double mu = 0.1 + 0.1 * (i / 4), noise = i % 2 ? 0.5 : -0.5;
+        snprintf(text + strlen(text), sizeof text - strlen(text), "%g\t%g\t%g\n", mu,
+                 10.0 + 30.0 * mu + noise, 2.0 + 10.0 * mu + 0.3 * (i % 4 / 2 ? noise : -noise));
+    }
+    write_text("piles.tsv", "%s", text);
+    strcpy(text, "# mu\ttheta_r3_deg\ttheta_t_displacement_deg\n");
+    for (int i = 0; i < 10; i++) {
+        const double mu = planted[i / 2], noise = i % 2 ? 0.3 : -0.3, shift = i / 2 % 2 ? 0.0 : 1.5 * (i / 2);
+        snprintf(text + strlen(text), sizeof text - strlen(text), "%g\t%g\t%g\n", mu,
+                 10.0 + 30.0 * mu + noise + shift, 2.0 + 10.0 * mu + 0.3 * noise);
+    }
+    write_text("planted.tsv", "%s", text);
+    CU_ASSERT(run("calibrate --runs piles.tsv --verify 100 --planted planted.tsv") == 1);
+    rp_table t = read_table("out");
+    size_t others = 0;
+    for (size_t a = 0; a < 3; a++) {
+        size_t n = 0, covered = 0, status[STATS_CALIBRATED_NO_MATCH + 1] = {0};
+        for (size_t i = 0; i < t.n_rows; i++) {
+            if (strcmp(word(&t, i, "angles"), angles[a]) != 0) continue;
+            n++, covered += cell(&t, i, "covered") == 1.0;
+            for (size_t k = 1; k <= STATS_CALIBRATED_NO_MATCH; k++)
+                status[k] += strcmp(word(&t, i, "status"), stats_calibrated_words[k]) == 0;
+        }
+        char key[128];
+        snprintf(key, sizeof key, "covered_%s_mu", angles[a]);
+        check_note(&t, key, "%zu of %zu", covered, n);
+        CU_ASSERT(covered < n || a == 1);
+        for (size_t k = 1; k <= STATS_CALIBRATED_NO_MATCH; k++) {
+            snprintf(key, sizeof key, "%s_%s_mu", stats_calibrated_words[k], angles[a]);
+            if (status[k]) check_note(&t, key, "%zu of %zu", status[k], n);
+            if (!status[k]) CU_ASSERT_PTR_NULL(rp_table_find_note(&t, key));
+            others += status[k];
+        }
+    }
+    CU_ASSERT(others > 0);
+    rp_table_free(&t);
+    leave();
+}
+
+/* ---- the dip of the pressure ---- */
+
+/* The band's ends are so many standard errors from the mean as the note says. */
+static void test_dip(void)
+{
+    char text[8192] = "";
+    enter();
+    for (int k = 1; k <= 20; k++) snprintf(text + strlen(text), sizeof text - strlen(text), "n_%02d\t", k);
+    strcat(text, "excess\tstatus\n");
+    for (int i = 0; i < 7; i++) {
+        for (int k = 0; k < 20; k++)
+            snprintf(text + strlen(text), sizeof text - strlen(text), "%g\t",
+                     1.0 - 0.002 * (k - 9.5) * (k - 9.5) + 0.01 * ((7 * i + 3 * k) % 5));
+        snprintf(text + strlen(text), sizeof text - strlen(text), "%g\t%s\n", 0.01 * (i % 3),
+                 i < 5 ? "ok" : "no_pile");
+    }
+    write_text("piles.tsv", "%s", text);
+    GOOD("stress dip piles.tsv --profile --resamples 99");
+    rp_table t = read_table("out");
+    check_note(&t, "rows", "5 used, 2 left out");
+    const double band = strtod(note(&t, "band"), NULL);
+    for (size_t k = 0; k < t.n_rows; k++)
+        CHECK_NEAR(cell(&t, k, "N_hi"), cell(&t, k, "N") + band * cell(&t, k, "N_se"), 1e-9);
+    rp_table_free(&t);
+    GOOD("stress dip piles.tsv --power --ensembles 3 --resamples 19");
+    t = read_table("out");
+    check_note(&t, "piles", "5 to an ensemble");
+    rp_table_free(&t);
+    leave();
+}
+
+void suite_notes(void)
+{
+    static const check_case cases[] = {{"rows used and left out", test_rows},
+                                       {"a static pile", test_pile},
+                                       {"several static piles", test_piles},
+                                       {"models", test_models},
+                                       {"a sweep", test_sweep},
+                                       {"a run", test_run},
+                                       {"a calibration", test_calibrate},
+                                       {"a trial of calibrations", test_verify},
+                                       {"dip of the pressure", test_dip},
+                                       {0}};
+    check_register("notes", cases);
+}
