@@ -60,6 +60,7 @@ suites_of() {
     src/dem/observe.c) echo soft rotation motion stress scene golden dem ;;
     src/dem/definition.c | src/dem/limits.c | src/dem/gravity.c | src/dem/step.c | src/dem/sim.c)
         echo scene golden motion hard soft rotation dem laws ;;
+    sweeps/driver/groups.c) echo forensics ;;
     sweeps/driver/outline.c) echo piles equilibrium ;;
     sweeps/driver/protocol_pile.c) echo piles golden ;;
     sweeps/driver/protocol_onset.c | sweeps/driver/tilted.c) echo stress golden columns snapshot keys ;;
