@@ -51,6 +51,7 @@ suites_of() {
     src/cli/cmd_help.c) echo options cli install ;;
     src/cli/cmd_run.c) echo tables options snapshot cli ;;
     src/cli/forensics_* | src/cli/cmd_forensics.c) echo forensics evidence options tables cli ;;
+    src/cli/cmd_pile.c) echo notes equilibrium tables options cli ;;
     src/cli/*) echo notes evidence options tables columns claims cli ;;
     sweeps/driver/pile_tables.c) echo tables notes piles cli ;;
     src/stress/dip.c) echo stress drop evidence ;;
