@@ -973,7 +973,7 @@ static void test_stiffness_update(void)
     for (int way = 0; way < 2; way++) {
         rp_stiffness *m = NULL;
         rp_pivots pivots;
-        CHECK_OK(rp_stiffness_create(4, 5, bonds, &m));
+        CHECK_OK(rp_stiffness_create(4, 5, bonds, false, &m));
         rp_stiffness_clear(m, 0.125);
         rp_stiffness_add_site(m, 3, -2, 0, 0); /* one negative mode */
         if (way == 0) rp_stiffness_add_site(m, 1, 0.36, -0.48, 0.64);
@@ -1032,7 +1032,7 @@ static void test_stiffness_near(void)
     rp_stiffness *m = NULL;
     rp_pivots pivots;
     bool found;
-    CHECK_OK(rp_stiffness_create(CHAIN, CHAIN - 1, bonds, &m));
+    CHECK_OK(rp_stiffness_create(CHAIN, CHAIN - 1, bonds, false, &m));
     for (int way = 0; way < 4; way++) {
         static const double from[][3] = {{2, 0.5, 2}, {1, 0.4, 1}, {0, 1, 0}, {1, 1.5, 0}};
         static const double to[][3] = {{1, 0.25, 1}, {1, 0.02, 20}, {1, 1e-4, 0}, {1, -3, 0}};
