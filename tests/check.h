@@ -21,6 +21,7 @@
     X(suite_samplesize)                                                                                      \
     X(suite_trend)                                                                                           \
     X(suite_dem)                                                                                             \
+    X(suite_threads)                                                                                         \
     X(suite_laws)                                                                                            \
     X(suite_motion)                                                                                          \
     X(suite_soft)                                                                                            \

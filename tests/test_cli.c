@@ -230,10 +230,12 @@ static void test_wrong_usage(void)
         {64, "unknown option -q", "sweep run d -q"},
         {64, "unknown option -q", "sweep export d --reduce -qz"},
         {64,
-         "unknown option -j: repose sweep export works on one processor; -j goes with sweep run, sweep make, "
-         "sweep slurm, calibrate",
+         "unknown option -j: repose sweep export works on one processor; -j goes with run, sweep run, "
+         "sweep make, sweep slurm, calibrate, bench",
          "sweep export d -j2"},
-        {64, "repose run works on one processor", "run s.cfg -j 2"},
+        {64, "repose lattice works on one processor", "lattice -j 2"},
+        {65, "-j = 0: out of range, allowed: [1, 256]", "run s.cfg -j 0"},
+        {65, "-j = 0: out of range, allowed: [1, 256]", "bench -j 0"},
         {64, "option --layers needs a value", "lattice --layers"},
         {64, "option -o needs a value", "sweep plan s.cfg -o"},
         {64, "--alpha-deg is required", "continuum"},
@@ -438,6 +440,7 @@ static void test_bad_sweeps(void)
     write_text("s.cfg", "protocol = \"repose\"; replicas = 2; seed = 1;\n");
     FAILS(64, "--row N -o DIR", "run s.cfg");
     FAILS(64, "--set goes with a scene", "run s.cfg --set mu=0.3 -o d");
+    FAILS(64, "-j goes with a scene", "run s.cfg -j 2 -o d");
     FAILS(65, "row = 2: out of range, allowed: [0, 1]", "run s.cfg --row 2 -o d");
     GOOD("sweep plan s.cfg -o d");
     FAILS(1, "missing", "sweep digest d");

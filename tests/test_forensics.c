@@ -9,6 +9,7 @@
 #include "core/random.h"
 #include "stats/emulator.h"
 #include "stats/forensics.h"
+#include "stats/stats.h"
 #include "tests/check.h"
 #include "tests/planted.h"
 #include "tests/program.h"
@@ -33,6 +34,18 @@ static void test_likelihood(void)
         CHECK_OK(
             stats_log_likelihood(1, numbers, mean, covariance, scale, shift, latent, &log_likelihood, NULL));
         CHECK_NEAR(log_likelihood, -0.5 * (r * r / a + log(2.0 * M_PI * a)), 1e-10);
+    }
+    double error, variance;
+    for (unsigned latent = 0; latent < STATS_LATENT_LEVELS; latent++) {
+        /* the other way round: the precisions of the numbers and of the error's prior add up */
+        const double own[2] = {latent & READING ? 0.49 / 9.0 : 0.49, latent & READING ? 0.01 : 0.16},
+                     a = scale * 0.09 + own[0], b = scale * 0.02, c = scale * 0.16 + own[1],
+                     det = a * c - b * b, of_both = (a + c - 2.0 * b) / det,
+                     pull = ((c - b) * 0.385 + (a - b) * -0.8) / det,
+                     expected = latent & SHIFT ? 1.0 / (1.0 / 0.36 + of_both) : 0.0;
+        CHECK_OK(stats_common_error(2, numbers, mean, covariance, scale, shift, latent, &error, &variance));
+        CHECK_NEAR(variance, expected, 1e-12);
+        CHECK_NEAR(error, expected * pull, 1e-12);
     }
     const double impossible[4] = {1.0, 9.0, 9.0, 1.0};
     double unused;
@@ -333,6 +346,70 @@ static void test_command(void)
     leave();
 }
 
+/* The means of each setting and point of runs.tsv, in the form of `sweep export --reduce`. */
+static void write_reduced(void)
+{
+    enum { PARAMETERS = 6 }; /* and the status before them */
+    rp_table t = read_table("runs.tsv");
+    char path[256];
+    path_of("reduced.tsv", path);
+    FILE *file = fopen(path, "w");
+    CU_ASSERT_PTR_NOT_NULL_FATAL(file);
+    fputs("# mu: 0.2\n# shape: sphere\n# n\tn_failed", file);
+    for (size_t c = 1; c < PARAMETERS; c++) fprintf(file, "\t%s", t.names[c]);
+    for (size_t c = PARAMETERS; c < t.n_columns; c++)
+        fprintf(file, "\t%s_mean\t%s_sd\t%s_n", t.names[c], t.names[c], t.names[c]);
+    for (size_t row = 0; row < t.n_rows; row += PLANTED_PILES) {
+        const int n = strcmp(word(&t, row, "status"), "ok") == 0 ? PLANTED_PILES : 0;
+        fprintf(file, "\n%d\t%d", n, PLANTED_PILES - n);
+        for (size_t c = 1; c < PARAMETERS; c++) fprintf(file, "\t%s", word(&t, row, t.names[c]));
+        for (size_t c = PARAMETERS; c < t.n_columns; c++) {
+            double v[PLANTED_PILES];
+            stats_summary s;
+            for (size_t k = 0; k < PLANTED_PILES; k++) v[k] = cell(&t, row + k, t.names[c]);
+            CHECK_OK(stats_mean(PLANTED_PILES, v, &s));
+            fprintf(file, "\t%.17g\t%.17g\t%d", n ? s.mean : NAN, n ? s.sd : NAN, n);
+        }
+    }
+    fputc('\n', file);
+    fclose(file);
+    rp_table_free(&t);
+}
+
+/* Means over the runs of a setting and point say what the runs say; and numbers that are all too large by 3
+ * degrees share that error with the number that is held out. */
+static void test_reduced(void)
+{
+    enter();
+    planted_write("", 60, true);
+    GOOD("forensics runs.tsv --claims claims.tsv --draws 300");
+    rp_table runs = read_table("out");
+    write_reduced();
+    GOOD("forensics reduced.tsv --claims claims.tsv --draws 300");
+    rp_table reduced = read_table("out");
+    CU_ASSERT_FATAL(runs.n_rows == reduced.n_rows);
+    for (size_t i = 0; i < runs.n_rows; i++)
+        if (!isnan(cell(&runs, i, "median")))
+            CHECK_NEAR(cell(&reduced, i, "median") / cell(&runs, i, "median"), 1.0, 1e-9);
+        else
+            CHECK_NEAR(cell(&reduced, i, "share"), cell(&runs, i, "share"), 1e-9);
+    const size_t ours = row_of(&runs, "stiffness", "-", "stop=ours"),
+                 theirs = row_of(&runs, "stiffness", "-", "stop=theirs"),
+                 prior = row_of(&runs, "stiffness", "-", "prior");
+    CU_ASSERT(cell(&runs, ours, "median") != cell(&runs, theirs, "median"));
+    CHECK_NEAR(cell(&runs, prior, "width"), 1.0, 0.05);
+    rp_table_free(&runs);
+    rp_table_free(&reduced);
+    planted_write("", 60, false);
+    CU_ASSERT(shell("awk -F'\t' -v OFS='\t' '/^[a-z]/ && $1 != \"id\" { $7 += 3 } { print }' claims.tsv "
+                    ">shifted.tsv") == 0);
+    GOOD("forensics runs.tsv --claims shifted.tsv --draws 1000 --report numbers");
+    rp_table numbers = read_table("out");
+    CU_ASSERT(cell(&numbers, 3, "p_value") > 0.5); /* 0.2 if it had an error of its own */
+    rp_table_free(&numbers);
+    leave();
+}
+
 /* What the header says of the emulator is what its own report says of the better kernel. */
 static void test_notes(void)
 {
@@ -458,6 +535,7 @@ void suite_forensics(void)
         {"errors of posteriors", test_errors},
         {"planted truths", test_truths},
         {"planted runs, by the command", test_command},
+        {"means in place of runs, and a common error", test_reduced},
         {"header of the command", test_notes},
         {"runs that stop, by the command", test_stops},
         {"errors of the command", test_command_errors},

@@ -103,6 +103,7 @@ static const struct {
                   {"bench", "--floor", "times are not compared"},
                   {"bench", "--kernel", "times are not compared"},
                   {"bench", "--repeat", "times are not compared"},
+                  {"bench", "-j", "times are not compared"},
                   {"bench", "-o", "of a sample: takes seconds"}};
 
 /* ---- fixtures ---- */

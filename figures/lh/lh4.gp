@@ -1,8 +1,8 @@
 # Lee & Herrmann 1993, figure 4: tilting angle against friction.
-# tables: lh3.tsv lh3_fit_theta_t.tsv
+# tables: lh3.tsv lh3_box_compare.tsv lh3_fit_theta_t.tsv
 heading = 'Tilting angle against friction'
-remark = sprintf('gravity rotated by %s degree per step; bars: standard error over %d piles; series shifted sideways', note('lh3.tsv', 'tilt_rate_deg'), most('lh3.tsv', 'n'))
-legend = 3
+remark = sprintf('%s degree per step; bars: standard error over %d piles, %d in the turned box; series shifted sideways', note('lh3.tsv', 'tilt_rate_deg'), most('lh3.tsv', 'n'), most('lh3_box_compare.tsv', 'n'))
+legend = 4
 load 'figures/style.gp'
 fit = 'lh3_fit_theta_t.tsv'
 slope = real(pick(fit, 'line', 'free', 'slope'))
@@ -15,4 +15,6 @@ plot within(0.05, 0.2, x, start + slope*x) with lines ls theory title 'straight 
      t('lh3.tsv') using (column('mu') + 0.003):(column('theta_t_energy_deg_mean')):(column('theta_t_energy_deg_se')) \
        with yerrorbars ls 2 title 'energy above 10^{-5} {/:Italic mgd} a grain', \
      '' using (column('mu')):(column('theta_t_displacement_deg_mean')):(column('theta_t_displacement_deg_se')) \
-       with yerrorbars ls ours title '5 % of the grains moved by 0.1 {/:Italic d}'
+       with yerrorbars ls ours title '5 % of grains moved 0.1 {/:Italic d}, gravity turned', \
+     t('lh3_box_compare.tsv') using (column('mu') - 0.003):(column('theta_t_deg')):(column('theta_t_se_deg')) \
+       with yerrorbars ls 3 title 'the same, box turned as in the paper'

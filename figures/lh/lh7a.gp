@@ -1,8 +1,8 @@
 # Lee & Herrmann 1993, figure 7(a): measured theta_R + theta_T against theta_MS of (3).
-# tables: lh3_compare.tsv lh5.tsv lh_onset.tsv lh_onset_model.tsv
+# tables: lh3_compare.tsv lh3_box_compare.tsv lh5.tsv lh_onset.tsv lh_onset_model.tsv
 heading = 'Marginal stability: measured, and by (3)'
-remark = sprintf('bars: standard error over %d piles, {/:Italic θ}_T by displacement', most('lh3_compare.tsv', 'n'))
-legend = 5
+remark = sprintf('bars: standard error over %d piles, %d in the turned box; {/:Italic θ}_T by displacement', most('lh3_compare.tsv', 'n'), most('lh3_box_compare.tsv', 'n'))
+legend = 6
 load 'figures/style.gp'
 set xlabel 'friction coefficient {/:Italic μ}'
 set ylabel 'angle (degrees)'
@@ -16,4 +16,6 @@ plot t('lh3_compare.tsv') using (column('mu')):(column('theta_ms_deg')) with lin
      t('lh5.tsv') using (0.2):(column('v_cut') == 0.1 ? column('theta_ms_flux_deg_mean') : NaN):(column('theta_ms_flux_deg_se')) \
        with yerrorbars ls 3 title '{/:Italic θ}_{MS} by flux, floor ends at the opening', \
      t('lh3_compare.tsv') using (column('mu')):(column('theta_rt_deg')):(column('theta_rt_se_deg')) \
-       with yerrorbars ls ours title '{/:Italic θ}_R + {/:Italic θ}_T measured, sum for each pile'
+       with yerrorbars ls ours title '{/:Italic θ}_R + {/:Italic θ}_T measured, gravity turned', \
+     t('lh3_box_compare.tsv') using (column('mu') - 0.004):(column('theta_rt_deg')):(column('theta_rt_se_deg')) \
+       with yerrorbars ls 2 title '{/:Italic θ}_R + {/:Italic θ}_T measured, box turned as in the paper'

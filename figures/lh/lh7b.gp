@@ -1,8 +1,8 @@
 # Lee & Herrmann 1993, figure 7(b): measured theta_T against (4) at the measured theta_R, in its four forms.
-# tables: lh3_compare.tsv lh_onset_model.tsv
+# tables: lh3_compare.tsv lh3_box_compare.tsv lh_onset_model.tsv
 heading = 'Tilting angle: measured, and by (4)'
-remark = sprintf('bars: standard error over %d piles (theory: bootstrap of {/:Italic θ}_R); series shifted sideways', most('lh3_compare.tsv', 'n'))
-legend = 6
+remark = sprintf('bars: standard error over %d piles, %d in the turned box (theory: bootstrap of {/:Italic θ}_R); series shifted sideways', most('lh3_compare.tsv', 'n'), most('lh3_box_compare.tsv', 'n'))
+legend = 7
 load 'figures/style.gp'
 set xlabel 'friction coefficient {/:Italic μ}'
 set ylabel 'tilting angle {/:Italic θ}_T (degrees)'
@@ -15,4 +15,5 @@ plot for [k=1:4] t('lh3_compare.tsv') using (column('mu') + shift(k)):(column('t
        with yerrorlines ls 10 + k title form(k), \
      t('lh_onset_model.tsv') using (column('mu') + 0.006):(strcol('predictor') eq 'bulk_friction_0' ? column('predicted') : NaN):(column('predicted_se')) \
        with yerrorbars ls 6 title 'line through the friction inside the pile', \
-     t('lh3_compare.tsv') using (column('mu')):(column('theta_t_deg')):(column('theta_t_se_deg')) with yerrorbars ls ours title 'measured, by displacement'
+     t('lh3_compare.tsv') using (column('mu')):(column('theta_t_deg')):(column('theta_t_se_deg')) with yerrorbars ls ours title 'measured, gravity turned', \
+     t('lh3_box_compare.tsv') using (column('mu') - 0.006):(column('theta_t_deg')):(column('theta_t_se_deg')) with yerrorbars ls 3 title 'measured, box turned as in the paper'

@@ -31,7 +31,7 @@ unset ylabel
 set xrange [-0.7:0.7]
 set yrange [0:9]
 names = 'theta_t_theory_deg theta_r3_deg contact_number fabric limit_probe floor_friction_0 bulk_friction_0 all'
-set ytics ('(4)' 8, '{/:Italic θ}_R' 7, '{/:Italic Z}' 6, 'fabric' 5, 'sliding' 4, 'floor' 3, 'inside' 2, 'all' 1)
+set ytics ('(4) balanced' 8, '{/:Italic θ}_R' 7, '{/:Italic Z}' 6, 'fabric' 5, 'sliding' 4, 'floor' 3, 'inside' 2, 'all' 1)
 of(name, x) = strcol('predictor') eq name ? at(0.2, x) : NaN
 plot for [k=1:8] t('lh_onset_predict.tsv') using (of(word(names, k), c('correlation'))):(9 - k):(c('correlation_lo')):(c('correlation_hi')) with xerrorbars ls ours notitle, \
      '+' using (0):(9*($1 + 0.7)/1.4) with lines ls guide notitle

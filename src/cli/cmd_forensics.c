@@ -28,6 +28,8 @@ typedef struct {
     forensics_study study;
     forensics_emulator angles, completion;
     forensics_draws draws;
+    stats_published used[FORENSICS_CLAIMS]; /* the numbers of the inference */
+    stats_predictions model;                /* of these */
     stats_posterior posterior;
     bool stops; /* some runs have no result */
     double *weight;
@@ -50,9 +52,8 @@ static rp_status find_posterior(inference *s)
     const size_t n = count_used(&s->claims), k = s->claims.n_points, m = s->draws.n;
     double *mean = cli_memory(m * FORENSICS_SURFACES * n, sizeof *mean),
            *covariance = cli_memory(m * n * n, sizeof *covariance);
-    stats_published numbers[FORENSICS_CLAIMS];
     const forensics_claim *c = s->claims.claims; /* those held out come last */
-    for (size_t i = 0; i < n; i++) numbers[i] = c[i].published;
+    for (size_t i = 0; i < n; i++) s->used[i] = c[i].published;
     for (size_t d = 0; d < m; d++) {
         for (size_t f = 0; f < FORENSICS_SURFACES; f++)
             for (size_t i = 0; i < n; i++)
@@ -61,15 +62,15 @@ static rp_status find_posterior(inference *s)
         for (size_t i = 0; i < n * n; i++)
             covariance[d * n * n + i] = s->draws.covariance[(d * k + c[i / n].point) * k + c[i % n].point];
     }
-    const stats_predictions model = {m,
-                                     FORENSICS_SURFACES,
-                                     n,
-                                     mean,
-                                     covariance,
-                                     s->angles.scale,
-                                     s->draws.log_complete,
-                                     s->o->shift_deg * deg};
-    return stats_posterior_make(&model, numbers, &s->posterior);
+    s->model = (stats_predictions){m,
+                                   FORENSICS_SURFACES,
+                                   n,
+                                   mean,
+                                   covariance,
+                                   s->angles.scale,
+                                   s->draws.log_complete,
+                                   s->o->shift_deg * deg};
+    return stats_posterior_make(&s->model, s->used, &s->posterior);
 }
 
 static rp_status infer(inference *s)
@@ -111,14 +112,24 @@ static void print_interval(const inference *s, const char *choice, const char *g
     CLI_ROW(NAN, NAN, NAN, q[0], q[1], q[2], width);
 }
 
-/* A number, over all and for each level of a common error. */
+/* A number, over all, for each level of a common error and of runs that stop, and before the inference. */
 static void print_number(const inference *s, const char *choice, const double value[], size_t group)
 {
-    static const char *const given[] = {"all", "shift=none", "shift=common"};
-    for (int k = 0; k < 3; k++) {
-        stats_posterior_draws(&s->posterior, k ? STATS_LATENT_shift : -1, k == 2, s->weight);
-        print_interval(s, choice, given[k], value, group);
+    static const struct {
+        const char *words;
+        int latent;
+        unsigned level;
+    } given[] = {{"all", -1, 0},
+                 {"shift=none", STATS_LATENT_shift, 0},
+                 {"shift=common", STATS_LATENT_shift, 1},
+                 {"stop=ours", STATS_LATENT_stop, 0},
+                 {"stop=theirs", STATS_LATENT_stop, 1}};
+    for (size_t k = 0; k < N_OF(given); k++) {
+        stats_posterior_draws(&s->posterior, given[k].latent, given[k].level, s->weight);
+        print_interval(s, choice, given[k].words, value, group);
     }
+    for (size_t d = 0; d < s->draws.n; d++) s->weight[d] = 1.0;
+    print_interval(s, choice, "prior", value, group);
 }
 
 /* One group of all draws, as a list. */
@@ -199,17 +210,43 @@ static rp_status print_density(const inference *s)
 /* ---- published numbers ---- */
 
 /* Prediction of a claim by weights of draw, surface and latent: mean and variance of the model's own number,
- * and the chance that a publication of it lies as far from the mean of the model as the published one. */
+ * and the chance that a publication of it lies as far from the mean of the model as the published one. A
+ * number that is held out has the common error of the others, where there is one, and a +- of its own
+ * reading. */
 typedef struct {
     double mean, variance, p_value;
 } prediction;
 
-static prediction predict_claim(const inference *s, const forensics_claim *c)
+/* Chance of the claim for one draw, surface and latent. A number that is held out takes the common error from
+ * the others, which moves *mean and *variance, and both readings of its own +- alike. */
+static rp_status claim_chance(const inference *s, const forensics_claim *c, size_t draw, size_t surface,
+                              unsigned latent, double *mean, double *variance, double *p_value)
+{
+    const stats_predictions *m = &s->model;
+    const size_t n = m->n_points;
+    double error = 0.0, of_error = 0.0;
+    if (c->held)
+        RP_TRY(stats_common_error(n, s->used, m->mean + (draw * m->n_surfaces + surface) * n,
+                                  m->covariance + draw * n * n, m->scale[surface], m->shift, latent, &error,
+                                  &of_error));
+    const double common = c->held ? 0.0 : stats_common_variance(m->shift, latent);
+    *mean += error;
+    *variance += of_error;
+    *p_value = 0.0;
+    for (unsigned reading = 0; reading < 2; reading++) {
+        const double weight = c->held ? 0.5 : (latent >> STATS_LATENT_reading & 1u) == reading,
+                     total = *variance + common + stats_published_variance(&c->published, reading);
+        *p_value += weight * gsl_cdf_chisq_Q(pow(c->published.value - *mean, 2.0) / total, 1.0);
+    }
+    return RP_OK;
+}
+
+static rp_status predict_claim(const inference *s, const forensics_claim *c, prediction *r)
 {
     const size_t k = s->claims.n_points;
-    prediction r = {0.0, 0.0, 0.0};
     double squares = 0.0;
     const double *share = s->posterior.share;
+    *r = (prediction){0.0, 0.0, 0.0};
     for (size_t d = 0; d < s->draws.n; d++)
         for (size_t f = 0; f < FORENSICS_SURFACES; f++) {
             const size_t set = c->stem * FORENSICS_SURFACES + f;
@@ -217,27 +254,28 @@ static prediction predict_claim(const inference *s, const forensics_claim *c)
                          own = s->angles.scale[set] * s->draws.covariance[(d * k + c->point) * k + c->point];
             for (unsigned latent = 0; latent < STATS_LATENT_LEVELS; latent++) {
                 const double w = *share++;
-                double unused, chi2;
-                r.mean += w * mean;
-                squares += w * (mean * mean + own);
+                double at = mean, variance = own, p_value;
                 if (w < 1e-12) continue; /* of no weight */
-                if (stats_log_likelihood(1, &c->published, &mean, &own, 1.0, s->o->shift_deg * deg, latent,
-                                         &unused, &chi2) == RP_OK)
-                    r.p_value += w * gsl_cdf_chisq_Q(chi2, 1.0);
+                RP_TRY(claim_chance(s, c, d, f, latent, &at, &variance, &p_value));
+                r->mean += w * at;
+                squares += w * (at * at + variance);
+                r->p_value += w * p_value;
             }
         }
-    r.variance = squares - r.mean * r.mean;
-    return r;
+    r->variance = squares - r->mean * r->mean;
+    return RP_OK;
 }
 
 /* The same before the published numbers are known: every draw and surface has the same weight. */
-static prediction predict_before(const inference *s, const forensics_claim *c)
+static rp_status predict_before(const inference *s, const forensics_claim *c, prediction *r)
 {
     inference flat = *s;
+    forensics_claim plain = *c;
     const size_t n = s->draws.n * FORENSICS_SURFACES * STATS_LATENT_LEVELS;
+    plain.held = false; /* no common error is known yet */
     flat.posterior.share = cli_memory(n, sizeof *flat.posterior.share);
     for (size_t i = 0; i < n; i++) flat.posterior.share[i] = 1.0 / (double)n;
-    return predict_claim(&flat, c);
+    return predict_claim(&flat, &plain, r);
 }
 
 static rp_status print_numbers(const inference *s)
@@ -249,8 +287,11 @@ static rp_status print_numbers(const inference *s)
     for (size_t i = 0; i < s->claims.n; i++) {
         const forensics_claim *c = &s->claims.claims[i];
         const size_t mark = cli_mark();
-        const prediction after = predict_claim(s, c), before = predict_before(s, c);
+        prediction after, before;
+        rp_status status = predict_claim(s, c, &after);
+        if (!status) status = predict_before(s, c, &before);
         cli_release(mark);
+        if (status) return status;
         printf("%s\t%s\t%s\t", c->name, c->held ? "held_out" : "used", s->claims.stems[c->stem]);
         CLI_ROW(c->published.value / deg, c->published.error / deg, c->published.samples, after.mean / deg,
                 sqrt(after.variance) / deg, before.mean / deg, sqrt(before.variance) / deg, after.p_value);
@@ -340,14 +381,19 @@ const cli_command cmd_forensics = {
     "stiffness k_n d^1.5/(m g), damping rate gamma_n sqrt(d/g), frictions of walls and floor over that of\n"
     "the grains, time from the opening to the measurement, and speed of the opening.\n"
     "\n"
-    "RUNS has one row per run of such a sweep, as repose sweep export writes it. An emulator learns the\n"
-    "angle from the runs: a Gaussian process or a quadratic regression, whichever predicts better the\n"
+    "RUNS has one row per run of such a sweep, as repose sweep export writes it, or the means of its "
+    "--reduce.\n"
+    "An emulator learns the angle from the runs: a Gaussian process or a quadratic regression, whichever "
+    "predicts better the\n"
     "settings that it has not seen. Draws of the choices from their prior are weighted by the likelihood\n"
     "of the numbers. The surface, the meaning of the published errors (reading), an error that all\n"
     "numbers share (shift), and runs that stop (stop) are left open as well.\n"
     "\n"
     "--report choices prints shares and Bayes factors of levels, and medians with 95 % intervals; width is\n"
-    "that of the interval over the prior's. numbers prints published and predicted numbers; density the\n"
+    "that of the interval over the prior's; `given` names a level that is taken for granted. A number that "
+    "is\n"
+    "held out takes the shared error from the others, and both readings of its own error alike. numbers "
+    "prints published and predicted numbers; density the\n"
     "posterior over the prior; emulator the errors of prediction of both kernels.",
     "repose forensics --design 200 --seed 1993",
     forensics_params,

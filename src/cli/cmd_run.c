@@ -26,6 +26,7 @@
     X(TEXT, o, "", "", "", "folder for tables, instead of standard output")                                  \
     X(BOOL, ledger, "", "false", "",                                                                         \
       "add the terms of the energy ledger to the energies; as `ledger = true` in a scene")                   \
+    X(INT, j, "", "1", "[1, 256]", "threads of one large scene; results are the same bits for any number")   \
     X(INT, row, "", "0", "[0, 2147483647]", "number of the sweep's run, from 0")                             \
     X(INT, snapshot, "steps", "0", "[0, 2147483647]",                                                        \
       "interval of the snapshots in DIR/unfinished; 0: none; needs -o")                                      \
@@ -64,6 +65,7 @@ typedef struct {
     run_plan plan;
     growth energy;
     dem_sim *sim;
+    long threads;
 } scene_run;
 
 /* The header line that tells what a folder's tables are of. */
@@ -279,8 +281,9 @@ static rp_status advance(scene_run *r, outputs *out)
 {
     const run_plan *p = &r->plan;
     /* some tenths of a second: often enough to show progress and to notice a signal */
-    const long most = 1 + 10000000 / ((long)dem_count(r->sim) + 1);
+    const long most = 1 + r->threads * 10000000 / ((long)dem_count(r->sim) + 1);
     rp_status status = RP_OK;
+    dem_threads(r->sim, (size_t)r->threads);
     while (!status && dem_step(r->sim) < p->steps) {
         const long left = p->steps - dem_step(r->sim);
         long part = steps_to(dem_step(r->sim), p->every, left < most ? left : most);
@@ -353,6 +356,12 @@ static rp_status run_row(const char *path, const run_options *o)
                        "repose sweep make %s -o DIR makes all",
                        path, path, path);
     if (o->set.n > 0) return rp_fail(RP_USAGE, "--set goes with a scene file; %s is a sweep file", path);
+    if (cli_given("j"))
+        return rp_fail(
+            RP_USAGE,
+            "-j goes with a scene file; %s is a sweep file, whose runs take one processor each; repose "
+            "sweep make -j works on several runs",
+            path);
     sweep_result result;
     const sweep_protocol *protocol;
     const double started = rp_clock();
@@ -447,7 +456,7 @@ static rp_status claim(const char *path, const run_plan *plan, const run_options
 static rp_status run_file(const char *path, const run_options *o)
 {
     dem_scene scene;
-    scene_run r = {.plan = {.every = o->every, .snapshot = o->snapshot}};
+    scene_run r = {.plan = {.every = o->every, .snapshot = o->snapshot}, .threads = o->j};
     if (cli_given("row")) return rp_fail(RP_USAGE, "--row goes with a sweep file; %s is a scene", path);
     if (o->snapshot > 0 && !*o->o) return rp_fail(RP_USAGE, "--snapshot needs -o DIR");
     if (o->dump && !*o->o) return rp_fail(RP_USAGE, "--dump needs -o DIR");
@@ -485,7 +494,7 @@ static rp_status check_scene(const char *path, const run_options *o, const run_p
 static rp_status resume(const run_options *o)
 {
     const char *scene = cli_argument(0);
-    scene_run r = {.sim = NULL};
+    scene_run r = {.threads = o->j};
     outputs out = {.tables = {.directory = o->resume, .header = cli_provenance}, .resumable = true};
     if (cli_given("o") || cli_given("every") || cli_given("row") || cli_given("snapshot") ||
         cli_given("force"))

@@ -52,6 +52,7 @@ enum { FORENSICS_FACTORS = 24 };
 typedef struct {
     const forensics_claims *claims;
     rp_table *runs;
+    bool is_reduced; /* rows are means over runs, as `sweep export --reduce` writes them */
     cli_groups settings;
     size_t *first; /* first run of each setting */
     size_t n_factors, n_cells;

@@ -177,24 +177,63 @@ static rp_status find_column(const forensics_study *s, const char *stem, size_t 
     char name[96];
     if (!strstr(stem, "r3") && strstr(end, "_origin")) length -= (int)strlen("_origin");
     const bool first = strncmp(end, forensics_surfaces[0], (size_t)length) == 0;
-    snprintf(name, sizeof name, "%s%s%.*s_deg", stem, first ? "" : "_", first ? 0 : length, end);
+    snprintf(name, sizeof name, "%s%s%.*s_deg%s", stem, first ? "" : "_", first ? 0 : length, end,
+             s->is_reduced ? "_mean" : "");
     return cli_find_column(s->runs, name, column);
 }
 
+/* The runs of a row and those of them with a result: one run, or all of a reduced row. */
+static rp_status count_runs(const forensics_study *s, size_t row, double *runs, double *ok)
+{
+    const int status = rp_table_column(s->runs, "status");
+    double failed;
+    *runs = 1.0;
+    *ok = status < 0 || strncmp(cli_text(s->runs, row, status), "ok", 2) == 0;
+    if (!s->is_reduced) return RP_OK;
+    RP_TRY(rp_table_number(s->runs, row, rp_table_column(s->runs, "n"), false, ok));
+    RP_TRY(rp_table_number(s->runs, row, rp_table_column(s->runs, "n_failed"), false, &failed));
+    *runs = *ok + failed;
+    return RP_OK;
+}
+
+/* Number, mean and sum of squares about it of a row's values, in degrees: NAME_sd and NAME_n follow
+ * NAME_mean. */
+static rp_status read_values(const forensics_study *s, size_t row, int column, double *n, double *mean,
+                             double *squares)
+{
+    double sd = 0.0;
+    RP_TRY(rp_table_number(s->runs, row, column, true, mean));
+    *n = isfinite(*mean);
+    *squares = 0.0;
+    if (!s->is_reduced || *n == 0.0) return RP_OK;
+    char name[96];
+    const int stem = (int)strlen(s->runs->names[column]) - (int)strlen("mean");
+    snprintf(name, sizeof name, "%.*sn", stem, s->runs->names[column]);
+    RP_TRY(rp_table_find(s->runs, name, NULL, &column));
+    RP_TRY(rp_table_number(s->runs, row, column, false, n));
+    snprintf(name + stem, sizeof name - (size_t)stem, "sd");
+    RP_TRY(rp_table_find(s->runs, name, NULL, &column));
+    if (*n > 1.0) RP_TRY(rp_table_number(s->runs, row, column, false, &sd));
+    *squares = (*n - 1.0) * sd * sd;
+    return RP_OK;
+}
+
 /* Means of one column over the runs with a result; `squares` and `n_values` of each cell. */
-static rp_status read_means(forensics_study *s, int column, const bool ok[], const size_t cell[],
-                            double mean[], double squares[], double n_values[])
+static rp_status read_means(forensics_study *s, int column, const size_t cell[], double mean[],
+                            double squares[], double n_values[])
 {
     for (size_t c = 0; c < s->n_cells; c++) mean[c] = squares[c] = n_values[c] = 0.0;
     for (size_t row = 0; row < s->runs->n_rows; row++) {
         const size_t c = cell[row];
-        double v = NAN;
-        if (c == s->n_cells || !ok[row]) continue;
-        RP_TRY(rp_table_number(s->runs, row, column, true, &v));
-        if (!isfinite(v)) continue;
-        const double change = v * deg - mean[c]; /* Welford */
-        mean[c] += change / ++n_values[c];
-        squares[c] += change * (v * deg - mean[c]);
+        double runs, ok, n, own, own_squares;
+        RP_TRY(count_runs(s, row, &runs, &ok));
+        if (c == s->n_cells || ok == 0.0) continue;
+        RP_TRY(read_values(s, row, column, &n, &own, &own_squares));
+        if (n == 0.0) continue;
+        const double change = own * deg - mean[c], before = n_values[c]; /* Welford */
+        n_values[c] += n;
+        mean[c] += change * n / n_values[c];
+        squares[c] += own_squares * deg * deg + change * change * before * n / n_values[c];
     }
     for (size_t c = 0; c < s->n_cells; c++)
         if (n_values[c] < 2.0) mean[c] = NAN;
@@ -217,23 +256,22 @@ static void pool_variance(forensics_study *s, const double squares[], const doub
 static rp_status read_numbers(forensics_study *s, const size_t cell[])
 {
     const size_t n = s->n_cells, n_sets = s->claims->n_stems * FORENSICS_SURFACES;
-    const int word = rp_table_column(s->runs, "status");
-    bool *ok = cli_memory(s->runs->n_rows, sizeof *ok);
     double *squares = cli_memory(n, sizeof *squares), *n_values = cli_memory(n, sizeof *n_values);
     s->runs_of = cli_memory(n, sizeof *s->runs_of);
     s->ok = cli_memory(n, sizeof *s->ok);
     s->variance = cli_memory(n, sizeof *s->variance);
     s->mean = cli_memory(n_sets * n, sizeof *s->mean);
     for (size_t row = 0; row < s->runs->n_rows; row++) {
-        ok[row] = word < 0 || strncmp(cli_text(s->runs, row, word), "ok", 2) == 0;
+        double runs, ok;
+        RP_TRY(count_runs(s, row, &runs, &ok));
         if (cell[row] == n) continue;
-        s->runs_of[cell[row]]++;
-        s->ok[cell[row]] += ok[row];
+        s->runs_of[cell[row]] += runs;
+        s->ok[cell[row]] += ok;
     }
     for (size_t k = 0; k < n_sets; k++) {
         int column;
         RP_TRY(find_column(s, s->claims->stems[k / FORENSICS_SURFACES], k % FORENSICS_SURFACES, &column));
-        RP_TRY(read_means(s, column, ok, cell, s->mean + k * n, squares, n_values));
+        RP_TRY(read_means(s, column, cell, s->mean + k * n, squares, n_values));
         if (k == 0) pool_variance(s, squares, n_values);
     }
     return RP_OK;
@@ -241,7 +279,10 @@ static rp_status read_numbers(forensics_study *s, const size_t cell[])
 
 rp_status forensics_study_read(rp_table *runs, const forensics_claims *claims, forensics_study *s)
 {
-    *s = (forensics_study){.claims = claims, .runs = runs};
+    *s = (forensics_study){.claims = claims,
+                           .runs = runs,
+                           .is_reduced =
+                               rp_table_column(runs, "n") >= 0 && rp_table_column(runs, "n_failed") >= 0};
     size_t *point = cli_memory(runs->n_rows, sizeof *point), *cell = cli_memory(runs->n_rows, sizeof *cell),
            n = 0;
     RP_TRY(find_settings(s));

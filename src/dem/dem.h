@@ -229,6 +229,12 @@ rp_status dem_add(dem_sim *sim, const dem_grain *grain, uint32_t *id);
  * box that turns with fixed grains or the implicit integrator). After an error the simulation can only be
  * read and freed. */
 rp_status dem_run(dem_sim *sim, long steps);
+
+/* Let runs take so many threads, with the same bits. They serve the Verlet integrator without hard collisions
+ * and ledger, from some 40 000 listed pairs on; any other run takes one. A copy has the number of its
+ * original, a state from a snapshot has 1. */
+void dem_threads(dem_sim *sim, size_t n);
+
 dem_fault dem_sim_fault(const dem_sim *sim);
 
 /* As dem_run, with the same bits; adds the seconds of the neighbour list, the pair loop, the walls' forces

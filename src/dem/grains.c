@@ -66,20 +66,26 @@ rp_status dem_grains_copy(const dem_grains *grains, const dem_definition *def, s
     return RP_OK;
 }
 
-void dem_grains_sort(dem_grains *grains, const uint32_t *to, dem_grains *spare)
+void dem_grains_put(const dem_grains *grains, const uint32_t *to, dem_grains *sorted, size_t from, size_t end)
 {
-    size_t left = 0;
-    for (size_t i = 0; i < grains->n; i++) left += to[i] != UINT32_MAX;
 #define X(type, name, need, role)                                                                            \
-    if (role == DEM_STATE && grains->name) {                                                                 \
-        type *const from = grains->name, *const sorted = spare->name;                                        \
-        for (size_t i = 0; i < grains->n; i++)                                                               \
-            if (to[i] != UINT32_MAX) sorted[to[i]] = from[i];                                                \
-        grains->name = sorted, spare->name = from;                                                           \
+    if (role == DEM_STATE && grains->name)                                                                   \
+        for (size_t i = from; i < end; i++)                                                                  \
+            if (to[i] != UINT32_MAX) sorted->name[to[i]] = grains->name[i];
+    DEM_GRAIN_ARRAYS(X)
+#undef X
+}
+
+void dem_grains_take(dem_grains *grains, dem_grains *sorted, size_t n)
+{
+#define X(type, name, need, role)                                                                            \
+    if (role == DEM_STATE) {                                                                                 \
+        type *const old = grains->name;                                                                      \
+        grains->name = sorted->name, sorted->name = old;                                                     \
     }
     DEM_GRAIN_ARRAYS(X)
 #undef X
-    grains->n = left;
+    grains->n = n;
 }
 
 void dem_grains_clear(dem_grains *grains, size_t i)

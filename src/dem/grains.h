@@ -95,9 +95,11 @@ void dem_grains_free(dem_grains *grains);
 rp_status dem_grains_copy(const dem_grains *grains, const dem_definition *def, size_t capacity,
                           dem_grains *copy);
 
-/* Sort the states: grain i goes to to[i], or is dropped where that is UINT32_MAX. The states in `spare` are
- * work space. */
-void dem_grains_sort(dem_grains *grains, const uint32_t *to, dem_grains *spare);
+/* Sort the states: put each grain i of from..end to place to[i] of `sorted`, or nowhere where that is
+ * UINT32_MAX; then let the n states in `sorted` be those of the grains. */
+void dem_grains_put(const dem_grains *grains, const uint32_t *to, dem_grains *sorted, size_t from,
+                    size_t end);
+void dem_grains_take(dem_grains *grains, dem_grains *sorted, size_t n);
 
 /* Let all entries of grain i be 0. */
 void dem_grains_clear(dem_grains *grains, size_t i);

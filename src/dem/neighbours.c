@@ -111,15 +111,15 @@ void dem_neighbours_free(dem_sim *sim)
     sim->list.work = NULL;
 }
 
-/* Faults of a grain that a rebuilding finds; raises *fastest to its speed. */
-static rp_status check_grain(dem_sim *sim, size_t i, double *fastest)
+/* Faults of a grain that a rebuilding finds; raises list.fastest to its speed. */
+static rp_status check_grain(dem_sim *sim, size_t i)
 {
     const double size = 2.0 * sim->r_max + sim->list.skin;
     dem_vec x = sim->grains.motion[i].x, v = sim->grains.motion[i].v;
     if (!isfinite(x[0] + x[1] + v[0] + v[1]))
         return dem_stop(sim, DEM_FAULT_NON_FINITE, i, "a number is not finite");
     const double speed = sqrt(dem_dot(v, v)), travel = speed * sim->def.dt;
-    *fastest = fmax(*fastest, speed);
+    sim->list.fastest = fmax(sim->list.fastest, speed);
     if (travel > sim->grains.radius[i])
         return dem_stop(sim, DEM_FAULT_TOO_FAST, i, "moves %g in one step, its radius is %g", travel,
                         sim->grains.radius[i]);
@@ -136,6 +136,15 @@ static rp_status check_grain(dem_sim *sim, size_t i, double *fastest)
     return RP_OK;
 }
 
+static rp_status check_grains(dem_sim *sim, dem_part *part)
+{
+    const size_t end = dem_share_end(part, sim->grains.n, 1);
+    rp_status status = RP_OK;
+    for (size_t i = dem_share_start(part, sim->grains.n, 1); i < end && !status; i++)
+        status = check_grain(sim, i);
+    return status;
+}
+
 /* Let the position and the margin of a grain in the list be those of now. */
 static void mark_grain(dem_sim *sim, size_t i)
 {
@@ -147,14 +156,12 @@ static void mark_grain(dem_sim *sim, size_t i)
     sim->grains.slack[i / DEM_GROUP] = 0.0;
 }
 
-/* Drop the grains that left; sort the others by cells of this size, in their old order within a cell. */
-static void sort_grains(dem_sim *sim, double size)
+static rp_status find_cells(dem_sim *sim, dem_part *part)
 {
-    struct dem_list_work *w = sim->list.work;
-    const double inverse_size = 1.0 / size;
-    const size_t cells = w->cells_x * w->cells_y;
-    memset(w->cell_start, 0, (cells + 1) * sizeof *w->cell_start);
-    for (size_t i = 0; i < sim->grains.n; i++) {
+    const struct dem_list_work *w = sim->list.work;
+    const double inverse_size = 1.0 / (2.0 * (sim->r_max + margin(sim, sim->list.fastest)));
+    const size_t end = dem_share_end(part, sim->grains.n, 1);
+    for (size_t i = dem_share_start(part, sim->grains.n, 1); i < end; i++) {
         dem_vec x = sim->grains.motion[i].x;
         if (dem_beyond(sim, x)) {
             sim->grains.cell[i] = NOWHERE;
@@ -163,8 +170,39 @@ static void sort_grains(dem_sim *sim, double size)
         size_t cx = (size_t)(long)floor(x[0] * inverse_size) & (w->cells_x - 1);
         size_t cy = (size_t)(long)floor(x[1] * inverse_size) & (w->cells_y - 1);
         sim->grains.cell[i] = (uint32_t)(cy * w->cells_x + cx);
-        w->cell_start[sim->grains.cell[i] + 1]++;
     }
+    return RP_OK;
+}
+
+static rp_status move_grains(dem_sim *sim, dem_part *part)
+{
+    dem_grains_put(&sim->grains, sim->grains.moved_to, &sim->list.work->spare,
+                   dem_share_start(part, sim->grains.n, 1), dem_share_end(part, sim->grains.n, 1));
+    return RP_OK;
+}
+
+static rp_status mark_grains(dem_sim *sim, dem_part *part)
+{
+    const size_t end = dem_share_end(part, sim->grains.n, DEM_GROUP);
+    for (size_t i = dem_share_start(part, sim->grains.n, DEM_GROUP); i < end; i++) {
+        const dem_vec x = sim->grains.motion[i].x;
+        mark_grain(sim, i);
+        sim->grains.held[i] = NOWHERE;
+        sim->list.far2 = fmax(sim->list.far2, dem_dot(x, x));
+    }
+    return RP_OK;
+}
+
+/* Drop the grains that left; sort the others by cells that hold the widest pair, in their old order within a
+ * cell. */
+static rp_status sort_grains(dem_sim *sim)
+{
+    struct dem_list_work *w = sim->list.work;
+    const size_t cells = w->cells_x * w->cells_y;
+    RP_TRY(dem_threads_do(sim, find_cells));
+    memset(w->cell_start, 0, (cells + 1) * sizeof *w->cell_start);
+    for (size_t i = 0; i < sim->grains.n; i++)
+        if (sim->grains.cell[i] != NOWHERE) w->cell_start[sim->grains.cell[i] + 1]++;
     for (size_t c = 0; c < cells; c++) w->cell_start[c + 1] += w->cell_start[c];
     for (size_t i = 0; i < sim->grains.n; i++) {
         if (sim->grains.cell[i] == NOWHERE) {
@@ -176,12 +214,13 @@ static void sort_grains(dem_sim *sim, double size)
     }
     for (size_t c = cells; c > 0; c--) w->cell_start[c] = w->cell_start[c - 1];
     w->cell_start[0] = 0;
-    dem_grains_sort(&sim->grains, sim->grains.moved_to, &w->spare);
+    RP_TRY(dem_threads_do(sim, move_grains));
+    dem_grains_take(&sim->grains, &w->spare, w->cell_start[cells]);
     sim->grains.n_fixed = 0;
-    for (size_t i = 0; i < sim->grains.n; i++) {
-        mark_grain(sim, i);
+    for (size_t i = 0; i < sim->grains.n; i++)
         if (dem_is_fixed(sim, i)) sim->grains.fixed[sim->grains.n_fixed++] = (uint32_t)i;
-    }
+    sim->list.far2 = 0.0;
+    return dem_threads_do(sim, mark_grains);
 }
 
 /* Round-off of a position at this squared distance from the origin, at most. */
@@ -192,32 +231,38 @@ static double round_off(const dem_sim *sim, double far2)
 
 static void measure_far(dem_sim *sim)
 {
-    double far2 = 0.0;
-    for (size_t i = 0; i < sim->grains.n; i++)
-        far2 = fmax(far2, dem_dot(sim->grains.motion[i].x, sim->grains.motion[i].x));
-    dem_walls_limit(sim, sqrt(far2));
-    sim->list.round_off = round_off(sim, far2);
+    dem_walls_limit(sim, sqrt(sim->list.far2));
+    sim->list.round_off = round_off(sim, sim->list.far2);
 }
 
-/* Keep the springs of touching pairs. */
-static rp_status hold_springs(dem_sim *sim)
+/* Keep the springs of touching pairs of the part's share of the old list. The order of a chain does not
+ * matter. */
+static rp_status hold_part(dem_sim *sim, dem_part *part)
 {
     const dem_pairs *pairs = &sim->pairs;
+    const size_t from = dem_share_start(part, pairs->n, 64), end = dem_share_end(part, pairs->n, 64);
     dem_pairs *held = &sim->list.work->held;
-    rp_status status = dem_pairs_reserve(held, dem_count_touching(pairs));
-    if (status) return status;
-    uint32_t n = 0, *const first = sim->grains.held;
-    memset(first, 0xff, sim->grains.n * sizeof *first);
-    DEM_EACH_TOUCHING (pairs, k) {
+    uint32_t n = (uint32_t)dem_count_touching_below(pairs, from), *const first = sim->grains.held;
+    DEM_EACH_TOUCHING_OF(pairs, from, end, k)
+    {
         const uint32_t a = sim->grains.moved_to[pairs->i[k]], b = sim->grains.moved_to[pairs->j[k]];
         if (a == NOWHERE || b == NOWHERE) continue;
-        const uint32_t low = a < b ? a : b;
+        uint32_t *const low = &first[a < b ? a : b];
         dem_pairs_take_springs(held, n, pairs, k, a > b);
         held->j[n] = a < b ? b : a;
-        held->i[n] = first[low];
-        first[low] = n++;
+        if (part->of > 1)
+            held->i[n] = __atomic_exchange_n(low, n, __ATOMIC_RELAXED);
+        else
+            held->i[n] = *low, *low = n;
+        n++;
     }
     return RP_OK;
+}
+
+static rp_status hold_springs(dem_sim *sim)
+{
+    RP_TRY(dem_pairs_reserve(&sim->list.work->held, dem_count_touching(&sim->pairs)));
+    return dem_threads_do(sim, hold_part);
 }
 
 /* Give pair k of grains a and b the springs it held before. */
@@ -248,12 +293,12 @@ static void append_pairs(dem_sim *sim, size_t i, size_t from, size_t to)
     sim->pairs.n = k;
 }
 
-/* Fill in the other entries of the pairs from k on; springs are 0. */
-static void complete_pairs(dem_sim *sim, size_t k)
+/* Fill in the other entries of the pairs k..end; springs are 0. */
+static void complete_pairs(dem_sim *sim, size_t k, size_t end)
 {
     const dem_grains *g = &sim->grains;
     dem_pairs *pairs = &sim->pairs;
-    for (; k < pairs->n; k++) {
+    for (; k < end; k++) {
         const size_t i = pairs->i[k], j = pairs->j[k];
         const double radii = g->radius[i] + g->radius[j], m_i = g->mass[i], m_j = g->mass[j];
         pairs->radii[k] = radii;
@@ -269,10 +314,11 @@ static void complete_pairs(dem_sim *sim, size_t k)
     }
 }
 
-static void find_touching(dem_sim *sim)
+/* Of the pairs k..end, k a multiple of 64. */
+static void find_touching(dem_sim *sim, size_t k, size_t end)
 {
     uint64_t *restrict touching = sim->pairs.touching, word = 0;
-    for (size_t k = 0; k < sim->pairs.n; k++) {
+    for (; k < end; k++) {
         dem_vec d = sim->grains.motion[sim->pairs.i[k]].x - sim->grains.motion[sim->pairs.j[k]].x;
         dem_note(touching, k, dem_dot(d, d) < sim->pairs.radii[k] * sim->pairs.radii[k], &word);
     }
@@ -306,39 +352,71 @@ static rp_status part_pairs(dem_sim *sim)
     return RP_OK;
 }
 
+/* The first cell whose grains begin at `grain` or behind. */
+static size_t first_cell(const struct dem_list_work *w, size_t cells, size_t grain)
+{
+    size_t low = 0;
+    for (size_t high = cells; low < high;) {
+        const size_t middle = (low + high) / 2;
+        if (w->cell_start[middle] < grain)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low;
+}
+
 /* Pairs of the grains of each cell with those after them, and with those of the next cell and of the three
  * above; cells that follow one another are taken as one. */
-static rp_status find_pairs(dem_sim *sim)
+static rp_status append_cells(dem_sim *sim, dem_part *part)
 {
     struct dem_list_work *w = sim->list.work;
-    const size_t mask_x = w->cells_x - 1, mask_y = w->cells_y - 1;
+    const size_t mask_x = w->cells_x - 1, cells = w->cells_x * w->cells_y,
+                 last = first_cell(w, cells, dem_share_end(part, sim->grains.n, 1));
     dem_append_kernel *const append = sim->kernels.append_pairs ? sim->kernels.append_pairs : append_pairs;
-    sim->pairs.n = 0;
-    for (size_t cy = 0, c = 0; cy < w->cells_y; cy++)
-        for (size_t cx = 0; cx < w->cells_x; cx++, c++) {
-            const size_t up = ((cy + 1) & mask_y) * w->cells_x;
-            const size_t half[4] = {cy * w->cells_x + ((cx + 1) & mask_x), up + ((cx - 1) & mask_x), up + cx,
-                                    up + ((cx + 1) & mask_x)};
-            size_t from[5] = {0}, to[5] = {w->cell_start[c + 1]}, n = 1, most = to[0] - w->cell_start[c];
-            for (int a = 0; a < 4; a++) {
-                const size_t first = w->cell_start[half[a]], end = w->cell_start[half[a] + 1];
-                most += end - first;
-                if (first != to[n - 1]) from[n++] = first;
-                to[n - 1] = end;
-            }
-            for (size_t i = w->cell_start[c]; i < w->cell_start[c + 1]; i++) {
-                rp_status status = dem_pairs_reserve(&sim->pairs, most);
-                if (status) return status;
-                append(sim, i, i + 1, to[0]);
-                for (size_t a = 1; a < n; a++) append(sim, i, from[a], to[a]);
-            }
+    dem_threads_collect(sim, part);
+    for (size_t c = first_cell(w, cells, dem_share_start(part, sim->grains.n, 1)); c < last; c++) {
+        const size_t cx = c & mask_x, row = c - cx, up = (row + w->cells_x) & (cells - 1);
+        const size_t half[4] = {row + ((cx + 1) & mask_x), up + ((cx - 1) & mask_x), up + cx,
+                                up + ((cx + 1) & mask_x)};
+        size_t from[5] = {0}, to[5] = {w->cell_start[c + 1]}, n = 1, most = to[0] - w->cell_start[c];
+        for (int a = 0; a < 4; a++) {
+            const size_t first = w->cell_start[half[a]], end = w->cell_start[half[a] + 1];
+            most += end - first;
+            if (first != to[n - 1]) from[n++] = first;
+            to[n - 1] = end;
         }
-    rp_status status = sim->def.hard.on ? part_pairs(sim) : RP_OK;
-    if (status) return status;
-    complete_pairs(sim, 0);
-    find_touching(sim);
-    DEM_EACH_TOUCHING (&sim->pairs, k) restore_springs(sim, k, sim->pairs.i[k], sim->pairs.j[k]);
+        for (size_t i = w->cell_start[c]; i < w->cell_start[c + 1]; i++) {
+            RP_TRY(dem_pairs_reserve(&sim->pairs, most));
+            append(sim, i, i + 1, to[0]);
+            for (size_t a = 1; a < n; a++) append(sim, i, from[a], to[a]);
+        }
+    }
     return RP_OK;
+}
+
+static rp_status complete_part(dem_sim *sim, dem_part *part)
+{
+    complete_pairs(sim, dem_share_start(part, sim->pairs.n, 1), dem_share_end(part, sim->pairs.n, 1));
+    return RP_OK;
+}
+
+static rp_status restore_part(dem_sim *sim, dem_part *part)
+{
+    const size_t from = dem_share_start(part, sim->pairs.n, 64), end = dem_share_end(part, sim->pairs.n, 64);
+    find_touching(sim, from, end);
+    DEM_EACH_TOUCHING_OF(&sim->pairs, from, end, k)
+    restore_springs(sim, k, sim->pairs.i[k], sim->pairs.j[k]);
+    return RP_OK;
+}
+
+static rp_status find_pairs(dem_sim *sim)
+{
+    RP_TRY(dem_threads_do(sim, append_cells));
+    RP_TRY(dem_threads_gather(sim));
+    if (sim->def.hard.on) RP_TRY(part_pairs(sim));
+    RP_TRY(dem_threads_do(sim, complete_part));
+    return dem_threads_do(sim, restore_part);
 }
 
 static void mark_walls(dem_sim *sim)
@@ -355,41 +433,64 @@ static inline bool is_beyond_ends(const dem_wall *wall, double along, double mos
     return along < wall->extent[0] - most || along > wall->extent[1] + most;
 }
 
-/* Slots of grains near walls; a wall that is gone has none. */
+/* May grain i touch wall k until the next rebuilding? A wall that is gone touches none. */
+static bool is_near_wall(const dem_sim *sim, size_t k, size_t i)
+{
+    const dem_wall *wall = &sim->walls.wall[k];
+    const dem_wall_line *line = &sim->walls.line[k];
+    const bool turns = sim->def.box_turn_per_step != 0.0 && sim->step >= sim->walls.turn_from_step;
+    const double more = line->moves ? sim->walls.margin : turns ? 0.5 * sim->list.skin : 0.0;
+    if (wall->open_at_step >= 0 && sim->step >= wall->open_at_step && isinf(wall->open_speed)) return false;
+    const dem_vec d = sim->grains.listed_x[i] - line->point;
+    const double most = sim->grains.cutoff[i] + more;
+    return fabs(dem_dot(d, line->direction)) < most && !dem_is_fixed(sim, i) &&
+           !is_beyond_ends(wall, dem_dot(d, dem_clockwise(line->direction)), most);
+}
+
+/* Grains near any wall. */
+static rp_status find_near_walls(dem_sim *sim, dem_part *part)
+{
+    const size_t end = dem_share_end(part, sim->grains.n, 1);
+    for (size_t i = dem_share_start(part, sim->grains.n, 1); i < end; i++) {
+        bool near = false;
+        for (size_t k = 0; k < sim->def.n_walls && !near; k++) near = is_near_wall(sim, k, i);
+        sim->grains.cell[i] = near;
+    }
+    return RP_OK;
+}
+
+/* Slots of grains near walls. */
 static rp_status find_wall_slots(dem_sim *sim)
 {
     struct dem_list_work *w = sim->list.work;
     const size_t n_old = sim->walls.n_slots;
-    const bool turns = sim->def.box_turn_per_step != 0.0 && sim->step >= sim->walls.turn_from_step;
-    const double turn = turns ? 0.5 * sim->list.skin : 0.0;
+    uint32_t *const near = sim->grains.cell;
+    size_t n_near = 0;
     memset(sim->grains.held_slot, 0xff, sim->grains.n * sizeof *sim->grains.held_slot);
     if (n_old > w->wall_capacity &&
         !dem_grow(&w->wall_slot, sizeof *w->wall_slot, w->wall_capacity = sim->walls.capacity))
         return no_memory();
     if (n_old) memcpy(w->wall_slot, sim->walls.slot, n_old * sizeof *w->wall_slot);
+    RP_TRY(dem_threads_do(sim, find_near_walls));
+    for (uint32_t i = 0; i < sim->grains.n; i++)
+        if (near[i]) near[n_near++] = i;
     sim->walls.n_slots = 0;
     for (uint32_t k = 0; k < sim->def.n_walls; k++) {
-        const dem_wall *wall = &sim->walls.wall[k];
-        if (wall->open_at_step >= 0 && sim->step >= wall->open_at_step && isinf(wall->open_speed)) continue;
-        const dem_vec direction = sim->walls.line[k].direction, point = sim->walls.line[k].point;
-        const double more = sim->walls.line[k].moves ? sim->walls.margin : turn;
         for (uint32_t s = 0; s < n_old; s++)
             if (w->wall_slot[s].wall == k && sim->grains.moved_to[w->wall_slot[s].grain] != NOWHERE)
                 sim->grains.held_slot[sim->grains.moved_to[w->wall_slot[s].grain]] = s;
-        for (uint32_t i = 0; i < sim->grains.n; i++) {
-            const dem_vec d = sim->grains.listed_x[i] - point;
-            const double distance = dem_dot(d, direction), most = sim->grains.cutoff[i] + more;
-            uint32_t held = sim->grains.held_slot[i];
+        for (size_t m = 0; m < n_near; m++) {
+            const uint32_t i = near[m], held = sim->grains.held_slot[i];
             sim->grains.held_slot[i] = NOWHERE;
-            if (!(fabs(distance) < most) || dem_is_fixed(sim, i)) continue;
-            if (is_beyond_ends(wall, dem_dot(d, dem_clockwise(direction)), most)) continue;
+            if (!is_near_wall(sim, k, i)) continue;
             if (sim->walls.n_slots == sim->walls.capacity &&
                 !dem_grow(&sim->walls.slot, sizeof *sim->walls.slot,
                           sim->walls.capacity = 2 * sim->walls.capacity + 64))
                 return no_memory();
+            const dem_vec d = sim->grains.listed_x[i] - sim->walls.line[k].point;
+            const bool behind = dem_dot(d, sim->walls.line[k].direction) < 0.0;
             dem_wall_slot *slot = &sim->walls.slot[sim->walls.n_slots++];
-            *slot =
-                held != NOWHERE ? w->wall_slot[held] : (dem_wall_slot){.side = distance < 0.0 ? -1.0 : 1.0};
+            *slot = held != NOWHERE ? w->wall_slot[held] : (dem_wall_slot){.side = behind ? -1.0 : 1.0};
             slot->wall = k;
             slot->grain = i;
         }
@@ -435,18 +536,17 @@ void dem_neighbours_drop(dem_sim *sim)
 
 rp_status dem_neighbours_rebuild(dem_sim *sim)
 {
-    double fastest = 0.0;
-    rp_status status = RP_OK;
-    for (size_t i = 0; i < sim->grains.n && !status; i++) status = check_grain(sim, i, &fastest);
-    if (status) return status;
+    sim->list.fastest = 0.0;
+    RP_TRY(dem_threads_do(sim, check_grains));
     sim->count.rebuilds++;
-    sort_grains(sim, 2.0 * (sim->r_max + margin(sim, fastest)));
+    RP_TRY(sort_grains(sim));
     measure_far(sim);
-    status = hold_springs(sim);
+    rp_status status = hold_springs(sim);
     if (!status) status = find_pairs(sim);
     dem_pairs_pad(&sim->pairs);
     if (!status) status = find_wall_slots(sim);
-    return status ? status : dem_pairs_plan_chunks(&sim->pairs, sim->grains.n);
+    if (!status) status = dem_pairs_plan_chunks(&sim->pairs, sim->grains.n);
+    return status ? status : dem_threads_divide(sim);
 }
 
 /* Remove the pairs of grain i that are beyond their cutoffs, and append those not yet listed. Touching pairs
@@ -477,7 +577,7 @@ static rp_status renew_pairs(dem_sim *sim, uint32_t i, uint32_t *listed, uint32_
         n += listed[sim->pairs.j[k]] != mark;
     }
     sim->pairs.n = n;
-    complete_pairs(sim, from);
+    complete_pairs(sim, from, sim->pairs.n);
     return RP_OK;
 }
 
@@ -498,9 +598,8 @@ rp_status dem_neighbours_renew(dem_sim *sim)
         if (n == FEW) return dem_neighbours_rebuild(sim);
         moved[n++] = (uint32_t)i;
     }
-    double fastest = 0.0;
     rp_status status = RP_OK;
-    for (size_t m = 0; m < n && !status; m++) status = check_grain(sim, moved[m], &fastest);
+    for (size_t m = 0; m < n && !status; m++) status = check_grain(sim, moved[m]);
     if (status) return status;
     for (size_t m = 0; m < n; m++) {
         const dem_vec x = sim->grains.motion[moved[m]].x;
@@ -511,7 +610,7 @@ rp_status dem_neighbours_renew(dem_sim *sim)
     for (size_t m = 0; m < n && !status; m++)
         status = renew_pairs(sim, moved[m], sim->grains.cell, (uint32_t)m + 1);
     dem_pairs_pad(&sim->pairs);
-    find_touching(sim);
+    find_touching(sim, 0, sim->pairs.n);
     for (uint32_t i = 0; i < sim->grains.n; i++) sim->grains.moved_to[i] = i;
     if (!status) status = find_wall_slots(sim);
     return status;

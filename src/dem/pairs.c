@@ -48,11 +48,13 @@ rp_status dem_pairs_copy(const dem_pairs *pairs, dem_pairs *copy)
 
 void dem_pairs_pad(dem_pairs *pairs)
 {
+    const uint32_t last = pairs->n > 0 ? pairs->i[pairs->n - 1] : 0;
     for (size_t k = pairs->n; k < (pairs->n + 7) / 8 * 8; k++) {
 #define X(type, name, need, share, role)                                                                     \
     if (share == 1 && pairs->name) pairs->name[k] = 0;
         DEM_PAIR_ARRAYS(X)
 #undef X
+        pairs->i[k] = pairs->j[k] = last;
     }
 }
 
@@ -74,25 +76,44 @@ void dem_pairs_take_springs(dem_pairs *pairs, size_t k, const dem_pairs *others,
 #undef X
 }
 
+rp_status dem_pairs_append(dem_pairs *pairs, const dem_pairs *others, size_t k)
+{
+    RP_TRY(dem_pairs_reserve(pairs, 1));
+#define X(type, name, need, share, role)                                                                     \
+    if (share == 1 && pairs->name) pairs->name[pairs->n] = others->name[k];
+    DEM_PAIR_ARRAYS(X)
+#undef X
+    pairs->n++;
+    return RP_OK;
+}
+
 /* A grain is done where no pair of a later chunk has it. After cells wrapped around, or as pairs have been
  * renamed, that may be so of few before the end. */
+void dem_pairs_find_done(const dem_pairs *pairs, size_t from, size_t to, size_t first, size_t last,
+                         uint32_t *done)
+{
+    uint32_t least = (uint32_t)last;
+    for (size_t c = (to - from + pairs->chunk - 1) / pairs->chunk, end = to; c-- > 0;) {
+        const size_t start = from + c * pairs->chunk;
+        done[c] = end == to ? least : least / DEM_GROUP * DEM_GROUP;
+        for (size_t k = start; k < end; k++) {
+            const uint32_t i = pairs->i[k], j = pairs->j[k];
+            least = i >= first && i < least ? i : least;
+            least = j >= first && j < least ? j : least;
+        }
+        end = start;
+    }
+}
+
 rp_status dem_pairs_plan_chunks(dem_pairs *pairs, size_t n)
 {
-    enum { LEAST = 6 }; /* fewer fit into the cache together */
     const size_t chunks = (pairs->n + pairs->chunk - 1) / pairs->chunk;
     pairs->n_chunks = 0;
-    if (chunks < LEAST) return RP_OK;
+    if (!dem_pairs_are_many(pairs)) return RP_OK;
     if (chunks > pairs->chunk_capacity &&
         !dem_grow(&pairs->done, sizeof *pairs->done, pairs->chunk_capacity = 2 * chunks))
         return no_memory();
-    uint32_t done = (uint32_t)n;
-    for (size_t c = chunks, end = pairs->n; c-- > 0; end = c * pairs->chunk) {
-        pairs->done[c] = c + 1 == chunks ? done : done / DEM_GROUP * DEM_GROUP;
-        for (size_t k = c * pairs->chunk; k < end; k++) {
-            const uint32_t i = pairs->i[k], j = pairs->j[k], first = i < j ? i : j;
-            done = first < done ? first : done;
-        }
-    }
+    dem_pairs_find_done(pairs, 0, pairs->n, 0, n, pairs->done);
     pairs->n_chunks = chunks;
     return RP_OK;
 }

@@ -32,7 +32,8 @@ typedef enum {
 typedef struct {
     bool rotation, rolling; /* the grains rotate; some contact resists rolling */
     bool springs_only;      /* pairs whose springs a rebuilding keeps */
-    size_t n, capacity; /* up to the next multiple of 8 follow pairs of grain 0 with itself, not touching */
+    size_t n,
+        capacity; /* up to the next multiple of 8 follow pairs of the last i with itself, not touching */
 #define X(type, name, need, share, role) type *name;
     DEM_PAIR_ARRAYS(X)
 #undef X
@@ -58,8 +59,22 @@ void dem_pairs_remove(dem_pairs *pairs, size_t k);
 /* Let pair k have the springs of pair l of others, where i and j are exchanged with `turned`. */
 void dem_pairs_take_springs(dem_pairs *pairs, size_t k, const dem_pairs *others, size_t l, bool turned);
 
+/* Append a copy of pair k of others. Errors: RP_NO_MEMORY. */
+rp_status dem_pairs_append(dem_pairs *pairs, const dem_pairs *others, size_t k);
+
 /* Divide the pairs of n grains into chunks, if there are enough. Errors: RP_NO_MEMORY. */
+enum { DEM_LEAST_CHUNKS = 6 }; /* fewer fit into the cache together */
 rp_status dem_pairs_plan_chunks(dem_pairs *pairs, size_t n);
+
+/* For each chunk of the pairs from..to: no later one has a pair of the grains from `first` to below done[c],
+ * and those up to `last` alone count. */
+void dem_pairs_find_done(const dem_pairs *pairs, size_t from, size_t to, size_t first, size_t last,
+                         uint32_t *done);
+
+static inline bool dem_pairs_are_many(const dem_pairs *pairs)
+{
+    return pairs->n > (DEM_LEAST_CHUNKS - 1) * pairs->chunk;
+}
 
 /* Put the bits of pairs k.. into an array that is filled from a multiple of 64 on; `word` is what its word
  * has so far. */
@@ -74,16 +89,25 @@ static inline bool dem_touches(const dem_pairs *pairs, size_t k)
     return pairs->touching[k / 64] >> k % 64 & 1;
 }
 
-static inline size_t dem_count_touching(const dem_pairs *pairs)
+/* Of the pairs below k, a multiple of 64 or their number; of all. */
+static inline size_t dem_count_touching_below(const dem_pairs *pairs, size_t k)
 {
     size_t n = 0;
-    for (size_t w = 0; 64 * w < pairs->n; w++) n += (size_t)__builtin_popcountll(pairs->touching[w]);
+    for (size_t w = 0; 64 * w < k; w++) n += (size_t)__builtin_popcountll(pairs->touching[w]);
     return n;
 }
 
-/* For each pair k that touches. `break` does not end it. */
-#define DEM_EACH_TOUCHING(pairs, k)                                                                          \
-    for (size_t word_ = 0, k; 64 * word_ < (pairs)->n; word_++)                                              \
+static inline size_t dem_count_touching(const dem_pairs *pairs)
+{
+    return dem_count_touching_below(pairs, pairs->n);
+}
+
+/* For each pair k that touches, of all or of those from..to, `from` a multiple of 64. `break` does not end
+ * it.
+ */
+#define DEM_EACH_TOUCHING(pairs, k) DEM_EACH_TOUCHING_OF(pairs, 0, (pairs)->n, k)
+#define DEM_EACH_TOUCHING_OF(pairs, from, to, k)                                                             \
+    for (size_t word_ = (from) / 64, k; 64 * word_ < (to); word_++)                                          \
         for (uint64_t bits_ = (pairs)->touching[word_];                                                      \
              bits_ && (k = 64 * word_ + (size_t)__builtin_ctzll(bits_), true); bits_ &= bits_ - 1)
 

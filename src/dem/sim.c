@@ -52,7 +52,7 @@ static rp_status start_forces(dem_sim *sim, const dem_definition *def)
     if (status) return status;
     sim->kernels.pairs(sim, 0, sim->pairs.n, 0.0);
     dem_walls_apply(sim, 0, sim->grains.n, 0.0);
-    if (sim->too_deep) status = dem_check_overlaps(sim, 0, sim->pairs.n, 0);
+    if (sim->too_deep) status = dem_check_overlaps(sim, 0, sim->pairs.n, 0, sim->grains.n);
     if (!status) status = dem_check_start_overlaps(sim);
     if (!status && sim->ledger) status = dem_ledger_forces(sim, 0.0);
     if (status) return status;
@@ -166,7 +166,7 @@ void dem_forget_parts(dem_sim *sim)
 #undef X
     dem_walls_forget(&sim->walls);
     sim->def.wall_list = NULL;
-    sim->work = NULL, sim->list.work = NULL, sim->ledger = NULL;
+    sim->work = NULL, sim->list.work = NULL, sim->ledger = NULL, sim->team = NULL;
 }
 
 /* A copy with capacity for so many grains. */
@@ -288,6 +288,11 @@ double dem_time(const dem_sim *sim)
 size_t dem_count(const dem_sim *sim)
 {
     return sim->grains.n;
+}
+
+void dem_threads(dem_sim *sim, size_t n)
+{
+    sim->threads = n;
 }
 
 const char *dem_kernel_name(const dem_sim *sim)

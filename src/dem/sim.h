@@ -6,6 +6,7 @@
 #include "dem/integrator.h"
 #include "dem/kernels.h"
 #include "dem/pairs.h"
+#include "dem/threads.h"
 #include "dem/walls.h"
 
 struct dem_sim {
@@ -26,12 +27,16 @@ struct dem_sim {
     void *work;               /* its own; NULL where it has none */
     bool ahead;               /* Verlet: grains are already where the step to come takes them */
     unsigned ahead_left;      /* as of dem_step_lists */
+    size_t threads;           /* to run with; 0: one */
+    struct dem_team *team;    /* NULL without threads */
 
     /* neighbour list */
     struct {
         double skin;       /* twice the largest margin */
         bool even_margins; /* half the skin for all */
         double round_off;  /* of a position, at most */
+        double fastest;    /* speed, and square of a distance from the origin, that a rebuilding finds */
+        double far2;
         struct dem_list_work *work;
     } list;
 
@@ -114,12 +119,15 @@ static inline dem_ends dem_contact_ends(const dem_sim *sim, size_t k)
     return (dem_ends){slot->grain, DEM_NOBODY, slot};
 }
 
-/* Put fixed grains back to where they were at the last rebuilding, at rest. */
+/* Put a fixed grain, or all, back to where they were at the last rebuilding, at rest. */
+static inline void dem_hold_grain(dem_sim *sim, size_t i)
+{
+    sim->grains.motion[i] = (dem_motion){sim->grains.listed_x[i], {0.0, 0.0}};
+}
+
 static inline void dem_hold_fixed(dem_sim *sim)
 {
-    dem_grains *const g = &sim->grains;
-    for (size_t k = 0; k < g->n_fixed; k++)
-        g->motion[g->fixed[k]] = (dem_motion){g->listed_x[g->fixed[k]], {0.0, 0.0}};
+    for (size_t k = 0; k < sim->grains.n_fixed; k++) dem_hold_grain(sim, sim->grains.fixed[k]);
 }
 
 /* ---- Neighbour list; neighbours.c. dem_neighbours_rebuild is in dem.h. ---- */
@@ -147,9 +155,9 @@ rp_status dem_step_lists(dem_sim *sim, unsigned left);
 /* All forces, checks of overlaps, and the ledger's notes. Errors: RP_BROKEN, RP_NO_MEMORY. */
 rp_status dem_step_forces(dem_sim *sim);
 
-/* An overlap beyond the smallest radius was seen, of pairs k..to or of grains from `grain` on with a wall:
+/* An overlap beyond the smallest radius was seen, of pairs k..to or of the grains from..end with a wall:
  * stop if it is beyond the smaller of its own two. Errors: RP_BROKEN. */
-rp_status dem_check_overlaps(dem_sim *sim, size_t k, size_t to, size_t grain);
+rp_status dem_check_overlaps(dem_sim *sim, size_t k, size_t to, size_t from, size_t end);
 
 /* Record a fault with step and grain; returns RP_BROKEN. */
 rp_status dem_stop(dem_sim *sim, dem_fault fault, size_t grain, const char *format, ...)

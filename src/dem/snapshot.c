@@ -147,7 +147,9 @@ static void strip(dem_sim *state)
     state->scheme = NULL;
     state->kernels = (dem_kernels){""};
     state->times = NULL;
-    state->ahead = false;
+    state->threads = 0;
+    state->pairs.capacity = state->pairs.chunk_capacity = state->walls.capacity = 0;
+    state->ahead = false, state->ahead_left = 0;
     state->collided.n = 0;
 }
 

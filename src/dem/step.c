@@ -29,7 +29,7 @@ rp_status dem_stop(dem_sim *sim, dem_fault fault, size_t grain, const char *form
                    sim->grains.id[grain], text);
 }
 
-rp_status dem_check_overlaps(dem_sim *sim, size_t k, size_t to, size_t grain)
+rp_status dem_check_overlaps(dem_sim *sim, size_t k, size_t to, size_t from, size_t end)
 {
     sim->too_deep = false;
     for (; k < to; k++) {
@@ -47,7 +47,8 @@ rp_status dem_check_overlaps(dem_sim *sim, size_t k, size_t to, size_t grain)
         dem_vec normal, velocity;
         double overlap;
         dem_wall_slot slot = sim->walls.slot[s];
-        if (slot.grain >= grain && dem_wall_touch(sim, &slot, &normal, &overlap, &velocity) &&
+        if (slot.grain >= from && slot.grain < end &&
+            dem_wall_touch(sim, &slot, &normal, &overlap, &velocity) &&
             !(overlap <= sim->grains.radius[slot.grain]))
             return dem_stop(sim, isfinite(overlap) ? DEM_FAULT_LEAKED : DEM_FAULT_NON_FINITE, slot.grain,
                             "its centre passed wall %u (overlap %g)", slot.wall + 1, overlap);
@@ -83,7 +84,8 @@ rp_status dem_step_forces(dem_sim *sim)
     sim->kernels.pairs(sim, 0, sim->pairs.n, h);
     if (sim->times) lap(sim, &sim->times->contacts);
     dem_walls_apply(sim, 0, sim->grains.n, h);
-    if (sim->too_deep && (status = dem_check_overlaps(sim, 0, sim->pairs.n, 0)) != RP_OK) return status;
+    if (sim->too_deep && (status = dem_check_overlaps(sim, 0, sim->pairs.n, 0, sim->grains.n)) != RP_OK)
+        return status;
     if (sim->times) lap(sim, &sim->times->walls);
     return sim->ledger ? dem_ledger_forces(sim, h) : RP_OK;
 }
@@ -93,11 +95,13 @@ static rp_status advance(dem_sim *sim, long steps)
     /* the box may turn since the start */
     if (sim->grains.n_fixed > 0 && sim->def.box_turn_per_step != 0.0) return dem_refuse_turn();
     rp_status status = dem_scheme_check(&sim->def);
+    if (!status) dem_threads_start(sim);
     for (; steps > 0 && !status; steps--) {
         dem_gravity_advance(sim);
         status = sim->scheme->step(sim, steps == 1);
         if (!status && sim->ledger) dem_ledger_step(sim);
     }
+    dem_threads_end(sim);
     return status;
 }
 

@@ -71,7 +71,6 @@ static unsigned move(dem_sim *sim, size_t from, size_t to)
 {
     const bool large = sim->pairs.n_chunks > 0;
     unsigned left = 0;
-    sim->count.grain_steps += (double)(to - from);
     if (!large) advance(sim, from, to, &left, NULL);
     for (size_t end; large && from < to; from = end) {
         double speed2 = 0.0, *slack = &sim->grains.slack[from / DEM_GROUP];
@@ -80,8 +79,60 @@ static unsigned move(dem_sim *sim, size_t from, size_t to)
         *slack -= 1.000001 * sim->def.dt * sqrt(speed2) + sim->list.round_off;
         if (!(*slack > 0.0)) left |= measure_slack(sim, from, end);
     }
-    if (to == sim->grains.n) dem_hold_fixed(sim);
     return left;
+}
+
+/* Move the grains from..to of a part in groups that other parts read, or in the others. */
+static void move_groups(dem_sim *sim, const dem_part *part, size_t from, size_t to, bool late)
+{
+    for (size_t end; from < to; from = end) {
+        bool is_late = false;
+        if (!part->late) {
+            end = to;
+        } else {
+            is_late = part->late[from / DEM_GROUP];
+            for (end = from; end < to && part->late[end / DEM_GROUP] == is_late;) end += DEM_GROUP;
+            end = end < to ? end : to;
+        }
+        if (is_late == late) sim->ahead_left |= move(sim, from, end);
+    }
+}
+
+static void hold_fixed(dem_sim *sim, const dem_part *part, bool late)
+{
+    for (size_t k = 0; k < sim->grains.n_fixed; k++) {
+        const size_t i = sim->grains.fixed[k];
+        if (i >= part->grain && i < part->grain_end && (part->late && part->late[i / DEM_GROUP]) == late)
+            dem_hold_grain(sim, i);
+    }
+}
+
+static rp_status move_late(dem_sim *sim, dem_part *part)
+{
+    dem_threads_enter(sim, part);
+    move_groups(sim, part, part->grain, part->grain_end, true);
+    hold_fixed(sim, part, true);
+    return RP_OK;
+}
+
+static rp_status move_part(dem_sim *sim, dem_part *part)
+{
+    dem_threads_enter(sim, part);
+    move_groups(sim, part, part->grain, part->grain_end, false);
+    hold_fixed(sim, part, false);
+    return move_late(sim, part);
+}
+
+static unsigned move_all(dem_sim *sim)
+{
+    sim->ahead_left = 0;
+    if (!dem_threads_divided(sim)) {
+        sim->ahead_left = move(sim, 0, sim->grains.n);
+        dem_hold_fixed(sim);
+    } else if (dem_threads_do(sim, move_part)) {
+        __builtin_unreachable();
+    }
+    return sim->ahead_left;
 }
 
 /* May grains go on before the forces on all the others are there? */
@@ -93,22 +144,53 @@ static bool may_run_ahead(const dem_sim *sim)
            sim->walls.n_moving == 0;
 }
 
-/* The forces, and the next step of the grains behind them while these are in the cache. */
-static rp_status run_ahead(dem_sim *sim)
+/* The forces of the walls on the grains from..to of a part, after those of pairs k..end; then their next
+ * step, if they run ahead. */
+static rp_status finish_grains(dem_sim *sim, const dem_part *part, size_t k, size_t end, size_t from,
+                               size_t to)
 {
-    rp_status status;
-    sim->ahead = true;
-    sim->ahead_left = 0;
-    for (size_t c = 0, k = 0, i = 0; c < sim->pairs.n_chunks; c++) {
-        const size_t end = c + 1 < sim->pairs.n_chunks ? k + sim->pairs.chunk : sim->pairs.n,
-                     done = sim->pairs.done[c];
-        sim->kernels.pairs(sim, k, end, sim->def.dt);
-        dem_walls_apply(sim, i, done, sim->def.dt);
-        if (sim->too_deep && (status = dem_check_overlaps(sim, k, end, i)) != RP_OK) return status;
-        sim->ahead_left |= move(sim, i, done);
-        k = end, i = done;
-    }
+    dem_walls_apply(sim, from, to, sim->def.dt);
+    if (sim->too_deep) RP_TRY(dem_check_overlaps(sim, k, end, from, part->grain_end));
+    if (sim->ahead) move_groups(sim, part, from, to, false);
     return RP_OK;
+}
+
+/* The forces on a part, and the next step of the grains behind them while these are in the cache. */
+static rp_status sum_forces(dem_sim *sim, const dem_part *part)
+{
+    size_t k = part->pair, i = part->grain;
+    dem_threads_copies(sim, &part->before);
+    for (size_t c = 0, end; k < part->pair_end; c++, k = end) {
+        end = k + sim->pairs.chunk < part->pair_end ? k + sim->pairs.chunk : part->pair_end;
+        sim->kernels.pairs(sim, k, end, sim->def.dt);
+        RP_TRY(finish_grains(sim, part, k, end, i, part->done[c]));
+        i = part->done[c];
+    }
+    dem_threads_copies(sim, &part->after);
+    if (i < part->grain_end) RP_TRY(finish_grains(sim, part, k, k, i, part->grain_end));
+    if (sim->ahead) hold_fixed(sim, part, false);
+    return RP_OK;
+}
+
+static rp_status sum_part(dem_sim *sim, dem_part *part)
+{
+    dem_threads_enter(sim, part);
+    return sum_forces(sim, part);
+}
+
+/* The forces of a step that is not the last one, by parts or in turn. */
+static rp_status sum_all(dem_sim *sim)
+{
+    sim->ahead_left = 0;
+    sim->ahead = may_run_ahead(sim);
+    if (sim->ahead) sim->count.grain_steps += (double)sim->grains.n;
+    if (!dem_threads_divided(sim))
+        return sim->ahead ? sum_forces(sim, &(dem_part){.grain_end = sim->grains.n,
+                                                        .pair_end = sim->pairs.n,
+                                                        .done = sim->pairs.done})
+                          : dem_step_forces(sim);
+    RP_TRY(dem_threads_do(sim, sum_part));
+    return sim->ahead ? dem_threads_do(sim, move_late) : RP_OK;
 }
 
 static rp_status step(dem_sim *sim, bool last)
@@ -118,10 +200,9 @@ static rp_status step(dem_sim *sim, bool last)
     if (status) return status;
     dem_walls_move(sim);
     sim->ahead = false;
-    RP_TRY(dem_step_lists(sim, hard    ? dem_hard_move(sim)
-                               : ahead ? sim->ahead_left
-                                       : move(sim, 0, sim->grains.n)));
-    return !last && may_run_ahead(sim) ? run_ahead(sim) : dem_step_forces(sim);
+    if (!hard && !ahead) sim->count.grain_steps += (double)sim->grains.n;
+    RP_TRY(dem_step_lists(sim, hard ? dem_hard_move(sim) : ahead ? sim->ahead_left : move_all(sim)));
+    return last ? dem_step_forces(sim) : sum_all(sim);
 }
 
 static void start(dem_sim *sim, size_t from)

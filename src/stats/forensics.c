@@ -20,16 +20,24 @@ static unsigned level_of(unsigned latent, int which)
 
 /* ---- likelihood ---- */
 
-rp_status stats_log_likelihood(size_t n, const stats_published numbers[], const double mean[],
-                               const double covariance[], double scale, double shift, unsigned latent,
-                               double *log_likelihood, double *chi2)
+double stats_published_variance(const stats_published *number, unsigned reading)
 {
-    double block[MOST_POINTS * MOST_POINTS], r[MOST_POINTS], sum = 0.0;
-    const double common = level_of(latent, STATS_LATENT_shift) ? shift * shift : 0.0;
+    return number->error * number->error / (reading ? number->samples : 1.0);
+}
+
+double stats_common_variance(double shift, unsigned latent)
+{
+    return level_of(latent, STATS_LATENT_shift) ? shift * shift : 0.0;
+}
+
+/* The Cholesky factor of the covariance of the numbers, and their differences from the prediction over it. */
+static rp_status whiten(size_t n, const stats_published numbers[], const double mean[],
+                        const double covariance[], double scale, double common, unsigned reading,
+                        double block[], double r[])
+{
     for (size_t i = 0; i < n; i++) {
-        const double e = numbers[i].error;
         for (size_t k = 0; k < n; k++) block[i * n + k] = scale * covariance[i * n + k] + common;
-        block[i * n + i] += level_of(latent, STATS_LATENT_reading) ? e * e / numbers[i].samples : e * e;
+        block[i * n + i] += stats_published_variance(&numbers[i], reading);
         r[i] = numbers[i].value - mean[i];
     }
     gsl_matrix_view factor = gsl_matrix_view_array(block, n, n);
@@ -40,6 +48,34 @@ rp_status stats_log_likelihood(size_t n, const stats_published numbers[], const 
     if (error)
         return rp_fail(RP_BROKEN, "forensics: the covariance of a prediction is not positive definite");
     gsl_blas_dtrsv(CblasLower, CblasNoTrans, CblasNonUnit, &factor.matrix, &v.vector);
+    return RP_OK;
+}
+
+rp_status stats_common_error(size_t n, const stats_published numbers[], const double mean[],
+                             const double covariance[], double scale, double shift, unsigned latent,
+                             double *error, double *variance)
+{
+    double block[MOST_POINTS * MOST_POINTS], r[MOST_POINTS], ones[MOST_POINTS], product = 0.0, square = 0.0;
+    const double common = stats_common_variance(shift, latent);
+    RP_TRY(whiten(n, numbers, mean, covariance, scale, common, level_of(latent, STATS_LATENT_reading), block,
+                  r));
+    gsl_matrix_view factor = gsl_matrix_view_array(block, n, n);
+    gsl_vector_view v = gsl_vector_view_array(ones, n);
+    for (size_t i = 0; i < n; i++) ones[i] = 1.0;
+    gsl_blas_dtrsv(CblasLower, CblasNoTrans, CblasNonUnit, &factor.matrix, &v.vector);
+    for (size_t i = 0; i < n; i++) product += ones[i] * r[i], square += ones[i] * ones[i];
+    *error = common * product;
+    *variance = common * (1.0 - common * square);
+    return RP_OK;
+}
+
+rp_status stats_log_likelihood(size_t n, const stats_published numbers[], const double mean[],
+                               const double covariance[], double scale, double shift, unsigned latent,
+                               double *log_likelihood, double *chi2)
+{
+    double block[MOST_POINTS * MOST_POINTS], r[MOST_POINTS], sum = 0.0;
+    RP_TRY(whiten(n, numbers, mean, covariance, scale, stats_common_variance(shift, latent),
+                  level_of(latent, STATS_LATENT_reading), block, r));
     *log_likelihood = -0.5 * (double)n * log(2.0 * M_PI);
     for (size_t i = 0; i < n; i++) {
         sum += r[i] * r[i];

@@ -68,6 +68,17 @@ rp_status stats_log_likelihood(size_t n, const stats_published numbers[], const 
                                const double covariance[], double scale, double shift, unsigned latent,
                                double *log_likelihood, double *chi2);
 
+/* Mean and variance of the error that all numbers share, given the numbers and one prediction of them; 0 and
+ * 0 where `latent` has none. Errors: RP_BROKEN. */
+rp_status stats_common_error(size_t n, const stats_published numbers[], const double mean[],
+                             const double covariance[], double scale, double shift, unsigned latent,
+                             double *error, double *variance);
+
+/* Variance of the error that all numbers share, and of a published +-, as the latents
+ * understand them. */
+double stats_common_variance(double shift, unsigned latent);
+double stats_published_variance(const stats_published *number, unsigned reading);
+
 /* Weights of the draws, weight[n_draws], given a level of a latent, or in all (latent < 0); their sum is the
  * posterior share of that level. */
 double stats_posterior_draws(const stats_posterior *p, int latent, unsigned level, double weight[]);

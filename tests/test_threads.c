@@ -1,0 +1,222 @@
+/* Threads in one pile: a run has the same bits with any number of them. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "dem/sim.h"
+#include "tests/check.h"
+#include "tests/grains.h"
+#include "tests/program.h"
+
+/* All that a simulation goes on from: also forces, springs, and the order of the lists. */
+static bool same_state(dem_sim *a, dem_sim *b)
+{
+    rp_snapshot s[2] = {{0}, {0}};
+    dem_keep(&s[0], &a);
+    dem_keep(&s[1], &b);
+    CHECK_OK(s[0].status);
+    CHECK_OK(s[1].status);
+    const bool same = s[0].n == s[1].n && memcmp(s[0].bytes, s[1].bytes, s[0].n) == 0;
+    rp_snapshot_free(&s[0]);
+    rp_snapshot_free(&s[1]);
+    return same;
+}
+
+/* A pile whose steps are those of a large one. */
+static dem_sim *start(const dem_definition *def, size_t threads)
+{
+    dem_sim *sim = grains_start(def);
+    sim->pairs.chunk = 64;
+    CHECK_OK(dem_neighbours_rebuild(sim));
+    dem_threads(sim, threads);
+    return sim;
+}
+
+/* Some parts of a run, with 1 thread and more. */
+static void compare(const dem_definition *def, int parts, long steps)
+{
+    static const size_t MORE[] = {2, 3, 8};
+    dem_sim *one = start(def, 1), *sim[3];
+    for (int m = 0; m < 3; m++) sim[m] = start(def, MORE[m]);
+    for (int k = 0; k < parts; k++) {
+        CHECK_OK(dem_run(one, steps));
+        for (int m = 0; m < 3; m++) {
+            CHECK_OK(dem_run(sim[m], steps));
+            CU_ASSERT(same_state(one, sim[m]));
+        }
+    }
+    dem_free(one);
+    for (int m = 0; m < 3; m++) dem_free(sim[m]);
+}
+
+static void avalanche(void)
+{
+    dem_grain *grains;
+    const long part = check_fast() ? 100 : 1500;
+    dem_definition def = grains_box(1200, 6.0, 9, &grains);
+    def.walls[DEM_BOX_RIGHT].open_at_step = 2 * part;
+    compare(&def, 4, part);
+    free(grains);
+}
+
+/* Cells that wrap around, fixed grains in between, grains that leave. */
+static void outflow(bool rotation)
+{
+    dem_grain *grains;
+    const long part = check_fast() ? 200 : 500;
+    dem_definition def = grains_box(400, 4.0, 9, &grains);
+    for (int i = 0; i < 400; i += 50) grains[i].fixed = true;
+    def.walls[DEM_BOX_RIGHT].open_at_step = 2 * part;
+    def.walls[DEM_BOX_FLOOR].open_at_step = 3 * part;
+    def.x_max = 8.0;
+    def.y_min = -0.5;
+    def.rotation = rotation;
+    def.material.mu_roll = rotation ? 0.1 : 0.0;
+    compare(&def, 4, part);
+    free(grains);
+}
+
+static void outflows(void)
+{
+    outflow(false);
+    outflow(true);
+}
+
+/* Scenes whose grains wait for all forces: walls that move, gravity that turns, a box that turns; and the
+ * reference kernel. */
+static void turning(void)
+{
+    dem_grain *grains;
+    const long part = check_fast() ? 100 : 250;
+    for (int k = 0; k < 4; k++) {
+        dem_definition def = grains_box(600, 5.0, 9, &grains);
+        if (k == 0) def.walls[DEM_BOX_RIGHT].velocity[0] = -5.0;
+        if (k == 1) def.turn_per_step = 1e-4, def.turn_from_step = part;
+        if (k == 2) def.box_turn_per_step = 2e-5;
+        if (k == 3) def.kernel = DEM_REFERENCE;
+        compare(&def, 3, part);
+        free(grains);
+    }
+}
+
+/* What threads do not serve takes one: hard collisions, the ledger, clocks around the phases, Gear's
+ * integrator. */
+static void one_thread(void)
+{
+    dem_grain *grains;
+    for (int k = 0; k < 3; k++) {
+        dem_definition def = grains_box(400, 4.0, 9, &grains);
+        if (k == 0) def.hard = (dem_hard){.on = true, .restitution = 0.1, .mu = 0.2}, def.tension = false;
+        if (k == 1) def.ledger = true;
+        if (k == 2) def.integrator = DEM_GEAR5, def.dt *= 0.5;
+        compare(&def, 2, 100);
+        free(grains);
+    }
+    dem_definition def = grains_box(400, 4.0, 9, &grains);
+    dem_sim *one = start(&def, 1), *timed = start(&def, 3);
+    dem_phases times = {0};
+    CHECK_OK(dem_run(one, 200));
+    CHECK_OK(dem_run_timed(timed, 200, &times));
+    CU_ASSERT(grains_same_bits(one, timed) && times.lists > 0.0 && times.walls > 0.0);
+    dem_free(one);
+    dem_free(timed);
+    free(grains);
+}
+
+/* A fault is found at the same step, with the same message. */
+static void fault(bool wall)
+{
+    dem_grain *grains;
+    dem_definition def = grains_box(1200, 6.0, 9, &grains);
+    *(wall ? &def.walls[DEM_BOX_FLOOR].material.k_n : &def.material.k_n) = 1e3;
+    def.material.gamma_n = def.walls[DEM_BOX_FLOOR].material.gamma_n = 0.0;
+    dem_sim *one = start(&def, 1), *three = start(&def, 3);
+    char text[256];
+    CU_ASSERT(dem_run(one, 100000) == RP_BROKEN);
+    snprintf(text, sizeof text, "%s", rp_message());
+    CHECK_FAILS(dem_run(three, 100000), RP_BROKEN, text);
+    CU_ASSERT(dem_step(one) == dem_step(three) && dem_sim_fault(one) == dem_sim_fault(three));
+    dem_free(one);
+    dem_free(three);
+    free(grains);
+}
+
+/* Of an overlap with a grain or a wall; of a number that a rebuilding finds. */
+static void faults(void)
+{
+    dem_grain *grains;
+    fault(false);
+    fault(true);
+    dem_definition def = grains_box(600, 5.0, 9, &grains);
+    dem_sim *sim = start(&def, 3);
+    CHECK_OK(dem_run(sim, 100));
+    sim->grains.motion[sim->grains.n / 2].v[0] = NAN;
+    CHECK_FAILS(dem_run(sim, 2), RP_BROKEN, "non_finite");
+    CU_ASSERT(dem_sim_fault(sim) == DEM_FAULT_NON_FINITE);
+    dem_free(sim);
+    free(grains);
+}
+
+/* From a snapshot, with another number of threads each time. */
+static void snapshots(void)
+{
+    dem_grain *grains;
+    const long part = check_fast() ? 100 : 300;
+    dem_definition def = grains_box(600, 5.0, 9, &grains);
+    def.walls[DEM_BOX_RIGHT].open_at_step = 2 * part;
+    def.rotation = true;
+    def.material.mu_roll = 0.1;
+    dem_sim *one = start(&def, 1), *sim = start(&def, 3);
+    for (size_t threads = 8; threads > 0; threads /= 2) {
+        rp_snapshot s = {0};
+        CHECK_OK(dem_run(one, part));
+        CHECK_OK(dem_run(sim, part));
+        dem_keep(&s, &sim);
+        dem_free(sim);
+        s.reading = true, s.path = "memory";
+        dem_keep(&s, &sim);
+        CHECK_OK(rp_snapshot_end(&s));
+        rp_snapshot_free(&s);
+        CU_ASSERT(sim->threads == 0 && same_state(one, sim));
+        dem_threads(sim, threads);
+    }
+    dem_free(one);
+    dem_free(sim);
+    free(grains);
+}
+
+/* The program: tables of a run with one thread, with two, and of a run that is stopped and goes on with
+ * three.
+ */
+static void program(void)
+{
+    enter();
+    write_text("s.cfg", "steps = 400; dt = 1e-5; skin = 0.4; gravity = [0.0, -9.81e4];\n"
+                        "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; } );\n"
+                        "fill = { N = 12000; W = 36.0; H = 36.0; };\n");
+    GOOD("run s.cfg -o one --every 200");
+    GOOD("run s.cfg -o two --every 200 -j 2");
+    CU_ASSERT(
+        shell(
+            "ulimit -f 8000; exec \"$REPOSE\" run s.cfg -o on --every 200 --snapshot 100 -j 2 >out 2>err") ==
+        74);
+    GOOD("run --resume on -j 3");
+    CU_ASSERT(
+        shell("for t in states contacts walls energy; do for d in one two on; do grep -v '^#' $d/$t.tsv "
+              ">$d.$t; done; cmp one.$t two.$t && cmp one.$t on.$t || exit 1; done; "
+              "test $(wc -l <one.contacts) -gt 100") == 0);
+    leave();
+}
+
+const check_case threads_cases[] = {{"a whole avalanche", avalanche},
+                                    {"wrapped cells, fixed grains, outflow", outflows},
+                                    {"moving walls, turning gravity, turning box", turning},
+                                    {"what takes one thread", one_thread},
+                                    {"faults", faults},
+                                    {"snapshots with another number", snapshots},
+                                    {"the program", program},
+                                    {NULL, NULL}};
+
+void suite_threads(void)
+{
+    check_register("threads", threads_cases);
+}
