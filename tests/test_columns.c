@@ -1396,6 +1396,27 @@ static void test_drop(void)
     leave();
 }
 
+/* Of two disks the second one can move the first, and does in some of six piles; none moves before. */
+static void test_drop_of_two(void)
+{
+    double moved = 0.0;
+    enter();
+    write_text("s.cfg", "protocol = \"drop\"; replicas = 6; seed = 1; fixed = { N = 2; };\n");
+    for (int k = 0; k < 6; k++) {
+        run("run s.cfg --row %d -o d%d", k, k);
+        char name[32];
+        snprintf(name, sizeof name, "d%d/drops.tsv", k);
+        rp_table t = read_table(name);
+        CU_ASSERT_FATAL(t.n_rows == 2);
+        CHECK_NEAR(cell(&t, 0, "moved"), 0.0, 0.0);
+        CU_ASSERT(cell(&t, 1, "moved") <= 1.0);
+        moved += cell(&t, 1, "moved");
+        rp_table_free(&t);
+    }
+    CU_ASSERT(moved > 0.0 && moved < 6.0);
+    leave();
+}
+
 void suite_columns(void)
 {
     static const check_case cases[] = {{"protocol stress, stress field, stress base", test_stress},
@@ -1410,6 +1431,7 @@ void suite_columns(void)
                                        {"series of protocol flux", test_series},
                                        {"protocol drop", test_drop},
                                        {"protocol drop on a rough base", test_rough},
+                                       {"drops of two disks", test_drop_of_two},
                                        {0}};
     check_register("columns", cases);
 }

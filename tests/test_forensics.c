@@ -9,7 +9,9 @@
 #include "core/random.h"
 #include "stats/emulator.h"
 #include "stats/forensics.h"
+#include "dem/dem.h"
 #include "stats/stats.h"
+#include "sweeps/driver/groups.h"
 #include "tests/check.h"
 #include "tests/planted.h"
 #include "tests/program.h"
@@ -287,6 +289,52 @@ static void test_truths(void)
     CU_ASSERT(share > 0.6);
 }
 
+/* ---- groups ---- */
+
+/* Each group by its formula, from parameters that are no power of one another, and back: the open groups of
+ * another pile, put into these parameters, are found in them again. */
+static void test_groups(void)
+{
+    static const char *const given[][2] = {{"k_n", "3e5"},     {"k_s", "2e4"},      {"gamma_n", "350"},
+                                           {"mu", "0.3"},      {"mu_wall", "0.12"}, {"mu_floor", "0.45"},
+                                           {"open", "7"},      {"stop", "steps"},   {"relax_steps", "30000"},
+                                           {"density", "1.7"}, {"g", "700"},        {"W", "3"},
+                                           {"H", "5"},         {"dt", "4e-5"},      {"radius_mean", "0.12"}};
+    static const double open[] = {3e4, 12.0, 0.7, 1.9, 130.0, 23.0};
+    const sweep_protocol *p = &sweep_protocol_repose;
+    void *params = calloc(1, p->params_size);
+    double v[SWEEP_N_GROUPS], again[SWEEP_N_GROUPS], mass, gravity;
+    rp_params_defaults(p->schema, params);
+    for (size_t i = 0; i < sizeof given / sizeof *given; i++)
+        CHECK_OK(rp_params_set_text(rp_params_find(p->schema, given[i][0]), params, given[i][1]));
+    sweep_groups_of(params, v);
+    sweep_groups_weight(params, &mass, &gravity);
+    const double d = 0.24, t = sqrt(d / 700.0), weight = 4.0 / 3.0 * M_PI * pow(0.12, 3.0) * 1.7 * 700.0;
+    CHECK_NEAR(mass * gravity, weight, 1e-12 * weight);
+    const struct {
+        size_t group;
+        double expected;
+    } groups[] = {{SWEEP_GROUP_stiffness, 3e5 * pow(d, 1.5) / weight},
+                  {SWEEP_GROUP_damping_rate, 350.0 * t},
+                  {SWEEP_GROUP_wall_friction, 0.4},
+                  {SWEEP_GROUP_floor_friction, 1.5},
+                  {SWEEP_GROUP_pause, 30000.0 * 4e-5 / t},
+                  {SWEEP_GROUP_opening, 7.0 * t / d},
+                  {SWEEP_GROUP_shear_stiffness, 2e4 * d / weight},
+                  {SWEEP_GROUP_friction, 0.3},
+                  {SWEEP_GROUP_width, 3.0 / d},
+                  {SWEEP_GROUP_height, 5.0 / d}};
+    CU_ASSERT(sizeof groups / sizeof *groups == SWEEP_N_GROUPS);
+    for (size_t i = 0; i < SWEEP_N_GROUPS; i++)
+        CHECK_NEAR(v[groups[i].group], groups[i].expected, 1e-12 * groups[i].expected);
+    memcpy(v, open, sizeof open); /* the open groups come first */
+    sweep_groups_apply(v, params);
+    sweep_groups_of(params, again);
+    for (size_t g = 0; g < sizeof open / sizeof *open; g++)
+        CHECK_NEAR(again[g], open[g], (g == SWEEP_GROUP_pause ? 1e-3 : 1e-12) * open[g]); /* whole steps */
+    free(params);
+}
+
 /* ---- the command ---- */
 
 static size_t row_of(const rp_table *t, const char *choice, const char *level, const char *given)
@@ -534,6 +582,7 @@ void suite_forensics(void)
         {"designs", test_design},
         {"errors of posteriors", test_errors},
         {"planted truths", test_truths},
+        {"groups", test_groups},
         {"planted runs, by the command", test_command},
         {"means in place of runs, and a common error", test_reduced},
         {"header of the command", test_notes},

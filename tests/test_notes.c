@@ -200,6 +200,25 @@ static void test_piles(void)
     leave();
 }
 
+/* Disks of a table weigh as the squares of their diameters: the base carries all of them. */
+static void test_disks(void)
+{
+    static const double r[] = {0.5, 0.45, 0.4};
+    const double height = 0.5 + sqrt(0.9 * 0.9 - 0.45 * 0.45);
+    enter();
+    write_text("disks.tsv", "x\ty\tr\n0\t0.5\t%g\n0.95\t0.45\t%g\n0.45\t%.6f\t%g\n", r[0], r[1], height,
+               r[2]);
+    run("pile --disks disks.tsv --eps 1e-3");
+    rp_table t = read_table("out");
+    double weight = 0.0, N = 0.0;
+    for (size_t i = 0; i < 3; i++) weight += 4.0 * r[i] * r[i];
+    for (size_t i = 0; i < t.n_rows; i++) N += cell(&t, i, "N/mg");
+    CHECK_NEAR(N, weight, 1e-9);
+    check_note(&t, "n_disks", "3");
+    rp_table_free(&t);
+    leave();
+}
+
 /* ---- models ---- */
 
 static void test_models(void)
@@ -467,6 +486,7 @@ void suite_notes(void)
     static const check_case cases[] = {{"rows used and left out", test_rows},
                                        {"a static pile", test_pile},
                                        {"several static piles", test_piles},
+                                       {"disks of a table", test_disks},
                                        {"models", test_models},
                                        {"a sweep", test_sweep},
                                        {"a run", test_run},

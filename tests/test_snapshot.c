@@ -600,6 +600,20 @@ static void refused_resumes(void)
 
 /* ---- Protocols ---- */
 
+/* Without a snapshot there is no reason why it was refused, whatever stood in the text before. */
+static void no_snapshot(void)
+{
+    char why[32] = "an old reason";
+    sweep_keep keep;
+    sweep_keep_begin(&keep, in_folder("none"), "test", 1.0, true, why, sizeof why);
+    CU_ASSERT_STRING_EQUAL(why, "");
+    sweep_keep_end(&keep, true);
+    strcpy(why, "an old reason");
+    sweep_keep_begin(&keep, in_folder("none"), "test", 1.0, false, why, sizeof why);
+    CU_ASSERT_STRING_EQUAL(why, "");
+    sweep_keep_end(&keep, true);
+}
+
 typedef struct {
     const char *name, *value;
 } setting;
@@ -843,6 +857,7 @@ void suite_snapshot(void)
         {"killed runs", killed_runs},
         {"stopped runs", stopped_runs},
         {"refused resumes", refused_resumes},
+        {"no snapshot", no_snapshot},
         {"protocol repose", protocol_repose},
         {"protocol stress", protocol_stress},
         {"protocol onset", protocol_onset},

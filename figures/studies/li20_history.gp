@@ -7,9 +7,9 @@ legend = 1
 ratio = 1.25
 load 'figures/style.gp'
 c(name) = column(name)
-# Student's t of 50 piles
-low(mean, se) = c(mean) - 2.01*c(se)
-high(mean, se) = c(mean) + 2.01*c(se)
+# Student's t of 30 piles
+low(mean, se) = c(mean) - 2.05*c(se)
+high(mean, se) = c(mean) + 2.05*c(se)
 eval panel(1, '(a) by setting')
 set xlabel 'over mean {/:Italic N}'
 set xrange [-0.3:0.3]

@@ -22,8 +22,8 @@ struct rp_stiffness {
     cholmod_dense *p, *q;         /* conjugate gradients: direction, matrix times it */
 };
 
-/* Number of disks from which nested dissection and supernodes are faster. */
-enum { LARGE = 20000 };
+/* Number of disks from which nested dissection and supernodes are faster for a single factorisation. */
+enum { LARGE = 20000, PART = 1000 };
 
 static const double NEAR = 0.1; /* residual of the conjugate gradients, relative to the right side */
 enum { ITERATIONS = 8 };        /* at most so many iterations, which cost less than a factorisation */
@@ -33,8 +33,19 @@ static rp_status no_memory(size_t n)
     return rp_fail(RP_NO_MEMORY, "stiffness matrix of %zu disks: out of memory", n);
 }
 
+/* Nested dissection into parts of at most PART disks, each in order of minimum degree. */
+static bool order_by_dissection(rp_stiffness *m, cholmod_sparse *graph, int *order)
+{
+    int *parent = malloc(2 * m->n * sizeof *parent);
+    m->common.method[0].nd_small = PART;
+    const bool good =
+        parent && cholmod_nested_dissection(graph, NULL, 0, order, parent, parent + m->n, &m->common) >= 0;
+    free(parent);
+    return good;
+}
+
 /* Order of elimination that keeps L sparse. The graph of the disks suffices: a quarter of the matrix. */
-static bool order_disks(rp_stiffness *m, size_t n_bonds, const rp_pair *bonds, int *order)
+static bool order_disks(rp_stiffness *m, size_t n_bonds, const rp_pair *bonds, bool often, int *order)
 {
     cholmod_sparse *G =
         cholmod_allocate_sparse(m->n, m->n, n_bonds, true, true, -1, CHOLMOD_PATTERN, &m->common);
@@ -42,8 +53,9 @@ static bool order_disks(rp_stiffness *m, size_t n_bonds, const rp_pair *bonds, i
     int *p = G->p, *rows = G->i;
     for (size_t a = 0; a <= m->n; a++) p[a] = (int)m->first[a];
     for (size_t k = 0; k < n_bonds; k++) rows[k] = (int)bonds[k].b;
-    const bool good = m->n < LARGE ? cholmod_amd(G, NULL, 0, order, &m->common)
-                                   : cholmod_metis(G, NULL, 0, true, order, &m->common);
+    const bool good = m->n >= LARGE ? cholmod_metis(G, NULL, 0, true, order, &m->common)
+                      : often       ? order_by_dissection(m, G, order)
+                                    : cholmod_amd(G, NULL, 0, order, &m->common);
     cholmod_free_sparse(&G, &m->common);
     return good;
 }
@@ -61,7 +73,7 @@ static void set_pattern(rp_stiffness *m, const rp_pair *bonds)
     p[2 * m->n] = at;
 }
 
-static bool analyse(rp_stiffness *m, size_t n_bonds, const rp_pair *bonds, int *order)
+static bool analyse(rp_stiffness *m, size_t n_bonds, const rp_pair *bonds, bool often, int *order)
 {
     cholmod_common *c = &m->common;
     c->print = 0;
@@ -75,7 +87,7 @@ static bool analyse(rp_stiffness *m, size_t n_bonds, const rp_pair *bonds, int *
     m->b = cholmod_zeros(2 * m->n, 1, CHOLMOD_REAL, c);
     m->p = cholmod_zeros(2 * m->n, 1, CHOLMOD_REAL, c);
     m->q = cholmod_zeros(2 * m->n, 1, CHOLMOD_REAL, c);
-    if (!m->A || !m->b || !m->p || !m->q || !order_disks(m, n_bonds, bonds, order)) return false;
+    if (!m->A || !m->b || !m->p || !m->q || !order_disks(m, n_bonds, bonds, often, order)) return false;
     set_pattern(m, bonds);
     /* from the last disk on, as nothing may be overwritten before it is read */
     for (size_t a = m->n; a-- > 0;) {
@@ -89,7 +101,8 @@ static bool analyse(rp_stiffness *m, size_t n_bonds, const rp_pair *bonds, int *
     return true;
 }
 
-rp_status rp_stiffness_create(size_t n, size_t n_bonds, const rp_pair *bonds, rp_stiffness **matrix)
+rp_status rp_stiffness_create(size_t n, size_t n_bonds, const rp_pair *bonds, bool often,
+                              rp_stiffness **matrix)
 {
     rp_stiffness *m = calloc(1, sizeof *m);
     if (!m) return no_memory(n);
@@ -102,7 +115,7 @@ rp_status rp_stiffness_create(size_t n, size_t n_bonds, const rp_pair *bonds, rp
     if (good) {
         for (size_t k = 0; k < n_bonds; k++) m->first[bonds[k].a + 1]++;
         for (size_t a = 0; a < n; a++) m->first[a + 1] += m->first[a];
-        good = analyse(m, n_bonds, bonds, order);
+        good = analyse(m, n_bonds, bonds, often, order);
     }
     free(order);
     if (!good) {

@@ -19,8 +19,11 @@ typedef struct {
     uint32_t a, b;
 } rp_pair;
 
-/* For n disks and bonds sorted by (a, b). Free with rp_stiffness_free. Errors: RP_NO_MEMORY. */
-rp_status rp_stiffness_create(size_t n, size_t n_bonds, const rp_pair *bonds, rp_stiffness **matrix);
+/* For n disks and bonds sorted by (a, b). `often`: nested dissection at any size, which takes longer than
+ * minimum degree once, and less for each of some ten factorisations and updates. Free with rp_stiffness_free.
+ * Errors: RP_NO_MEMORY. */
+rp_status rp_stiffness_create(size_t n, size_t n_bonds, const rp_pair *bonds, bool often,
+                              rp_stiffness **matrix);
 void rp_stiffness_free(rp_stiffness *m);
 
 /* Set to shift times the identity, then add springs that hold disk a to the ground, or join the ends of bond

@@ -300,7 +300,7 @@ static rp_status make_matrix(dem_sim *sim)
     }
     qsort(m->bond, n, sizeof *m->bond, by_ends);
     for (size_t k = 0; k < n; k++) ends[k] = m->bond[k].ends;
-    rp_status status = rp_stiffness_create(sim->grains.n, n, ends, &m->matrix);
+    rp_status status = rp_stiffness_create(sim->grains.n, n, ends, false, &m->matrix);
     free(ends);
     return status;
 }

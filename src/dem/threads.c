@@ -121,6 +121,12 @@ rp_status dem_threads_do(dem_sim *sim, dem_task *task)
     return RP_OK;
 }
 
+rp_status dem_threads_do_parts(dem_sim *sim, dem_task *task)
+{
+    dem_part all = {.of = 1, .grain_end = sim->grains.n, .pair_end = sim->pairs.n, .done = sim->pairs.done};
+    return dem_threads_divided(sim) ? dem_threads_do(sim, task) : task(sim, &all);
+}
+
 static bool start_thread(worker *w, size_t walls)
 {
     w->slot = calloc(2 * (walls + 1), sizeof *w->slot);
@@ -330,6 +336,7 @@ static rp_status plan(dem_sim *sim, dem_part *part)
 
 void dem_threads_enter(dem_sim *sim, const dem_part *part)
 {
+    if (!dem_threads_divided(sim)) return;
     const worker *w = worker_of(sim, part);
     /* not a pointer into the array where it begins before that */
     const uintptr_t force = (uintptr_t)w->force;

@@ -26,9 +26,10 @@ typedef rp_status dem_task(struct dem_sim *sim, dem_part *part);
 void dem_threads_start(struct dem_sim *sim);
 void dem_threads_end(struct dem_sim *sim);
 
-/* The task for each part at once, or without threads for a part that is all. Errors: those of the task, of
- * the first part that has one. */
+/* The task at once for each thread, or without threads for a part that is all: of shares of some arrays, or
+ * of the parts of a divided pile. Errors: those of the task, of the first part that has one. */
 rp_status dem_threads_do(struct dem_sim *sim, dem_task *task);
+rp_status dem_threads_do_parts(struct dem_sim *sim, dem_task *task);
 
 /* Divide the pile by a new list; its forces move to the parts. Errors: RP_NO_MEMORY. */
 rp_status dem_threads_divide(struct dem_sim *sim);
@@ -41,7 +42,7 @@ bool dem_threads_divided(const struct dem_sim *sim);
 void dem_threads_collect(struct dem_sim *sim, const dem_part *part);
 rp_status dem_threads_gather(struct dem_sim *sim);
 
-/* In a task of a divided pile: let `sim` have the part's forces and wall slots; add the forces of copies. */
+/* In a task of a divided pile: let `sim` have the part's forces and wall slots. Add the forces of copies. */
 void dem_threads_enter(struct dem_sim *sim, const dem_part *part);
 void dem_threads_copies(struct dem_sim *sim, const dem_pairs *copies);
 

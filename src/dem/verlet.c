@@ -120,19 +120,7 @@ static rp_status move_part(dem_sim *sim, dem_part *part)
     dem_threads_enter(sim, part);
     move_groups(sim, part, part->grain, part->grain_end, false);
     hold_fixed(sim, part, false);
-    return move_late(sim, part);
-}
-
-static unsigned move_all(dem_sim *sim)
-{
-    sim->ahead_left = 0;
-    if (!dem_threads_divided(sim)) {
-        sim->ahead_left = move(sim, 0, sim->grains.n);
-        dem_hold_fixed(sim);
-    } else if (dem_threads_do(sim, move_part)) {
-        __builtin_unreachable();
-    }
-    return sim->ahead_left;
+    return part->late ? move_late(sim, part) : RP_OK;
 }
 
 /* May grains go on before the forces on all the others are there? */
@@ -156,8 +144,9 @@ static rp_status finish_grains(dem_sim *sim, const dem_part *part, size_t k, siz
 }
 
 /* The forces on a part, and the next step of the grains behind them while these are in the cache. */
-static rp_status sum_forces(dem_sim *sim, const dem_part *part)
+static rp_status sum_part(dem_sim *sim, dem_part *part)
 {
+    dem_threads_enter(sim, part);
     size_t k = part->pair, i = part->grain;
     dem_threads_copies(sim, &part->before);
     for (size_t c = 0, end; k < part->pair_end; c++, k = end) {
@@ -172,25 +161,16 @@ static rp_status sum_forces(dem_sim *sim, const dem_part *part)
     return RP_OK;
 }
 
-static rp_status sum_part(dem_sim *sim, dem_part *part)
-{
-    dem_threads_enter(sim, part);
-    return sum_forces(sim, part);
-}
-
-/* The forces of a step that is not the last one, by parts or in turn. */
+/* The forces of a step that is not the last one, and the next step of grains that run ahead. */
 static rp_status sum_all(dem_sim *sim)
 {
     sim->ahead_left = 0;
     sim->ahead = may_run_ahead(sim);
-    if (sim->ahead) sim->count.grain_steps += (double)sim->grains.n;
-    if (!dem_threads_divided(sim))
-        return sim->ahead ? sum_forces(sim, &(dem_part){.grain_end = sim->grains.n,
-                                                        .pair_end = sim->pairs.n,
-                                                        .done = sim->pairs.done})
-                          : dem_step_forces(sim);
-    RP_TRY(dem_threads_do(sim, sum_part));
-    return sim->ahead ? dem_threads_do(sim, move_late) : RP_OK;
+    if (!sim->ahead && !dem_threads_divided(sim)) return dem_step_forces(sim);
+    RP_TRY(dem_threads_do_parts(sim, sum_part));
+    if (!sim->ahead) return RP_OK;
+    sim->count.grain_steps += (double)sim->grains.n;
+    return dem_threads_divided(sim) ? dem_threads_do_parts(sim, move_late) : RP_OK;
 }
 
 static rp_status step(dem_sim *sim, bool last)
@@ -200,8 +180,12 @@ static rp_status step(dem_sim *sim, bool last)
     if (status) return status;
     dem_walls_move(sim);
     sim->ahead = false;
-    if (!hard && !ahead) sim->count.grain_steps += (double)sim->grains.n;
-    RP_TRY(dem_step_lists(sim, hard ? dem_hard_move(sim) : ahead ? sim->ahead_left : move_all(sim)));
+    if (!hard && !ahead) {
+        sim->count.grain_steps += (double)sim->grains.n;
+        sim->ahead_left = 0;
+        RP_TRY(dem_threads_do_parts(sim, move_part));
+    }
+    RP_TRY(dem_step_lists(sim, hard ? dem_hard_move(sim) : sim->ahead_left));
     return last ? dem_step_forces(sim) : sum_all(sim);
 }
 

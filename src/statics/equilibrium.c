@@ -26,6 +26,7 @@ static const double SPREAD_LINEAR = 1e12; /* eps sigma: the same for eps = 0 */
 static const double SLID_LINEAR =
     1e3; /* the same after wells broke, over the whole weight on one K_s, or a */
 static const double KEEP_FACTOR = 0.02; /* fall of the residual a step that keeps the old factorisation */
+static const double ALMOST = 1e-6;      /* m g: residual at which a new factorisation may serve to the end */
 static const double CURVED = 0.5;   /* slope after a step over the slope before it: largest, of either sign */
 static const double LONGER = 8;     /* the next trial of a step that was too short */
 static const double APART = 3;      /* largest residual over the residual at the load step's start */
@@ -90,6 +91,7 @@ struct statics_pile {
     double eps, a; /* of the forces now: from 0, the linearised problem, to def.eps; of the wells now */
     bool factored;
     double soften, moved; /* of the factorised stiffness; neighbours' relative displacement since then */
+    double buckles; /* first eps tried at the last load's place, if its stiffness is negative there; else 0 */
     rp_pivots pivots;
     const char *why; /* there is no result though Newton's method converged; "" */
     size_t n_met;    /* pairs that overlap and were no neighbours; the first of them */
@@ -230,7 +232,8 @@ static rp_status find_network(statics_pile *pile)
     if (!pile->bonds || !pile->changed || !pile->direction) return no_memory(pile->n);
     RP_TRY(make_bonds(pile));
     make_wells(pile);
-    return rp_stiffness_create(pile->n, pile->n_bonds, pile->pairs, &pile->matrix);
+    const bool often = pile->n >= MANY && pile->def.eps > 0;
+    return rp_stiffness_create(pile->n, pile->n_bonds, pile->pairs, often, &pile->matrix);
 }
 
 rp_status statics_create(const statics_definition *def, statics_pile **made)
@@ -409,18 +412,24 @@ static rp_status factorise(statics_pile *pile, bool start, int mode, bool fallin
     const bool positive = mode != FOLLOW;
     double soften = falling ? pile->soften / 10 : pile->soften, hold = 0;
     if (soften < SOFTEN_MIN) soften = 0;
+    const bool first = !pile->factored && !(soften > 0); /* at the last load's place */
+    bool known = first && positive && pile->buckles > 0 && pile->eps == pile->buckles;
     for (;;) {
-        assemble(pile, start, soften, hold, true);
-        rp_status status = rp_stiffness_factorise(pile->matrix, &pile->pivots);
-        pile->result.factored++;
-        if (status) return status;
-        if (pile->pivots.smallest > SINGULAR && !(positive && pile->pivots.negative)) break;
-        if (hold > 0) return no_result(pile, STATICS_SINGULAR, "");
+        if (!known) {
+            assemble(pile, start, soften, hold, true);
+            rp_status status = rp_stiffness_factorise(pile->matrix, &pile->pivots);
+            pile->result.factored++;
+            if (status) return status;
+            if (pile->pivots.smallest > SINGULAR && !(positive && pile->pivots.negative)) break;
+            if (hold > 0) return no_result(pile, STATICS_SINGULAR, "");
+        }
+        known = false;
         if (soften == 1) hold = HOLD;
         soften = soften > 0       ? fmin(10 * soften, 1)
                  : mode == STRIDE ? fmin(fmax(SOFTEN_TURN * pile->eps * largest_force(pile), SOFTEN_MIN), 1)
                                   : SOFTEN_FIRST;
     }
+    if (first && !(soften > 0) && pile->pivots.negative && !(pile->buckles > 0)) pile->buckles = pile->eps;
     pile->soften = soften;
     pile->moved = 0;
     pile->factored = true;
@@ -586,7 +595,8 @@ static statics_fault fault_of_step(const statics_pile *pile, int mode, int step,
 static bool step_by_old_factor(statics_pile *pile, bool falling, rp_status *status)
 {
     const size_t changed = changed_contacts(pile) + changed_wells(pile);
-    if (changed == 0 || changed > pile->n_changes / 2 || !update(pile, status)) return false;
+    const bool waits = pile->n >= MANY && pile->result.residual > ALMOST;
+    if (changed > 0 ? changed > pile->n_changes / 2 || !update(pile, status) : !waits) return false;
     const double less = falling && pile->soften / 10 >= SOFTEN_MIN ? pile->soften / 10 : pile->soften;
     bool found = false;
     for (int again = 0; !found && !*status && again <= (less < pile->soften); again++) {
@@ -641,6 +651,7 @@ static bool follow_wells(statics_pile *pile)
         well *h = &pile->wells[i];
         const double k = h->broken ? 0 : pile->def.mu * h->N / pile->a;
         change = fmax(change, fabs((k - h->k) * (pile->w[2 * h->disk] - h->x_0)));
+        if (k != h->k) pile->buckles = 0;
         h->k = k;
     }
     return change > tolerance(pile);
@@ -713,6 +724,7 @@ static rp_status raise_eps(statics_pile *pile, double to)
         pile->factored = false;
         rp_status status = settle(pile, mode);
         if (!status) {
+            pile->buckles = 0;
             *load = 1 - *load > step ? *load + step : 1;
             step = fmin(2 * step, most);
             continue;
@@ -806,7 +818,7 @@ static rp_status solve_linear(statics_pile *pile, double a)
         pile->wells[i].k = def->well == STATICS_WELL_SPRING ? def->k_x : even;
     }
     pile->factored = false;
-    pile->soften = pile->eps = 0;
+    pile->soften = pile->eps = pile->buckles = 0;
     pile->a = a;
     pile->result = (statics_result){.wells = pile->n_wells, .first_broken = pile->n, .released = NAN};
     rp_status status = expect_contacts(pile, a);

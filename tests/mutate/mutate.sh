@@ -51,6 +51,7 @@ suites_of() {
     src/cli/cmd_help.c) echo options cli install ;;
     src/cli/cmd_run.c) echo tables options snapshot cli ;;
     src/cli/forensics_* | src/cli/cmd_forensics.c) echo forensics evidence options tables cli ;;
+    src/cli/cmd_pile.c) echo notes equilibrium tables options cli ;;
     src/cli/*) echo notes evidence options tables columns claims cli ;;
     sweeps/driver/pile_tables.c) echo tables notes piles cli ;;
     src/stress/dip.c) echo stress drop evidence ;;
@@ -60,6 +61,7 @@ suites_of() {
     src/dem/observe.c) echo soft rotation motion stress scene golden dem ;;
     src/dem/definition.c | src/dem/limits.c | src/dem/gravity.c | src/dem/step.c | src/dem/sim.c)
         echo scene golden motion hard soft rotation dem laws ;;
+    sweeps/driver/groups.c) echo forensics ;;
     sweeps/driver/outline.c) echo piles equilibrium ;;
     sweeps/driver/protocol_pile.c) echo piles golden ;;
     sweeps/driver/protocol_onset.c | sweeps/driver/tilted.c) echo stress golden columns snapshot keys ;;
