@@ -213,6 +213,15 @@ static bool is_inequality(const cli_claim *c)
     return c->test == CLAIM_ABOVE || c->test == CLAIM_BELOW;
 }
 
+/* The difference that an inequality must not exclude. A limit other than 0 has the smallest effect that
+ * matters in itself: anything beyond it is enough. */
+static double excluded_margin(const cli_claim *c)
+{
+    char *end;
+    const double limit = strtod(c->against, &end);
+    return !*end && limit != 0.0 ? INFINITY : c->margin;
+}
+
 static bool tests_change(const cli_claim *c)
 {
     return c->test == CLAIM_INDEPENDENT || c->test == CLAIM_RISES || c->test == CLAIM_FALLS;
@@ -238,8 +247,8 @@ static void apply_test(const cli_claim *c, cli_judged *j)
     case CLAIM_RATIO:
     case CLAIM_AGREES: j->match = stats_agree(ours, c->published, c->samples, c->margin); break;
     case CLAIM_SAME: j->match = stats_agree(ours, against, 0.0, c->margin); break;
-    case CLAIM_ABOVE: j->verdict = stats_exceed(ours, against, 1, c->margin); return;
-    case CLAIM_BELOW: j->verdict = stats_exceed(ours, against, -1, c->margin); return;
+    case CLAIM_ABOVE: j->verdict = stats_exceed(ours, against, 1, excluded_margin(c)); return;
+    case CLAIM_BELOW: j->verdict = stats_exceed(ours, against, -1, excluded_margin(c)); return;
     case CLAIM_LEAST: j->verdict = stats_bound(ours.value, against.value, 1); return;
     case CLAIM_MOST: j->verdict = stats_bound(ours.value, against.value, -1); return;
     case CLAIM_EQUALS: j->verdict = stats_bound(fabs(ours.value - c->published.value), c->margin, -1); return;
@@ -380,7 +389,7 @@ static void find_chances(const cli_claim *c, const cli_judged *j, double *effect
     *effect = *none = NAN;
     if (is_inequality(c)) {
         *effect = stats_exceed_p(j->tested, j->tested_against);
-        *none = stats_exceed_p_margin(j->tested, j->tested_against, c->margin);
+        *none = stats_exceed_p_margin(j->tested, j->tested_against, excluded_margin(c));
     }
     if (tests_change(c)) *effect = j->change.p_value;
     if (c->test == CLAIM_INDEPENDENT)
