@@ -12,7 +12,7 @@ low(mean, se) = c(mean) - 2.05*c(se)
 high(mean, se) = c(mean) + 2.05*c(se)
 eval panel(1, '(a) by setting')
 set xlabel 'over mean {/:Italic N}'
-set xrange [-0.3:0.3]
+set xrange [-0.2:0.4]
 set xtics 0.1
 set yrange [0:21]
 m = '{/:Italic μ}'
