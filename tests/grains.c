@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "dem/sim.h"
 #include "tests/check.h"
 #include "tests/folder.h"
 
@@ -74,11 +75,32 @@ dem_definition grains_box(long N, double W, long run, dem_grain **grains)
     return def;
 }
 
+dem_definition grains_outflow(long N, long part, bool rotation, dem_grain **grains)
+{
+    dem_definition def = grains_box(N, 4.0, 9, grains);
+    for (long i = 0; i < N; i += 50) (*grains)[i].fixed = true;
+    def.walls[DEM_BOX_RIGHT].open_at_step = 2 * part;
+    def.walls[DEM_BOX_FLOOR].open_at_step = 3 * part;
+    def.x_max = 8.0;
+    def.y_min = -0.5;
+    def.rotation = rotation;
+    def.material.mu_roll = rotation ? 0.1 : 0.0;
+    return def;
+}
+
 dem_sim *grains_start(const dem_definition *def)
 {
     dem_sim *sim = NULL;
     CHECK_OK(dem_create(def, &sim));
     CU_ASSERT_PTR_NOT_NULL_FATAL(sim);
+    return sim;
+}
+
+dem_sim *grains_start_in_chunks(const dem_definition *def, size_t chunk)
+{
+    dem_sim *sim = grains_start(def);
+    if (chunk > 0) sim->pairs.chunk = chunk;
+    CHECK_OK(dem_neighbours_rebuild(sim));
     return sim;
 }
 

@@ -21,12 +21,18 @@ void grains_gas(size_t n, dem_grain *grains);
  * *grains. */
 dem_definition grains_box(long N, double W, long run, dem_grain **grains);
 
+/* Such a box of width 4 that is opened on the right after 2 `part` steps and below after 3: an avalanche,
+ * fixed grains in between, cells that wrap around, grains that leave. */
+dem_definition grains_outflow(long N, long part, bool rotation, dem_grain **grains);
+
 /* Set the normal law, with the same stiffness (dyn/cm) and damping rate (1/s) for every law at an overlap of
  * 0.01 cm of two grains of 0.004 g. */
 void grains_law(dem_definition *def, dem_normal_law law, double stiffness, double rate);
 
-/* The simulation of a valid definition; the state of its only grain. */
+/* The simulation of a valid definition; one whose steps take chunks of so many pairs, as those of a large
+ * pile do (0: as they are), with its list built anew; the state of the only grain. */
 dem_sim *grains_start(const dem_definition *def);
+dem_sim *grains_start_in_chunks(const dem_definition *def, size_t chunk);
 dem_state grains_state_of_one(const dem_sim *sim);
 
 /* The contact, if any; the total energy. */

@@ -327,15 +327,6 @@ static void extra_rebuilds(void)
     extra_rebuilds_of(true);
 }
 
-/* One whose steps take a few hundred pairs as they do those of a large pile, where `chunk` says so. */
-static dem_sim *start_in_chunks(const dem_definition *def, size_t chunk)
-{
-    dem_sim *sim = grains_start(def);
-    if (chunk > 0) sim->pairs.chunk = chunk;
-    CHECK_OK(dem_neighbours_rebuild(sim)); /* of both that are compared */
-    return sim;
-}
-
 static bool same_wall_forces(const dem_sim *a, const dem_sim *b)
 {
     double f[2 * DEM_FEW_WALLS] = {0}, g[2 * DEM_FEW_WALLS] = {0};
@@ -344,23 +335,15 @@ static bool same_wall_forces(const dem_sim *a, const dem_sim *b)
     return memcmp(f, g, sizeof f) == 0;
 }
 
-/* Integration right behind the pair loop against integration after all forces: filling, an opened wall, cells
- * that wrap around, grains removed from a continued list, fixed grains in between. */
+/* Integration right behind the pair loop against integration after all forces. */
 static void avalanche_in_chunks(bool rotation)
 {
     enum { N = 400, PARTS = 4 };
     const long part = check_fast() ? 700 : 2500;
     dem_grain *grains;
-    dem_definition def = grains_box(N, 4.0, 9, &grains);
-    for (int i = 0; i < N; i += 50) grains[i].fixed = true;
-    def.walls[DEM_BOX_RIGHT].open_at_step = 2 * part;
-    def.walls[DEM_BOX_FLOOR].open_at_step = 3 * part;
-    def.x_max = 8.0;
-    def.y_min = -0.5;
-    def.rotation = rotation;
-    def.material.mu_roll = rotation ? 0.1 : 0.0;
+    dem_definition def = grains_outflow(N, part, rotation, &grains);
     def.kernel = DEM_REFERENCE;
-    dem_sim *reference[PARTS + 1] = {start_in_chunks(&def, 0)};
+    dem_sim *reference[PARTS + 1] = {grains_start_in_chunks(&def, 0)};
     for (int k = 0; k < PARTS; k++) {
         CHECK_OK(dem_clone(reference[k], &reference[k + 1]));
         CHECK_OK(dem_run(reference[k + 1], part));
@@ -368,7 +351,7 @@ static void avalanche_in_chunks(bool rotation)
     CU_ASSERT(dem_count(reference[PARTS]) < N - 20);
     for (def.kernel = DEM_BASELINE; def.kernel < DEM_KERNELS; def.kernel++) {
         if (!dem_kernel_runs(def.kernel)) continue;
-        dem_sim *sim = start_in_chunks(&def, 64), *copy;
+        dem_sim *sim = grains_start_in_chunks(&def, 64), *copy;
         for (int k = 1; k <= PARTS; k++) {
             CHECK_OK(dem_clone(sim, &copy));
             CU_ASSERT(copy->pairs.n_chunks == sim->pairs.n_chunks);
@@ -395,12 +378,12 @@ static void faults_in_chunks(bool wall)
     *(wall ? &def.walls[DEM_BOX_FLOOR].material.k_n : &def.material.k_n) = 1e3;
     def.material.gamma_n = def.walls[DEM_BOX_FLOOR].material.gamma_n = 0.0;
     def.kernel = DEM_REFERENCE;
-    dem_sim *reference = start_in_chunks(&def, 0);
+    dem_sim *reference = grains_start_in_chunks(&def, 0);
     CU_ASSERT(dem_run(reference, 100000) == RP_BROKEN);
     char text[256];
     snprintf(text, sizeof text, "%s", rp_message());
     def.kernel = DEM_FAST;
-    dem_sim *sim = start_in_chunks(&def, 64);
+    dem_sim *sim = grains_start_in_chunks(&def, 64);
     CHECK_FAILS(dem_run(sim, 100000), RP_BROKEN, text);
     CU_ASSERT(dem_step(sim) == dem_step(reference) && dem_sim_fault(sim) == dem_sim_fault(reference));
     CU_ASSERT(sim->pairs.n_chunks > 0);

@@ -21,12 +21,9 @@ static bool same_state(dem_sim *a, dem_sim *b)
     return same;
 }
 
-/* A pile whose steps are those of a large one. */
 static dem_sim *start(const dem_definition *def, size_t threads)
 {
-    dem_sim *sim = grains_start(def);
-    sim->pairs.chunk = 64;
-    CHECK_OK(dem_neighbours_rebuild(sim));
+    dem_sim *sim = grains_start_in_chunks(def, 64);
     dem_threads(sim, threads);
     return sim;
 }
@@ -58,19 +55,11 @@ static void avalanche(void)
     free(grains);
 }
 
-/* Cells that wrap around, fixed grains in between, grains that leave. */
 static void outflow(bool rotation)
 {
     dem_grain *grains;
     const long part = check_fast() ? 200 : 500;
-    dem_definition def = grains_box(400, 4.0, 9, &grains);
-    for (int i = 0; i < 400; i += 50) grains[i].fixed = true;
-    def.walls[DEM_BOX_RIGHT].open_at_step = 2 * part;
-    def.walls[DEM_BOX_FLOOR].open_at_step = 3 * part;
-    def.x_max = 8.0;
-    def.y_min = -0.5;
-    def.rotation = rotation;
-    def.material.mu_roll = rotation ? 0.1 : 0.0;
+    const dem_definition def = grains_outflow(400, part, rotation, &grains);
     compare(&def, 4, part);
     free(grains);
 }
