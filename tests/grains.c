@@ -88,6 +88,23 @@ dem_definition grains_outflow(long N, long part, bool rotation, dem_grain **grai
     return def;
 }
 
+dem_definition grains_too_soft(bool floor, dem_grain **grains)
+{
+    dem_definition def = grains_box(1200, 6.0, 9, grains);
+    *(floor ? &def.walls[DEM_BOX_FLOOR].material.k_n : &def.material.k_n) = 1e3;
+    def.material.gamma_n = def.walls[DEM_BOX_FLOOR].material.gamma_n = 0.0;
+    return def;
+}
+
+void grains_break_alike(dem_sim *a, dem_sim *b)
+{
+    char text[256];
+    CU_ASSERT(dem_run(a, 100000) == RP_BROKEN);
+    snprintf(text, sizeof text, "%s", rp_message());
+    CHECK_FAILS(dem_run(b, 100000), RP_BROKEN, text);
+    CU_ASSERT(dem_step(a) == dem_step(b) && dem_sim_fault(a) == dem_sim_fault(b));
+}
+
 dem_sim *grains_start(const dem_definition *def)
 {
     dem_sim *sim = NULL;

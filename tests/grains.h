@@ -25,6 +25,12 @@ dem_definition grains_box(long N, double W, long run, dem_grain **grains);
  * fixed grains in between, cells that wrap around, grains that leave. */
 dem_definition grains_outflow(long N, long part, bool rotation, dem_grain **grains);
 
+/* A box whose grains, or whose floor, are so soft that the overlap breaks the run. */
+dem_definition grains_too_soft(bool floor, dem_grain **grains);
+
+/* Both runs end broken: at the same step, by the same fault, with the same message. */
+void grains_break_alike(dem_sim *a, dem_sim *b);
+
 /* Set the normal law, with the same stiffness (dyn/cm) and damping rate (1/s) for every law at an overlap of
  * 0.01 cm of two grains of 0.004 g. */
 void grains_law(dem_definition *def, dem_normal_law law, double stiffness, double rate);
