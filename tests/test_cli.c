@@ -320,6 +320,8 @@ static void test_bench(void)
     rp_table_free(&t);
     FAILS(65, "none.tsv: cannot read", "bench --start none.tsv");
     FAILS(65, "no column \"r\"", "bench --start short.tsv");
+    FAILS(65, "mu_roll = 0.1: needs rotation", "bench --mu-roll 0.1");
+    FAILS(65, "--size-ratio = 0.5: out of range", "bench --size-ratio 0.5");
     leave();
 }
 
