@@ -973,11 +973,13 @@ static dem_sim *bench_sim(const bench_box *b, int n, double width, const rp_tabl
     def.dt = fmin(5e-5, dem_time_step_limit(&def, NULL));
     dem_sim *sim = NULL;
     CHECK_OK(dem_create(&def, &sim));
-    const double fall = 30000.0 * sqrt(width / 4.0), shorter = b->size_ratio > 0.0 ? 5e-5 / def.dt : 1.0;
-    if (b->size_ratio > 0.0) dem_gravity_set(sim, (double[2]){0.0, -9.81});
-    CHECK_OK(dem_run(sim, lround(fall * shorter)));
-    dem_gravity_set(sim, (double[2]){0.0, -981.0});
-    CHECK_OK(dem_run(sim, lround(10000.0 * shorter)));
+    const double settling = 30000.0 * sqrt(width / 4.0) + 10000.0;
+    if (b->size_ratio > 0.0) {
+        dem_gravity_set(sim, (double[2]){0.0, -9.81});
+        CHECK_OK(dem_run(sim, lround(settling * 5e-5 / def.dt)));
+        dem_gravity_set(sim, (double[2]){0.0, -981.0});
+    }
+    CHECK_OK(dem_run(sim, lround(b->size_ratio > 0.0 ? settling * 5e-5 / def.dt : settling)));
     if (b->flowing) dem_wall_open(sim, DEM_BOX_RIGHT, INFINITY);
     free(grains);
     return sim;
