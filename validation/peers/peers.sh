@@ -14,11 +14,11 @@ export LC_ALL=C OMP_NUM_THREADS=1
 repose=$(realpath "$1") work=$2 rounds=$3 pattern=${4:-.}
 here=$(realpath "$(dirname "$0")")
 [ "$(id -u)" != 0 ] || export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
-pin=
-if command -v taskset >/dev/null; then pin="taskset -c $(($(nproc) - 1))"; fi
 mkdir -p "$work"
 cd "$work"
 . "$here/start.sh"
+pin=
+if command -v taskset >/dev/null; then pin="taskset -c $((processors - 1))"; fi
 
 cases='
 box settled 400
@@ -143,7 +143,7 @@ compare() { # scene state N
         flowing) if [ $steps -gt 10000 ]; then steps=10000; fi ;;
         sample) steps=80000 ;;
     esac
-    if [ "$1" = threads ]; then alone= ranks="mpirun -np $(nproc)"; fi
+    if [ "$1" = threads ]; then alone= ranks="mpirun -np $processors"; fi
     if [ "$2" = sample ]; then dilute "$3"; else settle "$1" "$3"; fi
     data "$3"
     # the time step that repose takes for this start
@@ -160,7 +160,7 @@ compare() { # scene state N
 
 provenance
 echo "# repose, lammps, liggghts: 1e6 particle-steps per second of processor time, medians; for a sample seconds of the process"
-echo "# threads: all $(nproc) processors, per second of wall time"
+echo "# threads: all $processors processors, per second of wall time"
 echo "# ratio: rate of repose over that of the peer, median of the rounds, with the smallest (min) and the largest (max)"
 programs=ours
 if ! command -v lmp >/dev/null; then echo "# lammps: not installed"; else

@@ -1,11 +1,12 @@
 # Initial states of the benches, kept in the working folder of the calling script. Needs $repose.
+processors=$(getconf _NPROCESSORS_ONLN)
 
 # Columns of a table of repose, by name.
 columns() { "$repose" stats select - --columns "$(IFS=,; echo "$*")" --bare | tr '\t' ' '; }
 
 # Width of the box of N grains. A square box of a million would take hours to settle: ten boxes of 100 000 side by side.
 width() { # N
-    awk -v n="$1" 'BEGIN { printf "%.17g", n == 1000000 ? 2 * sqrt(n * 10) : 0.2 * sqrt(n) }'
+    awk -v n="$1" 'BEGIN { printf "%#.17g", 0.2 * sqrt(n == 1000000 ? 10 * n : n) }'
 }
 
 # Median of the numbers of standard input, the lower of two in the middle.
@@ -34,7 +35,7 @@ S
 options() { # scene
     case $1 in
         box) ;;
-        threads) echo "-j $(nproc)" ;;
+        threads) echo "-j $processors" ;;
         rotation) echo --rotation ;;
         rolling) echo --rotation --mu-roll 0.05 ;;
         sizes) echo --size-ratio 10 ;;
@@ -47,7 +48,7 @@ settle() { # scene N
     start=settled_${scene}_$2.tsv
     if [ -f "$start" ]; then return; fi
     if [ "$2" = 1000000 ]; then joined "$scene" >"$start.new"; else
-        "$repose" bench --n "$2" $(options "$scene") -j "$(nproc)" --steps 1 --repeat 1 -o "$start.new" >/dev/null
+        "$repose" bench --n "$2" $(options "$scene") -j "$processors" --steps 1 --repeat 1 -o "$start.new" >/dev/null
     fi
     mv "$start.new" "$start"
 }
