@@ -235,7 +235,7 @@ static void drum_snapshot(void)
 {
     for (int ledger = 0; ledger < 2; ledger++) {
         dem_sim *sim = drum(DEM_FAST, ledger, DEM_VERLET), *clone, *kept;
-        CHECK_OK(dem_run(sim, 1500));
+        CHECK_OK(dem_run(sim, 6000));
         int touching = 0;
         for (uint32_t id = 1; id <= dem_count(sim); id++) touching += dem_contact_count(sim, id);
         CU_ASSERT(touching > 10);
