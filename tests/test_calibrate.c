@@ -211,6 +211,10 @@ static void test_saturating(void)
         CU_ASSERT((int)c.response[0].shape == shape && c.response[0].degree[0] == 1);
         CHECK_NEAR(c.response[0].scale, scale, 1e-6 * unit);
         CU_ASSERT(c.response[0].n_terms == 3 && c.response[0].dof == 7);
+        /* 1, and tanh(x/scale) or exp(-(x - lo)/scale) */
+        const bool is_tanh = shape == STATS_TANH;
+        CHECK_NEAR(c.response[0].coefficients[0], is_tanh ? 1.5 : 1.5 + 33.0, 1e-3);
+        CHECK_NEAR(c.response[0].coefficients[1], is_tanh ? 33.0 : -33.0 * exp(-c.lo[0] / scale), 1e-3);
         CHECK_OK(stats_calibration_invert(&c, &(stats_measured){{z}, {0.1}}, r));
         double s = (z - 1.5) / 33.0, at = 0.385 * unit, v;
         stats_response_value(&c.response[0], &at, &v);

@@ -36,25 +36,14 @@ static void check_failures(size_t n, const failure list[])
 /* ---- help ---- */
 
 /* Boolean options: help states neither a default nor "required". */
-static const char *const without_default[] = {"--help ",      "--study ",
-                                              "--where ",     "--bare ",
-                                              "--set ",       "--reduce ",
-                                              "--base ",      "--other-groups ",
-                                              "--pair ",      "--successive ",
-                                              "-o ",          "--runs ",
-                                              "--missing ",   "--outline ",
-                                              "--disks ",     "--linear ",
-                                              "--set-again ", "--summary ",
-                                              "--threshold ", "--map ",
-                                              "--ledger ",    "--force ",
-                                              "--profile ",   "--resume ",
-                                              "--man ",       "--quiet ",
-                                              "--plot ",      "--color ",
-                                              "--stress ",    "--completion ",
-                                              "--json ",      "--response ",
-                                              "--shard ",     "--start ",
-                                              "--variants ",  "--published ",
-                                              "--power ",     NULL};
+static const char *const without_default[] = {
+    "--help ",       "--study ",        "--where ",    "--bare ",       "--set ",       "--reduce ",
+    "--base ",       "--other-groups ", "--pair ",     "--successive ", "-o ",          "--runs ",
+    "--missing ",    "--outline ",      "--disks ",    "--linear ",     "--set-again ", "--summary ",
+    "--threshold ",  "--map ",          "--ledger ",   "--force ",      "--profile ",   "--resume ",
+    "--man ",        "--rotation ",     "--quiet ",    "--plot ",       "--color ",     "--stress ",
+    "--completion ", "--json ",         "--response ", "--shard ",      "--start ",     "--variants ",
+    "--published ",  "--power ",        NULL};
 
 static bool option_line_is_whole(const char *line)
 {
@@ -320,6 +309,8 @@ static void test_bench(void)
     rp_table_free(&t);
     FAILS(65, "none.tsv: cannot read", "bench --start none.tsv");
     FAILS(65, "no column \"r\"", "bench --start short.tsv");
+    FAILS(65, "mu_roll = 0.1: needs rotation", "bench --mu-roll 0.1");
+    FAILS(65, "--size-ratio = 0.5: out of range", "bench --size-ratio 0.5");
     leave();
 }
 

@@ -947,32 +947,76 @@ static void test_bench(void)
     leave();
 }
 
+/* The options of one bench of a box that it fills, and what they mean. */
+typedef struct {
+    const char *options;
+    bool flowing, rotation;
+    double mu_roll, size_ratio; /* 0: grains of the default */
+} bench_box;
+
+/* The simulation of such a box until its timed steps, here; of the default's radii, or of those given. */
+static dem_sim *bench_sim(const bench_box *b, int n, double width, const rp_table *radii)
+{
+    dem_grain *grains = calloc((size_t)n, sizeof *grains);
+    const dem_fill fill = {n, width, 2.0 * width, 0.1, 0.02, 0.07, 0.13, 1.0, DEM_SPHERE, 1993, 0};
+    dem_definition def = dem_definition_default();
+    def.rotation = b->rotation;
+    def.material.mu_roll = b->mu_roll;
+    dem_material wall = def.material;
+    wall.k_n *= 2.0;
+    dem_box_walls(&def, width, &wall);
+    for (int i = 0; i < n; i++) grains[i].r = cell(radii, (size_t)i, "r");
+    CHECK_OK(b->size_ratio > 0.0 ? dem_fill_place(&fill, grains) : dem_fill_random(&fill, grains));
+    def.x_max = width;
+    def.grains = grains;
+    def.n_grains = (size_t)n;
+    def.dt = fmin(5e-5, dem_time_step_limit(&def, NULL));
+    dem_sim *sim = NULL;
+    CHECK_OK(dem_create(&def, &sim));
+    const double settling = 30000.0 * sqrt(width / 4.0) + 10000.0;
+    if (b->size_ratio > 0.0) {
+        dem_gravity_set(sim, (double[2]){0.0, -9.81});
+        CHECK_OK(dem_run(sim, lround(settling * 5e-5 / def.dt)));
+        dem_gravity_set(sim, (double[2]){0.0, -981.0});
+    }
+    CHECK_OK(dem_run(sim, lround(b->size_ratio > 0.0 ? settling * 5e-5 / def.dt : settling)));
+    if (b->flowing) dem_wall_open(sim, DEM_BOX_RIGHT, INFINITY);
+    free(grains);
+    return sim;
+}
+
 /* The box that bench fills, settled and right after the opening: contacts, pairs and rebuilds of a simulation
- * of the same grains, here. */
+ * of the same grains, here, and the grains before the timed steps. */
 static void test_bench_fill(void)
 {
+    static const bench_box list[] = {{"", false, false, 0.0, 0.0},
+                                     {"--state flowing", true, false, 0.0, 0.0},
+                                     {"--rotation", false, true, 0.0, 0.0},
+                                     {"--rotation --mu-roll 0.3 --state flowing", true, true, 0.3, 0.0},
+                                     {"--size-ratio 10", false, false, 0.0, 10.0}};
     enum { N = 30, STEPS = 2000 };
     const double width = 1.2;
-    dem_grain grains[N];
     enter();
-    for (int flowing = 0; flowing < 2; flowing++) {
-        GOOD("bench --n %d --width %g --steps %d --repeat 1 --floor absorbs --state %s", N, width, STEPS,
-             flowing ? "flowing" : "settled");
-        rp_table t = read_table("out");
-        const dem_fill fill = {N, width, 2.0 * width, 0.1, 0.02, 0.07, 0.13, 1.0, DEM_SPHERE, 1993, 0};
-        dem_definition def = dem_definition_default();
-        dem_material wall = def.material;
-        wall.k_n *= 2.0;
-        dem_box_walls(&def, width, &wall);
-        CHECK_OK(dem_fill_random(&fill, grains));
-        def.x_max = width;
-        def.grains = grains;
-        def.n_grains = N;
-        dem_sim *sim = NULL;
+    for (size_t k = 0; k < sizeof list / sizeof *list; k++) {
+        GOOD("bench --n %d --width %g --steps %d --repeat 1 --floor absorbs %s -o grains.tsv", N, width,
+             STEPS, list[k].options);
+        rp_table t = read_table("out"), start = read_table("grains.tsv");
         dem_counts before, after;
-        CHECK_OK(dem_create(&def, &sim));
-        CHECK_OK(dem_run(sim, lround(30000.0 * sqrt(width / 4.0)) + 10000));
-        if (flowing) dem_wall_open(sim, DEM_BOX_RIGHT, INFINITY);
+        dem_state states[N];
+        dem_sim *sim = bench_sim(&list[k], N, width, &start);
+        CHECK_OK(dem_states(sim, states));
+        CU_ASSERT_EQUAL(start.n_rows, N);
+        for (size_t i = 0; i < N; i++) {
+            CHECK_NEAR(cell(&start, i, "x"), states[i].x, 0.0);
+            CHECK_NEAR(cell(&start, i, "angle"), states[i].angle, 0.0);
+            CHECK_NEAR(cell(&start, i, "r"), states[i].r, 0.0);
+            /* 1/r is uniform between its ends, here at the middles of N equal parts; 1/0.1^2 is their product
+             */
+            const double least = 10.0 / sqrt(list[k].size_ratio), most = 10.0 * sqrt(list[k].size_ratio),
+                         share = ((double)i + 0.5) / N;
+            if (list[k].size_ratio > 0.0)
+                CHECK_NEAR(cell(&start, i, "r") * (least * (1.0 - share) + most * share), 1.0, 1e-14);
+        }
         dem_count_work(sim, &before);
         CHECK_OK(dem_run(sim, STEPS));
         dem_count_work(sim, &after);
@@ -983,6 +1027,7 @@ static void test_bench_fill(void)
         CHECK_NEAR(cell(&t, 0, "rebuilds"), (double)(after.rebuilds - before.rebuilds), 0.0);
         CU_ASSERT(after.contacts > 5);
         rp_table_free(&t);
+        rp_table_free(&start);
     }
     leave();
 }

@@ -338,6 +338,13 @@ static void test_causes(void)
                 "against one another; no neighbours, but disk 3 on 6, ");
     CU_ASSERT(h.result.fault == STATICS_SPREADS && h.result.broken == 4);
     free_pile(&h);
+    /* disks that overlap anew are told where all that is known is balanced, and not on the way there */
+    h = make_disks(12, 45, 0);
+    statics_definition creeping = friction(0.1, 0.2, 10);
+    creeping.set_again = true;
+    CHECK_FAILS(solve(&h, creeping), RP_NO_RESULT, "not_converged: the wells' stiffness does not settle");
+    CU_ASSERT(h.result.fault == STATICS_NOT_CONVERGED);
+    free_pile(&h);
 }
 
 /* ---- against diagonal contacts alone ---- */
@@ -568,6 +575,25 @@ static void test_energy(void)
     double work = 0;
     for (size_t i = 0; i < h.n; i++) work += h.u[2 * i + 1];
     CHECK_NEAR(h.result.energy, work / 2, fabs(work) * ROUNDING);
+    free_pile(&h);
+    /* of ground, contacts and weight, and of wells that were set under half of the load */
+    h = make_disks(5, 60, 0);
+    statics_definition def = friction(1e-3, 0.7, 3);
+    def.set_load = 0.5;
+    CHECK_OK(solve(&h, def));
+    statics_well wells[5];
+    statics_contact *list;
+    size_t n;
+    double sum = 0, x_0 = 0;
+    statics_wells(h.pile, wells);
+    CHECK_OK(statics_contacts(h.pile, &list, &n));
+    for (size_t i = 0; i < 5; i++) sum += (h.N[i] * h.N[i] + h.H[i] * (wells[i].x - wells[i].x_0)) / 2;
+    for (size_t i = 0; i < 5; i++) x_0 = fmax(x_0, fabs(wells[i].x_0));
+    for (size_t k = 0; k < n; k++) sum += list[k].force * list[k].force / 2;
+    for (size_t i = 0; i < h.n; i++) sum += h.u[2 * i + 1];
+    CU_ASSERT(x_0 > 0.1);
+    CHECK_NEAR(h.result.energy, sum, fabs(sum) * 1e-12);
+    free(list);
     free_pile(&h);
 }
 

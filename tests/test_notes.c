@@ -92,7 +92,12 @@ static void check_pile_notes(const char *file, const sweep_solved *s, const rp_t
     rp_table t = read_table(file);
     size_t level = 0, left = 0;
     for (size_t i = 0; i < contacts->n_rows; i++) level += cell(contacts, i, "horizontal") == 1.0;
-    for (size_t i = 0; i < wells->n_rows; i++) left += strcmp(word(wells, i, "state"), "holds") != 0;
+    for (size_t i = 0; i < wells->n_rows; i++) {
+        left += strcmp(word(wells, i, "state"), "holds") != 0;
+        /* positions up to 45 are rounded to 1e-14 */
+        CHECK_NEAR(cell(wells, i, "x-x_0"), (cell(wells, i, "x") - cell(wells, i, "x_0")) / s->p->eps,
+                   4e-14 / s->p->eps);
+    }
     check_note(&t, "n_disks", "%zu", s->h->n);
     CHECK_NEAR(strtod(note(&t, "B"), NULL), s->h->B, 1e-12);
     check_note(&t, "contacts", "%zu, %zu of them horizontal", contacts->n_rows, level);

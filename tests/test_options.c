@@ -74,7 +74,7 @@ static const struct {
      "--theta-t-deg 5|--theta-t-error-deg 2"},
     {"claims", "--claims claims.tsv --tables .",
      "--claims other.tsv|--tables nowhere|--paper li|--id angle|--variants|--published|--power"},
-    {"bench", "-n 9 --steps 10 --repeat 1", "-n 10|--steps 11|--start start.tsv"}};
+    {"bench", "-n 9 --steps 10 --repeat 1", "-n 10|--steps 11|--start start.tsv|--size-ratio 5"}};
 
 /* Options that change no row, or that other tests follow. */
 static const struct {
@@ -101,10 +101,12 @@ static const struct {
                   {"bench", "--width", "times are not compared"},
                   {"bench", "--state", "times are not compared"},
                   {"bench", "--floor", "times are not compared"},
+                  {"bench", "--rotation", "suite columns"},
+                  {"bench", "--mu-roll", "suite columns"},
                   {"bench", "--kernel", "times are not compared"},
                   {"bench", "--repeat", "times are not compared"},
                   {"bench", "-j", "times are not compared"},
-                  {"bench", "-o", "of a sample: takes seconds"}};
+                  {"bench", "-o", "suite columns"}};
 
 /* ---- fixtures ---- */
 

@@ -285,6 +285,38 @@ static double noise(const rp_table *t, const char *x, const char *k, const char 
     return NAN;
 }
 
+/* Plans that differ in one value, wherever it stands, have different digests: a store then numbers its runs
+ * anew. */
+static void test_digest_of_plan(void)
+{
+    static const char *const texts[] = {
+        "replicas = 3; seed = 7; fixed = { mass = 2.0; }; grid = { x = [0.5, 1.5, 2.5]; k = [9, 8, 7]; };",
+        "replicas = 4; seed = 7; fixed = { mass = 2.0; }; grid = { x = [0.5, 1.5, 2.5]; k = [9, 8, 7]; };",
+        "replicas = 3; seed = 8; fixed = { mass = 2.0; }; grid = { x = [0.5, 1.5, 2.5]; k = [9, 8, 7]; };",
+        "replicas = 3; seed = 7; fixed = { mass = 3.0; }; grid = { x = [0.5, 1.5, 2.5]; k = [9, 8, 7]; };",
+        "replicas = 3; seed = 7; fixed = { mass = 2.0; }; grid = { x = [0.6, 1.5, 2.5]; k = [9, 8, 7]; };",
+        "replicas = 3; seed = 7; fixed = { mass = 2.0; }; grid = { x = [0.5, 1.6, 2.5]; k = [9, 8, 7]; };",
+        "replicas = 3; seed = 7; fixed = { mass = 2.0; }; grid = { x = [0.5, 1.5, 2.6]; k = [9, 8, 7]; };",
+        "replicas = 3; seed = 7; fixed = { mass = 2.0; }; grid = { x = [0.5, 1.5, 2.5]; k = [5, 8, 7]; };",
+        "replicas = 3; seed = 7; fixed = { mass = 2.0; }; grid = { x = [0.5, 1.5, 2.5]; k = [9, 5, 7]; };",
+        "replicas = 3; seed = 7; fixed = { mass = 2.0; }; grid = { x = [0.5, 1.5, 2.5]; k = [9, 8, 5]; };",
+        "replicas = 3; seed = 7; fixed = { mass = 2.0; }; grid = { k = [9, 8, 7]; x = [0.5, 1.5, 2.5]; };",
+        "replicas = 3; seed = 7; fixed = { mass = 2.0; }; piles = \"shared\";\n"
+        "grid = { x = [0.5, 1.5, 2.5]; k = [9, 8, 7]; };"};
+    enum { N = sizeof texts / sizeof *texts };
+    char digests[N][33];
+    fresh("");
+    for (size_t i = 0; i < N; i++) {
+        sweep_plan plan;
+        file_print(file, "protocol = \"toy\"; %s", texts[i]);
+        CHECK_OK(sweep_plan_read(file, toys, &plan));
+        memcpy(digests[i], plan.hash, sizeof digests[i]);
+        sweep_plan_free(&plan);
+        for (size_t j = 0; j < i; j++) CU_ASSERT_STRING_NOT_EQUAL(digests[i], digests[j]);
+    }
+    clean();
+}
+
 /* A stored run is that of its values and replica, wherever its point stands in the grid: put in between,
  * append, permute, take a parameter from fixed into the grid, group lists anew, ask for more replicas. */
 static void test_growing(void)
@@ -1077,6 +1109,7 @@ void suite_sweep(void)
                                        {"zip", test_zip},
                                        {"bundles of lists", test_bundles},
                                        {"shared piles", test_shared_piles},
+                                       {"digest of a plan", test_digest_of_plan},
                                        {"growing grids", test_growing},
                                        {"reduce", test_reduce},
                                        {"statuses that count", test_statuses},

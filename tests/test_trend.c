@@ -582,7 +582,23 @@ static void test_predict(void)
     CHECK_NEAR(s.skill, 1.0 - squares / base, sum_error);
     CHECK_NEAR(s.rms, sqrt(squares), sum_error);
     CHECK_NEAR(s.correlation, c1 * sqrt(sxx) / sqrt(base * COUNT) * COUNT / (COUNT - 1.0), sum_error);
-    CU_ASSERT(s.correlation_lo < s.correlation && s.correlation < s.correlation_hi && s.n == COUNT);
+    CHECK_NEAR(s.correlation_se, (1.0 - s.correlation * s.correlation) / sqrt(COUNT - 1.0), sum_error);
+    const double z = atanh(s.correlation), z_off = 1.959963984540054 / sqrt(COUNT - 3.0);
+    CHECK_NEAR(atanh(s.correlation_lo), z - z_off, 1e-12);
+    CHECK_NEAR(atanh(s.correlation_hi), z + z_off, 1e-12);
+    CU_ASSERT(s.n == COUNT);
+    /* to first order, skill and root of the mean square change with a value as these means do */
+    double skill[COUNT], rms[COUNT];
+    stats_summary of;
+    for (size_t i = 0; i < COUNT; i++) {
+        const double e = pow(y[i] - line[i], 2), e_mean = pow(y[i] - mean[i], 2);
+        skill[i] = (e_mean * squares / base - e) / base;
+        rms[i] = e / (2.0 * sqrt(squares));
+    }
+    CHECK_OK(stats_mean(COUNT, skill, &of));
+    CHECK_NEAR(s.skill_se, of.se, sum_error);
+    CHECK_OK(stats_mean(COUNT, rms, &of));
+    CHECK_NEAR(s.rms_se, of.se, sum_error);
     CHECK_NEAR(s.measured.mean - s.predicted.mean, s.error.mean, sum_error);
     CHECK_FAILS(stats_prediction_score(3, y, x, line, mean, &s), RP_NO_RESULT, "3 values");
     CHECK_FAILS(stats_predict(COUNT, 1, columns, y, (size_t[COUNT]){0}, line), RP_BAD_INPUT, "1 folds");

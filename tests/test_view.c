@@ -252,6 +252,7 @@ static void test_layout(void)
                  {"--base --width 12 --window -2,8,-1,5", 12.0, 0.7, 3.2, 10.0, 6.0},
                  /* as high as is allowed, and as wide as labels need; as low as is allowed */
                  {"--window -1,4,-1,19", 11.0, 0.7, 0.0, 5.0, 20.0},
+                 {"--window -1,9,-1,13.5", 1.8 + 14.0 * 10.0 / 14.5 + 0.7, 0.7, 0.0, 10.0, 14.5},
                  {"--window -20,20,-1,1", 18.0, 0.7, 0.0, 40.0, 1.2 * 40.0 / 15.5}};
     enter();
     write_pile();

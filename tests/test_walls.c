@@ -392,6 +392,30 @@ static void normalised(void)
     dem_scene_free(&s);
 }
 
+/* Each side of a circle has both its corners, one side more or less than a definition holds without a list.
+ */
+static void sides_of_circle(void)
+{
+    for (int n = DEM_FEW_WALLS - 1; n <= DEM_FEW_WALLS + 1; n++) {
+        char text[256];
+        dem_scene s;
+        snprintf(text, sizeof text,
+                 "walls = ( { circle = [1.0, 2.0, 3.0]; sides = %d; } );\n"
+                 "particles = ( { x = 1.0; y = 2.0; r = 0.1; } );\n",
+                 n);
+        CHECK_OK(grains_read(text, NULL, &s));
+        CU_ASSERT_EQUAL_FATAL(s.def.n_walls, (size_t)n);
+        CU_ASSERT((s.def.wall_list != NULL) == (n > DEM_FEW_WALLS));
+        for (int i = 0; i < n; i++) {
+            const dem_wall *w = &dem_walls_of(&s.def)[i];
+            CU_ASSERT(w->joined[0] && w->joined[1]);
+            CHECK_NEAR(w->corner[0], 2.0 * M_PI / n, 1e-14);
+            CHECK_NEAR(w->corner[1], 2.0 * M_PI / n, 1e-14);
+        }
+        dem_scene_free(&s);
+    }
+}
+
 /* A filling elsewhere is the same filling, moved. */
 static void filling(void)
 {
@@ -496,6 +520,7 @@ void suite_walls(void)
                                        {"a soft contact with a wall that moves", soft_on_moving_wall},
                                        {"a bowl of many sides", bowl},
                                        {"directions, polygons, circles", normalised},
+                                       {"corners of few and many sides", sides_of_circle},
                                        {"filling anywhere", filling},
                                        {"refused walls", refused},
                                        {NULL, NULL}};

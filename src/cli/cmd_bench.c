@@ -22,6 +22,11 @@ enum { MOST = 100, FILL_STEPS = 30000, RELAX_STEPS = 50000, WARM_STEPS = 2000 };
       "slopes, with input, 30000 steps closed, 50000 open, and output")                                      \
     X(CHOICE, floor, "", "extends", "extends | absorbs",                                                     \
       "floor beyond the opening: extends to 3 W, or absorbs grains at W")                                    \
+    X(BOOL, rotation, "", "false", "", "whether grains rotate")                                              \
+    X(REAL, mu_roll, "", "0", "[0, inf)", "rolling resistance, with --rotation")                             \
+    X(REAL, size_ratio, "", "auto", "[1, 100] | auto",                                                       \
+      "largest over smallest radius: grains of each range of radii then cover an area proportional to the "  \
+      "range, and their root mean square radius is 0.1 cm; auto: Gaussian radii of 0.07 to 0.13 cm")         \
     X(CHOICE, kernel, "", "fast", "fast | reference | baseline | avx2 | avx512",                             \
       "kernel of the pair loop: the fastest here, the reference, or an instruction set")                     \
     X(INT, repeat, "", "5", "[1, 100]",                                                                      \
@@ -32,7 +37,8 @@ enum { MOST = 100, FILL_STEPS = 30000, RELAX_STEPS = 50000, WARM_STEPS = 2000 };
       "the first 2000 steps are not timed")                                                                  \
     X(INT, j, "", "1", "[1, 256]",                                                                           \
       "threads; rates of more than one are per second of wall time, and the phases are those of one")        \
-    X(TEXT, o, "", "", "", "table for the final grains of a sample")
+    X(TEXT, o, "", "", "",                                                                                   \
+      "table for the grains: those at the end of a sample, else at rest before the timed steps")
 
 CLI_OPTIONS(bench, BENCH_OPTIONS)
 
@@ -53,23 +59,35 @@ static rp_status read_start(const char *path, dem_grain **grains, long *n)
     return RP_OK;
 }
 
-static rp_status fill(long n, double width, dem_grain **grains)
+/* Radii from the largest to the smallest. Equal areas of equal ranges of r, n(r) ~ 1/r^2, are equal numbers
+ * of equal ranges of 1/r; the mean of r^2 is the product of both ends. */
+static void radii_of_ratio(long n, double ratio, dem_grain grains[])
 {
-    dem_fill dilute = {n, width, 2.0 * width, 0.1, 0.02, 0.07, 0.13, 1.0, DEM_SPHERE, 1993, 0};
-    *grains = cli_memory((size_t)n, sizeof **grains);
-    return dem_fill_random(&dilute, *grains);
+    const double first = 10.0 / sqrt(ratio), last = 10.0 * sqrt(ratio); /* 1/cm */
+    for (long i = 0; i < n; i++) grains[i].r = 1.0 / (first + (last - first) * ((double)i + 0.5) / (double)n);
+}
+
+static rp_status fill(const bench_options *o, dem_grain **grains)
+{
+    const dem_fill dilute = {o->n, o->width, 2.0 * o->width, 0.1, 0.02, 0.07, 0.13, 1.0, DEM_SPHERE, 1993, 0};
+    *grains = cli_memory((size_t)o->n, sizeof **grains);
+    if (!(o->size_ratio > 0.0)) return dem_fill_random(&dilute, *grains);
+    radii_of_ratio(o->n, o->size_ratio, *grains);
+    return dem_fill_place(&dilute, *grains);
 }
 
 /* The closed box with its grains, at step 0; o->n becomes their number, o->width that of the box. */
-static rp_status begin(bench_options *o, dem_sim **sim)
+static rp_status begin(bench_options *o, dem_sim **sim, double *dt)
 {
     dem_grain *grains = NULL;
     const size_t mark = cli_mark(); /* memory counts */
     rp_status status = *o->start ? read_start(o->start, &grains, &o->n) : RP_OK;
     if (!(o->width > 0.0)) o->width = fmax(0.4, sqrt(0.04 * (double)o->n));
-    if (!status && !grains) status = fill(o->n, o->width, &grains);
+    if (!status && !grains) status = fill(o, &grains);
     if (status) return status;
     dem_definition def = dem_definition_default();
+    def.rotation = o->rotation;
+    def.material.mu_roll = o->mu_roll;
     dem_material wall = def.material;
     wall.k_n *= 2.0;
     dem_box_walls(&def, o->width, &wall);
@@ -78,19 +96,42 @@ static rp_status begin(bench_options *o, dem_sim **sim)
     def.n_grains = (size_t)o->n;
     def.kernel = o->kernel;
     /* smaller from some 50 000 grains on: the grains fall from a great height */
-    def.dt = fmin(def.dt, dem_time_step_limit(&def, NULL));
+    *dt = def.dt = fmin(def.dt, dem_time_step_limit(&def, NULL));
     status = dem_create(&def, sim);
     if (!status) dem_threads(*sim, (size_t)o->j);
     cli_release(mark);
     return status;
 }
 
-/* Initial state of the timed runs. */
-static rp_status prepare(const bench_options *o, dem_sim *sim)
+static rp_status write_grains(const char *path, const dem_sim *sim)
 {
-    /* a fall from 2 W and the time to settle, both growing with the box */
-    const long settling = lround(30000.0 * sqrt(o->width / 4.0)) + 10000;
-    rp_status status = dem_run(sim, *o->start ? WARM_STEPS : settling);
+    FILE *out;
+    RP_TRY(rp_file_open(path, &out));
+    cli_provenance(out);
+    dem_write_state_columns(out);
+    return rp_file_close(path, out, dem_write_states(sim, out));
+}
+
+/* A fall from 2 W and the time to settle, both growing with the box. Large grains that fall from so high
+ * would crush small ones: these do so under a hundredth of gravity first, in short steps. */
+static rp_status settle(const bench_options *o, dem_sim *sim, double dt)
+{
+    const double settling = 30000.0 * sqrt(o->width / 4.0) + 10000.0;
+    if (!(o->size_ratio > 0.0)) return dem_run(sim, lround(settling));
+    const long steps = lround(settling * 5e-5 / dt);
+    double g[2];
+    dem_gravity(sim, g);
+    dem_gravity_set(sim, (double[2]){0.0, 0.01 * g[1]});
+    RP_TRY(dem_run(sim, steps));
+    dem_gravity_set(sim, g);
+    return dem_run(sim, steps);
+}
+
+/* Initial state of the timed runs. */
+static rp_status prepare(const bench_options *o, dem_sim *sim, double dt)
+{
+    rp_status status = *o->start ? dem_run(sim, WARM_STEPS) : settle(o, sim, dt);
+    if (!status && *o->o) status = write_grains(o->o, sim);
     if (o->state == FLOWING) dem_wall_open(sim, DEM_BOX_RIGHT, INFINITY);
     return status;
 }
@@ -112,15 +153,6 @@ static rp_status measure_slopes(const bench_options *o, const dem_sim *sim)
     return status;
 }
 
-static rp_status write_final(const char *path, const dem_sim *sim)
-{
-    FILE *out;
-    RP_TRY(rp_file_open(path, &out));
-    cli_provenance(out);
-    dem_write_state_columns(out);
-    return rp_file_close(path, out, dem_write_states(sim, out));
-}
-
 static rp_status advance(dem_sim *sim, long steps, dem_phases *times)
 {
     return times ? dem_run_timed(sim, steps, times) : dem_run(sim, steps);
@@ -129,12 +161,13 @@ static rp_status advance(dem_sim *sim, long steps, dem_phases *times)
 /* A whole run, from the fill to the slopes. */
 static rp_status run_sample(bench_options *o, dem_sim **sim, dem_phases *times)
 {
-    RP_TRY(begin(o, sim));
+    double dt;
+    RP_TRY(begin(o, sim, &dt));
     RP_TRY(advance(*sim, FILL_STEPS, times));
     dem_wall_open(*sim, DEM_BOX_RIGHT, INFINITY);
     RP_TRY(advance(*sim, RELAX_STEPS, times));
     RP_TRY(measure_slopes(o, *sim));
-    return *o->o ? write_final(o->o, *sim) : RP_OK;
+    return *o->o ? write_grains(o->o, *sim) : RP_OK;
 }
 
 typedef struct {
@@ -197,13 +230,13 @@ static rp_status measure(void *values)
     dem_sim *sim = NULL;
     dem_phases times = {0};
     bench_run run = {0};
-    double rates[MOST];
-    rp_status status = begin(o, &sim);
+    double rates[MOST], dt = NAN;
+    rp_status status = begin(o, &sim, &dt);
     if (o->steps <= 0) {
         o->steps = (long)fmax(100.0, 2e7 / (double)o->n);
         if (o->state == FLOWING && o->steps > 10000) o->steps = 10000; /* later the pile is at rest */
     }
-    if (!status && o->state != SAMPLE) status = prepare(o, sim);
+    if (!status && o->state != SAMPLE) status = prepare(o, sim, dt);
     const double memory[2] = {heap() - heap_before, 1e6 * (rp_peak_memory() - peak_before)};
     const dem_sim *from = o->state == SAMPLE ? NULL : sim;
     for (int k = 0; !status && k < o->repeat; k++) {
@@ -215,6 +248,7 @@ static rp_status measure(void *values)
     if (!status) {
         cli_table(stdout);
         rp_table_note(stdout, "pair_loop", "%s", dem_kernel_name(sim));
+        rp_table_note(stdout, "dt", "%.17g s", dt);
         write_row(o, rates, &run, &times, memory, rp_clock() - begun);
     }
     dem_free(sim);
@@ -224,14 +258,15 @@ static rp_status measure(void *values)
 const cli_command cmd_bench = {
     "bench",
     "particle-steps per second on this machine",
-    "[--n N | --start TABLE] [--width W] [--state settled|flowing|sample] [--floor extends|absorbs] [--steps "
-    "N] [--kernel NAME] [--repeat N] [-o TABLE]",
-    "Fill a square box with grains of Lee & Herrmann's parameters (mu = 0.2, no rotation), let them\n"
-    "settle, and time the simulator on one core: 1e6 particle-steps per second of processor time, best\n"
-    "and median of several runs. An extra run times the phases one after another: shares of contacts,\n"
-    "neighbour lists, integration and walls, and `bound`, the rate without lists and walls. Numbers of\n"
-    "contacts and listed pairs are per grain, at the end. `bytes` is the memory held per grain,\n"
-    "`peak_bytes` the largest memory of the process so far.",
+    "[--n N | --start TABLE] [--width W] [--size-ratio R] [--rotation] [--mu-roll MU] [--state "
+    "settled|flowing|sample] [--floor extends|absorbs] [--steps N] [--kernel NAME] [--repeat N] [-j N] [-o "
+    "TABLE]",
+    "Fill a square box with grains of Lee & Herrmann's parameters (mu = 0.2; no rotation, unless asked\n"
+    "for), let them settle, and time the simulator on one core: 1e6 particle-steps per second of\n"
+    "processor time, best and median of several runs. An extra run times the phases one after another:\n"
+    "shares of contacts, neighbour lists, integration and walls, and `bound`, the rate without lists\n"
+    "and walls. Numbers of contacts and listed pairs are per grain, at the end. `bytes` is the memory\n"
+    "held per grain, `peak_bytes` the largest memory of the process so far.",
     "repose bench --n 1600 --state flowing --floor absorbs",
     bench_params,
     .prints_table = true,

@@ -387,6 +387,10 @@ typedef struct {
  * Errors: RP_NO_RESULT (no room found in a million tries for a grain), RP_NO_MEMORY. */
 rp_status dem_fill_random(const dem_fill *fill, dem_grain *grains);
 
+/* The same with the radii that `grains` already have; those of the fill are not used. Large ones should come
+ * first: they find no room among many small ones. */
+rp_status dem_fill_place(const dem_fill *fill, dem_grain *grains);
+
 /* Mass of a grain, and its moment of inertia. */
 double dem_mass(dem_shape shape, double density, double r);
 double dem_inertia(dem_shape shape, double m, double r);

@@ -28,18 +28,19 @@ static bool is_free(const cells *c, const dem_grain *grains, const dem_fill *f, 
     return true;
 }
 
-static rp_status place_all(const dem_fill *f, cells *c, gsl_rng *radii, gsl_rng *places, dem_grain *grains)
+static rp_status place_all(const dem_fill *f, cells *c, gsl_rng *places, dem_grain *grains)
 {
     for (long i = 0; i < f->N; i++) {
-        double r = rp_random_cut_normal(radii, f->radius_mean, f->radius_width, f->radius_min, f->radius_max);
+        const double r = grains[i].r;
         double x, y;
         long tries = 0;
         do {
             if (tries++ == MAX_TRIES || 2.0 * r > f->W || 2.0 * r > f->H)
-                return rp_fail(RP_NO_RESULT,
-                               "no room for grain %ld of N = %ld in W = %g, H = %g with radius_mean = %g, "
-                               "radius_max = %g: fewer or smaller grains, or a larger box",
-                               i + 1, f->N, f->W, f->H, f->radius_mean, f->radius_max);
+                return rp_fail(
+                    RP_NO_RESULT,
+                    "no room for grain %ld of N = %ld, of radius %g, in W = %g, H = %g: fewer or smaller "
+                    "grains, or a larger box",
+                    i + 1, f->N, r, f->W, f->H);
             x = r + (f->W - 2.0 * r) * gsl_rng_uniform(places);
             y = r + (f->H - 2.0 * r) * gsl_rng_uniform(places);
         } while (!is_free(c, grains, f, x, y, r));
@@ -51,27 +52,38 @@ static rp_status place_all(const dem_fill *f, cells *c, gsl_rng *radii, gsl_rng 
     return RP_OK;
 }
 
-rp_status dem_fill_random(const dem_fill *fill, dem_grain *grains)
+rp_status dem_fill_place(const dem_fill *fill, dem_grain *grains)
 {
+    double r_max = 0.0;
+    for (long i = 0; i < fill->N; i++) r_max = fmax(r_max, grains[i].r);
     /* no more than some four cells a grain, however large the region */
     const double most = 2.0 * sqrt((double)fill->N) + 8.0;
-    cells c = {.size = fmax(2.0 * fill->radius_max, fmax(fill->W, fill->H) / most)};
+    cells c = {.size = fmax(2.0 * r_max, fmax(fill->W, fill->H) / most)};
     c.nx = (long)(fill->W / c.size) + 1;
     c.ny = (long)(fill->H / c.size) + 1;
     c.head = malloc((size_t)(c.nx * c.ny) * sizeof *c.head);
     c.next = malloc((size_t)fill->N * sizeof *c.next);
-    gsl_rng *radii = rp_random_alloc((unsigned long)fill->seed, (unsigned long)fill->run, RP_PURPOSE_RADII);
     gsl_rng *places = rp_random_alloc((unsigned long)fill->seed, (unsigned long)fill->run, RP_PURPOSE_PLACES);
     rp_status status = RP_NO_MEMORY;
-    if (c.head && c.next && radii && places) {
+    if (c.head && c.next && places) {
         for (long k = 0; k < c.nx * c.ny; k++) c.head[k] = -1;
-        status = place_all(fill, &c, radii, places, grains);
+        status = place_all(fill, &c, places, grains);
     } else {
         rp_fail(status, "filling: out of memory");
     }
     free(c.head);
     free(c.next);
-    if (radii) gsl_rng_free(radii);
     if (places) gsl_rng_free(places);
     return status;
+}
+
+rp_status dem_fill_random(const dem_fill *f, dem_grain *grains)
+{
+    gsl_rng *radii = rp_random_alloc((unsigned long)f->seed, (unsigned long)f->run, RP_PURPOSE_RADII);
+    if (!radii) return rp_fail(RP_NO_MEMORY, "filling: out of memory");
+    for (long i = 0; i < f->N; i++)
+        grains[i].r =
+            rp_random_cut_normal(radii, f->radius_mean, f->radius_width, f->radius_min, f->radius_max);
+    gsl_rng_free(radii);
+    return dem_fill_place(f, grains);
 }
