@@ -455,18 +455,17 @@ static void measure_shape(const drop *d)
     v[OUT_right_deg] = side_slope(d, 1.0, top);
 }
 
+static int by_id(const void *a, const void *b)
+{
+    const dem_state *s = a, *t = b;
+    return (s->id > t->id) - (s->id < t->id);
+}
+
 /* Index of the disk with that id among those that are left, n if it is not. Both orders ascend. */
 static size_t find(const drop *d, uint32_t id)
 {
-    size_t lo = 0, hi = d->n;
-    while (lo < hi) {
-        const size_t mid = lo + (hi - lo) / 2;
-        if (d->states[mid].id < id)
-            lo = mid + 1;
-        else
-            hi = mid;
-    }
-    return lo < d->n && d->states[lo].id == id ? lo : d->n;
+    const dem_state *s = bsearch(&(dem_state){.id = id}, d->states, d->n, sizeof *s, by_id);
+    return s ? (size_t)(s - d->states) : d->n;
 }
 
 /* Within 10 degrees of 60 or 120 degrees to the horizontal. */
