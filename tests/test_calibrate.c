@@ -578,7 +578,7 @@ static double bowl_and_well(const double x[], void *context)
     seen *s = context;
     if (s->n < MOST_SEEN) memcpy(s->at[s->n++], x, sizeof s->at[0]);
     const double away = pow(x[0] - s->lowest[0], 2) + pow(x[1] - s->lowest[1], 2);
-    return 0.01 * (x[0] * x[0] + x[1] * x[1]) + fmin(away, 0.5);
+    return 0.001 * (x[0] * x[0] + x[1] * x[1]) + fmin(away, 0.5);
 }
 
 /* The box is scanned first, by points whose distance is a part of its sides, its ends among them; the least
@@ -603,9 +603,9 @@ static void test_least(void)
                 }
             for (size_t i = 0; i < s.n; i++)
                 for (int p = 0; p < 2; p++) CU_ASSERT(s.at[i][p] >= lo[p] && s.at[i][p] <= high[p]);
-            /* of a parabola 1.01 x^2 - 2 c x: its minimum, or the box's end before it */
+            /* of a parabola 1.001 x^2 - 2 c x: its minimum, or the box's end before it */
             for (int p = 0; p < 2; p++)
-                CHECK_NEAR(x[p], fmin(fmax(s.lowest[p] / 1.01, lo[p]), high[p]), 1e-6);
+                CHECK_NEAR(x[p], fmin(fmax(s.lowest[p] / 1.001, lo[p]), high[p]), 1e-6);
             CHECK_NEAR(value, bowl_and_well(x, &s), 1e-12);
         }
 }
