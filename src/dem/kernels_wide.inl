@@ -333,7 +333,7 @@ size_t WIDE(beyond_margin)(const dem_sim *sim, size_t from, size_t to, unsigned 
     return i;
 }
 
-/* As append_pairs in neighbours.c. */
+/* As dem_append_pairs in neighbours.c. */
 void WIDE(append_pairs)(dem_sim *sim, size_t i, size_t from, size_t to)
 {
     const wide zero = {0}, x = wide_repeat(sim->grains.listed_x[i]), own = zero + sim->grains.cutoff[i],
