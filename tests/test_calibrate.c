@@ -1,4 +1,5 @@
 /* Calibration against closed forms, and on piles drawn from known responses. */
+#include <gsl/gsl_cdf.h>
 #include <gsl/gsl_multifit.h>
 #include <gsl/gsl_poly.h>
 #include <gsl/gsl_randist.h>
@@ -126,6 +127,9 @@ static void test_lack_of_fit(void)
     stats_line line;
     CHECK_OK(stats_line_fit(8, x, y, se, false, &line));
     CU_ASSERT(c.response[0].degree[0] == 1 && line.chi2 > 12.0);
+    CHECK_NEAR(c.response[0].chi2, line.chi2, 1e-9 * line.chi2);
+    CHECK_NEAR(c.response[0].aic, line.chi2 + 2.0 * 2.0, 1e-9 * line.chi2);
+    CHECK_NEAR(c.response[0].p_value, gsl_cdf_chisq_Q(line.chi2, 6.0), 1e-9);
     double factor = line.chi2 / 6.0;
     stats_response_value(&c.response[0], &at, &v);
     double fitted = pow(line.intercept_se, 2) + 2.0 * at * line.covariance + pow(at * line.slope_se, 2);

@@ -246,6 +246,43 @@ static void test_wrong_usage(void)
     leave();
 }
 
+/* A job of the array makes one shard; the commands for other schedulers make the same shards. */
+static void test_slurm(void)
+{
+    static const failure list[] = {
+        {65, "--time 1:00:00 and --mem 1G expected", "sweep slurm d --shards 2 --time '1h'"},
+        {65, "--time 1:00:00 and --mem 1G expected", "sweep slurm d --shards 2 --mem '1 G'"},
+        {65, "none: no such folder", "sweep slurm none --shards 2"}};
+    static char script[4096], expected[4096];
+    char folder[512], program[512];
+    enter();
+    write_text("s.cfg", "protocol = \"pile\"; replicas = 9; fixed = { base = 4; };\n");
+    GOOD("sweep plan s.cfg -o d");
+    GOOD("sweep slurm d --shards 7 -j 3 --time 0:30:00 --mem 2G");
+    CU_ASSERT_FATAL(shell("printf %s $(realpath d) >folder; printf %s $(realpath \"$REPOSE\") >program") ==
+                    0);
+    slurp("folder", folder, sizeof folder);
+    slurp("program", program, sizeof program);
+    slurp("d/array.sh", script, sizeof script);
+    snprintf(expected, sizeof expected,
+             "sbatch %s/array.sh\n"
+             "parallel --sshlogin HOST1,HOST2 %s sweep run %s --shard {}/7 -j 3 ::: $(seq 7)\n"
+             "repose sweep merge %s\n",
+             folder, program, folder, folder);
+    CU_ASSERT_STRING_EQUAL(out, expected);
+    snprintf(
+        expected, sizeof expected,
+        "#SBATCH --array=1-7\n#SBATCH --cpus-per-task=3\n#SBATCH --time=0:30:00\n#SBATCH --mem-per-cpu=2G\n");
+    CU_ASSERT_PTR_NOT_NULL(strstr(script, expected));
+    snprintf(expected, sizeof expected,
+             "#SBATCH --output=%s/shards/%%a-of-7.log\n'%s' sweep run '%s' --shard $SLURM_ARRAY_TASK_ID/7 -j "
+             "3 &\n",
+             folder, program, folder);
+    CU_ASSERT_PTR_NOT_NULL(strstr(script, expected));
+    CHECK_FAILURES(list);
+    leave();
+}
+
 static void test_bad_values(void)
 {
     static const failure list[] = {
@@ -910,6 +947,16 @@ static void test_stats_trends(void)
     CHECK_NEAR(cell(&t, 0, "change_se"), 0.25, 1e-12);
     CHECK_NEAR(cell(&t, 1, "change"), 0.0, 1e-12);
     rp_table_free(&t);
+    /* one word among numbers, wherever it stands, makes words of all */
+    static const char *const mixed[] = {"old\t1\n2\t2\n3\t4\n", "2\t1\nold\t2\n3\t4\n",
+                                        "2\t1\n3\t2\nold\t4\n"},
+                             *const words[] = {"old = 0, 2 = 1, 3 = 2", "2 = 0, old = 1, 3 = 2",
+                                               "2 = 0, 3 = 1, old = 2"};
+    for (size_t k = 0; k < sizeof mixed / sizeof *mixed; k++) {
+        write_text("mixed.tsv", "# x\ty\n%s", mixed[k]);
+        GOOD("stats trend mixed.tsv -x x -y y");
+        CU_ASSERT_PTR_NOT_NULL(strstr(out, words[k]));
+    }
     write_text("runs.tsv", "# x\ty\n1\t2\n2\t4\n0\t1\n");
     FAILS(65, "runs.tsv:4: x = 0: out of range of this scale", "stats trend runs.tsv -x x -y y --scale log");
     FAILS(65, "no column \"pile\"", "stats trend runs.tsv -x x -y y --pair");
@@ -1097,6 +1144,10 @@ static void test_claims(void)
     check_verdict("level", "verdict", "no such claim");
     GOOD("claims --claims claims.tsv --published");
     CU_ASSERT(strstr(out, "\nangle\tlh\t20\t1\t20\n") && !strstr(out, "twin"));
+    write_text("claims.tsv", CLAIMS CLAIM("one", "20\t1", "-") PLAIN("none", "untestable", "-", "-", "-")
+                                 CLAIM("two", "30\t-", "-") CLAIM("three", "40.0\t2", "-"));
+    GOOD("claims --claims claims.tsv --published");
+    CU_ASSERT_PTR_NOT_NULL(strstr(out, "\none\tlh\t20\t1\t20\ntwo\tlh\t30\t0\t20\nthree\tlh\t40.0\t2\t20\n"));
     leave();
 }
 
@@ -1992,6 +2043,7 @@ void suite_cli(void)
                                        {"params", test_params},
                                        {"wrong usage: 64", test_wrong_usage},
                                        {"bad values: 65", test_bad_values},
+                                       {"job array", test_slurm},
                                        {"bench", test_bench},
                                        {"bad scenes", test_bad_scenes},
                                        {"bad sweeps", test_bad_sweeps},

@@ -173,8 +173,11 @@ static void grains_are_counted(void)
  */
 static void outputs_from_series(void)
 {
+    /* the last insertion sets off an avalanche */
+    static const char *const ending[] = {"W=1.3",   "insertions=148", "entry_width=1",
+                                         "draws=3", "avalanche=2",    NULL};
     traced t;
-    trace(small, &t);
+    trace(ending, &t);
     const size_t n = t.series.n_rows, from = (size_t)output(&t.result, "level_insertion");
     double sum = 0.0, squares = 0.0, most = -INFINITY, count = 0.0, ms = 0.0, r = 0.0, grains = 0.0;
     CU_ASSERT_STRING_EQUAL(t.result.status, "ok");
@@ -197,6 +200,7 @@ static void outputs_from_series(void)
     CHECK_NEAR(output(&t.result, "theta_sd_deg"), sqrt((squares - kept * mean * mean) / (kept - 1.0)),
                1e3 * round_off);
     CU_ASSERT(output(&t.result, "theta_max_deg") == most);
+    CU_ASSERT(cell(&t.series, n - 1, "outflow") >= 2.0);
     CU_ASSERT(count > 2.0 && output(&t.result, "avalanches") == count);
     CHECK_NEAR(output(&t.result, "theta_ms_flux_deg"), ms / count, round_off);
     CHECK_NEAR(output(&t.result, "theta_ms_less_r_deg"), (ms - r) / count, round_off);
@@ -212,7 +216,7 @@ static void outputs_from_series(void)
     CHECK_NEAR(output(&t.result, "theta_max_draws_deg"), largest, round_off);
 
     sweep_result again;
-    void *p = params(small);
+    void *p = params(ending);
     CHECK_OK(protocol->run(p, 1993, 0, NULL, &again));
     CU_ASSERT(memcmp(again.values, t.result.values, sizeof again.values) == 0);
     CHECK_OK(protocol->run(p, 1993, 1, NULL, &again)); /* another stream, another pile */
@@ -278,6 +282,21 @@ static void __attribute__((noinline)) soil_stack(void)
 }
 
 /* The key of stored runs has all its digits, and is the same at every call. */
+/* The time step allows for a fall from twice the base's width, and the drop onto the pile. */
+static void limit_of_step(void)
+{
+    static const char *const high[] = {"W=40", "drop_height=30", NULL};
+    void *p = params(high);
+    sweep_box *b = p;
+    const double limit = sweep_box_step_limit(b, 2.0 * (40.0 + 30.0 * b->radius_mean), NULL);
+    CU_ASSERT(limit < sweep_box_step_limit(b, 2.0 * 40.0, NULL));
+    b->physics.dt = limit * (1.0 - 1e-9);
+    CHECK_OK(protocol->check(p));
+    b->physics.dt = limit * (1.0 + 1e-9);
+    CHECK_FAILS(protocol->check(p), RP_BAD_INPUT, "too large for");
+    free(p);
+}
+
 static void fingerprint_repeats(void)
 {
     char first[33] = "", again[33] = "";
@@ -297,6 +316,7 @@ void suite_flux(void)
                                        {"outputs from the series", outputs_from_series},
                                        {"runs without a result", ends_without_result},
                                        {"fingerprint", fingerprint_repeats},
+                                       {"limit of the time step", limit_of_step},
                                        {NULL, NULL}};
     check_register("constant flux", cases);
 }

@@ -867,15 +867,23 @@ static void check_phi(checked *c, size_t row, const ang_phi *fit)
 /* The fits of phi by the library: to all groups, then to each. */
 static void test_phi(void)
 {
-    enum { PILES = 6, GROUPS = 2 };
+    /* phi has no upper bound in the first group, of steep piles; in the last, with an outlier, no lower one,
+     * or neither */
+    enum { PILES = 6, GROUPS = 4 };
+    static const double mu_of[GROUPS] = {0.2, 0.25, 0.3, 0.4};
     double r[GROUPS][PILES], t[GROUPS][PILES];
+    size_t open[4] = {0};
     ang_piles groups[GROUPS];
     char text[2048] = "# mu\ttheta_r3_deg\ttheta_t_displacement_deg\tstatus\n";
     enter();
     for (int g = 0; g < GROUPS; g++) {
-        groups[g] = (ang_piles){g ? 0.3 : 0.2, PILES, r[g], t[g]};
+        groups[g] = (ang_piles){mu_of[g], PILES, r[g], t[g]};
         for (int k = 0; k < PILES; k++) {
-            const double r_deg = 10.0 + 4.0 * g + 0.5 * (k % 3), t_deg = 6.0 + 2.0 * g + 0.375 * (k % 4);
+            const bool plain = g == 1 || g == 2;
+            const double r_deg = (plain ? 6.0 + 4.0 * g : 7.0) + 0.5 * (k % 3),
+                         t_deg = g == 3  ? (k == 4 ? 70.0 : 2.5)
+                                 : plain ? 4.0 + 2.0 * g + 0.375 * (k % 4)
+                                         : 14.0 + 0.375 * (k % 4);
             r[g][k] = r_deg * (M_PI / 180.0), t[g][k] = t_deg * (M_PI / 180.0); /* the same bits */
             snprintf(text + strlen(text), sizeof text - strlen(text), "%g\t%g\t%g\tok\n", groups[g].mu, r_deg,
                      t_deg);
@@ -892,6 +900,7 @@ static void test_phi(void)
         const size_t g = row / ANG_N_AGAINST, a = row % ANG_N_AGAINST;
         check_phi(&c, row, &fits[g][a]);
         at(&c, row, "against");
+        open[(size_t)(at(&c, row, "open") + 1.0)]++;
         CU_ASSERT_STRING_EQUAL(word(&c.t, row, "against"), ang_against_words[a]);
         CHECK_NEAR(at(&c, row, "n_mu"), g ? 1.0 : GROUPS, 0.0);
         CHECK_NEAR(at(&c, row, "n"), g ? PILES : GROUPS * PILES, 0.0);
@@ -910,6 +919,7 @@ static void test_phi(void)
         const double expected[] = {measured.mean, measured.se, given[0], given[1]};
         for (int k = 0; k < 4; k++) CHECK_NEAR(found[k], expected[k] * 180.0 / M_PI, 1e-12);
     }
+    for (int k = 0; k < 4; k++) CU_ASSERT(open[k] > 0);
     checked_end(&c);
     leave();
 }

@@ -606,6 +606,26 @@ static void test_predict(void)
     CHECK_FAILS(stats_predict(2, 1, columns, (double[]){1.0, NAN}, fold, line), RP_BAD_INPUT, "value 2");
 }
 
+/* Parts of a sample, put together by their summaries, have the summary of the whole. */
+static void test_pooled(void)
+{
+    enum { COUNT = 9, PARTS = 3 };
+    static const double v[COUNT] = {1.2, 0.7, 2.9, 2.1, 4.4, 3.2, -5.1, 6.6, 6.9};
+    static const size_t first[PARTS + 1] = {0, 4, 5, COUNT}; /* the second one a single value */
+    stats_summary parts[PARTS], whole;
+    for (size_t k = 0; k < PARTS; k++) CHECK_OK(stats_mean(first[k + 1] - first[k], v + first[k], &parts[k]));
+    for (size_t n = 1; n <= PARTS; n++) {
+        const stats_summary all = stats_pooled(n, parts);
+        CHECK_OK(stats_mean(first[n], v, &whole));
+        CU_ASSERT(all.n == whole.n);
+        CHECK_NEAR(all.mean, whole.mean, sum_error);
+        CHECK_NEAR(all.sd, whole.sd, sum_error);
+        CHECK_NEAR(all.se, whole.se, sum_error);
+    }
+    const stats_summary one = stats_pooled(1, &parts[1]);
+    CU_ASSERT(one.n == 1 && one.mean == v[4] && isnan(one.sd) && isnan(one.se));
+}
+
 /* Planted: y = x + noise of the same spread has a correlation of 1/sqrt 2 and a skill of 1/2. The intervals
  * of 95 % hold them, in as many of the cases; a column of noise has no skill beyond what its fit costs. */
 static void test_planted_skill(void)
@@ -657,6 +677,7 @@ void suite_trend(void)
         {"decay and oscillation", test_oscillation},
         {"predictions out of sample", test_predict},
         {"planted predictors", test_planted_skill},
+        {"pooled summaries", test_pooled},
         {"planted limits: coverage", test_limit_coverage},
         {"planted limits without an end", test_limit_without_end},
         {"limit against GSL's nonlinear fit", test_limit_against_gsl},

@@ -323,7 +323,11 @@ static void test_stress(void)
     for (size_t k = 0; k < n_strokes; k++) {
         if (strcmp(strokes[k].color, PRESS) != 0 || strokes[k].y == strokes[k].y2) continue;
         CHECK_NEAR(strokes[k].x, strokes[k].x2, 0.02);
-        CHECK_NEAR(fabs(strokes[k].y2 - strokes[k].y), 0.9 * 3.0 * (circles[1].x - circles[0].x) / 2.5, 0.02);
+        const double scale = (circles[1].x - circles[0].x) / 2.5;
+        CHECK_NEAR(fabs(strokes[k].y2 - strokes[k].y), 0.9 * 3.0 * scale, 0.02);
+        /* in the cell's middle: x from 2 to 5 m, y from 0 to 3 m */
+        CHECK_NEAR(strokes[k].x - circles[0].x, 3.5 * scale, 0.02);
+        CHECK_NEAR(0.5 * (strokes[k].y + strokes[k].y2) - circles[0].y, -0.5 * scale, 0.02);
         upright++;
     }
     CU_ASSERT(upright == 1);

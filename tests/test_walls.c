@@ -235,7 +235,10 @@ static void drum_snapshot(void)
 {
     for (int ledger = 0; ledger < 2; ledger++) {
         dem_sim *sim = drum(DEM_FAST, ledger, DEM_VERLET), *clone, *kept;
-        CHECK_OK(dem_run(sim, 700));
+        CHECK_OK(dem_run(sim, 6000));
+        int touching = 0;
+        for (uint32_t id = 1; id <= dem_count(sim); id++) touching += dem_contact_count(sim, id);
+        CU_ASSERT(touching > 10);
         CHECK_OK(dem_clone(sim, &clone));
         rp_snapshot s = {0};
         dem_keep(&s, &sim);
@@ -473,6 +476,9 @@ static void refused(void)
         {"walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; velocity = [0.0, 3e3]; } );" ONE,
          "wall 1: moves 0.15 in one step, the smallest radius is 0.1"},
         {"walls = ( { circle = [0.0, 0.0, 3.0]; omega = 1e3; } );" ONE, "wall 1: moves 0.15 in one step"},
+        {"walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; },\n"
+         "{ point = [0.0, 9.0]; direction = [0.0, -1.0]; velocity = [0.0, 3e3]; } );" ONE,
+         "wall 2: moves 0.15 in one step"},
         {"walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; omega = 3e4; } );" ONE,
          "omega = 30000: must be below one radian a step"},
         {"dt = 1e-4; walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; velocity = [0.0, 500.0]; } "

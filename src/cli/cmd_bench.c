@@ -113,17 +113,18 @@ static rp_status write_grains(const char *path, const dem_sim *sim)
 }
 
 /* A fall from 2 W and the time to settle, both growing with the box. Large grains that fall from so high
- * would crush small ones, so that these begin under a hundredth of gravity, in short steps. */
+ * would crush small ones: these do so under a hundredth of gravity first, in short steps. */
 static rp_status settle(const bench_options *o, dem_sim *sim, double dt)
 {
-    const double fall = 30000.0 * sqrt(o->width / 4.0), rest = 10000.0, shorter = 5e-5 / dt;
-    if (!(o->size_ratio > 0.0)) return dem_run(sim, lround(fall + rest));
+    const double settling = 30000.0 * sqrt(o->width / 4.0) + 10000.0;
+    if (!(o->size_ratio > 0.0)) return dem_run(sim, lround(settling));
+    const long steps = lround(settling * 5e-5 / dt);
     double g[2];
     dem_gravity(sim, g);
     dem_gravity_set(sim, (double[2]){0.0, 0.01 * g[1]});
-    RP_TRY(dem_run(sim, lround(fall * shorter)));
+    RP_TRY(dem_run(sim, steps));
     dem_gravity_set(sim, g);
-    return dem_run(sim, lround(rest * shorter));
+    return dem_run(sim, steps);
 }
 
 /* Initial state of the timed runs. */

@@ -82,10 +82,10 @@ static rp_status read_rows(const rp_table *t, const trend_options *o, rows *r)
     return RP_OK;
 }
 
-/* Back from what the line is straight in. */
+/* Back from what the line of a trend is straight in. */
 static double unscaled(int scale, double u)
 {
-    return scale == SCALE_LOG ? pow(10.0, u) : scale == SCALE_INVERSE ? 1.0 / u : u;
+    return scale == SCALE_LOG ? pow(10.0, u) : u;
 }
 
 static void print_trend(const stats_trend *t, size_t n_rows, double p_holm, const trend_options *o)

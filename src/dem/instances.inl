@@ -9,20 +9,26 @@ LAW dem_laws spring_laws(dem_laws law, bool tension, dem_damping damping)
     return law;
 }
 
+LAW void run_of_motion(dem_sim *sim, size_t from, size_t to, double h, dem_laws law)
+{
+    if (!sim->def.rotation)
+        pair_loop(sim, from, to, h, law, false, false);
+    else if (!sim->pairs.rolling)
+        pair_loop(sim, from, to, h, law, true, false);
+    else
+        pair_loop(sim, from, to, h, law, true, true);
+}
+
 LAW void run_of_law(dem_sim *sim, size_t from, size_t to, double h, dem_laws law)
 {
     const bool spring = law.tangential == DEM_SPRING && law.shear.slip == DEM_TRUNCATED,
                inside = law.shear.damping == DEM_DAMPING_INSIDE;
-    if (!sim->def.rotation && spring && law.tension && !inside)
-        pair_loop(sim, from, to, h, spring_laws(law, true, DEM_DAMPING_OUTSIDE), false, false);
-    else if (!sim->def.rotation)
-        pair_loop(sim, from, to, h, law, false, false);
-    else if (!sim->pairs.rolling)
-        pair_loop(sim, from, to, h, law, true, false);
+    if (spring && law.tension && !inside)
+        run_of_motion(sim, from, to, h, spring_laws(law, true, DEM_DAMPING_OUTSIDE));
     else if (spring && !law.tension && inside)
-        pair_loop(sim, from, to, h, spring_laws(law, false, DEM_DAMPING_INSIDE), true, true);
+        run_of_motion(sim, from, to, h, spring_laws(law, false, DEM_DAMPING_INSIDE));
     else
-        pair_loop(sim, from, to, h, law, true, true);
+        run_of_motion(sim, from, to, h, law);
 }
 
 LAW void run_instance(dem_sim *sim, size_t from, size_t to, double h)

@@ -336,8 +336,8 @@ static rp_status take_row(pool *p, worker *w, sweep_row *row)
     w->sent++;
     if (row->status)
         return rp_fail(row->status, "%s: %s", name_run(p, row->run, name, sizeof name), row->result.message);
-    rp_status status = store_row(p, row);
-    return status || !p->options->snapshots ? status : remove_snapshot(p, &t, row->seconds);
+    RP_TRY(store_row(p, row));
+    return p->options->snapshots ? remove_snapshot(p, &t, row->seconds) : RP_OK;
 }
 
 /* A busy worker has spoken or died: store its runs. */

@@ -183,7 +183,7 @@ static void change_order(size_t from, size_t len)
 {
     const char *a = at_line.text + from + 1, *end = at_line.text + from + len - 1;
     const char *comma = strstr(a, ", ");
-    static const char *const symmetric[] = {"strcmp", "fmax", "fmin", "hypot"};
+    static const char *const symmetric[] = {"strcmp", "strncmp", "fmax", "fmin", "hypot"};
     char text[512];
     if (!comma || comma >= end) return;
     for (size_t i = 0; i < sizeof symmetric / sizeof *symmetric; i++) {

@@ -32,7 +32,7 @@ suites_of() {
     case $1 in
     analytic/*) echo property analytic ;;
     src/angle/*) echo property angle tables ;;
-    src/stats/ensemble.c | src/stats/series.c) echo trend flux angle ;;
+    src/stats/ensemble.c | src/stats/series.c) echo trend angle notes flux ;;
     src/stats/claims.c) echo claims ;;
     src/stats/samplesize.c) echo samplesize cli ;;
     src/stats/oscillation.c) echo trend ;;
@@ -49,7 +49,7 @@ suites_of() {
     src/cli/cmd_view.c | src/cli/view_*) echo view options ;;
     src/cli/frames.c) echo export view ;;
     src/cli/cmd_help.c) echo options cli install ;;
-    src/cli/cmd_run.c) echo tables options snapshot cli ;;
+    src/cli/cmd_run.c) echo view tables options snapshot cli ;;
     src/cli/forensics_* | src/cli/cmd_forensics.c) echo forensics evidence options tables cli ;;
     src/cli/cmd_pile.c) echo notes equilibrium tables options cli ;;
     src/cli/*) echo notes evidence options tables columns claims cli ;;
@@ -57,18 +57,19 @@ suites_of() {
     src/stress/dip.c) echo stress drop evidence ;;
     src/stress/*) echo stress drop piles columns ;;
     src/dem/implicit.c) echo midpoint implicit ;;
-    src/dem/ledger.c) echo ledger ;;
+    src/dem/ledger.c) echo ledger walls ;;
     src/dem/observe.c) echo soft rotation motion stress scene golden dem ;;
     src/dem/definition.c | src/dem/limits.c | src/dem/gravity.c | src/dem/step.c | src/dem/sim.c)
-        echo scene golden motion hard soft rotation dem laws ;;
+        echo scene walls golden motion hard soft rotation dem laws ;;
     sweeps/driver/groups.c) echo forensics ;;
+    sweeps/driver/keep.c) echo sweep snapshot ;;
     sweeps/driver/outline.c) echo piles equilibrium ;;
     sweeps/driver/protocol_pile.c) echo piles golden ;;
     sweeps/driver/protocol_onset.c | sweeps/driver/tilted.c) echo stress golden columns snapshot keys ;;
     sweeps/driver/protocol_*) suite=${1#*_} && echo "${suite%.c}" golden columns snapshot ;;
     sweeps/driver/box.c) echo repose stress flux golden keys columns snapshot ;;
     sweeps/driver/*) echo sweep notes tables evidence cli ;;
-    src/dem/walls.c) echo walls scene contacts incline rotation golden ledger ;;
+    src/dem/walls.c) echo walls scene tables contacts incline rotation golden ledger ;;
     *) echo soft property rotation incline contacts published motion hard walls golden scene dem laws ;;
     esac
 }

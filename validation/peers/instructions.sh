@@ -31,11 +31,11 @@ provenance
 echo "# contacts: per grain, a contact of two grains counted at both; without walls: fixed grains in place of walls"
 printf '# units: \t\t\t\nscene\tavx2\tbaseline\tcontacts\n'
 if ! command -v valgrind >/dev/null; then echo "instructions.sh: valgrind is not installed" >&2; exit 0; fi
-settle 400
-{ box 400 0; echo 'normal = { law = "hertz"; }; rolling = { mu = 0.0; }; particles_file = "settled_400.tsv";'; } >rest.cfg
+settle box 400
+{ box 400 0; echo 'normal = { law = "hertz"; }; rolling = { mu = 0.0; }; particles_file = "settled_box_400.tsv";'; } >rest.cfg
 # grains within 0.2 of the walls, fixed
 { printf 'x\ty\tr\tfixed\n'
-  columns x y r <settled_400.tsv |
+  columns x y r <settled_box_400.tsv |
       awk '{ print $1, $2, $3, ($1 < 0.2 || $1 > 3.8 || $2 < 0.2 ? 1 : 0) }' OFS='\t'; } >fixed_400.tsv
 echo 'normal = { law = "hertz"; }; tangential = { law = "spring"; mu = 0.2; }; particles_file = "fixed_400.tsv";' >fixed.cfg
 from=1000 to=1400

@@ -8,28 +8,13 @@ mkdir -p "$work"
 cd "$work"
 . "$here/start.sh"
 
-# 1e6 grains: ten boxes of 100 000 at rest side by side, every other one a mirror image, so that the grains that
-# touched a wall touch their own images. A square box of a million grains would take hours to settle.
-joined() {
-    local i
-    settle 100000
-    {
-        printf 'x\ty\tr\n'
-        for i in $(seq 0 9); do
-            columns x y r <settled_100000.tsv |
-                awk -v i="$i" -v W="$(width 100000)" '{ printf "%.17g\t%s\t%s\n", (i % 2 ? W * (i + 1) - $1 : W * i + $1), $2, $3 }'
-        done
-    } >joined_1000000.tsv
-}
-
 scaling() { # sizes
-    local n start width
+    local n start
     provenance
     echo "# rates: 1e6 particle-steps per second of processor time, medians of three; bytes: held per grain"
     for n in $1; do
-        start=settled_$n.tsv width=auto
-        if [ "$n" = 1000000 ]; then joined; start=joined_$n.tsv width=632.4555320336759; else settle "$n"; fi
-        for state in settled flowing; do "$repose" bench --start "$start" --width $width --state $state --repeat 3; done |
+        settle box "$n"
+        for state in settled flowing; do "$repose" bench --start "$start" --width "$(width "$n")" --state $state --repeat 3; done |
             columns grains median contacts pairs bytes | awk 'NR == 1 { row = $0 } END { print row, $2 }' OFS='\t' | tr ' ' '\t'
     done >scaling.rows
     if [ "$(wc -l <scaling.rows)" -gt 1 ]; then
