@@ -1386,6 +1386,39 @@ static void test_rough(void)
     leave();
 }
 
+/* A lattice on glued disks: disk by disk that of protocol `pile`, whose base is the glued row. */
+static void test_lattice(void)
+{
+    enter();
+    write_text("s.cfg",
+               "protocol = \"drop\"; replicas = 1; seed = 1993;\n"
+               "fixed = { N = 0; lattice = 9; lattice_deg = 45.0; glued = 1.0; x_limit = 15.0; mu = 0.1;\n"
+               "          radius_width = 1e-3; };\n");
+    write_text("p.cfg", "protocol = \"pile\"; replicas = 1; seed = 1993;\n"
+                        "fixed = { base = 9; alpha_deg = 45.0; disorder = 1e-3; };\n");
+    GOOD("run s.cfg -o d");
+    GOOD("run p.cfg -o p");
+    rp_table grains = read_table("d/pile_grains.tsv"), disks = read_table("p/disks.tsv");
+    size_t n = 0;
+    while (n < grains.n_rows && is_glued(&grains, n)) n++;
+    const double unequal = (double)(grains.n_rows - n);
+    double square = 0.0;
+    for (size_t i = 0; i < disks.n_rows; i++) {
+        if (cell(&disks, i, "y") < 0.6) continue; /* the base */
+        CU_ASSERT_FATAL(n < grains.n_rows);
+        square += pow(cell(&grains, n, "r") / 0.5 - 1.0, 2.0);
+        CHECK_NEAR(cell(&grains, n, "m"), 4.0 * pow(cell(&grains, n, "r"), 2.0), 1e-12);
+        CHECK_NEAR(cell(&grains, n, "x") + 4.5, cell(&disks, i, "x"), 0.02);
+        CHECK_NEAR(cell(&grains, n, "y") + 0.5, cell(&disks, i, "y"), 0.02);
+        n++;
+    }
+    CU_ASSERT(n == grains.n_rows);
+    CHECK_NEAR(sqrt(square / unequal), 1e-3, 4e-4);
+    rp_table_free(&grains);
+    rp_table_free(&disks);
+    leave();
+}
+
 /* A pile from which some disks roll away: everything from its grains, its contacts and what each drop moved.
  */
 static void test_drop(void)
@@ -1476,6 +1509,7 @@ void suite_columns(void)
                                        {"series of protocol flux", test_series},
                                        {"protocol drop", test_drop},
                                        {"protocol drop on a rough base", test_rough},
+                                       {"protocol drop from a lattice", test_lattice},
                                        {"drops of two disks", test_drop_of_two},
                                        {0}};
     check_register("columns", cases);

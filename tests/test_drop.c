@@ -480,6 +480,37 @@ static void base_has_its_friction(void)
     CU_ASSERT(memcmp(same.values, fallback.values, sizeof same.values) == 0);
 }
 
+/* The drops, the lattice's disks and its slope: 12 in the base, 30 degrees. */
+static void drops_fall_on_the_lattice(void)
+{
+    const char *const lattice[] = {"N", "0", "lattice", "12", NULL};
+    sweep_result bare = run(lattice),
+                 more = run((const char *const[]){"N", "5", "lattice", "12", "radius_width", "0.01", NULL});
+    CU_ASSERT_STRING_EQUAL(bare.status, "ok");
+    CHECK_NEAR(output(&more, "disks") - output(&bare, "disks"), 5.0, 0.0);
+    CHECK_NEAR(output(&bare, "psi6"), 1.0, 1e-3);
+    CHECK_NEAR(output(&bare, "steps"), 0.0, 0.0);
+    CU_ASSERT(output(&more, "steps") > 0.0 && isnan(output(&bare, "moved_share")));
+}
+
+static void lattices_that_fit(void)
+{
+    static const struct {
+        const char *changes[9], *message;
+    } cases[] = {{{"N", "1"}, "N = 1: without a lattice, allowed: at least 2"},
+                 {{"lattice", "9", "radius_width", "0.2"}, "radius_width = 0.2"},
+                 {{"lattice", "9", "glued", "1.5"}, "glued = 1.5"},
+                 {{"lattice", "40", "x_limit", "20"}, "lattice = 40: reaches to x_limit = 20"}};
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        void *p = calloc(1, sweep_protocol_drop.params_size);
+        rp_params_defaults(sweep_protocol_drop.schema, p);
+        for (const char *const *c = cases[k].changes; *c; c += 2)
+            CHECK_OK(rp_params_set_text(rp_params_find(sweep_protocol_drop.schema, c[0]), p, c[1]));
+        CHECK_FAILS(sweep_protocol_drop.check(p), RP_BAD_INPUT, cases[k].message);
+        free(p);
+    }
+}
+
 /* Disks that fall in a row onto a pile, added one by one, with several collisions per step. */
 enum { DROPPED = 60 };
 
@@ -688,6 +719,8 @@ void suite_drop(void)
                                        {"rest of every disk", every_disk_must_rest},
                                        {"disks that rolled away", away_is_no_part},
                                        {"friction of the base", base_has_its_friction},
+                                       {"drops on a lattice", drops_fall_on_the_lattice},
+                                       {"lattices that fit", lattices_that_fit},
                                        {"kernels find the same collisions", kernels_collide_alike},
                                        {"subnormal numbers are zero", tiny_numbers_are_zero},
                                        {"lists are complete", lists_are_complete},

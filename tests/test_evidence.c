@@ -211,7 +211,7 @@ static void test_section(void)
     write_text("none.tsv", SWEEP "0 of 15\n# k\ta\n1\t1\n");
     write_text("means_fit.tsv", "# k\ta\ta_se\n1\t3\t1\n");
     write_text("in.md", "{{scores s}}\n{{claims s}}\n{{counts lh}}\n{{scores other}}\n{{claims other}}\n"
-                        "{{failures lh}}\n{{failures li}}\n");
+                        "{{failures all}}\n");
     GOOD("report in.md --tables . --claims claims.tsv");
     CU_ASSERT_STRING_EQUAL(
         out,
@@ -226,7 +226,9 @@ static void test_section(void)
         "| third |  |  | can't be tested: too few |\n"
         "| claim | what it says | paper (samples) | ours | values | verdict |\n|---|---|---|---|---|---|\n"
         "| three | third |  |  |  | can't be tested: too few |\n"
-        "| `means` | 3 of 15 (no_pile 2, overlap 1) |\n| `means` | 3 of 15 (no_pile 2, overlap 1) |\n");
+        "| `means` | 3 of 15 (no_pile 2, overlap 1) |\n");
+    write_text("in.md", "{{failures lh}}\n");
+    FAILS(65, "{{failures lh}}: allowed: all", "report in.md --tables . --claims claims.tsv");
     leave();
 }
 

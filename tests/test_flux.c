@@ -282,6 +282,21 @@ static void __attribute__((noinline)) soil_stack(void)
 }
 
 /* The key of stored runs has all its digits, and is the same at every call. */
+/* The time step allows for a fall from twice the base's width, and the drop onto the pile. */
+static void limit_of_step(void)
+{
+    static const char *const high[] = {"W=40", "drop_height=30", NULL};
+    void *p = params(high);
+    sweep_box *b = p;
+    const double limit = sweep_box_step_limit(b, 2.0 * (40.0 + 30.0 * b->radius_mean), NULL);
+    CU_ASSERT(limit < sweep_box_step_limit(b, 2.0 * 40.0, NULL));
+    b->physics.dt = limit * (1.0 - 1e-9);
+    CHECK_OK(protocol->check(p));
+    b->physics.dt = limit * (1.0 + 1e-9);
+    CHECK_FAILS(protocol->check(p), RP_BAD_INPUT, "too large for");
+    free(p);
+}
+
 static void fingerprint_repeats(void)
 {
     char first[33] = "", again[33] = "";
@@ -301,6 +316,7 @@ void suite_flux(void)
                                        {"outputs from the series", outputs_from_series},
                                        {"runs without a result", ends_without_result},
                                        {"fingerprint", fingerprint_repeats},
+                                       {"limit of the time step", limit_of_step},
                                        {NULL, NULL}};
     check_register("constant flux", cases);
 }

@@ -233,6 +233,7 @@ static const struct {
     WORDS(&sweep_protocol_flux, FLUX),
     {&sweep_protocol_drop, "N=16 damping=1"},
     {&sweep_protocol_drop, "N=16 damping=1 law=slip_roll"},
+    {&sweep_protocol_drop, "N=0 lattice=9 damping=1"},
     {&sweep_protocol_drop, "N=30 damping=1 mu_roll=0 drop_height=20", "x_limit", "10"},
     {&sweep_protocol_pile, "base=7"},
     {&sweep_protocol_pile, "base=7 eps=1e-3 branch=minimum load_steps=4"},

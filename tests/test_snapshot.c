@@ -749,6 +749,9 @@ static void protocol_drop(void)
         (setting[]){{"N", "90"}, {"radius_width", "0.03"}, {"source_width", "5"}, {"rest_force", "0.1"}, {0}},
         "ok");
     goes_on(&sweep_protocol_drop, (setting[]){{"N", "60"}, {"glued", "1.2"}, {"x_limit", "20"}, {0}}, "ok");
+    goes_on(&sweep_protocol_drop,
+            (setting[]){{"N", "20"}, {"lattice", "12"}, {"glued", "1"}, {"radius_width", "0.001"}, {0}},
+            "ok");
 }
 
 /* Seconds that the command takes; it must succeed. */

@@ -548,6 +548,8 @@ static void test_stop(void)
     size_t before = calls;
     CHECK_OK(sweep_run(dir, toys, &o, &c)); /* nothing to do */
     CU_ASSERT(calls == before && c.stored == SLOW_RUNS);
+    sql("DELETE FROM sweep"); /* as it is before a plan has been entered */
+    CHECK_FAILS(sweep_status(dir, toys, &c), RP_BAD_INPUT, "plan again with");
     clean();
 }
 

@@ -189,29 +189,28 @@ static rp_status fill_section(report *r, const char *section, bool in_full)
                          section);
 }
 
-/* Whether an earlier claim of the paper is answered by the same sweep; its name. */
+/* Whether an earlier claim is answered by the same sweep; its name. */
 static bool is_sweep_again(const report *r, size_t claim, cli_sweep *sweep)
 {
     const cli_claim *claims = r->claims.claims;
     cli_sweep other;
     cli_find_sweep(r->options->tables, claims[claim].answer, sweep);
     for (size_t i = 0; i < claim; i++)
-        if (*r->judged[i].failed && strcmp(claims[i].paper, claims[claim].paper) == 0 &&
-            cli_find_sweep(r->options->tables, claims[i].answer, &other) &&
+        if (*r->judged[i].failed && cli_find_sweep(r->options->tables, claims[i].answer, &other) &&
             strcmp(other.name, sweep->name) == 0)
             return true;
     return false;
 }
 
-/* A line for each sweep behind a paper's claims that has runs without a result. */
-static rp_status fill_failures(report *r, const char *paper)
+/* A line for each sweep behind the claims that has runs without a result. */
+static rp_status fill_failures(report *r, const char *which)
 {
     RP_TRY(judge(r));
+    if (strcmp(which, "all") != 0) return rp_fail(RP_BAD_INPUT, "{{failures %s}}: allowed: all", which);
     const char *line = "";
     for (size_t i = 0; i < r->claims.n; i++) {
         cli_sweep sweep;
-        if (strcmp(r->claims.claims[i].paper, paper) != 0 || !*r->judged[i].failed) continue;
-        if (is_sweep_again(r, i, &sweep)) continue;
+        if (!*r->judged[i].failed || is_sweep_again(r, i, &sweep)) continue;
         fprintf(r->out, "%s| `%s` | %s |", line, sweep.name, sweep.failed);
         line = "\n";
     }
@@ -355,7 +354,7 @@ const cli_command cmd_report = {
     "  {{scores SECTION}}           the claims of a section in short: paper, ours, verdict\n"
     "  {{claims SECTION}}           the same in full, with variants, counts and reasons\n"
     "  {{counts PAPER}}             how many claims of a paper have which verdict\n"
-    "  {{failures PAPER}}           the sweeps behind a paper's claims that have runs without a result\n"
+    "  {{failures all}}             the sweeps behind the claims that have runs without a result\n"
     "  {{include FILES}}            texts beside the template, filled alike\n"
     "A table that has not been made gives `no data` in a table; a line of text then names it instead.",
     "repose report figures/paper-repro.md.in -o paper-repro.md",

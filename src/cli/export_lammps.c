@@ -45,7 +45,7 @@ static rp_status check_walls(const dem_definition *def)
         const dem_wall *wall = &dem_walls_of(def)[w];
         char name[32];
         snprintf(name, sizeof name, "wall %zu: ", w + 1);
-        if (isfinite(wall->extent[0]) || isfinite(wall->extent[1]))
+        if (isfinite(wall->extent[0])) /* a scene gives both ends, or none */
             status = rp_fail(RP_BAD_INPUT,
                              "%sextent: LAMMPS has whole planes, no segments, polygons or circles", name);
         else if (wall->open_at_step >= 0)

@@ -19,6 +19,10 @@
  * diameter 1 are glued to it, their lower halves below the ground. They never move, and what they carry is
  * load of the base, where the disk above has its centre.
  *
+ * A pile may start from a lattice of disks, the same as protocol `pile` with disorder = radius_width has, at
+ * rest and without load. It comes to rest by the relaxation, as a dropped pile does. This tells the disorder
+ * of a lattice from that of drops.
+ *
  * A layer is no result (no_pile), nor is a pile with a drop that was cut short, so that the next fell onto
  * disks that still moved (drops_not_at_rest), nor one that does not relax at the end (not_at_rest). Their
  * outputs are kept. */
@@ -40,8 +44,8 @@
 
 typedef struct {
     double source_width, drop_height, radius_width, restitution, mu, mu_roll, eps, damping, mu_static, a;
-    double damping_shear, rest_speed, rest_force, x_limit, mu_base, glued;
-    long N, max_steps;
+    double damping_shear, rest_speed, rest_force, x_limit, mu_base, glued, lattice_deg;
+    long N, max_steps, lattice;
     int law, collisions;
 } drop_params;
 
@@ -56,7 +60,7 @@ enum { ROW_mu, ROW_mu_roll };
 static const rp_param schema[] = {
     DEM_MU_PARAM(ROW)
     DEM_MU_ROLL_PARAM(ROW)
-    {"N", "", RP_INT, AT(N), "968", "[2, 100000]", "disks that are dropped"},
+    {"N", "", RP_INT, AT(N), "968", "[0, 100000]", "disks that are dropped; at least 2 without a lattice"},
     {"source_width", "d", RP_REAL, AT(source_width), "1", "[0, 1000]", "disks fall uniformly over this width; of a point source 1"},
     {"drop_height", "d", RP_REAL, AT(drop_height), "2", "(0, 1000]", "from the highest point of the pile to a disk's lowest"},
     {"radius_width", "d/2", RP_REAL, AT(radius_width), "0", "[0, 0.2]", "standard deviation of the radii, cut at three of it"},
@@ -74,6 +78,8 @@ static const rp_param schema[] = {
     {"max_steps", "", RP_INT, AT(max_steps), "20000", "[100, 1000000000]", "most steps a drop"},
     {"mu_base", "", RP_REAL, AT(mu_base), "auto", "[0, inf) | auto", "friction of the ground; auto: mu", true},
     {"glued", "d", RP_REAL, AT(glued), "none", "[1, 10] | none", "from one disk that is glued to the ground to the next", true},
+    {"lattice", "", RP_INT, AT(lattice), "0", "[0, 1000]", "disks in the base of a lattice that the drops fall on; 0: none", true},
+    {"lattice_deg", "degree", RP_REAL, AT(lattice_deg), "30", "(0, 60]", "slope of the lattice", true},
     {0},
     [ROW_mu].fallback = "0.5", /* of hard collisions too; the paper's */
     [ROW_mu_roll].fallback = "0.1" /* without it disks roll away */};
@@ -171,7 +177,8 @@ static dem_definition make_scene(const drop_params *p)
     if (p->law == LAW_SLIP_ROLL) def.ground = (dem_ground){1, p->mu_static, p->a, DEM_WELL_AGAIN};
     /* of the lightest disk, when it falls from a pile as steep as can be */
     const double r = 0.5 * (1.0 - 3.0 * p->radius_width), m = dem_mass(DEM_DISK, density, r),
-                 top = 1.25 * sqrt((double)p->N) + p->drop_height + 1.0;
+                 top =
+                     1.25 * sqrt((double)p->N) + 0.5 * sqrt(3.0) * (double)p->lattice + p->drop_height + 1.0;
     const dem_grain two[2] = {{.y = r, .r = r, .m = m}, {.y = top, .r = r, .m = m, .vy = -sqrt(2.0 * top)}};
     def.grains = two;
     def.n_grains = 2;
@@ -193,6 +200,31 @@ static size_t glue(const drop_params *p, dem_state *states)
                                 .m = dem_mass(DEM_DISK, density, 0.5),
                                 .fixed = true};
     return n;
+}
+
+/* The disks of the base and, from `glued` on, of the lattice, whose lowest row is the glued one if there is.
+ */
+static rp_status stack(const drop_params *p, unsigned long seed, unsigned long run, size_t glued, drop *d)
+{
+    sweep_outline h = {0};
+    const sweep_pile pile = {
+        .base = p->lattice, .alpha_deg = p->lattice_deg, .inner_deg = -1.0, .disorder = p->radius_width};
+    rp_status status = p->lattice ? sweep_pile_outline(&pile, seed, run, &h) : RP_OK;
+    d->states = status ? NULL : calloc(glued + h.n + (size_t)p->N, sizeof *d->states);
+    if (!status && !d->states) status = rp_fail(RP_NO_MEMORY, "drop: out of memory");
+    const double left = (double)((p->lattice - 1) / 2) + (glued ? 0.5 : 0.0), lift = glued ? -0.5 : 0.0;
+    if (!status) glue(p, d->states);
+    d->n = glued;
+    for (size_t i = 0; i < h.n && !status; i++) {
+        const statics_disk *disk = &h.disks[i];
+        if (glued && disk->y <= 0.5) continue;
+        d->states[d->n++] = (dem_state){.x = disk->x - left,
+                                        .y = disk->y + lift,
+                                        .r = disk->r,
+                                        .m = dem_mass(DEM_DISK, density, disk->r)};
+    }
+    sweep_outline_free(&h);
+    return status;
 }
 
 static dem_grain grain_of(const dem_state *s)
@@ -264,16 +296,16 @@ static rp_status settle(drop *d, bool *rest)
     return status || *rest ? status : dem_states(d->sim, d->states);
 }
 
-static rp_status put_in(drop *d, const dem_grain *grain)
+/* The disks that are there before the drops, and one more unless NULL. */
+static rp_status begin(drop *d, const dem_grain *dropped)
 {
-    if (d->sim) return dem_add(d->sim, grain, NULL);
     dem_definition def = d->scene;
-    dem_grain *grains = malloc((d->n_glued + 1) * sizeof *grains);
+    dem_grain *grains = malloc((d->n + 1) * sizeof *grains);
     if (!grains) return rp_fail(RP_NO_MEMORY, "drop: out of memory");
-    for (size_t i = 0; i < d->n_glued; i++) grains[i] = grain_of(&d->states[i]);
-    grains[d->n_glued] = *grain;
+    for (size_t i = 0; i < d->n; i++) grains[i] = grain_of(&d->states[i]);
+    if (dropped) grains[d->n] = *dropped;
     def.grains = grains;
-    def.n_grains = d->n_glued + 1;
+    def.n_grains = d->n + (dropped ? 1 : 0);
     rp_status status = dem_create(&def, &d->sim);
     free(grains);
     return status;
@@ -290,8 +322,9 @@ static rp_status draw_and_put_in(drop *d)
     const dem_grain grain = {
         .x = x, .y = y, .r = r, .m = dem_mass(DEM_DISK, density, r), .vy = -sqrt(2.0 * (from - y))};
     mark_positions(d);
+    rp_status status = d->sim ? dem_add(d->sim, &grain, NULL) : begin(d, &grain);
     d->n++;
-    return put_in(d, &grain);
+    return status;
 }
 
 static rp_status drop_all(drop *d)
@@ -304,6 +337,7 @@ static rp_status drop_all(drop *d)
     double *v = d->result->values;
     rp_status status = RP_OK;
     SWEEP_ENTER(d->keep, now);
+    if (!d->sim && d->p->N == 0) status = begin(d, NULL);
     for (; now.k < d->p->N && !status; now.k++) {
         bool rest = false;
         if (!now.falls) status = draw_and_put_in(d);
@@ -627,17 +661,17 @@ static void conclude(const drop *d)
 static rp_status make(drop *d, const drop_params *p, unsigned long seed, unsigned long run, sweep_keep *keep,
                       sweep_result *result)
 {
-    const size_t glued = glue(p, NULL), n = glued + (size_t)p->N;
+    const size_t glued = glue(p, NULL);
     sweep_result_clear(result);
-    *d = (drop){.p = p, .result = result, .scene = make_scene(p), .n_glued = glued, .n = glued, .keep = keep};
+    *d = (drop){.p = p, .result = result, .scene = make_scene(p), .n_glued = glued, .keep = keep};
+    RP_TRY(stack(p, seed, run, glued, d));
+    const size_t n = d->n + (size_t)p->N;
     d->radii = rp_random_alloc(seed, run, RP_PURPOSE_RADII);
     d->positions = rp_random_alloc(seed, run, RP_PURPOSE_PLACES);
-    d->states = calloc(n, sizeof *d->states);
     d->before = calloc(n, sizeof *d->before);
     d->moved = calloc(n, sizeof *d->moved);
-    if (!d->radii || !d->positions || !d->states || !d->before || !d->moved)
+    if (!d->radii || !d->positions || !d->before || !d->moved)
         return rp_fail(RP_NO_MEMORY, "drop: out of memory");
-    glue(p, d->states);
     bool all = false; /* the drops are done */
     SWEEP_ENTER(keep, *result);
     sweep_keep_enter_sim(keep, &d->sim);
@@ -698,10 +732,20 @@ static rp_status run_one(const void *params, unsigned long seed, unsigned long r
     return finish(&d, status);
 }
 
-/* The time step follows from the rest: all that is in range can run. */
+/* The time step follows from the rest. */
 static rp_status check(const void *params)
 {
-    (void)params;
+    const drop_params *p = params;
+    if (!p->lattice && p->N < 2)
+        return rp_fail(RP_BAD_INPUT, "N = %ld: without a lattice, allowed: at least 2", p->N);
+    if (!p->lattice) return RP_OK;
+    if (p->radius_width > 0.1)
+        return rp_fail(RP_BAD_INPUT, "radius_width = %.17g: of a lattice, allowed: up to 0.1",
+                       p->radius_width);
+    if (isfinite(p->glued) && p->glued != 1.0)
+        return rp_fail(RP_BAD_INPUT, "glued = %.17g: a lattice lies on glued disks 1 d apart", p->glued);
+    if (0.5 * (double)p->lattice >= p->x_limit)
+        return rp_fail(RP_BAD_INPUT, "lattice = %ld: reaches to x_limit = %.17g", p->lattice, p->x_limit);
     return RP_OK;
 }
 

@@ -69,7 +69,7 @@ suites_of() {
     sweeps/driver/protocol_*) suite=${1#*_} && echo "${suite%.c}" golden columns snapshot ;;
     sweeps/driver/box.c) echo repose stress flux golden keys columns snapshot ;;
     sweeps/driver/*) echo sweep notes tables evidence cli ;;
-    src/dem/walls.c) echo walls scene contacts incline rotation golden ledger ;;
+    src/dem/walls.c) echo walls scene tables contacts incline rotation golden ledger ;;
     *) echo soft property rotation incline contacts published motion hard walls golden scene dem laws ;;
     esac
 }
