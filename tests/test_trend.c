@@ -219,6 +219,8 @@ static void test_holm(void)
             CHECK_NEAR(corrected[i], expected[i], sum_error);
     stats_holm(3, ties, corrected);
     for (int i = 0; i < 3; i++) CHECK_NEAR(corrected[i], raised[i], sum_error);
+    stats_holm(3, (double[]){0.6, 0.4, 0.8}, corrected); /* chances end at 1 */
+    for (int i = 0; i < 3; i++) CHECK_NEAR(corrected[i], 1.0, 0.0);
 }
 
 static void test_words(void)
