@@ -216,8 +216,8 @@ static void test_wrong_usage(void)
         {64, "unknown option --alhpa-deg=3 (did you mean --alpha-deg?)", "lattice --alhpa-deg=3"},
         {64, "unknown option -J (did you mean -j?)", "sweep run d -J 2"},
         {64, "unknown option --J (did you mean -j?)", "sweep run d --J 2"},
-        {64, "unknown option --reduce=1",
-         "sweep export d --reduce=1"}, /* takes no value; the first, and a later one */
+        {64, "unknown option --quiet=1",
+         "sweep run d --quiet=1"}, /* no value; the first option, and a later one */
         {64, "unknown option --successive=1", "stats fit t.tsv --successive=1"},
         {64, "unknown option -q", "sweep run d -q"},
         {64, "unknown option -q", "sweep export d --reduce -qz"},
