@@ -186,8 +186,8 @@ report: figures validate $(T)/bench.tsv $(SHOWN:%=$(B)/figures/shown/%.png) ## p
 check-report: figures ## build/report.html in headless Chromium: pictures, controls, console, widths; installs pandoc and Chromium
 	@$(make_html) && sh figures/page/check.sh $(B)
 
-# Speed, against LAMMPS and LIGGGHTS where installed; for a quiet machine, an hour. Starts are kept.
-BENCH_peers        = peers.sh $(REPOSE) $(B)/bench '400 1600 10000 100000' '400 1600 10000' 5
+# Speed, against LAMMPS and LIGGGHTS where installed; for a quiet machine, two hours. Starts are kept.
+BENCH_peers        = peers.sh $(REPOSE) $(B)/bench 5
 BENCH_instructions = instructions.sh $(REPOSE) $(B)/bench
 BENCH_scaling      = scaling.sh $(REPOSE) $(B)/bench scaling '1000 10000 100000 1000000'
 BENCH_workers      = scaling.sh $(REPOSE) $(B)/bench workers 5

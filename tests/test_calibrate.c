@@ -564,6 +564,52 @@ static void test_terms_of_points(void)
     }
 }
 
+/* ---- the search ---- */
+
+enum { CELLS = 5, MOST_SEEN = 20000 };
+typedef struct {
+    double at[MOST_SEEN][2];
+    size_t n;
+    double lowest[2]; /* place of a narrow well */
+} seen;
+
+static double bowl_and_well(const double x[], void *context)
+{
+    seen *s = context;
+    if (s->n < MOST_SEEN) memcpy(s->at[s->n++], x, sizeof s->at[0]);
+    const double away = pow(x[0] - s->lowest[0], 2) + pow(x[1] - s->lowest[1], 2);
+    return 0.001 * (x[0] * x[0] + x[1] * x[1]) + fmin(away, 0.5);
+}
+
+/* The box is scanned first, by points whose distance is a part of its sides, its ends among them; the least
+ * of them leads to the narrow well, wherever that is, and nowhere is the box left. A side without length is
+ * held. */
+static void test_least(void)
+{
+    static const double lo[2] = {-1.0, 2.0}, hi[2] = {9.0, 4.0};
+    static seen s;
+    for (int held = -1; held < 2; held++)
+        for (int k = 0; k < 4; k++) {
+            double high[2] = {hi[0], hi[1]}, x[2], value;
+            if (held >= 0) high[held] = lo[held];
+            s = (seen){.lowest = {k % 2 ? high[0] : lo[0], k / 2 ? high[1] : lo[1]}};
+            CHECK_OK(stats_least(bowl_and_well, &s, lo, high, CELLS, x, &value));
+            const int n[2] = {held == 0 ? 0 : CELLS, held == 1 ? 0 : CELLS};
+            size_t scanned = 0;
+            for (int i = 0; i <= n[0]; i++)
+                for (int j = 0; j <= n[1]; j++, scanned++) {
+                    CHECK_NEAR(s.at[scanned][0], lo[0] + (high[0] - lo[0]) * i / CELLS, 1e-12);
+                    CHECK_NEAR(s.at[scanned][1], lo[1] + (high[1] - lo[1]) * j / CELLS, 1e-12);
+                }
+            for (size_t i = 0; i < s.n; i++)
+                for (int p = 0; p < 2; p++) CU_ASSERT(s.at[i][p] >= lo[p] && s.at[i][p] <= high[p]);
+            /* of a parabola 1.001 x^2 - 2 c x: its minimum, or the box's end before it */
+            for (int p = 0; p < 2; p++)
+                CHECK_NEAR(x[p], fmin(fmax(s.lowest[p] / 1.001, lo[p]), high[p]), 1e-6);
+            CHECK_NEAR(value, bowl_and_well(x, &s), 1e-12);
+        }
+}
+
 /* ---- bad input ---- */
 
 static void test_errors(void)
@@ -604,7 +650,8 @@ static void test_errors(void)
 
 void suite_calibrate(void)
 {
-    static const check_case cases[] = {{"a straight line: Fieller's interval", test_line},
+    static const check_case cases[] = {{"least value in a box", test_least},
+                                       {"a straight line: Fieller's interval", test_line},
                                        {"lack of fit", test_lack_of_fit},
                                        {"correlated angles", test_correlated},
                                        {"saturating responses", test_saturating},

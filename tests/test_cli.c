@@ -216,6 +216,9 @@ static void test_wrong_usage(void)
         {64, "unknown option --alhpa-deg=3 (did you mean --alpha-deg?)", "lattice --alhpa-deg=3"},
         {64, "unknown option -J (did you mean -j?)", "sweep run d -J 2"},
         {64, "unknown option --J (did you mean -j?)", "sweep run d --J 2"},
+        {64, "unknown option --reduce=1",
+         "sweep export d --reduce=1"}, /* takes no value; the first, and a later one */
+        {64, "unknown option --successive=1", "stats fit t.tsv --successive=1"},
         {64, "unknown option -q", "sweep run d -q"},
         {64, "unknown option -q", "sweep export d --reduce -qz"},
         {64,
@@ -1483,6 +1486,21 @@ static void test_calibrate(void)
               NULL);
     CU_ASSERT(strstr(out, "\nmu\tnan\tnan\tnan\tnan\tnan\tnan\tnan\tabove_range\n") != NULL);
 
+    /* below the trough of one, and above one that has levelled off */
+    for (int level = 0; level < 2; level++) {
+        used = 0;
+        for (int k = 0; k < 66; k++) {
+            const double mu = 0.1 * (k / 6),
+                         angle = level ? 15.0 * tanh(5.0 * mu) : 60.0 * pow(mu - 0.5, 2.0);
+            used +=
+                (size_t)snprintf(rows + used, sizeof rows - used, "ok\t%g\t%g\n", mu, 20.0 + angle + k % 6);
+        }
+        write_text("bent.tsv", "# status\tmu\ttheta_r3_deg\n%s", rows);
+        FAILS(1,
+              level ? "; the angle hardly changes near mu = 1: vary another parameter"
+                    : "; the angle is smallest within the range, near mu = 0.5: vary another parameter",
+              "calibrate --runs bent.tsv --theta-r-deg %d --error-deg 0.5", level ? 45 : 15);
+    }
     FAILS(1, "piles with mu below 0.1 (--sweep) extend it",
           "calibrate --runs piles.tsv --theta-r-deg 2 --error-deg 0.5");
     FAILS(1, "no_match",

@@ -227,6 +227,14 @@ static void test_section(void)
         "| claim | what it says | paper (samples) | ours | values | verdict |\n|---|---|---|---|---|---|\n"
         "| three | third |  |  |  | can't be tested: too few |\n"
         "| `means` | 3 of 15 (no_pile 2, overlap 1) |\n");
+    /* one failed run, and a number of one sample */
+    write_text("claims.tsv",
+               CLAIMS "one\t-\tlh\tfigure 9\ts\tagrees\t20\t0.9\t1\t9\tmeans k=1 a\t-\t-\tfirst\t-\n");
+    write_text("means.tsv", SWEEP "1 of 15 (no_pile 1)\n# k\tn\ta_mean\ta_se\ta_n\n1\t100\t21.5\t1\t12\n");
+    write_text("in.md", "{{claims s}}\n{{failures all}}\n");
+    GOOD("report in.md --tables . --claims claims.tsv");
+    CU_ASSERT_PTR_NOT_NULL(strstr(out, "| 20 ± 0.9 (1) | 21.5 ± 1.0 | 12; 1 of 15 failed |"));
+    CU_ASSERT_PTR_NOT_NULL(strstr(out, "\n| `means` | 1 of 15 (no_pile 1) |\n"));
     write_text("in.md", "{{failures lh}}\n");
     FAILS(65, "{{failures lh}}: allowed: all", "report in.md --tables . --claims claims.tsv");
     leave();

@@ -147,6 +147,7 @@ static void test_design(void)
         int empty = 0;
         for (size_t i = 0; i < N; i++) {
             CU_ASSERT_FATAL(u[i * REALS + p] > 0.0 && u[i * REALS + p] < 1.0);
+            CU_ASSERT(fmod(ldexp(u[i * REALS + p], 30), 1.0) == 0.5); /* the middle of one of 2^30 parts */
             seen[(int)(N * u[i * REALS + p])] = true;
         }
         for (size_t i = 0; i < N; i++) empty += !seen[i];
@@ -159,6 +160,8 @@ static void test_design(void)
             CU_ASSERT(n == N / n_levels[f] || n == N / n_levels[f] + 1);
         }
     gsl_rng *rng = rp_random_alloc(41, 0, RP_PURPOSE_TEST);
+    CHECK_OK(stats_design(N / 4, 16, u, 0, NULL, NULL, rng));
+    CHECK_OK(stats_design(N, 1, u, 0, NULL, NULL, rng));
     CHECK_FAILS(stats_design(N, 17, u, 0, NULL, NULL, rng), RP_BAD_INPUT, "17 numbers");
     CHECK_FAILS(stats_design(N, 0, u, 0, NULL, NULL, rng), RP_BAD_INPUT, "0 numbers");
     gsl_rng_free(rng);

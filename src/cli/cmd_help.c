@@ -221,7 +221,7 @@ static rp_status complete(const cli_command *c)
         if (p->type == RP_BOOL) continue;
         printf("    '%s'*' %s%s ') words='", c->name, strlen(p->name) == 1 ? "-" : "--", p->name);
         for (const char *r = p->type == RP_CHOICE || p->type == RP_FLAGS ? p->range : ""; *r; r++)
-            if (*r != '|' && (*r != ' ' || r[1] != '|')) putchar(*r);
+            if (*r != '|') putchar(*r);
         puts("' ;;");
     }
     printf("    '%s '*) words='", c->name);

@@ -68,7 +68,8 @@ static const char array_script[] =
 static rp_status act_slurm(void *values)
 {
     const slurm_options *o = values;
-    char *dir = realpath(cli_argument(0), NULL), *self = realpath("/proc/self/exe", NULL), path[4096];
+    char *dir = realpath(cli_argument(0), NULL), *self = realpath("/proc/self/exe", NULL);
+    char path[4096];
     FILE *out = NULL;
     rp_status status = dir && self ? RP_OK : rp_fail(RP_BAD_INPUT, "%s: no such folder", cli_argument(0));
     if (!status && (strpbrk(dir, "'\n%") || strpbrk(self, "'\n%") ||

@@ -333,21 +333,21 @@ size_t WIDE(beyond_margin)(const dem_sim *sim, size_t from, size_t to, unsigned 
     return i;
 }
 
-/* As append_pairs in neighbours.c. */
+/* As dem_append_pairs in neighbours.c. */
 void WIDE(append_pairs)(dem_sim *sim, size_t i, size_t from, size_t to)
 {
+    const bool some_fixed = sim->grains.n_fixed > 0;
     const wide zero = {0}, x = wide_repeat(sim->grains.listed_x[i]), own = zero + sim->grains.cutoff[i],
                inverse_mass = zero + sim->grains.inverse_mass[i];
     size_t k = sim->pairs.n;
     for (size_t j = from; j < to; j += WIDTH) {
-        wide a = x - wide_load((const double *)(sim->grains.listed_x + j)),
-             b = x - wide_load((const double *)(sim->grains.listed_x + j + WIDTH / 2));
-        a *= a;
-        b *= b;
-        wide d2 = wide_firsts(a + wide_swap(a), b + wide_swap(b));
-        wide cutoff = own + wide_load(sim->grains.cutoff + j);
-        unsigned near = wide_bits(wide_less(d2, cutoff * cutoff)) &
-                        wide_bits(wide_less(zero, inverse_mass + wide_load(sim->grains.inverse_mass + j)));
+        const wide a = x - wide_load((const double *)(sim->grains.listed_x + j)),
+                   b = x - wide_load((const double *)(sim->grains.listed_x + j + WIDTH / 2));
+        const wide dx = wide_firsts(a, b), dy = wide_seconds(a, b),
+                   cutoff = own + wide_load(sim->grains.cutoff + j);
+        unsigned near = wide_bits(wide_less(dx * dx + dy * dy, cutoff * cutoff));
+        if (some_fixed)
+            near &= wide_bits(wide_less(zero, inverse_mass + wide_load(sim->grains.inverse_mass + j)));
         if (to - j < WIDTH) near &= (1u << (to - j)) - 1;
         for (size_t p = 0; p < WIDTH; p++) sim->pairs.i[k + p] = (uint32_t)i;
         k = wide_append(sim->pairs.j, k, near, j);

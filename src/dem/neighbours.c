@@ -8,10 +8,13 @@
 #include <string.h>
 
 #include "dem/sim.h"
+#include "dem/sizes.h"
 
 /* Work space of a rebuilding, besides arrays of the grains; the lists grow. */
 struct dem_list_work {
     size_t cells_x, cells_y; /* powers of two */
+    double cell_size;        /* at the last rebuilding */
+    size_t cell_squares;     /* sum of the squared numbers of grains in a cell */
     uint32_t *cell_start;    /* cells + 1 */
     dem_grains spare;
     uint32_t *apart; /* pairs on their next to the end of the list */
@@ -108,7 +111,8 @@ void dem_neighbours_free(dem_sim *sim)
     dem_grains_free(&w->spare);
     dem_pairs_free(&w->held);
     free(w->cell_start), free(w->apart), free(w->wall_slot), free(w);
-    sim->list.work = NULL;
+    dem_sizes_free(sim->list.sizes);
+    sim->list.work = NULL, sim->list.sizes = NULL;
 }
 
 /* Faults of a grain that a rebuilding finds; raises list.fastest to its speed. */
@@ -159,7 +163,7 @@ static void mark_grain(dem_sim *sim, size_t i)
 static rp_status find_cells(dem_sim *sim, dem_part *part)
 {
     const struct dem_list_work *w = sim->list.work;
-    const double inverse_size = 1.0 / (2.0 * (sim->r_max + margin(sim, sim->list.fastest)));
+    const double inverse_size = 1.0 / w->cell_size;
     const size_t end = dem_share_end(part, sim->grains.n, 1);
     for (size_t i = dem_share_start(part, sim->grains.n, 1); i < end; i++) {
         dem_vec x = sim->grains.motion[i].x;
@@ -199,11 +203,17 @@ static rp_status sort_grains(dem_sim *sim)
 {
     struct dem_list_work *w = sim->list.work;
     const size_t cells = w->cells_x * w->cells_y;
+    w->cell_size = 2.0 * (sim->r_max + margin(sim, sim->list.fastest));
     RP_TRY(dem_threads_do(sim, find_cells));
     memset(w->cell_start, 0, (cells + 1) * sizeof *w->cell_start);
     for (size_t i = 0; i < sim->grains.n; i++)
         if (sim->grains.cell[i] != NOWHERE) w->cell_start[sim->grains.cell[i] + 1]++;
-    for (size_t c = 0; c < cells; c++) w->cell_start[c + 1] += w->cell_start[c];
+    w->cell_squares = 0;
+    for (size_t c = 0; c < cells; c++) {
+        const size_t n = w->cell_start[c + 1];
+        w->cell_squares += n * n;
+        w->cell_start[c + 1] += w->cell_start[c];
+    }
     for (size_t i = 0; i < sim->grains.n; i++) {
         if (sim->grains.cell[i] == NOWHERE) {
             sim->grains.moved_to[i] = NOWHERE;
@@ -274,9 +284,8 @@ static void restore_springs(dem_sim *sim, size_t k, uint32_t a, uint32_t b)
     if (at != NOWHERE) dem_pairs_take_springs(&sim->pairs, k, held, at, a > b);
 }
 
-/* Pairs of grain i with grains from..to. Each is written; those within the cutoffs are kept, without a
- * branch. */
-static void append_pairs(dem_sim *sim, size_t i, size_t from, size_t to)
+/* Each pair is written; those within the cutoffs are kept, without a branch. */
+void dem_append_pairs(dem_sim *sim, size_t i, size_t from, size_t to)
 {
     const dem_vec x = sim->grains.listed_x[i];
     const double own = sim->grains.cutoff[i], inverse_mass = sim->grains.inverse_mass[i];
@@ -373,7 +382,8 @@ static rp_status append_cells(dem_sim *sim, dem_part *part)
     struct dem_list_work *w = sim->list.work;
     const size_t mask_x = w->cells_x - 1, cells = w->cells_x * w->cells_y,
                  last = first_cell(w, cells, dem_share_end(part, sim->grains.n, 1));
-    dem_append_kernel *const append = sim->kernels.append_pairs ? sim->kernels.append_pairs : append_pairs;
+    dem_append_kernel *const append =
+        sim->kernels.append_pairs ? sim->kernels.append_pairs : dem_append_pairs;
     dem_threads_collect(sim, part);
     for (size_t c = first_cell(w, cells, dem_share_start(part, sim->grains.n, 1)); c < last; c++) {
         const size_t cx = c & mask_x, row = c - cx, up = (row + w->cells_x) & (cells - 1);
@@ -410,10 +420,27 @@ static rp_status restore_part(dem_sim *sim, dem_part *part)
     return RP_OK;
 }
 
-static rp_status find_pairs(dem_sim *sim)
+/* Where cells hold many grains, these are searched by cells of their own sizes. */
+static rp_status find_by_size(dem_sim *sim)
+{
+    const struct dem_list_work *w = sim->list.work;
+    const dem_cells cells = {w->cells_x, w->cells_y, w->cell_size, sim->grains.cell};
+    for (uint32_t c = 0; c < w->cells_x * w->cells_y; c++)
+        for (size_t i = w->cell_start[c]; i < w->cell_start[c + 1]; i++) sim->grains.cell[i] = c;
+    return dem_sizes_find_pairs(sim, &cells);
+}
+
+static rp_status find_plainly(dem_sim *sim)
 {
     RP_TRY(dem_threads_do(sim, append_cells));
-    RP_TRY(dem_threads_gather(sim));
+    return dem_threads_gather(sim);
+}
+
+static rp_status find_pairs(dem_sim *sim)
+{
+    /* the plain search tests half of the grains in nine cells */
+    const double tests = 4.5 * (double)sim->list.work->cell_squares;
+    RP_TRY(tests > sim->list.most_tests * (double)sim->grains.n ? find_by_size(sim) : find_plainly(sim));
     if (sim->def.hard.on) RP_TRY(part_pairs(sim));
     RP_TRY(dem_threads_do(sim, complete_part));
     return dem_threads_do(sim, restore_part);
@@ -570,7 +597,7 @@ static rp_status renew_pairs(dem_sim *sim, uint32_t i, uint32_t *listed, uint32_
     rp_status status = dem_pairs_reserve(&sim->pairs, sim->grains.n);
     if (status) return status;
     const size_t from = sim->pairs.n;
-    (sim->kernels.append_pairs ? sim->kernels.append_pairs : append_pairs)(sim, i, 0, sim->grains.n);
+    (sim->kernels.append_pairs ? sim->kernels.append_pairs : dem_append_pairs)(sim, i, 0, sim->grains.n);
     size_t n = from;
     for (size_t k = from; k < sim->pairs.n; k++) {
         sim->pairs.j[n] = sim->pairs.j[k];

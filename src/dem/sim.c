@@ -12,6 +12,9 @@
 /* Pairs of a chunk: some 3000 grains. Their data of a step fit into the second cache. */
 enum { CHUNK = 8192 };
 
+/* Of pairs, a grain and rebuilding: as long as the search by size takes. */
+enum { MOST_TESTS = 250 };
+
 /* List the contacts of the start; the first rebuilding keeps the springs of the pairs that touch. */
 static rp_status list_contacts(dem_sim *sim, size_t n, const dem_contact *contacts)
 {
@@ -116,6 +119,7 @@ static rp_status fill_in(dem_sim *sim, const dem_definition *def)
     put_grains(sim, def);
     sim->list.skin = def->skin > 0.0 ? def->skin : 0.4 * sim->start.radius_mean;
     sim->list.even_margins = def->skin > 0.0 || sim->scheme->even_margins;
+    sim->list.most_tests = MOST_TESTS;
     sim->start.speed = dem_impact_speed(def);
     const char *limit_of;
     sim->start.dt_limit = dem_time_step_limit(def, &limit_of);
@@ -166,7 +170,7 @@ void dem_forget_parts(dem_sim *sim)
 #undef X
     dem_walls_forget(&sim->walls);
     sim->def.wall_list = NULL;
-    sim->work = NULL, sim->list.work = NULL, sim->ledger = NULL, sim->team = NULL;
+    sim->work = NULL, sim->list.work = NULL, sim->list.sizes = NULL, sim->ledger = NULL, sim->team = NULL;
 }
 
 /* A copy with capacity for so many grains. */

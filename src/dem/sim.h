@@ -37,7 +37,9 @@ struct dem_sim {
         double round_off;  /* of a position, at most */
         double fastest;    /* speed, and square of a distance from the origin, that a rebuilding finds */
         double far2;
+        double most_tests; /* a grain; where the plain search would need more, grains are searched by size */
         struct dem_list_work *work;
+        struct dem_sizes *sizes; /* work space of that; NULL before */
     } list;
 
     /* in the coming step: how many grains have collided; the first ones, the last of them to the end */

@@ -74,10 +74,15 @@ static inline wide wide_odds(wide a, wide b)
     return wide_shuffle(a, b, 2 * WIDE_INDEX - WIDE_ODD + 2);
 }
 
-/* The first number of each vector of a, then of b. */
+/* The first number of each vector of a, then of b; the second numbers. */
 static inline wide wide_firsts(wide a, wide b)
 {
     return wide_shuffle(a, b, 2 * WIDE_INDEX);
+}
+
+static inline wide wide_seconds(wide a, wide b)
+{
+    return wide_shuffle(a, b, 2 * WIDE_INDEX + 1);
 }
 
 /* (y, x) of each vector. */

@@ -4,10 +4,10 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 #include <unistd.h>
 #include <xxhash.h>
 
+#include "core/clock.h"
 #include "core/version.h"
 
 /* Another commit may keep other variables: its snapshots are refused, and their runs start anew. */
@@ -16,17 +16,10 @@ static uint64_t layout(void)
     return XXH3_64bits_withSeed(rp_build_commit, strlen(rp_build_commit), dem_keep_layout());
 }
 
-static double processor_time(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
 void sweep_keep_begin(sweep_keep *k, const char *path, const char *key, double interval, bool look, char *why,
                       size_t size)
 {
-    *k = (sweep_keep){.path = path, .key = key, .interval = interval, .next = processor_time() + interval};
+    *k = (sweep_keep){.path = path, .key = key, .interval = interval, .next = rp_cpu_clock() + interval};
     if (size > 0) *why = '\0';
     if (!look || access(path, F_OK) != 0 || rp_snapshot_read(&k->source, path, key, layout()) == RP_OK)
         return;
@@ -121,11 +114,11 @@ rp_status sweep_keep_look(sweep_keep *k)
     if (sweep_keep_resumes(k))
         return rp_fail(RP_BROKEN, "%s: the run does not come to the place of its snapshot", k->path);
     const bool stops = k->stop && *k->stop;
-    if (!stops && processor_time() < k->next) return RP_OK;
+    if (!stops && rp_cpu_clock() < k->next) return RP_OK;
     rp_snapshot s = {0};
     for (size_t i = 0; i < k->n; i++) keep_one(&s, k->entered[i].data, k->entered[i].size);
     rp_status status = rp_snapshot_write(&s, k->path, k->key, layout());
     rp_snapshot_free(&s);
-    k->next = processor_time() + k->interval;
+    k->next = rp_cpu_clock() + k->interval;
     return !status && stops ? rp_fail(RP_STOPPED, "stopped") : status;
 }

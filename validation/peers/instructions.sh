@@ -31,20 +31,23 @@ provenance
 echo "# contacts: per grain, a contact of two grains counted at both; without walls: fixed grains in place of walls"
 printf '# units: \t\t\t\nscene\tavx2\tbaseline\tcontacts\n'
 if ! command -v valgrind >/dev/null; then echo "instructions.sh: valgrind is not installed" >&2; exit 0; fi
-settle box 400
-{ box 400 0; echo 'normal = { law = "hertz"; }; rolling = { mu = 0.0; }; particles_file = "settled_box_400.tsv";'; } >rest.cfg
+for scene in box sizes; do
+    settle $scene 400
+    { box 400 0; echo "normal = { law = \"hertz\"; }; rolling = { mu = 0.0; }; particles_file = \"$start\";"; } >$scene.cfg
+done
 # grains within 0.2 of the walls, fixed
 { printf 'x\ty\tr\tfixed\n'
   columns x y r <settled_box_400.tsv |
       awk '{ print $1, $2, $3, ($1 < 0.2 || $1 > 3.8 || $2 < 0.2 ? 1 : 0) }' OFS='\t'; } >fixed_400.tsv
 echo 'normal = { law = "hertz"; }; tangential = { law = "spring"; mu = 0.2; }; particles_file = "fixed_400.tsv";' >fixed.cfg
 from=1000 to=1400
-row 'all of the box' rest.cfg
-row 'without friction' rest.cfg --set tangential.law=none --set tangential.mu=0
-row 'without damping' rest.cfg --set normal.gamma_n=0
+row 'all of the box' box.cfg
+row 'without friction' box.cfg --set tangential.law=none --set tangential.mu=0
+row 'without damping' box.cfg --set normal.gamma_n=0
 row 'without walls' fixed.cfg
-row 'with rotation' rest.cfg --set rotation=true
-row 'with rolling resistance' rest.cfg --set rotation=true --set rolling.mu=0.05
-row 'with the energy ledger' rest.cfg --ledger
+row 'with rotation' box.cfg --set rotation=true
+row 'with rolling resistance' box.cfg --set rotation=true --set rolling.mu=0.05
+row 'with radii of 1:10' sizes.cfg --set dt=2e-5
+row 'with the energy ledger' box.cfg --ledger
 from=10 to=20
-row 'with output every step' rest.cfg --every 1
+row 'with output every step' box.cfg --every 1

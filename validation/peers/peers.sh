@@ -100,7 +100,7 @@ measure_lammps() {
     if [ "$2" = sample ]; then
         seconds $ranks $run -v final final.dump
     else
-        $ranks $run -v warm 2000 -v steps "$4" >lmp.log
+        $ranks $run -v warm $warm -v steps "$4" >lmp.log
         sed -n '/^timed/,$p' lmp.log | sed -n 's/^Loop time of \([^ ]*\) .*/\1/p; s/^\([^ ]*\)% CPU use.*/\1/p' | head -2 |
             paste -s | awk -v scene="$1" -v sum="$(grain_steps lmp.log)" \
                 '{ print sum / ($1 * (scene == "threads" ? 1 : $2 / 100)) / 1e6 }'
@@ -113,7 +113,7 @@ measure_liggghts() {
     if [ "$2" = sample ]; then
         seconds $ranks $run -var final final.dump
     else
-        $ranks $run -var warm 2000 -var steps "$4" -var stamp "$stamp" >liggghts.log 2>stamps.log
+        $ranks $run -var warm $warm -var steps "$4" -var stamp "$stamp" >liggghts.log 2>stamps.log
         awk -v sum="$(grain_steps liggghts.log)" '/^stamp/ { if (n++) print sum / ($2 - first) * 1e3; first = $2 }' stamps.log
     fi
 }
@@ -138,12 +138,13 @@ row() { # scene state N steps
 }
 
 compare() { # scene state N
-    local steps=$((20000000 / $3)) alone=$pin ranks=$pin k program value
+    local steps=$((20000000 / $3)) warm=2000 alone=$pin ranks=$pin k program value
     case $2 in
         flowing) if [ $steps -gt 10000 ]; then steps=10000; fi ;;
         sample) steps=80000 ;;
     esac
-    if [ "$1" = threads ]; then alone= ranks="mpirun -np $processors"; fi
+    if [ "$1" = threads ]; then steps=$((5 * steps)) alone= ranks="mpirun -np $processors"; fi
+    if [ "$3" = 1000000 ]; then warm=200; fi # 2000 would take a peer many minutes
     if [ "$2" = sample ]; then dilute "$3"; else settle "$1" "$3"; fi
     data "$3"
     # the time step that repose takes for this start
