@@ -160,6 +160,10 @@ static void test_correlated(void)
         CHECK_NEAR(c.correlation, opposed ? -0.6 : 0.6, 1e-9);
         CHECK_OK(stats_calibration_invert(&c, &(stats_measured){{25.0, 25.0}, {e, e}}, r));
         se[opposed] = r[0].se;
+        /* of errors a and b, the best mean has the variance a^2 b^2 (1 - r^2)/(a^2 + b^2 - 2 r a b) */
+        const double a = 5.0, b = 3.0, correlation = opposed ? -0.6 : 0.6;
+        CHECK_OK(stats_calibration_invert(&c, &(stats_measured){{25.0, 25.0}, {a, b}}, r));
+        CHECK_NEAR(r[0].se, 0.8 * a * b / sqrt(a * a + b * b - 2.0 * correlation * a * b) / 100.0, 1e-4);
         stats_calibration_free(&c);
     }
     CHECK_NEAR(se[0], sqrt(0.8) * e / 100.0, 1e-4);

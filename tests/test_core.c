@@ -464,6 +464,30 @@ static void table_forms(void)
     unlink(path);
 }
 
+/* Rows of two tables, each with its cells and the line that it stands in. */
+static void table_append(void)
+{
+    static const char *const texts[] = {"# x\ty\n1\ta\n\n2\tb\n",
+                                        "# note: 5\n# x\ty\n3\tc\n# a word\n4\td\n5\te\n"},
+                             cells[] = "1a2b3c4d5e";
+    static const size_t lines[] = {2, 4, 3, 5, 6};
+    char path[] = "/tmp/repose-table-XXXXXX";
+    close(mkstemp(path));
+    rp_table t[2];
+    for (int k = 0; k < 2; k++) {
+        file_print(path, "%s", texts[k]);
+        CHECK_OK(rp_table_read(path, &t[k]));
+    }
+    CHECK_OK(rp_table_append(&t[0], &t[1]));
+    CU_ASSERT_EQUAL_FATAL(t[0].n_rows, 5);
+    for (size_t row = 0; row < 5; row++) {
+        CU_ASSERT_EQUAL(t[0].lines[row], lines[row]);
+        for (size_t c = 0; c < 2; c++) CU_ASSERT(*t[0].cells[2 * row + c] == cells[2 * row + c]);
+    }
+    for (int k = 0; k < 2; k++) rp_table_free(&t[k]);
+    unlink(path);
+}
+
 /* Which of the rows 1, 2, 3, word, nan and 20 a condition keeps, as a number of their digits. Numbers are
  * compared as numbers, words as words; nan is equal to nan alone. A note has exactly its key. */
 static void table_conditions(void)
@@ -664,6 +688,7 @@ static void guesses(void)
 void suite_core(void)
 {
     static const check_case cases[] = {{"statuses and messages", statuses},
+                                       {"rows of two tables", table_append},
                                        {"defaults, text and back", defaults_and_text},
                                        {"refused values", refused_values},
                                        {"keys", keys},

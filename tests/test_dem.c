@@ -1154,6 +1154,12 @@ static void bad_definitions(void)
     REFUSES((bad.walls[0].extent[0] = 2.0, bad.walls[0].extent[1] = 1.0), "extent");
     REFUSES(bad.n_walls = 9, "9 walls");
     REFUSES((bad.walls[0].open_at_step = 1, bad.walls[0].open_speed = 1.0), "open_speed");
+    double *const moving[] = {&bad.walls[0].velocity[0], &bad.walls[0].velocity[1], &bad.walls[0].omega,
+                              &bad.walls[0].pivot[0], &bad.walls[0].pivot[1]};
+    for (size_t i = 0; i < sizeof moving / sizeof *moving; i++) {
+        REFUSES(*moving[i] = NAN, "velocity, omega and pivot must be finite");
+        REFUSES(*moving[i] = INFINITY, "velocity, omega and pivot must be finite");
+    }
     REFUSES(bad.gravity[0] = NAN, "gravity");
     REFUSES(bad.skin = -1.0, "skin");
     REFUSES(bad.x_max = -0.1, "starts beyond x_max");

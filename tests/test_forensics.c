@@ -549,6 +549,8 @@ static void test_command_errors(void)
         FAILS(cases[k].status, cases[k].text,
               claims ? "forensics runs.tsv --claims bad.tsv" : "forensics bad.tsv --claims claims.tsv");
     }
+    CU_ASSERT(shell("sed 's/0.3\t20\t2/0.3\t1\t2/' claims.tsv >single.tsv") == 0);
+    GOOD("forensics runs.tsv --claims single.tsv --draws 200 --report numbers"); /* of one sample each */
     leave();
 }
 

@@ -750,9 +750,30 @@ static void test_patience(void)
     }
 }
 
+/* Grains fill a box from twice its height: the time step allows for a fall through that. */
+static void test_limit_of_step(void)
+{
+    static const sweep_protocol *const filled[] = {&sweep_protocol_repose, &sweep_protocol_stress,
+                                                   &sweep_protocol_onset};
+    for (size_t k = 0; k < sizeof filled / sizeof *filled; k++) {
+        sweep_box *b = calloc(1, filled[k]->params_size);
+        CU_ASSERT_PTR_NOT_NULL_FATAL(b);
+        rp_params_defaults(filled[k]->schema, b);
+        b->H = 90.0;
+        const double limit = sweep_box_step_limit(b, 2.0 * 90.0, NULL);
+        CU_ASSERT(limit < sweep_box_step_limit(b, 90.0, NULL));
+        b->physics.dt = limit * (1.0 - 1e-9);
+        CHECK_OK(filled[k]->check(b));
+        b->physics.dt = limit * (1.0 + 1e-9);
+        CHECK_FAILS(filled[k]->check(b), RP_BAD_INPUT, "too large for");
+        free(b);
+    }
+}
+
 void suite_repose(void)
 {
     static const check_case cases[] = {{"every variant of the surface", test_surfaces},
+                                       {"limit of the time step", test_limit_of_step},
                                        {"bond order", test_bond_order},
                                        {"friction of the floor", test_frictions},
                                        {"choices of contact", test_contact_choices},

@@ -13,6 +13,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "core/clock.h"
 #include "core/random.h"
 #include "core/table.h"
 #include "dem/scene.h"
@@ -46,7 +47,7 @@ static const sweep_output toy_outputs[] = {
 
 /* Shared with the workers; while it is set, slow runs from number 20 on wait, so that a sweep to be
  * interrupted cannot end first. */
-static volatile int *hold;
+static volatile int *hold, *made; /* shared with the workers: whether runs wait; their number */
 
 /* In a quiet moment no run crashes; what the words of results end with. */
 static bool calm;
@@ -68,6 +69,7 @@ static rp_status toy_run(const void *params, unsigned long seed, unsigned long r
     gsl_rng_free(r);
     snprintf(result->status, sizeof result->status, "%s%s", run % 2 ? "ok" : "ok_fixed_time", ending);
     if (p->mode == SLOW) usleep(5000);
+    if (made) ++*made;
     while (p->mode == SLOW && hold && *hold && run >= 10) usleep(1000);
     if (p->mode == CRASH && run % 3 == 1 && !calm) abort();
     if (p->mode == HALF_NO_PILE && run % 2) snprintf(result->status, sizeof result->status, "no_pile");
@@ -536,13 +538,19 @@ static void test_stop(void)
 {
     fresh(SLOW_SWEEP);
     CHECK_OK(prepare(NULL));
+    made = mmap(NULL, sizeof *made, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    CU_ASSERT_FATAL(made != MAP_FAILED);
     size_t calls = 0;
     sweep_counts c;
-    sweep_options o = {.workers = 2, .watch = count_calls, .context = &calls};
+    sweep_options o = {.workers = 1, .watch = count_calls, .context = &calls};
+    const double begin = rp_clock();
     CHECK_FAILS(sweep_run(dir, toys, &o, &c), RP_STOPPED, " of 30 stored; run again to resume");
+    CU_ASSERT(rp_clock() - begin < 5.0); /* with the run of some milliseconds: nothing else is waited for */
     CHECK_OK(sweep_status(dir, toys, &c));
     CU_ASSERT(c.stored > 0 && c.stored < SLOW_RUNS);
+    CU_ASSERT(c.stored == (size_t)*made);        /* the run that a worker was at has ended, and is there */
     CU_ASSERT(waitpid(-1, NULL, WNOHANG) == -1); /* no worker is left */
+    o.workers = 2;
     CHECK_OK(sweep_run(dir, toys, &o, &c));
     CU_ASSERT(c.stored == SLOW_RUNS);
     size_t before = calls;
@@ -815,7 +823,9 @@ static rp_status run_shard(int shard, int shards)
     sweep_counts c;
     sweep_options o = {.workers = 1, .shard = shard, .shards = shards};
     rp_status status = sweep_run(dir, toys, &o, &c);
-    CU_ASSERT(status || (c.stored == c.planned && c.planned >= (size_t)(GRID_RUNS / shards)));
+    size_t own = 0; /* every so many runs */
+    for (int run = 0; run < GRID_RUNS; run++) own += run % shards == shard - 1;
+    CU_ASSERT(status || (c.stored == own && c.planned == own));
     return status;
 }
 

@@ -219,6 +219,8 @@ static void test_holm(void)
             CHECK_NEAR(corrected[i], expected[i], sum_error);
     stats_holm(3, ties, corrected);
     for (int i = 0; i < 3; i++) CHECK_NEAR(corrected[i], raised[i], sum_error);
+    stats_holm(3, (double[]){0.6, 0.4, 0.8}, corrected); /* chances end at 1 */
+    for (int i = 0; i < 3; i++) CHECK_NEAR(corrected[i], 1.0, 0.0);
 }
 
 static void test_words(void)
@@ -626,6 +628,19 @@ static void test_pooled(void)
     CU_ASSERT(one.n == 1 && one.mean == v[4] && isnan(one.sd) && isnan(one.se));
 }
 
+/* Two resamples with a result are the fewest that have a spread; their quantiles are between them. */
+static void test_resampled(void)
+{
+    double two[] = {5.0, NAN, 3.0}, one[] = {NAN, 5.0};
+    stats_spread s = stats_resampled(3, two);
+    CU_ASSERT(s.n == 2);
+    CHECK_NEAR(s.sd, sqrt(2.0), sum_error);
+    CHECK_NEAR(s.lo, 3.05, sum_error);
+    CHECK_NEAR(s.hi, 4.95, sum_error);
+    s = stats_resampled(2, one);
+    CU_ASSERT(s.n == 1 && isnan(s.sd) && isnan(s.lo) && isnan(s.hi));
+}
+
 /* Planted: y = x + noise of the same spread has a correlation of 1/sqrt 2 and a skill of 1/2. The intervals
  * of 95 % hold them, in as many of the cases; a column of noise has no skill beyond what its fit costs. */
 static void test_planted_skill(void)
@@ -678,6 +693,7 @@ void suite_trend(void)
         {"predictions out of sample", test_predict},
         {"planted predictors", test_planted_skill},
         {"pooled summaries", test_pooled},
+        {"spread of resamples", test_resampled},
         {"planted limits: coverage", test_limit_coverage},
         {"planted limits without an end", test_limit_without_end},
         {"limit against GSL's nonlinear fit", test_limit_against_gsl},

@@ -136,6 +136,15 @@ static void test_forces(void)
     for (size_t k = 0; k < n_strokes; k++)
         if (fabs(strokes[k].r / strong->r - 5.5 / 11.5) < 0.01) half = &strokes[k];
     CU_ASSERT_FATAL(half != NULL);
+    /* class 6 of 12, on the way from the pale colour of the figures to the dark one */
+    const char *grain, *outline;
+    int classes, pale_r, pale_g, pale_b, dark_r, dark_g, dark_b;
+#include "figures/chains.gp"
+    char shade[32];
+    snprintf(shade, sizeof shade, "rgb(%3ld, %3ld, %3ld)", lround((6.0 * pale_r + 5.0 * dark_r) / 11.0),
+             lround((6.0 * pale_g + 5.0 * dark_g) / 11.0), lround((6.0 * pale_b + 5.0 * dark_b) / 11.0));
+    CU_ASSERT(classes == 12 && *grain == '#' && *outline == '#');
+    CU_ASSERT_STRING_EQUAL(half->color, shade);
     CHECK_NEAR(half->x, circles[0].x, 0.02);
     CHECK_NEAR(half->y, circles[0].y, 0.02);
     CHECK_NEAR(half->x2, circles[1].x, 0.02);
