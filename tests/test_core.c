@@ -520,6 +520,16 @@ static void table_conditions(void)
         CU_ASSERT(rp_table_find_note(&t, "m") == NULL && rp_table_find_note(&t, "mu_") == NULL);
         rp_table_free(&t);
     }
+    /* a word that begins with a number is a word */
+    static const char *const words[][2] = {{"x=5", "a"}, {"x=5x", "b"}, {"x!=5", "b"}, {"x<6", "a"}};
+    for (size_t i = 0; i < sizeof words / sizeof *words; i++) {
+        file_print(path, "x\ty\n5.0\ta\n5x\tb\n");
+        CHECK_OK(rp_table_read(path, &t));
+        CHECK_OK(rp_table_where(&t, words[i][0]));
+        CU_ASSERT_FATAL(t.n_rows == 1);
+        CU_ASSERT_STRING_EQUAL(t.cells[1], words[i][1]);
+        rp_table_free(&t);
+    }
     static const char *const bad[][2] = {{"x", "NAME=VALUE expected"},
                                          {"=2", "NAME=VALUE expected"},
                                          {"z=2", "no column \"z\""},
