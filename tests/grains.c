@@ -147,6 +147,27 @@ double grains_energy(const dem_sim *sim)
     return e.kinetic + e.rotational + e.elastic + e.gravity;
 }
 
+size_t grains_wrong_pairs(const dem_sim *sim)
+{
+    const dem_grains *g = &sim->grains;
+    unsigned char *listed = calloc(g->n, g->n);
+    size_t wrong = 0;
+    CU_ASSERT_PTR_NOT_NULL_FATAL(listed);
+    for (size_t k = 0; k < sim->pairs.n; k++) {
+        const size_t i = sim->pairs.i[k], j = sim->pairs.j[k];
+        if (i != j) listed[(i < j ? i : j) * g->n + (i < j ? j : i)]++; /* else of a removed grain */
+    }
+    for (size_t i = 0; i < g->n; i++)
+        for (size_t j = i + 1; j < g->n; j++) {
+            const dem_vec d = g->listed_x[i] - g->listed_x[j];
+            const double reach = g->cutoff[i] + g->cutoff[j];
+            const bool near = dem_dot(d, d) < reach * reach && g->inverse_mass[i] + g->inverse_mass[j] > 0.0;
+            wrong += listed[i * g->n + j] != near;
+        }
+    free(listed);
+    return wrong;
+}
+
 bool grains_same_bits(const dem_sim *a, const dem_sim *b)
 {
     const size_t n = dem_count(a), from = offsetof(dem_state, x), to = offsetof(dem_state, contacts);

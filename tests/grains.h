@@ -48,6 +48,10 @@ double grains_energy(const dem_sim *sim);
 /* dem_scene_read of a text. */
 rp_status grains_read(const char *text, const rp_texts *changes, dem_scene *scene);
 
+/* Pairs that are not listed once although they lie within their cutoffs where the list was made, or that are
+ * listed and do not; found among all pairs. Pairs of two fixed grains belong to no list. */
+size_t grains_wrong_pairs(const dem_sim *sim);
+
 /* True if all states are equal to the bit. */
 bool grains_same_bits(const dem_sim *a, const dem_sim *b);
 

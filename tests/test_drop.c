@@ -345,14 +345,21 @@ static double output(const sweep_result *r, const char *name)
     return NAN;
 }
 
-static sweep_result run(const char *const changes[])
+/* The defaults with changes, key and value, ended by NULL. Free them. */
+static void *parameters(const char *const changes[])
 {
     const rp_param *schema = sweep_protocol_drop.schema;
     void *p = calloc(1, sweep_protocol_drop.params_size);
-    sweep_result result;
     rp_params_defaults(schema, p);
     for (; changes[0]; changes += 2)
         CHECK_OK(rp_params_set_text(rp_params_find(schema, changes[0]), p, changes[1]));
+    return p;
+}
+
+static sweep_result run(const char *const changes[])
+{
+    void *p = parameters(changes);
+    sweep_result result;
     CHECK_OK(sweep_protocol_drop.check(p));
     CHECK_OK(sweep_protocol_drop.run(p, 5, 1, NULL, &result));
     free(p);
@@ -502,10 +509,7 @@ static void lattices_that_fit(void)
                  {{"lattice", "9", "glued", "1.5"}, "glued = 1.5"},
                  {{"lattice", "40", "x_limit", "20"}, "lattice = 40: reaches to x_limit = 20"}};
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
-        void *p = calloc(1, sweep_protocol_drop.params_size);
-        rp_params_defaults(sweep_protocol_drop.schema, p);
-        for (const char *const *c = cases[k].changes; *c; c += 2)
-            CHECK_OK(rp_params_set_text(rp_params_find(sweep_protocol_drop.schema, c[0]), p, c[1]));
+        void *p = parameters(cases[k].changes);
         CHECK_FAILS(sweep_protocol_drop.check(p), RP_BAD_INPUT, cases[k].message);
         free(p);
     }
@@ -609,26 +613,11 @@ static void check_contacts(const dem_sim *sim)
  * within its margin. */
 static void check_list(const dem_sim *sim)
 {
-    bool listed[DROPPED][DROPPED] = {{false}}, right = true;
-    for (size_t k = 0; k < sim->pairs.n; k++) {
-        const uint32_t i = sim->pairs.i[k], j = sim->pairs.j[k];
-        if (i == j) continue; /* of a removed disk */
-        right &= !listed[i][j];
-        listed[i][j] = listed[j][i] = true;
-    }
-    for (size_t k = 0; k < sim->walls.n_slots; k++) {
-        const uint32_t i = sim->walls.slot[k].grain;
-        right &= !listed[i][i];
-        listed[i][i] = true;
-    }
-    for (size_t i = 0; i < sim->grains.n; i++) {
-        right &= listed[i][i] == (sim->grains.listed_x[i][1] < sim->grains.cutoff[i]);
-        for (size_t j = 0; j < i; j++) {
-            const dem_vec d = sim->grains.listed_x[i] - sim->grains.listed_x[j];
-            const double reach = sim->grains.cutoff[i] + sim->grains.cutoff[j];
-            right &= listed[i][j] == (dem_dot(d, d) < reach * reach);
-        }
-    }
+    unsigned near_ground[DROPPED] = {0};
+    bool right = grains_wrong_pairs(sim) == 0;
+    for (size_t k = 0; k < sim->walls.n_slots; k++) near_ground[sim->walls.slot[k].grain]++;
+    for (size_t i = 0; i < sim->grains.n; i++)
+        right &= near_ground[i] == (sim->grains.listed_x[i][1] < sim->grains.cutoff[i]);
     CU_ASSERT(right);
 }
 

@@ -7,6 +7,7 @@
 
 #include "core/status.h"
 #include "core/version.h"
+#include "dem/sim.h"
 #include "tests/check.h"
 #include "tests/grains.h"
 #include "tests/program.h"
@@ -189,6 +190,37 @@ static void test_same_bits(void)
     dem_free(same);
 }
 
+/* A pair that is missing or too far apart is a wrong one; one of two fixed grains belongs to no
+ * list. */
+static void test_wrong_pairs(void)
+{
+    dem_grain three[] = {{.x = 0.0, .y = 1.0, .r = 0.1, .m = 1.0},
+                         {.x = 0.2, .y = 1.0, .r = 0.1, .m = 1.0},
+                         {.x = 9.0, .y = 1.0, .r = 0.1, .m = 1.0}};
+    dem_definition def = dem_definition_default();
+    def.grains = three;
+    def.n_grains = 3;
+    dem_sim *sim = grains_start(&def);
+    CU_ASSERT_FATAL(sim->pairs.n == 1);
+    CU_ASSERT(grains_wrong_pairs(sim) == 0);
+    sim->pairs.n = 0;
+    CU_ASSERT(grains_wrong_pairs(sim) == 1);
+    sim->pairs.n = 1;
+    const double cutoff = sim->grains.cutoff[0];
+    sim->grains.cutoff[0] = 0.0;
+    sim->grains.listed_x[1][0] += 1.0;
+    CU_ASSERT(grains_wrong_pairs(sim) == 1);
+    sim->grains.cutoff[0] = cutoff;
+    sim->grains.listed_x[1][0] -= 1.0;
+    const uint32_t other = sim->pairs.j[0];
+    sim->pairs.j[0] = sim->pairs.i[0]; /* of a removed grain, so that the pair is missing */
+    CU_ASSERT(grains_wrong_pairs(sim) == 1);
+    sim->pairs.j[0] = other;
+    sim->grains.inverse_mass[0] = sim->grains.inverse_mass[1] = 0.0;
+    CU_ASSERT(grains_wrong_pairs(sim) == 1);
+    dem_free(sim);
+}
+
 /* So soft that neighbours slide apart, although every well holds: no result, and a state that is no pile. */
 static void collapsing_pile(void)
 {
@@ -250,10 +282,14 @@ static void test_commit(void)
 
 void suite_helpers(void)
 {
-    static const check_case cases[] = {
-        {"near, ok, fails", test_check},        {"cases of validation", test_cases},
-        {"stride of cases", test_stride},       {"oblique impact", test_oblique},
-        {"same bits", test_same_bits},          {"solved pile", test_solved_pile},
-        {"commit of the program", test_commit}, {0}};
+    static const check_case cases[] = {{"near, ok, fails", test_check},
+                                       {"cases of validation", test_cases},
+                                       {"stride of cases", test_stride},
+                                       {"oblique impact", test_oblique},
+                                       {"same bits", test_same_bits},
+                                       {"wrong pairs", test_wrong_pairs},
+                                       {"solved pile", test_solved_pile},
+                                       {"commit of the program", test_commit},
+                                       {0}};
     check_register("helpers", cases);
 }

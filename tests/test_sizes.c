@@ -1,19 +1,15 @@
 /* Grains of very different size: the search by size makes the list of the plain search, in the same order. */
+#include <gsl/gsl_randist.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/random.h"
 #include "dem/sim.h"
 #include "tests/check.h"
 #include "tests/grains.h"
 #include "tests/property.h"
 
 static const double PLAIN = INFINITY, BY_SIZE = 0.0; /* most tests of a grain in the plain search */
-
-static double uniform(unsigned long *state)
-{
-    *state = *state * 6364136223846793005ul + 1442695040888963407ul;
-    return (double)(*state >> 11) / 0x1p53;
-}
 
 /* The first grain is the largest, of radius 1; areas of all ranges of log r are the same. Their box is about
  * half full. */
@@ -43,34 +39,14 @@ static dem_definition mixture(long n, double ratio, unsigned long seed, double *
 static void stir(dem_sim *sim, double speed, unsigned long seed)
 {
     dem_grains *const g = &sim->grains;
-    const dem_vec shift = {40.0 * uniform(&seed) - 20.0, 40.0 * uniform(&seed) - 20.0};
+    gsl_rng *rng = rp_random_alloc(seed, 0, RP_PURPOSE_TEST);
+    const dem_vec shift = {gsl_ran_flat(rng, -20.0, 20.0), gsl_ran_flat(rng, -20.0, 20.0)};
     for (size_t i = 0; i < g->n; i++) {
         g->motion[i].x += shift + (i % 3 ? (dem_vec){0.0, 0.0} : (dem_vec){97.3, -61.1});
         if (i % 5 == 0) g->inverse_mass[i] = 0.0;
-        if (i % 2) g->motion[i].v[0] = 0.9 * speed * uniform(&seed) * g->radius[i] / sim->def.dt;
+        if (i % 2) g->motion[i].v[0] = 0.9 * speed * gsl_rng_uniform(rng) * g->radius[i] / sim->def.dt;
     }
-}
-
-/* 0 if each pair within its cutoffs is listed once, and no other. */
-static double wrong_pairs(const dem_sim *sim)
-{
-    const dem_grains *g = &sim->grains;
-    unsigned char *listed = calloc(g->n, g->n);
-    double wrong = 0.0;
-    for (size_t k = 0; k < sim->pairs.n; k++) {
-        const size_t i = sim->pairs.i[k], j = sim->pairs.j[k];
-        listed[(i < j ? i : j) * g->n + (i < j ? j : i)]++;
-    }
-    for (size_t i = 0; i < g->n; i++)
-        for (size_t j = i; j < g->n; j++) {
-            const dem_vec d = g->motion[i].x - g->motion[j].x;
-            const double cutoff = g->cutoff[i] + g->cutoff[j];
-            const bool near =
-                i != j && dem_dot(d, d) < cutoff * cutoff && g->inverse_mass[i] + g->inverse_mass[j] > 0.0;
-            wrong += listed[i * g->n + j] != near;
-        }
-    free(listed);
-    return wrong;
+    gsl_rng_free(rng);
 }
 
 static double list_is_plain(const double x[])
@@ -84,7 +60,7 @@ static double list_is_plain(const double x[])
     sim->list.most_tests = BY_SIZE, plain->list.most_tests = PLAIN;
     CHECK_OK(dem_neighbours_rebuild(sim));
     CHECK_OK(dem_neighbours_rebuild(plain));
-    double wrong = wrong_pairs(sim) + (sim->list.sizes == NULL) + (plain->list.sizes != NULL);
+    double wrong = (double)grains_wrong_pairs(sim) + (sim->list.sizes == NULL) + (plain->list.sizes != NULL);
     wrong += sim->pairs.n != plain->pairs.n ||
              memcmp(sim->pairs.i, plain->pairs.i, sim->pairs.n * sizeof *sim->pairs.i) != 0 ||
              memcmp(sim->pairs.j, plain->pairs.j, sim->pairs.n * sizeof *sim->pairs.j) != 0;
