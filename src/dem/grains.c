@@ -96,13 +96,10 @@ void dem_grains_clear(dem_grains *grains, size_t i)
 #undef X
 }
 
-void dem_grains_fill_gap(dem_grains *grains, size_t gap)
+void dem_grains_move(dem_grains *grains, size_t i, size_t to)
 {
-    const size_t last = --grains->n;
-    for (size_t k = 0; k < grains->n_fixed; k++)
-        if (grains->fixed[k] == last) grains->fixed[k] = (uint32_t)gap;
 #define X(type, name, need, role)                                                                            \
-    if (grains->name && (role == DEM_STATE || role == DEM_LISTED)) grains->name[gap] = grains->name[last];
+    if (grains->name && (role == DEM_STATE || role == DEM_LISTED)) grains->name[to] = grains->name[i];
     DEM_GRAIN_ARRAYS(X)
 #undef X
 }

@@ -75,12 +75,15 @@ typedef enum {
     X(uint32_t, held_slot, true, DEM_OF_STEP)
 
 enum { DEM_GROUP = 64 };
+#define DEM_SLACK_OUT (-INFINITY)
 
 typedef struct {
     size_t n, capacity; /* present; that the arrays hold */
+    size_t n_gone;      /* of the n: grains that left; 0 outside of a run */
     size_t n_fixed;
     uint32_t last_id; /* of the grain that came last */
-    double *slack; /* of each DEM_GROUP grains: while they go less than this, all are within their margins */
+    double *slack;    /* of each DEM_GROUP grains: while they go less than this, all are within their margins;
+                       * DEM_SLACK_OUT: one of them has just left */
 #define X(type, name, need, role) type *name;
     DEM_GRAIN_ARRAYS(X)
 #undef X
@@ -104,7 +107,7 @@ void dem_grains_take(dem_grains *grains, dem_grains *sorted, size_t n);
 /* Let all entries of grain i be 0. */
 void dem_grains_clear(dem_grains *grains, size_t i);
 
-/* Let the last grain fill the gap that another leaves. */
-void dem_grains_fill_gap(dem_grains *grains, size_t gap);
+/* Grain `to` becomes grain i. */
+void dem_grains_move(dem_grains *grains, size_t i, size_t to);
 
 #endif

@@ -446,14 +446,6 @@ static rp_status find_pairs(dem_sim *sim)
     return dem_threads_do(sim, restore_part);
 }
 
-static void mark_walls(dem_sim *sim)
-{
-    for (size_t w = 0, k = 0; w <= sim->def.n_walls; w++) {
-        while (k < sim->walls.n_slots && sim->walls.slot[k].wall < w) k++;
-        sim->walls.start[w] = k;
-    }
-}
-
 /* Is a point of the line at `along` farther than `most` from what is left of it between its ends? */
 static inline bool is_beyond_ends(const dem_wall *wall, double along, double most)
 {
@@ -522,47 +514,13 @@ static rp_status find_wall_slots(dem_sim *sim)
             slot->grain = i;
         }
     }
-    mark_walls(sim);
+    dem_walls_find_starts(&sim->walls, sim->def.n_walls);
     return RP_OK;
-}
-
-/* A pair of a grain that left becomes a pair of grain 0 with itself, which never touches. */
-static void drop_pairs(dem_sim *sim, uint32_t gone, uint32_t last)
-{
-    for (size_t k = 0; k < sim->pairs.n; k++) {
-        uint32_t *i = &sim->pairs.i[k], *j = &sim->pairs.j[k];
-        if (*i == gone || *j == gone) {
-            *i = *j = 0;
-            sim->pairs.radii[k] = 0.0;
-        }
-        if (*i == last) *i = gone;
-        if (*j == last) *j = gone;
-    }
-}
-
-void dem_neighbours_drop(dem_sim *sim)
-{
-    for (size_t i = sim->grains.n; i-- > 0;) {
-        if (!dem_beyond(sim, sim->grains.motion[i].x)) continue;
-        const uint32_t gone = (uint32_t)i, last = (uint32_t)sim->grains.n - 1;
-        drop_pairs(sim, gone, last);
-        size_t n = 0;
-        for (size_t k = 0; k < sim->walls.n_slots; k++) {
-            if (sim->walls.slot[k].grain == gone) continue;
-            sim->walls.slot[n] = sim->walls.slot[k];
-            if (sim->walls.slot[n].grain == last) sim->walls.slot[n].grain = gone;
-            n++;
-        }
-        sim->walls.n_slots = n;
-        dem_grains_fill_gap(&sim->grains, i);
-    }
-    mark_walls(sim);
-    memset(sim->grains.slack, 0, (sim->grains.n / DEM_GROUP + 1) * sizeof *sim->grains.slack);
-    sim->pairs.n_chunks = 0; /* grains are no longer in the order of the list */
 }
 
 rp_status dem_neighbours_rebuild(dem_sim *sim)
 {
+    dem_neighbours_close_gaps(sim);
     sim->list.fastest = 0.0;
     RP_TRY(dem_threads_do(sim, check_grains));
     sim->count.rebuilds++;

@@ -145,8 +145,11 @@ void dem_neighbours_keep(rp_snapshot *s, dem_sim *sim);
  * their part of the list anew, else all of it is rebuilt. Errors: RP_BROKEN, RP_NO_MEMORY. */
 rp_status dem_neighbours_renew(dem_sim *sim);
 
-/* Take out the grains that left, with their pairs and wall slots, and keep the list as it is. */
+/* Take out the grains that left, with their pairs and wall slots, and keep the list as it is; removal.c. In a
+ * large pile, they stay in the arrays of grains and pairs until the second function: of the rebuilding and of
+ * the end of a run. */
 void dem_neighbours_drop(dem_sim *sim);
+void dem_neighbours_close_gaps(dem_sim *sim);
 
 /* ---- Parts of a step that integrators share, in this order; step.c. ---- */
 

@@ -60,8 +60,9 @@ static void check_numbers(rp_snapshot *s, const dem_sim *sim)
     const dem_grains *g = &sim->grains;
     rp_keep_check(s,
                   g->n <= g->capacity && g->capacity <= 2 * (size_t)g->last_id && g->n_fixed <= g->n &&
-                      g->n <= s->n / sizeof(dem_motion) && sim->pairs.n <= s->n / sizeof(uint64_t) &&
-                      sim->pairs.chunk > 0 && sim->pairs.chunk % 64 == 0,
+                      g->n_gone == 0 && g->n <= s->n / sizeof(dem_motion) &&
+                      sim->pairs.n <= s->n / sizeof(uint64_t) && sim->pairs.chunk > 0 &&
+                      sim->pairs.chunk % 64 == 0,
                   "impossible numbers of grains, pairs or wall contacts");
 }
 

@@ -102,6 +102,7 @@ static rp_status advance(dem_sim *sim, long steps)
         if (!status && sim->ledger) dem_ledger_step(sim);
     }
     dem_threads_end(sim);
+    dem_neighbours_close_gaps(sim);
     return status;
 }
 

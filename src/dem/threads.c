@@ -308,6 +308,21 @@ static void find_done(dem_sim *sim, dem_part *part, uint32_t *done)
     part->done = done;
 }
 
+static void find_slots(const dem_sim *sim, worker *w)
+{
+    for (size_t a = 0; a < sim->def.n_walls; a++) {
+        size_t k = sim->walls.start[a];
+        while (k < sim->walls.start[a + 1] && sim->walls.slot[k].grain < w->part.grain) k++;
+        w->slot[a] = k;
+    }
+}
+
+void dem_threads_find_slots(dem_sim *sim)
+{
+    for (size_t t = 0; dem_threads_divided(sim) && t < sim->team->n; t++)
+        find_slots(sim, &sim->team->worker[t]);
+}
+
 static rp_status plan(dem_sim *sim, dem_part *part)
 {
     worker *w = worker_of(sim, part);
@@ -326,11 +341,7 @@ static rp_status plan(dem_sim *sim, dem_part *part)
         w->done_capacity = 0;
     if (!w->force || w->done_capacity == 0) return rp_fail(RP_NO_MEMORY, "threads: out of memory");
     find_done(sim, part, w->done);
-    for (size_t a = 0; a < sim->def.n_walls; a++) {
-        size_t k = sim->walls.start[a];
-        while (k < sim->walls.start[a + 1] && sim->walls.slot[k].grain < part->grain) k++;
-        w->slot[a] = k;
-    }
+    find_slots(sim, w);
     return RP_OK;
 }
 

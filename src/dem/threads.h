@@ -34,6 +34,9 @@ rp_status dem_threads_do_parts(struct dem_sim *sim, dem_task *task);
 /* Divide the pile by a new list; its forces move to the parts. Errors: RP_NO_MEMORY. */
 rp_status dem_threads_divide(struct dem_sim *sim);
 
+/* Find the parts' wall slots again, where some have gone. */
+void dem_threads_find_slots(struct dem_sim *sim);
+
 /* Are there threads, and is the pile as they have divided it? */
 bool dem_threads_divided(const struct dem_sim *sim);
 

@@ -74,10 +74,13 @@ static unsigned move(dem_sim *sim, size_t from, size_t to)
     if (!large) advance(sim, from, to, &left, NULL);
     for (size_t end; large && from < to; from = end) {
         double speed2 = 0.0, *slack = &sim->grains.slack[from / DEM_GROUP];
+        unsigned out = 0;
         end = from + DEM_GROUP < to ? from + DEM_GROUP : to;
-        advance(sim, from, end, &left, &speed2);
+        advance(sim, from, end, &out, &speed2);
         *slack -= 1.000001 * sim->def.dt * sqrt(speed2) + sim->list.round_off;
         if (!(*slack > 0.0)) left |= measure_slack(sim, from, end);
+        if (out) *slack = DEM_SLACK_OUT;
+        left |= out;
     }
     return left;
 }
@@ -169,7 +172,7 @@ static rp_status sum_all(dem_sim *sim)
     if (!sim->ahead && !dem_threads_divided(sim)) return dem_step_forces(sim);
     RP_TRY(dem_threads_do_parts(sim, sum_part));
     if (!sim->ahead) return RP_OK;
-    sim->count.grain_steps += (double)sim->grains.n;
+    sim->count.grain_steps += (double)(sim->grains.n - sim->grains.n_gone);
     return dem_threads_divided(sim) ? dem_threads_do_parts(sim, move_late) : RP_OK;
 }
 
@@ -181,7 +184,7 @@ static rp_status step(dem_sim *sim, bool last)
     dem_walls_move(sim);
     sim->ahead = false;
     if (!hard && !ahead) {
-        sim->count.grain_steps += (double)sim->grains.n;
+        sim->count.grain_steps += (double)(sim->grains.n - sim->grains.n_gone);
         sim->ahead_left = 0;
         RP_TRY(dem_threads_do_parts(sim, move_part));
     }

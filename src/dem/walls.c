@@ -302,6 +302,14 @@ bool dem_wall_touch(const dem_sim *sim, dem_wall_slot *slot, dem_vec *normal, do
     return true;
 }
 
+void dem_walls_find_starts(dem_walls *walls, size_t n)
+{
+    for (size_t w = 0, k = 0; w <= n; w++) {
+        while (k < walls->n_slots && walls->slot[k].wall < w) k++;
+        walls->start[w] = k;
+    }
+}
+
 static void apply_slot(dem_sim *sim, dem_wall_slot *slot, double h)
 {
     const size_t i = slot->grain;
