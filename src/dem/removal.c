@@ -45,14 +45,13 @@ static void take_out(dem_grains *g, uint32_t i)
     place[i] = GONE;
 }
 
-/* Beyond the reach of its listed pairs, also of those with others that left. */
+/* Beyond the reach of its listed pairs, also of those with others that left; held there as a fixed grain is.
+ */
 static void put_away(dem_sim *sim, uint32_t i)
 {
     dem_grains *g = &sim->grains;
     g->listed_x[i][1] += 2.0 * (i + 1.0) * (2.0 * sim->r_max + sim->list.skin);
-    g->inverse_mass[i] = 0.0;
     g->fixed[g->n_fixed++] = i;
-    g->slack[i / DEM_GROUP] = 0.0;
     dem_hold_grain(sim, i);
 }
 
