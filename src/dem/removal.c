@@ -3,7 +3,6 @@
  * gaps are closed by the next rebuilding of the list or at the end of the run. Until then a grain that left
  * is held far from all others. */
 #include <math.h>
-#include <string.h>
 
 #include "dem/sim.h"
 
@@ -26,7 +25,7 @@ static size_t find_left(const dem_sim *sim, uint32_t *left)
         if (noted && g->slack[group] != DEM_SLACK_OUT) continue;
         const size_t first = group * DEM_GROUP, end = first + DEM_GROUP < g->n ? first + DEM_GROUP : g->n;
         for (size_t i = end; i-- > first;) {
-            if (!dem_beyond(sim, g->motion[i].x)) continue;
+            if (g->moved_to[i] == GONE || !dem_beyond(sim, g->motion[i].x)) continue;
             size_t k = n++;
             for (; k > 0 && g->moved_to[left[k - 1]] < g->moved_to[i]; k--) left[k] = left[k - 1];
             left[k] = (uint32_t)i;
@@ -45,12 +44,12 @@ static void take_out(dem_grains *g, uint32_t i)
     place[i] = GONE;
 }
 
-/* Beyond the reach of its listed pairs, also of those with others that left; held there as a fixed grain is.
- */
+/* Beyond the reach of its listed pairs, and held there as a fixed grain is. Two that left stay as they were
+ * to each other. */
 static void put_away(dem_sim *sim, uint32_t i)
 {
     dem_grains *g = &sim->grains;
-    g->listed_x[i][1] += 2.0 * (i + 1.0) * (2.0 * sim->r_max + sim->list.skin);
+    g->listed_x[i][1] += 2.0 * (2.0 * sim->r_max + sim->list.skin);
     g->fixed[g->n_fixed++] = i;
     dem_hold_grain(sim, i);
 }
@@ -107,6 +106,5 @@ void dem_neighbours_close_gaps(dem_sim *sim)
     for (size_t i = n; i < g->n; i++)
         if (place[i] != GONE) dem_grains_move(g, i, place[i]);
     g->n = n, g->n_gone = 0;
-    memset(g->slack, 0, (n / DEM_GROUP + 1) * sizeof *g->slack);
     sim->pairs.n_chunks = 0; /* grains are no longer in the order of the list */
 }
