@@ -614,6 +614,9 @@ static void test_line_fit(void)
                 "two different x");
     CHECK_FAILS(stats_line_fit(1, (double[]){0.0}, y, se, true, &line), RP_NO_RESULT, "other than 0");
     CHECK_FAILS(stats_line_fit(2, x, (double[]){1.0, NAN}, se, false, &line), RP_BAD_INPUT, "point 2");
+    CHECK_FAILS(stats_line_fit(2, (double[]){NAN, 1.0, 2.0}, y, se, false, &line), RP_BAD_INPUT, "point 1");
+    CHECK_FAILS(stats_line_fit(2, (double[]){1.0, INFINITY, 2.0}, y, se, false, &line), RP_BAD_INPUT,
+                "point 2");
     CHECK_FAILS(stats_line_fit(2, x, y, (double[]){1.0, 0.0}, false, &line), RP_BAD_INPUT,
                 "standard error = 0");
     CHECK_FAILS(stats_line_fit(2, x, y, (double[]){NAN, 1.0}, false, &line), RP_BAD_INPUT, "point 1");
@@ -629,6 +632,9 @@ static void test_cell_of_points(void)
     CHECK_NEAR(cell, 0.7, 1e-15);
     CHECK_OK(ang_cell_of_points(5, x, steep, 1.5, &cell)); /* distances of 1 or more */
     CHECK_NEAR(cell, hypot(0.9, 2.0), 1e-15);
+    /* neighbours at 20, 5 and 5: the last point counts as well */
+    CHECK_OK(ang_cell_of_points(3, (double[]){0.0, 0.1, 0.2}, (double[]){0.0, 20.0, 25.0}, 1.5, &cell));
+    CHECK_NEAR(cell, hypot(0.1, 5.0), 1e-14);
     CHECK_OK(ang_cell_of_points(1, x, level, 1.5, &cell));
     CHECK_NEAR(cell, 1.5, 0.0);
 }
@@ -826,6 +832,8 @@ static void compare_gain_and_flat_piles(void)
     CU_ASSERT(c.form[ANG_BALANCED].status == ANG_TILT_NO_PILE && isnan(c.form[ANG_BALANCED].theta_t.value));
     CU_ASSERT_STRING_EQUAL(ang_tilt_words[ANG_TILT_NO_PILE], "no_pile");
     CU_ASSERT(isfinite(c.diff_ms.value) && c.n_lost > 0);
+    CHECK_OK(ang_compare(1, flat, theta_t, mu, phi, 50, rng, &c)); /* one pile has no resamples to lose */
+    CU_ASSERT(c.n_lost == 0);
     gsl_rng_free(rng);
 }
 

@@ -599,12 +599,12 @@ static void test_angles(void)
     const double t18 = tan(18.0 * deg), phi = atan(0.2);
     const struct {
         const char *form;
-        double theta_t, tolerance;
+        double theta_t, tolerance, limit;
     } forms[] = {
-        {"balanced", 4.834, printed},
-        {"printed", 3.533, printed},
-        {"sine", 0.5 * (phi - 18.0 * deg - asin(cos(120.0 * deg) * sin(phi + 18.0 * deg))) / deg, 1e-9},
-        {"lattice", atan((0.2 - t18 / 3.0) / (1.0 - 0.2 * t18)) / deg, 1e-9}};
+        {"balanced", 4.834, printed, 42.0},
+        {"printed", 3.533, printed, 30.0},
+        {"sine", 0.5 * (phi - 18.0 * deg - asin(cos(120.0 * deg) * sin(phi + 18.0 * deg))) / deg, 1e-9, 42.0},
+        {"lattice", atan((0.2 - t18 / 3.0) / (1.0 - 0.2 * t18)) / deg, 1e-9, 90.0}};
     rp_table t;
     enter();
     GOOD("angle marginal --mu 0.2");
@@ -617,6 +617,8 @@ static void test_angles(void)
         t = read_table("out");
         CHECK_NEAR(cell(&t, 0, "theta_t_deg"), forms[i].theta_t, forms[i].tolerance);
         CHECK_NEAR(cell(&t, 0, "margin_deg"), atan(0.6) / deg - 18.0, FORM_TOLERANCE);
+        CHECK_NEAR(cell(&t, 0, "theta_ms_deg"), atan(0.6) / deg, FORM_TOLERANCE);
+        CHECK_NEAR(cell(&t, 0, "limit_deg"), forms[i].limit, FORM_TOLERANCE);
         CU_ASSERT_STRING_EQUAL(word(&t, 0, "status"), "ok");
         rp_table_free(&t);
     }
@@ -995,6 +997,9 @@ static void test_stats_settings(void)
     CU_ASSERT(strstr(out, "# units: 1\tcm\t1\t1\nlaw\tx\tb\tstatus\nnew\t-3\t7\tok\n") != NULL);
     GOOD("stats select a.tsv --where 'b<100' --columns x --bare"); /* nan is neither below nor above */
     CU_ASSERT_STRING_EQUAL(out, "1\n2\n-3\n");
+    write_text("plain.tsv", "1\t2\n3\t4\n"); /* columns without names have numbers */
+    GOOD("stats select plain.tsv --columns 2");
+    CU_ASSERT_PTR_NOT_NULL(strstr(out, "\n2\n2\n4\n"));
     FAILS(65, "no column \"frob\"", "stats select a.tsv --where frob=1");
     FAILS(65, "no column \"B\" (did you mean \"b\"?); found: ", "stats select a.tsv --where B=1");
     FAILS(65, "NAME=VALUE expected", "stats select a.tsv --where frob");
@@ -1009,16 +1014,16 @@ static void test_stats_settings(void)
     CU_ASSERT(isnan(cell(&t, 1, "unstable_x")) && cell(&t, 1, "stable_x") == -3.0 && cell(&t, 1, "b") == 7.0);
     rp_table_free(&t);
     write_text("c.tsv",
-               "# W\tdt\treplica\ty\tseconds\tsteps\tstatus\n1\t2\t0\t11\t4\t10\tok\n1\t2\t1\t15\t9\t30\tok\n"
+               "# W\tdt\treplica\ty\tseconds\tsteps\tstatus\n1\t2\t0\t11\t4\t10\tok\n1\t2\t1\t15\t6\t30\tok\n"
                "1\t1\t0\t12\t20\t40\tok\n1\t1\t1\t13\t20\t40\tok\n1\t1\t2\t99\t1\t40\tfell\n");
     GOOD("stats cost c.tsv -y y --by W,dt --size W");
     t = read_table("out");
-    /* the least time of a step is 9/30 s; sd^2 = 8, bias mean of -1 and 2 */
-    CHECK_NEAR(cell(&t, 0, "seconds"), 20.0 * 0.3, 1e-14);
-    CHECK_NEAR(cell(&t, 0, "cost"), 8.0 * 20.0 * 0.3, 1e-13);
+    /* the least time of a step is 6/30 s; sd^2 = 8, bias mean of -1 and 2 */
+    CHECK_NEAR(cell(&t, 0, "seconds"), 20.0 * 0.2, 1e-14);
+    CHECK_NEAR(cell(&t, 0, "cost"), 8.0 * 20.0 * 0.2, 1e-13);
     CHECK_NEAR(cell(&t, 0, "bias"), 0.5, 1e-15);
     CHECK_NEAR(cell(&t, 0, "bias_se"), 1.5, 1e-14);
-    CHECK_NEAR(cell(&t, 1, "cost"), 0.5 * 40.0 * 0.3, 1e-14);
+    CHECK_NEAR(cell(&t, 1, "cost"), 0.5 * 40.0 * 0.2, 1e-14);
     CU_ASSERT(t.n_rows == 2 && cell(&t, 0, "front") == 0.0 && cell(&t, 1, "front") == 1.0);
     rp_table_free(&t);
     FAILS(1, "no row with status ok", "stats cost c.tsv -y y --by W --where status=fell");

@@ -43,6 +43,7 @@ static const struct {
     {"above", "-", "-", "-", "-", "t k=1 a", "t k=3 a", "not reproduced", "21.5 ± 1.0 against 24.20 ± 0.80"},
     {"below", "-", "-", "-", "-", "t k=1 a", "t k=3 a", "reproduced", "21.5 ± 1.0 against 24.20 ± 0.80"},
     {"below", "-", "-", "-", "-", "t k=1 a", "t k=2 a", "undecided", "21.5 ± 1.0 against 23.25 ± 0.75"},
+    {"below", "-", "-", "-", "9", "t k=1 a", "t k=2 a", "not reproduced", "21.5 ± 1.0 against 23.25 ± 0.75"},
     {"below", "-", "-", "-", "-", "t k=3 a", "t k=1 a", "not reproduced", "24.20 ± 0.80 against 21.5 ± 1.0"},
     {"above", "-", "-", "-", "-", "t k=1 a", "means k=1 a_sd", "undecided", "21.5 ± 1.0 against 17.0 ± 8.5"},
     {"least", "-", "-", "-", "-", "t #count", "7", "reproduced", "7 against 7"},
@@ -119,7 +120,7 @@ static void check_reason(const char *line, size_t i)
         strcpy(expected, "reproduced (+1.1 standard errors)"); /* 1.5 over the root of 1 + 0.81 */
     if (strcmp(answers[i].test, "same") == 0 && strcmp(answers[i].against, "t k=4 a") == 0)
         strcpy(expected, "reproduced (-1.8 standard errors)"); /* -2.2 over 1.25 */
-    if (strcmp(answers[i].test, "above") == 0)
+    if (strcmp(answers[i].test, "above") == 0 || strcmp(answers[i].test, "below") == 0)
         strcpy(expected, strcmp(answers[i].margin, "9") == 0 && strcmp(answers[i].against, "22") != 0
                              ? "not reproduced (a difference of 9 or more is excluded)"
                              : answers[i].verdict);
@@ -229,11 +230,13 @@ static void test_section(void)
         "| `means` | 3 of 15 (no_pile 2, overlap 1) |\n");
     /* one failed run, and a number of one sample */
     write_text("claims.tsv",
-               CLAIMS "one\t-\tlh\tfigure 9\ts\tagrees\t20\t0.9\t1\t9\tmeans k=1 a\t-\t-\tfirst\t-\n");
+               CLAIMS "one\t-\tlh\tfigure 9\ts\tagrees\t20\t0.9\t1\t9\tmeans k=1 a\t-\t-\tfirst\t-\n"
+                      "two\t-\tlh\tfigure 9\ts\tagrees\t20\t0.8\t-\t9\tmeans k=1 a\t-\t-\tsecond\t-\n");
     write_text("means.tsv", SWEEP "1 of 15 (no_pile 1)\n# k\tn\ta_mean\ta_se\ta_n\n1\t100\t21.5\t1\t12\n");
     write_text("in.md", "{{claims s}}\n{{failures all}}\n");
     GOOD("report in.md --tables . --claims claims.tsv");
     CU_ASSERT_PTR_NOT_NULL(strstr(out, "| 20 ± 0.9 (1) | 21.5 ± 1.0 | 12; 1 of 15 failed |"));
+    CU_ASSERT_PTR_NOT_NULL(strstr(out, "| 20 ± 0.8 | 21.5 ± 1.0 | 12; 1 of 15 failed |"));
     CU_ASSERT_PTR_NOT_NULL(strstr(out, "\n| `means` | 1 of 15 (no_pile 1) |\n"));
     write_text("in.md", "{{failures lh}}\n");
     FAILS(65, "{{failures lh}}: allowed: all", "report in.md --tables . --claims claims.tsv");

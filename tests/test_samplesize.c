@@ -66,6 +66,20 @@ static void test_textbook(void)
     }
 }
 
+/* At another number of values the error falls as its root, and the degrees of freedom grow with it: two
+ * pilots with five of them at 6 and at 9 values. They are 1 at least. */
+static void test_degrees_of_freedom(void)
+{
+    const stats_pilot six = {.se = 0.5, .n = 6.0, .dof = 5.0},
+                      three = {.se = 0.5 * sqrt(3.0), .n = 3.0, .dof = 1.25};
+    CHECK_NEAR(stats_power(&above, &three, 1.1, 9.0), stats_power(&above, &six, 1.1, 6.0), 1e-14);
+    double power[3];
+    for (int k = 0; k < 3; k++)
+        power[k] = stats_power(&above, &(stats_pilot){.se = 0.5, .n = 6.0, .dof = 0.5 * (k + 1)}, 1.1, 6.0);
+    CHECK_NEAR(power[0], power[1], 0.0);
+    CU_ASSERT(power[2] > power[1]);
+}
+
 enum { PILES = 6, CASES = 20000 };
 
 /* Shares of drawn ensembles that the verdicts decide: a mean above 0, and a paired change that is none. */
@@ -117,10 +131,9 @@ static void test_drawn_ensembles(void)
 
 void suite_samplesize(void)
 {
-    static const check_case cases[] = {{"known errors", test_known_errors},
-                                       {"errors that stay", test_fixed_errors},
-                                       {"t tests of the textbook", test_textbook},
-                                       {"drawn ensembles", test_drawn_ensembles},
-                                       {0}};
+    static const check_case cases[] = {
+        {"known errors", test_known_errors},        {"errors that stay", test_fixed_errors},
+        {"t tests of the textbook", test_textbook}, {"degrees of freedom", test_degrees_of_freedom},
+        {"drawn ensembles", test_drawn_ensembles},  {0}};
     check_register("samplesize", cases);
 }

@@ -579,8 +579,13 @@ static void refused_resumes(void)
         CU_ASSERT(shell(line) == 65);
         CU_ASSERT(says(list[k].text));
     }
-    CU_ASSERT(shell("\"$REPOSE\" run --resume d --every 5 2>err") == 64 &&
-              says("--resume goes on with the options"));
+    static const char *const starts[] = {"-o e", "--every 5", "--row 1", "--snapshot 5", "--force"};
+    for (size_t k = 0; k < sizeof starts / sizeof *starts; k++) {
+        char line[128];
+        snprintf(line, sizeof line, "\"$REPOSE\" run --resume d %s 2>err", starts[k]);
+        CU_ASSERT(shell(line) == 64 && says("--resume goes on with the options"));
+    }
+    CU_ASSERT(shell("\"$REPOSE\" run --resume d --ledger 2>err") == 64 && says("--set and --ledger go with"));
     CU_ASSERT(shell("\"$REPOSE\" run --resume d --set dt=1 2>err") == 64 &&
               says("--set and --ledger go with"));
     CU_ASSERT(shell("\"$REPOSE\" run s.cfg --snapshot 5 2>err") == 64 && says("--snapshot needs -o"));

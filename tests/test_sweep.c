@@ -396,6 +396,9 @@ static void test_reduce(void)
     FILE *in = fopen(path, "r");
     CU_ASSERT(fread(text, 1, sizeof text - 1, in) > 0);
     fclose(in);
+    CU_ASSERT_PTR_NOT_NULL(strstr(
+        text,
+        "# units: 1\tcm\tdeg\tdeg\tdeg\tdeg\tdeg\t1\ts\ts\ts\ts\ts\t1\t1\t1\n")); /* numbers n have none */
     CU_ASSERT_PTR_NOT_NULL(strstr(text, "# missing: 1 of 16\n"));
     CU_ASSERT_PTR_NOT_NULL(strstr(text, "# failed: 8 of 15 (no_pile 8)\n"));
     CU_ASSERT_PTR_NOT_NULL(strstr(text, "# command: the command\n"));
@@ -856,6 +859,11 @@ static void test_shards(void)
         }
         CHECK_OK(run_shard(orders[i][n], n));
         CU_ASSERT_STRING_EQUAL(digest(GRID_RUNS), whole); /* not merged yet */
+        made = mmap(NULL, sizeof *made, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+        CHECK_OK(run(1, NULL));
+        CU_ASSERT(*made == 0); /* the shards have all of them */
+        munmap((void *)made, sizeof *made);
+        made = NULL;
         CHECK_OK(sweep_merge(dir, toys, 0, NULL, &m, &c));
         CU_ASSERT(c.stored == GRID_RUNS && m.stores == (size_t)n && !*c.shards);
         CHECK_OK(run_shard(1, n)); /* nothing to do */
@@ -1021,6 +1029,9 @@ static void test_salvage(void)
         CHECK_FAILS(sweep_export(dir, toys, SWEEP_RUNS, NULL, NULL, stdout), RP_IO, "store.sqlite");
         CHECK_OK(sweep_salvage(dir, toys, &n));
         CU_ASSERT(n < 600 && n >= most);
+        sweep_counts c;
+        CHECK_OK(sweep_status(dir, toys, &c));
+        CU_ASSERT(c.stored == n); /* under their keys */
         most = n;
         CHECK_FAILS(sweep_salvage(dir, toys, &n), RP_BAD_INPUT, "kept of an earlier salvage");
         CHECK_OK(run(1, NULL));
@@ -1096,6 +1107,32 @@ static void test_physics(void)
     CU_ASSERT_STRING_EQUAL(rp_params_find(sweep_protocol_drop.schema, "mu")->fallback, "0.5");
 }
 
+/* Each value of each named output counts in the digits of results; an output that is not named does not. */
+static void test_digits(void)
+{
+    sweep_result r[2];
+    char right[33], digits[33];
+    for (int i = 0; i < 2; i++) {
+        sweep_result_clear(&r[i]);
+        r[i].values[0] = 1.0 + i;
+    }
+    sweep_results_digits(2, r, toy_outputs, "y_deg never", right);
+    for (int i = 0; i < 2; i++)
+        for (int k = 0; k < 2; k++) {
+            const double before = r[i].values[k];
+            r[i].values[k] = 7.0;
+            sweep_results_digits(2, r, toy_outputs, "y_deg never", digits);
+            CU_ASSERT(strcmp(digits, right) != 0);
+            r[i].values[k] = before;
+        }
+    sweep_results_digits(2, r, toy_outputs, "y_deg never", digits);
+    CU_ASSERT_STRING_EQUAL(digits, right);
+    sweep_results_digits(2, r, toy_outputs, "y_deg", right);
+    r[1].values[1] = 7.0;
+    sweep_results_digits(2, r, toy_outputs, "y_deg", digits);
+    CU_ASSERT_STRING_EQUAL(digits, right);
+}
+
 /* Names become columns of one table, in which SQLite ignores case. */
 static void test_columns(void)
 {
@@ -1141,6 +1178,7 @@ void suite_sweep(void)
                                        {"damage: one byte", test_flips},
                                        {"damage: salvage", test_salvage},
                                        {"physical parameters of protocols", test_physics},
+                                       {"digits of results", test_digits},
                                        {"column names", test_columns},
                                        {NULL, NULL}};
     check_register("sweep", cases);

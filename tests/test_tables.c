@@ -1082,6 +1082,44 @@ static void test_fits(void)
     leave();
 }
 
+/* Each row of --successive is the library's fit to so many points; one column predicts in one row. */
+static void test_prefixes(void)
+{
+    enum { N = 6 };
+    const double x[N] = {1.0, 2.0, 3.0, 4.5, 5.0, 6.5}, y[N] = {1.0, 1.3, 1.5, 1.4, 2.1, 2.6},
+                 se[N] = {0.1, 0.2, 0.15, 0.1, 0.3, 0.25};
+    stats_prefix fits[N];
+    double linear_to, bend_free_to;
+    enter();
+    write_text("p.tsv", "x\ty\tse\n1\t1\t0.1\n2\t1.3\t0.2\n3\t1.5\t0.15\n4.5\t1.4\t0.1\n5\t2.1\t0.3\n"
+                        "6.5\t2.6\t0.25\n");
+    CHECK_OK(stats_successive(N, x, y, se, 0.05, fits, &linear_to, &bend_free_to));
+    checked c = CHECKED_RUN(N - 2, "stats fit p.tsv -x x -y y --se se --successive");
+    for (size_t k = 0; k + 3 <= N; k++) {
+        const stats_line *l = &fits[k].line;
+        const named row[] = {{"x_to", x[k + 2]},
+                             {"n", (double)k + 3.0},
+                             {"slope", l->slope},
+                             {"slope_se", l->slope_se},
+                             {"intercept", l->intercept},
+                             {"intercept_se", l->intercept_se},
+                             {"chi2", l->chi2},
+                             {"p_value", l->p_value},
+                             {"bend", fits[k].bend.value},
+                             {"bend_se", fits[k].bend.se},
+                             {"p_bend", fits[k].p_bend}};
+        CHECK_NAMED(&c, k, row);
+        CHECK_NEAR(at(&c, k, "dof"), (double)k + 1.0, 0.0);
+        at(&c, k, "status"); /* suite cli */
+    }
+    checked_end(&c);
+    GOOD("stats predict p.tsv -x se -y y --folds 2");
+    rp_table t = read_table("out");
+    CU_ASSERT(t.n_rows == 1);
+    rp_table_free(&t);
+    leave();
+}
+
 /* The same box in three systems of units: labels follow, defaults are converted, numbers agree. */
 static void test_systems(void)
 {
@@ -1212,6 +1250,7 @@ void suite_tables(void)
                                        {"angle compare", test_compare},
                                        {"angle phi", test_phi},
                                        {"stats trend, size, fit", test_fits},
+                                       {"stats fit --successive", test_prefixes},
                                        {"tent, lattice", test_models},
                                        {"continuum", test_continuum},
                                        {0}};

@@ -252,8 +252,10 @@ static void test_trend_errors(void)
     CHECK_FAILS(stats_trend_fit(2, xs, y, NULL, 0.0, 1.0, &t), RP_NO_RESULT, "2 values");
     CU_ASSERT(isnan(t.slope.value) && isnan(t.p_margin) && isnan(t.p_pairs));
     CHECK_FAILS(stats_trend_fit(4, same, y, NULL, 0.0, 1.0, &t), RP_NO_RESULT, "1 different x");
-    CHECK_FAILS(stats_trend_fit(4, twice, bad, NULL, 0.0, 1.0, &t), RP_BAD_INPUT, "value 2");
-    CHECK_FAILS(stats_trend_fit(4, bad, y, NULL, 0.0, 1.0, &t), RP_BAD_INPUT, "value 2");
+    CHECK_FAILS(stats_trend_fit(4, twice, bad, NULL, 0.0, 1.0, &t), RP_BAD_INPUT,
+                "value 2: (2, inf) of pile 0");
+    CHECK_FAILS(stats_trend_fit(4, bad, y, NULL, 0.0, 1.0, &t), RP_BAD_INPUT, "value 2: (inf, 2) of pile 0");
+    CHECK_FAILS(stats_trend_fit(4, twice, y, bad, 0.0, 1.0, &t), RP_BAD_INPUT, "value 2: (2, 2) of pile inf");
     CHECK_FAILS(stats_trend_fit(4, twice, y, repeated, 0.0, 1.0, &t), RP_BAD_INPUT,
                 "pile 0: two values at x = 2");
     CHECK_FAILS(stats_trend_fit(4, twice, y, apart, 0.0, 1.0, &t), RP_NO_RESULT, "0 values of whole piles");
@@ -507,8 +509,10 @@ static void test_costs(void)
     CHECK_NEAR(c[1].bias, 0.0, 0.0);
     CHECK_NEAR(c[1].seconds, 40.0 / 40.0, sum_error); /* a step of the other size takes 1/40 s */
     CU_ASSERT(!c[0].front && c[1].front);
-    runs[2].steps = 0.0;
-    CHECK_FAILS(stats_costs(5, runs, 3, 1, c), RP_BAD_INPUT, "run 3: 20 s, 0 steps");
+    runs[4].seconds = INFINITY;
+    CHECK_FAILS(stats_costs(5, runs, 3, 1, c), RP_BAD_INPUT, "run 5: inf s, 40 steps");
+    runs[0].steps = 0.0;
+    CHECK_FAILS(stats_costs(5, runs, 3, 1, c), RP_BAD_INPUT, "run 1: 4 s, 0 steps");
 }
 
 /* A planted decay and frequency, with scatter: within their errors, which are those of many planted series,
@@ -606,6 +610,9 @@ static void test_predict(void)
     CHECK_FAILS(stats_predict(COUNT, 1, columns, y, (size_t[COUNT]){0}, line), RP_BAD_INPUT, "1 folds");
     CHECK_FAILS(stats_predict(3, 1, columns, y, fold, line), RP_NO_RESULT, "2 values");
     CHECK_FAILS(stats_predict(2, 1, columns, (double[]){1.0, NAN}, fold, line), RP_BAD_INPUT, "value 2");
+    CHECK_FAILS(stats_predict(2, 1, columns, (double[]){NAN, 1.0}, fold, line), RP_BAD_INPUT, "value 1");
+    const double *const unknown[] = {(double[COUNT]){1.0, NAN}};
+    CHECK_FAILS(stats_predict(COUNT, 1, unknown, y, fold, line), RP_BAD_INPUT, "value 2");
 }
 
 /* Parts of a sample, put together by their summaries, have the summary of the whole. */

@@ -315,6 +315,15 @@ static void test_colors(void)
     CU_ASSERT_STRING_EQUAL(circles[3].color, "rgb( 43, 123, 186)");
     CU_ASSERT_STRING_EQUAL(circles[4].color, "rgb(247, 247, 247)");
     CU_ASSERT_STRING_EQUAL(circles[5].color, "rgb(230,  97,   1)");
+    /* in the second frame, that frame's values */
+    write_text("t.csv", "step,x,y,r,charge\n0,0,0,1,-4\n0,3,0,1,4\n1,0,0,1,4\n1,3,0,1,-4\n");
+    GOOD("view t.csv -o a.svg --color charge --frame last");
+    read_svg("a.svg");
+    CU_ASSERT_FATAL(n_circles == 4);
+    CU_ASSERT_STRING_EQUAL(circles[2].color, "rgb(230,  97,   1)");
+    CU_ASSERT_STRING_EQUAL(circles[3].color, "rgb( 43, 123, 186)");
+    write_text("t.csv", "x,y,r,charge\n0,0,1,nan\n3,0,1,nan\n");
+    FAILS(1, "column \"charge\": no number", "view t.csv -o a.svg --color charge");
     leave();
 }
 
@@ -355,6 +364,7 @@ static void test_stress(void)
         write_text("contacts.tsv", "x\ty\tx_b\ty_b\tforce\twall\n2.5\t1.5\t2.5\t0\t%g\t1\n", cases[k].force);
         GOOD("view . -o a.svg --stress --base --cell 3");
         read_svg("a.svg");
+        CU_ASSERT(count_strokes(PRESS) == 2 && count_strokes(PULL) == 0); /* however weak, it presses */
         find_frame(1, frame);
         const double largest = cases[k].force / 3.0, scale = (circles[1].x - circles[0].x) / 2.5,
                      height = (frame[3] - frame[2]) / (1.08 * largest);
@@ -371,6 +381,10 @@ static void test_stress(void)
     /* in a single cell, which is the last one too */
     GOOD("view . -o a.svg --stress --cell 20");
     CU_ASSERT(shell("grep -q 'principal stress, largest 0.045 ' a.svg") == 0);
+    /* 12 N along a branch of 2.5 m that leans: 12 * 2.5/400, whatever its direction */
+    write_text("contacts.tsv", "x\ty\tx_b\ty_b\tforce\twall\n2.5\t1.5\t0.5\t0\t12\t1\n");
+    GOOD("view . -o a.svg --stress --cell 20");
+    CU_ASSERT(shell("grep -q 'principal stress, largest 0.075 ' a.svg") == 0);
     leave();
 }
 

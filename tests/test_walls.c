@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include "core/snapshot.h"
+#include "dem/definition.h"
 #include "dem/scene.h"
 #include "dem/sim.h"
 #include "tests/check.h"
@@ -86,6 +87,67 @@ static void sliding_floor(void)
     dem_free(sim);
 }
 
+/* ---- largest speeds ---- */
+
+/* The largest speed of a wall: its velocity, and of its turn that of a segment's farther end, or of a line
+ * beside the farthest grain, whichever it is. */
+static void speed_of_a_wall(void)
+{
+    static const double PIVOT[2] = {0.4, -0.3}, N[2] = {0.6, 0.8}, T[2] = {0.8, -0.6};
+    /* ends in the segment's own coordinate; its point is 3 N + T from the pivot: distances of 5 and less */
+    static const double ends[][2] = {{-5.0, 1.0}, {-1.0, 3.0}, {-INFINITY, 3.0}, {-5.0, INFINITY}};
+    for (size_t far = 0; far < 3; far++)
+        for (size_t e = 0; e < 4; e++) {
+            dem_grain grains[3] = {{.x = 0.5, .y = 0.1}, {.x = 1.0, .y = 0.5}, {.x = -0.2, .y = 0.9}};
+            grains[far] = (dem_grain){.x = PIVOT[0] + 5.0, .y = PIVOT[1] - 12.0};
+            dem_definition def = dem_definition_default();
+            grains_on_floor(&def, 3, grains);
+            dem_wall *w = &def.walls[0];
+            CU_ASSERT(dem_wall_speed(&def, w) == 0.0);
+            w->velocity[0] = 3.0, w->velocity[1] = -4.0;
+            CHECK_NEAR(dem_wall_speed(&def, w), 5.0, 1e-14);
+            w->omega = -2.0;
+            for (int a = 0; a < 2; a++) {
+                w->pivot[a] = PIVOT[a];
+                w->point[a] = PIVOT[a] + 3.0 * N[a] + T[a];
+                w->direction[a] = N[a];
+                w->extent[a] = ends[e][a];
+            }
+            CHECK_NEAR(dem_wall_speed(&def, w), 5.0 + 2.0 * (e < 2 ? 5.0 : 13.0), 1e-13);
+        }
+}
+
+/* A segment that moves carries grains as high as its higher end, and gives them its speed, in any order of
+ * the walls and in any direction of gravity. The lowest position is of a line, unless that moves or is
+ * upright, or of a grain. */
+static void height_of_a_wall(void)
+{
+    static const double DOWN[2] = {0.6, -0.8}, ASIDE[2] = {0.8, 0.6}, G = 981.0, SPEED = 7.0;
+    for (int k = 0; k < 8; k++) {
+        const bool first = k % 2, upper = k / 2 % 2, grain_lowest = k / 4;
+        const double low = 2.0, lowest = grain_lowest ? 3.0 : low; /* depths below the origin */
+        dem_grain grains[2] = {{.x = 0.0},
+                               {.x = DOWN[0] * lowest * grain_lowest, .y = DOWN[1] * lowest * grain_lowest}};
+        dem_definition def = dem_definition_default();
+        grains_on_floor(&def, 2, grains);
+        def.n_walls = 3;
+        for (int a = 0; a < 2; a++) def.gravity[a] = G * DOWN[a];
+        dem_wall *lift = &def.walls[first ? 0 : 2];
+        def.walls[first ? 2 : 0] =
+            grains_line(low * DOWN[0], low * DOWN[1], -DOWN[0], -DOWN[1], &def.material);
+        def.walls[1] = grains_line(9.0 * DOWN[0], 9.0 * DOWN[1], ASIDE[0], ASIDE[1], &def.material);
+        /* upright, so that its own point has no height; the tangent, clockwise of ASIDE, is DOWN */
+        *lift = grains_line(DOWN[0], DOWN[1], upper ? ASIDE[0] : -ASIDE[0], upper ? ASIDE[1] : -ASIDE[1],
+                            &def.material);
+        lift->extent[0] = upper ? -4.0 : -0.5, lift->extent[1] = upper ? 0.5 : 4.0;
+        lift->velocity[0] = SPEED;
+        CHECK_NEAR(dem_impact_speed(&def), 2.0 * SPEED + sqrt(2.0 * G * (3.0 + lowest)), 1e-11);
+        lift->extent[upper] = upper ? INFINITY : -INFINITY; /* an end that has no height */
+        grains[0].vx = -3.0 * SPEED, grains[0].vy = 4.0 * SPEED;
+        CHECK_NEAR(dem_impact_speed(&def), 10.0 * SPEED + sqrt(2.0 * G * (3.0 + lowest)), 1e-11);
+    }
+}
+
 /* ---- frames ---- */
 
 /* In a frame that moves with the walls, they are at rest and the grains move: two grains between a whole line
@@ -141,6 +203,7 @@ static void turning_box(void)
         def.rotation = true;
         def.material.mu_roll = 0.2, def.material.k_roll = 1e4, def.material.gamma_roll = 30.0;
         for (size_t w = 0; w < def.n_walls; w++) def.walls[w].material = def.material;
+        def.walls[DEM_BOX_FLOOR].open_at_step = 100000; /* a wall that opens later turns as well */
         for (size_t w = 0; w < def.n_walls && own; w++) def.walls[w].omega = -TURN / def.dt;
         if (!own) def.box_turn_per_step = TURN;
         dem_sim *sim = grains_start(&def);
@@ -514,6 +577,8 @@ void suite_walls(void)
 {
     static const check_case cases[] = {{"a piston's impact", piston},
                                        {"a floor that slides", sliding_floor},
+                                       {"largest speed of a wall", speed_of_a_wall},
+                                       {"height of a wall that moves", height_of_a_wall},
                                        {"walls at rest, grains that move", galilean},
                                        {"a box that turns, walls that turn", turning_box},
                                        {"path of a wall", where_it_is},
