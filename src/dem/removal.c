@@ -44,12 +44,13 @@ static void take_out(dem_grains *g, uint32_t i)
     place[i] = GONE;
 }
 
-/* Beyond the reach of its listed pairs, and held there as a fixed grain is. Two that left stay as they were
- * to each other. */
+/* Beyond the reach of its listed pairs, and held there as a fixed grain is. A margin is at most r_max and
+ * half a skin; a pair is listed within both cutoffs, the other grain moves by its margin, and then may touch:
+ * together 7 r_max and 1.5 skins. Two that left stay as they were to each other. */
 static void put_away(dem_sim *sim, uint32_t i)
 {
     dem_grains *g = &sim->grains;
-    g->listed_x[i][1] += 2.0 * (2.0 * sim->r_max + sim->list.skin);
+    g->listed_x[i][1] += 8.0 * (sim->r_max + sim->list.skin);
     g->fixed[g->n_fixed++] = i;
     dem_hold_grain(sim, i);
 }

@@ -32,8 +32,8 @@ struct dem_sim {
 
     /* neighbour list */
     struct {
-        double skin;       /* twice the largest margin */
-        bool even_margins; /* half the skin for all */
+        double skin;       /* of the scene, or 0.4 mean radii */
+        bool even_margins; /* half the skin for all; else at most a mean radius, with hard collisions 1.5 */
         double round_off;  /* of a position, at most */
         double fastest;    /* speed, and square of a distance from the origin, that a rebuilding finds */
         double far2;
