@@ -20,7 +20,7 @@ tab='	'
 
 files='analytic/*.c src/angle/*.c src/core/stiffness.c src/statics/*.c src/stats/*.c src/stress/*.c
     src/dem/law.inl src/dem/laws.c src/dem/contact.inl src/dem/verlet.c src/dem/gear.c src/dem/implicit.c
-    src/dem/walls.c src/dem/ground.c src/dem/gravity.c src/dem/hard.c src/dem/ledger.c src/dem/observe.c
+    src/dem/walls.c src/dem/ground.c src/dem/gravity.c src/dem/removal.c src/dem/hard.c src/dem/ledger.c src/dem/observe.c
     src/dem/definition.c src/dem/limits.c src/dem/step.c src/dem/sim.c
     sweeps/driver/*.c src/core/table.c src/core/params.c src/dem/output.c src/dem/scene.c src/dem/physics.c
     src/cli/cells.c src/cli/claims.c src/cli/claims_power.c src/cli/columns.c src/cli/options.c src/cli/cmd_*.c
@@ -61,8 +61,10 @@ suites_of() {
     src/dem/observe.c) echo soft rotation motion stress scene golden dem ;;
     src/dem/definition.c | src/dem/limits.c | src/dem/gravity.c | src/dem/step.c | src/dem/sim.c)
         echo scene walls golden motion hard soft rotation dem laws ;;
+    src/dem/removal.c) echo removal dem ;;
     sweeps/driver/groups.c) echo forensics ;;
     sweeps/driver/keep.c) echo sweep snapshot ;;
+    sweeps/driver/pool.c | sweeps/driver/sweep.c) echo sweep drill notes tables evidence cli snapshot ;;
     sweeps/driver/outline.c) echo piles equilibrium ;;
     sweeps/driver/protocol_pile.c) echo piles golden ;;
     sweeps/driver/protocol_onset.c | sweeps/driver/tilted.c) echo stress golden columns snapshot keys ;;
