@@ -186,18 +186,6 @@ report: figures validate $(T)/bench.tsv $(SHOWN:%=$(B)/figures/shown/%.png) ## p
 check-report: figures ## build/report.html in headless Chromium: pictures, controls, console, widths; installs pandoc and Chromium
 	@$(make_html) && sh figures/page/check.sh $(B)
 
-# Speed, against LAMMPS and LIGGGHTS where installed; for a quiet machine, two hours. Starts are kept.
-BENCH_peers        = peers.sh $(REPOSE) $(B)/bench 5
-BENCH_instructions = instructions.sh $(REPOSE) $(B)/bench
-BENCH_scaling      = scaling.sh $(REPOSE) $(B)/bench scaling '1000 10000 100000 1000000'
-BENCH_workers      = scaling.sh $(REPOSE) $(B)/bench workers 5
-$(T)/bench.tsv: $(CODE)
-	@mkdir -p $(T) && $(REPOSE) bench --n 1372 >$@.new && mv $@.new $@
-$(T)/bench_%.tsv: $(CODE) $(wildcard validation/peers/*)
-	@mkdir -p $(T) && echo "bench   $*"
-	@bash validation/peers/$(BENCH_$*) >$@
-bench: $(B)/figures/bench.svg ## speed against LAMMPS and LIGGGHTS, instructions, scaling, two workers; tables and a figure
-	@$(MAKE) --no-print-directory -j1 $(T)/bench_instructions.tsv $(T)/bench_scaling.tsv $(T)/bench_workers.tsv
 include tests/longer.mk install.mk
 .PRECIOUS: $(T)/%.tsv $(B)/made/% $(B)/studied/% $(B)/validated/%
 clean: ## remove everything made

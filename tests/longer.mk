@@ -17,3 +17,16 @@ check-slurm: $(REPOSE) ## sweeps on a real Slurm, here: a controller and two vir
 check-readers: $(REPOSE) $(B)/check ## exports read by LAMMPS, VTK and pandas; as root, installs them
 	@sh tests/setup.sh lammps python3-vtk9 python3-pandas
 	@REPOSE=$(REPOSE) $(B)/check export
+
+# Speed, against LAMMPS and LIGGGHTS where installed; for a quiet machine, two hours. Starts are kept.
+BENCH_peers        = peers.sh $(REPOSE) $(B)/bench 5
+BENCH_instructions = instructions.sh $(REPOSE) $(B)/bench
+BENCH_scaling      = scaling.sh $(REPOSE) $(B)/bench scaling '1000 10000 100000 1000000'
+BENCH_workers      = scaling.sh $(REPOSE) $(B)/bench workers 5
+$(T)/bench.tsv: $(CODE)
+	@mkdir -p $(T) && $(REPOSE) bench --n 1372 >$@.new && mv $@.new $@
+$(T)/bench_%.tsv: $(CODE) $(wildcard validation/peers/*)
+	@mkdir -p $(T) && echo "bench   $*"
+	@bash validation/peers/$(BENCH_$*) >$@
+bench: $(B)/figures/bench.svg ## speed against LAMMPS and LIGGGHTS, instructions, scaling, two workers; tables and a figure
+	@$(MAKE) --no-print-directory -j1 $(T)/bench_instructions.tsv $(T)/bench_scaling.tsv $(T)/bench_workers.tsv

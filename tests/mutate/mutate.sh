@@ -59,6 +59,7 @@ suites_of() {
     src/dem/implicit.c) echo midpoint implicit ;;
     src/dem/ledger.c) echo ledger walls ;;
     src/dem/observe.c) echo soft rotation motion stress scene golden dem ;;
+    src/dem/removal.c) echo removal dem ;;
     src/dem/definition.c | src/dem/limits.c | src/dem/gravity.c | src/dem/step.c | src/dem/sim.c)
         echo scene walls golden motion hard soft rotation dem laws ;;
     src/dem/removal.c) echo removal dem ;;
