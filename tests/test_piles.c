@@ -98,6 +98,19 @@ static void dip_invariances(void)
     CU_ASSERT(fabs(D) > 0.01);
 }
 
+/* ---- dips ---- */
+
+/* N = 2 + the distance from the middle in bins: means 3 within 0.1 B, 5 from there to 0.2 B, 6 to 0.3 B, 7 of
+ * all. */
+static void dips_of_a_wedge(void)
+{
+    double N[STRESS_DIP_BINS], rays[STRESS_DIP_BINS];
+    for (int k = 0; k < STRESS_DIP_BINS; k++) N[k] = 2 + fabs(k + 0.5 - STRESS_DIP_BINS / 2), rays[k] = 1;
+    CHECK_NEAR(stress_dip(N), -3.0 / 7, 1e-15);
+    CHECK_NEAR(stress_middle(N), -2.0 / 7, 1e-15);
+    CHECK_NEAR(stress_excess(N, rays), 2.0 / 7, 1e-15);
+}
+
 /* ---- rays under an outline ---- */
 
 /* Highest points at the middles of columns, along the tent, or for a continuum slope the triangle. The
@@ -593,6 +606,7 @@ void suite_piles(void)
 {
     static const check_case cases[] = {{"the dip: closed forms", dip_closed_forms},
                                        {"the dip: invariances", dip_invariances},
+                                       {"dips of a wedge", dips_of_a_wedge},
                                        {"rays under outlines", rays_under_outlines},
                                        {"rays under walls", rays_under_walls},
                                        {"friction required at the base", friction_of_base},

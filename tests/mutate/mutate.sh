@@ -54,7 +54,7 @@ suites_of() {
     src/cli/cmd_pile.c) echo notes equilibrium tables options cli ;;
     src/cli/*) echo notes evidence options tables columns claims cli ;;
     sweeps/driver/pile_tables.c) echo tables notes piles cli ;;
-    src/stress/dip.c) echo stress drop evidence ;;
+    src/stress/dip.c) echo stress piles drop evidence ;;
     src/stress/*) echo stress drop piles columns ;;
     src/dem/implicit.c) echo midpoint implicit ;;
     src/dem/ledger.c) echo ledger walls ;;
