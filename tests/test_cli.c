@@ -1019,6 +1019,9 @@ static void test_stats_settings(void)
     GOOD("stats cost c.tsv -y y --by W,dt --size W");
     t = read_table("out");
     /* the least time of a step is 6/30 s; sd^2 = 8, bias mean of -1 and 2 */
+    CHECK_NEAR(cell(&t, 0, "mean"), 13.0, 0.0);
+    CHECK_NEAR(cell(&t, 0, "sd"), sqrt(8.0), 1e-14);
+    CU_ASSERT(cell(&t, 0, "n") == 2.0 && cell(&t, 1, "mean") == 12.5);
     CHECK_NEAR(cell(&t, 0, "seconds"), 20.0 * 0.2, 1e-14);
     CHECK_NEAR(cell(&t, 0, "cost"), 8.0 * 20.0 * 0.2, 1e-13);
     CHECK_NEAR(cell(&t, 0, "bias"), 0.5, 1e-15);

@@ -1117,6 +1117,20 @@ static void test_prefixes(void)
     rp_table t = read_table("out");
     CU_ASSERT(t.n_rows == 1);
     rp_table_free(&t);
+    GOOD("stats predict p.tsv -x x -y y --given se --folds 2"); /* the given column is the prediction */
+    t = read_table("out");
+    double error[N];
+    const double *values[] = {y, se, error};
+    static const char *const names[][2] = {
+        {"measured", "measured_se"}, {"predicted", "predicted_se"}, {"error", "error_se"}};
+    for (int i = 0; i < N; i++) error[i] = y[i] - se[i];
+    for (int k = 0; k < 3; k++) {
+        stats_summary of;
+        CHECK_OK(stats_mean(N, values[k], &of));
+        CHECK_NEAR(cell(&t, 1, names[k][0]), of.mean, 1e-14);
+        CHECK_NEAR(cell(&t, 1, names[k][1]), of.se, 1e-14);
+    }
+    rp_table_free(&t);
     leave();
 }
 
