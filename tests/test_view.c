@@ -296,32 +296,30 @@ static void test_layout(void)
     leave();
 }
 
+/* The picture that these words ask for has n grains of these colours. */
+static void check_colors(const char *words, size_t n, const char *const colors[])
+{
+    GOOD("view %s", words);
+    read_svg("a.svg");
+    CU_ASSERT_FATAL(n_circles == 2 * n); /* below each, its outline */
+    for (size_t i = 0; i < n; i++) CU_ASSERT_STRING_EQUAL(circles[n + i].color, colors[i]);
+}
+
 /* Colours run from the least to the largest value of the column; of both signs, white is 0. */
 static void test_colors(void)
 {
+    static const char LEAST[] = "rgb( 43, 123, 186)", ZERO[] = "rgb(247, 247, 247)",
+                      LARGEST[] = "rgb(230,  97,   1)";
     enter();
     write_pile();
-    GOOD("view . -o a.svg --color m");
-    read_svg("a.svg");
-    CU_ASSERT_FATAL(n_circles == 6);
-    CU_ASSERT_STRING_EQUAL(circles[3].color, "rgb(255, 247, 188)");
-    CU_ASSERT_STRING_EQUAL(circles[4].color, "rgb(204,  76,   2)");
-    CU_ASSERT_STRING_EQUAL(circles[5].color, "rgb(254, 153,  41)");
+    check_colors(". -o a.svg --color m", 3,
+                 (const char *[]){"rgb(255, 247, 188)", "rgb(204,  76,   2)", "rgb(254, 153,  41)"});
     CU_ASSERT(shell("grep -q 'm (kg)' a.svg") == 0);
     write_text("t.csv", "x,y,r,charge\n0,0,1,-4\n3,0,1,0\n6,0,1,4\n");
-    GOOD("view t.csv -o a.svg --color charge");
-    read_svg("a.svg");
-    CU_ASSERT_FATAL(n_circles == 6);
-    CU_ASSERT_STRING_EQUAL(circles[3].color, "rgb( 43, 123, 186)");
-    CU_ASSERT_STRING_EQUAL(circles[4].color, "rgb(247, 247, 247)");
-    CU_ASSERT_STRING_EQUAL(circles[5].color, "rgb(230,  97,   1)");
+    check_colors("t.csv -o a.svg --color charge", 3, (const char *[]){LEAST, ZERO, LARGEST});
     /* in the second frame, that frame's values */
     write_text("t.csv", "step,x,y,r,charge\n0,0,0,1,-4\n0,3,0,1,4\n1,0,0,1,4\n1,3,0,1,-4\n");
-    GOOD("view t.csv -o a.svg --color charge --frame last");
-    read_svg("a.svg");
-    CU_ASSERT_FATAL(n_circles == 4);
-    CU_ASSERT_STRING_EQUAL(circles[2].color, "rgb(230,  97,   1)");
-    CU_ASSERT_STRING_EQUAL(circles[3].color, "rgb( 43, 123, 186)");
+    check_colors("t.csv -o a.svg --color charge --frame last", 2, (const char *[]){LARGEST, LEAST});
     write_text("t.csv", "x,y,r,charge\n0,0,1,nan\n3,0,1,nan\n");
     FAILS(1, "column \"charge\": no number", "view t.csv -o a.svg --color charge");
     leave();
