@@ -50,7 +50,9 @@ suites_of() {
     src/cli/cmd_export.c | src/cli/export_*) echo export options ;;
     src/cli/cmd_view.c | src/cli/view_*) echo view options ;;
     src/cli/frames.c) echo export view ;;
-    src/cli/cmd_help.c) echo options cli install ;;
+    src/cli/cmd_help.c) echo help install ;;
+    src/cli/cmd_params.c) echo help options ;;
+    src/cli/options.c) echo help notes evidence options tables columns claims cli ;;
     src/cli/cmd_run.c) echo view tables options snapshot cli ;;
     src/cli/forensics_* | src/cli/cmd_forensics.c) echo forensics evidence options tables cli ;;
     src/cli/cmd_pile.c) echo notes equilibrium tables options cli ;;
