@@ -42,13 +42,17 @@ suites_of() {
     src/stats/*) echo calibrate columns ;;
     figures/*) echo figures ;;
     validation/*) echo helpers contacts rotation property ;;
-    src/statics/* | src/core/stiffness.c) echo property piles equilibrium ;;
+    src/core/stiffness.c) echo property piles equilibrium midpoint implicit ;;
+    src/statics/*) echo property piles equilibrium ;;
     src/dem/scene.c) echo walls scene tables keys cli ;;
+    src/dem/physics.c) echo scene dem laws walls keys tables sweep ;;
     src/core/* | src/dem/output.c | src/dem/physics.c) echo core tables scene keys evidence sweep cli ;;
     src/cli/cmd_export.c | src/cli/export_*) echo export options ;;
     src/cli/cmd_view.c | src/cli/view_*) echo view options ;;
     src/cli/frames.c) echo export view ;;
-    src/cli/cmd_help.c) echo options cli install ;;
+    src/cli/cmd_help.c) echo help install ;;
+    src/cli/cmd_params.c) echo help options ;;
+    src/cli/options.c) echo help notes evidence options tables columns claims cli ;;
     src/cli/cmd_run.c) echo view tables options snapshot cli ;;
     src/cli/forensics_* | src/cli/cmd_forensics.c) echo forensics evidence options tables cli ;;
     src/cli/cmd_pile.c) echo notes equilibrium tables options cli ;;
@@ -56,13 +60,13 @@ suites_of() {
     sweeps/driver/pile_tables.c) echo tables notes piles cli ;;
     src/stress/dip.c) echo stress piles drop evidence ;;
     src/stress/*) echo stress drop piles columns ;;
-    src/dem/implicit.c) echo midpoint implicit ;;
+    src/dem/implicit.c) echo midpoint implicit dem ;;
+    src/dem/verlet.c) echo dem removal threads motion rotation soft hard laws walls golden ;;
     src/dem/ledger.c) echo ledger walls ;;
     src/dem/observe.c) echo soft rotation motion stress scene golden dem ;;
     src/dem/removal.c) echo removal dem ;;
     src/dem/definition.c | src/dem/limits.c | src/dem/gravity.c | src/dem/step.c | src/dem/sim.c)
         echo scene walls golden motion hard soft rotation dem laws ;;
-    src/dem/removal.c) echo removal dem ;;
     sweeps/driver/groups.c) echo forensics ;;
     sweeps/driver/keep.c) echo sweep snapshot ;;
     sweeps/driver/pool.c | sweeps/driver/sweep.c) echo sweep drill notes tables evidence cli snapshot ;;
