@@ -42,8 +42,10 @@ suites_of() {
     src/stats/*) echo calibrate columns ;;
     figures/*) echo figures ;;
     validation/*) echo helpers contacts rotation property ;;
-    src/statics/* | src/core/stiffness.c) echo property piles equilibrium ;;
+    src/core/stiffness.c) echo property piles equilibrium midpoint implicit ;;
+    src/statics/*) echo property piles equilibrium ;;
     src/dem/scene.c) echo walls scene tables keys cli ;;
+    src/dem/physics.c) echo scene dem laws walls keys tables sweep ;;
     src/core/* | src/dem/output.c | src/dem/physics.c) echo core tables scene keys evidence sweep cli ;;
     src/cli/cmd_export.c | src/cli/export_*) echo export options ;;
     src/cli/cmd_view.c | src/cli/view_*) echo view options ;;
@@ -58,17 +60,17 @@ suites_of() {
     sweeps/driver/pile_tables.c) echo tables notes piles cli ;;
     src/stress/dip.c) echo stress piles drop evidence ;;
     src/stress/*) echo stress drop piles columns ;;
-    src/dem/implicit.c) echo midpoint implicit ;;
+    src/dem/implicit.c) echo midpoint implicit dem ;;
+    src/dem/verlet.c) echo dem removal threads motion rotation soft hard laws walls golden ;;
     src/dem/ledger.c) echo ledger walls ;;
     src/dem/observe.c) echo soft rotation motion stress scene golden dem ;;
     src/dem/removal.c) echo removal dem ;;
     src/dem/definition.c | src/dem/limits.c | src/dem/gravity.c | src/dem/step.c | src/dem/sim.c)
         echo scene walls golden motion hard soft rotation dem laws ;;
-    src/dem/removal.c) echo removal dem ;;
     sweeps/driver/groups.c) echo forensics ;;
     sweeps/driver/keep.c) echo sweep snapshot ;;
     sweeps/driver/pool.c | sweeps/driver/sweep.c) echo sweep drill notes tables evidence cli snapshot ;;
-    sweeps/driver/outline.c) echo piles equilibrium ;;
+    sweeps/driver/outline.c) echo golden piles equilibrium ;;
     sweeps/driver/protocol_pile.c) echo piles golden ;;
     sweeps/driver/protocol_onset.c | sweeps/driver/tilted.c) echo stress golden columns snapshot keys ;;
     sweeps/driver/protocol_*) suite=${1#*_} && echo "${suite%.c}" golden columns snapshot ;;
