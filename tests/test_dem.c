@@ -1,4 +1,5 @@
 /* The simulator: symmetries, conservation, the neighbour list, determinism, kernels, faults, bad input. */
+#include <float.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -565,6 +566,28 @@ static void gravity_turns(void)
     dem_gravity(sim, g);
     CHECK_NEAR(g[0], 981.0 * sin(30000 * rate), 1e-9);
     dem_free(sim);
+    /* any angle a step, any unit of length; the norm is that of the start */
+    def.gravity[1] = -0.3;
+    sim = grains_start(&def);
+    dem_gravity_turn(sim, 1.0);
+    CHECK_OK(dem_run(sim, 2000));
+    dem_gravity(sim, g);
+    CHECK_NEAR(g[0], 0.3 * sin(2000.0), 1e-12);
+    CHECK_NEAR(g[1], -0.3 * cos(2000.0), 1e-12);
+    CHECK_NEAR(hypot(g[0], g[1]), 0.3, 1e-16);
+    dem_free(sim);
+}
+
+/* Their series has 24 terms: at pi the first one left out is pi^24/24! = 1.4e-12 of the cosine. */
+static void sine_and_cosine(void)
+{
+    for (int k = -8; k <= 8; k++) {
+        double s = NAN, c = NAN;
+        const double angle = 0.125 * k * M_PI;
+        dem_sine_cosine(angle, &s, &c);
+        CHECK_NEAR(s, sin(angle), abs(k) == 8 ? 2e-13 : 1e-13);
+        CHECK_NEAR(c, cos(angle), abs(k) == 8 ? 1.5e-12 : 1e-13);
+    }
 }
 
 /* A frictionless undamped grain slides off a finite floor, around the corner and below: energy is conserved,
@@ -1106,6 +1129,64 @@ static void faults(void)
     dem_free(sim);
 }
 
+/* Which of some pairs and grains at walls are looked at, and what is said: an overlap may be as large as the
+ * smaller radius, at a wall as the radius. */
+static void overlaps_too_deep(void)
+{
+    dem_grain grains[4];
+    for (int i = 0; i < 4; i++)
+        grains[i] = (dem_grain){.x = 0.3125 * i, .y = 0.1875, .r = 0.125 - 0.0625 * (i == 2), .m = 0.004};
+    dem_definition def = dem_definition_default();
+    def.gravity[1] = 0.0;
+    def.skin = 0.3;
+    def.grains = grains;
+    def.n_grains = 4;
+    def.n_walls = 2;
+    for (int w = 0; w < 2; w++) def.walls[w] = grains_line(0.0, -0.5 + 0.5 * w, 0.0, 1.0, &def.material);
+    dem_sim *sim = grains_start(&def);
+    dem_motion *at = sim->grains.motion;
+    CU_ASSERT_EQUAL_FATAL(sim->pairs.n, 3);
+    for (size_t k = 0; k < 3; k++) {
+        char text[200];
+        const size_t i = sim->pairs.i[k], j = sim->pairs.j[k], low = i < j ? i : j;
+        const double radii = grains[i].r + grains[j].r, smaller = fmin(grains[i].r, grains[j].r);
+        for (size_t m = 0; m < 4; m++)
+            at[m].x[0] = 0.3125 * (double)m - (m <= low ? 0.0 : 0.3125 - radii + smaller);
+        for (size_t c = 0; c < 3; c++) sim->pairs.touching[0] |= 1ull << c;
+        CHECK_OK(dem_check_overlaps(sim, 0, 3, 0, 4)); /* no more than the smaller radius */
+        for (size_t m = low + 1; m < 4; m++) at[m].x[0] -= 0.015625;
+        snprintf(text, sizeof text,
+                 "overlap at step 0: grain %zu: overlap %g with grain %zu, beyond the smaller radius %g",
+                 i + 1, smaller + 0.015625, j + 1, smaller);
+        CHECK_FAILS(dem_check_overlaps(sim, 0, 3, 0, 4), RP_BROKEN, text);
+        CU_ASSERT_EQUAL(dem_sim_fault(sim), DEM_FAULT_OVERLAP);
+        CHECK_FAILS(dem_check_overlaps(sim, k, k + 1, 0, 0), RP_BROKEN, text);
+        CHECK_OK(dem_check_overlaps(sim, 0, k, 0, 4));
+        CHECK_OK(dem_check_overlaps(sim, k + 1, 3, 0, 4));
+        at[i].x[0] = NAN;
+        CHECK_FAILS(dem_check_overlaps(sim, k, k + 1, 0, 4), RP_BROKEN, "non_finite");
+        CU_ASSERT_EQUAL(dem_sim_fault(sim), DEM_FAULT_NON_FINITE);
+    }
+    for (size_t i = 0; i < 4; i++) at[i].x = (dem_vec){0.3125 * (double)i, 0.1875};
+    for (size_t i = 0; i < 4; i++) {
+        char text[200];
+        at[i].x[1] = 0.0;
+        CHECK_OK(dem_check_overlaps(sim, 0, 0, 0, 4));
+        at[i].x[1] = -0.015625;
+        snprintf(text, sizeof text, "grain %zu: its centre passed wall 2 (overlap %g)", i + 1,
+                 grains[i].r + 0.015625);
+        CHECK_FAILS(dem_check_overlaps(sim, 0, 0, 0, 4), RP_BROKEN, text);
+        CU_ASSERT_EQUAL(dem_sim_fault(sim), DEM_FAULT_LEAKED);
+        CHECK_FAILS(dem_check_overlaps(sim, 0, 0, i, i + 1), RP_BROKEN, text);
+        CHECK_OK(dem_check_overlaps(sim, 0, 0, 0, i));
+        CHECK_OK(dem_check_overlaps(sim, 0, 0, i + 1, 4));
+        at[i].x[1] = NAN;
+        CHECK_FAILS(dem_check_overlaps(sim, 0, 0, 0, 4), RP_BROKEN, "non_finite");
+        at[i].x[1] = 0.1875;
+    }
+    dem_free(sim);
+}
+
 static void bad_definitions(void)
 {
     dem_grain grains[2] = {{0.0, 0.5, 0.1, 0.004, 0.0, 0.0}, {0.0, 0.9, 0.1, 0.004, 0.0, 0.0}};
@@ -1165,6 +1246,268 @@ static void bad_definitions(void)
     REFUSES(bad.x_max = -0.1, "starts beyond x_max");
     REFUSES((grains[0].y = 0.72, bad.gravity[1] = 0.0, bad.dt = 3e-4), "an initial overlap");
 #undef REFUSES
+}
+
+/* What a definition is before anything is given, and a box. */
+static void defaults(void)
+{
+    const dem_definition def = dem_definition_default();
+    CU_ASSERT(def.gravity[0] == 0.0 && def.gravity[1] == -981.0 && def.x_max == INF && def.y_min == -INF);
+    CU_ASSERT(def.implicit.solver == DEM_SOLVER_DIRECT && def.implicit.relaxation == 0.7);
+    CU_ASSERT(def.implicit.tolerance == 1e-15 && def.implicit.max_iterations == 1000);
+    CU_ASSERT(def.tangential == DEM_SPRING && def.material.mu == 0.2 && def.n_walls == 0 && !def.hard.on);
+    static const double at[3][4] = {{0.0, 0.0, 0.0, 1.0}, {0.0, 0.0, 1.0, 0.0}, {2.5, 0.0, -1.0, 0.0}};
+    dem_definition box = def;
+    dem_material wall = def.material;
+    wall.mu = 0.7;
+    dem_box_walls(&box, 2.5, &wall);
+    CU_ASSERT_EQUAL(box.n_walls, 3);
+    for (int w = 0; w < 3; w++) {
+        const dem_wall *is = &box.walls[w];
+        CU_ASSERT(is->point[0] == at[w][0] && is->point[1] == at[w][1]);
+        CU_ASSERT(is->direction[0] == at[w][2] && is->direction[1] == at[w][3]);
+        CU_ASSERT(is->extent[0] == -INF && is->extent[1] == INF && is->material.mu == 0.7);
+        CU_ASSERT(is->open_at_step == -1 && is->open_speed == INF && !dem_wall_moves(is));
+    }
+}
+
+/* A number of a definition, the last value that its range lets in, the first that is let out, and what is
+ * said then. */
+typedef struct {
+    double *at, in, out;
+    const char *text;
+} number_range;
+
+static void check_ranges(const dem_definition *def, size_t n, const number_range *ranges)
+{
+    for (size_t k = 0; k < n; k++) {
+        const number_range *r = &ranges[k];
+        const double before = *r->at;
+        *r->at = r->in;
+        CHECK_OK(dem_laws_check(def));
+        *r->at = r->out;
+        CHECK_FAILS(dem_laws_check(def), RP_BAD_INPUT, r->text);
+        *r->at = NAN;
+        CHECK_FAILS(dem_laws_check(def), RP_BAD_INPUT, r->text);
+        *r->at = before;
+    }
+}
+
+/* Both sides of each limit, of the particles' material and of the last wall's. */
+static void ranges_of_numbers(void)
+{
+    const double below = nextafter(1.0, 0.0), tiny = 1e-300, least = DBL_MIN;
+    dem_definition def = dem_definition_default();
+    def.rotation = true;
+    def.material.mu_roll = 0.1;
+    def.n_walls = 2;
+    for (int w = 0; w < 2; w++) def.walls[w] = grains_line(0.0, 0.0, 0.0, 1.0, &def.material);
+    dem_wall *w = &def.walls[1];
+    for (int wall = 0; wall < 2; wall++) {
+        dem_material *m = wall ? &w->material : &def.material;
+        const char *whose = wall ? "wall 2: " : "particles: ";
+        char text[9][40];
+        static const char *const names[] = {"k_n", "gamma_n", "k_s",    "gamma_s",
+                                            "mu",  "mu_roll", "k_roll", "gamma_roll"};
+        double *const at[] = {&m->k_n, &m->gamma_n, &m->k_s,    &m->gamma_s,
+                              &m->mu,  &m->mu_roll, &m->k_roll, &m->gamma_roll};
+        for (size_t k = 0; k < 8; k++) {
+            snprintf(text[k], sizeof text[k], "%s%s = ", whose, names[k]);
+            const bool positive = k == 2 || k == 6;
+            const number_range both[] = {{at[k], positive ? least : 0.0, positive ? 0.0 : -tiny, text[k]},
+                                         {at[k], k == 4 ? INF : 1e308, k == 4 ? -INF : INF, text[k]}};
+            check_ranges(&def, 2, both);
+        }
+    }
+    const number_range of_scene[] = {
+        {&def.dt, least, 0.0, "dt = "},
+        {&def.dt, 1e300, INF, "dt = "},
+        {&def.skin, 0.0, -tiny, "skin = "},
+        {&def.skin, 1e300, INF, "skin = "},
+        {&def.gravity[0], 1e300, INF, "gravity and its turn"},
+        {&def.gravity[1], 1e300, -INF, "gravity and its turn"},
+        {&def.turn_per_step, below, 1.0, "the turn below one radian"},
+        {&def.turn_per_step, -below, -1.0, "the turn below one radian"},
+        {&def.box_turn_per_step, below, 1.0, "box_turn_per_step = "},
+        {&def.box_turn_per_step, -below, -1.0, "box_turn_per_step = "},
+        {&w->velocity[0], 1e300, INF, "wall 2: velocity, omega and pivot must be finite"},
+        {&w->velocity[1], 1e300, INF, "velocity, omega and pivot must be finite"},
+        {&w->omega, 1.0, INF, "velocity, omega and pivot must be finite"},
+        {&w->pivot[0], 1e300, INF, "velocity, omega and pivot must be finite"},
+        {&w->pivot[1], 1e300, INF, "velocity, omega and pivot must be finite"},
+        {&w->point[0], 1e300, INF, "wall 2: direction"},
+        {&w->point[1], 1e300, INF, "wall 2: direction"},
+        {&w->open_speed, 0.0, -tiny, "wall 2: open_speed"},
+        {&w->direction[0], 4e-5, 5e-5, "wall 2: direction"},
+        {&w->direction[1], 1.0 + 9e-10, 1.0 + 1.1e-9, "wall 2: direction"},
+        {&w->direction[1], -1.0 + 9e-10, 1.0 - 1.1e-9, "wall 2: direction"}};
+    check_ranges(&def, sizeof of_scene / sizeof *of_scene, of_scene);
+    def.dt = 0x1p-14;
+    const number_range omega[] = {{&w->omega, 0x1.fffp13, 0x1p14, "omega"},
+                                  {&w->omega, -0x1.fffp13, -0x1p14, "omega"}};
+    check_ranges(&def, 2, omega);
+    w->omega = 1.0;
+    const number_range turn[] = {{&def.box_turn_per_step, 0.0, 1e-9, "not in a box that turns"},
+                                 {&def.box_turn_per_step, -0.0, 0.999, "not in a box that turns"}};
+    check_ranges(&def, 2, turn);
+    def.hard.on = true, def.tension = false;
+    const number_range hard[] = {{&def.hard.restitution, 0.0, -tiny, "hard: restitution"},
+                                 {&def.hard.restitution, 1.0, 1.0 + 1e-15, "hard: restitution"},
+                                 {&def.hard.mu, 0.0, -tiny, "hard: mu"},
+                                 {&def.hard.mu, INF, -1.0, "hard: mu"}};
+    check_ranges(&def, 4, hard);
+}
+
+/* Ends of a wall: in their order, with corners below pi, and one below where it opens slowly. */
+static void ranges_of_walls(void)
+{
+    const double corner = nextafter(M_PI, 0.0);
+    dem_definition def = dem_definition_default();
+    dem_wall good = grains_line(0.0, 0.0, 0.0, 1.0, &def.material), w = good;
+    w.extent[0] = -1.0, w.extent[1] = -1.0;
+    CHECK_FAILS(dem_wall_check(&w), RP_BAD_INPUT, "the first must be the smaller");
+    w.extent[1] = nextafter(-1.0, 0.0);
+    CHECK_OK(dem_wall_check(&w));
+    for (int end = 0; end < 2; end++)
+        for (int sign = -1; sign <= 1; sign += 2) {
+            w = good;
+            w.extent[end] = end ? 1.0 : -1.0;
+            w.corner[!end] = 4.0; /* of an end that is not joined */
+            w.joined[end] = true;
+            w.corner[end] = sign * corner;
+            CHECK_OK(dem_wall_check(&w));
+            w.corner[end] = sign * M_PI;
+            CHECK_FAILS(dem_wall_check(&w), RP_BAD_INPUT, "corner");
+            w.corner[end] = 0.0, w.extent[end] = good.extent[end];
+            CHECK_FAILS(dem_wall_check(&w), RP_BAD_INPUT, "corner = 0");
+        }
+    for (int k = 0; k < 8; k++) { /* slowly, ever, without a lower end */
+        w = good;
+        if (k & 1) w.open_speed = 1.0;
+        if (k & 2) w.open_at_step = 0;
+        if (!(k & 4)) w.extent[0] = -1.0;
+        if (k == 7) CHECK_FAILS(dem_wall_check(&w), RP_BAD_INPUT, "needs a lower end");
+        if (k != 7) CHECK_OK(dem_wall_check(&w));
+        w.extent[0] = -1.0, w.omega = 1.0;
+        if (k % 4 == 3) CHECK_FAILS(dem_wall_check(&w), RP_BAD_INPUT, "can only open at once");
+        if (k % 4 != 3) CHECK_OK(dem_wall_check(&w));
+    }
+}
+
+/* Which walls may be the ground. */
+static void ranges_of_ground(void)
+{
+    dem_definition def = dem_definition_default();
+    def.tangential = DEM_SLIP_ROLL;
+    def.n_walls = 2;
+    for (int w = 0; w < 2; w++) def.walls[w] = grains_line(0.0, 0.0, 0.0, 1.0, &def.material);
+    def.ground = (dem_ground){.wall = 2, .mu_static = 0.5, .a = 0.01};
+    const number_range numbers[] = {{&def.ground.mu_static, 0.0, -1e-300, "ground: mu_static"},
+                                    {&def.ground.a, DBL_MIN, 0.0, "ground: a"}};
+    check_ranges(&def, 2, numbers);
+    for (long wall = -1; wall <= 3; wall++) {
+        def.ground.wall = wall;
+        if (wall < 0 || wall > 2)
+            CHECK_FAILS(dem_laws_check(&def), RP_BAD_INPUT, "there are 2 walls");
+        else
+            CHECK_OK(dem_laws_check(&def));
+    }
+    def.ground.wall = 2;
+    for (int k = 0; k < 4; k++)
+        for (int w = 0; w < 2; w++) {
+            dem_wall *wall = &def.walls[w];
+            const dem_wall before = *wall;
+            if (k < 2) wall->extent[k] = k ? 1.0 : -1.0;
+            if (k == 2) wall->open_at_step = 0;
+            if (k == 3) wall->velocity[0] = 1.0;
+            if (w) CHECK_FAILS(dem_laws_check(&def), RP_BAD_INPUT, "must be a whole line");
+            if (!w) CHECK_OK(dem_laws_check(&def));
+            *wall = before;
+        }
+    def.ground.wall = 0, def.ground.a = -1.0; /* without ground, nothing of it counts */
+    CHECK_OK(dem_laws_check(&def));
+}
+
+/* Numbers of a grain: sizes above 0, all finite; 0 what does not count; at the ends of the scene, not beyond.
+ */
+static void ranges_of_grains(void)
+{
+    dem_definition def = dem_definition_default();
+    def.x_max = 2.0, def.y_min = -3.0;
+    dem_grain p = {.r = 0.1, .m = 0.004};
+    double *const all[] = {&p.r, &p.m, &p.x, &p.y, &p.vx, &p.vy, &p.angle, &p.omega};
+    static const char *const say[] = {"r = ",           "m = ",           "must be finite", "must be finite",
+                                      "must be finite", "must be finite", "must be finite", "must be finite"};
+    for (int rotation = 0; rotation < 2; rotation++) {
+        def.rotation = rotation;
+        for (size_t k = 0; k < 8; k++) {
+            const double before = *all[k], in = k < 2 ? DBL_MIN : k == 2 ? 2.0 : k == 3 ? -3.0 : 1.0;
+            const double out[] = {INF, NAN, k < 2 ? 0.0 : -INF};
+            *all[k] = in;
+            if (k > 5 && !rotation)
+                CHECK_FAILS(dem_grain_check(&def, &p), RP_BAD_INPUT, "needs rotation");
+            else
+                CHECK_OK(dem_grain_check(&def, &p));
+            for (int o = 0; o < 3; o++) {
+                *all[k] = out[o];
+                CHECK_FAILS(dem_grain_check(&def, &p), RP_BAD_INPUT,
+                            k > 5 && !rotation ? "needs rotation" : say[k]);
+            }
+            *all[k] = nextafter(in, k == 2 ? INF : -INF);
+            if (k == 2 || k == 3) CHECK_FAILS(dem_grain_check(&def, &p), RP_BAD_INPUT, "starts beyond");
+            *all[k] = before;
+        }
+    }
+    p.fixed = true;
+    CHECK_OK(dem_grain_check(&def, &p));
+    for (size_t k = 4; k < 8; k++) {
+        *all[k] = 1.0;
+        if (k == 6) CHECK_OK(dem_grain_check(&def, &p));
+        if (k != 6) CHECK_FAILS(dem_grain_check(&def, &p), RP_BAD_INPUT, "must be 0, it is fixed");
+        *all[k] = 0.0;
+    }
+    def.box_turn_per_step = 1e-9;
+    CHECK_FAILS(dem_grain_check(&def, &p), RP_BAD_INPUT, "some grains are fixed");
+    p.fixed = false;
+    CHECK_OK(dem_grain_check(&def, &p));
+}
+
+/* Number of grains; the way of a wall in a step against the smallest of them; the largest time step. */
+static void ranges_of_scenes(void)
+{
+    dem_grain grains[3];
+    for (int i = 0; i < 3; i++) grains[i] = (dem_grain){.x = i, .y = 1.0, .r = 0.25, .m = 0.004};
+    dem_definition def = dem_definition_default();
+    def.grains = grains, def.n_grains = 3;
+    def.gravity[1] = 0.0;
+    def.material = (dem_material){.k_n = 1e-9, .k_s = 1e-9};
+    def.n_walls = 3;
+    for (int w = 0; w < 3; w++) def.walls[w] = grains_line(0.0, 0.0, 0.0, 1.0, &def.material);
+    def.dt = 0x1p-10;
+    for (int k = 0; k < 3; k++) {
+        const dem_grain before = grains[k];
+        grains[k].r = 0.125;
+        def.walls[k].velocity[1] = -0x1p7;
+        CHECK_OK(dem_definition_check(&def));
+        def.walls[k].velocity[1] = -0x1.001p7;
+        char text[80];
+        snprintf(text, sizeof text, "wall %d: moves 0.12503", k + 1);
+        CHECK_FAILS(dem_definition_check(&def), RP_BAD_INPUT, text);
+        def.walls[k].velocity[1] = 0.0;
+        grains[k].r = -1.0;
+        snprintf(text, sizeof text, "particle %d: r = -1", k + 1);
+        CHECK_FAILS(dem_definition_check(&def), RP_BAD_INPUT, text);
+        grains[k] = before;
+    }
+    def.dt = dem_time_step_limit(&def, NULL);
+    CHECK_OK(dem_definition_check(&def));
+    def.dt = nextafter(def.dt, INF);
+    CHECK_FAILS(dem_definition_check(&def), RP_BAD_INPUT, "the limit is");
+    grains[0].r = 0.0;
+    def.n_grains = 100000000;
+    CHECK_FAILS(dem_definition_check(&def), RP_BAD_INPUT, "particle 1: r = 0");
+    def.n_grains++;
+    CHECK_FAILS(dem_definition_check(&def), RP_BAD_INPUT, "100000001 particles: at most 100000000");
 }
 
 /* The limit of dt is below instability: a box at the limit settles. */
@@ -1249,6 +1592,56 @@ static void limit_of_several(void)
         }
         CU_ASSERT(limit[0] < 0.95 * slow);
         CU_ASSERT(limit[1] == limit[0] && limit[2] == limit[0] && limit[3] == limit[0]);
+    }
+}
+
+/* Disks of several sizes on undamped linear springs without friction: 0.95 of 4/sqrt(12 omega^2), omega^2 =
+ * k_n (z_a/m_a + z_b/m_b) with z contacts on a grain over six, pi/asin(r_min/(r + r_min)) of them. The two
+ * with the largest z/m count, in any order, fixed grains never, and at a wall the first of them alone. */
+static void limit_of_unequal(void)
+{
+    static const double k_n = 1e4;
+    const dem_grain grains[4] = {{.x = 1.0, .r = 0.3, .m = 0.002},
+                                 {.x = 2.0, .r = 0.1, .m = 0.0012},
+                                 {.x = 3.0, .r = 0.2, .m = 0.003},
+                                 {.x = 4.0, .r = 0.1, .m = 1e-5, .fixed = true}};
+    const double first = M_PI / 6.0 / asin(0.25) / 0.002, second = 1.0 / 0.0012;
+    for (int k = 0; k < 24; k++) {
+        dem_grain order[4];
+        bool used[4] = {false};
+        const int place[4] = {k / 6, k / 2 % 3, k % 2, 0}; /* among those left: all 24 permutations */
+        for (int i = 0; i < 4; i++) {
+            int at = 0;
+            for (int left = place[i]; used[at] || left > 0; at++) left -= !used[at];
+            used[at] = true;
+            order[i] = grains[at];
+        }
+        dem_definition def = dem_definition_default();
+        def.gravity[1] = 0.0;
+        def.normal = DEM_LINEAR;
+        def.tangential = DEM_NONE;
+        def.material = (dem_material){.k_n = k_n};
+        def.grains = order;
+        def.n_grains = 4;
+        const char *what;
+        CHECK_NEAR(dem_time_step_limit(&def, &what) / (3.8 / sqrt(12.0 * k_n * (first + second))), 1.0,
+                   1e-14);
+        CU_ASSERT_STRING_EQUAL(what, "two of the lightest grains");
+        def.n_walls = 2;
+        def.walls[k % 2] = grains_line(0.0, -1.0, 0.0, 1.0, &def.material);
+        def.walls[!(k % 2)] = def.walls[k % 2];
+        def.walls[k % 2].material.k_n = 3.0 * k_n;
+        CHECK_NEAR(dem_time_step_limit(&def, &what) / (3.8 / sqrt(36.0 * k_n * first)), 1.0, 1e-14);
+        CU_ASSERT_STRING_EQUAL(what, "the lightest grain at a wall");
+        def.n_walls = 0;
+        for (int i = 0; i < 4; i++) order[i].fixed = order[i].r != 0.2;
+        CHECK_NEAR(dem_time_step_limit(&def, &what) /
+                       (3.8 / sqrt(12.0 * k_n * M_PI / 6.0 / asin(1.0 / 3.0) / 0.003)),
+                   1.0, 1e-14);
+        for (int i = 0; i < 4; i++) order[i].fixed = true;
+        CU_ASSERT(isinf(dem_time_step_limit(&def, &what)) && strcmp(what, "no contact") == 0);
+        order[0].fixed = false, def.n_grains = 1; /* alone */
+        CU_ASSERT(isinf(dem_time_step_limit(&def, &what)) && strcmp(what, "no contact") == 0);
     }
 }
 
@@ -1553,7 +1946,16 @@ void suite_dem(void)
                                        {"ids and errors of an added grain", added_names_and_errors},
                                        {"faults stop the run", faults},
                                        {"bad definitions", bad_definitions},
+                                       {"defaults", defaults},
+                                       {"ranges: numbers", ranges_of_numbers},
+                                       {"ranges: walls", ranges_of_walls},
+                                       {"ranges: ground", ranges_of_ground},
+                                       {"ranges: grains", ranges_of_grains},
+                                       {"ranges: scenes", ranges_of_scenes},
                                        {"limit of the time step", time_step_limit},
+                                       {"limit of unequal grains", limit_of_unequal},
+                                       {"overlaps that are too deep", overlaps_too_deep},
+                                       {"sine and cosine", sine_and_cosine},
                                        {"limit of a fall", limit_of_a_fall},
                                        {"limit of several grains", limit_of_several},
                                        {"limit in any direction", limit_in_any_direction},
