@@ -792,6 +792,15 @@ static void test_stress_tables(void)
     CHECK_NEAR(cell(&t, 0, "syy"), (2.0 * 490.5 * 0.2 + (1471.5 + 2452.5 + 3.0 * 490.5) * 0.1) / 1.44, 1e-8);
     CHECK_NEAR(cell(&t, 0, "sxy"), -490.5 * 0.1 / 1.44, 1e-8);
     rp_table_free(&t);
+    /* a grain that flew off is named with its pile; 100000 cells away it still has one */
+    shell(
+        "cp p_contacts.tsv far_contacts.tsv; sed 's/^0.7/2e4/' p_grains.tsv >far_grains.tsv; "
+        "cp p_contacts.tsv high_contacts.tsv; sed 's/^0.7\t0.1/0.7\t-2.1e4/' p_grains.tsv >high_grains.tsv");
+    FAILS(65, "far: grain 4 at (20000, 0.1): more than 100000 cells of 0.199 away",
+          "stress field far p --width 1.2 --cell 0.199");
+    FAILS(65, "high: grain 4 at (0.7, -21000): more than 100000 cells of 0.2 away",
+          "stress base p high --width 1.2 --cell 0.2");
+    FAILS(65, "width = 1.2: more than 100000 cells of 1e-05", "stress field p --width 1.2 --cell 1e-5");
     FAILS(65, "q_contacts.tsv: cannot read", "stress field q --width 4");
     write_text("r_contacts.tsv", "# x\ty\n1\t2\n");
     FAILS(65, "no column \"id_b\"", "stress field r --width 4");
