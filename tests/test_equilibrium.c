@@ -1083,37 +1083,48 @@ static void test_stiffness_near(void)
 }
 
 /* The pile of half the size: for k = 7 at 60 degrees that of k = 4, with all other disks half way between its
- * disks; none for disks off a lattice. */
-static void test_half_pile(void)
+ * disks; none for disks off a lattice, by a tenth of a step. In any unit of length. */
+static void check_half_pile(double unit)
 {
+    const double round_off = 1e-14 * unit, row = unit * sqrt(0.75);
     test_pile h = make_disks(7, 60, 0);
     rp_pair *bonds = NULL, *parents = malloc(h.n * sizeof *parents);
     statics_disk *half = NULL;
     size_t n_bonds, n_half;
-    for (size_t i = 0; i < h.n; i++) h.disks[i].weight = 1 + 0.01 * (double)i;
+    for (size_t i = 0; i < h.n; i++) {
+        h.disks[i].weight = 1 + 0.01 * (double)i;
+        h.disks[i].x *= unit, h.disks[i].y *= unit, h.disks[i].r *= unit;
+    }
     CHECK_OK(statics_bonds_find(h.n, h.disks, 1.25, &bonds, &n_bonds));
     CHECK_OK(statics_bonds_halve(h.n, h.disks, bonds, n_bonds, &half, &n_half, parents));
     CU_ASSERT_FATAL(n_half == 10);
     for (size_t i = 0; i < n_half; i++) { /* every other disk of every other row, as heavy as it is */
         size_t same = 0;
         for (size_t k = 0; k < h.n; k++)
-            same += fabs(h.disks[k].x / 2 - half[i].x) + fabs(h.disks[k].y + 0.5 - 2 * half[i].y) < 1e-14 &&
+            same += fabs(h.disks[k].x / 2 - half[i].x) + fabs(h.disks[k].y + unit / 2 - 2 * half[i].y) <
+                        round_off &&
                     h.disks[k].weight == half[i].weight;
         CU_ASSERT(same == 1);
     }
     for (size_t i = 0; i < h.n; i++) {
         CU_ASSERT_FATAL(parents[i].a < n_half && parents[i].b < n_half);
         const statics_disk *p = &half[parents[i].a], *q = &half[parents[i].b];
-        CHECK_NEAR(p->x + q->x, h.disks[i].x, 1e-14);
-        CHECK_NEAR(p->y + q->y - 1, h.disks[i].y - 0.5, 1e-14);
+        CHECK_NEAR(p->x + q->x, h.disks[i].x, round_off);
+        CHECK_NEAR(p->y + q->y - unit, h.disks[i].y - unit / 2, round_off);
         const double apart = hypot(p->x - q->x, p->y - q->y);
-        CHECK_NEAR(apart, parents[i].a == parents[i].b ? 0 : 1, 1e-14);
+        CHECK_NEAR(apart, parents[i].a == parents[i].b ? 0 : unit, round_off);
     }
     free(half);
-    h.disks[9].x += 0.12;
-    CHECK_OK(statics_bonds_halve(h.n, h.disks, bonds, n_bonds, &half, &n_half, parents));
-    CU_ASSERT(n_half == 0 && half == NULL);
-    h.disks[9].x -= 0.12;
+    for (int way = 0; way < 8; way++) {
+        const double part = (way & 1 ? 0.099 : 0.101) * (way & 2 ? 1 : -1);
+        const statics_disk before = h.disks[9];
+        h.disks[9].x += way & 4 ? 0 : part * unit;
+        h.disks[9].y += way & 4 ? part * row : 0;
+        CHECK_OK(statics_bonds_halve(h.n, h.disks, bonds, n_bonds, &half, &n_half, parents));
+        CU_ASSERT(n_half == (way & 1 ? 10 : 0) && (half != NULL) == (way & 1));
+        free(half);
+        h.disks[9] = before;
+    }
     CHECK_OK(statics_bonds_halve(h.n - 1, h.disks, bonds, 0, &half, &n_half, parents));
     CU_ASSERT(n_half == 0 && half == NULL);
     /* without the last disk of the base, the one beside it has a parent less */
@@ -1126,6 +1137,12 @@ static void test_half_pile(void)
     free(bonds);
     free(parents);
     free_pile(&h);
+}
+
+static void test_half_pile(void)
+{
+    check_half_pile(1);
+    check_half_pile(1.7);
 }
 
 /* ---- the program ---- */
