@@ -1145,6 +1145,63 @@ static void test_half_pile(void)
     check_half_pile(1.7);
 }
 
+/* Newton steps and factorisations of piles of all kinds, counted once. A start, a softening, an update or a
+ * well that is not as it should be leads to the same state, by more work. */
+static void test_work(void)
+{
+    static const struct {
+        long k;
+        double alpha, gap, eps, mu, a, set_load;
+        bool set_again, minimum;
+        unsigned long leave;
+        long load_steps;
+        size_t steps, factored, horizontal;
+    } cases[] = {
+        {45, 60, 0, 1e-4, 0, 0, 0, false, false, 0, 1, 6, 4, 0},
+        {45, 60, 0, 1e-3, 0, 0, 0, false, false, 0, 1, 7, 6, 0},
+        {45, 60, 0, 1e-4, 0, 0, 0, false, true, 0, 1, 69, 37, 229},
+        {45, 60, 0, 1e-4, 0, 0, 0, false, true, 3, 1, 49, 21, 229},
+        {45, 30, 0, 1e-4, 0, 0, 0, false, false, 0, 1, 11, 4, 239},
+        {45, 50, 0, 1e-3, 0, 0, 0, false, false, 0, 1, 99, 77, 470},
+        {20, 55, 0, 2e-3, 0, 0, 0, false, false, 0, 1, 29, 16, 46},
+        {20, 55, 0, 2e-3, 0, 0, 0, false, false, 0, 3, 91, 78, 47},
+        {31, 27, 0.02, 1e-3, 0, 0, 0, false, false, 0, 1, 5, 3, 0},
+        {90, 30, 0, 0, 0, 0, 0, false, false, 0, 1, 6, 1, 984},
+        {90, 45, 0, 1e-4, 0, 0, 0, false, false, 0, 1, 17, 5, 1262},
+        {90, 30, 0, 1e-4, 0, 0, 0, false, true, 0, 1, 9, 3, 984},
+        {20, 40, 0, 5e-3, 0, 0, 0.3, false, false, 0, 2, 18, 5, 49},
+        {30, 30, 0, 1e-4, 0.5, 4, 0, false, false, 0, 1, 51, 4, 91},
+        {30, 30, 0, 1e-4, 0.5, 4, 0.5, false, false, 0, 1, 51, 4, 86},
+        {30, 30, 0, 1e-4, 0.5, 1, 0, true, false, 0, 1, 41, 4, 93},
+        {45, 30, 0, 1e-4, 0.3, 3, 0, true, false, 0, 1, 54, 5, 213},
+        {12, 45, 0, 1e-3, 0.6, 1, 0, false, false, 0, 1, 39, 4, 12},
+        {20, 35, 0, 1e-3, 0.2, 2, 0, false, false, 0, 2, 83, 16, 8}, /* comes apart */
+        {90, 30, 0, 0, 0.5, 8, 0, false, false, 0, 1, 43, 3, 910},
+        {180, 30, 0, 0, 0.5, 16, 0, false, false, 0, 1, 33, 1, 3790},
+        {180, 30, 0, 1e-6, 0.5, 16, 0, false, false, 0, 1, 41, 3, 3790},
+        {180, 25, 0, 1e-5, 0.5, 5, 0.5, true, true, 0, 1, 42, 4, 3197},
+        {180, 30, 0, 1e-4, 0, 0, 0, false, false, 0, 1, 33, 11, 4309},
+    };
+    for (size_t c = 0; c < sizeof cases / sizeof *cases; c++) {
+        statics_definition def =
+            cases[c].mu > 0 ? friction(cases[c].eps, cases[c].mu, cases[c].a) : soft(cases[c].eps);
+        def.set_load = cases[c].set_load, def.set_again = cases[c].set_again;
+        def.branch = cases[c].minimum ? STATICS_BRANCH_MINIMUM : STATICS_BRANCH_PRIMARY;
+        def.leave = cases[c].leave, def.load_steps = cases[c].load_steps;
+        test_pile h = make_disks(cases[c].k, cases[c].alpha, cases[c].gap);
+        const rp_status status = solve(&h, def);
+        const statics_result *r = &h.result;
+        CU_ASSERT((status == RP_OK) == (r->broken == 0));
+        const bool same = r->steps == cases[c].steps && r->factored == cases[c].factored &&
+                          r->horizontal == cases[c].horizontal;
+        if (!same)
+            fprintf(stderr, "case %zu: %zu steps, %zu factorisations, %zu horizontal contacts\n", c, r->steps,
+                    r->factored, r->horizontal);
+        CU_ASSERT(same);
+        free_pile(&h);
+    }
+}
+
 /* ---- the program ---- */
 
 /* Run `repose pile WORDS`; its exit status. */
@@ -1402,6 +1459,7 @@ void suite_equilibrium(void)
                                        {"damped dynamics", test_damped_dynamics},
                                        {"errors", test_errors},
                                        {"stiffness updated", test_stiffness_update},
+                                       {"work", test_work},
                                        {"stiffness near the factorised one", test_stiffness_near},
                                        {"the pile of half the size", test_half_pile},
                                        {"the program", test_program},
