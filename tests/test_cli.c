@@ -255,6 +255,7 @@ static void test_slurm(void)
     static const failure list[] = {
         {65, "--time 1:00:00 and --mem 1G expected", "sweep slurm d --shards 2 --time '1h'"},
         {65, "--time 1:00:00 and --mem 1G expected", "sweep slurm d --shards 2 --mem '1 G'"},
+        {65, "a folder without ' and %", "sweep slurm \"it's\" --shards 2"},
         {65, "none: no such folder", "sweep slurm none --shards 2"}};
     static char script[4096], expected[4096];
     char folder[512], program[512];
@@ -282,6 +283,7 @@ static void test_slurm(void)
              "3 &\n",
              folder, program, folder);
     CU_ASSERT_PTR_NOT_NULL(strstr(script, expected));
+    CU_ASSERT(shell("mkdir \"it's\"") == 0);
     CHECK_FAILURES(list);
     leave();
 }

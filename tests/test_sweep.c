@@ -17,6 +17,7 @@
 #include "core/random.h"
 #include "core/table.h"
 #include "dem/scene.h"
+#include "sweeps/driver/keep.h"
 #include "sweeps/driver/private.h"
 #include "sweeps/driver/sweep.h"
 #include "tests/check.h"
@@ -778,6 +779,113 @@ static void test_bad_folders(void)
     clean();
 }
 
+static long size_of(const char *path)
+{
+    struct stat found;
+    return stat(path, &found) == 0 ? (long)found.st_size : -1;
+}
+
+/* The lock file counts drives that failed, one after another; a whole one begins anew. */
+static void test_failed_drives(void)
+{
+    char path[128];
+    unsigned char count = 0;
+    fresh("protocol = \"toy\"; replicas = 6; piles = \"shared\"; fixed = { mode = \"break\"; };");
+    CHECK_OK(prepare(NULL));
+    snprintf(path, sizeof path, "%s/lock", dir);
+    for (int k = 1; k < 4; k++) {
+        CHECK_FAILS(run(1, NULL), RP_BROKEN, "planted failure");
+        FILE *lock = fopen(path, "r");
+        CU_ASSERT(lock && fread(&count, 1, 1, lock) == 1 && count == k && size_of(path) == 1);
+        if (lock) fclose(lock);
+    }
+    file_print(file, "protocol = \"toy\"; replicas = 6;");
+    CHECK_OK(prepare(NULL));
+    CHECK_OK(run(1, NULL));
+    CU_ASSERT(size_of(path) == 0);
+    clean();
+}
+
+/* ---- kept variables ---- */
+
+static bool holds(FILE *table, const char *text)
+{
+    char all[64] = "";
+    rewind(table);
+    return fread(all, 1, sizeof all - 1, table) == strlen(text) && strcmp(all, text) == 0;
+}
+
+/* A snapshot is written when it is due or asked for; a later process gets the variables in their order. */
+static void test_keep(void)
+{
+    char path[128], unfinished[136], why[256];
+    volatile bool stop = true;
+    double value = 2.5;
+    long step = 7;
+    FILE *table = tmpfile(), *other = tmpfile();
+    sweep_keep k;
+    fresh("");
+    snprintf(path, sizeof path, "%s/kept", base);
+    snprintf(unfinished, sizeof unfinished, "%s.new", path);
+    fputs("two rows\n", table);
+    sweep_keep_begin(&k, path, "run 5", 1e9, true, why, sizeof why);
+    CU_ASSERT(!*why && !sweep_keep_resumes(&k) && !sweep_keep_resumes(NULL));
+    CU_ASSERT(SWEEP_ENTER(&k, value) && SWEEP_ENTER(&k, step) && sweep_keep_enter_file(&k, table));
+    CHECK_OK(sweep_keep_look(&k));
+    CU_ASSERT(size_of(path) == -1);
+    k.next = rp_cpu_clock();
+    CHECK_OK(sweep_keep_look(&k));
+    CU_ASSERT(size_of(path) > 0 && k.next > 1e9);
+    value = 3.5;
+    k.stop = &stop;
+    CHECK_FAILS(sweep_keep_look(&k), RP_STOPPED, "stopped");
+    sweep_keep_end(&k, false);
+    fputs("a row that is not there yet\n", other);
+    value = 0.0, step = 0;
+    sweep_keep_begin(&k, path, "run 6", 1e9, true, why, sizeof why);
+    CU_ASSERT(!sweep_keep_resumes(&k) && *why);
+    sweep_keep_begin(&k, path, "run 5", 1e9, false, why, sizeof why);
+    CU_ASSERT(!sweep_keep_resumes(&k) && !*why);
+    sweep_keep_begin(&k, path, "run 5", 1e9, true, why, sizeof why);
+    CU_ASSERT(!*why && sweep_keep_resumes(&k) && !SWEEP_ENTER(&k, value) && value == 3.5 && step == 0);
+    CHECK_FAILS(sweep_keep_look(&k), RP_BROKEN, "does not come to the place of its snapshot");
+    CU_ASSERT(!SWEEP_ENTER(&k, step) && step == 7 && !sweep_keep_enter_file(&k, other));
+    CU_ASSERT(!sweep_keep_resumes(&k) && holds(other, "two rows\n") && k.n == 3);
+    CHECK_OK(sweep_keep_look(&k));
+    sweep_keep_leave(&k, 2);
+    CU_ASSERT(k.n == 1);
+    file_write(unfinished, "", 0);
+    sweep_keep_end(&k, true);
+    CU_ASSERT(size_of(path) == -1 && size_of(unfinished) == -1);
+    fclose(table);
+    fclose(other);
+    clean();
+}
+
+/* A table of no more than what a snapshot holds is read from it, and no more variables are entered than there
+ * is room for. */
+static void test_keep_limits(void)
+{
+    unsigned char bytes[sizeof(size_t) + 8] = {0};
+    FILE *table = tmpfile();
+    for (size_t n = 8; n < 10; n++) {
+        sweep_keep k = {.source = {.reading = true, .bytes = bytes, .n = sizeof bytes, .path = "memory"}};
+        memcpy(bytes, &n, sizeof n);
+        memcpy(bytes + sizeof n, "12345678", 8);
+        sweep_keep_enter_file(&k, table);
+        if (n == 8) CU_ASSERT(k.source.status == RP_OK && holds(table, "12345678"));
+        if (n > 8)
+            CHECK_FAILS(sweep_keep_look(&k), RP_BAD_INPUT, "memory: its state has a table that is too long");
+    }
+    fclose(table);
+    sweep_keep k = {.interval = 1e9, .next = 1e9};
+    char variable = 0;
+    for (int i = 0; i < SWEEP_KEEP_MOST; i++) SWEEP_ENTER(&k, variable);
+    CHECK_OK(sweep_keep_look(&k));
+    SWEEP_ENTER(&k, variable);
+    CHECK_FAILS(sweep_keep_look(&k), RP_BROKEN, "more than 32 kept variables");
+}
+
 static void test_lock(void)
 {
     fresh(SMALL_SWEEP);
@@ -1169,6 +1277,9 @@ void suite_sweep(void)
                                        {"planning again", test_plan_again},
                                        {"bad sweep files", test_bad_files},
                                        {"bad folders and stores", test_bad_folders},
+                                       {"failed drives", test_failed_drives},
+                                       {"kept variables", test_keep},
+                                       {"limits of kept variables", test_keep_limits},
                                        {"lock", test_lock},
                                        {"full disk", test_full_disk},
                                        {"shards", test_shards},

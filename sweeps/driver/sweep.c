@@ -244,7 +244,7 @@ rp_status sweep_run(const char *dir, const sweep_protocol *const *protocols, con
     char snapshots[4096];
     sweep_options own = *options;
     snprintf(snapshots, sizeof snapshots, "%s/snapshots", dir);
-    own.snapshots = options->snapshot > 0.0 ? snapshots : NULL;
+    own.snapshots = isnormal(options->snapshot) ? snapshots : NULL;
     const size_t planned =
         whole ? f.plan.n_runs
               : (f.plan.n_runs + (size_t)(options->shards - options->shard)) / (size_t)options->shards;
