@@ -1917,9 +1917,11 @@ static void test_stopped(void)
     int status = shell("\"$REPOSE\" sweep run d -j 1 >out 2>err & p=$!; i=0\n"
                        "while [ $i -lt 200 ] && ! \"$REPOSE\" sweep status d | grep -q 'stored: 1'; do\n"
                        "  sleep 0.05; i=$((i + 1)); done\n"
-                       "kill -TERM $p; wait $p");
+                       "\"$REPOSE\" sweep status d >during; kill -TERM $p; wait $p");
     CU_ASSERT(failed(__FILE__, __LINE__, status, 75, "1 of 2 stored"));
+    CU_ASSERT(shell("grep -q '^# running: 1$' during") == 0);
     GOOD("sweep status d");
+    CU_ASSERT(strstr(out, "# running: 0\n") != NULL);
     CU_ASSERT(strstr(out, "# stored: 1\n# missing: 1\n") != NULL);
     FAILS(1, "missing", "sweep digest d");
     leave();

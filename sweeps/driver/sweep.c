@@ -71,8 +71,10 @@ rp_status sweep_folder_read(const char *dir, const sweep_protocol *const *protoc
     if (!status && shards.gl_pathc > 0)
         status = sweep_store_unite(folder->store, &folder->plan, shards.gl_pathc, shards.gl_pathv, verify,
                                    &folder->found);
-    else if (!status)
+    else if (!status) {
         status = sweep_store_freeze(folder->store);
+        if (!status) status = sweep_store_running(folder->store, "main", &folder->found.running);
+    }
     globfree(&shards);
     return status;
 }
