@@ -14,6 +14,7 @@ export LC_ALL=C
 unset MAKEFLAGS # of the make that runs this: the copies build their own
 limit_cpu=30    # seconds, three times what the suites of a file may take
 limit_wall=600  # on a machine that does other things too
+at_once=1       # tests of a suite
 # what swaps arguments of other types does not compile
 flags='-O1 -Werror=format -Werror=int-conversion -Werror=incompatible-pointer-types -Werror=discarded-qualifiers'
 tab='	'
@@ -86,11 +87,12 @@ try() {
         ulimit -c 0
         ulimit -t $limit_cpu
         shift
-        if REPOSE=build/repose timeout $limit_wall build/check --stop "$@" >check.log 2>&1; then
-            echo "survived$tab-"
-        else
+        for suite in "$@"; do # in order, the quick ones first
+            REPOSE=build/repose timeout $limit_wall build/check --stop -j $at_once "$suite" >check.log 2>&1 && continue
             echo "killed$tab$(sed -n -e 's/, [0-9.]* s$//' -e 's/^  FAILED  //p' check.log | grep -m 1 . || echo time)"
-        fi
+            exit
+        done
+        echo "survived$tab-"
     )
 }
 
@@ -125,8 +127,8 @@ if [ "$sum" != "$(cat "$work/sum" 2>/dev/null)" ]; then
     mkdir -p "$work/tree"
     find . -mindepth 1 -maxdepth 1 ! -name .git ! -path "./${build%%/*}" -exec cp -a {} "$work/tree" \;
     make -s -C "$work/tree" -j "$jobs" build/check build/repose WERROR="$flags" >/dev/null 2>&1
-    outcome=$(limit_wall=6000
-        try "$work/tree" -j "$jobs" $(for file in $files; do suites_of "$file"; done | tr ' ' '\n' | sort -u))
+    outcome=$(limit_wall=6000 at_once=$jobs
+        try "$work/tree" $(for file in $files; do suites_of "$file"; done | tr ' ' '\n' | sort -u))
     [ "$outcome" = "survived$tab-" ] || { echo "mutate: without a mutant: $outcome" >&2; exit 2; }
     echo "$sum" >"$work/sum"
 fi
