@@ -50,6 +50,7 @@
     X(suite_power)                                                                                           \
     X(suite_flux)                                                                                            \
     X(suite_drop)                                                                                            \
+    X(suite_help)                                                                                            \
     X(suite_install)                                                                                         \
     X(suite_cli)                                                                                             \
     X(suite_view)                                                                                            \

@@ -1923,6 +1923,26 @@ static void test_stopped(void)
     leave();
 }
 
+/* The growth that the warning names: mean energy of the last 16 of 64 samples less that of the first 16, over
+ * the largest kinetic and elastic energy, from the table of energies. */
+static void check_growth(void)
+{
+    char expected[64];
+    double first = 0.0, last = 0.0, most = 0.0;
+    CU_ASSERT(run("run s.cfg --set steps=6400 --every 100 -o d") == 0);
+    rp_table t = read_table("d/energy.tsv");
+    CU_ASSERT_EQUAL(t.n_rows, 65);
+    for (size_t i = 1; i < t.n_rows; i++) {
+        const double moving = cell(&t, i, "kinetic") + cell(&t, i, "elastic");
+        most = fmax(most, moving);
+        if (i <= 16) first += (moving + cell(&t, i, "gravity")) / 16.0;
+        if (i > 48) last += (moving + cell(&t, i, "gravity")) / 16.0;
+    }
+    snprintf(expected, sizeof expected, "energy grew by %.2g %% of", 100.0 * (last - first) / most);
+    CU_ASSERT(last > first && strstr(err, expected) != NULL);
+    rp_table_free(&t);
+}
+
 /* At 0.98 of the largest step allowed, 60 grains without damping heat up; at a fifth of it, or with damping,
  * their energy does not grow. */
 static void test_energy_growth(void)
@@ -1938,6 +1958,15 @@ static void test_energy_growth(void)
     CU_ASSERT(strstr(out, "\n# warning: energy grew by ") != NULL);
     GOOD("run s.cfg --set dt=2e-5");
     GOOD("run s.cfg --set normal.gamma_n=50");
+    check_growth();
+    /* runs that are too short, and what takes or gives energy or grains */
+    static const char *const silent[] = {"steps=6399",
+                                         "gravity_turn_deg_per_step=1e-12",
+                                         "box_turn_deg_per_step=1e-12",
+                                         "walls[2].open_at_step=49999",
+                                         "walls[0].velocity=[1.0e-12, 0.0]",
+                                         "y_min=-1' --set 'walls[0].extent=[0.0, 1.5]"};
+    for (size_t k = 0; k < sizeof silent / sizeof *silent; k++) GOOD("run s.cfg --set '%s'", silent[k]);
     leave();
 }
 

@@ -565,6 +565,28 @@ static void gravity_turns(void)
     dem_gravity(sim, g);
     CHECK_NEAR(g[0], 981.0 * sin(30000 * rate), 1e-9);
     dem_free(sim);
+    /* any angle a step, any unit of length; the norm is that of the start */
+    def.gravity[1] = -0.3;
+    sim = grains_start(&def);
+    dem_gravity_turn(sim, 1.0);
+    CHECK_OK(dem_run(sim, 2000));
+    dem_gravity(sim, g);
+    CHECK_NEAR(g[0], 0.3 * sin(2000.0), 1e-12);
+    CHECK_NEAR(g[1], -0.3 * cos(2000.0), 1e-12);
+    CHECK_NEAR(hypot(g[0], g[1]), 0.3, 1e-16);
+    dem_free(sim);
+}
+
+/* Their series has 24 terms: at pi the first one left out is pi^24/24! = 1.4e-12 of the cosine. */
+static void sine_and_cosine(void)
+{
+    for (int k = -8; k <= 8; k++) {
+        double s = NAN, c = NAN;
+        const double angle = 0.125 * k * M_PI;
+        dem_sine_cosine(angle, &s, &c);
+        CHECK_NEAR(s, sin(angle), abs(k) == 8 ? 2e-13 : 1e-13);
+        CHECK_NEAR(c, cos(angle), abs(k) == 8 ? 1.5e-12 : 1e-13);
+    }
 }
 
 /* A frictionless undamped grain slides off a finite floor, around the corner and below: energy is conserved,
@@ -1106,6 +1128,64 @@ static void faults(void)
     dem_free(sim);
 }
 
+/* Which of some pairs and grains at walls are looked at, and what is said: an overlap may be as large as the
+ * smaller radius, at a wall as the radius. */
+static void overlaps_too_deep(void)
+{
+    dem_grain grains[4];
+    for (int i = 0; i < 4; i++)
+        grains[i] = (dem_grain){.x = 0.3125 * i, .y = 0.1875, .r = 0.125 - 0.0625 * (i == 2), .m = 0.004};
+    dem_definition def = dem_definition_default();
+    def.gravity[1] = 0.0;
+    def.skin = 0.3;
+    def.grains = grains;
+    def.n_grains = 4;
+    def.n_walls = 2;
+    for (int w = 0; w < 2; w++) def.walls[w] = grains_line(0.0, -0.5 + 0.5 * w, 0.0, 1.0, &def.material);
+    dem_sim *sim = grains_start(&def);
+    dem_motion *at = sim->grains.motion;
+    CU_ASSERT_EQUAL_FATAL(sim->pairs.n, 3);
+    for (size_t k = 0; k < 3; k++) {
+        char text[200];
+        const size_t i = sim->pairs.i[k], j = sim->pairs.j[k], low = i < j ? i : j;
+        const double radii = grains[i].r + grains[j].r, smaller = fmin(grains[i].r, grains[j].r);
+        for (size_t m = 0; m < 4; m++)
+            at[m].x[0] = 0.3125 * (double)m - (m <= low ? 0.0 : 0.3125 - radii + smaller);
+        for (size_t c = 0; c < 3; c++) sim->pairs.touching[0] |= 1ull << c;
+        CHECK_OK(dem_check_overlaps(sim, 0, 3, 0, 4)); /* no more than the smaller radius */
+        for (size_t m = low + 1; m < 4; m++) at[m].x[0] -= 0.015625;
+        snprintf(text, sizeof text,
+                 "overlap at step 0: grain %zu: overlap %g with grain %zu, beyond the smaller radius %g",
+                 i + 1, smaller + 0.015625, j + 1, smaller);
+        CHECK_FAILS(dem_check_overlaps(sim, 0, 3, 0, 4), RP_BROKEN, text);
+        CU_ASSERT_EQUAL(dem_sim_fault(sim), DEM_FAULT_OVERLAP);
+        CHECK_FAILS(dem_check_overlaps(sim, k, k + 1, 0, 0), RP_BROKEN, text);
+        CHECK_OK(dem_check_overlaps(sim, 0, k, 0, 4));
+        CHECK_OK(dem_check_overlaps(sim, k + 1, 3, 0, 4));
+        at[i].x[0] = NAN;
+        CHECK_FAILS(dem_check_overlaps(sim, k, k + 1, 0, 4), RP_BROKEN, "non_finite");
+        CU_ASSERT_EQUAL(dem_sim_fault(sim), DEM_FAULT_NON_FINITE);
+    }
+    for (size_t i = 0; i < 4; i++) at[i].x = (dem_vec){0.3125 * (double)i, 0.1875};
+    for (size_t i = 0; i < 4; i++) {
+        char text[200];
+        at[i].x[1] = 0.0;
+        CHECK_OK(dem_check_overlaps(sim, 0, 0, 0, 4));
+        at[i].x[1] = -0.015625;
+        snprintf(text, sizeof text, "grain %zu: its centre passed wall 2 (overlap %g)", i + 1,
+                 grains[i].r + 0.015625);
+        CHECK_FAILS(dem_check_overlaps(sim, 0, 0, 0, 4), RP_BROKEN, text);
+        CU_ASSERT_EQUAL(dem_sim_fault(sim), DEM_FAULT_LEAKED);
+        CHECK_FAILS(dem_check_overlaps(sim, 0, 0, i, i + 1), RP_BROKEN, text);
+        CHECK_OK(dem_check_overlaps(sim, 0, 0, 0, i));
+        CHECK_OK(dem_check_overlaps(sim, 0, 0, i + 1, 4));
+        at[i].x[1] = NAN;
+        CHECK_FAILS(dem_check_overlaps(sim, 0, 0, 0, 4), RP_BROKEN, "non_finite");
+        at[i].x[1] = 0.1875;
+    }
+    dem_free(sim);
+}
+
 static void bad_definitions(void)
 {
     dem_grain grains[2] = {{0.0, 0.5, 0.1, 0.004, 0.0, 0.0}, {0.0, 0.9, 0.1, 0.004, 0.0, 0.0}};
@@ -1249,6 +1329,54 @@ static void limit_of_several(void)
         }
         CU_ASSERT(limit[0] < 0.95 * slow);
         CU_ASSERT(limit[1] == limit[0] && limit[2] == limit[0] && limit[3] == limit[0]);
+    }
+}
+
+/* Disks of several sizes on undamped linear springs without friction: 0.95 of 4/sqrt(12 omega^2), omega^2 =
+ * k_n (z_a/m_a + z_b/m_b) with z contacts on a grain over six, pi/asin(r_min/(r + r_min)) of them. The two
+ * with the largest z/m count, in any order, fixed grains never, and at a wall the first of them alone. */
+static void limit_of_unequal(void)
+{
+    static const double k_n = 1e4;
+    const dem_grain grains[4] = {{.x = 1.0, .r = 0.3, .m = 0.002},
+                                 {.x = 2.0, .r = 0.1, .m = 0.0012},
+                                 {.x = 3.0, .r = 0.2, .m = 0.003},
+                                 {.x = 4.0, .r = 0.1, .m = 1e-5, .fixed = true}};
+    const double first = M_PI / 6.0 / asin(0.25) / 0.002, second = 1.0 / 0.0012;
+    for (int k = 0; k < 24; k++) {
+        dem_grain order[4];
+        bool used[4] = {false};
+        const int place[4] = {k / 6, k / 2 % 3, k % 2, 0}; /* among those left: all 24 permutations */
+        for (int i = 0; i < 4; i++) {
+            int at = 0;
+            for (int left = place[i]; used[at] || left > 0; at++) left -= !used[at];
+            used[at] = true;
+            order[i] = grains[at];
+        }
+        dem_definition def = dem_definition_default();
+        def.gravity[1] = 0.0;
+        def.normal = DEM_LINEAR;
+        def.tangential = DEM_NONE;
+        def.material = (dem_material){.k_n = k_n};
+        def.grains = order;
+        def.n_grains = 4;
+        const char *what;
+        CHECK_NEAR(dem_time_step_limit(&def, &what) / (3.8 / sqrt(12.0 * k_n * (first + second))), 1.0,
+                   1e-14);
+        CU_ASSERT_STRING_EQUAL(what, "two of the lightest grains");
+        def.n_walls = 2;
+        def.walls[k % 2] = grains_line(0.0, -1.0, 0.0, 1.0, &def.material);
+        def.walls[!(k % 2)] = def.walls[k % 2];
+        def.walls[k % 2].material.k_n = 3.0 * k_n;
+        CHECK_NEAR(dem_time_step_limit(&def, &what) / (3.8 / sqrt(36.0 * k_n * first)), 1.0, 1e-14);
+        CU_ASSERT_STRING_EQUAL(what, "the lightest grain at a wall");
+        def.n_walls = 0;
+        for (int i = 0; i < 4; i++) order[i].fixed = order[i].r != 0.2;
+        CHECK_NEAR(dem_time_step_limit(&def, &what) /
+                       (3.8 / sqrt(12.0 * k_n * M_PI / 6.0 / asin(1.0 / 3.0) / 0.003)),
+                   1.0, 1e-14);
+        for (int i = 0; i < 4; i++) order[i].fixed = true;
+        CU_ASSERT(isinf(dem_time_step_limit(&def, &what)) && strcmp(what, "no contact") == 0);
     }
 }
 
@@ -1554,6 +1682,9 @@ void suite_dem(void)
                                        {"faults stop the run", faults},
                                        {"bad definitions", bad_definitions},
                                        {"limit of the time step", time_step_limit},
+                                       {"limit of unequal grains", limit_of_unequal},
+                                       {"overlaps that are too deep", overlaps_too_deep},
+                                       {"sine and cosine", sine_and_cosine},
                                        {"limit of a fall", limit_of_a_fall},
                                        {"limit of several grains", limit_of_several},
                                        {"limit in any direction", limit_in_any_direction},

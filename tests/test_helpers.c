@@ -141,6 +141,54 @@ static void test_cases(void)
     CU_ASSERT_EQUAL(case_stride(3), check_full() ? 1 : check_fast() ? 15 : 3);
 }
 
+/* A run with --full -o writes both tables: a row a problem with its source and bound, and a row a case. */
+static void test_case_tables(void)
+{
+    char program[256] = "", line[400];
+    if (check_full()) {
+        case_problem two[] = {{.problem = "impact", .source = "equation (1)", .bound = "order 2"},
+                              {.problem = "roll", .source = "equation (7)", .bound = "order 4"}};
+        case_near(&two[0], "speed", 2.0, 2.25, 0.5, "e = 1");
+        case_near(&two[1], "time", 3.0, 3.25, 1.0, "e = 2");
+        case_near(&two[1], "spin", 4.0, 4.75, 1.0, "e = 3");
+        case_write("made", (case_problem *[]){&two[0], &two[1]}, 2);
+        return;
+    }
+    CU_ASSERT_FATAL(readlink("/proc/self/exe", program, sizeof program - 1) > 0);
+    enter();
+    snprintf(line, sizeof line, "\"%s\" --full -o . --test 'tables of cases' helpers >out 2>err", program);
+    CU_ASSERT_EQUAL(shell(line), 0);
+    rp_table t = read_table("validation_made.tsv"), cases = read_table("validation_made_cases.tsv");
+    CU_ASSERT_STRING_EQUAL(rp_table_find_note(&t, "source_impact"), "equation (1)");
+    CU_ASSERT_STRING_EQUAL(rp_table_find_note(&t, "bound_impact"), "order 2");
+    CU_ASSERT_STRING_EQUAL(rp_table_find_note(&t, "source_roll"), "equation (7)");
+    CU_ASSERT_STRING_EQUAL(rp_table_find_note(&t, "bound_roll"), "order 4");
+    CU_ASSERT(t.n_rows == 2 && cases.n_rows == 3);
+    static const struct {
+        const char *problem, *parameters, *quantity;
+        double expected, observed, error, bound;
+    } rows[] = {{"impact", "e,=,1", "speed", 2.0, 2.25, 0.25, 0.5},
+                {"roll", "e,=,2", "time", 3.0, 3.25, 0.25, 1.0},
+                {"roll", "e,=,3", "spin", 4.0, 4.75, 0.75, 1.0}};
+    for (size_t i = 0; i < 3; i++) {
+        CU_ASSERT_STRING_EQUAL(word(&cases, i, "problem"), rows[i].problem);
+        CU_ASSERT_STRING_EQUAL(word(&cases, i, "parameters"), rows[i].parameters);
+        CU_ASSERT_STRING_EQUAL(word(&cases, i, "quantity"), rows[i].quantity);
+        CHECK_NEAR(cell(&cases, i, "expected"), rows[i].expected, 0.0);
+        CHECK_NEAR(cell(&cases, i, "observed"), rows[i].observed, 0.0);
+        CHECK_NEAR(cell(&cases, i, "error"), rows[i].error, 0.0);
+        CHECK_NEAR(cell(&cases, i, "bound"), rows[i].bound, 0.0);
+    }
+    for (size_t i = 0; i < 2; i++) {
+        CU_ASSERT_STRING_EQUAL(word(&t, i, "problem"), rows[i].problem);
+        CHECK_NEAR(cell(&t, i, "cases"), 1.0 + (double)i, 0.0);
+        CHECK_NEAR(cell(&t, i, "worst_over_bound"), i ? 0.75 : 0.5, 0.0);
+    }
+    rp_table_free(&cases);
+    rp_table_free(&t);
+    leave();
+}
+
 /* ---- oblique impact ---- */
 
 /* kappa = 1/a: with W = 1 the shear spring swings as the normal one, and a grain that sticks leaves with its
@@ -282,14 +330,11 @@ static void test_commit(void)
 
 void suite_helpers(void)
 {
-    static const check_case cases[] = {{"near, ok, fails", test_check},
-                                       {"cases of validation", test_cases},
-                                       {"stride of cases", test_stride},
-                                       {"oblique impact", test_oblique},
-                                       {"same bits", test_same_bits},
-                                       {"wrong pairs", test_wrong_pairs},
-                                       {"solved pile", test_solved_pile},
-                                       {"commit of the program", test_commit},
-                                       {0}};
+    static const check_case cases[] = {
+        {"near, ok, fails", test_check},        {"cases of validation", test_cases},
+        {"stride of cases", test_stride},       {"tables of cases", test_case_tables},
+        {"oblique impact", test_oblique},       {"same bits", test_same_bits},
+        {"wrong pairs", test_wrong_pairs},      {"solved pile", test_solved_pile},
+        {"commit of the program", test_commit}, {0}};
     check_register("helpers", cases);
 }

@@ -448,6 +448,312 @@ static void test_film(void)
     leave();
 }
 
+/* ---- what gnuplot is told ---- */
+
+static char told[1 << 16];
+
+/* A program of gnuplot's name writes to a file what it is told, before the words that start the program. */
+static int tell(const char *words)
+{
+    char line[512];
+    write_text("gnuplot", "#!/bin/sh\nexec cat >told\n");
+    write_text("ffmpeg", "#!/bin/sh\nexec cat >film\n");
+    snprintf(line, sizeof line, "chmod +x gnuplot ffmpeg; PATH=.:$PATH \"$REPOSE\" view %s >out 2>err",
+             words);
+    const int status = shell(line);
+    if (status == 0) slurp("told", told, sizeof told);
+    return status;
+}
+
+static bool is_told(const char *text)
+{
+    const bool is = strstr(told, text) != NULL;
+    if (!is) fprintf(stderr, "gnuplot is not told: %s\n", text);
+    return is;
+}
+
+/* The data of this name, which stand there for the which-th time from 0 on: n rows of so many numbers. */
+static void check_data(const char *name, size_t which, size_t n, size_t width, const double expected[])
+{
+    char head[32], *end;
+    snprintf(head, sizeof head, "$%s << end\n", name);
+    const char *at = strstr(told, head);
+    for (size_t k = 0; at && k < which; k++) at = strstr(at + 1, head);
+    CU_ASSERT_PTR_NOT_NULL_FATAL(at);
+    at += strlen(head);
+    for (size_t i = 0; i < n; i++) {
+        for (size_t k = 0; k < width; k++, at = end) {
+            const double wanted = expected[i * width + k], number = strtod(at, &end);
+            CHECK_NEAR(number, wanted, 1e-8 * fmax(1.0, fabs(wanted))); /* nine digits are printed */
+            CU_ASSERT_FATAL(end > at);
+        }
+        CU_ASSERT_FATAL(*at++ == '\n');
+    }
+    CU_ASSERT(strncmp(at, "end\n", 4) == 0);
+}
+
+/* Five frames of two grains. Each side of the window is that of another frame, the first and the last among
+ * them; so are the ends of the column m. */
+enum { FRAMES = 5 };
+static const double steps[FRAMES] = {3, 5, 9, 10, 12}, strength[FRAMES] = {0.25, 0.625, 0.0, 0.5, 0.375},
+                    place[FRAMES][2][4] = {{{0, 1, 1, 2}, {4, 1.5, 0.5, 4}},
+                                           {{1, 1, 1, 3}, {3, 1.5, 0.5, 5}},
+                                           {{2, 1, 1, 5}, {5, 1.5, 0.5, 5}},
+                                           {{1, 0.5, 1, 4}, {3.5, 1.5, 0.5, 6}},
+                                           {{0.5, 1, 1, 6}, {4.5, 6, 0.5, 8}}};
+
+static void write_frames(void)
+{
+    char grains[1024] = "# units: 1\ts\tm\tm\tm\tkg\nstep\tt\tx\ty\tr\tm\n",
+         contacts[1024] = "# units: 1\tm\tm\tm\tm\tN\nstep\tx\ty\tx_b\ty_b\tnormal_force\n",
+         row[] = "%g\t%g\t%g\t%g\t%g\t%g\n";
+    for (size_t k = 0; k < FRAMES; k++) {
+        const double *a = place[k][0], *b = place[k][1];
+        for (int i = 0; i < 2; i++) {
+            const double *p = place[k][i];
+            sprintf(grains + strlen(grains), row, steps[k], 0.1 * steps[k], p[0], p[1], p[2], p[3]);
+        }
+        if (k == 1) { /* of none, pulling, and in no order */
+            sprintf(contacts + strlen(contacts), row, steps[k], 3.0, 2.0, 3.5, 2.5, 0.25);
+            sprintf(contacts + strlen(contacts), row, steps[k], a[0], a[1], b[0], b[1], strength[k]);
+            sprintf(contacts + strlen(contacts), row, steps[k], 1.0, 2.0, 1.0, 3.0, 0.0);
+            sprintf(contacts + strlen(contacts), row, steps[k], 4.0, 2.0, 4.0, 1.0, -0.0625);
+        } else if (k != 2)
+            sprintf(contacts + strlen(contacts), row, steps[k], a[0], a[1], b[0], b[1], strength[k]);
+    }
+    write_text("states.tsv", "%s", grains);
+    write_text("contacts.tsv", "%s", contacts);
+    write_text("walls.tsv",
+               "step\twall\tx\ty\tdirection_x\tdirection_y\tfrom\tto\n3\t1\t0\t-0.5\t0\t1\t-1.5\t3\n"
+               "12\t1\t5.5\t0\t-1\t0\t0\t9\n");
+}
+
+/* The window of all frames has a mean radius of 0.75 around grains and walls. Forces are in twelfths of the
+ * fourth of five frames' largest ones, 0.5, from the weakest to the strongest; one that pulls is 20 styles
+ * on. */
+static void test_animation(void)
+{
+    static const int classes[FRAMES] = {6, 12, 0, 12, 9};
+    enter();
+    write_frames();
+    CU_ASSERT_EQUAL(tell(". -o a.gif --color m --fps 20"), 0);
+    /* 8.5 by 11 m: 14 cm high */
+    char text[128];
+    snprintf(text, sizeof text,
+             "set terminal gif animate delay 5 loop 0 enhanced font 'DejaVu Sans,10' size %.0f,%.0f\n",
+             48.0 * (14.0 * 8.5 / 11.0 + 1.8 + 2.6), 48.0 * (14.0 + 1.4 + 1.5));
+    CU_ASSERT(strncmp(told, text, strlen(text)) == 0);
+    CU_ASSERT(is_told("set xrange [-2.25:6.25]\n") && is_told("set yrange [-1.25:9.75]\n"));
+    CU_ASSERT(is_told("set cbrange [2:8]\n") && is_told("set cblabel \"m (kg)\" noenhanced\n"));
+    size_t with_contacts = 0;
+    for (size_t k = 0; k < FRAMES; k++) {
+        const double *a = place[k][0], *b = place[k][1];
+        check_data("grains", k, 2, 4, a);
+        snprintf(text, sizeof text, "set label 1 \"step %g, t = %g s, 2 grains\" ", steps[k], 0.1 * steps[k]);
+        CU_ASSERT(is_told(text));
+        const double data[3][5] = {
+            {4, 2, 0, -1, 22}, {3, 2, 0.5, 0.5, 6}, {a[0], a[1], b[0] - a[0], b[1] - a[1], classes[k]}};
+        if (k != 2) check_data("contacts", with_contacts++, k == 1 ? 3 : 1, 5, data[k == 1 ? 0 : 2]);
+    }
+    check_data("walls", 0, 1, 4, (double[]){-1.5, -0.5, 4.5, 0});
+    for (size_t k = 1; k < 4; k++) check_data("walls", k, 0, 4, NULL);
+    check_data("walls", 4, 1, 4, (double[]){5.5, 0, 0, 9});
+    size_t n = 0, n_most = 0;
+    for (const char *c = told; (c = strstr(c, "title \"normal force ")); c++) {
+        n++;
+        n_most += strncmp(c, "title \"normal force at least 0.5 N\"\n", 36) == 0;
+    }
+    CU_ASSERT(n == 4 && n_most == 1);
+    /* without one frame of four that has forces, the strongest of all frames counts */
+    write_text("contacts.tsv", "step\tx\ty\tx_b\ty_b\tnormal_force\n9\t2\t1\t5\t1.5\t0.375\n");
+    CU_ASSERT_EQUAL(tell(". -o a.gif"), 0);
+    check_data("contacts", 0, 1, 5, (double[]){2, 1, 3, 0.5, 12});
+    CU_ASSERT(is_told("title \"normal force 0.375\"\n"));
+    leave();
+}
+
+/* Which frame is drawn, and on what. */
+static void test_chosen(void)
+{
+    static const struct {
+        const char *words, *step, *terminal;
+        size_t n;
+    } cases[] = {{"a.svg", "12", "svg enhanced font 'DejaVu Sans,11' background 'white' size 680,529", 1},
+                 {"a.svg --frame 0", "3", "", 1},
+                 {"a.svg --frame 1", "5", "", 1},
+                 {"a.svg --frame 4", "12", "", 1},
+                 {"a.svg --frame step=9", "9", "", 1},
+                 {"a.svg --frame step=12", "12", "", 1},
+                 {"a.svg --frame last", "12", "", 1},
+                 {"a.gif --frame last", "12",
+                  "gif animate delay 10 loop 0 enhanced font 'DejaVu Sans,10' size 864,672", 1},
+                 {"a.gif --frame all", "3", "", 5},
+                 {"a.png", "12",
+                  "pngcairo enhanced font 'DejaVu Sans,11' fontscale 1.5 linewidth 2 size 1440,1120", 1},
+                 {"a.pdf", "12", "pdfcairo enhanced font 'DejaVu Sans,8' size 18.000cm,14.000cm", 1},
+                 {"a.mp4", "3",
+                  "pngcairo enhanced font 'DejaVu Sans,11' fontscale 1.1 linewidth 1.5 size 1080,840", 5}};
+    enter();
+    write_frames();
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        char words[128], text[128];
+        size_t n = 0;
+        /* 15.5 by 11.1 cm, and 2.9 cm above and below */
+        snprintf(words, sizeof words, ". --window 0,15.5,0,11.1 -o %s", cases[k].words);
+        CU_ASSERT_EQUAL(tell(words), 0);
+        snprintf(text, sizeof text, "set terminal %s", cases[k].terminal);
+        CU_ASSERT(is_told(text));
+        snprintf(text, sizeof text, "\"step %s, ", cases[k].step);
+        const char *first = strstr(told, "set label 1 \"");
+        CU_ASSERT(first && strncmp(first + 12, text, strlen(text)) == 0);
+        for (const char *c = told; (c = strstr(c, "set label 1 ")); c++) n++;
+        CU_ASSERT_EQUAL(n, cases[k].n);
+    }
+    FAILS(65, "--frame 5: there are frames 0 to 4, steps 3 to 12", "view . -o a.svg --frame 5");
+    FAILS(65, "--frame step=4: there are", "view . -o a.svg --frame step=4");
+    FAILS(65, "--frame -1: there are", "view . -o a.svg --frame -1");
+    static const char *const wrong[] = {"1x", "step=", "step=9x", "x", "''", "1,2"};
+    for (size_t k = 0; k < sizeof wrong / sizeof *wrong; k++)
+        FAILS(64, "last, all, a number or step=N", "view . -o a.svg --frame %s", wrong[k]);
+    FAILS(64, "--frame all: a picture shows one frame; -o NAME.gif shows 5", "view . -o a.svg --frame all");
+    CU_ASSERT(shell("grep -v '^[59]\\|^1[02]' states.tsv >one.tsv") == 0);
+    CU_ASSERT_EQUAL(tell("one.tsv -o a.svg --frame all"), 0); /* of one frame */
+    static const char *const windows[] = {"1,1,0,1",   "0,1,1,1",    "0,1,2,1",   "0,1,0",
+                                          "0,1,0,1,",  "0,1,0,1,2",  "0,1,0,x",   "",
+                                          "0,inf,0,1", "0,1,-inf,0", "nan,1,0,1", "-inf,0,0,1"};
+    for (size_t k = 0; k < sizeof windows / sizeof *windows; k++)
+        FAILS(64, "X0 < X1 and Y0 < Y1", "view . -o a.svg --window '%s'", windows[k]);
+    FAILS(64, "ends in .png", "view . -o .svg"); /* an ending alone is no name */
+    FAILS(64, "no screen for a window", "view .");
+    /* a window, where there is a screen: all frames, with a tenth of a second between two */
+    CU_ASSERT_EQUAL(shell("DISPLAY=none PATH=.:$PATH \"$REPOSE\" view . >out 2>err"), 0);
+    slurp("told", told, sizeof told);
+    CU_ASSERT(strncmp(told, "if (GPVAL_TERM eq 'unknown'", 27) == 0 && !strstr(told, "set terminal"));
+    size_t pauses = 0;
+    for (const char *c = told; (c = strstr(c, "\npause 0.100\n")); c++) pauses++;
+    CU_ASSERT(pauses == FRAMES - 1 && strstr(told, "\"step 3, ") < strstr(told, "\npause "));
+    leave();
+}
+
+/* Colours run from the least to the largest value, or as far to both sides of 0; of one value alone, half of
+ * it to both sides, or half of 1. */
+static void test_range(void)
+{
+    static const struct {
+        double a, b;
+        const char *range;
+    } cases[] = {{-1.0, 4.0, "-4:4"},   {4.0, -1.0, "-4:4"}, {-4.0, 0.5, "-4:4"},     {2.0, 5.0, "2:5"},
+                 {0.0, 0.5, "0:0.5"},   {-3.0, 0.0, "-3:0"}, {0.0, 0.0, "-0.5:0.5"},  {6.0, 6.0, "3:9"},
+                 {-6.0, -6.0, "-9:-3"}, {0.5, 0.5, "0:1"},   {-0.5, 0.25, "-0.5:0.5"}};
+    enter();
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        const bool both = cases[k].a * cases[k].b < 0.0;
+        char text[64];
+        write_text("t.tsv", "x\ty\tr\tq\n0\t0\t1\t%g\n3\t0\t1\tnan\n6\t0\t1\t%g\n", cases[k].a, cases[k].b);
+        CU_ASSERT_EQUAL(tell("t.tsv -o a.png --color q"), 0);
+        snprintf(text, sizeof text, "set cbrange [%s]\n", cases[k].range);
+        CU_ASSERT(is_told(text));
+        CU_ASSERT(is_told(both ? "'#f7f7f7'" : "'#fff7bc'") && is_told("set cblabel \"q\" noenhanced"));
+        CU_ASSERT(is_told("plot $grains using 1:2:3:4 with circles lw 0.4 fc palette notitle\n"));
+        /* a window of 8 by 2 m with a radius around it, whose plot is 13.6 cm wide */
+        snprintf(text, sizeof text, "set lmargin at screen %.5f\nset rmargin at screen %.5f\n", 0.1,
+                 1.0 - 2.6 / 18.0);
+        CU_ASSERT(is_told(text) && is_told("set xrange [-2:8]\n") && is_told("set yrange [-2:2]\n"));
+        CU_ASSERT(is_told("\"3 grains\"") && is_told("set xlabel \"x\" noenhanced"));
+    }
+    leave();
+}
+
+/* A force of 3 along a branch of length l up to the right and one of 4 across it, in a cell of area 9: the
+ * principal stresses are 4 l/9 and -l/9, along (3, 1) and (-1, 3). One that pulls by 2 along a branch as long
+ * and as steep has -2 l/9 along itself alone. */
+static void test_crosses(void)
+{
+    const double l = 0.9 * 3.0, root = sqrt(10.0), half = sqrt(0.5);
+    enter();
+    write_pile();
+    write_text("contacts.tsv",
+               "x\ty\tx_b\ty_b\tnormal_force\tshear_force\twall\n3.5\t1.5\t2.5\t0.5\t3\t4\t0\n"
+               "1\t5\t0\t4\t-2\t0\t0\n");
+    CU_ASSERT_EQUAL(tell(". -o a.png --stress --cell 3"), 0);
+    const double ends[3][3] = {
+        {3.0 / root, 1.0 / root, 1.0}, {-1.0 / root, 3.0 / root, 0.25}, {half, half, 0.5}};
+    double crosses[3][5];
+    for (int k = 0; k < 3; k++) {
+        const double dx = l * ends[k][2] * ends[k][0], dy = l * ends[k][2] * ends[k][1];
+        memcpy(
+            crosses[k],
+            (double[]){(k < 2 ? 3.5 : 0.5) - 0.5 * dx, (k < 2 ? 1.5 : 4.5) - 0.5 * dy, dx, dy, k ? 51 : 50},
+            sizeof crosses[k]);
+    }
+    check_data("stress", 0, 3, 5, *crosses);
+    char text[128];
+    snprintf(text, sizeof text, "arrowstyle 50 title \"principal stress, largest %.4g 1/m\"\n",
+             4.0 * sqrt(2.0) / 9.0);
+    CU_ASSERT(is_told(text) && !strstr(told, "normal force"));
+    leave();
+}
+
+/* Vertical forces of contacts with walls below, up to 45 degrees; of bins of 3 m from x = -1 m on to the end
+ * of the window, at 7 m and a mean radius. */
+static void test_bins(void)
+{
+    enter();
+    write_pile();
+    write_text("contacts.tsv", "# units: m\tm\tm\tm\tN\t1\nx\ty\tx_b\ty_b\tnormal_force\twall\n"
+                               "-1\t3\t-1\t2\t6\t1\n"        /* where the bins begin */
+                               "0\t3\t0\t4\t60\t1\n"         /* above */
+                               "0\t3\t0\t2\t60\t0\n"         /* no wall */
+                               "3\t4\t2\t3\t1.5\t1\n"        /* 45 degrees: the vertical part is 1.5/sqrt 2 */
+                               "4.25\t4\t3\t3\t60\t1\n"      /* steeper */
+                               "3\t4\t4.25\t3\t60\t1\n"      /* steeper to the other side */
+                               "7.5\t3\t7.5\t2\t0.375\t1\n"  /* the last bin */
+                               "9\t3\t9\t2\t60\t1\n"         /* beyond it */
+                               "-1.5\t3\t-1.5\t2\t60\t1\n"); /* before the first one */
+    CU_ASSERT_EQUAL(tell(". -o a.png --base --cell 3"), 0);
+    check_data("base", 0, 3, 2, (double[]){0.5, 2.0, 3.5, 1.5 * sqrt(0.5) / 3.0, 6.5, 0.125});
+    CU_ASSERT(is_told("set yrange [0:2.1600000000000001]\nset ytics 0.5\n"));
+    CU_ASSERT(is_told(
+        "set ylabel \"pressure (N/m)\" noenhanced\nset xlabel \"x (m)\" noenhanced\nset boxwidth 3\n"));
+    CU_ASSERT(is_told("set label 1 \"step 7, t = 0.5 s, 3 grains\""));
+    /* without a cell, as many bins as are nearest to three mean diameters: 7 m by 7 m */
+    CU_ASSERT_EQUAL(tell(". -o a.png --base"), 0);
+    CU_ASSERT(is_told("set boxwidth 7\n"));
+    /* of a static pile the forces are those of its base; without names of the units */
+    write_text("disks.tsv", "x\ty\tr\n0\t0.5\t0.5\n1\t0.5\t0.5\n2\t0.5\t0.5\n");
+    CU_ASSERT(shell("rm contacts.tsv walls.tsv states.tsv") == 0);
+    write_text("base.tsv", "i\tx\tN/mg\tH/mg\n1\t0\t0.25\t7\n2\t1\t0.5\t7\n3\t2\t0.125\t7\n");
+    CU_ASSERT_EQUAL(tell(". -o a.png --base --cell 1"), 0);
+    check_data("base", 0, 4, 2, (double[]){0, 0.25, 1, 0.5, 2, 0.125, 3, 0});
+    CU_ASSERT(is_told("set ylabel \"pressure\" noenhanced") && is_told("\"3 grains\""));
+    leave();
+}
+
+/* Stages of a run by their steps, whatever their names; a stage without rows is none. */
+static void test_stages(void)
+{
+    static const char *const names[] = {"a", "b", "c", "d"};
+    static const int order[] = {9, 1, 5};
+    enter();
+    CU_ASSERT(shell("mkdir d >out 2>err") == 0);
+    for (int k = 0; k < 3; k++) {
+        char name[32];
+        snprintf(name, sizeof name, "d/%s_grains.tsv", names[k]);
+        write_text(name, "step\tx\ty\tr\n%d\t%d\t0\t1\n", order[k], k);
+        snprintf(name, sizeof name, "d/%s_contacts.tsv", names[k]);
+        write_text(name, "step\tx\ty\tx_b\ty_b\tforce\n%d\t%d\t0\t%d\t2\t%d\n", order[k], k, k, 1 + k);
+    }
+    write_text("d/d_grains.tsv", "step\tx\ty\tr\n");
+    CU_ASSERT_EQUAL(tell("d -o a.gif"), 0);
+    static const double x[] = {1, 2, 0}, class[] = {12, 12, 6}; /* of a force of 2 */
+    for (size_t k = 0; k < 3; k++) {
+        check_data("grains", k, 1, 4, (double[]){x[k], 0, 1, 0});
+        check_data("contacts", k, 1, 5, (double[]){x[k], 0, 0, 2, class[k]});
+    }
+    CU_ASSERT(is_told("title \"normal force 2\"\n"));
+    leave();
+}
+
 /* ---- kinds of folders and files ---- */
 
 static void test_kinds(void)
@@ -616,6 +922,12 @@ void suite_view(void)
                                        {"stress and base", test_stress},
                                        {"frames", test_frames},
                                        {"film", test_film},
+                                       {"an animation, number by number", test_animation},
+                                       {"the frame that is drawn", test_chosen},
+                                       {"range of colours", test_range},
+                                       {"crosses of stress", test_crosses},
+                                       {"bins of the base", test_bins},
+                                       {"stages of a run", test_stages},
                                        {"folders and files", test_kinds},
                                        {"refusals", test_refusals},
                                        {"closing line of a run", test_closing_line},

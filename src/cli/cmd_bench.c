@@ -3,8 +3,8 @@
 #include <gsl/gsl_sort.h>
 #include <malloc.h>
 
-#include "angle/angle.h"
 #include "cli/cli.h"
+#include "cli/watch.h"
 #include "core/clock.h"
 #include "dem/scene.h"
 
@@ -19,7 +19,7 @@ enum { MOST = 100, FILL_STEPS = 30000, RELAX_STEPS = 50000, WARM_STEPS = 2000 };
       "timed steps, except of a sample; auto: 2e7 particle-steps, flowing at most 10000 steps")              \
     X(CHOICE, state, "", "settled", "settled | flowing | sample",                                            \
       "settled: at rest in the box; flowing: right after the opening; sample: a whole run from fill to "     \
-      "slopes, with input, 30000 steps closed, 50000 open, and output")                                      \
+      "slope, with input, 30000 steps closed, 50000 open, and output")                                       \
     X(CHOICE, floor, "", "extends", "extends | absorbs",                                                     \
       "floor beyond the opening: extends to 3 W, or absorbs grains at W")                                    \
     X(BOOL, rotation, "", "false", "", "whether grains rotate")                                              \
@@ -136,37 +136,20 @@ static rp_status prepare(const bench_options *o, dem_sim *sim, double dt)
     return status;
 }
 
-static rp_status measure_slopes(const bench_options *o, const dem_sim *sim)
-{
-    const size_t n = dem_count(sim);
-    const ang_options how = ANG_OPTIONS_DEFAULT;
-    ang_surface surface = {0};
-    ang_slope slopes[ANG_N_METHODS];
-    dem_state *states = cli_memory(n, sizeof *states);
-    double *x = cli_memory(2 * n, sizeof *x), *y = x + n;
-    rp_status status = dem_states(sim, states);
-    for (size_t i = 0; i < n; i++) x[i] = states[i].x, y[i] = states[i].y;
-    if (!status) status = ang_surface_make(n, x, y, NULL, o->width, &how, &surface);
-    if (!status)
-        status = ang_slopes(surface.n, surface.column, surface.h, surface.cell, how.parabola, slopes);
-    ang_surface_free(&surface);
-    return status;
-}
-
 static rp_status advance(dem_sim *sim, long steps, dem_phases *times)
 {
     return times ? dem_run_timed(sim, steps, times) : dem_run(sim, steps);
 }
 
-/* A whole run, from the fill to the slopes. */
-static rp_status run_sample(bench_options *o, dem_sim **sim, dem_phases *times)
+/* A whole run, from the fill to the slope. */
+static rp_status run_sample(bench_options *o, dem_sim **sim, dem_phases *times, cli_slope *slope)
 {
     double dt;
     RP_TRY(begin(o, sim, &dt));
     RP_TRY(advance(*sim, FILL_STEPS, times));
     dem_wall_open(*sim, DEM_BOX_RIGHT, INFINITY);
     RP_TRY(advance(*sim, RELAX_STEPS, times));
-    RP_TRY(measure_slopes(o, *sim));
+    RP_TRY(cli_slope_of(*sim, slope));
     return *o->o ? write_grains(o->o, *sim) : RP_OK;
 }
 
@@ -175,6 +158,7 @@ typedef struct {
     size_t grains;
     long rebuilds;
     dem_counts counts; /* at the end */
+    cli_slope slope;   /* of a sample */
 } bench_run;
 
 /* One run, of a sample or from `settled` on. */
@@ -185,7 +169,7 @@ static rp_status run_once(bench_options *o, const dem_sim *settled, dem_phases *
     rp_status status = settled ? dem_clone(settled, &sim) : RP_OK;
     if (!status && settled) dem_count_work(sim, &before);
     const double cpu = rp_cpu_clock(), wall = rp_clock();
-    if (!status) status = settled ? advance(sim, o->steps, times) : run_sample(o, &sim, times);
+    if (!status) status = settled ? advance(sim, o->steps, times) : run_sample(o, &sim, times, &run->slope);
     const double seconds = o->j > 1 ? rp_clock() - wall : rp_cpu_clock() - cpu;
     if (!status) {
         dem_count_work(sim, &run->counts);
@@ -207,7 +191,6 @@ static double heap(void)
 static void write_row(const bench_options *o, double rates[], const bench_run *last, const dem_phases *times,
                       const double memory[2], double seconds)
 {
-    const double steps = o->state == SAMPLE ? FILL_STEPS + RELAX_STEPS : (double)o->steps;
     const double all = times->contacts + times->lists + times->integration + times->walls;
     const double inner = times->contacts + times->integration;
     gsl_sort(rates, 1, (size_t)o->repeat);
@@ -217,7 +200,7 @@ static void write_row(const bench_options *o, double rates[], const bench_run *l
                     "[1/grain], pairs [1/grain], rebuilds, share_contacts, share_lists, share_integration, "
                     "share_walls, bytes [B/grain], peak_bytes [B/grain]");
     /* the bound follows from the shares, so that the cost of the clocks enters only through them */
-    CLI_ROW(n, steps, rates[o->repeat - 1], median, median * all / inner, seconds,
+    CLI_ROW(n, (double)o->steps, rates[o->repeat - 1], median, median * all / inner, seconds,
             (double)last->counts.contacts / grains, (double)last->counts.pairs / grains,
             (double)last->rebuilds, times->contacts / all, times->lists / all, times->integration / all,
             times->walls / all, memory[0] / n, memory[1] / n);
@@ -232,9 +215,11 @@ static rp_status measure(void *values)
     bench_run run = {0};
     double rates[MOST], dt = NAN;
     rp_status status = begin(o, &sim, &dt);
-    if (o->steps <= 0) {
-        o->steps = (long)fmax(100.0, 2e7 / (double)o->n);
-        if (o->state == FLOWING && o->steps > 10000) o->steps = 10000; /* later the pile is at rest */
+    if (o->state == SAMPLE)
+        o->steps = FILL_STEPS + RELAX_STEPS;
+    else if (o->steps <= 0) { /* after 10000 steps the pile flows no more */
+        const double most = o->state == FLOWING ? 10000.0 : INFINITY;
+        o->steps = (long)fmin(fmax(100.0, 2e7 / (double)o->n), most);
     }
     if (!status && o->state != SAMPLE) status = prepare(o, sim, dt);
     const double memory[2] = {heap() - heap_before, 1e6 * (rp_peak_memory() - peak_before)};
@@ -249,6 +234,7 @@ static rp_status measure(void *values)
         cli_table(stdout);
         rp_table_note(stdout, "pair_loop", "%s", dem_kernel_name(sim));
         rp_table_note(stdout, "dt", "%.17g s", dt);
+        if (o->state == SAMPLE) rp_table_note(stdout, "theta_r", "%.17g degrees", run.slope.theta);
         write_row(o, rates, &run, &times, memory, rp_clock() - begun);
     }
     dem_free(sim);

@@ -79,7 +79,8 @@ void dem_neighbours_drop(dem_sim *sim)
         for (size_t m = 0; m < n; m++) put_away(sim, g->cell[m]);
 }
 
-/* A pair of a grain that left becomes a pair of grain 0 with itself, which never touches. */
+/* A pair of a grain that left becomes a pair of grain 0 with itself, which does not touch: two that left
+ * together may still have touched. */
 static void rename_pairs(dem_pairs *pairs, const uint32_t *place)
 {
     for (size_t k = 0; k < pairs->n; k++) {
@@ -87,7 +88,7 @@ static void rename_pairs(dem_pairs *pairs, const uint32_t *place)
         const bool gone = i == GONE || j == GONE;
         pairs->i[k] = gone ? 0 : i;
         pairs->j[k] = gone ? 0 : j;
-        if (gone) pairs->radii[k] = 0.0;
+        if (gone) pairs->radii[k] = 0.0, pairs->touching[k / 64] &= ~(1ull << k % 64);
     }
 }
 

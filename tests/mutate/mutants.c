@@ -263,7 +263,8 @@ static const struct {
                {"[*/] [0-9]+[ ;,)]", change_number, ANYWHERE},
                {"[[][a-z0-9_]+[]]", change_index, ANYWHERE}};
 
-/* Blank what is not to change; a comment, a string or a message may go on in the next line. */
+/* Blank what is not to change, a comment by tabs; a comment, a string or a message may go on in the next
+ * line. */
 static void blank(void)
 {
     const char *text = at_line.text;
@@ -274,14 +275,14 @@ static void blank(void)
         size_t skipped = 0;
         if (at_line.in_comment) {
             at_line.in_comment = strncmp(text + i, "*/", 2) != 0;
-            skipped = !at_line.in_comment, c = ' ';
+            skipped = !at_line.in_comment, c = '\t';
         } else if (at_line.quote) {
             skipped = c == '\\';
             if (c == at_line.quote) at_line.quote = 0;
             c = ' ';
         } else if (strncmp(text + i, "/*", 2) == 0) {
             at_line.in_comment = true;
-            skipped = 1, c = ' ';
+            skipped = 1, c = '\t';
         } else if (c == '"' || c == '\'') {
             at_line.quote = c;
             c = ' ';
@@ -289,7 +290,7 @@ static void blank(void)
             at_line.in_message = true;
         if (c == ';') at_line.in_message = false;
         *code++ = at_line.in_message ? ' ' : c;
-        if (skipped && i + 1 < n) *code++ = ' ', i++;
+        if (skipped && i + 1 < n) *code++ = c, i++;
     }
     strcpy(code, " "); /* an operator or a number at the end of a line has a blank after it as well */
 }
@@ -326,8 +327,7 @@ static void mutate_text(void)
         for (size_t from = 0; matches(texts[i].pattern, at_line.text + from, &m);) {
             from += (size_t)m.rm_so;
             const size_t len = (size_t)(m.rm_eo - m.rm_so);
-            const bool is_using = !at_line.is_figure || at_line.code[from + len] != '\t';
-            if (is_using) texts[i].change(from, len);
+            if (at_line.code[from + 1] != '\t') texts[i].change(from, len);
             from += len - 1;
         }
     }

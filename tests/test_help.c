@@ -1,0 +1,568 @@
+/* Help, manual pages, completion and lists of parameters: whole texts, put together a second time from the
+ * commands' own words and schemas. */
+#include <ctype.h>
+#include <jansson.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "cli/cli.h"
+#include "core/units.h"
+#include "core/version.h"
+#include "dem/scene.h"
+#include "tests/check.h"
+#include "tests/program.h"
+
+/* ---- a text line by line ---- */
+
+static char *rest;
+
+/* The next line is this one. */
+static void line_is(const char *format, ...) __attribute__((format(printf, 1, 2)));
+static void line_is(const char *format, ...)
+{
+    char expected[4096];
+    va_list list;
+    va_start(list, format);
+    vsnprintf(expected, sizeof expected, format, list);
+    va_end(list);
+    const char *line = rest ? strsep(&rest, "\n") : "(end of the text)";
+    const bool same = strcmp(line, expected) == 0;
+    if (!same) fprintf(stderr, "a line is:  %s\nexpected: %s\n", line, expected);
+    CU_ASSERT_FATAL(same);
+}
+
+static void text_ends(void)
+{
+    CU_ASSERT(rest && *rest == '\0');
+}
+
+/* Words of a text in lines of at most `width`, the first of which has begun with `start`, the others with so
+ * many blanks; each line takes the words that fit. */
+static void filled(const char *start, const char *text, int indent, int width)
+{
+    char line[4096];
+    snprintf(line, sizeof line, "%s", start);
+    bool empty = true;
+    for (const char *word = text; *word; word += strspn(word, " \n")) {
+        const int length = (int)strcspn(word, " \n"), at = (int)strlen(line);
+        if (at > indent && at + 1 + length > width) {
+            line_is("%s", line);
+            sprintf(line, "%*s", indent, "");
+            empty = true;
+        }
+        sprintf(line + strlen(line), "%s%.*s", empty ? "" : " ", length, word);
+        empty = false;
+        word += length;
+    }
+    line_is("%s", line);
+}
+
+/* What an option is for, with unit, range and default. */
+static const char *text_of(const rp_param *p, char text[1024])
+{
+    int n = sprintf(text, "%s", p->meaning);
+    if (*p->unit) n += sprintf(text + n, ", %s", p->unit);
+    if (p->range && *p->range) n += sprintf(text + n, "; %s", p->range);
+    if (!p->fallback) n += sprintf(text + n, " (required)");
+    if (p->fallback && *p->fallback && p->type != RP_BOOL) sprintf(text + n, " (default %s)", p->fallback);
+    return text;
+}
+
+/* Options of a command, as they are typed: those of its protocol, its own, that of all tables. */
+typedef struct {
+    char typed[40];
+    const rp_param *p;
+} option;
+
+static size_t options_of(const cli_command *c, option options[64])
+{
+    static const rp_param json = {.name = "json",
+                                  .unit = "",
+                                  .type = RP_BOOL,
+                                  .fallback = "false",
+                                  .meaning = "print the table as JSON: header lines, units, and rows as "
+                                             "objects; nan as null"};
+    const rp_param *lists[] = {c->protocol, c->options ? c->options() : NULL,
+                               c->prints_table || c->on_table ? (const rp_param[]){json, {0}} : NULL};
+    size_t n = 0;
+    for (size_t k = 0; k < 3; k++)
+        for (const rp_param *p = lists[k]; p && p->name; p++, n++) {
+            sprintf(options[n].typed, "%s%s", p->name[1] ? "--" : "-", p->name);
+            for (char *c_now = options[n].typed; (c_now = strchr(c_now, '_'));) *c_now = '-';
+            options[n].p = k < 2 ? p : &json;
+        }
+    return n;
+}
+
+/* Each command, those of groups too. */
+static void each(const cli_command *const *c, void (*check)(const cli_command *))
+{
+    for (; *c; c++) {
+        check(*c);
+        if ((*c)->group) each((*c)->group, check);
+    }
+}
+
+/* ---- help ---- */
+
+static const char *own_name(const cli_command *c)
+{
+    return strrchr(c->name, ' ') ? strrchr(c->name, ' ') + 1 : c->name;
+}
+
+/* The description: paragraphs are filled, lines that begin with a blank stand as they are. */
+static void check_about(const char *about, int width)
+{
+    char text[8192] = "", line[1024];
+    for (const char *from = about; *from;) {
+        const size_t length = strcspn(from, "\n");
+        snprintf(line, sizeof line, "%.*s", (int)length, from);
+        if (*text && (!*line || *line == ' ')) filled("", text, 0, width), *text = '\0';
+        if (!*line || *line == ' ')
+            line_is("%s", line);
+        else
+            strcat(strcat(text, line), "\n");
+        from += length + (from[length] == '\n');
+    }
+    if (*text) filled("", text, 0, width);
+}
+
+static void check_help(const cli_command *c)
+{
+    option options[64];
+    char start[80], text[1024];
+    for (int width = 60; width <= 110; width += 40) {
+        snprintf(text, sizeof text, "COLUMNS=%d \"$REPOSE\" %s --help >out 2>err", width, c->name);
+        CU_ASSERT_EQUAL_FATAL(shell(text), 0);
+        rest = out;
+        snprintf(start, sizeof start, "usage: repose %s ", c->name);
+        if (c->group) {
+            line_is("%sCOMMAND [options]; repose %s COMMAND --help says more", start, c->name);
+            line_is("%s", "");
+            for (const cli_command *const *g = c->group; *g; g++)
+                line_is("  %-10s %s", own_name(*g), (*g)->summary);
+            text_ends();
+            return;
+        }
+        filled(start, c->synopsis, 7, width);
+        line_is("%s", "");
+        check_about(c->about, width);
+        line_is("%s", "");
+        line_is("options:");
+        const size_t n = options_of(c, options);
+        for (size_t i = 0; i < n; i++) {
+            snprintf(start, sizeof start, "  %-22.39s ", options[i].typed);
+            filled(start, text_of(options[i].p, text), 25, width);
+        }
+        line_is("  %-22s this text", "--help");
+        line_is("%s", "");
+        line_is("example:");
+        line_is("  %s", c->example);
+        text_ends();
+    }
+}
+
+static void test_help(void)
+{
+    enter();
+    each(cli_commands, check_help);
+    /* 80 without a number of columns; never below 60 or above 110 */
+    static const char *const same[][2] = {
+        {"", "80"}, {"0", "80"}, {"-3", "80"}, {"59", "60"}, {"111", "110"}};
+    for (size_t k = 0; k < sizeof same / sizeof *same; k++) {
+        char line[128];
+        snprintf(line, sizeof line,
+                 "for c in '%s' %s; do COLUMNS=$c \"$REPOSE\" calibrate --help >help_$c 2>err; done; cmp "
+                 "help_%s help_%s "
+                 ">out",
+                 same[k][0], same[k][1], same[k][0], same[k][1]);
+        CU_ASSERT_EQUAL(shell(line), 0);
+    }
+    leave();
+}
+
+/* A command has room for 40 options, with names shorter than 32 letters, and 4096 bytes of values. */
+static void test_room(void)
+{
+    enum { MOST = 40 };
+    static rp_param rows[MOST + 2];
+    static const char name_31[] = "abcdefghijklmnopqrstuvwxyz_0123",
+                      name_32[] = "abcdefghijklmnopqrstuvwxyz_01234";
+    const rp_param *found;
+    cli_command c = {.name = "many", .protocol = rows};
+    for (int i = 0; i < MOST; i++)
+        rows[i] = (rp_param){"a", "", RP_TEXT, 4096 - sizeof(rp_texts), "", "", "", false};
+    CHECK_OK(cli_options_of(&c, &found));
+    CU_ASSERT(found[MOST - 1].name && !found[MOST].name);
+    rows[MOST] = rows[0];
+    CHECK_FAILS(cli_options_of(&c, &found), RP_BROKEN, "repose many: no room for option a");
+    rows[MOST] = (rp_param){0};
+    rows[3].name = name_31;
+    CHECK_OK(cli_options_of(&c, &found));
+    CU_ASSERT_STRING_EQUAL(found[3].name, "abcdefghijklmnopqrstuvwxyz-0123");
+    rows[3].name = name_32;
+    CHECK_FAILS(cli_options_of(&c, &found), RP_BROKEN, name_32);
+    rows[3].name = "b";
+    rows[3].offset++;
+    CHECK_FAILS(cli_options_of(&c, &found), RP_BROKEN, "option b");
+}
+
+/* ---- manual pages ---- */
+
+/* The next line of a page is a request and this text: troff has \- for a dash, \e for a backslash, and \&
+ * before a point or a quote that is no request. */
+static void page_is(const char *request, const char *text)
+{
+    char line[4096], *to = line + sprintf(line, "%s", request);
+    if (*text == '.' || *text == '\'') to = stpcpy(to, "\\&");
+    for (; *text; text++) to += sprintf(to, *text == '-' ? "\\-" : *text == '\\' ? "\\e" : "%c", *text);
+    line_is("%s", line);
+}
+
+static void item_is(const char *name, const char *text)
+{
+    line_is(".TP");
+    page_is(".B ", name);
+    page_is("", text);
+}
+
+static void schema_is(const char *title, const char *name, const rp_param *schema)
+{
+    char text[1024];
+    line_is(".SS %s %s", title, name);
+    for (const rp_param *p = schema; p->name; p++) item_is(p->name, text_of(p, text));
+}
+
+static void keys_are(void)
+{
+    line_is(".SH KEYS");
+    for (const dem_scene_group *g = dem_scene_schemas; g->name; g++)
+        schema_is("Scene file:", g->name, g->schema);
+#define X(protocol)                                                                                          \
+    schema_is("Protocol", #protocol, sweep_protocol_##protocol.schema);                                      \
+    line_is(".SS Outputs of protocol " #protocol);                                                           \
+    for (const sweep_output *o = sweep_protocol_##protocol.outputs; o->name; o++) {                          \
+        char text[1024];                                                                                     \
+        sprintf(text, *o->unit ? "%s, %s" : "%s", o->meaning, o->unit);                                      \
+        item_is(o->name, text);                                                                              \
+    }
+    SWEEP_PROTOCOLS(X)
+#undef X
+}
+
+/* Lines in the form of the text are between .nf and .fi; an empty one begins a paragraph. */
+static void lines_are(const char *text)
+{
+    bool kept = false;
+    char line[1024];
+    for (; *text; text += strcspn(text, "\n"), text += *text == '\n') {
+        snprintf(line, sizeof line, "%.*s", (int)strcspn(text, "\n"), text);
+        if (kept && isgraph((unsigned char)*line)) line_is(".fi"), kept = false;
+        if (!kept && *line == ' ') line_is(".nf"), kept = true;
+        if (*line) page_is("", line);
+        if (!*line && kept) line_is(" ");
+        if (!*line && !kept) line_is("%s", ""), line_is(".PP");
+    }
+    if (kept) line_is(".fi");
+}
+
+static void group_is(const cli_command *const *group)
+{
+    line_is(".SH COMMANDS");
+    for (; *group; group++) {
+        char page[64];
+        snprintf(page, sizeof page, "repose-%s", (*group)->name);
+        for (char *blank; (blank = strchr(page, ' '));) *blank = '-';
+        line_is(".TP");
+        for (char *dash = page + strlen(page); dash-- > page;) /* each dash is an escape */
+            if (*dash == '-') memmove(dash + 1, dash, strlen(dash) + 1), *dash = '\\';
+        line_is(".BR %s (1)", page);
+        page_is("", (*group)->summary);
+    }
+}
+
+static void head_is(const char *page, const char *summary)
+{
+    char text[1024];
+    line_is(".TH %s 1 \"\" \"Repose %s\" \"User Commands\"", page, RP_VERSION);
+    line_is(".SH NAME");
+    snprintf(text, sizeof text, "%s - %s", page, summary);
+    page_is("", text);
+    line_is(".SH SYNOPSIS");
+}
+
+static void check_page(const cli_command *c)
+{
+    static char page[1 << 18];
+    char name[64], path[80], text[1024];
+    option options[64];
+    snprintf(name, sizeof name, "repose-%s", c->name);
+    for (char *blank; (blank = strchr(name, ' '));) *blank = '-';
+    snprintf(path, sizeof path, "pages/%s.1", name);
+    slurp(path, page, sizeof page);
+    rest = page;
+    head_is(name, c->summary);
+    page_is(".B repose ", c->name);
+    if (c->group) {
+        line_is(".I COMMAND");
+        line_is("[options]");
+        group_is(c->group);
+    } else {
+        for (const char *s = c->synopsis; *s; s += strcspn(s, "\n"), s += *s == '\n') {
+            snprintf(text, sizeof text, "%.*s", (int)strcspn(s, "\n"), s);
+            page_is("", text);
+        }
+        line_is(".SH DESCRIPTION");
+        lines_are(c->about);
+        line_is(".SH OPTIONS");
+        const size_t n = options_of(c, options);
+        for (size_t i = 0; i < n; i++) item_is(options[i].typed, text_of(options[i].p, text));
+        item_is("--help", "this text");
+        if (strcmp(c->name, "params") == 0) keys_are();
+        line_is(".SH EXAMPLE");
+        line_is(".nf");
+        page_is("", c->example);
+        line_is(".fi");
+    }
+    line_is(".SH SEE ALSO");
+    line_is(".BR repose (1)");
+    text_ends();
+}
+
+static void test_pages(void)
+{
+    static char overview[1 << 14];
+    enter();
+    GOOD("help --man pages");
+    each(cli_commands, check_page);
+    GOOD("help");
+    const char *files = strstr(out, "\n\nAn example, sweep or table ");
+    CU_ASSERT_PTR_NOT_NULL_FATAL(files);
+    slurp("pages/repose.1", overview, sizeof overview);
+    rest = overview;
+    head_is("repose",
+            "forces in and under piles of grains, and the angles at which piles are stable and fail");
+    line_is(".B repose");
+    line_is(".I COMMAND");
+    line_is("[options]");
+    group_is(cli_commands);
+    line_is(".SH EXIT STATUS");
+#define X(name, code, text) item_is(#code, text);
+    RP_STATUS_LIST(X)
+#undef X
+    line_is(".SH FILES");
+    lines_are(files + 2);
+    text_ends();
+    leave();
+}
+
+/* ---- completion ---- */
+
+static void completion_of(const cli_command *c)
+{
+    char words[4096] = "";
+    option options[64];
+    if (c->group) {
+        for (const cli_command *const *g = c->group; *g; g++) completion_of(*g);
+        for (const cli_command *const *g = c->group; *g; g++) strcat(strcat(words, own_name(*g)), " ");
+        line_is("    '%s ') words='%s--help' ;;", c->name, words);
+        return;
+    }
+    const size_t n = options_of(c, options);
+    for (size_t i = 0; i < n; i++) {
+        const rp_param *p = options[i].p;
+        char choices[512] = "";
+        if (p->type == RP_CHOICE || p->type == RP_FLAGS)
+            for (const char *r = p->range; *r; r += *r == '|')
+                strncat(choices, r, strcspn(r, "|")), r += strcspn(r, "|");
+        if (p->type != RP_BOOL) line_is("    '%s'*' %s ') words='%s' ;;", c->name, options[i].typed, choices);
+    }
+    for (const cli_command *const *g = cli_commands; *g && strcmp(c->name, "help") == 0; g++)
+        strcat(strcat(words, (*g)->name), " ");
+    for (size_t i = 0; i < n; i++) strcat(strcat(words, options[i].typed), " ");
+    line_is("    '%s '*) words='%s--help' ;;", c->name, words);
+}
+
+static void test_completion(void)
+{
+    char words[1024] = "";
+    enter();
+    GOOD("help --completion");
+    rest = out;
+    line_is("# Completion of repose, from `repose help --completion`; names of files where no word fits.");
+    line_is("_repose()");
+    line_is("{");
+    line_is("    local words=");
+    line_is("    case \"${COMP_WORDS[*]:1:COMP_CWORD-1} \" in");
+    for (const cli_command *const *c = cli_commands; *c; c++) completion_of(*c);
+    for (const cli_command *const *c = cli_commands; *c; c++) strcat(strcat(words, (*c)->name), " ");
+    line_is("    ' ') words='%s--help --version' ;;", words);
+    line_is("    esac");
+    line_is("    mapfile -t COMPREPLY < <(compgen -W \"$words\" -- \"${COMP_WORDS[COMP_CWORD]}\")");
+    line_is("}");
+    line_is("complete -o bashdefault -o default -F _repose repose");
+    text_ends();
+    leave();
+}
+
+/* ---- parameters ---- */
+
+static const char *or_dash(const char *text)
+{
+    return text && *text ? text : "-";
+}
+
+/* The default in these units; numbers of cgs by hand. */
+static const char *default_of(const rp_param *p, bool si, char text[64])
+{
+    static const struct {
+        const char *unit;
+        double factor;
+    } factors[] = {{"cm", 1e-2},    {"cm/s", 1e-2},   {"cm/s^2", 1e-2},    {"g", 1e-3},
+                   {"g/cm^3", 1e3}, {"dyn/cm", 1e-3}, {"dyn/cm^1.5", 1e-2}};
+    char *end;
+    if (!p->fallback) return "(required)";
+    const double number = strtod(p->fallback, &end);
+    for (size_t k = 0; k < sizeof factors / sizeof *factors && si && p->type == RP_REAL; k++)
+        if (strcmp(p->unit, factors[k].unit) == 0 && *p->fallback && !*end) {
+            sprintf(text, "%g", number * factors[k].factor);
+            return text;
+        }
+    return or_dash(p->fallback);
+}
+
+static const char *type_of(const rp_param *p)
+{
+    static const char *const words[] = {
+        [RP_REAL] = "real",   [RP_INT] = "whole", [RP_BOOL] = "bool", [RP_CHOICE] = "word",
+        [RP_FLAGS] = "words", [RP_TEXT] = "text", [RP_TEXTS] = "text"};
+    return words[p->type];
+}
+
+static void schema_lines(const rp_param *schema, bool si)
+{
+    char text[64];
+    line_is("# %-25s %-10s %-6s %-12s %-34s %s", "name", "unit", "type", "default", "range", "meaning");
+    for (const rp_param *p = schema; p->name; p++)
+        line_is("  %-25s %-10s %-6s %-12s %-34s %s", p->name, or_dash(rp_unit(p->unit)), type_of(p),
+                default_of(p, si, text), p->type == RP_BOOL ? "true | false" : or_dash(p->range), p->meaning);
+}
+
+static void protocol_lines(const sweep_protocol *protocol, bool si)
+{
+    line_is("# protocol %s: %s", protocol->name, protocol->about);
+    schema_lines(protocol->schema, si);
+    line_is("# outputs of protocol %s", protocol->name);
+    line_is("# %-36s %-10s %s", "name", "unit", "meaning");
+    for (const sweep_output *o = protocol->outputs; o->name; o++)
+        line_is("  %-36s %-10s %s", o->name, or_dash(rp_unit(o->unit)), o->meaning);
+}
+
+static void scene_lines(bool si)
+{
+    line_is("# scene file, top level (and gravity = [gx, gy], cm/s^2)");
+    for (const dem_scene_group *g = dem_scene_schemas; g->name; g++) {
+        if (g > dem_scene_schemas) line_is("# scene file, %s", g->name);
+        schema_lines(g->schema, si);
+    }
+    for (int k = 0; k < 3; k++) CU_ASSERT(rest && *strsep(&rest, "\n") == '#'); /* on walls */
+}
+
+/* What is asked for, blank lines between the protocols and the scene. */
+static void test_params(void)
+{
+    static const char *const words[] = {"params", "params --units si", "params scene --units si",
+                                        "params flux"};
+    enter();
+    for (size_t k = 0; k < 4; k++) {
+        const bool si = k == 1 || k == 2;
+        GOOD("%s", words[k]);
+        rest = out;
+        rp_units_set(si ? RP_SI : RP_CGS);
+        for (const sweep_protocol *const *p = sweep_protocols; *p && k < 2; p++) {
+            protocol_lines(*p, si);
+            line_is("%s", "");
+        }
+        if (k < 3) scene_lines(si);
+        if (k == 3) protocol_lines(&sweep_protocol_flux, si);
+        text_ends();
+    }
+    rp_units_set(RP_CGS);
+    FAILS(65, "\"fluxx\": unknown protocol (did you mean \"flux\"?); repose params lists them",
+          "params fluxx");
+    FAILS(65, "(did you mean \"scene\"?)", "params scen");
+    leave();
+}
+
+/* The next row of the table has these cells. */
+static json_t *rows;
+static size_t row_now;
+
+static void row_is(const char *const cells[8])
+{
+    static const char *const names[] = {"of", "kind", "name", "unit", "type", "default", "range", "meaning"};
+    const json_t *row = json_array_get(rows, row_now++);
+    CU_ASSERT_FATAL(json_object_size(row) == 8);
+    for (int i = 0; i < 8; i++) {
+        const json_t *value = json_object_get(row, names[i]);
+        char *end;
+        const double number = strtod(cells[i], &end);
+        const bool same = json_is_number(value)
+                              ? *cells[i] && !*end && json_number_value(value) == number
+                              : json_is_string(value) && strcmp(json_string_value(value), cells[i]) == 0;
+        if (!same) fprintf(stderr, "params --json: row %zu, %s: expected %s\n", row_now, names[i], cells[i]);
+        CU_ASSERT(same);
+    }
+}
+
+static void schema_rows(const char *of, const char *kind, const rp_param *schema, bool si)
+{
+    char text[64];
+    for (const rp_param *p = schema; p->name; p++)
+        row_is((const char *[]){of, kind, p->name, or_dash(rp_unit(p->unit)), type_of(p),
+                                default_of(p, si, text), or_dash(p->range), p->meaning});
+}
+
+static void test_params_json(void)
+{
+    static const char *const words[] = {"params --json", "params --json --units si", "params scene --json"};
+    enter();
+    CU_ASSERT_PTR_NOT_NULL(strstr(cmd_params.about, "with unit, type, default, range and meaning"));
+    CU_ASSERT_PTR_NOT_NULL(
+        strstr(cmd_params.about, "the members of,\nkind, name, unit, type, default, range and meaning"));
+    for (size_t k = 0; k < 3; k++) {
+        const bool si = k == 1;
+        GOOD("%s", words[k]);
+        json_t *all = json_loads(out, JSON_REJECT_DUPLICATES, NULL);
+        CU_ASSERT_PTR_NOT_NULL_FATAL(all);
+        rows = json_object_get(all, "rows");
+        row_now = 0;
+        rp_units_set(si ? RP_SI : RP_CGS);
+        for (const sweep_protocol *const *p = sweep_protocols; *p && k < 2; p++) {
+            schema_rows((*p)->name, "parameter", (*p)->schema, si);
+            for (const sweep_output *o = (*p)->outputs; o->name; o++)
+                row_is((const char *[]){(*p)->name, "output", o->name, or_dash(rp_unit(o->unit)), "real", "-",
+                                        "-", o->meaning});
+        }
+        for (const dem_scene_group *g = dem_scene_schemas; g->name; g++)
+            schema_rows("scene", g == dem_scene_schemas ? "top level" : g->name, g->schema, si);
+        CU_ASSERT_EQUAL(row_now, json_array_size(rows));
+        json_decref(all);
+    }
+    rp_units_set(RP_CGS);
+    leave();
+}
+
+void suite_help(void)
+{
+    static const check_case cases[] = {{"help of every command", test_help},
+                                       {"room for options", test_room},
+                                       {"pages of the manual", test_pages},
+                                       {"completion, line by line", test_completion},
+                                       {"lists of parameters", test_params},
+                                       {"parameters as rows", test_params_json},
+                                       {0}};
+    check_register("help", cases);
+}
