@@ -17,6 +17,7 @@
     X(suite_calibrate)                                                                                       \
     X(suite_emulator)                                                                                        \
     X(suite_forensics)                                                                                       \
+    X(suite_inference)                                                                                       \
     X(suite_claims)                                                                                          \
     X(suite_samplesize)                                                                                      \
     X(suite_trend)                                                                                           \

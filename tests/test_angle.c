@@ -4,6 +4,7 @@
 #include <gsl/gsl_poly.h>
 #include <gsl/gsl_randist.h>
 #include <gsl/gsl_sf_psi.h>
+#include <gsl/gsl_sort.h>
 #include <gsl/gsl_statistics_double.h>
 #include <stdlib.h>
 #include <string.h>
@@ -521,7 +522,8 @@ static void test_slope_errors(void)
 
 static void test_mean(void)
 {
-    static const double v[] = {2.385, 1.172, 3.906, 2.041}, same[] = {0.1, 0.1, 0.1, 0.1, 0.1, 0.1, 0.1};
+    static const double v[] = {2.385, 1.172, 3.906, 2.041}, same[] = {0.1, 0.1, 0.1, 0.1, 0.1, 0.1, 0.1},
+                        none[] = {2.385, NAN}; /* of the first one alone */
     stats_summary s;
     CHECK_OK(stats_mean(4, v, &s));
     CHECK_NEAR(s.mean, 2.376, tight);
@@ -536,7 +538,7 @@ static void test_mean(void)
     CHECK_NEAR(s.se, (2.385 - 1.172) / 2.0, tight);
     CHECK_OK(stats_mean(7, same, &s));
     CU_ASSERT(s.n == 7 && s.mean == 0.1 && s.sd == 0.0 && s.lo == 0.1 && s.hi == 0.1);
-    CHECK_OK(stats_mean(1, v, &s));
+    CHECK_OK(stats_mean(1, none, &s));
     CU_ASSERT(s.n == 1 && s.mean == 2.385 && isnan(s.sd) && isnan(s.se) && isnan(s.lo) && isnan(s.hi));
     CHECK_FAILS(stats_mean(0, v, &s), RP_NO_RESULT, "no values");
     CU_ASSERT(s.n == 0 && isnan(s.mean));
@@ -547,12 +549,19 @@ static void test_mean(void)
 static void test_paired(void)
 {
     static const double a[] = {20.1, 18.7, 17.2}, b[] = {18.9, 17.1, 16.4};
+    static const double same[2][7] = {{0.1, 0.1, 0.1, 0.1, 0.1, 0.1, 0.1},
+                                      {0.7, 0.7, 0.7, 0.7, 0.7, 0.7, 0.7}},
+                        none[2][2] = {{20.1, NAN}, {18.9, NAN}};
     stats_summary s;
     CHECK_OK(stats_paired(3, a, -1.0, b, &s));
     CHECK_NEAR(s.mean, 1.2, tight);
     CHECK_NEAR(s.sd, 0.4, 10.0 * tight);
     CHECK_OK(stats_paired(3, a, 1.0, b, &s));
     CHECK_NEAR(s.mean, (39.0 + 35.8 + 33.6) / 3.0, 10.0 * tight);
+    CHECK_OK(stats_paired(7, same[0], 3.0, same[1], &s)); /* equal values have no spread at all */
+    CU_ASSERT(s.mean == 0.1 + 3.0 * 0.7 && s.sd == 0.0 && s.se == 0.0);
+    CHECK_OK(stats_paired(1, none[0], -1.0, none[1], &s));
+    CHECK_NEAR(s.mean, 1.2, tight);
     CHECK_FAILS(stats_paired(3, a, -1.0, (double[]){1.0, 2.0, NAN}, &s), RP_BAD_INPUT, "value 3");
     CHECK_FAILS(stats_paired(0, a, -1.0, b, &s), RP_NO_RESULT, "no values");
 }
@@ -837,6 +846,48 @@ static void compare_gain_and_flat_piles(void)
     gsl_rng_free(rng);
 }
 
+/* Errors and lost resamples, from the same resamples: (4) at the mean angles of each. Some are too steep. */
+static void compare_resamples(void)
+{
+    enum { N = 5, B = 60, PARTS = 5 };
+    static const double theta_r[N] = {0.301, 0.362, 0.245, 0.318, 0.296},
+                        theta_t[N] = {0.061, 0.052, 0.089, 0.066, 0.031};
+    double r[B], t[B], sum[B], sample[PARTS][B];
+    size_t most_lost = 0;
+    const double mu = 0.11, phi = M_PI / 3.0, ms = atan(3.0 * mu), unbias = sqrt(N / (N - 1.0));
+    gsl_rng *rng = rp_random_alloc(17, 0, RP_PURPOSE_TEST), *same = gsl_rng_clone(rng);
+    ang_comparison c;
+    CHECK_OK(ang_compare(N, theta_r, theta_t, mu, phi, B, rng, &c));
+    for (int b = 0; b < B; b++) {
+        r[b] = t[b] = 0.0;
+        for (int i = 0; i < N; i++) {
+            const size_t k = gsl_rng_uniform_int(same, N);
+            r[b] += theta_r[k] / N, t[b] += theta_t[k] / N;
+        }
+        sum[b] = r[b] + t[b];
+    }
+    CHECK_NEAR(c.diff_ms.se, unbias * gsl_stats_sd(sum, 1, B), tight);
+    for (int f = 0; f < ANG_N_FORMS; f++) {
+        const stats_number *of[PARTS] = {&c.form[f].theta_t, &c.form[f].diff, &c.form[f].theta_rt,
+                                         &c.form[f].gain, &c.form[f].gain_relative};
+        size_t n = 0;
+        for (int b = 0; b < B; b++) {
+            ang_tilt_result at;
+            CHECK_OK(ang_tilt((ang_form)f, mu, r[b], phi, &at));
+            if (isnan(at.theta_t)) continue;
+            const double miss = fabs(t[b] - at.theta_t), miss_ms = fabs(sum[b] - ms);
+            sample[0][n] = at.theta_t, sample[1][n] = t[b] - at.theta_t, sample[2][n] = r[b] + at.theta_t;
+            sample[3][n] = miss - miss_ms, sample[4][n++] = miss / t[b] - miss_ms / sum[b];
+        }
+        for (int k = 0; k < PARTS; k++)
+            CHECK_NEAR(of[k]->se, unbias * gsl_stats_sd(sample[k], 1, n), root_error);
+        most_lost = B - n > most_lost ? B - n : most_lost;
+    }
+    CU_ASSERT(c.n_lost == most_lost && most_lost > 2 && most_lost < B / 2);
+    gsl_rng_free(rng);
+    gsl_rng_free(same);
+}
+
 /* ---- phi ---- */
 
 /* Standard normal deviates, half of them mirrored, scaled to mean 0 and standard deviation `sd`, so that the
@@ -861,6 +912,41 @@ static double tan2_phi(ang_against against, double mu, double t, double u)
     return (mu * (u * u + t * u * (2.0 + u * u)) - u * u * u + t) / ((mu - u) * (1.0 - t * u));
 }
 
+/* Interval of a bootstrap, by GSL. */
+static void check_bootstrap(const ang_phi *fit, size_t n, double sample[])
+{
+    gsl_sort(sample, 1, n);
+    CHECK_NEAR(fit->boot_lo, gsl_stats_quantile_from_sorted_data(sample, 1, n, 0.025), 1e-6);
+    CHECK_NEAR(fit->boot_hi, gsl_stats_quantile_from_sorted_data(sample, 1, n, 0.975), 1e-6);
+}
+
+/* The same resamples of one group's piles: phi of each in closed form, and of the differences their variance.
+ */
+static void check_resamples(const ang_piles *piles, size_t n_resamples, gsl_rng *rng, const ang_phi fit[])
+{
+    enum { MOST = 64 };
+    double phi[ANG_N_AGAINST][MOST];
+    for (size_t b = 0; b < n_resamples; b++) {
+        double r = 0.0, t = 0.0;
+        for (size_t i = 0; i < piles->n; i++) {
+            const size_t k = gsl_rng_uniform_int(rng, piles->n);
+            r += piles->theta_r[k] / (double)piles->n, t += piles->theta_t[k] / (double)piles->n;
+        }
+        for (int a = 0; a < ANG_BALANCED_LESS_MARGINAL; a++)
+            phi[a][b] = atan(sqrt(tan2_phi((ang_against)a, piles->mu, tan(r), tan(t))));
+        phi[3][b] = phi[1][b] - phi[0][b], phi[4][b] = phi[2][b] - phi[0][b];
+    }
+    for (int a = 0; a < ANG_N_AGAINST; a++) {
+        if (a >= ANG_BALANCED_LESS_MARGINAL) {
+            const double chi2 = pow(fit[a].phi, 2.0) / gsl_stats_variance(phi[a], 1, n_resamples);
+            CHECK_NEAR(fit[a].chi2 / chi2, 1.0, 1e-4);
+            CHECK_NEAR(fit[a].p_value, erfc(sqrt(0.5 * chi2)), 1e-4);
+            CU_ASSERT(fit[a].dof == 1 && isnan(fit[a].lo) && isnan(fit[a].hi));
+        }
+        check_bootstrap(&fit[a], n_resamples, phi[a]);
+    }
+}
+
 static void test_phi_one_group(void)
 {
     const double mu = 0.213, r = 19.3 * deg, t = 5.9 * deg, n = PHI_PILES;
@@ -874,9 +960,11 @@ static void test_phi_one_group(void)
         theta_t[i] += t;
     }
     const ang_piles piles = {mu, PHI_PILES, theta_r, theta_t};
-    gsl_rng *rng = rp_random_alloc(1993, 0, RP_PURPOSE_TEST);
+    gsl_rng *rng = rp_random_alloc(1993, 0, RP_PURPOSE_TEST), *same = gsl_rng_clone(rng);
     ang_phi fit[ANG_N_AGAINST];
     CHECK_OK(ang_phi_fit(1, &piles, 50, rng, fit));
+    check_resamples(&piles, 50, same, fit);
+    gsl_rng_free(same);
     for (int a = 0; a < ANG_BALANCED_LESS_MARGINAL; a++) {
         /* chi2 is some 1e3 to 1e4 (phi - best)^2, so that 1e-16 of round-off hides 1e-7 rad at most */
         CHECK_NEAR(fit[a].phi, atan(sqrt(tan2_phi((ang_against)a, mu, tan(r), tan(t)))), 1e-7);
@@ -891,6 +979,57 @@ static void test_phi_one_group(void)
     CHECK_NEAR(fit[3].phi, fit[1].phi - fit[0].phi, tight);
     CHECK_NEAR(fit[4].phi, fit[2].phi - fit[0].phi, tight);
     gsl_rng_free(rng);
+}
+
+/* Sum over groups of minus twice the log likelihood ratio of (3), scaled; see phi.c. */
+static double chi2_marginal(const ang_piles groups[], size_t n_groups, size_t (*pick)[PHI_PILES], double phi)
+{
+    double sum = 0.0;
+    for (size_t g = 0; g < n_groups; g++) {
+        double rt[PHI_PILES];
+        const size_t n = groups[g].n;
+        for (size_t i = 0; i < n; i++) rt[i] = groups[g].theta_r[pick[g][i]] + groups[g].theta_t[pick[g][i]];
+        const double half = 0.5 * (double)n,
+                     e = gsl_stats_mean(rt, 1, n) - atan(groups[g].mu * pow(tan(phi), 2.0)),
+                     t2 = (double)n * e * e / gsl_stats_variance(rt, 1, n);
+        sum += log1p(t2 / ((double)n - 1.0)) / (gsl_sf_psi(half) - gsl_sf_psi(half - 0.5));
+    }
+    return sum;
+}
+
+/* Resamples of two groups of different numbers, each with its own piles drawn anew: phi of (3) by halving. */
+static void test_phi_two_groups(void)
+{
+    enum { GROUPS = 2, B = 12 };
+    double angle[GROUPS][2][PHI_PILES], sample[B];
+    ang_piles groups[GROUPS] = {{0.2, 7, angle[0][0], angle[0][1]}, {0.3, 9, angle[1][0], angle[1][1]}};
+    ang_phi fit[ANG_N_AGAINST];
+    gsl_rng *rng = rp_random_alloc(1993, 4, RP_PURPOSE_TEST), *same;
+    for (int g = 0; g < GROUPS; g++)
+        for (size_t i = 0; i < groups[g].n; i++) {
+            angle[g][0][i] = 0.24 + 0.1 * g + gsl_ran_gaussian(rng, 0.02);
+            angle[g][1][i] = 0.12 + gsl_ran_gaussian(rng, 0.01);
+        }
+    same = gsl_rng_clone(rng);
+    CHECK_OK(ang_phi_fit(GROUPS, groups, B, rng, fit));
+    for (int b = 0; b < B; b++) {
+        size_t pick[GROUPS][PHI_PILES];
+        double lo = 0.7, hi = 1.2; /* a single minimum */
+        for (int g = 0; g < GROUPS; g++)
+            for (size_t i = 0; i < groups[g].n; i++) pick[g][i] = gsl_rng_uniform_int(same, groups[g].n);
+        while (hi - lo > 1e-8) {
+            const double a = lo + (hi - lo) / 3.0, c = hi - (hi - lo) / 3.0;
+            if (chi2_marginal(groups, GROUPS, pick, a) < chi2_marginal(groups, GROUPS, pick, c))
+                hi = c;
+            else
+                lo = a;
+        }
+        sample[b] = lo;
+    }
+    check_bootstrap(&fit[ANG_AGAINST_MARGINAL], B, sample);
+    CU_ASSERT(fit[ANG_AGAINST_MARGINAL].dof == 1);
+    gsl_rng_free(rng);
+    gsl_rng_free(same);
 }
 
 /* Where the two equations agree on a pile's friction; see phi.c. */
@@ -1066,7 +1205,9 @@ void suite_angle(void)
         {"expected maximum", test_expected_maximum},
         {"piles against theory", test_compare},
         {"compare: gain, flat piles", compare_gain_and_flat_piles},
+        {"compare: errors of known resamples", compare_resamples},
         {"phi: one friction, closed forms", test_phi_one_group},
+        {"phi: resamples of two groups", test_phi_two_groups},
         {"phi: where (3) and (4) agree", test_phi_of_both},
         {"phi: planted piles", test_phi_planted},
         {"phi: not identified, errors", test_phi_not_identified},

@@ -1,8 +1,11 @@
 /* Calibration against closed forms, and on piles drawn from known responses. */
 #include <gsl/gsl_cdf.h>
+#include <gsl/gsl_fit.h>
 #include <gsl/gsl_multifit.h>
 #include <gsl/gsl_poly.h>
 #include <gsl/gsl_randist.h>
+#include <gsl/gsl_sort.h>
+#include <gsl/gsl_statistics_double.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -280,12 +283,182 @@ static void test_two_parameters(void)
     CU_ASSERT(invert_status(m) == STATS_CALIBRATED_UNDERDETERMINED);
 }
 
+/* The inverse of the two planes takes correlated errors with it: (J^-1 V J^-T), J = [[25, 20], [30, -14]]. */
+static void test_two_correlated(void)
+{
+    const double x[2] = {0.3739, 0.1187}, e[2] = {0.385, 0.2}, at[2] = {17.0, 12.0};
+    stats_calibration c;
+    stats_calibrated r[STATS_MAX_PARAMS];
+    double v[2];
+    start(2, 2);
+    for (int i = 0; i < 48; i++) {
+        const double mu = 0.1 + 0.2 * (i / 12), roll = 0.15 * (i / 4 % 3), noise = i % 2 ? 0.5 : -0.5,
+                     other = i / 2 % 2 ? 0.5 : -0.5;
+        add(mu, roll, 3.0 + 25.0 * mu + 20.0 * roll + noise,
+            1.0 + 30.0 * mu - 14.0 * roll + 0.6 * noise + 0.8 * other);
+    }
+    CHECK_OK(stats_calibration_fit(&piles, &c));
+    CHECK_NEAR(c.correlation, 0.6, 1e-9);
+    const stats_measured m =
+        measured(3.0 + 25.0 * x[0] + 20.0 * x[1], e[0], 1.0 + 30.0 * x[0] - 14.0 * x[1], e[1]);
+    CHECK_OK(stats_calibration_invert(&c, &m, r));
+    for (size_t a = 0; a < 2; a++) stats_response_value(&c.response[a], x, &v[a]);
+    const double both = 0.6 * (sqrt(v[0] * v[1]) + e[0] * e[1]);
+    for (size_t a = 0; a < 2; a++) v[a] += e[a] * e[a];
+    CHECK_NEAR(r[0].se, sqrt(14.0 * 14.0 * v[0] + 2.0 * 14.0 * 20.0 * both + 20.0 * 20.0 * v[1]) / 950.0,
+               1e-6);
+    CHECK_NEAR(r[1].se, sqrt(30.0 * 30.0 * v[0] - 2.0 * 30.0 * 25.0 * both + 25.0 * 25.0 * v[1]) / 950.0,
+               1e-6);
+    /* an angle that no pile has: the best point is in the range, and nothing is known of either parameter */
+    CHECK_OK(stats_calibration_invert(&c, &(stats_measured){{at[0] + 30.0, at[1]}, {0.1, 0.1}}, r));
+    for (int p = 0; p < 2; p++)
+        CU_ASSERT(r[p].status == STATS_CALIBRATED_NO_MATCH && r[p].n_solutions == 0 && isnan(r[p].value));
+    stats_calibration_free(&c);
+}
+
+/* The same resamples as the library's: at each point the piles drawn anew, then the error of the angle. The
+ * points lie on a line and weigh the same, some have a pile without the angle. */
+static void test_bootstrap(void)
+{
+    enum { POINTS = 6, EACH = 5, B = 40 };
+    const double z = 19.0, e = 0.4, low = 0.1, step = 0.1;
+    double value[B];
+    stats_calibration c;
+    stats_calibrated r[STATS_MAX_PARAMS];
+    start(1, 1);
+    for (int g = 0; g < POINTS; g++)
+        for (int k = 0; k < EACH; k++)
+            add(low + step * g, 0.0,
+                k == 2 ? NAN : 8.0 + 30.0 * step * g + (k % 2 ? 0.7 : -0.7) * (k < 2 ? 1.0 : 0.5), 0.0);
+    CHECK_OK(stats_calibration_fit(&piles, &c));
+    CHECK_OK(stats_calibration_invert(&c, &(stats_measured){{z}, {e}}, r));
+    gsl_rng *rng = rp_random_alloc(65, 0, RP_PURPOSE_TEST), *same = gsl_rng_clone(rng);
+    CHECK_OK(stats_calibration_bootstrap(&piles, &c, &(stats_measured){{z}, {e}}, B, rng, r));
+    for (int b = 0; b < B; b++) {
+        double x[POINTS], y[POINTS], draw[2], c0, c1, v00, v01, v11, rest;
+        for (int g = 0; g < POINTS; g++) {
+            double sum = 0.0, mean = 0.0;
+            int n = 0;
+            for (int k = 0; k < EACH; k++) {
+                const double drawn = data[2][g * EACH + (int)gsl_rng_uniform_int(same, EACH)],
+                             own = data[2][g * EACH + k];
+                if (!isnan(own)) mean += own / (EACH - 1.0);
+                if (!isnan(drawn)) sum += drawn, n++;
+            }
+            x[g] = low + step * g; /* the spread of resampled means has n, not n - 1, below the root */
+            y[g] = mean + sqrt((EACH - 1.0) / (EACH - 2.0)) * ((n ? sum / n : mean) - mean);
+        }
+        gsl_ran_bivariate_gaussian(same, 1.0, 1.0, 0.0, &draw[0], &draw[1]);
+        gsl_fit_linear(x, 1, y, 1, POINTS, &c0, &c1, &v00, &v01, &v11, &rest);
+        value[b] = (z + draw[0] * e - c0) / c1;
+    }
+    gsl_sort(value, 1, B);
+    CHECK_NEAR(r[0].boot_se, gsl_stats_sd(value, 1, B), 1e-6);
+    CHECK_NEAR(r[0].boot_lower, gsl_stats_quantile_from_sorted_data(value, 1, B, 0.025), 1e-6);
+    CHECK_NEAR(r[0].boot_upper, gsl_stats_quantile_from_sorted_data(value, 1, B, 0.975), 1e-6);
+    gsl_rng_free(rng);
+    gsl_rng_free(same);
+    stats_calibration_free(&c);
+}
+
+/* ---- forms of two parameters ---- */
+
+/* Value of a form with coefficients 1, -1/2, 1/3, ...: of the first parameter 1, saturation and itself, or
+ * powers; of the second powers; each from -1 to 1. */
+static double form_value(int shape, size_t first, size_t second, double scale, double u, double v)
+{
+    const double x = 0.2 + 0.5 * (u + 1.0);
+    double sum = 0.0;
+    int n = 0;
+    for (size_t i = 0; i <= first; i++)
+        for (size_t j = 0; j <= second; j++, n++) {
+            const double f = i == 0                  ? 1.0
+                             : shape == STATS_POWERS ? pow(u, (double)i)
+                             : i == 2                ? u
+                             : shape == STATS_TANH   ? tanh(x / scale)
+                                                     : exp((0.2 - x) / scale);
+            sum += 30.0 * (n % 2 ? -1.0 : 1.0) / (n + 1.0) * f * pow(v, (double)j);
+        }
+    return sum;
+}
+
+/* Variance of the fitted value at x: the slopes by coefficients and scale, taken by differences, through the
+ * normal equations of all points. */
+static double variance_by_slopes(const stats_calibration *c, const double x[2])
+{
+    const stats_response_fit *fit = &c->response[0];
+    const size_t n = fit->n_terms, points = c->n_points;
+    gsl_matrix *design = gsl_matrix_alloc(points, n), *covariance = gsl_matrix_alloc(n, n);
+    gsl_vector *y = gsl_vector_calloc(points), *w = gsl_vector_alloc(points), *solution = gsl_vector_alloc(n);
+    gsl_multifit_linear_workspace *work = gsl_multifit_linear_alloc(points, n);
+    double slopes[STATS_MAX_TERMS], chi2, unused, variance = 0.0;
+    for (size_t g = 0; g <= points; g++) {
+        const double at[2] = {g < points ? c->x[0][g] : x[0], g < points ? c->x[1][g] : x[1]},
+                     sd = stats_calibration_sd(c, 0, at);
+        if (g < points) gsl_vector_set(w, g, c->number[0][g] / (sd * sd));
+        for (size_t i = 0; i < n; i++) {
+            stats_response_fit up = *fit, down = *fit;
+            const double h = 1e-5;
+            if (i + 1 == n && fit->shape != STATS_POWERS)
+                up.scale += h, down.scale -= h;
+            else
+                up.coefficients[i] += h, down.coefficients[i] -= h;
+            slopes[i] = (stats_response_value(&up, at, &unused) - stats_response_value(&down, at, &unused)) /
+                        (2.0 * h);
+            if (g < points) gsl_matrix_set(design, g, i, slopes[i]);
+        }
+    }
+    CU_ASSERT(gsl_multifit_wlinear(design, w, y, solution, covariance, &chi2, work) == 0);
+    for (size_t i = 0; i < n; i++)
+        for (size_t j = 0; j < n; j++) variance += slopes[i] * slopes[j] * gsl_matrix_get(covariance, i, j);
+    gsl_matrix_free(design);
+    gsl_matrix_free(covariance);
+    gsl_vector_free(y);
+    gsl_vector_free(w);
+    gsl_vector_free(solution);
+    gsl_multifit_linear_free(work);
+    return variance;
+}
+
+/* Means exactly on a form are fitted by that form, whose values and variances between the points are its own.
+ */
+static void test_forms(void)
+{
+    static const size_t degrees[][2] = {{1, 1}, {2, 1}, {1, 2}, {2, 2}, {3, 1}, {4, 2}};
+    for (int shape = STATS_POWERS; shape <= STATS_TANH; shape++)
+        for (size_t d = 0; d < (shape == STATS_POWERS ? 6 : 4); d++) {
+            const size_t first = degrees[d][0], second = degrees[d][1];
+            const double scale = 0.31;
+            stats_calibration c;
+            start(2, 1);
+            for (int i = 0; i < 7; i++)
+                for (int j = 0; j < 4; j++)
+                    add_four(0.2 + i / 6.0, 0.5 + 0.1 * j,
+                             form_value(shape, first, second, scale, i / 3.0 - 1.0, j / 1.5 - 1.0), 0.01);
+            CHECK_OK(stats_calibration_fit(&piles, &c));
+            const stats_response_fit *r = &c.response[0];
+            CU_ASSERT((int)r->shape == shape && r->degree[0] == first && r->degree[1] == second);
+            CU_ASSERT(r->n_terms == (first + 1) * (second + 1) + (shape != STATS_POWERS) &&
+                      r->n_points == 28);
+            CU_ASSERT(r->dof == r->n_points - r->n_terms && r->discrepancy < 1e-12);
+            for (int k = 0; k < 5; k++) {
+                const double u = -0.9 + 0.4 * k, v = 0.8 - 0.35 * k,
+                             x[2] = {0.2 + 0.5 * (u + 1.0), 0.5 + 0.15 * (v + 1.0)};
+                double variance;
+                CHECK_NEAR(stats_response_value(r, x, &variance),
+                           form_value(shape, first, second, scale, u, v), 1e-5);
+                CHECK_NEAR(variance / variance_by_slopes(&c, x), 1.0, 1e-4);
+            }
+            stats_calibration_free(&c);
+        }
+}
+
 /* ---- parameters that the piles do not identify ---- */
 
 static void test_unidentified(void)
 {
     start(1, 1);
-    for (int g = 0; g < 6; g++) add_four(0.1 * g, 0.0, 10.0 + 20.0 * 0.1 * g, 1.0);
+    for (int g = 0; g < 6; g++) add_four(0.2 + 0.1 * g, 0.0, 10.0 + 20.0 * 0.1 * g, 1.0);
     CU_ASSERT(invert_status(measured(15.0, 0.5, 0.0, 0.0)) == STATS_CALIBRATED_OK);
     CU_ASSERT(invert_status(measured(19.6, 0.5, 0.0, 0.0)) == STATS_CALIBRATED_AT_LEAST);
     CU_ASSERT(invert_status(measured(10.3, 0.5, 0.0, 0.0)) == STATS_CALIBRATED_AT_MOST);
@@ -296,10 +469,10 @@ static void test_unidentified(void)
     CHECK_OK(stats_calibration_invert(&c, &(stats_measured){{27.0}, {0.5}}, r));
     CU_ASSERT(r[0].status == STATS_CALIBRATED_ABOVE_RANGE && isnan(r[0].value) &&
               isnan(r[0].solutions[0].upper));
-    CHECK_NEAR(r[0].solutions[0].lower, 0.5, 0.0);
+    CHECK_NEAR(r[0].solutions[0].lower, 0.2 + 0.1 * 5, 0.0);
     CHECK_OK(stats_calibration_invert(&c, &(stats_measured){{3.0}, {0.5}}, r));
     CU_ASSERT(r[0].status == STATS_CALIBRATED_BELOW_RANGE && isnan(r[0].solutions[0].lower));
-    CHECK_NEAR(r[0].solutions[0].upper, 0.0, 0.0);
+    CHECK_NEAR(r[0].solutions[0].upper, 0.2, 0.0);
     stats_calibration_free(&c);
 
     start(1, 1); /* a maximum: both flanks match an angle, none matches above it */
@@ -324,11 +497,11 @@ static void test_unidentified(void)
     stats_calibration_free(&c);
 
     start(1, 1); /* a fall: an angle above all is to be sought below the lower end */
-    for (int g = 0; g < 6; g++) add_four(0.1 * g, 0.0, 30.0 - 20.0 * 0.1 * g, 1.0);
+    for (int g = 0; g < 6; g++) add_four(0.2 + 0.1 * g, 0.0, 30.0 - 20.0 * 0.1 * g, 1.0);
     CHECK_OK(stats_calibration_fit(&piles, &c));
     CHECK_OK(stats_calibration_invert(&c, &(stats_measured){{37.0}, {0.5}}, r));
     CU_ASSERT(r[0].status == STATS_CALIBRATED_ABOVE_RANGE && isnan(r[0].solutions[0].lower));
-    CHECK_NEAR(r[0].solutions[0].upper, 0.0, 0.0);
+    CHECK_NEAR(r[0].solutions[0].upper, 0.2, 0.0);
     stats_calibration_free(&c);
 
     start(1, 2); /* both angles rise; the first gives 0.2, the second 0.4 */
@@ -647,9 +820,34 @@ static void test_errors(void)
     CHECK_FAILS(stats_calibration_bootstrap(&piles, &c, &(stats_measured){{12.0}, {0.1}}, 1, NULL, r),
                 RP_BAD_INPUT, "resamples = 1");
     stats_calibration_free(&c);
-    start(3, 1);
-    CHECK_FAILS(stats_calibration_fit(&piles, &c), RP_BAD_INPUT, "parameters = 3");
+    static const struct {
+        size_t n_params, n_angles;
+        const char *text;
+    } counts[] = {
+        {3, 1, "parameters = 3"}, {0, 1, "parameters = 0"}, {1, 3, "angles = 3"}, {1, 0, "angles = 0"}};
+    for (size_t k = 0; k < 4; k++) {
+        start(counts[k].n_params, counts[k].n_angles);
+        CHECK_FAILS(stats_calibration_fit(&piles, &c), RP_BAD_INPUT, counts[k].text);
+        stats_calibration_free(&c);
+    }
+    start(1, 2);
+    add(0.1, 0.0, 12.0, -INFINITY);
+    CHECK_FAILS(stats_calibration_fit(&piles, &c), RP_BAD_INPUT, "pile 1: angle = -inf");
     stats_calibration_free(&c);
+    /* two parameters: 8 points at least, and two values of each */
+    static const int rows[3] = {2, 2, 1}, columns[3] = {4, 3, 8};
+    static const char *const texts[3] = {"", "6 points with piles, at least 8",
+                                         "1 x 8 values of two parameters"};
+    for (int k = 0; k < 3; k++) {
+        start(2, 1);
+        for (int i = 0; i < rows[k]; i++)
+            for (int j = 0; j < columns[k]; j++) add_four(0.1 * i, 0.1 * j, 10.0 + i + j, 1.0);
+        if (k == 0)
+            CHECK_OK(stats_calibration_fit(&piles, &c));
+        else
+            CHECK_FAILS(stats_calibration_fit(&piles, &c), RP_BAD_INPUT, texts[k]);
+        stats_calibration_free(&c);
+    }
 }
 
 void suite_calibrate(void)
@@ -660,6 +858,9 @@ void suite_calibrate(void)
                                        {"correlated angles", test_correlated},
                                        {"saturating responses", test_saturating},
                                        {"two parameters, two angles", test_two_parameters},
+                                       {"two parameters, correlated angles", test_two_correlated},
+                                       {"resamples of piles, by hand", test_bootstrap},
+                                       {"forms of two parameters", test_forms},
                                        {"parameters not identified", test_unidentified},
                                        {"an interval narrower than the scan", test_narrow},
                                        {"random tables", test_random_tables},

@@ -255,6 +255,7 @@ static void test_slurm(void)
     static const failure list[] = {
         {65, "--time 1:00:00 and --mem 1G expected", "sweep slurm d --shards 2 --time '1h'"},
         {65, "--time 1:00:00 and --mem 1G expected", "sweep slurm d --shards 2 --mem '1 G'"},
+        {65, "a folder without ' and %", "sweep slurm \"it's\" --shards 2"},
         {65, "none: no such folder", "sweep slurm none --shards 2"}};
     static char script[4096], expected[4096];
     char folder[512], program[512];
@@ -282,6 +283,7 @@ static void test_slurm(void)
              "3 &\n",
              folder, program, folder);
     CU_ASSERT_PTR_NOT_NULL(strstr(script, expected));
+    CU_ASSERT(shell("mkdir \"it's\"") == 0);
     CHECK_FAILURES(list);
     leave();
 }
@@ -1915,9 +1917,11 @@ static void test_stopped(void)
     int status = shell("\"$REPOSE\" sweep run d -j 1 >out 2>err & p=$!; i=0\n"
                        "while [ $i -lt 200 ] && ! \"$REPOSE\" sweep status d | grep -q 'stored: 1'; do\n"
                        "  sleep 0.05; i=$((i + 1)); done\n"
-                       "kill -TERM $p; wait $p");
+                       "\"$REPOSE\" sweep status d >during; kill -TERM $p; wait $p");
     CU_ASSERT(failed(__FILE__, __LINE__, status, 75, "1 of 2 stored"));
+    CU_ASSERT(shell("grep -q '^# running: 1$' during") == 0);
     GOOD("sweep status d");
+    CU_ASSERT(strstr(out, "# running: 0\n") != NULL);
     CU_ASSERT(strstr(out, "# stored: 1\n# missing: 1\n") != NULL);
     FAILS(1, "missing", "sweep digest d");
     leave();

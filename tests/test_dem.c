@@ -1,4 +1,5 @@
 /* The simulator: symmetries, conservation, the neighbour list, determinism, kernels, faults, bad input. */
+#include <float.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -1247,6 +1248,268 @@ static void bad_definitions(void)
 #undef REFUSES
 }
 
+/* What a definition is before anything is given, and a box. */
+static void defaults(void)
+{
+    const dem_definition def = dem_definition_default();
+    CU_ASSERT(def.gravity[0] == 0.0 && def.gravity[1] == -981.0 && def.x_max == INF && def.y_min == -INF);
+    CU_ASSERT(def.implicit.solver == DEM_SOLVER_DIRECT && def.implicit.relaxation == 0.7);
+    CU_ASSERT(def.implicit.tolerance == 1e-15 && def.implicit.max_iterations == 1000);
+    CU_ASSERT(def.tangential == DEM_SPRING && def.material.mu == 0.2 && def.n_walls == 0 && !def.hard.on);
+    static const double at[3][4] = {{0.0, 0.0, 0.0, 1.0}, {0.0, 0.0, 1.0, 0.0}, {2.5, 0.0, -1.0, 0.0}};
+    dem_definition box = def;
+    dem_material wall = def.material;
+    wall.mu = 0.7;
+    dem_box_walls(&box, 2.5, &wall);
+    CU_ASSERT_EQUAL(box.n_walls, 3);
+    for (int w = 0; w < 3; w++) {
+        const dem_wall *is = &box.walls[w];
+        CU_ASSERT(is->point[0] == at[w][0] && is->point[1] == at[w][1]);
+        CU_ASSERT(is->direction[0] == at[w][2] && is->direction[1] == at[w][3]);
+        CU_ASSERT(is->extent[0] == -INF && is->extent[1] == INF && is->material.mu == 0.7);
+        CU_ASSERT(is->open_at_step == -1 && is->open_speed == INF && !dem_wall_moves(is));
+    }
+}
+
+/* A number of a definition, the last value that its range lets in, the first that is let out, and what is
+ * said then. */
+typedef struct {
+    double *at, in, out;
+    const char *text;
+} number_range;
+
+static void check_ranges(const dem_definition *def, size_t n, const number_range *ranges)
+{
+    for (size_t k = 0; k < n; k++) {
+        const number_range *r = &ranges[k];
+        const double before = *r->at;
+        *r->at = r->in;
+        CHECK_OK(dem_laws_check(def));
+        *r->at = r->out;
+        CHECK_FAILS(dem_laws_check(def), RP_BAD_INPUT, r->text);
+        *r->at = NAN;
+        CHECK_FAILS(dem_laws_check(def), RP_BAD_INPUT, r->text);
+        *r->at = before;
+    }
+}
+
+/* Both sides of each limit, of the particles' material and of the last wall's. */
+static void ranges_of_numbers(void)
+{
+    const double below = nextafter(1.0, 0.0), tiny = 1e-300, least = DBL_MIN;
+    dem_definition def = dem_definition_default();
+    def.rotation = true;
+    def.material.mu_roll = 0.1;
+    def.n_walls = 2;
+    for (int w = 0; w < 2; w++) def.walls[w] = grains_line(0.0, 0.0, 0.0, 1.0, &def.material);
+    dem_wall *w = &def.walls[1];
+    for (int wall = 0; wall < 2; wall++) {
+        dem_material *m = wall ? &w->material : &def.material;
+        const char *whose = wall ? "wall 2: " : "particles: ";
+        char text[9][40];
+        static const char *const names[] = {"k_n", "gamma_n", "k_s",    "gamma_s",
+                                            "mu",  "mu_roll", "k_roll", "gamma_roll"};
+        double *const at[] = {&m->k_n, &m->gamma_n, &m->k_s,    &m->gamma_s,
+                              &m->mu,  &m->mu_roll, &m->k_roll, &m->gamma_roll};
+        for (size_t k = 0; k < 8; k++) {
+            snprintf(text[k], sizeof text[k], "%s%s = ", whose, names[k]);
+            const bool positive = k == 2 || k == 6;
+            const number_range both[] = {{at[k], positive ? least : 0.0, positive ? 0.0 : -tiny, text[k]},
+                                         {at[k], k == 4 ? INF : 1e308, k == 4 ? -INF : INF, text[k]}};
+            check_ranges(&def, 2, both);
+        }
+    }
+    const number_range of_scene[] = {
+        {&def.dt, least, 0.0, "dt = "},
+        {&def.dt, 1e300, INF, "dt = "},
+        {&def.skin, 0.0, -tiny, "skin = "},
+        {&def.skin, 1e300, INF, "skin = "},
+        {&def.gravity[0], 1e300, INF, "gravity and its turn"},
+        {&def.gravity[1], 1e300, -INF, "gravity and its turn"},
+        {&def.turn_per_step, below, 1.0, "the turn below one radian"},
+        {&def.turn_per_step, -below, -1.0, "the turn below one radian"},
+        {&def.box_turn_per_step, below, 1.0, "box_turn_per_step = "},
+        {&def.box_turn_per_step, -below, -1.0, "box_turn_per_step = "},
+        {&w->velocity[0], 1e300, INF, "wall 2: velocity, omega and pivot must be finite"},
+        {&w->velocity[1], 1e300, INF, "velocity, omega and pivot must be finite"},
+        {&w->omega, 1.0, INF, "velocity, omega and pivot must be finite"},
+        {&w->pivot[0], 1e300, INF, "velocity, omega and pivot must be finite"},
+        {&w->pivot[1], 1e300, INF, "velocity, omega and pivot must be finite"},
+        {&w->point[0], 1e300, INF, "wall 2: direction"},
+        {&w->point[1], 1e300, INF, "wall 2: direction"},
+        {&w->open_speed, 0.0, -tiny, "wall 2: open_speed"},
+        {&w->direction[0], 4e-5, 5e-5, "wall 2: direction"},
+        {&w->direction[1], 1.0 + 9e-10, 1.0 + 1.1e-9, "wall 2: direction"},
+        {&w->direction[1], -1.0 + 9e-10, 1.0 - 1.1e-9, "wall 2: direction"}};
+    check_ranges(&def, sizeof of_scene / sizeof *of_scene, of_scene);
+    def.dt = 0x1p-14;
+    const number_range omega[] = {{&w->omega, 0x1.fffp13, 0x1p14, "omega"},
+                                  {&w->omega, -0x1.fffp13, -0x1p14, "omega"}};
+    check_ranges(&def, 2, omega);
+    w->omega = 1.0;
+    const number_range turn[] = {{&def.box_turn_per_step, 0.0, 1e-9, "not in a box that turns"},
+                                 {&def.box_turn_per_step, -0.0, 0.999, "not in a box that turns"}};
+    check_ranges(&def, 2, turn);
+    def.hard.on = true, def.tension = false;
+    const number_range hard[] = {{&def.hard.restitution, 0.0, -tiny, "hard: restitution"},
+                                 {&def.hard.restitution, 1.0, 1.0 + 1e-15, "hard: restitution"},
+                                 {&def.hard.mu, 0.0, -tiny, "hard: mu"},
+                                 {&def.hard.mu, INF, -1.0, "hard: mu"}};
+    check_ranges(&def, 4, hard);
+}
+
+/* Ends of a wall: in their order, with corners below pi, and one below where it opens slowly. */
+static void ranges_of_walls(void)
+{
+    const double corner = nextafter(M_PI, 0.0);
+    dem_definition def = dem_definition_default();
+    dem_wall good = grains_line(0.0, 0.0, 0.0, 1.0, &def.material), w = good;
+    w.extent[0] = -1.0, w.extent[1] = -1.0;
+    CHECK_FAILS(dem_wall_check(&w), RP_BAD_INPUT, "the first must be the smaller");
+    w.extent[1] = nextafter(-1.0, 0.0);
+    CHECK_OK(dem_wall_check(&w));
+    for (int end = 0; end < 2; end++)
+        for (int sign = -1; sign <= 1; sign += 2) {
+            w = good;
+            w.extent[end] = end ? 1.0 : -1.0;
+            w.corner[!end] = 4.0; /* of an end that is not joined */
+            w.joined[end] = true;
+            w.corner[end] = sign * corner;
+            CHECK_OK(dem_wall_check(&w));
+            w.corner[end] = sign * M_PI;
+            CHECK_FAILS(dem_wall_check(&w), RP_BAD_INPUT, "corner");
+            w.corner[end] = 0.0, w.extent[end] = good.extent[end];
+            CHECK_FAILS(dem_wall_check(&w), RP_BAD_INPUT, "corner = 0");
+        }
+    for (int k = 0; k < 8; k++) { /* slowly, ever, without a lower end */
+        w = good;
+        if (k & 1) w.open_speed = 1.0;
+        if (k & 2) w.open_at_step = 0;
+        if (!(k & 4)) w.extent[0] = -1.0;
+        if (k == 7) CHECK_FAILS(dem_wall_check(&w), RP_BAD_INPUT, "needs a lower end");
+        if (k != 7) CHECK_OK(dem_wall_check(&w));
+        w.extent[0] = -1.0, w.omega = 1.0;
+        if (k % 4 == 3) CHECK_FAILS(dem_wall_check(&w), RP_BAD_INPUT, "can only open at once");
+        if (k % 4 != 3) CHECK_OK(dem_wall_check(&w));
+    }
+}
+
+/* Which walls may be the ground. */
+static void ranges_of_ground(void)
+{
+    dem_definition def = dem_definition_default();
+    def.tangential = DEM_SLIP_ROLL;
+    def.n_walls = 2;
+    for (int w = 0; w < 2; w++) def.walls[w] = grains_line(0.0, 0.0, 0.0, 1.0, &def.material);
+    def.ground = (dem_ground){.wall = 2, .mu_static = 0.5, .a = 0.01};
+    const number_range numbers[] = {{&def.ground.mu_static, 0.0, -1e-300, "ground: mu_static"},
+                                    {&def.ground.a, DBL_MIN, 0.0, "ground: a"}};
+    check_ranges(&def, 2, numbers);
+    for (long wall = -1; wall <= 3; wall++) {
+        def.ground.wall = wall;
+        if (wall < 0 || wall > 2)
+            CHECK_FAILS(dem_laws_check(&def), RP_BAD_INPUT, "there are 2 walls");
+        else
+            CHECK_OK(dem_laws_check(&def));
+    }
+    def.ground.wall = 2;
+    for (int k = 0; k < 4; k++)
+        for (int w = 0; w < 2; w++) {
+            dem_wall *wall = &def.walls[w];
+            const dem_wall before = *wall;
+            if (k < 2) wall->extent[k] = k ? 1.0 : -1.0;
+            if (k == 2) wall->open_at_step = 0;
+            if (k == 3) wall->velocity[0] = 1.0;
+            if (w) CHECK_FAILS(dem_laws_check(&def), RP_BAD_INPUT, "must be a whole line");
+            if (!w) CHECK_OK(dem_laws_check(&def));
+            *wall = before;
+        }
+    def.ground.wall = 0, def.ground.a = -1.0; /* without ground, nothing of it counts */
+    CHECK_OK(dem_laws_check(&def));
+}
+
+/* Numbers of a grain: sizes above 0, all finite; 0 what does not count; at the ends of the scene, not beyond.
+ */
+static void ranges_of_grains(void)
+{
+    dem_definition def = dem_definition_default();
+    def.x_max = 2.0, def.y_min = -3.0;
+    dem_grain p = {.r = 0.1, .m = 0.004};
+    double *const all[] = {&p.r, &p.m, &p.x, &p.y, &p.vx, &p.vy, &p.angle, &p.omega};
+    static const char *const say[] = {"r = ",           "m = ",           "must be finite", "must be finite",
+                                      "must be finite", "must be finite", "must be finite", "must be finite"};
+    for (int rotation = 0; rotation < 2; rotation++) {
+        def.rotation = rotation;
+        for (size_t k = 0; k < 8; k++) {
+            const double before = *all[k], in = k < 2 ? DBL_MIN : k == 2 ? 2.0 : k == 3 ? -3.0 : 1.0;
+            const double out[] = {INF, NAN, k < 2 ? 0.0 : -INF};
+            *all[k] = in;
+            if (k > 5 && !rotation)
+                CHECK_FAILS(dem_grain_check(&def, &p), RP_BAD_INPUT, "needs rotation");
+            else
+                CHECK_OK(dem_grain_check(&def, &p));
+            for (int o = 0; o < 3; o++) {
+                *all[k] = out[o];
+                CHECK_FAILS(dem_grain_check(&def, &p), RP_BAD_INPUT,
+                            k > 5 && !rotation ? "needs rotation" : say[k]);
+            }
+            *all[k] = nextafter(in, k == 2 ? INF : -INF);
+            if (k == 2 || k == 3) CHECK_FAILS(dem_grain_check(&def, &p), RP_BAD_INPUT, "starts beyond");
+            *all[k] = before;
+        }
+    }
+    p.fixed = true;
+    CHECK_OK(dem_grain_check(&def, &p));
+    for (size_t k = 4; k < 8; k++) {
+        *all[k] = 1.0;
+        if (k == 6) CHECK_OK(dem_grain_check(&def, &p));
+        if (k != 6) CHECK_FAILS(dem_grain_check(&def, &p), RP_BAD_INPUT, "must be 0, it is fixed");
+        *all[k] = 0.0;
+    }
+    def.box_turn_per_step = 1e-9;
+    CHECK_FAILS(dem_grain_check(&def, &p), RP_BAD_INPUT, "some grains are fixed");
+    p.fixed = false;
+    CHECK_OK(dem_grain_check(&def, &p));
+}
+
+/* Number of grains; the way of a wall in a step against the smallest of them; the largest time step. */
+static void ranges_of_scenes(void)
+{
+    dem_grain grains[3];
+    for (int i = 0; i < 3; i++) grains[i] = (dem_grain){.x = i, .y = 1.0, .r = 0.25, .m = 0.004};
+    dem_definition def = dem_definition_default();
+    def.grains = grains, def.n_grains = 3;
+    def.gravity[1] = 0.0;
+    def.material = (dem_material){.k_n = 1e-9, .k_s = 1e-9};
+    def.n_walls = 3;
+    for (int w = 0; w < 3; w++) def.walls[w] = grains_line(0.0, 0.0, 0.0, 1.0, &def.material);
+    def.dt = 0x1p-10;
+    for (int k = 0; k < 3; k++) {
+        const dem_grain before = grains[k];
+        grains[k].r = 0.125;
+        def.walls[k].velocity[1] = -0x1p7;
+        CHECK_OK(dem_definition_check(&def));
+        def.walls[k].velocity[1] = -0x1.001p7;
+        char text[80];
+        snprintf(text, sizeof text, "wall %d: moves 0.12503", k + 1);
+        CHECK_FAILS(dem_definition_check(&def), RP_BAD_INPUT, text);
+        def.walls[k].velocity[1] = 0.0;
+        grains[k].r = -1.0;
+        snprintf(text, sizeof text, "particle %d: r = -1", k + 1);
+        CHECK_FAILS(dem_definition_check(&def), RP_BAD_INPUT, text);
+        grains[k] = before;
+    }
+    def.dt = dem_time_step_limit(&def, NULL);
+    CHECK_OK(dem_definition_check(&def));
+    def.dt = nextafter(def.dt, INF);
+    CHECK_FAILS(dem_definition_check(&def), RP_BAD_INPUT, "the limit is");
+    grains[0].r = 0.0;
+    def.n_grains = 100000000;
+    CHECK_FAILS(dem_definition_check(&def), RP_BAD_INPUT, "particle 1: r = 0");
+    def.n_grains++;
+    CHECK_FAILS(dem_definition_check(&def), RP_BAD_INPUT, "100000001 particles: at most 100000000");
+}
+
 /* The limit of dt is below instability: a box at the limit settles. */
 static void time_step_limit(void)
 {
@@ -1376,6 +1639,8 @@ static void limit_of_unequal(void)
                        (3.8 / sqrt(12.0 * k_n * M_PI / 6.0 / asin(1.0 / 3.0) / 0.003)),
                    1.0, 1e-14);
         for (int i = 0; i < 4; i++) order[i].fixed = true;
+        CU_ASSERT(isinf(dem_time_step_limit(&def, &what)) && strcmp(what, "no contact") == 0);
+        order[0].fixed = false, def.n_grains = 1; /* alone */
         CU_ASSERT(isinf(dem_time_step_limit(&def, &what)) && strcmp(what, "no contact") == 0);
     }
 }
@@ -1681,6 +1946,12 @@ void suite_dem(void)
                                        {"ids and errors of an added grain", added_names_and_errors},
                                        {"faults stop the run", faults},
                                        {"bad definitions", bad_definitions},
+                                       {"defaults", defaults},
+                                       {"ranges: numbers", ranges_of_numbers},
+                                       {"ranges: walls", ranges_of_walls},
+                                       {"ranges: ground", ranges_of_ground},
+                                       {"ranges: grains", ranges_of_grains},
+                                       {"ranges: scenes", ranges_of_scenes},
                                        {"limit of the time step", time_step_limit},
                                        {"limit of unequal grains", limit_of_unequal},
                                        {"overlaps that are too deep", overlaps_too_deep},

@@ -63,6 +63,36 @@ static void test_closed_form(void)
         }
 }
 
+/* Several sets of values at several settings at once are those of each set alone, at each setting alone. */
+static void test_sets(void)
+{
+    enum { SETS = 3, AT = 4 };
+    const stats_inputs in = make_inputs(N - AT, 8),
+                       at = {AT, REALS, FACTORS, data.x + (N - AT) * REALS, data.level + (N - AT) * FACTORS};
+    double w[SETS * N], y[N], mean[SETS * AT], covariance[AT * AT], one, variance;
+    stats_emulator e;
+    CHECK_OK(stats_emulator_make(STATS_SMOOTH, &in, data.variance, 0.8, &e));
+    CHECK_OK(stats_emulator_factorise(&e));
+    for (size_t k = 0; k < SETS; k++) {
+        for (size_t i = 0; i < in.n; i++) y[i] = data.y[i] + (double)(k * (i % 5));
+        stats_emulator_weights(&e, y, w + k * in.n);
+    }
+    CHECK_OK(stats_emulator_predict(&e, &at, SETS, w, mean, covariance));
+    for (size_t j = 0; j < AT; j++) {
+        const stats_inputs alone = {1, REALS, FACTORS, at.x + j * REALS, at.level + j * FACTORS};
+        for (size_t k = 0; k < SETS; k++) {
+            CHECK_OK(stats_emulator_predict(&e, &alone, 1, w + k * in.n, &one, &variance));
+            CHECK_NEAR(mean[k * AT + j], one, 1e-12);
+            CHECK_NEAR(covariance[j * AT + j], variance, 1e-12);
+        }
+        for (size_t i = 0; i < j; i++) { /* the same both ways, and no more than both allow */
+            CHECK_NEAR(covariance[i * AT + j], covariance[j * AT + i], 1e-12);
+            CU_ASSERT(pow(covariance[i * AT + j], 2.0) < covariance[i * AT + i] * covariance[j * AT + j]);
+        }
+    }
+    stats_emulator_free(&e);
+}
+
 /* The kernels themselves, by their formulas. */
 static void test_kernels(void)
 {
@@ -285,6 +315,7 @@ void suite_emulator(void)
 {
     static const check_case cases[] = {
         {"posterior of one and of two values", test_closed_form},
+        {"several sets of values at several settings", test_sets},
         {"kernels", test_kernels},
         {"kernels of factors are positive definite", test_factors_are_positive},
         {"evidence and its derivatives", test_evidence},

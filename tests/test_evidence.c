@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "core/table.h"
+#include "stats/samplesize.h"
 #include "sweeps/driver/protocol.h"
 #include "tests/check.h"
 #include "tests/program.h"
@@ -237,7 +238,13 @@ static void test_section(void)
     GOOD("report in.md --tables . --claims claims.tsv");
     CU_ASSERT_PTR_NOT_NULL(strstr(out, "| 20 ± 0.9 (1) | 21.5 ± 1.0 | 12; 1 of 15 failed |"));
     CU_ASSERT_PTR_NOT_NULL(strstr(out, "| 20 ± 0.8 | 21.5 ± 1.0 | 12; 1 of 15 failed |"));
-    CU_ASSERT_PTR_NOT_NULL(strstr(out, "\n| `means` | 1 of 15 (no_pile 1) |\n"));
+    const char *failures = strstr(out, "\n| `means` | 1 of 15 (no_pile 1) |\n"); /* of both claims one line */
+    CU_ASSERT(failures && !strstr(failures + 1, "\n| `means`"));
+    /* blanks between the brackets do not count */
+    write_text("in.md",
+               "{{ value  means k=1  a }}; {{  cell means k=1 a_mean %%.2f}}; {{ note means failed }}\n");
+    GOOD("report in.md --tables . --claims claims.tsv");
+    CU_ASSERT_STRING_EQUAL(out, "21.5 ± 1.0; 21.50; 1 of 15 (no_pile 1)\n");
     write_text("in.md", "{{failures lh}}\n");
     FAILS(65, "{{failures lh}}: allowed: all", "report in.md --tables . --claims claims.tsv");
     leave();
@@ -248,11 +255,24 @@ static void test_references(void)
 {
     static const struct {
         const char *reference, *value;
-    } cases[] = {{"t k=5", "1"},    {"t k=5x", "2"},  {"t k=50", "3"},
-                 {"t k=word", "4"}, {"t k=5e1", "3"}, {"t k=6:60", "3"}};
+    } cases[] = {{"t k=5", "1"},
+                 {"t k=5x", "2"},
+                 {"t k=50", "3"},
+                 {"t k=word", "4"},
+                 {"t k=5e1", "3"},
+                 {"t k=6:60", "3"},
+                 {"t k=50:60", "3"},
+                 {"t k=6:50", "3"},
+                 {"t k=-.5", "5"},
+                 {"t k=-1:-0.2", "5"},
+                 {"t k=1e-6", "6"},
+                 {"t k=1.0000001e-6", "7"},
+                 {"t k=1000000.0000001", "8"},
+                 {"t k=5 v=1", "1"}};
     enter();
     write_text("claims.tsv", CLAIMS);
-    write_text("t.tsv", "# k\tv\n5.0\t1\n5x\t2\n50\t3\nword\t4\n");
+    write_text("t.tsv",
+               "# k\tv\n5.0\t1\n5x\t2\n50\t3\nword\t4\n-0.5\t5\n0.000001\t6\n1.0000001e-6\t7\n1e6\t8\n");
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         write_text("in.md", "{{cell %s v}}\n", cases[i].reference);
         GOOD("report in.md --tables . --claims claims.tsv");
@@ -264,6 +284,185 @@ static void test_references(void)
     write_text("in.md", "{{value t k=1 a}}, {{value t k=1 b_deg}}, {{value t k=1 c}}\n");
     GOOD("report in.md --tables . --claims claims.tsv");
     CU_ASSERT_STRING_EQUAL(out, "20.0 ± 1.0, 30.00 ± 0.20, 7\n");
+    leave();
+}
+
+/* ---- what a claim needs, families, numbers of the papers ---- */
+
+#define HEADER                                                                                               \
+    "# id\tof\tpaper\tplace\tsection\ttest\tpublished\tpublished_se\tsamples\tmargin\tfamily\tanswer\t"      \
+    "against\tforensics\tstatement\tnote\n"
+
+#define ASK "claims --claims claims.tsv --tables ."
+
+static void write_claim(const char *test, const char *published, const char *margin, const char *answer,
+                        const char *against, const char *note)
+{
+    write_text("claims.tsv", HEADER "x\t-\tlh\t-\ts\t%s\t%s\t-\t-\t%s\t-\t%s\t%s\t-\tx\t%s\n", test,
+               published, margin, answer, against, note);
+}
+
+/* The claims are read, or without what they need refused. */
+static void check_need(bool needed, const char *message)
+{
+    const int status = run(ASK);
+    CU_ASSERT(needed ? failed(__FILE__, __LINE__, status, 65, message) : good(__FILE__, __LINE__, status));
+}
+
+/* Which test needs a published number, something to compare with, a margin; an order of magnitude one of the
+ * first two. All but one need an answer, and that one a note. */
+static void test_needs(void)
+{
+    static const struct {
+        const char *test;
+        bool published, against, margin;
+    } tests[] = {{"agrees", true, false, false},     {"same", false, true, false},
+                 {"above", false, true, false},      {"below", false, true, false},
+                 {"least", false, true, false},      {"most", false, true, false},
+                 {"equals", true, false, true},      {"ratio", true, true, false},
+                 {"order", false, false, true},      {"independent", false, false, true},
+                 {"rises", false, false, false},     {"falls", false, false, false},
+                 {"formula", false, false, false},   {"picture", false, false, false},
+                 {"untestable", false, false, false}};
+    enter();
+    write_text("t.tsv", "v\tv_se\n2\t1\n");
+    for (size_t k = 0; k < sizeof tests / sizeof *tests; k++) {
+        const char *test = tests[k].test;
+        char message[128];
+        write_claim(test, "20", "2", "t v", "1", "why");
+        GOOD(ASK);
+        write_claim(test, "-", "2", "t v", "1", "why");
+        snprintf(message, sizeof message, "claims.tsv:2: claim x: test %s needs a published number", test);
+        check_need(tests[k].published, message);
+        write_claim(test, "20", "2", "t v", "-", "why");
+        snprintf(message, sizeof message, "test %s needs `against`", test);
+        check_need(tests[k].against, message);
+        write_claim(test, "20", "-", "t v", "1", "why");
+        snprintf(message, sizeof message, "test %s needs a margin", test);
+        check_need(tests[k].margin, message);
+        const bool none = strcmp(test, "untestable") == 0;
+        write_claim(test, "20", "2", none ? "t v" : "-", "1", none ? "-" : "why");
+        snprintf(message, sizeof message, "test %s needs %s", test,
+                 none ? "a reason in `note`" : "an answer");
+        FAILS(65, message, ASK);
+        write_claim(test, "20", "2", none ? "-" : "t v", "1", none ? "why" : "-");
+        GOOD(ASK);
+    }
+    write_claim("order", "-", "2", "t v", "-", "why");
+    FAILS(65, "test order needs a published number", ASK);
+    leave();
+}
+
+/* A row of a claim in `out`: what stands in its columns. */
+static void check_claim(const char *id, const char *ours, const char *detail)
+{
+    rp_table t;
+    char path[256];
+    bool found = false;
+    path_of("out", path);
+    CHECK_OK(rp_table_read_texts(path, &t));
+    for (size_t row = 0; row < t.n_rows; row++) {
+        if (strcmp(word(&t, row, "id"), id) != 0) continue;
+        const bool same =
+            strcmp(word(&t, row, "ours"), ours) == 0 && strcmp(word(&t, row, "detail"), detail) == 0;
+        if (!same) fprintf(stderr, "claim %s: %s; %s\n", id, word(&t, row, "ours"), word(&t, row, "detail"));
+        CU_ASSERT(same);
+        found = true;
+    }
+    CU_ASSERT(found);
+    rp_table_free(&t);
+}
+
+#define ROW(id, test, margin, family, answer, against)                                                       \
+    id "\t-\tlh\t-\ts\t" test "\t-\t-\t-\t" margin "\t" family "\t" answer "\t" against "\t-\t" id "\t-\n"
+
+/* Eight claims of one question. Chances of no effect, 1e-5 twice, 0.0027 twice and more, raised to 0.016 at
+ * most; of the margin 0.0228 three times, raised to 0.068 beside 1e-12, and to 0.0455 where they are two. */
+static void test_family(void)
+{
+#define THREE ROW("c", "above", "1", "q", "t k=3 v", "0") ROW("d", "below", "1", "q", "t k=3 v", "0")
+    enter();
+    write_text("t.tsv",
+               "# k\tv\tv_se\tchange\tchange_se\tchange_lo90\tchange_hi90\tp_value\n"
+               "1\t3\t1\t0\t1\t0\t0\t1\n2\t-3\t1\t0\t1\t0\t0\t1\n3\t0\t0.5\t0\t1\t0\t0\t1\n"
+               "4\t0.125\t0.125\t0\t1\t0\t0\t1\n5\t0\t1\t4\t1\t2\t6\t1e-5\n6\t0\t1\t-4\t1\t-6\t-2\t1e-5\n");
+    write_text(
+        "claims.tsv",
+        HEADER ROW("a", "above", "-", "q", "t k=1 v", "0") ROW("b", "below", "-", "q", "t k=2 v", "0")
+            THREE ROW("e", "above", "1", "q", "t k=3 v", "0") ROW("f", "below", "1", "q", "t k=4 v", "0") ROW(
+                "g", "rises", "9", "q", "t k=5 change", "-") ROW("h", "falls", "9", "q", "t k=6 change", "-")
+                ROW("i", "above", "1", "-", "t k=3 v", "0") ROW("j", "above", "1", "-", "t k=2 v", "0")
+                    ROW("k", "below", "1", "-", "t k=1 v", "0"));
+    GOOD(ASK);
+    check_claim("a", "3.0 ± 1.0 against 0", "reproduced");
+    check_claim("b", "-3.0 ± 1.0 against 0", "reproduced");
+    static const char *const three[] = {"c", "d", "e"};
+    for (size_t k = 0; k < 3; k++)
+        check_claim(three[k], "0.00 ± 0.50 against 0",
+                    "undecided: not reproduced without the correction for 8 tests of one question");
+    check_claim("f", "0.12 ± 0.12 against 0", "not reproduced (a difference of 1 or more is excluded)");
+    check_claim("g", "4.0 ± 1.0 (90 %: 2.0 to 6.0)", "reproduced");
+    check_claim("h", "-4.0 ± 1.0 (90 %: -6.0 to -2.0)", "reproduced");
+    check_claim("i", "0.00 ± 0.50 against 0", "not reproduced (a difference of 1 or more is excluded)");
+    check_claim("j", "-3.0 ± 1.0 against 0", "not reproduced"); /* the opposite holds */
+    check_claim("k", "3.0 ± 1.0 against 0", "not reproduced");
+    write_text("claims.tsv", HEADER ROW("z", "above", "-", "p", "t k=1 v", "0") THREE);
+    GOOD(ASK);
+    check_claim("c", "0.00 ± 0.50 against 0", "not reproduced (a difference of 1 or more is excluded)");
+    check_claim("d", "0.00 ± 0.50 against 0", "not reproduced (a difference of 1 or more is excluded)");
+    leave();
+}
+
+/* Numbers of a paper among themselves: chi^2 of two, of three, and with so many samples. 10, 12 and 10 have
+ * squares of 8/3 about their mean; by the last claim's 4 samples, four times as large. */
+static void test_constants(void)
+{
+#define NUMBER(id, value, samples)                                                                           \
+    id "\t-\tli\t-\ts\tpicture\t" value "\t1\t" samples "\t-\t-\tfig\t-\t-\t" id "\t-\n"
+    char two[64], three[64];
+    enter();
+    write_text("claims.tsv", HEADER NUMBER("one", "10", "-") NUMBER("two", "12", "4")
+                                 NUMBER("three", "10", "-") ROW("pair", "constant", "-", "-", "one two", "-")
+                                     ROW("all", "constant", "-", "-", "two three one", "-")
+                                         ROW("same", "constant", "-", "-", "three one", "-")
+                                             ROW("lone", "constant", "-", "-", "two", "-"));
+    GOOD(ASK);
+    snprintf(two, sizeof two, "p = %.2g or %.1g", gsl_cdf_chisq_Q(2.0, 1.0), gsl_cdf_chisq_Q(8.0, 1.0));
+    snprintf(three, sizeof three, "p = %.2g or %.1g", gsl_cdf_chisq_Q(8.0 / 3.0, 2.0),
+             gsl_cdf_chisq_Q(8.0 / 3.0, 2.0));
+    check_claim(
+        "pair", two,
+        "undecided: reproduced if ± is a standard error, not reproduced if it is a standard deviation");
+    check_claim("all", three, "reproduced");
+    check_claim("same", "p = 1 or 1", "reproduced");
+    check_claim("lone", "p = nan or nan", "undecided");
+    leave();
+}
+
+/* The power of an order of magnitude: 0.04 of 1 lies between 1/1.2 - 1 and 1.2 - 1, at two errors from both,
+ * with a chance of 0.98352; without the upper end it were 0.98487. Of values pooled, by the library: 32 of
+ * scatter 1.968, at two grid points. */
+static void test_powers(void)
+{
+    const double sd = sqrt(2.0 * 15.0 * 4.0 / 31.0);
+    const stats_pilot pilot = {.se = sd / sqrt(32.0), .n = 32.0, .dof = 31.0};
+    const stats_rule rule = {0.0, INFINITY, 0.025, 2.0};
+    char expected[256];
+    enter();
+    write_text("s.tsv",
+               "# sweep: s.cfg, protocol repose, seed 7, 2 grid points x 16 replicas\n# run_time: 32.0 s\n"
+               "# v_mean\tv_se\tv_sd\tv_n\tn\n3\t0.5\t2\t16\t16\n");
+    write_text("s_fit.tsv", "# a\ta_se\n2\t0.08\n");
+    write_text("claims.tsv",
+               HEADER "x\t-\tlh\t-\ts\torder\t2\t-\t-\t1.2\t-\ts_fit a\t-\t-\tx\t-\n" ROW(
+                   "y", "above", "1", "-", "s v + s v", "0") ROW("z", "constant", "-", "-", "x", "-"));
+    GOOD(ASK " --power");
+    CU_ASSERT_PTR_NOT_NULL(strstr(out, "\nx\torder\t1.2\t0.04\ts\t16\t0.984\t13\t13\t26\treproduced\n"));
+    const double needed = stats_sample_size(&rule, &pilot, 1.0, 0.95);
+    snprintf(expected, sizeof expected, "\ny\tabove\t1\t%.3g\ts\t32\t%.3f\t%g\t%g\t%.0f\treproduced\n",
+             pilot.se, stats_power(&rule, &pilot, 1.0, 32.0), needed, needed, needed * 32.0 / 16.0 / 2.0);
+    CU_ASSERT_PTR_NOT_NULL(strstr(out, expected));
+    CU_ASSERT(!strstr(out, "\nz\t"));
     leave();
 }
 
@@ -667,6 +866,10 @@ void suite_evidence(void)
     static const check_case cases[] = {{"verdicts and the words of the report", test_verdicts},
                                        {"a section in short and in full", test_section},
                                        {"rows by references", test_references},
+                                       {"what each test needs", test_needs},
+                                       {"claims of one question", test_family},
+                                       {"one number behind several, by claims", test_constants},
+                                       {"power of an order, of pooled values", test_powers},
                                        {"Holm's correction by groups", test_holm},
                                        {"dips and peaks", test_dips},
                                        {"rays at any inclination", test_rays},

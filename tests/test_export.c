@@ -198,6 +198,169 @@ static void test_errors(void)
     leave();
 }
 
+/* ---- whole files, by hand ---- */
+
+/* Two frames, of which the second has lost a grain; contacts in the second alone, and walls that lean, with
+ * and without ends. All numbers are exact in binary. */
+static void write_small(void)
+{
+    enter();
+    CU_ASSERT(shell("mkdir d >out 2>err") == 0);
+    write_text("d/states.tsv",
+               "step\tt\tid\tx\ty\tr\tm\tvx\tvy\tfx\tfy\tomega\tcontacts\n"
+               "0\t0\t7\t0.5\t1\t0.5\t2\t1\t-1\t3\t-4\t0.25\t1\n0\t0\t3\t2\t1.5\t0.25\t4\t5\t6\t7\t8\t-9\t2\n"
+               "10\t0.25\t3\t2.5\t0.5\t0.25\t4\t-5\t-6\t-7\t-8\t9\t0\n");
+    write_text("d/contacts.tsv", "step\tt\tid_a\tid_b\tx\ty\tx_b\ty_b\tnormal_force\tlimit\n"
+                                 "10\t0.25\t3\t7\t2.5\t0.5\t1.5\t0.75\t12\tinfinite\n"
+                                 "10\t0.25\t3\t0\t2.5\t0.5\t2.25\t-0.5\t11\t4\n");
+    write_text("d/walls.tsv", "step\tt\twall\tx\ty\tdirection_x\tdirection_y\tfrom\tto\n"
+                              "0\t0\t1\t1\t2\t0.5\t1\t-inf\tinf\n0\t0\t2\t1\t2\t-0.5\t1\t-inf\tinf\n"
+                              "10\t0.25\t1\t1\t2\t0.5\t1\t-0.5\t2\n10\t0.25\t2\t1\t2\t-0.5\t1\t-inf\t0\n");
+}
+
+static void file_is(const char *name, const char *expected)
+{
+    static char text[1 << 14];
+    slurp(name, text, sizeof text);
+    if (strcmp(text, expected) != 0) fprintf(stderr, "%s is:\n%sexpected:\n%s", name, text, expected);
+    CU_ASSERT(strcmp(text, expected) == 0);
+}
+
+/* x from 0.5 - 0.5 to 2.5 + 0.25, y from 0.5 - 0.25 to 1.5 + 0.25. */
+#define DUMP(time, step, of, n)                                                                              \
+    "ITEM: TIME\n" time "\nITEM: TIMESTEP\n" step "\nITEM: NUMBER OF " of "\n" n                             \
+    "\nITEM: BOX BOUNDS ff ff pp\n0 2.75\n0.25 1.75\n-0.5 0.5\nITEM: " of " "
+
+static void test_dump_files(void)
+{
+    write_small();
+    GOOD("export d --to lammps -o a.dump");
+    file_is("a.dump",
+            DUMP("0", "0", "ATOMS",
+                 "2") "id type x y z radius mass vx vy vz fx fy fz omegaz contacts\n"
+                      "7 1 0.5 1 0 0.5 2 1 -1 0 3 -4 0 0.25 1\n3 1 2 1.5 0 0.25 4 5 6 0 7 8 0 -9 2\n" DUMP(
+                          "0.25", "10", "ATOMS",
+                          "1") "id type x y z radius mass vx vy vz fx fy fz omegaz contacts\n"
+                               "3 1 2.5 0.5 0 0.25 4 -5 -6 0 -7 -8 0 9 0\n");
+    file_is("a.contacts.dump",
+            DUMP("0", "0", "ENTRIES", "0") "id_a id_b x y x_b y_b normal_force limit\n" DUMP(
+                "0.25", "10", "ENTRIES", "2") "id_a id_b x y x_b y_b normal_force limit\n3 7 2.5 0.5 1.5 "
+                                              "0.75 12 inf\n3 0 2.5 0.5 2.25 -0.5 11 4\n");
+    GOOD("export d --to xyz");
+    file_is("out",
+            "2\nProperties=id:I:1:pos:R:3:radius:R:1:mass:R:1:velo:R:3:force:R:3:omega:R:1:contacts:R:1 "
+            "Time=0 step=0 pbc=\"F F F\"\n7 0.5 1 0 0.5 2 1 -1 0 3 -4 0 0.25 1\n3 2 1.5 0 0.25 4 5 6 0 7 8 0 "
+            "-9 2\n"
+            "1\nProperties=id:I:1:pos:R:3:radius:R:1:mass:R:1:velo:R:3:force:R:3:omega:R:1:contacts:R:1 "
+            "Time=0.25 step=10 pbc=\"F F F\"\n3 2.5 0.5 0 0.25 4 -5 -6 0 -7 -8 0 9 0\n");
+    /* the radius first, a vector once and whole, and no place or number twice */
+    static const char *const chosen[][3] = {
+        {"omega,vy,vx,r,m", "radius:R:1:omega:R:1:velo:R:3:mass:R:1", "7 0.5 1 0 0.5 0.25 1 -1 0 2\n"},
+        {"vx", "radius:R:1:velo:R:3", "7 0.5 1 0 0.5 1 -1 0\n"},
+        {"contacts,fy,m,fx", "radius:R:1:contacts:R:1:mass:R:1:force:R:3", "7 0.5 1 0 0.5 1 2 3 -4 0\n"},
+        {"x,id,step,y,t", "radius:R:1", "7 0.5 1 0 0.5\n"}};
+    for (size_t k = 0; k < sizeof chosen / sizeof *chosen; k++) {
+        char expected[256];
+        GOOD("export d --to xyz --columns %s --where id=7", chosen[k][0]);
+        snprintf(expected, sizeof expected, "1\nProperties=id:I:1:pos:R:3:%s Time=0 step=0 pbc=\"F F F\"\n%s",
+                 chosen[k][1], chosen[k][2]);
+        file_is("out", expected);
+    }
+    leave();
+}
+
+#define VTP(points, verts, lines, at)                                                                        \
+    "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\">\n"     \
+    "<PolyData>\n<Piece NumberOfPoints=\"" points "\" NumberOfVerts=\"" verts "\" NumberOfLines=\"" lines    \
+    "\" NumberOfStrips=\"0\" NumberOfPolys=\"0\">\n<Points>\n" ARRAY("Points", "3", at) "</Points>\n"
+#define ARRAY(name, width, values)                                                                           \
+    "<DataArray type=\"Float64\" Name=\"" name "\" NumberOfComponents=\"" width                              \
+    "\" format=\"ascii\">\n" values "</DataArray>\n"
+#define CELLS(kind, ids, ends)                                                                               \
+    "<" kind ">\n<DataArray type=\"Int64\" Name=\"connectivity\" format=\"ascii\">\n" ids                    \
+    "</DataArray>\n<DataArray type=\"Int64\" Name=\"offsets\" format=\"ascii\">\n" ends                      \
+    "</DataArray>\n</" kind ">\n"
+#define LAST "</Piece>\n</PolyData>\n</VTKFile>\n"
+#define PART(time, part, name, file)                                                                         \
+    "<DataSet timestep=\"" time "\" part=\"" part "\" name=\"" name "\" file=\"a_frames/" file ".vtp\"/>\n"
+
+/* The corners of the grains' box, from (1, 2) along (1, -1/2) and (1, 1/2): -7/8 to 21/8, and -15/8 to 13/8.
+ */
+static void test_vtk_files(void)
+{
+    write_small();
+    GOOD("export d --to vtk -o a.pvd");
+    file_is("a.pvd",
+            "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\">\n<Collection>\n" PART(
+                "0", "0", "grains", "grains_000000") PART("0", "1", "contacts", "contacts_000000")
+                PART("0", "2", "walls", "walls_000000") PART("0.25", "0", "grains", "grains_000001")
+                    PART("0.25", "1", "contacts", "contacts_000001")
+                        PART("0.25", "2", "walls", "walls_000001") "</Collection>\n</VTKFile>\n");
+    file_is("a_frames/grains_000000.vtp",
+            VTP("2", "2", "0", "0.5 1 0\n2 1.5 0\n") CELLS(
+                "Verts", "0\n1\n", "1\n2\n") "<PointData Scalars=\"radius\">\n" ARRAY("id", "1", "7\n3\n")
+                ARRAY("radius", "1", "0.5\n0.25\n") ARRAY("mass", "1", "2\n4\n")
+                    ARRAY("velocity", "3", "1 -1 0\n5 6 0\n") ARRAY("force", "3", "3 -4 0\n7 8 0\n")
+                        ARRAY("omega", "1", "0.25\n-9\n")
+                            ARRAY("contacts", "1", "1\n2\n") "</PointData>\n" LAST);
+    file_is("a_frames/contacts_000000.vtp",
+            VTP("0", "0", "0", "") CELLS("Lines", "", "") "<CellData>\n" ARRAY("id_a", "1", "")
+                ARRAY("id_b", "1", "") ARRAY("normal_force", "1", "")
+                    ARRAY("limit", "1", "") "</CellData>\n" LAST);
+    file_is("a_frames/contacts_000001.vtp",
+            VTP("4", "0", "2", "2.5 0.5 0\n1.5 0.75 0\n2.5 0.5 0\n2.25 -0.5 0\n")
+                CELLS("Lines", "0 1\n2 3\n", "2\n4\n") "<CellData>\n" ARRAY("id_a", "1", "3\n3\n")
+                    ARRAY("id_b", "1", "7\n0\n") ARRAY("normal_force", "1", "12\n11\n")
+                        ARRAY("limit", "1", "inf\n4\n") "</CellData>\n" LAST);
+    file_is("a_frames/walls_000000.vtp",
+            VTP("4", "0", "2", "0.125 2.4375 0\n3.625 0.6875 0\n-0.875 1.0625 0\n2.625 2.8125 0\n")
+                CELLS("Lines", "0 1\n2 3\n", "2\n4\n") "<CellData>\n" ARRAY("wall", "1",
+                                                                            "1\n2\n") "</CellData>\n" LAST);
+    file_is("a_frames/walls_000001.vtp", VTP("4", "0", "2", "0.5 2.25 0\n3 1 0\n-0.875 1.0625 0\n1 2 0\n")
+                                             CELLS("Lines", "0 1\n2 3\n", "2\n4\n") "<CellData>\n" ARRAY(
+                                                 "wall", "1", "1\n2\n") "</CellData>\n" LAST);
+    GOOD("export d --to vtk -o b.pvd --columns r --where step=10"); /* a name of one letter */
+    file_is("b_frames/grains_000000.vtp",
+            VTP("1", "1", "0", "2.5 0.5 0\n")
+                CELLS("Verts", "0\n", "1\n") "<PointData Scalars=\"radius\">\n" ARRAY("id", "1", "3\n")
+                    ARRAY("radius", "1", "0.25\n") "</PointData>\n" LAST);
+    FAILS(64, "vtk needs a name that ends in .pvd", "export d --to vtk -o .pvd");
+    leave();
+}
+
+/* Header lines that stand again are a list; what is no header line, or has no name, is left out. */
+static void test_text_files(void)
+{
+    enter();
+    write_text("t.tsv",
+               "# a: one \"two\"\n# b: 1\n# a: three\n#c: no\n# d none\n# a: four\n# units: m\t1\n# last: 2\n"
+               "x\ty\tz\n1\t.5\t1e5\n-0\tnan\tx,y\n+3\tinf\t-\n");
+    GOOD("export t.tsv --to json");
+    file_is(
+        "out",
+        "{\"notes\": {\n \"a\": [\n  \"one \\\"two\\\"\",\n  \"three\",\n  \"four\"\n ],\n \"b\": \"1\",\n"
+        " \"last\": \"2\"\n},\n\"units\": {\n \"x\": \"m\",\n \"y\": \"1\",\n \"z\": \"1\"\n},\n\"rows\": [\n"
+        "{\"x\": 1, \"y\": 0.5, \"z\": 1e5},\n{\"x\": -0, \"y\": null, \"z\": \"x,y\"},\n"
+        "{\"x\": 3.0, \"y\": \"inf\", \"z\": \"-\"}\n]}\n");
+    GOOD("export t.tsv --to json --columns z,x --where y=inf");
+    CU_ASSERT_PTR_NOT_NULL(strstr(out, "\"units\": {\n \"z\": \"1\",\n \"x\": \"m\"\n},\n\"rows\": [\n"
+                                       "{\"z\": \"-\", \"x\": 3.0}\n]}\n"));
+    GOOD("export t.tsv --to csv");
+    file_is("out", "x,y,z\n1,.5,1e5\n-0,nan,\"x,y\"\n+3,inf,-\n");
+    GOOD("export t.tsv --to csv --columns y");
+    file_is("out", "y\n.5\nnan\ninf\n");
+    GOOD("export t.tsv --to csv --columns z,z,x,x,y,z");
+    file_is("out", "z,z,x,x,y,z\n1e5,1e5,1,1,.5,1e5\n\"x,y\",\"x,y\",-0,-0,nan,\"x,y\"\n-,-,+3,+3,inf,-\n");
+    /* columns without names have numbers */
+    write_text("bare.txt", "1 2\n3 4\n");
+    GOOD("export bare.txt --to csv");
+    file_is("out", "1,2\n1,2\n3,4\n");
+    GOOD("export bare.txt --to json");
+    file_is("out", "{\"notes\": {},\n\"units\": {\n \"1\": \"1\",\n \"2\": \"1\"\n},\n\"rows\": [\n"
+                   "{\"1\": 1, \"2\": 2},\n{\"1\": 3, \"2\": 4}\n]}\n");
+    leave();
+}
+
 /* ---- LAMMPS input */
 
 #define WALLS                                                                                                \
@@ -387,6 +550,9 @@ void suite_export(void)
                                        {"frames of a run as it ends", test_dump},
                                        {"long names", test_long_names},
                                        {"errors", test_errors},
+                                       {"dumps and XYZ, whole files", test_dump_files},
+                                       {"VTP, whole files", test_vtk_files},
+                                       {"CSV and JSON, whole files", test_text_files},
                                        {"LAMMPS input: 1000 steps of lmp", test_lammps_input},
                                        {"LAMMPS input: fixed grains", test_held},
                                        {"LAMMPS input: refused keys", test_refused},

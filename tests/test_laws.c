@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "core/clock.h"
+#include "dem/definition.h"
 #include "dem/law.h"
 #include "dem/sim.h"
 #include "tests/check.h"
@@ -400,6 +401,56 @@ static void restitution_of_walls(void)
     }
 }
 
+/* gamma_n by the restitution of one material alone, particles or any wall, for the grains' mean mass; walls
+ * alike and unlike; a list of walls that is lent stays as it is. */
+static void restitution_of_any_wall(void)
+{
+    enum { MANY = DEM_FEW_WALLS + 1 };
+    const dem_grain grains[3] = {
+        {.x = 0.0, .r = 0.1, .m = 0.003}, {.x = 1.0, .r = 0.1, .m = 0.004}, {.x = 2.0, .r = 0.1, .m = 0.008}};
+    dem_definition def = dem_definition_default();
+    dem_wall walls[MANY];
+    def.normal = DEM_LINEAR;
+    def.grains = grains, def.n_grains = 3;
+    def.n_walls = 3;
+    for (int asks = -1; asks < MANY; asks++) {
+        dem_definition own = def;
+        double gamma_n, alike;
+        for (int w = 0; w < MANY; w++) {
+            walls[w] = grains_line(0.0, -1.0, 0.0, 1.0, &def.material);
+            walls[w].material.k_n = w < 2 ? 1e5 : 3e5;
+            if (asks >= 3 && w >= asks - 1)
+                walls[w].material.restitution = 0.4, walls[w].material.gamma_n = -1.0;
+            if (w < 3) own.walls[w] = walls[w];
+        }
+        if (asks >= 3) own.n_walls = MANY, own.wall_list = walls;
+        dem_material *m = asks < 0 ? &own.material : &own.walls[asks < 3 ? asks : 0].material;
+        if (asks < 3) m->restitution = 0.4, m->gamma_n = -1.0;
+        CHECK_OK(dem_damping_of(DEM_LINEAR, def.tension, 3e5, 0.005, 1.0, 0.4, &alike));
+        CHECK_OK(
+            dem_damping_of(DEM_LINEAR, def.tension, m->k_n, asks < 0 ? 0.0025 : 0.005, 1.0, 0.4, &gamma_n));
+        CHECK_OK(dem_physics_resolve(&own));
+        if (asks < 3) CHECK_NEAR(m->gamma_n, gamma_n, 1e-12 * gamma_n);
+        CU_ASSERT(own.material.gamma_n == 500.0 || asks < 0);
+        for (int w = 0; w < (int)own.n_walls; w++) {
+            const dem_material *is = &dem_walls_of(&own)[w].material;
+            if (asks < 3 && w != asks) CU_ASSERT(is->gamma_n == 500.0);
+            if (asks >= 3) CHECK_NEAR(is->gamma_n, w >= asks - 1 ? alike : 500.0, 1e-12 * alike);
+            CU_ASSERT(!(is->restitution > 0.0));
+            if (asks >= 3) CU_ASSERT((walls[w].material.gamma_n == -1.0) == (w >= asks - 1));
+        }
+        dem_physics_free(&own, &def);
+        own.material.restitution = -1.0, own.material.gamma_n = 500.0;
+        own.wall_list = NULL, own.n_walls = 3;
+        for (int w = 0; w < 3; w++) own.walls[w] = walls[0];
+        own.walls[2].material.restitution = 0.4, own.walls[2].material.gamma_n = 0.0;
+        CHECK_FAILS(dem_physics_resolve(&own), RP_BAD_INPUT,
+                    "wall 3: restitution = 0.4, gamma_n = 0: give one");
+        own.n_walls = MANY;
+        CHECK_FAILS(dem_physics_resolve(&own), RP_BAD_INPUT, "9 walls: more than 8 need a list");
+    }
+}
+
 void suite_laws(void)
 {
     static const check_case cases[] = {{"each kernel matches the reference loop", kernels_match_reference},
@@ -413,6 +464,7 @@ void suite_laws(void)
                                        {"bad restitution", bad_restitution},
                                        {"defaults need a rate", defaults_need_a_rate},
                                        {"restitution of walls", restitution_of_walls},
+                                       {"restitution of any wall", restitution_of_any_wall},
                                        {NULL, NULL}};
     check_register("laws", cases);
 }

@@ -42,6 +42,56 @@ static void test_grids(void)
     CHECK_NEAR(size, 2.0, 0.0);
 }
 
+/* Columns of width 1/2 and what each contact puts into them: two piles, the second of which has one grain.
+ * What is beyond the three columns, on either side, does not count. */
+static void test_floor(void)
+{
+    enum { N = 9, COLUMNS = 3 };
+    const double size = 0.5, g = 10.0;
+    double x[] = {0.2, 0.7, -0.3, 1.6}, y[4] = {0.0}, m[] = {1.0, 2.0, 4.0, 8.0}, one_x = 0.5, one_m = 3.0;
+    bool floor[N] = {true, true}, one_floor = true;
+    stress_contact c[N] = {{0.2, 0.1, 0.2, 0.0, -3.0, 5.0},     /* floor */
+                           {1.6, 0.1, 1.6, 0.0, 7.0, 11.0},     /* floor, beyond */
+                           {0.7, 0.3, 0.2, 0.1, 1.0, 2.0},      /* from the first column to the second */
+                           {0.2, 0.3, 0.4, 0.1, 1.0, 7.0},      /* within the first */
+                           {0.2, 0.1, 0.0, 0.1, 9.0, 1.5},      /* wall */
+                           {0.2, 0.1, -0.1, 0.1, 9.0, 0.25},    /* the same, grains overlap it */
+                           {-0.3, 0.1, 0.3, 0.2, 1.0, 0.125},   /* from beyond */
+                           {1.2, 0.1, 1.7, 0.2, 1.0, 0.0625},   /* to beyond */
+                           {1.5, 0.1, 1.2, 0.2, 1.0, 0.03125}}; /* from where the columns end */
+    stress_contact one = {0.5, 0.1, 0.5, 0.0, 0.5, 13.0};
+    const stress_pile piles[2] = {{N, 4, c, floor, x, y, m}, {1, 1, &one, &one_floor, &one_x, y, &one_m}};
+    static const double n[2][COLUMNS] = {{5.0, 0.0, 0.0}, {0.0, 13.0, 0.0}},
+                        h[2][COLUMNS] = {{3.0, 0.0, 0.0}, {0.0, -0.5, 0.0}},
+                        weight[COLUMNS] = {10.0, 50.0, 0.0}, through[COLUMNS] = {0.375, -2.0, -0.03125};
+    stress_floor f[COLUMNS];
+    CHECK_OK(stress_floor_forces(2, piles, size, g, COLUMNS, f));
+    for (int k = 0; k < COLUMNS; k++) { /* of two values the error of the mean is half of their difference */
+        CHECK_NEAR(f[k].n.mean, 0.5 * (n[0][k] + n[1][k]) / size, tight);
+        CHECK_NEAR(f[k].n.se, 0.5 * fabs(n[0][k] - n[1][k]) / size, tight);
+        CHECK_NEAR(f[k].h.mean, 0.5 * (h[0][k] + h[1][k]) / size, tight);
+        CHECK_NEAR(f[k].h.se, 0.5 * fabs(h[0][k] - h[1][k]) / size, tight);
+        CHECK_NEAR(f[k].weight, 0.5 * weight[k] / size, tight);
+        CHECK_NEAR(f[k].through, 0.5 * through[k] / size, tight);
+        CHECK_NEAR(f[k].imbalance, f[k].n.mean - 0.5 * (weight[k] + through[k]) / size, tight);
+    }
+    /* the mean stress of both, whatever the memory held; force times branch, over cells that hold all
+     * branches */
+    const stress_grid grid = {-0.5, 0.0, 2.5, 0.5, 1, 1};
+    stress_tensor mean = {1e9, NAN, 1e9, 1e9}, sum = {0};
+    CHECK_OK(stress_mean_cells(2, piles, &grid, &mean));
+    for (int k = 0; k <= N; k++) {
+        const stress_contact *a = k < N ? &c[k] : &one;
+        const double l[2] = {a->x - a->x_b, a->y - a->y_b};
+        const stress_tensor part = {a->fx * l[0], a->fx * l[1], a->fy * l[0], a->fy * l[1]};
+        stress_tensor_add(&sum, &part, 0.5 / 1.25);
+    }
+    CHECK_NEAR(mean.xx, sum.xx, tight);
+    CHECK_NEAR(mean.xy, sum.xy, tight);
+    CHECK_NEAR(mean.yx, sum.yx, tight);
+    CHECK_NEAR(mean.yy, sum.yy, tight);
+}
+
 /* A column of equal grains of diameter 0.7 and weight 1.3: each contact carries the weight above. */
 static void test_column(void)
 {
@@ -334,6 +384,35 @@ static void test_critical(void)
     gsl_rng_free(rng);
 }
 
+/* An interval stands with 18 of 20 resamples and not with 17; those without a tilt come from the same picks.
+ */
+static void test_lost_tilts(void)
+{
+    enum { N = 3, B = 20 };
+    const double theta_t[N] = {0.1, 0.2, 0.15};
+    stress_response r[N];
+    bool seen[2] = {false, false};
+    for (int i = 0; i < N; i++) /* of the third alone, or with another twice, the floor never slides */
+        r[i] = (stress_response){
+            {1.0, 0.0}, {0.1, i < 2 ? 0.8 : -1.0}, {{1.0, 0.1, 0.1, 1.0}, {0.0, 1.0, 1.0, 0.0}}};
+    for (unsigned long run = 0; run < 200 && !(seen[0] && seen[1]); run++) {
+        gsl_rng *rng = rp_random_alloc(3, run, RP_PURPOSE_TEST), *same = gsl_rng_clone(rng);
+        stress_critical c;
+        int lost = 0;
+        CHECK_OK(stress_critical_tilts(N, r, theta_t, 0.2, B, rng, &c));
+        for (int b = 0; b < B; b++) {
+            double rise = 0.0;
+            for (int i = 0; i < N; i++) rise += r[gsl_rng_uniform_int(same, N)].h[1];
+            lost += rise <= 0.0;
+        }
+        CU_ASSERT(isnan(c.floor_tilt.se) == (lost > 2) && isfinite(c.theta_t.se));
+        if (lost == 2 || lost == 3) seen[lost - 2] = true;
+        gsl_rng_free(rng);
+        gsl_rng_free(same);
+    }
+    CU_ASSERT(seen[0] && seen[1]);
+}
+
 static void test_bad_grids(void)
 {
     stress_contact c = {0.0, 1.0, 0.0, NAN, 0.0, 1.0};
@@ -450,6 +529,7 @@ void suite_stress(void)
 {
     static const check_case cases[] = {{"stress of a column", test_column},
                                        {"grids over piles", test_grids},
+                                       {"columns and cells of piles, by hand", test_floor},
                                        {"hydrostatic stress", test_hydrostatic},
                                        {"base of a close-packed triangle", test_triangle},
                                        {"momentum balance in a simulated box", test_momentum},
@@ -457,6 +537,7 @@ void suite_stress(void)
                                        {"wedge of rays", wedge},
                                        {"tilts from a response", test_tilts},
                                        {"critical tilts of an ensemble", test_critical},
+                                       {"resamples without a critical tilt", test_lost_tilts},
                                        {"grids that cannot be", test_bad_grids},
                                        {"protocol stress", test_protocol},
                                        {"protocol onset", test_onset},

@@ -561,6 +561,85 @@ static void test_oscillation(void)
     CHECK_FAILS(stats_oscillation_fit(VALUES, t, y, &f), RP_BAD_INPUT, "");
 }
 
+/* Errors of decay and frequency by their definition: the fit by GSL at the frequency found, residuals weighed
+ * by the inverse of X'X and summed over each period. Times are uneven. */
+static void test_oscillation_errors(void)
+{
+    enum { VALUES = 41, TERMS = 5 };
+    gsl_rng *rng = rp_random_alloc(1993, 14, RP_PURPOSE_TEST);
+    double t[VALUES], y[VALUES], chi2, line[6], sums[2][VALUES] = {{0.0}}, squares[2] = {0.0};
+    stats_oscillation f;
+    for (int i = 0; i < VALUES; i++) {
+        t[i] = 2.0 + 0.1 * i + 0.02 * (i * 7 % 5);
+        y[i] = 1.0 - 0.3 * t[i] + 1.1 * cos(2.0 * M_PI * 1.37 * t[i] + 0.4) + gsl_ran_gaussian(rng, 0.3);
+    }
+    gsl_rng_free(rng);
+    CHECK_OK(stats_oscillation_fit(VALUES, t, y, &f));
+    gsl_matrix *terms = gsl_matrix_alloc(VALUES, TERMS), *cov = gsl_matrix_alloc(TERMS, TERMS);
+    gsl_vector_view values = gsl_vector_view_array(y, VALUES);
+    gsl_vector *c = gsl_vector_alloc(TERMS);
+    gsl_multifit_linear_workspace *work = gsl_multifit_linear_alloc(VALUES, TERMS);
+    for (int pass = 0; pass < 2; pass++) { /* the last column needs the coefficients without it */
+        for (size_t i = 0; i < VALUES; i++) {
+            const double w = 2.0 * M_PI * (t[i] - t[0]), a = w * f.frequency;
+            const double row[TERMS] = {
+                1.0, t[i] - t[0], cos(a), sin(a),
+                pass ? w * (gsl_vector_get(c, 3) * cos(a) - gsl_vector_get(c, 2) * sin(a)) : 0.0};
+            for (size_t k = 0; k < TERMS; k++) gsl_matrix_set(terms, i, k, row[k]);
+        }
+        if (!pass) { /* a column of zeros has a coefficient of zero */
+            gsl_multifit_linear(terms, &values.vector, c, cov, &chi2, work);
+            CHECK_NEAR(f.decay, -gsl_vector_get(c, 1), 1e-9);
+            CHECK_NEAR(f.amplitude, hypot(gsl_vector_get(c, 2), gsl_vector_get(c, 3)), 1e-9);
+            gsl_fit_linear(t, 1, y, 1, VALUES, &line[0], &line[1], &line[2], &line[3], &line[4], &line[5]);
+            chi2 = 0.0; /* GSL's own one is of no use with such a column */
+            for (size_t i = 0; i < VALUES; i++) {
+                double r = y[i];
+                for (size_t k = 0; k < TERMS; k++) r -= gsl_vector_get(c, k) * gsl_matrix_get(terms, i, k);
+                chi2 += r * r;
+            }
+            CHECK_NEAR(f.share, 1.0 - chi2 / line[5], 1e-9);
+        }
+    }
+    gsl_multifit_linear(terms, &values.vector, c, cov, &chi2, work);
+    int periods = 1 + (int)((t[VALUES - 1] - t[0]) * f.frequency);
+    for (size_t i = 0; i < VALUES; i++) {
+        double of_fit = 0.0, pull[2] = {0.0};
+        for (size_t k = 0; k < TERMS; k++) of_fit += gsl_vector_get(c, k) * gsl_matrix_get(terms, i, k);
+        for (size_t k = 0; k < TERMS; k++)
+            for (size_t v = 0; v < 2; v++)
+                pull[v] += gsl_matrix_get(cov, v ? 4 : 1, k) / (chi2 / (VALUES - TERMS)) *
+                           gsl_matrix_get(terms, i, k);
+        for (size_t v = 0; v < 2; v++)
+            sums[v][(size_t)((t[i] - t[0]) * f.frequency)] += pull[v] * (y[i] - of_fit);
+    }
+    for (int p = 0; p < periods; p++)
+        for (size_t v = 0; v < 2; v++) squares[v] += pow(sums[v][p], 2.0);
+    const double few = periods / (periods - 1.0) * (VALUES - 1.0) / (VALUES - TERMS);
+    CHECK_NEAR(f.decay_se, sqrt(squares[0] * few), 1e-8);
+    CHECK_NEAR(f.frequency_se, sqrt(squares[1] * few), 1e-8);
+    gsl_multifit_linear_free(work);
+    gsl_vector_free(c);
+    gsl_matrix_free(terms);
+    gsl_matrix_free(cov);
+}
+
+/* A frequency just out of what is searched comes out at its end: two periods, half the sampling rate. */
+static void test_oscillation_ends(void)
+{
+    enum { VALUES = 33 };
+    double t[VALUES], y[VALUES];
+    for (int k = 0; k < 2; k++) {
+        stats_oscillation f;
+        for (int i = 0; i < VALUES; i++) t[i] = 0.5 * i + 0.1 * (i * 7 % 5);
+        const double range = t[VALUES - 1] - t[0], end = k ? 0.5 * (VALUES - 1.0) / range : 2.0 / range;
+        for (int i = 0; i < VALUES; i++) y[i] = cos(2.0 * M_PI * (end + (k ? 0.2 : -0.2) / range) * t[i]);
+        CHECK_OK(stats_oscillation_fit(VALUES, t, y, &f));
+        CHECK_NEAR(f.frequency, end, 1e-6);
+        CHECK_OK(stats_oscillation_fit(16, t, y, &f)); /* the fewest */
+    }
+}
+
 /* Each value as a fold of its own. A straight line errs by r/(1 - h), r its residual and h its leverage 1/n +
  * (x - mean)^2/sum (x - mean)^2; the mean of the others by n/(n - 1) of the residual. */
 static void test_predict(void)
@@ -697,6 +776,8 @@ void suite_trend(void)
         {"errors of trends", test_trend_errors},
         {"where linearity ends", test_successive},
         {"decay and oscillation", test_oscillation},
+        {"oscillation: errors by their definition", test_oscillation_errors},
+        {"oscillation: frequencies out of range", test_oscillation_ends},
         {"predictions out of sample", test_predict},
         {"planted predictors", test_planted_skill},
         {"pooled summaries", test_pooled},

@@ -117,6 +117,66 @@ static void speed_of_a_wall(void)
         }
 }
 
+/* What a wall keeps of its definition, and what the list keeps of moving walls, typed out: the farther end's
+ * distance from the pivot; the displacement of a step that turns by a, (1 - cos a, sin a) over dt; the ways
+ * of the fastest wall, of a line beside the farthest grain. */
+static void lines_of_walls(void)
+{
+    static const double DT = 0x1p-10, FAR = 7.0, SKIN = 0.25;
+    dem_grain grain = {.x = 9.0, .y = 9.0, .r = R, .m = M};
+    dem_definition def = dem_definition_default();
+    def.gravity[1] = 0.0;
+    def.material = (dem_material){.k_n = 1e-9, .k_s = 1e-9};
+    def.dt = DT, def.skin = SKIN;
+    grains_on_floor(&def, 1, &grain);
+    def.n_walls = 5;
+    /* the tangent is (0.8, -0.6): ends at (0.8, 0.8) and (2.4, -0.4), or at (0, 1.4) and (1.6, 0.2) */
+    static const double extent[5][2] = {
+        {-0.5, 1.5}, {-1.5, 0.5}, {-INFINITY, INFINITY}, {-0.5, INFINITY}, {-0.5, 1.5}};
+    static const double reach[4] = {4.85, 2.93, INFINITY, INFINITY}; /* squares */
+    for (int w = 0; w < 5; w++) {
+        def.walls[w] = grains_line(1.2, 0.5, 0.6, 0.8, &def.material);
+        memcpy(def.walls[w].extent, extent[w], sizeof extent[w]);
+        if (w == 4) continue;
+        def.walls[w].pivot[0] = 0.2, def.walls[w].pivot[1] = -0.3;
+        def.walls[w].omega = w % 2 ? -3.0 : 2.0;
+    }
+    def.walls[0].corner[0] = 0.3, def.walls[0].corner[1] = -0.4;
+    def.walls[0].velocity[0] = 30.0, def.walls[0].velocity[1] = -40.0;
+    dem_sim *sim = grains_start(&def);
+    CU_ASSERT_EQUAL(sim->walls.n_moving, 4);
+    for (int w = 0; w < 5; w++) {
+        const dem_wall_line *l = &sim->walls.line[w];
+        CU_ASSERT(l->moves == (w < 4) && !l->plain);
+        if (w == 4) continue;
+        const double angle = (w % 2 ? 3.0 : -2.0) * DT; /* clockwise */
+        CHECK_NEAR(isinf(reach[w]) ? !isinf(l->reach) : l->reach - sqrt(reach[w]), 0.0, 1e-15);
+        CHECK_NEAR(l->turn_of_step[0], cos(angle), 1e-15);
+        CHECK_NEAR(l->turn_of_step[1], sin(angle), 1e-15);
+        CHECK_NEAR(l->swing[0], 2.0 * sin(0.5 * angle) * sin(0.5 * angle) / DT, 1e-15);
+        CHECK_NEAR(l->swing[1], sin(angle) / DT, 1e-12);
+        CHECK_NEAR(l->drift[0] + l->drift[1], w ? 0.0 : -10.0, 1e-15);
+        CHECK_NEAR(l->half_corner[0][0], w ? 1.0 : cos(0.15), 1e-15);
+        CHECK_NEAR(l->half_corner[0][1], w ? 0.0 : -sin(0.15), 1e-15);
+        CHECK_NEAR(l->half_corner[1][0], w ? 1.0 : cos(0.2), 1e-15);
+        CHECK_NEAR(l->half_corner[1][1], w ? 0.0 : -sin(0.2), 1e-15);
+    }
+    const double lines = 3.0 * (FAR + sqrt(0.13) + SKIN), first = 50.0 + 2.0 * sqrt(4.85);
+    CHECK_OK(dem_run(sim, 2));
+    CHECK_NEAR(sim->walls.swept, 2.0 * sim->walls.stride, 1e-14);
+    for (int slow = 0; slow < 2; slow++) {
+        if (slow) sim->walls.line[0].drift = (dem_vec){0.0, 0.0};
+        dem_walls_limit(sim, FAR);
+        CHECK_NEAR(sim->walls.stride, DT * (slow ? lines : first), 1e-14);
+        CHECK_NEAR(sim->walls.margin, 0.5 * SKIN + sim->walls.stride, 1e-15);
+        CU_ASSERT(sim->walls.swept == 0.0 && sim->walls.sweep_limit == 0.5 * SKIN);
+    }
+    sim->walls.n_moving = 0;
+    dem_walls_limit(sim, FAR);
+    CHECK_NEAR(sim->walls.sweep_limit, 0.5 * SKIN / (FAR + SKIN), 1e-16);
+    dem_free(sim);
+}
+
 /* A segment that moves carries grains as high as its higher end, and gives them its speed, in any order of
  * the walls and in any direction of gravity. The lowest position is of a line, unless that moves or is
  * upright, or of a grain. */
@@ -402,8 +462,10 @@ static void contacts_at_corners(void)
                  {"[0.0, 1.0], [0.0, 0.0], [1.0, 0.0]", 0.3, 0.099, 1},
                  {"[-1.0, 0.01], [0.0, 0.0], [1.0, 0.01]", 0.0001, 0.099, 1}, /* in a slight dent */
                  {"[-1.0, 0.01], [0.0, 0.0], [1.0, 0.01]", -0.0001, 0.099, 1},
-                 {"[1.0, -1.0], [0.0, 0.0], [-1.0, -1.0]", 0.0, 0.099, 1},     /* ridge, from its outside */
-                 {"[1.0, 0.01], [0.0, 0.0], [-1.0, 0.01]", 0.0001, 0.099, 1}}; /* dent, from its outside */
+                 {"[1.0, -1.0], [0.0, 0.0], [-1.0, -1.0]", 0.0, 0.099, 1},    /* ridge, from its outside */
+                 {"[1.0, 0.01], [0.0, 0.0], [-1.0, 0.01]", 0.0001, 0.099, 1}, /* dent, from its outside */
+                 {"[-1.0, 0.0245], [0.0, 0.0], [1.0, 0.0245]", 0.0001, 0.099, 1},  /* a turn of 0.049 */
+                 {"[-1.0, 0.0255], [0.0, 0.0], [1.0, 0.0255]", 0.0001, 0.099, 2}}; /* of 0.051 */
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         char text[512];
         snprintf(text, sizeof text,
@@ -578,6 +640,7 @@ void suite_walls(void)
     static const check_case cases[] = {{"a piston's impact", piston},
                                        {"a floor that slides", sliding_floor},
                                        {"largest speed of a wall", speed_of_a_wall},
+                                       {"lines of walls", lines_of_walls},
                                        {"height of a wall that moves", height_of_a_wall},
                                        {"walls at rest, grains that move", galilean},
                                        {"a box that turns, walls that turn", turning_box},

@@ -131,8 +131,7 @@ static rp_status note_number(const cli_cell *cell, stats_number *number)
 
 bool cli_cell_is_deviation(const cli_cell *cell)
 {
-    const size_t n = strlen(cell->column);
-    return n > 3 && strcmp(cell->column + n - 3, "_sd") == 0;
+    return cli_ends_in(cell->column, "_sd");
 }
 
 /* The error of a standard deviation of the table's values: column NAME_sd of NAME_n or n values. */
@@ -151,13 +150,12 @@ rp_status cli_cell_number(const cli_cell *cell, stats_number *number)
 {
     const char *name = cell->column;
     if (*name == '#') return note_number(cell, number);
-    const size_t n = strlen(name);
     char mean[160], error[160];
     snprintf(mean, sizeof mean, "%s_mean", name);
     snprintf(error, sizeof error, "%s_se", name);
     if (!cli_cell_text(cell, mean)) snprintf(mean, sizeof mean, "%s", name);
-    if (!cli_cell_text(cell, error) && n > 4 && strcmp(name + n - 4, "_deg") == 0)
-        snprintf(error, sizeof error, "%.*s_se_deg", (int)n - 4, name);
+    if (!cli_cell_text(cell, error) && cli_ends_in(name, "_deg"))
+        snprintf(error, sizeof error, "%.*s_se_deg", (int)(strlen(name) - strlen("_deg")), name);
     if (!cli_cell_text(cell, mean)) return rp_table_find(cell->table, name, NULL, &(int){0});
     number->se = 0.0;
     rp_status status = cli_cell_column(cell, mean, &number->value);

@@ -317,12 +317,12 @@ static rp_status judge_constant(const cli_claims *all, const cli_claim *c, cli_j
 {
     cli_words words;
     stats_number numbers[CLI_MAX_WORDS];
-    const cli_claim *other = NULL;
+    const cli_claim *other = c;
     rp_status status = cli_split(c->answer, &words);
     for (int i = 0; i < words.n && !status; i++)
         if ((status = cli_claims_find(all, words.words[i], &other)) == RP_OK) numbers[i] = other->published;
     if (status) return status;
-    j->match = stats_constant((size_t)words.n, numbers, other ? other->samples : 0.0);
+    j->match = stats_constant((size_t)words.n, numbers, other->samples);
     j->verdict = j->match.verdict;
     j->two_readings = j->match.error != j->match.deviation;
     snprintf(j->text, sizeof j->text, "p = %.2g or %.1g", j->match.z_error, j->match.z_deviation);

@@ -129,7 +129,7 @@ static rp_status export_table(const char *source, const export_options *o)
     int *columns = cli_memory(n + strlen(o->columns), sizeof *columns);
     for (size_t c = 0; c < n; c++) columns[c] = (int)c;
     if (strcmp(o->columns, "all") != 0)
-        status = cli_column_list(t, o->columns, n + strlen(o->columns), &n, columns);
+        status = cli_column_list(t, o->columns, strlen(o->columns), &n, columns);
     if (!status && is_there(source, "sweep.cfg")) status = sweep_check_output(source, o->o);
     if (!status) status = cli_export_open(o->o, &e);
     if (status) return status;

@@ -154,28 +154,26 @@ rp_status cli_header_by(const rp_table *table, const char *by, const char *own)
 
 rp_status cli_group_rows(const rp_table *t, const char *by, char separator, cli_groups *g)
 {
-    size_t n_by = 0, length = 1;
+    size_t n_by = 0, size;
     int columns[MOST_BY];
+    char *label = NULL, between[] = {separator, '\0'};
     *g = (cli_groups){0};
     if (strcmp(by, "none") != 0) RP_TRY(cli_column_list(t, by, MOST_BY, &n_by, columns));
-    for (size_t i = 0; i < t->n_rows; i++)
-        for (size_t k = 0; k < n_by; k++) length += strlen(cli_text(t, i, columns[k])) + 1;
-    char *label = cli_memory(length + t->n_rows, 1);
+    FILE *text = open_memstream(&label, &size);
+    if (!text) return rp_fail(RP_NO_MEMORY, "%s: out of memory", t->path);
     g->of_row = cli_memory(t->n_rows, sizeof *g->of_row);
     g->words = cli_memory(t->n_rows, sizeof *g->words);
     for (size_t i = 0; i < t->n_rows; i++) {
-        char *end = label;
-        *end = '\0';
-        for (size_t k = 0; k < n_by; k++) {
-            if (k) *end++ = separator;
-            end = stpcpy(end, cli_text(t, i, columns[k]));
-        }
+        rewind(text);
+        for (size_t k = 0; k < n_by; k++) fprintf(text, "%s%s", k ? between : "", cli_text(t, i, columns[k]));
+        fputc('\0', text);
+        fflush(text); /* the label is there */
         size_t group = 0;
         while (group < g->n_groups && strcmp(g->words[group], label) != 0) group++;
         g->of_row[i] = group;
-        if (group < g->n_groups) continue; /* the label's bytes are used again */
-        g->words[g->n_groups++] = label;
-        label = end + 1;
+        if (group == g->n_groups) g->words[g->n_groups++] = strcpy(cli_memory(strlen(label), 1), label);
     }
+    fclose(text);
+    free(label);
     return RP_OK;
 }

@@ -50,6 +50,13 @@ static rp_status not_written(const rp_table *t, FILE *out)
     return rp_fail(RP_NO_MEMORY, "%s: out of memory, or no UTF-8", t->path);
 }
 
+static bool write_json(json_t *value, FILE *out)
+{
+    const bool written = value && json_dumpf(value, out, JSON_ENCODE_ANY | JSON_REAL_PRECISION(17)) == 0;
+    json_decref(value);
+    return written;
+}
+
 /* A cell as it stands, if JSON has such a number; nan is null, any other word a string. */
 static bool write_value(const char *text, FILE *out)
 {
@@ -60,10 +67,10 @@ static bool write_value(const char *text, FILE *out)
     const bool as_is = is_number && json_is_number(value);
     json_decref(value);
     if (as_is) return fputs(text, out) >= 0;
-    value = !is_number || isinf(number) ? json_string(text) : isnan(number) ? json_null() : json_real(number);
-    const bool written = value && json_dumpf(value, out, JSON_ENCODE_ANY | JSON_REAL_PRECISION(17)) == 0;
-    json_decref(value);
-    return written;
+    return write_json(!is_number || isinf(number) ? json_string(text)
+                      : isnan(number)             ? json_null()
+                                                  : json_real(number),
+                      out);
 }
 
 static bool write_object(const char *key, json_t *object, FILE *out)
@@ -128,7 +135,7 @@ rp_status cli_export_json(const rp_table *t, size_t n, const int columns[], FILE
             char name[128];
             name_of(t, columns[c], name);
             fputs(c > 0 ? ", " : i > 0 ? ",\n{" : "\n{", out);
-            if (!write_value(name, out)) return not_written(t, out);
+            if (!write_json(json_string(name), out)) return not_written(t, out);
             fputs(": ", out);
             if (!write_value(cli_text(t, i, columns[c]), out)) return not_written(t, out);
             if (c + 1 == n) fputs("}", out);

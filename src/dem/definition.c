@@ -59,6 +59,13 @@ const dem_scheme *const dem_schemes[DEM_INTEGRATORS] = {
 #undef X
 };
 
+static bool are_finite(size_t n, const double *numbers)
+{
+    bool are = true;
+    for (size_t i = 0; i < n; i++) are &= isfinite(numbers[i]);
+    return are;
+}
+
 static rp_status check_number(const char *name, double value, double lo, const char *allowed)
 {
     return rp_check_range(name, value, lo, DBL_MAX, allowed);
@@ -87,7 +94,7 @@ static rp_status check_material(const dem_definition *def, const dem_material *c
 
 rp_status dem_wall_check(const dem_wall *w)
 {
-    if (!(fabs(hypot(w->direction[0], w->direction[1]) - 1.0) < 1e-9) || !isfinite(w->point[0] + w->point[1]))
+    if (!(fabs(hypot(w->direction[0], w->direction[1]) - 1.0) < 1e-9) || !are_finite(2, w->point))
         return rp_fail(RP_BAD_INPUT, "direction = [%g, %g]: a unit vector expected", w->direction[0],
                        w->direction[1]);
     if (!(w->extent[0] < w->extent[1]))
@@ -101,7 +108,7 @@ rp_status dem_wall_check(const dem_wall *w)
         if (w->joined[end] && !(isfinite(w->extent[end]) && fabs(w->corner[end]) < M_PI))
             return rp_fail(RP_BAD_INPUT, "corner = %g at %g: a turn in (-pi, pi) at an end expected",
                            w->corner[end], w->extent[end]);
-    if (!isfinite(w->velocity[0] + w->velocity[1] + w->omega + w->pivot[0] + w->pivot[1]))
+    if (!are_finite(2, w->velocity) || !isfinite(w->omega) || !are_finite(2, w->pivot))
         return rp_fail(RP_BAD_INPUT, "velocity, omega and pivot must be finite");
     if (w->open_at_step >= 0 && isfinite(w->open_speed) && dem_wall_moves(w))
         return rp_fail(RP_BAD_INPUT, "open_speed = %g: a wall that moves can only open at once",
@@ -174,9 +181,10 @@ rp_status dem_grain_check(const dem_definition *def, const dem_grain *p)
         return rp_fail(RP_BAD_INPUT, "vx = %g, vy = %g, omega = %g: must be 0, it is fixed", p->vx, p->vy,
                        p->omega);
     if (p->fixed && def->box_turn_per_step != 0.0) return dem_refuse_turn();
-    if (!isfinite(p->x + p->y + p->vx + p->vy))
+    if (!are_finite(4, (double[]){p->x, p->y, p->vx, p->vy}))
         return rp_fail(RP_BAD_INPUT, "position and velocity must be finite");
-    if (!isfinite(p->angle + p->omega) || (!def->rotation && (p->angle != 0.0 || p->omega != 0.0)))
+    if (!are_finite(2, (double[]){p->angle, p->omega}) ||
+        (!def->rotation && (p->angle != 0.0 || p->omega != 0.0)))
         return rp_fail(RP_BAD_INPUT, "angle = %g, omega = %g: %s", p->angle, p->omega,
                        def->rotation ? "must be finite" : "needs rotation");
     if (p->x > def->x_max || p->y < def->y_min)
@@ -217,8 +225,7 @@ rp_status dem_laws_check(const dem_definition *def)
                        def->kernel == DEM_AVX512 ? "AVX-512" : "AVX2");
     RP_TRY(check_number("dt", def->dt, DBL_MIN, "(0, inf)"));
     RP_TRY(check_number("skin", def->skin, 0.0, "[0, inf)"));
-    if (!isfinite(def->gravity[0] + def->gravity[1] + def->turn_per_step) ||
-        !(fabs(def->turn_per_step) < 1.0))
+    if (!are_finite(2, def->gravity) || !(fabs(def->turn_per_step) < 1.0))
         return rp_fail(RP_BAD_INPUT, "gravity and its turn must be finite, the turn below one radian a step");
     if (!(fabs(def->box_turn_per_step) < 1.0))
         return rp_fail(RP_BAD_INPUT, "box_turn_per_step = %g: out of range, allowed: below one radian a step",

@@ -38,8 +38,8 @@ suites_of() {
     src/stats/claims.c) echo claims ;;
     src/stats/samplesize.c) echo samplesize cli ;;
     src/stats/oscillation.c) echo trend ;;
-    src/stats/forensics.c | src/stats/design.c) echo forensics ;;
-    src/stats/emulator.c) echo emulator ;;
+    src/stats/forensics.c | src/stats/design.c) echo forensics inference ;;
+    src/stats/emulator.c) echo emulator inference ;;
     src/stats/lines.c | src/stats/settings.c | src/stats/trend.c | src/stats/limit.c | src/stats/predict.c) echo trend evidence calibrate tables angle ;;
     src/stats/*) echo calibrate columns ;;
     figures/*) echo figures ;;
@@ -56,7 +56,7 @@ suites_of() {
     src/cli/cmd_params.c) echo help options ;;
     src/cli/options.c) echo help notes evidence options tables columns claims cli ;;
     src/cli/cmd_run.c) echo view tables options snapshot cli ;;
-    src/cli/forensics_* | src/cli/cmd_forensics.c) echo forensics evidence options tables cli ;;
+    src/cli/forensics_* | src/cli/cmd_forensics.c) echo inference forensics evidence options tables cli ;;
     src/cli/cmd_pile.c) echo notes equilibrium tables options cli ;;
     src/cli/*) echo notes evidence options tables columns claims cli ;;
     sweeps/driver/pile_tables.c) echo tables notes piles cli ;;
