@@ -716,9 +716,22 @@ static void test_bins(void)
     CU_ASSERT(is_told(
         "set ylabel \"pressure (N/m)\" noenhanced\nset xlabel \"x (m)\" noenhanced\nset boxwidth 3\n"));
     CU_ASSERT(is_told("set label 1 \"step 7, t = 0.5 s, 3 grains\""));
+    /* a unit of both, or none */
+    CU_ASSERT(shell("sed s/N/1/ contacts.tsv >bare; cp bare contacts.tsv") == 0);
+    CU_ASSERT_EQUAL(tell(". -o a.png --base --cell 3"), 0);
+    CU_ASSERT(is_told("set ylabel \"pressure\" noenhanced\nset xlabel \"x (m)\" noenhanced\n"));
+    write_text("states.tsv", "x\ty\tr\n0\t1\t1\n");
+    write_text("contacts.tsv",
+               "# units: 1\t1\t1\t1\tN\t1\nx\ty\tx_b\ty_b\tnormal_force\twall\n0\t1\t0\t0\t6\t1\n");
+    CU_ASSERT_EQUAL(tell(". -o a.png --base --cell 3"), 0);
+    CU_ASSERT(is_told("set ylabel \"pressure\" noenhanced\nset xlabel \"x\" noenhanced\n"));
+    write_pile();
     /* without a cell, as many bins as are nearest to three mean diameters: 7 m by 7 m */
     CU_ASSERT_EQUAL(tell(". -o a.png --base"), 0);
     CU_ASSERT(is_told("set boxwidth 7\n"));
+    write_text("states.tsv", "x\ty\tr\n0\t0.5\t0.5\n6.5\t0.5\t0.5\n"); /* 2.5 times three diameters: 3 */
+    CU_ASSERT_EQUAL(tell(". -o a.png --base"), 0);
+    CU_ASSERT(is_told("set boxwidth 2.5\n"));
     /* of a static pile the forces are those of its base; without names of the units */
     write_text("disks.tsv", "x\ty\tr\n0\t0.5\t0.5\n1\t0.5\t0.5\n2\t0.5\t0.5\n");
     CU_ASSERT(shell("rm contacts.tsv walls.tsv states.tsv") == 0);
