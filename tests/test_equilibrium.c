@@ -1083,37 +1083,48 @@ static void test_stiffness_near(void)
 }
 
 /* The pile of half the size: for k = 7 at 60 degrees that of k = 4, with all other disks half way between its
- * disks; none for disks off a lattice. */
-static void test_half_pile(void)
+ * disks; none for disks off a lattice, by a tenth of a step. In any unit of length. */
+static void check_half_pile(double unit)
 {
+    const double round_off = 1e-14 * unit, row = unit * sqrt(0.75);
     test_pile h = make_disks(7, 60, 0);
     rp_pair *bonds = NULL, *parents = malloc(h.n * sizeof *parents);
     statics_disk *half = NULL;
     size_t n_bonds, n_half;
-    for (size_t i = 0; i < h.n; i++) h.disks[i].weight = 1 + 0.01 * (double)i;
+    for (size_t i = 0; i < h.n; i++) {
+        h.disks[i].weight = 1 + 0.01 * (double)i;
+        h.disks[i].x *= unit, h.disks[i].y *= unit, h.disks[i].r *= unit;
+    }
     CHECK_OK(statics_bonds_find(h.n, h.disks, 1.25, &bonds, &n_bonds));
     CHECK_OK(statics_bonds_halve(h.n, h.disks, bonds, n_bonds, &half, &n_half, parents));
     CU_ASSERT_FATAL(n_half == 10);
     for (size_t i = 0; i < n_half; i++) { /* every other disk of every other row, as heavy as it is */
         size_t same = 0;
         for (size_t k = 0; k < h.n; k++)
-            same += fabs(h.disks[k].x / 2 - half[i].x) + fabs(h.disks[k].y + 0.5 - 2 * half[i].y) < 1e-14 &&
+            same += fabs(h.disks[k].x / 2 - half[i].x) + fabs(h.disks[k].y + unit / 2 - 2 * half[i].y) <
+                        round_off &&
                     h.disks[k].weight == half[i].weight;
         CU_ASSERT(same == 1);
     }
     for (size_t i = 0; i < h.n; i++) {
         CU_ASSERT_FATAL(parents[i].a < n_half && parents[i].b < n_half);
         const statics_disk *p = &half[parents[i].a], *q = &half[parents[i].b];
-        CHECK_NEAR(p->x + q->x, h.disks[i].x, 1e-14);
-        CHECK_NEAR(p->y + q->y - 1, h.disks[i].y - 0.5, 1e-14);
+        CHECK_NEAR(p->x + q->x, h.disks[i].x, round_off);
+        CHECK_NEAR(p->y + q->y - unit, h.disks[i].y - unit / 2, round_off);
         const double apart = hypot(p->x - q->x, p->y - q->y);
-        CHECK_NEAR(apart, parents[i].a == parents[i].b ? 0 : 1, 1e-14);
+        CHECK_NEAR(apart, parents[i].a == parents[i].b ? 0 : unit, round_off);
     }
     free(half);
-    h.disks[9].x += 0.12;
-    CHECK_OK(statics_bonds_halve(h.n, h.disks, bonds, n_bonds, &half, &n_half, parents));
-    CU_ASSERT(n_half == 0 && half == NULL);
-    h.disks[9].x -= 0.12;
+    for (int way = 0; way < 8; way++) {
+        const double part = (way & 1 ? 0.099 : 0.101) * (way & 2 ? 1 : -1);
+        const statics_disk before = h.disks[9];
+        h.disks[9].x += way & 4 ? 0 : part * unit;
+        h.disks[9].y += way & 4 ? part * row : 0;
+        CHECK_OK(statics_bonds_halve(h.n, h.disks, bonds, n_bonds, &half, &n_half, parents));
+        CU_ASSERT(n_half == (way & 1 ? 10 : 0) && (half != NULL) == (way & 1));
+        free(half);
+        h.disks[9] = before;
+    }
     CHECK_OK(statics_bonds_halve(h.n - 1, h.disks, bonds, 0, &half, &n_half, parents));
     CU_ASSERT(n_half == 0 && half == NULL);
     /* without the last disk of the base, the one beside it has a parent less */
@@ -1126,6 +1137,69 @@ static void test_half_pile(void)
     free(bonds);
     free(parents);
     free_pile(&h);
+}
+
+static void test_half_pile(void)
+{
+    check_half_pile(1);
+    check_half_pile(1.7);
+}
+
+/* Newton steps and factorisations of piles of all kinds, counted once. A start, a softening, an update or a
+ * well that is not as it should be leads to the same state, by more work. */
+static void test_work(void)
+{
+    static const struct {
+        long k;
+        double alpha, gap, eps, mu, a, set_load;
+        bool set_again, minimum;
+        unsigned long leave;
+        long load_steps;
+        size_t steps, factored, horizontal;
+    } cases[] = {
+        {45, 60, 0, 1e-4, 0, 0, 0, false, false, 0, 1, 6, 4, 0},
+        {45, 60, 0, 1e-3, 0, 0, 0, false, false, 0, 1, 7, 6, 0},
+        {45, 60, 0, 1e-4, 0, 0, 0, false, true, 0, 1, 69, 37, 229},
+        {45, 60, 0, 1e-4, 0, 0, 0, false, true, 3, 1, 49, 21, 229},
+        {45, 30, 0, 1e-4, 0, 0, 0, false, false, 0, 1, 11, 4, 239},
+        {45, 50, 0, 1e-3, 0, 0, 0, false, false, 0, 1, 99, 77, 470},
+        {20, 55, 0, 2e-3, 0, 0, 0, false, false, 0, 1, 29, 16, 46},
+        {20, 55, 0, 2e-3, 0, 0, 0, false, false, 0, 3, 91, 78, 47},
+        {31, 27, 0.02, 1e-3, 0, 0, 0, false, false, 0, 1, 5, 3, 0},
+        {90, 30, 0, 0, 0, 0, 0, false, false, 0, 1, 6, 1, 984},
+        {90, 45, 0, 1e-4, 0, 0, 0, false, false, 0, 1, 17, 5, 1262},
+        {90, 30, 0, 1e-4, 0, 0, 0, false, true, 0, 1, 9, 3, 984},
+        {20, 40, 0, 5e-3, 0, 0, 0.3, false, false, 0, 2, 18, 5, 49},
+        {30, 30, 0, 1e-4, 0.5, 4, 0, false, false, 0, 1, 51, 4, 91},
+        {30, 30, 0, 1e-4, 0.5, 4, 0.5, false, false, 0, 1, 51, 4, 86},
+        {30, 30, 0, 1e-4, 0.5, 1, 0, true, false, 0, 1, 41, 4, 93},
+        {45, 30, 0, 1e-4, 0.3, 3, 0, true, false, 0, 1, 54, 5, 213},
+        {12, 45, 0, 1e-3, 0.6, 1, 0, false, false, 0, 1, 39, 4, 12},
+        {20, 35, 0, 1e-3, 0.2, 2, 0, false, false, 0, 2, 83, 16, 8}, /* comes apart */
+        {90, 30, 0, 0, 0.5, 8, 0, false, false, 0, 1, 43, 3, 910},
+        {180, 30, 0, 0, 0.5, 16, 0, false, false, 0, 1, 33, 1, 3790},
+        {180, 30, 0, 1e-6, 0.5, 16, 0, false, false, 0, 1, 41, 3, 3790},
+        {180, 25, 0, 1e-5, 0.5, 5, 0.5, true, true, 0, 1, 42, 4, 3197},
+        {180, 30, 0, 1e-4, 0, 0, 0, false, false, 0, 1, 33, 11, 4309},
+    };
+    for (size_t c = 0; c < sizeof cases / sizeof *cases; c++) {
+        statics_definition def =
+            cases[c].mu > 0 ? friction(cases[c].eps, cases[c].mu, cases[c].a) : soft(cases[c].eps);
+        def.set_load = cases[c].set_load, def.set_again = cases[c].set_again;
+        def.branch = cases[c].minimum ? STATICS_BRANCH_MINIMUM : STATICS_BRANCH_PRIMARY;
+        def.leave = cases[c].leave, def.load_steps = cases[c].load_steps;
+        test_pile h = make_disks(cases[c].k, cases[c].alpha, cases[c].gap);
+        const rp_status status = solve(&h, def);
+        const statics_result *r = &h.result;
+        CU_ASSERT((status == RP_OK) == (r->broken == 0));
+        const bool same = r->steps == cases[c].steps && r->factored == cases[c].factored &&
+                          r->horizontal == cases[c].horizontal;
+        if (!same)
+            fprintf(stderr, "case %zu: %zu steps, %zu factorisations, %zu horizontal contacts\n", c, r->steps,
+                    r->factored, r->horizontal);
+        CU_ASSERT(same);
+        free_pile(&h);
+    }
 }
 
 /* ---- the program ---- */
@@ -1385,6 +1459,7 @@ void suite_equilibrium(void)
                                        {"damped dynamics", test_damped_dynamics},
                                        {"errors", test_errors},
                                        {"stiffness updated", test_stiffness_update},
+                                       {"work", test_work},
                                        {"stiffness near the factorised one", test_stiffness_near},
                                        {"the pile of half the size", test_half_pile},
                                        {"the program", test_program},
