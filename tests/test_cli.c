@@ -1935,6 +1935,19 @@ static void test_stopped(void)
     leave();
 }
 
+/* Frames and snapshots come at multiples of their own intervals. */
+static void test_run_intervals(void)
+{
+    enter();
+    write_text("s.cfg", "steps = 90; particles = ( { x = 1.0; y = 5.0; r = 0.1; } );\n");
+    CU_ASSERT(run("run s.cfg --every 30 --snapshot 20 -o d") == 0);
+    rp_table t = read_table("d/energy.tsv");
+    CU_ASSERT_EQUAL(t.n_rows, 4);
+    for (size_t i = 0; i < t.n_rows; i++) CHECK_NEAR(cell(&t, i, "step"), 30.0 * (double)i, 0.0);
+    rp_table_free(&t);
+    leave();
+}
+
 /* The growth that the warning names: mean energy of the last 16 of 64 samples less that of the first 16, over
  * the largest kinetic and elastic energy, from the table of energies. */
 static void check_growth(void)
@@ -2145,6 +2158,7 @@ void suite_cli(void)
                                        {"run: stopped", test_run_stopped},
                                        {"folders with other results", test_folders},
                                        {"run: energy grows without damping", test_energy_growth},
+                                       {"run: intervals", test_run_intervals},
                                        {"sweep: no damping", test_undamped_sweep},
                                        {"sweep: limits of a run", test_limits},
                                        {"sweep: stopped, 75", test_stopped},

@@ -1173,6 +1173,37 @@ static void test_salvage_gaps(void)
     clean();
 }
 
+/* The digest is that of key, status and outputs of the rows in their order, a missing value as NAN. */
+static void test_digest_of_rows(void)
+{
+    static const char query[] = "SELECT key, status, y_deg, never FROM runs ORDER BY run";
+    char expected[33];
+    fresh("protocol = \"toy\"; replicas = 5; seed = 77; grid = { x = [0.125, -1.5]; };");
+    CHECK_OK(prepare(NULL));
+    CHECK_OK(run(1, NULL));
+    sqlite3 *db;
+    sqlite3_stmt *q = NULL;
+    XXH3_state_t *hash = XXH3_createState();
+    XXH3_128bits_reset(hash);
+    CU_ASSERT(sqlite3_open(store, &db) == SQLITE_OK);
+    CU_ASSERT(sqlite3_prepare_v2(db, query, -1, &q, NULL) == SQLITE_OK);
+    while (sqlite3_step(q) == SQLITE_ROW) {
+        const char *key = (const char *)sqlite3_column_text(q, 0),
+                   *status = (const char *)sqlite3_column_text(q, 1);
+        CU_ASSERT(strlen(key) == 32 && sqlite3_column_type(q, 3) == SQLITE_NULL);
+        const double values[] = {sqlite3_column_double(q, 2), NAN};
+        XXH3_128bits_update(hash, key, 33);
+        XXH3_128bits_update(hash, status, strlen(status) + 1);
+        XXH3_128bits_update(hash, values, sizeof values);
+    }
+    sqlite3_finalize(q);
+    sqlite3_close(db);
+    rp_hash_digits(XXH3_128bits_digest(hash), expected);
+    XXH3_freeState(hash);
+    CU_ASSERT_STRING_EQUAL(digest(10), expected);
+    clean();
+}
+
 /* A store is being written if its last sign of life is less than a minute old, by a clock that may be wrong
  * either way. */
 static void test_running(void)
@@ -1398,6 +1429,7 @@ void suite_sweep(void)
                                        {"damage: one byte", test_flips},
                                        {"damage: salvage", test_salvage},
                                        {"damage: salvage, rows far apart", test_salvage_gaps},
+                                       {"digest of the rows", test_digest_of_rows},
                                        {"signs of life", test_running},
                                        {"recipes", test_recipes},
                                        {"recipes: most tables", test_many_tables},
