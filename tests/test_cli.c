@@ -255,6 +255,7 @@ static void test_slurm(void)
     static const failure list[] = {
         {65, "--time 1:00:00 and --mem 1G expected", "sweep slurm d --shards 2 --time '1h'"},
         {65, "--time 1:00:00 and --mem 1G expected", "sweep slurm d --shards 2 --mem '1 G'"},
+        {65, "a folder without ' and %", "sweep slurm \"it's\" --shards 2"},
         {65, "none: no such folder", "sweep slurm none --shards 2"}};
     static char script[4096], expected[4096];
     char folder[512], program[512];
@@ -282,6 +283,7 @@ static void test_slurm(void)
              "3 &\n",
              folder, program, folder);
     CU_ASSERT_PTR_NOT_NULL(strstr(script, expected));
+    CU_ASSERT(shell("mkdir \"it's\"") == 0);
     CHECK_FAILURES(list);
     leave();
 }
@@ -294,6 +296,10 @@ static void test_bad_values(void)
         {65, "--alpha-deg = \"nan\"", "continuum --alpha-deg nan"},
         {65, "--at: \"\"", "continuum --alpha-deg 30 --at ''"},
         {65, "--at: \",0.2\": numbers", "continuum --alpha-deg 30 --at 0.1,,0.2"},
+        {65, "--at: \"0.1x\": numbers", "continuum --alpha-deg 30 --at 0.2,0.1x"},
+        {65, "--at: \"0.1;1\": numbers", "continuum --alpha-deg 30 --at '0.1;1'"},
+        {65, "--at: \"inf\": numbers", "continuum --alpha-deg 30 --at 0.1,inf"},
+        {65, "--at: \"nan,1\": numbers", "continuum --alpha-deg 30 --at nan,1"},
         {65, "x/B = 1.5: out of range, allowed: [0, 1]", "continuum --alpha-deg 30 --at 0.1,1.5"},
         {65, "x/B = -0.5: out of range, allowed: [0, 1]", "continuum --alpha-deg 30 --at -0.5,0.1"},
         {65, "x/B = 1.25: out of range, allowed: [0, 1]", "continuum --alpha-deg 30 --at 1.25,0.1"},
@@ -569,6 +575,10 @@ static void test_static_models(void)
     rp_table tent = read_table("out");
     CU_ASSERT(t.n_rows == 31 && tent.n_rows == 31);
     for (size_t i = 0; i < 31; i++) {
+        CHECK_NEAR(cell(&t, i, "x/B"), (double)i / 30.0, FORM_TOLERANCE);
+        CHECK_NEAR(cell(&tent, i, "x/B"), (double)i / 30.0, FORM_TOLERANCE);
+        CHECK_NEAR(cell(&tent, i, "y/B"), tan(23.85 * deg) * fmin((double)i, 30.0 - (double)i) / 30.0,
+                   FORM_TOLERANCE);
         CHECK_NEAR(cell(&tent, i, "N/(chi*g*B)"), cell(&t, i, "N/(chi*g*B)"), FORM_TOLERANCE);
         CHECK_NEAR(cell(&tent, i, "H/(chi*g*B)"), cell(&t, i, "H/(chi*g*B)"), FORM_TOLERANCE);
     }
@@ -1963,11 +1973,26 @@ static void test_stopped(void)
     int status = shell("\"$REPOSE\" sweep run d -j 1 >out 2>err & p=$!; i=0\n"
                        "while [ $i -lt 200 ] && ! \"$REPOSE\" sweep status d | grep -q 'stored: 1'; do\n"
                        "  sleep 0.05; i=$((i + 1)); done\n"
-                       "kill -TERM $p; wait $p");
+                       "\"$REPOSE\" sweep status d >during; kill -TERM $p; wait $p");
     CU_ASSERT(failed(__FILE__, __LINE__, status, 75, "1 of 2 stored"));
+    CU_ASSERT(shell("grep -q '^# running: 1$' during") == 0);
     GOOD("sweep status d");
+    CU_ASSERT(strstr(out, "# running: 0\n") != NULL);
     CU_ASSERT(strstr(out, "# stored: 1\n# missing: 1\n") != NULL);
     FAILS(1, "missing", "sweep digest d");
+    leave();
+}
+
+/* Frames and snapshots come at multiples of their own intervals. */
+static void test_run_intervals(void)
+{
+    enter();
+    write_text("s.cfg", "steps = 90; particles = ( { x = 1.0; y = 5.0; r = 0.1; } );\n");
+    CU_ASSERT(run("run s.cfg --every 30 --snapshot 20 -o d") == 0);
+    rp_table t = read_table("d/energy.tsv");
+    CU_ASSERT_EQUAL(t.n_rows, 4);
+    for (size_t i = 0; i < t.n_rows; i++) CHECK_NEAR(cell(&t, i, "step"), 30.0 * (double)i, 0.0);
+    rp_table_free(&t);
     leave();
 }
 
@@ -2182,6 +2207,7 @@ void suite_cli(void)
                                        {"run: stopped", test_run_stopped},
                                        {"folders with other results", test_folders},
                                        {"run: energy grows without damping", test_energy_growth},
+                                       {"run: intervals", test_run_intervals},
                                        {"sweep: no damping", test_undamped_sweep},
                                        {"sweep: limits of a run", test_limits},
                                        {"sweep: stopped, 75", test_stopped},

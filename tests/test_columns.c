@@ -1230,6 +1230,23 @@ static void test_bench_sample(void)
     leave();
 }
 
+/* ---- energies of a box ---- */
+
+/* Rows come at multiples of their interval, whatever the phases, which end between two of them. */
+static void test_energy_rows(void)
+{
+    enter();
+    write_text("b.cfg",
+               "protocol = \"repose\"; replicas = 1;\n"
+               "fixed = { W = 2.0; N = 30; fill_steps = 700; relax_steps = 500; stop = \"steps\"; };\n");
+    GOOD("run b.cfg --row 0 --every 300 -o b --quiet");
+    rp_table t = read_table("b/energy.tsv");
+    CU_ASSERT_EQUAL(t.n_rows, 4);
+    for (size_t i = 0; i < t.n_rows; i++) CHECK_NEAR(cell(&t, i, "step"), 300.0 * (double)(i + 1), 0.0);
+    rp_table_free(&t);
+    leave();
+}
+
 /* ---- series of protocol flux ---- */
 
 static void no_header(FILE *table)
@@ -1708,6 +1725,7 @@ void suite_columns(void)
                                        {"bench: boxes that it fills", test_bench_fill},
                                        {"bench: its defaults", test_bench_defaults},
                                        {"bench: a sample", test_bench_sample},
+                                       {"energies of a box", test_energy_rows},
                                        {"series of protocol flux", test_series},
                                        {"protocol drop", test_drop},
                                        {"protocol drop on a rough base", test_rough},

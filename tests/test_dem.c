@@ -1510,6 +1510,67 @@ static void ranges_of_scenes(void)
     CHECK_FAILS(dem_definition_check(&def), RP_BAD_INPUT, "100000001 particles: at most 100000000");
 }
 
+static const dem_contact *find_contact(const dem_contact *list, size_t n, const dem_contact *c)
+{
+    for (size_t k = 0; k < n; k++)
+        if (list[k].id_a == c->id_a && list[k].id_b == c->id_b && list[k].wall == c->wall) return &list[k];
+    return NULL;
+}
+
+/* A run that goes on from its states and contacts has their springs: of pairs, more than a word of marks
+ * holds, of any wall, and of a segment from either side. */
+static void contacts_of_the_start(void)
+{
+    enum { ROW = 8, N = ROW * ROW + 4 };
+    dem_grain grains[N] = {
+        {.x = 0.5, .y = 0.095}, {.x = 0.75, .y = 0.095}, {.x = 3.0, .y = 1.095}, {.x = 3.5, .y = 0.905}};
+    dem_definition def = dem_definition_default();
+    for (int i = 0; i < N; i++) {
+        if (i >= 4) grains[i].x = 5.0 + 0.195 * (i / ROW), grains[i].y = 5.0 + 0.195 * (i % ROW);
+        grains[i].r = 0.1, grains[i].m = 0.004;
+        grains[i].vx = 9.0 * sin(7.0 * i + 1.0), grains[i].omega = 80.0 * cos(5.0 * i);
+    }
+    def.gravity[1] = 0.0;
+    def.rotation = true;
+    def.material.mu = def.material.mu_roll = 100.0; /* nothing slides */
+    def.dt = 1e-5;
+    def.grains = grains, def.n_grains = N;
+    def.n_walls = 3;
+    def.walls[0] = grains_line(-1.0, 0.0, 1.0, 0.0, &def.material);
+    def.walls[1] = grains_line(0.3, 0.0, 0.0, 1.0, &def.material);
+    def.walls[2] = grains_line(2.5, 1.0, 0.0, 1.0, &def.material);
+    def.walls[2].extent[0] = -0.5, def.walls[2].extent[1] = 2.0;
+    dem_sim *sim = grains_start(&def);
+    CHECK_OK(dem_run(sim, 20));
+    dem_state s[N];
+    dem_contact *before, *after;
+    size_t n, n_after;
+    CHECK_OK(dem_states(sim, s));
+    CHECK_OK(dem_contacts(sim, &before, &n));
+    dem_free(sim);
+    CU_ASSERT(n > 64 + 4);
+    for (int i = 0; i < N; i++)
+        grains[i].x = s[i].x, grains[i].y = s[i].y, grains[i].vx = s[i].vx, grains[i].vy = s[i].vy,
+        grains[i].angle = s[i].angle, grains[i].omega = s[i].omega;
+    def.contacts = before, def.n_contacts = n;
+    sim = grains_start(&def);
+    CHECK_OK(dem_contacts(sim, &after, &n_after));
+    CU_ASSERT_EQUAL(n, n_after);
+    size_t rolled = 0;
+    for (size_t k = 0; k < n; k++) {
+        const dem_contact *c = find_contact(after, n_after, &before[k]);
+        CU_ASSERT_PTR_NOT_NULL_FATAL(c);
+        CU_ASSERT(c->shear_spring == before[k].shear_spring && c->shear_spring != 0.0);
+        CU_ASSERT(c->rolling_spring == before[k].rolling_spring);
+        rolled += c->rolling_spring != 0.0;
+        CHECK_NEAR(c->overlap, before[k].overlap, 1e-14);
+    }
+    CU_ASSERT(rolled > n - 4);
+    dem_free(sim);
+    free(before);
+    free(after);
+}
+
 /* The limit of dt is below instability: a box at the limit settles. */
 static void time_step_limit(void)
 {
@@ -1947,6 +2008,7 @@ void suite_dem(void)
                                        {"faults stop the run", faults},
                                        {"bad definitions", bad_definitions},
                                        {"defaults", defaults},
+                                       {"contacts of the start", contacts_of_the_start},
                                        {"ranges: numbers", ranges_of_numbers},
                                        {"ranges: walls", ranges_of_walls},
                                        {"ranges: ground", ranges_of_ground},

@@ -358,6 +358,9 @@ static void test_text_files(void)
     GOOD("export bare.txt --to json");
     file_is("out", "{\"notes\": {},\n\"units\": {\n \"1\": \"1\",\n \"2\": \"1\"\n},\n\"rows\": [\n"
                    "{\"1\": 1, \"2\": 2},\n{\"1\": 3, \"2\": 4}\n]}\n");
+    write_text("bare.txt", "# a: b\n7\n");
+    GOOD("export bare.txt --to json");
+    CU_ASSERT_PTR_NOT_NULL(strstr(out, "{\"notes\": {\n \"a\": \"b\"\n},"));
     leave();
 }
 
@@ -449,6 +452,136 @@ static void test_held(void)
     leave();
 }
 
+/* The input by hand: Hertz' k is 1e5/sqrt(R_eff), with R_eff = 1/32, 1/20 and 1/8 of pairs, and the radius at
+ * walls, which are twice as stiff as grains. gamma_s over gamma_n is 100/400, or 0. */
+static const char input[] =
+    "variable steps index 250\n"
+    "variable every index 2\n"
+    "variable data index h.data\n"
+    "variable dump index h.lammpstrj\n"
+    "\n"
+    "units lj\n"
+    "dimension 2\n"
+    "boundary s s p\n"
+    "atom_style sphere\n"
+    "atom_modify map array\n"
+    "newton off\n"
+    "comm_modify vel yes\n"
+    "read_data ${data}\n"
+    "\n"
+    "pair_style granular\n"
+    "pair_coeff 1 1 hertz 565685.424949238 400 tangential linear_history 20000 0.25 0.25 damping "
+    "mass_velocity limit_damping\n"
+    "pair_coeff 1 2 hertz 447213.59549995797 400 tangential linear_history 20000 0.25 0.25 damping "
+    "mass_velocity limit_damping\n"
+    "pair_coeff 2 2 hertz 282842.712474619 400 tangential linear_history 20000 0.25 0.25 damping "
+    "mass_velocity limit_damping\n"
+    "neighbor 0.125 bin\n"
+    "neigh_modify every 1 delay 0 check yes\n"
+    "timestep 2e-05\n"
+    "\n"
+    "group fixed id 2\n"
+    "fix hold fixed freeze\n"
+    "group mobile subtract all fixed\n"
+    "fix gravity mobile gravity 5 vector -3 -4 0\n"
+    "fix move mobile nve\n"
+    "fix flat all enforce2d\n"
+    "group type1 type 1\n"
+    "group type2 type 2\n"
+    "region wall1 plane 0.5 0.25 0 0.6 0.8 0\n"
+    "fix wall1_1 type1 wall/gran/region granular hertz 800000 400 tangential linear_history 20000 0.25 0.75 "
+    "damping mass_velocity limit_damping region wall1\n"
+    "fix wall1_2 type2 wall/gran/region granular hertz 400000 400 tangential linear_history 20000 0.25 0.75 "
+    "damping mass_velocity limit_damping region wall1\n"
+    "region wall2 plane 4 0 0 -1 0 0\n"
+    "fix wall2_1 type1 wall/gran/region granular hertz 1200000 400 tangential linear_history 20000 0 0.25 "
+    "damping mass_velocity limit_damping region wall2\n"
+    "fix wall2_2 type2 wall/gran/region granular hertz 600000 400 tangential linear_history 20000 0 0.25 "
+    "damping mass_velocity limit_damping region wall2\n"
+    "\n"
+    "dump frames all custom ${every} ${dump} id type x y z radius mass vx vy vz\n"
+    "dump_modify frames sort id format float %.17g\n"
+    "thermo ${every}\n"
+    "run ${steps}\n";
+
+static void test_input_files(void)
+{
+    char text[1 << 13];
+    enter();
+    write_text(
+        "h.cfg",
+        "gravity = [-3.0, -4.0]; dt = 2.0e-5; steps = 250; density = 2.5;\n"
+        "normal = { law = \"hertz\"; k_n = 1.0e5; gamma_n = 400.0; tension = false; };\n"
+        "tangential = { law = \"spring\"; k_s = 2.0e4; gamma_s = 100.0; mu = 0.25; damping = \"inside\"; };\n"
+        "walls = ( { point = [0.5, 0.25]; direction = [0.6, 0.8]; mu = 0.75; },\n"
+        "  { point = [4.0, 0.0]; direction = [-1.0, 0.0]; k_n = 3.0e5; gamma_s = 0.0; } );\n"
+        "particles = ( { x = 1.0; y = 2.0; r = 0.25; vx = 3.0; vy = -1.0; },\n"
+        "  { x = 3.0; y = 1.0; r = 0.0625; fixed = true; }, { x = 2.0; y = 1.5; r = 0.25; vy = 2.5; } );\n");
+    GOOD("export h.cfg --to lammps-input -o h.in");
+    file_is("h.data", "# h.cfg, written by repose export; columns: id type diameter density x y z\n\n"
+                      "3 atoms\n2 atom types\n"
+                      "0.75 3.0625 xlo xhi\n0.9375 2.25 ylo yhi\n-0.25 0.25 zlo zhi\n\nAtoms # sphere\n\n"
+                      "1 2 0.5 2.5 1 2 0\n2 1 0.125 2.5 3 1 0\n3 2 0.5 2.5 2 1.5 0\n\nVelocities\n\n"
+                      "1 3 -1 0 0 0 0\n2 0 0 0 0 0 0\n3 0 2.5 0 0 0 0\n");
+    slurp("h.in", text, sizeof text);
+    const char *after = strstr(text, "\nvariable ");
+    CU_ASSERT_PTR_NOT_NULL_FATAL(after);
+    CU_ASSERT_STRING_EQUAL(after + 1, input);
+    CU_ASSERT_PTR_NOT_NULL(strstr(text, "\n# normal force: Hertz k_n overlap^(3/2); "));
+    CU_ASSERT_PTR_NOT_NULL(
+        strstr(text, ", together not below 0\n# shear force: spring k_s and dashpot gamma_s m_eff, "));
+    CU_ASSERT_PTR_NOT_NULL(strstr(text, "\n# start: of contacts whose dashpot"));
+    leave();
+}
+
+/* Of one type, whose radii do not count; without gravity, shear and springs; a name of one letter. */
+static void test_plain_input(void)
+{
+    char text[1 << 13];
+    enter();
+    write_text("l.cfg",
+               "dt = 2.0e-5; steps = 199; gravity = [0.0, 0.0];\n"
+               "normal = { law = \"linear\"; k_n = 1.0e5; gamma_n = 0.5; };\n"
+               "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; } );\n"
+               "particles = ( { x = 1.0; y = 2.0; r = 0.25; }, { x = 3.0; y = 1.0; r = 0.0625; } );\n");
+    GOOD("export l.cfg --to lammps-input -o l.in");
+    slurp("l.in", text, sizeof text);
+    CU_ASSERT(strstr(text, "\nvariable every index 1\n") && !strstr(text, "\ngroup type") &&
+              !strstr(text, "fix gravity"));
+#define HOOKE "000 0.5 tangential linear_nohistory 0 0 damping mass_velocity"
+    CU_ASSERT_PTR_NOT_NULL(strstr(text, "\npair_coeff * * hooke 100" HOOKE "\nneighbor "));
+    CU_ASSERT_PTR_NOT_NULL(
+        strstr(text, "\ngroup mobile union all\nfix move mobile nve\nfix flat all enforce2d\nregion wall1 "
+                     "plane 0 0 0 0 1 0\nfix wall1_1 all wall/gran/region granular hooke 200" HOOKE
+                     " region wall1\n\ndump "));
+    CU_ASSERT(strstr(text, "# normal force: linear k_n overlap, dashpot gamma_n m_eff, which may pull\n# "
+                           "shear force: none\n") &&
+              !strstr(text, "# start"));
+    GOOD("export l.cfg --to lammps-input -o a.in --set steps=200 --set 'gravity=[0.0,-0.5]'");
+    slurp("a.in", text, sizeof text);
+    CU_ASSERT(strstr(text, "\nvariable every index 2\n") &&
+              strstr(text, "\nfix gravity mobile gravity 0.5 vector 0 -0.5 0\n"));
+    FAILS(64, "lammps-input needs a name that ends in .in", "export l.cfg --to lammps-input -o .in");
+    leave();
+}
+
+/* Of Hertz' law, 24 radii are as many as LAMMPS has types for; a radius that comes again is none. */
+static void test_types(void)
+{
+    char grains[2048] = "x\ty\tr\n";
+    enter();
+    for (int i = 0; i < 25; i++)
+        sprintf(grains + strlen(grains), "%d\t0\t%g\n", i, 0.25 - 0.0078125 * (i % 24));
+    write_text("g.tsv", "%s", grains);
+    write_text("s.cfg", "particles_file = \"g.tsv\"; dt = 1e-6; steps = 10; normal = { law = \"hertz\"; "
+                        "tension = false; };\n");
+    GOOD("export s.cfg --to lammps-input -o s.in");
+    CU_ASSERT(shell("grep -c pair_coeff s.in >out") == 0 && strcmp(out, "300\n") == 0);
+    write_text("g.tsv", "%s25\t0\t0.5\n", grains);
+    FAILS(65, "each radius is a type, at most 24", "export s.cfg --to lammps-input -o t.in");
+    leave();
+}
+
 /* Every setting without an equal is refused by its key. */
 static void test_refused(void)
 {
@@ -470,11 +603,15 @@ static void test_refused(void)
     write_same(0);
     for (size_t i = 0; i < sizeof refused / sizeof *refused; i++)
         FAILS(65, refused[i].message, "export spring.cfg --to lammps-input -o a.in --set %s", refused[i].set);
-    static const char *const walls[][2] = {{"extent = [0.0, 1.0];", "wall 1: extent"},
-                                           {"open_at_step = 5;", "wall 1: open_at_step = 5"},
-                                           {"velocity = [0.0, 1.0];", "wall 1: velocity"},
-                                           {"omega = 1.0;", "wall 1: omega"},
-                                           {"mu = \"infinite\";", "wall 1: tangential.mu = infinite"}};
+    static const char *const walls[][2] = {
+        {"extent = [0.0, 1.0];", "wall 1: extent"},
+        {"open_at_step = 5;", "wall 1: open_at_step = 5"},
+        {"velocity = [0.0, 0.5];", "wall 1: velocity"},
+        {"velocity = [0.5, 0.0];", "wall 1: velocity"},
+        {"velocity = [0.0, 1.0];", "wall 1: velocity"},
+        {"gamma_n = 0.0; gamma_s = 0.5;", "wall 1: tangential.gamma_s = 0.5"},
+        {"omega = 1.0;", "wall 1: omega"},
+        {"mu = \"infinite\";", "wall 1: tangential.mu = infinite"}};
     for (size_t i = 0; i < sizeof walls / sizeof *walls; i++) {
         write_text("w.cfg",
                    "particles_file = \"grains.tsv\"; normal = { tension = false; };\n"
@@ -555,6 +692,9 @@ void suite_export(void)
                                        {"CSV and JSON, whole files", test_text_files},
                                        {"LAMMPS input: 1000 steps of lmp", test_lammps_input},
                                        {"LAMMPS input: fixed grains", test_held},
+                                       {"LAMMPS input: whole files", test_input_files},
+                                       {"LAMMPS input: a plain scene", test_plain_input},
+                                       {"LAMMPS input: types", test_types},
                                        {"LAMMPS input: refused keys", test_refused},
                                        {"dumps by lmp", test_lammps},
                                        {"VTP by VTK", test_vtk},

@@ -276,17 +276,43 @@ static void collapsing_pile(void)
     solved_pile_free(&pile);
 }
 
+/* Close-packed disks of unit diameter on the ground, a part of 1e-13 lower, each with its two neighbours of
+ * the row below. */
+static void check_lattice(const solved_pile *pile)
+{
+    size_t ground = 0, pairs = 0;
+    for (size_t i = 0; i < pile->n; i++) {
+        const dem_grain *a = &pile->grains[i];
+        CU_ASSERT(a->r == 0.5 && a->m == 1.0);
+        ground += fabs(a->y - 0.5) < 2e-13;
+        for (size_t j = 0; j < pile->n; j++) {
+            const dem_grain *b = &pile->grains[j];
+            const double apart = hypot(a->x - b->x, a->y - b->y);
+            CU_ASSERT(i == j || apart > 1.0 - 1e-12);
+            pairs += b->y > a->y + 0.1 && fabs(apart - 1.0) < 1e-12;
+        }
+    }
+    CU_ASSERT_EQUAL(ground, pile->k);
+    CU_ASSERT_EQUAL(pairs, 2 * (pile->n - ground));
+}
+
 /* The lattice pile in equilibrium: its scene holds the same disks without weight, and loading raises gravity
  * to 1. */
 static void test_solved_pile(void)
 {
     const double eps = 1e-4;
     CU_ASSERT_EQUAL(failures_of(collapsing_pile), 2);
-    solved_pile pile = solved_pile_make(7, 30.0, eps, 1);
+    solved_pile pile = solved_pile_make(7, 60.0, eps, 1);
+    CU_ASSERT_EQUAL(pile.n, 28); /* the whole triangle */
+    solved_pile_free(&pile);
+    pile = solved_pile_make(7, 30.0, eps, 1);
+    CU_ASSERT_EQUAL(pile.n,
+                    12); /* 7 + 4 + 1: row j has the middles with j <= 2/3 of the way to the nearer end */
     double N = 0.0, H = 0.0;
     for (size_t i = 0; i < pile.k; i++) N += pile.N[i], H += pile.H[i];
     CHECK_NEAR(N, (double)pile.n, 1e-9);
     CHECK_NEAR(H, 0.0, 1e-9);
+    check_lattice(&pile);
     const dem_definition def = solved_pile_scene(&pile, DEM_VERLET, 0.3, 0.02);
     const double omega = 1.0 / sqrt(eps);
     CHECK_NEAR(def.dt * omega, 0.02, 1e-15);

@@ -750,6 +750,24 @@ static void test_patience(void)
     }
 }
 
+/* The limit is that of two grains of the smallest radius, which have the mass of this radius, or of the mean
+ * one if all radii are equal. */
+static void check_lightest(const sweep_box *like)
+{
+    for (int equal = 0; equal < 2; equal++) {
+        sweep_box b = *like;
+        dem_scene scene;
+        b.radius_width = equal ? 0.0 : 0.02;
+        sweep_box_scene(&b, &scene);
+        const double m = 4.0 / 3.0 * M_PI * (equal ? 1e-3 : 0.343e-3);
+        const dem_grain two[] = {{.r = 0.07, .m = m}, {.y = 50.0, .r = 0.07, .m = m}};
+        scene.def.grains = two;
+        scene.def.n_grains = 2;
+        const double limit = dem_time_step_limit(&scene.def, NULL);
+        CHECK_NEAR(sweep_box_step_limit(&b, 50.0, NULL), limit, 1e-12 * limit);
+    }
+}
+
 /* Grains fill a box from twice its height: the time step allows for a fall through that. */
 static void test_limit_of_step(void)
 {
@@ -762,6 +780,7 @@ static void test_limit_of_step(void)
         b->H = 90.0;
         const double limit = sweep_box_step_limit(b, 2.0 * 90.0, NULL);
         CU_ASSERT(limit < sweep_box_step_limit(b, 90.0, NULL));
+        check_lightest(b);
         b->physics.dt = limit * (1.0 - 1e-9);
         CHECK_OK(filled[k]->check(b));
         b->physics.dt = limit * (1.0 + 1e-9);

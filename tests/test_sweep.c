@@ -11,12 +11,15 @@
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
+#include <time.h>
 #include <unistd.h>
+#include <xxhash.h>
 
 #include "core/clock.h"
 #include "core/random.h"
 #include "core/table.h"
 #include "dem/scene.h"
+#include "sweeps/driver/keep.h"
 #include "sweeps/driver/private.h"
 #include "sweeps/driver/sweep.h"
 #include "tests/check.h"
@@ -778,6 +781,113 @@ static void test_bad_folders(void)
     clean();
 }
 
+static long size_of(const char *path)
+{
+    struct stat found;
+    return stat(path, &found) == 0 ? (long)found.st_size : -1;
+}
+
+/* The lock file counts drives that failed, one after another; a whole one begins anew. */
+static void test_failed_drives(void)
+{
+    char path[128];
+    unsigned char count = 0;
+    fresh("protocol = \"toy\"; replicas = 6; piles = \"shared\"; fixed = { mode = \"break\"; };");
+    CHECK_OK(prepare(NULL));
+    snprintf(path, sizeof path, "%s/lock", dir);
+    for (int k = 1; k < 4; k++) {
+        CHECK_FAILS(run(1, NULL), RP_BROKEN, "planted failure");
+        FILE *lock = fopen(path, "r");
+        CU_ASSERT(lock && fread(&count, 1, 1, lock) == 1 && count == k && size_of(path) == 1);
+        if (lock) fclose(lock);
+    }
+    file_print(file, "protocol = \"toy\"; replicas = 6;");
+    CHECK_OK(prepare(NULL));
+    CHECK_OK(run(1, NULL));
+    CU_ASSERT(size_of(path) == 0);
+    clean();
+}
+
+/* ---- kept variables ---- */
+
+static bool holds(FILE *table, const char *text)
+{
+    char all[64] = "";
+    rewind(table);
+    return fread(all, 1, sizeof all - 1, table) == strlen(text) && strcmp(all, text) == 0;
+}
+
+/* A snapshot is written when it is due or asked for; a later process gets the variables in their order. */
+static void test_keep(void)
+{
+    char path[128], unfinished[136], why[256];
+    volatile bool stop = true;
+    double value = 2.5;
+    long step = 7;
+    FILE *table = tmpfile(), *other = tmpfile();
+    sweep_keep k;
+    fresh("");
+    snprintf(path, sizeof path, "%s/kept", base);
+    snprintf(unfinished, sizeof unfinished, "%s.new", path);
+    fputs("two rows\n", table);
+    sweep_keep_begin(&k, path, "run 5", 1e9, true, why, sizeof why);
+    CU_ASSERT(!*why && !sweep_keep_resumes(&k) && !sweep_keep_resumes(NULL));
+    CU_ASSERT(SWEEP_ENTER(&k, value) && SWEEP_ENTER(&k, step) && sweep_keep_enter_file(&k, table));
+    CHECK_OK(sweep_keep_look(&k));
+    CU_ASSERT(size_of(path) == -1);
+    k.next = rp_cpu_clock();
+    CHECK_OK(sweep_keep_look(&k));
+    CU_ASSERT(size_of(path) > 0 && k.next > 1e9);
+    value = 3.5;
+    k.stop = &stop;
+    CHECK_FAILS(sweep_keep_look(&k), RP_STOPPED, "stopped");
+    sweep_keep_end(&k, false);
+    fputs("a row that is not there yet\n", other);
+    value = 0.0, step = 0;
+    sweep_keep_begin(&k, path, "run 6", 1e9, true, why, sizeof why);
+    CU_ASSERT(!sweep_keep_resumes(&k) && *why);
+    sweep_keep_begin(&k, path, "run 5", 1e9, false, why, sizeof why);
+    CU_ASSERT(!sweep_keep_resumes(&k) && !*why);
+    sweep_keep_begin(&k, path, "run 5", 1e9, true, why, sizeof why);
+    CU_ASSERT(!*why && sweep_keep_resumes(&k) && !SWEEP_ENTER(&k, value) && value == 3.5 && step == 0);
+    CHECK_FAILS(sweep_keep_look(&k), RP_BROKEN, "does not come to the place of its snapshot");
+    CU_ASSERT(!SWEEP_ENTER(&k, step) && step == 7 && !sweep_keep_enter_file(&k, other));
+    CU_ASSERT(!sweep_keep_resumes(&k) && holds(other, "two rows\n") && k.n == 3);
+    CHECK_OK(sweep_keep_look(&k));
+    sweep_keep_leave(&k, 2);
+    CU_ASSERT(k.n == 1);
+    file_write(unfinished, "", 0);
+    sweep_keep_end(&k, true);
+    CU_ASSERT(size_of(path) == -1 && size_of(unfinished) == -1);
+    fclose(table);
+    fclose(other);
+    clean();
+}
+
+/* A table of no more than what a snapshot holds is read from it, and no more variables are entered than there
+ * is room for. */
+static void test_keep_limits(void)
+{
+    unsigned char bytes[sizeof(size_t) + 8] = {0};
+    FILE *table = tmpfile();
+    for (size_t n = 8; n < 10; n++) {
+        sweep_keep k = {.source = {.reading = true, .bytes = bytes, .n = sizeof bytes, .path = "memory"}};
+        memcpy(bytes, &n, sizeof n);
+        memcpy(bytes + sizeof n, "12345678", 8);
+        sweep_keep_enter_file(&k, table);
+        if (n == 8) CU_ASSERT(k.source.status == RP_OK && holds(table, "12345678"));
+        if (n > 8)
+            CHECK_FAILS(sweep_keep_look(&k), RP_BAD_INPUT, "memory: its state has a table that is too long");
+    }
+    fclose(table);
+    sweep_keep k = {.interval = 1e9, .next = 1e9};
+    char variable = 0;
+    for (int i = 0; i < SWEEP_KEEP_MOST; i++) SWEEP_ENTER(&k, variable);
+    CHECK_OK(sweep_keep_look(&k));
+    SWEEP_ENTER(&k, variable);
+    CHECK_FAILS(sweep_keep_look(&k), RP_BROKEN, "more than 32 kept variables");
+}
+
 static void test_lock(void)
 {
     fresh(SMALL_SWEEP);
@@ -1043,6 +1153,144 @@ static void test_salvage(void)
     clean();
 }
 
+/* Rows with long gaps before them, as lost pages leave them. */
+static void test_salvage_gaps(void)
+{
+    size_t n;
+    char kept[160];
+    fresh("protocol = \"toy\"; replicas = 6; fixed = { x = 2.385; };");
+    CHECK_OK(prepare(NULL));
+    CHECK_OK(run(1, NULL));
+    sql("UPDATE runs SET rowid = rowid + 15000 WHERE rowid > 2; UPDATE runs SET rowid = rowid + 15000 WHERE "
+        "rowid > 15004");
+    CHECK_OK(sweep_salvage(dir, toys, &n));
+    CU_ASSERT_EQUAL(n, 6);
+    snprintf(kept, sizeof kept, "%s/damaged.sqlite", dir);
+    unlink(kept);
+    sql("UPDATE runs SET rowid = rowid + 20000 WHERE rowid > 4"); /* no page holds as many rows */
+    CHECK_OK(sweep_salvage(dir, toys, &n));
+    CU_ASSERT_EQUAL(n, 4);
+    clean();
+}
+
+/* The digest is that of key, status and outputs of the rows in their order, a missing value as NAN. */
+static void test_digest_of_rows(void)
+{
+    static const char query[] = "SELECT key, status, y_deg, never FROM runs ORDER BY run";
+    char expected[33];
+    fresh("protocol = \"toy\"; replicas = 5; seed = 77; grid = { x = [0.125, -1.5]; };");
+    CHECK_OK(prepare(NULL));
+    CHECK_OK(run(1, NULL));
+    sqlite3 *db;
+    sqlite3_stmt *q = NULL;
+    XXH3_state_t *hash = XXH3_createState();
+    XXH3_128bits_reset(hash);
+    CU_ASSERT(sqlite3_open(store, &db) == SQLITE_OK);
+    CU_ASSERT(sqlite3_prepare_v2(db, query, -1, &q, NULL) == SQLITE_OK);
+    while (sqlite3_step(q) == SQLITE_ROW) {
+        const char *key = (const char *)sqlite3_column_text(q, 0),
+                   *status = (const char *)sqlite3_column_text(q, 1);
+        CU_ASSERT(strlen(key) == 32 && sqlite3_column_type(q, 3) == SQLITE_NULL);
+        const double values[] = {sqlite3_column_double(q, 2), NAN};
+        XXH3_128bits_update(hash, key, 33);
+        XXH3_128bits_update(hash, status, strlen(status) + 1);
+        XXH3_128bits_update(hash, values, sizeof values);
+    }
+    sqlite3_finalize(q);
+    sqlite3_close(db);
+    rp_hash_digits(XXH3_128bits_digest(hash), expected);
+    XXH3_freeState(hash);
+    CU_ASSERT_STRING_EQUAL(digest(10), expected);
+    clean();
+}
+
+/* A store is being written if its last sign of life is less than a minute old, by a clock that may be wrong
+ * either way. */
+static void test_running(void)
+{
+    static const struct {
+        long since;
+        size_t running;
+    } cases[] = {{0, 1}, {57, 1}, {60, 0}, {-57, 1}, {-63, 0}, {1000000, 0}};
+    fresh("protocol = \"toy\"; replicas = 2; fixed = { x = 2.385; };");
+    CHECK_OK(prepare(NULL));
+    CHECK_OK(run(1, NULL));
+    sweep_counts c;
+    CHECK_OK(sweep_status(dir, toys, &c));
+    CU_ASSERT_EQUAL(c.running, 0);
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        char text[128], beat[32];
+        snprintf(beat, sizeof beat, "%ld", (long)time(NULL) - cases[k].since);
+        snprintf(text, sizeof text, "REPLACE INTO sweep VALUES ('beat', '%s', %lld)", beat,
+                 (long long)XXH3_64bits_withSeed(beat, strlen(beat), XXH3_64bits("beat", 4)));
+        sql(text);
+        CHECK_OK(sweep_status(dir, toys, &c));
+        CU_ASSERT_EQUAL(c.running, cases[k].running);
+    }
+    clean();
+}
+
+/* ---- recipes ---- */
+
+/* Tables are named after their file, and the first " = " ends a name. */
+static void test_recipes(void)
+{
+    static const struct {
+        const char *text, *name, *command, *message;
+        size_t n, study;
+    } cases[] = {
+        {"tables = [\"s = tent\"];", "s", "tent", NULL, 1, 0},
+        {"tables = (\"s_a_b = angle x = 3\", \"s_2 = tent\");", "s_a_b", "angle x = 3", NULL, 2, 0},
+        {"protocol = \"toy\"; study = 60;", NULL, NULL, NULL, 0, 60},
+        {"protocol = \"toy\"; study = -1;", NULL, NULL, NULL, 0, 0},
+        {"tables = [];", NULL, NULL, NULL, 0, 0},
+        {"tables = [\"s_a tent\"];", NULL, NULL, "tables: \"NAME = COMMAND\" expected", 0, 0},
+        {"tables = [5];", NULL, NULL, "tables: \"NAME = COMMAND\" expected", 0, 0},
+        {"tables = [\"sa = tent\"];", NULL, NULL, "sa: the name of a table must begin with s_", 0, 0},
+        {"tables = [\"t = tent\"];", NULL, NULL, "t: the name of a table must begin with s_", 0, 0},
+        {"tables = [\"s_/a = tent\"];", NULL, NULL, "s_/a: the name of a table must begin with s_", 0, 0},
+        {"tables = \"s = tent\";", NULL, NULL, "tables: a list [", 0, 0},
+        {"study = 3;", NULL, NULL, "neither a protocol nor tables", 0, 0}};
+    fresh("");
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        sweep_recipe r;
+        file_print(file, "%s", cases[k].text);
+        if (cases[k].message)
+            CHECK_FAILS(sweep_recipe_read(file, &r), RP_BAD_INPUT, cases[k].message);
+        else
+            CHECK_OK(sweep_recipe_read(file, &r));
+        CU_ASSERT_STRING_EQUAL(r.name, "s");
+        CU_ASSERT(cases[k].message || (r.n_tables == cases[k].n && r.study == cases[k].study));
+        CU_ASSERT(cases[k].message || r.has_runs == (strncmp(cases[k].text, "protocol", 8) == 0));
+        if (cases[k].name) CU_ASSERT_STRING_EQUAL(r.tables[0].name, cases[k].name);
+        if (cases[k].name) CU_ASSERT_STRING_EQUAL(r.tables[0].command, cases[k].command);
+        sweep_recipe_free(&r);
+    }
+    clean();
+}
+
+/* As many tables as there is room for, and names of 63 letters, but no more. */
+static void test_many_tables(void)
+{
+    fresh("");
+    for (int extra = 0; extra < 3; extra++) {
+        sweep_recipe r;
+        FILE *out = fopen(file, "w");
+        fputs("tables = [\"s = a\"", out);
+        for (int i = 0; i < SWEEP_MAX_TABLES - 2 + (extra == 1); i++) fprintf(out, ", \"s_%d = a\"", i);
+        fprintf(out, ", \"s_%0*d = a\"];", extra == 2 ? 62 : 61, 0);
+        fclose(out);
+        if (extra)
+            CHECK_FAILS(sweep_recipe_read(file, &r), RP_BAD_INPUT,
+                        "tables: at most 64, of names shorter than 64");
+        else
+            CHECK_OK(sweep_recipe_read(file, &r));
+        CU_ASSERT(extra || (r.n_tables == SWEEP_MAX_TABLES && strlen(r.tables[63].name) == 63));
+        sweep_recipe_free(&r);
+    }
+    clean();
+}
+
 /* A file that may not grow, as on a full disk: the run ends with a message, and the stored rows stay. */
 static void test_full_disk(void)
 {
@@ -1169,6 +1417,9 @@ void suite_sweep(void)
                                        {"planning again", test_plan_again},
                                        {"bad sweep files", test_bad_files},
                                        {"bad folders and stores", test_bad_folders},
+                                       {"failed drives", test_failed_drives},
+                                       {"kept variables", test_keep},
+                                       {"limits of kept variables", test_keep_limits},
                                        {"lock", test_lock},
                                        {"full disk", test_full_disk},
                                        {"shards", test_shards},
@@ -1177,6 +1428,11 @@ void suite_sweep(void)
                                        {"merge with crashed runs", test_merge_of_crashed},
                                        {"damage: one byte", test_flips},
                                        {"damage: salvage", test_salvage},
+                                       {"damage: salvage, rows far apart", test_salvage_gaps},
+                                       {"digest of the rows", test_digest_of_rows},
+                                       {"signs of life", test_running},
+                                       {"recipes", test_recipes},
+                                       {"recipes: most tables", test_many_tables},
                                        {"physical parameters of protocols", test_physics},
                                        {"digits of results", test_digits},
                                        {"column names", test_columns},

@@ -478,6 +478,60 @@ static void contacts_at_corners(void)
     }
 }
 
+/* Two segments that are joined at the origin: along x, and on from there, turned by `turn`. A grain at (x, y)
+ * touches what it stands above, or the corner, which is the second one's, if it is beyond both ends. Inside
+ * of a slight turn it touches the nearer one. */
+static void check_joint(dem_sim *sim, double turn, double x, double y)
+{
+    const double tangent[2][2] = {{1.0, 0.0}, {cos(turn), sin(turn)}};
+    double along[2], above[2];
+    for (int w = 0; w < 2; w++) {
+        along[w] = tangent[w][0] * x + tangent[w][1] * y;
+        above[w] = tangent[w][0] * y - tangent[w][1] * x;
+    }
+    const bool inside[2] = {along[0]<0.0, along[1]> 0.0}, both = inside[0] && inside[1];
+    const double tie = fmin(fabs(along[0]), fabs(along[1]));
+    if (tie < 1e-9 || (both && fabs(fabs(above[0]) - fabs(above[1])) < 1e-9)) return;
+    sim->grains.motion[0].x = (dem_vec){x, y};
+    for (int w = 0; w < 2; w++) {
+        const bool nearer = fabs(above[w]) < fabs(above[!w]), corner = w == 1 && !inside[0] && !inside[1];
+        const bool has = corner || (inside[w] && !(both && fabs(turn) < 0.05 && !nearer));
+        const double distance = corner ? hypot(x, y) : fabs(above[w]), foot = corner ? 0.0 : along[w];
+        dem_wall_slot slot = {.wall = (uint32_t)w, .side = copysign(1.0, above[w])};
+        dem_vec normal, velocity;
+        double overlap;
+        CU_ASSERT_EQUAL(dem_wall_touch(sim, &slot, &normal, &overlap, &velocity), has);
+        if (!has) continue;
+        CHECK_NEAR(overlap, R - distance, 1e-15);
+        CHECK_NEAR(normal[0], (x - foot * tangent[w][0]) / distance, 1e-14 / distance);
+        CHECK_NEAR(normal[1], (y - foot * tangent[w][1]) / distance, 1e-14 / distance);
+    }
+}
+
+static void joints(void)
+{
+    static const double turns[] = {-2.5, -1.5,  -0.5,  -0.051, -0.049, -0.02,
+                                   0.02, 0.049, 0.051, 0.5,    1.5,    2.5};
+    for (size_t t = 0; t < sizeof turns / sizeof *turns; t++) {
+        dem_grain grain = {.x = -0.5, .y = 0.5, .r = R, .m = M};
+        dem_definition def = dem_definition_default();
+        grains_on_floor(&def, 1, &grain);
+        def.n_walls = 2;
+        for (int w = 0; w < 2; w++) {
+            const double angle = w ? turns[t] : 0.0;
+            def.walls[w] = grains_line(w ? 0.0 : -1.0, 0.0, -sin(angle), cos(angle), &def.material);
+            def.walls[w].extent[0] = 0.0, def.walls[w].extent[1] = 1.0;
+            def.walls[w].joined[!w] = true, def.walls[w].corner[!w] = turns[t];
+        }
+        dem_sim *sim = grains_start(&def);
+        for (int k = 0; k < 720; k++) {
+            const double angle = M_PI / 360.0 * (k + 0.1), distance = 0.02 + 0.005 * (k % 11);
+            check_joint(sim, turns[t], distance * cos(angle), distance * sin(angle));
+        }
+        dem_free(sim);
+    }
+}
+
 /* Nothing is lost: a grain that slides in a bowl of 300 sides, without friction or damping, keeps its energy
  * to 1e-4 over hundreds of joints. A side's end that pushed as well would be a kick at each. */
 static void bowl(void)
@@ -651,6 +705,7 @@ void suite_walls(void)
                                        {"no grain leaves a polygon", inside},
                                        {"joints of a straight line", straight_joints},
                                        {"contacts at corners", contacts_at_corners},
+                                       {"joints", joints},
                                        {"a soft contact with a wall that moves", soft_on_moving_wall},
                                        {"a bowl of many sides", bowl},
                                        {"directions, polygons, circles", normalised},

@@ -273,7 +273,8 @@ static void note_stop(int signal_number)
 /* Steps from `step` to the next multiple of `every`; `most` without. */
 static long steps_to(long step, long every, long most)
 {
-    return every > 0 && every - step % every < most ? every - step % every : most;
+    const long next = every > 0 ? every - step % every : most;
+    return next < most ? next : most;
 }
 
 /* Advance to the end, or until a signal. */

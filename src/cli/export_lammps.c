@@ -23,12 +23,10 @@ typedef struct {
     double box[2][2], largest;
 } lammps_scene;
 
+/* Rolling friction needs rotation, which is refused. */
 static rp_status check_material(const dem_definition *def, const dem_material *m, const char *of)
 {
     const bool slides = dem_has_friction(def->tangential);
-    if (m->mu_roll > 0.0)
-        return rp_fail(RP_BAD_INPUT, "%srolling.mu = %g: no equal in LAMMPS without rotation", of,
-                       m->mu_roll);
     if (slides && isinf(m->mu))
         return rp_fail(RP_BAD_INPUT, "%stangential.mu = infinite: LAMMPS needs a number", of);
     if (slides && m->gamma_n == 0.0 && m->gamma_s > 0.0)
@@ -255,7 +253,7 @@ static void write_input(const lammps_scene *s, const char *scene, const char *st
     write_about(s, scene, out);
     fprintf(out, "# each may be set on the command line: lmp -in FILE -var steps 1000\n");
     fprintf(out, "variable steps index %ld\nvariable every index %ld\n", s->scene.steps,
-            s->scene.steps > 100 ? s->scene.steps / 100 : 1);
+            s->scene.steps < 200 ? 1 : s->scene.steps / 100);
     fprintf(out, "variable data index %s.data\nvariable dump index %s.lammpstrj\n\n", name, name);
     fputs("units lj\ndimension 2\nboundary s s p\natom_style sphere\natom_modify map array\nnewton off\n"
           "comm_modify vel yes\nread_data ${data}\n\npair_style granular\n",

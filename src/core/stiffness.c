@@ -87,7 +87,8 @@ static bool analyse(rp_stiffness *m, size_t n_bonds, const rp_pair *bonds, bool 
     m->b = cholmod_zeros(2 * m->n, 1, CHOLMOD_REAL, c);
     m->p = cholmod_zeros(2 * m->n, 1, CHOLMOD_REAL, c);
     m->q = cholmod_zeros(2 * m->n, 1, CHOLMOD_REAL, c);
-    if (!m->A || !m->b || !m->p || !m->q || !order_disks(m, n_bonds, bonds, often, order)) return false;
+    if (!m->A || !m->b || !m->p || !m->q) return false;
+    if (!order_disks(m, n_bonds, bonds, often, order)) return false;
     set_pattern(m, bonds);
     /* from the last disk on, as nothing may be overwritten before it is read */
     for (size_t a = m->n; a-- > 0;) {

@@ -15,19 +15,19 @@ static dem_vec turned(const dem_sim *sim, const double x[2])
            sim->walls.turn[1] * dem_clockwise((dem_vec){x[0], x[1]});
 }
 
-rp_status dem_walls_alloc(dem_walls *walls, size_t n)
+rp_status dem_walls_alloc(dem_walls *w, size_t n)
 {
-    walls->capacity = walls->n_slots + 1;
-    walls->slot = malloc(walls->capacity * sizeof *walls->slot);
-    walls->start = calloc(n + 1, sizeof *walls->start);
-    walls->next = calloc(n + 1, sizeof *walls->next);
-    walls->wall = calloc(n + 1, sizeof *walls->wall);
-    walls->force = calloc(n + 1, sizeof *walls->force);
-    walls->mu = calloc(n + 1, sizeof *walls->mu);
-    walls->line = calloc(n + 1, sizeof *walls->line);
-    if (walls->slot && walls->start && walls->next && walls->wall && walls->force && walls->mu && walls->line)
-        return RP_OK;
-    return rp_fail(RP_NO_MEMORY, "%zu walls: out of memory", n);
+    w->capacity = w->n_slots + 1;
+    w->slot = malloc(w->capacity * sizeof *w->slot);
+    w->start = calloc(n + 1, sizeof *w->start);
+    w->next = calloc(n + 1, sizeof *w->next);
+    w->wall = calloc(n + 1, sizeof *w->wall);
+    w->force = calloc(n + 1, sizeof *w->force);
+    w->mu = calloc(n + 1, sizeof *w->mu);
+    w->line = calloc(n + 1, sizeof *w->line);
+    if (!w->slot || !w->start || !w->next || !w->wall || !w->force || !w->mu || !w->line)
+        return rp_fail(RP_NO_MEMORY, "%zu walls: out of memory", n);
+    return RP_OK;
 }
 
 rp_status dem_walls_copy(const dem_walls *walls, size_t n, dem_walls *copy)

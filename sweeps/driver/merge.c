@@ -71,21 +71,23 @@ static rp_status take_rows(sweep_store *s, const sweep_plan *plan, const char *s
     return status;
 }
 
-/* A sign of life is given every ten seconds. */
-static bool is_running(const char *beat)
+rp_status sweep_store_running(sweep_store *s, const char *schema, size_t *running)
 {
-    return *beat && labs((long)time(NULL) - strtol(beat, NULL, 10)) < 60;
+    char beat[32]; /* a sign of life, given every ten seconds */
+    RP_TRY(sweep_store_note(s, schema, "beat", beat, sizeof beat));
+    *running += *beat && labs((long)time(NULL) - strtol(beat, NULL, 10)) < 60;
+    return RP_OK;
 }
 
 static rp_status take_source(sweep_store *s, const sweep_plan *plan, const char *path, bool verify,
                              bool *same, sweep_union *found)
 {
-    char hash[33], beat[32];
+    char hash[33];
     long long before, rows, after;
     RP_TRY(check_source(s, plan, path));
     if (verify) RP_TRY(sweep_store_verify(s, "source", path));
     RP_TRY(sweep_store_note(s, "source", "plan", hash, sizeof hash));
-    RP_TRY(sweep_store_note(s, "source", "beat", beat, sizeof beat));
+    RP_TRY(sweep_store_running(s, "source", &found->running));
     RP_TRY(find_conflict(s, plan, path));
     RP_TRY(sweep_sql_number(s, "SELECT count(*) FROM temp.runs", &before));
     RP_TRY(sweep_sql_number(s, "SELECT count(*) FROM source.runs", &rows));
@@ -96,7 +98,6 @@ static rp_status take_source(sweep_store *s, const sweep_plan *plan, const char 
     RP_TRY(take_rows(s, plan, "source"));
     RP_TRY(sweep_sql_number(s, "SELECT count(*) FROM temp.runs", &after));
     found->sources++;
-    found->running += is_running(beat);
     found->duplicates += (size_t)(before + rows - after);
     return RP_OK;
 }
@@ -107,9 +108,7 @@ rp_status sweep_store_unite(sweep_store *s, const sweep_plan *plan, size_t n, ch
     bool same = true;
     long long foreign = 0;
     *found = (sweep_union){0};
-    char beat[32];
-    rp_status status = sweep_store_note(s, "main", "beat", beat, sizeof beat);
-    if (!status) found->running = is_running(beat);
+    rp_status status = sweep_store_running(s, "main", &found->running);
     if (!status) status = sweep_store_make_runs(s, "temp", plan->protocol);
     if (!status) status = take_rows(s, plan, "main");
     for (size_t i = 0; !status && i < n; i++) {

@@ -169,7 +169,7 @@ static void work(const pool *p, size_t index, int socket)
 {
     task tasks[BATCH];
     ssize_t n;
-    if (p->options->memory > 0.0 && isfinite(p->options->memory)) limit_memory(p->options->memory);
+    if (isnormal(p->options->memory)) limit_memory(p->options->memory);
     while ((n = recv(socket, tasks, sizeof tasks, 0)) > 0)
         if (!make_batch(p, index, socket, tasks, (size_t)n / sizeof *tasks)) break;
     _exit(0);

@@ -167,6 +167,10 @@ rp_status sweep_store_make_runs(sweep_store *store, const char *schema, const sw
 /* Give each row of the table `runs` its number in the plan. */
 rp_status sweep_store_number(sweep_store *store, const sweep_plan *plan, const sweep_watch *watch);
 
+/* Count a store, of this schema, to which a process writes: it has given a sign of life in the last minute.
+ */
+rp_status sweep_store_running(sweep_store *store, const char *schema, size_t *running);
+
 /* What a union found; see sweep_store_unite. */
 typedef struct {
     size_t sources, duplicates, foreign; /* foreign: rows of no run of the plan, left out */

@@ -179,7 +179,7 @@ static dem_definition make_scene(const drop_params *p)
     const double r = 0.5 * (1.0 - 3.0 * p->radius_width), m = dem_mass(DEM_DISK, density, r),
                  top =
                      1.25 * sqrt((double)p->N) + 0.5 * sqrt(3.0) * (double)p->lattice + p->drop_height + 1.0;
-    const dem_grain two[2] = {{.y = r, .r = r, .m = m}, {.y = top, .r = r, .m = m, .vy = -sqrt(2.0 * top)}};
+    const dem_grain two[2] = {{.y = r, .r = r, .m = m}, {.y = top, .r = r, .m = m, .vy = sqrt(2.0 * top)}};
     def.grains = two;
     def.n_grains = 2;
     def.dt = 0.98 * dem_time_step_limit(&def, NULL);

@@ -297,9 +297,9 @@ static rp_status make(flux *f, const flux_params *p, unsigned long seed, unsigne
     f->radii = rp_random_alloc(seed, run, RP_PURPOSE_RADII);
     f->positions = rp_random_alloc(seed, run, RP_PURPOSE_PLACES);
     f->theta = calloc(6 * rows, sizeof *f->theta);
-    f->box.scene.grains = malloc(most_layer * sizeof *f->box.scene.grains);
-    if (!status && (!f->radii || !f->positions || !f->theta || !f->box.scene.grains))
-        status = rp_fail(RP_NO_MEMORY, "flux: out of memory");
+    dem_grain *layer = f->box.scene.grains = malloc(most_layer * sizeof *layer);
+    if (!f->radii || !f->positions || !f->theta || !layer)
+        status = status ? status : rp_fail(RP_NO_MEMORY, "flux: out of memory");
     f->tower = f->theta + rows;
     f->step = f->tower + rows;
     f->grains = f->step + rows;

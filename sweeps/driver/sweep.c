@@ -71,8 +71,10 @@ rp_status sweep_folder_read(const char *dir, const sweep_protocol *const *protoc
     if (!status && shards.gl_pathc > 0)
         status = sweep_store_unite(folder->store, &folder->plan, shards.gl_pathc, shards.gl_pathv, verify,
                                    &folder->found);
-    else if (!status)
+    else if (!status) {
         status = sweep_store_freeze(folder->store);
+        if (!status) status = sweep_store_running(folder->store, "main", &folder->found.running);
+    }
     globfree(&shards);
     return status;
 }
@@ -244,7 +246,7 @@ rp_status sweep_run(const char *dir, const sweep_protocol *const *protocols, con
     char snapshots[4096];
     sweep_options own = *options;
     snprintf(snapshots, sizeof snapshots, "%s/snapshots", dir);
-    own.snapshots = options->snapshot > 0.0 ? snapshots : NULL;
+    own.snapshots = isnormal(options->snapshot) ? snapshots : NULL;
     const size_t planned =
         whole ? f.plan.n_runs
               : (f.plan.n_runs + (size_t)(options->shards - options->shard)) / (size_t)options->shards;
