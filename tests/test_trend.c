@@ -106,6 +106,29 @@ static void test_two_x(void)
     CU_ASSERT(t.n == 6);
 }
 
+/* Rows in another order have the same bits, paired or not. */
+static void test_order_of_rows(void)
+{
+    enum { ROWS = 24 };
+    size_t order[ROWS];
+    stats_trend first, t;
+    gsl_rng *rng = rp_random_alloc(5, 0, RP_PURPOSE_TEST);
+    double value[ROWS];
+    for (size_t i = 0; i < ROWS; i++) order[i] = i, value[i] = gsl_ran_gaussian(rng, 3.0);
+    for (int k = 0; k < 60; k++) {
+        double x[ROWS], y[ROWS], pile[ROWS];
+        for (size_t i = 0; i < ROWS; i++)
+            x[i] = 1.0 + (double)(order[i] % 3), y[i] = value[order[i]], pile[i] = (double)(order[i] / 3);
+        if (k % 30 == 0) CHECK_OK(stats_trend_fit(ROWS, x, y, k < 30 ? NULL : pile, 0.0, 1.0, &first));
+        CHECK_OK(stats_trend_fit(ROWS, x, y, k < 30 ? NULL : pile, 0.0, 1.0, &t));
+        CU_ASSERT(t.slope.value == first.slope.value && t.slope.se == first.slope.se && t.n == first.n);
+        CU_ASSERT(t.bend.value == first.bend.value && t.pair.value == first.pair.value &&
+                  t.p_pairs == first.p_pairs);
+        gsl_ran_shuffle(rng, order, ROWS, sizeof *order);
+    }
+    gsl_rng_free(rng);
+}
+
 /* TOST is equivalent to the 90 % interval. */
 static void test_tost_is_interval(void)
 {
@@ -767,6 +790,7 @@ void suite_trend(void)
     static const check_case cases[] = {
         {"one value per x, against GSL", test_single_values},
         {"two x: Welch and paired", test_two_x},
+        {"order of rows", test_order_of_rows},
         {"TOST is an interval", test_tost_is_interval},
         {"planted trends: coverage, false alarms", test_coverage},
         {"largest pair", test_pairs},
