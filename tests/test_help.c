@@ -183,6 +183,23 @@ static void test_help(void)
     leave();
 }
 
+/* Where help says an order, it is that of the output. */
+static void test_orders(void)
+{
+    static const struct {
+        const cli_command *command;
+        const char *words;
+    } orders[] = {{&cmd_params, "with unit, type, default, range and meaning"},
+                  {&cmd_params, "the members of,\nkind, name, unit, type, default, range and meaning"},
+                  {&cmd_export, "JSON is { notes, units, rows: [{column: value}] }"},
+                  {&cmd_export, "LAMMPS: radius, mass, vx vy vz, omegaz"},
+                  {&cmd_export, "a table of grains (x, y, r) too"},
+                  {&cmd_view, "with columns x, y, r."},
+                  {&cmd_report, "in short: paper, ours, verdict\n"}};
+    for (size_t k = 0; k < sizeof orders / sizeof *orders; k++)
+        CU_ASSERT_PTR_NOT_NULL(strstr(orders[k].command->about, orders[k].words));
+}
+
 /* A command has room for 40 options, with names shorter than 32 letters, and 4096 bytes of values. */
 static void test_room(void)
 {
@@ -529,9 +546,6 @@ static void test_params_json(void)
 {
     static const char *const words[] = {"params --json", "params --json --units si", "params scene --json"};
     enter();
-    CU_ASSERT_PTR_NOT_NULL(strstr(cmd_params.about, "with unit, type, default, range and meaning"));
-    CU_ASSERT_PTR_NOT_NULL(
-        strstr(cmd_params.about, "the members of,\nkind, name, unit, type, default, range and meaning"));
     for (size_t k = 0; k < 3; k++) {
         const bool si = k == 1;
         GOOD("%s", words[k]);
@@ -558,6 +572,7 @@ static void test_params_json(void)
 void suite_help(void)
 {
     static const check_case cases[] = {{"help of every command", test_help},
+                                       {"orders that help says", test_orders},
                                        {"room for options", test_room},
                                        {"pages of the manual", test_pages},
                                        {"completion, line by line", test_completion},
