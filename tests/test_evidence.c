@@ -219,17 +219,20 @@ static void check_claims_table(void)
             "# ours: 1 reproduced, 0 not reproduced, 0 undecided, 0 can't be tested, 0 by eye, 0 no data\n";
     static const struct {
         const char *words, *shown[4], *hidden[4];
-    } cases[] = {{"--variants", {counts, head, one, two}, {NULL}},
-                 {"", {counts, head, three, seven}, {"\ntwo\t"}},
-                 {"--paper li",
-                  {"\n# li: 2 ", head, five, "\nfour\tli\t"},
-                  {"\n# lh: ", "\n# ours: ", "\none\t", "\nseven\t"}},
-                 {"--paper ours", {"\n# ours: 1 ", head, seven}, {"\n# lh: ", "\n# li: ", "\nfive\t"}},
-                 {"--id one", {head, one, two}, {"\n# lh: ", "\n# li: ", "\n# ours: ", "\nthree\t"}},
-                 {"--id two", {head, two}, {"\n# lh: ", "\none\t"}},
-                 {"--published",
-                  {"\nid\tpaper\tpublished\tpublished_se\tsamples\none\tlh\t20\t0.9\t40\n"},
-                  {"\ntwo", "\nthree", "\nfour"}}};
+    } cases[] = {
+        {"--variants",
+         {"\n# paper: all\n# variants: true\n# published: false\n# power: false\n# lh: ", counts, one, two},
+         {NULL}},
+        {"", {counts, head, three, seven}, {"\ntwo\t"}},
+        {"--paper li",
+         {"\n# li: 2 ", head, five, "\nfour\tli\t"},
+         {"\n# lh: ", "\n# ours: ", "\none\t", "\nseven\t"}},
+        {"--paper ours", {"\n# ours: 1 ", head, seven}, {"\n# lh: ", "\n# li: ", "\nfive\t"}},
+        {"--id one", {head, one, two}, {"\n# lh: ", "\n# li: ", "\n# ours: ", "\nthree\t"}},
+        {"--id two", {head, two}, {"\n# lh: ", "\none\t"}},
+        {"--published",
+         {"\nid\tpaper\tpublished\tpublished_se\tsamples\none\tlh\t20\t0.9\t40\n"},
+         {"\ntwo", "\nthree", "\nfour"}}};
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         GOOD("claims --claims claims.tsv --tables . %s", cases[k].words);
         for (int i = 0; i < 4; i++) {
