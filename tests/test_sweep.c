@@ -1214,6 +1214,41 @@ static void test_salvage_gaps(void)
     clean();
 }
 
+/* Keys name stored runs for ever: these are of model version 3, whose number is in them. */
+static void test_known_keys(void)
+{
+    static const struct {
+        size_t run;
+        const char *key;
+        sweep_stream stream;
+    } known[] = {{0, "6717de666b7b90ed62f55a02c89ffb57", {1811074078, 1036491614, 2173680461725484}},
+                 {7, "f0d6799319b906b05699f08feebe2724", {285264182, 1505012168, 3156239277690893}},
+                 {11, "303a192038bc084767d3ac96b5c596aa", {971569046, 562762702, 1180198924689040}}};
+    char text[256];
+    sweep_plan plan;
+    fresh(
+        "protocol = \"toy\"; replicas = 2; seed = 77; fixed = { k = 5; odd = true; };\n"
+        "grid = ( { x = [0.5, -1.5]; mass = [1.0, 2.5]; }, { mode = [\"plain\", \"slow\", \"crash\"]; } );");
+    CHECK_OK(sweep_plan_read(file, toys, &plan));
+    CU_ASSERT(plan.n_points == 6 && plan.n_runs == 12);
+    CU_ASSERT_STRING_EQUAL(plan.hash, "00bbd3b58b024738de4e861998a1d0bc");
+    for (size_t k = 0; k < sizeof known / sizeof *known; k++) {
+        char key[33];
+        sweep_plan_key(&plan, known[k].run, key);
+        CU_ASSERT_STRING_EQUAL(key, known[k].key);
+        const sweep_stream s = sweep_plan_stream(&plan, known[k].run);
+        CU_ASSERT_EQUAL(s.seed, known[k].stream.seed);
+        CU_ASSERT_EQUAL(s.run, known[k].stream.run);
+        CU_ASSERT_EQUAL(s.pile, known[k].stream.pile);
+    }
+    CU_ASSERT_STRING_EQUAL(sweep_plan_describe(&plan, 4, text, sizeof text),
+                           "x = -1.5, mass = 2.5, mode = slow");
+    CU_ASSERT_STRING_EQUAL(sweep_plan_parameters(&plan, 4, text, sizeof text),
+                           "{\"k\":5,\"odd\":\"true\",\"x\":-1.5,\"mass\":2.5,\"mode\":\"slow\"}");
+    sweep_plan_free(&plan);
+    clean();
+}
+
 /* The digest is that of key, status and outputs of the rows in their order, a missing value as NAN. */
 static void test_digest_of_rows(void)
 {
@@ -1471,6 +1506,7 @@ void suite_sweep(void)
                                        {"damage: one byte", test_flips},
                                        {"damage: salvage", test_salvage},
                                        {"damage: salvage, rows far apart", test_salvage_gaps},
+                                       {"keys of stored runs", test_known_keys},
                                        {"digest of the rows", test_digest_of_rows},
                                        {"signs of life", test_running},
                                        {"recipes", test_recipes},
