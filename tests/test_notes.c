@@ -224,6 +224,60 @@ static void test_disks(void)
     leave();
 }
 
+/* An option that would do nothing is refused by its name, and goes where it does something. */
+static void test_idle_options(void)
+{
+    static const struct {
+        const char *option, *idle, *serves;
+    } cases[] = {
+        {"--base 3", "--disks disks.tsv", "--eps 1e-3"},
+        {"--gap 0.01", "--disks disks.tsv", "--base 4"},
+        {"--disorder 0.01", "--disks disks.tsv", "--base 4 --eps 1e-4"},
+        {"--alpha-deg 30", "--disks disks.tsv", "--base 4"},
+        {"--alpha-deg 30", "--outline outline.tsv --base 4", "--base 4"},
+        {"--inner-deg 40", "--disks disks.tsv", "--base 9 --alpha-deg 30 --x-1 0.3"},
+        {"--inner-deg 40", "--outline outline.tsv --base 4", "--base 9 --alpha-deg 30 --x-1 0.3"},
+        {"--x-1 0.3", "--base 9 --alpha-deg 30", "--base 9 --alpha-deg 30 --inner-deg 40"},
+        {"--load-steps 2", "--base 4 --eps 0", "--base 4 --eps 1e-3"},
+        {"--leave 1", "--base 12 --eps 5e-3", "--base 12 --eps 5e-3 --branch minimum"},
+        {"--leave 1", "--base 12 --eps 0 --branch minimum", "--base 12 --eps 5e-3 --branch minimum"},
+        {"--branch minimum", "--base 12 --eps 0", "--base 12 --eps 5e-3"},
+        {"--k-x 0.5", "--base 4 --well 1", "--base 4"},
+        {"--set-again", "--base 4", "--base 4 --well 1"},
+        {"--mu 0.3", "--base 4", "--base 4 --well 1"},
+        {"--seed 2", "--base 4", "--base 4 --disorder 0.01 --eps 1e-4"},
+        {"--threshold", "--base 4 --eps 0", "--base 4 --eps 1e-3"},
+        {"--threshold", "--base 4 --eps 1e-3 --branch minimum", "--base 4 --eps 1e-3"},
+        {"--threshold", "--base 4 --eps 1e-3 -o d", "--base 4 --eps 1e-3"},
+        {"--threshold", "--disks disks.tsv --eps 1e-3", "--base 4 --eps 1e-3"},
+        {"--piles 2", "--base 4", "--base 4 --disorder 0.01 --eps 1e-4"},
+        {"--piles 2", "--base 4 --disorder 0.01 --eps 1e-4 --threshold",
+         "--base 4 --disorder 0.01 --eps 1e-4"},
+        {"--piles 2", "--base 4 --disorder 0.01 --eps 1e-4 --summary", "--base 4 --disorder 0.01 --eps 1e-4"},
+        {"--piles 2", "--base 4 --disorder 0.01 --eps 1e-4 -o d", "--base 4 --disorder 0.01 --eps 1e-4"},
+        {"--outline outline.tsv", "--disks disks.tsv", "--base 4"}};
+    enter();
+    write_text("disks.tsv", "x\ty\n0\t0.5\n1\t0.5\n0.5\t1.366025\n");
+    write_text("outline.tsv", "x\ty\n0\t0\n4\t3\n9\t0\n");
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        char named[64], others[64];
+        snprintf(named, sizeof named, "%.*s ", (int)strcspn(cases[k].option, " "), cases[k].option);
+        snprintf(others, sizeof others, "%.*s", (int)strcspn(cases[k].option, " "), cases[k].option);
+        const int status = run("pile %s %s", cases[k].idle, cases[k].option);
+        const bool right = strncmp(err, "repose pile: ", 13) == 0 &&
+                           (strstr(err, "would do nothing") ? strncmp(err + 13, named, strlen(named)) == 0
+                                                            : strstr(err, others) != NULL);
+        if (status != 64 || !right)
+            fprintf(stderr, "pile %s %s: %d, %s", cases[k].idle, cases[k].option, status, err);
+        CU_ASSERT(status == 64 && right);
+        const int served = run("pile %s %s", cases[k].serves, cases[k].option);
+        if (served > 1) fprintf(stderr, "pile %s %s: %d, %s", cases[k].serves, cases[k].option, served, err);
+        CU_ASSERT(served == 0 || served == 1);
+    }
+    GOOD("pile --base 4 --piles 1");
+    leave();
+}
+
 /* ---- models ---- */
 
 static void test_models(void)
@@ -492,6 +546,7 @@ void suite_notes(void)
                                        {"a static pile", test_pile},
                                        {"several static piles", test_piles},
                                        {"disks of a table", test_disks},
+                                       {"options of a pile that would do nothing", test_idle_options},
                                        {"models", test_models},
                                        {"a sweep", test_sweep},
                                        {"a run", test_run},

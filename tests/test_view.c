@@ -200,9 +200,8 @@ static void test_segment(void)
     enter();
     for (int tall = 0; tall < 2; tall++) {
         write_text("pile_grains.tsv", "x\ty\tr\n0\t0\t1\n%d\t%d\t1\n", tall ? 0 : 10, tall ? 10 : 0);
-        write_text("pile_walls.tsv",
-                   "wall\tx\ty\tdirection_x\tdirection_y\tfrom\tto\n1\t0\t0\t%d\t%d\t-30\t30\n",
-                   tall ? 0 : -1, tall);
+        write_text("pile_walls.tsv", "wall\tx\ty\tdirection_x\tdirection_y\tfrom\tto\n1\t0\t0\t%d\t%d\t%s\n",
+                   tall ? 0 : -1, tall, tall ? "-1e308\t1e308" : "-30\t30");
         GOOD("view pile_grains.tsv -o a.svg");
         read_svg("a.svg");
         const mark *wall = find_stroke(WALL);
@@ -609,6 +608,11 @@ static void test_chosen(void)
         for (const char *c = told; (c = strstr(c, "set label 1 ")); c++) n++;
         CU_ASSERT_EQUAL(n, cases[k].n);
     }
+    /* the scale is that frame's alone */
+    CU_ASSERT_EQUAL(tell(". -o a.svg --frame 1"), 0);
+    CU_ASSERT(is_told("set xrange [-0.75:4.25]\n") && is_told("title \"normal force 0.625 N\"\n"));
+    CU_ASSERT_EQUAL(tell(". -o a.svg --window 0.25,0.75,0.25,0.5"), 0);
+    CU_ASSERT(is_told("set xrange [0.25:0.75]\n"));
     FAILS(65, "--frame 5: there are frames 0 to 4, steps 3 to 12", "view . -o a.svg --frame 5");
     FAILS(65, "--frame step=4: there are", "view . -o a.svg --frame step=4");
     FAILS(65, "--frame -1: there are", "view . -o a.svg --frame -1");
@@ -618,9 +622,10 @@ static void test_chosen(void)
     FAILS(64, "--frame all: a picture shows one frame; -o NAME.gif shows 5", "view . -o a.svg --frame all");
     CU_ASSERT(shell("grep -v '^[59]\\|^1[02]' states.tsv >one.tsv") == 0);
     CU_ASSERT_EQUAL(tell("one.tsv -o a.svg --frame all"), 0); /* of one frame */
-    static const char *const windows[] = {"1,1,0,1",   "0,1,1,1",    "0,1,2,1",   "0,1,0",
-                                          "0,1,0,1,",  "0,1,0,1,2",  "0,1,0,x",   "",
-                                          "0,inf,0,1", "0,1,-inf,0", "nan,1,0,1", "-inf,0,0,1"};
+    static const char *const windows[] = {"1,1,0,1",          "0,1,1,1",         "0,1,2,1",   "0,1,0",
+                                          "0,1,0,1,",         "0,1,0,1,2",       "0,1,0,x",   "",
+                                          "0,inf,0,1",        "0,1,-inf,0",      "nan,1,0,1", "-inf,0,0,1",
+                                          "-1e308,1e308,0,1", "0,1,-1e308,1e308"};
     for (size_t k = 0; k < sizeof windows / sizeof *windows; k++)
         FAILS(64, "X0 < X1 and Y0 < Y1", "view . -o a.svg --window '%s'", windows[k]);
     FAILS(64, "ends in .png", "view . -o .svg"); /* an ending alone is no name */
@@ -691,6 +696,10 @@ static void test_crosses(void)
     snprintf(text, sizeof text, "arrowstyle 50 title \"principal stress, largest %.4g 1/m\"\n",
              4.0 * sqrt(2.0) / 9.0);
     CU_ASSERT(is_told(text) && !strstr(told, "normal force"));
+    /* a single cell, of 20 m */
+    write_text("contacts.tsv", "x\ty\tx_b\ty_b\tforce\n2.5\t1.5\t2.5\t0\t12\n");
+    CU_ASSERT_EQUAL(tell(". -o a.png --stress --cell 20"), 0);
+    check_data("stress", 0, 1, 5, (double[]){9, 1, 0, 18, 50});
     leave();
 }
 
@@ -739,6 +748,87 @@ static void test_bins(void)
     CU_ASSERT_EQUAL(tell(". -o a.png --base --cell 1"), 0);
     check_data("base", 0, 4, 2, (double[]){0, 0.25, 1, 0.5, 2, 0.125, 3, 0});
     CU_ASSERT(is_told("set ylabel \"pressure\" noenhanced") && is_told("\"3 grains\""));
+    leave();
+}
+
+/* Lines are as wide as 0.9 of a mean radius, from 2 to 5; class k of 12 has (k - 1/2)/12 of it, and a shade
+ * from pale to dark. A window of W by W m is 14 by 14 cm, in a picture of 16.5 by 16.9 cm. */
+static void test_styles(void)
+{
+    static const int windows[] = {50, 136, 1000};
+    enter();
+    write_pile();
+    write_text("states.tsv", "# units: m\tm\tm\nx\ty\tr\n0\t1\t1\n2\t1\t1\n");
+    CU_ASSERT(shell("rm walls.tsv >out 2>err") == 0);
+    for (int k = 0; k < 3; k++) {
+        const double length = 14.0 / windows[k], width = fmin(fmax(0.9 * length * 37.8, 2.0), 5.0);
+        char words[128], text[512];
+        snprintf(words, sizeof words, ". -o a.svg --window 0,%d,0,%d", windows[k], windows[k]);
+        CU_ASSERT_EQUAL(tell(words), 0);
+        static const char *const shades[] = {"#96aac3", "#495a78", "#08183a"};
+        static const int classes[] = {1, 7, 12};
+        for (int i = 0; i < 3; i++) {
+            snprintf(text, sizeof text,
+                     "set style arrow %d nohead lw %.3g lc rgb '%s'\nset style arrow %d nohead lw %.3g lc "
+                     "rgb '#d55e00'\n",
+                     classes[i], width * (classes[i] - 0.5) / 12.0, shades[i], classes[i] + 20,
+                     width * (classes[i] - 0.5) / 12.0);
+            CU_ASSERT(is_told(text));
+        }
+        snprintf(text, sizeof text,
+                 "set style arrow 50 nohead lw %.3g lc rgb '#0072b2'\nset style arrow 51 nohead lw %.3g lc "
+                 "rgb '#d55e00'\n",
+                 fmax(0.4 * width, 1.0), fmax(0.4 * width, 1.0));
+        CU_ASSERT(is_told(text));
+        snprintf(
+            text, sizeof text,
+            "plot $grains using 1:2:($3*%.9g + %g) with points pt 7 ps variable lc rgb '#a8a8a8' notitle, "
+            "\\\n"
+            " $grains using 1:2:($3*%.9g - %g) with points pt 7 ps variable lc rgb '#eeeeee' notitle, \\\n"
+            " $contacts using",
+            length * 37.8 / 4.125, 0.25 / 4.125, length * 37.8 / 4.125, 0.25 / 4.125);
+        CU_ASSERT(is_told(text));
+        snprintf(text, sizeof text,
+                 "set yrange [0:%d]\nset tmargin at screen %.5f\nset bmargin at screen %.5f\n"
+                 "set key at graph 1, screen %.5f right bottom horizontal samplen 2\nset ylabel \"y (m)\" "
+                 "noenhanced\n",
+                 windows[k], 1.0 - 1.4 / 16.9, 1.5 / 16.9, 1.0 - 1.3 / 16.9);
+        CU_ASSERT(is_told(text));
+        snprintf(text, sizeof text, "lmargin at screen %.5f\nset rmargin at screen %.5f\n", 1.8 / 16.5,
+                 1.0 - 0.7 / 16.5);
+        CU_ASSERT(is_told(text));
+        snprintf(text, sizeof text, "\"2 grains\" noenhanced at graph 0, screen %.5f left\n",
+                 1.0 - 0.5 / 16.9);
+        CU_ASSERT(is_told(text) && !strstr(told, "$walls with"));
+    }
+    CU_ASSERT_EQUAL(tell(". -o a.png --color r"), 0);
+    CU_ASSERT(is_told("set style arrow 7 nohead lw 2.71 lc rgb '#000000'\n"));
+    CU_ASSERT_EQUAL(tell(". -o a.png --stress"), 0);
+    CU_ASSERT(is_told("set style arrow 7 nohead lw 2.71 lc rgb '#b9b9b9'\n"));
+    CU_ASSERT(is_told("plot $grains using 1:2:3 with circles lw 0.4 fc rgb '#eeeeee' notitle, \\\n"));
+    leave();
+}
+
+/* Of walls without ends, what is within the window; none of those beside it, however near. */
+static void test_clipped(void)
+{
+    enter();
+    write_text("p_grains.tsv", "x\ty\tr\n0\t1\t1\n");
+    write_text("p_walls.tsv", "x\ty\tdirection_x\tdirection_y\tfrom\tto\n"
+                              "3\t9.5\t0\t1\t-inf\tinf\n3\t-0.5\t0\t1\t-inf\tinf\n3\t10.5\t0\t1\t-inf\tinf\n"
+                              "0.5\t3\t1\t0\t-inf\tinf\n-0.5\t3\t1\t0\t-inf\tinf\n10.5\t3\t1\t0\t-inf\tinf\n"
+                              "0\t0.5\t0\t1\t-inf\tinf\n3\t5\t0\t1\t20\t30\n3\t5\t0\t1\t-1\t1e9\n");
+    CU_ASSERT_EQUAL(tell("p_grains.tsv -o a.png --window 0,10,0,10"), 0);
+    check_data("walls", 0, 4, 4, (double[]){0, 9.5, 10, 0, 0.5, 10, 0, -10, 0, 0.5, 10, 0, 2, 5, 8, 0});
+    CU_ASSERT(is_told("$walls with vectors nohead lw 2.5 lc rgb '#404040' notitle\n"));
+    /* a single frame has all contacts and walls, whatever their step */
+    write_text("p_grains.tsv", "step\tx\ty\tr\n7\t0\t1\t1\n");
+    write_text("p_contacts.tsv", "step\tx\ty\tx_b\ty_b\tforce\n5\t0\t1\t0\t0\t3\n7\t0\t1\t1\t1\t6\n");
+    write_text("p_walls.tsv",
+               "step\tx\ty\tdirection_x\tdirection_y\tfrom\tto\n5\t0\t0\t0\t1\t0\t1\n7\t0\t0\t0\t1\t2\t3\n");
+    CU_ASSERT_EQUAL(tell("p_grains.tsv -o a.png --window 0,10,0,10"), 0);
+    check_data("contacts", 0, 2, 5, (double[]){0, 1, 0, -1, 6, 0, 1, 1, 0, 12});
+    check_data("walls", 0, 2, 4, (double[]){0, 0, 1, 0, 2, 0, 1, 0});
     leave();
 }
 
@@ -813,6 +903,26 @@ static void test_refusals(void)
     FAILS(65, "more than 100000 cells", "view . -o a.svg --base --cell 1e-4");
     write_text("far.tsv", "x\ty\tr\n1\t2\t1\n1e200\t1e200\t1\n");
     FAILS(65, "no window holds the grains: x over 1e+200", "view far.tsv -o a.svg");
+    write_text("far.tsv", "x\ty\tr\n1e20\t0\t1\n"); /* a radius is less than a digit */
+    FAILS(65, "no window holds the grains: x over 0, y over 4", "view far.tsv -o a.svg");
+    write_text("far.tsv", "x\ty\tr\n0\t1e20\t1\n");
+    FAILS(65, "no window holds the grains: x over 4, y over 0", "view far.tsv -o a.svg");
+    static const char *const grains[] = {"nan\t2\t1", "1\tnan\t1", "1\t2\tinf",
+                                         "1\t2\tnan", "1\t2\t-1",  "inf\t2\t1"};
+    for (size_t k = 0; k < 12; k++) {
+        const char *bad = grains[k / 2], *good = "0.5\t-0.5\t0.25";
+        write_text("row.tsv", "x\ty\tr\n%s\n%s\n", k % 2 ? good : bad, k % 2 ? bad : good);
+        FAILS(65, k % 2 ? "row.tsv: row 2: x, y and a radius" : "row.tsv: row 1: x, y and a radius",
+              "view row.tsv -o a.svg");
+    }
+    static const char *const contacts[] = {"1\t2\t1\t2\t3\t0", "1\t2\t1\t1\tinf\t0", "1\t2\t1\t1\t3\tinf",
+                                           "1\t2\t1\t1\t1e308\t1e308"};
+    write_text("one_grains.tsv", "x\ty\tr\n1\t2\t1\n");
+    for (size_t k = 0; k < 4; k++) {
+        write_text("one_contacts.tsv", "x\ty\tx_b\ty_b\tnormal_force\tshear_force\n1\t2\t1\t1\t3\t0\n%s\n",
+                   contacts[k]);
+        FAILS(65, "one_contacts.tsv: row 2 has no branch or no force", "view one_grains.tsv -o a.svg");
+    }
     FAILS(1, "--stress: no table of contacts", "view points.tsv -o a.svg --stress");
     FAILS(1, "--base: no contacts that press on a wall", "view points.tsv -o a.svg --base");
     FAILS(74, "cannot write", "view . -o file/a.svg");
@@ -940,6 +1050,8 @@ void suite_view(void)
                                        {"range of colours", test_range},
                                        {"crosses of stress", test_crosses},
                                        {"bins of the base", test_bins},
+                                       {"widths and shades", test_styles},
+                                       {"walls in the window", test_clipped},
                                        {"stages of a run", test_stages},
                                        {"folders and files", test_kinds},
                                        {"refusals", test_refusals},

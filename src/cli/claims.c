@@ -464,7 +464,8 @@ void cli_claims_count(const cli_claims *claims, const cli_judged judged[], const
         if (!*claims->claims[i].of && strcmp(claims->claims[i].paper, paper) == 0)
             verdicts[n++] = judged[i].verdict;
     stats_count_verdicts(n, verdicts, counts);
+    FILE *out = fmemopen(text, 256, "w");
     for (stats_verdict v = 0; v < STATS_VERDICTS && n > 0; v++)
-        snprintf(text + strlen(text), 256 - strlen(text), "%s%zu %s", v ? ", " : "", counts[v],
-                 stats_verdict_texts[v]);
+        fprintf(out, "%s%zu %s", v ? ", " : "", counts[v], stats_verdict_texts[v]);
+    fclose(out);
 }

@@ -287,9 +287,10 @@ static bool clip(const view_wall *w, const double window[4], double ends[2])
     return ends[0] < ends[1];
 }
 
-static size_t put_walls(const view_frame *f, const view_scale *s, FILE *out)
+/* False: there is none in the window. */
+static bool put_walls(const view_frame *f, const view_scale *s, FILE *out)
 {
-    size_t n = 0;
+    bool any = false;
     fputs("$walls << end\n", out);
     for (const view_wall *w = f->walls; w < f->walls + f->n_walls; w++) {
         double ends[2], a[2], b[2];
@@ -297,10 +298,10 @@ static size_t put_walls(const view_frame *f, const view_scale *s, FILE *out)
         end_of(w, ends[0], a);
         end_of(w, ends[1], b);
         fprintf(out, "%.9g %.9g %.9g %.9g\n", a[0], a[1], b[0] - a[0], b[1] - a[1]);
-        n++;
+        any = true;
     }
     fputs("end\n", out);
-    return n;
+    return any;
 }
 
 /* Both principal stresses of each cell as a cross. */
@@ -394,7 +395,7 @@ rp_status view_draw(const view_scene *scene, const view_frame *f, const view_sty
     rp_status status = RP_OK;
     put_grains(f, out);
     if (chains) put_contacts(f, s, out);
-    const size_t n_walls = put_walls(f, s, out);
+    const bool walls = put_walls(f, s, out);
     if (style->stress) status = put_stress(f, s, out);
     put_title(scene, f, s, out);
     if (style->base) fputs("set multiplot\nunset xlabel\n", out);
@@ -406,7 +407,7 @@ rp_status view_draw(const view_scene *scene, const view_frame *f, const view_sty
     put_label(out, "ylabel", "y", scene->length);
     put_circles(style, s, out);
     if (chains) fputs(", \\\n $contacts using 1:2:3:4:5 with vectors arrowstyle variable notitle", out);
-    if (n_walls > 0) fprintf(out, ", \\\n $walls with vectors nohead lw 2.5 lc rgb '%s' notitle", WALL);
+    if (walls) fprintf(out, ", \\\n $walls with vectors nohead lw 2.5 lc rgb '%s' notitle", WALL);
     if (style->stress) fputs(", \\\n $stress using 1:2:3:4:5 with vectors arrowstyle variable notitle", out);
     if (chains && !style->stress)
         fprintf(out, ", \\\n NaN with vectors arrowstyle %d title \"normal force %s%.4g%s%s\"",
