@@ -1,5 +1,6 @@
 /* Static equilibrium of piles: closed forms, the exact solution of diagonal contacts, forces and stability by
  * direct methods, the simulator at rest, results for soft piles, every status. */
+#include <float.h>
 #include <gsl/gsl_eigen.h>
 #include <gsl/gsl_math.h>
 #include <math.h>
@@ -992,6 +993,95 @@ static void test_errors(void)
 /* A square with a diagonal, held at all corners, and disk 1 by a spring to the ground: an update against a
  * new factorisation, and as the inverse of the product. Way 1 has the other order
  * of elimination. */
+/* Status of a pile of two disks that lie apart; what is said if it is refused; its wells and contacts. */
+static rp_status try_two(statics_definition def, const statics_disk disks[2], statics_result *r)
+{
+    statics_pile *pile = NULL;
+    def.disks = disks, def.n = 2;
+    RP_TRY(statics_create(&def, &pile));
+    (void)statics_solve(pile, r);
+    statics_free(pile);
+    return RP_OK;
+}
+
+/* Both sides of each limit of a definition. */
+static void test_ranges(void)
+{
+    const double more = 1 + DBL_EPSILON, tiny = 1e-300;
+    const statics_disk good[2] = {{0, 0.5, 0.5, 1}, {3, 0.5, 0.5, 1}};
+    statics_definition def = friction(1e-4, 1, 1);
+    statics_result r;
+    const struct {
+        double *at, in, out;
+        const char *text;
+    } numbers[] = {{&def.eps, 0, -tiny, "eps"},           {&def.eps, 0.1, 0.1 * more, "eps"},
+                   {&def.mu, DBL_MIN, 0, "mu"},           {&def.mu, 1e9, 1e9 * more, "mu"},
+                   {&def.a, DBL_MIN, 0, "a = 0"},         {&def.a, 1e9, 1e9 * more, "a = 1"},
+                   {&def.set_load, 0, -tiny, "set_load"}, {&def.set_load, 1, more, "set_load"},
+                   {&def.k_x, DBL_MIN, 0, "k_x"},         {&def.k_x, 1e9, 1e9 * more, "k_x"}};
+    for (size_t k = 0; k < sizeof numbers / sizeof *numbers; k++) {
+        const double before = *numbers[k].at;
+        def.well = k < 8 ? STATICS_WELL_FRICTION : STATICS_WELL_SPRING;
+        *numbers[k].at = numbers[k].in;
+        CHECK_OK(try_two(def, good, &r));
+        *numbers[k].at = numbers[k].out;
+        CHECK_FAILS(try_two(def, good, &r), RP_BAD_INPUT, numbers[k].text);
+        *numbers[k].at = before;
+    }
+    for (long steps = 0; steps < 3; steps++) {
+        def.load_steps = steps > 1 ? 1000000 : steps;
+        if (steps == 0) CHECK_FAILS(try_two(def, good, &r), RP_BAD_INPUT, "load_steps = 0");
+        if (steps > 0) CHECK_OK(try_two(def, good, &r));
+    }
+    def.load_steps = 1000001;
+    CHECK_FAILS(try_two(def, good, &r), RP_BAD_INPUT, "load_steps = 1000001");
+    statics_disk two[2] = {{0, 0.5, 0.5, 1}, {3, 0.5, -0.5, 1}};
+    statics_pile *pile = NULL;
+    def = soft(1e-4);
+    def.disks = two + 1; /* the first is refused before another is looked at */
+    def.n = STATICS_MAX;
+    CHECK_FAILS(statics_create(&def, &pile), RP_BAD_INPUT, "disk 1 at (3, 0.5) with r = -0.5");
+    def.n++;
+    CHECK_FAILS(statics_create(&def, &pile), RP_BAD_INPUT, "out of range, allowed: [1, ");
+    for (int field = 0; field < 4; field++)
+        for (int value = 0; value < 4; value++) {
+            const double bad[] = {NAN, INFINITY, -INFINITY, 0};
+            memcpy(two, good, sizeof two);
+            *(double *[]){&two[1].x, &two[1].y, &two[1].r, &two[1].weight}[field] = bad[value];
+            if (field > 1 || value < 3)
+                CHECK_FAILS(try_two(soft(1e-4), two, &r), RP_BAD_INPUT, "not allowed");
+        }
+}
+
+/* How far disks may overlap, by half of touching, or with eps = 0 by rounding; which are on the ground; which
+ * contacts are level. */
+static void test_ranges_of_places(void)
+{
+    statics_result r;
+    for (int beyond = 0; beyond < 2; beyond++)
+        for (int linear = 0; linear < 2; linear++) {
+            const statics_definition def = soft(linear ? 0 : 1e-2);
+            const double lie = (linear ? 1e-9 : 0.25) * (beyond ? 1.001 : 0.999),
+                         overlap = (linear ? 1e-9 : 0.5) * (beyond ? 1.001 : 0.999);
+            const statics_disk sunk[2] = {{0, 0.5, 0.5, 1}, {3, 0.5 - lie, 0.5, 1}};
+            const statics_disk near[2] = {{0, 0.5, 0.5, 1}, {1 - overlap, 0.5, 0.5, 1}};
+            if (beyond) CHECK_FAILS(try_two(def, sunk, &r), RP_BAD_INPUT, "disk 2 at (3, ");
+            if (beyond) CHECK_FAILS(try_two(def, near, &r), RP_BAD_INPUT, "disks 1 and 2 overlap");
+            if (!beyond) CHECK_OK(try_two(def, sunk, &r));
+            if (!beyond) CHECK_OK(try_two(def, near, &r));
+            const statics_disk above[2] = {{0, 0.5, 0.5, 1},
+                                           {3, 0.5 + 1e-9 * (beyond ? 1.001 : 0.999), 0.5, 1}};
+            CHECK_OK(try_two(def, above, &r));
+            CU_ASSERT_EQUAL(r.wells, beyond ? 1 : 2);
+            const double s = sin((beyond ? 15.01 : 14.95) * DEG), large = 0.5 * (1 + s) / (1 - s);
+            const statics_disk slope[2] = {{0, 0.5, 0.5, 1},
+                                           {0.999 * (0.5 + large) * sqrt(1 - s * s), large, large, 1}};
+            if (linear) continue;
+            CHECK_OK(try_two(def, slope, &r));
+            CU_ASSERT(r.contacts == 1 && r.horizontal == (beyond ? 0 : 1));
+        }
+}
+
 static void test_stiffness_update(void)
 {
     static const rp_pair bonds[] = {{0, 1}, {0, 2}, {1, 2}, {1, 3}, {2, 3}};
@@ -1145,8 +1235,15 @@ static void test_half_pile(void)
     check_half_pile(1.7);
 }
 
-/* Newton steps and factorisations of piles of all kinds, counted once. A start, a softening, an update or a
- * well that is not as it should be leads to the same state, by more work. */
+static void count_step(size_t n, const statics_result *so_far, void *context)
+{
+    (void)n, (void)so_far;
+    ++*(size_t *)context;
+}
+
+/* Newton steps, also with those of smaller piles, and factorisations of piles of all kinds, counted once. A
+ * start, a softening, an update or a well that is not as it should be leads to the same state, by more work.
+ */
 static void test_work(void)
 {
     static const struct {
@@ -1155,32 +1252,32 @@ static void test_work(void)
         bool set_again, minimum;
         unsigned long leave;
         long load_steps;
-        size_t steps, factored, horizontal;
+        size_t steps, factored, horizontal, watched;
     } cases[] = {
-        {45, 60, 0, 1e-4, 0, 0, 0, false, false, 0, 1, 6, 4, 0},
-        {45, 60, 0, 1e-3, 0, 0, 0, false, false, 0, 1, 7, 6, 0},
-        {45, 60, 0, 1e-4, 0, 0, 0, false, true, 0, 1, 69, 37, 229},
-        {45, 60, 0, 1e-4, 0, 0, 0, false, true, 3, 1, 49, 21, 229},
-        {45, 30, 0, 1e-4, 0, 0, 0, false, false, 0, 1, 11, 4, 239},
-        {45, 50, 0, 1e-3, 0, 0, 0, false, false, 0, 1, 99, 77, 470},
-        {20, 55, 0, 2e-3, 0, 0, 0, false, false, 0, 1, 29, 16, 46},
-        {20, 55, 0, 2e-3, 0, 0, 0, false, false, 0, 3, 91, 78, 47},
-        {31, 27, 0.02, 1e-3, 0, 0, 0, false, false, 0, 1, 5, 3, 0},
-        {90, 30, 0, 0, 0, 0, 0, false, false, 0, 1, 6, 1, 984},
-        {90, 45, 0, 1e-4, 0, 0, 0, false, false, 0, 1, 17, 5, 1262},
-        {90, 30, 0, 1e-4, 0, 0, 0, false, true, 0, 1, 9, 3, 984},
-        {20, 40, 0, 5e-3, 0, 0, 0.3, false, false, 0, 2, 18, 5, 49},
-        {30, 30, 0, 1e-4, 0.5, 4, 0, false, false, 0, 1, 51, 4, 91},
-        {30, 30, 0, 1e-4, 0.5, 4, 0.5, false, false, 0, 1, 51, 4, 86},
-        {30, 30, 0, 1e-4, 0.5, 1, 0, true, false, 0, 1, 41, 4, 93},
-        {45, 30, 0, 1e-4, 0.3, 3, 0, true, false, 0, 1, 54, 5, 213},
-        {12, 45, 0, 1e-3, 0.6, 1, 0, false, false, 0, 1, 39, 4, 12},
-        {20, 35, 0, 1e-3, 0.2, 2, 0, false, false, 0, 2, 83, 16, 8}, /* comes apart */
-        {90, 30, 0, 0, 0.5, 8, 0, false, false, 0, 1, 43, 3, 910},
-        {180, 30, 0, 0, 0.5, 16, 0, false, false, 0, 1, 33, 1, 3790},
-        {180, 30, 0, 1e-6, 0.5, 16, 0, false, false, 0, 1, 41, 3, 3790},
-        {180, 25, 0, 1e-5, 0.5, 5, 0.5, true, true, 0, 1, 42, 4, 3197},
-        {180, 30, 0, 1e-4, 0, 0, 0, false, false, 0, 1, 33, 11, 4309},
+        {45, 60, 0, 1e-4, 0, 0, 0, false, false, 0, 1, 6, 4, 0, 7},
+        {45, 60, 0, 1e-3, 0, 0, 0, false, false, 0, 1, 7, 6, 0, 8},
+        {45, 60, 0, 1e-4, 0, 0, 0, false, true, 0, 1, 69, 37, 229, 70},
+        {45, 60, 0, 1e-4, 0, 0, 0, false, true, 3, 1, 49, 21, 229, 50},
+        {45, 30, 0, 1e-4, 0, 0, 0, false, false, 0, 1, 11, 4, 239, 11},
+        {45, 50, 0, 1e-3, 0, 0, 0, false, false, 0, 1, 99, 77, 470, 99},
+        {20, 55, 0, 2e-3, 0, 0, 0, false, false, 0, 1, 29, 16, 46, 29},
+        {20, 55, 0, 2e-3, 0, 0, 0, false, false, 0, 3, 91, 78, 47, 91},
+        {31, 27, 0.02, 1e-3, 0, 0, 0, false, false, 0, 1, 5, 3, 0, 5},
+        {90, 30, 0, 0, 0, 0, 0, false, false, 0, 1, 6, 1, 984, 15},
+        {90, 45, 0, 1e-4, 0, 0, 0, false, false, 0, 1, 17, 5, 1262, 28},
+        {90, 30, 0, 1e-4, 0, 0, 0, false, true, 0, 1, 9, 3, 984, 18},
+        {20, 40, 0, 5e-3, 0, 0, 0.3, false, false, 0, 2, 18, 5, 49, 32},
+        {30, 30, 0, 1e-4, 0.5, 4, 0, false, false, 0, 1, 51, 4, 91, 51},
+        {30, 30, 0, 1e-4, 0.5, 4, 0.5, false, false, 0, 1, 51, 4, 86, 105},
+        {30, 30, 0, 1e-4, 0.5, 1, 0, true, false, 0, 1, 41, 4, 93, 41},
+        {45, 30, 0, 1e-4, 0.3, 3, 0, true, false, 0, 1, 54, 5, 213, 54},
+        {12, 45, 0, 1e-3, 0.6, 1, 0, false, false, 0, 1, 39, 4, 12, 39},
+        {20, 35, 0, 1e-3, 0.2, 2, 0, false, false, 0, 2, 83, 16, 8, 83}, /* comes apart */
+        {90, 30, 0, 0, 0.5, 8, 0, false, false, 0, 1, 43, 3, 910, 79},
+        {180, 30, 0, 0, 0.5, 16, 0, false, false, 0, 1, 33, 1, 3790, 105},
+        {180, 30, 0, 1e-6, 0.5, 16, 0, false, false, 0, 1, 41, 3, 3790, 113},
+        {180, 25, 0, 1e-5, 0.5, 5, 0.5, true, true, 0, 1, 42, 4, 3197, 216},
+        {180, 30, 0, 1e-4, 0, 0, 0, false, false, 0, 1, 33, 11, 4309, 50},
     };
     for (size_t c = 0; c < sizeof cases / sizeof *cases; c++) {
         statics_definition def =
@@ -1189,14 +1286,17 @@ static void test_work(void)
         def.branch = cases[c].minimum ? STATICS_BRANCH_MINIMUM : STATICS_BRANCH_PRIMARY;
         def.leave = cases[c].leave, def.load_steps = cases[c].load_steps;
         test_pile h = make_disks(cases[c].k, cases[c].alpha, cases[c].gap);
+        size_t watched = 0;
+        def.watch = count_step, def.context = &watched;
         const rp_status status = solve(&h, def);
         const statics_result *r = &h.result;
         CU_ASSERT((status == RP_OK) == (r->broken == 0));
         const bool same = r->steps == cases[c].steps && r->factored == cases[c].factored &&
-                          r->horizontal == cases[c].horizontal;
+                          r->horizontal == cases[c].horizontal && watched == cases[c].watched;
         if (!same)
-            fprintf(stderr, "case %zu: %zu steps, %zu factorisations, %zu horizontal contacts\n", c, r->steps,
-                    r->factored, r->horizontal);
+            fprintf(stderr,
+                    "case %zu: %zu steps, %zu factorisations, %zu horizontal contacts, %zu with others\n", c,
+                    r->steps, r->factored, r->horizontal, watched);
         CU_ASSERT(same);
         free_pile(&h);
     }
@@ -1460,6 +1560,8 @@ void suite_equilibrium(void)
                                        {"errors", test_errors},
                                        {"stiffness updated", test_stiffness_update},
                                        {"work", test_work},
+                                       {"ranges", test_ranges},
+                                       {"ranges: places", test_ranges_of_places},
                                        {"stiffness near the factorised one", test_stiffness_near},
                                        {"the pile of half the size", test_half_pile},
                                        {"the program", test_program},

@@ -396,6 +396,35 @@ static void sweeps_match_direct(void)
     dem_free(direct);
 }
 
+/* Factorisations and sweeps of the same settling pile and of a gas, counted once: a tolerance that asks for
+ * more, or a step that goes astray, leads to the same state by more of them. */
+static void work_of_both(void)
+{
+    static const struct {
+        bool gas;
+        double relaxation, tolerance; /* relaxation 0: direct */
+        double iterations;
+    } cases[] = {{false, 0.0, 1e-13, 474},  {false, 0.0, 1e-9, 350}, {false, 0.5, 1e-13, 6571},
+                 {false, 0.9, 1e-12, 2140}, {false, 0.9, 1e-6, 828}, {true, 0.0, 1e-13, 830},
+                 {true, 0.7, 1e-12, 9301},  {true, 0.7, 1e-6, 4019}};
+    for (size_t c = 0; c < sizeof cases / sizeof *cases; c++) {
+        enum { N = 12 };
+        dem_grain grains[N];
+        dem_definition def = cases[c].gas ? gas(grains, 2.0) : settling_pile(grains, N);
+        def.implicit.tolerance = cases[c].tolerance;
+        if (cases[c].relaxation > 0.0)
+            def.implicit.solver = DEM_SOLVER_SOR, def.implicit.relaxation = cases[c].relaxation;
+        dem_sim *sim = grains_start(&def);
+        dem_counts counts;
+        CHECK_OK(dem_run(sim, 200));
+        dem_count_work(sim, &counts);
+        if (counts.iterations != cases[c].iterations)
+            fprintf(stderr, "case %zu: %g iterations\n", c, counts.iterations);
+        CU_ASSERT(counts.iterations == cases[c].iterations);
+        dem_free(sim);
+    }
+}
+
 /* A lasting linear contact is a linear equation, also on a slope: one factorisation per step. */
 static void newton_is_exact_on_a_slope(void)
 {
@@ -562,6 +591,7 @@ void suite_midpoint(void)
         {"slip during contact", slip_while_it_touches},
         {"(24) as printed does not conserve energy", printed_form_loses_energy},
         {"SOR matches the direct solver", sweeps_match_direct},
+        {"work of both solvers", work_of_both},
         {"a linear contact on a slope", newton_is_exact_on_a_slope},
         {"meaning of the tolerance", what_the_tolerance_asks},
         {"unsolvable steps", what_is_not_solved},

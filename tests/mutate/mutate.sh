@@ -14,6 +14,8 @@ export LC_ALL=C
 unset MAKEFLAGS # of the make that runs this: the copies build their own
 limit_cpu=30    # seconds, three times what the suites of a file may take
 limit_wall=600  # on a machine that does other things too
+at_once=1       # tests of a suite
+times=/dev/null # of the suites
 # what swaps arguments of other types does not compile
 flags='-O1 -Werror=format -Werror=int-conversion -Werror=incompatible-pointer-types -Werror=discarded-qualifiers'
 tab='	'
@@ -81,6 +83,9 @@ suites_of() {
     esac
 }
 
+# Those suites, the quickest first; the times are in the folder $2.
+quickest() { for suite in $(suites_of "$1"); do grep -w "$suite" "$2/times"; done | sort -n | cut -d ' ' -f 2; }
+
 # Build and test the tree $1, beside that of the program as it is; prints the outcome and the test that saw it,
 # "broken" if the tree does not compile.
 try() {
@@ -90,11 +95,14 @@ try() {
         ulimit -c 0
         ulimit -t $limit_cpu
         shift
-        if REPOSE=build/repose timeout $limit_wall build/check --stop "$@" >check.log 2>&1; then
-            echo "survived$tab-"
-        else
+        for suite in "$@"; do
+            from=$(date +%s%N)
+            REPOSE=build/repose timeout $limit_wall build/check --stop -j $at_once "$suite" >check.log 2>&1 &&
+                echo "$(($(date +%s%N) - from)) $suite" >>"$times" && continue
             echo "killed$tab$(sed -n -e 's/, [0-9.]* s$//' -e 's/^  FAILED  //p' check.log | grep -m 1 . || echo time)"
-        fi
+            exit
+        done
+        echo "survived$tab-"
     )
 }
 
@@ -108,7 +116,7 @@ if [ "${3-}" = one ]; then
     cp -a "$work/tree" "$tree"
     { head -n $((line - 1)) "$file" && cut -f 5 "$result.mutant" && tail -n +$((line + 1)) "$file"; } >"$tree/$file"
     begin=$(date +%s)
-    outcome=$(try "$tree" $(suites_of "$file"))
+    outcome=$(try "$tree" $(quickest "$file" "$work"))
     echo "$outcome$tab$(($(date +%s) - begin))" >"$result.new"
     mv "$result.new" "$result"
     rm -rf "$tree" "$result.mutant"
@@ -129,8 +137,8 @@ if [ "$sum" != "$(cat "$work/sum" 2>/dev/null)" ]; then
     mkdir -p "$work/tree"
     find . -mindepth 1 -maxdepth 1 ! -name .git ! -path "./${build%%/*}" -exec cp -a {} "$work/tree" \;
     make -s -C "$work/tree" -j "$jobs" build/check build/repose WERROR="$flags" >/dev/null 2>&1
-    outcome=$(limit_wall=6000
-        try "$work/tree" -j "$jobs" $(for file in $files; do suites_of "$file"; done | tr ' ' '\n' | sort -u))
+    outcome=$(limit_wall=6000 at_once=$jobs times=$PWD/$work/times
+        try "$work/tree" $(for file in $files; do suites_of "$file"; done | tr ' ' '\n' | sort -u))
     [ "$outcome" = "survived$tab-" ] || { echo "mutate: without a mutant: $outcome" >&2; exit 2; }
     echo "$sum" >"$work/sum"
 fi
