@@ -555,7 +555,7 @@ static void check_tent(const rp_table *t, size_t row, double outer, double inner
     CHECK_OK(an_profile_set(&tent, v, 5));
     CHECK_OK(an_profile_largest(&tent, &x, &most));
     CHECK_OK(an_profile_force(&tent, 0.5, &middle));
-    CHECK_NEAR(cell(t, row, "x_most/B"), x, FORM_TOLERANCE);
+    CHECK_NEAR(fabs(cell(t, row, "x_most/B") - 0.5), fabs(x - 0.5), FORM_TOLERANCE); /* two peaks are alike */
     CHECK_NEAR(cell(t, row, "N_most/(chi*g*B)"), most, FORM_TOLERANCE);
     CHECK_NEAR(cell(t, row, "N_middle/(chi*g*B)"), middle.N, FORM_TOLERANCE);
     CHECK_NEAR(cell(t, row, "dip"), 1.0 - middle.N / most, FORM_TOLERANCE);
