@@ -629,6 +629,8 @@ static void test_line_fit(void)
     CHECK_FAILS(stats_line_fit(2, x, y, (double[]){1.0, 0.0}, false, &line), RP_BAD_INPUT,
                 "standard error = 0");
     CHECK_FAILS(stats_line_fit(2, x, y, (double[]){NAN, 1.0}, false, &line), RP_BAD_INPUT, "point 1");
+    CHECK_FAILS(stats_line_fit(2, x, y, (double[]){INFINITY, 1.0}, false, &line), RP_BAD_INPUT, "point 1");
+    CHECK_FAILS(stats_line_fit(2, x, y, (double[]){1.0, INFINITY}, false, &line), RP_BAD_INPUT, "point 2");
 }
 
 /* Cells of points: the widest step along x where it exceeds the median distance of neighbours, else that. */
@@ -695,6 +697,33 @@ static void test_blocking(void)
         CHECK_NEAR(tau / (0.5 * (1.0 + phi) / (1.0 - phi)), 1.0, fine + 0.1);
     }
     gsl_rng_free(rng);
+}
+
+/* The first blocks whose length to the third is above twice the values times the squared ratio of variances;
+ * what is no whole block is left out at the end. */
+static void test_blocking_by_hand(void)
+{
+    enum { N = 205 };
+    double v[N], work[N], mean[N];
+    gsl_rng *rng = rp_random_alloc(13, 0, RP_PURPOSE_TEST);
+    stats_series b;
+    autoregressive(rng, 0.5, N, v);
+    gsl_rng_free(rng);
+    CHECK_OK(stats_blocking(N, v, work, &b));
+    CHECK_NEAR(b.mean, gsl_stats_mean(v, 1, N), tight);
+    CHECK_NEAR(b.sd, gsl_stats_sd(v, 1, N), tight);
+    for (size_t length = 1, found = 0; !found; length *= 2) {
+        const size_t blocks = N / length;
+        for (size_t i = 0; i < blocks; i++) mean[i] = gsl_stats_mean(v + i * length, 1, length);
+        const double se = gsl_stats_sd(mean, 1, blocks) / sqrt((double)blocks),
+                     ratio = pow(se * sqrt(N) / b.sd, 2.0);
+        found = pow((double)length, 3.0) > 2.0 * N * ratio * ratio;
+        if (!found) continue;
+        CU_ASSERT(b.n == N && b.block == length && length > 4 && N % length != 0);
+        CHECK_NEAR(b.se, se, tight);
+        CHECK_NEAR(b.se_error, se / sqrt(2.0 * ((double)blocks - 1.0)), tight);
+        CHECK_NEAR(b.tau, 0.5 * ratio, 1e2 * tight);
+    }
 }
 
 static void test_blocking_small(void)
@@ -884,6 +913,11 @@ static void compare_resamples(void)
         most_lost = B - n > most_lost ? B - n : most_lost;
     }
     CU_ASSERT(c.n_lost == most_lost && most_lost > 2 && most_lost < B / 2);
+    /* no angle at the mean: no error either, though some resamples have it */
+    CHECK_OK(ang_compare(N, theta_r, theta_t, 0.1, phi, B, rng, &c));
+    for (int f = 0; f < ANG_N_FORMS; f++)
+        CU_ASSERT(isnan(c.form[f].theta_t.value) && isnan(c.form[f].theta_t.se) && isnan(c.form[f].gain.se));
+    CU_ASSERT(c.n_lost > 0 && c.n_lost < B && c.n_unstable == 4);
     gsl_rng_free(rng);
     gsl_rng_free(same);
 }
@@ -1200,6 +1234,7 @@ void suite_angle(void)
         {"cell of points", test_cell_of_points},
         {"line fit", test_line_fit},
         {"blocking of correlated series", test_blocking},
+        {"blocking: by hand", test_blocking_by_hand},
         {"blocking: short and constant series", test_blocking_small},
         {"end of the transient of a series", test_level_off},
         {"expected maximum", test_expected_maximum},

@@ -508,6 +508,11 @@ static void test_unidentified(void)
     for (int g = 0; g < 6; g++) add_four(0.1 * g, 0.0, 10.0 + 20.0 * 0.1 * g, 1.0);
     CU_ASSERT(invert_status(measured(14.0, 0.5, 14.0, 0.5)) == STATS_CALIBRATED_OK);
     CU_ASSERT(invert_status(measured(14.0, 0.5, 18.0, 0.5)) == STATS_CALIBRATED_NO_MATCH);
+    /* both above all: the best is the end of the range, which of two angles says nothing */
+    CHECK_OK(stats_calibration_fit(&piles, &c));
+    CHECK_OK(stats_calibration_invert(&c, &(stats_measured){{40.0, 30.0}, {0.5, 0.5}}, r));
+    CU_ASSERT(r[0].status == STATS_CALIBRATED_NO_MATCH && r[0].n_solutions == 0);
+    stats_calibration_free(&c);
     /* chi2 of one degree of freedom is above 6.63 with a chance of 1 %; an error of 10 is all there is, so
      * that for angles 15 +- d it is d^2/50 */
     CU_ASSERT(invert_status(measured(15.0 + 18.0, 10.0, 15.0 - 18.0, 10.0)) != STATS_CALIBRATED_NO_MATCH);
@@ -667,6 +672,9 @@ static void test_planted(void)
         CHECK_OK(stats_calibration_holdout(&piles, N / 6, rng, cases + set * (N / 6)));
     }
     for (int k = 0; k < N; k++) covered += cases[k].covered[0];
+    bool differ = false; /* any point may be held out */
+    for (int k = 1; k < N / 6; k++) differ = differ || cases[k].truth[0] != cases[0].truth[0];
+    CU_ASSERT(differ);
     CU_ASSERT(covered >= N - 10); /* 3 expected, and 4 standard errors of 1.7 */
     gsl_rng_free(rng);
 }
@@ -737,6 +745,41 @@ static void test_terms_of_points(void)
         for (int g = 0; g < n; g++) add_four(0.1 * g, 0.0, 10.0 + 8.0 * g + 1.5 * g * g, 0.01);
         CHECK_OK(stats_calibration_fit(&piles, &c));
         CU_ASSERT(c.response[0].n_points == (size_t)n && c.response[0].n_terms == (size_t)n - 2);
+        stats_calibration_free(&c);
+    }
+}
+
+/* A parameter that is 1000 larger has limits that are 1000 larger, as exactly as the search finds them. */
+static void test_offset(void)
+{
+    stats_calibrated r[2][STATS_MAX_PARAMS];
+    for (int k = 0; k < 2; k++) {
+        stats_calibration c;
+        start(1, 1);
+        for (int g = 0; g < 6; g++) add_four(1000.0 * k + 0.1 * g, 0.0, 10.0 + 2.0 * g, 1.0);
+        CHECK_OK(stats_calibration_fit(&piles, &c));
+        CHECK_OK(stats_calibration_invert(&c, &(stats_measured){{15.0}, {0.5}}, r[k]));
+        stats_calibration_free(&c);
+    }
+    CHECK_NEAR(r[1][0].solutions[0].lower - r[0][0].solutions[0].lower, 1000.0, 2e-9);
+    CHECK_NEAR(r[1][0].solutions[0].upper - r[0][0].solutions[0].upper, 1000.0, 2e-9);
+    CHECK_NEAR(r[1][0].value - r[0][0].value, 1000.0, search_error);
+    CHECK_NEAR(r[1][0].se, r[0][0].se, search_error);
+}
+
+/* A parabola turns below the range, above it, or just within: the first two rise or fall throughout. */
+static void test_turns(void)
+{
+    static const double turn[] = {0.28, 0.92, 0.34, 0.86};
+    for (int k = 0; k < 4; k++) {
+        stats_calibration c;
+        start(1, 1);
+        for (int g = 0; g < 7; g++) {
+            const double x = 0.3 + 0.1 * g;
+            add_four(x, 0.0, 10.0 + 100.0 * pow(x - turn[k], 2.0), 0.01);
+        }
+        CHECK_OK(stats_calibration_fit(&piles, &c));
+        CU_ASSERT(c.response[0].degree[0] == 2 && c.response[0].monotone == (k < 2));
         stats_calibration_free(&c);
     }
 }
@@ -869,6 +912,8 @@ void suite_calibrate(void)
                                        {"held-out piles that lack an angle", test_holdout},
                                        {"fully correlated angles", test_full_correlation},
                                        {"terms that a number of points allows", test_terms_of_points},
+                                       {"where a response turns", test_turns},
+                                       {"a parameter far from 0", test_offset},
                                        {"errors", test_errors},
                                        {0}};
     check_register("calibration", cases);

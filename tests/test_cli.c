@@ -689,6 +689,14 @@ static void test_outline(void)
     write_text("outline.csv", "0.5 9 0.3\n1.5 8 0.5\n2.5 7 0.7\n3.5 6 0.5\n4.5 5 0.5\n");
     GOOD("angle slope outline.csv --width 5");
     CU_ASSERT(strstr(out, "\n# cell: 1 mean diameter of the grains\n") != NULL);
+    /* one name makes names of all */
+    static const char *const headers[][2] = {{"x h b", "\"y\""}, {"a y b", "\"x\""}, {"a b r", "\"x\""}};
+    for (size_t k = 0; k < 3; k++) {
+        char expected[64];
+        write_text("outline.csv", "%s\n0.5 9 0.3\n1.5 8 0.5\n", headers[k][0]);
+        snprintf(expected, sizeof expected, "no column %s", headers[k][1]);
+        FAILS(65, expected, "angle slope outline.csv --width 5");
+    }
     write_text("outline.csv", "0.5 9 0.3\n1.5 8 0\n2.5 7 0.7\n");
     FAILS(65, "outline.csv:2: r = 0: out of range", "angle slope outline.csv --width 5");
 }
@@ -794,6 +802,15 @@ static void test_stress_tables(void)
     CHECK_NEAR(cell(&t, 0, "syy"), (2.0 * 490.5 * 0.2 + (1471.5 + 2452.5 + 3.0 * 490.5) * 0.1) / 1.44, 1e-8);
     CHECK_NEAR(cell(&t, 0, "sxy"), -490.5 * 0.1 / 1.44, 1e-8);
     rp_table_free(&t);
+    /* a grain that flew off is named with its pile; 100000 cells away it still has one */
+    shell(
+        "cp p_contacts.tsv far_contacts.tsv; sed 's/^0.7/2e4/' p_grains.tsv >far_grains.tsv; "
+        "cp p_contacts.tsv high_contacts.tsv; sed 's/^0.7\t0.1/0.7\t-2.1e4/' p_grains.tsv >high_grains.tsv");
+    FAILS(65, "far: grain 4 at (20000, 0.1): more than 100000 cells of 0.199 away",
+          "stress field far p --width 1.2 --cell 0.199");
+    FAILS(65, "high: grain 4 at (0.7, -21000): more than 100000 cells of 0.2 away",
+          "stress base p high --width 1.2 --cell 0.2");
+    FAILS(65, "width = 1.2: more than 100000 cells of 1e-05", "stress field p --width 1.2 --cell 1e-5");
     FAILS(65, "q_contacts.tsv: cannot read", "stress field q --width 4");
     write_text("r_contacts.tsv", "# x\ty\n1\t2\n");
     FAILS(65, "no column \"id_b\"", "stress field r --width 4");
@@ -1010,6 +1027,9 @@ static void test_stats_settings(void)
     write_text("plain.tsv", "1\t2\n3\t4\n"); /* columns without names have numbers */
     GOOD("stats select plain.tsv --columns 2");
     CU_ASSERT_PTR_NOT_NULL(strstr(out, "\n2\n2\n4\n"));
+    write_text("plain.tsv", "1\t2\t5\n3\t4\t6\n");
+    GOOD("stats select plain.tsv --columns 3,1");
+    CU_ASSERT_PTR_NOT_NULL(strstr(out, "\n3\t1\n5\t1\n6\t3\n"));
     FAILS(65, "no column \"frob\"", "stats select a.tsv --where frob=1");
     FAILS(65, "no column \"B\" (did you mean \"b\"?); found: ", "stats select a.tsv --where B=1");
     FAILS(65, "NAME=VALUE expected", "stats select a.tsv --where frob");
@@ -1022,6 +1042,8 @@ static void test_stats_settings(void)
     CHECK_NEAR(cell(&t, 0, "stable_x"), 1.0, 0.0);
     CHECK_NEAR(cell(&t, 0, "mixed"), 1.0, 0.0);
     CU_ASSERT(isnan(cell(&t, 1, "unstable_x")) && cell(&t, 1, "stable_x") == -3.0 && cell(&t, 1, "b") == 7.0);
+    CU_ASSERT(cell(&t, 0, "n") == 2.0 && cell(&t, 1, "n") == 2.0 && cell(&t, 1, "mixed") == 0.0);
+    CHECK_NEAR(cell(&t, 0, "b"), 1e-3, 0.0);
     rp_table_free(&t);
     write_text("c.tsv",
                "# W\tdt\treplica\ty\tseconds\tsteps\tstatus\n1\t2\t0\t11\t4\t10\tok\n1\t2\t1\t15\t6\t30\tok\n"
@@ -1433,6 +1455,32 @@ static void write_piles(const char *name, int n, double first, double step, doub
         }
     fputs("no_pile\t0.35\tnan\tnan\n", file);
     fclose(file);
+}
+
+/* What would reach further: more of the range, unless the response changes there by less than a fiftieth of
+ * its reach over the last tenth. Of t - bend t^2 on [0, 1] that is 0.0208 or 0.0192 of it. */
+static void test_flat_ends(void)
+{
+    static const double bends[] = {0.468, 0.473};
+    enter();
+    for (int k = 0; k < 4; k++) {
+        const bool falls = k / 2;
+        char rows[4096], expected[128];
+        size_t used = 0;
+        for (int i = 0; i < 44; i++) { /* as a fall its largest values are at the lower end */
+            const double t = 0.1 * (i / 4), f = t - bends[k % 2] * t * t, at = falls ? 1.0 - t : t;
+            used += (size_t)snprintf(rows + used, sizeof rows - used, "ok\t%g\t%.17g\n", 0.2 + 0.5 * at,
+                                     10.0 + 40.0 * f + (i % 2 ? 0.001 : -0.001));
+        }
+        write_text("flat.tsv", "# status\tmu\ttheta_r3_deg\n%s", rows);
+        snprintf(expected, sizeof expected,
+                 k % 2   ? "the angle hardly changes near mu = %s"
+                 : falls ? "piles with mu below %s (--sweep) extend it"
+                         : "piles with mu above %s (--sweep) extend it",
+                 falls ? "0.2" : "0.7");
+        FAILS(1, expected, "calibrate --runs flat.tsv --theta-r-deg 60 --error-deg 0.5 --bootstrap 2");
+    }
+    leave();
 }
 
 static void test_calibrate(void)
@@ -2147,6 +2195,7 @@ void suite_cli(void)
                                        {"stats trend, size, fit --successive", test_stats_trends},
                                        {"stats select, threshold, cost, --where", test_stats_settings},
                                        {"calibrate", test_calibrate},
+                                       {"calibrate: what would reach further", test_flat_ends},
                                        {"calibrate: sweep to answer", test_calibrate_sweep},
                                        {"run: free fall", test_free_fall},
                                        {"run: tables in a folder", test_output_folder},

@@ -580,7 +580,8 @@ static void test_dip(void)
     shell("cut -f 1-3,5,7,9,11,13,15,17,19,21,23,25,27,29,31,33,35,37,39,41 piles.tsv >plain.tsv");
     GOOD("stress dip plain.tsv --profile");
     rp_table t = read_table("out");
-    CU_ASSERT(isnan(cell(&t, 0, "rays")) && isfinite(cell(&t, 0, "N_lo")));
+    for (size_t row = 0; row < STRESS_DIP_BINS / 2; row++)
+        CU_ASSERT(isnan(cell(&t, row, "rays")) && isfinite(cell(&t, row, "N_lo")));
     rp_table_free(&t);
     leave();
 }
@@ -894,6 +895,83 @@ static void test_verify(void)
         row = check_cases(&c, row, mask, HELD, cases);
     }
     checked_end(&c);
+    leave();
+}
+
+/* --response: each angle, the error of its fit and the scatter of one pile, by the library, on a grid whose
+ * ends are those of the range; 21 values of one parameter, 11 times 11 of two. */
+static void check_response_rows(size_t n_params, const stats_ensemble *piles)
+{
+    static const char *const columns[2][3] = {{"theta_r_deg", "theta_r_fit_se_deg", "theta_r_sd_deg"},
+                                              {"theta_t_deg", "theta_t_fit_se_deg", "theta_t_sd_deg"}};
+    const int side = n_params == 1 ? 21 : 11, rows = n_params == 1 ? 1 : 11;
+    stats_calibration fit;
+    CHECK_OK(stats_calibration_fit(piles, &fit));
+    checked c = CHECKED_RUN((size_t)(side * rows), "calibrate --runs grid.tsv --response --fit %s",
+                            n_params == 1 ? "mu" : "mu,mu_roll");
+    for (int i = 0; i < side * rows; i++) { /* the last parameter first */
+        const double part[2] = {(n_params == 1 ? i : i / side) / (side - 1.0), i % side / (side - 1.0)};
+        double x[2], variance;
+        for (size_t p = 0; p < n_params; p++) {
+            x[p] = fit.lo[p] + part[p] * (fit.hi[p] - fit.lo[p]);
+            CHECK_NEAR(at(&c, (size_t)i, p ? "mu_roll" : "mu"), x[p], 1e-14);
+        }
+        for (size_t a = 0; a < 2; a++) {
+            CHECK_NEAR(at(&c, (size_t)i, columns[a][0]), stats_response_value(&fit.response[a], x, &variance),
+                       1e-10);
+            CHECK_NEAR(at(&c, (size_t)i, columns[a][1]), sqrt(variance), 1e-10);
+            CHECK_NEAR(at(&c, (size_t)i, columns[a][2]), stats_calibration_sd(&fit, a, x), 1e-10);
+        }
+    }
+    checked_end(&c);
+    stats_calibration_free(&fit);
+}
+
+static void test_response(void)
+{
+    enum { POINTS = 12, EACH = 3, N = POINTS * EACH };
+    double x[2][N], angle[2][N];
+    char path[256];
+    enter();
+    for (size_t n_params = 1; n_params <= 2; n_params++) {
+        path_of("grid.tsv", path);
+        FILE *file = fopen(path, "w");
+        CU_ASSERT_PTR_NOT_NULL_FATAL(file);
+        fprintf(file, "# mu\ttheta_r3_deg\ttheta_t_displacement_deg%s\n", n_params == 2 ? "\tmu_roll" : "");
+        for (int i = 0; i < N; i++) {
+            const int g = i / EACH;
+            x[0][i] = n_params == 1 ? 0.1 + 0.05 * g : 0.1 + 0.2 * (g / 3), x[1][i] = 0.02 + 0.1 * (g % 3);
+            const double y = n_params == 1 ? 0.0 : x[1][i];
+            angle[0][i] = 8.0 + 30.0 * x[0][i] + 11.0 * y + 0.2 * ((i * 7) % 5) * (1.0 + x[0][i]);
+            angle[1][i] = 2.0 + 9.0 * x[0][i] - 7.0 * y + 0.1 * ((i * 5) % 7);
+            fprintf(file, "%.17g\t%.17g\t%.17g", x[0][i], angle[0][i], angle[1][i]);
+            if (n_params == 2) fprintf(file, "\t%.17g", x[1][i]);
+            fputc('\n', file);
+        }
+        fclose(file);
+        const stats_ensemble piles = {N, n_params, 2, {x[0], x[1]}, {angle[0], angle[1]}};
+        check_response_rows(n_params, &piles);
+    }
+    leave();
+}
+
+/* Of 20 planted points 18 with the truth in their intervals are enough, 17 are not. */
+static void test_verify_share(void)
+{
+    double x[CAL_PILES], angle[2][CAL_PILES];
+    enter();
+    write_lines(x, angle);
+    for (int off = 2; off < 4; off++) {
+        char text[4096] = "# mu\ttheta_r3_deg\n";
+        for (int i = 0; i < 20; i++)
+            snprintf(text + strlen(text), sizeof text - strlen(text), "%g\t%.17g\n", 0.1 + 0.03 * i,
+                     line_a[0] + line_b[0] * (0.1 + 0.03 * i) + (i % 6 == 1 && i / 6 < off ? 8.0 : 0.1));
+        write_text("planted.tsv", "%s", text);
+        const int ended = run("calibrate --runs piles.tsv --verify 100 --planted planted.tsv");
+        CU_ASSERT(ended == (off == 2 ? 0 : 1) && (strstr(err, "fewer than 90 %") != NULL) == (off == 3));
+        CU_ASSERT_PTR_NOT_NULL(
+            strstr(out, off == 2 ? "# covered_theta_r_mu: 18 of 20\n" : "# covered_theta_r_mu: 17 of 20\n"));
+    }
     leave();
 }
 
@@ -1641,6 +1719,8 @@ void suite_columns(void)
                                        {"calibrate: value and interval", test_calibrate},
                                        {"calibrate: several rows", test_calibrate_rows},
                                        {"calibrate: cases of --verify", test_verify},
+                                       {"calibrate: share of cases that cover", test_verify_share},
+                                       {"calibrate: the response", test_response},
                                        {"bench", test_bench},
                                        {"bench: boxes that it fills", test_bench_fill},
                                        {"bench: its defaults", test_bench_defaults},

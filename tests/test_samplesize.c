@@ -44,6 +44,17 @@ static void test_fixed_errors(void)
     CU_ASSERT(isinf(stats_sample_size(&above, &student, 2.9, 0.95)));
     CHECK_NEAR(stats_power(&above, &student, 2.9, 1e7), gsl_cdf_ugaussian_P(2.9 / 0.8 - 2.0), 1e-3);
     CU_ASSERT(isnan(stats_power(&above, &(stats_pilot){.se = NAN, .n = 4.0, .dof = 3.0}, 1.0, 8.0)));
+    for (int k = 0; k < 8;
+         k++) { /* a pilot or an effect that is not known, with an error that is, or is estimated */
+        const double dof = k / 4 ? INFINITY : 3.0;
+        const stats_pilot p = {.se = k % 4 == 0 ? NAN : 1.0,
+                               .n = 4.0,
+                               .dof = k % 4 == 1 ? NAN : dof,
+                               .fixed = k % 4 == 2 ? NAN : 0.5};
+        const double effect = k % 4 == 3 ? NAN : 1.0;
+        CU_ASSERT(isnan(stats_power(&above, &p, effect, 8.0)) && isnan(stats_power(&none, &p, effect, 8.0)));
+        CU_ASSERT(isnan(stats_sample_size(&none, &p, effect, 0.95)));
+    }
     CU_ASSERT(isnan(stats_sample_size(&above, &(stats_pilot){.se = 1.0, .n = NAN, .dof = 3.0}, 1.0, 0.95)));
     const stats_pilot exact = {.se = 0.0, .n = 2.0, .dof = INFINITY};
     CHECK_NEAR(stats_power(&above, &exact, 0.1, 2.0), 1.0, 0.0);

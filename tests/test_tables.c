@@ -784,6 +784,22 @@ static void test_compare(void)
         CU_ASSERT(at(&c, 0, column) > 0.0 && at(&c, 0, column) < 1.0);
     }
     checked_end(&c);
+    /* groups of one pile beside it, each with its own friction */
+    write_text(
+        "more.tsv",
+        "# mu\ttheta_r3_deg\ttheta_t_displacement_deg\tstatus\n0.3\t12\t5\tok\n0.1\t5\t2\tok\n0.2\t9\t3\tok\n"
+        "0.2\t11\t3.5\tok\n");
+    GOOD("angle compare more.tsv --bootstrap 10");
+    rp_table t_more = read_table("out");
+    CU_ASSERT_FATAL(t_more.n_rows == 3);
+    for (size_t g = 0; g < 3; g++) {
+        const double mu = 0.1 * ((double)g + 1.0);
+        CHECK_NEAR(cell(&t_more, g, "mu"), mu, 1e-15);
+        CHECK_NEAR(cell(&t_more, g, "n"), g == 1 ? 2.0 : 1.0, 0.0);
+        CHECK_NEAR(cell(&t_more, g, "theta_ms_deg"), atan(3.0 * mu) * 180.0 / M_PI, 1e-12);
+        CHECK_NEAR(cell(&t_more, g, "theta_rt_deg"), g == 0 ? 7.0 : g == 1 ? 13.25 : 17.0, 1e-12);
+    }
+    rp_table_free(&t_more);
     leave();
 }
 
@@ -889,7 +905,7 @@ static void test_phi(void)
                      t_deg);
         }
     }
-    write_text("runs.tsv", "%s", text);
+    write_text("runs.tsv", "%s0\t5\t1\tok\n", text); /* without friction there is nothing to fit */
     checked c = CHECKED_RUN((GROUPS + 1) * ANG_N_AGAINST, "angle phi runs.tsv --bootstrap 50 --seed 31");
     gsl_rng *rng = rp_random_alloc(31, 0, RP_PURPOSE_BOOTSTRAP);
     ang_phi fits[GROUPS + 1][ANG_N_AGAINST];
@@ -1082,6 +1098,172 @@ static void test_fits(void)
     leave();
 }
 
+/* Groups of different sizes, in turns: each row is the library's fit to the rows of its own group. */
+enum { GROUPS = 3, MOST_OF_GROUP = 20 };
+static struct {
+    double x[GROUPS][MOST_OF_GROUP], y[GROUPS][MOST_OF_GROUP], pile[GROUPS][MOST_OF_GROUP];
+    size_t n[GROUPS];
+} grouped;
+
+static void write_groups(void)
+{
+    static const size_t piles[GROUPS] = {4, 5, 3};
+    char path[256];
+    path_of("groups.tsv", path);
+    FILE *file = fopen(path, "w");
+    CU_ASSERT_PTR_NOT_NULL_FATAL(file);
+    fputs("# y\tg\tx\tstatus\tpile\n", file);
+    memset(&grouped, 0, sizeof grouped);
+    for (size_t i = 0; i < 4 * 5; i++)
+        for (size_t g = 0; g < GROUPS; g++) {
+            const size_t pile = i % 5, k = grouped.n[g];
+            const double x = 2.0 + 1.5 * (double)(i / 5) * (1.0 + 0.5 * (double)g),
+                         y = 20.0 - (double)g + (3.0 + (double)g) / x + 0.2 * (double)((i * 7 + g * 3) % 11);
+            const bool left = i == 6 + g; /* a failed run, whose pile is not whole */
+            if (pile >= piles[g]) continue;
+            fprintf(file, "%.17g\t%c\t%.17g\t%s\t%zu\n", y, "abc"[g], x, left ? "no_pile" : "ok", pile);
+            if (left) continue;
+            grouped.x[g][k] = x, grouped.y[g][k] = y, grouped.pile[g][k] = (double)pile;
+            grouped.n[g]++;
+        }
+    fclose(file);
+}
+
+static void check_trends(const char *options, bool paired, bool logarithm)
+{
+    stats_trend t[GROUPS];
+    double p[GROUPS], p_holm[GROUPS];
+    for (size_t g = 0; g < GROUPS; g++) {
+        double x[MOST_OF_GROUP];
+        for (size_t i = 0; i < grouped.n[g]; i++) x[i] = logarithm ? log10(grouped.x[g][i]) : grouped.x[g][i];
+        CHECK_OK(
+            stats_trend_fit(grouped.n[g], x, grouped.y[g], paired ? grouped.pile[g] : NULL, 0.0, 0.4, &t[g]));
+        p[g] = stats_contrast_p(&t[g].change);
+    }
+    stats_holm(GROUPS, p, p_holm);
+    GOOD("stats trend groups.tsv -x x -y y --by g --margin 0.4 --level 0.1 %s", options);
+    rp_table c = read_table("out");
+    CU_ASSERT_FATAL(c.n_rows == GROUPS);
+    for (size_t g = 0; g < GROUPS; g++) {
+        CU_ASSERT(*word(&c, g, "g") == "abc"[g]);
+        CHECK_NEAR(cell(&c, g, "n"), (double)t[g].n, 0.0);
+        CHECK_NEAR(cell(&c, g, "n_left"), (double)(grouped.n[g] - t[g].n), 0.0);
+        CHECK_NEAR(cell(&c, g, "x_from"), grouped.x[g][0], 1e-12);
+        CHECK_NEAR(cell(&c, g, "x_to"), grouped.x[g][grouped.n[g] - 1], 1e-12);
+        CHECK_NEAR(cell(&c, g, "slope"), t[g].slope.value, 1e-12);
+        CHECK_NEAR(cell(&c, g, "slope_se"), t[g].slope.se, 1e-12);
+        CHECK_NEAR(cell(&c, g, "dof"), t[g].slope.dof, 1e-10);
+        CHECK_NEAR(cell(&c, g, "change"), t[g].change.value, 1e-12);
+        CHECK_NEAR(cell(&c, g, "p_value"), p[g], 1e-13);
+        CHECK_NEAR(cell(&c, g, "p_holm"), p_holm[g], 1e-13);
+        CHECK_NEAR(cell(&c, g, "p_margin"), t[g].p_margin, 1e-13);
+        CU_ASSERT_STRING_EQUAL(word(&c, g, "verdict"), stats_trend_word(&t[g], p_holm[g], 0.1));
+    }
+    rp_table_free(&c);
+}
+
+static void check_sizes(void)
+{
+    double p[GROUPS], p_holm[GROUPS];
+    stats_trend t[GROUPS];
+    for (size_t g = 0; g < GROUPS; g++) {
+        double inverse[MOST_OF_GROUP];
+        for (size_t i = 0; i < grouped.n[g]; i++) inverse[i] = 1.0 / grouped.x[g][i];
+        CHECK_OK(stats_trend_fit(grouped.n[g], inverse, grouped.y[g], NULL, -1.5, 1.0, &t[g]));
+        p[g] = stats_contrast_p(&t[g].change);
+    }
+    stats_holm(GROUPS, p, p_holm);
+    GOOD("stats size groups.tsv -x x -y y --by g --power 1.5");
+    rp_table c = read_table("out");
+    GOOD("stats size groups.tsv -x x -y y --by g --exponent free --least-exponent 0.2");
+    rp_table f = read_table("out");
+    CU_ASSERT_FATAL(c.n_rows == GROUPS && f.n_rows == GROUPS);
+    for (size_t g = 0; g < GROUPS; g++) {
+        stats_limit l;
+        CHECK_OK(stats_limit_fit(grouped.n[g], grouped.x[g], grouped.y[g], 0.2, &l));
+        CU_ASSERT(*word(&c, g, "g") == "abc"[g] && *word(&f, g, "g") == "abc"[g]);
+        CHECK_NEAR(cell(&c, g, "n"), (double)grouped.n[g], 0.0);
+        CHECK_NEAR(cell(&c, g, "limit"), t[g].intercept.value, 1e-12);
+        CHECK_NEAR(cell(&c, g, "c"), t[g].slope.value, 1e-11);
+        CHECK_NEAR(cell(&c, g, "p_holm"), p_holm[g], 1e-13);
+        CHECK_NEAR(cell(&f, g, "n"), (double)grouped.n[g], 0.0);
+        CHECK_NEAR(cell(&f, g, "limit"), l.limit, 1e-9);
+        CHECK_NEAR(cell(&f, g, "exponent"), l.exponent, 1e-9);
+        const int ends = isfinite(l.lo) + isfinite(l.hi);
+        CU_ASSERT_STRING_EQUAL(word(&f, g, "status"), ends == 2 ? "ok" : ends == 1 ? "one_end" : "no_limit");
+    }
+    rp_table_free(&c);
+    rp_table_free(&f);
+}
+
+static void test_groups(void)
+{
+    enter();
+    write_groups();
+    check_trends("", false, false);
+    check_trends("--pair", true, false);
+    check_trends("--scale log", false, true);
+    check_sizes();
+    leave();
+}
+
+/* stats maximum: the mean largest of all triples, and its spread over the resamples of the seed. stats
+ * oscillation: the library's fit to the rows of the range. */
+static void test_values(void)
+{
+    enum { N = 7, B = 30, SERIES = 24 };
+    static const double v[N] = {0.3, -1.1, 2.7, 0.9, 0.4, 1.3, -0.2};
+    double most[B + 1], sample[N], t[SERIES], y[SERIES];
+    char text[2048] = "# n\tv\n";
+    gsl_rng *rng = rp_random_alloc(9, 0, RP_PURPOSE_BOOTSTRAP);
+    for (int b = 0; b <= B; b++) {
+        most[b] = 0.0;
+        for (int i = 0; i < N; i++) sample[i] = b < B ? v[gsl_rng_uniform_int(rng, N)] : v[i];
+        for (int i = 0; i < N; i++)
+            for (int j = 0; j < i; j++)
+                for (int k = 0; k < j; k++) most[b] += fmax(sample[i], fmax(sample[j], sample[k])) / 35.0;
+    }
+    gsl_rng_free(rng);
+    enter();
+    for (int i = 0; i < N; i++)
+        snprintf(text + strlen(text), sizeof text - strlen(text), "%d\t%.17g\n%d\tnan\n", i, v[i], i);
+    write_text("values.tsv", "%s", text);
+    checked c = CHECKED_RUN(1, "stats maximum values.tsv --column v --draws 3 --bootstrap 30 --seed 9");
+    const named maximum[] = {{"n", N},
+                             {"mean", gsl_stats_mean(v, 1, N)},
+                             {"sd", gsl_stats_sd(v, 1, N)},
+                             {"draws", 3.0},
+                             {"maximum", most[B]},
+                             {"maximum_se", gsl_stats_sd(most, 1, B)}};
+    CHECK_NAMED(&c, 0, maximum);
+    checked_end(&c);
+    strcpy(text, "# x\ty\n-1\t7\n99\t7\n");
+    for (int i = 0; i < SERIES; i++) {
+        t[i] = 0.5 + 0.25 * i, y[i] = exp(-0.1 * t[i]) * (2.0 + cos(4.0 * t[i])) + 0.05 * (i * 7 % 5);
+        snprintf(text + strlen(text), sizeof text - strlen(text), "%.17g\t%.17g\n", t[i], y[i]);
+    }
+    for (int logarithm = 0; logarithm < 2; logarithm++) {
+        stats_oscillation f;
+        for (int i = 0; i < SERIES && logarithm; i++) y[i] = log(y[i]);
+        CHECK_OK(stats_oscillation_fit(SERIES, t, y, &f));
+        write_text("series.tsv", "%s", text);
+        c = CHECKED_RUN(1, "stats oscillation series.tsv -x x -y y --from 0 --to 50%s",
+                        logarithm ? " --scale log" : "");
+        const named oscillation[] = {{"decay", f.decay},
+                                     {"decay_se", f.decay_se},
+                                     {"frequency", f.frequency},
+                                     {"frequency_se", f.frequency_se},
+                                     {"amplitude", f.amplitude},
+                                     {"share", f.share},
+                                     {"n", SERIES},
+                                     {"x_from", t[0]},
+                                     {"x_to", t[SERIES - 1]}};
+        CHECK_NAMED(&c, 0, oscillation);
+        checked_end(&c);
+    }
+    leave();
+}
+
 /* Each row of --successive is the library's fit to so many points; one column predicts in one row. */
 static void test_prefixes(void)
 {
@@ -1264,6 +1446,8 @@ void suite_tables(void)
                                        {"angle compare", test_compare},
                                        {"angle phi", test_phi},
                                        {"stats trend, size, fit", test_fits},
+                                       {"stats trend, size by groups", test_groups},
+                                       {"stats maximum, oscillation", test_values},
                                        {"stats fit --successive", test_prefixes},
                                        {"tent, lattice", test_models},
                                        {"continuum", test_continuum},

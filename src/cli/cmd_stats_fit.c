@@ -96,7 +96,8 @@ static rp_status fit_table(rp_table *table, void *values)
                        "--scale log is without --se: give one of them; see repose stats fit --help");
     snprintf(names, sizeof names, weighted ? "%s,%s,%s" : "%s,%s", o->x, o->y, o->se);
     RP_TRY(cli_rows_read(table, names, &choice, &rows));
-    double *x = rows.column[0], *y = rows.column[1], range[2];
+    double *x = rows.column[0], *y = rows.column[1];
+    double range[2];
     cli_table(stdout);
     rp_table_note(stdout, "rows", "%zu used, %zu left out for nan, %zu outside the range of x", rows.n,
                   rows.n_nan, rows.n_outside);

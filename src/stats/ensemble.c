@@ -78,11 +78,11 @@ rp_status stats_expected_maximum(size_t n, const double v[], size_t draws, doubl
     gsl_sort(work, 1, n);
     /* the value of rank i is the largest of the sample with chance C(i - 1, draws - 1)/C(n, draws) */
     double chance = (double)draws / (double)n, sum = 0.0;
-    for (size_t i = n; i >= draws; i--) {
+    for (size_t i = n; i > draws; i--) {
         sum += chance * work[i - 1];
-        if (i > 1) chance *= (double)(i - draws) / (double)(i - 1);
+        chance *= (double)(i - draws) / (double)(i - 1);
     }
-    *maximum = sum;
+    *maximum = sum + chance * work[draws - 1];
     return RP_OK;
 }
 

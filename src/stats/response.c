@@ -17,6 +17,9 @@ const char *const stats_shape_words[] = {"powers", "exponential", "tanh"};
 
 /* ---- points ---- */
 
+/* Of points: parameters; means, standard deviations and numbers of angles. */
+enum { N_ARRAYS = STATS_MAX_PARAMS + 3 * STATS_MAX_ANGLES };
+
 static bool same_point(const stats_ensemble *piles, size_t i, size_t k)
 {
     for (size_t p = 0; p < piles->n_params; p++)
@@ -92,7 +95,6 @@ static rp_status check_piles(const stats_ensemble *piles)
 
 rp_status stats_points_make(const stats_ensemble *piles, stats_calibration *c)
 {
-    enum { N_ARRAYS = STATS_MAX_PARAMS + 3 * STATS_MAX_ANGLES };
     *c = (stats_calibration){.n_params = piles->n_params, .n_angles = piles->n_angles};
     RP_TRY(check_piles(piles));
     c->block = calloc((N_ARRAYS + 1) * (piles->n + 1), sizeof *c->block);

@@ -38,7 +38,6 @@ static double power_at(const stats_rule *rule, const errors *e, double effect, d
 double stats_power(const stats_rule *rule, const stats_pilot *pilot, double effect, double n)
 {
     const errors e = errors_at(pilot, n);
-    if (isnan(e.se) || isnan(e.dof) || isnan(e.fixed) || isnan(effect)) return NAN;
     if (e.dof > MANY) return power_at(rule, &e, effect, 1.0);
     double power = 0.0;
     for (int i = 0; i < QUANTILES; i++)

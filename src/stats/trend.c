@@ -71,18 +71,17 @@ static rp_status keep_whole_piles(sample *s)
     return RP_OK;
 }
 
-/* Means and their variances; unpaired points are in order of x. */
+/* Means and their variances; unpaired points are in order of x. Of paired ones a cell gives its weight alone.
+ */
 static rp_status fill_cells(sample *s)
 {
     bool single = false;
-    for (size_t j = 0, first = 0; j < s->n_x; j++) {
+    for (size_t j = 0; j < s->n_x && s->paired; j++) s->cells[j].n = (double)s->n_piles;
+    for (size_t j = 0, first = 0; j < s->n_x && !s->paired; j++) {
         stats_summary stats;
         size_t n = 0;
-        if (s->paired)
-            for (; n < s->n_piles; n++) s->work[n] = s->points[n * s->n_x + j].y;
-        else
-            for (; first + n < s->n && s->points[first + n].x == s->cells[j].x; n++)
-                s->work[n] = s->points[first + n].y;
+        for (; first + n < s->n && s->points[first + n].x == s->cells[j].x; n++)
+            s->work[n] = s->points[first + n].y;
         RP_TRY(stats_mean(n, s->work, &stats));
         s->cells[j] = (cell){s->cells[j].x, (double)n, NAN, stats.mean, stats.se * stats.se};
         single = single || n < 2;

@@ -205,7 +205,8 @@ rp_status stress_critical_tilts(size_t n, const stress_response responses[], con
     size_t *pick = malloc(n * sizeof *pick);
     double *work = malloc(4 * n * sizeof *work),
            *sample = malloc(N_QUANTITIES * n_resamples * sizeof *sample);
-    if (pick && work && sample) {
+    if (!pick || !work || !sample) status = rp_fail(RP_NO_MEMORY, "critical tilts: out of memory");
+    if (!status) {
         quantities(n, responses, theta_t, NULL, mu, work, q);
         for (size_t k = 0; k < n_resamples; k++) {
             for (size_t i = 0; i < n; i++) pick[i] = gsl_rng_uniform_int(rng, n);
@@ -214,8 +215,6 @@ rp_status stress_critical_tilts(size_t n, const stress_response responses[], con
         }
         for (int i = 0; i < N_QUANTITIES; i++)
             all[i] = interval(q[i], n_resamples, sample + (size_t)i * n_resamples);
-    } else {
-        status = rp_fail(RP_NO_MEMORY, "critical tilts: out of memory");
     }
     free(sample);
     free(work);

@@ -22,7 +22,9 @@
 
 #define TYPE     "(double|size_t|long|int|bool|char|num|lanes|[a-z]+_[a-z_]+)"
 #define DECLARES "^([a-z]| *(static |const )*" TYPE " [*]?(const )?[][A-Za-z0-9_, ]+\\[)"
-#define LEAVE    "alloc\\(|cli_memory\\(|RP_NO_MEMORY|static_assert|if \\((![a-z_>-]+ \\|\\| )+![a-z_>-]+\\)"
+#define LEAVE                                                                                                \
+    "alloc\\(|cli_memory\\(|no_memory\\(|RP_NO_MEMORY|static_assert|if \\((![a-z_>-]+ \\|\\| "               \
+    ")+![a-z_>-]+\\)"
 
 typedef struct {
     char *file, *original, *mutant;
