@@ -193,6 +193,58 @@ static void test_verdicts(void)
     leave();
 }
 
+/* The same claims as rows, in full: 1.5 over the root of 0.9^2 and of Student's 1.1^2 of 12 values; of the
+ * variant 4 over the root of 0.9^2 + 1. The errors of 40 samples are 0.142. */
+static void check_claims_table(void)
+{
+    static const char
+        head[] =
+            "\nid\tpaper\tplace\tstatement\ttest\tpublished\tsamples\tanswer\tours\tn\tz_error\tz_deviation\t"
+            "detail\tverdict\tfailed\n",
+        one[] = "one\tlh\tfigure 9\tfirst\tagrees\t20 ± 0.9\t40\tmeans k=1 a\t21.5 ± 1.0\t12\t1.06\t1.35\t"
+                "reproduced (+1.1 standard errors)\treproduced\t3 of 15 (no_pile 2, overlap 1)\n",
+        two[] = "two\tlh\tfigure 9\tsecond\tagrees\t20 ± 0.9\t40\tt k=1 a\t24.0 ± 1.0\tnan\t2.97\t3.96\t"
+                "not reproduced (+3.0 standard errors)\tnot reproduced\t-\n",
+        three[] =
+            "three\tlh\tfigure 9\tthird\tuntestable\t-\t0\t-\t-\tnan\tnan\tnan\tcan't be tested: too few\t"
+            "can't be tested\t-\n",
+        five[] =
+            "five\tli\t-\tfifth\tabove\t-\t0\tmeans k=1 a\t21.5 ± 1.0 against 0\t12\tnan\tnan\treproduced\t"
+            "reproduced\t3 of 15 (no_pile 2, overlap 1)\n",
+        seven[] = "seven\tours\t-\tseventh\tformula\t-\t0\tangle: x\t-\tnan\tnan\tnan\treproduced, by tests\t"
+                  "reproduced\t-\n",
+        counts[] =
+            "\n# lh: 2 reproduced, 0 not reproduced, 0 undecided, 1 can't be tested, 0 by eye, 0 no data\n"
+            "# li: 2 reproduced, 0 not reproduced, 0 undecided, 0 can't be tested, 0 by eye, 0 no data\n"
+            "# ours: 1 reproduced, 0 not reproduced, 0 undecided, 0 can't be tested, 0 by eye, 0 no data\n";
+    static const struct {
+        const char *words, *shown[4], *hidden[4];
+    } cases[] = {
+        {"--variants",
+         {"\n# paper: all\n# variants: true\n# published: false\n# power: false\n# lh: ", counts, one, two},
+         {NULL}},
+        {"", {counts, head, three, seven}, {"\ntwo\t"}},
+        {"--paper li",
+         {"\n# li: 2 ", head, five, "\nfour\tli\t"},
+         {"\n# lh: ", "\n# ours: ", "\none\t", "\nseven\t"}},
+        {"--paper ours", {"\n# ours: 1 ", head, seven}, {"\n# lh: ", "\n# li: ", "\nfive\t"}},
+        {"--id one", {head, one, two}, {"\n# lh: ", "\n# li: ", "\n# ours: ", "\nthree\t"}},
+        {"--id two", {head, two}, {"\n# lh: ", "\none\t"}},
+        {"--published",
+         {"\nid\tpaper\tpublished\tpublished_se\tsamples\none\tlh\t20\t0.9\t40\n"},
+         {"\ntwo", "\nthree", "\nfour"}}};
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        GOOD("claims --claims claims.tsv --tables . %s", cases[k].words);
+        for (int i = 0; i < 4; i++) {
+            const char *shown = cases[k].shown[i], *hidden = cases[k].hidden[i];
+            if (shown && !strstr(out, shown))
+                fprintf(stderr, "claims %s does not print: %s", cases[k].words, shown);
+            CU_ASSERT(!shown || strstr(out, shown));
+            CU_ASSERT(!hidden || !strstr(out, hidden));
+        }
+    }
+}
+
 /* A section in short and in full, every character: the variant of a claim stands in full only, marked, and is
  * not counted. Of the paper's number the samples stand in brackets, of ours in a column of their own. */
 static void test_section(void)
@@ -204,7 +256,8 @@ static void test_section(void)
                       "three\t-\tlh\tfigure 9\tother\tuntestable\t-\t-\t-\t-\t-\t-\t-\tthird\ttoo few\n"
                       "four\t-\tli\t-\tli\tabove\t-\t-\t-\t-\tmeans_fit k=1 a\t0\t-\tfourth\t-\n"
                       "five\t-\tli\t-\tli\tabove\t-\t-\t-\t-\tmeans k=1 a\t0\t-\tfifth\t-\n"
-                      "six\t-\tlh\t-\tno\tleast\t-\t-\t-\t-\tnone k=1 a\t0\t-\tsixth\t-\n");
+                      "six\t-\tlh\t-\tno\tleast\t-\t-\t-\t-\tnone k=1 a\t0\t-\tsixth\t-\n"
+                      "seven\t-\tours\t-\town\tformula\t-\t-\t-\t-\tangle: x\t-\t-\tseventh\t-\n");
     write_text("t.tsv", "# k\ta\ta_se\n1\t24\t1\n");
     /* a sweep with failed runs, and a fit to its table */
 #define SWEEP "# sweep: means.cfg, protocol repose, seed 1, 5 grid points x 3 replicas\n# failed: "
@@ -229,6 +282,7 @@ static void test_section(void)
         "| claim | what it says | paper (samples) | ours | values | verdict |\n|---|---|---|---|---|---|\n"
         "| three | third |  |  |  | can't be tested: too few |\n"
         "| `means` | 3 of 15 (no_pile 2, overlap 1) |\n");
+    check_claims_table();
     /* one failed run, and a number of one sample */
     write_text("claims.tsv",
                CLAIMS "one\t-\tlh\tfigure 9\ts\tagrees\t20\t0.9\t1\t9\tmeans k=1 a\t-\t-\tfirst\t-\n"
