@@ -1232,7 +1232,8 @@ static void check_half_pile(double unit)
 static void test_half_pile(void)
 {
     check_half_pile(1);
-    check_half_pile(1.7);
+    check_half_pile(0.2);
+    check_half_pile(7);
 }
 
 static void count_step(size_t n, const statics_result *so_far, void *context)

@@ -193,6 +193,58 @@ static void test_verdicts(void)
     leave();
 }
 
+/* The same claims as rows, in full: 1.5 over the root of 0.9^2 and of Student's 1.1^2 of 12 values; of the
+ * variant 4 over the root of 0.9^2 + 1. The errors of 40 samples are 0.142. */
+static void check_claims_table(void)
+{
+    static const char
+        head[] =
+            "\nid\tpaper\tplace\tstatement\ttest\tpublished\tsamples\tanswer\tours\tn\tz_error\tz_deviation\t"
+            "detail\tverdict\tfailed\n",
+        one[] = "one\tlh\tfigure 9\tfirst\tagrees\t20 ± 0.9\t40\tmeans k=1 a\t21.5 ± 1.0\t12\t1.06\t1.35\t"
+                "reproduced (+1.1 standard errors)\treproduced\t3 of 15 (no_pile 2, overlap 1)\n",
+        two[] = "two\tlh\tfigure 9\tsecond\tagrees\t20 ± 0.9\t40\tt k=1 a\t24.0 ± 1.0\tnan\t2.97\t3.96\t"
+                "not reproduced (+3.0 standard errors)\tnot reproduced\t-\n",
+        three[] =
+            "three\tlh\tfigure 9\tthird\tuntestable\t-\t0\t-\t-\tnan\tnan\tnan\tcan't be tested: too few\t"
+            "can't be tested\t-\n",
+        five[] =
+            "five\tli\t-\tfifth\tabove\t-\t0\tmeans k=1 a\t21.5 ± 1.0 against 0\t12\tnan\tnan\treproduced\t"
+            "reproduced\t3 of 15 (no_pile 2, overlap 1)\n",
+        seven[] = "seven\tours\t-\tseventh\tformula\t-\t0\tangle: x\t-\tnan\tnan\tnan\treproduced, by tests\t"
+                  "reproduced\t-\n",
+        counts[] =
+            "\n# lh: 2 reproduced, 0 not reproduced, 0 undecided, 1 can't be tested, 0 by eye, 0 no data\n"
+            "# li: 2 reproduced, 0 not reproduced, 0 undecided, 0 can't be tested, 0 by eye, 0 no data\n"
+            "# ours: 1 reproduced, 0 not reproduced, 0 undecided, 0 can't be tested, 0 by eye, 0 no data\n";
+    static const struct {
+        const char *words, *shown[4], *hidden[4];
+    } cases[] = {
+        {"--variants",
+         {"\n# paper: all\n# variants: true\n# published: false\n# power: false\n# lh: ", counts, one, two},
+         {NULL}},
+        {"", {counts, head, three, seven}, {"\ntwo\t"}},
+        {"--paper li",
+         {"\n# li: 2 ", head, five, "\nfour\tli\t"},
+         {"\n# lh: ", "\n# ours: ", "\none\t", "\nseven\t"}},
+        {"--paper ours", {"\n# ours: 1 ", head, seven}, {"\n# lh: ", "\n# li: ", "\nfive\t"}},
+        {"--id one", {head, one, two}, {"\n# lh: ", "\n# li: ", "\n# ours: ", "\nthree\t"}},
+        {"--id two", {head, two}, {"\n# lh: ", "\none\t"}},
+        {"--published",
+         {"\nid\tpaper\tpublished\tpublished_se\tsamples\none\tlh\t20\t0.9\t40\n"},
+         {"\ntwo", "\nthree", "\nfour"}}};
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        GOOD("claims --claims claims.tsv --tables . %s", cases[k].words);
+        for (int i = 0; i < 4; i++) {
+            const char *shown = cases[k].shown[i], *hidden = cases[k].hidden[i];
+            if (shown && !strstr(out, shown))
+                fprintf(stderr, "claims %s does not print: %s", cases[k].words, shown);
+            CU_ASSERT(!shown || strstr(out, shown));
+            CU_ASSERT(!hidden || !strstr(out, hidden));
+        }
+    }
+}
+
 /* A section in short and in full, every character: the variant of a claim stands in full only, marked, and is
  * not counted. Of the paper's number the samples stand in brackets, of ours in a column of their own. */
 static void test_section(void)
@@ -204,7 +256,8 @@ static void test_section(void)
                       "three\t-\tlh\tfigure 9\tother\tuntestable\t-\t-\t-\t-\t-\t-\t-\tthird\ttoo few\n"
                       "four\t-\tli\t-\tli\tabove\t-\t-\t-\t-\tmeans_fit k=1 a\t0\t-\tfourth\t-\n"
                       "five\t-\tli\t-\tli\tabove\t-\t-\t-\t-\tmeans k=1 a\t0\t-\tfifth\t-\n"
-                      "six\t-\tlh\t-\tno\tleast\t-\t-\t-\t-\tnone k=1 a\t0\t-\tsixth\t-\n");
+                      "six\t-\tlh\t-\tno\tleast\t-\t-\t-\t-\tnone k=1 a\t0\t-\tsixth\t-\n"
+                      "seven\t-\tours\t-\town\tformula\t-\t-\t-\t-\tangle: x\t-\t-\tseventh\t-\n");
     write_text("t.tsv", "# k\ta\ta_se\n1\t24\t1\n");
     /* a sweep with failed runs, and a fit to its table */
 #define SWEEP "# sweep: means.cfg, protocol repose, seed 1, 5 grid points x 3 replicas\n# failed: "
@@ -229,6 +282,7 @@ static void test_section(void)
         "| claim | what it says | paper (samples) | ours | values | verdict |\n|---|---|---|---|---|---|\n"
         "| three | third |  |  |  | can't be tested: too few |\n"
         "| `means` | 3 of 15 (no_pile 2, overlap 1) |\n");
+    check_claims_table();
     /* one failed run, and a number of one sample */
     write_text("claims.tsv",
                CLAIMS "one\t-\tlh\tfigure 9\ts\tagrees\t20\t0.9\t1\t9\tmeans k=1 a\t-\t-\tfirst\t-\n"
@@ -279,11 +333,28 @@ static void test_references(void)
         CU_ASSERT(strncmp(out, cases[i].value, 1) == 0 && out[1] == '\n');
     }
     /* the error is that of the mean or of the number, never the scatter */
-    write_text("t.tsv",
-               "# k\ta_mean\ta_sd\ta_se\tb_deg\tb_sd_deg\tb_se_deg\tc\n1\t20\t5\t1\t30\t6\t0.2\t7\n");
-    write_text("in.md", "{{value t k=1 a}}, {{value t k=1 b_deg}}, {{value t k=1 c}}\n");
+    static const char filled[] =
+        "20.0 ± 1.0, 30.00 ± 0.20, 40.00 ± 0.30, 7; 7 7.0 7.12 7.12346 7.1 ok\nbeside\n";
+    write_text("t.tsv", "# k\ta_mean\ta_sd\ta_se\tb_deg\tb_sd_deg\tb_se_deg\td_deg\td_deg_se\tc\te\tf\n"
+                        "1\t20\t5\t1\t30\t6\t0.2\t40\t0.3\t7\t7.123456\tok\n");
+    write_text("in.md", "{{value t k=1 a}}, {{value t k=1 b_deg}}, {{value t k=1 d_deg}}, {{value t k=1 c}}; "
+                        "{{cell t k=1 c}} {{cell t k=1 c %%.1f}} {{cell t k=1 e}} {{cell t k=1 e %%.6g}} "
+                        "{{cell t k=1 e %%.1f}} "
+                        "{{cell t k=1 f}}\n{{include part.txt}}");
+    write_text("part.txt", "beside\n");
     GOOD("report in.md --tables . --claims claims.tsv");
-    CU_ASSERT_STRING_EQUAL(out, "20.0 ± 1.0, 30.00 ± 0.20, 7\n");
+    CU_ASSERT_STRING_EQUAL(out, filled);
+    /* from another folder, by the folder of data */
+    CU_ASSERT_EQUAL(
+        shell("mkdir sub && cd sub && REPOSE_DATA=.. \"$REPOSE\" report ../in.md --tables . --claims "
+              "../claims.tsv >../out 2>../err"),
+        0);
+    CU_ASSERT_STRING_EQUAL(out, filled);
+    static const char *const formats[] = {"%.3fx", "%g", "%.17g", "%.3d", "%.3", "%3.f", "x%.3f"};
+    for (size_t k = 0; k < sizeof formats / sizeof *formats; k++) {
+        write_text("in.md", "{{cell t k=1 e %s%s}}\n", *formats[k] == '%' ? "" : "%", formats[k]);
+        FAILS(65, "a format such as %.3g or %.0f expected", "report in.md --tables . --claims claims.tsv");
+    }
     leave();
 }
 
@@ -350,6 +421,20 @@ static void test_needs(void)
     }
     write_claim("order", "-", "2", "t v", "-", "why");
     FAILS(65, "test order needs a published number", ASK);
+    /* every column but that of families */
+    static const char *const columns[] = {
+        "id",      "of",     "paper", "place",  "section", "test",      "published", "published_se",
+        "samples", "margin", NULL,    "answer", "against", "forensics", "statement", "note"};
+    write_claim("agrees", "20", "2", "t v", "1", "why");
+    for (int k = 0; k < 16; k++) {
+        char line[128], message[64];
+        snprintf(line, sizeof line, "sed 's/^# //' claims.tsv | cut --complement -f %d >less.tsv", k + 1);
+        snprintf(message, sizeof message, "less.tsv: no column \"%s\"", columns[k] ? columns[k] : "");
+        CU_ASSERT_EQUAL(shell(line), 0);
+        const int status = run("claims --claims less.tsv --tables .");
+        CU_ASSERT(columns[k] ? failed(__FILE__, __LINE__, status, 65, message)
+                             : good(__FILE__, __LINE__, status));
+    }
     leave();
 }
 

@@ -179,6 +179,8 @@ static void test_errors(void)
     FAILS(65, "backwards.tsv:3: step 1 after step 2", "export backwards.tsv --to xyz");
     FAILS(65, "word.tsv:2: column 4 status: \"ok\" is not a finite number",
           "export word.tsv --to vtk -o a.pvd");
+    write_text("word.tsv", "status\tx\ty\tr\nok\t0\t0\t1\n1\t3\t0\t1\n");
+    FAILS(65, "word.tsv:2: column 1 status: \"ok\"", "export word.tsv --to xyz");
     FAILS(65, "old.tsv: no column \"x\"", "export old.tsv --to xyz");
     FAILS(65, "no column \"no\"", "export pile --to csv --columns x,no");
     FAILS(65, "no grains", "export pile --to xyz --where 'step>9999'");
@@ -190,6 +192,10 @@ static void test_errors(void)
     FAILS(64, "lammps-input needs a name that ends in .in", "export scene.cfg --to lammps-input");
     FAILS(64, "--columns, --where and --reduce do not go",
           "export scene.cfg --to lammps-input --columns x -o a.in");
+    FAILS(64, "--columns, --where and --reduce do not go",
+          "export scene.cfg --to lammps-input --where x=1 -o a.in");
+    FAILS(64, "--columns, --where and --reduce do not go",
+          "export scene.cfg --to lammps-input --reduce -o a.in");
     FAILS(74, "/dev/full: cannot write", "export pile --to json -o /dev/full");
     CU_ASSERT(shell("ln -s /dev/full full.gz") == 0);
     FAILS(74, "full.gz: cannot write", "export pile --to json -o full.gz");
@@ -266,6 +272,13 @@ static void test_dump_files(void)
                  chosen[k][1], chosen[k][2]);
         file_is("out", expected);
     }
+    /* components without the other one are columns; without numbers grains count in each frame, without a
+     * time it is the step */
+    write_text("half.tsv", "step\tx\ty\tr\tvx\tfy\n3\t0\t0\t1\t2\t4\n3\t2\t0\t1\t5\t6\n4\t0\t0\t1\t7\t8\n");
+    GOOD("export half.tsv --to xyz");
+#define HALF "Properties=id:I:1:pos:R:3:radius:R:1:vx:R:1:fy:R:1 "
+    file_is("out", "2\n" HALF "Time=3 step=3 pbc=\"F F F\"\n1 0 0 0 1 2 4\n2 2 0 0 1 5 6\n"
+                   "1\n" HALF "Time=4 step=4 pbc=\"F F F\"\n1 0 0 0 1 7 8\n");
     leave();
 }
 

@@ -255,6 +255,15 @@ static const golden_run runs[] = {
      {{"N", "40"}, {"glued", "1.6"}, {"a", "0.02"}, {"mu_static", "0.3"}, {"eps", "1e-3"}},
      none,
      "ok"},
+    {"flux",
+     {{"W", "2"},
+      {"insertions", "12"},
+      {"drop_height", "0.3"},
+      {"entry_width", "0.5"},
+      {"radius_width", "0"},
+      {"radius_min", "0.1"}},
+     none,
+     "ok"},
 };
 enum { N_RUNS = sizeof runs / sizeof *runs };
 

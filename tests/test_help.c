@@ -180,7 +180,64 @@ static void test_help(void)
                  same[k][0], same[k][1], same[k][0], same[k][1]);
         CU_ASSERT_EQUAL(shell(line), 0);
     }
+    /* that of a terminal, but for COLUMNS */
+    if (shell("script -qec true typed </dev/null >out 2>err") != 0)
+        fprintf(stderr, "help: no terminal of script(1): its width is not tested\n");
+    else
+        CU_ASSERT_EQUAL(shell("export REPOSE; script -qec 'stty cols 100; $REPOSE calibrate --help; "
+                              "COLUMNS=70 $REPOSE calibrate "
+                              "--help' typed </dev/null >out; tr -d '\\r' <out >said; "
+                              "for c in 100 70; do COLUMNS=$c \"$REPOSE\" calibrate --help; done >wanted; "
+                              "cmp said wanted >out"),
+                        0);
     leave();
+}
+
+static char parallel[256];
+
+static void add_parallel(const cli_command *c)
+{
+    option options[64];
+    const size_t n = options_of(c, options);
+    for (size_t i = 0; i < n && !c->group; i++)
+        if (strcmp(options[i].typed, "-j") == 0)
+            sprintf(parallel + strlen(parallel), "%s%s", *parallel ? ", " : "", c->name);
+}
+
+/* -j is asked for of other commands too. */
+static void test_parallel(void)
+{
+    char message[400];
+    each(cli_commands, add_parallel);
+    snprintf(message, sizeof message,
+             "unknown option -j: repose lattice works on one processor; -j goes with %s\n", parallel);
+    enter();
+    FAILS(64, message, "lattice -j 2");
+    FAILS(64, message, "lattice -j");
+    leave();
+}
+
+/* Where help says an order, it is that of the output. */
+static void test_orders(void)
+{
+    static const struct {
+        const cli_command *command;
+        const char *words;
+    } orders[] = {{&cmd_params, "with unit, type, default, range and meaning"},
+                  {&cmd_params, "the members of,\nkind, name, unit, type, default, range and meaning"},
+                  {&cmd_export, "JSON is { notes, units, rows: [{column: value}] }"},
+                  {&cmd_export, "LAMMPS: radius, mass, vx vy vz, omegaz"},
+                  {&cmd_export, "a table of grains (x, y, r) too"},
+                  {&cmd_view, "with columns x, y, r."},
+                  {&cmd_report, "in short: paper, ours, verdict\n"}};
+    for (size_t k = 0; k < sizeof orders / sizeof *orders; k++)
+        CU_ASSERT_PTR_NOT_NULL(strstr(orders[k].command->about, orders[k].words));
+}
+
+static rp_status nothing(void *values)
+{
+    (void)values;
+    return RP_OK;
 }
 
 /* A command has room for 40 options, with names shorter than 32 letters, and 4096 bytes of values. */
@@ -191,7 +248,8 @@ static void test_room(void)
     static const char name_31[] = "abcdefghijklmnopqrstuvwxyz_0123",
                       name_32[] = "abcdefghijklmnopqrstuvwxyz_01234";
     const rp_param *found;
-    cli_command c = {.name = "many", .protocol = rows};
+    char name[] = "many", needed[] = "--needed";
+    cli_command c = {.name = name, .protocol = rows};
     for (int i = 0; i < MOST; i++)
         rows[i] = (rp_param){"a", "", RP_TEXT, 4096 - sizeof(rp_texts), "", "", "", false};
     CHECK_OK(cli_options_of(&c, &found));
@@ -207,6 +265,17 @@ static void test_room(void)
     rows[3].name = "b";
     rows[3].offset++;
     CHECK_FAILS(cli_options_of(&c, &found), RP_BROKEN, "option b");
+    rows[3] = rows[0];
+    c.synopsis = "[options]";
+    c.act = nothing;
+    CHECK_OK(cli_run(&c, 1, (char *[]){name, NULL}));
+    for (int i = 0; i < MOST; i += MOST - 1) { /* the first and the last one are required */
+        rows[i].fallback = NULL;
+        rows[i].name = "needed";
+        CHECK_FAILS(cli_run(&c, 1, (char *[]){name, NULL}), RP_USAGE, "--needed is required");
+        CHECK_OK(cli_run(&c, 3, (char *[]){name, needed, name, NULL}));
+        rows[i] = rows[1];
+    }
 }
 
 /* ---- manual pages ---- */
@@ -529,9 +598,6 @@ static void test_params_json(void)
 {
     static const char *const words[] = {"params --json", "params --json --units si", "params scene --json"};
     enter();
-    CU_ASSERT_PTR_NOT_NULL(strstr(cmd_params.about, "with unit, type, default, range and meaning"));
-    CU_ASSERT_PTR_NOT_NULL(
-        strstr(cmd_params.about, "the members of,\nkind, name, unit, type, default, range and meaning"));
     for (size_t k = 0; k < 3; k++) {
         const bool si = k == 1;
         GOOD("%s", words[k]);
@@ -558,6 +624,8 @@ static void test_params_json(void)
 void suite_help(void)
 {
     static const check_case cases[] = {{"help of every command", test_help},
+                                       {"orders that help says", test_orders},
+                                       {"commands on several processors", test_parallel},
                                        {"room for options", test_room},
                                        {"pages of the manual", test_pages},
                                        {"completion, line by line", test_completion},

@@ -280,16 +280,40 @@ static void test_idle_options(void)
 
 /* ---- models ---- */
 
+/* A pile cut from a lattice: B is the base of the triangle of slope alpha with as many cells, of 2 sin theta
+ * by cos theta, and base disks are 2 sin theta apart about its middle. */
+static void check_lattice(int base, double alpha_deg, double theta_deg)
+{
+    const double alpha = alpha_deg * M_PI / 180.0, theta = theta_deg * M_PI / 180.0;
+    GOOD("lattice --base %d --alpha-deg %g --theta-deg %g", base, alpha_deg, theta_deg);
+    rp_table t = read_table("out");
+    double weight = 0.0;
+    CU_ASSERT_FATAL(t.n_rows == (size_t)base);
+    for (size_t i = 0; i < t.n_rows; i++) weight += cell(&t, i, "N/mg");
+    CHECK_NEAR(strtod(note(&t, "disks"), NULL), weight, 1e-9); /* the base carries all of them */
+    const double B = sqrt(4.0 * weight * 2.0 * sin(theta) * cos(theta) / tan(alpha));
+    CHECK_NEAR(strtod(note(&t, "B"), NULL), B, 1e-9);
+    for (size_t i = 0; i < t.n_rows; i++) {
+        CHECK_NEAR(cell(&t, i, "i"), (double)i + 1.0, 0.0);
+        CHECK_NEAR(cell(&t, i, "x/B"), 0.5 + 2.0 * sin(theta) * ((double)i - 0.5 * (base - 1)) / B, 1e-12);
+        CHECK_NEAR(cell(&t, i, "N/(chi*g*B)"), cell(&t, i, "N/mg") / B, 1e-12);
+        CHECK_NEAR(cell(&t, i, "H/(chi*g*B)"), cell(&t, i, "H/mg") / B, 1e-12);
+    }
+    check_note(&t, "base", "%d", base);
+    check_note(&t, "layers", "auto");
+    check_note(&t, "alpha-deg", "%g degrees", alpha_deg);
+    check_note(&t, "theta-deg", "%g degrees", theta_deg);
+    check_note(&t, "method", "closed");
+    CU_ASSERT_PTR_NULL(rp_table_find_note(&t, "json"));
+    rp_table_free(&t);
+}
+
 static void test_models(void)
 {
     enter();
-    GOOD("lattice --base 12 --alpha-deg 30");
-    rp_table t = read_table("out");
-    double weight = 0.0;
-    for (size_t i = 0; i < t.n_rows; i++) weight += cell(&t, i, "N/mg");
-    CHECK_NEAR(strtod(note(&t, "disks"), NULL), weight, 1e-9); /* the base carries all of them */
-    CHECK_NEAR(strtod(note(&t, "B"), NULL), cell(&t, 3, "N/mg") / cell(&t, 3, "N/(chi*g*B)"), 1e-9);
-    rp_table_free(&t);
+    check_lattice(12, 30.0, 30.0);
+    check_lattice(9, 40.0, 35.0);
+    rp_table t;
     GOOD("tent --outer-deg 30 --inner-deg 45 --x1 0.3 --points 2001");
     t = read_table("out");
     size_t top = 0, middle = t.n_rows / 2;
@@ -302,6 +326,17 @@ static void test_models(void)
     CHECK_NEAR(N, cell(&t, top, "N/(chi*g*B)"), 5e-5);
     CHECK_NEAR(x, cell(&t, top, "x/B"), 1e-3);
     CHECK_NEAR(dip, 1.0 - low / N, 5e-4);
+    check_note(&t, "outer-deg", "30 degrees");
+    check_note(&t, "inner-deg", "45 degrees");
+    check_note(&t, "x1", "0.3 B");
+    check_note(&t, "map", "false");
+    check_note(&t, "points", "2001");
+    CU_ASSERT(!rp_table_find_note(&t, "at") && !rp_table_find_note(&t, "json"));
+    rp_table_free(&t);
+    GOOD("continuum --alpha-deg 30");
+    t = read_table("out");
+    CU_ASSERT_FATAL(t.n_rows == 201);
+    for (size_t i = 0; i < t.n_rows; i++) CHECK_NEAR(cell(&t, i, "x/B"), 0.005 * (double)i, 1e-15);
     rp_table_free(&t);
     GOOD("continuum --alpha-deg 30 --points 4001");
     t = read_table("out");

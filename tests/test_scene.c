@@ -6,6 +6,7 @@
 #include "dem/scene.h"
 #include "dem/sim.h"
 #include "tests/check.h"
+#include "tests/folder.h"
 #include "tests/grains.h"
 
 static const char *const EXAMPLE =
@@ -193,7 +194,13 @@ static void refused(void)
                                           {"particle.mu=0.1", "no such group (did you mean \"particles\"?)"},
                                           {"mu=0.1", "mu: unknown key"},
                                           {"dt=-1", "dt = -1: out of range"},
-                                          {"dt=[1.0,2.0]", "dt: one value expected, not a list"}};
+                                          {"dt=[1.0,2.0]", "dt: one value expected, not a list"},
+                                          {"=3", "--set =3: key=value expected"},
+                                          {"walls[9].mu=0.1", "walls[0] to walls["},
+                                          {"walls[-1].mu=0.1", "walls"},
+                                          {"walls.mu=0.1", "is a list of"},
+                                          {"normal[0].k_n=1", "normal is no list with entries"},
+                                          {"walls[0]=3", "give a key of the entry, or the whole list"}};
     for (size_t k = 0; k < sizeof sets / sizeof *sets; k++) {
         rp_texts changes = {1, {sets[k][0]}};
         CHECK_FAILS(grains_read(EXAMPLE, &changes, &s), RP_BAD_INPUT, sets[k][1]);
@@ -202,27 +209,133 @@ static void refused(void)
     CHECK_FAILS(dem_scene_read("/no/such/scene.cfg", NULL, &s), RP_BAD_INPUT, "cannot read");
 }
 
-/* particles_file: named columns in any order, masses from the density where there is no column m. */
+static bool same_grain(const dem_grain *p, const dem_grain *q)
+{
+    return p->x == q->x && p->y == q->y && p->r == q->r && p->m == q->m && p->vx == q->vx && p->vy == q->vy &&
+           p->angle == q->angle && p->omega == q->omega && p->fixed == q->fixed;
+}
+
+static bool same_wall(const dem_wall *w, const dem_wall *v)
+{
+    bool same = w->open_at_step == v->open_at_step && w->open_speed == v->open_speed &&
+                w->omega == v->omega && memcmp(&w->material, &v->material, sizeof w->material) == 0;
+    for (int c = 0; c < 2; c++)
+        same &= w->point[c] == v->point[c] && w->direction[c] == v->direction[c] &&
+                w->extent[c] == v->extent[c] && w->joined[c] == v->joined[c] &&
+                w->corner[c] == v->corner[c] && w->velocity[c] == v->velocity[c] &&
+                w->pivot[c] == v->pivot[c];
+    return same;
+}
+
+/* particles_file: named columns in any order, or all of them without names; masses from the density where
+ * there is no column m. */
 static void particles_from_table(void)
 {
+    static const char *const texts[] = {
+        "# omega fixed r vy m y vx angle x\n3 1 0.1 -2 0.005 0.7 4 0.3 0.5\n-1 0 1.5 6 0.2 8 -7 9 2\n5 2 3 4 "
+        "5 6 7 8 9\n",
+        "0.5 0.7 0.1 0.005 4 -2 0.3 3 1\n2 8 1.5 0.2 -7 6 9 -1 0\n9 6 3 5 7 4 8 5 1\n",
+        "# r omega x y vy fixed\n0.1 3.0 0.5 0.7 -2.0 0\n0.08 0.0 0.1 0.9 0.0 1\n"};
+    static const dem_grain typed[3] = {{0.5, 0.7, 0.1, 0.005, 4.0, -2.0, 0.3, 3.0, true},
+                                       {2.0, 8.0, 1.5, 0.2, -7.0, 6.0, 9.0, -1.0, false},
+                                       {9.0, 6.0, 3.0, 5.0, 7.0, 4.0, 8.0, 5.0, true}};
     char table[] = "/tmp/repose-grains-XXXXXX", text[128];
-    FILE *out = fdopen(mkstemp(table), "w");
-    fputs("# r omega x y vy fixed\n0.1 3.0 0.5 0.7 -2.0 0\n0.08 0.0 0.1 0.9 0.0 1\n", out);
-    fclose(out);
-    dem_scene s;
+    close(mkstemp(table));
     snprintf(text, sizeof text, "density = 2.0; particles_file = \"%s\";", table);
-    CHECK_OK(grains_read(text, NULL, &s));
-    CU_ASSERT(s.def.n_grains == 2 && s.grains[0].x == 0.5 && s.grains[0].vy == -2.0 &&
-              s.grains[0].omega == 3.0 && s.grains[1].r == 0.08);
-    CU_ASSERT(s.grains[1].fixed && !s.grains[0].fixed);
-    CHECK_NEAR(s.grains[1].m, 2.0 * 4.0 / 3.0 * M_PI * 0.08 * 0.08 * 0.08, 1e-16);
-    dem_scene_free(&s);
-    out = fopen(table, "w");
-    fputs("# x y r\n0.5 0.7 -0.1\n", out);
-    fclose(out);
-    CHECK_FAILS(grains_read(text, NULL, &s), RP_BAD_INPUT, ":2: r = -0.1: out of range");
-    dem_scene_free(&s);
+    for (int k = 0; k < 3; k++) {
+        dem_scene s;
+        file_print(table, "%s", texts[k]);
+        CHECK_OK(grains_read(text, NULL, &s));
+        CU_ASSERT_EQUAL_FATAL(s.def.n_grains, k < 2 ? 3 : 2);
+        for (int i = 0; i < 3 && k < 2; i++) CU_ASSERT(same_grain(&s.grains[i], &typed[i]));
+        const double volume = 4.0 / 3.0 * M_PI * 0.1 * 0.1 * 0.1;
+        if (k == 2) {
+            CU_ASSERT(same_grain(&s.grains[0],
+                                 &(dem_grain){0.5, 0.7, 0.1, s.grains[0].m, 0.0, -2.0, 0.0, 3.0, false}));
+            CU_ASSERT(s.grains[1].x == 0.1 && s.grains[1].r == 0.08 && s.grains[1].fixed);
+            CHECK_NEAR(s.grains[0].m, 2.0 * volume, 1e-16);
+            CHECK_NEAR(s.grains[1].m, 2.0 * 0.512 * volume, 1e-16);
+        }
+        dem_scene_free(&s);
+    }
+    static const char *const bad[] = {"-0.1", "0"};
+    for (int k = 0; k < 2; k++) {
+        dem_scene s;
+        char says[40];
+        file_print(table, "# x y r\n0.5 0.7 %s\n", bad[k]);
+        snprintf(says, sizeof says, ":2: r = %s: out of range", bad[k]);
+        CHECK_FAILS(grains_read(text, NULL, &s), RP_BAD_INPUT, says);
+        dem_scene_free(&s);
+    }
     unlink(table);
+}
+
+/* Values of a file, typed again; what is written of them and read again is the same. */
+static void values_of_a_file(void)
+{
+    static const char *const text =
+        "gravity = [3.0, -5.0]; skin = 0.25; x_max = 7.0; y_min = -2.5; gravity_turn_deg_per_step = 0.5;\n"
+        "walls = ( { point = [-4.0, 1.0]; direction = [0.3, 0.4]; extent = [-2.0, 3.0]; corner_lower = 0.2;\n"
+        "            corner_upper = -0.3; velocity = [1.5, -2.5]; omega = 0.75; pivot = [4.0, 6.0]; },\n"
+        "          { point = [-8.0, 9.0]; direction = [0.6, 0.8000000005]; extent = [-0.5, 0.75];\n"
+        "            open_at_step = 17; open_speed = 6.0; } );\n"
+        "particles = ( { x = 0.25; y = 0.5; r = 1.5; m = 0.5; vx = 2.0; vy = -3.0; },\n"
+        "              { x = 4.0; y = 5.5; r = 0.125; fixed = true; },\n"
+        "              { x = 1.0; y = 9.0; r = 0.25; m = 3.0; } );\n";
+    static const dem_grain typed[3] = {{0.25, 0.5, 1.5, 0.5, 2.0, -3.0},
+                                       {4.0, 5.5, 0.125, 0.0, .fixed = true},
+                                       {1.0, 9.0, 0.25, 3.0, 0.0, 0.0}};
+    char *written = NULL;
+    dem_scene s[2];
+    for (int k = 0; k < 2; k++) {
+        CHECK_OK(grains_read(k ? written : text, NULL, &s[k]));
+        const dem_definition *def = &s[k].def;
+        CU_ASSERT(def->gravity[0] == 3.0 && def->gravity[1] == -5.0 && def->skin == 0.25 &&
+                  def->x_max == 7.0);
+        CHECK_NEAR(def->turn_per_step, M_PI / 360.0, 1e-17);
+        CU_ASSERT(def->y_min == -2.5 && def->n_walls == 2 && def->n_grains == 3 && def->wall_list == NULL);
+        dem_wall a = def->walls[0], b = def->walls[1];
+        CHECK_NEAR(a.direction[0], 0.6, 1e-16);
+        CHECK_NEAR(a.direction[1], 0.8, 2e-16);
+        a.direction[0] = 0.6, a.direction[1] = 0.8;
+        CU_ASSERT(same_wall(&a, &(dem_wall){{-4.0, 1.0},
+                                            {0.6, 0.8},
+                                            a.material,
+                                            {-2.0, 3.0},
+                                            {true, true},
+                                            {0.2, -0.3},
+                                            -1,
+                                            INFINITY,
+                                            {1.5, -2.5},
+                                            0.75,
+                                            {4.0, 6.0}}));
+        CU_ASSERT(same_wall(&b, &(dem_wall){{-8.0, 9.0},
+                                            {0.6, 0.8000000005},
+                                            b.material,
+                                            {-0.5, 0.75},
+                                            {false, false},
+                                            {0.0, 0.0},
+                                            17,
+                                            6.0,
+                                            {0.0, 0.0},
+                                            0.0,
+                                            {0.0, 0.0}}));
+        for (int i = 0; i < 3; i++) {
+            dem_grain p = typed[i];
+            if (i == 1) p.m = s[k].grains[1].m;
+            CU_ASSERT(same_grain(&s[k].grains[i], &p));
+        }
+        if (k) break;
+        size_t size;
+        FILE *out = open_memstream(&written, &size);
+        dem_scene_write(&s[0], out);
+        fclose(out);
+    }
+    for (int w = 0; w < 2; w++) CU_ASSERT(same_wall(&s[0].def.walls[w], &s[1].def.walls[w]));
+    CU_ASSERT(s[0].grains[1].m == s[1].grains[1].m);
+    dem_scene_free(&s[0]);
+    dem_scene_free(&s[1]);
+    free(written);
 }
 
 /* A wall with one end, as the floor that ends at the opening: what has no end is written as far away. */
@@ -249,9 +362,12 @@ static void half_lines(void)
 
 void suite_scene(void)
 {
-    static const check_case cases[] = {
-        {"the documented example", example}, {"written and read: the same bits", written_and_read},
-        {"walls with one end", half_lines},  {"particles from a table", particles_from_table},
-        {"refused scenes", refused},         {NULL, NULL}};
+    static const check_case cases[] = {{"the documented example", example},
+                                       {"written and read: the same bits", written_and_read},
+                                       {"walls with one end", half_lines},
+                                       {"particles from a table", particles_from_table},
+                                       {"values of a file", values_of_a_file},
+                                       {"refused scenes", refused},
+                                       {NULL, NULL}};
     check_register("scene", cases);
 }

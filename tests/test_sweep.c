@@ -26,7 +26,7 @@
 #include "tests/folder.h"
 
 /* The toy protocol: y = x + k + noise from the stream of the run. */
-enum { PLAIN, SLOW, CRASH, HALF_NO_PILE, BREAK };
+enum { PLAIN, SLOW, CRASH, HALF_NO_PILE, BREAK, TAKE, SLEEP };
 typedef struct {
     double x, mass;
     long k;
@@ -40,8 +40,8 @@ static const rp_param toy_schema[] = {
     {"mass", "g", RP_REAL, offsetof(toy, mass), "infinite", "(0, inf) | infinite", "not used"},
     {"k", "", RP_INT, offsetof(toy, k), "3", "[0, 100] | auto", "second shift"},
     {"odd", "", RP_BOOL, offsetof(toy, odd), "false", "", "not used"},
-    {"mode", "", RP_CHOICE, offsetof(toy, mode), "plain", "plain | slow | crash | half_no_pile | break",
-     "conduct"},
+    {"mode", "", RP_CHOICE, offsetof(toy, mode), "plain",
+     "plain | slow | crash | half_no_pile | break | take | sleep", "conduct"},
     {"picks", "", RP_FLAGS, offsetof(toy, picks), "", "red | green", "not used"},
     {0}};
 
@@ -62,6 +62,18 @@ static rp_status toy_check(const void *params)
     return p->x == 9.5 ? rp_fail(RP_BAD_INPUT, "x = 9.5: refused by the toy") : RP_OK;
 }
 
+/* So many bytes, and how many files are open beyond the three of every process. */
+static rp_status take_memory(size_t bytes, sweep_result *result)
+{
+    volatile char *taken = malloc(bytes);
+    if (!taken) return rp_fail(RP_NO_MEMORY, "toy: out of memory");
+    *taken = 1;
+    free((void *)taken);
+    result->values[0] = 0.0;
+    for (int i = 3; i < 256; i++) result->values[0] += fcntl(i, F_GETFD) != -1;
+    return RP_OK;
+}
+
 static rp_status toy_run(const void *params, unsigned long seed, unsigned long run,
                          const sweep_tables *tables, sweep_result *result)
 {
@@ -76,6 +88,8 @@ static rp_status toy_run(const void *params, unsigned long seed, unsigned long r
     while (p->mode == SLOW && hold && *hold && run >= 10) usleep(1000);
     if (p->mode == CRASH && run % 3 == 1 && !calm) abort();
     if (p->mode == HALF_NO_PILE && run % 2) snprintf(result->status, sizeof result->status, "no_pile");
+    if (p->mode == SLEEP) usleep(500000);
+    if (p->mode == TAKE) return take_memory((size_t)p->k * 1000000, result);
     return p->mode == BREAK && run == 3 ? rp_fail(RP_BROKEN, "planted failure") : RP_OK;
 }
 
@@ -531,12 +545,17 @@ static void test_digest(void)
 }
 
 /* Workers that outlive the parent would continue, and could hold the lock. */
+static size_t stored_before; /* the drive */
+
 static void count_calls(const sweep_progress *p, void *context)
 {
     size_t *calls = context;
     CU_ASSERT(p->planned == SLOW_RUNS && p->stored <= p->planned && p->failed == 0);
     CU_ASSERT(isnan(p->left) ? p->elapsed < 1.0 : p->left >= 0.0);
     CU_ASSERT(p->stored < p->planned || p->left == 0.0);
+    const double finished = (double)(p->stored - stored_before), left = (double)(p->planned - p->stored);
+    CU_ASSERT(p->elapsed >= 0.0 && p->elapsed < 100.0);
+    if (finished > 0.0) CHECK_NEAR(p->left, p->elapsed * left / finished, 1e-12);
     if (++*calls == 3) raise(SIGINT); /* blocked: seen by the pool, not by this process */
 }
 
@@ -557,8 +576,10 @@ static void test_stop(void)
     CU_ASSERT(c.stored == (size_t)*made);        /* the run that a worker was at has ended, and is there */
     CU_ASSERT(waitpid(-1, NULL, WNOHANG) == -1); /* no worker is left */
     o.workers = 2;
+    stored_before = c.stored;
     CHECK_OK(sweep_run(dir, toys, &o, &c));
     CU_ASSERT(c.stored == SLOW_RUNS);
+    CU_ASSERT(waitpid(-1, NULL, WNOHANG) == -1);
     size_t before = calls;
     CHECK_OK(sweep_run(dir, toys, &o, &c)); /* nothing to do */
     CU_ASSERT(calls == before && c.stored == SLOW_RUNS);
@@ -593,6 +614,62 @@ static void test_crash(void)
     CHECK_FAILS(run(1, NULL), RP_BROKEN, "run 3 (mode = break): planted failure");
     CHECK_OK(sweep_status(dir, toys, &c));
     CU_ASSERT(c.stored == 3);
+    clean();
+}
+
+/* A run may take what its limit says beyond what the process has; a worker has its socket alone, and no other
+ * worker's, nor the store or the lock. */
+static void test_limits(void)
+{
+    static const double limits[] = {0.0, INFINITY, 34.0, 26.0, 0.5};
+    for (size_t k = 0; k < sizeof limits / sizeof *limits; k++) {
+        const bool fails = limits[k] > 0.0 && limits[k] < 30.0;
+        const sweep_options o = {.workers = 2, .memory = limits[k]};
+        sweep_counts c;
+        if (fails && check_fast()) continue; /* a sanitizer takes terabytes of addresses */
+        fresh("protocol = \"toy\"; replicas = 4; fixed = { mode = \"take\"; k = 30; };");
+        CHECK_OK(prepare(NULL));
+        if (fails)
+            CHECK_FAILS(sweep_run(dir, toys, &o, &c), RP_NO_RESULT, "4 no_memory");
+        else
+            CHECK_OK(sweep_run(dir, toys, &o, &c));
+        CU_ASSERT(fails || sql_number("SELECT count(*) FROM runs WHERE y_deg = 1") == 4);
+        clean();
+    }
+}
+
+/* A run that is shorter than the limits of time is no failure, nor one that waits for a while. */
+static void test_within_limits(void)
+{
+    sweep_counts c;
+    fresh("protocol = \"toy\"; replicas = 2; fixed = { mode = \"sleep\"; };");
+    CHECK_OK(prepare(NULL));
+    CHECK_OK(sweep_run(dir, toys, &(sweep_options){.workers = 2, .time = 1.2, .patience = 1.2}, &c));
+    CU_ASSERT(c.stored == 2 && c.failed == 0);
+    clean();
+}
+
+/* A snapshot that a killed drive left goes once all runs are stored. */
+static void test_left_snapshots(void)
+{
+    char path[160];
+    fresh("protocol = \"toy\"; replicas = 4; fixed = { mode = \"crash\"; }; piles = \"shared\";");
+    CHECK_OK(prepare(NULL));
+    snprintf(path, sizeof path, "%s/snapshots", dir);
+    mkdir(path, 0777);
+    for (int done = 0; done < 2; done++) {
+        for (int i = 0; i < 3; i++) {
+            snprintf(path, sizeof path, "%s/snapshots/%d", dir, i);
+            file_write(path, "", 0);
+        }
+        calm = done;
+        CU_ASSERT(run(1, NULL) == (done ? RP_OK : RP_NO_RESULT));
+        for (int i = 0; i < 3; i++) {
+            snprintf(path, sizeof path, "%s/snapshots/%d", dir, i);
+            CU_ASSERT((access(path, F_OK) != 0) == done);
+        }
+    }
+    calm = false;
     clean();
 }
 
@@ -1173,6 +1250,41 @@ static void test_salvage_gaps(void)
     clean();
 }
 
+/* Keys name stored runs for ever: these are of model version 3, whose number is in them. */
+static void test_known_keys(void)
+{
+    static const struct {
+        size_t run;
+        const char *key;
+        sweep_stream stream;
+    } known[] = {{0, "6717de666b7b90ed62f55a02c89ffb57", {1811074078, 1036491614, 2173680461725484}},
+                 {7, "f0d6799319b906b05699f08feebe2724", {285264182, 1505012168, 3156239277690893}},
+                 {11, "303a192038bc084767d3ac96b5c596aa", {971569046, 562762702, 1180198924689040}}};
+    char text[256];
+    sweep_plan plan;
+    fresh(
+        "protocol = \"toy\"; replicas = 2; seed = 77; fixed = { k = 5; odd = true; };\n"
+        "grid = ( { x = [0.5, -1.5]; mass = [1.0, 2.5]; }, { mode = [\"plain\", \"slow\", \"crash\"]; } );");
+    CHECK_OK(sweep_plan_read(file, toys, &plan));
+    CU_ASSERT(plan.n_points == 6 && plan.n_runs == 12);
+    CU_ASSERT_STRING_EQUAL(plan.hash, "00bbd3b58b024738de4e861998a1d0bc");
+    for (size_t k = 0; k < sizeof known / sizeof *known; k++) {
+        char key[33];
+        sweep_plan_key(&plan, known[k].run, key);
+        CU_ASSERT_STRING_EQUAL(key, known[k].key);
+        const sweep_stream s = sweep_plan_stream(&plan, known[k].run);
+        CU_ASSERT_EQUAL(s.seed, known[k].stream.seed);
+        CU_ASSERT_EQUAL(s.run, known[k].stream.run);
+        CU_ASSERT_EQUAL(s.pile, known[k].stream.pile);
+    }
+    CU_ASSERT_STRING_EQUAL(sweep_plan_describe(&plan, 4, text, sizeof text),
+                           "x = -1.5, mass = 2.5, mode = slow");
+    CU_ASSERT_STRING_EQUAL(sweep_plan_parameters(&plan, 4, text, sizeof text),
+                           "{\"k\":5,\"odd\":\"true\",\"x\":-1.5,\"mass\":2.5,\"mode\":\"slow\"}");
+    sweep_plan_free(&plan);
+    clean();
+}
+
 /* The digest is that of key, status and outputs of the rows in their order, a missing value as NAN. */
 static void test_digest_of_rows(void)
 {
@@ -1417,7 +1529,10 @@ void suite_sweep(void)
                                        {"planning again", test_plan_again},
                                        {"bad sweep files", test_bad_files},
                                        {"bad folders and stores", test_bad_folders},
+                                       {"limits of memory, and open files", test_limits},
                                        {"failed drives", test_failed_drives},
+                                       {"within limits of time", test_within_limits},
+                                       {"snapshots that are left", test_left_snapshots},
                                        {"kept variables", test_keep},
                                        {"limits of kept variables", test_keep_limits},
                                        {"lock", test_lock},
@@ -1429,6 +1544,7 @@ void suite_sweep(void)
                                        {"damage: one byte", test_flips},
                                        {"damage: salvage", test_salvage},
                                        {"damage: salvage, rows far apart", test_salvage_gaps},
+                                       {"keys of stored runs", test_known_keys},
                                        {"digest of the rows", test_digest_of_rows},
                                        {"signs of life", test_running},
                                        {"recipes", test_recipes},

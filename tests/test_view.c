@@ -456,7 +456,7 @@ static int tell(const char *words)
 {
     char line[512];
     write_text("gnuplot", "#!/bin/sh\nexec cat >told\n");
-    write_text("ffmpeg", "#!/bin/sh\nexec cat >film\n");
+    write_text("ffmpeg", "#!/bin/sh\necho \"$@\" >film\nexec cat >>film\n");
     snprintf(line, sizeof line, "chmod +x gnuplot ffmpeg; PATH=.:$PATH \"$REPOSE\" view %s >out 2>err",
              words);
     const int status = shell(line);
@@ -608,6 +608,12 @@ static void test_chosen(void)
         for (const char *c = told; (c = strstr(c, "set label 1 ")); c++) n++;
         CU_ASSERT_EQUAL(n, cases[k].n);
     }
+    CU_ASSERT_EQUAL(tell(". -o a.mp4 --fps 12.5"), 0);
+    char film[256];
+    slurp("film", film, sizeof film);
+    const char *start = "-loglevel error -y -f image2pipe -framerate 12.5 -c:v png -i - "
+                        "-vf pad=ceil(iw/2)*2:ceil(ih/2)*2 -pix_fmt yuv420p -f mp4 /proc/";
+    CU_ASSERT(strncmp(film, start, strlen(start)) == 0 && strstr(film, "/fd/"));
     /* the scale is that frame's alone */
     CU_ASSERT_EQUAL(tell(". -o a.svg --frame 1"), 0);
     CU_ASSERT(is_told("set xrange [-0.75:4.25]\n") && is_told("title \"normal force 0.625 N\"\n"));
@@ -700,6 +706,12 @@ static void test_crosses(void)
     write_text("contacts.tsv", "x\ty\tx_b\ty_b\tforce\n2.5\t1.5\t2.5\t0\t12\n");
     CU_ASSERT_EQUAL(tell(". -o a.png --stress --cell 20"), 0);
     check_data("stress", 0, 1, 5, (double[]){9, 1, 0, 18, 50});
+    /* below and left of the origin: four cells and bins to a side, of which the last one has the force */
+    write_text("p_grains.tsv", "x\ty\tr\n-9\t-9\t1\n0\t0\t1\n");
+    write_text("p_contacts.tsv", "x\ty\tx_b\ty_b\tforce\twall\n0\t0.5\t0\t-0.5\t12\t1\n");
+    CU_ASSERT_EQUAL(tell("p_grains.tsv -o a.png --stress --base --cell 3"), 0);
+    check_data("stress", 0, 1, 5, (double[]){0.5, 0.5 - 1.35, 0, 2.7, 50});
+    check_data("base", 0, 4, 2, (double[]){-8.5, 0, -5.5, 0, -2.5, 0, 0.5, 4});
     leave();
 }
 

@@ -11,7 +11,7 @@
 /* A cell of a table holds no spaces. */
 static void print_cell(FILE *out, const char *text)
 {
-    for (char last = 0; *text; last = *text++)
+    for (char last = ' '; *text; last = *text++)
         if (*text != ' ')
             fputc(*text, out);
         else if (last != ',')

@@ -57,7 +57,7 @@ static int help_width(void)
     const char *columns = getenv("COLUMNS");
     long width = columns ? strtol(columns, NULL, 10) : 0;
     if (width <= 0 && ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0) width = size.ws_col;
-    return width <= 0 ? 80 : width < 60 ? 60 : width > 110 ? 110 : (int)width;
+    return width <= 0 ? 80 : (int)fmin(fmax((double)width, 60.0), 110.0);
 }
 
 /* Words of a text from column `at` on, further lines from column `indent` on. */

@@ -243,7 +243,7 @@ rp_status rp_stiffness_update(rp_stiffness *m, bool add, size_t n_bonds, const r
     p[n_bonds] = at;
     const bool good = cholmod_sort(C, &m->common) && cholmod_updown(add, C, m->L, &m->common);
     cholmod_free_sparse(&C, &m->common);
-    if (!good && m->common.status == CHOLMOD_OUT_OF_MEMORY) return no_memory(m->n);
+    if (!good) return no_memory(m->n);
     read_pivots(m, pivots);
     return RP_OK;
 }

@@ -194,7 +194,7 @@ static rp_status add_wall(const config_setting_t *setting, const dem_wall *wall,
 static rp_status normalise(const config_setting_t *setting, double v[2])
 {
     const double length = hypot(v[0], v[1]);
-    if (!(length > 0.0)) return rp_config_fail(setting, "direction = [%g, %g]: must not be 0", v[0], v[1]);
+    if (!(length > 0.0)) return rp_config_fail(setting, "direction = [0, 0]: must not be 0");
     if (fabs(length - 1.0) < 1e-9) return RP_OK;
     v[0] /= length, v[1] /= length;
     return RP_OK;

@@ -409,7 +409,7 @@ rp_status sweep_box_tilt(sweep_box_run *run, bool box, double rate_deg, double *
                          double *energy_deg)
 {
     const double sway_deg = 0.5, most_deg = 60.0;
-    const long every = (long)fmin(10.0, fmax(1.0, 0.01 / rate_deg));
+    const long every = (long)fmin(10.0, 0.01 / rate_deg);
     struct {
         double turned, sway;
         bool moves, is_fast;

@@ -1,4 +1,5 @@
 /* Tables of a static pile; see pile.h. */
+#include <gsl/gsl_statistics_double.h>
 #include <math.h>
 #include <stdlib.h>
 
@@ -30,8 +31,7 @@ void sweep_pile_notes(const sweep_solved *s, FILE *out)
     rp_table_note(out, "wells", "%zu, %zu of them %s", r->wells, r->broken,
                   s->p->set_again ? "set anew" : "broken");
     rp_table_note(out, "solver", "%zu steps, %zu factorisations", r->steps, r->factored);
-    double most = 0;
-    for (size_t i = 0; !r->fault && i < r->wells; i++) most = fmax(most, s->N[i]);
+    const double most = r->fault ? 0 : gsl_stats_max(s->N, 1, r->wells);
     rp_table_note(out, "sinks", "%.3g sigma at most", r->eps * most);
     rp_table_note(out, "N_error", "%.3g rms, %.3g at most, relative to diagonals alone", s->N_error_rms,
                   s->N_error_max);

@@ -475,7 +475,6 @@ static rp_status run_all(pool *p)
                            ? RP_OK
                            : rp_fail(RP_NO_MEMORY, "workers: out of memory");
     for (size_t i = 0; p->workers && i < p->n_workers; i++) p->workers[i].socket = -1;
-    for (size_t i = 0; !status && i < p->n_workers; i++) status = start_worker(p, &p->workers[i]);
     show(p);
     while (!status && p->finished < p->n_todo) {
         for (size_t i = 0; !status && i < p->n_workers; i++) status = hand_out(p, &p->workers[i]);

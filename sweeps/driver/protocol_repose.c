@@ -304,8 +304,7 @@ static rp_status tilt_at_rate(experiment *e)
 static rp_status tilt_quasi_static(experiment *e)
 {
     const double step_deg = 0.1, most_deg = 60.0;
-    const long steps =
-        lround(step_deg / e->p->tilt_rate_deg) > 0 ? lround(step_deg / e->p->tilt_rate_deg) : 1;
+    const long steps = lround(step_deg / e->p->tilt_rate_deg);
     enum { TO_TURN, TURNS, WAITS };
     struct {
         double turned;

@@ -170,7 +170,7 @@ static rp_status tilt_to_rest(void *data)
     rp_status status = SWEEP_ENTER(e->box.keep, now) ? read_forces(e, 0.0) : RP_OK;
     for (; now.k < N_TILTS && !status; now.k++) {
         const double step_deg = tilts_deg[now.k] - tilts_deg[now.k - 1];
-        const long steps = (long)fmax(1.0, round(step_deg / e->p->tilt_rate_deg));
+        const long steps = lround(step_deg / e->p->tilt_rate_deg);
         bool moved = false;
         if (!now.waits) {
             dem_gravity_turn(e->box.sim, step_deg / (double)steps * (M_PI / 180.0));
