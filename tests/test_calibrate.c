@@ -865,6 +865,15 @@ static void test_offset(void)
     CHECK_NEAR(r[1][0].solutions[0].upper - r[0][0].solutions[0].upper, 1000.0, 2e-9);
     CHECK_NEAR(r[1][0].value - r[0][0].value, 1000.0, search_error);
     CHECK_NEAR(r[1][0].se, r[0][0].se, search_error);
+    /* in a unit a thousand times as large */
+    stats_calibration c;
+    start(1, 1);
+    for (int g = 0; g < 6; g++) add_four(1e-4 * g, 0.0, 10.0 + 2.0 * g, 1.0);
+    CHECK_OK(stats_calibration_fit(&piles, &c));
+    CHECK_OK(stats_calibration_invert(&c, &(stats_measured){{15.0}, {0.5}}, r[1]));
+    stats_calibration_free(&c);
+    CHECK_NEAR(1e3 * r[1][0].solutions[0].lower, r[0][0].solutions[0].lower, 2e-9);
+    CHECK_NEAR(1e3 * r[1][0].solutions[0].upper, r[0][0].solutions[0].upper, 2e-9);
 }
 
 /* A parabola turns below the range, above it, or just within: the first two rise or fall throughout. */

@@ -801,6 +801,24 @@ static void test_compare(void)
         CHECK_NEAR(cell(&t_more, g, "theta_rt_deg"), g == 0 ? 7.0 : g == 1 ? 13.25 : 17.0, 1e-12);
     }
     rp_table_free(&t_more);
+    /* the word is that of the first form that is not ok */
+    const char *first_word = "ok";
+    char found[4][32];
+    write_text("more.tsv",
+               "# mu\ttheta_r3_deg\ttheta_t_displacement_deg\tstatus\n0.4\t4\t5\tok\n0.4\t6\t7\tok\n");
+    for (size_t f = 0; f < 4; f++) {
+        GOOD("angle tilt --mu 0.4 --theta-r-deg 5 --phi-deg 74 --form %s", forms[f]);
+        rp_table tilt = read_table("out");
+        snprintf(found[f], sizeof found[f], "%s", word(&tilt, 0, "status"));
+        rp_table_free(&tilt);
+    }
+    for (size_t f = 4; f-- > 0;)
+        if (strcmp(found[f], "ok") != 0) first_word = found[f];
+    CU_ASSERT(strcmp(found[0], "ok") == 0 && strcmp(first_word, "ok") != 0);
+    GOOD("angle compare more.tsv --bootstrap 10 --phi-deg 74");
+    t_more = read_table("out");
+    CU_ASSERT_STRING_EQUAL(word(&t_more, 0, "status"), first_word);
+    rp_table_free(&t_more);
     leave();
 }
 
