@@ -1983,6 +1983,28 @@ static void test_stopped(void)
     leave();
 }
 
+/* A folder is of one scene: a change of any particle is another. Gravity of 9.8 in any direction is warned
+ * of. */
+static void test_run_scene(void)
+{
+    enter();
+    for (int k = -1; k < 3; k++) {
+        const double x[] = {1.0 + (k == 0), 4.0 + (k == 1), 7.0 + (k == 2)};
+        write_text("s.cfg",
+                   "steps = 2; particles = ( { x = %g; y = 5.0; r = 0.1; }, { x = %g; y = 5.0; r = 0.1; },\n"
+                   "                         { x = %g; y = 5.0; r = 0.1; } );\n",
+                   x[0], x[1], x[2]);
+        CU_ASSERT((run("run s.cfg -o d --quiet") == 0) == (k < 0));
+        CU_ASSERT(k < 0 || strstr(err, "d: ") != NULL);
+    }
+    for (int k = 0; k < 3; k++) {
+        static const char *const gravity[] = {"0.0, -9.8", "-9.8, 0.0", "-5.0, -5.0"};
+        CU_ASSERT(run("run s.cfg --quiet --set 'gravity=[%s]'", gravity[k]) == 0);
+        CU_ASSERT((strstr(err, "g = 9.8 among values in cm") != NULL) == (k < 2));
+    }
+    leave();
+}
+
 /* Frames and snapshots come at multiples of their own intervals. */
 static void test_run_intervals(void)
 {
@@ -2208,6 +2230,7 @@ void suite_cli(void)
                                        {"folders with other results", test_folders},
                                        {"run: energy grows without damping", test_energy_growth},
                                        {"run: intervals", test_run_intervals},
+                                       {"run: a folder of one scene", test_run_scene},
                                        {"sweep: no damping", test_undamped_sweep},
                                        {"sweep: limits of a run", test_limits},
                                        {"sweep: stopped, 75", test_stopped},
