@@ -649,6 +649,26 @@ static void test_within_limits(void)
     clean();
 }
 
+/* All workers that are busy end their runs when a drive is stopped. */
+static void interrupt(const sweep_progress *p, void *context)
+{
+    size_t *calls = context;
+    if (p->planned == 4 && ++*calls == 1) raise(SIGINT);
+}
+
+static void test_stop_of_all(void)
+{
+    size_t calls = 0;
+    sweep_counts c;
+    fresh("protocol = \"toy\"; replicas = 4; fixed = { mode = \"sleep\"; };");
+    CHECK_OK(prepare(NULL));
+    const sweep_options o = {.workers = 2, .watch = interrupt, .context = &calls};
+    CHECK_FAILS(sweep_run(dir, toys, &o, &c), RP_STOPPED, "stopped: 2 of 4 stored");
+    CHECK_OK(sweep_status(dir, toys, &c));
+    CU_ASSERT_EQUAL(c.stored, 2);
+    clean();
+}
+
 /* A snapshot that a killed drive left goes once all runs are stored. */
 static void test_left_snapshots(void)
 {
@@ -1539,6 +1559,7 @@ void suite_sweep(void)
                                        {"failed drives", test_failed_drives},
                                        {"within limits of time", test_within_limits},
                                        {"snapshots that are left", test_left_snapshots},
+                                       {"stop of all workers", test_stop_of_all},
                                        {"kept variables", test_keep},
                                        {"limits of kept variables", test_keep_limits},
                                        {"lock", test_lock},
