@@ -610,9 +610,10 @@ static void test_crash(void)
     CU_ASSERT(sql_number(KEPT) == 7);
     clean();
     /* an error of the protocol, in contrast, stops the sweep; stored runs stay */
-    fresh("protocol = \"toy\"; replicas = 6; piles = \"shared\"; grid = { mode = [\"break\"]; };");
+    fresh("protocol = \"toy\"; replicas = 6; piles = \"shared\"; fixed = { mode = \"break\"; };\n"
+          "grid = { x = [0.5, 1.5, 2.5, 3.5]; };");
     CHECK_OK(prepare(NULL));
-    CHECK_FAILS(run(1, NULL), RP_BROKEN, "run 3 (mode = break): planted failure");
+    CHECK_FAILS(run(1, NULL), RP_BROKEN, "run 3 (x = 0.5): planted failure");
     CHECK_OK(sweep_status(dir, toys, &c));
     CU_ASSERT(c.stored == 3);
     clean();
