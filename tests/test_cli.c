@@ -4,6 +4,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "analytic/analytic.h"
 #include "angle/angle.h"
 #include "cli/cli.h"
 #include "dem/scene.h"
@@ -543,6 +544,23 @@ static void test_broken_output(void)
 
 /* ---- values ---- */
 
+/* The largest force and that in the middle, by the library. */
+static void check_tent(const rp_table *t, size_t row, double outer, double inner)
+{
+    an_point v[5];
+    an_profile tent;
+    an_force middle;
+    double x, most;
+    CHECK_OK(an_tent(outer, inner, 0.38, v));
+    CHECK_OK(an_profile_set(&tent, v, 5));
+    CHECK_OK(an_profile_largest(&tent, &x, &most));
+    CHECK_OK(an_profile_force(&tent, 0.5, &middle));
+    CHECK_NEAR(fabs(cell(t, row, "x_most/B") - 0.5), fabs(x - 0.5), FORM_TOLERANCE); /* two peaks are alike */
+    CHECK_NEAR(cell(t, row, "N_most/(chi*g*B)"), most, FORM_TOLERANCE);
+    CHECK_NEAR(cell(t, row, "N_middle/(chi*g*B)"), middle.N, FORM_TOLERANCE);
+    CHECK_NEAR(cell(t, row, "dip"), 1.0 - middle.N / most, FORM_TOLERANCE);
+}
+
 static void test_static_models(void)
 {
     enter();
@@ -593,6 +611,8 @@ static void test_static_models(void)
         const double outer = cell(&t, i, "outer_deg"), inner = cell(&t, i, "inner_deg");
         const double dip = cell(&t, i, "dip");
         CU_ASSERT(dip > -1e-12 && dip < 1.0 && (inner > outer || dip < 1e-12));
+        CU_ASSERT(outer == 1.0 + (double)(i / 59) && inner == 1.0 + (double)(i % 59));
+        if (i % 97 == 0) check_tent(&t, i, outer * deg, inner * deg);
         if (outer == 30 && inner == 45) {
             CHECK_NEAR(dip, 0.08, 0.005);
             CHECK_NEAR(cell(&t, i, "N_middle/(chi*g*B)"), 0.25, FORM_TOLERANCE);

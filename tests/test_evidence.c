@@ -286,14 +286,20 @@ static void test_section(void)
     /* one failed run, and a number of one sample */
     write_text("claims.tsv",
                CLAIMS "one\t-\tlh\tfigure 9\ts\tagrees\t20\t0.9\t1\t9\tmeans k=1 a\t-\t-\tfirst\t-\n"
-                      "two\t-\tlh\tfigure 9\ts\tagrees\t20\t0.8\t-\t9\tmeans k=1 a\t-\t-\tsecond\t-\n");
+                      "two\t-\tlh\tfigure 9\ts\tagrees\t20\t0.8\t-\t9\tmeans k=1 a\t-\t-\tsecond\t-\n"
+                      "three\t-\tlh\tfigure 9\ts\tabove\t-\t-\t-\t-\tmore k=1 a\t0\t-\tthird\t-\n"
+                      "four\t-\tlh\tfigure 9\ts\tabove\t-\t-\t-\t-\tmore_fit k=1 a\t0\t-\tfourth\t-\n");
+    write_text("more.tsv", SWEEP "2 of 9 (overlap 2)\n# k\ta\ta_se\n1\t3\t1\n");
+    write_text("more_fit.tsv", "# k\ta\ta_se\n1\t3\t1\n");
     write_text("means.tsv", SWEEP "1 of 15 (no_pile 1)\n# k\tn\ta_mean\ta_se\ta_n\n1\t100\t21.5\t1\t12\n");
     write_text("in.md", "{{claims s}}\n{{failures all}}\n");
     GOOD("report in.md --tables . --claims claims.tsv");
     CU_ASSERT_PTR_NOT_NULL(strstr(out, "| 20 ± 0.9 (1) | 21.5 ± 1.0 | 12; 1 of 15 failed |"));
     CU_ASSERT_PTR_NOT_NULL(strstr(out, "| 20 ± 0.8 | 21.5 ± 1.0 | 12; 1 of 15 failed |"));
-    const char *failures = strstr(out, "\n| `means` | 1 of 15 (no_pile 1) |\n"); /* of both claims one line */
-    CU_ASSERT(failures && !strstr(failures + 1, "\n| `means`"));
+    /* a line for each sweep, and no other */
+    static const char lines[] =
+        "failed | reproduced |\n| `means` | 1 of 15 (no_pile 1) |\n| `more` | 2 of 9 (overlap 2) |\n";
+    CU_ASSERT_STRING_EQUAL(out + strlen(out) - strlen(lines), lines);
     /* blanks between the brackets do not count */
     write_text("in.md",
                "{{ value  means k=1  a }}; {{  cell means k=1 a_mean %%.2f}}; {{ note means failed }}\n");
@@ -333,11 +339,28 @@ static void test_references(void)
         CU_ASSERT(strncmp(out, cases[i].value, 1) == 0 && out[1] == '\n');
     }
     /* the error is that of the mean or of the number, never the scatter */
-    write_text("t.tsv",
-               "# k\ta_mean\ta_sd\ta_se\tb_deg\tb_sd_deg\tb_se_deg\tc\n1\t20\t5\t1\t30\t6\t0.2\t7\n");
-    write_text("in.md", "{{value t k=1 a}}, {{value t k=1 b_deg}}, {{value t k=1 c}}\n");
+    static const char filled[] = "20.0 ± 1.0, 30.00 ± 0.20, 40.00 ± 0.30, 7; 7 7.0 7.12 7.12346 7.1 ok\n| 1 "
+                                 "| 7.0 | 20.0 ± 1.0 |\nbeside\n";
+    write_text("t.tsv", "# k\ta_mean\ta_sd\ta_se\tb_deg\tb_sd_deg\tb_se_deg\td_deg\td_deg_se\tc\te\tf\n"
+                        "1\t20\t5\t1\t30\t6\t0.2\t40\t0.3\t7\t7.123456\tok\n");
+    write_text("in.md", "{{value t k=1 a}}, {{value t k=1 b_deg}}, {{value t k=1 d_deg}}, {{value t k=1 c}}; "
+                        "{{cell t k=1 c}} {{cell t k=1 c %%.1f}} {{cell t k=1 e}} {{cell t k=1 e %%.6g}} "
+                        "{{cell t k=1 e %%.1f}} "
+                        "{{cell t k=1 f}}\n{{rows t | k c:%%.1f a:+-}}\n{{include part.txt}}");
+    write_text("part.txt", "beside\n");
     GOOD("report in.md --tables . --claims claims.tsv");
-    CU_ASSERT_STRING_EQUAL(out, "20.0 ± 1.0, 30.00 ± 0.20, 7\n");
+    CU_ASSERT_STRING_EQUAL(out, filled);
+    /* from another folder, by the folder of data */
+    CU_ASSERT_EQUAL(
+        shell("mkdir sub && cd sub && REPOSE_DATA=.. \"$REPOSE\" report ../in.md --tables . --claims "
+              "../claims.tsv >../out 2>../err"),
+        0);
+    CU_ASSERT_STRING_EQUAL(out, filled);
+    static const char *const formats[] = {"%.3fx", "%g", "%.17g", "%.3d", "%.3", "%3.f", "x%.3f"};
+    for (size_t k = 0; k < sizeof formats / sizeof *formats; k++) {
+        write_text("in.md", "{{cell t k=1 e %s%s}}\n", *formats[k] == '%' ? "" : "%", formats[k]);
+        FAILS(65, "a format such as %.3g or %.0f expected", "report in.md --tables . --claims claims.tsv");
+    }
     leave();
 }
 
@@ -404,6 +427,20 @@ static void test_needs(void)
     }
     write_claim("order", "-", "2", "t v", "-", "why");
     FAILS(65, "test order needs a published number", ASK);
+    /* every column but that of families */
+    static const char *const columns[] = {
+        "id",      "of",     "paper", "place",  "section", "test",      "published", "published_se",
+        "samples", "margin", NULL,    "answer", "against", "forensics", "statement", "note"};
+    write_claim("agrees", "20", "2", "t v", "1", "why");
+    for (int k = 0; k < 16; k++) {
+        char line[128], message[64];
+        snprintf(line, sizeof line, "sed 's/^# //' claims.tsv | cut --complement -f %d >less.tsv", k + 1);
+        snprintf(message, sizeof message, "less.tsv: no column \"%s\"", columns[k] ? columns[k] : "");
+        CU_ASSERT_EQUAL(shell(line), 0);
+        const int status = run("claims --claims less.tsv --tables .");
+        CU_ASSERT(columns[k] ? failed(__FILE__, __LINE__, status, 65, message)
+                             : good(__FILE__, __LINE__, status));
+    }
     leave();
 }
 

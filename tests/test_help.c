@@ -278,6 +278,45 @@ static void test_room(void)
     }
 }
 
+/* How many arguments go with a synopsis, and options that take no value. */
+static void test_arguments(void)
+{
+    static const struct {
+        const char *synopsis;
+        bool fits[3]; /* none, one, two */
+    } cases[] = {{"[options]", {true, false, false}},      {"--flag", {true, false, false}},
+                 {"FILE [--flag]", {false, true, false}},  {"FILE... [--flag]", {false, true, true}},
+                 {"[FILE] [--flag]", {true, true, false}}, {"[FILE...] [--flag]", {true, true, true}}};
+    static const rp_param rows[] = {{"flag", "", RP_BOOL, 0, "false", "", "a flag", false},
+                                    {"x", "", RP_INT, 8, "1", "[0, 9]", "a number", false},
+                                    {0}};
+    char name[] = "few", one[] = "one", flag[] = "--flag", wrong[] = "--flag=3", letter[] = "-y",
+         both[] = "-x3";
+    cli_command c = {.name = name, .protocol = rows, .act = nothing};
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++)
+        for (int n = 0; n < 3; n++) {
+            char *line[] = {name, one, one, NULL};
+            c.synopsis = cases[k].synopsis;
+            line[n + 1] = NULL;
+            const rp_status status = cli_run(&c, n + 1, line);
+            CU_ASSERT_EQUAL(status, cases[k].fits[n] ? RP_OK : RP_USAGE);
+            if (status)
+                CU_ASSERT(strstr(rp_message(), "usage: repose few ") && strstr(rp_message(), c.synopsis));
+            CU_ASSERT_PTR_EQUAL(cli_argument(0), n > 0 ? line[1] : NULL);
+            CU_ASSERT_PTR_EQUAL(cli_argument(1), n > 1 ? line[2] : NULL);
+            CU_ASSERT_PTR_EQUAL(cli_arguments()[0], line[1]);
+        }
+    c.synopsis = "[options]";
+    CHECK_OK(cli_run(&c, 2, (char *[]){name, flag, NULL}));
+    CU_ASSERT(cli_given("flag") && !cli_given("x"));
+    CHECK_OK(cli_run(&c, 2, (char *[]){name, both, NULL}));
+    CU_ASSERT(!cli_given("flag") && cli_given("x"));
+    CHECK_FAILS(cli_run(&c, 2, (char *[]){name, wrong, NULL}), RP_USAGE,
+                "unknown option --flag=3 (did you mean --flag?)");
+    CHECK_FAILS(cli_run(&c, 2, (char *[]){name, letter, NULL}), RP_USAGE,
+                "unknown option -y; see repose few --help");
+}
+
 /* ---- manual pages ---- */
 
 /* The next line of a page is a request and this text: troff has \- for a dash, \e for a backslash, and \&
@@ -627,6 +666,7 @@ void suite_help(void)
                                        {"orders that help says", test_orders},
                                        {"commands on several processors", test_parallel},
                                        {"room for options", test_room},
+                                       {"arguments", test_arguments},
                                        {"pages of the manual", test_pages},
                                        {"completion, line by line", test_completion},
                                        {"lists of parameters", test_params},

@@ -235,6 +235,20 @@ static void test_oblique_changes(void)
     }
 }
 
+/* Sticking until the normal force no longer holds the spring, so shortly before the end that the spring
+ * swings by three quarters: then the slip still changes by the impulse that is left. */
+static void test_oblique_end(void)
+{
+    const double a = 3.5, W = 1.5, mu = 500.0, v = 0.3, limit = a * mu / (W * W);
+    double lo = M_PI - 1e-3, hi = M_PI;
+    for (int k = 0; k < 100; k++) {
+        const double t = 0.5 * (lo + hi);
+        *(fabs(v / W * sin(W * t)) > limit * sin(t) ? &hi : &lo) = t;
+    }
+    CU_ASSERT(hi > M_PI - 3e-4 && hi < M_PI - 2e-4);
+    CHECK_NEAR(oblique_left(a, W * W / a, mu, 1.0, v), v * cos(W * hi) + a * mu * (cos(hi) + 1.0), 1e-10);
+}
+
 /* ---- scenes of the tests ---- */
 
 /* Any difference in any bit of a state is one. */
@@ -390,6 +404,8 @@ void suite_helpers(void)
                                        {"tables of cases", test_case_tables},
                                        {"oblique impact", test_oblique},
                                        {"oblique impact: slides, sticks, slides", test_oblique_changes},
+                                       {"oblique impact: slides at the end", test_oblique_end},
+                                       {"oblique impact: slides at the end", test_oblique_end},
                                        {"same bits", test_same_bits},
                                        {"wrong pairs", test_wrong_pairs},
                                        {"solved pile", test_solved_pile},

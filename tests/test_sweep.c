@@ -26,7 +26,7 @@
 #include "tests/folder.h"
 
 /* The toy protocol: y = x + k + noise from the stream of the run. */
-enum { PLAIN, SLOW, CRASH, HALF_NO_PILE, BREAK, TAKE };
+enum { PLAIN, SLOW, CRASH, HALF_NO_PILE, BREAK, TAKE, SLEEP };
 typedef struct {
     double x, mass;
     long k;
@@ -41,7 +41,7 @@ static const rp_param toy_schema[] = {
     {"k", "", RP_INT, offsetof(toy, k), "3", "[0, 100] | auto", "second shift"},
     {"odd", "", RP_BOOL, offsetof(toy, odd), "false", "", "not used"},
     {"mode", "", RP_CHOICE, offsetof(toy, mode), "plain",
-     "plain | slow | crash | half_no_pile | break | take", "conduct"},
+     "plain | slow | crash | half_no_pile | break | take | sleep", "conduct"},
     {"picks", "", RP_FLAGS, offsetof(toy, picks), "", "red | green", "not used"},
     {0}};
 
@@ -88,6 +88,7 @@ static rp_status toy_run(const void *params, unsigned long seed, unsigned long r
     while (p->mode == SLOW && hold && *hold && run >= 10) usleep(1000);
     if (p->mode == CRASH && run % 3 == 1 && !calm) abort();
     if (p->mode == HALF_NO_PILE && run % 2) snprintf(result->status, sizeof result->status, "no_pile");
+    if (p->mode == SLEEP) usleep(500000);
     if (p->mode == TAKE) return take_memory((size_t)p->k * 1000000, result);
     return p->mode == BREAK && run == 3 ? rp_fail(RP_BROKEN, "planted failure") : RP_OK;
 }
@@ -635,6 +636,41 @@ static void test_limits(void)
         CU_ASSERT(fails || sql_number("SELECT count(*) FROM runs WHERE y_deg = 1") == 4);
         clean();
     }
+}
+
+/* A run that is shorter than the limits of time is no failure, nor one that waits for a while. */
+static void test_within_limits(void)
+{
+    sweep_counts c;
+    fresh("protocol = \"toy\"; replicas = 2; fixed = { mode = \"sleep\"; };");
+    CHECK_OK(prepare(NULL));
+    CHECK_OK(sweep_run(dir, toys, &(sweep_options){.workers = 2, .time = 1.2, .patience = 1.2}, &c));
+    CU_ASSERT(c.stored == 2 && c.failed == 0);
+    clean();
+}
+
+/* A snapshot that a killed drive left goes once all runs are stored. */
+static void test_left_snapshots(void)
+{
+    char path[160];
+    fresh("protocol = \"toy\"; replicas = 4; fixed = { mode = \"crash\"; }; piles = \"shared\";");
+    CHECK_OK(prepare(NULL));
+    snprintf(path, sizeof path, "%s/snapshots", dir);
+    mkdir(path, 0777);
+    for (int done = 0; done < 2; done++) {
+        for (int i = 0; i < 3; i++) {
+            snprintf(path, sizeof path, "%s/snapshots/%d", dir, i);
+            file_write(path, "", 0);
+        }
+        calm = done;
+        CU_ASSERT(run(1, NULL) == (done ? RP_OK : RP_NO_RESULT));
+        for (int i = 0; i < 3; i++) {
+            snprintf(path, sizeof path, "%s/snapshots/%d", dir, i);
+            CU_ASSERT((access(path, F_OK) != 0) == done);
+        }
+    }
+    calm = false;
+    clean();
 }
 
 static rp_status toy_fingerprint(char digits[33])
@@ -1495,6 +1531,8 @@ void suite_sweep(void)
                                        {"bad folders and stores", test_bad_folders},
                                        {"limits of memory, and open files", test_limits},
                                        {"failed drives", test_failed_drives},
+                                       {"within limits of time", test_within_limits},
+                                       {"snapshots that are left", test_left_snapshots},
                                        {"kept variables", test_keep},
                                        {"limits of kept variables", test_keep_limits},
                                        {"lock", test_lock},

@@ -271,7 +271,7 @@ static void implicit(void)
         dem_box_walls(&def, 3.6, &def.material);
         if (k == 2) def.ground = (dem_ground){.wall = 1, .mu_static = 0.4, .a = 0.01, .set = DEM_WELL_TOUCH};
         def.ledger = true;
-        check(&def, 0, 150, NULL);
+        check(&def, 0, 400, NULL);
     }
 }
 

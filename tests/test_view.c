@@ -746,6 +746,10 @@ static void test_bins(void)
                "# units: 1\t1\t1\t1\tN\t1\nx\ty\tx_b\ty_b\tnormal_force\twall\n0\t1\t0\t0\t6\t1\n");
     CU_ASSERT_EQUAL(tell(". -o a.png --base --cell 3"), 0);
     CU_ASSERT(is_told("set ylabel \"pressure\" noenhanced\nset xlabel \"x\" noenhanced\n"));
+    CU_ASSERT(is_told("title \"normal force 6 N\"\n"));
+    write_text("contacts.tsv", "# units: m\tm\tm\tm\tmN\nx\ty\tx_b\ty_b\tforce\n0\t1\t0\t0\t6\n");
+    CU_ASSERT_EQUAL(tell(". -o a.png"), 0);
+    CU_ASSERT(is_told("title \"normal force 6 mN\"\n"));
     write_pile();
     /* without a cell, as many bins as are nearest to three mean diameters: 7 m by 7 m */
     CU_ASSERT_EQUAL(tell(". -o a.png --base"), 0);
@@ -847,7 +851,7 @@ static void test_clipped(void)
 /* Stages of a run by their steps, whatever their names; a stage without rows is none. */
 static void test_stages(void)
 {
-    static const char *const names[] = {"a", "b", "c", "d"};
+    static const char *const names[] = {"a", "b", "d"};
     static const int order[] = {9, 1, 5};
     enter();
     CU_ASSERT(shell("mkdir d >out 2>err") == 0);
@@ -858,7 +862,7 @@ static void test_stages(void)
         snprintf(name, sizeof name, "d/%s_contacts.tsv", names[k]);
         write_text(name, "step\tx\ty\tx_b\ty_b\tforce\n%d\t%d\t0\t%d\t2\t%d\n", order[k], k, k, 1 + k);
     }
-    write_text("d/d_grains.tsv", "step\tx\ty\tr\n");
+    write_text("d/c_grains.tsv", "step\tx\ty\tr\n");
     CU_ASSERT_EQUAL(tell("d -o a.gif"), 0);
     static const double x[] = {1, 2, 0}, class[] = {12, 12, 6}; /* of a force of 2 */
     for (size_t k = 0; k < 3; k++) {

@@ -34,7 +34,7 @@ double oblique_left(double a, double kappa, double mu, double v_n, double v_s)
     motion m = {a, sqrt(a * kappa), v_n, mu, mu * v_n / kappa, .sign = copysign(1.0, v_s), .v = v_s};
     m.slides = fabs(v_s) > m.spring_max;
     double ds = 0.0, v = v_s;
-    for (int k = 1; k < scan; k++) {
+    for (int k = 1; k <= scan; k++) {
         double lo = pi * (k - 1) / scan, hi = pi * k / scan;
         if (lo < m.t) lo = m.t;
         if (!follow(&m, hi, &ds, &v)) continue;

@@ -53,7 +53,7 @@ typedef struct {
 static bool is_file(const char *path)
 {
     struct stat s;
-    return *path && stat(path, &s) == 0 && S_ISREG(s.st_mode);
+    return stat(path, &s) == 0 && S_ISREG(s.st_mode);
 }
 
 /* The table `name` in place of the last `length` characters of `path`; empty where there is none. */

@@ -118,7 +118,8 @@ rp_status sweep_store_unite(sweep_store *s, const sweep_plan *plan, size_t n, ch
         if (!status) status = detached;
     }
     if (!status && !same) status = sweep_store_number(s, plan, NULL);
-    if (!status && !same) status = sweep_store_make_runs(s, "temp", plan->protocol); /* its index again */
+    if (!status)
+        status = sweep_store_make_runs(s, "temp", plan->protocol); /* its index, unless it is there */
     if (!status) status = sweep_sql_number(s, "SELECT count(*) FROM temp.runs WHERE run IS NULL", &foreign);
     found->foreign = (size_t)foreign;
     return status;

@@ -425,7 +425,7 @@ static rp_status relax(drop *d)
 static double side_slope(const drop *d, double sign, an_point highest)
 {
     enum { COLUMNS = 400 };
-    double top[COLUMNS] = {0.0}, x[COLUMNS], intercept, slope, covariance[3], squares;
+    double top[COLUMNS] = {0.0}, x[COLUMNS], intercept, slope, unused;
     size_t n = 0;
     for (size_t i = 0; i < d->n; i++) {
         const double along = sign * (d->states[i].x - highest.x);
@@ -439,8 +439,7 @@ static double side_slope(const drop *d, double sign, an_point highest)
         x[n] = k + 0.5;
         top[n++] = top[k]; /* n <= k */
     }
-    gsl_fit_linear(x, 1, top, 1, n, &intercept, &slope, &covariance[0], &covariance[1], &covariance[2],
-                   &squares);
+    gsl_fit_linear(x, 1, top, 1, n, &intercept, &slope, &unused, &unused, &unused, &unused);
     return -sweep_degrees(atan(slope));
 }
 
