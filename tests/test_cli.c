@@ -721,6 +721,27 @@ static void test_outline(void)
     FAILS(65, "outline.csv:2: r = 0: out of range", "angle slope outline.csv --width 5");
 }
 
+/* The help of a group lists its commands in the order of what one does first. */
+static void test_group_order(void)
+{
+    static const char *const groups[][12] = {
+        {"angle", "marginal", "tilt", "slope", "compare", "phi"},
+        {"stats", "fit", "trend", "size", "predict", "maximum", "oscillation", "threshold", "cost", "select"},
+        {"stress", "field", "base", "dip", "critical"}};
+    enter();
+    for (size_t g = 0; g < 3; g++) {
+        const char *at = out;
+        GOOD("%s --help", groups[g][0]);
+        for (int k = 1; groups[g][k]; k++) {
+            char name[64];
+            snprintf(name, sizeof name, "\n  %s ", groups[g][k]);
+            at = strstr(at, name);
+            CU_ASSERT_PTR_NOT_NULL_FATAL(at);
+        }
+    }
+    leave();
+}
+
 /* A pile drawn with a ruler, and points on a line. */
 static void test_angle_tables(void)
 {
@@ -2003,6 +2024,28 @@ static void test_stopped(void)
     leave();
 }
 
+/* A folder is of one scene: a change of any particle is another. Gravity of 9.8 in any direction is warned
+ * of. */
+static void test_run_scene(void)
+{
+    enter();
+    for (int k = -1; k < 3; k++) {
+        const double x[] = {1.0 + (k == 0), 4.0 + (k == 1), 7.0 + (k == 2)};
+        write_text("s.cfg",
+                   "steps = 2; particles = ( { x = %g; y = 5.0; r = 0.1; }, { x = %g; y = 5.0; r = 0.1; },\n"
+                   "                         { x = %g; y = 5.0; r = 0.1; } );\n",
+                   x[0], x[1], x[2]);
+        CU_ASSERT((run("run s.cfg -o d --quiet") == 0) == (k < 0));
+        CU_ASSERT(k < 0 || strstr(err, "d: ") != NULL);
+    }
+    for (int k = 0; k < 3; k++) {
+        static const char *const gravity[] = {"0.0, -9.8", "-9.8, 0.0", "-5.0, -5.0"};
+        CU_ASSERT(run("run s.cfg --quiet --set 'gravity=[%s]'", gravity[k]) == 0);
+        CU_ASSERT((strstr(err, "g = 9.8 among values in cm") != NULL) == (k < 2));
+    }
+    leave();
+}
+
 /* Frames and snapshots come at multiples of their own intervals. */
 static void test_run_intervals(void)
 {
@@ -2018,12 +2061,14 @@ static void test_run_intervals(void)
 
 /* The growth that the warning names: mean energy of the last 16 of 64 samples less that of the first 16, over
  * the largest kinetic and elastic energy, from the table of energies. */
-static void check_growth(void)
+static void check_growth(int every)
 {
     char expected[64];
     double first = 0.0, last = 0.0, most = 0.0;
-    CU_ASSERT(run("run s.cfg --set steps=6400 --every 100 -o d") == 0);
-    rp_table t = read_table("d/energy.tsv");
+    CU_ASSERT(run("run s.cfg --set steps=%d --every %d -o d%d", 64 * every, every, every) == 0);
+    char name[32];
+    snprintf(name, sizeof name, "d%d/energy.tsv", every);
+    rp_table t = read_table(name);
     CU_ASSERT_EQUAL(t.n_rows, 65);
     for (size_t i = 1; i < t.n_rows; i++) {
         const double moving = cell(&t, i, "kinetic") + cell(&t, i, "elastic");
@@ -2051,7 +2096,8 @@ static void test_energy_growth(void)
     CU_ASSERT(strstr(out, "\n# warning: energy grew by ") != NULL);
     GOOD("run s.cfg --set dt=2e-5");
     GOOD("run s.cfg --set normal.gamma_n=50");
-    check_growth();
+    check_growth(100);
+    check_growth(800);
     /* runs that are too short, and what takes or gives energy or grains */
     static const char *const silent[] = {"steps=6399",
                                          "gravity_turn_deg_per_step=1e-12",
@@ -2200,6 +2246,7 @@ void suite_cli(void)
                                        {"broken output: 74", test_broken_output},
                                        {"lattice, continuum, tent", test_static_models},
                                        {"angle marginal, tilt", test_angles},
+                                       {"order of a group's commands", test_group_order},
                                        {"angle slope, phi; stats fit, maximum", test_angle_tables},
                                        {"stress field, base, critical", test_stress_tables},
                                        {"claims", test_claims},
@@ -2228,6 +2275,7 @@ void suite_cli(void)
                                        {"folders with other results", test_folders},
                                        {"run: energy grows without damping", test_energy_growth},
                                        {"run: intervals", test_run_intervals},
+                                       {"run: a folder of one scene", test_run_scene},
                                        {"sweep: no damping", test_undamped_sweep},
                                        {"sweep: limits of a run", test_limits},
                                        {"sweep: stopped, 75", test_stopped},

@@ -649,6 +649,26 @@ static void test_within_limits(void)
     clean();
 }
 
+/* All workers that are busy end their runs when a drive is stopped. */
+static void interrupt(const sweep_progress *p, void *context)
+{
+    size_t *calls = context;
+    if (p->planned == 4 && ++*calls == 1) raise(SIGINT);
+}
+
+static void test_stop_of_all(void)
+{
+    size_t calls = 0;
+    sweep_counts c;
+    fresh("protocol = \"toy\"; replicas = 4; fixed = { mode = \"sleep\"; };");
+    CHECK_OK(prepare(NULL));
+    const sweep_options o = {.workers = 2, .watch = interrupt, .context = &calls};
+    CHECK_FAILS(sweep_run(dir, toys, &o, &c), RP_STOPPED, "stopped: 2 of 4 stored");
+    CHECK_OK(sweep_status(dir, toys, &c));
+    CU_ASSERT_EQUAL(c.stored, 2);
+    clean();
+}
+
 /* A snapshot that a killed drive left goes once all runs are stored. */
 static void test_left_snapshots(void)
 {
@@ -1238,15 +1258,21 @@ static void test_salvage_gaps(void)
     fresh("protocol = \"toy\"; replicas = 6; fixed = { x = 2.385; };");
     CHECK_OK(prepare(NULL));
     CHECK_OK(run(1, NULL));
-    sql("UPDATE runs SET rowid = rowid + 15000 WHERE rowid > 2; UPDATE runs SET rowid = rowid + 15000 WHERE "
-        "rowid > 15004");
-    CHECK_OK(sweep_salvage(dir, toys, &n));
-    CU_ASSERT_EQUAL(n, 6);
+    static const struct {
+        const char *gap;
+        size_t rows;
+    } cases[] = {{"UPDATE runs SET rowid = rowid + 15000 WHERE rowid > 2;"
+                  "UPDATE runs SET rowid = rowid + 15000 WHERE rowid > 15004",
+                  6},
+                 {"UPDATE runs SET rowid = rowid + 19998 WHERE rowid > 4", 6},
+                 {"UPDATE runs SET rowid = rowid + 19999 WHERE rowid > 4", 4}}; /* no page holds as many */
     snprintf(kept, sizeof kept, "%s/damaged.sqlite", dir);
-    unlink(kept);
-    sql("UPDATE runs SET rowid = rowid + 20000 WHERE rowid > 4"); /* no page holds as many rows */
-    CHECK_OK(sweep_salvage(dir, toys, &n));
-    CU_ASSERT_EQUAL(n, 4);
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        sql(cases[k].gap);
+        CHECK_OK(sweep_salvage(dir, toys, &n));
+        CU_ASSERT_EQUAL(n, cases[k].rows);
+        unlink(kept);
+    }
     clean();
 }
 
@@ -1533,6 +1559,7 @@ void suite_sweep(void)
                                        {"failed drives", test_failed_drives},
                                        {"within limits of time", test_within_limits},
                                        {"snapshots that are left", test_left_snapshots},
+                                       {"stop of all workers", test_stop_of_all},
                                        {"kept variables", test_keep},
                                        {"limits of kept variables", test_keep_limits},
                                        {"lock", test_lock},

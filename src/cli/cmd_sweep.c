@@ -2,6 +2,7 @@
 
 #include <errno.h>
 #include <glob.h>
+#include <signal.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -253,7 +254,7 @@ static rp_status make_table(const sweep_table *table, const char *tables)
 {
     char path[4096];
     FILE *out;
-    int code = 0;
+    int code = SIGKILL; /* unless it has ended by itself */
     snprintf(path, sizeof path, "%s/%s.tsv", tables, table->name);
     rp_status status = rp_file_open(path, &out);
     if (status) return status;
@@ -261,7 +262,7 @@ static rp_status make_table(const sweep_table *table, const char *tables)
     if (child == 0) become(table->command, tables, out);
     while (child > 0 && waitpid(child, &code, 0) < 0 && errno == EINTR) {
     }
-    if (child < 0 || !WIFEXITED(code))
+    if (!WIFEXITED(code))
         status = rp_fail(RP_STOPPED, "%s: repose %s: stopped", table->name, table->command);
     else if (WEXITSTATUS(code) > RP_NO_RESULT)
         status = rp_fail((rp_status)WEXITSTATUS(code), "%s: repose %s: exit status %d", table->name,

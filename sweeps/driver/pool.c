@@ -123,8 +123,10 @@ static void limit_memory(double mb)
 {
     double pages = 0.0;
     FILE *in = fopen("/proc/self/statm", "r");
-    if (in && fscanf(in, "%*s %*s %*s %*s %*s %lf", &pages) != 1) pages = 0.0;
-    if (in) fclose(in);
+    if (in) {
+        (void)!fscanf(in, "%*s %*s %*s %*s %*s %lf", &pages);
+        fclose(in);
+    }
     const rlim_t most = (rlim_t)(pages * (double)sysconf(_SC_PAGESIZE) + 1e6 * mb);
     setrlimit(RLIMIT_DATA, &(struct rlimit){most, most});
 }

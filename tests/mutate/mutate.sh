@@ -63,13 +63,13 @@ suites_of() {
     sweeps/driver/pile_tables.c) echo tables notes piles cli ;;
     src/stress/dip.c) echo stress piles drop evidence ;;
     src/stress/*) echo stress drop piles columns ;;
-    src/dem/implicit.c) echo midpoint implicit dem ;;
-    src/dem/verlet.c) echo dem removal threads motion rotation soft hard laws walls golden ;;
-    src/dem/ledger.c) echo ledger walls ;;
-    src/dem/observe.c) echo soft rotation motion stress scene golden dem ;;
-    src/dem/removal.c) echo removal dem ;;
+    src/dem/implicit.c) echo midpoint implicit dem units ;;
+    src/dem/verlet.c) echo units dem removal threads motion rotation soft hard laws walls golden ;;
+    src/dem/ledger.c) echo units ledger walls ;;
+    src/dem/observe.c) echo units soft rotation motion stress scene golden dem ;;
+    src/dem/removal.c) echo removal dem units ;;
     src/dem/definition.c | src/dem/limits.c | src/dem/gravity.c | src/dem/step.c | src/dem/sim.c)
-        echo scene walls golden motion hard soft rotation dem laws ;;
+        echo units scene walls golden motion hard soft rotation dem laws ;;
     sweeps/driver/groups.c) echo forensics ;;
     sweeps/driver/keep.c) echo sweep snapshot ;;
     sweeps/driver/pool.c | sweeps/driver/sweep.c) echo sweep drill notes tables evidence cli snapshot ;;
@@ -79,8 +79,8 @@ suites_of() {
     sweeps/driver/protocol_*) suite=${1#*_} && echo "${suite%.c}" golden columns snapshot ;;
     sweeps/driver/box.c) echo repose stress flux golden keys columns snapshot ;;
     sweeps/driver/*) echo sweep notes tables evidence cli ;;
-    src/dem/walls.c) echo walls scene tables contacts incline rotation golden ledger ;;
-    *) echo soft property rotation incline contacts published motion hard walls golden scene dem laws ;;
+    src/dem/walls.c) echo units walls scene tables contacts incline rotation golden ledger ;;
+    *) echo units soft property rotation incline contacts published motion hard walls golden scene dem laws ;;
     esac
 }
 
