@@ -252,6 +252,11 @@ static void test_dump_files(void)
             DUMP("0", "0", "ENTRIES", "0") "id_a id_b x y x_b y_b normal_force limit\n" DUMP(
                 "0.25", "10", "ENTRIES", "2") "id_a id_b x y x_b y_b normal_force limit\n3 7 2.5 0.5 1.5 "
                                               "0.75 12 inf\n3 0 2.5 0.5 2.25 -0.5 11 4\n");
+    /* contacts go to a file beside a file alone */
+    GOOD("export d --to lammps");
+    CU_ASSERT(shell("ls | grep contacts >out") == 0 && strcmp(out, "a.contacts.dump\n") == 0);
+    GOOD("export d/states.tsv --to lammps -o b.dump");
+    CU_ASSERT(shell("cmp a.dump b.dump >out && ! test -e b.contacts.dump") == 0);
     GOOD("export d --to xyz");
     file_is("out",
             "2\nProperties=id:I:1:pos:R:3:radius:R:1:mass:R:1:velo:R:3:force:R:3:omega:R:1:contacts:R:1 "
@@ -378,6 +383,9 @@ static void test_text_files(void)
     GOOD("export bare.txt --to json");
     file_is("out", "{\"notes\": {},\n\"units\": {\n \"1\": \"1\",\n \"2\": \"1\"\n},\n\"rows\": [\n"
                    "{\"1\": 1, \"2\": 2},\n{\"1\": 3, \"2\": 4}\n]}\n");
+    write_text("bare.txt", "# a: b\nx\n7\n");
+    GOOD("export bare.txt --to json");
+    CU_ASSERT_PTR_NOT_NULL(strstr(out, "{\"notes\": {\n \"a\": \"b\"\n},"));
     write_text("bare.txt", "# a: b\n7\n");
     GOOD("export bare.txt --to json");
     CU_ASSERT_PTR_NOT_NULL(strstr(out, "{\"notes\": {\n \"a\": \"b\"\n},"));
