@@ -699,31 +699,59 @@ static void test_blocking(void)
     gsl_rng_free(rng);
 }
 
-/* The first blocks whose length to the third is above twice the values times the squared ratio of variances;
- * what is no whole block is left out at the end. */
-static void test_blocking_by_hand(void)
+/* The first blocks whose length to the third is above twice the values times the squared ratio of variances,
+ * of four blocks at least; what is no whole block is left out at the end. */
+static void check_blocking(size_t n, const double v[])
 {
-    enum { N = 205 };
-    double v[N], work[N], mean[N];
-    gsl_rng *rng = rp_random_alloc(13, 0, RP_PURPOSE_TEST);
+    enum { MOST = 512 };
+    double work[MOST], mean[MOST];
     stats_series b;
-    autoregressive(rng, 0.5, N, v);
-    gsl_rng_free(rng);
-    CHECK_OK(stats_blocking(N, v, work, &b));
-    CHECK_NEAR(b.mean, gsl_stats_mean(v, 1, N), tight);
-    CHECK_NEAR(b.sd, gsl_stats_sd(v, 1, N), tight);
-    for (size_t length = 1, found = 0; !found; length *= 2) {
-        const size_t blocks = N / length;
+    const rp_status status = stats_blocking(n, v, work, &b);
+    CHECK_NEAR(b.mean, gsl_stats_mean(v, 1, n), tight);
+    CHECK_NEAR(b.sd, gsl_stats_sd(v, 1, n), tight);
+    for (size_t length = 1; n / length >= 4; length *= 2) {
+        const size_t blocks = n / length;
         for (size_t i = 0; i < blocks; i++) mean[i] = gsl_stats_mean(v + i * length, 1, length);
         const double se = gsl_stats_sd(mean, 1, blocks) / sqrt((double)blocks),
-                     ratio = pow(se * sqrt(N) / b.sd, 2.0);
-        found = pow((double)length, 3.0) > 2.0 * N * ratio * ratio;
-        if (!found) continue;
-        CU_ASSERT(b.n == N && b.block == length && length > 4 && N % length != 0);
+                     ratio = pow(se / b.sd, 2.0) * (double)n;
+        if (pow((double)length, 3.0) <= 2.0 * (double)n * ratio * ratio) continue;
+        CU_ASSERT(status == RP_OK && b.n == n && b.block == length);
         CHECK_NEAR(b.se, se, tight);
         CHECK_NEAR(b.se_error, se / sqrt(2.0 * ((double)blocks - 1.0)), tight);
         CHECK_NEAR(b.tau, 0.5 * ratio, 1e2 * tight);
+        return;
     }
+    CU_ASSERT(status == RP_NO_RESULT && isnan(b.se));
+}
+
+/* The cut of at most half of the series after which its scatter over its length is least; none if that is
+ * half. */
+static void check_level_off(size_t n, const double v[])
+{
+    size_t from, best = 0;
+    double least = INFINITY;
+    for (size_t i = 0; i <= n / 2; i++) {
+        const double kept = (double)(n - i), scatter = gsl_stats_tss(v + i, 1, n - i) / (kept * kept);
+        if (scatter < least) best = i, least = scatter;
+    }
+    const rp_status status = stats_level_off(n, v, &from);
+    CU_ASSERT(status == (best < n / 2 ? RP_OK : RP_NO_RESULT) && from == best);
+}
+
+static void test_series_by_hand(void)
+{
+    enum { MOST = 512, SERIES = 400 };
+    double v[MOST];
+    gsl_rng *rng = rp_random_alloc(13, 0, RP_PURPOSE_TEST);
+    for (int k = 0; k < SERIES; k++) {
+        const size_t n = 4 + gsl_rng_uniform_int(rng, k % 2 ? 40 : MOST - 4), rise = n * (size_t)(k % 7) / 10;
+        autoregressive(rng, 0.9 * gsl_rng_uniform(rng), n, v);
+        for (size_t i = 0; i < n; i++) v[i] *= 0.05;
+        check_blocking(n, v);
+        for (size_t i = 0; i < rise; i++) v[i] -= 0.3 * (1.0 - (double)i / (double)rise);
+        check_level_off(n, v);
+    }
+    gsl_rng_free(rng);
 }
 
 static void test_blocking_small(void)
@@ -1234,7 +1262,7 @@ void suite_angle(void)
         {"cell of points", test_cell_of_points},
         {"line fit", test_line_fit},
         {"blocking of correlated series", test_blocking},
-        {"blocking: by hand", test_blocking_by_hand},
+        {"series: blocks and transients by hand", test_series_by_hand},
         {"blocking: short and constant series", test_blocking_small},
         {"end of the transient of a series", test_level_off},
         {"expected maximum", test_expected_maximum},

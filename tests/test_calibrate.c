@@ -679,6 +679,106 @@ static void test_planted(void)
     gsl_rng_free(rng);
 }
 
+/* Two parameters and angles: of each point its own parameters, means of the piles that have the angle, and
+ * their scatter over the root of that number; a parameter is covered if its own interval holds it. */
+static void test_planted_planes(void)
+{
+    stats_case cases[4];
+    stats_calibration c;
+    size_t n;
+    start(2, 2);
+    for (int i = 0; i < 48; i++) {
+        const double x = 0.1 + 0.2 * (i / 12), y = 0.15 * (i / 4 % 3);
+        add(x, y, 3.0 + 25.0 * x + 20.0 * y + (i % 2 ? 0.5 : -0.5),
+            1.0 + 30.0 * x - 14.0 * y + (i / 2 % 2 ? 0.3 : -0.3));
+    }
+    CHECK_OK(stats_calibration_fit(&piles, &c));
+    start(2, 2);
+    static const double at[2][2] = {{0.31, 0.11}, {0.47, 0.21}};
+    for (int i = 0; i < 10;
+         i++) { /* of the first point three piles lack the second angle; the second is shifted */
+        const double *x = at[i / 5], shift = i / 5 ? 3.0 : 0.0;
+        add(x[0], x[1], 3.0 + 25.0 * x[0] + 20.0 * x[1] + 0.1 * (i % 5 - 2) + shift,
+            i > 1 && i < 5 ? NAN : 1.0 + 30.0 * x[0] - 14.0 * x[1] + 1.2 * shift);
+    }
+    CHECK_OK(stats_calibration_planted(&c, &piles, 4, cases, &n));
+    CU_ASSERT_FATAL(n == 2);
+    for (size_t k = 0; k < 2; k++) {
+        const double shift = k ? 3.0 : 0.0, number[2] = {5.0, k ? 5.0 : 2.0};
+        stats_calibrated r[STATS_MAX_PARAMS];
+        for (size_t a = 0; a < 2; a++) {
+            const double angle = a ? 1.0 + 30.0 * at[k][0] - 14.0 * at[k][1] + 1.2 * shift
+                                   : 3.0 + 25.0 * at[k][0] + 20.0 * at[k][1] + shift;
+            CHECK_NEAR(cases[k].measured.angle[a], angle, 1e-12);
+            CHECK_NEAR(cases[k].measured.error[a], stats_calibration_sd(&c, a, at[k]) / sqrt(number[a]),
+                       1e-12);
+        }
+        CHECK_OK(stats_calibration_invert(&c, &cases[k].measured, r));
+        for (size_t p = 0; p < 2; p++) {
+            CHECK_NEAR(cases[k].truth[p], at[k][p], 0.0);
+            CHECK_NEAR(cases[k].found[p].value, r[p].value, 0.0);
+            CU_ASSERT(cases[k].covered[p] ==
+                      !(at[k][p] < r[p].solutions[0].lower || at[k][p] > r[p].solutions[0].upper));
+        }
+    }
+    /* 25 dx + 20 dy = 3 and 30 dx - 14 dy = 3.6: the first parameter is off by 0.12, the second is not */
+    CU_ASSERT(cases[0].covered[0] && cases[0].covered[1] && !cases[1].covered[0] && cases[1].covered[1]);
+    CHECK_OK(stats_calibration_planted(&c, &piles, 1, cases, &n)); /* room for one */
+    CU_ASSERT(n == 1);
+    static const double off[4][2] = {{0.09, 0.1}, {0.71, 0.1}, {0.3, -0.01}, {0.3, 0.31}};
+    for (int k = 0; k < 4; k++) {
+        start(2, 2);
+        add(off[k][0], off[k][1], 10.0, 10.0);
+        CHECK_FAILS(stats_calibration_planted(&c, &piles, 1, cases, &n), RP_BAD_INPUT,
+                    "out of the response's range");
+    }
+    stats_calibration_free(&c);
+}
+
+/* The same halves as the library's: at each point the piles are shuffled, and the first, the third and so on
+ * are fitted; a point of the others is measured. */
+static void test_halves(void)
+{
+    enum { POINTS = 6, EACH = 7, N = POINTS * EACH, HELD = 3 };
+    stats_case cases[HELD];
+    size_t pile[N];
+    double half[N];
+    start(1, 1);
+    for (int i = 0; i < N; i++)
+        add(0.1 + 0.1 * (i / EACH), 0.0, 5.0 + 40.0 * (i / EACH) * 0.1 + 0.3 * ((i * 11) % 7) + 0.01 * i,
+            0.0),
+            pile[i] = (size_t)i;
+    const stats_ensemble all = piles;
+    gsl_rng *rng = rp_random_alloc(66, 0, RP_PURPOSE_TEST), *same = gsl_rng_clone(rng);
+    CHECK_OK(stats_calibration_holdout(&all, HELD, rng, cases));
+    for (int k = 0; k < HELD; k++) {
+        double sum[POINTS] = {0.0};
+        for (size_t g = 0; g < POINTS; g++) {
+            gsl_ran_shuffle(same, pile + g * EACH, EACH, sizeof *pile);
+            for (size_t i = 0; i < EACH; i++) {
+                const size_t j = pile[g * EACH + i];
+                half[j] = i % 2 ? NAN : all.angle[0][j];
+                if (i % 2) sum[g] += all.angle[0][j] / 3.0;
+            }
+        }
+        const size_t g = gsl_rng_uniform_int(same, POINTS);
+        const double x = all.x[0][g * EACH];
+        stats_ensemble fitted = all;
+        stats_calibration c;
+        stats_calibrated r[STATS_MAX_PARAMS];
+        fitted.angle[0] = half;
+        CHECK_OK(stats_calibration_fit(&fitted, &c));
+        CHECK_NEAR(cases[k].truth[0], x, 0.0);
+        CHECK_NEAR(cases[k].measured.angle[0], sum[g], 1e-12);
+        CHECK_NEAR(cases[k].measured.error[0], stats_calibration_sd(&c, 0, &x) / sqrt(3.0), 1e-12);
+        CHECK_OK(stats_calibration_invert(&c, &cases[k].measured, r));
+        CHECK_NEAR(cases[k].found[0].se, r[0].se, 1e-12);
+        stats_calibration_free(&c);
+    }
+    gsl_rng_free(rng);
+    gsl_rng_free(same);
+}
+
 /* Three piles a point, the second angle of two of them: a half with both angles exists only by chance. A case
  * is a point that the other half has whole, and where there is none, or no pile at all, the message says so.
  */
@@ -765,6 +865,15 @@ static void test_offset(void)
     CHECK_NEAR(r[1][0].solutions[0].upper - r[0][0].solutions[0].upper, 1000.0, 2e-9);
     CHECK_NEAR(r[1][0].value - r[0][0].value, 1000.0, search_error);
     CHECK_NEAR(r[1][0].se, r[0][0].se, search_error);
+    /* in a unit a thousand times as large */
+    stats_calibration c;
+    start(1, 1);
+    for (int g = 0; g < 6; g++) add_four(1e-4 * g, 0.0, 10.0 + 2.0 * g, 1.0);
+    CHECK_OK(stats_calibration_fit(&piles, &c));
+    CHECK_OK(stats_calibration_invert(&c, &(stats_measured){{15.0}, {0.5}}, r[1]));
+    stats_calibration_free(&c);
+    CHECK_NEAR(1e3 * r[1][0].solutions[0].lower, r[0][0].solutions[0].lower, 2e-9);
+    CHECK_NEAR(1e3 * r[1][0].solutions[0].upper, r[0][0].solutions[0].upper, 2e-9);
 }
 
 /* A parabola turns below the range, above it, or just within: the first two rise or fall throughout. */
@@ -909,6 +1018,8 @@ void suite_calibrate(void)
                                        {"random tables", test_random_tables},
                                        {"coverage", test_coverage},
                                        {"planted and held-out piles", test_planted},
+                                       {"planted planes", test_planted_planes},
+                                       {"halves of piles, by hand", test_halves},
                                        {"held-out piles that lack an angle", test_holdout},
                                        {"fully correlated angles", test_full_correlation},
                                        {"terms that a number of points allows", test_terms_of_points},

@@ -721,6 +721,27 @@ static void test_outline(void)
     FAILS(65, "outline.csv:2: r = 0: out of range", "angle slope outline.csv --width 5");
 }
 
+/* The help of a group lists its commands in the order of what one does first. */
+static void test_group_order(void)
+{
+    static const char *const groups[][12] = {
+        {"angle", "marginal", "tilt", "slope", "compare", "phi"},
+        {"stats", "fit", "trend", "size", "predict", "maximum", "oscillation", "threshold", "cost", "select"},
+        {"stress", "field", "base", "dip", "critical"}};
+    enter();
+    for (size_t g = 0; g < 3; g++) {
+        const char *at = out;
+        GOOD("%s --help", groups[g][0]);
+        for (int k = 1; groups[g][k]; k++) {
+            char name[64];
+            snprintf(name, sizeof name, "\n  %s ", groups[g][k]);
+            at = strstr(at, name);
+            CU_ASSERT_PTR_NOT_NULL_FATAL(at);
+        }
+    }
+    leave();
+}
+
 /* A pile drawn with a ruler, and points on a line. */
 static void test_angle_tables(void)
 {
@@ -2245,6 +2266,7 @@ void suite_cli(void)
                                        {"broken output: 74", test_broken_output},
                                        {"lattice, continuum, tent", test_static_models},
                                        {"angle marginal, tilt", test_angles},
+                                       {"order of a group's commands", test_group_order},
                                        {"angle slope, phi; stats fit, maximum", test_angle_tables},
                                        {"stress field, base, critical", test_stress_tables},
                                        {"claims", test_claims},

@@ -227,6 +227,40 @@ static void test_leave_out(void)
     }
 }
 
+/* Where an emulator of values with a standard deviation of 0.8 starts, of five inputs, three of them numbers.
+ * A fit ends where the evidence falls as fast as the log-normal prior about the start rises, whose width
+ * is 1. */
+static void test_start(void)
+{
+    for (stats_kernel kernel = 0; kernel < STATS_KERNELS; kernel++) {
+        const stats_inputs in = make_inputs(N, 9);
+        const bool smooth = kernel == STATS_SMOOTH;
+        const double start[] = {log(0.4 / sqrt(5.0)),
+                                smooth ? log(0.56) : log(0.08),
+                                log(0.16),
+                                log(2.0),
+                                log(2.0),
+                                log(2.0),
+                                log(0.3),
+                                log(0.3)};
+        double gradient[STATS_HYPERS + REALS + FACTORS], evidence, moved = 0.0;
+        stats_emulator e;
+        CHECK_OK(stats_emulator_make(kernel, &in, data.variance, 0.8, &e));
+        CU_ASSERT(e.n_hyper == (smooth ? 8 : 3));
+        CHECK_NEAR(e.constant, 8.0, 1e-14);
+        for (size_t p = 0; p < e.n_hyper; p++) CHECK_NEAR(e.hyper[p], start[p], 1e-14);
+        CHECK_OK(stats_emulator_fit(&e, data.y, N));
+        CHECK_OK(stats_emulator_evidence(&e, data.y, &evidence, gradient));
+        for (size_t p = 0; p < e.n_hyper; p++) {
+            CHECK_NEAR(gradient[p], e.hyper[p] - start[p],
+                       0.1); /* the search ends within 1e-3 of the maximum */
+            moved = fmax(moved, fabs(e.hyper[p] - start[p]));
+        }
+        CU_ASSERT(moved > 0.5 && moved < 4.0);
+        stats_emulator_free(&e);
+    }
+}
+
 /* A fit raises the evidence, finds the input that does nothing, and predicts: errors of what is left out are
  * little more than the noise, 0.22, of values that vary by 0.9. */
 static void test_fit(void)
@@ -320,6 +354,7 @@ void suite_emulator(void)
         {"kernels of factors are positive definite", test_factors_are_positive},
         {"evidence and its derivatives", test_evidence},
         {"a group left out, against an emulator without it", test_leave_out},
+        {"start of a fit, and its end", test_start},
         {"fit", test_fit},
         {"the better kernel", test_better_kernel},
         {"errors of emulators", test_errors},

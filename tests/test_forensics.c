@@ -554,6 +554,57 @@ static void test_command_errors(void)
     leave();
 }
 
+/* Points of the numbers, as the design prints them: each once, in the order of the claims but those held out,
+ * with the keys of the header; names that begin alike are different keys. */
+static void test_points(void)
+{
+    static const char *const claims[] = {"held theta_r1 slip=total",
+                                         "theta_r3",
+                                         "theta_r3 k_n=1e5",
+                                         "theta_r3 k_s=3e4 gamma_n=9",
+                                         "theta_r3 gamma_n=9 k_s=3e4",
+                                         "held theta_r2 k_n=1e5",
+                                         "held theta_r3 mu_roll=0.1 k_n=1e5"};
+    enum { N_CLAIMS = sizeof claims / sizeof *claims };
+    char text[8192] =
+        "# at: k_n=1e6 k_s=2e4 gamma_n=500 mu=0.2 mu_roll=0 slip=truncated\n# id\tof\tpaper\tplace\tsection\t"
+        "test\tpublished\tpublished_se\tsamples\tmargin\tfamily\tanswer\tagainst\tforensics\tstatement\t"
+        "note\n",
+         rows[8192] = "";
+    enter();
+    for (int k = 0; k < N_CLAIMS; k++)
+        snprintf(text + strlen(text), sizeof text - strlen(text),
+                 "c%d\t-\tlh\t-\tall\tagrees\t20\t0.3\t1\t2\t-\tt v\t-\t%s\ta\t-\n", k, claims[k]);
+    write_text("claims.tsv", "%s", text);
+    GOOD("forensics --design 3 --claims claims.tsv");
+    CU_ASSERT_PTR_NOT_NULL(strstr(out,
+                                  "    {\n"
+                                  "      k_n = ( 1e6, 1e5, 1e6, 1e6, 1e5 );\n"
+                                  "      k_s = ( 2e4, 2e4, 3e4, 2e4, 2e4 );\n"
+                                  "      gamma_n = ( 500, 500, 9, 500, 500 );\n"
+                                  "      mu = ( 0.2, 0.2, 0.2, 0.2, 0.2 );\n"
+                                  "      mu_roll = ( 0, 0, 0, 0, 0.1 );\n"
+                                  "      slip = ( \"truncated\", \"truncated\", \"truncated\", \"total\", "
+                                  "\"truncated\" );\n    }\n);\n"));
+    /* 24 numbers of four columns are the most */
+    *strstr(text, "c0\t") = '\0';
+    for (int k = 0; k < 25; k++) {
+        static const char *const columns[] = {"theta_r3", "held theta_r1", "held theta_r2",
+                                              "held theta_r3_top_zero"};
+        snprintf(rows + strlen(rows), sizeof rows - strlen(rows),
+                 "c%d\t-\tlh\t-\tall\tagrees\t20\t0.3\t1\t2\t-\tt v\t-\t%s mu=0.%d\ta\t-\n", k,
+                 columns[k % 4], k + 10);
+        if (k < 23) continue;
+        write_text("claims.tsv", "%s%s", text, rows);
+        if (k == 23) CU_ASSERT(run("forensics --design 2 --claims claims.tsv") == 0);
+        if (k == 24) FAILS(65, "at most 24 claims", "forensics --design 2 --claims claims.tsv");
+    }
+    write_text("claims.tsv", "%s%.*s%s", text, (int)(strstr(rows, "c4\t") - rows), rows,
+               "d\t-\tlh\t-\tall\tagrees\t20\t0.3\t1\t2\t-\tt v\t-\theld theta_x\ta\t-\n");
+    FAILS(65, "claim d: theta_x: at most 4 columns", "forensics --design 2 --claims claims.tsv");
+    leave();
+}
+
 /* The design of the study is what the command prints, and each of its settings is allowed. */
 static void test_study(void)
 {
@@ -602,6 +653,7 @@ void suite_forensics(void)
         {"header of the command", test_notes},
         {"runs that stop, by the command", test_stops},
         {"errors of the command", test_command_errors},
+        {"points of published numbers", test_points},
         {"the design of the study", test_study},
         {NULL, NULL},
     };

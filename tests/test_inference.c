@@ -68,6 +68,11 @@ static size_t found_of(size_t cell)
     return cell % 17 == 5 ? 0 : cell % 19 == 7 ? 1 : cell % 13 == 2 ? 2 : cell % 11 == 3 ? 3 : PILES;
 }
 
+static bool has_angle(size_t cell, size_t pile, size_t stem)
+{
+    return pile == 0 || cell % 23 != (stem ? 9 : 4);
+}
+
 /* Degrees, of a pile by a surface. */
 static double angle_of(size_t cell, size_t pile, size_t stem, size_t surface)
 {
@@ -77,6 +82,17 @@ static double angle_of(size_t cell, size_t pile, size_t stem, size_t surface)
            (double)level_of(0, setting) + 0.7 * (double)level_of(1, setting) + (point == 2 ? 3.0 : 0.0) +
            (stem ? 1.0 + 0.2 * b : 0.0) + 0.1 * s * cos(s + 2.0 * a + b) +
            0.3 * (double)((pile * 7 + cell * 3) % 5) + 0.05 * s * (double)(pile % 2);
+}
+
+/* The angles of a cell, radians, and how many there are: some piles with a result have no angle by one
+ * method. */
+static size_t values_of(size_t cell, size_t set, double values[PILES])
+{
+    const size_t stem = set / SURFACES, v = set % SURFACES;
+    size_t n = 0;
+    for (size_t pile = 0; pile < found_of(cell); pile++)
+        if (has_angle(cell, pile, stem)) values[n++] = angle_of(cell, pile, stem, stem ? v - v % 2 : v) * deg;
+    return n;
 }
 
 static void write_files(void)
@@ -96,7 +112,8 @@ static void write_files(void)
                 points[k].k_n, points[k].gamma_n, points[k].mu);
         for (size_t v = 0; v < SURFACES; v++) /* of method 1 no surface is of the parabola */
             for (size_t stem = 0; stem < STEMS; stem++)
-                fprintf(file, "\t%.17g", angle_of(cell, pile, stem, stem ? v - v % 2 : v));
+                fprintf(file, "\t%.17g",
+                        has_angle(cell, pile, stem) ? angle_of(cell, pile, stem, stem ? v - v % 2 : v) : NAN);
     }
     fputc('\n', file);
     fclose(file);
@@ -184,21 +201,20 @@ static void find_groups(void)
 /* Means of a cell with two results or more; the piles' variance is one for each point, by the first set. */
 static void find_means(void)
 {
-    double squares[POINTS] = {0.0}, dof[POINTS] = {0.0};
+    double squares[POINTS] = {0.0}, dof[POINTS] = {0.0}, number[CELLS], v[PILES];
     for (size_t set = 0; set < SETS; set++)
         for (size_t c = 0; c < CELLS; c++) {
-            const size_t n = found_of(c), stem = set / SURFACES, v = set % SURFACES;
+            const size_t n = values_of(c, set, v);
             double sum = 0.0;
-            for (size_t p = 0; p < n; p++) sum += angle_of(c, p, stem, stem ? v - v % 2 : v) * deg;
+            for (size_t p = 0; p < n; p++) sum += v[p];
             study.mean[set][c] = n > 1 ? sum / (double)n : NAN;
-            study.ok[c] = (double)n;
+            study.ok[c] = (double)found_of(c);
+            if (set == 0) number[c] = (double)n;
             if (set > 0 || n < 2) continue;
-            for (size_t p = 0; p < n; p++)
-                squares[c % POINTS] += pow(angle_of(c, p, 0, 0) * deg - study.mean[0][c], 2.0);
+            for (size_t p = 0; p < n; p++) squares[c % POINTS] += pow(v[p] - study.mean[0][c], 2.0);
             dof[c % POINTS] += (double)n - 1.0;
         }
-    for (size_t c = 0; c < CELLS; c++)
-        study.variance[c] = squares[c % POINTS] / dof[c % POINTS] / (double)found_of(c);
+    for (size_t c = 0; c < CELLS; c++) study.variance[c] = squares[c % POINTS] / dof[c % POINTS] / number[c];
 }
 
 typedef struct {
@@ -301,13 +317,16 @@ static void find_weights(double weights[SETS][CELLS], double centre[SETS])
 {
     double first = 0.0;
     for (size_t set = 0; set < SETS; set++) {
-        double y[CELLS], sum = 0.0;
+        double y[CELLS], sum = 0.0, with = 0.0;
         size_t n = 0;
         centre[set] = 0.0;
-        for (size_t c = 0; c < CELLS; c++)
-            if (!isnan(study.mean[0][c])) y[n++] = study.mean[set][c];
-        for (size_t i = 0; i < n; i++) centre[set] += y[i] / (double)n;
-        for (size_t i = 0; i < n; i++) y[i] -= centre[set];
+        for (size_t c = 0; c < CELLS; c++) {
+            if (isnan(study.mean[0][c])) continue;
+            y[n++] = study.mean[set][c];
+            if (!isnan(study.mean[set][c])) centre[set] += study.mean[set][c], with++;
+        }
+        centre[set] /= with;
+        for (size_t i = 0; i < n; i++) y[i] = isnan(y[i]) ? 0.0 : y[i] - centre[set];
         stats_emulator_weights(&angles.e, y, (double *)weights + set * n); /* one set after the other */
         for (size_t i = 0; i < n; i++) sum += y[i] * ((double *)weights)[set * n + i];
         if (set == 0) first = sum;
@@ -555,7 +574,7 @@ static void check_emulators(void)
     size_t without = 0;
     char line[256];
     for (size_t c = 0; c < CELLS; c++)
-        if (found_of(c) > 1)
+        if (!isnan(study.mean[0][c]))
             noise += study.variance[c], n++;
         else
             without++;

@@ -106,6 +106,29 @@ static void test_two_x(void)
     CU_ASSERT(t.n == 6);
 }
 
+/* Rows in another order have the same bits, paired or not. */
+static void test_order_of_rows(void)
+{
+    enum { ROWS = 24 };
+    size_t order[ROWS];
+    stats_trend first, t;
+    gsl_rng *rng = rp_random_alloc(5, 0, RP_PURPOSE_TEST);
+    double value[ROWS];
+    for (size_t i = 0; i < ROWS; i++) order[i] = i, value[i] = gsl_ran_gaussian(rng, 3.0);
+    for (int k = 0; k < 60; k++) {
+        double x[ROWS], y[ROWS], pile[ROWS];
+        for (size_t i = 0; i < ROWS; i++)
+            x[i] = 1.0 + (double)(order[i] % 3), y[i] = value[order[i]], pile[i] = (double)(order[i] / 3);
+        if (k % 30 == 0) CHECK_OK(stats_trend_fit(ROWS, x, y, k < 30 ? NULL : pile, 0.0, 1.0, &first));
+        CHECK_OK(stats_trend_fit(ROWS, x, y, k < 30 ? NULL : pile, 0.0, 1.0, &t));
+        CU_ASSERT(t.slope.value == first.slope.value && t.slope.se == first.slope.se && t.n == first.n);
+        CU_ASSERT(t.bend.value == first.bend.value && t.pair.value == first.pair.value &&
+                  t.p_pairs == first.p_pairs);
+        gsl_ran_shuffle(rng, order, ROWS, sizeof *order);
+    }
+    gsl_rng_free(rng);
+}
+
 /* TOST is equivalent to the 90 % interval. */
 static void test_tost_is_interval(void)
 {
@@ -357,7 +380,7 @@ static void test_limit_without_end(void)
         upper += isfinite(l.hi);
         n = plant_limit(rng, 18.3, 0.0, 1.0, x, y);
         CHECK_OK(stats_limit_fit(n, x, y, 0.0, &l));
-        constant += isinf(l.lo) && isinf(l.hi);
+        constant += isinf(l.lo) && isinf(l.hi) && isinf(l.exponent_hi) && l.exponent_lo == 0.0;
         CHECK_OK(stats_limit_fit(n, x, y, 0.5, &l));
         known += l.lo <= 18.3 && l.hi >= 18.3 && isfinite(l.lo) && isfinite(l.hi);
         CHECK_NEAR(l.se * gsl_cdf_tdist_Qinv(0.025, l.dof), fmax(l.hi - l.limit, l.limit - l.lo), sum_error);
@@ -424,6 +447,73 @@ static void test_limit_against_gsl(void)
     CHECK_OK(stats_limit_fit(n, x, y, 0.0, &l));
     CHECK_NEAR(l.p_value, 0.05, 1e-3);
     CHECK_NEAR(l.lo, 0.0, 1e-9);
+}
+
+/* Intervals by a second scan of the exponents: of the lines in x^-p whose chi2 is within t^2 of the least,
+ * and of that in log x, which has no limit; the chance of 0 by the line on which it costs least. */
+static void scan_limits(size_t n, const double x[], const double y[], double least_exponent,
+                        const stats_limit *l)
+{
+    enum { TRIED = 400 };
+    const double from = fmax(least_exponent, 0.005), dof = MOST_AT_SIZE - 11.0;
+    double mean[SIZES], weight[SIZES], u[SIZES], lo[2] = {INFINITY, INFINITY}, hi[2] = {-INFINITY, -INFINITY},
+                                                 ends[2] = {INFINITY, -INFINITY}, at_zero = INFINITY;
+    for (size_t j = 0, first = 0; j < SIZES; j++) {
+        stats_summary s;
+        CHECK_OK(stats_mean(MOST_AT_SIZE - 2 * j, y + first, &s));
+        first += MOST_AT_SIZE - 2 * j;
+        mean[j] = s.mean, weight[j] = 1.0 / (s.se * s.se);
+    }
+    for (int k = -1; k < TRIED; k++) { /* -1: the logarithm */
+        const double p = from * pow(8.0 / from, k / (TRIED - 1.0));
+        double c[2], cov[3], chi2;
+        if (k < 0 && least_exponent > 0.0) continue;
+        for (size_t j = 0; j < SIZES; j++) u[j] = k < 0 ? log(sizes[j]) : pow(sizes[j] / 2.0, -p);
+        gsl_fit_wlinear(u, 1, weight, 1, mean, 1, SIZES, &c[0], &c[1], &cov[0], &cov[1], &cov[2], &chi2);
+        if (k >= 0) at_zero = fmin(at_zero, chi2 + c[0] * c[0] / cov[0]);
+        for (int i = 0; i < 2; i++) {
+            const double spare = l->chi2 + pow(gsl_cdf_tdist_Qinv(i ? 0.025 : 0.05, dof), 2.0) - chi2;
+            if (spare < 0.0) continue;
+            const double middle = k < 0 ? c[1] : c[0], half = sqrt(spare * (k < 0 ? cov[2] : cov[0]));
+            lo[i] = fmin(lo[i], k >= 0 ? middle - half : middle - half < 0.0 ? -INFINITY : INFINITY);
+            hi[i] = fmax(hi[i], k >= 0 ? middle + half : middle + half > 0.0 ? INFINITY : -INFINITY);
+            if (i == 0) continue; /* the truth may lie up to the next exponent, which is refused */
+            ends[0] =
+                fmin(ends[0], k < 0 ? 0.0 : from * pow(8.0 / from, (k > 0 ? k - 1.0 : 0.0) / (TRIED - 1.0)));
+            if (k >= 0)
+                ends[1] = fmax(ends[1],
+                               k == TRIED - 1 ? INFINITY : from * pow(8.0 / from, (k + 1.0) / (TRIED - 1.0)));
+        }
+    }
+    const double found[] = {l->lo90, l->hi90, l->lo, l->hi, l->exponent_lo, l->exponent_hi},
+                 expected[] = {lo[0], hi[0], lo[1], hi[1], ends[0], ends[1]};
+    for (int i = 0; i < 6; i++)
+        if (isfinite(expected[i]))
+            CHECK_NEAR(found[i], expected[i], 1e-8 * (1.0 + fabs(expected[i])));
+        else
+            CU_ASSERT(found[i] == expected[i]);
+    CHECK_NEAR(l->p_value, 2.0 * gsl_cdf_tdist_Q(sqrt(fmax(0.0, at_zero - l->chi2)), dof), 1e-9);
+    CU_ASSERT(l->n == n && x[0] == l->from);
+}
+
+static void test_limit_by_hand(void)
+{
+    static const struct {
+        double limit, c, exponent, least_exponent;
+    } cases[] = {{18.3, 14.0, 1.0, 0.0},  {18.3, 14.0, 2.0, 0.0}, {18.3, 9.0, 0.5, 0.0},
+                 {18.3, -2.0, 0.0, 0.0},  {18.3, 0.3, 0.0, 0.0},  {18.3, 0.0, 1.0, 0.0},
+                 {0.5, 1.0, 1.0, 0.5},    {18.3, 14.0, 7.0, 0.0}, {-0.2, 4.0, 1.0, 0.0},
+                 {18.3, 14.0, 0.5, 0.499}};
+    double x[SIZES * MOST_AT_SIZE], y[SIZES * MOST_AT_SIZE];
+    gsl_rng *rng = rp_random_alloc(1993, 44, RP_PURPOSE_TEST);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
+        for (int k = 0; k < 4; k++) {
+            stats_limit l;
+            const size_t n = plant_limit(rng, cases[i].limit, cases[i].c, cases[i].exponent, x, y);
+            CHECK_OK(stats_limit_fit(n, x, y, cases[i].least_exponent, &l));
+            scan_limits(n, x, y, cases[i].least_exponent, &l);
+        }
+    gsl_rng_free(rng);
 }
 
 static void test_limit_errors(void)
@@ -575,6 +665,12 @@ static void test_oscillation_errors(void)
     }
     gsl_rng_free(rng);
     CHECK_OK(stats_oscillation_fit(VALUES, t, y, &f));
+    double later[VALUES]; /* the same long before 0 */
+    stats_oscillation same;
+    for (int i = 0; i < VALUES; i++) later[i] = t[i] - 50.0;
+    CHECK_OK(stats_oscillation_fit(VALUES, later, y, &same));
+    CHECK_NEAR(same.frequency, f.frequency, 1e-6);
+    CHECK_NEAR(same.share, f.share, 1e-9);
     gsl_matrix *terms = gsl_matrix_alloc(VALUES, TERMS), *cov = gsl_matrix_alloc(TERMS, TERMS);
     gsl_vector_view values = gsl_vector_view_array(y, VALUES);
     gsl_vector *c = gsl_vector_alloc(TERMS);
@@ -767,6 +863,7 @@ void suite_trend(void)
     static const check_case cases[] = {
         {"one value per x, against GSL", test_single_values},
         {"two x: Welch and paired", test_two_x},
+        {"order of rows", test_order_of_rows},
         {"TOST is an interval", test_tost_is_interval},
         {"planted trends: coverage, false alarms", test_coverage},
         {"largest pair", test_pairs},
@@ -785,6 +882,7 @@ void suite_trend(void)
         {"planted limits: coverage", test_limit_coverage},
         {"planted limits without an end", test_limit_without_end},
         {"limit against GSL's nonlinear fit", test_limit_against_gsl},
+        {"limits by a second scan", test_limit_by_hand},
         {"errors of limits", test_limit_errors},
         {"threshold", test_threshold},
         {"Pareto front", test_front},

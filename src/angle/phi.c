@@ -258,8 +258,7 @@ rp_status ang_phi_angles(const ang_piles *piles, ang_against against, size_t n, 
     stats_summary theta_r;
     rp_status status = stats_mean(piles->n, piles->theta_r, &theta_r);
     if (!status)
-        status = stats_paired(piles->n, piles->theta_t, marginal ? 1.0 : 0.0,
-                              marginal ? piles->theta_r : NULL, measured);
+        status = stats_paired(piles->n, piles->theta_t, 1.0, marginal ? piles->theta_r : NULL, measured);
     for (size_t k = 0; k < n && !status; k++) {
         ang_tilt_result tilt;
         status = ang_tilt(form, piles->mu, theta_r.mean, phi[k], &tilt);

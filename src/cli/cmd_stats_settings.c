@@ -122,7 +122,8 @@ const cli_command cmd_stats_cost = {
     "difference to the setting of the last row, on the same replicas; seconds: for a mean run, the\n"
     "least time of a step over all runs of one size times its steps; cost: sd^2 seconds; front: 1 where\n"
     "no other setting has both less cost and less bias. TABLE (- for standard input): one row a run,\n"
-    "columns replica, seconds, steps, status; rows whose status is not ok are left out.",
+    "columns replica, seconds, steps, status; rows whose status is not ok are left\n"
+    "out.",
     "repose stats cost build/tables/val_cost_runs.tsv -y theta_r3_deg --by W,dt,rest_energy --size W",
     cost_params,
     .on_table = cost_of_table};

@@ -65,7 +65,7 @@ stats_summary stats_pooled(size_t n, const stats_summary parts[])
 
 rp_status stats_mean(size_t n, const double v[], stats_summary *stats)
 {
-    return stats_paired(n, v, 0.0, NULL, stats);
+    return stats_paired(n, v, NAN, NULL, stats);
 }
 
 rp_status stats_expected_maximum(size_t n, const double v[], size_t draws, double work[], double *maximum)

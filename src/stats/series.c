@@ -43,8 +43,8 @@ rp_status stats_level_off(size_t n, const double v[], size_t *from)
     RP_TRY(stats_check_finite(n, v));
     if (n < LEAST_BLOCKS) return rp_fail(RP_NO_RESULT, "%zu values: at least %zu needed", n, LEAST_BLOCKS);
     /* from the end backwards, mean and scatter of what has been passed (Welford 1962) */
-    double mean = 0.0, squares = 0.0, least = INFINITY;
-    for (size_t i = n; i-- > 0;) {
+    double mean = v[n - 1], squares = 0.0, least = INFINITY;
+    for (size_t i = n - 1; i-- > 0;) {
         const double kept = (double)(n - i), d = v[i] - mean;
         mean += d / kept;
         squares += d * (v[i] - mean);

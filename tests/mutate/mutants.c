@@ -9,8 +9,9 @@
  * A comparison is turned round; with a whole number its limit is let in or out too, which among measured
  * numbers changes nothing. Of what writes and reads results two neighbours of a list change places, the words
  * of a choice, the sense of a query; of a figure a column becomes another, within `using`. Left alone:
- * comments, strings, messages of errors, the preprocessor, enumerations, named constants, sizes of memory and
- * what follows where it is short. Binary operators are known by the blanks that the format puts around them.
+ * comments, strings, help, messages of errors, the preprocessor, enumerations, named constants, sizes of
+ * memory and what follows where it is short. Binary operators are known by the blanks that the format puts
+ * around them.
  */
 #include <ctype.h>
 #include <regex.h>
@@ -22,6 +23,7 @@
 
 #define TYPE     "(double|size_t|long|int|bool|char|num|lanes|[a-z]+_[a-z_]+)"
 #define DECLARES "^([a-z]| *(static |const )*" TYPE " [*]?(const )?[][A-Za-z0-9_, ]+\\[)"
+#define HELP     "^ *\".*[\\]n\"" /* a line of a command's help */
 #define LEAVE                                                                                                \
     "alloc\\(|cli_memory\\(|no_memory\\(|RP_NO_MEMORY|static_assert|if \\((![a-z_>-]+ \\|\\| "               \
     ")+![a-z_>-]+\\)"
@@ -357,7 +359,7 @@ static void mutate_line(void)
     at_line.is_loop = strstr(code, "for (") != NULL;
     const bool declares = matches(DECLARES, code, NULL);
     const size_t declared = declares ? strcspn(code, "=") : 0; /* sizes up to there */
-    if (at_line.is_figure || at_line.is_result) mutate_text();
+    if (at_line.is_figure || (at_line.is_result && !matches(HELP, at_line.text, NULL))) mutate_text();
     for (size_t i = 0; i < sizeof changes / sizeof *changes; i++) {
         if (!(changes[i].where & (at_line.is_loop ? IN_LOOPS : ELSEWHERE))) continue;
         regmatch_t m;
