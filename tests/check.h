@@ -24,6 +24,7 @@
     X(suite_dem)                                                                                             \
     X(suite_threads)                                                                                         \
     X(suite_removal)                                                                                         \
+    X(suite_units)                                                                                           \
     X(suite_sizes)                                                                                           \
     X(suite_laws)                                                                                            \
     X(suite_motion)                                                                                          \

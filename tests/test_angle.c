@@ -1263,6 +1263,22 @@ static void test_phi_not_identified(void)
     CHECK_FAILS(ang_phi_fit(1, &piles, 20, rng, fit), RP_BAD_INPUT, "pile 1: theta_r");
     theta_r[0] = -M_PI_2;
     CHECK_FAILS(ang_phi_fit(1, &piles, 20, rng, fit), RP_BAD_INPUT, "pile 1: theta_r");
+    for (int k = 0; k < 4; k++) { /* a mean of 2e-4 rad is the least of either angle */
+        const double mean[2] = {k == 0   ? 1.9e-4
+                                : k == 1 ? 2.5e-4
+                                         : 0.1,
+                                k == 2   ? 1.9e-4
+                                : k == 3 ? 2.5e-4
+                                         : 0.1};
+        for (int i = 0; i < PHI_PILES; i++) {
+            theta_r[i] = mean[0] * (1.0 + 0.1 * (i % 3 - 1));
+            theta_t[i] = mean[1] * (1.0 + 0.1 * (i % 5 - 2));
+        }
+        if (k % 2)
+            CHECK_OK(ang_phi_fit(1, &piles, 2, rng, fit));
+        else
+            CHECK_FAILS(ang_phi_fit(1, &piles, 2, rng, fit), RP_NO_RESULT, "flat, or all piles the same");
+    }
     for (int i = 0; i < PHI_PILES; i++) theta_r[i] = theta_t[i] = 0.3;
     CHECK_FAILS(ang_phi_fit(1, &piles, 20, rng, fit), RP_NO_RESULT, "all piles the same");
     spread_out(0.1, 0, theta_r);

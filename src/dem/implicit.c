@@ -397,7 +397,7 @@ static rp_status make_contacts_of(dem_sim *sim)
         end[ends.i + 1]++;
         if (!ends.slot) end[ends.j + 1]++;
     }
-    for (size_t i = 0; i < n; i++) end[i + 1] += end[i];
+    for (size_t i = 1; i < n; i++) end[i] += end[i - 1];
     for (size_t k = 0; k < n_contacts; k++) {
         const dem_ends ends = dem_contact_ends(sim, k);
         m->of[end[ends.i]++] = k;

@@ -49,8 +49,9 @@ suites_of() {
     src/dem/scene.c) echo walls scene tables keys cli ;;
     src/dem/physics.c) echo scene dem laws walls keys tables sweep ;;
     src/core/* | src/dem/output.c | src/dem/physics.c) echo core tables scene keys evidence sweep cli ;;
-    src/cli/cmd_export.c | src/cli/export_*) echo export options ;;
-    src/cli/cmd_view.c | src/cli/view_*) echo view options ;;
+    src/cli/cmd_export.c | src/cli/export_*) echo export help options ;;
+    src/cli/cmd_report.c) echo help evidence claims cli ;;
+    src/cli/cmd_view.c | src/cli/view_*) echo view help options ;;
     src/cli/frames.c) echo export view ;;
     src/cli/cmd_help.c) echo help install ;;
     src/cli/cmd_params.c) echo help options ;;
@@ -62,13 +63,13 @@ suites_of() {
     sweeps/driver/pile_tables.c) echo tables notes piles cli ;;
     src/stress/dip.c) echo stress piles drop evidence ;;
     src/stress/*) echo stress drop piles columns ;;
-    src/dem/implicit.c) echo midpoint implicit dem ;;
-    src/dem/verlet.c) echo dem removal threads motion rotation soft hard laws walls golden ;;
-    src/dem/ledger.c) echo ledger walls ;;
-    src/dem/observe.c) echo soft rotation motion stress scene golden dem ;;
-    src/dem/removal.c) echo removal dem ;;
+    src/dem/implicit.c) echo midpoint implicit dem units ;;
+    src/dem/verlet.c) echo units dem removal threads motion rotation soft hard laws walls golden ;;
+    src/dem/ledger.c) echo units ledger walls ;;
+    src/dem/observe.c) echo units soft rotation motion stress scene golden dem ;;
+    src/dem/removal.c) echo removal dem units ;;
     src/dem/definition.c | src/dem/limits.c | src/dem/gravity.c | src/dem/step.c | src/dem/sim.c)
-        echo scene walls golden motion hard soft rotation dem laws ;;
+        echo units scene walls golden motion hard soft rotation dem laws ;;
     sweeps/driver/groups.c) echo forensics ;;
     sweeps/driver/keep.c) echo sweep snapshot ;;
     sweeps/driver/pool.c | sweeps/driver/sweep.c) echo sweep drill notes tables evidence cli snapshot ;;
@@ -78,8 +79,8 @@ suites_of() {
     sweeps/driver/protocol_*) suite=${1#*_} && echo "${suite%.c}" golden columns snapshot ;;
     sweeps/driver/box.c) echo repose stress flux golden keys columns snapshot ;;
     sweeps/driver/*) echo sweep notes tables evidence cli ;;
-    src/dem/walls.c) echo walls scene tables contacts incline rotation golden ledger ;;
-    *) echo soft property rotation incline contacts published motion hard walls golden scene dem laws ;;
+    src/dem/walls.c) echo units walls scene tables contacts incline rotation golden ledger ;;
+    *) echo units soft property rotation incline contacts published motion hard walls golden scene dem laws ;;
     esac
 }
 
