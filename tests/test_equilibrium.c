@@ -3,6 +3,7 @@
 #include <float.h>
 #include <gsl/gsl_eigen.h>
 #include <gsl/gsl_math.h>
+#include <gsl/gsl_rng.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -1172,6 +1173,65 @@ static void test_stiffness_near(void)
     rp_stiffness_free(m);
 }
 
+/* Neighbours of disks of any size, in any unit, against all pairs: in the order of their ends. */
+static void test_neighbours(void)
+{
+    enum { MOST = 40 };
+    gsl_rng *rng = gsl_rng_alloc(gsl_rng_mt19937);
+    for (int trial = 0; trial < 200; trial++) {
+        statics_disk disks[MOST];
+        const size_t n = 1 + (size_t)trial % MOST;
+        const double unit = trial % 3 ? 1 : 0.05, reach = trial % 2 ? 1.25 : 1;
+        for (size_t i = 0; i < n; i++)
+            disks[i] =
+                (statics_disk){unit * (8 * gsl_rng_uniform(rng) - 4), unit * (6 * gsl_rng_uniform(rng) - 1),
+                               unit * (trial % 5 ? 0.1 + 0.6 * gsl_rng_uniform(rng) : 0.5), 1};
+        rp_pair *bonds = NULL;
+        size_t n_bonds = 0, k = 0;
+        CHECK_OK(statics_bonds_find(n, disks, reach, &bonds, &n_bonds));
+        for (uint32_t a = 0; a < n; a++)
+            for (uint32_t b = a + 1; b < n; b++)
+                if (hypot(disks[a].x - disks[b].x, disks[a].y - disks[b].y) <
+                    reach * (disks[a].r + disks[b].r)) {
+                    CU_ASSERT(k < n_bonds && bonds[k].a == a && bonds[k].b == b);
+                    k++;
+                }
+        CU_ASSERT_EQUAL(k, n_bonds);
+        free(bonds);
+    }
+    gsl_rng_free(rng);
+}
+
+/* Which disks their neighbours and the ground can carry: by the steepest slopes of forces to the right and to
+ * the left. A force that pushes down may be held by a steeper one from below. */
+static void test_unsupported(void)
+{
+    const statics_disk disks[] = {
+        {0, 0.5, 0.5, 1}, {0, 1.5, 0.5, 1},     {2, 0.624, 0.5, 1},  {4, 0.626, 0.5, 1}, {10, 2, 0.5, 1},
+        {9, 1.5, 0.5, 1}, {11, 2.25, 0.5, 1},   {20, 2, 0.5, 1},     {19, 1.75, 0.5, 1}, {21, 2.5, 0.5, 1},
+        {30, 2, 0.5, 1},  {29.5, 1.25, 0.5, 1}, {30.5, 1.25, 0.5, 1}};
+    const rp_pair bonds[] = {{0, 1}, {4, 5}, {4, 6}, {7, 8}, {7, 9}, {10, 11}, {10, 12}};
+    static const bool carried[] = {true,  true,  true,  false, true,  false, false,
+                                   false, false, false, true,  false, false};
+    enum { N = sizeof disks / sizeof *disks };
+    double lean[2 * N];
+    size_t which[N] = {0}, n = 0;
+    const size_t found = statics_bonds_unsupported(N, disks, bonds, 7, 1.25, lean, N, which);
+    for (size_t i = 0; i < N; i++)
+        if (!carried[i]) CU_ASSERT(n < found && which[n++] == i);
+    CU_ASSERT_EQUAL(found, n);
+    static const double slopes[][2] = {{4, 0.5}, {7, 0.25}, {10, 1.5}};
+    for (int k = 0; k < 3; k++) {
+        const size_t i = (size_t)slopes[k][0];
+        CHECK_NEAR(lean[2 * i], slopes[k][1], 1e-15);
+        CHECK_NEAR(lean[2 * i + 1], k == 0 ? -0.25 : k == 1 ? -0.5 : 1.5, 1e-15);
+    }
+    CU_ASSERT(isinf(lean[0]) && lean[0] > 0 && lean[6] < 0 && isinf(lean[2]) && lean[2] > 0 && lean[3] > 0);
+    size_t few[N] = {0};
+    CU_ASSERT_EQUAL(statics_bonds_unsupported(N, disks, bonds, 7, 1.25, lean, 2, few), found);
+    CU_ASSERT(few[0] == which[0] && few[1] == which[1] && few[2] == 0);
+}
+
 /* The pile of half the size: for k = 7 at 60 degrees that of k = 4, with all other disks half way between its
  * disks; none for disks off a lattice, by a tenth of a step. In any unit of length. */
 static void check_half_pile(double unit)
@@ -1562,6 +1622,8 @@ void suite_equilibrium(void)
                                        {"stiffness updated", test_stiffness_update},
                                        {"work", test_work},
                                        {"ranges", test_ranges},
+                                       {"neighbours", test_neighbours},
+                                       {"disks without support", test_unsupported},
                                        {"ranges: places", test_ranges_of_places},
                                        {"stiffness near the factorised one", test_stiffness_near},
                                        {"the pile of half the size", test_half_pile},
