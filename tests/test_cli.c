@@ -2046,6 +2046,26 @@ static void test_run_scene(void)
     leave();
 }
 
+/* The help has the columns of the states in their order, and its lists in that of what is printed. */
+static void test_run_help(void)
+{
+    static const char *const lists[] = {"states.tsv, contacts.tsv, walls.tsv", "direction_x, direction_y",
+                                        "grains, steps, at rest", "grains, contacts, energies",
+                                        "disks, contacts, wells"};
+    static char help[sizeof out];
+    enter();
+    CU_ASSERT(shell("\"$REPOSE\" run --help 2>err | tr '\\n' ' ' >out") == 0);
+    slurp("out", help, sizeof help);
+    for (size_t k = 0; k < sizeof lists / sizeof *lists; k++) CU_ASSERT_PTR_NOT_NULL(strstr(help, lists[k]));
+    const char *at = strstr(help, "state of each grain: ");
+    write_text("s.cfg", "steps = 1; particles = ( { x = 1.0; y = 5.0; r = 0.1; } );\n");
+    CU_ASSERT(run("run s.cfg") == 0);
+    rp_table t = read_table("out");
+    for (size_t c = 0; at && c < t.n_columns; c++) CU_ASSERT_PTR_NOT_NULL(at = strstr(at, t.names[c]));
+    rp_table_free(&t);
+    leave();
+}
+
 /* Frames and snapshots come at multiples of their own intervals. */
 static void test_run_intervals(void)
 {
@@ -2275,6 +2295,7 @@ void suite_cli(void)
                                        {"folders with other results", test_folders},
                                        {"run: energy grows without damping", test_energy_growth},
                                        {"run: intervals", test_run_intervals},
+                                       {"run: lists of its help", test_run_help},
                                        {"run: a folder of one scene", test_run_scene},
                                        {"sweep: no damping", test_undamped_sweep},
                                        {"sweep: limits of a run", test_limits},

@@ -543,17 +543,28 @@ static void test_powers(void)
     write_text("s.tsv",
                "# sweep: s.cfg, protocol repose, seed 7, 2 grid points x 16 replicas\n# run_time: 32.0 s\n"
                "# v_mean\tv_se\tv_sd\tv_n\tn\n3\t0.5\t2\t16\t16\n");
-    write_text("s_fit.tsv", "# a\ta_se\n2\t0.08\n");
+    write_text("s_fit.tsv", "# a\ta_se\tb\tb_se\n2\t0.08\t1\t0.05\n");
     write_text("claims.tsv",
-               HEADER "x\t-\tlh\t-\ts\torder\t2\t-\t-\t1.2\t-\ts_fit a\t-\t-\tx\t-\n" ROW(
-                   "y", "above", "1", "-", "s v + s v", "0") ROW("z", "constant", "-", "-", "x", "-"));
+               HEADER "x\t-\tlh\t-\ts\torder\t2\t-\t-\t1.2\t-\ts_fit a\t-\t-\tx\t-\n"
+                      "y\t-\tlh\t-\ts\tabove\t5\t2\t-\t1\t-\ts v + s v\t0\t-\ty\t-\n"
+                      "r\t-\tlh\t-\ts\tratio\t2\t0.05\t4\t0.5\t-\ts_fit a\ts_fit b\t-\tr\t-\n" ROW(
+                          "z", "constant", "-", "-", "x", "-"));
     GOOD(ASK " --power");
     CU_ASSERT_PTR_NOT_NULL(strstr(out, "\nx\torder\t1.2\t0.04\ts\t16\t0.984\t13\t13\t26\treproduced\n"));
     const double needed = stats_sample_size(&rule, &pilot, 1.0, 0.95);
     snprintf(expected, sizeof expected, "\ny\tabove\t1\t%.3g\ts\t32\t%.3f\t%g\t%g\t%.0f\treproduced\n",
              pilot.se, stats_power(&rule, &pilot, 1.0, 32.0), needed, needed, needed * 32.0 / 16.0 / 2.0);
     CU_ASSERT_PTR_NOT_NULL(strstr(out, expected));
-    CU_ASSERT(!strstr(out, "\nz\t"));
+    /* of a ratio the errors of both parts are ours, and that of the paper stays */
+    stats_pilot ratio = {.se = 2.0 * hypot(0.04, 0.05), .n = 16.0, .dof = INFINITY, .fixed = 0.05};
+    const double power = stats_power(&rule, &ratio, 0.5, 16.0),
+                 runs = stats_sample_size(&rule, &ratio, 0.5, 0.95);
+    ratio.fixed /= 2.0; /* of 4 samples */
+    const double runs_sd = stats_sample_size(&rule, &ratio, 0.5, 0.95);
+    snprintf(expected, sizeof expected, "\nr\tratio\t0.5\t%.3g\ts\t16\t%.3f\t%g\t%g\t%.0f\treproduced\n",
+             ratio.se, power, runs, runs_sd, runs_sd * 2.0);
+    CU_ASSERT_PTR_NOT_NULL(strstr(out, expected));
+    CU_ASSERT(runs_sd < runs && !strstr(out, "\nz\t"));
     leave();
 }
 

@@ -252,6 +252,11 @@ static void test_dump_files(void)
             DUMP("0", "0", "ENTRIES", "0") "id_a id_b x y x_b y_b normal_force limit\n" DUMP(
                 "0.25", "10", "ENTRIES", "2") "id_a id_b x y x_b y_b normal_force limit\n3 7 2.5 0.5 1.5 "
                                               "0.75 12 inf\n3 0 2.5 0.5 2.25 -0.5 11 4\n");
+    /* contacts go to a file beside a file alone */
+    GOOD("export d --to lammps");
+    CU_ASSERT(shell("ls | grep contacts >out") == 0 && strcmp(out, "a.contacts.dump\n") == 0);
+    GOOD("export d/states.tsv --to lammps -o b.dump");
+    CU_ASSERT(shell("cmp a.dump b.dump >out && ! test -e b.contacts.dump") == 0);
     GOOD("export d --to xyz");
     file_is("out",
             "2\nProperties=id:I:1:pos:R:3:radius:R:1:mass:R:1:velo:R:3:force:R:3:omega:R:1:contacts:R:1 "
@@ -272,6 +277,13 @@ static void test_dump_files(void)
                  chosen[k][1], chosen[k][2]);
         file_is("out", expected);
     }
+    /* a box on either side of the origin */
+    write_text("right.tsv", "x\ty\tr\n3\t4\t1\n");
+    write_text("left.tsv", "x\ty\tr\n-3\t-4\t1\n");
+    GOOD("export right.tsv --to lammps");
+    CU_ASSERT_PTR_NOT_NULL(strstr(out, "\nITEM: BOX BOUNDS ff ff pp\n2 4\n3 5\n-1 1\nITEM: ATOMS "));
+    GOOD("export left.tsv --to lammps");
+    CU_ASSERT_PTR_NOT_NULL(strstr(out, "\nITEM: BOX BOUNDS ff ff pp\n-4 -2\n-5 -3\n-1 1\nITEM: ATOMS "));
     /* components without the other one are columns; without numbers grains count in each frame, without a
      * time it is the step */
     write_text("half.tsv", "step\tx\ty\tr\tvx\tfy\n3\t0\t0\t1\t2\t4\n3\t2\t0\t1\t5\t6\n4\t0\t0\t1\t7\t8\n");
@@ -371,6 +383,9 @@ static void test_text_files(void)
     GOOD("export bare.txt --to json");
     file_is("out", "{\"notes\": {},\n\"units\": {\n \"1\": \"1\",\n \"2\": \"1\"\n},\n\"rows\": [\n"
                    "{\"1\": 1, \"2\": 2},\n{\"1\": 3, \"2\": 4}\n]}\n");
+    write_text("bare.txt", "# a: b\nx\n7\n");
+    GOOD("export bare.txt --to json");
+    CU_ASSERT_PTR_NOT_NULL(strstr(out, "{\"notes\": {\n \"a\": \"b\"\n},"));
     write_text("bare.txt", "# a: b\n7\n");
     GOOD("export bare.txt --to json");
     CU_ASSERT_PTR_NOT_NULL(strstr(out, "{\"notes\": {\n \"a\": \"b\"\n},"));
@@ -555,9 +570,12 @@ static void test_plain_input(void)
     write_text("l.cfg",
                "dt = 2.0e-5; steps = 199; gravity = [0.0, 0.0];\n"
                "normal = { law = \"linear\"; k_n = 1.0e5; gamma_n = 0.5; };\n"
-               "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; } );\n"
-               "particles = ( { x = 1.0; y = 2.0; r = 0.25; }, { x = 3.0; y = 1.0; r = 0.0625; } );\n");
+               "walls = ( { point = [0.0, -8.0]; direction = [0.0, 1.0]; } );\n"
+               "particles = ( { x = -1.0; y = -2.0; r = 0.25; }, { x = -3.0; y = -1.0; r = 0.0625; } );\n");
     GOOD("export l.cfg --to lammps-input -o l.in");
+    slurp("l.data", text, sizeof text);
+    CU_ASSERT_PTR_NOT_NULL(
+        strstr(text, "\n-3.0625 -0.75 xlo xhi\n-2.25 -0.9375 ylo yhi\n-0.25 0.25 zlo zhi\n"));
     slurp("l.in", text, sizeof text);
     CU_ASSERT(strstr(text, "\nvariable every index 1\n") && !strstr(text, "\ngroup type") &&
               !strstr(text, "fix gravity"));
@@ -565,7 +583,7 @@ static void test_plain_input(void)
     CU_ASSERT_PTR_NOT_NULL(strstr(text, "\npair_coeff * * hooke 100" HOOKE "\nneighbor "));
     CU_ASSERT_PTR_NOT_NULL(
         strstr(text, "\ngroup mobile union all\nfix move mobile nve\nfix flat all enforce2d\nregion wall1 "
-                     "plane 0 0 0 0 1 0\nfix wall1_1 all wall/gran/region granular hooke 200" HOOKE
+                     "plane 0 -8 0 0 1 0\nfix wall1_1 all wall/gran/region granular hooke 200" HOOKE
                      " region wall1\n\ndump "));
     CU_ASSERT(strstr(text, "# normal force: linear k_n overlap, dashpot gamma_n m_eff, which may pull\n# "
                            "shear force: none\n") &&

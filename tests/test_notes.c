@@ -278,6 +278,28 @@ static void test_idle_options(void)
     leave();
 }
 
+/* On a terminal a line says how far a pile is that takes long, and is taken away. */
+static void test_terminal(void)
+{
+    enter();
+    if (shell("script -qec true typed </dev/null >out 2>err") != 0) {
+        fprintf(stderr, "notes: no terminal of script(1): progress of a pile is not tested\n");
+    } else {
+        CU_ASSERT_EQUAL(
+            shell(
+                "export REPOSE; script -qec '$REPOSE pile --base 4 --eps 1e-3 >rows' typed </dev/null >out"),
+            0);
+        CU_ASSERT_STRING_EQUAL(out, "\r\033[K");
+        CU_ASSERT_EQUAL(
+            shell(
+                "$REPOSE pile --base 4 --eps 1e-3 >out 2>err && grep -v '^#' out >plain; grep -v '^#' rows | "
+                "cmp - plain >out"),
+            0);
+        CU_ASSERT_STRING_EQUAL(err, "");
+    }
+    leave();
+}
+
 /* ---- models ---- */
 
 /* A pile cut from a lattice: B is the base of the triangle of slope alpha with as many cells, of 2 sin theta
@@ -582,6 +604,7 @@ void suite_notes(void)
                                        {"several static piles", test_piles},
                                        {"disks of a table", test_disks},
                                        {"options of a pile that would do nothing", test_idle_options},
+                                       {"a pile on a terminal", test_terminal},
                                        {"models", test_models},
                                        {"a sweep", test_sweep},
                                        {"a run", test_run},

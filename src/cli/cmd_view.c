@@ -35,7 +35,7 @@ static const struct kind {
     double per_cm; /* pixels */
     bool moves;
 } kinds[] = {
-    {"", "", 37.8, false}, /* a window, of gnuplot's own choice */
+    {.ending = "", .terminal = ""}, /* a window, of gnuplot's own choice */
     {".png", "pngcairo enhanced font 'DejaVu Sans,11' fontscale 1.5 linewidth 2 size %.0f,%.0f", 80.0, false},
     {".svg", "svg enhanced font 'DejaVu Sans," TEXT_OF(VIEW_LETTERS) "' background 'white' size %.0f,%.0f",
      37.8, false},

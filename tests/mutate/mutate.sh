@@ -49,8 +49,9 @@ suites_of() {
     src/dem/scene.c) echo walls scene tables keys cli ;;
     src/dem/physics.c) echo scene dem laws walls keys tables sweep ;;
     src/core/* | src/dem/output.c | src/dem/physics.c) echo core tables scene keys evidence sweep cli ;;
-    src/cli/cmd_export.c | src/cli/export_*) echo export options ;;
-    src/cli/cmd_view.c | src/cli/view_*) echo view options ;;
+    src/cli/cmd_export.c | src/cli/export_*) echo export help options ;;
+    src/cli/cmd_report.c) echo help evidence claims cli ;;
+    src/cli/cmd_view.c | src/cli/view_*) echo view help options ;;
     src/cli/frames.c) echo export view ;;
     src/cli/cmd_help.c) echo help install ;;
     src/cli/cmd_params.c) echo help options ;;
