@@ -546,6 +546,19 @@ static double tent_at(double outer_deg, double inner_deg, double x)
     return f.N;
 }
 
+/* The vertices of a tent, all of them set. */
+static void tent_vertices(void)
+{
+    an_point v[5];
+    for (int i = 0; i < 5; i++) v[i] = (an_point){NAN, NAN};
+    CHECK_OK(an_tent(RAD(45), atan(0.5), 0.2, v));
+    static const an_point typed[5] = {{0, 0}, {0.2, 0.2}, {0.5, 0.35}, {0.8, 0.2}, {1, 0}};
+    for (int i = 0; i < 5; i++) {
+        CHECK_NEAR(v[i].x, typed[i].x, 1e-15);
+        CHECK_NEAR(v[i].y, typed[i].y, 1e-15);
+    }
+}
+
 /* Fig. 19: a dip under the middle for a peak steeper than the flanks, and none for a flattened one. */
 static void tent_dip(void)
 {
@@ -665,6 +678,7 @@ void suite_analytic(void)
         {"continuum: a million points", continuum_million_points},
         {"continuum errors", continuum_errors},
         {"tent with equal angles", tent_is_triangle},
+        {"tent: vertices", tent_vertices},
         {"tent: the dip", tent_dip},
         {"largest normal force", largest_force},
         {"theta before (49) as printed", misprint_theta},

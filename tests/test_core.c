@@ -11,6 +11,7 @@
 #include "core/guess.h"
 #include "core/random.h"
 #include "core/table.h"
+#include "core/units.h"
 #include "core/version.h"
 #include "tests/check.h"
 #include "tests/folder.h"
@@ -40,6 +41,22 @@ static const rp_param schema[] = {
 static rp_status set(values *v, const char *name, const char *text)
 {
     return rp_params_set_text(rp_params_find(schema, name), v, text);
+}
+
+/* A number without a range may be any; a default with a unit is in the units of now, a word is not. */
+static void ranges_and_units(void)
+{
+    static const rp_param free_one = {"free", "", RP_REAL, 0, "0", "", "no range"};
+    double number = 0.0;
+    values v;
+    CHECK_OK(rp_params_set_text(&free_one, &number, "-1e300"));
+    CHECK_NEAR(number, -1e300, 0.0);
+    CHECK_OK(rp_params_set_text(&free_one, &number, "1e300"));
+    rp_units_set(RP_SI);
+    rp_params_defaults(schema, &v);
+    rp_units_set(RP_CGS);
+    CHECK_NEAR(v.a, 0.005, 1e-17);
+    CU_ASSERT(v.b == -1.0 && v.n == -1 && v.flag && v.word == 1 && v.set == 1u);
 }
 
 static void defaults_and_text(void)
@@ -608,6 +625,11 @@ static void tables(void)
     fputs("x", out);
     CHECK_FAILS(rp_table_finish(out, "full"), RP_IO, "full: cannot write");
     fclose(out);
+    out = fopen("/dev/full", "w"); /* what failed before, and leaves nothing to write */
+    setvbuf(out, NULL, _IONBF, 0);
+    fputs("x", out);
+    CHECK_FAILS(rp_table_finish(out, "full"), RP_IO, "full: cannot write: Input/output error");
+    fclose(out);
 }
 
 /* A file has its name once its bytes are on the disk; two that write it at a time do not mix. */
@@ -700,6 +722,7 @@ void suite_core(void)
     static const check_case cases[] = {{"statuses and messages", statuses},
                                        {"rows of two tables", table_append},
                                        {"defaults, text and back", defaults_and_text},
+                                       {"ranges and units", ranges_and_units},
                                        {"refused values", refused_values},
                                        {"keys", keys},
                                        {"keys with inherited parameters", inherited},

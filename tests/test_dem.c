@@ -1706,6 +1706,37 @@ static void limit_of_unequal(void)
     }
 }
 
+/* Gear's limits of two disks on linear springs: 1/hypot(3 gamma 551/90, 2 omega) at rest, which is below that
+ * of an impact; for an overlap of the start 0.85/hypot(3 gamma 551/90, 3 omega), but no more than 0.85 of
+ * 4/(3 gamma + sqrt(9 gamma^2 + 12 omega^2)). */
+static void limit_of_gear(void)
+{
+    static const double gammas[] = {0.0, 100.0, 1e4}, k_n = 1e4, m = 0.004;
+    const double omega = sqrt(k_n / (0.5 * m));
+    for (int k = 0; k < 3; k++) {
+        dem_grain grains[2] = {{.x = 0.0, .r = 0.1, .m = m}, {.x = 0.3, .r = 0.1, .m = m}};
+        dem_definition def = dem_definition_default();
+        def.gravity[1] = 0.0;
+        def.integrator = DEM_GEAR5;
+        def.normal = DEM_LINEAR;
+        def.tangential = DEM_NONE;
+        def.material = (dem_material){.k_n = k_n, .gamma_n = gammas[k]};
+        def.grains = grains, def.n_grains = 2;
+        const double damped = 3.0 * gammas[k] * 551.0 / 90.0, rest = 1.0 / hypot(damped, 2.0 * omega);
+        CHECK_NEAR(dem_time_step_limit(&def, NULL) / rest, 1.0, 1e-14);
+        const double start =
+            fmin(0.85 / hypot(damped, 3.0 * omega),
+                 3.4 / (3.0 * gammas[k] + sqrt(9.0 * gammas[k] * gammas[k] + 12.0 * omega * omega)));
+        dem_sim *sim = NULL;
+        grains[1].x = 0.199;
+        def.dt = 1.0001 * start;
+        CHECK_FAILS(dem_create(&def, &sim), RP_BAD_INPUT, "too large for an initial overlap");
+        def.dt = 0.9999 * start;
+        CHECK_OK(dem_create(&def, &sim));
+        dem_free(sim);
+    }
+}
+
 /* A wall along gravity has no height, for any position of its point; the same scene at another position and
  * direction. */
 static void limit_in_any_direction(void)
@@ -2016,6 +2047,7 @@ void suite_dem(void)
                                        {"ranges: scenes", ranges_of_scenes},
                                        {"limit of the time step", time_step_limit},
                                        {"limit of unequal grains", limit_of_unequal},
+                                       {"limit of Gear's scheme", limit_of_gear},
                                        {"overlaps that are too deep", overlaps_too_deep},
                                        {"sine and cosine", sine_and_cosine},
                                        {"limit of a fall", limit_of_a_fall},

@@ -3,6 +3,7 @@
 #include <float.h>
 #include <gsl/gsl_eigen.h>
 #include <gsl/gsl_math.h>
+#include <gsl/gsl_rng.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -1172,6 +1173,185 @@ static void test_stiffness_near(void)
     rp_stiffness_free(m);
 }
 
+/* A stiffness of so many disks as a plain matrix. */
+enum { DENSE = 10 };
+typedef double dense_matrix[2 * DENSE][2 * DENSE];
+
+/* Add `sign` times [xx xy; xy yy] of a spring between disks a and b, or with a = b to the ground. */
+static void add_dense(dense_matrix K, rp_pair ends, double sign, double xx, double xy, double yy)
+{
+    const double block[2][2] = {{xx, xy}, {xy, yy}};
+    for (int r = 0; r < 2; r++)
+        for (int c = 0; c < 2; c++) {
+            K[2 * ends.a + r][2 * ends.a + c] += sign * block[r][c];
+            if (ends.a == ends.b) continue;
+            K[2 * ends.b + r][2 * ends.b + c] += sign * block[r][c];
+            K[2 * ends.a + r][2 * ends.b + c] -= sign * block[r][c];
+            K[2 * ends.b + r][2 * ends.a + c] -= sign * block[r][c];
+        }
+}
+
+/* The matrix times the solution is the load; as many pivots are negative as eigenvalues. */
+static void check_solution(rp_stiffness *m, const rp_pivots *pivots, size_t n, dense_matrix K, gsl_rng *rng)
+{
+    double b[2 * DENSE], x[2 * DENSE];
+    gsl_matrix *A = gsl_matrix_alloc(2 * n, 2 * n);
+    gsl_vector *values = gsl_vector_alloc(2 * n);
+    gsl_eigen_symm_workspace *work = gsl_eigen_symm_alloc(2 * n);
+    for (size_t i = 0; i < 2 * n; i++)
+        for (size_t j = 0; j < 2 * n; j++) gsl_matrix_set(A, i, j, K[i][j]);
+    gsl_eigen_symm(A, values, work);
+    size_t negative = 0;
+    double least = INFINITY;
+    for (size_t i = 0; i < 2 * n; i++) {
+        negative += gsl_vector_get(values, i) < 0;
+        least = fmin(least, fabs(gsl_vector_get(values, i)));
+    }
+    CU_ASSERT_EQUAL(pivots->negative, negative);
+    for (size_t i = 0; i < 2 * n; i++) b[i] = gsl_rng_uniform(rng) - 0.5;
+    CHECK_OK(rp_stiffness_solve(m, b, x));
+    for (size_t i = 0; i < 2 * n; i++) {
+        double sum = -b[i];
+        for (size_t j = 0; j < 2 * n; j++) sum += K[i][j] * x[j];
+        CHECK_NEAR(sum, 0, 1e-10 / least); /* without pivoting, of numbers up to 20 */
+    }
+    gsl_matrix_free(A);
+    gsl_vector_free(values);
+    gsl_eigen_symm_free(work);
+}
+
+/* Random networks, in either order of elimination: factorised, then updated by bonds and springs to the
+ * ground, which are added and removed. */
+static void test_stiffness_dense(void)
+{
+    gsl_rng *rng = gsl_rng_alloc(gsl_rng_mt19937);
+    for (size_t trial = 0; trial < 60; trial++) {
+        const size_t n = 1 + trial % DENSE;
+        dense_matrix K = {{0}};
+        rp_pair bonds[DENSE * DENSE], more[DENSE];
+        double along[DENSE][2];
+        size_t n_bonds = 0;
+        for (uint32_t a = 0; a < n; a++)
+            for (uint32_t b = a + 1; b < n; b++)
+                if (gsl_rng_uniform(rng) < 0.4) bonds[n_bonds++] = (rp_pair){a, b};
+        rp_stiffness *m = NULL;
+        rp_pivots pivots;
+        CHECK_OK(rp_stiffness_create(n, n_bonds, bonds, trial % 2, &m));
+        rp_stiffness_clear(m, 0.3);
+        for (uint32_t a = 0; a < n; a++) {
+            const double xx = 3 * gsl_rng_uniform(rng) - 1, xy = gsl_rng_uniform(rng) - 0.5,
+                         yy = gsl_rng_uniform(rng);
+            rp_stiffness_add_site(m, a, xx, xy, yy);
+            add_dense(K, (rp_pair){a, a}, 1, 0.3 + xx, xy, 0.3 + yy);
+        }
+        for (size_t k = 0; k < n_bonds; k++) {
+            const double xx = gsl_rng_uniform(rng), xy = gsl_rng_uniform(rng) - 0.5,
+                         yy = gsl_rng_uniform(rng);
+            rp_stiffness_add_bond(m, k, bonds[k], xx, xy, yy);
+            add_dense(K, bonds[k], 1, xx, xy, yy);
+        }
+        CHECK_OK(rp_stiffness_factorise(m, &pivots));
+        check_solution(m, &pivots, n, K, rng);
+        for (int add = 1; add >= 0; add--) {
+            size_t n_more = 0;
+            for (size_t k = 0; k < n_bonds && n_more < DENSE / 2; k += 2) more[n_more++] = bonds[k];
+            more[n_more++] = (rp_pair){(uint32_t)n - 1, (uint32_t)n - 1};
+            for (size_t k = 0; k < n_more; k++) {
+                if (add) along[k][0] = gsl_rng_uniform(rng), along[k][1] = gsl_rng_uniform(rng) - 0.5;
+                add_dense(K, more[k], add ? 1 : -1, along[k][0] * along[k][0], along[k][0] * along[k][1],
+                          along[k][1] * along[k][1]);
+            }
+            CHECK_OK(rp_stiffness_update(m, add, n_more, more, (const double(*)[2])along, &pivots));
+            check_solution(m, &pivots, n, K, rng);
+        }
+        rp_stiffness_free(m);
+    }
+    gsl_rng_free(rng);
+}
+
+/* Without bonds the pivots are the springs themselves: the smallest, its disk, how many are negative; where
+ * one is 0, that. */
+static void test_pivots(void)
+{
+    for (size_t k = 0; k < 12; k++) {
+        rp_stiffness *m = NULL;
+        rp_pivots pivots;
+        CHECK_OK(rp_stiffness_create(6, 0, NULL, false, &m));
+        rp_stiffness_clear(m, 0);
+        for (size_t a = 0; a < 6; a++) {
+            const double own = a % 2 ? -3 - (double)a : 3 + (double)a;
+            rp_stiffness_add_site(m, a, 2 * a == k ? -0.5 : own, 0, 2 * a + 1 == k ? 0.25 : own + 0.5);
+        }
+        CHECK_OK(rp_stiffness_factorise(m, &pivots));
+        CU_ASSERT(pivots.disk == k / 2 && pivots.smallest == (k % 2 ? 0.25 : 0.5));
+        CU_ASSERT_EQUAL(pivots.negative, k % 4 == 0 ? 7 : k % 4 == 3 ? 5 : 6);
+        rp_stiffness_clear(m, 1);
+        rp_stiffness_add_site(m, k / 2, k % 2 ? 0 : -1, 0, k % 2 ? -1 : 0);
+        CHECK_OK(rp_stiffness_factorise(m, &pivots));
+        CU_ASSERT(pivots.smallest == 0 && pivots.disk == k / 2 && pivots.negative == 0);
+        rp_stiffness_free(m);
+    }
+}
+
+/* Neighbours of disks of any size, in any unit, against all pairs: in the order of their ends. */
+static void test_neighbours(void)
+{
+    enum { MOST = 40 };
+    gsl_rng *rng = gsl_rng_alloc(gsl_rng_mt19937);
+    for (int trial = 0; trial < 200; trial++) {
+        statics_disk disks[MOST];
+        const size_t n = 1 + (size_t)trial % MOST;
+        const double unit = trial % 3 ? 1 : 0.05, reach = trial % 2 ? 1.25 : 1;
+        for (size_t i = 0; i < n; i++)
+            disks[i] =
+                (statics_disk){unit * (8 * gsl_rng_uniform(rng) - 4), unit * (6 * gsl_rng_uniform(rng) - 1),
+                               unit * (trial % 5 ? 0.1 + 0.6 * gsl_rng_uniform(rng) : 0.5), 1};
+        rp_pair *bonds = NULL;
+        size_t n_bonds = 0, k = 0;
+        CHECK_OK(statics_bonds_find(n, disks, reach, &bonds, &n_bonds));
+        for (uint32_t a = 0; a < n; a++)
+            for (uint32_t b = a + 1; b < n; b++)
+                if (hypot(disks[a].x - disks[b].x, disks[a].y - disks[b].y) <
+                    reach * (disks[a].r + disks[b].r)) {
+                    CU_ASSERT(k < n_bonds && bonds[k].a == a && bonds[k].b == b);
+                    k++;
+                }
+        CU_ASSERT_EQUAL(k, n_bonds);
+        free(bonds);
+    }
+    gsl_rng_free(rng);
+}
+
+/* Which disks their neighbours and the ground can carry: by the steepest slopes of forces to the right and to
+ * the left. A force that pushes down may be held by a steeper one from below. */
+static void test_unsupported(void)
+{
+    const statics_disk disks[] = {
+        {0, 0.5, 0.5, 1}, {0, 1.5, 0.5, 1},     {2, 0.624, 0.5, 1},  {4, 0.626, 0.5, 1}, {10, 2, 0.5, 1},
+        {9, 1.5, 0.5, 1}, {11, 2.25, 0.5, 1},   {20, 2, 0.5, 1},     {19, 1.75, 0.5, 1}, {21, 2.5, 0.5, 1},
+        {30, 2, 0.5, 1},  {29.5, 1.25, 0.5, 1}, {30.5, 1.25, 0.5, 1}};
+    const rp_pair bonds[] = {{0, 1}, {4, 5}, {4, 6}, {7, 8}, {7, 9}, {10, 11}, {10, 12}};
+    static const bool carried[] = {true,  true,  true,  false, true,  false, false,
+                                   false, false, false, true,  false, false};
+    enum { N = sizeof disks / sizeof *disks };
+    double lean[2 * N];
+    size_t which[N] = {0}, n = 0;
+    const size_t found = statics_bonds_unsupported(N, disks, bonds, 7, 1.25, lean, N, which);
+    for (size_t i = 0; i < N; i++)
+        if (!carried[i]) CU_ASSERT(n < found && which[n++] == i);
+    CU_ASSERT_EQUAL(found, n);
+    static const double slopes[][2] = {{4, 0.5}, {7, 0.25}, {10, 1.5}};
+    for (int k = 0; k < 3; k++) {
+        const size_t i = (size_t)slopes[k][0];
+        CHECK_NEAR(lean[2 * i], slopes[k][1], 1e-15);
+        CHECK_NEAR(lean[2 * i + 1], k == 0 ? -0.25 : k == 1 ? -0.5 : 1.5, 1e-15);
+    }
+    CU_ASSERT(isinf(lean[0]) && lean[0] > 0 && lean[6] < 0 && isinf(lean[2]) && lean[2] > 0 && lean[3] > 0);
+    size_t few[N] = {0};
+    CU_ASSERT_EQUAL(statics_bonds_unsupported(N, disks, bonds, 7, 1.25, lean, 2, few), found);
+    CU_ASSERT(few[0] == which[0] && few[1] == which[1] && few[2] == 0);
+}
+
 /* The pile of half the size: for k = 7 at 60 degrees that of k = 4, with all other disks half way between its
  * disks; none for disks off a lattice, by a tenth of a step. In any unit of length. */
 static void check_half_pile(double unit)
@@ -1561,7 +1741,11 @@ void suite_equilibrium(void)
                                        {"errors", test_errors},
                                        {"stiffness updated", test_stiffness_update},
                                        {"work", test_work},
+                                       {"stiffness against a plain matrix", test_stiffness_dense},
+                                       {"pivots", test_pivots},
                                        {"ranges", test_ranges},
+                                       {"neighbours", test_neighbours},
+                                       {"disks without support", test_unsupported},
                                        {"ranges: places", test_ranges_of_places},
                                        {"stiffness near the factorised one", test_stiffness_near},
                                        {"the pile of half the size", test_half_pile},

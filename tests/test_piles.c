@@ -165,6 +165,9 @@ static void rays_under_walls(void)
         const double out = fmax(fabs(-16 + 1.6 * (k + 0.5)) - 4, 0);
         CU_ASSERT(out > 10.1 ? rays[k] < 1e-12 : rays[k] > 0.01);
     }
+    const stress_base wide = {.centroid = 3.5, .width = 60}; /* far beyond the one disk */
+    CHECK_OK(sweep_outline_rays(1, (double[]){3.5}, (double[]){1.7}, &wide, rays));
+    for (int k = 0; k < STRESS_DIP_BINS; k++) CU_ASSERT((rays[k] > 0) == (k == 9 || k == 10));
 }
 
 /* ---- friction required at the base ---- */

@@ -360,6 +360,35 @@ static void half_lines(void)
     }
 }
 
+/* A row of energies with two grains, one and none: the mean is over those that are there. */
+static void energy_of_few(void)
+{
+    const dem_grain grains[2] = {{.x = 0.5, .r = 0.1, .m = 3.0, .vx = 100.0},
+                                 {.x = 0.0, .r = 0.1, .m = 5.0, .vx = 100.0}};
+    dem_definition def = dem_definition_default();
+    def.gravity[1] = 0.0;
+    def.x_max = 1.0;
+    def.grains = grains, def.n_grains = 2;
+    dem_sim *sim = grains_start(&def);
+    for (int left = 0; left < 3; left++) {
+        char *text;
+        size_t size;
+        double v[8] = {0.0};
+        FILE *out = open_memstream(&text, &size);
+        dem_write_energy(sim, out);
+        fclose(out);
+        char *at = text;
+        for (int c = 0; c < 8; c++) v[c] = strtod(at, &at);
+        const double kinetic[] = {4e4, 2.5e4, 0.0};
+        CU_ASSERT(v[0] == 110.0 * left && v[2] == 2.0 - left && v[4] == 0.0 && v[5] == 0.0 && v[7] == 0.0);
+        CHECK_NEAR(v[3], kinetic[left], 1e-8);
+        CHECK_NEAR(v[6], left < 2 ? kinetic[left] / (2.0 - left) : 0.0, 1e-8);
+        free(text);
+        CHECK_OK(dem_run(sim, 110));
+    }
+    dem_free(sim);
+}
+
 void suite_scene(void)
 {
     static const check_case cases[] = {{"the documented example", example},
@@ -367,6 +396,7 @@ void suite_scene(void)
                                        {"walls with one end", half_lines},
                                        {"particles from a table", particles_from_table},
                                        {"values of a file", values_of_a_file},
+                                       {"energy of few grains", energy_of_few},
                                        {"refused scenes", refused},
                                        {NULL, NULL}};
     check_register("scene", cases);

@@ -18,6 +18,7 @@
 #include "core/clock.h"
 #include "core/random.h"
 #include "core/table.h"
+#include "core/version.h"
 #include "dem/scene.h"
 #include "sweeps/driver/keep.h"
 #include "sweeps/driver/private.h"
@@ -609,9 +610,10 @@ static void test_crash(void)
     CU_ASSERT(sql_number(KEPT) == 7);
     clean();
     /* an error of the protocol, in contrast, stops the sweep; stored runs stay */
-    fresh("protocol = \"toy\"; replicas = 6; piles = \"shared\"; grid = { mode = [\"break\"]; };");
+    fresh("protocol = \"toy\"; replicas = 6; piles = \"shared\"; fixed = { mode = \"break\"; };\n"
+          "grid = { x = [0.5, 1.5, 2.5, 3.5]; };");
     CHECK_OK(prepare(NULL));
-    CHECK_FAILS(run(1, NULL), RP_BROKEN, "run 3 (mode = break): planted failure");
+    CHECK_FAILS(run(1, NULL), RP_BROKEN, "run 3 (x = 0.5): planted failure");
     CHECK_OK(sweep_status(dir, toys, &c));
     CU_ASSERT(c.stored == 3);
     clean();
@@ -1342,6 +1344,58 @@ static void test_digest_of_rows(void)
     clean();
 }
 
+/* Every column of the rows, and their sums, from what the plan and the protocol say. */
+static void check_columns(sqlite3_stmt *q, const sweep_plan *plan, size_t run)
+{
+    char parameters[512];
+    const sweep_stream stream = sweep_plan_stream(plan, run);
+    sqlite3_int64 whole[3];
+    for (int i = 0; i < 3; i++) whole[i] = sqlite3_column_int64(q, 5 + i);
+    CU_ASSERT(whole[0] == (sqlite3_int64)stream.seed && whole[2] == (sqlite3_int64)stream.pile);
+    CU_ASSERT(whole[1] == RP_MODEL_VERSION);
+    XXH64_hash_t sum = XXH3_64bits(whole, sizeof whole);
+    for (int i = 0; i < 5; i++) {
+        const char *text = (const char *)sqlite3_column_text(q, i);
+        sum = XXH3_64bits_withSeed(text, strlen(text), sum + (XXH64_hash_t)i);
+    }
+    const double numbers[] = {sqlite3_column_double(q, 9), NAN, sqlite3_column_double(q, 8)};
+    for (int i = 0; i < 3; i++) sum = XXH3_64bits_withSeed(&numbers[i], sizeof *numbers, sum);
+    CU_ASSERT(sqlite3_column_int64(q, 10) == (sqlite3_int64)sum);
+    CU_ASSERT(numbers[2] >= 0.0 && numbers[2] < 10.0);
+    CU_ASSERT_STRING_EQUAL((const char *)sqlite3_column_text(q, 1), run % 2 ? "ok" : "ok_fixed_time");
+    CU_ASSERT_STRING_EQUAL((const char *)sqlite3_column_text(q, 2), "");
+    CU_ASSERT(strncmp((const char *)sqlite3_column_text(q, 3), "repose ", 7) == 0);
+    sweep_plan_parameters(plan, run / plan->replicas, parameters, sizeof parameters);
+    CU_ASSERT_STRING_EQUAL((const char *)sqlite3_column_text(q, 4), parameters);
+}
+
+static void test_stored_columns(void)
+{
+    static const char *const shown[] = {"run", "status", "message", "seconds", "pile", "x", "mass", "k"};
+    static const char rows[] =
+        "SELECT key, status, message, program, parameters, seed, model, pile, seconds, "
+        "y_deg, sum FROM runs ORDER BY run";
+    sweep_plan plan;
+    fresh("protocol = \"toy\"; replicas = 2; seed = 77; piles = \"shared\"; grid = { x = [0.125, -1.5]; };");
+    CHECK_OK(prepare(NULL));
+    CHECK_OK(run(1, NULL));
+    CHECK_OK(sweep_plan_read(file, toys, &plan));
+    sqlite3 *db;
+    sqlite3_stmt *q = NULL;
+    size_t n = 0;
+    CU_ASSERT(sqlite3_open(store, &db) == SQLITE_OK);
+    CU_ASSERT(sqlite3_prepare_v2(db, rows, -1, &q, NULL) == SQLITE_OK);
+    while (sqlite3_step(q) == SQLITE_ROW) check_columns(q, &plan, n++);
+    sqlite3_finalize(q);
+    CU_ASSERT_EQUAL(n, 4);
+    CU_ASSERT(sqlite3_prepare_v2(db, "SELECT * FROM results", -1, &q, NULL) == SQLITE_OK);
+    for (int i = 0; i < 8; i++) CU_ASSERT_STRING_EQUAL(sqlite3_column_name(q, i), shown[i]);
+    sqlite3_finalize(q);
+    sqlite3_close(db);
+    sweep_plan_free(&plan);
+    clean();
+}
+
 /* A store is being written if its last sign of life is less than a minute old, by a clock that may be wrong
  * either way. */
 static void test_running(void)
@@ -1573,6 +1627,7 @@ void suite_sweep(void)
                                        {"damage: salvage, rows far apart", test_salvage_gaps},
                                        {"keys of stored runs", test_known_keys},
                                        {"digest of the rows", test_digest_of_rows},
+                                       {"columns of the rows", test_stored_columns},
                                        {"signs of life", test_running},
                                        {"recipes", test_recipes},
                                        {"recipes: most tables", test_many_tables},

@@ -17,7 +17,7 @@
 typedef struct {
     double lo, hi;
     bool open_lo, open_hi;
-    const char *words; /* "infinite | auto", or "" */
+    const char *words; /* "| infinite | auto", or "" */
 } numeric_range;
 
 static numeric_range parse_range(const char *text)
@@ -30,7 +30,7 @@ static numeric_range parse_range(const char *text)
     r.hi = strtod(end + 1, &end);
     r.open_hi = *end == ')';
     const char *bar = strchr(end, '|');
-    if (bar) r.words = bar + 1;
+    if (bar) r.words = bar;
     return r;
 }
 

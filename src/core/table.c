@@ -135,7 +135,7 @@ rp_status rp_file_open(const char *path, FILE **out)
 
 rp_status rp_file_close(const char *path, FILE *out, rp_status keep)
 {
-    char target[PATH_MAX], temporary[PATH_MAX] = "", link[64];
+    char target[PATH_MAX], link[64], temporary[PATH_MAX] = "";
     struct stat info;
     if (out == stdout) return keep ? keep : rp_table_finish(out, "standard output");
     snprintf(link, sizeof link, "/proc/self/fd/%d", fileno(out));
