@@ -322,6 +322,14 @@ static void test_surface_errors(void)
     o.height = ANG_TOP;
     CHECK_FAILS(MAKE(N_GRAINS, grain_y, NULL, 2.13), RP_BAD_INPUT, "radii");
     CHECK_FAILS(MAKE(N_GRAINS, grain_y, bad, 2.13), RP_BAD_INPUT, "grain 2: radius");
+    for (int i = 0; i < N_GRAINS; i++) {
+        double r[N_GRAINS];
+        memcpy(r, grain_r, sizeof r);
+        r[i] = INFINITY;
+        char text[32];
+        snprintf(text, sizeof text, "grain %d: radius", i + 1);
+        CHECK_FAILS(MAKE(N_GRAINS, grain_y, r, 2.13), RP_BAD_INPUT, text);
+    }
     o.diameter = -0.2;
     CHECK_FAILS(MAKE(N_GRAINS, grain_y, grain_r, 2.13), RP_BAD_INPUT, "diameter) = -0.2");
     ang_surface_free(&s);
@@ -516,6 +524,19 @@ static void test_slope_errors(void)
     CHECK_FAILS(ang_slopes(4, NULL, h, 0.0, ANG_PARABOLA_FREE, s), RP_BAD_INPUT, "cell = 0");
     h[2] = 1.5;
     CHECK_FAILS(ang_slopes(4, column, h, 0.2, ANG_PARABOLA_FREE, s), RP_BAD_INPUT, "column 3");
+    CHECK_FAILS(ang_slopes(4, (size_t[]){1, 1, 2, 3}, h, 0.2, ANG_PARABOLA_FREE, s), RP_BAD_INPUT,
+                "column 2");
+    CHECK_FAILS(ang_slopes(4, (size_t[]){0, 1, 2, 1}, h, 0.2, ANG_PARABOLA_FREE, s), RP_BAD_INPUT,
+                "column 4");
+    CHECK_OK(ang_slopes(3, NULL, h, 0.2, ANG_PARABOLA_FREE, s));
+    for (int i = 0; i < 4; i++) {
+        const double kept = h[i];
+        char text[32];
+        snprintf(text, sizeof text, "height %d", i + 1);
+        h[i] = INFINITY;
+        CHECK_FAILS(ang_slopes(4, NULL, h, 0.2, ANG_PARABOLA_FREE, s), RP_BAD_INPUT, text);
+        h[i] = kept;
+    }
 }
 
 /* ---- ensembles ---- */
@@ -646,6 +667,14 @@ static void test_cell_of_points(void)
     /* neighbours at 20, 5 and 5: the last point counts as well */
     CHECK_OK(ang_cell_of_points(3, (double[]){0.0, 0.1, 0.2}, (double[]){0.0, 20.0, 25.0}, 1.5, &cell));
     CHECK_NEAR(cell, hypot(0.1, 5.0), 1e-14);
+    /* a neighbour outside is none, wherever it stands in the list */
+    for (size_t k = 0; k < 3; k++) {
+        static const double points[3][2] = {{1.4, 0.0}, {1.6, 0.0}, {0.2, 3.0}};
+        double u[3], v[3];
+        for (size_t i = 0; i < 3; i++) u[i] = points[(i + k) % 3][0], v[i] = points[(i + k) % 3][1];
+        CHECK_OK(ang_cell_of_points(3, u, v, 1.5, &cell));
+        CHECK_NEAR(cell, hypot(1.2, 3.0), 1e-14);
+    }
     CHECK_OK(ang_cell_of_points(1, x, level, 1.5, &cell));
     CHECK_NEAR(cell, 1.5, 0.0);
 }
@@ -1226,8 +1255,30 @@ static void test_phi_not_identified(void)
     piles.mu = 0.2;
     CHECK_FAILS(ang_phi_fit(1, &piles, 1, rng, fit), RP_BAD_INPUT, "resamples = 1");
     CHECK_FAILS(ang_phi_fit(0, &piles, 20, rng, fit), RP_NO_RESULT, "no piles");
+    theta_t[PHI_PILES - 1] = M_PI_2;
+    CHECK_FAILS(ang_phi_fit(1, &piles, 20, rng, fit), RP_BAD_INPUT, "pile 20: theta_r");
     theta_t[3] = -0.1;
     CHECK_FAILS(ang_phi_fit(1, &piles, 20, rng, fit), RP_BAD_INPUT, "pile 4: theta_r");
+    theta_r[0] = M_PI_2;
+    CHECK_FAILS(ang_phi_fit(1, &piles, 20, rng, fit), RP_BAD_INPUT, "pile 1: theta_r");
+    theta_r[0] = -M_PI_2;
+    CHECK_FAILS(ang_phi_fit(1, &piles, 20, rng, fit), RP_BAD_INPUT, "pile 1: theta_r");
+    for (int k = 0; k < 4; k++) { /* a mean of 2e-4 rad is the least of either angle */
+        const double mean[2] = {k == 0   ? 1.9e-4
+                                : k == 1 ? 2.5e-4
+                                         : 0.1,
+                                k == 2   ? 1.9e-4
+                                : k == 3 ? 2.5e-4
+                                         : 0.1};
+        for (int i = 0; i < PHI_PILES; i++) {
+            theta_r[i] = mean[0] * (1.0 + 0.1 * (i % 3 - 1));
+            theta_t[i] = mean[1] * (1.0 + 0.1 * (i % 5 - 2));
+        }
+        if (k % 2)
+            CHECK_OK(ang_phi_fit(1, &piles, 2, rng, fit));
+        else
+            CHECK_FAILS(ang_phi_fit(1, &piles, 2, rng, fit), RP_NO_RESULT, "flat, or all piles the same");
+    }
     for (int i = 0; i < PHI_PILES; i++) theta_r[i] = theta_t[i] = 0.3;
     CHECK_FAILS(ang_phi_fit(1, &piles, 20, rng, fit), RP_NO_RESULT, "all piles the same");
     spread_out(0.1, 0, theta_r);

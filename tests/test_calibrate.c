@@ -937,6 +937,9 @@ static void test_least(void)
                 CHECK_NEAR(x[p], fmin(fmax(s.lowest[p] / 1.001, lo[p]), high[p]), 1e-6);
             CHECK_NEAR(value, bowl_and_well(x, &s), 1e-12);
         }
+    double x[2], value; /* a box that is none */
+    CHECK_FAILS(stats_least(bowl_and_well, &s, (double[]){0.0, 1.0}, (double[]){1.0, 0.0}, CELLS, x, &value),
+                RP_BROKEN, "minimum not found: ");
 }
 
 /* ---- bad input ---- */
@@ -985,6 +988,23 @@ static void test_errors(void)
     start(1, 2);
     add(0.1, 0.0, 12.0, -INFINITY);
     CHECK_FAILS(stats_calibration_fit(&piles, &c), RP_BAD_INPUT, "pile 1: angle = -inf");
+    stats_calibration_free(&c);
+    start(2, 2);
+    add(0.1, 0.0, 12.0, 3.0);
+    add(0.1, NAN, 12.0, 3.0);
+    CHECK_FAILS(stats_calibration_fit(&piles, &c), RP_BAD_INPUT, "pile 2: parameter = nan");
+    stats_calibration_free(&c);
+    start(1, 2);
+    add(0.1, 0.0, INFINITY, 3.0);
+    CHECK_FAILS(stats_calibration_fit(&piles, &c), RP_BAD_INPUT, "pile 1: angle = inf");
+    stats_calibration_free(&c);
+    start(1, 2);
+    for (int g = 0; g < 5; g++) add_four(0.1 * g, 0.0, 10.0 + g, 1.0);
+    CHECK_OK(stats_calibration_fit(&piles, &c));
+    CHECK_FAILS(stats_calibration_invert(&c, &(stats_measured){{12.0, INFINITY}, {0.1, 0.1}}, r),
+                RP_BAD_INPUT, "angle 2 = inf");
+    CHECK_FAILS(stats_calibration_invert(&c, &(stats_measured){{12.0, 12.0}, {0.1, INFINITY}}, r),
+                RP_BAD_INPUT, "error of angle 2 = inf");
     stats_calibration_free(&c);
     /* two parameters: 8 points at least, and two values of each */
     static const int rows[3] = {2, 2, 1}, columns[3] = {4, 3, 8};

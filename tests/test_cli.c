@@ -852,6 +852,28 @@ static void test_stress_tables(void)
     FAILS(65, "high: grain 4 at (0.7, -21000): more than 100000 cells of 0.2 away",
           "stress base p high --width 1.2 --cell 0.2");
     FAILS(65, "width = 1.2: more than 100000 cells of 1e-05", "stress field p --width 1.2 --cell 1e-5");
+    /* in metres, kilograms and newtons: cell, diameter and gravity of the defaults are those of the table */
+    write_text("si_grains.tsv", "# system: si\n# units: m\tm\tkg\n# "
+                                "x\ty\tm\n0.001\t0.001\t1e-3\n0.005\t0.001\t2e-3\n0.003\t0.003\t1e-3\n"
+                                "0.007\t0.001\t5e-4\n0.009\t0.001\t5e-4\n0.011\t0.001\t5e-4\n");
+    CU_ASSERT(
+        shell("awk -F'\t' -v OFS='\t' 'NR > 1 { for (k = 3; k < 7; k++) $k /= 100; $7 *= 1e-5; $8 *= 1e-5 } "
+              "NR == 1 { print \"# system: si\"; print \"# units: 1\\t1\\tm\\tm\\tm\\tm\\tN\\tN\" } { print "
+              "}' p_contacts.tsv "
+              ">si_contacts.tsv") == 0);
+    GOOD("stress base p --width 1.2");
+    rp_table cgs = read_table("out");
+    GOOD("stress base si --width 0.012");
+    rp_table si = read_table("out");
+    CU_ASSERT_FATAL(cgs.n_rows == si.n_rows && cgs.n_rows == 4);
+    for (size_t i = 0; i < si.n_rows; i++) {
+        CHECK_NEAR(cell(&si, i, "x/W"), cell(&cgs, i, "x/W"), 1e-12);
+        CHECK_NEAR(cell(&si, i, "N"), 1e-3 * cell(&cgs, i, "N"), 1e-9);
+        CHECK_NEAR(cell(&si, i, "weight"), 1e-3 * cell(&cgs, i, "weight"), 1e-9);
+        CHECK_NEAR(cell(&si, i, "N_theory"), 1e-3 * cell(&cgs, i, "N_theory"), 1e-9);
+    }
+    rp_table_free(&cgs);
+    rp_table_free(&si);
     FAILS(65, "q_contacts.tsv: cannot read", "stress field q --width 4");
     write_text("r_contacts.tsv", "# x\ty\n1\t2\n");
     FAILS(65, "no column \"id_b\"", "stress field r --width 4");

@@ -329,6 +329,18 @@ static void test_errors(void)
     CHECK_FAILS(stats_emulator_make(STATS_SMOOTH, &in, data.variance, 1.0, &e), RP_BAD_INPUT,
                 "setting 2: input = nan");
     in = make_inputs(2, 7);
+    data.variance[0] = INFINITY;
+    CHECK_FAILS(stats_emulator_make(STATS_SMOOTH, &in, data.variance, 1.0, &e), RP_BAD_INPUT,
+                "setting 1: variance of the noise = inf");
+    data.x[0] = INFINITY;
+    CHECK_FAILS(stats_emulator_make(STATS_SMOOTH, &in, data.variance, 1.0, &e), RP_BAD_INPUT,
+                "setting 1: input = inf");
+    in = make_inputs(2, 7);
+    data.x[2 * REALS - 1] = NAN;
+    CHECK_FAILS(stats_emulator_make(STATS_SMOOTH, &in, data.variance, 1.0, &e), RP_BAD_INPUT,
+                "setting 2: input = nan");
+    CHECK_FAILS(stats_emulator_make(STATS_SMOOTH, &in, data.variance, INFINITY, &e), RP_BAD_INPUT, "");
+    in = make_inputs(2, 7);
     data.variance[1] = 0.0;
     CHECK_FAILS(stats_emulator_make(STATS_SMOOTH, &in, data.variance, 1.0, &e), RP_BAD_INPUT,
                 "setting 2: variance of the noise = 0");

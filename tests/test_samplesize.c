@@ -32,6 +32,51 @@ static void test_known_errors(void)
                ceil(16.0 * pow((none.known + gsl_cdf_ugaussian_Pinv(0.975)) * 0.75, 2.0)), 0.0);
 }
 
+/* Power by its definition: the estimate is normal about the effect, and its estimated error a root of chi^2
+ * over its degrees of freedom, at the middles of 64 equal parts of its chance, or the true one where they are
+ * many. */
+static double power_by_hand(const stats_rule *rule, const stats_pilot *p, double effect, double n)
+{
+    const double se = p->se * sqrt(p->n / n), dof = fmax(p->dof * (n - 1.0) / (p->n - 1.0), 1.0),
+                 sigma = sqrt(se * se + p->fixed * p->fixed);
+    const bool many = dof > 5000.0;
+    const double t = isinf(dof) ? rule->known : gsl_cdf_tdist_Qinv(rule->level, dof);
+    double sum = 0.0;
+    for (int i = 0; i < 64; i++) {
+        const double estimated = many ? 1.0 : sqrt(gsl_cdf_chisq_Pinv((2.0 * i + 1.0) / 128.0, dof) / dof),
+                     within = sqrt(pow(t * se * estimated, 2.0) + pow(rule->known * p->fixed, 2.0)),
+                     from = rule->from + within, to = rule->to - within;
+        if (from < to)
+            sum += gsl_cdf_ugaussian_P((to - effect) / sigma) - gsl_cdf_ugaussian_P((from - effect) / sigma);
+    }
+    return sum / 64.0;
+}
+
+static void test_by_hand(void)
+{
+    static const stats_pilot pilots[] = {{0.4, 7.0, 6.0, 0.0},      {0.4, 16.0, 3.0, 0.1},
+                                         {0.9, 12.0, 30.0, 0.0},    {0.2, 9.0, 2e4, 0.05},
+                                         {0.3, 5.0, INFINITY, 0.2}, {0.6, 9.0, 4.0, 0.8}};
+    static const stats_rule *const rules[] = {&above, &none};
+    for (size_t k = 0; k < sizeof pilots / sizeof *pilots; k++)
+        for (int r = 0; r < 2; r++)
+            for (double effect = 0.0; effect < 2.0; effect += 0.6) {
+                const stats_pilot *p = &pilots[k];
+                size_t least = 2;
+                for (double n = 2.0; n < 100.0; n *= 2.1)
+                    CHECK_NEAR(stats_power(rules[r], p, effect, n), power_by_hand(rules[r], p, effect, n),
+                               1e-12);
+                while (least < 40 && power_by_hand(rules[r], p, effect, (double)least) < 0.8) least++;
+                if (least < 40) CHECK_NEAR(stats_sample_size(rules[r], p, effect, 0.8), (double)least, 0.0);
+            }
+    /* without any error the effect decides, at both ends */
+    const stats_pilot exact = {.se = 0.0, .n = 2.0, .dof = INFINITY};
+    static const double effects[] = {-1.5, -0.5, 0.5, 1.5};
+    for (int k = 0; k < 4; k++)
+        CHECK_NEAR(stats_power(&none, &exact, effects[k], 2.0), fabs(effects[k]) < 1.0, 0.0);
+    CHECK_NEAR(stats_sample_size(&above, &exact, 0.1, 0.8), 2.0, 0.0);
+}
+
 /* The error of a published number stays: it bounds the power of any number of values. */
 static void test_fixed_errors(void)
 {
@@ -142,9 +187,12 @@ static void test_drawn_ensembles(void)
 
 void suite_samplesize(void)
 {
-    static const check_case cases[] = {
-        {"known errors", test_known_errors},        {"errors that stay", test_fixed_errors},
-        {"t tests of the textbook", test_textbook}, {"degrees of freedom", test_degrees_of_freedom},
-        {"drawn ensembles", test_drawn_ensembles},  {0}};
+    static const check_case cases[] = {{"by its definition", test_by_hand},
+                                       {"known errors", test_known_errors},
+                                       {"errors that stay", test_fixed_errors},
+                                       {"t tests of the textbook", test_textbook},
+                                       {"degrees of freedom", test_degrees_of_freedom},
+                                       {"drawn ensembles", test_drawn_ensembles},
+                                       {0}};
     check_register("samplesize", cases);
 }

@@ -377,6 +377,8 @@ static void test_critical(void)
     CHECK_NEAR(c.rank.value, 1.0, tight);
     CHECK_FAILS(stress_critical_tilts(2, r, theta_t, mu, B, rng, &c), RP_NO_RESULT, "2 piles");
     CHECK_FAILS(stress_critical_tilts(N, r, theta_t, mu, 1, rng, &c), RP_BAD_INPUT, "resamples = 1");
+    theta_t[N - 1] += INFINITY;
+    CHECK_FAILS(stress_critical_tilts(N, r, theta_t, mu, B, rng, &c), RP_BAD_INPUT, "pile 50");
     r[4].s[1].yy = NAN;
     CHECK_FAILS(stress_critical_tilts(N, r, theta_t, mu, B, rng, &c), RP_BAD_INPUT, "pile 5");
     r[0].n[0] = INFINITY;

@@ -599,6 +599,9 @@ static void test_costs(void)
     CHECK_NEAR(c[1].bias, 0.0, 0.0);
     CHECK_NEAR(c[1].seconds, 40.0 / 40.0, sum_error); /* a step of the other size takes 1/40 s */
     CU_ASSERT(!c[0].front && c[1].front);
+    runs[4].steps = 1.0; /* any number of steps but none */
+    CHECK_OK(stats_costs(5, runs, 3, 1, c));
+    runs[4].steps = 40.0;
     runs[4].seconds = INFINITY;
     CHECK_FAILS(stats_costs(5, runs, 3, 1, c), RP_BAD_INPUT, "run 5: inf s, 40 steps");
     runs[0].steps = 0.0;
@@ -644,6 +647,14 @@ static void test_oscillation(void)
     CHECK_NEAR(f.share, 1.0, 1e-9);
     CU_ASSERT(f.n == VALUES);
     CHECK_FAILS(stats_oscillation_fit(15, t, y, &f), RP_NO_RESULT, "at least 16");
+    for (size_t k = 1; k < VALUES; k += VALUES - 2) { /* the first step, and the last */
+        const double kept = t[k];
+        char expected[32];
+        t[k] = t[k - 1];
+        snprintf(expected, sizeof expected, "value %zu at", k + 1);
+        CHECK_FAILS(stats_oscillation_fit(VALUES, t, y, &f), RP_BAD_INPUT, expected);
+        t[k] = kept;
+    }
     t[7] = t[6];
     CHECK_FAILS(stats_oscillation_fit(VALUES, t, y, &f), RP_BAD_INPUT, "value 8");
     t[7] = 0.5 * (t[6] + t[8]);

@@ -248,8 +248,9 @@ rp_status stats_trend_fit(size_t n, const double x[], const double y[], const do
     s.cells = calloc(n + 1, sizeof *s.cells);
     s.c = calloc(2 * n + 1, sizeof *s.c);
     s.work = s.c + n;
-    rp_status status = s.points && s.cells && s.c ? load_points(&s, x, y, pile)
-                                                  : rp_fail(RP_NO_MEMORY, "trend: out of memory");
+    rp_status status = RP_OK;
+    if (!s.points || !s.cells || !s.c) status = rp_fail(RP_NO_MEMORY, "trend: out of memory");
+    if (!status) status = load_points(&s, x, y, pile);
     if (!status) status = analyse(&s, power, margin, trend);
     free(s.points);
     free(s.cells);
