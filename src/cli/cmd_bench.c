@@ -252,7 +252,8 @@ const cli_command cmd_bench = {
     "processor time, best and median of several runs. An extra run times the phases one after another:\n"
     "shares of contacts, neighbour lists, integration and walls, and `bound`, the rate without lists\n"
     "and walls. Numbers of contacts and listed pairs are per grain, at the end. `bytes` is the memory\n"
-    "held per grain, `peak_bytes` the largest memory of the process so far.",
+    "held per grain, `peak_bytes` what the largest memory of the process has grown by so far. Of a sample a\n"
+    "line above the table has theta_R by method 3; nan: the surface does not fall to one side.",
     "repose bench --n 1600 --state flowing --floor absorbs",
     bench_params,
     .prints_table = true,
