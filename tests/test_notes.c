@@ -335,7 +335,22 @@ static void test_models(void)
     enter();
     check_lattice(12, 30.0, 30.0);
     check_lattice(9, 40.0, 35.0);
-    rp_table t;
+    /* the closed form goes beyond the recursion, which has the same forces */
+    FAILS(65, "10001 disks in the base: out of range, allowed: [1, 10000]",
+          "lattice --layers 10001 --method recursion");
+    FAILS(65, "10001 disks in the base: out of range",
+          "lattice --base 10001 --alpha-deg 30 --method recursion");
+    GOOD("lattice --base 10001 --alpha-deg 30");
+    GOOD("lattice --layers 10001");
+    rp_table t = read_table("out");
+    CU_ASSERT_FATAL(t.n_rows == 10001);
+    for (size_t i = 0; i < t.n_rows; i += 1000) CHECK_NEAR(cell(&t, i, "N/mg"), 5001.0, 1e-9);
+    rp_table_free(&t);
+    GOOD("lattice --layers 45 --method recursion");
+    t = read_table("out");
+    check_note(&t, "method", "recursion");
+    for (size_t i = 0; i < t.n_rows; i++) CHECK_NEAR(cell(&t, i, "N/mg"), 23.0, 1e-10);
+    rp_table_free(&t);
     GOOD("tent --outer-deg 30 --inner-deg 45 --x1 0.3 --points 2001");
     t = read_table("out");
     size_t top = 0, middle = t.n_rows / 2;

@@ -414,8 +414,8 @@ static void decide_again(const cli_claim *c, double effect, double none, cli_jud
 static void correct_family(const cli_claims *claims, const char *family, cli_judged judged[])
 {
     const size_t n = claims->n;
-    double *effect = cli_memory(4 * n, sizeof *effect), *none = effect + n, *raised = none + n,
-           *raised_none = raised + n;
+    double *effect = cli_memory(n, sizeof *effect), *none = cli_memory(n, sizeof *none),
+           *raised = cli_memory(n, sizeof *raised), *raised_none = cli_memory(n, sizeof *raised_none);
     size_t tests = 0;
     for (size_t i = 0; i < n; i++) {
         effect[i] = none[i] = NAN;
