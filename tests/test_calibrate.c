@@ -4,6 +4,7 @@
 #include <gsl/gsl_multifit.h>
 #include <gsl/gsl_poly.h>
 #include <gsl/gsl_randist.h>
+#include <gsl/gsl_sf_psi.h>
 #include <gsl/gsl_sort.h>
 #include <gsl/gsl_statistics_double.h>
 #include <stdlib.h>
@@ -234,6 +235,45 @@ static void test_saturating(void)
         CHECK_NEAR(r[0].value, scale * (shape == STATS_TANH ? atanh(s) : -log(1.0 - s)), 1e-6 * unit);
         stats_calibration_free(&c);
     }
+}
+
+/* Scatter from points of 2 to 9 piles: a parabola through the logarithms of their variances, each without
+ * bias and with the weight of its own error. */
+static void test_scatter(void)
+{
+    enum { POINTS = 8 };
+    gsl_matrix *terms = gsl_matrix_alloc(POINTS, 3), *covariance = gsl_matrix_alloc(3, 3);
+    gsl_vector *y = gsl_vector_alloc(POINTS), *w = gsl_vector_alloc(POINTS), *solution = gsl_vector_alloc(3);
+    gsl_multifit_linear_workspace *work = gsl_multifit_linear_alloc(POINTS, 3);
+    double chi2;
+    stats_calibration c;
+    start(1, 1);
+    for (size_t g = 0; g < POINTS; g++) {
+        const double u = -1.0 + 2.0 * (double)g / (POINTS - 1.0), half = 0.5 * ((double)g + 1.0);
+        const size_t first = piles.n;
+        for (size_t k = 0; k < g + 2; k++)
+            add(0.2 + 0.1 * (double)g, 0.0, 10.0 + 3.0 * (double)g + 0.4 * (double)((k * 3 + g * g) % 7),
+                0.0);
+        gsl_vector_set(y, g,
+                       log(gsl_stats_variance(data[2] + first, 1, g + 2)) - gsl_sf_psi(half) + log(half));
+        gsl_vector_set(w, g, 1.0 / gsl_sf_psi_1(half));
+        for (size_t i = 0; i < 3; i++) gsl_matrix_set(terms, g, i, pow(u, (double)i));
+    }
+    gsl_multifit_wlinear(terms, w, y, solution, covariance, &chi2, work);
+    CHECK_OK(stats_calibration_fit(&piles, &c));
+    for (double u = -1.0; u < 1.1; u += 0.4) {
+        const double x = 0.2 + 0.35 * (u + 1.0), log_variance = gsl_vector_get(solution, 0) +
+                                                                u * gsl_vector_get(solution, 1) +
+                                                                u * u * gsl_vector_get(solution, 2);
+        CHECK_NEAR(stats_calibration_sd(&c, 0, &x), exp(0.5 * log_variance), 1e-10);
+    }
+    stats_calibration_free(&c);
+    gsl_multifit_linear_free(work);
+    gsl_matrix_free(terms);
+    gsl_matrix_free(covariance);
+    gsl_vector_free(y);
+    gsl_vector_free(w);
+    gsl_vector_free(solution);
 }
 
 /* Two parameters from two angles that are planes. */
@@ -1029,6 +1069,7 @@ void suite_calibrate(void)
                                        {"lack of fit", test_lack_of_fit},
                                        {"correlated angles", test_correlated},
                                        {"saturating responses", test_saturating},
+                                       {"scatter of piles", test_scatter},
                                        {"two parameters, two angles", test_two_parameters},
                                        {"two parameters, correlated angles", test_two_correlated},
                                        {"resamples of piles, by hand", test_bootstrap},

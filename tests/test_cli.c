@@ -1608,7 +1608,13 @@ static void test_calibrate(void)
     GOOD("calibrate --runs peak.tsv --theta-r-deg 22 --error-deg 0.5");
     CU_ASSERT(!strstr(err, "outside"));
     CU_ASSERT(run("calibrate --runs peak.tsv --theta-r-deg 22.9 --error-deg 0.5") == 0);
-    CU_ASSERT(strstr(err, "theta_r = 22.9 degrees lies outside what the response reaches, ") != NULL);
+    double reach[2]; /* the same as in the header */
+    CU_ASSERT(sscanf(strstr(out, "# reach: "), "# reach: theta_r from %lf to %lf", &reach[0], &reach[1]) ==
+              2);
+    snprintf(rows, sizeof rows,
+             "theta_r = 22.9 degrees lies outside what the response reaches, %.3g to %.3g: ", reach[0],
+             reach[1]);
+    CU_ASSERT(strstr(err, rows) != NULL);
     FAILS(1, "mu: above_range: the angle is larger than the response anywhere in the range; these piles",
           "calibrate --runs peak.tsv --theta-r-deg 30 --error-deg 0.5");
     CU_ASSERT(strstr(err, "; the angle is largest within the range, near mu = 0.5: vary another parameter") !=
