@@ -932,15 +932,17 @@ static void compare_gain_and_flat_piles(void)
     gsl_rng_free(rng);
 }
 
-/* Errors and lost resamples, from the same resamples: (4) at the mean angles of each. Some are too steep. */
-static void compare_resamples(void)
+/* Errors and lost resamples, from the same resamples: (4) at the mean angles of each. Some are too steep, for
+ * all forms or for those but the last; the form that loses most counts. */
+static void compare_resamples_of(double steeper, double mu)
 {
     enum { N = 5, B = 60, PARTS = 5 };
-    static const double theta_r[N] = {0.301, 0.362, 0.245, 0.318, 0.296},
-                        theta_t[N] = {0.061, 0.052, 0.089, 0.066, 0.031};
+    static const double theta_t[N] = {0.061, 0.052, 0.089, 0.066, 0.031};
+    double theta_r[N] = {0.301, 0.362, 0.245, 0.318, 0.296};
     double r[B], t[B], sum[B], sample[PARTS][B];
-    size_t most_lost = 0;
-    const double mu = 0.11, phi = M_PI / 3.0, ms = atan(3.0 * mu), unbias = sqrt(N / (N - 1.0));
+    size_t most_lost = 0, lost = 0;
+    for (int i = 0; i < N; i++) theta_r[i] += steeper;
+    const double phi = M_PI / 3.0, ms = atan(3.0 * mu), unbias = sqrt(N / (N - 1.0));
     gsl_rng *rng = rp_random_alloc(17, 0, RP_PURPOSE_TEST), *same = gsl_rng_clone(rng);
     ang_comparison c;
     CHECK_OK(ang_compare(N, theta_r, theta_t, mu, phi, B, rng, &c));
@@ -967,16 +969,30 @@ static void compare_resamples(void)
         }
         for (int k = 0; k < PARTS; k++)
             CHECK_NEAR(of[k]->se, unbias * gsl_stats_sd(sample[k], 1, n), root_error);
-        most_lost = B - n > most_lost ? B - n : most_lost;
+        lost = B - n;
+        most_lost = lost > most_lost ? lost : most_lost;
     }
-    CU_ASSERT(c.n_lost == most_lost && most_lost > 2 && most_lost < B / 2);
+    CU_ASSERT(c.n_lost == most_lost && most_lost > 2 && most_lost < B / 2 &&
+              (lost == most_lost) == (steeper == 0.0));
+    gsl_rng_free(rng);
+    gsl_rng_free(same);
+}
+
+static void compare_resamples(void)
+{
+    enum { N = 5, B = 60 };
+    static const double theta_r[N] = {0.301, 0.362, 0.245, 0.318, 0.296},
+                        theta_t[N] = {0.061, 0.052, 0.089, 0.066, 0.031};
+    gsl_rng *rng = rp_random_alloc(18, 0, RP_PURPOSE_TEST);
+    ang_comparison c;
+    compare_resamples_of(0.0, 0.11);
+    compare_resamples_of(0.47, 1.0);
     /* no angle at the mean: no error either, though some resamples have it */
-    CHECK_OK(ang_compare(N, theta_r, theta_t, 0.1, phi, B, rng, &c));
+    CHECK_OK(ang_compare(N, theta_r, theta_t, 0.1, M_PI / 3.0, B, rng, &c));
     for (int f = 0; f < ANG_N_FORMS; f++)
         CU_ASSERT(isnan(c.form[f].theta_t.value) && isnan(c.form[f].theta_t.se) && isnan(c.form[f].gain.se));
     CU_ASSERT(c.n_lost > 0 && c.n_lost < B && c.n_unstable == 4);
     gsl_rng_free(rng);
-    gsl_rng_free(same);
 }
 
 /* ---- phi ---- */

@@ -405,7 +405,6 @@ void suite_helpers(void)
                                        {"oblique impact", test_oblique},
                                        {"oblique impact: slides, sticks, slides", test_oblique_changes},
                                        {"oblique impact: slides at the end", test_oblique_end},
-                                       {"oblique impact: slides at the end", test_oblique_end},
                                        {"same bits", test_same_bits},
                                        {"wrong pairs", test_wrong_pairs},
                                        {"solved pile", test_solved_pile},

@@ -168,6 +168,13 @@ static void rays_under_walls(void)
     const stress_base wide = {.centroid = 3.5, .width = 60}; /* far beyond the one disk */
     CHECK_OK(sweep_outline_rays(1, (double[]){3.5}, (double[]){1.7}, &wide, rays));
     for (int k = 0; k < STRESS_DIP_BINS; k++) CU_ASSERT((rays[k] > 0) == (k == 9 || k == 10));
+    /* the highest disk, of any number, needs room for its feet */
+    const stress_base narrow = {.centroid = 1, .width = 2};
+    for (int high = 0; high < 3; high++) {
+        double tops[] = {1, 1, 1, 0};
+        tops[high] = 17;
+        CHECK_OK(sweep_outline_rays(3, (double[]){0, 1, 2, 0}, tops, &narrow, rays));
+    }
 }
 
 /* ---- friction required at the base ---- */

@@ -285,6 +285,8 @@ static void test_trend_errors(void)
     CHECK_FAILS(stats_trend_fit(4, twice, y, NULL, 0.0, 0.0, &t), RP_BAD_INPUT, "margin = 0");
     CHECK_FAILS(stats_trend_fit(4, twice, y, NULL, 0.0, NAN, &t), RP_BAD_INPUT, "margin = ");
     CHECK_FAILS(stats_trend_fit(4, apart, y, NULL, 2.0, 1.0, &t), RP_BAD_INPUT, "value 1: x = 0");
+    CHECK_FAILS(stats_trend_fit(4, apart, y, NULL, 1.0, 1.0, &t), RP_BAD_INPUT, "value 1: x = 0");
+    CHECK_OK(stats_trend_fit(4, apart, y, NULL, 0.0, 1.0, &t)); /* without weights any x will do */
     CHECK_OK(stats_trend_fit(4, twice, y, piles, 0.0, 1.0, &t));
     CHECK_FAILS(stats_bend(4, twice, y, se, &bend), RP_NO_RESULT, "at least 3 different x");
     CHECK_FAILS(stats_bend(1, twice, y, se, &bend), RP_NO_RESULT, "no line");

@@ -279,6 +279,27 @@ static void turning_box(void)
     }
 }
 
+/* The list is built anew as the box begins to turn, and not again until the walls may have come near. */
+static void list_of_a_turning_box(void)
+{
+    dem_grain grain = {.x = 1.0, .y = 1.0, .r = R, .m = M};
+    dem_definition def = dem_definition_default();
+    def.gravity[1] = 0.0;
+    grains_on_floor(&def, 1, &grain);
+    def.box_turn_per_step = 1e-5, def.turn_from_step = 10;
+    dem_sim *sim = grains_start(&def);
+    CHECK_OK(dem_run(sim, 10));
+    const long before = sim->count.rebuilds;
+    CU_ASSERT(sim->walls.angle == 0.0);
+    CHECK_OK(dem_run(sim, 1));
+    CU_ASSERT(sim->walls.angle == 1e-5 && sim->count.rebuilds == before + 1);
+    CHECK_OK(dem_run(sim, 100));
+    CU_ASSERT(sim->count.rebuilds == before + 1);
+    CHECK_OK(dem_run(sim, 5000));
+    CU_ASSERT(sim->count.rebuilds > before + 1 && sim->count.rebuilds < before + 20);
+    dem_free(sim);
+}
+
 /* A wall that moves by itself and then back, at a grain that it does not touch, is where it was. */
 static void where_it_is(void)
 {
@@ -710,6 +731,7 @@ void suite_walls(void)
                                        {"a floor that slides", sliding_floor},
                                        {"largest speed of a wall", speed_of_a_wall},
                                        {"lines of walls", lines_of_walls},
+                                       {"list of a turning box", list_of_a_turning_box},
                                        {"height of a wall that moves", height_of_a_wall},
                                        {"walls at rest, grains that move", galilean},
                                        {"a box that turns, walls that turn", turning_box},

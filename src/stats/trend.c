@@ -266,7 +266,7 @@ void stats_holm(size_t n, const double p[], double corrected[])
         corrected[i] = isnan(p[i]) ? NAN : 0.0;
         for (size_t j = 0; j < n && !isnan(p[i]); j++) { /* the largest of what p[j] <= p[i] are raised to */
             size_t below = 0;
-            for (size_t k = 0; k < n; k++) below += p[k] < p[j] || (p[k] == p[j] && k < j);
+            for (size_t k = 0; k < n; k++) below += p[k] < p[j];
             if (p[j] <= p[i]) corrected[i] = fmax(corrected[i], fmin(1.0, p[j] * (double)(tests - below)));
         }
     }

@@ -6,6 +6,7 @@
  * The floor ends at W: where it goes on, nothing leaves and no steady state exists. "Quiet": the largest
  * speed over the grains with 0 < x < W has been below v_cut for 200 steps in a row, and the last grain has
  * had a contact, for one at rest in the air is slow too. */
+#include <gsl/gsl_statistics_double.h>
 #include <math.h>
 #include <stdlib.h>
 
@@ -255,8 +256,8 @@ static rp_status analyse(flux *f)
     for (size_t k = from; k < f->n; k++) {
         grains += f->grains[k];
         tower += f->tower[k];
-        v[OUT_theta_max_deg] = fmax(v[OUT_theta_max_deg], f->theta[k]);
     }
+    v[OUT_theta_max_deg] = gsl_stats_max(f->theta + from, 1, f->n - from);
     v[OUT_level_step] = f->step[from];
     v[OUT_level_insertion] = (double)from;
     v[OUT_theta_deg] = series.mean;
