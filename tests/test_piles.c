@@ -177,6 +177,31 @@ static void rays_under_walls(void)
     }
 }
 
+/* ---- outlines as polygons ---- */
+
+/* A triangle of any size, anywhere, holds the disks that its slope does, rows that end on the outline too;
+ * over the square of the base its area is tan(alpha)/4. */
+static void outlines_of_any_size(void)
+{
+    static const double sizes[] = {1e-6, 1, 1e6};
+    for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++)
+        for (long k = 2; k < 40; k += 5)
+            for (int alpha_deg = 20; alpha_deg <= 50; alpha_deg += 10) {
+                const double width = (double)(k - 1) * sizes[i], left = 3 * sizes[i];
+                const an_point v[] = {
+                    {left, 0}, {left + width / 2, width / 2 * tan(alpha_deg * DEG)}, {left + width, 0}};
+                sweep_outline slope = {0}, drawn = {0};
+                CHECK_OK(sweep_outline_count(&slope, k, 0, alpha_deg * DEG, 0, NULL));
+                CHECK_OK(sweep_outline_count(&drawn, k, 0, 0, 3, v));
+                CU_ASSERT_EQUAL(drawn.n, slope.n);
+                for (long s = 0; s < k; s++) CU_ASSERT_EQUAL(drawn.up[s], slope.up[s]);
+                const double disks = (double)drawn.n * sin(60 * DEG);
+                CHECK_NEAR(drawn.B, sqrt(4 * disks / tan(alpha_deg * DEG)), 1e-9 * drawn.B);
+                sweep_outline_free(&slope);
+                sweep_outline_free(&drawn);
+            }
+}
+
 /* ---- friction required at the base ---- */
 
 /* By hand; diagonals alone, full triangle: tan(30 degrees) (k - 1)/(k + 1), at the ends of the base. */
@@ -619,6 +644,7 @@ void suite_piles(void)
                                        {"dips of a wedge", dips_of_a_wedge},
                                        {"rays under outlines", rays_under_outlines},
                                        {"rays under walls", rays_under_walls},
+                                       {"outlines of any size", outlines_of_any_size},
                                        {"friction required at the base", friction_of_base},
                                        {"sizes of unequal disks", sizes},
                                        {"unequal piles are stable", unequal_piles_stand},

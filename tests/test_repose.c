@@ -109,15 +109,17 @@ static double line_deg(int n, const double h[], double cell)
     return -atan((n * sjh - sj * sh) / (n * sjj - sj * sj) / cell) * RADIAN_DEG;
 }
 
-/* Highest centres minus d/2 in 11 cells of 0.2; straight lines through the 5 on each side of the middle one.
- */
-static void check_halves(const grains *g, const sweep_result *result)
+/* Highest centres minus d/2 in an odd number of cells of 0.2; straight lines through those on each side of
+ * the middle one. */
+static void check_halves(const grains *g, int cells, const sweep_result *result)
 {
     double h[11] = {0.0};
-    for (size_t i = 0; i < g->n; i++)
-        if (g->x[i] >= 0.0 && g->x[i] < 2.2)
-            h[(int)(g->x[i] / 0.2)] = fmax(h[(int)(g->x[i] / 0.2)], g->y[i] - 0.1);
-    double upper = line_deg(5, h, 0.2), lower = line_deg(5, h + 6, 0.2);
+    for (size_t i = 0; i < g->n; i++) {
+        const int k = (int)floor(g->x[i] / 0.2);
+        if (k >= 0 && k < cells) h[k] = fmax(h[k], g->y[i] - 0.1);
+    }
+    const int half = cells / 2;
+    double upper = line_deg(half, h, 0.2), lower = line_deg(half, h + half + 1, 0.2);
     CHECK_NEAR(output(result, "theta_lower_less_upper_deg"), lower - upper, ANGLE_TOLERANCE_DEG);
     CHECK_NEAR(output(result, "theta_upper_deg"), upper, ANGLE_TOLERANCE_DEG);
 }
@@ -200,7 +202,7 @@ static void test_surfaces(void)
     CU_ASSERT(output(&result, "steps") == 8000.0);
     read_grains("pile_grains.tsv", &g);
     CU_ASSERT(output(&result, "cells") < 11.0);
-    check_halves(&g, &result);
+    check_halves(&g, 11, &result);
     check_order(&result);
     static const struct {
         const char *name;
@@ -222,6 +224,52 @@ static void test_surfaces(void)
     for (size_t i = 0; i < sizeof variants / sizeof *variants; i++)
         check_variant(&g, &result, variants[i].name, variants[i].options);
     clean();
+}
+
+/* Three cells make a half, two do not; a step of relaxation is one. */
+static void test_small_halves(void)
+{
+    sweep_result result;
+    for (int cells = 5; cells < 8; cells += 2) {
+        traced_run((const setting[]){{"W", cells == 5 ? "1" : "1.4"},
+                                     {"H", "1"},
+                                     {"stop", "steps"},
+                                     {"fill_steps", "1500"},
+                                     {"relax_steps", "1"},
+                                     {0}},
+                   &result);
+        CU_ASSERT(output(&result, "steps") == 1501.0 && output(&result, "relax_steps_used") == 1.0);
+        CU_ASSERT(output(&result, "cells") == cells);
+        if (cells == 5) {
+            CU_ASSERT(isnan(output(&result, "theta_upper_deg")));
+        } else {
+            grains g;
+            read_grains("pile_grains.tsv", &g);
+            check_halves(&g, cells, &result);
+        }
+        clean();
+    }
+}
+
+/* Of three grains that were noted one stays, one has moved, and one has left; the last two have moved. */
+static void test_moved(void)
+{
+    dem_grain two[] = {{.x = 0.2, .y = 5.0, .r = 0.1, .m = 1.0}, {.x = 0.7, .y = 5.0, .r = 0.1, .m = 1.0}};
+    dem_definition def = dem_definition_default();
+    def.grains = two;
+    def.n_grains = 2;
+    double x[] = {NAN, 0.2, 0.7, 0.4}, y[] = {NAN, 5.0, 5.1, 5.0};
+    dem_state states[2];
+    sweep_box_run run = {.states = states, .n_noted = 3, .x = x, .y = y};
+    CHECK_OK(dem_create(&def, &run.sim));
+    size_t moved;
+    CHECK_OK(sweep_box_moved(&run, 0.05, 0, &moved));
+    CU_ASSERT_EQUAL(moved, 2);
+    CHECK_OK(sweep_box_moved(&run, 0.11, 0, &moved));
+    CU_ASSERT_EQUAL(moved, 1);
+    CHECK_OK(sweep_box_moved(&run, 0.05, 1, &moved)); /* none in the scene has a contact */
+    CU_ASSERT_EQUAL(moved, 1);
+    dem_free(run.sim);
 }
 
 /* Friction of the floor when some of the three coefficients are given. */
@@ -793,6 +841,8 @@ void suite_repose(void)
 {
     static const check_case cases[] = {{"every variant of the surface", test_surfaces},
                                        {"limit of the time step", test_limit_of_step},
+                                       {"halves of three cells", test_small_halves},
+                                       {"grains that have moved", test_moved},
                                        {"bond order", test_bond_order},
                                        {"friction of the floor", test_frictions},
                                        {"choices of contact", test_contact_choices},

@@ -1573,6 +1573,30 @@ static void test_digits(void)
     CU_ASSERT_STRING_EQUAL(digits, right);
 }
 
+/* A result begins without a value. Of angles six decimals count, of other outputs every bit. */
+static void test_rounded_digits(void)
+{
+    static const sweep_output two[] = {
+        {"theta_deg", "degree", "an angle"}, {"length", "cm", "a length"}, {0}};
+    sweep_result r;
+    char right[33], digits[33];
+    memset(&r, 0, sizeof r);
+    sweep_result_clear(&r);
+    CU_ASSERT_STRING_EQUAL(r.status, "");
+    for (int k = 0; k < SWEEP_MAX_OUTPUTS; k++) CU_ASSERT(isnan(r.values[k]));
+    static const struct {
+        double theta_deg, length;
+        bool same;
+    } cases[] = {
+        {18.3, 2.5, true}, {18.3 + 1e-8, 2.5, true}, {18.300001, 2.5, false}, {18.3, 2.5 + 1e-15, false}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        r.values[0] = cases[i].theta_deg;
+        r.values[1] = cases[i].length;
+        sweep_results_digits(1, &r, two, "theta_deg length", i ? digits : right);
+        if (i) CU_ASSERT((strcmp(digits, right) == 0) == cases[i].same);
+    }
+}
+
 /* Names become columns of one table, in which SQLite ignores case. */
 static void test_columns(void)
 {
@@ -1633,6 +1657,7 @@ void suite_sweep(void)
                                        {"recipes: most tables", test_many_tables},
                                        {"physical parameters of protocols", test_physics},
                                        {"digits of results", test_digits},
+                                       {"rounded digits of results", test_rounded_digits},
                                        {"column names", test_columns},
                                        {NULL, NULL}};
     check_register("sweep", cases);

@@ -72,6 +72,7 @@ suites_of() {
         echo units scene walls golden motion hard soft rotation dem laws ;;
     sweeps/driver/groups.c) echo forensics ;;
     sweeps/driver/keep.c) echo sweep snapshot ;;
+    sweeps/driver/protocols.c) echo sweep golden tables notes cli ;;
     sweeps/driver/pool.c | sweeps/driver/sweep.c) echo sweep drill notes tables evidence cli snapshot ;;
     sweeps/driver/outline.c) echo golden piles equilibrium ;;
     sweeps/driver/protocol_pile.c) echo piles golden ;;
