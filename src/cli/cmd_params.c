@@ -38,7 +38,7 @@ static const char *default_of(const rp_param *p, char text[64])
     rp_param alone = *p;
     double number;
     if (!p->fallback) return "(required)";
-    if (p->type != RP_REAL || rp_unit(p->unit) == p->unit) return shown(p->fallback);
+    if (p->type != RP_REAL || strcmp(rp_unit(p->unit), p->unit) == 0) return shown(p->fallback);
     alone.offset = 0;
     rp_params_default(&alone, &number);
     return rp_params_text(&alone, &number, text, 64);
