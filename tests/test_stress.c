@@ -9,6 +9,7 @@
 #include "stress/stress.h"
 #include "core/random.h"
 #include "dem/dem.h"
+#include "sweeps/driver/box.h"
 #include "sweeps/driver/sweep.h"
 #include "tests/check.h"
 
@@ -620,6 +621,90 @@ static void test_onset(void)
               output_of(p, &r, "theta_steepest_deg") >= v[1][0]);
 }
 
+/* Of the grains of a pile that has been turned to theta_deg: displacements in d = 0.2, and by zones the
+ * numbers of all and of those that have moved by a tenth of d. Zones: quarters of W = 2, and of each the
+ * surface, the inside, the floor. */
+enum { ZONES = 12, MOST_GRAINS = 200, CELLS = 10 };
+typedef struct {
+    size_t n;
+    double moves[MOST_GRAINS], all[ZONES], moved[ZONES];
+} motion;
+
+static void read_motion(dem_sim *sim, size_t n, const dem_state at[], motion *m)
+{
+    static dem_state now[MOST_GRAINS];
+    double top[CELLS] = {0.0};
+    *m = (motion){0};
+    CU_ASSERT_FATAL(dem_count(sim) == n);
+    CHECK_OK(dem_states(sim, now));
+    for (size_t i = 0; i < n; i++)
+        if (at[i].x > 0.0 && at[i].x < 2.0) {
+            double *t = &top[(int)(at[i].x / 0.2)];
+            *t = fmax(*t, at[i].y);
+        }
+    for (size_t i = 0; i < n; i++) {
+        if (!(at[i].x > 0.0 && at[i].x < 2.0)) continue;
+        const double depth = top[(int)(at[i].x / 0.2)] - at[i].y;
+        const int zone = 3 * (int)(2.0 * at[i].x) + (depth < 0.3 ? 0 : at[i].y < 0.2 ? 2 : 1);
+        size_t j = 0;
+        while (now[j].id != at[i].id) j++;
+        const double moves = hypot(now[j].x - at[i].x, now[j].y - at[i].y) / 0.2;
+        m->moves[m->n++] = moves;
+        m->all[zone]++;
+        m->moved[zone] += moves > 0.1;
+    }
+}
+
+/* The grains that have moved at the tilting angle, zone by zone, and how far they have at one degree, from
+ * the same pile tilted by hand. */
+static void check_motion(const sweep_box *box, unsigned long pile, const sweep_result *r)
+{
+    static const char *const layers[] = {"surface", "inside", "floor"};
+    const sweep_protocol *p = &sweep_protocol_onset;
+    const double theta_deg = output_of(p, r, "theta_t_displacement_deg");
+    dem_state at[MOST_GRAINS];
+    sweep_box_run run;
+    sweep_result unused;
+    motion m;
+    CHECK_OK(sweep_box_begin_filled(&run, box, 1993, pile, NULL, &unused));
+    for (size_t phase = 0; phase < SWEEP_BOX_PHASES; phase++) CHECK_OK(sweep_box_phase(&run, phase));
+    const size_t n = dem_count(run.sim);
+    CU_ASSERT_FATAL(n <= MOST_GRAINS && theta_deg > 1.0);
+    CHECK_OK(dem_states(run.sim, at));
+    dem_gravity_turn(run.sim, 0.01 * deg);
+    CHECK_OK(dem_run(run.sim, 100));
+    read_motion(run.sim, n, at, &m);
+    gsl_sort(m.moves, 1, m.n);
+    CHECK_NEAR(output_of(p, r, "reach_probe"), m.moves[(int)floor(0.95 * ((double)m.n - 1.0))], tight);
+    CHECK_OK(dem_run(run.sim, lround(100.0 * theta_deg) - 100));
+    read_motion(run.sim, n, at, &m);
+    for (int zone = 0; zone < ZONES; zone++) {
+        char name[32];
+        snprintf(name, sizeof name, "moved_%s_%d", layers[zone % 3], zone / 3 + 1);
+        const double share = output_of(p, r, name);
+        CU_ASSERT(m.all[zone] > 0.0 ? fabs(share - m.moved[zone] / m.all[zone]) < tight : isnan(share));
+    }
+    CHECK_OK(sweep_box_end(&run, RP_OK));
+}
+
+static void test_motion(void)
+{
+    const sweep_protocol *p = &sweep_protocol_onset;
+    sweep_box *box = calloc(1, p->params_size);
+    CU_ASSERT_PTR_NOT_NULL_FATAL(box);
+    rp_params_defaults(p->schema, box);
+    CHECK_OK(rp_params_set_text(rp_params_find(p->schema, "W"), box, "2.0"));
+    CHECK_OK(rp_params_set_text(rp_params_find(p->schema, "H"), box, "1.0"));
+    CHECK_OK(rp_params_set_text(rp_params_find(p->schema, "tilt_rate_deg"), box, "0.01"));
+    for (unsigned long pile = 0; pile < 6; pile++) {
+        sweep_result r;
+        CHECK_OK(p->run(box, 1993, pile, NULL, &r));
+        if (strcmp(r.status, "ok") == 0 && output_of(p, &r, "theta_t_displacement_deg") > 1.0)
+            check_motion(box, pile, &r);
+    }
+    free(box);
+}
+
 /* Slope 30 degrees, rays of 60: t^2/k = 1/9. H/N at a slope theta_MS of (3), tan theta_MS = mu tan^2 phi, is
  * mu. */
 static void wedge(void)
@@ -652,6 +737,7 @@ void suite_stress(void)
                                        {"grids that cannot be", test_bad_grids},
                                        {"protocol stress", test_protocol},
                                        {"protocol onset", test_onset},
+                                       {"protocol onset: grains that move", test_motion},
                                        {0}};
     check_register("stress", cases);
 }
