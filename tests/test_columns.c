@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/clock.h"
 #include "core/random.h"
 #include "dem/scene.h"
 #include "stats/calibrate.h"
@@ -1154,8 +1155,12 @@ static void test_bench_defaults(void)
     enter();
     write_spread("many.tsv", 2500);
     for (size_t k = 0; k < sizeof list / sizeof *list; k++) {
+        const double begun = rp_clock();
         GOOD("bench --repeat 1 %s", list[k].options);
+        const double seconds = rp_clock() - begun;
         rp_table t = read_table("out");
+        CU_ASSERT(cell(&t, 0, "seconds") > 0.0 && cell(&t, 0, "seconds") <= seconds);
+        CU_ASSERT_EQUAL(rp_table_find_note(&t, "theta_r") != NULL, strstr(list[k].options, "sample") != NULL);
         CHECK_NEAR(cell(&t, 0, "steps"), list[k].steps, 0.0);
         CHECK_NEAR(strtod(rp_table_find_note(&t, "width"), NULL), list[k].width, 1e-14);
         /* of many grains the peak is what they hold, and what their table took before: no more than that */
