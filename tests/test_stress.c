@@ -1,5 +1,6 @@
 /* Stress from contacts: hand-made arrangements with known stress, momentum balance in a simulated box, Mohr's
  * circle against a scan of planes, critical tilts of planted responses, and protocol `stress`. */
+#include <gsl/gsl_fit.h>
 #include <gsl/gsl_sort.h>
 #include <gsl/gsl_statistics_double.h>
 #include <stdlib.h>
@@ -655,6 +656,31 @@ static void read_motion(dem_sim *sim, size_t n, const dem_state at[], motion *m)
     }
 }
 
+/* Straight lines through the highest centres of cells, less d/2: of the halves, and the steepest of all
+ * through four neighbours of the ten. */
+static void check_lines(size_t n, const dem_state at[], const sweep_result *r)
+{
+    const sweep_protocol *p = &sweep_protocol_onset;
+    double x[CELLS], h[CELLS] = {0.0}, theta_deg[CELLS], steepest = -90.0, unused;
+    for (size_t i = 0; i < n; i++)
+        if (at[i].x > 0.0 && at[i].x < 2.0) {
+            double *top = &h[(int)(at[i].x / 0.2)];
+            *top = fmax(*top, at[i].y - 0.1);
+        }
+    for (int k = 0; k < CELLS; k++) x[k] = 0.2 * k;
+    for (int k = 0; k <= CELLS - 4; k++) {
+        double slope;
+        gsl_fit_linear(x, 1, h + k, 1, 4, &unused, &slope, &unused, &unused, &unused, &unused);
+        steepest = fmax(steepest, -atan(slope) / deg);
+        if (k > CELLS - 5) continue;
+        gsl_fit_linear(x, 1, h + k, 1, 5, &unused, &slope, &unused, &unused, &unused, &unused);
+        theta_deg[k] = -atan(slope) / deg;
+    }
+    CHECK_NEAR(output_of(p, r, "theta_steepest_deg"), steepest, 1e-9);
+    CHECK_NEAR(output_of(p, r, "theta_upper_deg"), theta_deg[0], 1e-9);
+    CHECK_NEAR(output_of(p, r, "theta_lower_deg"), theta_deg[5], 1e-9);
+}
+
 /* The grains that have moved at the tilting angle, zone by zone, and how far they have at one degree, from
  * the same pile tilted by hand. */
 static void check_motion(const sweep_box *box, unsigned long pile, const sweep_result *r)
@@ -671,6 +697,7 @@ static void check_motion(const sweep_box *box, unsigned long pile, const sweep_r
     const size_t n = dem_count(run.sim);
     CU_ASSERT_FATAL(n <= MOST_GRAINS && theta_deg > 1.0);
     CHECK_OK(dem_states(run.sim, at));
+    check_lines(n, at, r);
     dem_gravity_turn(run.sim, 0.01 * deg);
     CHECK_OK(dem_run(run.sim, 100));
     read_motion(run.sim, n, at, &m);
@@ -696,11 +723,12 @@ static void test_motion(void)
     CHECK_OK(rp_params_set_text(rp_params_find(p->schema, "W"), box, "2.0"));
     CHECK_OK(rp_params_set_text(rp_params_find(p->schema, "H"), box, "1.0"));
     CHECK_OK(rp_params_set_text(rp_params_find(p->schema, "tilt_rate_deg"), box, "0.01"));
-    for (unsigned long pile = 0; pile < 6; pile++) {
+    static const unsigned long piles[] = {0, 1, 2, 19, 38}; /* the last: steepest at the wall */
+    for (size_t k = 0; k < sizeof piles / sizeof *piles; k++) {
         sweep_result r;
-        CHECK_OK(p->run(box, 1993, pile, NULL, &r));
+        CHECK_OK(p->run(box, 1993, piles[k], NULL, &r));
         if (strcmp(r.status, "ok") == 0 && output_of(p, &r, "theta_t_displacement_deg") > 1.0)
-            check_motion(box, pile, &r);
+            check_motion(box, piles[k], &r);
     }
     free(box);
 }
