@@ -505,6 +505,22 @@ static void table_append(void)
     unlink(path);
 }
 
+/* Tables that differ in their first, their last or the number of their columns are not put together. */
+static void table_append_columns(void)
+{
+    rp_table t;
+    CHECK_OK(rp_table_parse("t", strdup("a\tb\n1\t2\n"), &t));
+    const char *const others[] = {"c\tb\n1\t2\n", "a\tc\n1\t2\n", "a\tb\tc\n1\t2\t3\n"};
+    for (size_t k = 0; k < sizeof others / sizeof *others; k++) {
+        rp_table other;
+        CHECK_OK(rp_table_parse("other", strdup(others[k]), &other));
+        CHECK_FAILS(rp_table_append(&t, &other), RP_BAD_INPUT, "t and other have different columns");
+        CU_ASSERT_EQUAL(t.n_rows, 1);
+        rp_table_free(&other);
+    }
+    rp_table_free(&t);
+}
+
 /* Which of the rows 1, 2, 3, word, nan and 20 a condition keeps, as a number of their digits. Numbers are
  * compared as numbers, words as words; nan is equal to nan alone. A note has exactly its key. */
 static void table_conditions(void)
@@ -739,6 +755,7 @@ void suite_core(void)
                                        {"tables: text", table_text},
                                        {"tables: conditions, notes", table_conditions},
                                        {"tables: forms of the header", table_forms},
+                                       {"tables: other columns", table_append_columns},
                                        {"files are whole", written_files},
                                        {"hostile tables", hostile_tables},
                                        {NULL, NULL}};
