@@ -174,27 +174,29 @@ static void test_correlated(void)
     CHECK_NEAR(se[1], sqrt(0.2) * e / 100.0, 1e-4);
 }
 
-/* Variance at `at` of the fit of a + b f(x/scale), from the slopes of that by a, b and scale. */
-static double saturating_variance(const stats_calibration *c, double b, double scale, double at)
+/* Slopes of a fit at x by its parameters. */
+typedef void slopes_at(const void *form, const double x[], double slopes[]);
+
+/* Variance of the value at x of a fit of n parameters, through the normal equations of all points. */
+static double variance_by_slopes(const stats_calibration *c, size_t n, slopes_at *slopes_of, const void *form,
+                                 const double x[])
 {
-    const bool is_tanh = c->response[0].shape == STATS_TANH;
-    gsl_matrix *design = gsl_matrix_alloc(c->n_points, 3), *covariance = gsl_matrix_alloc(3, 3);
-    gsl_vector *y = gsl_vector_calloc(c->n_points), *w = gsl_vector_alloc(c->n_points),
-               *solution = gsl_vector_alloc(3);
-    gsl_multifit_linear_workspace *work = gsl_multifit_linear_alloc(c->n_points, 3);
-    double slopes[3], chi2, variance = 0.0;
-    for (size_t g = 0; g <= c->n_points; g++) {
-        double x = g < c->n_points ? c->x[0][g] : at, f = is_tanh ? tanh(x / scale) : exp(-x / scale);
-        slopes[0] = 1.0;
-        slopes[1] = f;
-        slopes[2] = is_tanh ? -b * (1.0 - f * f) * x / (scale * scale) : b * f * x / (scale * scale);
-        for (size_t i = 0; g < c->n_points && i < 3; i++) gsl_matrix_set(design, g, i, slopes[i]);
-        double sd = stats_calibration_sd(c, 0, &x);
-        if (g < c->n_points) gsl_vector_set(w, g, c->number[0][g] / (sd * sd));
+    const size_t points = c->n_points;
+    gsl_matrix *design = gsl_matrix_alloc(points, n), *covariance = gsl_matrix_alloc(n, n);
+    gsl_vector *y = gsl_vector_calloc(points), *w = gsl_vector_alloc(points), *solution = gsl_vector_alloc(n);
+    gsl_multifit_linear_workspace *work = gsl_multifit_linear_alloc(points, n);
+    double slopes[STATS_MAX_TERMS], chi2, variance = 0.0;
+    for (size_t g = 0; g < points; g++) {
+        const double at[2] = {c->x[0][g], c->n_params > 1 ? c->x[1][g] : 0.0},
+                     sd = stats_calibration_sd(c, 0, at);
+        gsl_vector_set(w, g, c->number[0][g] / (sd * sd));
+        slopes_of(form, at, slopes);
+        for (size_t i = 0; i < n; i++) gsl_matrix_set(design, g, i, slopes[i]);
     }
     CU_ASSERT(gsl_multifit_wlinear(design, w, y, solution, covariance, &chi2, work) == 0);
-    for (size_t i = 0; i < 3; i++)
-        for (size_t j = 0; j < 3; j++) variance += slopes[i] * slopes[j] * gsl_matrix_get(covariance, i, j);
+    slopes_of(form, x, slopes);
+    for (size_t i = 0; i < n; i++)
+        for (size_t j = 0; j < n; j++) variance += slopes[i] * slopes[j] * gsl_matrix_get(covariance, i, j);
     gsl_matrix_free(design);
     gsl_matrix_free(covariance);
     gsl_vector_free(y);
@@ -202,6 +204,21 @@ static double saturating_variance(const stats_calibration *c, double b, double s
     gsl_vector_free(solution);
     gsl_multifit_linear_free(work);
     return variance;
+}
+
+/* a + b f(x/scale). */
+typedef struct {
+    bool is_tanh;
+    double b, scale;
+} saturating;
+
+static void slopes_of_saturating(const void *form, const double x[], double slopes[])
+{
+    const saturating *s = form;
+    const double f = s->is_tanh ? tanh(*x / s->scale) : exp(-*x / s->scale);
+    slopes[0] = 1.0;
+    slopes[1] = f;
+    slopes[2] = s->b * (s->is_tanh ? f * f - 1.0 : f) * *x / (s->scale * s->scale);
 }
 
 /* Saturating responses, inverted by logarithm and area tangent; the parameter in two units. */
@@ -231,7 +248,8 @@ static void test_saturating(void)
         double s = (z - 1.5) / 33.0, at = 0.385 * unit, v;
         stats_response_value(&c.response[0], &at, &v);
         /* the scale is known to 1e-6 of it */
-        CHECK_NEAR(v / saturating_variance(&c, 33.0, scale, at), 1.0, 1e-4);
+        const saturating form = {is_tanh, 33.0, scale};
+        CHECK_NEAR(v / variance_by_slopes(&c, 3, slopes_of_saturating, &form, &at), 1.0, 1e-4);
         CHECK_NEAR(r[0].value, scale * (shape == STATS_TANH ? atanh(s) : -log(1.0 - s)), 1e-6 * unit);
         stats_calibration_free(&c);
     }
@@ -422,42 +440,21 @@ static double form_value(int shape, size_t first, size_t second, double scale, d
     return sum;
 }
 
-/* Variance of the fitted value at x: the slopes by coefficients and scale, taken by differences, through the
- * normal equations of all points. */
-static double variance_by_slopes(const stats_calibration *c, const double x[2])
+/* By differences, of all coefficients and the scale. */
+static void slopes_by_differences(const void *form, const double x[], double slopes[])
 {
-    const stats_response_fit *fit = &c->response[0];
-    const size_t n = fit->n_terms, points = c->n_points;
-    gsl_matrix *design = gsl_matrix_alloc(points, n), *covariance = gsl_matrix_alloc(n, n);
-    gsl_vector *y = gsl_vector_calloc(points), *w = gsl_vector_alloc(points), *solution = gsl_vector_alloc(n);
-    gsl_multifit_linear_workspace *work = gsl_multifit_linear_alloc(points, n);
-    double slopes[STATS_MAX_TERMS], chi2, unused, variance = 0.0;
-    for (size_t g = 0; g <= points; g++) {
-        const double at[2] = {g < points ? c->x[0][g] : x[0], g < points ? c->x[1][g] : x[1]},
-                     sd = stats_calibration_sd(c, 0, at);
-        if (g < points) gsl_vector_set(w, g, c->number[0][g] / (sd * sd));
-        for (size_t i = 0; i < n; i++) {
-            stats_response_fit up = *fit, down = *fit;
-            const double h = 1e-5;
-            if (i + 1 == n && fit->shape != STATS_POWERS)
-                up.scale += h, down.scale -= h;
-            else
-                up.coefficients[i] += h, down.coefficients[i] -= h;
-            slopes[i] = (stats_response_value(&up, at, &unused) - stats_response_value(&down, at, &unused)) /
-                        (2.0 * h);
-            if (g < points) gsl_matrix_set(design, g, i, slopes[i]);
-        }
+    const stats_response_fit *fit = form;
+    const double h = 1e-5;
+    double unused;
+    for (size_t i = 0; i < fit->n_terms; i++) {
+        stats_response_fit up = *fit, down = *fit;
+        if (i + 1 == fit->n_terms && fit->shape != STATS_POWERS)
+            up.scale += h, down.scale -= h;
+        else
+            up.coefficients[i] += h, down.coefficients[i] -= h;
+        slopes[i] =
+            (stats_response_value(&up, x, &unused) - stats_response_value(&down, x, &unused)) / (2.0 * h);
     }
-    CU_ASSERT(gsl_multifit_wlinear(design, w, y, solution, covariance, &chi2, work) == 0);
-    for (size_t i = 0; i < n; i++)
-        for (size_t j = 0; j < n; j++) variance += slopes[i] * slopes[j] * gsl_matrix_get(covariance, i, j);
-    gsl_matrix_free(design);
-    gsl_matrix_free(covariance);
-    gsl_vector_free(y);
-    gsl_vector_free(w);
-    gsl_vector_free(solution);
-    gsl_multifit_linear_free(work);
-    return variance;
 }
 
 /* Means exactly on a form are fitted by that form, whose values and variances between the points are its own.
@@ -487,7 +484,8 @@ static void test_forms(void)
                 double variance;
                 CHECK_NEAR(stats_response_value(r, x, &variance),
                            form_value(shape, first, second, scale, u, v), 1e-5);
-                CHECK_NEAR(variance / variance_by_slopes(&c, x), 1.0, 1e-4);
+                CHECK_NEAR(variance / variance_by_slopes(&c, r->n_terms, slopes_by_differences, r, x), 1.0,
+                           1e-4);
             }
             stats_calibration_free(&c);
         }
