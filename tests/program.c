@@ -161,6 +161,15 @@ double at(checked *c, size_t row, const char *column)
     return cell(&c->t, row, column);
 }
 
+void checked_row(checked *c, size_t row, size_t n, const checked_value values[], double tolerance)
+{
+    for (size_t k = 0; k < n; k++) {
+        const double found = at(c, row, values[k].column), value = values[k].value;
+        CU_ASSERT(isnan(found) == isnan(value));
+        if (!isnan(value)) CHECK_NEAR(found, value, tolerance * (1.0 + fabs(value)));
+    }
+}
+
 void checked_end(checked *c)
 {
     for (size_t k = 0; k < c->t.n_columns; k++) {

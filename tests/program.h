@@ -60,6 +60,12 @@ checked checked_read(const char *name);
 checked checked_run(const char *file, int line, size_t n_rows, const char *format, ...)
     __attribute__((format(printf, 4, 5)));
 double at(checked *c, size_t row, const char *column);
+/* Columns of a row against n values, within tolerance of 1 + |value|; NaN where the value is NaN. */
+typedef struct {
+    const char *column;
+    double value;
+} checked_value;
+void checked_row(checked *c, size_t row, size_t n, const checked_value values[], double tolerance);
 void checked_end(checked *c);
 
 /* The same rows and columns, as text. */

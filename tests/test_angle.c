@@ -295,6 +295,21 @@ static void test_surface(void)
     check_heights(&o, 5, (double[]){1.4, 1.05, 0.18, 0.53, 0.2});
 }
 
+/* Each grain whose position, or radius, is infinite is refused by its number. */
+static void refuse_grains(const ang_options *o, const char *what)
+{
+    ang_surface s;
+    for (int i = 0; i < N_GRAINS; i++) {
+        double x[N_GRAINS], r[N_GRAINS];
+        char text[32];
+        memcpy(x, grain_x, sizeof x);
+        memcpy(r, grain_r, sizeof r);
+        *(strcmp(what, "radius") == 0 ? &r[i] : &x[i]) = INFINITY;
+        snprintf(text, sizeof text, "grain %d: %s", i + 1, what);
+        CHECK_FAILS(ang_surface_make(N_GRAINS, x, grain_y, r, 2.13, o, &s), RP_BAD_INPUT, text);
+    }
+}
+
 static void test_surface_errors(void)
 {
     ang_options o = ANG_OPTIONS_DEFAULT;
@@ -307,14 +322,7 @@ static void test_surface_errors(void)
     CU_ASSERT(s.n_cells == 11 && s.n_occupied == 0);
     ang_surface_free(&s);
     CHECK_FAILS(MAKE(N_GRAINS, bad, NULL, 2.13), RP_BAD_INPUT, "grain 2");
-    for (int i = 0; i < N_GRAINS; i++) {
-        double x[N_GRAINS];
-        memcpy(x, grain_x, sizeof x);
-        x[i] = INFINITY;
-        char text[32];
-        snprintf(text, sizeof text, "grain %d: position", i + 1);
-        CHECK_FAILS(ang_surface_make(N_GRAINS, x, grain_y, NULL, 2.13, &o, &s), RP_BAD_INPUT, text);
-    }
+    refuse_grains(&o, "position");
     CHECK_FAILS(MAKE(N_GRAINS, grain_y, NULL, 0.0), RP_BAD_INPUT, "width = 0: out of range");
     CHECK_FAILS(MAKE(N_GRAINS, grain_y, NULL, NAN), RP_BAD_INPUT, "width");
     CHECK_FAILS(MAKE(N_GRAINS, grain_y, NULL, 0.09), RP_BAD_INPUT, "0 cells");
@@ -322,14 +330,7 @@ static void test_surface_errors(void)
     o.height = ANG_TOP;
     CHECK_FAILS(MAKE(N_GRAINS, grain_y, NULL, 2.13), RP_BAD_INPUT, "radii");
     CHECK_FAILS(MAKE(N_GRAINS, grain_y, bad, 2.13), RP_BAD_INPUT, "grain 2: radius");
-    for (int i = 0; i < N_GRAINS; i++) {
-        double r[N_GRAINS];
-        memcpy(r, grain_r, sizeof r);
-        r[i] = INFINITY;
-        char text[32];
-        snprintf(text, sizeof text, "grain %d: radius", i + 1);
-        CHECK_FAILS(MAKE(N_GRAINS, grain_y, r, 2.13), RP_BAD_INPUT, text);
-    }
+    refuse_grains(&o, "radius");
     o.diameter = -0.2;
     CHECK_FAILS(MAKE(N_GRAINS, grain_y, grain_r, 2.13), RP_BAD_INPUT, "diameter) = -0.2");
     ang_surface_free(&s);

@@ -8,6 +8,7 @@
 #include "dem/sim.h"
 #include "sweeps/driver/protocol.h"
 #include "tests/check.h"
+#include "tests/protocol.h"
 #include "tests/grains.h"
 
 /* Disks of diameter and mass 1 in unit gravity, above a ground: wells, or shear springs. */
@@ -338,11 +339,7 @@ static void bad_ensembles(void)
 
 static double output(const sweep_result *r, const char *name)
 {
-    const sweep_output *o = sweep_protocol_drop.outputs;
-    for (int i = 0; o[i].name; i++)
-        if (strcmp(o[i].name, name) == 0) return r->values[i];
-    CU_FAIL("no such output");
-    return NAN;
+    return protocol_output(&sweep_protocol_drop, r, name);
 }
 
 /* The defaults with changes, key and value, ended by NULL. Free them. */

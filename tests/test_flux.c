@@ -9,6 +9,7 @@
 #include "sweeps/driver/box.h"
 #include "sweeps/driver/sweep.h"
 #include "tests/check.h"
+#include "tests/protocol.h"
 #include "tests/folder.h"
 
 static const sweep_protocol *const protocol = &sweep_protocol_flux;
@@ -56,26 +57,9 @@ static void height_of_random_piles(void)
     gsl_rng_free(rng);
 }
 
-/* Defaults with "name=value" changes, ended by NULL. Free it. */
-static void *params(const char *const changes[])
-{
-    void *p = calloc(1, protocol->params_size);
-    rp_params_defaults(protocol->schema, p);
-    for (; *changes; changes++) {
-        char name[32];
-        const char *value = strchr(*changes, '=') + 1;
-        snprintf(name, sizeof name, "%.*s", (int)(value - 1 - *changes), *changes);
-        CHECK_OK(rp_params_set_text(rp_params_find(protocol->schema, name), p, value));
-    }
-    return p;
-}
-
 static double output(const sweep_result *result, const char *name)
 {
-    for (size_t i = 0; protocol->outputs[i].name; i++)
-        if (strcmp(protocol->outputs[i].name, name) == 0) return result->values[i];
-    CU_FAIL("no such output");
-    return NAN;
+    return protocol_output(protocol, result, name);
 }
 
 static void no_header(FILE *out)
@@ -93,7 +77,7 @@ typedef struct {
 static void trace(const char *const changes[], traced *t)
 {
     char path[FOLDER_PATH + 16];
-    void *p = params(changes);
+    void *p = protocol_params(protocol, changes);
     folder_make("flux", t->folder);
     const sweep_tables tables = {t->folder, 1000000, no_header};
     CHECK_OK(protocol->check(p));
@@ -216,7 +200,7 @@ static void outputs_from_series(void)
     CHECK_NEAR(output(&t.result, "theta_max_draws_deg"), largest, round_off);
 
     sweep_result again;
-    void *p = params(ending);
+    void *p = protocol_params(protocol, ending);
     CHECK_OK(protocol->run(p, 1993, 0, NULL, &again));
     CU_ASSERT(memcmp(again.values, t.result.values, sizeof again.values) == 0);
     CHECK_OK(protocol->run(p, 1993, 1, NULL, &again)); /* another stream, another pile */
@@ -230,7 +214,7 @@ static void ends_without_result(void)
     static const char *const rising[] = {"insertions=26", NULL};
     static const char *const short_of_steps[] = {"W=1", "steps_max=30000", NULL};
     sweep_result result;
-    void *p = params(rising);
+    void *p = protocol_params(protocol, rising);
     CHECK_OK(protocol->run(p, 1993, 0, NULL, &result));
     CU_ASSERT_STRING_EQUAL(result.status, "not_level");
     CU_ASSERT(strstr(result.message, "has not levelled off") != NULL);
@@ -238,20 +222,20 @@ static void ends_without_result(void)
     free(p);
     /* too short for a correlation time: mean and largest angle stay */
     static const char *const no_plateau[] = {"W=1.4", "insertions=44", NULL};
-    p = params(no_plateau);
+    p = protocol_params(protocol, no_plateau);
     CHECK_OK(protocol->run(p, 1993, 0, NULL, &result));
     CU_ASSERT_STRING_EQUAL(result.status, "ok");
     CU_ASSERT(isnan(output(&result, "tau_insertions")) && isnan(output(&result, "theta_max_draws_deg")));
     CU_ASSERT(output(&result, "theta_max_deg") > output(&result, "theta_deg"));
     free(p);
-    p = params(short_of_steps);
+    p = protocol_params(protocol, short_of_steps);
     CHECK_OK(protocol->run(p, 1993, 0, NULL, &result));
     CU_ASSERT(output(&result, "steps") == 30000.0);
     CU_ASSERT(output(&result, "insertions_made") > 4.0 && output(&result, "insertions_made") < 100.0);
     free(p);
     /* a tower above the height assumed for dt: grains fall too fast from there */
     static const char *const tower[] = {"W=1", "mu=1", "mu_wall=1", "insertions=60", NULL};
-    p = params(tower);
+    p = protocol_params(protocol, tower);
     const rp_param *dt = rp_params_find(protocol->schema, "dt");
     CHECK_OK(rp_params_set_text(dt, p, "1e-3"));
     CHECK_FAILS(protocol->check(p), RP_BAD_INPUT, "the limit is ");
@@ -264,13 +248,15 @@ static void ends_without_result(void)
     free(p);
     static const char *const fast[] = {"dt=1e-3", NULL}, *const smooth[] = {"mu=0", NULL},
                              *const smooth_floor[] = {"mu_floor=0", NULL}, *const narrow[] = {"W=0.5", NULL};
-    CHECK_FAILS(protocol->check(p = params(fast)), RP_BAD_INPUT, "dt = 0.001: too large");
+    CHECK_FAILS(protocol->check(p = protocol_params(protocol, fast)), RP_BAD_INPUT, "dt = 0.001: too large");
     free(p);
-    CHECK_FAILS(protocol->check(p = params(smooth)), RP_BAD_INPUT, "nothing holds the first layer");
+    CHECK_FAILS(protocol->check(p = protocol_params(protocol, smooth)), RP_BAD_INPUT,
+                "nothing holds the first layer");
     free(p);
-    CHECK_FAILS(protocol->check(p = params(smooth_floor)), RP_BAD_INPUT, "nothing holds the first layer");
+    CHECK_FAILS(protocol->check(p = protocol_params(protocol, smooth_floor)), RP_BAD_INPUT,
+                "nothing holds the first layer");
     free(p);
-    CHECK_FAILS(protocol->check(p = params(narrow)), RP_BAD_INPUT, "five grain diameters");
+    CHECK_FAILS(protocol->check(p = protocol_params(protocol, narrow)), RP_BAD_INPUT, "five grain diameters");
     free(p);
 }
 
@@ -286,7 +272,7 @@ static void __attribute__((noinline)) soil_stack(void)
 static void limit_of_step(void)
 {
     static const char *const high[] = {"W=40", "drop_height=30", NULL};
-    void *p = params(high);
+    void *p = protocol_params(protocol, high);
     sweep_box *b = p;
     const double limit = sweep_box_step_limit(b, 2.0 * (40.0 + 30.0 * b->radius_mean), NULL);
     CU_ASSERT(limit < sweep_box_step_limit(b, 2.0 * 40.0, NULL));

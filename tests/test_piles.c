@@ -11,6 +11,7 @@
 #include "sweeps/driver/pile.h"
 #include "sweeps/driver/sweep.h"
 #include "tests/check.h"
+#include "tests/protocol.h"
 #include "tests/folder.h"
 
 static const double DEG = M_PI / 180;
@@ -300,14 +301,7 @@ static void unequal_piles_stand(void)
 static rp_status run(const char *const changes[], unsigned long number, sweep_result *result)
 {
     const sweep_protocol *p = &sweep_protocol_pile;
-    void *params = calloc(1, p->params_size);
-    rp_params_defaults(p->schema, params);
-    for (; *changes; changes++) {
-        char name[32];
-        const char *value = strchr(*changes, '=') + 1;
-        snprintf(name, sizeof name, "%.*s", (int)(value - *changes - 1), *changes);
-        CHECK_OK(rp_params_set_text(rp_params_find(p->schema, name), params, value));
-    }
+    void *params = protocol_params(p, changes);
     rp_status status = p->check(params);
     if (!status) status = p->run(params, 1992, number, NULL, result);
     free(params);
@@ -318,11 +312,7 @@ static rp_status run(const char *const changes[], unsigned long number, sweep_re
 
 static double output(const sweep_result *result, const char *name)
 {
-    const sweep_output *o = sweep_protocol_pile.outputs;
-    for (size_t i = 0; o[i].name; i++)
-        if (strcmp(o[i].name, name) == 0) return result->values[i];
-    CU_FAIL("no such output");
-    return NAN;
+    return protocol_output(&sweep_protocol_pile, result, name);
 }
 
 /* With gaps no contact within a row closes: forces of diagonal contacts alone, under a triangle and under a

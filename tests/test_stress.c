@@ -13,6 +13,7 @@
 #include "sweeps/driver/box.h"
 #include "sweeps/driver/sweep.h"
 #include "tests/check.h"
+#include "tests/protocol.h"
 
 static const double deg = M_PI / 180.0;
 /* sums of some hundred rounded products of order 1 */
@@ -537,30 +538,17 @@ static void test_bad_grids(void)
 
 /* ---- the protocol ---- */
 
-static double output_of(const sweep_protocol *p, const sweep_result *r, const char *name)
-{
-    for (int i = 0; p->outputs[i].name; i++)
-        if (strcmp(p->outputs[i].name, name) == 0) return r->values[i];
-    CU_FAIL("no such output");
-    return NAN;
-}
-
 static double output(const sweep_result *r, const char *name)
 {
-    return output_of(&sweep_protocol_stress, r, name);
+    return protocol_output(&sweep_protocol_stress, r, name);
 }
 
 /* A small pile: force balance, and the response at the measured tilts. */
 static void test_protocol(void)
 {
     const sweep_protocol *p = &sweep_protocol_stress;
-    char *params = calloc(1, p->params_size);
-    CU_ASSERT_PTR_NOT_NULL_FATAL(params);
-    rp_params_defaults(p->schema, params);
-    CHECK_OK(rp_params_set_text(rp_params_find(p->schema, "W"), params, "2.0"));
-    CHECK_OK(rp_params_set_text(rp_params_find(p->schema, "H"), params, "2.0"));
-    CHECK_OK(rp_params_set_text(rp_params_find(p->schema, "mu"), params,
-                                "0.4")); /* so that it is stable at 4 degrees */
+    /* with this friction it is stable at 4 degrees */
+    void *params = PROTOCOL_PARAMS(p, "W=2.0", "H=2.0", "mu=0.4");
     CHECK_OK(p->check(params));
     sweep_result r;
     CHECK_OK(p->run(params, 1993, 2, NULL, &r));
@@ -593,14 +581,10 @@ static void test_onset(void)
     sweep_result r;
     for (int k = 0; k < 2; k++) {
         const sweep_protocol *p = protocols[k];
-        char *params = calloc(1, p->params_size);
-        CU_ASSERT_PTR_NOT_NULL_FATAL(params);
-        rp_params_defaults(p->schema, params);
-        CHECK_OK(rp_params_set_text(rp_params_find(p->schema, "W"), params, "2.0"));
-        CHECK_OK(rp_params_set_text(rp_params_find(p->schema, "H"), params, "2.0"));
+        void *params = PROTOCOL_PARAMS(p, "W=2.0", "H=2.0");
         CHECK_OK(p->run(params, 1993, 2, NULL, &r));
         CU_ASSERT_STRING_EQUAL(r.status, "ok");
-        for (size_t j = 0; j < 5; j++) v[k][j] = output_of(p, &r, names[j]);
+        for (size_t j = 0; j < 5; j++) v[k][j] = protocol_output(p, &r, names[j]);
         free(params);
     }
     for (size_t j = 0; j < 4; j++) CHECK_NEAR(v[1][j], v[0][j], 1e-12);
@@ -616,10 +600,10 @@ static void test_onset(void)
         zones++;
     }
     CU_ASSERT(moved >= 0.05 && moved <= 1.0 && sum < 0.5 * zones); /* most grains have not */
-    CU_ASSERT(output_of(p, &r, "limit_inside_4") > output_of(p, &r, "limit_inside_0"));
-    CU_ASSERT(output_of(p, &r, "nonaffine_onset") > output_of(p, &r, "nonaffine_half"));
-    CU_ASSERT(output_of(p, &r, "nonaffine_share_onset") <= 1.0 &&
-              output_of(p, &r, "theta_steepest_deg") >= v[1][0]);
+    CU_ASSERT(protocol_output(p, &r, "limit_inside_4") > protocol_output(p, &r, "limit_inside_0"));
+    CU_ASSERT(protocol_output(p, &r, "nonaffine_onset") > protocol_output(p, &r, "nonaffine_half"));
+    CU_ASSERT(protocol_output(p, &r, "nonaffine_share_onset") <= 1.0 &&
+              protocol_output(p, &r, "theta_steepest_deg") >= v[1][0]);
 }
 
 /* Of the grains of a pile that has been turned to theta_deg: displacements in d = 0.2, and by zones the
@@ -676,9 +660,9 @@ static void check_lines(size_t n, const dem_state at[], const sweep_result *r)
         gsl_fit_linear(x, 1, h + k, 1, 5, &unused, &slope, &unused, &unused, &unused, &unused);
         theta_deg[k] = -atan(slope) / deg;
     }
-    CHECK_NEAR(output_of(p, r, "theta_steepest_deg"), steepest, 1e-9);
-    CHECK_NEAR(output_of(p, r, "theta_upper_deg"), theta_deg[0], 1e-9);
-    CHECK_NEAR(output_of(p, r, "theta_lower_deg"), theta_deg[5], 1e-9);
+    CHECK_NEAR(protocol_output(p, r, "theta_steepest_deg"), steepest, 1e-9);
+    CHECK_NEAR(protocol_output(p, r, "theta_upper_deg"), theta_deg[0], 1e-9);
+    CHECK_NEAR(protocol_output(p, r, "theta_lower_deg"), theta_deg[5], 1e-9);
 }
 
 /* The grains that have moved at the tilting angle, zone by zone, and how far they have at one degree, from
@@ -687,7 +671,7 @@ static void check_motion(const sweep_box *box, unsigned long pile, const sweep_r
 {
     static const char *const layers[] = {"surface", "inside", "floor"};
     const sweep_protocol *p = &sweep_protocol_onset;
-    const double theta_deg = output_of(p, r, "theta_t_displacement_deg");
+    const double theta_deg = protocol_output(p, r, "theta_t_displacement_deg");
     dem_state at[MOST_GRAINS];
     sweep_box_run run;
     sweep_result unused;
@@ -702,13 +686,13 @@ static void check_motion(const sweep_box *box, unsigned long pile, const sweep_r
     CHECK_OK(dem_run(run.sim, 100));
     read_motion(run.sim, n, at, &m);
     gsl_sort(m.moves, 1, m.n);
-    CHECK_NEAR(output_of(p, r, "reach_probe"), m.moves[(int)floor(0.95 * ((double)m.n - 1.0))], tight);
+    CHECK_NEAR(protocol_output(p, r, "reach_probe"), m.moves[(int)floor(0.95 * ((double)m.n - 1.0))], tight);
     CHECK_OK(dem_run(run.sim, lround(100.0 * theta_deg) - 100));
     read_motion(run.sim, n, at, &m);
     for (int zone = 0; zone < ZONES; zone++) {
         char name[32];
         snprintf(name, sizeof name, "moved_%s_%d", layers[zone % 3], zone / 3 + 1);
-        const double share = output_of(p, r, name);
+        const double share = protocol_output(p, r, name);
         CU_ASSERT(m.all[zone] > 0.0 ? fabs(share - m.moved[zone] / m.all[zone]) < tight : isnan(share));
     }
     CHECK_OK(sweep_box_end(&run, RP_OK));
@@ -717,17 +701,12 @@ static void check_motion(const sweep_box *box, unsigned long pile, const sweep_r
 static void test_motion(void)
 {
     const sweep_protocol *p = &sweep_protocol_onset;
-    sweep_box *box = calloc(1, p->params_size);
-    CU_ASSERT_PTR_NOT_NULL_FATAL(box);
-    rp_params_defaults(p->schema, box);
-    CHECK_OK(rp_params_set_text(rp_params_find(p->schema, "W"), box, "2.0"));
-    CHECK_OK(rp_params_set_text(rp_params_find(p->schema, "H"), box, "1.0"));
-    CHECK_OK(rp_params_set_text(rp_params_find(p->schema, "tilt_rate_deg"), box, "0.01"));
+    sweep_box *box = PROTOCOL_PARAMS(p, "W=2.0", "H=1.0", "tilt_rate_deg=0.01");
     static const unsigned long piles[] = {0, 1, 2, 19, 38}; /* the last: steepest at the wall */
     for (size_t k = 0; k < sizeof piles / sizeof *piles; k++) {
         sweep_result r;
         CHECK_OK(p->run(box, 1993, piles[k], NULL, &r));
-        if (strcmp(r.status, "ok") == 0 && output_of(p, &r, "theta_t_displacement_deg") > 1.0)
+        if (strcmp(r.status, "ok") == 0 && protocol_output(p, &r, "theta_t_displacement_deg") > 1.0)
             check_motion(box, piles[k], &r);
     }
     free(box);

@@ -878,25 +878,17 @@ static void test_continuum(void)
 
 static void check_phi(checked *c, size_t row, const ang_phi *fit)
 {
-    const struct {
-        const char *column;
-        double value;
-    } list[] = {{"phi_deg", fit->phi * 180.0 / M_PI},
-                {"phi_lo_deg", fit->lo * 180.0 / M_PI},
-                {"phi_hi_deg", fit->hi * 180.0 / M_PI},
-                {"boot_lo_deg", fit->boot_lo * 180.0 / M_PI},
-                {"boot_hi_deg", fit->boot_hi * 180.0 / M_PI},
-                {"chi2", fit->chi2},
-                {"dof", (double)fit->dof},
-                {"p_value", fit->p_value},
-                {"one_phi", fit->dof > 0 ? fit->p_value >= 0.05 : NAN},
-                {"open", fit->lo_open ? (fit->hi_open ? 2.0 : -1.0) : fit->hi_open}};
-    for (size_t k = 0; k < sizeof list / sizeof *list; k++) {
-        const double value = at(c, row, list[k].column);
-        CU_ASSERT(isnan(value) == isnan(list[k].value));
-
-        if (!isnan(value)) CHECK_NEAR(value, list[k].value, 1e-12 * (1.0 + fabs(value)));
-    }
+    const checked_value list[] = {{"phi_deg", fit->phi * 180.0 / M_PI},
+                                  {"phi_lo_deg", fit->lo * 180.0 / M_PI},
+                                  {"phi_hi_deg", fit->hi * 180.0 / M_PI},
+                                  {"boot_lo_deg", fit->boot_lo * 180.0 / M_PI},
+                                  {"boot_hi_deg", fit->boot_hi * 180.0 / M_PI},
+                                  {"chi2", fit->chi2},
+                                  {"dof", (double)fit->dof},
+                                  {"p_value", fit->p_value},
+                                  {"one_phi", fit->dof > 0 ? fit->p_value >= 0.05 : NAN},
+                                  {"open", fit->lo_open ? (fit->hi_open ? 2.0 : -1.0) : fit->hi_open}};
+    checked_row(c, row, sizeof list / sizeof *list, list, 1e-12);
 }
 
 /* The fits of phi by the library: to all groups, then to each. */
@@ -1299,26 +1291,22 @@ static void check_prediction(checked *c, size_t row, size_t n, const double y[],
 {
     stats_prediction s;
     CHECK_OK(stats_prediction_score(n, y, x, predicted, mean, &s));
-    const struct {
-        const char *column;
-        double value;
-    } list[] = {{"n", (double)n},
-                {"correlation", s.correlation},
-                {"correlation_se", s.correlation_se},
-                {"correlation_lo", s.correlation_lo},
-                {"correlation_hi", s.correlation_hi},
-                {"skill", s.skill},
-                {"skill_se", s.skill_se},
-                {"rms", s.rms},
-                {"rms_se", s.rms_se},
-                {"measured", s.measured.mean},
-                {"measured_se", s.measured.se},
-                {"predicted", s.predicted.mean},
-                {"predicted_se", s.predicted.se},
-                {"error", s.error.mean},
-                {"error_se", s.error.se}};
-    for (size_t k = 0; k < sizeof list / sizeof *list; k++)
-        CHECK_NEAR(at(c, row, list[k].column), list[k].value, 1e-9 * (1.0 + fabs(list[k].value)));
+    const checked_value list[] = {{"n", (double)n},
+                                  {"correlation", s.correlation},
+                                  {"correlation_se", s.correlation_se},
+                                  {"correlation_lo", s.correlation_lo},
+                                  {"correlation_hi", s.correlation_hi},
+                                  {"skill", s.skill},
+                                  {"skill_se", s.skill_se},
+                                  {"rms", s.rms},
+                                  {"rms_se", s.rms_se},
+                                  {"measured", s.measured.mean},
+                                  {"measured_se", s.measured.se},
+                                  {"predicted", s.predicted.mean},
+                                  {"predicted_se", s.predicted.se},
+                                  {"error", s.error.mean},
+                                  {"error_se", s.error.se}};
+    checked_row(c, row, sizeof list / sizeof *list, list, 1e-9);
 }
 
 /* stats predict, each group from its own other folds, or from the other groups: a row for each predictor and

@@ -1,0 +1,14 @@
+/* Protocols with parameters of a test, and what they give. */
+#ifndef PROTOCOL_H
+#define PROTOCOL_H
+
+#include "sweeps/driver/sweep.h"
+
+/* The defaults with "name=value" changes, ended by NULL. Free them. */
+void *protocol_params(const sweep_protocol *protocol, const char *const changes[]);
+#define PROTOCOL_PARAMS(protocol, ...) protocol_params(protocol, (const char *const[]){__VA_ARGS__, NULL})
+
+/* An output by its name; a failed assertion and NaN if there is none. */
+double protocol_output(const sweep_protocol *protocol, const sweep_result *result, const char *name);
+
+#endif
