@@ -583,5 +583,4 @@ const cli_command cmd_calibrate = {
     "the truth.",
     "repose calibrate --theta-r-deg 25 --error-deg 1",
     calibrate_params,
-    .prints_table = true,
     .act = answer};

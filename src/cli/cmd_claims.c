@@ -139,5 +139,4 @@ const cli_command cmd_claims = {
     "and their causes.",
     "repose claims --paper lh",
     claims_params,
-    .prints_table = true,
     .act = print_claims};

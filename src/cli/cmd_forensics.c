@@ -397,5 +397,4 @@ const cli_command cmd_forensics = {
     "posterior over the prior; emulator the errors of prediction of both kernels.",
     "repose forensics --design 200 --seed 1993",
     forensics_params,
-    .prints_table = true,
     .act = forensics};

@@ -286,4 +286,5 @@ const cli_command cmd_help = {
     "completion of bash, to be read by `source`. `make install` installs both.",
     "repose help sweep plan",
     help_params,
+    .prints_text = true,
     .act = act_help};

@@ -84,5 +84,4 @@ const cli_command cmd_lattice = {
     "is the base of the triangle of equal weight.",
     "repose lattice --base 45 --alpha-deg 30",
     lattice_params,
-    .prints_table = true,
     .act = write_pile};

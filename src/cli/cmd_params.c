@@ -143,5 +143,4 @@ const cli_command cmd_params = {
     "kind, name, unit, type, default, range and meaning; \"-\" stands for none.",
     "repose params repose",
     params_params,
-    .prints_table = true,
     .act = print_all};

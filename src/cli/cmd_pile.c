@@ -287,7 +287,6 @@ const cli_command cmd_pile = {
     "  singular       an equilibrium in which a disk can move freely, or none found for such a disk",
     "repose pile --alpha-deg 30 --base 45",
     own_params,
-    .prints_table = true,
     .act = solve_any,
     .protocol = sweep_pile_schema,
     .protocol_size = offsetof(options, own)};

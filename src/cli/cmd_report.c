@@ -359,4 +359,5 @@ const cli_command cmd_report = {
     "A table that has not been made gives `no data` in a table; a line of text then names it instead.",
     "repose report figures/paper-repro.md.in -o paper-repro.md",
     report_params,
+    .prints_text = true,
     .act = fill_report};

@@ -582,5 +582,4 @@ const cli_command cmd_run = {
     "forces on the base.",
     "repose run scene.cfg --set tangential.mu=0.3 --every 1000 -o out",
     run_params,
-    .prints_table = true,
     .act = run_any};

@@ -29,7 +29,6 @@ const cli_command cmd_sweep_merge = {
     "protocol or another model of the physics; a damaged store. Exit status 1 while runs are missing.",
     "repose sweep merge build/sweeps/lh3",
     NULL,
-    .prints_table = true,
     .act = act_merge};
 
 #define SLURM_OPTIONS(X)                                                                                     \
@@ -103,6 +102,7 @@ const cli_command cmd_sweep_slurm = {
     "machines share.",
     "repose sweep slurm build/sweeps/lh3 --shards 8 --time 0:30:00",
     slurm_params,
+    .prints_text = true,
     .act = act_slurm};
 
 static rp_status act_salvage(void *values)
@@ -122,4 +122,5 @@ const cli_command cmd_sweep_salvage = {
     "damaged file is kept as DIR/damaged.sqlite; `sweep run` makes the lost runs again.",
     "repose sweep salvage build/sweeps/lh3",
     NULL,
+    .prints_text = true,
     .act = act_salvage};

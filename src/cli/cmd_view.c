@@ -189,4 +189,5 @@ const cli_command cmd_view = {
     "force that a quarter of the frames exceed. gnuplot draws the pictures. An .mp4 file needs ffmpeg.",
     "repose view out -o pile.png --color contacts",
     view_params,
+    .prints_text = true,
     .act = act_view};
