@@ -105,16 +105,15 @@ rp_status cli_cell_find(const char *folders, const char *reference, cli_cell *ce
     cell->column = w->words[w->n - 1];
     cell->missing = !cli_find_table(folders, w->words[0], cell->path);
     if (cell->missing) return RP_OK;
-    rp_status status = cli_table_read(cell->path, &cell->table);
+    RP_TRY(cli_table_read(cell->path, &cell->table));
     size_t found = 0;
-    for (size_t r = 0; r < cell->table->n_rows && !status; r++) {
+    for (size_t r = 0; r < cell->table->n_rows; r++) {
         bool matches;
-        status = cli_row_matches(cell->table, r, w, 1, w->n - 1, &matches);
-        if (status || !matches) continue;
+        RP_TRY(cli_row_matches(cell->table, r, w, 1, w->n - 1, &matches));
+        if (!matches) continue;
         cell->row = r;
         found++;
     }
-    if (status) return status;
     if (found == 1 || cell->column[0] == '#') return RP_OK;
     return rp_fail(RP_BAD_INPUT, "%s: %zu rows for \"%s\", one expected", cell->path, found, reference);
 }

@@ -283,8 +283,8 @@ static rp_status make_table(const sweep_table *table, const char *tables)
     FILE *out;
     int code = SIGKILL; /* unless it has ended by itself */
     snprintf(path, sizeof path, "%s/%s.tsv", tables, table->name);
-    rp_status status = rp_file_open(path, &out);
-    if (status) return status;
+    rp_status status = RP_OK;
+    RP_TRY(rp_file_open(path, &out));
     const pid_t child = fork();
     if (child == 0) become(table->command, tables, out);
     while (child > 0 && waitpid(child, &code, 0) < 0 && errno == EINTR) {

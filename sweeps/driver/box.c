@@ -309,16 +309,15 @@ rp_status sweep_state_write(const sweep_tables *tables, const dem_sim *sim, cons
     } list[] = {{"grains", dem_write_state_columns, dem_write_states},
                 {"contacts", dem_write_contact_columns, dem_write_contacts},
                 {"walls", dem_write_wall_columns, dem_write_walls}};
-    rp_status status = RP_OK;
-    for (size_t i = 0; tables && i < sizeof list / sizeof *list && !status; i++) {
+    for (size_t i = 0; tables && i < sizeof list / sizeof *list; i++) {
         char name[64];
         sweep_file f;
         snprintf(name, sizeof name, "%s_%s.tsv", stage, list[i].name);
         RP_TRY(sweep_table_open(tables, name, &f));
         list[i].columns(f.out);
-        status = sweep_table_close(&f, list[i].rows(sim, f.out));
+        RP_TRY(sweep_table_close(&f, list[i].rows(sim, f.out)));
     }
-    return status;
+    return RP_OK;
 }
 
 static long count_grains(const sweep_box *box)
@@ -395,6 +394,15 @@ rp_status sweep_box_moved(sweep_box_run *run, double reach, int contacts, size_t
     }
     *moved += run->n_noted - seen;
     return status;
+}
+
+void sweep_box_go_back(sweep_box_run *run, dem_sim **other, long *steps)
+{
+    if (!*other) return;
+    *steps += dem_step(run->sim) - dem_step(*other);
+    dem_free(run->sim);
+    run->sim = *other;
+    *other = NULL;
 }
 
 rp_status sweep_box_onset(sweep_box_run *run, bool *moves)

@@ -185,6 +185,10 @@ rp_status sweep_box_note(sweep_box_run *run);
  * positions; grains that have left the scene count. */
 rp_status sweep_box_moved(sweep_box_run *run, double reach, int contacts, size_t *moved);
 
+/* Go on with another simulation of the same run unless it is NULL, as it is afterwards. *steps grows by the
+ * steps of this one beyond it. */
+void sweep_box_go_back(sweep_box_run *run, dem_sim **other, long *steps);
+
 /* Onset by displacement: 5 % of these grains are further than 0.1 d from their positions. */
 rp_status sweep_box_onset(sweep_box_run *run, bool *moves);
 

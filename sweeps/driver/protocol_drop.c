@@ -619,9 +619,8 @@ static rp_status measure_contacts(const drop *d)
 {
     dem_contact *contacts;
     size_t n;
-    rp_status status = dem_contacts(d->sim, &contacts, &n);
-    if (status) return status;
-    status = measure_order(d, n, contacts);
+    RP_TRY(dem_contacts(d->sim, &contacts, &n));
+    rp_status status = measure_order(d, n, contacts);
     if (!status) status = measure_base(d, n, contacts);
     free(contacts);
     return status;
@@ -707,8 +706,7 @@ static rp_status finish(drop *d, rp_status status)
 static rp_status write_drops(const drop *d, const sweep_tables *tables)
 {
     sweep_file f;
-    rp_status status = sweep_table_open(tables, "drops.tsv", &f);
-    if (status) return status;
+    RP_TRY(sweep_table_open(tables, "drops.tsv", &f));
     rp_table_header(f.out, "drop, moved");
     for (long k = 0; k < d->p->N; k++)
         rp_table_row(f.out, 2, (double[]){(double)k + 1.0, (double)d->moved[k]});

@@ -275,8 +275,8 @@ static rp_status measure_pile(experiment *e)
     v[OUT_theta_r3_error_deg] = sweep_degrees(slopes[2].theta_se);
     v[OUT_theta_r12_deg] = v[OUT_theta_r1_deg] - v[OUT_theta_r2_deg];
     v[OUT_theta_r23_deg] = v[OUT_theta_r2_deg] - v[OUT_theta_r3_deg];
-    rp_status status = measure_halves(e);
-    return status ? status : measure_variants(e);
+    RP_TRY(measure_halves(e));
+    return measure_variants(e);
 }
 
 static void turn(experiment *e, double deg_per_step)
@@ -344,10 +344,7 @@ static rp_status tilt_pile(experiment *e)
         status = dem_clone(e->box.sim, &rested);
     if (!status && !second) status = tilt_at_rate(e);
     if (!status && rested) {
-        e->steps_before += dem_step(e->box.sim) - dem_step(rested);
-        dem_free(e->box.sim);
-        e->box.sim = rested;
-        rested = NULL;
+        sweep_box_go_back(&e->box, &rested, &e->steps_before);
         second = true;
     }
     if (!status && by_steps) status = tilt_quasi_static(e);
