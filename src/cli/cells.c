@@ -30,6 +30,18 @@ static bool text_equals(const char *cell, const char *wanted)
     return !*end_b && fabs(a - b) <= 1e-12 * fabs(b);
 }
 
+/* The row with the smallest or the largest number of a column, the first of equal ones. */
+static bool is_extreme(const rp_table *table, size_t row, int column, double sign)
+{
+    const double value = sign * strtod(cli_text(table, row, column), NULL);
+    bool is = isfinite(value);
+    for (size_t r = 0; r < table->n_rows && is; r++) {
+        const double other = sign * strtod(cli_text(table, r, column), NULL);
+        is = !(other > value || (other == value && r < row));
+    }
+    return is;
+}
+
 rp_status cli_row_matches(const rp_table *table, size_t row, const cli_words *words, int first, int last,
                           bool *matches)
 {
@@ -41,7 +53,9 @@ rp_status cli_row_matches(const rp_table *table, size_t row, const cli_words *wo
         snprintf(key, sizeof key, "%.*s", (int)(equals - words->words[w]), words->words[w]);
         int column;
         RP_TRY(rp_table_find(table, key, NULL, &column));
-        *matches = text_equals(cli_text(table, row, column), equals + 1);
+        *matches = strcmp(equals, "=smallest") == 0  ? is_extreme(table, row, column, -1.0)
+                   : strcmp(equals, "=largest") == 0 ? is_extreme(table, row, column, 1.0)
+                                                     : text_equals(cli_text(table, row, column), equals + 1);
     }
     return RP_OK;
 }
