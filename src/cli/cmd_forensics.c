@@ -288,10 +288,9 @@ static rp_status print_numbers(const inference *s)
         const forensics_claim *c = &s->claims.claims[i];
         const size_t mark = cli_mark();
         prediction after, before;
-        rp_status status = predict_claim(s, c, &after);
-        if (!status) status = predict_before(s, c, &before);
+        RP_TRY(predict_claim(s, c, &after));
+        RP_TRY(predict_before(s, c, &before));
         cli_release(mark);
-        if (status) return status;
         printf("%s\t%s\t%s\t", c->name, c->held ? "held_out" : "used", s->claims.stems[c->stem]);
         CLI_ROW(c->published.value / deg, c->published.error / deg, c->published.samples, after.mean / deg,
                 sqrt(after.variance) / deg, before.mean / deg, sqrt(before.variance) / deg, after.p_value);

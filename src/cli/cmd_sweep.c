@@ -330,17 +330,17 @@ static rp_status make_runs(const make_options *o, const char *file, const sweep_
 {
     size_t replicas = o->replicas > 0 ? (size_t)o->replicas : o->study ? recipe->study : 0;
     sweep_counts counts;
-    rp_status status = cli_claim_sweep(o->o, file, o->force);
-    if (!status) status = sweep_prepare(file, o->o, replicas, sweep_protocols, cli_watch(o->quiet), &counts);
     const sweep_options options = {
         .workers = (int)o->j, .memory = o->mem, .time = o->time, .snapshot = CLI_SNAPSHOT};
-    if (!status) warn_sweep(file);
-    if (!status) warn_undamped(cli_argument(0), &counts);
-    if (!status) status = cli_sweep_run(o->o, options, o->quiet, &counts);
+    RP_TRY(cli_claim_sweep(o->o, file, o->force));
+    RP_TRY(sweep_prepare(file, o->o, replicas, sweep_protocols, cli_watch(o->quiet), &counts));
+    warn_sweep(file);
+    warn_undamped(cli_argument(0), &counts);
+    const rp_status status = cli_sweep_run(o->o, options, o->quiet, &counts);
     if (!status || status == RP_NO_RESULT) print_summary(recipe->name, &counts);
-    if (!status) status = export_to(o, recipe->name, "_runs", SWEEP_RUNS);
-    if (!status) status = export_to(o, recipe->name, "", SWEEP_POINTS);
-    return status;
+    RP_TRY(status);
+    RP_TRY(export_to(o, recipe->name, "_runs", SWEEP_RUNS));
+    return export_to(o, recipe->name, "", SWEEP_POINTS);
 }
 
 static rp_status act_make(void *values)
