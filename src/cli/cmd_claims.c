@@ -1,7 +1,6 @@
 /* repose claims: what two papers claim, and what our tables say of each claim. */
 #include <math.h>
 #include <stddef.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "cli/claims.h"

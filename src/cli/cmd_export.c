@@ -1,5 +1,4 @@
 /* `repose export`: runs, tables and sweeps in the formats of other programs. */
-#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

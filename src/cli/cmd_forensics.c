@@ -4,7 +4,6 @@
  * predicts the numbers of any choices; the published numbers weight draws of the choices from their prior. */
 #include <gsl/gsl_cdf.h>
 #include <math.h>
-#include <string.h>
 
 #include "cli/cli.h"
 #include "cli/forensics.h"

@@ -3,7 +3,6 @@
  * springs. Laws that coincide are mapped; for any other setting the key is named and nothing is written. */
 #include <gsl/gsl_sort.h>
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "cli/export.h"

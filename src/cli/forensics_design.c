@@ -1,7 +1,6 @@
 /* The grid of a design: settings of all open choices, and the points of the published numbers; see
  * forensics.h. */
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "cli/cli.h"

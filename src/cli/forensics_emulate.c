@@ -1,6 +1,5 @@
 /* Emulators of the runs of a design, and their predictions for draws of the choices; see forensics.h. */
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "cli/cli.h"

@@ -11,7 +11,6 @@
  * A stop signal asks the workers to write a snapshot of their runs and end; a second one, or ten seconds, end
  * them. */
 #include "core/clock.h"
-#include "core/table.h"
 #include "sweeps/driver/keep.h"
 #include "sweeps/driver/private.h"
 
@@ -21,7 +20,6 @@
 #include <math.h>
 #include <poll.h>
 #include <signal.h>
-#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>

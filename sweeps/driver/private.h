@@ -71,9 +71,6 @@ typedef enum { SWEEP_READ, SWEEP_WRITE, SWEEP_CREATE } sweep_access;
 rp_status sweep_plan_read(const char *file, const sweep_protocol *const *protocols, sweep_plan *plan);
 void sweep_plan_free(sweep_plan *plan);
 
-/* RP_OK unless the file is a scene. Errors: RP_BAD_INPUT. */
-rp_status sweep_refuse_scene(const char *file, const config_setting_t *root);
-
 /* Ask the protocol whether it can run a grid point. Errors: RP_BAD_INPUT. */
 rp_status sweep_plan_check_point(const sweep_plan *plan, const char *file, size_t point);
 

@@ -6,7 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "core/table.h"
 #include "sweeps/driver/box.h"
 
 enum { FILL_DROP, FILL_RAMP, FILL_AUTO };

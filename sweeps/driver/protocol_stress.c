@@ -7,7 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "core/table.h"
 #include "sweeps/driver/tilted.h"
 #include "stats/stats.h"
 #include "stress/stress.h"
