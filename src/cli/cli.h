@@ -157,8 +157,9 @@ const char *cli_data(const char *name);
 /* Does a text, as a file's name, end in these letters? */
 bool cli_ends_in(const char *text, const char *end);
 
-rp_status cli_table_read(const char *path, rp_table **table); /* as rp_table_read */
-rp_status cli_texts_read(const char *path, rp_table **table); /* as rp_table_read_texts */
+rp_status cli_table_read(const char *path, rp_table **table);              /* as rp_table_read */
+rp_status cli_texts_read(const char *path, rp_table **table);              /* as rp_table_read_texts */
+rp_status cli_table_parse(const char *name, char *text, rp_table **table); /* as rp_table_parse */
 size_t cli_mark(void);
 void cli_release(size_t mark);
 

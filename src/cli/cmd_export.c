@@ -3,7 +3,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
 #include <zlib.h>
@@ -84,20 +83,19 @@ static rp_status select_rows(rp_table *table, const rp_texts *conditions)
     return RP_OK;
 }
 
-/* A sweep's runs or points, with all parameters, by way of memory. */
+/* A sweep's runs or points, with all parameters. */
 static rp_status read_sweep(const char *dir, bool reduce, rp_table **table, sweep_counts *counts)
 {
-    char path[64];
-    const int memory = memfd_create("sweep", MFD_CLOEXEC);
-    FILE *file = memory >= 0 ? fdopen(memory, "w") : NULL;
-    if (!file) return rp_fail(RP_NO_MEMORY, "%s: out of memory", dir);
-    snprintf(path, sizeof path, "/proc/self/fd/%d", memory);
+    char *text;
+    size_t size;
+    FILE *out = open_memstream(&text, &size);
+    if (!out) return rp_fail(RP_NO_MEMORY, "%s: out of memory", dir);
     rp_status status =
         sweep_export(dir, sweep_protocols, SWEEP_PARAMETERS | (reduce ? SWEEP_POINTS : SWEEP_RUNS),
-                     cli_command_line(), counts, file);
-    if (!status) status = cli_texts_read(path, table);
-    if (!status) (*table)->path = dir;
-    fclose(file);
+                     cli_command_line(), counts, out);
+    fclose(out);
+    if (!status) return cli_table_parse(dir, text, table);
+    free(text);
     return status;
 }
 

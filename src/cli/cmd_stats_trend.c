@@ -218,31 +218,27 @@ static rp_status print_limits(const rp_table *t, const rows *r, const trend_opti
     return RP_OK;
 }
 
-static rp_status limits_of_table(rp_table *table, const size_options *s)
-{
-    rows r = {0};
-    const trend_options o = {.x = s->x, .y = s->y, .by = s->by, .from = s->from, .to = s->to};
-    if (cli_given("power"))
-        return rp_fail(RP_USAGE,
-                       "--exponent free weighs by the errors of the means; give it or --power, not both");
-    RP_TRY(read_rows(table, &o, &r));
-    return rp_prefix(print_limits(table, &r, &o, s->least_exponent), "%s: ", table->path);
-}
-
 static rp_status size_of_table(rp_table *table, void *values)
 {
     const size_options *s = values;
-    if (s->exponent == EXPONENT_FREE) return limits_of_table(table, s);
-    if (cli_given("least-exponent")) return rp_fail(RP_USAGE, "--least-exponent is for --exponent free");
+    const bool free = s->exponent == EXPONENT_FREE;
     const trend_options o = {.x = s->x,
                              .y = s->y,
                              .by = s->by,
                              .from = s->from,
                              .to = s->to,
                              .power = s->power,
-                             .scale = SCALE_INVERSE,
+                             .scale = free ? SCALE_LINEAR : SCALE_INVERSE,
                              .margin = 1.0}; /* of a test that is not printed */
-    return trend_or_size(table, &o, true);
+    rows r = {0};
+    if (!free && cli_given("least-exponent"))
+        return rp_fail(RP_USAGE, "--least-exponent is for --exponent free");
+    if (!free) return trend_or_size(table, &o, true);
+    if (cli_given("power"))
+        return rp_fail(RP_USAGE,
+                       "--exponent free weighs by the errors of the means; give it or --power, not both");
+    RP_TRY(read_rows(table, &o, &r));
+    return rp_prefix(print_limits(table, &r, &o, s->least_exponent), "%s: ", table->path);
 }
 
 const cli_command cmd_stats_trend = {

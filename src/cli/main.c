@@ -82,6 +82,12 @@ rp_status cli_table_read(const char *path, rp_table **table)
     return status;
 }
 
+rp_status cli_table_parse(const char *name, char *text, rp_table **table)
+{
+    *table = keep(cli_memory(1, sizeof **table), free_table);
+    return rp_table_parse(name, text, *table);
+}
+
 rp_status cli_texts_read(const char *path, rp_table **table)
 {
     *table = keep(cli_memory(1, sizeof **table), free_table);

@@ -374,7 +374,7 @@ static rp_status act(const cli_command *command)
 /* What is no table is printed as it is. The text is from malloc. */
 static rp_status print_as_json(char *text)
 {
-    rp_table table;
+    rp_table *table;
     int *columns;
     size_t n;
     if (*text != '#' && !strchr(text, '\t')) {
@@ -382,11 +382,9 @@ static rp_status print_as_json(char *text)
         free(text);
         return RP_OK;
     }
-    rp_status status = rp_table_parse("--json", text, &table);
-    if (!status) status = cli_columns(&table, "all", &n, &columns);
-    if (!status) status = cli_export_json(&table, n, columns, stdout);
-    rp_table_free(&table);
-    return status;
+    RP_TRY(cli_table_parse("--json", text, &table));
+    RP_TRY(cli_columns(table, "all", &n, &columns));
+    return cli_export_json(table, n, columns, stdout);
 }
 
 /* Standard output as JSON; a file that the command writes in its place would stay a table. A command that

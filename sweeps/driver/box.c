@@ -146,6 +146,8 @@ rp_status sweep_box_begin(sweep_box_run *run, const sweep_box *box, size_t most,
     SWEEP_ENTER(run->keep, *result);
     SWEEP_ENTER(run->keep, run->cells);
     sweep_keep_enter_sim(run->keep, &run->sim);
+    sweep_keep_enter_sim(run->keep, &run->rested);
+    SWEEP_ENTER(run->keep, run->steps_before);
     SWEEP_ENTER(run->keep, run->scene.def.walls[DEM_BOX_RIGHT].open_at_step);
     if (!run->tables) return run->keep ? run->keep->source.status : RP_OK;
     run->scene.def.ledger = tables->ledger;
@@ -159,6 +161,7 @@ rp_status sweep_box_begin(sweep_box_run *run, const sweep_box *box, size_t most,
 rp_status sweep_box_end(sweep_box_run *run, rp_status status)
 {
     dem_free(run->sim);
+    dem_free(run->rested);
     free(run->scene.grains);
     free(run->states);
     free(run->work);
@@ -396,13 +399,18 @@ rp_status sweep_box_moved(sweep_box_run *run, double reach, int contacts, size_t
     return status;
 }
 
-void sweep_box_go_back(sweep_box_run *run, dem_sim **other, long *steps)
+void sweep_box_go_back(sweep_box_run *run)
 {
-    if (!*other) return;
-    *steps += dem_step(run->sim) - dem_step(*other);
+    if (!run->rested) return;
+    run->steps_before += dem_step(run->sim) - dem_step(run->rested);
     dem_free(run->sim);
-    run->sim = *other;
-    *other = NULL;
+    run->sim = run->rested;
+    run->rested = NULL;
+}
+
+double sweep_box_steps(const sweep_box_run *run)
+{
+    return run->sim ? (double)(dem_step(run->sim) + run->steps_before) : NAN;
 }
 
 rp_status sweep_box_onset(sweep_box_run *run, bool *moves)

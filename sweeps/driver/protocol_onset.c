@@ -85,9 +85,7 @@ typedef struct {
     const sweep_tilted *p;
     sweep_box_run box;
     double *values;
-    dem_sim *rested;   /* the pile, for the second tilt */
-    double *depth;     /* [1 + most] by id, of the grains of the pile at rest, in d */
-    long steps_before; /* of the first tilt, once that has ended */
+    double *depth; /* [1 + most] by id, of the grains of the pile at rest, in d */
 } experiment;
 
 /* ---- the pile at rest ---- */
@@ -262,7 +260,7 @@ static rp_status note_pile(void *data)
                         M_PI / 3.0, &theory));
         v[OUT_theta_t_theory_deg] = sweep_degrees(theory.theta_t);
     }
-    return dem_clone(e->box.sim, &e->rested);
+    return dem_clone(e->box.sim, &e->box.rested);
 }
 
 static rp_status find_onset(void *data)
@@ -401,7 +399,7 @@ static rp_status tilt_again(void *data)
         bool probed;
     } now = {0, 0, false};
     rp_status status = RP_OK;
-    sweep_box_go_back(&e->box, &e->rested, &e->steps_before);
+    sweep_box_go_back(&e->box);
     if (SWEEP_ENTER(e->box.keep, now)) dem_gravity_turn(e->box.sim, rate * (M_PI / 180.0));
     while (now.quarter < N_QUARTERS && !status) {
         const long at = lround(now.quarter * theta_t / (4.0 * rate)), probe = lround(PROBE_DEG / rate);
@@ -421,12 +419,9 @@ static rp_status run_phases(experiment *e)
 {
     static rp_status (*const phases[])(void *) = {note_pile, find_onset, tilt_again};
     sweep_keep *const keep = e->box.keep;
-    SWEEP_ENTER(keep, e->steps_before);
     sweep_keep_enter(keep, e->depth, (e->box.most + 1) * sizeof *e->depth);
-    sweep_keep_enter_sim(keep, &e->rested);
     const rp_status status = sweep_tilted_phases(&e->box, sizeof phases / sizeof *phases, phases, e);
-    if (!e->box.sim) return status;
-    e->values[OUT_steps] = (double)(dem_step(e->box.sim) + e->steps_before);
+    e->values[OUT_steps] = sweep_box_steps(&e->box);
     return status;
 }
 
@@ -439,7 +434,6 @@ static rp_status run_one(const void *params, unsigned long seed, unsigned long r
     if (!status) e.depth = calloc(e.box.most + 1, sizeof *e.depth);
     if (!status && !e.depth) status = rp_fail(RP_NO_MEMORY, "onset: out of memory");
     if (!status) status = run_phases(&e);
-    dem_free(e.rested);
     free(e.depth);
     return sweep_box_end(&e.box, status);
 }

@@ -61,8 +61,6 @@ typedef struct {
     double weight; /* of all grains at rest */
     reading readings[N_TILTS];
     size_t n_readings;
-    dem_sim *rested;   /* the pile, for the tilt at a rate */
-    long steps_before; /* of the tilt from rest to rest, once that has ended */
 } experiment;
 
 /* ---- Phases, each from where the last one ends, or from where a snapshot was written ---- */
@@ -77,7 +75,7 @@ static rp_status note_pile(void *data)
     RP_TRY(sweep_box_note(&e->box));
     for (size_t i = 0; i < dem_count(e->box.sim); i++) e->weight += e->box.states[i].m * e->p->box.g;
     e->values[OUT_grains] = (double)e->box.n_noted;
-    return dem_clone(e->box.sim, &e->rested);
+    return dem_clone(e->box.sim, &e->box.rested);
 }
 
 static void contact_force(const dem_contact *c, stress_contact *force)
@@ -190,7 +188,7 @@ static rp_status tilt_to_rest(void *data)
 static rp_status tilt_at_rate(void *data)
 {
     experiment *e = data;
-    sweep_box_go_back(&e->box, &e->rested, &e->steps_before);
+    sweep_box_go_back(&e->box);
     return sweep_box_tilt(&e->box, false, e->p->tilt_rate_deg, &e->values[OUT_theta_t_displacement_deg],
                           NULL);
 }
@@ -247,11 +245,8 @@ static rp_status run_phases(experiment *e)
     SWEEP_ENTER(keep, e->weight);
     SWEEP_ENTER(keep, e->readings);
     SWEEP_ENTER(keep, e->n_readings);
-    SWEEP_ENTER(keep, e->steps_before);
-    sweep_keep_enter_sim(keep, &e->rested);
     const rp_status status = sweep_tilted_phases(&e->box, sizeof phases / sizeof *phases, phases, e);
-    if (!e->box.sim) return status;
-    e->values[OUT_steps] = (double)(dem_step(e->box.sim) + e->steps_before);
+    e->values[OUT_steps] = sweep_box_steps(&e->box);
     return status;
 }
 
@@ -262,7 +257,6 @@ static rp_status run_one(const void *params, unsigned long seed, unsigned long r
     experiment e = {.p = p, .values = result->values};
     rp_status status = sweep_box_begin_filled(&e.box, &p->box, seed, run, tables, result);
     if (!status) status = run_phases(&e);
-    dem_free(e.rested);
     return sweep_box_end(&e.box, status);
 }
 
