@@ -1,4 +1,4 @@
-/* repose stats predict: what foretells a column of a table of runs, out of sample. */
+/* repose stats predict: what predicts a column of a table of runs, out of sample. */
 #include <string.h>
 
 #include "stats/stats.h"
@@ -120,7 +120,7 @@ const cli_command cmd_stats_predict = {
     "correlation: Pearson's, of the column and y, with a 95 % interval; of all columns, of their\n"
     "prediction and y. skill: 1 less the mean square error over that of the mean of the other parts; 0 for "
     "a\n"
-    "column that foretells nothing, negative for one that misleads. rms: root mean square error.\n"
+    "column that predicts nothing, negative for one that misleads. rms: root mean square error.\n"
     "error: mean of measured less predicted. Rows with nan in a column are left out for all.\n"
     "TABLE (- for standard input): one row per run, as repose sweep export writes.",
     "repose stats predict build/studies/lh_onset_runs.tsv -x bulk_friction_0,scatter -y "

@@ -179,10 +179,12 @@ static dem_definition make_scene(const drop_params *p)
     const double r = 0.5 * (1.0 - 3.0 * p->radius_width), m = dem_mass(DEM_DISK, density, r),
                  top =
                      1.25 * sqrt((double)p->N) + 0.5 * sqrt(3.0) * (double)p->lattice + p->drop_height + 1.0;
-    const dem_grain two[2] = {{.y = r, .r = r, .m = m}, {.y = top, .r = r, .m = m, .vy = sqrt(2.0 * top)}};
+    const double speed = sqrt(2.0 * top);
+    const dem_grain two[2] = {{.y = r, .r = r, .m = m}, {.y = top, .r = r, .m = m, .vy = speed}};
     def.grains = two;
     def.n_grains = 2;
-    def.dt = 0.98 * dem_time_step_limit(&def, NULL);
+    def.dt =
+        fmin(0.98 * dem_time_step_limit(&def, NULL), r / speed); /* a step moves no disk by more than r */
     def.grains = NULL;
     def.n_grains = 0;
     return def;

@@ -1,4 +1,4 @@
-/* Protocol `onset`: the box of protocol `repose` to its pile at rest, on which whatever might foretell its
+/* Protocol `onset`: the box of protocol `repose` to its pile at rest, on which whatever might predict its
  * tilting angle is measured; then gravity is turned at a rate until the pile moves. The same tilt is made a
  * second time, with the same bits, and read at quarters of the tilting angle: which contacts slide, and which
  * grains move otherwise than the pile as a whole.
@@ -454,4 +454,4 @@ static rp_status fingerprint(char digits[33])
 
 SWEEP_PROTOCOL(
     onset, sweep_tilted_schema, sweep_tilted,
-    "the pile of `repose`, tilted until it moves: what foretells the angle, what slides and moves first");
+    "the pile of `repose`, tilted until it moves: what predicts the angle, what slides and moves first");
