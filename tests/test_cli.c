@@ -1802,6 +1802,7 @@ static void test_broken_run(void)
     FAILS(1, "leaked at step ", "run scene.cfg --every 100 -o d");
     CU_ASSERT(shell("exec \"$REPOSE\" run scene.cfg --every 100 >out 2>err") == 1);
     CU_ASSERT(equal_tables("out", "d/unfinished/states.tsv"));
+    CU_ASSERT(shell("tail -n 1 out | grep -q '^# unfinished: leaked at step'") == 0);
     CU_ASSERT(shell("tail -n 1 d/unfinished/energy.tsv | grep -q '^# unfinished: leaked at step'") == 0);
     /* an overlap beyond the radius, or a step beyond it, is no result of the scene, and no fault of the
      * program */
