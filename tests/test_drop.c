@@ -670,7 +670,7 @@ static void renewed_lists_hold_springs(void)
             renewed->grains.next_motion[i].v = (dem_vec){(i + (size_t)k) % 11 == 0 ? INFINITY : 0.0, 0.0};
             renewed->grains.margin2[i] = 1e300;
         }
-        CHECK_OK(dem_neighbours_renew(renewed));
+        CHECK_OK(dem_neighbours_renew(renewed, false));
         CU_ASSERT(renewed->count.rebuilds == rebuilds);
         for (size_t i = 0; i < renewed->grains.n; i++)
             CU_ASSERT((renewed->grains.margin2[i] < 1e300) == isinf(renewed->grains.next_motion[i].v[0]));
@@ -682,10 +682,27 @@ static void renewed_lists_hold_springs(void)
         for (size_t p = 0; p < touching; p++)
             CU_ASSERT(dem_touches(&renewed->pairs, p)); /* they come first */
         renewed->grains.motion[0].x[1] = NAN;
-        CHECK_FAILS(dem_neighbours_renew(renewed), RP_BROKEN, "not finite");
+        CHECK_FAILS(dem_neighbours_renew(renewed, false), RP_BROKEN, "not finite");
         dem_free(renewed);
     }
     dem_free(sim);
+}
+
+/* Any fall of the range runs: its speed limits the time step. With eps = 2e-3 alone, 0.0242 is the step, and
+ * a fall of 250 d goes 0.54 d in it. */
+static void great_heights(void)
+{
+    const sweep_protocol *drop = &sweep_protocol_drop;
+    static const char *const heights[] = {"drop_height=250", "drop_height=1000"};
+    for (int k = 0; k < 2; k++) {
+        void *params = PROTOCOL_PARAMS(drop, "N=4", heights[k], "x_limit=10000");
+        sweep_result result = {0};
+        rp_status status = drop->run(params, 1992, 0, NULL, &result);
+        CU_ASSERT(status == RP_OK || status == RP_NO_RESULT); /* four disks make no slopes */
+        CU_ASSERT(strstr(rp_message(), "too_fast") == NULL);
+        CHECK_NEAR(protocol_output(drop, &result, "disks"), 4.0, 0.0);
+        free(params);
+    }
 }
 
 void suite_drop(void)
@@ -697,6 +714,7 @@ void suite_drop(void)
                                        {"noise of single piles", noise_of_piles},
                                        {"what is planted", plants},
                                        {"bad ensembles", bad_ensembles},
+                                       {"great heights", great_heights},
                                        {"piles stand", piles_stand},
                                        {"drops stay within their steps", drops_do_not_pass_their_steps},
                                        {"unfinished drops are no result", cut_drops_are_no_result},

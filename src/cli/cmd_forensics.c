@@ -4,7 +4,6 @@
  * predicts the numbers of any choices; the published numbers weight draws of the choices from their prior. */
 #include <gsl/gsl_cdf.h>
 #include <math.h>
-#include <string.h>
 
 #include "cli/cli.h"
 #include "cli/forensics.h"
@@ -288,10 +287,9 @@ static rp_status print_numbers(const inference *s)
         const forensics_claim *c = &s->claims.claims[i];
         const size_t mark = cli_mark();
         prediction after, before;
-        rp_status status = predict_claim(s, c, &after);
-        if (!status) status = predict_before(s, c, &before);
+        RP_TRY(predict_claim(s, c, &after));
+        RP_TRY(predict_before(s, c, &before));
         cli_release(mark);
-        if (status) return status;
         printf("%s\t%s\t%s\t", c->name, c->held ? "held_out" : "used", s->claims.stems[c->stem]);
         CLI_ROW(c->published.value / deg, c->published.error / deg, c->published.samples, after.mean / deg,
                 sqrt(after.variance) / deg, before.mean / deg, sqrt(before.variance) / deg, after.p_value);
@@ -397,5 +395,4 @@ const cli_command cmd_forensics = {
     "posterior over the prior; emulator the errors of prediction of both kernels.",
     "repose forensics --design 200 --seed 1993",
     forensics_params,
-    .prints_table = true,
     .act = forensics};

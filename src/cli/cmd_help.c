@@ -168,8 +168,8 @@ static rp_status write_page(const char *folder, const cli_command *c)
     FILE *out;
     page_name(c, page);
     snprintf(path, sizeof path, "%s/%s.1", folder, page);
-    rp_status status = rp_file_open(path, &out);
-    if (status) return status;
+    rp_status status = RP_OK;
+    RP_TRY(rp_file_open(path, &out));
     put_head(out, page, c->summary);
     if (c->group) {
         put_line(out, " ", c->name);
@@ -286,4 +286,5 @@ const cli_command cmd_help = {
     "completion of bash, to be read by `source`. `make install` installs both.",
     "repose help sweep plan",
     help_params,
+    .prints_text = true,
     .act = act_help};

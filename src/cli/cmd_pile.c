@@ -3,7 +3,6 @@
 #include <math.h>
 #include <stddef.h>
 #include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
 #include "analytic/analytic.h"
@@ -61,10 +60,9 @@ static rp_status read_disks(const char *path, sweep_outline *h)
 {
     rp_table *table;
     double *x;
-    rp_status status = cli_table_read(path, &table);
+    RP_TRY(cli_table_read(path, &table));
     const bool radii = rp_table_column(table, "r") >= 0;
-    if (!status) status = cli_read_columns(table, radii ? "x,y,r" : "x,y", &x);
-    if (status) return status;
+    RP_TRY(cli_read_columns(table, radii ? "x,y,r" : "x,y", &x));
     h->n = table->n_rows;
     h->disks = malloc((h->n + 1) * sizeof *h->disks);
     if (!h->disks) return rp_fail(RP_NO_MEMORY, "pile: out of memory");
@@ -287,7 +285,6 @@ const cli_command cmd_pile = {
     "  singular       an equilibrium in which a disk can move freely, or none found for such a disk",
     "repose pile --alpha-deg 30 --base 45",
     own_params,
-    .prints_table = true,
     .act = solve_any,
     .protocol = sweep_pile_schema,
     .protocol_size = offsetof(options, own)};

@@ -37,9 +37,9 @@ static rp_status fill_text(report *r, const cli_cell *cell, const char *format)
     stats_number number;
     const char *text = cli_cell_text(cell, cell->column);
     if (format && strcmp(format, "+-") == 0) {
-        rp_status status = cli_cell_number(cell, &number);
-        if (!status) cli_print_number(r->out, number);
-        return status;
+        RP_TRY(cli_cell_number(cell, &number));
+        cli_print_number(r->out, number);
+        return RP_OK;
     }
     if (text && *cell->column == '#') {
         fputs(text, r->out);
@@ -330,10 +330,9 @@ static rp_status fill_report(void *values)
 {
     const report_options *o = values;
     report r = {.options = o, .template = cli_data(cli_argument(0))};
-    rp_status status = cli_claims_read(o->claims, &r.claims);
-    if (!status && (status = rp_file_open(o->o, &r.out)) == RP_OK)
-        status = rp_file_close(o->o, r.out, fill_file(&r, r.template));
-    return status;
+    RP_TRY(cli_claims_read(o->claims, &r.claims));
+    RP_TRY(rp_file_open(o->o, &r.out));
+    return rp_file_close(o->o, r.out, fill_file(&r, r.template));
 }
 
 const cli_command cmd_report = {
@@ -359,4 +358,5 @@ const cli_command cmd_report = {
     "A table that has not been made gives `no data` in a table; a line of text then names it instead.",
     "repose report figures/paper-repro.md.in -o paper-repro.md",
     report_params,
+    .prints_text = true,
     .act = fill_report};

@@ -30,6 +30,14 @@ rp_status cli_column_list(const rp_table *table, const char *names, size_t most,
     return *n > 0 ? RP_OK : rp_fail(RP_BAD_INPUT, "\"%s\": a column expected", names);
 }
 
+rp_status cli_columns(const rp_table *table, const char *names, size_t *n, int **columns)
+{
+    *n = table->n_columns;
+    *columns = cli_memory(*n + strlen(names), sizeof **columns);
+    for (size_t c = 0; c < *n; c++) (*columns)[c] = (int)c;
+    return strcmp(names, "all") == 0 ? RP_OK : cli_column_list(table, names, strlen(names), n, *columns);
+}
+
 rp_status cli_read_columns(const rp_table *table, const char *names, double **block)
 {
     int columns[CLI_MOST_COLUMNS];

@@ -3,7 +3,6 @@
  * springs. Laws that coincide are mapped; for any other setting the key is named and nothing is written. */
 #include <gsl/gsl_sort.h>
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "cli/export.h"
@@ -282,9 +281,8 @@ static rp_status write_files(const lammps_scene *s, const char *scene, const cha
     snprintf(data, sizeof data, "%s.data", stem);
     RP_TRY(cli_export_open(data, &e));
     write_data(s, scene, e.out);
-    rp_status status = cli_export_close(&e, RP_OK);
-    if (!status) status = cli_export_open(path, &e);
-    if (status) return status;
+    RP_TRY(cli_export_close(&e, RP_OK));
+    RP_TRY(cli_export_open(path, &e));
     write_input(s, scene, stem, e.out);
     return cli_export_close(&e, RP_OK);
 }

@@ -1,7 +1,6 @@
 /* Runs of a design as settings of the open choices, each at the points of the published numbers; see
  * forensics.h. */
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "angle/angle.h"

@@ -301,8 +301,8 @@ rp_status stats_calibration_bootstrap(const stats_ensemble *piles, const stats_c
                                       const stats_measured *measured, size_t n_resamples, gsl_rng *rng,
                                       stats_calibrated result[])
 {
-    rp_status status = stats_check_resamples(n_resamples);
-    if (status) return status;
+    rp_status status = RP_OK;
+    RP_TRY(stats_check_resamples(n_resamples));
     double *y = malloc(STATS_MAX_ANGLES * c->n_points * sizeof *y);
     double *values = malloc(STATS_MAX_PARAMS * n_resamples * sizeof *values);
     if (!y || !values) status = rp_fail(RP_NO_MEMORY, "calibrate: out of memory");

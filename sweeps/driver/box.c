@@ -146,6 +146,8 @@ rp_status sweep_box_begin(sweep_box_run *run, const sweep_box *box, size_t most,
     SWEEP_ENTER(run->keep, *result);
     SWEEP_ENTER(run->keep, run->cells);
     sweep_keep_enter_sim(run->keep, &run->sim);
+    sweep_keep_enter_sim(run->keep, &run->rested);
+    SWEEP_ENTER(run->keep, run->steps_before);
     SWEEP_ENTER(run->keep, run->scene.def.walls[DEM_BOX_RIGHT].open_at_step);
     if (!run->tables) return run->keep ? run->keep->source.status : RP_OK;
     run->scene.def.ledger = tables->ledger;
@@ -159,6 +161,7 @@ rp_status sweep_box_begin(sweep_box_run *run, const sweep_box *box, size_t most,
 rp_status sweep_box_end(sweep_box_run *run, rp_status status)
 {
     dem_free(run->sim);
+    dem_free(run->rested);
     free(run->scene.grains);
     free(run->states);
     free(run->work);
@@ -309,16 +312,15 @@ rp_status sweep_state_write(const sweep_tables *tables, const dem_sim *sim, cons
     } list[] = {{"grains", dem_write_state_columns, dem_write_states},
                 {"contacts", dem_write_contact_columns, dem_write_contacts},
                 {"walls", dem_write_wall_columns, dem_write_walls}};
-    rp_status status = RP_OK;
-    for (size_t i = 0; tables && i < sizeof list / sizeof *list && !status; i++) {
+    for (size_t i = 0; tables && i < sizeof list / sizeof *list; i++) {
         char name[64];
         sweep_file f;
         snprintf(name, sizeof name, "%s_%s.tsv", stage, list[i].name);
         RP_TRY(sweep_table_open(tables, name, &f));
         list[i].columns(f.out);
-        status = sweep_table_close(&f, list[i].rows(sim, f.out));
+        RP_TRY(sweep_table_close(&f, list[i].rows(sim, f.out)));
     }
-    return status;
+    return RP_OK;
 }
 
 static long count_grains(const sweep_box *box)
@@ -395,6 +397,20 @@ rp_status sweep_box_moved(sweep_box_run *run, double reach, int contacts, size_t
     }
     *moved += run->n_noted - seen;
     return status;
+}
+
+void sweep_box_go_back(sweep_box_run *run)
+{
+    if (!run->rested) return;
+    run->steps_before += dem_step(run->sim) - dem_step(run->rested);
+    dem_free(run->sim);
+    run->sim = run->rested;
+    run->rested = NULL;
+}
+
+double sweep_box_steps(const sweep_box_run *run)
+{
+    return run->sim ? (double)(dem_step(run->sim) + run->steps_before) : NAN;
 }
 
 rp_status sweep_box_onset(sweep_box_run *run, bool *moves)

@@ -123,8 +123,7 @@ static rp_status make_layer(flux *f)
     }
     def->grains = layer;
     def->walls[DEM_BOX_RIGHT].open_at_step = 0;
-    rp_status status = dem_create(def, &f->box.sim);
-    return status;
+    return dem_create(def, &f->box.sim);
 }
 
 static rp_status insert(flux *f, uint32_t *id)
