@@ -785,7 +785,7 @@ static void test_angle_tables(void)
     for (int j = 0; j < 12; j++)
         fprintf(file, "%g\t%d\t%d\tok\n", j % 2 ? 0.2 : 0.1, (j % 2 ? 16 : 8) + j % 3, 3 + j / 3);
     fclose(file);
-    GOOD("angle phi runs.tsv");
+    GOOD("angle phi runs.tsv --bootstrap 50");
     t = read_table("out");
     CU_ASSERT(t.n_rows == 15); /* three equations and two differences, for all and for each mu */
     for (size_t i = 0; i < t.n_rows; i++) {
@@ -802,7 +802,7 @@ static void test_angle_tables(void)
                1e-12);
     CHECK_NEAR(cell(&t, 5, "phi_deg"), atan(sqrt(tan((9.0 + 13.0 / 3.0) * deg) / 0.1)) / deg, 1e-5);
     rp_table_free(&t);
-    GOOD("angle phi runs.tsv --from 0.15");
+    GOOD("angle phi runs.tsv --from 0.15 --bootstrap 50");
     t = read_table("out");
     CU_ASSERT(t.n_rows == 5);
     CHECK_NEAR(cell(&t, 0, "mu"), 0.2, 0.0);

@@ -203,8 +203,10 @@ static void outputs_from_series(void)
     void *p = protocol_params(protocol, ending);
     CHECK_OK(protocol->run(p, 1993, 0, NULL, &again));
     CU_ASSERT(memcmp(again.values, t.result.values, sizeof again.values) == 0);
-    CHECK_OK(protocol->run(p, 1993, 1, NULL, &again)); /* another stream, another pile */
-    CU_ASSERT(output(&again, "theta_deg") != output(&t.result, "theta_deg"));
+    if (!check_fast()) {
+        CHECK_OK(protocol->run(p, 1993, 1, NULL, &again)); /* another stream, another pile */
+        CU_ASSERT(output(&again, "theta_deg") != output(&t.result, "theta_deg"));
+    }
     free(p);
     trace_free(&t);
 }

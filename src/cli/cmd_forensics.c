@@ -217,7 +217,7 @@ typedef struct {
 } prediction;
 
 /* Chance of the claim for one draw, surface and latent. A number that is held out takes the common error from
- * the others, which moves *mean and *variance, and both readings of its own +- alike. */
+ * the others, which moves *mean and *variance, and both readings of its own +- alike. p_value may be NULL. */
 static rp_status claim_chance(const inference *s, const forensics_claim *c, size_t draw, size_t surface,
                               unsigned latent, double *mean, double *variance, double *p_value)
 {
@@ -231,6 +231,7 @@ static rp_status claim_chance(const inference *s, const forensics_claim *c, size
     const double common = c->held ? 0.0 : stats_common_variance(m->shift, latent);
     *mean += error;
     *variance += of_error;
+    if (!p_value) return RP_OK;
     *p_value = 0.0;
     for (unsigned reading = 0; reading < 2; reading++) {
         const double weight = c->held ? 0.5 : (latent >> STATS_LATENT_reading & 1u) == reading,
@@ -240,7 +241,8 @@ static rp_status claim_chance(const inference *s, const forensics_claim *c, size
     return RP_OK;
 }
 
-static rp_status predict_claim(const inference *s, const forensics_claim *c, prediction *r)
+/* Without its chance, which takes most of the time, unless that is asked for. */
+static rp_status predict_claim(const inference *s, const forensics_claim *c, bool chance, prediction *r)
 {
     const size_t k = s->claims.n_points;
     double squares = 0.0;
@@ -253,9 +255,9 @@ static rp_status predict_claim(const inference *s, const forensics_claim *c, pre
                          own = s->angles.scale[set] * s->draws.covariance[(d * k + c->point) * k + c->point];
             for (unsigned latent = 0; latent < STATS_LATENT_LEVELS; latent++) {
                 const double w = *share++;
-                double at = mean, variance = own, p_value;
+                double at = mean, variance = own, p_value = 0.0;
                 if (w < 1e-12) continue; /* of no weight */
-                RP_TRY(claim_chance(s, c, d, f, latent, &at, &variance, &p_value));
+                RP_TRY(claim_chance(s, c, d, f, latent, &at, &variance, chance ? &p_value : NULL));
                 r->mean += w * at;
                 squares += w * (at * at + variance);
                 r->p_value += w * p_value;
@@ -274,7 +276,7 @@ static rp_status predict_before(const inference *s, const forensics_claim *c, pr
     plain.held = false; /* no common error is known yet */
     flat.posterior.share = cli_memory(n, sizeof *flat.posterior.share);
     for (size_t i = 0; i < n; i++) flat.posterior.share[i] = 1.0 / (double)n;
-    return predict_claim(&flat, &plain, r);
+    return predict_claim(&flat, &plain, false, r);
 }
 
 static rp_status print_numbers(const inference *s)
@@ -287,7 +289,7 @@ static rp_status print_numbers(const inference *s)
         const forensics_claim *c = &s->claims.claims[i];
         const size_t mark = cli_mark();
         prediction after, before;
-        RP_TRY(predict_claim(s, c, &after));
+        RP_TRY(predict_claim(s, c, true, &after));
         RP_TRY(predict_before(s, c, &before));
         cli_release(mark);
         printf("%s\t%s\t%s\t", c->name, c->held ? "held_out" : "used", s->claims.stems[c->stem]);
