@@ -4,7 +4,6 @@
 #define SWEEP_BOX_H
 
 #include <stdbool.h>
-#include <stdio.h>
 
 #include "angle/angle.h"
 #include "dem/scene.h"
