@@ -207,8 +207,7 @@ rp_status sweep_box_rest(const sweep_box_run *run, dem_rest *rest, bool *quiet)
     return status;
 }
 
-/* With `pile`, only while there are cells enough for a slope. */
-static rp_status settle(sweep_box_run *run, const char *phase, bool pile)
+rp_status sweep_box_settle(sweep_box_run *run, const char *phase, bool pile)
 {
     const long every = 500;
     const int in_a_row = 10;
@@ -245,21 +244,16 @@ rp_status sweep_box_open(sweep_box_run *run, long steps)
     }
     if (!fallen) status = sweep_box_advance(run, steps < 1 ? least : steps);
     fallen = true;
-    if (!status && steps < 1) status = settle(run, "after the opening", true);
+    if (!status && steps < 1) status = sweep_box_settle(run, "after the opening", true);
     sweep_keep_leave(run->keep, 1);
     return status;
-}
-
-rp_status sweep_box_settle(sweep_box_run *run, const char *phase)
-{
-    return settle(run, phase, false);
 }
 
 rp_status sweep_box_phase(sweep_box_run *run, size_t phase)
 {
     if (phase == 0) return sweep_box_start(run);
     if (phase == 1) return sweep_box_advance(run, run->box->fill_steps);
-    return phase == 2 ? sweep_box_settle(run, "filling") : sweep_box_open(run, 0);
+    return phase == 2 ? sweep_box_settle(run, "filling", false) : sweep_box_open(run, 0);
 }
 
 ang_options sweep_box_options(const sweep_box *b)
