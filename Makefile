@@ -86,8 +86,10 @@ check: | $(SETUP_FIRST) ## unit tests and fast validation, with sanitizers and p
 	@$(MAKE) --no-print-directory lint asan
 	@echo "check   plain" && REPOSE=$(REPOSE) $(B)/check -j$(JOBS)
 
+# Most of a short process would be its start: fixed addresses and static sanitizers need few relocations.
+SANITIZE := -fsanitize=address,undefined -fno-sanitize-recover=all -static-libasan -static-libubsan -fno-pie -no-pie -g1 -O2
 asan: | $(SETUP_FIRST) ## the same tests under the address and undefined-behaviour sanitizers
-	@$(MAKE) --no-print-directory -j$(JOBS) B=$(B)/asan SAN='-fsanitize=address,undefined -fno-sanitize-recover=all -g -O1' \
+	@$(MAKE) --no-print-directory -j$(JOBS) B=$(B)/asan SAN='$(SANITIZE)' \
 	  $(B)/asan/check $(B)/asan/repose
 	@echo "check   with sanitizers" && REPOSE=$(B)/asan/repose RP_CHECK_FAST=1 $(B)/asan/check -j$(JOBS)
 

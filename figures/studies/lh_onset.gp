@@ -1,4 +1,4 @@
-# Why (4) misses: contacts that slide and grains that move as a pile is tilted, and what predicts its tilting angle.
+# The onset of motion: contacts that slide and grains that move as a pile is tilted, and what predicts its tilting angle.
 # tables: lh_onset.tsv lh_onset_predict.tsv lh_onset_model.tsv
 heading = 'The onset of motion: what slides, what moves, and what predicts it'
 remark = sprintf('%d piles at each friction; (a) to (c) {/:Italic μ} = 0.2; bars: standard error, in (c) 95 %% interval, in (d) error of a pile', most('lh_onset.tsv', 'theta_r3_deg_n'))
