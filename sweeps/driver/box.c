@@ -364,23 +364,23 @@ rp_status sweep_box_note(sweep_box_run *run)
 {
     run->n_noted = 0;
     for (size_t id = 0; id <= run->most; id++) run->x[id] = NAN;
-    rp_status status = dem_states(run->sim, run->states);
-    for (size_t i = 0; !status && i < dem_count(run->sim); i++) {
+    RP_TRY(dem_states(run->sim, run->states));
+    for (size_t i = 0; i < dem_count(run->sim); i++) {
         const dem_state *s = &run->states[i];
         if (!(s->x > 0.0 && s->x < run->box->W) || s->fixed) continue;
         run->x[s->id] = s->x;
         run->y[s->id] = s->y;
         run->n_noted++;
     }
-    return status;
+    return RP_OK;
 }
 
 rp_status sweep_box_moved(sweep_box_run *run, double reach, int contacts, size_t *moved)
 {
-    rp_status status = dem_states(run->sim, run->states);
     size_t seen = 0;
     *moved = 0;
-    for (size_t i = 0; !status && i < dem_count(run->sim); i++) {
+    RP_TRY(dem_states(run->sim, run->states));
+    for (size_t i = 0; i < dem_count(run->sim); i++) {
         const dem_state *s = &run->states[i];
         if (isnan(run->x[s->id])) continue;
         seen++;
@@ -390,7 +390,7 @@ rp_status sweep_box_moved(sweep_box_run *run, double reach, int contacts, size_t
         *moved += dx * dx + dy * dy > reach * reach && s->contacts >= contacts;
     }
     *moved += run->n_noted - seen;
-    return status;
+    return RP_OK;
 }
 
 void sweep_box_go_back(sweep_box_run *run)
