@@ -130,8 +130,7 @@ static rp_status put_command(FILE *out, const cli_command *c)
     fputs(".SH DESCRIPTION\n", out);
     put_lines(out, c->about);
     fputs(".SH OPTIONS\n", out);
-    for (; p->name; p++)
-        put_item(out, strlen(p->name) == 1 ? "-" : "--", p->name, cli_option_text(p, text, sizeof text));
+    for (; p->name; p++) put_item(out, cli_dashes(p), p->name, cli_option_text(p, text, sizeof text));
     put_item(out, "--", "help", "this text");
     if (c == &cmd_params) put_schemas(out);
     fputs(".SH EXAMPLE\n.nf\n", out);
@@ -212,7 +211,7 @@ static rp_status complete(const cli_command *c)
     RP_TRY(cli_options_of(c, &options));
     for (const rp_param *p = options; p->name; p++) {
         if (p->type == RP_BOOL) continue;
-        printf("    '%s'*' %s%s ') words='", c->name, strlen(p->name) == 1 ? "-" : "--", p->name);
+        printf("    '%s'*' %s%s ') words='", c->name, cli_dashes(p), p->name);
         for (const char *r = p->type == RP_CHOICE || p->type == RP_FLAGS ? p->range : ""; *r; r++)
             if (*r != '|') putchar(*r);
         puts("' ;;");
@@ -220,8 +219,7 @@ static rp_status complete(const cli_command *c)
     printf("    '%s '*) words='", c->name);
     if (c == &cmd_help)
         for (const cli_command *const *g = cli_commands; *g; g++) printf("%s ", (*g)->name);
-    for (const rp_param *p = options; p->name; p++)
-        printf("%s%s ", strlen(p->name) == 1 ? "-" : "--", p->name);
+    for (const rp_param *p = options; p->name; p++) printf("%s%s ", cli_dashes(p), p->name);
     puts("--help' ;;");
     return RP_OK;
 }

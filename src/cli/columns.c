@@ -63,7 +63,7 @@ static rp_status leave_out(const rp_table *t, size_t row, size_t n, const int co
                            const cli_choice *choice, cli_rows *r, double numbers[], bool *out)
 {
     const int word = choice->any_status ? -1 : rp_table_column(t, "status");
-    const bool failed = word >= 0 && strncmp(cli_text(t, row, word), "ok", 2) != 0;
+    const bool failed = word >= 0 && !sweep_is_result(cli_text(t, row, word));
     bool missing = false;
     rp_status status = RP_OK;
     for (size_t c = 0; c < n && !failed && !status; c++) {
