@@ -5,7 +5,6 @@
 #include <unistd.h>
 
 #include "analytic/analytic.h"
-#include "angle/angle.h"
 #include "cli/cli.h"
 #include "dem/scene.h"
 #include "sweeps/driver/protocol.h"

@@ -6,7 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "core/table.h"
 #include "tests/check.h"
 #include "tests/program.h"
 

@@ -1,7 +1,6 @@
 /* Protocol `flux`: position and time of each new grain, and outputs of the series. */
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "stats/stats.h"
 #include "core/random.h"

@@ -17,7 +17,6 @@
 
 #include "core/clock.h"
 #include "core/snapshot.h"
-#include "core/version.h"
 #include "dem/dem.h"
 #include "sweeps/driver/keep.h"
 #include "sweeps/driver/protocol.h"

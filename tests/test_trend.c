@@ -5,7 +5,6 @@
 #include <gsl/gsl_multifit.h>
 #include <gsl/gsl_multifit_nlinear.h>
 #include <gsl/gsl_randist.h>
-#include <string.h>
 
 #include "stats/stats.h"
 #include "core/random.h"

@@ -171,9 +171,9 @@ rp_status cli_cell_number(const cli_cell *cell, stats_number *number)
         snprintf(error, sizeof error, "%.*s_se_deg", (int)(strlen(name) - strlen("_deg")), name);
     if (!cli_cell_text(cell, mean)) return rp_table_find(cell->table, name, NULL, &(int){0});
     number->se = 0.0;
-    rp_status status = cli_cell_column(cell, mean, &number->value);
-    if (!status && cli_cell_text(cell, error)) return cli_cell_column(cell, error, &number->se);
-    return status || !cli_cell_is_deviation(cell) ? status : deviation_error(cell, number);
+    RP_TRY(cli_cell_column(cell, mean, &number->value));
+    if (cli_cell_text(cell, error)) return cli_cell_column(cell, error, &number->se);
+    return cli_cell_is_deviation(cell) ? deviation_error(cell, number) : RP_OK;
 }
 
 int cli_decimals(double se)

@@ -105,12 +105,12 @@ rp_status cli_claims_read(const char *path, cli_claims *claims)
 #undef X
     int column;
     *claims = (cli_claims){0};
-    rp_status status = cli_texts_read(cli_data(path), &claims->table);
-    for (size_t k = 0; k < N_OF(columns) && !status; k++)
-        status = rp_table_find(claims->table, columns[k], header, &column);
+    RP_TRY(cli_texts_read(cli_data(path), &claims->table));
+    for (size_t k = 0; k < N_OF(columns); k++)
+        RP_TRY(rp_table_find(claims->table, columns[k], header, &column));
     claims->claims = cli_memory(claims->table->n_rows, sizeof *claims->claims);
-    for (size_t row = 0; row < claims->table->n_rows && !status; row++) status = read_claim(claims, row);
-    return status;
+    for (size_t row = 0; row < claims->table->n_rows; row++) RP_TRY(read_claim(claims, row));
+    return RP_OK;
 }
 
 rp_status cli_claims_find(const cli_claims *claims, const char *id, const cli_claim **claim)
@@ -442,16 +442,15 @@ static bool is_first_of_family(const cli_claims *claims, size_t i)
 rp_status cli_claims_judge(const cli_claims *claims, const char *folders, cli_judged **judged)
 {
     *judged = cli_memory(claims->n, sizeof **judged);
-    rp_status status = RP_OK;
-    for (size_t i = 0; i < claims->n && !status; i++) {
+    for (size_t i = 0; i < claims->n; i++) {
         const size_t mark = cli_mark();
-        status = judge_claim(claims, &claims->claims[i], folders, &(*judged)[i]);
+        RP_TRY(judge_claim(claims, &claims->claims[i], folders, &(*judged)[i]));
         cli_release(mark);
     }
-    for (size_t i = 0; i < claims->n && !status; i++)
+    for (size_t i = 0; i < claims->n; i++)
         if (is_first_of_family(claims, i)) correct_family(claims, claims->claims[i].family, *judged);
-    for (size_t i = 0; i < claims->n && !status; i++) explain(&claims->claims[i], &(*judged)[i]);
-    return status;
+    for (size_t i = 0; i < claims->n; i++) explain(&claims->claims[i], &(*judged)[i]);
+    return RP_OK;
 }
 
 void cli_claims_count(const cli_claims *claims, const cli_judged judged[], const char *paper, char text[256])

@@ -88,6 +88,9 @@ rp_status cli_run(const cli_command *command, int argc, char **argv);
 rp_status cli_options_of(const cli_command *command, const rp_param **options);
 const char *cli_option_text(const rp_param *option, char *text, size_t size);
 
+/* What stands before its name: one dash before a letter, else two. */
+const char *cli_dashes(const rp_param *option);
+
 /* The last word of a command's name, the one to type. */
 const char *cli_own_name(const cli_command *command);
 

@@ -76,12 +76,6 @@ static bool is_there(const char *folder, const char *name)
     return snprintf(path, sizeof path, "%s/%s", folder, name) < (int)sizeof path && access(path, F_OK) == 0;
 }
 
-static rp_status select_rows(rp_table *table, const rp_texts *conditions)
-{
-    for (size_t i = 0; i < conditions->n; i++) RP_TRY(rp_table_where(table, conditions->items[i]));
-    return RP_OK;
-}
-
 /* A sweep's runs or points, with all parameters. */
 static rp_status read_sweep(const char *dir, bool reduce, rp_table **table, sweep_counts *counts)
 {
@@ -111,8 +105,9 @@ static rp_status read_source(const char *source, const export_options *o, rp_tab
     if (stat(source, &info) == 0 && S_ISDIR(info.st_mode) && !sweep && !run)
         return rp_fail(RP_BAD_INPUT, "%s: neither a run (states.tsv) nor a sweep (sweep.cfg)", source);
     if (run) strcat(path, "/states.tsv");
-    rp_status status = sweep ? read_sweep(source, o->reduce, table, counts) : cli_table_read(path, table);
-    return status ? status : select_rows(*table, &o->where);
+    RP_TRY(sweep ? read_sweep(source, o->reduce, table, counts) : cli_table_read(path, table));
+    for (size_t i = 0; i < o->where.n; i++) RP_TRY(rp_table_where(*table, o->where.items[i]));
+    return RP_OK;
 }
 
 static rp_status export_table(const char *source, const export_options *o)

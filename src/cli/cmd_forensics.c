@@ -37,18 +37,13 @@ typedef struct {
 
 /* ---- posterior ---- */
 
-static size_t count_used(const forensics_claims *claims)
-{
-    size_t n = 0;
-    for (size_t i = 0; i < claims->n; i++) n += !claims->claims[i].held;
-    return n;
-}
-
 /* The predictions of the numbers that are used, in the order of the claims, for the surfaces of the first
  * stem. */
 static rp_status find_posterior(inference *s)
 {
-    const size_t n = count_used(&s->claims), k = s->claims.n_points, m = s->draws.n;
+    size_t n = 0;
+    const size_t k = s->claims.n_points, m = s->draws.n;
+    for (size_t i = 0; i < s->claims.n; i++) n += !s->claims.claims[i].held;
     double *mean = cli_memory(m * FORENSICS_SURFACES * n, sizeof *mean),
            *covariance = cli_memory(m * n * n, sizeof *covariance);
     const forensics_claim *c = s->claims.claims; /* those held out come last */
@@ -131,12 +126,6 @@ static void print_number(const inference *s, const char *choice, const double va
     print_interval(s, choice, "prior", value, group);
 }
 
-/* One group of all draws, as a list. */
-static void take_group(const inference *s, size_t group, double value[])
-{
-    for (size_t d = 0; d < s->draws.n; d++) value[d] = s->draws.value[d * SWEEP_N_GROUPS + group];
-}
-
 static void print_factor(const inference *s, size_t f)
 {
     const forensics_factor *factor = &s->study.factors[f];
@@ -160,7 +149,7 @@ static rp_status print_choices(const inference *s)
     rp_table_header(stdout, "choice, level, given, prior, share, bayes_factor, median, lower, upper, width");
     for (size_t g = 0; g < SWEEP_N_GROUPS; g++) {
         if (!s->study.is_choice[g]) continue;
-        take_group(s, g, value);
+        for (size_t d = 0; d < s->draws.n; d++) value[d] = s->draws.value[d * SWEEP_N_GROUPS + g];
         print_number(s, sweep_groups[g].name, value, g);
     }
     print_number(s, "grain_mass", s->draws.mass, SWEEP_N_GROUPS);

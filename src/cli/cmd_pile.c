@@ -170,14 +170,6 @@ static void draw(size_t n, const statics_result *r, void *context)
     fflush(stderr);
 }
 
-/* No failure: the primary state is what was asked for. */
-static void tell_unstable(size_t modes)
-{
-    if (modes)
-        fprintf(stderr, "repose pile: unstable: %zu negative mode%s; --branch minimum seeks a stable state\n",
-                modes, modes == 1 ? "" : "s");
-}
-
 static rp_status solve(const options *o, const sweep_outline *h)
 {
     sweep_solved s;
@@ -186,7 +178,9 @@ static rp_status solve(const options *o, const sweep_outline *h)
     const bool watched = isatty(STDERR_FILENO);
     rp_status status = sweep_pile_solve(&o->pile, h, watched ? draw : NULL, &start, &s, &results);
     if (watched) fputs("\r\033[K", stderr);
-    if (!status) tell_unstable(s.r.negative_modes);
+    if (!status && s.r.negative_modes) /* no failure: the primary state is what was asked for */
+        fprintf(stderr, "repose pile: unstable: %zu negative mode%s; --branch minimum seeks a stable state\n",
+                s.r.negative_modes, s.r.negative_modes == 1 ? "" : "s");
     if (!status || status == RP_NO_RESULT) {
         rp_status written = write_tables(o, &s, &results);
         status = status ? rp_fail(status, "%s", results.message) : written;

@@ -49,18 +49,14 @@ static rp_status fill_text(report *r, const cli_cell *cell, const char *format)
                 : rp_table_find(cell->table, cell->column, NULL, &(int){0});
 }
 
-static void print_no_data(report *r, const char *table)
-{
-    fputs(no_data, r->out);
-    snprintf(r->lacking, sizeof r->lacking, "%.*s", (int)strcspn(table, " "), table);
-}
-
 static rp_status fill_cell(report *r, const char *reference, const char *format)
 {
     cli_cell cell;
     RP_TRY(cli_cell_find(r->options->tables, reference, &cell));
     if (!cell.missing) return fill_text(r, &cell, format);
-    print_no_data(r, reference + strspn(reference, " "));
+    reference += strspn(reference, " ");
+    snprintf(r->lacking, sizeof r->lacking, "%.*s", (int)strcspn(reference, " "), reference);
+    fputs(no_data, r->out);
     return RP_OK;
 }
 

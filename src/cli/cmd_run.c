@@ -354,8 +354,8 @@ static rp_status run_row(const char *path, const run_options *o)
     rp_table_note(stdout, "run_time", "%.3g s", rp_clock() - started);
     rp_table_columns(stdout, n + 1, (const char *const(*)[2])columns);
     rp_table_row_word(stdout, n, result.values, result.status);
-    if (!o->quiet && strncmp(result.status, "ok", 2) == 0) report_row(protocol, &result, o->o);
-    if (strncmp(result.status, "ok", 2) == 0) return RP_OK;
+    if (!o->quiet && sweep_is_result(result.status)) report_row(protocol, &result, o->o);
+    if (sweep_is_result(result.status)) return RP_OK;
     return rp_fail(RP_NO_RESULT, "%s%s%s", result.status, *result.message ? ": " : "", result.message);
 }
 

@@ -55,11 +55,6 @@ typedef struct {
     char x_words[256]; /* what the numbers of x stand for; empty if they are numbers */
 } rows;
 
-static double scaled(int scale, double x)
-{
-    return scale == SCALE_LOG ? log10(x) : scale == SCALE_INVERSE ? 1.0 / x : x;
-}
-
 static rp_status read_rows(const rp_table *t, const trend_options *o, rows *r)
 {
     const cli_choice choice = {.range = (double[]){o->from, o->to}, .groups = &r->groups};
@@ -72,7 +67,7 @@ static rp_status read_rows(const rp_table *t, const trend_options *o, rows *r)
         if (o->scale != SCALE_LINEAR && !(*x > 0.0))
             return rp_fail(RP_BAD_INPUT, "%s:%zu: %s = %g: out of range of this scale, allowed: (0, inf)",
                            t->path, t->lines[r->of.row[i]], o->x, *x);
-        *x = scaled(o->scale, *x);
+        *x = o->scale == SCALE_LOG ? log10(*x) : o->scale == SCALE_INVERSE ? 1.0 / *x : *x;
     }
     return RP_OK;
 }

@@ -2,7 +2,6 @@
 #ifndef CLI_EXPORT_H
 #define CLI_EXPORT_H
 
-#include <stdbool.h>
 #include <stdio.h>
 
 #include "cli/cli.h"

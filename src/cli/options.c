@@ -33,7 +33,7 @@ static struct {
     char *const *arguments;
 } line;
 
-static const char *dashes(const rp_param *option)
+const char *cli_dashes(const rp_param *option)
 {
     return strlen(option->name) == 1 ? "-" : "--";
 }
@@ -102,7 +102,7 @@ static void print_help(const cli_command *c)
     puts("\noptions:");
     for (const rp_param *p = line.options; p->name; p++) {
         char flag[40], text[1024];
-        snprintf(flag, sizeof flag, "%s%s", dashes(p), p->name);
+        snprintf(flag, sizeof flag, "%s%s", cli_dashes(p), p->name);
         printf("  %-22s ", flag);
         cli_option_text(p, text, sizeof text);
         print_words(text, strlen(text), 25, 25);
@@ -142,7 +142,8 @@ static rp_status set_option(size_t i, const char *text)
 {
     const rp_param *p = &line.options[i];
     line.given[i] = true;
-    return rp_prefix(rp_params_set_text(p, line.values, p->type == RP_BOOL ? "true" : text), "%s", dashes(p));
+    return rp_prefix(rp_params_set_text(p, line.values, p->type == RP_BOOL ? "true" : text), "%s",
+                     cli_dashes(p));
 }
 
 /* Fewest and most arguments, from the synopsis. */
@@ -158,8 +159,8 @@ static rp_status check_given(const cli_command *c)
 {
     for (size_t i = 0; i < line.n_options; i++)
         if (!line.options[i].fallback && !line.given[i])
-            return rp_fail(RP_USAGE, "%s%s is required (%s); see repose %s --help", dashes(&line.options[i]),
-                           line.names[i], line.options[i].meaning, c->name);
+            return rp_fail(RP_USAGE, "%s%s is required (%s); see repose %s --help",
+                           cli_dashes(&line.options[i]), line.names[i], line.options[i].meaning, c->name);
     if (count_fits(c->synopsis, line.n_arguments)) return RP_OK;
     return rp_fail(RP_USAGE, "usage: repose %s %s", c->name, c->synopsis);
 }

@@ -207,8 +207,7 @@ rp_status sweep_box_rest(const sweep_box_run *run, dem_rest *rest, bool *quiet)
     return status;
 }
 
-/* With `pile`, only while there are cells enough for a slope. */
-static rp_status settle(sweep_box_run *run, const char *phase, bool pile)
+rp_status sweep_box_settle(sweep_box_run *run, const char *phase, bool pile)
 {
     const long every = 500;
     const int in_a_row = 10;
@@ -245,21 +244,16 @@ rp_status sweep_box_open(sweep_box_run *run, long steps)
     }
     if (!fallen) status = sweep_box_advance(run, steps < 1 ? least : steps);
     fallen = true;
-    if (!status && steps < 1) status = settle(run, "after the opening", true);
+    if (!status && steps < 1) status = sweep_box_settle(run, "after the opening", true);
     sweep_keep_leave(run->keep, 1);
     return status;
-}
-
-rp_status sweep_box_settle(sweep_box_run *run, const char *phase)
-{
-    return settle(run, phase, false);
 }
 
 rp_status sweep_box_phase(sweep_box_run *run, size_t phase)
 {
     if (phase == 0) return sweep_box_start(run);
     if (phase == 1) return sweep_box_advance(run, run->box->fill_steps);
-    return phase == 2 ? sweep_box_settle(run, "filling") : sweep_box_open(run, 0);
+    return phase == 2 ? sweep_box_settle(run, "filling", false) : sweep_box_open(run, 0);
 }
 
 ang_options sweep_box_options(const sweep_box *b)
@@ -370,23 +364,23 @@ rp_status sweep_box_note(sweep_box_run *run)
 {
     run->n_noted = 0;
     for (size_t id = 0; id <= run->most; id++) run->x[id] = NAN;
-    rp_status status = dem_states(run->sim, run->states);
-    for (size_t i = 0; !status && i < dem_count(run->sim); i++) {
+    RP_TRY(dem_states(run->sim, run->states));
+    for (size_t i = 0; i < dem_count(run->sim); i++) {
         const dem_state *s = &run->states[i];
         if (!(s->x > 0.0 && s->x < run->box->W) || s->fixed) continue;
         run->x[s->id] = s->x;
         run->y[s->id] = s->y;
         run->n_noted++;
     }
-    return status;
+    return RP_OK;
 }
 
 rp_status sweep_box_moved(sweep_box_run *run, double reach, int contacts, size_t *moved)
 {
-    rp_status status = dem_states(run->sim, run->states);
     size_t seen = 0;
     *moved = 0;
-    for (size_t i = 0; !status && i < dem_count(run->sim); i++) {
+    RP_TRY(dem_states(run->sim, run->states));
+    for (size_t i = 0; i < dem_count(run->sim); i++) {
         const dem_state *s = &run->states[i];
         if (isnan(run->x[s->id])) continue;
         seen++;
@@ -396,7 +390,7 @@ rp_status sweep_box_moved(sweep_box_run *run, double reach, int contacts, size_t
         *moved += dx * dx + dy * dy > reach * reach && s->contacts >= contacts;
     }
     *moved += run->n_noted - seen;
-    return status;
+    return RP_OK;
 }
 
 void sweep_box_go_back(sweep_box_run *run)

@@ -4,7 +4,6 @@
 #define SWEEP_BOX_H
 
 #include <stdbool.h>
-#include <stdio.h>
 
 #include "angle/angle.h"
 #include "dem/scene.h"
@@ -140,9 +139,9 @@ rp_status sweep_box_advance(sweep_box_run *run, long steps);
 /* How far from rest the grains over the box's floor are, 0 < x < W, and whether that counts as rest. */
 rp_status sweep_box_rest(const sweep_box_run *run, dem_rest *rest, bool *quiet);
 
-/* Test for rest every 500 steps until 10 tests in a row pass. `phase` is for the message. Errors:
- * RP_NO_RESULT with the word not_at_rest. */
-rp_status sweep_box_settle(sweep_box_run *run, const char *phase);
+/* Test for rest every 500 steps until 10 tests in a row pass; with `pile`, only while there are cells enough
+ * for a slope. `phase` is for the message. Errors: RP_NO_RESULT with the word not_at_rest, or no_pile. */
+rp_status sweep_box_settle(sweep_box_run *run, const char *phase, bool pile);
 
 /* Open the right wall and advance by `steps`, or if steps < 1 by 5000 and then until the pile is at rest. The
  * run ends with the word no_pile once too few cells are left for a slope. */

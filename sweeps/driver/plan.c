@@ -447,15 +447,6 @@ static rp_status read_table(const config_setting_t *setting, sweep_recipe *recip
     return RP_OK;
 }
 
-static rp_status read_tables(const config_setting_t *list, sweep_recipe *recipe)
-{
-    if (!config_setting_is_array(list) && !config_setting_is_list(list))
-        return rp_config_fail(list, "tables: a list [ \"NAME = COMMAND\", ... ] expected");
-    for (int i = 0; i < config_setting_length(list); i++)
-        RP_TRY(read_table(config_setting_get_elem(list, (unsigned)i), recipe));
-    return RP_OK;
-}
-
 rp_status sweep_recipe_read(const char *file, sweep_recipe *recipe)
 {
     *recipe = (sweep_recipe){0};
@@ -468,8 +459,11 @@ rp_status sweep_recipe_read(const char *file, sweep_recipe *recipe)
     recipe->has_runs = config_setting_get_member(root, "protocol") != NULL;
     if (config_setting_lookup_int(root, "study", &replicas) && replicas > 0) recipe->study = (size_t)replicas;
     RP_TRY(refuse_scene(file, root));
-    if (tables) return read_tables(tables, recipe);
-    return recipe->has_runs ? RP_OK : rp_fail(RP_BAD_INPUT, "%s: neither a protocol nor tables", file);
+    if (!tables && !recipe->has_runs) return rp_fail(RP_BAD_INPUT, "%s: neither a protocol nor tables", file);
+    if (tables && !config_setting_is_array(tables) && !config_setting_is_list(tables))
+        return rp_config_fail(tables, "tables: a list [ \"NAME = COMMAND\", ... ] expected");
+    for (int i = 0; i < length(tables); i++) RP_TRY(read_table(element(tables, (size_t)i), recipe));
+    return RP_OK;
 }
 
 void sweep_recipe_free(sweep_recipe *recipe)

@@ -499,11 +499,6 @@ static void begin_drive(pool *p, int lock)
         p->next = (size_t)(fmod(0.618 * failed, 1.0) * (double)p->n_todo);
 }
 
-static void end_drive(int lock, rp_status status)
-{
-    if (!status || status == RP_STOPPED) (void)!ftruncate(lock, 0);
-}
-
 /* A snapshot may be there of any run if there is one at all. free. */
 static task *make_tasks(const size_t runs[], size_t n, const char *snapshots)
 {
@@ -545,7 +540,7 @@ rp_status sweep_pool_run(const sweep_plan *plan, sweep_store *store, const size_
     while (p.signals >= 0 && read(p.signals, &seen, sizeof seen) > 0) continue;
     close(p.signals);
     sigprocmask(SIG_SETMASK, &before, NULL);
-    end_drive(lock, status);
+    if (!status || status == RP_STOPPED) (void)!ftruncate(lock, 0); /* an orderly end */
     free(p.todo);
     return status;
 }

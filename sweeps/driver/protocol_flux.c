@@ -181,7 +181,7 @@ static rp_status note_row(flux *f)
 static rp_status first_layer(flux *f)
 {
     rp_status status = f->box.sim ? RP_OK : make_layer(f);
-    if (!status) status = sweep_box_settle(&f->box, "first layer");
+    if (!status) status = sweep_box_settle(&f->box, "first layer", false);
     return status ? status : note_row(f);
 }
 

@@ -182,7 +182,7 @@ static rp_status fall(experiment *e)
 
 static rp_status fill_to_rest(experiment *e)
 {
-    rp_status status = e->p->stop == STOP_REST ? sweep_box_settle(&e->box, "filling") : RP_OK;
+    rp_status status = e->p->stop == STOP_REST ? sweep_box_settle(&e->box, "filling", false) : RP_OK;
     note_filling(e, status);
     if (!status) status = dem_states(e->box.sim, e->box.states);
     if (status) return status;
@@ -317,7 +317,7 @@ static rp_status tilt_quasi_static(experiment *e)
             turn(e, 0.0);
         }
         now.part = WAITS;
-        if (!status) status = sweep_box_settle(&e->box, "quasi-static tilt");
+        if (!status) status = sweep_box_settle(&e->box, "quasi-static tilt", false);
         const bool restless = strcmp(e->box.result->status, "not_at_rest") == 0;
         if (restless) status = RP_OK;
         size_t moved = 0;

@@ -174,7 +174,7 @@ static rp_status tilt_to_rest(void *data)
             dem_gravity_turn(e->box.sim, 0.0);
         }
         now.waits = true;
-        if (!status) status = sweep_box_settle(&e->box, "tilt");
+        if (!status) status = sweep_box_settle(&e->box, "tilt", false);
         if (!status) status = sweep_box_onset(&e->box, &moved);
         if (moved) break;
         if (!status) status = read_forces(e, tilts_deg[now.k]);
