@@ -79,12 +79,13 @@ $(B)/check: $(CHECK) $(LIBRARY)
 lint: $(LIBRARY) ## borders of the modules (who includes whom, which prefix is exported), tables of figures, clang-format
 	@sh tests/lint.sh $(B) $(MODULES)
 
-# Figures that take no time show the tests the whole way from a model to a picture. The plain tests come last: CUnit's
-# summary is then what `make check` ends with.
+# Figures that take no time show the tests the whole way from a model to a picture. The plain tests run beside the others,
+# and print last: CUnit's summary is then what `make check` ends with. Background jobs of a shell ignore signals that tests send.
 check: | $(SETUP_FIRST) ## unit tests and fast validation, with sanitizers and plain
 	@$(MAKE) --no-print-directory -j$(JOBS) $(REPOSE) $(B)/check $(addprefix $(B)/figures/,li13.svg li14.svg li18.svg li19.svg)
-	@$(MAKE) --no-print-directory lint asan
-	@echo "check   plain" && REPOSE=$(REPOSE) $(B)/check -j$(JOBS)
+	@REPOSE=$(REPOSE) env --default-signal=INT,QUIT $(B)/check -j$$((($(JOBS) + 1) / 2)) >$(B)/check.log 2>&1 & plain=$$!; \
+	trap 'kill $$plain; exit 1' INT TERM; $(MAKE) --no-print-directory lint asan; others=$$?; wait $$plain; plain=$$?; \
+	echo "check   plain"; cat $(B)/check.log; [ $$others$$plain = 00 ] || { echo "check   failed" >&2; exit 1; }
 
 # Most of a short process would be its start: fixed addresses and static sanitizers need few relocations.
 SANITIZE := -fsanitize=address,undefined -fno-sanitize-recover=all -static-libasan -static-libubsan -fno-pie -no-pie -g1 -O2
