@@ -83,7 +83,7 @@ lint: $(LIBRARY) ## borders of the modules (who includes whom, which prefix is e
 # and print last: CUnit's summary is then what `make check` ends with. Background jobs of a shell ignore signals that tests send.
 check: | $(SETUP_FIRST) ## unit tests and fast validation, with sanitizers and plain
 	@$(MAKE) --no-print-directory -j$(JOBS) $(REPOSE) $(B)/check $(addprefix $(B)/figures/,li13.svg li14.svg li18.svg li19.svg)
-	@REPOSE=$(REPOSE) env --default-signal=INT,QUIT $(B)/check -j$$((($(JOBS) + 1) / 2)) >$(B)/check.log 2>&1 & plain=$$!; \
+	@REPOSE=$(REPOSE) env --default-signal=INT,QUIT $(B)/check -j$(JOBS) >$(B)/check.log 2>&1 & plain=$$!; \
 	trap 'kill $$plain; exit 1' INT TERM; $(MAKE) --no-print-directory lint asan; others=$$?; wait $$plain; plain=$$?; \
 	echo "check   plain"; cat $(B)/check.log; [ $$others$$plain = 00 ] || { echo "check   failed" >&2; exit 1; }
 
