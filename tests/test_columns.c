@@ -537,28 +537,26 @@ static void check_dip(double n[DIP_PILES][STRESS_DIP_BINS], const double excess[
     GOOD("stress dip piles.tsv --resamples 50 --seed 6");
     checked c = checked_read("out");
     const checked_value columns[] = {{"n", DIP_PILES},
-                                     {"excess", d.excess.mean},
-                                     {"excess_se", d.excess.se},
+                                     CHECKED_MEAN(d, excess),
                                      {"excess_sd", d.excess.sd},
                                      {"excess_lo", d.excess.lo},
                                      {"excess_hi", d.excess.hi},
-                                     {"null_lo", d.null_lo},
-                                     {"null_hi", d.null_hi},
-                                     {"p_value", d.p_value},
-                                     {"p_dip", d.p_dip},
-                                     {"p_margin", d.p_margin},
-                                     {"middle", d.middle.mean},
-                                     {"middle_se", d.middle.se},
+                                     CHECKED_FIELD(d, null_lo),
+                                     CHECKED_FIELD(d, null_hi),
+                                     CHECKED_FIELD(d, p_value),
+                                     CHECKED_FIELD(d, p_dip),
+                                     CHECKED_FIELD(d, p_margin),
+                                     CHECKED_MEAN(d, middle),
                                      {"middle_lo", d.middle.lo},
                                      {"middle_hi", d.middle.hi},
-                                     {"p_profile", d.p_profile},
-                                     {"below", d.below},
-                                     {"below_se", d.below_se},
-                                     {"share", d.share},
-                                     {"share_se", d.share_se},
-                                     {"share_null", d.share_null},
-                                     {"share_null_se", d.share_null_se},
-                                     {"p_share", d.p_share}};
+                                     CHECKED_FIELD(d, p_profile),
+                                     CHECKED_FIELD(d, below),
+                                     CHECKED_FIELD(d, below_se),
+                                     CHECKED_FIELD(d, share),
+                                     CHECKED_FIELD(d, share_se),
+                                     CHECKED_FIELD(d, share_null),
+                                     CHECKED_FIELD(d, share_null_se),
+                                     CHECKED_FIELD(d, p_share)};
     checked_row(&c, 0, sizeof columns / sizeof *columns, columns, 1e-15);
     at(&c, 0, "verdict");
     CU_ASSERT_STRING_EQUAL(word(&c.t, 0, "verdict"), stress_dip_word(&d, 0.05));
