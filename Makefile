@@ -174,13 +174,15 @@ $(patsubst %,$(B)/figures/%.svg,$(FIGURES) $(CHECKED) bench): $(B)/figures/%.svg
 fig-%: $(B)/figures/%.svg
 	@echo "$(B)/figures/$*.svg .pdf .png"
 
-# Dots an inch and colours of a picture for pages: the first that take at most 80 kB.
-$(B)/figures/shown/%.png: $(B)/figures/%.svg
-	@mkdir -p $(@D)
-	@set -e; for try in '220 64' '220 16' '180 16'; do \
-	  gnuplot -e "T='$(T)/'; tables='$(call tables_of,$*)'; terminal='shown'; shown=$${try% *}.; file='$(@:.png=)'" \
-	    figures/style.gp $(wildcard figures/*/$*.gp); \
-	  pngquant --force --nofs --output $@ $${try#* } $@; [ $$(stat -c %s $@) -gt 80000 ] || break; done
+# Pictures of pages show the piles that the words are of: tables in results come before those just made. As SVG, and as PNG
+# with the first dots an inch and colours that take at most 80 kB.
+draw_shown = gnuplot -e "T='$(B)/best/$*/'; tables='$(call tables_of,$*)'; terminal='$(1)'; shown=$${try% *}.; file='$(@:.png=)'" \
+	    figures/style.gp $(wildcard figures/*/$*.gp)
+$(B)/figures/shown/%.png: $(B)/figures/%.svg $$(wildcard $$(addprefix results/,$$(call tables_of,$$*)))
+	@rm -rf $(B)/best/$* && mkdir -p $(@D) $(B)/best/$* && cp -rs $(abspath $(T))/. $(B)/best/$*
+	@$(if $(filter results/%,$^),cp -sf $(abspath $(filter results/%,$^)) $(B)/best/$*)
+	@set -e; for try in '220 64' '220 16' '180 16'; do $(call draw_shown,shown); \
+	  pngquant --force --nofs --output $@ $${try#* } $@; [ $$(stat -c %s $@) -gt 80000 ] || break; done; $(call draw_shown,svg)
 
 make_html = sh figures/page/page.sh $(REPOSE) $(B)
 report: figures validate $(T)/bench.tsv $(SHOWN:%=$(B)/figures/shown/%.png) ## paper-repro.md, docs and the pictures that they and README show; build/report.html, by pandoc
