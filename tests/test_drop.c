@@ -670,7 +670,7 @@ static void renewed_lists_hold_springs(void)
             renewed->grains.next_motion[i].v = (dem_vec){(i + (size_t)k) % 11 == 0 ? INFINITY : 0.0, 0.0};
             renewed->grains.margin2[i] = 1e300;
         }
-        CHECK_OK(dem_neighbours_renew(renewed));
+        CHECK_OK(dem_neighbours_renew(renewed, false));
         CU_ASSERT(renewed->count.rebuilds == rebuilds);
         for (size_t i = 0; i < renewed->grains.n; i++)
             CU_ASSERT((renewed->grains.margin2[i] < 1e300) == isinf(renewed->grains.next_motion[i].v[0]));
@@ -682,7 +682,7 @@ static void renewed_lists_hold_springs(void)
         for (size_t p = 0; p < touching; p++)
             CU_ASSERT(dem_touches(&renewed->pairs, p)); /* they come first */
         renewed->grains.motion[0].x[1] = NAN;
-        CHECK_FAILS(dem_neighbours_renew(renewed), RP_BROKEN, "not finite");
+        CHECK_FAILS(dem_neighbours_renew(renewed, false), RP_BROKEN, "not finite");
         dem_free(renewed);
     }
     dem_free(sim);

@@ -876,6 +876,39 @@ static void refused(void)
     }
 }
 
+/* A disk at rest that a fast one presses on goes farther in one step than its margin, which its speed had
+ * set: the list is made for the speed that it gets, and has all pairs. */
+static void slow_disk_hit_by_a_fast_one(void)
+{
+    dem_grain grains[] = {{.x = 0.0, .y = 9.0, .r = R, .m = 1.0},
+                          {.x = 0.0, .y = 10.0 - 1e-6, .r = R, .m = 1.0, .vy = -16.0},
+                          {.x = 0.0, .y = 7.97, .r = R, .m = 1.0}};
+    dem_definition def = on_ground(grains, 3);
+    def.hard = (dem_hard){true, 0.5, 0.3};
+    def.dt = 6.6e-3;
+    def.material.k_n = def.walls[0].material.k_n = 1e4;
+    def.material.gamma_n = def.walls[0].material.gamma_n = 0.0;
+    dem_state s[DEM_KERNELS][3], wide[3];
+    dem_sim *sim;
+    def.skin = 1.0; /* a list that holds them all */
+    CHECK_OK(dem_create(&def, &sim));
+    CHECK_OK(dem_run(sim, 40));
+    CHECK_OK(dem_states(sim, wide));
+    dem_free(sim);
+    def.skin = 0.0;
+    for (def.kernel = DEM_REFERENCE; def.kernel < DEM_KERNELS; def.kernel++) {
+        if (!dem_kernel_runs(def.kernel)) continue;
+        CHECK_OK(dem_create(&def, &sim));
+        CHECK_OK(dem_run(sim, 40)); /* in step 1 by 0.044, its margin was 0.041 */
+        CHECK_OK(dem_states(sim, s[def.kernel]));
+        for (int i = 0; i < 3; i++) {
+            CHECK_NEAR(s[def.kernel][i].y, wide[i].y, 1e-9);
+            CHECK_NEAR(s[def.kernel][i].vy, wide[i].vy, 1e-9);
+        }
+        dem_free(sim);
+    }
+}
+
 void suite_soft(void)
 {
     static const check_case cases[] = {{"a disk and a column sink by their weight", sinks_by_its_weight},
@@ -908,6 +941,7 @@ void suite_soft(void)
                                        {"a corner", bounces_off_a_corner},
                                        {"no collision is missed", no_collision_is_missed},
                                        {"a pile of disks", pile_of_disks},
+                                       {"a slow disk hit by a fast one", slow_disk_hit_by_a_fast_one},
                                        {"refused", refused},
                                        {NULL, NULL}};
     check_register("soft particles", cases);

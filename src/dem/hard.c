@@ -272,14 +272,13 @@ rp_status dem_hard_apply(dem_sim *sim)
 {
     enum { ROUNDS = 8 };
     size_t beyond = predict_all(sim);
-    if (beyond < sim->grains.n) {
-        rp_status status = dem_neighbours_renew(sim);
-        if (status) return status;
-        beyond = predict_all(sim);
-        if (beyond < sim->grains.n)
+    for (int renewed = 0; beyond < sim->grains.n; renewed++) {
+        if (renewed == 2)
             return dem_stop(sim, DEM_FAULT_TOO_FAST, beyond,
                             "moves beyond its margin of the neighbour list, %g, in one step",
                             sqrt(sim->grains.margin2[beyond]));
+        RP_TRY(dem_neighbours_renew(sim, renewed > 0));
+        beyond = predict_all(sim);
     }
     long before = sim->count.collisions;
     if (sim->collided.n > 0) memset(sim->grains.collided, 0, sim->grains.n * sizeof *sim->grains.collided);

@@ -149,12 +149,16 @@ static rp_status check_grains(dem_sim *sim, dem_part *part)
     return status;
 }
 
-/* Let the position and the margin of a grain in the list be those of now. */
-static void mark_grain(dem_sim *sim, size_t i)
+static double speed_of(const dem_motion *grain)
 {
-    const dem_motion *grain = &sim->grains.motion[i];
-    const double most = margin(sim, sqrt(dem_dot(grain->v, grain->v)));
-    sim->grains.listed_x[i] = grain->x;
+    return sqrt(dem_dot(grain->v, grain->v));
+}
+
+/* Let the position of a grain in the list be that of now, with the margin of this speed. */
+static void mark_grain(dem_sim *sim, size_t i, double speed)
+{
+    const double most = margin(sim, speed);
+    sim->grains.listed_x[i] = sim->grains.motion[i].x;
     sim->grains.margin2[i] = most * most;
     sim->grains.cutoff[i] = sim->grains.radius[i] + most;
     sim->grains.slack[i / DEM_GROUP] = 0.0;
@@ -190,7 +194,7 @@ static rp_status mark_grains(dem_sim *sim, dem_part *part)
     const size_t end = dem_share_end(part, sim->grains.n, DEM_GROUP);
     for (size_t i = dem_share_start(part, sim->grains.n, DEM_GROUP); i < end; i++) {
         const dem_vec x = sim->grains.motion[i].x;
-        mark_grain(sim, i);
+        mark_grain(sim, i, speed_of(&sim->grains.motion[i]));
         sim->grains.held[i] = NOWHERE;
         sim->list.far2 = fmax(sim->list.far2, dem_dot(x, x));
     }
@@ -569,7 +573,7 @@ static rp_status renew_pairs(dem_sim *sim, uint32_t i, uint32_t *listed, uint32_
 /* Grains that have moved, or will move in the coming step, by half their margin get new listed positions and
  * margins. All others stay within theirs. A rebuilding takes as long as the pairs of some ten grains, and
  * replaces the wide margins of grains that were fast. */
-rp_status dem_neighbours_renew(dem_sim *sim)
+rp_status dem_neighbours_renew(dem_sim *sim, bool accelerates)
 {
     enum { FEW = 8 };
     uint32_t moved[FEW];
@@ -588,7 +592,8 @@ rp_status dem_neighbours_renew(dem_sim *sim)
     if (status) return status;
     for (size_t m = 0; m < n; m++) {
         const dem_vec x = sim->grains.motion[moved[m]].x;
-        mark_grain(sim, moved[m]);
+        const dem_motion *now = &sim->grains.motion[moved[m]], *next = &sim->grains.next_motion[moved[m]];
+        mark_grain(sim, moved[m], accelerates ? fmax(speed_of(now), speed_of(next)) : speed_of(now));
         sim->list.round_off = fmax(sim->list.round_off, round_off(sim, dem_dot(x, x)));
     }
     memset(sim->grains.cell, 0, sim->grains.n * sizeof *sim->grains.cell);

@@ -142,8 +142,10 @@ void dem_neighbours_free(dem_sim *sim);
 void dem_neighbours_keep(rp_snapshot *s, dem_sim *sim);
 
 /* For hard collisions: let every grain's margin hold its displacement of the coming step. Few grains get
- * their part of the list anew, else all of it is rebuilt. Errors: RP_BROKEN, RP_NO_MEMORY. */
-rp_status dem_neighbours_renew(dem_sim *sim);
+ * their part of the list anew, else all of it is rebuilt. The margin follows a grain's speed now. If that was
+ * too small for a slow grain that a fast one has hit in a soft contact (accelerates), the speed that it is
+ * about to have counts. Errors: RP_BROKEN, RP_NO_MEMORY. */
+rp_status dem_neighbours_renew(dem_sim *sim, bool accelerates);
 
 /* Take out the grains that left, with their pairs and wall slots, and keep the list as it is; removal.c. In a
  * large pile, they stay in the arrays of grains and pairs until the second function: of the rebuilding and of
