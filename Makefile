@@ -79,15 +79,18 @@ $(B)/check: $(CHECK) $(LIBRARY)
 lint: $(LIBRARY) ## borders of the modules (who includes whom, which prefix is exported), tables of figures, clang-format
 	@sh tests/lint.sh $(B) $(MODULES)
 
-# Figures that take no time show the tests the whole way from a model to a picture. The plain tests come last: CUnit's
-# summary is then what `make check` ends with.
+# Figures that take no time show the tests the whole way from a model to a picture. The plain tests run beside the others,
+# and print last: CUnit's summary is then what `make check` ends with. Background jobs of a shell ignore signals that tests send.
 check: | $(SETUP_FIRST) ## unit tests and fast validation, with sanitizers and plain
 	@$(MAKE) --no-print-directory -j$(JOBS) $(REPOSE) $(B)/check $(addprefix $(B)/figures/,li13.svg li14.svg li18.svg li19.svg)
-	@$(MAKE) --no-print-directory lint asan
-	@echo "check   plain" && REPOSE=$(REPOSE) $(B)/check -j$(JOBS)
+	@REPOSE=$(REPOSE) env --default-signal=INT,QUIT $(B)/check -j$(JOBS) >$(B)/check.log 2>&1 & plain=$$!; \
+	trap 'kill $$plain; exit 1' INT TERM; $(MAKE) --no-print-directory lint asan; others=$$?; wait $$plain; plain=$$?; \
+	echo "check   plain"; cat $(B)/check.log; [ $$others$$plain = 00 ] || { echo "check   failed" >&2; exit 1; }
 
+# Most of a short process would be its start: fixed addresses and static sanitizers need few relocations.
+SANITIZE := -fsanitize=address,undefined -fno-sanitize-recover=all -static-libasan -static-libubsan -fno-pie -no-pie -g1 -O2
 asan: | $(SETUP_FIRST) ## the same tests under the address and undefined-behaviour sanitizers
-	@$(MAKE) --no-print-directory -j$(JOBS) B=$(B)/asan SAN='-fsanitize=address,undefined -fno-sanitize-recover=all -g -O1' \
+	@$(MAKE) --no-print-directory -j$(JOBS) B=$(B)/asan SAN='$(SANITIZE)' \
 	  $(B)/asan/check $(B)/asan/repose
 	@echo "check   with sanitizers" && REPOSE=$(B)/asan/repose RP_CHECK_FAST=1 $(B)/asan/check -j$(JOBS)
 
@@ -170,13 +173,15 @@ $(patsubst %,$(B)/figures/%.svg,$(FIGURES) $(CHECKED) bench): $(B)/figures/%.svg
 fig-%: $(B)/figures/%.svg
 	@echo "$(B)/figures/$*.svg .pdf .png"
 
-# Dots an inch and colours of a picture for pages: the first that take at most 80 kB.
-$(B)/figures/shown/%.png: $(B)/figures/%.svg
-	@mkdir -p $(@D)
-	@set -e; for try in '220 64' '220 16' '180 16'; do \
-	  gnuplot -e "T='$(T)/'; tables='$(call tables_of,$*)'; terminal='shown'; shown=$${try% *}.; file='$(@:.png=)'" \
-	    figures/style.gp $(wildcard figures/*/$*.gp); \
-	  pngquant --force --nofs --output $@ $${try#* } $@; [ $$(stat -c %s $@) -gt 80000 ] || break; done
+# Pictures of pages show the piles that the words are of: tables in results come before those just made. As SVG, and as PNG
+# with the first dots an inch and colours that take at most 80 kB.
+draw_shown = gnuplot -e "T='$(B)/best/$*/'; tables='$(call tables_of,$*)'; terminal='$(1)'; shown=$${try% *}.; file='$(@:.png=)'" \
+	    figures/style.gp $(wildcard figures/*/$*.gp)
+$(B)/figures/shown/%.png: $(B)/figures/%.svg $$(wildcard $$(addprefix results/,$$(call tables_of,$$*)))
+	@rm -rf $(B)/best/$* && mkdir -p $(@D) $(B)/best/$* && cp -rs $(abspath $(T))/. $(B)/best/$*
+	@$(if $(filter results/%,$^),cp -sf $(abspath $(filter results/%,$^)) $(B)/best/$*)
+	@set -e; for try in '220 64' '220 16' '180 16'; do $(call draw_shown,shown); \
+	  pngquant --force --nofs --output $@ $${try#* } $@; [ $$(stat -c %s $@) -gt 80000 ] || break; done; $(call draw_shown,svg)
 
 make_html = sh figures/page/page.sh $(REPOSE) $(B)
 report: figures validate $(T)/bench.tsv $(SHOWN:%=$(B)/figures/shown/%.png) ## paper-repro.md, docs and the pictures that they and README show; build/report.html, by pandoc

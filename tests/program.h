@@ -65,6 +65,10 @@ typedef struct {
     const char *column;
     double value;
 } checked_value;
+/* A column with the name of a field of s; of a field with mean and error, NAME and NAME_se. */
+#define CHECKED_COLUMN(name, value) ((checked_value){name, value})
+#define CHECKED_FIELD(s, name)      CHECKED_COLUMN(#name, (s).name)
+#define CHECKED_MEAN(s, name)       CHECKED_COLUMN(#name, (s).name.mean), CHECKED_COLUMN(#name "_se", (s).name.se)
 void checked_row(checked *c, size_t row, size_t n, const checked_value values[], double tolerance);
 void checked_end(checked *c);
 

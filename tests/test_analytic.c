@@ -2,7 +2,6 @@
 #include <float.h>
 #include <gsl/gsl_integration.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "analytic/analytic.h"
 #include "tests/check.h"

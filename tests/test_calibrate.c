@@ -7,7 +7,6 @@
 #include <gsl/gsl_sf_psi.h>
 #include <gsl/gsl_sort.h>
 #include <gsl/gsl_statistics_double.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "stats/stats.h"

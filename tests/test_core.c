@@ -12,7 +12,6 @@
 #include "core/random.h"
 #include "core/table.h"
 #include "core/units.h"
-#include "core/version.h"
 #include "tests/check.h"
 #include "tests/folder.h"
 #include "tests/faults.h"

@@ -4,7 +4,6 @@
 #include <string.h>
 
 #include "core/clock.h"
-#include "core/random.h"
 #include "dem/definition.h"
 #include "dem/integrator.h"
 #include "dem/scene.h"

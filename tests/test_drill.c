@@ -6,7 +6,6 @@
 #include <dlfcn.h>
 #include <errno.h>
 #include <fcntl.h>
-#include <gsl/gsl_rng.h>
 #include <signal.h>
 #include <stdarg.h>
 #include <stdlib.h>
@@ -19,7 +18,6 @@
 #include <unistd.h>
 
 #include "core/clock.h"
-#include "core/random.h"
 #include "core/table.h"
 #include "sweeps/driver/sweep.h"
 #include "tests/check.h"

@@ -6,7 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "core/table.h"
 #include "tests/check.h"
 #include "tests/program.h"
 
@@ -479,6 +478,7 @@ static void test_drawn(void)
     char line[1024], figure[64] = "";
     int number = 0;
     bool is_drawn = false, good_figure = true;
+    if (check_fast()) return; /* of gnuplot's work the sanitizers see nothing */
     FILE *in = fopen("tests/figures.txt", "r");
     CU_ASSERT_PTR_NOT_NULL_FATAL(in);
     enter();
@@ -595,10 +595,13 @@ static void test_loaded_files(void)
     CU_ASSERT(
         system(
             "n=0\n"
-            "for line in $(sed -n \"s/^load '\\(.*\\)'/\\1/p; T; F\" figures/l?/*.gp | paste -d: - -); do\n"
-            "  name=${line#*:}; loaded=${line%%:*}; name=${name##*/}; n=$((n + 1))\n"
-            "  make --no-print-directory -np build/figures/${name%.gp}.svg 2>/dev/null |\n"
-            "    grep -q \"^build/figures/${name%.gp}.svg: .*$loaded\" || { echo \"$line\"; exit 1; }\n"
+            "lines=$(sed -n \"s/^load '\\(.*\\)'/\\1/p; T; F\" figures/l?/*.gp | paste -d: - -)\n"
+            "rules=$(for line in $lines; do name=${line##*/}; echo build/figures/${name%.gp}.svg; done |\n"
+            "  sort -u | xargs make --no-print-directory -np 2>/dev/null | grep '^build/figures/.*svg: ')\n"
+            "for line in $lines; do\n"
+            "  name=${line##*/}; loaded=${line%%:*}; n=$((n + 1))\n"
+            "  echo \"$rules\" | grep -q \"^build/figures/${name%.gp}.svg: .*$loaded\" || { echo \"$line\"; "
+            "exit 1; }\n"
             "done\n"
             "[ $n -gt 20 ]") == 0);
 }

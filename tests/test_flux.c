@@ -1,7 +1,6 @@
 /* Protocol `flux`: position and time of each new grain, and outputs of the series. */
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "stats/stats.h"
 #include "core/random.h"
@@ -203,8 +202,10 @@ static void outputs_from_series(void)
     void *p = protocol_params(protocol, ending);
     CHECK_OK(protocol->run(p, 1993, 0, NULL, &again));
     CU_ASSERT(memcmp(again.values, t.result.values, sizeof again.values) == 0);
-    CHECK_OK(protocol->run(p, 1993, 1, NULL, &again)); /* another stream, another pile */
-    CU_ASSERT(output(&again, "theta_deg") != output(&t.result, "theta_deg"));
+    if (!check_fast()) {
+        CHECK_OK(protocol->run(p, 1993, 1, NULL, &again)); /* another stream, another pile */
+        CU_ASSERT(output(&again, "theta_deg") != output(&t.result, "theta_deg"));
+    }
     free(p);
     trace_free(&t);
 }

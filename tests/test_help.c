@@ -85,7 +85,7 @@ static size_t options_of(const cli_command *c, option options[64])
                                   .meaning = "print the table as JSON: header lines, units, and rows as "
                                              "objects; nan as null"};
     const rp_param *lists[] = {c->protocol, c->options ? c->options() : NULL,
-                               c->prints_table || c->on_table ? (const rp_param[]){json, {0}} : NULL};
+                               !c->prints_text ? (const rp_param[]){json, {0}} : NULL};
     size_t n = 0;
     for (size_t k = 0; k < 3; k++)
         for (const rp_param *p = lists[k]; p && p->name; p++, n++) {
@@ -249,7 +249,7 @@ static void test_room(void)
                       name_32[] = "abcdefghijklmnopqrstuvwxyz_01234";
     const rp_param *found;
     char name[] = "many", needed[] = "--needed";
-    cli_command c = {.name = name, .protocol = rows};
+    cli_command c = {.name = name, .protocol = rows, .prints_text = true};
     for (int i = 0; i < MOST; i++)
         rows[i] = (rp_param){"a", "", RP_TEXT, 4096 - sizeof(rp_texts), "", "", "", false};
     CHECK_OK(cli_options_of(&c, &found));
@@ -292,7 +292,7 @@ static void test_arguments(void)
                                     {0}};
     char name[] = "few", one[] = "one", flag[] = "--flag", wrong[] = "--flag=3", letter[] = "-y",
          both[] = "-x3";
-    cli_command c = {.name = name, .protocol = rows, .act = nothing};
+    cli_command c = {.name = name, .protocol = rows, .prints_text = true, .act = nothing};
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++)
         for (int n = 0; n < 3; n++) {
             char *line[] = {name, one, one, NULL};

@@ -1,6 +1,5 @@
 /* `repose forensics` a second time: the tables of its reports from the runs themselves, by the libraries
  * alone. Some cells lack piles; every surface has angles of its own. */
-#include <gsl/gsl_cdf.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -60,7 +60,7 @@ typedef struct {
 
 static void kernels_of(const features *f, long number)
 {
-    const long steps = check_fast() ? 2000 : 4000;
+    const long steps = check_fast() ? 1200 : 4000;
     dem_grain *grains;
     dem_definition def = grains_box(GRAINS, 2.0, number, &grains);
     grains_law(&def, f->normal, 1.5e5, 500.0);

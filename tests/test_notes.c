@@ -6,7 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "analytic/analytic.h"
 #include "core/clock.h"
 #include "stats/calibrate.h"
 #include "stats/stats.h"

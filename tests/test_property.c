@@ -1,11 +1,9 @@
 /* Properties of every pile, outline, surface, collision and contact, tested on random ones. */
 #include <float.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "analytic/analytic.h"
 #include "angle/angle.h"
-#include "core/random.h"
 #include "dem/dem.h"
 #include "statics/equilibrium.h"
 #include "dem/hard.h"

@@ -23,14 +23,17 @@ static bool same_order(const dem_sim *a, const dem_sim *b)
     return same;
 }
 
-enum { SETTLING = 3000 };
+static long settling(void)
+{
+    return check_fast() ? 1000 : 3000;
+}
 
 /* A pile that settles in a box, on a floor with fixed grains; then the box is open on the right. */
 static dem_definition stream(dem_grain **grains)
 {
     dem_definition def = grains_box(600, 6.0, 9, grains);
     for (size_t i = 0; i < def.n_grains; i++) (*grains)[i].fixed = i % 60 == 7;
-    def.walls[DEM_BOX_RIGHT].open_at_step = SETTLING;
+    def.walls[DEM_BOX_RIGHT].open_at_step = settling();
     def.x_max = 6.5;
     def.dt = 4e-5;
     return def;
@@ -58,7 +61,7 @@ static void compare(const dem_definition *def, long steps)
     for (int k = 0; k < RUNS; k++) {
         sim[k] = grains_start_in_chunks(def, chunk[k]);
         dem_threads(sim[k], threads[k]);
-        CHECK_OK(dem_run(sim[k], SETTLING));
+        CHECK_OK(dem_run(sim[k], settling()));
         push(sim[k]);
     }
     for (long step = 0, length = 1; step < steps; step += length, length = length % 50 + 7)
@@ -82,7 +85,7 @@ static void streams(void)
     def.rotation = true;
     compare(&def, check_fast() ? 150 : 300);
     /* which keep grains from their next step until all forces are there */
-    def.turn_per_step = 1e-4, def.turn_from_step = SETTLING;
+    def.turn_per_step = 1e-4, def.turn_from_step = settling();
     compare(&def, 150);
     def.turn_per_step = 0.0, def.walls[DEM_BOX_LEFT].velocity[0] = -5.0;
     compare(&def, 150);

@@ -343,30 +343,28 @@ static void test_ledger(void)
     CHECK_OK(dem_run(sim, scene.steps));
     dem_energies(sim, &now);
     CU_ASSERT_FATAL(dem_ledger_read(sim, &l) && e.t.n_rows == 1);
-    const struct {
-        const char *column;
-        double value;
-    } columns[] = {{"start", l.start},
-                   {"taken_out", l.taken_out},
-                   {"gravity_turn", l.gravity_turn},
-                   {"wall_work", l.wall_work},
-                   {"normal_damping", l.normal_damping},
-                   {"shear_damping", l.shear_damping},
-                   {"sliding", l.sliding},
-                   {"rolling", l.rolling},
-                   {"wells", l.wells},
-                   {"hard", l.hard},
-                   {"integration", l.integration},
-                   {"at_walls", l.at_walls},
-                   {"turnover", l.turnover},
-                   {"kinetic", now.kinetic},
-                   {"elastic", now.elastic},
-                   {"gravity", now.gravity},
-                   {"rotational", now.rotational},
-                   {"kinetic_per_grain", (now.kinetic + now.rotational) / (double)dem_count(sim)},
-                   {"grains", (double)dem_count(sim)},
-                   {"step", 2500.0},
-                   {"t", 0.05}};
+    const checked_value columns[] = {
+        CHECKED_FIELD(l, start),
+        CHECKED_FIELD(l, taken_out),
+        CHECKED_FIELD(l, gravity_turn),
+        CHECKED_FIELD(l, wall_work),
+        CHECKED_FIELD(l, normal_damping),
+        CHECKED_FIELD(l, shear_damping),
+        CHECKED_FIELD(l, sliding),
+        CHECKED_FIELD(l, rolling),
+        CHECKED_FIELD(l, wells),
+        CHECKED_FIELD(l, hard),
+        CHECKED_FIELD(l, integration),
+        CHECKED_FIELD(l, at_walls),
+        CHECKED_FIELD(l, turnover),
+        CHECKED_FIELD(now, kinetic),
+        CHECKED_FIELD(now, elastic),
+        CHECKED_FIELD(now, gravity),
+        CHECKED_FIELD(now, rotational),
+        {"kinetic_per_grain", (now.kinetic + now.rotational) / (double)dem_count(sim)},
+        {"grains", (double)dem_count(sim)},
+        {"step", 2500.0},
+        {"t", 0.05}};
     for (size_t k = 0; k < sizeof columns / sizeof *columns; k++) {
         NEAR_RELATIVE(at(&e, 0, columns[k].column), columns[k].value, 1e-14);
         for (size_t j = 0; j < k; j++) /* a wrong column has a wrong value */
@@ -991,12 +989,7 @@ static void test_one_phi(void)
 }
 
 /* Columns by their names, against the members of the same name. */
-typedef struct {
-    const char *column;
-    double value;
-} named;
-
-static void check_named(checked *c, size_t row, size_t n, const named list[])
+static void check_named(checked *c, size_t row, size_t n, const checked_value list[])
 {
     for (size_t k = 0; k < n; k++) {
         CHECK_NEAR(at(c, row, list[k].column), list[k].value, 1e-12 * fabs(list[k].value) + 1e-15);
@@ -1037,28 +1030,28 @@ static void test_fits(void)
     checked c = checked_read("out");
     stats_contrast_interval(&t.change, 0.95, &lo[0], &hi[0]);
     stats_contrast_interval(&t.change, 0.90, &lo[1], &hi[1]);
-    const named trend[] = {{"n", POINTS},
-                           {"n_left", 0.0},
-                           {"n_x", 4.0},
-                           {"x_from", 1.0},
-                           {"x_to", 5.0},
-                           {"slope", t.slope.value},
-                           {"slope_se", t.slope.se},
-                           {"dof", t.slope.dof},
-                           {"change", 4.0 * t.slope.value},
-                           {"change_se", 4.0 * t.slope.se},
-                           {"change_lo", lo[0]},
-                           {"change_hi", hi[0]},
-                           {"p_value", stats_contrast_p(&t.change)},
-                           {"bend", t.bend.value},
-                           {"bend_se", t.bend.se},
-                           {"p_bend", stats_contrast_p(&t.bend)},
-                           {"change_lo90", lo[1]},
-                           {"change_hi90", hi[1]},
-                           {"p_margin", t.p_margin},
-                           {"pair", t.pair.value},
-                           {"pair_se", t.pair.se},
-                           {"p_pairs", t.p_pairs}};
+    const checked_value trend[] = {{"n", POINTS},
+                                   {"n_left", 0.0},
+                                   {"n_x", 4.0},
+                                   {"x_from", 1.0},
+                                   {"x_to", 5.0},
+                                   {"slope", t.slope.value},
+                                   {"slope_se", t.slope.se},
+                                   {"dof", t.slope.dof},
+                                   {"change", 4.0 * t.slope.value},
+                                   {"change_se", 4.0 * t.slope.se},
+                                   {"change_lo", lo[0]},
+                                   {"change_hi", hi[0]},
+                                   {"p_value", stats_contrast_p(&t.change)},
+                                   {"bend", t.bend.value},
+                                   {"bend_se", t.bend.se},
+                                   {"p_bend", stats_contrast_p(&t.bend)},
+                                   {"change_lo90", lo[1]},
+                                   {"change_hi90", hi[1]},
+                                   CHECKED_FIELD(t, p_margin),
+                                   {"pair", t.pair.value},
+                                   {"pair_se", t.pair.se},
+                                   CHECKED_FIELD(t, p_pairs)};
     CHECK_NAMED(&c, 0, trend);
     CHECK_NEAR(at(&c, 0, "p_holm"), stats_contrast_p(&t.change), 1e-15); /* one test alone */
     at(&c, 0, "verdict");
@@ -1071,20 +1064,20 @@ static void test_fits(void)
     c = checked_read("out");
     stats_contrast_interval(&t.intercept, 0.95, &lo[2], &hi[2]);
     stats_contrast_interval(&t.slope, 0.95, &lo[3], &hi[3]);
-    const named size[] = {{"n", POINTS},
-                          {"n_x", 4.0},
-                          {"x_from", 1.0},
-                          {"x_to", 5.0},
-                          {"limit", t.intercept.value},
-                          {"limit_se", t.intercept.se},
-                          {"limit_lo", lo[2]},
-                          {"limit_hi", hi[2]},
-                          {"c", t.slope.value},
-                          {"c_se", t.slope.se},
-                          {"c_lo", lo[3]},
-                          {"c_hi", hi[3]},
-                          {"p_value", stats_contrast_p(&t.slope)},
-                          {"p_bend", stats_contrast_p(&t.bend)}};
+    const checked_value size[] = {{"n", POINTS},
+                                  {"n_x", 4.0},
+                                  {"x_from", 1.0},
+                                  {"x_to", 5.0},
+                                  {"limit", t.intercept.value},
+                                  {"limit_se", t.intercept.se},
+                                  {"limit_lo", lo[2]},
+                                  {"limit_hi", hi[2]},
+                                  {"c", t.slope.value},
+                                  {"c_se", t.slope.se},
+                                  {"c_lo", lo[3]},
+                                  {"c_hi", hi[3]},
+                                  {"p_value", stats_contrast_p(&t.slope)},
+                                  {"p_bend", stats_contrast_p(&t.bend)}};
     CHECK_NAMED(&c, 0, size);
     CHECK_NEAR(at(&c, 0, "p_holm"), stats_contrast_p(&t.slope), 1e-15);
     at(&c, 0, "status");
@@ -1103,24 +1096,24 @@ static void test_fits(void)
     CHECK_OK(stats_limit_fit(POINTS, x, falling, 0.1, &limit));
     GOOD("stats size sizes.tsv -x x -y y --exponent free --least-exponent 0.1");
     c = checked_read("out");
-    const named free_exponent[] = {{"n", POINTS},
-                                   {"n_x", 4.0},
-                                   {"x_from", 1.0},
-                                   {"x_to", 5.0},
-                                   {"limit", limit.limit},
-                                   {"limit_se", limit.se},
-                                   {"limit_lo", limit.lo},
-                                   {"limit_hi", limit.hi},
-                                   {"limit_lo90", limit.lo90},
-                                   {"limit_hi90", limit.hi90},
-                                   {"dof", limit.dof},
-                                   {"p_value", limit.p_value},
-                                   {"c", limit.c},
-                                   {"exponent", limit.exponent},
-                                   {"exponent_lo", limit.exponent_lo},
-                                   {"exponent_hi", limit.exponent_hi},
-                                   {"chi2", limit.chi2},
-                                   {"p_fit", limit.p_fit}};
+    const checked_value free_exponent[] = {{"n", POINTS},
+                                           {"n_x", 4.0},
+                                           {"x_from", 1.0},
+                                           {"x_to", 5.0},
+                                           CHECKED_FIELD(limit, limit),
+                                           {"limit_se", limit.se},
+                                           {"limit_lo", limit.lo},
+                                           {"limit_hi", limit.hi},
+                                           {"limit_lo90", limit.lo90},
+                                           {"limit_hi90", limit.hi90},
+                                           CHECKED_FIELD(limit, dof),
+                                           CHECKED_FIELD(limit, p_value),
+                                           CHECKED_FIELD(limit, c),
+                                           CHECKED_FIELD(limit, exponent),
+                                           CHECKED_FIELD(limit, exponent_lo),
+                                           CHECKED_FIELD(limit, exponent_hi),
+                                           CHECKED_FIELD(limit, chi2),
+                                           CHECKED_FIELD(limit, p_fit)};
     CHECK_NAMED(&c, 0, free_exponent);
     CU_ASSERT_STRING_EQUAL(word(&c.t, 0, "status"), "ok");
     at(&c, 0, "status");
@@ -1131,10 +1124,10 @@ static void test_fits(void)
     c = CHECKED_RUN(2, "stats fit points.tsv -x x -y y --se se");
     for (size_t row = 0; row < 2; row++) {
         const stats_line *l = row ? &origin : &free_line;
-        const named line[] = {{"slope", l->slope},           {"slope_se", l->slope_se},
-                              {"intercept", l->intercept},   {"intercept_se", l->intercept_se},
-                              {"covariance", l->covariance}, {"chi2", l->chi2},
-                              {"p_value", l->p_value}};
+        const checked_value line[] = {{"slope", l->slope},           {"slope_se", l->slope_se},
+                                      {"intercept", l->intercept},   {"intercept_se", l->intercept_se},
+                                      {"covariance", l->covariance}, {"chi2", l->chi2},
+                                      {"p_value", l->p_value}};
         for (size_t k = 0; k < sizeof line / sizeof *line; k++)
             CHECK_NEAR(at(&c, row, line[k].column), line[k].value, 1e-12 * fabs(line[k].value) + 1e-15);
         CHECK_NEAR(at(&c, row, "dof"), POINTS - 2.0 + (double)row, 0.0);
@@ -1292,20 +1285,17 @@ static void check_prediction(checked *c, size_t row, size_t n, const double y[],
     stats_prediction s;
     CHECK_OK(stats_prediction_score(n, y, x, predicted, mean, &s));
     const checked_value list[] = {{"n", (double)n},
-                                  {"correlation", s.correlation},
-                                  {"correlation_se", s.correlation_se},
-                                  {"correlation_lo", s.correlation_lo},
-                                  {"correlation_hi", s.correlation_hi},
-                                  {"skill", s.skill},
-                                  {"skill_se", s.skill_se},
-                                  {"rms", s.rms},
-                                  {"rms_se", s.rms_se},
-                                  {"measured", s.measured.mean},
-                                  {"measured_se", s.measured.se},
-                                  {"predicted", s.predicted.mean},
-                                  {"predicted_se", s.predicted.se},
-                                  {"error", s.error.mean},
-                                  {"error_se", s.error.se}};
+                                  CHECKED_FIELD(s, correlation),
+                                  CHECKED_FIELD(s, correlation_se),
+                                  CHECKED_FIELD(s, correlation_lo),
+                                  CHECKED_FIELD(s, correlation_hi),
+                                  CHECKED_FIELD(s, skill),
+                                  CHECKED_FIELD(s, skill_se),
+                                  CHECKED_FIELD(s, rms),
+                                  CHECKED_FIELD(s, rms_se),
+                                  CHECKED_MEAN(s, measured),
+                                  CHECKED_MEAN(s, predicted),
+                                  CHECKED_MEAN(s, error)};
     checked_row(c, row, sizeof list / sizeof *list, list, 1e-9);
 }
 
@@ -1373,12 +1363,12 @@ static void test_values(void)
         snprintf(text + strlen(text), sizeof text - strlen(text), "%d\t%.17g\n%d\tnan\n", i, v[i], i);
     write_text("values.tsv", "%s", text);
     checked c = CHECKED_RUN(1, "stats maximum values.tsv --column v --draws 3 --bootstrap 30 --seed 9");
-    const named maximum[] = {{"n", N},
-                             {"mean", gsl_stats_mean(v, 1, N)},
-                             {"sd", gsl_stats_sd(v, 1, N)},
-                             {"draws", 3.0},
-                             {"maximum", most[B]},
-                             {"maximum_se", gsl_stats_sd(most, 1, B)}};
+    const checked_value maximum[] = {{"n", N},
+                                     {"mean", gsl_stats_mean(v, 1, N)},
+                                     {"sd", gsl_stats_sd(v, 1, N)},
+                                     {"draws", 3.0},
+                                     {"maximum", most[B]},
+                                     {"maximum_se", gsl_stats_sd(most, 1, B)}};
     CHECK_NAMED(&c, 0, maximum);
     checked_end(&c);
     strcpy(text, "# x\ty\n-1\t7\n99\t7\n");
@@ -1393,15 +1383,15 @@ static void test_values(void)
         write_text("series.tsv", "%s", text);
         c = CHECKED_RUN(1, "stats oscillation series.tsv -x x -y y --from 0 --to 50%s",
                         logarithm ? " --scale log" : "");
-        const named oscillation[] = {{"decay", f.decay},
-                                     {"decay_se", f.decay_se},
-                                     {"frequency", f.frequency},
-                                     {"frequency_se", f.frequency_se},
-                                     {"amplitude", f.amplitude},
-                                     {"share", f.share},
-                                     {"n", SERIES},
-                                     {"x_from", t[0]},
-                                     {"x_to", t[SERIES - 1]}};
+        const checked_value oscillation[] = {CHECKED_FIELD(f, decay),
+                                             CHECKED_FIELD(f, decay_se),
+                                             CHECKED_FIELD(f, frequency),
+                                             CHECKED_FIELD(f, frequency_se),
+                                             CHECKED_FIELD(f, amplitude),
+                                             CHECKED_FIELD(f, share),
+                                             {"n", SERIES},
+                                             {"x_from", t[0]},
+                                             {"x_to", t[SERIES - 1]}};
         CHECK_NAMED(&c, 0, oscillation);
         checked_end(&c);
     }
@@ -1423,17 +1413,17 @@ static void test_prefixes(void)
     checked c = CHECKED_RUN(N - 2, "stats fit p.tsv -x x -y y --se se --successive");
     for (size_t k = 0; k + 3 <= N; k++) {
         const stats_line *l = &fits[k].line;
-        const named row[] = {{"x_to", x[k + 2]},
-                             {"n", (double)k + 3.0},
-                             {"slope", l->slope},
-                             {"slope_se", l->slope_se},
-                             {"intercept", l->intercept},
-                             {"intercept_se", l->intercept_se},
-                             {"chi2", l->chi2},
-                             {"p_value", l->p_value},
-                             {"bend", fits[k].bend.value},
-                             {"bend_se", fits[k].bend.se},
-                             {"p_bend", fits[k].p_bend}};
+        const checked_value row[] = {{"x_to", x[k + 2]},
+                                     {"n", (double)k + 3.0},
+                                     {"slope", l->slope},
+                                     {"slope_se", l->slope_se},
+                                     {"intercept", l->intercept},
+                                     {"intercept_se", l->intercept_se},
+                                     {"chi2", l->chi2},
+                                     {"p_value", l->p_value},
+                                     {"bend", fits[k].bend.value},
+                                     {"bend_se", fits[k].bend.se},
+                                     {"p_bend", fits[k].p_bend}};
         CHECK_NAMED(&c, k, row);
         CHECK_NEAR(at(&c, k, "dof"), (double)k + 1.0, 0.0);
         at(&c, k, "status"); /* suite cli */

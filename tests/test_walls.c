@@ -1,7 +1,6 @@
 /* Walls that move, and walls of many sides: closed forms, changes of frame, corners, and equal bits. */
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "core/snapshot.h"
 #include "dem/definition.h"

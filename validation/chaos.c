@@ -4,7 +4,6 @@
 #include <gsl/gsl_statistics_double.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "core/table.h"
 #include "dem/sim.h"

@@ -2,8 +2,6 @@
  * resistance. q = I/(m r^2) is 2/5 for a sphere and 1/2 for a disk; b is the lever arm of the force about the
  * centre, r minus the overlap with a wall. */
 #include <float.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "dem/dem.h"
 #include "dem/law.h"

@@ -17,7 +17,7 @@ awk -v from=$((opens - every)) -v opens="$opens" -v dt="$dt" -f "$here/frames.aw
 
 # Pictures as SVG, and the pages behind the report folded below it. Links between pages become links within this one.
 for png in $(sed -n 's|.*](figures/shown/\([^)]*\)\.png).*|\1|p' "$build/paper-repro.md"); do
-    awk -f "$here/circles.awk" "$build/figures/$png.svg" >"$work/$png.svg"
+    awk -f "$here/circles.awk" "$build/figures/shown/$png.svg" >"$work/$png.svg"
 done
 {
     sed 's|(figures/shown/\([^)]*\)\.png)|('"$work"'/\1.svg)|' "$build/paper-repro.md"

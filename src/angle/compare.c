@@ -33,8 +33,7 @@ static rp_status quantities(double mu, double phi, double theta_ms, double r, do
     q[0] = r + t - theta_ms;
     for (int f = 0; f < ANG_N_FORMS; f++) {
         ang_tilt_result tilt = {ANG_TILT_NO_PILE, NAN, NAN, NAN, NAN};
-        rp_status status = r >= 0.0 ? ang_tilt((ang_form)f, mu, r, phi, &tilt) : RP_OK;
-        if (status) return status;
+        if (r >= 0.0) RP_TRY(ang_tilt((ang_form)f, mu, r, phi, &tilt));
         const double miss = fabs(t - tilt.theta_t);
         memcpy(q + 1 + OF_FORM * f,
                (double[OF_FORM]){tilt.theta_t, t - tilt.theta_t, r + tilt.theta_t, miss - miss_ms,

@@ -106,14 +106,13 @@ static rp_status check_common(ang_form form, double theta_r, double phi)
 {
     if ((int)form < 0 || form >= ANG_N_FORMS)
         return rp_fail(RP_BAD_INPUT, "form = %d: unknown, allowed: 0 to %d", (int)form, ANG_N_FORMS - 1);
-    rp_status status = check_angle("phi", phi, 0.0, M_PI_2, false);
-    return status ? status : check_angle("theta_r", theta_r, 0.0, M_PI_2, true);
+    RP_TRY(check_angle("phi", phi, 0.0, M_PI_2, false));
+    return check_angle("theta_r", theta_r, 0.0, M_PI_2, true);
 }
 
 rp_status ang_marginal(double mu, double phi, double *theta_ms, bool *extrapolated)
 {
-    rp_status status = check_angle("phi", phi, 0.0, M_PI_2, false);
-    if (status) return status;
+    RP_TRY(check_angle("phi", phi, 0.0, M_PI_2, false));
     if (!(mu >= 0.0)) return rp_fail(RP_BAD_INPUT, "mu = %g: out of range, allowed: [0, inf]", mu);
     *theta_ms = atan(mu * gsl_pow_2(tan(phi)));
     if (extrapolated) *extrapolated = *theta_ms >= phi;
@@ -122,10 +121,9 @@ rp_status ang_marginal(double mu, double phi, double *theta_ms, bool *extrapolat
 
 rp_status ang_friction(ang_form form, double theta_r, double theta_t, double phi, double *mu)
 {
-    rp_status status = check_common(form, theta_r, phi);
-    if (!status) status = check_angle("theta_r", theta_r, 0.0, phi, true);
-    if (!status) status = check_angle("theta_t", theta_t, 0.0, tilt_limit(form, theta_r, phi), true);
-    if (status) return status;
+    RP_TRY(check_common(form, theta_r, phi));
+    RP_TRY(check_angle("theta_r", theta_r, 0.0, phi, true));
+    RP_TRY(check_angle("theta_t", theta_t, 0.0, tilt_limit(form, theta_r, phi), true));
     double t, n;
     base_force(&(pile){.form = form, .phi = phi, .theta_r = theta_r}, theta_t, &t, &n);
     *mu = t / n;
@@ -159,9 +157,8 @@ rp_status ang_root(double (*f)(double x, void *data), void *data, double lo, dou
 rp_status ang_tilt(ang_form form, double mu, double theta_r, double phi, ang_tilt_result *result)
 {
     *result = (ang_tilt_result){.theta_t = NAN};
-    rp_status status = check_common(form, theta_r, phi);
-    if (!status) status = ang_marginal(mu, phi, &result->theta_ms, NULL);
-    if (status) return status;
+    RP_TRY(check_common(form, theta_r, phi));
+    RP_TRY(ang_marginal(mu, phi, &result->theta_ms, NULL));
     double root = isinf(mu) ? INFINITY : hypot(1.0, mu);
     pile s = {form, phi, theta_r, isinf(mu) ? 1.0 : mu / root, 1.0 / root};
     result->margin = result->theta_ms - theta_r;
@@ -176,8 +173,8 @@ rp_status ang_tilt(ang_form form, double mu, double theta_r, double phi, ang_til
     } else if (excess(0.0, &s) <= 0.0) { /* on the margin, or beyond it by round-off */
         result->theta_t = 0.0;
     } else {
-        status = ang_root(excess, &s, 0.0, end, root_tolerance, 4.0 * GSL_DBL_EPSILON, &result->theta_t);
+        RP_TRY(ang_root(excess, &s, 0.0, end, root_tolerance, 4.0 * GSL_DBL_EPSILON, &result->theta_t));
         if (form == ANG_LATTICE && result->theta_t > M_PI_2 - phi) result->status = ANG_TILT_OK_PULLING;
     }
-    return status;
+    return RP_OK;
 }

@@ -135,8 +135,7 @@ static rp_status set_problem(size_t n_groups, const ang_piles groups[], problem 
     q->group = calloc(n_groups, sizeof *q->group);
     if (!q->group) return rp_fail(RP_NO_MEMORY, "phi: out of memory");
     for (size_t i = 0; i < n_groups; i++) {
-        rp_status status = check_piles(&groups[i]);
-        if (status) return status;
+        RP_TRY(check_piles(&groups[i]));
         if (!take_moments(&groups[i], NULL, &q->group[i]))
             return rp_fail(RP_NO_RESULT,
                            "mu = %g: mean angles %g, %g rad: flat, or all piles the same: nothing to fit",
@@ -176,15 +175,13 @@ static rp_status profile_end(problem *q, double phi, double end, bool *open, dou
 static rp_status fit_equation(problem *q, ang_against against, ang_phi *fit)
 {
     double lo, hi;
-    rp_status status = minimise(q, against, &fit->phi, &fit->chi2);
-    if (status) return status;
+    RP_TRY(minimise(q, against, &fit->phi, &fit->chi2));
     phi_range(q, &lo, &hi);
     q->most = fit->chi2 + rise;
     fit->dof = q->n_groups - 1;
     fit->p_value = fit->dof > 0 ? gsl_cdf_chisq_Q(fit->chi2, (double)fit->dof) : NAN;
-    status = profile_end(q, fit->phi, lo, &fit->lo_open, &fit->lo);
-    if (!status) status = profile_end(q, fit->phi, hi, &fit->hi_open, &fit->hi);
-    return status;
+    RP_TRY(profile_end(q, fit->phi, lo, &fit->lo_open, &fit->lo));
+    return profile_end(q, fit->phi, hi, &fit->hi_open, &fit->hi);
 }
 
 /* Resample the piles of each group. `pick` has room for a group. */
@@ -217,16 +214,15 @@ static void compare_samples(size_t n, double *sample, ang_phi fit[ANG_N_AGAINST]
 static rp_status fit_all(problem *q, const ang_piles groups[], size_t n_resamples, gsl_rng *rng,
                          size_t pick[], double sample[], ang_phi fit[ANG_N_AGAINST])
 {
-    rp_status status = RP_OK;
     double chi2;
-    for (int a = 0; a < N_EQUATIONS && !status; a++) status = fit_equation(q, (ang_against)a, &fit[a]);
-    for (size_t k = 0; k < n_resamples && !status; k++) {
+    for (int a = 0; a < N_EQUATIONS; a++) RP_TRY(fit_equation(q, (ang_against)a, &fit[a]));
+    for (size_t k = 0; k < n_resamples; k++) {
         resample(q, groups, rng, pick);
-        for (int a = 0; a < N_EQUATIONS && !status; a++)
-            status = minimise(q, (ang_against)a, &sample[a * n_resamples + k], &chi2);
+        for (int a = 0; a < N_EQUATIONS; a++)
+            RP_TRY(minimise(q, (ang_against)a, &sample[a * n_resamples + k], &chi2));
     }
-    if (!status) compare_samples(n_resamples, sample, fit);
-    return status;
+    compare_samples(n_resamples, sample, fit);
+    return RP_OK;
 }
 
 rp_status ang_phi_fit(size_t n_groups, const ang_piles groups[], size_t n_resamples, gsl_rng *rng,
@@ -234,10 +230,9 @@ rp_status ang_phi_fit(size_t n_groups, const ang_piles groups[], size_t n_resamp
 {
     for (int a = 0; a < ANG_N_AGAINST; a++)
         fit[a] = (ang_phi){NAN, NAN, NAN, NAN, NAN, NAN, NAN, 0, false, false};
-    rp_status status = stats_check_resamples(n_resamples);
-    if (status) return status;
+    RP_TRY(stats_check_resamples(n_resamples));
     problem q;
-    status = set_problem(n_groups, groups, &q);
+    rp_status status = set_problem(n_groups, groups, &q);
     size_t most = 1;
     for (size_t i = 0; i < n_groups; i++) most = groups[i].n > most ? groups[i].n : most;
     size_t *pick = malloc(most * sizeof *pick);
@@ -256,13 +251,12 @@ rp_status ang_phi_angles(const ang_piles *piles, ang_against against, size_t n, 
     const bool marginal = against == ANG_AGAINST_MARGINAL;
     const ang_form form = against == ANG_AGAINST_LATTICE ? ANG_LATTICE : ANG_BALANCED;
     stats_summary theta_r;
-    rp_status status = stats_mean(piles->n, piles->theta_r, &theta_r);
-    if (!status)
-        status = stats_paired(piles->n, piles->theta_t, 1.0, marginal ? piles->theta_r : NULL, measured);
-    for (size_t k = 0; k < n && !status; k++) {
+    RP_TRY(stats_mean(piles->n, piles->theta_r, &theta_r));
+    RP_TRY(stats_paired(piles->n, piles->theta_t, 1.0, marginal ? piles->theta_r : NULL, measured));
+    for (size_t k = 0; k < n; k++) {
         ang_tilt_result tilt;
-        status = ang_tilt(form, piles->mu, theta_r.mean, phi[k], &tilt);
+        RP_TRY(ang_tilt(form, piles->mu, theta_r.mean, phi[k], &tilt));
         given[k] = marginal ? tilt.theta_ms : tilt.theta_t;
     }
-    return status;
+    return RP_OK;
 }

@@ -30,6 +30,18 @@ static bool text_equals(const char *cell, const char *wanted)
     return !*end_b && fabs(a - b) <= 1e-12 * fabs(b);
 }
 
+/* The row with the smallest or the largest number of a column, the first of equal ones. */
+static bool is_extreme(const rp_table *table, size_t row, int column, double sign)
+{
+    const double value = sign * strtod(cli_text(table, row, column), NULL);
+    bool is = isfinite(value);
+    for (size_t r = 0; r < table->n_rows && is; r++) {
+        const double other = sign * strtod(cli_text(table, r, column), NULL);
+        is = !(other > value || (other == value && r < row));
+    }
+    return is;
+}
+
 rp_status cli_row_matches(const rp_table *table, size_t row, const cli_words *words, int first, int last,
                           bool *matches)
 {
@@ -41,7 +53,9 @@ rp_status cli_row_matches(const rp_table *table, size_t row, const cli_words *wo
         snprintf(key, sizeof key, "%.*s", (int)(equals - words->words[w]), words->words[w]);
         int column;
         RP_TRY(rp_table_find(table, key, NULL, &column));
-        *matches = text_equals(cli_text(table, row, column), equals + 1);
+        *matches = strcmp(equals, "=smallest") == 0  ? is_extreme(table, row, column, -1.0)
+                   : strcmp(equals, "=largest") == 0 ? is_extreme(table, row, column, 1.0)
+                                                     : text_equals(cli_text(table, row, column), equals + 1);
     }
     return RP_OK;
 }
@@ -91,16 +105,15 @@ rp_status cli_cell_find(const char *folders, const char *reference, cli_cell *ce
     cell->column = w->words[w->n - 1];
     cell->missing = !cli_find_table(folders, w->words[0], cell->path);
     if (cell->missing) return RP_OK;
-    rp_status status = cli_table_read(cell->path, &cell->table);
+    RP_TRY(cli_table_read(cell->path, &cell->table));
     size_t found = 0;
-    for (size_t r = 0; r < cell->table->n_rows && !status; r++) {
+    for (size_t r = 0; r < cell->table->n_rows; r++) {
         bool matches;
-        status = cli_row_matches(cell->table, r, w, 1, w->n - 1, &matches);
-        if (status || !matches) continue;
+        RP_TRY(cli_row_matches(cell->table, r, w, 1, w->n - 1, &matches));
+        if (!matches) continue;
         cell->row = r;
         found++;
     }
-    if (status) return status;
     if (found == 1 || cell->column[0] == '#') return RP_OK;
     return rp_fail(RP_BAD_INPUT, "%s: %zu rows for \"%s\", one expected", cell->path, found, reference);
 }
@@ -158,9 +171,9 @@ rp_status cli_cell_number(const cli_cell *cell, stats_number *number)
         snprintf(error, sizeof error, "%.*s_se_deg", (int)(strlen(name) - strlen("_deg")), name);
     if (!cli_cell_text(cell, mean)) return rp_table_find(cell->table, name, NULL, &(int){0});
     number->se = 0.0;
-    rp_status status = cli_cell_column(cell, mean, &number->value);
-    if (!status && cli_cell_text(cell, error)) return cli_cell_column(cell, error, &number->se);
-    return status || !cli_cell_is_deviation(cell) ? status : deviation_error(cell, number);
+    RP_TRY(cli_cell_column(cell, mean, &number->value));
+    if (cli_cell_text(cell, error)) return cli_cell_column(cell, error, &number->se);
+    return cli_cell_is_deviation(cell) ? deviation_error(cell, number) : RP_OK;
 }
 
 int cli_decimals(double se)

@@ -21,7 +21,8 @@ typedef struct {
 /* Errors: RP_BAD_INPUT for a text that is too long or has too many words. */
 rp_status cli_split(const char *text, cli_words *words);
 
-/* Whether a row matches all of the words first <= w < last, each key=value, or key=FROM:TO for numbers.
+/* Whether a row matches all of the words first <= w < last, each key=value, or for numbers key=FROM:TO,
+ * key=smallest or key=largest, which is that of the whole table.
  * Errors: RP_BAD_INPUT for a column that the table does not have. */
 rp_status cli_row_matches(const rp_table *table, size_t row, const cli_words *words, int first, int last,
                           bool *matches);

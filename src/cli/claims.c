@@ -105,12 +105,12 @@ rp_status cli_claims_read(const char *path, cli_claims *claims)
 #undef X
     int column;
     *claims = (cli_claims){0};
-    rp_status status = cli_texts_read(cli_data(path), &claims->table);
-    for (size_t k = 0; k < N_OF(columns) && !status; k++)
-        status = rp_table_find(claims->table, columns[k], header, &column);
+    RP_TRY(cli_texts_read(cli_data(path), &claims->table));
+    for (size_t k = 0; k < N_OF(columns); k++)
+        RP_TRY(rp_table_find(claims->table, columns[k], header, &column));
     claims->claims = cli_memory(claims->table->n_rows, sizeof *claims->claims);
-    for (size_t row = 0; row < claims->table->n_rows && !status; row++) status = read_claim(claims, row);
-    return status;
+    for (size_t row = 0; row < claims->table->n_rows; row++) RP_TRY(read_claim(claims, row));
+    return RP_OK;
 }
 
 rp_status cli_claims_find(const cli_claims *claims, const char *id, const cli_claim **claim)
@@ -142,12 +142,12 @@ static rp_status read_measured(const cli_cell *cell, measured *m)
     char own[160], mean[160];
     snprintf(own, sizeof own, "%s_n", cell->column);
     snprintf(mean, sizeof mean, "%s_mean", cell->column);
-    rp_status status = cli_cell_number(cell, &m->shown);
-    if (!status) status = cli_cell_column(cell, cli_cell_text(cell, own) ? own : "n", &m->n);
+    RP_TRY(cli_cell_number(cell, &m->shown));
+    RP_TRY(cli_cell_column(cell, cli_cell_text(cell, own) ? own : "n", &m->n));
     const bool is_mean = cli_cell_text(cell, mean);
     m->tested = is_mean ? stats_of_few(m->shown, m->n) : m->shown;
     m->dof = is_mean ? m->n - 1.0 : INFINITY;
-    return status;
+    return RP_OK;
 }
 
 static rp_status read_summary(const cli_cell *cell, stats_summary *part)
@@ -158,10 +158,9 @@ static rp_status read_summary(const cli_cell *cell, stats_summary *part)
     for (size_t k = 0; k < N_OF(suffixes); k++) {
         char name[160];
         snprintf(name, sizeof name, "%.*s_%s", length, cell->column, suffixes[k]);
-        rp_status status = cli_cell_column(cell, name, &numbers[k]);
-        if (!status && isnan(numbers[k]))
-            status = rp_fail(RP_BAD_INPUT, "%s: no column %s with a number", cell->path, name);
-        if (status) return status;
+        RP_TRY(cli_cell_column(cell, name, &numbers[k]));
+        if (isnan(numbers[k]))
+            return rp_fail(RP_BAD_INPUT, "%s: no column %s with a number", cell->path, name);
     }
     *part = (stats_summary){.n = (size_t)numbers[2], .mean = numbers[0], .sd = numbers[1]};
     return RP_OK;
@@ -181,11 +180,10 @@ static rp_status read_pooled(const char *text, const char *folders, measured *m,
         end = strstr(part, " + ");
         if (n == MOST) return rp_fail(RP_BAD_INPUT, "more than %d cells to pool", MOST);
         snprintf(reference, sizeof reference, "%.*s", (int)(end ? end - part : (long)strlen(part)), part);
-        rp_status status = cli_cell_find(folders, reference, &cell);
+        RP_TRY(cli_cell_find(folders, reference, &cell));
         *missing |= cell.missing;
         deviation = cli_cell_is_deviation(&cell);
-        if (!status && !cell.missing) status = read_summary(&cell, &parts[n++]);
-        if (status) return status;
+        if (!cell.missing) RP_TRY(read_summary(&cell, &parts[n++]));
     }
     const stats_summary all = stats_pooled(n, parts);
     m->n = (double)all.n;
@@ -203,9 +201,9 @@ static rp_status read_side(const char *text, const char *folders, cli_cell *cell
     m->shown = m->tested = (stats_number){strtod(text, &end), 0.0};
     if (!*end) return RP_OK;
     if (strstr(text, " + ")) return read_pooled(text, folders, m, missing);
-    rp_status status = cli_cell_find(folders, text, cell);
+    RP_TRY(cli_cell_find(folders, text, cell));
     *missing |= cell->missing;
-    return status || cell->missing ? status : read_measured(cell, m);
+    return cell->missing ? RP_OK : read_measured(cell, m);
 }
 
 static bool is_inequality(const cli_claim *c)
@@ -318,10 +316,11 @@ static rp_status judge_constant(const cli_claims *all, const cli_claim *c, cli_j
     cli_words words;
     stats_number numbers[CLI_MAX_WORDS];
     const cli_claim *other = c;
-    rp_status status = cli_split(c->answer, &words);
-    for (int i = 0; i < words.n && !status; i++)
-        if ((status = cli_claims_find(all, words.words[i], &other)) == RP_OK) numbers[i] = other->published;
-    if (status) return status;
+    RP_TRY(cli_split(c->answer, &words));
+    for (int i = 0; i < words.n; i++) {
+        RP_TRY(cli_claims_find(all, words.words[i], &other));
+        numbers[i] = other->published;
+    }
     j->match = stats_constant((size_t)words.n, numbers, other->samples);
     j->verdict = j->match.verdict;
     j->two_readings = j->match.error != j->match.deviation;
@@ -443,16 +442,15 @@ static bool is_first_of_family(const cli_claims *claims, size_t i)
 rp_status cli_claims_judge(const cli_claims *claims, const char *folders, cli_judged **judged)
 {
     *judged = cli_memory(claims->n, sizeof **judged);
-    rp_status status = RP_OK;
-    for (size_t i = 0; i < claims->n && !status; i++) {
+    for (size_t i = 0; i < claims->n; i++) {
         const size_t mark = cli_mark();
-        status = judge_claim(claims, &claims->claims[i], folders, &(*judged)[i]);
+        RP_TRY(judge_claim(claims, &claims->claims[i], folders, &(*judged)[i]));
         cli_release(mark);
     }
-    for (size_t i = 0; i < claims->n && !status; i++)
+    for (size_t i = 0; i < claims->n; i++)
         if (is_first_of_family(claims, i)) correct_family(claims, claims->claims[i].family, *judged);
-    for (size_t i = 0; i < claims->n && !status; i++) explain(&claims->claims[i], &(*judged)[i]);
-    return status;
+    for (size_t i = 0; i < claims->n; i++) explain(&claims->claims[i], &(*judged)[i]);
+    return RP_OK;
 }
 
 void cli_claims_count(const cli_claims *claims, const cli_judged judged[], const char *paper, char text[256])

@@ -75,7 +75,7 @@ typedef struct cli_command {
     const struct cli_command *const *group;               /* subcommands, to NULL; no `act` */
     const rp_param *protocol; /* schema whose options come first, and the size of its values */
     size_t protocol_size;
-    bool prints_table; /* on standard output, as all that have on_table do: with --json */
+    bool prints_text; /* or nothing: the others print a table, which has --json */
 } cli_command;
 
 /* Parse argv[1..] by the options' schema into `values` (defaults first; the rest is 0), and act. Boolean
@@ -87,6 +87,9 @@ rp_status cli_run(const cli_command *command, int argc, char **argv);
  * one in help, meaning, unit, range and default; returns `text`. */
 rp_status cli_options_of(const cli_command *command, const rp_param **options);
 const char *cli_option_text(const rp_param *option, char *text, size_t size);
+
+/* What stands before its name: one dash before a letter, else two. */
+const char *cli_dashes(const rp_param *option);
 
 /* The last word of a command's name, the one to type. */
 const char *cli_own_name(const cli_command *command);
@@ -105,9 +108,8 @@ bool cli_given(const char *name);
 /* The value of --seed, an option that the command must have. */
 long cli_seed(void);
 
-/* Warn of the g of SI among values in cgs: of a scene, and of a sweep's file whose units have been read. */
+/* Warn of the g of SI among values in cgs, of a file whose units have been read. */
 void cli_warn_gravity(const char *path, double g);
-void cli_warn_sweep(const char *path);
 
 /* The defaults again, once a table has told its system of units. */
 void cli_defaults_in_units(void);
@@ -158,15 +160,11 @@ const char *cli_data(const char *name);
 /* Does a text, as a file's name, end in these letters? */
 bool cli_ends_in(const char *text, const char *end);
 
-rp_status cli_table_read(const char *path, rp_table **table); /* as rp_table_read */
-rp_status cli_texts_read(const char *path, rp_table **table); /* as rp_table_read_texts */
+rp_status cli_table_read(const char *path, rp_table **table);              /* as rp_table_read */
+rp_status cli_texts_read(const char *path, rp_table **table);              /* as rp_table_read_texts */
+rp_status cli_table_parse(const char *name, char *text, rp_table **table); /* as rp_table_parse */
 size_t cli_mark(void);
 void cli_release(size_t mark);
-
-/* Keep what is printed on standard output from here on; and print it as JSON if it is a table, unless the
- * command failed. Errors: RP_NO_MEMORY; `status`. */
-rp_status cli_capture(void);
-rp_status cli_capture_end(rp_status status);
 
 /* Start a table with provenance; cli_table notes the numbers and words among the values of the options too.
  */
@@ -194,6 +192,9 @@ const char *cli_text(const rp_table *table, size_t row, int column);
 
 /* The n columns of the list `names` ("a,b,..."), at most `most`. Errors: RP_BAD_INPUT. */
 rp_status cli_column_list(const rp_table *table, const char *names, size_t most, size_t *n, int columns[]);
+
+/* The columns of the list `names`, or all of them for "all", as a new array. Errors: RP_BAD_INPUT. */
+rp_status cli_columns(const rp_table *table, const char *names, size_t *n, int **columns);
 
 /* The columns of the list `names` as new arrays of finite numbers, one after the other in one block; of a
  * table, and of one in a file. Errors: RP_BAD_INPUT; those of rp_table_read. */

@@ -1,5 +1,4 @@
 /* repose angle: marginal stability and tilt, (3) and (4), on the command line. */
-#include <math.h>
 
 #include "angle/angle.h"
 #include "cli/cli.h"
@@ -33,7 +32,6 @@ static const cli_command marginal = {
     "status: ok, or extrapolated where theta_MS >= phi, beyond the derivation.",
     "repose angle marginal --mu 0.2",
     marginal_params,
-    .prints_table = true,
     .act = print_marginal};
 
 /* ---- tilt ---- */
@@ -75,7 +73,6 @@ static const cli_command tilt = {
     "no theory: exit status 1).",
     "repose angle tilt --mu 0.2 --theta-r-deg 18 --form balanced",
     tilt_params,
-    .prints_table = true,
     .act = print_tilt};
 
 /* ---- group ---- */

@@ -129,15 +129,13 @@ static rp_status print_phi(const ang_piles *piles, size_t n_groups, size_t n, an
     stats_summary measured = {0, NAN, NAN, NAN, NAN, NAN};
     double given[2] = {NAN, NAN};
     int open = fit->lo_open && fit->hi_open ? 2 : (int)fit->hi_open - (int)fit->lo_open;
-    rp_status status = RP_OK;
     if (piles && against < ANG_BALANCED_LESS_MARGINAL)
-        status = ang_phi_angles(piles, against, 2, (double[]){phi_all, 60.0 * deg}, &measured, given);
-    if (!status)
-        CLI_ROW_WORD(ang_against_words[against], piles ? piles->mu : NAN, (double)n_groups, (double)n,
-                     fit->phi / deg, fit->lo / deg, fit->hi / deg, fit->boot_lo / deg, fit->boot_hi / deg,
-                     fit->chi2, (double)fit->dof, fit->p_value, fit->dof > 0 ? fit->p_value >= 0.05 : NAN,
-                     open, measured.mean / deg, measured.se / deg, given[0] / deg, given[1] / deg);
-    return status;
+        RP_TRY(ang_phi_angles(piles, against, 2, (double[]){phi_all, 60.0 * deg}, &measured, given));
+    CLI_ROW_WORD(ang_against_words[against], piles ? piles->mu : NAN, (double)n_groups, (double)n,
+                 fit->phi / deg, fit->lo / deg, fit->hi / deg, fit->boot_lo / deg, fit->boot_hi / deg,
+                 fit->chi2, (double)fit->dof, fit->p_value, fit->dof > 0 ? fit->p_value >= 0.05 : NAN, open,
+                 measured.mean / deg, measured.se / deg, given[0] / deg, given[1] / deg);
+    return RP_OK;
 }
 
 /* All groups together, then each alone. */

@@ -256,5 +256,4 @@ const cli_command cmd_bench = {
     "line above the table has theta_R by method 3; nan: the surface does not fall to one side.",
     "repose bench --n 1600 --state flowing --floor absorbs",
     bench_params,
-    .prints_table = true,
     .act = measure};

@@ -120,7 +120,13 @@ static rp_status read_piles(source *s, const char *fit)
     return RP_OK;
 }
 
-/* The piles with the angles of `mask` (bit a for angle a); false if one of them is missing. */
+/* The a-th angle of `mask` (bit a for angle a). */
+static size_t angle_of(unsigned mask, size_t a)
+{
+    return mask == 2 ? 1 : a;
+}
+
+/* The piles with the angles of `mask`; false if one of them is missing. */
 static bool choose_angles(const source *s, unsigned mask, stats_ensemble *piles)
 {
     *piles = s->piles;
@@ -136,13 +142,12 @@ static bool choose_angles(const source *s, unsigned mask, stats_ensemble *piles)
 static rp_status open_source(const char *sweep, const char *folder, const char *table,
                              const calibrate_options *o, source *s)
 {
-    rp_status status = RP_OK;
     if (table)
         snprintf(s->path, sizeof s->path, "%s", table);
     else
-        status = run_sweep(cli_data(sweep), folder, o, s->path);
-    if (!status) status = cli_table_read(s->path, &s->table);
-    return status ? status : read_piles(s, o->fit);
+        RP_TRY(run_sweep(cli_data(sweep), folder, o, s->path));
+    RP_TRY(cli_table_read(s->path, &s->table));
+    return read_piles(s, o->fit);
 }
 
 /* ---- what the answer holds for ---- */
@@ -180,12 +185,11 @@ static void note_scope(const source *s)
 static void reach_text(const source *s, const stats_calibration *c, unsigned mask, char *text, size_t size)
 {
     size_t used = 0;
-    for (size_t angle = 0, a = 0; angle < N_ANGLES; angle++) {
+    for (size_t a = 0; a < c->n_angles; a++) {
         double reach[2], at[2][STATS_MAX_PARAMS];
-        if (!(mask & 1u << angle)) continue;
-        stats_calibration_reach(c, a++, reach, at);
+        stats_calibration_reach(c, a, reach, at);
         used += (size_t)snprintf(text + used, size - used, "%s%s from %.3g to %.3g degrees",
-                                 used ? " and " : "", angle_names[angle], reach[0], reach[1]);
+                                 used ? " and " : "", angle_names[angle_of(mask, a)], reach[0], reach[1]);
     }
     for (size_t p = 0; p < c->n_params; p++)
         used += (size_t)snprintf(text + used, size - used, "%s%g <= %.40s <= %g", p ? ", " : ", for ",
@@ -195,13 +199,12 @@ static void reach_text(const source *s, const stats_calibration *c, unsigned mas
 static void note_responses(const source *s, const stats_calibration *c, unsigned mask)
 {
     char reach[512];
-    for (size_t angle = 0, a = 0; angle < N_ANGLES; angle++) {
-        if (!(mask & 1u << angle)) continue;
-        const stats_response_fit *r = &c->response[a++];
+    for (size_t a = 0; a < c->n_angles; a++) {
+        const stats_response_fit *r = &c->response[a];
         rp_table_note(stdout, "response",
                       "%s: %s, degree %zu%s, %zu coefficients, %zu points, chi2 = %.3g, p = %.2g, "
                       "discrepancy %.2g deg%s",
-                      angle_names[angle], stats_shape_words[r->shape], r->degree[0],
+                      angle_names[angle_of(mask, a)], stats_shape_words[r->shape], r->degree[0],
                       r->degree[1] == 1   ? " and 1"
                       : r->degree[1] == 2 ? " and 2"
                                           : "",
@@ -212,6 +215,14 @@ static void note_responses(const source *s, const stats_calibration *c, unsigned
     rp_table_note(stdout, "reach", "%s", reach);
     for (size_t p = 0; p < c->n_params; p++) rp_table_note(stdout, "range", "%g to %g", c->lo[p], c->hi[p]);
     if (c->n_angles == 2) rp_table_note(stdout, "correlation of the angles", "%.2f", c->correlation);
+}
+
+static void print_head(const source *s, const stats_calibration *c, unsigned mask)
+{
+    cli_table(stdout);
+    note_piles("piles", s);
+    note_responses(s, c, mask);
+    note_scope(s);
 }
 
 /* ---- a measurement ---- */
@@ -274,16 +285,14 @@ static const char *how_to_extend(const source *s, const stats_calibration *c, st
 /* A match with an angle that no response reaches rests on the scatter and the discrepancy alone. */
 static void warn_outside(const stats_calibration *c, unsigned mask, const stats_measured *m)
 {
-    for (size_t angle = 0, a = 0; angle < N_ANGLES; angle++) {
+    for (size_t a = 0; a < c->n_angles; a++) {
         double reach[2], at[2][STATS_MAX_PARAMS];
-        if (!(mask & 1u << angle)) continue;
         stats_calibration_reach(c, a, reach, at);
         if (m->angle[a] < reach[0] || m->angle[a] > reach[1])
             fprintf(stderr,
                     "repose calibrate: %s = %g degrees lies outside what the response reaches, %.3g to %.3g: "
                     "the answer rests on the errors alone\n",
-                    angle_names[angle], m->angle[a], reach[0], reach[1]);
-        a++;
+                    angle_names[angle_of(mask, a)], m->angle[a], reach[0], reach[1]);
     }
 }
 
@@ -331,18 +340,15 @@ static rp_status calibrate(const source *s, const calibrate_options *o)
                 return rp_fail(RP_BAD_INPUT, "%s: no values of \"%s\"", s->path, angle_columns[a]);
         }
     stats_ensemble piles;
-    choose_angles(s, mask, &piles);
     stats_calibration c;
     stats_calibrated found[STATS_MAX_PARAMS];
+    choose_angles(s, mask, &piles);
     rp_status status = rp_prefix(stats_calibration_fit(&piles, &c), "%s: ", s->path);
     if (!status) status = stats_calibration_invert(&c, &m, found);
     if (!status)
         status = stats_calibration_bootstrap(&piles, &c, &m, (size_t)o->bootstrap, cli_random(0), found);
     if (!status) {
-        cli_table(stdout);
-        note_piles("piles", s);
-        note_responses(s, &c, mask);
-        note_scope(s);
+        print_head(s, &c, mask);
         print_found(s, found);
         status = conclude(s, &c, mask, found);
         if (!status) warn_outside(&c, mask, &m);
@@ -385,16 +391,14 @@ static rp_status print_response(const source *s)
     rp_status status = rp_prefix(stats_calibration_fit(&piles, &c), "%s: ", s->path);
     for (size_t p = 0; p < s->piles.n_params; p++)
         used += (size_t)snprintf(header + used, sizeof header - used, "%.64s, ", s->params[p]);
-    for (size_t a = 0; a < N_ANGLES; a++)
-        if (mask & 1u << a)
-            used += (size_t)snprintf(header + used, sizeof header - used,
-                                     "%s_deg [deg], %s_fit_se_deg [deg], %s_sd_deg [deg]%s", angle_names[a],
-                                     angle_names[a], angle_names[a], mask >> (a + 1) ? ", " : "");
+    for (size_t a = 0; a < piles.n_angles; a++) {
+        const char *name = angle_names[angle_of(mask, a)];
+        used += (size_t)snprintf(header + used, sizeof header - used,
+                                 "%s%s_deg [deg], %s_fit_se_deg [deg], %s_sd_deg [deg]", a ? ", " : "", name,
+                                 name, name);
+    }
     if (!status) {
-        cli_table(stdout);
-        note_piles("piles", s);
-        note_responses(s, &c, mask);
-        note_scope(s);
+        print_head(s, &c, mask);
         rp_table_header(stdout, header);
         print_response_rows(&c);
     }
@@ -583,5 +587,4 @@ const cli_command cmd_calibrate = {
     "the truth.",
     "repose calibrate --theta-r-deg 25 --error-deg 1",
     calibrate_params,
-    .prints_table = true,
     .act = answer};

@@ -1,7 +1,6 @@
 /* repose claims: what two papers claim, and what our tables say of each claim. */
 #include <math.h>
 #include <stddef.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "cli/claims.h"
@@ -139,5 +138,4 @@ const cli_command cmd_claims = {
     "and their causes.",
     "repose claims --paper lh",
     claims_params,
-    .prints_table = true,
     .act = print_claims};

@@ -39,5 +39,4 @@ const cli_command cmd_continuum = {
     "per length of a diagonal.",
     "repose continuum --alpha-deg 30 --at 0.1,0.25",
     continuum_params,
-    .prints_table = true,
     .act = write_triangle};

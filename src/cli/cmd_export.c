@@ -1,9 +1,7 @@
 /* `repose export`: runs, tables and sweeps in the formats of other programs. */
-#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
 #include <zlib.h>
@@ -78,26 +76,19 @@ static bool is_there(const char *folder, const char *name)
     return snprintf(path, sizeof path, "%s/%s", folder, name) < (int)sizeof path && access(path, F_OK) == 0;
 }
 
-static rp_status select_rows(rp_table *table, const rp_texts *conditions)
-{
-    for (size_t i = 0; i < conditions->n; i++) RP_TRY(rp_table_where(table, conditions->items[i]));
-    return RP_OK;
-}
-
-/* A sweep's runs or points, with all parameters, by way of memory. */
+/* A sweep's runs or points, with all parameters. */
 static rp_status read_sweep(const char *dir, bool reduce, rp_table **table, sweep_counts *counts)
 {
-    char path[64];
-    const int memory = memfd_create("sweep", MFD_CLOEXEC);
-    FILE *file = memory >= 0 ? fdopen(memory, "w") : NULL;
-    if (!file) return rp_fail(RP_NO_MEMORY, "%s: out of memory", dir);
-    snprintf(path, sizeof path, "/proc/self/fd/%d", memory);
+    char *text;
+    size_t size;
+    FILE *out = open_memstream(&text, &size);
+    if (!out) return rp_fail(RP_NO_MEMORY, "%s: out of memory", dir);
     rp_status status =
         sweep_export(dir, sweep_protocols, SWEEP_PARAMETERS | (reduce ? SWEEP_POINTS : SWEEP_RUNS),
-                     cli_command_line(), counts, file);
-    if (!status) status = cli_texts_read(path, table);
-    if (!status) (*table)->path = dir;
-    fclose(file);
+                     cli_command_line(), counts, out);
+    fclose(out);
+    if (!status) return cli_table_parse(dir, text, table);
+    free(text);
     return status;
 }
 
@@ -114,8 +105,9 @@ static rp_status read_source(const char *source, const export_options *o, rp_tab
     if (stat(source, &info) == 0 && S_ISDIR(info.st_mode) && !sweep && !run)
         return rp_fail(RP_BAD_INPUT, "%s: neither a run (states.tsv) nor a sweep (sweep.cfg)", source);
     if (run) strcat(path, "/states.tsv");
-    rp_status status = sweep ? read_sweep(source, o->reduce, table, counts) : cli_table_read(path, table);
-    return status ? status : select_rows(*table, &o->where);
+    RP_TRY(sweep ? read_sweep(source, o->reduce, table, counts) : cli_table_read(path, table));
+    for (size_t i = 0; i < o->where.n; i++) RP_TRY(rp_table_where(*table, o->where.items[i]));
+    return RP_OK;
 }
 
 static rp_status export_table(const char *source, const export_options *o)
@@ -123,22 +115,38 @@ static rp_status export_table(const char *source, const export_options *o)
     rp_table *t;
     cli_export e;
     sweep_counts counts;
-    rp_status status = read_source(source, o, &t, &counts);
-    if (status) return status;
-    size_t n = t->n_columns;
-    int *columns = cli_memory(n + strlen(o->columns), sizeof *columns);
-    for (size_t c = 0; c < n; c++) columns[c] = (int)c;
-    if (strcmp(o->columns, "all") != 0)
-        status = cli_column_list(t, o->columns, strlen(o->columns), &n, columns);
-    if (!status && is_there(source, "sweep.cfg")) status = sweep_check_output(source, o->o);
-    if (!status) status = cli_export_open(o->o, &e);
-    if (status) return status;
-    status = (o->to == TO_CSV ? cli_export_csv : cli_export_json)(t, n, columns, e.out);
-    status = cli_export_close(&e, status);
-    return status ? status : cli_check_whole(source, &counts);
+    size_t n;
+    int *columns;
+    RP_TRY(read_source(source, o, &t, &counts));
+    RP_TRY(cli_columns(t, o->columns, &n, &columns));
+    if (is_there(source, "sweep.cfg")) RP_TRY(sweep_check_output(source, o->o));
+    RP_TRY(cli_export_open(o->o, &e));
+    rp_status status = (o->to == TO_CSV ? cli_export_csv : cli_export_json)(t, n, columns, e.out);
+    RP_TRY(cli_export_close(&e, status));
+    return cli_check_whole(source, &counts);
 }
 
 /* ---- frames of a run ---- */
+
+void cli_frames_split(size_t n, const double step[], cli_frames *f)
+{
+    f->first = cli_memory(n + 1, sizeof *f->first);
+    f->steps = cli_memory(n, sizeof *f->steps);
+    f->n = 0;
+    for (size_t i = 0; i < n; i++) {
+        if (i > 0 && (step[i] == step[i - 1] || isnan(step[i]))) continue;
+        f->steps[f->n] = step[i];
+        f->first[f->n++] = i;
+    }
+    f->first[f->n] = n;
+}
+
+size_t cli_frame_at(const cli_frames *f, double step)
+{
+    size_t k = 0;
+    while (k < f->n && f->step >= 0 && f->steps[k] != step) k++;
+    return k;
+}
 
 static bool is_number(const char *text)
 {
@@ -223,16 +231,16 @@ static rp_status add_field(cli_run_frames *run, int c)
 static rp_status find_grains(cli_run_frames *run, const char *names)
 {
     const rp_table *t = run->grains.table;
-    int columns[CLI_MOST_FIELDS];
-    size_t n = 0;
+    int *columns;
+    size_t n;
     RP_TRY(cli_find_column(t, "x", &run->x));
     RP_TRY(cli_find_column(t, "y", &run->y));
     RP_TRY(cli_find_column(t, "r", &run->r));
     run->id = rp_table_column(t, "id");
-    if (strcmp(names, "all") != 0) RP_TRY(cli_column_list(t, names, CLI_MOST_FIELDS, &n, columns));
+    RP_TRY(cli_columns(t, names, &n, &columns));
     RP_TRY(add_field(run, run->r));
-    for (size_t c = 0; c < (n ? n : t->n_columns); c++)
-        if ((n ? columns[c] : (int)c) != run->r) RP_TRY(add_field(run, n ? columns[c] : (int)c));
+    for (size_t c = 0; c < n; c++)
+        if (columns[c] != run->r) RP_TRY(add_field(run, columns[c]));
     run->box[0][0] = run->box[1][0] = INFINITY, run->box[0][1] = run->box[1][1] = -INFINITY;
     for (size_t i = 0; i < t->n_rows; i++) {
         double v[3];
@@ -336,4 +344,5 @@ const cli_command cmd_export = {
     "is refused; the head of FILE.in says which laws coincide.",
     "repose export out --to lammps -o pile.lammpstrj.gz",
     export_params,
+    .prints_text = true,
     .act = act_export};

@@ -120,15 +120,6 @@ static void page_name(const cli_command *c, char page[64])
     for (char *blank; (blank = strchr(page, ' '));) *blank = '-';
 }
 
-static void put_see(FILE *out, const cli_command *c)
-{
-    char page[64];
-    page_name(c, page);
-    fputs(".TP\n.BR ", out);
-    put(out, page);
-    put_line(out, " (1)\n", c->summary);
-}
-
 static rp_status put_command(FILE *out, const cli_command *c)
 {
     const rp_param *p;
@@ -139,8 +130,7 @@ static rp_status put_command(FILE *out, const cli_command *c)
     fputs(".SH DESCRIPTION\n", out);
     put_lines(out, c->about);
     fputs(".SH OPTIONS\n", out);
-    for (; p->name; p++)
-        put_item(out, strlen(p->name) == 1 ? "-" : "--", p->name, cli_option_text(p, text, sizeof text));
+    for (; p->name; p++) put_item(out, cli_dashes(p), p->name, cli_option_text(p, text, sizeof text));
     put_item(out, "--", "help", "this text");
     if (c == &cmd_params) put_schemas(out);
     fputs(".SH EXAMPLE\n.nf\n", out);
@@ -153,13 +143,16 @@ static rp_status write_page(const char *folder, const cli_command *c);
 
 static rp_status put_group(FILE *out, const char *folder, const cli_command *const *group)
 {
-    rp_status status = RP_OK;
     fputs(".SH COMMANDS\n", out);
-    for (; *group && !status; group++) {
-        put_see(out, *group);
-        status = write_page(folder, *group);
+    for (; *group; group++) {
+        char page[64];
+        page_name(*group, page);
+        fputs(".TP\n.BR ", out);
+        put(out, page);
+        put_line(out, " (1)\n", (*group)->summary);
+        RP_TRY(write_page(folder, *group));
     }
-    return status;
+    return RP_OK;
 }
 
 static rp_status write_page(const char *folder, const cli_command *c)
@@ -168,8 +161,8 @@ static rp_status write_page(const char *folder, const cli_command *c)
     FILE *out;
     page_name(c, page);
     snprintf(path, sizeof path, "%s/%s.1", folder, page);
-    rp_status status = rp_file_open(path, &out);
-    if (status) return status;
+    rp_status status = RP_OK;
+    RP_TRY(rp_file_open(path, &out));
     put_head(out, page, c->summary);
     if (c->group) {
         put_line(out, " ", c->name);
@@ -208,18 +201,17 @@ static rp_status write_manual(const char *folder)
 static rp_status complete(const cli_command *c)
 {
     const rp_param *options;
-    rp_status status = RP_OK;
     if (c->group) {
-        for (const cli_command *const *g = c->group; *g && !status; g++) status = complete(*g);
+        for (const cli_command *const *g = c->group; *g; g++) RP_TRY(complete(*g));
         printf("    '%s ') words='", c->name);
         for (const cli_command *const *g = c->group; *g; g++) printf("%s ", cli_own_name(*g));
         puts("--help' ;;");
-        return status;
+        return RP_OK;
     }
-    if ((status = cli_options_of(c, &options)) != RP_OK) return status;
+    RP_TRY(cli_options_of(c, &options));
     for (const rp_param *p = options; p->name; p++) {
         if (p->type == RP_BOOL) continue;
-        printf("    '%s'*' %s%s ') words='", c->name, strlen(p->name) == 1 ? "-" : "--", p->name);
+        printf("    '%s'*' %s%s ') words='", c->name, cli_dashes(p), p->name);
         for (const char *r = p->type == RP_CHOICE || p->type == RP_FLAGS ? p->range : ""; *r; r++)
             if (*r != '|') putchar(*r);
         puts("' ;;");
@@ -227,24 +219,22 @@ static rp_status complete(const cli_command *c)
     printf("    '%s '*) words='", c->name);
     if (c == &cmd_help)
         for (const cli_command *const *g = cli_commands; *g; g++) printf("%s ", (*g)->name);
-    for (const rp_param *p = options; p->name; p++)
-        printf("%s%s ", strlen(p->name) == 1 ? "-" : "--", p->name);
+    for (const rp_param *p = options; p->name; p++) printf("%s%s ", cli_dashes(p), p->name);
     puts("--help' ;;");
-    return status;
+    return RP_OK;
 }
 
 static rp_status print_completion(void)
 {
-    rp_status status = RP_OK;
     puts("# Completion of repose, from `repose help --completion`; names of files where no word fits.\n"
          "_repose()\n{\n    local words=\n    case \"${COMP_WORDS[*]:1:COMP_CWORD-1} \" in");
-    for (const cli_command *const *c = cli_commands; *c && !status; c++) status = complete(*c);
+    for (const cli_command *const *c = cli_commands; *c; c++) RP_TRY(complete(*c));
     fputs("    ' ') words='", stdout);
     for (const cli_command *const *c = cli_commands; *c; c++) printf("%s ", (*c)->name);
     puts("--help --version' ;;\n    esac\n"
          "    mapfile -t COMPREPLY < <(compgen -W \"$words\" -- \"${COMP_WORDS[COMP_CWORD]}\")\n}\n"
          "complete -o bashdefault -o default -F _repose repose");
-    return status;
+    return RP_OK;
 }
 
 /* ---- help ---- */
@@ -286,4 +276,5 @@ const cli_command cmd_help = {
     "completion of bash, to be read by `source`. `make install` installs both.",
     "repose help sweep plan",
     help_params,
+    .prints_text = true,
     .act = act_help};

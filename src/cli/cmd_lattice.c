@@ -33,14 +33,13 @@ static rp_status check_usage(const lattice_options *o)
 static rp_status solve(const lattice_options *o, long k, double alpha, double theta, long up[],
                        an_force force[], double *disks)
 {
-    rp_status status = an_lattice_cut(k, theta, alpha, up);
-    if (status) return status;
+    RP_TRY(an_lattice_cut(k, theta, alpha, up));
     *disks = 0;
     for (long s = 0; s < k; s++) *disks += (double)up[s];
     if (o->method == RECURSION) return an_lattice_recursion(k, up, theta, force);
     if (o->base > 0) return an_lattice_counts(k, up, theta, force);
-    for (long i = 1; i <= k && !status; i++) status = an_lattice_triangle(k, theta, i, &force[i - 1]);
-    return status;
+    for (long i = 1; i <= k; i++) RP_TRY(an_lattice_triangle(k, theta, i, &force[i - 1]));
+    return RP_OK;
 }
 
 static void print(long k, double alpha, double theta, const an_force force[], double disks)
@@ -84,5 +83,4 @@ const cli_command cmd_lattice = {
     "is the base of the triangle of equal weight.",
     "repose lattice --base 45 --alpha-deg 30",
     lattice_params,
-    .prints_table = true,
     .act = write_pile};

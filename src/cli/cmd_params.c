@@ -13,19 +13,8 @@
 
 CLI_OPTIONS(params, PARAMS_OPTIONS)
 
-static const char *type_word(rp_type type)
-{
-    switch (type) {
-    case RP_REAL: return "real";
-    case RP_INT: return "whole";
-    case RP_BOOL: return "bool";
-    case RP_CHOICE: return "word";
-    case RP_FLAGS: return "words";
-    case RP_TEXT:
-    case RP_TEXTS: break;
-    }
-    return "text";
-}
+static const char *const type_words[] = {[RP_REAL] = "real",   [RP_INT] = "whole",   [RP_BOOL] = "bool",
+                                         [RP_CHOICE] = "word", [RP_FLAGS] = "words", [RP_TEXT] = "text"};
 
 static const char *shown(const char *text)
 {
@@ -49,7 +38,7 @@ static void print_schema(const rp_param *schema)
     printf("# %-25s %-10s %-6s %-12s %-34s %s\n", "name", "unit", "type", "default", "range", "meaning");
     char text[64];
     for (const rp_param *p = schema; p->name; p++)
-        printf("  %-25s %-10s %-6s %-12s %-34s %s\n", p->name, shown(rp_unit(p->unit)), type_word(p->type),
+        printf("  %-25s %-10s %-6s %-12s %-34s %s\n", p->name, shown(rp_unit(p->unit)), type_words[p->type],
                default_of(p, text), p->type == RP_BOOL ? "true | false" : shown(p->range), p->meaning);
 }
 
@@ -86,7 +75,7 @@ static void schema_rows(const char *of, const char *kind, const rp_param *schema
     char text[64];
     for (const rp_param *p = schema; p->name; p++)
         printf("%s\t%s\t%s\t%s\t%s\t%s\t%s\t%s\n", of, kind, p->name, shown(rp_unit(p->unit)),
-               type_word(p->type), default_of(p, text), shown(p->range), p->meaning);
+               type_words[p->type], default_of(p, text), shown(p->range), p->meaning);
 }
 
 static void scene_rows(void)
@@ -143,5 +132,4 @@ const cli_command cmd_params = {
     "kind, name, unit, type, default, range and meaning; \"-\" stands for none.",
     "repose params repose",
     params_params,
-    .prints_table = true,
     .act = print_all};

@@ -3,7 +3,6 @@
 #include <math.h>
 #include <stddef.h>
 #include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
 #include "analytic/analytic.h"
@@ -61,10 +60,9 @@ static rp_status read_disks(const char *path, sweep_outline *h)
 {
     rp_table *table;
     double *x;
-    rp_status status = cli_table_read(path, &table);
+    RP_TRY(cli_table_read(path, &table));
     const bool radii = rp_table_column(table, "r") >= 0;
-    if (!status) status = cli_read_columns(table, radii ? "x,y,r" : "x,y", &x);
-    if (status) return status;
+    RP_TRY(cli_read_columns(table, radii ? "x,y,r" : "x,y", &x));
     h->n = table->n_rows;
     h->disks = malloc((h->n + 1) * sizeof *h->disks);
     if (!h->disks) return rp_fail(RP_NO_MEMORY, "pile: out of memory");
@@ -172,14 +170,6 @@ static void draw(size_t n, const statics_result *r, void *context)
     fflush(stderr);
 }
 
-/* No failure: the primary state is what was asked for. */
-static void tell_unstable(size_t modes)
-{
-    if (modes)
-        fprintf(stderr, "repose pile: unstable: %zu negative mode%s; --branch minimum seeks a stable state\n",
-                modes, modes == 1 ? "" : "s");
-}
-
 static rp_status solve(const options *o, const sweep_outline *h)
 {
     sweep_solved s;
@@ -188,7 +178,9 @@ static rp_status solve(const options *o, const sweep_outline *h)
     const bool watched = isatty(STDERR_FILENO);
     rp_status status = sweep_pile_solve(&o->pile, h, watched ? draw : NULL, &start, &s, &results);
     if (watched) fputs("\r\033[K", stderr);
-    if (!status) tell_unstable(s.r.negative_modes);
+    if (!status && s.r.negative_modes) /* no failure: the primary state is what was asked for */
+        fprintf(stderr, "repose pile: unstable: %zu negative mode%s; --branch minimum seeks a stable state\n",
+                s.r.negative_modes, s.r.negative_modes == 1 ? "" : "s");
     if (!status || status == RP_NO_RESULT) {
         rp_status written = write_tables(o, &s, &results);
         status = status ? rp_fail(status, "%s", results.message) : written;
@@ -287,7 +279,6 @@ const cli_command cmd_pile = {
     "  singular       an equilibrium in which a disk can move freely, or none found for such a disk",
     "repose pile --alpha-deg 30 --base 45",
     own_params,
-    .prints_table = true,
     .act = solve_any,
     .protocol = sweep_pile_schema,
     .protocol_size = offsetof(options, own)};

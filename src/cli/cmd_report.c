@@ -37,9 +37,9 @@ static rp_status fill_text(report *r, const cli_cell *cell, const char *format)
     stats_number number;
     const char *text = cli_cell_text(cell, cell->column);
     if (format && strcmp(format, "+-") == 0) {
-        rp_status status = cli_cell_number(cell, &number);
-        if (!status) cli_print_number(r->out, number);
-        return status;
+        RP_TRY(cli_cell_number(cell, &number));
+        cli_print_number(r->out, number);
+        return RP_OK;
     }
     if (text && *cell->column == '#') {
         fputs(text, r->out);
@@ -49,18 +49,14 @@ static rp_status fill_text(report *r, const cli_cell *cell, const char *format)
                 : rp_table_find(cell->table, cell->column, NULL, &(int){0});
 }
 
-static void print_no_data(report *r, const char *table)
-{
-    fputs(no_data, r->out);
-    snprintf(r->lacking, sizeof r->lacking, "%.*s", (int)strcspn(table, " "), table);
-}
-
 static rp_status fill_cell(report *r, const char *reference, const char *format)
 {
     cli_cell cell;
     RP_TRY(cli_cell_find(r->options->tables, reference, &cell));
     if (!cell.missing) return fill_text(r, &cell, format);
-    print_no_data(r, reference + strspn(reference, " "));
+    reference += strspn(reference, " ");
+    snprintf(r->lacking, sizeof r->lacking, "%.*s", (int)strcspn(reference, " "), reference);
+    fputs(no_data, r->out);
     return RP_OK;
 }
 
@@ -330,10 +326,9 @@ static rp_status fill_report(void *values)
 {
     const report_options *o = values;
     report r = {.options = o, .template = cli_data(cli_argument(0))};
-    rp_status status = cli_claims_read(o->claims, &r.claims);
-    if (!status && (status = rp_file_open(o->o, &r.out)) == RP_OK)
-        status = rp_file_close(o->o, r.out, fill_file(&r, r.template));
-    return status;
+    RP_TRY(cli_claims_read(o->claims, &r.claims));
+    RP_TRY(rp_file_open(o->o, &r.out));
+    return rp_file_close(o->o, r.out, fill_file(&r, r.template));
 }
 
 const cli_command cmd_report = {
@@ -359,4 +354,5 @@ const cli_command cmd_report = {
     "A table that has not been made gives `no data` in a table; a line of text then names it instead.",
     "repose report figures/paper-repro.md.in -o paper-repro.md",
     report_params,
+    .prints_text = true,
     .act = fill_report};

@@ -1,5 +1,6 @@
 /* `repose run`: any scene from a file, with snapshots that it goes on from; or one run of a sweep again with
  * its tables. */
+#include <limits.h>
 #include <math.h>
 #include <signal.h>
 #include <stddef.h>
@@ -79,9 +80,9 @@ static void provenance(FILE *out)
 
 /* Where the tables of a run go. Standard output holds the states alone. */
 typedef struct {
-    sweep_tables tables; /* no folder: standard output */
-    bool resumable;      /* the growing tables are in `unfinished` */
-    sweep_file file[CLI_GROWING];
+    const char *directory; /* "": standard output */
+    bool resumable;        /* by the snapshots beside the tables */
+    FILE *table[CLI_GROWING];
     cli_unfinished unfinished;
     bool quiet;
     cli_progress progress;
@@ -107,69 +108,34 @@ static void keep_run(rp_snapshot *s, void *context)
 
 static void take_growing(outputs *o)
 {
-    for (int k = 0; k < CLI_GROWING; k++) o->file[k].out = o->unfinished.table[k].file;
-}
-
-/* The growing tables, with the first lines of all tables. */
-static rp_status open_growing(outputs *o)
-{
-    rp_status status = rp_make_directory(o->tables.directory);
-    if (!o->resumable) {
-        for (int k = 0; k < CLI_GROWING && !status; k++)
-            status = sweep_table_open(&o->tables, growing[k], &o->file[k]);
-        return status;
-    }
-    if (!status) status = cli_unfinished_start(&o->unfinished, o->tables.directory, layout(), growing);
-    if (status) return status;
-    take_growing(o);
-    for (int k = 0; k < CLI_GROWING; k++) provenance(o->file[k].out);
-    return RP_OK;
+    for (int k = 0; k < CLI_GROWING; k++) o->table[k] = o->unfinished.table[k].file;
 }
 
 static rp_status outputs_open(outputs *o, const scene_run *r)
 {
-    if (*o->tables.directory) {
-        RP_TRY(open_growing(o));
-        dem_write_energy_columns(r->plan.ledger, o->file[ENERGY].out);
-        dem_write_contact_columns(o->file[CONTACTS].out);
-        dem_write_wall_columns(o->file[WALLS].out);
+    o->table[STATES] = stdout;
+    if (*o->directory) {
+        RP_TRY(cli_unfinished_start(&o->unfinished, o->directory, layout(), growing));
+        take_growing(o);
+        for (int k = 0; k < CLI_GROWING; k++) provenance(o->table[k]);
+        dem_write_energy_columns(r->plan.ledger, o->table[ENERGY]);
+        dem_write_contact_columns(o->table[CONTACTS]);
+        dem_write_wall_columns(o->table[WALLS]);
     } else {
-        o->file[STATES] = (sweep_file){"-", stdout};
         cli_provenance(stdout);
     }
-    dem_write_notes(r->sim, o->file[STATES].out);
-    dem_write_state_columns(o->file[STATES].out);
+    dem_write_notes(r->sim, o->table[STATES]);
+    dem_write_state_columns(o->table[STATES]);
     return RP_OK;
 }
 
 static rp_status outputs_write(const outputs *o, const dem_sim *sim)
 {
-    rp_status status = dem_write_states(sim, o->file[STATES].out);
-    if (status || !*o->tables.directory) return status;
-    dem_write_energy(sim, o->file[ENERGY].out);
-    status = dem_write_contacts(sim, o->file[CONTACTS].out);
-    return status ? status : dem_write_walls(sim, o->file[WALLS].out);
-}
-
-/* Unless the run is whole, its tables say so in their last line. No table stays after one that failed. */
-static rp_status close_table(const sweep_file *file, const char *unfinished, rp_status before)
-{
-    if (unfinished) rp_table_note(file->out, "unfinished", "%s", unfinished);
-    const rp_status status = sweep_table_close(file, before);
-    return before ? before : status;
-}
-
-/* What was computed before a failure is kept, apart from what was there. */
-static rp_status outputs_close(outputs *o, rp_status run)
-{
-    char why[1024];
-    snprintf(why, sizeof why, "%s", rp_message());
-    rp_status status = RP_OK;
-    for (int k = 0; k < CLI_GROWING && !o->resumable; k++)
-        if (o->file[k].out) status = close_table(&o->file[k], run ? why : NULL, status);
-    if (!run && o->resumable) status = cli_unfinished_finish(&o->unfinished);
-    if (o->resumable) cli_unfinished_close(&o->unfinished);
-    return run ? rp_fail(run, "%s", why) : status;
+    RP_TRY(dem_write_states(sim, o->table[STATES]));
+    if (!*o->directory) return RP_OK;
+    dem_write_energy(sim, o->table[ENERGY]);
+    RP_TRY(dem_write_contacts(sim, o->table[CONTACTS]));
+    return dem_write_walls(sim, o->table[WALLS]);
 }
 
 static growth growth_of(const dem_scene *scene, const dem_sim *sim)
@@ -304,7 +270,7 @@ static rp_status advance(scene_run *r, outputs *out)
         if (!status && stopped)
             status = out->resumable
                          ? rp_fail(RP_STOPPED, "stopped at step %ld of %ld; repose run --resume %s goes on",
-                                   step, p->steps, out->tables.directory)
+                                   step, p->steps, out->directory)
                          : rp_fail(RP_STOPPED, "stopped at step %ld of %ld", step, p->steps);
     }
     return status;
@@ -315,28 +281,23 @@ static rp_status finish_scene(scene_run *r, outputs *out, rp_status status)
 {
     if (!status) status = advance(r, out);
     if (!status && (r->plan.every <= 0 || r->plan.steps > 0)) status = outputs_write(out, r->sim);
-    if (!status) growth_report(&r->energy, r->sim, out->file[STATES].out);
+    if (!status) growth_report(&r->energy, r->sim, out->table[STATES]);
     cli_plot_close(&out->plot);
-    return outputs_close(out, status);
+    if (*out->directory) return cli_unfinished_end(&out->unfinished, out->resumable, status);
+    if (status && out->table[STATES]) rp_table_note(stdout, "unfinished", "%s", rp_message());
+    return status ? status : rp_table_finish(stdout, "standard output");
 }
 
 static rp_status run_scene(scene_run *r, const run_options *o)
 {
-    const char *directory = o->o;
-    outputs out = {.tables = {.directory = directory, .header = provenance},
-                   .resumable = r->plan.snapshot > 0};
-    char stage[4096] = "";
-    rp_status status = *directory && !out.resumable ? cli_stage_open(directory, false, stage) : RP_OK;
-    if (status) return status;
-    if (*stage) out.tables.directory = stage;
+    outputs out = {.directory = o->o, .resumable = r->plan.snapshot > 0, .unfinished.lock = -1};
     cli_on_stop(note_stop);
-    status = start_watch(&out, r, o);
+    rp_status status = start_watch(&out, r, o);
     if (!status) status = outputs_open(&out, r);
     if (!status && r->plan.every > 0) status = outputs_write(&out, r->sim);
     if (!status && out.resumable) status = cli_unfinished_write(&out.unfinished, keep_run, r);
     status = finish_scene(r, &out, status);
-    if (*stage) status = cli_stage_close(directory, stage, status);
-    if (!status && !o->quiet) report_end(r, directory);
+    if (!status && !o->quiet) report_end(r, o->o);
     return status;
 }
 
@@ -367,12 +328,14 @@ static rp_status run_row(const char *path, const run_options *o)
     const sweep_protocol *protocol;
     const double started = rp_clock();
     static volatile bool stopped;
-    char stage[4096], snapshot[4096 + 16];
+    cli_unfinished folder;
+    char stage[PATH_MAX], snapshot[PATH_MAX + 16];
     snprintf(run_note, sizeof run_note, "%s row %ld", path, o->row);
     RP_TRY(cli_claim_run(o->o, run_note, o->force, replaces));
-    RP_TRY(cli_stage_open(o->o, true, stage));
+    RP_TRY(cli_unfinished_start(&folder, o->o, 0, NULL));
+    snprintf(stage, sizeof stage, "%s/unfinished", o->o);
     snprintf(snapshot, sizeof snapshot, "%s/snapshot", stage);
-    cli_stage_stops(stage, &stopped);
+    cli_unfinished_stops(o->o, &stopped);
     const sweep_tables tables = {.directory = stage,
                                  .every = o->every > 0 ? o->every : 100,
                                  .header = provenance,
@@ -381,8 +344,7 @@ static rp_status run_row(const char *path, const run_options *o)
                                  .interval = CLI_SNAPSHOT,
                                  .stop = &stopped};
     rp_status status = sweep_trace(path, sweep_protocols, (size_t)o->row, &tables, &protocol, &result);
-    status = cli_stage_close(o->o, stage, status);
-    if (status) return status;
+    RP_TRY(cli_unfinished_end(&folder, false, status));
     const char *columns[SWEEP_MAX_OUTPUTS + 1][2];
     size_t n = 0;
     for (const sweep_output *p = protocol->outputs; p->name; p++, n++)
@@ -392,8 +354,8 @@ static rp_status run_row(const char *path, const run_options *o)
     rp_table_note(stdout, "run_time", "%.3g s", rp_clock() - started);
     rp_table_columns(stdout, n + 1, (const char *const(*)[2])columns);
     rp_table_row_word(stdout, n, result.values, result.status);
-    if (!o->quiet && strncmp(result.status, "ok", 2) == 0) report_row(protocol, &result, o->o);
-    if (strncmp(result.status, "ok", 2) == 0) return RP_OK;
+    if (!o->quiet && sweep_is_result(result.status)) report_row(protocol, &result, o->o);
+    if (sweep_is_result(result.status)) return RP_OK;
     return rp_fail(RP_NO_RESULT, "%s%s%s", result.status, *result.message ? ": " : "", result.message);
 }
 
@@ -496,7 +458,7 @@ static rp_status resume(const run_options *o)
 {
     const char *scene = cli_argument(0);
     scene_run r = {.threads = o->j};
-    outputs out = {.tables = {.directory = o->resume, .header = cli_provenance}, .resumable = true};
+    outputs out = {.directory = o->resume, .resumable = true};
     if (cli_given("o") || cli_given("every") || cli_given("row") || cli_given("snapshot") ||
         cli_given("force"))
         return rp_fail(RP_USAGE, "--resume goes on with the options of the start; -o, --every, --row, "
@@ -513,9 +475,8 @@ static rp_status resume(const run_options *o)
     }
     if (!status && scene) status = check_scene(scene, o, &r.plan);
     if (status) {
-        cli_unfinished_close(&out.unfinished);
         dem_free(r.sim);
-        return status;
+        return cli_unfinished_end(&out.unfinished, true, status);
     }
     printf("%s: goes on from step %ld to %ld\n", o->resume, dem_step(r.sim), r.plan.steps);
     take_growing(&out);
@@ -582,5 +543,4 @@ const cli_command cmd_run = {
     "forces on the base.",
     "repose run scene.cfg --set tangential.mu=0.3 --every 1000 -o out",
     run_params,
-    .prints_table = true,
     .act = run_any};

@@ -1,6 +1,4 @@
 /* repose stats: statistics of tables on the command line. */
-#include <string.h>
-
 #include "stats/stats.h"
 #include "cli/cli.h"
 
@@ -56,12 +54,10 @@ static const cli_command maximum = {
 
 CLI_OPTIONS(select, SELECT_OPTIONS)
 
-enum { MOST_COLUMNS = 1024 };
-
 static void print_selected_header(const rp_table *t, size_t n, const int columns[])
 {
-    static char units[MOST_COLUMNS][32], numbers[MOST_COLUMNS][12];
-    static const char *header[MOST_COLUMNS][2];
+    char(*units)[32] = cli_memory(n, sizeof *units), (*numbers)[12] = cli_memory(n, sizeof *numbers);
+    const char *(*header)[2] = cli_memory(n, sizeof *header);
     for (size_t c = 0; c < n; c++) {
         cli_column_unit(t, columns[c], units[c]);
         snprintf(numbers[c], sizeof numbers[c], "%d", columns[c] + 1);
@@ -75,12 +71,9 @@ static void print_selected_header(const rp_table *t, size_t n, const int columns
 static rp_status select_of_table(rp_table *t, void *options)
 {
     const select_options *o = options;
-    static int columns[MOST_COLUMNS];
-    size_t n = t->n_columns;
-    if (n > MOST_COLUMNS)
-        return rp_fail(RP_BAD_INPUT, "%s: %zu columns, at most %d", t->path, n, MOST_COLUMNS);
-    for (size_t c = 0; c < n; c++) columns[c] = (int)c;
-    if (strcmp(o->columns, "all") != 0) RP_TRY(cli_column_list(t, o->columns, MOST_COLUMNS, &n, columns));
+    int *columns;
+    size_t n;
+    RP_TRY(cli_columns(t, o->columns, &n, &columns));
     if (!o->bare) print_selected_header(t, n, columns);
     for (size_t i = 0; i < t->n_rows; i++)
         for (size_t c = 0; c < n; c++) printf("%s%s", cli_text(t, i, columns[c]), c + 1 < n ? "\t" : "\n");

@@ -21,6 +21,12 @@ enum { SCALE_LINEAR, SCALE_LOG };
 
 CLI_OPTIONS(fit, FIT_OPTIONS)
 
+static void note_rows(const cli_rows *rows)
+{
+    rp_table_note(stdout, "rows", "%zu used, %zu left out for nan, %zu outside the range of x", rows->n,
+                  rows->n_nan, rows->n_outside);
+}
+
 static rp_status take_logarithms(const rp_table *t, size_t n, double v[], const char *name)
 {
     for (size_t i = 0; i < n; i++) {
@@ -67,9 +73,7 @@ static rp_status print_fit(size_t n, const double x[], const double y[], const d
 {
     const int n_lines = logarithms ? 1 : 2; /* the line through the origin would be that through (1, 1) */
     stats_line lines[2];
-    for (int i = 0; i < n_lines; i++) {
-        RP_TRY(stats_line_fit(n, x, y, se, i == 1, &lines[i]));
-    }
+    for (int i = 0; i < n_lines; i++) RP_TRY(stats_line_fit(n, x, y, se, i == 1, &lines[i]));
     rp_table_header(stdout,
                     "slope [y/x], slope_se [y/x], intercept [y], intercept_se [y], covariance [y^2/x], chi2, "
                     "dof, p_value, n, x_from [x], x_to [x], line");
@@ -99,8 +103,7 @@ static rp_status fit_table(rp_table *table, void *values)
     double *x = rows.column[0], *y = rows.column[1];
     double range[2];
     cli_table(stdout);
-    rp_table_note(stdout, "rows", "%zu used, %zu left out for nan, %zu outside the range of x", rows.n,
-                  rows.n_nan, rows.n_outside);
+    note_rows(&rows);
     gsl_stats_minmax(&range[0], &range[1], x, 1, rows.n);
     rp_status status = logarithms ? take_logarithms(table, rows.n, x, o->x) : RP_OK;
     if (logarithms && !status) status = take_logarithms(table, rows.n, y, o->y);
@@ -150,8 +153,7 @@ static rp_status oscillation_of_table(rp_table *table, void *values)
     if (!status) status = stats_oscillation_fit(rows.n, rows.column[0], rows.column[1], &f);
     RP_TRY(rp_prefix(status, "%s: ", table->path));
     cli_table(stdout);
-    rp_table_note(stdout, "rows", "%zu used, %zu left out for nan, %zu outside the range of x", rows.n,
-                  rows.n_nan, rows.n_outside);
+    note_rows(&rows);
     rp_table_header(stdout,
                     "decay [y/x], decay_se [y/x], frequency [1/x], frequency_se [1/x], amplitude [y], "
                     "share, n, x_from [x], x_to [x]");

@@ -1,5 +1,4 @@
-/* repose stats predict: what foretells a column of a table of runs, out of sample. */
-#include <stdlib.h>
+/* repose stats predict: what predicts a column of a table of runs, out of sample. */
 #include <string.h>
 
 #include "stats/stats.h"
@@ -40,9 +39,8 @@ static rp_status read_rows(const rp_table *t, rows *r)
     snprintf(names, size, given ? "%s,%s,%s" : "%s,%s", o->y, o->x, o->given);
     for (const char *x = o->x; *x; x++) r->n_x += *x == ',';
     r->n_x++;
-    rp_status status = cli_group_rows(t, o->by, '\t', &r->groups);
-    if (!status) status = cli_rows_read(t, names, &choice, &r->of);
-    if (status) return status;
+    RP_TRY(cli_group_rows(t, o->by, '\t', &r->groups));
+    RP_TRY(cli_rows_read(t, names, &choice, &r->of));
     r->mean = cli_memory(r->of.n, sizeof *r->mean);
     r->predicted = cli_memory(r->of.n, sizeof *r->predicted);
     r->fold = cli_memory(r->of.n, sizeof *r->fold);
@@ -56,52 +54,45 @@ static rp_status read_rows(const rp_table *t, rows *r)
 static rp_status predict(const rows *r, size_t p, const double *const x[], double predicted[])
 {
     if (r->o->other_groups) return stats_predict(r->of.n, p, x, r->of.column[0], r->fold, predicted);
-    rp_status status = RP_OK;
-    for (size_t g = 0; g < r->of.n_groups && !status; g++) {
+    for (size_t g = 0; g < r->of.n_groups; g++) {
         const double *part[CLI_MOST_COLUMNS];
         const size_t first = r->of.first[g];
         for (size_t k = 0; k < p; k++) part[k] = x[k] + first;
-        status = stats_predict(r->of.first[g + 1] - first, p, part, r->of.column[0] + first, r->fold + first,
-                               predicted + first);
+        RP_TRY(stats_predict(r->of.first[g + 1] - first, p, part, r->of.column[0] + first, r->fold + first,
+                             predicted + first));
     }
-    return status;
+    return RP_OK;
 }
 
 static rp_status print_scores(const rows *r, const char *name, const double x[], const double predicted[])
 {
-    rp_status status = RP_OK;
-    for (size_t g = 0; g < r->of.n_groups && !status; g++) {
+    for (size_t g = 0; g < r->of.n_groups; g++) {
         const size_t first = r->of.first[g];
         stats_prediction s;
-        status = stats_prediction_score(r->of.first[g + 1] - first, r->of.column[0] + first, x + first,
-                                        predicted + first, r->mean + first, &s);
-        if (status) return status;
-        if (strcmp(r->o->by, "none") != 0) printf("%s\t", r->groups.words[g]);
+        RP_TRY(stats_prediction_score(r->of.first[g + 1] - first, r->of.column[0] + first, x + first,
+                                      predicted + first, r->mean + first, &s));
+        if (*r->groups.words[g]) printf("%s\t", r->groups.words[g]);
         CLI_ROW_WORD(name, (double)s.n, s.correlation, s.correlation_se, s.correlation_lo, s.correlation_hi,
                      s.skill, s.skill_se, s.rms, s.rms_se, s.measured.mean, s.measured.se, s.predicted.mean,
                      s.predicted.se, s.error.mean, s.error.se);
     }
-    return status;
+    return RP_OK;
 }
 
 /* Each column by itself, all of them together, and the one given. */
 static rp_status print_predictors(const rows *r)
 {
     const double *const *x = (const double *const *)&r->of.column[1];
-    char *names = strdup(r->o->x), *rest = names;
-    rp_status status = names ? RP_OK : rp_fail(RP_NO_MEMORY, "stats predict: out of memory");
-    for (size_t k = 0; k < r->n_x && !status; k++) {
-        status = predict(r, 1, &x[k], r->predicted);
-        if (!status) status = print_scores(r, strsep(&rest, ","), x[k], r->predicted);
+    char *rest = strcpy(cli_memory(strlen(r->o->x), 1), r->o->x);
+    for (size_t k = 0; k < r->n_x; k++) {
+        RP_TRY(predict(r, 1, &x[k], r->predicted));
+        RP_TRY(print_scores(r, strsep(&rest, ","), x[k], r->predicted));
     }
-    free(names);
-    if (!status && r->n_x > 1) {
-        status = predict(r, r->n_x, x, r->predicted);
-        if (!status) status = print_scores(r, "all", r->predicted, r->predicted);
+    if (r->n_x > 1) {
+        RP_TRY(predict(r, r->n_x, x, r->predicted));
+        RP_TRY(print_scores(r, "all", r->predicted, r->predicted));
     }
-    if (!status && strcmp(r->o->given, "none") != 0)
-        status = print_scores(r, r->o->given, x[r->n_x], x[r->n_x]);
-    return status;
+    return strcmp(r->o->given, "none") != 0 ? print_scores(r, r->o->given, x[r->n_x], x[r->n_x]) : RP_OK;
 }
 
 static rp_status predict_table(rp_table *table, void *values)
@@ -109,13 +100,13 @@ static rp_status predict_table(rp_table *table, void *values)
     rows r = {.o = values};
     rp_status status = read_rows(table, &r);
     if (!status) status = predict(&r, 0, NULL, r.mean);
-    if (status) return rp_prefix(status, "%s: ", table->path);
+    RP_TRY(rp_prefix(status, "%s: ", table->path));
     cli_table(stdout);
     rp_table_note(stdout, "rows", "%zu used, %zu without result, %zu with nan", r.of.n, r.of.n_failed,
                   r.of.n_nan);
     status = cli_header_by(table, r.o->by, PREDICT_COLUMNS);
     if (!status) status = print_predictors(&r);
-    return status ? rp_prefix(status, "%s: ", table->path) : RP_OK;
+    return rp_prefix(status, "%s: ", table->path);
 }
 
 const cli_command cmd_stats_predict = {
@@ -129,7 +120,7 @@ const cli_command cmd_stats_predict = {
     "correlation: Pearson's, of the column and y, with a 95 % interval; of all columns, of their\n"
     "prediction and y. skill: 1 less the mean square error over that of the mean of the other parts; 0 for "
     "a\n"
-    "column that foretells nothing, negative for one that misleads. rms: root mean square error.\n"
+    "column that predicts nothing, negative for one that misleads. rms: root mean square error.\n"
     "error: mean of measured less predicted. Rows with nan in a column are left out for all.\n"
     "TABLE (- for standard input): one row per run, as repose sweep export writes.",
     "repose stats predict build/studies/lh_onset_runs.tsv -x bulk_friction_0,scatter -y "

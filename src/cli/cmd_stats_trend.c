@@ -48,22 +48,12 @@ CLI_OPTIONS(size, SIZE_OPTIONS)
     "n, n_x, x_from [x], x_to [x], limit [y], limit_se [y], limit_lo [y], limit_hi [y], limit_lo90 [y], "    \
     "limit_hi90 [y], dof, p_value, c, exponent, exponent_lo, exponent_hi, chi2, p_fit, status"
 
-static bool grouped(const trend_options *o)
-{
-    return strcmp(o->by, "none") != 0;
-}
-
 /* The rows that count, with columns x, y and, where piles are compared, pile. */
 typedef struct {
     cli_groups groups;
     cli_rows of;
     char x_words[256]; /* what the numbers of x stand for; empty if they are numbers */
 } rows;
-
-static double scaled(int scale, double x)
-{
-    return scale == SCALE_LOG ? log10(x) : scale == SCALE_INVERSE ? 1.0 / x : x;
-}
 
 static rp_status read_rows(const rp_table *t, const trend_options *o, rows *r)
 {
@@ -77,7 +67,7 @@ static rp_status read_rows(const rp_table *t, const trend_options *o, rows *r)
         if (o->scale != SCALE_LINEAR && !(*x > 0.0))
             return rp_fail(RP_BAD_INPUT, "%s:%zu: %s = %g: out of range of this scale, allowed: (0, inf)",
                            t->path, t->lines[r->of.row[i]], o->x, *x);
-        *x = scaled(o->scale, *x);
+        *x = o->scale == SCALE_LOG ? log10(*x) : o->scale == SCALE_INVERSE ? 1.0 / *x : *x;
     }
     return RP_OK;
 }
@@ -134,13 +124,13 @@ static rp_status fit_groups(const rp_table *t, const rows *r, const trend_option
         with_result += group == RP_OK;
         p[g] = group ? NAN : stats_contrast_p(&trends[g].change);
         if (group && group != RP_NO_RESULT)
-            return rp_prefix(group, "%s%s", r->groups.words[g], grouped(o) ? ": " : "");
+            return rp_prefix(group, "%s%s", r->groups.words[g], *r->groups.words[g] ? ": " : "");
     }
     if (with_result == 0) return group;
     stats_holm(n_groups, p, p_holm);
     RP_TRY(print_header(t, r, o, size ? SIZE_COLUMNS : TREND_COLUMNS));
     for (size_t g = 0; g < n_groups; g++) {
-        if (grouped(o)) printf("%s\t", r->groups.words[g]);
+        if (*r->groups.words[g]) printf("%s\t", r->groups.words[g]);
         if (size)
             print_size(&trends[g], p_holm[g]);
         else
@@ -209,13 +199,13 @@ static rp_status print_limits(const rp_table *t, const rows *r, const trend_opti
                                 r->of.column[1] + first[g], least_exponent, &limits[g]);
         with_result += group == RP_OK;
         if (group && group != RP_NO_RESULT)
-            return rp_prefix(group, "%s%s", r->groups.words[g], grouped(o) ? ": " : "");
+            return rp_prefix(group, "%s%s", r->groups.words[g], *r->groups.words[g] ? ": " : "");
     }
     if (with_result == 0) return group;
     RP_TRY(print_header(t, r, o, LIMIT_COLUMNS));
     for (size_t g = 0; g < n_groups; g++) {
         const stats_limit *l = &limits[g];
-        if (grouped(o)) printf("%s\t", r->groups.words[g]);
+        if (*r->groups.words[g]) printf("%s\t", r->groups.words[g]);
         CLI_ROW_WORD(limit_word(l), (double)l->n, (double)l->n_x, l->from, l->to, l->limit, l->se, l->lo,
                      l->hi, l->lo90, l->hi90, l->dof, l->p_value, l->c, l->exponent, l->exponent_lo,
                      l->exponent_hi, l->chi2, l->p_fit);
@@ -223,32 +213,27 @@ static rp_status print_limits(const rp_table *t, const rows *r, const trend_opti
     return RP_OK;
 }
 
-static rp_status limits_of_table(rp_table *table, const size_options *s)
-{
-    rows r = {0};
-    const trend_options o = {.x = s->x, .y = s->y, .by = s->by, .from = s->from, .to = s->to};
-    if (cli_given("power"))
-        return rp_fail(RP_USAGE,
-                       "--exponent free weighs by the errors of the means; give it or --power, not both");
-    RP_TRY(read_rows(table, &o, &r));
-    const rp_status status = print_limits(table, &r, &o, s->least_exponent);
-    return status ? rp_prefix(status, "%s: ", table->path) : RP_OK;
-}
-
 static rp_status size_of_table(rp_table *table, void *values)
 {
     const size_options *s = values;
-    if (s->exponent == EXPONENT_FREE) return limits_of_table(table, s);
-    if (cli_given("least-exponent")) return rp_fail(RP_USAGE, "--least-exponent is for --exponent free");
+    const bool free = s->exponent == EXPONENT_FREE;
     const trend_options o = {.x = s->x,
                              .y = s->y,
                              .by = s->by,
                              .from = s->from,
                              .to = s->to,
                              .power = s->power,
-                             .scale = SCALE_INVERSE,
+                             .scale = free ? SCALE_LINEAR : SCALE_INVERSE,
                              .margin = 1.0}; /* of a test that is not printed */
-    return trend_or_size(table, &o, true);
+    rows r = {0};
+    if (!free && cli_given("least-exponent"))
+        return rp_fail(RP_USAGE, "--least-exponent is for --exponent free");
+    if (!free) return trend_or_size(table, &o, true);
+    if (cli_given("power"))
+        return rp_fail(RP_USAGE,
+                       "--exponent free weighs by the errors of the means; give it or --power, not both");
+    RP_TRY(read_rows(table, &o, &r));
+    return rp_prefix(print_limits(table, &r, &o, s->least_exponent), "%s: ", table->path);
 }
 
 const cli_command cmd_stats_trend = {

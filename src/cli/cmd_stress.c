@@ -109,7 +109,6 @@ static const cli_command field = {
     "compression, mobilised angle.",
     "repose stress field pile --width 4",
     field_params,
-    .prints_table = true,
     .act = print_field};
 
 /* ---- base ---- */
@@ -177,7 +176,6 @@ static const cli_command base = {
     "that weight.",
     "repose stress base pile --width 4",
     base_params,
-    .prints_table = true,
     .act = print_base};
 
 /* ---- group ---- */

@@ -29,8 +29,8 @@ static rp_status read_rays(const rp_table *t, dip_piles *p)
     cli_rows rows;
     for (int k = 0; k < STRESS_DIP_BINS / 2; k++) p->rays[k] = NAN;
     if (rp_table_column(t, "rays_01") < 0) return RP_OK;
-    rp_status status = cli_rows_read(t, STRESS_DIP_BIN_LIST(RAYS_NAME) "excess", &(cli_choice){0}, &rows);
-    for (int k = 0; k < STRESS_DIP_BINS / 2 && !status; k++) {
+    RP_TRY(cli_rows_read(t, STRESS_DIP_BIN_LIST(RAYS_NAME) "excess", &(cli_choice){0}, &rows));
+    for (int k = 0; k < STRESS_DIP_BINS / 2; k++) {
         p->rays[k] = 0.0;
         for (size_t i = 0; i < rows.n; i++)
             p->rays[k] +=
@@ -38,7 +38,7 @@ static rp_status read_rays(const rp_table *t, dip_piles *p)
                 (rows.column[STRESS_DIP_BINS / 2 - 1 - k][i] + rows.column[STRESS_DIP_BINS / 2 + k][i]) /
                 (double)rows.n;
     }
-    return status;
+    return RP_OK;
 }
 
 static rp_status read_piles(const rp_table *t, dip_piles *p)
@@ -80,16 +80,15 @@ static rp_status find_planted(const dip_piles *p, const dip_options *o, double d
 {
     double *profiles = cli_memory(p->n * STRESS_DIP_BINS, sizeof *profiles),
            *excess = cli_memory(p->n, sizeof *excess);
-    rp_status status = RP_OK;
-    for (long e = 0; e < o->ensembles && !status; e++) {
+    for (long e = 0; e < o->ensembles; e++) {
         stress_dips d;
         stress_dip_plant(p->n, p->profiles, p->excess, depth, draws, profiles, excess);
-        status = stress_dip_ensemble(p->n, profiles, excess, o->margin, (size_t)o->resamples, resamples, &d);
+        RP_TRY(stress_dip_ensemble(p->n, profiles, excess, o->margin, (size_t)o->resamples, resamples, &d));
         found[0] += d.p_profile < o->level;
         found[1] += d.p_dip < o->level;
         found[2] += d.p_share < o->level;
     }
-    return status;
+    return RP_OK;
 }
 
 static rp_status print_power(const dip_piles *p, const dip_options *o)

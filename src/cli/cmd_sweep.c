@@ -10,6 +10,8 @@
 #include <unistd.h>
 
 #include "cli/cli.h"
+#include "core/config.h"
+#include "core/units.h"
 
 void cli_print_counts(const sweep_counts *counts)
 {
@@ -34,6 +36,36 @@ rp_status cli_sweep_export(const char *dir, unsigned what, const char *path, swe
     RP_TRY(rp_file_open(path, &out));
     return rp_file_close(path, out,
                          sweep_export(dir, sweep_protocols, what, cli_command_line(), counts, out));
+}
+
+void cli_warn_gravity(const char *path, double g)
+{
+    if (rp_units_now() == RP_CGS && g > 9.7 && g < 9.9)
+        fprintf(stderr,
+                "repose: warning: %s: g = %g among values in cm, g and s; give units = \"si\", or g = %g\n",
+                path, g, 100.0 * g);
+}
+
+static void warn_of(const char *path, const config_setting_t *group)
+{
+    const config_setting_t *g = group ? config_setting_get_member(group, "g") : NULL;
+    if (g)
+        cli_warn_gravity(path, config_setting_is_aggregate(g) ? config_setting_get_float_elem(g, 0)
+                                                              : config_setting_get_float(g));
+}
+
+static void warn_sweep(const char *path)
+{
+    config_t config;
+    if (rp_config_read(path, &config) == RP_OK) {
+        const config_setting_t *root = config_root_setting(&config),
+                               *grid = config_setting_get_member(root, "grid");
+        warn_of(path, config_setting_get_member(root, "fixed"));
+        if (grid && config_setting_is_group(grid)) warn_of(path, grid);
+        for (int i = 0; grid && config_setting_is_list(grid) && i < config_setting_length(grid); i++)
+            warn_of(path, config_setting_get_elem(grid, (unsigned)i));
+    }
+    config_destroy(&config);
 }
 
 /* An energy that grows is seen in a run's tables, and not in its row. */
@@ -76,7 +108,7 @@ static rp_status act_plan(void *values)
     RP_TRY(cli_claim_sweep(o->o, cli_argument(0), o->force));
     RP_TRY(sweep_prepare(cli_data(cli_argument(0)), o->o, o->replicas > 0 ? (size_t)o->replicas : 0,
                          sweep_protocols, cli_watch(o->quiet), &counts));
-    cli_warn_sweep(cli_data(cli_argument(0)));
+    warn_sweep(cli_data(cli_argument(0)));
     warn_undamped(cli_argument(0), &counts);
     print_planned(o->o, &counts);
     return RP_OK;
@@ -97,7 +129,6 @@ static const cli_command plan = {
     "  units = \"cgs\";                                      # or si, sigma: of the numbers and the tables",
     "repose sweep plan sweeps/lh/lh3.cfg -o build/sweeps/lh3",
     plan_params,
-    .prints_table = true,
     .act = act_plan};
 
 #define LIMITS(X)                                                                                            \
@@ -150,7 +181,6 @@ static const cli_command run = {
     "unites the parts.",
     "repose sweep run build/sweeps/lh3 -j 2",
     run_params,
-    .prints_table = true,
     .act = act_run};
 
 static rp_status act_status_of(void *values)
@@ -175,7 +205,6 @@ static const cli_command status_of = {
     "an array of jobs.",
     "repose sweep status build/sweeps/lh3",
     NULL,
-    .prints_table = true,
     .act = act_status_of};
 
 #define EXPORT_OPTIONS(X)                                                                                    \
@@ -204,7 +233,6 @@ static const cli_command export = {
     "are missing or aborted, the table has the others, and the exit status is 1.",
     "repose sweep export build/sweeps/lh3 --reduce -o build/tables/lh3.tsv",
     export_params,
-    .prints_table = true,
     .act = act_export};
 
 static rp_status act_digest(void *values)
@@ -230,7 +258,6 @@ static const cli_command digest = {
     "--json, the digest is among the notes.",
     "repose sweep digest build/sweeps/lh3",
     NULL,
-    .prints_table = true,
     .act = act_digest};
 
 /* In the child: this program with the words of `command`, standard output in `out`. @ is the tables' folder,
@@ -256,8 +283,8 @@ static rp_status make_table(const sweep_table *table, const char *tables)
     FILE *out;
     int code = SIGKILL; /* unless it has ended by itself */
     snprintf(path, sizeof path, "%s/%s.tsv", tables, table->name);
-    rp_status status = rp_file_open(path, &out);
-    if (status) return status;
+    rp_status status = RP_OK;
+    RP_TRY(rp_file_open(path, &out));
     const pid_t child = fork();
     if (child == 0) become(table->command, tables, out);
     while (child > 0 && waitpid(child, &code, 0) < 0 && errno == EINTR) {
@@ -303,17 +330,17 @@ static rp_status make_runs(const make_options *o, const char *file, const sweep_
 {
     size_t replicas = o->replicas > 0 ? (size_t)o->replicas : o->study ? recipe->study : 0;
     sweep_counts counts;
-    rp_status status = cli_claim_sweep(o->o, file, o->force);
-    if (!status) status = sweep_prepare(file, o->o, replicas, sweep_protocols, cli_watch(o->quiet), &counts);
     const sweep_options options = {
         .workers = (int)o->j, .memory = o->mem, .time = o->time, .snapshot = CLI_SNAPSHOT};
-    if (!status) cli_warn_sweep(file);
-    if (!status) warn_undamped(cli_argument(0), &counts);
-    if (!status) status = cli_sweep_run(o->o, options, o->quiet, &counts);
+    RP_TRY(cli_claim_sweep(o->o, file, o->force));
+    RP_TRY(sweep_prepare(file, o->o, replicas, sweep_protocols, cli_watch(o->quiet), &counts));
+    warn_sweep(file);
+    warn_undamped(cli_argument(0), &counts);
+    const rp_status status = cli_sweep_run(o->o, options, o->quiet, &counts);
     if (!status || status == RP_NO_RESULT) print_summary(recipe->name, &counts);
-    if (!status) status = export_to(o, recipe->name, "_runs", SWEEP_RUNS);
-    if (!status) status = export_to(o, recipe->name, "", SWEEP_POINTS);
-    return status;
+    RP_TRY(status);
+    RP_TRY(export_to(o, recipe->name, "_runs", SWEEP_RUNS));
+    return export_to(o, recipe->name, "", SWEEP_POINTS);
 }
 
 static rp_status act_make(void *values)
@@ -342,6 +369,7 @@ static const cli_command make = {
     "A file without a protocol has tables alone.",
     "repose sweep make sweeps/li/tent.cfg -o build/sweeps/tent",
     make_params,
+    .prints_text = true,
     .act = act_make};
 
 static const cli_command *const commands[] = {&plan,   &run,  &status_of,       &cmd_sweep_merge,   &export,

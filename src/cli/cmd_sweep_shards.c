@@ -1,4 +1,5 @@
 /* repose sweep merge|slurm|salvage: several stores of one sweep, and a damaged one. */
+#include <limits.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -29,7 +30,6 @@ const cli_command cmd_sweep_merge = {
     "protocol or another model of the physics; a damaged store. Exit status 1 while runs are missing.",
     "repose sweep merge build/sweeps/lh3",
     NULL,
-    .prints_table = true,
     .act = act_merge};
 
 #define SLURM_OPTIONS(X)                                                                                     \
@@ -68,30 +68,23 @@ static const char array_script[] =
 static rp_status act_slurm(void *values)
 {
     const slurm_options *o = values;
-    char *dir = realpath(cli_argument(0), NULL), *self = realpath("/proc/self/exe", NULL);
-    char path[4096];
-    FILE *out = NULL;
-    rp_status status = dir && self ? RP_OK : rp_fail(RP_BAD_INPUT, "%s: no such folder", cli_argument(0));
-    if (!status && (strpbrk(dir, "'\n%") || strpbrk(self, "'\n%") ||
-                    o->time[strspn(o->time, "0123456789:-")] || o->mem[strspn(o->mem, "0123456789KMGT")]))
-        status = rp_fail(RP_BAD_INPUT, "--time 1:00:00 and --mem 1G expected, and a folder without ' and %%");
-    snprintf(path, sizeof path, "%s/shards", status ? "" : dir);
-    if (!status) status = rp_make_directory(path);
-    snprintf(path, sizeof path, "%s/array.sh", status ? "" : dir);
-    if (!status) status = rp_file_open(path, &out);
-    if (!status) {
-        fprintf(out, array_script, o->shards, o->j, o->time, o->mem, dir, o->shards, self, dir, o->shards,
-                o->j);
-        status = rp_file_close(path, out, RP_OK);
-    }
-    if (!status)
-        printf("sbatch %s\nparallel --sshlogin HOST1,HOST2 %s sweep run %s --shard {}/%ld -j %ld ::: $(seq "
-               "%ld)\n"
-               "repose sweep merge %s\n",
-               path, self, dir, o->shards, o->j, o->shards, dir);
-    free(dir);
-    free(self);
-    return status;
+    char dir[PATH_MAX], self[PATH_MAX], path[PATH_MAX + 16];
+    FILE *out;
+    if (!realpath(cli_argument(0), dir) || !realpath("/proc/self/exe", self))
+        return rp_fail(RP_BAD_INPUT, "%s: no such folder", cli_argument(0));
+    if (strpbrk(dir, "'\n%") || strpbrk(self, "'\n%") || o->time[strspn(o->time, "0123456789:-")] ||
+        o->mem[strspn(o->mem, "0123456789KMGT")])
+        return rp_fail(RP_BAD_INPUT, "--time 1:00:00 and --mem 1G expected, and a folder without ' and %%");
+    snprintf(path, sizeof path, "%s/shards", dir);
+    RP_TRY(rp_make_directory(path));
+    snprintf(path, sizeof path, "%s/array.sh", dir);
+    RP_TRY(rp_file_open(path, &out));
+    fprintf(out, array_script, o->shards, o->j, o->time, o->mem, dir, o->shards, self, dir, o->shards, o->j);
+    RP_TRY(rp_file_close(path, out, RP_OK));
+    printf("sbatch %s\nparallel --sshlogin HOST1,HOST2 %s sweep run %s --shard {}/%ld -j %ld ::: $(seq %ld)\n"
+           "repose sweep merge %s\n",
+           path, self, dir, o->shards, o->j, o->shards, dir);
+    return RP_OK;
 }
 
 const cli_command cmd_sweep_slurm = {
@@ -103,6 +96,7 @@ const cli_command cmd_sweep_slurm = {
     "machines share.",
     "repose sweep slurm build/sweeps/lh3 --shards 8 --time 0:30:00",
     slurm_params,
+    .prints_text = true,
     .act = act_slurm};
 
 static rp_status act_salvage(void *values)
@@ -122,4 +116,5 @@ const cli_command cmd_sweep_salvage = {
     "damaged file is kept as DIR/damaged.sqlite; `sweep run` makes the lost runs again.",
     "repose sweep salvage build/sweeps/lh3",
     NULL,
+    .prints_text = true,
     .act = act_salvage};

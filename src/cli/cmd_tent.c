@@ -91,5 +91,4 @@ const cli_command cmd_tent = {
     "middle)/max N.",
     "repose tent --outer-deg 30 --inner-deg 45 --x1 0.38",
     tent_params,
-    .prints_table = true,
     .act = write_tent};

@@ -161,20 +161,18 @@ static rp_status act_view(void *values)
 {
     const view_options *o = values;
     picture p;
-    FILE *out = NULL;
-    rp_status status = find_kind(o->o, &p.kind);
-    if (!status && !*o->o && !cli_has_screen())
-        status = rp_fail(RP_USAGE, "no screen for a window: -o FILE writes a picture");
-    if (!status) status = read_style(o, &p.style);
-    if (!status) p.style.points = strcmp(p.kind->ending, ".svg") == 0;
-    if (!status) status = view_read(cli_argument(0), o->color, &p.scene);
-    if (!status) status = choose_frames(&p.scene, o->frame, p.kind->moves || !*o->o, &p.first, &p.last);
-    if (!status) status = view_scale_of(&p.scene, p.first, p.last, &p.style, &p.scale);
-    if (!status && !*o->o) return draw(&p, o, NULL);
-    if (!status) status = rp_file_open(o->o, &out);
-    if (status) return status;
-    status = strcmp(p.kind->ending, ".mp4") ? draw(&p, o, out) : film(&p, o, out);
-    return rp_file_close(o->o, out, status);
+    FILE *out;
+    RP_TRY(find_kind(o->o, &p.kind));
+    if (!*o->o && !cli_has_screen())
+        return rp_fail(RP_USAGE, "no screen for a window: -o FILE writes a picture");
+    RP_TRY(read_style(o, &p.style));
+    p.style.points = strcmp(p.kind->ending, ".svg") == 0;
+    RP_TRY(view_read(cli_argument(0), o->color, &p.scene));
+    RP_TRY(choose_frames(&p.scene, o->frame, p.kind->moves || !*o->o, &p.first, &p.last));
+    RP_TRY(view_scale_of(&p.scene, p.first, p.last, &p.style, &p.scale));
+    if (!*o->o) return draw(&p, o, NULL);
+    RP_TRY(rp_file_open(o->o, &out));
+    return rp_file_close(o->o, out, (strcmp(p.kind->ending, ".mp4") ? draw : film)(&p, o, out));
 }
 
 const cli_command cmd_view = {
@@ -189,4 +187,5 @@ const cli_command cmd_view = {
     "force that a quarter of the frames exceed. gnuplot draws the pictures. An .mp4 file needs ffmpeg.",
     "repose view out -o pile.png --color contacts",
     view_params,
+    .prints_text = true,
     .act = act_view};

@@ -30,24 +30,32 @@ rp_status cli_column_list(const rp_table *table, const char *names, size_t most,
     return *n > 0 ? RP_OK : rp_fail(RP_BAD_INPUT, "\"%s\": a column expected", names);
 }
 
+rp_status cli_columns(const rp_table *table, const char *names, size_t *n, int **columns)
+{
+    *n = table->n_columns;
+    *columns = cli_memory(*n + strlen(names), sizeof **columns);
+    for (size_t c = 0; c < *n; c++) (*columns)[c] = (int)c;
+    return strcmp(names, "all") == 0 ? RP_OK : cli_column_list(table, names, strlen(names), n, *columns);
+}
+
 rp_status cli_read_columns(const rp_table *table, const char *names, double **block)
 {
     int columns[CLI_MOST_COLUMNS];
     size_t n, used = 0;
-    rp_status status = cli_column_list(table, names, CLI_MOST_COLUMNS, &n, columns);
+    RP_TRY(cli_column_list(table, names, CLI_MOST_COLUMNS, &n, columns));
     *block = cli_memory(n * table->n_rows, sizeof **block);
     for (size_t c = 0; c < n; c++)
-        for (size_t i = 0; i < table->n_rows && !status; i++)
-            status = rp_table_number(table, i, columns[c], false, *block + used++);
-    return status;
+        for (size_t i = 0; i < table->n_rows; i++)
+            RP_TRY(rp_table_number(table, i, columns[c], false, *block + used++));
+    return RP_OK;
 }
 
 rp_status cli_read_file(const char *path, const char *names, double **block, size_t *n_rows)
 {
     rp_table *table;
-    rp_status status = cli_table_read(path, &table);
+    RP_TRY(cli_table_read(path, &table));
     *n_rows = table->n_rows;
-    return status ? status : cli_read_columns(table, names, block);
+    return cli_read_columns(table, names, block);
 }
 
 /* Is this row left out? Count why. Its numbers go to `numbers`. */
@@ -55,7 +63,7 @@ static rp_status leave_out(const rp_table *t, size_t row, size_t n, const int co
                            const cli_choice *choice, cli_rows *r, double numbers[], bool *out)
 {
     const int word = choice->any_status ? -1 : rp_table_column(t, "status");
-    const bool failed = word >= 0 && strncmp(cli_text(t, row, word), "ok", 2) != 0;
+    const bool failed = word >= 0 && !sweep_is_result(cli_text(t, row, word));
     bool missing = false;
     rp_status status = RP_OK;
     for (size_t c = 0; c < n && !failed && !status; c++) {

@@ -2,7 +2,6 @@
 #ifndef CLI_EXPORT_H
 #define CLI_EXPORT_H
 
-#include <stdbool.h>
 #include <stdio.h>
 
 #include "cli/cli.h"
@@ -47,7 +46,7 @@ typedef struct {
     double largest;                    /* radius */
 } cli_run_frames;
 
-/* Sets n, first and steps from the steps of n rows, or from NaN: one frame (frames.c). The frame with this
+/* Sets n, first and steps from the steps of n rows, or from NaN: one frame. The frame with this
  * step, where the table has a column of steps; none: n. */
 void cli_frames_split(size_t n, const double step[], cli_frames *frames);
 size_t cli_frame_at(const cli_frames *frames, double step);

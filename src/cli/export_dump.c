@@ -1,5 +1,4 @@
 /* Frames as LAMMPS dumps and as extended XYZ. */
-#include <math.h>
 #include <string.h>
 
 #include "cli/export.h"

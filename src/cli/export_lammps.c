@@ -3,7 +3,6 @@
  * springs. Laws that coincide are mapped; for any other setting the key is named and nothing is written. */
 #include <gsl/gsl_sort.h>
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "cli/export.h"
@@ -38,24 +37,22 @@ static rp_status check_material(const dem_definition *def, const dem_material *m
 
 static rp_status check_walls(const dem_definition *def)
 {
-    rp_status status = RP_OK;
-    for (size_t w = 0; w < def->n_walls && !status; w++) {
+    for (size_t w = 0; w < def->n_walls; w++) {
         const dem_wall *wall = &dem_walls_of(def)[w];
         char name[32];
         snprintf(name, sizeof name, "wall %zu: ", w + 1);
         if (isfinite(wall->extent[0])) /* a scene gives both ends, or none */
-            status = rp_fail(RP_BAD_INPUT,
-                             "%sextent: LAMMPS has whole planes, no segments, polygons or circles", name);
-        else if (wall->open_at_step >= 0)
-            status = rp_fail(RP_BAD_INPUT, "%sopen_at_step = %ld: walls of the input stay", name,
-                             wall->open_at_step);
-        else if (wall->velocity[0] != 0.0 || wall->velocity[1] != 0.0 || wall->omega != 0.0)
-            status = rp_fail(RP_BAD_INPUT, "%s%s: walls of the input are at rest", name,
-                             wall->omega != 0.0 ? "omega" : "velocity");
-        else
-            status = check_material(def, &wall->material, name);
+            return rp_fail(RP_BAD_INPUT,
+                           "%sextent: LAMMPS has whole planes, no segments, polygons or circles", name);
+        if (wall->open_at_step >= 0)
+            return rp_fail(RP_BAD_INPUT, "%sopen_at_step = %ld: walls of the input stay", name,
+                           wall->open_at_step);
+        if (wall->velocity[0] != 0.0 || wall->velocity[1] != 0.0 || wall->omega != 0.0)
+            return rp_fail(RP_BAD_INPUT, "%s%s: walls of the input are at rest", name,
+                           wall->omega != 0.0 ? "omega" : "velocity");
+        RP_TRY(check_material(def, &wall->material, name));
     }
-    return status;
+    return RP_OK;
 }
 
 /* The first key that has no equal. */
@@ -83,8 +80,8 @@ static rp_status check_scene(const dem_definition *def)
         {def->box_turn_per_step != 0.0, "box_turn_deg_per_step: the input's walls do not turn"}};
     for (size_t i = 0; i < N_OF(checks); i++)
         if (checks[i].differs) return rp_fail(RP_BAD_INPUT, "%s", checks[i].message);
-    rp_status status = check_material(def, &def->material, "");
-    return status ? status : check_walls(def);
+    RP_TRY(check_material(def, &def->material, ""));
+    return check_walls(def);
 }
 
 static rp_status find_types(lammps_scene *s)
@@ -282,9 +279,8 @@ static rp_status write_files(const lammps_scene *s, const char *scene, const cha
     snprintf(data, sizeof data, "%s.data", stem);
     RP_TRY(cli_export_open(data, &e));
     write_data(s, scene, e.out);
-    rp_status status = cli_export_close(&e, RP_OK);
-    if (!status) status = cli_export_open(path, &e);
-    if (status) return status;
+    RP_TRY(cli_export_close(&e, RP_OK));
+    RP_TRY(cli_export_open(path, &e));
     write_input(s, scene, stem, e.out);
     return cli_export_close(&e, RP_OK);
 }

@@ -1,7 +1,5 @@
 /* Tables as CSV (RFC 4180) and JSON. */
 #include <jansson.h>
-#include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "cli/export.h"

@@ -62,7 +62,7 @@ static void finish(FILE *out)
     fputs("</Piece>\n</PolyData>\n</VTKFile>\n", out);
 }
 
-static void write_grains(const cli_run_frames *run, const piece *p, FILE *out)
+static rp_status write_grains(const cli_run_frames *run, const piece *p, FILE *out)
 {
     const rp_table *t = run->grains.table;
     start(out, p);
@@ -75,6 +75,7 @@ static void write_grains(const cli_run_frames *run, const piece *p, FILE *out)
         write_column(out, p, run->fields[f].vtk, run->fields[f].column[0], run->fields[f].column[1]);
     fputs("</PointData>\n", out);
     finish(out);
+    return RP_OK;
 }
 
 /* Columns of lines that are not among the n that give their ends. */
@@ -118,13 +119,12 @@ static rp_status write_walls(const cli_run_frames *run, const piece *p, FILE *ou
 {
     const rp_table *t = p->frames->table;
     int columns[6];
-    double v[6] = {0.0};
-    rp_status status = find_columns(
-        t, 6, (const char *const[]){"x", "y", "direction_x", "direction_y", "from", "to"}, columns);
-    if (status) return status;
+    double v[6];
+    RP_TRY(find_columns(t, 6, (const char *const[]){"x", "y", "direction_x", "direction_y", "from", "to"},
+                        columns));
     start(out, p);
-    for (size_t i = p->first; i < p->end && !status; i++) {
-        for (int k = 0; k < 6 && !status; k++) v[k] = strtod(cli_export_cell(t, i, columns[k]), NULL);
+    for (size_t i = p->first; i < p->end; i++) {
+        for (int k = 0; k < 6; k++) v[k] = strtod(cli_export_cell(t, i, columns[k]), NULL);
         const double tangent[2] = {v[3], -v[2]};
         double reach[2] = {INFINITY, -INFINITY};
         for (int corner = 0; corner < 4; corner++) {
@@ -138,12 +138,6 @@ static rp_status write_walls(const cli_run_frames *run, const piece *p, FILE *ou
         }
     }
     write_line_data(p, 6, columns, out);
-    return status;
-}
-
-static rp_status write_grain_piece(const cli_run_frames *run, const piece *p, FILE *out)
-{
-    write_grains(run, p, out);
     return RP_OK;
 }
 
@@ -155,11 +149,10 @@ static rp_status write_frame(const cli_run_frames *run, size_t k, const char *fo
         const cli_frames *frames;
         rp_status (*write)(const cli_run_frames *, const piece *, FILE *);
         int size;
-    } parts[] = {{"grains", &run->grains, write_grain_piece, 1},
+    } parts[] = {{"grains", &run->grains, write_grains, 1},
                  {"contacts", &run->contacts, write_contacts, 2},
                  {"walls", &run->walls, write_walls, 2}};
-    rp_status status = RP_OK;
-    for (size_t i = 0; i < N_OF(parts) && !status; i++) {
+    for (size_t i = 0; i < N_OF(parts); i++) {
         const cli_frames *f = parts[i].frames;
         const size_t at = i == 0 ? k : f->table ? cli_frame_at(f, cli_frame_step(run, k)) : 0;
         const piece p = {f, at < f->n ? f->first[at] : 0, at < f->n ? f->first[at + 1] : 0, parts[i].size,
@@ -169,11 +162,11 @@ static rp_status write_frame(const cli_run_frames *run, size_t k, const char *fo
         cli_export e;
         snprintf(path, sizeof path, "%s/%s_%06zu.vtp", folder, parts[i].name, k);
         RP_TRY(cli_export_open(path, &e));
-        status = cli_export_close(&e, parts[i].write(run, &p, e.out));
+        RP_TRY(cli_export_close(&e, parts[i].write(run, &p, e.out)));
         fprintf(collection, "<DataSet timestep=\"%s\" part=\"%zu\" name=\"%s\" file=\"%s/%s_%06zu.vtp\"/>\n",
                 CLI_SHORT(cli_frame_time(run, k)), i, parts[i].name, basename(folder), parts[i].name, k);
     }
-    return status;
+    return RP_OK;
 }
 
 rp_status cli_export_vtk(const cli_run_frames *run, const char *path)
@@ -184,9 +177,9 @@ rp_status cli_export_vtk(const cli_run_frames *run, const char *path)
     if (n < 5 || n > 4000 || !cli_ends_in(path, ".pvd"))
         return rp_fail(RP_USAGE, "-o %s: vtk needs a name that ends in .pvd", path);
     strcat(strcpy(folder, cli_export_stem(path, (char[4096]){0})), "_frames");
-    rp_status status = rp_make_directory(folder);
-    if (!status) status = cli_export_open(path, &e);
-    if (status) return status;
+    rp_status status = RP_OK;
+    RP_TRY(rp_make_directory(folder));
+    RP_TRY(cli_export_open(path, &e));
     fputs("<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\">\n<Collection>\n", e.out);
     for (size_t k = 0; k < run->grains.n && !status; k++) status = write_frame(run, k, folder, e.out);
     fputs("</Collection>\n</VTKFile>\n", e.out);

@@ -1,6 +1,5 @@
 /* What a folder holds, so that no result is written over by another; see cli.h. */
 #include <glob.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "cli/cli.h"

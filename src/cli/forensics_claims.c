@@ -129,13 +129,12 @@ rp_status repose_params_set(void *params, const char *name, const char *value)
 
 rp_status repose_params_at(void *params, const cli_words *point)
 {
-    rp_status status = RP_OK;
-    for (int k = 0; k < point->n && !status; k++) {
+    for (int k = 0; k < point->n; k++) {
         char name[64];
         const char *equals = strchr(point->words[k], '=');
         if (!equals) return rp_fail(RP_BAD_INPUT, "\"%s\": key=value expected", point->words[k]);
         snprintf(name, sizeof name, "%.*s", (int)(equals - point->words[k]), point->words[k]);
-        status = repose_params_set(params, name, equals + 1);
+        RP_TRY(repose_params_set(params, name, equals + 1));
     }
-    return status;
+    return RP_OK;
 }

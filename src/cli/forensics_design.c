@@ -1,27 +1,21 @@
 /* The grid of a design: settings of all open choices, and the points of the published numbers; see
  * forensics.h. */
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "cli/cli.h"
 #include "cli/forensics.h"
 
-/* Choices without a scale, with the values that a sweep file has: key, values. */
-#define FACTORS(X)                                                                                           \
-    X(floor, "\"extends\" | \"ends\" | \"absorbs\"")                                                         \
-    X(slip, "\"truncated\" | \"total\"")                                                                     \
-    X(tension, "true | false")                                                                               \
-    X(damping, "\"outside\" | \"inside\"")                                                                   \
-    X(integrator, "\"verlet\" | \"gear5\"")                                                                  \
-    X(fill, "\"drop\" | \"ramp\"")                                                                           \
-    X(k_n_wall, "\"auto\" | 2e6")
+/* Choices without a scale, with the values that a sweep file has. */
 static const struct {
     const char *key, *values;
-} factors[] = {
-#define X(key, values) {#key, values},
-    FACTORS(X)};
-#undef X
+} factors[] = {{"floor", "\"extends\" | \"ends\" | \"absorbs\""},
+               {"slip", "\"truncated\" | \"total\""},
+               {"tension", "true | false"},
+               {"damping", "\"outside\" | \"inside\""},
+               {"integrator", "\"verlet\" | \"gear5\""},
+               {"fill", "\"drop\" | \"ramp\""},
+               {"k_n_wall", "\"auto\" | 2e6"}};
 enum { N_FACTORS = N_OF(factors), WORD = 32 };
 
 /* Part of the time-step limit that a design takes. */

@@ -1,6 +1,5 @@
 /* Emulators of the runs of a design, and their predictions for draws of the choices; see forensics.h. */
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "cli/cli.h"
@@ -175,16 +174,15 @@ static rp_status set_points(const forensics_study *s, const void *params, void *
                             double x[], int levels[])
 {
     const size_t n_reals = count_inputs(s);
-    rp_status status = RP_OK;
-    for (size_t k = 0; k < s->claims->n_points && !status; k++) {
+    for (size_t k = 0; k < s->claims->n_points; k++) {
         double group[SWEEP_N_GROUPS];
         repose_params_copy(work, params);
-        status = repose_params_at(work, &s->claims->points[k]);
+        RP_TRY(repose_params_at(work, &s->claims->points[k]));
         sweep_groups_of(work, group);
         set_inputs(s, group, x + k * n_reals);
         memcpy(levels + k * s->n_factors, level, s->n_factors * sizeof *level);
     }
-    return status;
+    return RP_OK;
 }
 
 static rp_status predict(const forensics_study *s, const forensics_emulator *angles,

@@ -1,7 +1,6 @@
 /* Runs of a design as settings of the open choices, each at the points of the published numbers; see
  * forensics.h. */
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "angle/angle.h"
@@ -188,7 +187,7 @@ static rp_status count_runs(const forensics_study *s, size_t row, double *runs, 
     const int status = rp_table_column(s->runs, "status");
     double failed;
     *runs = 1.0;
-    *ok = status < 0 || strncmp(cli_text(s->runs, row, status), "ok", 2) == 0;
+    *ok = status < 0 || sweep_is_result(cli_text(s->runs, row, status));
     if (!s->is_reduced) return RP_OK;
     RP_TRY(rp_table_number(s->runs, row, rp_table_column(s->runs, "n"), false, ok));
     RP_TRY(rp_table_number(s->runs, row, rp_table_column(s->runs, "n_failed"), false, &failed));

@@ -1,6 +1,5 @@
 /* The command line: options through a parameter schema, groups of commands; see cli.h. */
-#include "core/units.h"
-#include "cli/cli.h"
+#include "cli/export.h"
 
 #include <ctype.h>
 #include <getopt.h>
@@ -12,6 +11,7 @@
 #include <unistd.h>
 
 #include "core/guess.h"
+#include "core/units.h"
 
 enum { MAX_OPTIONS = 40, MAX_NAME = 32, MOST_BYTES = 4096, GENERIC_AT = MOST_BYTES };
 
@@ -33,7 +33,7 @@ static struct {
     char *const *arguments;
 } line;
 
-static const char *dashes(const rp_param *option)
+const char *cli_dashes(const rp_param *option)
 {
     return strlen(option->name) == 1 ? "-" : "--";
 }
@@ -102,7 +102,7 @@ static void print_help(const cli_command *c)
     puts("\noptions:");
     for (const rp_param *p = line.options; p->name; p++) {
         char flag[40], text[1024];
-        snprintf(flag, sizeof flag, "%s%s", dashes(p), p->name);
+        snprintf(flag, sizeof flag, "%s%s", cli_dashes(p), p->name);
         printf("  %-22s ", flag);
         cli_option_text(p, text, sizeof text);
         print_words(text, strlen(text), 25, 25);
@@ -128,11 +128,6 @@ static rp_status add_options(const rp_param *schema, size_t offset)
     return RP_OK;
 }
 
-static bool prints_table(const cli_command *c)
-{
-    return c->on_table || c->prints_table;
-}
-
 rp_status cli_options_of(const cli_command *command, const rp_param **options)
 {
     memset(&line, 0, sizeof line);
@@ -140,14 +135,15 @@ rp_status cli_options_of(const cli_command *command, const rp_param **options)
     *options = line.options;
     RP_TRY(add_options(command->protocol, 0));
     if (command->options) RP_TRY(add_options(command->options(), command->protocol_size));
-    return prints_table(command) ? add_options(generic_params(), GENERIC_AT) : RP_OK;
+    return command->prints_text ? RP_OK : add_options(generic_params(), GENERIC_AT);
 }
 
 static rp_status set_option(size_t i, const char *text)
 {
     const rp_param *p = &line.options[i];
     line.given[i] = true;
-    return rp_prefix(rp_params_set_text(p, line.values, p->type == RP_BOOL ? "true" : text), "%s", dashes(p));
+    return rp_prefix(rp_params_set_text(p, line.values, p->type == RP_BOOL ? "true" : text), "%s",
+                     cli_dashes(p));
 }
 
 /* Fewest and most arguments, from the synopsis. */
@@ -163,8 +159,8 @@ static rp_status check_given(const cli_command *c)
 {
     for (size_t i = 0; i < line.n_options; i++)
         if (!line.options[i].fallback && !line.given[i])
-            return rp_fail(RP_USAGE, "%s%s is required (%s); see repose %s --help", dashes(&line.options[i]),
-                           line.names[i], line.options[i].meaning, c->name);
+            return rp_fail(RP_USAGE, "%s%s is required (%s); see repose %s --help",
+                           cli_dashes(&line.options[i]), line.names[i], line.options[i].meaning, c->name);
     if (count_fits(c->synopsis, line.n_arguments)) return RP_OK;
     return rp_fail(RP_USAGE, "usage: repose %s %s", c->name, c->synopsis);
 }
@@ -376,16 +372,47 @@ static rp_status act(const cli_command *command)
     return command->on_table ? act_on_table(command) : command->act(line.values);
 }
 
-/* Standard output as JSON; a file that the command writes in its place would stay a table. */
+/* What is no table is printed as it is. The text is from malloc. */
+static rp_status print_as_json(char *text)
+{
+    rp_table *table;
+    int *columns;
+    size_t n;
+    if (*text != '#' && !strchr(text, '\t')) {
+        fputs(text, stdout);
+        free(text);
+        return RP_OK;
+    }
+    RP_TRY(cli_table_parse("--json", text, &table));
+    RP_TRY(cli_columns(table, "all", &n, &columns));
+    return cli_export_json(table, n, columns, stdout);
+}
+
+/* Standard output as JSON; a file that the command writes in its place would stay a table. A command that
+ * fails has no table. */
 static rp_status act_as_json(const cli_command *command)
 {
+    char *text, message[4096];
+    size_t size;
     const rp_param *o = rp_params_find(line.options, "o");
     if (o && o->fallback && strcmp(o->fallback, "-") == 0 &&
         strcmp(*(const char **)(line.values + o->offset), "-") != 0)
         return rp_fail(RP_USAGE,
                        "--json is of standard output; repose export --to json -o FILE writes a file");
-    rp_status status = cli_capture();
-    return status ? status : cli_capture_end(act(command));
+    FILE *const out = stdout, *memory = open_memstream(&text, &size);
+    if (!memory) return rp_fail(RP_NO_MEMORY, "--json: out of memory");
+    stdout = memory; /* glibc: a variable */
+    rp_status status = act(command);
+    snprintf(message, sizeof message, "%s", rp_message());
+    const bool whole = rp_table_finish(stdout, "--json") == RP_OK;
+    fclose(stdout);
+    stdout = out;
+    rp_status printed = whole ? RP_OK : rp_fail(RP_NO_MEMORY, "--json: out of memory");
+    if (!printed && (!status || status == RP_NO_RESULT))
+        printed = print_as_json(text);
+    else
+        free(text);
+    return status ? rp_fail(status, "%s", message) : printed;
 }
 
 rp_status cli_run(const cli_command *command, int argc, char **argv)

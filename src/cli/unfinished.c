@@ -34,7 +34,19 @@ static rp_status take_lock(const char *directory, const char *path, int *lock)
     *lock = open(path, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     if (*lock < 0) return rp_fail(RP_BAD_INPUT, "%s: no unfinished run: %s", directory, strerror(errno));
     if (flock(*lock, LOCK_EX | LOCK_NB) == 0) return RP_OK;
+    close(*lock);
+    *lock = -1;
     return rp_fail(RP_IO, "%s: another process runs in this folder", directory);
+}
+
+static void close_all(cli_unfinished *u)
+{
+    for (int k = 0; k < CLI_GROWING; k++) {
+        if (u->table[k].file) fclose(u->table[k].file);
+        XXH3_freeState(u->table[k].hash);
+    }
+    if (u->lock >= 0) close(u->lock);
+    *u = (cli_unfinished){.lock = -1};
 }
 
 static rp_status enter(cli_unfinished *u, const char *directory, uint64_t layout,
@@ -42,7 +54,7 @@ static rp_status enter(cli_unfinished *u, const char *directory, uint64_t layout
 {
     char path[PATH_MAX];
     *u = (cli_unfinished){.directory = directory, .layout = layout, .lock = -1};
-    for (int k = 0; k < CLI_GROWING; k++) {
+    for (int k = 0; k < CLI_GROWING && names; k++) {
         u->table[k].name = names[k];
         if (!(u->table[k].hash = XXH3_createState())) return rp_fail(RP_NO_MEMORY, "tables: out of memory");
         XXH3_128bits_reset(u->table[k].hash);
@@ -150,20 +162,31 @@ static rp_status check_vacant(const char *directory)
                          path, directory);
 }
 
+/* Empty tables in the folder; without names what is there, if it can go on. */
+static rp_status open_tables(cli_unfinished *u, const char *const names[CLI_GROWING])
+{
+    char path[PATH_MAX];
+    const rp_status vacant = check_vacant(u->directory);
+    if (vacant) return names ? vacant : RP_OK;
+    RP_TRY(empty_folder(path_of(u, "", path)));
+    for (int k = 0; k < CLI_GROWING && names; k++)
+        if (!(u->table[k].file = fopen(path_of(u, names[k], path), "w+e"))) RP_TRY(failed(path));
+    return RP_OK;
+}
+
 rp_status cli_unfinished_start(cli_unfinished *u, const char *directory, uint64_t layout,
                                const char *const names[CLI_GROWING])
 {
     char path[PATH_MAX];
     bool moved;
     *u = (cli_unfinished){.directory = directory, .lock = -1};
+    RP_TRY(rp_make_directory(directory));
     RP_TRY(complete_move(directory, &moved));
     RP_TRY(rp_make_directory(path_of(u, "", path)));
-    RP_TRY(enter(u, directory, layout, names));
-    RP_TRY(check_vacant(directory));
-    RP_TRY(empty_folder(path_of(u, "", path)));
-    for (int k = 0; k < CLI_GROWING; k++)
-        if (!(u->table[k].file = fopen(path_of(u, names[k], path), "w+e"))) RP_TRY(failed(path));
-    return RP_OK;
+    rp_status status = enter(u, directory, layout, names);
+    if (!status) status = open_tables(u, names);
+    if (status) close_all(u);
+    return status;
 }
 
 /* Take the bytes up to `length` into the hash. */
@@ -233,6 +256,7 @@ rp_status cli_unfinished_resume(cli_unfinished *u, const char *directory, uint64
     }
     for (int k = 0; k < CLI_GROWING && !status; k++) status = reopen(u, &u->table[k], length[k], hash[k]);
     rp_snapshot_free(&s);
+    if (status) close_all(u);
     return status;
 }
 
@@ -258,58 +282,49 @@ rp_status cli_unfinished_write(cli_unfinished *u, cli_keep *keep, void *context)
     return status;
 }
 
-rp_status cli_unfinished_finish(cli_unfinished *u)
+static rp_status sync_tables(const cli_unfinished *u)
 {
     for (int k = 0; k < CLI_GROWING; k++) {
+        if (!u->table[k].file) continue;
         RP_TRY(rp_table_finish(u->table[k].file, u->table[k].name));
         if (fsync(fileno(u->table[k].file)) != 0) RP_TRY(failed(u->table[k].name));
     }
-    return publish(u->directory, u->lock);
+    return RP_OK;
 }
 
-void cli_unfinished_close(cli_unfinished *u)
+/* What was computed before a failure: tables whose last line says why, and none that cannot be written. */
+static rp_status leave_tables(const cli_unfinished *u, rp_status run)
 {
+    char why[1024], path[PATH_MAX];
+    snprintf(why, sizeof why, "%s", rp_message());
     for (int k = 0; k < CLI_GROWING; k++) {
-        if (u->table[k].file) fclose(u->table[k].file);
-        XXH3_freeState(u->table[k].hash);
+        if (!u->table[k].file) continue;
+        rp_table_note(u->table[k].file, "unfinished", "%s", why);
+        if (rp_table_finish(u->table[k].file, u->table[k].name)) unlink(path_of(u, u->table[k].name, path));
     }
-    if (u->lock >= 0) close(u->lock);
+    if (rmdir(path_of(u, "", path)) == 0) return rp_fail(run, "%s", why); /* nothing was written */
+    return rp_fail(run, "%s; the tables so far are in %s/unfinished", why, u->directory);
 }
 
-/* ---- Tables without snapshots */
+rp_status cli_unfinished_end(cli_unfinished *u, bool resumable, rp_status run)
+{
+    if (u->lock < 0) return run;
+    if (!run) run = sync_tables(u);
+    if (!run) {
+        alarm(0);
+        cli_on_stop(SIG_IGN); /* the tables will not be where the message says */
+        run = publish(u->directory, u->lock);
+    } else if (!resumable) {
+        run = leave_tables(u, run);
+    }
+    close_all(u);
+    return run;
+}
 
-static int stage_lock;
+/* ---- Signals */
 
-/* The message of cli_stage_stops, ready for the handler of a signal. */
+/* The message of cli_unfinished_stops, ready for the handler of a signal. */
 static char stopped[4200];
-
-rp_status cli_stage_open(const char *directory, bool resumes, char stage[4096])
-{
-    if (snprintf(stage, 4096, "%s/unfinished", directory) >= 4096)
-        return rp_fail(RP_BAD_INPUT, "%.60s...: path too long", directory);
-    bool moved;
-    RP_TRY(rp_make_directory(directory));
-    RP_TRY(complete_move(directory, &moved));
-    RP_TRY(rp_make_directory(stage));
-    RP_TRY(take_lock(directory, stage, &stage_lock));
-    rp_status status = check_vacant(directory);
-    return status ? resumes ? RP_OK : status : empty_folder(stage);
-}
-
-rp_status cli_stage_close(const char *directory, const char *stage, rp_status run)
-{
-    if (run) {
-        char why[1024];
-        if (rmdir(stage) == 0) return run; /* nothing was written */
-        snprintf(why, sizeof why, "%s", rp_message());
-        return rp_fail(run, "%s; the tables so far are in %s", why, stage);
-    }
-    alarm(0);
-    cli_on_stop(SIG_IGN); /* the tables are no longer where the message says */
-    rp_status status = publish(directory, stage_lock);
-    close(stage_lock);
-    return status;
-}
 
 static volatile bool *stop_asked;
 
@@ -324,11 +339,12 @@ static void stop(int signal_number)
     _exit(RP_STOPPED);
 }
 
-void cli_stage_stops(const char *stage, volatile bool *stop_here)
+void cli_unfinished_stops(const char *directory, volatile bool *stop_here)
 {
     stop_asked = stop_here;
     signal(SIGALRM, stop);
-    snprintf(stopped, sizeof stopped, "repose run: stopped; the tables so far are in %s\n", stage);
+    snprintf(stopped, sizeof stopped, "repose run: stopped; the tables so far are in %s/unfinished\n",
+             directory);
     cli_on_stop(stop);
 }
 

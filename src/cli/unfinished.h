@@ -29,8 +29,9 @@ typedef struct {
 /* The caller's part of a snapshot. */
 typedef void cli_keep(rp_snapshot *s, void *context);
 
-/* Make the folder, with empty tables. cli_unfinished_close follows, also after an error. Errors: RP_BAD_INPUT
- * (it holds a run that can go on), RP_IO (also: another process is at it), RP_NO_MEMORY. */
+/* Make the folder, with empty tables; without names it stays as it is if it holds a snapshot, for a run that
+ * writes its own. cli_unfinished_end follows, except after an error. Errors: RP_BAD_INPUT (it holds a run
+ * that can go on), RP_IO (also: another process is at it), RP_NO_MEMORY. */
 rp_status cli_unfinished_start(cli_unfinished *u, const char *directory, uint64_t layout,
                                const char *const names[CLI_GROWING]);
 
@@ -44,22 +45,14 @@ rp_status cli_unfinished_resume(cli_unfinished *u, const char *directory, uint64
 /* Write a snapshot. Errors: RP_IO; the older one and its tables are then still good. */
 rp_status cli_unfinished_write(cli_unfinished *u, cli_keep *keep, void *context);
 
-/* Move the whole tables into DIR, and remove the folder. Errors: RP_IO. */
-rp_status cli_unfinished_finish(cli_unfinished *u);
-void cli_unfinished_close(cli_unfinished *u);
-
-/* ---- Without snapshots */
-
-/* Tables of a run are written in a folder `stage`, DIRECTORY/unfinished, which is emptied first, unless it
- * has a snapshot and the run `resumes`. A whole
- * result moves into the directory, in place of what is there; any other one stays, and the message of `run`,
- * which is returned, names its folder. Errors: RP_IO, RP_BAD_INPUT. */
-rp_status cli_stage_open(const char *directory, bool resumes, char stage[4096]);
-rp_status cli_stage_close(const char *directory, const char *stage, rp_status run);
+/* The end of a run, which returns its status `run`. The tables of a whole one move into DIR, in place of what
+ * is there. Those of another one stay; unless it is resumable, they say that they are unfinished, and the
+ * message where they are. Nothing is done for a folder that was not entered, with lock -1. Errors: RP_IO. */
+rp_status cli_unfinished_end(cli_unfinished *u, bool resumable, rp_status run);
 
 /* SIGINT, SIGTERM and SIGHUP call `handler`, or set *stop; a second one, or ten seconds, then end this
- * process with RP_STOPPED and a message that names the stage. */
+ * process with RP_STOPPED and a message that names the folder. */
 void cli_on_stop(void (*handler)(int));
-void cli_stage_stops(const char *stage, volatile bool *stop);
+void cli_unfinished_stops(const char *directory, volatile bool *stop);
 
 #endif

@@ -1,7 +1,6 @@
 /* Pictures of frames as text for gnuplot; see view.h. */
 #include <gsl/gsl_sort.h>
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "cli/cli.h"

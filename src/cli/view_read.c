@@ -4,7 +4,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 #include "cli/export.h"
 #include "cli/view.h"
@@ -87,8 +86,8 @@ static rp_status read_contacts(const char *path, numbers *c, view_contact **cont
 {
     static const char *const names[] = {"?step",        "x",     "y", "x_b", "y_b", "?normal_force", "?force",
                                         "?shear_force", "?wall", NULL};
-    rp_status status = read_numbers(path, names, "x y x_b y_b, and normal_force or force", c);
-    if (status || c->n == 0) return status;
+    RP_TRY(read_numbers(path, names, "x y x_b y_b, and normal_force or force", c));
+    if (c->n == 0) return RP_OK;
     *contacts = cli_memory(c->n, sizeof **contacts);
     for (size_t k = 0; k < c->n; k++) {
         view_contact *v = &(*contacts)[k];
@@ -228,8 +227,8 @@ rp_status view_read(const char *path, const char *color, view_scene *scene)
     *scene = (view_scene){.length = "1", .force = "1", .time = "1", .quantity = "1"};
     const bool folder = stat(path, &info) == 0 && S_ISDIR(info.st_mode);
     find_source(path, &s);
-    rp_status status = folder ? read_folder(path, color, scene) : add_source(&s, color, scene);
-    if (status || scene->n > 0) return status;
+    RP_TRY(folder ? read_folder(path, color, scene) : add_source(&s, color, scene));
+    if (scene->n > 0) return RP_OK;
     return folder ? rp_fail(RP_BAD_INPUT, "%s: no rows in a states.tsv, disks.tsv or ..._grains.tsv", path)
                   : rp_fail(RP_BAD_INPUT, "%s: no rows", path);
 }

@@ -2,7 +2,6 @@
 #include "cli/watch.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <sys/ioctl.h>
 #include <unistd.h>
 
@@ -36,8 +35,8 @@ static size_of_pile measure(const dem_sim *sim, const dem_state *states)
 
 static rp_status read_states(const dem_sim *sim, dem_state **states)
 {
-    *states = malloc((dem_count(sim) + 1) * sizeof **states);
-    return *states ? dem_states(sim, *states) : rp_fail(RP_NO_MEMORY, "states: out of memory");
+    *states = cli_memory(dem_count(sim), sizeof **states);
+    return dem_states(sim, *states);
 }
 
 rp_status cli_at_rest(const dem_sim *sim, bool *at_rest)
@@ -45,14 +44,11 @@ rp_status cli_at_rest(const dem_sim *sim, bool *at_rest)
     static const double LEAST = 1e-7; /* m g d, as `rest_energy` of the sweeps' boxes */
     dem_state *states;
     dem_rest rest;
-    rp_status status = read_states(sim, &states);
-    if (!status) status = dem_rest_state(sim, -INFINITY, INFINITY, &rest);
-    if (!status) {
-        const size_of_pile s = measure(sim, states);
-        *at_rest = rest.kinetic_energy <= LEAST * s.weight * s.d;
-    }
-    free(states);
-    return status;
+    RP_TRY(read_states(sim, &states));
+    RP_TRY(dem_rest_state(sim, -INFINITY, INFINITY, &rest));
+    const size_of_pile s = measure(sim, states);
+    *at_rest = rest.kinetic_energy <= LEAST * s.weight * s.d;
+    return RP_OK;
 }
 
 /* Grains left of a right wall that has opened, or right of a left one: the pile that stays. */
@@ -72,10 +68,9 @@ static void find_pile(const dem_sim *sim, double x[2])
 static rp_status slopes_of(size_t n, const dem_state *states, const size_of_pile *s, bool mirrored,
                            ang_slope slopes[ANG_N_METHODS])
 {
-    double *x = malloc((2 * n + 1) * sizeof *x), *y = x + n;
+    double *x = cli_memory(2 * n, sizeof *x), *y = x + n;
     ang_options options = ANG_OPTIONS_DEFAULT;
     ang_surface surface = {0};
-    if (!x) return rp_fail(RP_NO_MEMORY, "surface: out of memory");
     for (size_t i = 0; i < n; i++) {
         x[i] = mirrored ? s->x[1] - states[i].x : states[i].x - s->x[0];
         y[i] = states[i].y - s->bottom;
@@ -86,7 +81,6 @@ static rp_status slopes_of(size_t n, const dem_state *states, const size_of_pile
         status = ang_slopes(surface.n, surface.column, surface.h, surface.cell, options.parabola, slopes);
     if (!status && 2 * surface.n_occupied < surface.n_cells) status = RP_NO_RESULT;
     ang_surface_free(&surface);
-    free(x);
     return status;
 }
 
@@ -98,9 +92,9 @@ rp_status cli_slope_of(const dem_sim *sim, cli_slope *slope)
     *slope = (cli_slope){NAN, NAN, {NAN, NAN}};
     dem_gravity(sim, gravity);
     if (!(gravity[0] == 0.0 && gravity[1] < 0.0) || dem_count(sim) == 0) return RP_OK;
-    rp_status status = read_states(sim, &states);
-    if (status) return free(states), status;
+    RP_TRY(read_states(sim, &states));
     size_of_pile s = measure(sim, states);
+    rp_status status = RP_OK;
     find_pile(sim, s.x);
     for (int mirrored = 0; mirrored < 2 && !status && s.x[0] < s.x[1]; mirrored++) {
         ang_slope slopes[ANG_N_METHODS];
@@ -109,7 +103,6 @@ rp_status cli_slope_of(const dem_sim *sim, cli_slope *slope)
         for (int k = 0; k < ANG_N_METHODS && clear; k++) clear = slopes[k].slope > CLEAR * slopes[k].slope_se;
         if (clear) *slope = (cli_slope){slopes[2].theta / deg, slopes[2].theta_se / deg, {s.x[0], s.x[1]}};
     }
-    free(states);
     return status == RP_NO_MEMORY ? status : RP_OK; /* too few cells: no slope */
 }
 
@@ -150,25 +143,23 @@ static void add_sample(cli_plot *p, const dem_sim *sim)
 }
 
 /* Highest point of the grains in cells of a mean diameter. */
-static rp_status put_surface(const dem_sim *sim, FILE *out)
+static void put_surface(const dem_sim *sim, FILE *out)
 {
+    enum { MOST_CELLS = 1000 };
     dem_state *states;
-    rp_status status = read_states(sim, &states);
-    const size_t n = dem_count(sim);
-    if (status || n == 0) return free(states), status;
+    const size_t n = dem_count(sim), mark = cli_mark();
+    double top[MOST_CELLS + 1];
+    if (n == 0 || read_states(sim, &states)) return;
     const size_of_pile s = measure(sim, states);
-    const size_t cells = (size_t)fmin(ceil((s.x[1] - s.x[0]) / s.d), 1000.0);
-    double *top = malloc((cells + 1) * sizeof *top);
-    for (size_t k = 0; top && k <= cells; k++) top[k] = -INFINITY;
-    for (size_t i = 0; top && i < n; i++) {
+    const size_t cells = (size_t)fmin(ceil((s.x[1] - s.x[0]) / s.d), MOST_CELLS);
+    for (size_t k = 0; k <= cells; k++) top[k] = -INFINITY;
+    for (size_t i = 0; i < n; i++) {
         const size_t k = (size_t)fmin((states[i].x - s.x[0]) / s.d, (double)cells);
         top[k] = fmax(top[k], states[i].y + states[i].r);
     }
-    for (size_t k = 0; top && k <= cells; k++)
+    for (size_t k = 0; k <= cells; k++)
         if (isfinite(top[k])) fprintf(out, "%.9g %.9g\n", s.x[0] + ((double)k + 0.5) * s.d, top[k]);
-    free(top);
-    free(states);
-    return top ? RP_OK : rp_fail(RP_NO_MEMORY, "surface: out of memory");
+    cli_release(mark);
 }
 
 void cli_plot_show(cli_plot *p, const dem_sim *sim, const char *title, bool last)
@@ -182,7 +173,7 @@ void cli_plot_show(cli_plot *p, const dem_sim *sim, const char *title, bool last
     for (size_t k = 0; k < p->n; k++)
         fprintf(out, "%.9g %.9g %.9g\n", p->sample[k][0], p->sample[k][1], p->sample[k][2]);
     fputs("end\n$surface << end\n", out);
-    (void)!put_surface(sim, out);
+    put_surface(sim, out);
     fprintf(out,
             "end\nset multiplot layout 2,1\nset title \"%s\" noenhanced\nset xlabel 't (%s)' noenhanced\n"
             "set ylabel 'energy (%s)' noenhanced\nplot $energy using 1:2 with lines title 'kinetic energy', "

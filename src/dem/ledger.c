@@ -19,9 +19,11 @@
 #include "dem/observe.h"
 
 /* A grain, by id, at the end of the last step, with its displacement and turn in the step. `hard` is the
- * energy gained in the step's hard collisions; mass 0 means fixed. */
+ * energy gained in the step's hard collisions; mass 0 means fixed. `zero` stands where padding would
+ * differ between snapshots of equal states. */
 typedef struct {
     bool present, seen;
+    char zero[14];
     dem_vec x, force, displacement;
     double angle, torque, turn, mass, kinetic, hard;
 } ledger_grain;

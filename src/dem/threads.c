@@ -139,7 +139,6 @@ static bool start_thread(worker *w, size_t walls)
 void dem_threads_start(dem_sim *sim)
 {
     enum { SPINS = 3000 }; /* some 0.1 ms */
-    const long processors = sysconf(_SC_NPROCESSORS_ONLN);
     if (sim->threads < 2 || sim->scheme != &dem_scheme_verlet || sim->def.hard.on || sim->ledger ||
         sim->times || !dem_pairs_are_many(&sim->pairs))
         return;
@@ -151,7 +150,7 @@ void dem_threads_start(dem_sim *sim)
     }
     pthread_mutex_init(&team->mutex, NULL);
     pthread_cond_init(&team->changed, NULL);
-    team->spins = (long)sim->threads <= processors ? SPINS : 0;
+    team->spins = (long)sim->threads <= sysconf(_SC_NPROCESSORS_ONLN) ? SPINS : 0;
     for (size_t t = 0; t < sim->threads; t++) {
         worker *w = &team->worker[t];
         w->team = team;

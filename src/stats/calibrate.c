@@ -114,45 +114,44 @@ typedef struct {
 static rp_status scan_profile(problem *s, size_t p, scan *q)
 {
     double x[STATS_MAX_PARAMS];
-    rp_status status = RP_OK;
     const int n = q->n = s->c->n_params == 1 ? SCAN_ONE : SCAN_TWO;
     q->value[0] = q->value[n + 2] = NAN;
     q->least = q->chi2[0] = q->chi2[n + 2] = INFINITY;
-    for (int i = 1; !status && i <= n + 1; i++) {
+    for (int i = 1; i <= n + 1; i++) {
         q->value[i] = scanned(s, p, i - 1, n);
-        status = profile(s, p, q->value[i], &q->chi2[i]);
+        RP_TRY(profile(s, p, q->value[i], &q->chi2[i]));
     }
-    for (int i = 1; !status && i <= n + 1; i++) {
+    for (int i = 1; i <= n + 1; i++) {
         if (q->chi2[i] <= q->chi2[i - 1] && q->chi2[i] <= q->chi2[i + 1]) {
-            status = least(s, p, scanned(s, p, i > 1 ? i - 2 : 0, n), scanned(s, p, i <= n ? i : n, n), x,
-                           &q->chi2[i]);
+            RP_TRY(least(s, p, scanned(s, p, i > 1 ? i - 2 : 0, n), scanned(s, p, i <= n ? i : n, n), x,
+                         &q->chi2[i]));
             q->value[i] = x[p];
         }
         q->least = fmin(q->least, q->chi2[i]);
     }
-    return status;
+    return RP_OK;
 }
 
 /* Each run of values within the limit is an interval, and its best value the solution. */
 static rp_status find_intervals(problem *s, size_t p, stats_calibrated *r)
 {
     scan q;
-    rp_status status = scan_profile(s, p, &q);
+    RP_TRY(scan_profile(s, p, &q));
     const double limit = q.least + gsl_cdf_chisq_Pinv(confidence, 1.0);
-    for (int i = 1, best = 0; !status && i <= q.n + 1; i++) {
+    for (int i = 1, best = 0; i <= q.n + 1; i++) {
         if (q.chi2[i] > limit) continue;
         if (q.chi2[i - 1] > limit) {
             if (r->n_solutions == STATS_MAX_SOLUTIONS) break;
             best = i;
-            status = crossing(s, p, q.value[i], q.value[i - 1], limit, &r->solutions[r->n_solutions++].lower);
+            RP_TRY(crossing(s, p, q.value[i], q.value[i - 1], limit, &r->solutions[r->n_solutions++].lower));
         }
         if (q.chi2[i] < q.chi2[best]) best = i;
         r->solutions[r->n_solutions - 1].value = q.value[best];
-        if (!status && q.chi2[i + 1] > limit)
-            status =
-                crossing(s, p, q.value[i], q.value[i + 1], limit, &r->solutions[r->n_solutions - 1].upper);
+        if (q.chi2[i + 1] > limit)
+            RP_TRY(
+                crossing(s, p, q.value[i], q.value[i + 1], limit, &r->solutions[r->n_solutions - 1].upper));
     }
-    return status;
+    return RP_OK;
 }
 
 /* Delta method: the inverse of J' S^-1 J, with J the slopes of the responses at x. */
@@ -287,22 +286,21 @@ static rp_status search_again(const stats_ensemble *piles, const stats_calibrati
 {
     stats_calibration again = *c; /* shares the points */
     double draw[2], chi2;
-    rp_status status = RP_OK;
     resample(piles, c, rng, y);
     gsl_ran_bivariate_gaussian(rng, 1.0, 1.0, c->correlation, &draw[0], &draw[1]);
-    for (size_t a = 0; !status && a < c->n_angles; a++) {
+    for (size_t a = 0; a < c->n_angles; a++) {
         m.angle[a] += draw[a] * m.error[a];
-        status = stats_response_solve(&again.response[a], c, a, y + a * c->n_points);
+        RP_TRY(stats_response_solve(&again.response[a], c, a, y + a * c->n_points));
     }
-    return status ? status : search(&(problem){&again, &m}, x, &chi2);
+    return search(&(problem){&again, &m}, x, &chi2);
 }
 
 rp_status stats_calibration_bootstrap(const stats_ensemble *piles, const stats_calibration *c,
                                       const stats_measured *measured, size_t n_resamples, gsl_rng *rng,
                                       stats_calibrated result[])
 {
-    rp_status status = stats_check_resamples(n_resamples);
-    if (status) return status;
+    rp_status status = RP_OK;
+    RP_TRY(stats_check_resamples(n_resamples));
     double *y = malloc(STATS_MAX_ANGLES * c->n_points * sizeof *y);
     double *values = malloc(STATS_MAX_PARAMS * n_resamples * sizeof *values);
     if (!y || !values) status = rp_fail(RP_NO_MEMORY, "calibrate: out of memory");

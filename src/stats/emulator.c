@@ -100,10 +100,8 @@ rp_status stats_emulator_make(stats_kernel kernel, const stats_inputs *inputs, c
                               double sd, stats_emulator *e)
 {
     *e = (stats_emulator){.kernel = kernel, .inputs = *inputs, .variance = variance};
-    rp_status status = check_inputs(inputs, variance);
-    if (!status && !(sd > 0.0 && isfinite(sd)))
-        status = rp_fail(RP_BAD_INPUT, "emulator: the values have no spread");
-    if (status) return status;
+    RP_TRY(check_inputs(inputs, variance));
+    if (!(sd > 0.0 && isfinite(sd))) return rp_fail(RP_BAD_INPUT, "emulator: the values have no spread");
     const double n = (double)(inputs->n_reals + inputs->n_factors);
     e->constant = broad * sd;
     e->n_hyper = STATS_HYPERS + (kernel == STATS_SMOOTH ? inputs->n_reals + inputs->n_factors : 0);

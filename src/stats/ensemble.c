@@ -31,9 +31,9 @@ static void set_errors(double squares, stats_summary *stats)
 rp_status stats_paired(size_t n, const double a[], double factor, const double b[], stats_summary *stats)
 {
     *stats = (stats_summary){n, NAN, NAN, NAN, NAN, NAN};
-    rp_status status = n > 0 ? stats_check_finite(n, a) : rp_fail(RP_NO_RESULT, "no values");
-    if (!status && b) status = stats_check_finite(n, b);
-    if (status) return status;
+    if (n == 0) return rp_fail(RP_NO_RESULT, "no values");
+    RP_TRY(stats_check_finite(n, a));
+    if (b) RP_TRY(stats_check_finite(n, b));
     double first = a[0] + (b ? factor * b[0] : 0.0), sum = 0.0, squares = 0.0;
     for (size_t i = 0; i < n; i++) sum += a[i] + (b ? factor * b[i] : 0.0) - first;
     stats->mean = first + sum / (double)n;

@@ -113,18 +113,17 @@ static size_t index_of(const stats_posterior *p, size_t draw, size_t surface, un
 static rp_status find_likelihoods(const stats_predictions *m, const stats_published numbers[],
                                   stats_posterior *p, double chi2[])
 {
-    rp_status status = RP_OK;
     for (size_t d = 0; d < m->n_draws; d++)
         for (size_t s = 0; s < m->n_surfaces; s++)
-            for (unsigned latent = 0; latent < STATS_LATENT_LEVELS && !status; latent++) {
+            for (unsigned latent = 0; latent < STATS_LATENT_LEVELS; latent++) {
                 const size_t i = index_of(p, d, s, latent);
-                status = stats_log_likelihood(m->n_points, numbers,
-                                              m->mean + (d * m->n_surfaces + s) * m->n_points,
-                                              m->covariance + d * m->n_points * m->n_points, m->scale[s],
-                                              m->shift, latent, &p->share[i], &chi2[i]);
+                RP_TRY(stats_log_likelihood(m->n_points, numbers,
+                                            m->mean + (d * m->n_surfaces + s) * m->n_points,
+                                            m->covariance + d * m->n_points * m->n_points, m->scale[s],
+                                            m->shift, latent, &p->share[i], &chi2[i]));
                 if (level_of(latent, STATS_LATENT_stop)) p->share[i] += m->log_complete[d];
             }
-    return status;
+    return RP_OK;
 }
 
 /* From logarithms of likelihoods to weights, with what follows of them. */

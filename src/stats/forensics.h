@@ -7,7 +7,6 @@
 #define STATS_FORENSICS_H
 
 #include <gsl/gsl_rng.h>
-#include <stdbool.h>
 #include <stddef.h>
 
 #include "core/status.h"

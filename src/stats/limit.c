@@ -57,11 +57,10 @@ static rp_status find_means(size_t n, mean_at points[], double work[], search *s
         stats_summary mean;
         for (k = 0; first + k < n && points[first + k].x == points[first].x; k++)
             work[k] = points[first + k].y;
-        rp_status status = stats_mean(k, work, &mean);
-        if (!status && k < 2)
-            status = rp_fail(RP_NO_RESULT, "no limit: one value at x = %g, two needed for its error",
-                             points[first].x);
-        if (status) return status;
+        RP_TRY(stats_mean(k, work, &mean));
+        if (k < 2)
+            return rp_fail(RP_NO_RESULT, "no limit: one value at x = %g, two needed for its error",
+                           points[first].x);
         s->x[s->n] = points[first].x;
         s->y[s->n] = mean.mean;
         s->se[s->n++] = mean.se;
@@ -74,14 +73,13 @@ static rp_status find_means(size_t n, mean_at points[], double work[], search *s
 static rp_status try_exponents(search *s)
 {
     const double ratio = pow(s->to / s->from, 1.0 / (TRIED - 1));
-    rp_status status = RP_OK;
     s->least = HUGE_VAL;
-    for (int k = 0; k < TRIED && !status; k++) {
+    for (int k = 0; k < TRIED; k++) {
         s->p[k] = s->from * pow(ratio, k);
-        status = fit_line(s, s->p[k], &s->lines[k]);
+        RP_TRY(fit_line(s, s->p[k], &s->lines[k]));
         s->least = fmin(s->least, s->lines[k].chi2);
     }
-    return status ? status : fit_line(s, 0.0, &s->at_zero);
+    return fit_line(s, 0.0, &s->at_zero);
 }
 
 /* The limits L whose chi2, at the best p for each, exceeds the least by no more than the square of Student's
@@ -124,10 +122,10 @@ static rp_status find_limit(search *s, stats_limit *limit)
     double p[2], value;
     stats_line line;
     const double lo[2] = {s->from, 0.0}, hi[2] = {s->to, 0.0};
-    rp_status status = try_exponents(s);
-    if (!status) status = stats_least(chi2_of, s, lo, hi, TRIED, p, &value);
-    if (!status) status = s->status ? s->status : fit_line(s, p[0], &line);
-    if (status) return status;
+    RP_TRY(try_exponents(s));
+    RP_TRY(stats_least(chi2_of, s, lo, hi, TRIED, p, &value));
+    RP_TRY(s->status);
+    RP_TRY(fit_line(s, p[0], &line));
     s->least = fmin(s->least, value);
     limit->exponent = p[0];
     limit->limit = line.intercept;

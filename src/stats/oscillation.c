@@ -80,12 +80,10 @@ static rp_status fit(problem *s, double lo, double hi, stats_oscillation *fit)
     const double range = s->t[s->n - 1] - s->from;
     stats_line line;
     double at[2], least;
-    rp_status status = stats_line_fit(s->n, s->t, s->y, NULL, false, &line);
+    RP_TRY(stats_line_fit(s->n, s->t, s->y, NULL, false, &line));
     /* four cells within the width of a peak, 1/range */
-    if (!status)
-        status = stats_least(squares_at, s, (double[]){lo, 0.0}, (double[]){hi, 0.0},
-                             (int)ceil(4.0 * range * (hi - lo)), at, &least);
-    if (status) return status;
+    RP_TRY(stats_least(squares_at, s, (double[]){lo, 0.0}, (double[]){hi, 0.0},
+                       (int)ceil(4.0 * range * (hi - lo)), at, &least));
     squares_at(at, s);
     const double amplitude = hypot(s->c[2], s->c[3]), slope = s->c[1];
     set_terms(s, at[0], WITH_FREQUENCY);

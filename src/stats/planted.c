@@ -7,14 +7,14 @@
 
 static rp_status invert_case(const stats_calibration *c, stats_case *k)
 {
-    rp_status status = stats_calibration_invert(c, &k->measured, k->found);
-    for (size_t p = 0; !status && p < c->n_params; p++) {
+    RP_TRY(stats_calibration_invert(c, &k->measured, k->found));
+    for (size_t p = 0; p < c->n_params; p++) {
         const stats_calibrated *f = &k->found[p];
         k->covered[p] = false;
         for (size_t i = 0; i < f->n_solutions; i++)
             k->covered[p] |= !(k->truth[p] < f->solutions[i].lower || k->truth[p] > f->solutions[i].upper);
     }
-    return status;
+    return RP_OK;
 }
 
 /* Point g of `points`, measured, with the pile-to-pile scatter of the response `c` as known error. */

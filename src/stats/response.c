@@ -1,6 +1,5 @@
 /* The response of an angle to parameters: points from piles, and the form that fits them; see calibrate.h. */
 #include <gsl/gsl_cdf.h>
-#include <gsl/gsl_errno.h>
 #include <gsl/gsl_machine.h>
 #include <gsl/gsl_sf_psi.h>
 #include <math.h>

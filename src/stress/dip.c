@@ -231,9 +231,7 @@ static double share_se(double share, size_t n)
 static rp_status summarise(ensemble *e, double margin, stress_dips *d)
 {
     const size_t n = e->n;
-    rp_status status = RP_OK;
-    for (size_t c = 0; c < N_SUMMARIES && !status; c++) status = stats_mean(n, e->v + c * n, &e->stats[c]);
-    if (status) return status;
+    for (size_t c = 0; c < N_SUMMARIES; c++) RP_TRY(stats_mean(n, e->v + c * n, &e->stats[c]));
     for (int k = 0; k < HALF; k++) {
         d->N[k] = e->stats[k].mean;
         d->N_se[k] = e->stats[k].se;

@@ -146,6 +146,8 @@ rp_status sweep_box_begin(sweep_box_run *run, const sweep_box *box, size_t most,
     SWEEP_ENTER(run->keep, *result);
     SWEEP_ENTER(run->keep, run->cells);
     sweep_keep_enter_sim(run->keep, &run->sim);
+    sweep_keep_enter_sim(run->keep, &run->rested);
+    SWEEP_ENTER(run->keep, run->steps_before);
     SWEEP_ENTER(run->keep, run->scene.def.walls[DEM_BOX_RIGHT].open_at_step);
     if (!run->tables) return run->keep ? run->keep->source.status : RP_OK;
     run->scene.def.ledger = tables->ledger;
@@ -159,6 +161,7 @@ rp_status sweep_box_begin(sweep_box_run *run, const sweep_box *box, size_t most,
 rp_status sweep_box_end(sweep_box_run *run, rp_status status)
 {
     dem_free(run->sim);
+    dem_free(run->rested);
     free(run->scene.grains);
     free(run->states);
     free(run->work);
@@ -204,8 +207,7 @@ rp_status sweep_box_rest(const sweep_box_run *run, dem_rest *rest, bool *quiet)
     return status;
 }
 
-/* With `pile`, only while there are cells enough for a slope. */
-static rp_status settle(sweep_box_run *run, const char *phase, bool pile)
+rp_status sweep_box_settle(sweep_box_run *run, const char *phase, bool pile)
 {
     const long every = 500;
     const int in_a_row = 10;
@@ -242,21 +244,16 @@ rp_status sweep_box_open(sweep_box_run *run, long steps)
     }
     if (!fallen) status = sweep_box_advance(run, steps < 1 ? least : steps);
     fallen = true;
-    if (!status && steps < 1) status = settle(run, "after the opening", true);
+    if (!status && steps < 1) status = sweep_box_settle(run, "after the opening", true);
     sweep_keep_leave(run->keep, 1);
     return status;
-}
-
-rp_status sweep_box_settle(sweep_box_run *run, const char *phase)
-{
-    return settle(run, phase, false);
 }
 
 rp_status sweep_box_phase(sweep_box_run *run, size_t phase)
 {
     if (phase == 0) return sweep_box_start(run);
     if (phase == 1) return sweep_box_advance(run, run->box->fill_steps);
-    return phase == 2 ? sweep_box_settle(run, "filling") : sweep_box_open(run, 0);
+    return phase == 2 ? sweep_box_settle(run, "filling", false) : sweep_box_open(run, 0);
 }
 
 ang_options sweep_box_options(const sweep_box *b)
@@ -309,16 +306,15 @@ rp_status sweep_state_write(const sweep_tables *tables, const dem_sim *sim, cons
     } list[] = {{"grains", dem_write_state_columns, dem_write_states},
                 {"contacts", dem_write_contact_columns, dem_write_contacts},
                 {"walls", dem_write_wall_columns, dem_write_walls}};
-    rp_status status = RP_OK;
-    for (size_t i = 0; tables && i < sizeof list / sizeof *list && !status; i++) {
+    for (size_t i = 0; tables && i < sizeof list / sizeof *list; i++) {
         char name[64];
         sweep_file f;
         snprintf(name, sizeof name, "%s_%s.tsv", stage, list[i].name);
         RP_TRY(sweep_table_open(tables, name, &f));
         list[i].columns(f.out);
-        status = sweep_table_close(&f, list[i].rows(sim, f.out));
+        RP_TRY(sweep_table_close(&f, list[i].rows(sim, f.out)));
     }
-    return status;
+    return RP_OK;
 }
 
 static long count_grains(const sweep_box *box)
@@ -368,23 +364,23 @@ rp_status sweep_box_note(sweep_box_run *run)
 {
     run->n_noted = 0;
     for (size_t id = 0; id <= run->most; id++) run->x[id] = NAN;
-    rp_status status = dem_states(run->sim, run->states);
-    for (size_t i = 0; !status && i < dem_count(run->sim); i++) {
+    RP_TRY(dem_states(run->sim, run->states));
+    for (size_t i = 0; i < dem_count(run->sim); i++) {
         const dem_state *s = &run->states[i];
         if (!(s->x > 0.0 && s->x < run->box->W) || s->fixed) continue;
         run->x[s->id] = s->x;
         run->y[s->id] = s->y;
         run->n_noted++;
     }
-    return status;
+    return RP_OK;
 }
 
 rp_status sweep_box_moved(sweep_box_run *run, double reach, int contacts, size_t *moved)
 {
-    rp_status status = dem_states(run->sim, run->states);
     size_t seen = 0;
     *moved = 0;
-    for (size_t i = 0; !status && i < dem_count(run->sim); i++) {
+    RP_TRY(dem_states(run->sim, run->states));
+    for (size_t i = 0; i < dem_count(run->sim); i++) {
         const dem_state *s = &run->states[i];
         if (isnan(run->x[s->id])) continue;
         seen++;
@@ -394,7 +390,21 @@ rp_status sweep_box_moved(sweep_box_run *run, double reach, int contacts, size_t
         *moved += dx * dx + dy * dy > reach * reach && s->contacts >= contacts;
     }
     *moved += run->n_noted - seen;
-    return status;
+    return RP_OK;
+}
+
+void sweep_box_go_back(sweep_box_run *run)
+{
+    if (!run->rested) return;
+    run->steps_before += dem_step(run->sim) - dem_step(run->rested);
+    dem_free(run->sim);
+    run->sim = run->rested;
+    run->rested = NULL;
+}
+
+double sweep_box_steps(const sweep_box_run *run)
+{
+    return run->sim ? (double)(dem_step(run->sim) + run->steps_before) : NAN;
 }
 
 rp_status sweep_box_onset(sweep_box_run *run, bool *moves)

@@ -4,7 +4,6 @@
 #define SWEEP_BOX_H
 
 #include <stdbool.h>
-#include <stdio.h>
 
 #include "angle/angle.h"
 #include "dem/scene.h"
@@ -111,6 +110,8 @@ typedef struct {
     sweep_result *result;
     dem_scene scene;   /* from sweep_box_scene; the protocol adds fill or grains, freed by sweep_box_end */
     dem_sim *sim;      /* NULL until the protocol starts it; of a resumed run, as it was */
+    dem_sim *rested;   /* a copy of the pile at rest, for another tilt; NULL: none */
+    long steps_before; /* of tilts before that */
     double d, mg;      /* nominal diameter; weight of a grain of the mean radius */
     long max_steps;    /* most steps that sweep_box_settle waits */
     double cells;      /* occupied when the surface was looked at last; NaN before */
@@ -138,9 +139,9 @@ rp_status sweep_box_advance(sweep_box_run *run, long steps);
 /* How far from rest the grains over the box's floor are, 0 < x < W, and whether that counts as rest. */
 rp_status sweep_box_rest(const sweep_box_run *run, dem_rest *rest, bool *quiet);
 
-/* Test for rest every 500 steps until 10 tests in a row pass. `phase` is for the message. Errors:
- * RP_NO_RESULT with the word not_at_rest. */
-rp_status sweep_box_settle(sweep_box_run *run, const char *phase);
+/* Test for rest every 500 steps until 10 tests in a row pass; with `pile`, only while there are cells enough
+ * for a slope. `phase` is for the message. Errors: RP_NO_RESULT with the word not_at_rest, or no_pile. */
+rp_status sweep_box_settle(sweep_box_run *run, const char *phase, bool pile);
 
 /* Open the right wall and advance by `steps`, or if steps < 1 by 5000 and then until the pile is at rest. The
  * run ends with the word no_pile once too few cells are left for a slope. */
@@ -184,6 +185,10 @@ rp_status sweep_box_note(sweep_box_run *run);
 /* Number of these grains, with at least `contacts` contacts, that are further than `reach` from their
  * positions; grains that have left the scene count. */
 rp_status sweep_box_moved(sweep_box_run *run, double reach, int contacts, size_t *moved);
+
+/* Go on from the pile at rest, unless that is done. Steps in all, with those of tilts before. */
+void sweep_box_go_back(sweep_box_run *run);
+double sweep_box_steps(const sweep_box_run *run);
 
 /* Onset by displacement: 5 % of these grains are further than 0.1 d from their positions. */
 rp_status sweep_box_onset(sweep_box_run *run, bool *moves);

@@ -80,7 +80,7 @@ rp_status sweep_store_running(sweep_store *s, const char *schema, size_t *runnin
 }
 
 static rp_status take_source(sweep_store *s, const sweep_plan *plan, const char *path, bool verify,
-                             bool *same, sweep_union *found)
+                             bool *same, sweep_merged *found)
 {
     char hash[33];
     long long before, rows, after;
@@ -97,17 +97,17 @@ static rp_status take_source(sweep_store *s, const sweep_plan *plan, const char 
     }
     RP_TRY(take_rows(s, plan, "source"));
     RP_TRY(sweep_sql_number(s, "SELECT count(*) FROM temp.runs", &after));
-    found->sources++;
+    found->stores++;
     found->duplicates += (size_t)(before + rows - after);
     return RP_OK;
 }
 
 rp_status sweep_store_unite(sweep_store *s, const sweep_plan *plan, size_t n, char *const paths[],
-                            bool verify, sweep_union *found)
+                            bool verify, sweep_merged *found)
 {
     bool same = true;
     long long foreign = 0;
-    *found = (sweep_union){0};
+    *found = (sweep_merged){0};
     rp_status status = sweep_store_running(s, "main", &found->running);
     if (!status) status = sweep_store_make_runs(s, "temp", plan->protocol);
     if (!status) status = take_rows(s, plan, "main");
@@ -126,7 +126,7 @@ rp_status sweep_store_unite(sweep_store *s, const sweep_plan *plan, size_t n, ch
 }
 
 rp_status sweep_store_merge(sweep_store *s, const sweep_plan *plan, size_t n, char *const paths[],
-                            sweep_union *found, size_t *taken)
+                            sweep_merged *found)
 {
     long long before, after;
     rp_status status = sweep_store_unite(s, plan, n, paths, true, found);
@@ -144,7 +144,7 @@ rp_status sweep_store_merge(sweep_store *s, const sweep_plan *plan, size_t n, ch
     if (status) sqlite3_exec(s->db, "ROLLBACK", NULL, NULL, NULL);
     sqlite3_free(names);
     if (!status) status = sweep_sql_number(s, "SELECT count(*) FROM main.runs WHERE run IS NOT NULL", &after);
-    if (!status) *taken = (size_t)(after - before);
+    if (!status) found->taken = (size_t)(after - before);
     return status;
 }
 

@@ -117,12 +117,12 @@ rp_status sweep_pile_write(const sweep_solved *s, const sweep_tables *tables)
                 {"disks.tsv", write_disks},
                 {"base.tsv", sweep_pile_write_base}};
     const size_t n = sizeof list / sizeof *list - (s->r.fault != 0); /* no forces on the base */
-    rp_status status = rp_make_directory(tables->directory);
-    for (size_t i = 0; !status && i < n; i++) {
+    RP_TRY(rp_make_directory(tables->directory));
+    for (size_t i = 0; i < n; i++) {
         sweep_file f;
         RP_TRY(sweep_table_open(tables, list[i].name, &f));
         sweep_pile_notes(s, f.out);
-        status = sweep_table_close(&f, list[i].write(s, f.out));
+        RP_TRY(sweep_table_close(&f, list[i].write(s, f.out)));
     }
-    return status;
+    return RP_OK;
 }

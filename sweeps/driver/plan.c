@@ -1,4 +1,4 @@
-/* From a sweep file to its grid points and runs; see sweep.h for the file and the order. */
+/* From a sweep file to its grid points, runs and tables; see sweep.h for the file and the order. */
 #include "sweeps/driver/private.h"
 
 #include <stdlib.h>
@@ -20,7 +20,7 @@ typedef struct {
     int piles, units;
 } head;
 
-rp_status sweep_refuse_scene(const char *file, const config_setting_t *root)
+static rp_status refuse_scene(const char *file, const config_setting_t *root)
 {
     static const char *const keys[] = {"particles", "particles_file", "fill", "walls"};
     for (size_t i = 0; i < sizeof keys / sizeof *keys && !config_setting_get_member(root, "protocol"); i++)
@@ -50,7 +50,7 @@ static rp_status read_head(const char *file, const config_setting_t *root,
         {"units", "", RP_CHOICE, offsetof(head, units), "cgs", RP_UNITS_WORDS,
          "of the numbers here and of the tables; defaults are converted"},
         {0}};
-    RP_TRY(sweep_refuse_scene(file, root));
+    RP_TRY(refuse_scene(file, root));
     if (!config_setting_get_member(root, "protocol")) /* the root has no line to point at */
         return rp_fail(RP_BAD_INPUT, "%s: protocol: missing (kind of experiment), allowed: %s", file, names);
     rp_params_defaults(schema, h);
@@ -423,4 +423,50 @@ const char *sweep_plan_describe(const sweep_plan *plan, size_t point, char *buff
                                  plan->axes[a].param->name,
                                  rp_params_text(plan->axes[a].param, values, text, sizeof text));
     return buffer;
+}
+
+/* ---- tables of the file ---- */
+
+/* "lh3_phi = angle phi @/lh3_runs.tsv" */
+static rp_status read_table(const config_setting_t *setting, sweep_recipe *recipe)
+{
+    const char *text = config_setting_get_string(setting), *equals = text ? strstr(text, " = ") : NULL;
+    const size_t length = strlen(recipe->name);
+    sweep_table *table = &recipe->tables[recipe->n_tables];
+    if (!equals) return rp_config_fail(setting, "tables: \"NAME = COMMAND\" expected");
+    if (recipe->n_tables == SWEEP_MAX_TABLES || (size_t)(equals - text) >= sizeof table->name)
+        return rp_config_fail(setting, "tables: at most %d, of names shorter than %zu", SWEEP_MAX_TABLES,
+                              sizeof table->name);
+    snprintf(table->name, sizeof table->name, "%.*s", (int)(equals - text), text);
+    table->command = equals + strlen(" = ");
+    if (strncmp(table->name, recipe->name, length) != 0 ||
+        (table->name[length] && table->name[length] != '_') || strchr(table->name, '/'))
+        return rp_config_fail(setting, "tables: %s: the name of a table must begin with %s_", table->name,
+                              recipe->name);
+    recipe->n_tables++;
+    return RP_OK;
+}
+
+rp_status sweep_recipe_read(const char *file, sweep_recipe *recipe)
+{
+    *recipe = (sweep_recipe){0};
+    const char *base = basename(file); /* "lh3" of sweeps/lh/lh3.cfg */
+    snprintf(recipe->name, sizeof recipe->name, "%.*s", (int)strcspn(base, "."), base);
+    RP_TRY(rp_config_read(file, &recipe->config));
+    const config_setting_t *root = config_root_setting(&recipe->config),
+                           *tables = config_setting_get_member(root, "tables");
+    int replicas = 0;
+    recipe->has_runs = config_setting_get_member(root, "protocol") != NULL;
+    if (config_setting_lookup_int(root, "study", &replicas) && replicas > 0) recipe->study = (size_t)replicas;
+    RP_TRY(refuse_scene(file, root));
+    if (!tables && !recipe->has_runs) return rp_fail(RP_BAD_INPUT, "%s: neither a protocol nor tables", file);
+    if (tables && !config_setting_is_array(tables) && !config_setting_is_list(tables))
+        return rp_config_fail(tables, "tables: a list [ \"NAME = COMMAND\", ... ] expected");
+    for (int i = 0; i < length(tables); i++) RP_TRY(read_table(element(tables, (size_t)i), recipe));
+    return RP_OK;
+}
+
+void sweep_recipe_free(sweep_recipe *recipe)
+{
+    config_destroy(&recipe->config);
 }

@@ -11,7 +11,6 @@
  * A stop signal asks the workers to write a snapshot of their runs and end; a second one, or ten seconds, end
  * them. */
 #include "core/clock.h"
-#include "core/table.h"
 #include "sweeps/driver/keep.h"
 #include "sweeps/driver/private.h"
 
@@ -21,7 +20,6 @@
 #include <math.h>
 #include <poll.h>
 #include <signal.h>
-#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
@@ -251,9 +249,8 @@ static void show(pool *p)
 
 static rp_status store_row(pool *p, const sweep_row *row)
 {
-    rp_status status = sweep_store_insert(p->store, p->plan, row);
-    if (!status && p->careful) status = sweep_store_commit(p->store);
-    if (status) return status;
+    RP_TRY(sweep_store_insert(p->store, p->plan, row));
+    if (p->careful) RP_TRY(sweep_store_commit(p->store));
     p->samples[p->finished++ % SAMPLES] = row->seconds;
     p->pace += (row->seconds - p->pace) / LEARNT;
     p->progress.stored++;
@@ -299,17 +296,15 @@ static rp_status give_up(pool *p, worker *w, const char *word, const char *cause
     if (p->options->report)
         p->options->report(p->options->context, "%s: %s; %s", name_run(p, t.run, name, sizeof name), cause,
                            again ? "goes to the end of the queue" : word);
-    rp_status status = RP_OK;
     if (again) {
         t.tries++;
         t.kept = true;
         put_back(p, t);
-    } else {
-        sweep_result_clear(&row.result);
-        sweep_conclude(&row.result, word, "%s", cause);
-        status = store_row(p, &row);
+        return RP_OK;
     }
-    return status;
+    sweep_result_clear(&row.result);
+    sweep_conclude(&row.result, word, "%s", cause);
+    return store_row(p, &row);
 }
 
 static rp_status crashed(pool *p, worker *w)
@@ -504,11 +499,6 @@ static void begin_drive(pool *p, int lock)
         p->next = (size_t)(fmod(0.618 * failed, 1.0) * (double)p->n_todo);
 }
 
-static void end_drive(int lock, rp_status status)
-{
-    if (!status || status == RP_STOPPED) (void)!ftruncate(lock, 0);
-}
-
 /* A snapshot may be there of any run if there is one at all. free. */
 static task *make_tasks(const size_t runs[], size_t n, const char *snapshots)
 {
@@ -550,7 +540,7 @@ rp_status sweep_pool_run(const sweep_plan *plan, sweep_store *store, const size_
     while (p.signals >= 0 && read(p.signals, &seen, sizeof seen) > 0) continue;
     close(p.signals);
     sigprocmask(SIG_SETMASK, &before, NULL);
-    end_drive(lock, status);
+    if (!status || status == RP_STOPPED) (void)!ftruncate(lock, 0); /* an orderly end */
     free(p.todo);
     return status;
 }

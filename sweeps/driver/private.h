@@ -71,9 +71,6 @@ typedef enum { SWEEP_READ, SWEEP_WRITE, SWEEP_CREATE } sweep_access;
 rp_status sweep_plan_read(const char *file, const sweep_protocol *const *protocols, sweep_plan *plan);
 void sweep_plan_free(sweep_plan *plan);
 
-/* RP_OK unless the file is a scene. Errors: RP_BAD_INPUT. */
-rp_status sweep_refuse_scene(const char *file, const config_setting_t *root);
-
 /* Ask the protocol whether it can run a grid point. Errors: RP_BAD_INPUT. */
 rp_status sweep_plan_check_point(const sweep_plan *plan, const char *file, size_t point);
 
@@ -171,21 +168,15 @@ rp_status sweep_store_number(sweep_store *store, const sweep_plan *plan, const s
  */
 rp_status sweep_store_running(sweep_store *store, const char *schema, size_t *running);
 
-/* What a union found; see sweep_store_unite. */
-typedef struct {
-    size_t sources, duplicates, foreign; /* foreign: rows of no run of the plan, left out */
-    size_t running;                      /* stores whose writer has given a sign of life lately */
-} sweep_union;
-
 /* From now on the table `runs` of `store` is, for this process alone, its own rows with those of the stores
  * `paths`. With `verify` the files are read whole. Errors: RP_BAD_INPUT (another model or protocol; two
  * stores that differ in a result), RP_IO. */
 rp_status sweep_store_unite(sweep_store *store, const sweep_plan *plan, size_t n, char *const paths[],
-                            bool verify, sweep_union *found);
+                            bool verify, sweep_merged *found);
 
-/* Unite, and add to the store itself what the others have of the plan. *taken is how many rows. */
+/* Unite, and add to the store itself what the others have of the plan. */
 rp_status sweep_store_merge(sweep_store *store, const sweep_plan *plan, size_t n, char *const paths[],
-                            sweep_union *found, size_t *taken);
+                            sweep_merged *found);
 
 /* Mean processor time of the latest rows, s; NaN without a row. */
 rp_status sweep_store_pace(sweep_store *store, double *seconds);
@@ -202,8 +193,8 @@ rp_status sweep_pool_run(const sweep_plan *plan, sweep_store *store, const size_
 typedef struct {
     sweep_plan plan;
     sweep_store *store;
-    sweep_union found; /* of the shards */
-    int lock;          /* descriptor, or -1 */
+    sweep_merged found; /* of the shards */
+    int lock;           /* descriptor, or -1 */
 } sweep_folder;
 
 /* Read the plan of a sweep's folder and open its store, with its shards as one. Afterwards

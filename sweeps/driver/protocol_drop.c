@@ -179,10 +179,12 @@ static dem_definition make_scene(const drop_params *p)
     const double r = 0.5 * (1.0 - 3.0 * p->radius_width), m = dem_mass(DEM_DISK, density, r),
                  top =
                      1.25 * sqrt((double)p->N) + 0.5 * sqrt(3.0) * (double)p->lattice + p->drop_height + 1.0;
-    const dem_grain two[2] = {{.y = r, .r = r, .m = m}, {.y = top, .r = r, .m = m, .vy = sqrt(2.0 * top)}};
+    const double speed = sqrt(2.0 * top);
+    const dem_grain two[2] = {{.y = r, .r = r, .m = m}, {.y = top, .r = r, .m = m, .vy = speed}};
     def.grains = two;
     def.n_grains = 2;
-    def.dt = 0.98 * dem_time_step_limit(&def, NULL);
+    def.dt =
+        fmin(0.98 * dem_time_step_limit(&def, NULL), r / speed); /* a step moves no disk by more than r */
     def.grains = NULL;
     def.n_grains = 0;
     return def;
@@ -619,9 +621,8 @@ static rp_status measure_contacts(const drop *d)
 {
     dem_contact *contacts;
     size_t n;
-    rp_status status = dem_contacts(d->sim, &contacts, &n);
-    if (status) return status;
-    status = measure_order(d, n, contacts);
+    RP_TRY(dem_contacts(d->sim, &contacts, &n));
+    rp_status status = measure_order(d, n, contacts);
     if (!status) status = measure_base(d, n, contacts);
     free(contacts);
     return status;
@@ -707,8 +708,7 @@ static rp_status finish(drop *d, rp_status status)
 static rp_status write_drops(const drop *d, const sweep_tables *tables)
 {
     sweep_file f;
-    rp_status status = sweep_table_open(tables, "drops.tsv", &f);
-    if (status) return status;
+    RP_TRY(sweep_table_open(tables, "drops.tsv", &f));
     rp_table_header(f.out, "drop, moved");
     for (long k = 0; k < d->p->N; k++)
         rp_table_row(f.out, 2, (double[]){(double)k + 1.0, (double)d->moved[k]});

@@ -123,8 +123,7 @@ static rp_status make_layer(flux *f)
     }
     def->grains = layer;
     def->walls[DEM_BOX_RIGHT].open_at_step = 0;
-    rp_status status = dem_create(def, &f->box.sim);
-    return status;
+    return dem_create(def, &f->box.sim);
 }
 
 static rp_status insert(flux *f, uint32_t *id)
@@ -182,7 +181,7 @@ static rp_status note_row(flux *f)
 static rp_status first_layer(flux *f)
 {
     rp_status status = f->box.sim ? RP_OK : make_layer(f);
-    if (!status) status = sweep_box_settle(&f->box, "first layer");
+    if (!status) status = sweep_box_settle(&f->box, "first layer", false);
     return status ? status : note_row(f);
 }
 

@@ -1,10 +1,11 @@
-/* Protocol `onset`: the box of protocol `repose` to its pile at rest, on which whatever might foretell its
+/* Protocol `onset`: the box of protocol `repose` to its pile at rest, on which whatever might predict its
  * tilting angle is measured; then gravity is turned at a rate until the pile moves. The same tilt is made a
  * second time, with the same bits, and read at quarters of the tilting angle: which contacts slide, and which
  * grains move otherwise than the pile as a whole.
  */
 #include <assert.h>
 #include <gsl/gsl_math.h>
+#include <gsl/gsl_sort.h>
 #include <math.h>
 #include <stdlib.h>
 
@@ -84,9 +85,7 @@ typedef struct {
     const sweep_tilted *p;
     sweep_box_run box;
     double *values;
-    dem_sim *rested;   /* the pile, for the second tilt */
-    double *depth;     /* [1 + most] by id, of the grains of the pile at rest, in d */
-    long steps_before; /* of the first tilt, once that has ended */
+    double *depth; /* [1 + most] by id, of the grains of the pile at rest, in d */
 } experiment;
 
 /* ---- the pile at rest ---- */
@@ -247,21 +246,21 @@ static rp_status note_pile(void *data)
     ang_tilt_result theory;
     dem_contact *contacts = NULL;
     size_t n = 0;
-    rp_status status = sweep_box_pile_slopes(&e->box, slopes);
-    if (!status) status = sweep_state_write(e->box.tables, e->box.sim, "pile");
-    if (!status) status = sweep_box_note(&e->box);
-    if (!status) status = measure_surface(e);
-    if (!status) status = dem_contacts(e->box.sim, &contacts, &n);
-    if (status) return status;
+    RP_TRY(sweep_box_pile_slopes(&e->box, slopes));
+    RP_TRY(sweep_state_write(e->box.tables, e->box.sim, "pile"));
+    RP_TRY(sweep_box_note(&e->box));
+    RP_TRY(measure_surface(e));
+    RP_TRY(dem_contacts(e->box.sim, &contacts, &n));
     measure_forces(e, n, contacts);
     measure_grains(e);
     free(contacts);
     v[OUT_theta_r3_deg] = sweep_degrees(slopes[2].theta);
-    status = slopes[2].theta < 0.0 ? RP_OK
-                                   : ang_tilt(ANG_BALANCED, e->box.scene.def.walls[DEM_BOX_FLOOR].material.mu,
-                                              slopes[2].theta, M_PI / 3.0, &theory);
-    if (!status && slopes[2].theta >= 0.0) v[OUT_theta_t_theory_deg] = sweep_degrees(theory.theta_t);
-    return status ? status : dem_clone(e->box.sim, &e->rested);
+    if (!(slopes[2].theta < 0.0)) {
+        RP_TRY(ang_tilt(ANG_BALANCED, e->box.scene.def.walls[DEM_BOX_FLOOR].material.mu, slopes[2].theta,
+                        M_PI / 3.0, &theory));
+        v[OUT_theta_t_theory_deg] = sweep_degrees(theory.theta_t);
+    }
+    return dem_clone(e->box.sim, &e->box.rested);
 }
 
 static rp_status find_onset(void *data)
@@ -290,8 +289,7 @@ static rp_status measure_motion(experiment *e, motion *m)
     enum { TERMS = 3 };
     double cx[TERMS], cy[TERMS], covariance[TERMS * TERMS], chi2, mean_x = 0.0, mean_y = 0.0;
     size_t rank;
-    rp_status status = dem_states(e->box.sim, e->box.states);
-    if (status) return status;
+    RP_TRY(dem_states(e->box.sim, e->box.states));
     m->n = 0;
     m->state = e->box.states;
     m->ux = e->box.work;
@@ -312,9 +310,9 @@ static rp_status measure_motion(experiment *e, motion *m)
         mean_y += m->uy[m->n];
         m->state[m->n++] = s;
     }
-    status = m->n < TERMS
-                 ? RP_OK
-                 : stats_multifit(m->n, TERMS, X, NULL, m->ux, GSL_DBL_EPSILON, cx, covariance, &chi2, &rank);
+    rp_status status = m->n < TERMS ? RP_OK
+                                    : stats_multifit(m->n, TERMS, X, NULL, m->ux, GSL_DBL_EPSILON, cx,
+                                                     covariance, &chi2, &rank);
     if (!status && m->n >= TERMS)
         status = stats_multifit(m->n, TERMS, X, NULL, m->uy, GSL_DBL_EPSILON, cy, covariance, &chi2, &rank);
     m->about_mean = 0.0;
@@ -365,12 +363,6 @@ static void note_zones(experiment *e, const motion *m)
             e->values[OUT_moved_surface_1 + k * N_LAYERS + j] = moved[k][j] / all[k][j];
 }
 
-static int by_size(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 /* `quarter`: of the tilting angle; negative at PROBE_DEG. */
 static rp_status read_pile(experiment *e, int quarter)
 {
@@ -378,22 +370,20 @@ static rp_status read_pile(experiment *e, int quarter)
     dem_contact *contacts = NULL;
     size_t n = 0;
     motion m;
-    rp_status status = dem_contacts(e->box.sim, &contacts, &n);
-    if (status) return status;
+    RP_TRY(dem_contacts(e->box.sim, &contacts, &n));
     const limits l = count_limits(e, n, contacts);
     free(contacts);
     for (int k = 0; quarter >= 0 && k < N_CLASSES; k++)
         v[OUT_limit_floor_0 + k * N_QUARTERS + quarter] = l.where[k];
     if (quarter >= 0 && quarter != HALF && quarter != ONSET) return RP_OK;
-    status = measure_motion(e, &m);
-    if (status) return status;
+    RP_TRY(measure_motion(e, &m));
     if (quarter == HALF) note_motion(e, &m, &v[OUT_nonaffine_half]);
     if (quarter == ONSET) note_motion(e, &m, &v[OUT_nonaffine_onset]);
     if (quarter == ONSET) note_zones(e, &m);
     if (quarter >= 0) return RP_OK;
     v[OUT_limit_probe] = l.all;
     for (size_t i = 0; i < m.n; i++) m.square[i] = hypot(m.ux[i], m.uy[i]);
-    qsort(m.square, m.n, sizeof *m.square, by_size);
+    gsl_sort(m.square, 1, m.n);
     v[OUT_reach_probe] = m.square[(size_t)(0.95 * ((double)m.n - 1.0))];
     return RP_OK;
 }
@@ -409,13 +399,7 @@ static rp_status tilt_again(void *data)
         bool probed;
     } now = {0, 0, false};
     rp_status status = RP_OK;
-    if (e->rested) {
-        e->steps_before = dem_step(e->box.sim);
-        dem_free(e->box.sim);
-        e->box.sim = e->rested;
-        e->rested = NULL;
-        e->steps_before -= dem_step(e->box.sim);
-    }
+    sweep_box_go_back(&e->box);
     if (SWEEP_ENTER(e->box.keep, now)) dem_gravity_turn(e->box.sim, rate * (M_PI / 180.0));
     while (now.quarter < N_QUARTERS && !status) {
         const long at = lround(now.quarter * theta_t / (4.0 * rate)), probe = lround(PROBE_DEG / rate);
@@ -435,12 +419,9 @@ static rp_status run_phases(experiment *e)
 {
     static rp_status (*const phases[])(void *) = {note_pile, find_onset, tilt_again};
     sweep_keep *const keep = e->box.keep;
-    SWEEP_ENTER(keep, e->steps_before);
     sweep_keep_enter(keep, e->depth, (e->box.most + 1) * sizeof *e->depth);
-    sweep_keep_enter_sim(keep, &e->rested);
     const rp_status status = sweep_tilted_phases(&e->box, sizeof phases / sizeof *phases, phases, e);
-    if (!e->box.sim) return status;
-    e->values[OUT_steps] = (double)(dem_step(e->box.sim) + e->steps_before);
+    e->values[OUT_steps] = sweep_box_steps(&e->box);
     return status;
 }
 
@@ -453,7 +434,6 @@ static rp_status run_one(const void *params, unsigned long seed, unsigned long r
     if (!status) e.depth = calloc(e.box.most + 1, sizeof *e.depth);
     if (!status && !e.depth) status = rp_fail(RP_NO_MEMORY, "onset: out of memory");
     if (!status) status = run_phases(&e);
-    dem_free(e.rested);
     free(e.depth);
     return sweep_box_end(&e.box, status);
 }
@@ -474,4 +454,4 @@ static rp_status fingerprint(char digits[33])
 
 SWEEP_PROTOCOL(
     onset, sweep_tilted_schema, sweep_tilted,
-    "the pile of `repose`, tilted until it moves: what foretells the angle, what slides and moves first");
+    "the pile of `repose`, tilted until it moves: what predicts the angle, what slides and moves first");

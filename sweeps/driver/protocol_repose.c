@@ -6,7 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "core/table.h"
 #include "sweeps/driver/box.h"
 
 enum { FILL_DROP, FILL_RAMP, FILL_AUTO };
@@ -96,8 +95,7 @@ static_assert((int)N_OUTPUTS <= (int)SWEEP_MAX_OUTPUTS, "too many outputs");
 typedef struct {
     const repose_params *p;
     sweep_box_run box;
-    double *values;    /* of the result */
-    long steps_before; /* of a simulation that was tilted before this one */
+    double *values; /* of the result */
 } experiment;
 
 static rp_status check(const void *params)
@@ -184,7 +182,7 @@ static rp_status fall(experiment *e)
 
 static rp_status fill_to_rest(experiment *e)
 {
-    rp_status status = e->p->stop == STOP_REST ? sweep_box_settle(&e->box, "filling") : RP_OK;
+    rp_status status = e->p->stop == STOP_REST ? sweep_box_settle(&e->box, "filling", false) : RP_OK;
     note_filling(e, status);
     if (!status) status = dem_states(e->box.sim, e->box.states);
     if (status) return status;
@@ -275,8 +273,8 @@ static rp_status measure_pile(experiment *e)
     v[OUT_theta_r3_error_deg] = sweep_degrees(slopes[2].theta_se);
     v[OUT_theta_r12_deg] = v[OUT_theta_r1_deg] - v[OUT_theta_r2_deg];
     v[OUT_theta_r23_deg] = v[OUT_theta_r2_deg] - v[OUT_theta_r3_deg];
-    rp_status status = measure_halves(e);
-    return status ? status : measure_variants(e);
+    RP_TRY(measure_halves(e));
+    return measure_variants(e);
 }
 
 static void turn(experiment *e, double deg_per_step)
@@ -319,7 +317,7 @@ static rp_status tilt_quasi_static(experiment *e)
             turn(e, 0.0);
         }
         now.part = WAITS;
-        if (!status) status = sweep_box_settle(&e->box, "quasi-static tilt");
+        if (!status) status = sweep_box_settle(&e->box, "quasi-static tilt", false);
         const bool restless = strcmp(e->box.result->status, "not_at_rest") == 0;
         if (restless) status = RP_OK;
         size_t moved = 0;
@@ -336,23 +334,15 @@ static rp_status tilt_quasi_static(experiment *e)
 static rp_status tilt_pile(experiment *e)
 {
     const bool at_rate = e->p->measure & MEASURE_THETA_T, by_steps = e->p->measure & MEASURE_THETA_T_STATIC;
-    dem_sim *rested = NULL;
     bool second = !at_rate;
     rp_status status = RP_OK;
-    SWEEP_ENTER(e->box.keep, second);
-    if (sweep_keep_enter_sim(e->box.keep, &rested) && at_rate && by_steps)
-        status = dem_clone(e->box.sim, &rested);
+    if (SWEEP_ENTER(e->box.keep, second) && at_rate && by_steps)
+        status = dem_clone(e->box.sim, &e->box.rested);
     if (!status && !second) status = tilt_at_rate(e);
-    if (!status && rested) {
-        e->steps_before += dem_step(e->box.sim) - dem_step(rested);
-        dem_free(e->box.sim);
-        e->box.sim = rested;
-        rested = NULL;
-        second = true;
-    }
+    if (!status) sweep_box_go_back(&e->box);
+    second = true;
     if (!status && by_steps) status = tilt_quasi_static(e);
-    dem_free(rested);
-    sweep_keep_leave(e->box.keep, 2);
+    sweep_keep_leave(e->box.keep, 1);
     return status;
 }
 
@@ -385,7 +375,7 @@ static rp_status run_phases(experiment *e)
     sweep_keep_leave(e->box.keep, 1);
     if (!status)
         status = sweep_conclude(e->box.result, e->p->stop == STOP_REST ? "ok" : "ok_fixed_time", NULL);
-    if (e->box.sim) e->values[OUT_steps] = (double)(dem_step(e->box.sim) + e->steps_before);
+    e->values[OUT_steps] = sweep_box_steps(&e->box);
     if (status != RP_NO_RESULT || !e->box.sim) return status;
     /* a run without a result leaves what there is to look at */
     rp_status left = note_state(e);
@@ -400,7 +390,6 @@ static rp_status run_one(const void *params, unsigned long seed, unsigned long r
     const repose_params *p = params;
     experiment e = {.p = p, .values = result->values};
     rp_status status = sweep_box_begin_filled(&e.box, &p->box, seed, run, tables, result);
-    SWEEP_ENTER(e.box.keep, e.steps_before);
     if (!status) status = run_phases(&e);
     e.values[OUT_cells] = e.box.cells;
     return sweep_box_end(&e.box, status);

@@ -7,7 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "core/table.h"
 #include "sweeps/driver/tilted.h"
 #include "stats/stats.h"
 #include "stress/stress.h"
@@ -61,8 +60,6 @@ typedef struct {
     double weight; /* of all grains at rest */
     reading readings[N_TILTS];
     size_t n_readings;
-    dem_sim *rested;   /* the pile, for the tilt at a rate */
-    long steps_before; /* of the tilt from rest to rest, once that has ended */
 } experiment;
 
 /* ---- Phases, each from where the last one ends, or from where a snapshot was written ---- */
@@ -71,14 +68,13 @@ static rp_status note_pile(void *data)
 {
     experiment *e = data;
     ang_slope slopes[ANG_N_METHODS];
-    rp_status status = sweep_box_pile_slopes(&e->box, slopes);
-    if (!status) e->values[OUT_theta_r3_deg] = sweep_degrees(slopes[2].theta);
-    if (!status) status = sweep_state_write(e->box.tables, e->box.sim, "pile");
-    if (!status) status = sweep_box_note(&e->box);
-    if (status) return status;
+    RP_TRY(sweep_box_pile_slopes(&e->box, slopes));
+    e->values[OUT_theta_r3_deg] = sweep_degrees(slopes[2].theta);
+    RP_TRY(sweep_state_write(e->box.tables, e->box.sim, "pile"));
+    RP_TRY(sweep_box_note(&e->box));
     for (size_t i = 0; i < dem_count(e->box.sim); i++) e->weight += e->box.states[i].m * e->p->box.g;
     e->values[OUT_grains] = (double)e->box.n_noted;
-    return dem_clone(e->box.sim, &e->rested);
+    return dem_clone(e->box.sim, &e->box.rested);
 }
 
 static void contact_force(const dem_contact *c, stress_contact *force)
@@ -178,7 +174,7 @@ static rp_status tilt_to_rest(void *data)
             dem_gravity_turn(e->box.sim, 0.0);
         }
         now.waits = true;
-        if (!status) status = sweep_box_settle(&e->box, "tilt");
+        if (!status) status = sweep_box_settle(&e->box, "tilt", false);
         if (!status) status = sweep_box_onset(&e->box, &moved);
         if (moved) break;
         if (!status) status = read_forces(e, tilts_deg[now.k]);
@@ -191,12 +187,7 @@ static rp_status tilt_to_rest(void *data)
 static rp_status tilt_at_rate(void *data)
 {
     experiment *e = data;
-    if (e->rested) {
-        e->steps_before = dem_step(e->box.sim) - dem_step(e->rested);
-        dem_free(e->box.sim);
-        e->box.sim = e->rested;
-        e->rested = NULL;
-    }
+    sweep_box_go_back(&e->box);
     return sweep_box_tilt(&e->box, false, e->p->tilt_rate_deg, &e->values[OUT_theta_t_displacement_deg],
                           NULL);
 }
@@ -234,11 +225,10 @@ static rp_status conclude(void *data)
         v[OUT_balance_error] = fmax(v[OUT_balance_error], e->readings[k].balance_error);
     if (e->n_readings < LEAST_TILTS)
         return sweep_conclude(e->box.result, "no_response", "the pile moves at the first tilts");
-    rp_status status = respond(e, offsetof(reading, n), &r.n[0], &r.n[1]);
-    if (!status) status = respond(e, offsetof(reading, h), &r.h[0], &r.h[1]);
-    for (size_t k = 0; k < 4 && !status; k++)
-        status = respond(e, offsetof(reading, s) + k * sizeof(double), &r.s[0].xx + k, &r.s[1].xx + k);
-    if (status) return status;
+    RP_TRY(respond(e, offsetof(reading, n), &r.n[0], &r.n[1]));
+    RP_TRY(respond(e, offsetof(reading, h), &r.h[0], &r.h[1]));
+    for (size_t k = 0; k < 4; k++)
+        RP_TRY(respond(e, offsetof(reading, s) + k * sizeof(double), &r.s[0].xx + k, &r.s[1].xx + k));
     memcpy(&v[OUT_n_0], &r, sizeof r); /* in the order of the outputs */
     v[OUT_floor_tilt_deg] = sweep_degrees(stress_floor_tilt(&r, mu_floor));
     if (e->n_readings == N_TILTS)
@@ -254,11 +244,8 @@ static rp_status run_phases(experiment *e)
     SWEEP_ENTER(keep, e->weight);
     SWEEP_ENTER(keep, e->readings);
     SWEEP_ENTER(keep, e->n_readings);
-    SWEEP_ENTER(keep, e->steps_before);
-    sweep_keep_enter_sim(keep, &e->rested);
     const rp_status status = sweep_tilted_phases(&e->box, sizeof phases / sizeof *phases, phases, e);
-    if (!e->box.sim) return status;
-    e->values[OUT_steps] = (double)(dem_step(e->box.sim) + e->steps_before);
+    e->values[OUT_steps] = sweep_box_steps(&e->box);
     return status;
 }
 
@@ -269,7 +256,6 @@ static rp_status run_one(const void *params, unsigned long seed, unsigned long r
     experiment e = {.p = p, .values = result->values};
     rp_status status = sweep_box_begin_filled(&e.box, &p->box, seed, run, tables, result);
     if (!status) status = run_phases(&e);
-    dem_free(e.rested);
     return sweep_box_end(&e.box, status);
 }
 

@@ -10,7 +10,6 @@
 #include <string.h>
 #include <sys/file.h>
 #include <sys/stat.h>
-#include <time.h>
 #include <unistd.h>
 
 #include "core/table.h"
@@ -64,8 +63,8 @@ rp_status sweep_folder_read(const char *dir, const sweep_protocol *const *protoc
 {
     glob_t shards;
     *folder = (sweep_folder){.lock = -1};
-    rp_status status = open_main(dir, protocols, SWEEP_READ, folder);
-    if (status) return status;
+    rp_status status = RP_OK;
+    RP_TRY(open_main(dir, protocols, SWEEP_READ, folder));
     find_shards(dir, &shards);
     if (verify) status = sweep_store_verify(folder->store, "main", folder->store->path);
     if (!status && shards.gl_pathc > 0)
@@ -330,12 +329,7 @@ rp_status sweep_merge(const char *dir, const sweep_protocol *const *protocols, s
     }
     if (!status && sources.gl_pathc == 0)
         status = rp_fail(RP_BAD_INPUT, "%s: no shards, and no other store is named", dir);
-    if (!status)
-        status =
-            sweep_store_merge(f.store, &f.plan, sources.gl_pathc, sources.gl_pathv, &f.found, &merged->taken);
-    merged->stores = f.found.sources;
-    merged->duplicates = f.found.duplicates;
-    merged->foreign = f.found.foreign;
+    if (!status) status = sweep_store_merge(f.store, &f.plan, sources.gl_pathc, sources.gl_pathv, merged);
     if (!status) status = sweep_store_count(f.store, &f.plan, counts);
     if (!status) status = list_shards(dir, &f, counts->shards, sizeof counts->shards);
     if (sources.gl_pathc) globfree(&sources);

@@ -110,9 +110,10 @@ rp_status sweep_prepare(const char *file, const char *dir, size_t replicas,
 rp_status sweep_run(const char *dir, const sweep_protocol *const *protocols, const sweep_options *options,
                     sweep_counts *counts);
 
-/* What a merge did. */
+/* What stores beside a sweep's own gave. */
 typedef struct {
-    size_t stores, taken, duplicates, foreign; /* foreign: rows of no run of the plan, left out */
+    size_t stores, taken, duplicates, foreign; /* rows; foreign: of no run of the plan, left out */
+    size_t running;                            /* stores whose writer has given a sign of life lately */
 } sweep_merged;
 
 /* Take into the folder's store the rows of its shards or, if any are named, of other stores and folders.

@@ -26,7 +26,7 @@ files='analytic/*.c src/angle/*.c src/core/stiffness.c src/statics/*.c src/stats
     src/dem/definition.c src/dem/limits.c src/dem/step.c src/dem/sim.c
     sweeps/driver/*.c src/core/table.c src/core/params.c src/dem/output.c src/dem/scene.c src/dem/physics.c
     src/cli/cells.c src/cli/claims.c src/cli/claims_power.c src/cli/columns.c src/cli/options.c src/cli/cmd_*.c
-    src/cli/export_*.c src/cli/view_*.c src/cli/frames.c src/cli/forensics_*.c
+    src/cli/export_*.c src/cli/view_*.c src/cli/forensics_*.c
     figures/lh/*.gp figures/li/*.gp
     validation/cases.c validation/oblique.c validation/solved_pile.c'
 
@@ -49,10 +49,9 @@ suites_of() {
     src/dem/scene.c) echo walls scene tables keys cli ;;
     src/dem/physics.c) echo scene dem laws walls keys tables sweep ;;
     src/core/* | src/dem/output.c | src/dem/physics.c) echo core tables scene keys evidence sweep cli ;;
-    src/cli/cmd_export.c | src/cli/export_*) echo export help options ;;
+    src/cli/cmd_export.c | src/cli/export_*) echo export view help options ;;
     src/cli/cmd_report.c) echo help evidence claims cli ;;
     src/cli/cmd_view.c | src/cli/view_*) echo view help options ;;
-    src/cli/frames.c) echo export view ;;
     src/cli/cmd_help.c) echo help install ;;
     src/cli/cmd_params.c) echo help options ;;
     src/cli/options.c) echo help notes evidence options tables columns claims cli ;;
