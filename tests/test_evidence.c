@@ -197,26 +197,26 @@ static void test_verdicts(void)
  * variant 4 over the root of 0.9^2 + 1. The errors of 40 samples are 0.142. */
 static void check_claims_table(void)
 {
-    static const char
-        head[] =
+    static const char head
+        [] =
             "\nid\tpaper\tplace\tstatement\ttest\tpublished\tsamples\tanswer\tours\tn\tz_error\tz_deviation\t"
             "detail\tverdict\tfailed\n",
-        one[] = "one\tlh\tfigure 9\tfirst\tagrees\t20 ± 0.9\t40\tmeans k=1 a\t21.5 ± 1.0\t12\t1.06\t1.35\t"
-                "reproduced (+1.1 standard errors)\treproduced\t3 of 15 (no_pile 2, overlap 1)\n",
-        two[] = "two\tlh\tfigure 9\tsecond\tagrees\t20 ± 0.9\t40\tt k=1 a\t24.0 ± 1.0\tnan\t2.97\t3.96\t"
-                "not reproduced (+3.0 standard errors)\tnot reproduced\t-\n",
-        three[] =
-            "three\tlh\tfigure 9\tthird\tuntestable\t-\t0\t-\t-\tnan\tnan\tnan\tcan't be tested: too few\t"
-            "can't be tested\t-\n",
-        five[] =
-            "five\tli\t-\tfifth\tabove\t-\t0\tmeans k=1 a\t21.5 ± 1.0 against 0\t12\tnan\tnan\treproduced\t"
-            "reproduced\t3 of 15 (no_pile 2, overlap 1)\n",
-        seven[] = "seven\tours\t-\tseventh\tformula\t-\t0\tangle: x\t-\tnan\tnan\tnan\treproduced, by tests\t"
-                  "reproduced\t-\n",
-        counts[] =
-            "\n# lh: 2 reproduced, 0 not reproduced, 0 undecided, 1 can't be tested, 0 by eye, 0 no data\n"
-            "# li: 2 reproduced, 0 not reproduced, 0 undecided, 0 can't be tested, 0 by eye, 0 no data\n"
-            "# ours: 1 reproduced, 0 not reproduced, 0 undecided, 0 can't be tested, 0 by eye, 0 no data\n";
+    one[] =
+        "one\tlh\tfigure 9\tfirst\tagrees\t20 ± 0.9\t40\tmeans k=1 a\t21.5 ± 1.0\t12\t1.06\t1.35\t"
+        "reproduced (+1.1 standard errors)\treproduced\t2 of 14 (no_pile, overlap): effect on the mean not "
+        "known\n",
+    two[] = "two\tlh\tfigure 9\tsecond\tagrees\t20 ± 0.9\t40\tt k=1 a\t24.0 ± 1.0\tnan\t2.97\t3.96\t"
+            "not reproduced (+3.0 standard errors)\tnot reproduced\t-\n",
+    three[] = "three\tlh\tfigure 9\tthird\tuntestable\t-\t0\t-\t-\tnan\tnan\tnan\tcan't be tested: too few\t"
+              "can't be tested\t-\n",
+    five[] = "five\tli\t-\tfifth\tabove\t-\t0\tmeans k=1 a\t21.5 ± 1.0 against 0\t12\tnan\tnan\treproduced\t"
+             "reproduced\t2 of 14 (no_pile, overlap): effect on the mean not known\n",
+    seven[] = "seven\tours\t-\tseventh\tformula\t-\t0\tangle: x\t-\tnan\tnan\tnan\treproduced, by tests\t"
+              "reproduced\t-\n",
+    counts[] =
+        "\n# lh: 2 reproduced, 0 not reproduced, 0 undecided, 1 can't be tested, 0 by eye, 0 no data\n"
+        "# li: 2 reproduced, 0 not reproduced, 0 undecided, 0 can't be tested, 0 by eye, 0 no data\n"
+        "# ours: 1 reproduced, 0 not reproduced, 0 undecided, 0 can't be tested, 0 by eye, 0 no data\n";
     static const struct {
         const char *words, *shown[4], *hidden[4];
     } cases[] = {
@@ -261,8 +261,8 @@ static void test_section(void)
     write_text("t.tsv", "# k\ta\ta_se\n1\t24\t1\n");
     /* a sweep with failed runs, and a fit to its table */
 #define SWEEP "# sweep: means.cfg, protocol repose, seed 1, 5 grid points x 3 replicas\n# failed: "
-    write_text("means.tsv",
-               SWEEP "3 of 15 (no_pile 2, overlap 1)\n# k\tn\ta_mean\ta_se\ta_n\n1\t100\t21.5\t1\t12\n");
+    write_text("means.tsv", SWEEP "3 of 15 (no_pile 2, overlap 1)\n# k\tn\tn_failed\ta_mean\ta_se\ta_n\n"
+                                  "1\t12\t2\t21.5\t1\t12\n2\t0\t1\tnan\tnan\t0\n");
     write_text("none.tsv", SWEEP "0 of 15\n# k\ta\n1\t1\n");
     write_text("means_fit.tsv", "# k\ta\ta_se\n1\t3\t1\n");
     write_text("in.md", "{{scores s}}\n{{claims s}}\n{{counts lh}}\n{{scores other}}\n{{claims other}}\n"
@@ -273,8 +273,9 @@ static void test_section(void)
         "| claim | paper | ours | verdict |\n|---|---|---|---|\n"
         "| first (at rest) | 20 ± 0.9 | 21.5 ± 1.0 | reproduced |\n"
         "| claim | what it says | paper (samples) | ours | values | verdict |\n|---|---|---|---|---|---|\n"
-        "| one | first (at rest) | 20 ± 0.9 (40) | 21.5 ± 1.0 | 12; 3 of 15 failed | reproduced (+1.1 "
-        "standard errors) |\n"
+        "| one | first (at rest) | 20 ± 0.9 (40) | 21.5 ± 1.0 | 12; 2 of 14 failed (no_pile, overlap): "
+        "effect on the "
+        "mean not known | reproduced (+1.1 standard errors) |\n"
         "| variant two | second | 20 ± 0.9 (40) | 24.0 ± 1.0 |  | not reproduced (+3.0 standard errors) |\n"
         "2 reproduced, 0 not reproduced, 0 undecided, 1 can't be tested, 0 by eye, 0 no data\n"
         "| claim | paper | ours | verdict |\n|---|---|---|---|\n"
@@ -283,22 +284,26 @@ static void test_section(void)
         "| three | third |  |  |  | can't be tested: too few |\n"
         "| `means` | 3 of 15 (no_pile 2, overlap 1) |\n");
     check_claims_table();
-    /* one failed run, and a number of one sample */
+    /* a number of one sample; all failed runs of a sweep */
     write_text("claims.tsv",
                CLAIMS "one\t-\tlh\tfigure 9\ts\tagrees\t20\t0.9\t1\t9\tmeans k=1 a\t-\t-\tfirst\t-\n"
                       "two\t-\tlh\tfigure 9\ts\tagrees\t20\t0.8\t-\t9\tmeans k=1 a\t-\t-\tsecond\t-\n"
                       "three\t-\tlh\tfigure 9\ts\tabove\t-\t-\t-\t-\tmore k=1 a\t0\t-\tthird\t-\n"
                       "four\t-\tlh\tfigure 9\ts\tabove\t-\t-\t-\t-\tmore_fit k=1 a\t0\t-\tfourth\t-\n");
-    write_text("more.tsv", SWEEP "2 of 9 (overlap 2)\n# k\ta\ta_se\n1\t3\t1\n");
+    write_text("more.tsv", SWEEP "2 of 9\n# k\ta\ta_se\tn\tn_failed\n1\t3\t1\t7\t2\n");
     write_text("more_fit.tsv", "# k\ta\ta_se\n1\t3\t1\n");
-    write_text("means.tsv", SWEEP "1 of 15 (no_pile 1)\n# k\tn\ta_mean\ta_se\ta_n\n1\t100\t21.5\t1\t12\n");
+    write_text("means.tsv",
+               SWEEP "1 of 15 (no_pile 1)\n# k\tn\tn_failed\ta_mean\ta_se\ta_n\n1\t12\t1\t21.5\t1\t12\n");
     write_text("in.md", "{{claims s}}\n{{failures all}}\n");
     GOOD("report in.md --tables . --claims claims.tsv");
-    CU_ASSERT_PTR_NOT_NULL(strstr(out, "| 20 ± 0.9 (1) | 21.5 ± 1.0 | 12; 1 of 15 failed |"));
-    CU_ASSERT_PTR_NOT_NULL(strstr(out, "| 20 ± 0.8 | 21.5 ± 1.0 | 12; 1 of 15 failed |"));
+    CU_ASSERT_PTR_NOT_NULL(
+        strstr(out, "| 20 ± 0.9 (1) | 21.5 ± 1.0 | 12; 1 of 13 failed (no_pile 1): the flattest "
+                    "piles are left out, theta_R is too large |"));
+    CU_ASSERT_PTR_NOT_NULL(strstr(out, "| 20 ± 0.8 | 21.5 ± 1.0 | 12; 1 of 13 failed (no_pile 1): "));
     /* a line for each sweep, and no other */
     static const char lines[] =
-        "failed | reproduced |\n| `means` | 1 of 15 (no_pile 1) |\n| `more` | 2 of 9 (overlap 2) |\n";
+        "; 2 of 9 failed (cause not stored): effect on the mean not known | reproduced |\n"
+        "| `means` | 1 of 15 (no_pile 1) |\n| `more` | 2 of 9 (causes not stored) |\n";
     CU_ASSERT_STRING_EQUAL(out + strlen(out) - strlen(lines), lines);
     /* blanks between the brackets do not count */
     write_text("in.md",
@@ -307,6 +312,58 @@ static void test_section(void)
     CU_ASSERT_STRING_EQUAL(out, "21.5 ± 1.0; 21.50; 1 of 15 (no_pile 1)\n");
     write_text("in.md", "{{failures lh}}\n");
     FAILS(65, "{{failures lh}}: allowed: all", "report in.md --tables . --claims claims.tsv");
+    leave();
+}
+
+/* Failed runs are those of the grid points that a claim reads: its row, its range of x, its --where, each of
+ * its sweeps once, and of a fit no point without any result. */
+static void test_failed_cells(void)
+{
+    static const struct {
+        const char *id, *answer, *against, *failed;
+    } cases[] = {
+        {"row", "s k=1 a", "0", "1 of 5 (overlap): effect on the mean not known"},
+        {"clean", "s k=4 a", "0", "-"},
+        {"empty", "s k=3 a", "0", "5 of 5 (overlap): effect on the mean not known"},
+        {"range", "s_trend change", "0", "2 of 10 (overlap): effect on the mean not known"},
+        {"all", "s_all g=1 change", "0", "7 of 20 (overlap): effect on the mean not known"},
+        {"where", "s_where change", "0", "2 of 5 (overlap): effect on the mean not known"},
+        {"two", "s_two change", "0", "13 of 32 (overlap, no_response 4): effect on the mean not known"},
+        {"both", "s k=1 a", "s k=2 a", "3 of 10 (overlap): effect on the mean not known"},
+        {"once", "s k=2 a", "s k=2 a", "2 of 5 (overlap): effect on the mean not known"},
+        {"pooled", "s k=1 a + r k=1 a", "0",
+         "5 of 12 (overlap, no_response 4): effect on the mean not known"},
+        {"pushed", "r k=1 a", "0",
+         "4 of 7 (no_response 4): the weakest piles are left out, theta_T is too large"}};
+    char text[4096] = CLAIMS, path[256];
+    enter();
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++)
+        snprintf(text + strlen(text), sizeof text - strlen(text),
+                 "%s\t-\tlh\t-\ts\tabove\t-\t-\t-\t-\t%s\t%s\t-\t%s\t-\n", cases[k].id, cases[k].answer,
+                 cases[k].against, cases[k].id);
+    write_text("claims.tsv", text);
+    write_text("s.tsv", SWEEP "14 of 30 (overlap 14)\n# k\tg\tn\tn_failed\ta_mean\ta_sd\ta_se\ta_n\n"
+                              "1\t1\t4\t1\t3\t1\t1\t4\n2\t1\t3\t2\t3\t1\t1\t3\n3\t1\t0\t5\tnan\tnan\tnan\t0\n"
+                              "4\t1\t5\t0\t3\t1\t1\t5\n5\t1\t1\t4\t3\t1\t1\t1\n6\t2\t3\t2\t3\t1\t1\t3\n");
+    write_text("r.tsv", SWEEP "4 of 7 (no_response 4)\n# k\tn\tn_failed\ta_mean\ta_sd\ta_se\ta_n\n"
+                              "1\t3\t4\t3\t1\t1\t3\n");
+#define FIT(name, options, head, row)                                                                        \
+    write_text(name ".tsv", "# command: repose stats trend x/s_runs.tsv " options "\n# " head                \
+                            "change\tchange_se\n" row "3\t1\n")
+    FIT("s_trend", "--x k --from 2 --to 4", "", "");
+    FIT("s_all", "--x k", "g\t", "1\t");
+    FIT("s_where", "--where g=2 --x k", "", "");
+    FIT("s_two", "x/r_runs.tsv --x k", "", "");
+    GOOD("claims --claims claims.tsv --tables .");
+    rp_table t;
+    path_of("out", path);
+    CHECK_OK(rp_table_read_texts(path, &t));
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        if (strcmp(word(&t, k, "failed"), cases[k].failed))
+            fprintf(stderr, "%s: %s\n", cases[k].id, word(&t, k, "failed"));
+        CU_ASSERT_STRING_EQUAL(word(&t, k, "failed"), cases[k].failed);
+    }
+    rp_table_free(&t);
     leave();
 }
 
@@ -550,10 +607,11 @@ static void test_powers(void)
                       "r\t-\tlh\t-\ts\tratio\t2\t0.05\t4\t0.5\t-\ts_fit a\ts_fit b\t-\tr\t-\n" ROW(
                           "z", "constant", "-", "-", "x", "-"));
     GOOD(ASK " --power");
-    CU_ASSERT_PTR_NOT_NULL(strstr(out, "\nx\torder\t1.2\t0.04\ts\t16\t0.984\t13\t13\t26\treproduced\n"));
+    CU_ASSERT_PTR_NOT_NULL(strstr(out, "\nx\torder\t1.2\t0.04\ts\t16\t0.984\t13\t13\tnan\t26\treproduced\n"));
     const double needed = stats_sample_size(&rule, &pilot, 1.0, 0.95);
-    snprintf(expected, sizeof expected, "\ny\tabove\t1\t%.3g\ts\t32\t%.3f\t%g\t%g\t%.0f\treproduced\n",
-             pilot.se, stats_power(&rule, &pilot, 1.0, 32.0), needed, needed, needed * 32.0 / 16.0 / 2.0);
+    snprintf(expected, sizeof expected, "\ny\tabove\t1\t%.3g\ts\t32\t%.3f\t%g\t%g\t%g\t%.0f\treproduced\n",
+             pilot.se, stats_power(&rule, &pilot, 1.0, 32.0), needed, needed,
+             stats_sample_size(&rule, &pilot, 3.0, 0.95), needed * 32.0 / 16.0 / 2.0);
     CU_ASSERT_PTR_NOT_NULL(strstr(out, expected));
     /* of a ratio the errors of both parts are ours, and that of the paper stays */
     stats_pilot ratio = {.se = 2.0 * hypot(0.04, 0.05), .n = 16.0, .dof = INFINITY, .fixed = 0.05};
@@ -561,7 +619,7 @@ static void test_powers(void)
                  runs = stats_sample_size(&rule, &ratio, 0.5, 0.95);
     ratio.fixed /= 2.0; /* of 4 samples */
     const double runs_sd = stats_sample_size(&rule, &ratio, 0.5, 0.95);
-    snprintf(expected, sizeof expected, "\nr\tratio\t0.5\t%.3g\ts\t16\t%.3f\t%g\t%g\t%.0f\treproduced\n",
+    snprintf(expected, sizeof expected, "\nr\tratio\t0.5\t%.3g\ts\t16\t%.3f\t%g\t%g\tnan\t%.0f\treproduced\n",
              ratio.se, power, runs, runs_sd, runs_sd * 2.0);
     CU_ASSERT_PTR_NOT_NULL(strstr(out, expected));
     CU_ASSERT(runs_sd < runs && !strstr(out, "\nz\t"));
@@ -971,6 +1029,7 @@ void suite_evidence(void)
 {
     static const check_case cases[] = {{"verdicts and the words of the report", test_verdicts},
                                        {"a section in short and in full", test_section},
+                                       {"failed runs of a claim's grid points", test_failed_cells},
                                        {"rows by references", test_references},
                                        {"what each test needs", test_needs},
                                        {"claims of one question", test_family},

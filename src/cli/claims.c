@@ -301,8 +301,7 @@ static rp_status judge_table(const cli_claim *c, const char *folders, cli_judged
     j->against = against.shown;
     j->n = ours.n;
     j->dof = ours.dof;
-    cli_sweep sweep;
-    if (cli_find_sweep(folders, c->answer, &sweep)) memcpy(j->failed, sweep.failed, sizeof j->failed);
+    RP_TRY(cli_claim_failed(c, folders, j->failed));
     j->tested = ours.tested;
     j->tested_against = against.tested;
     apply_test(c, j);

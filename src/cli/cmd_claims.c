@@ -69,8 +69,8 @@ static void print_powers(const cli_claims *all, const cli_judged judged[], const
 {
     rp_table_note(stdout, "asked power", "%g", CLI_POWER);
     rp_table_header(stdout,
-                    "id, test, effect [own], se [own], sweep, runs, power, needed, needed_sd, seconds "
-                    "[s], verdict");
+                    "id, test, effect [own], se [own], sweep, runs, power, needed, needed_sd, needed_own, "
+                    "seconds [s], verdict");
     for (size_t i = 0; i < all->n; i++) {
         const cli_claim *c = &all->claims[i];
         const size_t mark = cli_mark();
@@ -78,7 +78,7 @@ static void print_powers(const cli_claims *all, const cli_judged judged[], const
         if (chosen(c, o) && cli_claim_power(c, o->tables, &judged[i], &p)) {
             printf("%s\t%s\t", c->id, c->test_word);
             printf("%g\t%.3g\t%s\t%g\t", p.effect, p.se, p.sweep.name, p.runs);
-            printf("%.3f\t%g\t%g\t%.0f\t%s\n", p.power, p.needed, p.needed_sd, p.seconds,
+            printf("%.3f\t%g\t%g\t%g\t%.0f\t%s\n", p.power, p.needed, p.needed_sd, p.needed_own, p.seconds,
                    stats_verdict_texts[judged[i].verdict]);
         }
         cli_release(mark);
@@ -133,9 +133,10 @@ const cli_command cmd_claims = {
     "pilot: the chance that a test decides if the effect is as large as matters (of `independent` and\n"
     "`order`: if there is none), with the present `runs` a grid point; and how many are `needed` for a\n"
     "chance of 0.95, inf where the paper's own error is too large; needed_sd: if the paper's +- is a\n"
-    "standard deviation; seconds: processor time of the sweep with needed_sd. Claims without an error or a\n"
-    "sweep have no row. Column `failed`: runs without a result in the sweep that answers, of all its runs,\n"
-    "and their causes.",
+    "standard deviation; needed_own: if the truth is the present number; seconds: processor time of the\n"
+    "sweeps with needed_sd. The test of one of a family has the level of Holm's first step. Claims without\n"
+    "an error or a sweep have no row. Column `failed`: runs without a result at the grid points that the\n"
+    "claim reads, of all runs there, their causes, and how the mean changes without them.",
     "repose claims --paper lh",
     claims_params,
     .act = print_claims};

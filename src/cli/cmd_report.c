@@ -143,17 +143,21 @@ static void print_statement(report *r, const cli_claim *c)
 /* A claim as a line of a table: with its name, samples, values and reason. */
 static void print_in_full(report *r, const cli_claim *c, const cli_judged *j)
 {
-    char published[160], values[64] = "";
+    char published[160], values[600] = "", remedy[256];
     cli_claim_published(c, published);
+    cli_claim_remedy(c, r->options->tables, j, remedy);
     if (isfinite(j->n)) snprintf(values, sizeof values, "%.0f", j->n);
-    if (*j->failed) /* without the causes */
-        snprintf(values + strlen(values), sizeof values - strlen(values), "; %.*s failed",
-                 (int)strcspn(j->failed, "(") - (strchr(j->failed, '(') ? 1 : 0), j->failed);
+    if (*j->failed) {
+        const int count = (int)strcspn(j->failed, "(");
+        snprintf(values + strlen(values), sizeof values - strlen(values), "; %.*sfailed %s", count, j->failed,
+                 j->failed + count);
+    }
     if (c->samples > 0.0 && *published)
         snprintf(published + strlen(published), sizeof published - strlen(published), " (%.0f)", c->samples);
     fprintf(r->out, "\n| %s%s | ", *c->of ? "variant " : "", c->id);
     print_statement(r, c);
-    fprintf(r->out, " | %s | %s | %s | %s |", published, j->text, values, j->reason);
+    fprintf(r->out, " | %s | %s | %s | %s%s%s |", published, j->text, values, j->reason, *remedy ? "; " : "",
+            remedy);
 }
 
 /* The line that is read first: what is claimed, both numbers, the verdict. */
@@ -187,30 +191,23 @@ static rp_status fill_section(report *r, const char *section, bool in_full)
                          section);
 }
 
-/* Whether an earlier claim is answered by the same sweep; its name. */
-static bool is_sweep_again(const report *r, size_t claim, cli_sweep *sweep)
-{
-    const cli_claim *claims = r->claims.claims;
-    cli_sweep other;
-    cli_find_sweep(r->options->tables, claims[claim].answer, sweep);
-    for (size_t i = 0; i < claim; i++)
-        if (*r->judged[i].failed && cli_find_sweep(r->options->tables, claims[i].answer, &other) &&
-            strcmp(other.name, sweep->name) == 0)
-            return true;
-    return false;
-}
-
 /* A line for each sweep behind the claims that has runs without a result. */
 static rp_status fill_failures(report *r, const char *which)
 {
-    RP_TRY(judge(r));
     if (strcmp(which, "all") != 0) return rp_fail(RP_BAD_INPUT, "{{failures %s}}: allowed: all", which);
-    const char *line = "";
+    cli_sweep sweeps[CLI_MAX_SWEEPS], *listed = cli_memory(r->claims.n * CLI_MAX_SWEEPS, sizeof *listed);
+    size_t n, n_listed = 0;
     for (size_t i = 0; i < r->claims.n; i++) {
-        cli_sweep sweep;
-        if (!*r->judged[i].failed || is_sweep_again(r, i, &sweep)) continue;
-        fprintf(r->out, "%s| `%s` | %s |", line, sweep.name, sweep.failed);
-        line = "\n";
+        RP_TRY(cli_claim_sweeps(&r->claims.claims[i], r->options->tables, sweeps, &n));
+        for (size_t k = 0; k < n; k++) {
+            bool again = !*sweeps[k].failed;
+            for (size_t l = 0; l < n_listed && !again; l++)
+                again = strcmp(listed[l].name, sweeps[k].name) == 0;
+            if (again) continue;
+            fprintf(r->out, "%s| `%s` | %s%s |", n_listed > 0 ? "\n" : "", sweeps[k].name, sweeps[k].failed,
+                    strchr(sweeps[k].failed, '(') ? "" : " (causes not stored)");
+            listed[n_listed++] = sweeps[k];
+        }
     }
     return RP_OK;
 }
