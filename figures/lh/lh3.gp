@@ -1,7 +1,7 @@
 # Lee & Herrmann 1993, figure 3: angle of repose against friction.
 # tables: lh3.tsv lh3_fit_theta_r.tsv lh3_total.tsv published.tsv
 heading = 'Angle of repose against friction'
-remark = sprintf('bars: standard error over %d piles, Lee and Herrmann as printed; series shifted sideways; at {/:Italic μ} = 0 no pile is stable', most('lh3.tsv', 'n'))
+remark = sprintf('bars: standard error over %d piles, Lee and Herrmann as printed; series shifted sideways', most('lh3.tsv', 'n'))
 legend = 4
 load 'figures/style.gp'
 fit = 'lh3_fit_theta_r.tsv'
