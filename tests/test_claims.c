@@ -132,6 +132,19 @@ static void test_corrected(void)
     CHECK_NEAR(stats_exceed_p_margin(a, b, 5.0), gsl_cdf_ugaussian_Q(-1.0), 1e-15);
     CHECK_NEAR(stats_exceed_p_margin(b, a, 15.0), gsl_cdf_ugaussian_Q(1.0), 1e-15);
     CU_ASSERT(isnan(stats_exceed_p_margin(a, b, INFINITY)));
+    /* an agreement: by one reading 2.5 errors, chance 1.24 %, by the other 5 */
+    const stats_match far = stats_agree(number(25.0, 0.0), number(20.0, 2.0), 4.0, INFINITY);
+    CHECK_NEAR(stats_agree_p(far.z_error), 0.012419330651552265, 1e-14);
+    CHECK_NEAR(stats_agree_p(-far.z_deviation), 5.733031437583867e-7, 1e-18);
+    IS(far.verdict, "not reproduced");
+    IS(stats_agree_by_p(far, 0.0454, 0.0454).verdict, "not reproduced");
+    IS(stats_agree_by_p(far, 0.0456, 0.0454).error, "undecided");
+    IS(stats_agree_by_p(far, 0.0456, 0.0454).deviation, "not reproduced");
+    IS(stats_agree_by_p(far, 0.0456, 0.0454).verdict, "undecided");
+    IS(stats_agree_by_p(far, 0.0454, 0.0456).deviation, "undecided");
+    IS(stats_agree_by_p(far, 0.9, 0.9).verdict, "undecided"); /* never an agreement */
+    IS(stats_agree_by_p(stats_agree(number(20.0, 1.0), number(20.0, 1.0), 0.0, 3.0), 1.0, 1.0).verdict,
+       "reproduced");
     IS(stats_equivalent_by_p(0.0499, 0.2), "reproduced");
     IS(stats_equivalent_by_p(0.0499, 0.001), "reproduced");
     IS(stats_equivalent_by_p(0.05, 0.0499), "not reproduced");

@@ -237,6 +237,13 @@ static rp_status read_change(const cli_cell *cell, bool family, stats_change *ch
                            &change->p_value);
 }
 
+/* The verdict of both readings of the published +-. */
+static void read_match(cli_judged *j)
+{
+    j->verdict = j->match.verdict;
+    j->two_readings = j->match.error != j->match.deviation;
+}
+
 static void apply_test(const cli_claim *c, cli_judged *j)
 {
     const stats_number ours = j->tested, against = j->tested_against;
@@ -262,8 +269,7 @@ static void apply_test(const cli_claim *c, cli_judged *j)
     case CLAIM_UNTESTABLE:
     case CLI_N_CLAIM_TESTS: return;
     }
-    j->verdict = j->match.verdict;
-    j->two_readings = j->match.error != j->match.deviation;
+    read_match(j);
 }
 
 static void print_ours(const cli_claim *c, cli_judged *j)
@@ -321,8 +327,7 @@ static rp_status judge_constant(const cli_claims *all, const cli_claim *c, cli_j
         numbers[i] = other->published;
     }
     j->match = stats_constant((size_t)words.n, numbers, other->samples);
-    j->verdict = j->match.verdict;
-    j->two_readings = j->match.error != j->match.deviation;
+    read_match(j);
     snprintf(j->text, sizeof j->text, "p = %.2g or %.1g", j->match.z_error, j->match.z_deviation);
     return RP_OK;
 }
@@ -380,52 +385,65 @@ static rp_status judge_claim(const cli_claims *claims, const cli_claim *claim, c
 
 /* ---- families ---- */
 
-/* Chances that decide a claim: of such a difference or change if there is none, and of one as small if the
- * truth is the margin. NaN: no such test. */
-static void find_chances(const cli_claim *c, const cli_judged *j, double *effect, double *none)
+/* Chances that decide a claim: of such a difference or change if there is none, the same with the other
+ * reading of the published +-, and of one as small if the truth is the margin. NaN: no such test. */
+enum { OF_EFFECT, OF_DEVIATION, OF_MARGIN, CHANCES };
+
+static bool tests_agreement(const cli_claim *c)
 {
-    *effect = *none = NAN;
+    return c->test == CLAIM_AGREES || c->test == CLAIM_SAME || c->test == CLAIM_RATIO;
+}
+
+static void find_chances(const cli_claim *c, const cli_judged *j, double chances[CHANCES])
+{
+    chances[OF_EFFECT] = chances[OF_MARGIN] = NAN;
     if (is_inequality(c)) {
-        *effect = stats_exceed_p(j->tested, j->tested_against);
-        *none = stats_exceed_p_margin(j->tested, j->tested_against, excluded_margin(c));
+        chances[OF_EFFECT] = stats_exceed_p(j->tested, j->tested_against);
+        chances[OF_MARGIN] = stats_exceed_p_margin(j->tested, j->tested_against, excluded_margin(c));
     }
-    if (tests_change(c)) *effect = j->change.p_value;
+    if (tests_change(c)) chances[OF_EFFECT] = j->change.p_value;
     if (c->test == CLAIM_INDEPENDENT)
-        *none = stats_contrast_p_margin(
+        chances[OF_MARGIN] = stats_contrast_p_margin(
             &(stats_contrast){j->ours.value, j->ours.se, isnan(j->dof) ? INFINITY : j->dof}, c->margin);
+    if (tests_agreement(c)) chances[OF_EFFECT] = stats_agree_p(j->match.z_error);
+    chances[OF_DEVIATION] = tests_agreement(c) ? stats_agree_p(j->match.z_deviation) : chances[OF_EFFECT];
 }
 
 /* The verdict with chances that Holm's correction has raised. */
-static void decide_again(const cli_claim *c, double effect, double none, cli_judged *j)
+static void decide_again(const cli_claim *c, const double chances[CHANCES], cli_judged *j)
 {
-    j->change.p_value = effect;
-    if (c->test == CLAIM_INDEPENDENT)
-        j->verdict = stats_equivalent_by_p(none, effect);
+    j->change.p_value = chances[OF_EFFECT];
+    if (tests_agreement(c)) {
+        j->match = stats_agree_by_p(j->match, chances[OF_EFFECT], chances[OF_DEVIATION]);
+        read_match(j);
+    } else if (c->test == CLAIM_INDEPENDENT)
+        j->verdict = stats_equivalent_by_p(chances[OF_MARGIN], chances[OF_EFFECT]);
     else if (tests_change(c))
         j->verdict = stats_trends(&j->change, c->test == CLAIM_RISES ? 1 : -1, c->margin);
     else
-        j->verdict =
-            stats_exceed_by_p(j->tested, j->tested_against, c->test == CLAIM_ABOVE ? 1 : -1, effect, none);
+        j->verdict = stats_exceed_by_p(j->tested, j->tested_against, c->test == CLAIM_ABOVE ? 1 : -1,
+                                       chances[OF_EFFECT], chances[OF_MARGIN]);
 }
 
 /* The claims of one family answer one question: Holm's correction for the number of their tests. */
 static void correct_family(const cli_claims *claims, const char *family, cli_judged judged[])
 {
     const size_t n = claims->n;
-    double *effect = cli_memory(n, sizeof *effect), *none = cli_memory(n, sizeof *none),
-           *raised = cli_memory(n, sizeof *raised), *raised_none = cli_memory(n, sizeof *raised_none);
+    double *found = cli_memory(CHANCES * n, sizeof *found), *raised = cli_memory(CHANCES * n, sizeof *raised);
     size_t tests = 0;
     for (size_t i = 0; i < n; i++) {
-        effect[i] = none[i] = NAN;
+        double chances[CHANCES] = {NAN, NAN, NAN};
         if (strcmp(claims->claims[i].family, family) == 0 && judged[i].verdict != STATS_NO_DATA)
-            find_chances(&claims->claims[i], &judged[i], &effect[i], &none[i]);
-        tests += !isnan(effect[i]);
+            find_chances(&claims->claims[i], &judged[i], chances);
+        for (size_t k = 0; k < CHANCES; k++) found[k * n + i] = chances[k];
+        tests += !isnan(chances[OF_EFFECT]);
     }
-    stats_holm(n, effect, raised);
-    stats_holm(n, none, raised_none);
+    for (size_t k = 0; k < CHANCES; k++) stats_holm(n, found + k * n, raised + k * n);
     for (size_t i = 0; i < n; i++) {
-        if (isnan(effect[i])) continue;
-        decide_again(&claims->claims[i], raised[i], raised_none[i], &judged[i]);
+        double chances[CHANCES];
+        if (isnan(found[OF_EFFECT * n + i])) continue;
+        for (size_t k = 0; k < CHANCES; k++) chances[k] = raised[k * n + i];
+        decide_again(&claims->claims[i], chances, &judged[i]);
         judged[i].tests = tests;
     }
 }

@@ -47,6 +47,25 @@ stats_match stats_agree(stats_number ours, stats_number published, double sample
     return m;
 }
 
+double stats_agree_p(double z)
+{
+    return 2.0 * gsl_cdf_ugaussian_Q(fabs(z));
+}
+
+static stats_verdict agree_by_p(stats_verdict before, double p)
+{
+    const bool lost = before == STATS_NOT_REPRODUCED && !(p < stats_agree_p(errors_that_decide));
+    return lost ? STATS_UNDECIDED : before;
+}
+
+stats_match stats_agree_by_p(stats_match match, double p_error, double p_deviation)
+{
+    match.error = agree_by_p(match.error, p_error);
+    match.deviation = agree_by_p(match.deviation, p_deviation);
+    match.verdict = both(match.error, match.deviation);
+    return match;
+}
+
 stats_verdict stats_exceed(stats_number a, stats_number b, int sign, double margin)
 {
     const double difference = sign * (a.value - b.value);

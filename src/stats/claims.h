@@ -52,6 +52,11 @@ typedef struct {
  * difference of `margin` is undecided. samples = 0: one reading; margin = INFINITY: any error will do. */
 stats_match stats_agree(stats_number ours, stats_number published, double samples, double margin);
 
+/* Chance of a difference of |z| standard errors if there is none; and the same match with these chances, of
+ * each reading, corrected for other tests: a difference that is then not significant is undecided. */
+double stats_agree_p(double z);
+stats_match stats_agree_by_p(stats_match match, double p_error, double p_deviation);
+
 /* Inequality: a above b (sign = 1) or below it (-1) by more than two standard errors of the difference. Not
  * reproduced if the opposite is, or if the 90 % interval of the difference lies within +-margin; INFINITY: no
  * margin. */
