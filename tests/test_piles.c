@@ -19,6 +19,35 @@ static const double DEG = M_PI / 180;
 /* Forces of up to 1e3 (m g) balance to the solver's tolerance, sums over a hundred base disks. */
 #define BALANCE 1e-9
 
+/* ---- the outline ---- */
+
+/* A pile of 55 degrees has steps: a row starts half a diameter to the right of the one below, as in a slope
+ * of 60 degrees, or at a step one and a half. The steps make up what the slope lacks over its height, 3.8. */
+static void steps_of_a_slope(void)
+{
+    enum { ROWS = 37 };
+    const double row = sin(60 * DEG), lacks = (ROWS - 1) * row * (1 / tan(55 * DEG) - 1 / tan(60 * DEG));
+    double left[ROWS], right[ROWS];
+    size_t steps = 0;
+    sweep_outline h = {0};
+    CHECK_OK(sweep_outline_make(&h, 45, 0, 55 * DEG, 0, NULL));
+    for (size_t k = 0; k < ROWS; k++) left[k] = INFINITY, right[k] = -INFINITY;
+    for (size_t i = 0; i < h.n; i++) {
+        const long k = lround((h.disks[i].y - 0.5) / row);
+        CU_ASSERT_FATAL(k >= 0 && k < ROWS);
+        left[k] = fmin(left[k], h.disks[i].x);
+        right[k] = fmax(right[k], h.disks[i].x);
+    }
+    for (size_t k = 1; k < ROWS; k++) {
+        const double shift = left[k] - left[k - 1];
+        CHECK_NEAR(right[k - 1] - right[k], shift, 1e-9);
+        CHECK_NEAR(shift, shift > 1 ? 1.5 : 0.5, 1e-9);
+        steps += shift > 1;
+    }
+    CU_ASSERT(steps == (size_t)lround(lacks) && steps == 4);
+    sweep_outline_free(&h);
+}
+
 /* ---- the dip ---- */
 
 /* D of the loads N of k disks at x, a distance `apart`. */
@@ -629,7 +658,8 @@ static void traced(void)
 
 void suite_piles(void)
 {
-    static const check_case cases[] = {{"the dip: closed forms", dip_closed_forms},
+    static const check_case cases[] = {{"steps of a slope of 55 degrees", steps_of_a_slope},
+                                       {"the dip: closed forms", dip_closed_forms},
                                        {"the dip: invariances", dip_invariances},
                                        {"dips of a wedge", dips_of_a_wedge},
                                        {"rays under outlines", rays_under_outlines},
