@@ -12,6 +12,7 @@
 
 #include "core/table.h"
 #include "stats/claims.h"
+#include "sweeps/driver/private.h"
 #include "tests/check.h"
 
 /* Numbers that are exact in binary make an edge an edge; one rounding more is `beyond`. */
@@ -574,6 +575,97 @@ static void test_page(void)
     CU_ASSERT(words > 1000 && words <= MOST_WORDS);
 }
 
+/* A cell of a pool: the grid point of its row, in the larger ensemble of its sweep. */
+static void open_cell(char *cell_text, sweep_plan *plan, size_t *point)
+{
+    char path[256], text[64], *save;
+    sweep_recipe recipe;
+    const char *table = strtok_r(cell_text, " ", &save), *key;
+    snprintf(path, sizeof path, "sweeps/lh/%s.cfg", table);
+    if (access(path, R_OK)) snprintf(path, sizeof path, "sweeps/studies/%s.cfg", table);
+    CHECK_OK(sweep_recipe_read(path, &recipe));
+    CHECK_OK(sweep_plan_read(path, sweep_protocols, plan));
+    CHECK_OK(sweep_plan_replicate(plan, recipe.study));
+    sweep_recipe_free(&recipe);
+    bool fits[64];
+    CU_ASSERT_FATAL(plan->n_points <= 64);
+    for (size_t k = 0; k < plan->n_points; k++) fits[k] = true;
+    for (char *value; (key = strtok_r(NULL, " ", &save)) && (value = strchr(key, '='));) {
+        *value++ = '\0';
+        const rp_param *param = rp_params_find(plan->protocol->schema, key);
+        CU_ASSERT_FATAL(param != NULL);
+        for (size_t k = 0; k < plan->n_points; k++)
+            fits[k] &= strtod(rp_params_text(param, sweep_plan_point(plan, k), text, sizeof text), NULL) ==
+                       strtod(value, NULL);
+    }
+    size_t n = 0;
+    for (size_t k = 0; k < plan->n_points; k++)
+        if (fits[k]) *point = k, n++;
+    CU_ASSERT_EQUAL(n, 1);
+}
+
+/* A parameter of a grid point as text. The default damping is the paper's gamma_n = 500, gamma_s = 5. Returns
+ * `text`. */
+static const char *setting_of(const sweep_plan *plan, size_t point, const rp_param *param, char text[256])
+{
+    rp_params_text(param, sweep_plan_point(plan, point), text, 256);
+    return strcmp(param->name, "gamma_s") == 0 && strcmp(text, "auto") == 0 ? strcpy(text, "5") : text;
+}
+
+/* What is measured at rest, and what turns afterwards, may differ in a pool of angles of repose. */
+static void check_one_setting(const sweep_plan *a, size_t at, const sweep_plan *b, size_t bt)
+{
+    char text[2][256];
+    for (const rp_param *p = a->protocol->schema; p->name; p++) {
+        const rp_param *q = rp_params_find(b->protocol->schema, p->name);
+        if (!q || strcmp(p->name, "measure") == 0 || strcmp(p->name, "tilt") == 0) continue;
+        CU_ASSERT_STRING_EQUAL(setting_of(a, at, p, text[0]), setting_of(b, bt, q, text[1]));
+        if (strcmp(text[0], text[1]) != 0)
+            fprintf(stderr, "pooled: %s = %s and %s\n", p->name, text[0], text[1]);
+    }
+}
+
+static int by_stream(const void *a, const void *b)
+{
+    const uint64_t x = *(const uint64_t *)a, y = *(const uint64_t *)b;
+    return (x > y) - (x < y);
+}
+
+/* Pooled cells are of one setting, and no pile is in two of them. */
+static void test_pools(void)
+{
+    enum { MOST_CELLS = 12, MOST_PILES = 8192 };
+    static uint64_t streams[MOST_PILES];
+    rp_table t;
+    size_t pools = 0;
+    CHECK_OK(rp_table_read_texts("figures/claims.tsv", &t));
+    for (size_t row = 0; row < t.n_rows; row++) {
+        char text[1024], *rest = text;
+        sweep_plan plans[MOST_CELLS];
+        size_t points[MOST_CELLS], cells = 0, n = 0;
+        snprintf(text, sizeof text, "%s", cell(&t, row, "answer"));
+        if (!strstr(text, " + ")) continue;
+        for (pools++; rest; cells++) {
+            char *one = rest, *plus = strstr(rest, " + ");
+            rest = plus ? plus + 3 : NULL;
+            if (plus) *plus = '\0';
+            CU_ASSERT_FATAL(cells < MOST_CELLS);
+            open_cell(one, &plans[cells], &points[cells]);
+            check_one_setting(&plans[0], points[0], &plans[cells], points[cells]);
+            for (size_t k = 0; k < plans[cells].replicas && n < MOST_PILES; k++) {
+                const sweep_stream s =
+                    sweep_plan_stream(&plans[cells], points[cells] * plans[cells].replicas + k);
+                streams[n++] = (uint64_t)s.seed << 32 | s.run;
+            }
+        }
+        qsort(streams, n, sizeof *streams, by_stream);
+        for (size_t k = 1; k < n; k++) CU_ASSERT(streams[k] != streams[k - 1]);
+        for (size_t k = 0; k < cells; k++) sweep_plan_free(&plans[k]);
+    }
+    CU_ASSERT(pools > 3);
+    rp_table_free(&t);
+}
+
 void suite_claims(void)
 {
     static const check_case cases[] = {{"agreement", test_agreement},
@@ -585,6 +677,7 @@ void suite_claims(void)
                                        {"few values, quotients", test_few},
                                        {"counts", test_counts},
                                        {"the claims and what answers them", test_claims_file},
+                                       {"piles that are pooled", test_pools},
                                        {"swing of a column of rows", test_swing},
                                        {"texts of the report", test_report_texts},
                                        {"sentences without typed results", test_sentences},

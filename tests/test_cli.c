@@ -1505,19 +1505,20 @@ static void test_report(void)
                "# note: so it is\n# k\tv\tv_se\tn\n7\t20.1\t0.2\t12\n8\t0.1\t0.01\t12\n9\tnan\tnan\t0\n");
     write_text("part-1.txt", "first {{cell many k=7 v %%.1f}}\n");
     write_text("part-2.txt", "second\n");
-    write_text("in.md",
-               "{{value many k=7 v}}, {{value many k=9 v}}; {{cell many k=7 n}} "
-               "{{cell many k=8 v %%.2g}}; "
-               "{{note many note}}; {{published angle}}; {{ours high}}; {{verdict high}}; {{counts li}}\n"
-               "{{rows many k=7:8 | k v:+- n:%%.0f}}\n{{rows none | k}}\n"
-               "All of {{value many k=7 v}} and {{value none v}} piles.\n| {{value none v}} |\n"
-               "{{include part-*.txt}}");
+    write_text("in.md", "{{value many k=7 v}}, {{value many k=9 v}}; {{cell many k=7 n}} "
+                        "{{cell many k=8 v %%.2g}}; "
+                        "{{note many note}}; {{published angle}}; {{ours high}} of {{number high}}; "
+                        "{{verdict high}}; {{counts li}}\n"
+                        "{{rows many k=7:8 | k v:+- n:%%.0f}}\n{{rows none | k}}\n"
+                        "All of {{value many k=7 v}} and {{value none v}} piles.\n| {{value none v}} |\n"
+                        "{{include part-*.txt}}");
     GOOD("report in.md --tables . --claims claims.tsv");
     CU_ASSERT_STRING_EQUAL(
-        out, "20.10 ± 0.20, not known; 12 0.1; so it is; 20.10 ± 1; 0.100 ± 0.010 against 0; reproduced; "
-             "1 reproduced, 0 not reproduced, 0 undecided, 0 can't be tested, 0 by eye, 0 no data\n"
-             "| 7 | 20.10 ± 0.20 | 12 |\n| 8 | 0.100 ± 0.010 | 12 |\n| no data |\n"
-             "No data: `none.tsv` has not been made.\n| no data |\nfirst 20.1\n\nsecond\n");
+        out,
+        "20.10 ± 0.20, not known; 12 0.1; so it is; 20.10 ± 1; 0.100 ± 0.010 against 0 of 12; reproduced; "
+        "1 reproduced, 0 not reproduced, 0 undecided, 0 can't be tested, 0 by eye, 0 no data\n"
+        "| 7 | 20.10 ± 0.20 | 12 |\n| 8 | 0.100 ± 0.010 | 12 |\n| no data |\n"
+        "No data: `none.tsv` has not been made.\n| no data |\nfirst 20.1\n\nsecond\n");
     write_text("in.md", "{{cell many v=smallest k}} {{cell many v=largest k}} {{cell many n=largest k}} "
                         "{{cell many n=smallest k}}\n");
     GOOD("report in.md --tables . --claims claims.tsv");

@@ -893,8 +893,12 @@ static void test_settings(void)
         config_init(&config);
         CU_ASSERT(config_read_file(&config, path));
         const sweep_protocol *protocol = protocol_of(&config);
-        for (size_t k = 0; k < 3 && protocol; k++)
-            n_checked += check_statement(word(&t, row, "id"), word(&t, row, texts[k]), &config, protocol);
+        for (size_t k = 0; k < 3 && protocol; k++) {
+            char text[2048], *others; /* the suite claims compares the cells of a pool */
+            snprintf(text, sizeof text, "%s", word(&t, row, texts[k]));
+            if ((others = strstr(text, " + "))) *others = '\0';
+            n_checked += check_statement(word(&t, row, "id"), text, &config, protocol);
+        }
         if (protocol && strcmp(word(&t, row, "paper"), "lh") == 0) check_at(&t, row, path, &config, protocol);
         config_destroy(&config);
     }

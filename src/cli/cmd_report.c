@@ -114,7 +114,7 @@ static rp_status judge(report *r)
     return r->judged ? RP_OK : cli_claims_judge(&r->claims, r->options->tables, &r->judged);
 }
 
-/* What `word` asks of a claim: published, ours, verdict. */
+/* What `word` asks of a claim: published, ours, number, verdict. */
 static rp_status fill_claim(report *r, const char *id, char word)
 {
     const cli_claim *claim = NULL;
@@ -127,6 +127,8 @@ static rp_status fill_claim(report *r, const char *id, char word)
     }
     RP_TRY(judge(r));
     const cli_judged *j = &r->judged[claim - r->claims.claims];
+    if (word == 'n' && isfinite(j->n)) return fprintf(r->out, "%.0f", j->n), RP_OK;
+    if (word == 'n') return fputs(no_data, r->out), RP_OK;
     fputs(word == 'v' ? j->reason : *j->text ? j->text : no_data, r->out);
     return RP_OK;
 }
@@ -255,7 +257,8 @@ static rp_status fill_place(report *r, char *text)
     }
     if (strcmp(word, "note") == 0) return fill_note(r, &w);
     if (strcmp(word, "rows") == 0) return fill_rows(r, &w);
-    if (strcmp(word, "published") == 0 || strcmp(word, "ours") == 0 || strcmp(word, "verdict") == 0)
+    if (strcmp(word, "published") == 0 || strcmp(word, "ours") == 0 || strcmp(word, "number") == 0 ||
+        strcmp(word, "verdict") == 0)
         return fill_claim(r, first, *word);
     if (strcmp(word, "claims") == 0) return fill_section(r, first, true);
     if (strcmp(word, "scores") == 0) return fill_section(r, first, false);
@@ -342,6 +345,7 @@ const cli_command cmd_report = {
     "                               key=FROM:TO for a range\n"
     "  {{published ID}}             the number that the paper gives\n"
     "  {{ours ID}}                  our number, as a claim compares it\n"
+    "  {{number ID}}                how many values it is the mean of\n"
     "  {{verdict ID}}               verdict on a claim\n"
     "  {{scores SECTION}}           the claims of a section in short: paper, ours, verdict\n"
     "  {{claims SECTION}}           the same in full, with variants, counts, failed runs, reasons, and the runs\n"
