@@ -91,7 +91,7 @@ rp_status cli_claims_judge(const cli_claims *claims, const char *folders, cli_ju
 
 /* The sweeps whose runs answer a claim, both its sides: those that the commands in the headers of its tables
  * read. Errors: those of rp_table_read, RP_BAD_INPUT for more sweeps. */
-enum { CLI_MAX_SWEEPS = 8 };
+enum { CLI_MAX_SWEEPS = 16 };
 rp_status cli_claim_sweeps(const cli_claim *claim, const char *folders, cli_sweep sweeps[CLI_MAX_SWEEPS],
                            size_t *n);
 
