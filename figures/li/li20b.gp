@@ -8,7 +8,7 @@ dip(k, col) = real(system(rows_do('li20_'.word(kinds, k).'_dip.tsv', '', '{ prin
 piles(k) = sprintf('%s, %d piles', word(kind_names, k), dip(k, 'n'))
 heading = 'Mean pressure on the base of dropped piles'
 panels = words(kinds)
-remark = (panels > 1 ? '' : piles(1).'; ').'thin lines: simultaneous 95 % band; dotted: bounds of the middle and its neighbours'
+remark = (panels > 1 ? '' : piles(1).'; ').(exists('made') ? made.'; ' : '').'thin lines: simultaneous 95 % band; dotted: bounds of the middle and its neighbours'
 legend = 2
 load 'figures/style.gp'
 label(k) = sprintf('mean of the piles, excess %.3f ± %.3f', dip(k, 'excess'), dip(k, 'excess_se'))

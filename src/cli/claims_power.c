@@ -154,7 +154,7 @@ static void print_needed(FILE *out, const cli_claim *c, const char *folders, con
     fputs(" takes ", out);
     print_runs(out, c, folders, p, p->needed);
     if (isnan(p->needed_own)) return;
-    fputs(", the present one ", out);
+    fputs(isinf(p->needed_own) ? ", our present one " : ", our present one at most ", out);
     print_runs(out, c, folders, p, p->needed_own);
 }
 
@@ -168,6 +168,8 @@ void cli_claim_remedy(const cli_claim *c, const char *folders, const cli_judged 
         fputs("no number of runs decides: the paper's numbers alone are tested", out);
     else if (!cli_claim_power(c, folders, j, &p) || isnan(p.needed))
         fputs("the number of runs that decides is not known: the present error is not", out);
+    else if (isinf(p.needed) && j->two_readings && j->match.error != STATS_UNDECIDED)
+        fputs("no number of runs decides: the verdict depends on the reading of the paper's ±", out);
     else if (isinf(p.needed))
         fputs("no number of runs decides: the paper's own error is too large", out);
     else
