@@ -328,11 +328,11 @@ static void test_failed_cells(void)
         {"range", "s_trend change", "0", "2 of 10 (overlap): effect on the mean not known"},
         {"all", "s_all g=1 change", "0", "7 of 20 (overlap): effect on the mean not known"},
         {"where", "s_where change", "0", "2 of 5 (overlap): effect on the mean not known"},
-        {"two", "s_two change", "0", "13 of 32 (overlap, no_response 4): effect on the mean not known"},
+        {"two", "s_two change", "0", "13 of 32 (overlap; no_response 4): effect on the mean not known"},
         {"both", "s k=1 a", "s k=2 a", "3 of 10 (overlap): effect on the mean not known"},
         {"once", "s k=2 a", "s k=2 a", "2 of 5 (overlap): effect on the mean not known"},
         {"pooled", "s k=1 a + r k=1 a", "0",
-         "5 of 12 (overlap, no_response 4): effect on the mean not known"},
+         "5 of 12 (overlap; no_response 4): effect on the mean not known"},
         {"pushed", "r k=1 a", "0",
          "4 of 7 (no_response 4): the weakest piles are left out, theta_T is too large"}};
     char text[4096] = CLAIMS, path[256];

@@ -188,7 +188,7 @@ static const char *push_of(const char *causes)
         {"no_pile", "the flattest piles are left out, theta_R is too large"},
         {"no_response", "the weakest piles are left out, theta_T is too large"}};
     for (size_t k = 0; k < N_OF(pushes); k++)
-        if (strncmp(causes, pushes[k][0], strlen(pushes[k][0])) == 0 && !strchr(causes, ','))
+        if (strncmp(causes, pushes[k][0], strlen(pushes[k][0])) == 0 && !strpbrk(causes, ",;"))
             return pushes[k][1];
     return "effect on the mean not known";
 }
@@ -208,7 +208,7 @@ rp_status cli_claim_failed(const cli_claim *c, const char *folders, char text[51
                 missing += count_of(p.tables[k], row, "n_failed");
                 runs += count_of(p.tables[k], row, "n") + count_of(p.tables[k], row, "n_failed");
             }
-        if (missing > 0.0 && failed > 0.0) fputs(", ", out);
+        if (missing > 0.0 && failed > 0.0) fputs("; ", out);
         if (missing > 0.0) print_causes(out, &p.sweeps[k], missing);
         failed += missing;
     }
