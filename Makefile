@@ -179,8 +179,8 @@ fig-%: $(B)/figures/%.svg
 draw_shown = gnuplot -e "T='$(B)/best/$*/'; tables='$(call tables_of,$*)'; terminal='$(1)'; shown=$${try% *}.; file='$(@:.png=)'" \
 	    figures/style.gp $(wildcard figures/*/$*.gp)
 $(B)/figures/shown/%.png: $(B)/figures/%.svg $$(wildcard $$(addprefix results/,$$(call tables_of,$$*)))
-	@rm -rf $(B)/best/$* && mkdir -p $(@D) $(B)/best/$* && cp -rs $(abspath $(T))/. $(B)/best/$*
-	@$(if $(filter results/%,$^),cp -sf $(abspath $(filter results/%,$^)) $(B)/best/$*)
+	@set -e; mkdir -p $(@D) $(B)/best/$*; for t in $(sort $(foreach t,$(call tables_of,$*),$(firstword $(subst /, ,$(t))))); do \
+	  [ -e results/$$t ] && cp results/$$t $(B)/best/$* || cp -r $(T)/$$t $(B)/best/$*; done
 	@set -e; for try in '220 64' '220 16' '180 16'; do $(call draw_shown,shown); \
 	  pngquant --force --nofs --output $@ $${try#* } $@; [ $$(stat -c %s $@) -gt 80000 ] || break; done; $(call draw_shown,svg)
 
