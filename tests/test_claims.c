@@ -112,6 +112,8 @@ static void test_changes(void)
     IS(stats_trends(&edge, 1, 1.0), "undecided");
     IS(stats_trends(&none, 1, 1.0), "undecided");
     IS(stats_trends(&p_alone, 1, 1.0), "undecided");
+    CU_ASSERT(stats_fit_rejected(0.05 / beyond));
+    CU_ASSERT(!stats_fit_rejected(0.05) && !stats_fit_rejected(NAN));
 }
 
 /* Chances that a correction may raise: two standard errors are 4.55 %. */
@@ -594,9 +596,12 @@ static void open_cell(char *cell_text, sweep_plan *plan, size_t *point)
         *value++ = '\0';
         const rp_param *param = rp_params_find(plan->protocol->schema, key);
         CU_ASSERT_FATAL(param != NULL);
-        for (size_t k = 0; k < plan->n_points; k++)
-            fits[k] &= strtod(rp_params_text(param, sweep_plan_point(plan, k), text, sizeof text), NULL) ==
-                       strtod(value, NULL);
+        char *end;
+        const double number = strtod(value, &end);
+        for (size_t k = 0; k < plan->n_points; k++) {
+            rp_params_text(param, sweep_plan_point(plan, k), text, sizeof text);
+            fits[k] &= end == value ? strcmp(text, value) == 0 : strtod(text, NULL) == number;
+        }
     }
     size_t n = 0;
     for (size_t k = 0; k < plan->n_points; k++)

@@ -1054,7 +1054,6 @@ static void test_stats_trends(void)
     write_text("runs.tsv", "# x\ty\n1\t2\n2\t4\n0\t1\n");
     FAILS(65, "runs.tsv:4: x = 0: out of range of this scale", "stats trend runs.tsv -x x -y y --scale log");
     FAILS(65, "no column \"pile\"", "stats trend runs.tsv -x x -y y --pair");
-    FAILS(64, "not both", "stats trend runs.tsv -x x -y y --scale log --power 2");
     FAILS(65, "x = 0: out of range for weights", "stats trend runs.tsv -x x -y y --power 2");
     GOOD("stats trend runs.tsv -x x -y y"); /* without status every row counts */
     write_text("bent.tsv",
@@ -1179,22 +1178,47 @@ static void check_verdict(const char *id, const char *column, const char *expect
     rp_table_free(&t);
 }
 
+/* A claim as of MEMBER, and what a column says of it. */
+typedef struct {
+    const char *id, *family, *test, *margin, *answer, *against, *column, *expected;
+} claim_case;
+
+/* These claims, after others. */
+static void write_claims(const char *others, size_t n, const claim_case cases[])
+{
+    char text[8192];
+    size_t used = (size_t)snprintf(text, sizeof text, CLAIMS "%s", others);
+    for (const claim_case *c = cases; c < cases + n && used < sizeof text; c++)
+        used += (size_t)snprintf(text + used, sizeof text - used, MEMBER("%s", "%s", "%s", "%s", "%s", "%s"),
+                                 c->id, c->test, c->margin, c->family, c->answer, c->against, c->id);
+    CU_ASSERT_FATAL(used < sizeof text);
+    write_text("claims.tsv", "%s", text);
+}
+
+static void check_claims(size_t n, const claim_case cases[])
+{
+    for (size_t k = 0; k < n; k++) check_verdict(cases[k].id, cases[k].column, cases[k].expected);
+}
+
 /* Verdicts follow from the tables: the same claims, and tables that say other things. 101 values make two
  * standard errors the 95 % interval to 1 %. */
 static void test_claims(void)
 {
+    static const claim_case cases[] = {
+        /* the interval of its own column */
+        {"far", "-", "independent", "1", "far limit", "-", "ours", "0.50 ± 0.20 (90 %: 0.30 to 0.70)"},
+        {"level", "-", "independent", "1", "trend k=1 change", "-", "ours",
+         "0.10 ± 0.20 (90 %: -0.20 to 0.40)"},
+        {"up", "-", "rises", "1", "trend k=2 change", "-", "verdict", "reproduced"},
+        {"high", "-", "above", "-", "u v", "t v", "ours", "30.00 ± 0.50 against 20.50 ± 0.10"},
+        {"count", "-", "most", "-", "t #count", "7", "verdict", "reproduced"},
+        {"elsewhere", "-", "above", "-", "none v", "0", "verdict", "no data"},
+        {"sketch", "-", "untestable", "-", "-", "-", "detail", "can't be tested: note"},
+        {"form", "-", "formula", "-", "angle: theta_MS", "-", "detail", "reproduced, by tests"},
+        /* one number and itself, by either reading */
+        {"steady", "-", "constant", "-", "angle twin", "-", "detail", "reproduced"}};
     enter();
-    write_text("claims.tsv",
-               CLAIMS CLAIM("angle", "20\t1", "-") VARIANT("twin", "angle", "-\t-", "u v")
-                   PLAIN("far", "independent", "1", "far limit", "-")
-                       PLAIN("level", "independent", "1", "trend k=1 change", "-")
-                           PLAIN("up", "rises", "1", "trend k=2 change", "-")
-                               PLAIN("high", "above", "-", "u v", "t v")
-                                   PLAIN("count", "most", "-", "t #count", "7")
-                                       PLAIN("elsewhere", "above", "-", "none v", "0")
-                                           PLAIN("sketch", "untestable", "-", "-", "-")
-                                               PLAIN("form", "formula", "-", "angle: theta_MS", "-")
-                                                   PLAIN("steady", "constant", "-", "angle twin", "-"));
+    write_claims(CLAIM("angle", "20\t1", "-") VARIANT("twin", "angle", "-\t-", "u v"), N_OF(cases), cases);
     write_text("t.tsv", "# count: 7 of 8\n# v_mean\tv_se\tn\n20.5\t0.1\t101\n");
     write_text("u.tsv", "# v\tv_se\n30\t0.5\n");
     write_text("trend.tsv", "# k\tchange\tchange_se\tchange_lo90\tchange_hi90\tp_value\tp_holm\n"
@@ -1214,16 +1238,8 @@ static void test_claims(void)
         "undecided: undecided if ± is a standard error, not reproduced if it is a standard deviation");
     check_verdict("twin", "verdict", "not reproduced");
     check_verdict("twin", "published", "20 ± 1");
-    check_verdict("far", "ours", "0.50 ± 0.20 (90 %: 0.30 to 0.70)"); /* the interval of its own column */
-    check_verdict("level", "ours", "0.10 ± 0.20 (90 %: -0.20 to 0.40)");
+    check_claims(N_OF(cases), cases);
     check_verdict("level", "verdict", "reproduced");
-    check_verdict("up", "verdict", "reproduced");
-    check_verdict("high", "ours", "30.00 ± 0.50 against 20.50 ± 0.10");
-    check_verdict("count", "verdict", "reproduced");
-    check_verdict("elsewhere", "verdict", "no data");
-    check_verdict("sketch", "detail", "can't be tested: note");
-    check_verdict("form", "detail", "reproduced, by tests");
-    check_verdict("steady", "detail", "reproduced"); /* one number and itself, by either reading */
     check_verdict("steady", "ours", "p = 1 or 1");
     write_text("t.tsv", "# count: 8 of 8\n# v_mean\tv_se\tn\n30\t0.1\t101\n");
     write_text("trend.tsv", "# k\tchange\tchange_se\tchange_lo90\tchange_hi90\tp_value\tp_holm\n"
@@ -1327,8 +1343,12 @@ static void test_remedies(void)
             "0.50 ± 0.40 (90 %: -0.20 to 1.20)") "no change takes 2.1 times the present "
                                                  "runs (4.2 h), our present one at most 6.9 times "
                                                  "the present runs (14 h) |\n",
-        ROW("infinite", " (note)", "no limit against 0") "the number of runs that decides is not known: the "
-                                                         "present error is not |\n",
+        ROW("infinite", " (note)",
+            "inf against 0") "no number of runs can be given: the error of the present "
+                             "number is not known |\n",
+        "\n| poor | poor (note) |  | 3.0 ± 2.0 against 0 |  | undecided: the form of the fit does not "
+        "describe "
+        "the means (p = 0.0023); no number of runs decides: the means need another form of fit |\n",
         ROW("first", " (note)", "3.0 ± 2.0 against 0") "a difference of 4 takes 62 runs a point (3.9 h), our "
                                                        "present one at most 110 runs a point (6.9 h) |\n",
         ROW("third", " (note)", "0.50 ± 0.40 (90 %: -0.20 to 1.20)") "no change takes 40 runs a point (2.5 "
@@ -1343,7 +1363,8 @@ static void test_remedies(void)
                    PLAIN("none", "independent", "1", "s_trend change", "-")
                        PLAIN("several", "independent", "1", "s_both change", "-")
                            PLAIN("infinite", "above", "4", "s_fit b", "0")
-                               MEMBER("first", "q", "above", "4", "s_fit a", "0")
+                               PLAIN("poor", "above", "4", "s_limit a", "0") MEMBER("first", "q", "above",
+                                                                                    "4", "s_fit a", "0")
                                    MEMBER("second", "q", "above", "4", "s_fit a", "0")
                                        MEMBER("third", "r", "independent", "1", "s_trend change", "-")
                                            MEMBER("fourth", "r", "independent", "1", "s_trend change", "-")
@@ -1354,6 +1375,7 @@ static void test_remedies(void)
     write_text("r.tsv", SIXTEEN("r") "# v\n1\n");
     write_text("s_fit.tsv", "# a\ta_se\tb\tb_se\tc\tc_se\n3\t2\tinf\tnan\t3\t0.1\n");
 #define CHANGE "# change\tchange_se\tdof\tchange_lo90\tchange_hi90\tp_value\n0.5\t0.4\tinf\t-0.2\t1.2\t0.2\n"
+    write_text("s_limit.tsv", "# a\ta_se\tp_fit\n3\t2\t0.0023\n");
     write_text("s_trend.tsv", CHANGE);
     write_text("s_both.tsv", "# command: repose stats trend x/s_runs.tsv x/r_runs.tsv --y v\n" CHANGE);
     write_text("t.tsv", SIXTEEN("t") "# v\tv_se\n21\t0.4\n");
@@ -1443,6 +1465,38 @@ static void test_families(void)
     CU_ASSERT(shell("cut -f 1-10,12- claims.tsv >plain.tsv") == 0);
     GOOD("claims --claims plain.tsv --tables .");
     check_verdict("near", "verdict", "reproduced");
+    leave();
+}
+
+/* A fit that its own means reject decides nothing, on either side and by any test, and stays a test of its
+ * family; below 5 %, and where the chance is known. */
+static void test_rejected_fits(void)
+{
+#define REJECTED "undecided: the form of the fit does not describe the means (p = "
+    static const claim_case cases[] = {
+        {"level", "-", "independent", "1", "fit k=1 limit", "-", "detail", REJECTED "0.049)"},
+        {"edge", "-", "independent", "1", "fit k=2 limit", "-", "verdict", "reproduced"},
+        {"three", "-", "independent", "1", "fit k=3 limit", "-", "verdict", "reproduced"},
+        {"more", "-", "above", "1", "u v", "fit k=1 limit", "detail", REJECTED "0.049)"},
+        {"less", "-", "below", "1", "fit k=1 limit", "u v", "detail", REJECTED "0.049)"},
+        {"limit", "-", "most", "-", "fit k=1 limit", "7", "detail", REJECTED "0.049)"},
+        {"equal", "-", "same", "9", "fit k=1 limit", "fit k=2 limit", "detail", REJECTED "0.049)"},
+        {"above", "-", "above", "1", "u v", "fit k=2 limit", "verdict", "reproduced"},
+        {"gone", "-", "above", "1", "fit k=1 limit", "nowhere v", "verdict", "no data"},
+        {"rise", "q", "rises", "9", "fit k=5 limit", "-", "detail",
+         "undecided: reproduced without the correction for 2 tests of one question"},
+        {"poor", "q", "rises", "9", "fit k=4 limit", "-", "detail", REJECTED "4e-09)"}};
+    enter();
+    write_text("u.tsv", "# v\tv_se\n30\t0.5\n");
+    write_text("fit.tsv", "# k\tlimit\tlimit_se\tdof\tlimit_lo90\tlimit_hi90\tp_value\tp_fit\n"
+                          "1\t0\t0.1\tinf\t-0.2\t0.2\t0.9\t0.049\n2\t0\t0.1\tinf\t-0.2\t0.2\t0.9\t0.05\n"
+                          "3\t0\t0.1\tinf\t-0.2\t0.2\t0.9\tnan\n4\t4\t1\tinf\t-9\t17\t0.03\t4e-9\n"
+                          "5\t4\t1\tinf\t-9\t17\t0.03\t0.5\n");
+    write_claims("", N_OF(cases), cases);
+    GOOD("claims --claims claims.tsv --tables .");
+    check_claims(N_OF(cases), cases);
+    check_verdict("level", "verdict", "undecided");
+    check_verdict("level", "ours", "0.00 ± 0.10 (90 %: -0.20 to 0.20)");
     leave();
 }
 
@@ -2402,6 +2456,7 @@ void suite_cli(void)
                                        {"power of claims", test_power_of_claims},
                                        {"what would decide", test_remedies},
                                        {"families of claims", test_families},
+                                       {"claims on a fit that its means reject", test_rejected_fits},
                                        {"pooled means", test_pooled},
                                        {"claims that are refused", test_bad_claims},
                                        {"report", test_report},

@@ -126,6 +126,28 @@ static void test_weighted(void)
     CHECK_NEAR(stats_bayes_factor(0.25, 0.75), 9.0, 1e-12);
 }
 
+/* Draws come by their weights, each once: the first in proportion to them, all that have one if so many are
+ * asked for. */
+static void test_sample(void)
+{
+    enum { N = 4, TIMES = 4000 };
+    const double weight[N] = {0.1, 0.0, 0.2, 0.7};
+    double first[N] = {0.0};
+    size_t index[N];
+    gsl_rng *rng = rp_random_alloc(43, 0, RP_PURPOSE_TEST);
+    for (size_t k = 0; k < TIMES; k++) {
+        CHECK_OK(stats_sample(N, weight, 1, index, rng));
+        first[index[0]] += 1.0 / TIMES;
+        CHECK_OK(stats_sample(N, weight, 3, index, rng));
+        CU_ASSERT(index[0] + index[1] + index[2] == 0 + 2 + 3 && index[0] != index[1] &&
+                  index[1] != index[2] && index[0] != index[2]);
+    }
+    for (size_t i = 0; i < N; i++) /* 4.5 standard deviations */
+        CHECK_NEAR(first[i], weight[i], 4.5 * sqrt(weight[i] * (1.0 - weight[i]) / TIMES));
+    CHECK_FAILS(stats_sample(N, weight, 4, index, rng), RP_NO_RESULT, "3 draws have a weight, 4 expected");
+    gsl_rng_free(rng);
+}
+
 /* Each number is spread evenly: of 64 equal bins at most one is empty, since the sequence lacks its first
  * point. Each level stands as often as any other, to one. The seed decides the design. */
 static void test_design(void)
@@ -376,9 +398,14 @@ static void test_command(void)
     CU_ASSERT(cell(&t, row_of(&t, "stiffness", "-", "shift=none"), "width") <
               cell(&t, row_of(&t, "stiffness", "-", "shift=common"), "width"));
     CU_ASSERT(cell(&t, row_of(&t, "stiffness", "-", "all"), "width") < 0.8);
+    CU_ASSERT(cell(&t, row_of(&t, "damping_rate", "-", "emulator=exact"), "width") <
+              cell(&t, row_of(&t, "damping_rate", "-", "all"), "width"));
     const size_t total = row_of(&t, "slip", "total", "-");
     CHECK_NEAR(cell(&t, total, "share") + cell(&t, row_of(&t, "slip", "truncated", "-"), "share"), 1.0,
                1e-12);
+    const double exact = cell(&t, row_of(&t, "slip", "total", "emulator=exact"), "share");
+    CHECK_NEAR(exact + cell(&t, row_of(&t, "slip", "truncated", "emulator=exact"), "share"), 1.0, 1e-12);
+    CU_ASSERT(exact > 0.5 && exact != cell(&t, total, "share"));
     CU_ASSERT(cell(&t, total, "share") > 0.5 && cell(&t, total, "bayes_factor") > 1.0);
     CU_ASSERT(cell(&t, row_of(&t, "surface", "centre_zero_origin", "-"), "share") < 0.01);
     rp_table_free(&t);
@@ -482,7 +509,77 @@ static void test_notes(void)
     /* four piles of each cell scatter by 0.4 and 0.6 degrees to both sides */
     CHECK_NEAR(cell(&t, used, "noise"), sqrt((0.16 + 0.16 + 0.36 + 0.36) / 3.0 / 4.0), 1e-6);
     CU_ASSERT(cell(&t, used, "rms_left_out") < cell(&t, used, "spread"));
+    const double error = atof(strstr(out, "# model_error: ") + strlen("# model_error: "));
+    CU_ASSERT(error > 0.0 && error < cell(&t, used, "noise")); /* of the four piles of a setting */
     rp_table_free(&t);
+    leave();
+}
+
+/* A second design is of the posterior: its settings lie nearer to the truth that was published than those of
+ * the first, in units of the prior's range, and a sweep can run them. */
+static void test_second_design(void)
+{
+    enum { N = 20 };
+    enter();
+    planted_write("", 60, false);
+    double squares = 0.0;
+    int n_total = 0;
+    GOOD("forensics runs.tsv --claims claims.tsv --shift-deg 0.1 --draws 1000 --design %d", N);
+    const char *g = strstr(out, " g = (") + strlen(" g = (");
+    for (char *end; *g == ' ' || *g == '\n' || *g == ','; g = end + (*end == ',')) {
+        const double damping = planted_damping(strtod(g, &end), 500.0);
+        if (end == g) break;
+        squares += pow(log(damping / planted_damping(500.0, 500.0)) / log(50.0 / 3.0), 2.0) / N;
+    }
+    for (const char *word = out; (word = strstr(word, "\"total\"")); word++) n_total++;
+    CU_ASSERT(squares > 0.0 && sqrt(squares) < 0.22); /* that of the prior is 0.29 or more */
+    CU_ASSERT(n_total > 14);                          /* as the truth */
+    write_text("second.cfg", "protocol = \"repose\"; replicas = 1; fixed = { stop = \"steps\"; };\n%s", out);
+    GOOD("sweep plan second.cfg -o second");
+    CU_ASSERT(strstr(out, "second: 60 runs (60 grid points") != NULL);
+    CU_ASSERT(shell("sed 's/total/frob/' runs.tsv >bad.tsv") == 0);
+    FAILS(65, "frob", "forensics bad.tsv --claims claims.tsv --draws 200 --design 5");
+    FAILS(1, "draws have a weight, 150 expected",
+          "forensics runs.tsv --claims claims.tsv --draws 100 --design 150");
+    leave();
+}
+
+/* Runs in two tables are those in one; what the first alone predicts of the second stands beside it. Angles
+ * of the second that are 5 degrees larger are so much beyond the prediction, since none of its settings takes
+ * part. */
+static void test_two_sweeps(void)
+{
+    static char whole[sizeof out];
+    enter();
+    planted_write("", 60, false);
+    GOOD("forensics runs.tsv --claims claims.tsv --draws 300");
+    strcpy(whole, strstr(out, "# settings"));
+    CU_ASSERT(
+        shell("head -n 543 runs.tsv >first.tsv; (head -n 3 runs.tsv; tail -n +544 runs.tsv) >later.tsv; "
+              "awk -F'\t' -v OFS='\t' 'NR > 3 { for (i = 7; i <= NF; i++) $i += 5 } 1' later.tsv "
+              ">shifted.tsv") == 0);
+    GOOD("forensics first.tsv later.tsv --claims claims.tsv --draws 300");
+    const char *rows = strchr(strstr(out, "# effective"), '\n'),
+               *same = strchr(strstr(whole, "# effective"), '\n');
+    CU_ASSERT_STRING_EQUAL(rows, same);
+    double rms[2];
+    for (int k = 0; k < 2; k++) {
+        GOOD("forensics first.tsv %s.tsv --claims claims.tsv --draws 200 --report emulator",
+             k ? "shifted" : "later");
+        rp_table t = read_table("out");
+        CU_ASSERT_FATAL(t.n_rows == 4);
+        const size_t used = strcmp(word(&t, 0, "used"), "yes") == 0 ? 1 : 3;
+        CU_ASSERT(strcmp(word(&t, used, "left_out"), "sweep") == 0 && cell(&t, used, "cells") == 45.0 &&
+                  cell(&t, used - 1, "cells") == 135.0);
+        CU_ASSERT(k ? cell(&t, used, "covered") < 0.5 : cell(&t, used, "covered") > 0.8);
+        rms[k] = cell(&t, used, "rms_left_out");
+        if (k == 0)
+            CHECK_NEAR(cell(&t, used, "stated"), hypot(cell(&t, used, "noise"), 0.05), 0.05); /* by both */
+        CU_ASSERT(cell(&t, used, "spread") != cell(&t, used - 1, "spread")); /* each of its own cells */
+        rp_table_free(&t);
+    }
+    CU_ASSERT(rms[0] < 1.0);
+    CHECK_NEAR(rms[1], 5.0, 1.0);
     leave();
 }
 
@@ -605,19 +702,29 @@ static void test_points(void)
     leave();
 }
 
-/* The design of the study is what the command prints, and each of its settings is allowed. */
-static void test_study(void)
+/* The grid of a file is what a command prints. */
+static void check_grid(const char *root, const char *name, const char *command)
 {
     static char text[1 << 16];
-    FILE *file = fopen("sweeps/studies/lh_forensics.cfg", "r");
+    char path[600];
+    snprintf(path, sizeof path, "%s/sweeps/studies/%s.cfg", root, name);
+    FILE *file = fopen(path, "r");
     CU_ASSERT_PTR_NOT_NULL_FATAL(file);
     text[fread(text, 1, sizeof text - 1, file)] = '\0';
     fclose(file);
-    char root[512];
+    GOOD("%s --claims %s/figures/claims.tsv", command, root);
+    CU_ASSERT(strncmp(out, "grid = (", 8) == 0 && strstr(text, out) != NULL);
+}
+
+/* The designs of the studies are what the command prints, and each of their settings is allowed. */
+static void test_study(void)
+{
+    char root[512], command[600];
     CU_ASSERT_PTR_NOT_NULL_FATAL(getcwd(root, sizeof root));
     enter();
-    GOOD("forensics --design 200 --seed 1993 --claims %s/figures/claims.tsv", root);
-    CU_ASSERT(strncmp(out, "grid = (", 8) == 0 && strstr(text, out) != NULL);
+    check_grid(root, "lh_forensics", "forensics --design 200 --seed 1993");
+    snprintf(command, sizeof command, "forensics %s/results/lh_forensics.tsv --draws 1000 --design 40", root);
+    check_grid(root, "lh_forensics_posterior", command);
     write_text("small.cfg", "protocol = \"repose\"; replicas = 1; fixed = { stop = \"steps\"; };\n");
     planted_write("", 4, false);
     /* the time step is that of the stiffest point, whichever it is */
@@ -645,12 +752,15 @@ void suite_forensics(void)
         {"limits of runs without a number", test_censored},
         {"weighted quantiles and Bayes factors", test_weighted},
         {"designs", test_design},
+        {"draws by their weights", test_sample},
         {"errors of posteriors", test_errors},
         {"planted truths", test_truths},
         {"groups", test_groups},
         {"planted runs, by the command", test_command},
         {"means in place of runs, and a common error", test_reduced},
         {"header of the command", test_notes},
+        {"a design from the posterior", test_second_design},
+        {"runs of two sweeps", test_two_sweeps},
         {"runs that stop, by the command", test_stops},
         {"errors of the command", test_command_errors},
         {"points of published numbers", test_points},

@@ -221,7 +221,7 @@ typedef struct {
     double x[CELLS * REALS], variance[CELLS], y[CELLS], spread, centre;
     int level[CELLS * FACTORS];
     size_t group[CELLS];
-    double rms[STATS_KERNELS], score[STATS_KERNELS], covered[STATS_KERNELS];
+    double rms[STATS_KERNELS], stated[STATS_KERNELS], score[STATS_KERNELS], covered[STATS_KERNELS], noise;
     stats_kernel kernel;
     stats_emulator e;
 } emulated;
@@ -246,7 +246,10 @@ static void emulate(const double value[], const double variance[], emulated *m)
         sum += value[c];
     }
     m->centre = sum / (double)n;
+    m->noise = 0.0;
     for (size_t i = 0; i < n; i++) m->y[i] -= m->centre, squares += m->y[i] * m->y[i];
+    for (size_t i = 0; i < n; i++) m->noise += m->variance[i] / (double)n;
+    m->noise = sqrt(m->noise);
     m->spread = sqrt(squares / (double)n);
     m->in = (stats_inputs){n, study.n_reals, FACTORS, m->x, m->level};
     for (int kernel = STATS_KERNELS - 1; kernel >= 0; kernel--) {
@@ -254,12 +257,14 @@ static void emulate(const double value[], const double variance[], emulated *m)
         CHECK_OK(stats_emulator_make((stats_kernel)kernel, &m->in, m->variance, m->spread, &e));
         CHECK_OK(stats_emulator_fit(&e, m->y, 400));
         CHECK_OK(stats_emulator_leave_out(&e, m->y, m->group, mean, of, &m->score[kernel]));
-        m->rms[kernel] = m->covered[kernel] = 0.0;
+        m->rms[kernel] = m->stated[kernel] = m->covered[kernel] = 0.0;
         for (size_t i = 0; i < n; i++) {
             m->rms[kernel] += pow(m->y[i] - mean[i], 2.0) / (double)n;
+            m->stated[kernel] += of[i] / (double)n;
             m->covered[kernel] += (fabs(m->y[i] - mean[i]) <= 1.959963984540054 * sqrt(of[i])) / (double)n;
         }
         m->rms[kernel] = sqrt(m->rms[kernel]);
+        m->stated[kernel] = sqrt(m->stated[kernel]);
         if (kernel == 0 && m->score[1] > m->score[0]) {
             stats_emulator_free(&e);
         } else {
@@ -272,18 +277,20 @@ static void emulate(const double value[], const double variance[], emulated *m)
 static emulated angles, completion;
 
 /* What the report says of one quantity, in rows from `row` on. */
-static void check_quantity(checked *c, size_t row, const char *quantity, const emulated *m, double unit,
-                           double noise)
+static void check_quantity(checked *c, size_t row, const char *quantity, const emulated *m, double unit)
 {
     for (size_t k = 0; k < STATS_KERNELS; k++) {
         at(c, row + k, "quantity"), at(c, row + k, "kernel"), at(c, row + k, "used");
         CU_ASSERT_STRING_EQUAL(word(&c->t, row + k, "quantity"), quantity);
+        at(c, row + k, "left_out");
+        CU_ASSERT_STRING_EQUAL(word(&c->t, row + k, "left_out"), "setting");
         CU_ASSERT_STRING_EQUAL(word(&c->t, row + k, "kernel"), stats_kernel_words[k]);
         CU_ASSERT_STRING_EQUAL(word(&c->t, row + k, "used"), k == m->kernel ? "yes" : "no");
         CHECK_NEAR(at(c, row + k, "cells"), (double)m->in.n, 0.0);
         CHECK_NEAR(at(c, row + k, "spread"), m->spread / unit, search);
-        CHECK_NEAR(at(c, row + k, "noise"), noise / unit, search);
+        CHECK_NEAR(at(c, row + k, "noise"), m->noise / unit, search);
         CHECK_NEAR(at(c, row + k, "rms_left_out"), m->rms[k] / unit, search);
+        CHECK_NEAR(at(c, row + k, "stated"), m->stated[k] / unit, search);
         CHECK_NEAR(at(c, row + k, "score"), m->score[k], 1e3 * search);
         CHECK_NEAR(at(c, row + k, "covered"), m->covered[k], 1e-12);
     }
@@ -308,7 +315,7 @@ static struct {
     double used_mean[DRAWS][SURFACES][USED], used_covariance[DRAWS][USED * USED];
     stats_published numbers[POINTS];
     stats_predictions model;
-    stats_posterior posterior;
+    stats_posterior posterior, exact; /* exact: of an emulator without covariance */
 } draws;
 
 /* Weights of all sets on the covariance of the first, which theirs is but for a factor. */
@@ -402,6 +409,10 @@ static void find_posterior(void)
         DRAWS,       SURFACES,           USED, (double *)draws.used_mean, (double *)draws.used_covariance,
         draws.scale, draws.log_complete, shift};
     CHECK_OK(stats_posterior_make(&draws.model, draws.numbers, &draws.posterior));
+    static const double none[DRAWS * USED * USED];
+    stats_predictions exact = draws.model;
+    exact.covariance = none;
+    CHECK_OK(stats_posterior_make(&exact, draws.numbers, &draws.exact));
 }
 
 /* ---- reports ---- */
@@ -465,18 +476,20 @@ static void check_numbers(void)
     checked_end(&c);
 }
 
-/* Quantiles of a number over all weights, those of each level of two latents, and equal ones. */
+/* Quantiles of a number over all weights, those of each level of two latents, of an emulator without error,
+ * and equal ones. */
 static void check_number(checked *c, size_t *row, const char *choice, const double value[], size_t group)
 {
-    static const char *const given[] = {"all",       "shift=none",  "shift=common",
-                                        "stop=ours", "stop=theirs", "prior"};
+    static const char *const given[] = {"all",         "shift=none",     "shift=common", "stop=ours",
+                                        "stop=theirs", "emulator=exact", "prior"};
     static const int latent[] = {-1, STATS_LATENT_shift, STATS_LATENT_shift, STATS_LATENT_stop,
                                  STATS_LATENT_stop};
     size_t order[DRAWS];
-    for (size_t k = 0; k < 6; k++, ++*row) {
+    for (size_t k = 0; k < 7; k++, ++*row) {
         double w[DRAWS], q[3];
         if (k < 5) stats_posterior_draws(&draws.posterior, latent[k], k % 2 ? 0 : 1, w);
-        for (size_t d = 0; d < DRAWS && k == 5; d++) w[d] = 1.0;
+        if (k == 5) stats_posterior_draws(&draws.exact, -1, 0, w);
+        for (size_t d = 0; d < DRAWS && k == 6; d++) w[d] = 1.0;
         for (int i = 0; i < 3; i++)
             q[i] = stats_weighted_quantile(DRAWS, value, w, i == 0 ? 0.025 : i == 1 ? 0.5 : 0.975, order);
         CU_ASSERT_STRING_EQUAL(word(&c->t, *row, "choice"), choice);
@@ -495,12 +508,12 @@ static void check_number(checked *c, size_t *row, const char *choice, const doub
     }
 }
 
-static void check_share(checked *c, size_t *row, const char *choice, const char *level, double prior,
-                        double share)
+static void check_share(checked *c, size_t *row, const char *choice, const char *level, const char *given,
+                        double prior, double share)
 {
     CU_ASSERT_STRING_EQUAL(word(&c->t, *row, "choice"), choice);
     CU_ASSERT_STRING_EQUAL(word(&c->t, *row, "level"), level);
-    CU_ASSERT_STRING_EQUAL(word(&c->t, *row, "given"), "-");
+    CU_ASSERT_STRING_EQUAL(word(&c->t, *row, "given"), given);
     CHECK_NEAR(at(c, *row, "prior"), prior, 1e-12);
     CHECK_NEAR(at(c, *row, "share"), share, search);
     CHECK_NEAR(at(c, *row, "bayes_factor") / (share / (1.0 - share) * (1.0 - prior) / prior), 1.0, 1e-3);
@@ -511,7 +524,7 @@ static void check_choices(void)
 {
     static const char *const latents[][3] = {
         {"reading", "error", "deviation"}, {"shift", "none", "common"}, {"stop", "ours", "theirs"}};
-    checked c = CHECKED_RUN(4 * 6 + 5 + SURFACES + 6, COMMAND);
+    checked c = CHECKED_RUN(4 * 7 + 2 * 5 + SURFACES + 6, COMMAND);
     size_t row = 0;
     double value[DRAWS], w[DRAWS];
     at(&c, 0, "choice"), at(&c, 0, "level"), at(&c, 0, "given");
@@ -522,20 +535,23 @@ static void check_choices(void)
     }
     check_number(&c, &row, "grain_mass", draws.mass, REALS);
     check_number(&c, &row, "gravity", draws.gravity, REALS);
-    stats_posterior_draws(&draws.posterior, -1, 0, w);
     for (size_t f = 0; f < FACTORS; f++)
-        for (size_t l = 0; l < n_levels[f]; l++) {
-            double prior = 0.0, share = 0.0;
-            for (size_t d = 0; d < DRAWS; d++)
-                if (draws.level[f * DRAWS + d] == l) prior += 1.0 / DRAWS, share += w[d];
-            check_share(&c, &row, f ? "floor" : "slip", f ? floors[l] : slips[l], prior, share);
+        for (int exact = 0; exact < 2; exact++) {
+            stats_posterior_draws(exact ? &draws.exact : &draws.posterior, -1, 0, w);
+            for (size_t l = 0; l < n_levels[f]; l++) {
+                double prior = 0.0, share = 0.0;
+                for (size_t d = 0; d < DRAWS; d++)
+                    if (draws.level[f * DRAWS + d] == l) prior += 1.0 / DRAWS, share += w[d];
+                check_share(&c, &row, f ? "floor" : "slip", f ? floors[l] : slips[l],
+                            exact ? "emulator=exact" : "-", prior, share);
+            }
         }
     for (size_t v = 0; v < SURFACES; v++)
-        check_share(&c, &row, "surface", surfaces[v], 1.0 / SURFACES,
+        check_share(&c, &row, "surface", surfaces[v], "-", 1.0 / SURFACES,
                     stats_posterior_surface(&draws.posterior, v));
     for (int k = 0; k < STATS_LATENTS; k++)
         for (unsigned l = 0; l < 2; l++)
-            check_share(&c, &row, latents[k][0], latents[k][1 + l], 0.5,
+            check_share(&c, &row, latents[k][0], latents[k][1 + l], "-", 0.5,
                         stats_posterior_draws(&draws.posterior, k, l, w));
     checked_end(&c);
 }
@@ -569,21 +585,21 @@ static void check_density(void)
 
 static void check_emulators(void)
 {
-    double noise = 0.0, n = 0.0;
+    double w[DRAWS], squares = 0.0;
     size_t without = 0;
     char line[256];
-    for (size_t c = 0; c < CELLS; c++)
-        if (!isnan(study.mean[0][c]))
-            noise += study.variance[c], n++;
-        else
-            without++;
+    for (size_t c = 0; c < CELLS; c++) without += isnan(study.mean[0][c]);
+    stats_posterior_draws(&draws.posterior, -1, 0, w);
+    for (size_t d = 0; d < DRAWS; d++)
+        for (size_t k = 0; k < USED; k++) squares += w[d] * draws.used_covariance[d][k * USED + k] / USED;
     checked c = CHECKED_RUN(2 * STATS_KERNELS, COMMAND " --report emulator");
-    check_quantity(&c, 0, "theta_r3", &angles, deg, sqrt(noise / n));
-    check_quantity(&c, STATS_KERNELS, "completion", &completion, 1.0, 0.0);
+    check_quantity(&c, 0, "theta_r3", &angles, deg);
+    check_quantity(&c, STATS_KERNELS, "completion", &completion, 1.0);
     snprintf(line, sizeof line,
              "# settings: %d, at %d points; %zu of %d have fewer than two piles with a result\n", SETTINGS,
              POINTS, without, CELLS);
     CU_ASSERT_PTR_NOT_NULL(strstr(out, line));
+    CHECK_NEAR(strtod(rp_table_find_note(&c.t, "model_error"), NULL) / (sqrt(squares) / deg), 1.0, 6e-2);
     CHECK_NEAR(strtod(rp_table_find_note(&c.t, "effective_draws"), NULL), draws.posterior.effective, 0.51);
     CHECK_NEAR(strtod(rp_table_find_note(&c.t, "log_evidence"), NULL), draws.posterior.log_evidence, 1e-4);
     CHECK_NEAR(strtod(rp_table_find_note(&c.t, "p_value"), NULL) / draws.posterior.p_value, 1.0, 6e-3);
@@ -602,6 +618,7 @@ static void test_reports(void)
     check_choices();
     check_density();
     stats_posterior_free(&draws.posterior);
+    stats_posterior_free(&draws.exact);
     stats_emulator_free(&angles.e);
     stats_emulator_free(&completion.e);
     leave();

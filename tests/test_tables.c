@@ -595,7 +595,7 @@ static void check_choices(void)
 {
     static const char *const names[] = {"slip", "surface", "reading", "shift", "stop"};
     enum { N_NAMES = sizeof names / sizeof *names };
-    double total[N_NAMES] = {0.0};
+    double total[N_NAMES] = {0.0}, exact = 0.0; /* exact: of slip, without an error of the emulator */
     GOOD(FORENSICS);
     checked c = checked_read("out");
     for (size_t i = 0; i < c.t.n_rows; i++) {
@@ -604,7 +604,10 @@ static void check_choices(void)
                      factor = at(&c, i, "bayes_factor");
         const char *choice = word(&c.t, i, "choice");
         at(&c, i, "choice"), at(&c, i, "level"), at(&c, i, "given");
-        for (int k = 0; k < N_NAMES; k++) total[k] += strcmp(choice, names[k]) == 0 ? share : 0.0;
+        const bool is_exact = strcmp(word(&c.t, i, "given"), "emulator=exact") == 0;
+        for (int k = 0; k < N_NAMES; k++)
+            total[k] += strcmp(choice, names[k]) == 0 && !is_exact ? share : 0.0;
+        exact += strcmp(choice, "slip") == 0 && is_exact ? share : 0.0;
         if (strcmp(word(&c.t, i, "level"), "-") != 0)
             CHECK_NEAR(factor, share / (1.0 - share) * (1.0 - prior) / prior, 1e-9);
         else
@@ -612,6 +615,7 @@ static void check_choices(void)
         if (strcmp(choice, "stiffness") == 0) CHECK_NEAR(width, log(upper / lower) / log(200.0) / 0.95, 1e-9);
     }
     for (int k = 0; k < N_NAMES; k++) CHECK_NEAR(total[k], 1.0, 1e-9);
+    CHECK_NEAR(exact, 1.0, 1e-9);
     checked_end(&c);
 }
 
@@ -691,13 +695,15 @@ static void check_emulator(void)
     rp_table_free(&t);
     checked c = CHECKED_RUN(2, FORENSICS "--report emulator");
     for (size_t i = 0; i < 2; i++) {
-        at(&c, i, "quantity"), at(&c, i, "kernel"), at(&c, i, "used");
+        at(&c, i, "quantity"), at(&c, i, "left_out"), at(&c, i, "kernel"), at(&c, i, "used");
+        CU_ASSERT_STRING_EQUAL(word(&c.t, i, "left_out"), "setting"); /* of one sweep */
         CHECK_NEAR(at(&c, i, "cells"), 72.0, 0.0);
         /* scatter of -0.6, 0.4, -0.4, 0.6: squares of 1.04 over 3, and 4 piles a mean */
         CHECK_NEAR(at(&c, i, "noise"), sqrt(1.04 / 3.0 / 4.0), 1e-6);
         CHECK_NEAR(at(&c, i, "spread"), spread, 1e-9 * spread);
         CU_ASSERT(at(&c, i, "rms_left_out") < 0.7 * spread);
         CU_ASSERT(at(&c, i, "covered") > 0.85);
+        CU_ASSERT(at(&c, i, "stated") > cell(&c.t, i, "noise")); /* which is part of it */
     }
     CU_ASSERT((at(&c, 0, "score") > at(&c, 1, "score")) == (strcmp(word(&c.t, 0, "used"), "yes") == 0));
     checked_end(&c);
@@ -1175,15 +1181,15 @@ static void write_groups(void)
     fclose(file);
 }
 
-static void check_trends(const char *options, bool paired, bool logarithm)
+static void check_trends(const char *options, bool paired, bool logarithm, double power)
 {
     stats_trend t[GROUPS];
     double p[GROUPS], p_holm[GROUPS];
     for (size_t g = 0; g < GROUPS; g++) {
         double x[MOST_OF_GROUP];
         for (size_t i = 0; i < grouped.n[g]; i++) x[i] = logarithm ? log10(grouped.x[g][i]) : grouped.x[g][i];
-        CHECK_OK(
-            stats_trend_fit(grouped.n[g], x, grouped.y[g], paired ? grouped.pile[g] : NULL, 0.0, 0.4, &t[g]));
+        CHECK_OK((logarithm ? stats_trend_fit_log10 : stats_trend_fit)(
+            grouped.n[g], x, grouped.y[g], paired ? grouped.pile[g] : NULL, power, 0.4, &t[g]));
         p[g] = stats_contrast_p(&t[g].change);
     }
     stats_holm(GROUPS, p, p_holm);
@@ -1246,9 +1252,10 @@ static void test_groups(void)
 {
     enter();
     write_groups();
-    check_trends("", false, false);
-    check_trends("--pair", true, false);
-    check_trends("--scale log", false, true);
+    check_trends("", false, false, 0.0);
+    check_trends("--pair", true, false, 0.0);
+    check_trends("--scale log", false, true, 0.0);
+    check_trends("--scale log --power 2", false, true, 2.0);
     check_sizes();
     leave();
 }

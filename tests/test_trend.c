@@ -65,6 +65,12 @@ static void test_single_values(void)
     for (size_t i = 0; i < N; i++) gsl_vector_set(w, i, weights[i]);
     gsl_multifit_wlinear(terms, w, y, c, cov, &chi2, work);
     CHECK_NEAR(t.bend.value, gsl_vector_get(c, 2), sum_error);
+    double logs[N]; /* the line in log10 x, with the weights of x itself */
+    for (size_t i = 0; i < N; i++) logs[i] = log10(xs[i]);
+    CHECK_OK(stats_trend_fit_log10(N, logs, ys, NULL, 2.0, 1.0, &t));
+    gsl_fit_wlinear(logs, 1, weights, 1, ys, 1, N, &c0, &c1, &v00, &v01, &v11, &chi2);
+    CHECK_NEAR(t.slope.value, c1, sum_error);
+    CHECK_NEAR(t.intercept.value, c0, sum_error);
     gsl_multifit_linear_free(work);
     gsl_vector_free(y);
     gsl_vector_free(w);
@@ -285,7 +291,8 @@ static void test_trend_errors(void)
     CHECK_FAILS(stats_trend_fit(4, twice, y, NULL, 0.0, NAN, &t), RP_BAD_INPUT, "margin = ");
     CHECK_FAILS(stats_trend_fit(4, apart, y, NULL, 2.0, 1.0, &t), RP_BAD_INPUT, "value 1: x = 0");
     CHECK_FAILS(stats_trend_fit(4, apart, y, NULL, 1.0, 1.0, &t), RP_BAD_INPUT, "value 1: x = 0");
-    CHECK_OK(stats_trend_fit(4, apart, y, NULL, 0.0, 1.0, &t)); /* without weights any x will do */
+    CHECK_OK(stats_trend_fit(4, apart, y, NULL, 0.0, 1.0, &t));       /* without weights any x will do */
+    CHECK_OK(stats_trend_fit_log10(4, apart, y, NULL, 2.0, 1.0, &t)); /* nor with weights of 10^x */
     CHECK_OK(stats_trend_fit(4, twice, y, piles, 0.0, 1.0, &t));
     CHECK_FAILS(stats_bend(4, twice, y, se, &bend), RP_NO_RESULT, "at least 3 different x");
     CHECK_FAILS(stats_bend(1, twice, y, se, &bend), RP_NO_RESULT, "no line");

@@ -1,12 +1,12 @@
 # Choices that Lee & Herrmann 1993 leave open, given their numbers: posterior over prior of three of them, and predicted
 # against published angles.
-# tables: lh_forensics_density.tsv lh_forensics_numbers.tsv
+# tables: lh_forensics_posterior_density.tsv lh_forensics_posterior_numbers.tsv
 heading = 'Open choices inferred from published angles'
 remark = 'line at 1: no information; bars: published ± and standard deviation of the prediction'
 panels = 4
 legend = 3
 load 'figures/style.gp'
-density = 'lh_forensics_density.tsv'
+density = 'lh_forensics_posterior_density.tsv'
 chosen(name) = rows(density, 'choice', name)
 array group[3] = ['{/:Italic k}_n {/:Italic d}^{1.5}/{/:Italic mg}', '{/:Italic γ}_n ({/:Italic d}/{/:Italic g})^{1/2}', '{/:Italic μ} of the floor over {/:Italic μ}']
 array least[3] = [2e3, 3, 0.5]
@@ -27,7 +27,7 @@ do for [k=1:3] {
          chosen(name) using 'value':'common' with lines ls 13 title 'numbers with a common error'
 }
 unset arrow 1
-numbers = 'lh_forensics_numbers.tsv'
+numbers = 'lh_forensics_posterior_numbers.tsv'
 role(name) = rows(numbers, 'role', name)
 eval panel(4, '(d) predicted against published')
 set autoscale y

@@ -187,7 +187,7 @@ void cli_print_number(FILE *out, stats_number number)
     if (isnan(number.value)) {
         fputs("not known", out);
     } else if (isinf(number.value)) {
-        fputs("no limit", out);
+        fprintf(out, "%g", number.value);
     } else if (isnan(number.se)) {
         fprintf(out, "%.3g (error not known)", number.value);
     } else if (number.se == 0.0) {

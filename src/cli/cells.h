@@ -70,8 +70,7 @@ rp_status cli_cell_column(const cli_cell *cell, const char *column, double *valu
 /* Decimals that show two significant digits of an error > 0. */
 int cli_decimals(double se);
 
-/* "18.04 ± 0.92", two significant digits of the error; "not known" for NaN, "no limit" for an infinite value.
- */
+/* "18.04 ± 0.92", two significant digits of the error; "not known" for NaN, "inf" or "-inf". */
 void cli_print_number(FILE *out, stats_number number);
 
 /* A cell's text under a format such as %.3g or %.0f; without one a count stands as it is, other numbers take

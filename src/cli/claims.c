@@ -130,11 +130,12 @@ void cli_claim_published(const cli_claim *claim, char text[128])
 
 /* ---- judging ---- */
 
-/* A number as it is shown and as it is tested, and how many values are behind it. The error of a mean is
- * tested by Student's t; that of a fit or a bootstrap stands as it is. */
+/* A number as it is shown and as it is tested, how many values are behind it, and the p_fit of its table's
+ * fit, NaN without one. The error of a mean is tested by Student's t; that of a fit or a bootstrap stands as
+ * it is. */
 typedef struct {
     stats_number shown, tested;
-    double n, dof;
+    double n, dof, p_fit;
 } measured;
 
 static rp_status read_measured(const cli_cell *cell, measured *m)
@@ -144,6 +145,7 @@ static rp_status read_measured(const cli_cell *cell, measured *m)
     snprintf(mean, sizeof mean, "%s_mean", cell->column);
     RP_TRY(cli_cell_number(cell, &m->shown));
     RP_TRY(cli_cell_column(cell, cli_cell_text(cell, own) ? own : "n", &m->n));
+    RP_TRY(cli_cell_column(cell, "p_fit", &m->p_fit));
     const bool is_mean = cli_cell_text(cell, mean);
     m->tested = is_mean ? stats_of_few(m->shown, m->n) : m->shown;
     m->dof = is_mean ? m->n - 1.0 : INFINITY;
@@ -170,7 +172,7 @@ static rp_status read_summary(const cli_cell *cell, stats_summary *part)
  */
 static rp_status read_pooled(const char *text, const char *folders, measured *m, bool *missing)
 {
-    enum { MOST = 8 };
+    enum { MOST = 12 };
     stats_summary parts[MOST] = {0};
     size_t n = 0;
     bool deviation = false;
@@ -291,7 +293,7 @@ static void print_ours(const cli_claim *c, cli_judged *j)
 static rp_status judge_table(const cli_claim *c, const char *folders, cli_judged *j)
 {
     cli_cell cell = {0}, other = {0};
-    measured ours = {0}, against = {0};
+    measured ours = {.p_fit = NAN}, against = {.p_fit = NAN};
     bool missing = false;
     RP_TRY(read_side(c->answer, folders, &cell, &ours, &missing));
     if (*c->against) RP_TRY(read_side(c->against, folders, &other, &against, &missing));
@@ -307,6 +309,7 @@ static rp_status judge_table(const cli_claim *c, const char *folders, cli_judged
     j->against = against.shown;
     j->n = ours.n;
     j->dof = ours.dof;
+    j->p_fit = fmin(ours.p_fit, against.p_fit); /* a number beside NaN */
     RP_TRY(cli_claim_failed(c, folders, j->failed));
     j->tested = ours.tested;
     j->tested_against = against.tested;
@@ -342,7 +345,10 @@ static bool is_opposite(const cli_claim *c, const cli_judged *j)
 static void explain(const cli_claim *c, cli_judged *j)
 {
     const char *verdict = stats_verdict_texts[j->verdict];
-    if (j->uncorrected != j->verdict)
+    if (stats_fit_rejected(j->p_fit))
+        snprintf(j->reason, sizeof j->reason,
+                 "%s: the form of the fit does not describe the means (p = %.2g)", verdict, j->p_fit);
+    else if (j->uncorrected != j->verdict)
         snprintf(j->reason, sizeof j->reason, "%s: %s without the correction for %zu tests of one question",
                  verdict, stats_verdict_texts[j->uncorrected], j->tests);
     else if (j->two_readings)
@@ -367,6 +373,7 @@ static rp_status judge_claim(const cli_claims *claims, const cli_claim *claim, c
 {
     *j = (cli_judged){.n = NAN,
                       .dof = NAN,
+                      .p_fit = NAN,
                       .ours = {NAN, NAN},
                       .against = {NAN, 0.0},
                       .match = {.z_error = NAN, .z_deviation = NAN}};
@@ -456,6 +463,14 @@ static bool is_first_of_family(const cli_claims *claims, size_t i)
     return *family != '\0';
 }
 
+/* A fit that its own means reject decides nothing. Its test stays one of its family, so that no verdict on
+ * another claim gets stronger. */
+static void distrust_fits(size_t n, cli_judged judged[])
+{
+    for (size_t i = 0; i < n; i++)
+        if (stats_fit_rejected(judged[i].p_fit)) judged[i].verdict = STATS_UNDECIDED;
+}
+
 rp_status cli_claims_judge(const cli_claims *claims, const char *folders, cli_judged **judged)
 {
     *judged = cli_memory(claims->n, sizeof **judged);
@@ -466,6 +481,7 @@ rp_status cli_claims_judge(const cli_claims *claims, const char *folders, cli_ju
     }
     for (size_t i = 0; i < claims->n; i++)
         if (is_first_of_family(claims, i)) correct_family(claims, claims->claims[i].family, *judged);
+    distrust_fits(claims->n, *judged);
     for (size_t i = 0; i < claims->n; i++) explain(&claims->claims[i], &(*judged)[i]);
     return RP_OK;
 }

@@ -4,7 +4,8 @@
 
 #include "cli/cells.h"
 
-/* How a claim is tested: name, word, whether a table answers, meaning. */
+/* How a claim is tested: name, word, whether a table answers, meaning. No test decides by a fit that its own
+ * means reject: a cell of a row with p_fit < 0.05 leaves the claim undecided. */
 #define CLI_CLAIM_TESTS(X)                                                                                   \
     X(AGREES, "agrees", true, "ours is the published number, within two standard errors of the difference")  \
     X(SAME, "same", true, "ours is `against`, within two standard errors of the difference")                 \
@@ -80,6 +81,7 @@ typedef struct {
     stats_change change;
     double n;         /* values behind ours; NaN where the table does not say */
     double dof;       /* of the error of ours; infinite where the test takes it as known */
+    double p_fit;     /* of the fit behind a number, of two the smaller one; NaN without a fit */
     char failed[512]; /* runs without a result, see cli_claim_failed */
     char text[256];   /* ours, as the report shows it */
     char reason[512]; /* verdict with what explains it */

@@ -164,10 +164,12 @@ void cli_claim_remedy(const cli_claim *c, const char *folders, const cli_judged 
     *text = '\0';
     if (j->verdict != STATS_UNDECIDED) return;
     FILE *out = fmemopen(text, 256, "w");
-    if (c->test == CLAIM_CONSTANT || strncmp(c->answer, "published ", strlen("published ")) == 0)
+    if (stats_fit_rejected(j->p_fit))
+        fputs("no number of runs decides: the means need another form of fit", out);
+    else if (c->test == CLAIM_CONSTANT || strncmp(c->answer, "published ", strlen("published ")) == 0)
         fputs("no number of runs decides: the paper's numbers alone are tested", out);
     else if (!cli_claim_power(c, folders, j, &p) || isnan(p.needed))
-        fputs("the number of runs that decides is not known: the present error is not", out);
+        fputs("no number of runs can be given: the error of the present number is not known", out);
     else if (isinf(p.needed) && j->two_readings && j->match.error != STATS_UNDECIDED)
         fputs("no number of runs decides: the verdict depends on the reading of the paper's ±", out);
     else if (isinf(p.needed))

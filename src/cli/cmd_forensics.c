@@ -4,6 +4,7 @@
  * predicts the numbers of any choices; the published numbers weight draws of the choices from their prior. */
 #include <gsl/gsl_cdf.h>
 #include <math.h>
+#include <string.h>
 
 #include "cli/cli.h"
 #include "cli/forensics.h"
@@ -29,8 +30,8 @@ typedef struct {
     forensics_draws draws;
     stats_published used[FORENSICS_CLAIMS]; /* the numbers of the inference */
     stats_predictions model;                /* of these */
-    stats_posterior posterior;
-    bool stops; /* some runs have no result */
+    stats_posterior posterior, exact;       /* exact: if the emulator had no error */
+    bool stops;                             /* some runs have no result */
     double *weight;
     size_t *order;
 } inference;
@@ -64,7 +65,11 @@ static rp_status find_posterior(inference *s)
                                    s->angles.scale,
                                    s->draws.log_complete,
                                    s->o->shift_deg * deg};
-    return stats_posterior_make(&s->model, s->used, &s->posterior);
+    RP_TRY(stats_posterior_make(&s->model, s->used, &s->posterior));
+    static const double none[FORENSICS_SURFACES];
+    stats_predictions exact = s->model;
+    exact.scale = none;
+    return stats_posterior_make(&exact, s->used, &s->exact);
 }
 
 static rp_status infer(inference *s)
@@ -82,9 +87,12 @@ static rp_status infer(inference *s)
 
 /* ---- choices ---- */
 
-static void print_share(const char *choice, const char *level, double prior, double share)
+/* The label of rows for which the emulator's error counts as none. */
+static const char given_exact[] = "emulator=exact";
+
+static void print_share(const char *choice, const char *level, const char *given, double prior, double share)
 {
-    printf("%s\t%s\t-\t", choice, level);
+    printf("%s\t%s\t%s\t", choice, level, given);
     CLI_ROW(prior, share, stats_bayes_factor(prior, share), NAN, NAN, NAN, NAN);
 }
 
@@ -106,7 +114,8 @@ static void print_interval(const inference *s, const char *choice, const char *g
     CLI_ROW(NAN, NAN, NAN, q[0], q[1], q[2], width);
 }
 
-/* A number, over all, for each level of a common error and of runs that stop, and before the inference. */
+/* A number, over all, for each level of a common error and of runs that stop, with an exact emulator, and
+ * before the inference. */
 static void print_number(const inference *s, const char *choice, const double value[], size_t group)
 {
     static const struct {
@@ -122,15 +131,17 @@ static void print_number(const inference *s, const char *choice, const double va
         stats_posterior_draws(&s->posterior, given[k].latent, given[k].level, s->weight);
         print_interval(s, choice, given[k].words, value, group);
     }
+    stats_posterior_draws(&s->exact, -1, 0, s->weight);
+    print_interval(s, choice, given_exact, value, group);
     for (size_t d = 0; d < s->draws.n; d++) s->weight[d] = 1.0;
     print_interval(s, choice, "prior", value, group);
 }
 
-static void print_factor(const inference *s, size_t f)
+static void print_factor(const inference *s, size_t f, const stats_posterior *p, const char *given)
 {
     const forensics_factor *factor = &s->study.factors[f];
     const size_t n = s->draws.n;
-    stats_posterior_draws(&s->posterior, -1, 0, s->weight);
+    stats_posterior_draws(p, -1, 0, s->weight);
     for (size_t l = 0; l < factor->levels.n_groups; l++) {
         double prior = 0.0, share = 0.0;
         for (size_t d = 0; d < n; d++) {
@@ -138,7 +149,7 @@ static void print_factor(const inference *s, size_t f)
             prior++;
             share += s->weight[d];
         }
-        print_share(factor->name, factor->levels.words[l], prior / (double)n, share);
+        print_share(factor->name, factor->levels.words[l], given, prior / (double)n, share);
     }
 }
 
@@ -154,13 +165,16 @@ static rp_status print_choices(const inference *s)
     }
     print_number(s, "grain_mass", s->draws.mass, SWEEP_N_GROUPS);
     print_number(s, "gravity", s->draws.gravity, SWEEP_N_GROUPS);
-    for (size_t f = 0; f < s->study.n_factors; f++) print_factor(s, f);
+    for (size_t f = 0; f < s->study.n_factors; f++) {
+        print_factor(s, f, &s->posterior, "-");
+        print_factor(s, f, &s->exact, given_exact);
+    }
     for (size_t f = 0; f < FORENSICS_SURFACES; f++)
-        print_share("surface", forensics_surfaces[f], 1.0 / FORENSICS_SURFACES,
+        print_share("surface", forensics_surfaces[f], "-", 1.0 / FORENSICS_SURFACES,
                     stats_posterior_surface(&s->posterior, f));
 #define X(name, levels, meaning)                                                                             \
     for (unsigned l = 0; l < 2; l++)                                                                         \
-        print_share(#name, rp_word_at(levels, (int)l, word, sizeof word), 0.5,                               \
+        print_share(#name, rp_word_at(levels, (int)l, word, sizeof word), "-", 0.5,                          \
                     stats_posterior_draws(&s->posterior, STATS_LATENT_##name, l, s->weight));
     STATS_LATENT_LIST(X)
 #undef X
@@ -290,24 +304,46 @@ static rp_status print_numbers(const inference *s)
 
 /* ---- emulator ---- */
 
+static void print_left_out(const char *quantity, const char *left_out, const forensics_emulator *m, int k,
+                           const forensics_left_out *cells, double unit)
+{
+    if (cells->n == 0) return;
+    printf("%s\t%s\t%s\t%s\t", quantity, left_out, stats_kernel_words[k], (int)m->kernel == k ? "yes" : "no");
+    CLI_ROW((double)cells->n, cells->spread / unit, cells->noise / unit, cells->rms / unit,
+            cells->stated / unit, m->of[k].score, cells->covered);
+}
+
 static void print_kernels(const char *quantity, const forensics_emulator *m, double unit)
 {
     for (int k = 0; k < STATS_KERNELS; k++) {
-        printf("%s\t%s\t%s\t", quantity, stats_kernel_words[k], (int)m->kernel == k ? "yes" : "no");
-        CLI_ROW((double)m->n, m->spread / unit, m->noise / unit, m->of[k].rms / unit, m->of[k].score,
-                m->of[k].covered);
+        print_left_out(quantity, "setting", m, k, &m->of[k].setting, unit);
+        print_left_out(quantity, "sweep", m, k, &m->of[k].sweep, unit);
     }
 }
 
 static rp_status print_emulator(const inference *s)
 {
-    rp_table_header(stdout, "quantity, kernel, used, cells, spread, noise, rms_left_out, score, covered");
+    rp_table_header(
+        stdout,
+        "quantity, left_out, kernel, used, cells, spread, noise, rms_left_out, stated, score, covered");
     print_kernels(s->claims.stems[0], &s->angles, deg);
     if (s->stops) print_kernels("completion", &s->completion, 1.0);
     return RP_OK;
 }
 
 /* ---- command ---- */
+
+/* Root mean square of the emulator's own error in the numbers that are used, over the posterior. */
+static double model_error(const inference *s)
+{
+    const stats_predictions *m = &s->model;
+    double sum = 0.0;
+    stats_posterior_draws(&s->posterior, -1, 0, s->weight);
+    for (size_t d = 0; d < m->n_draws; d++)
+        for (size_t i = 0; i < m->n_points; i++)
+            sum += s->weight[d] * m->covariance[(d * m->n_points + i) * m->n_points + i];
+    return sqrt(sum / (double)m->n_points);
+}
 
 static void note_inference(const inference *s)
 {
@@ -318,30 +354,52 @@ static void note_inference(const inference *s)
                   "%zu, at %zu points; %zu of %zu have fewer than two piles with a result",
                   s->study.settings.n_groups, s->claims.n_points, without, s->study.n_cells);
     rp_table_note(stdout, "emulator", "%s; leaving out a setting: %.2g degrees rms, noise of the piles %.2g",
-                  stats_kernel_words[s->angles.kernel], s->angles.of[s->angles.kernel].rms / deg,
+                  stats_kernel_words[s->angles.kernel], s->angles.of[s->angles.kernel].setting.rms / deg,
                   s->angles.noise / deg);
+    rp_table_note(stdout, "model_error", "%.2g degrees", model_error(s) / deg);
     rp_table_note(stdout, "effective_draws", "%.0f", s->posterior.effective);
     rp_table_note(stdout, "log_evidence", "%.6g", s->posterior.log_evidence);
     rp_table_note(stdout, "p_value", "%.3g", s->posterior.p_value);
 }
 
-static rp_status report(inference *s)
+/* Settings of a further design: draws of the posterior. */
+static rp_status print_posterior_design(const inference *s)
+{
+    forensics_settings d = {.n = (size_t)s->o->design, .study = &s->study};
+    size_t *index = cli_memory(d.n, sizeof *index);
+    d.group = cli_memory(d.n * SWEEP_N_GROUPS, sizeof *d.group);
+    d.params = cli_memory(d.n, sizeof *d.params);
+    stats_posterior_draws(&s->posterior, -1, 0, s->weight);
+    RP_TRY(stats_sample(s->draws.n, s->weight, d.n, index, cli_random(1)));
+    for (size_t i = 0; i < d.n; i++) {
+        memcpy(d.group + i * SWEEP_N_GROUPS, s->draws.value + index[i] * SWEEP_N_GROUPS,
+               SWEEP_N_GROUPS * sizeof *d.group);
+        d.params[i] = repose_params_new();
+        RP_TRY(forensics_draw_params(&s->study, &s->draws, index[i], d.params[i]));
+    }
+    return forensics_design_print(&s->claims, &d);
+}
+
+static rp_status print_report(const inference *s)
 {
     static rp_status (*const reports[])(const inference *) = {print_choices, print_numbers, print_density,
                                                               print_emulator};
+    note_inference(s);
+    return reports[s->o->report](s);
+}
+
+static rp_status report(inference *s)
+{
     rp_table *runs;
-    if (!cli_argument(0))
-        return rp_fail(RP_USAGE, "RUNS or --design N expected; see repose forensics --help");
-    rp_status status = cli_table_read(cli_argument(0), &runs);
-    if (!status) status = forensics_study_read(runs, &s->claims, &s->study);
+    size_t n_first;
+    rp_status status = cli_tables_read(&runs, &n_first);
+    if (!status) status = forensics_study_read(runs, n_first, &s->claims, &s->study);
     if (!status) status = infer(s);
-    if (!status) {
-        note_inference(s);
-        status = reports[s->o->report](s);
-    }
+    if (!status) status = s->o->design > 0 ? print_posterior_design(s) : print_report(s);
     stats_emulator_free(&s->angles.e);
     stats_emulator_free(&s->completion.e);
     stats_posterior_free(&s->posterior);
+    stats_posterior_free(&s->exact);
     return status;
 }
 
@@ -350,14 +408,18 @@ static rp_status forensics(void *values)
     inference *s = cli_memory(1, sizeof *s);
     s->o = values;
     RP_TRY(forensics_claims_read(s->o->claims, &s->claims));
-    return s->o->design > 0 ? forensics_design_print(&s->claims, (size_t)s->o->design, cli_random(0))
-                            : report(s);
+    if (cli_argument(0)) return report(s);
+    if (s->o->design < 0)
+        return rp_fail(RP_USAGE, "RUNS or --design N expected; see repose forensics --help");
+    forensics_settings d;
+    RP_TRY(forensics_design(&s->claims, (size_t)s->o->design, cli_random(0), &d));
+    return forensics_design_print(&s->claims, &d);
 }
 
 const cli_command cmd_forensics = {
     "forensics",
     "unspecified choices of a paper, inferred from its published numbers",
-    "[RUNS] [options]",
+    "[RUNS...] [options]",
     "Infers the choices that a paper leaves open from the numbers that it gives, with their errors.\n"
     "\n"
     "The numbers are the rows of the claims' file with a cell `forensics`:\n"
@@ -368,10 +430,11 @@ const cli_command cmd_forensics = {
     "--design N prints the grid of a sweep: N settings of the choices by a scrambled Sobol sequence, with\n"
     "balanced factors, each at the points of the numbers. Choices with a scale are dimensionless groups:\n"
     "stiffness k_n d^1.5/(m g), damping rate gamma_n sqrt(d/g), frictions of walls and floor over that of\n"
-    "the grains, time from the opening to the measurement, and speed of the opening.\n"
+    "the grains, time from the opening to the measurement, and speed of the opening. With RUNS the settings\n"
+    "are draws of their posterior, for a second sweep where the published numbers are.\n"
     "\n"
     "RUNS has one row per run of such a sweep, as repose sweep export writes it, or the means of its "
-    "--reduce.\n"
+    "--reduce; several tables are read as one.\n"
     "An emulator learns the angle from the runs: a Gaussian process or a quadratic regression, whichever "
     "predicts better the\n"
     "settings that it has not seen. Draws of the choices from their prior are weighted by the likelihood\n"
@@ -379,11 +442,13 @@ const cli_command cmd_forensics = {
     "numbers share (shift), and runs that stop (stop) are left open as well.\n"
     "\n"
     "--report choices prints shares and Bayes factors of levels, and medians with 95 % intervals; width is\n"
-    "that of the interval over the prior's; `given` names a level that is taken for granted. A number that "
+    "that of the interval over the prior's; `given` names what is taken for\n"
+    "granted: a level, or the means of the emulator as exact. A number that "
     "is\n"
     "held out takes the shared error from the others, and both readings of its own error alike. numbers "
     "prints published and predicted numbers; density the\n"
-    "posterior over the prior; emulator the errors of prediction of both kernels.",
+    "posterior over the prior; emulator the errors of prediction of both kernels, for each setting of\n"
+    "the first RUNS from all others, and for all settings of the other RUNS from the first.",
     "repose forensics --design 200 --seed 1993",
     forensics_params,
     .act = forensics};

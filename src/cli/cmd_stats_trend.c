@@ -119,8 +119,10 @@ static rp_status fit_groups(const rp_table *t, const rows *r, const trend_option
     size_t with_result = 0;
     for (size_t g = 0; g < n_groups; g++) {
         const double *x = r->of.column[0] + first[g], *y = r->of.column[1] + first[g];
-        group = stats_trend_fit(first[g + 1] - first[g], x, y, o->pair ? r->of.column[2] + first[g] : NULL,
-                                size ? -o->power : o->power, o->margin, &trends[g]);
+        const double *pile = o->pair ? r->of.column[2] + first[g] : NULL, power = size ? -o->power : o->power;
+        const size_t n = first[g + 1] - first[g];
+        group = o->scale == SCALE_LOG ? stats_trend_fit_log10(n, x, y, pile, power, o->margin, &trends[g])
+                                      : stats_trend_fit(n, x, y, pile, power, o->margin, &trends[g]);
         with_result += group == RP_OK;
         p[g] = group ? NAN : stats_contrast_p(&trends[g].change);
         if (group && group != RP_NO_RESULT)
@@ -175,10 +177,7 @@ static rp_status trend_or_size(rp_table *table, const trend_options *o, bool siz
 
 static rp_status trend_of_table(rp_table *table, void *values)
 {
-    const trend_options *o = values;
-    if (o->scale == SCALE_LOG && o->power != 0.0)
-        return rp_fail(RP_USAGE, "--power weighs with x itself; give --scale log or --power, not both");
-    return trend_or_size(table, o, false);
+    return trend_or_size(table, values, false);
 }
 
 static const char *limit_word(const stats_limit *l)

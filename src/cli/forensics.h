@@ -33,8 +33,22 @@ void repose_params_copy(void *to, const void *from);
 rp_status repose_params_set(void *params, const char *name, const char *value);
 rp_status repose_params_at(void *params, const cli_words *point);
 
-/* Print the grid of a design of n settings. Errors: RP_BAD_INPUT. */
-rp_status forensics_design_print(const forensics_claims *claims, size_t n, gsl_rng *rng);
+struct forensics_study;
+
+/* Settings of a design: the groups of its open choices, and parameters that have its factors. */
+typedef struct {
+    size_t n;
+    double *group; /* [setting][SWEEP_N_GROUPS], infinite where they follow from the point */
+    void **params;
+    const struct forensics_study *study; /* whose factors these are; NULL: all */
+} forensics_settings;
+
+/* n settings that fill the prior. Errors: RP_BAD_INPUT. */
+rp_status forensics_design(const forensics_claims *claims, size_t n, gsl_rng *rng, forensics_settings *d);
+
+/* Print the grid of these settings, each with the time step that all points allow. Errors: RP_BAD_INPUT, for
+ * a level that no design has too. */
+rp_status forensics_design_print(const forensics_claims *claims, const forensics_settings *d);
 
 /* How the surface of a pile is read; a column of the first has its stem alone. */
 enum { FORENSICS_SURFACES = 12 };
@@ -49,9 +63,10 @@ typedef struct {
 enum { FORENSICS_FACTORS = 24 };
 
 /* Runs, by cells: a setting of the choices at a point. */
-typedef struct {
+typedef struct forensics_study {
     const forensics_claims *claims;
     rp_table *runs;
+    size_t n_first;  /* rows of the first sweep; the settings of the others come later */
     bool is_reduced; /* rows are means over runs, as `sweep export --reduce` writes them */
     cli_groups settings;
     size_t *first; /* first run of each setting */
@@ -70,7 +85,8 @@ typedef struct {
 
 /* Errors: RP_BAD_INPUT (a column or parameter missing, a group that is infinite in some settings only, a
  * factor of too many levels); RP_NO_RESULT for too few cells with a result. */
-rp_status forensics_study_read(rp_table *runs, const forensics_claims *claims, forensics_study *study);
+rp_status forensics_study_read(rp_table *runs, size_t n_first, const forensics_claims *claims,
+                               forensics_study *study);
 
 /* Parameters of a setting's first run, where a claim names no point. Errors: RP_BAD_INPUT. */
 rp_status forensics_study_params(const forensics_study *study, size_t setting, void *params);
@@ -79,11 +95,20 @@ rp_status forensics_study_params(const forensics_study *study, size_t setting, v
 double forensics_scaled(size_t group, double value);
 double forensics_unscaled(size_t group, double scaled);
 
-/* An emulator of the runs, with what leaving out each setting says of every kernel. */
+/* Predictions of cells that had no part in them: number of cells, standard deviations of their values and of
+ * these values' noise, root mean square error and the one that the predictions state, share within 95 %. */
+typedef struct {
+    size_t n;
+    double spread, noise, rms, stated, covered;
+} forensics_left_out;
+
+/* An emulator of the runs, with what every kernel predicts of each setting of the first sweep from all
+ * others, and of all settings of later sweeps, together, from the first. */
 typedef struct {
     stats_kernel kernel; /* the better one */
     struct {
-        double rms, score, covered;
+        forensics_left_out setting, sweep;
+        double score;
     } of[STATS_KERNELS];
     stats_emulator e;
     size_t n;                       /* cells with a result */
@@ -102,6 +127,7 @@ rp_status forensics_emulate_completion(const forensics_study *study, forensics_e
 /* Draws of the choices from their prior, and what the emulators predict of them. */
 typedef struct {
     size_t n, n_sets;          /* draws; stems times surfaces */
+    void *base;                /* parameters that no choice changes */
     double *value;             /* [draw][SWEEP_N_GROUPS] at the base, as in the study */
     double *mass, *gravity;    /* [draw] g, cm/s^2 */
     size_t *level;             /* [factor][draw] */
@@ -111,5 +137,9 @@ typedef struct {
 rp_status forensics_draw(const forensics_study *study, const forensics_emulator *angles,
                          const forensics_emulator *completion, size_t n, gsl_rng *rng,
                          forensics_draws *draws);
+
+/* Parameters of a draw, where a claim names no point. Errors: RP_BAD_INPUT. */
+rp_status forensics_draw_params(const forensics_study *study, const forensics_draws *draws, size_t draw,
+                                void *params);
 
 #endif

@@ -41,6 +41,26 @@ static rp_status set_factor(void *params, size_t f, size_t level)
     return repose_params_set(params, factors[f].key, word);
 }
 
+/* The word of a setting's factor: that which sets the same value. */
+static rp_status find_word(const void *params, size_t f, void *work, char word[WORD])
+{
+    const rp_param *param = rp_params_find(sweep_protocol_repose.schema, factors[f].key);
+    char own[64], text[64];
+    rp_params_text(param, params, own, sizeof own);
+    for (size_t level = 0; *rp_word_at(factors[f].values, (int)level, word, WORD); level++) {
+        RP_TRY(set_factor(work, f, level));
+        if (strcmp(rp_params_text(param, work, text, sizeof text), own) == 0) return RP_OK;
+    }
+    return rp_fail(RP_BAD_INPUT, "%s = %s: no level of a design, allowed: %s", factors[f].key, own,
+                   factors[f].values);
+}
+
+/* Choices with a scale; the other groups follow from the point. */
+static bool is_open(size_t group)
+{
+    return sweep_groups[group].lo < sweep_groups[group].hi;
+}
+
 /* The parameters of one setting: its time step is that which all points allow, to two digits. */
 static rp_status find_setting(const forensics_claims *claims, const double group[], void *params, void *work)
 {
@@ -71,7 +91,7 @@ static void print_list(const char *key, size_t n, char (*text)[WORD])
 }
 
 /* Values of the keys that follow from the groups; every text with six digits at most. */
-static void print_keys(size_t n, const void *params[])
+static void print_keys(size_t n, void *params[])
 {
     char keys[] = SWEEP_GROUP_KEYS, *rest = keys, *key;
     char(*text)[WORD] = cli_memory(n, sizeof *text);
@@ -79,7 +99,11 @@ static void print_keys(size_t n, const void *params[])
         const rp_param *param = rp_params_find(sweep_protocol_repose.schema, key);
         for (size_t i = 0; i < n; i++) {
             const char *value = (const char *)params[i] + param->offset;
-            if (param->type == RP_INT)
+            char own[WORD], *end;
+            strtod(rp_params_text(param, params[i], own, sizeof own), &end);
+            if (*end)
+                snprintf(text[i], WORD, "\"%.*s\"", WORD - 3, own); /* a word in place of a number */
+            else if (param->type == RP_INT)
                 snprintf(text[i], WORD, "%ld", *(const long *)(const void *)value);
             else
                 snprintf(text[i], WORD, "%.5g", *(const double *)(const void *)value);
@@ -104,37 +128,51 @@ static void print_points(const forensics_claims *claims)
     }
 }
 
-rp_status forensics_design_print(const forensics_claims *claims, size_t n, gsl_rng *rng)
+rp_status forensics_design(const forensics_claims *claims, size_t n, gsl_rng *rng, forensics_settings *d)
 {
     size_t n_open = 0, n_levels[N_FACTORS];
-    for (size_t g = 0; g < SWEEP_N_GROUPS; g++) n_open += sweep_groups[g].lo < sweep_groups[g].hi;
+    for (size_t g = 0; g < SWEEP_N_GROUPS; g++) n_open += is_open(g);
     for (size_t f = 0; f < N_FACTORS; f++) n_levels[f] = count_words(factors[f].values);
     double *u = cli_memory(n * n_open, sizeof *u);
     size_t *level = cli_memory(n * N_FACTORS, sizeof *level);
-    const void **params = cli_memory(n, sizeof *params);
-    void *work = repose_params_new();
+    *d = (forensics_settings){n, cli_memory(n * SWEEP_N_GROUPS, sizeof *d->group),
+                              cli_memory(n, sizeof *d->params), NULL};
     RP_TRY(stats_design(n, n_open, u, N_FACTORS, n_levels, level, rng));
     for (size_t i = 0; i < n; i++) {
-        double group[SWEEP_N_GROUPS];
-        void *own = repose_params_new();
-        for (size_t g = 0, k = 0; g < SWEEP_N_GROUPS; g++) {
+        d->params[i] = repose_params_new();
+        for (size_t g = 0; g < SWEEP_N_GROUPS; g++) {
             const double lo = forensics_scaled(g, sweep_groups[g].lo),
                          hi = forensics_scaled(g, sweep_groups[g].hi);
-            const bool open = sweep_groups[g].lo < sweep_groups[g].hi;
-            group[g] = open ? forensics_unscaled(g, lo + (hi - lo) * u[i * n_open + k++]) : INFINITY;
+            d->group[i * SWEEP_N_GROUPS + g] =
+                is_open(g) ? forensics_unscaled(g, lo + (hi - lo) * *u++) : INFINITY;
         }
-        RP_TRY(repose_params_at(own, &claims->usual));
-        for (size_t f = 0; f < N_FACTORS; f++) RP_TRY(set_factor(own, f, level[f * n + i]));
-        RP_TRY(find_setting(claims, group, own, work));
-        params[i] = own;
+        RP_TRY(repose_params_at(d->params[i], &claims->usual));
+        for (size_t f = 0; f < N_FACTORS; f++) RP_TRY(set_factor(d->params[i], f, level[f * n + i]));
     }
+    return RP_OK;
+}
+
+/* A factor that the runs of a study do not vary is none of its choices. */
+static bool has_factor(const forensics_study *s, const char *key)
+{
+    bool has = !s;
+    for (size_t f = 0; s && f < s->n_factors; f++) has |= strcmp(s->factors[f].name, key) == 0;
+    return has;
+}
+
+rp_status forensics_design_print(const forensics_claims *claims, const forensics_settings *d)
+{
+    char(*text)[WORD] = cli_memory(d->n, sizeof *text);
+    void *work = repose_params_new();
+    for (size_t i = 0; i < d->n; i++)
+        RP_TRY(find_setting(claims, d->group + i * SWEEP_N_GROUPS, d->params[i], work));
     puts("grid = (\n    {");
-    char(*text)[WORD] = cli_memory(n, sizeof *text);
     for (size_t f = 0; f < N_FACTORS; f++) {
-        for (size_t i = 0; i < n; i++) rp_word_at(factors[f].values, (int)level[f * n + i], text[i], WORD);
-        print_list(factors[f].key, n, text);
+        if (!has_factor(d->study, factors[f].key)) continue;
+        for (size_t i = 0; i < d->n; i++) RP_TRY(find_word(d->params[i], f, work, text[i]));
+        print_list(factors[f].key, d->n, text);
     }
-    print_keys(n, params);
+    print_keys(d->n, d->params);
     puts("    },\n    {");
     print_points(claims);
     puts("    }\n);");

@@ -1,5 +1,6 @@
 /* Emulators of the runs of a design, and their predictions for draws of the choices; see forensics.h. */
 #include <math.h>
+#include <stdint.h>
 #include <string.h>
 
 #include "cli/cli.h"
@@ -8,6 +9,9 @@
 /* Cells that decide the hyperparameters: their cost grows with the cube. The first settings of Sobol's
  * sequence fill the space as all do. */
 enum { FIT_CELLS = 400 };
+
+/* The group of all settings after the first sweep. */
+static const size_t LATER = SIZE_MAX;
 
 /* ---- inputs ---- */
 
@@ -41,7 +45,7 @@ static stats_inputs take_cells(const forensics_study *s, const double use[], for
         set_inputs(s, s->group + c * SWEEP_N_GROUPS, m->x + m->n * n_reals);
         for (size_t f = 0; f < s->n_factors; f++)
             m->level[m->n * s->n_factors + f] = (int)s->factors[f].levels.of_row[row];
-        m->group[m->n++] = s->setting[c];
+        m->group[m->n++] = row < s->n_first ? s->setting[c] : LATER;
     }
     return (stats_inputs){m->n, n_reals, s->n_factors, m->x, m->level};
 }
@@ -68,23 +72,38 @@ static double root_mean_square(size_t n, const double v[])
 
 /* ---- emulators ---- */
 
-/* Fit by one kernel, and note what leaving out each setting gives. */
+/* Values beside the predictions made without them, of the first sweep's settings or of the later ones. */
+static forensics_left_out compare_left_out(const forensics_emulator *m, bool later, const double y[],
+                                           const double mean[], const double variance[])
+{
+    const double quantile = 1.959963984540054; /* of 95 % */
+    double n = 0.0, sum = 0.0, squares = 0.0, noise = 0.0, error = 0.0, stated = 0.0, covered = 0.0;
+    for (size_t i = 0; i < m->n; i++) {
+        if ((m->group[i] == LATER) != later) continue;
+        const double r = y[i] - mean[i];
+        n++;
+        sum += y[i];
+        squares += y[i] * y[i];
+        noise += m->variance[i];
+        error += r * r;
+        stated += variance[i];
+        covered += fabs(r) <= quantile * sqrt(variance[i]);
+    }
+    return (forensics_left_out){(size_t)n,        sqrt(squares / n - sum * sum / (n * n)),
+                                sqrt(noise / n),  sqrt(error / n),
+                                sqrt(stated / n), covered / n};
+}
+
+/* Fit by one kernel, and note what it predicts of cells that are left out. */
 static rp_status try_kernel(forensics_emulator *m, stats_kernel kernel, const stats_inputs *in,
                             const double y[], stats_emulator *e)
 {
-    const double quantile = 1.959963984540054; /* of 95 % */
     double *mean = cli_memory(m->n, sizeof *mean), *variance = cli_memory(m->n, sizeof *variance);
-    double squares = 0.0, covered = 0.0;
     RP_TRY(stats_emulator_make(kernel, in, m->variance, m->spread, e));
     RP_TRY(stats_emulator_fit(e, y, FIT_CELLS));
     RP_TRY(stats_emulator_leave_out(e, y, m->group, mean, variance, &m->of[kernel].score));
-    for (size_t i = 0; i < m->n; i++) {
-        const double r = y[i] - mean[i];
-        squares += r * r;
-        covered += fabs(r) <= quantile * sqrt(variance[i]);
-    }
-    m->of[kernel].rms = sqrt(squares / (double)m->n);
-    m->of[kernel].covered = covered / (double)m->n;
+    m->of[kernel].setting = compare_left_out(m, false, y, mean, variance);
+    m->of[kernel].sweep = compare_left_out(m, true, y, mean, variance);
     return RP_OK;
 }
 
@@ -156,17 +175,25 @@ rp_status forensics_emulate_completion(const forensics_study *s, forensics_emula
 
 /* ---- draws ---- */
 
-/* Draw number d: its groups at the base, and the parameters there. */
-static void set_draw(const forensics_study *s, const double u[], size_t d, void *params,
-                     forensics_draws *draws)
+/* The groups of a draw at the base. */
+static void set_groups(const forensics_study *s, const double u[], double value[])
 {
-    double *value = draws->value + d * SWEEP_N_GROUPS;
     for (size_t g = 0; g < SWEEP_N_GROUPS; g++) {
         const double lo = forensics_scaled(g, sweep_groups[g].lo),
                      hi = forensics_scaled(g, sweep_groups[g].hi);
         value[g] = s->is_choice[g] ? forensics_unscaled(g, lo + (hi - lo) * *u++) : s->base[g];
     }
-    sweep_groups_apply(value, params);
+}
+
+rp_status forensics_draw_params(const forensics_study *s, const forensics_draws *draws, size_t d,
+                                void *params)
+{
+    repose_params_copy(params, draws->base);
+    for (size_t f = 0; f < s->n_factors; f++)
+        RP_TRY(repose_params_set(params, s->factors[f].name,
+                                 s->factors[f].levels.words[draws->level[f * draws->n + d]]));
+    sweep_groups_apply(draws->value + d * SWEEP_N_GROUPS, params);
+    return RP_OK;
 }
 
 /* Inputs of a draw at all points. */
@@ -222,15 +249,14 @@ rp_status forensics_draw(const forensics_study *s, const forensics_emulator *ang
     draws->log_complete = cli_memory(n, sizeof *draws->log_complete);
     double *u = cli_memory(n * n_choices, sizeof *u), *x = cli_memory(k * n_reals, sizeof *x);
     int *levels = cli_memory(k * s->n_factors, sizeof *levels), level[FORENSICS_FACTORS];
-    void *base = repose_params_new(), *params = repose_params_new(), *work = repose_params_new();
+    void *params = repose_params_new(), *work = repose_params_new();
+    draws->base = repose_params_new();
+    RP_TRY(forensics_study_params(s, 0, draws->base));
     RP_TRY(stats_design(n, n_choices, u, s->n_factors, n_levels, draws->level, rng));
-    RP_TRY(forensics_study_params(s, 0, base));
     for (size_t d = 0; d < n; d++) {
-        repose_params_copy(params, base);
         for (size_t f = 0; f < s->n_factors; f++) level[f] = (int)draws->level[f * n + d];
-        for (size_t f = 0; f < s->n_factors; f++)
-            RP_TRY(repose_params_set(params, s->factors[f].name, s->factors[f].levels.words[level[f]]));
-        set_draw(s, u + d * n_choices, d, params, draws);
+        set_groups(s, u + d * n_choices, draws->value + d * SWEEP_N_GROUPS);
+        RP_TRY(forensics_draw_params(s, draws, d, params));
         sweep_groups_weight(params, &draws->mass[d], &draws->gravity[d]);
         RP_TRY(set_points(s, params, work, level, x, levels));
         const stats_inputs at = {k, n_reals, s->n_factors, x, levels};

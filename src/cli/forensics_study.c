@@ -276,10 +276,12 @@ static rp_status read_numbers(forensics_study *s, const size_t cell[])
     return RP_OK;
 }
 
-rp_status forensics_study_read(rp_table *runs, const forensics_claims *claims, forensics_study *s)
+rp_status forensics_study_read(rp_table *runs, size_t n_first, const forensics_claims *claims,
+                               forensics_study *s)
 {
     *s = (forensics_study){.claims = claims,
                            .runs = runs,
+                           .n_first = n_first,
                            .is_reduced =
                                rp_table_column(runs, "n") >= 0 && rp_table_column(runs, "n_failed") >= 0};
     size_t *point = cli_memory(runs->n_rows, sizeof *point), *cell = cli_memory(runs->n_rows, sizeof *cell),

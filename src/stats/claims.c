@@ -165,6 +165,11 @@ stats_number stats_quotient(stats_number a, stats_number b)
     return (stats_number){q, hypot(a.se, q * b.se) / fabs(b.value)};
 }
 
+bool stats_fit_rejected(double p_fit)
+{
+    return p_fit < level;
+}
+
 void stats_count_verdicts(size_t n, const stats_verdict verdicts[], size_t counts[STATS_VERDICTS])
 {
     memset(counts, 0, STATS_VERDICTS * sizeof *counts);

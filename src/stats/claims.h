@@ -100,6 +100,10 @@ stats_verdict stats_order(stats_number quotient, double factor);
 /* a/b with independent errors. */
 stats_number stats_quotient(stats_number a, stats_number b);
 
+/* Whether its own data reject a fit, by the chance of a larger chi^2: p_fit < 5 %. NaN, no such chance:
+ * false. */
+bool stats_fit_rejected(double p_fit);
+
 /* How many of each verdict. */
 void stats_count_verdicts(size_t n, const stats_verdict verdicts[], size_t counts[STATS_VERDICTS]);
 

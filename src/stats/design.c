@@ -1,8 +1,10 @@
 /* Designs of numbers and factors; see forensics.h. */
 #include <gsl/gsl_qrng.h>
 #include <gsl/gsl_randist.h>
+#include <gsl/gsl_sort.h>
 #include <math.h>
 #include <stdint.h>
+#include <stdlib.h>
 
 #include "stats/forensics.h"
 
@@ -32,4 +34,19 @@ rp_status stats_design(size_t n, size_t n_reals, double u[], size_t n_factors, c
         gsl_ran_shuffle(rng, level + f * n, n, sizeof *level);
     }
     return RP_OK;
+}
+
+rp_status stats_sample(size_t n, const double weight[], size_t k, size_t index[], gsl_rng *rng)
+{
+    size_t n_weighed = 0;
+    double *key = malloc((n + 1) * sizeof *key);
+    if (!key) return rp_fail(RP_NO_MEMORY, "sample: out of memory");
+    for (size_t i = 0; i < n; i++) {
+        n_weighed += weight[i] > 0.0;
+        key[i] = log(gsl_rng_uniform_pos(rng)) / weight[i];
+    }
+    if (n_weighed >= k) gsl_sort_largest_index(index, k, key, 1, n);
+    free(key);
+    return n_weighed >= k ? RP_OK
+                          : rp_fail(RP_NO_RESULT, "%zu draws have a weight, %zu expected", n_weighed, k);
 }

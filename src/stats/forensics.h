@@ -91,6 +91,10 @@ double stats_bayes_factor(double prior, double share);
 /* Value that a share q of the weights lies below. order[n]: work space. Errors: none; NaN for no weight. */
 double stats_weighted_quantile(size_t n, const double x[], const double weight[], double q, size_t order[]);
 
+/* k different ones of n draws, each next one with a chance in proportion to its weight (Efraimidis & Spirakis
+ * 2006): index[k]. Errors: RP_NO_RESULT (fewer than k draws of a weight), RP_NO_MEMORY. */
+rp_status stats_sample(size_t n, const double weight[], size_t k, size_t index[], gsl_rng *rng);
+
 /* Logarithm of the chance of a standard normal below z, if z is normal: mean and variance. */
 double stats_log_normal_chance(double mean, double variance);
 

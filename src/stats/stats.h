@@ -130,6 +130,11 @@ typedef struct {
 rp_status stats_trend_fit(size_t n, const double x[], const double y[], const double pile[], double power,
                           double margin, stats_trend *trend);
 
+/* The same where x are logarithms to base 10: the weight is a power of what they are logarithms of, 10^(power
+ * x). Any finite x will do. */
+rp_status stats_trend_fit_log10(size_t n, const double x[], const double y[], const double pile[],
+                                double power, double margin, stats_trend *trend);
+
 /* What tests at `level` say: falls or rises if p_value (corrected or not) is below it,
  * no_dependence_within_margin if p_margin is, falls_within_margin or rises_within_margin if both, undecided
  * if none. p_pairs, a far stricter test, is not used. */

@@ -17,7 +17,7 @@ typedef struct {
 } cell;
 
 typedef struct {
-    bool paired;
+    bool paired, log10_x; /* log10_x: weights are powers of 10^x */
     size_t n, n_x, n_piles;
     point *points; /* by x; paired: pile after pile, each by x */
     cell *cells;
@@ -121,8 +121,11 @@ static stats_contrast contrast(const sample *s)
 static void set_moments(sample *s, double power)
 {
     s->sw = s->x_mean = s->sxx = s->s3 = 0.0;
-    for (size_t j = 0; j < s->n_x; j++)
-        s->sw += s->cells[j].w = s->cells[j].n * (power == 0.0 ? 1.0 : pow(s->cells[j].x, power));
+    for (size_t j = 0; j < s->n_x; j++) {
+        cell *q = &s->cells[j];
+        const double w = power == 0.0 ? 1.0 : s->log10_x ? pow(10.0, power * q->x) : pow(q->x, power);
+        s->sw += q->w = q->n * w;
+    }
     for (size_t j = 0; j < s->n_x; j++) s->x_mean += s->cells[j].w * s->cells[j].x / s->sw;
     for (size_t j = 0; j < s->n_x; j++) {
         const double dx = s->cells[j].x - s->x_mean;
@@ -231,19 +234,19 @@ static rp_status analyse(sample *s, double power, double margin, stats_trend *tr
     return RP_OK;
 }
 
-rp_status stats_trend_fit(size_t n, const double x[], const double y[], const double pile[], double power,
-                          double margin, stats_trend *trend)
+static rp_status fit(bool log10_x, size_t n, const double x[], const double y[], const double pile[],
+                     double power, double margin, stats_trend *trend)
 {
     const stats_contrast none = {NAN, NAN, NAN};
     *trend = (stats_trend){0, 0, NAN, NAN, none, none, none, none, none, NAN, NAN};
     if (!(margin > 0.0 && isfinite(margin)))
         return rp_fail(RP_BAD_INPUT, "margin = %g: out of range, allowed: (0, inf)", margin);
-    for (size_t i = 0; i < n && power != 0.0; i++)
+    for (size_t i = 0; i < n && power != 0.0 && !log10_x; i++)
         if (!(x[i] > 0.0))
             return rp_fail(RP_BAD_INPUT,
                            "value %zu: x = %g: out of range for weights x^%g, allowed: (0, inf)", i + 1, x[i],
                            power);
-    sample s = {.paired = pile != NULL, .n = n};
+    sample s = {.paired = pile != NULL, .log10_x = log10_x, .n = n};
     s.points = calloc(n + 1, sizeof *s.points);
     s.cells = calloc(n + 1, sizeof *s.cells);
     s.c = calloc(2 * n + 1, sizeof *s.c);
@@ -256,6 +259,18 @@ rp_status stats_trend_fit(size_t n, const double x[], const double y[], const do
     free(s.cells);
     free(s.c);
     return status;
+}
+
+rp_status stats_trend_fit(size_t n, const double x[], const double y[], const double pile[], double power,
+                          double margin, stats_trend *trend)
+{
+    return fit(false, n, x, y, pile, power, margin, trend);
+}
+
+rp_status stats_trend_fit_log10(size_t n, const double x[], const double y[], const double pile[],
+                                double power, double margin, stats_trend *trend)
+{
+    return fit(true, n, x, y, pile, power, margin, trend);
 }
 
 void stats_holm(size_t n, const double p[], double corrected[])
