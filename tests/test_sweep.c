@@ -6,7 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
-#include <sys/file.h>
 #include <sys/resource.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
@@ -987,19 +986,38 @@ static void test_keep_limits(void)
     CHECK_FAILS(sweep_keep_look(&k), RP_BROKEN, "more than 32 kept variables");
 }
 
+/* A process that locks a file, and lives until it is killed. */
+static pid_t start_holder(const char *path)
+{
+    int ready[2];
+    char byte = 0;
+    CU_ASSERT_FATAL(pipe(ready) == 0);
+    const pid_t holder = fork();
+    if (holder == 0) {
+        const int lock = open(path, O_RDWR);
+        byte = (char)fcntl(lock, F_SETLK, &(struct flock){.l_type = F_WRLCK, .l_whence = SEEK_SET});
+        if (write(ready[1], &byte, 1) == 1) pause();
+        _exit(1);
+    }
+    CU_ASSERT(read(ready[0], &byte, 1) == 1 && byte == 0);
+    close(ready[0]);
+    close(ready[1]);
+    return holder;
+}
+
 static void test_lock(void)
 {
     fresh(SMALL_SWEEP);
     CHECK_OK(prepare(NULL));
     char path[128];
     snprintf(path, sizeof path, "%s/lock", dir);
-    int lock = open(path, O_RDWR);
-    CU_ASSERT(lock >= 0 && flock(lock, LOCK_SH) == 0); /* a second process on the same sweep is refused */
+    const pid_t holder = start_holder(path); /* a second process on the same sweep is refused */
     sweep_counts c;
     CHECK_FAILS(run(1, NULL), RP_IO, "another process runs or plans this sweep");
     CHECK_FAILS(prepare(NULL), RP_IO, "another process runs or plans this sweep");
     CHECK_OK(sweep_status(dir, toys, &c)); /* readers do not wait */
-    close(lock);
+    kill(holder, SIGKILL);
+    waitpid(holder, NULL, 0);
     CHECK_OK(run(1, NULL));
     unlink(path);
     mkdir(path, 0777);

@@ -8,23 +8,24 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include "core/table.h"
 #include "sweeps/driver/keep.h"
 
-/* One process at a time changes a store. The lock goes with the process, whatever ends it. */
+/* One process at a time changes a store. The lock goes with the process, whatever ends it; its workers, which
+ * may live on for a moment, do not inherit it. */
 static rp_status take_lock(const char *path, const char *store, int *lock)
 {
     *lock = open(path, O_RDWR | O_CREAT | O_CLOEXEC, 0666);
     if (*lock < 0 && errno == ENOENT)
         return rp_fail(RP_BAD_INPUT, "%s: no such folder; `repose sweep plan` makes it", store);
     if (*lock < 0) return rp_fail(RP_IO, "%s: cannot write: %s", path, strerror(errno));
-    if (flock(*lock, LOCK_EX | LOCK_NB) == 0) return RP_OK;
-    return errno == EWOULDBLOCK ? rp_fail(RP_IO, "%s: another process runs or plans this sweep", store)
-                                : rp_fail(RP_IO, "%s: cannot lock: %s", path, strerror(errno));
+    if (fcntl(*lock, F_SETLK, &(struct flock){.l_type = F_WRLCK, .l_whence = SEEK_SET}) == 0) return RP_OK;
+    return errno == EACCES || errno == EAGAIN
+               ? rp_fail(RP_IO, "%s: another process runs or plans this sweep", store)
+               : rp_fail(RP_IO, "%s: cannot lock: %s", path, strerror(errno));
 }
 
 static rp_status lock_folder(const char *dir, int *lock)
