@@ -480,28 +480,28 @@ static void table_forms(void)
     unlink(path);
 }
 
-/* Rows of two tables, each with its cells and the line that it stands in. */
+/* Rows of two tables, each with its cells and its place, also in a message and where rows before it go. */
 static void table_append(void)
 {
     static const char *const texts[] = {"# x\ty\n1\ta\n\n2\tb\n",
                                         "# note: 5\n# x\ty\n3\tc\n# a word\n4\td\n5\te\n"},
                              cells[] = "1a2b3c4d5e";
     static const size_t lines[] = {2, 4, 3, 5, 6};
-    char path[] = "/tmp/repose-table-XXXXXX";
-    close(mkstemp(path));
     rp_table t[2];
-    for (int k = 0; k < 2; k++) {
-        file_print(path, "%s", texts[k]);
-        CHECK_OK(rp_table_read(path, &t[k]));
-    }
+    double value;
+    for (int k = 0; k < 2; k++)
+        CHECK_OK(rp_table_parse(k == 0 ? "first" : "second", strdup(texts[k]), &t[k]));
     CHECK_OK(rp_table_append(&t[0], &t[1]));
     CU_ASSERT_EQUAL_FATAL(t[0].n_rows, 5);
     for (size_t row = 0; row < 5; row++) {
-        CU_ASSERT_EQUAL(t[0].lines[row], lines[row]);
+        CU_ASSERT_EQUAL(t[0].places[row].line, lines[row]);
+        CU_ASSERT_STRING_EQUAL(t[0].places[row].path, row < 2 ? "first" : "second");
         for (size_t c = 0; c < 2; c++) CU_ASSERT(*t[0].cells[2 * row + c] == cells[2 * row + c]);
     }
+    CHECK_OK(rp_table_where(&t[0], "x!=2"));
+    CHECK_FAILS(rp_table_number(&t[0], 0, 1, 0, &value), RP_BAD_INPUT, "first:2: column 2 y: ");
+    CHECK_FAILS(rp_table_number(&t[0], 1, 1, 0, &value), RP_BAD_INPUT, "second:3: column 2 y: ");
     for (int k = 0; k < 2; k++) rp_table_free(&t[k]);
-    unlink(path);
 }
 
 /* Tables that differ in their first, their last or the number of their columns are not put together. */
@@ -542,7 +542,7 @@ static void table_conditions(void)
         CHECK_OK(rp_table_where(&t, cases[i].condition));
         for (size_t row = 0; row < t.n_rows && row < 7; row++) {
             kept[row] = *t.cells[row * t.n_columns + 1];
-            CU_ASSERT_EQUAL(t.lines[row], 5 + (size_t)(kept[row] - 'a'));
+            CU_ASSERT_EQUAL(t.places[row].line, 5 + (size_t)(kept[row] - 'a'));
         }
         if (strcmp(kept, cases[i].rows) != 0)
             fprintf(stderr, "%s keeps %s, expected %s\n", cases[i].condition, kept, cases[i].rows);

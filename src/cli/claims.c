@@ -90,7 +90,7 @@ static rp_status read_claim(cli_claims *all, size_t row)
     if (!status) status = read_numbers(t, row, c);
     if (!status) status = find_number(all, c);
     if (!status) status = check(all, c);
-    RP_TRY(rp_prefix(status, "%s:%zu: ", t->path, t->lines[row]));
+    RP_TRY(rp_prefix(status, "%s:%zu: ", t->places[row].path, t->places[row].line));
     all->n++;
     return RP_OK;
 }

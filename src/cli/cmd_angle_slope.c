@@ -43,7 +43,7 @@ static rp_status refuse_several_steps(const rp_table *table)
     for (size_t i = 1; column >= 0 && i < table->n_rows; i++)
         if (strcmp(cli_text(table, i, column), cli_text(table, 0, column)) != 0)
             return rp_fail(RP_BAD_INPUT, "%s:%zu: step = %s after %s: one step's grains expected",
-                           table->path, table->lines[i], cli_text(table, i, column),
+                           table->places[i].path, table->places[i].line, cli_text(table, i, column),
                            cli_text(table, 0, column));
     return RP_OK;
 }
@@ -92,8 +92,8 @@ static rp_status choose_cell(const slope_options *o, const rp_table *t, const do
     if (o->cell > 0.0) return RP_OK;
     for (size_t i = 0; i < n && with_r; i++)
         if (!(r[i] > 0.0))
-            return rp_fail(RP_BAD_INPUT, "%s:%zu: r = %g: out of range, allowed: (0, inf)", t->path,
-                           t->lines[i], r[i]);
+            return rp_fail(RP_BAD_INPUT, "%s:%zu: r = %g: out of range, allowed: (0, inf)", t->places[i].path,
+                           t->places[i].line, r[i]);
     *origin = with_r ? "mean diameter of the grains" : "from the spacing of the points";
     *cell = with_r ? 2.0 * gsl_stats_mean(r, 1, n) : NAN;
     return with_r ? RP_OK : ang_cell_of_points(n, block, block + n, o->width, cell);

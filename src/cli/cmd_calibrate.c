@@ -78,8 +78,8 @@ static rp_status refuse_others(const rp_table *t, size_t n, const int columns[])
         if (c < 0 || c == columns[0] || (n > 1 && c == columns[1])) continue;
         for (size_t i = 1; i < t->n_rows; i++)
             if (strcmp(cli_text(t, i, c), cli_text(t, 0, c)) != 0)
-                return rp_fail(RP_BAD_INPUT, "%s:%zu: %s varies too, and is not under --fit", t->path,
-                               t->lines[i], p->name);
+                return rp_fail(RP_BAD_INPUT, "%s:%zu: %s varies too, and is not under --fit",
+                               t->places[i].path, t->places[i].line, p->name);
     }
     return RP_OK;
 }

@@ -170,8 +170,8 @@ static rp_status find_frames(rp_table *table, cli_frames *f)
     cli_frames_split(table->n_rows, step, f);
     for (size_t k = 1; k < f->n; k++)
         if (f->steps[k] < f->steps[k - 1])
-            return rp_fail(RP_BAD_INPUT, "%s:%zu: step %.0f after step %.0f", table->path,
-                           table->lines[f->first[k]], f->steps[k], f->steps[k - 1]);
+            return rp_fail(RP_BAD_INPUT, "%s:%zu: step %.0f after step %.0f", table->places[f->first[k]].path,
+                           table->places[f->first[k]].line, f->steps[k], f->steps[k - 1]);
     return RP_OK;
 }
 

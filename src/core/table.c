@@ -306,7 +306,7 @@ static rp_status take_row(reading *r, char *line, size_t n, size_t line_number)
         return rp_fail(RP_BAD_INPUT, "%s:%zu: an empty cell", t->path, line_number);
     split_cells(line, blanks, t->cells + t->n_rows * n);
     if (is_names(t, t->cells + t->n_rows * n)) return RP_OK;
-    t->lines[t->n_rows++] = line_number;
+    t->places[t->n_rows++] = (rp_place){t->path, line_number};
     return RP_OK;
 }
 
@@ -335,8 +335,8 @@ static rp_status split_text(bool texts, rp_table *table)
         memmove(table->text, table->text + 3, strlen(table->text + 3) + 1);
     for (const char *p = table->text; *p; p++) r.most_rows += *p == '\n';
     r.most_cells = strlen(table->text) / 2 + 1;
-    table->lines = calloc(r.most_rows, sizeof *table->lines);
-    if (!table->lines) return rp_fail(RP_NO_MEMORY, "%s: out of memory", table->path);
+    table->places = calloc(r.most_rows, sizeof *table->places);
+    if (!table->places) return rp_fail(RP_NO_MEMORY, "%s: out of memory", table->path);
     size_t line_number = 0;
     for (char *next = table->text, *line; (line = next) && !status;) {
         next = strchr(line, '\n');
@@ -374,7 +374,7 @@ void rp_table_free(rp_table *table)
 {
     free(table->names);
     free(table->cells);
-    free(table->lines);
+    free(table->places);
     free(table->text);
     *table = (rp_table){0};
 }
@@ -396,11 +396,11 @@ rp_status rp_table_append(rp_table *table, const rp_table *more)
         return rp_fail(RP_BAD_INPUT, "%s and %s have different units", table->path, more->path);
     char **cells = realloc(table->cells, ((n + added) * columns + 1) * sizeof *cells);
     if (cells) table->cells = cells;
-    size_t *lines = realloc(table->lines, (n + added + 1) * sizeof *lines);
-    if (lines) table->lines = lines;
-    if (!cells || !lines) return rp_fail(RP_NO_MEMORY, "%s: out of memory", more->path);
+    rp_place *places = realloc(table->places, (n + added + 1) * sizeof *places);
+    if (places) table->places = places;
+    if (!cells || !places) return rp_fail(RP_NO_MEMORY, "%s: out of memory", more->path);
     for (size_t i = 0; i < added * columns; i++) cells[n * columns + i] = more->cells[i];
-    for (size_t i = 0; i < added; i++) lines[n + i] = more->lines[i];
+    for (size_t i = 0; i < added; i++) places[n + i] = more->places[i];
     table->n_rows += added;
     return RP_OK;
 }
@@ -478,7 +478,7 @@ rp_status rp_table_where(rp_table *table, const char *condition)
     for (size_t i = 0; i < table->n_rows; i++) {
         if (!meets(table->cells[i * columns + (size_t)column], op, value)) continue;
         memmove(table->cells + kept * columns, table->cells + i * columns, columns * sizeof *table->cells);
-        table->lines[kept++] = table->lines[i];
+        table->places[kept++] = table->places[i];
     }
     table->n_rows = kept;
     return RP_OK;
@@ -494,8 +494,9 @@ rp_status rp_table_number(const rp_table *table, size_t row, int column, int mis
     }
     *value = strtod(cell, &end);
     if (*end || (!isfinite(*value) && !missing_ok))
-        return rp_fail(RP_BAD_INPUT, "%s:%zu: column %d%s%s: \"%.40s\" is not a finite number", table->path,
-                       table->lines[row], column + 1, table->names[column] ? " " : "",
-                       table->names[column] ? table->names[column] : "", cell);
+        return rp_fail(RP_BAD_INPUT, "%s:%zu: column %d%s%s: \"%.40s\" is not a finite number",
+                       table->places[row].path, table->places[row].line, column + 1,
+                       table->names[column] ? " " : "", table->names[column] ? table->names[column] : "",
+                       cell);
     return RP_OK;
 }

@@ -51,12 +51,18 @@ rp_status rp_file_read(const char *path, char **text);
 /* Make a directory and its parents. Errors: RP_IO. */
 rp_status rp_make_directory(const char *path);
 
+/* Where a row stands: its file, a borrowed name, and line. */
+typedef struct {
+    const char *path;
+    size_t line;
+} rp_place;
+
 /* A table read whole. cells[row * n_columns + column] are texts. */
 typedef struct {
     size_t n_rows, n_columns;
     char **names, **cells;
     char *text;       /* the file's bytes, which names and cells point into */
-    size_t *lines;    /* line of the file of each row */
+    rp_place *places; /* of each row */
     const char *path; /* borrowed */
 } rp_table;
 
@@ -71,8 +77,8 @@ rp_status rp_table_read(const char *path, rp_table *table);
  * tabs. */
 rp_status rp_table_read_texts(const char *path, rp_table *table);
 
-/* The rows of `more`, whose texts are borrowed, after those of `table`; messages name the path of `table`.
- * Errors: RP_BAD_INPUT for other columns or units, RP_NO_MEMORY. */
+/* The rows of `more`, whose texts are borrowed, after those of `table`; messages on the whole name the path
+ * of `table`. Errors: RP_BAD_INPUT for other columns or units, RP_NO_MEMORY. */
 rp_status rp_table_append(rp_table *table, const rp_table *more);
 
 /* The same for a text from malloc, which the table takes; `name` is for messages, and borrowed. */

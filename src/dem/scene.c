@@ -376,8 +376,8 @@ static rp_status read_particles_table(const rp_table *table, scene_file *file)
         for (int c = 0; c < N; c++)
             if (columns[c] >= 0) RP_TRY(rp_table_number(table, i, columns[c], 0, &v[c]));
         if (!(v[2] > 0.0))
-            return rp_fail(RP_BAD_INPUT, "%s:%zu: r = %g: out of range, allowed: (0, inf)", table->path,
-                           table->lines[i], v[2]);
+            return rp_fail(RP_BAD_INPUT, "%s:%zu: r = %g: out of range, allowed: (0, inf)",
+                           table->places[i].path, table->places[i].line, v[2]);
         if (columns[3] < 0) RP_TRY(mass_of(file, v[2], &v[3]));
         file->scene.grains[i] = (dem_grain){v[0], v[1], v[2], v[3], v[4], v[5], v[6], v[7], v[8] != 0.0};
     }
