@@ -30,6 +30,11 @@ static void test_known_errors(void)
                ceil(16.0 * pow((2.0 + none.known) * 0.75 / 1.2, 2.0)), 0.0);
     CHECK_NEAR(stats_sample_size(&none, &pilot, 0.0, 0.95),
                ceil(16.0 * pow((none.known + gsl_cdf_ugaussian_Pinv(0.975)) * 0.75, 2.0)), 0.0);
+    /* up to a thousand million, and none beyond */
+    for (double n = 9e8; n < 1.2e9; n += 2e8) {
+        const double found = stats_sample_size(&above, &pilot, 3.0 * (2.0 + none.known) / sqrt(n), 0.95);
+        CU_ASSERT(n > 1e9 ? isinf(found) : fabs(found - n) < 10.0);
+    }
 }
 
 /* Power by its definition: the estimate is normal about the effect, and its estimated error a root of chi^2

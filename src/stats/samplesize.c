@@ -52,9 +52,9 @@ double stats_sample_size(const stats_rule *rule, const stats_pilot *pilot, doubl
     if (isnan(stats_power(rule, pilot, effect, hi))) return NAN;
     while (hi < most && stats_power(rule, pilot, effect, hi) < power) {
         lo = hi;
-        hi *= 2.0;
+        hi = fmin(2.0 * hi, most);
     }
-    if (hi >= most) return INFINITY;
+    if (hi == most && stats_power(rule, pilot, effect, most) < power) return INFINITY;
     while (hi - lo > 1.0) {
         const double middle = floor(0.5 * (lo + hi));
         *(stats_power(rule, pilot, effect, middle) < power ? &lo : &hi) = middle;
