@@ -318,6 +318,7 @@ static void test_bad_values(void)
         {65, "short.tsv:2", "angle slope short.tsv --width 4"},
         {65, "empty.tsv: no grains", "angle slope empty.tsv --width 4"},
         {65, "-n = 0: out of range", "bench -n 0"},
+        {65, "-n = 100001: out of range, allowed: [1, 100000]", "bench -n 100001"},
         {65, "\"frob\": unknown protocol", "params frob"},
         {65, "\"scenes\": unknown protocol (did you mean \"scene\"?)", "params scenes"},
         {65, "none.cfg: cannot read", "run none.cfg"},

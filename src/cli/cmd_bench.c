@@ -13,7 +13,8 @@ enum { EXTENDS, ABSORBS };
 enum { MOST = 100, FILL_STEPS = 30000, RELAX_STEPS = 50000, WARM_STEPS = 2000 };
 
 #define BENCH_OPTIONS(X)                                                                                     \
-    X(INT, n, "", "400", "[1, 10000000]", "grains")                                                          \
+    X(INT, n, "", "400", "[1, 100000]",                                                                      \
+      "grains of the fill; larger piles, whose fall would be too high, come by --start")                     \
     X(REAL, width, "cm", "auto", "(0, inf) | auto", "width of the box; auto: square when settled")           \
     X(INT, steps, "", "auto", "[1, 1000000000] | auto",                                                      \
       "timed steps, except of a sample; auto: 2e7 particle-steps, flowing at most 10000 steps")              \
