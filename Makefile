@@ -22,14 +22,14 @@ LIBS      = $$(pkg-config --libs $(PKGS)) -lcholmod -lm $(if $(SAN),,-pie -Wl,-z
 INCLUDES  = $$(pkg-config --cflags $(PKGS))
 # Work waits for `setup` when both are asked for.
 SETUP_FIRST := $(filter setup,$(MAKECMDGOALS))
-# module=folder=prefix of its exported names; dependents before what they depend on
-MODULES := sweep=sweeps/driver=sweep_ analytic=analytic=an_ dem=src/dem=dem_ statics=src/statics=statics_ \
-           angle=src/angle=ang_ stress=src/stress=stress_ stats=src/stats=stats_ core=src/core=rp_
+# module=prefix of its exported names; dependents before what they depend on. A module's rooms stand in tests/rooms.txt.
+MODULES := sweep=sweep_ analytic=an_ dem=dem_ statics=statics_ angle=ang_ stress=stress_ stats=stats_ core=rp_
 module   = $(word 1,$(subst =, ,$(1)))
-objects  = $(patsubst %.c,$(B)/obj/%.o,$(wildcard $(1)/*.c))
-sources  = $(call objects,$(word 2,$(subst =, ,$(1))))
+rooms    = $(shell awk '$$1 == "$(1)" { print $$2 }' tests/rooms.txt)
+objects  = $(patsubst %.c,$(B)/obj/%.o,$(wildcard $(1:%=%/*.c)))
+sources  = $(call objects,$(call rooms,$(call module,$(1))))
 LIBRARY := $(foreach m,$(MODULES),$(B)/lib$(call module,$(m)).a)
-CLI     := $(call objects,src/cli)
+CLI     := $(call objects,$(call rooms,cli))
 FUZZ    := $(call objects,tests/fuzz) $(filter-out %/main.o,$(CLI))
 CHECK   := $(call objects,tests) $(call objects,validation) $(FUZZ)
 ALL     := $(CLI) $(foreach m,$(MODULES),$(call sources,$(m)))
@@ -64,7 +64,7 @@ $(B)/obj/src/core/version.o: CPPFLAGS += '-DRP_COMMIT="$(shell cat $(B)/commit 2
 
 define archive
 $(B)/lib$(call module,$(1)).a: $(call sources,$(1))
-	@rm -f $$@ && ar rcs $$@ $$^
+	@rm -f $$@ && ar qcs $$@ $$^
 endef
 $(foreach m,$(MODULES),$(eval $(call archive,$(m))))
 

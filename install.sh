@@ -18,7 +18,7 @@ put 644 share/repose/python python/*.py
 put 644 share/doc/repose README.md LICENSE CITATION.cff docs/*.md
 for folder in sweeps/*/ examples/ examples/*/; do
     case $folder in
-    sweeps/driver/ | *\*/) ;;
+    sweeps/engine/ | sweeps/protocols/ | *\*/) ;;
     sweeps/*) put 644 "share/repose/$folder" "$folder"*.cfg ;;
     *) put 644 "share/repose/$folder" $(find "$folder" -maxdepth 1 -type f) ;;
     esac
@@ -31,7 +31,7 @@ install -d "$to/share/bash-completion/completions"
 # Headers lie in one folder: #include <repose/dem.h>. The public ones stand between RP_C_BEGIN and RP_C_END, or hold
 # macros only.
 install -d "$to/include/repose" "$to/lib/pkgconfig"
-for header in $(grep -l '^RP_C_BEGIN' src/*/*.h analytic/*.h sweeps/driver/*.h) src/dem/physics.h; do
+for header in $(grep -l '^RP_C_BEGIN' src/*/*.h src/*/*/*.h analytic/*.h sweeps/*/*.h) src/dem/law/parameters.h; do
     sed 's,^#include ".*/,#include ",' "$header" >"$to/include/repose/$(basename "$header")"
 done
 

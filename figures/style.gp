@@ -62,7 +62,7 @@ set style line 13 lc rgb '#009e73' lw 1.5 dt (3, 2) pt 10 ps 0.7
 set style line 14 lc rgb '#cc79a7' lw 1.5 dt (8, 2, 2, 2) pt 14 ps 0.7
 set style line 20 lc rgb '#d55e00' pt 13 ps 1.1 lw 1.5
 # Force chains are dark on pale grains, as `repose view` draws them: class k of `classes` is as wide as its force.
-# src/cli/view_draw.c reads the same file as C.
+# src/view/draw.c reads the same file as C.
 load 'figures/chains.gp'
 thickest = 3
 darkest = sprintf('#%02x%02x%02x', dark_r, dark_g, dark_b)

@@ -3,7 +3,7 @@
 #define GRAINS_H
 
 #include "dem/dem.h"
-#include "dem/scene.h"
+#include "dem/scene/scene.h"
 
 /* A whole line through (x, y), normal (nx, ny). */
 dem_wall grains_line(double x, double y, double nx, double ny, const dem_material *c);

@@ -21,7 +21,7 @@
 #include <unistd.h>
 
 #include "core/clock.h"
-#include "core/table.h"
+#include "table/table.h"
 #include "tests/check.h"
 
 static int broken_registrations;

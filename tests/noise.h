@@ -3,7 +3,7 @@
 #ifndef NOISE_H
 #define NOISE_H
 
-#include "sweeps/driver/sweep.h"
+#include "sweeps/engine/sweep.h"
 
 extern const rp_param noise_schema[];
 extern const sweep_output noise_outputs[];

@@ -6,7 +6,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* Angle in degrees, of the groups of sweeps/driver/groups.h at the point and of slip = "total". */
+/* Angle in degrees, of the groups of sweeps/engine/groups.h at the point and of slip = "total". */
 double planted_angle(double stiffness, double damping, int total);
 
 enum { PLANTED_POINTS = 3, PLANTED_PILES = 4 };

@@ -6,7 +6,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-#include "core/table.h"
+#include "table/table.h"
 
 /* Output of the last run, also in the files `out` and `err` of the test's folder. */
 extern char out[1 << 20], err[1 << 14];

@@ -6,8 +6,8 @@
 
 #include "analytic/analytic.h"
 #include "cli/cli.h"
-#include "dem/scene.h"
-#include "sweeps/driver/protocol.h"
+#include "dem/scene/scene.h"
+#include "sweeps/engine/protocol.h"
 #include "tests/check.h"
 #include "tests/program.h"
 

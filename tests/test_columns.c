@@ -9,11 +9,11 @@
 
 #include "core/clock.h"
 #include "core/random.h"
-#include "dem/scene.h"
+#include "dem/scene/scene.h"
 #include "stats/calibrate.h"
 #include "stats/stats.h"
 #include "stress/stress.h"
-#include "sweeps/driver/protocol.h"
+#include "sweeps/engine/protocol.h"
 #include "tests/check.h"
 #include "tests/program.h"
 

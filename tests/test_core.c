@@ -7,11 +7,11 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "core/config.h"
-#include "core/guess.h"
+#include "params/config.h"
+#include "params/guess.h"
 #include "core/random.h"
-#include "core/table.h"
-#include "core/units.h"
+#include "table/table.h"
+#include "params/units.h"
 #include "tests/check.h"
 #include "tests/folder.h"
 #include "tests/faults.h"

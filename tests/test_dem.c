@@ -4,10 +4,10 @@
 #include <string.h>
 
 #include "core/clock.h"
-#include "dem/definition.h"
-#include "dem/integrator.h"
-#include "dem/scene.h"
-#include "dem/sim.h"
+#include "dem/setup/definition.h"
+#include "dem/state/method.h"
+#include "dem/scene/scene.h"
+#include "dem/state/state.h"
 #include "tests/check.h"
 #include "tests/grains.h"
 

@@ -18,8 +18,8 @@
 #include <unistd.h>
 
 #include "core/clock.h"
-#include "core/table.h"
-#include "sweeps/driver/sweep.h"
+#include "table/table.h"
+#include "sweeps/engine/sweep.h"
 #include "tests/check.h"
 #include "tests/faults.h"
 #include "tests/folder.h"

@@ -5,8 +5,8 @@
 
 #include "stress/stress.h"
 #include "core/random.h"
-#include "dem/sim.h"
-#include "sweeps/driver/protocol.h"
+#include "dem/state/state.h"
+#include "sweeps/engine/protocol.h"
 #include "tests/check.h"
 #include "tests/protocol.h"
 #include "tests/grains.h"

@@ -10,12 +10,12 @@
 #include <sys/wait.h>
 
 #include "analytic/analytic.h"
-#include "core/table.h"
+#include "table/table.h"
 #include "statics/bonds.h"
 #include "dem/dem.h"
 #include "statics/equilibrium.h"
-#include "core/stiffness.h"
-#include "sweeps/driver/pile.h"
+#include "core/sparse.h"
+#include "sweeps/protocols/pile.h"
 #include "tests/check.h"
 #include "tests/program.h"
 

@@ -8,9 +8,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "core/table.h"
+#include "table/table.h"
 #include "stats/samplesize.h"
-#include "sweeps/driver/protocol.h"
+#include "sweeps/engine/protocol.h"
 #include "tests/check.h"
 #include "tests/program.h"
 

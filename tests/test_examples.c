@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "angle/angle.h"
-#include "dem/scene.h"
+#include "dem/scene/scene.h"
 #include "tests/check.h"
 #include "tests/program.h"
 

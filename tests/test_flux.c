@@ -4,9 +4,9 @@
 
 #include "stats/stats.h"
 #include "core/random.h"
-#include "core/table.h"
-#include "sweeps/driver/box.h"
-#include "sweeps/driver/sweep.h"
+#include "table/table.h"
+#include "sweeps/protocols/box.h"
+#include "sweeps/engine/sweep.h"
 #include "tests/check.h"
 #include "tests/protocol.h"
 #include "tests/folder.h"

@@ -11,7 +11,7 @@
 #include "stats/forensics.h"
 #include "dem/dem.h"
 #include "stats/stats.h"
-#include "sweeps/driver/groups.h"
+#include "sweeps/engine/groups.h"
 #include "tests/check.h"
 #include "tests/planted.h"
 #include "tests/program.h"

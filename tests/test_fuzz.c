@@ -9,7 +9,7 @@
 #include <unistd.h>
 
 #include "core/random.h"
-#include "dem/scene.h"
+#include "dem/scene/scene.h"
 #include "tests/check.h"
 #include "tests/fuzz/targets.h"
 

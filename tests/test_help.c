@@ -8,9 +8,9 @@
 #include <string.h>
 
 #include "cli/cli.h"
-#include "core/units.h"
+#include "params/units.h"
 #include "core/version.h"
-#include "dem/scene.h"
+#include "dem/scene/scene.h"
 #include "tests/check.h"
 #include "tests/program.h"
 

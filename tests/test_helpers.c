@@ -7,7 +7,7 @@
 
 #include "core/status.h"
 #include "core/version.h"
-#include "dem/sim.h"
+#include "dem/state/state.h"
 #include "tests/check.h"
 #include "tests/grains.h"
 #include "tests/program.h"

@@ -8,7 +8,7 @@
 #include "core/random.h"
 #include "stats/emulator.h"
 #include "stats/forensics.h"
-#include "sweeps/driver/groups.h"
+#include "sweeps/engine/groups.h"
 #include "tests/check.h"
 #include "tests/program.h"
 

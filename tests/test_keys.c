@@ -5,8 +5,8 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "dem/scene.h"
-#include "sweeps/driver/sweep.h"
+#include "dem/scene/scene.h"
+#include "sweeps/engine/sweep.h"
 #include "tests/check.h"
 #include "tests/grains.h"
 

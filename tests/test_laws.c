@@ -4,9 +4,9 @@
 #include <string.h>
 
 #include "core/clock.h"
-#include "dem/definition.h"
-#include "dem/law.h"
-#include "dem/sim.h"
+#include "dem/setup/definition.h"
+#include "dem/law/law.h"
+#include "dem/state/state.h"
 #include "tests/check.h"
 #include "tests/grains.h"
 

@@ -2,8 +2,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "dem/definition.h"
-#include "dem/integrator.h"
+#include "dem/setup/definition.h"
+#include "dem/state/method.h"
 #include "tests/check.h"
 #include "tests/grains.h"
 

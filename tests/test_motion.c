@@ -2,9 +2,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "dem/definition.h"
-#include "dem/integrator.h"
-#include "dem/sim.h"
+#include "dem/setup/definition.h"
+#include "dem/state/method.h"
+#include "dem/state/state.h"
 #include "tests/check.h"
 #include "tests/grains.h"
 

@@ -9,7 +9,7 @@
 #include "core/clock.h"
 #include "stats/calibrate.h"
 #include "stats/stats.h"
-#include "sweeps/driver/pile.h"
+#include "sweeps/protocols/pile.h"
 #include "tests/check.h"
 #include "tests/program.h"
 

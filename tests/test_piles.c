@@ -7,9 +7,9 @@
 #include <string.h>
 
 #include "stress/stress.h"
-#include "core/table.h"
-#include "sweeps/driver/pile.h"
-#include "sweeps/driver/sweep.h"
+#include "table/table.h"
+#include "sweeps/protocols/pile.h"
+#include "sweeps/engine/sweep.h"
 #include "tests/check.h"
 #include "tests/protocol.h"
 #include "tests/folder.h"

@@ -17,8 +17,8 @@
 #include <xxhash.h>
 
 #include "core/random.h"
-#include "core/table.h"
-#include "sweeps/driver/sweep.h"
+#include "table/table.h"
+#include "sweeps/engine/sweep.h"
 #include "tests/check.h"
 #include "tests/faults.h"
 #include "tests/folder.h"

@@ -4,10 +4,10 @@
 #include <unistd.h>
 
 #include "angle/angle.h"
-#include "core/table.h"
-#include "dem/scene.h"
-#include "sweeps/driver/box.h"
-#include "sweeps/driver/sweep.h"
+#include "table/table.h"
+#include "dem/scene/scene.h"
+#include "sweeps/protocols/box.h"
+#include "sweeps/engine/sweep.h"
 #include "tests/check.h"
 
 /* Angles from the same numbers in another order of summation: some ulp of 30 degrees. */

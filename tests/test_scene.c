@@ -3,8 +3,8 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "dem/scene.h"
-#include "dem/sim.h"
+#include "dem/scene/scene.h"
+#include "dem/state/state.h"
 #include "tests/check.h"
 #include "tests/folder.h"
 #include "tests/grains.h"

@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "core/random.h"
-#include "dem/sim.h"
+#include "dem/state/state.h"
 #include "tests/check.h"
 #include "tests/grains.h"
 #include "tests/property.h"

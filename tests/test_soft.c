@@ -4,8 +4,8 @@
 #include <string.h>
 
 #include "dem/dem.h"
-#include "dem/hard.h"
-#include "dem/law.h"
+#include "dem/methods/hard.h"
+#include "dem/law/law.h"
 #include "tests/check.h"
 #include "tests/grains.h"
 

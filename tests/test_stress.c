@@ -10,8 +10,8 @@
 #include "stress/stress.h"
 #include "core/random.h"
 #include "dem/dem.h"
-#include "sweeps/driver/box.h"
-#include "sweeps/driver/sweep.h"
+#include "sweeps/protocols/box.h"
+#include "sweeps/engine/sweep.h"
 #include "tests/check.h"
 #include "tests/protocol.h"
 

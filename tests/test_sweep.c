@@ -16,12 +16,12 @@
 
 #include "core/clock.h"
 #include "core/random.h"
-#include "core/table.h"
+#include "table/table.h"
 #include "core/version.h"
-#include "dem/scene.h"
-#include "sweeps/driver/keep.h"
-#include "sweeps/driver/private.h"
-#include "sweeps/driver/sweep.h"
+#include "dem/scene/scene.h"
+#include "sweeps/engine/keep.h"
+#include "sweeps/engine/private.h"
+#include "sweeps/engine/sweep.h"
 #include "tests/check.h"
 #include "tests/folder.h"
 

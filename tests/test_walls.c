@@ -3,9 +3,9 @@
 #include <string.h>
 
 #include "core/snapshot.h"
-#include "dem/definition.h"
-#include "dem/scene.h"
-#include "dem/sim.h"
+#include "dem/setup/definition.h"
+#include "dem/scene/scene.h"
+#include "dem/state/state.h"
 #include "tests/check.h"
 #include "tests/grains.h"
 #include "tests/program.h"

@@ -5,7 +5,7 @@
 #include <stdarg.h>
 #include <stdlib.h>
 
-#include "core/table.h"
+#include "table/table.h"
 #include "tests/check.h"
 
 /* A cell of a table holds no spaces. */

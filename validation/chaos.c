@@ -5,10 +5,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "core/table.h"
-#include "dem/sim.h"
-#include "sweeps/driver/protocol.h"
-#include "sweeps/driver/sweep.h"
+#include "table/table.h"
+#include "dem/state/state.h"
+#include "sweeps/engine/protocol.h"
+#include "sweeps/engine/sweep.h"
 #include "tests/check.h"
 #include "tests/folder.h"
 #include "tests/grains.h"

@@ -9,9 +9,9 @@
 #include "analytic/analytic.h"
 #include "angle/angle.h"
 #include "core/clock.h"
-#include "core/table.h"
-#include "dem/integrator.h"
-#include "dem/sim.h"
+#include "table/table.h"
+#include "dem/state/method.h"
+#include "dem/state/state.h"
 #include "tests/check.h"
 #include "tests/grains.h"
 

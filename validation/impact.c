@@ -4,7 +4,7 @@
 #include <gsl/gsl_sf_gamma.h>
 #include <string.h>
 
-#include "core/table.h"
+#include "table/table.h"
 #include "dem/dem.h"
 #include "tests/check.h"
 #include "tests/grains.h"

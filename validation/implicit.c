@@ -3,7 +3,7 @@
  * solutions. Lengths in diameters, masses in those of a disk, g = 1. */
 #include <stdlib.h>
 
-#include "core/table.h"
+#include "table/table.h"
 #include "dem/dem.h"
 #include "tests/check.h"
 #include "tests/grains.h"

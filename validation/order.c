@@ -10,8 +10,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "core/table.h"
-#include "dem/integrator.h"
+#include "table/table.h"
+#include "dem/state/method.h"
 #include "tests/check.h"
 #include "tests/grains.h"
 

@@ -8,8 +8,8 @@
 #include <string.h>
 
 #include "core/clock.h"
-#include "core/table.h"
-#include "dem/integrator.h"
+#include "table/table.h"
+#include "dem/state/method.h"
 #include "tests/check.h"
 #include "tests/grains.h"
 #include "validation/solved_pile.h"

@@ -4,7 +4,7 @@
 #include <float.h>
 
 #include "dem/dem.h"
-#include "dem/law.h"
+#include "dem/law/law.h"
 #include "tests/check.h"
 #include "tests/grains.h"
 #include "validation/cases.h"

@@ -8,7 +8,7 @@
 
 #include "analytic/analytic.h"
 #include "core/clock.h"
-#include "core/table.h"
+#include "table/table.h"
 #include "statics/equilibrium.h"
 #include "tests/check.h"
 

@@ -17,9 +17,9 @@
 
 #include "core/clock.h"
 #include "core/random.h"
-#include "core/table.h"
-#include "dem/integrator.h"
-#include "dem/sim.h"
+#include "table/table.h"
+#include "dem/state/method.h"
+#include "dem/state/state.h"
 #include "tests/check.h"
 #include "tests/grains.h"
 

@@ -6,7 +6,7 @@
 #include <stdio.h>
 
 #include "core/status.h"
-#include "core/table.h"
+#include "table/table.h"
 #include "stats/claims.h"
 
 enum { CLI_MAX_WORDS = 24, CLI_MAX_REFERENCE = 512 };

@@ -7,10 +7,10 @@
 #include <stdbool.h>
 #include <stdio.h>
 
-#include "core/params.h"
+#include "params/params.h"
 #include "core/status.h"
-#include "core/table.h"
-#include "sweeps/driver/sweep.h"
+#include "table/table.h"
+#include "sweeps/engine/sweep.h"
 
 /* One option of a command is X(type, name, unit, default, range, meaning), as in rp_param: type REAL, INT,
  * BOOL, ..., name with underlines for dashes, default NULL for a required one. CLI_OPTIONS(name, LIST) makes

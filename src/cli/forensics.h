@@ -5,7 +5,7 @@
 #include "cli/cells.h"
 #include "stats/emulator.h"
 #include "stats/forensics.h"
-#include "sweeps/driver/groups.h"
+#include "sweeps/engine/groups.h"
 
 /* A published number: claim, what it measures, at which point, and whether it is held out. */
 typedef struct {

@@ -9,7 +9,7 @@
 #include <gsl/gsl_errno.h>
 
 #include "cli/cli.h"
-#include "core/units.h"
+#include "params/units.h"
 #include "core/random.h"
 #include "core/version.h"
 

@@ -1,5 +1,5 @@
 /* The command line: options through a parameter schema, groups of commands; see cli.h. */
-#include "cli/export.h"
+#include "export/export.h"
 
 #include <ctype.h>
 #include <getopt.h>
@@ -10,8 +10,8 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
-#include "core/guess.h"
-#include "core/units.h"
+#include "params/guess.h"
+#include "params/units.h"
 
 enum { MAX_OPTIONS = 40, MAX_NAME = 32, MOST_BYTES = 4096, GENERIC_AT = MOST_BYTES };
 

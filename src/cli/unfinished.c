@@ -12,7 +12,7 @@
 #include <unistd.h>
 #include <xxhash.h>
 
-#include "core/table.h"
+#include "table/table.h"
 
 static const char OWNER[] = "repose run";
 

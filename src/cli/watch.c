@@ -8,7 +8,7 @@
 #include "angle/angle.h"
 #include "cli/cli.h"
 #include "core/clock.h"
-#include "core/units.h"
+#include "params/units.h"
 
 /* ---- the end of a run ---- */
 

@@ -2,8 +2,8 @@
 #ifndef CLI_WATCH_H
 #define CLI_WATCH_H
 
-#include "cli/gnuplot.h"
-#include "dem/scene.h"
+#include "view/gnuplot.h"
+#include "dem/scene/scene.h"
 
 /* Progress on standard error: a bar with the time left on a terminal, else a line a minute. Times are in
  * seconds, of any clock. */

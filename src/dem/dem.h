@@ -14,8 +14,8 @@
 
 #include "core/snapshot.h"
 #include "core/status.h"
-#include "dem/laws.h"
-#include "dem/physics.h"
+#include "dem/law/laws.h"
+#include "dem/law/parameters.h"
 
 RP_C_BEGIN
 

@@ -1,13 +1,13 @@
 /* Life of a simulation: start, copies, grains that are put in, end. */
-#include "dem/sim.h"
+#include "dem/state/state.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "dem/definition.h"
-#include "dem/ledger.h"
+#include "dem/setup/definition.h"
+#include "dem/observe/ledger.h"
 
 /* Pairs of a chunk: some 3000 grains. Their data of a step fit into the second cache. */
 enum { CHUNK = 8192 };

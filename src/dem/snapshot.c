@@ -8,9 +8,9 @@
 #include <xxhash.h>
 
 #include "core/snapshot.h"
-#include "dem/definition.h"
-#include "dem/ledger.h"
-#include "dem/sim.h"
+#include "dem/setup/definition.h"
+#include "dem/observe/ledger.h"
+#include "dem/state/state.h"
 
 uint64_t dem_keep_layout(void)
 {

@@ -3,7 +3,7 @@
 #define STATICS_BONDS_H
 
 #include "statics/equilibrium.h"
-#include "core/stiffness.h"
+#include "core/sparse.h"
 
 /* All pairs of disks whose distance is below reach (r_a + r_b), sorted by (a, b) in a new array (free it).
  * About n log n steps for disks of similar size. Errors: RP_NO_MEMORY. */

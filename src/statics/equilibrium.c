@@ -15,7 +15,7 @@
 
 #include "core/random.h"
 #include "statics/bonds.h"
-#include "core/stiffness.h"
+#include "core/sparse.h"
 
 static const double REACH = 1.25;         /* of touching: largest distance of neighbours */
 static const double TOUCHING = 1e-9;      /* sigma: smaller gaps and overlaps are rounding of the input */

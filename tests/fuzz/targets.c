@@ -9,9 +9,9 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "core/config.h"
-#include "dem/scene.h"
-#include "dem/sim.h"
+#include "params/config.h"
+#include "dem/scene/scene.h"
+#include "dem/state/state.h"
 
 /* The program's own main, as a function. */
 int repose_main(int argc, char **argv);

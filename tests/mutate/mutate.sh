@@ -20,13 +20,13 @@ times=/dev/null # of the suites
 flags='-O1 -Werror=format -Werror=int-conversion -Werror=incompatible-pointer-types -Werror=discarded-qualifiers'
 tab='	'
 
-files='analytic/*.c src/angle/*.c src/core/stiffness.c src/statics/*.c src/stats/*.c src/stress/*.c
-    src/dem/law.inl src/dem/laws.c src/dem/contact.inl src/dem/verlet.c src/dem/gear.c src/dem/implicit.c
-    src/dem/walls.c src/dem/ground.c src/dem/gravity.c src/dem/removal.c src/dem/hard.c src/dem/ledger.c src/dem/observe.c
-    src/dem/definition.c src/dem/limits.c src/dem/step.c src/dem/sim.c
-    sweeps/driver/*.c src/core/table.c src/core/params.c src/dem/output.c src/dem/scene.c src/dem/physics.c
-    src/cli/cells.c src/cli/claims.c src/cli/claims_power.c src/cli/columns.c src/cli/options.c src/cli/cmd_*.c
-    src/cli/export_*.c src/cli/view_*.c src/cli/forensics_*.c
+files='analytic/*.c src/angle/*.c src/core/sparse.c src/statics/*.c src/stats/*.c src/stress/*.c
+    src/dem/law/law.inl src/dem/law/laws.c src/dem/loops/contact.inl src/dem/methods/verlet.c src/dem/methods/gear.c src/dem/methods/implicit.c
+    src/dem/forces/walls.c src/dem/forces/ground.c src/dem/methods/gravity.c src/dem/list/removal.c src/dem/methods/hard.c src/dem/observe/ledger.c src/dem/observe/observe.c
+    src/dem/setup/definition.c src/dem/setup/limits.c src/dem/methods/step.c src/dem/sim.c
+    sweeps/*/*.c src/table/table.c src/params/params.c src/dem/scene/output.c src/dem/scene/scene.c src/dem/setup/physics.c
+    src/cli/cells.c src/cli/claims.c src/cli/claims_power.c src/cli/columns.c src/cli/options.c src/cli/cmd_*.c src/cli/commands/*.c
+    src/export/*.c src/view/*.c src/cli/forensics_*.c
     figures/lh/*.gp figures/li/*.gp
     validation/cases.c validation/oblique.c validation/solved_pile.c'
 
@@ -44,42 +44,42 @@ suites_of() {
     src/stats/*) echo calibrate columns ;;
     figures/*) echo figures ;;
     validation/*) echo helpers contacts rotation property ;;
-    src/core/stiffness.c) echo property piles equilibrium midpoint implicit ;;
+    src/core/sparse.c) echo property piles equilibrium midpoint implicit ;;
     src/statics/*) echo property piles equilibrium ;;
-    src/dem/scene.c) echo walls scene tables keys cli ;;
-    src/dem/physics.c) echo scene dem laws walls keys tables sweep ;;
-    src/core/* | src/dem/output.c | src/dem/physics.c) echo core tables scene keys evidence sweep cli ;;
-    src/cli/cmd_export.c | src/cli/export_*) echo export view help options ;;
+    src/dem/scene/scene.c) echo walls scene tables keys cli ;;
+    src/dem/setup/physics.c) echo scene dem laws walls keys tables sweep ;;
+    src/core/* | src/dem/scene/output.c | src/dem/setup/physics.c) echo core tables scene keys evidence sweep cli ;;
+    src/cli/commands/export.c | src/export/*) echo export view help options ;;
     src/cli/cmd_report.c) echo help evidence claims cli ;;
-    src/cli/cmd_view.c | src/cli/view_*) echo view help options ;;
-    src/cli/cmd_help.c) echo help install ;;
-    src/cli/cmd_params.c) echo help options ;;
+    src/cli/commands/view.c | src/view/*) echo view help options ;;
+    src/cli/commands/help.c) echo help install ;;
+    src/cli/commands/params.c) echo help options ;;
     src/cli/options.c) echo help notes evidence options tables columns claims cli ;;
-    src/cli/cmd_run.c) echo view tables options snapshot cli ;;
-    src/cli/forensics_* | src/cli/cmd_forensics.c) echo inference forensics evidence options tables cli ;;
-    src/cli/cmd_pile.c) echo notes equilibrium tables options cli ;;
+    src/cli/commands/run.c) echo view tables options snapshot cli ;;
+    src/cli/forensics_* | src/cli/commands/forensics.c) echo inference forensics evidence options tables cli ;;
+    src/cli/commands/pile.c) echo notes equilibrium tables options cli ;;
     src/cli/*) echo notes evidence options tables columns claims cli ;;
-    sweeps/driver/pile_tables.c) echo tables notes piles cli ;;
+    sweeps/protocols/pile_tables.c) echo tables notes piles cli ;;
     src/stress/dip.c) echo stress piles drop evidence ;;
     src/stress/*) echo stress drop piles columns ;;
-    src/dem/implicit.c) echo midpoint implicit dem units ;;
-    src/dem/verlet.c) echo units dem removal threads motion rotation soft hard laws walls golden ;;
-    src/dem/ledger.c) echo units ledger walls ;;
-    src/dem/observe.c) echo units soft rotation motion stress scene golden dem ;;
-    src/dem/removal.c) echo removal dem units ;;
-    src/dem/definition.c | src/dem/limits.c | src/dem/gravity.c | src/dem/step.c | src/dem/sim.c)
+    src/dem/methods/implicit.c) echo midpoint implicit dem units ;;
+    src/dem/methods/verlet.c) echo units dem removal threads motion rotation soft hard laws walls golden ;;
+    src/dem/observe/ledger.c) echo units ledger walls ;;
+    src/dem/observe/observe.c) echo units soft rotation motion stress scene golden dem ;;
+    src/dem/list/removal.c) echo removal dem units ;;
+    src/dem/setup/definition.c | src/dem/setup/limits.c | src/dem/methods/gravity.c | src/dem/methods/step.c | src/dem/sim.c)
         echo units scene walls golden motion hard soft rotation dem laws ;;
-    sweeps/driver/groups.c) echo forensics ;;
-    sweeps/driver/keep.c) echo sweep snapshot ;;
-    sweeps/driver/protocols.c) echo sweep golden tables notes cli ;;
-    sweeps/driver/pool.c | sweeps/driver/sweep.c) echo sweep drill notes tables evidence cli snapshot ;;
-    sweeps/driver/outline.c) echo golden piles equilibrium ;;
-    sweeps/driver/protocol_pile.c) echo piles golden ;;
-    sweeps/driver/protocol_onset.c | sweeps/driver/tilted.c) echo stress golden columns snapshot keys ;;
-    sweeps/driver/protocol_*) suite=${1#*_} && echo "${suite%.c}" golden columns snapshot ;;
-    sweeps/driver/box.c) echo repose stress flux golden keys columns snapshot ;;
-    sweeps/driver/*) echo sweep notes tables evidence cli ;;
-    src/dem/walls.c) echo units walls scene tables contacts incline rotation golden ledger ;;
+    sweeps/engine/groups.c) echo forensics ;;
+    sweeps/engine/keep.c) echo sweep snapshot ;;
+    sweeps/protocols/protocols.c) echo sweep golden tables notes cli ;;
+    sweeps/engine/pool.c | sweeps/engine/sweep.c) echo sweep drill notes tables evidence cli snapshot ;;
+    sweeps/protocols/outline.c) echo golden piles equilibrium ;;
+    sweeps/protocols/pile.c) echo piles golden ;;
+    sweeps/protocols/onset.c | sweeps/protocols/tilted.c) echo stress golden columns snapshot keys ;;
+    sweeps/protocols/box.c) echo repose stress flux golden keys columns snapshot ;;
+    sweeps/protocols/*) suite=${1##*/} && echo "${suite%.c}" golden columns snapshot ;;
+    sweeps/engine/*) echo sweep notes tables evidence cli ;;
+    src/dem/forces/walls.c) echo units walls scene tables contacts incline rotation golden ledger ;;
     *) echo units soft property rotation incline contacts published motion hard walls golden scene dem laws ;;
     esac
 }

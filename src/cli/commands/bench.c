@@ -1,0 +1,260 @@
+/* `repose bench`: particle-steps per second on this machine, and the share of each phase, for the box scene.
+ */
+#include <gsl/gsl_sort.h>
+#include <malloc.h>
+
+#include "cli/cli.h"
+#include "cli/watch.h"
+#include "core/clock.h"
+#include "dem/scene/scene.h"
+
+enum { SETTLED, FLOWING, SAMPLE };
+enum { EXTENDS, ABSORBS };
+enum { MOST = 100, FILL_STEPS = 30000, RELAX_STEPS = 50000, WARM_STEPS = 2000 };
+
+#define BENCH_OPTIONS(X)                                                                                     \
+    X(INT, n, "", "400", "[1, 100000]",                                                                      \
+      "grains of the fill; larger piles, whose fall would be too high, come by --start")                     \
+    X(REAL, width, "cm", "auto", "(0, inf) | auto", "width of the box; auto: square when settled")           \
+    X(INT, steps, "", "auto", "[1, 1000000000] | auto",                                                      \
+      "timed steps, except of a sample; auto: 2e7 particle-steps, flowing at most 10000 steps")              \
+    X(CHOICE, state, "", "settled", "settled | flowing | sample",                                            \
+      "settled: at rest in the box; flowing: right after the opening; sample: a whole run from fill to "     \
+      "slope, with input, 30000 steps closed, 50000 open, and output")                                       \
+    X(CHOICE, floor, "", "extends", "extends | absorbs",                                                     \
+      "floor beyond the opening: extends to 3 W, or absorbs grains at W")                                    \
+    X(BOOL, rotation, "", "false", "", "whether grains rotate")                                              \
+    X(REAL, mu_roll, "", "0", "[0, inf)", "rolling resistance, with --rotation")                             \
+    X(REAL, size_ratio, "", "auto", "[1, 100] | auto",                                                       \
+      "largest over smallest radius: grains of each range of radii then cover an area proportional to the "  \
+      "range, and their root mean square radius is 0.1 cm; auto: Gaussian radii of 0.07 to 0.13 cm")         \
+    X(CHOICE, kernel, "", "fast", "fast | reference | baseline | avx2 | avx512",                             \
+      "kernel of the pair loop: the fastest here, the reference, or an instruction set")                     \
+    X(INT, repeat, "", "5", "[1, 100]",                                                                      \
+      "timed runs, for the best and the median; 1: no extra run for the phases")                             \
+    X(TEXT, start, "", "", "",                                                                               \
+      "table with columns x y r (cm) of initial grains at rest, instead of a fill of --n; settled and "      \
+      "sample: "                                                                                             \
+      "the first 2000 steps are not timed")                                                                  \
+    X(INT, j, "", "1", "[1, 256]",                                                                           \
+      "threads; rates of more than one are per second of wall time, and the phases are those of one")        \
+    X(TEXT, o, "", "", "",                                                                                   \
+      "table for the grains: those at the end of a sample, else at rest before the timed steps")
+
+CLI_OPTIONS(bench, BENCH_OPTIONS)
+
+/* The grains of a table as a new array, with velocity 0. */
+static rp_status read_start(const char *path, dem_grain **grains, long *n)
+{
+    double *values;
+    size_t rows;
+    RP_TRY(cli_read_file(path, "x,y,r", &values, &rows));
+    if (rows == 0) return rp_fail(RP_BAD_INPUT, "%s: no grains", path);
+    *grains = cli_memory(rows, sizeof **grains);
+    for (size_t i = 0; i < rows; i++) {
+        const double r = values[2 * rows + i];
+        (*grains)[i] =
+            (dem_grain){.x = values[i], .y = values[rows + i], .r = r, .m = dem_mass(DEM_SPHERE, 1.0, r)};
+    }
+    *n = (long)rows;
+    return RP_OK;
+}
+
+/* Radii from the largest to the smallest. Equal areas of equal ranges of r, n(r) ~ 1/r^2, are equal numbers
+ * of equal ranges of 1/r; the mean of r^2 is the product of both ends. */
+static void radii_of_ratio(long n, double ratio, dem_grain grains[])
+{
+    const double first = 10.0 / sqrt(ratio), last = 10.0 * sqrt(ratio); /* 1/cm */
+    for (long i = 0; i < n; i++) grains[i].r = 1.0 / (first + (last - first) * ((double)i + 0.5) / (double)n);
+}
+
+static rp_status fill(const bench_options *o, dem_grain **grains)
+{
+    const dem_fill dilute = {o->n, o->width, 2.0 * o->width, 0.1, 0.02, 0.07, 0.13, 1.0, DEM_SPHERE, 1993, 0};
+    *grains = cli_memory((size_t)o->n, sizeof **grains);
+    if (!(o->size_ratio > 0.0)) return dem_fill_random(&dilute, *grains);
+    radii_of_ratio(o->n, o->size_ratio, *grains);
+    return dem_fill_place(&dilute, *grains);
+}
+
+/* The closed box with its grains, at step 0; o->n becomes their number, o->width that of the box. */
+static rp_status begin(bench_options *o, dem_sim **sim, double *dt)
+{
+    dem_grain *grains = NULL;
+    const size_t mark = cli_mark(); /* memory counts */
+    rp_status status = *o->start ? read_start(o->start, &grains, &o->n) : RP_OK;
+    if (!(o->width > 0.0)) o->width = fmax(0.4, sqrt(0.04 * (double)o->n));
+    if (!status && !grains) status = fill(o, &grains);
+    if (status) return status;
+    dem_definition def = dem_definition_default();
+    def.rotation = o->rotation;
+    def.material.mu_roll = o->mu_roll;
+    dem_material wall = def.material;
+    wall.k_n *= 2.0;
+    dem_box_walls(&def, o->width, &wall);
+    def.x_max = o->floor == ABSORBS ? o->width : 3.0 * o->width;
+    def.grains = grains;
+    def.n_grains = (size_t)o->n;
+    def.kernel = o->kernel;
+    /* smaller from some 50 000 grains on: the grains fall from a great height */
+    *dt = def.dt = fmin(def.dt, dem_time_step_limit(&def, NULL));
+    status = dem_create(&def, sim);
+    if (!status) dem_threads(*sim, (size_t)o->j);
+    cli_release(mark);
+    return status;
+}
+
+static rp_status write_grains(const char *path, const dem_sim *sim)
+{
+    FILE *out;
+    RP_TRY(rp_file_open(path, &out));
+    cli_provenance(out);
+    dem_write_state_columns(out);
+    return rp_file_close(path, out, dem_write_states(sim, out));
+}
+
+/* A fall from 2 W and the time to settle, both growing with the box. Large grains that fall from so high
+ * would crush small ones: these do so under a hundredth of gravity first, in short steps. */
+static rp_status settle(const bench_options *o, dem_sim *sim, double dt)
+{
+    const double settling = 30000.0 * sqrt(o->width / 4.0) + 10000.0;
+    if (!(o->size_ratio > 0.0)) return dem_run(sim, lround(settling));
+    const long steps = lround(settling * 5e-5 / dt);
+    double g[2];
+    dem_gravity(sim, g);
+    dem_gravity_set(sim, (double[2]){0.0, 0.01 * g[1]});
+    RP_TRY(dem_run(sim, steps));
+    dem_gravity_set(sim, g);
+    return dem_run(sim, steps);
+}
+
+/* Initial state of the timed runs. */
+static rp_status prepare(const bench_options *o, dem_sim *sim, double dt)
+{
+    rp_status status = *o->start ? dem_run(sim, WARM_STEPS) : settle(o, sim, dt);
+    if (!status && *o->o) status = write_grains(o->o, sim);
+    if (o->state == FLOWING) dem_wall_open(sim, DEM_BOX_RIGHT, INFINITY);
+    return status;
+}
+
+static rp_status advance(dem_sim *sim, long steps, dem_phases *times)
+{
+    return times ? dem_run_timed(sim, steps, times) : dem_run(sim, steps);
+}
+
+/* A whole run, from the fill to the slope. */
+static rp_status run_sample(bench_options *o, dem_sim **sim, dem_phases *times, cli_slope *slope)
+{
+    double dt;
+    RP_TRY(begin(o, sim, &dt));
+    RP_TRY(advance(*sim, FILL_STEPS, times));
+    dem_wall_open(*sim, DEM_BOX_RIGHT, INFINITY);
+    RP_TRY(advance(*sim, RELAX_STEPS, times));
+    RP_TRY(cli_slope_of(*sim, slope));
+    return *o->o ? write_grains(o->o, *sim) : RP_OK;
+}
+
+typedef struct {
+    double rate; /* 1e6/s */
+    size_t grains;
+    long rebuilds;
+    dem_counts counts; /* at the end */
+    cli_slope slope;   /* of a sample */
+} bench_run;
+
+/* One run, of a sample or from `settled` on. */
+static rp_status run_once(bench_options *o, const dem_sim *settled, dem_phases *times, bench_run *run)
+{
+    dem_counts before = {0};
+    dem_sim *sim = NULL;
+    rp_status status = settled ? dem_clone(settled, &sim) : RP_OK;
+    if (!status && settled) dem_count_work(sim, &before);
+    const double cpu = rp_cpu_clock(), wall = rp_clock();
+    if (!status) status = settled ? advance(sim, o->steps, times) : run_sample(o, &sim, times, &run->slope);
+    const double seconds = o->j > 1 ? rp_clock() - wall : rp_cpu_clock() - cpu;
+    if (!status) {
+        dem_count_work(sim, &run->counts);
+        run->rate = (run->counts.grain_steps - before.grain_steps) / seconds / 1e6;
+        run->rebuilds = run->counts.rebuilds - before.rebuilds;
+        run->grains = dem_count(sim);
+    }
+    dem_free(sim);
+    return status;
+}
+
+/* Bytes allocated by malloc. */
+static double heap(void)
+{
+    const struct mallinfo2 now = mallinfo2();
+    return (double)(now.uordblks + now.hblkhd);
+}
+
+static void write_row(const bench_options *o, double rates[], const bench_run *last, const dem_phases *times,
+                      const double memory[2], double seconds)
+{
+    const double all = times->contacts + times->lists + times->integration + times->walls;
+    const double inner = times->contacts + times->integration;
+    gsl_sort(rates, 1, (size_t)o->repeat);
+    const double n = (double)o->n, grains = (double)last->grains, median = rates[o->repeat / 2];
+    rp_table_header(stdout,
+                    "grains, steps, best [1e6/s], median [1e6/s], bound [1e6/s], seconds [s], contacts "
+                    "[1/grain], pairs [1/grain], rebuilds, share_contacts, share_lists, share_integration, "
+                    "share_walls, bytes [B/grain], peak_bytes [B/grain]");
+    /* the bound follows from the shares, so that the cost of the clocks enters only through them */
+    CLI_ROW(n, (double)o->steps, rates[o->repeat - 1], median, median * all / inner, seconds,
+            (double)last->counts.contacts / grains, (double)last->counts.pairs / grains,
+            (double)last->rebuilds, times->contacts / all, times->lists / all, times->integration / all,
+            times->walls / all, memory[0] / n, memory[1] / n);
+}
+
+static rp_status measure(void *values)
+{
+    bench_options *o = values;
+    const double begun = rp_clock(), heap_before = heap(), peak_before = rp_peak_memory();
+    dem_sim *sim = NULL;
+    dem_phases times = {0};
+    bench_run run = {0};
+    double rates[MOST], dt = NAN;
+    rp_status status = begin(o, &sim, &dt);
+    if (o->state == SAMPLE)
+        o->steps = FILL_STEPS + RELAX_STEPS;
+    else if (o->steps <= 0) { /* after 10000 steps the pile flows no more */
+        const double most = o->state == FLOWING ? 10000.0 : INFINITY;
+        o->steps = (long)fmin(fmax(100.0, 2e7 / (double)o->n), most);
+    }
+    if (!status && o->state != SAMPLE) status = prepare(o, sim, dt);
+    const double memory[2] = {heap() - heap_before, 1e6 * (rp_peak_memory() - peak_before)};
+    const dem_sim *from = o->state == SAMPLE ? NULL : sim;
+    for (int k = 0; !status && k < o->repeat; k++) {
+        status = run_once(o, from, NULL, &run);
+        rates[k] = run.rate;
+    }
+    bench_run timed;
+    if (!status && o->repeat > 1) status = run_once(o, from, &times, &timed);
+    if (!status) {
+        cli_table(stdout);
+        rp_table_note(stdout, "pair_loop", "%s", dem_kernel_name(sim));
+        rp_table_note(stdout, "dt", "%.17g s", dt);
+        if (o->state == SAMPLE) rp_table_note(stdout, "theta_r", "%.17g degrees", run.slope.theta);
+        write_row(o, rates, &run, &times, memory, rp_clock() - begun);
+    }
+    dem_free(sim);
+    return status;
+}
+
+const cli_command cmd_bench = {
+    "bench",
+    "particle-steps per second on this machine",
+    "[--n N | --start TABLE] [--width W] [--size-ratio R] [--rotation] [--mu-roll MU] [--state "
+    "settled|flowing|sample] [--floor extends|absorbs] [--steps N] [--kernel NAME] [--repeat N] [-j N] [-o "
+    "TABLE]",
+    "Fill a square box with grains of Lee & Herrmann's parameters (mu = 0.2; no rotation, unless asked\n"
+    "for), let them settle, and time the simulator on one core: 1e6 particle-steps per second of\n"
+    "processor time, best and median of several runs. An extra run times the phases one after another:\n"
+    "shares of contacts, neighbour lists, integration and walls, and `bound`, the rate without lists\n"
+    "and walls. Numbers of contacts and listed pairs are per grain, at the end. `bytes` is the memory\n"
+    "held per grain, `peak_bytes` what the largest memory of the process has grown by so far. Of a sample a\n"
+    "line above the table has theta_R by method 3; nan: the surface does not fall to one side.",
+    "repose bench --n 1600 --state flowing --floor absorbs",
+    bench_params,
+    .act = measure};

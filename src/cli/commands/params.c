@@ -1,0 +1,135 @@
+/* repose params: parameters and outputs of the protocols. */
+#include "params/units.h"
+#include "cli/cli.h"
+
+#include <string.h>
+
+#include "params/guess.h"
+#include "dem/scene/scene.h"
+#include "sweeps/engine/sweep.h"
+
+#define PARAMS_OPTIONS(X)                                                                                    \
+    X(CHOICE, units, "", "cgs", RP_UNITS_WORDS, "system of the units and defaults shown")
+
+CLI_OPTIONS(params, PARAMS_OPTIONS)
+
+static const char *const type_words[] = {[RP_REAL] = "real",   [RP_INT] = "whole",   [RP_BOOL] = "bool",
+                                         [RP_CHOICE] = "word", [RP_FLAGS] = "words", [RP_TEXT] = "text"};
+
+static const char *shown(const char *text)
+{
+    return text && *text ? text : "-";
+}
+
+/* The default as in the schema; in other units than its own converted. */
+static const char *default_of(const rp_param *p, char text[64])
+{
+    rp_param alone = *p;
+    double number;
+    if (!p->fallback) return "(required)";
+    if (p->type != RP_REAL || strcmp(rp_unit(p->unit), p->unit) == 0) return shown(p->fallback);
+    alone.offset = 0;
+    rp_params_default(&alone, &number);
+    return rp_params_text(&alone, &number, text, 64);
+}
+
+static void print_schema(const rp_param *schema)
+{
+    printf("# %-25s %-10s %-6s %-12s %-34s %s\n", "name", "unit", "type", "default", "range", "meaning");
+    char text[64];
+    for (const rp_param *p = schema; p->name; p++)
+        printf("  %-25s %-10s %-6s %-12s %-34s %s\n", p->name, shown(rp_unit(p->unit)), type_words[p->type],
+               default_of(p, text), p->type == RP_BOOL ? "true | false" : shown(p->range), p->meaning);
+}
+
+/* A scene file has a group of keys for each of its schemas. */
+static void print_scene(void)
+{
+    for (const dem_scene_group *g = dem_scene_schemas; g->name; g++) {
+        printf("# scene file, %s\n",
+               g == dem_scene_schemas ? "top level (and gravity = [gx, gy], cm/s^2)" : g->name);
+        print_schema(g->schema);
+    }
+    printf(
+        "# a wall is one of: point = [x, y]; direction = [nx, ny] (into the grains, any length); extent = "
+        "[s0, s1] (from the point along the direction turned clockwise; without: a whole line)\n"
+        "#   polygon = ( [x, y], ... ) (the inside is on the left of the way from each point to the next); "
+        "circle = [x, y, radius]\n"
+        "# a wall may move: velocity = [vx, vy] (cm/s) of pivot = [x, y] (the origin; of a circle its "
+        "centre)\n");
+}
+
+static void print_protocol(const sweep_protocol *protocol)
+{
+    printf("# protocol %s: %s\n", protocol->name, protocol->about);
+    print_schema(protocol->schema);
+    printf("# outputs of protocol %s\n# %-36s %-10s %s\n", protocol->name, "name", "unit", "meaning");
+    for (const sweep_output *o = protocol->outputs; o->name; o++)
+        printf("  %-36s %-10s %s\n", o->name, shown(rp_unit(o->unit)), o->meaning);
+}
+
+/* ---- the same as rows of a table, for --json ---- */
+
+static void schema_rows(const char *of, const char *kind, const rp_param *schema)
+{
+    char text[64];
+    for (const rp_param *p = schema; p->name; p++)
+        printf("%s\t%s\t%s\t%s\t%s\t%s\t%s\t%s\n", of, kind, p->name, shown(rp_unit(p->unit)),
+               type_words[p->type], default_of(p, text), shown(p->range), p->meaning);
+}
+
+static void scene_rows(void)
+{
+    for (const dem_scene_group *g = dem_scene_schemas; g->name; g++)
+        schema_rows("scene", g == dem_scene_schemas ? "top level" : g->name, g->schema);
+}
+
+static void protocol_rows(const sweep_protocol *protocol)
+{
+    schema_rows(protocol->name, "parameter", protocol->schema);
+    for (const sweep_output *o = protocol->outputs; o->name; o++)
+        printf("%s\toutput\t%s\t%s\treal\t-\t-\t%s\n", protocol->name, o->name, shown(rp_unit(o->unit)),
+               o->meaning);
+}
+
+static rp_status print_all(void *values)
+{
+    const params_options *o = values;
+    const char *name = cli_argument(0);
+    const bool rows = cli_given("json");
+    bool found = false;
+    rp_units_set((rp_units)o->units);
+    if (rows) {
+        cli_provenance(stdout);
+        rp_table_header(stdout, "of, kind, name, unit, type, default, range, meaning");
+    }
+    for (const sweep_protocol *const *p = sweep_protocols; *p; p++) {
+        if (name && strcmp(name, (*p)->name) != 0) continue;
+        if (found && !rows) putchar('\n');
+        (rows ? protocol_rows : print_protocol)(*p);
+        found = true;
+    }
+    if (!name || strcmp(name, "scene") == 0) {
+        if (found && !rows) putchar('\n');
+        (rows ? scene_rows : print_scene)();
+        found = true;
+    }
+    if (found) return RP_OK;
+    rp_guess guess = rp_guess_of(name);
+    for (const sweep_protocol *const *p = sweep_protocols; *p; p++) rp_guess_try(&guess, (*p)->name);
+    rp_guess_try(&guess, "scene");
+    return rp_fail(RP_BAD_INPUT, "\"%s\": unknown protocol%s; repose params lists them", name,
+                   rp_guess_text(&guess));
+}
+
+const cli_command cmd_params = {
+    "params",
+    "every parameter of a protocol or scene file, with unit, default and range",
+    "[PROTOCOL | scene] [--units WORD]",
+    "Prints the parameters of a sweep's protocol with unit, type, default, range and meaning, and the\n"
+    "protocol's outputs. `scene` prints the keys of a scene file. Without an argument, everything is\n"
+    "printed. With --json, each parameter, key and output is an object of `rows`, with the members of,\n"
+    "kind, name, unit, type, default, range and meaning; \"-\" stands for none.",
+    "repose params repose",
+    params_params,
+    .act = print_all};

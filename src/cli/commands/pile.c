@@ -1,0 +1,284 @@
+/* repose pile: static equilibrium of a pile of soft disks, and its forces on the base. Its options are the
+ * parameters of protocol `pile` (sweeps/protocols/pile.h), with a dash for an underline, and those below. */
+#include <math.h>
+#include <stddef.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+#include "analytic/analytic.h"
+#include "stats/stats.h"
+#include "cli/cli.h"
+#include "core/clock.h"
+#include "sweeps/protocols/pile.h"
+
+#define OWN_OPTIONS(X)                                                                                       \
+    X(TEXT, outline, "", "", "",                                                                             \
+      "a polygon: table with columns x, y of its vertices from left to right, in any unit")                  \
+    X(TEXT, disks, "", "", "",                                                                               \
+      "any disks: table with columns x, y of their centres and, if not 0.5, r (sigma)")                      \
+    CLI_SEED(X, "1", "of the z of --disorder")                                                               \
+    X(INT, piles, "", "1", "[1, 1000000]",                                                                   \
+      "with --disorder: mean over so many piles and its standard error")                                     \
+    X(BOOL, summary, "", "false", "",                                                                        \
+      "one row for the pile, not one a base disk: parameters and results of protocol `pile`")                \
+    X(TEXT, o, "", "", "",                                                                                   \
+      "folder for base.tsv, wells.tsv, contacts.tsv and disks.tsv, the last three also without an "          \
+      "equilibrium")
+
+CLI_OPTIONS(own, OWN_OPTIONS)
+
+/* The protocol's parameters, then the command's own. */
+typedef struct {
+    sweep_pile pile;
+    own_options own;
+} options;
+
+/* ---- Outlines ---- */
+
+static rp_status read_outline(const char *path, an_point **v, size_t *n)
+{
+    double *block;
+    RP_TRY(cli_read_file(path, "x,y", &block, n));
+    *v = cli_memory(*n, sizeof **v);
+    for (size_t i = 0; i < *n; i++) (*v)[i] = (an_point){block[i], block[*n + i]};
+    return RP_OK;
+}
+
+static rp_status make_outline(const options *o, sweep_outline *h)
+{
+    an_point *v = NULL;
+    size_t n = 0;
+    if (!*o->own.outline) return sweep_pile_outline(&o->pile, (unsigned long)o->own.seed, 0, h);
+    RP_TRY(read_outline(o->own.outline, &v, &n));
+    RP_TRY(sweep_outline_make(h, o->pile.base, o->pile.gap, 0, n, v));
+    if (o->pile.disorder > 0)
+        RP_TRY(sweep_outline_disorder(h, o->pile.disorder, (unsigned long)o->own.seed, 0));
+    return RP_OK;
+}
+
+static rp_status read_disks(const char *path, sweep_outline *h)
+{
+    rp_table *table;
+    double *x;
+    RP_TRY(cli_table_read(path, &table));
+    const bool radii = rp_table_column(table, "r") >= 0;
+    RP_TRY(cli_read_columns(table, radii ? "x,y,r" : "x,y", &x));
+    h->n = table->n_rows;
+    h->disks = malloc((h->n + 1) * sizeof *h->disks);
+    if (!h->disks) return rp_fail(RP_NO_MEMORY, "pile: out of memory");
+    for (size_t i = 0; i < h->n; i++) {
+        const double *y = x + h->n, r = radii ? y[h->n + i] : 0.5;
+        h->disks[i] = (statics_disk){x[i], y[i], r, 4 * r * r};
+    }
+    h->B = NAN;
+    return RP_OK;
+}
+
+/* ---- Output ---- */
+
+/* One row: parameters, results, status. */
+static void write_summary(const options *o, const sweep_result *results)
+{
+    const char *columns[40 + SWEEP_MAX_OUTPUTS + 1][2];
+    char text[64];
+    size_t n = 0, n_outputs = 0;
+    for (const rp_param *p = sweep_pile_schema; p->name; p++, n++)
+        columns[n][0] = p->name, columns[n][1] = p->unit;
+    for (const sweep_output *p = sweep_protocol_pile.outputs; p->name; p++, n++, n_outputs++)
+        columns[n][0] = p->name, columns[n][1] = p->unit;
+    columns[n][0] = "status", columns[n][1] = "";
+    rp_table_note(stdout, "cost", "%.3g s, %.4g MB", rp_cpu_clock(), rp_peak_memory());
+    rp_table_columns(stdout, n + 1, (const char *const(*)[2])columns);
+    for (const rp_param *p = sweep_pile_schema; p->name; p++)
+        printf("%s\t", *rp_params_text(p, &o->pile, text, sizeof text) ? text : "nan");
+    rp_table_row_word(stdout, n_outputs, results->values, results->status);
+}
+
+/* The tables of a pile. Without an equilibrium N and H are no result: those of the state where the solve was
+ * given up are in the folder's tables alone. */
+static rp_status write_tables(const options *o, const sweep_solved *s, const sweep_result *results)
+{
+    cli_table(stdout);
+    sweep_pile_notes(s, stdout);
+    if (o->own.summary)
+        write_summary(o, results);
+    else if (!s->r.fault)
+        sweep_pile_write_base(s, stdout);
+    return *o->own.o ? sweep_pile_write(s, &(sweep_tables){.directory = o->own.o, .header = cli_table})
+                     : RP_OK;
+}
+
+/* Options that would have no effect beside others. */
+static rp_status check_idle(const options *o)
+{
+    const sweep_pile *p = &o->pile;
+    const bool linear = !(p->eps > 0), from_file = *o->own.outline || *o->own.disks;
+    const struct {
+        const char *option;
+        bool idle;
+        const char *why;
+    } idle[] = {{"base", *o->own.disks, "--disks says it all"},
+                {"gap", *o->own.disks, "--disks says it all"},
+                {"disorder", *o->own.disks, "--disks says it all"},
+                {"alpha-deg", from_file, "the file says it"},
+                {"inner-deg", from_file, "the file says it"},
+                {"x-1", !(p->inner_deg > 0), "goes with --inner-deg"},
+                {"load-steps", linear, "eps = 0 has no steps of the load"},
+                {"leave", !p->branch || linear, "goes with --branch minimum and eps > 0"},
+                {"branch", linear, "eps = 0 has one state"},
+                {"k-x", p->well > 0, "goes without --well"},
+                {"set-again", !(p->well > 0), "goes with --well"},
+                {"mu", !(p->well > 0), "goes with --well"},
+                {"seed", !(p->disorder > 0), "goes with --disorder"}};
+    for (size_t i = 0; i < N_OF(idle); i++)
+        if (idle[i].idle && cli_given(idle[i].option))
+            return rp_fail(RP_USAGE, "--%s would do nothing: %s; see repose pile --help", idle[i].option,
+                           idle[i].why);
+    return RP_OK;
+}
+
+static rp_status check_usage(const options *o)
+{
+    const sweep_pile *p = &o->pile;
+    if (*o->own.outline && *o->own.disks)
+        return rp_fail(RP_USAGE, "give --outline or --disks, not both; see repose pile --help");
+    if (p->threshold && (!(p->eps > 0) || p->branch || *o->own.o || *o->own.disks))
+        return rp_fail(RP_USAGE,
+                       "--threshold goes with an outline, wells and --eps alone; see repose pile --help");
+    if (o->own.piles > 1 && (!(p->disorder > 0) || p->threshold || o->own.summary || *o->own.o))
+        return rp_fail(RP_USAGE, "--piles goes with --disorder and gives one table; see repose pile --help");
+    return check_idle(o);
+}
+
+static rp_status find_threshold(const options *o, const sweep_outline *h)
+{
+    sweep_result results;
+    RP_TRY(sweep_pile_threshold(&o->pile, h, &results));
+    cli_table(stdout);
+    write_summary(o, &results);
+    return RP_OK;
+}
+
+/* One line on a terminal, drawn over and over, once it takes long. */
+static void draw(size_t n, const statics_result *r, void *context)
+{
+    const double LONG = 1;
+    const double elapsed = rp_clock() - *(double *)context;
+    if (elapsed < LONG) return;
+    fprintf(stderr, "\r%zu disks: step %zu, %zu factorisations, residual %.2g m g  %.0f s   ", n, r->steps,
+            r->factored, r->residual, elapsed);
+    fflush(stderr);
+}
+
+static rp_status solve(const options *o, const sweep_outline *h)
+{
+    sweep_solved s;
+    sweep_result results;
+    double start = rp_clock();
+    const bool watched = isatty(STDERR_FILENO);
+    rp_status status = sweep_pile_solve(&o->pile, h, watched ? draw : NULL, &start, &s, &results);
+    if (watched) fputs("\r\033[K", stderr);
+    if (!status && s.r.negative_modes) /* no failure: the primary state is what was asked for */
+        fprintf(stderr, "repose pile: unstable: %zu negative mode%s; --branch minimum seeks a stable state\n",
+                s.r.negative_modes, s.r.negative_modes == 1 ? "" : "s");
+    if (!status || status == RP_NO_RESULT) {
+        rp_status written = write_tables(o, &s, &results);
+        status = status ? rp_fail(status, "%s", results.message) : written;
+    }
+    sweep_solved_free(&s);
+    return status;
+}
+
+/* Means over the piles that have an equilibrium, from N and H[disk][pile]. */
+static void write_means(const options *o, const sweep_outline *h, size_t solved, size_t unstable,
+                        const double *N, const double *H)
+{
+    const size_t piles = (size_t)o->own.piles;
+    cli_table(stdout);
+    rp_table_note(stdout, "n_disks", "%zu", h->n);
+    rp_table_note_number(stdout, "B", h->B, "sigma");
+    rp_table_note(stdout, "solved", "%zu of %zu piles, %zu of them unstable", solved, piles, unstable);
+    rp_table_header(stdout,
+                    "i, x/B, N/mg, N_se/mg, H/mg, H_se/mg, N_diagonals/mg, H_diagonals/mg, N/(chi*g*B), "
+                    "N_se/(chi*g*B), H/(chi*g*B), H_se/(chi*g*B)");
+    for (size_t i = 0; i < h->k; i++) {
+        stats_summary n, f;
+        stats_mean(solved, N + i * piles, &n);
+        stats_mean(solved, H + i * piles, &f);
+        const double x = 0.5 + ((double)i - ((double)h->k - 1) / 2) * (1 + o->pile.gap) / h->B;
+        CLI_ROW((double)i + 1, x, n.mean, n.se, f.mean, f.se, h->exact[i].N, h->exact[i].H, n.mean / h->B,
+                n.se / h->B, f.mean / h->B, f.se / h->B);
+    }
+}
+
+/* An ensemble of unequal disks; piles without an equilibrium are told on the way. */
+static rp_status solve_ensemble(const options *o, sweep_outline *h)
+{
+    const size_t piles = (size_t)o->own.piles;
+    double *N = cli_memory(2 * h->k * piles, sizeof *N), *H = N + h->k * piles;
+    size_t solved = 0, unstable = 0;
+    for (size_t run = 0; run < piles; run++) {
+        sweep_solved s = {0};
+        sweep_result results;
+        rp_status status = sweep_outline_disorder(h, o->pile.disorder, (unsigned long)o->own.seed, run);
+        if (!status) status = sweep_pile_solve(&o->pile, h, NULL, NULL, &s, &results);
+        for (size_t i = 0; !status && i < h->k; i++) {
+            N[i * piles + solved] = s.N[i];
+            H[i * piles + solved] = s.H[i];
+        }
+        unstable += !status && s.r.negative_modes;
+        solved += !status;
+        sweep_solved_free(&s);
+        if (status && status != RP_NO_RESULT) return status;
+        if (status) fprintf(stderr, "pile %zu: %s\n", run, rp_message());
+    }
+    if (!solved) return rp_fail(RP_NO_RESULT, "none of %zu piles has an equilibrium", piles);
+    write_means(o, h, solved, unstable, N, H);
+    if (unstable)
+        fprintf(stderr, "repose pile: unstable: %zu of %zu piles; --branch minimum seeks stable states\n",
+                unstable, solved);
+    return RP_OK;
+}
+
+static rp_status solve_any(void *values)
+{
+    options *o = values;
+    RP_TRY(check_usage(o));
+    sweep_outline h = {0};
+    rp_status status = *o->own.disks ? read_disks(o->own.disks, &h) : make_outline(o, &h);
+    if (*o->own.disks || *o->own.outline) o->pile.alpha_deg = -1; /* the parameters do not describe it */
+    if (!status)
+        status = o->own.piles > 1    ? solve_ensemble(o, &h)
+                 : o->pile.threshold ? find_threshold(o, &h)
+                                     : solve(o, &h);
+    sweep_outline_free(&h);
+    return status;
+}
+
+const cli_command cmd_pile = {
+    "pile",
+    "static equilibrium of a close-packed pile of soft disks",
+    "[--base K] [--alpha-deg A [--inner-deg A --x-1 X] | --outline FILE | --disks FILE] [--eps E]\n       "
+    "[--k-x K | --well A [--mu MU]] [--branch primary|minimum [--leave N]]\n       [--disorder S [--seed N] "
+    "[--piles N]] [--summary | --threshold] [-o DIR]",
+    "Static equilibrium of soft frictionless disks, close-packed on a flat base: the computer model of\n"
+    "Liffman, Chan & Hughes 1992 at rest. Row i is base disk i from the left. N is the normal force of\n"
+    "the ground on the disk, H the horizontal force of the disk on the ground, positive to the right.\n"
+    "Further columns: N and H of diagonal contacts alone, the exact limit of hard disks in which no\n"
+    "contact within a row closes; N and H in chi g B, as in `repose continuum`. negative_modes in the\n"
+    "header counts the unstable directions. An unstable primary state is a result all the same: exit\n"
+    "status 0, with a note on standard error.\n"
+    "\n"
+    "Without an equilibrium: exit status 1, a message that names disks and wells, and one of these\n"
+    "statuses. The tables of -o then hold the last state of the solver.\n"
+    "  spreads        wells broke, and neighbours slid apart\n"
+    "  collapses      neighbours slid apart although no well broke: toppled, or disks or springs too soft\n"
+    "  creeps         with --set-again: wells are set anew without end\n"
+    "  meets          disks overlap that were no neighbours\n"
+    "  not_converged  the solver did not converge\n"
+    "  singular       an equilibrium in which a disk can move freely, or none found for such a disk",
+    "repose pile --alpha-deg 30 --base 45",
+    own_params,
+    .act = solve_any,
+    .protocol = sweep_pile_schema,
+    .protocol_size = offsetof(options, own)};

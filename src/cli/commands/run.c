@@ -1,0 +1,546 @@
+/* `repose run`: any scene from a file, with snapshots that it goes on from; or one run of a sweep again with
+ * its tables. */
+#include <limits.h>
+#include <math.h>
+#include <signal.h>
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+#include <xxhash.h>
+
+#include "cli/cli.h"
+#include "export/export.h"
+#include "cli/unfinished.h"
+#include "cli/watch.h"
+#include "core/clock.h"
+#include "params/config.h"
+#include "params/units.h"
+#include "dem/scene/scene.h"
+#include "sweeps/engine/sweep.h"
+
+#define RUN_OPTIONS(X)                                                                                       \
+    X(TEXTS, set, "", "", "",                                                                                \
+      "KEY=VALUE, GROUP.KEY=VALUE or walls[0].KEY=VALUE replaces a key; may be repeated")                    \
+    X(INT, every, "steps", "auto", "[1, 2147483647] | auto",                                                 \
+      "interval of the frames (of a sweep's run: energies) written; auto: the final frame (energies: 100)")  \
+    X(TEXT, o, "", "", "", "folder for tables, instead of standard output")                                  \
+    X(BOOL, ledger, "", "false", "",                                                                         \
+      "add the terms of the energy ledger to the energies; as `ledger = true` in a scene")                   \
+    X(INT, j, "", "1", "[1, 256]", "threads of one large scene; results are the same bits for any number")   \
+    X(INT, row, "", "0", "[0, 2147483647]", "number of the sweep's run, from 0")                             \
+    X(INT, snapshot, "steps", "0", "[0, 2147483647]",                                                        \
+      "interval of the snapshots in DIR/unfinished; 0: none; needs -o")                                      \
+    X(CHOICE, dump, "", "none", "none | lammps | xyz | vtk",                                                 \
+      "write the frames for another program too, as `repose export` does; needs -o or --resume")             \
+    CLI_FORCE(X)                                                                                             \
+    CLI_QUIET(X)                                                                                             \
+    X(BOOL, plot, "", "false", "",                                                                           \
+      "follow energies and surface while the scene runs, in a window or, without a screen, as text")         \
+    X(TEXT, resume, "", "", "", "go on from the snapshot in this folder, with the options of the start")
+
+CLI_OPTIONS(run, RUN_OPTIONS)
+
+/* What a run is to do. A snapshot keeps it. */
+typedef struct {
+    long steps, every, snapshot;
+    bool ledger;
+    XXH128_hash_t scene;
+    char command[4096];
+} run_plan;
+
+/* Energy without source must not grow. Samples of the first and of the last quarter of a long run are
+ * compared: a step near the limit of stability heats a scene with little damping, slowly and without an end.
+ */
+enum { SAMPLES = 64, LEAST_STEPS = 100 * SAMPLES };
+static const double MOST_GROWTH = 0.02; /* of the largest sum of kinetic and elastic energy */
+
+typedef struct {
+    long every; /* steps; 0: no such scene */
+    size_t n, grains;
+    double first, last, scale;
+} growth;
+
+/* A scene run in the making. */
+typedef struct {
+    run_plan plan;
+    growth energy;
+    dem_sim *sim;
+    long threads;
+} scene_run;
+
+/* The header line that tells what a folder's tables are of. */
+static char run_note[CLI_RUN_NOTE], replaces[CLI_REPLACES];
+
+static void provenance(FILE *out)
+{
+    cli_provenance(out);
+    rp_table_note(out, "run", "%s", run_note);
+}
+
+/* Where the tables of a run go. Standard output holds the states alone. */
+typedef struct {
+    const char *directory; /* "": standard output */
+    bool resumable;        /* by the snapshots beside the tables */
+    FILE *table[CLI_GROWING];
+    cli_unfinished unfinished;
+    bool quiet;
+    cli_progress progress;
+    cli_plot plot;
+} outputs;
+
+/* Every table gets rows of each frame. */
+enum { STATES, ENERGY, CONTACTS, WALLS };
+static const char *const growing[CLI_GROWING] = {"states.tsv", "energy.tsv", "contacts.tsv", "walls.tsv"};
+
+static uint64_t layout(void)
+{
+    return dem_keep_layout() ^ sizeof(scene_run);
+}
+
+static void keep_run(rp_snapshot *s, void *context)
+{
+    scene_run *r = context;
+    RP_KEEP(s, r->plan);
+    RP_KEEP(s, r->energy);
+    dem_keep(s, &r->sim);
+}
+
+static void take_growing(outputs *o)
+{
+    for (int k = 0; k < CLI_GROWING; k++) o->table[k] = o->unfinished.table[k].file;
+}
+
+static rp_status outputs_open(outputs *o, const scene_run *r)
+{
+    o->table[STATES] = stdout;
+    if (*o->directory) {
+        RP_TRY(cli_unfinished_start(&o->unfinished, o->directory, layout(), growing));
+        take_growing(o);
+        for (int k = 0; k < CLI_GROWING; k++) provenance(o->table[k]);
+        dem_write_energy_columns(r->plan.ledger, o->table[ENERGY]);
+        dem_write_contact_columns(o->table[CONTACTS]);
+        dem_write_wall_columns(o->table[WALLS]);
+    } else {
+        cli_provenance(stdout);
+    }
+    dem_write_notes(r->sim, o->table[STATES]);
+    dem_write_state_columns(o->table[STATES]);
+    return RP_OK;
+}
+
+static rp_status outputs_write(const outputs *o, const dem_sim *sim)
+{
+    RP_TRY(dem_write_states(sim, o->table[STATES]));
+    if (!*o->directory) return RP_OK;
+    dem_write_energy(sim, o->table[ENERGY]);
+    RP_TRY(dem_write_contacts(sim, o->table[CONTACTS]));
+    return dem_write_walls(sim, o->table[WALLS]);
+}
+
+static growth growth_of(const dem_scene *scene, const dem_sim *sim)
+{
+    bool driven =
+        scene->steps < LEAST_STEPS || scene->def.turn_per_step != 0.0 || scene->def.box_turn_per_step != 0.0;
+    for (size_t w = 0; w < scene->def.n_walls; w++) {
+        const dem_wall *wall = &dem_walls_of(&scene->def)[w];
+        driven |= wall->open_at_step >= 0 || dem_wall_moves(wall);
+    }
+    return (growth){.every = driven ? 0 : scene->steps / SAMPLES, .grains = dem_count(sim)};
+}
+
+static void growth_sample(growth *g, const dem_sim *sim)
+{
+    dem_energy e;
+    if (g->every == 0 || dem_step(sim) % g->every != 0) return;
+    dem_energies(sim, &e);
+    const double free = e.kinetic + e.elastic + e.rotational;
+    g->scale = fmax(g->scale, free);
+    if (g->n < SAMPLES / 4) g->first += free + e.gravity;
+    if (g->n >= SAMPLES - SAMPLES / 4 && g->n < SAMPLES) g->last += free + e.gravity;
+    g->n++;
+}
+
+/* No grain may have left with its energy. */
+static void growth_report(const growth *g, const dem_sim *sim, FILE *states)
+{
+    const double grown = (g->last - g->first) / (SAMPLES / 4) / g->scale;
+    char text[160];
+    if (g->n < SAMPLES || dem_count(sim) != g->grains || !(grown > MOST_GROWTH)) return;
+    snprintf(text, sizeof text,
+             "energy grew by %.2g %% of its largest kinetic and elastic part; dt is too large for so little "
+             "damping",
+             100.0 * grown);
+    rp_table_note(states, "warning", "%s", text);
+    fprintf(stderr, "repose run: warning: %s\n", text);
+}
+
+/* Plots of text carry the progress in their title. */
+static rp_status start_watch(outputs *o, const scene_run *r, const run_options *options)
+{
+    o->quiet = options->quiet;
+    rp_status status = options->plot ? cli_plot_open(&o->plot) : RP_OK;
+    o->progress = cli_progress_start(o->quiet || (o->plot.open && o->plot.text), isatty(STDERR_FILENO),
+                                     rp_clock(), dem_step(r->sim), r->plan.steps);
+    return status;
+}
+
+static void show_progress(outputs *o, const dem_sim *sim, bool last)
+{
+    char title[120];
+    const double now = rp_clock();
+    cli_progress_show(&o->progress, now, dem_step(sim), stderr);
+    cli_progress_text(&o->progress, now, dem_step(sim), title);
+    cli_plot_show(&o->plot, sim, title, last);
+}
+
+/* The end of the closing line, in which the end of a line in a folder's name is a blank. */
+static void report_place(const char *directory)
+{
+    fputs(*directory ? "; tables in " : "; states on standard output", stderr);
+    for (const char *c = directory; *c; c++) fputc(*c == '\n' || *c == '\r' ? ' ' : *c, stderr);
+    fputc('\n', stderr);
+}
+
+/* " cm" or another unit of the scene; numbers in units of the grains have none. */
+static const char *unit_text(const char *cgs, char text[32])
+{
+    const bool named = rp_units_now() != RP_SIGMA;
+    snprintf(text, 32, "%s%s", named ? " " : "", named ? rp_unit(cgs) : "");
+    return text;
+}
+
+/* What happened, in one line. */
+static void report_end(const scene_run *r, const char *directory)
+{
+    bool rest;
+    char unit[32];
+    cli_slope slope;
+    if (cli_at_rest(r->sim, &rest) || cli_slope_of(r->sim, &slope)) return;
+    fprintf(stderr, "repose run: %zu grains, %ld steps, t = %.5g%s; %s", dem_count(r->sim), dem_step(r->sim),
+            dem_time(r->sim), unit_text("s", unit), rest ? "at rest" : "not at rest");
+    if (rest && !isnan(slope.theta)) {
+        /* walls give way by parts of a grain: three digits of the length, and no minus of a zero */
+        const double digit = pow(10.0, floor(log10(slope.x[1] - slope.x[0])) - 2.0);
+        fprintf(stderr, "; theta_R = %.1f degrees, standard error %.1f, over x = %.6g to %.6g%s (method 3)",
+                slope.theta, slope.se, digit * round(slope.x[0] / digit) + 0.0,
+                digit * round(slope.x[1] / digit) + 0.0, unit_text("cm", unit));
+    }
+    report_place(directory);
+}
+
+static volatile sig_atomic_t stop_signal;
+
+static void note_stop(int signal_number)
+{
+    stop_signal = signal_number;
+}
+
+/* Steps from `step` to the next multiple of `every`; `most` without. */
+static long steps_to(long step, long every, long most)
+{
+    const long next = every > 0 ? every - step % every : most;
+    return next < most ? next : most;
+}
+
+/* Advance to the end, or until a signal. */
+static rp_status advance(scene_run *r, outputs *out)
+{
+    const run_plan *p = &r->plan;
+    /* some tenths of a second: often enough to show progress and to notice a signal */
+    const long most = 1 + r->threads * 10000000 / ((long)dem_count(r->sim) + 1);
+    rp_status status = RP_OK;
+    dem_threads(r->sim, (size_t)r->threads);
+    while (!status && dem_step(r->sim) < p->steps) {
+        const long left = p->steps - dem_step(r->sim);
+        long part = steps_to(dem_step(r->sim), p->every, left < most ? left : most);
+        part = steps_to(dem_step(r->sim), p->snapshot, part);
+        part = steps_to(dem_step(r->sim), r->energy.every, part);
+        status = dem_run(r->sim, part);
+        /* too soft, too fast, too hard to solve: the scene has no result, and the program is not wrong */
+        if (status == RP_BROKEN && dem_sim_fault(r->sim) != DEM_FAULT_NON_FINITE) status = RP_NO_RESULT;
+        const long step = dem_step(r->sim);
+        show_progress(out, r->sim, step == p->steps);
+        if (!status) growth_sample(&r->energy, r->sim);
+        const bool stopped = stop_signal && step < p->steps;
+        if (!status && p->every > 0 && step % p->every == 0 && step < p->steps)
+            status = outputs_write(out, r->sim);
+        if (!status && out->resumable && step < p->steps && (stopped || step % p->snapshot == 0))
+            status = cli_unfinished_write(&out->unfinished, keep_run, r);
+        if (!status && stopped)
+            status = out->resumable
+                         ? rp_fail(RP_STOPPED, "stopped at step %ld of %ld; repose run --resume %s goes on",
+                                   step, p->steps, out->directory)
+                         : rp_fail(RP_STOPPED, "stopped at step %ld of %ld", step, p->steps);
+    }
+    return status;
+}
+
+/* From the start, or with `out` resumed from where the run is. */
+static rp_status finish_scene(scene_run *r, outputs *out, rp_status status)
+{
+    if (!status) status = advance(r, out);
+    if (!status && (r->plan.every <= 0 || r->plan.steps > 0)) status = outputs_write(out, r->sim);
+    if (!status) growth_report(&r->energy, r->sim, out->table[STATES]);
+    cli_plot_close(&out->plot);
+    if (*out->directory) return cli_unfinished_end(&out->unfinished, out->resumable, status);
+    if (status && out->table[STATES]) rp_table_note(stdout, "unfinished", "%s", rp_message());
+    return status ? status : rp_table_finish(stdout, "standard output");
+}
+
+static rp_status run_scene(scene_run *r, const run_options *o)
+{
+    outputs out = {.directory = o->o, .resumable = r->plan.snapshot > 0, .unfinished.lock = -1};
+    cli_on_stop(note_stop);
+    rp_status status = start_watch(&out, r, o);
+    if (!status) status = outputs_open(&out, r);
+    if (!status && r->plan.every > 0) status = outputs_write(&out, r->sim);
+    if (!status && out.resumable) status = cli_unfinished_write(&out.unfinished, keep_run, r);
+    status = finish_scene(r, &out, status);
+    if (!status && !o->quiet) report_end(r, o->o);
+    return status;
+}
+
+static void report_row(const sweep_protocol *protocol, const sweep_result *result, const char *directory)
+{
+    fprintf(stderr, "repose run: %s", result->status);
+    for (size_t k = 0; protocol->outputs[k].name; k++)
+        if (strcmp(protocol->outputs[k].name, "theta_r3_deg") == 0 && !isnan(result->values[k]))
+            fprintf(stderr, ", theta_R = %.1f degrees (method 3)", result->values[k]);
+    report_place(directory);
+}
+
+static rp_status run_row(const char *path, const run_options *o)
+{
+    if (!*o->o)
+        return rp_fail(RP_USAGE,
+                       "%s is a sweep file; repose run %s --row N -o DIR makes one of its runs, with tables; "
+                       "repose sweep make %s -o DIR makes all",
+                       path, path, path);
+    if (o->set.n > 0) return rp_fail(RP_USAGE, "--set goes with a scene file; %s is a sweep file", path);
+    if (cli_given("j"))
+        return rp_fail(
+            RP_USAGE,
+            "-j goes with a scene file; %s is a sweep file, whose runs take one processor each; repose "
+            "sweep make -j works on several runs",
+            path);
+    sweep_result result;
+    const sweep_protocol *protocol;
+    const double started = rp_clock();
+    static volatile bool stopped;
+    cli_unfinished folder;
+    char stage[PATH_MAX], snapshot[PATH_MAX + 16];
+    snprintf(run_note, sizeof run_note, "%s row %ld", path, o->row);
+    RP_TRY(cli_claim_run(o->o, run_note, o->force, replaces));
+    RP_TRY(cli_unfinished_start(&folder, o->o, 0, NULL));
+    snprintf(stage, sizeof stage, "%s/unfinished", o->o);
+    snprintf(snapshot, sizeof snapshot, "%s/snapshot", stage);
+    cli_unfinished_stops(o->o, &stopped);
+    const sweep_tables tables = {.directory = stage,
+                                 .every = o->every > 0 ? o->every : 100,
+                                 .header = provenance,
+                                 .ledger = o->ledger,
+                                 .snapshot = snapshot,
+                                 .interval = CLI_SNAPSHOT,
+                                 .stop = &stopped};
+    rp_status status = sweep_trace(path, sweep_protocols, (size_t)o->row, &tables, &protocol, &result);
+    RP_TRY(cli_unfinished_end(&folder, false, status));
+    const char *columns[SWEEP_MAX_OUTPUTS + 1][2];
+    size_t n = 0;
+    for (const sweep_output *p = protocol->outputs; p->name; p++, n++)
+        columns[n][0] = p->name, columns[n][1] = p->unit;
+    columns[n][0] = "status", columns[n][1] = "";
+    cli_provenance(stdout);
+    rp_table_note(stdout, "run_time", "%.3g s", rp_clock() - started);
+    rp_table_columns(stdout, n + 1, (const char *const(*)[2])columns);
+    rp_table_row_word(stdout, n, result.values, result.status);
+    if (!o->quiet && sweep_is_result(result.status)) report_row(protocol, &result, o->o);
+    if (sweep_is_result(result.status)) return RP_OK;
+    return rp_fail(RP_NO_RESULT, "%s%s%s", result.status, *result.message ? ": " : "", result.message);
+}
+
+/* A sweep has a protocol, or tables alone. */
+static rp_status is_sweep(const char *path, bool *sweep)
+{
+    config_t config;
+    rp_status status = rp_config_read(path, &config);
+    *sweep = !status && config_lookup(&config, "protocol") != NULL;
+    if (!status && !*sweep && config_lookup(&config, "tables"))
+        status = rp_fail(RP_BAD_INPUT,
+                         "%s is a sweep file of tables alone; repose sweep make %s -o DIR writes them", path,
+                         path);
+    config_destroy(&config);
+    return status;
+}
+
+/* Of all that makes a scene, whatever the kernel, the ledger and the number of steps. */
+static rp_status hash_scene(const dem_scene *scene, XXH128_hash_t *hash)
+{
+    char *text = NULL;
+    size_t size = 0;
+    dem_scene any = *scene;
+    any.def.kernel = DEM_FAST;
+    any.def.n_grains = 0;
+    any.def.ledger = false;
+    any.steps = 0;
+    FILE *out = open_memstream(&text, &size);
+    if (!out) return rp_fail(RP_NO_MEMORY, "scene: out of memory");
+    dem_scene_write(&any, out);
+    for (size_t i = 0; i < scene->def.n_grains && !scene->has_fill; i++) {
+        const dem_grain *p = &scene->grains[i];
+        fwrite(p, offsetof(dem_grain, fixed), 1, out);
+        fputc(p->fixed, out);
+    }
+    fclose(out);
+    *hash = XXH3_128bits(text, size);
+    free(text);
+    return RP_OK;
+}
+
+static rp_status read_scene(const char *path, const run_options *o, dem_scene *scene)
+{
+    RP_TRY(dem_scene_read(path, &o->set, scene));
+    cli_warn_gravity(path, hypot(scene->def.gravity[0], scene->def.gravity[1]));
+    if (o->ledger) scene->def.ledger = true;
+    return RP_OK;
+}
+
+/* A folder that this scene may write into. */
+static rp_status claim(const char *path, const run_plan *plan, const run_options *o)
+{
+    char key[33], frames[64] = "the last frame";
+    if (!*o->o) return RP_OK;
+    rp_hash_digits(plan->scene, key);
+    if (plan->every > 0) snprintf(frames, sizeof frames, "a frame each %ld", plan->every);
+    snprintf(run_note, sizeof run_note, "%.400s, %ld steps, %s, key %s", path, plan->steps, frames, key);
+    return cli_claim_run(o->o, run_note, o->force, replaces);
+}
+
+static rp_status run_file(const char *path, const run_options *o)
+{
+    dem_scene scene;
+    scene_run r = {.plan = {.every = o->every, .snapshot = o->snapshot}, .threads = o->j};
+    if (cli_given("row")) return rp_fail(RP_USAGE, "--row goes with a sweep file; %s is a scene", path);
+    if (o->snapshot > 0 && !*o->o) return rp_fail(RP_USAGE, "--snapshot needs -o DIR");
+    if (o->dump && !*o->o) return rp_fail(RP_USAGE, "--dump needs -o DIR");
+    rp_status status = read_scene(path, o, &scene);
+    if (!status && *o->o) status = hash_scene(&scene, &r.plan.scene);
+    r.plan.steps = scene.steps;
+    if (!status) status = claim(path, &r.plan, o);
+    r.plan.ledger = scene.def.ledger;
+    snprintf(r.plan.command, sizeof r.plan.command, "%s", cli_command_line());
+    if (!status && (status = dem_scene_start(&scene, &r.sim)) == RP_BAD_INPUT)
+        rp_prefix(status, "%s: ", path);
+    if (!status) r.energy = growth_of(&scene, r.sim);
+    if (!status) status = run_scene(&r, o);
+    if (!status) status = cli_export_run(o->o, (cli_dump)o->dump);
+    if (!status && *replaces) printf("%s: replaced %s\n", o->o, replaces);
+    dem_free(r.sim);
+    dem_scene_free(&scene);
+    return status;
+}
+
+/* A scene file that is given must be that of the snapshot. */
+static rp_status check_scene(const char *path, const run_options *o, const run_plan *plan)
+{
+    dem_scene scene;
+    XXH128_hash_t hash = {0};
+    rp_status status = read_scene(path, o, &scene);
+    if (!status) status = hash_scene(&scene, &hash);
+    const bool same =
+        XXH128_isEqual(hash, plan->scene) && scene.steps == plan->steps && scene.def.ledger == plan->ledger;
+    dem_scene_free(&scene);
+    if (status || same) return status;
+    return rp_fail(RP_BAD_INPUT, "%s: not the scene that the snapshot in %s is of", path, o->resume);
+}
+
+static rp_status resume(const run_options *o)
+{
+    const char *scene = cli_argument(0);
+    scene_run r = {.threads = o->j};
+    outputs out = {.directory = o->resume, .resumable = true};
+    if (cli_given("o") || cli_given("every") || cli_given("row") || cli_given("snapshot") ||
+        cli_given("force"))
+        return rp_fail(RP_USAGE, "--resume goes on with the options of the start; -o, --every, --row, "
+                                 "--snapshot and --force do not go with it");
+    if (!scene && (o->set.n > 0 || o->ledger))
+        return rp_fail(RP_USAGE, "--set and --ledger go with a scene file");
+    cli_on_stop(note_stop);
+    bool done;
+    rp_status status =
+        cli_unfinished_resume(&out.unfinished, o->resume, layout(), growing, keep_run, &r, &done);
+    if (!status && done) {
+        printf("%s: the run is done; its tables are in this folder\n", o->resume);
+        return RP_OK;
+    }
+    if (!status && scene) status = check_scene(scene, o, &r.plan);
+    if (status) {
+        dem_free(r.sim);
+        return cli_unfinished_end(&out.unfinished, true, status);
+    }
+    printf("%s: goes on from step %ld to %ld\n", o->resume, dem_step(r.sim), r.plan.steps);
+    take_growing(&out);
+    cli_command_line_set(r.plan.command);
+    status = finish_scene(&r, &out, start_watch(&out, &r, o));
+    if (!status && !o->quiet) report_end(&r, o->resume);
+    if (!status) status = cli_export_run(o->resume, (cli_dump)o->dump);
+    dem_free(r.sim);
+    return status;
+}
+
+static rp_status run_any(void *values)
+{
+    const run_options *o = values;
+    const char *path = cli_argument(0);
+    bool sweep;
+    if (*o->resume) return resume(o);
+    if (!path) return rp_fail(RP_USAGE, "usage: repose run %s", cmd_run.synopsis);
+    path = cli_data(path);
+    RP_TRY(is_sweep(path, &sweep));
+    if (sweep && (o->snapshot > 0 || o->plot || o->dump))
+        return rp_fail(RP_USAGE, "--%s goes with a scene; %s is a sweep file",
+                       o->plot   ? "plot"
+                       : o->dump ? "dump"
+                                 : "snapshot",
+                       path);
+    return sweep ? run_row(path, values) : run_file(path, values);
+}
+
+const cli_command cmd_run = {
+    "run",
+    "simulate any scene, described in a file",
+    "[SCENE.cfg] [--set KEY=VALUE]... [--every N] [--ledger] [-o DIR [--snapshot N] [--dump FORMAT] "
+    "[--force]] "
+    "[--plot] [--quiet] | [SCENE.cfg] --resume DIR [--dump FORMAT] [--plot] [--quiet] | SWEEP.cfg [--row N] "
+    "[--every N] [--ledger] "
+    "-o DIR [--force] [--quiet]",
+    "A file that the current folder lacks, as examples/pile.cfg, is read from the program's own files:\n"
+    "PREFIX/share/repose where it is installed.\n"
+    "\n"
+    "SCENE.cfg: simulate the scene and print the state of each grain: step, t (s), id, x, y (cm), angle\n"
+    "(rad), vx, vy (cm/s), omega (rad/s), net force fx, fy (dyn), r (cm), m (g), contacts. With -o, the\n"
+    "folder gets the tables states.tsv, contacts.tsv, walls.tsv and energy.tsv, with rows of every frame. A\n"
+    "wall is a line through x, y with the unit normal direction_x, direction_y, between the ends `from` and\n"
+    "`to` along the normal turned clockwise; an open wall has equal ends. `repose params scene` lists the\n"
+    "keys of a scene file. Tables of a run that was stopped or failed go to DIR/unfinished:\n"
+    "only a whole result replaces the one in DIR. A folder with results of something else is refused;\n"
+    "--force writes over those of the same names.\n"
+    "--dump lammps, xyz or vtk adds DIR/run.lammpstrj, DIR/run.xyz or DIR/run.pvd, as `repose export` has\n"
+    "them.\n"
+    "The run ends with one line on standard error: grains, steps, at rest or not (mean kinetic energy below\n"
+    "1e-7 m g d), and theta_R by method 3 where the surface at rest falls to one side by all three methods.\n"
+    "The pile ends at an upright wall that has opened, else where its grains end.\n"
+    "\n"
+    "--snapshot N: the tables grow in DIR/unfinished, where a snapshot is written every N steps and at\n"
+    "SIGINT, SIGTERM or SIGHUP. `repose run --resume DIR` goes on after a stop, a kill or a power cut, and\n"
+    "ends with the files of an undisturbed run, byte by byte. A snapshot of another scene, program version\n"
+    "or model, or a damaged one, is refused.\n"
+    "\n"
+    "SWEEP.cfg (a file with the key `protocol`): repeat one run of the sweep and print its results. The\n"
+    "folder gets the tables of this run. A long run of any protocol but pile keeps a snapshot there: after\n"
+    "a stop or a kill the same command goes on. For a box: grains, contacts, energies, and a file\n"
+    "scene.cfg that `repose run` repeats bit for bit. For a static pile: disks, contacts, wells and the\n"
+    "forces on the base.",
+    "repose run scene.cfg --set tangential.mu=0.3 --every 1000 -o out",
+    run_params,
+    .act = run_any};

@@ -1,0 +1,191 @@
+/* `repose view`: pictures and animations of grains, walls and forces, drawn by gnuplot. */
+#include <math.h>
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "cli/cli.h"
+#include "view/gnuplot.h"
+#include "view/view.h"
+
+#define VIEW_OPTIONS(X)                                                                                      \
+    X(TEXT, o, "", "", "",                                                                                   \
+      "picture (.png, .svg, .pdf) or animation (.gif, .mp4) to write; without it, a window opens")           \
+    X(TEXT, frame, "", "auto", "",                                                                           \
+      "last, all, the number of a frame from 0, or step=N; auto: the last; all for an animation")            \
+    X(TEXT, color, "", "", "", "column of the grains' table that colours the grains")                        \
+    X(BOOL, stress, "", "false", "", "principal stresses as crosses; orange: tension")                       \
+    X(BOOL, base, "", "false", "", "vertical force a unit length on the base, below the picture")            \
+    X(REAL, cell, "", "auto", "(0, inf) | auto",                                                             \
+      "width of the cells of the stress and of the bins of the base, in the table's unit; auto: three mean " \
+      "diameters")                                                                                           \
+    X(TEXT, window, "", "auto", "", "X0,X1,Y0,Y1: part that is shown; auto: all grains")                     \
+    X(REAL, width, "cm", "18", "[8, 60]", "width of the picture")                                            \
+    X(REAL, fps, "1/s", "10", "[0.1, 50]", "frames a second of an animation")
+
+CLI_OPTIONS(view, VIEW_OPTIONS)
+
+#define TEXT_OF(number) TEXT(number)
+#define TEXT(number)    #number
+
+/* Kinds of output by the name's ending. */
+static const struct kind {
+    const char *ending, *terminal;
+    double per_cm; /* pixels */
+    bool moves;
+} kinds[] = {
+    {.ending = "", .terminal = ""}, /* a window, of gnuplot's own choice */
+    {".png", "pngcairo enhanced font 'DejaVu Sans,11' fontscale 1.5 linewidth 2 size %.0f,%.0f", 80.0, false},
+    {".svg", "svg enhanced font 'DejaVu Sans," TEXT_OF(VIEW_LETTERS) "' background 'white' size %.0f,%.0f",
+     37.8, false},
+    {".pdf", "pdfcairo enhanced font 'DejaVu Sans,8' size %.3fcm,%.3fcm", 1.0, false},
+    {".gif", "gif animate delay %d loop 0 enhanced font 'DejaVu Sans,10' size %.0f,%.0f", 48.0, true},
+    {".mp4", "pngcairo enhanced font 'DejaVu Sans,11' fontscale 1.1 linewidth 1.5 size %.0f,%.0f", 60.0,
+     true}};
+
+static rp_status find_kind(const char *path, const struct kind **kind)
+{
+    *kind = kinds;
+    if (!*path) return RP_OK;
+    for (const struct kind *k = kinds + 1; k < kinds + N_OF(kinds); k++)
+        if (strlen(path) > strlen(k->ending) && cli_ends_in(path, k->ending)) return *kind = k, RP_OK;
+    return rp_fail(RP_USAGE, "-o %s: a name that ends in .png, .svg, .pdf, .gif or .mp4 expected", path);
+}
+
+static rp_status choose_frames(const view_scene *scene, const char *text, bool moves, size_t *first,
+                               size_t *last)
+{
+    char *end;
+    const size_t n = scene->n;
+    *first = *last = n - 1;
+    if (strcmp(text, "auto") == 0) text = moves ? "all" : "last";
+    if (strcmp(text, "last") == 0) return RP_OK;
+    if (strcmp(text, "all") == 0) {
+        *first = 0;
+        return moves || n == 1
+                   ? RP_OK
+                   : rp_fail(RP_USAGE, "--frame all: a picture shows one frame; -o NAME.gif shows %zu", n);
+    }
+    const bool step = strncmp(text, "step=", 5) == 0;
+    const double number = strtod(text + (step ? 5 : 0), &end);
+    if (*end || end == text + (step ? 5 : 0))
+        return rp_fail(RP_USAGE, "--frame %s: last, all, a number or step=N expected", text);
+    for (size_t k = 0; k < n; k++)
+        if (step ? scene->frames[k].step == number : (double)k == number) return *first = *last = k, RP_OK;
+    return rp_fail(RP_BAD_INPUT, "--frame %s: there are frames 0 to %zu, steps %.0f to %.0f", text, n - 1,
+                   scene->frames[0].step, scene->frames[n - 1].step);
+}
+
+static rp_status read_style(const view_options *o, view_style *style)
+{
+    *style = (view_style){.width = o->width,
+                          .window = {NAN, NAN, NAN, NAN},
+                          .cell = o->cell,
+                          .color = o->color,
+                          .stress = o->stress,
+                          .base = o->base};
+    double *w = style->window;
+    int length = 0;
+    if (strcmp(o->window, "auto") == 0) return RP_OK;
+    if (sscanf(o->window, "%lf,%lf,%lf,%lf%n", w, w + 1, w + 2, w + 3, &length) == 4 && !o->window[length] &&
+        isfinite(w[1] - w[0]) && isfinite(w[3] - w[2]) && w[0] < w[1] && w[2] < w[3])
+        return RP_OK;
+    return rp_fail(RP_USAGE, "--window %s: X0,X1,Y0,Y1 with X0 < X1 and Y0 < Y1 expected", o->window);
+}
+
+static void put_terminal(const struct kind *kind, const view_options *o, const view_scale *s, FILE *out)
+{
+    const double x = s->width * kind->per_cm, y = s->height * kind->per_cm;
+    if (kind == kinds) {
+        fputs(cli_gnuplot_window, out);
+        return;
+    }
+    fputs("set terminal ", out);
+    if (strstr(kind->terminal, "%d"))
+        fprintf(out, kind->terminal, (int)lround(100.0 / o->fps), x, y);
+    else
+        fprintf(out, kind->terminal, x, y);
+    fputc('\n', out);
+}
+
+/* What is drawn, and on what. */
+typedef struct {
+    view_scene scene;
+    view_style style;
+    view_scale scale;
+    size_t first, last;
+    const struct kind *kind;
+} picture;
+
+static rp_status put_frames(const picture *p, const view_options *o, FILE *out)
+{
+    put_terminal(p->kind, o, &p->scale, out);
+    view_draw_start(&p->scene, &p->style, &p->scale, out);
+    for (size_t k = p->first; k <= p->last; k++) {
+        RP_TRY(view_draw(&p->scene, &p->scene.frames[k], &p->style, &p->scale, out));
+        if (p->kind == kinds && k < p->last) fprintf(out, "pause %.3f\n", 1.0 / o->fps);
+    }
+    return RP_OK;
+}
+
+/* gnuplot, whose pictures go to `out` (NULL: a window). */
+static rp_status draw(const picture *p, const view_options *o, FILE *out)
+{
+    char *const arguments[] = {"gnuplot", out ? NULL : "-persist", NULL};
+    cli_gnuplot gnuplot;
+    RP_TRY(cli_gnuplot_open(&gnuplot, arguments, out ? "gnuplot-nox" : "gnuplot-qt", out));
+    rp_status status = put_frames(p, o, gnuplot.in);
+    const rp_status closed = cli_gnuplot_close(&gnuplot);
+    return closed ? closed : status;
+}
+
+/* ffmpeg makes a film of the pictures that gnuplot writes. */
+static rp_status film(const picture *p, const view_options *o, FILE *out)
+{
+    char rate[32], path[64];
+    snprintf(rate, sizeof rate, "%g", o->fps);
+    snprintf(path, sizeof path, "/proc/%d/fd/%d", (int)getpid(), fileno(out));
+    char *const arguments[] = {
+        "ffmpeg",   "-loglevel", "error", "-y",  "-f", "image2pipe", "-framerate",
+        rate,       "-c:v",      "png",   "-i",  "-",  "-vf",        "pad=ceil(iw/2)*2:ceil(ih/2)*2",
+        "-pix_fmt", "yuv420p",   "-f",    "mp4", path, NULL};
+    cli_gnuplot ffmpeg;
+    RP_TRY(cli_gnuplot_open(&ffmpeg, arguments, "ffmpeg", NULL));
+    rp_status status = draw(p, o, ffmpeg.in);
+    const rp_status closed = cli_gnuplot_close(&ffmpeg);
+    return status ? status : closed;
+}
+
+static rp_status act_view(void *values)
+{
+    const view_options *o = values;
+    picture p;
+    FILE *out;
+    RP_TRY(find_kind(o->o, &p.kind));
+    if (!*o->o && !cli_has_screen())
+        return rp_fail(RP_USAGE, "no screen for a window: -o FILE writes a picture");
+    RP_TRY(read_style(o, &p.style));
+    p.style.points = strcmp(p.kind->ending, ".svg") == 0;
+    RP_TRY(view_read(cli_argument(0), o->color, &p.scene));
+    RP_TRY(choose_frames(&p.scene, o->frame, p.kind->moves || !*o->o, &p.first, &p.last));
+    RP_TRY(view_scale_of(&p.scene, p.first, p.last, &p.style, &p.scale));
+    if (!*o->o) return draw(&p, o, NULL);
+    RP_TRY(rp_file_open(o->o, &out));
+    return rp_file_close(o->o, out, (strcmp(p.kind->ending, ".mp4") ? draw : film)(&p, o, out));
+}
+
+const cli_command cmd_view = {
+    "view",
+    "grains, walls and forces as a picture or an animation",
+    "DIR|TABLE [-o FILE] [--frame K] [--color COLUMN] [--stress] [--base] [--cell X] [--window X0,X1,Y0,Y1]\n"
+    "                   [--width W] [--fps N]",
+    "DIR: folder of `repose run -o`, for a scene or for one run of a sweep (its stages are the frames), or\n"
+    "of `repose pile -o`. TABLE: one of its tables of grains, or any table with columns x, y, r. Width and\n"
+    "darkness of a line between two centres show the normal force; orange: tension. Lengths and forces\n"
+    "have the units of the tables. All frames of an animation have one scale: the widest line stands for a\n"
+    "force that a quarter of the frames exceed. gnuplot draws the pictures. An .mp4 file needs ffmpeg.",
+    "repose view out -o pile.png --color contacts",
+    view_params,
+    .prints_text = true,
+    .act = act_view};

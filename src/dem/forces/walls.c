@@ -1,0 +1,352 @@
+/* Walls: the pair's law with an infinite mass and no radius on the other side (Lee & Herrmann 1993, after
+ * eq (2)). The nearest point of the wall acts along the line to the centre, so that the end of a segment
+ * is a corner, and the shear spring lives on as a grain rolls over it. */
+#include "dem/forces/walls.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "dem/observe/observe.h"
+
+static dem_vec turned(const dem_sim *sim, const double x[2])
+{
+    return sim->walls.turn[0] * (dem_vec){x[0], x[1]} +
+           sim->walls.turn[1] * dem_clockwise((dem_vec){x[0], x[1]});
+}
+
+rp_status dem_walls_alloc(dem_walls *w, size_t n)
+{
+    w->capacity = w->n_slots + 1;
+    w->slot = malloc(w->capacity * sizeof *w->slot);
+    w->start = calloc(n + 1, sizeof *w->start);
+    w->next = calloc(n + 1, sizeof *w->next);
+    w->wall = calloc(n + 1, sizeof *w->wall);
+    w->force = calloc(n + 1, sizeof *w->force);
+    w->mu = calloc(n + 1, sizeof *w->mu);
+    w->line = calloc(n + 1, sizeof *w->line);
+    if (!w->slot || !w->start || !w->next || !w->wall || !w->force || !w->mu || !w->line)
+        return rp_fail(RP_NO_MEMORY, "%zu walls: out of memory", n);
+    return RP_OK;
+}
+
+rp_status dem_walls_copy(const dem_walls *walls, size_t n, dem_walls *copy)
+{
+    *copy = *walls;
+    dem_walls_forget(copy);
+    RP_TRY(dem_walls_alloc(copy, n));
+    if (walls->n_slots) memcpy(copy->slot, walls->slot, walls->n_slots * sizeof *copy->slot);
+    memcpy(copy->start, walls->start, (n + 1) * sizeof *copy->start);
+    memcpy(copy->next, walls->next, n * sizeof *copy->next);
+    memcpy(copy->wall, walls->wall, n * sizeof *copy->wall);
+    memcpy(copy->force, walls->force, n * sizeof *copy->force);
+    memcpy(copy->mu, walls->mu, n * sizeof *copy->mu);
+    memcpy(copy->line, walls->line, n * sizeof *copy->line);
+    return RP_OK;
+}
+
+void dem_walls_forget(dem_walls *walls)
+{
+    walls->slot = NULL, walls->start = walls->next = NULL, walls->wall = NULL;
+    walls->force = NULL, walls->mu = NULL, walls->line = NULL;
+}
+
+void dem_walls_free(dem_walls *walls)
+{
+    free(walls->slot), free(walls->start), free(walls->next), free(walls->wall);
+    free(walls->force), free(walls->mu), free(walls->line);
+}
+
+/* Distance of the farther end from the pivot. */
+static double reach_of(const dem_wall *wall)
+{
+    double reach = 0.0;
+    for (int end = 0; end < 2; end++)
+        reach = fmax(reach, hypot(wall->point[0] + wall->extent[end] * wall->direction[1] - wall->pivot[0],
+                                  wall->point[1] - wall->extent[end] * wall->direction[0] - wall->pivot[1]));
+    return isnan(reach) ? INFINITY : reach;
+}
+
+/* Put a wall that moves by itself where it is at this step. */
+static void carry(dem_wall_line *line, const dem_wall *wall, double t)
+{
+    const dem_vec pivot = {wall->pivot[0], wall->pivot[1]},
+                  arm = (dem_vec){wall->point[0], wall->point[1]} - pivot,
+                  direction = {wall->direction[0], wall->direction[1]};
+    line->pivot = pivot + t * line->drift;
+    line->point = line->pivot + line->turn[0] * arm + line->turn[1] * dem_clockwise(arm);
+    line->direction = line->turn[0] * direction + line->turn[1] * dem_clockwise(direction);
+}
+
+/* (cosine, sine) of an angle and of a second one that follows; normalised. */
+static dem_vec turned_on(dem_vec turn, dem_vec by)
+{
+    const dem_vec sum = {by[0] * turn[0] - by[1] * turn[1], by[0] * turn[1] + by[1] * turn[0]};
+    return sum * (1.0 / sqrt(dem_dot(sum, sum)));
+}
+
+/* Displacement of p, where a step that turns by (cosine, sine) has brought it: (1 - cos) p + sin (p turned
+ * clockwise), over dt. */
+static dem_vec swing_of(dem_vec turn, double dt)
+{
+    return (dem_vec){turn[1] * turn[1] / (1.0 + turn[0]), turn[1]} / dt;
+}
+
+rp_status dem_walls_place(dem_sim *sim, const dem_definition *def)
+{
+    dem_walls *const walls = &sim->walls;
+    RP_TRY(dem_walls_alloc(walls, def->n_walls));
+    memcpy(walls->wall, dem_walls_of(def), def->n_walls * sizeof *walls->wall);
+    sim->def.wall_list = walls->wall;
+    walls->turn = (dem_vec){1.0, 0.0};
+    dem_box_turn(sim, def->box_turn_per_step);
+    walls->turn_from_step = def->turn_from_step;
+    for (size_t w = 0; w < def->n_walls; w++) {
+        const dem_wall *wall = &walls->wall[w];
+        dem_wall_line *line = &walls->line[w];
+        walls->mu[w] = dem_finite_mu(wall->material.mu);
+        *line = (dem_wall_line){.point = {wall->point[0], wall->point[1]},
+                                .direction = {wall->direction[0], wall->direction[1]},
+                                .moves = dem_wall_moves(wall),
+                                .plain = isinf(wall->extent[0]) && isinf(wall->extent[1]) &&
+                                         wall->open_at_step < 0 && !dem_wall_moves(wall)};
+        double sine, cosine;
+        for (int end = 0; end < 2; end++) {
+            dem_sine_cosine(end ? 0.5 * wall->corner[end] : -0.5 * wall->corner[end], &sine, &cosine);
+            line->half_corner[end] = (dem_vec){cosine, sine};
+        }
+        if (!line->moves) continue;
+        dem_sine_cosine(-wall->omega * def->dt, &sine, &cosine);
+        line->drift = (dem_vec){wall->velocity[0], wall->velocity[1]};
+        line->turn = (dem_vec){1.0, 0.0};
+        line->turn_of_step = (dem_vec){cosine, sine};
+        line->swing = swing_of(line->turn_of_step, def->dt);
+        line->reach = reach_of(wall);
+        carry(line, wall, 0.0);
+        walls->n_moving++;
+    }
+    return RP_OK;
+}
+
+void dem_box_turn(dem_sim *sim, double radians_per_step)
+{
+    double sine, cosine;
+    dem_sine_cosine(radians_per_step, &sine, &cosine);
+    sim->def.box_turn_per_step = radians_per_step;
+    sim->walls.turn_from_step = sim->step;
+    sim->walls.turn_of_step = (dem_vec){cosine, sine};
+}
+
+void dem_box_frame(const dem_sim *sim, double *x, double *y)
+{
+    const dem_vec in_box = dem_to_box(&sim->walls, (dem_vec){*x, *y});
+    *x = in_box[0];
+    *y = in_box[1];
+}
+
+void dem_wall_open(dem_sim *sim, size_t wall, double speed)
+{
+    sim->walls.wall[wall].open_at_step = sim->step + 1;
+    sim->walls.wall[wall].open_speed = speed;
+    sim->walls.line[wall].plain = false;
+}
+
+bool dem_wall_rests(const dem_sim *sim, size_t k)
+{
+    const dem_wall *w = &sim->walls.wall[k];
+    if (sim->walls.line[k].plain) return sim->walls.swing[1] == 0.0;
+    return isinf(w->extent[0]) && isinf(w->extent[1]) && sim->walls.swing[1] == 0.0 &&
+           !sim->walls.line[k].moves && !(w->open_at_step >= 0 && sim->step >= w->open_at_step);
+}
+
+/* Of walls that move by themselves. */
+static void move_on(dem_sim *sim)
+{
+    const double t = (double)(sim->step + 1) * sim->def.dt;
+    for (size_t w = 0; w < sim->def.n_walls; w++) {
+        dem_wall_line *line = &sim->walls.line[w];
+        if (!line->moves) continue;
+        line->turn = turned_on(line->turn, line->turn_of_step);
+        carry(line, &sim->walls.wall[w], t);
+    }
+    sim->walls.swept += sim->walls.stride;
+}
+
+void dem_walls_limit(dem_sim *sim, double far)
+{
+    dem_walls *const walls = &sim->walls;
+    const double half = 0.5 * sim->list.skin;
+    walls->swept = 0.0;
+    /* A turning wall may approach the farthest grain by half the skin, beside the grain's own margin. (A
+     * grain that moves along the wall to where it turns faster moves less towards it.) */
+    walls->sweep_limit = half / (far + sim->list.skin);
+    if (walls->n_moving == 0) return;
+    walls->stride = 0.0;
+    for (size_t w = 0; w < sim->def.n_walls; w++) {
+        const dem_wall_line *l = &walls->line[w];
+        if (!l->moves) continue;
+        const double reach =
+            isinf(l->reach) ? far + sqrt(dem_dot(l->pivot, l->pivot)) + sim->list.skin : l->reach;
+        walls->stride = fmax(walls->stride, sim->def.dt * (sqrt(dem_dot(l->drift, l->drift)) +
+                                                           fabs(walls->wall[w].omega) * reach));
+    }
+    /* hard collisions look a step ahead */
+    walls->margin = half + walls->stride;
+    walls->sweep_limit = half;
+}
+
+/* The walls' positions follow from the definition's and the angle, so that they keep their shape. */
+void dem_walls_move(dem_sim *sim)
+{
+    sim->walls.swing = (dem_vec){0.0, 0.0};
+    if (sim->walls.n_moving > 0) move_on(sim);
+    if (sim->def.box_turn_per_step == 0.0 || sim->step < sim->walls.turn_from_step) return;
+    sim->walls.turn = turned_on(sim->walls.turn, sim->walls.turn_of_step);
+    sim->walls.angle += sim->def.box_turn_per_step;
+    if (sim->step == sim->walls.turn_from_step)
+        sim->walls.swept = INFINITY; /* the list has not reckoned with it */
+    sim->walls.swept += fabs(sim->def.box_turn_per_step);
+    sim->walls.swing = swing_of(sim->walls.turn_of_step, sim->def.dt);
+    for (size_t w = 0; w < sim->def.n_walls; w++) {
+        sim->walls.line[w].point = turned(sim, sim->walls.wall[w].point);
+        sim->walls.line[w].direction = turned(sim, sim->walls.wall[w].direction);
+    }
+}
+
+size_t dem_wall_count(const dem_sim *sim)
+{
+    return sim->def.n_walls;
+}
+
+dem_wall_state dem_wall_now(const dem_sim *sim, size_t wall)
+{
+    const dem_wall *w = &sim->walls.wall[wall];
+    const dem_vec point = sim->walls.line[wall].point, direction = sim->walls.line[wall].direction,
+                  force = sim->walls.force[wall];
+    double lo = w->extent[0];
+    const double hi = w->extent[1];
+    const bool open = w->open_at_step >= 0 && sim->step >= w->open_at_step;
+    if (open)
+        lo = isinf(w->open_speed)
+                 ? hi
+                 : fmin(lo + w->open_speed * sim->def.dt * (double)(sim->step - w->open_at_step), hi);
+    return (dem_wall_state){.point = {point[0], point[1]},
+                            .direction = {direction[0], direction[1]},
+                            .ends = {lo, hi},
+                            .force = {force[0], force[1]},
+                            .open = open};
+}
+
+/* Does a segment that is joined at this end (0: lower) have the contact of a grain there instead? The grain
+ * is at (along, above) from the end, along the tangent and the direction.
+ *
+ * Beyond this end, the contact is the neighbour's unless the grain is beyond its end too, at a corner; that
+ * belongs to the later of the two. Where the tangent turns towards the grain, it may touch both. At a slight
+ * turn both would carry it in turn all its way along, and so the nearer has the contact. */
+static bool is_neighbours(const dem_sim *sim, size_t wall, int end, double along, double above)
+{
+    enum { LOWER, UPPER };
+    static const double SLIGHT = 0.05; /* rad; at more, both begin to touch below 0.1 % of overlap */
+    const dem_vec half = sim->walls.line[wall].half_corner[end];
+    const double c = half[0], s = half[1], turn = sim->walls.wall[wall].corner[end];
+    /* along the bisector of the tangents, and along the neighbour's */
+    const double middle = c * along + s * above, other = (c * c - s * s) * along + 2.0 * s * c * above;
+    if (end == UPPER ? along > 0.0 : along < 0.0) return end == UPPER || other <= 0.0;
+    return fabs(turn) < SLIGHT && turn * above > 0.0 && (end == UPPER ? middle > 0.0 : middle <= 0.0);
+}
+
+/* Where a wall has ends, or opens. */
+static bool touch_segment(const dem_sim *sim, dem_wall_slot *slot, dem_vec d, double distance,
+                          dem_vec *normal, double *overlap, dem_vec *velocity)
+{
+    const dem_wall *w = &sim->walls.wall[slot->wall];
+    const double radius = sim->grains.radius[slot->grain];
+    const dem_vec direction = sim->walls.line[slot->wall].direction, tangent = dem_clockwise(direction);
+    double along = dem_dot(d, tangent);
+    double lo = w->extent[0], hi = w->extent[1];
+    if (w->open_at_step >= 0 && sim->step >= w->open_at_step) {
+        if (isinf(w->open_speed)) return false;
+        lo += w->open_speed * sim->def.dt * (double)(sim->step - w->open_at_step);
+        *velocity = w->open_speed * tangent;
+        if (lo >= hi) return false; /* lifted past its upper end */
+    }
+    if (along < lo || along > hi) {
+        dem_vec corner = d - (along < lo ? lo : hi) * tangent;
+        double distance_to_end = sqrt(dem_dot(corner, corner));
+        slot->side = distance < 0.0 ? -1.0 : 1.0;
+        *overlap = radius - distance_to_end;
+        *normal = corner * (1.0 / distance_to_end);
+    } else {
+        *overlap = radius - slot->side * distance;
+        *normal = slot->side * direction;
+    }
+    return !(w->joined[0] && is_neighbours(sim, slot->wall, 0, along - lo, distance)) &&
+           !(w->joined[1] && is_neighbours(sim, slot->wall, 1, along - hi, distance));
+}
+
+bool dem_wall_touch(const dem_sim *sim, dem_wall_slot *slot, dem_vec *normal, double *overlap,
+                    dem_vec *velocity)
+{
+    const dem_wall_line *line = &sim->walls.line[slot->wall];
+    const dem_vec x = sim->grains.motion[slot->grain].x, d = x - line->point;
+    const double distance = dem_dot(d, line->direction), radius = sim->grains.radius[slot->grain];
+    *velocity = (dem_vec){0.0, 0.0};
+    if (line->plain) {
+        *overlap = radius - slot->side * distance;
+        *normal = slot->side * line->direction;
+    } else if (!touch_segment(sim, slot, d, distance, normal, overlap, velocity)) {
+        return false;
+    }
+    if (line->moves || sim->walls.swing[1] != 0.0)
+        *velocity += dem_wall_velocity(&sim->walls, slot->wall, x - (radius - *overlap) * *normal);
+    return true;
+}
+
+void dem_walls_find_starts(dem_walls *walls, size_t n)
+{
+    for (size_t w = 0, k = 0; w <= n; w++) {
+        while (k < walls->n_slots && walls->slot[k].wall < w) k++;
+        walls->start[w] = k;
+    }
+}
+
+static void apply_slot(dem_sim *sim, dem_wall_slot *slot, double h)
+{
+    const size_t i = slot->grain;
+    dem_relative r;
+    if (!dem_slot_relative(sim, slot, &r)) {
+        slot->spring = slot->roll = 0.0;
+        slot->well = DEM_WELL_NONE;
+        return;
+    }
+    sim->too_deep |= !(r.overlap <= sim->grains.radius[i]);
+    if (sim->grains.excess && dem_has_spring(sim->def.tangential))
+        r.spring += dem_dot(sim->grains.excess[i], r.s);
+    const dem_contact c = dem_law_forces(sim, &r, h);
+    slot->spring = c.shear_spring;
+    slot->roll = c.rolling_spring;
+    dem_vec f = c.normal_force * r.n + c.shear_force * r.s;
+    if (dem_is_ground(sim, slot)) f += dem_ground_hold(sim, slot, c.normal_force, f, r.wall_velocity);
+    *dem_force(sim, i) += f;
+    sim->walls.force[slot->wall] -= f;
+    if (!sim->grains.omega) return;
+    sim->grains.force_torque[i].torque += r.arm_a * c.shear_force;
+    sim->grains.force_torque[i].torque += c.rolling_torque;
+}
+
+void dem_walls_apply(dem_sim *sim, size_t from, size_t to, double h)
+{
+    dem_wall_slot *const slot = sim->walls.slot;
+    const size_t *const start = sim->walls.start;
+    for (size_t w = 0; w < sim->def.n_walls; w++) {
+        size_t k = from == 0 ? start[w] : sim->walls.next[w], end = start[w + 1];
+        if (from == 0) sim->walls.force[w] = (dem_vec){0.0, 0.0};
+        if (to < sim->grains.n)
+            for (end = k; end < start[w + 1] && slot[end].grain < to;) end++;
+        sim->walls.next[w] = end;
+        if (k < end && sim->kernels.line && dem_wall_rests(sim, w) && !dem_is_ground(sim, &slot[k]))
+            sim->kernels.line(sim, k, end, h);
+        else
+            for (; k < end; k++) apply_slot(sim, &slot[k], h);
+    }
+}

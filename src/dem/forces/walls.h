@@ -1,0 +1,124 @@
+/* Walls, and the grains near them. */
+#ifndef DEM_WALLS_H
+#define DEM_WALLS_H
+
+#include <math.h>
+
+#include "dem/dem.h"
+#include "dem/state/vec.h"
+
+/* A grain near a wall, from one rebuilding of the list to the next, which keeps all but the two indices.
+ * `side` is +1 where the grain is on the side of the wall's direction; -1 only behind a wall whose end it has
+ * passed. */
+typedef struct {
+    uint32_t wall, grain;
+    double spring, roll, side;
+    double rest; /* on the ground: the middle of the well, along the ground, from the wall's point */
+    dem_well well;
+} dem_wall_slot;
+
+/* Where a wall is now. Of one that moves by itself: the displacement of its point at p in the last step over
+ * dt is drift + swing[0] (p - pivot) + swing[1] (p - pivot, turned clockwise); turn so far and of a step
+ * (cosine, sine, clockwise); distance of its farther end from the pivot, INFINITY of a line. */
+typedef struct {
+    dem_vec point, direction;
+    bool moves, plain; /* plain: a whole line that never opens, nor moves by itself */
+    dem_vec drift, pivot, swing, turn, turn_of_step;
+    double reach;
+    dem_vec half_corner[2]; /* cosine and sine of half the turn to the wall that is joined at an end */
+} dem_wall_line;
+
+typedef struct {
+    /* slots in the order of walls: the first of each, and the first that a step has still to do */
+    size_t n_slots, capacity, *start, *next;
+    dem_wall_slot *slot;
+    dem_wall *wall;      /* of the definition */
+    dem_vec *force;      /* on the wall */
+    double *mu;          /* finite stand-in for an infinite one */
+    dem_wall_line *line; /* where the walls are now */
+
+    /* walls that move by themselves: how many; the way of the fastest in a step, at most; margin of the list
+     * for such walls */
+    size_t n_moving;
+    double stride, margin;
+
+    /* a box that turns: the turn of a step and in all (cosine, sine), that as an angle; displacement of a
+     * point at x in the last step over dt, along x and along x turned clockwise; angles turned since the last
+     * rebuilding, and until the next, or, of walls that move by themselves, ways */
+    dem_vec turn_of_step, turn, swing;
+    double angle, swept, sweep_limit;
+    long turn_from_step;
+} dem_walls;
+
+/* A point in the frame of the walls. */
+static inline dem_vec dem_to_box(const dem_walls *walls, dem_vec x)
+{
+    return walls->turn[0] * x - walls->turn[1] * dem_clockwise(x);
+}
+
+/* Velocity of a point at x that turns with the walls. */
+static inline dem_vec dem_box_velocity(const dem_walls *walls, dem_vec x)
+{
+    return walls->swing[0] * x + walls->swing[1] * dem_clockwise(x);
+}
+
+/* Velocity of a wall at its point p, and the clockwise spin, both as displacements of a step over dt. */
+static inline dem_vec dem_wall_velocity(const dem_walls *walls, size_t w, dem_vec p)
+{
+    const dem_wall_line *l = &walls->line[w];
+    if (!l->moves) return dem_box_velocity(walls, p);
+    return l->drift + l->swing[0] * (p - l->pivot) + l->swing[1] * dem_clockwise(p - l->pivot);
+}
+
+static inline double dem_wall_spin(const dem_walls *walls, size_t w)
+{
+    return walls->line[w].moves ? walls->line[w].swing[1] : walls->swing[1];
+}
+
+/* Room for n walls and the n_slots slots; a copy of n. Errors: RP_NO_MEMORY. */
+rp_status dem_walls_alloc(dem_walls *walls, size_t n);
+rp_status dem_walls_copy(const dem_walls *walls, size_t n, dem_walls *copy);
+void dem_walls_free(dem_walls *walls);
+void dem_walls_forget(dem_walls *walls); /* the arrays of a copy's original */
+
+/* Coulomb's coefficient without infinity: 1e300 times no force is none, where infinity would give NaN. */
+static inline double dem_finite_mu(double mu)
+{
+    return fmin(mu, 1e300);
+}
+
+/* Put the walls where the definition has them, which then borrows them from here; move them on for a step if
+ * they move now. Errors: RP_NO_MEMORY. */
+rp_status dem_walls_place(dem_sim *sim, const dem_definition *def);
+void dem_walls_move(dem_sim *sim);
+
+/* After a rebuilding for grains within `far` of the origin: how far walls may move until the next. */
+void dem_walls_limit(dem_sim *sim, double far);
+
+/* Is the wall a whole line at rest: nothing of it is open, and it does not move in this step? */
+bool dem_wall_rests(const dem_sim *sim, size_t k);
+
+/* Geometry of a wall contact at the present step: unit vector from the wall's nearest point to the grain,
+ * overlap, velocity of the wall there; brings slot->side up to date. False where the wall is open, or where a
+ * wall that is joined to it has the contact. */
+bool dem_wall_touch(const dem_sim *sim, dem_wall_slot *slot, dem_vec *normal, double *overlap,
+                    dem_vec *velocity);
+
+/* The ground, see dem_ground; ground.c. Displacement of a grain in its well, and the force along the ground's
+ * tangent that this gives. */
+bool dem_is_ground(const dem_sim *sim, const dem_wall_slot *slot);
+double dem_ground_displacement(const dem_sim *sim, const dem_wall_slot *slot);
+double dem_ground_force(const dem_sim *sim, const dem_wall_slot *slot, double normal_force);
+
+/* Set or break the well of a contact under forces of the contact `f` and of the pairs, and give the well's
+ * force. */
+dem_vec dem_ground_hold(const dem_sim *sim, dem_wall_slot *slot, double normal_force, dem_vec f,
+                        dem_vec ground_velocity);
+
+/* Of n walls, the first slot of each. */
+void dem_walls_find_starts(dem_walls *walls, size_t n);
+
+/* Add the forces of the walls on the grains from..to: on all, in turn, from 0 on. */
+void dem_walls_apply(dem_sim *sim, size_t from, size_t to, double h);
+
+#endif

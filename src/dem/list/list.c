@@ -1,0 +1,607 @@
+/* Verlet neighbour list. Grains are sorted by square cells, which wrap around, so that no scene is too large.
+ * Each grain has a margin: its largest displacement until the list is rebuilt. Pairs nearer than the sum of
+ * their cutoffs (radius and margin) are listed, and grains nearer to a wall than their cutoff. A rebuilding
+ * keeps the springs of touching contacts and depends on the state alone. With hard collisions, few grains
+ * beyond their margins get new pairs at the end of the list. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "dem/state/state.h"
+#include "dem/list/sizes.h"
+
+/* Work space of a rebuilding, besides arrays of the grains; the lists grow. */
+struct dem_list_work {
+    size_t cells_x, cells_y; /* powers of two */
+    double cell_size;        /* at the last rebuilding */
+    size_t cell_squares;     /* sum of the squared numbers of grains in a cell */
+    uint32_t *cell_start;    /* cells + 1 */
+    dem_grains spare;
+    uint32_t *apart; /* pairs on their next to the end of the list */
+    size_t apart_capacity;
+    /* springs of touching pairs, a chain for the lower new index of the two grains: i is the next of the
+     * chain, UINT32_MAX after the last, j the higher index */
+    dem_pairs held;
+    dem_wall_slot *wall_slot;
+    size_t wall_capacity;
+};
+
+static const uint32_t NOWHERE = UINT32_MAX;
+enum { MOST_CELLS = 1 << 14 }; /* in a row at the start */
+
+static rp_status no_memory(void)
+{
+    return rp_fail(RP_NO_MEMORY, "neighbour list: out of memory");
+}
+
+/* Margin of a grain: half a given skin, else STEPS steps at its speed, within bounds in mean radii. A few
+ * fast grains then neither make rebuildings frequent nor give all others distant pairs. */
+static double margin(const dem_sim *sim, double speed)
+{
+    const bool hard = sim->def.hard.on; /* few disks fall onto many at rest */
+    const double STEPS = hard ? 50.0 : 25.0, LEAST = 0.08, MOST = hard ? 1.5 : 1.0;
+    return sim->list.even_margins ? 0.5 * sim->list.skin
+                                  : fmin(LEAST * sim->start.radius_mean + STEPS * sim->def.dt * speed,
+                                         MOST * sim->start.radius_mean);
+}
+
+static size_t power_of_two(double at_least, size_t most)
+{
+    size_t p = 4; /* three neighbouring columns must differ */
+    while ((double)p < at_least && p < most) p *= 2;
+    return p;
+}
+
+/* The number of cells follows the extent at the start, and stays below some four a grain. */
+static void size_cells(dem_sim *sim, struct dem_list_work *w)
+{
+    double lo[2] = {INFINITY, INFINITY}, hi[2] = {-INFINITY, -INFINITY};
+    for (size_t i = 0; i < sim->grains.n; i++)
+        for (int a = 0; a < 2; a++) {
+            lo[a] = fmin(lo[a], sim->grains.motion[i].x[a]);
+            hi[a] = fmax(hi[a], sim->grains.motion[i].x[a]);
+        }
+    const double size = 2.0 * (sim->r_max + margin(sim, 0.0));
+    w->cells_x = power_of_two((hi[0] - lo[0]) / size + 2.0, MOST_CELLS);
+    w->cells_y = power_of_two((hi[1] - lo[1]) / size + 2.0, MOST_CELLS);
+    while (w->cells_x * w->cells_y > 4 * sim->grains.n + 64 && (w->cells_x > 4 || w->cells_y > 4))
+        if (w->cells_x > w->cells_y)
+            w->cells_x /= 2;
+        else
+            w->cells_y /= 2;
+}
+
+rp_status dem_neighbours_alloc(dem_sim *sim, const dem_sim *like)
+{
+    struct dem_list_work *w = sim->list.work = calloc(1, sizeof *w);
+    if (!w) return no_memory();
+    w->held = (dem_pairs){.rolling = sim->pairs.rolling, .springs_only = true};
+    if (like) {
+        w->cells_x = like->list.work->cells_x;
+        w->cells_y = like->list.work->cells_y;
+        while (sim->grains.capacity > like->grains.capacity && 4 * w->cells_x * w->cells_y < sim->grains.n)
+            *(w->cells_x < w->cells_y ? &w->cells_x : &w->cells_y) *= 2; /* grains were put in */
+    } else {
+        size_cells(sim, w);
+    }
+    w->cell_start = calloc(w->cells_x * w->cells_y + 1, sizeof *w->cell_start);
+    return w->cell_start ? dem_grains_alloc(&w->spare, &sim->def, sim->grains.capacity, true) : no_memory();
+}
+
+void dem_neighbours_keep(rp_snapshot *s, dem_sim *sim)
+{
+    struct dem_list_work cells = {0};
+    if (!s->reading) cells = *sim->list.work;
+    RP_KEEP(s, cells.cells_x);
+    RP_KEEP(s, cells.cells_y);
+    rp_keep_check(s,
+                  power_of_two((double)cells.cells_x, MOST_CELLS) == cells.cells_x &&
+                      power_of_two((double)cells.cells_y, MOST_CELLS) == cells.cells_y &&
+                      cells.cells_x * cells.cells_y <= 4 * (size_t)sim->grains.last_id + 64,
+                  "impossible cells");
+    if (s->status || !s->reading) return;
+    const dem_sim like = {.grains.capacity = sim->grains.capacity, .list.work = &cells};
+    s->status = dem_neighbours_alloc(sim, &like);
+}
+
+void dem_neighbours_free(dem_sim *sim)
+{
+    struct dem_list_work *w = sim->list.work;
+    if (!w) return;
+    dem_grains_free(&w->spare);
+    dem_pairs_free(&w->held);
+    free(w->cell_start), free(w->apart), free(w->wall_slot), free(w);
+    dem_sizes_free(sim->list.sizes);
+    sim->list.work = NULL, sim->list.sizes = NULL;
+}
+
+/* Faults of a grain that a rebuilding finds; raises list.fastest to its speed. */
+static rp_status check_grain(dem_sim *sim, size_t i)
+{
+    const double size = 2.0 * sim->r_max + sim->list.skin;
+    dem_vec x = sim->grains.motion[i].x, v = sim->grains.motion[i].v;
+    if (!isfinite(x[0] + x[1] + v[0] + v[1]))
+        return dem_stop(sim, DEM_FAULT_NON_FINITE, i, "a number is not finite");
+    const double speed = sqrt(dem_dot(v, v)), travel = speed * sim->def.dt;
+    sim->list.fastest = fmax(sim->list.fastest, speed);
+    if (travel > sim->grains.radius[i])
+        return dem_stop(sim, DEM_FAULT_TOO_FAST, i, "moves %g in one step, its radius is %g", travel,
+                        sim->grains.radius[i]);
+    if (fabs(x[0]) > 1e9 * size || fabs(x[1]) > 1e9 * size)
+        return dem_stop(sim, DEM_FAULT_LEAKED, i, "far away at x = %g, y = %g", x[0], x[1]);
+    for (size_t k = 0; k < sim->def.n_walls && sim->grains.inverse_mass[i] > 0.0; k++) {
+        const dem_wall_line *line = &sim->walls.line[k];
+        if (!(dem_dot(x - line->point, line->direction) < 0.0)) continue;
+        const dem_wall *wall = &sim->walls.wall[k];
+        const bool open = wall->open_at_step >= 0 && sim->step >= wall->open_at_step;
+        if (isinf(wall->extent[0]) && isinf(wall->extent[1]) && !open)
+            return dem_stop(sim, DEM_FAULT_LEAKED, i, "behind wall %zu at x = %g, y = %g", k + 1, x[0], x[1]);
+    }
+    return RP_OK;
+}
+
+static rp_status check_grains(dem_sim *sim, dem_part *part)
+{
+    const size_t end = dem_share_end(part, sim->grains.n, 1);
+    rp_status status = RP_OK;
+    for (size_t i = dem_share_start(part, sim->grains.n, 1); i < end && !status; i++)
+        status = check_grain(sim, i);
+    return status;
+}
+
+static double speed_of(const dem_motion *grain)
+{
+    return sqrt(dem_dot(grain->v, grain->v));
+}
+
+/* Let the position of a grain in the list be that of now, with the margin of this speed. */
+static void mark_grain(dem_sim *sim, size_t i, double speed)
+{
+    const double most = margin(sim, speed);
+    sim->grains.listed_x[i] = sim->grains.motion[i].x;
+    sim->grains.margin2[i] = most * most;
+    sim->grains.cutoff[i] = sim->grains.radius[i] + most;
+    sim->grains.slack[i / DEM_GROUP] = 0.0;
+}
+
+static rp_status find_cells(dem_sim *sim, dem_part *part)
+{
+    const struct dem_list_work *w = sim->list.work;
+    const double inverse_size = 1.0 / w->cell_size;
+    const size_t end = dem_share_end(part, sim->grains.n, 1);
+    for (size_t i = dem_share_start(part, sim->grains.n, 1); i < end; i++) {
+        dem_vec x = sim->grains.motion[i].x;
+        if (dem_beyond(sim, x)) {
+            sim->grains.cell[i] = NOWHERE;
+            continue;
+        }
+        size_t cx = (size_t)(long)floor(x[0] * inverse_size) & (w->cells_x - 1);
+        size_t cy = (size_t)(long)floor(x[1] * inverse_size) & (w->cells_y - 1);
+        sim->grains.cell[i] = (uint32_t)(cy * w->cells_x + cx);
+    }
+    return RP_OK;
+}
+
+static rp_status move_grains(dem_sim *sim, dem_part *part)
+{
+    dem_grains_put(&sim->grains, sim->grains.moved_to, &sim->list.work->spare,
+                   dem_share_start(part, sim->grains.n, 1), dem_share_end(part, sim->grains.n, 1));
+    return RP_OK;
+}
+
+static rp_status mark_grains(dem_sim *sim, dem_part *part)
+{
+    const size_t end = dem_share_end(part, sim->grains.n, DEM_GROUP);
+    for (size_t i = dem_share_start(part, sim->grains.n, DEM_GROUP); i < end; i++) {
+        const dem_vec x = sim->grains.motion[i].x;
+        mark_grain(sim, i, speed_of(&sim->grains.motion[i]));
+        sim->grains.held[i] = NOWHERE;
+        sim->list.far2 = fmax(sim->list.far2, dem_dot(x, x));
+    }
+    return RP_OK;
+}
+
+/* Drop the grains that left; sort the others by cells that hold the widest pair, in their old order within a
+ * cell. */
+static rp_status sort_grains(dem_sim *sim)
+{
+    struct dem_list_work *w = sim->list.work;
+    const size_t cells = w->cells_x * w->cells_y;
+    w->cell_size = 2.0 * (sim->r_max + margin(sim, sim->list.fastest));
+    RP_TRY(dem_threads_do(sim, find_cells));
+    memset(w->cell_start, 0, (cells + 1) * sizeof *w->cell_start);
+    for (size_t i = 0; i < sim->grains.n; i++)
+        if (sim->grains.cell[i] != NOWHERE) w->cell_start[sim->grains.cell[i] + 1]++;
+    w->cell_squares = 0;
+    for (size_t c = 0; c < cells; c++) {
+        const size_t n = w->cell_start[c + 1];
+        w->cell_squares += n * n;
+        w->cell_start[c + 1] += w->cell_start[c];
+    }
+    for (size_t i = 0; i < sim->grains.n; i++) {
+        if (sim->grains.cell[i] == NOWHERE) {
+            sim->grains.moved_to[i] = NOWHERE;
+            continue;
+        }
+        /* cell_start moves up as its cell fills, and is moved back below */
+        sim->grains.moved_to[i] = w->cell_start[sim->grains.cell[i]]++;
+    }
+    for (size_t c = cells; c > 0; c--) w->cell_start[c] = w->cell_start[c - 1];
+    w->cell_start[0] = 0;
+    RP_TRY(dem_threads_do(sim, move_grains));
+    dem_grains_take(&sim->grains, &w->spare, w->cell_start[cells]);
+    sim->grains.n_fixed = 0;
+    for (size_t i = 0; i < sim->grains.n; i++)
+        if (dem_is_fixed(sim, i)) sim->grains.fixed[sim->grains.n_fixed++] = (uint32_t)i;
+    sim->list.far2 = 0.0;
+    return dem_threads_do(sim, mark_grains);
+}
+
+/* Round-off of a position at this squared distance from the origin, at most. */
+static double round_off(const dem_sim *sim, double far2)
+{
+    return 1e-15 * (sqrt(far2) + sim->list.skin);
+}
+
+static void measure_far(dem_sim *sim)
+{
+    dem_walls_limit(sim, sqrt(sim->list.far2));
+    sim->list.round_off = round_off(sim, sim->list.far2);
+}
+
+/* Keep the springs of touching pairs of the part's share of the old list. The order of a chain does not
+ * matter. */
+static rp_status hold_part(dem_sim *sim, dem_part *part)
+{
+    const dem_pairs *pairs = &sim->pairs;
+    const size_t from = dem_share_start(part, pairs->n, 64), end = dem_share_end(part, pairs->n, 64);
+    dem_pairs *held = &sim->list.work->held;
+    uint32_t n = (uint32_t)dem_count_touching_below(pairs, from), *const first = sim->grains.held;
+    DEM_EACH_TOUCHING_OF(pairs, from, end, k)
+    {
+        const uint32_t a = sim->grains.moved_to[pairs->i[k]], b = sim->grains.moved_to[pairs->j[k]];
+        if (a == NOWHERE || b == NOWHERE) continue;
+        uint32_t *const low = &first[a < b ? a : b];
+        dem_pairs_take_springs(held, n, pairs, k, a > b);
+        held->j[n] = a < b ? b : a;
+        if (part->of > 1)
+            held->i[n] = __atomic_exchange_n(low, n, __ATOMIC_RELAXED);
+        else
+            held->i[n] = *low, *low = n;
+        n++;
+    }
+    return RP_OK;
+}
+
+static rp_status hold_springs(dem_sim *sim)
+{
+    RP_TRY(dem_pairs_reserve(&sim->list.work->held, dem_count_touching(&sim->pairs)));
+    return dem_threads_do(sim, hold_part);
+}
+
+/* Give pair k of grains a and b the springs it held before. */
+static void restore_springs(dem_sim *sim, size_t k, uint32_t a, uint32_t b)
+{
+    const dem_pairs *held = &sim->list.work->held;
+    uint32_t at = sim->grains.held[a < b ? a : b];
+    while (at != NOWHERE && held->j[at] != (a < b ? b : a)) at = held->i[at];
+    if (at != NOWHERE) dem_pairs_take_springs(&sim->pairs, k, held, at, a > b);
+}
+
+/* Each pair is written; those within the cutoffs are kept, without a branch. */
+void dem_append_pairs(dem_sim *sim, size_t i, size_t from, size_t to)
+{
+    const dem_vec x = sim->grains.listed_x[i];
+    const double own = sim->grains.cutoff[i], inverse_mass = sim->grains.inverse_mass[i];
+    uint32_t *restrict pair_i = sim->pairs.i, *restrict pair_j = sim->pairs.j;
+    size_t k = sim->pairs.n;
+    for (size_t j = from; j < to; j++) {
+        dem_vec d = x - sim->grains.listed_x[j];
+        const double cutoff = own + sim->grains.cutoff[j];
+        pair_i[k] = (uint32_t)i;
+        pair_j[k] = (uint32_t)j;
+        /* not where both are fixed */
+        k += (dem_dot(d, d) < cutoff * cutoff) & (inverse_mass + sim->grains.inverse_mass[j] > 0.0);
+    }
+    sim->pairs.n = k;
+}
+
+/* Fill in the other entries of the pairs k..end; springs are 0. */
+static void complete_pairs(dem_sim *sim, size_t k, size_t end)
+{
+    const dem_grains *g = &sim->grains;
+    dem_pairs *pairs = &sim->pairs;
+    for (; k < end; k++) {
+        const size_t i = pairs->i[k], j = pairs->j[k];
+        const double radii = g->radius[i] + g->radius[j], m_i = g->mass[i], m_j = g->mass[j];
+        pairs->radii[k] = radii;
+        pairs->m_eff[k] = dem_is_fixed(sim, i) ? m_j : dem_is_fixed(sim, j) ? m_i : m_i * m_j / (m_i + m_j);
+        if (pairs->rotation) {
+            const double r_i = g->radius[i], r_j = g->radius[j];
+            pairs->radius_i[k] = r_i, pairs->radius_j[k] = r_j, pairs->r_eff[k] = r_i * r_j / radii;
+        }
+#define X(type, name, need, share, role)                                                                     \
+    if (role != DEM_MADE && pairs->name) pairs->name[k] = 0;
+        DEM_PAIR_ARRAYS(X)
+#undef X
+    }
+}
+
+/* Of the pairs k..end, k a multiple of 64. */
+static void find_touching(dem_sim *sim, size_t k, size_t end)
+{
+    uint64_t *restrict touching = sim->pairs.touching, word = 0;
+    for (; k < end; k++) {
+        dem_vec d = sim->grains.motion[sim->pairs.i[k]].x - sim->grains.motion[sim->pairs.j[k]].x;
+        dem_note(touching, k, dem_dot(d, d) < sim->pairs.radii[k] * sim->pairs.radii[k], &word);
+    }
+}
+
+/* Touching pairs first, both parts in their order. A block of the pair loop is then full of touching pairs or
+ * skipped. */
+static rp_status part_pairs(dem_sim *sim)
+{
+    struct dem_list_work *w = sim->list.work;
+    if (sim->pairs.n > w->apart_capacity &&
+        !dem_grow(&w->apart, 2 * sizeof *w->apart, w->apart_capacity = 2 * sim->pairs.n))
+        return no_memory();
+    size_t touching = 0, apart = 0;
+    for (size_t k = 0; k < sim->pairs.n; k++) {
+        const uint32_t i = sim->pairs.i[k], j = sim->pairs.j[k];
+        const dem_vec d = sim->grains.motion[i].x - sim->grains.motion[j].x;
+        const double radii = sim->grains.radius[i] + sim->grains.radius[j];
+        if (dem_dot(d, d) < radii * radii) {
+            sim->pairs.i[touching] = i;
+            sim->pairs.j[touching++] = j;
+        } else {
+            w->apart[2 * apart] = i;
+            w->apart[2 * apart++ + 1] = j;
+        }
+    }
+    for (size_t k = 0; k < apart; k++) {
+        sim->pairs.i[touching + k] = w->apart[2 * k];
+        sim->pairs.j[touching + k] = w->apart[2 * k + 1];
+    }
+    return RP_OK;
+}
+
+/* The first cell whose grains begin at `grain` or behind. */
+static size_t first_cell(const struct dem_list_work *w, size_t cells, size_t grain)
+{
+    size_t low = 0;
+    for (size_t high = cells; low < high;) {
+        const size_t middle = (low + high) / 2;
+        if (w->cell_start[middle] < grain)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+/* Pairs of the grains of each cell with those after them, and with those of the next cell and of the three
+ * above; cells that follow one another are taken as one. */
+static rp_status append_cells(dem_sim *sim, dem_part *part)
+{
+    struct dem_list_work *w = sim->list.work;
+    const size_t mask_x = w->cells_x - 1, cells = w->cells_x * w->cells_y,
+                 last = first_cell(w, cells, dem_share_end(part, sim->grains.n, 1));
+    dem_append_kernel *const append =
+        sim->kernels.append_pairs ? sim->kernels.append_pairs : dem_append_pairs;
+    dem_threads_collect(sim, part);
+    for (size_t c = first_cell(w, cells, dem_share_start(part, sim->grains.n, 1)); c < last; c++) {
+        const size_t cx = c & mask_x, row = c - cx, up = (row + w->cells_x) & (cells - 1);
+        const size_t half[4] = {row + ((cx + 1) & mask_x), up + ((cx - 1) & mask_x), up + cx,
+                                up + ((cx + 1) & mask_x)};
+        size_t from[5] = {0}, to[5] = {w->cell_start[c + 1]}, n = 1, most = to[0] - w->cell_start[c];
+        for (int a = 0; a < 4; a++) {
+            const size_t first = w->cell_start[half[a]], end = w->cell_start[half[a] + 1];
+            most += end - first;
+            if (first != to[n - 1]) from[n++] = first;
+            to[n - 1] = end;
+        }
+        for (size_t i = w->cell_start[c]; i < w->cell_start[c + 1]; i++) {
+            RP_TRY(dem_pairs_reserve(&sim->pairs, most));
+            append(sim, i, i + 1, to[0]);
+            for (size_t a = 1; a < n; a++) append(sim, i, from[a], to[a]);
+        }
+    }
+    return RP_OK;
+}
+
+static rp_status complete_part(dem_sim *sim, dem_part *part)
+{
+    complete_pairs(sim, dem_share_start(part, sim->pairs.n, 1), dem_share_end(part, sim->pairs.n, 1));
+    return RP_OK;
+}
+
+static rp_status restore_part(dem_sim *sim, dem_part *part)
+{
+    const size_t from = dem_share_start(part, sim->pairs.n, 64), end = dem_share_end(part, sim->pairs.n, 64);
+    find_touching(sim, from, end);
+    DEM_EACH_TOUCHING_OF(&sim->pairs, from, end, k)
+    restore_springs(sim, k, sim->pairs.i[k], sim->pairs.j[k]);
+    return RP_OK;
+}
+
+/* Where cells hold many grains, these are searched by cells of their own sizes. */
+static rp_status find_by_size(dem_sim *sim)
+{
+    const struct dem_list_work *w = sim->list.work;
+    const dem_cells cells = {w->cells_x, w->cells_y, w->cell_size, sim->grains.cell};
+    for (uint32_t c = 0; c < w->cells_x * w->cells_y; c++)
+        for (size_t i = w->cell_start[c]; i < w->cell_start[c + 1]; i++) sim->grains.cell[i] = c;
+    return dem_sizes_find_pairs(sim, &cells);
+}
+
+static rp_status find_plainly(dem_sim *sim)
+{
+    RP_TRY(dem_threads_do(sim, append_cells));
+    return dem_threads_gather(sim);
+}
+
+static rp_status find_pairs(dem_sim *sim)
+{
+    /* the plain search tests half of the grains in nine cells */
+    const double tests = 4.5 * (double)sim->list.work->cell_squares;
+    RP_TRY(tests > sim->list.most_tests * (double)sim->grains.n ? find_by_size(sim) : find_plainly(sim));
+    if (sim->def.hard.on) RP_TRY(part_pairs(sim));
+    RP_TRY(dem_threads_do(sim, complete_part));
+    return dem_threads_do(sim, restore_part);
+}
+
+/* Is a point of the line at `along` farther than `most` from what is left of it between its ends? */
+static inline bool is_beyond_ends(const dem_wall *wall, double along, double most)
+{
+    return along < wall->extent[0] - most || along > wall->extent[1] + most;
+}
+
+/* May grain i touch wall k until the next rebuilding? A wall that is gone touches none. */
+static bool is_near_wall(const dem_sim *sim, size_t k, size_t i)
+{
+    const dem_wall *wall = &sim->walls.wall[k];
+    const dem_wall_line *line = &sim->walls.line[k];
+    const bool turns = sim->def.box_turn_per_step != 0.0 && sim->step >= sim->walls.turn_from_step;
+    const double more = line->moves ? sim->walls.margin : turns ? 0.5 * sim->list.skin : 0.0;
+    if (wall->open_at_step >= 0 && sim->step >= wall->open_at_step && isinf(wall->open_speed)) return false;
+    const dem_vec d = sim->grains.listed_x[i] - line->point;
+    const double most = sim->grains.cutoff[i] + more;
+    return fabs(dem_dot(d, line->direction)) < most && !dem_is_fixed(sim, i) &&
+           !is_beyond_ends(wall, dem_dot(d, dem_clockwise(line->direction)), most);
+}
+
+/* Grains near any wall. */
+static rp_status find_near_walls(dem_sim *sim, dem_part *part)
+{
+    const size_t end = dem_share_end(part, sim->grains.n, 1);
+    for (size_t i = dem_share_start(part, sim->grains.n, 1); i < end; i++) {
+        bool near = false;
+        for (size_t k = 0; k < sim->def.n_walls && !near; k++) near = is_near_wall(sim, k, i);
+        sim->grains.cell[i] = near;
+    }
+    return RP_OK;
+}
+
+/* Slots of grains near walls. */
+static rp_status find_wall_slots(dem_sim *sim)
+{
+    struct dem_list_work *w = sim->list.work;
+    const size_t n_old = sim->walls.n_slots;
+    uint32_t *const near = sim->grains.cell;
+    size_t n_near = 0;
+    memset(sim->grains.held_slot, 0xff, sim->grains.n * sizeof *sim->grains.held_slot);
+    if (n_old > w->wall_capacity &&
+        !dem_grow(&w->wall_slot, sizeof *w->wall_slot, w->wall_capacity = sim->walls.capacity))
+        return no_memory();
+    if (n_old) memcpy(w->wall_slot, sim->walls.slot, n_old * sizeof *w->wall_slot);
+    RP_TRY(dem_threads_do(sim, find_near_walls));
+    for (uint32_t i = 0; i < sim->grains.n; i++)
+        if (near[i]) near[n_near++] = i;
+    sim->walls.n_slots = 0;
+    for (uint32_t k = 0; k < sim->def.n_walls; k++) {
+        for (uint32_t s = 0; s < n_old; s++)
+            if (w->wall_slot[s].wall == k && sim->grains.moved_to[w->wall_slot[s].grain] != NOWHERE)
+                sim->grains.held_slot[sim->grains.moved_to[w->wall_slot[s].grain]] = s;
+        for (size_t m = 0; m < n_near; m++) {
+            const uint32_t i = near[m], held = sim->grains.held_slot[i];
+            sim->grains.held_slot[i] = NOWHERE;
+            if (!is_near_wall(sim, k, i)) continue;
+            if (sim->walls.n_slots == sim->walls.capacity &&
+                !dem_grow(&sim->walls.slot, sizeof *sim->walls.slot,
+                          sim->walls.capacity = 2 * sim->walls.capacity + 64))
+                return no_memory();
+            const dem_vec d = sim->grains.listed_x[i] - sim->walls.line[k].point;
+            const bool behind = dem_dot(d, sim->walls.line[k].direction) < 0.0;
+            dem_wall_slot *slot = &sim->walls.slot[sim->walls.n_slots++];
+            *slot = held != NOWHERE ? w->wall_slot[held] : (dem_wall_slot){.side = behind ? -1.0 : 1.0};
+            slot->wall = k;
+            slot->grain = i;
+        }
+    }
+    dem_walls_find_starts(&sim->walls, sim->def.n_walls);
+    return RP_OK;
+}
+
+rp_status dem_neighbours_rebuild(dem_sim *sim)
+{
+    dem_neighbours_close_gaps(sim);
+    sim->list.fastest = 0.0;
+    RP_TRY(dem_threads_do(sim, check_grains));
+    sim->count.rebuilds++;
+    RP_TRY(sort_grains(sim));
+    measure_far(sim);
+    rp_status status = hold_springs(sim);
+    if (!status) status = find_pairs(sim);
+    dem_pairs_pad(&sim->pairs);
+    if (!status) status = find_wall_slots(sim);
+    if (!status) status = dem_pairs_plan_chunks(&sim->pairs, sim->grains.n);
+    return status ? status : dem_threads_divide(sim);
+}
+
+/* Remove the pairs of grain i that are beyond their cutoffs, and append those not yet listed. Touching pairs
+ * stay, with their springs. `listed` holds numbers below `mark`. */
+static rp_status renew_pairs(dem_sim *sim, uint32_t i, uint32_t *listed, uint32_t mark)
+{
+    listed[i] = mark;
+    for (size_t k = 0; k < sim->pairs.n;) {
+        const uint32_t a = sim->pairs.i[k], b = sim->pairs.j[k], j = a == i ? b : a;
+        if (a != i && b != i) {
+            k++;
+            continue;
+        }
+        const dem_vec d = sim->grains.listed_x[i] - sim->grains.listed_x[j];
+        const double cutoff = sim->grains.cutoff[i] + sim->grains.cutoff[j];
+        if (dem_dot(d, d) < cutoff * cutoff)
+            listed[j] = mark, k++;
+        else
+            dem_pairs_remove(&sim->pairs, k);
+    }
+    rp_status status = dem_pairs_reserve(&sim->pairs, sim->grains.n);
+    if (status) return status;
+    const size_t from = sim->pairs.n;
+    (sim->kernels.append_pairs ? sim->kernels.append_pairs : dem_append_pairs)(sim, i, 0, sim->grains.n);
+    size_t n = from;
+    for (size_t k = from; k < sim->pairs.n; k++) {
+        sim->pairs.j[n] = sim->pairs.j[k];
+        n += listed[sim->pairs.j[k]] != mark;
+    }
+    sim->pairs.n = n;
+    complete_pairs(sim, from, sim->pairs.n);
+    return RP_OK;
+}
+
+/* Grains that have moved, or will move in the coming step, by half their margin get new listed positions and
+ * margins. All others stay within theirs. A rebuilding takes as long as the pairs of some ten grains, and
+ * replaces the wide margins of grains that were fast. */
+rp_status dem_neighbours_renew(dem_sim *sim, bool accelerates)
+{
+    enum { FEW = 8 };
+    uint32_t moved[FEW];
+    size_t n = 0;
+    for (size_t i = 0; i < sim->grains.n; i++) {
+        const dem_vec d = sim->grains.motion[i].x - sim->grains.listed_x[i];
+        const dem_vec next = 1.01 * sim->def.dt * sim->grains.next_motion[i].v;
+        const double d2 = dem_dot(d, d), next2 = dem_dot(next, next);
+        /* so that NaN counts as moved */
+        if ((4.0 * d2 <= sim->grains.margin2[i]) & (4.0 * next2 <= sim->grains.margin2[i])) continue;
+        if (n == FEW) return dem_neighbours_rebuild(sim);
+        moved[n++] = (uint32_t)i;
+    }
+    rp_status status = RP_OK;
+    for (size_t m = 0; m < n && !status; m++) status = check_grain(sim, moved[m]);
+    if (status) return status;
+    for (size_t m = 0; m < n; m++) {
+        const dem_vec x = sim->grains.motion[moved[m]].x;
+        const dem_motion *now = &sim->grains.motion[moved[m]], *next = &sim->grains.next_motion[moved[m]];
+        mark_grain(sim, moved[m], accelerates ? fmax(speed_of(now), speed_of(next)) : speed_of(now));
+        sim->list.round_off = fmax(sim->list.round_off, round_off(sim, dem_dot(x, x)));
+    }
+    memset(sim->grains.cell, 0, sim->grains.n * sizeof *sim->grains.cell);
+    for (size_t m = 0; m < n && !status; m++)
+        status = renew_pairs(sim, moved[m], sim->grains.cell, (uint32_t)m + 1);
+    dem_pairs_pad(&sim->pairs);
+    find_touching(sim, 0, sim->pairs.n);
+    for (uint32_t i = 0; i < sim->grains.n; i++) sim->grains.moved_to[i] = i;
+    if (!status) status = find_wall_slots(sim);
+    return status;
+}

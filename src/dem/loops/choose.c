@@ -1,0 +1,71 @@
+/* The choice of the instances of the pair loop and of other loops. */
+#include <stdio.h>
+#include <string.h>
+
+#include "dem/law/law.h"
+#include "dem/state/state.h"
+
+#include "dem/loops/contact.inl"
+
+#include "dem/loops/instances.inl"
+
+static void kernel_baseline(dem_sim *sim, size_t from, size_t to, double h)
+{
+    run_instance(sim, from, to, h);
+}
+
+static void kernel_reference(dem_sim *sim, size_t from, size_t to, double h)
+{
+    pair_loop(sim, from, to, h, dem_laws_of(&sim->def, &sim->def.material, sim->mu), sim->def.rotation,
+              sim->pairs.rolling);
+}
+
+bool dem_kernel_runs(dem_kernel_choice kernel)
+{
+    switch (kernel) {
+#ifdef __x86_64__
+    case DEM_AVX512:
+        return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
+               __builtin_cpu_supports("avx512vl");
+    case DEM_AVX2: return __builtin_cpu_supports("avx2");
+#else
+    case DEM_AVX512:
+    case DEM_AVX2: return false;
+#endif
+    case DEM_FAST:
+    case DEM_REFERENCE:
+    case DEM_BASELINE: return true;
+    case DEM_KERNELS: break;
+    }
+    return false;
+}
+
+/* Only the reference adds excess displacements to springs. */
+void dem_kernels_choose(dem_sim *sim)
+{
+    const dem_definition *def = &sim->def;
+    const char *with = "baseline";
+    const bool excess = sim->scheme->excess && dem_has_spring(def->tangential);
+    sim->kernels.pairs = excess || def->kernel == DEM_REFERENCE ? kernel_reference : kernel_baseline;
+    if (sim->kernels.pairs == kernel_reference) {
+        strcpy(sim->kernels.name, "reference");
+        return;
+    }
+#ifdef __x86_64__
+    const bool fast = def->kernel == DEM_FAST;
+#define X(name, type) sim->kernels.name = dem_##name##_avx512;
+    if (def->kernel == DEM_AVX512 || (fast && dem_kernel_runs(DEM_AVX512))) {
+        with = "avx512";
+        DEM_KERNEL_LIST(X)
+    }
+#undef X
+#define X(name, type) sim->kernels.name = dem_##name##_avx2;
+    else if (def->kernel == DEM_AVX2 || (fast && dem_kernel_runs(DEM_AVX2))) {
+        with = "avx2";
+        DEM_KERNEL_LIST(X)
+    }
+#undef X
+#endif
+    snprintf(sim->kernels.name, sizeof sim->kernels.name, "%s_%s", dem_normal_descriptors[def->normal].name,
+             with);
+}

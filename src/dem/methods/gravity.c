@@ -1,0 +1,60 @@
+/* Gravity that is set, or turns. */
+
+#include <math.h>
+
+#include "dem/observe/ledger.h"
+#include "dem/state/state.h"
+
+void dem_sine_cosine(double angle, double *sine, double *cosine)
+{
+    double term = 1.0, sums[2] = {0.0, 0.0};
+    for (int k = 0; k < 24; k++) {
+        sums[k % 2] += k % 4 < 2 ? term : -term;
+        term *= angle / (k + 1);
+    }
+    *cosine = sums[0];
+    *sine = sums[1];
+}
+
+static void set(dem_sim *sim, const double g[2])
+{
+    sim->gravity = (dem_vec){g[0], g[1]};
+    sim->gravity_norm = sqrt(dem_dot(sim->gravity, sim->gravity));
+}
+
+void dem_gravity_start(dem_sim *sim)
+{
+    set(sim, sim->def.gravity);
+    dem_sine_cosine(sim->def.turn_per_step, &sim->turn_sin, &sim->turn_cos);
+}
+
+void dem_gravity_turn(dem_sim *sim, double radians_per_step)
+{
+    sim->def.turn_per_step = radians_per_step;
+    sim->def.turn_from_step = sim->step;
+    dem_sine_cosine(radians_per_step, &sim->turn_sin, &sim->turn_cos);
+}
+
+void dem_gravity_set(dem_sim *sim, const double g[2])
+{
+    dem_vec before = sim->gravity;
+    set(sim, g);
+    if (sim->scheme->gravity) sim->scheme->gravity(sim, sim->gravity - before);
+    if (sim->ledger) dem_ledger_gravity(sim);
+}
+
+void dem_gravity_advance(dem_sim *sim)
+{
+    if (sim->def.turn_per_step == 0.0 || sim->step < sim->def.turn_from_step) return;
+    dem_vec g = sim->gravity;
+    g = sim->turn_cos * g + sim->turn_sin * (dem_vec){-g[1], g[0]};
+    double norm = sqrt(dem_dot(g, g));
+    sim->gravity = norm > 0.0 ? g * (sim->gravity_norm / norm) : g;
+    if (sim->ledger) dem_ledger_gravity(sim);
+}
+
+void dem_gravity(const dem_sim *sim, double gravity[2])
+{
+    gravity[0] = sim->gravity[0];
+    gravity[1] = sim->gravity[1];
+}

@@ -1,0 +1,30 @@
+/* The energy ledger of a simulation that has one; ledger.c. */
+#ifndef DEM_LEDGER_H
+#define DEM_LEDGER_H
+
+#include "core/snapshot.h"
+#include "dem/methods/hard.h"
+#include "dem/state/vec.h"
+
+rp_status dem_ledger_alloc(dem_sim *sim);
+rp_status dem_ledger_clone(dem_sim *copy, const dem_sim *sim);
+void dem_ledger_free(dem_sim *sim);
+
+/* Its part of a snapshot; a reading makes the ledger. */
+void dem_ledger_keep(rp_snapshot *s, dem_sim *sim);
+
+/* Record the contacts' forces after all springs have advanced by h. An integrator with one force throughout a
+ * step passes it before the grains move. Then start, or balance the step once all grains have moved. */
+rp_status dem_ledger_forces(dem_sim *sim, double h);
+rp_status dem_ledger_between(dem_sim *sim, const dem_vec *force);
+void dem_ledger_start(dem_sim *sim);
+void dem_ledger_step(dem_sim *sim);
+
+/* Events: gravity has changed; a hard collision of two grains, or of a grain (twice) with a wall; a grain is
+ * about to be put in. */
+void dem_ledger_gravity(dem_sim *sim);
+void dem_ledger_collision(dem_sim *sim, const size_t grain[2], const dem_body before[2],
+                          const dem_body after[2]);
+rp_status dem_ledger_add(dem_sim *sim, const dem_grain *grain);
+
+#endif

@@ -1,0 +1,289 @@
+/* Readings of a simulation. Nothing here changes the state: the integrator brings velocities to the
+ * time of the positions on the way out. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "dem/law/law.h"
+#include "dem/observe/observe.h"
+
+static dem_vec velocity(const dem_sim *sim, size_t i)
+{
+    return sim->scheme->velocity && !dem_is_fixed(sim, i) ? sim->scheme->velocity(sim, i)
+                                                          : sim->grains.motion[i].v;
+}
+
+static double omega(const dem_sim *sim, size_t i)
+{
+    return sim->scheme->spin ? sim->scheme->spin(sim, i) : sim->grains.omega[i];
+}
+
+double dem_kinetic_energy(const dem_sim *sim, size_t i)
+{
+    dem_vec v = velocity(sim, i);
+    return 0.5 * sim->grains.mass[i] * dem_dot(v, v);
+}
+
+double dem_rotational_energy(const dem_sim *sim, size_t i, double frame)
+{
+    if (!sim->grains.omega || dem_is_fixed(sim, i)) return 0.0;
+    const double spin = omega(sim, i) - frame;
+    return 0.5 * dem_inertia(sim->def.shape, sim->grains.mass[i], sim->grains.radius[i]) * spin * spin;
+}
+
+/* Contacts of each grain, by index. */
+static int *count_contacts(const dem_sim *sim)
+{
+    int *count = calloc(sim->grains.n + 1, sizeof *count);
+    if (!count) return NULL;
+    DEM_EACH_TOUCHING (&sim->pairs, k) count[sim->pairs.i[k]]++, count[sim->pairs.j[k]]++;
+    for (size_t s = 0; s < sim->walls.n_slots; s++) {
+        dem_relative r;
+        dem_wall_slot slot = sim->walls.slot[s];
+        count[slot.grain] += dem_slot_relative(sim, &slot, &r);
+    }
+    return count;
+}
+
+rp_status dem_states(const dem_sim *sim, dem_state *states)
+{
+    int *contacts = count_contacts(sim);
+    uint32_t *index = calloc((size_t)sim->grains.last_id + 1, sizeof *index); /* of each id, from 1 */
+    if (!contacts || !index) {
+        free(contacts);
+        free(index);
+        return rp_fail(RP_NO_MEMORY, "states: out of memory");
+    }
+    for (size_t i = 0; i < sim->grains.n; i++) index[sim->grains.id[i]] = (uint32_t)i + 1;
+    for (size_t id = 1; id <= sim->grains.last_id; id++) {
+        if (index[id] == 0) continue;
+        const size_t i = index[id] - 1;
+        dem_vec x = sim->grains.motion[i].x, v = velocity(sim, i);
+        dem_vec f =
+            dem_is_fixed(sim, i) ? *dem_force(sim, i) : sim->grains.mass[i] * dem_acceleration(sim, i);
+        *states++ = (dem_state){.id = (uint32_t)id,
+                                .x = x[0],
+                                .y = x[1],
+                                .r = sim->grains.radius[i],
+                                .m = sim->grains.mass[i],
+                                .vx = v[0],
+                                .vy = v[1],
+                                .fx = f[0],
+                                .fy = f[1],
+                                .angle = sim->grains.angle ? sim->grains.angle[i] : 0.0,
+                                .omega = sim->grains.omega ? omega(sim, i) : 0.0,
+                                .torque = sim->grains.force_torque ? sim->grains.force_torque[i].torque : 0.0,
+                                .contacts = contacts[i],
+                                .fixed = dem_is_fixed(sim, i)};
+    }
+    free(contacts);
+    free(index);
+    return RP_OK;
+}
+
+static dem_relative pair_relative(const dem_sim *sim, size_t k, bool swap)
+{
+    const dem_grains *g = &sim->grains;
+    const size_t i = swap ? sim->pairs.j[k] : sim->pairs.i[k], j = swap ? sim->pairs.i[k] : sim->pairs.j[k];
+    const dem_vec d = g->motion[i].x - g->motion[j].x, v = g->motion[i].v - g->motion[j].v;
+    const double distance = sqrt(dem_dot(d, d)), roll = sim->pairs.rolling ? sim->pairs.roll[k] : 0.0;
+    dem_relative r = {.a = i,
+                      .b = j,
+                      .c = &sim->def.material,
+                      .mu = sim->mu,
+                      .m_eff = sim->pairs.m_eff[k],
+                      /* Gear corrects positions after touch is found: slightly below 0 is possible */
+                      .overlap = fmax(sim->pairs.radii[k] - distance, 0.0),
+                      .n = d * (1.0 / distance),
+                      .point = g->motion[j].x,
+                      .spring = sim->pairs.spring[k],
+                      .roll = swap ? -roll : roll};
+    r.s = dem_clockwise(r.n);
+    r.v_n = dem_dot(v, r.n);
+    r.v_s = dem_dot(v, r.s);
+    if (!g->omega) return r;
+    r.arm_a = g->radius[i] - 0.5 * r.overlap;
+    r.arm_b = g->radius[j] - 0.5 * r.overlap;
+    r.r_eff = g->radius[i] * g->radius[j] / sim->pairs.radii[k];
+    r.v_s += r.arm_a * g->omega[i] + r.arm_b * g->omega[j];
+    r.v_roll = r.r_eff * (g->omega[i] - g->omega[j]);
+    return r;
+}
+
+bool dem_slot_relative(const dem_sim *sim, dem_wall_slot *slot, dem_relative *r)
+{
+    const dem_grains *g = &sim->grains;
+    const size_t i = slot->grain, w = slot->wall;
+    *r = (dem_relative){.a = i,
+                        .b = DEM_NOBODY,
+                        .slot = slot,
+                        .c = &sim->walls.wall[w].material,
+                        .mu = sim->walls.mu[w],
+                        .m_eff = g->mass[i],
+                        .spring = slot->spring,
+                        .roll = slot->roll};
+    if (!dem_wall_touch(sim, slot, &r->n, &r->overlap, &r->wall_velocity) || r->overlap <= 0.0) return false;
+    const dem_vec v = g->motion[i].v - r->wall_velocity;
+    r->s = dem_clockwise(r->n);
+    r->v_n = dem_dot(v, r->n);
+    r->v_s = dem_dot(v, r->s);
+    r->point = g->motion[i].x - (g->radius[i] - r->overlap) * r->n;
+    if (!g->omega) return true;
+    r->arm_a = g->radius[i] - r->overlap;
+    r->r_eff = g->radius[i];
+    r->v_s += r->arm_a * g->omega[i];
+    r->v_roll = r->r_eff * (g->omega[i] + dem_wall_spin(&sim->walls, w));
+    return true;
+}
+
+bool dem_contact_relative(const dem_sim *sim, size_t k, bool by_id, dem_relative *r)
+{
+    const dem_ends ends = dem_contact_ends(sim, k);
+    if (ends.slot) {
+        dem_wall_slot slot = *ends.slot;
+        const bool touches = dem_slot_relative(sim, &slot, r);
+        r->slot = ends.slot;
+        return touches;
+    }
+    if (!dem_touches(&sim->pairs, k)) return false;
+    *r = pair_relative(sim, k, by_id && sim->grains.id[ends.i] > sim->grains.id[ends.j]);
+    return true;
+}
+
+dem_contact dem_law_forces(const dem_sim *sim, const dem_relative *r, double h)
+{
+    const dem_definition *def = &sim->def;
+    dem_contact c = {.overlap = r->overlap, .shear_spring = r->spring, .rolling_spring = r->roll};
+    c.normal_force =
+        dem_law_normal(def->normal, def->tension, r->c->k_n, r->c->gamma_n, r->m_eff, r->overlap, r->v_n);
+    c.shear_force = dem_law_tangential(def->tangential, dem_shear_of(def, r->c, r->mu), r->m_eff, r->v_s,
+                                       c.normal_force, h, &c.shear_spring);
+    if (sim->pairs.rolling)
+        c.rolling_torque = r->r_eff * dem_law_shear(dem_rolls_of(r->c), r->m_eff, r->v_roll, c.normal_force,
+                                                    h, &c.rolling_spring);
+    return c;
+}
+
+static dem_contact contact_of(const dem_sim *sim, const dem_relative *r)
+{
+    dem_contact c = dem_law_forces(sim, r, 0.0);
+    const dem_vec x = sim->grains.motion[r->a].x;
+    c.id_a = sim->grains.id[r->a], c.id_b = r->slot ? 0 : sim->grains.id[r->b];
+    c.wall = r->slot ? (int)r->slot->wall : -1;
+    c.x = x[0], c.y = x[1], c.x_b = r->point[0], c.y_b = r->point[1];
+    if (!r->slot || r->slot->well == DEM_WELL_NONE) return c;
+    c.well = r->slot->well;
+    c.shear_force += dem_ground_force(sim, r->slot, c.normal_force);
+    c.shear_spring = c.well == DEM_WELL_HOLDS ? dem_ground_displacement(sim, r->slot) : 0.0;
+    return c;
+}
+
+rp_status dem_contacts(const dem_sim *sim, dem_contact **contacts, size_t *n)
+{
+    dem_relative r;
+    *n = 0;
+    *contacts = malloc((dem_count_touching(&sim->pairs) + sim->walls.n_slots + 1) * sizeof **contacts);
+    if (!*contacts) return rp_fail(RP_NO_MEMORY, "contacts: out of memory");
+    for (size_t k = 0; k < dem_contact_numbers(sim); k++)
+        if (dem_contact_relative(sim, k, false, &r)) (*contacts)[(*n)++] = contact_of(sim, &r);
+    return RP_OK;
+}
+
+/* A shear spring of the untruncated law pulls with the constant cap beyond its Coulomb limit. */
+dem_elastic dem_contact_elastic(const dem_sim *sim, size_t k)
+{
+    dem_relative r;
+    if (!dem_contact_relative(sim, k, false, &r)) return (dem_elastic){0};
+    const dem_contact contact = contact_of(sim, &r);
+    const double ds = fabs(contact.shear_spring), roll = contact.rolling_spring,
+                 normal = fmax(contact.normal_force, 0.0);
+    dem_elastic energy = {.normal = dem_normal_descriptors[sim->def.normal].potential(r.c->k_n, r.overlap),
+                          .rolling = 0.5 * r.c->k_roll * roll * roll};
+    if (contact.well == DEM_WELL_HOLDS)
+        energy.well = 0.5 * sim->def.ground.mu_static * normal / sim->def.ground.a * ds * ds;
+    if (dem_has_spring(sim->def.tangential)) {
+        double pull = r.c->k_s * ds;
+        if (sim->def.slip == DEM_TOTAL) pull = fmin(pull, r.mu * normal);
+        energy.shear = pull * ds - 0.5 * pull * pull / r.c->k_s;
+    }
+    return energy;
+}
+
+void dem_energies(const dem_sim *sim, dem_energy *energy)
+{
+    *energy = (dem_energy){0};
+    for (size_t i = 0; i < sim->grains.n; i++) {
+        if (dem_is_fixed(sim, i)) continue;
+        energy->kinetic += dem_kinetic_energy(sim, i);
+        energy->gravity -= sim->grains.mass[i] * dem_dot(sim->gravity, sim->grains.motion[i].x);
+        energy->rotational += dem_rotational_energy(sim, i, 0.0);
+    }
+    for (size_t k = 0; k < dem_contact_numbers(sim); k++) {
+        const dem_elastic e = dem_contact_elastic(sim, k);
+        energy->elastic += e.normal + e.well + e.shear + e.rolling;
+    }
+}
+
+void dem_wall_forces(const dem_sim *sim, double *forces)
+{
+    for (size_t w = 0; w < sim->def.n_walls; w++) {
+        forces[2 * w] = sim->walls.force[w][0];
+        forces[2 * w + 1] = sim->walls.force[w][1];
+    }
+}
+
+rp_status dem_rest_state(const dem_sim *sim, double lo, double hi, dem_rest *rest)
+{
+    *rest = (dem_rest){0};
+    int *contacts = count_contacts(sim);
+    if (!contacts) return rp_fail(RP_NO_MEMORY, "rest test: out of memory");
+    double force2 = 0.0;
+    for (size_t i = 0; i < sim->grains.n; i++) {
+        double x = dem_to_box(&sim->walls, sim->grains.motion[i].x)[0];
+        if (!(x > lo && x < hi) || dem_is_fixed(sim, i)) continue;
+        dem_vec v = velocity(sim, i) - dem_box_velocity(&sim->walls, sim->grains.motion[i].x);
+        dem_vec f = sim->grains.mass[i] * dem_acceleration(sim, i);
+        rest->n++;
+        rest->kinetic_energy +=
+            0.5 * sim->grains.mass[i] * dem_dot(v, v) + dem_rotational_energy(sim, i, -sim->walls.swing[1]);
+        rest->contact_number += contacts[i];
+        if (contacts[i] > 0) force2 = fmax(force2, dem_dot(f, f));
+    }
+    free(contacts);
+    rest->net_force = sqrt(force2);
+    if (rest->n > 0) {
+        rest->kinetic_energy /= (double)rest->n;
+        rest->contact_number /= (double)rest->n;
+    }
+    return RP_OK;
+}
+
+int dem_contact_count(const dem_sim *sim, uint32_t id)
+{
+    int count = 0;
+    dem_relative r;
+    for (size_t k = 0; k < dem_contact_numbers(sim); k++) {
+        const dem_ends ends = dem_contact_ends(sim, k);
+        const bool has = sim->grains.id[ends.i] == id || (!ends.slot && sim->grains.id[ends.j] == id);
+        count += has && dem_contact_relative(sim, k, false, &r);
+    }
+    return count;
+}
+
+double dem_largest_speed(const dem_sim *sim, double lo, double hi)
+{
+    double speed2 = 0.0;
+    for (size_t i = 0; i < sim->grains.n; i++) {
+        const double x = sim->grains.motion[i].x[0];
+        dem_vec v = velocity(sim, i);
+        if (x > lo && x < hi && dem_dot(v, v) > speed2) speed2 = dem_dot(v, v);
+    }
+    return sqrt(speed2);
+}
+
+void dem_count_work(const dem_sim *sim, dem_counts *counts)
+{
+    *counts = (dem_counts){sim->pairs.n,         dem_count_touching(&sim->pairs), sim->walls.n_slots,
+                           sim->count.rebuilds,  sim->count.collisions,           sim->count.grain_steps,
+                           sim->count.iterations};
+}

@@ -1,0 +1,675 @@
+/* Scene files, through schemas; see scene.h. */
+#include "dem/scene/scene.h"
+
+#include <ctype.h>
+#include <math.h>
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "params/config.h"
+#include "params/guess.h"
+#include "table/table.h"
+#include "params/units.h"
+#include "dem/setup/definition.h"
+#include "dem/state/vec.h"
+
+/* What a scene file says, before defaults that depend on one another are filled in. */
+typedef struct {
+    dem_scene scene;
+    dem_physics physics;
+    bool has_density; /* given, no default */
+    double y_min, turn_deg, box_turn_deg;
+    int units;
+    const char *particles_file;
+} scene_file;
+
+#define AT(type, field) offsetof(type, field)
+#define TOP(...)        DEM_KEY_ROW(scene_file, physics., __VA_ARGS__)
+#define ROW(...)        DEM_KEY_ROW(dem_physics, , __VA_ARGS__)
+
+static const rp_param top_schema[] = {
+    DEM_GRAIN_PARAMS(TOP){"steps", "", RP_INT, AT(scene_file, scene.steps), "20000", "[0, 2147483647]",
+                          "how many steps to run"},
+    {"units", "", RP_CHOICE, AT(scene_file, units), "cgs", RP_UNITS_WORDS,
+     "of the numbers here and of the tables; defaults are converted. sigma: diameter sigma and mass m of "
+     "the default grain, and g"},
+    {"skin", "cm", RP_REAL, AT(scene_file, scene.def.skin), "auto", "(0, inf) | auto",
+     "of the neighbour list"},
+    {"x_max", "cm", RP_REAL, AT(scene_file, scene.def.x_max), "none", "(-inf, inf) | none",
+     "a grain whose centre passes it, in the box's frame, is taken out"},
+    {"y_min", "cm", RP_REAL, AT(scene_file, y_min), "none", "(-inf, inf) | none",
+     "a grain whose centre sinks below it, in the box's frame, is taken out"},
+    {"gravity_turn_deg_per_step", "degree", RP_REAL, AT(scene_file, turn_deg), "0.0", "[-10, 10]",
+     "gravity's turn a step; positive lowers the side at +x"},
+    {"box_turn_deg_per_step", "degree", RP_REAL, AT(scene_file, box_turn_deg), "0.0", "[-10, 10]",
+     "the walls' turn a step, about the origin; positive lowers the side at +x"},
+    {"turn_from_step", "", RP_INT, AT(scene_file, scene.def.turn_from_step), "0", "[0, 2147483647]",
+     "first step at which gravity or the box turns"},
+    {"kernel", "", RP_CHOICE, AT(scene_file, scene.def.kernel), "fast",
+     "fast | reference | baseline | avx2 | avx512",
+     "pair loop: the best here, the general one, or with these instructions; the same bits"},
+    {"ledger", "", RP_BOOL, AT(scene_file, scene.def.ledger), "false", "",
+     "whether to keep the energy ledger, which `repose run -o` writes with the energies; slower, the same "
+     "bits"},
+    {"particles_file", "", RP_TEXT, AT(scene_file, particles_file), "", "",
+     "table with columns x y r and, if wanted, m vx vy angle omega fixed; instead of `particles`"},
+    {0}};
+
+static const rp_param normal_schema[] = {DEM_NORMAL_PARAMS(ROW){0}};
+static const rp_param tangential_schema[] = {DEM_TANGENTIAL_PARAMS(ROW){0}};
+static const rp_param rolling_schema[] = {DEM_ROLLING_PARAMS(ROW){0}};
+
+static const rp_param ground_schema[] = {
+    {"wall", "", RP_INT, AT(dem_ground, wall), "1", "[1, 8]", "its number: a whole line"},
+    {"mu_static", "", RP_REAL, AT(dem_ground, mu_static), NULL, "[0, inf)",
+     "static friction: largest force of a well over the normal force"},
+    {"a", "cm", RP_REAL, AT(dem_ground, a), NULL, "(0, inf)",
+     "half-width of a well, beyond which it is broken"},
+    {"set", "", RP_CHOICE, AT(dem_ground, set), "rest", "touch | rest | again",
+     "when a grain gets its well: at first touch; once it is at rest; then and again after each break"},
+    {0}};
+
+static const rp_param hard_schema[] = {
+    {"restitution", "", RP_REAL, AT(dem_hard, restitution), NULL, "[0, 1]",
+     "of collisions of what approaches fast"},
+    {"mu", "", RP_REAL, AT(dem_hard, mu), "0.0", "[0, inf) | infinite", "their coefficient of friction"},
+    {0}};
+
+static const rp_param implicit_schema[] = {
+    {"solver", "", RP_CHOICE, AT(dem_implicit_solver, solver), "direct", "direct | sor",
+     "how a step is solved: Newton's method by sparse factorisation, or sweeps grain by grain"},
+    {"relaxation", "", RP_REAL, AT(dem_implicit_solver, relaxation), "0.7", "(0, 2)", "factor of the sweeps"},
+    {"tolerance", "", RP_REAL, AT(dem_implicit_solver, tolerance), "1e-15", "[1e-15, 1e-3]",
+     "largest step that a grain's own equation still asks for, over its radius"},
+    {"max_iterations", "", RP_INT, AT(dem_implicit_solver, max_iterations), "1000", "[1, 1000000]",
+     "factorisations or sweeps, after which a step counts as not solved"},
+    {0}};
+
+#define WALL_AUTO(kind, name, key, unit, type, fallback, range, further, value, wall, meaning)               \
+    DEM_IF_MATERIAL(kind,                                                                                    \
+                    {#name, unit, type, AT(wall_entry, line.material.name), "auto", range " | auto",         \
+                     "of this wall; auto: the grains', times " #wall}, )
+
+/* What a wall of a file says: one wall, or a polygon or circle of several. */
+typedef struct {
+    dem_wall line;
+    double corner[2]; /* INFINITY: not joined */
+    long sides;
+    bool closed;
+} wall_entry;
+
+/* The first rows are of polygons and circles alone; each side is written as a segment. */
+enum { SHAPE_ROWS = 2 };
+static const rp_param wall_schema[] = {
+    {"sides", "", RP_INT, AT(wall_entry, sides), "64", "[3, 4096]",
+     "of a circle, which is a regular polygon"},
+    {"closed", "", RP_BOOL, AT(wall_entry, closed), "true", "",
+     "whether a polygon goes on from its last point to its first"},
+    DEM_PHYSICS(WALL_AUTO){"open_at_step", "", RP_INT, AT(wall_entry, line.open_at_step), "never",
+                           "[0, 2147483647] | never", "step from which the wall is gone"},
+    {"open_speed", "cm/s", RP_REAL, AT(wall_entry, line.open_speed), "instant", "[0, inf) | instant",
+     "speed at which its lower end moves then"},
+    {"omega", "rad/s", RP_REAL, AT(wall_entry, line.omega), "0.0", "(-inf, inf)",
+     "rate at which the wall turns about `pivot`, counter-clockwise"},
+    {"corner_lower", "rad", RP_REAL, AT(wall_entry, corner[0]), "none", "(-3.14, 3.14) | none",
+     "of a polygon's side: turn to it from the side that ends where it begins"},
+    {"corner_upper", "rad", RP_REAL, AT(wall_entry, corner[1]), "none", "(-3.14, 3.14) | none",
+     "of a polygon's side: turn from it to the side that begins where it ends"},
+    {0}};
+
+static const rp_param particle_schema[] = {
+    {"x", "cm", RP_REAL, AT(dem_grain, x), NULL, "(-inf, inf)", "centre"},
+    {"y", "cm", RP_REAL, AT(dem_grain, y), NULL, "(-inf, inf)", "centre"},
+    {"r", "cm", RP_REAL, AT(dem_grain, r), NULL, "(0, inf)", "radius"},
+    {"m", "g", RP_REAL, AT(dem_grain, m), "auto", "(0, inf) | auto", "mass; auto: from density and shape"},
+    {"vx", "cm/s", RP_REAL, AT(dem_grain, vx), "0.0", "(-inf, inf)", "velocity"},
+    {"vy", "cm/s", RP_REAL, AT(dem_grain, vy), "0.0", "(-inf, inf)", "velocity"},
+    {"angle", "rad", RP_REAL, AT(dem_grain, angle), "0.0", "(-inf, inf)", "0 where nothing rotates"},
+    {"omega", "rad/s", RP_REAL, AT(dem_grain, omega), "0.0", "(-inf, inf)",
+     "spin, counter-clockwise; 0 where nothing rotates"},
+    {"fixed", "", RP_BOOL, AT(dem_grain, fixed), "false", "", "whether it never moves"},
+    {0}};
+
+#define FILL(...) DEM_KEY_ROW(dem_fill, , __VA_ARGS__)
+
+static const rp_param fill_schema[] = {
+    {"N", "", RP_INT, AT(dem_fill, N), NULL, "[1, 100000000]", "number of grains"},
+    {"W", "cm", RP_REAL, AT(dem_fill, W), NULL, "(0, inf)", "width of the region, from x = x0"},
+    {"H", "cm", RP_REAL, AT(dem_fill, H), NULL, "(0, inf)", "height of the region, from y = y0"},
+    {"x0", "cm", RP_REAL, AT(dem_fill, x0), "0.0", "(-inf, inf)", "left end of the region"},
+    {"y0", "cm", RP_REAL, AT(dem_fill, y0), "0.0", "(-inf, inf)", "lower end of the region"},
+    {"seed", "", RP_INT, AT(dem_fill, seed), "1993", "[0, 2147483647]", "of the random streams"},
+    {"run", "", RP_INT, AT(dem_fill, run), "0", "[0, 2147483647]", "number of the streams within the seed"},
+    DEM_RADIUS_PARAMS(FILL){0}};
+
+const dem_scene_group dem_scene_schemas[] = {{"scene", top_schema},
+                                             {"normal", normal_schema},
+                                             {"tangential", tangential_schema},
+                                             {"rolling", rolling_schema},
+                                             {"walls", wall_schema},
+                                             {"ground", ground_schema},
+                                             {"hard", hard_schema},
+                                             {"implicit", implicit_schema},
+                                             {"particles", particle_schema},
+                                             {"fill", fill_schema},
+                                             {NULL, NULL}};
+
+/* The groups of the contacts' parameters, and what they are of. */
+static rp_status read_physics(const config_setting_t *root, dem_physics *p, dem_definition *def)
+{
+    enum { N_GROUPS = 3 };
+    const dem_scene_group *groups = &dem_scene_schemas[1];
+    for (size_t k = 0; k < N_GROUPS; k++) rp_params_defaults(groups[k].schema, p);
+    dem_physics_apply(p, def);
+    for (size_t k = 0; k < N_GROUPS; k++) {
+        const config_setting_t *group = config_setting_get_member(root, groups[k].name);
+        rp_status status = group ? rp_config_group(group, groups[k].schema, p, NULL) : RP_OK;
+        if (status) return status;
+        dem_physics_apply(p, def);
+        status = group ? dem_material_check(def, &def->material) : RP_OK;
+        if (status) return rp_config_fail(group, "%s", rp_message());
+    }
+    return RP_OK;
+}
+
+/* Add a wall to those of the scene, once its place is known. */
+static rp_status add_wall(const config_setting_t *setting, const dem_wall *wall, dem_scene *scene)
+{
+    dem_definition *def = &scene->def;
+    rp_status status = dem_wall_check(wall);
+    if (!status) status = dem_material_check(def, &wall->material);
+    if (status) return rp_config_fail(setting, "%s", rp_message());
+    const size_t n = def->n_walls;
+    if (n < DEM_FEW_WALLS) def->walls[n] = *wall;
+    if ((n & (n - 1)) == 0 && !dem_grow(&scene->walls, sizeof *wall, n ? 2 * n : 1))
+        return rp_fail(RP_NO_MEMORY, "%zu walls: out of memory", n);
+    scene->walls[n] = *wall;
+    def->n_walls++;
+    def->wall_list = def->n_walls > DEM_FEW_WALLS ? scene->walls : NULL;
+    return RP_OK;
+}
+
+/* A direction of any length; one of length 1 stays as it is to the bit. */
+static rp_status normalise(const config_setting_t *setting, double v[2])
+{
+    const double length = hypot(v[0], v[1]);
+    if (!(length > 0.0)) return rp_config_fail(setting, "direction = [0, 0]: must not be 0");
+    if (fabs(length - 1.0) < 1e-9) return RP_OK;
+    v[0] /= length, v[1] /= length;
+    return RP_OK;
+}
+
+static rp_status read_line(const config_setting_t *setting, const wall_entry *entry, dem_scene *scene)
+{
+    dem_wall wall = entry->line;
+    const config_setting_t *point = config_setting_get_member(setting, "point");
+    const config_setting_t *direction = config_setting_get_member(setting, "direction");
+    const config_setting_t *extent = config_setting_get_member(setting, "extent");
+    if (!point || !direction)
+        return rp_config_fail(setting, "%s: missing (or polygon, or circle)", point ? "direction" : "point");
+    RP_TRY(rp_config_pair(point, wall.point));
+    RP_TRY(rp_config_pair(direction, wall.direction));
+    RP_TRY(normalise(direction, wall.direction));
+    if (extent) RP_TRY(rp_config_pair(extent, wall.extent));
+    for (int end = 0; end < 2; end++) {
+        wall.joined[end] = isfinite(entry->corner[end]);
+        wall.corner[end] = wall.joined[end] ? entry->corner[end] : 0.0;
+    }
+    return add_wall(setting, &wall, scene);
+}
+
+/* The sides of a polygon through n points (x, y), with the direction on the left of the way along them. */
+static rp_status add_polygon(const config_setting_t *setting, const wall_entry *entry, const double *points,
+                             size_t n, bool closed, dem_scene *scene)
+{
+    const size_t first = scene->def.n_walls, sides = closed ? n : n - 1;
+    for (size_t i = 0; i < sides; i++) {
+        const double *p = &points[2 * i], *q = &points[2 * ((i + 1) % n)];
+        const double dx = q[0] - p[0], dy = q[1] - p[1], length = hypot(dx, dy);
+        if (!(length > 0.0) || !isfinite(length))
+            return rp_config_fail(setting, "polygon: points %zu and %zu are [%g, %g]: no side", i + 1,
+                                  (i + 1) % n + 1, p[0], p[1]);
+        dem_wall wall = entry->line;
+        memcpy(wall.point, p, sizeof wall.point);
+        wall.direction[0] = -dy / length, wall.direction[1] = dx / length;
+        wall.extent[0] = 0.0, wall.extent[1] = length;
+        RP_TRY(add_wall(setting, &wall, scene));
+    }
+    for (size_t i = closed ? 0 : 1; i < sides; i++) {
+        dem_wall *before = &scene->walls[first + (i + sides - 1) % sides], *after = &scene->walls[first + i];
+        const double *a = before->direction, *b = after->direction;
+        before->joined[1] = after->joined[0] = true;
+        before->corner[1] = after->corner[0] = atan2(a[0] * b[1] - a[1] * b[0], a[0] * b[0] + a[1] * b[1]);
+        if (!(fabs(after->corner[0]) < 3.14))
+            return rp_config_fail(setting, "polygon: folds back at [%g, %g]", after->point[0],
+                                  after->point[1]);
+    }
+    for (size_t i = first; i < scene->def.n_walls && i < DEM_FEW_WALLS; i++)
+        scene->def.walls[i] = scene->walls[i];
+    return RP_OK;
+}
+
+/* `polygon = ( [x, y], ... )`. */
+static rp_status read_polygon(const config_setting_t *polygon, const wall_entry *entry, dem_scene *scene)
+{
+    const size_t n = (size_t)config_setting_length(polygon), least = entry->closed ? 3 : 2;
+    if (!config_setting_is_list(polygon) || n < least)
+        return rp_config_fail(polygon, "polygon: a list ( [x, y], ... ) of at least %zu points expected",
+                              least);
+    double *points = malloc(2 * n * sizeof *points);
+    rp_status status = points ? RP_OK : rp_fail(RP_NO_MEMORY, "polygon: out of memory");
+    for (size_t i = 0; i < n && !status; i++)
+        status = rp_config_pair(config_setting_get_elem(polygon, (unsigned)i), &points[2 * i]);
+    if (!status) status = add_polygon(polygon, entry, points, n, entry->closed, scene);
+    free(points);
+    return status;
+}
+
+/* `circle = [x, y, radius]`: points on the circle, counter-clockwise; its pivot is its centre. */
+static rp_status read_circle(const config_setting_t *circle, wall_entry *entry, bool pivot, dem_scene *scene)
+{
+    double c[3], *points;
+    rp_status status = rp_config_numbers(circle, 3, c);
+    if (!status && !(c[2] > 0.0))
+        status = rp_config_fail(circle, "circle: radius = %g: must be above 0", c[2]);
+    if (status) return status;
+    if (!pivot) memcpy(entry->line.pivot, c, sizeof entry->line.pivot);
+    const size_t n = (size_t)entry->sides;
+    if (!(points = malloc(2 * n * sizeof *points))) return rp_fail(RP_NO_MEMORY, "circle: out of memory");
+    for (size_t i = 0; i < n; i++) {
+        const double angle = 2.0 * M_PI * ((double)i + 0.5) / (double)n; /* a side at the bottom */
+        points[2 * i] = c[0] + c[2] * sin(angle);
+        points[2 * i + 1] = c[1] - c[2] * cos(angle);
+    }
+    status = add_polygon(circle, entry, points, n, true, scene);
+    free(points);
+    return status;
+}
+
+static rp_status read_wall(const config_setting_t *setting, dem_scene *scene)
+{
+    static const char *const others[] = {"point",  "direction", "extent", "polygon",
+                                         "circle", "velocity",  "pivot",  NULL};
+    wall_entry entry = {.line.extent = {-INFINITY, INFINITY}};
+    rp_params_defaults(wall_schema, &entry);
+    RP_TRY(rp_config_group(setting, wall_schema, &entry, others));
+    const config_setting_t *polygon = config_setting_get_member(setting, "polygon"),
+                           *circle = config_setting_get_member(setting, "circle"),
+                           *velocity = config_setting_get_member(setting, "velocity"),
+                           *pivot = config_setting_get_member(setting, "pivot");
+    if (velocity) RP_TRY(rp_config_pair(velocity, entry.line.velocity));
+    if (pivot) RP_TRY(rp_config_pair(pivot, entry.line.pivot));
+    const config_setting_t *shape = polygon ? polygon : circle;
+    for (int k = 0; k < 3 && shape; k++)
+        if (config_setting_get_member(setting, others[k]) || (polygon && circle))
+            return rp_config_fail(setting, "a wall has one of point, polygon and circle");
+    entry.line.material = dem_wall_material(&entry.line.material, &scene->def.material);
+    if (polygon) return read_polygon(polygon, &entry, scene);
+    if (circle) return read_circle(circle, &entry, pivot != NULL, scene);
+    return read_line(setting, &entry, scene);
+}
+
+static rp_status read_walls(const config_setting_t *root, dem_scene *scene)
+{
+    const config_setting_t *list = config_setting_get_member(root, "walls");
+    if (!list) return RP_OK;
+    if (!config_setting_is_list(list)) return rp_config_fail(list, "walls: a list ( { ... } ) expected");
+    const int n = config_setting_length(list);
+    for (int i = 0; i < n; i++) RP_TRY(read_wall(config_setting_get_elem(list, (unsigned)i), scene));
+    return RP_OK;
+}
+
+/* A group that may be missing; its values then stay as they are. */
+static rp_status read_group(const config_setting_t *root, const char *name, const rp_param *schema,
+                            void *values)
+{
+    const config_setting_t *group = config_setting_get_member(root, name);
+    if (!group) return RP_OK;
+    rp_params_defaults(schema, values);
+    return rp_config_group(group, schema, values, NULL);
+}
+
+static rp_status alloc_grains(scene_file *file, size_t n)
+{
+    file->scene.def.n_grains = n;
+    file->scene.grains = malloc((n + 1) * sizeof *file->scene.grains);
+    return file->scene.grains ? RP_OK : rp_fail(RP_NO_MEMORY, "%zu particles: out of memory", n);
+}
+
+static rp_status mass_of(const scene_file *file, double r, double *m)
+{
+    *m = dem_mass(file->physics.shape, file->physics.density, r);
+    return dem_density_check(file->physics.shape, file->has_density);
+}
+
+static rp_status read_particles(const config_setting_t *list, scene_file *file)
+{
+    if (!config_setting_is_list(list)) return rp_config_fail(list, "particles: a list ( { ... } ) expected");
+    const size_t n = (size_t)config_setting_length(list);
+    if (n == 0) return rp_config_fail(list, "particles: no particles");
+    RP_TRY(alloc_grains(file, n));
+    for (size_t i = 0; i < n; i++) {
+        dem_grain *p = &file->scene.grains[i];
+        rp_params_defaults(particle_schema, p);
+        RP_TRY(rp_config_group(config_setting_get_elem(list, (unsigned)i), particle_schema, p, NULL));
+        if (p->m < 0.0) RP_TRY(mass_of(file, p->r, &p->m));
+    }
+    return RP_OK;
+}
+
+static rp_status read_particles_table(const rp_table *table, scene_file *file)
+{
+    enum { N = sizeof particle_schema / sizeof *particle_schema - 1 };
+    int columns[N];
+    static const char *const numbers[N] = {"1", "2", "3", "4", "5", "6", "7", "8", "9"};
+    const bool named = table->n_columns > 0 && table->names[0];
+    for (int c = 0; c < N; c++) {
+        const char *name = particle_schema[c].name;
+        const rp_status found = rp_table_find(table, named ? name : numbers[c],
+                                              "x y r, and m vx vy angle omega fixed as needed", &columns[c]);
+        if (found && !particle_schema[c].fallback) return found;
+    }
+    RP_TRY(alloc_grains(file, table->n_rows));
+    for (size_t i = 0; i < table->n_rows; i++) {
+        double v[N] = {0.0};
+        for (int c = 0; c < N; c++)
+            if (columns[c] >= 0) RP_TRY(rp_table_number(table, i, columns[c], 0, &v[c]));
+        if (!(v[2] > 0.0))
+            return rp_fail(RP_BAD_INPUT, "%s:%zu: r = %g: out of range, allowed: (0, inf)",
+                           table->places[i].path, table->places[i].line, v[2]);
+        if (columns[3] < 0) RP_TRY(mass_of(file, v[2], &v[3]));
+        file->scene.grains[i] = (dem_grain){v[0], v[1], v[2], v[3], v[4], v[5], v[6], v[7], v[8] != 0.0};
+    }
+    return RP_OK;
+}
+
+static rp_status read_fill(const config_setting_t *group, scene_file *file)
+{
+    dem_fill *f = &file->scene.fill;
+    rp_params_defaults(fill_schema, f);
+    RP_TRY(rp_config_group(group, fill_schema, f, NULL));
+    rp_status status = dem_radius_check(f->radius_mean, f->radius_min, f->radius_max);
+    if (!status) status = dem_density_check(file->physics.shape, file->has_density);
+    if (status) return rp_config_fail(group, "%s", rp_message());
+    f->shape = file->physics.shape;
+    f->density = file->physics.density;
+    file->scene.has_fill = true;
+    return RP_OK;
+}
+
+static rp_status read_grains(const char *path, const config_setting_t *root, scene_file *file)
+{
+    const config_setting_t *list = config_setting_get_member(root, "particles");
+    const config_setting_t *fill = config_setting_get_member(root, "fill");
+    const bool from_table = file->particles_file && *file->particles_file;
+    if ((list != NULL) + (fill != NULL) + from_table != 1)
+        return rp_fail(RP_BAD_INPUT, "%s: exactly one of particles, particles_file and fill is needed", path);
+    if (fill) return read_fill(fill, file);
+    if (list) return read_particles(list, file);
+    /* a relative name is meant from the scene file's folder */
+    char name[4096];
+    const char *slash = strrchr(path, '/');
+    int folder = slash && file->particles_file[0] != '/' ? (int)(slash - path) + 1 : 0;
+    snprintf(name, sizeof name, "%.*s%s", folder, path, file->particles_file);
+    rp_table table;
+    rp_status status = rp_table_read(name, &table);
+    if (!status && table.n_rows == 0) status = rp_fail(RP_BAD_INPUT, "%s: no particles", name);
+    if (!status) status = read_particles_table(&table, file);
+    rp_table_free(&table);
+    return status;
+}
+
+/* Read "v = VALUE;"; a bare word is a string. Afterwards config_destroy, also after an error. */
+static rp_status read_value(const char *value, config_t *one)
+{
+    char line[512];
+    rp_status status = RP_OK;
+    config_init(one);
+    for (int quoted = 0; quoted < 2 && !status; quoted++) {
+        const int n = snprintf(line, sizeof line, quoted ? "v = \"%s\";" : "v = %s;", value);
+        if (n >= (int)sizeof line) return rp_fail(RP_BAD_INPUT, "--set: a value of more than 500 bytes");
+        status = rp_config_scan_text("--set", line);
+        if (!status && config_read_string(one, line) && config_setting_length(config_root_setting(one)) == 1)
+            return RP_OK;
+    }
+    return status ? status : rp_fail(RP_BAD_INPUT, "--set: cannot read the value");
+}
+
+static rp_status no_member(const config_setting_t *group, const char *name, const char *text)
+{
+    rp_guess guess = rp_guess_of(name);
+    for (int i = 0; i < config_setting_length(group); i++)
+        rp_guess_try(&guess, config_setting_name(config_setting_get_elem(group, (unsigned)i)));
+    return rp_fail(RP_BAD_INPUT, "--set %s: the file has no such group%s", text, rp_guess_text(&guess));
+}
+
+/* The index in "walls[2]", which ends the name there; -1 for a name alone, -2 for no index. */
+static long take_index(char *name)
+{
+    char *open = strchr(name, '['), *end;
+    if (!open) return -1;
+    const long i = strtol(open + 1, &end, 10);
+    const bool whole = isdigit((unsigned char)open[1]) && strcmp(end, "]") == 0;
+    *open = '\0';
+    return whole ? i : -2;
+}
+
+/* One step of a path: the member `name` of the group, or its entry where the name has an index. */
+static rp_status step_into(char *name, const char *text, config_setting_t **group)
+{
+    const long i = take_index(name);
+    config_setting_t *member = config_setting_get_member(*group, name);
+    if (!member) return no_member(*group, name, text);
+    const int n = config_setting_length(member);
+    if (config_setting_is_list(member) && (i < 0 || i >= n))
+        return rp_fail(RP_BAD_INPUT, "--set %s: %s is a list of %d entries: %s[0] to %s[%d]", text, name, n,
+                       name, name, n - 1);
+    if (!config_setting_is_list(member) && i != -1)
+        return rp_fail(RP_BAD_INPUT, "--set %s: %s is no list with entries", text, name);
+    *group = i < 0 ? member : config_setting_get_elem(member, (unsigned)i);
+    if (config_setting_is_group(*group)) return RP_OK;
+    return rp_fail(RP_BAD_INPUT, "--set %s: %s has no keys of its own", text, name);
+}
+
+/* Add a copy of the value to a group under this name; to a list or an array without a name. */
+static bool add_copy(config_setting_t *parent, const char *name, const config_setting_t *value)
+{
+    const int type = config_setting_type(value);
+    config_setting_t *copy = config_setting_add(parent, name, type);
+    if (!copy) return false;
+    switch (type) {
+    case CONFIG_TYPE_INT: return config_setting_set_int(copy, config_setting_get_int(value));
+    case CONFIG_TYPE_INT64: return config_setting_set_int64(copy, config_setting_get_int64(value));
+    case CONFIG_TYPE_FLOAT: return config_setting_set_float(copy, config_setting_get_float(value));
+    case CONFIG_TYPE_BOOL: return config_setting_set_bool(copy, config_setting_get_bool(value));
+    case CONFIG_TYPE_STRING: return config_setting_set_string(copy, config_setting_get_string(value));
+    default: break;
+    }
+    bool whole = true;
+    for (int i = 0; i < config_setting_length(value) && whole; i++) {
+        const config_setting_t *part = config_setting_get_elem(value, (unsigned)i);
+        whole = add_copy(copy, config_setting_name(part), part);
+    }
+    return whole;
+}
+
+/* Put "group.key=value" or "list[0].key=value" into the tree that was read, in place of what stands there. */
+static rp_status change(config_t *config, const char *text)
+{
+    char path[128];
+    const char *equals = strchr(text, '=');
+    if (!equals || equals == text || equals - text >= (long)sizeof path)
+        return rp_fail(RP_BAD_INPUT, "--set %s: key=value expected", text);
+    snprintf(path, sizeof path, "%.*s", (int)(equals - text), text);
+    for (char *dot; (dot = strstr(path, ".["));)
+        memmove(dot, dot + 1, strlen(dot)); /* libconfig's spelling */
+    config_t one;
+    rp_status status = read_value(equals + 1, &one);
+    config_setting_t *group = config_root_setting(config);
+    char *key = path;
+    for (char *dot; !status && (dot = strchr(key, '.')); key = dot + 1) {
+        *dot = '\0';
+        status = step_into(key, text, &group);
+    }
+    if (!status && strchr(key, '['))
+        status = rp_fail(RP_BAD_INPUT, "--set %s: give a key of the entry, or the whole list", text);
+    if (!status) {
+        if (config_setting_get_member(group, key)) config_setting_remove(group, key);
+        if (!add_copy(group, key, config_lookup(&one, "v")))
+            status = rp_fail(RP_BAD_INPUT, "--set %s: not a key", text);
+    }
+    config_destroy(&one);
+    return status;
+}
+
+static rp_status read_scene(const char *path, config_t *config, const rp_texts *changes, scene_file *file)
+{
+    static const char *const others[] = {"gravity", "normal", "tangential", "rolling",  "walls", "particles",
+                                         "fill",    "ground", "hard",       "implicit", NULL};
+    const char *units = NULL;
+    RP_TRY(rp_config_read(path, config));
+    for (size_t i = 0; changes && i < changes->n; i++) RP_TRY(change(config, changes->items[i]));
+    const config_setting_t *root = config_root_setting(config);
+    config_lookup_string(config, "units", &units);
+    rp_units_set(rp_units_find(units));
+    rp_params_defaults(top_schema, file);
+    RP_TRY(rp_config_group(root, top_schema, file, others));
+    file->has_density = config_setting_get_member(root, "density") != NULL;
+    dem_definition *def = &file->scene.def;
+    def->gravity[1] = rp_units_value("cm/s^2", def->gravity[1]);
+    const config_setting_t *gravity = config_setting_get_member(root, "gravity");
+    if (gravity) RP_TRY(rp_config_pair(gravity, def->gravity));
+    def->skin = fmax(def->skin, 0.0);
+    def->y_min = isinf(file->y_min) ? -INFINITY : file->y_min;
+    def->turn_per_step = file->turn_deg * (M_PI / 180.0);
+    def->box_turn_per_step = file->box_turn_deg * (M_PI / 180.0);
+    RP_TRY(read_physics(root, &file->physics, def));
+    RP_TRY(read_walls(root, &file->scene));
+    def->hard.on = config_setting_get_member(root, "hard") != NULL;
+    const config_setting_t *implicit = config_setting_get_member(root, "implicit");
+    RP_TRY(read_group(root, "ground", ground_schema, &def->ground));
+    RP_TRY(read_group(root, "hard", hard_schema, &def->hard));
+    if (implicit && def->integrator != DEM_IMPLICIT)
+        return rp_config_fail(implicit, "implicit: needs integrator = \"implicit\"");
+    RP_TRY(read_group(root, "implicit", implicit_schema, &def->implicit));
+    return read_grains(path, root, file);
+}
+
+rp_status dem_scene_read(const char *path, const rp_texts *changes, dem_scene *scene)
+{
+    config_t config;
+    scene_file file = {.scene = {.def = dem_definition_default()}};
+    rp_status status = read_scene(path, &config, changes, &file);
+    *scene = file.scene;
+    config_destroy(&config);
+    return status;
+}
+
+void dem_scene_free(dem_scene *scene)
+{
+    free(scene->grains);
+    free(scene->walls);
+    scene->grains = NULL;
+    scene->walls = NULL;
+    scene->def.wall_list = NULL;
+}
+
+rp_status dem_scene_start(const dem_scene *scene, dem_sim **sim)
+{
+    *sim = NULL;
+    dem_definition def = scene->def;
+    if (!scene->has_fill) {
+        def.grains = scene->grains;
+        return dem_create(&def, sim);
+    }
+    dem_grain *grains = malloc((size_t)scene->fill.N * sizeof *grains);
+    if (!grains) return rp_fail(RP_NO_MEMORY, "%ld particles: out of memory", scene->fill.N);
+    rp_status status = dem_fill_random(&scene->fill, grains);
+    def.grains = grains;
+    def.n_grains = (size_t)scene->fill.N;
+    if (!status) status = dem_create(&def, sim);
+    free(grains);
+    return status;
+}
+
+static void write_pair(FILE *out, const char *key, const double pair[2])
+{
+    fprintf(out, "%s = ( %.17g, %.17g ); ", key, pair[0], pair[1]);
+}
+
+static void write_group(FILE *out, const char *key, const rp_param *schema, const void *values)
+{
+    fprintf(out, "%s = { ", key);
+    rp_config_write(out, schema, values);
+    fputs("};\n", out);
+}
+
+static void write_top(FILE *out, const dem_scene *scene)
+{
+    const dem_definition *def = &scene->def;
+    const double density = scene->has_fill ? scene->fill.density : dem_physics_default().density;
+    scene_file file = {.scene = *scene, .physics = dem_physics_of(def, density), .particles_file = ""};
+    if (def->skin == 0.0) file.scene.def.skin = -1.0;
+    file.y_min = isinf(def->y_min) ? INFINITY : def->y_min;
+    file.turn_deg = def->turn_per_step * (180.0 / M_PI);
+    file.box_turn_deg = def->box_turn_per_step * (180.0 / M_PI);
+    if (scene->has_fill) file.physics.shape = scene->fill.shape;
+    file.units = (int)rp_units_now();
+    write_pair(out, "gravity", def->gravity);
+    rp_config_write(out, top_schema, &file);
+    fputc('\n', out);
+}
+
+static void write_walls(FILE *out, const dem_definition *def)
+{
+    fputs("walls = (", out);
+    for (size_t w = 0; w < def->n_walls; w++) {
+        const dem_wall *wall = &dem_walls_of(def)[w];
+        wall_entry entry = {.line = *wall};
+        for (int end = 0; end < 2; end++)
+            entry.corner[end] = wall->joined[end] ? wall->corner[end] : INFINITY;
+        fputs(w ? ",\n  { " : "\n  { ", out);
+        write_pair(out, "point", wall->point);
+        write_pair(out, "direction", wall->direction);
+        /* libconfig has no infinity: an open end is written as a number far away */
+        double ends[2] = {fmax(wall->extent[0], -1e300), fmin(wall->extent[1], 1e300)};
+        if (isfinite(wall->extent[0]) || isfinite(wall->extent[1])) write_pair(out, "extent", ends);
+        if (dem_wall_moves(wall)) {
+            write_pair(out, "velocity", wall->velocity);
+            write_pair(out, "pivot", wall->pivot);
+        }
+        rp_config_write(out, wall_schema + SHAPE_ROWS, &entry);
+        fputs("}", out);
+    }
+    fputs(" );\n", out);
+}
+
+static void write_particles(FILE *out, const dem_scene *scene)
+{
+    fputs("particles = (", out);
+    for (size_t i = 0; i < scene->def.n_grains; i++) {
+        fputs(i ? ",\n  { " : "\n  { ", out);
+        rp_config_write(out, particle_schema, &scene->grains[i]);
+        fputs("}", out);
+    }
+    fputs(" );\n", out);
+}
+
+void dem_scene_write(const dem_scene *scene, FILE *out)
+{
+    const dem_definition *def = &scene->def;
+    const dem_physics physics = dem_physics_of(def, 0.0);
+    write_top(out, scene);
+    write_group(out, "normal", normal_schema, &physics);
+    write_group(out, "tangential", tangential_schema, &physics);
+    write_group(out, "rolling", rolling_schema, &physics);
+    write_walls(out, def);
+    if (def->ground.wall) write_group(out, "ground", ground_schema, &def->ground);
+    if (def->hard.on) write_group(out, "hard", hard_schema, &def->hard);
+    if (def->integrator == DEM_IMPLICIT) write_group(out, "implicit", implicit_schema, &def->implicit);
+    if (scene->has_fill)
+        write_group(out, "fill", fill_schema, &scene->fill);
+    else
+        write_particles(out, scene);
+}

@@ -1,0 +1,65 @@
+/* Scenes: a definition as a file, read and written; tables of a simulation's state. */
+#ifndef DEM_SCENE_H
+#define DEM_SCENE_H
+
+#include <stdio.h>
+
+#include "params/params.h"
+#include "dem/dem.h"
+
+RP_C_BEGIN
+
+typedef struct {
+    dem_definition def; /* its grains are the scene's, or NULL with a fill */
+    bool has_fill;
+    dem_fill fill; /* H here is the height of the region that grains are placed in */
+    long steps;
+    dem_grain *grains; /* owned */
+    dem_wall *walls;   /* owned; NULL where the definition holds its few walls itself */
+} dem_scene;
+
+/* Read a scene file; `changes` are further "key=value" or "group.key=value" settings, numbers, words or
+ * booleans, that replace the file's. Free with dem_scene_free, also after an error.
+ * Errors: RP_BAD_INPUT with file, line, key, value and allowed range; RP_NO_MEMORY. */
+rp_status dem_scene_read(const char *path, const rp_texts *changes, dem_scene *scene);
+void dem_scene_free(dem_scene *scene);
+
+/* Fill if there is something to fill, and make the simulation. Errors: as dem_fill_random, dem_create. */
+rp_status dem_scene_start(const dem_scene *scene, dem_sim **sim);
+
+/* Write a scene that dem_scene_read reads back to the same bits (a turn of gravity: to round-off). */
+void dem_scene_write(const dem_scene *scene, FILE *out);
+
+/* The schemas of a scene file: top level, then groups; ended by a NULL name. */
+typedef struct {
+    const char *name;
+    const rp_param *schema;
+} dem_scene_group;
+extern const dem_scene_group dem_scene_schemas[];
+
+/* Table rows: step t id x y angle vx vy omega fx fy r m contacts. */
+void dem_write_state_columns(FILE *out);
+rp_status dem_write_states(const dem_sim *sim, FILE *out);
+
+/* Table rows: step t id_a id_b wall x y x_b y_b overlap normal_force shear_force shear_spring rolling_torque
+ * rolling_spring, of all contacts. */
+void dem_write_contact_columns(FILE *out);
+rp_status dem_write_contacts(const dem_sim *sim, FILE *out);
+
+/* Table rows: step t wall x y direction_x direction_y from to fx fy, of all walls, as dem_wall_now has them.
+ */
+void dem_write_wall_columns(FILE *out);
+rp_status dem_write_walls(const dem_sim *sim, FILE *out); /* RP_OK */
+
+/* Table rows: step t grains kinetic elastic gravity kinetic_per_grain rotational (erg; gravity from the
+ * origin; kinetic of translation alone, per grain of both); with a ledger all of dem_ledger. */
+void dem_write_energy_columns(bool ledger, FILE *out);
+void dem_write_energy(const dem_sim *sim, FILE *out);
+
+/* Header lines on what the scene's numbers mean: dt against its limit and the contact time, restitution and
+ * largest overlap of an impact at the start's fall height, the elastic modulus that k_n stands for. */
+void dem_write_notes(const dem_sim *sim, FILE *out);
+
+RP_C_END
+
+#endif

@@ -1,0 +1,218 @@
+/* The largest stable time step of a definition, from the rates of its quickest contacts. */
+
+#include <math.h>
+
+#include "dem/setup/definition.h"
+#include "dem/observe/observe.h"
+
+/* The stiffest and the most damped motion of a packing in which every contact is as this one, over a third of
+ * what a pair's are. Of normal forces alone a triangular packing's modes have 3 k_n/m_eff at most; with shear
+ * springs 3 k_n + k_s, or the other way round, at the edges of its cell of wave numbers, and
+ * 9/4 (k_n + k_s) in the corners. Where grains rotate, J = m r^2/I, they do so the fastest when all turn
+ * alike, 6 J k_s; rolling resistance then rests, but 3 J k_roll at R_eff <= r/2 bound what it adds. */
+static double packing_sum(double normal, double shear, double roll, double turns)
+{
+    const double edge = fmax(normal, shear) + fmin(normal, shear) / 3.0, corner = 0.75 * (normal + shear);
+    return fmax(fmax(edge, corner), turns * (2.0 * shear + roll));
+}
+
+/* Effective mass, and coordination number over six, of two grains or of a grain and a fixed body. */
+typedef struct {
+    double m_eff, coordination;
+} contact_pair;
+
+/* Largest coordination number of a grain, over six: a large grain among small ones has more neighbours. */
+static double coordination_of(double r, double r_min)
+{
+    return fmax(1.0, M_PI / 6.0 / asin(r_min / (r + r_min)));
+}
+
+/* Each of the two has as many contacts as it can; m_b may be INFINITY. */
+static contact_pair pair_of(double m_a, double coordination_a, double m_b, double coordination_b)
+{
+    const double inverse = 1.0 / m_a + 1.0 / m_b;
+    return (contact_pair){1.0 / inverse, (coordination_a / m_a + coordination_b / m_b) / inverse};
+}
+
+/* Largest time step of a contact at this overlap. */
+static double contact_step_limit(const dem_definition *def, const dem_material *c, contact_pair of,
+                                 double overlap, dem_load load)
+{
+    const dem_scheme *scheme = dem_schemes[def->integrator];
+    const dem_normal_descriptor *law = &dem_normal_descriptors[def->normal];
+    const double k_n = law->stiffness(c->k_n, overlap),
+                 gamma_n = law->damping_rate(c->k_n, c->gamma_n, of.m_eff, overlap);
+    const double turns = def->rotation ? 1.0 / dem_inertia(def->shape, 1.0, 1.0) : 0.0;
+    const bool shear = dem_has_friction(def->tangential), spring = dem_has_spring(def->tangential),
+               rolls = shear && c->mu_roll > 0.0;
+    const dem_rates rates = {.gamma = of.coordination * packing_sum(gamma_n, shear ? c->gamma_s : 0.0,
+                                                                    rolls ? c->gamma_roll : 0.0, turns),
+                             .omega2 =
+                                 of.coordination / of.m_eff *
+                                 packing_sum(k_n, spring ? c->k_s : 0.0, rolls ? c->k_roll : 0.0, turns)};
+    return scheme->step_limit ? scheme->step_limit(def, rates, load) : INFINITY;
+}
+
+/* Largest time step for impacts at speed v, and for a contact at rest under a column as high as v is fallen
+ * from, of grains of radius r. */
+static double speed_step_limit(const dem_definition *def, const dem_material *c, contact_pair of, double r,
+                               double v)
+{
+    const dem_normal_descriptor *law = &dem_normal_descriptors[def->normal];
+    if (!(c->k_n > 0.0)) return contact_step_limit(def, c, of, 0.0, DEM_AT_IMPACT);
+    const double impact = law->impact_overlap(c->k_n, of.m_eff, v), weight = of.m_eff * v * v / (4.0 * r),
+                 rest = law->rest_overlap(c->k_n, weight);
+    return fmin(contact_step_limit(def, c, of, impact, DEM_AT_IMPACT),
+                contact_step_limit(def, c, of, rest, DEM_AT_REST));
+}
+
+/* The same for a well of the ground under a column as high as v is fallen from. An impact's larger force
+ * makes it stiffer, but breaks it or is over before that can grow. */
+static double well_step_limit(const dem_definition *def, double m, double r, double v)
+{
+    const double stiffness = def->ground.mu_static *
+                             fmax(m * v * v / (4.0 * r), m * hypot(def->gravity[0], def->gravity[1])) /
+                             def->ground.a;
+    return stiffness > 0.0 ? 0.85 * 4.0 / sqrt(12.0 * stiffness / m) : INFINITY;
+}
+
+static dem_vec end_of(const dem_wall *wall, int end)
+{
+    const dem_vec direction = {wall->direction[0], wall->direction[1]};
+    return (dem_vec){wall->point[0], wall->point[1]} + wall->extent[end] * dem_clockwise(direction);
+}
+
+double dem_wall_speed(const dem_definition *def, const dem_wall *wall)
+{
+    if (!dem_wall_moves(wall)) return 0.0;
+    const dem_vec pivot = {wall->pivot[0], wall->pivot[1]};
+    const bool segment = isfinite(wall->extent[0]) && isfinite(wall->extent[1]);
+    double reach2 = 0.0;
+    for (int end = 0; end < 2 && segment; end++) {
+        const dem_vec arm = end_of(wall, end) - pivot;
+        reach2 = fmax(reach2, dem_dot(arm, arm));
+    }
+    for (size_t i = 0; i < def->n_grains && !segment; i++) {
+        const dem_vec arm = (dem_vec){def->grains[i].x, def->grains[i].y} - pivot;
+        reach2 = fmax(reach2, dem_dot(arm, arm));
+    }
+    return hypot(wall->velocity[0], wall->velocity[1]) + fabs(wall->omega) * sqrt(reach2);
+}
+
+double dem_impact_speed(const dem_definition *def)
+{
+    double speed = 0.0, low = INFINITY, high = -INFINITY;
+    const double *g = def->gravity;
+    for (size_t i = 0; i < def->n_grains; i++) {
+        const dem_grain *p = &def->grains[i];
+        double height = -(g[0] * p->x + g[1] * p->y); /* times g */
+        speed = fmax(speed, hypot(p->vx, p->vy));
+        low = fmin(low, height);
+        high = fmax(high, height);
+    }
+    for (size_t w = 0; w < def->n_walls; w++) {
+        const dem_wall *wall = &dem_walls_of(def)[w];
+        const double *n = wall->direction, *q = wall->point;
+        speed = fmax(speed, dem_wall_speed(def, wall));
+        for (int end = 0; end < 2 && dem_wall_moves(wall); end++) {
+            const dem_vec p = end_of(wall, end);
+            if (isfinite(p[0] + p[1])) high = fmax(high, -(g[0] * p[0] + g[1] * p[1]));
+        }
+        /* a wall along gravity has no height of its own */
+        if (fabs(n[0] * g[0] + n[1] * g[1]) > 1e-6 * hypot(g[0], g[1]))
+            low = fmin(low, -(g[0] * q[0] + g[1] * q[1]));
+    }
+    return 2.0 * speed + (high > low ? sqrt(2.0 * (high - low)) : 0.0);
+}
+
+/* The two grains of all that move that are quickest in a coordination; `second` is NULL where only one moves.
+ */
+static void lightest_two(const dem_definition *def, double r_min, const dem_grain **first,
+                         const dem_grain **second)
+{
+    double least = INFINITY, next = INFINITY;
+    *first = *second = NULL;
+    for (size_t i = 0; i < def->n_grains; i++) {
+        const dem_grain *p = &def->grains[i];
+        const double m = p->m / coordination_of(p->r, r_min);
+        if (p->fixed || m >= next) continue;
+        const bool lightest = m < least;
+        next = lightest ? least : m;
+        *second = lightest ? *first : p;
+        if (lightest) least = m, *first = p;
+    }
+}
+
+/* Lower the limit to t, which `contact` sets. */
+static void lower(double t, const char *contact, double *limit, const char **what)
+{
+    if (t >= *limit) return;
+    *limit = t;
+    *what = contact;
+}
+
+static double step_limit(const dem_definition *def, const char **what)
+{
+    *what = "nothing: the integrator is implicit";
+    if (!dem_schemes[def->integrator]->step_limit) return INFINITY;
+    double r_moves = INFINITY, r_min = INFINITY, limit = INFINITY;
+    const dem_grain *first, *second;
+    for (size_t i = 0; i < def->n_grains; i++) {
+        r_min = fmin(r_min, def->grains[i].r);
+        if (!def->grains[i].fixed) r_moves = fmin(r_moves, def->grains[i].r);
+    }
+    lightest_two(def, r_min, &first, &second);
+    *what = "no contact";
+    if (!first) return limit;
+    const double v = dem_impact_speed(def), coordination = coordination_of(first->r, r_min);
+    const contact_pair one = pair_of(first->m, coordination, INFINITY, 0.0); /* the other cannot move */
+    if (def->n_grains > 1) {
+        const contact_pair two =
+            second ? pair_of(first->m, coordination, second->m, coordination_of(second->r, r_min)) : one;
+        *what = "two of the lightest grains";
+        limit = speed_step_limit(def, &def->material, two, r_moves, v);
+    }
+    for (size_t w = 0; w < def->n_walls; w++) {
+        lower(speed_step_limit(def, &dem_walls_of(def)[w].material, one, r_moves, v),
+              "the lightest grain at a wall", &limit, what);
+        if ((int)w + 1 == def->ground.wall)
+            lower(well_step_limit(def, first->m, r_moves, v), "the lightest grain in a well of the ground",
+                  &limit, what);
+    }
+    return limit;
+}
+
+double dem_time_step_limit(const dem_definition *def, const char **what)
+{
+    dem_definition own = *def;
+    const char *unused;
+    if (!what) what = &unused;
+    *what = "a restitution that cannot be had";
+    const double limit = dem_physics_resolve(&own) ? 0.0 : step_limit(&own, what);
+    dem_physics_free(&own, def);
+    return limit;
+}
+
+/* Of a contact at the start. */
+static contact_pair pair_at(const dem_sim *sim, const dem_relative *r)
+{
+    const dem_grains *g = &sim->grains;
+    if (r->slot) return pair_of(r->m_eff, 1.0, INFINITY, 0.0);
+    const bool held = dem_is_fixed(sim, r->a);
+    const size_t a = held ? r->b : r->a, b = held ? r->a : r->b;
+    return pair_of(g->mass[a], coordination_of(g->radius[a], sim->r_min),
+                   dem_is_fixed(sim, b) ? INFINITY : g->mass[b], coordination_of(g->radius[b], sim->r_min));
+}
+
+rp_status dem_check_start_overlaps(const dem_sim *sim)
+{
+    double limit = INFINITY;
+    dem_relative r;
+    for (size_t k = 0; k < dem_contact_numbers(sim); k++)
+        if (dem_contact_relative(sim, k, false, &r))
+            limit =
+                fmin(limit, contact_step_limit(&sim->def, r.c, pair_at(sim, &r), r.overlap, DEM_AT_START));
+    if (sim->def.dt <= limit) return RP_OK;
+    return rp_fail(RP_BAD_INPUT, "dt = %g: too large for an initial overlap, the limit is %.3g", sim->def.dt,
+                   limit);
+}

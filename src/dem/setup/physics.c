@@ -1,0 +1,180 @@
+/* The physical parameters, from what is given to a definition; see physics.h. */
+#include "params/units.h"
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "dem/setup/definition.h"
+
+static const rp_param schema[] = {
+#define ROW(...) DEM_NAME_ROW(dem_physics, , __VA_ARGS__)
+    DEM_PHYSICS(ROW){0}};
+
+dem_physics dem_physics_default(void)
+{
+    dem_physics p;
+    rp_params_defaults(schema, &p);
+    return p;
+}
+
+static bool has_rate(const dem_definition *def)
+{
+    return strcmp(dem_normal_descriptors[def->normal].gamma_n_unit, "1/s") == 0;
+}
+
+/* In the order of the list: a value may depend on those before it. What follows from a gamma_n that is not
+ * known yet stays negative. */
+static void complete(const dem_definition *def, dem_material *m)
+{
+    const bool rate = has_rate(def);
+#define MATERIAL_VALUE(kind, name, key, unit, type, fallback, range, further, value, ...)                    \
+    DEM_IF_MATERIAL(kind, if (m->name < 0.0) m->name = value; if (m->name < 0.0) m->name = -1.0;)
+    DEM_PHYSICS(MATERIAL_VALUE)
+}
+
+void dem_physics_apply(const dem_physics *p, dem_definition *def)
+{
+    dem_material *m = &def->material;
+#define SCENE_VALUE(kind, name, ...) DEM_IF_SCENE(kind, def->name = p->name;)
+    DEM_PHYSICS(SCENE_VALUE)
+#define MATERIAL_GIVEN(kind, name, ...) DEM_IF_MATERIAL(kind, m->name = p->name;)
+    DEM_PHYSICS(MATERIAL_GIVEN)
+    complete(def, m);
+}
+
+dem_physics dem_physics_of(const dem_definition *def, double density)
+{
+    dem_physics p = {.density = density};
+    const dem_material *m = &def->material;
+#define SCENE_OF(kind, name, ...) DEM_IF_SCENE(kind, p.name = def->name;)
+    DEM_PHYSICS(SCENE_OF)
+#define MATERIAL_OF(kind, name, ...) DEM_IF_MATERIAL(kind, p.name = m->name;)
+    DEM_PHYSICS(MATERIAL_OF)
+    if (p.restitution == 0.0) p.restitution = -1.0;
+    return p;
+}
+
+#define AUTO(kind, name, ...) DEM_IF_MATERIAL(kind, .name = -1.0, )
+const dem_material dem_material_auto = {DEM_PHYSICS(AUTO)};
+
+dem_material dem_wall_material(const dem_material *given, const dem_material *grains)
+{
+    dem_material m;
+#define WALL_VALUE(kind, name, key, unit, type, fallback, range, further, value, wall, ...)                  \
+    DEM_IF_MATERIAL(kind, m.name = given->name < 0.0 ? (wall)*grains->name : given->name;)
+    DEM_PHYSICS(WALL_VALUE)
+    /* one of the two that is given replaces the grains' other */
+    if (given->gamma_n >= 0.0 && given->restitution < 0.0) m.restitution = -1.0;
+    if (given->restitution > 0.0 && given->gamma_n < 0.0) m.gamma_n = -1.0;
+    return m;
+}
+
+static rp_status check_restitution(const dem_material *m)
+{
+    if (m->restitution > 0.0 && m->gamma_n >= 0.0)
+        return rp_fail(RP_BAD_INPUT, "restitution = %g, gamma_n = %g: give one, the other follows",
+                       m->restitution, m->gamma_n);
+    return rp_check_range("restitution", m->restitution, -INFINITY, 1.0, "(0, 1]");
+}
+
+/* gamma_n of a contact of mass m_eff whose impacts at speed v have the restitution. */
+static rp_status find_damping(const dem_definition *def, double m_eff, double v, dem_material *m)
+{
+    rp_status status = check_restitution(m);
+    if (status || !(m->restitution > 0.0)) return status;
+    const dem_normal_descriptor *law = &dem_normal_descriptors[def->normal];
+    if (!(m->k_n > 0.0)) return rp_fail(RP_BAD_INPUT, "restitution = %g: needs k_n > 0", m->restitution);
+    if (!law->damping_ratio && !(v > 0.0))
+        return rp_fail(
+            RP_BAD_INPUT,
+            "restitution = %g: that of the law %s depends on speed, and the start has no impact to "
+            "come; give gamma_n",
+            m->restitution, law->name);
+    status = dem_damping_of(def->normal, def->tension, m->k_n, m_eff, v, m->restitution, &m->gamma_n);
+    m->restitution = -1.0;
+    return status;
+}
+
+void dem_physics_free(dem_definition *copy, const dem_definition *def)
+{
+    if (copy->wall_list != def->wall_list) free((dem_wall *)copy->wall_list);
+    copy->wall_list = def->wall_list;
+}
+
+/* The walls of the copy, that may be changed; NULL without memory. */
+static dem_wall *own_walls(dem_definition *copy)
+{
+    if (!copy->wall_list) return copy->walls;
+    dem_wall *walls = malloc((copy->n_walls + 1) * sizeof *walls);
+    if (walls) memcpy(walls, copy->wall_list, copy->n_walls * sizeof *walls);
+    return walls;
+}
+
+rp_status dem_physics_resolve(dem_definition *def)
+{
+    if (def->n_walls > DEM_FEW_WALLS && !def->wall_list)
+        return rp_fail(RP_BAD_INPUT, "%zu walls: more than %d need a list", def->n_walls, DEM_FEW_WALLS);
+    bool asked = def->material.restitution > 0.0;
+    for (size_t w = 0; w < def->n_walls; w++) asked |= dem_walls_of(def)[w].material.restitution > 0.0;
+    if (!asked) return RP_OK;
+    dem_wall *walls = own_walls(def);
+    if (!walls) return rp_fail(RP_NO_MEMORY, "%zu walls: out of memory", def->n_walls);
+    if (def->wall_list) def->wall_list = walls;
+    const double v = dem_impact_speed(def);
+    double mass = 0.0;
+    for (size_t i = 0; i < def->n_grains; i++) mass += def->grains[i].m / (double)def->n_grains;
+    RP_TRY(find_damping(def, 0.5 * mass, v, &def->material));
+    complete(def, &def->material);
+    dem_material given;
+    for (size_t w = 0; w < def->n_walls; w++) {
+        dem_material *m = &walls[w].material;
+        if (w > 0 && memcmp(m, &given, sizeof given) == 0) { /* as the sides of a polygon */
+            *m = walls[w - 1].material;
+            continue;
+        }
+        given = *m;
+        RP_TRY(rp_prefix(find_damping(def, mass, v, m), "wall %zu: ", w + 1));
+        *m = dem_wall_material(m, &def->material);
+    }
+    return RP_OK;
+}
+
+rp_status dem_material_check(const dem_definition *def, const dem_material *m)
+{
+    RP_TRY(check_restitution(m));
+    const char *law = dem_normal_descriptors[def->normal].name;
+    if (m->gamma_n < 0.0 && !(m->restitution > 0.0))
+        return rp_fail(RP_BAD_INPUT, "gamma_n: has no default for the law %s; give it or restitution", law);
+    if (m->gamma_s < 0.0 && dem_has_friction(def->tangential) && !has_rate(def))
+        return rp_fail(RP_BAD_INPUT, "gamma_s: has no default for the law %s, whose gamma_n is a number",
+                       law);
+    if (!dem_has_friction(def->tangential) && m->mu > 0.0)
+        return rp_fail(RP_BAD_INPUT, "mu = %g: needs a tangential law, as spring", m->mu);
+    if (!dem_has_friction(def->tangential) && m->mu_roll > 0.0)
+        return rp_fail(RP_BAD_INPUT, "mu_roll = %g: needs a tangential law, as spring", m->mu_roll);
+    if (!def->rotation && m->mu_roll > 0.0)
+        return rp_fail(RP_BAD_INPUT, "mu_roll = %g: needs rotation = true", m->mu_roll);
+    return RP_OK;
+}
+
+rp_status dem_physics_check(const dem_definition *def)
+{
+    rp_status status = dem_scheme_check(def);
+    return status ? status : dem_material_check(def, &def->material);
+}
+
+rp_status dem_density_check(dem_shape shape, bool given)
+{
+    return given || shape != DEM_DISK || rp_units_now() == RP_CGS
+               ? RP_OK
+               : rp_fail(RP_BAD_INPUT,
+                         "density: the default is that of spheres; give that of the disks, a mass per area%s",
+                         rp_units_now() == RP_SI ? " in kg/m^2 (1 g/cm^2 is 10)" : "");
+}
+
+rp_status dem_radius_check(double mean, double least, double most)
+{
+    if (least <= mean && mean <= most) return RP_OK;
+    return rp_fail(RP_BAD_INPUT, "radius_mean = %g: must lie between radius_min = %g and radius_max = %g",
+                   mean, least, most);
+}

@@ -1,0 +1,105 @@
+/* The arrays of the grains; see grains.h. */
+#include "dem/state/grains.h"
+
+#include <stdint.h>
+#include <string.h>
+#include <sys/mman.h>
+
+#include "dem/state/method.h"
+
+enum { PADDING = 8 }; /* kernels read up to 7 entries beyond the last grain */
+
+void *dem_array(size_t n, size_t size)
+{
+    enum { LINE = 64, PAGE = 1 << 21 };
+    const size_t bytes = (n * size + LINE - 1) / LINE * LINE;
+    char *array = aligned_alloc(LINE, bytes);
+    if (!array) return NULL;
+    const size_t skip = (PAGE - (uintptr_t)array % PAGE) % PAGE;
+    if (bytes >= skip + PAGE) madvise(array + skip, (bytes - skip) / PAGE * PAGE, MADV_HUGEPAGE);
+    return memset(array, 0, bytes);
+}
+
+bool dem_array_grow(void *array, size_t size, size_t n, size_t capacity)
+{
+    void *old = *(void **)array, *more = dem_array(capacity, size);
+    if (!more) return false;
+    if (n > 0) memcpy(more, old, size * n);
+    free(old);
+    *(void **)array = more;
+    return true;
+}
+
+rp_status dem_grains_alloc(dem_grains *grains, const dem_definition *def, size_t capacity, bool states)
+{
+    const size_t n = capacity + PADDING;
+    bool failed = !states && !(grains->slack = dem_array(n / DEM_GROUP + 1, sizeof *grains->slack));
+    grains->capacity = capacity;
+#define X(type, name, need, role)                                                                            \
+    grains->name = NULL;                                                                                     \
+    if ((need) && (role == DEM_STATE || !states)) {                                                          \
+        grains->name = dem_array(n, sizeof(type));                                                           \
+        failed |= !grains->name;                                                                             \
+    }
+    DEM_GRAIN_ARRAYS(X)
+#undef X
+    return failed ? rp_fail(RP_NO_MEMORY, "%zu particles: out of memory", capacity) : RP_OK;
+}
+
+void dem_grains_free(dem_grains *grains)
+{
+    free(grains->slack);
+#define X(type, name, need, role) free(grains->name);
+    DEM_GRAIN_ARRAYS(X)
+#undef X
+}
+
+rp_status dem_grains_copy(const dem_grains *grains, const dem_definition *def, size_t capacity,
+                          dem_grains *copy)
+{
+    *copy = *grains;
+    RP_TRY(dem_grains_alloc(copy, def, capacity, false));
+#define X(type, name, need, role)                                                                            \
+    if (copy->name && role != DEM_OF_STEP) memcpy(copy->name, grains->name, grains->n * sizeof(type));
+    DEM_GRAIN_ARRAYS(X)
+#undef X
+    return RP_OK;
+}
+
+void dem_grains_put(const dem_grains *grains, const uint32_t *to, dem_grains *sorted, size_t from, size_t end)
+{
+#define X(type, name, need, role)                                                                            \
+    if (role == DEM_STATE && grains->name)                                                                   \
+        for (size_t i = from; i < end; i++)                                                                  \
+            if (to[i] != UINT32_MAX) sorted->name[to[i]] = grains->name[i];
+    DEM_GRAIN_ARRAYS(X)
+#undef X
+}
+
+void dem_grains_take(dem_grains *grains, dem_grains *sorted, size_t n)
+{
+#define X(type, name, need, role)                                                                            \
+    if (role == DEM_STATE) {                                                                                 \
+        type *const old = grains->name;                                                                      \
+        grains->name = sorted->name, sorted->name = old;                                                     \
+    }
+    DEM_GRAIN_ARRAYS(X)
+#undef X
+    grains->n = n;
+}
+
+void dem_grains_clear(dem_grains *grains, size_t i)
+{
+#define X(type, name, need, role)                                                                            \
+    if (grains->name && role != DEM_INDEX) memset(&grains->name[i], 0, sizeof(type));
+    DEM_GRAIN_ARRAYS(X)
+#undef X
+}
+
+void dem_grains_move(dem_grains *grains, size_t i, size_t to)
+{
+#define X(type, name, need, role)                                                                            \
+    if (grains->name && (role == DEM_STATE || role == DEM_LISTED)) grains->name[to] = grains->name[i];
+    DEM_GRAIN_ARRAYS(X)
+#undef X
+}

@@ -1,0 +1,119 @@
+/* The arrays of the pairs; see pairs.h. */
+#include "dem/state/pairs.h"
+
+#include <string.h>
+
+#include "dem/state/grains.h"
+
+static rp_status no_memory(void)
+{
+    return rp_fail(RP_NO_MEMORY, "neighbour list: out of memory");
+}
+
+rp_status dem_pairs_reserve(dem_pairs *pairs, size_t more)
+{
+    if (pairs->n + more + 8 <= pairs->capacity) return RP_OK;
+    const bool rotation = pairs->rotation, rolling = pairs->rolling, springs_only = pairs->springs_only;
+    const size_t n = pairs->n, capacity = pairs->capacity = 9 * (pairs->n + more) / 512 * 64 + 128;
+#define X(type, name, need, share, role)                                                                     \
+    if ((need) && !dem_array_grow(&pairs->name, sizeof(type), (n + share - 1) / share, capacity / share))    \
+        return no_memory();
+    DEM_PAIR_ARRAYS(X)
+#undef X
+    return RP_OK;
+}
+
+void dem_pairs_free(dem_pairs *pairs)
+{
+    free(pairs->done);
+#define X(type, name, need, share, role) free(pairs->name);
+    DEM_PAIR_ARRAYS(X)
+#undef X
+}
+
+rp_status dem_pairs_copy(const dem_pairs *pairs, dem_pairs *copy)
+{
+    *copy = (dem_pairs){.rotation = pairs->rotation, .rolling = pairs->rolling, .chunk = pairs->chunk};
+    rp_status status = dem_pairs_reserve(copy, pairs->n + 1); /* so that the arrays exist */
+    if (status) return status;
+    copy->n = pairs->n;
+#define X(type, name, need, share, role)                                                                     \
+    if (copy->name && copy->n > 0)                                                                           \
+        memcpy(copy->name, pairs->name, (copy->n + share - 1) / share * sizeof(type));
+    DEM_PAIR_ARRAYS(X)
+#undef X
+    dem_pairs_pad(copy);
+    return RP_OK;
+}
+
+void dem_pairs_pad(dem_pairs *pairs)
+{
+    const uint32_t last = pairs->n > 0 ? pairs->i[pairs->n - 1] : 0;
+    for (size_t k = pairs->n; k < (pairs->n + 7) / 8 * 8; k++) {
+#define X(type, name, need, share, role)                                                                     \
+    if (share == 1 && pairs->name) pairs->name[k] = 0;
+        DEM_PAIR_ARRAYS(X)
+#undef X
+        pairs->i[k] = pairs->j[k] = last;
+    }
+}
+
+void dem_pairs_remove(dem_pairs *pairs, size_t k)
+{
+    const size_t last = --pairs->n;
+#define X(type, name, need, share, role)                                                                     \
+    if (share == 1 && pairs->name) pairs->name[k] = pairs->name[last];
+    DEM_PAIR_ARRAYS(X)
+#undef X
+}
+
+void dem_pairs_take_springs(dem_pairs *pairs, size_t k, const dem_pairs *others, size_t l, bool turned)
+{
+#define X(type, name, need, share, role)                                                                     \
+    if (role != DEM_MADE && pairs->name)                                                                     \
+        pairs->name[k] = role == DEM_SPRING_TURN && turned ? -others->name[l] : others->name[l];
+    DEM_PAIR_ARRAYS(X)
+#undef X
+}
+
+rp_status dem_pairs_append(dem_pairs *pairs, const dem_pairs *others, size_t k)
+{
+    RP_TRY(dem_pairs_reserve(pairs, 1));
+#define X(type, name, need, share, role)                                                                     \
+    if (share == 1 && pairs->name) pairs->name[pairs->n] = others->name[k];
+    DEM_PAIR_ARRAYS(X)
+#undef X
+    pairs->n++;
+    return RP_OK;
+}
+
+/* A grain is done where no pair of a later chunk has it. After cells wrapped around, or as pairs have been
+ * renamed, that may be so of few before the end. */
+void dem_pairs_find_done(const dem_pairs *pairs, size_t from, size_t to, size_t first, size_t last,
+                         uint32_t *done)
+{
+    uint32_t least = (uint32_t)last;
+    for (size_t c = (to - from + pairs->chunk - 1) / pairs->chunk, end = to; c-- > 0;) {
+        const size_t start = from + c * pairs->chunk;
+        done[c] = end == to ? least : least / DEM_GROUP * DEM_GROUP;
+        for (size_t k = start; k < end; k++) {
+            const uint32_t i = pairs->i[k], j = pairs->j[k];
+            least = i >= first && i < least ? i : least;
+            least = j >= first && j < least ? j : least;
+        }
+        end = start;
+    }
+}
+
+rp_status dem_pairs_plan_chunks(dem_pairs *pairs, size_t n)
+{
+    const size_t chunks = (pairs->n + pairs->chunk - 1) / pairs->chunk;
+    pairs->n_chunks = 0;
+    if (!dem_pairs_are_many(pairs)) return RP_OK;
+    if (chunks > pairs->chunk_capacity &&
+        !dem_grow(&pairs->done, sizeof *pairs->done, pairs->chunk_capacity = 2 * chunks))
+        return no_memory();
+    dem_pairs_find_done(pairs, 0, pairs->n, 0, n, pairs->done);
+    pairs->n_chunks = chunks;
+    return RP_OK;
+}

@@ -1,0 +1,182 @@
+/* The state of a simulation. */
+#ifndef DEM_SIM_H
+#define DEM_SIM_H
+
+#include "dem/state/grains.h"
+#include "dem/state/method.h"
+#include "dem/state/loops.h"
+#include "dem/state/pairs.h"
+#include "dem/threads/team.h"
+#include "dem/forces/walls.h"
+
+struct dem_sim {
+    dem_grains grains;
+    dem_pairs pairs;
+    dem_walls walls;
+    dem_kernels kernels;
+    long step;
+    double mu;           /* of grains: finite stand-in for an infinite one */
+    double r_min, r_max; /* of all grains so far */
+    bool too_deep;       /* an overlap beyond the smallest radius was seen */
+    dem_vec gravity;
+    double gravity_norm, turn_cos, turn_sin;
+
+    dem_definition def; /* its `grains` is NULL */
+
+    const dem_scheme *scheme; /* the integrator */
+    void *work;               /* its own; NULL where it has none */
+    bool ahead;               /* Verlet: grains are already where the step to come takes them */
+    unsigned ahead_left;      /* as of dem_step_lists */
+    size_t threads;           /* to run with; 0: one */
+    struct dem_team *team;    /* NULL without threads */
+
+    /* neighbour list */
+    struct {
+        double skin;       /* of the scene, or 0.4 mean radii */
+        bool even_margins; /* half the skin for all; else at most a mean radius, with hard collisions 1.5 */
+        double round_off;  /* of a position, at most */
+        double fastest;    /* speed, and square of a distance from the origin, that a rebuilding finds */
+        double far2;
+        double most_tests; /* a grain; where the plain search would need more, grains are searched by size */
+        struct dem_list_work *work;
+        struct dem_sizes *sizes; /* work space of that; NULL before */
+    } list;
+
+    /* in the coming step: how many grains have collided; the first ones, the last of them to the end */
+    struct {
+        size_t n;
+        uint32_t few[DEM_FEW];
+    } collided;
+
+    struct dem_ledger_state *ledger; /* NULL without */
+
+    /* since the start; see dem_counts */
+    struct {
+        long rebuilds, collisions;
+        double grain_steps, iterations;
+    } count;
+
+    /* of the start, for the header's notes */
+    struct {
+        double radius_mean, mass_mean, speed, dt_limit;
+        char dt_limit_of[64];
+    } start;
+
+    dem_fault fault;
+    dem_phases *times; /* of dem_run_timed, and the clock of its last reading; NULL without */
+    double clock;
+};
+
+/* Forget, in a copy of the structure, the arrays and work spaces that are the original's. */
+void dem_forget_parts(dem_sim *sim);
+
+/* Force on a grain, in either of its arrays. */
+static inline dem_vec *dem_force(const dem_sim *sim, size_t i)
+{
+    return sim->grains.force_torque ? &sim->grains.force_torque[i].force : &sim->grains.force[i];
+}
+
+static inline dem_vec dem_acceleration(const dem_sim *sim, size_t i)
+{
+    return *dem_force(sim, i) * sim->grains.inverse_mass[i] + sim->gravity;
+}
+
+static inline bool dem_is_fixed(const dem_sim *sim, size_t i)
+{
+    return sim->grains.inverse_mass[i] == 0.0;
+}
+
+/* A grain at x has left; false for NaN. */
+static inline bool dem_beyond(const dem_sim *sim, dem_vec x)
+{
+    x = dem_to_box(&sim->walls, x);
+    return (x[0] > sim->def.x_max) | (x[1] < sim->def.y_min);
+}
+
+/* Has grain i at x moved beyond its margin, so that the neighbour list may lack a pair of it? True for NaN.
+ */
+static inline bool dem_beyond_margin(const dem_sim *sim, size_t i, dem_vec x)
+{
+    const dem_vec moved = x - sim->grains.listed_x[i];
+    return !(dem_dot(moved, moved) <= sim->grains.margin2[i]);
+}
+
+/* Contacts by number: the pairs of the list, then the wall slots. Which grains: the second is DEM_NOBODY at a
+ * wall, whose slot is NULL of a pair. */
+#define DEM_NOBODY SIZE_MAX
+typedef struct {
+    size_t i, j;
+    dem_wall_slot *slot;
+} dem_ends;
+
+static inline size_t dem_contact_numbers(const dem_sim *sim)
+{
+    return sim->pairs.n + sim->walls.n_slots;
+}
+
+static inline dem_ends dem_contact_ends(const dem_sim *sim, size_t k)
+{
+    if (k < sim->pairs.n) return (dem_ends){sim->pairs.i[k], sim->pairs.j[k], NULL};
+    dem_wall_slot *slot = &sim->walls.slot[k - sim->pairs.n];
+    return (dem_ends){slot->grain, DEM_NOBODY, slot};
+}
+
+/* Put a fixed grain, or all, back to where they were at the last rebuilding, at rest. */
+static inline void dem_hold_grain(dem_sim *sim, size_t i)
+{
+    sim->grains.motion[i] = (dem_motion){sim->grains.listed_x[i], {0.0, 0.0}};
+}
+
+static inline void dem_hold_fixed(dem_sim *sim)
+{
+    for (size_t k = 0; k < sim->grains.n_fixed; k++) dem_hold_grain(sim, sim->grains.fixed[k]);
+}
+
+/* ---- Neighbour list; neighbours.c. dem_neighbours_rebuild is in dem.h. ---- */
+
+/* Work space of a simulation, or of the copy of another, for its capacity of grains. Errors: RP_NO_MEMORY. */
+rp_status dem_neighbours_alloc(dem_sim *sim, const dem_sim *like);
+void dem_neighbours_free(dem_sim *sim);
+
+/* Its part of a snapshot; a reading makes the work space. */
+void dem_neighbours_keep(rp_snapshot *s, dem_sim *sim);
+
+/* For hard collisions: let every grain's margin hold its displacement of the coming step. Few grains get
+ * their part of the list anew, else all of it is rebuilt. The margin follows a grain's speed now. If that was
+ * too small for a slow grain that a fast one has hit in a soft contact (accelerates), the speed that it is
+ * about to have counts. Errors: RP_BROKEN, RP_NO_MEMORY. */
+rp_status dem_neighbours_renew(dem_sim *sim, bool accelerates);
+
+/* Take out the grains that left, with their pairs and wall slots, and keep the list as it is; removal.c. In a
+ * large pile, they stay in the arrays of grains and pairs until the second function: of the rebuilding and of
+ * the end of a run. */
+void dem_neighbours_drop(dem_sim *sim);
+void dem_neighbours_close_gaps(dem_sim *sim);
+
+/* ---- Parts of a step that integrators share, in this order; step.c. ---- */
+
+/* Once grains are where the step takes them: count it, and rebuild the neighbour list or take grains out as
+ * `left` asks. Errors: RP_BROKEN, RP_NO_MEMORY. */
+rp_status dem_step_lists(dem_sim *sim, unsigned left);
+
+/* All forces, checks of overlaps, and the ledger's notes. Errors: RP_BROKEN, RP_NO_MEMORY. */
+rp_status dem_step_forces(dem_sim *sim);
+
+/* An overlap beyond the smallest radius was seen, of pairs k..to or of the grains from..end with a wall:
+ * stop if it is beyond the smaller of its own two. Errors: RP_BROKEN. */
+rp_status dem_check_overlaps(dem_sim *sim, size_t k, size_t to, size_t from, size_t end);
+
+/* Record a fault with step and grain; returns RP_BROKEN. */
+rp_status dem_stop(dem_sim *sim, dem_fault fault, size_t grain, const char *format, ...)
+    __attribute__((format(printf, 4, 5)));
+
+/* ---- Gravity; gravity.c. ---- */
+
+/* Gravity and its turn are the definition's; turn gravity by a step's angle if it turns now. */
+void dem_gravity_start(dem_sim *sim);
+void dem_gravity_advance(dem_sim *sim);
+
+/* sin and cos by + - * / alone, |angle| < 1: the same bits on every processor. */
+void dem_sine_cosine(double angle, double *sine, double *cosine);
+
+#endif

@@ -1,0 +1,305 @@
+/* A scene as a LAMMPS input: pair_style granular (version of 2021) and wall/gran/region, in two dimensions.
+ * Both programs step by the same Verlet scheme, with the velocity of half a step before in dashpots and shear
+ * springs. Laws that coincide are mapped; for any other setting the key is named and nothing is written. */
+#include <gsl/gsl_sort.h>
+#include <math.h>
+#include <string.h>
+
+#include "export/export.h"
+#include "dem/setup/definition.h"
+#include "dem/scene/scene.h"
+
+/* Hertz' k_n is the same for all radii here, and grows as sqrt(R_eff) in LAMMPS: each radius is a type, and
+ * for walls a group, of which LAMMPS has 32. */
+enum { MOST_TYPES = 24 };
+
+typedef struct {
+    dem_scene scene;
+    dem_definition def; /* with all coefficients known */
+    dem_state *grains;
+    size_t n, n_types;
+    double radius[MOST_TYPES]; /* of each type; of the linear law 0, all */
+    double box[2][2], largest;
+} lammps_scene;
+
+/* Rolling friction needs rotation, which is refused. */
+static rp_status check_material(const dem_definition *def, const dem_material *m, const char *of)
+{
+    const bool slides = dem_has_friction(def->tangential);
+    if (slides && isinf(m->mu))
+        return rp_fail(RP_BAD_INPUT, "%stangential.mu = infinite: LAMMPS needs a number", of);
+    if (slides && m->gamma_n == 0.0 && m->gamma_s > 0.0)
+        return rp_fail(RP_BAD_INPUT,
+                       "%stangential.gamma_s = %g: LAMMPS has it as a part of gamma_n, which is 0", of,
+                       m->gamma_s);
+    return RP_OK;
+}
+
+static rp_status check_walls(const dem_definition *def)
+{
+    for (size_t w = 0; w < def->n_walls; w++) {
+        const dem_wall *wall = &dem_walls_of(def)[w];
+        char name[32];
+        snprintf(name, sizeof name, "wall %zu: ", w + 1);
+        if (isfinite(wall->extent[0])) /* a scene gives both ends, or none */
+            return rp_fail(RP_BAD_INPUT,
+                           "%sextent: LAMMPS has whole planes, no segments, polygons or circles", name);
+        if (wall->open_at_step >= 0)
+            return rp_fail(RP_BAD_INPUT, "%sopen_at_step = %ld: walls of the input stay", name,
+                           wall->open_at_step);
+        if (wall->velocity[0] != 0.0 || wall->velocity[1] != 0.0 || wall->omega != 0.0)
+            return rp_fail(RP_BAD_INPUT, "%s%s: walls of the input are at rest", name,
+                           wall->omega != 0.0 ? "omega" : "velocity");
+        RP_TRY(check_material(def, &wall->material, name));
+    }
+    return RP_OK;
+}
+
+/* The first key that has no equal. */
+static rp_status check_scene(const dem_definition *def)
+{
+    const bool slides = dem_has_friction(def->tangential);
+    const struct {
+        bool differs;
+        const char *message;
+    } checks[] = {
+        {def->integrator != DEM_VERLET, "integrator: LAMMPS steps as \"verlet\" does"},
+        {def->rotation, "rotation = true: LAMMPS takes the slip at the radius, not at the contact"},
+        {def->normal == DEM_TSUJI, "normal.law = \"tsuji\": LAMMPS fits its damping to a restitution"},
+        {slides && def->tension,
+         "normal.tension = true: LAMMPS limits friction by mu |F_n| where the force pulls; set it to false"},
+        {dem_has_spring(def->tangential) && def->slip != DEM_TRUNCATED,
+         "tangential.slip = \"total\": LAMMPS truncates the spring"},
+        {dem_has_spring(def->tangential) && def->damping != DEM_DAMPING_INSIDE,
+         "tangential.damping = \"outside\": LAMMPS limits spring and dashpot together; set \"inside\""},
+        {def->ground.wall > 0, "ground: LAMMPS has no wells of static friction"},
+        {def->hard.on, "hard: LAMMPS has no hard collisions"},
+        {isfinite(def->x_max), "x_max: the input takes no grain out"},
+        {isfinite(def->y_min), "y_min: the input takes no grain out"},
+        {def->turn_per_step != 0.0, "gravity_turn_deg_per_step: the input's gravity does not turn"},
+        {def->box_turn_per_step != 0.0, "box_turn_deg_per_step: the input's walls do not turn"}};
+    for (size_t i = 0; i < N_OF(checks); i++)
+        if (checks[i].differs) return rp_fail(RP_BAD_INPUT, "%s", checks[i].message);
+    RP_TRY(check_material(def, &def->material, ""));
+    return check_walls(def);
+}
+
+static rp_status find_types(lammps_scene *s)
+{
+    if (s->def.normal == DEM_LINEAR) {
+        s->n_types = 1;
+        return RP_OK;
+    }
+    double *r = cli_memory(s->n, sizeof *r);
+    for (size_t i = 0; i < s->n; i++) r[i] = s->grains[i].r;
+    gsl_sort(r, 1, s->n);
+    for (size_t i = 0; i < s->n; i++) {
+        if (i > 0 && r[i] == r[i - 1]) continue;
+        if (s->n_types == MOST_TYPES)
+            return rp_fail(
+                RP_BAD_INPUT,
+                "normal.law = \"hertz\": LAMMPS' k_n depends on the radii, so that each radius is a type, at "
+                "most %d; equal grains or the law \"linear\" go",
+                MOST_TYPES);
+        s->radius[s->n_types++] = r[i];
+    }
+    return RP_OK;
+}
+
+/* The grains of the start, and with them what a restitution stands for. */
+static rp_status start_scene(lammps_scene *s)
+{
+    dem_sim *sim;
+    RP_TRY(dem_scene_start(&s->scene, &sim));
+    s->n = dem_count(sim);
+    s->grains = cli_memory(s->n, sizeof *s->grains);
+    rp_status status = dem_states(sim, s->grains);
+    dem_free(sim);
+    dem_grain *grains = cli_memory(s->n, sizeof *grains);
+    s->box[0][0] = s->box[1][0] = INFINITY, s->box[0][1] = s->box[1][1] = -INFINITY;
+    for (size_t i = 0; i < s->n && !status; i++) {
+        const dem_state *p = &s->grains[i];
+        const double x[2] = {p->x, p->y};
+        grains[i] = (dem_grain){.x = p->x, .y = p->y, .r = p->r, .m = p->m, .fixed = p->fixed};
+        grains[i].vx = p->vx, grains[i].vy = p->vy;
+        for (int k = 0; k < 2; k++) {
+            s->box[k][0] = fmin(s->box[k][0], x[k] - p->r);
+            s->box[k][1] = fmax(s->box[k][1], x[k] + p->r);
+        }
+        s->largest = fmax(s->largest, p->r);
+    }
+    s->def = s->scene.def;
+    s->def.grains = grains;
+    s->def.n_grains = s->n;
+    return status ? status : dem_physics_resolve(&s->def);
+}
+
+static size_t type_of(const lammps_scene *s, double r)
+{
+    size_t type = 0;
+    while (type + 1 < s->n_types && s->radius[type] != r) type++;
+    return type + 1;
+}
+
+/* LAMMPS takes the mass of a sphere from its density. */
+static void write_data(const lammps_scene *s, const char *scene, FILE *out)
+{
+    fprintf(out, "# %s, written by repose export; columns: id type diameter density x y z\n\n", scene);
+    fprintf(out, "%zu atoms\n%zu atom types\n", s->n, s->n_types);
+    fprintf(out, "%s %s xlo xhi\n%s %s ylo yhi\n%s %s zlo zhi\n\nAtoms # sphere\n\n", CLI_SHORT(s->box[0][0]),
+            CLI_SHORT(s->box[0][1]), CLI_SHORT(s->box[1][0]), CLI_SHORT(s->box[1][1]), CLI_SHORT(-s->largest),
+            CLI_SHORT(s->largest));
+    for (size_t i = 0; i < s->n; i++) {
+        const dem_state *p = &s->grains[i];
+        fprintf(out, "%u %zu %s %s %s %s 0\n", p->id, type_of(s, p->r), CLI_SHORT(2.0 * p->r),
+                CLI_SHORT(p->m / dem_mass(DEM_SPHERE, 1.0, p->r)), CLI_SHORT(p->x), CLI_SHORT(p->y));
+    }
+    fputs("\nVelocities\n\n", out);
+    for (size_t i = 0; i < s->n; i++)
+        fprintf(out, "%u %s %s 0 0 0 0\n", s->grains[i].id, CLI_SHORT(s->grains[i].vx),
+                CLI_SHORT(s->grains[i].vy));
+}
+
+/* The law of a contact whose effective radius is r_eff, in the words of pair_coeff. */
+static void write_law(const dem_definition *def, const dem_material *m, double r_eff, FILE *out)
+{
+    const bool hertz = def->normal == DEM_HERTZ;
+    const double damping = m->gamma_n > 0.0 ? m->gamma_s / m->gamma_n : 0.0;
+    fprintf(out, "%s %s %s tangential ", hertz ? "hertz" : "hooke",
+            CLI_SHORT(hertz ? m->k_n / sqrt(r_eff) : m->k_n), CLI_SHORT(m->gamma_n));
+    switch (def->tangential) {
+    case DEM_NONE: fputs("linear_nohistory 0 0", out); break;
+    case DEM_SPRING:
+        fprintf(out, "linear_history %s %s %s", CLI_SHORT(m->k_s), CLI_SHORT(damping), CLI_SHORT(m->mu));
+        break;
+    case DEM_SLIP_ROLL: fprintf(out, "linear_nohistory %s %s", CLI_SHORT(damping), CLI_SHORT(m->mu)); break;
+    }
+    fprintf(out, " damping mass_velocity%s", def->tension ? "" : " limit_damping");
+}
+
+static void write_about(const lammps_scene *s, const char *scene, FILE *out)
+{
+    static const char *const shear[] = {
+        [DEM_NONE] = "none",
+        [DEM_SPRING] =
+            "spring k_s and dashpot gamma_s m_eff, together limited by mu F_n, the spring truncated",
+        [DEM_SLIP_ROLL] = "viscous slip gamma_s m_eff v_s limited by mu F_n, no spring"};
+    fprintf(out, "# %s for LAMMPS, written by repose export. Run it in this folder: lmp -in FILE\n#\n",
+            scene);
+    fprintf(
+        out,
+        "# Laws that coincide, up to round-off, with those of `repose run` (spheres that do not rotate):\n");
+    fprintf(out, "# normal force: %s, dashpot gamma_n m_eff%s\n",
+            s->def.normal == DEM_HERTZ
+                ? "Hertz k_n overlap^(3/2); LAMMPS' own is k sqrt(R_eff), so that each "
+                  "radius is a type"
+                : "linear k_n overlap",
+            s->def.tension ? ", which may pull" : ", together not below 0");
+    fprintf(out, "# shear force: %s\n# walls: the same with R_eff = r and m_eff = m, whole planes at rest\n",
+            shear[s->def.tangential]);
+    fprintf(
+        out,
+        "# integrator: velocity Verlet; forces that depend on velocity take that of half a step before\n");
+    if (s->def.tangential == DEM_SPRING)
+        fputs("# start: of contacts whose dashpot alone exceeds mu F_n, LAMMPS leaves the shear force out of "
+              "the first "
+              "half step\n",
+              out);
+    fprintf(out, "# Every other setting of a scene is refused by repose export.\n\n");
+}
+
+static void write_walls(const lammps_scene *s, FILE *out)
+{
+    const dem_definition *def = &s->def;
+    for (size_t k = 0; k < s->n_types && s->n_types > 1 && def->n_walls > 0; k++)
+        fprintf(out, "group type%zu type %zu\n", k + 1, k + 1);
+    for (size_t w = 0; w < def->n_walls; w++) {
+        const dem_wall *wall = &dem_walls_of(def)[w];
+        fprintf(out, "region wall%zu plane %s %s 0 %s %s 0\n", w + 1, CLI_SHORT(wall->point[0]),
+                CLI_SHORT(wall->point[1]), CLI_SHORT(wall->direction[0]), CLI_SHORT(wall->direction[1]));
+        for (size_t k = 0; k < s->n_types; k++) {
+            char group[32] = "all";
+            if (s->n_types > 1) snprintf(group, sizeof group, "type%zu", k + 1);
+            fprintf(out, "fix wall%zu_%zu %s wall/gran/region granular ", w + 1, k + 1, group);
+            write_law(def, &wall->material, s->radius[k], out);
+            fprintf(out, " region wall%zu\n", w + 1);
+        }
+    }
+}
+
+static void write_motion(const lammps_scene *s, FILE *out)
+{
+    const double *g = s->def.gravity, magnitude = hypot(g[0], g[1]);
+    bool any = false;
+    for (size_t i = 0; i < s->n; i++) {
+        if (!s->grains[i].fixed) continue;
+        fprintf(out, "group fixed id %u\n", s->grains[i].id);
+        any = true;
+    }
+    if (any) fputs("fix hold fixed freeze\n", out);
+    fputs(any ? "group mobile subtract all fixed\n" : "group mobile union all\n", out);
+    if (magnitude > 0.0)
+        fprintf(out, "fix gravity mobile gravity %s vector %s %s 0\n", CLI_SHORT(magnitude), CLI_SHORT(g[0]),
+                CLI_SHORT(g[1]));
+    fputs("fix move mobile nve\nfix flat all enforce2d\n", out);
+}
+
+static void write_input(const lammps_scene *s, const char *scene, const char *stem, FILE *out)
+{
+    const char *name = basename(stem);
+    write_about(s, scene, out);
+    fprintf(out, "# each may be set on the command line: lmp -in FILE -var steps 1000\n");
+    fprintf(out, "variable steps index %ld\nvariable every index %ld\n", s->scene.steps,
+            s->scene.steps < 200 ? 1 : s->scene.steps / 100);
+    fprintf(out, "variable data index %s.data\nvariable dump index %s.lammpstrj\n\n", name, name);
+    fputs("units lj\ndimension 2\nboundary s s p\natom_style sphere\natom_modify map array\nnewton off\n"
+          "comm_modify vel yes\nread_data ${data}\n\npair_style granular\n",
+          out);
+    for (size_t i = 0; i < s->n_types; i++)
+        for (size_t j = i; j < s->n_types; j++) {
+            const double a = s->radius[i], b = s->radius[j];
+            fprintf(out, s->n_types > 1 ? "pair_coeff %zu %zu " : "pair_coeff * * ", i + 1, j + 1);
+            write_law(&s->def, &s->def.material, a * b / (a + b), out);
+            fputc('\n', out);
+        }
+    fprintf(out, "neighbor %s bin\nneigh_modify every 1 delay 0 check yes\ntimestep %s\n\n",
+            CLI_SHORT(0.5 * s->largest), CLI_SHORT(s->def.dt));
+    write_motion(s, out);
+    write_walls(s, out);
+    fputs("\ndump frames all custom ${every} ${dump} id type x y z radius mass vx vy vz\n"
+          "dump_modify frames sort id format float %.17g\nthermo ${every}\nrun ${steps}\n",
+          out);
+}
+
+static rp_status write_files(const lammps_scene *s, const char *scene, const char *path)
+{
+    char stem[4096], data[4200];
+    cli_export e;
+    cli_export_stem(path, stem);
+    snprintf(data, sizeof data, "%s.data", stem);
+    RP_TRY(cli_export_open(data, &e));
+    write_data(s, scene, e.out);
+    RP_TRY(cli_export_close(&e, RP_OK));
+    RP_TRY(cli_export_open(path, &e));
+    write_input(s, scene, stem, e.out);
+    return cli_export_close(&e, RP_OK);
+}
+
+rp_status cli_export_lammps_input(const char *scene, const rp_texts *changes, const char *path)
+{
+    lammps_scene s = {.n = 0};
+    const size_t n = strlen(path);
+    if (n < 4 || n > 4000 || !cli_ends_in(path, ".in"))
+        return rp_fail(RP_USAGE, "-o %s: lammps-input needs a name that ends in .in", path);
+    rp_status status = dem_scene_read(scene, changes, &s.scene);
+    if (!status) {
+        status = check_scene(&s.scene.def);
+        if (!status) status = start_scene(&s);
+        if (!status) status = find_types(&s);
+        rp_prefix(status, "%s: ", scene);
+    }
+    if (!status) status = write_files(&s, scene, path);
+    dem_physics_free(&s.def, &s.scene.def);
+    dem_scene_free(&s.scene);
+    return status;
+}

@@ -1,0 +1,143 @@
+/* Tables as CSV (RFC 4180) and JSON. */
+#include <jansson.h>
+#include <string.h>
+
+#include "export/export.h"
+
+static void name_of(const rp_table *t, int column, char name[128])
+{
+    if (t->names[column])
+        snprintf(name, 128, "%s", t->names[column]);
+    else
+        snprintf(name, 128, "%d", column + 1);
+}
+
+static void write_quoted(const char *text, FILE *out)
+{
+    if (!strpbrk(text, ",\"\r\n")) {
+        fputs(text, out);
+        return;
+    }
+    fputc('"', out);
+    for (; *text; text++) fputs(*text == '"' ? "\"\"" : (char[]){*text, '\0'}, out);
+    fputc('"', out);
+}
+
+rp_status cli_export_csv(const rp_table *t, size_t n, const int columns[], FILE *out)
+{
+    char name[128];
+    for (size_t c = 0; c < n; c++) {
+        name_of(t, columns[c], name);
+        write_quoted(name, out);
+        fputc(c + 1 < n ? ',' : '\n', out);
+    }
+    for (size_t i = 0; i < t->n_rows; i++)
+        for (size_t c = 0; c < n; c++) {
+            write_quoted(cli_text(t, i, columns[c]), out);
+            fputc(c + 1 < n ? ',' : '\n', out);
+        }
+    return RP_OK;
+}
+
+/* ---- JSON ---- */
+
+/* A file that cannot be written is reported when it is closed. */
+static rp_status not_written(const rp_table *t, FILE *out)
+{
+    if (ferror(out)) return RP_OK;
+    return rp_fail(RP_NO_MEMORY, "%s: out of memory, or no UTF-8", t->path);
+}
+
+static bool write_json(json_t *value, FILE *out)
+{
+    const bool written = value && json_dumpf(value, out, JSON_ENCODE_ANY | JSON_REAL_PRECISION(17)) == 0;
+    json_decref(value);
+    return written;
+}
+
+/* A cell as it stands, if JSON has such a number; nan is null, any other word a string. */
+static bool write_value(const char *text, FILE *out)
+{
+    char *end;
+    const double number = strtod(text, &end);
+    const bool is_number = *text && !*end;
+    json_t *value = json_loads(text, JSON_DECODE_ANY, NULL);
+    const bool as_is = is_number && json_is_number(value);
+    json_decref(value);
+    if (as_is) return fputs(text, out) >= 0;
+    return write_json(!is_number || isinf(number) ? json_string(text)
+                      : isnan(number)             ? json_null()
+                                                  : json_real(number),
+                      out);
+}
+
+static bool write_object(const char *key, json_t *object, FILE *out)
+{
+    fprintf(out, "\"%s\": ", key);
+    const bool written = object && json_dumpf(object, out, JSON_INDENT(1)) == 0;
+    json_decref(object);
+    return written && fputs(",\n", out) >= 0;
+}
+
+/* A key that stands again has a list of its texts. */
+static void add_note(json_t *notes, const char *key, const char *text)
+{
+    json_t *known = json_object_get(notes, key);
+    if (known && !json_is_array(known)) {
+        json_t *list = json_array();
+        json_array_append(list, known);
+        json_object_set_new(notes, key, list);
+        known = list;
+    }
+    if (known)
+        json_array_append_new(known, json_string(text));
+    else
+        json_object_set_new(notes, key, json_string(text));
+}
+
+/* The header lines "# key: text", but the units. They end at the names, which are never missing. */
+static json_t *notes_of(const rp_table *t)
+{
+    json_t *notes = json_object();
+    const char *end = t->names[0] ? t->names[0] : t->cells ? t->cells[0] : t->text;
+    for (const char *line = t->text; line < end && *line == '#'; line += strlen(line) + 1) {
+        char key[128];
+        const char *colon = strstr(line, ": ");
+        if (strncmp(line, "# ", 2) != 0 || !colon || colon - line >= (long)sizeof key) continue;
+        snprintf(key, sizeof key, "%.*s", (int)(colon - line - 2), line + 2);
+        if (strcmp(key, "units") != 0) add_note(notes, key, colon + 2);
+    }
+    return notes;
+}
+
+static json_t *units_of(const rp_table *t, size_t n, const int columns[])
+{
+    json_t *units = json_object();
+    for (size_t c = 0; c < n; c++) {
+        char name[128], unit[32];
+        name_of(t, columns[c], name);
+        cli_column_unit(t, columns[c], unit);
+        json_object_set_new(units, name, json_string(unit));
+    }
+    return units;
+}
+
+rp_status cli_export_json(const rp_table *t, size_t n, const int columns[], FILE *out)
+{
+    fputs("{", out);
+    if (!write_object("notes", notes_of(t), out) || !write_object("units", units_of(t, n, columns), out))
+        return not_written(t, out);
+    fputs("\"rows\": [", out);
+    for (size_t i = 0; i < t->n_rows; i++)
+        for (size_t c = 0; c < n; c++) {
+            char name[128];
+            name_of(t, columns[c], name);
+            fputs(c > 0 ? ", " : i > 0 ? ",\n{" : "\n{", out);
+            if (!write_json(json_string(name), out)) return not_written(t, out);
+            fputs(": ", out);
+            if (!write_value(cli_text(t, i, columns[c]), out)) return not_written(t, out);
+            if (c + 1 == n) fputs("}", out);
+        }
+    fputs("\n]}\n", out);
+    return RP_OK;
+}

@@ -1,0 +1,217 @@
+/* Parameter files through a schema; see config.h. */
+#include "params/config.h"
+
+#include <ctype.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "params/guess.h"
+#include "table/table.h"
+
+/* libconfig says "syntax error" and the line, no more. */
+static void explain(const char *path, const char *error, char hint[256])
+{
+    char *text = NULL;
+    *hint = '\0';
+    if (strstr(error, "mismatched element type"))
+        strcpy(hint, ": [ ] holds one type only; write 0.0 for 0, or use ( )");
+    else if (strstr(error, "syntax error") && !rp_file_read(path, &text)) {
+        strcpy(hint, " ");
+        if (!rp_config_syntax(text, hint + 1, 255)) *hint = '\0';
+    }
+    free(text);
+}
+
+rp_status rp_config_read(const char *path, config_t *config)
+{
+    char folder[4096];
+    const char *slash = strrchr(path, '/');
+    config_init(config);
+    snprintf(folder, sizeof folder, "%.*s", slash ? (int)(slash - path) + (slash == path) : 1,
+             slash ? path : ".");
+    RP_TRY(rp_config_scan_file(path, folder));
+    config_set_include_dir(config, folder);
+    if (config_read_file(config, path) == CONFIG_FALSE) {
+        char hint[256];
+        const char *file = config_error_file(config) ? config_error_file(config) : path,
+                   *text = config_error_text(config) ? config_error_text(config) : "cannot read";
+        explain(file, text, hint);
+        return rp_fail(RP_BAD_INPUT, "%s:%d: %s%s", file, config_error_line(config), text, hint);
+    }
+    return RP_OK;
+}
+
+rp_status rp_config_fail(const config_setting_t *setting, const char *format, ...)
+{
+    char text[3072];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    const char *file = config_setting_source_file(setting);
+    int line = (int)config_setting_source_line(setting);
+    /* a setting without a line was not read from a file */
+    return line > 0 ? rp_fail(RP_BAD_INPUT, "%s:%d: %s", file ? file : "parameter file", line, text)
+                    : rp_fail(RP_BAD_INPUT, "%s", text);
+}
+
+/* "walls.[2]", as --set takes it; "" for the top level. */
+static void put_path(const config_setting_t *setting, char *text, size_t size)
+{
+    const config_setting_t *parent = config_setting_parent(setting);
+    text[0] = '\0';
+    if (!parent) return;
+    put_path(parent, text, size);
+    const size_t used = strlen(text);
+    const char *name = config_setting_name(setting), *dot = used ? "." : "";
+    if (name)
+        snprintf(text + used, size - used, "%s%s", dot, name);
+    else
+        snprintf(text + used, size - used, "%s[%d]", dot, config_setting_index(setting));
+}
+
+/* "walls.[2]." of the group that holds the setting, or of the group itself. */
+enum { PATH_BYTES = 256 };
+static const char *path_within(const config_setting_t *setting, char text[PATH_BYTES])
+{
+    while (setting && !config_setting_is_group(setting)) setting = config_setting_parent(setting);
+    if (setting) put_path(setting, text, PATH_BYTES - 1);
+    return setting && *text ? strcat(text, ".") : "";
+}
+
+rp_status rp_config_unknown(const config_setting_t *setting, const rp_param *schema,
+                            const char *const *others, const char *more)
+{
+    const char *name = config_setting_name(setting);
+    char path[PATH_BYTES], allowed[2048] = "";
+    size_t used = 0;
+    rp_guess guess = rp_guess_of(name);
+    rp_guess_schema(&guess, schema);
+    for (; schema->name && used < sizeof allowed; schema++)
+        used += (size_t)snprintf(allowed + used, sizeof allowed - used, " %s", schema->name);
+    for (; others && *others && used < sizeof allowed; others++) {
+        rp_guess_try(&guess, *others);
+        used += (size_t)snprintf(allowed + used, sizeof allowed - used, " %s", *others);
+    }
+    return rp_config_fail(setting, "%s%s: unknown key%s; allowed:%s%s",
+                          path_within(config_setting_parent(setting), path), name, rp_guess_text(&guess),
+                          allowed, more);
+}
+
+static rp_status to_value(const config_setting_t *setting, rp_value *value)
+{
+    switch (config_setting_type(setting)) {
+    case CONFIG_TYPE_INT: *value = (rp_value){.kind = RP_V_INT, .i = config_setting_get_int(setting)}; break;
+    case CONFIG_TYPE_INT64:
+        *value = (rp_value){.kind = RP_V_INT, .i = (long)config_setting_get_int64(setting)};
+        break;
+    case CONFIG_TYPE_FLOAT:
+        *value = (rp_value){.kind = RP_V_REAL, .r = config_setting_get_float(setting)};
+        break;
+    case CONFIG_TYPE_BOOL:
+        *value = (rp_value){.kind = RP_V_BOOL, .i = config_setting_get_bool(setting)};
+        break;
+    case CONFIG_TYPE_STRING:
+        *value = (rp_value){.kind = RP_V_TEXT, .s = config_setting_get_string(setting)};
+        break;
+    default: return RP_BAD_INPUT;
+    }
+    return RP_OK;
+}
+
+rp_status rp_config_value(const config_setting_t *setting, const rp_param *param, void *values)
+{
+    rp_value value;
+    char path[PATH_BYTES];
+    bool list = config_setting_is_array(setting) || config_setting_is_list(setting);
+    if (param->type == RP_FLAGS && list) {
+        *(unsigned *)((char *)values + param->offset) = 0;
+        for (int i = 0; i < config_setting_length(setting); i++) {
+            const config_setting_t *element = config_setting_get_elem(setting, (unsigned)i);
+            if (to_value(element, &value) != RP_OK || value.kind != RP_V_TEXT)
+                return rp_config_fail(element, "%s%s: a list of words expected, allowed: %s",
+                                      path_within(element, path), param->name, param->range);
+            if (rp_params_set(param, values, &value) != RP_OK)
+                return rp_config_fail(element, "%s%s", path_within(element, path), rp_message());
+        }
+        return RP_OK;
+    }
+    if (to_value(setting, &value) != RP_OK)
+        return rp_config_fail(setting, "%s%s: one value expected, not a %s",
+                              path_within(config_setting_parent(setting), path), param->name,
+                              list ? "list" : "group");
+    if (param->type == RP_FLAGS) *(unsigned *)((char *)values + param->offset) = 0;
+    if (rp_params_set(param, values, &value))
+        return rp_config_fail(setting, "%s%s", path_within(setting, path), rp_message());
+    return RP_OK;
+}
+
+static bool listed(const char *const *names, const char *name)
+{
+    for (; names && *names; names++)
+        if (strcmp(*names, name) == 0) return true;
+    return false;
+}
+
+rp_status rp_config_group(const config_setting_t *group, const rp_param *schema, void *values,
+                          const char *const *others)
+{
+    char path[PATH_BYTES];
+    if (!config_setting_is_group(group))
+        return rp_config_fail(group, "%s: a group { ... } expected",
+                              config_setting_name(group) ? config_setting_name(group) : "entry");
+    for (int i = 0; i < config_setting_length(group); i++) {
+        const config_setting_t *setting = config_setting_get_elem(group, (unsigned)i);
+        const char *name = config_setting_name(setting);
+        if (listed(others, name)) continue;
+        const rp_param *param = rp_params_find(schema, name);
+        if (!param) return rp_config_unknown(setting, schema, others, "");
+        RP_TRY(rp_config_value(setting, param, values));
+    }
+    for (; schema->name; schema++)
+        if (!schema->fallback && !config_setting_get_member(group, schema->name))
+            return rp_config_fail(group, "%s%s: missing (%s)", path_within(group, path), schema->name,
+                                  schema->meaning);
+    return RP_OK;
+}
+
+rp_status rp_config_numbers(const config_setting_t *setting, int n, double *numbers)
+{
+    const char *name = config_setting_name(setting) ? config_setting_name(setting) : "value";
+    char path[PATH_BYTES];
+    const char *const within = path_within(setting, path);
+    const char *const expected = n == 2 ? "two numbers [a, b] expected" : "three numbers [a, b, c] expected";
+    if ((!config_setting_is_array(setting) && !config_setting_is_list(setting)) ||
+        config_setting_length(setting) != n)
+        return rp_config_fail(setting, "%s%s: %s", within, name, expected);
+    for (int i = 0; i < n; i++) {
+        rp_value value;
+        const config_setting_t *element = config_setting_get_elem(setting, (unsigned)i);
+        if (to_value(element, &value) != RP_OK || (value.kind != RP_V_INT && value.kind != RP_V_REAL))
+            return rp_config_fail(element, "%s%s: %s", within, name, expected);
+        numbers[i] = value.kind == RP_V_INT ? (double)value.i : value.r;
+        if (!isfinite(numbers[i]))
+            return rp_config_fail(element, "%s%s: finite numbers expected", within, name);
+    }
+    return RP_OK;
+}
+
+rp_status rp_config_pair(const config_setting_t *setting, double pair[2])
+{
+    return rp_config_numbers(setting, 2, pair);
+}
+
+void rp_config_write(FILE *out, const rp_param *schema, const void *values)
+{
+    char text[512];
+    for (; schema->name; schema++) {
+        rp_params_text(schema, values, text, sizeof text);
+        bool number = (schema->type == RP_REAL || schema->type == RP_INT) && !isalpha(text[0]);
+        const char *quote = number || schema->type == RP_BOOL ? "" : "\"";
+        /* whole numbers above 2^31 - 1 would be refused, so a real number is written with its point */
+        const char *point = number && schema->type == RP_REAL && !strpbrk(text, ".e") ? ".0" : "";
+        fprintf(out, "%s = %s%s%s%s; ", schema->name, quote, text, point, quote);
+    }
+}

@@ -1,0 +1,59 @@
+/* Parameter files: libconfig syntax, read through a schema, every error with file, line, key and value. */
+#ifndef RP_CONFIG_H
+#define RP_CONFIG_H
+
+#include <libconfig.h>
+#include <stdbool.h>
+#include <stdio.h>
+
+#include "params/params.h"
+
+/* Read a file. Afterwards config_destroy(config), also after an error.
+ * Errors: RP_BAD_INPUT (missing file, syntax, whole number above 2^31 - 1, too large). */
+rp_status rp_config_read(const char *path, config_t *config);
+
+/* Refuse what libconfig would read wrong or without end: a whole number that does not fit an int, or a long
+ * one (5L) a long long; a text or comment without its end; more than 64 MB, 65536 bytes in a text, comment or
+ * gap, 1000 keys in a group, 31 levels, 10 included files. `folder`: of included files; `name` of a text: for
+ * messages. Errors: RP_BAD_INPUT. */
+rp_status rp_config_scan_file(const char *path, const char *folder);
+rp_status rp_config_scan_text(const char *name, const char *text);
+
+/* End of the token of libconfig's scanner at `p`, which is not the end of the text: number, name, text, gap,
+ * comment, or one other character. */
+const char *rp_config_token_end(const char *p);
+
+/* What is wrong with the text of a parameter file, as `at "TOKEN": WHAT expected`. False where nothing is
+ * found. */
+bool rp_config_syntax(const char *text, char *message, size_t size);
+
+/* Read the settings of `group` into `values`, which must hold defaults. Keys that are neither in the
+ * schema nor in `others` (NULL-terminated, may be NULL; left to the caller) are errors.
+ * A required parameter that is missing is an error. Texts are borrowed from the config.
+ * Errors: RP_BAD_INPUT. */
+rp_status rp_config_group(const config_setting_t *group, const rp_param *schema, void *values,
+                          const char *const *others);
+
+/* The error of a key that the schema and `others` do not have: its path, the nearest key, those that are
+ * allowed, and `more`. */
+rp_status rp_config_unknown(const config_setting_t *setting, const rp_param *schema,
+                            const char *const *others, const char *more);
+
+/* Store one setting in its parameter; RP_FLAGS takes a list of words. Errors: RP_BAD_INPUT. */
+rp_status rp_config_value(const config_setting_t *setting, const rp_param *param, void *values);
+
+/* Write "name = value; " for each parameter of a schema, as rp_config_group reads it back to the same bits.
+ */
+void rp_config_write(FILE *out, const rp_param *schema, const void *values);
+
+/* An RP_BAD_INPUT failure that starts with the setting's file and line. */
+rp_status rp_config_fail(const config_setting_t *setting, const char *format, ...)
+    __attribute__((format(printf, 2, 3)));
+
+/* Two finite numbers, as in [0.0, 1.0]. Errors: RP_BAD_INPUT. */
+rp_status rp_config_pair(const config_setting_t *setting, double pair[2]);
+
+/* n = 2 or 3 finite numbers, as in [0.0, 1.0, 2.0]. Errors: RP_BAD_INPUT. */
+rp_status rp_config_numbers(const config_setting_t *setting, int n, double *numbers);
+
+#endif

@@ -1,0 +1,79 @@
+/* Systems of units; see units.h. */
+#include "params/units.h"
+
+#include <math.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char *const words[] = {"cgs", "si", "sigma"};
+static rp_units now = RP_CGS;
+
+/* A label in each system, and its powers of length, time and mass. */
+static const struct {
+    const char *label[3];
+    double length, time, mass;
+} units[] = {{{"cm", "m", "sigma"}, 1, 0, 0},
+             {{"s", "s", "(sigma/g)^0.5"}, 0, 1, 0},
+             {{"1/s", "1/s", "(g/sigma)^0.5"}, 0, -1, 0},
+             {{"rad/s", "rad/s", "rad (g/sigma)^0.5"}, 0, -1, 0},
+             {{"cm/s", "m/s", "(g sigma)^0.5"}, 1, -1, 0},
+             {{"cm/s^2", "m/s^2", "|g|"}, 1, -2, 0},
+             {{"g", "kg", "m"}, 0, 0, 1},
+             {{"g/cm^3", "kg/m^3", "m/sigma^3"}, -3, 0, 1},
+             {{"dyn", "N", "m g"}, 1, -2, 1},
+             {{"dyn/cm", "N/m", "m g/sigma"}, 0, -2, 1},
+             {{"dyn/cm^1.5", "N/m^1.5", "m g/sigma^1.5"}, -0.5, -2, 1},
+             {{"dyn cm", "N m", "m g sigma"}, 2, -2, 1},
+             {{"dyn/cm^2", "N/m^2", "m g/sigma^2"}, -1, -2, 1},
+             {{"erg", "J", "m g sigma"}, 2, -2, 1}};
+enum { N_UNITS = sizeof units / sizeof *units };
+
+void rp_units_set(rp_units system)
+{
+    now = system;
+}
+
+rp_units rp_units_now(void)
+{
+    return now;
+}
+
+const char *rp_units_word(void)
+{
+    return words[now];
+}
+
+rp_units rp_units_find(const char *word)
+{
+    for (rp_units u = RP_SIGMA; word && u > RP_CGS; u--)
+        if (strcmp(words[u], word) == 0) return u;
+    return RP_CGS;
+}
+
+static size_t find(const char *cgs)
+{
+    size_t i = 0;
+    while (i < N_UNITS && strcmp(units[i].label[RP_CGS], cgs) != 0) i++;
+    return i;
+}
+
+const char *rp_unit(const char *cgs)
+{
+    const size_t i = now == RP_CGS ? N_UNITS : find(cgs);
+    return i < N_UNITS ? units[i].label[now] : cgs;
+}
+
+double rp_units_value(const char *cgs, double number)
+{
+    const size_t i = now == RP_CGS ? N_UNITS : find(cgs);
+    if (i == N_UNITS) return number;
+    char text[32];
+    const double d = 0.2, g = 981.0, length = now == RP_SI ? 100.0 : d,
+                 time = now == RP_SI ? 1.0 : sqrt(d / g),
+                 mass = now == RP_SI ? 1000.0 : M_PI / 6.0 * d * d * d;
+    snprintf(text, sizeof text, "%.12g",
+             number / (pow(length, units[i].length) * pow(time, units[i].time) * pow(mass, units[i].mass)));
+    return strtod(text, NULL);
+}

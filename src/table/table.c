@@ -1,0 +1,502 @@
+/* Tables with provenance; see table.h. */
+#include "table/table.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <limits.h>
+#include <math.h>
+#include <stdbool.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/random.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "params/guess.h"
+#include "params/params.h"
+#include "params/units.h"
+#include "core/version.h"
+
+void rp_table_provenance(FILE *out, const char *command)
+{
+    rp_table_note(out, "program", "repose %s, commit %s, model %d", RP_VERSION, rp_build_commit,
+                  RP_MODEL_VERSION);
+    rp_table_note(out, "compiler", "%s", rp_build_compiler);
+    rp_table_note(out, "libraries", "%s", rp_build_libraries);
+    if (command) rp_table_note(out, "command", "%s", command);
+    if (rp_units_now() != RP_CGS) rp_table_note(out, "system", "%s", rp_units_word());
+}
+
+void rp_table_note(FILE *out, const char *key, const char *format, ...)
+{
+    char text[8192];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    for (char *c = text; (c = strpbrk(c, "\n\r"));) *c = ' '; /* as in a file's name: a note is one line */
+    fprintf(out, "# %s: %s\n", key, text);
+}
+
+void rp_table_note_number(FILE *out, const char *key, double value, const char *text)
+{
+    char number[32];
+    rp_table_note(out, key, "%s%s%s", rp_number_text(value, 15, number, sizeof number), *text ? " " : "",
+                  text);
+}
+
+/* Time that a run took is in seconds in every system. */
+static const char *unit_of(const char *column, const char *cgs)
+{
+    return *cgs ? strcmp(column, "seconds") ? rp_unit(cgs) : cgs : "1";
+}
+
+void rp_table_columns(FILE *out, size_t n, const char *const columns[][2])
+{
+    fputs("# units: ", out);
+    for (size_t i = 0; i < n; i++) fprintf(out, "%s%s", i ? "\t" : "", unit_of(columns[i][0], columns[i][1]));
+    fputc('\n', out);
+    for (size_t i = 0; i < n; i++) fprintf(out, "%s%s", i ? "\t" : "", columns[i][0]);
+    fputc('\n', out);
+}
+
+void rp_table_header(FILE *out, const char *columns)
+{
+    for (int names = 0; names < 2; names++) {
+        if (!names) fputs("# units: ", out);
+        for (const char *c = columns, *end; *c; c = end + (*end ? 2 : 0)) {
+            char name[256], label[64];
+            end = strstr(c, ", ") ? strstr(c, ", ") : c + strlen(c);
+            const char *unit = memchr(c, '[', (size_t)(end - c));
+            snprintf(name, sizeof name, "%.*s", (int)((unit ? unit - 1 : end) - c), c);
+            snprintf(label, sizeof label, "%.*s", unit ? (int)(end - unit) - 2 : 0, unit ? unit + 1 : "");
+            fprintf(out, "%s%s", c != columns ? "\t" : "", names ? name : unit_of(name, label));
+        }
+        fputc('\n', out);
+    }
+}
+
+void rp_table_numbers(FILE *out, size_t n, const double values[])
+{
+    char text[32];
+    for (size_t i = 0; i < n; i++)
+        fprintf(out, "%s%s", i ? "\t" : "", rp_number_text(values[i], 15, text, sizeof text));
+}
+
+void rp_table_row(FILE *out, size_t n, const double values[])
+{
+    rp_table_numbers(out, n, values);
+    fputc('\n', out);
+}
+
+void rp_table_row_word(FILE *out, size_t n, const double values[], const char *word)
+{
+    rp_table_numbers(out, n, values);
+    fprintf(out, "%s%s\n", n ? "\t" : "", word);
+}
+
+rp_status rp_table_finish(FILE *out, const char *name)
+{
+    errno = 0;
+    if (fflush(out) != 0 || ferror(out))
+        return rp_fail(RP_IO, "%s: cannot write: %s", name, strerror(errno ? errno : EIO));
+    return RP_OK;
+}
+
+/* For a link, the target of the link is replaced. */
+static const char *find_target(const char *path, char target[PATH_MAX])
+{
+    if (!realpath(path, target)) snprintf(target, PATH_MAX, "%s", path);
+    return target;
+}
+
+/* A new file beside the target, under a name that no one can foresee; devices and pipes are written directly.
+ */
+rp_status rp_file_open(const char *path, FILE **out)
+{
+    char target[PATH_MAX], temporary[PATH_MAX + 16];
+    struct stat info;
+    unsigned number;
+    if (strcmp(path, "-") == 0) {
+        *out = stdout;
+        return RP_OK;
+    }
+    *out = NULL;
+    if (stat(path, &info) == 0 && !S_ISREG(info.st_mode)) {
+        *out = fopen(path, "w");
+    } else if (getrandom(&number, sizeof number, 0) == sizeof number) {
+        snprintf(temporary, sizeof temporary, "%s.tmp%08x", find_target(path, target), number);
+        const int file = open(temporary, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+        if (file >= 0) *out = fdopen(file, "w+");
+    }
+    return *out ? RP_OK : rp_fail(RP_IO, "%s: cannot write: %s", path, strerror(errno));
+}
+
+rp_status rp_file_close(const char *path, FILE *out, rp_status keep)
+{
+    char target[PATH_MAX], link[64], temporary[PATH_MAX] = "";
+    struct stat info;
+    if (out == stdout) return keep ? keep : rp_table_finish(out, "standard output");
+    snprintf(link, sizeof link, "/proc/self/fd/%d", fileno(out));
+    const bool renamed = fstat(fileno(out), &info) == 0 && S_ISREG(info.st_mode);
+    const bool named = renamed && readlink(link, temporary, sizeof temporary - 1) > 0;
+    rp_status status = keep ? keep : rp_table_finish(out, path);
+    /* the bytes reach the disk before the name does */
+    bool failed = renamed && !status && (fsync(fileno(out)) != 0 || !named);
+    failed |= fclose(out) != 0;
+    if (!status && !failed && renamed) failed = rename(temporary, find_target(path, target)) != 0;
+    if (!status && failed) status = rp_fail(RP_IO, "%s: cannot write: %s", path, strerror(errno));
+    if (status && named) unlink(temporary);
+    return status;
+}
+
+rp_status rp_make_directory(const char *path)
+{
+    char part[4096];
+    if (strlen(path) >= sizeof part) return rp_fail(RP_BAD_INPUT, "%.60s...: path too long", path);
+    for (size_t i = 1; i <= strlen(path); i++) {
+        if (path[i] != '/' && path[i] != '\0') continue;
+        snprintf(part, sizeof part, "%.*s", (int)i, path);
+        if (mkdir(part, 0777) != 0 && errno != EEXIST)
+            return rp_fail(RP_IO, "%s: cannot make the directory: %s", part, strerror(errno));
+    }
+    struct stat info;
+    if (stat(path, &info) != 0 || !S_ISDIR(info.st_mode)) return rp_fail(RP_IO, "%s: not a directory", path);
+    return RP_OK;
+}
+
+enum { MOST_BYTES = 1 << 30 };
+
+rp_status rp_file_read(const char *path, char **text)
+{
+    FILE *in = strcmp(path, "-") == 0 ? stdin : fopen(path, "r");
+    *text = NULL;
+    if (!in) return rp_fail(RP_BAD_INPUT, "%s: cannot read: %s", path, strerror(errno));
+    rp_status status = RP_OK;
+    size_t size = 0, room = 0, n = 0;
+    do {
+        room = 2 * room + 65536;
+        char *more = realloc(*text, room);
+        if (!more) status = rp_fail(RP_NO_MEMORY, "%s: out of memory", path);
+        if (!more) break;
+        *text = more;
+        n = fread(more + size, 1, room - 1 - size, in);
+        if (memchr(more + size, '\0', n)) status = rp_fail(RP_BAD_INPUT, "%s: no text: holds a 0 byte", path);
+        more[size += n] = '\0';
+        if (!status && size > MOST_BYTES) status = rp_fail(RP_BAD_INPUT, "%s: more than 1 GB", path);
+    } while (!status && size == room - 1);
+    if (!status && ferror(in)) status = rp_fail(RP_BAD_INPUT, "%s: cannot read: %s", path, strerror(errno));
+    if (in != stdin) fclose(in);
+    return status;
+}
+
+/* What separates the cells of a line: tabs alone where cells hold blanks, commas where there is no tab. */
+static const char *blanks_of(const char *line, bool texts)
+{
+    if (!strchr(line, '\t') && strchr(line, ',')) return texts ? ",\r" : ", \r";
+    return texts ? "\t\r" : " \t\r";
+}
+
+static size_t count_cells(const char *line, const char *blanks)
+{
+    size_t n = 0;
+    for (; *line; n++) {
+        line += strspn(line, blanks);
+        if (!*line) break;
+        line += strcspn(line, blanks);
+    }
+    return n;
+}
+
+static void split_cells(char *line, const char *blanks, char **cells)
+{
+    for (char *save, *cell = strtok_r(line, blanks, &save); cell; cell = strtok_r(NULL, blanks, &save))
+        *cells++ = cell;
+}
+
+static bool as_number(const char *text, double *value)
+{
+    char *end;
+    *value = strtod(text, &end);
+    return end != text && !*end;
+}
+
+static bool holds_number(const char *line, const char *blanks)
+{
+    char word[64];
+    double value;
+    for (line += strspn(line, blanks); *line; line += strspn(line, blanks)) {
+        const size_t n = strcspn(line, blanks);
+        snprintf(word, sizeof word, "%.*s", (int)n, line);
+        if (n < sizeof word && as_number(word, &value)) return true;
+        line += n;
+    }
+    return false;
+}
+
+/* A table while it is read. */
+typedef struct {
+    rp_table *table;
+    bool texts;
+    const char *blanks; /* between the cells of a row */
+    char *above;        /* the last line with # before the first row */
+    bool units_above;   /* the line before this one holds the units */
+    size_t most_rows, most_cells;
+} reading;
+
+/* The names of the columns, if the line has one for each of them. */
+static rp_status take_names(reading *r, char *line)
+{
+    rp_table *t = r->table;
+    const char *blanks = blanks_of(line, r->texts);
+    if (t->n_columns == 0) t->n_columns = count_cells(line, blanks);
+    free(t->names);
+    t->names = calloc(t->n_columns + 1, sizeof *t->names);
+    if (!t->names) return rp_fail(RP_NO_MEMORY, "%s: out of memory", t->path);
+    if (count_cells(line, blanks) == t->n_columns) split_cells(line, blanks, t->names);
+    return RP_OK;
+}
+
+/* Column names have a line of their own. In older tables they are the last line with #, below the units or
+ * with tabs; and a first row with a number is no header. */
+static bool is_header(const reading *r, const char *line, size_t n)
+{
+    if (r->above && strncmp(r->above, "units: ", 7) == 0) return true;
+    const bool older = r->above && (r->units_above || strchr(r->above, '\t')) &&
+                       count_cells(r->above, blanks_of(r->above, r->texts)) == n;
+    return !older && !holds_number(line, r->blanks);
+}
+
+/* Between commas; tabs and blanks may be several. */
+static bool has_empty_cell(const char *line, const char *blanks, size_t n)
+{
+    size_t commas = 0;
+    for (; *line; line++) commas += *line == ',';
+    return strchr(blanks, ',') && commas + 1 != n;
+}
+
+/* In tables that were joined, the names stand again. */
+static bool is_names(const rp_table *t, char *const cells[])
+{
+    size_t i = 0;
+    while (t->names && i < t->n_columns && strcmp(t->names[i], cells[i]) == 0) i++;
+    return t->names && i == t->n_columns;
+}
+
+static rp_status take_row(reading *r, char *line, size_t n, size_t line_number)
+{
+    rp_table *t = r->table;
+    const char *blanks = r->blanks;
+    if (n != t->n_columns && t->names && count_cells(line, "\t\r") == t->n_columns) { /* texts with blanks */
+        n = t->n_columns;
+        blanks = "\t\r";
+    }
+    if (!t->cells) {
+        t->n_columns = t->names ? t->n_columns : n;
+        const size_t most =
+            r->most_rows < r->most_cells / t->n_columns ? r->most_rows * t->n_columns : r->most_cells;
+        t->cells = calloc(most, sizeof *t->cells);
+        if (!t->cells) return rp_fail(RP_NO_MEMORY, "%s: out of memory", t->path);
+    }
+    if (n != t->n_columns)
+        return rp_fail(RP_BAD_INPUT, "%s:%zu: %zu cells where %zu are expected", t->path, line_number, n,
+                       t->n_columns);
+    if (has_empty_cell(line, blanks, n))
+        return rp_fail(RP_BAD_INPUT, "%s:%zu: an empty cell", t->path, line_number);
+    split_cells(line, blanks, t->cells + t->n_rows * n);
+    if (is_names(t, t->cells + t->n_rows * n)) return RP_OK;
+    t->places[t->n_rows++] = (rp_place){t->path, line_number};
+    return RP_OK;
+}
+
+static rp_status take_line(reading *r, char *line, size_t line_number)
+{
+    rp_table *t = r->table;
+    if (*line == '#') {
+        if (t->cells || t->names) return RP_OK;
+        r->units_above = r->above && strncmp(r->above, "units: ", 7) == 0;
+        r->above = line + 1 + strspn(line + 1, " ");
+        return RP_OK;
+    }
+    if (!r->blanks && strspn(line, " \t\r,") < strlen(line)) r->blanks = blanks_of(line, r->texts);
+    const size_t n = r->blanks ? count_cells(line, r->blanks) : 0;
+    if (n == 0) return RP_OK;
+    if (!t->cells && !t->names && is_header(r, line, n)) return take_names(r, line);
+    return take_row(r, line, n, line_number);
+}
+
+/* Split the text that the table has. */
+static rp_status split_text(bool texts, rp_table *table)
+{
+    reading r = {.table = table, .texts = texts, .most_rows = 1};
+    rp_status status = RP_OK;
+    if (strncmp(table->text, "\xEF\xBB\xBF", 3) == 0) /* a byte order mark */
+        memmove(table->text, table->text + 3, strlen(table->text + 3) + 1);
+    for (const char *p = table->text; *p; p++) r.most_rows += *p == '\n';
+    r.most_cells = strlen(table->text) / 2 + 1;
+    table->places = calloc(r.most_rows, sizeof *table->places);
+    if (!table->places) return rp_fail(RP_NO_MEMORY, "%s: out of memory", table->path);
+    size_t line_number = 0;
+    for (char *next = table->text, *line; (line = next) && !status;) {
+        next = strchr(line, '\n');
+        if (next) *next++ = '\0';
+        status = take_line(&r, line, ++line_number);
+    }
+    static char none[] = "";
+    return status || table->names ? status : take_names(&r, r.above ? r.above : none);
+}
+
+static rp_status read_table(const char *path, bool texts, rp_table *table)
+{
+    *table = (rp_table){.path = path};
+    rp_status status = rp_file_read(path, &table->text);
+    return status ? status : split_text(texts, table);
+}
+
+rp_status rp_table_parse(const char *name, char *text, rp_table *table)
+{
+    *table = (rp_table){.path = name, .text = text};
+    return split_text(true, table);
+}
+
+rp_status rp_table_read(const char *path, rp_table *table)
+{
+    return read_table(path, false, table);
+}
+
+rp_status rp_table_read_texts(const char *path, rp_table *table)
+{
+    return read_table(path, true, table);
+}
+
+void rp_table_free(rp_table *table)
+{
+    free(table->names);
+    free(table->cells);
+    free(table->places);
+    free(table->text);
+    *table = (rp_table){0};
+}
+
+static bool same_note(const rp_table *a, const rp_table *b, const char *key)
+{
+    const char *of_a = rp_table_find_note(a, key), *of_b = rp_table_find_note(b, key);
+    return of_a && of_b ? strcmp(of_a, of_b) == 0 : of_a == of_b;
+}
+
+rp_status rp_table_append(rp_table *table, const rp_table *more)
+{
+    const size_t columns = table->n_columns, n = table->n_rows, added = more->n_rows;
+    bool same = columns == more->n_columns;
+    for (size_t c = 0; c < columns && same; c++)
+        same = strcmp(table->names[c] ? table->names[c] : "", more->names[c] ? more->names[c] : "") == 0;
+    if (!same) return rp_fail(RP_BAD_INPUT, "%s and %s have different columns", table->path, more->path);
+    if (!same_note(table, more, "units") || !same_note(table, more, "system"))
+        return rp_fail(RP_BAD_INPUT, "%s and %s have different units", table->path, more->path);
+    char **cells = realloc(table->cells, ((n + added) * columns + 1) * sizeof *cells);
+    if (cells) table->cells = cells;
+    rp_place *places = realloc(table->places, (n + added + 1) * sizeof *places);
+    if (places) table->places = places;
+    if (!cells || !places) return rp_fail(RP_NO_MEMORY, "%s: out of memory", more->path);
+    for (size_t i = 0; i < added * columns; i++) cells[n * columns + i] = more->cells[i];
+    for (size_t i = 0; i < added; i++) places[n + i] = more->places[i];
+    table->n_rows += added;
+    return RP_OK;
+}
+
+int rp_table_column(const rp_table *table, const char *name)
+{
+    for (size_t i = 0; table->names && i < table->n_columns; i++) /* none after an error of reading */
+        if (table->names[i] ? strcmp(table->names[i], name) == 0 : (size_t)atol(name) == i + 1) return (int)i;
+    return -1;
+}
+
+static rp_status no_column(const rp_table *table, const char *name, const char *expected)
+{
+    char found[512] = "";
+    rp_guess guess = rp_guess_of(name);
+    for (size_t i = 0, used = 0; table->names && table->names[0] && i < table->n_columns; i++) {
+        rp_guess_try(&guess, table->names[i]);
+        if (used < sizeof found)
+            used += (size_t)snprintf(found + used, sizeof found - used, " %s", table->names[i]);
+        if (used >= sizeof found) strcpy(found + sizeof found - 5, " ...");
+    }
+    return rp_fail(RP_BAD_INPUT, "%s: no column \"%s\"%s%s%s; found:%s", table->path, name,
+                   rp_guess_text(&guess), expected ? "; expected header: " : "", expected ? expected : "",
+                   *found ? found : " none");
+}
+
+rp_status rp_table_find(const rp_table *table, const char *name, const char *expected, int *column)
+{
+    *column = rp_table_column(table, name);
+    return *column >= 0 ? RP_OK : no_column(table, name, expected);
+}
+
+/* rp_table_read has ended every line with NUL; the first row stops the search. */
+const char *rp_table_find_note(const rp_table *table, const char *key)
+{
+    const size_t n = strlen(key);
+    if (!table->cells) return NULL;
+    for (const char *line = table->text; *line == '#'; line += strlen(line) + 1)
+        if (strncmp(line, "# ", 2) == 0 && strncmp(line + 2, key, n) == 0 &&
+            strncmp(line + 2 + n, ": ", 2) == 0)
+            return line + n + 4;
+    return NULL;
+}
+
+/* Does `cell` meet the comparison with `value`? */
+static bool meets(const char *cell, const char *op, const char *value)
+{
+    double a, b;
+    const bool first = as_number(cell, &a), numbers = as_number(value, &b) && first;
+    const bool equal = numbers ? a == b || (isnan(a) && isnan(b)) : strcmp(cell, value) == 0;
+    if (*op == '=') return equal;
+    if (*op == '!') return !equal;
+    if (!numbers) return false;
+    return (op[1] == '=' && equal) || (*op == '<' ? a < b : a > b);
+}
+
+rp_status rp_table_where(rp_table *table, const char *condition)
+{
+    static const char *const operators[] = {"<=", ">=", "!=", "<", ">", "="};
+    char name[64];
+    double number;
+    const size_t length = strcspn(condition, "<>=!"), columns = table->n_columns;
+    const char *op = NULL;
+    for (size_t i = 0; i < sizeof operators / sizeof *operators && !op; i++)
+        if (strncmp(condition + length, operators[i], strlen(operators[i])) == 0) op = operators[i];
+    if (!op || length == 0 || length >= sizeof name)
+        return rp_fail(RP_BAD_INPUT, "condition \"%s\": NAME=VALUE expected, or != < <= > >=", condition);
+    snprintf(name, sizeof name, "%.*s", (int)length, condition);
+    const char *value = condition + length + strlen(op);
+    const int column = rp_table_column(table, name);
+    if (column < 0) return no_column(table, name, NULL);
+    if (strchr("<>", *op) && !as_number(value, &number))
+        return rp_fail(RP_BAD_INPUT, "condition \"%s\": \"%s\" is not a number", condition, value);
+    size_t kept = 0;
+    for (size_t i = 0; i < table->n_rows; i++) {
+        if (!meets(table->cells[i * columns + (size_t)column], op, value)) continue;
+        memmove(table->cells + kept * columns, table->cells + i * columns, columns * sizeof *table->cells);
+        table->places[kept++] = table->places[i];
+    }
+    table->n_rows = kept;
+    return RP_OK;
+}
+
+rp_status rp_table_number(const rp_table *table, size_t row, int column, int missing_ok, double *value)
+{
+    const char *cell = table->cells[row * table->n_columns + (size_t)column];
+    char *end;
+    if (missing_ok && strcmp(cell, "infinite") == 0) {
+        *value = INFINITY;
+        return RP_OK;
+    }
+    *value = strtod(cell, &end);
+    if (*end || (!isfinite(*value) && !missing_ok))
+        return rp_fail(RP_BAD_INPUT, "%s:%zu: column %d%s%s: \"%.40s\" is not a finite number",
+                       table->places[row].path, table->places[row].line, column + 1,
+                       table->names[column] ? " " : "", table->names[column] ? table->names[column] : "",
+                       cell);
+    return RP_OK;
+}

@@ -1,0 +1,234 @@
+/* Frames of a run from its tables; see view.h. */
+#include <dirent.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "export/export.h"
+#include "view/view.h"
+
+/* Columns of a table. A name with a question mark may be missing; its values are then NaN. */
+enum { MOST = 12 };
+typedef struct {
+    size_t n; /* rows */
+    double *column[MOST];
+    char unit[MOST][32];
+} numbers;
+
+static rp_status read_column(const rp_table *t, const char *name, const char *expected, double **values,
+                             char unit[32])
+{
+    const bool optional = *name == '?';
+    int column = rp_table_column(t, name + optional);
+    strcpy(unit, "1");
+    *values = cli_memory(t->n_rows, sizeof **values);
+    if (column < 0 && !optional) RP_TRY(rp_table_find(t, name, expected, &column));
+    if (column >= 0) cli_column_unit(t, column, unit);
+    for (size_t i = 0; i < t->n_rows; i++) {
+        (*values)[i] = NAN;
+        if (column >= 0) RP_TRY(rp_table_number(t, i, column, 1, &(*values)[i]));
+    }
+    return RP_OK;
+}
+
+/* A table without rows is empty, whatever its columns. */
+static rp_status read_numbers(const char *path, const char *const names[], const char *expected, numbers *out)
+{
+    rp_table t;
+    rp_status status = rp_table_read(path, &t);
+    out->n = t.n_rows;
+    for (size_t k = 0; names[k] && t.n_rows > 0 && !status; k++)
+        status = read_column(&t, names[k], expected, &out->column[k], out->unit[k]);
+    rp_table_free(&t);
+    return status;
+}
+
+/* A table of grains, and those that may lie beside it. */
+typedef struct {
+    char grains[4096], contacts[4096], walls[4096], base[4096];
+} source;
+
+static bool is_file(const char *path)
+{
+    struct stat s;
+    return stat(path, &s) == 0 && S_ISREG(s.st_mode);
+}
+
+/* The table `name` in place of the last `length` characters of `path`; empty where there is none. */
+static void find_beside(const char *path, size_t length, const char *name, char found[4096])
+{
+    snprintf(found, 4096, "%.*s%s", (int)(strlen(path) - length), path, name);
+    if (!is_file(found)) *found = '\0';
+}
+
+static void find_source(const char *path, source *s)
+{
+    static const char *const grains[] = {"states.tsv", "grains.tsv", "disks.tsv"};
+    *s = (source){{0}};
+    snprintf(s->grains, sizeof s->grains, "%s", path);
+    for (size_t k = 0; k < N_OF(grains); k++) {
+        if (!cli_ends_in(path, grains[k])) continue;
+        find_beside(path, strlen(grains[k]), "contacts.tsv", s->contacts);
+        find_beside(path, strlen(grains[k]), "walls.tsv", s->walls);
+        if (k == 2) find_beside(path, strlen(grains[k]), "base.tsv", s->base);
+    }
+}
+
+/* Forces on the first grain: the normal one from b to a, the shear along the normal turned clockwise. */
+static int by_force(const void *a, const void *b)
+{
+    const double f = fabs(((const view_contact *)a)->normal), g = fabs(((const view_contact *)b)->normal);
+    return (f > g) - (f < g);
+}
+
+static rp_status read_contacts(const char *path, numbers *c, view_contact **contacts, char unit[32])
+{
+    static const char *const names[] = {"?step",        "x",     "y", "x_b", "y_b", "?normal_force", "?force",
+                                        "?shear_force", "?wall", NULL};
+    RP_TRY(read_numbers(path, names, "x y x_b y_b, and normal_force or force", c));
+    if (c->n == 0) return RP_OK;
+    *contacts = cli_memory(c->n, sizeof **contacts);
+    for (size_t k = 0; k < c->n; k++) {
+        view_contact *v = &(*contacts)[k];
+        const double normal = isnan(c->column[5][k]) ? c->column[6][k] : c->column[5][k],
+                     shear = isnan(c->column[7][k]) ? 0.0 : c->column[7][k];
+        *v = (view_contact){.normal = normal, .wall = c->column[8][k] > 0.0};
+        v->c = (stress_contact){c->column[1][k], c->column[2][k], c->column[3][k], c->column[4][k], 0.0, 0.0};
+        const double lx = v->c.x - v->c.x_b, ly = v->c.y - v->c.y_b, l = hypot(lx, ly);
+        if (!(l > 0.0) || !isfinite(normal + shear))
+            return rp_fail(RP_BAD_INPUT, "%s: row %zu has no branch or no force", path, k + 1);
+        v->c.fx = (normal * lx + shear * ly) / l;
+        v->c.fy = (normal * ly - shear * lx) / l;
+    }
+    snprintf(unit, 32, "%s", strcmp(c->unit[5], "1") ? c->unit[5] : c->unit[6]);
+    return RP_OK;
+}
+
+static rp_status read_walls(const char *path, numbers *w, view_wall **walls)
+{
+    static const char *const names[] = {"?step", "x", "y", "direction_x", "direction_y", "from", "to", NULL};
+    RP_TRY(read_numbers(path, names, "x y direction_x direction_y from to", w));
+    *walls = cli_memory(w->n, sizeof **walls);
+    for (size_t k = 0; k < w->n; k++)
+        (*walls)[k] = (view_wall){w->column[1][k],
+                                  w->column[2][k],
+                                  {w->column[3][k], w->column[4][k]},
+                                  {w->column[5][k], w->column[6][k]}};
+    return RP_OK;
+}
+
+static cli_frames split(const numbers *t)
+{
+    cli_frames f = {.step = -1};
+    cli_frames_split(t->n, t->column[0], &f);
+    if (t->n > 0 && !isnan(t->column[0][0])) f.step = 0;
+    return f;
+}
+
+/* The rows of contacts or walls that belong to a frame of grains: those with its step, or all where the
+ * grains have one frame only. Returns the number, and the first one. */
+static size_t rows_of(const cli_frames *f, double step, bool one, size_t *first)
+{
+    const size_t k = f->step < 0 ? f->n : cli_frame_at(f, step);
+    *first = one || k == f->n ? 0 : f->first[k];
+    return one ? f->first[f->n] : k == f->n ? 0 : f->first[k + 1] - *first;
+}
+
+static void put_frames(const numbers *g, const cli_frames *grains, const cli_frames *c, const cli_frames *w,
+                       const view_contact *contacts, const view_wall *walls, view_frame *frames)
+{
+    for (size_t k = 0; k < grains->n; k++) {
+        const size_t i = grains->first[k];
+        size_t ci, wi;
+        const size_t n_c = rows_of(c, grains->steps[k], grains->n == 1, &ci),
+                     n_w = rows_of(w, grains->steps[k], grains->n == 1, &wi);
+        frames[k] = (view_frame){.step = g->column[0][i],
+                                 .t = g->column[1][i],
+                                 .n = grains->first[k + 1] - i,
+                                 .x = g->column[2] + i,
+                                 .y = g->column[3] + i,
+                                 .r = g->column[4] + i,
+                                 .value = g->column[5] ? g->column[5] + i : NULL,
+                                 .n_contacts = n_c,
+                                 .contacts = contacts + ci,
+                                 .n_walls = n_w,
+                                 .walls = walls + wi};
+    }
+}
+
+static rp_status add_source(const source *s, const char *color, view_scene *scene)
+{
+    const char *names[] = {"?step", "?t", "x", "y", "r", *color ? color : NULL, NULL};
+    numbers g = {0}, c = {0}, w = {0}, b = {0};
+    view_contact *contacts = cli_memory(0, sizeof *contacts); /* frames point into both, also if empty */
+    view_wall *walls = cli_memory(0, sizeof *walls);
+    RP_TRY(read_numbers(s->grains, names, "x y r", &g));
+    if (*s->contacts) RP_TRY(read_contacts(s->contacts, &c, &contacts, scene->force));
+    if (*s->walls) RP_TRY(read_walls(s->walls, &w, &walls));
+    if (*s->base) RP_TRY(read_numbers(s->base, (const char *const[]){"x", "N/mg", NULL}, "x N/mg", &b));
+    if (g.n == 0) return RP_OK;
+    for (size_t k = 0; k < g.n; k++)
+        if (!(isfinite(g.column[2][k] + g.column[3][k]) && g.column[4][k] > 0.0 && isfinite(g.column[4][k])))
+            return rp_fail(RP_BAD_INPUT, "%s: row %zu: x, y and a radius above 0 expected", s->grains, k + 1);
+    snprintf(scene->length, sizeof scene->length, "%s", g.unit[2]);
+    snprintf(scene->time, sizeof scene->time, "%s", g.unit[1]);
+    if (*color) snprintf(scene->quantity, sizeof scene->quantity, "%s", g.unit[5]);
+    const cli_frames grains = split(&g), of_contacts = split(&c), of_walls = split(&w);
+    view_frame *frames = cli_memory(scene->n + grains.n, sizeof *frames);
+    if (scene->n > 0) memcpy(frames, scene->frames, scene->n * sizeof *frames);
+    put_frames(&g, &grains, &of_contacts, &of_walls, contacts, walls, frames + scene->n);
+    for (view_frame *f = frames + scene->n; f < frames + scene->n + grains.n; f++) {
+        if (f->n_contacts > 0)
+            qsort(contacts + (f->contacts - contacts), f->n_contacts, sizeof *contacts, by_force);
+        f->n_base = b.n, f->base_x = b.column[0], f->base_force = b.column[1];
+    }
+    scene->frames = frames;
+    scene->n += grains.n;
+    return RP_OK;
+}
+
+static int by_step(const void *a, const void *b)
+{
+    const double f = ((const view_frame *)a)->step, g = ((const view_frame *)b)->step;
+    return (f > g) - (f < g);
+}
+
+/* The tables of a folder: of a scene, of a static pile, or of each stage of a sweep's run. */
+static rp_status read_folder(const char *path, const char *color, view_scene *scene)
+{
+    static const char *const one[] = {"states.tsv", "disks.tsv"};
+    char table[4096];
+    source s;
+    for (size_t k = 0; k < N_OF(one); k++) {
+        snprintf(table, sizeof table, "%s/%s", path, one[k]);
+        if (!is_file(table)) continue;
+        find_source(table, &s);
+        return add_source(&s, color, scene);
+    }
+    rp_status status = RP_OK;
+    struct dirent **names;
+    const int n = scandir(path, &names, NULL, alphasort);
+    for (int k = 0; k < n; k++) {
+        snprintf(table, sizeof table, "%s/%s", path, names[k]->d_name);
+        find_source(table, &s);
+        if (!status && cli_ends_in(names[k]->d_name, "_grains.tsv")) status = add_source(&s, color, scene);
+        free(names[k]);
+    }
+    if (n >= 0) free(names);
+    if (scene->n > 0) qsort(scene->frames, scene->n, sizeof *scene->frames, by_step);
+    return status;
+}
+
+rp_status view_read(const char *path, const char *color, view_scene *scene)
+{
+    struct stat info;
+    source s;
+    *scene = (view_scene){.length = "1", .force = "1", .time = "1", .quantity = "1"};
+    const bool folder = stat(path, &info) == 0 && S_ISDIR(info.st_mode);
+    find_source(path, &s);
+    RP_TRY(folder ? read_folder(path, color, scene) : add_source(&s, color, scene));
+    if (scene->n > 0) return RP_OK;
+    return folder ? rp_fail(RP_BAD_INPUT, "%s: no rows in a states.tsv, disks.tsv or ..._grains.tsv", path)
+                  : rp_fail(RP_BAD_INPUT, "%s: no rows", path);
+}

@@ -1,0 +1,124 @@
+/* Snapshots of one run of a sweep; see keep.h. */
+#include "sweeps/engine/keep.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+#include <xxhash.h>
+
+#include "core/clock.h"
+#include "core/version.h"
+
+/* Another commit may keep other variables: its snapshots are refused, and their runs start anew. */
+static uint64_t layout(void)
+{
+    return XXH3_64bits_withSeed(rp_build_commit, strlen(rp_build_commit), dem_keep_layout());
+}
+
+void sweep_keep_begin(sweep_keep *k, const char *path, const char *key, double interval, bool look, char *why,
+                      size_t size)
+{
+    *k = (sweep_keep){.path = path, .key = key, .interval = interval, .next = rp_cpu_clock() + interval};
+    if (size > 0) *why = '\0';
+    if (!look || access(path, F_OK) != 0 || rp_snapshot_read(&k->source, path, key, layout()) == RP_OK)
+        return;
+    snprintf(why, size, "%s", rp_message());
+    rp_snapshot_free(&k->source);
+}
+
+void sweep_keep_remove(const char *path)
+{
+    char unfinished[4096 + 8];
+    snprintf(unfinished, sizeof unfinished, "%s.new", path);
+    unlink(path);
+    unlink(unfinished);
+}
+
+void sweep_keep_end(sweep_keep *k, bool done)
+{
+    rp_snapshot_free(&k->source);
+    if (done) sweep_keep_remove(k->path);
+}
+
+bool sweep_keep_resumes(const sweep_keep *k)
+{
+    return k && k->source.at < k->source.n;
+}
+
+static void keep_file(rp_snapshot *s, FILE *file)
+{
+    size_t n = fflush(file) == 0 && !s->reading ? (size_t)ftell(file) : 0;
+    RP_KEEP(s, n);
+    rp_keep_check(s, n <= s->n - s->at, "a table that is too long");
+    if (s->status) return;
+    char *text = malloc(n + 1);
+    bool good = text && (s->reading || pread(fileno(file), text, n, 0) == (ssize_t)n);
+    if (good) rp_keep(s, text, n);
+    if (good && s->reading) {
+        rewind(file);
+        good = ftruncate(fileno(file), 0) == 0 && fwrite(text, 1, n, file) == n;
+    }
+    if (!good) s->status = rp_fail(RP_IO, "%s: cannot keep a table", s->path ? s->path : "snapshot");
+    free(text);
+}
+
+static void keep_one(rp_snapshot *s, void *data, size_t size)
+{
+    if (size == SIZE_MAX) {
+        keep_file(s, data);
+        return;
+    }
+    if (size > 0) {
+        rp_keep(s, data, size);
+        return;
+    }
+    dem_sim **sim = data;
+    bool there = *sim != NULL;
+    RP_KEEP(s, there);
+    if (there && !s->status) dem_keep(s, sim);
+}
+
+bool sweep_keep_enter(sweep_keep *k, void *data, size_t size)
+{
+    if (!k) return true;
+    const bool restore = sweep_keep_resumes(k);
+    if (restore) keep_one(&k->source, data, size);
+    if (k->n < SWEEP_KEEP_MOST)
+        k->entered[k->n].data = data, k->entered[k->n].size = size;
+    else
+        k->source.status = rp_fail(RP_BROKEN, "more than %d kept variables", SWEEP_KEEP_MOST);
+    k->n++;
+    return !restore;
+}
+
+bool sweep_keep_enter_sim(sweep_keep *k, dem_sim **sim)
+{
+    return sweep_keep_enter(k, sim, 0);
+}
+
+bool sweep_keep_enter_file(sweep_keep *k, FILE *file)
+{
+    return sweep_keep_enter(k, file, SIZE_MAX);
+}
+
+void sweep_keep_leave(sweep_keep *k, size_t n)
+{
+    if (k) k->n -= n;
+}
+
+rp_status sweep_keep_look(sweep_keep *k)
+{
+    if (!k) return RP_OK;
+    if (k->source.status) return k->source.status;
+    if (sweep_keep_resumes(k))
+        return rp_fail(RP_BROKEN, "%s: the run does not come to the place of its snapshot", k->path);
+    const bool stops = k->stop && *k->stop;
+    if (!stops && rp_cpu_clock() < k->next) return RP_OK;
+    rp_snapshot s = {0};
+    for (size_t i = 0; i < k->n; i++) keep_one(&s, k->entered[i].data, k->entered[i].size);
+    rp_status status = rp_snapshot_write(&s, k->path, k->key, layout());
+    rp_snapshot_free(&s);
+    k->next = rp_cpu_clock() + k->interval;
+    return !status && stops ? rp_fail(RP_STOPPED, "stopped") : status;
+}

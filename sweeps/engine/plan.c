@@ -1,0 +1,472 @@
+/* From a sweep file to its grid points, runs and tables; see sweep.h for the file and the order. */
+#include "sweeps/engine/private.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "params/config.h"
+#include "table/table.h"
+#include "params/units.h"
+#include "core/version.h"
+#include "dem/dem.h"
+
+enum { MAX_RUNS = 10000000 };
+enum { PILES_OWN, PILES_SHARED };
+
+typedef struct {
+    int protocol;
+    long replicas, study, seed;
+    bool zip;
+    int piles, units;
+} head;
+
+static rp_status refuse_scene(const char *file, const config_setting_t *root)
+{
+    static const char *const keys[] = {"particles", "particles_file", "fill", "walls"};
+    for (size_t i = 0; i < sizeof keys / sizeof *keys && !config_setting_get_member(root, "protocol"); i++)
+        if (config_setting_get_member(root, keys[i]))
+            return rp_fail(RP_BAD_INPUT, "%s: a scene (it has %s), no sweep; repose run %s simulates it",
+                           file, keys[i], file);
+    return RP_OK;
+}
+
+/* The file's settings apart from `fixed` and `grid`. */
+static rp_status read_head(const char *file, const config_setting_t *root,
+                           const sweep_protocol *const *protocols, head *h)
+{
+    char names[256] = "";
+    size_t used = 0;
+    for (const sweep_protocol *const *p = protocols; *p && used < sizeof names; p++)
+        used += (size_t)snprintf(names + used, sizeof names - used, "%s%s", used ? " | " : "", (*p)->name);
+    const rp_param schema[] = {
+        {"protocol", "", RP_CHOICE, offsetof(head, protocol), NULL, names, "kind of experiment"},
+        {"replicas", "", RP_INT, offsetof(head, replicas), "20", "[1, 1000000]", "runs of each grid point"},
+        {"study", "", RP_INT, offsetof(head, study), "auto", "[1, 1000000] | auto",
+         "runs of each grid point for `repose sweep make --study`; auto: replicas"},
+        {"seed", "", RP_INT, offsetof(head, seed), "1993", "[0, 2147483647]", "seed of the random streams"},
+        {"zip", "", RP_BOOL, offsetof(head, zip), "false", "", "take the lists of the grid together"},
+        {"piles", "", RP_CHOICE, offsetof(head, piles), "own", "own | shared",
+         "random streams: every run its own, or replica k of every grid point the same"},
+        {"units", "", RP_CHOICE, offsetof(head, units), "cgs", RP_UNITS_WORDS,
+         "of the numbers here and of the tables; defaults are converted"},
+        {0}};
+    RP_TRY(refuse_scene(file, root));
+    if (!config_setting_get_member(root, "protocol")) /* the root has no line to point at */
+        return rp_fail(RP_BAD_INPUT, "%s: protocol: missing (kind of experiment), allowed: %s", file, names);
+    rp_params_defaults(schema, h);
+    rp_status status =
+        rp_config_group(root, schema, h, (const char *const[]){"fixed", "grid", "tables", NULL});
+    rp_units_set((rp_units)h->units);
+    return status;
+}
+
+/* A sweep's folder keeps one file that says everything. */
+static rp_status refuse_includes(const char *file, const char *text)
+{
+    int number = 1;
+    for (const char *line = text; *line; number++) {
+        if (strncmp(line + strspn(line, " \t"), "@include", 8) == 0)
+            return rp_fail(RP_BAD_INPUT, "%s:%d: @include: a sweep file must be whole in itself", file,
+                           number);
+        line += strcspn(line, "\n");
+        line += *line == '\n';
+    }
+    return RP_OK;
+}
+
+static rp_status find_param(const sweep_protocol *protocol, const config_setting_t *setting,
+                            const rp_param **param)
+{
+    *param = rp_params_find(protocol->schema, config_setting_name(setting));
+    if (*param) return RP_OK;
+    char more[64];
+    snprintf(more, sizeof more, "; see repose params %s", protocol->name);
+    return rp_config_unknown(setting, protocol->schema, NULL, more);
+}
+
+static int length(const config_setting_t *group)
+{
+    return group ? config_setting_length(group) : 0;
+}
+
+static const config_setting_t *element(const config_setting_t *group, size_t i)
+{
+    return config_setting_get_elem(group, (unsigned)i);
+}
+
+static rp_status read_fixed(const sweep_plan *plan, const config_setting_t *fixed, void *values)
+{
+    rp_params_defaults(plan->protocol->schema, values);
+    if (fixed && !config_setting_is_group(fixed))
+        return rp_config_fail(fixed, "fixed: a group { key = ...; } expected");
+    for (int i = 0; i < length(fixed); i++) {
+        const rp_param *param;
+        const config_setting_t *setting = element(fixed, (size_t)i);
+        RP_TRY(find_param(plan->protocol, setting, &param));
+        RP_TRY(rp_config_value(setting, param, values));
+    }
+    return RP_OK;
+}
+
+enum { MAX_AXES = 64 };
+
+/* The lists of the grid: a group of lists, each its own bundle or with zip = true one for all, or a list of
+ * groups, a bundle each. */
+static rp_status find_lists(const head *h, const config_setting_t *grid, sweep_axis axes[], size_t *n)
+{
+    const bool bundles = grid && config_setting_is_list(grid);
+    *n = 0;
+    if (bundles && h->zip)
+        return rp_config_fail(grid, "grid: zip = true is for one group of lists, not for a list of groups");
+    for (int g = 0; g < (bundles ? length(grid) : 1); g++) {
+        const config_setting_t *group = bundles ? element(grid, (size_t)g) : grid;
+        if (group && !config_setting_is_group(group))
+            return rp_config_fail(group, "grid: %s { key = [ ... ]; } expected",
+                                  bundles ? "groups" : "a group");
+        for (int i = 0; i < length(group); i++) {
+            if (*n == MAX_AXES) return rp_config_fail(group, "grid: more than %d lists", MAX_AXES);
+            size_t bundle = bundles ? (size_t)g : h->zip ? 0 : *n;
+            axes[(*n)++] = (sweep_axis){.list = element(group, (size_t)i), .bundle = bundle};
+        }
+    }
+    return RP_OK;
+}
+
+/* The values of axis a, checked. It may not repeat another's parameter nor one under fixed. */
+static rp_status read_axis(sweep_plan *plan, size_t a, const config_setting_t *fixed)
+{
+    sweep_axis *axis = &plan->axes[a];
+    const char *name = config_setting_name(axis->list);
+    RP_TRY(find_param(plan->protocol, axis->list, &axis->param));
+    for (size_t other = 0; other < a; other++)
+        if (plan->axes[other].param == axis->param)
+            return rp_config_fail(axis->list, "%s: appears twice in the grid; keep one", name);
+    const rp_type type = axis->param->type;
+    if (type == RP_FLAGS || type == RP_TEXT || type == RP_TEXTS)
+        return rp_config_fail(axis->list, "%s: cannot vary over a grid; set it under fixed", name);
+    if (fixed && config_setting_get_member(fixed, name))
+        return rp_config_fail(axis->list, "%s: appears under fixed and under grid; keep one", name);
+    if ((!config_setting_is_array(axis->list) && !config_setting_is_list(axis->list)) ||
+        length(axis->list) == 0)
+        return rp_config_fail(axis->list, "%s: a list [ ... ] of one value or more expected", name);
+    axis->n = (size_t)length(axis->list);
+    axis->first = a == 0 || axis[-1].bundle != axis->bundle;
+    if (!axis->first && axis->n != axis[-1].n)
+        return rp_config_fail(axis->list,
+                              "%s: %zu values; lists that go together have the same number, %zu as in %s",
+                              name, axis->n, axis[-1].n, axis[-1].param->name);
+    for (size_t i = 0; i < axis->n; i++)
+        RP_TRY(rp_config_value(element(axis->list, i), axis->param, plan->at->values));
+    return RP_OK;
+}
+
+/* Find the axes of the grid and how many points they span. */
+static rp_status read_axes(sweep_plan *plan, const config_setting_t *fixed)
+{
+    plan->n_points = 1;
+    for (size_t a = 0; a < plan->n_axes; a++) {
+        RP_TRY(read_axis(plan, a, fixed));
+        if (plan->axes[a].first) plan->n_points *= plan->axes[a].n;
+        if (plan->n_points > MAX_RUNS / plan->replicas)
+            return rp_config_fail(plan->axes[a].list, "%s: the grid has too many runs, allowed: %d",
+                                  plan->axes[a].param->name, MAX_RUNS);
+    }
+    return RP_OK;
+}
+
+/* Set the values of point i in the plan's one structure, and the sum of their hashes. */
+static void move_to(const sweep_plan *plan, size_t i)
+{
+    sweep_position *at = plan->at;
+    if (at->point == i) return;
+    at->point = i;
+    at->hash = plan->fixed_hash;
+    for (size_t a = plan->n_axes, rest = i; a-- > 0;) {
+        const sweep_axis *axis = &plan->axes[a];
+        rp_config_value(element(axis->list, rest % axis->n), axis->param, at->values); /* checked before */
+        at->hash = rp_hash_add(at->hash, rp_params_hash_one(axis->param, at->values));
+        if (axis->first) rest /= axis->n;
+    }
+}
+
+bool sweep_plan_is_axis(const sweep_plan *plan, const rp_param *param)
+{
+    for (size_t a = 0; a < plan->n_axes; a++)
+        if (plan->axes[a].param == param) return true;
+    return false;
+}
+
+/* A default density is not of every shape. */
+static rp_status check_density(const sweep_plan *plan, const void *values)
+{
+    const rp_param *schema = plan->protocol->schema, *density = rp_params_find(schema, "density"),
+                   *shape = rp_params_find(schema, "shape");
+    int of = DEM_SPHERE;
+    if (!density || !shape) return RP_OK;
+    memcpy(&of, (const char *)values + shape->offset, sizeof of);
+    return dem_density_check((dem_shape)of, sweep_plan_is_axis(plan, density) ||
+                                                config_lookup(&plan->config, "fixed.density") != NULL);
+}
+
+rp_status sweep_plan_check_point(const sweep_plan *plan, const char *file, size_t point)
+{
+    char where[256];
+    const void *values = sweep_plan_point(plan, point);
+    rp_status status = plan->protocol->check(values);
+    if (!status) status = check_density(plan, values);
+    if (!status) return RP_OK; /* the only answer for millions of points */
+    return rp_prefix(status, "%s: %s%s: ", file, plan->n_axes ? "grid point " : "parameters",
+                     sweep_plan_describe(plan, point, where, sizeof where));
+}
+
+typedef struct {
+    XXH128_hash_t hash;
+    size_t i;
+} entry;
+
+static int compare_entries(const void *a, const void *b)
+{
+    return XXH128_cmp(a, b); /* the hash comes first */
+}
+
+/* Two grid points of the same parameters would be the same runs: no bundle of lists repeats its values. */
+static rp_status refuse_twins(const sweep_plan *plan, size_t first)
+{
+    const sweep_axis *axis = &plan->axes[first];
+    entry *entries = calloc(axis->n, sizeof *entries);
+    if (!entries) return rp_fail(RP_NO_MEMORY, "grid: out of memory");
+    size_t stride = 1; /* from one value of the bundle to the next, in points */
+    for (size_t a = first; a < plan->n_axes; a++)
+        if (plan->axes[a].first && a > first) stride *= plan->axes[a].n;
+    for (size_t i = 0; i < axis->n; i++) {
+        move_to(plan, i * stride);
+        entries[i] = (entry){plan->at->hash, i};
+    }
+    qsort(entries, axis->n, sizeof *entries, compare_entries);
+    rp_status status = RP_OK;
+    char where[256];
+    for (size_t i = 1; !status && i < axis->n; i++)
+        if (XXH128_isEqual(entries[i - 1].hash, entries[i].hash))
+            status = rp_config_fail(axis->list, "grid point %s: appears twice in the grid",
+                                    sweep_plan_describe(plan, entries[i].i * stride, where, sizeof where));
+    free(entries);
+    return status;
+}
+
+/* Part of every key: a stored run without a value of a new output is not reused. */
+static XXH64_hash_t hash_outputs(const sweep_protocol *protocol)
+{
+    XXH64_hash_t hash = 0;
+    for (const sweep_output *o = protocol->outputs; o->name; o++)
+        hash = XXH3_64bits_withSeed(o->name, strlen(o->name), hash);
+    return hash;
+}
+
+/* What every key holds besides the parameters, so that results of other physics are never reused. */
+static rp_status find_model(sweep_plan *plan)
+{
+    char fingerprint[33] = "";
+    const rp_units units = rp_units_now();
+    rp_units_set(RP_CGS); /* a fingerprint is of the physics, not of the units */
+    rp_status status = plan->protocol->fingerprint ? plan->protocol->fingerprint(fingerprint) : RP_OK;
+    rp_units_set(units);
+    snprintf(plan->model, sizeof plan->model, "%s %d %s %016llx", plan->protocol->name, RP_MODEL_VERSION,
+             fingerprint, (unsigned long long)hash_outputs(plan->protocol));
+    return status;
+}
+
+/* Append "name":value to a JSON text. */
+static void append_json(const rp_param *param, const void *values, char *buffer, size_t size)
+{
+    char text[256];
+    const size_t used = strlen(buffer);
+    rp_params_text(param, values, text, sizeof text);
+    const bool number =
+        (param->type == RP_REAL || param->type == RP_INT) && strspn(text, "+-.0123456789e") == strlen(text);
+    for (char *c = text; *c; c++)
+        if (*c == '"' || *c == '\\' || *c < ' ') *c = '_'; /* in file names only */
+    snprintf(buffer + used, size - used, number ? "%s\"%s\":%s" : "%s\"%s\":\"%s\"", used > 1 ? "," : "",
+             param->name, text);
+}
+
+static void sum_fixed(sweep_plan *plan, const config_setting_t *fixed)
+{
+    strcpy(plan->fixed_json, "{");
+    for (const rp_param *p = plan->protocol->schema; p->name; p++) {
+        if (sweep_plan_is_axis(plan, p)) continue;
+        plan->fixed_hash = rp_hash_add(plan->fixed_hash, rp_params_hash_one(p, plan->at->values));
+        if (fixed && config_setting_get_member(fixed, p->name))
+            append_json(p, plan->at->values, plan->fixed_json, sizeof plan->fixed_json);
+    }
+}
+
+/* Everything that the runs of a plan and their order depend on. */
+static void hash_plan(const sweep_plan *plan, char digits[33])
+{
+    XXH3_state_t *state = XXH3_createState();
+    char text[512];
+    XXH3_128bits_reset(state);
+    int n = snprintf(text, sizeof text, "%s seed=%lu shared=%d replicas=%zu points=%zu", plan->model,
+                     plan->seed, plan->shared_piles, plan->replicas, plan->n_points);
+    XXH3_128bits_update(state, text, (size_t)n);
+    XXH3_128bits_update(state, &plan->fixed_hash, sizeof plan->fixed_hash);
+    for (const sweep_axis *axis = plan->axes; axis < plan->axes + plan->n_axes; axis++)
+        for (size_t i = 0; i < axis->n; i++) {
+            rp_config_value(element(axis->list, i), axis->param, plan->at->values);
+            const XXH128_hash_t hash = rp_params_hash_one(axis->param, plan->at->values);
+            XXH3_128bits_update(state, &hash, sizeof hash);
+        }
+    plan->at->point = SIZE_MAX;
+    rp_hash_digits(XXH3_128bits_digest(state), digits);
+    XXH3_freeState(state);
+}
+
+rp_status sweep_plan_read(const char *file, const sweep_protocol *const *protocols, sweep_plan *plan)
+{
+    *plan = (sweep_plan){0};
+    head h;
+    RP_TRY(rp_config_read(file, &plan->config));
+    RP_TRY(rp_file_read(file, &plan->text));
+    RP_TRY(refuse_includes(file, plan->text));
+    const config_setting_t *root = config_root_setting(&plan->config),
+                           *fixed = config_setting_get_member(root, "fixed"),
+                           *grid = config_setting_get_member(root, "grid");
+    RP_TRY(read_head(file, root, protocols, &h));
+    plan->protocol = protocols[h.protocol];
+    plan->replicas = (size_t)h.replicas;
+    plan->seed = (unsigned long)h.seed;
+    plan->shared_piles = h.piles == PILES_SHARED;
+    plan->axes = calloc(MAX_AXES, sizeof *plan->axes);
+    plan->at = calloc(1, sizeof *plan->at + plan->protocol->params_size);
+    if (!plan->axes || !plan->at) return rp_fail(RP_NO_MEMORY, "%s: out of memory", file);
+    plan->at->point = SIZE_MAX;
+    RP_TRY(find_lists(&h, grid, plan->axes, &plan->n_axes));
+    RP_TRY(read_axes(plan, fixed));
+    RP_TRY(read_fixed(plan, fixed, plan->at->values));
+    RP_TRY(find_model(plan));
+    sum_fixed(plan, fixed);
+    for (size_t a = 0; a < plan->n_axes; a++)
+        if (plan->axes[a].first) RP_TRY(refuse_twins(plan, a));
+    return sweep_plan_replicate(plan, plan->replicas);
+}
+
+rp_status sweep_plan_replicate(sweep_plan *plan, size_t replicas)
+{
+    if (replicas < 1 || replicas > MAX_RUNS / plan->n_points)
+        return rp_fail(RP_BAD_INPUT, "replicas = %zu: out of range for %zu grid points, allowed: [1, %zu]",
+                       replicas, plan->n_points, MAX_RUNS / plan->n_points);
+    plan->replicas = replicas;
+    plan->n_runs = plan->n_points * replicas;
+    hash_plan(plan, plan->hash);
+    return RP_OK;
+}
+
+void sweep_plan_free(sweep_plan *plan)
+{
+    free(plan->axes);
+    free(plan->at);
+    free(plan->text);
+    config_destroy(&plan->config);
+}
+
+const void *sweep_plan_point(const sweep_plan *plan, size_t point)
+{
+    move_to(plan, point);
+    return plan->at->values;
+}
+
+/* Hash of a point's parameters with `text`. */
+static XXH128_hash_t hash_point(const sweep_plan *plan, size_t point, const char *text)
+{
+    char bytes[sizeof(XXH128_canonical_t) + 256];
+    move_to(plan, point);
+    XXH128_canonicalFromHash((XXH128_canonical_t *)bytes, plan->at->hash);
+    const int n = snprintf(bytes + sizeof(XXH128_canonical_t), 256, "%s", text);
+    return XXH3_128bits(bytes, sizeof(XXH128_canonical_t) + (size_t)n);
+}
+
+sweep_stream sweep_plan_stream(const sweep_plan *plan, size_t run)
+{
+    const size_t replica = run % plan->replicas;
+    if (plan->shared_piles) return (sweep_stream){plan->seed, replica, replica};
+    char text[64];
+    snprintf(text, sizeof text, "streams %lu", plan->seed);
+    /* numbers of 31 bits, as scene files have them */
+    const unsigned long most = 0x7fffffff, hash = hash_point(plan, run / plan->replicas, text).low64;
+    return (sweep_stream){hash & most, ((hash >> 33) + replica) & most, (hash >> 12) + replica};
+}
+
+void sweep_plan_key(const sweep_plan *plan, size_t run, char key[33])
+{
+    const sweep_stream stream = sweep_plan_stream(plan, run);
+    char text[256];
+    snprintf(text, sizeof text, "%s seed=%lu run=%lu", plan->model, stream.seed, stream.run);
+    rp_hash_digits(hash_point(plan, run / plan->replicas, text), key);
+}
+
+const char *sweep_plan_parameters(const sweep_plan *plan, size_t point, char *buffer, size_t size)
+{
+    const void *values = sweep_plan_point(plan, point);
+    snprintf(buffer, size, "%s", plan->fixed_json);
+    for (size_t a = 0; a < plan->n_axes; a++) append_json(plan->axes[a].param, values, buffer, size - 1);
+    return strcat(buffer, "}");
+}
+
+const char *sweep_plan_describe(const sweep_plan *plan, size_t point, char *buffer, size_t size)
+{
+    char text[64];
+    size_t used = 0;
+    const void *values = sweep_plan_point(plan, point);
+    buffer[0] = '\0';
+    for (size_t a = 0; a < plan->n_axes && used < size; a++)
+        used += (size_t)snprintf(buffer + used, size - used, "%s%s = %s", a ? ", " : "",
+                                 plan->axes[a].param->name,
+                                 rp_params_text(plan->axes[a].param, values, text, sizeof text));
+    return buffer;
+}
+
+/* ---- tables of the file ---- */
+
+/* "lh3_phi = angle phi @/lh3_runs.tsv" */
+static rp_status read_table(const config_setting_t *setting, sweep_recipe *recipe)
+{
+    const char *text = config_setting_get_string(setting), *equals = text ? strstr(text, " = ") : NULL;
+    const size_t length = strlen(recipe->name);
+    sweep_table *table = &recipe->tables[recipe->n_tables];
+    if (!equals) return rp_config_fail(setting, "tables: \"NAME = COMMAND\" expected");
+    if (recipe->n_tables == SWEEP_MAX_TABLES || (size_t)(equals - text) >= sizeof table->name)
+        return rp_config_fail(setting, "tables: at most %d, of names shorter than %zu", SWEEP_MAX_TABLES,
+                              sizeof table->name);
+    snprintf(table->name, sizeof table->name, "%.*s", (int)(equals - text), text);
+    table->command = equals + strlen(" = ");
+    if (strncmp(table->name, recipe->name, length) != 0 ||
+        (table->name[length] && table->name[length] != '_') || strchr(table->name, '/'))
+        return rp_config_fail(setting, "tables: %s: the name of a table must begin with %s_", table->name,
+                              recipe->name);
+    recipe->n_tables++;
+    return RP_OK;
+}
+
+rp_status sweep_recipe_read(const char *file, sweep_recipe *recipe)
+{
+    *recipe = (sweep_recipe){0};
+    const char *base = basename(file); /* "lh3" of sweeps/lh/lh3.cfg */
+    snprintf(recipe->name, sizeof recipe->name, "%.*s", (int)strcspn(base, "."), base);
+    RP_TRY(rp_config_read(file, &recipe->config));
+    const config_setting_t *root = config_root_setting(&recipe->config),
+                           *tables = config_setting_get_member(root, "tables");
+    int replicas = 0;
+    recipe->has_runs = config_setting_get_member(root, "protocol") != NULL;
+    if (config_setting_lookup_int(root, "study", &replicas) && replicas > 0) recipe->study = (size_t)replicas;
+    RP_TRY(refuse_scene(file, root));
+    if (!tables && !recipe->has_runs) return rp_fail(RP_BAD_INPUT, "%s: neither a protocol nor tables", file);
+    if (tables && !config_setting_is_array(tables) && !config_setting_is_list(tables))
+        return rp_config_fail(tables, "tables: a list [ \"NAME = COMMAND\", ... ] expected");
+    for (int i = 0; i < length(tables); i++) RP_TRY(read_table(element(tables, (size_t)i), recipe));
+    return RP_OK;
+}
+
+void sweep_recipe_free(sweep_recipe *recipe)
+{
+    config_destroy(&recipe->config);
+}

@@ -1,0 +1,584 @@
+/* The pool: worker processes, forked once, each with a socket on which the parent sends runs to make and the
+ * worker sends back records. The parent is the only one that writes. Determinism: a run depends on its
+ * parameters, the seed and its pile only, never on the worker or the order.
+ *
+ * Runs of less than a few milliseconds go to and fro in batches, because each message wakes a process. A
+ * page of memory that all share says how far a worker is in its batch.
+ *
+ * A worker that dies, or that has used no processor time for a minute, is replaced, and its run goes to the
+ * end of the queue. After three tries, or at once beyond a limit, the run is aborted: a row that says why.
+ *
+ * A stop signal asks the workers to write a snapshot of their runs and end; a second one, or ten seconds, end
+ * them. */
+#include "core/clock.h"
+#include "sweeps/engine/keep.h"
+#include "sweeps/engine/private.h"
+
+#include <errno.h>
+#include <glob.h>
+#include <gsl/gsl_sort.h>
+#include <math.h>
+#include <poll.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/signalfd.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+enum { MOST_TRIES = 3, BATCH = 32, LEARNT = 16, SAMPLES = 63 };
+/* s; a batch takes less than BATCH SHORT, and a row waits in a worker no longer than FLUSH */
+static const double TICK = 0.25, PATIENCE = 60.0, GRACE = 10.0, SLOW = 600.0, SHORT = 3e-3, FLUSH = 1e-2;
+static const double MANY = 100.0; /* times the median run: worth a line */
+
+typedef struct {
+    size_t run;
+    unsigned char tries; /* that failed */
+    bool kept;           /* there may be a snapshot of an earlier try or drive */
+} task;
+
+/* What workers and parent share. */
+typedef struct {
+    volatile bool stop;
+    volatile size_t made[]; /* of each worker: runs that it has ended, whether or not they have been sent */
+} board;
+
+typedef struct {
+    pid_t pid;
+    int socket; /* -1: no process */
+    task tasks[BATCH];
+    size_t n, sent;   /* of the tasks, the first is the next to come back; rows that came back in all */
+    size_t seen;      /* runs that it had ended when it was looked at last */
+    bool reported;    /* as slow */
+    double elapsed;   /* of the run that it is busy with, to a tick; s */
+    double cpu, idle; /* processor time so far, and since when it has been the same; s */
+} worker;
+
+typedef struct {
+    const sweep_plan *plan;
+    sweep_store *store;
+    /* The queue is a ring: `waiting` tasks from todo[next] on. */
+    task *todo;
+    size_t n_todo, next, waiting, finished;
+    bool careful; /* after a drive that failed, each row is committed by itself */
+    const sweep_options *options;
+    sweep_progress progress;
+    double start, last_tick;
+    double pace, samples[SAMPLES]; /* s a run: lately, and of the last ones */
+    worker *workers;
+    size_t n_workers;
+    board *board;
+    int signals; /* descriptor on which stop signals arrive */
+} pool;
+
+/* The file that a run goes on from after its worker has died; it stays until the row is stored. */
+static void snapshot_of(const pool *p, size_t run, char key[33], char path[4096])
+{
+    sweep_plan_key(p->plan, run, key);
+    snprintf(path, 4096, "%s/%s", p->options->snapshots, key);
+}
+
+/* A stored run needs no snapshot, once its row is committed. A shorter one has never written any. */
+static rp_status remove_snapshot(const pool *p, const task *t, double seconds)
+{
+    char key[33], path[4096];
+    if (!t->kept && seconds < 0.5 * p->options->snapshot) return RP_OK;
+    snapshot_of(p, t->run, key, path);
+    if (access(path, F_OK) != 0) return RP_OK;
+    RP_TRY(sweep_store_commit(p->store));
+    sweep_keep_remove(path);
+    return RP_OK;
+}
+
+/* Make a run, from its snapshot if there is one; a snapshot that is refused is named in the row. */
+static rp_status make(const pool *p, const task *t, sweep_result *result)
+{
+    const sweep_plan *plan = p->plan;
+    const size_t run = t->run;
+    char key[33], path[4096], why[sizeof result->message] = "";
+    sweep_keep keep;
+    const sweep_tables kept = {.keep = &keep};
+    const bool keeps = p->options->snapshots != NULL;
+    if (keeps) {
+        snapshot_of(p, run, key, path);
+        sweep_keep_begin(&keep, path, key, p->options->snapshot, t->kept, why, sizeof why);
+        keep.stop = &p->board->stop;
+    }
+    const sweep_stream stream = sweep_plan_stream(plan, run);
+    rp_status status = plan->protocol->run(sweep_plan_point(plan, run / plan->replicas), stream.seed,
+                                           stream.run, keeps ? &kept : NULL, result);
+    if (keeps) sweep_keep_end(&keep, false);
+    if (!*result->message) snprintf(result->message, sizeof result->message, "%s", why);
+    return status;
+}
+
+/* At most `mb` more than this process has already. What is beyond is refused, and the run fails. */
+static void limit_memory(double mb)
+{
+    double pages = 0.0;
+    FILE *in = fopen("/proc/self/statm", "r");
+    if (in) {
+        (void)!fscanf(in, "%*s %*s %*s %*s %*s %lf", &pages);
+        fclose(in);
+    }
+    const rlim_t most = (rlim_t)(pages * (double)sysconf(_SC_PAGESIZE) + 1e6 * mb);
+    setrlimit(RLIMIT_DATA, &(struct rlimit){most, most});
+}
+
+static bool give_back(int socket, sweep_row rows[], size_t *n)
+{
+    const size_t bytes = *n * sizeof *rows;
+    *n = 0;
+    return bytes == 0 || send(socket, rows, bytes, MSG_NOSIGNAL) == (ssize_t)bytes;
+}
+
+/* Make the runs of a batch; false if that is this worker's end. */
+static bool make_batch(const pool *p, size_t index, int socket, const task tasks[], size_t n)
+{
+    static sweep_row rows[BATCH];
+    size_t n_rows = 0;
+    double sent = rp_clock();
+    for (size_t i = 0; i < n; i++) {
+        sweep_row *row = &rows[n_rows++];
+        *row = (sweep_row){.run = tasks[i].run};
+        sweep_result_clear(&row->result);
+        const double start = rp_clock();
+        row->status = make(p, &tasks[i], &row->result);
+        const double now = rp_clock();
+        row->seconds = now - start;
+        if (row->status == RP_STOPPED) {
+            n_rows--;
+            give_back(socket, rows, &n_rows);
+            return false;
+        }
+        if (row->status) snprintf(row->result.message, sizeof row->result.message, "%s", rp_message());
+        p->board->made[index]++;
+        if (i + 1 < n && !row->status && now - sent < FLUSH && !p->board->stop) continue;
+        if (!give_back(socket, rows, &n_rows) || p->board->stop) return false;
+        sent = now;
+    }
+    return true;
+}
+
+/* The life of a worker. It ends when the parent does. */
+static void work(const pool *p, size_t index, int socket)
+{
+    task tasks[BATCH];
+    ssize_t n;
+    if (isnormal(p->options->memory)) limit_memory(p->options->memory);
+    while ((n = recv(socket, tasks, sizeof tasks, 0)) > 0)
+        if (!make_batch(p, index, socket, tasks, (size_t)n / sizeof *tasks)) break;
+    _exit(0);
+}
+
+/* Workers keep the stop signals blocked: the parent decides, also when a terminal signals all of them. */
+static rp_status start_worker(const pool *p, worker *w)
+{
+    int pair[2];
+    pid_t parent = getpid();
+    const size_t made = p->board->made[w - p->workers];
+    if (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, pair) != 0)
+        return rp_fail(RP_IO, "cannot start a worker: %s", strerror(errno));
+    w->pid = fork();
+    if (w->pid == 0) {
+        prctl(PR_SET_PDEATHSIG, SIGKILL);
+        if (getppid() != parent) _exit(0);
+        /* the lock, the store and the others' sockets are none of its business */
+        if (pair[1] > 3) close_range(3, (unsigned)pair[1] - 1, 0);
+        close_range((unsigned)pair[1] + 1, ~0u, 0);
+        work(p, (size_t)(w - p->workers), pair[1]);
+    }
+    int why = errno;
+    close(pair[1]);
+    if (w->pid < 0) {
+        close(pair[0]);
+        return rp_fail(RP_IO, "cannot start a worker: %s", strerror(why));
+    }
+    *w = (worker){.pid = w->pid, .socket = pair[0], .sent = made, .seen = made};
+    return RP_OK;
+}
+
+/* End a worker; returns its wait status. */
+static int end_worker(worker *w)
+{
+    int wait_status = 0;
+    close(w->socket);
+    w->socket = -1;
+    kill(w->pid, SIGKILL); /* too late for one that is dying already: its own end is what is reported */
+    while (waitpid(w->pid, &wait_status, 0) < 0 && errno == EINTR) continue;
+    return wait_status;
+}
+
+/* Give an idle worker a run, or a batch of short ones: at most its share of what is left. */
+static rp_status hand_out(pool *p, worker *w)
+{
+    const size_t share = p->waiting / p->n_workers,
+                 most = p->careful || p->finished < LEARNT || p->pace > SHORT || share < 1 ? 1
+                        : share < BATCH                                                    ? share
+                                                                                           : BATCH;
+    if (w->n > 0 || p->waiting == 0) return RP_OK;
+    if (w->socket < 0) {
+        RP_TRY(start_worker(p, w));
+    }
+    while (w->n < most && p->waiting > 0) {
+        w->tasks[w->n++] = p->todo[p->next];
+        p->next = (p->next + 1) % p->n_todo;
+        p->waiting--;
+    }
+    w->elapsed = w->idle = 0.0;
+    w->reported = false;
+    /* a dead worker is noticed by its closed socket */
+    if (send(w->socket, w->tasks, w->n * sizeof *w->tasks, MSG_NOSIGNAL) < 0 && errno != EPIPE &&
+        errno != ECONNRESET)
+        return rp_fail(RP_IO, "cannot hand out run %zu: %s", w->tasks->run, strerror(errno));
+    return RP_OK;
+}
+
+static void show(pool *p)
+{
+    if (!p->options->watch) return;
+    p->progress.elapsed = rp_clock() - p->start;
+    p->progress.left =
+        p->finished ? p->progress.elapsed * (double)(p->n_todo - p->finished) / (double)p->finished : NAN;
+    p->options->watch(&p->progress, p->options->context);
+}
+
+static rp_status store_row(pool *p, const sweep_row *row)
+{
+    RP_TRY(sweep_store_insert(p->store, p->plan, row));
+    if (p->careful) RP_TRY(sweep_store_commit(p->store));
+    p->samples[p->finished++ % SAMPLES] = row->seconds;
+    p->pace += (row->seconds - p->pace) / LEARNT;
+    p->progress.stored++;
+    if (!sweep_is_result(row->result.status)) p->progress.failed++;
+    show(p);
+    return RP_OK;
+}
+
+/* "run 7 (mu = 0.2)" */
+static const char *name_run(const pool *p, size_t run, char *buffer, size_t size)
+{
+    char where[256];
+    snprintf(buffer, size, "run %zu (%s)", run,
+             sweep_plan_describe(p->plan, run / p->plan->replicas, where, sizeof where));
+    return buffer;
+}
+
+static void put_back(pool *p, task t)
+{
+    p->todo[(p->next + p->waiting++) % p->n_todo] = t;
+}
+
+/* The task that a worker is at: those before are made, but their rows have not come back. */
+static size_t at_task(const pool *p, const worker *w)
+{
+    const size_t ahead = p->board->made[w - p->workers] - w->sent;
+    return ahead < w->n ? ahead : w->n - 1;
+}
+
+/* A run failed, and by no fault of physics: its worker is ended, and the run is tried again after all
+ * others, or stored as `word`. So are the other runs of its batch. */
+static rp_status give_up(pool *p, worker *w, const char *word, const char *cause)
+{
+    const size_t failed = at_task(p, w);
+    task t = w->tasks[failed];
+    const bool again = strcmp(word, "crashed") == 0 && t.tries + 1 < MOST_TRIES;
+    char name[320];
+    sweep_row row = {.run = t.run, .seconds = w->elapsed};
+    if (w->socket >= 0) end_worker(w);
+    for (size_t i = 0; i < w->n; i++)
+        if (i != failed) put_back(p, w->tasks[i]);
+    w->n = 0;
+    if (p->options->report)
+        p->options->report(p->options->context, "%s: %s; %s", name_run(p, t.run, name, sizeof name), cause,
+                           again ? "goes to the end of the queue" : word);
+    if (again) {
+        t.tries++;
+        t.kept = true;
+        put_back(p, t);
+        return RP_OK;
+    }
+    sweep_result_clear(&row.result);
+    sweep_conclude(&row.result, word, "%s", cause);
+    return store_row(p, &row);
+}
+
+static rp_status crashed(pool *p, worker *w)
+{
+    char cause[128];
+    const int end = end_worker(w);
+    if (WIFSIGNALED(end))
+        snprintf(cause, sizeof cause, "worker ended by signal %d (%s)", WTERMSIG(end),
+                 strsignal(WTERMSIG(end)));
+    else
+        snprintf(cause, sizeof cause, "worker ended with exit status %d", WEXITSTATUS(end));
+    return give_up(p, w, "crashed", cause);
+}
+
+/* One row has come back. */
+static rp_status take_row(pool *p, worker *w, sweep_row *row)
+{
+    char name[320];
+    if (row->status == RP_NO_MEMORY) {
+        end_worker(w); /* which may be at the next run */
+        p->board->made[w - p->workers] = w->sent;
+        return give_up(p, w, "no_memory", row->result.message);
+    }
+    const task t = w->tasks[0];
+    memmove(w->tasks, w->tasks + 1, --w->n * sizeof *w->tasks);
+    w->sent++;
+    if (row->status)
+        return rp_fail(row->status, "%s: %s", name_run(p, row->run, name, sizeof name), row->result.message);
+    RP_TRY(store_row(p, row));
+    return p->options->snapshots ? remove_snapshot(p, &t, row->seconds) : RP_OK;
+}
+
+/* A busy worker has spoken or died: store its runs. */
+static rp_status collect(pool *p, worker *w)
+{
+    static sweep_row rows[BATCH];
+    const ssize_t bytes = recv(w->socket, rows, sizeof rows, 0);
+    if (bytes <= 0) {
+        if (!p->board->stop) return crashed(p, w);
+        end_worker(w);
+        w->n = 0;
+        return RP_OK;
+    }
+    for (size_t i = 0; i < (size_t)bytes / sizeof *rows && w->n > 0; i++) RP_TRY(take_row(p, w, &rows[i]));
+    return RP_OK;
+}
+
+/* Time that a process has had on a processor, s. */
+static double cpu_time(pid_t pid)
+{
+    clockid_t clock;
+    struct timespec t = {0};
+    if (clock_getcpuclockid(pid, &clock) == 0) clock_gettime(clock, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+/* Of the last runs; NaN before any. */
+static double median(const pool *p)
+{
+    double sorted[SAMPLES];
+    const size_t n = p->finished < SAMPLES ? p->finished : SAMPLES;
+    memcpy(sorted, p->samples, n * sizeof *sorted);
+    gsl_sort(sorted, 1, n);
+    return n > 0 ? sorted[n / 2] : NAN;
+}
+
+/* A run far beyond the others may never end: that is said once, and left to the user. */
+static void report_slow(const pool *p, worker *w)
+{
+    char name[320];
+    const double least = p->options->slow > 0.0 ? p->options->slow : SLOW;
+    if (w->reported || !p->options->report || !(w->elapsed > least) || !(w->elapsed > MANY * median(p)))
+        return;
+    w->reported = true;
+    p->options->report(p->options->context,
+                       "%s: at work for %.3g s, the median of the others is %.3g s; a limit (--time) ends "
+                       "such runs",
+                       name_run(p, w->tasks[at_task(p, w)].run, name, sizeof name), w->elapsed, median(p));
+}
+
+/* How long the worker has been at its run, and how long without processor time. */
+static void measure(const pool *p, worker *w, double passed)
+{
+    const double cpu = cpu_time(w->pid);
+    const size_t made = p->board->made[w - p->workers];
+    w->idle = cpu > w->cpu ? 0.0 : w->idle + passed;
+    w->cpu = cpu;
+    w->elapsed = made == w->seen ? w->elapsed + passed : 0.0;
+    if (made != w->seen) w->reported = false;
+    w->seen = made;
+}
+
+/* End runs beyond the limit of time, and workers that no longer get on: stopped, or waiting for what never
+ * comes. Time in which this process was stopped itself does not count. */
+static rp_status look_after(pool *p)
+{
+    const double now = rp_clock(), passed = fmin(now - p->last_tick, 4.0 * TICK);
+    const double patience = p->options->patience > 0.0 ? p->options->patience : PATIENCE;
+    rp_status status = RP_OK;
+    char cause[128];
+    if (passed < TICK) return RP_OK;
+    p->last_tick = now;
+    for (worker *w = p->workers; !status && w < p->workers + p->n_workers; w++) {
+        if (w->n == 0) continue;
+        measure(p, w, passed);
+        report_slow(p, w);
+        if (p->options->time > 0.0 && w->elapsed > p->options->time) {
+            snprintf(cause, sizeof cause, "ended after %.3g s, the limit of time is %g s", w->elapsed,
+                     p->options->time);
+            status = give_up(p, w, "time_limit", cause);
+        } else if (w->idle > patience) {
+            snprintf(cause, sizeof cause, "worker without progress for %.3g s", w->idle);
+            status = give_up(p, w, "crashed", cause);
+        }
+    }
+    return status;
+}
+
+/* Wait for workers or a stop signal, and take in what arrived. *signals: how many came. */
+static rp_status serve(pool *p, struct pollfd *polled, int *signals)
+{
+    struct signalfd_siginfo seen;
+    for (size_t i = 0; i < p->n_workers; i++)
+        polled[i] = (struct pollfd){.fd = p->workers[i].n > 0 ? p->workers[i].socket : -1, .events = POLLIN};
+    polled[p->n_workers] = (struct pollfd){.fd = p->signals, .events = POLLIN};
+    if (poll(polled, p->n_workers + 1, (int)(1000.0 * TICK)) < 0 && errno != EINTR)
+        return rp_fail(RP_IO, "cannot wait for the workers: %s", strerror(errno));
+    rp_status status = sweep_store_tick(p->store);
+    while (!status && read(p->signals, &seen, sizeof seen) > 0) ++*signals;
+    for (size_t i = 0; !status && i < p->n_workers; i++)
+        if (polled[i].revents) status = collect(p, &p->workers[i]);
+    return status;
+}
+
+static bool is_busy(const pool *p)
+{
+    for (size_t i = 0; i < p->n_workers; i++)
+        if (p->workers[i].n > 0) return true;
+    return false;
+}
+
+/* Let the workers end by themselves: a run that is nearly done ends with its row, a long one with a snapshot.
+ */
+static rp_status stop(pool *p, struct pollfd *polled, int signals)
+{
+    const double begin = rp_clock();
+    rp_status status = RP_OK;
+    p->board->stop = true;
+    while (!status && signals < 2 && is_busy(p) && rp_clock() - begin < GRACE)
+        status = serve(p, polled, &signals);
+    return status || p->finished == p->n_todo
+               ? status
+               : rp_fail(RP_STOPPED, "stopped: %zu of %zu stored; run again to resume", p->progress.stored,
+                         p->progress.planned);
+}
+
+static rp_status run_all(pool *p)
+{
+    struct pollfd *polled = calloc(p->n_workers + 1, sizeof *polled);
+    const size_t size = sizeof *p->board + p->n_workers * sizeof *p->board->made;
+    int signals = 0;
+    p->workers = calloc(p->n_workers, sizeof *p->workers);
+    p->board = mmap(NULL, size, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    rp_status status = polled && p->workers && p->board != MAP_FAILED
+                           ? RP_OK
+                           : rp_fail(RP_NO_MEMORY, "workers: out of memory");
+    for (size_t i = 0; p->workers && i < p->n_workers; i++) p->workers[i].socket = -1;
+    show(p);
+    while (!status && p->finished < p->n_todo) {
+        for (size_t i = 0; !status && i < p->n_workers; i++) status = hand_out(p, &p->workers[i]);
+        if (!status) status = serve(p, polled, &signals);
+        if (!status) status = signals ? stop(p, polled, signals) : look_after(p);
+        show(p);
+    }
+    for (size_t i = 0; p->workers && i < p->n_workers; i++)
+        if (p->workers[i].socket >= 0) end_worker(&p->workers[i]);
+    if (p->board != MAP_FAILED) munmap(p->board, size);
+    free(p->workers);
+    free(polled);
+    return status;
+}
+
+/* Where the queue starts. After a drive that failed it is elsewhere, so that one run that always ends the
+ * drive does not keep the others from being made: the lock file counts drives without an orderly end. */
+static void begin_drive(pool *p, int lock)
+{
+    unsigned char failed = 0;
+    if (pread(lock, &failed, 1, 0) < 1) failed = 0;
+    const unsigned char next = (unsigned char)(failed + 1);
+    p->careful = failed > 0;
+    if (pwrite(lock, &next, 1, 0) == 1) /* else, as on a full disk, in order */
+        p->next = (size_t)(fmod(0.618 * failed, 1.0) * (double)p->n_todo);
+}
+
+/* A snapshot may be there of any run if there is one at all. free. */
+static task *make_tasks(const size_t runs[], size_t n, const char *snapshots)
+{
+    task *tasks = calloc(n, sizeof *tasks);
+    glob_t left = {0};
+    char pattern[4096 + 8];
+    snprintf(pattern, sizeof pattern, "%s/*", snapshots ? snapshots : "");
+    const bool kept = snapshots && glob(pattern, 0, NULL, &left) == 0;
+    globfree(&left);
+    for (size_t i = 0; tasks && i < n; i++) tasks[i] = (task){.run = runs[i], .kept = kept};
+    return tasks;
+}
+
+rp_status sweep_pool_run(const sweep_plan *plan, sweep_store *store, const size_t todo[], size_t n, int lock,
+                         const sweep_options *options, const sweep_counts *counts)
+{
+    pool p = {.plan = plan,
+              .store = store,
+              .todo = make_tasks(todo, n, options->snapshots),
+              .n_todo = n,
+              .waiting = n,
+              .options = options,
+              .start = rp_clock()};
+    p.last_tick = p.start;
+    if (!p.todo) return rp_fail(RP_NO_MEMORY, "workers: out of memory");
+    begin_drive(&p, lock);
+    p.progress = (sweep_progress){counts->planned, counts->stored, counts->failed, 0.0, NAN};
+    p.n_workers = (size_t)options->workers < n ? (size_t)options->workers : n;
+    sigset_t stops, before;
+    sigemptyset(&stops);
+    sigaddset(&stops, SIGINT);
+    sigaddset(&stops, SIGTERM);
+    sigaddset(&stops, SIGHUP);
+    sigprocmask(SIG_BLOCK, &stops, &before);
+    p.signals = signalfd(-1, &stops, SFD_CLOEXEC | SFD_NONBLOCK);
+    rp_status status =
+        p.signals >= 0 ? run_all(&p) : rp_fail(RP_IO, "cannot receive signals: %s", strerror(errno));
+    struct signalfd_siginfo seen; /* those that are answered must not strike when they are let through */
+    while (p.signals >= 0 && read(p.signals, &seen, sizeof seen) > 0) continue;
+    close(p.signals);
+    sigprocmask(SIG_SETMASK, &before, NULL);
+    if (!status || status == RP_STOPPED) (void)!ftruncate(lock, 0); /* an orderly end */
+    free(p.todo);
+    return status;
+}
+
+static bool is_aborted(const char *status)
+{
+    char quoted[32];
+    snprintf(quoted, sizeof quoted, "'%s'", status);
+    return strstr(SWEEP_MACHINE, quoted) != NULL;
+}
+
+size_t sweep_count_aborted(const sweep_counts *counts)
+{
+    size_t n = 0;
+    for (size_t i = 0; i < counts->n_words; i++)
+        if (is_aborted(counts->words[i].status)) n += counts->words[i].runs;
+    return n;
+}
+
+rp_status sweep_check_aborted(const sweep_counts *counts)
+{
+    const size_t n = sweep_count_aborted(counts);
+    char text[128] = "";
+    size_t used = 0;
+    for (size_t i = 0; i < counts->n_words; i++) {
+        if (!is_aborted(counts->words[i].status)) continue;
+        used += (size_t)snprintf(text + used, sizeof text - used, "%s%zu %s", used ? ", " : "",
+                                 counts->words[i].runs, counts->words[i].status);
+    }
+    return n == 0 ? RP_OK
+                  : rp_fail(RP_NO_RESULT, "%zu of %zu runs are aborted: %s; run again to try them again", n,
+                            counts->planned, text);
+}
+
+rp_status sweep_check_whole(const char *dir, const sweep_counts *counts)
+{
+    if (counts->stored < counts->planned)
+        return rp_fail(RP_NO_RESULT, "%s: %zu of %zu runs are missing", dir, counts->planned - counts->stored,
+                       counts->planned);
+    return rp_prefix(sweep_check_aborted(counts), "%s: ", dir);
+}

@@ -1,0 +1,128 @@
+/* A protocol: one kind of numerical experiment that a sweep repeats over a grid of parameters.
+ * A new protocol is one file protocol_<name>.c and one line in the list SWEEP_PROTOCOLS. */
+#ifndef SWEEP_PROTOCOL_H
+#define SWEEP_PROTOCOL_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdio.h>
+
+#include "params/params.h"
+#include "stress/stress.h"
+
+RP_C_BEGIN
+
+enum { SWEEP_MAX_OUTPUTS = 80 };
+
+/* One number that a run yields, a column of the store. */
+typedef struct {
+    const char *name;
+    const char *unit; /* "" where there is none */
+    const char *meaning;
+} sweep_output;
+
+/* A protocol's outputs are one list, X(name, unit, meaning). It makes the indices OUT_name of the values, and
+ * the rows of `outputs`. */
+#define SWEEP_OUTPUT_INDEX(name, unit, meaning) OUT_##name,
+#define SWEEP_OUTPUT_ROW(name, unit, meaning)   {#name, unit, meaning},
+
+/* The same of the bins of the base (STRESS_DIP_BIN_LIST), for protocols whose piles `repose stress dip`
+ * reads: the pressure there, and that of rays. */
+#define SWEEP_N_INDEX(k)    OUT_n_##k,
+#define SWEEP_RAYS_INDEX(k) OUT_rays_##k,
+#define SWEEP_N_ROW(k)                                                                                       \
+    {"n_" #k, "", "pressure in bin " #k " of 20 of the base, left to right, over the mean"},
+#define SWEEP_RAYS_ROW(k) {"rays_" #k, "", "n_" #k " of 60-degree rays under the pile's own outline"},
+
+/* What one run yields. `status` is one of the protocol's words, "ok" for a full result; values that the
+ * run has no result for are NaN. Wall time is kept apart, by the caller. */
+typedef struct {
+    char status[24];
+    char message[232]; /* empty, or why there is no result */
+    double values[SWEEP_MAX_OUTPUTS];
+} sweep_result;
+
+/* Where a traced run leaves tables of its states, and what keeps a run for a process that resumes it. */
+typedef struct {
+    const char *directory;   /* NULL: no tables */
+    long every;              /* steps from one row of energies to the next; 0: none */
+    void (*header)(FILE *);  /* writes the first lines of each table */
+    bool ledger;             /* the energies with the ledger */
+    struct sweep_keep *keep; /* NULL: none. Protocols without snapshots ignore it. */
+    /* For sweep_trace, which sets `keep`: file of the snapshot, NULL: none; processor time from one to the
+     * next, s; of which true asks for one now, and for the run's end. */
+    const char *snapshot;
+    double interval;
+    const volatile bool *stop;
+} sweep_tables;
+
+typedef struct {
+    const char *name;
+    const char *about;           /* one line */
+    const rp_param *schema;      /* of the structure below; each parameter has a default */
+    size_t params_size;          /* bytes of the structure that the schema fills */
+    const sweep_output *outputs; /* ended by a NULL name; at most SWEEP_MAX_OUTPUTS */
+
+    /* Refuse combinations of parameters that can't work, before anything runs: a time step too large, a
+     * box without grains. Errors: RP_BAD_INPUT. */
+    rp_status (*check)(const void *params);
+
+    /* 32 hexadecimal digits and NUL that change with the bits of a short run: part of every key, so that
+     * results of changed physics are never reused, even if RP_MODEL_VERSION was forgotten. May be NULL. */
+    rp_status (*fingerprint)(char digits[33]);
+
+    /* One run with the random streams (seed, run, purpose). With `tables` (else NULL) the run, the same to
+     * the bit, leaves tables in a folder. Physics without a result (a leak, a pile that never rests) is RP_OK
+     * with its status word; an error stops the whole sweep. */
+    rp_status (*run)(const void *params, unsigned long seed, unsigned long run, const sweep_tables *tables,
+                     sweep_result *result);
+} sweep_protocol;
+
+/* The protocol of a file that has `outputs`, `check`, `fingerprint` and `run_one`. */
+#define SWEEP_PROTOCOL(NAME, SCHEMA, PARAMS, ABOUT)                                                          \
+    const sweep_protocol sweep_protocol_##NAME = {.name = #NAME,                                             \
+                                                  .about = ABOUT,                                            \
+                                                  .schema = SCHEMA,                                          \
+                                                  .params_size = sizeof(PARAMS),                             \
+                                                  .outputs = outputs,                                        \
+                                                  .check = check,                                            \
+                                                  .fingerprint = fingerprint,                                \
+                                                  .run = run_one}
+
+/* Number of a protocol's outputs. */
+size_t sweep_count_outputs(const sweep_protocol *protocol);
+
+/* No status word, no message, every value NaN. */
+void sweep_result_clear(sweep_result *result);
+
+/* Is this the status of a result? */
+bool sweep_is_result(const char *status);
+
+/* Give a result its status word and, unless NULL, its message. RP_NO_RESULT if the word is that of a failure.
+ */
+rp_status sweep_conclude(sweep_result *result, const char *status, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+
+/* A table of the run: open it, header written; close it, kept if `status` is RP_OK. Errors: RP_IO. */
+typedef struct {
+    char path[4096];
+    FILE *out;
+} sweep_file;
+rp_status sweep_table_open(const sweep_tables *tables, const char *name, sweep_file *file);
+rp_status sweep_table_close(const sweep_file *file, rp_status status);
+
+/* Hash of the outputs `names`, with blanks between, of n short runs. Angles count to a millionth of a degree,
+ * because the C library's atan may differ in its last digits; all NaN are one. */
+void sweep_results_digits(size_t n, const sweep_result results[], const sweep_output outputs[],
+                          const char *names, char digits[33]);
+
+/* One list: every protocol. */
+#define SWEEP_PROTOCOLS(X) X(repose) X(stress) X(onset) X(flux) X(pile) X(drop)
+
+#define X(name) extern const sweep_protocol sweep_protocol_##name;
+SWEEP_PROTOCOLS(X)
+#undef X
+
+RP_C_END
+
+#endif

@@ -1,0 +1,251 @@
+/* From the store to tables: rows, grid points with their statistics, and the digest. */
+#include "sweeps/engine/private.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <xxhash.h>
+
+#include "stats/stats.h"
+#include "params/units.h"
+#include "table/table.h"
+
+enum { N_STATISTICS = 6 };
+static const char *const statistics_names[N_STATISTICS] = {"mean", "sd", "se", "lo95", "hi95", "n"};
+
+typedef struct {
+    const sweep_plan *plan;
+    FILE *out;
+    unsigned what;
+    size_t n_outputs;
+    /* the grid point that is being gathered */
+    size_t point, n_rows, n_results;
+    size_t *n_finite; /* of each output */
+    double *finite;   /* n_outputs x replicas */
+} table;
+
+static void note_maker(const char *program, size_t runs, void *context)
+{
+    rp_table_note(context, "runs made by", "%s (%zu)", program ? program : "an older version", runs);
+}
+
+/* Of the rows that are stored. */
+typedef struct {
+    const sweep_plan *plan;
+    XXH3_state_t *state;
+    size_t n_rows, n_outputs;
+    double seconds;
+    char text[33];
+} digester;
+
+static rp_status digest_row(const sweep_row *row, void *context)
+{
+    digester *d = context;
+    double values[SWEEP_MAX_OUTPUTS];
+    for (size_t i = 0; i < d->n_outputs; i++) /* the store keeps no NaN's payload, and no minus of a zero */
+        values[i] = isnan(row->result.values[i]) ? NAN : row->result.values[i] + 0.0;
+    char key[33];
+    sweep_plan_key(d->plan, row->run, key);
+    XXH3_128bits_update(d->state, key, sizeof key);
+    XXH3_128bits_update(d->state, row->result.status, strlen(row->result.status) + 1);
+    XXH3_128bits_update(d->state, values, d->n_outputs * sizeof *values);
+    if (isfinite(row->seconds)) d->seconds += row->seconds;
+    d->n_rows++;
+    return RP_OK;
+}
+
+static rp_status find_digest(const sweep_plan *plan, sweep_store *store, digester *d)
+{
+    *d = (digester){
+        .plan = plan, .state = XXH3_createState(), .n_outputs = sweep_count_outputs(plan->protocol)};
+    XXH3_128bits_reset(d->state);
+    rp_status status = sweep_store_visit(store, plan, digest_row, d);
+    rp_hash_digits(XXH3_128bits_digest(d->state), d->text);
+    XXH3_freeState(d->state);
+    return status;
+}
+
+/* "8 of 15 (no_pile 6, overlap 2)": runs without a result, and why. */
+static void note_failed(const sweep_counts *counts, FILE *out)
+{
+    char causes[SWEEP_MAX_WORDS * 40] = "";
+    size_t n = 0;
+    for (size_t i = 0; i < counts->n_words; i++)
+        if (!sweep_is_result(counts->words[i].status))
+            n += (size_t)snprintf(causes + n, sizeof causes - n, "%s%s %zu", n ? ", " : " (",
+                                  counts->words[i].status, counts->words[i].runs);
+    rp_table_note(out, "failed", "%zu of %zu%s%s", counts->failed, counts->stored, causes, n ? ")" : "");
+}
+
+static rp_status write_head(const sweep_plan *plan, sweep_store *store, const char *command,
+                            sweep_counts *counts, FILE *out)
+{
+    char text[256];
+    digester digest;
+    RP_TRY(sweep_store_note(store, "main", "file", text, sizeof text));
+    RP_TRY(sweep_store_count(store, plan, counts));
+    RP_TRY(find_digest(plan, store, &digest));
+    rp_table_provenance(out, command);
+    rp_table_note(out, "sweep", "%s, protocol %s, seed %lu, %zu grid points x %zu replicas%s", text,
+                  plan->protocol->name, plan->seed, plan->n_points, plan->replicas,
+                  plan->shared_piles ? ", shared piles" : "");
+    rp_status status = sweep_store_makers(store, note_maker, out);
+    rp_table_note(out, "plan", "%s", plan->hash);
+    rp_table_note(out, "digest", "%s (%zu runs)", digest.text, digest.n_rows);
+    rp_table_note(out, "missing", "%zu of %zu", counts->planned - counts->stored, counts->planned);
+    note_failed(counts, out);
+    if (sweep_count_aborted(counts) > 0)
+        rp_table_note(out, "aborted", "%zu of the failed, to be tried again", sweep_count_aborted(counts));
+    rp_table_note(out, "run_time", "%.1f s", digest.seconds);
+    for (const rp_param *p = plan->protocol->schema; p->name; p++)
+        if (!sweep_plan_is_axis(plan, p))
+            rp_table_note(out, p->name, "%s%s%s",
+                          rp_params_text(p, sweep_plan_point(plan, 0), text, sizeof text),
+                          *p->unit ? " " : "", rp_unit(p->unit));
+    return status;
+}
+
+static void add_column(FILE *list, const char *name, const char *suffix, const char *unit)
+{
+    fprintf(list, "%s%s%s", name, *suffix ? "_" : "", suffix);
+    fprintf(list, *unit ? " [%s], " : "%s, ", unit);
+}
+
+static rp_status write_columns(const table *t)
+{
+    const bool reduce = t->what & SWEEP_POINTS;
+    const sweep_output *o = t->plan->protocol->outputs;
+    char *text = NULL;
+    size_t size;
+    FILE *list = open_memstream(&text, &size);
+    if (!list) return rp_fail(RP_NO_MEMORY, "table: out of memory");
+    if (!reduce) fputs("run, status, ", list);
+    for (size_t a = 0; a < t->plan->n_axes; a++)
+        add_column(list, t->plan->axes[a].param->name, "", t->plan->axes[a].param->unit);
+    for (const rp_param *p = t->plan->protocol->schema; t->what & SWEEP_PARAMETERS && p->name; p++)
+        if (!sweep_plan_is_axis(t->plan, p)) add_column(list, p->name, "", p->unit);
+    if (!reduce) fputs("replica, pile, ", list);
+    for (size_t i = 0; i < t->n_outputs; i++)
+        for (size_t k = 0; k < (reduce ? N_STATISTICS : 1); k++)
+            add_column(list, o[i].name, reduce ? statistics_names[k] : "",
+                       reduce && k == N_STATISTICS - 1 ? "" : o[i].unit);
+    fputs(reduce ? "n, n_failed" : "seconds [s]", list);
+    fclose(list);
+    rp_table_header(t->out, text);
+    free(text);
+    return RP_OK;
+}
+
+/* A list of words is joined by +: commas separate the cells of other formats. */
+static void write_parameter(FILE *out, const rp_param *param, const void *values)
+{
+    char text[256];
+    rp_params_text(param, values, text, sizeof text);
+    for (char *c = text; param->type == RP_FLAGS && (c = strchr(c, ','));) *c = '+';
+    fprintf(out, "%s\t", *text ? text : "-");
+}
+
+static void write_parameters(const table *t, size_t point)
+{
+    const void *values = sweep_plan_point(t->plan, point);
+    for (size_t a = 0; a < t->plan->n_axes; a++) write_parameter(t->out, t->plan->axes[a].param, values);
+    for (const rp_param *p = t->plan->protocol->schema; t->what & SWEEP_PARAMETERS && p->name; p++)
+        if (!sweep_plan_is_axis(t->plan, p)) write_parameter(t->out, p, values);
+}
+
+static rp_status write_run(const sweep_row *row, void *context)
+{
+    const table *t = context;
+    double values[SWEEP_MAX_OUTPUTS + 1];
+    fprintf(t->out, "%zu\t%s\t", row->run, row->result.status);
+    write_parameters(t, row->run / t->plan->replicas);
+    fprintf(t->out, "%zu\t%lu\t", row->run % t->plan->replicas, sweep_plan_stream(t->plan, row->run).pile);
+    memcpy(values, row->result.values, t->n_outputs * sizeof *values);
+    values[t->n_outputs] = row->seconds;
+    rp_table_row(t->out, t->n_outputs + 1, values);
+    return RP_OK;
+}
+
+/* Write the gathered grid point, unless none of its runs is stored, and start afresh. */
+static void write_point(table *t)
+{
+    double values[SWEEP_MAX_OUTPUTS * N_STATISTICS + 2];
+    size_t n = 0;
+    for (size_t i = 0; i < t->n_outputs; i++, n += N_STATISTICS) {
+        stats_summary a;
+        stats_mean(t->n_finite[i], t->finite + i * t->plan->replicas, &a); /* NaN without values */
+        memcpy(values + n, (double[]){a.mean, a.sd, a.se, a.lo, a.hi, (double)a.n},
+               N_STATISTICS * sizeof *values);
+    }
+    values[n++] = (double)t->n_results;
+    values[n++] = (double)(t->n_rows - t->n_results);
+    if (t->n_rows > 0) {
+        write_parameters(t, t->point);
+        rp_table_row(t->out, n, values);
+    }
+    t->n_rows = t->n_results = 0;
+    memset(t->n_finite, 0, t->n_outputs * sizeof *t->n_finite);
+}
+
+static rp_status gather(const sweep_row *row, void *context)
+{
+    table *t = context;
+    size_t point = row->run / t->plan->replicas;
+    if (point != t->point) write_point(t);
+    t->point = point;
+    t->n_rows++;
+    if (!sweep_is_result(row->result.status)) return RP_OK;
+    t->n_results++;
+    for (size_t i = 0; i < t->n_outputs; i++)
+        if (isfinite(row->result.values[i]))
+            t->finite[i * t->plan->replicas + t->n_finite[i]++] = row->result.values[i];
+    return RP_OK;
+}
+
+static rp_status write_reduced(table *t, sweep_store *store)
+{
+    t->n_finite = calloc(t->n_outputs + 1, sizeof *t->n_finite);
+    t->finite = calloc(t->n_outputs * t->plan->replicas + 1, sizeof *t->finite);
+    rp_status status = t->n_finite && t->finite ? RP_OK : rp_fail(RP_NO_MEMORY, "table: out of memory");
+    if (!status) status = sweep_store_visit(store, t->plan, gather, t);
+    if (!status) write_point(t);
+    free(t->n_finite);
+    free(t->finite);
+    return status;
+}
+
+rp_status sweep_export(const char *dir, const sweep_protocol *const *protocols, unsigned what,
+                       const char *command, sweep_counts *counts, FILE *out)
+{
+    sweep_folder f;
+    sweep_counts unused;
+    rp_status status = sweep_folder_read(dir, protocols, true, &f);
+    if (!status) {
+        table t = {
+            .plan = &f.plan, .out = out, .what = what, .n_outputs = sweep_count_outputs(f.plan.protocol)};
+        status = write_head(&f.plan, f.store, command, counts ? counts : &unused, out);
+        if (!status) status = write_columns(&t);
+        if (!status)
+            status = what & SWEEP_POINTS ? write_reduced(&t, f.store)
+                                         : sweep_store_visit(f.store, &f.plan, write_run, &t);
+        if (!status) status = rp_table_finish(out, "table");
+    }
+    sweep_folder_close(&f);
+    return status;
+}
+
+rp_status sweep_digest(const char *dir, const sweep_protocol *const *protocols, char digest[33],
+                       size_t *n_rows)
+{
+    sweep_folder f;
+    digester d = {0};
+    rp_status status = sweep_folder_read(dir, protocols, true, &f);
+    if (!status) status = find_digest(&f.plan, f.store, &d);
+    memcpy(digest, d.text, sizeof d.text);
+    *n_rows = d.n_rows;
+    sweep_counts counts;
+    if (!status) status = sweep_store_count(f.store, &f.plan, &counts);
+    if (!status) status = rp_prefix(sweep_check_whole(dir, &counts), "no digest: ");
+    sweep_folder_close(&f);
+    return status;
+}

@@ -1,0 +1,556 @@
+/* The store of a sweep: SQLite files, each with one writer. Tables:
+ *   sweep  name, value, sum: protocol, sweep file, replicas, model, hash of the plan; sum is a checksum
+ *   runs   one row a finished run: key, run (its number in the plan; NULL: of another plan), status,
+ *          message, seconds, seed, model, program, pile, parameters (JSON: those that the file
+ *          gives), a column for each output (NULL: no value), sum (checksum of all but `run`)
+ *   results  a view for users: run, status, every parameter, every output
+ * Planning again renumbers the rows, and removes none. Rows are committed in groups of a quarter of a second,
+ * each synced to the disk. An open store is the parent's alone: no worker touches it. */
+#include "sweeps/engine/private.h"
+
+#include <math.h>
+#include <signal.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/vfs.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "core/clock.h"
+#include "core/version.h"
+
+static const double GROUP_SECONDS = 0.25, BEAT_SECONDS = 10.0;
+
+rp_status sweep_sql_fail(const sweep_store *s, const char *what)
+{
+    return rp_fail(RP_IO, "%s: cannot %s: %s", s->path, what, sqlite3_errmsg(s->db));
+}
+
+rp_status sweep_sql(sweep_store *s, const char *what, const char *format, ...)
+{
+    va_list args;
+    va_start(args, format);
+    char *sql = sqlite3_vmprintf(format, args);
+    va_end(args);
+    int rc = sql ? sqlite3_exec(s->db, sql, NULL, NULL, NULL) : SQLITE_NOMEM;
+    sqlite3_free(sql);
+    return rc == SQLITE_OK ? RP_OK : sweep_sql_fail(s, what);
+}
+
+sqlite3_stmt *sweep_sql_query(sweep_store *s, const char *sql)
+{
+    sqlite3_stmt *statement = NULL;
+    sqlite3_prepare_v2(s->db, sql, -1, &statement, NULL);
+    return statement;
+}
+
+sqlite3_stmt *sweep_sql_query_text(sweep_store *s, sqlite3_str *text)
+{
+    char *sql = sqlite3_str_finish(text);
+    sqlite3_stmt *statement = sweep_sql_query(s, sql);
+    sqlite3_free(sql);
+    return statement;
+}
+
+rp_status sweep_sql_finish(sweep_store *s, const char *what, sqlite3_stmt *q)
+{
+    const bool prepared = q != NULL;
+    return sqlite3_finalize(q) == SQLITE_OK && prepared ? RP_OK : sweep_sql_fail(s, what);
+}
+
+rp_status sweep_sql_number(sweep_store *s, const char *sql, long long *number)
+{
+    sqlite3_stmt *q = sweep_sql_query(s, sql);
+    *number = sqlite3_step(q) == SQLITE_ROW ? sqlite3_column_int64(q, 0) : 0;
+    return sweep_sql_finish(s, "read the store", q);
+}
+
+/* ---- opening ---- */
+
+/* Whoever reads or writes is waited for, unless this process is told to stop. */
+static int wait_for_others(void *context, int tries)
+{
+    (void)context, (void)tries;
+    sigset_t pending;
+    sigpending(&pending);
+    if (sigismember(&pending, SIGINT) || sigismember(&pending, SIGTERM) || sigismember(&pending, SIGHUP))
+        return 0;
+    usleep(20000);
+    return 1;
+}
+
+/* File systems of several machines, where SQLite's shared memory for WAL does not work: statfs(2). */
+static bool is_shared(const char *dir)
+{
+    static const unsigned magic[] = {0x6969 /* NFS */,      0xff534d42 /* CIFS */,
+                                     0xfe534d42 /* SMB2 */, 0x0bd00bd0 /* Lustre */,
+                                     0x47504653 /* GPFS */, 0x65735546 /* FUSE */,
+                                     0x00c36400 /* Ceph */, 0x5346414f /* AFS */,
+                                     0x01021997 /* 9P */,   0x19830326 /* BeeGFS */};
+    struct statfs info;
+    if (statfs(dir, &info) != 0) return false;
+    for (size_t i = 0; i < sizeof magic / sizeof *magic; i++)
+        if ((unsigned)info.f_type == magic[i]) return true;
+    return false;
+}
+
+/* Is it a store, and of this format? An empty file becomes one. */
+static rp_status check_format(sweep_store *s)
+{
+    long long tables, format;
+    RP_TRY(sweep_sql_number(s, "SELECT count(*) FROM sqlite_schema", &tables));
+    RP_TRY(sweep_sql_number(s, "PRAGMA user_version", &format));
+    if (tables > 0 && format != SWEEP_FORMAT)
+        return rp_fail(RP_BAD_INPUT,
+                       "%s: a store of format %lld; this version reads and writes format %d: plan in "
+                       "another folder",
+                       s->path, format, SWEEP_FORMAT);
+    return RP_OK;
+}
+
+rp_status sweep_store_open(const char *path, sweep_access access, sweep_store **store)
+{
+    sweep_store *s = *store = calloc(1, sizeof **store);
+    if (!s) return rp_fail(RP_NO_MEMORY, "%s: out of memory", path);
+    snprintf(s->path, sizeof s->path, "%s", path);
+    s->writes = access != SWEEP_READ;
+    const int flags =
+        SQLITE_OPEN_READWRITE | SQLITE_OPEN_NOMUTEX | (access == SWEEP_CREATE ? SQLITE_OPEN_CREATE : 0);
+    if (sqlite3_open_v2(path, &s->db, flags, NULL) != SQLITE_OK) return sweep_sql_fail(s, "open the store");
+    sqlite3_busy_handler(s->db, wait_for_others, NULL);
+    RP_TRY(check_format(s));
+    /* EXTRA: the removal of a rollback journal, which is the commit, reaches the disk too. Keys come in no
+     * order: 64 MB hold the index of a million rows, and the log is copied into the file at the same size. */
+    if (s->writes)
+        RP_TRY(sweep_sql(s, "write the store",
+                         "PRAGMA journal_mode = %s; PRAGMA synchronous = EXTRA; PRAGMA cache_size = -64000; "
+                         "PRAGMA wal_autocheckpoint = 16000",
+                         is_shared(path) ? "DELETE" : "WAL"));
+    return RP_OK;
+}
+
+void sweep_store_close(sweep_store *s)
+{
+    if (!s) return;
+    if (s->db && s->writes) {
+        sweep_store_commit(s);
+        sqlite3_exec(s->db, "DELETE FROM sweep WHERE name = 'beat'", NULL, NULL, NULL);
+    }
+    sqlite3_finalize(s->insert);
+    sqlite3_close(s->db);
+    free(s);
+}
+
+/* ---- notes ---- */
+
+static sqlite3_int64 note_sum(const char *name, const char *value)
+{
+    return (sqlite3_int64)XXH3_64bits_withSeed(value, strlen(value), XXH3_64bits(name, strlen(name)));
+}
+
+static rp_status set_note(sweep_store *s, const char *name, const char *value)
+{
+    return sweep_sql(s, "write the store", "REPLACE INTO sweep VALUES (%Q, %Q, %lld)", name, value,
+                     (long long)note_sum(name, value));
+}
+
+rp_status sweep_store_note(sweep_store *s, const char *schema, const char *name, char *buffer, size_t size)
+{
+    char sql[128];
+    buffer[0] = '\0';
+    snprintf(sql, sizeof sql, "SELECT value, sum FROM %s.sweep WHERE name = ?", schema);
+    sqlite3_stmt *q = sweep_sql_query(s, sql);
+    sqlite3_bind_text(q, 1, name, -1, SQLITE_STATIC);
+    bool damaged = false;
+    if (sqlite3_step(q) == SQLITE_ROW) {
+        const char *value = (const char *)sqlite3_column_text(q, 0);
+        damaged = !value || note_sum(name, value) != sqlite3_column_int64(q, 1);
+        snprintf(buffer, size, "%s", value ? value : "");
+    }
+    rp_status status = sweep_sql_finish(s, "read the store", q);
+    return damaged ? rp_fail(RP_IO, "%s: the note \"%s\" is damaged (checksum)", s->path, name) : status;
+}
+
+/* ---- the plan ---- */
+
+rp_status sweep_store_make_runs(sweep_store *s, const char *schema, const sweep_protocol *protocol)
+{
+    RP_TRY(sweep_sql(
+        s, "write the store",
+        "CREATE TABLE IF NOT EXISTS %s.runs (key TEXT PRIMARY KEY, run INTEGER, status TEXT NOT NULL,"
+        " message TEXT, seconds REAL, seed INTEGER, model INTEGER, program TEXT, pile INTEGER,"
+        " parameters TEXT, sum INTEGER);"
+        "CREATE UNIQUE INDEX IF NOT EXISTS %s.by_run ON runs (run) WHERE run IS NOT NULL;"
+        "CREATE INDEX IF NOT EXISTS %s.by_status ON runs (status) WHERE run IS NOT NULL",
+        schema, schema, schema));
+    for (const sweep_output *o = protocol->outputs; o->name; o++)
+        if (sqlite3_table_column_metadata(s->db, schema, "runs", o->name, NULL, NULL, NULL, NULL, NULL))
+            RP_TRY(sweep_sql(s, "write the store", "ALTER TABLE %s.runs ADD COLUMN \"%w\" REAL", schema,
+                             o->name));
+    return RP_OK;
+}
+
+/* What users read: with the parameters as columns. */
+static rp_status make_view(sweep_store *s, const sweep_protocol *protocol)
+{
+    sqlite3_str *sql = sqlite3_str_new(s->db);
+    sqlite3_str_appendall(
+        sql,
+        "DROP VIEW IF EXISTS results; CREATE VIEW results AS SELECT run, status, message, seconds, pile");
+    for (const rp_param *p = protocol->schema; p->name; p++)
+        sqlite3_str_appendf(sql, ", coalesce(parameters ->> %Q, %Q) AS \"%w\"", p->name,
+                            p->fallback ? p->fallback : "", p->name);
+    for (const sweep_output *o = protocol->outputs; o->name; o++)
+        sqlite3_str_appendf(sql, ", \"%w\"", o->name);
+    sqlite3_str_appendall(sql, " FROM runs WHERE run IS NOT NULL");
+    char *text = sqlite3_str_finish(sql);
+    rp_status status = text ? sweep_sql(s, "write the store", "%s", text)
+                            : rp_fail(RP_NO_MEMORY, "%s: out of memory", s->path);
+    sqlite3_free(text);
+    return status;
+}
+
+static rp_status make_tables(sweep_store *s, const sweep_protocol *protocol)
+{
+    RP_TRY(sweep_sql(s, "write the store",
+                     "PRAGMA user_version = %d; CREATE TABLE IF NOT EXISTS sweep"
+                     " (name TEXT PRIMARY KEY, value TEXT NOT NULL, sum INTEGER)",
+                     SWEEP_FORMAT));
+    RP_TRY(sweep_store_make_runs(s, "main", protocol));
+    return make_view(s, protocol);
+}
+
+rp_status sweep_store_number(sweep_store *s, const sweep_plan *plan, const sweep_watch *watch)
+{
+    long long rows;
+    rp_status status = sweep_sql(s, "write the store", "UPDATE runs SET run = NULL WHERE run IS NOT NULL");
+    if (!status) status = sweep_sql_number(s, "SELECT count(*) FROM runs", &rows);
+    if (status || rows == 0) return status;
+    sqlite3_stmt *q = sweep_sql_query(s, "UPDATE runs SET run = ? WHERE key = ?");
+    char key[33];
+    for (size_t r = 0; r < plan->n_runs; r++) {
+        sweep_plan_key(plan, r, key);
+        sqlite3_bind_int64(q, 1, (sqlite3_int64)r);
+        sqlite3_bind_text(q, 2, key, -1, SQLITE_STATIC);
+        if (sqlite3_step(q) != SQLITE_DONE) break;
+        sqlite3_reset(q);
+        if (watch && watch->call) watch->call("rows looked up", r + 1, plan->n_runs, watch->context);
+    }
+    return sweep_sql_finish(s, "write the store", q);
+}
+
+static rp_status write_notes(sweep_store *s, const sweep_plan *plan, const char *file)
+{
+    char replicas[32], seed[32];
+    snprintf(replicas, sizeof replicas, "%zu", plan->replicas);
+    snprintf(seed, sizeof seed, "%lu", plan->seed);
+    const char *const notes[][2] = {{"protocol", plan->protocol->name},
+                                    {"file", file},
+                                    {"seed", seed},
+                                    {"replicas", replicas},
+                                    {"model", plan->model},
+                                    {"plan", plan->hash}};
+    for (size_t i = 0; i < sizeof notes / sizeof *notes; i++) RP_TRY(set_note(s, notes[i][0], notes[i][1]));
+    return RP_OK;
+}
+
+rp_status sweep_store_write_plan(sweep_store *s, const sweep_plan *plan, const char *file,
+                                 const sweep_watch *watch)
+{
+    char owner[64] = "", before[33] = "";
+    RP_TRY(sweep_sql(s, "write the store", "BEGIN IMMEDIATE"));
+    rp_status status = make_tables(s, plan->protocol);
+    if (!status) status = sweep_store_note(s, "main", "protocol", owner, sizeof owner);
+    if (!status) status = sweep_store_note(s, "main", "plan", before, sizeof before);
+    if (!status && *owner && strcmp(owner, plan->protocol->name) != 0)
+        status =
+            rp_fail(RP_BAD_INPUT, "%s: holds runs of protocol \"%s\", not \"%s\"; plan in another folder",
+                    s->path, owner, plan->protocol->name);
+    if (!status && strcmp(before, plan->hash) != 0) status = sweep_store_number(s, plan, watch);
+    if (!status) status = write_notes(s, plan, file);
+    if (!status) status = sweep_sql(s, "write the store", "COMMIT");
+    if (status) sqlite3_exec(s->db, "ROLLBACK", NULL, NULL, NULL);
+    return status;
+}
+
+rp_status sweep_store_check_plan(sweep_store *s, const sweep_plan *plan)
+{
+    char hash[33];
+    RP_TRY(sweep_store_note(s, "main", "plan", hash, sizeof hash));
+    if (strcmp(hash, plan->hash) != 0)
+        return rp_fail(RP_BAD_INPUT,
+                       "%s: the plan is not that of sweep.cfg and this version of the program; "
+                       "plan again with `repose sweep plan` (stored rows are kept)",
+                       s->path);
+    return RP_OK;
+}
+
+/* ---- writing rows ---- */
+
+/* All of a row but its number, as it is stored. */
+typedef struct {
+    const char *key, *status, *message, *program, *parameters;
+    double seconds;
+    sqlite3_int64 seed, model, pile;
+    const double *values;
+} record;
+
+static sqlite3_int64 record_sum(const record *r, size_t n_values)
+{
+    const char *const texts[] = {r->key, r->status, r->message, r->program, r->parameters};
+    const sqlite3_int64 whole[] = {r->seed, r->model, r->pile};
+    XXH64_hash_t sum = XXH3_64bits(whole, sizeof whole);
+    for (size_t i = 0; i < sizeof texts / sizeof *texts; i++)
+        sum = XXH3_64bits_withSeed(texts[i] ? texts[i] : "", texts[i] ? strlen(texts[i]) : 0, sum + i);
+    for (size_t i = 0; i < n_values + 1; i++) { /* the store keeps no NaN's payload, and no minus of a zero */
+        double v = i < n_values ? r->values[i] : r->seconds;
+        v = isnan(v) ? NAN : v + 0.0;
+        sum = XXH3_64bits_withSeed(&v, sizeof v, sum);
+    }
+    return (sqlite3_int64)sum;
+}
+
+void sweep_store_columns(sqlite3_str *sql, const sweep_protocol *protocol)
+{
+    sqlite3_str_appendall(sql,
+                          "key, run, status, message, seconds, seed, model, program, pile, parameters, sum");
+    for (const sweep_output *o = protocol->outputs; o->name; o++)
+        sqlite3_str_appendf(sql, ", \"%w\"", o->name);
+}
+
+enum { N_COLUMNS = 11 };
+
+sqlite3_stmt *sweep_store_query_insert(sweep_store *s, const sweep_protocol *protocol)
+{
+    sqlite3_str *sql = sqlite3_str_new(s->db);
+    sqlite3_str_appendall(sql, "INSERT INTO main.runs (");
+    sweep_store_columns(sql, protocol);
+    sqlite3_str_appendall(sql, ") VALUES (?");
+    for (size_t n = N_COLUMNS + sweep_count_outputs(protocol); --n > 0;) sqlite3_str_appendall(sql, ", ?");
+    sqlite3_str_appendall(sql, ")");
+    return sweep_sql_query_text(s, sql);
+}
+
+static void bind_record(sqlite3_stmt *q, const record *r, size_t run, size_t n_values)
+{
+    int column = 0;
+    sqlite3_bind_text(q, ++column, r->key, -1, SQLITE_STATIC);
+    sqlite3_bind_int64(q, ++column, (sqlite3_int64)run);
+    sqlite3_bind_text(q, ++column, r->status, -1, SQLITE_STATIC);
+    sqlite3_bind_text(q, ++column, r->message, -1, SQLITE_STATIC);
+    sqlite3_bind_double(q, ++column, r->seconds);
+    sqlite3_bind_int64(q, ++column, r->seed);
+    sqlite3_bind_int64(q, ++column, r->model);
+    sqlite3_bind_text(q, ++column, r->program, -1, SQLITE_STATIC);
+    sqlite3_bind_int64(q, ++column, r->pile);
+    sqlite3_bind_text(q, ++column, r->parameters, -1, SQLITE_STATIC);
+    sqlite3_bind_int64(q, ++column, record_sum(r, n_values));
+    for (size_t i = 0; i < n_values; i++) sqlite3_bind_double(q, ++column, r->values[i]); /* NaN: NULL */
+}
+
+/* The texts that all rows of a point have. */
+static void describe(sweep_store *s, const sweep_plan *plan, size_t point)
+{
+    if (!*s->program)
+        snprintf(s->program, sizeof s->program, "repose %s, commit %s, %s", RP_VERSION, rp_build_commit,
+                 rp_build_compiler);
+    else if (point == s->point)
+        return;
+    s->point = point;
+    sweep_plan_parameters(plan, point, s->parameters, sizeof s->parameters);
+}
+
+rp_status sweep_store_insert(sweep_store *s, const sweep_plan *plan, const sweep_row *row)
+{
+    if (!s->insert && !(s->insert = sweep_store_query_insert(s, plan->protocol)))
+        return sweep_sql_fail(s, "write the store");
+    rp_status status = s->pending ? RP_OK : sweep_sql(s, "write the store", "BEGIN IMMEDIATE");
+    if (status) return status;
+    char key[33];
+    const sweep_stream stream = sweep_plan_stream(plan, row->run);
+    sweep_plan_key(plan, row->run, key);
+    describe(s, plan, row->run / plan->replicas);
+    const record r = {.key = key,
+                      .status = row->result.status,
+                      .message = row->result.message,
+                      .program = s->program,
+                      .parameters = s->parameters,
+                      .seconds = row->seconds,
+                      .seed = (sqlite3_int64)stream.seed,
+                      .model = RP_MODEL_VERSION,
+                      .pile = (sqlite3_int64)stream.pile,
+                      .values = row->result.values};
+    s->pending = true;
+    bind_record(s->insert, &r, row->run, sweep_count_outputs(plan->protocol));
+    if (sqlite3_step(s->insert) != SQLITE_DONE)
+        status = rp_fail(RP_IO, "%s: cannot store run %zu: %s; the rows stored before are kept", s->path,
+                         row->run, sqlite3_errmsg(s->db));
+    sqlite3_reset(s->insert);
+    return status ? status : sweep_store_tick(s);
+}
+
+rp_status sweep_store_commit(sweep_store *s)
+{
+    if (!s->pending) return RP_OK;
+    s->pending = false;
+    s->committed = rp_clock();
+    return sweep_sql(s, "store the latest rows; those stored before are kept", "COMMIT");
+}
+
+rp_status sweep_store_tick(sweep_store *s)
+{
+    const double now = rp_clock();
+    rp_status status = s->pending && now - s->committed >= GROUP_SECONDS ? sweep_store_commit(s) : RP_OK;
+    if (status || (s->beaten > 0.0 && now - s->beaten < BEAT_SECONDS)) return status;
+    char text[64];
+    s->beaten = now;
+    snprintf(text, sizeof text, "%lld", (long long)time(NULL));
+    return set_note(s, "beat", text);
+}
+
+/* ---- reading rows ---- */
+
+rp_status sweep_store_freeze(sweep_store *s)
+{
+    return sweep_sql(s, "read the store", "BEGIN");
+}
+
+rp_status sweep_store_verify(sweep_store *s, const char *schema, const char *path)
+{
+    char sql[64], text[256];
+    snprintf(sql, sizeof sql, "PRAGMA %s.integrity_check(1)", schema);
+    sqlite3_stmt *q = sweep_sql_query(s, sql);
+    const int rc = sqlite3_step(q);
+    snprintf(text, sizeof text, "%s",
+             rc == SQLITE_ROW ? (const char *)sqlite3_column_text(q, 0) : sqlite3_errmsg(s->db));
+    sqlite3_finalize(q);
+    return strcmp(text, "ok") == 0
+               ? RP_OK
+               : rp_fail(RP_IO, "%s: damaged (%s); `repose sweep salvage` keeps the whole rows", path, text);
+}
+
+rp_status sweep_store_makers(sweep_store *s, void (*visit)(const char *program, size_t runs, void *context),
+                             void *context)
+{
+    sqlite3_stmt *q = sweep_sql_query(
+        s, "SELECT program, count(*) FROM runs WHERE run IS NOT NULL GROUP BY program ORDER BY program");
+    while (sqlite3_step(q) == SQLITE_ROW)
+        visit((const char *)sqlite3_column_text(q, 0), (size_t)sqlite3_column_int64(q, 1), context);
+    return sweep_sql_finish(s, "read the rows", q);
+}
+
+rp_status sweep_store_drop_crashed(sweep_store *s)
+{
+    return sweep_sql(s, "write the store",
+                     "DELETE FROM runs WHERE status IN " SWEEP_MACHINE " AND run IS NOT NULL");
+}
+
+rp_status sweep_store_mark(sweep_store *s, size_t n_runs, unsigned char *done)
+{
+    sqlite3_stmt *q =
+        sweep_sql_query(s, "SELECT run FROM runs WHERE run IS NOT NULL AND status NOT IN " SWEEP_MACHINE);
+    while (sqlite3_step(q) == SQLITE_ROW) {
+        const size_t run = (size_t)sqlite3_column_int64(q, 0);
+        if (run < n_runs) done[run / 8] |= (unsigned char)(1u << run % 8);
+    }
+    return sweep_sql_finish(s, "read the store", q);
+}
+
+rp_status sweep_store_count(sweep_store *s, const sweep_plan *plan, sweep_counts *counts)
+{
+    *counts = (sweep_counts){.points = plan->n_points, .replicas = plan->replicas, .planned = plan->n_runs};
+    sqlite3_stmt *q = sweep_sql_query(
+        s, "SELECT status, count(*) FROM runs WHERE run IS NOT NULL GROUP BY status ORDER BY status");
+    while (sqlite3_step(q) == SQLITE_ROW && counts->n_words < SWEEP_MAX_WORDS) {
+        size_t i = counts->n_words++, runs = (size_t)sqlite3_column_int64(q, 1);
+        snprintf(counts->words[i].status, sizeof counts->words[i].status, "%s",
+                 (const char *)sqlite3_column_text(q, 0));
+        counts->words[i].runs = runs;
+        counts->stored += runs;
+        if (!sweep_is_result(counts->words[i].status)) counts->failed += runs;
+    }
+    return sweep_sql_finish(s, "count the rows", q);
+}
+
+static double column_number(sqlite3_stmt *q, int column)
+{
+    return sqlite3_column_type(q, column) == SQLITE_NULL ? NAN : sqlite3_column_double(q, column);
+}
+
+rp_status sweep_store_pace(sweep_store *s, double *seconds)
+{
+    sqlite3_stmt *q = sweep_sql_query(
+        s, "SELECT avg(seconds) FROM (SELECT seconds FROM runs ORDER BY rowid DESC LIMIT 1000)");
+    *seconds = sqlite3_step(q) == SQLITE_ROW ? column_number(q, 0) : NAN;
+    return sweep_sql_finish(s, "read the store", q);
+}
+
+static const char *column_text(sqlite3_stmt *q, int column)
+{
+    const char *text = (const char *)sqlite3_column_text(q, column);
+    return text ? text : "";
+}
+
+/* Take the row that is read apart; false if its sum is wrong. */
+static bool read_record(sqlite3_stmt *q, size_t n_values, record *r, double values[])
+{
+    for (size_t i = 0; i < n_values; i++) values[i] = column_number(q, N_COLUMNS + (int)i);
+    *r = (record){.key = column_text(q, 0),
+                  .status = column_text(q, 2),
+                  .message = column_text(q, 3),
+                  .program = column_text(q, 7),
+                  .parameters = column_text(q, 9),
+                  .seconds = column_number(q, 4),
+                  .seed = sqlite3_column_int64(q, 5),
+                  .model = sqlite3_column_int64(q, 6),
+                  .pile = sqlite3_column_int64(q, 8),
+                  .values = values};
+    return record_sum(r, n_values) == sqlite3_column_int64(q, 10);
+}
+
+bool sweep_store_row_is_whole(sqlite3_stmt *row, const sweep_protocol *protocol)
+{
+    record r;
+    double values[SWEEP_MAX_OUTPUTS];
+    return read_record(row, sweep_count_outputs(protocol), &r, values);
+}
+
+/* The row that is read, checked against its sum and against the plan's key of its number. */
+static rp_status read_row(sweep_store *s, const sweep_plan *plan, sqlite3_stmt *q, size_t n_values,
+                          sweep_row *row)
+{
+    char key[33] = "";
+    record r;
+    const bool whole = read_record(q, n_values, &r, row->result.values);
+    row->run = (size_t)sqlite3_column_int64(q, 1);
+    row->seconds = r.seconds;
+    snprintf(row->result.status, sizeof row->result.status, "%s", r.status);
+    snprintf(row->result.message, sizeof row->result.message, "%s", r.message);
+    if (row->run < plan->n_runs) sweep_plan_key(plan, row->run, key);
+    return whole && strcmp(key, r.key) == 0
+               ? RP_OK
+               : rp_fail(RP_IO,
+                         "%s: the row of run %zu is damaged (checksum); `repose sweep salvage` keeps the "
+                         "whole rows",
+                         s->path, row->run);
+}
+
+rp_status sweep_store_visit(sweep_store *s, const sweep_plan *plan,
+                            rp_status (*visit)(const sweep_row *row, void *context), void *context)
+{
+    sqlite3_str *sql = sqlite3_str_new(s->db);
+    const size_t n_values = sweep_count_outputs(plan->protocol);
+    sqlite3_str_appendall(sql, "SELECT ");
+    sweep_store_columns(sql, plan->protocol);
+    sqlite3_str_appendall(sql, " FROM runs WHERE run IS NOT NULL ORDER BY run");
+    sqlite3_stmt *q = sweep_sql_query_text(s, sql);
+    rp_status status = RP_OK;
+    while (!status && sqlite3_step(q) == SQLITE_ROW) {
+        sweep_row row = {0};
+        status = read_row(s, plan, q, n_values, &row);
+        if (!status) status = visit(&row, context);
+    }
+    rp_status read = sweep_sql_finish(s, "read the rows", q);
+    return status ? status : read;
+}

@@ -1,0 +1,404 @@
+/* The folder of a sweep: making it, running it whole or by shards, asking it; one run of a sweep again.
+ *   sweep.cfg, store.sqlite, lock;  shards/3-of-8.sqlite, shards/3-of-8.sqlite.lock  */
+#include "sweeps/engine/private.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <glob.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "table/table.h"
+#include "sweeps/engine/keep.h"
+
+/* One process at a time changes a store. The lock goes with the process, whatever ends it; its workers, which
+ * may live on for a moment, do not inherit it. */
+static rp_status take_lock(const char *path, const char *store, int *lock)
+{
+    *lock = open(path, O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+    if (*lock < 0 && errno == ENOENT)
+        return rp_fail(RP_BAD_INPUT, "%s: no such folder; `repose sweep plan` makes it", store);
+    if (*lock < 0) return rp_fail(RP_IO, "%s: cannot write: %s", path, strerror(errno));
+    if (fcntl(*lock, F_SETLK, &(struct flock){.l_type = F_WRLCK, .l_whence = SEEK_SET}) == 0) return RP_OK;
+    return errno == EACCES || errno == EAGAIN
+               ? rp_fail(RP_IO, "%s: another process runs or plans this sweep", store)
+               : rp_fail(RP_IO, "%s: cannot lock: %s", path, strerror(errno));
+}
+
+static rp_status lock_folder(const char *dir, int *lock)
+{
+    char path[4096];
+    snprintf(path, sizeof path, "%s/lock", dir);
+    return take_lock(path, dir, lock);
+}
+
+/* The stores of the folder's shards, in order; globfree afterwards. */
+static void find_shards(const char *dir, glob_t *shards)
+{
+    char pattern[4096];
+    snprintf(pattern, sizeof pattern, "%s/shards/*-of-*.sqlite", dir);
+    if (glob(pattern, 0, NULL, shards) != 0) *shards = (glob_t){0};
+}
+
+/* Read the plan of a folder, and open its store. */
+static rp_status open_main(const char *dir, const sweep_protocol *const *protocols, sweep_access access,
+                           sweep_folder *folder)
+{
+    char path[4096], text[32];
+    snprintf(path, sizeof path, "%s/sweep.cfg", dir);
+    RP_TRY(sweep_plan_read(path, protocols, &folder->plan));
+    snprintf(path, sizeof path, "%s/store.sqlite", dir);
+    RP_TRY(sweep_store_open(path, access, &folder->store));
+    RP_TRY(sweep_store_note(folder->store, "main", "replicas", text, sizeof text));
+    const size_t replicas = strtoul(text, NULL, 10);
+    if (replicas > 0 && replicas != folder->plan.replicas)
+        RP_TRY(sweep_plan_replicate(&folder->plan, replicas));
+    return sweep_store_check_plan(folder->store, &folder->plan);
+}
+
+rp_status sweep_folder_read(const char *dir, const sweep_protocol *const *protocols, bool verify,
+                            sweep_folder *folder)
+{
+    glob_t shards;
+    *folder = (sweep_folder){.lock = -1};
+    rp_status status = RP_OK;
+    RP_TRY(open_main(dir, protocols, SWEEP_READ, folder));
+    find_shards(dir, &shards);
+    if (verify) status = sweep_store_verify(folder->store, "main", folder->store->path);
+    if (!status && shards.gl_pathc > 0)
+        status = sweep_store_unite(folder->store, &folder->plan, shards.gl_pathc, shards.gl_pathv, verify,
+                                   &folder->found);
+    else if (!status) {
+        status = sweep_store_freeze(folder->store);
+        if (!status) status = sweep_store_running(folder->store, "main", &folder->found.running);
+    }
+    globfree(&shards);
+    return status;
+}
+
+void sweep_folder_close(sweep_folder *folder)
+{
+    sweep_store_close(folder->store);
+    sweep_plan_free(&folder->plan);
+    if (folder->lock >= 0) close(folder->lock);
+}
+
+rp_status sweep_source(const char *dir, char file[256])
+{
+    char path[4096];
+    sweep_store *store = NULL;
+    *file = '\0';
+    snprintf(path, sizeof path, "%s/store.sqlite", dir);
+    if (access(path, F_OK) != 0) return RP_OK;
+    rp_status status = sweep_store_open(path, SWEEP_READ, &store);
+    if (!status) status = sweep_store_note(store, "main", "file", file, 256);
+    sweep_store_close(store);
+    return status;
+}
+
+rp_status sweep_check_output(const char *dir, const char *path)
+{
+    static const char *const names[] = {
+        "store.sqlite", "store.sqlite-journal", "store.sqlite-wal", "store.sqlite-shm", "sweep.cfg", "lock"};
+    char own[4096];
+    struct stat a, b;
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        snprintf(own, sizeof own, "%s/%s", dir, names[i]);
+        if (stat(own, &a) == 0 && stat(path, &b) == 0 && a.st_dev == b.st_dev && a.st_ino == b.st_ino)
+            return rp_fail(RP_BAD_INPUT, "%s: is the sweep's own %s; give another file", path, names[i]);
+    }
+    return RP_OK;
+}
+
+static rp_status check_points(const sweep_plan *plan, const char *file, const sweep_watch *watch,
+                              size_t *undamped)
+{
+    const rp_param *damping = rp_params_find(plan->protocol->schema, "gamma_n");
+    *undamped = 0;
+    for (size_t i = 0; i < plan->n_points; i++) {
+        RP_TRY(sweep_plan_check_point(plan, file, i));
+        const char *values = sweep_plan_point(plan, i);
+        *undamped += damping && *(const double *)(values + damping->offset) == 0.0;
+        if (watch && watch->call) watch->call("grid points checked", i + 1, plan->n_points, watch->context);
+    }
+    return RP_OK;
+}
+
+rp_status sweep_prepare(const char *file, const char *dir, size_t replicas,
+                        const sweep_protocol *const *protocols, const sweep_watch *watch,
+                        sweep_counts *counts)
+{
+    sweep_folder f = {.lock = -1};
+    char path[4096];
+    FILE *out = NULL;
+    size_t undamped = 0;
+    rp_status status = sweep_plan_read(file, protocols, &f.plan);
+    if (!status && replicas > 0) status = sweep_plan_replicate(&f.plan, replicas);
+    if (!status) status = check_points(&f.plan, file, watch, &undamped);
+    if (!status) status = rp_make_directory(dir);
+    if (!status) status = lock_folder(dir, &f.lock);
+    snprintf(path, sizeof path, "%s/store.sqlite", dir);
+    if (!status) status = sweep_store_open(path, SWEEP_CREATE, &f.store);
+    if (!status) status = sweep_store_write_plan(f.store, &f.plan, file, watch);
+    snprintf(path, sizeof path, "%s/sweep.cfg", dir);
+    if (!status) status = rp_file_open(path, &out);
+    if (!status) {
+        fputs(f.plan.text, out);
+        status = rp_file_close(path, out, RP_OK);
+    }
+    if (!status) status = sweep_store_count(f.store, &f.plan, counts);
+    counts->undamped = undamped;
+    sweep_folder_close(&f);
+    return status;
+}
+
+/* ---- running ---- */
+
+/* Mark what a store holds of the plan, if its rows are numbered by this plan. */
+static rp_status mark_store(const char *path, const sweep_plan *plan, unsigned char *done)
+{
+    sweep_store *store;
+    char hash[33];
+    rp_status status = sweep_store_open(path, SWEEP_READ, &store);
+    if (!status) status = sweep_store_note(store, "main", "plan", hash, sizeof hash);
+    if (!status && strcmp(hash, plan->hash) == 0) status = sweep_store_mark(store, plan->n_runs, done);
+    sweep_store_close(store);
+    return status;
+}
+
+/* Numbers of the runs of this part (0 of 1: of all) that are neither in the folder's store nor in `own`; a
+ * sweep that runs whole leaves out what its shards have. free(*todo). */
+static rp_status find_todo(const char *dir, const sweep_plan *plan, sweep_store *own,
+                           const sweep_options *options, size_t **todo, size_t *n)
+{
+    const size_t parts = options->shards > 0 ? (size_t)options->shards : 1,
+                 part = options->shards > 0 ? (size_t)options->shard - 1 : 0;
+    unsigned char *done = calloc(plan->n_runs / 8 + 1, 1);
+    char path[4096];
+    glob_t shards = {0};
+    rp_status status =
+        done ? sweep_store_mark(own, plan->n_runs, done) : rp_fail(RP_NO_MEMORY, "%s: out of memory", dir);
+    snprintf(path, sizeof path, "%s/store.sqlite", dir);
+    if (!status && options->shards > 0) status = mark_store(path, plan, done);
+    if (options->shards == 0) find_shards(dir, &shards);
+    for (size_t i = 0; !status && i < shards.gl_pathc; i++)
+        status = mark_store(shards.gl_pathv[i], plan, done);
+    globfree(&shards);
+    *n = 0;
+    for (size_t r = part; done && r < plan->n_runs; r += parts) *n += !(done[r / 8] >> r % 8 & 1);
+    *todo = malloc((*n + 1) * sizeof **todo);
+    if (!status && !*todo) status = rp_fail(RP_NO_MEMORY, "%s: out of memory", dir);
+    *n = 0;
+    for (size_t r = part; !status && r < plan->n_runs; r += parts)
+        if (!(done[r / 8] >> r % 8 & 1)) (*todo)[(*n)++] = r;
+    free(done);
+    return status;
+}
+
+/* A shard has a store of its own, so that machines that share a folder need no lock between them. */
+static rp_status open_shard(const char *dir, const sweep_options *options, sweep_folder *f)
+{
+    char path[4096 - 8], lock[4096], file[256];
+    rp_status status = sweep_store_note(f->store, "main", "file", file, sizeof file);
+    sweep_store_close(f->store);
+    f->store = NULL;
+    snprintf(path, sizeof path, "%s/shards", dir);
+    if (!status) status = rp_make_directory(path);
+    snprintf(path, sizeof path, "%s/shards/%d-of-%d.sqlite", dir, options->shard, options->shards);
+    snprintf(lock, sizeof lock, "%s.lock", path);
+    if (!status) status = take_lock(lock, path, &f->lock);
+    if (!status) status = sweep_store_open(path, SWEEP_CREATE, &f->store);
+    return status ? status : sweep_store_write_plan(f->store, &f->plan, file, NULL);
+}
+
+/* Snapshots of a sweep whose runs are all stored: a driver that was killed may have left some. */
+static void remove_snapshots(const char *folder)
+{
+    char pattern[4096 + 8];
+    glob_t left = {0};
+    snprintf(pattern, sizeof pattern, "%s/*", folder);
+    if (glob(pattern, 0, NULL, &left) == 0)
+        for (size_t i = 0; i < left.gl_pathc; i++) unlink(left.gl_pathv[i]);
+    globfree(&left);
+    rmdir(folder);
+}
+
+rp_status sweep_run(const char *dir, const sweep_protocol *const *protocols, const sweep_options *options,
+                    sweep_counts *counts)
+{
+    sweep_folder f = {.lock = -1};
+    size_t *todo = NULL, n = 0;
+    const bool whole = options->shards == 0;
+    if (options->workers < 1)
+        return rp_fail(RP_BAD_INPUT, "workers = %d: out of range, allowed: [1, inf)", options->workers);
+    if (!whole && (options->shard < 1 || options->shard > options->shards))
+        return rp_fail(RP_BAD_INPUT, "shard = %d/%d: out of range, allowed: 1/%d to %d/%d", options->shard,
+                       options->shards, options->shards, options->shards, options->shards);
+    rp_status status = whole ? lock_folder(dir, &f.lock) : RP_OK;
+    if (!status) status = open_main(dir, protocols, whole ? SWEEP_WRITE : SWEEP_READ, &f);
+    if (!status && !whole) status = open_shard(dir, options, &f);
+    if (!status) status = sweep_store_drop_crashed(f.store);
+    if (!status) status = find_todo(dir, &f.plan, f.store, options, &todo, &n);
+    if (!status) status = sweep_store_count(f.store, &f.plan, counts);
+    char snapshots[4096];
+    sweep_options own = *options;
+    snprintf(snapshots, sizeof snapshots, "%s/snapshots", dir);
+    own.snapshots = isnormal(options->snapshot) ? snapshots : NULL;
+    const size_t planned =
+        whole ? f.plan.n_runs
+              : (f.plan.n_runs + (size_t)(options->shards - options->shard)) / (size_t)options->shards;
+    counts->planned = planned;
+    counts->stored = planned - n;
+    if (!status && n > 0 && own.snapshots) status = rp_make_directory(snapshots);
+    if (!status && n > 0) status = sweep_pool_run(&f.plan, f.store, todo, n, f.lock, &own, counts);
+    if (!status) status = sweep_store_commit(f.store);
+    if (!status) status = sweep_store_count(f.store, &f.plan, counts);
+    if (!status && whole && sweep_count_aborted(counts) == 0) remove_snapshots(snapshots);
+    if (!status) counts->planned = counts->stored = planned; /* some may stand in other stores */
+    if (!status) status = sweep_check_aborted(counts);
+    free(todo);
+    sweep_folder_close(&f);
+    return status;
+}
+
+/* ---- asking ---- */
+
+/* "2,5-7 of 8": the shards that have runs to do, where the folder has shards. */
+static rp_status list_shards(const char *dir, sweep_folder *f, char *text, size_t size)
+{
+    glob_t shards;
+    size_t parts = 0, used = 0;
+    text[0] = '\0';
+    find_shards(dir, &shards);
+    for (size_t i = 0; i < shards.gl_pathc; i++) {
+        const size_t n = strtoul(strstr(strrchr(shards.gl_pathv[i], '/'), "-of-") + 4, NULL, 10);
+        if (n > parts) parts = n;
+    }
+    globfree(&shards);
+    unsigned char *done = calloc(f->plan.n_runs / 8 + 1, 1);
+    bool *open = calloc(parts + 2, sizeof *open);
+    rp_status status = done && open ? sweep_store_mark(f->store, f->plan.n_runs, done)
+                                    : rp_fail(RP_NO_MEMORY, "%s: out of memory", dir);
+    for (size_t r = 0; !status && parts > 0 && r < f->plan.n_runs; r++)
+        open[r % parts] |= !(done[r / 8] >> r % 8 & 1);
+    for (size_t i = 0; !status && i < parts && used < size; i++) {
+        size_t last = i;
+        while (open[last] && open[last + 1]) last++;
+        if (open[i])
+            used += (size_t)snprintf(text + used, size - used, last > i ? "%s%zu-%zu" : "%s%zu",
+                                     used ? "," : "", i + 1, last + 1);
+        i = last;
+    }
+    if (used > 0 && used < size) snprintf(text + used, size - used, " of %zu", parts);
+    free(done);
+    free(open);
+    return status;
+}
+
+rp_status sweep_status(const char *dir, const sweep_protocol *const *protocols, sweep_counts *counts)
+{
+    sweep_folder f;
+    rp_status status = sweep_folder_read(dir, protocols, false, &f);
+    if (!status) status = sweep_store_count(f.store, &f.plan, counts);
+    if (!status) status = sweep_store_pace(f.store, &counts->seconds);
+    if (!status) status = list_shards(dir, &f, counts->shards, sizeof counts->shards);
+    counts->running = f.found.running;
+    sweep_folder_close(&f);
+    return status;
+}
+
+rp_status sweep_merge(const char *dir, const sweep_protocol *const *protocols, size_t n, char *const paths[],
+                      sweep_merged *merged, sweep_counts *counts)
+{
+    sweep_folder f = {.lock = -1};
+    glob_t sources = {0};
+    rp_status status = lock_folder(dir, &f.lock);
+    if (!status) status = open_main(dir, protocols, SWEEP_WRITE, &f);
+    if (n == 0) find_shards(dir, &sources);
+    for (size_t i = 0; !status && i < n; i++) { /* a folder stands for its store and its shards */
+        char pattern[4096];
+        struct stat info;
+        const bool folder = stat(paths[i], &info) == 0 && S_ISDIR(info.st_mode);
+        snprintf(pattern, sizeof pattern, folder ? "%s/store.sqlite" : "%s", paths[i]);
+        if (glob(pattern, sources.gl_pathc ? GLOB_APPEND : 0, NULL, &sources) != 0)
+            status = rp_fail(RP_BAD_INPUT, "%s: no store", pattern);
+        snprintf(pattern, sizeof pattern, "%s/shards/*-of-*.sqlite", paths[i]);
+        if (!status && folder) glob(pattern, GLOB_APPEND, NULL, &sources);
+    }
+    if (!status && sources.gl_pathc == 0)
+        status = rp_fail(RP_BAD_INPUT, "%s: no shards, and no other store is named", dir);
+    if (!status) status = sweep_store_merge(f.store, &f.plan, sources.gl_pathc, sources.gl_pathv, merged);
+    if (!status) status = sweep_store_count(f.store, &f.plan, counts);
+    if (!status) status = list_shards(dir, &f, counts->shards, sizeof counts->shards);
+    if (sources.gl_pathc) globfree(&sources);
+    sweep_folder_close(&f);
+    return status;
+}
+
+rp_status sweep_salvage(const char *dir, const sweep_protocol *const *protocols, size_t *n)
+{
+    static const char *const ends[] = {"", "-wal", "-journal"};
+    sweep_folder f = {.lock = -1};
+    char store[4096 - 16], kept[4096 - 16], path[4096], from[4096], to[4096];
+    *n = 0;
+    snprintf(path, sizeof path, "%s/sweep.cfg", dir);
+    snprintf(store, sizeof store, "%s/store.sqlite", dir);
+    snprintf(kept, sizeof kept, "%s/damaged.sqlite", dir);
+    rp_status status = lock_folder(dir, &f.lock);
+    if (!status) status = sweep_plan_read(path, protocols, &f.plan);
+    if (!status && access(store, F_OK) != 0) status = rp_fail(RP_BAD_INPUT, "%s: no store", store);
+    if (!status && access(kept, F_OK) == 0)
+        status = rp_fail(RP_BAD_INPUT, "%s: kept of an earlier salvage; move it away first", kept);
+    for (size_t i = 0; !status && i < sizeof ends / sizeof *ends; i++) {
+        snprintf(from, sizeof from, "%s%s", store, ends[i]);
+        snprintf(to, sizeof to, "%s%s", kept, ends[i]);
+        if (rename(from, to) != 0 && errno != ENOENT)
+            status = rp_fail(RP_IO, "%s: cannot rename: %s", from, strerror(errno));
+    }
+    if (!status) status = sweep_store_open(store, SWEEP_CREATE, &f.store);
+    if (!status) status = sweep_store_write_plan(f.store, &f.plan, path, NULL);
+    if (!status) status = sweep_store_salvage(f.store, &f.plan, kept, n);
+    sweep_folder_close(&f);
+    return status;
+}
+
+/* Whose a snapshot is: of this run with these tables. */
+static void trace_owner(const sweep_plan *plan, size_t row, const sweep_tables *tables, char owner[33])
+{
+    char text[128], key[33];
+    sweep_plan_key(plan, row, key);
+    snprintf(text, sizeof text, "%s every %ld ledger %d", key, tables->every, tables->ledger);
+    rp_hash_digits(XXH3_128bits(text, strlen(text)), owner);
+}
+
+rp_status sweep_trace(const char *file, const sweep_protocol *const *protocols, size_t row,
+                      const sweep_tables *tables, const sweep_protocol **protocol, sweep_result *result)
+{
+    sweep_plan plan;
+    sweep_keep keep;
+    sweep_tables kept = *tables;
+    char owner[33], why[1024] = "";
+    kept.keep = tables->snapshot ? &keep : NULL;
+    rp_status status = sweep_plan_read(file, protocols, &plan);
+    *protocol = plan.protocol;
+    if (!status && row >= plan.n_runs)
+        status = rp_fail(RP_BAD_INPUT, "row = %zu: out of range, allowed: [0, %zu], the runs of %s", row,
+                         plan.n_runs - 1, file);
+    if (!status) status = sweep_plan_check_point(&plan, file, row / plan.replicas);
+    if (!status) {
+        trace_owner(&plan, row, tables, owner);
+        if (kept.keep)
+            sweep_keep_begin(&keep, tables->snapshot, owner, tables->interval, true, why, sizeof why);
+        keep.stop = tables->stop;
+        const sweep_stream stream = sweep_plan_stream(&plan, row);
+        status = *why ? rp_fail(RP_BAD_INPUT, "%s; remove this file to start anew", why)
+                      : plan.protocol->run(sweep_plan_point(&plan, row / plan.replicas), stream.seed,
+                                           stream.run, &kept, result);
+        if (kept.keep) sweep_keep_end(&keep, status == RP_OK);
+    }
+    sweep_plan_free(&plan);
+    return status;
+}

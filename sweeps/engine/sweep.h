@@ -1,0 +1,169 @@
+/* The sweep driver: repeats one protocol over a grid of parameters, each grid point `replicas` times.
+ *
+ * A sweep lives in a folder: sweep.cfg (a copy of the sweep file) and store.sqlite (the plan, and one row a
+ * finished run). A row's key is a hash of parameters, seed, run number and model version: what is stored
+ * under a key of the plan is never computed again, and a row of another plan or other physics never used.
+ *
+ * Sweep file (libconfig): protocol, replicas, seed, zip, piles, fixed = { key = value; }, grid = { key = [
+ * ... ]; }. The grid is the product of its lists, the last one fastest (with zip = true, lists of equal
+ * length go together); or it is a list of groups, ( { ... }, { ... } ): the product of the groups, the lists
+ * of one group going together. Replicas are innermost. Runs are numbered from 0. The number is that of the
+ * run's random streams, or with piles = "shared" the replica's: then grid points start from the same grains,
+ * and their differences can be taken pile by pile.
+ *
+ * Two more settings are for `repose sweep make`: study, the replicas of a larger ensemble, and tables, what
+ * is derived from the runs, in order: tables = [ "lh3_phi = angle phi @/lh3_runs.tsv" ], where @
+ * is the folder of the tables. A file without a protocol has tables alone.
+ *
+ * `protocols` is the list of those that a file may name, ended by NULL. Common errors: RP_BAD_INPUT (the
+ * sweep file, or a plan that does not match it), RP_IO (folder or store; rows already stored are kept). */
+#ifndef SWEEP_SWEEP_H
+#define SWEEP_SWEEP_H
+
+#include <libconfig.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdio.h>
+
+#include "sweeps/engine/protocol.h"
+
+RP_C_BEGIN
+
+/* Every protocol of the program, ended by NULL. */
+extern const sweep_protocol *const sweep_protocols[];
+
+enum { SWEEP_MAX_WORDS = 32, SWEEP_MAX_TABLES = 64 };
+
+/* How far a sweep is. A result is a row whose status starts with "ok"; the others are failed. */
+typedef struct {
+    size_t points, replicas, planned, stored, failed, n_words;
+    size_t undamped;  /* grid points with gamma_n = 0; of sweep_prepare alone */
+    size_t running;   /* stores to which a process writes; of sweep_status alone, as are those below */
+    double seconds;   /* of the latest runs, on average; NaN without any */
+    char shards[256]; /* "2,5-7 of 8": those with runs to do; "" without shards, or when all are done */
+    struct {
+        char status[24];
+        size_t runs;
+    } words[SWEEP_MAX_WORDS]; /* by status, in alphabetical order */
+} sweep_counts;
+
+/* Told how far something long is; `call` may be NULL. */
+typedef struct {
+    void (*call)(const char *what, size_t done, size_t of, void *context);
+    void *context;
+} sweep_watch;
+
+/* What a watcher is shown: after each row, and several times a second in between. */
+typedef struct {
+    size_t planned, stored, failed;
+    double elapsed, left; /* s; `left` is NaN until a run has finished */
+} sweep_progress;
+
+typedef struct {
+    int workers;                                                  /* processes, at least 1 */
+    int shard, shards;                                            /* part 1 to n of n; 0, 0: whole */
+    void (*watch)(const sweep_progress *progress, void *context); /* may be NULL */
+    void *context;
+    double memory, time; /* of one run: MB (1e6 bytes) and s; 0 or infinite: no limit */
+    double patience;     /* s without progress after which a worker is replaced; 0: a minute */
+    double slow; /* s after which a run is reported if the others take less than 1 % of it; 0: ten minutes */
+    /* One line on a run that failed, or that is slow, when it is; may be NULL. */
+    void (*report)(void *context, const char *format, ...) __attribute__((format(printf, 2, 3)));
+    double snapshot; /* processor seconds from one snapshot of a run to the next, in DIR/snapshots; 0: none */
+    const char *snapshots; /* set by sweep_run */
+} sweep_options;
+
+/* A table that `repose COMMAND` prints. */
+typedef struct {
+    char name[64];
+    const char *command; /* in the recipe's config */
+} sweep_table;
+
+/* What a sweep's file says of its tables. */
+typedef struct {
+    char name[64]; /* the file's, without folder and ending */
+    bool has_runs; /* false: tables alone */
+    size_t study;  /* replicas of the larger ensemble; 0: as many as else */
+    size_t n_tables;
+    sweep_table tables[SWEEP_MAX_TABLES];
+    config_t config;
+} sweep_recipe;
+
+/* Read a recipe. Afterwards sweep_recipe_free, also after an error. Errors: RP_BAD_INPUT. */
+rp_status sweep_recipe_read(const char *file, sweep_recipe *recipe);
+void sweep_recipe_free(sweep_recipe *recipe);
+
+/* Check the sweep `file` and every one of its grid points, and make the folder `dir` or plan again in it.
+ * `replicas` in place of the file's, unless 0: runs that both have are the same runs. Nothing is made unless
+ * the whole file is good. Errors: RP_BAD_INPUT, RP_IO, RP_NO_MEMORY. */
+rp_status sweep_prepare(const char *file, const char *dir, size_t replicas,
+                        const sweep_protocol *const *protocols, const sweep_watch *watch,
+                        sweep_counts *counts);
+
+/* Make the runs that are not stored yet, each in a worker process; one row is committed a finished run. A
+ * run whose worker dies or hangs is tried three times. It is then a row with status "crashed", one beyond a
+ * limit "no_memory" or "time_limit", with the cause in its message: RP_NO_RESULT, and the next call tries
+ * these runs again. SIGINT, SIGTERM and SIGHUP stop the sweep: runs in progress have ten seconds to end or to
+ * write a snapshot, a second signal ends them at once: RP_STOPPED. RP_OK when every row is stored
+ * with an outcome, whatever it is. Errors: RP_BAD_INPUT, RP_IO (also: another process runs this sweep),
+ * RP_NO_MEMORY, or a protocol's own. */
+rp_status sweep_run(const char *dir, const sweep_protocol *const *protocols, const sweep_options *options,
+                    sweep_counts *counts);
+
+/* What stores beside a sweep's own gave. */
+typedef struct {
+    size_t stores, taken, duplicates, foreign; /* rows; foreign: of no run of the plan, left out */
+    size_t running;                            /* stores whose writer has given a sign of life lately */
+} sweep_merged;
+
+/* Take into the folder's store the rows of its shards or, if any are named, of other stores and folders.
+ * Nothing is taken if two stores differ in a result, or if one has other physics.
+ * Errors: RP_BAD_INPUT, RP_IO, RP_NO_MEMORY. */
+rp_status sweep_merge(const char *dir, const sweep_protocol *const *protocols, size_t n, char *const paths[],
+                      sweep_merged *merged, sweep_counts *counts);
+
+/* Put a new store in place of a damaged one, with the rows that are whole; the old one is kept as
+ * damaged.sqlite. *n is their number. Errors: RP_BAD_INPUT, RP_IO. */
+rp_status sweep_salvage(const char *dir, const sweep_protocol *const *protocols, size_t *n);
+
+/* Runs that the machine or a limit ended. Errors: RP_NO_RESULT while there is one. */
+size_t sweep_count_aborted(const sweep_counts *counts);
+rp_status sweep_check_aborted(const sweep_counts *counts);
+
+/* Is every run of the sweep in `dir` stored with an outcome? Errors: RP_NO_RESULT (missing, aborted). */
+rp_status sweep_check_whole(const char *dir, const sweep_counts *counts);
+
+/* Count what is stored, in the folder's store and its shards. Errors: RP_BAD_INPUT, RP_IO, RP_NO_MEMORY. */
+rp_status sweep_status(const char *dir, const sweep_protocol *const *protocols, sweep_counts *counts);
+
+/* Name of the sweep file that the folder was planned by, as it was given; "" for a folder without a sweep.
+ * Errors: RP_BAD_INPUT, RP_IO. */
+rp_status sweep_source(const char *dir, char file[256]);
+
+/* Refuse to write into a file that the sweep itself lives in. Errors: RP_BAD_INPUT. */
+rp_status sweep_check_output(const char *dir, const char *path);
+
+/* Write a table of what is stored: one row a run or, with SWEEP_POINTS, one row a grid point with mean,
+ * standard deviation, standard error, 95 % interval (Student's t) and number of the finite values of each
+ * output, over the rows with a result. With SWEEP_PARAMETERS the parameters that all runs share are columns
+ * too, "-" for an empty one. `command` is for the header and may be NULL; so may `counts`, of the rows that
+ * the table is made of. Errors: RP_BAD_INPUT, RP_IO, RP_NO_MEMORY. */
+enum { SWEEP_RUNS = 0, SWEEP_POINTS = 1, SWEEP_PARAMETERS = 2 };
+rp_status sweep_export(const char *dir, const sweep_protocol *const *protocols, unsigned what,
+                       const char *command, sweep_counts *counts, FILE *out);
+
+/* XXH3-128 over key, status and bits of the outputs of all rows in the order of the plan, as 32 hexadecimal
+ * digits and NUL. Independent of workers, interruptions, times and host.
+ * Errors: RP_NO_RESULT (rows are missing or aborted), RP_BAD_INPUT, RP_IO, RP_NO_MEMORY. */
+rp_status sweep_digest(const char *dir, const sweep_protocol *const *protocols, char digest[33],
+                       size_t *n_rows);
+
+/* Make run number `row` of a sweep `file` again, in this process, and leave its tables. Sets *protocol and
+ * *result. With tables->snapshot the run goes on from there. Errors: RP_BAD_INPUT (the file, a row it does
+ * not have, the snapshot of another run), RP_STOPPED, RP_IO, the protocol's. */
+rp_status sweep_trace(const char *file, const sweep_protocol *const *protocols, size_t row,
+                      const sweep_tables *tables, const sweep_protocol **protocol, sweep_result *result);
+
+RP_C_END
+
+#endif

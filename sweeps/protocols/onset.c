@@ -1,0 +1,457 @@
+/* Protocol `onset`: the box of protocol `repose` to its pile at rest, on which whatever might predict its
+ * tilting angle is measured; then gravity is turned at a rate until the pile moves. The same tilt is made a
+ * second time, with the same bits, and read at quarters of the tilting angle: which contacts slide, and which
+ * grains move otherwise than the pile as a whole.
+ */
+#include <assert.h>
+#include <gsl/gsl_math.h>
+#include <gsl/gsl_sort.h>
+#include <math.h>
+#include <stdlib.h>
+
+#include "stats/stats.h"
+#include "sweeps/protocols/tilted.h"
+#include "stress/stress.h"
+
+/* Readings at these tilts: PROBE_DEG, and quarters of the tilting angle, from none to all of it. */
+enum { N_QUARTERS = 5, HALF = 2, ONSET = 4 };
+static const double PROBE_DEG = 1.0;
+
+/* clang-format off */
+/* Where contacts are, with the words of their outputs. */
+#define CLASSES(X) X(floor, "with the floor") X(wall, "with the wall") X(inside, "between grains")
+/* Zones of the grains: quarters of the width from the wall on, and of each the surface, the inside, the floor. */
+#define COLUMNS(X) X(1) X(2) X(3) X(4)
+
+#define OUTPUTS(X) \
+    X(theta_r3_deg, "degree", "slope by method 3") \
+    X(theta_t_displacement_deg, "degree", "tilt at which 5 % of the grains have moved 0.1 d") \
+    X(theta_t_theory_deg, "degree", "the same by (4), balanced, from this pile's theta_r3") \
+    X(theta_upper_deg, "degree", "straight line through the cells left of W/2") \
+    X(theta_lower_deg, "degree", "straight line through the cells right of W/2") \
+    X(theta_steepest_deg, "degree", "steepest straight line through two fifths of the cells, neighbours") \
+    X(scatter, "d", "root mean square of the surface's height about its straight line") \
+    X(floor_friction_0, "", "force of the pile along the floor, away from the wall, over the normal force") \
+    X(bulk_friction_0, "", "tangent of the angle that the pile's mean stress mobilises") \
+    X(limit_force_0, "", "share of the normal force that contacts at the limit of friction carry") \
+    X(contact_number, "", "contacts a grain") \
+    X(rattlers, "", "share of the grains with fewer than two contacts") \
+    X(fabric, "", "anisotropy of the contacts' directions, |mean exp(2 i direction)|") \
+    X(fabric_shear, "", "mean sin(2 direction): positive if contacts point up the slope, as /") \
+    X(psi6, "", "mean |psi_6| of the grains") \
+    X(grains, "", "grains with 0 < x < W") \
+    X(limit_probe, "", "share of all contacts at the limit of friction, at a tilt of 1 degree") \
+    X(reach_probe, "d", "displacement that 5 % of the grains exceed at a tilt of 1 degree")
+#define LIMIT(X, where, words) \
+    X(limit_##where##_0, "", "share of the contacts " words " at the limit of friction, without tilt") \
+    X(limit_##where##_1, "", "the same at a quarter of the tilting angle") \
+    X(limit_##where##_2, "", "at half of it") \
+    X(limit_##where##_3, "", "at three quarters of it") \
+    X(limit_##where##_4, "", "at the tilting angle")
+#define MOTION(X, when, words) \
+    X(nonaffine_##when, "d", "root mean square displacement less the best affine one, " words) \
+    X(nonaffine_share_##when, "", "share of these squares in those of the displacement about its mean, " words) \
+    X(moves_x_##when, "W", "distance from the wall, mean over the grains with the squares as weights, " words) \
+    X(moves_y_##when, "d", "the same of the height above the floor, " words) \
+    X(moves_depth_##when, "d", "the same of the depth below the surface, " words)
+#define PLACES(X) \
+    X(all_x, "W", "distance from the wall, mean over the grains") \
+    X(all_y, "d", "height above the floor, mean over the grains") \
+    X(all_depth, "d", "depth below the surface, mean over the grains")
+#define ZONE(X, k) \
+    X(moved_surface_##k, "", "share of the grains that have moved 0.1 d: surface, 1.5 d, quarter " #k " from the wall") \
+    X(moved_inside_##k, "", "the same of the inside, quarter " #k) \
+    X(moved_floor_##k, "", "the same of the floor, grains below y = d, quarter " #k)
+#define LIMIT_INDICES(where, words) LIMIT(SWEEP_OUTPUT_INDEX, where, words)
+#define LIMIT_ROWS(where, words)    LIMIT(SWEEP_OUTPUT_ROW, where, words)
+#define ZONE_INDICES(k)             ZONE(SWEEP_OUTPUT_INDEX, k)
+#define ZONE_ROWS(k)                ZONE(SWEEP_OUTPUT_ROW, k)
+#define STEPS(X) X(steps, "", "steps in all")
+enum {
+    OUTPUTS(SWEEP_OUTPUT_INDEX) CLASSES(LIMIT_INDICES) MOTION(SWEEP_OUTPUT_INDEX, half, "") MOTION(SWEEP_OUTPUT_INDEX, onset, "")
+    PLACES(SWEEP_OUTPUT_INDEX) COLUMNS(ZONE_INDICES) STEPS(SWEEP_OUTPUT_INDEX) N_OUTPUTS
+};
+static const sweep_output outputs[] = {
+    OUTPUTS(SWEEP_OUTPUT_ROW) CLASSES(LIMIT_ROWS) MOTION(SWEEP_OUTPUT_ROW, half, "at half the tilting angle")
+    MOTION(SWEEP_OUTPUT_ROW, onset, "at the tilting angle") PLACES(SWEEP_OUTPUT_ROW) COLUMNS(ZONE_ROWS)
+    STEPS(SWEEP_OUTPUT_ROW) {0}};
+/* clang-format on */
+static_assert((int)N_OUTPUTS <= (int)SWEEP_MAX_OUTPUTS, "too many outputs");
+
+enum { FLOOR, WALL, INSIDE, N_CLASSES };
+enum { N_COLUMNS = 4, SURFACE = 0, BULK = 1, BASE = 2, N_LAYERS = 3 };
+
+typedef struct {
+    const sweep_tilted *p;
+    sweep_box_run box;
+    double *values;
+    double *depth; /* [1 + most] by id, of the grains of the pile at rest, in d */
+} experiment;
+
+/* ---- the pile at rest ---- */
+
+/* Slope of the straight line through `n` neighbouring cells from `from` on. */
+static rp_status line_through(const ang_surface *s, size_t from, size_t n, double *theta_deg)
+{
+    ang_slope slopes[ANG_N_METHODS];
+    rp_status status =
+        n < 3 ? RP_OK : ang_slopes(n, s->column + from, s->h + from, s->cell, ANG_PARABOLA_FREE, slopes);
+    if (!status && n >= 3) *theta_deg = sweep_degrees(slopes[1].theta);
+    return status;
+}
+
+static rp_status measure_scatter(const ang_surface *s, double d, double *scatter)
+{
+    double *x = malloc(s->n * sizeof *x);
+    stats_line line;
+    if (!x) return rp_fail(RP_NO_MEMORY, "onset: out of memory");
+    for (size_t k = 0; k < s->n; k++) x[k] = (double)s->column[k];
+    rp_status status = stats_line_fit(s->n, x, s->h, NULL, false, &line);
+    *scatter = sqrt(line.chi2 / (double)s->n) / d;
+    free(x);
+    return status;
+}
+
+/* Slopes of parts of the surface, its scatter, and the depth of each grain below it. */
+static rp_status measure_surface(experiment *e)
+{
+    double *v = e->values;
+    const ang_options options = sweep_box_options(&e->p->box);
+    ang_surface s;
+    rp_status status = sweep_box_surface(&e->box, &options, &s);
+    const size_t half = s.n / 2, part = (2 * s.n + 4) / 5;
+    if (!status) status = line_through(&s, 0, half, &v[OUT_theta_upper_deg]);
+    if (!status) status = line_through(&s, s.n - half, half, &v[OUT_theta_lower_deg]);
+    for (size_t k = 0; !status && k + part <= s.n; k++) {
+        double theta_deg = NAN;
+        status = line_through(&s, k, part, &theta_deg);
+        v[OUT_theta_steepest_deg] = fmax(v[OUT_theta_steepest_deg], theta_deg);
+    }
+    if (!status) status = measure_scatter(&s, e->box.d, &v[OUT_scatter]);
+    /* the highest centre of each column */
+    double *top = e->box.work;
+    for (size_t c = 0; !status && c < s.n_cells; c++) top[c] = 0.0;
+    for (size_t i = 0; !status && i < dem_count(e->box.sim); i++) {
+        const dem_state *g = &e->box.states[i];
+        if (!(g->x > 0.0 && g->x < e->p->box.W)) continue;
+        double *t = &top[(size_t)fmin(g->x / s.cell, (double)s.n_cells - 1.0)];
+        *t = fmax(*t, g->y);
+    }
+    for (size_t i = 0; !status && i < dem_count(e->box.sim); i++) {
+        const dem_state *g = &e->box.states[i];
+        if (!(g->x > 0.0 && g->x < e->p->box.W)) continue;
+        e->depth[g->id] = (top[(size_t)fmin(g->x / s.cell, (double)s.n_cells - 1.0)] - g->y) / e->box.d;
+    }
+    ang_surface_free(&s);
+    return status;
+}
+
+/* Is the contact in the pile, and where? */
+static bool classify(const experiment *e, const dem_contact *c, int *where)
+{
+    if (!(c->x > 0.0 && c->x < e->p->box.W)) return false;
+    *where = c->id_b ? INSIDE : c->wall == DEM_BOX_FLOOR ? FLOOR : WALL;
+    return true;
+}
+
+/* Has its spring come to the limit of Coulomb's law? It holds mu times the normal force of its last step, so
+ * that a thousandth is left for the force's change. */
+static bool at_limit(const experiment *e, const dem_contact *c)
+{
+    const dem_definition *def = &e->box.scene.def;
+    const dem_material *m = c->id_b ? &def->material : &def->walls[c->wall].material;
+    return m->mu > 0.0 && m->k_s * fabs(c->shear_spring) >= 0.999 * m->mu * c->normal_force;
+}
+
+/* Shares of the contacts at the limit: of each class, of all, and of the normal force; NaN without any. */
+typedef struct {
+    double where[N_CLASSES], all, force;
+} limits;
+
+static limits count_limits(const experiment *e, size_t n, const dem_contact contacts[])
+{
+    double at[N_CLASSES] = {0}, of[N_CLASSES] = {0}, force_at = 0.0, force = 0.0;
+    limits l;
+    int where;
+    for (const dem_contact *c = contacts; c < contacts + n; c++) {
+        if (!classify(e, c, &where)) continue;
+        const bool slides = at_limit(e, c);
+        at[where] += slides;
+        of[where] += 1.0;
+        force_at += slides ? c->normal_force : 0.0;
+        force += c->normal_force;
+    }
+    for (int k = 0; k < N_CLASSES; k++) l.where[k] = at[k] / of[k];
+    l.all = (at[FLOOR] + at[WALL] + at[INSIDE]) / (of[FLOOR] + of[WALL] + of[INSIDE]);
+    l.force = force_at / force;
+    return l;
+}
+
+/* Floor force, mean stress and fabric of the contacts. */
+static void measure_forces(experiment *e, size_t n, const dem_contact contacts[])
+{
+    double *v = e->values, normal = 0.0, along = 0.0, cos2 = 0.0, sin2 = 0.0, inside = 0.0;
+    stress_tensor s = {0};
+    int where;
+    for (const dem_contact *c = contacts; c < contacts + n; c++) {
+        if (!classify(e, c, &where)) continue;
+        const double lx = c->x - c->x_b, ly = c->y - c->y_b, l = hypot(lx, ly),
+                     fx = (c->normal_force * lx + c->shear_force * ly) / l,
+                     fy = (c->normal_force * ly - c->shear_force * lx) / l;
+        stress_tensor_add(&s, &(stress_tensor){fx * lx, fx * ly, fy * lx, fy * ly}, 1.0);
+        normal += where == FLOOR ? fy : 0.0;
+        along -= where == FLOOR ? fx : 0.0;
+        if (where != INSIDE) continue;
+        cos2 += (lx * lx - ly * ly) / (l * l);
+        sin2 += 2.0 * lx * ly / (l * l);
+        inside += 1.0;
+    }
+    v[OUT_floor_friction_0] = along / normal;
+    v[OUT_bulk_friction_0] = tan(stress_mohr(&s).mobilised);
+    v[OUT_fabric] = hypot(cos2, sin2) / inside;
+    v[OUT_fabric_shear] = sin2 / inside;
+    v[OUT_limit_force_0] = count_limits(e, n, contacts).force;
+}
+
+/* Numbers of the grains of the pile. */
+static void measure_grains(experiment *e)
+{
+    double *v = e->values, n = 0.0, contacts = 0.0, rattlers = 0.0, x = 0.0, y = 0.0, depth = 0.0;
+    for (size_t i = 0; i < dem_count(e->box.sim); i++) {
+        const dem_state *s = &e->box.states[i];
+        if (isnan(e->box.x[s->id])) continue;
+        n += 1.0;
+        contacts += s->contacts;
+        rattlers += s->contacts < 2;
+        x += s->x / e->p->box.W;
+        y += s->y / e->box.d;
+        depth += e->depth[s->id];
+    }
+    v[OUT_grains] = n;
+    v[OUT_contact_number] = contacts / n;
+    v[OUT_rattlers] = rattlers / n;
+    v[OUT_all_x] = x / n;
+    v[OUT_all_y] = y / n;
+    v[OUT_all_depth] = depth / n;
+    v[OUT_psi6] = sweep_bond_order(dem_count(e->box.sim), e->box.states, NULL, NULL);
+}
+
+/* ---- Phases, each from where the last one ends, or from where a snapshot was written ---- */
+
+static rp_status note_pile(void *data)
+{
+    experiment *e = data;
+    double *v = e->values;
+    ang_slope slopes[ANG_N_METHODS];
+    ang_tilt_result theory;
+    dem_contact *contacts = NULL;
+    size_t n = 0;
+    RP_TRY(sweep_box_pile_slopes(&e->box, slopes));
+    RP_TRY(sweep_state_write(e->box.tables, e->box.sim, "pile"));
+    RP_TRY(sweep_box_note(&e->box));
+    RP_TRY(measure_surface(e));
+    RP_TRY(dem_contacts(e->box.sim, &contacts, &n));
+    measure_forces(e, n, contacts);
+    measure_grains(e);
+    free(contacts);
+    v[OUT_theta_r3_deg] = sweep_degrees(slopes[2].theta);
+    if (!(slopes[2].theta < 0.0)) {
+        RP_TRY(ang_tilt(ANG_BALANCED, e->box.scene.def.walls[DEM_BOX_FLOOR].material.mu, slopes[2].theta,
+                        M_PI / 3.0, &theory));
+        v[OUT_theta_t_theory_deg] = sweep_degrees(theory.theta_t);
+    }
+    return dem_clone(e->box.sim, &e->box.rested);
+}
+
+static rp_status find_onset(void *data)
+{
+    experiment *e = data;
+    double *theta_t = &e->values[OUT_theta_t_displacement_deg];
+    rp_status status = sweep_box_tilt(&e->box, false, e->p->tilt_rate_deg, theta_t, NULL);
+    return !status && isnan(*theta_t) ? sweep_conclude(e->box.result, "stable", "stable at 60 degrees")
+                                      : status;
+}
+
+/* ---- the second tilt ---- */
+
+/* Displacement of the grains that are still there since they were noted, less the best affine one: squares
+ * sum[i] by grain, in d^2; *about_mean gets the squares about the mean displacement. Rows of grains of the
+ * pile are packed to the front of `state`. */
+typedef struct {
+    size_t n;
+    dem_state *state;
+    double *ux, *uy, *square;
+    double about_mean;
+} motion;
+
+static rp_status measure_motion(experiment *e, motion *m)
+{
+    enum { TERMS = 3 };
+    double cx[TERMS], cy[TERMS], covariance[TERMS * TERMS], chi2, mean_x = 0.0, mean_y = 0.0;
+    size_t rank;
+    RP_TRY(dem_states(e->box.sim, e->box.states));
+    m->n = 0;
+    m->state = e->box.states;
+    m->ux = e->box.work;
+    m->uy = m->ux + e->box.most;
+    m->square = m->uy + e->box.most;
+    double *X = malloc(TERMS * e->box.most * sizeof *X);
+    if (!X) return rp_fail(RP_NO_MEMORY, "onset: out of memory");
+    for (size_t i = 0; i < dem_count(e->box.sim); i++) {
+        const dem_state s = e->box.states[i];
+        if (isnan(e->box.x[s.id])) continue;
+        const double x = e->box.x[s.id], y = e->box.y[s.id];
+        X[TERMS * m->n] = 1.0;
+        X[TERMS * m->n + 1] = x / e->box.d;
+        X[TERMS * m->n + 2] = y / e->box.d;
+        m->ux[m->n] = (s.x - x) / e->box.d;
+        m->uy[m->n] = (s.y - y) / e->box.d;
+        mean_x += m->ux[m->n];
+        mean_y += m->uy[m->n];
+        m->state[m->n++] = s;
+    }
+    rp_status status = m->n < TERMS ? RP_OK
+                                    : stats_multifit(m->n, TERMS, X, NULL, m->ux, GSL_DBL_EPSILON, cx,
+                                                     covariance, &chi2, &rank);
+    if (!status && m->n >= TERMS)
+        status = stats_multifit(m->n, TERMS, X, NULL, m->uy, GSL_DBL_EPSILON, cy, covariance, &chi2, &rank);
+    m->about_mean = 0.0;
+    for (size_t i = 0; !status && i < m->n; i++) {
+        const double *x = &X[TERMS * i];
+        m->square[i] = gsl_pow_2(m->ux[i] - cx[0] - cx[1] * x[1] - cx[2] * x[2]) +
+                       gsl_pow_2(m->uy[i] - cy[0] - cy[1] * x[1] - cy[2] * x[2]);
+        m->about_mean +=
+            gsl_pow_2(m->ux[i] - mean_x / (double)m->n) + gsl_pow_2(m->uy[i] - mean_y / (double)m->n);
+    }
+    free(X);
+    return status;
+}
+
+/* Where grains move otherwise than the pile. `v`: the outputs of MOTION. */
+static void note_motion(const experiment *e, const motion *m, double *v)
+{
+    double sum = 0.0, x = 0.0, y = 0.0, depth = 0.0;
+    for (size_t i = 0; i < m->n; i++) {
+        const uint32_t id = m->state[i].id;
+        sum += m->square[i];
+        x += m->square[i] * e->box.x[id] / e->p->box.W;
+        y += m->square[i] * e->box.y[id] / e->box.d;
+        depth += m->square[i] * e->depth[id];
+    }
+    v[0] = sqrt(sum / (double)m->n);
+    v[1] = sum / m->about_mean;
+    v[2] = x / sum;
+    v[3] = y / sum;
+    v[4] = depth / sum;
+}
+
+/* Shares of the grains that have moved 0.1 d, zone by zone. */
+static void note_zones(experiment *e, const motion *m)
+{
+    double moved[N_COLUMNS][N_LAYERS] = {{0}}, all[N_COLUMNS][N_LAYERS] = {{0}};
+    for (size_t i = 0; i < m->n; i++) {
+        const uint32_t id = m->state[i].id;
+        const int column = (int)(N_COLUMNS * e->box.x[id] / e->p->box.W), layer = e->depth[id] < 1.5 ? SURFACE
+                                                                                  : e->box.y[id] < e->box.d
+                                                                                      ? BASE
+                                                                                      : BULK;
+        all[column][layer] += 1.0;
+        moved[column][layer] += gsl_pow_2(m->ux[i]) + gsl_pow_2(m->uy[i]) > 0.01;
+    }
+    for (int k = 0; k < N_COLUMNS; k++)
+        for (int j = 0; j < N_LAYERS; j++)
+            e->values[OUT_moved_surface_1 + k * N_LAYERS + j] = moved[k][j] / all[k][j];
+}
+
+/* `quarter`: of the tilting angle; negative at PROBE_DEG. */
+static rp_status read_pile(experiment *e, int quarter)
+{
+    double *v = e->values;
+    dem_contact *contacts = NULL;
+    size_t n = 0;
+    motion m;
+    RP_TRY(dem_contacts(e->box.sim, &contacts, &n));
+    const limits l = count_limits(e, n, contacts);
+    free(contacts);
+    for (int k = 0; quarter >= 0 && k < N_CLASSES; k++)
+        v[OUT_limit_floor_0 + k * N_QUARTERS + quarter] = l.where[k];
+    if (quarter >= 0 && quarter != HALF && quarter != ONSET) return RP_OK;
+    RP_TRY(measure_motion(e, &m));
+    if (quarter == HALF) note_motion(e, &m, &v[OUT_nonaffine_half]);
+    if (quarter == ONSET) note_motion(e, &m, &v[OUT_nonaffine_onset]);
+    if (quarter == ONSET) note_zones(e, &m);
+    if (quarter >= 0) return RP_OK;
+    v[OUT_limit_probe] = l.all;
+    for (size_t i = 0; i < m.n; i++) m.square[i] = hypot(m.ux[i], m.uy[i]);
+    gsl_sort(m.square, 1, m.n);
+    v[OUT_reach_probe] = m.square[(size_t)(0.95 * ((double)m.n - 1.0))];
+    return RP_OK;
+}
+
+/* The tilts at which the pile is read, in order. */
+static rp_status tilt_again(void *data)
+{
+    experiment *e = data;
+    const double rate = e->p->tilt_rate_deg, theta_t = e->values[OUT_theta_t_displacement_deg];
+    struct {
+        long turned; /* steps */
+        int quarter;
+        bool probed;
+    } now = {0, 0, false};
+    rp_status status = RP_OK;
+    sweep_box_go_back(&e->box);
+    if (SWEEP_ENTER(e->box.keep, now)) dem_gravity_turn(e->box.sim, rate * (M_PI / 180.0));
+    while (now.quarter < N_QUARTERS && !status) {
+        const long at = lround(now.quarter * theta_t / (4.0 * rate)), probe = lround(PROBE_DEG / rate);
+        const bool probes = !now.probed && probe <= at;
+        const long to = probes ? probe : at;
+        status = sweep_box_advance(&e->box, to - now.turned);
+        if (!status) status = read_pile(e, probes ? -1 : now.quarter);
+        now.turned = to;
+        now.probed = now.probed || probes;
+        now.quarter += !probes;
+    }
+    sweep_keep_leave(e->box.keep, 1);
+    return status ? status : sweep_conclude(e->box.result, "ok", NULL);
+}
+
+static rp_status run_phases(experiment *e)
+{
+    static rp_status (*const phases[])(void *) = {note_pile, find_onset, tilt_again};
+    sweep_keep *const keep = e->box.keep;
+    sweep_keep_enter(keep, e->depth, (e->box.most + 1) * sizeof *e->depth);
+    const rp_status status = sweep_tilted_phases(&e->box, sizeof phases / sizeof *phases, phases, e);
+    e->values[OUT_steps] = sweep_box_steps(&e->box);
+    return status;
+}
+
+static rp_status run_one(const void *params, unsigned long seed, unsigned long run,
+                         const sweep_tables *tables, sweep_result *result)
+{
+    const sweep_tilted *p = params;
+    experiment e = {.p = p, .values = result->values};
+    rp_status status = sweep_box_begin_filled(&e.box, &p->box, seed, run, tables, result);
+    if (!status) e.depth = calloc(e.box.most + 1, sizeof *e.depth);
+    if (!status && !e.depth) status = rp_fail(RP_NO_MEMORY, "onset: out of memory");
+    if (!status) status = run_phases(&e);
+    free(e.depth);
+    return sweep_box_end(&e.box, status);
+}
+
+static rp_status check(const void *params)
+{
+    return sweep_box_check_fill(&((const sweep_tilted *)params)->box);
+}
+
+static rp_status fingerprint(char digits[33])
+{
+    return sweep_tilted_fingerprint(
+        run_one, outputs,
+        "theta_r3_deg theta_t_displacement_deg theta_steepest_deg scatter floor_friction_0 bulk_friction_0 "
+        "fabric reach_probe limit_inside_0 limit_inside_4 nonaffine_onset moves_depth_onset grains steps",
+        digits);
+}
+
+SWEEP_PROTOCOL(
+    onset, sweep_tilted_schema, sweep_tilted,
+    "the pile of `repose`, tilted until it moves: what predicts the angle, what slides and moves first");
