@@ -30,7 +30,7 @@ objects  = $(patsubst %.c,$(B)/obj/%.o,$(wildcard $(1:%=%/*.c)))
 sources  = $(call objects,$(call rooms,$(call module,$(1))))
 LIBRARY := $(foreach m,$(MODULES),$(B)/lib$(call module,$(m)).a)
 CLI     := $(call objects,$(call rooms,cli))
-FUZZ    := $(call objects,tests/fuzz) $(filter-out %/main.o,$(CLI))
+FUZZ    := $(call objects,tests/fuzz) $(filter-out %/cli/main.o,$(CLI))
 CHECK   := $(call objects,tests) $(call objects,validation) $(FUZZ)
 ALL     := $(CLI) $(foreach m,$(MODULES),$(call sources,$(m)))
 REPOSE  := $(B)/repose
@@ -119,12 +119,12 @@ vpath %.cfg sweeps/lh sweeps/li sweeps/val sweeps/studies
 
 # Each core works on a sweep of its own; the longest come first.
 LONGEST := lh5 lh2b lh_gamma lh3
-# The report, and the pages behind it: figures/NAME.md.in.
+# The report, and the pages behind it: report/text/NAME.md.in.
 PAGES   := paper-repro $(addprefix docs/,claims choices beyond misprints validation)
 make_pages = mkdir -p $(B)/docs; for p in $(PAGES); do \
-	$(REPOSE) report figures/$$(basename $$p).md.in --tables results,$(T) -o $(B)/$$p.md || exit 1; done
+	$(REPOSE) report report/text/$$(basename $$p).md.in --tables results,$(T) -o $(B)/$$p.md || exit 1; done
 # Small pictures that paper-repro.md, README and docs show.
-SHOWN   := $(sort $(notdir $(shell grep -oh 'figures/shown/[a-z0-9_]*' figures/paper-repro.md.in README.md docs/*.md)))
+SHOWN   := $(sort $(notdir $(shell grep -oh 'figures/shown/[a-z0-9_]*' report/text/paper-repro.md.in README.md docs/*.md)))
 figures: | $(SETUP_FIRST) ## every figure of the two papers and of the studies in results, into build/figures, and build/paper-repro.md
 	@$(MAKE) -s -j$(JOBS) $(REPOSE)
 	@$(MAKE) -s -Oline -j$(JOBS) WORKERS=1 $(addprefix $(B)/made/,$(LONGEST) $(filter-out $(LONGEST),$(SWEEPS))) $(FIGURES:%=$(B)/figures/%.svg) \
@@ -162,7 +162,7 @@ $(B)/validated/%: validation/%.c $(CODE) $(B)/check
 	@mkdir -p $(@D) && echo "check   --full $*"
 	@REPOSE=$(REPOSE) $(B)/check --full -o $(T) $* >$@.log || { cat $@.log; exit 1; }
 	@touch $@
-$(T)/published.tsv: figures/claims.tsv $(CODE)
+$(T)/published.tsv: report/claims.tsv $(CODE)
 	@mkdir -p $(T) && $(REPOSE) claims --published >$@
 
 # A figure's file lists its tables after "# tables:".
@@ -184,13 +184,13 @@ $(B)/figures/shown/%.png: $(B)/figures/%.svg $$(wildcard $$(addprefix results/,$
 	@set -e; for try in '220 64' '220 16' '180 16'; do $(call draw_shown,shown); \
 	  pngquant --force --nofs --output $@ $${try#* } $@; [ $$(stat -c %s $@) -gt 80000 ] || break; done; $(call draw_shown,svg)
 
-make_html = sh figures/page/page.sh $(REPOSE) $(B)
+make_html = sh report/page/page.sh $(REPOSE) $(B)
 report: figures validate $(T)/bench.tsv $(SHOWN:%=$(B)/figures/shown/%.png) ## paper-repro.md, docs and the pictures that they and README show; build/report.html, by pandoc
 	@$(make_pages); for p in $(PAGES); do cp $(B)/$$p.md $$p.md; done
 	@cp $(SHOWN:%=$(B)/figures/shown/%.png) figures/shown
 	@$(make_html)
 check-report: figures ## build/report.html in headless Chromium: pictures, controls, console, widths; installs pandoc and Chromium
-	@$(make_html) && sh figures/page/check.sh $(B)
+	@$(make_html) && sh report/page/check.sh $(B)
 
 include tests/longer.mk install.mk
 .PRECIOUS: $(T)/%.tsv $(B)/made/% $(B)/studied/% $(B)/validated/%

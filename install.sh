@@ -11,8 +11,8 @@ put() { # put MODE FOLDER FILE...
 }
 
 put 755 bin "$build/repose"
-put 644 share/repose/figures figures/claims.tsv figures/paper-repro.md.in
-put 644 share/repose/figures/report figures/report/*.md
+put 644 share/repose/report report/claims.tsv
+put 644 share/repose/report/text report/text/*
 put 644 share/repose/results results/*.tsv
 put 644 share/repose/python python/*.py
 put 644 share/doc/repose README.md LICENSE CITATION.cff docs/*.md

@@ -9,7 +9,7 @@ mkdir -p "$build/analyze"
 found=$build/analyze/found
 : >"$found.raw"
 flags="-include tests/analyze.h -D_GNU_SOURCE -Isrc -I. -std=c11 -w $(pkg-config --cflags gsl nlopt libconfig sqlite3 libxxhash jansson zlib)"
-files=$(ls src/*/*.c src/*/*/*.c analytic/*.c sweeps/*/*.c | grep -v core/status.c)
+files=$(ls src/*/*.c src/*/*/*.c analytic/*.c report/*.c sweeps/*/*.c | grep -v core/status.c)
 checks='-*,bugprone-*,-bugprone-easily-swappable-parameters'
 checks="$checks,-bugprone-narrowing-conversions,-bugprone-implicit-widening-of-multiplication-result,-bugprone-macro-parentheses"
 checks="$checks,-bugprone-branch-clone,-bugprone-reserved-identifier"
@@ -21,7 +21,7 @@ echo "analyze gcc -fanalyzer"
 each "gcc $(echo "$flags" | sed 's/ -w / /') -O1 -fanalyzer -fdiagnostics-plain-output -c -o /dev/null {} | cat" | grep -a 'Wanalyzer' | sed 's/ \[CWE-[0-9]*\]//' | keep gcc
 echo "analyze cppcheck"
 cppcheck -q -j "$jobs" --include=tests/analyze.h --std=c11 --enable=warning,portability -D_GNU_SOURCE -Isrc -I. --template='{file}:{line}: {message} [{id}]' \
-    src analytic sweeps 2>&1 | keep cppcheck
+    src analytic report sweeps 2>&1 | keep cppcheck
 echo "analyze clang-tidy"
 each "clang-tidy --quiet '--checks=$checks' {} -- $flags" | grep -a 'warning:' | keep clang-tidy
 echo "analyze scan-build"

@@ -27,7 +27,7 @@ done
 if ! command -v clang-format >/dev/null; then
     echo "lint: no clang-format: the format is not checked"
 else
-    for file in $(find analytic src sweeps tests validation examples -name '*.[ch]' -o -name '*.inl'); do
+    for file in $(find analytic report src sweeps tests validation examples -name '*.[ch]' -o -name '*.inl'); do
         clang-format --assume-filename=x.c "$file" | cmp -s - "$file" || { echo "lint: clang-format -i $file" && bad=1; }
     done
 fi

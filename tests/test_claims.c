@@ -1,4 +1,4 @@
-/* Verdicts: every word, at its edge and just beyond it; figures/claims.tsv against the tests and figures it
+/* Verdicts: every word, at its edge and just beyond it; report/claims.tsv against the tests and figures it
  * names. */
 #include <ctype.h>
 #include <glob.h>
@@ -11,7 +11,7 @@
 #include <unistd.h>
 
 #include "table/table.h"
-#include "stats/claims.h"
+#include "stats/verdict.h"
 #include "sweeps/engine/private.h"
 #include "tests/check.h"
 
@@ -318,7 +318,7 @@ static void test_swing(void)
     rp_table t;
     size_t found = 0;
     swing_of_column(&frequency, &decay);
-    CHECK_OK(rp_table_read_texts("figures/claims.tsv", &t));
+    CHECK_OK(rp_table_read_texts("report/claims.tsv", &t));
     for (size_t row = 0; row < t.n_rows; row++) {
         const double number = strtod(cell(&t, row, "against"), NULL);
         const bool rate = strcmp(cell(&t, row, "id"), "ours-swing-decay") == 0;
@@ -350,22 +350,22 @@ static size_t files_with(const char *pattern, const char *text, bool wanted)
 static void test_report_texts(void)
 {
     static const char *const words[] = {"reproduced", "undecided", "by eye", "agrees", "confirmed"};
-    static const char *const without_numbers[] = {"figures/report/*.md", "figures/*.md.in", "figures/*/*.gp",
-                                                  "sweeps/*/*.cfg",      "src/*/*.c",       "src/*/*/*.c"};
+    static const char *const without_numbers[] = {"report/text/*.md", "report/text/*.md.in", "figures/*/*.gp",
+                                                  "sweeps/*/*.cfg",   "src/*/*.c",           "src/*/*/*.c"};
     rp_table t;
     for (size_t k = 0; k < sizeof words / sizeof *words; k++) {
-        CU_ASSERT(files_with("figures/report/*.md", words[k], false) == 0);
-        CU_ASSERT(files_with("figures/paper-repro.md.in", words[k], false) == 0);
+        CU_ASSERT(files_with("report/text/*.md", words[k], false) == 0);
+        CU_ASSERT(files_with("report/text/paper-repro.md.in", words[k], false) == 0);
     }
-    CHECK_OK(rp_table_read_texts("figures/claims.tsv", &t));
+    CHECK_OK(rp_table_read_texts("report/claims.tsv", &t));
     for (size_t row = 0; row < t.n_rows; row++) {
         char place[128];
         const char *section = cell(&t, row, "section");
         snprintf(place, sizeof place, "{{claims %s}}", section);
-        bool shown = files_with("figures/report/*.md", place, true) == 1;
+        bool shown = files_with("report/text/*.md", place, true) == 1;
         if (strcmp(cell(&t, row, "of"), "-") == 0 && strcmp(cell(&t, row, "paper"), "ours") != 0) {
             snprintf(place, sizeof place, "{{scores %s}}", section);
-            shown &= files_with("figures/paper-repro.md.in", place, true) == 1;
+            shown &= files_with("report/text/paper-repro.md.in", place, true) == 1;
         }
         if (!shown) fprintf(stderr, "%s: not shown once\n", place);
         CU_ASSERT(shown);
@@ -471,8 +471,8 @@ static bool sentence_is_clean(char *line)
 
 static void test_sentences(void)
 {
-    static const char *const sources[] = {"sweeps/*/*.cfg", "figures/claims.tsv", "validation/*.c"},
-                             *const texts[] = {"figures/report/*.md", "figures/*.md.in"};
+    static const char *const sources[] = {"sweeps/*/*.cfg", "report/claims.tsv", "validation/*.c"},
+                             *const texts[] = {"report/text/*.md", "report/text/*.md.in"};
     char typed[][64] = {"The pile has 18.04 degrees.", "It differs by 2.49 ± 0.3.", "The best pile extends.",
                         "In all 3217 piles were made.", "A few (of 435, 188) fell."},
          clean[][80] = {"W = 4, mu = 0.2: {{value t v}}.", "The best is {{value t v}}, of 400 grains.",
@@ -560,7 +560,7 @@ static void test_page(void)
     fclose(in);
     CU_ASSERT_FATAL(size < sizeof text - 1);
     text[size] = '\0';
-    CHECK_OK(rp_table_read_texts("figures/claims.tsv", &t));
+    CHECK_OK(rp_table_read_texts("report/claims.tsv", &t));
     for (size_t row = 0; row < t.n_rows; row++) {
         char start[256];
         if (strcmp(cell(&t, row, "of"), "-") != 0 || strcmp(cell(&t, row, "paper"), "ours") == 0) continue;
@@ -643,7 +643,7 @@ static void test_pools(void)
     static uint64_t streams[MOST_PILES];
     rp_table t;
     size_t pools = 0;
-    CHECK_OK(rp_table_read_texts("figures/claims.tsv", &t));
+    CHECK_OK(rp_table_read_texts("report/claims.tsv", &t));
     for (size_t row = 0; row < t.n_rows; row++) {
         char text[1024], *rest = text;
         sweep_plan plans[MOST_CELLS];

@@ -1605,7 +1605,7 @@ static void test_report(void)
 static int awk(const char *script, const char *arguments)
 {
     char path[4096], line[8192], name[64];
-    snprintf(name, sizeof name, "figures/page/%s", script);
+    snprintf(name, sizeof name, "report/page/%s", script);
     CU_ASSERT_PTR_NOT_NULL_FATAL(realpath(name, path));
     snprintf(line, sizeof line, "awk -f %s %s >out 2>err", path, arguments);
     return shell(line);

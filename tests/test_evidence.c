@@ -1,5 +1,5 @@
 /* From a table to a verdict to the words of the report: fixtures whose answers are known. And the sweeps of
- * the papers against the settings that figures/claims.tsv states. */
+ * the papers against the settings that report/claims.tsv states. */
 #include <ctype.h>
 #include <glob.h>
 #include <gsl/gsl_cdf.h>
@@ -882,7 +882,7 @@ static void test_settings(void)
 {
     rp_table t;
     size_t n_checked = 0;
-    CHECK_OK(rp_table_read_texts("figures/claims.tsv", &t));
+    CHECK_OK(rp_table_read_texts("report/claims.tsv", &t));
     for (size_t row = 0; row < t.n_rows; row++) {
         static const char *const texts[] = {"answer", "statement", "note"};
         char path[256];
@@ -970,7 +970,7 @@ static void test_claims_again(void)
     rp_table t;
     FILE *in = fopen("tests/claims.txt", "r");
     CU_ASSERT_PTR_NOT_NULL_FATAL(in);
-    CHECK_OK(rp_table_read_texts("figures/claims.tsv", &t));
+    CHECK_OK(rp_table_read_texts("report/claims.tsv", &t));
     for (size_t row = 0; row < t.n_rows; row++) {
         char wanted[2048] = "";
         for (size_t k = 0; k < sizeof columns / sizeof *columns; k++)
@@ -1002,7 +1002,7 @@ static bool places_of(const char *line, char places[4096])
  * that shows another column, row or table is a change of both. */
 static void test_places_again(void)
 {
-    static const char *const patterns[] = {"figures/*.md.in", "figures/report/*.md"};
+    static const char *const patterns[] = {"report/text/*.md.in", "report/text/*.md"};
     FILE *in = fopen("tests/places.txt", "r");
     CU_ASSERT_PTR_NOT_NULL_FATAL(in);
     for (size_t k = 0; k < 2; k++) {
@@ -1014,7 +1014,8 @@ static void test_places_again(void)
             CU_ASSERT_PTR_NOT_NULL_FATAL(text);
             while (fgets(line, sizeof line, text)) {
                 if (!places_of(line, places)) continue;
-                snprintf(wanted, sizeof wanted, "%s: %s", found.gl_pathv[i] + strlen("figures/"), places);
+                snprintf(wanted, sizeof wanted, "%s%s: %s", k ? "report/" : "",
+                         found.gl_pathv[i] + strlen("report/text/"), places);
                 check_entry(in, "tests/places.txt", wanted);
             }
             fclose(text);

@@ -712,7 +712,7 @@ static void check_grid(const char *root, const char *name, const char *command)
     CU_ASSERT_PTR_NOT_NULL_FATAL(file);
     text[fread(text, 1, sizeof text - 1, file)] = '\0';
     fclose(file);
-    GOOD("%s --claims %s/figures/claims.tsv", command, root);
+    GOOD("%s --claims %s/report/claims.tsv", command, root);
     CU_ASSERT(strncmp(out, "grid = (", 8) == 0 && strstr(text, out) != NULL);
 }
 

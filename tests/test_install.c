@@ -79,7 +79,8 @@ static void test_data(void)
     PASSES("test -f $PREFIX/share/doc/repose/examples/pile.cfg"); /* a link */
     PASSES("$PREFIX/bin/repose sweep make sweeps/li/tent.cfg -o tent --tables tables && ls "
            "tables/tent_map_20.tsv");
-    PASSES("$PREFIX/bin/repose report figures/paper-repro.md.in -o report.md && grep -q '^## ' report.md");
+    PASSES(
+        "$PREFIX/bin/repose report report/text/paper-repro.md.in -o report.md && grep -q '^## ' report.md");
     leave();
 }
 

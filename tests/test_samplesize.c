@@ -4,7 +4,7 @@
 #include <math.h>
 
 #include "core/random.h"
-#include "stats/claims.h"
+#include "stats/verdict.h"
 #include "stats/samplesize.h"
 #include "stats/stats.h"
 #include "tests/check.h"

@@ -1,5 +1,5 @@
 /* The power of the claims' tests; see claims.h. */
-#include "cli/claims.h"
+#include "report/claims.h"
 
 #include <gsl/gsl_cdf.h>
 #include <math.h>
@@ -8,7 +8,7 @@
 
 #include "stats/samplesize.h"
 
-/* Two standard errors decide where the error is known, as in stats/claims.h. */
+/* Two standard errors decide where the error is known, as in stats/verdict.h. */
 static const double two_errors = 2.0, two_sided = 0.025, one_sided = 0.05;
 
 /* The quantile of a chance divided among the tests of a family. */

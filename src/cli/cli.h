@@ -54,7 +54,7 @@
 #define CLI_CLAIMS(X)                                                                                        \
     X(TEXT, tables, "", "results,build/tables", "",                                                          \
       "folders of tables, joined by commas; a table is read from the first folder that holds it")            \
-    X(TEXT, claims, "", "figures/claims.tsv", "", "file of the claims")
+    X(TEXT, claims, "", "report/claims.tsv", "", "file of the claims")
 #define CLI_POSITIONS(X)                                                                                     \
     X(INT, points, "", "auto", "[2, 10000000] | auto",                                                       \
       "number of equidistant positions from 0 to B; auto: 201 unless --at is given")                         \

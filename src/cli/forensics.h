@@ -2,7 +2,7 @@
 #ifndef CLI_FORENSICS_H
 #define CLI_FORENSICS_H
 
-#include "cli/cells.h"
+#include "report/cells.h"
 #include "stats/emulator.h"
 #include "stats/forensics.h"
 #include "sweeps/engine/groups.h"

@@ -1,7 +1,7 @@
-/* Published numbers of figures/claims.tsv, and parameters at their points; see forensics.h. */
+/* Published numbers of report/claims.tsv, and parameters at their points; see forensics.h. */
 #include <string.h>
 
-#include "cli/claims.h"
+#include "report/claims.h"
 #include "cli/cli.h"
 #include "cli/forensics.h"
 

@@ -25,7 +25,7 @@ files='analytic/*.c src/angle/*.c src/core/sparse.c src/statics/*.c src/stats/*.
     src/dem/forces/walls.c src/dem/forces/ground.c src/dem/methods/gravity.c src/dem/list/removal.c src/dem/methods/hard.c src/dem/observe/ledger.c src/dem/observe/observe.c
     src/dem/setup/definition.c src/dem/setup/limits.c src/dem/methods/step.c src/dem/sim.c
     sweeps/*/*.c src/table/table.c src/params/params.c src/dem/scene/output.c src/dem/scene/scene.c src/dem/setup/physics.c
-    src/cli/cells.c src/cli/claims.c src/cli/claims_power.c src/cli/columns.c src/cli/options.c src/cli/cmd_*.c src/cli/commands/*.c
+    report/*.c src/cli/claims_power.c src/cli/columns.c src/cli/options.c src/cli/commands/*.c
     src/export/*.c src/view/*.c src/cli/forensics_*.c
     figures/lh/*.gp figures/li/*.gp
     validation/cases.c validation/oblique.c validation/solved_pile.c'
@@ -35,7 +35,7 @@ suites_of() {
     analytic/*) echo property analytic ;;
     src/angle/*) echo property angle tables ;;
     src/stats/ensemble.c | src/stats/series.c) echo trend angle notes flux ;;
-    src/stats/claims.c) echo claims ;;
+    src/stats/verdict.c) echo claims ;;
     src/stats/samplesize.c) echo samplesize cli ;;
     src/stats/oscillation.c) echo trend ;;
     src/stats/forensics.c | src/stats/design.c) echo forensics inference ;;
@@ -50,7 +50,7 @@ suites_of() {
     src/dem/setup/physics.c) echo scene dem laws walls keys tables sweep ;;
     src/core/* | src/dem/scene/output.c | src/dem/setup/physics.c) echo core tables scene keys evidence sweep cli ;;
     src/cli/commands/export.c | src/export/*) echo export view help options ;;
-    src/cli/cmd_report.c) echo help evidence claims cli ;;
+    report/pages.c) echo help evidence claims cli ;;
     src/cli/commands/view.c | src/view/*) echo view help options ;;
     src/cli/commands/help.c) echo help install ;;
     src/cli/commands/params.c) echo help options ;;
@@ -58,7 +58,7 @@ suites_of() {
     src/cli/commands/run.c) echo view tables options snapshot cli ;;
     src/cli/forensics_* | src/cli/commands/forensics.c) echo inference forensics evidence options tables cli ;;
     src/cli/commands/pile.c) echo notes equilibrium tables options cli ;;
-    src/cli/*) echo notes evidence options tables columns claims cli ;;
+    report/* | src/cli/*) echo notes evidence options tables columns claims cli ;;
     sweeps/protocols/pile_tables.c) echo tables notes piles cli ;;
     src/stress/dip.c) echo stress piles drop evidence ;;
     src/stress/*) echo stress drop piles columns ;;
@@ -132,7 +132,7 @@ ${CC:-gcc} -std=c11 -O2 -D_GNU_SOURCE -I. -Isrc tests/mutate/mutants.c -o "$buil
 "$build/mutants" validation/mutants.txt "$seed" $files >"$build/mutants.list"
 
 # a run of the same code that was stopped goes on, and another seed needs no second look at the code as it is
-sum=$(cat Makefile $(find analytic figures src sweeps tests validation -type f ! -name mutants.txt | sort) | cksum)
+sum=$(cat Makefile $(find analytic figures report src sweeps tests validation -type f ! -name mutants.txt | sort) | cksum)
 if [ "$sum" != "$(cat "$work/sum" 2>/dev/null)" ]; then
     rm -rf "$work"
     mkdir -p "$work/tree"

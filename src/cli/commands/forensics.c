@@ -12,7 +12,7 @@
 enum { REPORT_CHOICES, REPORT_NUMBERS, REPORT_DENSITY, REPORT_EMULATOR, N_BINS = 20 };
 
 #define FORENSICS_OPTIONS(X)                                                                                 \
-    X(TEXT, claims, "", "figures/claims.tsv", "", "published claims")                                        \
+    X(TEXT, claims, "", "report/claims.tsv", "", "published claims")                                         \
     X(INT, design, "", "auto", "[2, 100000] | auto", "print the grid of a sweep of so many settings")        \
     X(CHOICE, report, "", "choices", "choices | numbers | density | emulator", "what to print")              \
     X(REAL, shift_deg, "degree", "2", "(0, 45]",                                                             \

@@ -1,5 +1,5 @@
-/* Verdicts on published claims; see claims.h. */
-#include "stats/claims.h"
+/* Verdicts on published claims; see verdict.h. */
+#include "stats/verdict.h"
 
 #include <gsl/gsl_cdf.h>
 #include <math.h>

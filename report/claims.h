@@ -1,8 +1,8 @@
-/* The published claims, figures/claims.tsv, and what our tables say of them. */
-#ifndef CLI_CLAIMS_H
-#define CLI_CLAIMS_H
+/* The published claims, report/claims.tsv, and what our tables say of them. */
+#ifndef REPORT_CLAIMS_H
+#define REPORT_CLAIMS_H
 
-#include "cli/cells.h"
+#include "report/cells.h"
 
 /* How a claim is tested: name, word, whether a table answers, meaning. No test decides by a fit that its own
  * means reject: a cell of a row with p_fit < 0.05 leaves the claim undecided. */
@@ -29,7 +29,7 @@
 typedef enum { CLI_CLAIM_TESTS(X) CLI_N_CLAIM_TESTS } cli_claim_test;
 #undef X
 
-/* Columns of text in figures/claims.tsv, with their members. */
+/* Columns of text in report/claims.tsv, with their members. */
 #define CLI_CLAIM_TEXTS(X)                                                                                   \
     X(id, id)                                                                                                \
     X(of, of)                                                                                                \
@@ -45,7 +45,7 @@ typedef enum { CLI_CLAIM_TESTS(X) CLI_N_CLAIM_TESTS } cli_claim_test;
     X(statement, statement)                                                                                  \
     X(note, note)
 
-/* A row of figures/claims.tsv; the texts point into its table. */
+/* A row of report/claims.tsv; the texts point into its table. */
 #define X(column, member) const char *member;
 typedef struct {
     CLI_CLAIM_TEXTS(X)

@@ -3,7 +3,7 @@
 #include <stddef.h>
 #include <string.h>
 
-#include "cli/claims.h"
+#include "report/claims.h"
 #include "cli/cli.h"
 
 #define CLAIMS_OPTIONS(X)                                                                                    \
@@ -123,7 +123,7 @@ const cli_command cmd_claims = {
     "published claims and their verdicts",
     "[options]",
     "Every claim of both papers with its verdict. The header counts the claims with each verdict.\n"
-    "  reproduced, not reproduced   result of the claim's test, which figures/claims.tsv names\n"
+    "  reproduced, not reproduced   result of the claim's test, which report/claims.tsv names\n"
     "  undecided         our error or the paper's is too large, or the two readings of the paper's +-\n"
     "                    (standard error, standard deviation) give different verdicts, or our number is of\n"
     "                    a fit that its own means reject (p_fit < 0.05)\n"

@@ -1,13 +1,13 @@
 /* Cells of the tables that claims and the report name by "TABLE key=value ... COLUMN". */
-#ifndef CLI_CELLS_H
-#define CLI_CELLS_H
+#ifndef REPORT_CELLS_H
+#define REPORT_CELLS_H
 
 #include <stdbool.h>
 #include <stdio.h>
 
 #include "core/status.h"
 #include "table/table.h"
-#include "stats/claims.h"
+#include "stats/verdict.h"
 
 enum { CLI_MAX_WORDS = 24, CLI_MAX_REFERENCE = 512 };
 

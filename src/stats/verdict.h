@@ -2,8 +2,8 @@
  *
  * Every test but the bounds on exact numbers has three outcomes, so that too few piles give `undecided` and
  * never `reproduced`. Two standard errors decide on numbers, 5 % on p-values. */
-#ifndef STATS_CLAIMS_H
-#define STATS_CLAIMS_H
+#ifndef STATS_VERDICT_H
+#define STATS_VERDICT_H
 
 #include <stdbool.h>
 #include <stddef.h>

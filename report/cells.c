@@ -1,5 +1,5 @@
 /* Cells of tables by name; see cells.h. */
-#include "cli/cells.h"
+#include "report/cells.h"
 #include "cli/cli.h"
 
 #include <math.h>

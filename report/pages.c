@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "cli/claims.h"
+#include "report/claims.h"
 #include "cli/cli.h"
 
 #define REPORT_OPTIONS(X)                                                                                    \
@@ -354,7 +354,7 @@ const cli_command cmd_report = {
     "  {{failures all}}             the sweeps behind the claims that have runs without a result\n"
     "  {{include FILES}}            texts beside the template, filled alike\n"
     "A table that has not been made gives `no data` in a table; a line of text then names it instead.",
-    "repose report figures/paper-repro.md.in -o paper-repro.md",
+    "repose report report/text/paper-repro.md.in -o paper-repro.md",
     report_params,
     .prints_text = true,
     .act = fill_report};

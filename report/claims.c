@@ -1,5 +1,5 @@
 /* Published claims and what our tables say of them; see claims.h. */
-#include "cli/claims.h"
+#include "report/claims.h"
 #include "cli/cli.h"
 
 #include <math.h>

@@ -1,5 +1,5 @@
 /* The sweeps whose runs answer a claim, and those of their runs that have no result; see claims.h. */
-#include "cli/claims.h"
+#include "report/claims.h"
 #include "cli/cli.h"
 
 #include <math.h>
