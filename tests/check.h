@@ -12,6 +12,7 @@
 /* In the order in which they run: unit tests, then the validation of the simulator against closed forms. */
 #define CHECK_UNIT(X)                                                                                        \
     X(suite_core)                                                                                            \
+    X(suite_arena)                                                                                           \
     X(suite_analytic)                                                                                        \
     X(suite_angle)                                                                                           \
     X(suite_calibrate)                                                                                       \
