@@ -18,16 +18,15 @@
 
 #define PAGES(X)                                                                                             \
     X(readme, "README.md")                                                                                   \
-    X(angle, "docs/angle-of-your-grains.md")                                                                 \
-    X(cluster, "docs/cluster.md")                                                                            \
-    X(forensics, "docs/forensics.md")                                                                        \
-    X(extending, "docs/extending.md")                                                                        \
     X(first_pile, "docs/first-pile.md")                                                                      \
+    X(forensics, "docs/forensics.md")                                                                        \
+    X(grains, "docs/grains.md")                                                                              \
+    X(guarantees, "docs/guarantees.md")                                                                      \
     X(install, "docs/install.md")                                                                            \
-    X(other_programs, "docs/other-programs.md")                                                              \
     X(performance, "docs/performance.md")                                                                    \
     X(physics, "docs/physics.md")                                                                            \
-    X(reliability, "docs/reliability.md")                                                                    \
+    X(programs, "docs/programs.md")                                                                          \
+    X(scenes, "docs/scenes.md")                                                                              \
     X(sweeps, "docs/sweeps.md")
 
 enum { LONGEST_BLOCK = 1 << 14 };
