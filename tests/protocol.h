@@ -2,7 +2,7 @@
 #ifndef PROTOCOL_H
 #define PROTOCOL_H
 
-#include "sweeps/engine/sweep.h"
+#include "sweeps/protocols/protocols.h"
 
 /* The defaults with "name=value" changes, ended by NULL. Free them. */
 void *protocol_params(const sweep_protocol *protocol, const char *const changes[]);

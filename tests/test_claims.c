@@ -13,6 +13,7 @@
 #include "table/table.h"
 #include "stats/verdict.h"
 #include "sweeps/engine/private.h"
+#include "sweeps/protocols/protocols.h"
 #include "tests/check.h"
 
 /* Numbers that are exact in binary make an edge an edge; one rounding more is `beyond`. */

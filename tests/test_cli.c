@@ -7,7 +7,7 @@
 #include "analytic/analytic.h"
 #include "cli/cli.h"
 #include "dem/scene/scene.h"
-#include "sweeps/engine/protocol.h"
+#include "sweeps/protocols/protocols.h"
 #include "tests/check.h"
 #include "tests/program.h"
 

@@ -13,7 +13,7 @@
 #include "stats/calibrate.h"
 #include "stats/stats.h"
 #include "stress/stress.h"
-#include "sweeps/engine/protocol.h"
+#include "sweeps/protocols/protocols.h"
 #include "tests/check.h"
 #include "tests/program.h"
 

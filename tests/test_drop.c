@@ -6,7 +6,7 @@
 #include "stress/stress.h"
 #include "core/random.h"
 #include "dem/state/state.h"
-#include "sweeps/engine/protocol.h"
+#include "sweeps/protocols/protocols.h"
 #include "tests/check.h"
 #include "tests/protocol.h"
 #include "tests/grains.h"

@@ -10,7 +10,7 @@
 
 #include "table/table.h"
 #include "stats/samplesize.h"
-#include "sweeps/engine/protocol.h"
+#include "sweeps/protocols/protocols.h"
 #include "tests/check.h"
 #include "tests/program.h"
 

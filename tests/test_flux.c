@@ -6,7 +6,7 @@
 #include "core/random.h"
 #include "table/table.h"
 #include "sweeps/protocols/box.h"
-#include "sweeps/engine/sweep.h"
+#include "sweeps/protocols/protocols.h"
 #include "tests/check.h"
 #include "tests/protocol.h"
 #include "tests/folder.h"

@@ -12,6 +12,7 @@
 #include "dem/dem.h"
 #include "stats/stats.h"
 #include "sweeps/engine/groups.h"
+#include "sweeps/protocols/protocols.h"
 #include "tests/check.h"
 #include "tests/planted.h"
 #include "tests/program.h"

@@ -8,7 +8,7 @@
 
 #include "core/version.h"
 #include "dem/dem.h"
-#include "sweeps/engine/sweep.h"
+#include "sweeps/protocols/protocols.h"
 #include "tests/check.h"
 
 /* The digests below belong to this RP_MODEL_VERSION: raising it without new digests fails too. */

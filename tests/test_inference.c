@@ -9,6 +9,7 @@
 #include "stats/emulator.h"
 #include "stats/forensics.h"
 #include "sweeps/engine/groups.h"
+#include "sweeps/protocols/protocols.h"
 #include "tests/check.h"
 #include "tests/program.h"
 

@@ -159,7 +159,7 @@ static void test_headers(void)
         PASSES("g++ -std=c++17 -Wall -Wextra -Wpedantic -Werror -fsyntax-only $(pkg-config --cflags repose) "
                "*.h.cpp");
         write_text("all.cpp",
-                   "#include <repose/analytic.h>\n#include <repose/sweep.h>\n#include <repose/angle.h>\n"
+                   "#include <repose/analytic.h>\n#include <repose/protocols.h>\n#include <repose/angle.h>\n"
                    "#include <repose/scene.h>\n#include <repose/equilibrium.h>\n"
                    "int main()\n{\n    an_force f;\n    dem_definition d = dem_definition_default();\n"
                    "    statics_definition s = statics_definition_default();\n"

@@ -6,7 +6,7 @@
 #include <unistd.h>
 
 #include "dem/scene/scene.h"
-#include "sweeps/engine/sweep.h"
+#include "sweeps/protocols/protocols.h"
 #include "tests/check.h"
 #include "tests/grains.h"
 

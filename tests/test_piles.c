@@ -9,7 +9,7 @@
 #include "stress/stress.h"
 #include "table/table.h"
 #include "sweeps/protocols/pile.h"
-#include "sweeps/engine/sweep.h"
+#include "sweeps/protocols/protocols.h"
 #include "tests/check.h"
 #include "tests/protocol.h"
 #include "tests/folder.h"

@@ -7,7 +7,7 @@
 #include "table/table.h"
 #include "dem/scene/scene.h"
 #include "sweeps/protocols/box.h"
-#include "sweeps/engine/sweep.h"
+#include "sweeps/protocols/protocols.h"
 #include "tests/check.h"
 
 /* Angles from the same numbers in another order of summation: some ulp of 30 degrees. */

@@ -11,7 +11,7 @@
 #include "core/random.h"
 #include "dem/dem.h"
 #include "sweeps/protocols/box.h"
-#include "sweeps/engine/sweep.h"
+#include "sweeps/protocols/protocols.h"
 #include "tests/check.h"
 #include "tests/protocol.h"
 

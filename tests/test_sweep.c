@@ -21,7 +21,7 @@
 #include "dem/scene/scene.h"
 #include "sweeps/engine/keep.h"
 #include "sweeps/engine/private.h"
-#include "sweeps/engine/sweep.h"
+#include "sweeps/protocols/protocols.h"
 #include "tests/check.h"
 #include "tests/folder.h"
 

@@ -11,7 +11,7 @@
 #include "core/random.h"
 #include "dem/scene/scene.h"
 #include "stats/stats.h"
-#include "sweeps/engine/protocol.h"
+#include "sweeps/protocols/protocols.h"
 #include "tests/check.h"
 #include "tests/planted.h"
 #include "tests/program.h"

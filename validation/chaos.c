@@ -7,8 +7,7 @@
 
 #include "table/table.h"
 #include "dem/state/state.h"
-#include "sweeps/engine/protocol.h"
-#include "sweeps/engine/sweep.h"
+#include "sweeps/protocols/protocols.h"
 #include "tests/check.h"
 #include "tests/folder.h"
 #include "tests/grains.h"

@@ -10,7 +10,7 @@
 #include "params/params.h"
 #include "core/status.h"
 #include "table/table.h"
-#include "sweeps/engine/sweep.h"
+#include "sweeps/protocols/protocols.h"
 
 /* One option of a command is X(type, name, unit, default, range, meaning), as in rp_param: type REAL, INT,
  * BOOL, ..., name with underlines for dashes, default NULL for a required one. CLI_OPTIONS(name, LIST) makes

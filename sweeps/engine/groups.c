@@ -2,6 +2,7 @@
 #include <math.h>
 
 #include "sweeps/protocols/box.h"
+#include "sweeps/protocols/protocols.h"
 #include "sweeps/engine/groups.h"
 
 /* Time for which a box fills, in units of t: several times that of a fall from its top. */

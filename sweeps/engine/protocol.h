@@ -1,5 +1,5 @@
 /* A protocol: one kind of numerical experiment that a sweep repeats over a grid of parameters.
- * A new protocol is one file protocol_<name>.c and one line in the list SWEEP_PROTOCOLS. */
+ * A new protocol is a file of sweeps/protocols and a word in the list of protocols.h. */
 #ifndef SWEEP_PROTOCOL_H
 #define SWEEP_PROTOCOL_H
 
@@ -115,13 +115,6 @@ rp_status sweep_table_close(const sweep_file *file, rp_status status);
  * because the C library's atan may differ in its last digits; all NaN are one. */
 void sweep_results_digits(size_t n, const sweep_result results[], const sweep_output outputs[],
                           const char *names, char digits[33]);
-
-/* One list: every protocol. */
-#define SWEEP_PROTOCOLS(X) X(repose) X(stress) X(onset) X(flux) X(pile) X(drop)
-
-#define X(name) extern const sweep_protocol sweep_protocol_##name;
-SWEEP_PROTOCOLS(X)
-#undef X
 
 RP_C_END
 

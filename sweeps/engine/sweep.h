@@ -29,9 +29,6 @@
 
 RP_C_BEGIN
 
-/* Every protocol of the program, ended by NULL. */
-extern const sweep_protocol *const sweep_protocols[];
-
 enum { SWEEP_MAX_WORDS = 32, SWEEP_MAX_TABLES = 64 };
 
 /* How far a sweep is. A result is a row whose status starts with "ok"; the others are failed. */

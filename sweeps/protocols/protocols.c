@@ -1,82 +1,8 @@
-/* The list of protocols, and what they share; see protocol.h. */
-#include <math.h>
-#include <stdarg.h>
-#include <string.h>
-#include <xxhash.h>
-
-#include "table/table.h"
-#include "sweeps/engine/sweep.h"
+/* The list of protocols; see protocols.h. */
+#include "sweeps/protocols/protocols.h"
 
 const sweep_protocol *const sweep_protocols[] = {
 #define X(name) &sweep_protocol_##name,
     SWEEP_PROTOCOLS(X)
 #undef X
         NULL};
-
-void sweep_result_clear(sweep_result *result)
-{
-    *result = (sweep_result){.status = ""};
-    for (int i = 0; i < SWEEP_MAX_OUTPUTS; i++) result->values[i] = NAN;
-}
-
-bool sweep_is_result(const char *status)
-{
-    return strncmp(status, "ok", 2) == 0;
-}
-
-rp_status sweep_conclude(sweep_result *result, const char *status, const char *format, ...)
-{
-    va_list args;
-    va_start(args, format);
-    snprintf(result->status, sizeof result->status, "%s", status);
-    if (format) vsnprintf(result->message, sizeof result->message, format, args);
-    va_end(args);
-    return sweep_is_result(status) ? RP_OK : RP_NO_RESULT;
-}
-
-rp_status sweep_table_open(const sweep_tables *t, const char *name, sweep_file *file)
-{
-    snprintf(file->path, sizeof file->path, "%s/%s", t->directory, name);
-    RP_TRY(rp_file_open(file->path, &file->out));
-    t->header(file->out);
-    return RP_OK;
-}
-
-rp_status sweep_table_close(const sweep_file *file, rp_status status)
-{
-    return rp_file_close(file->path, file->out, status);
-}
-
-size_t sweep_count_outputs(const sweep_protocol *protocol)
-{
-    size_t n = 0;
-    while (protocol->outputs[n].name) n++;
-    return n;
-}
-
-static size_t find_output(const sweep_output outputs[], const char *name)
-{
-    size_t i = 0;
-    while (strcmp(outputs[i].name, name) != 0) i++;
-    return i;
-}
-
-void sweep_results_digits(size_t n, const sweep_result results[], const sweep_output outputs[],
-                          const char *names, char digits[33])
-{
-    const double DIGITS = 1e6;
-    char name[64];
-    int length;
-    XXH3_state_t *hash = XXH3_createState();
-    XXH3_128bits_reset(hash);
-    for (const sweep_result *r = results; r < results + n; r++)
-        for (const char *c = names; sscanf(c, "%63s%n", name, &length) == 1; c += length) {
-            const size_t i = find_output(outputs, name);
-            double v = r->values[i];
-            if (strcmp(outputs[i].unit, "degree") == 0) v = round(v * DIGITS);
-            if (isnan(v)) v = -1e300;
-            XXH3_128bits_update(hash, &v, sizeof v);
-        }
-    rp_hash_digits(XXH3_128bits_digest(hash), digits);
-    XXH3_freeState(hash);
-}

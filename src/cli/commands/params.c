@@ -6,7 +6,7 @@
 
 #include "params/guess.h"
 #include "dem/scene/scene.h"
-#include "sweeps/engine/sweep.h"
+#include "sweeps/protocols/protocols.h"
 
 #define PARAMS_OPTIONS(X)                                                                                    \
     X(CHOICE, units, "", "cgs", RP_UNITS_WORDS, "system of the units and defaults shown")

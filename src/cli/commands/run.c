@@ -17,7 +17,7 @@
 #include "params/config.h"
 #include "params/units.h"
 #include "dem/scene/scene.h"
-#include "sweeps/engine/sweep.h"
+#include "sweeps/protocols/protocols.h"
 
 #define RUN_OPTIONS(X)                                                                                       \
     X(TEXTS, set, "", "", "",                                                                                \

@@ -1,0 +1,19 @@
+/* Every protocol of the program: the list that the functions of sweep.h are given. */
+#ifndef SWEEP_PROTOCOLS_H
+#define SWEEP_PROTOCOLS_H
+
+#include "sweeps/engine/sweep.h"
+
+RP_C_BEGIN
+
+#define SWEEP_PROTOCOLS(X) X(repose) X(stress) X(onset) X(flux) X(pile) X(drop)
+
+#define X(name) extern const sweep_protocol sweep_protocol_##name;
+SWEEP_PROTOCOLS(X)
+#undef X
+
+extern const sweep_protocol *const sweep_protocols[]; /* ended by NULL */
+
+RP_C_END
+
+#endif
