@@ -71,18 +71,13 @@ bool cli_find_table(const char *folders, const char *name, char path[4096])
     }
 }
 
-/* "FILE, protocol NAME, seed S, P grid points x R replicas" and "T s". */
 static bool read_sweep(const char *path, cli_sweep *sweep)
 {
     rp_table *t;
     if (cli_table_read(path, &t)) return false;
-    const char *plan = rp_table_find_note(t, "sweep"), *time = rp_table_find_note(t, "run_time");
-    const char *numbers = plan ? strstr(plan, ", seed ") : NULL;
     const char *failed = rp_table_find_note(t, "failed");
     snprintf(sweep->failed, sizeof sweep->failed, "%s", failed && strtod(failed, NULL) > 0.0 ? failed : "");
-    sweep->seconds = time ? strtod(time, NULL) : NAN;
-    return numbers && sscanf(numbers, ", seed %*u, %lf grid points x %lf replicas", &sweep->points,
-                             &sweep->replicas) == 2;
+    return rp_table_find_note(t, "sweep");
 }
 
 bool cli_find_sweep(const char *folders, const char *table, cli_sweep *sweep)

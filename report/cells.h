@@ -31,10 +31,9 @@ rp_status cli_row_matches(const rp_table *table, size_t row, const cli_words *wo
 bool cli_find_table(const char *folders, const char *name, char path[4096]);
 
 /* The sweep whose runs a table comes from: NAME of NAME.tsv or of NAME_*.tsv, the longest such name with a
- * header line `sweep`. Processor seconds of all runs. False if there is none. */
+ * header line `sweep`. False if there is none. */
 typedef struct {
     char name[128];
-    double points, replicas, seconds;
     char failed[512]; /* runs without a result, "8 of 15 (no_pile 6, overlap 2)"; "" if there are none */
 } cli_sweep;
 bool cli_find_sweep(const char *folders, const char *table, cli_sweep *sweep);

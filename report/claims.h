@@ -102,29 +102,6 @@ rp_status cli_claim_sweeps(const cli_claim *claim, const char *folders, cli_swee
  * there are none. Points without any result enter no mean. Errors: as cli_claim_sweeps. */
 rp_status cli_claim_failed(const cli_claim *claim, const char *folders, char text[512]);
 
-/* The power of a claim's test, from the errors in the tables. In a family the test is that of Holm's first
- * step, the least level that its correction can ask for. */
-typedef struct {
-    cli_sweep sweep;   /* whose runs answer, the first of several */
-    double runs;       /* present ones a grid point; of several sweeps, all */
-    double effect, se; /* smallest effect that matters; present error */
-    double power;      /* with the present runs */
-    double needed;     /* runs a grid point for CLI_POWER; infinite: the paper's own error is too large */
-    double needed_sd;  /* the same if the paper's +- is a standard deviation */
-    double needed_own; /* the same as needed if the truth is the present number; NaN for an agreement */
-    double seconds;    /* processor time of needed_sd, of all sweeps behind the claim */
-} cli_power;
-
-/* Power 0.95 is asked of every test. False for a claim without a number, without an error or without a margin
- * that says which effect matters, and where no sweep answers. */
-#define CLI_POWER 0.95
-bool cli_claim_power(const cli_claim *claim, const char *folders, const cli_judged *judged, cli_power *power);
-
-/* What would decide a claim that is undecided: how many runs, and their processor time; or why no number
- * does.
- * "" for a claim with another verdict. */
-void cli_claim_remedy(const cli_claim *claim, const char *folders, const cli_judged *judged, char text[256]);
-
 /* "12 reproduced, 5 not reproduced, ..." of a paper's claims, without variants; "" for none. */
 void cli_claims_count(const cli_claims *claims, const cli_judged judged[], const char *paper, char text[256]);
 

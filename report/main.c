@@ -12,8 +12,7 @@
     X(TEXT, id, "", "all", "", "one claim, with its variants")                                               \
     X(BOOL, variants, "", "false", "",                                                                       \
       "also the claims under other choices that a paper leaves open; the header does not count them")        \
-    X(BOOL, published, "", "false", "", "only the published numbers, for figures; reads no tables")          \
-    X(BOOL, power, "", "false", "", "the power of each test, and the runs that 0.95 needs")
+    X(BOOL, published, "", "false", "", "only the published numbers, for figures; reads no tables")
 
 CLI_OPTIONS(claims, CLAIMS_OPTIONS)
 
@@ -65,33 +64,13 @@ static void print_verdicts(const cli_claims *all, const cli_judged judged[], con
     }
 }
 
-static void print_powers(const cli_claims *all, const cli_judged judged[], const claims_options *o)
-{
-    rp_table_note(stdout, "asked power", "%g", CLI_POWER);
-    rp_table_header(stdout,
-                    "id, test, effect [own], se [own], sweep, runs, power, needed, needed_sd, needed_own, "
-                    "seconds [s], verdict");
-    for (size_t i = 0; i < all->n; i++) {
-        const cli_claim *c = &all->claims[i];
-        const size_t mark = cli_mark();
-        cli_power p;
-        if (chosen(c, o) && cli_claim_power(c, o->tables, &judged[i], &p)) {
-            printf("%s\t%s\t", c->id, c->test_word);
-            printf("%g\t%.3g\t%s\t%g\t", p.effect, p.se, p.sweep.name, p.runs);
-            printf("%.3f\t%g\t%g\t%g\t%.0f\t%s\n", p.power, p.needed, p.needed_sd, p.needed_own, p.seconds,
-                   stats_verdict_texts[judged[i].verdict]);
-        }
-        cli_release(mark);
-    }
-}
-
 static rp_status judge_all(const cli_claims *all, const claims_options *o)
 {
     cli_judged *judged;
     RP_TRY(cli_claims_judge(all, o->tables, &judged));
     cli_table(stdout);
     note_counts(all, judged, o);
-    (o->power ? print_powers : print_verdicts)(all, judged, o);
+    print_verdicts(all, judged, o);
     return RP_OK;
 }
 
@@ -130,14 +109,9 @@ const cli_command cmd_claims = {
     "  can't be tested   for the reason given\n"
     "  by eye            the claim is a picture without a number\n"
     "  no data           the table with our value has not been made\n"
-    "Claims of paper `ours` are this program's own, beyond the papers. --power takes present tables for a\n"
-    "pilot: the chance that a test decides if the effect is as large as matters (of `independent` and\n"
-    "`order`: if there is none), with the present `runs` a grid point; and how many are `needed` for a\n"
-    "chance of 0.95, inf where the paper's own error is too large; needed_sd: if the paper's +- is a\n"
-    "standard deviation; needed_own: if the truth is the present number; seconds: processor time of the\n"
-    "sweeps with needed_sd. The test of one of a family has the level of Holm's first step. Claims without\n"
-    "an error or a sweep have no row. Column `failed`: runs without a result at the grid points that the\n"
-    "claim reads, of all runs there, their causes, and how the mean changes without them.",
+    "Claims of paper `ours` are this program's own, beyond the papers. Column `failed`: runs without a\n"
+    "result at the grid points that the claim reads, of all runs there, their causes, and how the mean\n"
+    "changes without them.",
     "repose claims --paper lh",
     claims_params,
     .act = print_claims};

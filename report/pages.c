@@ -143,9 +143,8 @@ static void print_statement(report *r, const cli_claim *c)
 /* A claim as a line of a table: with its name, samples, values and reason. */
 static void print_in_full(report *r, const cli_claim *c, const cli_judged *j)
 {
-    char published[160], values[600] = "", remedy[256];
+    char published[160], values[600] = "";
     cli_claim_published(c, published);
-    cli_claim_remedy(c, r->options->tables, j, remedy);
     if (isfinite(j->n)) snprintf(values, sizeof values, "%.0f", j->n);
     if (*j->failed) {
         const int count = (int)strcspn(j->failed, "(");
@@ -156,8 +155,7 @@ static void print_in_full(report *r, const cli_claim *c, const cli_judged *j)
         snprintf(published + strlen(published), sizeof published - strlen(published), " (%.0f)", c->samples);
     fprintf(r->out, "\n| %s%s | ", *c->of ? "variant " : "", c->id);
     print_statement(r, c);
-    fprintf(r->out, " | %s | %s | %s | %s%s%s |", published, j->text, values, j->reason, *remedy ? "; " : "",
-            remedy);
+    fprintf(r->out, " | %s | %s | %s | %s |", published, j->text, values, j->reason);
 }
 
 /* The line that is read first: what is claimed, both numbers, the verdict. */
@@ -349,7 +347,6 @@ const cli_command cmd_report = {
     "  {{verdict ID}}               verdict on a claim\n"
     "  {{scores SECTION}}           the claims of a section in short: paper, ours, verdict\n"
     "  {{claims SECTION}}           the same in full, with variants, counts, failed runs, reasons\n"
-    "                               and the runs that would decide\n"
     "  {{counts PAPER}}             how many claims of a paper have which verdict\n"
     "  {{failures all}}             the sweeps behind the claims that have runs without a result\n"
     "  {{include FILES}}            texts beside the template, filled alike\n"

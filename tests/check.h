@@ -20,7 +20,6 @@
     X(suite_forensics)                                                                                       \
     X(suite_inference)                                                                                       \
     X(suite_claims)                                                                                          \
-    X(suite_samplesize)                                                                                      \
     X(suite_trend)                                                                                           \
     X(suite_dem)                                                                                             \
     X(suite_threads)                                                                                         \

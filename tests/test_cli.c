@@ -36,14 +36,25 @@ static void check_failures(size_t n, const failure list[])
 /* ---- help ---- */
 
 /* Boolean options: help states neither a default nor "required". */
-static const char *const without_default[] = {
-    "--help ",       "--study ",        "--where ",    "--bare ",       "--set ",       "--reduce ",
-    "--base ",       "--other-groups ", "--pair ",     "--successive ", "-o ",          "--runs ",
-    "--missing ",    "--outline ",      "--disks ",    "--linear ",     "--set-again ", "--summary ",
-    "--threshold ",  "--map ",          "--ledger ",   "--force ",      "--profile ",   "--resume ",
-    "--man ",        "--rotation ",     "--quiet ",    "--plot ",       "--color ",     "--stress ",
-    "--completion ", "--json ",         "--response ", "--shard ",      "--start ",     "--variants ",
-    "--published ",  "--power ",        NULL};
+static const char *const without_default[] = {"--help ",       "--study ",
+                                              "--where ",      "--bare ",
+                                              "--set ",        "--reduce ",
+                                              "--base ",       "--other-groups ",
+                                              "--pair ",       "--successive ",
+                                              "-o ",           "--runs ",
+                                              "--missing ",    "--outline ",
+                                              "--disks ",      "--linear ",
+                                              "--set-again ",  "--summary ",
+                                              "--threshold ",  "--map ",
+                                              "--ledger ",     "--force ",
+                                              "--profile ",    "--resume ",
+                                              "--man ",        "--rotation ",
+                                              "--quiet ",      "--plot ",
+                                              "--color ",      "--stress ",
+                                              "--completion ", "--json ",
+                                              "--response ",   "--shard ",
+                                              "--start ",      "--variants ",
+                                              "--published ",  NULL};
 
 static bool option_line_is_whole(const char *line)
 {
@@ -1273,125 +1284,6 @@ static void test_claims(void)
     leave();
 }
 
-/* Runs that a power of 0.95 needs: by hand where errors are known (1.645 + 1.960 errors for no change, 1.645
- * + 2 for a difference), 54 values for half a standard deviation by Student's t. The pilot has 16 runs a
- * point. */
-static void test_power_of_claims(void)
-{
-    static const struct {
-        const char *id, *effect, *se, *power, *needed, *needed_sd, *needed_own, *seconds;
-    } rows[] = {{"none", "1", "0.25", "0.981", "13", "13", "14", "26"},    /* 16 (3.605 0.25)^2 */
-                {"more", "1.2", "0.75", "0.345", "84", "84", "14", "168"}, /* 16 (3.645 0.75/1.2)^2 */
-                {"less", "1.2", "0.75", "0.345", "84", "84", "4", "168"},  /* 9 - 3 in place of 1.2 */
-                {"pile", "1", "0.5", "0.465", "54", "54", "8", "108"},
-                {"size", "3", "0.0707", "1.000", "3", "3", "nan", "6"}, /* 2/3 = 3.645 of hypot(5 %, 5 %) */
-                {"angle", "2", "0.4", "0.443", "inf", "10", "nan", "20"}}; /* 2 = 3.645 hypot(0.2, e) */
-    enter();
-    write_text(
-        "claims.tsv",
-        CLAIMS PLAIN("none", "independent", "1", "s_trend change", "-")
-            PLAIN("more", "above", "1.2", "s_fit a", "0") PLAIN("less", "below", "1.2", "s_fit a", "9")
-                PLAIN("pile", "above", "1", "s v", "0") PLAIN("size", "order", "3", "s_fit b", "s_fit c")
-                    PLAIN("exact", "above", "1", "s_fit e", "0") PLAIN("open", "above", "-", "s v", "0")
-                        PLAIN("alone", "above", "1", "u v", "0") PLAIN(
-                            "gone", "above", "1", "x v",
-                            "0") "angle\t-\tli\t-\tall\tagrees\t20\t1\t25\t2\t-\ts_fit d\t-\t-\tangle\t-\n");
-    write_text("s.tsv",
-               "# sweep: s.cfg, protocol repose, seed 7, 2 grid points x 16 replicas\n# run_time: 32.0 s\n"
-               "# v_mean\tv_se\tv_n\tn\n3\t0.5\t16\t16\n");
-    write_text("s_trend.tsv", "# change\tchange_se\tdof\tchange_lo90\tchange_hi90\tp_value\n"
-                              "0.1\t0.25\tinf\t-0.3\t0.5\t0.7\n");
-    write_text("s_fit.tsv",
-               "# a\ta_se\tb\tb_se\tc\tc_se\td\td_se\te\n3\t0.75\t2\t0.1\t1\t0.05\t21\t0.4\t5\n");
-    write_text("u.tsv", "# v\tv_se\n30\t0.5\n");
-    GOOD("claims --claims claims.tsv --tables . --power");
-    for (size_t k = 0; k < sizeof rows / sizeof *rows; k++) {
-        check_verdict(rows[k].id, "effect", rows[k].effect);
-        check_verdict(rows[k].id, "se", rows[k].se);
-        check_verdict(rows[k].id, "sweep", "s");
-        check_verdict(rows[k].id, "runs", "16");
-        check_verdict(rows[k].id, "power", rows[k].power);
-        check_verdict(rows[k].id, "needed", rows[k].needed);
-        check_verdict(rows[k].id, "needed_sd", rows[k].needed_sd);
-        check_verdict(rows[k].id, "needed_own", rows[k].needed_own);
-        check_verdict(rows[k].id, "seconds", rows[k].seconds);
-    }
-    check_verdict("more", "test", "above");
-    check_verdict("more", "verdict", "reproduced");
-    check_verdict("less", "verdict", "reproduced");
-    static const char *const none[] = {"exact", "open", "alone", "gone"};
-    for (size_t k = 0; k < sizeof none / sizeof *none; k++) check_verdict(none[k], "id", "no such claim");
-    leave();
-}
-
-/* What would decide an undecided row, in the full table alone. By hand: 16 (3.645 2/4)^2 and 16 (3.645 2/3)^2
- * runs, an hour for 16; of no change 16 (3.605 0.4)^2 and 16 (3.29 0.4/0.5)^2; in a family of two tests 2.277
- * errors replace two, 1.960 replace 1.645. */
-static void test_remedies(void)
-{
-#define SIXTEEN(name)                                                                                        \
-    "# sweep: " name ".cfg, protocol repose, seed 7, 2 grid points x 16 replicas\n# run_time: 3600.0 s\n"
-#define ROW(id, note, ours) "\n| " id " | " id note " |  | " ours " |  | undecided; "
-    static const char *const rows[] = {
-        ROW("more", " (note)", "3.0 ± 2.0 against 0") "a difference of 4 takes 54 runs a point (3.4 h), our "
-                                                      "present one at most 95 runs a point (5.9 h) |\n",
-        ROW("limit", " (note)", "3.0 ± 2.0 against 3") "a difference of 4 takes 54 runs a point (3.4 h), our "
-                                                       "present one no number of runs |\n",
-        ROW("none", " (note)",
-            "0.50 ± 0.40 (90 %: -0.20 to 1.20)") "no change takes 34 runs a point (2.1 h), "
-                                                 "our present one at most 111 runs a point (6.9 h) |\n",
-        ROW("several", " (note)",
-            "0.50 ± 0.40 (90 %: -0.20 to 1.20)") "no change takes 2.1 times the present "
-                                                 "runs (4.2 h), our present one at most 6.9 times "
-                                                 "the present runs (14 h) |\n",
-        ROW("infinite", " (note)",
-            "inf against 0") "no number of runs can be given: the error of the present "
-                             "number is not known |\n",
-        "\n| poor | poor (note) |  | 3.0 ± 2.0 against 0 |  | undecided: the form of the fit does not "
-        "describe "
-        "the means (p = 0.0023); no number of runs decides: the means need another form of fit |\n",
-        ROW("first", " (note)", "3.0 ± 2.0 against 0") "a difference of 4 takes 62 runs a point (3.9 h), our "
-                                                       "present one at most 110 runs a point (6.9 h) |\n",
-        ROW("third", " (note)", "0.50 ± 0.40 (90 %: -0.20 to 1.20)") "no change takes 40 runs a point (2.5 "
-                                                                     "h), our present one at most "
-                                                                     "134 runs a point (8.4 h) |\n",
-        "standard deviation; no number of runs decides: the paper's own error is too large |\n",
-        "standard deviation; no number of runs decides: the paper's numbers alone are tested |\n",
-        "\n| clear | clear (note) |  | 3.00 ± 0.10 against 0 |  | reproduced |\n"};
-    enter();
-    write_text("claims.tsv",
-               CLAIMS PLAIN("more", "above", "4", "s_fit a", "0") PLAIN("limit", "above", "4", "s_fit a", "3")
-                   PLAIN("none", "independent", "1", "s_trend change", "-")
-                       PLAIN("several", "independent", "1", "s_both change", "-")
-                           PLAIN("infinite", "above", "4", "s_fit b", "0")
-                               PLAIN("poor", "above", "4", "s_limit a", "0") MEMBER("first", "q", "above",
-                                                                                    "4", "s_fit a", "0")
-                                   MEMBER("second", "q", "above", "4", "s_fit a", "0")
-                                       MEMBER("third", "r", "independent", "1", "s_trend change", "-")
-                                           MEMBER("fourth", "r", "independent", "1", "s_trend change", "-")
-                                               PLAIN("clear", "above", "4", "s_fit c", "0")
-                                                   CLAIM("angle", "20\t1", "-") CLAIM("other", "22\t1", "-")
-                                                       PLAIN("steady", "constant", "-", "angle other", "-"));
-    write_text("s.tsv", SIXTEEN("s") "# v\n1\n");
-    write_text("r.tsv", SIXTEEN("r") "# v\n1\n");
-    write_text("s_fit.tsv", "# a\ta_se\tb\tb_se\tc\tc_se\n3\t2\tinf\tnan\t3\t0.1\n");
-#define CHANGE "# change\tchange_se\tdof\tchange_lo90\tchange_hi90\tp_value\n0.5\t0.4\tinf\t-0.2\t1.2\t0.2\n"
-    write_text("s_limit.tsv", "# a\ta_se\tp_fit\n3\t2\t0.0023\n");
-    write_text("s_trend.tsv", CHANGE);
-    write_text("s_both.tsv", "# command: repose stats trend x/s_runs.tsv x/r_runs.tsv --y v\n" CHANGE);
-    write_text("t.tsv", SIXTEEN("t") "# v\tv_se\n21\t0.4\n");
-    write_text("in.md", "{{claims plain}}\n{{claims all}}\n");
-    GOOD("report in.md --tables . --claims claims.tsv");
-    for (size_t k = 0; k < sizeof rows / sizeof *rows; k++) {
-        if (!strstr(out, rows[k])) fprintf(stderr, "no row: %s\n%s\n", rows[k], out);
-        CU_ASSERT_PTR_NOT_NULL(strstr(out, rows[k]));
-    }
-    write_text("in.md", "{{scores plain}}\n{{verdict more}}\n");
-    GOOD("report in.md --tables . --claims claims.tsv");
-    CU_ASSERT_PTR_NULL(strstr(out, "takes"));
-    leave();
-}
-
 /* Three claims of one question, by themselves and as a family. Chances 0.03, 0.03 and 0.0027 are raised to
  * 0.06, 0.06 and 0.008; of no change, 0.0228 and 0.0013 to 0.0455 and 0.0027. */
 static void test_families(void)
@@ -2454,8 +2346,6 @@ void suite_cli(void)
                                        {"angle slope, phi; stats fit, maximum", test_angle_tables},
                                        {"stress field, base, critical", test_stress_tables},
                                        {"claims", test_claims},
-                                       {"power of claims", test_power_of_claims},
-                                       {"what would decide", test_remedies},
                                        {"families of claims", test_families},
                                        {"claims on a fit that its means reject", test_rejected_fits},
                                        {"pooled means", test_pooled},

@@ -444,7 +444,7 @@ static void test_critical(void)
     leave();
 }
 
-/* ---- stress dip --profile, --power ---- */
+/* ---- stress dip --profile ---- */
 
 enum { DIP_PILES = 5 };
 
@@ -497,36 +497,6 @@ static void check_profile(double n[DIP_PILES][STRESS_DIP_BINS], const double exc
     checked_end(&c);
 }
 
-/* Shares of planted ensembles that each test finds; the resamples have the stream 0 of the seed, the
- * ensembles the stream 1. */
-static void check_power(double n[DIP_PILES][STRESS_DIP_BINS], const double excess[DIP_PILES])
-{
-    static const double depths[] = {0.0, 0.02, 0.05, 0.1};
-    enum { ENSEMBLES = 30 };
-    double planted[DIP_PILES * STRESS_DIP_BINS], shift[DIP_PILES];
-    gsl_rng *resamples = rp_random_alloc(6, 0, RP_PURPOSE_BOOTSTRAP),
-            *draws = rp_random_alloc(6, 1, RP_PURPOSE_BOOTSTRAP);
-    checked c =
-        CHECKED_RUN(4, "stress dip piles.tsv --power --resamples 40 --ensembles 30 --seed 6 --level 0.2");
-    for (size_t row = 0; row < 4; row++) {
-        double found[3] = {0.0};
-        for (int e = 0; e < ENSEMBLES; e++) {
-            stress_dips d;
-            stress_dip_plant(DIP_PILES, n[0], excess, depths[row], draws, planted, shift);
-            CHECK_OK(stress_dip_ensemble(DIP_PILES, planted, shift, 0.05, 40, resamples, &d));
-            found[0] += d.p_profile < 0.2, found[1] += d.p_dip < 0.2, found[2] += d.p_share < 0.2;
-        }
-        CHECK_NEAR(at(&c, row, "depth"), depths[row], 0.0);
-        CHECK_NEAR(at(&c, row, "profile"), found[0] / ENSEMBLES, 1e-14);
-        CHECK_NEAR(at(&c, row, "excess"), found[1] / ENSEMBLES, 1e-14);
-        CHECK_NEAR(at(&c, row, "share"), found[2] / ENSEMBLES, 1e-14);
-        CU_ASSERT(row == 0 || found[1] > 0.0);
-    }
-    gsl_rng_free(resamples);
-    gsl_rng_free(draws);
-    checked_end(&c);
-}
-
 /* Every column of the row, from the same stream. */
 static void check_dip(double n[DIP_PILES][STRESS_DIP_BINS], const double excess[DIP_PILES])
 {
@@ -570,7 +540,6 @@ static void test_dip(void)
     write_dips(n, excess);
     check_dip(n, excess);
     check_profile(n, excess);
-    check_power(n, excess);
     /* without rays */
     shell("cut -f 1-3,5,7,9,11,13,15,17,19,21,23,25,27,29,31,33,35,37,39,41 piles.tsv >plain.tsv");
     GOOD("stress dip plain.tsv --profile");

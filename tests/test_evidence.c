@@ -9,7 +9,6 @@
 #include <string.h>
 
 #include "table/table.h"
-#include "stats/samplesize.h"
 #include "sweeps/protocols/protocols.h"
 #include "tests/check.h"
 #include "tests/program.h"
@@ -218,20 +217,19 @@ static void check_claims_table(void)
         "# ours: 1 reproduced, 0 not reproduced, 0 undecided, 0 can't be tested, 0 by eye, 0 no data\n";
     static const struct {
         const char *words, *shown[4], *hidden[4];
-    } cases[] = {
-        {"--variants",
-         {"\n# paper: all\n# variants: true\n# published: false\n# power: false\n# lh: ", counts, one, two},
-         {NULL}},
-        {"", {counts, head, three, seven}, {"\ntwo\t"}},
-        {"--paper li",
-         {"\n# li: 2 ", head, five, "\nfour\tli\t"},
-         {"\n# lh: ", "\n# ours: ", "\none\t", "\nseven\t"}},
-        {"--paper ours", {"\n# ours: 1 ", head, seven}, {"\n# lh: ", "\n# li: ", "\nfive\t"}},
-        {"--id one", {head, one, two}, {"\n# lh: ", "\n# li: ", "\n# ours: ", "\nthree\t"}},
-        {"--id two", {head, two}, {"\n# lh: ", "\none\t"}},
-        {"--published",
-         {"\nid\tpaper\tpublished\tpublished_se\tsamples\none\tlh\t20\t0.9\t40\n"},
-         {"\ntwo", "\nthree", "\nfour"}}};
+    } cases[] = {{"--variants",
+                  {"\n# paper: all\n# variants: true\n# published: false\n# lh: ", counts, one, two},
+                  {NULL}},
+                 {"", {counts, head, three, seven}, {"\ntwo\t"}},
+                 {"--paper li",
+                  {"\n# li: 2 ", head, five, "\nfour\tli\t"},
+                  {"\n# lh: ", "\n# ours: ", "\none\t", "\nseven\t"}},
+                 {"--paper ours", {"\n# ours: 1 ", head, seven}, {"\n# lh: ", "\n# li: ", "\nfive\t"}},
+                 {"--id one", {head, one, two}, {"\n# lh: ", "\n# li: ", "\n# ours: ", "\nthree\t"}},
+                 {"--id two", {head, two}, {"\n# lh: ", "\none\t"}},
+                 {"--published",
+                  {"\nid\tpaper\tpublished\tpublished_se\tsamples\none\tlh\t20\t0.9\t40\n"},
+                  {"\ntwo", "\nthree", "\nfour"}}};
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         GOOD("claims --claims claims.tsv --tables . %s", cases[k].words);
         for (int i = 0; i < 4; i++) {
@@ -583,45 +581,6 @@ static void test_constants(void)
     check_claim("all", three, "reproduced");
     check_claim("same", "p = 1 or 1", "reproduced");
     check_claim("lone", "p = nan or nan", "undecided");
-    leave();
-}
-
-/* The power of an order of magnitude: 0.04 of 1 lies between 1/1.2 - 1 and 1.2 - 1, at two errors from both,
- * with a chance of 0.98352; without the upper end it were 0.98487. Of values pooled, by the library: 32 of
- * scatter 1.968, at two grid points. */
-static void test_powers(void)
-{
-    const double sd = sqrt(2.0 * 15.0 * 4.0 / 31.0);
-    const stats_pilot pilot = {.se = sd / sqrt(32.0), .n = 32.0, .dof = 31.0};
-    const stats_rule rule = {0.0, INFINITY, 0.025, 2.0};
-    char expected[256];
-    enter();
-    write_text("s.tsv",
-               "# sweep: s.cfg, protocol repose, seed 7, 2 grid points x 16 replicas\n# run_time: 32.0 s\n"
-               "# v_mean\tv_se\tv_sd\tv_n\tn\n3\t0.5\t2\t16\t16\n");
-    write_text("s_fit.tsv", "# a\ta_se\tb\tb_se\n2\t0.08\t1\t0.05\n");
-    write_text("claims.tsv",
-               HEADER "x\t-\tlh\t-\ts\torder\t2\t-\t-\t1.2\t-\ts_fit a\t-\t-\tx\t-\n"
-                      "y\t-\tlh\t-\ts\tabove\t5\t2\t-\t1\t-\ts v + s v\t0\t-\ty\t-\n"
-                      "r\t-\tlh\t-\ts\tratio\t2\t0.05\t4\t0.5\t-\ts_fit a\ts_fit b\t-\tr\t-\n" ROW(
-                          "z", "constant", "-", "-", "x", "-"));
-    GOOD(ASK " --power");
-    CU_ASSERT_PTR_NOT_NULL(strstr(out, "\nx\torder\t1.2\t0.04\ts\t16\t0.984\t13\t13\tnan\t26\treproduced\n"));
-    const double needed = stats_sample_size(&rule, &pilot, 1.0, 0.95);
-    snprintf(expected, sizeof expected, "\ny\tabove\t1\t%.3g\ts\t32\t%.3f\t%g\t%g\t%g\t%.0f\treproduced\n",
-             pilot.se, stats_power(&rule, &pilot, 1.0, 32.0), needed, needed,
-             stats_sample_size(&rule, &pilot, 3.0, 0.95), needed * 32.0 / 16.0 / 2.0);
-    CU_ASSERT_PTR_NOT_NULL(strstr(out, expected));
-    /* of a ratio the errors of both parts are ours, and that of the paper stays */
-    stats_pilot ratio = {.se = 2.0 * hypot(0.04, 0.05), .n = 16.0, .dof = INFINITY, .fixed = 0.05};
-    const double power = stats_power(&rule, &ratio, 0.5, 16.0),
-                 runs = stats_sample_size(&rule, &ratio, 0.5, 0.95);
-    ratio.fixed /= 2.0; /* of 4 samples */
-    const double runs_sd = stats_sample_size(&rule, &ratio, 0.5, 0.95);
-    snprintf(expected, sizeof expected, "\nr\tratio\t0.5\t%.3g\ts\t16\t%.3f\t%g\t%g\tnan\t%.0f\treproduced\n",
-             ratio.se, power, runs, runs_sd, runs_sd * 2.0);
-    CU_ASSERT_PTR_NOT_NULL(strstr(out, expected));
-    CU_ASSERT(runs_sd < runs && !strstr(out, "\nz\t"));
     leave();
 }
 
@@ -1034,7 +993,6 @@ void suite_evidence(void)
                                        {"what each test needs", test_needs},
                                        {"claims of one question", test_family},
                                        {"one number behind several, by claims", test_constants},
-                                       {"power of an order, of pooled values", test_powers},
                                        {"Holm's correction by groups", test_holm},
                                        {"dips and peaks", test_dips},
                                        {"rays at any inclination", test_rays},

@@ -604,10 +604,6 @@ static void test_dip(void)
     for (size_t k = 0; k < t.n_rows; k++)
         CHECK_NEAR(cell(&t, k, "N_hi"), cell(&t, k, "N") + band * cell(&t, k, "N_se"), 1e-9);
     rp_table_free(&t);
-    GOOD("stress dip piles.tsv --power --ensembles 3 --resamples 19");
-    t = read_table("out");
-    check_note(&t, "piles", "5 to an ensemble");
-    rp_table_free(&t);
     leave();
 }
 

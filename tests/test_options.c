@@ -25,8 +25,7 @@ static const struct {
     {"stress field", "p --width 1.2", "--width 1.0|--cell 0.2"},
     {"stress base", "p --width 1.2", "--width 1.0|--cell 0.2|--diameter 0.25|-g 900|--phi-deg 50"},
     {"stress dip", "piles.tsv --resamples 99",
-     "--resamples 98|--margin 0.5|--seed 4|--profile|--power|--where 'n_01<0.9'"},
-    {"stress dip", "piles.tsv --resamples 50 --power", "--level 0.3|--ensembles 50|--seed 4|--resamples 70"},
+     "--resamples 98|--margin 0.5|--level 0.01|--seed 4|--profile|--where 'n_01<0.9'"},
     {"stress critical", "runs.tsv --bootstrap 50", "--bootstrap 51|--seed 4|--where 'pile<4'"},
     {"stats fit", "runs.tsv -x W -y theta",
      "-x mu|-y seconds|--se se|--from 3|--to 5|--scale log|--where mu=0.2"},
@@ -74,7 +73,7 @@ static const struct {
      "--runs more.tsv --theta-r-deg 15 --error-deg 1 --theta-t-deg 4 --theta-t-error-deg 1 --bootstrap 20",
      "--theta-t-deg 5|--theta-t-error-deg 2"},
     {"claims", "--claims claims.tsv --tables .",
-     "--claims other.tsv|--tables nowhere|--paper li|--id angle|--variants|--published|--power"},
+     "--claims other.tsv|--tables nowhere|--paper li|--id angle|--variants|--published"},
     {"bench", "-n 9 --steps 10 --repeat 1", "-n 10|--steps 11|--start start.tsv|--size-ratio 5"}};
 
 /* Options that change no row, or that other tests follow. */

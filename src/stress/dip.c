@@ -269,41 +269,6 @@ rp_status stress_dip_ensemble(size_t n, const double profiles[], const double ex
     return status;
 }
 
-/* Mean of both sides over n piles, with the mean up to 0.3 B in place of what is there. */
-static void flatten(size_t n, const double profiles[], double mean[HALF], double flat[HALF])
-{
-    double top = 0.0;
-    for (int k = 0; k < HALF; k++) {
-        mean[k] = 0.0;
-        for (size_t i = 0; i < n; i++) {
-            const double *N = profiles + i * STRESS_DIP_BINS;
-            mean[k] += 0.5 * (N[HALF - 1 - k] + N[HALF + k]) / (double)n;
-        }
-        if (k < BINS_03) top += mean[k] / BINS_03;
-    }
-    for (int k = 0; k < HALF; k++) flat[k] = k < BINS_03 ? top : mean[k];
-}
-
-void stress_dip_plant(size_t n, const double profiles[], const double excess[], double depth, gsl_rng *rng,
-                      double planted[], double planted_excess[])
-{
-    double mean[HALF], flat[HALF], mean_excess = 0.0;
-    flatten(n, profiles, mean, flat);
-    for (size_t i = 0; i < n; i++) mean_excess += excess[i] / (double)n;
-    for (size_t i = 0; i < n; i++) {
-        const size_t j = gsl_rng_uniform_int(rng, n);
-        const bool mirror = gsl_rng_uniform(rng) < 0.5;
-        const double *from = profiles + j * STRESS_DIP_BINS;
-        double *N = planted + i * STRESS_DIP_BINS;
-        for (int k = 0; k < STRESS_DIP_BINS; k++) {
-            const int out = k < HALF ? HALF - 1 - k : k - HALF;
-            N[k] = flat[out] + from[mirror ? STRESS_DIP_BINS - 1 - k : k] - mean[out];
-        }
-        planted_excess[i] = excess[j] - mean_excess - depth * mean_between(N, 0, BINS_01) / mean_load(N);
-        for (int k = HALF - BINS_01; k < HALF + BINS_01; k++) N[k] *= 1.0 - depth;
-    }
-}
-
 const char *stress_dip_word(const stress_dips *d, double level)
 {
     const bool differs = d->p_value < level, within = d->p_margin < level;

@@ -189,11 +189,6 @@ typedef struct {
 rp_status stress_dip_ensemble(size_t n, const double profiles[], const double excess[], double margin,
                               size_t resamples, gsl_rng *rng, stress_dips *dips);
 
-/* An ensemble with a known dip: n piles drawn with replacement, each mirrored or not, about a mean that is
- * even up to 0.3 B and has no excess; N within 0.1 B is then lower by the part `depth`. */
-void stress_dip_plant(size_t n, const double profiles[], const double excess[], double depth, gsl_rng *rng,
-                      double planted[], double planted_excess[]);
-
 /* Of the excess: dip or peak if p_value < level; none_within_margin if p_margin < level; dip_within_margin or
  * peak_within_margin if both; undecided. */
 const char *stress_dip_word(const stress_dips *dips, double level);

@@ -25,7 +25,7 @@ files='analytic/*.c src/angle/*.c src/core/sparse.c src/statics/*.c src/stats/*.
     src/dem/forces/walls.c src/dem/forces/ground.c src/dem/methods/gravity.c src/dem/list/removal.c src/dem/methods/hard.c src/dem/observe/ledger.c src/dem/observe/observe.c
     src/dem/setup/definition.c src/dem/setup/limits.c src/dem/methods/step.c src/dem/sim.c
     sweeps/*/*.c src/table/table.c src/params/params.c src/dem/scene/output.c src/dem/scene/scene.c src/dem/setup/physics.c
-    report/*.c src/cli/claims_power.c src/cli/columns.c src/cli/options.c src/cli/commands/*.c
+    report/*.c src/cli/columns.c src/cli/options.c src/cli/commands/*.c
     src/export/*.c src/view/*.c src/cli/forensics_*.c
     figures/lh/*.gp figures/li/*.gp
     validation/cases.c validation/oblique.c validation/solved_pile.c'
@@ -36,7 +36,6 @@ suites_of() {
     src/angle/*) echo property angle tables ;;
     src/stats/ensemble.c | src/stats/series.c) echo trend angle notes flux ;;
     src/stats/verdict.c) echo claims ;;
-    src/stats/samplesize.c) echo samplesize cli ;;
     src/stats/oscillation.c) echo trend ;;
     src/stats/forensics.c | src/stats/design.c) echo forensics inference ;;
     src/stats/emulator.c) echo emulator inference ;;

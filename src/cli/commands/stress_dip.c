@@ -8,8 +8,6 @@
     X(INT, resamples, "", "10000", "[2, 10000000]", "of the piles")                                          \
     CLI_SEED(X, "1992", "seed of the resamples")                                                             \
     X(BOOL, profile, "", "false", "", "print the mean profile with its band")                                \
-    X(BOOL, power, "", "false", "", "print how often each test finds a planted dip")                         \
-    X(INT, ensembles, "", "200", "[1, 1000000]", "planted ensembles per depth, with --power")                \
     CLI_WHERE(X)
 
 CLI_OPTIONS(dip, DIP_OPTIONS)
@@ -74,38 +72,6 @@ static void print_profile(const stress_dips *d, const dip_piles *p)
                 d->N[k] + d->N_t * d->N_se[k], p->rays[k]);
 }
 
-/* How many of the planted ensembles of one depth each test finds. */
-static rp_status find_planted(const dip_piles *p, const dip_options *o, double depth, gsl_rng *draws,
-                              gsl_rng *resamples, double found[3])
-{
-    double *profiles = cli_memory(p->n * STRESS_DIP_BINS, sizeof *profiles),
-           *excess = cli_memory(p->n, sizeof *excess);
-    for (long e = 0; e < o->ensembles; e++) {
-        stress_dips d;
-        stress_dip_plant(p->n, p->profiles, p->excess, depth, draws, profiles, excess);
-        RP_TRY(stress_dip_ensemble(p->n, profiles, excess, o->margin, (size_t)o->resamples, resamples, &d));
-        found[0] += d.p_profile < o->level;
-        found[1] += d.p_dip < o->level;
-        found[2] += d.p_share < o->level;
-    }
-    return RP_OK;
-}
-
-static rp_status print_power(const dip_piles *p, const dip_options *o)
-{
-    static const double depths[] = {0.0, 0.02, 0.05, 0.1};
-    gsl_rng *draws = cli_random(1), *resamples = cli_random(0);
-    rp_table_note(stdout, "piles", "%zu to an ensemble", p->n);
-    rp_table_header(stdout, "depth, profile, excess, share");
-    for (size_t k = 0; k < sizeof depths / sizeof *depths; k++) {
-        double found[3] = {0.0};
-        RP_TRY(find_planted(p, o, depths[k], draws, resamples, found));
-        for (int i = 0; i < 3; i++) found[i] /= (double)o->ensembles;
-        CLI_ROW(depths[k], found[0], found[1], found[2]);
-    }
-    return RP_OK;
-}
-
 static rp_status dip_of_table(rp_table *table, void *values)
 {
     const dip_options *o = values;
@@ -117,7 +83,6 @@ static rp_status dip_of_table(rp_table *table, void *values)
                      "%s: ", table->path));
     cli_table(stdout);
     rp_table_note(stdout, "rows", "%zu used, %zu left out", piles.n, table->n_rows - piles.n);
-    if (o->power) return print_power(&piles, o);
     if (o->profile)
         print_profile(&dips, &piles);
     else
@@ -149,10 +114,6 @@ const cli_command cmd_stress_dip = {
     "\n"
     "The verdict is that of the excess: dip or peak if p_value < level; none_within_margin if p_margin <\n"
     "level; dip_within_margin or peak_within_margin if both; else undecided.\n"
-    "\n"
-    "--power prints the share of planted ensembles in which p_profile, p_dip and p_share are below the\n"
-    "level. The piles are drawn again, mirrored or not, about a mean that is even up to 0.3 B; N within\n"
-    "0.1 B is then lowered by the part `depth`. Depth 0 has the false alarms.\n"
     "\n"
     "TABLE (- for standard input) has one row per pile with columns n_01 to n_20, excess and status, as\n"
     "repose sweep export writes it for the protocols drop and pile. Rows whose status is not ok are left\n"
