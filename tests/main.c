@@ -21,6 +21,7 @@
 #include <unistd.h>
 
 #include "core/clock.h"
+#include "core/file.h"
 #include "table/table.h"
 #include "tests/check.h"
 
@@ -89,7 +90,7 @@ void check_table_close(FILE *table, const char *name)
     if (!table) return;
     char path[512];
     table_path(name, path);
-    CHECK_OK(rp_file_close(path, table, rp_table_finish(table, path)));
+    CHECK_OK(rp_file_close(path, table, rp_file_finish(table, path)));
 }
 
 typedef struct {

@@ -17,7 +17,7 @@
 #include <xxhash.h>
 
 #include "core/random.h"
-#include "table/table.h"
+#include "core/file.h"
 #include "sweeps/engine/sweep.h"
 #include "tests/check.h"
 #include "tests/faults.h"

@@ -8,6 +8,7 @@
 #include <stdio.h>
 
 #include "params/params.h"
+#include "core/file.h"
 #include "core/status.h"
 #include "table/table.h"
 #include "sweeps/protocols/protocols.h"

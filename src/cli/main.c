@@ -137,7 +137,7 @@ const char *cli_data(const char *name)
 /* Flush standard output, since a failed write is an error; a failure has one message. */
 static int finish(const char *command, rp_status status)
 {
-    if (!status) status = rp_table_finish(stdout, "standard output");
+    if (!status) status = rp_file_finish(stdout, "standard output");
     if (status) fprintf(stderr, "repose%s%s: %s\n", *command ? " " : "", command, rp_message());
     cli_release(0);
     free(kept), kept = NULL;

@@ -404,7 +404,7 @@ static rp_status act_as_json(const cli_command *command)
     stdout = memory; /* glibc: a variable */
     rp_status status = act(command);
     snprintf(message, sizeof message, "%s", rp_message());
-    const bool whole = rp_table_finish(stdout, "--json") == RP_OK;
+    const bool whole = rp_file_finish(stdout, "--json") == RP_OK;
     fclose(stdout);
     stdout = out;
     rp_status printed = whole ? RP_OK : rp_fail(RP_NO_MEMORY, "--json: out of memory");

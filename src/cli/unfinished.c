@@ -12,6 +12,7 @@
 #include <unistd.h>
 #include <xxhash.h>
 
+#include "core/file.h"
 #include "table/table.h"
 
 static const char OWNER[] = "repose run";
@@ -269,7 +270,7 @@ rp_status cli_unfinished_write(cli_unfinished *u, cli_keep *keep, void *context)
         cli_growing *t = &u->table[k];
         long length;
         XXH128_hash_t hash;
-        status = rp_table_finish(t->file, path_of(u, t->name, path));
+        status = rp_file_finish(t->file, path_of(u, t->name, path));
         if (!status) status = hash_to(t, ftell(t->file));
         if (!status && fsync(fileno(t->file)) != 0) status = failed(path);
         keep_table(&s, t, &length, &hash);
@@ -286,7 +287,7 @@ static rp_status sync_tables(const cli_unfinished *u)
 {
     for (int k = 0; k < CLI_GROWING; k++) {
         if (!u->table[k].file) continue;
-        RP_TRY(rp_table_finish(u->table[k].file, u->table[k].name));
+        RP_TRY(rp_file_finish(u->table[k].file, u->table[k].name));
         if (fsync(fileno(u->table[k].file)) != 0) RP_TRY(failed(u->table[k].name));
     }
     return RP_OK;
@@ -300,7 +301,7 @@ static rp_status leave_tables(const cli_unfinished *u, rp_status run)
     for (int k = 0; k < CLI_GROWING; k++) {
         if (!u->table[k].file) continue;
         rp_table_note(u->table[k].file, "unfinished", "%s", why);
-        if (rp_table_finish(u->table[k].file, u->table[k].name)) unlink(path_of(u, u->table[k].name, path));
+        if (rp_file_finish(u->table[k].file, u->table[k].name)) unlink(path_of(u, u->table[k].name, path));
     }
     if (rmdir(path_of(u, "", path)) == 0) return rp_fail(run, "%s", why); /* nothing was written */
     return rp_fail(run, "%s; the tables so far are in %s/unfinished", why, u->directory);

@@ -2,45 +2,51 @@
 #include "params/config.h"
 
 #include <ctype.h>
+#include <limits.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "params/guess.h"
-#include "table/table.h"
+#include "core/file.h"
 
-/* libconfig says "syntax error" and the line, no more. */
-static void explain(const char *path, const char *error, char hint[256])
+/* libconfig says "syntax error" and the line, no more: this is the line, and what a parameter file is. */
+static void explain(const char *path, const char *error, int line, char hint[256])
 {
     char *text = NULL;
     *hint = '\0';
     if (strstr(error, "mismatched element type"))
         strcpy(hint, ": [ ] holds one type only; write 0.0 for 0, or use ( )");
     else if (strstr(error, "syntax error") && !rp_file_read(path, &text)) {
-        strcpy(hint, " ");
-        if (!rp_config_syntax(text, hint + 1, 255)) *hint = '\0';
+        const char *at = text;
+        while (line-- > 1 && strchr(at, '\n')) at = strchr(at, '\n') + 1;
+        if (at[strspn(at, " \t\r\n")])
+            snprintf(hint, 256,
+                     " in \"%.*s\" or before it; expected: key = value; words in quotes, decimal numbers "
+                     "with a point",
+                     (int)(strcspn(at, "\r\n") < 60 ? strcspn(at, "\r\n") : 60), at);
+        else
+            strcpy(hint, " at the end of the file: a value, or } ] ) expected");
     }
     free(text);
 }
 
 rp_status rp_config_read(const char *path, config_t *config)
 {
-    char folder[4096];
+    char folder[PATH_MAX];
     const char *slash = strrchr(path, '/');
     config_init(config);
     snprintf(folder, sizeof folder, "%.*s", slash ? (int)(slash - path) + (slash == path) : 1,
              slash ? path : ".");
     RP_TRY(rp_config_scan_file(path, folder));
     config_set_include_dir(config, folder);
-    if (config_read_file(config, path) == CONFIG_FALSE) {
-        char hint[256];
-        const char *file = config_error_file(config) ? config_error_file(config) : path,
-                   *text = config_error_text(config) ? config_error_text(config) : "cannot read";
-        explain(file, text, hint);
-        return rp_fail(RP_BAD_INPUT, "%s:%d: %s%s", file, config_error_line(config), text, hint);
-    }
-    return RP_OK;
+    if (config_read_file(config, path) == CONFIG_TRUE) return RP_OK;
+    const char *file = config_error_file(config) ? config_error_file(config) : path,
+               *text = config_error_text(config) ? config_error_text(config) : "cannot read";
+    char hint[256];
+    explain(file, text, config_error_line(config), hint);
+    return rp_fail(RP_BAD_INPUT, "%s:%d: %s%s", file, config_error_line(config), text, hint);
 }
 
 rp_status rp_config_fail(const config_setting_t *setting, const char *format, ...)

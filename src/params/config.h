@@ -19,14 +19,6 @@ rp_status rp_config_read(const char *path, config_t *config);
 rp_status rp_config_scan_file(const char *path, const char *folder);
 rp_status rp_config_scan_text(const char *name, const char *text);
 
-/* End of the token of libconfig's scanner at `p`, which is not the end of the text: number, name, text, gap,
- * comment, or one other character. */
-const char *rp_config_token_end(const char *p);
-
-/* What is wrong with the text of a parameter file, as `at "TOKEN": WHAT expected`. False where nothing is
- * found. */
-bool rp_config_syntax(const char *text, char *message, size_t size);
-
 /* Read the settings of `group` into `values`, which must hold defaults. Keys that are neither in the
  * schema nor in `others` (NULL-terminated, may be NULL; left to the caller) are errors.
  * A required parameter that is missing is an error. Texts are borrowed from the config.

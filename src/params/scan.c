@@ -10,8 +10,8 @@
 #include <string.h>
 #include <sys/stat.h>
 
+#include "core/file.h"
 #include "params/config.h"
-#include "table/table.h"
 
 /* libconfig looks for twins of a key in its whole group, and goes back to the start of a token at every 8 kB.
  */
@@ -26,37 +26,35 @@ typedef struct {
 
 static rp_status scan_file(scan *s, const char *path);
 
-/* End of the number at `p`, or `p` if there is none. */
-static const char *number_end(const char *p, bool *whole, bool *fits)
+/* End of a number. *fits: is it no whole number above an int, or with an L above a long long? */
+static const char *number_end(const char *p, bool *fits)
 {
-    const size_t sign = *p == '+' || *p == '-';
     const bool hexadecimal = p[0] == '0' && (p[1] == 'x' || p[1] == 'X') && isxdigit((unsigned char)p[2]);
     char *end, *real_end;
-    if (!isdigit((unsigned char)p[sign]) && p[sign] != '.') return p;
     errno = 0;
     const long long value = strtoll(p, &end, hexadecimal ? 16 : 10);
     *fits = errno == 0 && (*end == 'L' || (value >= INT_MIN && value <= INT_MAX));
     strtod(p, &real_end);
-    *whole = hexadecimal || real_end == end;
-    if (!*whole) return real_end;
-    return end + strspn(end, "L");
+    if (real_end == p) return p + 1; /* a point alone */
+    if (hexadecimal || real_end == end) return end + strspn(end, "L");
+    *fits = true;
+    return real_end;
 }
 
-static const char *text_end(const char *p)
-{
-    for (p++; *p && *p != '"'; p++)
-        if (*p == '\\' && p[1]) p++;
-    return *p ? p + 1 : p;
-}
-
-/* End of a gap, comment, text, name or other character. */
-static const char *token_end(const char *p)
+/* End of a gap, comment, text, number, name or other character; NULL for a text or comment without its end.
+ */
+static const char *token_end(const char *p, bool *fits)
 {
     const char *end;
     if (strchr(" \t\r\f", *p)) return p + strspn(p, " \t\r\f");
-    if (*p == '#' || strncmp(p, "//", 2) == 0) return p + strcspn(p, "\n");
-    if (strncmp(p, "/*", 2) == 0) return (end = strstr(p + 2, "*/")) ? end + 2 : p + strlen(p);
-    if (*p == '"') return text_end(p);
+    if (*p == '#' || strncmp(p, "//", 2) == 0) return strchr(p, '\n');
+    if (strncmp(p, "/*", 2) == 0) return (end = strstr(p + 2, "*/")) ? end + 2 : NULL;
+    if (*p == '"') {
+        for (p++; *p && *p != '"'; p++) p += *p == '\\' && p[1];
+        return *p ? p + 1 : NULL;
+    }
+    const size_t sign = *p == '+' || *p == '-';
+    if (isdigit((unsigned char)p[sign]) || p[sign] == '.') return number_end(p, fits);
     if (!isalpha((unsigned char)*p) && *p != '*') return p + 1;
     while (isalnum((unsigned char)*p) || (*p && strchr("-_*", *p))) p++;
     return p;
@@ -71,19 +69,14 @@ static const char *included(const char *p)
     return gap && p[8 + gap] == '"' ? p + 8 + gap + 1 : NULL;
 }
 
-const char *rp_config_token_end(const char *p)
-{
-    bool whole, fits;
-    const char *end = number_end(p, &whole, &fits);
-    return end == p ? token_end(p) : end;
-}
-
-static rp_status scan_included(scan *s, const char *name, size_t length)
+static rp_status scan_included(scan *s, const char *name, const char **end)
 {
     char path[PATH_MAX];
+    const size_t length = strcspn(name, "\"\\");
     if (name[length] != '"') return rp_fail(RP_BAD_INPUT, "@include: a plain name in quotes expected");
     if (s->files == MOST_FILES)
         return rp_fail(RP_BAD_INPUT, "@include: more than %d files within one another", MOST_FILES);
+    *end = name + length + 1;
     snprintf(path, sizeof path, "%s%s%.*s", s->folder ? s->folder : "", s->folder ? "/" : "", (int)length,
              name);
     return scan_file(s, path);
@@ -104,38 +97,24 @@ static rp_status count(scan *s, char c)
     return RP_OK;
 }
 
-/* Does a text or comment have its end? libconfig takes the rest of the file for its content, and is silent.
- */
-static bool is_closed(const char *start, const char *end)
-{
-    if (*start == '"') {
-        while (++start < end && *start != '"') start += *start == '\\';
-        return start < end;
-    }
-    return strncmp(start, "/*", 2) != 0 || (end - start > 3 && end[-2] == '*' && end[-1] == '/');
-}
-
 static rp_status scan_token(scan *s, const char *text, const char **p)
 {
-    bool whole = false, fits = true;
+    bool fits = true;
     const char *start = *p, *name = start == text || start[-1] == '\n' ? included(start) : NULL;
-    if (name) {
-        const size_t length = strcspn(name, "\"\\");
-        *p = name + length + (name[length] == '"');
-        return scan_included(s, name, length);
-    }
-    *p = number_end(start, &whole, &fits);
-    if (*p == start) *p = token_end(start);
-    if (*p - start > MOST_IN_TOKEN)
+    if (name) return scan_included(s, name, p);
+    *p = token_end(start, &fits);
+    if ((*p ? *p : start + strlen(start)) - start > MOST_IN_TOKEN)
         return rp_fail(RP_BAD_INPUT, "a text, comment, gap, name or number of more than %d bytes",
                        MOST_IN_TOKEN);
-    if (!is_closed(start, *p))
+    if (!*p)
         return rp_fail(RP_BAD_INPUT, "a %s",
-                       *start == '"' ? "text without its closing quote" : "comment without */");
-    if (!whole || fits) return whole ? RP_OK : count(s, *start);
-    const int shown = (int)(*p - start) < 40 ? (int)(*p - start) : 40;
-    return rp_fail(RP_BAD_INPUT, "%.*s: whole numbers go up to %d; write %.*s.0 for a larger number", shown,
-                   start, INT_MAX, shown, start);
+                       *start == '"'                  ? "text without its closing quote"
+                       : strncmp(start, "/*", 2) == 0 ? "comment without */"
+                                                      : "comment without the end of its line");
+    const int shown = *p - start < 40 ? (int)(*p - start) : 40;
+    return fits ? count(s, *start)
+                : rp_fail(RP_BAD_INPUT, "%.*s: whole numbers go up to %d; write %.*s.0 for a larger number",
+                          shown, start, INT_MAX, shown, start);
 }
 
 static rp_status scan_text(scan *s, const char *name, const char *text)

@@ -1,22 +1,17 @@
 /* Tables with provenance; see table.h. */
 #include "table/table.h"
 
-#include <errno.h>
-#include <fcntl.h>
-#include <limits.h>
 #include <math.h>
 #include <stdbool.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/random.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
+#include "core/file.h"
+#include "core/version.h"
 #include "params/guess.h"
 #include "params/params.h"
 #include "params/units.h"
-#include "core/version.h"
 
 void rp_table_provenance(FILE *out, const char *command)
 {
@@ -94,101 +89,6 @@ void rp_table_row_word(FILE *out, size_t n, const double values[], const char *w
 {
     rp_table_numbers(out, n, values);
     fprintf(out, "%s%s\n", n ? "\t" : "", word);
-}
-
-rp_status rp_table_finish(FILE *out, const char *name)
-{
-    errno = 0;
-    if (fflush(out) != 0 || ferror(out))
-        return rp_fail(RP_IO, "%s: cannot write: %s", name, strerror(errno ? errno : EIO));
-    return RP_OK;
-}
-
-/* For a link, the target of the link is replaced. */
-static const char *find_target(const char *path, char target[PATH_MAX])
-{
-    if (!realpath(path, target)) snprintf(target, PATH_MAX, "%s", path);
-    return target;
-}
-
-/* A new file beside the target, under a name that no one can foresee; devices and pipes are written directly.
- */
-rp_status rp_file_open(const char *path, FILE **out)
-{
-    char target[PATH_MAX], temporary[PATH_MAX + 16];
-    struct stat info;
-    unsigned number;
-    if (strcmp(path, "-") == 0) {
-        *out = stdout;
-        return RP_OK;
-    }
-    *out = NULL;
-    if (stat(path, &info) == 0 && !S_ISREG(info.st_mode)) {
-        *out = fopen(path, "w");
-    } else if (getrandom(&number, sizeof number, 0) == sizeof number) {
-        snprintf(temporary, sizeof temporary, "%s.tmp%08x", find_target(path, target), number);
-        const int file = open(temporary, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-        if (file >= 0) *out = fdopen(file, "w+");
-    }
-    return *out ? RP_OK : rp_fail(RP_IO, "%s: cannot write: %s", path, strerror(errno));
-}
-
-rp_status rp_file_close(const char *path, FILE *out, rp_status keep)
-{
-    char target[PATH_MAX], link[64], temporary[PATH_MAX] = "";
-    struct stat info;
-    if (out == stdout) return keep ? keep : rp_table_finish(out, "standard output");
-    snprintf(link, sizeof link, "/proc/self/fd/%d", fileno(out));
-    const bool renamed = fstat(fileno(out), &info) == 0 && S_ISREG(info.st_mode);
-    const bool named = renamed && readlink(link, temporary, sizeof temporary - 1) > 0;
-    rp_status status = keep ? keep : rp_table_finish(out, path);
-    /* the bytes reach the disk before the name does */
-    bool failed = renamed && !status && (fsync(fileno(out)) != 0 || !named);
-    failed |= fclose(out) != 0;
-    if (!status && !failed && renamed) failed = rename(temporary, find_target(path, target)) != 0;
-    if (!status && failed) status = rp_fail(RP_IO, "%s: cannot write: %s", path, strerror(errno));
-    if (status && named) unlink(temporary);
-    return status;
-}
-
-rp_status rp_make_directory(const char *path)
-{
-    char part[4096];
-    if (strlen(path) >= sizeof part) return rp_fail(RP_BAD_INPUT, "%.60s...: path too long", path);
-    for (size_t i = 1; i <= strlen(path); i++) {
-        if (path[i] != '/' && path[i] != '\0') continue;
-        snprintf(part, sizeof part, "%.*s", (int)i, path);
-        if (mkdir(part, 0777) != 0 && errno != EEXIST)
-            return rp_fail(RP_IO, "%s: cannot make the directory: %s", part, strerror(errno));
-    }
-    struct stat info;
-    if (stat(path, &info) != 0 || !S_ISDIR(info.st_mode)) return rp_fail(RP_IO, "%s: not a directory", path);
-    return RP_OK;
-}
-
-enum { MOST_BYTES = 1 << 30 };
-
-rp_status rp_file_read(const char *path, char **text)
-{
-    FILE *in = strcmp(path, "-") == 0 ? stdin : fopen(path, "r");
-    *text = NULL;
-    if (!in) return rp_fail(RP_BAD_INPUT, "%s: cannot read: %s", path, strerror(errno));
-    rp_status status = RP_OK;
-    size_t size = 0, room = 0, n = 0;
-    do {
-        room = 2 * room + 65536;
-        char *more = realloc(*text, room);
-        if (!more) status = rp_fail(RP_NO_MEMORY, "%s: out of memory", path);
-        if (!more) break;
-        *text = more;
-        n = fread(more + size, 1, room - 1 - size, in);
-        if (memchr(more + size, '\0', n)) status = rp_fail(RP_BAD_INPUT, "%s: no text: holds a 0 byte", path);
-        more[size += n] = '\0';
-        if (!status && size > MOST_BYTES) status = rp_fail(RP_BAD_INPUT, "%s: more than 1 GB", path);
-    } while (!status && size == room - 1);
-    if (!status && ferror(in)) status = rp_fail(RP_BAD_INPUT, "%s: cannot read: %s", path, strerror(errno));
-    if (in != stdin) fclose(in);
-    return status;
 }
 
 /* What separates the cells of a line: tabs alone where cells hold blanks, commas where there is no tab. */

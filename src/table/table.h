@@ -36,21 +36,6 @@ void rp_table_row(FILE *out, size_t n, const double values[]);
 /* One row of n numbers and a last column of one word, such as a status. */
 void rp_table_row_word(FILE *out, size_t n, const double values[], const char *word);
 
-/* Flush and report any error of writing; `name` is for the message. Errors: RP_IO. */
-rp_status rp_table_finish(FILE *out, const char *name);
-
-/* Open `path` for writing under a temporary name; rp_file_close renames the complete file once it is on the
- * disk, or removes it if `keep` is not RP_OK. "-" is standard output. Errors: RP_IO. */
-rp_status rp_file_open(const char *path, FILE **out);
-rp_status rp_file_close(const char *path, FILE *out, rp_status keep);
-
-/* The whole text of a file ("-": standard input); free it, also after an error.
- * Errors: RP_BAD_INPUT (cannot be read, more than 1 GB, a byte 0), RP_NO_MEMORY. */
-rp_status rp_file_read(const char *path, char **text);
-
-/* Make a directory and its parents. Errors: RP_IO. */
-rp_status rp_make_directory(const char *path);
-
 /* Where a row stands: its file, a borrowed name, and line. */
 typedef struct {
     const char *path;

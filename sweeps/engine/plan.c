@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "params/config.h"
-#include "table/table.h"
+#include "core/file.h"
 #include "params/units.h"
 #include "core/version.h"
 #include "dem/dem.h"

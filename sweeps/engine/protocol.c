@@ -6,7 +6,7 @@
 #include <string.h>
 #include <xxhash.h>
 
-#include "table/table.h"
+#include "core/file.h"
 
 void sweep_result_clear(sweep_result *result)
 {

@@ -8,6 +8,7 @@
 
 #include "stats/stats.h"
 #include "params/units.h"
+#include "core/file.h"
 #include "table/table.h"
 
 enum { N_STATISTICS = 6 };
@@ -228,7 +229,7 @@ rp_status sweep_export(const char *dir, const sweep_protocol *const *protocols, 
         if (!status)
             status = what & SWEEP_POINTS ? write_reduced(&t, f.store)
                                          : sweep_store_visit(f.store, &f.plan, write_run, &t);
-        if (!status) status = rp_table_finish(out, "table");
+        if (!status) status = rp_file_finish(out, "table");
     }
     sweep_folder_close(&f);
     return status;

@@ -11,7 +11,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "table/table.h"
+#include "core/file.h"
 #include "sweeps/engine/keep.h"
 
 /* One process at a time changes a store. The lock goes with the process, whatever ends it; its workers, which

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <xxhash.h>
 
-#include "table/table.h"
+#include "core/file.h"
 
 double sweep_degrees(double radians)
 {

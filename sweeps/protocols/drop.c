@@ -34,6 +34,7 @@
 
 #include "stress/stress.h"
 #include "core/random.h"
+#include "core/file.h"
 #include "table/table.h"
 #include "dem/scene/scene.h"
 #include "sweeps/protocols/box.h"

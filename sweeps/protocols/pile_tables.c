@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "core/file.h"
 #include "table/table.h"
 #include "sweeps/protocols/pile.h"
 

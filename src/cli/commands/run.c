@@ -285,7 +285,7 @@ static rp_status finish_scene(scene_run *r, outputs *out, rp_status status)
     cli_plot_close(&out->plot);
     if (*out->directory) return cli_unfinished_end(&out->unfinished, out->resumable, status);
     if (status && out->table[STATES]) rp_table_note(stdout, "unfinished", "%s", rp_message());
-    return status ? status : rp_table_finish(stdout, "standard output");
+    return status ? status : rp_file_finish(stdout, "standard output");
 }
 
 static rp_status run_scene(scene_run *r, const run_options *o)
