@@ -152,7 +152,6 @@ $(B)/studied/%: %.cfg $(CODE)
 	@$(call make_sweep, --study) $(B)/studies
 	@mkdir -p $(@D) results
 	@cp $$(ls $(B)/studies/$*.tsv $(B)/studies/$*_*.tsv | grep -v '_runs.tsv$$\|_row[0-9]*.tsv$$') results && touch $@
-$(B)/studied/calibrate_planted: $(B)/studied/calibrate
 $(B)/studied/lh_size_large: $(B)/studied/lh_size $(B)/studied/lh_size_mid
 $(B)/studied/lh2b_wide: $(B)/studied/lh2b_narrow
 $(B)/studied/lh_rough_large: $(B)/studied/lh_rough

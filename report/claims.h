@@ -41,7 +41,6 @@ typedef enum { CLI_CLAIM_TESTS(X) CLI_N_CLAIM_TESTS } cli_claim_test;
     X(published_se, se_text)                                                                                 \
     X(answer, answer)                                                                                        \
     X(against, against)                                                                                      \
-    X(forensics, forensics)                                                                                  \
     X(statement, statement)                                                                                  \
     X(note, note)
 

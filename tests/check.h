@@ -16,9 +16,6 @@
     X(suite_analytic)                                                                                        \
     X(suite_angle)                                                                                           \
     X(suite_calibrate)                                                                                       \
-    X(suite_emulator)                                                                                        \
-    X(suite_forensics)                                                                                       \
-    X(suite_inference)                                                                                       \
     X(suite_claims)                                                                                          \
     X(suite_trend)                                                                                           \
     X(suite_dem)                                                                                             \

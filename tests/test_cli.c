@@ -1155,19 +1155,16 @@ static void test_stats_settings(void)
 /* ---- claims and report ---- */
 
 #define CLAIMS                                                                                               \
-    "# at: W=4\n# "                                                                                          \
-    "id\tof\tpaper\tplace\tsection\ttest\tpublished\tpublished_"                                             \
-    "se\tsamples\tmargin\tfamily\tanswer\tagainst\t"                                                         \
-    "forensics\tstatement\tnote\n"
-#define CLAIM(id, number, forensics)                                                                         \
-    id "\t-\tlh\t-\tall\tagrees\t" number "\t20\t2\t-\tt v\t-\t" forensics "\t" id "\t-\n"
+    "# id\tof\tpaper\tplace\tsection\ttest\tpublished\tpublished_se\tsamples\tmargin\tfamily\tanswer\t"      \
+    "against\tstatement\tnote\n"
+#define CLAIM(id, number) id "\t-\tlh\t-\tall\tagrees\t" number "\t20\t2\t-\tt v\t-\t" id "\t-\n"
 /* The same of another choice. */
 #define VARIANT(id, of, number, answer)                                                                      \
-    id "\t" of "\tlh\t-\tall\tagrees\t" number "\t-\t2\t-\t" answer "\t-\t-\t" id "\t-\n"
+    id "\t" of "\tlh\t-\tall\tagrees\t" number "\t-\t2\t-\t" answer "\t-\t" id "\t-\n"
 /* Claims without a published number: one of a family, and one by itself. */
 #define MEMBER(id, family, test, margin, answer, against)                                                    \
-    id "\t-\tli\t-\tplain\t" test "\t-\t-\t-\t" margin "\t" family "\t" answer "\t" against "\t-\t" id       \
-       "\tnote\n"
+    id "\t-\tli\t-\tplain\t" test "\t-\t-\t-\t" margin "\t" family "\t" answer "\t" against "\t" id "\tnote" \
+       "\n"
 #define PLAIN(id, test, margin, answer, against) MEMBER(id, "-", test, margin, answer, against)
 /* Verdicts on these claims by the tables of the folder. */
 #define JUDGE(claims)                                                                                        \
@@ -1230,7 +1227,7 @@ static void test_claims(void)
         /* one number and itself, by either reading */
         {"steady", "-", "constant", "-", "angle twin", "-", "detail", "reproduced"}};
     enter();
-    write_claims(CLAIM("angle", "20\t1", "-") VARIANT("twin", "angle", "-\t-", "u v"), N_OF(cases), cases);
+    write_claims(CLAIM("angle", "20\t1") VARIANT("twin", "angle", "-\t-", "u v"), N_OF(cases), cases);
     write_text("t.tsv", "# count: 7 of 8\n# v_mean\tv_se\tn\n20.5\t0.1\t101\n");
     write_text("u.tsv", "# v\tv_se\n30\t0.5\n");
     write_text("trend.tsv", "# k\tchange\tchange_se\tchange_lo90\tchange_hi90\tp_value\tp_holm\n"
@@ -1277,8 +1274,8 @@ static void test_claims(void)
     check_verdict("level", "verdict", "no such claim");
     GOOD("claims --claims claims.tsv --published");
     CU_ASSERT(strstr(out, "\nangle\tlh\t20\t1\t20\n") && !strstr(out, "twin"));
-    write_text("claims.tsv", CLAIMS CLAIM("one", "20\t1", "-") PLAIN("none", "untestable", "-", "-", "-")
-                                 CLAIM("two", "30\t-", "-") CLAIM("three", "40.0\t2", "-"));
+    write_text("claims.tsv", CLAIMS CLAIM("one", "20\t1") PLAIN("none", "untestable", "-", "-", "-")
+                                 CLAIM("two", "30\t-") CLAIM("three", "40.0\t2"));
     GOOD("claims --claims claims.tsv --published");
     CU_ASSERT_PTR_NOT_NULL(strstr(out, "\none\tlh\t20\t1\t20\ntwo\tlh\t30\t0\t20\nthree\tlh\t40.0\t2\t20\n"));
     leave();
@@ -1332,7 +1329,7 @@ static void test_families(void)
     NUMBER("b", family, "2", "20")                                                                           \
     NUMBER("c", family, "2", "20") NUMBER("read", family, "3", "20") NUMBER("hotter", "-", "1", "20")
 #define NUMBER(id, family, k, samples)                                                                       \
-    id "\t-\tlh\t-\tall\tagrees\t20\t1\t" samples "\t2\t" family "\tu k=" k " v\t-\t-\t" id "\t-\n"
+    id "\t-\tlh\t-\tall\tagrees\t20\t1\t" samples "\t2\t" family "\tu k=" k " v\t-\t" id "\t-\n"
     JUDGE(FIVE("-"));
     check_verdict("hot", "detail", "not reproduced (+2.4 standard errors)");
     JUDGE(FIVE("q"));
@@ -1426,13 +1423,13 @@ static void test_bad_claims(void)
 #define BAD(text, message)                                                                                   \
     write_text("bad.tsv", CLAIMS text);                                                                      \
     FAILS(65, message, "claims --claims bad.tsv --tables .")
-    BAD(PLAIN("a", "guess", "-", "t v", "-"), "bad.tsv:3: claim a: unknown test \"guess\"");
+    BAD(PLAIN("a", "guess", "-", "t v", "-"), "bad.tsv:2: claim a: unknown test \"guess\"");
     BAD(PLAIN("a", "above", "-", "t v", "-"), "claim a: test above needs `against`");
     BAD(PLAIN("a", "agrees", "-", "t v", "-"), "claim a: test agrees needs a published number");
     BAD(PLAIN("a", "independent", "-", "t v", "-"), "claim a: test independent needs a margin");
     BAD(PLAIN("a", "above", "-", "-", "0"), "claim a: test above needs an answer");
-    BAD(CLAIM("a", "1\t1", "-") CLAIM("a", "1\t1", "-"), "bad.tsv:4: claim a stands twice");
-    BAD(CLAIM("a", "1\t1", "-") VARIANT("b", "a", "1\t1", "t v"), "a number is published once");
+    BAD(CLAIM("a", "1\t1") CLAIM("a", "1\t1"), "bad.tsv:3: claim a stands twice");
+    BAD(CLAIM("a", "1\t1") VARIANT("b", "a", "1\t1", "t v"), "a number is published once");
     BAD(VARIANT("b", "a", "-\t-", "t v"), "no claim \"a\"");
     BAD(PLAIN("a", "above", "-", "t k=1 v", "0"), "claim a: ./t.tsv: 2 rows for \"t k=1 v\", one expected");
     BAD(PLAIN("a", "above", "-", "t k=2 v", "0"), "0 rows");
@@ -1447,7 +1444,7 @@ static void test_report(void)
 {
     enter();
     write_text("claims.tsv",
-               CLAIMS CLAIM("angle", "20.10\t1", "-") PLAIN("high", "above", "-", "many k=8 v", "0"));
+               CLAIMS CLAIM("angle", "20.10\t1") PLAIN("high", "above", "-", "many k=8 v", "0"));
     write_text("many.tsv",
                "# note: so it is\n# k\tv\tv_se\tn\n7\t20.1\t0.2\t12\n8\t0.1\t0.01\t12\n9\tnan\tnan\t0\n");
     write_text("part-1.txt", "first {{cell many k=7 v %%.1f}}\n");

@@ -19,7 +19,6 @@
 #define PAGES(X)                                                                                             \
     X(readme, "README.md")                                                                                   \
     X(first_pile, "docs/first-pile.md")                                                                      \
-    X(forensics, "docs/forensics.md")                                                                        \
     X(grains, "docs/grains.md")                                                                              \
     X(guarantees, "docs/guarantees.md")                                                                      \
     X(install, "docs/install.md")                                                                            \

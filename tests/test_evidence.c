@@ -16,8 +16,8 @@
 /* ---- from a table to the words of the report ---- */
 
 #define CLAIMS                                                                                               \
-    "# at: W=4\n# id\tof\tpaper\tplace\tsection\ttest\tpublished\tpublished_se\tsamples\tmargin\tanswer\t"   \
-    "against\tforensics\tstatement\tnote\n"
+    "# id\tof\tpaper\tplace\tsection\ttest\tpublished\tpublished_se\tsamples\tmargin\tanswer\t"              \
+    "against\tstatement\tnote\n"
 
 /* A test, the published number, the rows of ours, the verdict and the words of the cell `ours`. Errors of 1
  * and of 0.75 decide between one standard error and two; p_value and p_holm lie on two sides of 5 %. */
@@ -87,8 +87,8 @@ static void write_claims(void)
     CU_ASSERT_PTR_NOT_NULL_FATAL(file);
     fputs(CLAIMS, file);
     for (size_t i = 0; i < N_ANSWERS; i++)
-        fprintf(file, "c%zu\t-\tlh\tplace %zu\tall\t%s\t%s\t%s\t%s\t%s\t%s\t%s\t-\tstatement %zu\tnote %zu\n",
-                i, i, answers[i].test, answers[i].published, strcmp(answers[i].se, "0") ? answers[i].se : "-",
+        fprintf(file, "c%zu\t-\tlh\tplace %zu\tall\t%s\t%s\t%s\t%s\t%s\t%s\t%s\tstatement %zu\tnote %zu\n", i,
+                i, answers[i].test, answers[i].published, strcmp(answers[i].se, "0") ? answers[i].se : "-",
                 strcmp(answers[i].samples, "0") ? answers[i].samples : "-", answers[i].margin,
                 answers[i].answer, answers[i].against, i, i);
     fclose(file);
@@ -248,13 +248,13 @@ static void test_section(void)
 {
     enter();
     write_text("claims.tsv",
-               CLAIMS "one\t-\tlh\tfigure 9\ts\tagrees\t20\t0.9\t40\t9\tmeans k=1 a\t-\t-\tfirst\tat rest\n"
-                      "two\tone\tlh\tfigure 9\ts\tagrees\t-\t-\t-\t9\tt k=1 a\t-\t-\tsecond\t-\n"
-                      "three\t-\tlh\tfigure 9\tother\tuntestable\t-\t-\t-\t-\t-\t-\t-\tthird\ttoo few\n"
-                      "four\t-\tli\t-\tli\tabove\t-\t-\t-\t-\tmeans_fit k=1 a\t0\t-\tfourth\t-\n"
-                      "five\t-\tli\t-\tli\tabove\t-\t-\t-\t-\tmeans k=1 a\t0\t-\tfifth\t-\n"
-                      "six\t-\tlh\t-\tno\tleast\t-\t-\t-\t-\tnone k=1 a\t0\t-\tsixth\t-\n"
-                      "seven\t-\tours\t-\town\tformula\t-\t-\t-\t-\tangle: x\t-\t-\tseventh\t-\n");
+               CLAIMS "one\t-\tlh\tfigure 9\ts\tagrees\t20\t0.9\t40\t9\tmeans k=1 a\t-\tfirst\tat rest\n"
+                      "two\tone\tlh\tfigure 9\ts\tagrees\t-\t-\t-\t9\tt k=1 a\t-\tsecond\t-\n"
+                      "three\t-\tlh\tfigure 9\tother\tuntestable\t-\t-\t-\t-\t-\t-\tthird\ttoo few\n"
+                      "four\t-\tli\t-\tli\tabove\t-\t-\t-\t-\tmeans_fit k=1 a\t0\tfourth\t-\n"
+                      "five\t-\tli\t-\tli\tabove\t-\t-\t-\t-\tmeans k=1 a\t0\tfifth\t-\n"
+                      "six\t-\tlh\t-\tno\tleast\t-\t-\t-\t-\tnone k=1 a\t0\tsixth\t-\n"
+                      "seven\t-\tours\t-\town\tformula\t-\t-\t-\t-\tangle: x\t-\tseventh\t-\n");
     write_text("t.tsv", "# k\ta\ta_se\n1\t24\t1\n");
     /* a sweep with failed runs, and a fit to its table */
 #define SWEEP "# sweep: means.cfg, protocol repose, seed 1, 5 grid points x 3 replicas\n# failed: "
@@ -283,10 +283,10 @@ static void test_section(void)
     check_claims_table();
     /* a number of one sample; all failed runs of a sweep */
     write_text("claims.tsv",
-               CLAIMS "one\t-\tlh\tfigure 9\ts\tagrees\t20\t0.9\t1\t9\tmeans k=1 a\t-\t-\tfirst\t-\n"
-                      "two\t-\tlh\tfigure 9\ts\tagrees\t20\t0.8\t-\t9\tmeans k=1 a\t-\t-\tsecond\t-\n"
-                      "three\t-\tlh\tfigure 9\ts\tabove\t-\t-\t-\t-\tmore k=1 a\t0\t-\tthird\t-\n"
-                      "four\t-\tlh\tfigure 9\ts\tabove\t-\t-\t-\t-\tmore_fit k=1 a\t0\t-\tfourth\t-\n");
+               CLAIMS "one\t-\tlh\tfigure 9\ts\tagrees\t20\t0.9\t1\t9\tmeans k=1 a\t-\tfirst\t-\n"
+                      "two\t-\tlh\tfigure 9\ts\tagrees\t20\t0.8\t-\t9\tmeans k=1 a\t-\tsecond\t-\n"
+                      "three\t-\tlh\tfigure 9\ts\tabove\t-\t-\t-\t-\tmore k=1 a\t0\tthird\t-\n"
+                      "four\t-\tlh\tfigure 9\ts\tabove\t-\t-\t-\t-\tmore_fit k=1 a\t0\tfourth\t-\n");
     write_text("more.tsv", SWEEP "2 of 9\n# k\ta\ta_se\tn\tn_failed\n1\t3\t1\t7\t2\n");
     write_text("more_fit.tsv", "# k\ta\ta_se\n1\t3\t1\n");
     write_text("means.tsv",
@@ -336,7 +336,7 @@ static void test_failed_cells(void)
     enter();
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++)
         snprintf(text + strlen(text), sizeof text - strlen(text),
-                 "%s\t-\tlh\t-\ts\tabove\t-\t-\t-\t-\t%s\t%s\t-\t%s\t-\n", cases[k].id, cases[k].answer,
+                 "%s\t-\tlh\t-\ts\tabove\t-\t-\t-\t-\t%s\t%s\t%s\t-\n", cases[k].id, cases[k].answer,
                  cases[k].against, cases[k].id);
     write_text("claims.tsv", text);
     write_text("s.tsv", SWEEP "14 of 30 (overlap 14)\n# k\tg\tn\tn_failed\ta_mean\ta_sd\ta_se\ta_n\n"
@@ -422,15 +422,15 @@ static void test_references(void)
 
 #define HEADER                                                                                               \
     "# id\tof\tpaper\tplace\tsection\ttest\tpublished\tpublished_se\tsamples\tmargin\tfamily\tanswer\t"      \
-    "against\tforensics\tstatement\tnote\n"
+    "against\tstatement\tnote\n"
 
 #define ASK "claims --claims claims.tsv --tables ."
 
 static void write_claim(const char *test, const char *published, const char *margin, const char *answer,
                         const char *against, const char *note)
 {
-    write_text("claims.tsv", HEADER "x\t-\tlh\t-\ts\t%s\t%s\t-\t-\t%s\t-\t%s\t%s\t-\tx\t%s\n", test,
-               published, margin, answer, against, note);
+    write_text("claims.tsv", HEADER "x\t-\tlh\t-\ts\t%s\t%s\t-\t-\t%s\t-\t%s\t%s\tx\t%s\n", test, published,
+               margin, answer, against, note);
 }
 
 /* The claims are read, or without what they need refused. */
@@ -482,11 +482,11 @@ static void test_needs(void)
     write_claim("order", "-", "2", "t v", "-", "why");
     FAILS(65, "test order needs a published number", ASK);
     /* every column but that of families */
-    static const char *const columns[] = {
-        "id",      "of",     "paper", "place",  "section", "test",      "published", "published_se",
-        "samples", "margin", NULL,    "answer", "against", "forensics", "statement", "note"};
+    static const char *const columns[] = {"id",   "of",        "paper",        "place",     "section",
+                                          "test", "published", "published_se", "samples",   "margin",
+                                          NULL,   "answer",    "against",      "statement", "note"};
     write_claim("agrees", "20", "2", "t v", "1", "why");
-    for (int k = 0; k < 16; k++) {
+    for (int k = 0; k < 15; k++) {
         char line[128], message[64];
         snprintf(line, sizeof line, "sed 's/^# //' claims.tsv | cut --complement -f %d >less.tsv", k + 1);
         snprintf(message, sizeof message, "less.tsv: no column \"%s\"", columns[k] ? columns[k] : "");
@@ -519,7 +519,7 @@ static void check_claim(const char *id, const char *ours, const char *detail)
 }
 
 #define ROW(id, test, margin, family, answer, against)                                                       \
-    id "\t-\tlh\t-\ts\t" test "\t-\t-\t-\t" margin "\t" family "\t" answer "\t" against "\t-\t" id "\t-\n"
+    id "\t-\tlh\t-\ts\t" test "\t-\t-\t-\t" margin "\t" family "\t" answer "\t" against "\t" id "\t-\n"
 
 /* Eight claims of one question. Chances of no effect, 1e-5 twice, 0.0027 twice and more, raised to 0.016 at
  * most; of the margin 0.0228 three times, raised to 0.068 beside 1e-12, and to 0.0455 where they are two. */
@@ -563,7 +563,7 @@ static void test_family(void)
 static void test_constants(void)
 {
 #define NUMBER(id, value, samples)                                                                           \
-    id "\t-\tli\t-\ts\tpicture\t" value "\t1\t" samples "\t-\t-\tfig\t-\t-\t" id "\t-\n"
+    id "\t-\tli\t-\ts\tpicture\t" value "\t1\t" samples "\t-\t-\tfig\t-\t" id "\t-\n"
     char two[64], three[64];
     enter();
     write_text("claims.tsv", HEADER NUMBER("one", "10", "-") NUMBER("two", "12", "4")
@@ -810,13 +810,13 @@ static size_t check_statement(const char *id, const char *text, const config_t *
     return n_checked;
 }
 
-/* What a claim of Lee & Herrmann does not say is as the header line `at` has it, but in sweeps of boxes of
- * several sizes. */
-static void check_at(const rp_table *t, size_t row, const char *path, const config_t *config,
-                     const sweep_protocol *protocol)
+/* What a claim of Lee & Herrmann does not say is as the paper has it, but in sweeps of boxes of several
+ * sizes.
+ */
+static void check_setting(const rp_table *t, size_t row, const char *path, const config_t *config,
+                          const sweep_protocol *protocol)
 {
-    const char *at = rp_table_find_note(t, "at");
-    CU_ASSERT_PTR_NOT_NULL_FATAL(at);
+    const char *at = "W=4 H=4 mu=0.2 k_n=1e6 gamma_n=500";
     char key[64];
     double value, values[64];
     for (int used; sscanf(at, " %63[^=]=%lf%n", key, &value, &used) == 2; at += used) {
@@ -857,7 +857,8 @@ static void test_settings(void)
             if ((others = strstr(text, " + "))) *others = '\0';
             n_checked += check_statement(word(&t, row, "id"), text, &config, protocol);
         }
-        if (protocol && strcmp(word(&t, row, "paper"), "lh") == 0) check_at(&t, row, path, &config, protocol);
+        if (protocol && strcmp(word(&t, row, "paper"), "lh") == 0)
+            check_setting(&t, row, path, &config, protocol);
         config_destroy(&config);
     }
     rp_table_free(&t);

@@ -6,7 +6,6 @@
 #include <string.h>
 
 #include "tests/check.h"
-#include "tests/planted.h"
 #include "tests/program.h"
 
 /* A command on the fixtures, and options to add, each by itself. */
@@ -65,8 +64,6 @@ static const struct {
     {"pile", "--outline outline.tsv --base 6", "--base 7|--disorder 0.01"},
     {"pile", "--outline outline.tsv --base 6 --disorder 0.01", "--seed 4"},
     {"pile", "--disks disks.tsv", "--eps 1e-3"},
-    {"forensics", "planted_runs.tsv --claims planted_claims.tsv --draws 200",
-     "--claims planted_other.tsv|--report numbers|--shift-deg 9|--draws 201|--seed 4|--design 3"},
     {"calibrate", "--runs more.tsv --theta-r-deg 15 --error-deg 1 --bootstrap 20",
      "--runs fewer.tsv|--theta-r-deg 16|--error-deg 2|--bootstrap 21|--seed 4"},
     {"calibrate",
@@ -205,8 +202,8 @@ static void print_wave(FILE *file)
 }
 
 #define CLAIMS                                                                                               \
-    "# at: W=4\n# id\tof\tpaper\tplace\tsection\ttest\tpublished\tpublished_se\tsamples\tmargin\tanswer\t"   \
-    "against\tforensics\tstatement\tnote\n"
+    "# id\tof\tpaper\tplace\tsection\ttest\tpublished\tpublished_se\tsamples\tmargin\tanswer\t"              \
+    "against\tstatement\tnote\n"
 
 static void write_fixtures(void)
 {
@@ -217,8 +214,6 @@ static void write_fixtures(void)
     write_file("p_grains.tsv", print_stress_grains);
     write_file("p_contacts.tsv", print_stress_contacts);
     write_file("piles.tsv", print_piles);
-    planted_write("planted_", 12, false);
-    shell("sed 's/\t20\t2/\t3\t2/; s/0.3\t3/0.5\t3/' planted_claims.tsv >planted_other.tsv; :>out; :>err");
     write_text("bent.tsv", "# x\ty\tse\n1\t1\t0.1\n2\t2.1\t0.1\n3\t2.9\t0.1\n4\t4.3\t0.1\n");
     write_text("flat.tsv", "# x\ty\n1\t1\n2\t1.3\n3\t0.9\n1\t1.1\n2\t1\n3\t1.4\n");
     write_file("wave.tsv", print_wave);
@@ -226,9 +221,9 @@ static void write_fixtures(void)
     write_text("disks.tsv", "# x\ty\n0\t0.5\n1\t0.5\n2\t0.5\n0.5\t1.366025\n1.5\t1.366025\n1\t2.23205\n");
     write_text("start.tsv", "# x\ty\tr\n0.1\t0.1\t0.1\n0.3\t0.1\t0.1\n0.2\t0.274\t0.1\n");
     write_text("t.tsv", "# v_mean\tv_se\tn\n20.5\t0.1\t101\n");
-    static const char *const rest = "\t1\t20\t2\tt v\t-\ttheta_r3\ta\t-\n"
-                                    "twin\tangle\tlh\t-\tall\tagrees\t-\t-\t-\t2\tt v\t-\t-\ttwin\t-\n"
-                                    "high\t-\tli\t-\tall\tabove\t-\t-\t-\t-\tt v\t0\t-\thigh\t-\n";
+    static const char *const rest = "\t1\t20\t2\tt v\t-\ta\t-\n"
+                                    "twin\tangle\tlh\t-\tall\tagrees\t-\t-\t-\t2\tt v\t-\ttwin\t-\n"
+                                    "high\t-\tli\t-\tall\tabove\t-\t-\t-\t-\tt v\t0\thigh\t-\n";
     write_text("claims.tsv", CLAIMS "angle\t-\tlh\t-\tall\tagrees\t20%s", rest);
     write_text("other.tsv", CLAIMS "angle\t-\tlh\t-\tall\tagrees\t18%s", rest);
 }
@@ -412,8 +407,7 @@ static void add_failed(const char *name, const char *status)
     rp_table_free(&t);
 }
 
-/* No command that reads runs takes one without a result for one. stats maximum takes any column, and
- * forensics counts the runs without one. */
+/* No command that reads runs takes one without a result for one. stats maximum takes any column. */
 static void test_failed_runs(void)
 {
     static const char *const commands[] = {

@@ -13,7 +13,6 @@
 #include "stats/stats.h"
 #include "sweeps/protocols/protocols.h"
 #include "tests/check.h"
-#include "tests/planted.h"
 #include "tests/program.h"
 
 /* Positions up to 1 and lengths of 1e-3 have relative errors of 1e-13, forces some more. */
@@ -587,139 +586,6 @@ static void test_sweep(void)
 }
 
 /* ---- commands ---- */
-
-#define FORENSICS "forensics runs.tsv --claims claims.tsv --draws 400 "
-
-/* Shares of each choice add up to 1; the width is that of the interval over the prior's. */
-static void check_choices(void)
-{
-    static const char *const names[] = {"slip", "surface", "reading", "shift", "stop"};
-    enum { N_NAMES = sizeof names / sizeof *names };
-    double total[N_NAMES] = {0.0}, exact = 0.0; /* exact: of slip, without an error of the emulator */
-    GOOD(FORENSICS);
-    checked c = checked_read("out");
-    for (size_t i = 0; i < c.t.n_rows; i++) {
-        const double share = at(&c, i, "share"), prior = at(&c, i, "prior"), lower = at(&c, i, "lower"),
-                     upper = at(&c, i, "upper"), median = at(&c, i, "median"), width = at(&c, i, "width"),
-                     factor = at(&c, i, "bayes_factor");
-        const char *choice = word(&c.t, i, "choice");
-        at(&c, i, "choice"), at(&c, i, "level"), at(&c, i, "given");
-        const bool is_exact = strcmp(word(&c.t, i, "given"), "emulator=exact") == 0;
-        for (int k = 0; k < N_NAMES; k++)
-            total[k] += strcmp(choice, names[k]) == 0 && !is_exact ? share : 0.0;
-        exact += strcmp(choice, "slip") == 0 && is_exact ? share : 0.0;
-        if (strcmp(word(&c.t, i, "level"), "-") != 0)
-            CHECK_NEAR(factor, share / (1.0 - share) * (1.0 - prior) / prior, 1e-9);
-        else
-            CU_ASSERT(lower <= median && median <= upper);
-        if (strcmp(choice, "stiffness") == 0) CHECK_NEAR(width, log(upper / lower) / log(200.0) / 0.95, 1e-9);
-    }
-    for (int k = 0; k < N_NAMES; k++) CHECK_NEAR(total[k], 1.0, 1e-9);
-    CHECK_NEAR(exact, 1.0, 1e-9);
-    checked_end(&c);
-}
-
-/* 20 bins for each of two choices, equal on the logarithmic scale of the prior; the posterior over the prior
- * is 1 on average, and its quantiles are those that --report choices prints: 2.5, 50 and 97.5 % are reached
- * within their bins. */
-static void check_density(void)
-{
-    enum { BINS = 20 };
-    static const char *const columns[3] = {"all", "none", "common"},
-                             *const given[3] = {"all", "shift=none", "shift=common"},
-                             *const quantiles[3] = {"lower", "median", "upper"};
-    static const struct {
-        const char *name;
-        double lo, ratio;
-    } choices[2] = {{"stiffness", 2e3, 200.0}, {"damping_rate", 3.0, 50.0 / 3.0}};
-    static const double reached[3] = {0.025, 0.5, 0.975};
-    GOOD(FORENSICS);
-    rp_table t = read_table("out");
-    checked c = CHECKED_RUN(2 * BINS, FORENSICS "--report density");
-    for (size_t g = 0; g < 2; g++)
-        for (int k = 0; k < 3; k++) {
-            double below[BINS + 1] = {0.0};
-            for (size_t i = 0; i < BINS; i++) {
-                const size_t row = g * BINS + i;
-                at(&c, row, "choice");
-                CU_ASSERT_STRING_EQUAL(word(&c.t, row, "choice"), choices[g].name);
-                CHECK_NEAR(at(&c, row, "value"),
-                           choices[g].lo * pow(choices[g].ratio, ((double)i + 0.5) / BINS),
-                           1e-9 * choices[g].lo * choices[g].ratio);
-                below[i + 1] = below[i] + at(&c, row, columns[k]) / BINS;
-            }
-            CHECK_NEAR(below[BINS], 1.0, 1e-9);
-            for (size_t i = 0; i < t.n_rows; i++) {
-                if (strcmp(word(&t, i, "choice"), choices[g].name) != 0 ||
-                    strcmp(word(&t, i, "given"), given[k]) != 0)
-                    continue;
-                for (int q = 0; q < 3; q++) {
-                    const double place =
-                        log(cell(&t, i, quantiles[q]) / choices[g].lo) / log(choices[g].ratio);
-                    const size_t bin = (size_t)(place * BINS);
-                    CU_ASSERT(below[bin] <= reached[q] + 1e-9 && reached[q] <= below[bin + 1] + 1e-9);
-                }
-            }
-        }
-    checked_end(&c);
-    rp_table_free(&t);
-}
-
-/* Published numbers are those of the claims, the one that is held out last; they narrow the predictions. */
-static void check_numbers(void)
-{
-    checked c = CHECKED_RUN(4, FORENSICS "--report numbers");
-    for (size_t i = 0; i < 4; i++) {
-        at(&c, i, "claim"), at(&c, i, "role"), at(&c, i, "column");
-        CHECK_NEAR(at(&c, i, "published_se_deg"), i < 3 ? 0.3 : 0.1, 1e-9);
-        CHECK_NEAR(at(&c, i, "samples"), 20.0, 0.0);
-        CHECK_NEAR(at(&c, i, "predicted_deg"), at(&c, i, "published_deg"), 1.5);
-        CU_ASSERT(at(&c, i, "predicted_sd_deg") < at(&c, i, "prior_sd_deg"));
-        CHECK_NEAR(at(&c, i, "prior_deg"), 17.0, 6.0);
-        CU_ASSERT(at(&c, i, "p_value") > 0.01);
-    }
-    CU_ASSERT_STRING_EQUAL(word(&c.t, 0, "claim"), "base");
-    CU_ASSERT_STRING_EQUAL(word(&c.t, 3, "claim"), "first");
-    checked_end(&c);
-}
-
-/* Both kernels over all 72 cells, of four piles each. */
-static void check_emulator(void)
-{
-    rp_table t = read_table("runs.tsv");
-    double angle[72] = {0.0};
-    CU_ASSERT_EQUAL_FATAL(t.n_rows, 72 * PLANTED_PILES);
-    for (size_t k = 0; k < t.n_rows; k++)
-        angle[k / PLANTED_PILES] += cell(&t, k, "theta_r3_deg") / PLANTED_PILES;
-    const double spread = gsl_stats_sd_with_fixed_mean(angle, 1, 72, gsl_stats_mean(angle, 1, 72));
-    rp_table_free(&t);
-    checked c = CHECKED_RUN(2, FORENSICS "--report emulator");
-    for (size_t i = 0; i < 2; i++) {
-        at(&c, i, "quantity"), at(&c, i, "left_out"), at(&c, i, "kernel"), at(&c, i, "used");
-        CU_ASSERT_STRING_EQUAL(word(&c.t, i, "left_out"), "setting"); /* of one sweep */
-        CHECK_NEAR(at(&c, i, "cells"), 72.0, 0.0);
-        /* scatter of -0.6, 0.4, -0.4, 0.6: squares of 1.04 over 3, and 4 piles a mean */
-        CHECK_NEAR(at(&c, i, "noise"), sqrt(1.04 / 3.0 / 4.0), 1e-6);
-        CHECK_NEAR(at(&c, i, "spread"), spread, 1e-9 * spread);
-        CU_ASSERT(at(&c, i, "rms_left_out") < 0.7 * spread);
-        CU_ASSERT(at(&c, i, "covered") > 0.85);
-        CU_ASSERT(at(&c, i, "stated") > cell(&c.t, i, "noise")); /* which is part of it */
-    }
-    CU_ASSERT((at(&c, 0, "score") > at(&c, 1, "score")) == (strcmp(word(&c.t, 0, "used"), "yes") == 0));
-    checked_end(&c);
-}
-
-/* Reports of choices that are planted. */
-static void test_forensics(void)
-{
-    enter();
-    planted_write("", 24, false);
-    check_choices();
-    check_density();
-    check_numbers();
-    check_emulator();
-    leave();
-}
 
 /* Standard error of the sum of two mean angles over resamples of their piles, from the stream of the seed;
  * resampled means of n piles spread with n, not n - 1, below the root. */
@@ -1583,7 +1449,6 @@ void suite_tables(void)
                                        {"disks, contacts, wells, base of a pile", test_pile},
                                        {"ensemble of piles", test_ensemble},
                                        {"runs and points of a sweep", test_sweep},
-                                       {"forensics", test_forensics},
                                        {"angle compare", test_compare},
                                        {"angle phi", test_phi},
                                        {"angle phi: one phi or not", test_one_phi},

@@ -164,9 +164,6 @@ bool cli_ends_in(const char *text, const char *end);
 rp_status cli_table_read(const char *path, rp_table **table);              /* as rp_table_read */
 rp_status cli_texts_read(const char *path, rp_table **table);              /* as rp_table_read_texts */
 rp_status cli_table_parse(const char *name, char *text, rp_table **table); /* as rp_table_parse */
-/* The tables of all arguments as one; *n_first (may be NULL): rows of the first. Errors: those of
- * rp_table_read and rp_table_append. */
-rp_status cli_tables_read(rp_table **table, size_t *n_first);
 size_t cli_mark(void);
 void cli_release(size_t mark);
 
@@ -266,7 +263,6 @@ rp_status cli_header_by(const rp_table *table, const char *by, const char *own);
     X(export)                                                                                                \
     X(calibrate)                                                                                             \
     X(claims)                                                                                                \
-    X(forensics)                                                                                             \
     X(params)                                                                                                \
     X(bench)                                                                                                 \
     X(report)                                                                                                \

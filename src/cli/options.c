@@ -316,10 +316,10 @@ rp_status cli_positions(long points, const char *at, double **x, size_t *n)
     return RP_OK;
 }
 
-rp_status cli_tables_read(rp_table **table, size_t *n_first)
+/* The tables of all arguments as one. */
+static rp_status read_tables(rp_table **table)
 {
     RP_TRY(cli_table_read(cli_data(cli_argument(0)), table));
-    if (n_first) *n_first = (*table)->n_rows;
     for (int i = 1; i < line.n_arguments; i++) {
         rp_table *more;
         RP_TRY(cli_table_read(cli_data(cli_argument(i)), &more));
@@ -333,7 +333,7 @@ static rp_status act_on_table(const cli_command *command)
 {
     rp_table *table;
     const rp_param *where = rp_params_find(line.options, "where");
-    RP_TRY(cli_tables_read(&table, NULL));
+    RP_TRY(read_tables(&table));
     const rp_texts *conditions = where ? (const rp_texts *)(line.values + where->offset) : NULL;
     for (size_t i = 0; where && i < conditions->n; i++) RP_TRY(rp_table_where(table, conditions->items[i]));
     return command->on_table(table, line.values);

@@ -26,7 +26,7 @@ files='analytic/*.c src/angle/*.c src/core/sparse.c src/statics/*.c src/stats/*.
     src/dem/setup/definition.c src/dem/setup/limits.c src/dem/methods/step.c src/dem/sim.c
     sweeps/*/*.c src/table/table.c src/params/params.c src/dem/scene/output.c src/dem/scene/scene.c src/dem/setup/physics.c
     report/*.c src/cli/columns.c src/cli/options.c src/cli/commands/*.c
-    src/export/*.c src/view/*.c src/cli/forensics_*.c
+    src/export/*.c src/view/*.c
     figures/lh/*.gp figures/li/*.gp
     validation/cases.c validation/oblique.c validation/solved_pile.c'
 
@@ -37,8 +37,6 @@ suites_of() {
     src/stats/ensemble.c | src/stats/series.c) echo trend angle notes flux ;;
     src/stats/verdict.c) echo claims ;;
     src/stats/oscillation.c) echo trend ;;
-    src/stats/forensics.c | src/stats/design.c) echo forensics inference ;;
-    src/stats/emulator.c) echo emulator inference ;;
     src/stats/lines.c | src/stats/settings.c | src/stats/trend.c | src/stats/limit.c | src/stats/predict.c) echo trend evidence calibrate tables angle ;;
     src/stats/*) echo calibrate columns ;;
     figures/*) echo figures ;;
@@ -55,7 +53,6 @@ suites_of() {
     src/cli/commands/params.c) echo help options ;;
     src/cli/options.c) echo help notes evidence options tables columns claims cli ;;
     src/cli/commands/run.c) echo view tables options snapshot cli ;;
-    src/cli/forensics_* | src/cli/commands/forensics.c) echo inference forensics evidence options tables cli ;;
     src/cli/commands/pile.c) echo notes equilibrium tables options cli ;;
     report/* | src/cli/*) echo notes evidence options tables columns claims cli ;;
     sweeps/protocols/pile_tables.c) echo tables notes piles cli ;;
@@ -68,7 +65,6 @@ suites_of() {
     src/dem/list/removal.c) echo removal dem units ;;
     src/dem/setup/definition.c | src/dem/setup/limits.c | src/dem/methods/gravity.c | src/dem/methods/step.c | src/dem/sim.c)
         echo units scene walls golden motion hard soft rotation dem laws ;;
-    sweeps/engine/groups.c) echo forensics ;;
     sweeps/engine/keep.c) echo sweep snapshot ;;
     sweeps/protocols/protocols.c) echo sweep golden tables notes cli ;;
     sweeps/engine/pool.c | sweeps/engine/sweep.c) echo sweep drill notes tables evidence cli snapshot ;;
