@@ -7,7 +7,7 @@
 #include "dem/setup/definition.h"
 #include "dem/state/method.h"
 #include "dem/scene/scene.h"
-#include "dem/state/state.h"
+#include "dem/methods/step.h"
 #include "tests/check.h"
 #include "tests/grains.h"
 

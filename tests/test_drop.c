@@ -5,7 +5,7 @@
 
 #include "stress/stress.h"
 #include "core/random.h"
-#include "dem/state/state.h"
+#include "dem/list/list.h"
 #include "sweeps/protocols/protocols.h"
 #include "tests/check.h"
 #include "tests/protocol.h"

@@ -3,7 +3,7 @@
 
 #include "core/random.h"
 #include "dem/dem.h"
-#include "dem/methods/hard.h"
+#include "dem/law/bodies.h"
 #include "tests/check.h"
 
 /* Sums of some 20 rounded terms, relative to their size: 1e-13 is 450 units. */

@@ -6,7 +6,7 @@
 #include "angle/angle.h"
 #include "dem/dem.h"
 #include "statics/equilibrium.h"
-#include "dem/methods/hard.h"
+#include "dem/law/bodies.h"
 #include "tests/check.h"
 #include "tests/grains.h"
 #include "tests/property.h"

@@ -2,7 +2,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "dem/state/state.h"
+#include "dem/list/list.h"
 #include "tests/check.h"
 #include "tests/grains.h"
 

@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "dem/dem.h"
-#include "dem/methods/hard.h"
+#include "dem/law/bodies.h"
 #include "dem/law/law.h"
 #include "tests/check.h"
 #include "tests/grains.h"

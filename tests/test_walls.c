@@ -5,7 +5,7 @@
 #include "core/snapshot.h"
 #include "dem/setup/definition.h"
 #include "dem/scene/scene.h"
-#include "dem/state/state.h"
+#include "dem/forces/forces.h"
 #include "tests/check.h"
 #include "tests/grains.h"
 #include "tests/program.h"

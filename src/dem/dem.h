@@ -14,6 +14,8 @@
 
 #include "core/snapshot.h"
 #include "core/status.h"
+#include "dem/law/bodies.h"
+#include "dem/law/impact.h"
 #include "dem/law/laws.h"
 #include "dem/law/parameters.h"
 
@@ -34,8 +36,6 @@ enum { DEM_INTEGRATORS = 0 DEM_INTEGRATOR_LIST(X) };
 #undef X
 #define DEM_INTEGRATOR_WORD(name, word) " | " #word
 #define DEM_INTEGRATOR_WORDS            (&(DEM_INTEGRATOR_LIST(DEM_INTEGRATOR_WORD))[3])
-/* mass from density: (4/3) pi rho r^3, or rho pi r^2; moment of inertia: (2/5) m r^2, or (1/2) m r^2 */
-typedef enum { DEM_SPHERE, DEM_DISK } dem_shape;
 /* Instances of the pair loop, all with the same bits: the best for the scene's laws and the processor, the
  * loop that decides at run time, or that for the laws with no more than these instructions. */
 typedef enum { DEM_FAST, DEM_REFERENCE, DEM_BASELINE, DEM_AVX2, DEM_AVX512, DEM_KERNELS } dem_kernel_choice;
@@ -84,9 +84,10 @@ typedef struct {
     dem_well_set set;
 } dem_ground;
 
-/* Hard collisions of fast bodies; hard.h. Grains, or a grain and a wall, that would touch in the coming step
- * collide at touch. If they close no faster than dt times the acceleration that presses them together, eq
- * (22), the step would undo a rebound: they form a soft contact, which lasts until they part. */
+/* Hard collisions of fast bodies; methods/hard.h, law/bodies.h. Grains, or a grain and a wall, that would
+ * touch in the coming step collide at touch. If they close no faster than dt times the acceleration that
+ * presses them together, eq (22), the step would undo a rebound: they form a soft contact, which lasts until
+ * they part. */
 typedef struct {
     bool on;
     double restitution, mu; /* of grains and walls alike; 0 <= restitution <= 1, mu may be INFINITY */
@@ -390,26 +391,6 @@ rp_status dem_fill_random(const dem_fill *fill, dem_grain *grains);
 /* The same with the radii that `grains` already have; those of the fill are not used. Large ones should come
  * first: they find no room among many small ones. */
 rp_status dem_fill_place(const dem_fill *fill, dem_grain *grains);
-
-/* Mass of a grain, and its moment of inertia. */
-double dem_mass(dem_shape shape, double density, double r);
-double dem_inertia(dem_shape shape, double m, double r);
-
-/* One head-on impact at speed v > 0, from first touch until the overlap is 0 again, by an adaptive
- * Runge-Kutta method, without the simulator. Damping beyond 1e4 of the spring's rate: the limit of no spring,
- * to 1e-6. A pair that never parts has restitution 0 and time INFINITY. Errors: RP_BAD_INPUT, RP_NO_MEMORY.
- */
-typedef struct {
-    double restitution, overlap, time;
-} dem_collision_result;
-rp_status dem_collision(dem_normal_law normal, bool tension, double k_n, double gamma_n, double m_eff,
-                        double v, dem_collision_result *result);
-
-/* gamma_n with which an impact at speed v has this restitution, in (0, 1]: in closed form, whatever v, where
- * the law has a damping ratio; else from dem_collision, to 1e-12 of it. Errors: RP_BAD_INPUT, RP_NO_MEMORY.
- */
-rp_status dem_damping_of(dem_normal_law normal, bool tension, double k_n, double m_eff, double v,
-                         double restitution, double *gamma_n);
 
 RP_C_END
 

@@ -6,8 +6,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "dem/setup/definition.h"
+#include "dem/forces/forces.h"
+#include "dem/list/list.h"
+#include "dem/methods/step.h"
 #include "dem/observe/ledger.h"
+#include "dem/setup/definition.h"
 
 /* Pairs of a chunk: some 3000 grains. Their data of a step fit into the second cache. */
 enum { CHUNK = 8192 };
@@ -269,14 +272,6 @@ void dem_free(dem_sim *sim)
 dem_fault dem_sim_fault(const dem_sim *sim)
 {
     return sim->fault;
-}
-
-const char *dem_fault_text(dem_fault fault)
-{
-#define X(name, text) [name] = text,
-    static const char *const texts[] = {DEM_FAULT_LIST(X)};
-#undef X
-    return texts[fault];
 }
 
 long dem_step(const dem_sim *sim)

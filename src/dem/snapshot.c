@@ -8,9 +8,9 @@
 #include <xxhash.h>
 
 #include "core/snapshot.h"
-#include "dem/setup/definition.h"
+#include "dem/list/list.h"
 #include "dem/observe/ledger.h"
-#include "dem/state/state.h"
+#include "dem/setup/definition.h"
 
 uint64_t dem_keep_layout(void)
 {

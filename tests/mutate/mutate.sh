@@ -21,10 +21,10 @@ flags='-O1 -Werror=format -Werror=int-conversion -Werror=incompatible-pointer-ty
 tab='	'
 
 files='analytic/*.c src/angle/*.c src/core/sparse.c src/statics/*.c src/stats/*.c src/stress/*.c
-    src/dem/law/law.inl src/dem/law/laws.c src/dem/loops/contact.inl src/dem/methods/verlet.c src/dem/methods/gear.c src/dem/methods/implicit.c
-    src/dem/forces/walls.c src/dem/forces/ground.c src/dem/methods/gravity.c src/dem/list/removal.c src/dem/methods/hard.c src/dem/observe/ledger.c src/dem/observe/observe.c
-    src/dem/setup/definition.c src/dem/setup/limits.c src/dem/methods/step.c src/dem/sim.c
-    sweeps/*/*.c src/table/table.c src/params/params.c src/dem/scene/output.c src/dem/scene/scene.c src/dem/setup/physics.c
+    src/dem/law/law.inl src/dem/law/laws.c src/dem/law/bodies.c src/dem/loops/contact.inl src/dem/methods/verlet.c src/dem/methods/gear.c
+    src/dem/methods/implicit.c src/dem/methods/gravity.c src/dem/methods/hard.c src/dem/methods/step.c src/dem/state/slots.c src/dem/state/vec.c
+    src/dem/forces/*.c src/dem/list/removal.c src/dem/observe/*.c src/dem/setup/*.c src/dem/sim.c src/dem/run.c
+    sweeps/*/*.c src/table/table.c src/params/params.c src/dem/scene/output.c src/dem/scene/scene.c
     report/*.c src/cli/columns.c src/cli/options.c src/cli/commands/*.c
     src/export/*.c src/view/*.c
     figures/lh/*.gp figures/li/*.gp
@@ -44,8 +44,8 @@ suites_of() {
     src/core/sparse.c) echo property piles equilibrium midpoint implicit ;;
     src/statics/*) echo property piles equilibrium ;;
     src/dem/scene/scene.c) echo walls scene tables keys cli ;;
-    src/dem/setup/physics.c) echo scene dem laws walls keys tables sweep ;;
-    src/core/* | src/dem/scene/output.c | src/dem/setup/physics.c) echo core tables scene keys evidence sweep cli ;;
+    src/dem/setup/physics.c | src/dem/setup/check.c) echo scene dem laws walls keys units hard motion soft tables sweep ;;
+    src/core/* | src/dem/scene/output.c) echo core tables scene keys evidence sweep cli ;;
     src/cli/commands/export.c | src/export/*) echo export view help options ;;
     report/pages.c) echo help evidence claims cli ;;
     src/cli/commands/view.c | src/view/*) echo view help options ;;
@@ -61,9 +61,9 @@ suites_of() {
     src/dem/methods/implicit.c) echo midpoint implicit dem units ;;
     src/dem/methods/verlet.c) echo units dem removal threads motion rotation soft hard laws walls golden ;;
     src/dem/observe/ledger.c) echo units ledger walls ;;
-    src/dem/observe/observe.c) echo units soft rotation motion stress scene golden dem ;;
+    src/dem/observe/observe.c | src/dem/forces/contact.c) echo units soft rotation motion stress scene golden dem ;;
     src/dem/list/removal.c) echo removal dem units ;;
-    src/dem/setup/definition.c | src/dem/setup/limits.c | src/dem/methods/gravity.c | src/dem/methods/step.c | src/dem/sim.c)
+    src/dem/setup/* | src/dem/methods/gravity.c | src/dem/state/vec.c | src/dem/methods/step.c | src/dem/sim.c | src/dem/run.c)
         echo units scene walls golden motion hard soft rotation dem laws ;;
     sweeps/engine/keep.c) echo sweep snapshot ;;
     sweeps/protocols/protocols.c) echo sweep golden tables notes cli ;;
@@ -74,7 +74,7 @@ suites_of() {
     sweeps/protocols/box.c) echo repose stress flux golden keys columns snapshot ;;
     sweeps/protocols/*) suite=${1##*/} && echo "${suite%.c}" golden columns snapshot ;;
     sweeps/engine/*) echo sweep notes tables evidence cli ;;
-    src/dem/forces/walls.c) echo units walls scene tables contacts incline rotation golden ledger ;;
+    src/dem/forces/walls.c | src/dem/forces/touch.c | src/dem/state/slots.c) echo units walls scene tables contacts incline rotation golden ledger ;;
     *) echo units soft property rotation incline contacts published motion hard walls golden scene dem laws ;;
     esac
 }

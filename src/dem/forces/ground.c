@@ -4,7 +4,7 @@
  * deep as N is large at the moment, so it conserves energy only while N is constant. */
 #include <math.h>
 
-#include "dem/state/state.h"
+#include "dem/forces/forces.h"
 
 static double along(const dem_sim *sim, const dem_wall_slot *slot, dem_vec v)
 {

@@ -1,60 +1,14 @@
-/* Walls: the pair's law with an infinite mass and no radius on the other side (Lee & Herrmann 1993, after
- * eq (2)). The nearest point of the wall acts along the line to the centre, so that the end of a segment
- * is a corner, and the shear spring lives on as a grain rolls over it. */
-#include "dem/forces/walls.h"
-
+/* Walls: their motion, and their forces by the pair's law with an infinite mass and no radius on the other
+ * side (Lee & Herrmann 1993, after eq (2)). */
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
-#include "dem/observe/observe.h"
+#include "dem/forces/forces.h"
 
 static dem_vec turned(const dem_sim *sim, const double x[2])
 {
     return sim->walls.turn[0] * (dem_vec){x[0], x[1]} +
            sim->walls.turn[1] * dem_clockwise((dem_vec){x[0], x[1]});
-}
-
-rp_status dem_walls_alloc(dem_walls *w, size_t n)
-{
-    w->capacity = w->n_slots + 1;
-    w->slot = malloc(w->capacity * sizeof *w->slot);
-    w->start = calloc(n + 1, sizeof *w->start);
-    w->next = calloc(n + 1, sizeof *w->next);
-    w->wall = calloc(n + 1, sizeof *w->wall);
-    w->force = calloc(n + 1, sizeof *w->force);
-    w->mu = calloc(n + 1, sizeof *w->mu);
-    w->line = calloc(n + 1, sizeof *w->line);
-    if (!w->slot || !w->start || !w->next || !w->wall || !w->force || !w->mu || !w->line)
-        return rp_fail(RP_NO_MEMORY, "%zu walls: out of memory", n);
-    return RP_OK;
-}
-
-rp_status dem_walls_copy(const dem_walls *walls, size_t n, dem_walls *copy)
-{
-    *copy = *walls;
-    dem_walls_forget(copy);
-    RP_TRY(dem_walls_alloc(copy, n));
-    if (walls->n_slots) memcpy(copy->slot, walls->slot, walls->n_slots * sizeof *copy->slot);
-    memcpy(copy->start, walls->start, (n + 1) * sizeof *copy->start);
-    memcpy(copy->next, walls->next, n * sizeof *copy->next);
-    memcpy(copy->wall, walls->wall, n * sizeof *copy->wall);
-    memcpy(copy->force, walls->force, n * sizeof *copy->force);
-    memcpy(copy->mu, walls->mu, n * sizeof *copy->mu);
-    memcpy(copy->line, walls->line, n * sizeof *copy->line);
-    return RP_OK;
-}
-
-void dem_walls_forget(dem_walls *walls)
-{
-    walls->slot = NULL, walls->start = walls->next = NULL, walls->wall = NULL;
-    walls->force = NULL, walls->mu = NULL, walls->line = NULL;
-}
-
-void dem_walls_free(dem_walls *walls)
-{
-    free(walls->slot), free(walls->start), free(walls->next), free(walls->wall);
-    free(walls->force), free(walls->mu), free(walls->line);
 }
 
 /* Distance of the farther end from the pivot. */
@@ -151,14 +105,6 @@ void dem_wall_open(dem_sim *sim, size_t wall, double speed)
     sim->walls.line[wall].plain = false;
 }
 
-bool dem_wall_rests(const dem_sim *sim, size_t k)
-{
-    const dem_wall *w = &sim->walls.wall[k];
-    if (sim->walls.line[k].plain) return sim->walls.swing[1] == 0.0;
-    return isinf(w->extent[0]) && isinf(w->extent[1]) && sim->walls.swing[1] == 0.0 &&
-           !sim->walls.line[k].moves && !(w->open_at_step >= 0 && sim->step >= w->open_at_step);
-}
-
 /* Of walls that move by themselves. */
 static void move_on(dem_sim *sim)
 {
@@ -235,79 +181,6 @@ dem_wall_state dem_wall_now(const dem_sim *sim, size_t wall)
                             .ends = {lo, hi},
                             .force = {force[0], force[1]},
                             .open = open};
-}
-
-/* Does a segment that is joined at this end (0: lower) have the contact of a grain there instead? The grain
- * is at (along, above) from the end, along the tangent and the direction.
- *
- * Beyond this end, the contact is the neighbour's unless the grain is beyond its end too, at a corner; that
- * belongs to the later of the two. Where the tangent turns towards the grain, it may touch both. At a slight
- * turn both would carry it in turn all its way along, and so the nearer has the contact. */
-static bool is_neighbours(const dem_sim *sim, size_t wall, int end, double along, double above)
-{
-    enum { LOWER, UPPER };
-    static const double SLIGHT = 0.05; /* rad; at more, both begin to touch below 0.1 % of overlap */
-    const dem_vec half = sim->walls.line[wall].half_corner[end];
-    const double c = half[0], s = half[1], turn = sim->walls.wall[wall].corner[end];
-    /* along the bisector of the tangents, and along the neighbour's */
-    const double middle = c * along + s * above, other = (c * c - s * s) * along + 2.0 * s * c * above;
-    if (end == UPPER ? along > 0.0 : along < 0.0) return end == UPPER || other <= 0.0;
-    return fabs(turn) < SLIGHT && turn * above > 0.0 && (end == UPPER ? middle > 0.0 : middle <= 0.0);
-}
-
-/* Where a wall has ends, or opens. */
-static bool touch_segment(const dem_sim *sim, dem_wall_slot *slot, dem_vec d, double distance,
-                          dem_vec *normal, double *overlap, dem_vec *velocity)
-{
-    const dem_wall *w = &sim->walls.wall[slot->wall];
-    const double radius = sim->grains.radius[slot->grain];
-    const dem_vec direction = sim->walls.line[slot->wall].direction, tangent = dem_clockwise(direction);
-    double along = dem_dot(d, tangent);
-    double lo = w->extent[0], hi = w->extent[1];
-    if (w->open_at_step >= 0 && sim->step >= w->open_at_step) {
-        if (isinf(w->open_speed)) return false;
-        lo += w->open_speed * sim->def.dt * (double)(sim->step - w->open_at_step);
-        *velocity = w->open_speed * tangent;
-        if (lo >= hi) return false; /* lifted past its upper end */
-    }
-    if (along < lo || along > hi) {
-        dem_vec corner = d - (along < lo ? lo : hi) * tangent;
-        double distance_to_end = sqrt(dem_dot(corner, corner));
-        slot->side = distance < 0.0 ? -1.0 : 1.0;
-        *overlap = radius - distance_to_end;
-        *normal = corner * (1.0 / distance_to_end);
-    } else {
-        *overlap = radius - slot->side * distance;
-        *normal = slot->side * direction;
-    }
-    return !(w->joined[0] && is_neighbours(sim, slot->wall, 0, along - lo, distance)) &&
-           !(w->joined[1] && is_neighbours(sim, slot->wall, 1, along - hi, distance));
-}
-
-bool dem_wall_touch(const dem_sim *sim, dem_wall_slot *slot, dem_vec *normal, double *overlap,
-                    dem_vec *velocity)
-{
-    const dem_wall_line *line = &sim->walls.line[slot->wall];
-    const dem_vec x = sim->grains.motion[slot->grain].x, d = x - line->point;
-    const double distance = dem_dot(d, line->direction), radius = sim->grains.radius[slot->grain];
-    *velocity = (dem_vec){0.0, 0.0};
-    if (line->plain) {
-        *overlap = radius - slot->side * distance;
-        *normal = slot->side * line->direction;
-    } else if (!touch_segment(sim, slot, d, distance, normal, overlap, velocity)) {
-        return false;
-    }
-    if (line->moves || sim->walls.swing[1] != 0.0)
-        *velocity += dem_wall_velocity(&sim->walls, slot->wall, x - (radius - *overlap) * *normal);
-    return true;
-}
-
-void dem_walls_find_starts(dem_walls *walls, size_t n)
-{
-    for (size_t w = 0, k = 0; w <= n; w++) {
-        while (k < walls->n_slots && walls->slot[k].wall < w) k++;
-        walls->start[w] = k;
-    }
 }
 
 static void apply_slot(dem_sim *sim, dem_wall_slot *slot, double h)

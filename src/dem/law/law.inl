@@ -2,7 +2,8 @@
  * functions of a few numbers. `num` is a double or a vector of them, `lanes` a truth value for each;
  * num_sqrt, num_max, num_choose, and num_limit: `a`, or `most` with the sign of `a` where |a| > most. A law
  * that other functions than these would need has no vector form, and does not compile. */
-#include "dem/dem.h"
+#include "dem/law/laws.h"
+#include "dem/law/parameters.h"
 
 #define LAW static inline __attribute__((always_inline))
 
@@ -186,11 +187,6 @@ LAW dem_slider dem_slider_of(dem_slip slip, dem_damping damping, double k, doubl
     return (dem_slider){num_of(k), num_of(1.0 / k), num_of(gamma), num_of(mu), slip, damping};
 }
 
-LAW dem_slider dem_shear_of(const dem_definition *def, const dem_material *c, double mu)
-{
-    return dem_slider_of(def->slip, def->damping, c->k_s, c->gamma_s, mu);
-}
-
 /* Shear force: Lee & Herrmann 1993, eq (2b), with the magnitudes its "min" needs:
  *
  *   F_s = -gamma_s m_eff v_s - sign(ds) min(k_s |ds|, mu max(F_n, 0))
@@ -268,9 +264,3 @@ typedef struct {
     double k_n, gamma_n;
     dem_slider shear, rolls;
 } dem_laws;
-
-LAW dem_laws dem_laws_of(const dem_definition *def, const dem_material *c, double mu)
-{
-    return (dem_laws){def->normal, def->tangential,          def->tension,   c->k_n,
-                      c->gamma_n,  dem_shear_of(def, c, mu), dem_rolls_of(c)};
-}

@@ -7,8 +7,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "dem/state/state.h"
+#include "dem/forces/forces.h"
+#include "dem/list/list.h"
 #include "dem/list/sizes.h"
+#include "dem/threads/team.h"
 
 /* Work space of a rebuilding, besides arrays of the grains; the lists grow. */
 struct dem_list_work {
@@ -286,24 +288,6 @@ static void restore_springs(dem_sim *sim, size_t k, uint32_t a, uint32_t b)
     uint32_t at = sim->grains.held[a < b ? a : b];
     while (at != NOWHERE && held->j[at] != (a < b ? b : a)) at = held->i[at];
     if (at != NOWHERE) dem_pairs_take_springs(&sim->pairs, k, held, at, a > b);
-}
-
-/* Each pair is written; those within the cutoffs are kept, without a branch. */
-void dem_append_pairs(dem_sim *sim, size_t i, size_t from, size_t to)
-{
-    const dem_vec x = sim->grains.listed_x[i];
-    const double own = sim->grains.cutoff[i], inverse_mass = sim->grains.inverse_mass[i];
-    uint32_t *restrict pair_i = sim->pairs.i, *restrict pair_j = sim->pairs.j;
-    size_t k = sim->pairs.n;
-    for (size_t j = from; j < to; j++) {
-        dem_vec d = x - sim->grains.listed_x[j];
-        const double cutoff = own + sim->grains.cutoff[j];
-        pair_i[k] = (uint32_t)i;
-        pair_j[k] = (uint32_t)j;
-        /* not where both are fixed */
-        k += (dem_dot(d, d) < cutoff * cutoff) & (inverse_mass + sim->grains.inverse_mass[j] > 0.0);
-    }
-    sim->pairs.n = k;
 }
 
 /* Fill in the other entries of the pairs k..end; springs are 0. */

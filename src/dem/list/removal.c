@@ -4,15 +4,16 @@
  * is held far from all others. */
 #include <math.h>
 
-#include "dem/state/state.h"
+#include "dem/list/list.h"
+#include "dem/threads/team.h"
 
 static const uint32_t GONE = UINT32_MAX;
 
 /* May grains that left stay in the arrays for some steps? */
 static bool may_stay(const dem_sim *sim)
 {
-    return sim->pairs.n_chunks > 0 && sim->scheme == &dem_scheme_verlet && !sim->def.hard.on &&
-           !sim->ledger && sim->def.box_turn_per_step == 0.0;
+    return sim->pairs.n_chunks > 0 && sim->scheme->runs_ahead && !sim->def.hard.on && !sim->ledger &&
+           sim->def.box_turn_per_step == 0.0;
 }
 
 /* The grains that left, from the last place to the first: how many. */

@@ -12,6 +12,7 @@
 #include <string.h>
 
 #include "dem/state/state.h"
+#include "dem/threads/team.h"
 
 enum { LEVELS = 12 };
 

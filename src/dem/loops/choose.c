@@ -20,6 +20,24 @@ static void kernel_reference(dem_sim *sim, size_t from, size_t to, double h)
               sim->pairs.rolling);
 }
 
+/* Each pair is written; those within the cutoffs are kept, without a branch. */
+void dem_append_pairs(dem_sim *sim, size_t i, size_t from, size_t to)
+{
+    const dem_vec x = sim->grains.listed_x[i];
+    const double own = sim->grains.cutoff[i], inverse_mass = sim->grains.inverse_mass[i];
+    uint32_t *restrict pair_i = sim->pairs.i, *restrict pair_j = sim->pairs.j;
+    size_t k = sim->pairs.n;
+    for (size_t j = from; j < to; j++) {
+        dem_vec d = x - sim->grains.listed_x[j];
+        const double cutoff = own + sim->grains.cutoff[j];
+        pair_i[k] = (uint32_t)i;
+        pair_j[k] = (uint32_t)j;
+        /* not where both are fixed */
+        k += (dem_dot(d, d) < cutoff * cutoff) & (inverse_mass + sim->grains.inverse_mass[j] > 0.0);
+    }
+    sim->pairs.n = k;
+}
+
 bool dem_kernel_runs(dem_kernel_choice kernel)
 {
     switch (kernel) {

@@ -1,6 +1,14 @@
 /* Instances of the file's pair_loop: the compiler knows the normal law of each, and all choices of the laws
  * of a box and of dropped piles. */
 
+LAW dem_laws dem_laws_of(const dem_definition *def, const dem_material *c, double mu)
+{
+    return (dem_laws){def->normal,    def->tangential,
+                      def->tension,   c->k_n,
+                      c->gamma_n,     dem_slider_of(def->slip, def->damping, c->k_s, c->gamma_s, mu),
+                      dem_rolls_of(c)};
+}
+
 /* The laws with these choices. */
 LAW dem_laws spring_laws(dem_laws law, bool tension, dem_damping damping)
 {

@@ -6,7 +6,8 @@
  * 3 to 5 start at 0, which is exact for grains that touch nothing. */
 #include <math.h>
 
-#include "dem/state/state.h"
+#include "dem/forces/forces.h"
+#include "dem/methods/step.h"
 
 static const double correct_x = 3.0 / 16.0, correct_v = 251.0 / 360.0;
 static const double correct_q[4] = {1.0, 11.0 / 18.0, 1.0 / 6.0, 1.0 / 60.0};

@@ -3,18 +3,7 @@
 #include <math.h>
 
 #include "dem/observe/ledger.h"
-#include "dem/state/state.h"
-
-void dem_sine_cosine(double angle, double *sine, double *cosine)
-{
-    double term = 1.0, sums[2] = {0.0, 0.0};
-    for (int k = 0; k < 24; k++) {
-        sums[k % 2] += k % 4 < 2 ? term : -term;
-        term *= angle / (k + 1);
-    }
-    *cosine = sums[0];
-    *sine = sums[1];
-}
+#include "dem/methods/step.h"
 
 static void set(dem_sim *sim, const double g[2])
 {

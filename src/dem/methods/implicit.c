@@ -25,7 +25,9 @@
 #include "core/sparse.h"
 #include "dem/law/law.h"
 #include "dem/observe/ledger.h"
-#include "dem/state/state.h"
+#include "dem/forces/forces.h"
+#include "dem/list/list.h"
+#include "dem/methods/step.h"
 
 /* Force on a grain, of a pair on its first, and minus its derivative by the grain's displacement. */
 typedef struct {

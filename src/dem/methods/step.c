@@ -1,33 +1,12 @@
-/* Stepping, and why it stops. */
+/* Parts of a step; see step.h. */
+#include "dem/methods/step.h"
 
 #include <math.h>
-#include <stdarg.h>
-#include <stdio.h>
-#ifdef __SSE2__
-#include <xmmintrin.h>
-#define get_mode _mm_getcsr
-#define set_mode _mm_setcsr
-#else
-#define get_mode()     0
-#define set_mode(mode) (void)(mode)
-#endif
 
 #include "core/clock.h"
-#include "dem/setup/definition.h"
+#include "dem/forces/forces.h"
+#include "dem/list/list.h"
 #include "dem/observe/ledger.h"
-#include "dem/state/state.h"
-
-rp_status dem_stop(dem_sim *sim, dem_fault fault, size_t grain, const char *format, ...)
-{
-    char text[256];
-    va_list args;
-    va_start(args, format);
-    vsnprintf(text, sizeof text, format, args);
-    va_end(args);
-    sim->fault = fault;
-    return rp_fail(RP_BROKEN, "%s at step %ld: grain %u: %s", dem_fault_text(fault), sim->step,
-                   sim->grains.id[grain], text);
-}
 
 rp_status dem_check_overlaps(dem_sim *sim, size_t k, size_t to, size_t from, size_t end)
 {
@@ -88,42 +67,4 @@ rp_status dem_step_forces(dem_sim *sim)
         return status;
     if (sim->times) lap(sim, &sim->times->walls);
     return sim->ledger ? dem_ledger_forces(sim, h) : RP_OK;
-}
-
-static rp_status advance(dem_sim *sim, long steps)
-{
-    /* the box may turn since the start */
-    if (sim->grains.n_fixed > 0 && sim->def.box_turn_per_step != 0.0) return dem_refuse_turn();
-    rp_status status = dem_scheme_check(&sim->def);
-    if (!status) dem_threads_start(sim);
-    for (; steps > 0 && !status; steps--) {
-        dem_gravity_advance(sim);
-        status = sim->scheme->step(sim, steps == 1);
-        if (!status && sim->ledger) dem_ledger_step(sim);
-    }
-    dem_threads_end(sim);
-    dem_neighbours_close_gaps(sim);
-    return status;
-}
-
-/* Within a run, numbers below the smallest normal one, 2.2e-308, count as 0. Speeds and springs of a disk
- * that lies alone shrink for ever, and each operation on such a number takes the processor some 150 cycles.
- */
-rp_status dem_run(dem_sim *sim, long steps)
-{
-    enum { RESULTS = 0x8000, OPERANDS = 0x40 };
-    const unsigned mode = get_mode();
-    set_mode(mode | RESULTS | OPERANDS);
-    rp_status status = advance(sim, steps);
-    set_mode(mode);
-    return status;
-}
-
-rp_status dem_run_timed(dem_sim *sim, long steps, dem_phases *times)
-{
-    sim->times = times;
-    sim->clock = rp_clock();
-    rp_status status = dem_run(sim, steps);
-    sim->times = NULL;
-    return status;
 }

@@ -4,7 +4,9 @@
 #include <math.h>
 
 #include "dem/methods/hard.h"
-#include "dem/state/state.h"
+#include "dem/forces/forces.h"
+#include "dem/methods/step.h"
+#include "dem/threads/team.h"
 
 /* Spins and angles by the same leapfrog, of the grains i..to. */
 static void integrate_spins(dem_sim *sim, size_t i, size_t to)
@@ -235,6 +237,7 @@ const dem_scheme dem_scheme_verlet = {
     .order = {2, 1}, /* it damps by the velocity of half a step before */
     .rotation = true,
     .hard = true,
+    .runs_ahead = true,
     .step_limit = step_limit,
     .start = start,
     .gravity = change_gravity,

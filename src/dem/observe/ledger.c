@@ -15,6 +15,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "dem/forces/forces.h"
 #include "dem/law/law.h"
 #include "dem/observe/observe.h"
 

@@ -3,7 +3,7 @@
 #define DEM_LEDGER_H
 
 #include "core/snapshot.h"
-#include "dem/methods/hard.h"
+#include "dem/dem.h"
 #include "dem/state/vec.h"
 
 rp_status dem_ledger_alloc(dem_sim *sim);

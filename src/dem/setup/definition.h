@@ -1,4 +1,4 @@
-/* Checks of a definition; definition.c, physics.c, limits.c. */
+/* A definition: its checks, and what follows from it. */
 #ifndef DEM_DEFINITION_H
 #define DEM_DEFINITION_H
 
@@ -32,7 +32,11 @@ rp_status dem_check_start_overlaps(const dem_sim *sim);
 /* The box turns, but some grains are fixed: RP_BAD_INPUT. */
 rp_status dem_refuse_turn(void);
 
-/* Does any contact resist rolling? */
+/* Restitution and damping of a contact, of which one is given. Errors: RP_BAD_INPUT. */
+rp_status dem_restitution_check(const dem_material *m);
+
+/* Is gamma_n a rate? Does any contact resist rolling? */
+bool dem_damps_by_rate(const dem_definition *def);
 bool dem_has_rolling(const dem_definition *def);
 
 #endif

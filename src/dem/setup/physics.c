@@ -17,7 +17,7 @@ dem_physics dem_physics_default(void)
     return p;
 }
 
-static bool has_rate(const dem_definition *def)
+bool dem_damps_by_rate(const dem_definition *def)
 {
     return strcmp(dem_normal_descriptors[def->normal].gamma_n_unit, "1/s") == 0;
 }
@@ -26,7 +26,7 @@ static bool has_rate(const dem_definition *def)
  * known yet stays negative. */
 static void complete(const dem_definition *def, dem_material *m)
 {
-    const bool rate = has_rate(def);
+    const bool rate = dem_damps_by_rate(def);
 #define MATERIAL_VALUE(kind, name, key, unit, type, fallback, range, further, value, ...)                    \
     DEM_IF_MATERIAL(kind, if (m->name < 0.0) m->name = value; if (m->name < 0.0) m->name = -1.0;)
     DEM_PHYSICS(MATERIAL_VALUE)
@@ -69,7 +69,7 @@ dem_material dem_wall_material(const dem_material *given, const dem_material *gr
     return m;
 }
 
-static rp_status check_restitution(const dem_material *m)
+rp_status dem_restitution_check(const dem_material *m)
 {
     if (m->restitution > 0.0 && m->gamma_n >= 0.0)
         return rp_fail(RP_BAD_INPUT, "restitution = %g, gamma_n = %g: give one, the other follows",
@@ -80,7 +80,7 @@ static rp_status check_restitution(const dem_material *m)
 /* gamma_n of a contact of mass m_eff whose impacts at speed v have the restitution. */
 static rp_status find_damping(const dem_definition *def, double m_eff, double v, dem_material *m)
 {
-    rp_status status = check_restitution(m);
+    rp_status status = dem_restitution_check(m);
     if (status || !(m->restitution > 0.0)) return status;
     const dem_normal_descriptor *law = &dem_normal_descriptors[def->normal];
     if (!(m->k_n > 0.0)) return rp_fail(RP_BAD_INPUT, "restitution = %g: needs k_n > 0", m->restitution);
@@ -137,44 +137,4 @@ rp_status dem_physics_resolve(dem_definition *def)
         *m = dem_wall_material(m, &def->material);
     }
     return RP_OK;
-}
-
-rp_status dem_material_check(const dem_definition *def, const dem_material *m)
-{
-    RP_TRY(check_restitution(m));
-    const char *law = dem_normal_descriptors[def->normal].name;
-    if (m->gamma_n < 0.0 && !(m->restitution > 0.0))
-        return rp_fail(RP_BAD_INPUT, "gamma_n: has no default for the law %s; give it or restitution", law);
-    if (m->gamma_s < 0.0 && dem_has_friction(def->tangential) && !has_rate(def))
-        return rp_fail(RP_BAD_INPUT, "gamma_s: has no default for the law %s, whose gamma_n is a number",
-                       law);
-    if (!dem_has_friction(def->tangential) && m->mu > 0.0)
-        return rp_fail(RP_BAD_INPUT, "mu = %g: needs a tangential law, as spring", m->mu);
-    if (!dem_has_friction(def->tangential) && m->mu_roll > 0.0)
-        return rp_fail(RP_BAD_INPUT, "mu_roll = %g: needs a tangential law, as spring", m->mu_roll);
-    if (!def->rotation && m->mu_roll > 0.0)
-        return rp_fail(RP_BAD_INPUT, "mu_roll = %g: needs rotation = true", m->mu_roll);
-    return RP_OK;
-}
-
-rp_status dem_physics_check(const dem_definition *def)
-{
-    rp_status status = dem_scheme_check(def);
-    return status ? status : dem_material_check(def, &def->material);
-}
-
-rp_status dem_density_check(dem_shape shape, bool given)
-{
-    return given || shape != DEM_DISK || rp_units_now() == RP_CGS
-               ? RP_OK
-               : rp_fail(RP_BAD_INPUT,
-                         "density: the default is that of spheres; give that of the disks, a mass per area%s",
-                         rp_units_now() == RP_SI ? " in kg/m^2 (1 g/cm^2 is 10)" : "");
-}
-
-rp_status dem_radius_check(double mean, double least, double most)
-{
-    if (least <= mean && mean <= most) return RP_OK;
-    return rp_fail(RP_BAD_INPUT, "radius_mean = %g: must lie between radius_min = %g and radius_max = %g",
-                   mean, least, most);
 }

@@ -1,34 +1,9 @@
 /* The arrays of the grains; see grains.h. */
 #include "dem/state/grains.h"
 
-#include <stdint.h>
 #include <string.h>
-#include <sys/mman.h>
-
-#include "dem/state/method.h"
 
 enum { PADDING = 8 }; /* kernels read up to 7 entries beyond the last grain */
-
-void *dem_array(size_t n, size_t size)
-{
-    enum { LINE = 64, PAGE = 1 << 21 };
-    const size_t bytes = (n * size + LINE - 1) / LINE * LINE;
-    char *array = aligned_alloc(LINE, bytes);
-    if (!array) return NULL;
-    const size_t skip = (PAGE - (uintptr_t)array % PAGE) % PAGE;
-    if (bytes >= skip + PAGE) madvise(array + skip, (bytes - skip) / PAGE * PAGE, MADV_HUGEPAGE);
-    return memset(array, 0, bytes);
-}
-
-bool dem_array_grow(void *array, size_t size, size_t n, size_t capacity)
-{
-    void *old = *(void **)array, *more = dem_array(capacity, size);
-    if (!more) return false;
-    if (n > 0) memcpy(more, old, size * n);
-    free(old);
-    *(void **)array = more;
-    return true;
-}
 
 rp_status dem_grains_alloc(dem_grains *grains, const dem_definition *def, size_t capacity, bool states)
 {

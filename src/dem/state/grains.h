@@ -54,7 +54,7 @@ typedef enum {
     X(double, omega, def->rotation, DEM_STATE)                                                               \
     X(double, inverse_inertia, def->rotation, DEM_STATE)                                                     \
     X(dem_gear, gear, def->integrator == DEM_GEAR5, DEM_STATE)                                               \
-    X(dem_vec, excess, dem_schemes[def->integrator]->excess, DEM_STATE)                                      \
+    X(dem_vec, excess, def->integrator == DEM_GEAR5, DEM_STATE)                                              \
     X(dem_vec, listed_x, true, DEM_LISTED)                                                                   \
     X(double, margin2, true, DEM_LISTED)                                                                     \
     X(double, cutoff, true, DEM_LISTED)                                                                      \

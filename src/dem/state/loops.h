@@ -28,7 +28,7 @@ typedef size_t dem_margin_kernel(const struct dem_sim *sim, size_t from, size_t 
 /* Neighbour list: append the pairs of grain i with grains from..to that are nearer than their cutoffs; reads
  * and writes up to 7 more. */
 typedef void dem_append_kernel(struct dem_sim *sim, size_t i, size_t from, size_t to);
-dem_append_kernel dem_append_pairs; /* where no instance is in use; neighbours.c */
+dem_append_kernel dem_append_pairs; /* where no instance is in use */
 
 /* Hard collisions, see hard.c: predict as many grains as it can, from the first on, returns how many;
  * the next pair that approaches; the next one of grains that have collided, up to DEM_FEW. */

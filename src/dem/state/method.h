@@ -31,6 +31,7 @@ typedef struct dem_scheme {
     bool rotation;     /* can rotate grains */
     bool hard;         /* has hard collisions */
     bool excess;       /* keeps excess displacements, which shear springs need; see grains.h */
+    bool runs_ahead;   /* grains may go on before the forces on all the others are there: parts for threads */
     bool even_margins; /* a step may move a grain by more than v dt: half the skin is every grain's margin */
 
     /* Limits of its own; NULL for none. Errors: RP_BAD_INPUT. */

@@ -1,13 +1,12 @@
 /* The state of a simulation. */
-#ifndef DEM_SIM_H
-#define DEM_SIM_H
+#ifndef DEM_STATE_H
+#define DEM_STATE_H
 
 #include "dem/state/grains.h"
 #include "dem/state/method.h"
 #include "dem/state/loops.h"
 #include "dem/state/pairs.h"
-#include "dem/threads/team.h"
-#include "dem/forces/walls.h"
+#include "dem/state/slots.h"
 
 struct dem_sim {
     dem_grains grains;
@@ -132,51 +131,8 @@ static inline void dem_hold_fixed(dem_sim *sim)
     for (size_t k = 0; k < sim->grains.n_fixed; k++) dem_hold_grain(sim, sim->grains.fixed[k]);
 }
 
-/* ---- Neighbour list; neighbours.c. dem_neighbours_rebuild is in dem.h. ---- */
-
-/* Work space of a simulation, or of the copy of another, for its capacity of grains. Errors: RP_NO_MEMORY. */
-rp_status dem_neighbours_alloc(dem_sim *sim, const dem_sim *like);
-void dem_neighbours_free(dem_sim *sim);
-
-/* Its part of a snapshot; a reading makes the work space. */
-void dem_neighbours_keep(rp_snapshot *s, dem_sim *sim);
-
-/* For hard collisions: let every grain's margin hold its displacement of the coming step. Few grains get
- * their part of the list anew, else all of it is rebuilt. The margin follows a grain's speed now. If that was
- * too small for a slow grain that a fast one has hit in a soft contact (accelerates), the speed that it is
- * about to have counts. Errors: RP_BROKEN, RP_NO_MEMORY. */
-rp_status dem_neighbours_renew(dem_sim *sim, bool accelerates);
-
-/* Take out the grains that left, with their pairs and wall slots, and keep the list as it is; removal.c. In a
- * large pile, they stay in the arrays of grains and pairs until the second function: of the rebuilding and of
- * the end of a run. */
-void dem_neighbours_drop(dem_sim *sim);
-void dem_neighbours_close_gaps(dem_sim *sim);
-
-/* ---- Parts of a step that integrators share, in this order; step.c. ---- */
-
-/* Once grains are where the step takes them: count it, and rebuild the neighbour list or take grains out as
- * `left` asks. Errors: RP_BROKEN, RP_NO_MEMORY. */
-rp_status dem_step_lists(dem_sim *sim, unsigned left);
-
-/* All forces, checks of overlaps, and the ledger's notes. Errors: RP_BROKEN, RP_NO_MEMORY. */
-rp_status dem_step_forces(dem_sim *sim);
-
-/* An overlap beyond the smallest radius was seen, of pairs k..to or of the grains from..end with a wall:
- * stop if it is beyond the smaller of its own two. Errors: RP_BROKEN. */
-rp_status dem_check_overlaps(dem_sim *sim, size_t k, size_t to, size_t from, size_t end);
-
 /* Record a fault with step and grain; returns RP_BROKEN. */
 rp_status dem_stop(dem_sim *sim, dem_fault fault, size_t grain, const char *format, ...)
     __attribute__((format(printf, 4, 5)));
-
-/* ---- Gravity; gravity.c. ---- */
-
-/* Gravity and its turn are the definition's; turn gravity by a step's angle if it turns now. */
-void dem_gravity_start(dem_sim *sim);
-void dem_gravity_advance(dem_sim *sim);
-
-/* sin and cos by + - * / alone, |angle| < 1: the same bits on every processor. */
-void dem_sine_cosine(double angle, double *sine, double *cosine);
 
 #endif

@@ -37,4 +37,7 @@ static inline bool dem_grow(void *array, size_t size, size_t capacity)
     return more != NULL;
 }
 
+/* sin and cos by + - * / alone, |angle| < 1: the same bits on every processor. */
+void dem_sine_cosine(double angle, double *sine, double *cosine);
+
 #endif

@@ -139,8 +139,8 @@ static bool start_thread(worker *w, size_t walls)
 void dem_threads_start(dem_sim *sim)
 {
     enum { SPINS = 3000 }; /* some 0.1 ms */
-    if (sim->threads < 2 || sim->scheme != &dem_scheme_verlet || sim->def.hard.on || sim->ledger ||
-        sim->times || !dem_pairs_are_many(&sim->pairs))
+    if (sim->threads < 2 || !sim->scheme->runs_ahead || sim->def.hard.on || sim->ledger || sim->times ||
+        !dem_pairs_are_many(&sim->pairs))
         return;
     struct dem_team *team = calloc(1, sizeof *team);
     if (team) team->worker = calloc(sim->threads, sizeof *team->worker);

@@ -1,6 +1,6 @@
-/* Walls, and the grains near them. */
-#ifndef DEM_WALLS_H
-#define DEM_WALLS_H
+/* Walls as they are now, and the slots of the grains near them. */
+#ifndef DEM_SLOTS_H
+#define DEM_SLOTS_H
 
 #include <math.h>
 
@@ -87,38 +87,7 @@ static inline double dem_finite_mu(double mu)
     return fmin(mu, 1e300);
 }
 
-/* Put the walls where the definition has them, which then borrows them from here; move them on for a step if
- * they move now. Errors: RP_NO_MEMORY. */
-rp_status dem_walls_place(dem_sim *sim, const dem_definition *def);
-void dem_walls_move(dem_sim *sim);
-
-/* After a rebuilding for grains within `far` of the origin: how far walls may move until the next. */
-void dem_walls_limit(dem_sim *sim, double far);
-
-/* Is the wall a whole line at rest: nothing of it is open, and it does not move in this step? */
-bool dem_wall_rests(const dem_sim *sim, size_t k);
-
-/* Geometry of a wall contact at the present step: unit vector from the wall's nearest point to the grain,
- * overlap, velocity of the wall there; brings slot->side up to date. False where the wall is open, or where a
- * wall that is joined to it has the contact. */
-bool dem_wall_touch(const dem_sim *sim, dem_wall_slot *slot, dem_vec *normal, double *overlap,
-                    dem_vec *velocity);
-
-/* The ground, see dem_ground; ground.c. Displacement of a grain in its well, and the force along the ground's
- * tangent that this gives. */
-bool dem_is_ground(const dem_sim *sim, const dem_wall_slot *slot);
-double dem_ground_displacement(const dem_sim *sim, const dem_wall_slot *slot);
-double dem_ground_force(const dem_sim *sim, const dem_wall_slot *slot, double normal_force);
-
-/* Set or break the well of a contact under forces of the contact `f` and of the pairs, and give the well's
- * force. */
-dem_vec dem_ground_hold(const dem_sim *sim, dem_wall_slot *slot, double normal_force, dem_vec f,
-                        dem_vec ground_velocity);
-
 /* Of n walls, the first slot of each. */
 void dem_walls_find_starts(dem_walls *walls, size_t n);
-
-/* Add the forces of the walls on the grains from..to: on all, in turn, from 0 on. */
-void dem_walls_apply(dem_sim *sim, size_t from, size_t to, double h);
 
 #endif

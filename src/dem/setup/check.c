@@ -1,0 +1,241 @@
+/* Checks of what a definition asks for. */
+#include <float.h>
+#include <math.h>
+
+#include "params/units.h"
+#include "dem/setup/definition.h"
+#include "dem/state/loops.h"
+#include "dem/state/method.h"
+
+static bool are_finite(size_t n, const double *numbers)
+{
+    bool are = true;
+    for (size_t i = 0; i < n; i++) are &= isfinite(numbers[i]);
+    return are;
+}
+
+static rp_status check_number(const char *name, double value, double lo, const char *allowed)
+{
+    return rp_check_range(name, value, lo, DBL_MAX, allowed);
+}
+
+static rp_status check_material(const dem_definition *def, const dem_material *c)
+{
+    RP_TRY(check_number("k_n", c->k_n, 0.0, "[0, inf)"));
+    RP_TRY(check_number("gamma_n", c->gamma_n, 0.0, "[0, inf)"));
+    if (dem_has_spring(def->tangential)) RP_TRY(check_number("k_s", c->k_s, DBL_MIN, "(0, inf)"));
+    if (dem_has_friction(def->tangential)) RP_TRY(check_number("gamma_s", c->gamma_s, 0.0, "[0, inf)"));
+    RP_TRY(rp_check_range("mu", c->mu, 0.0, INFINITY, "[0, inf) | infinite"));
+    RP_TRY(check_number("mu_roll", c->mu_roll, 0.0, "[0, inf)"));
+    RP_TRY(dem_material_check(def, c));
+    if (dem_has_rolling(def)) RP_TRY(check_number("k_roll", c->k_roll, DBL_MIN, "(0, inf)"));
+    if (dem_has_rolling(def)) RP_TRY(check_number("gamma_roll", c->gamma_roll, 0.0, "[0, inf)"));
+    return RP_OK;
+}
+
+rp_status dem_wall_check(const dem_wall *w)
+{
+    if (!(fabs(hypot(w->direction[0], w->direction[1]) - 1.0) < 1e-9) || !are_finite(2, w->point))
+        return rp_fail(RP_BAD_INPUT, "direction = [%g, %g]: a unit vector expected", w->direction[0],
+                       w->direction[1]);
+    if (!(w->extent[0] < w->extent[1]))
+        return rp_fail(RP_BAD_INPUT, "extent = [%g, %g]: the first must be the smaller", w->extent[0],
+                       w->extent[1]);
+    if (!(w->open_speed >= 0.0) || (isfinite(w->open_speed) && w->open_at_step >= 0 && isinf(w->extent[0])))
+        return rp_fail(RP_BAD_INPUT,
+                       "open_speed = %g: must be at least 0, and a wall that opens slowly needs a lower end",
+                       w->open_speed);
+    for (int end = 0; end < 2; end++)
+        if (w->joined[end] && !(isfinite(w->extent[end]) && fabs(w->corner[end]) < M_PI))
+            return rp_fail(RP_BAD_INPUT, "corner = %g at %g: a turn in (-pi, pi) at an end expected",
+                           w->corner[end], w->extent[end]);
+    if (!are_finite(2, w->velocity) || !isfinite(w->omega) || !are_finite(2, w->pivot))
+        return rp_fail(RP_BAD_INPUT, "velocity, omega and pivot must be finite");
+    if (w->open_at_step >= 0 && isfinite(w->open_speed) && dem_wall_moves(w))
+        return rp_fail(RP_BAD_INPUT, "open_speed = %g: a wall that moves can only open at once",
+                       w->open_speed);
+    return RP_OK;
+}
+
+/* How a wall may move in this scene. */
+static rp_status check_moving(const dem_definition *def, const dem_wall *wall)
+{
+    if (!dem_wall_moves(wall)) return RP_OK;
+    if (def->box_turn_per_step != 0.0)
+        return rp_fail(RP_BAD_INPUT, "velocity or omega: not in a box that turns");
+    if (!(fabs(wall->omega) * def->dt < 1.0))
+        return rp_fail(RP_BAD_INPUT, "omega = %g: must be below one radian a step", wall->omega);
+    return RP_OK;
+}
+
+static rp_status check_walls(const dem_definition *def)
+{
+    for (size_t k = 0; k < def->n_walls; k++) {
+        const dem_wall *wall = &dem_walls_of(def)[k];
+        rp_status status = check_material(def, &wall->material);
+        if (!status) status = dem_wall_check(wall);
+        if (!status) status = check_moving(def, wall);
+        RP_TRY(rp_prefix(status, "wall %zu: ", k + 1));
+    }
+    return RP_OK;
+}
+
+static rp_status check_ground(const dem_definition *def)
+{
+    const dem_ground *g = &def->ground;
+    if (g->wall == 0) return RP_OK;
+    if (g->wall < 0 || (size_t)g->wall > def->n_walls)
+        return rp_fail(RP_BAD_INPUT, "ground: wall = %ld: there are %zu walls", g->wall, def->n_walls);
+    const dem_wall *w = &dem_walls_of(def)[g->wall - 1];
+    if (w->open_at_step >= 0 || isfinite(w->extent[0]) || isfinite(w->extent[1]) || dem_wall_moves(w))
+        return rp_fail(RP_BAD_INPUT, "ground: wall = %ld: must be a whole line that never opens or moves",
+                       g->wall);
+    if (dem_has_spring(def->tangential))
+        return rp_fail(RP_BAD_INPUT, "ground: the tangential law spring has static friction of its own");
+    rp_status status = check_number("mu_static", g->mu_static, 0.0, "[0, inf)");
+    if (!status) status = check_number("a", g->a, DBL_MIN, "(0, inf)");
+    return rp_prefix(status, "ground: ");
+}
+
+static rp_status check_hard(const dem_definition *def)
+{
+    const dem_hard *hard = &def->hard;
+    if (!hard->on) return RP_OK;
+    RP_TRY(rp_check_range("hard: restitution", hard->restitution, 0.0, 1.0, "[0, 1]"));
+    RP_TRY(rp_check_range("hard: mu", hard->mu, 0.0, INFINITY, "[0, inf) | infinite"));
+    /* a pair that has just collided must not be held back */
+    if (def->tension)
+        return rp_fail(RP_BAD_INPUT, "hard: collisions need normal forces that do not pull, tension = false");
+    return RP_OK;
+}
+
+rp_status dem_refuse_turn(void)
+{
+    return rp_fail(RP_BAD_INPUT, "the box turns, but some grains are fixed: they would not turn with it");
+}
+
+rp_status dem_grain_check(const dem_definition *def, const dem_grain *p)
+{
+    RP_TRY(check_number("r", p->r, DBL_MIN, "(0, inf)"));
+    RP_TRY(check_number("m", p->m, DBL_MIN, "(0, inf)"));
+    if (p->fixed && (p->vx != 0.0 || p->vy != 0.0 || p->omega != 0.0))
+        return rp_fail(RP_BAD_INPUT, "vx = %g, vy = %g, omega = %g: must be 0, it is fixed", p->vx, p->vy,
+                       p->omega);
+    if (p->fixed && def->box_turn_per_step != 0.0) return dem_refuse_turn();
+    if (!are_finite(4, (double[]){p->x, p->y, p->vx, p->vy}))
+        return rp_fail(RP_BAD_INPUT, "position and velocity must be finite");
+    if (!are_finite(2, (double[]){p->angle, p->omega}) ||
+        (!def->rotation && (p->angle != 0.0 || p->omega != 0.0)))
+        return rp_fail(RP_BAD_INPUT, "angle = %g, omega = %g: %s", p->angle, p->omega,
+                       def->rotation ? "must be finite" : "needs rotation");
+    if (p->x > def->x_max || p->y < def->y_min)
+        return rp_fail(RP_BAD_INPUT, "x = %g, y = %g: starts beyond x_max = %g or y_min = %g", p->x, p->y,
+                       def->x_max, def->y_min);
+    return RP_OK;
+}
+
+static rp_status check_grain_values(const dem_definition *def)
+{
+    if (def->n_grains == 0) return rp_fail(RP_BAD_INPUT, "no particles");
+    if (def->n_grains > 100000000)
+        return rp_fail(RP_BAD_INPUT, "%zu particles: at most 100000000", def->n_grains);
+    for (size_t i = 0; i < def->n_grains; i++)
+        RP_TRY(rp_prefix(dem_grain_check(def, &def->grains[i]), "particle %zu: ", i + 1));
+    return RP_OK;
+}
+
+rp_status dem_scheme_check(const dem_definition *def)
+{
+    const dem_scheme *scheme = dem_schemes[def->integrator];
+    if (def->rotation && !scheme->rotation)
+        return rp_fail(RP_BAD_INPUT, "rotation: grains that rotate need the integrator verlet");
+    if (def->hard.on && !scheme->hard)
+        return rp_fail(RP_BAD_INPUT, "hard: collisions need the integrator verlet");
+    return scheme->check ? scheme->check(def) : RP_OK;
+}
+
+rp_status dem_laws_check(const dem_definition *def)
+{
+    RP_TRY(rp_prefix(check_material(def, &def->material), "particles: "));
+    RP_TRY(check_walls(def));
+    RP_TRY(check_ground(def));
+    RP_TRY(check_hard(def));
+    RP_TRY(dem_scheme_check(def));
+    if (!dem_kernel_runs(def->kernel))
+        return rp_fail(RP_BAD_INPUT, "kernel: this processor has no %s instructions",
+                       def->kernel == DEM_AVX512 ? "AVX-512" : "AVX2");
+    RP_TRY(check_number("dt", def->dt, DBL_MIN, "(0, inf)"));
+    RP_TRY(check_number("skin", def->skin, 0.0, "[0, inf)"));
+    if (!are_finite(2, def->gravity) || !(fabs(def->turn_per_step) < 1.0))
+        return rp_fail(RP_BAD_INPUT, "gravity and its turn must be finite, the turn below one radian a step");
+    if (!(fabs(def->box_turn_per_step) < 1.0))
+        return rp_fail(RP_BAD_INPUT, "box_turn_per_step = %g: out of range, allowed: below one radian a step",
+                       def->box_turn_per_step);
+    return RP_OK;
+}
+
+/* As fast as a grain may be: see check_grain in neighbours.c. */
+static rp_status check_wall_speeds(const dem_definition *def)
+{
+    double r_min = INFINITY;
+    for (size_t i = 0; i < def->n_grains; i++) r_min = fmin(r_min, def->grains[i].r);
+    for (size_t k = 0; k < def->n_walls; k++) {
+        const double travel = dem_wall_speed(def, &dem_walls_of(def)[k]) * def->dt;
+        if (travel > r_min)
+            return rp_fail(RP_BAD_INPUT, "wall %zu: moves %g in one step, the smallest radius is %g", k + 1,
+                           travel, r_min);
+    }
+    return RP_OK;
+}
+
+rp_status dem_definition_check(const dem_definition *def)
+{
+    RP_TRY(check_grain_values(def));
+    RP_TRY(dem_laws_check(def));
+    RP_TRY(check_wall_speeds(def));
+    const char *what;
+    double limit = dem_time_step_limit(def, &what);
+    if (def->dt > limit)
+        return rp_fail(RP_BAD_INPUT, "dt = %g: too large for %s, the limit is %.3g", def->dt, what, limit);
+    return RP_OK;
+}
+
+rp_status dem_material_check(const dem_definition *def, const dem_material *m)
+{
+    RP_TRY(dem_restitution_check(m));
+    const char *law = dem_normal_descriptors[def->normal].name;
+    if (m->gamma_n < 0.0 && !(m->restitution > 0.0))
+        return rp_fail(RP_BAD_INPUT, "gamma_n: has no default for the law %s; give it or restitution", law);
+    if (m->gamma_s < 0.0 && dem_has_friction(def->tangential) && !dem_damps_by_rate(def))
+        return rp_fail(RP_BAD_INPUT, "gamma_s: has no default for the law %s, whose gamma_n is a number",
+                       law);
+    if (!dem_has_friction(def->tangential) && m->mu > 0.0)
+        return rp_fail(RP_BAD_INPUT, "mu = %g: needs a tangential law, as spring", m->mu);
+    if (!dem_has_friction(def->tangential) && m->mu_roll > 0.0)
+        return rp_fail(RP_BAD_INPUT, "mu_roll = %g: needs a tangential law, as spring", m->mu_roll);
+    if (!def->rotation && m->mu_roll > 0.0)
+        return rp_fail(RP_BAD_INPUT, "mu_roll = %g: needs rotation = true", m->mu_roll);
+    return RP_OK;
+}
+
+rp_status dem_physics_check(const dem_definition *def)
+{
+    rp_status status = dem_scheme_check(def);
+    return status ? status : dem_material_check(def, &def->material);
+}
+
+rp_status dem_density_check(dem_shape shape, bool given)
+{
+    return given || shape != DEM_DISK || rp_units_now() == RP_CGS
+               ? RP_OK
+               : rp_fail(RP_BAD_INPUT,
+                         "density: the default is that of spheres; give that of the disks, a mass per area%s",
+                         rp_units_now() == RP_SI ? " in kg/m^2 (1 g/cm^2 is 10)" : "");
+}
+
+rp_status dem_radius_check(double mean, double least, double most)
+{
+    if (least <= mean && mean <= most) return RP_OK;
+    return rp_fail(RP_BAD_INPUT, "radius_mean = %g: must lie between radius_min = %g and radius_max = %g",
+                   mean, least, most);
+}

@@ -1,0 +1,54 @@
+/* The speeds that a definition's walls have, and its impacts will have. */
+#include <math.h>
+
+#include "dem/setup/definition.h"
+#include "dem/state/vec.h"
+
+static dem_vec end_of(const dem_wall *wall, int end)
+{
+    const dem_vec direction = {wall->direction[0], wall->direction[1]};
+    return (dem_vec){wall->point[0], wall->point[1]} + wall->extent[end] * dem_clockwise(direction);
+}
+
+double dem_wall_speed(const dem_definition *def, const dem_wall *wall)
+{
+    if (!dem_wall_moves(wall)) return 0.0;
+    const dem_vec pivot = {wall->pivot[0], wall->pivot[1]};
+    const bool segment = isfinite(wall->extent[0]) && isfinite(wall->extent[1]);
+    double reach2 = 0.0;
+    for (int end = 0; end < 2 && segment; end++) {
+        const dem_vec arm = end_of(wall, end) - pivot;
+        reach2 = fmax(reach2, dem_dot(arm, arm));
+    }
+    for (size_t i = 0; i < def->n_grains && !segment; i++) {
+        const dem_vec arm = (dem_vec){def->grains[i].x, def->grains[i].y} - pivot;
+        reach2 = fmax(reach2, dem_dot(arm, arm));
+    }
+    return hypot(wall->velocity[0], wall->velocity[1]) + fabs(wall->omega) * sqrt(reach2);
+}
+
+double dem_impact_speed(const dem_definition *def)
+{
+    double speed = 0.0, low = INFINITY, high = -INFINITY;
+    const double *g = def->gravity;
+    for (size_t i = 0; i < def->n_grains; i++) {
+        const dem_grain *p = &def->grains[i];
+        double height = -(g[0] * p->x + g[1] * p->y); /* times g */
+        speed = fmax(speed, hypot(p->vx, p->vy));
+        low = fmin(low, height);
+        high = fmax(high, height);
+    }
+    for (size_t w = 0; w < def->n_walls; w++) {
+        const dem_wall *wall = &dem_walls_of(def)[w];
+        const double *n = wall->direction, *q = wall->point;
+        speed = fmax(speed, dem_wall_speed(def, wall));
+        for (int end = 0; end < 2 && dem_wall_moves(wall); end++) {
+            const dem_vec p = end_of(wall, end);
+            if (isfinite(p[0] + p[1])) high = fmax(high, -(g[0] * p[0] + g[1] * p[1]));
+        }
+        /* a wall along gravity has no height of its own */
+        if (fabs(n[0] * g[0] + n[1] * g[1]) > 1e-6 * hypot(g[0], g[1]))
+            low = fmin(low, -(g[0] * q[0] + g[1] * q[1]));
+    }
+    return 2.0 * speed + (high > low ? sqrt(2.0 * (high - low)) : 0.0);
+}
