@@ -30,13 +30,17 @@ objects  = $(patsubst %.c,$(B)/obj/%.o,$(wildcard $(1:%=%/*.c)))
 sources  = $(call objects,$(call rooms,$(call module,$(1))))
 LIBRARY := $(foreach m,$(MODULES),$(B)/lib$(call module,$(m)).a)
 CLI     := $(call objects,$(call rooms,cli))
-FUZZ    := $(call objects,tests/fuzz) $(filter-out %/cli/main.o,$(CLI))
+REPORTER := $(call objects,report)
+# The frame of a program: all of the command line but the program itself and its commands.
+FRAME   := $(filter-out %/cli/repose.o,$(call objects,$(filter-out src/cli/commands,$(call rooms,cli))))
+FUZZ    := $(call objects,tests/fuzz) $(filter-out %/cli/repose.o,$(CLI)) $(filter-out %/report/main.o,$(REPORTER))
 CHECK   := $(call objects,tests) $(call objects,validation) $(FUZZ)
-ALL     := $(CLI) $(foreach m,$(MODULES),$(call sources,$(m)))
+ALL     := $(CLI) $(REPORTER) $(foreach m,$(MODULES),$(call sources,$(m)))
 REPOSE  := $(B)/repose
+REPORT  := $(B)/report
 
 .PHONY: all figures studies bench report check-report check test validate asan lint setup help clean FORCE
-all: $(REPOSE) ## build the program, build/repose
+all: $(REPOSE) $(REPORT) ## build the programs: build/repose, and build/report, which makes the report
 
 help: ## this list
 	@sed -n 's/^\([a-z][a-z-]*\):.*## /  \1\t/p' $(MAKEFILE_LIST) | expand -t 16
@@ -64,11 +68,17 @@ $(B)/obj/src/core/version.o: CPPFLAGS += '-DRP_COMMIT="$(shell cat $(B)/commit 2
 
 define archive
 $(B)/lib$(call module,$(1)).a: $(call sources,$(1))
-	@rm -f $$@ && ar qcs $$@ $$^
 endef
 $(foreach m,$(MODULES),$(eval $(call archive,$(m))))
+$(B)/libframe.a: $(FRAME)
+$(LIBRARY) $(B)/libframe.a:
+	@rm -f $@ && ar qcs $@ $^
 
 $(REPOSE): $(CLI) $(LIBRARY)
+	@echo "link    $@"
+	@$(CC) $(CFLAGS) $^ $(LIBS) -o $@
+
+$(REPORT): $(REPORTER) $(B)/libframe.a $(LIBRARY)
 	@echo "link    $@"
 	@$(CC) $(CFLAGS) $^ $(LIBS) -o $@
 
@@ -82,7 +92,7 @@ lint: $(LIBRARY) ## borders of the modules (who includes whom, which prefix is e
 # Figures that take no time show the tests the whole way from a model to a picture. The plain tests run beside the others,
 # and print last: CUnit's summary is then what `make check` ends with. Background jobs of a shell ignore signals that tests send.
 check: | $(SETUP_FIRST) ## unit tests and fast validation, with sanitizers and plain
-	@$(MAKE) --no-print-directory -j$(JOBS) $(REPOSE) $(B)/check $(addprefix $(B)/figures/,li13.svg li14.svg li18.svg li19.svg)
+	@$(MAKE) --no-print-directory -j$(JOBS) $(REPOSE) $(REPORT) $(B)/check $(addprefix $(B)/figures/,li13.svg li14.svg li18.svg li19.svg)
 	@REPOSE=$(REPOSE) env --default-signal=INT,QUIT $(B)/check -j$(JOBS) >$(B)/check.log 2>&1 & plain=$$!; \
 	trap 'kill $$plain; exit 1' INT TERM; $(MAKE) --no-print-directory lint asan; others=$$?; wait $$plain; plain=$$?; \
 	echo "check   plain"; cat $(B)/check.log; [ $$others$$plain = 00 ] || { echo "check   failed" >&2; exit 1; }
@@ -91,10 +101,10 @@ check: | $(SETUP_FIRST) ## unit tests and fast validation, with sanitizers and p
 SANITIZE := -fsanitize=address,undefined -fno-sanitize-recover=all -static-libasan -static-libubsan -fno-pie -no-pie -g1 -O2
 asan: | $(SETUP_FIRST) ## the same tests under the address and undefined-behaviour sanitizers
 	@$(MAKE) --no-print-directory -j$(JOBS) B=$(B)/asan SAN='$(SANITIZE)' \
-	  $(B)/asan/check $(B)/asan/repose
+	  $(B)/asan/check $(B)/asan/repose $(B)/asan/report
 	@echo "check   with sanitizers" && REPOSE=$(B)/asan/repose RP_CHECK_FAST=1 $(B)/asan/check -j$(JOBS)
 
-test: $(B)/check $(REPOSE) ## some tests: make test SUITE=dem TEST='part of a name'
+test: $(B)/check $(REPOSE) $(REPORT) ## some tests: make test SUITE=dem TEST='part of a name'
 	@REPOSE=$(REPOSE) $(B)/check -j$(JOBS) $(SUITE) --test '$(TEST)'
 
 # ---- Sweeps and models -> tables -> figures and report
@@ -114,7 +124,7 @@ FIGURES   = $(call drawable,figures/lh/*.gp figures/li/*.gp figures/studies/*.gp
 CHECKED   = $(filter-out bench,$(call drawable,figures/val/*.gp))
 VALIDATION := $(filter-out $(basename $(notdir $(wildcard validation/*.h))),$(basename $(notdir $(wildcard validation/*.c))))
 # A table is stale when any code but the commit's name has changed.
-CODE    := $(filter-out %/version.o,$(ALL)) | $(REPOSE)
+CODE    := $(filter-out %/version.o $(REPORTER),$(ALL)) | $(REPOSE)
 vpath %.cfg sweeps/lh sweeps/li sweeps/val sweeps/studies
 
 # Each core works on a sweep of its own; the longest come first.
@@ -122,11 +132,11 @@ LONGEST := lh5 lh2b lh_gamma lh3
 # The report, and the pages behind it: report/text/NAME.md.in.
 PAGES   := paper-repro $(addprefix docs/,claims choices beyond misprints validation)
 make_pages = mkdir -p $(B)/docs; for p in $(PAGES); do \
-	$(REPOSE) report report/text/$$(basename $$p).md.in --tables results,$(T) -o $(B)/$$p.md || exit 1; done
+	$(REPORT) page report/text/$$(basename $$p).md.in --tables results,$(T) -o $(B)/$$p.md || exit 1; done
 # Small pictures that paper-repro.md, README and docs show.
 SHOWN   := $(sort $(notdir $(shell grep -oh 'figures/shown/[a-z0-9_]*' report/text/paper-repro.md.in README.md docs/*.md)))
 figures: | $(SETUP_FIRST) ## every figure of the two papers and of the studies in results, into build/figures, and build/paper-repro.md
-	@$(MAKE) -s -j$(JOBS) $(REPOSE)
+	@$(MAKE) -s -j$(JOBS) $(REPOSE) $(REPORT)
 	@$(MAKE) -s -Oline -j$(JOBS) WORKERS=1 $(addprefix $(B)/made/,$(LONGEST) $(filter-out $(LONGEST),$(SWEEPS))) $(FIGURES:%=$(B)/figures/%.svg) \
 	  $(patsubst %,$(B)/figures/shown/%.png,$(filter $(FIGURES),$(SHOWN)))
 	@$(make_pages); echo "report  $(B)/paper-repro.md"
@@ -161,8 +171,8 @@ $(B)/validated/%: validation/%.c $(CODE) $(B)/check
 	@mkdir -p $(@D) && echo "check   --full $*"
 	@REPOSE=$(REPOSE) $(B)/check --full -o $(T) $* >$@.log || { cat $@.log; exit 1; }
 	@touch $@
-$(T)/published.tsv: report/claims.tsv $(CODE)
-	@mkdir -p $(T) && $(REPOSE) claims --published >$@
+$(T)/published.tsv: report/claims.tsv $(REPORT)
+	@mkdir -p $(T) && $(REPORT) published --claims $< >$@
 
 # A figure's file lists its tables after "# tables:".
 $(patsubst %,$(B)/figures/%.svg,$(FIGURES) $(CHECKED) bench): $(B)/figures/%.svg: $$(wildcard figures/*/$$*.gp) $(wildcard figures/*.gp) $$(call loads,$$(wildcard figures/*/$$*.gp)) $$(addprefix $(T)/,$$(call tables_of,$$*)) | $(SETUP_FIRST)

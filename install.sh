@@ -11,9 +11,6 @@ put() { # put MODE FOLDER FILE...
 }
 
 put 755 bin "$build/repose"
-put 644 share/repose/report report/claims.tsv
-put 644 share/repose/report/text report/text/*
-put 644 share/repose/results results/*.tsv
 put 644 share/repose/python python/*.py
 put 644 share/doc/repose README.md LICENSE CITATION.cff docs/*.md
 for folder in sweeps/*/ examples/ examples/*/; do

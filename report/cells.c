@@ -64,8 +64,6 @@ bool cli_find_table(const char *folders, const char *name, char path[4096])
 {
     for (const char *folder = folders;; folder = strchr(folder, ',') + 1) {
         snprintf(path, 4096, "%.*s/%s.tsv", (int)strcspn(folder, ","), folder, name);
-        const char *found = cli_data(path);
-        if (found != path) snprintf(path, 4096, "%s", found);
         if (access(path, F_OK) == 0) return true;
         if (!strchr(folder, ',')) return false;
     }

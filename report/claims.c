@@ -105,7 +105,7 @@ rp_status cli_claims_read(const char *path, cli_claims *claims)
 #undef X
     int column;
     *claims = (cli_claims){0};
-    RP_TRY(cli_texts_read(cli_data(path), &claims->table));
+    RP_TRY(cli_texts_read(path, &claims->table));
     for (size_t k = 0; k < N_OF(columns); k++)
         RP_TRY(rp_table_find(claims->table, columns[k], header, &column));
     claims->claims = cli_memory(claims->table->n_rows, sizeof *claims->claims);

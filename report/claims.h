@@ -2,7 +2,14 @@
 #ifndef REPORT_CLAIMS_H
 #define REPORT_CLAIMS_H
 
+#include "cli/cli.h"
 #include "report/cells.h"
+
+/* Options of the commands. */
+#define REPORT_CLAIMS(X) X(TEXT, claims, "", "report/claims.tsv", "", "file of the claims")
+#define REPORT_TABLES(X)                                                                                     \
+    X(TEXT, tables, "", "results,build/tables", "",                                                          \
+      "folders of tables, joined by commas; a table is read from the first folder that holds it")
 
 /* How a claim is tested: name, word, whether a table answers, meaning. No test decides by a fit that its own
  * means reject: a cell of a row with p_fit < 0.05 leaves the claim undecided. */

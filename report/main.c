@@ -1,20 +1,21 @@
-/* repose claims: what two papers claim, and what our tables say of each claim. */
+/* The program `report`: what two papers claim, what our tables say of each claim, and pages of both. */
 #include <math.h>
 #include <stddef.h>
 #include <string.h>
 
 #include "report/claims.h"
-#include "cli/cli.h"
+#include "report/pages.h"
 
 #define CLAIMS_OPTIONS(X)                                                                                    \
-    CLI_CLAIMS(X)                                                                                            \
+    REPORT_TABLES(X)                                                                                         \
+    REPORT_CLAIMS(X)                                                                                         \
     X(CHOICE, paper, "", "all", "all | lh | li | ours", "claims of one paper")                               \
     X(TEXT, id, "", "all", "", "one claim, with its variants")                                               \
     X(BOOL, variants, "", "false", "",                                                                       \
-      "also the claims under other choices that a paper leaves open; the header does not count them")        \
-    X(BOOL, published, "", "false", "", "only the published numbers, for figures; reads no tables")
+      "also the claims under other choices that a paper leaves open; the header does not count them")
 
 CLI_OPTIONS(claims, CLAIMS_OPTIONS)
+CLI_OPTIONS(published, REPORT_CLAIMS)
 
 static const char *const papers[] = {"all", "lh", "li", "ours"};
 
@@ -23,11 +24,11 @@ static bool one_alone(const claims_options *o)
     return strcmp(o->id, "all") != 0;
 }
 
-static bool chosen(const cli_claim *c, const claims_options *o)
+static bool is_asked_for(const cli_claim *c, const claims_options *o)
 {
     if (o->paper > 0 && strcmp(papers[o->paper], c->paper) != 0) return false;
     if (one_alone(o)) return strcmp(o->id, c->id) == 0 || strcmp(o->id, c->of) == 0;
-    return o->variants || o->published || !*c->of;
+    return o->variants || !*c->of;
 }
 
 /* A cell is never empty. */
@@ -55,7 +56,7 @@ static void print_verdicts(const cli_claims *all, const cli_judged judged[], con
         const cli_claim *c = &all->claims[i];
         const cli_judged *j = &judged[i];
         char published[128];
-        if (!chosen(c, o)) continue;
+        if (!is_asked_for(c, o)) continue;
         cli_claim_published(c, published);
         printf("%s\t%s\t%s\t%s\t%s\t%s\t%g\t%s\t%s\t", c->id, c->paper, or_dash(c->place), c->statement,
                c->test_word, or_dash(published), c->samples, or_dash(c->answer), or_dash(j->text));
@@ -74,19 +75,6 @@ static rp_status judge_all(const cli_claims *all, const claims_options *o)
     return RP_OK;
 }
 
-static rp_status print_published(const cli_claims *all, const claims_options *o)
-{
-    cli_table(stdout);
-    rp_table_header(stdout, "id, paper, published [own], published_se [own], samples");
-    for (size_t i = 0; i < all->n; i++) {
-        const cli_claim *c = &all->claims[i];
-        if (!chosen(c, o) || *c->of || isnan(c->published.value)) continue;
-        printf("%s\t%s\t%s\t%s\t%g\n", c->id, c->paper, c->published_text, *c->se_text ? c->se_text : "0",
-               c->samples);
-    }
-    return RP_OK;
-}
-
 static rp_status print_claims(void *values)
 {
     const claims_options *o = values;
@@ -94,10 +82,26 @@ static rp_status print_claims(void *values)
     const cli_claim *one;
     RP_TRY(cli_claims_read(o->claims, &all));
     if (one_alone(o)) RP_TRY(cli_claims_find(&all, o->id, &one));
-    return o->published ? print_published(&all, o) : judge_all(&all, o);
+    return judge_all(&all, o);
 }
 
-const cli_command cmd_claims = {
+static rp_status print_published(void *values)
+{
+    const published_options *o = values;
+    cli_claims all;
+    RP_TRY(cli_claims_read(o->claims, &all));
+    cli_table(stdout);
+    rp_table_header(stdout, "id, paper, published [own], published_se [own], samples");
+    for (size_t i = 0; i < all.n; i++) {
+        const cli_claim *c = &all.claims[i];
+        if (*c->of || isnan(c->published.value)) continue;
+        printf("%s\t%s\t%s\t%s\t%g\n", c->id, c->paper, c->published_text, *c->se_text ? c->se_text : "0",
+               c->samples);
+    }
+    return RP_OK;
+}
+
+static const cli_command claims = {
     "claims",
     "published claims and their verdicts",
     "[options]",
@@ -109,9 +113,32 @@ const cli_command cmd_claims = {
     "  can't be tested   for the reason given\n"
     "  by eye            the claim is a picture without a number\n"
     "  no data           the table with our value has not been made\n"
-    "Claims of paper `ours` are this program's own, beyond the papers. Column `failed`: runs without a\n"
-    "result at the grid points that the claim reads, of all runs there, their causes, and how the mean\n"
-    "changes without them.",
-    "repose claims --paper lh",
+    "Claims of paper `ours` are this program's own, beyond the papers. Column `failed`: runs without a "
+    "result at the grid points that the\n"
+    "claim reads, of all runs there, their causes, and how the mean changes without them.",
+    "report claims --paper lh",
     claims_params,
     .act = print_claims};
+
+static const cli_command published = {
+    "published",           "published numbers, for figures",
+    "[options]",           "The number of each claim that has one, with its error and its samples.",
+    "report published",    published_params,
+    .act = print_published};
+
+const cli_command *const report_commands[] = {&claims, &published, &report_page, NULL};
+
+static void print_overview(FILE *out)
+{
+    fputs("What two papers claim, and what the tables of this repository say of it.\n\n"
+          "usage: report COMMAND [options]; report COMMAND --help says more\n\n",
+          out);
+    for (const cli_command *const *c = report_commands; *c; c++)
+        fprintf(out, "  %-10s %s\n", (*c)->name, (*c)->summary);
+}
+
+int main(int argc, char **argv)
+{
+    static const cli_program report = {"report", report_commands, print_overview};
+    return cli_main(&report, argc, argv);
+}

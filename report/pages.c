@@ -1,4 +1,4 @@
-/* `repose report`: a text whose numbers and verdicts come from tables and from the claims; see the help
+/* `report page`: a text whose numbers and verdicts come from tables and from the claims; see the help
  * below. */
 #include <glob.h>
 #include <math.h>
@@ -6,19 +6,22 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "report/pages.h"
+
 #include "report/claims.h"
 #include "cli/cli.h"
 
-#define REPORT_OPTIONS(X)                                                                                    \
-    CLI_CLAIMS(X)                                                                                            \
+#define PAGE_OPTIONS(X)                                                                                      \
+    REPORT_TABLES(X)                                                                                         \
+    REPORT_CLAIMS(X)                                                                                         \
     X(TEXT, o, "", "-", "", "file to write; - is standard output")
 
-CLI_OPTIONS(report, REPORT_OPTIONS)
+CLI_OPTIONS(page, PAGE_OPTIONS)
 
 enum { MAX_DEPTH = 2 };
 
 typedef struct {
-    const report_options *options;
+    const page_options *options;
     const char *template;
     cli_claims claims;
     cli_judged *judged; /* each claim, from the first place on that asks for one */
@@ -322,17 +325,17 @@ static rp_status fill_file(report *r, const char *path)
 
 static rp_status fill_report(void *values)
 {
-    const report_options *o = values;
-    report r = {.options = o, .template = cli_data(cli_argument(0))};
+    const page_options *o = values;
+    report r = {.options = o, .template = cli_argument(0)};
     RP_TRY(cli_claims_read(o->claims, &r.claims));
     RP_TRY(rp_file_open(o->o, &r.out));
     return rp_file_close(o->o, r.out, fill_file(&r, r.template));
 }
 
-const cli_command cmd_report = {
-    "report",
-    "fill a report's template from tables",
-    "TEMPLATE [--tables DIR,...] [-o FILE]",
+const cli_command report_page = {
+    "page",
+    "a text of the report, filled from tables",
+    "TEXT [--tables DIR,...] [-o FILE]",
     "Fill the places {{word ...}} of a text. The row of a table is the one whose cells equal all\n"
     "key=value.\n"
     "  {{value T k=v COL}}          value +- standard error\n"
@@ -351,7 +354,7 @@ const cli_command cmd_report = {
     "  {{failures all}}             the sweeps behind the claims that have runs without a result\n"
     "  {{include FILES}}            texts beside the template, filled alike\n"
     "A table that has not been made gives `no data` in a table; a line of text then names it instead.",
-    "repose report report/text/paper-repro.md.in -o paper-repro.md",
-    report_params,
+    "report page report/text/paper-repro.md.in -o paper-repro.md",
+    page_params,
     .prints_text = true,
     .act = fill_report};

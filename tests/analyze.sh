@@ -44,7 +44,6 @@ angle phi tests/fuzz/corpus/angle_phi/piles --bootstrap 5
 stress dip tests/fuzz/corpus/stress_dip/piles --resamples 9
 stats fit tests/fuzz/corpus/stats_fit/runs -x a -y b
 calibrate --runs tests/fuzz/corpus/calibrate/piles --theta-r-deg 20 --error-deg 1 --bootstrap 3
-claims --published
 sweep plan $build/analyze/s.cfg -o $dir
 sweep run $dir -j 1
 sweep export $dir --reduce

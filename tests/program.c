@@ -13,7 +13,8 @@
 #include "tests/check.h"
 #include "tests/folder.h"
 
-static char folder[FOLDER_PATH], program[PATH_MAX];
+static char folder[FOLDER_PATH], program[PATH_MAX], beside[PATH_MAX];
+static const char *last; /* name of the program that ran last */
 char out[1 << 20], err[1 << 14];
 
 void leave(void)
@@ -29,6 +30,7 @@ void enter(void)
         leave();
         CU_FAIL_FATAL("no program; REPOSE=path of the program");
     }
+    snprintf(beside, sizeof beside, "%.*s/report", (int)(strrchr(program, '/') - program), program);
     setenv("REPOSE_DATA", folder, 1); /* no file of the source by chance */
 }
 
@@ -63,23 +65,39 @@ void slurp(const char *name, char *text, size_t size)
 
 int shell(const char *text)
 {
-    static char line[2 * PATH_MAX];
-    snprintf(line, sizeof line, "cd %s; REPOSE='%s'; %s", folder, program, text);
+    static char line[3 * PATH_MAX];
+    snprintf(line, sizeof line, "cd %s; REPOSE='%s' REPORT='%s'; %s", folder, program, beside, text);
     int status = system(line);
     slurp("out", out, sizeof out);
     slurp("err", err, sizeof err);
     return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 
+static int run_program(const char *name, const char *begin, const char *format, va_list args)
+{
+    char line[2048];
+    const int used = snprintf(line, sizeof line, "exec \"$%s\" >out 2>err ", begin);
+    vsnprintf(line + used, sizeof line - (size_t)used, format, args);
+    last = name;
+    return shell(line);
+}
+
 int run(const char *format, ...)
 {
-    char line[2048] = "exec \"$REPOSE\" >out 2>err ";
-    size_t used = strlen(line);
     va_list args;
     va_start(args, format);
-    vsnprintf(line + used, sizeof line - used, format, args);
+    const int status = run_program("repose", "REPOSE", format, args);
     va_end(args);
-    return shell(line);
+    return status;
+}
+
+int run_report(const char *format, ...)
+{
+    va_list args;
+    va_start(args, format);
+    const int status = run_program("report", "REPORT", format, args);
+    va_end(args);
+    return status;
 }
 
 /* The line that ends a run. */
@@ -100,8 +118,8 @@ bool good(const char *file, int line, int status)
 bool failed(const char *file, int line, int status, int expected, const char *text)
 {
     const char *end = strchr(err, '\n');
-    bool right =
-        status == expected && strncmp(err, "repose", 6) == 0 && end && end[1] == '\0' && strstr(err, text);
+    bool right = status == expected && strncmp(err, last, strlen(last)) == 0 && end && end[1] == '\0' &&
+                 strstr(err, text);
     if (!right)
         fprintf(stderr, "%s:%d: exit status %d, message \"%s\"; expected %d, \"%s\"\n", file, line, status,
                 err, expected, text);

@@ -1,5 +1,5 @@
-/* The program from the shell, in a folder of one test, and its tables. The environment variable REPOSE names
- * the program. */
+/* The programs from the shell, in a folder of one test, and their tables. The environment variable REPOSE
+ * names the program `repose`; `report` is beside it. */
 #ifndef PROGRAM_H
 #define PROGRAM_H
 
@@ -24,11 +24,12 @@ void write_text(const char *name, const char *format, ...) __attribute__((format
 /* Read a file whole. */
 void slurp(const char *name, char *text, size_t size);
 
-/* Exit status of a line of shell in the folder; -1 after a signal. $REPOSE is the program. */
+/* Exit status of a line of shell in the folder; -1 after a signal. $REPOSE and $REPORT are the programs. */
 int shell(const char *text);
 
-/* Exit status of the program with these arguments. */
+/* Exit status of `repose` and of `report` with these arguments. */
 int run(const char *format, ...) __attribute__((format(printf, 1, 2)));
+int run_report(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
 /* A successful run leaves standard error empty but for the line that ends `repose run`: no
  * other message, and no progress without a terminal. */
@@ -39,6 +40,9 @@ bool failed(const char *file, int line, int status, int expected, const char *te
 
 #define GOOD(...)                CU_ASSERT(good(__FILE__, __LINE__, run(__VA_ARGS__)))
 #define FAILS(status, text, ...) CU_ASSERT(failed(__FILE__, __LINE__, run(__VA_ARGS__), status, text))
+#define REPORTS(...)             CU_ASSERT(good(__FILE__, __LINE__, run_report(__VA_ARGS__)))
+#define REPORT_FAILS(status, text, ...)                                                                      \
+    CU_ASSERT(failed(__FILE__, __LINE__, run_report(__VA_ARGS__), status, text))
 
 /* A table of the folder; free with rp_table_free. */
 rp_table read_table(const char *name);

@@ -36,25 +36,43 @@ static void check_failures(size_t n, const failure list[])
 /* ---- help ---- */
 
 /* Boolean options: help states neither a default nor "required". */
-static const char *const without_default[] = {"--help ",       "--study ",
-                                              "--where ",      "--bare ",
-                                              "--set ",        "--reduce ",
-                                              "--base ",       "--other-groups ",
-                                              "--pair ",       "--successive ",
-                                              "-o ",           "--runs ",
-                                              "--missing ",    "--outline ",
-                                              "--disks ",      "--linear ",
-                                              "--set-again ",  "--summary ",
-                                              "--threshold ",  "--map ",
-                                              "--ledger ",     "--force ",
-                                              "--profile ",    "--resume ",
-                                              "--man ",        "--rotation ",
-                                              "--quiet ",      "--plot ",
-                                              "--color ",      "--stress ",
-                                              "--completion ", "--json ",
-                                              "--response ",   "--shard ",
-                                              "--start ",      "--variants ",
-                                              "--published ",  NULL};
+static const char *const without_default[] = {"--help ",
+                                              "--study ",
+                                              "--where ",
+                                              "--bare ",
+                                              "--set ",
+                                              "--reduce ",
+                                              "--base ",
+                                              "--other-groups ",
+                                              "--pair ",
+                                              "--successive ",
+                                              "-o ",
+                                              "--runs ",
+                                              "--missing ",
+                                              "--outline ",
+                                              "--disks ",
+                                              "--linear ",
+                                              "--set-again ",
+                                              "--summary ",
+                                              "--threshold ",
+                                              "--map ",
+                                              "--ledger ",
+                                              "--force ",
+                                              "--profile ",
+                                              "--resume ",
+                                              "--man ",
+                                              "--rotation ",
+                                              "--quiet ",
+                                              "--plot ",
+                                              "--color ",
+                                              "--stress ",
+                                              "--completion ",
+                                              "--json ",
+                                              "--response ",
+                                              "--shard ",
+                                              "--start ",
+                                              "--variants ",
+                                              NULL};
 
 static bool option_line_is_whole(const char *line)
 {
@@ -1169,7 +1187,7 @@ static void test_stats_settings(void)
 /* Verdicts on these claims by the tables of the folder. */
 #define JUDGE(claims)                                                                                        \
     write_text("claims.tsv", CLAIMS claims);                                                                 \
-    GOOD("claims --claims claims.tsv --tables .")
+    REPORTS("claims --claims claims.tsv --tables .")
 
 /* The text of a column in the row of a claim. */
 static void check_verdict(const char *id, const char *column, const char *expected)
@@ -1235,7 +1253,7 @@ static void test_claims(void)
     write_text("far.tsv",
                "# limit\tlimit_se\tlimit_lo90\tlimit_hi90\tchange_lo90\tchange_hi90\tdof\tp_value\n"
                "0.5\t0.2\t0.3\t0.7\t-9\t9\t9\t0.01\n");
-    GOOD("claims --claims claims.tsv --tables nowhere,. --variants");
+    REPORTS("claims --claims claims.tsv --tables nowhere,. --variants");
     CU_ASSERT(
         strstr(
             out,
@@ -1253,7 +1271,7 @@ static void test_claims(void)
     write_text("t.tsv", "# count: 8 of 8\n# v_mean\tv_se\tn\n30\t0.1\t101\n");
     write_text("trend.tsv", "# k\tchange\tchange_se\tchange_lo90\tchange_hi90\tp_value\tp_holm\n"
                             "1\t3\t1\t1.4\t4.6\t0.003\t0.04\n2\t0.1\t0.2\t-0.2\t0.4\t0.6\t0.9\n");
-    GOOD("claims --claims claims.tsv --tables . --paper li");
+    REPORTS("claims --claims claims.tsv --tables . --paper li");
     check_verdict("angle", "verdict", "no such claim");
     check_verdict("level", "verdict", "not reproduced");
     check_verdict("up", "verdict", "not reproduced");
@@ -1262,21 +1280,21 @@ static void test_claims(void)
     /* two values: two standard errors are 12.7, of a mean; of a fit they are 2 */
     write_text("t.tsv", "# count: 7 of 8\n# v_mean\tv_se\tn\n20\t1\t2\n");
     write_text("u.tsv", "# v\tv_se\tn\n30\t1\t2\n");
-    GOOD("claims --claims claims.tsv --tables .");
+    REPORTS("claims --claims claims.tsv --tables .");
     check_verdict("high", "verdict", "undecided");
     write_text("t.tsv", "# count: 7 of 8\n# v\tv_se\tn\n20\t1\t2\n");
-    GOOD("claims --claims claims.tsv --tables .");
+    REPORTS("claims --claims claims.tsv --tables .");
     check_verdict("high", "verdict", "reproduced");
     write_text("t.tsv", "# count: 8 of 8\n# v_mean\tv_se\tn\n30\t0.1\t101\n");
-    GOOD("claims --claims claims.tsv --tables . --id angle");
+    REPORTS("claims --claims claims.tsv --tables . --id angle");
     check_verdict("angle", "verdict", "not reproduced");
     check_verdict("twin", "verdict", "not reproduced");
     check_verdict("level", "verdict", "no such claim");
-    GOOD("claims --claims claims.tsv --published");
+    REPORTS("published --claims claims.tsv");
     CU_ASSERT(strstr(out, "\nangle\tlh\t20\t1\t20\n") && !strstr(out, "twin"));
     write_text("claims.tsv", CLAIMS CLAIM("one", "20\t1") PLAIN("none", "untestable", "-", "-", "-")
                                  CLAIM("two", "30\t-") CLAIM("three", "40.0\t2"));
-    GOOD("claims --claims claims.tsv --published");
+    REPORTS("published --claims claims.tsv");
     CU_ASSERT_PTR_NOT_NULL(strstr(out, "\none\tlh\t20\t1\t20\ntwo\tlh\t30\t0\t20\nthree\tlh\t40.0\t2\t20\n"));
     leave();
 }
@@ -1353,7 +1371,7 @@ static void test_families(void)
                   MEMBER("same", "q", "independent", "2", "t k=5 change", "-"));
     /* claims without the column are no families */
     CU_ASSERT(shell("cut -f 1-10,12- claims.tsv >plain.tsv") == 0);
-    GOOD("claims --claims plain.tsv --tables .");
+    REPORTS("claims --claims plain.tsv --tables .");
     check_verdict("near", "verdict", "reproduced");
     leave();
 }
@@ -1383,7 +1401,7 @@ static void test_rejected_fits(void)
                           "3\t0\t0.1\tinf\t-0.2\t0.2\t0.9\tnan\n4\t4\t1\tinf\t-9\t17\t0.03\t4e-9\n"
                           "5\t4\t1\tinf\t-9\t17\t0.03\t0.5\n");
     write_claims("", N_OF(cases), cases);
-    GOOD("claims --claims claims.tsv --tables .");
+    REPORTS("claims --claims claims.tsv --tables .");
     check_claims(N_OF(cases), cases);
     check_verdict("level", "verdict", "undecided");
     check_verdict("level", "ours", "0.00 ± 0.10 (90 %: -0.20 to 0.20)");
@@ -1405,7 +1423,7 @@ static void test_pooled(void)
     check_verdict("pooled", "n", "12");
     check_verdict("short", "verdict", "no data");
     write_text("b.tsv", "# v_mean\tv_se\tn\n22.5\t1.06066\t8\n");
-    FAILS(65, "no column v_sd", "claims --claims claims.tsv --tables .");
+    REPORT_FAILS(65, "no column v_sd", "claims --claims claims.tsv --tables .");
     const stats_summary parts[] = {{.n = 4, .mean = 18.0, .sd = 2.0}, {.n = 8, .mean = 22.5, .sd = 3.0}};
     const stats_summary all = stats_pooled(2, parts), one = stats_pooled(1, parts);
     CU_ASSERT(all.n == 12 && one.n == 4);
@@ -1422,7 +1440,7 @@ static void test_bad_claims(void)
     write_text("t.tsv", "# k\tv\n1\t2\n1\t3\n");
 #define BAD(text, message)                                                                                   \
     write_text("bad.tsv", CLAIMS text);                                                                      \
-    FAILS(65, message, "claims --claims bad.tsv --tables .")
+    REPORT_FAILS(65, message, "claims --claims bad.tsv --tables .")
     BAD(PLAIN("a", "guess", "-", "t v", "-"), "bad.tsv:2: claim a: unknown test \"guess\"");
     BAD(PLAIN("a", "above", "-", "t v", "-"), "claim a: test above needs `against`");
     BAD(PLAIN("a", "agrees", "-", "t v", "-"), "claim a: test agrees needs a published number");
@@ -1456,7 +1474,7 @@ static void test_report(void)
                         "{{rows many k=7:8 | k v:+- n:%%.0f}}\n{{rows none | k}}\n"
                         "All of {{value many k=7 v}} and {{value none v}} piles.\n| {{value none v}} |\n"
                         "{{include part-*.txt}}");
-    GOOD("report in.md --tables . --claims claims.tsv");
+    REPORTS("page in.md --tables . --claims claims.tsv");
     CU_ASSERT_STRING_EQUAL(
         out,
         "20.10 ± 0.20, not known; 12 0.1; so it is; 20.10 ± 1; 0.100 ± 0.010 against 0 of 12; reproduced; "
@@ -1465,15 +1483,15 @@ static void test_report(void)
         "No data: `none.tsv` has not been made.\n| no data |\nfirst 20.1\n\nsecond\n");
     write_text("in.md", "{{cell many v=smallest k}} {{cell many v=largest k}} {{cell many n=largest k}} "
                         "{{cell many n=smallest k}}\n");
-    GOOD("report in.md --tables . --claims claims.tsv");
+    REPORTS("page in.md --tables . --claims claims.tsv");
     CU_ASSERT_STRING_EQUAL(out, "8 7 7 9\n");
     write_text("in.md", "{{claims plain}}\n{{scores all}}\n");
-    GOOD("report in.md --tables . --claims claims.tsv");
+    REPORTS("page in.md --tables . --claims claims.tsv");
     CU_ASSERT(strstr(out, "| high | high (note) |  | 0.100 ± 0.010 against 0 | 12 | reproduced |\n") != NULL);
     CU_ASSERT(strstr(out, "|---|---|---|---|\n| angle | 20.10 ± 1 |  | no data |\n") != NULL);
 #define BAD_PLACE(text, message)                                                                             \
     write_text("in.md", text);                                                                               \
-    FAILS(65, message, "report in.md --tables . --claims claims.tsv")
+    REPORT_FAILS(65, message, "page in.md --tables . --claims claims.tsv")
     BAD_PLACE("{{cell many k=7 v %%.17g}}", "in.md:1: \"%.17g\": a format such as");
     BAD_PLACE("{{cell many k=7 v %%.3d}}", "a format such as");
     BAD_PLACE("{{cell many k=7 v_Se}}", "many.tsv: no column \"v_Se\" (did you mean \"v_se\"?)");

@@ -136,11 +136,11 @@ static void make_folder(void)
     char root[512], line[2048];
     enter();
     CU_ASSERT_PTR_NOT_NULL_FATAL(getcwd(root, sizeof root));
-    snprintf(
-        line, sizeof line,
-        "{ mkdir page && cd page && ln -s '%s'/* . && rm build && mkdir build && ln -s \"$REPOSE\" build/; }"
-        " >out 2>err",
-        root);
+    snprintf(line, sizeof line,
+             "{ mkdir page && cd page && ln -s '%s'/* . && rm build && mkdir build && ln -s \"$REPOSE\" "
+             "\"$REPORT\" build/; }"
+             " >out 2>err",
+             root);
     CU_ASSERT_EQUAL_FATAL(shell(line), 0);
     setenv("PYTHONDONTWRITEBYTECODE", "1", 1);
     unsetenv("MAKEFLAGS"), unsetenv("REPOSE_DATA");

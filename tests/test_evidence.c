@@ -136,7 +136,7 @@ static void test_verdicts(void)
     char line[512], path[256], template[8192] = "";
     enter();
     write_claims();
-    GOOD("claims --claims claims.tsv --tables .");
+    REPORTS("claims --claims claims.tsv --tables .");
     rp_table t;
     path_of("out", path);
     CHECK_OK(rp_table_read_texts(path, &t));
@@ -157,7 +157,7 @@ static void test_verdicts(void)
     }
     rp_table_free(&t);
     write_text("in.md", "{{scores all}}\n{{claims all}}\n{{counts lh}}\n%s", template);
-    GOOD("report in.md --tables . --claims claims.tsv");
+    REPORTS("page in.md --tables . --claims claims.tsv");
     for (size_t i = 0; i < N_ANSWERS; i++) {
         snprintf(line, sizeof line, "\n| statement %zu ", i);
         const char *score = strstr(out, line);
@@ -217,25 +217,27 @@ static void check_claims_table(void)
         "# ours: 1 reproduced, 0 not reproduced, 0 undecided, 0 can't be tested, 0 by eye, 0 no data\n";
     static const struct {
         const char *words, *shown[4], *hidden[4];
-    } cases[] = {{"--variants",
-                  {"\n# paper: all\n# variants: true\n# published: false\n# lh: ", counts, one, two},
-                  {NULL}},
-                 {"", {counts, head, three, seven}, {"\ntwo\t"}},
-                 {"--paper li",
-                  {"\n# li: 2 ", head, five, "\nfour\tli\t"},
-                  {"\n# lh: ", "\n# ours: ", "\none\t", "\nseven\t"}},
-                 {"--paper ours", {"\n# ours: 1 ", head, seven}, {"\n# lh: ", "\n# li: ", "\nfive\t"}},
-                 {"--id one", {head, one, two}, {"\n# lh: ", "\n# li: ", "\n# ours: ", "\nthree\t"}},
-                 {"--id two", {head, two}, {"\n# lh: ", "\none\t"}},
-                 {"--published",
-                  {"\nid\tpaper\tpublished\tpublished_se\tsamples\none\tlh\t20\t0.9\t40\n"},
-                  {"\ntwo", "\nthree", "\nfour"}}};
+    } cases[] = {
+        {"claims --tables . --variants",
+         {"\n# paper: all\n# variants: true\n# lh: ", counts, one, two},
+         {NULL}},
+        {"claims --tables .", {counts, head, three, seven}, {"\ntwo\t"}},
+        {"claims --tables . --paper li",
+         {"\n# li: 2 ", head, five, "\nfour\tli\t"},
+         {"\n# lh: ", "\n# ours: ", "\none\t", "\nseven\t"}},
+        {"claims --tables . --paper ours",
+         {"\n# ours: 1 ", head, seven},
+         {"\n# lh: ", "\n# li: ", "\nfive\t"}},
+        {"claims --tables . --id one", {head, one, two}, {"\n# lh: ", "\n# li: ", "\n# ours: ", "\nthree\t"}},
+        {"claims --tables . --id two", {head, two}, {"\n# lh: ", "\none\t"}},
+        {"published",
+         {"\nid\tpaper\tpublished\tpublished_se\tsamples\none\tlh\t20\t0.9\t40\n"},
+         {"\ntwo", "\nthree", "\nfour"}}};
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
-        GOOD("claims --claims claims.tsv --tables . %s", cases[k].words);
+        REPORTS("%s --claims claims.tsv", cases[k].words);
         for (int i = 0; i < 4; i++) {
             const char *shown = cases[k].shown[i], *hidden = cases[k].hidden[i];
-            if (shown && !strstr(out, shown))
-                fprintf(stderr, "claims %s does not print: %s", cases[k].words, shown);
+            if (shown && !strstr(out, shown)) fprintf(stderr, "%s does not print: %s", cases[k].words, shown);
             CU_ASSERT(!shown || strstr(out, shown));
             CU_ASSERT(!hidden || !strstr(out, hidden));
         }
@@ -264,7 +266,7 @@ static void test_section(void)
     write_text("means_fit.tsv", "# k\ta\ta_se\n1\t3\t1\n");
     write_text("in.md", "{{scores s}}\n{{claims s}}\n{{counts lh}}\n{{scores other}}\n{{claims other}}\n"
                         "{{failures all}}\n");
-    GOOD("report in.md --tables . --claims claims.tsv");
+    REPORTS("page in.md --tables . --claims claims.tsv");
     CU_ASSERT_STRING_EQUAL(
         out,
         "| claim | paper | ours | verdict |\n|---|---|---|---|\n"
@@ -292,7 +294,7 @@ static void test_section(void)
     write_text("means.tsv",
                SWEEP "1 of 15 (no_pile 1)\n# k\tn\tn_failed\ta_mean\ta_se\ta_n\n1\t12\t1\t21.5\t1\t12\n");
     write_text("in.md", "{{claims s}}\n{{failures all}}\n");
-    GOOD("report in.md --tables . --claims claims.tsv");
+    REPORTS("page in.md --tables . --claims claims.tsv");
     CU_ASSERT_PTR_NOT_NULL(
         strstr(out, "| 20 ± 0.9 (1) | 21.5 ± 1.0 | 12; 1 of 13 failed (no_pile 1): the flattest "
                     "piles are left out, theta_R is too large |"));
@@ -305,10 +307,10 @@ static void test_section(void)
     /* blanks between the brackets do not count */
     write_text("in.md",
                "{{ value  means k=1  a }}; {{  cell means k=1 a_mean %%.2f}}; {{ note means failed }}\n");
-    GOOD("report in.md --tables . --claims claims.tsv");
+    REPORTS("page in.md --tables . --claims claims.tsv");
     CU_ASSERT_STRING_EQUAL(out, "21.5 ± 1.0; 21.50; 1 of 15 (no_pile 1)\n");
     write_text("in.md", "{{failures lh}}\n");
-    FAILS(65, "{{failures lh}}: allowed: all", "report in.md --tables . --claims claims.tsv");
+    REPORT_FAILS(65, "{{failures lh}}: allowed: all", "page in.md --tables . --claims claims.tsv");
     leave();
 }
 
@@ -351,7 +353,7 @@ static void test_failed_cells(void)
     FIT("s_all", "--x k", "g\t", "1\t");
     FIT("s_where", "--where g=2 --x k", "", "");
     FIT("s_two", "x/r_runs.tsv --x k", "", "");
-    GOOD("claims --claims claims.tsv --tables .");
+    REPORTS("claims --claims claims.tsv --tables .");
     rp_table t;
     path_of("out", path);
     CHECK_OK(rp_table_read_texts(path, &t));
@@ -389,7 +391,7 @@ static void test_references(void)
                "# k\tv\n5.0\t1\n5x\t2\n50\t3\nword\t4\n-0.5\t5\n0.000001\t6\n1.0000001e-6\t7\n1e6\t8\n");
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         write_text("in.md", "{{cell %s v}}\n", cases[i].reference);
-        GOOD("report in.md --tables . --claims claims.tsv");
+        REPORTS("page in.md --tables . --claims claims.tsv");
         CU_ASSERT(strncmp(out, cases[i].value, 1) == 0 && out[1] == '\n');
     }
     /* the error is that of the mean or of the number, never the scatter */
@@ -402,18 +404,18 @@ static void test_references(void)
                         "{{cell t k=1 e %%.1f}} "
                         "{{cell t k=1 f}}\n{{rows t | k c:%%.1f a:+-}}\n{{include part.txt}}");
     write_text("part.txt", "beside\n");
-    GOOD("report in.md --tables . --claims claims.tsv");
+    REPORTS("page in.md --tables . --claims claims.tsv");
     CU_ASSERT_STRING_EQUAL(out, filled);
-    /* from another folder, by the folder of data */
-    CU_ASSERT_EQUAL(
-        shell("mkdir sub && cd sub && REPOSE_DATA=.. \"$REPOSE\" report ../in.md --tables . --claims "
-              "../claims.tsv >../out 2>../err"),
-        0);
+    /* from another folder */
+    CU_ASSERT_EQUAL(shell("mkdir sub && cd sub && \"$REPORT\" page ../in.md --tables .. --claims "
+                          "../claims.tsv >../out 2>../err"),
+                    0);
     CU_ASSERT_STRING_EQUAL(out, filled);
     static const char *const formats[] = {"%.3fx", "%g", "%.17g", "%.3d", "%.3", "%3.f", "x%.3f"};
     for (size_t k = 0; k < sizeof formats / sizeof *formats; k++) {
         write_text("in.md", "{{cell t k=1 e %s%s}}\n", *formats[k] == '%' ? "" : "%", formats[k]);
-        FAILS(65, "a format such as %.3g or %.0f expected", "report in.md --tables . --claims claims.tsv");
+        REPORT_FAILS(65, "a format such as %.3g or %.0f expected",
+                     "page in.md --tables . --claims claims.tsv");
     }
     leave();
 }
@@ -436,7 +438,7 @@ static void write_claim(const char *test, const char *published, const char *mar
 /* The claims are read, or without what they need refused. */
 static void check_need(bool needed, const char *message)
 {
-    const int status = run(ASK);
+    const int status = run_report(ASK);
     CU_ASSERT(needed ? failed(__FILE__, __LINE__, status, 65, message) : good(__FILE__, __LINE__, status));
 }
 
@@ -461,7 +463,7 @@ static void test_needs(void)
         const char *test = tests[k].test;
         char message[128];
         write_claim(test, "20", "2", "t v", "1", "why");
-        GOOD(ASK);
+        REPORTS(ASK);
         write_claim(test, "-", "2", "t v", "1", "why");
         snprintf(message, sizeof message, "claims.tsv:2: claim x: test %s needs a published number", test);
         check_need(tests[k].published, message);
@@ -475,12 +477,12 @@ static void test_needs(void)
         write_claim(test, "20", "2", none ? "t v" : "-", "1", none ? "-" : "why");
         snprintf(message, sizeof message, "test %s needs %s", test,
                  none ? "a reason in `note`" : "an answer");
-        FAILS(65, message, ASK);
+        REPORT_FAILS(65, message, ASK);
         write_claim(test, "20", "2", none ? "-" : "t v", "1", none ? "why" : "-");
-        GOOD(ASK);
+        REPORTS(ASK);
     }
     write_claim("order", "-", "2", "t v", "-", "why");
-    FAILS(65, "test order needs a published number", ASK);
+    REPORT_FAILS(65, "test order needs a published number", ASK);
     /* every column but that of families */
     static const char *const columns[] = {"id",   "of",        "paper",        "place",     "section",
                                           "test", "published", "published_se", "samples",   "margin",
@@ -491,7 +493,7 @@ static void test_needs(void)
         snprintf(line, sizeof line, "sed 's/^# //' claims.tsv | cut --complement -f %d >less.tsv", k + 1);
         snprintf(message, sizeof message, "less.tsv: no column \"%s\"", columns[k] ? columns[k] : "");
         CU_ASSERT_EQUAL(shell(line), 0);
-        const int status = run("claims --claims less.tsv --tables .");
+        const int status = run_report("claims --claims less.tsv --tables .");
         CU_ASSERT(columns[k] ? failed(__FILE__, __LINE__, status, 65, message)
                              : good(__FILE__, __LINE__, status));
     }
@@ -538,7 +540,7 @@ static void test_family(void)
                 "g", "rises", "9", "q", "t k=5 change", "-") ROW("h", "falls", "9", "q", "t k=6 change", "-")
                 ROW("i", "above", "1", "-", "t k=3 v", "0") ROW("j", "above", "1", "-", "t k=2 v", "0")
                     ROW("k", "below", "1", "-", "t k=1 v", "0"));
-    GOOD(ASK);
+    REPORTS(ASK);
     check_claim("a", "3.0 ± 1.0 against 0", "reproduced");
     check_claim("b", "-3.0 ± 1.0 against 0", "reproduced");
     static const char *const three[] = {"c", "d", "e"};
@@ -552,7 +554,7 @@ static void test_family(void)
     check_claim("j", "-3.0 ± 1.0 against 0", "not reproduced"); /* the opposite holds */
     check_claim("k", "3.0 ± 1.0 against 0", "not reproduced");
     write_text("claims.tsv", HEADER ROW("z", "above", "-", "p", "t k=1 v", "0") THREE);
-    GOOD(ASK);
+    REPORTS(ASK);
     check_claim("c", "0.00 ± 0.50 against 0", "not reproduced (a difference of 1 or more is excluded)");
     check_claim("d", "0.00 ± 0.50 against 0", "not reproduced (a difference of 1 or more is excluded)");
     leave();
@@ -571,7 +573,7 @@ static void test_constants(void)
                                      ROW("all", "constant", "-", "-", "two three one", "-")
                                          ROW("same", "constant", "-", "-", "three one", "-")
                                              ROW("lone", "constant", "-", "-", "two", "-"));
-    GOOD(ASK);
+    REPORTS(ASK);
     snprintf(two, sizeof two, "p = %.2g or %.1g", gsl_cdf_chisq_Q(2.0, 1.0), gsl_cdf_chisq_Q(8.0, 1.0));
     snprintf(three, sizeof three, "p = %.2g or %.1g", gsl_cdf_chisq_Q(8.0 / 3.0, 2.0),
              gsl_cdf_chisq_Q(8.0 / 3.0, 2.0));

@@ -11,6 +11,7 @@
 #include "params/units.h"
 #include "core/version.h"
 #include "dem/scene/scene.h"
+#include "report/pages.h"
 #include "tests/check.h"
 #include "tests/program.h"
 
@@ -129,15 +130,18 @@ static void check_about(const char *about, int width)
     if (*text) filled("", text, 0, width);
 }
 
+static const char *typed = "repose"; /* the program */
+
 static void check_help(const cli_command *c)
 {
+    const char *variable = strcmp(typed, "report") == 0 ? "REPORT" : "REPOSE";
     option options[64];
     char start[80], text[1024];
     for (int width = 60; width <= 110; width += 40) {
-        snprintf(text, sizeof text, "COLUMNS=%d \"$REPOSE\" %s --help >out 2>err", width, c->name);
+        snprintf(text, sizeof text, "COLUMNS=%d \"$%s\" %s --help >out 2>err", width, variable, c->name);
         CU_ASSERT_EQUAL_FATAL(shell(text), 0);
         rest = out;
-        snprintf(start, sizeof start, "usage: repose %s ", c->name);
+        snprintf(start, sizeof start, "usage: %s %s ", typed, c->name);
         if (c->group) {
             line_is("%sCOMMAND [options]; repose %s COMMAND --help says more", start, c->name);
             line_is("%s", "");
@@ -168,6 +172,8 @@ static void test_help(void)
 {
     enter();
     each(cli_commands, check_help);
+    typed = "report";
+    each(report_commands, check_help);
     /* 80 without a number of columns; never below 60 or above 110 */
     static const char *const same[][2] = {
         {"", "80"}, {"0", "80"}, {"-3", "80"}, {"59", "60"}, {"111", "110"}};
@@ -229,7 +235,7 @@ static void test_orders(void)
                   {&cmd_export, "LAMMPS: radius, mass, vx vy vz, omegaz"},
                   {&cmd_export, "a table of grains (x, y, r) too"},
                   {&cmd_view, "with columns x, y, r."},
-                  {&cmd_report, "in short: paper, ours, verdict\n"}};
+                  {&report_page, "in short: paper, ours, verdict\n"}};
     for (size_t k = 0; k < sizeof orders / sizeof *orders; k++)
         CU_ASSERT_PTR_NOT_NULL(strstr(orders[k].command->about, orders[k].words));
 }

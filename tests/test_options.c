@@ -69,8 +69,9 @@ static const struct {
     {"calibrate",
      "--runs more.tsv --theta-r-deg 15 --error-deg 1 --theta-t-deg 4 --theta-t-error-deg 1 --bootstrap 20",
      "--theta-t-deg 5|--theta-t-error-deg 2"},
-    {"claims", "--claims claims.tsv --tables .",
-     "--claims other.tsv|--tables nowhere|--paper li|--id angle|--variants|--published"},
+    {"report claims", "--claims claims.tsv --tables .",
+     "--claims other.tsv|--tables nowhere|--paper li|--id angle|--variants"},
+    {"report published", "--claims claims.tsv", "--claims other.tsv"},
     {"bench", "-n 9 --steps 10 --repeat 1", "-n 10|--steps 11|--start start.tsv|--size-ratio 5"}};
 
 /* Options that change no row, or that other tests follow. */
@@ -230,11 +231,21 @@ static void write_fixtures(void)
 
 /* ---- options ---- */
 
+/* Run a command; those of `report` have its name before their own. */
+static int run_command(const char *command, const char *words)
+{
+    const size_t n = strlen("report ");
+    return strncmp(command, "report ", n) == 0 ? run_report("%s %s", command + n, words)
+                                               : run("%s %s", command, words);
+}
+
 /* The rows that a command prints; NULL, with a message, if it fails in a way that is no result. */
 static char *rows_of(const char *command, const char *base, const char *change)
 {
     static char rows[sizeof out];
-    const int status = run("%s %s %s", command, base, change);
+    char words[512];
+    snprintf(words, sizeof words, "%s %s", base, change);
+    const int status = run_command(command, words);
     char *to = rows, *rest = out, *line;
     if (status != 0 && status != 1) {
         fprintf(stderr, "repose %s %s %s: %s", command, base, change, err);
@@ -277,7 +288,7 @@ static bool has_word(const char *text, const char *option)
 static void check_covered(const char *command)
 {
     char *text, *rest, *line, option[64];
-    CU_ASSERT(run("%s --help", command) == 0);
+    CU_ASSERT(run_command(command, "--help") == 0);
     text = rest = strdup(out);
     while ((line = strsep(&rest, "\n"))) {
         if (strncmp(line, "  -", 3) != 0 || sscanf(line, "%63s", option) != 1 ||
@@ -309,11 +320,13 @@ static bool same_value(const char *cell, const json_t *value)
 static void check_json(const char *command, const char *base)
 {
     static char keep[sizeof out];
-    const int status = run("%s %s", command, base);
+    char words[512];
+    snprintf(words, sizeof words, "%s --json", base);
+    const int status = run_command(command, base);
     memcpy(keep, out, sizeof out);
     rp_table t;
     CU_ASSERT_EQUAL_FATAL(rp_table_parse("table", strdup(keep), &t), RP_OK);
-    CU_ASSERT_EQUAL(run("%s %s --json", command, base), status);
+    CU_ASSERT_EQUAL(run_command(command, words), status);
     json_t *all = json_loads(out, JSON_REJECT_DUPLICATES, NULL), *rows = json_object_get(all, "rows");
     bool same = all && json_array_size(rows) == t.n_rows &&
                 json_string_value(json_object_get(json_object_get(all, "notes"), "program"));

@@ -52,10 +52,6 @@
 #define CLI_PHI(X)     X(REAL, phi_deg, "deg", "60", "(0, 90)", "inclination of the rays of force")
 #define CLI_WORKERS(X) X(INT, j, "", "auto", "[1, 4096] | auto", "worker processes; auto: one per processor")
 #define CLI_QUIET(X)   X(BOOL, quiet, "", "false", "", "no progress and no closing line on standard error")
-#define CLI_CLAIMS(X)                                                                                        \
-    X(TEXT, tables, "", "results,build/tables", "",                                                          \
-      "folders of tables, joined by commas; a table is read from the first folder that holds it")            \
-    X(TEXT, claims, "", "report/claims.tsv", "", "file of the claims")
 #define CLI_POSITIONS(X)                                                                                     \
     X(INT, points, "", "auto", "[2, 10000000] | auto",                                                       \
       "number of equidistant positions from 0 to B; auto: 201 unless --at is given")                         \
@@ -78,6 +74,17 @@ typedef struct cli_command {
     size_t protocol_size;
     bool prints_text; /* or nothing: the others print a table, which has --json */
 } cli_command;
+
+/* A program of commands. */
+typedef struct {
+    const char *name; /* as it is typed */
+    const cli_command *const *commands;
+    void (*overview)(FILE *out); /* what --help prints */
+} cli_program;
+
+/* The main function of a program, and the program that it began with. */
+int cli_main(const cli_program *program, int argc, char **argv);
+const cli_program *cli_this_program(void);
 
 /* Parse argv[1..] by the options' schema into `values` (defaults first; the rest is 0), and act. Boolean
  * options take no value. --help prints its text. Errors: RP_USAGE (unknown option or subcommand, missing
@@ -262,10 +269,8 @@ rp_status cli_header_by(const rp_table *table, const char *by, const char *own);
     X(sweep)                                                                                                 \
     X(export)                                                                                                \
     X(calibrate)                                                                                             \
-    X(claims)                                                                                                \
     X(params)                                                                                                \
     X(bench)                                                                                                 \
-    X(report)                                                                                                \
     X(help)
 
 #define X(name) extern const cli_command cmd_##name;

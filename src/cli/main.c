@@ -1,5 +1,5 @@
-/* The program `repose`: finds the subcommand, prints its failure, turns its status into the exit status, and
- * frees what the subcommand has made. */
+/* What a program of commands does: finds the command, prints its failure, turns its status into the exit
+ * status, and frees what the command has made. */
 #include <limits.h>
 #include <signal.h>
 #include <stdlib.h>
@@ -13,7 +13,14 @@
 #include "core/random.h"
 #include "core/version.h"
 
+static const cli_program no_program = {"repose", (const cli_command *const[]){NULL}, NULL},
+                         *this_program = &no_program;
 static char command_line[4096];
+
+const cli_program *cli_this_program(void)
+{
+    return this_program;
+}
 
 const char *cli_command_line(void)
 {
@@ -36,7 +43,7 @@ static void *keep(void *thing, void (*release)(void *))
 {
     kept = thing ? realloc(kept, (n_kept + 1) * sizeof *kept) : NULL;
     if (!kept) {
-        fprintf(stderr, "repose: out of memory\n");
+        fprintf(stderr, "%s: out of memory\n", this_program->name);
         exit(RP_NO_MEMORY);
     }
     kept[n_kept].thing = thing;
@@ -138,32 +145,34 @@ const char *cli_data(const char *name)
 static int finish(const char *command, rp_status status)
 {
     if (!status) status = rp_file_finish(stdout, "standard output");
-    if (status) fprintf(stderr, "repose%s%s: %s\n", *command ? " " : "", command, rp_message());
+    if (status)
+        fprintf(stderr, "%s%s%s: %s\n", this_program->name, *command ? " " : "", command, rp_message());
     cli_release(0);
     free(kept), kept = NULL;
     return (int)status;
 }
 
-int main(int argc, char **argv)
+int cli_main(const cli_program *program, int argc, char **argv)
 {
+    this_program = program;
     signal(SIGXFSZ, SIG_IGN);    /* a file that reaches the limit of its size is a failed write */
     gsl_set_error_handler_off(); /* each caller of GSL checks the returned status */
-    size_t used = (size_t)snprintf(command_line, sizeof command_line, "repose");
+    size_t used = (size_t)snprintf(command_line, sizeof command_line, "%s", this_program->name);
     for (int i = 1; i < argc && used < sizeof command_line; i++)
         used += (size_t)snprintf(command_line + used, sizeof command_line - used, " %s", argv[i]);
     if (argc < 2) {
-        cli_overview(stderr);
+        this_program->overview(stderr);
         return RP_USAGE;
     }
     if (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-h") == 0) {
-        cli_overview(stdout);
+        this_program->overview(stdout);
         return finish("", RP_OK);
     }
     if (strcmp(argv[1], "--version") == 0 || strcmp(argv[1], "-V") == 0) {
-        printf("repose %s (commit %s)\n", RP_VERSION, rp_build_commit);
+        printf("%s %s (commit %s)\n", this_program->name, RP_VERSION, rp_build_commit);
         return finish("", RP_OK);
     }
-    for (const cli_command *const *c = cli_commands; *c; c++)
+    for (const cli_command *const *c = this_program->commands; *c; c++)
         if (strcmp(argv[1], (*c)->name) == 0) return finish(argv[1], cli_run(*c, argc - 1, argv + 1));
-    return finish("", cli_unknown_command(argv[1], cli_commands, ""));
+    return finish("", cli_unknown_command(argv[1], this_program->commands, ""));
 }

@@ -95,7 +95,7 @@ static void print_about(const char *text)
 
 static void print_help(const cli_command *c)
 {
-    const int at = printf("usage: repose %s ", c->name);
+    const int at = printf("usage: %s %s ", cli_this_program()->name, c->name);
     print_words(c->synopsis, strlen(c->synopsis), at, 7);
     puts("\n");
     print_about(c->about);
@@ -118,7 +118,8 @@ static rp_status add_options(const rp_param *schema, size_t offset)
         const size_t n = line.n_options++;
         if (n == MAX_OPTIONS || strlen(p->name) >= MAX_NAME ||
             (offset < GENERIC_AT && offset + p->offset + sizeof(rp_texts) > MOST_BYTES))
-            return rp_fail(RP_BROKEN, "repose %s: no room for option %s", line.command->name, p->name);
+            return rp_fail(RP_BROKEN, "%s %s: no room for option %s", cli_this_program()->name,
+                           line.command->name, p->name);
         strcpy(line.names[n], p->name);
         for (char *c = line.names[n]; (c = strchr(c, '_'));) *c = '-';
         line.options[n] = *p;
@@ -159,10 +160,10 @@ static rp_status check_given(const cli_command *c)
 {
     for (size_t i = 0; i < line.n_options; i++)
         if (!line.options[i].fallback && !line.given[i])
-            return rp_fail(RP_USAGE, "%s%s is required (%s); see repose %s --help",
-                           cli_dashes(&line.options[i]), line.names[i], line.options[i].meaning, c->name);
+            return rp_fail(RP_USAGE, "%s%s is required (%s); see %s %s --help", cli_dashes(&line.options[i]),
+                           line.names[i], line.options[i].meaning, cli_this_program()->name, c->name);
     if (count_fits(c->synopsis, line.n_arguments)) return RP_OK;
-    return rp_fail(RP_USAGE, "usage: repose %s %s", c->name, c->synopsis);
+    return rp_fail(RP_USAGE, "usage: %s %s %s", cli_this_program()->name, c->name, c->synopsis);
 }
 
 /* Index of an option, which there must be. */
@@ -188,9 +189,9 @@ static void list_parallel(const cli_command *const *c, char *names, size_t size)
 static rp_status not_parallel(void)
 {
     char names[256] = "";
-    list_parallel(cli_commands, names, sizeof names);
-    return rp_fail(RP_USAGE, "unknown option -j: repose %s works on one processor; -j goes with %s",
-                   line.command->name, names);
+    list_parallel(cli_this_program()->commands, names, sizeof names);
+    return rp_fail(RP_USAGE, "unknown option -j: %s %s works on one processor; -j goes with %s",
+                   cli_this_program()->name, line.command->name, names);
 }
 
 /* An option that is written with too few or too many dashes is found as well. */
@@ -206,7 +207,8 @@ static rp_status unknown_option(const char *text)
     if (*guess.nearest)
         snprintf(nearest, sizeof nearest, " (did you mean %s%s?)", strlen(guess.nearest) == 1 ? "-" : "--",
                  guess.nearest);
-    return rp_fail(RP_USAGE, "unknown option %s%s; see repose %s --help", text, nearest, line.command->name);
+    return rp_fail(RP_USAGE, "unknown option %s%s; see %s %s --help", text, nearest, cli_this_program()->name,
+                   line.command->name);
 }
 
 static rp_status parse(const cli_command *command, int argc, char **argv, bool *done)
@@ -237,8 +239,8 @@ static rp_status parse(const cli_command *command, int argc, char **argv, bool *
         if (c == '?') /* a letter within a group: getopt has not passed its word yet */
             return unknown_option(optopt > 0 && optopt < 256 ? letter : argv[optind - 1]);
         if (c == ':')
-            return rp_fail(RP_USAGE, "option %s needs a value; see repose %s --help", argv[optind - 1],
-                           command->name);
+            return rp_fail(RP_USAGE, "option %s needs a value; see %s %s --help", argv[optind - 1],
+                           cli_this_program()->name, command->name);
         status = set_option(c < 256 ? index_of(letter + 1) : (size_t)c - 256, optarg);
     }
     line.n_arguments = argc - optind;
@@ -349,18 +351,21 @@ rp_status cli_unknown_command(const char *word, const cli_command *const *among,
 {
     rp_guess guess = rp_guess_of(word);
     for (; *among; among++) rp_guess_try(&guess, cli_own_name(*among));
-    return rp_fail(RP_USAGE, "unknown command \"%s\"%s; see repose %s%s--help", word, rp_guess_text(&guess),
-                   group, *group ? " " : "");
+    return rp_fail(RP_USAGE, "unknown command \"%s\"%s; see %s %s%s--help", word, rp_guess_text(&guess),
+                   cli_this_program()->name, group, *group ? " " : "");
 }
 
 static rp_status run_of_group(const cli_command *group, int argc, char **argv)
 {
-    if (argc < 2) return rp_fail(RP_USAGE, "a command is missing; see repose %s --help", group->name);
+    if (argc < 2)
+        return rp_fail(RP_USAGE, "a command is missing; see %s %s --help", cli_this_program()->name,
+                       group->name);
     for (const cli_command *const *c = group->group; *c; c++)
         if (strcmp(argv[1], cli_own_name(*c)) == 0) return cli_run(*c, argc - 1, argv + 1);
     if (strcmp(argv[1], "--help") != 0 && strcmp(argv[1], "-h") != 0)
         return cli_unknown_command(argv[1], group->group, group->name);
-    printf("usage: repose %s COMMAND [options]; repose %s COMMAND --help says more\n\n", group->name,
+    const char *name = cli_this_program()->name;
+    printf("usage: %s %s COMMAND [options]; %s %s COMMAND --help says more\n\n", name, group->name, name,
            group->name);
     for (const cli_command *const *c = group->group; *c; c++)
         printf("  %-10s %s\n", cli_own_name(*c), (*c)->summary);

@@ -13,10 +13,14 @@
 #include "dem/scene/scene.h"
 #include "dem/state/state.h"
 
-/* The program's own main, as a function. */
+/* The programs' own main, as functions. */
 int repose_main(int argc, char **argv);
+int report_main(int argc, char **argv);
 #define main repose_main
-#include "cli/main.c"
+#include "cli/repose.c"
+#undef main
+#define main report_main
+#include "report/main.c"
 #undef main
 
 static char folder[64];
@@ -41,12 +45,14 @@ static void put_text(const char *name, const char *text)
     put(name, strlen(text), text);
 }
 
+/* The first word is the program's name, or `repose` is meant. */
 static int run_words(int argc, char **argv)
 {
     static char name[] = "repose";
     argv[0] = name;
     argv[argc] = NULL;
-    return repose_main(argc, argv);
+    return argc > 1 && strcmp(argv[1], "report") == 0 ? report_main(argc - 1, argv + 1)
+                                                      : repose_main(argc, argv);
 }
 
 /* A command line of words that a separator divides; returns its exit status. */
@@ -376,8 +382,8 @@ const fuzz_target fuzz_targets[] = {
     {"store", {"store.txt", NULL}, NULL, NULL, read_store, false},
     {"snapshot", {"snapshot", NULL}, NULL, NULL, read_snapshot, false},
     {"line", {"line.txt", NULL}, NULL, NULL, read_line, true},
-    TABLES("claims", "claims --variants --claims c.tsv --tables .", "c.tsv", "many.tsv", table_text),
-    TABLES("report", "report in.md --claims c.tsv --tables .", "in.md", "many.tsv", table_text),
+    TABLES("claims", "report claims --variants --claims c.tsv --tables .", "c.tsv", "many.tsv", table_text),
+    TABLES("report", "report page in.md --claims c.tsv --tables .", "in.md", "many.tsv", table_text),
     {"particles", {"t.tsv", NULL}, NULL, "run particles.cfg", NULL, true},
     {"bench", {"t.tsv", NULL}, NULL, "bench --start t.tsv --steps 2 --repeat 1", NULL, true},
     TABLE("pile_disks", "pile --disks t.tsv"),

@@ -87,7 +87,7 @@ quickest() { for suite in $(suites_of "$1"); do grep -w "$suite" "$2/times"; don
 try() {
     (
         cd "$1"
-        make -s build/check build/repose WERROR="$flags" >build.log 2>&1 || { echo "broken$tab-"; exit; }
+        make -s build/check build/repose build/report WERROR="$flags" >build.log 2>&1 || { echo "broken$tab-"; exit; }
         ulimit -c 0
         ulimit -t $limit_cpu
         shift
@@ -132,7 +132,7 @@ if [ "$sum" != "$(cat "$work/sum" 2>/dev/null)" ]; then
     rm -rf "$work"
     mkdir -p "$work/tree"
     find . -mindepth 1 -maxdepth 1 ! -name .git ! -path "./${build%%/*}" -exec cp -a {} "$work/tree" \;
-    make -s -C "$work/tree" -j "$jobs" build/check build/repose WERROR="$flags" >/dev/null 2>&1
+    make -s -C "$work/tree" -j "$jobs" build/check build/repose build/report WERROR="$flags" >/dev/null 2>&1
     outcome=$(limit_wall=6000 at_once=$jobs times=$PWD/$work/times
         try "$work/tree" $(for file in $files; do suites_of "$file"; done | tr ' ' '\n' | sort -u))
     [ "$outcome" = "survived$tab-" ] || { echo "mutate: without a mutant: $outcome" >&2; exit 2; }
