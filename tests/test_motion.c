@@ -203,6 +203,68 @@ static void free_flight(void)
     }
 }
 
+/* Grains in a lattice, whose pairs are listed but do not touch, and fixed ones beside it, which come first.
+ * Their number is no multiple of that of any loop. */
+enum { COLUMNS = 20, BESIDE = 3, IN_LATTICE = 200 + BESIDE };
+
+static void make_lattice(double omega, dem_grain grains[IN_LATTICE])
+{
+    for (int i = 0; i < IN_LATTICE; i++)
+        grains[i] = i < BESIDE ? (dem_grain){-1.0, 0.25 * i, R, M, .fixed = true}
+                               : (dem_grain){.x = 0.22 * (i % COLUMNS),
+                                             .y = 0.22 * (i / COLUMNS),
+                                             .r = R,
+                                             .m = M * (1.0 + 0.385 * i),
+                                             .vx = 12.0,
+                                             .vy = 185.0,
+                                             .omega = omega};
+}
+
+/* Each grain is where it is after free flight. */
+static void check_flight(const dem_sim *sim, const dem_grain grains[IN_LATTICE], double t)
+{
+    const double g[2] = {-385.0, -981.0};
+    dem_state s[IN_LATTICE];
+    CHECK_OK(dem_states(sim, s));
+    for (int i = 0; i < IN_LATTICE; i++) {
+        const dem_grain *from = &grains[i];
+        const double moves = from->fixed ? 0.0 : t;
+        /* some 300 sums of numbers below 20 */
+        CHECK_NEAR(s[i].x, from->x + from->vx * moves + 0.5 * g[0] * moves * moves, 4e-12);
+        CHECK_NEAR(s[i].y, from->y + from->vy * moves + 0.5 * g[1] * moves * moves, 4e-12);
+        CHECK_NEAR(s[i].vx, from->vx + g[0] * moves, 1e-10);
+        CHECK_NEAR(s[i].vy, from->vy + g[1] * moves, 1e-10);
+        CHECK_NEAR(s[i].angle, from->omega * t, 1e-12);
+        CU_ASSERT(s[i].contacts == 0);
+    }
+}
+
+/* Each kernel and method takes all terms of the equation of motion, of soft and of hard grains, of those that
+ * run ahead of a large pile's forces, in threads too, and of those whose number does not fill a vector. */
+static void equation_of_motion(void)
+{
+    enum { ROTATION = 1, HARD = 2, LARGE = 4, THREADS = 8, ALL = 16 };
+    const long steps = 300;
+    dem_grain grains[IN_LATTICE];
+    for (int way = 0; way < ALL * DEM_INTEGRATORS * DEM_KERNELS; way++) {
+        dem_definition def = dem_definition_default();
+        def.kernel = way / ALL % DEM_KERNELS, def.integrator = way / ALL / DEM_KERNELS;
+        def.rotation = way & ROTATION, def.hard.on = way & HARD;
+        def.tension = !def.hard.on, def.gravity[0] = -385.0;
+        def.material.mu = 0.0, def.tangential = DEM_NONE;
+        def.grains = grains, def.n_grains = IN_LATTICE;
+        if (!dem_kernel_runs(def.kernel) || dem_scheme_check(&def) || (way & THREADS && !(way & LARGE)))
+            continue;
+        make_lattice(def.rotation ? 3.0 : 0.0, grains);
+        dem_sim *sim = grains_start_in_chunks(&def, way & LARGE ? 64 : 0);
+        CU_ASSERT((sim->pairs.n_chunks > 0) == ((way & LARGE) > 0));
+        dem_threads(sim, way & THREADS ? 2 : 1);
+        CHECK_OK(dem_run(sim, steps));
+        check_flight(sim, grains, (double)steps * def.dt);
+        dem_free(sim);
+    }
+}
+
 /* Relative energy error of an elastic impact, root mean square over phases of contact within a step.
  */
 static double impact_error(int integrator, double dt)
@@ -687,23 +749,25 @@ static void refusals(void)
 
 void suite_motion(void)
 {
-    static const check_case cases[] = {{"bounces match a program for one grain", matches_naive_program},
-                                       {"Gear's order", gear_order},
-                                       {"free flight, gravity set by a call", free_flight},
-                                       {"order of an elastic impact", impact_order},
-                                       {"a sticking contact oscillates", sticking_contact_rings},
-                                       {"Gear: settling and the limit of the time step", gear_settles},
-                                       {"same bits for any division of the run", determinism},
-                                       {"angle and frame of the box", box_angle},
-                                       {"frictionless grain in a rotating box", slides_in_turning_box},
-                                       {"rotated box against rotated gravity", box_against_gravity},
-                                       {"impulse of rotating walls", wall_ledger},
-                                       {"list follows rotating walls", list_follows_turning_walls},
-                                       {"outlet rotates with the box", outlet_turns},
-                                       {"rolling with the box", rolls_with_box},
-                                       {"a fixed grain is a wall", fixed_is_a_wall},
-                                       {"fixed grains stay", fixed_stay},
-                                       {"refusals", refusals},
-                                       {NULL, NULL}};
+    static const check_case cases[] = {
+        {"bounces match a program for one grain", matches_naive_program},
+        {"Gear's order", gear_order},
+        {"free flight, gravity set by a call", free_flight},
+        {"every loop and method takes the equation of motion", equation_of_motion},
+        {"order of an elastic impact", impact_order},
+        {"a sticking contact oscillates", sticking_contact_rings},
+        {"Gear: settling and the limit of the time step", gear_settles},
+        {"same bits for any division of the run", determinism},
+        {"angle and frame of the box", box_angle},
+        {"frictionless grain in a rotating box", slides_in_turning_box},
+        {"rotated box against rotated gravity", box_against_gravity},
+        {"impulse of rotating walls", wall_ledger},
+        {"list follows rotating walls", list_follows_turning_walls},
+        {"outlet rotates with the box", outlet_turns},
+        {"rolling with the box", rolls_with_box},
+        {"a fixed grain is a wall", fixed_is_a_wall},
+        {"fixed grains stay", fixed_stay},
+        {"refusals", refusals},
+        {NULL, NULL}};
     check_register("motion", cases);
 }

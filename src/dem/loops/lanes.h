@@ -294,7 +294,13 @@ static inline void wide_difference(const dem_motion *grain, const uint32_t *i, c
     *vy = wide_odds(hi[0], hi[1]);
 }
 
-typedef wide num;
+static inline wide plane_of(dem_vec a)
+{
+    return wide_repeat(a);
+}
+
+typedef wide num, plane;
 #include "dem/law/law.inl"
+#include "dem/state/motion.inl"
 
 #endif

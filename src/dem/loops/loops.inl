@@ -6,8 +6,6 @@
 
 #include "dem/loops/lanes.h"
 
-#define INLINE static inline __attribute__((always_inline))
-
 INLINE wide normal_force(const dem_laws *law, wide m_eff, wide overlap, wide v_n)
 {
     return dem_law_normal(law->normal, law->tension, law->k_n, law->gamma_n, m_eff, overlap, v_n);
@@ -224,15 +222,14 @@ void WIDE(line)(dem_sim *sim, size_t k, size_t end, double h)
 }
 
 /* As integrate_spins in verlet.c, for WIDTH grains; `rest` are their (torque, spare). */
-INLINE void advance_spins(const dem_sim *sim, size_t i, const wide rest[2], double *next_angle,
-                          double *next_omega)
+INLINE void advance_spins(const dem_sim *sim, const dem_equation *e, size_t i, const wide rest[2],
+                          double *next_angle, double *next_omega)
 {
-    const wide torque = wide_firsts(rest[0], rest[1]);
-    const double dt = sim->def.dt;
-    const wide omega =
-        wide_load(sim->grains.omega + i) + dt * wide_load(sim->grains.inverse_inertia + i) * torque;
+    wide angle = wide_load(sim->grains.angle + i), omega = wide_load(sim->grains.omega + i);
+    dem_leap_spin(e, wide_firsts(rest[0], rest[1]), wide_load(sim->grains.inverse_inertia + i), &angle,
+                  &omega);
     wide_store(next_omega + i, omega);
-    wide_store(next_angle + i, wide_load(sim->grains.angle + i) + dt * omega);
+    wide_store(next_angle + i, angle);
 }
 
 /* Take the forces on WIDTH/2 grains, and their torques into *rest: they are 0 then. */
@@ -264,10 +261,9 @@ INLINE size_t advance_grains(dem_sim *sim, size_t from, size_t to, unsigned *lef
 {
     enum { GRAINS = WIDTH / 2, ALL = (1 << WIDTH) - 1 };
     const bool turned = sim->walls.angle != 0.0; /* then the caller finds grains that left */
-    const double dt = sim->def.dt;
+    const dem_equation e = dem_equation_of(sim);
     const double x_max = turned ? INFINITY : sim->def.x_max, y_min = turned ? -INFINITY : sim->def.y_min;
-    const wide zero = {0}, gravity = wide_repeat(sim->gravity),
-               most = wide_repeat((dem_vec){x_max, INFINITY}),
+    const wide zero = {0}, most = wide_repeat((dem_vec){x_max, INFINITY}),
                least = wide_repeat((dem_vec){-INFINITY, y_min}), finite = zero + DBL_MAX;
     wide fast = zero;
     unsigned far = 0, out = 0;
@@ -278,8 +274,7 @@ INLINE size_t advance_grains(dem_sim *sim, size_t from, size_t to, unsigned *lef
             wide x, v;
             const wide force = take_forces(sim, at, &rest[h]);
             wide_load_records(sim->grains.motion + at, &x, &v);
-            v = v + dt * (force * wide_load_twice(sim->grains.inverse_mass + at) + gravity);
-            x = x + dt * v;
+            dem_leap(&e, force, wide_load_twice(sim->grains.inverse_mass + at), &x, &v);
             wide_store_records(sim->grains.motion + at, x, v);
             wide moved = v, most_moved = finite;
             if (look) {
@@ -293,7 +288,7 @@ INLINE size_t advance_grains(dem_sim *sim, size_t from, size_t to, unsigned *lef
             far |= wide_bits(wide_at_most(moved, most_moved)) ^ ALL;
             out |= wide_bits(wide_less(most, x)) | wide_bits(wide_less(x, least));
         }
-        if (sim->grains.omega) advance_spins(sim, i, rest, sim->grains.angle, sim->grains.omega);
+        if (sim->grains.omega) advance_spins(sim, &e, i, rest, sim->grains.angle, sim->grains.omega);
     }
     if (!look) *speed2 = far ? INFINITY : largest(fast);
     *left |= (out != 0) * DEM_GRAIN_OUT | (look && far) * DEM_LIST_OUT;
@@ -359,9 +354,9 @@ void WIDE(append_pairs)(dem_sim *sim, size_t i, size_t from, size_t to)
 size_t WIDE(predict)(dem_sim *sim, size_t *beyond)
 {
     enum { GRAINS = WIDTH / 2, ALL = (1 << WIDTH) - 1 };
-    const double dt = sim->def.dt;
+    const dem_equation e = dem_equation_of(sim);
     const bool some_fixed = sim->grains.n_fixed > 0;
-    const wide zero = {0}, gravity = wide_repeat(sim->gravity);
+    const wide zero = {0};
     size_t i = 0;
     for (; i + WIDTH <= sim->grains.n; i += WIDTH) {
         wide rest[2] = {zero, zero};
@@ -373,7 +368,8 @@ size_t WIDE(predict)(dem_sim *sim, size_t *beyond)
             else
                 force = wide_load((const double *)(sim->grains.force + at));
             wide_load_records(sim->grains.motion + at, &x, &v);
-            const wide v_next = v + dt * (force * inverse_mass + gravity), x_next = x + dt * v_next;
+            wide x_next = x, v_next = v;
+            dem_leap(&e, force, inverse_mass, &x_next, &v_next);
             const lanes moves = wide_less(zero, inverse_mass);
             v = some_fixed ? num_choose(moves, v_next, v) : v_next;
             x = some_fixed ? num_choose(moves, x_next, x) : x_next;
@@ -386,7 +382,8 @@ size_t WIDE(predict)(dem_sim *sim, size_t *beyond)
                 ALL;
             if (far) *beyond = at + (31 - (size_t)__builtin_clz(far)) / 2;
         }
-        if (sim->grains.omega) advance_spins(sim, i, rest, sim->grains.next_angle, sim->grains.next_omega);
+        if (sim->grains.omega)
+            advance_spins(sim, &e, i, rest, sim->grains.next_angle, sim->grains.next_omega);
     }
     return i;
 }

@@ -8,6 +8,7 @@
 
 #include "dem/forces/forces.h"
 #include "dem/methods/step.h"
+#include "dem/state/motion.h"
 
 static const double correct_x = 3.0 / 16.0, correct_v = 251.0 / 360.0;
 static const double correct_q[4] = {1.0, 11.0 / 18.0, 1.0 / 6.0, 1.0 / 60.0};
@@ -50,7 +51,7 @@ static void correct(dem_sim *sim)
     const double dt = sim->def.dt;
     for (size_t i = 0; i < sim->grains.n; i++) {
         dem_gear *g = &sim->grains.gear[i];
-        dem_vec error = 0.5 * dt * dt * dem_acceleration(sim, i) - g->q[0];
+        dem_vec error = 0.5 * dt * dt * dem_acceleration_of(sim, i) - g->q[0];
         sim->grains.excess[i] = correct_x * error;
         sim->grains.motion[i].x += sim->grains.excess[i];
         sim->grains.motion[i].v += correct_v / dt * error;
@@ -73,7 +74,7 @@ static void start(dem_sim *sim, size_t from)
 {
     const double dt = sim->def.dt;
     for (size_t i = from; i < sim->grains.n; i++)
-        sim->grains.gear[i] = (dem_gear){.q[0] = 0.5 * dt * dt * dem_acceleration(sim, i)};
+        sim->grains.gear[i] = (dem_gear){.q[0] = 0.5 * dt * dt * dem_acceleration_of(sim, i)};
     hold_fixed(sim);
 }
 

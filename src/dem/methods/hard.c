@@ -7,6 +7,7 @@
 #include "dem/observe/ledger.h"
 #include "dem/forces/forces.h"
 #include "dem/list/list.h"
+#include "dem/state/motion.h"
 
 /* Path of a free grain over the coming step, with constant acceleration, for which leapfrog is exact. Times
  * count from the step's start. */
@@ -16,9 +17,7 @@ typedef struct {
 
 static path path_of(const dem_sim *sim, size_t i)
 {
-    const bool moves = sim->grains.inverse_mass[i] > 0.0;
-    const dem_vec a =
-        moves ? *dem_force(sim, i) * sim->grains.inverse_mass[i] + sim->gravity : (dem_vec){0.0, 0.0};
+    const dem_vec a = dem_is_fixed(sim, i) ? (dem_vec){0.0, 0.0} : dem_acceleration_of(sim, i);
     return (path){sim->grains.motion[i].x, sim->grains.motion[i].v + 0.5 * sim->def.dt * a, a};
 }
 
@@ -28,8 +27,7 @@ static dem_body body_at(const dem_sim *sim, size_t i, const path *m, double t)
     dem_body body = {{v[0], v[1]}, .arm = sim->grains.radius[i], .inverse_mass = sim->grains.inverse_mass[i]};
     if (sim->grains.omega) {
         body.inverse_inertia = sim->grains.inverse_inertia[i];
-        body.omega = sim->grains.omega[i] + (0.5 * sim->def.dt + t) * sim->grains.inverse_inertia[i] *
-                                                sim->grains.force_torque[i].torque;
+        body.omega = sim->grains.omega[i] + dem_spin_gain_of(sim, i, 0.5 * sim->def.dt + t);
     }
     return body;
 }
@@ -37,17 +35,17 @@ static dem_body body_at(const dem_sim *sim, size_t i, const path *m, double t)
 /* Next position and velocity of grain i without collision. */
 static void predict(dem_sim *sim, size_t i)
 {
-    const double dt = sim->def.dt;
+    const dem_equation e = dem_equation_of(sim);
+    const double inverse_mass = sim->grains.inverse_mass[i];
     dem_motion next = sim->grains.motion[i];
-    if (sim->grains.inverse_mass[i] > 0.0) {
-        next.v += dt * (*dem_force(sim, i) * sim->grains.inverse_mass[i] + sim->gravity);
-        next.x += dt * next.v;
-    }
+    if (!dem_is_fixed(sim, i))
+        dem_leap(&e, *dem_force(sim, i), (dem_vec){inverse_mass, inverse_mass}, &next.x, &next.v);
     sim->grains.next_motion[i] = next;
     if (!sim->grains.omega) return;
-    sim->grains.next_omega[i] =
-        sim->grains.omega[i] + dt * sim->grains.inverse_inertia[i] * sim->grains.force_torque[i].torque;
-    sim->grains.next_angle[i] = sim->grains.angle[i] + dt * sim->grains.next_omega[i];
+    sim->grains.next_omega[i] = sim->grains.omega[i];
+    sim->grains.next_angle[i] = sim->grains.angle[i];
+    dem_leap_spin(&e, sim->grains.force_torque[i].torque, sim->grains.inverse_inertia[i],
+                  &sim->grains.next_angle[i], &sim->grains.next_omega[i]);
 }
 
 /* Change the velocity of grain i at time t from that of body `from` to that of body `to`. The whole step then

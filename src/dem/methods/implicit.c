@@ -23,11 +23,11 @@
 #include <string.h>
 
 #include "core/sparse.h"
-#include "dem/law/law.h"
 #include "dem/observe/ledger.h"
 #include "dem/forces/forces.h"
 #include "dem/list/list.h"
 #include "dem/methods/step.h"
+#include "dem/state/motion.h"
 
 /* Force on a grain, of a pair on its first, and minus its derivative by the grain's displacement. */
 typedef struct {
@@ -216,9 +216,11 @@ static dem_parts parts(const dem_sim *sim, size_t k)
 /* Residual of grain i under the contacts' force. */
 static dem_vec residual_of(const dem_sim *sim, size_t i, dem_vec force)
 {
+    const dem_equation e = dem_equation_of(sim);
     const double dt = sim->def.dt, m = sim->grains.mass[i];
+    const dem_vec u = sim->grains.displacement[i];
     if (dem_is_fixed(sim, i)) return (dem_vec){0.0, 0.0};
-    return m * (sim->grains.displacement[i] - dt * sim->grains.motion[i].v - 0.5 * dt * dt * sim->gravity) -
+    return m * (u - dt * sim->grains.motion[i].v - 0.5 * dt * dt * dem_free_acceleration(&e, u / dt)) -
            0.5 * dt * dt * force;
 }
 
@@ -454,13 +456,16 @@ static rp_status prepare(dem_sim *sim)
 static rp_status solve(dem_sim *sim)
 {
     const dem_implicit_solver *how = &sim->def.implicit;
+    const dem_equation e = dem_equation_of(sim);
     const double dt = sim->def.dt;
-    rp_status status = prepare(sim);
-    if (status) return status;
-    for (size_t i = 0; i < sim->grains.n; i++)
+    RP_TRY(prepare(sim));
+    rp_status status = RP_OK;
+    for (size_t i = 0; i < sim->grains.n; i++) {
+        const dem_vec v = sim->grains.motion[i].v;
         sim->grains.displacement[i] = dem_is_fixed(sim, i)
                                           ? (dem_vec){0.0, 0.0}
-                                          : dt * sim->grains.motion[i].v + 0.5 * dt * dt * sim->gravity;
+                                          : dt * v + 0.5 * dt * dt * dem_free_acceleration(&e, v);
+    }
     lack l = evaluate(sim);
     for (long k = 0; !status && !(l.largest <= how->tolerance); k++) {
         if (k == how->max_iterations || !isfinite(l.largest)) return not_solved(sim, &l, k);
@@ -486,16 +491,17 @@ static size_t beyond_list(const dem_sim *sim)
 /* A grain that left makes the list be rebuilt: the solver's contacts are in its order. */
 static rp_status move_grains(dem_sim *sim, unsigned *left)
 {
-    const double dt = sim->def.dt;
-    rp_status status = sim->ledger ? dem_ledger_between(sim, sim->grains.contact_force) : RP_OK;
-    if (status) return status;
+    const dem_equation e = dem_equation_of(sim);
+    if (sim->ledger) RP_TRY(dem_ledger_between(sim, sim->grains.contact_force));
     for (size_t i = 0; i < sim->grains.n; i++) {
         *dem_force(sim, i) = (dem_vec){0.0, 0.0};
         if (dem_is_fixed(sim, i)) continue;
         /* from the forces, which cancel in sum: momentum is kept whatever the solver left */
-        sim->grains.motion[i].v +=
-            dt * (sim->grains.inverse_mass[i] * sim->grains.contact_force[i] + sim->gravity);
-        sim->grains.motion[i].x += sim->grains.displacement[i];
+        const double inverse_mass = sim->grains.inverse_mass[i];
+        const dem_vec u = sim->grains.displacement[i];
+        sim->grains.motion[i].v += e.dt * dem_acceleration(&e, sim->grains.contact_force[i],
+                                                           (dem_vec){inverse_mass, inverse_mass}, u / e.dt);
+        sim->grains.motion[i].x += u;
         if (dem_beyond(sim, sim->grains.motion[i].x)) *left = DEM_LIST_OUT;
     }
     sim->count.grain_steps += (double)sim->grains.n;

@@ -7,14 +7,15 @@
 #include "dem/forces/forces.h"
 #include "dem/methods/step.h"
 #include "dem/threads/team.h"
+#include "dem/state/motion.h"
 
 /* Spins and angles by the same leapfrog, of the grains i..to. */
 static void integrate_spins(dem_sim *sim, size_t i, size_t to)
 {
-    const double dt = sim->def.dt;
+    const dem_equation e = dem_equation_of(sim);
     for (; i < to; i++) {
-        sim->grains.omega[i] += dt * sim->grains.inverse_inertia[i] * sim->grains.force_torque[i].torque;
-        sim->grains.angle[i] += dt * sim->grains.omega[i];
+        dem_leap_spin(&e, sim->grains.force_torque[i].torque, sim->grains.inverse_inertia[i],
+                      &sim->grains.angle[i], &sim->grains.omega[i]);
         sim->grains.force_torque[i].torque = 0.0;
     }
 }
@@ -23,16 +24,15 @@ static void integrate_spins(dem_sim *sim, size_t i, size_t to)
 static void advance(dem_sim *sim, size_t from, size_t to, unsigned *left, double *speed2)
 {
     const bool turned = sim->walls.angle != 0.0;
-    const double dt = sim->def.dt;
+    const dem_equation e = dem_equation_of(sim);
     const double x_max = turned ? INFINITY : sim->def.x_max, y_min = turned ? -INFINITY : sim->def.y_min;
-    const dem_vec gravity = sim->gravity;
     dem_motion *restrict grain = sim->grains.motion;
     dem_vec *restrict force = dem_force(sim, 0);
     const size_t stride = sim->grains.force_torque ? sizeof *sim->grains.force_torque / sizeof *force : 1;
     const size_t advanced = sim->kernels.advance ? sim->kernels.advance(sim, from, to, left, speed2) : from;
     for (size_t i = advanced; i < to; i++) {
-        grain[i].v += dt * (force[stride * i] * sim->grains.inverse_mass[i] + gravity);
-        grain[i].x += dt * grain[i].v;
+        const double inverse_mass = sim->grains.inverse_mass[i];
+        dem_leap(&e, force[stride * i], (dem_vec){inverse_mass, inverse_mass}, &grain[i].x, &grain[i].v);
         force[stride * i] = (dem_vec){0.0, 0.0};
         const dem_vec x = grain[i].x, moved = speed2 ? grain[i].v : x - sim->grains.listed_x[i];
         const double moved2 = dem_dot(moved, moved);
@@ -198,10 +198,9 @@ static void start(dem_sim *sim, size_t from)
 {
     const double dt = sim->def.dt;
     for (size_t i = from; i < sim->grains.n; i++)
-        sim->grains.motion[i].v -= 0.5 * dt * dem_acceleration(sim, i);
+        sim->grains.motion[i].v -= 0.5 * dt * dem_acceleration_of(sim, i);
     for (size_t i = from; i < sim->grains.n && sim->grains.omega; i++)
-        sim->grains.omega[i] -=
-            0.5 * dt * sim->grains.inverse_inertia[i] * sim->grains.force_torque[i].torque;
+        sim->grains.omega[i] -= dem_spin_gain_of(sim, i, 0.5 * dt);
     dem_hold_fixed(sim);
 }
 
@@ -213,13 +212,12 @@ static void change_gravity(dem_sim *sim, dem_vec change)
 
 static dem_vec velocity(const dem_sim *sim, size_t i)
 {
-    return sim->grains.motion[i].v + 0.5 * sim->def.dt * dem_acceleration(sim, i);
+    return sim->grains.motion[i].v + 0.5 * sim->def.dt * dem_acceleration_of(sim, i);
 }
 
 static double spin(const dem_sim *sim, size_t i)
 {
-    return sim->grains.omega[i] +
-           0.5 * sim->def.dt * sim->grains.inverse_inertia[i] * sim->grains.force_torque[i].torque;
+    return sim->grains.omega[i] + dem_spin_gain_of(sim, i, 0.5 * sim->def.dt);
 }
 
 /* Of the root, 0.95 are allowed where the stiffness is known, and 0.85 of others, whose contacts may

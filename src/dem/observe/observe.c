@@ -6,6 +6,7 @@
 
 #include "dem/forces/forces.h"
 #include "dem/observe/observe.h"
+#include "dem/state/motion.h"
 
 static dem_vec velocity(const dem_sim *sim, size_t i)
 {
@@ -60,7 +61,7 @@ rp_status dem_states(const dem_sim *sim, dem_state *states)
         const size_t i = index[id] - 1;
         dem_vec x = sim->grains.motion[i].x, v = velocity(sim, i);
         dem_vec f =
-            dem_is_fixed(sim, i) ? *dem_force(sim, i) : sim->grains.mass[i] * dem_acceleration(sim, i);
+            dem_is_fixed(sim, i) ? *dem_force(sim, i) : sim->grains.mass[i] * dem_acceleration_of(sim, i);
         *states++ = (dem_state){.id = (uint32_t)id,
                                 .x = x[0],
                                 .y = x[1],
@@ -159,7 +160,7 @@ rp_status dem_rest_state(const dem_sim *sim, double lo, double hi, dem_rest *res
         double x = dem_to_box(&sim->walls, sim->grains.motion[i].x)[0];
         if (!(x > lo && x < hi) || dem_is_fixed(sim, i)) continue;
         dem_vec v = velocity(sim, i) - dem_box_velocity(&sim->walls, sim->grains.motion[i].x);
-        dem_vec f = sim->grains.mass[i] * dem_acceleration(sim, i);
+        dem_vec f = sim->grains.mass[i] * dem_acceleration_of(sim, i);
         rest->n++;
         rest->kinetic_energy +=
             0.5 * sim->grains.mass[i] * dem_dot(v, v) + dem_rotational_energy(sim, i, -sim->walls.swing[1]);

@@ -75,11 +75,6 @@ static inline dem_vec *dem_force(const dem_sim *sim, size_t i)
     return sim->grains.force_torque ? &sim->grains.force_torque[i].force : &sim->grains.force[i];
 }
 
-static inline dem_vec dem_acceleration(const dem_sim *sim, size_t i)
-{
-    return *dem_force(sim, i) * sim->grains.inverse_mass[i] + sim->gravity;
-}
-
 static inline bool dem_is_fixed(const dem_sim *sim, size_t i)
 {
     return sim->grains.inverse_mass[i] == 0.0;
