@@ -194,7 +194,7 @@ $(B)/figures/shown/%.png: $(B)/figures/%.svg $$(wildcard $$(addprefix results/,$
 	  pngquant --force --nofs --output $@ $${try#* } $@; [ $$(stat -c %s $@) -gt 80000 ] || break; done; $(call draw_shown,svg)
 
 make_html = sh report/page/page.sh $(REPOSE) $(B)
-report: figures validate $(T)/bench.tsv $(SHOWN:%=$(B)/figures/shown/%.png) ## paper-repro.md, docs and the pictures that they and README show; build/report.html, by pandoc
+report: figures validate $(SHOWN:%=$(B)/figures/shown/%.png) ## paper-repro.md, docs and the pictures that they and README show; build/report.html, by pandoc
 	@$(make_pages); for p in $(PAGES); do cp $(B)/$$p.md $$p.md; done
 	@cp $(SHOWN:%=$(B)/figures/shown/%.png) figures/shown
 	@$(make_html)

@@ -3,7 +3,6 @@
 #include <ctype.h>
 #include <glob.h>
 #include <gsl/gsl_cdf.h>
-#include <gsl/gsl_eigen.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -272,63 +271,6 @@ static void test_claims_file(void)
     }
     rp_table_free(&t);
     remove(path);
-}
-
-/* The slowest vertical swing of the box of figure 1: 40 rows of a triangular lattice of grains of the mean
- * radius under their weight. Each grain rests on two contacts at 60 degrees by Hertz's law and their shear
- * springs, the first row on the floor. The energy has twice the frequency, and decays by normal damping. */
-static void swing_of_column(double *frequency, double *decay)
-{
-    enum { ROWS = 40 };
-    const double k_n = 1e6, k_floor = 2e6, k_s = 1e4, gamma_n = 500.0, g = 981.0, sin2 = 0.75,
-                 m = 4.0 / 3.0 * M_PI * 1e-3;
-    double springs[ROWS + 1] = {0.0}, dampers[ROWS], sum = 0.0, loss = 0.0;
-    gsl_matrix *A = gsl_matrix_calloc(ROWS, ROWS), *modes = gsl_matrix_alloc(ROWS, ROWS);
-    gsl_vector *squares = gsl_vector_alloc(ROWS);
-    gsl_eigen_symmv_workspace *work = gsl_eigen_symmv_alloc(ROWS);
-    for (size_t i = 0; i < ROWS; i++) {
-        const double contacts = i ? 2.0 : 1.0, upright = i ? sin2 : 1.0, k = i ? k_n : k_floor,
-                     force = m * g * (double)(ROWS - i) / (contacts * sqrt(upright)),
-                     overlap = pow(force / k, 2.0 / 3.0);
-        springs[i] = contacts * (1.5 * k * sqrt(overlap) * upright + k_s * (1.0 - upright));
-        dampers[i] = contacts * upright * gamma_n * (i ? 0.5 * m : m);
-    }
-    for (size_t i = 0; i < ROWS; i++) {
-        gsl_matrix_set(A, i, i, (springs[i] + springs[i + 1]) / m);
-        if (i > 0) gsl_matrix_set(A, i, i - 1, -springs[i] / m); /* the lower half is read */
-    }
-    gsl_eigen_symmv(A, squares, modes, work);
-    gsl_eigen_symmv_sort(squares, modes, GSL_EIGEN_SORT_VAL_ASC);
-    for (size_t i = 0; i < ROWS; i++) {
-        const double v = gsl_matrix_get(modes, i, 0), below = i ? gsl_matrix_get(modes, i - 1, 0) : 0.0;
-        sum += m * v * v;
-        loss += dampers[i] * (v - below) * (v - below);
-    }
-    *frequency = 2.0 * sqrt(gsl_vector_get(squares, 0)) / (2.0 * M_PI);
-    *decay = loss / sum;
-    gsl_eigen_symmv_free(work);
-    gsl_vector_free(squares);
-    gsl_matrix_free(modes);
-    gsl_matrix_free(A);
-}
-
-/* What the claims on figure 1(b) compare with. */
-static void test_swing(void)
-{
-    double frequency, decay;
-    rp_table t;
-    size_t found = 0;
-    swing_of_column(&frequency, &decay);
-    CHECK_OK(rp_table_read_texts("report/claims.tsv", &t));
-    for (size_t row = 0; row < t.n_rows; row++) {
-        const double number = strtod(cell(&t, row, "against"), NULL);
-        const bool rate = strcmp(cell(&t, row, "id"), "ours-swing-decay") == 0;
-        if (!rate && strcmp(cell(&t, row, "id"), "ours-swing") != 0) continue;
-        CHECK_NEAR(number, rate ? decay : frequency, 0.005 * number); /* three digits */
-        found++;
-    }
-    rp_table_free(&t);
-    CU_ASSERT(found == 2);
 }
 
 /* How many of the files that match the pattern hold the text; the first of them is named on failure. */
@@ -684,7 +626,6 @@ void suite_claims(void)
                                        {"counts", test_counts},
                                        {"the claims and what answers them", test_claims_file},
                                        {"piles that are pooled", test_pools},
-                                       {"swing of a column of rows", test_swing},
                                        {"texts of the report", test_report_texts},
                                        {"sentences without typed results", test_sentences},
                                        {"the page that is read", test_page},

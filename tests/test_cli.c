@@ -755,8 +755,8 @@ static void test_group_order(void)
 {
     static const char *const groups[][12] = {
         {"angle", "marginal", "tilt", "slope", "compare", "phi"},
-        {"stats", "fit", "trend", "size", "predict", "maximum", "oscillation", "threshold", "cost", "select"},
-        {"stress", "field", "base", "dip", "critical"}};
+        {"stats", "fit", "trend", "size", "maximum", "correlation", "select"},
+        {"stress", "field", "base", "dip"}};
     enter();
     for (size_t g = 0; g < 3; g++) {
         const char *at = out;
@@ -906,22 +906,6 @@ static void test_stress_tables(void)
     FAILS(65, "q_contacts.tsv: cannot read", "stress field q --width 4");
     write_text("r_contacts.tsv", "# x\ty\n1\t2\n");
     FAILS(65, "no column \"id_b\"", "stress field r --width 4");
-    write_text("runs.tsv",
-               "# mu\tn_0\tn_1\th_0\th_1\tsxx_0\tsxy_0\tsyx_0\tsyy_0\tsxx_1\tsxy_1\tsyx_1\tsyy_1\t"
-               "theta_t_displacement_deg\tstatus\n"
-               "0.2\t1\t0\t0.1\t1\t1\t0\t0\t1\t0\t1\t1\t0\t5\tok\n"
-               "0.2\t1\t0\t0.1\t1\t1\t0\t0\t1\t0\t1\t1\t0\t6\tok\n"
-               "0.2\t1\t0\t0.4\t1\t1\t0\t0\t1\t0\t1\t1\t0\t9\tno_response\n"
-               "0.2\t1\t0\t0.1\t1\t1\t0\t0\t1\t0\t1\t1\t0\t7\tok\n");
-    GOOD("stress critical runs.tsv");
-    t = read_table("out");
-    CU_ASSERT(t.n_rows == 1);
-    CHECK_NEAR(cell(&t, 0, "n"), 3.0, 0.0);
-    CHECK_NEAR(cell(&t, 0, "floor_tilt_deg"), atan(0.1) / deg, 1e-12);
-    CHECK_NEAR(cell(&t, 0, "floor_less_deg"), atan(0.1) / deg - 6.0, 1e-12);
-    CHECK_NEAR(cell(&t, 0, "floor_friction_t"), 0.1 + tan(6.0 * deg), 1e-12);
-    rp_table_free(&t);
-    FAILS(65, "no column \"mu\"", "stress critical p_grains.tsv");
     leave();
 }
 
@@ -1104,7 +1088,7 @@ static void test_stats_trends(void)
     leave();
 }
 
-static void test_stats_settings(void)
+static void test_stats_select(void)
 {
     enter();
     write_text("a.tsv", "# units: 1\tcm\t1\t1\nlaw\tx\tb\tstatus\nold\t1\t1e-3\tok\nnew\t2\t2e-3\tok\n"
@@ -1125,38 +1109,9 @@ static void test_stats_settings(void)
     FAILS(65, "no column \"B\" (did you mean \"b\"?); found: ", "stats select a.tsv --where B=1");
     FAILS(65, "NAME=VALUE expected", "stats select a.tsv --where frob");
     FAILS(65, "\"old\" is not a number", "stats select a.tsv --where 'law<old'");
-    GOOD("stats threshold a.tsv -x x --by law --most b");
-    rp_table t = read_table("out");
-    CU_ASSERT(t.n_rows == 2 && strstr(out, "\nlaw\tn\tunstable_x\tstable_x\tmixed\tb\n") != NULL);
-    CU_ASSERT(strstr(out, "# units: 1\t1\tcm\tcm\t1\t1\n") != NULL);
-    CHECK_NEAR(cell(&t, 0, "unstable_x"), 10.0, 0.0);
-    CHECK_NEAR(cell(&t, 0, "stable_x"), 1.0, 0.0);
-    CHECK_NEAR(cell(&t, 0, "mixed"), 1.0, 0.0);
-    CU_ASSERT(isnan(cell(&t, 1, "unstable_x")) && cell(&t, 1, "stable_x") == -3.0 && cell(&t, 1, "b") == 7.0);
-    CU_ASSERT(cell(&t, 0, "n") == 2.0 && cell(&t, 1, "n") == 2.0 && cell(&t, 1, "mixed") == 0.0);
-    CHECK_NEAR(cell(&t, 0, "b"), 1e-3, 0.0);
-    rp_table_free(&t);
-    write_text("c.tsv",
-               "# W\tdt\treplica\ty\tseconds\tsteps\tstatus\n1\t2\t0\t11\t4\t10\tok\n1\t2\t1\t15\t6\t30\tok\n"
-               "1\t1\t0\t12\t20\t40\tok\n1\t1\t1\t13\t20\t40\tok\n1\t1\t2\t99\t1\t40\tfell\n");
-    GOOD("stats cost c.tsv -y y --by W,dt --size W");
-    t = read_table("out");
-    /* the least time of a step is 6/30 s; sd^2 = 8, bias mean of -1 and 2 */
-    CHECK_NEAR(cell(&t, 0, "mean"), 13.0, 0.0);
-    CHECK_NEAR(cell(&t, 0, "sd"), sqrt(8.0), 1e-14);
-    CU_ASSERT(cell(&t, 0, "n") == 2.0 && cell(&t, 1, "mean") == 12.5);
-    CHECK_NEAR(cell(&t, 0, "seconds"), 20.0 * 0.2, 1e-14);
-    CHECK_NEAR(cell(&t, 0, "cost"), 8.0 * 20.0 * 0.2, 1e-13);
-    CHECK_NEAR(cell(&t, 0, "bias"), 0.5, 1e-15);
-    CHECK_NEAR(cell(&t, 0, "bias_se"), 1.5, 1e-14);
-    CHECK_NEAR(cell(&t, 1, "cost"), 0.5 * 40.0 * 0.2, 1e-14);
-    CU_ASSERT(t.n_rows == 2 && cell(&t, 0, "front") == 0.0 && cell(&t, 1, "front") == 1.0);
-    rp_table_free(&t);
-    FAILS(1, "no row with status ok", "stats cost c.tsv -y y --by W --where status=fell");
-    FAILS(65, "replica 0: two runs of the last setting", "stats cost c.tsv -y y --by W");
     write_text("p.tsv", "# eps\te\tmodes\n1e-2\t9\t3\n1e-4\t2e-4\t0\n1e-6\t2e-6\t0\n1e-8\t2e-8\t0\n");
     GOOD("stats fit p.tsv -x eps -y e --scale log --where modes=0");
-    t = read_table("out");
+    rp_table t = read_table("out");
     CU_ASSERT(t.n_rows == 1);
     CHECK_NEAR(cell(&t, 0, "slope"), 1.0, 1e-12);
     CHECK_NEAR(cell(&t, 0, "intercept"), log(2.0), 1e-11);
@@ -2359,7 +2314,7 @@ void suite_cli(void)
                                        {"angle marginal, tilt", test_angles},
                                        {"order of a group's commands", test_group_order},
                                        {"angle slope, phi; stats fit, maximum", test_angle_tables},
-                                       {"stress field, base, critical", test_stress_tables},
+                                       {"stress field, base", test_stress_tables},
                                        {"claims", test_claims},
                                        {"families of claims", test_families},
                                        {"claims on a fit that its means reject", test_rejected_fits},
@@ -2371,7 +2326,7 @@ void suite_cli(void)
                                        {"stress dip", test_stress_dip},
                                        {"unfinished drops", test_cut_drops},
                                        {"stats trend, size, fit --successive", test_stats_trends},
-                                       {"stats select, threshold, cost, --where", test_stats_settings},
+                                       {"stats select, --where", test_stats_select},
                                        {"calibrate", test_calibrate},
                                        {"calibrate: what would reach further", test_flat_ends},
                                        {"calibrate: sweep to answer", test_calibrate_sweep},

@@ -341,109 +341,6 @@ static void test_stress_steps(void)
     leave();
 }
 
-/* ---- stress critical ---- */
-
-enum { RESPONSE = 12, CRITICAL_PILES = 9 };
-static const char *const response_names[RESPONSE] = {"n_0",   "n_1",   "h_0",   "h_1",   "sxx_0", "sxy_0",
-                                                     "syx_0", "syy_0", "sxx_1", "sxy_1", "syx_1", "syy_1"};
-
-/* Responses that differ in every number; of two mu, in turns. */
-static void write_responses(double r[2][CRITICAL_PILES][RESPONSE], double theta_deg[2][CRITICAL_PILES])
-{
-    static const double middle[RESPONSE] = {0.9,   -0.1, 0.08, 0.7, 1.1, -0.12,
-                                            -0.05, 1.4,  0.2,  0.9, 0.8, -0.1};
-    char path[256];
-    path_of("runs.tsv", path);
-    FILE *file = fopen(path, "w");
-    CU_ASSERT_PTR_NOT_NULL_FATAL(file);
-    fputs("# status\ttheta_t_displacement_deg\tmu", file);
-    for (int a = RESPONSE - 1; a >= 0; a--) fprintf(file, "\t%s", response_names[a]);
-    for (int i = 0; i < 2 * CRITICAL_PILES; i++) {
-        const int g = i % 2, k = i / 2;
-        theta_deg[g][k] = 4.0 + 2.0 * g + 0.25 * ((k * 7) % 9) + 0.01 * k;
-        fprintf(file, "\nok\t%.17g\t%g", theta_deg[g][k], g ? 0.25 : 0.2);
-        for (int a = RESPONSE - 1; a >= 0; a--) {
-            r[g][k][a] = middle[a] + 0.01 * ((k * (a + 2) + 3 * g) % 11);
-            fprintf(file, "\t%.17g", r[g][k][a]);
-        }
-        if (i == 4) fprintf(file, "\nok\tnan\t0.2\t1\t1\t1\t1\t1\t1\t1\t1\t1\t1\t1\t1");
-    }
-    fputs("\nnot_at_rest\t4\t0.2\t1\t1\t1\t1\t1\t1\t1\t1\t1\t1\t1\t1\n", file);
-    fclose(file);
-}
-
-/* Tilts, frictions and ranks of the piles; their errors by the library, from the same stream of random
- * numbers. */
-static void check_critical(checked *c, size_t g, double r[CRITICAL_PILES][RESPONSE],
-                           const double theta_deg[CRITICAL_PILES], gsl_rng *rng)
-{
-    static const char *const parts[] = {"", "_se", "_lo", "_hi"};
-    const double mu = g ? 0.25 : 0.2;
-    double m[RESPONSE] = {0.0}, theta = 0.0, tilt[CRITICAL_PILES], ranks = 0.0, radians[CRITICAL_PILES], most,
-           bulk[2];
-    for (int k = 0; k < CRITICAL_PILES; k++) {
-        for (int a = 0; a < RESPONSE; a++) m[a] += r[k][a] / CRITICAL_PILES;
-        radians[k] = theta_deg[k] * deg;
-        theta += radians[k] / CRITICAL_PILES;
-        tilt[k] = (mu * r[k][0] - r[k][2]) / (r[k][3] - mu * r[k][1]);
-    }
-    for (int k = 0; k < CRITICAL_PILES; k++) { /* no two are equal */
-        int above[2] = {0, 0};
-        for (int j = 0; j < CRITICAL_PILES; j++)
-            above[0] += tilt[j] < tilt[k], above[1] += theta_deg[j] < theta_deg[k];
-        ranks += 6.0 * square(above[0] - above[1]) / (CRITICAL_PILES * (square(CRITICAL_PILES) - 1.0));
-    }
-    const double t = tan(theta);
-    for (int k = 0; k < 2; k++) {
-        double s[4];
-        for (int a = 0; a < 4; a++) s[a] = m[4 + a] + (k ? t : 0.0) * m[8 + a];
-        scan_planes(s, &most, &bulk[k]);
-    }
-    const double floor_tilt = atan((mu * m[0] - m[2]) / (m[3] - mu * m[1]));
-    const struct {
-        const char *name, *unit;
-        double value, tolerance;
-    } columns[] = {{"floor_friction_0", "", m[2] / m[0], 1e-12},
-                   {"bulk_friction_0", "", tan(bulk[0]), 1e-6},
-                   {"floor_tilt", "_deg", floor_tilt / deg, 1e-11},
-                   {"theta_t", "_deg", theta / deg, 1e-12},
-                   {"floor_less", "_deg", (floor_tilt - theta) / deg, 1e-11},
-                   {"floor_friction_t", "", (m[2] + m[3] * t) / (m[0] + m[1] * t), 1e-12},
-                   {"bulk_friction_t", "", tan(bulk[1]), 1e-6},
-                   {"rank", "", 1.0 - ranks, 1e-12}};
-    stress_response responses[CRITICAL_PILES];
-    stress_critical again;
-    memcpy(responses, r, sizeof responses);
-    CHECK_OK(stress_critical_tilts(CRITICAL_PILES, responses, radians, mu, 60, rng, &again));
-    const stress_interval *intervals = (const stress_interval *)&again;
-    CHECK_NEAR(at(c, g, "mu"), mu, 0.0);
-    CHECK_NEAR(at(c, g, "n"), CRITICAL_PILES, 0.0);
-    for (size_t i = 0; i < sizeof columns / sizeof *columns; i++) {
-        const double unit = *columns[i].unit ? deg : 1.0;
-        const double expected[] = {columns[i].value, intervals[i].se / unit, intervals[i].lo / unit,
-                                   intervals[i].hi / unit};
-        for (size_t k = 0; k < 4; k++) {
-            char name[64];
-            snprintf(name, sizeof name, "%s%s%s", columns[i].name, parts[k], columns[i].unit);
-            CHECK_NEAR(at(c, g, name), expected[k], k ? 1e-12 : columns[i].tolerance);
-        }
-    }
-}
-
-static void test_critical(void)
-{
-    double r[2][CRITICAL_PILES][RESPONSE], theta_deg[2][CRITICAL_PILES];
-    enter();
-    write_responses(r, theta_deg);
-    checked c = CHECKED_RUN(2, "stress critical runs.tsv --bootstrap 60 --seed 77");
-    CU_ASSERT(strstr(out, "# rows: 18 used, 2 left out\n") != NULL);
-    gsl_rng *rng = rp_random_alloc(77, 0, RP_PURPOSE_BOOTSTRAP);
-    for (size_t g = 0; g < 2; g++) check_critical(&c, g, r[g], theta_deg[g], rng);
-    gsl_rng_free(rng);
-    checked_end(&c);
-    leave();
-}
-
 /* ---- stress dip --profile ---- */
 
 enum { DIP_PILES = 5 };
@@ -1682,7 +1579,6 @@ void suite_columns(void)
 {
     static const check_case cases[] = {{"protocol stress, stress field, stress base", test_stress},
                                        {"tilt and steps of protocol stress", test_stress_steps},
-                                       {"stress critical", test_critical},
                                        {"stress dip", test_dip},
                                        {"calibrate: value and interval", test_calibrate},
                                        {"calibrate: several rows", test_calibrate_rows},

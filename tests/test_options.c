@@ -25,7 +25,6 @@ static const struct {
     {"stress base", "p --width 1.2", "--width 1.0|--cell 0.2|--diameter 0.25|-g 900|--phi-deg 50"},
     {"stress dip", "piles.tsv --resamples 99",
      "--resamples 98|--margin 0.5|--level 0.01|--seed 4|--profile|--where 'n_01<0.9'"},
-    {"stress critical", "runs.tsv --bootstrap 50", "--bootstrap 51|--seed 4|--where 'pile<4'"},
     {"stats fit", "runs.tsv -x W -y theta",
      "-x mu|-y seconds|--se se|--from 3|--to 5|--scale log|--where mu=0.2"},
     {"stats fit", "runs.tsv -x W -y theta --se se", "--successive"},
@@ -37,14 +36,9 @@ static const struct {
     {"stats size", "runs.tsv -x W -y theta",
      "-x seconds|-y seconds|--by mu|--from 3|--to 5|--power 1|--where mu=0.2|--exponent free"},
     {"stats size", "runs.tsv -x W -y theta --exponent free", "--least-exponent 2"},
-    {"stats predict", "runs.tsv -y theta -x seconds,W --folds 4",
-     "-y se|-x W|--given mu|--by mu|--folds 5|--where mu=0.2"},
-    {"stats predict", "runs.tsv -y theta -x seconds --by mu", "--other-groups"},
-    {"stats oscillation", "wave.tsv -x x -y y", "-x u|-y z|--from 3|--to 20|--where 'x<21'|--scale log"},
+    {"stats correlation", "runs.tsv -y theta -x seconds", "-x W|-y se|--by mu|--where mu=0.2"},
     {"stats maximum", "runs.tsv --column theta --draws 3 --bootstrap 50",
      "--column seconds|--draws 4|--bootstrap 51|--seed 4|--where mu=0.2"},
-    {"stats threshold", "runs.tsv -x W --by mu", "-x seconds|--by pile|--most seconds|--where mu=0.2"},
-    {"stats cost", "runs.tsv -y theta --by mu,W", "-y se|--by W,mu|--size W|--where mu=0.2"},
     {"stats select", "runs.tsv", "--columns mu,W|--where mu=0.2"},
     {"export", "runs.tsv --to csv", "--to json|--columns mu,W|--where mu=0.2"},
     {"lattice", "--base 9 --alpha-deg 30", "--base 10|--alpha-deg 40|--theta-deg 31"},
@@ -193,15 +187,6 @@ static void print_piles(FILE *file)
     fputc('\n', file);
 }
 
-/* Two series that decay and oscillate, over two scales of x. */
-static void print_wave(FILE *file)
-{
-    fputs("# x\tu\ty\tz\n", file);
-    for (int i = 0; i < 40; i++)
-        fprintf(file, "%g\t%g\t%.6f\t%.6f\n", 0.6 * i, 0.5 * i + 0.001 * i * i,
-                20.0 - 0.2 * i + cos(0.9 * i) + scatter(i), 30.0 - 0.3 * i + cos(0.7 * i) + scatter(i + 7));
-}
-
 #define CLAIMS                                                                                               \
     "# id\tof\tpaper\tplace\tsection\ttest\tpublished\tpublished_se\tsamples\tmargin\tanswer\t"              \
     "against\tstatement\tnote\n"
@@ -217,7 +202,6 @@ static void write_fixtures(void)
     write_file("piles.tsv", print_piles);
     write_text("bent.tsv", "# x\ty\tse\n1\t1\t0.1\n2\t2.1\t0.1\n3\t2.9\t0.1\n4\t4.3\t0.1\n");
     write_text("flat.tsv", "# x\ty\n1\t1\n2\t1.3\n3\t0.9\n1\t1.1\n2\t1\n3\t1.4\n");
-    write_file("wave.tsv", print_wave);
     write_text("outline.tsv", "# x\ty\n0\t0\n4\t3\n9\t0\n");
     write_text("disks.tsv", "# x\ty\n0\t0.5\n1\t0.5\n2\t0.5\n0.5\t1.366025\n1.5\t1.366025\n1\t2.23205\n");
     write_text("start.tsv", "# x\ty\tr\n0.1\t0.1\t0.1\n0.3\t0.1\t0.1\n0.2\t0.274\t0.1\n");
@@ -427,10 +411,9 @@ static void test_failed_runs(void)
         "angle compare runs.tsv --bootstrap 20",
         "angle phi runs.tsv --bootstrap 20",
         "stress dip piles.tsv --resamples 99",
-        "stress critical runs.tsv --bootstrap 20",
         "stats trend runs.tsv -x W -y theta --by mu",
         "stats size runs.tsv -x W -y theta --by mu",
-        "stats cost runs.tsv -y theta --by mu,W",
+        "stats correlation runs.tsv -x W -y theta --by mu",
         "calibrate --runs more.tsv --theta-r-deg 15 --error-deg 1 --bootstrap 20"};
     static const char *const statuses[] = {"not_at_rest", "no_pile",   "leaked",  "crashed",
                                            "broken",      "not_level", "no_room", "drops_not_at_rest",

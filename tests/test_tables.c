@@ -1126,101 +1126,42 @@ static void test_groups(void)
     leave();
 }
 
-/* Each value from a straight line, or plane, through those of the other folds, by GSL. */
-static void predict_values(size_t n, size_t p, const double *const x[], const double y[], const size_t fold[],
-                           double predicted[])
+/* stats correlation: a row for each column and group, by the library, and one for all rows without groups. */
+static void test_correlations(void)
 {
-    for (size_t i = 0; i < n; i++) {
-        gsl_matrix *X = gsl_matrix_alloc(n, p + 1), *covariance = gsl_matrix_alloc(p + 1, p + 1);
-        gsl_vector *values = gsl_vector_calloc(n), *w = gsl_vector_calloc(n), *c = gsl_vector_alloc(p + 1);
-        gsl_multifit_linear_workspace *work = gsl_multifit_linear_alloc(n, p + 1);
-        double chi2;
-        for (size_t j = 0; j < n; j++) {
-            gsl_vector_set(values, j, y[j]);
-            gsl_vector_set(w, j, fold[j] != fold[i]);
-            for (size_t k = 0; k <= p; k++) gsl_matrix_set(X, j, k, k ? x[k - 1][j] : 1.0);
-        }
-        CU_ASSERT(gsl_multifit_wlinear(X, w, values, c, covariance, &chi2, work) == 0);
-        predicted[i] = gsl_vector_get(c, 0);
-        for (size_t k = 0; k < p; k++) predicted[i] += gsl_vector_get(c, k + 1) * x[k][i];
-        gsl_multifit_linear_free(work);
-        gsl_matrix_free(X);
-        gsl_matrix_free(covariance);
-        gsl_vector_free(values);
-        gsl_vector_free(w);
-        gsl_vector_free(c);
-    }
-}
-
-static void check_prediction(checked *c, size_t row, size_t n, const double y[], const double x[],
-                             const double predicted[], const double mean[])
-{
-    stats_prediction s;
-    CHECK_OK(stats_prediction_score(n, y, x, predicted, mean, &s));
-    const checked_value list[] = {{"n", (double)n},
-                                  CHECKED_FIELD(s, correlation),
-                                  CHECKED_FIELD(s, correlation_se),
-                                  CHECKED_FIELD(s, correlation_lo),
-                                  CHECKED_FIELD(s, correlation_hi),
-                                  CHECKED_FIELD(s, skill),
-                                  CHECKED_FIELD(s, skill_se),
-                                  CHECKED_FIELD(s, rms),
-                                  CHECKED_FIELD(s, rms_se),
-                                  CHECKED_MEAN(s, measured),
-                                  CHECKED_MEAN(s, predicted),
-                                  CHECKED_MEAN(s, error)};
-    checked_row(c, row, sizeof list / sizeof *list, list, 1e-9);
-}
-
-/* stats predict, each group from its own other folds, or from the other groups: a row for each predictor and
- * group; the columns, both together, and a prediction that is given. */
-static void test_predictions(void)
-{
-    enum { ALL = GROUPS * MOST_OF_GROUP, PREDICTORS = 4 };
-    static const char *const names[PREDICTORS] = {"x", "pile", "all", "v"};
-    double y[ALL], column[3][ALL], predicted[ALL], mean[ALL];
-    size_t fold[ALL], first[GROUPS + 1] = {0};
+    static const char *const names[] = {"x", "v"};
     enter();
     write_groups();
-    for (int others = 0; others < 2; others++) {
-        checked c =
-            CHECKED_RUN(PREDICTORS * GROUPS, "stats predict groups.tsv -y y -x x,pile --given v --by g %s",
-                        others ? "--other-groups" : "--folds 3");
+    checked c = CHECKED_RUN(2 * GROUPS, "stats correlation groups.tsv -y y -x x,v --by g");
+    for (size_t k = 0; k < 2; k++)
         for (size_t g = 0; g < GROUPS; g++) {
-            first[g + 1] = first[g] + grouped.n[g];
-            for (size_t i = 0, k = first[g]; i < grouped.n[g]; i++, k++) {
-                y[k] = grouped.y[g][i], fold[k] = others ? g : i % 3 + 3 * g;
-                column[0][k] = grouped.x[g][i], column[1][k] = grouped.pile[g][i],
-                column[2][k] = grouped.v[g][i];
-            }
+            const size_t row = k * GROUPS + g;
+            stats_correlation r;
+            CHECK_OK(stats_correlate(grouped.n[g], k ? grouped.v[g] : grouped.x[g], grouped.y[g], &r));
+            const checked_value list[] = {{"n", (double)r.n},
+                                          {"correlation", r.value},
+                                          {"correlation_se", r.se},
+                                          {"correlation_lo", r.lo},
+                                          {"correlation_hi", r.hi}};
+            checked_row(&c, row, sizeof list / sizeof *list, list, 1e-14);
+            at(&c, row, "g"), at(&c, row, "quantity");
+            CU_ASSERT(*word(&c.t, row, "g") == "abc"[g]);
+            CU_ASSERT_STRING_EQUAL(word(&c.t, row, "quantity"), names[k]);
         }
-        for (size_t p = 0; p < PREDICTORS; p++)
-            for (size_t g = 0; g < GROUPS; g++) {
-                const size_t row = p * GROUPS + g, from = others ? 0 : first[g],
-                             n = others ? first[GROUPS] : grouped.n[g];
-                const double *const x[] = {column[p == 1] + from, column[1] + from};
-                const size_t own = first[g] - from;
-                predict_values(n, 0, NULL, y + from, fold + from, mean);
-                predict_values(n, p == 2 ? 2 : 1, x, y + from, fold + from, predicted);
-                const double *by = p == 3 ? column[2] + first[g] : predicted + own;
-                at(&c, row, "g"), at(&c, row, "predictor");
-                CU_ASSERT(*word(&c.t, row, "g") == "abc"[g]);
-                CU_ASSERT_STRING_EQUAL(word(&c.t, row, "predictor"), names[p]);
-                check_prediction(&c, row, grouped.n[g], y + first[g], p < 2 ? x[0] + own : by, by,
-                                 mean + own);
-            }
-        checked_end(&c);
-    }
+    checked_end(&c);
+    GOOD("stats correlation groups.tsv -y y -x x");
+    rp_table t = read_table("out");
+    CU_ASSERT(t.n_rows == 1 && cell(&t, 0, "n") == (double)(grouped.n[0] + grouped.n[1] + grouped.n[2]));
+    rp_table_free(&t);
     leave();
 }
 
-/* stats maximum: the mean largest of all triples, and its spread over the resamples of the seed. stats
- * oscillation: the library's fit to the rows of the range. */
+/* stats maximum: the mean largest of all triples, and its spread over the resamples of the seed. */
 static void test_values(void)
 {
-    enum { N = 7, B = 30, SERIES = 24 };
+    enum { N = 7, B = 30 };
     static const double v[N] = {0.3, -1.1, 2.7, 0.9, 0.4, 1.3, -0.2};
-    double most[B + 1], sample[N], t[SERIES], y[SERIES];
+    double most[B + 1], sample[N];
     char text[2048] = "# n\tv\n";
     gsl_rng *rng = rp_random_alloc(9, 0, RP_PURPOSE_BOOTSTRAP);
     for (int b = 0; b <= B; b++) {
@@ -1244,34 +1185,10 @@ static void test_values(void)
                                      {"maximum_se", gsl_stats_sd(most, 1, B)}};
     CHECK_NAMED(&c, 0, maximum);
     checked_end(&c);
-    strcpy(text, "# x\ty\n-1\t7\n99\t7\n");
-    for (int i = 0; i < SERIES; i++) {
-        t[i] = 0.5 + 0.25 * i, y[i] = exp(-0.1 * t[i]) * (2.0 + cos(4.0 * t[i])) + 0.05 * (i * 7 % 5);
-        snprintf(text + strlen(text), sizeof text - strlen(text), "%.17g\t%.17g\n", t[i], y[i]);
-    }
-    for (int logarithm = 0; logarithm < 2; logarithm++) {
-        stats_oscillation f;
-        for (int i = 0; i < SERIES && logarithm; i++) y[i] = log(y[i]);
-        CHECK_OK(stats_oscillation_fit(SERIES, t, y, &f));
-        write_text("series.tsv", "%s", text);
-        c = CHECKED_RUN(1, "stats oscillation series.tsv -x x -y y --from 0 --to 50%s",
-                        logarithm ? " --scale log" : "");
-        const checked_value oscillation[] = {CHECKED_FIELD(f, decay),
-                                             CHECKED_FIELD(f, decay_se),
-                                             CHECKED_FIELD(f, frequency),
-                                             CHECKED_FIELD(f, frequency_se),
-                                             CHECKED_FIELD(f, amplitude),
-                                             CHECKED_FIELD(f, share),
-                                             {"n", SERIES},
-                                             {"x_from", t[0]},
-                                             {"x_to", t[SERIES - 1]}};
-        CHECK_NAMED(&c, 0, oscillation);
-        checked_end(&c);
-    }
     leave();
 }
 
-/* Each row of --successive is the library's fit to so many points; one column predicts in one row. */
+/* Each row of --successive is the library's fit to so many points. */
 static void test_prefixes(void)
 {
     enum { N = 6 };
@@ -1302,24 +1219,6 @@ static void test_prefixes(void)
         at(&c, k, "status"); /* suite cli */
     }
     checked_end(&c);
-    GOOD("stats predict p.tsv -x se -y y --folds 2");
-    rp_table t = read_table("out");
-    CU_ASSERT(t.n_rows == 1);
-    rp_table_free(&t);
-    GOOD("stats predict p.tsv -x x -y y --given se --folds 2"); /* the given column is the prediction */
-    t = read_table("out");
-    double error[N];
-    const double *values[] = {y, se, error};
-    static const char *const names[][2] = {
-        {"measured", "measured_se"}, {"predicted", "predicted_se"}, {"error", "error_se"}};
-    for (int i = 0; i < N; i++) error[i] = y[i] - se[i];
-    for (int k = 0; k < 3; k++) {
-        stats_summary of;
-        CHECK_OK(stats_mean(N, values[k], &of));
-        CHECK_NEAR(cell(&t, 1, names[k][0]), of.mean, 1e-14);
-        CHECK_NEAR(cell(&t, 1, names[k][1]), of.se, 1e-14);
-    }
-    rp_table_free(&t);
     leave();
 }
 
@@ -1454,8 +1353,8 @@ void suite_tables(void)
                                        {"angle phi: one phi or not", test_one_phi},
                                        {"stats trend, size, fit", test_fits},
                                        {"stats trend, size by groups", test_groups},
-                                       {"stats predict", test_predictions},
-                                       {"stats maximum, oscillation", test_values},
+                                       {"stats correlation", test_correlations},
+                                       {"stats maximum", test_values},
                                        {"stats fit --successive", test_prefixes},
                                        {"tent, lattice", test_models},
                                        {"continuum", test_continuum},

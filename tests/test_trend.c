@@ -544,270 +544,56 @@ static void test_limit_errors(void)
 
 /* ---- settings compared ---- */
 
-static void test_threshold(void)
-{
-    const double x[] = {0.3, 0.5, 0.1, 0.4, 0.2};
-    const bool holds[] = {true, true, false, false, true}, none[] = {false, false, false, false, false};
-    stats_threshold t;
-    stats_threshold_find(5, x, holds, &t);
-    CU_ASSERT(t.n == 5 && t.fails_to == 0.4 && t.holds_from == 0.2 && t.mixed == 2);
-    const bool first[] = {true, false, false, false, false}, others[] = {false, true, true, true, true};
-    stats_threshold_find(5, x, first, &t); /* every run counts, the first one too */
-    CU_ASSERT(t.fails_to == 0.5 && t.holds_from == 0.3 && t.mixed == 1);
-    stats_threshold_find(5, x, others, &t);
-    CU_ASSERT(t.fails_to == 0.3 && t.holds_from == 0.1 && t.mixed == 2);
-    stats_threshold_find(5, x, none, &t);
-    CU_ASSERT(t.fails_to == 0.5 && isnan(t.holds_from) && t.mixed == 0);
-    stats_threshold_find(0, x, none, &t);
-    CU_ASSERT(t.n == 0 && isnan(t.fails_to) && isnan(t.holds_from));
-}
-
-/* Random points: what is on the front is dominated by nothing, what is off it by something on it. */
-static void test_front(void)
-{
-    enum { POINTS = 60 };
-    stats_cost c[POINTS] = {{0}},
-               ties[] = {{.cost = 1, .bias = -2}, {.cost = 1, .bias = 2}, {.cost = 2, .bias = 2}};
-    gsl_rng *rng = rp_random_alloc(31, 0, RP_PURPOSE_TEST);
-    for (int i = 0; i < POINTS; i++) {
-        c[i].cost = gsl_rng_uniform(rng);
-        c[i].bias = gsl_rng_uniform(rng) * (i % 2 ? -1 : 1);
-    }
-    c[7].cost = NAN;
-    stats_front(POINTS, c);
-    CU_ASSERT(!c[7].front);
-    for (int i = 0; i < POINTS; i++) {
-        bool dominated = false;
-        for (int j = 0; j < POINTS; j++)
-            dominated |= c[j].front && c[j].cost < c[i].cost && fabs(c[j].bias) < fabs(c[i].bias);
-        if (i != 7) CU_ASSERT(c[i].front == !dominated);
-    }
-    gsl_rng_free(rng);
-    stats_front(3, ties); /* ties stay */
-    CU_ASSERT(ties[0].front && ties[1].front && ties[2].front);
-}
-
-static void test_costs(void)
-{
-    /* setting, size, replica, y, seconds, steps: by hand */
-    stats_cost_run runs[] = {{0, 0, 0, 11, 4, 10},
-                             {0, 0, 1, 15, 9, 30},
-                             {1, 0, 0, 12, 20, 40},
-                             {1, 0, 1, 13, 20, 40},
-                             {1, 1, 5, 14, 1, 40}};
-    stats_cost c[3];
-    CHECK_OK(stats_costs(5, runs, 3, 1, c));
-    CU_ASSERT(c[0].n == 2 && c[1].n == 3 && c[2].n == 0 && isnan(c[2].cost) && !c[2].front);
-    CHECK_NEAR(c[0].mean, 13.0, sum_error);
-    CHECK_NEAR(c[0].sd, sqrt(8.0), sum_error);
-    CHECK_NEAR(c[0].bias, 0.5, sum_error);
-    CHECK_NEAR(c[0].bias_se, 1.5, sum_error);
-    CHECK_NEAR(c[0].seconds, 0.3 * 20.0, sum_error);
-    CHECK_NEAR(c[0].cost, 8.0 * 6.0, sum_error);
-    CHECK_NEAR(c[1].bias, 0.0, 0.0);
-    CHECK_NEAR(c[1].seconds, 40.0 / 40.0, sum_error); /* a step of the other size takes 1/40 s */
-    CU_ASSERT(!c[0].front && c[1].front);
-    runs[4].steps = 1.0; /* any number of steps but none */
-    CHECK_OK(stats_costs(5, runs, 3, 1, c));
-    runs[4].steps = 40.0;
-    runs[4].seconds = INFINITY;
-    CHECK_FAILS(stats_costs(5, runs, 3, 1, c), RP_BAD_INPUT, "run 5: inf s, 40 steps");
-    runs[0].steps = 0.0;
-    CHECK_FAILS(stats_costs(5, runs, 3, 1, c), RP_BAD_INPUT, "run 1: 4 s, 0 steps");
-}
-
-/* A planted decay and frequency, with scatter: within their errors, which are those of many planted series,
- * whether the scatter is new at every value or kept over `kept` of them, as when a series is sampled too
- * often. */
-static void test_oscillation(void)
-{
-    if (check_fast()) return; /* numbers of code that other tests run under sanitizers */
-    enum { VALUES = 160, SERIES = 100 };
-    const double decay = 0.385, frequency = 2.717, amplitude = 1.3, noise = 0.25;
-    gsl_rng *rng = rp_random_alloc(1993, 12, RP_PURPOSE_TEST);
-    double t[VALUES], y[VALUES], sum = 0.0;
-    stats_oscillation f;
-    for (int kept = 1; kept <= 2; kept++) {
-        double z[2] = {0.0}, scatter = 0.0;
-        for (int k = 0; k < SERIES; k++) {
-            for (int i = 0; i < VALUES; i++) {
-                if (i % kept == 0) scatter = gsl_ran_gaussian(rng, noise);
-                t[i] = 3.1 + 0.05 * i;
-                y[i] = 7.0 - decay * t[i] + amplitude * cos(2.0 * M_PI * frequency * t[i] + 0.9) + scatter;
-            }
-            CHECK_OK(stats_oscillation_fit(VALUES, t, y, &f));
-            z[0] += pow((f.decay - decay) / f.decay_se, 2.0) / SERIES;
-            z[1] += pow((f.frequency - frequency) / f.frequency_se, 2.0) / SERIES;
-            if (kept == 1) sum += f.amplitude / SERIES;
-        }
-        /* the mean of 100 chi^2 of one degree of freedom scatters by 0.14 */
-        CHECK_NEAR(z[0], 1.0, sigmas * 0.14);
-        CHECK_NEAR(z[1], 1.0, sigmas * 0.14);
-    }
-    /* plus the bias of a modulus, noise^2/(amplitude VALUES) */
-    CHECK_NEAR(sum, amplitude, sigmas * noise * sqrt(2.0 / VALUES / SERIES) + 3e-4);
-    gsl_rng_free(rng);
-    for (int i = 0; i < VALUES; i++)
-        y[i] = 2.0 - decay * t[i] + amplitude * sin(2.0 * M_PI * frequency * t[i]);
-    CHECK_OK(stats_oscillation_fit(VALUES, t, y, &f));
-    CHECK_NEAR(f.decay, decay, 1e-9);
-    CHECK_NEAR(f.frequency, frequency, 1e-7);
-    CHECK_NEAR(f.amplitude, amplitude, 1e-7);
-    CHECK_NEAR(f.share, 1.0, 1e-9);
-    CU_ASSERT(f.n == VALUES);
-    CHECK_FAILS(stats_oscillation_fit(15, t, y, &f), RP_NO_RESULT, "at least 16");
-    for (size_t k = 1; k < VALUES; k += VALUES - 2) { /* the first step, and the last */
-        const double kept = t[k];
-        char expected[32];
-        t[k] = t[k - 1];
-        snprintf(expected, sizeof expected, "value %zu at", k + 1);
-        CHECK_FAILS(stats_oscillation_fit(VALUES, t, y, &f), RP_BAD_INPUT, expected);
-        t[k] = kept;
-    }
-    t[7] = t[6];
-    CHECK_FAILS(stats_oscillation_fit(VALUES, t, y, &f), RP_BAD_INPUT, "value 8");
-    t[7] = 0.5 * (t[6] + t[8]);
-    y[3] = NAN;
-    CHECK_FAILS(stats_oscillation_fit(VALUES, t, y, &f), RP_BAD_INPUT, "");
-}
-
-/* Errors of decay and frequency by their definition: the fit by GSL at the frequency found, residuals weighed
- * by the inverse of X'X and summed over each period. Times are uneven. */
-static void test_oscillation_errors(void)
-{
-    enum { VALUES = 41, TERMS = 5 };
-    gsl_rng *rng = rp_random_alloc(1993, 14, RP_PURPOSE_TEST);
-    double t[VALUES], y[VALUES], chi2, line[6], sums[2][VALUES] = {{0.0}}, squares[2] = {0.0};
-    stats_oscillation f;
-    for (int i = 0; i < VALUES; i++) {
-        t[i] = 2.0 + 0.1 * i + 0.02 * (i * 7 % 5);
-        y[i] = 1.0 - 0.3 * t[i] + 1.1 * cos(2.0 * M_PI * 1.37 * t[i] + 0.4) + gsl_ran_gaussian(rng, 0.3);
-    }
-    gsl_rng_free(rng);
-    CHECK_OK(stats_oscillation_fit(VALUES, t, y, &f));
-    double later[VALUES]; /* the same long before 0 */
-    stats_oscillation same;
-    for (int i = 0; i < VALUES; i++) later[i] = t[i] - 50.0;
-    CHECK_OK(stats_oscillation_fit(VALUES, later, y, &same));
-    CHECK_NEAR(same.frequency, f.frequency, 1e-6);
-    CHECK_NEAR(same.share, f.share, 1e-9);
-    gsl_matrix *terms = gsl_matrix_alloc(VALUES, TERMS), *cov = gsl_matrix_alloc(TERMS, TERMS);
-    gsl_vector_view values = gsl_vector_view_array(y, VALUES);
-    gsl_vector *c = gsl_vector_alloc(TERMS);
-    gsl_multifit_linear_workspace *work = gsl_multifit_linear_alloc(VALUES, TERMS);
-    for (int pass = 0; pass < 2; pass++) { /* the last column needs the coefficients without it */
-        for (size_t i = 0; i < VALUES; i++) {
-            const double w = 2.0 * M_PI * (t[i] - t[0]), a = w * f.frequency;
-            const double row[TERMS] = {
-                1.0, t[i] - t[0], cos(a), sin(a),
-                pass ? w * (gsl_vector_get(c, 3) * cos(a) - gsl_vector_get(c, 2) * sin(a)) : 0.0};
-            for (size_t k = 0; k < TERMS; k++) gsl_matrix_set(terms, i, k, row[k]);
-        }
-        if (!pass) { /* a column of zeros has a coefficient of zero */
-            gsl_multifit_linear(terms, &values.vector, c, cov, &chi2, work);
-            CHECK_NEAR(f.decay, -gsl_vector_get(c, 1), 1e-9);
-            CHECK_NEAR(f.amplitude, hypot(gsl_vector_get(c, 2), gsl_vector_get(c, 3)), 1e-9);
-            gsl_fit_linear(t, 1, y, 1, VALUES, &line[0], &line[1], &line[2], &line[3], &line[4], &line[5]);
-            chi2 = 0.0; /* GSL's own one is of no use with such a column */
-            for (size_t i = 0; i < VALUES; i++) {
-                double r = y[i];
-                for (size_t k = 0; k < TERMS; k++) r -= gsl_vector_get(c, k) * gsl_matrix_get(terms, i, k);
-                chi2 += r * r;
-            }
-            CHECK_NEAR(f.share, 1.0 - chi2 / line[5], 1e-9);
-        }
-    }
-    gsl_multifit_linear(terms, &values.vector, c, cov, &chi2, work);
-    int periods = 1 + (int)((t[VALUES - 1] - t[0]) * f.frequency);
-    for (size_t i = 0; i < VALUES; i++) {
-        double of_fit = 0.0, pull[2] = {0.0};
-        for (size_t k = 0; k < TERMS; k++) of_fit += gsl_vector_get(c, k) * gsl_matrix_get(terms, i, k);
-        for (size_t k = 0; k < TERMS; k++)
-            for (size_t v = 0; v < 2; v++)
-                pull[v] += gsl_matrix_get(cov, v ? 4 : 1, k) / (chi2 / (VALUES - TERMS)) *
-                           gsl_matrix_get(terms, i, k);
-        for (size_t v = 0; v < 2; v++)
-            sums[v][(size_t)((t[i] - t[0]) * f.frequency)] += pull[v] * (y[i] - of_fit);
-    }
-    for (int p = 0; p < periods; p++)
-        for (size_t v = 0; v < 2; v++) squares[v] += pow(sums[v][p], 2.0);
-    const double few = periods / (periods - 1.0) * (VALUES - 1.0) / (VALUES - TERMS);
-    CHECK_NEAR(f.decay_se, sqrt(squares[0] * few), 1e-8);
-    CHECK_NEAR(f.frequency_se, sqrt(squares[1] * few), 1e-8);
-    gsl_multifit_linear_free(work);
-    gsl_vector_free(c);
-    gsl_matrix_free(terms);
-    gsl_matrix_free(cov);
-}
-
-/* A frequency just out of what is searched comes out at its end: two periods, half the sampling rate. */
-static void test_oscillation_ends(void)
-{
-    enum { VALUES = 33 };
-    double t[VALUES], y[VALUES];
-    for (int k = 0; k < 2; k++) {
-        stats_oscillation f;
-        for (int i = 0; i < VALUES; i++) t[i] = 0.5 * i + 0.1 * (i * 7 % 5);
-        const double range = t[VALUES - 1] - t[0], end = k ? 0.5 * (VALUES - 1.0) / range : 2.0 / range;
-        for (int i = 0; i < VALUES; i++) y[i] = cos(2.0 * M_PI * (end + (k ? 0.2 : -0.2) / range) * t[i]);
-        CHECK_OK(stats_oscillation_fit(VALUES, t, y, &f));
-        CHECK_NEAR(f.frequency, end, 1e-6);
-        CHECK_OK(stats_oscillation_fit(16, t, y, &f)); /* the fewest */
-    }
-}
-
-/* Each value as a fold of its own. A straight line errs by r/(1 - h), r its residual and h its leverage 1/n +
- * (x - mean)^2/sum (x - mean)^2; the mean of the others by n/(n - 1) of the residual. */
-static void test_predict(void)
+/* Against the line by GSL: the slope over the spreads. */
+static void test_correlation(void)
 {
     enum { COUNT = 9 };
     const double x[COUNT] = {0.3, 1.1, 1.9, 2.2, 3.7, 4.1, 5.6, 6.2, 7.9},
-                 y[COUNT] = {1.2, 0.7, 2.9, 2.1, 4.4, 3.2, 5.1, 6.6, 6.9}, *const columns[] = {x};
-    size_t fold[COUNT];
-    double line[COUNT], mean[COUNT], c0, c1, v[4], x_mean = 0.0, y_mean = 0.0, sxx = 0.0;
-    for (size_t i = 0; i < COUNT; i++) fold[i] = i, x_mean += x[i] / COUNT, y_mean += y[i] / COUNT;
-    for (size_t i = 0; i < COUNT; i++) sxx += (x[i] - x_mean) * (x[i] - x_mean);
+                 y[COUNT] = {1.2, 0.7, 2.9, 2.1, 4.4, 3.2, 5.1, 6.6, 6.9};
+    double c0, c1, v[4];
+    stats_summary of_x, of_y;
+    stats_correlation c;
     gsl_fit_linear(x, 1, y, 1, COUNT, &c0, &c1, &v[0], &v[1], &v[2], &v[3]);
-    CHECK_OK(stats_predict(COUNT, 1, columns, y, fold, line));
-    CHECK_OK(stats_predict(COUNT, 0, NULL, y, fold, mean));
-    double squares = 0.0, base = 0.0;
-    for (size_t i = 0; i < COUNT; i++) {
-        const double h = 1.0 / COUNT + (x[i] - x_mean) * (x[i] - x_mean) / sxx;
-        CHECK_NEAR(y[i] - line[i], (y[i] - c0 - c1 * x[i]) / (1.0 - h), sum_error);
-        CHECK_NEAR(y[i] - mean[i], (y[i] - y_mean) * COUNT / (COUNT - 1.0), sum_error);
-        squares += (y[i] - line[i]) * (y[i] - line[i]) / COUNT;
-        base += (y[i] - mean[i]) * (y[i] - mean[i]) / COUNT;
-    }
-    stats_prediction s;
-    CHECK_OK(stats_prediction_score(COUNT, y, x, line, mean, &s));
-    CHECK_NEAR(s.skill, 1.0 - squares / base, sum_error);
-    CHECK_NEAR(s.rms, sqrt(squares), sum_error);
-    CHECK_NEAR(s.correlation, c1 * sqrt(sxx) / sqrt(base * COUNT) * COUNT / (COUNT - 1.0), sum_error);
-    CHECK_NEAR(s.correlation_se, (1.0 - s.correlation * s.correlation) / sqrt(COUNT - 1.0), sum_error);
-    const double z = atanh(s.correlation), z_off = 1.959963984540054 / sqrt(COUNT - 3.0);
-    CHECK_NEAR(atanh(s.correlation_lo), z - z_off, 1e-12);
-    CHECK_NEAR(atanh(s.correlation_hi), z + z_off, 1e-12);
-    CU_ASSERT(s.n == COUNT);
-    /* to first order, skill and root of the mean square change with a value as these means do */
-    double skill[COUNT], rms[COUNT];
+    CHECK_OK(stats_mean(COUNT, x, &of_x));
+    CHECK_OK(stats_mean(COUNT, y, &of_y));
+    CHECK_OK(stats_correlate(COUNT, x, y, &c));
+    CU_ASSERT(c.n == COUNT);
+    CHECK_NEAR(c.value, c1 * of_x.sd / of_y.sd, sum_error);
+    CHECK_NEAR(c.se, (1.0 - c.value * c.value) / sqrt(COUNT - 1.0), sum_error);
+    const double z = atanh(c.value), z_off = 1.959963984540054 / sqrt(COUNT - 3.0);
+    CHECK_NEAR(atanh(c.lo), z - z_off, 1e-12);
+    CHECK_NEAR(atanh(c.hi), z + z_off, 1e-12);
+    CHECK_OK(stats_correlate(4, x, y, &c)); /* the fewest */
+    CHECK_FAILS(stats_correlate(3, x, y, &c), RP_NO_RESULT, "3 values");
+    CU_ASSERT(isnan(c.value) && isnan(c.se) && isnan(c.lo) && isnan(c.hi));
+    CHECK_FAILS(stats_correlate(4, (double[]){1.0, NAN, 2.0, 3.0}, y, &c), RP_BAD_INPUT, "value 2");
+    CHECK_FAILS(stats_correlate(4, x, (double[]){1.0, 2.0, NAN, 3.0}, &c), RP_BAD_INPUT, "value 3");
+}
+
+/* Planted: y = x + noise of the same spread has a correlation of 1/sqrt 2, which intervals of 95 % hold in as
+ * many of the cases, within 4 standard errors of a share, sqrt(0.95 0.05/300) = 0.0126. The error is that of
+ * the values over the cases, known to 1/sqrt(2 300) = 4 %. */
+static void test_planted_correlation(void)
+{
+    enum { COUNT = 150, ENSEMBLES = 300 };
+    gsl_rng *rng = rp_random_alloc(1993, 13, RP_PURPOSE_TEST);
+    double x[COUNT], y[COUNT], values[ENSEMBLES], held = 0.0, se = 0.0;
+    stats_correlation c;
     stats_summary of;
-    for (size_t i = 0; i < COUNT; i++) {
-        const double e = pow(y[i] - line[i], 2), e_mean = pow(y[i] - mean[i], 2);
-        skill[i] = (e_mean * squares / base - e) / base;
-        rms[i] = e / (2.0 * sqrt(squares));
+    for (int k = 0; k < ENSEMBLES; k++) {
+        for (size_t i = 0; i < COUNT; i++) {
+            x[i] = gsl_ran_gaussian(rng, 1.0);
+            y[i] = x[i] + gsl_ran_gaussian(rng, 1.0);
+        }
+        CHECK_OK(stats_correlate(COUNT, x, y, &c));
+        held += c.lo < M_SQRT1_2 && M_SQRT1_2 < c.hi;
+        se += c.se / ENSEMBLES;
+        values[k] = c.value;
     }
-    CHECK_OK(stats_mean(COUNT, skill, &of));
-    CHECK_NEAR(s.skill_se, of.se, sum_error);
-    CHECK_OK(stats_mean(COUNT, rms, &of));
-    CHECK_NEAR(s.rms_se, of.se, sum_error);
-    CHECK_NEAR(s.measured.mean - s.predicted.mean, s.error.mean, sum_error);
-    CHECK_FAILS(stats_prediction_score(3, y, x, line, mean, &s), RP_NO_RESULT, "3 values");
-    CHECK_FAILS(stats_predict(COUNT, 1, columns, y, (size_t[COUNT]){0}, line), RP_BAD_INPUT, "1 folds");
-    CHECK_FAILS(stats_predict(3, 1, columns, y, fold, line), RP_NO_RESULT, "2 values");
-    CHECK_FAILS(stats_predict(2, 1, columns, (double[]){1.0, NAN}, fold, line), RP_BAD_INPUT, "value 2");
-    CHECK_FAILS(stats_predict(2, 1, columns, (double[]){NAN, 1.0}, fold, line), RP_BAD_INPUT, "value 1");
-    const double *const unknown[] = {(double[COUNT]){1.0, NAN}};
-    CHECK_FAILS(stats_predict(COUNT, 1, unknown, y, fold, line), RP_BAD_INPUT, "value 2");
+    CHECK_OK(stats_mean(ENSEMBLES, values, &of));
+    CHECK_NEAR(held / ENSEMBLES, 0.95, 0.05);
+    CHECK_NEAR(se / of.sd, 1.0, 4.0 * 0.041);
+    gsl_rng_free(rng);
 }
 
 /* Parts of a sample, put together by their summaries, have the summary of the whole. */
@@ -843,41 +629,6 @@ static void test_resampled(void)
     CU_ASSERT(s.n == 1 && isnan(s.sd) && isnan(s.lo) && isnan(s.hi));
 }
 
-/* Planted: y = x + noise of the same spread has a correlation of 1/sqrt 2 and a skill of 1/2. The intervals
- * of 95 % hold them, in as many of the cases; a column of noise has no skill beyond what its fit costs. */
-static void test_planted_skill(void)
-{
-    enum { COUNT = 150, ENSEMBLES = 300, FOLDS = 10 };
-    gsl_rng *rng = rp_random_alloc(1993, 13, RP_PURPOSE_TEST);
-    double x[COUNT], noise[COUNT], y[COUNT], mean[COUNT], predicted[COUNT], held = 0.0, held_skill = 0.0,
-                                                                            useless = 0.0;
-    const double *columns[] = {x}, *other[] = {noise};
-    size_t fold[COUNT];
-    stats_prediction s;
-    for (size_t i = 0; i < COUNT; i++) fold[i] = i % FOLDS;
-    for (int k = 0; k < ENSEMBLES; k++) {
-        for (size_t i = 0; i < COUNT; i++) {
-            x[i] = gsl_ran_gaussian(rng, 1.0);
-            noise[i] = gsl_ran_gaussian(rng, 1.0);
-            y[i] = x[i] + gsl_ran_gaussian(rng, 1.0);
-        }
-        CHECK_OK(stats_predict(COUNT, 0, NULL, y, fold, mean));
-        CHECK_OK(stats_predict(COUNT, 1, columns, y, fold, predicted));
-        CHECK_OK(stats_prediction_score(COUNT, y, x, predicted, mean, &s));
-        held += s.correlation_lo < M_SQRT1_2 && M_SQRT1_2 < s.correlation_hi;
-        held_skill += fabs(s.skill - 0.5) < 1.96 * s.skill_se;
-        CHECK_OK(stats_predict(COUNT, 1, other, y, fold, predicted));
-        CHECK_OK(stats_prediction_score(COUNT, y, noise, predicted, mean, &s));
-        useless += s.skill / ENSEMBLES;
-    }
-    /* 4 standard errors of a share: sqrt(0.95 0.05/300) = 0.0126; the delta method may lose 2 % more */
-    CHECK_NEAR(held / ENSEMBLES, 0.95, 0.05);
-    CHECK_NEAR(held_skill / ENSEMBLES, 0.95, 0.07);
-    /* a fitted slope costs 1/COUNT of the variance; its scatter over the cases is of the same order */
-    CHECK_NEAR(useless, -1.0 / COUNT, 3.0 / COUNT);
-    gsl_rng_free(rng);
-}
-
 void suite_trend(void)
 {
     static const check_case cases[] = {
@@ -892,11 +643,8 @@ void suite_trend(void)
         {"verdicts", test_words},
         {"errors of trends", test_trend_errors},
         {"where linearity ends", test_successive},
-        {"decay and oscillation", test_oscillation},
-        {"oscillation: errors by their definition", test_oscillation_errors},
-        {"oscillation: frequencies out of range", test_oscillation_ends},
-        {"predictions out of sample", test_predict},
-        {"planted predictors", test_planted_skill},
+        {"correlation", test_correlation},
+        {"planted correlations: coverage", test_planted_correlation},
         {"pooled summaries", test_pooled},
         {"spread of resamples", test_resampled},
         {"planted limits: coverage", test_limit_coverage},
@@ -904,9 +652,6 @@ void suite_trend(void)
         {"limit against GSL's nonlinear fit", test_limit_against_gsl},
         {"limits by a second scan", test_limit_by_hand},
         {"errors of limits", test_limit_errors},
-        {"threshold", test_threshold},
-        {"Pareto front", test_front},
-        {"cost of an error bar", test_costs},
         {NULL, NULL},
     };
     check_register("trend", cases);

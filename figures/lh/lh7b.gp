@@ -1,8 +1,8 @@
 # Lee & Herrmann 1993, figure 7(b): measured theta_T against (4) at the measured theta_R, in its four forms.
-# tables: lh3_compare.tsv lh3_box_compare.tsv lh_onset_model.tsv
+# tables: lh3_compare.tsv lh3_box_compare.tsv
 heading = 'Tilting angle: measured, and by (4)'
 remark = sprintf('bars: standard error over %d piles, %d in the turned box (theory: bootstrap of {/:Italic θ}_R); series shifted sideways', most('lh3_compare.tsv', 'n'), most('lh3_box_compare.tsv', 'n'))
-legend = 7
+legend = 6
 load 'figures/style.gp'
 set xlabel 'friction coefficient {/:Italic μ}'
 set ylabel 'tilting angle {/:Italic θ}_T (degrees)'
@@ -13,7 +13,5 @@ shift(k) = word('0.002 0.004 -0.002 -0.004', k)
 form(k) = word('"(4) as printed" "(4) with sines" "forces balanced, rays fixed to gravity" "forces balanced, rays fixed to the lattice"', k)
 plot for [k=1:4] t('lh3_compare.tsv') using (column('mu') + shift(k)):(column('theta_t_'.word(forms, k).'_deg')):(column('theta_t_'.word(forms, k).'_se_deg')) \
        with yerrorlines ls 10 + k title form(k), \
-     t('lh_onset_model.tsv') using (column('mu') + 0.006):(strcol('predictor') eq 'bulk_friction_0' ? column('predicted') : NaN):(column('predicted_se')) \
-       with yerrorbars ls 6 title 'line through the friction inside the pile', \
      t('lh3_compare.tsv') using (column('mu')):(column('theta_t_deg')):(column('theta_t_se_deg')) with yerrorbars ls ours title 'measured, gravity turned', \
      t('lh3_box_compare.tsv') using (column('mu') - 0.006):(column('theta_t_deg')):(column('theta_t_se_deg')) with yerrorbars ls 3 title 'measured, box turned as in the paper'

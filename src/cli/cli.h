@@ -283,7 +283,6 @@ void cli_overview(FILE *out);
 
 /* Subcommands with a file of their own. */
 extern const cli_command cmd_sweep_merge, cmd_sweep_slurm, cmd_sweep_salvage, cmd_angle_slope,
-    cmd_angle_compare, cmd_angle_phi, cmd_stress_dip, cmd_stress_critical, cmd_stats_fit, cmd_stats_trend,
-    cmd_stats_size, cmd_stats_predict, cmd_stats_oscillation, cmd_stats_threshold, cmd_stats_cost;
+    cmd_angle_compare, cmd_angle_phi, cmd_stress_dip, cmd_stats_fit, cmd_stats_trend, cmd_stats_size;
 
 #endif

@@ -68,6 +68,21 @@ rp_status stats_mean(size_t n, const double v[], stats_summary *stats)
     return stats_paired(n, v, NAN, NULL, stats);
 }
 
+rp_status stats_correlate(size_t n, const double x[], const double y[], stats_correlation *c)
+{
+    const double quantile = 1.959963984540054, m = (double)n; /* normal, 97.5 % */
+    *c = (stats_correlation){n, NAN, NAN, NAN, NAN};
+    if (n < 4) return rp_fail(RP_NO_RESULT, "%zu values, at least 4 needed", n);
+    RP_TRY(stats_check_finite(n, x));
+    RP_TRY(stats_check_finite(n, y));
+    c->value = gsl_stats_correlation(x, 1, y, 1, n);
+    c->se = (1.0 - c->value * c->value) / sqrt(m - 1.0);
+    const double z = atanh(c->value), half = quantile / sqrt(m - 3.0);
+    c->lo = tanh(z - half);
+    c->hi = tanh(z + half);
+    return RP_OK;
+}
+
 rp_status stats_expected_maximum(size_t n, const double v[], size_t draws, double work[], double *maximum)
 {
     *maximum = NAN;

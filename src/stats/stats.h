@@ -31,6 +31,15 @@ rp_status stats_paired(size_t n, const double a[], double factor, const double b
 /* The summary of all values of n ensembles, from theirs. */
 stats_summary stats_pooled(size_t n, const stats_summary parts[]);
 
+/* Pearson's correlation of n pairs; the 95 % interval by Fisher's transformation. */
+typedef struct {
+    size_t n;
+    double value, se, lo, hi;
+} stats_correlation;
+
+/* Errors: RP_NO_RESULT for n < 4, RP_BAD_INPUT for a value that is not finite. */
+rp_status stats_correlate(size_t n, const double x[], const double y[], stats_correlation *correlation);
+
 /* Expected largest of `draws` of the n values, drawn without repeating one: without bias for independent
  * values, so that ensembles of different size can be compared. work[n] is work space.
  * Errors: RP_BAD_INPUT; RP_NO_RESULT for draws > n. */
@@ -75,19 +84,6 @@ rp_status stats_blocking(size_t n, const double v[], double work[], stats_series
  * the rest smallest as if it were uncorrelated, sum (v - mean)^2/(n - from)^2 (MSER, White 1997).
  * Errors: RP_BAD_INPUT; RP_NO_RESULT for n < 4, and for one that still goes at half its length. */
 rp_status stats_level_off(size_t n, const double v[], size_t *from);
-
-/* y = constant - decay t + amplitude cos(2 pi frequency t + phase), by least squares. The frequency is the
- * one that leaves the smallest squares, between two periods in the series and half the sampling rate. Errors
- * follow from the residuals, which may be correlated within a period but not from one to another. */
-typedef struct {
-    size_t n;
-    double decay, decay_se, frequency, frequency_se, amplitude;
-    double share; /* of the squares about the straight line that the oscillation takes away */
-} stats_oscillation;
-
-/* Errors: RP_NO_RESULT for n < 16, RP_BAD_INPUT (t that does not increase, values that are not finite),
- * RP_NO_MEMORY, RP_BROKEN. */
-rp_status stats_oscillation_fit(size_t n, const double t[], const double y[], stats_oscillation *oscillation);
 
 /* ---- trends, and that there is none (trend.c) ---- */
 
@@ -207,30 +203,6 @@ typedef struct {
 rp_status stats_successive(size_t n, const double x[], const double y[], const double se[], double level,
                            stats_prefix prefixes[], double *linear_to, double *bend_free_to);
 
-/* ---- predictions out of sample (predict.c) ---- */
-
-/* Predict y[n] by a linear function of p columns x[k][n] and a constant, value by value: that of fold[i] by
- * the least squares of the values of all other folds, which are numbered from 0. p may be 0: the mean of the
- * others. Errors: RP_BAD_INPUT (a number that is not finite, one fold), RP_NO_RESULT (too few values outside
- * a fold), RP_NO_MEMORY, RP_BROKEN. */
-rp_status stats_predict(size_t n, size_t p, const double *const x[], const double y[], const size_t fold[],
-                        double predicted[]);
-
-/* How good predictions are. */
-typedef struct {
-    size_t n;
-    double correlation, correlation_se; /* Pearson's, of x and y; 95 % interval by Fisher's transformation */
-    double correlation_lo, correlation_hi;
-    double skill, skill_se; /* 1 less the mean square error over that of the mean; delta method */
-    double rms, rms_se;     /* root mean square error */
-    stats_summary measured, predicted, error; /* error: measured less predicted */
-} stats_prediction;
-
-/* Of predictions `predicted` of y by x, beside predictions `mean` that do without x (p = 0 above).
- * Errors: RP_NO_RESULT for n < 4, RP_BAD_INPUT for a number that is not finite. */
-rp_status stats_prediction_score(size_t n, const double y[], const double x[], const double predicted[],
-                                 const double mean[], stats_prediction *score);
-
 /* ---- least value of a function (least.c) ---- */
 
 /* Least value of f over a box of two dimensions: downhill from the best of a grid of so many cells a side. A
@@ -238,43 +210,6 @@ rp_status stats_prediction_score(size_t n, const double y[], const double x[], c
  * Errors: RP_NO_MEMORY, RP_BROKEN. */
 rp_status stats_least(double (*f)(const double x[], void *data), void *data, const double lo[2],
                       const double hi[2], int cells, double x[2], double *value);
-
-/* ---- settings compared by runs (settings.c) ---- */
-
-/* Where an outcome turns as x grows. */
-typedef struct {
-    size_t n;
-    double fails_to, holds_from; /* largest x at which it fails, smallest at which it holds; NaN if none */
-    size_t mixed;                /* values that hold below fails_to */
-} stats_threshold;
-
-void stats_threshold_find(size_t n, const double x[], const bool holds[], stats_threshold *threshold);
-
-/* One run of a setting. Runs of equal `replica` start from the same state; a step takes the same time in all
- * runs of equal `size`. */
-typedef struct {
-    size_t setting, size;
-    double replica, y, seconds, steps;
-} stats_cost_run;
-
-typedef struct {
-    size_t n;
-    double mean, sd; /* of y */
-    double bias,
-        bias_se;    /* mean difference to the reference setting, replica by replica; NaN without pairs */
-    double seconds; /* of a mean run: its steps times the least time that a step took at that size */
-    double cost;    /* sd^2 seconds: time that a standard error of 1 takes */
-    bool front;     /* on the Pareto front of cost and |bias| */
-} stats_cost;
-
-/* Pareto front: `front` where no other setting is smaller in both cost and |bias|. NaN is not on it. */
-void stats_front(size_t n, stats_cost costs[]);
-
-/* Costs of settings 0 to n_settings - 1, compared with `reference`.
- * Errors: RP_BAD_INPUT (a value that is not finite, steps <= 0, a replica twice in the reference),
- * RP_NO_MEMORY. */
-rp_status stats_costs(size_t n, const stats_cost_run runs[], size_t n_settings, size_t reference,
-                      stats_cost costs[]);
 
 RP_C_END
 

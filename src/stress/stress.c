@@ -16,16 +16,11 @@
  *
  * Tilt. Of a pile that does not move and whose contacts neither slide nor part, forces are linear in the two
  * components of gravity. Divided by the component normal to the floor they are linear in t, the tangent of
- * the tilt; the two coefficients are measured at small tilts. Coulomb's law is then put to
- *   the floor: h/n = mu, as (3) and (4) do, but with the measured forces, summed over the base; and to
- *   the inside: the mobilised angle of the mean stress of the pile equals a friction angle.
- * Assumed: linearity up to failure (contacts that slide already, and those that start to, carry no more);
- * failure of the sum and not of its weakest part; and inside, that planes of grains have the friction of
- * their contacts, atan mu, though they interlock: along a plane under a long straight flank every stress in
- * balance with the weight mobilises the slope of the flank, tilt included, and that exceeds atan mu in stable
- * piles. The friction of the packing can be measured, but not inferred from mu. */
+ * the tilt; the two coefficients are measured at small tilts. Coulomb's law is then put to the floor: h/n =
+ * mu, as (3) and (4) do, but with the measured forces, summed over the base. Assumed: linearity up to failure
+ * (contacts that slide already, and those that start to, carry no more), and failure of the sum and not of
+ * its weakest part. */
 #include <gsl/gsl_math.h>
-#include <gsl/gsl_statistics_double.h>
 #include <math.h>
 #include <stdlib.h>
 
@@ -119,105 +114,4 @@ double stress_floor_tilt(const stress_response *r, double mu)
     /* h[0] + h[1] t = mu (n[0] + n[1] t) */
     const double rise = r->h[1] - mu * r->n[1];
     return rise > 0.0 ? atan((mu * r->n[0] - r->h[0]) / rise) : NAN;
-}
-
-double stress_bulk_mobilised(const stress_response *r, double tilt)
-{
-    stress_tensor s = r->s[0];
-    stress_tensor_add(&s, &r->s[1], tan(tilt));
-    return stress_mohr(&s).mobilised;
-}
-
-/* ---- ensemble ---- */
-
-enum { N_QUANTITIES = sizeof(stress_critical) / sizeof(stress_interval) };
-
-/* Spearman's correlation between the piles' own critical tilts and theta_t, over those that have one. */
-static double rank_correlation(size_t n, const stress_response responses[], const double theta_t[],
-                               const size_t *pick, double mu, double work[])
-{
-    double *tilt = work, *t = work + n;
-    size_t found = 0;
-    for (size_t i = 0; i < n; i++) {
-        const size_t k = pick ? pick[i] : i;
-        tilt[found] = stress_floor_tilt(&responses[k], mu);
-        t[found] = theta_t[k];
-        found += !isnan(tilt[found]);
-    }
-    return found > 2 ? gsl_stats_spearman(tilt, 1, t, 1, found, work + 2 * n) : NAN;
-}
-
-/* The quantities of stress_critical, in its order, of the piles pick[0..n), or of all. work[4 n]. */
-static void quantities(size_t n, const stress_response responses[], const double theta_t[],
-                       const size_t *pick, double mu, double work[], double q[N_QUANTITIES])
-{
-    stress_response mean = {0};
-    double tilt = 0.0;
-    const double part = 1.0 / (double)n;
-    for (size_t i = 0; i < n; i++) {
-        const stress_response *r = &responses[pick ? pick[i] : i];
-        tilt += part * theta_t[pick ? pick[i] : i];
-        for (int k = 0; k < 2; k++) {
-            mean.n[k] += part * r->n[k];
-            mean.h[k] += part * r->h[k];
-            stress_tensor_add(&mean.s[k], &r->s[k], part);
-        }
-    }
-    const double t = tan(tilt);
-    q[0] = mean.h[0] / mean.n[0];
-    q[1] = tan(stress_bulk_mobilised(&mean, 0.0));
-    q[2] = stress_floor_tilt(&mean, mu);
-    q[3] = tilt;
-    q[4] = q[2] - tilt;
-    q[5] = (mean.h[0] + mean.h[1] * t) / (mean.n[0] + mean.n[1] * t);
-    q[6] = tan(stress_bulk_mobilised(&mean, tilt));
-    q[7] = rank_correlation(n, responses, theta_t, pick, mu, work);
-}
-
-static stress_interval interval(double value, size_t n, double sample[])
-{
-    const stats_spread spread = stats_resampled(n, sample);
-    if (isnan(value) || 10 * spread.n < 9 * n) return (stress_interval){value, NAN, NAN, NAN};
-    return (stress_interval){value, spread.sd, spread.lo, spread.hi};
-}
-
-static rp_status check_responses(size_t n, const stress_response responses[], const double theta_t[],
-                                 size_t n_resamples)
-{
-    if (n < 3) return rp_fail(RP_NO_RESULT, "%zu piles, at least 3 needed", n);
-    for (size_t i = 0; i < n; i++) {
-        const double *v = (const double *)&responses[i];
-        bool good = isfinite(theta_t[i]);
-        for (size_t k = 0; k < sizeof responses[i] / sizeof *v; k++) good = good && isfinite(v[k]);
-        if (!good) return rp_fail(RP_BAD_INPUT, "pile %zu: finite numbers expected", i + 1);
-    }
-    return stats_check_resamples(n_resamples);
-}
-
-rp_status stress_critical_tilts(size_t n, const stress_response responses[], const double theta_t[],
-                                double mu, size_t n_resamples, gsl_rng *rng, stress_critical *critical)
-{
-    stress_interval *all = (stress_interval *)critical;
-    for (int i = 0; i < N_QUANTITIES; i++) all[i] = (stress_interval){NAN, NAN, NAN, NAN};
-    rp_status status = check_responses(n, responses, theta_t, n_resamples);
-    if (status) return status;
-    double q[N_QUANTITIES], one[N_QUANTITIES];
-    size_t *pick = malloc(n * sizeof *pick);
-    double *work = malloc(4 * n * sizeof *work),
-           *sample = malloc(N_QUANTITIES * n_resamples * sizeof *sample);
-    if (!pick || !work || !sample) status = rp_fail(RP_NO_MEMORY, "critical tilts: out of memory");
-    if (!status) {
-        quantities(n, responses, theta_t, NULL, mu, work, q);
-        for (size_t k = 0; k < n_resamples; k++) {
-            for (size_t i = 0; i < n; i++) pick[i] = gsl_rng_uniform_int(rng, n);
-            quantities(n, responses, theta_t, pick, mu, work, one);
-            for (int i = 0; i < N_QUANTITIES; i++) sample[(size_t)i * n_resamples + k] = one[i];
-        }
-        for (int i = 0; i < N_QUANTITIES; i++)
-            all[i] = interval(q[i], n_resamples, sample + (size_t)i * n_resamples);
-    }
-    free(sample);
-    free(work);
-    free(pick);
-    return status;
 }

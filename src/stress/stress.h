@@ -100,35 +100,6 @@ typedef struct {
  * stays below mu up to pi/2. */
 double stress_floor_tilt(const stress_response *response, double mu);
 
-/* Mobilised angle at a tilt. */
-double stress_bulk_mobilised(const stress_response *response, double tilt);
-
-typedef struct {
-    double value, se, lo, hi; /* error and 95 % interval by bootstrap over piles; NaN if a tenth of it is */
-} stress_interval;
-
-/* Critical tilts of the mean response of n piles of one mu, beside the tilt at which they moved. Frictions
- * are the tangents of mobilised angles. */
-#define STRESS_CRITICAL_LIST(X)                                                                              \
-    X(floor_friction_0, false) /* on the floor, without tilt */                                              \
-    X(bulk_friction_0, false)  /* inside, without tilt */                                                    \
-    X(floor_tilt, true)        /* the floor's friction reaches mu */                                         \
-    X(theta_t, true)           /* measured */                                                                \
-    X(floor_less, true)        /* floor_tilt less measured */                                                \
-    X(floor_friction_t, false) /* on the floor, at the measured theta_t */                                   \
-    X(bulk_friction_t, false)  /* inside, at the measured theta_t */                                         \
-    X(rank, false)             /* Spearman's correlation of the piles' own floor_tilt and theta_t */
-typedef struct {
-#define X(name, angle) stress_interval name;
-    STRESS_CRITICAL_LIST(X)
-#undef X
-} stress_critical;
-
-/* Errors: RP_NO_RESULT for n < 3, RP_BAD_INPUT for a number that is not finite or n_resamples < 2,
- * RP_NO_MEMORY. */
-rp_status stress_critical_tilts(size_t n, const stress_response responses[], const double theta_t[],
-                                double mu, size_t n_resamples, gsl_rng *rng, stress_critical *critical);
-
 /* ---- pressure on the base of piles, and whether it dips in the middle (dip.c) ---- */
 
 /* Bins of the base: 20 of 0.05 B about the centroid of the load; B is the width about it that holds 98 % of

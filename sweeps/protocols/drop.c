@@ -6,8 +6,7 @@
  * a disk is at rest; K_slip. With the paper's viscous slip alone between disks at rest, law = slip_roll, a
  * pile creeps for as long as one waits, so that K_slip and the waiting time decide how steep it is. With
  * shear springs, the default, neither matters. k_s = K_s/4 and k_roll = K_s/20 shorten the time step by no
- * more than 3 %; eps = 2e-3 is for steps as long as can be. sweeps/studies/li20_choices.cfg tells what harder
- * contacts, K_slip and rolling resistance change in piles of 150, li20_rest.cfg what the waiting does.
+ * more than 3 %; eps = 2e-3 is for steps as long as can be.
  *
  * The fall itself is not simulated: a disk starts just above what it will hit, with the speed of its fall.
  * The next falls when no disk is fast or far from balance, though the pile may still sway. After the last the

@@ -36,8 +36,7 @@ suites_of() {
     src/angle/*) echo property angle tables ;;
     src/stats/ensemble.c | src/stats/series.c) echo trend angle notes flux ;;
     src/stats/verdict.c) echo claims ;;
-    src/stats/oscillation.c) echo trend ;;
-    src/stats/lines.c | src/stats/settings.c | src/stats/trend.c | src/stats/limit.c | src/stats/predict.c) echo trend evidence calibrate tables angle ;;
+    src/stats/lines.c | src/stats/trend.c | src/stats/limit.c) echo trend evidence calibrate tables angle ;;
     src/stats/*) echo calibrate columns ;;
     figures/*) echo figures ;;
     validation/*) echo helpers contacts rotation property ;;

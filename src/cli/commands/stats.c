@@ -1,4 +1,6 @@
 /* repose stats: statistics of tables on the command line. */
+#include <string.h>
+
 #include "stats/stats.h"
 #include "cli/cli.h"
 
@@ -44,6 +46,64 @@ static const cli_command maximum = {
     "repose stats maximum piles.tsv --column theta_r3_deg --draws 10",
     maximum_params,
     .on_table = maximum_of_table};
+
+/* ---- correlation ---- */
+
+#define CORRELATION_OPTIONS(X)                                                                               \
+    X(TEXT, x, "", NULL, "", "columns (a or a,b,...) that may go with y")                                    \
+    X(TEXT, y, "", NULL, "", "column of y")                                                                  \
+    CLI_BY(X, "none", "groups")                                                                              \
+    CLI_WHERE(X)
+
+CLI_OPTIONS(correlation, CORRELATION_OPTIONS)
+
+/* A row for each group of the rows, y before the columns of x. */
+static rp_status print_correlations(const cli_groups *groups, const cli_rows *rows, size_t x,
+                                    const char *name)
+{
+    for (size_t g = 0; g < rows->n_groups; g++) {
+        const size_t first = rows->first[g];
+        stats_correlation c;
+        RP_TRY(stats_correlate(rows->first[g + 1] - first, rows->column[x] + first, rows->column[0] + first,
+                               &c));
+        if (*groups->words[g]) printf("%s\t", groups->words[g]);
+        CLI_ROW_WORD(name, (double)c.n, c.value, c.se, c.lo, c.hi);
+    }
+    return RP_OK;
+}
+
+static rp_status correlation_of_table(rp_table *table, void *values)
+{
+    const correlation_options *o = values;
+    const size_t size = strlen(o->x) + strlen(o->y) + 2;
+    char *names = cli_memory(size, 1), *rest = names;
+    cli_groups groups;
+    cli_rows rows;
+    snprintf(names, size, "%s,%s", o->y, o->x);
+    RP_TRY(cli_group_rows(table, o->by, '\t', &groups));
+    RP_TRY(cli_rows_read(table, names, &(cli_choice){.groups = &groups}, &rows));
+    cli_table(stdout);
+    rp_table_note(stdout, "rows", "%zu used, %zu without result, %zu with nan", rows.n, rows.n_failed,
+                  rows.n_nan);
+    rp_status status = cli_header_by(
+        table, o->by, "n, correlation, correlation_se, correlation_lo, correlation_hi, quantity");
+    strsep(&rest, ",");
+    for (size_t x = 1; rest && !status; x++)
+        status = print_correlations(&groups, &rows, x, strsep(&rest, ","));
+    return rp_prefix(status, "%s: ", table->path);
+}
+
+static const cli_command correlation = {
+    "stats correlation",
+    "what goes with a column, over runs",
+    "TABLE -x COLUMNS -y COLUMN [options]",
+    "Pearson's correlation of each column of x with y, one row a column and group, with its 95 % interval\n"
+    "by Fisher's transformation. Rows with nan in a column are left out for all. TABLE (- for standard\n"
+    "input): one row per run, as repose sweep export writes.",
+    "repose stats correlation build/studies/lh_onset_runs.tsv -x bulk_friction_0,limit_probe -y "
+    "theta_t_displacement_deg --by mu",
+    correlation_params,
+    .on_table = correlation_of_table};
 
 /* ---- select ---- */
 
@@ -93,7 +153,6 @@ static const cli_command select_rows = {
 /* ---- group ---- */
 
 static const cli_command *const commands[] = {
-    &cmd_stats_fit,         &cmd_stats_trend,     &cmd_stats_size, &cmd_stats_predict, &maximum,
-    &cmd_stats_oscillation, &cmd_stats_threshold, &cmd_stats_cost, &select_rows,       NULL};
-const cli_command cmd_stats = {"stats", "lines, trends, thresholds and costs from tables of runs",
+    &cmd_stats_fit, &cmd_stats_trend, &cmd_stats_size, &maximum, &correlation, &select_rows, NULL};
+const cli_command cmd_stats = {"stats", "lines, trends, limits and correlations from tables of runs",
                                .group = commands};

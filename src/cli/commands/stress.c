@@ -180,6 +180,6 @@ static const cli_command base = {
 
 /* ---- group ---- */
 
-static const cli_command *const commands[] = {&field, &base, &cmd_stress_dip, &cmd_stress_critical, NULL};
+static const cli_command *const commands[] = {&field, &base, &cmd_stress_dip, NULL};
 const cli_command cmd_stress = {"stress", "stress in piles, forces and dip of pressure on their base",
                                 .group = commands};
