@@ -202,6 +202,7 @@ static void test_scene_keys(void)
         {protocol, settings " mu=0 mu_floor=0", "tangential", "none"},                                       \
         {protocol, settings, "restitution", "0.4"},                                                          \
         {protocol, settings " mu=0.2 rotation=true", "rotation", "false"},                                   \
+        {protocol, settings " mu=0.2 tangential=slip_roll gamma_s=31", "integrator", "implicit"},            \
     {                                                                                                        \
         protocol, settings " gamma_n=500", "integrator", "gear5"                                             \
     }

@@ -16,11 +16,13 @@
 
 #include "core/clock.h"
 #include "core/random.h"
+#include "core/file.h"
 #include "table/table.h"
 #include "core/version.h"
 #include "dem/scene/scene.h"
 #include "sweeps/engine/keep.h"
 #include "sweeps/engine/private.h"
+#include "sweeps/protocols/physics.h"
 #include "sweeps/protocols/protocols.h"
 #include "tests/check.h"
 #include "tests/folder.h"
@@ -728,13 +730,6 @@ static void test_plan_again(void)
     file_print(file, "protocol = \"toy\"; replicas = 2; grid = { x = [0.5, 1.75, 2.5, 3.5]; };");
     CHECK_OK(sweep_prepare(file, dir, 0, (const sweep_protocol *const[]){&changed, NULL}, NULL, &c));
     CU_ASSERT(c.planned == 8 && c.stored == 0);
-    /* with a further output: stored runs have no value of it */
-    static const sweep_output more[] = {
-        {"y_deg", "deg", "x + k + noise"}, {"never", "s", "has no value"}, {"further", "", ""}, {0}};
-    changed = toy_protocol;
-    changed.outputs = more;
-    CHECK_OK(sweep_prepare(file, dir, 0, (const sweep_protocol *const[]){&changed, NULL}, NULL, &c));
-    CU_ASSERT(c.planned == 8 && c.stored == 0);
     CHECK_OK(prepare(&c));
     CU_ASSERT(c.stored == 8);
     file_print(file, "protocol = \"other\"; replicas = 2;");
@@ -754,6 +749,72 @@ static void test_plan_again(void)
     CHECK_FAILS(run(1, NULL), RP_IO, "never");
     CHECK_OK(sweep_prepare(copy, dir, 0, toys, NULL, &c));
     CHECK_OK(run(1, NULL));
+    clean();
+}
+
+/* The toy protocol with an output before its own. */
+static const sweep_output further_outputs[] = {
+    {"further", "", "later"}, {"y_deg", "deg", "x + k + noise"}, {"never", "s", "has no value"}, {0}};
+
+static rp_status further_run(const void *params, unsigned long seed, unsigned long run,
+                             const sweep_tables *tables, sweep_result *result)
+{
+    const rp_status status = toy_run(params, seed, run, tables, result);
+    result->values[1] = result->values[0];
+    result->values[0] = 2.385;
+    return status;
+}
+
+/* A protocol gets a further output: its runs stay stored, the new ones have its value, and a table says how
+ * many lack it. A store without its column can be merged. A program without this output refuses the store. */
+static void test_further_output(void)
+{
+    sweep_protocol further = toy_protocol;
+    further.outputs = further_outputs;
+    further.run = further_run;
+    const sweep_protocol *const later[] = {&further, NULL};
+    const sweep_options one = {.workers = 1};
+    char other[128], path[160], found[33];
+    sweep_counts c;
+    sweep_merged m;
+    size_t rows;
+    fresh("protocol = \"toy\"; replicas = 2; grid = { x = [0.5, 1.5]; };");
+    CHECK_OK(prepare(NULL));
+    CHECK_OK(run(1, NULL));
+    CHECK_FAILS(sweep_status(dir, later, &c), RP_BAD_INPUT, "plan again");
+    snprintf(other, sizeof other, "%s/other", base);
+    CHECK_OK(sweep_prepare(file, other, 0, toys, NULL, &c));
+    CHECK_OK(sweep_run(other, toys, &one, &c));
+    CHECK_OK(sweep_prepare(file, dir, 3, later, NULL, &c));
+    CU_ASSERT(c.planned == 6 && c.stored == 4);
+    sql(KEEP);
+    CHECK_OK(sweep_run(dir, later, &one, &c));
+    CU_ASSERT(c.stored == 6 && sql_number(KEPT) == 4);
+    CU_ASSERT(sql_number("SELECT count(*) FROM runs WHERE further = 2.385") == 2);
+    CU_ASSERT(sql_number("SELECT count(*) FROM results WHERE further = 'none' AND never IS NULL") == 4);
+    CHECK_OK(sweep_digest(dir, later, found, &rows));
+    CU_ASSERT(rows == 6);
+    snprintf(path, sizeof path, "%s/table.tsv", base);
+    FILE *out = fopen(path, "w");
+    CU_ASSERT_PTR_NOT_NULL_FATAL(out);
+    CHECK_OK(sweep_export(dir, later, SWEEP_RUNS, NULL, &c, out));
+    fclose(out);
+    char *text = NULL;
+    CHECK_OK(rp_file_read(path, &text));
+    CU_ASSERT(strstr(text, "# no value: further of 4 runs, stored before the program had this output\n") &&
+              strstr(text, "\tnan\t") && strstr(text, "\t2.385\t"));
+    free(text);
+    CHECK_OK(sweep_merge(dir, later, 1, (char *const[]){other}, &m, &c));
+    CU_ASSERT(m.duplicates == 4 && m.taken == 0);
+    CHECK_OK(sweep_prepare(file, other, 0, later, NULL, &c));
+    CU_ASSERT(c.planned == 4 && c.stored == 4);
+    sql("DELETE FROM runs WHERE further = 'none'");
+    CHECK_OK(sweep_merge(dir, later, 1, (char *const[]){other}, &m, &c));
+    CU_ASSERT(m.taken == 4 && c.stored == 6);
+    CHECK_FAILS(
+        sweep_prepare(file, dir, 0, toys, NULL, &c), RP_BAD_INPUT,
+        "its runs have the output further, which this version of the program lacks; plan in another folder");
+    CHECK_OK(sweep_status(dir, later, &c)); /* and the refused plan changed nothing */
     clean();
 }
 
@@ -1303,9 +1364,9 @@ static void test_known_keys(void)
         size_t run;
         const char *key;
         sweep_stream stream;
-    } known[] = {{0, "6717de666b7b90ed62f55a02c89ffb57", {1811074078, 1036491614, 2173680461725484}},
-                 {7, "f0d6799319b906b05699f08feebe2724", {285264182, 1505012168, 3156239277690893}},
-                 {11, "303a192038bc084767d3ac96b5c596aa", {971569046, 562762702, 1180198924689040}}};
+    } known[] = {{0, "d3105272e135e80aaa8e32759e9e29e8", {1811074078, 1036491614, 2173680461725484}},
+                 {7, "0f71a8037579f2aa919023e12d5b21de", {285264182, 1505012168, 3156239277690893}},
+                 {11, "afb060fad7a893b1f667546baf0cc1b8", {971569046, 562762702, 1180198924689040}}};
     char text[256];
     sweep_plan plan;
     fresh(
@@ -1313,7 +1374,7 @@ static void test_known_keys(void)
         "grid = ( { x = [0.5, -1.5]; mass = [1.0, 2.5]; }, { mode = [\"plain\", \"slow\", \"crash\"]; } );");
     CHECK_OK(sweep_plan_read(file, toys, &plan));
     CU_ASSERT(plan.n_points == 6 && plan.n_runs == 12);
-    CU_ASSERT_STRING_EQUAL(plan.hash, "00bbd3b58b024738de4e861998a1d0bc");
+    CU_ASSERT_STRING_EQUAL(plan.hash, "2621a21860d7d3377c94c5ccfaf5ab36");
     for (size_t k = 0; k < sizeof known / sizeof *known; k++) {
         char key[33];
         sweep_plan_key(&plan, known[k].run, key);
@@ -1331,11 +1392,15 @@ static void test_known_keys(void)
     clean();
 }
 
-/* The digest is that of key, status and outputs of the rows in their order, a missing value as NAN. */
+/* The digest is that of parameters and streams, status and outputs of the rows in their order, a missing
+ * value as NAN. It is the same of another model with the same results. */
 static void test_digest_of_rows(void)
 {
-    static const char query[] = "SELECT key, status, y_deg, never FROM runs ORDER BY run";
-    char expected[33];
+    static const char query[] = "SELECT status, y_deg, never FROM runs ORDER BY run";
+    char expected[33], setting[33];
+    sweep_plan plan;
+    sweep_counts c;
+    size_t n = 0;
     fresh("protocol = \"toy\"; replicas = 5; seed = 77; grid = { x = [0.125, -1.5]; };");
     CHECK_OK(prepare(NULL));
     CHECK_OK(run(1, NULL));
@@ -1345,12 +1410,13 @@ static void test_digest_of_rows(void)
     XXH3_128bits_reset(hash);
     CU_ASSERT(sqlite3_open(store, &db) == SQLITE_OK);
     CU_ASSERT(sqlite3_prepare_v2(db, query, -1, &q, NULL) == SQLITE_OK);
+    CHECK_OK(sweep_plan_read(file, toys, &plan));
     while (sqlite3_step(q) == SQLITE_ROW) {
-        const char *key = (const char *)sqlite3_column_text(q, 0),
-                   *status = (const char *)sqlite3_column_text(q, 1);
-        CU_ASSERT(strlen(key) == 32 && sqlite3_column_type(q, 3) == SQLITE_NULL);
-        const double values[] = {sqlite3_column_double(q, 2), NAN};
-        XXH3_128bits_update(hash, key, 33);
+        const char *status = (const char *)sqlite3_column_text(q, 0);
+        CU_ASSERT(sqlite3_column_type(q, 2) == SQLITE_NULL);
+        const double values[] = {sqlite3_column_double(q, 1), NAN};
+        sweep_plan_setting(&plan, n++, setting);
+        XXH3_128bits_update(hash, setting, 33);
         XXH3_128bits_update(hash, status, strlen(status) + 1);
         XXH3_128bits_update(hash, values, sizeof values);
     }
@@ -1358,7 +1424,16 @@ static void test_digest_of_rows(void)
     sqlite3_close(db);
     rp_hash_digits(XXH3_128bits_digest(hash), expected);
     XXH3_freeState(hash);
+    sweep_plan_free(&plan);
     CU_ASSERT_STRING_EQUAL(digest(10), expected);
+    sweep_protocol changed = toy_protocol;
+    changed.fingerprint = toy_fingerprint;
+    const sweep_protocol *const model[] = {&changed, NULL};
+    CHECK_OK(sweep_prepare(file, dir, 0, model, NULL, &c));
+    CU_ASSERT(c.stored == 0);
+    CHECK_OK(sweep_run(dir, model, &(sweep_options){.workers = 1}, &c));
+    CHECK_OK(sweep_digest(dir, model, setting, &n));
+    CU_ASSERT_STRING_EQUAL(setting, expected);
     clean();
 }
 
@@ -1376,10 +1451,11 @@ static void check_columns(sqlite3_stmt *q, const sweep_plan *plan, size_t run)
         const char *text = (const char *)sqlite3_column_text(q, i);
         sum = XXH3_64bits_withSeed(text, strlen(text), sum + (XXH64_hash_t)i);
     }
-    const double numbers[] = {sqlite3_column_double(q, 9), NAN, sqlite3_column_double(q, 8)};
-    for (int i = 0; i < 3; i++) sum = XXH3_64bits_withSeed(&numbers[i], sizeof *numbers, sum);
+    const double value = sqlite3_column_double(q, 9), seconds = sqlite3_column_double(q, 8);
+    sum = XXH3_64bits_withSeed(&seconds, sizeof seconds, XXH3_64bits_withSeed("seconds", 7, sum));
+    sum += XXH3_64bits_withSeed(&value, sizeof value, XXH3_64bits("y_deg", 5)); /* `never` adds nothing */
     CU_ASSERT(sqlite3_column_int64(q, 10) == (sqlite3_int64)sum);
-    CU_ASSERT(numbers[2] >= 0.0 && numbers[2] < 10.0);
+    CU_ASSERT(seconds >= 0.0 && seconds < 10.0);
     CU_ASSERT_STRING_EQUAL((const char *)sqlite3_column_text(q, 1), run % 2 ? "ok" : "ok_fixed_time");
     CU_ASSERT_STRING_EQUAL((const char *)sqlite3_column_text(q, 2), "");
     CU_ASSERT(strncmp((const char *)sqlite3_column_text(q, 3), "repose ", 7) == 0);
@@ -1547,7 +1623,7 @@ static void test_physics(void)
         DEM_PHYSICS(ROW)};
     static const sweep_protocol *const boxes[] = {&sweep_protocol_repose, &sweep_protocol_stress,
                                                   &sweep_protocol_onset, &sweep_protocol_flux};
-    const char *const own[] = {"mu", "tangential", "k_n", "integrator", "slip"};
+    const char *const own[] = {"mu", "tangential", "k_n", "slip"};
     for (size_t i = 0; i < sizeof list / sizeof *list; i++) {
         bool in_scene = false, overridden = false;
         for (const dem_scene_group *g = dem_scene_schemas; g->name && !in_scene; g++)
@@ -1563,6 +1639,69 @@ static void test_physics(void)
     }
     CU_ASSERT_STRING_EQUAL(rp_params_find(sweep_protocol_repose.schema, "mu")->fallback, "0.2");
     CU_ASSERT_STRING_EQUAL(rp_params_find(sweep_protocol_drop.schema, "mu")->fallback, "0.5");
+}
+
+/* Words and numbers that the short runs of the physics try, and whether one differs from its law's run. */
+typedef struct {
+    size_t n;
+    char law[33];
+    struct {
+        char key[32], word[32];
+        bool differs;
+    } tried[96];
+} trials;
+
+static rp_status note_trial(const sweep_physics_run *r, void *context)
+{
+    trials *t = context;
+    if (!r->key) {
+        memcpy(t->law, r->digits, sizeof t->law);
+        return RP_OK;
+    }
+    size_t i = 0;
+    while (i < t->n && (strcmp(t->tried[i].key, r->key) != 0 || strcmp(t->tried[i].word, r->word) != 0)) i++;
+    CU_ASSERT_FATAL(i < sizeof t->tried / sizeof *t->tried);
+    if (i == t->n) t->n++;
+    snprintf(t->tried[i].key, sizeof t->tried[i].key, "%s", r->key);
+    snprintf(t->tried[i].word, sizeof t->tried[i].word, "%s", r->word);
+    t->tried[i].differs |= strcmp(r->digits, t->law) != 0;
+    return RP_OK;
+}
+
+static size_t count_trials(const trials *t, const char *key)
+{
+    size_t n = 0;
+    for (size_t i = 0; i < t->n; i++) n += strcmp(t->tried[i].key, key) == 0 && t->tried[i].differs;
+    return n;
+}
+
+/* Changed physics of any law, damping, rolling, well or method gives new keys: the short runs of a
+ * fingerprint use each word of each list, from the schema, and each makes a run another one. */
+static void test_fingerprint_words(void)
+{
+    trials t = {0};
+    char first[33] = "", second[33] = "", word[64];
+    CHECK_OK(sweep_physics_runs(note_trial, &t));
+    for (size_t i = 0; i < t.n; i++) {
+        if (!t.tried[i].differs) fprintf(stderr, "%s = %s changes no run\n", t.tried[i].key, t.tried[i].word);
+        CU_ASSERT(t.tried[i].differs);
+    }
+    for (const rp_param *p = sweep_protocol_repose.schema; p->name; p++) {
+        const bool choice = p->type == RP_CHOICE || p->type == RP_BOOL;
+        size_t words = p->type == RP_BOOL ? 2 : 0;
+        while (p->type == RP_CHOICE && *rp_word_at(p->range, (int)words, word, sizeof word)) words++;
+        if (p->inherited && choice) CU_ASSERT(count_trials(&t, p->name) + 1 >= words);
+    }
+    CU_ASSERT(count_trials(&t, "set") + 1 == 3 && count_trials(&t, "hard") == 1);
+    CU_ASSERT(count_trials(&t, "integrator") + 1 == DEM_INTEGRATORS && count_trials(&t, "solver") == 1);
+    CU_ASSERT(count_trials(&t, "normal") + 1 == DEM_NORMAL_N && count_trials(&t, "restitution") == 1);
+    CU_ASSERT(count_trials(&t, "k_roll") == 1 && count_trials(&t, "gamma_roll") == 1);
+    CHECK_OK(sweep_physics_add(first));
+    CHECK_OK(sweep_physics_add(second));
+    CU_ASSERT_STRING_EQUAL(first, second);
+    second[0] = '0';
+    CHECK_OK(sweep_physics_add(second));
+    CU_ASSERT_STRING_NOT_EQUAL(first, second);
 }
 
 /* Each value of each named output counts in the digits of results; an output that is not named does not. */
@@ -1649,6 +1788,8 @@ void suite_sweep(void)
                                        {"progress and stop", test_stop},
                                        {"crashed workers", test_crash},
                                        {"planning again", test_plan_again},
+                                       {"a further output", test_further_output},
+                                       {"words in fingerprints", test_fingerprint_words},
                                        {"bad sweep files", test_bad_files},
                                        {"bad folders and stores", test_bad_folders},
                                        {"limits of memory, and open files", test_limits},

@@ -21,21 +21,24 @@
 
 RP_C_BEGIN
 
-/* Time integration: name, word in files. Each has a file of its own, with its descriptor; integrator.h. */
+/* Time integration: name; word in files, and of the descriptor, dem_scheme_WORD in a file of its own
+ * (state/method.h); what a key's help says. All that lists integrators is made of this. */
 #define DEM_INTEGRATOR_LIST(X)                                                                               \
-    X(DEM_VERLET, verlet)                                                                                    \
-    X(DEM_GEAR5, gear5)                                                                                      \
-    X(DEM_IMPLICIT, implicit)
+    X(DEM_VERLET, verlet, "velocity Verlet")                                                                 \
+    X(DEM_GEAR5, gear5, "Gear's predictor-corrector of fifth order")                                         \
+    X(DEM_IMPLICIT, implicit, "energy-conserving at any dt, without shear springs")
 typedef enum {
-#define X(name, word) name,
+#define X(name, word, text) name,
     DEM_INTEGRATOR_LIST(X)
 #undef X
 } dem_integrator;
-#define X(name, word) +1
+#define X(name, word, text) +1
 enum { DEM_INTEGRATORS = 0 DEM_INTEGRATOR_LIST(X) };
 #undef X
-#define DEM_INTEGRATOR_WORD(name, word) " | " #word
-#define DEM_INTEGRATOR_WORDS            (&(DEM_INTEGRATOR_LIST(DEM_INTEGRATOR_WORD))[3])
+#define DEM_INTEGRATOR_WORD(name, word, text) " | " #word
+#define DEM_INTEGRATOR_TEXT(name, word, text) "; " #word ": " text
+#define DEM_INTEGRATOR_WORDS                  (&(DEM_INTEGRATOR_LIST(DEM_INTEGRATOR_WORD))[3])
+#define DEM_INTEGRATOR_TEXTS                  (&(DEM_INTEGRATOR_LIST(DEM_INTEGRATOR_TEXT))[2])
 /* Instances of the pair loop, all with the same bits: the best for the scene's laws and the processor, the
  * loop that decides at run time, or that for the laws with no more than these instructions. */
 typedef enum { DEM_FAST, DEM_REFERENCE, DEM_BASELINE, DEM_AVX2, DEM_AVX512, DEM_KERNELS } dem_kernel_choice;

@@ -21,7 +21,8 @@ static rp_status check_source(sweep_store *s, const sweep_plan *plan, const char
     if (!status && strcmp(model, plan->model) != 0)
         return rp_fail(RP_BAD_INPUT, "%s: made by another model of the physics (%s), not by this one (%s)",
                        path, model, plan->model);
-    return rp_prefix(status, "%s: ", path);
+    RP_TRY(rp_prefix(status, "%s: ", path));
+    return sweep_store_check_outputs(s, "source", path, plan->protocol);
 }
 
 /* Two results under one key differ: one of the machines is wrong, and nothing says which. */
@@ -33,7 +34,10 @@ static rp_status find_conflict(sweep_store *s, const sweep_plan *plan, const cha
              "WHERE s.status NOT IN " SWEEP_MACHINE " AND r.status NOT IN " SWEEP_MACHINE
              " AND (s.status IS NOT r.status");
     for (const sweep_output *o = plan->protocol->outputs; o->name; o++)
-        sqlite3_str_appendf(sql, " OR s.\"%w\" IS NOT r.\"%w\"", o->name, o->name);
+        if (sweep_store_has(s, "source", o->name)) /* one that a row lacks is no other result */
+            sqlite3_str_appendf(
+                sql, " OR (s.\"%w\" IS NOT r.\"%w\" AND 'text' NOT IN (typeof(s.\"%w\"), typeof(r.\"%w\")))",
+                o->name, o->name, o->name, o->name);
     sqlite3_str_appendall(sql, ") LIMIT 1");
     sqlite3_stmt *q = sweep_sql_query_text(s, sql);
     rp_status status = RP_OK;
@@ -48,10 +52,10 @@ static rp_status find_conflict(sweep_store *s, const sweep_plan *plan, const cha
 }
 
 /* The columns of a row as a list for SQL; sqlite3_free it. */
-static char *column_names(sweep_store *s, const sweep_protocol *protocol)
+static char *column_names(sweep_store *s, const char *schema, const sweep_protocol *protocol)
 {
-    sqlite3_str *names = sqlite3_str_new(s->db);
-    sweep_store_columns(names, protocol);
+    sqlite3_str *names = sqlite3_str_new(NULL);
+    sweep_store_columns(s, schema, names, protocol);
     return sqlite3_str_finish(names);
 }
 
@@ -59,15 +63,17 @@ static char *column_names(sweep_store *s, const sweep_protocol *protocol)
  */
 static rp_status take_rows(sweep_store *s, const sweep_plan *plan, const char *schema)
 {
-    char *names = column_names(s, plan->protocol);
-    if (!names) return rp_fail(RP_NO_MEMORY, "%s: out of memory", s->path);
+    char *into = column_names(NULL, NULL, plan->protocol), *from = column_names(s, schema, plan->protocol);
     rp_status status =
-        sweep_sql(s, "unite the stores",
-                  "DELETE FROM temp.runs WHERE status IN " SWEEP_MACHINE
-                  " AND key IN (SELECT key FROM %s.runs WHERE status NOT IN " SWEEP_MACHINE ");"
-                  "INSERT OR IGNORE INTO temp.runs (%s) SELECT %s FROM %s.runs",
-                  schema, names, names, schema);
-    sqlite3_free(names);
+        into && from
+            ? sweep_sql(s, "unite the stores",
+                        "DELETE FROM temp.runs WHERE status IN " SWEEP_MACHINE
+                        " AND key IN (SELECT key FROM %s.runs WHERE status NOT IN " SWEEP_MACHINE ");"
+                        "INSERT OR IGNORE INTO temp.runs (%s) SELECT %s FROM %s.runs",
+                        schema, into, from, schema)
+            : rp_fail(RP_NO_MEMORY, "%s: out of memory", s->path);
+    sqlite3_free(into);
+    sqlite3_free(from);
     return status;
 }
 
@@ -132,7 +138,7 @@ rp_status sweep_store_merge(sweep_store *s, const sweep_plan *plan, size_t n, ch
     rp_status status = sweep_store_unite(s, plan, n, paths, true, found);
     if (!status)
         status = sweep_sql_number(s, "SELECT count(*) FROM main.runs WHERE run IS NOT NULL", &before);
-    char *names = column_names(s, plan->protocol);
+    char *names = column_names(NULL, NULL, plan->protocol);
     if (!status)
         status =
             sweep_sql(s, "merge the stores",
@@ -156,7 +162,7 @@ static rp_status copy_whole_rows(sweep_store *s, const sweep_plan *plan, sweep_s
     }; /* row numbers without a row: the end. A lost inner page holds some 4000 rows */
     sqlite3_str *select = sqlite3_str_new(s->db);
     sqlite3_str_appendall(select, "SELECT ");
-    sweep_store_columns(select, plan->protocol);
+    sweep_store_columns(damaged, "main", select, plan->protocol);
     sqlite3_str_appendall(select, " FROM runs WHERE rowid = ?");
     sqlite3_stmt *from = sweep_sql_query_text(damaged, select),
                  *into = sweep_store_query_insert(s, plan->protocol);

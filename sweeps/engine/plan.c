@@ -253,7 +253,7 @@ static rp_status refuse_twins(const sweep_plan *plan, size_t first)
     return status;
 }
 
-/* Part of every key: a stored run without a value of a new output is not reused. */
+/* A store whose plan had other outputs gets their columns when it is planned again. */
 static XXH64_hash_t hash_outputs(const sweep_protocol *protocol)
 {
     XXH64_hash_t hash = 0;
@@ -270,8 +270,8 @@ static rp_status find_model(sweep_plan *plan)
     rp_units_set(RP_CGS); /* a fingerprint is of the physics, not of the units */
     rp_status status = plan->protocol->fingerprint ? plan->protocol->fingerprint(fingerprint) : RP_OK;
     rp_units_set(units);
-    snprintf(plan->model, sizeof plan->model, "%s %d %s %016llx", plan->protocol->name, RP_MODEL_VERSION,
-             fingerprint, (unsigned long long)hash_outputs(plan->protocol));
+    snprintf(plan->model, sizeof plan->model, "%s %d %s", plan->protocol->name, RP_MODEL_VERSION,
+             fingerprint);
     return status;
 }
 
@@ -300,14 +300,15 @@ static void sum_fixed(sweep_plan *plan, const config_setting_t *fixed)
     }
 }
 
-/* Everything that the runs of a plan and their order depend on. */
+/* Everything that the rows of a plan and their order depend on. */
 static void hash_plan(const sweep_plan *plan, char digits[33])
 {
     XXH3_state_t *state = XXH3_createState();
     char text[512];
     XXH3_128bits_reset(state);
-    int n = snprintf(text, sizeof text, "%s seed=%lu shared=%d replicas=%zu points=%zu", plan->model,
-                     plan->seed, plan->shared_piles, plan->replicas, plan->n_points);
+    int n = snprintf(text, sizeof text, "%s outputs=%016llx seed=%lu shared=%d replicas=%zu points=%zu",
+                     plan->model, (unsigned long long)hash_outputs(plan->protocol), plan->seed,
+                     plan->shared_piles, plan->replicas, plan->n_points);
     XXH3_128bits_update(state, text, (size_t)n);
     XXH3_128bits_update(state, &plan->fixed_hash, sizeof plan->fixed_hash);
     for (const sweep_axis *axis = plan->axes; axis < plan->axes + plan->n_axes; axis++)
@@ -396,12 +397,23 @@ sweep_stream sweep_plan_stream(const sweep_plan *plan, size_t run)
     return (sweep_stream){hash & most, ((hash >> 33) + replica) & most, (hash >> 12) + replica};
 }
 
-void sweep_plan_key(const sweep_plan *plan, size_t run, char key[33])
+/* Hash of the parameters and streams of a run, and of the text before them. */
+static void hash_run(const sweep_plan *plan, size_t run, const char *before, char digits[33])
 {
     const sweep_stream stream = sweep_plan_stream(plan, run);
     char text[256];
-    snprintf(text, sizeof text, "%s seed=%lu run=%lu", plan->model, stream.seed, stream.run);
-    rp_hash_digits(hash_point(plan, run / plan->replicas, text), key);
+    snprintf(text, sizeof text, "%s seed=%lu run=%lu", before, stream.seed, stream.run);
+    rp_hash_digits(hash_point(plan, run / plan->replicas, text), digits);
+}
+
+void sweep_plan_key(const sweep_plan *plan, size_t run, char key[33])
+{
+    hash_run(plan, run, plan->model, key);
+}
+
+void sweep_plan_setting(const sweep_plan *plan, size_t run, char digits[33])
+{
+    hash_run(plan, run, plan->protocol->name, digits);
 }
 
 const char *sweep_plan_parameters(const sweep_plan *plan, size_t point, char *buffer, size_t size)

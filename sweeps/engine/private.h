@@ -61,7 +61,7 @@ typedef struct {
     char program[256], parameters[8192];
 } sweep_store;
 
-enum { SWEEP_FORMAT = 3 }; /* of a store */
+enum { SWEEP_FORMAT = 4 }; /* of a store */
 typedef enum { SWEEP_READ, SWEEP_WRITE, SWEEP_CREATE } sweep_access;
 
 /* SQL: the status words that the machine, not the physics, decides. Such a row is no row of the results. */
@@ -88,8 +88,10 @@ const void *sweep_plan_point(const sweep_plan *plan, size_t point);
  * piles, on seed and replica alone; never on the place in the grid. */
 sweep_stream sweep_plan_stream(const sweep_plan *plan, size_t run);
 
-/* Key of a run: a hash of parameters, streams and model. */
+/* Key of a run: a hash of parameters, streams and model. And a hash without the model, whose bits may be the
+ * same in another one. */
 void sweep_plan_key(const sweep_plan *plan, size_t run, char key[33]);
+void sweep_plan_setting(const sweep_plan *plan, size_t run, char digits[33]);
 
 /* "mu = 0.2, W = 4" of a grid point; returns `buffer`. */
 const char *sweep_plan_describe(const sweep_plan *plan, size_t point, char *buffer, size_t size);
@@ -126,6 +128,10 @@ rp_status sweep_store_note(sweep_store *store, const char *schema, const char *n
 rp_status sweep_store_makers(sweep_store *store,
                              void (*visit)(const char *program, size_t runs, void *context), void *context);
 
+/* Show the outputs that planned runs lack, since the program had them later, and how many runs. */
+rp_status sweep_store_lacks(sweep_store *store, const sweep_protocol *protocol,
+                            void (*visit)(const char *output, size_t runs, void *context), void *context);
+
 /* Forget planned runs that the machine ended: they are made again. */
 rp_status sweep_store_drop_crashed(sweep_store *store);
 
@@ -149,17 +155,27 @@ rp_status sweep_store_visit(sweep_store *store, const sweep_plan *plan,
 
 /* Statements, for store.c and merge.c. A query that cannot be prepared is NULL: its first step fails, and
  * finish says why; query_text frees its text; number is the first column of the first row; columns are those
- * of a row in the order in which it is bound and read. */
+ * of a row in the order in which it is bound and read, 'none' for an output that this schema of the store,
+ * unless NULL, has none of. */
 rp_status sweep_sql_fail(const sweep_store *store, const char *what);
 rp_status sweep_sql(sweep_store *store, const char *what, const char *format, ...);
 sqlite3_stmt *sweep_sql_query(sweep_store *store, const char *sql);
 sqlite3_stmt *sweep_sql_query_text(sweep_store *store, sqlite3_str *text);
 rp_status sweep_sql_finish(sweep_store *store, const char *what, sqlite3_stmt *query);
 rp_status sweep_sql_number(sweep_store *store, const char *sql, long long *number);
-void sweep_store_columns(sqlite3_str *sql, const sweep_protocol *protocol);
+void sweep_store_columns(const sweep_store *store, const char *schema, sqlite3_str *sql,
+                         const sweep_protocol *protocol);
 sqlite3_stmt *sweep_store_query_insert(sweep_store *store, const sweep_protocol *protocol);
 bool sweep_store_row_is_whole(sqlite3_stmt *row, const sweep_protocol *protocol);
 rp_status sweep_store_make_runs(sweep_store *store, const char *schema, const sweep_protocol *protocol);
+
+/* Has the table `runs` the column of this output? `schema` may be NULL, as in a query without one. */
+bool sweep_store_has(const sweep_store *store, const char *schema, const char *output);
+
+/* Refuse a store with outputs that the protocol has no more: its rows have sums with them.
+ * Errors: RP_BAD_INPUT. */
+rp_status sweep_store_check_outputs(sweep_store *store, const char *schema, const char *path,
+                                    const sweep_protocol *protocol);
 
 /* Give each row of the table `runs` its number in the plan. */
 rp_status sweep_store_number(sweep_store *store, const sweep_plan *plan, const sweep_watch *watch);

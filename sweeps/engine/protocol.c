@@ -75,3 +75,21 @@ void sweep_results_digits(size_t n, const sweep_result results[], const sweep_ou
     rp_hash_digits(XXH3_128bits_digest(hash), digits);
     XXH3_freeState(hash);
 }
+
+rp_status sweep_each_word(const rp_param *schema, void *params,
+                          rp_status (*visit)(const rp_param *changed, const char *word, void *context),
+                          void *context)
+{
+    for (const rp_param *p = schema; p->name; p++) {
+        const char *words = p->type == RP_BOOL ? "false | true" : p->type == RP_CHOICE ? p->range : "";
+        char before[64], word[64];
+        rp_params_text(p, params, before, sizeof before);
+        for (int i = 0; *rp_word_at(words, i, word, sizeof word); i++) {
+            if (strcmp(word, before) == 0) continue;
+            RP_TRY(rp_params_set_text(p, params, word));
+            RP_TRY(visit(p, word, context));
+            RP_TRY(rp_params_set_text(p, params, before));
+        }
+    }
+    return RP_OK;
+}

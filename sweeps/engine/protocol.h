@@ -67,8 +67,9 @@ typedef struct {
      * box without grains. Errors: RP_BAD_INPUT. */
     rp_status (*check)(const void *params);
 
-    /* 32 hexadecimal digits and NUL that change with the bits of a short run: part of every key, so that
-     * results of changed physics are never reused, even if RP_MODEL_VERSION was forgotten. May be NULL. */
+    /* 32 hexadecimal digits and NUL that change with the bits of short runs, of every law, method and well
+     * that the parameters can choose: part of every key, so that results of changed physics are never reused,
+     * even if RP_MODEL_VERSION was forgotten. In milliseconds; the same on every processor. May be NULL. */
     rp_status (*fingerprint)(char digits[33]);
 
     /* One run with the random streams (seed, run, purpose). With `tables` (else NULL) the run, the same to
@@ -115,6 +116,12 @@ rp_status sweep_table_close(const sweep_file *file, rp_status status);
  * because the C library's atan may differ in its last digits; all NaN are one. */
 void sweep_results_digits(size_t n, const sweep_result results[], const sweep_output outputs[],
                           const char *names, char digits[33]);
+
+/* Call `visit` with each choice and each flag of the schema at each of its other words, one at a time;
+ * afterwards the parameters are as before. Stops at an error. */
+rp_status sweep_each_word(const rp_param *schema, void *params,
+                          rp_status (*visit)(const rp_param *changed, const char *word, void *context),
+                          void *context);
 
 RP_C_END
 

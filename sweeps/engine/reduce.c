@@ -30,6 +30,12 @@ static void note_maker(const char *program, size_t runs, void *context)
     rp_table_note(context, "runs made by", "%s (%zu)", program ? program : "an older version", runs);
 }
 
+static void note_lack(const char *output, size_t runs, void *context)
+{
+    rp_table_note(context, "no value", "%s of %zu runs, stored before the program had this output", output,
+                  runs);
+}
+
 /* Of the rows that are stored. */
 typedef struct {
     const sweep_plan *plan;
@@ -45,9 +51,9 @@ static rp_status digest_row(const sweep_row *row, void *context)
     double values[SWEEP_MAX_OUTPUTS];
     for (size_t i = 0; i < d->n_outputs; i++) /* the store keeps no NaN's payload, and no minus of a zero */
         values[i] = isnan(row->result.values[i]) ? NAN : row->result.values[i] + 0.0;
-    char key[33];
-    sweep_plan_key(d->plan, row->run, key);
-    XXH3_128bits_update(d->state, key, sizeof key);
+    char setting[33];
+    sweep_plan_setting(d->plan, row->run, setting);
+    XXH3_128bits_update(d->state, setting, sizeof setting);
     XXH3_128bits_update(d->state, row->result.status, strlen(row->result.status) + 1);
     XXH3_128bits_update(d->state, values, d->n_outputs * sizeof *values);
     if (isfinite(row->seconds)) d->seconds += row->seconds;
@@ -95,6 +101,7 @@ static rp_status write_head(const sweep_plan *plan, sweep_store *store, const ch
     rp_table_note(out, "digest", "%s (%zu runs)", digest.text, digest.n_rows);
     rp_table_note(out, "missing", "%zu of %zu", counts->planned - counts->stored, counts->planned);
     note_failed(counts, out);
+    if (!status) status = sweep_store_lacks(store, plan->protocol, note_lack, out);
     if (sweep_count_aborted(counts) > 0)
         rp_table_note(out, "aborted", "%zu of the failed, to be tried again", sweep_count_aborted(counts));
     rp_table_note(out, "run_time", "%.1f s", digest.seconds);

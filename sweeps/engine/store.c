@@ -2,7 +2,8 @@
  *   sweep  name, value, sum: protocol, sweep file, replicas, model, hash of the plan; sum is a checksum
  *   runs   one row a finished run: key, run (its number in the plan; NULL: of another plan), status,
  *          message, seconds, seed, model, program, pile, parameters (JSON: those that the file
- *          gives), a column for each output (NULL: no value), sum (checksum of all but `run`)
+ *          gives), a column for each output (NULL: no value; 'none': stored before the program had this
+ *          output), sum (checksum of all but `run`)
  *   results  a view for users: run, status, every parameter, every output
  * Planning again renumbers the rows, and removes none. Rows are committed in groups of a quarter of a second,
  * each synced to the disk. An open store is the parent's alone: no worker touches it. */
@@ -174,6 +175,14 @@ rp_status sweep_store_note(sweep_store *s, const char *schema, const char *name,
 
 /* ---- the plan ---- */
 
+enum { N_COLUMNS = 11 }; /* before the outputs */
+
+bool sweep_store_has(const sweep_store *s, const char *schema, const char *name)
+{
+    return sqlite3_table_column_metadata(s->db, schema, "runs", name, NULL, NULL, NULL, NULL, NULL) ==
+           SQLITE_OK;
+}
+
 rp_status sweep_store_make_runs(sweep_store *s, const char *schema, const sweep_protocol *protocol)
 {
     RP_TRY(sweep_sql(
@@ -185,10 +194,32 @@ rp_status sweep_store_make_runs(sweep_store *s, const char *schema, const sweep_
         "CREATE INDEX IF NOT EXISTS %s.by_status ON runs (status) WHERE run IS NOT NULL",
         schema, schema, schema));
     for (const sweep_output *o = protocol->outputs; o->name; o++)
-        if (sqlite3_table_column_metadata(s->db, schema, "runs", o->name, NULL, NULL, NULL, NULL, NULL))
-            RP_TRY(sweep_sql(s, "write the store", "ALTER TABLE %s.runs ADD COLUMN \"%w\" REAL", schema,
-                             o->name));
+        if (!sweep_store_has(s, schema, o->name))
+            RP_TRY(sweep_sql(s, "write the store",
+                             "ALTER TABLE %s.runs ADD COLUMN \"%w\" REAL DEFAULT 'none'", schema, o->name));
     return RP_OK;
+}
+
+rp_status sweep_store_check_outputs(sweep_store *s, const char *schema, const char *path,
+                                    const sweep_protocol *protocol)
+{
+    char sql[128];
+    rp_status status = RP_OK;
+    snprintf(sql, sizeof sql, "SELECT name FROM pragma_table_info('runs', '%s') WHERE cid >= %d", schema,
+             N_COLUMNS);
+    sqlite3_stmt *q = sweep_sql_query(s, sql);
+    while (!status && sqlite3_step(q) == SQLITE_ROW) {
+        const char *name = (const char *)sqlite3_column_text(q, 0);
+        const sweep_output *o = protocol->outputs;
+        while (o->name && strcmp(o->name, name) != 0) o++;
+        if (!o->name)
+            status = rp_fail(RP_BAD_INPUT,
+                             "%s: its runs have the output %s, which this version of the program lacks; "
+                             "plan in another folder",
+                             path, name);
+    }
+    rp_status read = sweep_sql_finish(s, "read the store", q);
+    return status ? status : read;
 }
 
 /* What users read: with the parameters as columns. */
@@ -218,6 +249,7 @@ static rp_status make_tables(sweep_store *s, const sweep_protocol *protocol)
                      " (name TEXT PRIMARY KEY, value TEXT NOT NULL, sum INTEGER)",
                      SWEEP_FORMAT));
     RP_TRY(sweep_store_make_runs(s, "main", protocol));
+    RP_TRY(sweep_store_check_outputs(s, "main", s->path, protocol));
     return make_view(s, protocol);
 }
 
@@ -296,43 +328,49 @@ typedef struct {
     const double *values;
 } record;
 
-static sqlite3_int64 record_sum(const record *r, size_t n_values)
+/* The store keeps no NaN's payload, and no minus of a zero. */
+static XXH64_hash_t hash_value(const char *name, double value, XXH64_hash_t seed)
+{
+    const double v = value + 0.0;
+    return isnan(v) ? seed
+                    : XXH3_64bits_withSeed(&v, sizeof v, XXH3_64bits_withSeed(name, strlen(name), seed));
+}
+
+/* Values are summed by the names of their outputs: an output without a value, or a new one, adds nothing. */
+static sqlite3_int64 record_sum(const record *r, const sweep_output outputs[])
 {
     const char *const texts[] = {r->key, r->status, r->message, r->program, r->parameters};
     const sqlite3_int64 whole[] = {r->seed, r->model, r->pile};
     XXH64_hash_t sum = XXH3_64bits(whole, sizeof whole);
     for (size_t i = 0; i < sizeof texts / sizeof *texts; i++)
         sum = XXH3_64bits_withSeed(texts[i] ? texts[i] : "", texts[i] ? strlen(texts[i]) : 0, sum + i);
-    for (size_t i = 0; i < n_values + 1; i++) { /* the store keeps no NaN's payload, and no minus of a zero */
-        double v = i < n_values ? r->values[i] : r->seconds;
-        v = isnan(v) ? NAN : v + 0.0;
-        sum = XXH3_64bits_withSeed(&v, sizeof v, sum);
-    }
+    sum = hash_value("seconds", r->seconds, sum);
+    for (size_t i = 0; outputs[i].name; i++) sum += hash_value(outputs[i].name, r->values[i], 0);
     return (sqlite3_int64)sum;
 }
 
-void sweep_store_columns(sqlite3_str *sql, const sweep_protocol *protocol)
+void sweep_store_columns(const sweep_store *s, const char *schema, sqlite3_str *sql,
+                         const sweep_protocol *protocol)
 {
     sqlite3_str_appendall(sql,
                           "key, run, status, message, seconds, seed, model, program, pile, parameters, sum");
     for (const sweep_output *o = protocol->outputs; o->name; o++)
-        sqlite3_str_appendf(sql, ", \"%w\"", o->name);
+        sqlite3_str_appendf(sql, !s || sweep_store_has(s, schema, o->name) ? ", \"%w\"" : ", 'none'",
+                            o->name);
 }
-
-enum { N_COLUMNS = 11 };
 
 sqlite3_stmt *sweep_store_query_insert(sweep_store *s, const sweep_protocol *protocol)
 {
     sqlite3_str *sql = sqlite3_str_new(s->db);
     sqlite3_str_appendall(sql, "INSERT INTO main.runs (");
-    sweep_store_columns(sql, protocol);
+    sweep_store_columns(NULL, NULL, sql, protocol);
     sqlite3_str_appendall(sql, ") VALUES (?");
     for (size_t n = N_COLUMNS + sweep_count_outputs(protocol); --n > 0;) sqlite3_str_appendall(sql, ", ?");
     sqlite3_str_appendall(sql, ")");
     return sweep_sql_query_text(s, sql);
 }
 
-static void bind_record(sqlite3_stmt *q, const record *r, size_t run, size_t n_values)
+static void bind_record(sqlite3_stmt *q, const record *r, size_t run, const sweep_output outputs[])
 {
     int column = 0;
     sqlite3_bind_text(q, ++column, r->key, -1, SQLITE_STATIC);
@@ -345,8 +383,8 @@ static void bind_record(sqlite3_stmt *q, const record *r, size_t run, size_t n_v
     sqlite3_bind_text(q, ++column, r->program, -1, SQLITE_STATIC);
     sqlite3_bind_int64(q, ++column, r->pile);
     sqlite3_bind_text(q, ++column, r->parameters, -1, SQLITE_STATIC);
-    sqlite3_bind_int64(q, ++column, record_sum(r, n_values));
-    for (size_t i = 0; i < n_values; i++) sqlite3_bind_double(q, ++column, r->values[i]); /* NaN: NULL */
+    sqlite3_bind_int64(q, ++column, record_sum(r, outputs));
+    for (size_t i = 0; outputs[i].name; i++) sqlite3_bind_double(q, ++column, r->values[i]); /* NaN: NULL */
 }
 
 /* The texts that all rows of a point have. */
@@ -382,7 +420,7 @@ rp_status sweep_store_insert(sweep_store *s, const sweep_plan *plan, const sweep
                       .pile = (sqlite3_int64)stream.pile,
                       .values = row->result.values};
     s->pending = true;
-    bind_record(s->insert, &r, row->run, sweep_count_outputs(plan->protocol));
+    bind_record(s->insert, &r, row->run, plan->protocol->outputs);
     if (sqlite3_step(s->insert) != SQLITE_DONE)
         status = rp_fail(RP_IO, "%s: cannot store run %zu: %s; the rows stored before are kept", s->path,
                          row->run, sqlite3_errmsg(s->db));
@@ -440,6 +478,23 @@ rp_status sweep_store_makers(sweep_store *s, void (*visit)(const char *program, 
     return sweep_sql_finish(s, "read the rows", q);
 }
 
+rp_status sweep_store_lacks(sweep_store *s, const sweep_protocol *protocol,
+                            void (*visit)(const char *output, size_t runs, void *context), void *context)
+{
+    sqlite3_str *sql = sqlite3_str_new(s->db);
+    sqlite3_str_appendall(sql, "SELECT 0");
+    for (const sweep_output *o = protocol->outputs; o->name; o++)
+        sqlite3_str_appendf(sql, ", sum(typeof(\"%w\") = 'text')", o->name);
+    sqlite3_str_appendall(sql, " FROM runs WHERE run IS NOT NULL");
+    sqlite3_stmt *q = sweep_sql_query_text(s, sql);
+    const bool read = sqlite3_step(q) == SQLITE_ROW;
+    for (int i = 0; read && protocol->outputs[i].name; i++) {
+        const sqlite3_int64 runs = sqlite3_column_int64(q, i + 1);
+        if (runs > 0) visit(protocol->outputs[i].name, (size_t)runs, context);
+    }
+    return sweep_sql_finish(s, "read the rows", q);
+}
+
 rp_status sweep_store_drop_crashed(sweep_store *s)
 {
     return sweep_sql(s, "write the store",
@@ -473,9 +528,11 @@ rp_status sweep_store_count(sweep_store *s, const sweep_plan *plan, sweep_counts
     return sweep_sql_finish(s, "count the rows", q);
 }
 
+/* NaN for NULL and for 'none'. */
 static double column_number(sqlite3_stmt *q, int column)
 {
-    return sqlite3_column_type(q, column) == SQLITE_NULL ? NAN : sqlite3_column_double(q, column);
+    const int type = sqlite3_column_type(q, column);
+    return type == SQLITE_FLOAT || type == SQLITE_INTEGER ? sqlite3_column_double(q, column) : NAN;
 }
 
 rp_status sweep_store_pace(sweep_store *s, double *seconds)
@@ -493,9 +550,9 @@ static const char *column_text(sqlite3_stmt *q, int column)
 }
 
 /* Take the row that is read apart; false if its sum is wrong. */
-static bool read_record(sqlite3_stmt *q, size_t n_values, record *r, double values[])
+static bool read_record(sqlite3_stmt *q, const sweep_output outputs[], record *r, double values[])
 {
-    for (size_t i = 0; i < n_values; i++) values[i] = column_number(q, N_COLUMNS + (int)i);
+    for (int i = 0; outputs[i].name; i++) values[i] = column_number(q, N_COLUMNS + i);
     *r = (record){.key = column_text(q, 0),
                   .status = column_text(q, 2),
                   .message = column_text(q, 3),
@@ -506,23 +563,22 @@ static bool read_record(sqlite3_stmt *q, size_t n_values, record *r, double valu
                   .model = sqlite3_column_int64(q, 6),
                   .pile = sqlite3_column_int64(q, 8),
                   .values = values};
-    return record_sum(r, n_values) == sqlite3_column_int64(q, 10);
+    return record_sum(r, outputs) == sqlite3_column_int64(q, 10);
 }
 
 bool sweep_store_row_is_whole(sqlite3_stmt *row, const sweep_protocol *protocol)
 {
     record r;
     double values[SWEEP_MAX_OUTPUTS];
-    return read_record(row, sweep_count_outputs(protocol), &r, values);
+    return read_record(row, protocol->outputs, &r, values);
 }
 
 /* The row that is read, checked against its sum and against the plan's key of its number. */
-static rp_status read_row(sweep_store *s, const sweep_plan *plan, sqlite3_stmt *q, size_t n_values,
-                          sweep_row *row)
+static rp_status read_row(sweep_store *s, const sweep_plan *plan, sqlite3_stmt *q, sweep_row *row)
 {
     char key[33] = "";
     record r;
-    const bool whole = read_record(q, n_values, &r, row->result.values);
+    const bool whole = read_record(q, plan->protocol->outputs, &r, row->result.values);
     row->run = (size_t)sqlite3_column_int64(q, 1);
     row->seconds = r.seconds;
     snprintf(row->result.status, sizeof row->result.status, "%s", r.status);
@@ -540,15 +596,14 @@ rp_status sweep_store_visit(sweep_store *s, const sweep_plan *plan,
                             rp_status (*visit)(const sweep_row *row, void *context), void *context)
 {
     sqlite3_str *sql = sqlite3_str_new(s->db);
-    const size_t n_values = sweep_count_outputs(plan->protocol);
     sqlite3_str_appendall(sql, "SELECT ");
-    sweep_store_columns(sql, plan->protocol);
+    sweep_store_columns(s, NULL, sql, plan->protocol);
     sqlite3_str_appendall(sql, " FROM runs WHERE run IS NOT NULL ORDER BY run");
     sqlite3_stmt *q = sweep_sql_query_text(s, sql);
     rp_status status = RP_OK;
     while (!status && sqlite3_step(q) == SQLITE_ROW) {
         sweep_row row = {0};
-        status = read_row(s, plan, q, n_values, &row);
+        status = read_row(s, plan, q, &row);
         if (!status) status = visit(&row, context);
     }
     rp_status read = sweep_sql_finish(s, "read the rows", q);

@@ -1,8 +1,10 @@
 /* The sweep driver: repeats one protocol over a grid of parameters, each grid point `replicas` times.
  *
  * A sweep lives in a folder: sweep.cfg (a copy of the sweep file) and store.sqlite (the plan, and one row a
- * finished run). A row's key is a hash of parameters, seed, run number and model version: what is stored
- * under a key of the plan is never computed again, and a row of another plan or other physics never used.
+ * finished run). A row's key is a hash of parameters, random streams and the physics (RP_MODEL_VERSION and a
+ * fingerprint of short runs): what is stored under a key of the plan is never computed again, and a row of
+ * another plan or other physics never used. A row stays valid when the protocol gets a further output, which
+ * it has no value of.
  *
  * Sweep file (libconfig): protocol, replicas, seed, zip, piles, fixed = { key = value; }, grid = { key = [
  * ... ]; }. The grid is the product of its lists, the last one fastest (with zip = true, lists of equal
@@ -149,8 +151,9 @@ enum { SWEEP_RUNS = 0, SWEEP_POINTS = 1, SWEEP_PARAMETERS = 2 };
 rp_status sweep_export(const char *dir, const sweep_protocol *const *protocols, unsigned what,
                        const char *command, sweep_counts *counts, FILE *out);
 
-/* XXH3-128 over key, status and bits of the outputs of all rows in the order of the plan, as 32 hexadecimal
- * digits and NUL. Independent of workers, interruptions, times and host.
+/* XXH3-128 over parameters, streams, status and bits of the outputs of all rows in the order of the plan, as
+ * 32 hexadecimal digits and NUL. Independent of workers, interruptions, times and host, and of the model
+ * where that leaves the bits.
  * Errors: RP_NO_RESULT (rows are missing or aborted), RP_BAD_INPUT, RP_IO, RP_NO_MEMORY. */
 rp_status sweep_digest(const char *dir, const sweep_protocol *const *protocols, char digest[33],
                        size_t *n_rows);

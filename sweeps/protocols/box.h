@@ -40,10 +40,9 @@ enum { DEM_PHYSICS(SWEEP_PHYSICS_INDEX) DEM_RADIUS_PARAMS(SWEEP_PHYSICS_INDEX) }
 
 /* Where the box differs from a scene. The later of two initialisers of a field holds. */
 #define SWEEP_BOX_DEFAULTS                                                                                   \
-    [SWEEP_ROW_tangential].fallback = "spring",         /* the paper's box has friction */                   \
-        [SWEEP_ROW_mu].fallback = "0.2",                /* of the paper's pictures */                        \
-        [SWEEP_ROW_k_n].range = "(0, inf)",             /* a box holds its grains */                         \
-        [SWEEP_ROW_integrator].range = "verlet | gear5" /* the implicit one has no shear springs */
+    [SWEEP_ROW_tangential].fallback = "spring", /* the paper's box has friction */                           \
+        [SWEEP_ROW_mu].fallback = "0.2",        /* of the paper's pictures */                                \
+        [SWEEP_ROW_k_n].range = "(0, inf)"      /* a box holds its grains */
 
 #define SWEEP_ROW(field, unit, type, fallback, range, meaning)                                               \
     {#field, unit, type, offsetof(sweep_box, field), fallback, range, meaning},

@@ -30,6 +30,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <xxhash.h>
 
 #include "stress/stress.h"
 #include "core/random.h"
@@ -748,19 +749,41 @@ static rp_status check(const void *params)
     return RP_OK;
 }
 
-/* Bits of the disks of a small pile of unequal ones. */
-static rp_status fingerprint(char digits[33])
+typedef struct {
+    drop_params p;
+    XXH3_state_t *hash;
+} series;
+
+static rp_status hash_pile(const rp_param *changed, const char *word, void *context)
 {
-    drop_params p = {0};
+    (void)changed, (void)word;
+    const series *all = context;
     drop d;
     sweep_result result;
-    rp_params_defaults(schema, &p);
-    p.N = 12;
-    p.radius_width = 0.05;
-    rp_status status = make(&d, &p, 1, 0, NULL, &result);
-    if (!status) sweep_states_digits(d.n, d.states, digits);
+    char digits[33];
+    rp_status status = make(&d, &all->p, 1, 0, NULL, &result);
+    if (!status) {
+        sweep_states_digits(d.n, d.states, digits);
+        XXH3_128bits_update(all->hash, digits, sizeof digits);
+    }
     rp_status freed = finish(&d, status);
     return status ? status : freed;
+}
+
+/* Bits of the disks of small piles of unequal ones, with each law and kind of collision. */
+static rp_status fingerprint(char digits[33])
+{
+    series all = {.hash = XXH3_createState()};
+    if (!all.hash) return rp_fail(RP_NO_MEMORY, "fingerprint: out of memory");
+    XXH3_128bits_reset(all.hash);
+    rp_params_defaults(schema, &all.p);
+    all.p.N = 12;
+    all.p.radius_width = 0.05;
+    rp_status status = hash_pile(NULL, NULL, &all);
+    if (!status) status = sweep_each_word(schema, &all.p, hash_pile, &all);
+    rp_hash_digits(XXH3_128bits_digest(all.hash), digits);
+    XXH3_freeState(all.hash);
+    return status;
 }
 
 SWEEP_PROTOCOL(drop, schema, drop_params,

@@ -14,6 +14,7 @@
 #include "core/random.h"
 #include "table/table.h"
 #include "sweeps/protocols/box.h"
+#include "sweeps/protocols/physics.h"
 #include "stats/stats.h"
 
 static const long QUIET_STEPS = 200;
@@ -352,6 +353,7 @@ static rp_status fingerprint(char digits[33])
         status = rp_prefix(RP_BROKEN, "fingerprint of flux: ");
     if (!status) status = dem_states(f.box.sim, f.box.states);
     if (!status) sweep_states_digits(dem_count(f.box.sim), f.box.states, digits);
+    if (!status) status = sweep_physics_add(digits);
     return finish(&f, status);
 }
 

@@ -368,22 +368,47 @@ static rp_status run_one(const void *params, unsigned long seed, unsigned long r
     return status;
 }
 
-/* Numbers of a small pile, to fewer digits than a solver's order of operations changes. */
+enum { MOST_SHORT = 16 };
+
+typedef struct {
+    sweep_pile p;
+    size_t n;
+    sweep_result results[MOST_SHORT];
+} series;
+
+static rp_status run_short(const rp_param *changed, const char *word, void *context)
+{
+    (void)word;
+    series *all = context;
+    if (check(&all->p)) return changed ? RP_OK : RP_BROKEN; /* not with these wells */
+    if (all->n == MOST_SHORT) return rp_fail(RP_BROKEN, "more than %d short runs of piles", MOST_SHORT);
+    sweep_result *result = &all->results[all->n++];
+    rp_status status = run_one(&all->p, 1, 0, NULL, result);
+    for (size_t i = 0; i < N_OUTPUTS; i++) result->values[i] = floor(result->values[i] * 1e6 + 0.5);
+    return status;
+}
+
+/* Numbers of small piles, to fewer digits than a solver's order of operations changes: with wells of both
+ * kinds, and with each word of each choice. */
 static rp_status fingerprint(char digits[33])
 {
-    const double DIGITS = 1e6;
-    static const char hashed[] = "n_disks D D_diagonals H_ratio N_error_rms N_continuum_rms H_continuum_rms "
-                                 "negative_modes smallest_pivot contacts strongest_level broken load n_05";
-    sweep_pile p;
-    sweep_result result;
-    rp_params_defaults(sweep_pile_schema, &p);
-    p.base = 12;
-    p.alpha_deg = 30;
-    p.disorder = 1e-4;
-    p.well = 1;
-    RP_TRY(run_one(&p, 1, 0, NULL, &result));
-    for (size_t i = 0; i < N_OUTPUTS; i++) result.values[i] = floor(result.values[i] * DIGITS + 0.5);
-    sweep_results_digits(1, &result, outputs, hashed, digits);
+    static const char hashed[] =
+        "n_disks D D_diagonals H_ratio N_error_rms N_continuum_rms H_continuum_rms "
+        "negative_modes smallest_pivot contacts strongest_level broken load eps_c n_05";
+    static const double wells[] = {-1, 0.05};
+    series all = {.n = 0};
+    rp_params_defaults(sweep_pile_schema, &all.p);
+    all.p.base = 9;
+    all.p.mu = 0.2;
+    all.p.alpha_deg = 30;
+    all.p.disorder = 1e-4;
+    all.p.load_steps = 3;
+    for (size_t k = 0; k < sizeof wells / sizeof *wells; k++) {
+        all.p.well = wells[k];
+        RP_TRY(run_short(NULL, NULL, &all));
+        RP_TRY(sweep_each_word(sweep_pile_schema, &all.p, run_short, &all));
+    }
+    sweep_results_digits(all.n, all.results, outputs, hashed, digits);
     return RP_OK;
 }
 

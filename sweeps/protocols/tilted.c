@@ -4,6 +4,7 @@
 #include <stddef.h>
 
 #include "sweeps/engine/keep.h"
+#include "sweeps/protocols/physics.h"
 
 #define AT(field) offsetof(sweep_tilted, field)
 
@@ -49,7 +50,8 @@ rp_status sweep_tilted_fingerprint(rp_status (*run_one)(const void *params, unsi
     p.box.fill_steps = 1500;
     p.box.rest_energy = 1e-3;
     p.box.rest_force = 1e3;
+    p.tilt_rate_deg = 0.01;
     RP_TRY(run_one(&p, 1, 0, NULL, &result));
     sweep_results_digits(1, &result, outputs, hashed, digits);
-    return RP_OK;
+    return sweep_physics_add(digits);
 }

@@ -26,7 +26,7 @@
       "gives mass (from the density) and moment of inertia") \
     X(GRAIN, density, "density", "g/cm^3", RP_REAL, "1.0", "(0, inf)", "", 0, 0, "of the grains (disk: g/cm^2, without a default in other units)") \
     X(SCENE, integrator, "integrator", "", RP_CHOICE, "verlet", DEM_INTEGRATOR_WORDS, "", 0, 0, \
-      "velocity Verlet, Gear's predictor-corrector of fifth order, or energy-conserving at any dt") \
+      DEM_INTEGRATOR_TEXTS) \
     X(SCENE, dt, "dt", "s", RP_REAL, "5e-5", "(0, inf)", "", 0, 0, "time step")
 
 /* Group `normal`. */

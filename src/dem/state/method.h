@@ -60,7 +60,7 @@ typedef struct dem_scheme {
     dem_parts (*parts)(const dem_sim *sim, size_t contact);
 } dem_scheme;
 
-#define X(name, word) extern const dem_scheme dem_scheme_##word;
+#define X(name, word, text) extern const dem_scheme dem_scheme_##word;
 DEM_INTEGRATOR_LIST(X)
 #undef X
 extern const dem_scheme *const dem_schemes[DEM_INTEGRATORS];
