@@ -1,23 +1,75 @@
 /* Cells of tables by name; see cells.h. */
 #include "report/cells.h"
-#include "cli/cli.h"
 
 #include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
-rp_status cli_split(const char *text, cli_words *words)
+const char *report_text(rp_arena *arena, const char *format, ...)
 {
-    words->n = 0;
-    if (strlen(text) >= sizeof words->text) return rp_fail(RP_BAD_INPUT, "\"%.40s...\": too long", text);
-    strcpy(words->text, text);
-    for (char *save, *word = strtok_r(words->text, " ", &save); word; word = strtok_r(NULL, " ", &save)) {
-        if (words->n == CLI_MAX_WORDS)
-            return rp_fail(RP_BAD_INPUT, "\"%.40s...\": more than %d words", text, CLI_MAX_WORDS);
-        words->words[words->n++] = word;
+    va_list args, again;
+    va_start(args, format);
+    va_copy(again, args);
+    const size_t size = (size_t)vsnprintf(NULL, 0, format, args) + 1;
+    char *text = rp_arena_memory(arena, size, 1);
+    vsnprintf(text, size, format, again);
+    va_end(args);
+    va_end(again);
+    return text;
+}
+
+report_words report_split(rp_arena *arena, const char *text)
+{
+    char *copy = strcpy(rp_arena_memory(arena, strlen(text) + 1, 1), text), *save;
+    report_words words = {.word = rp_arena_memory(arena, strlen(text) / 2 + 1, sizeof *words.word)};
+    for (char *word = strtok_r(copy, " ", &save); word; word = strtok_r(NULL, " ", &save))
+        words.word[words.n++] = word;
+    return words;
+}
+
+/* ---- tables ---- */
+
+struct report_read {
+    struct report_read *before;
+    const char *name;
+    rp_table table;
+};
+
+static void free_table(void *table)
+{
+    rp_table_free(table);
+}
+
+rp_status report_table(report_tables *tables, const char *name, const rp_table **table)
+{
+    rp_arena *arena = tables->arena;
+    *table = NULL;
+    for (struct report_read *r = tables->read; r && !*table; r = r->before)
+        if (strcmp(r->name, name) == 0) *table = &r->table;
+    for (const char *folder = tables->folders; folder && !*table; folder = strchr(folder, ',')) {
+        const char *path;
+        folder += *folder == ',';
+        RP_TRY(rp_path(arena, &path, "%.*s/%s.tsv", (int)strcspn(folder, ","), folder, name));
+        if (access(path, F_OK) != 0) continue;
+        struct report_read *read = rp_arena_memory(arena, 1, sizeof *read);
+        *read = (struct report_read){tables->read, report_text(arena, "%s", name), {0}};
+        const rp_status status = rp_table_read(path, &read->table);
+        rp_arena_keep(arena, &read->table, free_table);
+        RP_TRY(status);
+        tables->read = read;
+        *table = &read->table;
     }
     return RP_OK;
+}
+
+/* ---- rows ---- */
+
+static const char *text_at(const rp_table *table, size_t row, int column)
+{
+    return table->cells[row * table->n_columns + (size_t)column];
 }
 
 static bool text_equals(const char *cell, const char *wanted)
@@ -33,165 +85,177 @@ static bool text_equals(const char *cell, const char *wanted)
 /* The row with the smallest or the largest number of a column, the first of equal ones. */
 static bool is_extreme(const rp_table *table, size_t row, int column, double sign)
 {
-    const double value = sign * strtod(cli_text(table, row, column), NULL);
+    const double value = sign * strtod(text_at(table, row, column), NULL);
     bool is = isfinite(value);
     for (size_t r = 0; r < table->n_rows && is; r++) {
-        const double other = sign * strtod(cli_text(table, r, column), NULL);
+        const double other = sign * strtod(text_at(table, r, column), NULL);
         is = !(other > value || (other == value && r < row));
     }
     return is;
 }
 
-rp_status cli_row_matches(const rp_table *table, size_t row, const cli_words *words, int first, int last,
-                          bool *matches)
+rp_status report_row_matches(const rp_table *table, size_t row, int n, char *const words[], bool *matches)
 {
     *matches = true;
-    for (int w = first; w < last && *matches; w++) {
-        char key[128];
-        const char *equals = strchr(words->words[w], '=');
-        if (!equals) return rp_fail(RP_BAD_INPUT, "\"%s\": key=value expected", words->words[w]);
-        snprintf(key, sizeof key, "%.*s", (int)(equals - words->words[w]), words->words[w]);
+    for (int w = 0; w < n && *matches; w++) {
+        char *equals = strchr(words[w], '=');
         int column;
-        RP_TRY(rp_table_find(table, key, NULL, &column));
+        if (!equals) return rp_fail(RP_BAD_INPUT, "\"%s\": key=value expected", words[w]);
+        *equals = '\0';
+        const rp_status status = rp_table_find(table, words[w], NULL, &column);
+        *equals = '=';
+        RP_TRY(status);
         *matches = strcmp(equals, "=smallest") == 0  ? is_extreme(table, row, column, -1.0)
                    : strcmp(equals, "=largest") == 0 ? is_extreme(table, row, column, 1.0)
-                                                     : text_equals(cli_text(table, row, column), equals + 1);
+                                                     : text_equals(text_at(table, row, column), equals + 1);
     }
     return RP_OK;
 }
 
-bool cli_find_table(const char *folders, const char *name, char path[4096])
-{
-    for (const char *folder = folders;; folder = strchr(folder, ',') + 1) {
-        snprintf(path, 4096, "%.*s/%s.tsv", (int)strcspn(folder, ","), folder, name);
-        if (access(path, F_OK) == 0) return true;
-        if (!strchr(folder, ',')) return false;
-    }
-}
+/* ---- cells ---- */
 
-static bool read_sweep(const char *path, cli_sweep *sweep)
+rp_status report_cell_find(report_tables *tables, const char *reference, report_cell *cell)
 {
-    rp_table *t;
-    if (cli_table_read(path, &t)) return false;
-    const char *failed = rp_table_find_note(t, "failed");
-    snprintf(sweep->failed, sizeof sweep->failed, "%s", failed && strtod(failed, NULL) > 0.0 ? failed : "");
-    return rp_table_find_note(t, "sweep");
-}
-
-bool cli_find_sweep(const char *folders, const char *table, cli_sweep *sweep)
-{
-    char path[4096];
-    snprintf(sweep->name, sizeof sweep->name, "%.*s", (int)strcspn(table, " "), table);
-    for (char *end = sweep->name + strlen(sweep->name); end; end = strrchr(sweep->name, '_')) {
-        *end = '\0';
-        if (cli_find_table(folders, sweep->name, path) && read_sweep(path, sweep)) return true;
-    }
-    return false;
-}
-
-rp_status cli_cell_find(const char *folders, const char *reference, cli_cell *cell)
-{
-    *cell = (cli_cell){0};
-    RP_TRY(cli_split(reference, &cell->words));
-    const cli_words *w = &cell->words;
-    if (w->n < 2) return rp_fail(RP_BAD_INPUT, "\"%s\": a table and a column expected", reference);
-    cell->column = w->words[w->n - 1];
-    cell->missing = !cli_find_table(folders, w->words[0], cell->path);
-    if (cell->missing) return RP_OK;
-    RP_TRY(cli_table_read(cell->path, &cell->table));
+    const report_words w = report_split(tables->arena, reference);
+    *cell = (report_cell){0};
+    if (w.n < 2) return rp_fail(RP_BAD_INPUT, "\"%s\": a table and a column expected", reference);
+    cell->column = w.word[w.n - 1];
+    RP_TRY(report_table(tables, w.word[0], &cell->table));
+    if (!cell->table) return RP_OK;
     size_t found = 0;
-    for (size_t r = 0; r < cell->table->n_rows; r++) {
+    for (size_t row = 0; row < cell->table->n_rows; row++) {
         bool matches;
-        RP_TRY(cli_row_matches(cell->table, r, w, 1, w->n - 1, &matches));
+        RP_TRY(report_row_matches(cell->table, row, w.n - 2, w.word + 1, &matches));
         if (!matches) continue;
-        cell->row = r;
+        cell->row = row;
         found++;
     }
-    if (found == 1 || cell->column[0] == '#') return RP_OK;
-    return rp_fail(RP_BAD_INPUT, "%s: %zu rows for \"%s\", one expected", cell->path, found, reference);
+    if (found == 1 || *cell->column == '#') return RP_OK;
+    return rp_fail(RP_BAD_INPUT, "%s: %zu rows for \"%s\", one expected", cell->table->path, found,
+                   reference);
 }
 
-const char *cli_cell_text(const cli_cell *cell, const char *column)
+const char *report_cell_text(const report_cell *cell, const char *column)
 {
-    const int c = rp_table_column(cell->table, column);
     if (*column == '#') return rp_table_find_note(cell->table, column + 1);
-    return c < 0 ? NULL : cli_text(cell->table, cell->row, c);
+    const int c = rp_table_column(cell->table, column);
+    return c < 0 ? NULL : text_at(cell->table, cell->row, c);
 }
 
-rp_status cli_cell_column(const cli_cell *cell, const char *column, double *value)
+/* The column NAME, without the last letters of the name, and with another ending; -1: none. */
+static int column_of(const report_cell *cell, size_t without, const char *ending)
 {
-    const int c = rp_table_column(cell->table, column);
+    const rp_table *t = cell->table;
+    const size_t kept = strlen(cell->column) - without;
+    for (size_t c = 0; c < t->n_columns; c++)
+        if (strncmp(t->names[c], cell->column, kept) == 0 && strcmp(t->names[c] + kept, ending) == 0)
+            return (int)c;
+    return -1;
+}
+
+static rp_status number_in(const report_cell *cell, int column, double *value)
+{
     *value = NAN;
-    return c < 0 ? RP_OK : rp_table_number(cell->table, cell->row, c, true, value);
+    return column < 0 ? RP_OK : rp_table_number(cell->table, cell->row, column, true, value);
+}
+
+rp_status report_cell_column(const report_cell *cell, const char *column, double *value)
+{
+    return number_in(cell, rp_table_column(cell->table, column), value);
+}
+
+rp_status report_cell_part(const report_cell *cell, const char *ending, double *value)
+{
+    return number_in(cell, column_of(cell, 0, ending), value);
+}
+
+static bool ends_in(const char *text, const char *end)
+{
+    return strlen(text) >= strlen(end) && strcmp(text + strlen(text) - strlen(end), end) == 0;
+}
+
+bool report_cell_is_mean(const report_cell *cell)
+{
+    return column_of(cell, 0, "_mean") >= 0;
+}
+
+bool report_cell_is_deviation(const report_cell *cell)
+{
+    return ends_in(cell->column, "_sd");
+}
+
+/* Letters of the column's name that a mean's does not have. */
+static size_t sd_length(const report_cell *cell)
+{
+    return report_cell_is_deviation(cell) ? strlen("_sd") : 0;
+}
+
+rp_status report_cell_count(const report_cell *cell, double *n)
+{
+    const int own = column_of(cell, sd_length(cell), "_n");
+    return own >= 0 ? number_in(cell, own, n) : report_cell_column(cell, "n", n);
+}
+
+rp_status report_cell_summary(const report_cell *cell, stats_summary *values)
+{
+    static const char *const endings[] = {"_mean", "_sd", "_n"};
+    double numbers[3];
+    for (size_t k = 0; k < 3; k++) {
+        RP_TRY(number_in(cell, column_of(cell, sd_length(cell), endings[k]), &numbers[k]));
+        if (isnan(numbers[k]))
+            return rp_fail(RP_BAD_INPUT, "%s: no column %.*s%s with a number", cell->table->path,
+                           (int)(strlen(cell->column) - sd_length(cell)), cell->column, endings[k]);
+    }
+    *values = (stats_summary){.mean = numbers[0], .sd = numbers[1], .n = (size_t)numbers[2]};
+    return RP_OK;
 }
 
 /* The number that the header line "# KEY: text" starts with. */
-static rp_status note_number(const cli_cell *cell, stats_number *number)
+static rp_status note_number(const report_cell *cell, stats_number *number)
 {
     char *end;
-    const char *text = cli_cell_text(cell, cell->column);
+    const char *text = report_cell_text(cell, cell->column);
     *number = (stats_number){text ? strtod(text, &end) : NAN, 0.0};
     if (text && end != text) return RP_OK;
-    return rp_fail(RP_BAD_INPUT, "%s: no header line \"%s\" with a number", cell->path, cell->column + 1);
+    return rp_fail(RP_BAD_INPUT, "%s: no header line \"%s\" with a number", cell->table->path,
+                   cell->column + 1);
 }
 
-bool cli_cell_is_deviation(const cli_cell *cell)
+rp_status report_cell_number(const report_cell *cell, stats_number *number)
 {
-    return cli_ends_in(cell->column, "_sd");
-}
-
-/* The error of a standard deviation of the table's values: column NAME_sd of NAME_n or n values. */
-static rp_status deviation_error(const cli_cell *cell, stats_number *sd)
-{
-    char own[160];
-    double n = NAN;
-    snprintf(own, sizeof own, "%.*s_n", (int)strlen(cell->column) - 3, cell->column);
-    const char *column = cli_cell_text(cell, own) ? own : "n";
-    RP_TRY(cli_cell_column(cell, column, &n));
-    sd->se = stats_deviation_error(sd->value, n);
+    if (*cell->column == '#') return note_number(cell, number);
+    int value = column_of(cell, 0, "_mean"), error = column_of(cell, 0, "_se");
+    if (error < 0 && ends_in(cell->column, "_deg")) error = column_of(cell, strlen("_deg"), "_se_deg");
+    if (value < 0) RP_TRY(rp_table_find(cell->table, cell->column, NULL, &value));
+    number->se = 0.0;
+    RP_TRY(number_in(cell, value, &number->value));
+    if (error >= 0) return number_in(cell, error, &number->se);
+    if (!report_cell_is_deviation(cell)) return RP_OK;
+    double n;
+    RP_TRY(report_cell_count(cell, &n));
+    number->se = stats_deviation_error(number->value, n);
     return RP_OK;
 }
 
-rp_status cli_cell_number(const cli_cell *cell, stats_number *number)
-{
-    const char *name = cell->column;
-    if (*name == '#') return note_number(cell, number);
-    char mean[160], error[160];
-    snprintf(mean, sizeof mean, "%s_mean", name);
-    snprintf(error, sizeof error, "%s_se", name);
-    if (!cli_cell_text(cell, mean)) snprintf(mean, sizeof mean, "%s", name);
-    if (!cli_cell_text(cell, error) && cli_ends_in(name, "_deg"))
-        snprintf(error, sizeof error, "%.*s_se_deg", (int)(strlen(name) - strlen("_deg")), name);
-    if (!cli_cell_text(cell, mean)) return rp_table_find(cell->table, name, NULL, &(int){0});
-    number->se = 0.0;
-    RP_TRY(cli_cell_column(cell, mean, &number->value));
-    if (cli_cell_text(cell, error)) return cli_cell_column(cell, error, &number->se);
-    return cli_cell_is_deviation(cell) ? deviation_error(cell, number) : RP_OK;
-}
+/* ---- numbers as text ---- */
 
-int cli_decimals(double se)
+int report_decimals(double se)
 {
     const int decimals = 1 - (int)floor(log10(se));
     return decimals < 0 ? 0 : decimals;
 }
 
-void cli_print_number(FILE *out, stats_number number)
+const char *report_number(rp_arena *arena, stats_number number)
 {
-    if (isnan(number.value)) {
-        fputs("not known", out);
-    } else if (isinf(number.value)) {
-        fprintf(out, "%g", number.value);
-    } else if (isnan(number.se)) {
-        fprintf(out, "%.3g (error not known)", number.value);
-    } else if (number.se == 0.0) {
-        fprintf(out, "%.4g", number.value);
-    } else {
-        const int decimals = cli_decimals(number.se);
-        fprintf(out, "%.*f ± %.*f", decimals, number.value, decimals, number.se);
-    }
+    if (isnan(number.value)) return "not known";
+    if (isinf(number.value)) return report_text(arena, "%g", number.value);
+    if (isnan(number.se)) return report_text(arena, "%.3g (error not known)", number.value);
+    if (number.se == 0.0) return report_text(arena, "%.4g", number.value);
+    const int decimals = report_decimals(number.se);
+    return report_text(arena, "%.*f ± %.*f", decimals, number.value, decimals, number.se);
 }
 
-rp_status cli_print_text(FILE *out, const char *text, const char *format)
+rp_status report_format(rp_arena *arena, const char *cell, const char *format, const char **text)
 {
     /* precision and letter alone are taken from the format, so that it cannot be a harmful one */
     int precision = 3, used = 0;
@@ -199,10 +263,10 @@ rp_status cli_print_text(FILE *out, const char *text, const char *format)
     if (format && (sscanf(format, "%%.%1d%c%n", &precision, &letter, &used) != 2 || format[used] ||
                    !strchr("fg", letter)))
         return rp_fail(RP_BAD_INPUT, "\"%s\": a format such as %%.3g or %%.0f expected", format);
-    const double value = strtod(text, &end);
-    if (*end || (!format && !text[strspn(text, "0123456789")]))
-        fputs(text, out);
-    else
-        fprintf(out, letter == 'f' ? "%.*f" : "%.*g", precision, value);
+    const double value = strtod(cell, &end);
+    const bool as_it_is = *end || (!format && !cell[strspn(cell, "0123456789")]);
+    *text = as_it_is        ? cell
+            : letter == 'f' ? report_text(arena, "%.*f", precision, value)
+                            : report_text(arena, "%.*g", precision, value);
     return RP_OK;
 }

@@ -1,92 +1,105 @@
 /* Published claims and what our tables say of them; see claims.h. */
 #include "report/claims.h"
-#include "cli/cli.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "report/lineage.h"
+
+/* What each test needs: a table that answers, a published number, `against`, a margin; and what decides it.
+ */
+enum { BY_WORD, BY_DIFFERENCE, BY_SIDE, BY_BOUND, BY_CHANGE };
+static const struct {
+    const char *word;
+    int by;
+    bool number, against, margin;
+} tests[] = {[CLAIM_AGREES] = {"agrees", BY_DIFFERENCE, .number = true},
+             [CLAIM_SAME] = {"same", BY_DIFFERENCE, .against = true},
+             [CLAIM_ABOVE] = {"above", BY_SIDE, .against = true},
+             [CLAIM_BELOW] = {"below", BY_SIDE, .against = true},
+             [CLAIM_LEAST] = {"least", BY_BOUND, .against = true},
+             [CLAIM_MOST] = {"most", BY_BOUND, .against = true},
+             [CLAIM_EQUALS] = {"equals", BY_BOUND, .number = true, .margin = true},
+             [CLAIM_RATIO] = {"ratio", BY_DIFFERENCE, .number = true, .against = true},
+             [CLAIM_ORDER] = {"order", BY_BOUND, .number = true, .margin = true},
+             [CLAIM_INDEPENDENT] = {"independent", BY_CHANGE, .margin = true},
+             [CLAIM_RISES] = {"rises", BY_CHANGE},
+             [CLAIM_FALLS] = {"falls", BY_CHANGE},
+             [CLAIM_CONSTANT] = {"constant", BY_WORD},
+             [CLAIM_FORMULA] = {"formula", BY_WORD},
+             [CLAIM_PICTURE] = {"picture", BY_WORD},
+             [CLAIM_UNTESTABLE] = {"untestable", BY_WORD}};
+
 /* ---- reading ---- */
 
-#define X(name, word, table, meaning) word,
-static const char *const test_words[] = {CLI_CLAIM_TESTS(X)};
-#undef X
-#define X(name, word, table, meaning) table,
-static const bool needs_table[] = {CLI_CLAIM_TESTS(X)};
-#undef X
-
-/* "-" stands for nothing. */
-static const char *text_of(const rp_table *t, size_t row, int column)
+/* "-" stands for nothing, and so does a column that is not there. */
+static const char *text_of(const rp_table *t, size_t row, const char *name)
 {
-    const char *text = cli_text(t, row, column);
+    const int column = rp_table_column(t, name);
+    const char *text = column < 0 ? "" : t->cells[row * t->n_columns + (size_t)column];
     return strcmp(text, "-") == 0 ? "" : text;
 }
 
 static rp_status number_of(const rp_table *t, size_t row, const char *name, double otherwise, double *number)
 {
-    const int column = rp_table_column(t, name);
     *number = otherwise;
-    return *text_of(t, row, column) ? rp_table_number(t, row, column, false, number) : RP_OK;
+    return *text_of(t, row, name) ? rp_table_number(t, row, rp_table_column(t, name), false, number) : RP_OK;
 }
 
-static rp_status read_numbers(const rp_table *t, size_t row, cli_claim *c)
+static rp_status read_numbers(const rp_table *t, size_t row, report_claim *c)
 {
-    RP_TRY(number_of(t, row, "published", NAN, &c->published.value));
-    RP_TRY(number_of(t, row, "published_se", 0.0, &c->published.se));
+    RP_TRY(number_of(t, row, "published", NAN, &c->number.value));
+    RP_TRY(number_of(t, row, "published_se", 0.0, &c->number.se));
     RP_TRY(number_of(t, row, "samples", 0.0, &c->samples));
     return number_of(t, row, "margin", INFINITY, &c->margin);
 }
 
 /* A variant takes the published number of its claim, which stands before it. */
-static rp_status find_number(const cli_claims *all, cli_claim *c)
+static rp_status find_number(const report_claims *all, report_claim *c)
 {
-    const cli_claim *original = NULL;
+    const report_claim *original = NULL;
     if (!*c->of) return RP_OK;
-    RP_TRY(cli_claims_find(all, c->of, &original));
-    if (!isnan(c->published.value))
+    RP_TRY(report_claims_find(all, c->of, &original));
+    if (!isnan(c->number.value))
         return rp_fail(RP_BAD_INPUT, "variant %s of %s: a number is published once", c->id, c->of);
+    c->number = original->number;
     c->published = original->published;
-    c->published_text = original->published_text;
-    c->se_text = original->se_text;
+    c->published_se = original->published_se;
     c->samples = original->samples;
     return RP_OK;
 }
 
-static rp_status check(const cli_claims *all, const cli_claim *c)
+static rp_status lacks(const report_claim *c, const char *what)
 {
-    const bool number = c->test == CLAIM_AGREES || c->test == CLAIM_EQUALS || c->test == CLAIM_RATIO ||
-                        (c->test == CLAIM_ORDER && !*c->against);
-    const bool other = c->test == CLAIM_SAME || c->test == CLAIM_ABOVE || c->test == CLAIM_BELOW ||
-                       c->test == CLAIM_LEAST || c->test == CLAIM_MOST || c->test == CLAIM_RATIO;
+    return rp_fail(RP_BAD_INPUT, "claim %s: test %s needs %s", c->id, c->test, what);
+}
+
+static rp_status check(const report_claims *all, const report_claim *c)
+{
+    const bool number = tests[c->kind].number && !(c->kind == CLAIM_ORDER && *c->against);
     for (size_t i = 0; i < all->n; i++)
         if (strcmp(all->claims[i].id, c->id) == 0)
             return rp_fail(RP_BAD_INPUT, "claim %s stands twice", c->id);
-    if (number && isnan(c->published.value))
-        return rp_fail(RP_BAD_INPUT, "claim %s: test %s needs a published number", c->id, c->test_word);
-    if (other && !*c->against)
-        return rp_fail(RP_BAD_INPUT, "claim %s: test %s needs `against`", c->id, c->test_word);
-    if ((c->test == CLAIM_INDEPENDENT || c->test == CLAIM_ORDER || c->test == CLAIM_EQUALS) &&
-        !isfinite(c->margin))
-        return rp_fail(RP_BAD_INPUT, "claim %s: test %s needs a margin", c->id, c->test_word);
-    if (c->test == CLAIM_UNTESTABLE ? !*c->note : !*c->answer)
-        return rp_fail(RP_BAD_INPUT, "claim %s: test %s needs %s", c->id, c->test_word,
-                       c->test == CLAIM_UNTESTABLE ? "a reason in `note`" : "an answer");
-    return RP_OK;
+    if (number && isnan(c->number.value)) return lacks(c, "a published number");
+    if (tests[c->kind].against && !*c->against) return lacks(c, "`against`");
+    if (tests[c->kind].margin && !isfinite(c->margin)) return lacks(c, "a margin");
+    if (c->kind == CLAIM_UNTESTABLE) return *c->note ? RP_OK : lacks(c, "a reason in `note`");
+    return *c->answer ? RP_OK : lacks(c, "an answer");
 }
 
-static rp_status read_claim(cli_claims *all, size_t row)
+static rp_status read_claim(report_claims *all, size_t row)
 {
     const rp_table *t = all->table;
-    cli_claim *c = &all->claims[all->n];
-#define X(column, member) c->member = text_of(t, row, rp_table_column(t, #column));
-    CLI_CLAIM_TEXTS(X)
+    report_claim *c = &all->claims[all->n];
+#define X(column) c->column = text_of(t, row, #column);
+    REPORT_CLAIM_TEXTS(X)
 #undef X
-    c->family = rp_table_column(t, "family") < 0 ? "" : text_of(t, row, rp_table_column(t, "family"));
-    for (c->test = 0; c->test < CLI_N_CLAIM_TESTS; c->test++)
-        if (strcmp(c->test_word, test_words[c->test]) == 0) break;
-    rp_status status = c->test < CLI_N_CLAIM_TESTS
+    c->family = text_of(t, row, "family");
+    while (c->kind < N_CLAIM_TESTS && strcmp(c->test, tests[c->kind].word) != 0) c->kind++;
+    rp_status status = c->kind < N_CLAIM_TESTS
                            ? RP_OK
-                           : rp_fail(RP_BAD_INPUT, "claim %s: unknown test \"%s\"", c->id, c->test_word);
+                           : rp_fail(RP_BAD_INPUT, "claim %s: unknown test \"%s\"", c->id, c->test);
     if (!status) status = read_numbers(t, row, c);
     if (!status) status = find_number(all, c);
     if (!status) status = check(all, c);
@@ -95,25 +108,31 @@ static rp_status read_claim(cli_claims *all, size_t row)
     return RP_OK;
 }
 
-rp_status cli_claims_read(const char *path, cli_claims *claims)
+static void free_table(void *table)
 {
-#define X(column, member) #column " "
-    static const char header[] = CLI_CLAIM_TEXTS(X) "samples margin";
+    rp_table_free(table);
+}
+
+rp_status report_claims_read(rp_arena *arena, const char *path, report_claims *claims)
+{
+#define X(column) #column,
+    static const char *const columns[] = {REPORT_CLAIM_TEXTS(X) "samples", "margin"};
 #undef X
-#define X(column, member) #column,
-    static const char *const columns[] = {CLI_CLAIM_TEXTS(X) "samples", "margin"};
+#define X(column) #column " "
+    static const char expected[] = REPORT_CLAIM_TEXTS(X) "samples margin";
 #undef X
-    int column;
-    *claims = (cli_claims){0};
-    RP_TRY(cli_texts_read(path, &claims->table));
-    for (size_t k = 0; k < N_OF(columns); k++)
-        RP_TRY(rp_table_find(claims->table, columns[k], header, &column));
-    claims->claims = cli_memory(claims->table->n_rows, sizeof *claims->claims);
-    for (size_t row = 0; row < claims->table->n_rows; row++) RP_TRY(read_claim(claims, row));
+    rp_table *t = rp_arena_memory(arena, 1, sizeof *t);
+    const rp_status status = rp_table_read_texts(path, t);
+    rp_arena_keep(arena, t, free_table);
+    RP_TRY(status);
+    for (size_t k = 0; k < sizeof columns / sizeof *columns; k++)
+        RP_TRY(rp_table_find(t, columns[k], expected, &(int){0}));
+    *claims = (report_claims){t, rp_arena_memory(arena, t->n_rows, sizeof *claims->claims), 0};
+    for (size_t row = 0; row < t->n_rows; row++) RP_TRY(read_claim(claims, row));
     return RP_OK;
 }
 
-rp_status cli_claims_find(const cli_claims *claims, const char *id, const cli_claim **claim)
+rp_status report_claims_find(const report_claims *claims, const char *id, const report_claim **claim)
 {
     for (size_t i = 0; i < claims->n; i++)
         if (strcmp(claims->claims[i].id, id) == 0) {
@@ -123,380 +142,312 @@ rp_status cli_claims_find(const cli_claims *claims, const char *id, const cli_cl
     return rp_fail(RP_BAD_INPUT, "no claim \"%s\"", id);
 }
 
-void cli_claim_published(const cli_claim *claim, char text[128])
+const char *report_published(rp_arena *arena, const report_claim *c)
 {
-    snprintf(text, 128, "%s%s%s", claim->published_text, *claim->se_text ? " ± " : "", claim->se_text);
+    return report_text(arena, "%s%s%s", c->published, *c->published_se ? " ± " : "", c->published_se);
 }
 
-/* ---- judging ---- */
+/* ---- both sides ---- */
 
-/* A number as it is shown and as it is tested, how many values are behind it, and the p_fit of its table's
- * fit, NaN without one. The error of a mean is tested by Student's t; that of a fit or a bootstrap stands as
- * it is. */
-typedef struct {
-    stats_number shown, tested;
-    double n, dof, p_fit;
-} measured;
-
-static rp_status read_measured(const cli_cell *cell, measured *m)
+/* The error of a mean is tested by Student's t; that of a fit or a bootstrap stands as it is. */
+static void set_tested(report_side *side, bool is_mean)
 {
-    char own[160], mean[160];
-    snprintf(own, sizeof own, "%s_n", cell->column);
-    snprintf(mean, sizeof mean, "%s_mean", cell->column);
-    RP_TRY(cli_cell_number(cell, &m->shown));
-    RP_TRY(cli_cell_column(cell, cli_cell_text(cell, own) ? own : "n", &m->n));
-    RP_TRY(cli_cell_column(cell, "p_fit", &m->p_fit));
-    const bool is_mean = cli_cell_text(cell, mean);
-    m->tested = is_mean ? stats_of_few(m->shown, m->n) : m->shown;
-    m->dof = is_mean ? m->n - 1.0 : INFINITY;
-    return RP_OK;
+    side->tested = is_mean ? stats_of_few(side->shown, side->n) : side->shown;
+    side->dof = is_mean ? side->n - 1.0 : INFINITY;
 }
 
-static rp_status read_summary(const cli_cell *cell, stats_summary *part)
+static rp_status read_cell(const report_cell *cell, report_side *side)
 {
-    static const char *const suffixes[] = {"mean", "sd", "n"};
-    const int length = (int)strlen(cell->column) - (cli_cell_is_deviation(cell) ? (int)strlen("_sd") : 0);
-    double numbers[N_OF(suffixes)];
-    for (size_t k = 0; k < N_OF(suffixes); k++) {
-        char name[160];
-        snprintf(name, sizeof name, "%.*s_%s", length, cell->column, suffixes[k]);
-        RP_TRY(cli_cell_column(cell, name, &numbers[k]));
-        if (isnan(numbers[k]))
-            return rp_fail(RP_BAD_INPUT, "%s: no column %s with a number", cell->path, name);
-    }
-    *part = (stats_summary){.n = (size_t)numbers[2], .mean = numbers[0], .sd = numbers[1]};
+    RP_TRY(report_cell_number(cell, &side->shown));
+    RP_TRY(report_cell_count(cell, &side->n));
+    RP_TRY(report_cell_column(cell, "p_fit", &side->p_fit));
+    set_tested(side, report_cell_is_mean(cell));
     return RP_OK;
 }
 
 /* The mean of all values of several cells, "CELL + CELL ..."; of columns NAME_sd, their standard deviation.
  */
-static rp_status read_pooled(const char *text, const char *folders, measured *m, bool *missing)
+static rp_status read_pooled(report_tables *tables, const char *text, report_side *side, bool *missing)
 {
-    enum { MOST = 12 };
-    stats_summary parts[MOST] = {0};
+    stats_summary *parts = rp_arena_memory(tables->arena, strlen(text), sizeof *parts);
     size_t n = 0;
     bool deviation = false;
     for (const char *part = text, *end; part; part = end ? end + 3 : NULL) {
-        char reference[CLI_MAX_REFERENCE];
-        cli_cell cell;
+        report_cell cell;
         end = strstr(part, " + ");
-        if (n == MOST) return rp_fail(RP_BAD_INPUT, "more than %d cells to pool", MOST);
-        snprintf(reference, sizeof reference, "%.*s", (int)(end ? end - part : (long)strlen(part)), part);
-        RP_TRY(cli_cell_find(folders, reference, &cell));
-        *missing |= cell.missing;
-        deviation = cli_cell_is_deviation(&cell);
-        if (!cell.missing) RP_TRY(read_summary(&cell, &parts[n++]));
+        const int length = (int)(end ? (size_t)(end - part) : strlen(part));
+        RP_TRY(report_cell_find(tables, report_text(tables->arena, "%.*s", length, part), &cell));
+        deviation = report_cell_is_deviation(&cell);
+        *missing |= !cell.table;
+        if (cell.table) RP_TRY(report_cell_summary(&cell, &parts[n++]));
     }
     const stats_summary all = stats_pooled(n, parts);
-    m->n = (double)all.n;
-    m->shown = deviation ? (stats_number){all.sd, stats_deviation_error(all.sd, m->n)}
-                         : (stats_number){all.mean, all.se};
-    m->tested = deviation ? m->shown : stats_of_few(m->shown, m->n);
-    m->dof = deviation ? INFINITY : m->n - 1.0;
+    side->n = (double)all.n;
+    side->shown = deviation ? (stats_number){all.sd, stats_deviation_error(all.sd, side->n)}
+                            : (stats_number){all.mean, all.se};
+    set_tested(side, !deviation);
     return RP_OK;
 }
 
 /* A number, a cell of a table, or several cells pooled; a table that is not there leaves *missing true. */
-static rp_status read_side(const char *text, const char *folders, cli_cell *cell, measured *m, bool *missing)
+static rp_status read_side(report_tables *tables, const char *text, report_cell *cell, report_side *side,
+                           bool *missing)
 {
     char *end;
-    m->shown = m->tested = (stats_number){strtod(text, &end), 0.0};
+    side->shown = side->tested = (stats_number){strtod(text, &end), 0.0};
     if (!*end) return RP_OK;
-    if (strstr(text, " + ")) return read_pooled(text, folders, m, missing);
-    RP_TRY(cli_cell_find(folders, text, cell));
-    *missing |= cell->missing;
-    return cell->missing ? RP_OK : read_measured(cell, m);
+    if (strstr(text, " + ")) return read_pooled(tables, text, side, missing);
+    RP_TRY(report_cell_find(tables, text, cell));
+    *missing |= !cell->table;
+    return cell->table ? read_cell(cell, side) : RP_OK;
 }
 
-static bool is_inequality(const cli_claim *c)
+/* Within a family the correction follows later; else the table's own holds. */
+static rp_status read_change(const report_claim *c, const report_cell *cell, double *dof,
+                             stats_change *change)
 {
-    return c->test == CLAIM_ABOVE || c->test == CLAIM_BELOW;
+    if (!cell->table) return rp_fail(RP_BAD_INPUT, "test %s needs one cell of a table", c->test);
+    const bool corrected = !*c->family && report_cell_text(cell, "p_holm");
+    RP_TRY(report_cell_part(cell, "_lo90", &change->lo90));
+    RP_TRY(report_cell_part(cell, "_hi90", &change->hi90));
+    RP_TRY(report_cell_column(cell, "dof", dof));
+    return report_cell_column(cell, corrected ? "p_holm" : "p_value", &change->p_value);
 }
+
+static const char *text_of_ours(rp_arena *arena, const report_claim *c, const report_judged *j)
+{
+    const char *text = report_number(arena, j->ours.shown);
+    if (tests[c->kind].by == BY_CHANGE) {
+        /* as many digits as the change, so that an end close to the margin is not rounded onto it */
+        const int decimals = j->ours.shown.se > 0.0 ? report_decimals(j->ours.shown.se) : 3;
+        text = report_text(arena, "%s (90 %%: %.*f to %.*f)", text, decimals, j->change.lo90, decimals,
+                           j->change.hi90);
+    }
+    if (!*c->against || c->kind == CLAIM_RATIO) return text;
+    return report_text(arena, "%s against %s", text, report_number(arena, j->against.shown));
+}
+
+static rp_status read_tables(const report_claim *c, report_tables *tables, report_judged *j)
+{
+    report_side ours = {.p_fit = NAN}, against = {.p_fit = NAN};
+    report_cell cell = {0}, other = {0};
+    report_sweep *sweeps;
+    bool missing = false;
+    RP_TRY(read_side(tables, c->answer, &cell, &ours, &missing));
+    if (*c->against) RP_TRY(read_side(tables, c->against, &other, &against, &missing));
+    if (missing) j->verdict = STATS_NO_DATA;
+    if (missing) return RP_OK;
+    if (tests[c->kind].by == BY_CHANGE) RP_TRY(read_change(c, &cell, &ours.dof, &j->change));
+    if (c->kind == CLAIM_RATIO) {
+        ours.shown = stats_quotient(ours.shown, against.shown);
+        ours.tested = stats_quotient(ours.tested, against.tested);
+    }
+    j->ours = ours;
+    j->against = against;
+    RP_TRY(report_sweeps(tables, 2, (const char *[]){c->answer, c->against}, &sweeps));
+    j->failed = report_failed(tables->arena, sweeps);
+    j->text = text_of_ours(tables->arena, c, j);
+    return RP_OK;
+}
+
+/* The published numbers of several claims among themselves. */
+static rp_status compare_published(rp_arena *arena, const report_claims *all, const report_claim *c,
+                                   report_judged *j)
+{
+    const report_words words = report_split(arena, c->answer);
+    stats_number *numbers = rp_arena_memory(arena, (size_t)words.n, sizeof *numbers);
+    const report_claim *other = c;
+    for (int i = 0; i < words.n; i++) {
+        RP_TRY(report_claims_find(all, words.word[i], &other));
+        numbers[i] = other->number;
+    }
+    j->match = stats_constant((size_t)words.n, numbers, other->samples);
+    j->text = report_text(arena, "p = %.2g or %.1g", j->match.z_error, j->match.z_deviation);
+    return RP_OK;
+}
+
+static rp_status read_answer(const report_claims *all, const report_claim *c, report_tables *tables,
+                             report_judged *j)
+{
+    *j = (report_judged){.ours = {.n = NAN, .p_fit = NAN},
+                         .against = {.p_fit = NAN},
+                         .match = {.z_error = NAN, .z_deviation = NAN},
+                         .failed = "",
+                         .text = ""};
+    rp_status status = RP_OK;
+    if (tests[c->kind].by != BY_WORD) status = read_tables(c, tables, j);
+    if (c->kind == CLAIM_CONSTANT) status = compare_published(tables->arena, all, c, j);
+    return rp_prefix(status, "claim %s: ", c->id);
+}
+
+/* ---- verdicts ---- */
+
+/* Chances that decide a claim: of such a difference or change if there is none, the same with the other
+ * reading of the published +-, and of one as small if the truth is the margin. NaN: no such test. */
+enum { OF_EFFECT, OF_DEVIATION, OF_MARGIN, CHANCES };
 
 /* The difference that an inequality must not exclude. A limit other than 0 has the smallest effect that
  * matters in itself: anything beyond it is enough. */
-static double excluded_margin(const cli_claim *c)
+static double excluded_margin(const report_claim *c)
 {
     char *end;
     const double limit = strtod(c->against, &end);
     return !*end && limit != 0.0 ? INFINITY : c->margin;
 }
 
-static bool tests_change(const cli_claim *c)
+static void find_chances(const report_claim *c, const report_judged *j, double chances[CHANCES])
 {
-    return c->test == CLAIM_INDEPENDENT || c->test == CLAIM_RISES || c->test == CLAIM_FALLS;
+    const stats_number ours = j->ours.tested, against = j->against.tested;
+    const int by = j->verdict == STATS_NO_DATA ? BY_WORD : tests[c->kind].by;
+    chances[OF_EFFECT] = by == BY_DIFFERENCE ? stats_agree_p(j->match.z_error)
+                         : by == BY_SIDE     ? stats_exceed_p(ours, against)
+                         : by == BY_CHANGE   ? j->change.p_value
+                                             : NAN;
+    chances[OF_DEVIATION] = by == BY_DIFFERENCE ? stats_agree_p(j->match.z_deviation) : chances[OF_EFFECT];
+    chances[OF_MARGIN] = by == BY_SIDE ? stats_exceed_p_margin(ours, against, excluded_margin(c)) : NAN;
+    if (by == BY_CHANGE && c->kind == CLAIM_INDEPENDENT)
+        chances[OF_MARGIN] =
+            stats_contrast_p_margin(&(stats_contrast){j->ours.shown.value, j->ours.shown.se,
+                                                      isnan(j->ours.dof) ? INFINITY : j->ours.dof},
+                                    c->margin);
 }
 
-/* Within a family the correction follows later; else the table's own holds. */
-static rp_status read_change(const cli_cell *cell, bool family, stats_change *change)
+/* The verdict of a claim's test; `raised`: with chances that Holm's correction has raised, NULL: without. */
+static void decide(const report_claim *c, const double *raised, report_judged *j)
 {
-    char lo[160], hi[160];
-    snprintf(lo, sizeof lo, "%s_lo90", cell->column);
-    snprintf(hi, sizeof hi, "%s_hi90", cell->column);
-    RP_TRY(cli_cell_column(cell, lo, &change->lo90));
-    RP_TRY(cli_cell_column(cell, hi, &change->hi90));
-    return cli_cell_column(cell, !family && cli_cell_text(cell, "p_holm") ? "p_holm" : "p_value",
-                           &change->p_value);
-}
-
-/* The verdict of both readings of the published +-. */
-static void read_match(cli_judged *j)
-{
+    const stats_number ours = j->ours.tested, against = j->against.tested;
+    const int sign = c->kind == CLAIM_ABOVE || c->kind == CLAIM_LEAST || c->kind == CLAIM_RISES ? 1 : -1;
+    switch (c->kind) {
+    case CLAIM_RATIO:
+    case CLAIM_AGREES:
+    case CLAIM_SAME:
+        j->match = c->kind == CLAIM_SAME ? stats_agree(ours, against, 0.0, c->margin)
+                                         : stats_agree(ours, c->number, c->samples, c->margin);
+        if (raised) j->match = stats_agree_by_p(j->match, raised[OF_EFFECT], raised[OF_DEVIATION]);
+        break;
+    case CLAIM_ABOVE:
+    case CLAIM_BELOW:
+        j->verdict = raised ? stats_exceed_by_p(ours, against, sign, raised[OF_EFFECT], raised[OF_MARGIN])
+                            : stats_exceed(ours, against, sign, excluded_margin(c));
+        return;
+    case CLAIM_LEAST:
+    case CLAIM_MOST: j->verdict = stats_bound(ours.value, against.value, sign); return;
+    case CLAIM_EQUALS: j->verdict = stats_bound(fabs(ours.value - c->number.value), c->margin, -1); return;
+    case CLAIM_ORDER:
+        j->verdict = stats_order(stats_quotient(ours, *c->against ? against : c->number), c->margin);
+        return;
+    case CLAIM_INDEPENDENT:
+        j->verdict = raised ? stats_equivalent_by_p(raised[OF_MARGIN], raised[OF_EFFECT])
+                            : stats_equivalent(&j->change, c->margin);
+        return;
+    case CLAIM_RISES:
+    case CLAIM_FALLS:
+        if (raised) j->change.p_value = raised[OF_EFFECT];
+        j->verdict = stats_trends(&j->change, sign, c->margin);
+        return;
+    case CLAIM_CONSTANT: break;
+    case CLAIM_FORMULA: j->verdict = STATS_REPRODUCED; return;
+    case CLAIM_PICTURE: j->verdict = STATS_BY_EYE; return;
+    case CLAIM_UNTESTABLE: j->verdict = STATS_UNTESTABLE; return;
+    case N_CLAIM_TESTS: return;
+    }
     j->verdict = j->match.verdict;
     j->two_readings = j->match.error != j->match.deviation;
 }
 
-static void apply_test(const cli_claim *c, cli_judged *j)
+/* Decide n claims that answer one question, each by itself, and then with Holm's correction for the number of
+ * their tests. A fit that its own means reject decides nothing: its test stays one of the family, so that no
+ * verdict on another claim gets stronger. */
+static void decide_family(rp_arena *arena, size_t n, const report_claim *const claims[],
+                          report_judged *const judged[])
 {
-    const stats_number ours = j->tested, against = j->tested_against;
-    const stats_change *change = &j->change;
-    switch (c->test) {
-    case CLAIM_RATIO:
-    case CLAIM_AGREES: j->match = stats_agree(ours, c->published, c->samples, c->margin); break;
-    case CLAIM_SAME: j->match = stats_agree(ours, against, 0.0, c->margin); break;
-    case CLAIM_ABOVE: j->verdict = stats_exceed(ours, against, 1, excluded_margin(c)); return;
-    case CLAIM_BELOW: j->verdict = stats_exceed(ours, against, -1, excluded_margin(c)); return;
-    case CLAIM_LEAST: j->verdict = stats_bound(ours.value, against.value, 1); return;
-    case CLAIM_MOST: j->verdict = stats_bound(ours.value, against.value, -1); return;
-    case CLAIM_EQUALS: j->verdict = stats_bound(fabs(ours.value - c->published.value), c->margin, -1); return;
-    case CLAIM_ORDER:
-        j->verdict = stats_order(stats_quotient(ours, *c->against ? against : c->published), c->margin);
-        return;
-    case CLAIM_INDEPENDENT: j->verdict = stats_equivalent(change, c->margin); return;
-    case CLAIM_RISES: j->verdict = stats_trends(change, 1, c->margin); return;
-    case CLAIM_FALLS: j->verdict = stats_trends(change, -1, c->margin); return;
-    case CLAIM_CONSTANT:
-    case CLAIM_FORMULA:
-    case CLAIM_PICTURE:
-    case CLAIM_UNTESTABLE:
-    case CLI_N_CLAIM_TESTS: return;
-    }
-    read_match(j);
-}
-
-static void print_ours(const cli_claim *c, cli_judged *j)
-{
-    FILE *out = fmemopen(j->text, sizeof j->text, "w");
-    cli_print_number(out, j->ours);
-    if (tests_change(c)) {
-        /* as many digits as the change, so that an end close to the margin is not rounded onto it */
-        const int decimals = j->ours.se > 0.0 ? cli_decimals(j->ours.se) : 3;
-        fprintf(out, " (90 %%: %.*f to %.*f)", decimals, j->change.lo90, decimals, j->change.hi90);
-    }
-    if (*c->against && c->test != CLAIM_RATIO) {
-        fputs(" against ", out);
-        cli_print_number(out, j->against);
-    }
-    fclose(out);
-}
-
-static rp_status judge_table(const cli_claim *c, const char *folders, cli_judged *j)
-{
-    cli_cell cell = {0}, other = {0};
-    measured ours = {.p_fit = NAN}, against = {.p_fit = NAN};
-    bool missing = false;
-    RP_TRY(read_side(c->answer, folders, &cell, &ours, &missing));
-    if (*c->against) RP_TRY(read_side(c->against, folders, &other, &against, &missing));
-    if (!missing && tests_change(c)) RP_TRY(read_change(&cell, *c->family, &j->change));
-    if (!missing && tests_change(c)) RP_TRY(cli_cell_column(&cell, "dof", &ours.dof));
-    if (missing) j->verdict = STATS_NO_DATA;
-    if (missing) return RP_OK;
-    if (c->test == CLAIM_RATIO) {
-        ours.shown = stats_quotient(ours.shown, against.shown);
-        ours.tested = stats_quotient(ours.tested, against.tested);
-    }
-    j->ours = ours.shown;
-    j->against = against.shown;
-    j->n = ours.n;
-    j->dof = ours.dof;
-    j->p_fit = fmin(ours.p_fit, against.p_fit); /* a number beside NaN */
-    RP_TRY(cli_claim_failed(c, folders, j->failed));
-    j->tested = ours.tested;
-    j->tested_against = against.tested;
-    apply_test(c, j);
-    print_ours(c, j);
-    return RP_OK;
-}
-
-/* The published numbers of several claims among themselves. */
-static rp_status judge_constant(const cli_claims *all, const cli_claim *c, cli_judged *j)
-{
-    cli_words words;
-    stats_number numbers[CLI_MAX_WORDS];
-    const cli_claim *other = c;
-    RP_TRY(cli_split(c->answer, &words));
-    for (int i = 0; i < words.n; i++) {
-        RP_TRY(cli_claims_find(all, words.words[i], &other));
-        numbers[i] = other->published;
-    }
-    j->match = stats_constant((size_t)words.n, numbers, other->samples);
-    read_match(j);
-    snprintf(j->text, sizeof j->text, "p = %.2g or %.1g", j->match.z_error, j->match.z_deviation);
-    return RP_OK;
-}
-
-/* Whether the opposite of an inequality is significant by itself. */
-static bool is_opposite(const cli_claim *c, const cli_judged *j)
-{
-    const int sign = c->test == CLAIM_ABOVE ? 1 : -1;
-    return stats_exceed(j->tested, j->tested_against, sign, INFINITY) == STATS_NOT_REPRODUCED;
-}
-
-static void explain(const cli_claim *c, cli_judged *j)
-{
-    const char *verdict = stats_verdict_texts[j->verdict];
-    if (stats_fit_rejected(j->p_fit))
-        snprintf(j->reason, sizeof j->reason,
-                 "%s: the form of the fit does not describe the means (p = %.2g)", verdict, j->p_fit);
-    else if (j->uncorrected != j->verdict)
-        snprintf(j->reason, sizeof j->reason, "%s: %s without the correction for %zu tests of one question",
-                 verdict, stats_verdict_texts[j->uncorrected], j->tests);
-    else if (j->two_readings)
-        snprintf(j->reason, sizeof j->reason,
-                 "%s: %s if ± is a standard error, %s if it is a standard deviation", verdict,
-                 stats_verdict_texts[j->match.error], stats_verdict_texts[j->match.deviation]);
-    else if ((c->test == CLAIM_AGREES || c->test == CLAIM_SAME) && j->verdict != STATS_NO_DATA)
-        snprintf(j->reason, sizeof j->reason, "%s (%+.1f standard errors)", verdict, j->match.z_error);
-    else if (is_inequality(c) && j->verdict == STATS_NOT_REPRODUCED && !is_opposite(c, j))
-        snprintf(j->reason, sizeof j->reason, "%s (a difference of %g or more is excluded)", verdict,
-                 c->margin);
-    else if (c->test == CLAIM_FORMULA)
-        snprintf(j->reason, sizeof j->reason, "%s, by tests", verdict);
-    else if (c->test == CLAIM_UNTESTABLE)
-        snprintf(j->reason, sizeof j->reason, "%s: %s", verdict, c->note);
-    else
-        snprintf(j->reason, sizeof j->reason, "%s", verdict);
-}
-
-static rp_status judge_claim(const cli_claims *claims, const cli_claim *claim, const char *folders,
-                             cli_judged *j)
-{
-    *j = (cli_judged){.n = NAN,
-                      .dof = NAN,
-                      .p_fit = NAN,
-                      .ours = {NAN, NAN},
-                      .against = {NAN, 0.0},
-                      .match = {.z_error = NAN, .z_deviation = NAN}};
-    rp_status status = RP_OK;
-    if (needs_table[claim->test])
-        status = judge_table(claim, folders, j);
-    else if (claim->test == CLAIM_CONSTANT)
-        status = judge_constant(claims, claim, j);
-    else
-        j->verdict = claim->test == CLAIM_FORMULA   ? STATS_REPRODUCED
-                     : claim->test == CLAIM_PICTURE ? STATS_BY_EYE
-                                                    : STATS_UNTESTABLE;
-    j->uncorrected = j->verdict;
-    return rp_prefix(status, "claim %s: ", claim->id);
-}
-
-/* ---- families ---- */
-
-/* Chances that decide a claim: of such a difference or change if there is none, the same with the other
- * reading of the published +-, and of one as small if the truth is the margin. NaN: no such test. */
-enum { OF_EFFECT, OF_DEVIATION, OF_MARGIN, CHANCES };
-
-static bool tests_agreement(const cli_claim *c)
-{
-    return c->test == CLAIM_AGREES || c->test == CLAIM_SAME || c->test == CLAIM_RATIO;
-}
-
-static void find_chances(const cli_claim *c, const cli_judged *j, double chances[CHANCES])
-{
-    chances[OF_EFFECT] = chances[OF_MARGIN] = NAN;
-    if (is_inequality(c)) {
-        chances[OF_EFFECT] = stats_exceed_p(j->tested, j->tested_against);
-        chances[OF_MARGIN] = stats_exceed_p_margin(j->tested, j->tested_against, excluded_margin(c));
-    }
-    if (tests_change(c)) chances[OF_EFFECT] = j->change.p_value;
-    if (c->test == CLAIM_INDEPENDENT)
-        chances[OF_MARGIN] = stats_contrast_p_margin(
-            &(stats_contrast){j->ours.value, j->ours.se, isnan(j->dof) ? INFINITY : j->dof}, c->margin);
-    if (tests_agreement(c)) chances[OF_EFFECT] = stats_agree_p(j->match.z_error);
-    chances[OF_DEVIATION] = tests_agreement(c) ? stats_agree_p(j->match.z_deviation) : chances[OF_EFFECT];
-}
-
-/* The verdict with chances that Holm's correction has raised. */
-static void decide_again(const cli_claim *c, const double chances[CHANCES], cli_judged *j)
-{
-    j->change.p_value = chances[OF_EFFECT];
-    if (tests_agreement(c)) {
-        j->match = stats_agree_by_p(j->match, chances[OF_EFFECT], chances[OF_DEVIATION]);
-        read_match(j);
-    } else if (c->test == CLAIM_INDEPENDENT)
-        j->verdict = stats_equivalent_by_p(chances[OF_MARGIN], chances[OF_EFFECT]);
-    else if (tests_change(c))
-        j->verdict = stats_trends(&j->change, c->test == CLAIM_RISES ? 1 : -1, c->margin);
-    else
-        j->verdict = stats_exceed_by_p(j->tested, j->tested_against, c->test == CLAIM_ABOVE ? 1 : -1,
-                                       chances[OF_EFFECT], chances[OF_MARGIN]);
-}
-
-/* The claims of one family answer one question: Holm's correction for the number of their tests. */
-static void correct_family(const cli_claims *claims, const char *family, cli_judged judged[])
-{
-    const size_t n = claims->n;
-    double *found = cli_memory(CHANCES * n, sizeof *found), *raised = cli_memory(CHANCES * n, sizeof *raised);
-    size_t tests = 0;
+    double *found = rp_arena_memory(arena, CHANCES * n, sizeof *found),
+           *raised = rp_arena_memory(arena, CHANCES * n, sizeof *raised);
+    size_t n_tests = 0;
     for (size_t i = 0; i < n; i++) {
-        double chances[CHANCES] = {NAN, NAN, NAN};
-        if (strcmp(claims->claims[i].family, family) == 0 && judged[i].verdict != STATS_NO_DATA)
-            find_chances(&claims->claims[i], &judged[i], chances);
+        double chances[CHANCES];
+        if (judged[i]->verdict != STATS_NO_DATA) decide(claims[i], NULL, judged[i]);
+        judged[i]->uncorrected = judged[i]->verdict;
+        find_chances(claims[i], judged[i], chances);
         for (size_t k = 0; k < CHANCES; k++) found[k * n + i] = chances[k];
-        tests += !isnan(chances[OF_EFFECT]);
+        n_tests += !isnan(chances[OF_EFFECT]);
     }
     for (size_t k = 0; k < CHANCES; k++) stats_holm(n, found + k * n, raised + k * n);
     for (size_t i = 0; i < n; i++) {
-        double chances[CHANCES];
-        if (isnan(found[OF_EFFECT * n + i])) continue;
-        for (size_t k = 0; k < CHANCES; k++) chances[k] = raised[k * n + i];
-        decide_again(&claims->claims[i], chances, &judged[i]);
-        judged[i].tests = tests;
+        const double chances[] = {raised[i], raised[n + i], raised[2 * n + i]};
+        if (*claims[i]->family && !isnan(found[i])) {
+            decide(claims[i], chances, judged[i]);
+            judged[i]->tests = n_tests;
+        }
+        if (stats_fit_rejected(fmin(judged[i]->ours.p_fit, judged[i]->against.p_fit)))
+            judged[i]->verdict = STATS_UNDECIDED;
     }
 }
 
-static bool is_first_of_family(const cli_claims *claims, size_t i)
+/* Whether the opposite of an inequality is significant by itself. */
+static bool is_opposite(const report_claim *c, const report_judged *j)
 {
-    const char *family = claims->claims[i].family;
-    for (size_t k = 0; k < i; k++)
-        if (strcmp(claims->claims[k].family, family) == 0) return false;
-    return *family != '\0';
+    const int sign = c->kind == CLAIM_ABOVE ? 1 : -1;
+    return stats_exceed(j->ours.tested, j->against.tested, sign, INFINITY) == STATS_NOT_REPRODUCED;
 }
 
-/* A fit that its own means reject decides nothing. Its test stays one of its family, so that no verdict on
- * another claim gets stronger. */
-static void distrust_fits(size_t n, cli_judged judged[])
+static const char *reason_of(rp_arena *arena, const report_claim *c, const report_judged *j)
 {
-    for (size_t i = 0; i < n; i++)
-        if (stats_fit_rejected(judged[i].p_fit)) judged[i].verdict = STATS_UNDECIDED;
+    const char *verdict = stats_verdict_texts[j->verdict];
+    const double p_fit = fmin(j->ours.p_fit, j->against.p_fit); /* a number beside NaN */
+    if (stats_fit_rejected(p_fit))
+        return report_text(arena, "%s: the form of the fit does not describe the means (p = %.2g)", verdict,
+                           p_fit);
+    if (j->uncorrected != j->verdict)
+        return report_text(arena, "%s: %s without the correction for %zu tests of one question", verdict,
+                           stats_verdict_texts[j->uncorrected], j->tests);
+    if (j->two_readings)
+        return report_text(arena, "%s: %s if ± is a standard error, %s if it is a standard deviation",
+                           verdict, stats_verdict_texts[j->match.error],
+                           stats_verdict_texts[j->match.deviation]);
+    if ((c->kind == CLAIM_AGREES || c->kind == CLAIM_SAME) && j->verdict != STATS_NO_DATA)
+        return report_text(arena, "%s (%+.1f standard errors)", verdict, j->match.z_error);
+    if (tests[c->kind].by == BY_SIDE && j->verdict == STATS_NOT_REPRODUCED && !is_opposite(c, j))
+        return report_text(arena, "%s (a difference of %g or more is excluded)", verdict, c->margin);
+    if (c->kind == CLAIM_FORMULA) return report_text(arena, "%s, by tests", verdict);
+    if (c->kind == CLAIM_UNTESTABLE) return report_text(arena, "%s: %s", verdict, c->note);
+    return verdict;
 }
 
-rp_status cli_claims_judge(const cli_claims *claims, const char *folders, cli_judged **judged)
+rp_status report_judge(const report_claims *all, report_tables *tables, report_judged **judged)
 {
-    *judged = cli_memory(claims->n, sizeof **judged);
-    for (size_t i = 0; i < claims->n; i++) {
-        const size_t mark = cli_mark();
-        RP_TRY(judge_claim(claims, &claims->claims[i], folders, &(*judged)[i]));
-        cli_release(mark);
+    rp_arena *arena = tables->arena;
+    const report_claim **claims = rp_arena_memory(arena, all->n, sizeof *claims);
+    report_judged *found = *judged = rp_arena_memory(arena, all->n, sizeof *found),
+                  **members = rp_arena_memory(arena, all->n, sizeof *members);
+    bool *decided = rp_arena_memory(arena, all->n, sizeof *decided);
+    for (size_t i = 0; i < all->n; i++) RP_TRY(read_answer(all, &all->claims[i], tables, &found[i]));
+    for (size_t i = 0; i < all->n; i++) {
+        const char *family = all->claims[i].family;
+        size_t n = 0;
+        for (size_t k = decided[i] ? all->n : i; k < all->n; k++) {
+            if (k != i && (!*family || strcmp(all->claims[k].family, family) != 0)) continue;
+            claims[n] = &all->claims[k];
+            members[n++] = &found[k];
+            decided[k] = true;
+        }
+        decide_family(arena, n, claims, members);
+        found[i].reason = reason_of(arena, &all->claims[i], &found[i]);
     }
-    for (size_t i = 0; i < claims->n; i++)
-        if (is_first_of_family(claims, i)) correct_family(claims, claims->claims[i].family, *judged);
-    distrust_fits(claims->n, *judged);
-    for (size_t i = 0; i < claims->n; i++) explain(&claims->claims[i], &(*judged)[i]);
     return RP_OK;
 }
 
-void cli_claims_count(const cli_claims *claims, const cli_judged judged[], const char *paper, char text[256])
+const char *report_count(rp_arena *arena, const report_claims *claims, const report_judged judged[],
+                         const char *paper)
 {
     size_t counts[STATS_VERDICTS], n = 0;
-    stats_verdict *verdicts = cli_memory(claims->n, sizeof *verdicts);
-    *text = '\0';
+    const char *text = "";
+    stats_verdict *verdicts = rp_arena_memory(arena, claims->n, sizeof *verdicts);
     for (size_t i = 0; i < claims->n; i++)
         if (!*claims->claims[i].of && strcmp(claims->claims[i].paper, paper) == 0)
             verdicts[n++] = judged[i].verdict;
     stats_count_verdicts(n, verdicts, counts);
-    FILE *out = fmemopen(text, 256, "w");
     for (stats_verdict v = 0; v < STATS_VERDICTS && n > 0; v++)
-        fprintf(out, "%s%zu %s", v ? ", " : "", counts[v], stats_verdict_texts[v]);
-    fclose(out);
+        text = report_text(arena, "%s%s%zu %s", text, v ? ", " : "", counts[v], stats_verdict_texts[v]);
+    return text;
 }

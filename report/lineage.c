@@ -1,6 +1,5 @@
-/* The sweeps whose runs answer a claim, and those of their runs that have no result; see claims.h. */
-#include "report/claims.h"
-#include "cli/cli.h"
+/* Sweeps behind a claim, and their failed runs; see lineage.h. */
+#include "report/lineage.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -8,177 +7,151 @@
 
 /* ---- the sweeps behind a table ---- */
 
-/* What follows a word of a command; NULL without this word. */
-static const char *word_after(const cli_words *command, const char *word)
+/* The sweep NAME; NULL where there is no such table, or one that is no sweep's. */
+static report_sweep *find_sweep(report_tables *tables, const char *name)
 {
-    for (int i = 0; i + 1 < command->n; i++)
-        if (strcmp(command->words[i], word) == 0) return command->words[i + 1];
+    const rp_table *t;
+    if (report_table(tables, name, &t) || !t || !rp_table_find_note(t, "sweep")) return NULL;
+    const char *failed = rp_table_find_note(t, "failed");
+    report_sweep *sweep = rp_arena_memory(tables->arena, 1, sizeof *sweep);
+    *sweep = (report_sweep){name, failed && strtod(failed, NULL) > 0.0 ? failed : "", t, NULL, NULL};
+    return sweep;
+}
+
+/* The same of NAME or NAME_*, the longest such name. */
+static report_sweep *find_own_sweep(report_tables *tables, const char *table)
+{
+    char *name = strcpy(rp_arena_memory(tables->arena, strlen(table) + 1, 1), table);
+    for (char *end = name + strlen(name); end; end = strrchr(name, '_')) {
+        *end = '\0';
+        report_sweep *sweep = find_sweep(tables, name);
+        if (sweep) return sweep;
+    }
     return NULL;
 }
 
-/* The command that a table comes from, if its header line is one and not too long. */
-static void read_command(const rp_table *t, cli_words *command)
+/* "FOLDER/NAME_runs.tsv" or "FOLDER/NAME.tsv" is the sweep NAME. */
+static report_sweep *find_source(report_tables *tables, const char *word)
 {
-    const char *text = rp_table_find_note(t, "command");
-    command->n = 0;
-    if (text && cli_split(text, command)) command->n = 0;
+    const char *slash = strrchr(word, '/'), *begin = slash ? slash + 1 : word;
+    size_t n = strlen(begin);
+    if (n < 4 || strcmp(begin + n - 4, ".tsv") != 0) return NULL;
+    n -= 4;
+    if (n >= 5 && strncmp(begin + n - 5, "_runs", 5) == 0) n -= 5;
+    return find_sweep(tables, report_text(tables->arena, "%.*s", (int)n, begin));
 }
 
-/* "FOLDER/NAME_runs.tsv" or "FOLDER/NAME.tsv" is the sweep NAME, where its table has one. */
-static bool find_source(const char *folders, const char *word, cli_sweep *sweep)
+/* What follows a word of a command; NULL without this word. */
+static const char *word_after(const report_words *command, const char *word)
 {
-    char name[128];
-    if (!cli_ends_in(word, ".tsv")) return false;
-    const char *slash = strrchr(word, '/');
-    snprintf(name, sizeof name, "%s", slash ? slash + 1 : word);
-    name[strlen(name) - strlen(".tsv")] = '\0';
-    if (cli_ends_in(name, "_runs")) name[strlen(name) - strlen("_runs")] = '\0';
-    return cli_find_sweep(folders, name, sweep) && strcmp(sweep->name, name) == 0;
-}
-
-/* The sweeps that the table of a reference was made of: those of its command, else the one of its name. */
-static size_t sweeps_behind(const char *folders, const char *reference, const cli_words *command,
-                            cli_sweep sweeps[CLI_MAX_SWEEPS])
-{
-    size_t n = 0;
-    for (int i = 0; i < command->n && n < CLI_MAX_SWEEPS; i++)
-        n += find_source(folders, command->words[i], &sweeps[n]);
-    return n > 0 ? n : cli_find_sweep(folders, reference, &sweeps[0]);
+    for (int i = 0; i + 1 < command->n; i++)
+        if (strcmp(command->word[i], word) == 0) return command->word[i + 1];
+    return NULL;
 }
 
 /* ---- the grid points that a cell reads ---- */
 
-/* Rows counted so far, of each sweep. */
-typedef struct {
-    size_t n;
-    cli_sweep sweeps[CLI_MAX_SWEEPS];
-    rp_table *tables[CLI_MAX_SWEEPS];
-    bool *counted[CLI_MAX_SWEEPS];
-} points;
-
-static rp_status find_points(const char *folders, const cli_sweep *sweep, points *p, size_t *at)
-{
-    char path[4096];
-    for (*at = 0; *at < p->n; (*at)++)
-        if (strcmp(p->sweeps[*at].name, sweep->name) == 0) return RP_OK;
-    if (p->n == CLI_MAX_SWEEPS) return rp_fail(RP_BAD_INPUT, "more than %d sweeps", CLI_MAX_SWEEPS);
-    cli_find_table(folders, sweep->name, path);
-    RP_TRY(cli_table_read(path, &p->tables[*at]));
-    p->counted[*at] = cli_memory(p->tables[*at]->n_rows, sizeof(bool));
-    p->sweeps[p->n++] = *sweep;
-    return RP_OK;
-}
-
 /* key=value chooses rows of a sweep by its columns; a row of all, and an extreme of a derived table, do not.
  */
-static rp_status word_matches(const rp_table *t, size_t row, const char *word, bool *matches)
+static rp_status word_matches(const rp_table *t, size_t row, char *word, bool *matches)
 {
-    char key[128];
-    const char *equals = strchr(word, '=');
+    char *equals = strchr(word, '=');
     *matches = true;
-    if (!equals) return RP_OK;
-    snprintf(key, sizeof key, "%.*s", (int)(equals - word), word);
-    if (rp_table_column(t, key) < 0 || strcmp(equals, "=nan") == 0) return RP_OK;
-    cli_words one;
-    RP_TRY(cli_split(word, &one));
-    return cli_row_matches(t, row, &one, 0, 1, matches);
+    if (!equals || strcmp(equals, "=nan") == 0) return RP_OK;
+    *equals = '\0';
+    const bool known = rp_table_column(t, word) >= 0;
+    *equals = '=';
+    return known ? report_row_matches(t, row, 1, &word, matches) : RP_OK;
+}
+
+/* The number in a cell of a sweep; NaN without such a column. */
+static double number_at(const rp_table *t, size_t row, const char *name)
+{
+    const int column = name ? rp_table_column(t, name) : -1;
+    return column < 0 ? NAN : strtod(t->cells[row * t->n_columns + (size_t)column], NULL);
 }
 
 /* A fit reads the range --from, --to of its x. */
-static bool within_range(const rp_table *t, size_t row, const cli_words *command)
+static bool within_range(const rp_table *t, size_t row, const report_words *command)
 {
-    const char *x = word_after(command, "--x"), *from = word_after(command, "--from"),
-               *to = word_after(command, "--to");
-    const int column = x ? rp_table_column(t, x) : -1;
-    if (column < 0) return true;
-    const double value = strtod(cli_text(t, row, column), NULL);
-    return !(from && value < strtod(from, NULL)) && !(to && value > strtod(to, NULL));
-}
-
-static double count_of(const rp_table *t, size_t row, const char *name)
-{
-    const int column = rp_table_column(t, name);
-    return column < 0 ? NAN : strtod(cli_text(t, row, column), NULL);
+    const char *from = word_after(command, "--from"), *to = word_after(command, "--to");
+    const double x = number_at(t, row, word_after(command, "--x"));
+    return !(from && x < strtod(from, NULL)) && !(to && x > strtod(to, NULL));
 }
 
 /* The rows that the words and the command choose. Points without any result enter no mean: only a cell of
  * the sweep itself reads them. */
-static rp_status mark_rows(points *p, size_t at, const cli_words *reference, const cli_words *command)
+static rp_status mark_rows(report_sweep *sweep, const report_words *reference, const report_words *command)
 {
-    const rp_table *t = p->tables[at];
-    const bool itself = strcmp(reference->words[0], p->sweeps[at].name) == 0;
-    const char *where = word_after(command, "--where");
+    const rp_table *t = sweep->table;
+    const bool itself = strcmp(reference->word[0], sweep->name) == 0;
+    char *where = (char *)word_after(command, "--where");
     for (size_t row = 0; row < t->n_rows; row++) {
-        bool matches = itself || (within_range(t, row, command) && count_of(t, row, "n") > 0.0);
+        bool matches = itself || (within_range(t, row, command) && number_at(t, row, "n") > 0.0);
         if (matches && where && !itself) RP_TRY(word_matches(t, row, where, &matches));
         for (int w = 1; w < reference->n - 1 && matches; w++)
-            RP_TRY(word_matches(t, row, reference->words[w], &matches));
-        p->counted[at][row] |= matches;
+            RP_TRY(word_matches(t, row, reference->word[w], &matches));
+        sweep->counted[row] |= matches;
     }
     return RP_OK;
 }
 
-static rp_status add_reference(const char *folders, const char *text, points *p)
+/* Add a sweep at the end of the list, once, and mark its rows. */
+static rp_status add_sweep(rp_arena *arena, report_sweep **list, report_sweep *sweep,
+                           const report_words *reference, const report_words *command)
 {
-    char path[4096];
-    rp_table *table;
-    cli_words reference, command;
-    cli_sweep sweeps[CLI_MAX_SWEEPS];
-    RP_TRY(cli_split(text, &reference));
-    if (reference.n < 2 || !cli_find_table(folders, reference.words[0], path)) return RP_OK;
-    RP_TRY(cli_table_read(path, &table));
-    read_command(table, &command);
-    const size_t n = sweeps_behind(folders, text, &command, sweeps);
-    for (size_t k = 0; k < n; k++) {
-        size_t at;
-        RP_TRY(find_points(folders, &sweeps[k], p, &at));
-        RP_TRY(mark_rows(p, at, &reference, &command));
+    while (*list && strcmp((*list)->name, sweep->name) != 0) list = &(*list)->next;
+    if (!*list) {
+        sweep->counted = rp_arena_memory(arena, sweep->table->n_rows, sizeof(bool));
+        *list = sweep;
     }
-    return RP_OK;
+    return mark_rows(*list, reference, command);
 }
 
-/* Both sides of a claim, and all parts of a pooled one. */
-static rp_status read_points(const cli_claim *c, const char *folders, points *p)
+static rp_status add_reference(report_tables *tables, const char *text, report_sweep **list)
 {
-    const char *const sides[] = {c->answer, c->against};
-    *p = (points){0};
-    for (size_t k = 0; k < N_OF(sides); k++)
-        for (const char *part = sides[k], *end; part; part = end ? end + 3 : NULL) {
-            char text[CLI_MAX_REFERENCE];
+    const rp_table *table;
+    const report_words reference = report_split(tables->arena, text);
+    bool any = false;
+    if (reference.n < 2) return RP_OK;
+    RP_TRY(report_table(tables, reference.word[0], &table));
+    if (!table) return RP_OK;
+    const char *line = rp_table_find_note(table, "command");
+    const report_words command = report_split(tables->arena, line ? line : "");
+    for (int i = 0; i < command.n; i++) {
+        report_sweep *sweep = find_source(tables, command.word[i]);
+        if (sweep) RP_TRY(add_sweep(tables->arena, list, sweep, &reference, &command));
+        any |= sweep != NULL;
+    }
+    report_sweep *own = any ? NULL : find_own_sweep(tables, reference.word[0]);
+    return own ? add_sweep(tables->arena, list, own, &reference, &command) : RP_OK;
+}
+
+rp_status report_sweeps(report_tables *tables, size_t n, const char *const references[],
+                        report_sweep **sweeps)
+{
+    *sweeps = NULL;
+    for (size_t k = 0; k < n; k++)
+        for (const char *part = references[k], *end; part; part = end ? end + 3 : NULL) {
             end = strstr(part, " + ");
-            snprintf(text, sizeof text, "%.*s", (int)(end ? end - part : (long)strlen(part)), part);
-            RP_TRY(add_reference(folders, text, p));
+            const int length = (int)(end ? (size_t)(end - part) : strlen(part));
+            RP_TRY(add_reference(tables, report_text(tables->arena, "%.*s", length, part), sweeps));
         }
-    return RP_OK;
-}
-
-rp_status cli_claim_sweeps(const cli_claim *c, const char *folders, cli_sweep sweeps[CLI_MAX_SWEEPS],
-                           size_t *n)
-{
-    points p;
-    *n = 0;
-    RP_TRY(read_points(c, folders, &p));
-    memcpy(sweeps, p.sweeps, sizeof p.sweeps);
-    *n = p.n;
     return RP_OK;
 }
 
 /* ---- runs without a result ---- */
 
-static const char not_stored[] = "cause not stored";
-
 /* The causes of so many of a sweep's failed runs: with their numbers if these are all. */
-static void print_causes(FILE *out, const cli_sweep *sweep, double failed)
+static const char *causes_of(rp_arena *arena, const report_sweep *sweep, double failed)
 {
     const char *open = strchr(sweep->failed, '(');
-    if (!open) {
-        fputs(not_stored, out);
-    } else if (failed == strtod(sweep->failed, NULL)) {
-        fprintf(out, "%.*s", (int)strcspn(open + 1, ")"), open + 1);
-    } else { /* names without numbers */
-        for (const char *c = open + 1; *c && *c != ')'; c++)
-            if (!strchr(" 0123456789", *c) || (*c == ' ' && c[-1] == ',')) fputc(*c, out);
-    }
+    if (!open) return "cause not stored";
+    char *text = rp_arena_memory(arena, strlen(open), 1), *to = text;
+    const bool all = failed == strtod(sweep->failed, NULL);
+    for (const char *c = open + 1; *c && *c != ')'; c++)
+        if (all || !strchr(" 0123456789", *c) || (*c == ' ' && c[-1] == ',')) *to++ = *c;
+    return text;
 }
 
 /* How the mean changes without these runs. */
@@ -187,32 +160,27 @@ static const char *push_of(const char *causes)
     static const char *const pushes[][2] = {
         {"no_pile", "the flattest piles are left out, theta_R is too large"},
         {"no_response", "the weakest piles are left out, theta_T is too large"}};
-    for (size_t k = 0; k < N_OF(pushes); k++)
+    for (size_t k = 0; k < sizeof pushes / sizeof *pushes; k++)
         if (strncmp(causes, pushes[k][0], strlen(pushes[k][0])) == 0 && !strpbrk(causes, ",;"))
             return pushes[k][1];
     return "effect on the mean not known";
 }
 
-rp_status cli_claim_failed(const cli_claim *c, const char *folders, char text[512])
+const char *report_failed(rp_arena *arena, const report_sweep *sweeps)
 {
-    points p;
-    char causes[256] = "";
+    const char *causes = "";
     double runs = 0.0, failed = 0.0;
-    *text = '\0';
-    RP_TRY(read_points(c, folders, &p));
-    FILE *out = fmemopen(causes, sizeof causes, "w");
-    for (size_t k = 0; k < p.n; k++) {
+    for (const report_sweep *s = sweeps; s; s = s->next) {
         double missing = 0.0;
-        for (size_t row = 0; row < p.tables[k]->n_rows; row++)
-            if (p.counted[k][row] && rp_table_column(p.tables[k], "n_failed") >= 0) {
-                missing += count_of(p.tables[k], row, "n_failed");
-                runs += count_of(p.tables[k], row, "n") + count_of(p.tables[k], row, "n_failed");
+        for (size_t row = 0; row < s->table->n_rows; row++)
+            if (s->counted[row] && rp_table_column(s->table, "n_failed") >= 0) {
+                missing += number_at(s->table, row, "n_failed");
+                runs += number_at(s->table, row, "n") + number_at(s->table, row, "n_failed");
             }
-        if (missing > 0.0 && failed > 0.0) fputs("; ", out);
-        if (missing > 0.0) print_causes(out, &p.sweeps[k], missing);
+        if (missing > 0.0)
+            causes =
+                report_text(arena, "%s%s%s", causes, failed > 0.0 ? "; " : "", causes_of(arena, s, missing));
         failed += missing;
     }
-    fclose(out);
-    if (failed > 0.0) snprintf(text, 512, "%g of %g (%s): %s", failed, runs, causes, push_of(causes));
-    return RP_OK;
+    return failed > 0.0 ? report_text(arena, "%g of %g (%s): %s", failed, runs, causes, push_of(causes)) : "";
 }

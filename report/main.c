@@ -1,19 +1,18 @@
 /* The program `report`: what two papers claim, what our tables say of each claim, and pages of both. */
+#include "report/pages.h"
+
 #include <math.h>
 #include <stddef.h>
 #include <string.h>
 
-#include "report/claims.h"
-#include "report/pages.h"
-
 #define CLAIMS_OPTIONS(X)                                                                                    \
-    REPORT_TABLES(X)                                                                                         \
-    REPORT_CLAIMS(X)                                                                                         \
+    REPORT_OPTIONS(X)                                                                                        \
     X(CHOICE, paper, "", "all", "all | lh | li | ours", "claims of one paper")                               \
     X(TEXT, id, "", "all", "", "one claim, with its variants")                                               \
     X(BOOL, variants, "", "false", "",                                                                       \
       "also the claims under other choices that a paper leaves open; the header does not count them")
 
+static rp_arena memory;
 CLI_OPTIONS(claims, CLAIMS_OPTIONS)
 CLI_OPTIONS(published, REPORT_CLAIMS)
 
@@ -24,7 +23,7 @@ static bool one_alone(const claims_options *o)
     return strcmp(o->id, "all") != 0;
 }
 
-static bool is_asked_for(const cli_claim *c, const claims_options *o)
+static bool is_asked_for(const report_claim *c, const claims_options *o)
 {
     if (o->paper > 0 && strcmp(papers[o->paper], c->paper) != 0) return false;
     if (one_alone(o)) return strcmp(o->id, c->id) == 0 || strcmp(o->id, c->of) == 0;
@@ -37,66 +36,62 @@ static const char *or_dash(const char *text)
     return *text ? text : "-";
 }
 
-static void note_counts(const cli_claims *all, const cli_judged judged[], const claims_options *o)
+static void note_counts(rp_arena *arena, const report_claims *all, const report_judged judged[],
+                        const claims_options *o)
 {
-    char text[256];
     for (size_t p = 1; p < N_OF(papers); p++) {
         if (one_alone(o) || (o->paper > 0 && o->paper != (int)p)) continue;
-        cli_claims_count(all, judged, papers[p], text);
+        const char *text = report_count(arena, all, judged, papers[p]);
         if (*text) rp_table_note(stdout, papers[p], "%s", text);
     }
 }
 
-static void print_verdicts(const cli_claims *all, const cli_judged judged[], const claims_options *o)
+static void print_verdicts(rp_arena *arena, const report_claims *all, const report_judged judged[],
+                           const claims_options *o)
 {
     rp_table_header(stdout,
                     "id, paper, place, statement, test, published, samples, answer, ours, n, z_error, "
                     "z_deviation, detail, verdict, failed");
     for (size_t i = 0; i < all->n; i++) {
-        const cli_claim *c = &all->claims[i];
-        const cli_judged *j = &judged[i];
-        char published[128];
+        const report_claim *c = &all->claims[i];
+        const report_judged *j = &judged[i];
         if (!is_asked_for(c, o)) continue;
-        cli_claim_published(c, published);
         printf("%s\t%s\t%s\t%s\t%s\t%s\t%g\t%s\t%s\t", c->id, c->paper, or_dash(c->place), c->statement,
-               c->test_word, or_dash(published), c->samples, or_dash(c->answer), or_dash(j->text));
-        printf("%g\t%.3g\t%.3g\t%s\t%s\t%s\n", fabs(j->n), j->match.z_error, j->match.z_deviation, j->reason,
-               stats_verdict_texts[j->verdict], or_dash(j->failed));
+               c->test, or_dash(report_published(arena, c)), c->samples, or_dash(c->answer),
+               or_dash(j->text));
+        printf("%g\t%.3g\t%.3g\t%s\t%s\t%s\n", fabs(j->ours.n), j->match.z_error, j->match.z_deviation,
+               j->reason, stats_verdict_texts[j->verdict], or_dash(j->failed));
     }
-}
-
-static rp_status judge_all(const cli_claims *all, const claims_options *o)
-{
-    cli_judged *judged;
-    RP_TRY(cli_claims_judge(all, o->tables, &judged));
-    cli_table(stdout);
-    note_counts(all, judged, o);
-    print_verdicts(all, judged, o);
-    return RP_OK;
 }
 
 static rp_status print_claims(void *values)
 {
     const claims_options *o = values;
-    cli_claims all;
-    const cli_claim *one;
-    RP_TRY(cli_claims_read(o->claims, &all));
-    if (one_alone(o)) RP_TRY(cli_claims_find(&all, o->id, &one));
-    return judge_all(&all, o);
+    report_tables tables = {&memory, o->tables, NULL};
+    report_claims all;
+    report_judged *judged;
+    const report_claim *one;
+    RP_TRY(report_claims_read(tables.arena, o->claims, &all));
+    if (one_alone(o)) RP_TRY(report_claims_find(&all, o->id, &one));
+    RP_TRY(report_judge(&all, &tables, &judged));
+    cli_table(stdout);
+    note_counts(tables.arena, &all, judged, o);
+    print_verdicts(tables.arena, &all, judged, o);
+    return RP_OK;
 }
 
 static rp_status print_published(void *values)
 {
     const published_options *o = values;
-    cli_claims all;
-    RP_TRY(cli_claims_read(o->claims, &all));
+    report_claims all;
+    RP_TRY(report_claims_read(&memory, o->claims, &all));
     cli_table(stdout);
     rp_table_header(stdout, "id, paper, published [own], published_se [own], samples");
     for (size_t i = 0; i < all.n; i++) {
-        const cli_claim *c = &all.claims[i];
-        if (*c->of || isnan(c->published.value)) continue;
-        printf("%s\t%s\t%s\t%s\t%g\n", c->id, c->paper, c->published_text, *c->se_text ? c->se_text : "0",
-               c->samples);
+        const report_claim *c = &all.claims[i];
+        if (*c->of || isnan(c->number.value)) continue;
+        printf("%s\t%s\t%s\t%s\t%g\n", c->id, c->paper, c->published,
+               *c->published_se ? c->published_se : "0", c->samples);
     }
     return RP_OK;
 }

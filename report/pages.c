@@ -1,335 +1,303 @@
-/* `report page`: a text whose numbers and verdicts come from tables and from the claims; see the help
- * below. */
+/* `report page`: a text whose numbers and verdicts come from tables and from the claims; see the help below.
+ */
+#include "report/pages.h"
+
 #include <glob.h>
 #include <math.h>
 #include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "report/pages.h"
-
-#include "report/claims.h"
-#include "cli/cli.h"
+#include "core/file.h"
+#include "report/lineage.h"
 
 #define PAGE_OPTIONS(X)                                                                                      \
-    REPORT_TABLES(X)                                                                                         \
-    REPORT_CLAIMS(X)                                                                                         \
+    REPORT_OPTIONS(X)                                                                                        \
     X(TEXT, o, "", "-", "", "file to write; - is standard output")
 
+static rp_arena memory;
 CLI_OPTIONS(page, PAGE_OPTIONS)
 
 enum { MAX_DEPTH = 2 };
 
 typedef struct {
-    const page_options *options;
+    report_tables tables;
     const char *template;
-    cli_claims claims;
-    cli_judged *judged; /* each claim, from the first place on that asks for one */
+    report_claims claims;
+    report_judged *judged; /* each claim, from the first place on that asks for one */
     FILE *out;
     int depth;
-    char lacking[128]; /* table that the line asks for and nobody has made; "" */
-} report;
+    const char *lacking; /* table that the line asks for and nobody has made; NULL: none */
+} page;
 
 static const char no_data[] = "no data";
 
 /* ---- tables ---- */
 
 /* A cell's text under a format, or with "+-" its number with the error. */
-static rp_status fill_text(report *r, const cli_cell *cell, const char *format)
+static rp_status fill_text(page *p, const report_cell *cell, const char *format)
 {
+    rp_arena *arena = p->tables.arena;
+    const char *text = report_cell_text(cell, cell->column);
     stats_number number;
-    const char *text = cli_cell_text(cell, cell->column);
     if (format && strcmp(format, "+-") == 0) {
-        RP_TRY(cli_cell_number(cell, &number));
-        cli_print_number(r->out, number);
-        return RP_OK;
-    }
-    if (text && *cell->column == '#') {
-        fputs(text, r->out);
-        return RP_OK;
-    }
-    return text ? cli_print_text(r->out, text, format)
-                : rp_table_find(cell->table, cell->column, NULL, &(int){0});
-}
-
-static rp_status fill_cell(report *r, const char *reference, const char *format)
-{
-    cli_cell cell;
-    RP_TRY(cli_cell_find(r->options->tables, reference, &cell));
-    if (!cell.missing) return fill_text(r, &cell, format);
-    reference += strspn(reference, " ");
-    snprintf(r->lacking, sizeof r->lacking, "%.*s", (int)strcspn(reference, " "), reference);
-    fputs(no_data, r->out);
+        RP_TRY(report_cell_number(cell, &number));
+        text = report_number(arena, number);
+    } else if (!text)
+        return rp_table_find(cell->table, cell->column, NULL, &(int){0});
+    else if (*cell->column != '#')
+        RP_TRY(report_format(arena, text, format, &text));
+    fputs(text, p->out);
     return RP_OK;
 }
 
-static rp_status fill_note(report *r, const cli_words *w)
+static rp_status fill_cell(page *p, const char *reference, const char *format)
 {
-    char reference[2 * CLI_MAX_REFERENCE];
+    report_cell cell;
+    RP_TRY(report_cell_find(&p->tables, reference, &cell));
+    if (cell.table) return fill_text(p, &cell, format);
+    p->lacking = report_split(p->tables.arena, reference).word[0];
+    fputs(no_data, p->out);
+    return RP_OK;
+}
+
+static rp_status fill_note(page *p, const report_words *w)
+{
     if (w->n != 3) return rp_fail(RP_BAD_INPUT, "{{note ...}}: table and key expected");
-    snprintf(reference, sizeof reference, "%s #%s", w->words[1], w->words[2]);
-    return fill_cell(r, reference, NULL);
+    return fill_cell(p, report_text(p->tables.arena, "%s #%s", w->word[1], w->word[2]), NULL);
 }
 
 /* One cell of a line of {{rows}}: COLUMN, COLUMN:FORMAT or COLUMN:+-. */
-static rp_status fill_column(report *r, cli_cell *cell, char *word)
+static rp_status fill_column(page *p, const rp_table *table, size_t row, const char *word)
 {
-    char *format = strchr(word, ':');
-    if (format) *format = '\0';
-    cell->column = word;
-    rp_status status = fill_text(r, cell, format ? format + 1 : NULL);
-    if (format) *format = ':';
-    return status;
+    const char *colon = strchr(word, ':');
+    const int length = (int)(colon ? (size_t)(colon - word) : strlen(word));
+    const report_cell cell = {table, row, report_text(p->tables.arena, "%.*s", length, word)};
+    return fill_text(p, &cell, colon ? colon + 1 : NULL);
 }
 
-static rp_status fill_rows(report *r, cli_words *w)
+static rp_status fill_rows(page *p, const report_words *w)
 {
     int bar = 2;
-    cli_cell cell = {0};
-    while (bar < w->n && strcmp(w->words[bar], "|") != 0) bar++;
+    const rp_table *table;
+    while (bar < w->n && strcmp(w->word[bar], "|") != 0) bar++;
     if (bar >= w->n - 1) return rp_fail(RP_BAD_INPUT, "{{rows ...}}: a table, | and columns expected");
-    if (!cli_find_table(r->options->tables, w->words[1], cell.path)) {
-        fprintf(r->out, "| %s |", no_data);
-        return RP_OK;
-    }
-    RP_TRY(cli_table_read(cell.path, &cell.table));
-    bool first = true;
-    for (cell.row = 0; cell.row < cell.table->n_rows; cell.row++) {
+    RP_TRY(report_table(&p->tables, w->word[1], &table));
+    if (!table) return fprintf(p->out, "| %s |", no_data), RP_OK;
+    const char *begin = "|";
+    for (size_t row = 0; row < table->n_rows; row++) {
         bool matches;
-        RP_TRY(cli_row_matches(cell.table, cell.row, w, 2, bar, &matches));
+        RP_TRY(report_row_matches(table, row, bar - 2, w->word + 2, &matches));
         if (!matches) continue;
-        fputs(first ? "|" : "\n|", r->out);
-        first = false;
+        fputs(begin, p->out);
+        begin = "\n|";
         for (int k = bar + 1; k < w->n; k++) {
-            fputc(' ', r->out);
-            RP_TRY(fill_column(r, &cell, w->words[k]));
-            fputs(" |", r->out);
+            fputc(' ', p->out);
+            RP_TRY(fill_column(p, table, row, w->word[k]));
+            fputs(" |", p->out);
         }
     }
-    if (first) return rp_fail(RP_BAD_INPUT, "%s: no row for {{rows ...}}", cell.path);
-    return RP_OK;
+    return *begin == '|' ? rp_fail(RP_BAD_INPUT, "%s: no row for {{rows ...}}", table->path) : RP_OK;
 }
 
 /* ---- claims ---- */
 
-static rp_status judge(report *r)
+static rp_status judge(page *p)
 {
-    return r->judged ? RP_OK : cli_claims_judge(&r->claims, r->options->tables, &r->judged);
+    return p->judged ? RP_OK : report_judge(&p->claims, &p->tables, &p->judged);
 }
 
 /* What `word` asks of a claim: published, ours, number, verdict. */
-static rp_status fill_claim(report *r, const char *id, char word)
+static rp_status fill_claim(page *p, const char *id, char word)
 {
-    const cli_claim *claim = NULL;
-    char text[128];
-    RP_TRY(cli_claims_find(&r->claims, id, &claim));
-    if (word == 'p') {
-        cli_claim_published(claim, text);
-        fputs(text, r->out);
-        return RP_OK;
-    }
-    RP_TRY(judge(r));
-    const cli_judged *j = &r->judged[claim - r->claims.claims];
-    if (word == 'n' && isfinite(j->n)) return fprintf(r->out, "%.0f", j->n), RP_OK;
-    if (word == 'n') return fputs(no_data, r->out), RP_OK;
-    fputs(word == 'v' ? j->reason : *j->text ? j->text : no_data, r->out);
+    const report_claim *claim = NULL;
+    RP_TRY(report_claims_find(&p->claims, id, &claim));
+    if (word == 'p') return fputs(report_published(p->tables.arena, claim), p->out), RP_OK;
+    RP_TRY(judge(p));
+    const report_judged *j = &p->judged[claim - p->claims.claims];
+    if (word == 'n' && isfinite(j->ours.n)) return fprintf(p->out, "%.0f", j->ours.n), RP_OK;
+    fputs(word == 'v' ? j->reason : word == 'o' && *j->text ? j->text : no_data, p->out);
     return RP_OK;
-}
-
-/* What is claimed, and of what the numbers are. */
-static void print_statement(report *r, const cli_claim *c)
-{
-    fputs(c->statement, r->out);
-    if (*c->note && c->test != CLAIM_UNTESTABLE) fprintf(r->out, " (%s)", c->note);
 }
 
 /* A claim as a line of a table: with its name, samples, values and reason. */
-static void print_in_full(report *r, const cli_claim *c, const cli_judged *j)
+static void print_in_full(page *p, const report_claim *c, const report_judged *j)
 {
-    char published[160], values[600] = "";
-    cli_claim_published(c, published);
-    if (isfinite(j->n)) snprintf(values, sizeof values, "%.0f", j->n);
-    if (*j->failed) {
-        const int count = (int)strcspn(j->failed, "(");
-        snprintf(values + strlen(values), sizeof values - strlen(values), "; %.*sfailed %s", count, j->failed,
-                 j->failed + count);
-    }
-    if (c->samples > 0.0 && *published)
-        snprintf(published + strlen(published), sizeof published - strlen(published), " (%.0f)", c->samples);
-    fprintf(r->out, "\n| %s%s | ", *c->of ? "variant " : "", c->id);
-    print_statement(r, c);
-    fprintf(r->out, " | %s | %s | %s | %s |", published, j->text, values, j->reason);
+    const char *published = report_published(p->tables.arena, c);
+    const int count = (int)strcspn(j->failed, "(");
+    fprintf(p->out, "%s%s | %s", *c->of ? "variant " : "", c->id, c->statement);
+    if (*c->note && c->kind != CLAIM_UNTESTABLE) fprintf(p->out, " (%s)", c->note);
+    fprintf(p->out, " | %s", published);
+    if (c->samples > 0.0 && *published) fprintf(p->out, " (%.0f)", c->samples);
+    fprintf(p->out, " | %s | ", j->text);
+    if (isfinite(j->ours.n)) fprintf(p->out, "%.0f", j->ours.n);
+    if (*j->failed) fprintf(p->out, "; %.*sfailed %s", count, j->failed, j->failed + count);
+    fprintf(p->out, " | %s |", j->reason);
 }
 
 /* The line that is read first: what is claimed, both numbers, the verdict. */
-static void print_in_short(report *r, const cli_claim *c, const cli_judged *j)
+static void print_in_short(page *p, const report_claim *c, const report_judged *j)
 {
-    char published[128];
-    cli_claim_published(c, published);
-    fputs("\n| ", r->out);
-    print_statement(r, c);
-    fprintf(r->out, " | %s | %s | %s |", published, j->text,
-            c->test == CLAIM_UNTESTABLE ? j->reason : stats_verdict_texts[j->verdict]);
+    fputs(c->statement, p->out);
+    if (*c->note && c->kind != CLAIM_UNTESTABLE) fprintf(p->out, " (%s)", c->note);
+    fprintf(p->out, " | %s | %s | %s |", report_published(p->tables.arena, c), j->text,
+            c->kind == CLAIM_UNTESTABLE ? j->reason : stats_verdict_texts[j->verdict]);
 }
 
 /* The claims of a section; in short without their variants. */
-static rp_status fill_section(report *r, const char *section, bool in_full)
+static rp_status fill_section(page *p, const char *word, const char *section)
 {
-    RP_TRY(judge(r));
+    const bool in_full = strcmp(word, "claims") == 0;
     bool any = false;
+    RP_TRY(judge(p));
     fputs(in_full ? "| claim | what it says | paper (samples) | ours | values | verdict "
                     "|\n|---|---|---|---|---|---|"
                   : "| claim | paper | ours | verdict |\n|---|---|---|---|",
-          r->out);
-    for (size_t i = 0; i < r->claims.n; i++) {
-        const cli_claim *c = &r->claims.claims[i];
+          p->out);
+    for (size_t i = 0; i < p->claims.n; i++) {
+        const report_claim *c = &p->claims.claims[i];
         if (strcmp(c->section, section) != 0 || (*c->of && !in_full)) continue;
-        (in_full ? print_in_full : print_in_short)(r, c, &r->judged[i]);
+        fputs("\n| ", p->out);
+        (in_full ? print_in_full : print_in_short)(p, c, &p->judged[i]);
         any = true;
     }
-    return any ? RP_OK
-               : rp_fail(RP_BAD_INPUT, "{{%s %s}}: no claim has this section", in_full ? "claims" : "scores",
-                         section);
+    return any ? RP_OK : rp_fail(RP_BAD_INPUT, "{{%s %s}}: no claim has this section", word, section);
 }
 
 /* A line for each sweep behind the claims that has runs without a result. */
-static rp_status fill_failures(report *r, const char *which)
+static rp_status fill_failures(page *p, const char *which)
 {
+    const size_t n = p->claims.n;
     if (strcmp(which, "all") != 0) return rp_fail(RP_BAD_INPUT, "{{failures %s}}: allowed: all", which);
-    cli_sweep sweeps[CLI_MAX_SWEEPS], *listed = cli_memory(r->claims.n * CLI_MAX_SWEEPS, sizeof *listed);
-    size_t n, n_listed = 0;
-    for (size_t i = 0; i < r->claims.n; i++) {
-        RP_TRY(cli_claim_sweeps(&r->claims.claims[i], r->options->tables, sweeps, &n));
-        for (size_t k = 0; k < n; k++) {
-            bool again = !*sweeps[k].failed;
-            for (size_t l = 0; l < n_listed && !again; l++)
-                again = strcmp(listed[l].name, sweeps[k].name) == 0;
-            if (again) continue;
-            fprintf(r->out, "%s| `%s` | %s%s |", n_listed > 0 ? "\n" : "", sweeps[k].name, sweeps[k].failed,
-                    strchr(sweeps[k].failed, '(') ? "" : " (causes not stored)");
-            listed[n_listed++] = sweeps[k];
-        }
+    const char **sides = rp_arena_memory(p->tables.arena, 2 * n, sizeof *sides), *begin = "";
+    report_sweep *sweeps;
+    for (size_t i = 0; i < n; i++) {
+        sides[2 * i] = p->claims.claims[i].answer;
+        sides[2 * i + 1] = p->claims.claims[i].against;
+    }
+    RP_TRY(report_sweeps(&p->tables, 2 * n, sides, &sweeps));
+    for (const report_sweep *s = sweeps; s; s = s->next) {
+        if (!*s->failed) continue;
+        fprintf(p->out, "%s| `%s` | %s%s |", begin, s->name, s->failed,
+                strchr(s->failed, '(') ? "" : " (causes not stored)");
+        begin = "\n";
     }
     return RP_OK;
 }
 
-static rp_status fill_counts(report *r, const char *paper)
+static rp_status fill_counts(page *p, const char *paper)
 {
-    char text[256];
-    RP_TRY(judge(r));
-    cli_claims_count(&r->claims, r->judged, paper, text);
-    fputs(text, r->out);
+    RP_TRY(judge(p));
+    fputs(report_count(p->tables.arena, &p->claims, p->judged, paper), p->out);
     return RP_OK;
 }
 
 /* ---- places ---- */
 
-static rp_status fill_file(report *r, const char *path);
+static rp_status fill_file(page *p, const char *path);
 
-static rp_status fill_include(report *r, const char *pattern)
+static rp_status fill_include(page *p, const char *pattern)
 {
-    char full[4096];
     glob_t found;
-    const char *slash = strrchr(r->template, '/');
-    snprintf(full, sizeof full, "%.*s%s", slash ? (int)(slash - r->template + 1) : 0, r->template, pattern);
-    if (r->depth == MAX_DEPTH) return rp_fail(RP_BAD_INPUT, "{{include %s}}: in an included text", pattern);
+    const char *slash = strrchr(p->template, '/'), *full;
+    const int folder = slash ? (int)(slash - p->template + 1) : 0;
+    if (p->depth == MAX_DEPTH) return rp_fail(RP_BAD_INPUT, "{{include %s}}: in an included text", pattern);
+    RP_TRY(rp_path(p->tables.arena, &full, "%.*s%s", folder, p->template, pattern));
     if (glob(full, 0, NULL, &found) != 0) return rp_fail(RP_BAD_INPUT, "{{include ...}}: no file %s", full);
     rp_status status = RP_OK;
     for (size_t i = 0; i < found.gl_pathc && !status; i++) {
-        if (i > 0) fputc('\n', r->out);
-        status = fill_file(r, found.gl_pathv[i]);
+        if (i > 0) fputc('\n', p->out);
+        status = fill_file(p, found.gl_pathv[i]);
     }
     globfree(&found);
     return status;
 }
 
-static rp_status fill_place(report *r, char *text)
+static rp_status fill_place(page *p, char *text)
 {
-    cli_words w;
-    RP_TRY(cli_split(text, &w));
+    const report_words w = report_split(p->tables.arena, text);
     if (w.n < 2) return rp_fail(RP_BAD_INPUT, "{{%s}}: a word and what it is of expected", text);
-    char *rest = text + strspn(text, " ") + strlen(w.words[0]);
-    const char *word = w.words[0], *first = w.words[1];
-    if (strcmp(word, "value") == 0) return fill_cell(r, rest, "+-");
+    char *rest = text + strspn(text, " ") + strlen(w.word[0]);
+    const char *word = w.word[0], *first = w.word[1];
+    if (strcmp(word, "value") == 0) return fill_cell(p, rest, "+-");
     if (strcmp(word, "cell") == 0) {
         char *format = strstr(rest, " %"); /* the last word may be one */
         if (format) *format++ = '\0';
-        return fill_cell(r, rest, format);
+        return fill_cell(p, rest, format);
     }
-    if (strcmp(word, "note") == 0) return fill_note(r, &w);
-    if (strcmp(word, "rows") == 0) return fill_rows(r, &w);
+    if (strcmp(word, "note") == 0) return fill_note(p, &w);
+    if (strcmp(word, "rows") == 0) return fill_rows(p, &w);
     if (strcmp(word, "published") == 0 || strcmp(word, "ours") == 0 || strcmp(word, "number") == 0 ||
         strcmp(word, "verdict") == 0)
-        return fill_claim(r, first, *word);
-    if (strcmp(word, "claims") == 0) return fill_section(r, first, true);
-    if (strcmp(word, "scores") == 0) return fill_section(r, first, false);
-    if (strcmp(word, "counts") == 0) return fill_counts(r, first);
-    if (strcmp(word, "failures") == 0) return fill_failures(r, first);
-    if (strcmp(word, "include") == 0) return fill_include(r, first);
+        return fill_claim(p, first, *word);
+    if (strcmp(word, "claims") == 0 || strcmp(word, "scores") == 0) return fill_section(p, word, first);
+    if (strcmp(word, "counts") == 0) return fill_counts(p, first);
+    if (strcmp(word, "failures") == 0) return fill_failures(p, first);
+    if (strcmp(word, "include") == 0) return fill_include(p, first);
     return rp_fail(RP_BAD_INPUT, "{{%s ...}}: unknown word", word);
 }
 
-static rp_status fill_places(report *r, char *line)
+static rp_status fill_places(page *p, char *line)
 {
     for (char *open; (open = strstr(line, "{{"));) {
         char *close = strstr(open, "}}");
         if (!close) return rp_fail(RP_BAD_INPUT, "{{ without }} in the same line");
-        fwrite(line, 1, (size_t)(open - line), r->out);
+        fwrite(line, 1, (size_t)(open - line), p->out);
         *close = '\0';
-        RP_TRY(fill_place(r, open + 2));
+        RP_TRY(fill_place(p, open + 2));
         line = close + 2;
     }
-    fputs(line, r->out);
+    fputs(line, p->out);
     return RP_OK;
 }
 
 /* A line of text is sentences: without a number of theirs it is left out, and says why. */
-static rp_status fill_line(report *r, char *line)
+static rp_status fill_line(page *p, char *line)
 {
     if (*line == '|' || strncmp(line, "{{rows", 6) == 0 || strncmp(line, "{{include", 9) == 0)
-        return fill_places(r, line);
-    FILE *out = r->out;
+        return fill_places(p, line);
+    FILE *out = p->out;
     char *text = NULL;
     size_t size;
-    if (!(r->out = open_memstream(&text, &size))) return rp_fail(RP_NO_MEMORY, "report: out of memory");
-    r->lacking[0] = '\0';
-    rp_status status = fill_places(r, line);
-    fclose(r->out);
-    r->out = out;
-    if (!status && *r->lacking)
-        fprintf(out, "No data: `%s.tsv` has not been made.", r->lacking);
+    if (!(p->out = open_memstream(&text, &size))) return rp_fail(RP_NO_MEMORY, "page: out of memory");
+    p->lacking = NULL;
+    rp_status status = fill_places(p, line);
+    fclose(p->out);
+    p->out = out;
+    if (!status && p->lacking)
+        fprintf(out, "No data: `%s.tsv` has not been made.", p->lacking);
     else if (!status)
         fputs(text, out);
     free(text);
     return status;
 }
 
-static rp_status fill_file(report *r, const char *path)
+static rp_status fill_file(page *p, const char *path)
 {
     char *text;
     int number = 1;
     rp_status status = rp_file_read(path, &text);
-    r->depth++;
+    p->depth++;
     for (char *line = text, *end; !status && line && *line; line = end, number++) {
         end = strchr(line, '\n');
         if (end) *end++ = '\0';
-        if ((status = fill_line(r, line)) != RP_OK)
+        if ((status = fill_line(p, line)) != RP_OK)
             rp_prefix(status, "%s:%d: ", path, number);
         else if (end)
-            fputc('\n', r->out);
+            fputc('\n', p->out);
     }
-    r->depth--;
+    p->depth--;
     free(text);
     return status;
 }
 
-static rp_status fill_report(void *values)
+static rp_status fill_page(void *values)
 {
     const page_options *o = values;
-    report r = {.options = o, .template = cli_argument(0)};
-    RP_TRY(cli_claims_read(o->claims, &r.claims));
-    RP_TRY(rp_file_open(o->o, &r.out));
-    return rp_file_close(o->o, r.out, fill_file(&r, r.template));
+    page p = {.tables = {&memory, o->tables, NULL}, .template = cli_argument(0)};
+    RP_TRY(report_claims_read(p.tables.arena, o->claims, &p.claims));
+    RP_TRY(rp_file_open(o->o, &p.out));
+    return rp_file_close(o->o, p.out, fill_file(&p, p.template));
 }
 
 const cli_command report_page = {
@@ -357,4 +325,4 @@ const cli_command report_page = {
     "report page report/text/paper-repro.md.in -o paper-repro.md",
     page_params,
     .prints_text = true,
-    .act = fill_report};
+    .act = fill_page};

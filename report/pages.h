@@ -1,8 +1,16 @@
-/* A text whose numbers and verdicts come from tables and from the claims: `report page`. */
+/* The command `report page`: a text whose numbers and verdicts come from tables and from the claims. */
 #ifndef REPORT_PAGES_H
 #define REPORT_PAGES_H
 
 #include "cli/cli.h"
+#include "report/claims.h"
+
+/* Options of the commands. */
+#define REPORT_CLAIMS(X) X(TEXT, claims, "", "report/claims.tsv", "", "file of the claims")
+#define REPORT_OPTIONS(X)                                                                                    \
+    X(TEXT, tables, "", "results,build/tables", "",                                                          \
+      "folders of tables, joined by commas; a table is read from the first folder that holds it")            \
+    REPORT_CLAIMS(X)
 
 extern const cli_command report_page;
 
