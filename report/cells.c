@@ -2,28 +2,14 @@
 #include "report/cells.h"
 
 #include <math.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
-const char *report_text(rp_arena *arena, const char *format, ...)
-{
-    va_list args, again;
-    va_start(args, format);
-    va_copy(again, args);
-    const size_t size = (size_t)vsnprintf(NULL, 0, format, args) + 1;
-    char *text = rp_arena_memory(arena, size, 1);
-    vsnprintf(text, size, format, again);
-    va_end(args);
-    va_end(again);
-    return text;
-}
-
 report_words report_split(rp_arena *arena, const char *text)
 {
-    char *copy = strcpy(rp_arena_memory(arena, strlen(text) + 1, 1), text), *save;
+    char *copy = rp_text(arena, "%s", text), *save;
     report_words words = {.word = rp_arena_memory(arena, strlen(text) / 2 + 1, sizeof *words.word)};
     for (char *word = strtok_r(copy, " ", &save); word; word = strtok_r(NULL, " ", &save))
         words.word[words.n++] = word;
@@ -55,7 +41,7 @@ rp_status report_table(report_tables *tables, const char *name, const rp_table *
         RP_TRY(rp_path(arena, &path, "%.*s/%s.tsv", (int)strcspn(folder, ","), folder, name));
         if (access(path, F_OK) != 0) continue;
         struct report_read *read = rp_arena_memory(arena, 1, sizeof *read);
-        *read = (struct report_read){tables->read, report_text(arena, "%s", name), {0}};
+        *read = (struct report_read){tables->read, rp_text(arena, "%s", name), {0}};
         const rp_status status = rp_table_read(path, &read->table);
         rp_arena_keep(arena, &read->table, free_table);
         RP_TRY(status);
@@ -142,76 +128,46 @@ const char *report_cell_text(const report_cell *cell, const char *column)
     return c < 0 ? NULL : text_at(cell->table, cell->row, c);
 }
 
-/* The column NAME, without the last letters of the name, and with another ending; -1: none. */
-static int column_of(const report_cell *cell, size_t without, const char *ending)
-{
-    const rp_table *t = cell->table;
-    const size_t kept = strlen(cell->column) - without;
-    for (size_t c = 0; c < t->n_columns; c++)
-        if (strncmp(t->names[c], cell->column, kept) == 0 && strcmp(t->names[c] + kept, ending) == 0)
-            return (int)c;
-    return -1;
-}
-
-static rp_status number_in(const report_cell *cell, int column, double *value)
-{
-    *value = NAN;
-    return column < 0 ? RP_OK : rp_table_number(cell->table, cell->row, column, true, value);
-}
-
 rp_status report_cell_column(const report_cell *cell, const char *column, double *value)
 {
-    return number_in(cell, rp_table_column(cell->table, column), value);
+    const int c = rp_table_column(cell->table, column);
+    *value = NAN;
+    return c < 0 ? RP_OK : rp_table_number(cell->table, cell->row, c, true, value);
 }
 
-rp_status report_cell_part(const report_cell *cell, const char *ending, double *value)
-{
-    return number_in(cell, column_of(cell, 0, ending), value);
-}
+/* ---- numbers ---- */
 
 static bool ends_in(const char *text, const char *end)
 {
     return strlen(text) >= strlen(end) && strcmp(text + strlen(text) - strlen(end), end) == 0;
 }
 
-bool report_cell_is_mean(const report_cell *cell)
+/* Length of the name of the cell's column, without this ending. */
+static size_t stem(const report_cell *cell, const char *end)
 {
-    return column_of(cell, 0, "_mean") >= 0;
+    return strlen(cell->column) - (ends_in(cell->column, end) ? strlen(end) : 0);
 }
 
-bool report_cell_is_deviation(const report_cell *cell)
+/* The column with another ending in place of `end`; NULL where the table has none. */
+static const char *beside(const report_cell *cell, const char *end, const char *ending)
 {
-    return ends_in(cell->column, "_sd");
+    const size_t kept = stem(cell, end);
+    char *const *names = cell->table->names;
+    for (size_t c = 0; c < cell->table->n_columns; c++)
+        if (strncmp(names[c], cell->column, kept) == 0 && strcmp(names[c] + kept, ending) == 0)
+            return names[c];
+    return NULL;
 }
 
-/* Letters of the column's name that a mean's does not have. */
-static size_t sd_length(const report_cell *cell)
+/* The error of a mean is tested by Student's t; that of a fit or a bootstrap stands as it is. */
+static void set_tested(report_number *number, bool is_mean)
 {
-    return report_cell_is_deviation(cell) ? strlen("_sd") : 0;
-}
-
-rp_status report_cell_count(const report_cell *cell, double *n)
-{
-    const int own = column_of(cell, sd_length(cell), "_n");
-    return own >= 0 ? number_in(cell, own, n) : report_cell_column(cell, "n", n);
-}
-
-rp_status report_cell_summary(const report_cell *cell, stats_summary *values)
-{
-    static const char *const endings[] = {"_mean", "_sd", "_n"};
-    double numbers[3];
-    for (size_t k = 0; k < 3; k++) {
-        RP_TRY(number_in(cell, column_of(cell, sd_length(cell), endings[k]), &numbers[k]));
-        if (isnan(numbers[k]))
-            return rp_fail(RP_BAD_INPUT, "%s: no column %.*s%s with a number", cell->table->path,
-                           (int)(strlen(cell->column) - sd_length(cell)), cell->column, endings[k]);
-    }
-    *values = (stats_summary){.mean = numbers[0], .sd = numbers[1], .n = (size_t)numbers[2]};
-    return RP_OK;
+    number->tested = is_mean ? stats_of_few(number->shown, number->n) : number->shown;
+    number->dof = is_mean ? number->n - 1.0 : INFINITY;
 }
 
 /* The number that the header line "# KEY: text" starts with. */
-static rp_status note_number(const report_cell *cell, stats_number *number)
+static rp_status read_note(const report_cell *cell, stats_number *number)
 {
     char *end;
     const char *text = report_cell_text(cell, cell->column);
@@ -221,19 +177,87 @@ static rp_status note_number(const report_cell *cell, stats_number *number)
                    cell->column + 1);
 }
 
-rp_status report_cell_number(const report_cell *cell, stats_number *number)
+/* NAME_mean and NAME_se, or NAME_deg and NAME_se_deg, or NAME and NAME_se. */
+static rp_status read_value(const report_cell *cell, double n, stats_number *number)
 {
-    if (*cell->column == '#') return note_number(cell, number);
-    int value = column_of(cell, 0, "_mean"), error = column_of(cell, 0, "_se");
-    if (error < 0 && ends_in(cell->column, "_deg")) error = column_of(cell, strlen("_deg"), "_se_deg");
-    if (value < 0) RP_TRY(rp_table_find(cell->table, cell->column, NULL, &value));
-    number->se = 0.0;
-    RP_TRY(number_in(cell, value, &number->value));
-    if (error >= 0) return number_in(cell, error, &number->se);
-    if (!report_cell_is_deviation(cell)) return RP_OK;
-    double n;
-    RP_TRY(report_cell_count(cell, &n));
-    number->se = stats_deviation_error(number->value, n);
+    const char *mean = beside(cell, "", "_mean"), *error = beside(cell, "", "_se");
+    if (!mean) RP_TRY(rp_table_find(cell->table, cell->column, NULL, &(int){0}));
+    if (!error && ends_in(cell->column, "_deg")) error = beside(cell, "_deg", "_se_deg");
+    RP_TRY(report_cell_column(cell, mean ? mean : cell->column, &number->value));
+    number->se = ends_in(cell->column, "_sd") ? stats_deviation_error(number->value, n) : 0.0;
+    return error ? report_cell_column(cell, error, &number->se) : RP_OK;
+}
+
+rp_status report_cell_number(const report_cell *cell, report_number *number)
+{
+    const char *n = beside(cell, "_sd", "_n");
+    RP_TRY(report_cell_column(cell, n ? n : "n", &number->n));
+    RP_TRY(report_cell_column(cell, "p_fit", &number->p_fit));
+    RP_TRY(*cell->column == '#' ? read_note(cell, &number->shown)
+                                : read_value(cell, number->n, &number->shown));
+    set_tested(number, beside(cell, "", "_mean"));
+    return RP_OK;
+}
+
+/* Mean, standard deviation and number of the values. */
+static rp_status read_summary(const report_cell *cell, stats_summary *values)
+{
+    static const char *const endings[] = {"_mean", "_sd", "_n"};
+    double numbers[3] = {NAN, NAN, NAN};
+    for (size_t k = 0; k < 3; k++) {
+        const char *column = beside(cell, "_sd", endings[k]);
+        if (column) RP_TRY(report_cell_column(cell, column, &numbers[k]));
+        if (isnan(numbers[k]))
+            return rp_fail(RP_BAD_INPUT, "%s: no column %.*s%s with a number", cell->table->path,
+                           (int)stem(cell, "_sd"), cell->column, endings[k]);
+    }
+    *values = (stats_summary){.mean = numbers[0], .sd = numbers[1], .n = (size_t)numbers[2]};
+    return RP_OK;
+}
+
+/* The mean of all values of several cells; of columns NAME_sd, their standard deviation. */
+static rp_status read_pooled(report_tables *tables, const char *text, report_cell *cell,
+                             report_number *number)
+{
+    stats_summary *parts = rp_arena_memory(tables->arena, strlen(text), sizeof *parts);
+    size_t n = 0;
+    for (const char *part; (part = report_part(tables->arena, &text));) {
+        RP_TRY(report_cell_find(tables, part, cell));
+        if (!cell->table) return RP_OK;
+        RP_TRY(read_summary(cell, &parts[n++]));
+    }
+    const stats_summary all = stats_pooled(n, parts);
+    const bool deviation = ends_in(cell->column, "_sd");
+    number->n = (double)all.n;
+    number->shown = deviation ? (stats_number){all.sd, stats_deviation_error(all.sd, number->n)}
+                              : (stats_number){all.mean, all.se};
+    set_tested(number, !deviation);
+    return RP_OK;
+}
+
+const char *report_part(rp_arena *arena, const char **text)
+{
+    if (!*text) return NULL;
+    const char *end = strstr(*text, " + "), *part = *text;
+    *text = end ? end + 3 : NULL;
+    return end ? rp_text(arena, "%.*s", (int)(end - part), part) : part;
+}
+
+rp_status report_number_find(report_tables *tables, const char *text, report_cell *cell,
+                             report_number *number, bool *missing)
+{
+    char *end;
+    *cell = (report_cell){0};
+    *number = (report_number){.p_fit = NAN};
+    number->shown = number->tested = (stats_number){strtod(text, &end), 0.0};
+    if (!*end) return RP_OK;
+    if (strstr(text, " + ")) {
+        RP_TRY(read_pooled(tables, text, cell, number));
+    } else {
+        RP_TRY(report_cell_find(tables, text, cell));
+        if (cell->table) RP_TRY(report_cell_number(cell, number));
+    }
+    *missing |= !cell->table;
     return RP_OK;
 }
 
@@ -245,14 +269,14 @@ int report_decimals(double se)
     return decimals < 0 ? 0 : decimals;
 }
 
-const char *report_number(rp_arena *arena, stats_number number)
+const char *report_number_text(rp_arena *arena, stats_number number)
 {
     if (isnan(number.value)) return "not known";
-    if (isinf(number.value)) return report_text(arena, "%g", number.value);
-    if (isnan(number.se)) return report_text(arena, "%.3g (error not known)", number.value);
-    if (number.se == 0.0) return report_text(arena, "%.4g", number.value);
+    if (isinf(number.value)) return rp_text(arena, "%g", number.value);
+    if (isnan(number.se)) return rp_text(arena, "%.3g (error not known)", number.value);
+    if (number.se == 0.0) return rp_text(arena, "%.4g", number.value);
     const int decimals = report_decimals(number.se);
-    return report_text(arena, "%.*f ± %.*f", decimals, number.value, decimals, number.se);
+    return rp_text(arena, "%.*f ± %.*f", decimals, number.value, decimals, number.se);
 }
 
 rp_status report_format(rp_arena *arena, const char *cell, const char *format, const char **text)
@@ -266,7 +290,7 @@ rp_status report_format(rp_arena *arena, const char *cell, const char *format, c
     const double value = strtod(cell, &end);
     const bool as_it_is = *end || (!format && !cell[strspn(cell, "0123456789")]);
     *text = as_it_is        ? cell
-            : letter == 'f' ? report_text(arena, "%.*f", precision, value)
-                            : report_text(arena, "%.*g", precision, value);
+            : letter == 'f' ? rp_text(arena, "%.*f", precision, value)
+                            : rp_text(arena, "%.*g", precision, value);
     return RP_OK;
 }

@@ -21,9 +21,6 @@ typedef struct {
 /* NAME.tsv; *table is NULL where no folder holds it. Errors: those of rp_table_read. */
 rp_status report_table(report_tables *tables, const char *name, const rp_table **table);
 
-/* A text in the format of printf. */
-const char *report_text(rp_arena *arena, const char *format, ...) __attribute__((format(printf, 2, 3)));
-
 /* The words of a text, which blanks separate. */
 typedef struct {
     int n;
@@ -51,30 +48,33 @@ const char *report_cell_text(const report_cell *cell, const char *column);
 /* The number in another column, NaN if there is no such column. Errors: RP_BAD_INPUT. */
 rp_status report_cell_column(const report_cell *cell, const char *column, double *value);
 
-/* The same of the column NAME with this ending, as "_lo90". */
-rp_status report_cell_part(const report_cell *cell, const char *ending, double *value);
+/* A number as it is printed, and with the error that decides; how many values are behind it (NaN where the
+ * table does not say), the degrees of freedom of its error (infinite where a test takes it as known), and the
+ * p_fit of its table's fit, NaN without one. */
+typedef struct {
+    stats_number shown, tested;
+    double n, dof, p_fit;
+} report_number;
 
-/* Value and standard error: NAME_mean and NAME_se, or NAME_deg and NAME_se_deg, or NAME and NAME_se; a
- * quantity without a column for its error is exact, save a standard deviation NAME_sd: its error follows from
- * the number of values. Column #KEY is the number that a header line starts with. Errors: RP_BAD_INPUT. */
-rp_status report_cell_number(const report_cell *cell, stats_number *number);
+/* Value and standard error of a cell: NAME_mean and NAME_se, or NAME_deg and NAME_se_deg, or NAME and
+ * NAME_se, of NAME_n or n values. A quantity without a column for its error is exact, save a standard
+ * deviation NAME_sd. Column #KEY is the number that a header line starts with. Errors: RP_BAD_INPUT. */
+rp_status report_cell_number(const report_cell *cell, report_number *number);
 
-/* How many values a number is of: the column NAME_n, or n; NaN without them. Errors: RP_BAD_INPUT. */
-rp_status report_cell_count(const report_cell *cell, double *n);
+/* The number of a text, "18.5", of a cell, or of several cells, "CELL + CELL ...": of all their values the
+ * mean, or of columns NAME_sd the standard deviation. A table that is not there leaves *missing true. Errors:
+ * those of report_cell_find and report_cell_number. */
+rp_status report_number_find(report_tables *tables, const char *text, report_cell *cell,
+                             report_number *number, bool *missing);
 
-/* Whether the number is the mean of a table's values, of the column NAME_mean; their standard deviation,
- * NAME_sd. */
-bool report_cell_is_mean(const report_cell *cell);
-bool report_cell_is_deviation(const report_cell *cell);
-
-/* Mean, standard deviation and number of the values. Errors: RP_BAD_INPUT. */
-rp_status report_cell_summary(const report_cell *cell, stats_summary *values);
+/* The next part of "CELL + CELL ..."; NULL at the end. */
+const char *report_part(rp_arena *arena, const char **text);
 
 /* Decimals that show two significant digits of an error > 0. */
 int report_decimals(double se);
 
 /* "18.04 ± 0.92", two significant digits of the error; "not known" for NaN, "inf" or "-inf". */
-const char *report_number(rp_arena *arena, stats_number number);
+const char *report_number_text(rp_arena *arena, stats_number number);
 
 /* The text of a cell in a format such as %.3g or %.0f; without one a count stands as it is, other numbers
  * take %.3g. Errors: RP_BAD_INPUT for any other format. */

@@ -144,109 +144,55 @@ rp_status report_claims_find(const report_claims *claims, const char *id, const 
 
 const char *report_published(rp_arena *arena, const report_claim *c)
 {
-    return report_text(arena, "%s%s%s", c->published, *c->published_se ? " ± " : "", c->published_se);
+    return rp_text(arena, "%s%s%s", c->published, *c->published_se ? " ± " : "", c->published_se);
 }
 
 /* ---- both sides ---- */
 
-/* The error of a mean is tested by Student's t; that of a fit or a bootstrap stands as it is. */
-static void set_tested(report_side *side, bool is_mean)
-{
-    side->tested = is_mean ? stats_of_few(side->shown, side->n) : side->shown;
-    side->dof = is_mean ? side->n - 1.0 : INFINITY;
-}
-
-static rp_status read_cell(const report_cell *cell, report_side *side)
-{
-    RP_TRY(report_cell_number(cell, &side->shown));
-    RP_TRY(report_cell_count(cell, &side->n));
-    RP_TRY(report_cell_column(cell, "p_fit", &side->p_fit));
-    set_tested(side, report_cell_is_mean(cell));
-    return RP_OK;
-}
-
-/* The mean of all values of several cells, "CELL + CELL ..."; of columns NAME_sd, their standard deviation.
- */
-static rp_status read_pooled(report_tables *tables, const char *text, report_side *side, bool *missing)
-{
-    stats_summary *parts = rp_arena_memory(tables->arena, strlen(text), sizeof *parts);
-    size_t n = 0;
-    bool deviation = false;
-    for (const char *part = text, *end; part; part = end ? end + 3 : NULL) {
-        report_cell cell;
-        end = strstr(part, " + ");
-        const int length = (int)(end ? (size_t)(end - part) : strlen(part));
-        RP_TRY(report_cell_find(tables, report_text(tables->arena, "%.*s", length, part), &cell));
-        deviation = report_cell_is_deviation(&cell);
-        *missing |= !cell.table;
-        if (cell.table) RP_TRY(report_cell_summary(&cell, &parts[n++]));
-    }
-    const stats_summary all = stats_pooled(n, parts);
-    side->n = (double)all.n;
-    side->shown = deviation ? (stats_number){all.sd, stats_deviation_error(all.sd, side->n)}
-                            : (stats_number){all.mean, all.se};
-    set_tested(side, !deviation);
-    return RP_OK;
-}
-
-/* A number, a cell of a table, or several cells pooled; a table that is not there leaves *missing true. */
-static rp_status read_side(report_tables *tables, const char *text, report_cell *cell, report_side *side,
-                           bool *missing)
-{
-    char *end;
-    side->shown = side->tested = (stats_number){strtod(text, &end), 0.0};
-    if (!*end) return RP_OK;
-    if (strstr(text, " + ")) return read_pooled(tables, text, side, missing);
-    RP_TRY(report_cell_find(tables, text, cell));
-    *missing |= !cell->table;
-    return cell->table ? read_cell(cell, side) : RP_OK;
-}
-
 /* Within a family the correction follows later; else the table's own holds. */
-static rp_status read_change(const report_claim *c, const report_cell *cell, double *dof,
-                             stats_change *change)
+static rp_status read_change(rp_arena *arena, const report_claim *c, const report_cell *cell,
+                             report_judged *j)
 {
-    if (!cell->table) return rp_fail(RP_BAD_INPUT, "test %s needs one cell of a table", c->test);
+    if (!cell->table) return rp_fail(RP_BAD_INPUT, "test %s needs a cell of a table", c->test);
     const bool corrected = !*c->family && report_cell_text(cell, "p_holm");
-    RP_TRY(report_cell_part(cell, "_lo90", &change->lo90));
-    RP_TRY(report_cell_part(cell, "_hi90", &change->hi90));
-    RP_TRY(report_cell_column(cell, "dof", dof));
-    return report_cell_column(cell, corrected ? "p_holm" : "p_value", &change->p_value);
+    RP_TRY(report_cell_column(cell, rp_text(arena, "%s_lo90", cell->column), &j->change.lo90));
+    RP_TRY(report_cell_column(cell, rp_text(arena, "%s_hi90", cell->column), &j->change.hi90));
+    RP_TRY(report_cell_column(cell, "dof", &j->ours.dof));
+    return report_cell_column(cell, corrected ? "p_holm" : "p_value", &j->change.p_value);
 }
 
 static const char *text_of_ours(rp_arena *arena, const report_claim *c, const report_judged *j)
 {
-    const char *text = report_number(arena, j->ours.shown);
+    const char *text = report_number_text(arena, j->ours.shown);
     if (tests[c->kind].by == BY_CHANGE) {
         /* as many digits as the change, so that an end close to the margin is not rounded onto it */
         const int decimals = j->ours.shown.se > 0.0 ? report_decimals(j->ours.shown.se) : 3;
-        text = report_text(arena, "%s (90 %%: %.*f to %.*f)", text, decimals, j->change.lo90, decimals,
-                           j->change.hi90);
+        text = rp_text(arena, "%s (90 %%: %.*f to %.*f)", text, decimals, j->change.lo90, decimals,
+                       j->change.hi90);
     }
     if (!*c->against || c->kind == CLAIM_RATIO) return text;
-    return report_text(arena, "%s against %s", text, report_number(arena, j->against.shown));
+    return rp_text(arena, "%s against %s", text, report_number_text(arena, j->against.shown));
 }
 
 static rp_status read_tables(const report_claim *c, report_tables *tables, report_judged *j)
 {
-    report_side ours = {.p_fit = NAN}, against = {.p_fit = NAN};
-    report_cell cell = {0}, other = {0};
+    report_judged found = *j;
+    report_cell cell, other;
     report_sweep *sweeps;
     bool missing = false;
-    RP_TRY(read_side(tables, c->answer, &cell, &ours, &missing));
-    if (*c->against) RP_TRY(read_side(tables, c->against, &other, &against, &missing));
+    RP_TRY(report_number_find(tables, c->answer, &cell, &found.ours, &missing));
+    if (*c->against) RP_TRY(report_number_find(tables, c->against, &other, &found.against, &missing));
     if (missing) j->verdict = STATS_NO_DATA;
     if (missing) return RP_OK;
-    if (tests[c->kind].by == BY_CHANGE) RP_TRY(read_change(c, &cell, &ours.dof, &j->change));
+    if (tests[c->kind].by == BY_CHANGE) RP_TRY(read_change(tables->arena, c, &cell, &found));
     if (c->kind == CLAIM_RATIO) {
-        ours.shown = stats_quotient(ours.shown, against.shown);
-        ours.tested = stats_quotient(ours.tested, against.tested);
+        found.ours.shown = stats_quotient(found.ours.shown, found.against.shown);
+        found.ours.tested = stats_quotient(found.ours.tested, found.against.tested);
     }
-    j->ours = ours;
-    j->against = against;
     RP_TRY(report_sweeps(tables, 2, (const char *[]){c->answer, c->against}, &sweeps));
-    j->failed = report_failed(tables->arena, sweeps);
-    j->text = text_of_ours(tables->arena, c, j);
+    found.failed = report_failed(tables->arena, sweeps);
+    found.text = text_of_ours(tables->arena, c, &found);
+    *j = found;
     return RP_OK;
 }
 
@@ -262,7 +208,7 @@ static rp_status compare_published(rp_arena *arena, const report_claims *all, co
         numbers[i] = other->number;
     }
     j->match = stats_constant((size_t)words.n, numbers, other->samples);
-    j->text = report_text(arena, "p = %.2g or %.1g", j->match.z_error, j->match.z_deviation);
+    j->text = rp_text(arena, "p = %.2g or %.1g", j->match.z_error, j->match.z_deviation);
     return RP_OK;
 }
 
@@ -396,21 +342,20 @@ static const char *reason_of(rp_arena *arena, const report_claim *c, const repor
     const char *verdict = stats_verdict_texts[j->verdict];
     const double p_fit = fmin(j->ours.p_fit, j->against.p_fit); /* a number beside NaN */
     if (stats_fit_rejected(p_fit))
-        return report_text(arena, "%s: the form of the fit does not describe the means (p = %.2g)", verdict,
-                           p_fit);
+        return rp_text(arena, "%s: the form of the fit does not describe the means (p = %.2g)", verdict,
+                       p_fit);
     if (j->uncorrected != j->verdict)
-        return report_text(arena, "%s: %s without the correction for %zu tests of one question", verdict,
-                           stats_verdict_texts[j->uncorrected], j->tests);
+        return rp_text(arena, "%s: %s without the correction for %zu tests of one question", verdict,
+                       stats_verdict_texts[j->uncorrected], j->tests);
     if (j->two_readings)
-        return report_text(arena, "%s: %s if ± is a standard error, %s if it is a standard deviation",
-                           verdict, stats_verdict_texts[j->match.error],
-                           stats_verdict_texts[j->match.deviation]);
+        return rp_text(arena, "%s: %s if ± is a standard error, %s if it is a standard deviation", verdict,
+                       stats_verdict_texts[j->match.error], stats_verdict_texts[j->match.deviation]);
     if ((c->kind == CLAIM_AGREES || c->kind == CLAIM_SAME) && j->verdict != STATS_NO_DATA)
-        return report_text(arena, "%s (%+.1f standard errors)", verdict, j->match.z_error);
+        return rp_text(arena, "%s (%+.1f standard errors)", verdict, j->match.z_error);
     if (tests[c->kind].by == BY_SIDE && j->verdict == STATS_NOT_REPRODUCED && !is_opposite(c, j))
-        return report_text(arena, "%s (a difference of %g or more is excluded)", verdict, c->margin);
-    if (c->kind == CLAIM_FORMULA) return report_text(arena, "%s, by tests", verdict);
-    if (c->kind == CLAIM_UNTESTABLE) return report_text(arena, "%s: %s", verdict, c->note);
+        return rp_text(arena, "%s (a difference of %g or more is excluded)", verdict, c->margin);
+    if (c->kind == CLAIM_FORMULA) return rp_text(arena, "%s, by tests", verdict);
+    if (c->kind == CLAIM_UNTESTABLE) return rp_text(arena, "%s: %s", verdict, c->note);
     return verdict;
 }
 
@@ -448,6 +393,6 @@ const char *report_count(rp_arena *arena, const report_claims *claims, const rep
             verdicts[n++] = judged[i].verdict;
     stats_count_verdicts(n, verdicts, counts);
     for (stats_verdict v = 0; v < STATS_VERDICTS && n > 0; v++)
-        text = report_text(arena, "%s%s%zu %s", text, v ? ", " : "", counts[v], stats_verdict_texts[v]);
+        text = rp_text(arena, "%s%s%zu %s", text, v ? ", " : "", counts[v], stats_verdict_texts[v]);
     return text;
 }

@@ -69,17 +69,9 @@ rp_status report_claims_find(const report_claims *claims, const char *id, const 
 /* The published number as it is printed there, with its error; "" for none. */
 const char *report_published(rp_arena *arena, const report_claim *claim);
 
-/* One side of a claim: a number as it is shown and with the error that decides, how many values are behind it
- * (NaN where the table does not say), the degrees of freedom of its error (infinite where the test takes it
- * as known), and the p_fit of its table's fit, NaN without one. */
-typedef struct {
-    stats_number shown, tested;
-    double n, dof, p_fit;
-} report_side;
-
 /* A claim judged by tables. */
 typedef struct {
-    report_side ours, against;
+    report_number ours, against;
     stats_change change;                /* of what may depend on something */
     stats_verdict verdict, uncorrected; /* for the other tests of its family, */
     size_t tests;                       /* so many */

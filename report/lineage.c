@@ -21,7 +21,7 @@ static report_sweep *find_sweep(report_tables *tables, const char *name)
 /* The same of NAME or NAME_*, the longest such name. */
 static report_sweep *find_own_sweep(report_tables *tables, const char *table)
 {
-    char *name = strcpy(rp_arena_memory(tables->arena, strlen(table) + 1, 1), table);
+    char *name = rp_text(tables->arena, "%s", table);
     for (char *end = name + strlen(name); end; end = strrchr(name, '_')) {
         *end = '\0';
         report_sweep *sweep = find_sweep(tables, name);
@@ -38,7 +38,7 @@ static report_sweep *find_source(report_tables *tables, const char *word)
     if (n < 4 || strcmp(begin + n - 4, ".tsv") != 0) return NULL;
     n -= 4;
     if (n >= 5 && strncmp(begin + n - 5, "_runs", 5) == 0) n -= 5;
-    return find_sweep(tables, report_text(tables->arena, "%.*s", (int)n, begin));
+    return find_sweep(tables, rp_text(tables->arena, "%.*s", (int)n, begin));
 }
 
 /* What follows a word of a command; NULL without this word. */
@@ -132,11 +132,8 @@ rp_status report_sweeps(report_tables *tables, size_t n, const char *const refer
 {
     *sweeps = NULL;
     for (size_t k = 0; k < n; k++)
-        for (const char *part = references[k], *end; part; part = end ? end + 3 : NULL) {
-            end = strstr(part, " + ");
-            const int length = (int)(end ? (size_t)(end - part) : strlen(part));
-            RP_TRY(add_reference(tables, report_text(tables->arena, "%.*s", length, part), sweeps));
-        }
+        for (const char *rest = references[k], *part; (part = report_part(tables->arena, &rest));)
+            RP_TRY(add_reference(tables, part, sweeps));
     return RP_OK;
 }
 
@@ -178,9 +175,8 @@ const char *report_failed(rp_arena *arena, const report_sweep *sweeps)
                 runs += number_at(s->table, row, "n") + number_at(s->table, row, "n_failed");
             }
         if (missing > 0.0)
-            causes =
-                report_text(arena, "%s%s%s", causes, failed > 0.0 ? "; " : "", causes_of(arena, s, missing));
+            causes = rp_text(arena, "%s%s%s", causes, failed > 0.0 ? "; " : "", causes_of(arena, s, missing));
         failed += missing;
     }
-    return failed > 0.0 ? report_text(arena, "%g of %g (%s): %s", failed, runs, causes, push_of(causes)) : "";
+    return failed > 0.0 ? rp_text(arena, "%g of %g (%s): %s", failed, runs, causes, push_of(causes)) : "";
 }

@@ -39,10 +39,10 @@ static rp_status fill_text(page *p, const report_cell *cell, const char *format)
 {
     rp_arena *arena = p->tables.arena;
     const char *text = report_cell_text(cell, cell->column);
-    stats_number number;
+    report_number number;
     if (format && strcmp(format, "+-") == 0) {
         RP_TRY(report_cell_number(cell, &number));
-        text = report_number(arena, number);
+        text = report_number_text(arena, number.shown);
     } else if (!text)
         return rp_table_find(cell->table, cell->column, NULL, &(int){0});
     else if (*cell->column != '#')
@@ -64,7 +64,7 @@ static rp_status fill_cell(page *p, const char *reference, const char *format)
 static rp_status fill_note(page *p, const report_words *w)
 {
     if (w->n != 3) return rp_fail(RP_BAD_INPUT, "{{note ...}}: table and key expected");
-    return fill_cell(p, report_text(p->tables.arena, "%s #%s", w->word[1], w->word[2]), NULL);
+    return fill_cell(p, rp_text(p->tables.arena, "%s #%s", w->word[1], w->word[2]), NULL);
 }
 
 /* One cell of a line of {{rows}}: COLUMN, COLUMN:FORMAT or COLUMN:+-. */
@@ -72,7 +72,7 @@ static rp_status fill_column(page *p, const rp_table *table, size_t row, const c
 {
     const char *colon = strchr(word, ':');
     const int length = (int)(colon ? (size_t)(colon - word) : strlen(word));
-    const report_cell cell = {table, row, report_text(p->tables.arena, "%.*s", length, word)};
+    const report_cell cell = {table, row, rp_text(p->tables.arena, "%.*s", length, word)};
     return fill_text(p, &cell, colon ? colon + 1 : NULL);
 }
 

@@ -1,4 +1,4 @@
-/* Memory of one command: what is kept is freed once, the latest first; paths; failures. */
+/* Memory of one command: what is kept is freed once, the latest first; texts and paths; failures. */
 #include <limits.h>
 #include <stdlib.h>
 #include <string.h>
@@ -61,6 +61,18 @@ static void paths(void)
     rp_arena_release(&arena, NULL);
 }
 
+static void texts(void)
+{
+    rp_arena arena = {0};
+    char name[2 * PATH_MAX];
+    memset(name, 'x', sizeof name);
+    name[sizeof name - 1] = '\0';
+    CU_ASSERT_STRING_EQUAL(rp_text(&arena, "%s of %d", "3", 7), "3 of 7");
+    CU_ASSERT_STRING_EQUAL(rp_text(&arena, "%s", ""), "");
+    CU_ASSERT_STRING_EQUAL(rp_text(&arena, "%s", name), name); /* longer than any path */
+    rp_arena_release(&arena, NULL);
+}
+
 static int n_exhausted;
 
 static void count(void)
@@ -84,8 +96,9 @@ static void exhausted(void)
     fault_order(FAULT_MALLOC, 1, true);
     CU_ASSERT_PTR_NULL(rp_arena_memory(&arena, 1, 1));
     CHECK_FAILS(rp_path(&arena, &path, "x"), RP_NO_MEMORY, "x: out of memory");
+    CU_ASSERT_PTR_NULL(rp_text(&arena, "x"));
     fault_order(FAULT_MALLOC, 0, false);
-    CU_ASSERT(n_exhausted == 4);
+    CU_ASSERT(n_exhausted == 5);
     CU_ASSERT_STRING_EQUAL(path, "as before");
     CU_ASSERT_PTR_NULL(rp_arena_mark(&arena));
 }
@@ -95,6 +108,7 @@ void suite_arena(void)
     static const check_case cases[] = {{"the latest thing is released first, once", order},
                                        {"memory is zeroed, with a zero behind it", zeroed},
                                        {"paths in the format of printf", paths},
+                                       {"texts in the format of printf", texts},
                                        {"without memory nothing is kept", exhausted},
                                        {0}};
     check_register("arena", cases);

@@ -51,6 +51,16 @@ void rp_arena_release(rp_arena *arena, rp_mark mark)
     }
 }
 
+char *rp_text(rp_arena *arena, const char *format, ...)
+{
+    char *text;
+    va_list args;
+    va_start(args, format);
+    const int n = vasprintf(&text, format, args);
+    va_end(args);
+    return rp_arena_keep(arena, n < 0 ? NULL : text, free);
+}
+
 rp_status rp_path(rp_arena *arena, const char **path, const char *format, ...)
 {
     char text[PATH_MAX];

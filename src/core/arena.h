@@ -28,6 +28,9 @@ typedef struct rp_kept *rp_mark;
 rp_mark rp_arena_mark(const rp_arena *arena);
 void rp_arena_release(rp_arena *arena, rp_mark mark);
 
+/* A text of the arena in the format of printf; NULL without memory. */
+char *rp_text(rp_arena *arena, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
 /* A path of the arena in the format of printf. Errors: RP_BAD_INPUT (longer than the system takes),
  * RP_NO_MEMORY. */
 rp_status rp_path(rp_arena *arena, const char **path, const char *format, ...)
