@@ -290,7 +290,7 @@ static void check_aborted(conduct as, long times, sweep_options options, const c
     CU_ASSERT(c.stored == RUNS && c.failed == 1);
     char digest[33];
     size_t n;
-    CHECK_FAILS(sweep_digest(dir, protocols, digest, &n), RP_NO_RESULT, " runs are aborted: 1 ");
+    CHECK_FAILS(sweep_digest(dir, protocols, digest, &n), RP_NO_RESULT, " runs were aborted (");
     conclude();
     clear();
     CHECK_OK(plan());

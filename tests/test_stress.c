@@ -488,8 +488,11 @@ static void test_protocol(void)
     CHECK_NEAR(output(&r, "floor_friction_beyond"), 0.0, 0.05);
     /* the floor carries more as the pile tilts away from the wall */
     CU_ASSERT(output(&r, "h_1") > 0.0 && output(&r, "floor_friction_0") > 0.0);
-    CHECK_FAILS(rp_params_set_text(rp_params_find(p->schema, "slip"), params, "total"), RP_BAD_INPUT,
-                "allowed: truncated");
+    CHECK_OK(rp_params_set_text(rp_params_find(p->schema, "slip"), params, "total"));
+    CHECK_FAILS(p->check(params), RP_BAD_INPUT,
+                "slip = \"total\": the untruncated spring never comes to rest");
+    CHECK_OK(rp_params_set_text(rp_params_find(p->schema, "k_n"), params, "0"));
+    CHECK_FAILS(p->check(params), RP_BAD_INPUT, "k_n = 0: a box holds its grains");
     free(params);
 }
 

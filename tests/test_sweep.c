@@ -597,16 +597,17 @@ static void test_crash(void)
     char d[33];
     size_t n;
     CHECK_OK(prepare(NULL));
-    CHECK_FAILS(run(2, &c), RP_NO_RESULT, "3 of 10 runs are aborted: 3 crashed; run again to try them again");
+    CHECK_FAILS(run(2, &c), RP_NO_RESULT,
+                "3 of 10 runs were aborted (crashed 3); the same command retries them");
     CU_ASSERT(c.stored == 10 && c.failed == 3 && c.words[0].runs == 3);
-    CHECK_FAILS(sweep_digest(dir, toys, d, &n), RP_NO_RESULT, ": 3 of 10 runs are aborted");
+    CHECK_FAILS(sweep_digest(dir, toys, d, &n), RP_NO_RESULT, ": 3 of 10 runs were aborted");
     CU_ASSERT_STRING_EQUAL(c.words[0].status, "crashed");
     CU_ASSERT(
         sql_number("SELECT count(*) FROM runs WHERE status = 'crashed' AND run % 3 = 1 AND y_deg IS NULL"
                    " AND message = 'worker ended by signal 6 (Aborted)'") == 3);
     /* a crash may be the machine's fault: only crashed runs are repeated */
     sql(KEEP " WHERE status <> 'crashed'");
-    CHECK_FAILS(run(1, &c), RP_NO_RESULT, "3 crashed");
+    CHECK_FAILS(run(1, &c), RP_NO_RESULT, "crashed 3");
     CU_ASSERT(c.stored == 10 && c.failed == 3);
     CU_ASSERT(sql_number(KEPT) == 7);
     clean();
@@ -633,7 +634,7 @@ static void test_limits(void)
         fresh("protocol = \"toy\"; replicas = 4; fixed = { mode = \"take\"; k = 30; };");
         CHECK_OK(prepare(NULL));
         if (fails)
-            CHECK_FAILS(sweep_run(dir, toys, &o, &c), RP_NO_RESULT, "4 no_memory");
+            CHECK_FAILS(sweep_run(dir, toys, &o, &c), RP_NO_RESULT, "(no_memory 4)");
         else
             CHECK_OK(sweep_run(dir, toys, &o, &c));
         CU_ASSERT(fails || sql_number("SELECT count(*) FROM runs WHERE y_deg = 1") == 4);
@@ -1618,12 +1619,13 @@ static void test_physics(void)
     static const struct {
         const char *name, *key, *fallback, *range;
     } list[] = {
-#define ROW(kind, name, key, unit, type, fallback, range, further, ...)                                      \
-    {#name, key, fallback, DEM_RANGE_##kind(range, further)},
+#define ROW(...) ROW_OF(__VA_ARGS__)
+#define ROW_OF(kind, type, name, key, unit, fallback, range, also, ...)                                      \
+    {#name, key, fallback, DEM_ALLOWED_##kind(range, also)},
         DEM_PHYSICS(ROW)};
     static const sweep_protocol *const boxes[] = {&sweep_protocol_repose, &sweep_protocol_stress,
                                                   &sweep_protocol_onset, &sweep_protocol_flux};
-    const char *const own[] = {"mu", "tangential", "k_n", "slip"};
+    const char *const own[] = {"mu", "tangential"};
     for (size_t i = 0; i < sizeof list / sizeof *list; i++) {
         bool in_scene = false, overridden = false;
         for (const dem_scene_group *g = dem_scene_schemas; g->name && !in_scene; g++)

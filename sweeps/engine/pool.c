@@ -567,12 +567,12 @@ rp_status sweep_check_aborted(const sweep_counts *counts)
     size_t used = 0;
     for (size_t i = 0; i < counts->n_words; i++) {
         if (!is_aborted(counts->words[i].status)) continue;
-        used += (size_t)snprintf(text + used, sizeof text - used, "%s%zu %s", used ? ", " : "",
-                                 counts->words[i].runs, counts->words[i].status);
+        used += (size_t)snprintf(text + used, sizeof text - used, "%s%s %zu", used ? ", " : "",
+                                 counts->words[i].status, counts->words[i].runs);
     }
     return n == 0 ? RP_OK
-                  : rp_fail(RP_NO_RESULT, "%zu of %zu runs are aborted: %s; run again to try them again", n,
-                            counts->planned, text);
+                  : rp_fail(RP_NO_RESULT, "%zu of %zu runs were aborted (%s); the same command retries them",
+                            n, counts->planned, text);
 }
 
 rp_status sweep_check_whole(const char *dir, const sweep_counts *counts)

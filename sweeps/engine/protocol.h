@@ -79,14 +79,14 @@ typedef struct {
                      sweep_result *result);
 } sweep_protocol;
 
-/* The protocol of a file that has `outputs`, `check`, `fingerprint` and `run_one`. */
-#define SWEEP_PROTOCOL(NAME, SCHEMA, PARAMS, ABOUT)                                                          \
+/* The protocol of a file that has `outputs`, `fingerprint` and `run_one`. */
+#define SWEEP_PROTOCOL(NAME, SCHEMA, PARAMS, CHECK, ABOUT)                                                   \
     const sweep_protocol sweep_protocol_##NAME = {.name = #NAME,                                             \
                                                   .about = ABOUT,                                            \
                                                   .schema = SCHEMA,                                          \
                                                   .params_size = sizeof(PARAMS),                             \
                                                   .outputs = outputs,                                        \
-                                                  .check = check,                                            \
+                                                  .check = CHECK,                                            \
                                                   .fingerprint = fingerprint,                                \
                                                   .run = run_one}
 

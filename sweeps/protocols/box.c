@@ -111,6 +111,8 @@ rp_status sweep_box_check(const sweep_box *b, double drop)
     sweep_box_scene(b, &scene);
     RP_TRY(dem_radius_check(b->radius_mean, b->radius_min, b->radius_max));
     RP_TRY(dem_physics_check(&scene.def));
+    if (!(b->physics.k_n > 0.0))
+        return rp_fail(RP_BAD_INPUT, "k_n = 0: a box holds its grains; allowed: (0, inf)");
     if (b->W < 10.0 * b->radius_mean)
         return rp_fail(RP_BAD_INPUT, "W = %g: at least five grain diameters (%g) expected", b->W,
                        10.0 * b->radius_mean);

@@ -10,9 +10,6 @@
 #include "sweeps/engine/keep.h"
 #include "sweeps/engine/protocol.h"
 
-/* A schema overrides a default or range of an inherited list by a later initialiser of that field. */
-#pragma GCC diagnostic ignored "-Woverride-init"
-
 enum { SWEEP_FLOOR_EXTENDS, SWEEP_FLOOR_ENDS, SWEEP_FLOOR_ABSORBS };
 
 /* cgs; a negative value stands for "auto". */
@@ -28,21 +25,12 @@ typedef struct {
 } sweep_box;
 
 /* A protocol of the box has a structure of parameters that begins with a sweep_box. Its schema starts with
- * SWEEP_BOX_PHYSICS, which brings all of dem/physics.h, and ends, after {0}, with SWEEP_BOX_DEFAULTS and
- * overrides of its own. Of the other rows it takes those it offers, and sets the fields of the others itself.
- */
-#define SWEEP_PHYSICS_INDEX(kind, name, ...) SWEEP_ROW_##name,
-enum { DEM_PHYSICS(SWEEP_PHYSICS_INDEX) DEM_RADIUS_PARAMS(SWEEP_PHYSICS_INDEX) };
-
+ * SWEEP_BOX_PHYSICS, which brings all of dem/law/parameters.h, with friction as the paper's box has it. Of
+ * the other rows it takes those it offers, and sets the fields of the others itself. */
 #define SWEEP_PHYSICS_ROW(...) DEM_NAME_ROW(sweep_box, physics., __VA_ARGS__)
 #define SWEEP_RADIUS_ROW(...)  DEM_NAME_ROW(sweep_box, , __VA_ARGS__)
-#define SWEEP_BOX_PHYSICS      DEM_PHYSICS(SWEEP_PHYSICS_ROW) DEM_RADIUS_PARAMS(SWEEP_RADIUS_ROW)
-
-/* Where the box differs from a scene. The later of two initialisers of a field holds. */
-#define SWEEP_BOX_DEFAULTS                                                                                   \
-    [SWEEP_ROW_tangential].fallback = "spring", /* the paper's box has friction */                           \
-        [SWEEP_ROW_mu].fallback = "0.2",        /* of the paper's pictures */                                \
-        [SWEEP_ROW_k_n].range = "(0, inf)"      /* a box holds its grains */
+#define SWEEP_BOX_PHYSICS                                                                                    \
+    DEM_PHYSICS_FROM(SWEEP_PHYSICS_ROW, "spring", "0.2") DEM_RADIUS_PARAMS(SWEEP_RADIUS_ROW)
 
 #define SWEEP_ROW(field, unit, type, fallback, range, meaning)                                               \
     {#field, unit, type, offsetof(sweep_box, field), fallback, range, meaning},

@@ -40,9 +40,6 @@
 #include "sweeps/protocols/box.h"
 #include "sweeps/protocols/pile.h"
 
-/* A schema overrides a default or range of an inherited list by a later initialiser of that field. */
-#pragma GCC diagnostic ignored "-Woverride-init"
-
 typedef struct {
     double source_width, drop_height, radius_width, restitution, mu, mu_roll, eps, damping, mu_static, a;
     double damping_shear, rest_speed, rest_force, x_limit, mu_base, glued, lattice_deg;
@@ -57,10 +54,9 @@ enum { COLLISIONS_HARD, COLLISIONS_SOFT };
 
 /* clang-format off */
 #define ROW(...)            DEM_NAME_ROW(drop_params, , __VA_ARGS__)
-enum { ROW_mu, ROW_mu_roll };
 static const rp_param schema[] = {
-    DEM_MU_PARAM(ROW)
-    DEM_MU_ROLL_PARAM(ROW)
+    DEM_MU_PARAM(ROW, "0.5") /* of hard collisions too; the paper's */
+    DEM_MU_ROLL_PARAM(ROW, "0.1") /* without it disks roll away */
     {"N", "", RP_INT, AT(N), "968", "[0, 100000]", "disks that are dropped; at least 2 without a lattice"},
     {"source_width", "d", RP_REAL, AT(source_width), "1", "[0, 1000]", "disks fall uniformly over this width; of a point source 1"},
     {"drop_height", "d", RP_REAL, AT(drop_height), "2", "(0, 1000]", "from the highest point of the pile to a disk's lowest"},
@@ -81,9 +77,7 @@ static const rp_param schema[] = {
     {"glued", "d", RP_REAL, AT(glued), "none", "[1, 10] | none", "from one disk that is glued to the ground to the next", true},
     {"lattice", "", RP_INT, AT(lattice), "0", "[0, 1000]", "disks in the base of a lattice that the drops fall on; 0: none", true},
     {"lattice_deg", "degree", RP_REAL, AT(lattice_deg), "30", "(0, 60]", "slope of the lattice", true},
-    {0},
-    [ROW_mu].fallback = "0.5", /* of hard collisions too; the paper's */
-    [ROW_mu_roll].fallback = "0.1" /* without it disks roll away */};
+    {0}};
 
 #define OUTPUTS(X) \
     X(disks, "", "disks there at the end") \
@@ -786,5 +780,5 @@ static rp_status fingerprint(char digits[33])
     return status;
 }
 
-SWEEP_PROTOCOL(drop, schema, drop_params,
+SWEEP_PROTOCOL(drop, schema, drop_params, check,
                "a pile of disks dropped one at a time (Liffman, Chan & Hughes 1992, fig 20)");

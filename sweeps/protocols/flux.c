@@ -44,8 +44,7 @@ static const rp_param schema[] = {
     {"draws", "", RP_INT, AT(draws), "10", "[1, 1000000]", "decorrelated angles that a maximum is taken of"},
     SWEEP_BOX_REST_ROWS
     SWEEP_BOX_SURFACE_ROWS
-    {0},
-    SWEEP_BOX_DEFAULTS};
+    {0}};
 
 #define OUTPUTS(X) \
     X(level_step, "", "step at which the angle levels off (MSER)") \
@@ -357,5 +356,5 @@ static rp_status fingerprint(char digits[33])
     return finish(&f, status);
 }
 
-SWEEP_PROTOCOL(flux, schema, flux_params,
+SWEEP_PROTOCOL(flux, schema, flux_params, check,
                "grains put in at the left, one by one, leave over the right edge (Lee & Herrmann 1993)");

@@ -438,11 +438,6 @@ static rp_status run_one(const void *params, unsigned long seed, unsigned long r
     return sweep_box_end(&e.box, status);
 }
 
-static rp_status check(const void *params)
-{
-    return sweep_box_check_fill(&((const sweep_tilted *)params)->box);
-}
-
 static rp_status fingerprint(char digits[33])
 {
     return sweep_tilted_fingerprint(
@@ -453,5 +448,5 @@ static rp_status fingerprint(char digits[33])
 }
 
 SWEEP_PROTOCOL(
-    onset, sweep_tilted_schema, sweep_tilted,
+    onset, sweep_tilted_schema, sweep_tilted, sweep_tilted_check,
     "the pile of `repose`, tilted until it moves: what predicts the angle, what slides and moves first");

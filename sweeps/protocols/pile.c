@@ -412,5 +412,5 @@ static rp_status fingerprint(char digits[33])
     return RP_OK;
 }
 
-SWEEP_PROTOCOL(pile, sweep_pile_schema, sweep_pile,
+SWEEP_PROTOCOL(pile, sweep_pile_schema, sweep_pile, check,
                "static equilibrium of a close-packed pile of soft disks (Liffman, Chan & Hughes 1992)");

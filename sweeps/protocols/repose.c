@@ -49,8 +49,7 @@ static const rp_param schema[] = {
      "what turns: gravity, or the walls about the origin, as in the paper"},
     {"tilt_rate_deg", "degree", RP_REAL, AT(tilt_rate_deg), "1e-3", "[1e-6, 0.01]", "turn a step"},
     SWEEP_BOX_SURFACE_ROWS
-    {0},
-    SWEEP_BOX_DEFAULTS};
+    {0}};
 /* clang-format on */
 
 /* The variants of the surface, four slopes each. */
@@ -429,5 +428,5 @@ static rp_status fingerprint(char digits[33])
     return sweep_physics_add(digits);
 }
 
-SWEEP_PROTOCOL(repose, schema, repose_params,
+SWEEP_PROTOCOL(repose, schema, repose_params, check,
                "fill a box, open its right wall, measure the slope at rest, tilt (Lee & Herrmann 1993)");

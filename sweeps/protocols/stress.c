@@ -259,11 +259,6 @@ static rp_status run_one(const void *params, unsigned long seed, unsigned long r
     return sweep_box_end(&e.box, status);
 }
 
-static rp_status check(const void *params)
-{
-    return sweep_box_check_fill(&((const sweep_tilted *)params)->box);
-}
-
 static rp_status fingerprint(char digits[33])
 {
     return sweep_tilted_fingerprint(
@@ -274,5 +269,5 @@ static rp_status fingerprint(char digits[33])
 }
 
 SWEEP_PROTOCOL(
-    stress, sweep_tilted_schema, sweep_tilted,
+    stress, sweep_tilted_schema, sweep_tilted, sweep_tilted_check,
     "the pile of `repose`, tilted by small angles: forces on the floor, stress, Coulomb-critical tilt");

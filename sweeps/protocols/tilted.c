@@ -20,10 +20,17 @@ const rp_param sweep_tilted_schema[] = {
     SWEEP_BOX_MAX_STEPS_ROW
     {"tilt_rate_deg", "degree", RP_REAL, AT(tilt_rate_deg), "1e-3", "[1e-6, 0.01]", "turn of gravity a step"},
     SWEEP_BOX_SURFACE_ROWS
-    {0},
-    SWEEP_BOX_DEFAULTS,
-    [SWEEP_ROW_slip].range = "truncated" /* the other spring never comes to rest */};
+    {0}};
 /* clang-format on */
+
+rp_status sweep_tilted_check(const void *params)
+{
+    const sweep_tilted *p = params;
+    RP_TRY(sweep_box_check_fill(&p->box));
+    return p->box.physics.slip == DEM_TOTAL
+               ? rp_fail(RP_BAD_INPUT, "slip = \"total\": the untruncated spring never comes to rest")
+               : RP_OK;
+}
 
 rp_status sweep_tilted_phases(sweep_box_run *run, size_t n, rp_status (*const phases[])(void *experiment),
                               void *experiment)

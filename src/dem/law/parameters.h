@@ -2,15 +2,15 @@
  * meaning. Scene files, protocols and commands take their keys from these lists, dem_material its members,
  * walls their keys. A new parameter is a row here and the code that uses it.
  *
- * A row is X(kind, name, key, unit, type, default, range, further, auto, wall, meaning):
- *   kind     MATERIAL: a member of dem_material, and a key of every wall of a scene;
- *            SCENE: a member of dem_definition; GRAIN: of what makes grains
- *   name     of the member, and the key in protocols
- *   key      in its group of a scene file
- *   further  spellings that the range allows too
- *   auto     of a MATERIAL: value of "auto", from the other coefficients `m` of the same contact, and `rate`:
- *            gamma_n is in 1/s; negative for none
- *   wall     of a MATERIAL: "auto" of a wall is this times the grains' coefficient */
+ * A row is X(kind, type, name, key, unit, fallback, range, also, automatic, wall, meaning):
+ *   kind       MATERIAL: a member of dem_material, and a key of every wall of a scene;
+ *              SCENE: a member of dem_definition; GRAIN: of what makes grains
+ *   name       of the member, and the key in protocols
+ *   KEY        in its group of a scene file
+ *   ALSO       spellings that the range allows too
+ *   AUTOMATIC  of a MATERIAL: value of "auto", from the other coefficients `m` of the same contact, and
+ * `rate`: gamma_n is in 1/s; negative for none WALL       of a MATERIAL: "auto" of a wall is this times the
+ * grains' coefficient */
 #ifndef DEM_PHYSICS_H
 #define DEM_PHYSICS_H
 
@@ -18,65 +18,97 @@
 
 #include "params/params.h"
 
+/* The columns' names, in the order of a row. */
+#define DEM_KEY(key)         key
+#define DEM_UNIT(unit)       unit
+#define DEM_DEFAULT(text)    text
+#define DEM_RANGE(range)     range
+#define DEM_ALSO(words)      words
+#define DEM_AUTOMATIC(value) value
+#define DEM_WALL(factor)     factor
+#define DEM_MEANING(text)    text
+/* All but a key's own columns: of a parameter that no wall has. */
+#define DEM_NO_WALL DEM_ALSO(""), DEM_AUTOMATIC(0), DEM_WALL(0)
+
 /* clang-format off */
 /* Top level of a scene file. */
 #define DEM_GRAIN_PARAMS(X) \
-    X(SCENE, rotation, "rotation", "", RP_BOOL, "false", "", "", 0, 0, "whether grains rotate") \
-    X(SCENE, shape, "shape", "", RP_CHOICE, "sphere", "sphere | disk", "", 0, 0, \
-      "gives mass (from the density) and moment of inertia") \
-    X(GRAIN, density, "density", "g/cm^3", RP_REAL, "1.0", "(0, inf)", "", 0, 0, "of the grains (disk: g/cm^2, without a default in other units)") \
-    X(SCENE, integrator, "integrator", "", RP_CHOICE, "verlet", DEM_INTEGRATOR_WORDS, "", 0, 0, \
-      DEM_INTEGRATOR_TEXTS) \
-    X(SCENE, dt, "dt", "s", RP_REAL, "5e-5", "(0, inf)", "", 0, 0, "time step")
+    X(SCENE, RP_BOOL, rotation, DEM_KEY("rotation"), DEM_UNIT(""), DEM_DEFAULT("false"), DEM_RANGE(""), DEM_NO_WALL, \
+      DEM_MEANING("whether grains rotate")) \
+    X(SCENE, RP_CHOICE, shape, DEM_KEY("shape"), DEM_UNIT(""), DEM_DEFAULT("sphere"), DEM_RANGE("sphere | disk"), DEM_NO_WALL, \
+      DEM_MEANING("gives mass (from the density) and moment of inertia")) \
+    X(GRAIN, RP_REAL, density, DEM_KEY("density"), DEM_UNIT("g/cm^3"), DEM_DEFAULT("1.0"), DEM_RANGE("(0, inf)"), DEM_NO_WALL, \
+      DEM_MEANING("of the grains (disk: g/cm^2, without a default in other units)")) \
+    X(SCENE, RP_CHOICE, integrator, DEM_KEY("integrator"), DEM_UNIT(""), DEM_DEFAULT("verlet"), \
+      DEM_RANGE(DEM_INTEGRATOR_WORDS), DEM_NO_WALL, DEM_MEANING(DEM_INTEGRATOR_TEXTS)) \
+    X(SCENE, RP_REAL, dt, DEM_KEY("dt"), DEM_UNIT("s"), DEM_DEFAULT("5e-5"), DEM_RANGE("(0, inf)"), DEM_NO_WALL, \
+      DEM_MEANING("time step"))
 
 /* Group `normal`. */
 #define DEM_NORMAL_PARAMS(X) \
-    X(SCENE, normal, "law", "", RP_CHOICE, "hertz", DEM_NORMAL_WORDS, "", 0, 0, "normal force, eq (2a)") \
-    X(MATERIAL, k_n, "k_n", "dyn/cm^1.5", RP_REAL, "1e6", "[0, inf)", "", m->k_n, 2.0, \
-      "normal stiffness" DEM_K_N_UNITS) \
-    X(MATERIAL, restitution, "restitution", "", RP_REAL, "auto", "(0, 1]", " | auto", -1.0, 1.0, \
-      "of two mean grains (of one at a wall), gives gamma_n; hertz: at the speed of the start's impact; auto: by gamma_n") \
-    X(MATERIAL, gamma_n, "gamma_n", "1/s", RP_REAL, "auto", "[0, inf)", " | auto", m->restitution > 0.0 || !rate ? -1.0 : rp_units_value("1/s", 500.0), 1.0, \
-      "normal damping" DEM_GAMMA_N_UNITS "; auto: by restitution, else 500/s") \
-    X(SCENE, tension, "tension", "", RP_BOOL, "true", "", "", 0, 0, "whether the damped normal force may pull, as printed")
+    X(SCENE, RP_CHOICE, normal, DEM_KEY("law"), DEM_UNIT(""), DEM_DEFAULT("hertz"), DEM_RANGE(DEM_NORMAL_WORDS), DEM_NO_WALL, \
+      DEM_MEANING("normal force, eq (2a)")) \
+    X(MATERIAL, RP_REAL, k_n, DEM_KEY("k_n"), DEM_UNIT("dyn/cm^1.5"), DEM_DEFAULT("1e6"), DEM_RANGE("[0, inf)"), DEM_ALSO(""), \
+      DEM_AUTOMATIC(m->k_n), DEM_WALL(2.0), DEM_MEANING("normal stiffness" DEM_K_N_UNITS)) \
+    X(MATERIAL, RP_REAL, restitution, DEM_KEY("restitution"), DEM_UNIT(""), DEM_DEFAULT("auto"), DEM_RANGE("(0, 1]"), \
+      DEM_ALSO(" | auto"), DEM_AUTOMATIC(-1.0), DEM_WALL(1.0), \
+      DEM_MEANING("of two mean grains (of one at a wall), gives gamma_n; hertz: at the speed of the start's impact; auto: by gamma_n")) \
+    X(MATERIAL, RP_REAL, gamma_n, DEM_KEY("gamma_n"), DEM_UNIT("1/s"), DEM_DEFAULT("auto"), DEM_RANGE("[0, inf)"), \
+      DEM_ALSO(" | auto"), DEM_AUTOMATIC(m->restitution > 0.0 || !rate ? -1.0 : rp_units_value("1/s", 500.0)), DEM_WALL(1.0), \
+      DEM_MEANING("normal damping" DEM_GAMMA_N_UNITS "; auto: by restitution, else 500/s")) \
+    X(SCENE, RP_BOOL, tension, DEM_KEY("tension"), DEM_UNIT(""), DEM_DEFAULT("true"), DEM_RANGE(""), DEM_NO_WALL, \
+      DEM_MEANING("whether the damped normal force may pull, as printed"))
 
-/* Group `tangential`. */
-#define DEM_TANGENTIAL_PARAMS(X) \
-    X(SCENE, tangential, "law", "", RP_CHOICE, "none", DEM_TANGENTIAL_WORDS, "", 0, 0, \
-      "shear force: eq (2b), or viscous slip of gamma_s under the limit mu F_n") \
-    X(MATERIAL, k_s, "k_s", "dyn/cm", RP_REAL, "1e4", "(0, inf)", "", m->k_s, 1.0, "shear stiffness") \
-    X(MATERIAL, gamma_s, "gamma_s", "1/s", RP_REAL, "auto", "[0, inf)", " | auto", rate ? m->gamma_n / 100.0 : -1.0, 1.0, \
-      "shear damping; auto: gamma_n/100 where that is in 1/s") \
-    DEM_MU_PARAM(X) \
-    X(SCENE, slip, "slip", "", RP_CHOICE, "truncated", "truncated | total", "", 0, 0, \
-      "shear spring of a sliding contact: cut at the Coulomb limit, or as (2b) is printed") \
-    X(SCENE, damping, "damping", "", RP_CHOICE, "outside", "outside | inside", "", 0, 0, \
-      "whether the limit mu F_n leaves the shear dashpot out, as printed, or holds it with the spring")
+/* Group `tangential`, with the defaults of a scene or others. */
+#define DEM_TANGENTIAL_PARAMS(X) DEM_TANGENTIAL_PARAMS_FROM(X, "none", "0.0")
+#define DEM_TANGENTIAL_PARAMS_FROM(X, default_law, default_mu) \
+    X(SCENE, RP_CHOICE, tangential, DEM_KEY("law"), DEM_UNIT(""), DEM_DEFAULT(default_law), DEM_RANGE(DEM_TANGENTIAL_WORDS), \
+      DEM_NO_WALL, DEM_MEANING("shear force: eq (2b), or viscous slip of gamma_s under the limit mu F_n")) \
+    X(MATERIAL, RP_REAL, k_s, DEM_KEY("k_s"), DEM_UNIT("dyn/cm"), DEM_DEFAULT("1e4"), DEM_RANGE("(0, inf)"), DEM_ALSO(""), \
+      DEM_AUTOMATIC(m->k_s), DEM_WALL(1.0), DEM_MEANING("shear stiffness")) \
+    X(MATERIAL, RP_REAL, gamma_s, DEM_KEY("gamma_s"), DEM_UNIT("1/s"), DEM_DEFAULT("auto"), DEM_RANGE("[0, inf)"), \
+      DEM_ALSO(" | auto"), DEM_AUTOMATIC(rate ? m->gamma_n / 100.0 : -1.0), DEM_WALL(1.0), \
+      DEM_MEANING("shear damping; auto: gamma_n/100 where that is in 1/s")) \
+    DEM_MU_PARAM(X, default_mu) \
+    X(SCENE, RP_CHOICE, slip, DEM_KEY("slip"), DEM_UNIT(""), DEM_DEFAULT("truncated"), DEM_RANGE("truncated | total"), DEM_NO_WALL, \
+      DEM_MEANING("shear spring of a sliding contact: cut at the Coulomb limit, or as (2b) is printed")) \
+    X(SCENE, RP_CHOICE, damping, DEM_KEY("damping"), DEM_UNIT(""), DEM_DEFAULT("outside"), DEM_RANGE("outside | inside"), \
+      DEM_NO_WALL, DEM_MEANING("whether the limit mu F_n leaves the shear dashpot out, as printed, or holds it with the spring"))
 
 /* Group `rolling`. */
 #define DEM_ROLLING_PARAMS(X) \
-    DEM_MU_ROLL_PARAM(X) \
-    X(MATERIAL, k_roll, "k", "dyn/cm", RP_REAL, "auto", "[0, inf)", " | auto", m->k_s, 1.0, "stiffness of rolling; auto: k_s") \
-    X(MATERIAL, gamma_roll, "gamma", "1/s", RP_REAL, "auto", "[0, inf)", " | auto", m->gamma_s, 1.0, \
-      "damping of rolling; auto: gamma_s")
+    DEM_MU_ROLL_PARAM(X, "0.0") \
+    X(MATERIAL, RP_REAL, k_roll, DEM_KEY("k"), DEM_UNIT("dyn/cm"), DEM_DEFAULT("auto"), DEM_RANGE("[0, inf)"), \
+      DEM_ALSO(" | auto"), DEM_AUTOMATIC(m->k_s), DEM_WALL(1.0), DEM_MEANING("stiffness of rolling; auto: k_s")) \
+    X(MATERIAL, RP_REAL, gamma_roll, DEM_KEY("gamma"), DEM_UNIT("1/s"), DEM_DEFAULT("auto"), DEM_RANGE("[0, inf)"), \
+      DEM_ALSO(" | auto"), DEM_AUTOMATIC(m->gamma_s), DEM_WALL(1.0), DEM_MEANING("damping of rolling; auto: gamma_s"))
 
-/* Two that have no unit, which protocols in other units take by themselves. */
-#define DEM_MU_PARAM(X) \
-    X(MATERIAL, mu, "mu", "", RP_REAL, "0.0", "[0, inf) | infinite", "", m->mu, 1.0, "friction between grains, Coulomb's coefficient")
-#define DEM_MU_ROLL_PARAM(X) \
-    X(MATERIAL, mu_roll, "mu", "", RP_REAL, "0.0", "[0, inf)", "", m->mu_roll, 1.0, \
-      "rolling resistance: limit of its force, at an arm r_i r_j/(r_i + r_j), over the normal force")
+/* Two that have no unit, which protocols in other units take by themselves, with defaults of their own. */
+#define DEM_MU_PARAM(X, default_mu) \
+    X(MATERIAL, RP_REAL, mu, DEM_KEY("mu"), DEM_UNIT(""), DEM_DEFAULT(default_mu), DEM_RANGE("[0, inf) | infinite"), DEM_ALSO(""), \
+      DEM_AUTOMATIC(m->mu), DEM_WALL(1.0), DEM_MEANING("friction between grains, Coulomb's coefficient"))
+#define DEM_MU_ROLL_PARAM(X, default_mu) \
+    X(MATERIAL, RP_REAL, mu_roll, DEM_KEY("mu"), DEM_UNIT(""), DEM_DEFAULT(default_mu), DEM_RANGE("[0, inf)"), DEM_ALSO(""), \
+      DEM_AUTOMATIC(m->mu_roll), DEM_WALL(1.0), \
+      DEM_MEANING("rolling resistance: limit of its force, at an arm r_i r_j/(r_i + r_j), over the normal force"))
 
 /* Radii of grains that are drawn: group `fill`. */
 #define DEM_RADIUS_PARAMS(X) \
-    X(FILL, radius_mean, "radius_mean", "cm", RP_REAL, "0.1", "(0, inf)", "", 0, 0, "of the Gaussian; d is twice this") \
-    X(FILL, radius_width, "radius_width", "cm", RP_REAL, "0.02", "[0, inf)", "", 0, 0, "standard deviation before the cut") \
-    X(FILL, radius_min, "radius_min", "cm", RP_REAL, "0.07", "(0, inf)", "", 0, 0, "drawn again below") \
-    X(FILL, radius_max, "radius_max", "cm", RP_REAL, "0.13", "(0, inf)", "", 0, 0, "drawn again above")
+    X(FILL, RP_REAL, radius_mean, DEM_KEY("radius_mean"), DEM_UNIT("cm"), DEM_DEFAULT("0.1"), DEM_RANGE("(0, inf)"), DEM_NO_WALL, \
+      DEM_MEANING("of the Gaussian; d is twice this")) \
+    X(FILL, RP_REAL, radius_width, DEM_KEY("radius_width"), DEM_UNIT("cm"), DEM_DEFAULT("0.02"), DEM_RANGE("[0, inf)"), DEM_NO_WALL, \
+      DEM_MEANING("standard deviation before the cut")) \
+    X(FILL, RP_REAL, radius_min, DEM_KEY("radius_min"), DEM_UNIT("cm"), DEM_DEFAULT("0.07"), DEM_RANGE("(0, inf)"), DEM_NO_WALL, \
+      DEM_MEANING("drawn again below")) \
+    X(FILL, RP_REAL, radius_max, DEM_KEY("radius_max"), DEM_UNIT("cm"), DEM_DEFAULT("0.13"), DEM_RANGE("(0, inf)"), DEM_NO_WALL, \
+      DEM_MEANING("drawn again above"))
 /* clang-format on */
 
 #define DEM_CONTACT_PARAMS(X) DEM_NORMAL_PARAMS(X) DEM_TANGENTIAL_PARAMS(X) DEM_ROLLING_PARAMS(X)
 #define DEM_PHYSICS(X)        DEM_CONTACT_PARAMS(X) DEM_GRAIN_PARAMS(X)
+#define DEM_PHYSICS_FROM(X, default_law, default_mu)                                                         \
+    DEM_NORMAL_PARAMS(X)                                                                                     \
+    DEM_TANGENTIAL_PARAMS_FROM(X, default_law, default_mu) DEM_ROLLING_PARAMS(X) DEM_GRAIN_PARAMS(X)
 
 /* What follows `kind` where a row is of this kind, else nothing. */
 #define DEM_IF_MATERIAL(kind, ...)    DEM_IF_MATERIAL_##kind(__VA_ARGS__)
@@ -88,18 +120,20 @@
 #define DEM_IF_SCENE_MATERIAL(...)
 #define DEM_IF_SCENE_GRAIN(...)
 
-#define DEM_MATERIAL_MEMBER(kind, name, ...) DEM_IF_MATERIAL(kind, double name;)
+#define DEM_MATERIAL_MEMBER(kind, type, name, ...) DEM_IF_MATERIAL(kind, double name;)
 
 /* Rows of a schema whose values are in member `at` of a structure T. In a scene file they have their keys,
  * elsewhere their names. */
-#define DEM_RANGE_MATERIAL(range, further) range further
-#define DEM_RANGE_SCENE(range, further)    range
-#define DEM_RANGE_GRAIN(range, further)    range
-#define DEM_RANGE_FILL(range, further)     range
-#define DEM_KEY_ROW(T, at, kind, name, key, unit, type, fallback, range, further, value, wall, meaning)      \
-    {key, unit, type, offsetof(T, at name), fallback, DEM_RANGE_##kind(range, further), meaning},
-#define DEM_NAME_ROW(T, at, kind, name, key, unit, type, fallback, range, further, value, wall, meaning)     \
-    {#name, unit, type, offsetof(T, at name), fallback, DEM_RANGE_##kind(range, further), meaning, true},
+#define DEM_ALLOWED_MATERIAL(range, also) range also
+#define DEM_ALLOWED_SCENE(range, also)    range
+#define DEM_ALLOWED_GRAIN(range, also)    range
+#define DEM_ALLOWED_FILL(range, also)     range
+#define DEM_KEY_ROW(...)                  DEM_KEY_ROW_OF(__VA_ARGS__)
+#define DEM_KEY_ROW_OF(T, at, kind, type, name, key, unit, fallback, range, also, automatic, wall, meaning)  \
+    {key, unit, type, offsetof(T, at name), fallback, DEM_ALLOWED_##kind(range, also), meaning},
+#define DEM_NAME_ROW(...) DEM_NAME_ROW_OF(__VA_ARGS__)
+#define DEM_NAME_ROW_OF(T, at, kind, type, name, key, unit, fallback, range, also, automatic, wall, meaning) \
+    {#name, unit, type, offsetof(T, at name), fallback, DEM_ALLOWED_##kind(range, also), meaning, true},
 
 /* Coefficients of one kind of contact, grain-grain or grain-wall. mu may be INFINITY, mu_roll not.
  * Rolling resistance acts through the force of a spring and a dashpot against R_eff (omega_i - omega_j),
@@ -110,10 +144,10 @@ typedef struct {
 } dem_material;
 
 /* The parameters as they are given; -1 stands for "auto". */
-#define DEM_MEMBER_RP_REAL                           double
-#define DEM_MEMBER_RP_BOOL                           bool
-#define DEM_MEMBER_RP_CHOICE                         int
-#define DEM_MEMBER(kind, name, key, unit, type, ...) DEM_MEMBER_##type name;
+#define DEM_MEMBER_RP_REAL                double
+#define DEM_MEMBER_RP_BOOL                bool
+#define DEM_MEMBER_RP_CHOICE              int
+#define DEM_MEMBER(kind, type, name, ...) DEM_MEMBER_##type name;
 typedef struct {
     DEM_PHYSICS(DEM_MEMBER)
 } dem_physics;

@@ -86,7 +86,8 @@ static const rp_param implicit_schema[] = {
      "factorisations or sweeps, after which a step counts as not solved"},
     {0}};
 
-#define WALL_AUTO(kind, name, key, unit, type, fallback, range, further, value, wall, meaning)               \
+#define WALL_AUTO(...) WALL_AUTO_OF(__VA_ARGS__)
+#define WALL_AUTO_OF(kind, type, name, key, unit, fallback, range, also, automatic, wall, meaning)           \
     DEM_IF_MATERIAL(kind,                                                                                    \
                     {#name, unit, type, AT(wall_entry, line.material.name), "auto", range " | auto",         \
                      "of this wall; auto: the grains', times " #wall}, )

@@ -27,17 +27,18 @@ bool dem_damps_by_rate(const dem_definition *def)
 static void complete(const dem_definition *def, dem_material *m)
 {
     const bool rate = dem_damps_by_rate(def);
-#define MATERIAL_VALUE(kind, name, key, unit, type, fallback, range, further, value, ...)                    \
-    DEM_IF_MATERIAL(kind, if (m->name < 0.0) m->name = value; if (m->name < 0.0) m->name = -1.0;)
+#define MATERIAL_VALUE(...) MATERIAL_VALUE_OF(__VA_ARGS__)
+#define MATERIAL_VALUE_OF(kind, type, name, key, unit, fallback, range, also, automatic, wall, meaning)      \
+    DEM_IF_MATERIAL(kind, if (m->name < 0.0) m->name = automatic; if (m->name < 0.0) m->name = -1.0;)
     DEM_PHYSICS(MATERIAL_VALUE)
 }
 
 void dem_physics_apply(const dem_physics *p, dem_definition *def)
 {
     dem_material *m = &def->material;
-#define SCENE_VALUE(kind, name, ...) DEM_IF_SCENE(kind, def->name = p->name;)
+#define SCENE_VALUE(kind, type, name, ...) DEM_IF_SCENE(kind, def->name = p->name;)
     DEM_PHYSICS(SCENE_VALUE)
-#define MATERIAL_GIVEN(kind, name, ...) DEM_IF_MATERIAL(kind, m->name = p->name;)
+#define MATERIAL_GIVEN(kind, type, name, ...) DEM_IF_MATERIAL(kind, m->name = p->name;)
     DEM_PHYSICS(MATERIAL_GIVEN)
     complete(def, m);
 }
@@ -46,21 +47,22 @@ dem_physics dem_physics_of(const dem_definition *def, double density)
 {
     dem_physics p = {.density = density};
     const dem_material *m = &def->material;
-#define SCENE_OF(kind, name, ...) DEM_IF_SCENE(kind, p.name = def->name;)
+#define SCENE_OF(kind, type, name, ...) DEM_IF_SCENE(kind, p.name = def->name;)
     DEM_PHYSICS(SCENE_OF)
-#define MATERIAL_OF(kind, name, ...) DEM_IF_MATERIAL(kind, p.name = m->name;)
+#define MATERIAL_OF(kind, type, name, ...) DEM_IF_MATERIAL(kind, p.name = m->name;)
     DEM_PHYSICS(MATERIAL_OF)
     if (p.restitution == 0.0) p.restitution = -1.0;
     return p;
 }
 
-#define AUTO(kind, name, ...) DEM_IF_MATERIAL(kind, .name = -1.0, )
+#define AUTO(kind, type, name, ...) DEM_IF_MATERIAL(kind, .name = -1.0, )
 const dem_material dem_material_auto = {DEM_PHYSICS(AUTO)};
 
 dem_material dem_wall_material(const dem_material *given, const dem_material *grains)
 {
     dem_material m;
-#define WALL_VALUE(kind, name, key, unit, type, fallback, range, further, value, wall, ...)                  \
+#define WALL_VALUE(...) WALL_VALUE_OF(__VA_ARGS__)
+#define WALL_VALUE_OF(kind, type, name, key, unit, fallback, range, also, automatic, wall, meaning)          \
     DEM_IF_MATERIAL(kind, m.name = given->name < 0.0 ? (wall)*grains->name : given->name;)
     DEM_PHYSICS(WALL_VALUE)
     /* one of the two that is given replaces the grains' other */
