@@ -301,32 +301,41 @@ static void decide(const report_claim *c, const double *raised, report_judged *j
     j->two_readings = j->match.error != j->match.deviation;
 }
 
+/* Of both sides, a number beside NaN. */
+static double p_fit_of(const report_judged *j)
+{
+    return fmin(j->ours.p_fit, j->against.p_fit);
+}
+
 /* Decide n claims that answer one question, each by itself, and then with Holm's correction for the number of
  * their tests. A fit that its own means reject decides nothing: its test stays one of the family, so that no
  * verdict on another claim gets stronger. */
-static void decide_family(rp_arena *arena, size_t n, const report_claim *const claims[],
-                          report_judged *const judged[])
+static void decide_family(rp_arena *arena, const report_claim claims[], size_t n, const size_t members[],
+                          report_judged judged[])
 {
     double *found = rp_arena_memory(arena, CHANCES * n, sizeof *found),
            *raised = rp_arena_memory(arena, CHANCES * n, sizeof *raised);
     size_t n_tests = 0;
     for (size_t i = 0; i < n; i++) {
+        const report_claim *c = &claims[members[i]];
+        report_judged *j = &judged[members[i]];
         double chances[CHANCES];
-        if (judged[i]->verdict != STATS_NO_DATA) decide(claims[i], NULL, judged[i]);
-        judged[i]->uncorrected = judged[i]->verdict;
-        find_chances(claims[i], judged[i], chances);
+        if (j->verdict != STATS_NO_DATA) decide(c, NULL, j);
+        j->uncorrected = j->verdict;
+        find_chances(c, j, chances);
         for (size_t k = 0; k < CHANCES; k++) found[k * n + i] = chances[k];
         n_tests += !isnan(chances[OF_EFFECT]);
     }
     for (size_t k = 0; k < CHANCES; k++) stats_holm(n, found + k * n, raised + k * n);
     for (size_t i = 0; i < n; i++) {
+        const report_claim *c = &claims[members[i]];
+        report_judged *j = &judged[members[i]];
         const double chances[] = {raised[i], raised[n + i], raised[2 * n + i]};
-        if (*claims[i]->family && !isnan(found[i])) {
-            decide(claims[i], chances, judged[i]);
-            judged[i]->tests = n_tests;
+        if (*c->family && !isnan(found[i])) {
+            decide(c, chances, j);
+            j->tests = n_tests;
         }
-        if (stats_fit_rejected(fmin(judged[i]->ours.p_fit, judged[i]->against.p_fit)))
-            judged[i]->verdict = STATS_UNDECIDED;
+        if (stats_fit_rejected(p_fit_of(j))) j->verdict = STATS_UNDECIDED;
     }
 }
 
@@ -340,10 +349,9 @@ static bool is_opposite(const report_claim *c, const report_judged *j)
 static const char *reason_of(rp_arena *arena, const report_claim *c, const report_judged *j)
 {
     const char *verdict = stats_verdict_texts[j->verdict];
-    const double p_fit = fmin(j->ours.p_fit, j->against.p_fit); /* a number beside NaN */
-    if (stats_fit_rejected(p_fit))
+    if (stats_fit_rejected(p_fit_of(j)))
         return rp_text(arena, "%s: the form of the fit does not describe the means (p = %.2g)", verdict,
-                       p_fit);
+                       p_fit_of(j));
     if (j->uncorrected != j->verdict)
         return rp_text(arena, "%s: %s without the correction for %zu tests of one question", verdict,
                        stats_verdict_texts[j->uncorrected], j->tests);
@@ -362,21 +370,17 @@ static const char *reason_of(rp_arena *arena, const report_claim *c, const repor
 rp_status report_judge(const report_claims *all, report_tables *tables, report_judged **judged)
 {
     rp_arena *arena = tables->arena;
-    const report_claim **claims = rp_arena_memory(arena, all->n, sizeof *claims);
-    report_judged *found = *judged = rp_arena_memory(arena, all->n, sizeof *found),
-                  **members = rp_arena_memory(arena, all->n, sizeof *members);
+    report_judged *found = *judged = rp_arena_memory(arena, all->n, sizeof *found);
+    size_t *members = rp_arena_memory(arena, all->n, sizeof *members);
     bool *decided = rp_arena_memory(arena, all->n, sizeof *decided);
     for (size_t i = 0; i < all->n; i++) RP_TRY(read_answer(all, &all->claims[i], tables, &found[i]));
     for (size_t i = 0; i < all->n; i++) {
         const char *family = all->claims[i].family;
         size_t n = 0;
-        for (size_t k = decided[i] ? all->n : i; k < all->n; k++) {
-            if (k != i && (!*family || strcmp(all->claims[k].family, family) != 0)) continue;
-            claims[n] = &all->claims[k];
-            members[n++] = &found[k];
-            decided[k] = true;
-        }
-        decide_family(arena, n, claims, members);
+        for (size_t k = decided[i] ? all->n : i; k < all->n; k++)
+            if (k == i || (*family && strcmp(all->claims[k].family, family) == 0))
+                decided[members[n++] = k] = true;
+        decide_family(arena, all->claims, n, members, found);
         found[i].reason = reason_of(arena, &all->claims[i], &found[i]);
     }
     return RP_OK;
