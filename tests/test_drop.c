@@ -537,7 +537,7 @@ static void dropped(int kernel, dem_state last[DROPPED])
     dem_free(sim);
 }
 
-/* The reference loop searches all pairs for collisions, the fast kernels only pairs without contact. */
+/* The reference searches all pairs for collisions, the others only pairs without contact. */
 static void kernels_collide_alike(void)
 {
     dem_state expected[DROPPED], got[DROPPED];

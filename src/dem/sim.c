@@ -56,7 +56,7 @@ static rp_status start_forces(dem_sim *sim, const dem_definition *def)
     rp_status status = list_contacts(sim, def->n_contacts, def->contacts);
     if (!status) status = dem_neighbours_rebuild(sim);
     if (status) return status;
-    sim->kernels.pairs(sim, 0, sim->pairs.n, 0.0);
+    sim->loops.pairs(sim, 0, sim->pairs.n, 0.0);
     dem_walls_apply(sim, 0, sim->grains.n, 0.0);
     if (sim->too_deep) status = dem_check_overlaps(sim, 0, sim->pairs.n, 0, sim->grains.n);
     if (!status) status = dem_check_start_overlaps(sim);
@@ -116,7 +116,7 @@ static rp_status fill_in(dem_sim *sim, const dem_definition *def)
     sim->pairs.chunk = CHUNK;
     dem_gravity_start(sim);
     rp_status status = dem_walls_place(sim, def);
-    dem_kernels_choose(sim);
+    dem_loops_choose(sim);
     if (!status) status = dem_grains_alloc(&sim->grains, def, def->n_grains, false);
     if (status) return status;
     put_grains(sim, def);
@@ -296,5 +296,5 @@ void dem_threads(dem_sim *sim, size_t n)
 
 const char *dem_kernel_name(const dem_sim *sim)
 {
-    return sim->kernels.name;
+    return sim->loops.name;
 }

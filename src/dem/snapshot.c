@@ -146,7 +146,7 @@ static void strip(dem_sim *state)
 {
     dem_forget_parts(state);
     state->scheme = NULL;
-    state->kernels = (dem_kernels){""};
+    state->loops = (dem_loops){0};
     state->times = NULL;
     state->threads = 0;
     state->pairs.capacity = state->pairs.chunk_capacity = state->walls.capacity = 0;
@@ -176,7 +176,7 @@ void dem_keep(rp_snapshot *s, dem_sim **sim)
         *sim = c;
         *c = state;
         c->scheme = dem_schemes[c->def.integrator];
-        dem_kernels_choose(c);
+        dem_loops_choose(c);
     }
     if (!s->reading) keep_wall_list(s, c);
     keep_grains(s, c);

@@ -21,7 +21,8 @@ flags='-O1 -Werror=format -Werror=int-conversion -Werror=incompatible-pointer-ty
 tab='	'
 
 files='analytic/*.c src/angle/*.c src/core/sparse.c src/statics/*.c src/stats/*.c src/stress/*.c
-    src/dem/law/law.inl src/dem/law/laws.c src/dem/law/bodies.c src/dem/loops/contact.inl src/dem/methods/verlet.c src/dem/methods/gear.c
+    src/dem/law/law.inl src/dem/law/laws.c src/dem/law/bodies.c src/dem/loops/loops.inl src/dem/loops/width_1.c src/dem/state/motion.inl
+    src/dem/methods/ahead.c src/dem/methods/verlet.c src/dem/methods/gear.c
     src/dem/methods/implicit.c src/dem/methods/gravity.c src/dem/methods/hard.c src/dem/methods/step.c src/dem/state/slots.c src/dem/state/vec.c
     src/dem/forces/*.c src/dem/list/removal.c src/dem/observe/*.c src/dem/setup/*.c src/dem/sim.c src/dem/run.c
     sweeps/*/*.c src/table/table.c src/params/params.c src/dem/scene/output.c src/dem/scene/scene.c
@@ -58,7 +59,7 @@ suites_of() {
     src/stress/dip.c) echo stress piles drop evidence ;;
     src/stress/*) echo stress drop piles columns ;;
     src/dem/methods/implicit.c) echo midpoint implicit dem units ;;
-    src/dem/methods/verlet.c) echo units dem removal threads motion rotation soft hard laws walls golden ;;
+    src/dem/methods/ahead.c | src/dem/methods/verlet.c) echo units dem removal threads motion rotation soft hard laws walls golden ;;
     src/dem/observe/ledger.c) echo units ledger walls ;;
     src/dem/observe/observe.c | src/dem/forces/contact.c) echo units soft rotation motion stress scene golden dem ;;
     src/dem/list/removal.c) echo removal dem units ;;

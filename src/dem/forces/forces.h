@@ -60,6 +60,9 @@ double dem_ground_force(const dem_sim *sim, const dem_wall_slot *slot, double no
 dem_vec dem_ground_hold(const dem_sim *sim, dem_wall_slot *slot, double normal_force, dem_vec f,
                         dem_vec ground_velocity);
 
+/* Add the forces of the slots k..end of any walls. */
+void dem_slots_apply(dem_sim *sim, size_t k, size_t end, double h);
+
 /* Add the forces of the walls on the grains from..to: on all, in turn, from 0 on. */
 void dem_walls_apply(dem_sim *sim, size_t from, size_t to, double h);
 

@@ -207,6 +207,11 @@ static void apply_slot(dem_sim *sim, dem_wall_slot *slot, double h)
     sim->grains.force_torque[i].torque += c.rolling_torque;
 }
 
+void dem_slots_apply(dem_sim *sim, size_t k, size_t end, double h)
+{
+    for (; k < end; k++) apply_slot(sim, &sim->walls.slot[k], h);
+}
+
 void dem_walls_apply(dem_sim *sim, size_t from, size_t to, double h)
 {
     dem_wall_slot *const slot = sim->walls.slot;
@@ -217,9 +222,8 @@ void dem_walls_apply(dem_sim *sim, size_t from, size_t to, double h)
         if (to < sim->grains.n)
             for (end = k; end < start[w + 1] && slot[end].grain < to;) end++;
         sim->walls.next[w] = end;
-        if (k < end && sim->kernels.line && dem_wall_rests(sim, w) && !dem_is_ground(sim, &slot[k]))
-            sim->kernels.line(sim, k, end, h);
-        else
-            for (; k < end; k++) apply_slot(sim, &slot[k], h);
+        if (k == end) continue;
+        const bool is_line = dem_wall_rests(sim, w) && !dem_is_ground(sim, &slot[k]);
+        (is_line ? sim->loops.line : dem_slots_apply)(sim, k, end, h);
     }
 }

@@ -1,4 +1,4 @@
-/* The contact laws, each once, for one contact (law.h) or for as many as a vector holds (simd.h). Pure
+/* The contact laws, each once, for one contact (law.h) or for as many as a vector holds (lanes.h). Pure
  * functions of a few numbers. `num` is a double or a vector of them, `lanes` a truth value for each;
  * num_sqrt, num_max, num_choose, and num_limit: `a`, or `most` with the sign of `a` where |a| > most. A law
  * that other functions than these would need has no vector form, and does not compile. */

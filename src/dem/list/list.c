@@ -370,8 +370,6 @@ static rp_status append_cells(dem_sim *sim, dem_part *part)
     struct dem_list_work *w = sim->list.work;
     const size_t mask_x = w->cells_x - 1, cells = w->cells_x * w->cells_y,
                  last = first_cell(w, cells, dem_share_end(part, sim->grains.n, 1));
-    dem_append_kernel *const append =
-        sim->kernels.append_pairs ? sim->kernels.append_pairs : dem_append_pairs;
     dem_threads_collect(sim, part);
     for (size_t c = first_cell(w, cells, dem_share_start(part, sim->grains.n, 1)); c < last; c++) {
         const size_t cx = c & mask_x, row = c - cx, up = (row + w->cells_x) & (cells - 1);
@@ -386,8 +384,8 @@ static rp_status append_cells(dem_sim *sim, dem_part *part)
         }
         for (size_t i = w->cell_start[c]; i < w->cell_start[c + 1]; i++) {
             RP_TRY(dem_pairs_reserve(&sim->pairs, most));
-            append(sim, i, i + 1, to[0]);
-            for (size_t a = 1; a < n; a++) append(sim, i, from[a], to[a]);
+            sim->loops.append(sim, i, i + 1, to[0]);
+            for (size_t a = 1; a < n; a++) sim->loops.append(sim, i, from[a], to[a]);
         }
     }
     return RP_OK;
@@ -543,7 +541,7 @@ static rp_status renew_pairs(dem_sim *sim, uint32_t i, uint32_t *listed, uint32_
     rp_status status = dem_pairs_reserve(&sim->pairs, sim->grains.n);
     if (status) return status;
     const size_t from = sim->pairs.n;
-    (sim->kernels.append_pairs ? sim->kernels.append_pairs : dem_append_pairs)(sim, i, 0, sim->grains.n);
+    sim->loops.append(sim, i, 0, sim->grains.n);
     size_t n = from;
     for (size_t k = from; k < sim->pairs.n; k++) {
         sim->pairs.j[n] = sim->pairs.j[k];

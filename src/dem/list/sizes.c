@@ -140,7 +140,7 @@ static rp_status append(dem_sim *sorted, size_t p, size_t from, size_t end)
 {
     if (from >= end) return RP_OK;
     RP_TRY(dem_pairs_reserve(&sorted->pairs, end - from));
-    (sorted->kernels.append_pairs ? sorted->kernels.append_pairs : dem_append_pairs)(sorted, p, from, end);
+    sorted->loops.append(sorted, p, from, end);
     return RP_OK;
 }
 

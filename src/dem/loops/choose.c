@@ -1,42 +1,17 @@
-/* The choice of the instances of the pair loop and of other loops. */
+/* The choice of the loops' width. */
 #include <stdio.h>
 #include <string.h>
 
-#include "dem/law/law.h"
 #include "dem/state/state.h"
 
-#include "dem/loops/contact.inl"
-
-#include "dem/loops/instances.inl"
-
-static void kernel_baseline(dem_sim *sim, size_t from, size_t to, double h)
-{
-    run_instance(sim, from, to, h);
-}
-
-static void kernel_reference(dem_sim *sim, size_t from, size_t to, double h)
-{
-    pair_loop(sim, from, to, h, dem_laws_of(&sim->def, &sim->def.material, sim->mu), sim->def.rotation,
-              sim->pairs.rolling);
-}
-
-/* Each pair is written; those within the cutoffs are kept, without a branch. */
-void dem_append_pairs(dem_sim *sim, size_t i, size_t from, size_t to)
-{
-    const dem_vec x = sim->grains.listed_x[i];
-    const double own = sim->grains.cutoff[i], inverse_mass = sim->grains.inverse_mass[i];
-    uint32_t *restrict pair_i = sim->pairs.i, *restrict pair_j = sim->pairs.j;
-    size_t k = sim->pairs.n;
-    for (size_t j = from; j < to; j++) {
-        dem_vec d = x - sim->grains.listed_x[j];
-        const double cutoff = own + sim->grains.cutoff[j];
-        pair_i[k] = (uint32_t)i;
-        pair_j[k] = (uint32_t)j;
-        /* not where both are fixed */
-        k += (dem_dot(d, d) < cutoff * cutoff) & (inverse_mass + sim->grains.inverse_mass[j] > 0.0);
-    }
-    sim->pairs.n = k;
-}
+static const dem_loops *const loops_of[DEM_KERNELS] = {
+    [DEM_REFERENCE] = &dem_loops_reference,
+    [DEM_BASELINE] = &dem_loops_1,
+#ifdef __x86_64__
+    [DEM_AVX2] = &dem_loops_4,
+    [DEM_AVX512] = &dem_loops_8,
+#endif
+};
 
 bool dem_kernel_runs(dem_kernel_choice kernel)
 {
@@ -58,32 +33,16 @@ bool dem_kernel_runs(dem_kernel_choice kernel)
     return false;
 }
 
-/* Only the reference adds excess displacements to springs. */
-void dem_kernels_choose(dem_sim *sim)
+void dem_loops_choose(dem_sim *sim)
 {
-    const dem_definition *def = &sim->def;
-    const char *with = "baseline";
-    const bool excess = sim->scheme->excess && dem_has_spring(def->tangential);
-    sim->kernels.pairs = excess || def->kernel == DEM_REFERENCE ? kernel_reference : kernel_baseline;
-    if (sim->kernels.pairs == kernel_reference) {
-        strcpy(sim->kernels.name, "reference");
-        return;
-    }
-#ifdef __x86_64__
-    const bool fast = def->kernel == DEM_FAST;
-#define X(name, type) sim->kernels.name = dem_##name##_avx512;
-    if (def->kernel == DEM_AVX512 || (fast && dem_kernel_runs(DEM_AVX512))) {
-        with = "avx512";
-        DEM_KERNEL_LIST(X)
-    }
-#undef X
-#define X(name, type) sim->kernels.name = dem_##name##_avx2;
-    else if (def->kernel == DEM_AVX2 || (fast && dem_kernel_runs(DEM_AVX2))) {
-        with = "avx2";
-        DEM_KERNEL_LIST(X)
-    }
-#undef X
-#endif
-    snprintf(sim->kernels.name, sizeof sim->kernels.name, "%s_%s", dem_normal_descriptors[def->normal].name,
-             with);
+    dem_kernel_choice kernel = sim->def.kernel;
+    if (kernel == DEM_FAST)
+        for (kernel = DEM_KERNELS - 1; !dem_kernel_runs(kernel);) kernel--;
+    if (sim->scheme->excess && dem_has_spring(sim->def.tangential)) kernel = DEM_REFERENCE;
+    sim->loops = *loops_of[kernel];
+    if (kernel == DEM_REFERENCE)
+        strcpy(sim->loops.name, sim->loops.word);
+    else
+        snprintf(sim->loops.name, sizeof sim->loops.name, "%s_%s",
+                 dem_normal_descriptors[sim->def.normal].name, sim->loops.word);
 }

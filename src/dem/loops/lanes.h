@@ -1,169 +1,335 @@
-/* Eight or four doubles as one value, as many as the instructions hold that the including file asks for with
- * `#pragma GCC target`. Operators act on each number by itself and round as they do for one number, so that
- * every width gives the same bits. Shuffles are written once, by the index of each number; the rest depends
- * on the instructions. */
-#ifndef DEM_SIMD_H
-#define DEM_SIMD_H
-
-#include <immintrin.h>
+/* One, four or eight doubles as one value: WIDTH of them, which the including file sets after it asks for
+ * instructions with `#pragma GCC target`. Operators act on each number by itself and round as they do for one
+ * number, so that every width gives the same bits.
+ *
+ * A `num` is WIDTH numbers, `lanes` a truth value for each. A `plane` is GRAINS vectors of the plane, (a0,
+ * a1), (a2, a3), ..., and PLANES of these are WIDTH vectors. Shuffles are written once, by the index of each
+ * number; the rest depends on the instructions. */
+#ifndef DEM_LANES_H
+#define DEM_LANES_H
 
 #include "dem/state/state.h"
 
-#if WIDE_BITS == 512
-enum { WIDTH = 8 };
-typedef __m512d wide;
-typedef __m512d_u wide_unaligned;
-typedef __mmask8 lanes; /* a truth value for each number */
-#define WIDE_INDEX         ((__m512i){0, 1, 2, 3, 4, 5, 6, 7})
-#define WIDE_PD(operation) _mm512_##operation##_pd
-#else /* AVX2 */
-enum { WIDTH = 4 };
-typedef __m256d wide;
-typedef __m256d_u wide_unaligned;
-typedef __m256d lanes;
-#define WIDE_INDEX         ((__m256i){0, 1, 2, 3})
-#define WIDE_PD(operation) _mm256_##operation##_pd
-#endif
-#define WIDE_ODD (WIDE_INDEX & 1)
+enum { GRAINS = (WIDTH + 1) / 2, PLANES = WIDTH / GRAINS };
 
-#ifdef __clang__ /* has no shuffle by a vector of indices; these loops become one */
-static inline wide wide_shuffle(wide a, wide b, __typeof__(WIDE_INDEX) from)
-{
-    wide result;
-    for (int i = 0; i < WIDTH; i++) result[i] = from[i] < WIDTH ? a[from[i]] : b[from[i] - WIDTH];
-    return result;
-}
-#else
-#define wide_shuffle __builtin_shuffle
-#endif
+#if WIDTH == 1
+#include "dem/state/motion.h"
 
-static inline wide wide_load(const double *from)
+static inline num num_load(const double *from)
 {
-    return *(const wide_unaligned *)from;
+    return *from;
 }
 
-static inline void wide_store(double *to, wide a)
+static inline void num_store(double *to, num a)
 {
-    *(wide_unaligned *)to = a;
+    *to = a;
 }
 
-static inline wide num_of(double a)
+/* from[stride index[]] */
+static inline num num_gather(const double *from, const uint32_t *index, int stride)
 {
-    return a - (wide){0};
+    return from[(size_t)stride * *index];
 }
 
-/* A wide also holds WIDTH/2 vectors of the plane, (a0, a1), (a2, a3), ... The first numbers of the vectors of
- * a, each followed by that of b; the second numbers; the even vectors of a, then of b; the odd vectors. */
-static inline wide wide_zip_firsts(wide a, wide b)
+static inline lanes num_less(num a, num b)
 {
-    return wide_shuffle(a, b, WIDE_INDEX - WIDE_ODD + WIDE_ODD * WIDTH);
+    return a < b;
 }
 
-static inline wide wide_zip_seconds(wide a, wide b)
+static inline lanes num_at_most(num a, num b)
 {
-    return wide_shuffle(a, b, WIDE_INDEX - WIDE_ODD + WIDE_ODD * WIDTH + 1);
+    return a <= b;
 }
 
-static inline wide wide_evens(wide a, wide b)
-{
-    return wide_shuffle(a, b, 2 * WIDE_INDEX - WIDE_ODD);
-}
-
-static inline wide wide_odds(wide a, wide b)
-{
-    return wide_shuffle(a, b, 2 * WIDE_INDEX - WIDE_ODD + 2);
-}
-
-/* The first number of each vector of a, then of b; the second numbers. */
-static inline wide wide_firsts(wide a, wide b)
-{
-    return wide_shuffle(a, b, 2 * WIDE_INDEX);
-}
-
-static inline wide wide_seconds(wide a, wide b)
-{
-    return wide_shuffle(a, b, 2 * WIDE_INDEX + 1);
-}
-
-/* (y, x) of each vector. */
-static inline wide wide_swap(wide a)
-{
-    return wide_shuffle(a, a, WIDE_INDEX ^ 1);
-}
-
-/* WIDTH/2 records of two vectors. */
-static inline void wide_load_records(const dem_motion *from, wide *x, wide *v)
-{
-    const wide a = wide_load((const double *)from), b = wide_load((const double *)from + WIDTH);
-    *x = wide_evens(a, b);
-    *v = wide_odds(a, b);
-}
-
-static inline void wide_store_records(void *to, wide x, wide v)
-{
-    const __typeof__(WIDE_INDEX) low = WIDE_INDEX / 2 % 2 * WIDTH + WIDE_INDEX / 4 * 2 + WIDE_ODD;
-    wide_store(to, wide_shuffle(x, v, low));
-    wide_store((double *)to + WIDTH, wide_shuffle(x, v, low + WIDTH / 2));
-}
-
-/* The vectors (x, y). */
-static inline void wide_store_vectors(dem_vec to[WIDTH], wide x, wide y)
-{
-    const __typeof__(WIDE_INDEX) low = WIDE_INDEX / 2 + WIDE_ODD * WIDTH;
-    wide_store((double *)to, wide_shuffle(x, y, low));
-    wide_store((double *)(to + WIDTH / 2), wide_shuffle(x, y, low + WIDTH / 2));
-}
-
-/* WIDTH/2 numbers, each twice; reads WIDTH. */
-static inline wide wide_load_twice(const double *from)
-{
-    const wide a = wide_load(from);
-    return wide_shuffle(a, a, WIDE_INDEX / 2);
-}
-
-static inline wide num_sqrt(wide a)
-{
-    return WIDE_PD(sqrt)(a);
-}
-
-/* a where a > b, else b */
-static inline wide num_max(wide a, wide b)
-{
-    return WIDE_PD(max)(a, b);
-}
-
-#if WIDE_BITS == 512
-static inline lanes wide_less(wide a, wide b)
-{
-    return _mm512_cmp_pd_mask(a, b, _CMP_LT_OQ);
-}
-
-static inline lanes wide_at_most(wide a, wide b)
-{
-    return _mm512_cmp_pd_mask(a, b, _CMP_LE_OQ);
-}
-
-static inline unsigned wide_bits(lanes l)
+static inline unsigned lanes_bits(lanes l)
 {
     return l;
 }
 
-static inline wide num_choose(lanes l, wide yes, wide no)
+/* Positions and velocities of grains i[] relative to grains j[]. */
+static inline void num_difference(const dem_motion *grain, const uint32_t *i, const uint32_t *j, num *x,
+                                  num *y, num *vx, num *vy)
+{
+    const dem_vec d = grain[*i].x - grain[*j].x, v = grain[*i].v - grain[*j].v;
+    *x = d[0], *y = d[1], *vx = v[0], *vy = v[1];
+}
+
+/* The first numbers of WIDTH vectors; their second numbers. */
+static inline num num_firsts(const plane a[PLANES])
+{
+    return a[0][0];
+}
+
+static inline num num_seconds(const plane a[PLANES])
+{
+    return a[0][1];
+}
+
+/* The vectors (x, y). */
+static inline void store_vectors(dem_vec to[WIDTH], num x, num y)
+{
+    to[0] = (dem_vec){x, y};
+}
+
+/* Forces and torques (x, y, torque); `spare` is arbitrary. */
+static inline void store_force_torques(dem_force_torque to[WIDTH], num x, num y, num torque)
+{
+    to[0] = (dem_force_torque){{x, y}, torque, 0.0};
+}
+
+/* *to += *b and *to -= *b; `spare` is arbitrary. */
+static inline void add_force_torque(dem_force_torque *to, const dem_force_torque *b)
+{
+    to->force += b->force, to->torque += b->torque;
+}
+
+static inline void subtract_force_torque(dem_force_torque *to, const dem_force_torque *b)
+{
+    to->force -= b->force, to->torque -= b->torque;
+}
+
+static inline plane plane_load(const dem_vec *from)
+{
+    return *from;
+}
+
+static inline void plane_store(dem_vec *to, plane a)
+{
+    *to = a;
+}
+
+/* GRAINS numbers, each twice; reads WIDTH. */
+static inline plane plane_load_twice(const double *from)
+{
+    return (plane){*from, *from};
+}
+
+/* GRAINS records of two vectors. */
+static inline void plane_load_records(const void *from, plane *x, plane *v)
+{
+    const dem_vec *record = from;
+    *x = record[0], *v = record[1];
+}
+
+static inline void plane_store_records(void *to, plane x, plane v)
+{
+    dem_vec *record = to;
+    record[0] = x, record[1] = v;
+}
+
+/* `yes` where a > 0, else `no`. */
+static inline plane plane_choose_positive(plane a, plane yes, plane no)
+{
+    return a[0] > 0.0 ? yes : no;
+}
+
+/* Is any number of a less than its fellow in b? */
+static inline bool plane_any_less(plane a, plane b)
+{
+    return (a[0] < b[0]) | (a[1] < b[1]);
+}
+
+/* Squares of lengths, each twice. Then of such squares: whether any is above `most`, where NaN is; the larger
+ * ones, of b where one is NaN; the largest. */
+static inline plane squares_of(plane a)
+{
+    const double square = dem_dot(a, a);
+    return (plane){square, square};
+}
+
+static inline bool squares_above(plane a, plane most)
+{
+    return !(a[0] <= most[0]);
+}
+
+static inline plane squares_max(plane a, plane b)
+{
+    return a[0] > b[0] ? a : b;
+}
+
+static inline double squares_largest(plane a)
+{
+    return a[0];
+}
+
+/* Append `first` + the index of each bit that is set; writes WIDTH numbers whatever their count. */
+static inline size_t append_bits(uint32_t *list, size_t n, unsigned bits, size_t first)
+{
+    list[n] = (uint32_t)first;
+    return n + bits;
+}
+
+/* Which of WIDTH indices are this one. */
+static inline unsigned index_equals(const uint32_t *index, uint32_t one)
+{
+    return *index == one;
+}
+
+#else /* 4 or 8 */
+#include <immintrin.h>
+
+#if WIDTH == 8
+typedef __m512d num, plane;
+typedef __m512d_u num_unaligned;
+typedef __mmask8 lanes;
+#define NUM_INDEX         ((__m512i){0, 1, 2, 3, 4, 5, 6, 7})
+#define NUM_PD(operation) _mm512_##operation##_pd
+#else
+typedef __m256d num, plane;
+typedef __m256d_u num_unaligned;
+typedef __m256d lanes;
+#define NUM_INDEX         ((__m256i){0, 1, 2, 3})
+#define NUM_PD(operation) _mm256_##operation##_pd
+#endif
+#define NUM_ODD (NUM_INDEX & 1)
+
+#ifdef __clang__ /* has no shuffle by a vector of indices; these loops become one */
+static inline num num_shuffle(num a, num b, __typeof__(NUM_INDEX) from)
+{
+    num result;
+    for (int i = 0; i < WIDTH; i++) result[i] = from[i] < WIDTH ? a[from[i]] : b[from[i] - WIDTH];
+    return result;
+}
+#else
+#define num_shuffle __builtin_shuffle
+#endif
+
+static inline num num_load(const double *from)
+{
+    return *(const num_unaligned *)from;
+}
+
+static inline void num_store(double *to, num a)
+{
+    *(num_unaligned *)to = a;
+}
+
+static inline num num_of(double a)
+{
+    return a - (num){0};
+}
+
+static inline num num_sqrt(num a)
+{
+    return NUM_PD(sqrt)(a);
+}
+
+/* a where a > b, else b */
+static inline num num_max(num a, num b)
+{
+    return NUM_PD(max)(a, b);
+}
+
+/* The first numbers of the vectors of a, each followed by that of b; the second numbers; the even vectors of
+ * a, then of b; the odd vectors. */
+static inline num num_zip_firsts(num a, num b)
+{
+    return num_shuffle(a, b, NUM_INDEX - NUM_ODD + NUM_ODD * WIDTH);
+}
+
+static inline num num_zip_seconds(num a, num b)
+{
+    return num_shuffle(a, b, NUM_INDEX - NUM_ODD + NUM_ODD * WIDTH + 1);
+}
+
+static inline num num_evens(num a, num b)
+{
+    return num_shuffle(a, b, 2 * NUM_INDEX - NUM_ODD);
+}
+
+static inline num num_odds(num a, num b)
+{
+    return num_shuffle(a, b, 2 * NUM_INDEX - NUM_ODD + 2);
+}
+
+static inline num num_firsts(const plane a[PLANES])
+{
+    return num_shuffle(a[0], a[1], 2 * NUM_INDEX);
+}
+
+static inline num num_seconds(const plane a[PLANES])
+{
+    return num_shuffle(a[0], a[1], 2 * NUM_INDEX + 1);
+}
+
+static inline plane plane_load(const dem_vec *from)
+{
+    return num_load((const double *)from);
+}
+
+static inline void plane_store(dem_vec *to, plane a)
+{
+    num_store((double *)to, a);
+}
+
+static inline plane plane_load_twice(const double *from)
+{
+    const num a = num_load(from);
+    return num_shuffle(a, a, NUM_INDEX / 2);
+}
+
+static inline void plane_load_records(const void *from, plane *x, plane *v)
+{
+    const num a = num_load(from), b = num_load((const double *)from + WIDTH);
+    *x = num_evens(a, b);
+    *v = num_odds(a, b);
+}
+
+static inline void plane_store_records(void *to, plane x, plane v)
+{
+    const __typeof__(NUM_INDEX) low = NUM_INDEX / 2 % 2 * WIDTH + NUM_INDEX / 4 * 2 + NUM_ODD;
+    num_store(to, num_shuffle(x, v, low));
+    num_store((double *)to + WIDTH, num_shuffle(x, v, low + WIDTH / 2));
+}
+
+static inline void store_vectors(dem_vec to[WIDTH], num x, num y)
+{
+    const __typeof__(NUM_INDEX) low = NUM_INDEX / 2 + NUM_ODD * WIDTH;
+    num_store((double *)to, num_shuffle(x, y, low));
+    num_store((double *)(to + WIDTH / 2), num_shuffle(x, y, low + WIDTH / 2));
+}
+
+static inline void add_force_torque(dem_force_torque *to, const dem_force_torque *b)
+{
+    _mm256_store_pd((double *)to, _mm256_load_pd((const double *)to) + _mm256_loadu_pd((const double *)b));
+}
+
+static inline void subtract_force_torque(dem_force_torque *to, const dem_force_torque *b)
+{
+    _mm256_store_pd((double *)to, _mm256_load_pd((const double *)to) - _mm256_loadu_pd((const double *)b));
+}
+
+#if WIDTH == 8
+static inline lanes num_less(num a, num b)
+{
+    return _mm512_cmp_pd_mask(a, b, _CMP_LT_OQ);
+}
+
+static inline lanes num_at_most(num a, num b)
+{
+    return _mm512_cmp_pd_mask(a, b, _CMP_LE_OQ);
+}
+
+static inline unsigned lanes_bits(lanes l)
+{
+    return l;
+}
+
+static inline num num_choose(lanes l, num yes, num no)
 {
     return _mm512_mask_blend_pd(l, no, yes);
 }
 
 /* a, or what has its sign and the magnitude `most` where that is less; which these are. Of NaN some become
  * `most`. */
-static inline wide num_limit(wide a, wide most, lanes *less)
+static inline num num_limit(num a, num most, lanes *less)
 {
-    const wide limited = _mm512_range_pd(a, most, 2);
+    const num limited = _mm512_range_pd(a, most, 2);
     *less = _mm512_cmp_pd_mask(limited, a, _CMP_NEQ_UQ);
     return limited;
 }
 
-/* Append `first` + the index of each bit that is set; writes WIDTH numbers whatever their count. */
-static inline size_t wide_append(uint32_t *list, size_t n, unsigned bits, size_t first)
+static inline size_t append_bits(uint32_t *list, size_t n, unsigned bits, size_t first)
 {
     const __m256i index = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
     __m256i k = _mm256_add_epi32(index, _mm256_set1_epi32((int)first));
@@ -171,71 +337,68 @@ static inline size_t wide_append(uint32_t *list, size_t n, unsigned bits, size_t
     return n + (size_t)__builtin_popcount(bits);
 }
 
-/* Which of WIDTH indices are this one. */
 static inline unsigned index_equals(const uint32_t *index, uint32_t one)
 {
     return _mm256_cmpeq_epi32_mask(_mm256_loadu_si256((const __m256i *)index), _mm256_set1_epi32((int)one));
 }
 
-/* from[stride index[]] */
-static inline wide wide_gather(const double *from, const uint32_t *index, int stride)
+static inline num num_gather(const double *from, const uint32_t *index, int stride)
 {
     __m256i at = _mm256_mullo_epi32(_mm256_loadu_si256((const __m256i *)index), _mm256_set1_epi32(stride));
     return _mm512_i32gather_pd(at, from, 8);
 }
 
-static inline wide wide_repeat(dem_vec a)
+static inline plane plane_of(dem_vec a)
 {
     return _mm512_broadcast_f64x2(a);
 }
 
-/* Forces and torques (x, y, torque); the fourth number is arbitrary. */
-static inline void wide_store_force_torques(dem_force_torque to[WIDTH], wide x, wide y, wide torque)
+static inline void store_force_torques(dem_force_torque to[WIDTH], num x, num y, num torque)
 {
     for (int p = 0; p < 8; p += 2) {
         const __m512i xy = _mm512_setr_epi64(p, p + 8, p, p, p + 1, p + 9, p, p),
                       third = _mm512_setr_epi64(p, p, p, p, p, p, p + 1, p);
-        wide_store((double *)(to + p),
-                   _mm512_mask_permutexvar_pd(_mm512_permutex2var_pd(x, xy, y), 0x44, third, torque));
+        num_store((double *)(to + p),
+                  _mm512_mask_permutexvar_pd(_mm512_permutex2var_pd(x, xy, y), 0x44, third, torque));
     }
 }
 
 /* Record i[0], followed by record i[2]. */
-static inline wide wide_load_record(const dem_motion *grain, const uint32_t *i)
+static inline num num_load_record(const dem_motion *grain, const uint32_t *i)
 {
     return _mm512_insertf64x4(_mm512_castpd256_pd512(_mm256_load_pd((const double *)&grain[i[0]])),
                               _mm256_load_pd((const double *)&grain[i[2]]), 1);
 }
 
 #else
-static inline lanes wide_less(wide a, wide b)
+static inline lanes num_less(num a, num b)
 {
     return _mm256_cmp_pd(a, b, _CMP_LT_OQ);
 }
 
-static inline lanes wide_at_most(wide a, wide b)
+static inline lanes num_at_most(num a, num b)
 {
     return _mm256_cmp_pd(a, b, _CMP_LE_OQ);
 }
 
-static inline unsigned wide_bits(lanes l)
+static inline unsigned lanes_bits(lanes l)
 {
     return (unsigned)_mm256_movemask_pd(l);
 }
 
-static inline wide num_choose(lanes l, wide yes, wide no)
+static inline num num_choose(lanes l, num yes, num no)
 {
     return _mm256_blendv_pd(no, yes, l);
 }
 
-static inline wide num_limit(wide a, wide most, lanes *less)
+static inline num num_limit(num a, num most, lanes *less)
 {
-    const wide mask = _mm256_set1_pd(-0.0);
-    *less = wide_less(most, _mm256_andnot_pd(mask, a));
+    const num mask = _mm256_set1_pd(-0.0);
+    *less = num_less(most, _mm256_andnot_pd(mask, a));
     return num_choose(*less, _mm256_or_pd(_mm256_and_pd(mask, a), most), a);
 }
 
-static inline size_t wide_append(uint32_t *list, size_t n, unsigned bits, size_t first)
+static inline size_t append_bits(uint32_t *list, size_t n, unsigned bits, size_t first)
 {
     for (size_t p = 0; p < WIDTH; p++) {
         list[n] = (uint32_t)(first + p);
@@ -250,57 +413,86 @@ static inline unsigned index_equals(const uint32_t *index, uint32_t one)
     return (unsigned)_mm_movemask_ps(_mm_castsi128_ps(same));
 }
 
-static inline wide wide_gather(const double *from, const uint32_t *index, int stride)
+static inline num num_gather(const double *from, const uint32_t *index, int stride)
 {
     __m128i at = _mm_mullo_epi32(_mm_loadu_si128((const __m128i *)index), _mm_set1_epi32(stride));
     return _mm256_i32gather_pd(from, at, 8);
 }
 
-static inline wide wide_repeat(dem_vec a)
+static inline plane plane_of(dem_vec a)
 {
     return _mm256_set_m128d(a, a);
 }
 
-static inline void wide_store_force_torques(dem_force_torque to[WIDTH], wide x, wide y, wide torque)
+static inline void store_force_torques(dem_force_torque to[WIDTH], num x, num y, num torque)
 {
-    const wide even = wide_zip_firsts(x, y), odd = wide_zip_seconds(x, y),
-               t_even = wide_zip_firsts(torque, torque), t_odd = wide_zip_seconds(torque, torque);
-    wide_store((double *)to, wide_evens(even, t_even));
-    wide_store((double *)(to + 1), wide_evens(odd, t_odd));
-    wide_store((double *)(to + 2), wide_odds(even, t_even));
-    wide_store((double *)(to + 3), wide_odds(odd, t_odd));
+    const num even = num_zip_firsts(x, y), odd = num_zip_seconds(x, y),
+              t_even = num_zip_firsts(torque, torque), t_odd = num_zip_seconds(torque, torque);
+    num_store((double *)to, num_evens(even, t_even));
+    num_store((double *)(to + 1), num_evens(odd, t_odd));
+    num_store((double *)(to + 2), num_odds(even, t_even));
+    num_store((double *)(to + 3), num_odds(odd, t_odd));
 }
 
-static inline wide wide_load_record(const dem_motion *grain, const uint32_t *i)
+static inline num num_load_record(const dem_motion *grain, const uint32_t *i)
 {
     return _mm256_load_pd((const double *)&grain[i[0]]);
 }
 #endif
 
-/* Positions and velocities of grains i[] relative to grains j[]. */
-static inline void wide_difference(const dem_motion *grain, const uint32_t *i, const uint32_t *j, wide *x,
-                                   wide *y, wide *vx, wide *vy)
+static inline void num_difference(const dem_motion *grain, const uint32_t *i, const uint32_t *j, num *x,
+                                  num *y, num *vx, num *vy)
 {
-    wide d[4];
+    num d[4];
     for (int a = 0; a < 4; a++) {
         const int p = a % 2 + a / 2 * (WIDTH / 2);
-        d[a] = wide_load_record(grain, i + p) - wide_load_record(grain, j + p);
+        d[a] = num_load_record(grain, i + p) - num_load_record(grain, j + p);
     }
-    const wide lo[2] = {wide_zip_firsts(d[0], d[1]), wide_zip_firsts(d[2], d[3])},
-               hi[2] = {wide_zip_seconds(d[0], d[1]), wide_zip_seconds(d[2], d[3])};
-    *x = wide_evens(lo[0], lo[1]);
-    *y = wide_evens(hi[0], hi[1]);
-    *vx = wide_odds(lo[0], lo[1]);
-    *vy = wide_odds(hi[0], hi[1]);
+    const num lo[2] = {num_zip_firsts(d[0], d[1]), num_zip_firsts(d[2], d[3])},
+              hi[2] = {num_zip_seconds(d[0], d[1]), num_zip_seconds(d[2], d[3])};
+    *x = num_evens(lo[0], lo[1]);
+    *y = num_evens(hi[0], hi[1]);
+    *vx = num_odds(lo[0], lo[1]);
+    *vy = num_odds(hi[0], hi[1]);
 }
 
-static inline wide plane_of(dem_vec a)
+static inline plane plane_choose_positive(plane a, plane yes, plane no)
 {
-    return wide_repeat(a);
+    return num_choose(num_less((num){0}, a), yes, no);
 }
 
-typedef wide num, plane;
+static inline bool plane_any_less(plane a, plane b)
+{
+    return lanes_bits(num_less(a, b));
+}
+
+static inline plane squares_of(plane a)
+{
+    a *= a;
+    return a + num_shuffle(a, a, NUM_INDEX ^ 1);
+}
+
+static inline bool squares_above(plane a, plane most)
+{
+    return lanes_bits(num_at_most(a, most)) != (1u << WIDTH) - 1;
+}
+
+static inline plane squares_max(plane a, plane b)
+{
+    return num_max(a, b);
+}
+
+static inline double squares_largest(plane a)
+{
+    double all[WIDTH];
+    num_store(all, a);
+    double most = all[0];
+    for (int p = 1; p < WIDTH; p++) most = all[p] > most ? all[p] : most;
+    return most;
+}
+
 #include "dem/law/law.inl"
 #include "dem/state/motion.inl"
+#endif
 
 #endif

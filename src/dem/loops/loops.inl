@@ -1,139 +1,256 @@
-/* The pair loop of contact.inl and the integration of verlet.c for several pairs or grains at once, with
- * the same operations in the same order for each of them, and the same order of the sums of each grain. A
- * file that includes this one asks for instructions first, and defines the functions' names. */
+/* The loops over pairs, wall slots and grains, for WIDTH of them at a time: with the same operations in the
+ * same order for each, and the same order of the sums of each grain, so that every width gives the same bits.
+ * What they do is in state/loops.h. A file that includes this one asks for instructions first, and sets
+ * WIDTH. */
 #include <float.h>
 #include <math.h>
 
 #include "dem/loops/lanes.h"
 
-INLINE wide normal_force(const dem_laws *law, wide m_eff, wide overlap, wide v_n)
+/* The rest of a loop whose width does not divide the number of its grains. */
+#define REST(loop, i, to, ...)                                                                               \
+    if (WIDTH > 1 && (i) < (to)) dem_loops_1.loop(sim, i, to, __VA_ARGS__)
+
+/* ---- Pairs ---------------------------------------------------------------------------------------------
+ *
+ * Forces on grain i by grain j: Lee & Herrmann 1993, eq (1). Instances know their normal law and features, so
+ * that a scene pays only for what it uses.
+ *
+ * With rotation the surfaces' spin counts in the shear velocity. The contact lies in the middle of the
+ * overlap, at arms from the centres that add up to their distance, so that angular momentum is conserved. A
+ * spin counter-clockwise moves the surface of i, at -arm n from its centre, along +s; that of j, at +arm n,
+ * along -s; so both add to v_s, and F_s turns both the same way. */
+
+/* What the loop knows beforehand. */
+typedef struct {
+    dem_laws law;
+    bool rotation, rolling, excess;
+} features;
+
+/* Where pairs touch: normal from j to i, overlap, relative velocity. */
+typedef struct {
+    num nx, ny, overlap, vx, vy;
+    lanes touch;
+} geometry;
+
+/* On i along x and y; torques on i and j. */
+typedef struct {
+    num fx, fy, on_i, on_j;
+} forces;
+
+INLINE dem_laws laws_of(const dem_definition *def, const dem_material *c, double mu)
+{
+    return (dem_laws){def->normal,    def->tangential,
+                      def->tension,   c->k_n,
+                      c->gamma_n,     dem_slider_of(def->slip, def->damping, c->k_s, c->gamma_s, mu),
+                      dem_rolls_of(c)};
+}
+
+INLINE num normal_force(const dem_laws *law, num m_eff, num overlap, num v_n)
 {
     return dem_law_normal(law->normal, law->tension, law->k_n, law->gamma_n, m_eff, overlap, v_n);
 }
 
-/* Where the pairs of a block touch: normal from j to i, overlap, relative velocity. */
-typedef struct {
-    wide nx, ny, overlap, vx, vy;
-    lanes touch;
-} geometry;
-
-INLINE geometry geometry_of(const dem_sim *sim, size_t k)
+INLINE geometry geometry_of(const dem_grains *grains, const dem_pairs *pairs, size_t k)
 {
-    geometry m;
-    wide x, y;
-    wide_difference(sim->grains.motion, sim->pairs.i + k, sim->pairs.j + k, &x, &y, &m.vx, &m.vy);
-    const wide radii = wide_load(sim->pairs.radii + k), r2 = x * x + y * y;
-    m.touch = wide_less(r2, radii * radii);
-    m.nx = m.ny = m.overlap = (wide){0};
-    if (!wide_bits(m.touch)) return m;
-    const wide r = num_sqrt(r2), inverse = 1.0 / r;
-    m.overlap = radii - r, m.nx = x * inverse, m.ny = y * inverse;
-    return m;
+    geometry g;
+    num x, y;
+    num_difference(grains->motion, pairs->i + k, pairs->j + k, &x, &y, &g.vx, &g.vy);
+    const num radii = num_load(pairs->radii + k), r2 = x * x + y * y;
+    g.touch = num_less(r2, radii * radii);
+    g.nx = g.ny = g.overlap = (num){0};
+    if (!lanes_bits(g.touch)) return g;
+    const num r = num_sqrt(r2), inverse = 1.0 / r;
+    g.overlap = radii - r, g.nx = x * inverse, g.ny = y * inverse;
+    return g;
 }
 
-/* *to += *b and *to -= *b, all 32 bytes at once */
-INLINE void force_torque_add(dem_force_torque *to, const dem_force_torque *b)
+/* Forces of the pairs from k on; brings their springs up to date. */
+INLINE forces forces_of(const dem_grains *grains, const dem_pairs *pairs, size_t k, const geometry *g,
+                        double h, const features *with)
 {
-    _mm256_store_pd((double *)to, _mm256_load_pd((const double *)to) + _mm256_loadu_pd((const double *)b));
+    const dem_laws *law = &with->law;
+    const bool has_spring = dem_has_spring(law->tangential);
+    const num zero = {0}, m_eff = num_load(pairs->m_eff + k),
+              f_n = normal_force(law, m_eff, g->overlap, g->vx * g->nx + g->vy * g->ny);
+    forces f = {f_n * g->nx, f_n * g->ny, zero, zero};
+    if (!dem_has_friction(law->tangential)) return f;
+    /* along s = (ny, -nx), the normal turned clockwise */
+    num v_s = g->vx * g->ny - g->vy * g->nx, arm_i = zero, arm_j = zero, omega_i = zero, omega_j = zero,
+        ds = zero;
+    if (with->rotation) {
+        arm_i = num_load(pairs->radius_i + k) - 0.5 * g->overlap;
+        arm_j = num_load(pairs->radius_j + k) - 0.5 * g->overlap;
+        omega_i = num_gather(grains->omega, pairs->i + k, 1);
+        omega_j = num_gather(grains->omega, pairs->j + k, 1);
+        v_s += arm_i * omega_i + arm_j * omega_j;
+    }
+    if (has_spring) ds = num_load(pairs->spring + k);
+#if WIDTH == 1
+    if (with->excess) {
+        const dem_vec more = grains->excess[pairs->i[k]] - grains->excess[pairs->j[k]];
+        ds += more[0] * g->ny - more[1] * g->nx;
+    }
+#endif
+    const num f_s = dem_law_tangential(law->tangential, law->shear, m_eff, v_s, f_n, h, &ds);
+    if (has_spring) num_store(pairs->spring + k, num_choose(g->touch, ds, zero));
+    f.fx = f.fx + f_s * g->ny;
+    f.fy = f.fy - f_s * g->nx;
+    if (!with->rotation) return f;
+    num couple = zero;
+    if (with->rolling) {
+        num xi = num_load(pairs->roll + k);
+        couple =
+            dem_law_rolling(law->rolls, num_load(pairs->r_eff + k), m_eff, omega_i - omega_j, f_n, h, &xi);
+        num_store(pairs->roll + k, num_choose(g->touch, xi, zero));
+    }
+    f.on_i = arm_i * f_s + couple;
+    f.on_j = couple - arm_j * f_s;
+    return f;
 }
 
-INLINE void force_torque_subtract(dem_force_torque *to, const dem_force_torque *b)
+/* Adding 0 to a force, of pairs that do not touch, changes no bit: no force is ever -0, since it starts from
+ * +0. */
+INLINE void add_forces(const dem_grains *grains, const dem_pairs *pairs, size_t k, lanes touch,
+                       const forces *f, const features *with)
 {
-    _mm256_store_pd((double *)to, _mm256_load_pd((const double *)to) - _mm256_loadu_pd((const double *)b));
+    const uint32_t *i = pairs->i + k, *j = pairs->j + k;
+    const num zero = {0}, fx = num_choose(touch, f->fx, zero), fy = num_choose(touch, f->fy, zero);
+    if (with->rotation && dem_has_friction(with->law.tangential)) {
+        dem_force_torque on_i[WIDTH], on_j[WIDTH];
+        store_force_torques(on_i, fx, fy, num_choose(touch, f->on_i, zero));
+        store_force_torques(on_j, fx, fy, num_choose(touch, f->on_j, zero));
+        for (int p = 0; p < WIDTH; p++) {
+            add_force_torque(grains->force_torque + i[p], on_i + p);
+            subtract_force_torque(grains->force_torque + j[p], on_j + p);
+        }
+        return;
+    }
+    dem_vec on_i[WIDTH];
+    store_vectors(on_i, fx, fy);
+    for (int p = 0; p < WIDTH; p++) {
+        *(with->rotation ? &grains->force_torque[i[p]].force : &grains->force[i[p]]) += on_i[p];
+        *(with->rotation ? &grains->force_torque[j[p]].force : &grains->force[j[p]]) -= on_i[p];
+    }
 }
 
-/* A block without touch is left at once. In any other all is computed for all pairs; pairs that do not touch
- * then get a spring and a force of 0. Adding 0 to a force changes no bit: no force is ever -0, since it
- * starts from +0. The list ends in pairs that never touch. */
-INLINE void pair_loop(dem_sim *sim, size_t from, size_t to, double h, dem_laws law, bool rotation,
-                      bool rolling)
+/* Forces of the pairs from k on; which are too deep. */
+INLINE unsigned do_pairs(const dem_grains *grains, const dem_pairs *pairs, size_t k, const geometry *g,
+                         double h, num limit, const features *with)
 {
-    const bool friction = dem_has_friction(law.tangential), has_spring = dem_has_spring(law.tangential);
-    dem_vec *restrict force = sim->grains.force;
-    const double *restrict omega = sim->grains.omega;
-    dem_force_torque *restrict force_torque = sim->grains.force_torque;
-    double *restrict spring = sim->pairs.spring, *restrict roll = sim->pairs.roll;
-    uint64_t *restrict touching = sim->pairs.touching;
-    const wide zero = {0}, limit = zero + sim->r_min;
+    const forces f = forces_of(grains, pairs, k, g, h, with);
+    add_forces(grains, pairs, k, g->touch, &f, with);
+    return lanes_bits(g->touch) & ~lanes_bits(num_at_most(g->overlap, limit));
+}
+
+/* A spring ends with its contact. One pair at a time: those that touch are listed first, without a branch.
+ * Several: a block without touch is left at once. In any other all is computed for all pairs; pairs that do
+ * not touch then get a spring and a force of 0. The list ends in pairs that never touch. */
+INLINE void pair_loop(dem_sim *sim, size_t from, size_t to, double h, features with)
+{
+    /* copies, which no store into an array can change */
+    const dem_grains grains = sim->grains;
+    const dem_pairs pairs = sim->pairs;
+    const bool has_spring = dem_has_spring(with.law.tangential);
+    const num zero = {0}, limit = zero + sim->r_min;
     unsigned too_deep = 0;
     uint64_t word = 0;
-    geometry next = {0};
-    if (from < to) next = geometry_of(sim, from);
-    for (size_t k = from; k < to; k += WIDTH) {
-        const uint32_t *i = sim->pairs.i + k, *j = sim->pairs.j + k;
-        const wide nx = next.nx, ny = next.ny, overlap = next.overlap, vx = next.vx, vy = next.vy;
-        const lanes touch = next.touch;
-        if (k + WIDTH < to) next = geometry_of(sim, k + WIDTH); /* while the divider works */
-        dem_note(touching, k, wide_bits(touch), &word);
-        if (!wide_bits(touch)) {
-            if (has_spring) wide_store(spring + k, zero);
-            if (rolling) wide_store(roll + k, zero);
-            continue;
-        }
-        const wide m_eff = wide_load(sim->pairs.m_eff + k);
-        too_deep |= wide_bits(touch) & ~wide_bits(wide_at_most(overlap, limit));
-        wide f_n = normal_force(&law, m_eff, overlap, vx * nx + vy * ny);
-        wide fx = f_n * nx, fy = f_n * ny;
-        if (friction) {
-            /* along s = (ny, -nx), the normal turned clockwise */
-            wide v_s = vx * ny - vy * nx, r_i, r_j, omega_i, omega_j, ds = zero;
-            if (rotation) {
-                r_i = wide_load(sim->pairs.radius_i + k), r_j = wide_load(sim->pairs.radius_j + k);
-                omega_i = wide_gather(omega, i, 1);
-                omega_j = wide_gather(omega, j, 1);
-                v_s += (r_i - 0.5 * overlap) * omega_i + (r_j - 0.5 * overlap) * omega_j;
+#if WIDTH == 1
+    while (from < to) {
+        enum { BLOCK = 256 };
+        uint32_t held[BLOCK + 1];
+        size_t n = 0;
+        for (const size_t end = from + BLOCK; from < to && from < end; from += 8) {
+            unsigned bits = 0;
+            for (size_t k = from; k < from + 8; k++) {
+                const dem_vec d = grains.motion[pairs.i[k]].x - grains.motion[pairs.j[k]].x;
+                const bool touch = dem_dot(d, d) < pairs.radii[k] * pairs.radii[k];
+                bits |= (unsigned)touch << (k - from);
+                held[n] = (uint32_t)k;
+                n += touch;
+                if (has_spring) pairs.spring[k] = touch ? pairs.spring[k] : 0.0;
+                if (with.rolling) pairs.roll[k] = touch ? pairs.roll[k] : 0.0;
             }
-            if (has_spring) ds = wide_load(spring + k);
-            const wide f_s = dem_law_tangential(law.tangential, law.shear, m_eff, v_s, f_n, h, &ds);
-            if (has_spring) wide_store(spring + k, num_choose(touch, ds, zero));
-            fx = fx + f_s * ny;
-            fy = fy - f_s * nx;
-            if (rotation) {
-                wide couple = zero;
-                if (rolling) {
-                    wide xi = wide_load(roll + k);
-                    couple = dem_law_rolling(law.rolls, wide_load(sim->pairs.r_eff + k), m_eff,
-                                             omega_i - omega_j, f_n, h, &xi);
-                    wide_store(roll + k, num_choose(touch, xi, zero));
-                }
-                dem_force_torque on_i[WIDTH], on_j[WIDTH];
-                const wide x = num_choose(touch, fx, zero), y = num_choose(touch, fy, zero);
-                wide_store_force_torques(on_i, x, y,
-                                         num_choose(touch, (r_i - 0.5 * overlap) * f_s + couple, zero));
-                wide_store_force_torques(on_j, x, y,
-                                         num_choose(touch, couple - (r_j - 0.5 * overlap) * f_s, zero));
-                for (int p = 0; p < WIDTH; p++) {
-                    force_torque_add(force_torque + i[p], on_i + p);
-                    force_torque_subtract(force_torque + j[p], on_j + p);
-                }
-                continue;
-            }
+            dem_note(pairs.touching, from, bits, &word);
         }
-        dem_vec f[WIDTH];
-        wide_store_vectors(f, num_choose(touch, fx, zero), num_choose(touch, fy, zero));
-        for (int p = 0; p < WIDTH; p++) {
-            *(rotation ? &force_torque[i[p]].force : &force[i[p]]) += f[p];
-            *(rotation ? &force_torque[j[p]].force : &force[j[p]]) -= f[p];
+        for (size_t t = 0; t < n; t++) {
+            const geometry g = geometry_of(&grains, &pairs, held[t]);
+            too_deep |= do_pairs(&grains, &pairs, held[t], &g, h, limit, &with);
         }
     }
+#else
+    geometry next = {0};
+    if (from < to) next = geometry_of(&grains, &pairs, from);
+    for (size_t k = from; k < to; k += WIDTH) {
+        const geometry now = next;
+        if (k + WIDTH < to) next = geometry_of(&grains, &pairs, k + WIDTH); /* while the divider works */
+        dem_note(pairs.touching, k, lanes_bits(now.touch), &word);
+        if (lanes_bits(now.touch)) {
+            too_deep |= do_pairs(&grains, &pairs, k, &now, h, limit, &with);
+        } else {
+            if (has_spring) num_store(pairs.spring + k, zero);
+            if (with.rolling) num_store(pairs.roll + k, zero);
+        }
+    }
+#endif
     sim->too_deep |= too_deep != 0;
 }
 
-#include "dem/loops/instances.inl"
-
-void WIDE(pairs)(dem_sim *sim, size_t from, size_t to, double h)
+/* The laws with these choices. */
+INLINE dem_laws spring_laws(dem_laws law, bool tension, dem_damping damping)
 {
-    run_instance(sim, from, to, h);
+    law.tangential = DEM_SPRING, law.tension = tension;
+    law.shear.slip = DEM_TRUNCATED, law.shear.damping = damping;
+    return law;
 }
+
+INLINE void run_of_motion(dem_sim *sim, size_t from, size_t to, double h, dem_laws law)
+{
+    if (!sim->def.rotation)
+        pair_loop(sim, from, to, h, (features){law, false, false, false});
+    else if (!sim->pairs.rolling)
+        pair_loop(sim, from, to, h, (features){law, true, false, false});
+    else
+        pair_loop(sim, from, to, h, (features){law, true, true, false});
+}
+
+/* The compiler knows all choices of the laws of a box and of dropped piles. */
+INLINE void run_of_law(dem_sim *sim, size_t from, size_t to, double h, dem_laws law)
+{
+    const bool spring = law.tangential == DEM_SPRING && law.shear.slip == DEM_TRUNCATED,
+               inside = law.shear.damping == DEM_DAMPING_INSIDE;
+    if (spring && law.tension && !inside)
+        run_of_motion(sim, from, to, h, spring_laws(law, true, DEM_DAMPING_OUTSIDE));
+    else if (spring && !law.tension && inside)
+        run_of_motion(sim, from, to, h, spring_laws(law, false, DEM_DAMPING_INSIDE));
+    else
+        run_of_motion(sim, from, to, h, law);
+}
+
+static void pairs(dem_sim *sim, size_t from, size_t to, double h)
+{
+    dem_laws law = laws_of(&sim->def, &sim->def.material, sim->mu);
+    switch (law.normal) {
+#define X(id, ...)                                                                                           \
+    case id:                                                                                                 \
+        law.normal = id;                                                                                     \
+        run_of_law(sim, from, to, h, law);                                                                   \
+        break;
+        DEM_NORMAL_LAWS(X)
+#undef X
+    }
+}
+
+/* ---- Wall slots ---------------------------------------------------------------------------------------- */
 
 /* Of WIDTH contacts with a wall: force, torques of slip and rolling, springs; bits of the contacts that
  * touch, and of overlaps that are too deep. */
 typedef struct {
-    wide fx, fy, slip, couple, spring, roll;
+    num fx, fy, slip, couple, spring, roll;
     unsigned touch, deep;
 } slot_forces;
 
-/* As apply_slot in walls.c, for grains i[] in slots of wall w, the at[]-th ones of these. */
+/* For grains i[] in slots of wall w, the at[]-th ones of these. */
 INLINE slot_forces slot_forces_of(const dem_sim *sim, const dem_laws *law, const dem_wall_slot *slot,
                                   const uint32_t *at, const uint32_t *i, double h)
 {
@@ -142,25 +259,24 @@ INLINE slot_forces slot_forces_of(const dem_sim *sim, const dem_laws *law, const
     const int of_slot = sizeof *slot / sizeof *grain, of_grain = sizeof *sim->grains.motion / sizeof *grain;
     const dem_vec point = sim->walls.line[w].point, n = sim->walls.line[w].direction;
     const unsigned all = (1u << WIDTH) - 1;
-    const wide zero = {0}, radius = wide_gather(sim->grains.radius, i, 1),
-               mass = wide_gather(sim->grains.mass, i, 1), side = wide_gather(&slot->side, at, of_slot);
-    const wide x = wide_gather(grain, i, of_grain), y = wide_gather(grain + 1, i, of_grain),
-               vx = wide_gather(grain + 2, i, of_grain), vy = wide_gather(grain + 3, i, of_grain);
-    const wide distance = (x - point[0]) * n[0] + (y - point[1]) * n[1], overlap = radius - side * distance,
-               nx = side * n[0], ny = side * n[1];
-    const wide f_n = normal_force(law, mass, overlap, vx * nx + vy * ny);
+    const num zero = {0}, radius = num_gather(sim->grains.radius, i, 1),
+              mass = num_gather(sim->grains.mass, i, 1), side = num_gather(&slot->side, at, of_slot);
+    const num x = num_gather(grain, i, of_grain), y = num_gather(grain + 1, i, of_grain),
+              vx = num_gather(grain + 2, i, of_grain), vy = num_gather(grain + 3, i, of_grain);
+    const num distance = (x - point[0]) * n[0] + (y - point[1]) * n[1], overlap = radius - side * distance,
+              nx = side * n[0], ny = side * n[1];
+    const num f_n = normal_force(law, mass, overlap, vx * nx + vy * ny);
     slot_forces b = {.fx = f_n * nx,
                      .fy = f_n * ny,
-                     .spring = wide_gather(&slot->spring, at, of_slot),
-                     .roll = wide_gather(&slot->roll, at, of_slot),
-                     .touch = ~wide_bits(wide_at_most(overlap, zero)) & all,
-                     .deep = ~wide_bits(wide_at_most(overlap, radius)) & all};
+                     .spring = num_gather(&slot->spring, at, of_slot),
+                     .roll = num_gather(&slot->roll, at, of_slot),
+                     .touch = ~lanes_bits(num_at_most(overlap, zero)) & all,
+                     .deep = ~lanes_bits(num_at_most(overlap, radius)) & all};
     if (!dem_has_friction(law->tangential)) return b;
-    const wide arm = radius - overlap,
-               omega = sim->grains.omega ? wide_gather(sim->grains.omega, i, 1) : zero;
-    wide v_s = vx * ny - vy * nx;
+    const num arm = radius - overlap, omega = sim->grains.omega ? num_gather(sim->grains.omega, i, 1) : zero;
+    num v_s = vx * ny - vy * nx;
     if (sim->grains.omega) v_s += arm * omega;
-    const wide f_s = dem_law_tangential(law->tangential, law->shear, mass, v_s, f_n, h, &b.spring);
+    const num f_s = dem_law_tangential(law->tangential, law->shear, mass, v_s, f_n, h, &b.spring);
     b.fx += ny * f_s;
     b.fy -= nx * f_s;
     b.slip = arm * f_s;
@@ -175,11 +291,11 @@ INLINE void take_slot_forces(dem_sim *sim, size_t k, size_t n, const uint32_t *i
 {
     dem_vec f[WIDTH];
     double spring[WIDTH], roll[WIDTH], slip[WIDTH], couple[WIDTH];
-    wide_store_vectors(f, b->fx, b->fy);
-    wide_store(spring, b->spring);
-    wide_store(roll, b->roll);
-    wide_store(slip, b->slip);
-    wide_store(couple, b->couple);
+    store_vectors(f, b->fx, b->fy);
+    num_store(spring, b->spring);
+    num_store(roll, b->roll);
+    num_store(slip, b->slip);
+    num_store(couple, b->couple);
     for (size_t p = 0; p < n; p++) {
         dem_wall_slot *slot = &sim->walls.slot[k + p];
         if (!(b->touch >> p & 1)) {
@@ -196,13 +312,12 @@ INLINE void take_slot_forces(dem_sim *sim, size_t k, size_t n, const uint32_t *i
     }
 }
 
-/* As apply_slot for slots k..end of one wall, a whole line at rest and not the ground. The last block is
- * filled up with its last slot. */
-void WIDE(line)(dem_sim *sim, size_t k, size_t end, double h)
+/* The last block is filled up with its last slot. */
+static void line(dem_sim *sim, size_t k, size_t end, double h)
 {
     const dem_wall_slot *slot = sim->walls.slot;
     const uint32_t w = slot[k].wall;
-    const dem_laws law = dem_laws_of(&sim->def, &sim->walls.wall[w].material, sim->walls.mu[w]);
+    const dem_laws law = laws_of(&sim->def, &sim->walls.wall[w].material, sim->walls.mu[w]);
     dem_vec wall = sim->walls.force[w];
     for (; k < end; k += WIDTH) {
         static const uint32_t all[8] = {0, 1, 2, 3, 4, 5, 6, 7};
@@ -221,191 +336,175 @@ void WIDE(line)(dem_sim *sim, size_t k, size_t end, double h)
     sim->walls.force[w] = wall;
 }
 
-/* As integrate_spins in verlet.c, for WIDTH grains; `rest` are their (torque, spare). */
-INLINE void advance_spins(const dem_sim *sim, const dem_equation *e, size_t i, const wide rest[2],
+/* ---- Motion -------------------------------------------------------------------------------------------- */
+
+/* Advance the spins of WIDTH grains, whose (torque, spare) are `rest`. */
+INLINE void advance_spins(const dem_sim *sim, const dem_equation *e, size_t i, const plane rest[PLANES],
                           double *next_angle, double *next_omega)
 {
-    wide angle = wide_load(sim->grains.angle + i), omega = wide_load(sim->grains.omega + i);
-    dem_leap_spin(e, wide_firsts(rest[0], rest[1]), wide_load(sim->grains.inverse_inertia + i), &angle,
-                  &omega);
-    wide_store(next_omega + i, omega);
-    wide_store(next_angle + i, angle);
+    num angle = num_load(sim->grains.angle + i), omega = num_load(sim->grains.omega + i);
+    dem_leap_spin(e, num_firsts(rest), num_load(sim->grains.inverse_inertia + i), &angle, &omega);
+    num_store(next_omega + i, omega);
+    num_store(next_angle + i, angle);
 }
 
-/* Take the forces on WIDTH/2 grains, and their torques into *rest: they are 0 then. */
-INLINE wide take_forces(dem_sim *sim, size_t i, wide *rest)
+/* The forces on GRAINS grains, and their torques in *rest. */
+INLINE plane force_on(const dem_sim *sim, size_t i, plane *rest)
 {
-    const wide zero = {0};
-    double *from = sim->grains.force_torque ? (double *)(sim->grains.force_torque + i)
-                                            : (double *)(sim->grains.force + i);
-    wide force = wide_load(from);
-    if (sim->grains.force_torque) {
-        wide_load_records((const dem_motion *)from, &force, rest);
-        wide_store(from + WIDTH, zero);
-    }
-    wide_store(from, zero);
+    plane force;
+    if (!sim->grains.force_torque) return plane_load(sim->grains.force + i);
+    plane_load_records(sim->grains.force_torque + i, &force, rest);
     return force;
 }
 
-INLINE double largest(wide a)
+INLINE void clear_force(dem_sim *sim, size_t i)
 {
-    double all[WIDTH];
-    wide_store(all, a);
-    double most = all[0];
-    for (int p = 1; p < WIDTH; p++) most = all[p] > most ? all[p] : most;
-    return most;
+    const plane zero = {0};
+    if (sim->grains.force_torque)
+        plane_store_records(sim->grains.force_torque + i, zero, zero);
+    else
+        plane_store(sim->grains.force + i, zero);
 }
 
-/* With `look`, margins are checked, else the largest speed is found. */
-INLINE size_t advance_grains(dem_sim *sim, size_t from, size_t to, unsigned *left, double *speed2, bool look)
+/* With `look`, margins are looked at, else the largest speed is found. */
+INLINE void advance_grains(dem_sim *sim, size_t from, size_t to, dem_moved *moved, bool look)
 {
-    enum { GRAINS = WIDTH / 2, ALL = (1 << WIDTH) - 1 };
-    const bool turned = sim->walls.angle != 0.0; /* then the caller finds grains that left */
+    const bool turned = sim->walls.angle != 0.0;
     const dem_equation e = dem_equation_of(sim);
     const double x_max = turned ? INFINITY : sim->def.x_max, y_min = turned ? -INFINITY : sim->def.y_min;
-    const wide zero = {0}, most = wide_repeat((dem_vec){x_max, INFINITY}),
-               least = wide_repeat((dem_vec){-INFINITY, y_min}), finite = zero + DBL_MAX;
-    wide fast = zero;
-    unsigned far = 0, out = 0;
+    const plane most = plane_of((dem_vec){x_max, INFINITY}), least = plane_of((dem_vec){-INFINITY, y_min}),
+                finite = plane_of((dem_vec){DBL_MAX, DBL_MAX});
+    plane fast = {0};
+    bool far = false, out = false;
     size_t i = from;
     for (; i + WIDTH <= to; i += WIDTH) {
-        wide rest[2] = {zero, zero};
-        for (size_t h = 0, at = i; h < 2; h++, at += GRAINS) {
-            wide x, v;
-            const wide force = take_forces(sim, at, &rest[h]);
-            wide_load_records(sim->grains.motion + at, &x, &v);
-            dem_leap(&e, force, wide_load_twice(sim->grains.inverse_mass + at), &x, &v);
-            wide_store_records(sim->grains.motion + at, x, v);
-            wide moved = v, most_moved = finite;
+        plane rest[PLANES] = {{0}};
+        for (size_t p = 0, at = i; p < PLANES; p++, at += GRAINS) {
+            plane x, v;
+            const plane force = force_on(sim, at, &rest[p]);
+            clear_force(sim, at);
+            plane_load_records(sim->grains.motion + at, &x, &v);
+            dem_leap(&e, force, plane_load_twice(sim->grains.inverse_mass + at), &x, &v);
+            plane_store_records(sim->grains.motion + at, x, v);
             if (look) {
-                moved = x - wide_load((const double *)(sim->grains.listed_x + at));
-                most_moved = wide_load_twice(sim->grains.margin2 + at);
+                far |= squares_above(squares_of(x - plane_load(sim->grains.listed_x + at)),
+                                     plane_load_twice(sim->grains.margin2 + at));
+            } else {
+                const plane square = squares_of(v);
+                far |= squares_above(square, finite);
+                fast = squares_max(square, fast);
             }
-            moved *= moved;
-            moved += wide_swap(moved);
-            if (!look) fast = num_max(moved, fast);
-            /* written so that NaN counts as moved */
-            far |= wide_bits(wide_at_most(moved, most_moved)) ^ ALL;
-            out |= wide_bits(wide_less(most, x)) | wide_bits(wide_less(x, least));
+            out |= plane_any_less(most, x) | plane_any_less(x, least);
         }
         if (sim->grains.omega) advance_spins(sim, &e, i, rest, sim->grains.angle, sim->grains.omega);
     }
-    if (!look) *speed2 = far ? INFINITY : largest(fast);
-    *left |= (out != 0) * DEM_GRAIN_OUT | (look && far) * DEM_LIST_OUT;
-    return i;
+    for (size_t k = from; k < i && turned; k++) out |= dem_beyond(sim, sim->grains.motion[k].x);
+    if (!look) moved->speed2 = fmax(moved->speed2, far ? INFINITY : squares_largest(fast));
+    moved->left |= out * DEM_GRAIN_OUT | (look && far) * DEM_LIST_OUT;
+    REST(advance, i, to, moved);
 }
 
-/* As advance in verlet.c, spins included. */
-size_t WIDE(advance)(dem_sim *sim, size_t from, size_t to, unsigned *left, double *speed2)
+static void advance(dem_sim *sim, size_t from, size_t to, dem_moved *moved)
 {
-    return speed2 ? advance_grains(sim, from, to, left, speed2, false)
-                  : advance_grains(sim, from, to, left, NULL, true);
+    if (sim->pairs.n_chunks > 0)
+        advance_grains(sim, from, to, moved, false);
+    else
+        advance_grains(sim, from, to, moved, true);
 }
 
-/* As measure_slack in verlet.c. */
-size_t WIDE(beyond_margin)(const dem_sim *sim, size_t from, size_t to, unsigned *left, double *margin2,
-                           double *beyond)
+static void margins(const dem_sim *sim, size_t from, size_t to, dem_moved *moved)
 {
-    enum { GRAINS = WIDTH / 2, ALL = (1 << WIDTH) - 1 };
-    wide widest = (wide){0} + *margin2, most = (wide){0} + *beyond;
-    unsigned far = 0;
+    plane widest = (plane){0} + moved->margin2, most = (plane){0} + moved->beyond;
+    bool far = false;
     size_t i = from;
     for (; i + GRAINS <= to; i += GRAINS) {
-        wide x, v;
-        wide_load_records(sim->grains.motion + i, &x, &v);
-        wide moved = x - wide_load((const double *)(sim->grains.listed_x + i));
-        moved *= moved;
-        moved += wide_swap(moved);
-        const wide margin = wide_load_twice(sim->grains.margin2 + i);
-        /* written so that NaN counts as moved */
-        far |= wide_bits(wide_at_most(moved, margin)) ^ ALL;
-        widest = num_max(margin, widest);
-        most = num_max(moved - margin, most);
+        plane x, v;
+        plane_load_records(sim->grains.motion + i, &x, &v);
+        const plane square = squares_of(x - plane_load(sim->grains.listed_x + i)),
+                    margin = plane_load_twice(sim->grains.margin2 + i);
+        far |= squares_above(square, margin);
+        widest = squares_max(margin, widest);
+        most = squares_max(square - margin, most);
     }
-    *left |= (far != 0) * DEM_LIST_OUT;
-    *margin2 = largest(widest);
-    *beyond = largest(most);
-    return i;
+    moved->left |= far * DEM_LIST_OUT;
+    moved->margin2 = squares_largest(widest);
+    moved->beyond = squares_largest(most);
+    REST(margins, i, to, moved);
 }
 
-/* As dem_append_pairs in neighbours.c. */
-void WIDE(append_pairs)(dem_sim *sim, size_t i, size_t from, size_t to)
+static void predict(dem_sim *sim, size_t from, size_t to, dem_moved *moved)
 {
-    const bool some_fixed = sim->grains.n_fixed > 0;
-    const wide zero = {0}, x = wide_repeat(sim->grains.listed_x[i]), own = zero + sim->grains.cutoff[i],
-               inverse_mass = zero + sim->grains.inverse_mass[i];
-    size_t k = sim->pairs.n;
-    for (size_t j = from; j < to; j += WIDTH) {
-        const wide a = x - wide_load((const double *)(sim->grains.listed_x + j)),
-                   b = x - wide_load((const double *)(sim->grains.listed_x + j + WIDTH / 2));
-        const wide dx = wide_firsts(a, b), dy = wide_seconds(a, b),
-                   cutoff = own + wide_load(sim->grains.cutoff + j);
-        unsigned near = wide_bits(wide_less(dx * dx + dy * dy, cutoff * cutoff));
-        if (some_fixed)
-            near &= wide_bits(wide_less(zero, inverse_mass + wide_load(sim->grains.inverse_mass + j)));
-        if (to - j < WIDTH) near &= (1u << (to - j)) - 1;
-        for (size_t p = 0; p < WIDTH; p++) sim->pairs.i[k + p] = (uint32_t)i;
-        k = wide_append(sim->pairs.j, k, near, j);
-    }
-    sim->pairs.n = k;
-}
-
-/* As predict_all in hard.c. */
-size_t WIDE(predict)(dem_sim *sim, size_t *beyond)
-{
-    enum { GRAINS = WIDTH / 2, ALL = (1 << WIDTH) - 1 };
     const dem_equation e = dem_equation_of(sim);
     const bool some_fixed = sim->grains.n_fixed > 0;
-    const wide zero = {0};
-    size_t i = 0;
-    for (; i + WIDTH <= sim->grains.n; i += WIDTH) {
-        wide rest[2] = {zero, zero};
-        for (size_t h = 0, at = i; h < 2; h++, at += GRAINS) {
-            const wide inverse_mass = wide_load_twice(sim->grains.inverse_mass + at);
-            wide x, v, force;
-            if (sim->grains.force_torque)
-                wide_load_records((const dem_motion *)(sim->grains.force_torque + at), &force, &rest[h]);
-            else
-                force = wide_load((const double *)(sim->grains.force + at));
-            wide_load_records(sim->grains.motion + at, &x, &v);
-            wide x_next = x, v_next = v;
+    bool far = false;
+    size_t i = from;
+    for (; i + WIDTH <= to; i += WIDTH) {
+        plane rest[PLANES] = {{0}};
+        for (size_t p = 0, at = i; p < PLANES; p++, at += GRAINS) {
+            const plane inverse_mass = plane_load_twice(sim->grains.inverse_mass + at),
+                        force = force_on(sim, at, &rest[p]);
+            plane x, v;
+            plane_load_records(sim->grains.motion + at, &x, &v);
+            plane x_next = x, v_next = v;
             dem_leap(&e, force, inverse_mass, &x_next, &v_next);
-            const lanes moves = wide_less(zero, inverse_mass);
-            v = some_fixed ? num_choose(moves, v_next, v) : v_next;
-            x = some_fixed ? num_choose(moves, x_next, x) : x_next;
-            wide_store_records(sim->grains.next_motion + at, x, v);
-            wide moved = x - wide_load((const double *)(sim->grains.listed_x + at));
-            moved *= moved;
-            /* written so that NaN counts as moved */
-            const unsigned far =
-                wide_bits(wide_at_most(moved + wide_swap(moved), wide_load_twice(sim->grains.margin2 + at))) ^
-                ALL;
-            if (far) *beyond = at + (31 - (size_t)__builtin_clz(far)) / 2;
+            v = some_fixed ? plane_choose_positive(inverse_mass, v_next, v) : v_next;
+            x = some_fixed ? plane_choose_positive(inverse_mass, x_next, x) : x_next;
+            plane_store_records(sim->grains.next_motion + at, x, v);
+            far |= squares_above(squares_of(x - plane_load(sim->grains.listed_x + at)),
+                                 plane_load_twice(sim->grains.margin2 + at));
         }
         if (sim->grains.omega)
             advance_spins(sim, &e, i, rest, sim->grains.next_angle, sim->grains.next_omega);
     }
-    return i;
+    moved->left |= far * DEM_LIST_OUT;
+    REST(predict, i, to, moved);
 }
 
-/* Which of WIDTH pairs may touch; as in hard.c. */
-INLINE unsigned may_touch(const dem_sim *sim, const uint32_t *i, const uint32_t *j, wide radii)
+/* ---- Searches ------------------------------------------------------------------------------------------ */
+
+/* Each pair is written; those within the cutoffs are kept, without a branch. */
+static void append(dem_sim *sim, size_t i, size_t from, size_t to)
 {
-    wide x, y, vx, vy;
-    wide_difference(sim->grains.next_motion, i, j, &x, &y, &vx, &vy);
+    const bool some_fixed = sim->grains.n_fixed > 0;
+    const plane x = plane_of(sim->grains.listed_x[i]);
+    const num zero = {0}, own = zero + sim->grains.cutoff[i],
+              inverse_mass = zero + sim->grains.inverse_mass[i];
+    size_t k = sim->pairs.n;
+    for (size_t j = from; j < to; j += WIDTH) {
+        plane d[PLANES];
+        for (size_t p = 0; p < PLANES; p++) d[p] = x - plane_load(sim->grains.listed_x + j + p * GRAINS);
+        const num dx = num_firsts(d), dy = num_seconds(d), cutoff = own + num_load(sim->grains.cutoff + j);
+        unsigned near = lanes_bits(num_less(dx * dx + dy * dy, cutoff * cutoff));
+        if (some_fixed) /* not where both are */
+            near &= lanes_bits(num_less(zero, inverse_mass + num_load(sim->grains.inverse_mass + j)));
+        if (to - j < WIDTH) near &= (1u << (to - j)) - 1;
+        for (size_t p = 0; p < WIDTH; p++) sim->pairs.i[k + p] = (uint32_t)i;
+        k = append_bits(sim->pairs.j, k, near, j);
+    }
+    sim->pairs.n = k;
+}
+
+/* Which of WIDTH pairs may touch on their straight lines over the step? All for which time_of_touch in hard.c
+ * is finite, and a few more by round-off. Nearer is a soft contact. */
+INLINE unsigned may_touch(const dem_sim *sim, const uint32_t *i, const uint32_t *j, num radii)
+{
+    num x, y, vx, vy;
+    num_difference(sim->grains.next_motion, i, j, &x, &y, &vx, &vy);
     const double dt = sim->def.dt;
-    const wide moved_x = dt * vx, moved_y = dt * vy, start_x = x - moved_x, start_y = y - moved_y;
-    const wide radii2 = radii * radii, slop = 1e-9 * radii2 + 4.0 * radii * sim->list.round_off,
-               gap = start_x * start_x + start_y * start_y - radii2,
-               along = start_x * moved_x + start_y * moved_y, moved2 = moved_x * moved_x + moved_y * moved_y;
-    const unsigned apart = wide_bits(wide_at_most(-slop, gap)) & wide_bits(wide_at_most(along, slop)),
-                   ends = wide_bits(wide_at_most(x * x + y * y, radii2 + slop)),
-                   turns = wide_bits(wide_at_most((wide){0}, x * moved_x + y * moved_y)),
-                   meets = wide_bits(wide_at_most((gap - slop) * moved2, along * along));
+    const num moved_x = dt * vx, moved_y = dt * vy, start_x = x - moved_x, start_y = y - moved_y;
+    const num radii2 = radii * radii, slop = 1e-9 * radii2 + 4.0 * radii * sim->list.round_off,
+              gap = start_x * start_x + start_y * start_y - radii2,
+              along = start_x * moved_x + start_y * moved_y;
+    const unsigned apart = lanes_bits(num_at_most(-slop, gap)) & lanes_bits(num_at_most(along, slop));
+    if (WIDTH == 1 && !apart) return 0;
+    const num moved2 = moved_x * moved_x + moved_y * moved_y;
+    const unsigned ends = lanes_bits(num_at_most(x * x + y * y, radii2 + slop)),
+                   turns = lanes_bits(num_at_most((num){0}, x * moved_x + y * moved_y)),
+                   meets = lanes_bits(num_at_most((gap - slop) * moved2, along * along));
     return apart & (ends | (turns & meets));
 }
 
-size_t WIDE(next_approaching)(const dem_sim *sim, size_t k, size_t end)
+static size_t next_approaching(const dem_sim *sim, size_t k, size_t end)
 {
     const uint64_t all = (1u << WIDTH) - 1;
     uint64_t left = ~0ull << k % 64;
@@ -415,7 +514,7 @@ size_t WIDE(next_approaching)(const dem_sim *sim, size_t k, size_t end)
         while (left) {
             const size_t shift = (size_t)__builtin_ctzll(left) / WIDTH * WIDTH, at = k + shift;
             const uint64_t near =
-                may_touch(sim, sim->pairs.i + at, sim->pairs.j + at, wide_load(sim->pairs.radii + at)) &
+                may_touch(sim, sim->pairs.i + at, sim->pairs.j + at, num_load(sim->pairs.radii + at)) &
                 left >> shift & all;
             if (near) return at + (size_t)__builtin_ctzll(near);
             left &= ~(all << shift);
@@ -424,15 +523,24 @@ size_t WIDE(next_approaching)(const dem_sim *sim, size_t k, size_t end)
     return end;
 }
 
-/* The first pair from k on of one of n grains that may touch. */
-INLINE size_t next_of(const dem_sim *sim, const uint32_t *of, size_t n, size_t k, size_t end)
+/* Which of WIDTH pairs have one of the first n grains that have collided; n 0: of all that have. */
+INLINE unsigned have_collided(const dem_sim *sim, const uint32_t *i, const uint32_t *j, size_t n)
+{
+    const bool *collided = sim->grains.collided;
+    unsigned found = 0;
+    for (size_t c = 0; c < n; c++)
+        found |= index_equals(i, sim->collided.few[c]) | index_equals(j, sim->collided.few[c]);
+    for (size_t p = 0; p < WIDTH && n == 0; p++) found |= (unsigned)(collided[i[p]] | collided[j[p]]) << p;
+    return found;
+}
+
+INLINE size_t next_of(const dem_sim *sim, size_t n, size_t k, size_t end)
 {
     const uint32_t *i = sim->pairs.i, *j = sim->pairs.j;
     for (size_t at = k - k % WIDTH; at < end; at += WIDTH) {
-        unsigned found = 0;
-        for (size_t c = 0; c < n; c++) found |= index_equals(i + at, of[c]) | index_equals(j + at, of[c]);
+        unsigned found = have_collided(sim, i + at, j + at, n);
         if (at < k) found &= ~0u << (k - at);
-        if (found) found &= may_touch(sim, i + at, j + at, wide_load(sim->pairs.radii + at));
+        if (found) found &= may_touch(sim, i + at, j + at, num_load(sim->pairs.radii + at));
         if (!found) continue;
         at += (size_t)__builtin_ctz(found);
         return at < end ? at : end;
@@ -440,9 +548,15 @@ INLINE size_t next_of(const dem_sim *sim, const uint32_t *of, size_t n, size_t k
     return end;
 }
 
-/* As next_collided in hard.c. */
-size_t WIDE(next_collided)(const dem_sim *sim, size_t k, size_t end)
+static size_t next_collided(const dem_sim *sim, size_t k, size_t end)
 {
-    return sim->collided.n <= 2 ? next_of(sim, sim->collided.few, 2, k, end)
-                                : next_of(sim, sim->collided.few, DEM_FEW, k, end);
+    return sim->collided.n > DEM_FEW ? next_of(sim, 0, k, end)
+           : sim->collided.n > 2     ? next_of(sim, DEM_FEW, k, end)
+                                     : next_of(sim, 2, k, end);
 }
+
+/* The table of a width, or of other loops over pairs and slots. */
+#define LOOPS(word, pairs, line, next_approaching, next_collided)                                            \
+    {                                                                                                        \
+        word, "", pairs, line, advance, margins, predict, append, next_approaching, next_collided            \
+    }

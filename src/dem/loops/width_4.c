@@ -1,15 +1,15 @@
-/* Four pairs at a time, for processors with AVX2. */
+/* Four pairs or grains at a time, for processors with AVX2. */
 #include "dem/state/state.h"
 
 #ifdef __x86_64__
-#define WIDE_BITS 256
 #ifdef __clang__
 #pragma clang attribute push(__attribute__((target("avx2"))), apply_to = function)
 #else
 #pragma GCC target("avx2")
 #endif
-#define WIDE(name) dem_##name##_avx2
+#define WIDTH 4
 #include "dem/loops/loops.inl"
+const dem_loops dem_loops_4 = LOOPS("avx2", pairs, line, next_approaching, next_collided);
 #ifdef __clang__
 #pragma clang attribute pop
 #endif

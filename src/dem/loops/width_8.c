@@ -1,15 +1,15 @@
-/* Eight pairs at a time, for processors with AVX-512. */
+/* Eight pairs or grains at a time, for processors with AVX-512. */
 #include "dem/state/state.h"
 
 #ifdef __x86_64__
-#define WIDE_BITS 512
 #ifdef __clang__
 #pragma clang attribute push(__attribute__((target("avx512f,avx512dq,avx512vl"))), apply_to = function)
 #else
 #pragma GCC target("avx512f,avx512dq,avx512vl")
 #endif
-#define WIDE(name) dem_##name##_avx512
+#define WIDTH 8
 #include "dem/loops/loops.inl"
+const dem_loops dem_loops_8 = LOOPS("avx512", pairs, line, next_approaching, next_collided);
 #ifdef __clang__
 #pragma clang attribute pop
 #endif

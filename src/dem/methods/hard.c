@@ -32,22 +32,6 @@ static dem_body body_at(const dem_sim *sim, size_t i, const path *m, double t)
     return body;
 }
 
-/* Next position and velocity of grain i without collision. */
-static void predict(dem_sim *sim, size_t i)
-{
-    const dem_equation e = dem_equation_of(sim);
-    const double inverse_mass = sim->grains.inverse_mass[i];
-    dem_motion next = sim->grains.motion[i];
-    if (!dem_is_fixed(sim, i))
-        dem_leap(&e, *dem_force(sim, i), (dem_vec){inverse_mass, inverse_mass}, &next.x, &next.v);
-    sim->grains.next_motion[i] = next;
-    if (!sim->grains.omega) return;
-    sim->grains.next_omega[i] = sim->grains.omega[i];
-    sim->grains.next_angle[i] = sim->grains.angle[i];
-    dem_leap_spin(&e, sim->grains.force_torque[i].torque, sim->grains.inverse_inertia[i],
-                  &sim->grains.next_angle[i], &sim->grains.next_omega[i]);
-}
-
 /* Change the velocity of grain i at time t from that of body `from` to that of body `to`. The whole step then
  * has the new velocity, from a start that is moved back to match. */
 static void redirect(dem_sim *sim, size_t i, const dem_body *from, const dem_body *to, double t)
@@ -59,7 +43,7 @@ static void redirect(dem_sim *sim, size_t i, const dem_body *from, const dem_bod
         sim->grains.omega[i] += to->omega - from->omega;
         sim->grains.angle[i] -= t * (to->omega - from->omega);
     }
-    predict(sim, i);
+    dem_loops_1.predict(sim, i, i + 1, &(dem_moved){0});
     if (sim->grains.collided[i]) return;
     sim->grains.collided[i] = true;
     for (size_t c = sim->collided.n; c < DEM_FEW; c++) sim->collided.few[c] = (uint32_t)i;
@@ -158,41 +142,6 @@ static void collide_walls(dem_sim *sim, bool collided_only)
             collide_wall(sim, sim->walls.slot[k]);
 }
 
-/* May this pair touch on its straight line over the step? True wherever time_of_touch is finite, and for a
- * few more pairs by round-off. */
-static bool may_touch(const dem_sim *sim, size_t k)
-{
-    const dem_motion *a = &sim->grains.next_motion[sim->pairs.i[k]],
-                     *b = &sim->grains.next_motion[sim->pairs.j[k]];
-    const dem_vec end = a->x - b->x, displacement = sim->def.dt * (a->v - b->v), start = end - displacement;
-    const double radii2 = sim->pairs.radii[k] * sim->pairs.radii[k],
-                 slop = 1e-9 * radii2 + 4.0 * sim->pairs.radii[k] * sim->list.round_off,
-                 gap = dem_dot(start, start) - radii2, along = dem_dot(start, displacement);
-    if (gap < -slop || along > slop) return false; /* nearer is a soft contact */
-    return dem_dot(end, end) <= radii2 + slop ||
-           (dem_dot(end, displacement) >= 0.0 &&
-            (gap - slop) * dem_dot(displacement, displacement) <= along * along);
-}
-
-/* The first pair from k to `end` that may touch and is apart at the step's start, or `end`. */
-static size_t next_approaching(const dem_sim *sim, size_t k, size_t end)
-{
-    if (sim->kernels.next_approaching) return sim->kernels.next_approaching(sim, k, end);
-    while (k < end && !may_touch(sim, k)) k++;
-    return k;
-}
-
-/* The first that may touch and is of a grain that has collided in this step. */
-static size_t next_collided(const dem_sim *sim, size_t k, size_t end)
-{
-    const bool *collided = sim->grains.collided;
-    const uint32_t *i = sim->pairs.i, *j = sim->pairs.j;
-    if (sim->kernels.next_collided && sim->collided.n <= DEM_FEW)
-        return sim->kernels.next_collided(sim, k, end);
-    while (k < end && !((collided[i[k]] | collided[j[k]]) && may_touch(sim, k))) k++;
-    return k;
-}
-
 static void collide_listed(dem_sim *sim, size_t k)
 {
     const size_t i = sim->pairs.i[k], j = sim->pairs.j[k];
@@ -206,9 +155,9 @@ static void collide_listed(dem_sim *sim, size_t k)
 static void collide_all(dem_sim *sim)
 {
     const size_t n = sim->pairs.n;
-    for (size_t k = 0, apart = next_approaching(sim, 0, n);; k++) {
-        if (apart < k) apart = next_approaching(sim, k, n);
-        k = sim->collided.n > 0 ? next_collided(sim, k, apart) : apart;
+    for (size_t k = 0, apart = sim->loops.next_approaching(sim, 0, n);; k++) {
+        if (apart < k) apart = sim->loops.next_approaching(sim, k, n);
+        k = sim->collided.n > 0 ? sim->loops.next_collided(sim, k, apart) : apart;
         if (k >= n) break;
         collide_listed(sim, k);
     }
@@ -219,19 +168,20 @@ static void collide_all(dem_sim *sim)
 static void collide_again(dem_sim *sim)
 {
     const size_t n = sim->pairs.n;
-    for (size_t k = next_collided(sim, 0, n); k < n; k = next_collided(sim, k + 1, n)) collide_listed(sim, k);
+    for (size_t k = sim->loops.next_collided(sim, 0, n); k < n; k = sim->loops.next_collided(sim, k + 1, n))
+        collide_listed(sim, k);
     collide_walls(sim, true);
 }
 
-/* Predict all grains; gives one that moves beyond its margin, n for none. */
+/* Predict all grains; gives one that moves beyond its margin, DEM_NOBODY for none. */
 static size_t predict_all(dem_sim *sim)
 {
-    size_t beyond = sim->grains.n;
-    for (size_t i = sim->kernels.predict ? sim->kernels.predict(sim, &beyond) : 0; i < sim->grains.n; i++) {
-        predict(sim, i);
-        if (dem_beyond_margin(sim, i, sim->grains.next_motion[i].x)) beyond = i;
-    }
-    return beyond;
+    size_t i = sim->grains.n;
+    dem_moved moved = {0};
+    sim->loops.predict(sim, 0, i, &moved);
+    if (!moved.left) return DEM_NOBODY;
+    while (--i > 0 && !dem_beyond_margin(sim, i, sim->grains.next_motion[i].x)) continue;
+    return i;
 }
 
 /* A collision may send a grain into the next: a few rounds; pairs that still approach then touch softly. */
@@ -239,7 +189,7 @@ rp_status dem_hard_apply(dem_sim *sim)
 {
     enum { ROUNDS = 8 };
     size_t beyond = predict_all(sim);
-    for (int renewed = 0; beyond < sim->grains.n; renewed++) {
+    for (int renewed = 0; beyond != DEM_NOBODY; renewed++) {
         if (renewed == 2)
             return dem_stop(sim, DEM_FAULT_TOO_FAST, beyond,
                             "moves beyond its margin of the neighbour list, %g, in one step",
@@ -259,27 +209,26 @@ rp_status dem_hard_apply(dem_sim *sim)
 }
 
 /* Margins of grains without a collision were checked before. */
-unsigned dem_hard_move(dem_sim *sim)
+rp_status dem_hard_move(dem_sim *sim, unsigned *left)
 {
     dem_motion *const grain = sim->grains.motion;
     double *const omega = sim->grains.omega, *const angle = sim->grains.angle;
-    unsigned left = 0;
     const bool few = sim->collided.n <= DEM_FEW;
     const size_t n = few ? sim->collided.n : sim->grains.n;
     for (size_t c = 0; c < n; c++) {
         const size_t i = few ? sim->collided.few[c] : c;
-        left |= (sim->grains.collided[i] && dem_beyond_margin(sim, i, sim->grains.next_motion[i].x)) *
-                DEM_LIST_OUT;
+        *left |= (sim->grains.collided[i] && dem_beyond_margin(sim, i, sim->grains.next_motion[i].x)) *
+                 DEM_LIST_OUT;
     }
     sim->grains.motion = sim->grains.next_motion, sim->grains.next_motion = grain;
     sim->grains.omega = sim->grains.next_omega, sim->grains.next_omega = omega;
     sim->grains.angle = sim->grains.next_angle, sim->grains.next_angle = angle;
     for (size_t i = 0; i < sim->grains.n && (isfinite(sim->def.x_max) || isfinite(sim->def.y_min)); i++)
-        left |= dem_beyond(sim, sim->grains.motion[i].x) * DEM_GRAIN_OUT;
+        *left |= dem_beyond(sim, sim->grains.motion[i].x) * DEM_GRAIN_OUT;
     if (sim->grains.force_torque)
         memset(sim->grains.force_torque, 0, sim->grains.n * sizeof *sim->grains.force_torque);
     else
         memset(sim->grains.force, 0, sim->grains.n * sizeof *sim->grains.force);
     sim->count.grain_steps += (double)sim->grains.n;
-    return left;
+    return RP_OK;
 }

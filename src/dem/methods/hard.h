@@ -8,6 +8,6 @@
 /* Hard collisions of the coming step, before it; then that step. *left as of dem_step_lists. Errors:
  * RP_BROKEN, RP_NO_MEMORY. */
 rp_status dem_hard_apply(dem_sim *sim);
-unsigned dem_hard_move(dem_sim *sim);
+rp_status dem_hard_move(dem_sim *sim, unsigned *left);
 
 #endif

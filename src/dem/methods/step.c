@@ -60,7 +60,7 @@ rp_status dem_step_forces(dem_sim *sim)
 {
     const double h = sim->def.dt;
     rp_status status;
-    sim->kernels.pairs(sim, 0, sim->pairs.n, h);
+    sim->loops.pairs(sim, 0, sim->pairs.n, h);
     if (sim->times) lap(sim, &sim->times->contacts);
     dem_walls_apply(sim, 0, sim->grains.n, h);
     if (sim->too_deep && (status = dem_check_overlaps(sim, 0, sim->pairs.n, 0, sim->grains.n)) != RP_OK)

@@ -12,7 +12,7 @@ struct dem_sim {
     dem_grains grains;
     dem_pairs pairs;
     dem_walls walls;
-    dem_kernels kernels;
+    dem_loops loops;
     long step;
     double mu;           /* of grains: finite stand-in for an infinite one */
     double r_min, r_max; /* of all grains so far */

@@ -392,7 +392,7 @@ void dem_threads_copies(dem_sim *sim, const dem_pairs *copies)
     const dem_pairs all = sim->pairs;
     if (copies->n == 0) return;
     sim->pairs = *copies;
-    sim->kernels.pairs(sim, 0, copies->n, sim->def.dt);
+    sim->loops.pairs(sim, 0, copies->n, sim->def.dt);
     sim->pairs = all;
     sim->too_deep = too_deep;
 }
