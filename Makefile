@@ -171,7 +171,7 @@ $(B)/validated/%: validation/%.c $(CODE) $(B)/check
 	@mkdir -p $(@D) && echo "check   --full $*"
 	@REPOSE=$(REPOSE) $(B)/check --full -o $(T) $* >$@.log || { cat $@.log; exit 1; }
 	@touch $@
-$(T)/published.tsv: report/claims.tsv $(REPORT)
+$(T)/published.tsv: report/claims.tsv $(REPORTER) | $(REPORT)
 	@mkdir -p $(T) && $(REPORT) published --claims $< >$@
 
 # A figure's file lists its tables after "# tables:".

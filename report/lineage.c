@@ -42,7 +42,7 @@ static report_sweep *find_source(report_tables *tables, const char *word)
 }
 
 /* What follows a word of a command; NULL without this word. */
-static const char *word_after(const report_words *command, const char *word)
+static char *word_after(const report_words *command, const char *word)
 {
     for (int i = 0; i + 1 < command->n; i++)
         if (strcmp(command->word[i], word) == 0) return command->word[i + 1];
@@ -85,7 +85,7 @@ static rp_status mark_rows(report_sweep *sweep, const report_words *reference, c
 {
     const rp_table *t = sweep->table;
     const bool itself = strcmp(reference->word[0], sweep->name) == 0;
-    char *where = (char *)word_after(command, "--where");
+    char *where = word_after(command, "--where");
     for (size_t row = 0; row < t->n_rows; row++) {
         bool matches = itself || (within_range(t, row, command) && number_at(t, row, "n") > 0.0);
         if (matches && where && !itself) RP_TRY(word_matches(t, row, where, &matches));

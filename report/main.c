@@ -108,17 +108,20 @@ static const cli_command claims = {
     "  can't be tested   for the reason given\n"
     "  by eye            the claim is a picture without a number\n"
     "  no data           the table with our value has not been made\n"
-    "Claims of paper `ours` are this program's own, beyond the papers. Column `failed`: runs without a "
-    "result at the grid points that the\n"
-    "claim reads, of all runs there, their causes, and how the mean changes without them.",
+    "Claims of paper `ours` are this program's own, beyond the papers. Column `failed`: runs without a\n"
+    "result at the grid points that the claim reads, of all runs there, their causes, and how the mean\n"
+    "changes without them.",
     "report claims --paper lh",
     claims_params,
     .act = print_claims};
 
 static const cli_command published = {
-    "published",           "published numbers, for figures",
-    "[options]",           "The number of each claim that has one, with its error and its samples.",
-    "report published",    published_params,
+    .name = "published",
+    .summary = "published numbers, for figures",
+    .synopsis = "[options]",
+    .about = "The number of each claim that has one, with its error and its samples.",
+    .example = "report published",
+    .options = published_params,
     .act = print_published};
 
 const cli_command *const report_commands[] = {&claims, &published, &report_page, NULL};
