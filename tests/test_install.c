@@ -75,6 +75,10 @@ static void test_data(void)
     PASSES("$PREFIX/bin/repose run examples/pile.cfg --set steps=10 --quiet | grep -q '^10'");
     PASSES("$PREFIX/bin/repose angle slope examples/outline.csv --width 641 --y-axis down");
     PASSES("test -f $PREFIX/share/doc/repose/examples/pile.cfg"); /* a link */
+    /* nothing of the report, no table of results */
+    PASSES("ls $PREFIX/bin $PREFIX/share/repose | tr '\\n' ' '");
+    CU_ASSERT_PTR_NOT_NULL(strstr(out, "/bin: repose  "));
+    CU_ASSERT_PTR_NOT_NULL(strstr(out, "/share/repose: examples python sweeps "));
     PASSES("$PREFIX/bin/repose sweep make sweeps/li/tent.cfg -o tent --tables tables && ls "
            "tables/tent_map_20.tsv");
     leave();

@@ -54,7 +54,8 @@ suites_of() {
     src/cli/options.c) echo help notes evidence options tables columns claims cli ;;
     src/cli/commands/run.c) echo view tables options snapshot cli ;;
     src/cli/commands/pile.c) echo notes equilibrium tables options cli ;;
-    report/* | src/cli/*) echo notes evidence options tables columns claims cli ;;
+    report/*) echo evidence claims options cli ;;
+    src/cli/*) echo notes evidence options tables columns claims cli ;;
     sweeps/protocols/pile_tables.c) echo tables notes piles cli ;;
     src/stress/dip.c) echo stress piles drop evidence ;;
     src/stress/*) echo stress drop piles columns ;;
