@@ -10,7 +10,7 @@
 report_words report_split(rp_arena *arena, const char *text)
 {
     char *copy = rp_text(arena, "%s", text), *save;
-    report_words words = {.word = rp_arena_memory(arena, strlen(text) / 2 + 1, sizeof *words.word)};
+    report_words words = {.word = rp_arena_memory(arena, strlen(text), sizeof *words.word)};
     for (char *word = strtok_r(copy, " ", &save); word; word = strtok_r(NULL, " ", &save))
         words.word[words.n++] = word;
     return words;
@@ -159,13 +159,6 @@ static const char *beside(const report_cell *cell, const char *end, const char *
     return NULL;
 }
 
-/* The error of a mean is tested by Student's t; that of a fit or a bootstrap stands as it is. */
-static void set_tested(report_number *number, bool is_mean)
-{
-    number->tested = is_mean ? stats_of_few(number->shown, number->n) : number->shown;
-    number->dof = is_mean ? number->n - 1.0 : INFINITY;
-}
-
 /* The number that the header line "# KEY: text" starts with. */
 static rp_status read_note(const report_cell *cell, stats_number *number)
 {
@@ -195,7 +188,7 @@ rp_status report_cell_number(const report_cell *cell, report_number *number)
     RP_TRY(report_cell_column(cell, "p_fit", &number->p_fit));
     RP_TRY(*cell->column == '#' ? read_note(cell, &number->shown)
                                 : read_value(cell, number->n, &number->shown));
-    set_tested(number, beside(cell, "", "_mean"));
+    number->tested = beside(cell, "", "_mean") ? stats_of_few(number->shown, number->n) : number->shown;
     return RP_OK;
 }
 
@@ -231,7 +224,7 @@ static rp_status read_pooled(report_tables *tables, const char *text, report_cel
     number->n = (double)all.n;
     number->shown = deviation ? (stats_number){all.sd, stats_deviation_error(all.sd, number->n)}
                               : (stats_number){all.mean, all.se};
-    set_tested(number, !deviation);
+    number->tested = deviation ? number->shown : stats_of_few(number->shown, number->n);
     return RP_OK;
 }
 

@@ -48,12 +48,12 @@ const char *report_cell_text(const report_cell *cell, const char *column);
 /* The number in another column, NaN if there is no such column. Errors: RP_BAD_INPUT. */
 rp_status report_cell_column(const report_cell *cell, const char *column, double *value);
 
-/* A number as it is printed, and with the error that decides; how many values are behind it (NaN where the
- * table does not say), the degrees of freedom of its error (infinite where a test takes it as known), and the
- * p_fit of its table's fit, NaN without one. */
+/* A number as it is printed, and with the error that decides: that of a mean by Student's t, that of a fit or
+ * a bootstrap as it stands. How many values are behind it, NaN where the table does not say; the p_fit of its
+ * table's fit, NaN without one. */
 typedef struct {
     stats_number shown, tested;
-    double n, dof, p_fit;
+    double n, p_fit;
 } report_number;
 
 /* Value and standard error of a cell: NAME_mean and NAME_se, or NAME_deg and NAME_se_deg, or NAME and

@@ -157,7 +157,7 @@ static rp_status read_change(rp_arena *arena, const report_claim *c, const repor
     const bool corrected = !*c->family && report_cell_text(cell, "p_holm");
     RP_TRY(report_cell_column(cell, rp_text(arena, "%s_lo90", cell->column), &j->change.lo90));
     RP_TRY(report_cell_column(cell, rp_text(arena, "%s_hi90", cell->column), &j->change.hi90));
-    RP_TRY(report_cell_column(cell, "dof", &j->ours.dof));
+    RP_TRY(report_cell_column(cell, "dof", &j->dof));
     return report_cell_column(cell, corrected ? "p_holm" : "p_value", &j->change.p_value);
 }
 
@@ -252,10 +252,9 @@ static void find_chances(const report_claim *c, const report_judged *j, double c
     chances[OF_DEVIATION] = by == BY_DIFFERENCE ? stats_agree_p(j->match.z_deviation) : chances[OF_EFFECT];
     chances[OF_MARGIN] = by == BY_SIDE ? stats_exceed_p_margin(ours, against, excluded_margin(c)) : NAN;
     if (by == BY_CHANGE && c->kind == CLAIM_INDEPENDENT)
-        chances[OF_MARGIN] =
-            stats_contrast_p_margin(&(stats_contrast){j->ours.shown.value, j->ours.shown.se,
-                                                      isnan(j->ours.dof) ? INFINITY : j->ours.dof},
-                                    c->margin);
+        chances[OF_MARGIN] = stats_contrast_p_margin(
+            &(stats_contrast){j->ours.shown.value, j->ours.shown.se, isnan(j->dof) ? INFINITY : j->dof},
+            c->margin);
 }
 
 /* The verdict of a claim's test; `raised`: with chances that Holm's correction has raised, NULL: without. */

@@ -72,7 +72,8 @@ const char *report_published(rp_arena *arena, const report_claim *claim);
 /* A claim judged by tables. */
 typedef struct {
     report_number ours, against;
-    stats_change change;                /* of what may depend on something */
+    stats_change change;                /* of what may depend on something, */
+    double dof;                         /* with so many degrees of freedom; NaN: its error is known */
     stats_verdict verdict, uncorrected; /* for the other tests of its family, */
     size_t tests;                       /* so many */
     bool two_readings;                  /* of the published +-, with different verdicts */

@@ -33,12 +33,13 @@ static report_sweep *find_own_sweep(report_tables *tables, const char *table)
 /* "FOLDER/NAME_runs.tsv" or "FOLDER/NAME.tsv" is the sweep NAME. */
 static report_sweep *find_source(report_tables *tables, const char *word)
 {
-    const char *slash = strrchr(word, '/'), *begin = slash ? slash + 1 : word;
-    size_t n = strlen(begin);
-    if (n < 4 || strcmp(begin + n - 4, ".tsv") != 0) return NULL;
-    n -= 4;
-    if (n >= 5 && strncmp(begin + n - 5, "_runs", 5) == 0) n -= 5;
-    return find_sweep(tables, rp_text(tables->arena, "%.*s", (int)n, begin));
+    const char *slash = strrchr(word, '/');
+    char *name = rp_text(tables->arena, "%s", slash ? slash + 1 : word), *end = strstr(name, ".tsv");
+    if (!end || strcmp(end, ".tsv") != 0) return NULL;
+    *end = '\0';
+    end = strrchr(name, '_');
+    if (end && strcmp(end, "_runs") == 0) *end = '\0';
+    return find_sweep(tables, name);
 }
 
 /* What follows a word of a command; NULL without this word. */

@@ -285,10 +285,12 @@ static void test_section(void)
     check_claims_table();
     /* a number of one sample; all failed runs of a sweep */
     write_text("claims.tsv",
-               CLAIMS "one\t-\tlh\tfigure 9\ts\tagrees\t20\t0.9\t1\t9\tmeans k=1 a\t-\tfirst\t-\n"
+               CLAIMS "none\t-\tlh\tfigure 9\tother\tabove\t-\t-\t-\t-\tlone k=1 a\t0\tnone\t-\n"
+                      "one\t-\tlh\tfigure 9\ts\tagrees\t20\t0.9\t1\t9\tmeans k=1 a\t-\tfirst\t-\n"
                       "two\t-\tlh\tfigure 9\ts\tagrees\t20\t0.8\t-\t9\tmeans k=1 a\t-\tsecond\t-\n"
                       "three\t-\tlh\tfigure 9\ts\tabove\t-\t-\t-\t-\tmore k=1 a\t0\tthird\t-\n"
                       "four\t-\tlh\tfigure 9\ts\tabove\t-\t-\t-\t-\tmore_fit k=1 a\t0\tfourth\t-\n");
+    write_text("lone.tsv", SWEEP "3 of 9 (overlap 3)\n# k\ta\ta_se\n1\t3\t1\n");
     write_text("more.tsv", SWEEP "2 of 9\n# k\ta\ta_se\tn\tn_failed\n1\t3\t1\t7\t2\n");
     write_text("more_fit.tsv", "# k\ta\ta_se\n1\t3\t1\n");
     write_text("means.tsv",
@@ -302,7 +304,8 @@ static void test_section(void)
     /* a line for each sweep, and no other */
     static const char lines[] =
         "; 2 of 9 failed (cause not stored): effect on the mean not known | reproduced |\n"
-        "| `means` | 1 of 15 (no_pile 1) |\n| `more` | 2 of 9 (causes not stored) |\n";
+        "| `lone` | 3 of 9 (overlap 3) |\n| `means` | 1 of 15 (no_pile 1) |\n| `more` | 2 of 9 (causes not "
+        "stored) |\n";
     CU_ASSERT_STRING_EQUAL(out + strlen(out) - strlen(lines), lines);
     /* blanks between the brackets do not count */
     write_text("in.md",
@@ -333,6 +336,8 @@ static void test_failed_cells(void)
         {"pooled", "s k=1 a + r k=1 a", "0",
          "5 of 12 (overlap; no_response 4): effect on the mean not known"},
         {"pushed", "r k=1 a", "0",
+         "4 of 7 (no_response 4): the weakest piles are left out, theta_T is too large"},
+        {"last", "other change", "0",
          "4 of 7 (no_response 4): the weakest piles are left out, theta_T is too large"}};
     char text[4096] = CLAIMS, path[256];
     enter();
@@ -353,6 +358,7 @@ static void test_failed_cells(void)
     FIT("s_all", "--x k", "g\t", "1\t");
     FIT("s_where", "--where g=2 --x k", "", "");
     FIT("s_two", "x/r_runs.tsv --x k", "", "");
+    write_text("other.tsv", "# command: repose stats trend --x k x/r_runs.tsv\n# change\tchange_se\n3\t1\n");
     REPORTS("claims --claims claims.tsv --tables .");
     rp_table t;
     path_of("out", path);
