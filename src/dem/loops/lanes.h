@@ -12,19 +12,49 @@
 
 enum { GRAINS = (WIDTH + 1) / 2, PLANES = WIDTH / GRAINS };
 
+/* A dem_force_torque. */
+typedef double force_torque __attribute__((vector_size(32), aligned(16), may_alias));
+
 #if WIDTH == 1
 #include "dem/state/motion.h"
+typedef num num_unaligned;
+typedef plane plane_unaligned;
+#elif WIDTH == 4
+#include <immintrin.h>
+typedef __m256d num, plane, lanes;
+typedef __m256d_u num_unaligned, plane_unaligned;
+#define NUM_INDEX         ((__m256i){0, 1, 2, 3})
+#define NUM_PD(operation) _mm256_##operation##_pd
+#else /* 8 */
+#include <immintrin.h>
+typedef __m512d num, plane;
+typedef __m512d_u num_unaligned, plane_unaligned;
+typedef __mmask8 lanes;
+#define NUM_INDEX         ((__m512i){0, 1, 2, 3, 4, 5, 6, 7})
+#define NUM_PD(operation) _mm512_##operation##_pd
+#endif
 
 static inline num num_load(const double *from)
 {
-    return *from;
+    return *(const num_unaligned *)from;
 }
 
 static inline void num_store(double *to, num a)
 {
-    *to = a;
+    *(num_unaligned *)to = a;
 }
 
+static inline plane plane_load(const dem_vec *from)
+{
+    return *(const plane_unaligned *)from;
+}
+
+static inline void plane_store(dem_vec *to, plane a)
+{
+    *(plane_unaligned *)to = a;
+}
+
+#if WIDTH == 1
 /* from[stride index[]] */
 static inline num num_gather(const double *from, const uint32_t *index, int stride)
 {
@@ -71,37 +101,23 @@ static inline void store_vectors(dem_vec to[WIDTH], num x, num y)
     to[0] = (dem_vec){x, y};
 }
 
-/* Forces and torques (x, y, torque); `spare` is arbitrary. */
+/* Forces and torques (x, y, torque). What becomes of `spare` does not matter. */
 static inline void store_force_torques(dem_force_torque to[WIDTH], num x, num y, num torque)
 {
-    to[0] = (dem_force_torque){{x, y}, torque, 0.0};
+    dem_vec *half = (dem_vec *)to; /* in the pieces that are read again */
+    half[0] = (dem_vec){x, y}, half[1] = (dem_vec){torque, 0.0};
 }
 
-/* *to += *b and *to -= *b; `spare` is arbitrary. */
-static inline void add_force_torque(dem_force_torque *to, const dem_force_torque *b)
-{
-    to->force += b->force, to->torque += b->torque;
-}
-
-static inline void subtract_force_torque(dem_force_torque *to, const dem_force_torque *b)
-{
-    to->force -= b->force, to->torque -= b->torque;
-}
-
-static inline plane plane_load(const dem_vec *from)
+/* A number of each of GRAINS grains, which acts on both numbers of its vector; reads WIDTH. */
+static inline num num_load_each(const double *from)
 {
     return *from;
 }
 
-static inline void plane_store(dem_vec *to, plane a)
+/* Such numbers: squares of lengths. */
+static inline num squares_of(plane a)
 {
-    *to = a;
-}
-
-/* GRAINS numbers, each twice; reads WIDTH. */
-static inline plane plane_load_twice(const double *from)
-{
-    return (plane){*from, *from};
+    return dem_dot(a, a);
 }
 
 /* GRAINS records of two vectors. */
@@ -117,46 +133,10 @@ static inline void plane_store_records(void *to, plane x, plane v)
     record[0] = x, record[1] = v;
 }
 
-/* `yes` where a > 0, else `no`. */
-static inline plane plane_choose_positive(plane a, plane yes, plane no)
-{
-    return a[0] > 0.0 ? yes : no;
-}
-
 /* Is any number of a less than its fellow in b? */
 static inline bool plane_any_less(plane a, plane b)
 {
     return (a[0] < b[0]) | (a[1] < b[1]);
-}
-
-/* Squares of lengths, each twice. Then of such squares: whether any is above `most`, where NaN is; the larger
- * ones, of b where one is NaN; the largest. */
-static inline plane squares_of(plane a)
-{
-    const double square = dem_dot(a, a);
-    return (plane){square, square};
-}
-
-static inline bool squares_above(plane a, plane most)
-{
-    return !(a[0] <= most[0]);
-}
-
-static inline plane squares_max(plane a, plane b)
-{
-    return a[0] > b[0] ? a : b;
-}
-
-static inline double squares_largest(plane a)
-{
-    return a[0];
-}
-
-/* Append `first` + the index of each bit that is set; writes WIDTH numbers whatever their count. */
-static inline size_t append_bits(uint32_t *list, size_t n, unsigned bits, size_t first)
-{
-    list[n] = (uint32_t)first;
-    return n + bits;
 }
 
 /* Which of WIDTH indices are this one. */
@@ -166,21 +146,6 @@ static inline unsigned index_equals(const uint32_t *index, uint32_t one)
 }
 
 #else /* 4 or 8 */
-#include <immintrin.h>
-
-#if WIDTH == 8
-typedef __m512d num, plane;
-typedef __m512d_u num_unaligned;
-typedef __mmask8 lanes;
-#define NUM_INDEX         ((__m512i){0, 1, 2, 3, 4, 5, 6, 7})
-#define NUM_PD(operation) _mm512_##operation##_pd
-#else
-typedef __m256d num, plane;
-typedef __m256d_u num_unaligned;
-typedef __m256d lanes;
-#define NUM_INDEX         ((__m256i){0, 1, 2, 3})
-#define NUM_PD(operation) _mm256_##operation##_pd
-#endif
 #define NUM_ODD (NUM_INDEX & 1)
 
 #ifdef __clang__ /* has no shuffle by a vector of indices; these loops become one */
@@ -193,16 +158,6 @@ static inline num num_shuffle(num a, num b, __typeof__(NUM_INDEX) from)
 #else
 #define num_shuffle __builtin_shuffle
 #endif
-
-static inline num num_load(const double *from)
-{
-    return *(const num_unaligned *)from;
-}
-
-static inline void num_store(double *to, num a)
-{
-    *(num_unaligned *)to = a;
-}
 
 static inline num num_of(double a)
 {
@@ -252,17 +207,7 @@ static inline num num_seconds(const plane a[PLANES])
     return num_shuffle(a[0], a[1], 2 * NUM_INDEX + 1);
 }
 
-static inline plane plane_load(const dem_vec *from)
-{
-    return num_load((const double *)from);
-}
-
-static inline void plane_store(dem_vec *to, plane a)
-{
-    num_store((double *)to, a);
-}
-
-static inline plane plane_load_twice(const double *from)
+static inline num num_load_each(const double *from)
 {
     const num a = num_load(from);
     return num_shuffle(a, a, NUM_INDEX / 2);
@@ -287,16 +232,6 @@ static inline void store_vectors(dem_vec to[WIDTH], num x, num y)
     const __typeof__(NUM_INDEX) low = NUM_INDEX / 2 + NUM_ODD * WIDTH;
     num_store((double *)to, num_shuffle(x, y, low));
     num_store((double *)(to + WIDTH / 2), num_shuffle(x, y, low + WIDTH / 2));
-}
-
-static inline void add_force_torque(dem_force_torque *to, const dem_force_torque *b)
-{
-    _mm256_store_pd((double *)to, _mm256_load_pd((const double *)to) + _mm256_loadu_pd((const double *)b));
-}
-
-static inline void subtract_force_torque(dem_force_torque *to, const dem_force_torque *b)
-{
-    _mm256_store_pd((double *)to, _mm256_load_pd((const double *)to) - _mm256_loadu_pd((const double *)b));
 }
 
 #if WIDTH == 8
@@ -327,14 +262,6 @@ static inline num num_limit(num a, num most, lanes *less)
     const num limited = _mm512_range_pd(a, most, 2);
     *less = _mm512_cmp_pd_mask(limited, a, _CMP_NEQ_UQ);
     return limited;
-}
-
-static inline size_t append_bits(uint32_t *list, size_t n, unsigned bits, size_t first)
-{
-    const __m256i index = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
-    __m256i k = _mm256_add_epi32(index, _mm256_set1_epi32((int)first));
-    _mm256_storeu_si256((__m256i *)(list + n), _mm256_maskz_compress_epi32((__mmask8)bits, k));
-    return n + (size_t)__builtin_popcount(bits);
 }
 
 static inline unsigned index_equals(const uint32_t *index, uint32_t one)
@@ -398,15 +325,6 @@ static inline num num_limit(num a, num most, lanes *less)
     return num_choose(*less, _mm256_or_pd(_mm256_and_pd(mask, a), most), a);
 }
 
-static inline size_t append_bits(uint32_t *list, size_t n, unsigned bits, size_t first)
-{
-    for (size_t p = 0; p < WIDTH; p++) {
-        list[n] = (uint32_t)(first + p);
-        n += bits >> p & 1;
-    }
-    return n;
-}
-
 static inline unsigned index_equals(const uint32_t *index, uint32_t one)
 {
     const __m128i same = _mm_cmpeq_epi32(_mm_loadu_si128((const __m128i *)index), _mm_set1_epi32((int)one));
@@ -456,33 +374,28 @@ static inline void num_difference(const dem_motion *grain, const uint32_t *i, co
     *vy = num_odds(hi[0], hi[1]);
 }
 
-static inline plane plane_choose_positive(plane a, plane yes, plane no)
-{
-    return num_choose(num_less((num){0}, a), yes, no);
-}
-
 static inline bool plane_any_less(plane a, plane b)
 {
     return lanes_bits(num_less(a, b));
 }
 
-static inline plane squares_of(plane a)
+static inline num squares_of(plane a)
 {
     a *= a;
     return a + num_shuffle(a, a, NUM_INDEX ^ 1);
 }
 
-static inline bool squares_above(plane a, plane most)
+#include "dem/law/law.inl"
+#include "dem/state/motion.inl"
+#endif /* WIDTH == 1 */
+
+/* Is any number of a above its fellow in `most`? NaN is. */
+static inline bool num_any_above(num a, num most)
 {
     return lanes_bits(num_at_most(a, most)) != (1u << WIDTH) - 1;
 }
 
-static inline plane squares_max(plane a, plane b)
-{
-    return num_max(a, b);
-}
-
-static inline double squares_largest(plane a)
+static inline double num_largest(num a)
 {
     double all[WIDTH];
     num_store(all, a);
@@ -491,8 +404,21 @@ static inline double squares_largest(plane a)
     return most;
 }
 
-#include "dem/law/law.inl"
-#include "dem/state/motion.inl"
+/* Append `first` + the index of each bit that is set; writes WIDTH numbers whatever their count. */
+static inline size_t append_bits(uint32_t *list, size_t n, unsigned bits, size_t first)
+{
+#if WIDTH == 8
+    const __m256i index = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
+    __m256i k = _mm256_add_epi32(index, _mm256_set1_epi32((int)first));
+    _mm256_storeu_si256((__m256i *)(list + n), _mm256_maskz_compress_epi32((__mmask8)bits, k));
+    return n + (size_t)__builtin_popcount(bits);
+#else
+    for (size_t p = 0; p < WIDTH; p++) {
+        list[n] = (uint32_t)(first + p);
+        n += bits >> p & 1;
+    }
+    return n;
 #endif
+}
 
 #endif

@@ -121,8 +121,8 @@ INLINE void add_forces(const dem_grains *grains, const dem_pairs *pairs, size_t 
         store_force_torques(on_i, fx, fy, num_choose(touch, f->on_i, zero));
         store_force_torques(on_j, fx, fy, num_choose(touch, f->on_j, zero));
         for (int p = 0; p < WIDTH; p++) {
-            add_force_torque(grains->force_torque + i[p], on_i + p);
-            subtract_force_torque(grains->force_torque + j[p], on_j + p);
+            *(force_torque *)(grains->force_torque + i[p]) += *(force_torque *)(on_i + p);
+            *(force_torque *)(grains->force_torque + j[p]) -= *(force_torque *)(on_j + p);
         }
         return;
     }
@@ -372,9 +372,8 @@ INLINE void advance_grains(dem_sim *sim, size_t from, size_t to, dem_moved *move
     const bool turned = sim->walls.angle != 0.0;
     const dem_equation e = dem_equation_of(sim);
     const double x_max = turned ? INFINITY : sim->def.x_max, y_min = turned ? -INFINITY : sim->def.y_min;
-    const plane most = plane_of((dem_vec){x_max, INFINITY}), least = plane_of((dem_vec){-INFINITY, y_min}),
-                finite = plane_of((dem_vec){DBL_MAX, DBL_MAX});
-    plane fast = {0};
+    const plane most = plane_of((dem_vec){x_max, INFINITY}), least = plane_of((dem_vec){-INFINITY, y_min});
+    num fast = {0};
     bool far = false, out = false;
     size_t i = from;
     for (; i + WIDTH <= to; i += WIDTH) {
@@ -384,22 +383,22 @@ INLINE void advance_grains(dem_sim *sim, size_t from, size_t to, dem_moved *move
             const plane force = force_on(sim, at, &rest[p]);
             clear_force(sim, at);
             plane_load_records(sim->grains.motion + at, &x, &v);
-            dem_leap(&e, force, plane_load_twice(sim->grains.inverse_mass + at), &x, &v);
+            dem_leap(&e, force, num_load_each(sim->grains.inverse_mass + at), &x, &v);
             plane_store_records(sim->grains.motion + at, x, v);
             if (look) {
-                far |= squares_above(squares_of(x - plane_load(sim->grains.listed_x + at)),
-                                     plane_load_twice(sim->grains.margin2 + at));
+                far |= num_any_above(squares_of(x - plane_load(sim->grains.listed_x + at)),
+                                     num_load_each(sim->grains.margin2 + at));
             } else {
-                const plane square = squares_of(v);
-                far |= squares_above(square, finite);
-                fast = squares_max(square, fast);
+                const num square = squares_of(v);
+                far |= num_any_above(square, (num){0} + DBL_MAX);
+                fast = num_max(square, fast);
             }
             out |= plane_any_less(most, x) | plane_any_less(x, least);
         }
         if (sim->grains.omega) advance_spins(sim, &e, i, rest, sim->grains.angle, sim->grains.omega);
     }
     for (size_t k = from; k < i && turned; k++) out |= dem_beyond(sim, sim->grains.motion[k].x);
-    if (!look) moved->speed2 = fmax(moved->speed2, far ? INFINITY : squares_largest(fast));
+    if (!look) moved->speed2 = fmax(moved->speed2, far ? INFINITY : num_largest(fast));
     moved->left |= out * DEM_GRAIN_OUT | (look && far) * DEM_LIST_OUT;
     REST(advance, i, to, moved);
 }
@@ -414,44 +413,39 @@ static void advance(dem_sim *sim, size_t from, size_t to, dem_moved *moved)
 
 static void margins(const dem_sim *sim, size_t from, size_t to, dem_moved *moved)
 {
-    plane widest = (plane){0} + moved->margin2, most = (plane){0} + moved->beyond;
+    num widest = (num){0} + moved->margin2, most = (num){0} + moved->beyond;
     bool far = false;
     size_t i = from;
     for (; i + GRAINS <= to; i += GRAINS) {
         plane x, v;
         plane_load_records(sim->grains.motion + i, &x, &v);
-        const plane square = squares_of(x - plane_load(sim->grains.listed_x + i)),
-                    margin = plane_load_twice(sim->grains.margin2 + i);
-        far |= squares_above(square, margin);
-        widest = squares_max(margin, widest);
-        most = squares_max(square - margin, most);
+        const num square = squares_of(x - plane_load(sim->grains.listed_x + i)),
+                  margin = num_load_each(sim->grains.margin2 + i);
+        far |= num_any_above(square, margin);
+        widest = num_max(margin, widest);
+        most = num_max(square - margin, most);
     }
     moved->left |= far * DEM_LIST_OUT;
-    moved->margin2 = squares_largest(widest);
-    moved->beyond = squares_largest(most);
+    moved->margin2 = num_largest(widest);
+    moved->beyond = num_largest(most);
     REST(margins, i, to, moved);
 }
 
 static void predict(dem_sim *sim, size_t from, size_t to, dem_moved *moved)
 {
     const dem_equation e = dem_equation_of(sim);
-    const bool some_fixed = sim->grains.n_fixed > 0;
     bool far = false;
     size_t i = from;
     for (; i + WIDTH <= to; i += WIDTH) {
         plane rest[PLANES] = {{0}};
         for (size_t p = 0, at = i; p < PLANES; p++, at += GRAINS) {
-            const plane inverse_mass = plane_load_twice(sim->grains.inverse_mass + at),
-                        force = force_on(sim, at, &rest[p]);
+            const plane force = force_on(sim, at, &rest[p]);
             plane x, v;
             plane_load_records(sim->grains.motion + at, &x, &v);
-            plane x_next = x, v_next = v;
-            dem_leap(&e, force, inverse_mass, &x_next, &v_next);
-            v = some_fixed ? plane_choose_positive(inverse_mass, v_next, v) : v_next;
-            x = some_fixed ? plane_choose_positive(inverse_mass, x_next, x) : x_next;
+            dem_leap(&e, force, num_load_each(sim->grains.inverse_mass + at), &x, &v);
             plane_store_records(sim->grains.next_motion + at, x, v);
-            far |= squares_above(squares_of(x - plane_load(sim->grains.listed_x + at)),
-                                 plane_load_twice(sim->grains.margin2 + at));
+            far |= num_any_above(squares_of(x - plane_load(sim->grains.listed_x + at)),
+                                 num_load_each(sim->grains.margin2 + at));
         }
         if (sim->grains.omega)
             advance_spins(sim, &e, i, rest, sim->grains.next_angle, sim->grains.next_omega);

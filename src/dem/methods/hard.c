@@ -43,7 +43,7 @@ static void redirect(dem_sim *sim, size_t i, const dem_body *from, const dem_bod
         sim->grains.omega[i] += to->omega - from->omega;
         sim->grains.angle[i] -= t * (to->omega - from->omega);
     }
-    dem_loops_1.predict(sim, i, i + 1, &(dem_moved){0});
+    if (!dem_is_fixed(sim, i)) dem_loops_1.predict(sim, i, i + 1, &(dem_moved){0});
     if (sim->grains.collided[i]) return;
     sim->grains.collided[i] = true;
     for (size_t c = sim->collided.n; c < DEM_FEW; c++) sim->collided.few[c] = (uint32_t)i;
@@ -176,12 +176,13 @@ static void collide_again(dem_sim *sim)
 /* Predict all grains; gives one that moves beyond its margin, DEM_NOBODY for none. */
 static size_t predict_all(dem_sim *sim)
 {
-    size_t i = sim->grains.n;
     dem_moved moved = {0};
-    sim->loops.predict(sim, 0, i, &moved);
-    if (!moved.left) return DEM_NOBODY;
-    while (--i > 0 && !dem_beyond_margin(sim, i, sim->grains.next_motion[i].x)) continue;
-    return i;
+    sim->loops.predict(sim, 0, sim->grains.n, &moved);
+    for (size_t k = 0; k < sim->grains.n_fixed; k++)
+        sim->grains.next_motion[sim->grains.fixed[k]] = sim->grains.motion[sim->grains.fixed[k]];
+    for (size_t i = sim->grains.n; i-- > 0 && moved.left;)
+        if (dem_beyond_margin(sim, i, sim->grains.next_motion[i].x)) return i;
+    return DEM_NOBODY;
 }
 
 /* A collision may send a grain into the next: a few rounds; pairs that still approach then touch softly. */

@@ -497,10 +497,9 @@ static rp_status move_grains(dem_sim *sim, unsigned *left)
         *dem_force(sim, i) = (dem_vec){0.0, 0.0};
         if (dem_is_fixed(sim, i)) continue;
         /* from the forces, which cancel in sum: momentum is kept whatever the solver left */
-        const double inverse_mass = sim->grains.inverse_mass[i];
         const dem_vec u = sim->grains.displacement[i];
-        sim->grains.motion[i].v += e.dt * dem_acceleration(&e, sim->grains.contact_force[i],
-                                                           (dem_vec){inverse_mass, inverse_mass}, u / e.dt);
+        sim->grains.motion[i].v +=
+            e.dt * dem_acceleration(&e, sim->grains.contact_force[i], sim->grains.inverse_mass[i], u / e.dt);
         sim->grains.motion[i].x += u;
         if (dem_beyond(sim, sim->grains.motion[i].x)) *left = DEM_LIST_OUT;
     }

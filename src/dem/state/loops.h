@@ -35,7 +35,7 @@ typedef struct {
     void (*advance)(dem_sim *sim, size_t from, size_t to, dem_moved *moved);
     /* Look at the margins of the grains from..to. */
     void (*margins)(const dem_sim *sim, size_t from, size_t to, dem_moved *moved);
-    /* Hard collisions: where the coming step takes the grains from..to without one. */
+    /* Hard collisions: where the coming step takes the grains from..to without one, as if none were fixed. */
     void (*predict)(dem_sim *sim, size_t from, size_t to, dem_moved *moved);
 
     /* Neighbour list: append the pairs of grain i with grains from..to that are nearer than their cutoffs. */

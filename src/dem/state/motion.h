@@ -18,9 +18,7 @@ static inline plane plane_of(dem_vec a)
 static inline dem_vec dem_acceleration_of(const dem_sim *sim, size_t i)
 {
     const dem_equation e = dem_equation_of(sim);
-    const double inverse_mass = sim->grains.inverse_mass[i];
-    return dem_acceleration(&e, *dem_force(sim, i), (dem_vec){inverse_mass, inverse_mass},
-                            sim->grains.motion[i].v);
+    return dem_acceleration(&e, *dem_force(sim, i), sim->grains.inverse_mass[i], sim->grains.motion[i].v);
 }
 
 /* Change of the spin of grain i in time t under the torque on it now. */

@@ -21,14 +21,14 @@ INLINE plane dem_free_acceleration(const dem_equation *e, plane v)
     return e->gravity;
 }
 
-/* `force` is that of the contacts. */
-INLINE plane dem_acceleration(const dem_equation *e, plane force, plane inverse_mass, plane v)
+/* `force` is that of the contacts, `inverse_mass` a number of each grain. */
+INLINE plane dem_acceleration(const dem_equation *e, plane force, num inverse_mass, plane v)
 {
     return force * inverse_mass + dem_free_acceleration(e, v);
 }
 
 /* A step of leapfrog: v is of half a step before x, at the beginning and at the end. */
-INLINE void dem_leap(const dem_equation *e, plane force, plane inverse_mass, plane *x, plane *v)
+INLINE void dem_leap(const dem_equation *e, plane force, num inverse_mass, plane *x, plane *v)
 {
     *v += e->dt * dem_acceleration(e, force, inverse_mass, *v);
     *x += e->dt * *v;
