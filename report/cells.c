@@ -69,13 +69,13 @@ static bool text_equals(const char *cell, const char *wanted)
 }
 
 /* The row with the smallest or the largest number of a column, the first of equal ones. */
-static bool is_extreme(const rp_table *table, size_t row, int column, double sign)
+static bool is_extreme(const rp_table *table, size_t row, int column, bool largest)
 {
-    const double value = sign * strtod(text_at(table, row, column), NULL);
+    const double value = strtod(text_at(table, row, column), NULL);
     bool is = isfinite(value);
     for (size_t r = 0; r < table->n_rows && is; r++) {
-        const double other = sign * strtod(text_at(table, r, column), NULL);
-        is = !(other > value || (other == value && r < row));
+        const double other = strtod(text_at(table, r, column), NULL);
+        is = !((largest ? other > value : other < value) || (other == value && r < row));
     }
     return is;
 }
@@ -91,8 +91,8 @@ rp_status report_row_matches(const rp_table *table, size_t row, int n, char *con
         const rp_status status = rp_table_find(table, words[w], NULL, &column);
         *equals = '=';
         RP_TRY(status);
-        *matches = strcmp(equals, "=smallest") == 0  ? is_extreme(table, row, column, -1.0)
-                   : strcmp(equals, "=largest") == 0 ? is_extreme(table, row, column, 1.0)
+        *matches = strcmp(equals, "=smallest") == 0  ? is_extreme(table, row, column, false)
+                   : strcmp(equals, "=largest") == 0 ? is_extreme(table, row, column, true)
                                                      : text_equals(text_at(table, row, column), equals + 1);
     }
     return RP_OK;

@@ -178,7 +178,7 @@ static rp_status read_tables(const report_claim *c, report_tables *tables, repor
 {
     report_judged found = *j;
     report_cell cell, other;
-    report_sweep *sweeps;
+    report_sweep *sweeps = NULL;
     bool missing = false;
     RP_TRY(report_number_find(tables, c->answer, &cell, &found.ours, &missing));
     if (*c->against) RP_TRY(report_number_find(tables, c->against, &other, &found.against, &missing));
@@ -189,7 +189,7 @@ static rp_status read_tables(const report_claim *c, report_tables *tables, repor
         found.ours.shown = stats_quotient(found.ours.shown, found.against.shown);
         found.ours.tested = stats_quotient(found.ours.tested, found.against.tested);
     }
-    RP_TRY(report_sweeps(tables, 2, (const char *[]){c->answer, c->against}, &sweeps));
+    RP_TRY(report_sweeps(tables, c->answer, c->against, &sweeps));
     found.failed = report_failed(tables->arena, sweeps);
     found.text = text_of_ours(tables->arena, c, &found);
     *j = found;

@@ -128,13 +128,12 @@ static rp_status add_reference(report_tables *tables, const char *text, report_s
     return own ? add_sweep(tables->arena, list, own, &reference, &command) : RP_OK;
 }
 
-rp_status report_sweeps(report_tables *tables, size_t n, const char *const references[],
-                        report_sweep **sweeps)
+rp_status report_sweeps(report_tables *tables, const char *answer, const char *against, report_sweep **sweeps)
 {
-    *sweeps = NULL;
-    for (size_t k = 0; k < n; k++)
-        for (const char *rest = references[k], *part; (part = report_part(tables->arena, &rest));)
-            RP_TRY(add_reference(tables, part, sweeps));
+    for (const char *part; (part = report_part(tables->arena, &answer));)
+        RP_TRY(add_reference(tables, part, sweeps));
+    for (const char *part; (part = report_part(tables->arena, &against));)
+        RP_TRY(add_reference(tables, part, sweeps));
     return RP_OK;
 }
 

@@ -13,10 +13,10 @@ typedef struct report_sweep {
     struct report_sweep *next;
 } report_sweep;
 
-/* The sweeps of n references, each a cell or several cells that are pooled, "CELL + CELL": those that the
- * commands in the headers of their tables read, else that of a table's own name; NULL: none. Errors: those of
- * rp_table_read, RP_BAD_INPUT. */
-rp_status report_sweeps(report_tables *tables, size_t n, const char *const references[],
+/* Add the sweeps behind both sides of a claim to a list, NULL at first. A side is a cell or several cells
+ * that are pooled, "CELL + CELL"; its sweeps are those that the commands in the headers of its tables read,
+ * else that of a table's own name. Errors: those of rp_table_read, RP_BAD_INPUT. */
+rp_status report_sweeps(report_tables *tables, const char *answer, const char *against,
                         report_sweep **sweeps);
 
 /* Runs without a result at these grid points, with their causes and how the mean changes without them: "11 of

@@ -167,15 +167,11 @@ static rp_status fill_section(page *p, const char *word, const char *section)
 /* A line for each sweep behind the claims that has runs without a result. */
 static rp_status fill_failures(page *p, const char *which)
 {
-    const size_t n = p->claims.n;
+    report_sweep *sweeps = NULL;
+    const char *begin = "";
     if (strcmp(which, "all") != 0) return rp_fail(RP_BAD_INPUT, "{{failures %s}}: allowed: all", which);
-    const char **sides = rp_arena_memory(p->tables.arena, 2 * n, sizeof *sides), *begin = "";
-    report_sweep *sweeps;
-    for (size_t i = 0; i < n; i++) {
-        sides[2 * i] = p->claims.claims[i].answer;
-        sides[2 * i + 1] = p->claims.claims[i].against;
-    }
-    RP_TRY(report_sweeps(&p->tables, 2 * n, sides, &sweeps));
+    for (size_t i = 0; i < p->claims.n; i++)
+        RP_TRY(report_sweeps(&p->tables, p->claims.claims[i].answer, p->claims.claims[i].against, &sweeps));
     for (const report_sweep *s = sweeps; s; s = s->next) {
         if (!*s->failed) continue;
         fprintf(p->out, "%s| `%s` | %s%s |", begin, s->name, s->failed,

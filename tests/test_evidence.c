@@ -289,8 +289,10 @@ static void test_section(void)
                       "one\t-\tlh\tfigure 9\ts\tagrees\t20\t0.9\t1\t9\tmeans k=1 a\t-\tfirst\t-\n"
                       "two\t-\tlh\tfigure 9\ts\tagrees\t20\t0.8\t-\t9\tmeans k=1 a\t-\tsecond\t-\n"
                       "three\t-\tlh\tfigure 9\ts\tabove\t-\t-\t-\t-\tmore k=1 a\t0\tthird\t-\n"
-                      "four\t-\tlh\tfigure 9\ts\tabove\t-\t-\t-\t-\tmore_fit k=1 a\t0\tfourth\t-\n");
+                      "four\t-\tlh\tfigure 9\ts\tabove\t-\t-\t-\t-\tmore_fit k=1 a\t0\tfourth\t-\n"
+                      "last\t-\tlh\tfigure 9\tother\tabove\t-\t-\t-\t-\tend k=1 a\t0\tlast\t-\n");
     write_text("lone.tsv", SWEEP "3 of 9 (overlap 3)\n# k\ta\ta_se\n1\t3\t1\n");
+    write_text("end.tsv", SWEEP "4 of 9 (overlap 4)\n# k\ta\ta_se\n1\t3\t1\n");
     write_text("more.tsv", SWEEP "2 of 9\n# k\ta\ta_se\tn\tn_failed\n1\t3\t1\t7\t2\n");
     write_text("more_fit.tsv", "# k\ta\ta_se\n1\t3\t1\n");
     write_text("means.tsv",
@@ -305,7 +307,7 @@ static void test_section(void)
     static const char lines[] =
         "; 2 of 9 failed (cause not stored): effect on the mean not known | reproduced |\n"
         "| `lone` | 3 of 9 (overlap 3) |\n| `means` | 1 of 15 (no_pile 1) |\n| `more` | 2 of 9 (causes not "
-        "stored) |\n";
+        "stored) |\n| `end` | 4 of 9 (overlap 4) |\n";
     CU_ASSERT_STRING_EQUAL(out + strlen(out) - strlen(lines), lines);
     /* blanks between the brackets do not count */
     write_text("in.md",
