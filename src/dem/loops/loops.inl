@@ -27,6 +27,16 @@ typedef struct {
     bool rotation, rolling, excess;
 } features;
 
+/* What it works on: copies, which no store into an array can change; the time since the last forces; the
+ * smallest radius. */
+typedef struct {
+    dem_grains grains;
+    dem_pairs pairs;
+    double h;
+    num r_min;
+    features with;
+} work;
+
 /* Where pairs touch: normal from j to i, overlap, relative velocity. */
 typedef struct {
     num nx, ny, overlap, vx, vy;
@@ -51,11 +61,12 @@ INLINE num normal_force(const dem_laws *law, num m_eff, num overlap, num v_n)
     return dem_law_normal(law->normal, law->tension, law->k_n, law->gamma_n, m_eff, overlap, v_n);
 }
 
-INLINE geometry geometry_of(const dem_grains *grains, const dem_pairs *pairs, size_t k)
+INLINE geometry geometry_of(const work *w, size_t k)
 {
+    const dem_pairs *pairs = &w->pairs;
     geometry g;
     num x, y;
-    num_difference(grains->motion, pairs->i + k, pairs->j + k, &x, &y, &g.vx, &g.vy);
+    num_difference(w->grains.motion, pairs->i + k, pairs->j + k, &x, &y, &g.vx, &g.vy);
     const num radii = num_load(pairs->radii + k), r2 = x * x + y * y;
     g.touch = num_less(r2, radii * radii);
     g.nx = g.ny = g.overlap = (num){0};
@@ -66,10 +77,11 @@ INLINE geometry geometry_of(const dem_grains *grains, const dem_pairs *pairs, si
 }
 
 /* Forces of the pairs from k on; brings their springs up to date. */
-INLINE forces forces_of(const dem_grains *grains, const dem_pairs *pairs, size_t k, const geometry *g,
-                        double h, const features *with)
+INLINE forces forces_of(const work *w, size_t k, const geometry *g)
 {
-    const dem_laws *law = &with->law;
+    const dem_grains *grains = &w->grains;
+    const dem_pairs *pairs = &w->pairs;
+    const dem_laws *law = &w->with.law;
     const bool has_spring = dem_has_spring(law->tangential);
     const num zero = {0}, m_eff = num_load(pairs->m_eff + k),
               f_n = normal_force(law, m_eff, g->overlap, g->vx * g->nx + g->vy * g->ny);
@@ -78,7 +90,7 @@ INLINE forces forces_of(const dem_grains *grains, const dem_pairs *pairs, size_t
     /* along s = (ny, -nx), the normal turned clockwise */
     num v_s = g->vx * g->ny - g->vy * g->nx, arm_i = zero, arm_j = zero, omega_i = zero, omega_j = zero,
         ds = zero;
-    if (with->rotation) {
+    if (w->with.rotation) {
         arm_i = num_load(pairs->radius_i + k) - 0.5 * g->overlap;
         arm_j = num_load(pairs->radius_j + k) - 0.5 * g->overlap;
         omega_i = num_gather(grains->omega, pairs->i + k, 1);
@@ -87,21 +99,21 @@ INLINE forces forces_of(const dem_grains *grains, const dem_pairs *pairs, size_t
     }
     if (has_spring) ds = num_load(pairs->spring + k);
 #if WIDTH == 1
-    if (with->excess) {
+    if (w->with.excess) {
         const dem_vec more = grains->excess[pairs->i[k]] - grains->excess[pairs->j[k]];
         ds += more[0] * g->ny - more[1] * g->nx;
     }
 #endif
-    const num f_s = dem_law_tangential(law->tangential, law->shear, m_eff, v_s, f_n, h, &ds);
+    const num f_s = dem_law_tangential(law->tangential, law->shear, m_eff, v_s, f_n, w->h, &ds);
     if (has_spring) num_store(pairs->spring + k, num_choose(g->touch, ds, zero));
     f.fx = f.fx + f_s * g->ny;
     f.fy = f.fy - f_s * g->nx;
-    if (!with->rotation) return f;
+    if (!w->with.rotation) return f;
     num couple = zero;
-    if (with->rolling) {
+    if (w->with.rolling) {
         num xi = num_load(pairs->roll + k);
         couple =
-            dem_law_rolling(law->rolls, num_load(pairs->r_eff + k), m_eff, omega_i - omega_j, f_n, h, &xi);
+            dem_law_rolling(law->rolls, num_load(pairs->r_eff + k), m_eff, omega_i - omega_j, f_n, w->h, &xi);
         num_store(pairs->roll + k, num_choose(g->touch, xi, zero));
     }
     f.on_i = arm_i * f_s + couple;
@@ -111,12 +123,12 @@ INLINE forces forces_of(const dem_grains *grains, const dem_pairs *pairs, size_t
 
 /* Adding 0 to a force, of pairs that do not touch, changes no bit: no force is ever -0, since it starts from
  * +0. */
-INLINE void add_forces(const dem_grains *grains, const dem_pairs *pairs, size_t k, lanes touch,
-                       const forces *f, const features *with)
+INLINE void add_forces(const work *w, size_t k, lanes touch, const forces *f)
 {
-    const uint32_t *i = pairs->i + k, *j = pairs->j + k;
+    const dem_grains *grains = &w->grains;
+    const uint32_t *i = w->pairs.i + k, *j = w->pairs.j + k;
     const num zero = {0}, fx = num_choose(touch, f->fx, zero), fy = num_choose(touch, f->fy, zero);
-    if (with->rotation && dem_has_friction(with->law.tangential)) {
+    if (w->with.rotation && dem_has_friction(w->with.law.tangential)) {
         dem_force_torque on_i[WIDTH], on_j[WIDTH];
         store_force_torques(on_i, fx, fy, num_choose(touch, f->on_i, zero));
         store_force_torques(on_j, fx, fy, num_choose(touch, f->on_j, zero));
@@ -129,18 +141,17 @@ INLINE void add_forces(const dem_grains *grains, const dem_pairs *pairs, size_t 
     dem_vec on_i[WIDTH];
     store_vectors(on_i, fx, fy);
     for (int p = 0; p < WIDTH; p++) {
-        *(with->rotation ? &grains->force_torque[i[p]].force : &grains->force[i[p]]) += on_i[p];
-        *(with->rotation ? &grains->force_torque[j[p]].force : &grains->force[j[p]]) -= on_i[p];
+        *(w->with.rotation ? &grains->force_torque[i[p]].force : &grains->force[i[p]]) += on_i[p];
+        *(w->with.rotation ? &grains->force_torque[j[p]].force : &grains->force[j[p]]) -= on_i[p];
     }
 }
 
 /* Forces of the pairs from k on; which are too deep. */
-INLINE unsigned do_pairs(const dem_grains *grains, const dem_pairs *pairs, size_t k, const geometry *g,
-                         double h, num limit, const features *with)
+INLINE unsigned do_pairs(const work *w, size_t k, const geometry *g)
 {
-    const forces f = forces_of(grains, pairs, k, g, h, with);
-    add_forces(grains, pairs, k, g->touch, &f, with);
-    return lanes_bits(g->touch) & ~lanes_bits(num_at_most(g->overlap, limit));
+    const forces f = forces_of(w, k, g);
+    add_forces(w, k, g->touch, &f);
+    return lanes_bits(g->touch) & ~lanes_bits(num_at_most(g->overlap, w->r_min));
 }
 
 /* A spring ends with its contact. One pair at a time: those that touch are listed first, without a branch.
@@ -148,11 +159,10 @@ INLINE unsigned do_pairs(const dem_grains *grains, const dem_pairs *pairs, size_
  * not touch then get a spring and a force of 0. The list ends in pairs that never touch. */
 INLINE void pair_loop(dem_sim *sim, size_t from, size_t to, double h, features with)
 {
-    /* copies, which no store into an array can change */
-    const dem_grains grains = sim->grains;
-    const dem_pairs pairs = sim->pairs;
+    const num zero = {0};
+    const work w = {sim->grains, sim->pairs, h, zero + sim->r_min, with};
+    const dem_pairs pairs = w.pairs;
     const bool has_spring = dem_has_spring(with.law.tangential);
-    const num zero = {0}, limit = zero + sim->r_min;
     unsigned too_deep = 0;
     uint64_t word = 0;
 #if WIDTH == 1
@@ -163,7 +173,7 @@ INLINE void pair_loop(dem_sim *sim, size_t from, size_t to, double h, features w
         for (const size_t end = from + BLOCK; from < to && from < end; from += 8) {
             unsigned bits = 0;
             for (size_t k = from; k < from + 8; k++) {
-                const dem_vec d = grains.motion[pairs.i[k]].x - grains.motion[pairs.j[k]].x;
+                const dem_vec d = w.grains.motion[pairs.i[k]].x - w.grains.motion[pairs.j[k]].x;
                 const bool touch = dem_dot(d, d) < pairs.radii[k] * pairs.radii[k];
                 bits |= (unsigned)touch << (k - from);
                 held[n] = (uint32_t)k;
@@ -174,19 +184,19 @@ INLINE void pair_loop(dem_sim *sim, size_t from, size_t to, double h, features w
             dem_note(pairs.touching, from, bits, &word);
         }
         for (size_t t = 0; t < n; t++) {
-            const geometry g = geometry_of(&grains, &pairs, held[t]);
-            too_deep |= do_pairs(&grains, &pairs, held[t], &g, h, limit, &with);
+            const geometry g = geometry_of(&w, held[t]);
+            too_deep |= do_pairs(&w, held[t], &g);
         }
     }
 #else
     geometry next = {0};
-    if (from < to) next = geometry_of(&grains, &pairs, from);
+    if (from < to) next = geometry_of(&w, from);
     for (size_t k = from; k < to; k += WIDTH) {
         const geometry now = next;
-        if (k + WIDTH < to) next = geometry_of(&grains, &pairs, k + WIDTH); /* while the divider works */
+        if (k + WIDTH < to) next = geometry_of(&w, k + WIDTH); /* while the divider works */
         dem_note(pairs.touching, k, lanes_bits(now.touch), &word);
         if (lanes_bits(now.touch)) {
-            too_deep |= do_pairs(&grains, &pairs, k, &now, h, limit, &with);
+            too_deep |= do_pairs(&w, k, &now);
         } else {
             if (has_spring) num_store(pairs.spring + k, zero);
             if (with.rolling) num_store(pairs.roll + k, zero);
@@ -338,16 +348,6 @@ static void line(dem_sim *sim, size_t k, size_t end, double h)
 
 /* ---- Motion -------------------------------------------------------------------------------------------- */
 
-/* Advance the spins of WIDTH grains, whose (torque, spare) are `rest`. */
-INLINE void advance_spins(const dem_sim *sim, const dem_equation *e, size_t i, const plane rest[PLANES],
-                          double *next_angle, double *next_omega)
-{
-    num angle = num_load(sim->grains.angle + i), omega = num_load(sim->grains.omega + i);
-    dem_leap_spin(e, num_firsts(rest), num_load(sim->grains.inverse_inertia + i), &angle, &omega);
-    num_store(next_omega + i, omega);
-    num_store(next_angle + i, angle);
-}
-
 /* The forces on GRAINS grains, and their torques in *rest. */
 INLINE plane force_on(const dem_sim *sim, size_t i, plane *rest)
 {
@@ -357,7 +357,7 @@ INLINE plane force_on(const dem_sim *sim, size_t i, plane *rest)
     return force;
 }
 
-INLINE void clear_force(dem_sim *sim, size_t i)
+INLINE void clear_force(const dem_sim *sim, size_t i)
 {
     const plane zero = {0};
     if (sim->grains.force_torque)
@@ -366,36 +366,67 @@ INLINE void clear_force(dem_sim *sim, size_t i)
         plane_store(sim->grains.force + i, zero);
 }
 
+/* Where a step takes grains, and whether forces become 0 then; WIDTH of them. */
+typedef struct {
+    dem_motion *motion;
+    double *angle, *omega;
+    bool clears;
+} goal;
+
+typedef struct {
+    plane x[PLANES], v[PLANES];
+} block;
+
+INLINE block leap(const dem_sim *sim, const dem_equation *e, size_t i, const goal *to)
+{
+    const dem_grains *g = &sim->grains;
+    block b;
+    plane rest[PLANES] = {{0}};
+    for (size_t p = 0, at = i; p < PLANES; p++, at += GRAINS) {
+        const plane force = force_on(sim, at, &rest[p]);
+        if (to->clears) clear_force(sim, at);
+        plane_load_records(g->motion + at, &b.x[p], &b.v[p]);
+        dem_leap(e, force, num_load_each(g->inverse_mass + at), &b.x[p], &b.v[p]);
+        plane_store_records(to->motion + at, b.x[p], b.v[p]);
+    }
+    if (!to->omega) return b;
+    num angle = num_load(g->angle + i), omega = num_load(g->omega + i);
+    dem_leap_spin(e, num_firsts(rest), num_load(g->inverse_inertia + i), &angle, &omega);
+    num_store(to->angle + i, angle);
+    num_store(to->omega + i, omega);
+    return b;
+}
+
+/* Is any of GRAINS grains at x beyond its margin, or not a number? */
+INLINE bool any_beyond(const dem_sim *sim, size_t i, plane x)
+{
+    return num_any_above(squares_of(x - plane_load(sim->grains.listed_x + i)),
+                         num_load_each(sim->grains.margin2 + i));
+}
+
 /* With `look`, margins are looked at, else the largest speed is found. */
 INLINE void advance_grains(dem_sim *sim, size_t from, size_t to, dem_moved *moved, bool look)
 {
     const bool turned = sim->walls.angle != 0.0;
     const dem_equation e = dem_equation_of(sim);
+    const goal now = {sim->grains.motion, sim->grains.angle, sim->grains.omega, true};
     const double x_max = turned ? INFINITY : sim->def.x_max, y_min = turned ? -INFINITY : sim->def.y_min;
     const plane most = plane_of((dem_vec){x_max, INFINITY}), least = plane_of((dem_vec){-INFINITY, y_min});
     num fast = {0};
     bool far = false, out = false;
     size_t i = from;
     for (; i + WIDTH <= to; i += WIDTH) {
-        plane rest[PLANES] = {{0}};
-        for (size_t p = 0, at = i; p < PLANES; p++, at += GRAINS) {
-            plane x, v;
-            const plane force = force_on(sim, at, &rest[p]);
-            clear_force(sim, at);
-            plane_load_records(sim->grains.motion + at, &x, &v);
-            dem_leap(&e, force, num_load_each(sim->grains.inverse_mass + at), &x, &v);
-            plane_store_records(sim->grains.motion + at, x, v);
+        const block b = leap(sim, &e, i, &now);
+        for (size_t p = 0; p < PLANES; p++) {
             if (look) {
-                far |= num_any_above(squares_of(x - plane_load(sim->grains.listed_x + at)),
-                                     num_load_each(sim->grains.margin2 + at));
+                far |= any_beyond(sim, i + p * GRAINS, b.x[p]);
             } else {
-                const num square = squares_of(v);
+                const num square = squares_of(b.v[p]);
                 far |= num_any_above(square, (num){0} + DBL_MAX);
                 fast = num_max(square, fast);
             }
-            out |= plane_any_less(most, x) | plane_any_less(x, least);
+            out |= plane_any_less(most, b.x[p]) | plane_any_less(b.x[p], least);
         }
-        if (sim->grains.omega) advance_spins(sim, &e, i, rest, sim->grains.angle, sim->grains.omega);
     }
     for (size_t k = from; k < i && turned; k++) out |= dem_beyond(sim, sim->grains.motion[k].x);
     if (!look) moved->speed2 = fmax(moved->speed2, far ? INFINITY : num_largest(fast));
@@ -434,21 +465,12 @@ static void margins(const dem_sim *sim, size_t from, size_t to, dem_moved *moved
 static void predict(dem_sim *sim, size_t from, size_t to, dem_moved *moved)
 {
     const dem_equation e = dem_equation_of(sim);
+    const goal next = {sim->grains.next_motion, sim->grains.next_angle, sim->grains.next_omega, false};
     bool far = false;
     size_t i = from;
     for (; i + WIDTH <= to; i += WIDTH) {
-        plane rest[PLANES] = {{0}};
-        for (size_t p = 0, at = i; p < PLANES; p++, at += GRAINS) {
-            const plane force = force_on(sim, at, &rest[p]);
-            plane x, v;
-            plane_load_records(sim->grains.motion + at, &x, &v);
-            dem_leap(&e, force, num_load_each(sim->grains.inverse_mass + at), &x, &v);
-            plane_store_records(sim->grains.next_motion + at, x, v);
-            far |= num_any_above(squares_of(x - plane_load(sim->grains.listed_x + at)),
-                                 num_load_each(sim->grains.margin2 + at));
-        }
-        if (sim->grains.omega)
-            advance_spins(sim, &e, i, rest, sim->grains.next_angle, sim->grains.next_omega);
+        const block b = leap(sim, &e, i, &next);
+        for (size_t p = 0; p < PLANES; p++) far |= any_beyond(sim, i + p * GRAINS, b.x[p]);
     }
     moved->left |= far * DEM_LIST_OUT;
     REST(predict, i, to, moved);
