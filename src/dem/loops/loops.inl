@@ -425,7 +425,8 @@ INLINE void advance_grains(dem_sim *sim, size_t from, size_t to, dem_moved *move
                 far |= num_any_above(square, (num){0} + DBL_MAX);
                 fast = num_max(square, fast);
             }
-            out |= plane_any_less(most, b.x[p]) | plane_any_less(b.x[p], least);
+            out |= plane_any_less(most, b.x[p]);
+            out |= plane_any_less(b.x[p], least);
         }
     }
     for (size_t k = from; k < i && turned; k++) out |= dem_beyond(sim, sim->grains.motion[k].x);
