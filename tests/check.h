@@ -57,6 +57,7 @@
     X(suite_golden)                                                                                          \
     X(suite_equilibrium)                                                                                     \
     X(suite_piles)                                                                                           \
+    X(suite_places)                                                                                          \
     X(suite_property)                                                                                        \
     X(suite_fuzz)
 #define CHECK_VALIDATION(X)                                                                                  \

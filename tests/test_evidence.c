@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "table/table.h"
+#include "sweeps/engine/private.h"
 #include "sweeps/protocols/protocols.h"
 #include "tests/check.h"
 #include "tests/program.h"
@@ -806,7 +807,7 @@ static size_t check_statement(const char *id, const char *text, const config_t *
         snprintf(key, sizeof key, "%.*s%s", (int)(end - begin), begin, wall ? "_wall" : "");
         const double value = strtod(equals + 1, &after);
         const rp_param *p = rp_params_find(protocol->schema, key);
-        if (!p || p->type != RP_REAL || after == equals + 1) continue;
+        if (!p || (p->type != RP_REAL && p->type != RP_INT) || after == equals + 1) continue;
         double values[64];
         const size_t n = values_of(config, protocol, key, values);
         bool right = holds(n, values, value);
@@ -828,6 +829,34 @@ static void check_setting(const rp_table *t, size_t row, const char *path, const
 {
     const char *at = "W=4 H=4 mu=0.2 k_n=1e6 gamma_n=500";
     char key[64];
+    double value, values[64];
+    for (int used; sscanf(at, " %63[^=]=%lf%n", key, &value, &used) == 2; at += used) {
+        static const char *const texts[] = {"answer", "statement", "note"};
+        char said[96];
+        bool mentioned = (strstr(path, "lh2") || strstr(path, "lh_grain") || strstr(path, "lh_wall")) &&
+                         (*key == 'W' || *key == 'H');
+        for (size_t k = 0; k < 3; k++) {
+            snprintf(said, sizeof said, "%s =", key);
+            mentioned |= strstr(word(t, row, texts[k]), said) != NULL;
+            snprintf(said, sizeof said, "%s=", key);
+            mentioned |= strstr(word(t, row, texts[k]), said) != NULL;
+        }
+        if (mentioned || !rp_params_find(protocol->schema, key)) continue;
+        const bool right = holds(values_of(config, protocol, key, values), values, value);
+        if (!right) fprintf(stderr, "claim %s: %s has no %s = %g\n", word(t, row, "id"), path, key, value);
+        CU_ASSERT(right);
+    }
+}
+
+/* What a claim does not say is as the header line `at` of its paper has it, but in sweeps of boxes of several
+ * sizes. */
+static void check_at(const rp_table *t, size_t row, const char *path, const config_t *config,
+                     const sweep_protocol *protocol)
+{
+    char note[16], key[64];
+    snprintf(note, sizeof note, "at %s", word(t, row, "paper"));
+    const char *at = rp_table_find_note(t, note);
+    CU_ASSERT_PTR_NOT_NULL_FATAL(at);
     double value, values[64];
     for (int used; sscanf(at, " %63[^=]=%lf%n", key, &value, &used) == 2; at += used) {
         static const char *const texts[] = {"answer", "statement", "note"};
@@ -869,47 +898,206 @@ static void test_settings(void)
         }
         if (protocol && strcmp(word(&t, row, "paper"), "lh") == 0)
             check_setting(&t, row, path, &config, protocol);
+        if (protocol) check_at(&t, row, path, &config, protocol);
         config_destroy(&config);
     }
     rp_table_free(&t);
     CU_ASSERT(n_checked > 100);
 }
 
-/* A sweep file without comments, its blanks single. */
-static void squeeze(const char *path, char text[4096])
+/* The row that a place of the report reads is one of its sweep. */
+static size_t check_place(const char *place)
 {
-    FILE *in = fopen(path, "r");
-    CU_ASSERT_PTR_NOT_NULL_FATAL(in);
-    char line[1024], *to = text;
-    while (fgets(line, sizeof line, in)) {
-        line[strcspn(line, "#\n")] = ' ';
-        for (const char *c = line; *c && *c != '\n' && to < text + 4000; c++)
-            if (*c != ' ' || (to > text && to[-1] != ' ')) *to++ = *c;
-    }
-    *to = '\0';
-    fclose(in);
+    char path[256];
+    config_t config;
+    if (!find_sweep(place, path) || strncmp(path, "sweeps/l", 8) != 0) return 0; /* of the papers */
+    config_init(&config);
+    CU_ASSERT(config_read_file(&config, path));
+    const sweep_protocol *protocol = protocol_of(&config);
+    const size_t n = protocol ? check_statement(path, place, &config, protocol) : 0;
+    config_destroy(&config);
+    return n;
 }
 
-/* The sweeps of the papers' figures stand a second time in tests/sweeps.txt: a changed width, method or
- * number of piles is a change of both. */
-static void test_second_entry(void)
+static void test_rows(void)
 {
-    static const char *const patterns[] = {"sweeps/lh/*.cfg", "sweeps/li/*.cfg"};
+    static const char *const patterns[] = {"report/text/*.md.in", "report/text/*.md"}, *const words[] = {
+                                                                                           "{{value ",
+                                                                                           "{{cell ",
+                                                                                           "{{rows "};
+    size_t n_checked = 0;
     for (size_t k = 0; k < 2; k++) {
         glob_t found;
         CU_ASSERT_FATAL(glob(patterns[k], 0, NULL, &found) == 0);
         for (size_t i = 0; i < found.gl_pathc; i++) {
-            char text[4096], line[4300], wanted[4300];
-            squeeze(found.gl_pathv[i], text);
-            snprintf(wanted, sizeof wanted, "%s: %s\n", found.gl_pathv[i] + strlen("sweeps/"), text);
-            bool has = false;
-            FILE *in = fopen("tests/sweeps.txt", "r");
-            while (in && !has && fgets(line, sizeof line, in)) has = strcmp(line, wanted) == 0;
-            if (in) fclose(in);
-            if (!has) fprintf(stderr, "tests/sweeps.txt has not: %s", wanted);
-            CU_ASSERT(has);
+            char line[8192], place[512];
+            FILE *text = fopen(found.gl_pathv[i], "r");
+            while (text && fgets(line, sizeof line, text))
+                for (size_t w = 0; w < sizeof words / sizeof *words; w++)
+                    for (const char *at = line; (at = strstr(at, words[w])); at++) {
+                        snprintf(place, sizeof place, "%.*s", (int)strcspn(at + strlen(words[w]), "}|"),
+                                 at + strlen(words[w]));
+                        n_checked += check_place(place);
+                    }
+            if (text) fclose(text);
         }
         globfree(&found);
+    }
+    CU_ASSERT(n_checked > 50);
+}
+
+/* The box of figure 1 has as many grains as the page says: rows of W/d, H/d high. */
+static void test_figure_1(void)
+{
+    char said[64], text[4096] = "";
+    double grains = 1.0, values[64];
+    config_t config;
+    config_init(&config);
+    CU_ASSERT_FATAL(config_read_file(&config, "sweeps/lh/lh1.cfg"));
+    static const char *const keys[] = {"W", "H"};
+    for (size_t k = 0; k < 2; k++) {
+        values_of(&config, protocol_of(&config), keys[k], values);
+        grains *= values[0] / 0.2;
+    }
+    config_destroy(&config);
+    snprintf(said, sizeof said, "a box of %.0f grains", grains);
+    FILE *in = fopen("report/text/lh-02-fig1.md", "r");
+    CU_ASSERT_PTR_NOT_NULL_FATAL(in);
+    text[fread(text, 1, sizeof text - 1, in)] = '\0';
+    fclose(in);
+    CU_ASSERT(strstr(text, said) != NULL);
+}
+
+/* A setting of a grid point as the table says it: in the row of this point, or in the header. */
+static bool says_setting(const rp_table *t, size_t point, const sweep_plan *plan, const rp_param *param)
+{
+    char wanted[256], *end, *rest;
+    const int column = rp_table_column(t, param->name);
+    const char *said =
+        column >= 0 ? t->cells[point * t->n_columns + (size_t)column] : rp_table_find_note(t, param->name);
+    rp_params_text(param, sweep_plan_point(plan, point), wanted, sizeof wanted);
+    if (!said) return true; /* a parameter that is newer than the table */
+    const double number = strtod(said, &end), other = strtod(wanted, &rest);
+    if (end > said && rest > wanted)
+        return fabs(number - other) <= 1e-5 * fabs(other); /* a header has six digits */
+    return strncmp(said, wanted, strlen(wanted)) == 0;
+}
+
+/* A command of the file made the table of this name, from tables in the folder of the studies or in results,
+ * for which @ stands. Files that * stands for are between what it follows and what follows it. */
+static void check_command(const sweep_table *table)
+{
+    static const char *const folders[] = {"build/studies", "results"};
+    char path[256];
+    bool same = false;
+    rp_table t;
+    snprintf(path, sizeof path, "results/%s.tsv", table->name);
+    if (rp_table_read_texts(path, &t)) return;
+    const char *said = rp_table_find_note(&t, "command");
+    for (size_t k = 0; k < 2; k++) {
+        char made[4096] = "repose ";
+        for (const char *c = table->command; *c && strlen(made) < sizeof made - 20; c++)
+            strcat(made, *c == '@' ? folders[k] : (char[2]){*c, '\0'});
+        const size_t first = strcspn(made, "*"), rest = strlen(made) - first - (made[first] == '*');
+        same |= strncmp(said, made, first) == 0 && strlen(said) >= first + rest &&
+                strcmp(said + strlen(said) - rest, made + strlen(made) - rest) == 0 &&
+                (made[first] == '*' || strlen(said) == strlen(made));
+    }
+    if (!same) fprintf(stderr, "%s: %s\n  the sweep has: %s\n", path, said, table->command);
+    CU_ASSERT(same);
+    rp_table_free(&t);
+}
+
+/* The runs that a table of results is of: their seed, number, grid points and every setting. */
+static void check_runs(const char *file, const char *name, const sweep_recipe *recipe)
+{
+    char path[256], runs[512];
+    rp_table t;
+    sweep_plan plan;
+    snprintf(path, sizeof path, "results/%s.tsv", name);
+    if (rp_table_read_texts(path, &t)) return;
+    CHECK_OK(sweep_plan_read(file, sweep_protocols, &plan));
+    if (recipe->study) CHECK_OK(sweep_plan_replicate(&plan, recipe->study));
+    snprintf(runs, sizeof runs, "%s, protocol %s, seed %lu, %zu grid points x %zu replicas", file,
+             plan.protocol->name, (unsigned long)plan.seed, plan.n_points, plan.replicas);
+    const char *said = rp_table_find_note(&t, "sweep");
+    bool same = said && strncmp(said, runs, strlen(runs)) == 0 && t.n_rows == plan.n_points;
+    if (!same) fprintf(stderr, "%s: %s\n  the sweep has: %s\n", path, said, runs);
+    for (size_t k = 0; k < plan.n_points && same; k++)
+        for (const rp_param *p = plan.protocol->schema; p->name && same; p++) {
+            same = says_setting(&t, k, &plan, p);
+            if (!same) fprintf(stderr, "%s: another %s at point %zu\n", path, p->name, k);
+        }
+    CU_ASSERT(same);
+    sweep_plan_free(&plan);
+    rp_table_free(&t);
+}
+
+/* A table of results says by which runs it was made: those of its sweep's file, unless this was changed
+ * since. */
+static void test_made(void)
+{
+    static const char *const patterns[] = {"sweeps/lh/*.cfg", "sweeps/li/*.cfg", "sweeps/studies/*.cfg",
+                                           "sweeps/val/*.cfg"};
+    for (size_t k = 0; k < sizeof patterns / sizeof *patterns; k++) {
+        glob_t found;
+        CU_ASSERT_FATAL(glob(patterns[k], 0, NULL, &found) == 0);
+        for (size_t i = 0; i < found.gl_pathc; i++) {
+            char name[128];
+            sweep_recipe recipe;
+            const char *slash = strrchr(found.gl_pathv[i], '/') + 1;
+            snprintf(name, sizeof name, "%.*s", (int)strcspn(slash, "."), slash);
+            CHECK_OK(sweep_recipe_read(found.gl_pathv[i], &recipe));
+            check_runs(found.gl_pathv[i], name, &recipe);
+            for (size_t j = 0; j < recipe.n_tables; j++) check_command(&recipe.tables[j]);
+            sweep_recipe_free(&recipe);
+        }
+        globfree(&found);
+    }
+}
+
+/* The number that follows the next word that is an option, other than that of points of a curve. */
+static bool next_option(const char **command, double *number)
+{
+    for (const char *c = *command; (c = strstr(c, " --"));) {
+        char *end;
+        const bool points = strncmp(c, " --points", 9) == 0;
+        c += 1 + strcspn(c + 1, " ");
+        *number = strtod(c, &end);
+        if (end == c || points) continue;
+        *command = end;
+        return true;
+    }
+    return false;
+}
+
+/* pile_45_30_1e-4 = pile --base 45 --alpha-deg 30 --eps 1e-4; x_1 stands in hundredths. */
+static void test_names(void)
+{
+    static const char *const files[] = {"continuum", "pile", "tent", "triangle"};
+    for (size_t k = 0; k < sizeof files / sizeof *files; k++) {
+        char path[64];
+        sweep_recipe recipe;
+        snprintf(path, sizeof path, "sweeps/li/%s.cfg", files[k]);
+        CHECK_OK(sweep_recipe_read(path, &recipe));
+        CU_ASSERT(recipe.n_tables > 0);
+        for (size_t j = 0; j < recipe.n_tables; j++) {
+            const char *command = recipe.tables[j].command;
+            char name[64], *rest = name;
+            double set;
+            bool same = true;
+            snprintf(name, sizeof name, "%s", recipe.tables[j].name);
+            for (const char *part; (part = strsep(&rest, "_"));) {
+                char *end;
+                const double number = strtod(part, &end);
+                if (end == part || *end) continue;
+                same &= next_option(&command, &set) && (set == number || set == 0.01 * number);
+            }
+            same &= !next_option(&command, &set);
+            if (!same) fprintf(stderr, "%s = %s\n", recipe.tables[j].name, recipe.tables[j].command);
+            CU_ASSERT(same);
+        }
+        sweep_recipe_free(&recipe);
     }
 }
 
@@ -952,49 +1140,6 @@ static void test_claims_again(void)
     check_end(in);
 }
 
-/* Of a line of text its places, of a line of a table the whole. False if it has neither. */
-static bool places_of(const char *line, char places[4096])
-{
-    const bool whole = *line == '|' || strncmp(line, "{{", 2) == 0;
-    *places = '\0';
-    if (whole && strncmp(line, "|---", 4) != 0)
-        snprintf(places, 4096, "%.*s", (int)strcspn(line, "\n"), line);
-    for (const char *open = line; !whole && (open = strstr(open, "{{")); open++) {
-        const char *close = strstr(open, "}}");
-        CU_ASSERT_PTR_NOT_NULL_FATAL(close);
-        snprintf(places + strlen(places), 4096 - strlen(places), "%s%.*s", *places ? " " : "",
-                 (int)(close + 2 - open), open);
-    }
-    return *places;
-}
-
-/* The places of the report, and the heads of its tables, stand a second time in tests/places.txt: a sentence
- * that shows another column, row or table is a change of both. */
-static void test_places_again(void)
-{
-    static const char *const patterns[] = {"report/text/*.md.in", "report/text/*.md"};
-    FILE *in = fopen("tests/places.txt", "r");
-    CU_ASSERT_PTR_NOT_NULL_FATAL(in);
-    for (size_t k = 0; k < 2; k++) {
-        glob_t found;
-        CU_ASSERT_FATAL(glob(patterns[k], 0, NULL, &found) == 0);
-        for (size_t i = 0; i < found.gl_pathc; i++) {
-            char line[8192], places[4096], wanted[4200];
-            FILE *text = fopen(found.gl_pathv[i], "r");
-            CU_ASSERT_PTR_NOT_NULL_FATAL(text);
-            while (fgets(line, sizeof line, text)) {
-                if (!places_of(line, places)) continue;
-                snprintf(wanted, sizeof wanted, "%s%s: %s", k ? "report/" : "",
-                         found.gl_pathv[i] + strlen("report/text/"), places);
-                check_entry(in, "tests/places.txt", wanted);
-            }
-            fclose(text);
-        }
-        globfree(&found);
-    }
-    check_end(in);
-}
-
 void suite_evidence(void)
 {
     static const check_case cases[] = {{"verdicts and the words of the report", test_verdicts},
@@ -1008,9 +1153,11 @@ void suite_evidence(void)
                                        {"dips and peaks", test_dips},
                                        {"rays at any inclination", test_rays},
                                        {"sweeps have the claims' settings", test_settings},
-                                       {"sweeps of the papers, second entry", test_second_entry},
+                                       {"sweeps have the rows that places read", test_rows},
+                                       {"grains of figure 1", test_figure_1},
+                                       {"sweeps have the settings of their results", test_made},
+                                       {"names of models tell their settings", test_names},
                                        {"claims, second entry", test_claims_again},
-                                       {"places of the report, second entry", test_places_again},
                                        {0}};
     check_register("evidence", cases);
 }

@@ -3,7 +3,7 @@
 heading = 'The onset of motion: what slides, what moves, and what goes with it'
 remark = sprintf('%d piles at each friction; (a) to (c) {/:Italic μ} = 0.2; bars: standard error, in (c) 95 %% interval', most('lh_onset.tsv', 'theta_r3_deg_n'))
 panels = 3
-legend = 4
+legend = 3
 load 'figures/style.gp'
 c(name) = column(name)
 at(mu, x) = c('mu') == mu ? x : NaN
