@@ -19,8 +19,7 @@ static const struct {
      "--width 3.6|--cell 0.3|--height raw_centre|--height top|--empty skip|--parabola origin|--y-axis "
      "down|--where 'r<0.105'"},
     {"angle compare", "runs.tsv --bootstrap 50", "--phi-deg 50|--bootstrap 51|--seed 4|--where mu=0.2"},
-    {"angle phi", "runs.tsv --bootstrap 20",
-     "--from 0.15|--to 0.15|--bootstrap 21|--seed 4|--where 'pile<4'"},
+    {"angle phi", "runs.tsv", "--from 0.15|--to 0.15|--where 'pile<4'"},
     {"stress field", "p --width 1.2", "--width 1.0|--cell 0.2"},
     {"stress base", "p --width 1.2", "--width 1.0|--cell 0.2|--diameter 0.25|-g 900|--phi-deg 50"},
     {"stress dip", "piles.tsv --resamples 99",
@@ -409,7 +408,7 @@ static void test_failed_runs(void)
 {
     static const char *const commands[] = {
         "angle compare runs.tsv --bootstrap 20",
-        "angle phi runs.tsv --bootstrap 20",
+        "angle phi runs.tsv",
         "stress dip piles.tsv --resamples 99",
         "stats trend runs.tsv -x W -y theta --by mu",
         "stats size runs.tsv -x W -y theta --by mu",

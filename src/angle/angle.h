@@ -179,23 +179,12 @@ typedef struct {
 
 enum { ANG_PHI_PILES = 5 };
 
-/* What phi is fitted to: (3) at theta_r + theta_t, or (4) in a form whose forces balance; and by how much phi
- * of (4) exceeds that of (3), on the same piles. */
-typedef enum {
-    ANG_AGAINST_MARGINAL,
-    ANG_AGAINST_BALANCED,
-    ANG_AGAINST_LATTICE,
-    ANG_BALANCED_LESS_MARGINAL,
-    ANG_LATTICE_LESS_MARGINAL,
-    ANG_N_AGAINST
-} ang_against;
+/* What phi is fitted to: (3) at theta_r + theta_t, or (4) balanced at theta_t. */
+typedef enum { ANG_AGAINST_MARGINAL, ANG_AGAINST_BALANCED, ANG_N_AGAINST } ang_against;
 
 typedef struct {
-    double phi;              /* or the difference of two */
-    double lo, hi;           /* 95 % by the profile of chi2: a rise by 3.84; NaN for a difference */
-    double boot_lo, boot_hi; /* 95 % by bootstrap over piles, percentiles */
-    /* chi2 of one phi for all groups, its degrees of freedom, and the chance of a larger one (NaN without
-     * dof); of a difference: of none, by its bootstrapped error */
+    double phi, lo, hi; /* 95 % by the profile of chi2: a rise by 3.84 */
+    /* chi2 of one phi for all groups, its degrees of freedom, and the chance of a larger one (NaN without) */
     double chi2, p_value;
     size_t dof;
     bool lo_open, hi_open; /* no rise by 3.84 before phi ends: the data give no bound on this side */
@@ -203,19 +192,12 @@ typedef struct {
 
 extern const char *const ang_against_words[];
 
-/* The phi that serves all groups best, against each equation, and the differences: where minus twice the
- * logarithm of the likelihood ratio, see phi.c, is least. phi lies between theta_r + theta_t of every mean
- * and pi/2: the flank of a failing pile is less steep than the rays. n_resamples >= 2. Errors: RP_BAD_INPUT
- * (a value, fewer than ANG_PHI_PILES piles); RP_NO_RESULT (no groups, piles without spread or steeper than
- * any ray); RP_NO_MEMORY; RP_BROKEN (NLopt, GSL). */
-rp_status ang_phi_fit(size_t n_groups, const ang_piles groups[], size_t n_resamples, gsl_rng *rng,
-                      ang_phi fit[ANG_N_AGAINST]);
-
-/* The measured angle that an equation is fitted to, theta_r + theta_t for (3) and theta_t for (4), and
- * given[k], the equation's angle at the mean theta_r and phi[k]. `against` is an equation, no difference.
- * Errors: those of stats_mean and ang_tilt. */
-rp_status ang_phi_angles(const ang_piles *piles, ang_against against, size_t n, const double phi[],
-                         stats_summary *measured, double given[]);
+/* The phi that serves all groups best, against each equation: where minus twice the logarithm of the
+ * likelihood ratio, see phi.c, is least. phi lies between theta_r + theta_t of every mean and pi/2: the flank
+ * of a failing pile is less steep than the rays. Errors: RP_BAD_INPUT (a value, fewer than ANG_PHI_PILES
+ * piles); RP_NO_RESULT (no groups, piles without spread or steeper than any ray); RP_NO_MEMORY; RP_BROKEN
+ * (NLopt, GSL). */
+rp_status ang_phi_fit(size_t n_groups, const ang_piles groups[], ang_phi fit[ANG_N_AGAINST]);
 
 RP_C_END
 

@@ -8,16 +8,9 @@
  * With t^2 = n e^2/variance, and the variance not known beforehand,
  *     minus twice the log likelihood ratio = n log(1 + t^2/(n - 1)),
  * whose mean is n (psi(n/2) - psi((n - 1)/2)) and not 1. The sum over groups, each scaled to the mean 1
- * (Bartlett), is chi2, on n_groups - 1 degrees of freedom.
- *
- * Both equations at once are not fitted: with one phi they need the same friction of a pile only if it
- * fails without tilt, or (lattice form, t = tan theta_r, u = tan theta_t) if tan^2 phi = (1 + 2 t^2 + t
- * u)/ (1 - t u), rays near 45 degrees and twice the friction. What can be tested is by how much the two phi
- * differ, on common resamples of the piles. */
+ * (Bartlett), is chi2, on n_groups - 1 degrees of freedom. */
 #include <gsl/gsl_cdf.h>
-#include <gsl/gsl_math.h>
 #include <gsl/gsl_sf_psi.h>
-#include <gsl/gsl_statistics_double.h>
 #include <math.h>
 #include <stdlib.h>
 
@@ -27,7 +20,7 @@ static const double difference = 1e-4;        /* of the slope of (4), rad: error
 static const double margin = 2e-4;            /* rad, between phi and where it ends */
 static const double rise = 3.841458820694124; /* 95 % of chi2 with one degree of freedom */
 static const double root_tolerance = 1e-12;   /* of the interval's ends, rad */
-enum { SCAN = 48, N_EQUATIONS = ANG_BALANCED_LESS_MARGINAL };
+enum { SCAN = 48 };
 
 /* A group as the fit sees it; var and cov of one pile. */
 typedef struct {
@@ -42,8 +35,7 @@ typedef struct {
     double most; /* chi2 where the interval of phi ends */
 } problem;
 
-const char *const ang_against_words[] = {"marginal", "balanced", "lattice", "balanced_less_marginal",
-                                         "lattice_less_marginal"};
+const char *const ang_against_words[] = {"marginal", "balanced"};
 
 /* What the equation gives at theta_r = r: theta_r + theta_t of (3), theta_t of (4). */
 static double predicted(ang_against against, double mu, double r, double phi)
@@ -51,7 +43,7 @@ static double predicted(ang_against against, double mu, double r, double phi)
     double theta_ms;
     ang_tilt_result tilt;
     if (against == ANG_AGAINST_MARGINAL) return ang_marginal(mu, phi, &theta_ms, NULL) ? NAN : theta_ms;
-    if (ang_tilt(against == ANG_AGAINST_LATTICE ? ANG_LATTICE : ANG_BALANCED, mu, r, phi, &tilt)) return NAN;
+    if (ang_tilt(ANG_BALANCED, mu, r, phi, &tilt)) return NAN;
     if (tilt.status == ANG_TILT_ALREADY_UNSTABLE) return 0.0;
     return tilt.status == ANG_TILT_NO_SLIDE ? tilt.limit : tilt.theta_t;
 }
@@ -79,18 +71,17 @@ static double misfit(const double phi[], void *data)
     return sum;
 }
 
-/* Moments of the piles pick[0..n), or of all in order without `pick`. False if they have no spread, or a mean
- * angle too close to 0. */
-static bool take_moments(const ang_piles *piles, const size_t *pick, moments *g)
+/* Moments of the piles. False if they have no spread, or a mean angle too close to 0. */
+static bool take_moments(const ang_piles *piles, moments *g)
 {
     const double n = (double)piles->n;
     *g = (moments){.mu = piles->mu, .n = n};
     for (size_t i = 0; i < piles->n; i++) {
-        g->r += piles->theta_r[pick ? pick[i] : i] / n;
-        g->t += piles->theta_t[pick ? pick[i] : i] / n;
+        g->r += piles->theta_r[i] / n;
+        g->t += piles->theta_t[i] / n;
     }
     for (size_t i = 0; i < piles->n; i++) {
-        double dr = piles->theta_r[pick ? pick[i] : i] - g->r, dt = piles->theta_t[pick ? pick[i] : i] - g->t;
+        double dr = piles->theta_r[i] - g->r, dt = piles->theta_t[i] - g->t;
         g->var_r += dr * dr / (n - 1.0);
         g->var_t += dt * dt / (n - 1.0);
         g->cov += dr * dt / (n - 1.0);
@@ -136,7 +127,7 @@ static rp_status set_problem(size_t n_groups, const ang_piles groups[], problem 
     if (!q->group) return rp_fail(RP_NO_MEMORY, "phi: out of memory");
     for (size_t i = 0; i < n_groups; i++) {
         RP_TRY(check_piles(&groups[i]));
-        if (!take_moments(&groups[i], NULL, &q->group[i]))
+        if (!take_moments(&groups[i], &q->group[i]))
             return rp_fail(RP_NO_RESULT,
                            "mu = %g: mean angles %g, %g rad: flat, or all piles the same: nothing to fit",
                            groups[i].mu, q->group[i].r, q->group[i].t);
@@ -184,79 +175,12 @@ static rp_status fit_equation(problem *q, ang_against against, ang_phi *fit)
     return profile_end(q, fit->phi, hi, &fit->hi_open, &fit->hi);
 }
 
-/* Resample the piles of each group. `pick` has room for a group. */
-static void resample(problem *q, const ang_piles groups[], gsl_rng *rng, size_t pick[])
+rp_status ang_phi_fit(size_t n_groups, const ang_piles groups[], ang_phi fit[ANG_N_AGAINST])
 {
-    for (size_t i = 0; i < q->n_groups; i++) do /* of few piles, one may come out every time */
-            for (size_t j = 0; j < groups[i].n; j++) pick[j] = gsl_rng_uniform_int(rng, groups[i].n);
-        while (!take_moments(&groups[i], pick, &q->group[i]));
-}
-
-/* Sample a: n numbers from sample + a n on. */
-static void compare_samples(size_t n, double *sample, ang_phi fit[ANG_N_AGAINST])
-{
-    for (int a = N_EQUATIONS; a < ANG_N_AGAINST; a++) {
-        const int with = a - N_EQUATIONS + ANG_AGAINST_BALANCED;
-        double *gap = sample + a * n;
-        for (size_t k = 0; k < n; k++) gap[k] = sample[with * n + k] - sample[k];
-        fit[a].phi = fit[with].phi - fit[ANG_AGAINST_MARGINAL].phi;
-        fit[a].chi2 = gsl_pow_2(fit[a].phi) / gsl_stats_variance(gap, 1, n);
-        fit[a].dof = 1;
-        fit[a].p_value = gsl_cdf_chisq_Q(fit[a].chi2, 1.0);
-    }
-    for (int a = 0; a < ANG_N_AGAINST; a++) {
-        const stats_spread spread = stats_resampled(n, sample + a * n);
-        fit[a].boot_lo = spread.lo;
-        fit[a].boot_hi = spread.hi;
-    }
-}
-
-static rp_status fit_all(problem *q, const ang_piles groups[], size_t n_resamples, gsl_rng *rng,
-                         size_t pick[], double sample[], ang_phi fit[ANG_N_AGAINST])
-{
-    double chi2;
-    for (int a = 0; a < N_EQUATIONS; a++) RP_TRY(fit_equation(q, (ang_against)a, &fit[a]));
-    for (size_t k = 0; k < n_resamples; k++) {
-        resample(q, groups, rng, pick);
-        for (int a = 0; a < N_EQUATIONS; a++)
-            RP_TRY(minimise(q, (ang_against)a, &sample[a * n_resamples + k], &chi2));
-    }
-    compare_samples(n_resamples, sample, fit);
-    return RP_OK;
-}
-
-rp_status ang_phi_fit(size_t n_groups, const ang_piles groups[], size_t n_resamples, gsl_rng *rng,
-                      ang_phi fit[ANG_N_AGAINST])
-{
-    for (int a = 0; a < ANG_N_AGAINST; a++)
-        fit[a] = (ang_phi){NAN, NAN, NAN, NAN, NAN, NAN, NAN, 0, false, false};
-    RP_TRY(stats_check_resamples(n_resamples));
     problem q;
+    for (int a = 0; a < ANG_N_AGAINST; a++) fit[a] = (ang_phi){NAN, NAN, NAN, NAN, NAN, 0, false, false};
     rp_status status = set_problem(n_groups, groups, &q);
-    size_t most = 1;
-    for (size_t i = 0; i < n_groups; i++) most = groups[i].n > most ? groups[i].n : most;
-    size_t *pick = malloc(most * sizeof *pick);
-    double *sample = malloc(ANG_N_AGAINST * n_resamples * sizeof *sample);
-    if (!status && !(pick && sample)) status = rp_fail(RP_NO_MEMORY, "phi: out of memory");
-    if (!status) status = fit_all(&q, groups, n_resamples, rng, pick, sample, fit);
-    free(sample);
-    free(pick);
+    for (int a = 0; a < ANG_N_AGAINST && !status; a++) status = fit_equation(&q, (ang_against)a, &fit[a]);
     free(q.group);
     return status;
-}
-
-rp_status ang_phi_angles(const ang_piles *piles, ang_against against, size_t n, const double phi[],
-                         stats_summary *measured, double given[])
-{
-    const bool marginal = against == ANG_AGAINST_MARGINAL;
-    const ang_form form = against == ANG_AGAINST_LATTICE ? ANG_LATTICE : ANG_BALANCED;
-    stats_summary theta_r;
-    RP_TRY(stats_mean(piles->n, piles->theta_r, &theta_r));
-    RP_TRY(stats_paired(piles->n, piles->theta_t, 1.0, marginal ? piles->theta_r : NULL, measured));
-    for (size_t k = 0; k < n; k++) {
-        ang_tilt_result tilt;
-        RP_TRY(ang_tilt(form, piles->mu, theta_r.mean, phi[k], &tilt));
-        given[k] = marginal ? tilt.theta_ms : tilt.theta_t;
-    }
-    return RP_OK;
 }

@@ -117,40 +117,21 @@ const cli_command cmd_angle_compare = {
 #define PHI_OPTIONS(X)                                                                                       \
     X(REAL, from, "", "0", "[0, inf)", "smallest mu that is used")                                           \
     X(REAL, to, "", "1e308", "(0, inf)", "largest mu that is used")                                          \
-    CLI_BOOTSTRAP(X, "1000")                                                                                 \
     CLI_WHERE(X)
 
 CLI_OPTIONS(phi, PHI_OPTIONS)
 
-/* A fit to all groups (`piles` NULL) or to one, beside which stand its angles with the phi of all. */
-static rp_status print_phi(const ang_piles *piles, size_t n_groups, size_t n, ang_against against,
-                           const ang_phi *fit, double phi_all)
+static rp_status print_phis(size_t n_groups, const ang_piles groups[])
 {
-    stats_summary measured = {0, NAN, NAN, NAN, NAN, NAN};
-    double given[2] = {NAN, NAN};
-    int open = fit->lo_open && fit->hi_open ? 2 : (int)fit->hi_open - (int)fit->lo_open;
-    if (piles && against < ANG_BALANCED_LESS_MARGINAL)
-        RP_TRY(ang_phi_angles(piles, against, 2, (double[]){phi_all, 60.0 * deg}, &measured, given));
-    CLI_ROW_WORD(ang_against_words[against], piles ? piles->mu : NAN, (double)n_groups, (double)n,
-                 fit->phi / deg, fit->lo / deg, fit->hi / deg, fit->boot_lo / deg, fit->boot_hi / deg,
-                 fit->chi2, (double)fit->dof, fit->p_value, fit->dof > 0 ? fit->p_value >= 0.05 : NAN, open,
-                 measured.mean / deg, measured.se / deg, given[0] / deg, given[1] / deg);
-    return RP_OK;
-}
-
-/* All groups together, then each alone. */
-static rp_status fit_phis(size_t n_groups, const ang_piles groups[], const phi_options *o, gsl_rng *rng)
-{
-    size_t n_all = 0;
-    ang_phi all[ANG_N_AGAINST], one[ANG_N_AGAINST];
-    for (size_t i = 0; i < n_groups; i++) n_all += groups[i].n;
-    RP_TRY(ang_phi_fit(n_groups, groups, (size_t)o->bootstrap, rng, all));
-    for (int a = 0; a < ANG_N_AGAINST && n_groups > 1; a++)
-        RP_TRY(print_phi(NULL, n_groups, n_all, (ang_against)a, &all[a], NAN));
-    for (size_t i = 0; i < n_groups; i++) {
-        RP_TRY(ang_phi_fit(1, &groups[i], (size_t)o->bootstrap, rng, one));
-        for (int a = 0; a < ANG_N_AGAINST; a++)
-            RP_TRY(print_phi(&groups[i], 1, groups[i].n, (ang_against)a, &one[a], all[a].phi));
+    size_t n = 0;
+    ang_phi fit[ANG_N_AGAINST];
+    for (size_t i = 0; i < n_groups; i++) n += groups[i].n;
+    RP_TRY(ang_phi_fit(n_groups, groups, fit));
+    for (int a = 0; a < ANG_N_AGAINST; a++) {
+        const ang_phi *f = &fit[a];
+        const int open = f->lo_open && f->hi_open ? 2 : (int)f->hi_open - (int)f->lo_open;
+        CLI_ROW_WORD(ang_against_words[a], (double)n_groups, (double)n, f->phi / deg, f->lo / deg,
+                     f->hi / deg, f->chi2, (double)f->dof, f->p_value, open);
     }
     return RP_OK;
 }
@@ -173,32 +154,26 @@ static rp_status phi_table(rp_table *table, void *values)
         return rp_fail(RP_NO_RESULT, "%s: no row with status ok, both angles, and mu in range", table->path);
     cli_table(stdout);
     cli_rows_note(table, &piles);
-    rp_table_header(stdout,
-                    "mu, n_mu, n, phi_deg [deg], phi_lo_deg [deg], phi_hi_deg [deg], boot_lo_deg [deg], "
-                    "boot_hi_deg [deg], chi2, dof, p_value, one_phi, open, measured_deg [deg], "
-                    "measured_se_deg [deg], fitted_deg [deg], sixty_deg [deg], against");
-    return rp_prefix(fit_phis(n_groups, groups, o, cli_random(0)), "%s: ", table->path);
+    rp_table_header(
+        stdout,
+        "n_mu, n, phi_deg [deg], phi_lo_deg [deg], phi_hi_deg [deg], chi2, dof, p_value, open, against");
+    return rp_prefix(print_phis(n_groups, groups), "%s: ", table->path);
 }
 
 const cli_command cmd_angle_phi = {
     "angle phi",
     "inclination of the rays, fitted to measured angles",
     "FILE [options]",
-    "Fits the inclination phi of the rays of force, once for all mu (mu = nan) and for each mu. Equation\n"
-    "(3), tan theta_MS = mu tan^2 phi, is fitted to measured theta_R + theta_T. Equation (4), in its\n"
-    "balanced and lattice forms, is fitted to measured theta_T. The sine form is not fitted, since phi\n"
-    "would absorb the forces that this form leaves unbalanced.\n"
+    "Fits the inclination phi of the rays of force to all mu together. Equation (3), tan theta_MS =\n"
+    "mu tan^2 phi, is fitted to measured theta_R + theta_T; equation (4), in its balanced form, to\n"
+    "measured theta_T.\n"
     "\n"
     "FILE (- for standard input) is a table as for repose angle compare. Rows with mu = 0 are left out.\n"
     "\n"
-    "against names the equation. Rows ..._less_marginal hold phi of (4) minus phi of (3); a pile that\n"
-    "is stable under a tilt cannot fulfil both with one phi. phi_lo and phi_hi bound the 95 % interval,\n"
-    "where chi2 has risen by 3.84 (profile likelihood); boot_lo and boot_hi come from a bootstrap over\n"
-    "piles. p_value is the chance of a larger chi2 if one phi holds for all mu, or, for a difference,\n"
-    "if there is none. Below 0.05, one_phi is 0, and the interval is that of a compromise. open is -1\n"
-    "if the data give no lower bound on phi, 1 for no upper bound, 2 for neither; phi is then not\n"
-    "identified. measured is the mean theta_R + theta_T, or theta_T; fitted and sixty are the equation\n"
-    "at the mean theta_R, with the phi of all mu and with 60 degrees.",
+    "against names the equation. phi_lo and phi_hi bound the 95 % interval, where chi2 has risen by 3.84\n"
+    "(profile likelihood). p_value is the chance of a larger chi2 if one phi holds for all mu; below\n"
+    "0.05 the interval is that of a compromise. open is -1 if the data give no lower bound on phi, 1 for\n"
+    "no upper bound, 2 for neither; phi is then not identified.",
     "repose angle phi build/tables/lh3_runs.tsv",
     phi_params,
     .on_table = phi_table};
