@@ -1948,6 +1948,34 @@ static void state_near_rest(void)
     CHECK_OK(dem_rest_state(sim, 0.0, 1.0, &rest));
     CU_ASSERT(rest.n == 2 && rest.contact_number == 0.5);
     CHECK_NEAR(rest.net_force, 0.5 * 0.004 * 981.0, 1e-9);
+    CHECK_NEAR(rest.free_force, 0.004 * 981.0, 1e-9);
+    dem_free(sim);
+}
+
+/* Both limits count; a grain in the air is at rest by one look only where nothing accelerates it. */
+static void at_rest(void)
+{
+    const double weight = 0.004 * 981.0, energy = 1e-7 * weight * 0.2, force = 1e-2 * weight;
+    const dem_rest still = {.n = 1};
+    CU_ASSERT(dem_at_rest(&still, energy, force, true) && dem_at_rest(&still, 0.0, 0.0, true));
+    for (int look = 0; look < 2; look++) {
+        CU_ASSERT(!dem_at_rest(&(dem_rest){.kinetic_energy = 1.01 * energy}, energy, force, look));
+        CU_ASSERT(dem_at_rest(&(dem_rest){.kinetic_energy = energy}, energy, force, look));
+        CU_ASSERT(!dem_at_rest(&(dem_rest){.net_force = 1.01 * force}, energy, force, look));
+        CU_ASSERT(dem_at_rest(&(dem_rest){.net_force = force}, energy, force, look));
+        CU_ASSERT(!dem_at_rest(&(dem_rest){.kinetic_energy = NAN}, energy, force, look));
+    }
+    /* at the top of its throw */
+    dem_grain thrown = {.x = 0.5, .y = 1.0, .r = 0.1, .m = 0.004, .vy = 981.0 * 100 * 5e-5};
+    dem_definition def = dem_definition_default();
+    def.dt = 5e-5;
+    def.grains = &thrown;
+    def.n_grains = 1;
+    dem_sim *sim = grains_start(&def);
+    dem_rest rest;
+    CHECK_OK(dem_run(sim, 100));
+    CHECK_OK(dem_rest_state(sim, 0.0, 1.0, &rest));
+    CU_ASSERT(!dem_at_rest(&rest, energy, force, true) && dem_at_rest(&rest, energy, force, false));
     dem_free(sim);
 }
 
@@ -2057,6 +2085,7 @@ void suite_dem(void)
                                        {"energy of a long spring", energy_of_a_long_spring},
                                        {"notes of the header", header_notes},
                                        {"state near rest", state_near_rest},
+                                       {"at rest", at_rest},
                                        {NULL, NULL}};
     check_register("dem", cases);
 }

@@ -366,9 +366,17 @@ typedef struct {
     size_t n;              /* grains in the region */
     double kinetic_energy; /* mean over them, of translation and rotation */
     double net_force;      /* largest on a grain with a contact, anywhere in the region */
+    double free_force;     /* largest on one without: its weight while it flies */
     double contact_number; /* mean contacts a grain, walls counted once */
 } dem_rest;
 rp_status dem_rest_state(const dem_sim *sim, double lo, double hi, dem_rest *rest); /* RP_NO_MEMORY */
+
+/* At rest: the mean kinetic energy is at most `energy`, and the largest net force on a grain with a contact
+ * at most `force`; 1e-7 m g d and 1e-2 m g in a box. Forces count because energies are small at turning
+ * points too. A grain without a contact has a turning point wherever it is thrown to: by one look, forces on
+ * such grains count as well, so that only what nothing accelerates rests in the air. Without `one_look` the
+ * caller looks again and again, and sees it fall. */
+bool dem_at_rest(const dem_rest *rest, double energy, double force, bool one_look);
 
 /* Contacts of a grain now, walls included (0 if it has left); the largest speed of a grain with lo < x < hi.
  * Neither allocates. */

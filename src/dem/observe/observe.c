@@ -155,7 +155,7 @@ rp_status dem_rest_state(const dem_sim *sim, double lo, double hi, dem_rest *res
     *rest = (dem_rest){0};
     int *contacts = count_contacts(sim);
     if (!contacts) return rp_fail(RP_NO_MEMORY, "rest test: out of memory");
-    double force2 = 0.0;
+    double force2[2] = {0.0, 0.0}; /* without, with a contact */
     for (size_t i = 0; i < sim->grains.n; i++) {
         double x = dem_to_box(&sim->walls, sim->grains.motion[i].x)[0];
         if (!(x > lo && x < hi) || dem_is_fixed(sim, i)) continue;
@@ -165,15 +165,23 @@ rp_status dem_rest_state(const dem_sim *sim, double lo, double hi, dem_rest *res
         rest->kinetic_energy +=
             0.5 * sim->grains.mass[i] * dem_dot(v, v) + dem_rotational_energy(sim, i, -sim->walls.swing[1]);
         rest->contact_number += contacts[i];
-        if (contacts[i] > 0) force2 = fmax(force2, dem_dot(f, f));
+        double *largest = &force2[contacts[i] > 0];
+        *largest = fmax(*largest, dem_dot(f, f));
     }
     free(contacts);
-    rest->net_force = sqrt(force2);
+    rest->free_force = sqrt(force2[0]);
+    rest->net_force = sqrt(force2[1]);
     if (rest->n > 0) {
         rest->kinetic_energy /= (double)rest->n;
         rest->contact_number /= (double)rest->n;
     }
     return RP_OK;
+}
+
+bool dem_at_rest(const dem_rest *rest, double energy, double force, bool one_look)
+{
+    return rest->kinetic_energy <= energy && rest->net_force <= force &&
+           !(one_look && rest->free_force > force);
 }
 
 int dem_contact_count(const dem_sim *sim, uint32_t id)
