@@ -13,7 +13,7 @@
 #include "dem/methods/step.h"
 #include "dem/observe/ledger.h"
 #include "dem/setup/definition.h"
-#include "dem/threads/team.h"
+#include "dem/threads/parts.h"
 
 static rp_status advance(dem_sim *sim, long steps)
 {

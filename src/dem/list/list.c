@@ -1,35 +1,15 @@
-/* Verlet neighbour list. Grains are sorted by square cells, which wrap around, so that no scene is too large.
- * Each grain has a margin: its largest displacement until the list is rebuilt. Pairs nearer than the sum of
- * their cutoffs (radius and margin) are listed, and grains nearer to a wall than their cutoff. A rebuilding
- * keeps the springs of touching contacts and depends on the state alone. With hard collisions, few grains
- * beyond their margins get new pairs at the end of the list. */
+/* Verlet neighbour list. Grains are sorted by square cells, see search.c. Each grain has a margin: its
+ * largest displacement until the list is rebuilt. Pairs nearer than the sum of their cutoffs (radius and
+ * margin) are listed, and grains nearer to a wall than their cutoff. A rebuilding keeps the springs of
+ * touching contacts and depends on the state alone. With hard collisions, few grains beyond their margins get
+ * new pairs at the end of the list. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "dem/forces/forces.h"
 #include "dem/list/list.h"
-#include "dem/list/sizes.h"
-#include "dem/threads/team.h"
-
-/* Work space of a rebuilding, besides arrays of the grains; the lists grow. */
-struct dem_list_work {
-    size_t cells_x, cells_y; /* powers of two */
-    double cell_size;        /* at the last rebuilding */
-    size_t cell_squares;     /* sum of the squared numbers of grains in a cell */
-    uint32_t *cell_start;    /* cells + 1 */
-    dem_grains spare;
-    uint32_t *apart; /* pairs on their next to the end of the list */
-    size_t apart_capacity;
-    /* springs of touching pairs, a chain for the lower new index of the two grains: i is the next of the
-     * chain, UINT32_MAX after the last, j the higher index */
-    dem_pairs held;
-    dem_wall_slot *wall_slot;
-    size_t wall_capacity;
-};
-
-static const uint32_t NOWHERE = UINT32_MAX;
-enum { MOST_CELLS = 1 << 14 }; /* in a row at the start */
+#include "dem/threads/parts.h"
 
 static rp_status no_memory(void)
 {
@@ -47,30 +27,10 @@ static double margin(const dem_sim *sim, double speed)
                                          MOST * sim->start.radius_mean);
 }
 
-static size_t power_of_two(double at_least, size_t most)
+/* Of cells that hold the widest pair, at this largest speed. */
+static double cell_size(const dem_sim *sim, double speed)
 {
-    size_t p = 4; /* three neighbouring columns must differ */
-    while ((double)p < at_least && p < most) p *= 2;
-    return p;
-}
-
-/* The number of cells follows the extent at the start, and stays below some four a grain. */
-static void size_cells(dem_sim *sim, struct dem_list_work *w)
-{
-    double lo[2] = {INFINITY, INFINITY}, hi[2] = {-INFINITY, -INFINITY};
-    for (size_t i = 0; i < sim->grains.n; i++)
-        for (int a = 0; a < 2; a++) {
-            lo[a] = fmin(lo[a], sim->grains.motion[i].x[a]);
-            hi[a] = fmax(hi[a], sim->grains.motion[i].x[a]);
-        }
-    const double size = 2.0 * (sim->r_max + margin(sim, 0.0));
-    w->cells_x = power_of_two((hi[0] - lo[0]) / size + 2.0, MOST_CELLS);
-    w->cells_y = power_of_two((hi[1] - lo[1]) / size + 2.0, MOST_CELLS);
-    while (w->cells_x * w->cells_y > 4 * sim->grains.n + 64 && (w->cells_x > 4 || w->cells_y > 4))
-        if (w->cells_x > w->cells_y)
-            w->cells_x /= 2;
-        else
-            w->cells_y /= 2;
+    return 2.0 * (sim->r_max + margin(sim, speed));
 }
 
 rp_status dem_neighbours_alloc(dem_sim *sim, const dem_sim *like)
@@ -78,31 +38,29 @@ rp_status dem_neighbours_alloc(dem_sim *sim, const dem_sim *like)
     struct dem_list_work *w = sim->list.work = calloc(1, sizeof *w);
     if (!w) return no_memory();
     w->held = (dem_pairs){.rolling = sim->pairs.rolling, .springs_only = true};
+    dem_cells *const cells = &w->cells;
     if (like) {
-        w->cells_x = like->list.work->cells_x;
-        w->cells_y = like->list.work->cells_y;
-        while (sim->grains.capacity > like->grains.capacity && 4 * w->cells_x * w->cells_y < sim->grains.n)
-            *(w->cells_x < w->cells_y ? &w->cells_x : &w->cells_y) *= 2; /* grains were put in */
+        cells->columns = like->list.work->cells.columns;
+        cells->rows = like->list.work->cells.rows;
+        while (sim->grains.capacity > like->grains.capacity &&
+               4 * cells->columns * cells->rows < sim->grains.n)
+            *(cells->columns < cells->rows ? &cells->columns : &cells->rows) *= 2; /* grains were put in */
     } else {
-        size_cells(sim, w);
+        dem_cells_choose(sim, cell_size(sim, 0.0), cells);
     }
-    w->cell_start = calloc(w->cells_x * w->cells_y + 1, sizeof *w->cell_start);
-    return w->cell_start ? dem_grains_alloc(&w->spare, &sim->def, sim->grains.capacity, true) : no_memory();
+    cells->start = calloc(cells->columns * cells->rows + 1, sizeof *cells->start);
+    return cells->start ? dem_grains_alloc(&w->spare, &sim->def, sim->grains.capacity, true) : no_memory();
 }
 
 void dem_neighbours_keep(rp_snapshot *s, dem_sim *sim)
 {
-    struct dem_list_work cells = {0};
-    if (!s->reading) cells = *sim->list.work;
-    RP_KEEP(s, cells.cells_x);
-    RP_KEEP(s, cells.cells_y);
-    rp_keep_check(s,
-                  power_of_two((double)cells.cells_x, MOST_CELLS) == cells.cells_x &&
-                      power_of_two((double)cells.cells_y, MOST_CELLS) == cells.cells_y &&
-                      cells.cells_x * cells.cells_y <= 4 * (size_t)sim->grains.last_id + 64,
-                  "impossible cells");
+    struct dem_list_work work = {0};
+    if (!s->reading) work = *sim->list.work;
+    RP_KEEP(s, work.cells.columns);
+    RP_KEEP(s, work.cells.rows);
+    rp_keep_check(s, dem_cells_are_possible(&work.cells, sim->grains.last_id), "impossible cells");
     if (s->status || !s->reading) return;
-    const dem_sim like = {.grains.capacity = sim->grains.capacity, .list.work = &cells};
+    const dem_sim like = {.grains.capacity = sim->grains.capacity, .list.work = &work};
     s->status = dem_neighbours_alloc(sim, &like);
 }
 
@@ -112,7 +70,7 @@ void dem_neighbours_free(dem_sim *sim)
     if (!w) return;
     dem_grains_free(&w->spare);
     dem_pairs_free(&w->held);
-    free(w->cell_start), free(w->apart), free(w->wall_slot), free(w);
+    free(w->cells.start), free(w->apart), free(w->wall_slot), free(w);
     dem_sizes_free(sim->list.sizes);
     sim->list.work = NULL, sim->list.sizes = NULL;
 }
@@ -166,24 +124,6 @@ static void mark_grain(dem_sim *sim, size_t i, double speed)
     sim->grains.slack[i / DEM_GROUP] = 0.0;
 }
 
-static rp_status find_cells(dem_sim *sim, dem_part *part)
-{
-    const struct dem_list_work *w = sim->list.work;
-    const double inverse_size = 1.0 / w->cell_size;
-    const size_t end = dem_share_end(part, sim->grains.n, 1);
-    for (size_t i = dem_share_start(part, sim->grains.n, 1); i < end; i++) {
-        dem_vec x = sim->grains.motion[i].x;
-        if (dem_beyond(sim, x)) {
-            sim->grains.cell[i] = NOWHERE;
-            continue;
-        }
-        size_t cx = (size_t)(long)floor(x[0] * inverse_size) & (w->cells_x - 1);
-        size_t cy = (size_t)(long)floor(x[1] * inverse_size) & (w->cells_y - 1);
-        sim->grains.cell[i] = (uint32_t)(cy * w->cells_x + cx);
-    }
-    return RP_OK;
-}
-
 static rp_status move_grains(dem_sim *sim, dem_part *part)
 {
     dem_grains_put(&sim->grains, sim->grains.moved_to, &sim->list.work->spare,
@@ -197,41 +137,19 @@ static rp_status mark_grains(dem_sim *sim, dem_part *part)
     for (size_t i = dem_share_start(part, sim->grains.n, DEM_GROUP); i < end; i++) {
         const dem_vec x = sim->grains.motion[i].x;
         mark_grain(sim, i, speed_of(&sim->grains.motion[i]));
-        sim->grains.held[i] = NOWHERE;
+        sim->grains.held[i] = DEM_NOWHERE;
         sim->list.far2 = fmax(sim->list.far2, dem_dot(x, x));
     }
     return RP_OK;
 }
 
-/* Drop the grains that left; sort the others by cells that hold the widest pair, in their old order within a
- * cell. */
+/* Drop the grains that left; sort the others by cells that hold the widest pair. */
 static rp_status sort_grains(dem_sim *sim)
 {
-    struct dem_list_work *w = sim->list.work;
-    const size_t cells = w->cells_x * w->cells_y;
-    w->cell_size = 2.0 * (sim->r_max + margin(sim, sim->list.fastest));
-    RP_TRY(dem_threads_do(sim, find_cells));
-    memset(w->cell_start, 0, (cells + 1) * sizeof *w->cell_start);
-    for (size_t i = 0; i < sim->grains.n; i++)
-        if (sim->grains.cell[i] != NOWHERE) w->cell_start[sim->grains.cell[i] + 1]++;
-    w->cell_squares = 0;
-    for (size_t c = 0; c < cells; c++) {
-        const size_t n = w->cell_start[c + 1];
-        w->cell_squares += n * n;
-        w->cell_start[c + 1] += w->cell_start[c];
-    }
-    for (size_t i = 0; i < sim->grains.n; i++) {
-        if (sim->grains.cell[i] == NOWHERE) {
-            sim->grains.moved_to[i] = NOWHERE;
-            continue;
-        }
-        /* cell_start moves up as its cell fills, and is moved back below */
-        sim->grains.moved_to[i] = w->cell_start[sim->grains.cell[i]]++;
-    }
-    for (size_t c = cells; c > 0; c--) w->cell_start[c] = w->cell_start[c - 1];
-    w->cell_start[0] = 0;
+    dem_cells *const cells = &sim->list.work->cells;
+    RP_TRY(dem_cells_sort(sim, cell_size(sim, sim->list.fastest)));
     RP_TRY(dem_threads_do(sim, move_grains));
-    dem_grains_take(&sim->grains, &w->spare, w->cell_start[cells]);
+    dem_grains_take(&sim->grains, &sim->list.work->spare, cells->start[cells->columns * cells->rows]);
     sim->grains.n_fixed = 0;
     for (size_t i = 0; i < sim->grains.n; i++)
         if (dem_is_fixed(sim, i)) sim->grains.fixed[sim->grains.n_fixed++] = (uint32_t)i;
@@ -262,7 +180,7 @@ static rp_status hold_part(dem_sim *sim, dem_part *part)
     DEM_EACH_TOUCHING_OF(pairs, from, end, k)
     {
         const uint32_t a = sim->grains.moved_to[pairs->i[k]], b = sim->grains.moved_to[pairs->j[k]];
-        if (a == NOWHERE || b == NOWHERE) continue;
+        if (a == DEM_NOWHERE || b == DEM_NOWHERE) continue;
         uint32_t *const low = &first[a < b ? a : b];
         dem_pairs_take_springs(held, n, pairs, k, a > b);
         held->j[n] = a < b ? b : a;
@@ -286,8 +204,8 @@ static void restore_springs(dem_sim *sim, size_t k, uint32_t a, uint32_t b)
 {
     const dem_pairs *held = &sim->list.work->held;
     uint32_t at = sim->grains.held[a < b ? a : b];
-    while (at != NOWHERE && held->j[at] != (a < b ? b : a)) at = held->i[at];
-    if (at != NOWHERE) dem_pairs_take_springs(&sim->pairs, k, held, at, a > b);
+    while (at != DEM_NOWHERE && held->j[at] != (a < b ? b : a)) at = held->i[at];
+    if (at != DEM_NOWHERE) dem_pairs_take_springs(&sim->pairs, k, held, at, a > b);
 }
 
 /* Fill in the other entries of the pairs k..end; springs are 0. */
@@ -349,48 +267,6 @@ static rp_status part_pairs(dem_sim *sim)
     return RP_OK;
 }
 
-/* The first cell whose grains begin at `grain` or behind. */
-static size_t first_cell(const struct dem_list_work *w, size_t cells, size_t grain)
-{
-    size_t low = 0;
-    for (size_t high = cells; low < high;) {
-        const size_t middle = (low + high) / 2;
-        if (w->cell_start[middle] < grain)
-            low = middle + 1;
-        else
-            high = middle;
-    }
-    return low;
-}
-
-/* Pairs of the grains of each cell with those after them, and with those of the next cell and of the three
- * above; cells that follow one another are taken as one. */
-static rp_status append_cells(dem_sim *sim, dem_part *part)
-{
-    struct dem_list_work *w = sim->list.work;
-    const size_t mask_x = w->cells_x - 1, cells = w->cells_x * w->cells_y,
-                 last = first_cell(w, cells, dem_share_end(part, sim->grains.n, 1));
-    dem_threads_collect(sim, part);
-    for (size_t c = first_cell(w, cells, dem_share_start(part, sim->grains.n, 1)); c < last; c++) {
-        const size_t cx = c & mask_x, row = c - cx, up = (row + w->cells_x) & (cells - 1);
-        const size_t half[4] = {row + ((cx + 1) & mask_x), up + ((cx - 1) & mask_x), up + cx,
-                                up + ((cx + 1) & mask_x)};
-        size_t from[5] = {0}, to[5] = {w->cell_start[c + 1]}, n = 1, most = to[0] - w->cell_start[c];
-        for (int a = 0; a < 4; a++) {
-            const size_t first = w->cell_start[half[a]], end = w->cell_start[half[a] + 1];
-            most += end - first;
-            if (first != to[n - 1]) from[n++] = first;
-            to[n - 1] = end;
-        }
-        for (size_t i = w->cell_start[c]; i < w->cell_start[c + 1]; i++) {
-            RP_TRY(dem_pairs_reserve(&sim->pairs, most));
-            sim->loops.append(sim, i, i + 1, to[0]);
-            for (size_t a = 1; a < n; a++) sim->loops.append(sim, i, from[a], to[a]);
-        }
-    }
-    return RP_OK;
-}
-
 static rp_status complete_part(dem_sim *sim, dem_part *part)
 {
     complete_pairs(sim, dem_share_start(part, sim->pairs.n, 1), dem_share_end(part, sim->pairs.n, 1));
@@ -406,27 +282,9 @@ static rp_status restore_part(dem_sim *sim, dem_part *part)
     return RP_OK;
 }
 
-/* Where cells hold many grains, these are searched by cells of their own sizes. */
-static rp_status find_by_size(dem_sim *sim)
-{
-    const struct dem_list_work *w = sim->list.work;
-    const dem_cells cells = {w->cells_x, w->cells_y, w->cell_size, sim->grains.cell};
-    for (uint32_t c = 0; c < w->cells_x * w->cells_y; c++)
-        for (size_t i = w->cell_start[c]; i < w->cell_start[c + 1]; i++) sim->grains.cell[i] = c;
-    return dem_sizes_find_pairs(sim, &cells);
-}
-
-static rp_status find_plainly(dem_sim *sim)
-{
-    RP_TRY(dem_threads_do(sim, append_cells));
-    return dem_threads_gather(sim);
-}
-
 static rp_status find_pairs(dem_sim *sim)
 {
-    /* the plain search tests half of the grains in nine cells */
-    const double tests = 4.5 * (double)sim->list.work->cell_squares;
-    RP_TRY(tests > sim->list.most_tests * (double)sim->grains.n ? find_by_size(sim) : find_plainly(sim));
+    RP_TRY(dem_cells_find_pairs(sim));
     if (sim->def.hard.on) RP_TRY(part_pairs(sim));
     RP_TRY(dem_threads_do(sim, complete_part));
     return dem_threads_do(sim, restore_part);
@@ -482,11 +340,11 @@ static rp_status find_wall_slots(dem_sim *sim)
     sim->walls.n_slots = 0;
     for (uint32_t k = 0; k < sim->def.n_walls; k++) {
         for (uint32_t s = 0; s < n_old; s++)
-            if (w->wall_slot[s].wall == k && sim->grains.moved_to[w->wall_slot[s].grain] != NOWHERE)
+            if (w->wall_slot[s].wall == k && sim->grains.moved_to[w->wall_slot[s].grain] != DEM_NOWHERE)
                 sim->grains.held_slot[sim->grains.moved_to[w->wall_slot[s].grain]] = s;
         for (size_t m = 0; m < n_near; m++) {
             const uint32_t i = near[m], held = sim->grains.held_slot[i];
-            sim->grains.held_slot[i] = NOWHERE;
+            sim->grains.held_slot[i] = DEM_NOWHERE;
             if (!is_near_wall(sim, k, i)) continue;
             if (sim->walls.n_slots == sim->walls.capacity &&
                 !dem_grow(&sim->walls.slot, sizeof *sim->walls.slot,
@@ -495,7 +353,7 @@ static rp_status find_wall_slots(dem_sim *sim)
             const dem_vec d = sim->grains.listed_x[i] - sim->walls.line[k].point;
             const bool behind = dem_dot(d, sim->walls.line[k].direction) < 0.0;
             dem_wall_slot *slot = &sim->walls.slot[sim->walls.n_slots++];
-            *slot = held != NOWHERE ? w->wall_slot[held] : (dem_wall_slot){.side = behind ? -1.0 : 1.0};
+            *slot = held != DEM_NOWHERE ? w->wall_slot[held] : (dem_wall_slot){.side = behind ? -1.0 : 1.0};
             slot->wall = k;
             slot->grain = i;
         }

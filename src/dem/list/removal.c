@@ -5,9 +5,7 @@
 #include <math.h>
 
 #include "dem/list/list.h"
-#include "dem/threads/team.h"
-
-static const uint32_t GONE = UINT32_MAX;
+#include "dem/threads/parts.h"
 
 /* May grains that left stay in the arrays for some steps? */
 static bool may_stay(const dem_sim *sim)
@@ -26,7 +24,7 @@ static size_t find_left(const dem_sim *sim, uint32_t *left)
         if (noted && g->slack[group] != DEM_SLACK_OUT) continue;
         const size_t first = group * DEM_GROUP, end = first + DEM_GROUP < g->n ? first + DEM_GROUP : g->n;
         for (size_t i = end; i-- > first;) {
-            if (g->moved_to[i] == GONE || !dem_beyond(sim, g->motion[i].x)) continue;
+            if (g->moved_to[i] == DEM_NOWHERE || !dem_beyond(sim, g->motion[i].x)) continue;
             size_t k = n++;
             for (; k > 0 && g->moved_to[left[k - 1]] < g->moved_to[i]; k--) left[k] = left[k - 1];
             left[k] = (uint32_t)i;
@@ -42,7 +40,7 @@ static void take_out(dem_grains *g, uint32_t i)
     const uint32_t last = at[g->n - ++g->n_gone];
     at[place[i]] = last;
     place[last] = place[i];
-    place[i] = GONE;
+    place[i] = DEM_NOWHERE;
 }
 
 /* Beyond the reach of its listed pairs, and held there as a fixed grain is. A margin is at most r_max and
@@ -60,7 +58,8 @@ static void drop_slots(dem_sim *sim)
 {
     size_t n = 0;
     for (size_t k = 0; k < sim->walls.n_slots; k++)
-        if (sim->grains.moved_to[sim->walls.slot[k].grain] != GONE) sim->walls.slot[n++] = sim->walls.slot[k];
+        if (sim->grains.moved_to[sim->walls.slot[k].grain] != DEM_NOWHERE)
+            sim->walls.slot[n++] = sim->walls.slot[k];
     if (n == sim->walls.n_slots) return;
     sim->walls.n_slots = n;
     dem_walls_find_starts(&sim->walls, sim->def.n_walls);
@@ -86,7 +85,7 @@ static void rename_pairs(dem_pairs *pairs, const uint32_t *place)
 {
     for (size_t k = 0; k < pairs->n; k++) {
         const uint32_t i = place[pairs->i[k]], j = place[pairs->j[k]];
-        const bool gone = i == GONE || j == GONE;
+        const bool gone = i == DEM_NOWHERE || j == DEM_NOWHERE;
         pairs->i[k] = gone ? 0 : i;
         pairs->j[k] = gone ? 0 : j;
         if (gone) pairs->radii[k] = 0.0, pairs->touching[k / 64] &= ~(1ull << k % 64);
@@ -104,10 +103,10 @@ void dem_neighbours_close_gaps(dem_sim *sim)
         sim->walls.slot[k].grain = place[sim->walls.slot[k].grain];
     g->n_fixed = 0;
     for (size_t k = 0; k < n_fixed; k++)
-        if (place[g->fixed[k]] != GONE) g->fixed[g->n_fixed++] = place[g->fixed[k]];
+        if (place[g->fixed[k]] != DEM_NOWHERE) g->fixed[g->n_fixed++] = place[g->fixed[k]];
     /* only grains from n on have taken the place of others */
     for (size_t i = n; i < g->n; i++)
-        if (place[i] != GONE) dem_grains_move(g, i, place[i]);
+        if (place[i] != DEM_NOWHERE) dem_grains_move(g, i, place[i]);
     g->n = n, g->n_gone = 0;
     sim->pairs.n_chunks = 0; /* grains are no longer in the order of the list */
 }

@@ -1,23 +1,23 @@
-/* Search for pairs by cells of each size; see sizes.h.
+/* Search for pairs by cells of each size; see list.h.
  *
  * Level 0 has the cells of the plain search, as wide as the widest pair; each further level has cells of half
  * the width. A grain is in the narrowest cells that are at least as wide as its pair with an equal. It looks
  * for others of its level in half of the neighbouring cells, and for smaller ones in all cells within reach.
  * Copies of what the search reads are sorted by level and cell, so that cells side by side are tested in one
  * go. The pairs found are then brought into the order of the plain search. */
-#include "dem/list/sizes.h"
+#include "dem/list/list.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "dem/state/state.h"
-#include "dem/threads/team.h"
+#include "dem/threads/parts.h"
 
 enum { LEVELS = 12 };
 
 struct dem_sizes {
-    dem_cells cells;
+    size_t columns, rows; /* of the plain search */
+    const uint32_t *cell; /* of each grain, there */
     size_t levels;
     double width[LEVELS], inverse_width[LEVELS]; /* of the cells of each level */
     size_t first_cell[LEVELS + 1];               /* of each level; the number of all cells */
@@ -60,10 +60,12 @@ static rp_status reserve_grains(struct dem_sizes *z, size_t n)
 }
 
 /* As many levels as the smallest grain needs, of no more than some two cells a grain. */
-static rp_status choose_levels(struct dem_sizes *z, const dem_sim *sim, const dem_cells *cells)
+static rp_status choose_levels(struct dem_sizes *z, const dem_sim *sim)
 {
+    const dem_cells *cells = &sim->list.work->cells;
     size_t n = cells->columns * cells->rows, level = 0;
-    z->cells = *cells;
+    z->columns = cells->columns, z->rows = cells->rows;
+    z->cell = sim->grains.cell;
     z->first_cell[0] = 0;
     for (double width = cells->size;; width *= 0.5, n *= 4) {
         z->width[level] = width;
@@ -88,19 +90,19 @@ static long cell_at(const struct dem_sizes *z, double x, size_t level)
  * not matter. */
 static size_t level_of(const struct dem_sizes *z, double cutoff)
 {
-    const int level = ilogb(0.499 * z->cells.size / cutoff);
+    const int level = ilogb(0.499 * z->width[0] / cutoff);
     return level < 0 ? 0 : (size_t)level < z->levels ? (size_t)level : z->levels - 1;
 }
 
 /* Columns and rows of a level, less one. */
 static size_t mask_x(const struct dem_sizes *z, size_t level)
 {
-    return (z->cells.columns << level) - 1;
+    return (z->columns << level) - 1;
 }
 
 static size_t mask_y(const struct dem_sizes *z, size_t level)
 {
-    return (z->cells.rows << level) - 1;
+    return (z->rows << level) - 1;
 }
 
 /* Number of the first cell of a row. */
@@ -199,8 +201,8 @@ static rp_status find_part(dem_sim *sim, dem_part *part)
  * above; 0 those that it searches from b. */
 static unsigned place(const struct dem_sizes *z, uint32_t a, uint32_t b)
 {
-    const size_t m = mask_x(z, 0), shift = (size_t)__builtin_ctzl(z->cells.columns), from = z->cells.cell[a],
-                 to = z->cells.cell[b];
+    const size_t m = mask_x(z, 0), shift = (size_t)__builtin_ctzl(z->columns), from = z->cell[a],
+                 to = z->cell[b];
     const size_t dx = (to - from + 1) & m, dy = ((to >> shift) - (from >> shift)) & mask_y(z, 0);
     return (unsigned)((3 * dy + dx) * ((dy < 2) & (dx < 3)));
 }
@@ -262,12 +264,12 @@ static rp_status order_pairs(dem_sim *sim)
     return dem_threads_do(sim, order_part);
 }
 
-rp_status dem_sizes_find_pairs(dem_sim *sim, const dem_cells *cells)
+rp_status dem_sizes_find_pairs(dem_sim *sim)
 {
     if (!sim->list.sizes && !(sim->list.sizes = calloc(1, sizeof *sim->list.sizes))) return no_memory();
     struct dem_sizes *z = sim->list.sizes;
     RP_TRY(reserve_grains(z, sim->grains.capacity));
-    RP_TRY(choose_levels(z, sim, cells));
+    RP_TRY(choose_levels(z, sim));
     sort_grains(z, sim);
     RP_TRY(dem_threads_do(sim, find_part));
     RP_TRY(dem_threads_gather(sim));

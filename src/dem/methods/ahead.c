@@ -5,7 +5,7 @@
 
 #include "dem/forces/forces.h"
 #include "dem/methods/step.h"
-#include "dem/threads/team.h"
+#include "dem/threads/parts.h"
 
 /* Has a grain of a group moved beyond its margin, and how far may they go until one can? A displacement d
  * leaves m - d >= (m^2 - d^2) / (2 m) of a margin m. */

@@ -46,7 +46,7 @@ void dem_grains_put(const dem_grains *grains, const uint32_t *to, dem_grains *so
 #define X(type, name, need, role)                                                                            \
     if (role == DEM_STATE && grains->name)                                                                   \
         for (size_t i = from; i < end; i++)                                                                  \
-            if (to[i] != UINT32_MAX) sorted->name[to[i]] = grains->name[i];
+            if (to[i] != DEM_NOWHERE) sorted->name[to[i]] = grains->name[i];
     DEM_GRAIN_ARRAYS(X)
 #undef X
 }

@@ -40,7 +40,7 @@ typedef enum {
  * fixed grains. Of hard collisions: next_*, after the coming
  * step; collided, in that step. displacement
  * to further_step: of the implicit step, implicit.c. Of a rebuilding of the list: cell;
- * moved_to: new index, UINT32_MAX where the grain is gone; held: by new index, the first pair that keeps
+ * moved_to: new index, DEM_NOWHERE where the grain is gone; held: by new index, the first pair that keeps
  * springs; held_slot: the old wall slot. */
 #define DEM_GRAIN_ARRAYS(X)                                                                                  \
     X(dem_motion, motion, true, DEM_STATE)                                                                   \
@@ -75,6 +75,7 @@ typedef enum {
     X(uint32_t, held_slot, true, DEM_OF_STEP)
 
 enum { DEM_GROUP = 64 };
+#define DEM_NOWHERE   UINT32_MAX /* no place: of a grain that left, behind the last of a chain */
 #define DEM_SLACK_OUT (-INFINITY)
 
 typedef struct {
@@ -99,7 +100,7 @@ rp_status dem_grains_copy(const dem_grains *grains, const dem_definition *def, s
                           dem_grains *copy);
 
 /* Sort the states: put each grain i of from..end to place to[i] of `sorted`, or nowhere where that is
- * UINT32_MAX; then let the n states in `sorted` be those of the grains. */
+ * DEM_NOWHERE; then let the n states in `sorted` be those of the grains. */
 void dem_grains_put(const dem_grains *grains, const uint32_t *to, dem_grains *sorted, size_t from,
                     size_t end);
 void dem_grains_take(dem_grains *grains, dem_grains *sorted, size_t n);
