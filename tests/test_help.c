@@ -574,12 +574,27 @@ static void protocol_lines(const sweep_protocol *protocol, bool si)
         line_is("  %-36s %-10s %s", o->name, or_dash(rp_unit(o->unit)), o->meaning);
 }
 
+/* Each word of a choice has a manual. */
+static void manual_lines(const rp_param *schema)
+{
+    for (const rp_param *p = schema; p->name; p++) {
+        CU_ASSERT(!p->manual || p->type == RP_CHOICE);
+        int k = 0;
+        for (const char *word = p->range, *end; p->manual && *word; word = *end ? end + 3 : end, k++) {
+            end = word + strcspn(word, " ");
+            CU_ASSERT(strlen(p->manual(k)) > 10);
+            line_is("#   %s = %.*s: %s", p->name, (int)(end - word), word, p->manual(k));
+        }
+    }
+}
+
 static void scene_lines(bool si)
 {
-    line_is("# scene file, top level (and gravity = [gx, gy], cm/s^2)");
     for (const dem_scene_group *g = dem_scene_schemas; g->name; g++) {
-        if (g > dem_scene_schemas) line_is("# scene file, %s", g->name);
+        line_is("# scene file, %s: %s",
+                g > dem_scene_schemas ? g->name : "top level (and gravity = [gx, gy], cm/s^2)", g->manual);
         schema_lines(g->schema, si);
+        manual_lines(g->schema);
     }
     for (int k = 0; k < 3; k++) CU_ASSERT(rest && *strsep(&rest, "\n") == '#'); /* on walls */
 }

@@ -15,33 +15,33 @@
 #include "core/snapshot.h"
 #include "core/status.h"
 #include "dem/law/bodies.h"
+#include "dem/law/choices.h"
 #include "dem/law/impact.h"
 #include "dem/law/laws.h"
 #include "dem/law/parameters.h"
 
 RP_C_BEGIN
 
-/* Time integration: name; word in files, and of the descriptor, dem_scheme_WORD in a file of its own
- * (state/method.h); what a key's help says. All that lists integrators is made of this. */
+/* Time integration: id; word in files; descriptor, which a file of its own defines (state/method.h) and which
+ * has the manual. All that lists integrators is made of this. */
 #define DEM_INTEGRATOR_LIST(X)                                                                               \
-    X(DEM_VERLET, verlet, "velocity Verlet")                                                                 \
-    X(DEM_GEAR5, gear5, "Gear's predictor-corrector of fifth order")                                         \
-    X(DEM_IMPLICIT, implicit, "energy-conserving at any dt, without shear springs")
-typedef enum {
-#define X(name, word, text) name,
-    DEM_INTEGRATOR_LIST(X)
-#undef X
-} dem_integrator;
-#define X(name, word, text) +1
-enum { DEM_INTEGRATORS = 0 DEM_INTEGRATOR_LIST(X) };
-#undef X
-#define DEM_INTEGRATOR_WORD(name, word, text) " | " #word
-#define DEM_INTEGRATOR_TEXT(name, word, text) "; " #word ": " text
-#define DEM_INTEGRATOR_WORDS                  (&(DEM_INTEGRATOR_LIST(DEM_INTEGRATOR_WORD))[3])
-#define DEM_INTEGRATOR_TEXTS                  (&(DEM_INTEGRATOR_LIST(DEM_INTEGRATOR_TEXT))[2])
-/* Instances of the pair loop, all with the same bits: the best for the scene's laws and the processor, the
- * loop that decides at run time, or that for the laws with no more than these instructions. */
-typedef enum { DEM_FAST, DEM_REFERENCE, DEM_BASELINE, DEM_AVX2, DEM_AVX512, DEM_KERNELS } dem_kernel_choice;
+    X(DEM_VERLET, verlet, dem_scheme_verlet)                                                                 \
+    X(DEM_GEAR5, gear5, dem_scheme_gear5)                                                                    \
+    X(DEM_IMPLICIT, implicit, dem_scheme_implicit)
+typedef enum { DEM_INTEGRATOR_LIST(DEM_ID) } dem_integrator;
+enum { DEM_INTEGRATORS = DEM_INTEGRATOR_LIST(DEM_ONE) };
+const char *dem_integrator_manual(int integrator);
+
+/* Instances of the loops, all with the same bits. */
+#define DEM_KERNEL_LIST(X)                                                                                   \
+    X(DEM_FAST, fast, "the widest that this processor runs")                                                 \
+    X(DEM_REFERENCE, reference,                                                                              \
+      "by one, with laws known at run time alone: the others are compared with it")                          \
+    X(DEM_BASELINE, baseline, "by one, for any processor")                                                   \
+    X(DEM_AVX2, avx2, "by four, with AVX2")                                                                  \
+    X(DEM_AVX512, avx512, "by eight, with AVX-512")
+typedef enum { DEM_KERNEL_LIST(DEM_ID) DEM_KERNELS } dem_kernel_choice;
+const char *dem_kernel_manual(int kernel);
 
 /* A wall through `point`; `direction` is its unit normal. `extent` holds the ends along the tangent (normal
  * turned clockwise), measured from `point`; -INFINITY, INFINITY for a whole line, whose normal points into
@@ -77,10 +77,15 @@ typedef struct {
 /* Static friction of a ground, a whole line that never opens: Liffman, Chan & Hughes 1992, eqs (30) and (33).
  * A grain that touches it is held in a well: along the ground, through the centre and without a torque, acts
  * -mu_static N (s - s0)/a, none beyond a half-width a: there the well is broken, until the contact ends.
- * `set` says when a grain gets its s0: at first touch, or once it is at rest along the ground (it slows down,
- * and the well is deep enough to hold it: m v_s^2 + I omega^2 <= mu_static N a), or then and again after each
- * break. */
-typedef enum { DEM_WELL_TOUCH, DEM_WELL_REST, DEM_WELL_AGAIN } dem_well_set;
+ * `set` says when a grain gets its s0. */
+#define DEM_WELL_SETS(X)                                                                                     \
+    X(DEM_WELL_TOUCH, touch, "at first touch")                                                               \
+    X(DEM_WELL_REST, rest,                                                                                   \
+      "once the grain is at rest along the ground: it slows down, and the well is deep enough to hold it, "  \
+      "m v_s^2 + I omega^2 <= mu_static F_n a")                                                              \
+    X(DEM_WELL_AGAIN, again, "at rest, and again after each break")
+typedef enum { DEM_WELL_SETS(DEM_ID) } dem_well_set;
+const char *dem_well_manual(int set);
 typedef struct {
     long wall; /* its number, from 1; 0: no ground, and nothing else here counts */
     double mu_static, a;
@@ -96,10 +101,14 @@ typedef struct {
     double restitution, mu; /* of grains and walls alike; 0 <= restitution <= 1, mu may be INFINITY */
 } dem_hard;
 
-/* Solver of an implicit step: Newton's method with a sparse factorisation, or the sweeps of Liffman, Chan &
- * Hughes 1992, grain by grain, with the part `relaxation` of each grain's own Newton step (theirs is 0.5 to
- * 0.9). It ends when no grain's own step exceeds `tolerance` of its radius. */
-typedef enum { DEM_SOLVER_DIRECT, DEM_SOLVER_SOR } dem_solver;
+/* Solver of an implicit step. It ends when no grain's own Newton step exceeds `tolerance` of its radius. */
+#define DEM_SOLVERS(X)                                                                                       \
+    X(DEM_SOLVER_DIRECT, direct, "Newton's method by sparse factorisation")                                  \
+    X(DEM_SOLVER_SOR, sor,                                                                                   \
+      "sweeps grain by grain, each by the part `relaxation` of its own Newton step (Liffman, Chan & Hughes " \
+      "1992, who take 0.5 to 0.9)")
+typedef enum { DEM_SOLVERS(DEM_ID) } dem_solver;
+const char *dem_solver_manual(int solver);
 typedef struct {
     dem_solver solver;
     double relaxation; /* (0, 2); of DEM_SOLVER_SOR */

@@ -42,13 +42,23 @@ static void print_schema(const rp_param *schema)
                default_of(p, text), p->type == RP_BOOL ? "true | false" : shown(p->range), p->meaning);
 }
 
+/* What each word of a choice stands for. */
+static void print_manual(const rp_param *schema)
+{
+    char word[64];
+    for (const rp_param *p = schema; p->name; p++)
+        for (int k = 0; p->manual && *rp_word_at(p->range, k, word, sizeof word); k++)
+            printf("#   %s = %s: %s\n", p->name, word, p->manual(k));
+}
+
 /* A scene file has a group of keys for each of its schemas. */
 static void print_scene(void)
 {
     for (const dem_scene_group *g = dem_scene_schemas; g->name; g++) {
-        printf("# scene file, %s\n",
-               g == dem_scene_schemas ? "top level (and gravity = [gx, gy], cm/s^2)" : g->name);
+        printf("# scene file, %s: %s\n",
+               g == dem_scene_schemas ? "top level (and gravity = [gx, gy], cm/s^2)" : g->name, g->manual);
         print_schema(g->schema);
+        print_manual(g->schema);
     }
     printf(
         "# a wall is one of: point = [x, y]; direction = [nx, ny] (into the grains, any length); extent = "

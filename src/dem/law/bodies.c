@@ -3,6 +3,8 @@
 
 #include <math.h>
 
+DEM_MANUAL_OF(DEM_SHAPES, dem_shape_manual)
+
 double dem_mass(dem_shape shape, double density, double r)
 {
     switch (shape) {

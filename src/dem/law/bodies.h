@@ -11,11 +11,16 @@
 #include <stdbool.h>
 
 #include "core/status.h"
+#include "dem/law/choices.h"
 
 RP_C_BEGIN
 
-/* mass from density: (4/3) pi rho r^3, or rho pi r^2; moment of inertia: (2/5) m r^2, or (1/2) m r^2 */
-typedef enum { DEM_SPHERE, DEM_DISK } dem_shape;
+/* Mass and moment of inertia. */
+#define DEM_SHAPES(X)                                                                                        \
+    X(DEM_SPHERE, sphere, "mass (4/3) pi rho r^3, moment of inertia (2/5) m r^2")                            \
+    X(DEM_DISK, disk, "mass pi rho r^2, rho being a mass per area; moment of inertia (1/2) m r^2")
+typedef enum { DEM_SHAPES(DEM_ID) } dem_shape;
+const char *dem_shape_manual(int shape);
 double dem_mass(dem_shape shape, double density, double r);
 double dem_inertia(dem_shape shape, double m, double r);
 

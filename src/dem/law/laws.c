@@ -1,10 +1,11 @@
-/* Descriptors of the normal laws, from their rows; restitution. */
+/* Descriptors of the laws, from their rows; restitution. */
 #include "dem/law/laws.h"
 #include "dem/law/law.h"
 
 const dem_normal_descriptor dem_normal_descriptors[DEM_NORMAL_N] = {
-#define X(id, word, spring, dashpot, k_n, gamma_n, ...)                                                      \
+#define X(id, word, text, spring, dashpot, k_n, gamma_n, ...)                                                \
     [id] = {.name = #word,                                                                                   \
+            .manual = text,                                                                                  \
             .k_n_unit = k_n,                                                                                 \
             .gamma_n_unit = gamma_n,                                                                         \
             .stiffness = spring##_stiffness,                                                                 \
@@ -18,6 +19,25 @@ const dem_normal_descriptor dem_normal_descriptors[DEM_NORMAL_N] = {
     DEM_NORMAL_LAWS(X)
 #undef X
 };
+
+const dem_tangential_descriptor dem_tangential_descriptors[DEM_TANGENTIAL_N] = {
+#define X(id, word, text, friction, spring) [id] = {.name = #word, .manual = text},
+    DEM_TANGENTIAL_LAWS(X)
+#undef X
+};
+
+const char *dem_normal_manual(int law)
+{
+    return dem_normal_descriptors[law].manual;
+}
+
+const char *dem_tangential_manual(int law)
+{
+    return dem_tangential_descriptors[law].manual;
+}
+
+DEM_MANUAL_OF(DEM_SLIPS, dem_slip_manual)
+DEM_MANUAL_OF(DEM_DAMPINGS, dem_damping_manual)
 
 /* The damped oscillator x'' + 2 D x' + x = 0 from x = 0, with D = cos(a), is back at x = 0 with the part
  * exp(-pi/tan a) of its speed. Its force x + 2 D x' is 0 already at the phase 2 a, with exp(-2 a/tan a) of it

@@ -6,36 +6,61 @@
 #include <stdbool.h>
 
 #include "core/status.h"
+#include "dem/law/choices.h"
 
 RP_C_BEGIN
 
-/* Normal laws: a conservative spring and a dashpot. id; word; the names in law.inl of the spring and of the
- * dashpot; units of k_n and of gamma_n; members of dem_normal_descriptor that not every law has. */
+/* Normal laws: a conservative spring and a dashpot. id; word; manual; the names in law.inl of the spring and
+ * of the dashpot; units of k_n and of gamma_n; members of dem_normal_descriptor that not every law has. */
 #define DEM_NORMAL_LAWS(X)                                                                                   \
-    X(DEM_HERTZ, hertz, hertz, constant, "dyn/cm^1.5", "1/s", .sticking_speed = hertz_sticking_speed,        \
+    X(DEM_HERTZ, hertz,                                                                                      \
+      "elastic spheres, F_n = k_n x^(3/2) - gamma_n m_eff v_n (Lee & Herrmann 1993, eq (2a)): slow impacts " \
+      "lose more than fast ones",                                                                            \
+      hertz, constant, "dyn/cm^1.5", "1/s", .sticking_speed = hertz_sticking_speed,                          \
       .modulus = hertz_modulus)                                                                              \
-    X(DEM_LINEAR, linear, linear, constant, "dyn/cm", "1/s", .constant_stiffness = true,                     \
-      .damping_ratio = linear_damping_ratio)                                                                 \
-    X(DEM_TSUJI, tsuji, hertz, tsuji, "dyn/cm^1.5", "1", .damping_ratio = tsuji_damping_ratio,               \
-      .modulus = hertz_modulus)
+    X(DEM_LINEAR, linear,                                                                                    \
+      "F_n = k_n x - gamma_n m_eff v_n (Liffman, Chan & Hughes 1992, eqs (23) and (25)): impacts of all "    \
+      "speeds have the same restitution",                                                                    \
+      linear, constant, "dyn/cm", "1/s", .constant_stiffness = true, .damping_ratio = linear_damping_ratio)  \
+    X(DEM_TSUJI, tsuji,                                                                                      \
+      "elastic spheres, F_n = k_n x^(3/2) - gamma_n sqrt(m_eff k_n) x^(1/4) v_n (Tsuji, Tanaka & Ishida "    \
+      "1992): impacts of all speeds have the same restitution",                                              \
+      hertz, tsuji, "dyn/cm^1.5", "1", .damping_ratio = tsuji_damping_ratio, .modulus = hertz_modulus)
 
-/* Tangential laws: none; (2b); viscous slip of k_slip = gamma_s m_eff under the limit mu F_n, without a
- * spring (Liffman, Chan & Hughes 1992, eqs (27)-(32)). id; word; has friction; has a spring. */
+/* Tangential laws. id; word; manual; has friction; has a spring. */
 #define DEM_TANGENTIAL_LAWS(X)                                                                               \
-    X(DEM_NONE, none, false, false)                                                                          \
-    X(DEM_SPRING, spring, true, true)                                                                        \
-    X(DEM_SLIP_ROLL, slip_roll, true, false)
+    X(DEM_NONE, none, "no force along the contact", false, false)                                            \
+    X(DEM_SPRING, spring,                                                                                    \
+      "a spring k_s of the displacement s since first touch, and a dashpot: F_s = -gamma_s m_eff v_s - "     \
+      "sign(s) min(k_s |s|, mu max(F_n, 0)) (Lee & Herrmann 1993, eq (2b))",                                 \
+      true, true)                                                                                            \
+    X(DEM_SLIP_ROLL, slip_roll,                                                                              \
+      "viscous slip, without a spring: F_s = -sign(v_s) min(gamma_s m_eff |v_s|, mu max(F_n, 0)) (Liffman, " \
+      "Chan & Hughes 1992, eqs (27) to (32))",                                                               \
+      true, false)
 
-#define DEM_LAW_ID(id, ...)         id,
-#define DEM_LAW_ONE(...)            +1
-#define DEM_LAW_WORD(id, word, ...) " | " #word
+/* What a shear spring remembers while it slides; whether the shear dashpot stands outside the limit mu F_n.
+ */
+#define DEM_SLIPS(X)                                                                                         \
+    X(DEM_TRUNCATED, truncated, "a sliding spring is shortened to the limit mu F_n/k_s")                     \
+    X(DEM_TOTAL, total,                                                                                      \
+      "the spring is never shortened, as Lee & Herrmann's (2b) is printed: sliding stores energy")
+#define DEM_DAMPINGS(X)                                                                                      \
+    X(DEM_DAMPING_OUTSIDE, outside, "the dashpot adds to the limit mu F_n, as (2b) is printed")              \
+    X(DEM_DAMPING_INSIDE, inside, "spring and dashpot together obey the limit mu F_n")
 
-typedef enum { DEM_NORMAL_LAWS(DEM_LAW_ID) } dem_normal_law;
-typedef enum { DEM_TANGENTIAL_LAWS(DEM_LAW_ID) } dem_tangential_law;
-enum { DEM_NORMAL_N = DEM_NORMAL_LAWS(DEM_LAW_ONE), DEM_TANGENTIAL_N = DEM_TANGENTIAL_LAWS(DEM_LAW_ONE) };
+typedef enum { DEM_NORMAL_LAWS(DEM_ID) } dem_normal_law;
+typedef enum { DEM_TANGENTIAL_LAWS(DEM_ID) } dem_tangential_law;
+typedef enum { DEM_SLIPS(DEM_ID) } dem_slip;
+typedef enum { DEM_DAMPINGS(DEM_ID) } dem_damping;
+enum { DEM_NORMAL_N = DEM_NORMAL_LAWS(DEM_ONE), DEM_TANGENTIAL_N = DEM_TANGENTIAL_LAWS(DEM_ONE) };
+const char *dem_normal_manual(int law);
+const char *dem_tangential_manual(int law);
+const char *dem_slip_manual(int slip);
+const char *dem_damping_manual(int damping);
 
-#define DEM_LAW_FRICTION(id, word, friction, spring) | (unsigned)friction << id
-#define DEM_LAW_SPRING(id, word, friction, spring)   | (unsigned)spring << id
+#define DEM_LAW_FRICTION(id, word, manual, friction, ...)  | (unsigned)friction << id
+#define DEM_LAW_SPRING(id, word, manual, friction, spring) | (unsigned)spring << id
 
 static inline bool dem_has_friction(dem_tangential_law law)
 {
@@ -47,24 +72,15 @@ static inline bool dem_has_spring(dem_tangential_law law)
     return (0u DEM_TANGENTIAL_LAWS(DEM_LAW_SPRING)) >> law & 1;
 }
 
-/* What a shear spring remembers while it slides. */
-typedef enum { DEM_TRUNCATED, DEM_TOTAL } dem_slip;
-
-/* Whether the shear dashpot stands outside the Coulomb limit, as (2b) is printed, or under it. */
-typedef enum { DEM_DAMPING_OUTSIDE, DEM_DAMPING_INSIDE } dem_damping;
-
-/* Ranges of a schema, "hertz | linear", and their units, "; hertz: dyn/cm^1.5; linear: dyn/cm". */
-#define DEM_NORMAL_WORDS     (&(DEM_NORMAL_LAWS(DEM_LAW_WORD))[3])
-#define DEM_TANGENTIAL_WORDS (&(DEM_TANGENTIAL_LAWS(DEM_LAW_WORD))[3])
-
-#define DEM_LAW_K_N(id, word, spring, dashpot, k_n, ...)              "; " #word ": " k_n
-#define DEM_LAW_GAMMA_N(id, word, spring, dashpot, k_n, gamma_n, ...) "; " #word ": " gamma_n
-#define DEM_K_N_UNITS                                                 "" DEM_NORMAL_LAWS(DEM_LAW_K_N)
-#define DEM_GAMMA_N_UNITS                                             "" DEM_NORMAL_LAWS(DEM_LAW_GAMMA_N)
+/* Units of a coefficient, "; hertz: dyn/cm^1.5; linear: dyn/cm". */
+#define DEM_LAW_K_N(id, word, manual, spring, dashpot, k_n, ...)              "; " #word ": " k_n
+#define DEM_LAW_GAMMA_N(id, word, manual, spring, dashpot, k_n, gamma_n, ...) "; " #word ": " gamma_n
+#define DEM_K_N_UNITS                                                         "" DEM_NORMAL_LAWS(DEM_LAW_K_N)
+#define DEM_GAMMA_N_UNITS                                                     "" DEM_NORMAL_LAWS(DEM_LAW_GAMMA_N)
 
 /* A normal law, for all but its force. m_eff is the contact's effective mass, v an approach speed. */
 typedef struct {
-    const char *name, *k_n_unit, *gamma_n_unit;
+    const char *name, *manual, *k_n_unit, *gamma_n_unit;
     double (*stiffness)(double k_n, double overlap);              /* dF/d(overlap) of the spring */
     double (*potential)(double k_n, double overlap);              /* energy of the spring */
     double (*impact_overlap)(double k_n, double m_eff, double v); /* at which the spring alone stops v */
@@ -83,6 +99,11 @@ typedef struct {
     double (*modulus)(double k_n, double r);
 } dem_normal_descriptor;
 extern const dem_normal_descriptor dem_normal_descriptors[DEM_NORMAL_N];
+
+typedef struct {
+    const char *name, *manual;
+} dem_tangential_descriptor;
+extern const dem_tangential_descriptor dem_tangential_descriptors[DEM_TANGENTIAL_N];
 
 /* Restitution of a law with a damping ratio, which may be above 1: of an impact from first touch to where the
  * overlap, or without tension the force, is 0 again. And the ratio of a restitution in (0, 1]; without

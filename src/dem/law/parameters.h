@@ -2,31 +2,33 @@
  * meaning. Scene files, protocols and commands take their keys from these lists, dem_material its members,
  * walls their keys. A new parameter is a row here and the code that uses it.
  *
- * A row is X(kind, type, name, key, unit, fallback, range, also, automatic, wall, meaning):
+ * A row is X(kind, type, name, KEY, UNIT, DEFAULT, RANGE, ALSO, AUTOMATIC, WALL, MEANING):
  *   kind       MATERIAL: a member of dem_material, and a key of every wall of a scene;
  *              SCENE: a member of dem_definition; GRAIN: of what makes grains
  *   name       of the member, and the key in protocols
  *   KEY        in its group of a scene file
  *   ALSO       spellings that the range allows too
  *   AUTOMATIC  of a MATERIAL: value of "auto", from the other coefficients `m` of the same contact, and
- * `rate`: gamma_n is in 1/s; negative for none WALL       of a MATERIAL: "auto" of a wall is this times the
- * grains' coefficient */
-#ifndef DEM_PHYSICS_H
-#define DEM_PHYSICS_H
+ *              `rate`: gamma_n is in 1/s; negative for none
+ *   WALL       of a MATERIAL: "auto" of a wall is this times the grains' coefficient
+ * and of a choice, MANUAL_BY: the function that gives the manual of a word. */
+#ifndef DEM_PARAMETERS_H
+#define DEM_PARAMETERS_H
 
 #include <stdbool.h>
 
 #include "params/params.h"
 
 /* The columns' names, in the order of a row. */
-#define DEM_KEY(key)         key
-#define DEM_UNIT(unit)       unit
-#define DEM_DEFAULT(text)    text
-#define DEM_RANGE(range)     range
-#define DEM_ALSO(words)      words
-#define DEM_AUTOMATIC(value) value
-#define DEM_WALL(factor)     factor
-#define DEM_MEANING(text)    text
+#define DEM_KEY(key)            key
+#define DEM_UNIT(unit)          unit
+#define DEM_DEFAULT(text)       text
+#define DEM_RANGE(range)        range
+#define DEM_ALSO(words)         words
+#define DEM_AUTOMATIC(value)    value
+#define DEM_WALL(factor)        factor
+#define DEM_MEANING(text)       text
+#define DEM_MANUAL_BY(function) .manual = function
 /* All but a key's own columns: of a parameter that no wall has. */
 #define DEM_NO_WALL DEM_ALSO(""), DEM_AUTOMATIC(0), DEM_WALL(0)
 
@@ -35,19 +37,20 @@
 #define DEM_GRAIN_PARAMS(X) \
     X(SCENE, RP_BOOL, rotation, DEM_KEY("rotation"), DEM_UNIT(""), DEM_DEFAULT("false"), DEM_RANGE(""), DEM_NO_WALL, \
       DEM_MEANING("whether grains rotate")) \
-    X(SCENE, RP_CHOICE, shape, DEM_KEY("shape"), DEM_UNIT(""), DEM_DEFAULT("sphere"), DEM_RANGE("sphere | disk"), DEM_NO_WALL, \
-      DEM_MEANING("gives mass (from the density) and moment of inertia")) \
+    X(SCENE, RP_CHOICE, shape, DEM_KEY("shape"), DEM_UNIT(""), DEM_DEFAULT("sphere"), DEM_RANGE(DEM_WORDS(DEM_SHAPES)), \
+      DEM_NO_WALL, DEM_MEANING("gives mass (from the density) and moment of inertia"), DEM_MANUAL_BY(dem_shape_manual)) \
     X(GRAIN, RP_REAL, density, DEM_KEY("density"), DEM_UNIT("g/cm^3"), DEM_DEFAULT("1.0"), DEM_RANGE("(0, inf)"), DEM_NO_WALL, \
       DEM_MEANING("of the grains (disk: g/cm^2, without a default in other units)")) \
     X(SCENE, RP_CHOICE, integrator, DEM_KEY("integrator"), DEM_UNIT(""), DEM_DEFAULT("verlet"), \
-      DEM_RANGE(DEM_INTEGRATOR_WORDS), DEM_NO_WALL, DEM_MEANING(DEM_INTEGRATOR_TEXTS)) \
+      DEM_RANGE(DEM_WORDS(DEM_INTEGRATOR_LIST)), DEM_NO_WALL, DEM_MEANING("method of time integration"), \
+      DEM_MANUAL_BY(dem_integrator_manual)) \
     X(SCENE, RP_REAL, dt, DEM_KEY("dt"), DEM_UNIT("s"), DEM_DEFAULT("5e-5"), DEM_RANGE("(0, inf)"), DEM_NO_WALL, \
       DEM_MEANING("time step"))
 
 /* Group `normal`. */
 #define DEM_NORMAL_PARAMS(X) \
-    X(SCENE, RP_CHOICE, normal, DEM_KEY("law"), DEM_UNIT(""), DEM_DEFAULT("hertz"), DEM_RANGE(DEM_NORMAL_WORDS), DEM_NO_WALL, \
-      DEM_MEANING("normal force, eq (2a)")) \
+    X(SCENE, RP_CHOICE, normal, DEM_KEY("law"), DEM_UNIT(""), DEM_DEFAULT("hertz"), DEM_RANGE(DEM_WORDS(DEM_NORMAL_LAWS)), \
+      DEM_NO_WALL, DEM_MEANING("normal force"), DEM_MANUAL_BY(dem_normal_manual)) \
     X(MATERIAL, RP_REAL, k_n, DEM_KEY("k_n"), DEM_UNIT("dyn/cm^1.5"), DEM_DEFAULT("1e6"), DEM_RANGE("[0, inf)"), DEM_ALSO(""), \
       DEM_AUTOMATIC(m->k_n), DEM_WALL(2.0), DEM_MEANING("normal stiffness" DEM_K_N_UNITS)) \
     X(MATERIAL, RP_REAL, restitution, DEM_KEY("restitution"), DEM_UNIT(""), DEM_DEFAULT("auto"), DEM_RANGE("(0, 1]"), \
@@ -62,18 +65,20 @@
 /* Group `tangential`, with the defaults of a scene or others. */
 #define DEM_TANGENTIAL_PARAMS(X) DEM_TANGENTIAL_PARAMS_FROM(X, "none", "0.0")
 #define DEM_TANGENTIAL_PARAMS_FROM(X, default_law, default_mu) \
-    X(SCENE, RP_CHOICE, tangential, DEM_KEY("law"), DEM_UNIT(""), DEM_DEFAULT(default_law), DEM_RANGE(DEM_TANGENTIAL_WORDS), \
-      DEM_NO_WALL, DEM_MEANING("shear force: eq (2b), or viscous slip of gamma_s under the limit mu F_n")) \
+    X(SCENE, RP_CHOICE, tangential, DEM_KEY("law"), DEM_UNIT(""), DEM_DEFAULT(default_law), DEM_RANGE(DEM_WORDS(DEM_TANGENTIAL_LAWS)), \
+      DEM_NO_WALL, DEM_MEANING("force along the contact"), DEM_MANUAL_BY(dem_tangential_manual)) \
     X(MATERIAL, RP_REAL, k_s, DEM_KEY("k_s"), DEM_UNIT("dyn/cm"), DEM_DEFAULT("1e4"), DEM_RANGE("(0, inf)"), DEM_ALSO(""), \
       DEM_AUTOMATIC(m->k_s), DEM_WALL(1.0), DEM_MEANING("shear stiffness")) \
     X(MATERIAL, RP_REAL, gamma_s, DEM_KEY("gamma_s"), DEM_UNIT("1/s"), DEM_DEFAULT("auto"), DEM_RANGE("[0, inf)"), \
       DEM_ALSO(" | auto"), DEM_AUTOMATIC(rate ? m->gamma_n / 100.0 : -1.0), DEM_WALL(1.0), \
       DEM_MEANING("shear damping; auto: gamma_n/100 where that is in 1/s")) \
     DEM_MU_PARAM(X, default_mu) \
-    X(SCENE, RP_CHOICE, slip, DEM_KEY("slip"), DEM_UNIT(""), DEM_DEFAULT("truncated"), DEM_RANGE("truncated | total"), DEM_NO_WALL, \
-      DEM_MEANING("shear spring of a sliding contact: cut at the Coulomb limit, or as (2b) is printed")) \
-    X(SCENE, RP_CHOICE, damping, DEM_KEY("damping"), DEM_UNIT(""), DEM_DEFAULT("outside"), DEM_RANGE("outside | inside"), \
-      DEM_NO_WALL, DEM_MEANING("whether the limit mu F_n leaves the shear dashpot out, as printed, or holds it with the spring"))
+    X(SCENE, RP_CHOICE, slip, DEM_KEY("slip"), DEM_UNIT(""), DEM_DEFAULT("truncated"), DEM_RANGE(DEM_WORDS(DEM_SLIPS)), \
+      DEM_NO_WALL, DEM_MEANING("shear spring of a sliding contact: cut at the Coulomb limit, or as (2b) is printed"), \
+      DEM_MANUAL_BY(dem_slip_manual)) \
+    X(SCENE, RP_CHOICE, damping, DEM_KEY("damping"), DEM_UNIT(""), DEM_DEFAULT("outside"), DEM_RANGE(DEM_WORDS(DEM_DAMPINGS)), \
+      DEM_NO_WALL, DEM_MEANING("whether the limit mu F_n leaves the shear dashpot out, as printed, or holds it with the spring"), \
+      DEM_MANUAL_BY(dem_damping_manual))
 
 /* Group `rolling`. */
 #define DEM_ROLLING_PARAMS(X) \
@@ -129,11 +134,14 @@
 #define DEM_ALLOWED_GRAIN(range, also)    range
 #define DEM_ALLOWED_FILL(range, also)     range
 #define DEM_KEY_ROW(...)                  DEM_KEY_ROW_OF(__VA_ARGS__)
-#define DEM_KEY_ROW_OF(T, at, kind, type, name, key, unit, fallback, range, also, automatic, wall, meaning)  \
-    {key, unit, type, offsetof(T, at name), fallback, DEM_ALLOWED_##kind(range, also), meaning},
+#define DEM_KEY_ROW_OF(T, at, kind, type, name, key, unit, fallback, range, also, automatic, wall, ...)      \
+    {key, unit, type, offsetof(T, at name), fallback, DEM_ALLOWED_##kind(range, also), __VA_ARGS__},
 #define DEM_NAME_ROW(...) DEM_NAME_ROW_OF(__VA_ARGS__)
-#define DEM_NAME_ROW_OF(T, at, kind, type, name, key, unit, fallback, range, also, automatic, wall, meaning) \
-    {#name, unit, type, offsetof(T, at name), fallback, DEM_ALLOWED_##kind(range, also), meaning, true},
+#define DEM_NAME_ROW_OF(T, at, kind, type, name, key, unit, fallback, range, also, automatic, wall, ...)     \
+    {#name,       unit,                                                                                      \
+     type,        offsetof(T, at name),                                                                      \
+     fallback,    DEM_ALLOWED_##kind(range, also),                                                           \
+     __VA_ARGS__, .inherited = true},
 
 /* Coefficients of one kind of contact, grain-grain or grain-wall. mu may be INFINITY, mu_roll not.
  * Rolling resistance acts through the force of a spring and a dashpot against R_eff (omega_i - omega_j),

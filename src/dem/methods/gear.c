@@ -109,6 +109,8 @@ static double step_limit(const dem_definition *def, dem_rates rates, dem_load lo
 
 const dem_scheme dem_scheme_gear5 = {
     .name = "gear5",
+    .manual =
+        "Gear's predictor-corrector of fifth order (Allen & Tildesley 1987, appendix E), without rotation",
     .order = {4, 2}, /* until a third derivative that starts at 0 is wrong */
     .excess = true,
     .step_limit = step_limit,

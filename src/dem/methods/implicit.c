@@ -50,6 +50,8 @@ typedef struct {
     size_t *first, *of; /* contacts of each grain: of[first[i]] to of[first[i + 1] - 1] */
 } workspace;
 
+DEM_MANUAL_OF(DEM_SOLVERS, dem_solver_manual)
+
 static inline workspace *work(const dem_sim *sim)
 {
     return sim->work;
@@ -271,7 +273,7 @@ static lack evaluate(dem_sim *sim)
 static rp_status not_solved(dem_sim *sim, const lack *l, long iterations)
 {
     return dem_stop(sim, DEM_FAULT_NOT_SOLVED, l->grain,
-                    "after %ld %s its own equation still asks for %g of its radius, allowed: %g", iterations,
+                    "after %ld %s its own Newton step is %g of its radius, allowed: %g", iterations,
                     sim->def.implicit.solver == DEM_SOLVER_SOR ? "sweeps" : "factorisations", l->largest,
                     sim->def.implicit.tolerance);
 }
@@ -528,6 +530,8 @@ static rp_status step(dem_sim *sim, bool last)
 
 const dem_scheme dem_scheme_implicit = {
     .name = "implicit",
+    .manual = "implicit midpoint, which conserves energy at any dt (Liffman, Chan & Hughes 1992, eq (24)), "
+              "without rotation and shear springs; walls are whole lines that stand",
     .order = {2, 2},
     .even_margins = true,
     .check = check,

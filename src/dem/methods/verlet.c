@@ -57,6 +57,7 @@ static double step_limit(const dem_definition *def, dem_rates rates, dem_load lo
 
 const dem_scheme dem_scheme_verlet = {
     .name = "verlet",
+    .manual = "velocity Verlet in its leapfrog form (Swope, Andersen, Berens & Wilson 1982)",
     .order = {2, 1}, /* it damps by the velocity of half a step before */
     .rotation = true,
     .hard = true,

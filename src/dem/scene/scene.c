@@ -46,9 +46,8 @@ static const rp_param top_schema[] = {
      "the walls' turn a step, about the origin; positive lowers the side at +x"},
     {"turn_from_step", "", RP_INT, AT(scene_file, scene.def.turn_from_step), "0", "[0, 2147483647]",
      "first step at which gravity or the box turns"},
-    {"kernel", "", RP_CHOICE, AT(scene_file, scene.def.kernel), "fast",
-     "fast | reference | baseline | avx2 | avx512",
-     "pair loop: the best here, the general one, or with these instructions; the same bits"},
+    {"kernel", "", RP_CHOICE, AT(scene_file, scene.def.kernel), "fast", DEM_WORDS(DEM_KERNEL_LIST),
+     "instances of the loops, with the same bits", .manual = dem_kernel_manual},
     {"ledger", "", RP_BOOL, AT(scene_file, scene.def.ledger), "false", "",
      "whether to keep the energy ledger, which `repose run -o` writes with the energies; slower, the same "
      "bits"},
@@ -66,8 +65,8 @@ static const rp_param ground_schema[] = {
      "static friction: largest force of a well over the normal force"},
     {"a", "cm", RP_REAL, AT(dem_ground, a), NULL, "(0, inf)",
      "half-width of a well, beyond which it is broken"},
-    {"set", "", RP_CHOICE, AT(dem_ground, set), "rest", "touch | rest | again",
-     "when a grain gets its well: at first touch; once it is at rest; then and again after each break"},
+    {"set", "", RP_CHOICE, AT(dem_ground, set), "rest", DEM_WORDS(DEM_WELL_SETS),
+     "when a grain gets its well", .manual = dem_well_manual},
     {0}};
 
 static const rp_param hard_schema[] = {
@@ -77,17 +76,17 @@ static const rp_param hard_schema[] = {
     {0}};
 
 static const rp_param implicit_schema[] = {
-    {"solver", "", RP_CHOICE, AT(dem_implicit_solver, solver), "direct", "direct | sor",
-     "how a step is solved: Newton's method by sparse factorisation, or sweeps grain by grain"},
+    {"solver", "", RP_CHOICE, AT(dem_implicit_solver, solver), "direct", DEM_WORDS(DEM_SOLVERS),
+     "how a step is solved", .manual = dem_solver_manual},
     {"relaxation", "", RP_REAL, AT(dem_implicit_solver, relaxation), "0.7", "(0, 2)", "factor of the sweeps"},
     {"tolerance", "", RP_REAL, AT(dem_implicit_solver, tolerance), "1e-15", "[1e-15, 1e-3]",
-     "largest step that a grain's own equation still asks for, over its radius"},
+     "a step is solved once no grain's own Newton step is larger, over its radius"},
     {"max_iterations", "", RP_INT, AT(dem_implicit_solver, max_iterations), "1000", "[1, 1000000]",
      "factorisations or sweeps, after which a step counts as not solved"},
     {0}};
 
 #define WALL_AUTO(...) WALL_AUTO_OF(__VA_ARGS__)
-#define WALL_AUTO_OF(kind, type, name, key, unit, fallback, range, also, automatic, wall, meaning)           \
+#define WALL_AUTO_OF(kind, type, name, key, unit, fallback, range, also, automatic, wall, ...)               \
     DEM_IF_MATERIAL(kind,                                                                                    \
                     {#name, unit, type, AT(wall_entry, line.material.name), "auto", range " | auto",         \
                      "of this wall; auto: the grains', times " #wall}, )
@@ -114,9 +113,9 @@ static const rp_param wall_schema[] = {
     {"omega", "rad/s", RP_REAL, AT(wall_entry, line.omega), "0.0", "(-inf, inf)",
      "rate at which the wall turns about `pivot`, counter-clockwise"},
     {"corner_lower", "rad", RP_REAL, AT(wall_entry, corner[0]), "none", "(-3.14, 3.14) | none",
-     "of a polygon's side: turn to it from the side that ends where it begins"},
+     "of a polygon's side: angle from the side before it to this one, counter-clockwise"},
     {"corner_upper", "rad", RP_REAL, AT(wall_entry, corner[1]), "none", "(-3.14, 3.14) | none",
-     "of a polygon's side: turn from it to the side that begins where it ends"},
+     "of a polygon's side: angle from this one to the side after it"},
     {0}};
 
 static const rp_param particle_schema[] = {
@@ -144,17 +143,26 @@ static const rp_param fill_schema[] = {
     {"run", "", RP_INT, AT(dem_fill, run), "0", "[0, 2147483647]", "number of the streams within the seed"},
     DEM_RADIUS_PARAMS(FILL){0}};
 
-const dem_scene_group dem_scene_schemas[] = {{"scene", top_schema},
-                                             {"normal", normal_schema},
-                                             {"tangential", tangential_schema},
-                                             {"rolling", rolling_schema},
-                                             {"walls", wall_schema},
-                                             {"ground", ground_schema},
-                                             {"hard", hard_schema},
-                                             {"implicit", implicit_schema},
-                                             {"particles", particle_schema},
-                                             {"fill", fill_schema},
-                                             {NULL, NULL}};
+const dem_scene_group dem_scene_schemas[] = {
+    {"scene", top_schema, "what all grains share, and the run"},
+    {"normal", normal_schema, "force of a contact along the line of centres; overlap x, parting at v_n"},
+    {"tangential", tangential_schema, "force of a contact across the line of centres"},
+    {"rolling", rolling_schema,
+     "resistance to rolling: a spring and a dashpot of the rolling displacement, under the limit mu F_n, at "
+     "the "
+     "arm r_i r_j/(r_i + r_j) (Ai, Chen, Rotter & Ooi 2011, model C)"},
+    {"walls", wall_schema, "lines, segments, polygons and circles, which may move and open"},
+    {"ground", ground_schema,
+     "static friction of a wall: each grain on it is held by -mu_static F_n/a times its displacement within "
+     "a "
+     "well of half-width a (Liffman, Chan & Hughes 1992, eqs (30) and (33))"},
+    {"hard", hard_schema,
+     "collisions of what approaches fast are instantaneous: an impulse of restitution and friction at the "
+     "moment of touch (Liffman, Chan & Hughes 1992, eqs (1) to (22)); slow contacts are soft"},
+    {"implicit", implicit_schema, "solver of the integrator implicit"},
+    {"particles", particle_schema, "grains, each with its place"},
+    {"fill", fill_schema, "grains of random radius at random places without overlap"},
+    {0}};
 
 /* The groups of the contacts' parameters, and what they are of. */
 static rp_status read_physics(const config_setting_t *root, dem_physics *p, dem_definition *def)

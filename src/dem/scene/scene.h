@@ -30,10 +30,12 @@ rp_status dem_scene_start(const dem_scene *scene, dem_sim **sim);
 /* Write a scene that dem_scene_read reads back to the same bits (a turn of gravity: to round-off). */
 void dem_scene_write(const dem_scene *scene, FILE *out);
 
-/* The schemas of a scene file: top level, then groups; ended by a NULL name. */
+/* The schemas of a scene file: top level, then groups; ended by a NULL name. The manual says what a group
+ * describes, and its source. */
 typedef struct {
     const char *name;
     const rp_param *schema;
+    const char *manual;
 } dem_scene_group;
 extern const dem_scene_group dem_scene_schemas[];
 

@@ -28,7 +28,7 @@ static void complete(const dem_definition *def, dem_material *m)
 {
     const bool rate = dem_damps_by_rate(def);
 #define MATERIAL_VALUE(...) MATERIAL_VALUE_OF(__VA_ARGS__)
-#define MATERIAL_VALUE_OF(kind, type, name, key, unit, fallback, range, also, automatic, wall, meaning)      \
+#define MATERIAL_VALUE_OF(kind, type, name, key, unit, fallback, range, also, automatic, ...)                \
     DEM_IF_MATERIAL(kind, if (m->name < 0.0) m->name = automatic; if (m->name < 0.0) m->name = -1.0;)
     DEM_PHYSICS(MATERIAL_VALUE)
 }
@@ -62,7 +62,7 @@ dem_material dem_wall_material(const dem_material *given, const dem_material *gr
 {
     dem_material m;
 #define WALL_VALUE(...) WALL_VALUE_OF(__VA_ARGS__)
-#define WALL_VALUE_OF(kind, type, name, key, unit, fallback, range, also, automatic, wall, meaning)          \
+#define WALL_VALUE_OF(kind, type, name, key, unit, fallback, range, also, automatic, wall, ...)              \
     DEM_IF_MATERIAL(kind, m.name = given->name < 0.0 ? (wall)*grains->name : given->name;)
     DEM_PHYSICS(WALL_VALUE)
     /* one of the two that is given replaces the grains' other */
