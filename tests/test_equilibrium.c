@@ -1306,18 +1306,20 @@ static void test_neighbours(void)
             disks[i] =
                 (statics_disk){unit * (8 * gsl_rng_uniform(rng) - 4), unit * (6 * gsl_rng_uniform(rng) - 1),
                                unit * (trial % 5 ? 0.1 + 0.6 * gsl_rng_uniform(rng) : 0.5), 1};
-        rp_pair *bonds = NULL;
-        size_t n_bonds = 0, k = 0;
-        CHECK_OK(statics_bonds_find(n, disks, reach, &bonds, &n_bonds));
+        statics_network net = {.n = n, .disks = disks, .reach = reach};
+        size_t k = 0;
+        CHECK_OK(statics_bonds_find(&net));
         for (uint32_t a = 0; a < n; a++)
             for (uint32_t b = a + 1; b < n; b++)
                 if (hypot(disks[a].x - disks[b].x, disks[a].y - disks[b].y) <
                     reach * (disks[a].r + disks[b].r)) {
-                    CU_ASSERT(k < n_bonds && bonds[k].a == a && bonds[k].b == b);
+                    CU_ASSERT(k < net.n_pairs && net.pairs[k].a == a && net.pairs[k].b == b);
+                    CU_ASSERT(statics_bonds_has(&net, (rp_pair){a, b}));
                     k++;
-                }
-        CU_ASSERT_EQUAL(k, n_bonds);
-        free(bonds);
+                } else
+                    CU_ASSERT(!statics_bonds_has(&net, (rp_pair){a, b}));
+        CU_ASSERT_EQUAL(k, net.n_pairs);
+        free(net.pairs);
     }
     gsl_rng_free(rng);
 }
@@ -1330,13 +1332,14 @@ static void test_unsupported(void)
         {0, 0.5, 0.5, 1}, {0, 1.5, 0.5, 1},     {2, 0.624, 0.5, 1},  {4, 0.626, 0.5, 1}, {10, 2, 0.5, 1},
         {9, 1.5, 0.5, 1}, {11, 2.25, 0.5, 1},   {20, 2, 0.5, 1},     {19, 1.75, 0.5, 1}, {21, 2.5, 0.5, 1},
         {30, 2, 0.5, 1},  {29.5, 1.25, 0.5, 1}, {30.5, 1.25, 0.5, 1}};
-    const rp_pair bonds[] = {{0, 1}, {4, 5}, {4, 6}, {7, 8}, {7, 9}, {10, 11}, {10, 12}};
+    rp_pair bonds[] = {{0, 1}, {4, 5}, {4, 6}, {7, 8}, {7, 9}, {10, 11}, {10, 12}};
     static const bool carried[] = {true,  true,  true,  false, true,  false, false,
                                    false, false, false, true,  false, false};
     enum { N = sizeof disks / sizeof *disks };
     double lean[2 * N];
     size_t which[N] = {0}, n = 0;
-    const size_t found = statics_bonds_unsupported(N, disks, bonds, 7, 1.25, lean, N, which);
+    const statics_network net = {N, disks, 1.25, 7, bonds};
+    const size_t found = statics_bonds_unsupported(&net, lean, N, which);
     for (size_t i = 0; i < N; i++)
         if (!carried[i]) CU_ASSERT(n < found && which[n++] == i);
     CU_ASSERT_EQUAL(found, n);
@@ -1348,7 +1351,7 @@ static void test_unsupported(void)
     }
     CU_ASSERT(isinf(lean[0]) && lean[0] > 0 && lean[6] < 0 && isinf(lean[2]) && lean[2] > 0 && lean[3] > 0);
     size_t few[N] = {0};
-    CU_ASSERT_EQUAL(statics_bonds_unsupported(N, disks, bonds, 7, 1.25, lean, 2, few), found);
+    CU_ASSERT_EQUAL(statics_bonds_unsupported(&net, lean, 2, few), found);
     CU_ASSERT(few[0] == which[0] && few[1] == which[1] && few[2] == 0);
 }
 
@@ -1358,15 +1361,16 @@ static void check_half_pile(double unit)
 {
     const double round_off = 1e-14 * unit, row = unit * sqrt(0.75);
     test_pile h = make_disks(7, 60, 0);
-    rp_pair *bonds = NULL, *parents = malloc(h.n * sizeof *parents);
+    rp_pair *parents = malloc(h.n * sizeof *parents);
+    statics_network net = {.n = h.n, .disks = h.disks, .reach = 1.25};
     statics_disk *half = NULL;
-    size_t n_bonds, n_half;
+    size_t n_half;
     for (size_t i = 0; i < h.n; i++) {
         h.disks[i].weight = 1 + 0.01 * (double)i;
         h.disks[i].x *= unit, h.disks[i].y *= unit, h.disks[i].r *= unit;
     }
-    CHECK_OK(statics_bonds_find(h.n, h.disks, 1.25, &bonds, &n_bonds));
-    CHECK_OK(statics_bonds_halve(h.n, h.disks, bonds, n_bonds, &half, &n_half, parents));
+    CHECK_OK(statics_bonds_find(&net));
+    CHECK_OK(statics_bonds_halve(&net, &half, &n_half, parents));
     CU_ASSERT_FATAL(n_half == 10);
     for (size_t i = 0; i < n_half; i++) { /* every other disk of every other row, as heavy as it is */
         size_t same = 0;
@@ -1390,21 +1394,23 @@ static void check_half_pile(double unit)
         const statics_disk before = h.disks[9];
         h.disks[9].x += way & 4 ? 0 : part * unit;
         h.disks[9].y += way & 4 ? part * row : 0;
-        CHECK_OK(statics_bonds_halve(h.n, h.disks, bonds, n_bonds, &half, &n_half, parents));
-        CU_ASSERT(n_half == (way & 1 ? 10 : 0) && (half != NULL) == (way & 1));
+        CHECK_OK(statics_bonds_halve(&net, &half, &n_half, parents));
+        CU_ASSERT(n_half == (way & 1 ? 10 : 0));
         free(half);
         h.disks[9] = before;
     }
-    CHECK_OK(statics_bonds_halve(h.n - 1, h.disks, bonds, 0, &half, &n_half, parents));
+    statics_network less = {h.n - 1, h.disks, 1.25, 0, NULL};
+    CHECK_OK(statics_bonds_halve(&less, &half, &n_half, parents));
     CU_ASSERT(n_half == 0 && half == NULL);
     /* without the last disk of the base, the one beside it has a parent less */
-    CHECK_OK(statics_bonds_halve(h.n - 1, h.disks, bonds, n_bonds, &half, &n_half, parents));
+    less.n_pairs = net.n_pairs, less.pairs = net.pairs;
+    CHECK_OK(statics_bonds_halve(&less, &half, &n_half, parents));
     CU_ASSERT(n_half == 9);
     size_t orphans = 0;
     for (size_t i = 0; i < h.n - 1; i++) orphans += parents[i].a >= n_half || parents[i].b >= n_half;
     CU_ASSERT(orphans == 2);
     free(half);
-    free(bonds);
+    free(net.pairs);
     free(parents);
     free_pile(&h);
 }

@@ -25,68 +25,63 @@ static int by_ends(const void *left, const void *right)
     return (p->b > q->b) - (p->b < q->b);
 }
 
-typedef struct {
-    rp_pair *pairs;
-    size_t n, room;
-} pair_list;
-
-static bool add_if_near(pair_list *list, const statics_disk *disks, double reach, uint32_t a, uint32_t b)
+static bool add_if_near(statics_network *net, size_t *room, uint32_t a, uint32_t b)
 {
-    const statics_disk *p = &disks[a], *q = &disks[b];
-    const double dx = p->x - q->x, dy = p->y - q->y, limit = reach * (p->r + q->r);
+    const statics_disk *p = &net->disks[a], *q = &net->disks[b];
+    const double dx = p->x - q->x, dy = p->y - q->y, limit = net->reach * (p->r + q->r);
     if (!(dx * dx + dy * dy < limit * limit)) return true;
-    if (list->n == list->room) {
-        size_t room = 2 * list->room + 64;
-        rp_pair *more = realloc(list->pairs, room * sizeof *more);
+    if (net->n_pairs == *room) {
+        *room = 2 * *room + 64;
+        rp_pair *more = realloc(net->pairs, *room * sizeof *more);
         if (!more) return false;
-        list->pairs = more;
-        list->room = room;
+        net->pairs = more;
     }
-    list->pairs[list->n++] = a < b ? (rp_pair){a, b} : (rp_pair){b, a};
+    net->pairs[net->n_pairs++] = a < b ? (rp_pair){a, b} : (rp_pair){b, a};
     return true;
 }
 
-static bool search(size_t n, const place *places, const statics_disk *disks, double reach, double height,
-                   pair_list *list)
+static bool search(statics_network *net, const place *places, double height)
 {
-    size_t above = 0; /* first disk of the band above that is not too far to the left */
+    const size_t n = net->n;
+    size_t room = 0, above = 0; /* first disk of the band above that is not too far to the left */
     for (size_t i = 0; i < n; i++) {
         const place *p = &places[i];
         for (size_t j = i + 1; j < n && places[j].band == p->band && places[j].x - p->x < height; j++)
-            if (!add_if_near(list, disks, reach, p->disk, places[j].disk)) return false;
+            if (!add_if_near(net, &room, p->disk, places[j].disk)) return false;
         while (above < n && (places[above].band <= p->band ||
                              (places[above].band == p->band + 1 && places[above].x <= p->x - height)))
             above++;
         for (size_t j = above; j < n && places[j].band == p->band + 1 && places[j].x - p->x < height; j++)
-            if (!add_if_near(list, disks, reach, p->disk, places[j].disk)) return false;
+            if (!add_if_near(net, &room, p->disk, places[j].disk)) return false;
     }
     return true;
 }
 
-rp_status statics_bonds_find(size_t n, const statics_disk *disks, double reach, rp_pair **bonds,
-                             size_t *n_bonds)
+rp_status statics_bonds_find(statics_network *net)
 {
     double r_max = 0;
-    for (size_t i = 0; i < n; i++) r_max = fmax(r_max, disks[i].r);
-    const double height = 2 * reach * r_max;
-    place *places = malloc((n + 1) * sizeof *places);
-    pair_list list = {0};
-    bool good = places != NULL;
-    if (good) {
-        for (size_t i = 0; i < n; i++)
-            places[i] = (place){floor(disks[i].y / height), disks[i].x, (uint32_t)i};
-        qsort(places, n, sizeof *places, by_band);
-        good = search(n, places, disks, reach, height, &list);
-    }
+    for (size_t i = 0; i < net->n; i++) r_max = fmax(r_max, net->disks[i].r);
+    const double height = 2 * net->reach * r_max;
+    place *places = malloc((net->n + 1) * sizeof *places);
+    for (size_t i = 0; places && i < net->n; i++)
+        places[i] = (place){floor(net->disks[i].y / height), net->disks[i].x, (uint32_t)i};
+    net->pairs = NULL;
+    net->n_pairs = 0;
+    if (places) qsort(places, net->n, sizeof *places, by_band);
+    const bool found = places && search(net, places, height);
     free(places);
-    if (!good) {
-        free(list.pairs);
-        return rp_fail(RP_NO_MEMORY, "neighbours of %zu disks: out of memory", n);
+    if (!found) {
+        free(net->pairs);
+        *net = (statics_network){net->n, net->disks, net->reach, 0, NULL};
+        return rp_fail(RP_NO_MEMORY, "neighbours of %zu disks: out of memory", net->n);
     }
-    if (list.n) qsort(list.pairs, list.n, sizeof *list.pairs, by_ends);
-    *bonds = list.pairs;
-    *n_bonds = list.n;
+    if (net->n_pairs) qsort(net->pairs, net->n_pairs, sizeof *net->pairs, by_ends);
     return RP_OK;
+}
+
+bool statics_bonds_has(const statics_network *net, rp_pair pair)
+{
+    return net->n_pairs && bsearch(&pair, net->pairs, net->n_pairs, sizeof pair, by_ends);
 }
 
 /* Steepest contact forces on a disk to the right and to the left, as slopes n_y/|n_x|. Two forces can hold a
@@ -98,20 +93,18 @@ static void push(double lean[2], double nx, double ny)
     if (nx <= 0) lean[1] = fmax(lean[1], slope);
 }
 
-size_t statics_bonds_unsupported(size_t n, const statics_disk *disks, const rp_pair *bonds, size_t n_bonds,
-                                 double reach, double *lean, size_t room, size_t *which)
+size_t statics_bonds_unsupported(const statics_network *net, double *lean, size_t room, size_t *which)
 {
     size_t found = 0;
-    for (size_t i = 0; i < n; i++) {
-        const double hold = disks[i].y < reach * disks[i].r ? INFINITY : -INFINITY;
-        lean[2 * i] = lean[2 * i + 1] = hold;
+    for (size_t i = 0; i < net->n; i++)
+        lean[2 * i] = lean[2 * i + 1] = net->disks[i].y < net->reach * net->disks[i].r ? INFINITY : -INFINITY;
+    for (size_t k = 0; k < net->n_pairs; k++) {
+        const rp_pair ends = net->pairs[k];
+        const statics_disk *p = &net->disks[ends.a], *q = &net->disks[ends.b];
+        push(&lean[2 * ends.a], p->x - q->x, p->y - q->y);
+        push(&lean[2 * ends.b], q->x - p->x, q->y - p->y);
     }
-    for (size_t k = 0; k < n_bonds; k++) {
-        const statics_disk *p = &disks[bonds[k].a], *q = &disks[bonds[k].b];
-        push(&lean[2 * bonds[k].a], p->x - q->x, p->y - q->y);
-        push(&lean[2 * bonds[k].b], q->x - p->x, q->y - p->y);
-    }
-    for (size_t i = 0; i < n; i++)
+    for (size_t i = 0; i < net->n; i++)
         if (!(lean[2 * i] + lean[2 * i + 1] > 1e-9) && ++found <= room) which[found - 1] = i;
     return found;
 }
@@ -133,14 +126,13 @@ static int by_site(const void *left, const void *right)
 
 /* Steps to the next site of a row and of a column, from a bond that leans to the right and one that leans to
  * the left; false if there is none. */
-static bool lattice_steps(const statics_disk *disks, const rp_pair *bonds, size_t n_bonds, double along[2],
-                          double up[2])
+static bool lattice_steps(const statics_network *net, double along[2], double up[2])
 {
     const double LEANS = 0.25; /* of a bond's length: less is level, or upright */
     double left[2] = {0, 0};
     up[0] = up[1] = 0;
-    for (size_t k = 0; k < n_bonds && !(up[0] > 0 && left[0] < 0); k++) {
-        const statics_disk *p = &disks[bonds[k].a], *q = &disks[bonds[k].b];
+    for (size_t k = 0; k < net->n_pairs && !(up[0] > 0 && left[0] < 0); k++) {
+        const statics_disk *p = &net->disks[net->pairs[k].a], *q = &net->disks[net->pairs[k].b];
         const double sign = q->y > p->y ? 1 : -1, dx = sign * (q->x - p->x), dy = sign * (q->y - p->y);
         if (!(dy > LEANS * fabs(dx) && fabs(dx) > LEANS * dy)) continue;
         double *side = dx > 0 ? up : left;
@@ -153,16 +145,17 @@ static bool lattice_steps(const statics_disk *disks, const rp_pair *bonds, size_
 
 /* The disks' sites in order, counted from a lowest disk, and the pile of half the size; 0 if a disk is off
  * the lattice. */
-static size_t take_half(size_t n, const statics_disk *disks, const double along[2], const double up[2],
+static size_t take_half(const statics_network *net, const double along[2], const double up[2],
                         lattice_site *sites, statics_disk *half)
 {
+    const statics_disk *disks = net->disks;
     const double OFF = 0.1; /* of a step */
     const double det = along[0] * up[1] - along[1] * up[0];
     const statics_disk *origin = disks;
     size_t n_half = 0;
-    for (size_t i = 0; i < n; i++)
+    for (size_t i = 0; i < net->n; i++)
         if (disks[i].y < origin->y) origin = &disks[i];
-    for (size_t i = 0; i < n; i++) {
+    for (size_t i = 0; i < net->n; i++) {
         const double dx = disks[i].x - origin->x, dy = disks[i].y - origin->y;
         const double x = (dx * up[1] - dy * up[0]) / det, y = (dy * along[0] - dx * along[1]) / det;
         if (!(fabs(x - rint(x)) < OFF && fabs(y - rint(y)) < OFF)) return 0;
@@ -173,7 +166,7 @@ static size_t take_half(size_t n, const statics_disk *disks, const double along[
         half[n_half].x = disks[i].x / 2;
         half[n_half++].y = disks[i].r + (disks[i].y - disks[i].r) / 2;
     }
-    qsort(sites, n, sizeof *sites, by_site);
+    qsort(sites, net->n, sizeof *sites, by_site);
     return n_half;
 }
 
@@ -184,17 +177,18 @@ static uint32_t half_at(size_t n, const lattice_site *sites, long row, long alon
     return found ? found->half : UINT32_MAX;
 }
 
-rp_status statics_bonds_halve(size_t n, const statics_disk *disks, const rp_pair *bonds, size_t n_bonds,
-                              statics_disk **half, size_t *n_half, rp_pair *parents)
+rp_status statics_bonds_halve(const statics_network *net, statics_disk **half, size_t *n_half,
+                              rp_pair *parents)
 {
+    const size_t n = net->n;
     double along[2], up[2];
     *n_half = 0;
     *half = NULL;
-    if (!lattice_steps(disks, bonds, n_bonds, along, up)) return RP_OK;
+    if (!lattice_steps(net, along, up)) return RP_OK;
     lattice_site *sites = malloc(n * sizeof *sites);
     *half = malloc(n * sizeof **half);
     const bool good = sites && *half;
-    if (good) *n_half = take_half(n, disks, along, up, sites, *half);
+    if (good) *n_half = take_half(net, along, up, sites, *half);
     for (size_t i = 0; *n_half > 0 && i < n; i++) {
         const lattice_site at = sites[i];
         const long x = at.along % 2 != 0, y = at.row % 2 == 0 ? 0 : x ? -1 : 1;
@@ -202,9 +196,5 @@ rp_status statics_bonds_halve(size_t n, const statics_disk *disks, const rp_pair
                                      half_at(n, sites, at.row + y, at.along + x)};
     }
     free(sites);
-    if (*n_half == 0) {
-        free(*half);
-        *half = NULL;
-    }
     return good ? RP_OK : rp_fail(RP_NO_MEMORY, "pile of %zu disks: out of memory", n);
 }
