@@ -518,13 +518,12 @@ static void check_joint(dem_sim *sim, double turn, double x, double y)
         const bool has = corner || (inside[w] && !(both && fabs(turn) < 0.05 && !nearer));
         const double distance = corner ? hypot(x, y) : fabs(above[w]), foot = corner ? 0.0 : along[w];
         dem_wall_slot slot = {.wall = (uint32_t)w, .side = copysign(1.0, above[w])};
-        dem_vec normal, velocity;
-        double overlap;
-        CU_ASSERT_EQUAL(dem_wall_touch(sim, &slot, &normal, &overlap, &velocity), has);
+        dem_touch touch;
+        CU_ASSERT_EQUAL(dem_wall_touch(sim, &slot, &touch), has);
         if (!has) continue;
-        CHECK_NEAR(overlap, R - distance, 1e-15);
-        CHECK_NEAR(normal[0], (x - foot * tangent[w][0]) / distance, 1e-14 / distance);
-        CHECK_NEAR(normal[1], (y - foot * tangent[w][1]) / distance, 1e-14 / distance);
+        CHECK_NEAR(touch.overlap, R - distance, 1e-15);
+        CHECK_NEAR(touch.normal[0], (x - foot * tangent[w][0]) / distance, 1e-14 / distance);
+        CHECK_NEAR(touch.normal[1], (y - foot * tangent[w][1]) / distance, 1e-14 / distance);
     }
 }
 

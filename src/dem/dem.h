@@ -8,6 +8,7 @@
 #ifndef DEM_H
 #define DEM_H
 
+#include <math.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -160,6 +161,12 @@ static inline const dem_wall *dem_walls_of(const dem_definition *def)
 static inline bool dem_wall_moves(const dem_wall *wall)
 {
     return wall->velocity[0] != 0.0 || wall->velocity[1] != 0.0 || wall->omega != 0.0;
+}
+
+/* Is it a whole line? */
+static inline bool dem_wall_is_line(const dem_wall *wall)
+{
+    return isinf(wall->extent[0]) && isinf(wall->extent[1]);
 }
 
 /* Units of the paper's box scene: g = 981, dt = 5e-5, its coefficients at mu = 0.2; no walls, no grains. */

@@ -224,13 +224,11 @@ static rp_status check_new_walls(const dem_sim *sim, size_t i)
 {
     const dem_vec x = sim->grains.motion[i].x;
     for (uint32_t k = 0; k < sim->def.n_walls; k++) {
-        const double *extent = sim->walls.wall[k].extent;
-        const bool line = isinf(extent[0]) && isinf(extent[1]),
+        const bool line = dem_wall_is_line(&sim->walls.wall[k]),
                    behind = dem_dot(x - sim->walls.line[k].point, sim->walls.line[k].direction) < 0.0;
         dem_wall_slot slot = {.wall = k, .grain = (uint32_t)i, .side = behind && !line ? -1.0 : 1.0};
-        dem_vec normal, velocity;
-        double overlap;
-        if (dem_wall_touch(sim, &slot, &normal, &overlap, &velocity) && overlap > 0.0)
+        dem_touch touch;
+        if (dem_wall_touch(sim, &slot, &touch) && touch.overlap > 0.0)
             return rp_fail(RP_BAD_INPUT, "x = %g, y = %g: touches wall %u", x[0], x[1], k + 1);
     }
     return RP_OK;

@@ -45,7 +45,9 @@ bool dem_slot_relative(const dem_sim *sim, dem_wall_slot *slot, dem_relative *r)
                         .m_eff = g->mass[i],
                         .spring = slot->spring,
                         .roll = slot->roll};
-    if (!dem_wall_touch(sim, slot, &r->n, &r->overlap, &r->wall_velocity) || r->overlap <= 0.0) return false;
+    dem_touch touch;
+    if (!dem_wall_touch(sim, slot, &touch) || touch.overlap <= 0.0) return false;
+    r->n = touch.normal, r->overlap = touch.overlap, r->wall_velocity = touch.velocity;
     const dem_vec v = g->motion[i].v - r->wall_velocity;
     r->s = dem_clockwise(r->n);
     r->v_n = dem_dot(v, r->n);

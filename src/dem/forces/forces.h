@@ -44,10 +44,13 @@ void dem_walls_limit(dem_sim *sim, double far);
 bool dem_wall_rests(const dem_sim *sim, size_t k);
 
 /* Geometry of a wall contact at the present step: unit vector from the wall's nearest point to the grain,
- * overlap, velocity of the wall there; brings slot->side up to date. False where the wall is open, or where a
+ * velocity of the wall there, overlap. Brings slot->side up to date. False where the wall is open, or where a
  * wall that is joined to it has the contact. */
-bool dem_wall_touch(const dem_sim *sim, dem_wall_slot *slot, dem_vec *normal, double *overlap,
-                    dem_vec *velocity);
+typedef struct {
+    dem_vec normal, velocity;
+    double overlap;
+} dem_touch;
+bool dem_wall_touch(const dem_sim *sim, dem_wall_slot *slot, dem_touch *touch);
 
 /* The ground, see dem_ground; ground.c. Displacement of a grain in its well, and the force along the ground's
  * tangent that this gives. */

@@ -5,6 +5,7 @@
 #include <math.h>
 
 #include "dem/forces/forces.h"
+#include "dem/state/motion.h"
 
 DEM_MANUAL_OF(DEM_WELL_SETS, dem_well_manual)
 
@@ -37,7 +38,10 @@ static bool comes_to_rest(const dem_sim *sim, const dem_wall_slot *slot, double 
 {
     const size_t i = slot->grain;
     const double v = along(sim, slot, sim->grains.motion[i].v - ground_velocity);
-    const double drive = along(sim, slot, *dem_force(sim, i) + f + sim->grains.mass[i] * sim->gravity);
+    const dem_equation e = dem_equation_of(sim);
+    const double drive = along(
+        sim, slot,
+        dem_acceleration(&e, *dem_force(sim, i) + f, sim->grains.inverse_mass[i], sim->grains.motion[i].v));
     double twice = sim->grains.mass[i] * v * v; /* its kinetic energy; a spin may turn into speed */
     if (sim->grains.omega)
         twice += sim->grains.omega[i] * sim->grains.omega[i] / sim->grains.inverse_inertia[i];

@@ -8,8 +8,8 @@ bool dem_wall_rests(const dem_sim *sim, size_t k)
 {
     const dem_wall *w = &sim->walls.wall[k];
     if (sim->walls.line[k].plain) return sim->walls.swing[1] == 0.0;
-    return isinf(w->extent[0]) && isinf(w->extent[1]) && sim->walls.swing[1] == 0.0 &&
-           !sim->walls.line[k].moves && !(w->open_at_step >= 0 && sim->step >= w->open_at_step);
+    return dem_wall_is_line(w) && sim->walls.swing[1] == 0.0 && !sim->walls.line[k].moves &&
+           !dem_wall_opens(sim, k);
 }
 
 /* Does a segment that is joined at this end (0: lower) have the contact of a grain there instead? The grain
@@ -31,48 +31,47 @@ static bool is_neighbours(const dem_sim *sim, size_t wall, int end, double along
 }
 
 /* Where a wall has ends, or opens. */
-static bool touch_segment(const dem_sim *sim, dem_wall_slot *slot, dem_vec d, double distance,
-                          dem_vec *normal, double *overlap, dem_vec *velocity)
+static bool touch_segment(const dem_sim *sim, dem_wall_slot *slot, dem_vec d, dem_touch *touch)
 {
     const dem_wall *w = &sim->walls.wall[slot->wall];
     const double radius = sim->grains.radius[slot->grain];
     const dem_vec direction = sim->walls.line[slot->wall].direction, tangent = dem_clockwise(direction);
-    double along = dem_dot(d, tangent);
-    double lo = w->extent[0], hi = w->extent[1];
-    if (w->open_at_step >= 0 && sim->step >= w->open_at_step) {
+    const double along = dem_dot(d, tangent), distance = dem_dot(d, direction), hi = w->extent[1];
+    double lo = w->extent[0];
+    if (dem_wall_opens(sim, slot->wall)) {
         if (isinf(w->open_speed)) return false;
         lo += w->open_speed * sim->def.dt * (double)(sim->step - w->open_at_step);
-        *velocity = w->open_speed * tangent;
+        touch->velocity = w->open_speed * tangent;
         if (lo >= hi) return false; /* lifted past its upper end */
     }
     if (along < lo || along > hi) {
         dem_vec corner = d - (along < lo ? lo : hi) * tangent;
         double distance_to_end = sqrt(dem_dot(corner, corner));
         slot->side = distance < 0.0 ? -1.0 : 1.0;
-        *overlap = radius - distance_to_end;
-        *normal = corner * (1.0 / distance_to_end);
+        touch->overlap = radius - distance_to_end;
+        touch->normal = corner * (1.0 / distance_to_end);
     } else {
-        *overlap = radius - slot->side * distance;
-        *normal = slot->side * direction;
+        touch->overlap = radius - slot->side * distance;
+        touch->normal = slot->side * direction;
     }
     return !(w->joined[0] && is_neighbours(sim, slot->wall, 0, along - lo, distance)) &&
            !(w->joined[1] && is_neighbours(sim, slot->wall, 1, along - hi, distance));
 }
 
-bool dem_wall_touch(const dem_sim *sim, dem_wall_slot *slot, dem_vec *normal, double *overlap,
-                    dem_vec *velocity)
+bool dem_wall_touch(const dem_sim *sim, dem_wall_slot *slot, dem_touch *touch)
 {
     const dem_wall_line *line = &sim->walls.line[slot->wall];
     const dem_vec x = sim->grains.motion[slot->grain].x, d = x - line->point;
-    const double distance = dem_dot(d, line->direction), radius = sim->grains.radius[slot->grain];
-    *velocity = (dem_vec){0.0, 0.0};
+    const double radius = sim->grains.radius[slot->grain];
+    touch->velocity = (dem_vec){0.0, 0.0};
     if (line->plain) {
-        *overlap = radius - slot->side * distance;
-        *normal = slot->side * line->direction;
-    } else if (!touch_segment(sim, slot, d, distance, normal, overlap, velocity)) {
+        touch->overlap = radius - slot->side * dem_dot(d, line->direction);
+        touch->normal = slot->side * line->direction;
+    } else if (!touch_segment(sim, slot, d, touch)) {
         return false;
     }
     if (line->moves || sim->walls.swing[1] != 0.0)
-        *velocity += dem_wall_velocity(&sim->walls, slot->wall, x - (radius - *overlap) * *normal);
+        touch->velocity +=
+            dem_wall_velocity(&sim->walls, slot->wall, x - (radius - touch->overlap) * touch->normal);
     return true;
 }

@@ -62,8 +62,8 @@ rp_status dem_walls_place(dem_sim *sim, const dem_definition *def)
         *line = (dem_wall_line){.point = {wall->point[0], wall->point[1]},
                                 .direction = {wall->direction[0], wall->direction[1]},
                                 .moves = dem_wall_moves(wall),
-                                .plain = isinf(wall->extent[0]) && isinf(wall->extent[1]) &&
-                                         wall->open_at_step < 0 && !dem_wall_moves(wall)};
+                                .plain = dem_wall_is_line(wall) && wall->open_at_step < 0 &&
+                                         !dem_wall_moves(wall)};
         double sine, cosine;
         for (int end = 0; end < 2; end++) {
             dem_sine_cosine(end ? 0.5 * wall->corner[end] : -0.5 * wall->corner[end], &sine, &cosine);
@@ -171,7 +171,7 @@ dem_wall_state dem_wall_now(const dem_sim *sim, size_t wall)
                   force = sim->walls.force[wall];
     double lo = w->extent[0];
     const double hi = w->extent[1];
-    const bool open = w->open_at_step >= 0 && sim->step >= w->open_at_step;
+    const bool open = dem_wall_opens(sim, wall);
     if (open)
         lo = isinf(w->open_speed)
                  ? hi

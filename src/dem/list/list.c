@@ -92,9 +92,7 @@ static rp_status check_grain(dem_sim *sim, size_t i)
     for (size_t k = 0; k < sim->def.n_walls && sim->grains.inverse_mass[i] > 0.0; k++) {
         const dem_wall_line *line = &sim->walls.line[k];
         if (!(dem_dot(x - line->point, line->direction) < 0.0)) continue;
-        const dem_wall *wall = &sim->walls.wall[k];
-        const bool open = wall->open_at_step >= 0 && sim->step >= wall->open_at_step;
-        if (isinf(wall->extent[0]) && isinf(wall->extent[1]) && !open)
+        if (dem_wall_is_line(&sim->walls.wall[k]) && !dem_wall_opens(sim, k))
             return dem_stop(sim, DEM_FAULT_LEAKED, i, "behind wall %zu at x = %g, y = %g", k + 1, x[0], x[1]);
     }
     return RP_OK;
@@ -303,7 +301,7 @@ static bool is_near_wall(const dem_sim *sim, size_t k, size_t i)
     const dem_wall_line *line = &sim->walls.line[k];
     const bool turns = sim->def.box_turn_per_step != 0.0 && sim->step >= sim->walls.turn_from_step;
     const double more = line->moves ? sim->walls.margin : turns ? 0.5 * sim->list.skin : 0.0;
-    if (wall->open_at_step >= 0 && sim->step >= wall->open_at_step && isinf(wall->open_speed)) return false;
+    if (dem_wall_opens(sim, k) && isinf(wall->open_speed)) return false;
     const dem_vec d = sim->grains.listed_x[i] - line->point;
     const double most = sim->grains.cutoff[i] + more;
     return fabs(dem_dot(d, line->direction)) < most && !dem_is_fixed(sim, i) &&

@@ -102,16 +102,16 @@ static void collide_pair(dem_sim *sim, size_t i, size_t j, double radii)
 static void collide_wall(dem_sim *sim, dem_wall_slot slot)
 {
     const size_t i = slot.grain;
-    dem_vec normal, wall_velocity;
-    double overlap;
-    if (!dem_wall_touch(sim, &slot, &normal, &overlap, &wall_velocity) || overlap > 0.0) return;
+    dem_touch touch;
+    if (!dem_wall_touch(sim, &slot, &touch) || touch.overlap > 0.0) return;
     const path m = path_of(sim, i);
-    const double closing = -dem_dot(m.v - wall_velocity, normal), pressing = -dem_dot(m.a, normal),
-                 root2 = closing * closing - 2.0 * pressing * overlap;
+    const dem_vec normal = touch.normal;
+    const double closing = -dem_dot(m.v - touch.velocity, normal), pressing = -dem_dot(m.a, normal),
+                 root2 = closing * closing - 2.0 * pressing * touch.overlap;
     if (!(root2 >= 0.0 && sqrt(root2) + closing > 0.0)) return;
-    const double t = -2.0 * overlap / (sqrt(root2) + closing);
+    const double t = -2.0 * touch.overlap / (sqrt(root2) + closing);
     if (t > sim->def.dt) return;
-    const dem_body before[2] = {body_at(sim, i, &m, t), {{wall_velocity[0], wall_velocity[1]}}};
+    const dem_body before[2] = {body_at(sim, i, &m, t), {{touch.velocity[0], touch.velocity[1]}}};
     dem_body after[2] = {before[0], before[1]};
     if (!collide(sim, &after[0], &after[1], -normal, pressing)) return;
     if (sim->ledger) dem_ledger_collision(sim, (size_t[]){i, i}, before, after);
@@ -226,10 +226,8 @@ rp_status dem_hard_move(dem_sim *sim, unsigned *left)
     sim->grains.angle = sim->grains.next_angle, sim->grains.next_angle = angle;
     for (size_t i = 0; i < sim->grains.n && (isfinite(sim->def.x_max) || isfinite(sim->def.y_min)); i++)
         *left |= dem_beyond(sim, sim->grains.motion[i].x) * DEM_GRAIN_OUT;
-    if (sim->grains.force_torque)
-        memset(sim->grains.force_torque, 0, sim->grains.n * sizeof *sim->grains.force_torque);
-    else
-        memset(sim->grains.force, 0, sim->grains.n * sizeof *sim->grains.force);
+    const dem_forces forces = dem_forces_of(&sim->grains);
+    memset(forces.at, 0, sim->grains.n * forces.size);
     sim->count.grain_steps += (double)sim->grains.n;
     return RP_OK;
 }

@@ -66,7 +66,7 @@ static rp_status check(const dem_definition *def)
         return rp_fail(RP_BAD_INPUT, "the box turns, but the integrator implicit needs walls that stand");
     for (size_t w = 0; w < def->n_walls; w++) {
         const dem_wall *wall = &dem_walls_of(def)[w];
-        if (isfinite(wall->extent[0]) || isfinite(wall->extent[1]))
+        if (!dem_wall_is_line(wall))
             return rp_fail(RP_BAD_INPUT,
                            "wall %zu: extent = [%g, %g]: the integrator implicit needs whole lines", w + 1,
                            wall->extent[0], wall->extent[1]);
@@ -174,8 +174,9 @@ static inline contact contact_of(const dem_sim *sim, size_t k, dem_parts *p)
     contact f = {0};
     if (ends.slot) {
         dem_wall_slot slot = *ends.slot;
-        dem_vec still;
-        if (!dem_wall_touch(sim, &slot, &along, &before, &still)) return f;
+        dem_touch touch;
+        if (!dem_wall_touch(sim, &slot, &touch)) return f;
+        along = touch.normal, before = touch.overlap;
         after = before - dem_dot(u, along);
     } else {
         const dem_vec from = sim->grains.motion[ends.i].x - sim->grains.motion[ends.j].x;

@@ -23,14 +23,13 @@ rp_status dem_check_overlaps(dem_sim *sim, size_t k, size_t to, size_t from, siz
                             sim->grains.id[j], smaller);
     }
     for (size_t s = 0; s < sim->walls.n_slots; s++) {
-        dem_vec normal, velocity;
-        double overlap;
+        dem_touch touch;
         dem_wall_slot slot = sim->walls.slot[s];
-        if (slot.grain >= from && slot.grain < end &&
-            dem_wall_touch(sim, &slot, &normal, &overlap, &velocity) &&
-            !(overlap <= sim->grains.radius[slot.grain]))
-            return dem_stop(sim, isfinite(overlap) ? DEM_FAULT_LEAKED : DEM_FAULT_NON_FINITE, slot.grain,
-                            "its centre passed wall %u (overlap %g)", slot.wall + 1, overlap);
+        if (slot.grain >= from && slot.grain < end && dem_wall_touch(sim, &slot, &touch) &&
+            !(touch.overlap <= sim->grains.radius[slot.grain]))
+            return dem_stop(sim, isfinite(touch.overlap) ? DEM_FAULT_LEAKED : DEM_FAULT_NON_FINITE,
+                            slot.grain, "its centre passed wall %u (overlap %g)", slot.wall + 1,
+                            touch.overlap);
     }
     return RP_OK;
 }

@@ -270,8 +270,7 @@ static void half_works(const dem_sim *sim, const ledger_contact *c, bool first, 
 
 static bool wall_gone(const dem_sim *sim, const ledger_contact *c)
 {
-    const dem_wall *w = &sim->walls.wall[wall_of(c)];
-    return w->open_at_step >= 0 && sim->step >= w->open_at_step && isinf(w->open_speed);
+    return dem_wall_opens(sim, wall_of(c)) && isinf(sim->walls.wall[wall_of(c)].open_speed);
 }
 
 /* Add the energies of a contact in the step to the sums. */

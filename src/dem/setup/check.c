@@ -87,7 +87,7 @@ static rp_status check_ground(const dem_definition *def)
     if (g->wall < 0 || (size_t)g->wall > def->n_walls)
         return rp_fail(RP_BAD_INPUT, "ground: wall = %ld: there are %zu walls", g->wall, def->n_walls);
     const dem_wall *w = &dem_walls_of(def)[g->wall - 1];
-    if (w->open_at_step >= 0 || isfinite(w->extent[0]) || isfinite(w->extent[1]) || dem_wall_moves(w))
+    if (w->open_at_step >= 0 || !dem_wall_is_line(w) || dem_wall_moves(w))
         return rp_fail(RP_BAD_INPUT, "ground: wall = %ld: must be a whole line that never opens or moves",
                        g->wall);
     if (dem_has_spring(def->tangential))
@@ -174,7 +174,7 @@ rp_status dem_laws_check(const dem_definition *def)
     return RP_OK;
 }
 
-/* As fast as a grain may be: see check_grain in neighbours.c. */
+/* As fast as a grain may be: see check_grain in list.c. */
 static rp_status check_wall_speeds(const dem_definition *def)
 {
     double r_min = INFINITY;

@@ -28,14 +28,18 @@ typedef struct {
     dem_vec half_corner[2]; /* cosine and sine of half the turn to the wall that is joined at an end */
 } dem_wall_line;
 
+/* Arrays with an entry for each wall, and one more: type, name. start, next: the first slot, and the first
+ * that a step has still to do; wall: of the definition; force: on the wall; mu: finite stand-in for an
+ * infinite one; line: where the wall is now. */
+#define DEM_WALL_ARRAYS(X)                                                                                   \
+    X(dem_wall, wall) X(dem_wall_line, line) X(dem_vec, force) X(double, mu) X(size_t, next) X(size_t, start)
+
 typedef struct {
-    /* slots in the order of walls: the first of each, and the first that a step has still to do */
-    size_t n_slots, capacity, *start, *next;
-    dem_wall_slot *slot;
-    dem_wall *wall;      /* of the definition */
-    dem_vec *force;      /* on the wall */
-    double *mu;          /* finite stand-in for an infinite one */
-    dem_wall_line *line; /* where the walls are now */
+    size_t n_slots, capacity;
+    dem_wall_slot *slot; /* in the order of walls */
+#define X(type, name) type *name;
+    DEM_WALL_ARRAYS(X)
+#undef X
 
     /* walls that move by themselves: how many; the way of the fastest in a step, at most; margin of the list
      * for such walls */

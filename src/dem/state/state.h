@@ -75,6 +75,17 @@ static inline dem_vec *dem_force(const dem_sim *sim, size_t i)
     return sim->grains.force_torque ? &sim->grains.force_torque[i].force : &sim->grains.force[i];
 }
 
+/* That array, and the size of an item. */
+typedef struct {
+    char *at;
+    size_t size;
+} dem_forces;
+static inline dem_forces dem_forces_of(const dem_grains *g)
+{
+    return g->force_torque ? (dem_forces){(char *)g->force_torque, sizeof *g->force_torque}
+                           : (dem_forces){(char *)g->force, sizeof *g->force};
+}
+
 static inline bool dem_is_fixed(const dem_sim *sim, size_t i)
 {
     return sim->grains.inverse_mass[i] == 0.0;
@@ -93,6 +104,13 @@ static inline bool dem_beyond_margin(const dem_sim *sim, size_t i, dem_vec x)
 {
     const dem_vec moved = x - sim->grains.listed_x[i];
     return !(dem_dot(moved, moved) <= sim->grains.margin2[i]);
+}
+
+/* Has the wall begun to open? */
+static inline bool dem_wall_opens(const dem_sim *sim, size_t w)
+{
+    const long from = sim->walls.wall[w].open_at_step;
+    return from >= 0 && sim->step >= from;
 }
 
 /* Contacts by number: the pairs of the list, then the wall slots. Which grains: the second is DEM_NOBODY at a

@@ -156,7 +156,7 @@ static rp_status plan(dem_sim *sim, dem_part *part)
     struct dem_share *own = part->share;
     size_t from, to;
     RP_TRY(copy_border(sim, part, &from, &to));
-    const size_t size = sim->grains.force_torque ? sizeof(dem_force_torque) : sizeof(dem_vec),
+    const size_t size = dem_forces_of(&sim->grains).size,
                  chunks = (part->pair_end - part->pair) / sim->pairs.chunk + 1;
     own->force_from = from / DEM_GROUP * DEM_GROUP;
     if (to - own->force_from > own->force_capacity) {
@@ -194,15 +194,9 @@ static rp_status take_forces(dem_sim *sim, dem_part *part)
     const size_t n = part->grain_end - part->grain;
     dem_sim copy = *sim;
     dem_threads_enter(&copy, part);
-    if (sim->grains.force_torque) {
-        memcpy(copy.grains.force_torque + part->grain, sim->grains.force_torque + part->grain,
-               n * sizeof *sim->grains.force_torque);
-        memset(sim->grains.force_torque + part->grain, 0, n * sizeof *sim->grains.force_torque);
-    } else {
-        memcpy(copy.grains.force + part->grain, sim->grains.force + part->grain,
-               n * sizeof *sim->grains.force);
-        memset(sim->grains.force + part->grain, 0, n * sizeof *sim->grains.force);
-    }
+    const dem_forces from = dem_forces_of(&sim->grains), to = dem_forces_of(&copy.grains);
+    memcpy(to.at + part->grain * to.size, from.at + part->grain * from.size, n * from.size);
+    memset(from.at + part->grain * from.size, 0, n * from.size);
     return RP_OK;
 }
 
