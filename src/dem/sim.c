@@ -117,7 +117,7 @@ static rp_status fill_in(dem_sim *sim, const dem_definition *def)
     dem_gravity_start(sim);
     rp_status status = dem_walls_place(sim, def);
     dem_loops_choose(sim);
-    if (!status) status = dem_grains_alloc(&sim->grains, def, def->n_grains, false);
+    if (!status) status = dem_grains_alloc(sim, def->n_grains, false, &sim->grains);
     if (status) return status;
     put_grains(sim, def);
     sim->list.skin = def->skin > 0.0 ? def->skin : 0.4 * sim->start.radius_mean;
@@ -151,7 +151,7 @@ rp_status dem_create(const dem_definition *def, dem_sim **sim)
 
 static rp_status copy_parts(const dem_sim *sim, size_t capacity, dem_sim *c)
 {
-    RP_TRY(dem_grains_copy(&sim->grains, &sim->def, capacity, &c->grains));
+    RP_TRY(dem_grains_copy(sim, capacity, &c->grains));
     RP_TRY(dem_pairs_copy(&sim->pairs, &c->pairs));
     if (sim->pairs.n_chunks > 0) RP_TRY(dem_pairs_plan_chunks(&c->pairs, c->grains.n));
     RP_TRY(dem_walls_copy(&sim->walls, sim->def.n_walls, &c->walls));

@@ -69,7 +69,7 @@ static void check_numbers(rp_snapshot *s, const dem_sim *sim)
 static void keep_grains(rp_snapshot *s, dem_sim *sim)
 {
     dem_grains *const g = &sim->grains;
-    if (s->reading) s->status = dem_grains_alloc(g, &sim->def, g->capacity, false);
+    if (s->reading) s->status = dem_grains_alloc(sim, g->capacity, false, g);
 #define X(type, name, need, role)                                                                            \
     if (!s->status && g->name && role != DEM_OF_STEP) rp_keep(s, g->name, g->n * sizeof(type));
     DEM_GRAIN_ARRAYS(X)

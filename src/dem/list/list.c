@@ -49,7 +49,7 @@ rp_status dem_neighbours_alloc(dem_sim *sim, const dem_sim *like)
         dem_cells_choose(sim, cell_size(sim, 0.0), cells);
     }
     cells->start = calloc(cells->columns * cells->rows + 1, sizeof *cells->start);
-    return cells->start ? dem_grains_alloc(&w->spare, &sim->def, sim->grains.capacity, true) : no_memory();
+    return cells->start ? dem_grains_alloc(sim, sim->grains.capacity, true, &w->spare) : no_memory();
 }
 
 void dem_neighbours_keep(rp_snapshot *s, dem_sim *sim)

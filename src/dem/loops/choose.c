@@ -42,7 +42,7 @@ void dem_loops_choose(dem_sim *sim)
         for (kernel = DEM_KERNELS - 1; !dem_kernel_runs(kernel);) kernel--;
     if (sim->scheme->excess && dem_has_spring(sim->def.tangential)) kernel = DEM_REFERENCE;
     sim->loops = *loops_of[kernel];
-    if (kernel == DEM_REFERENCE)
+    if (sim->loops.general)
         strcpy(sim->loops.name, sim->loops.word);
     else
         snprintf(sim->loops.name, sizeof sim->loops.name, "%s_%s",

@@ -573,7 +573,7 @@ static size_t next_collided(const dem_sim *sim, size_t k, size_t end)
 }
 
 /* The table of a width, or of other loops over pairs and slots. */
-#define LOOPS(word, pairs, line, next_approaching, next_collided)                                            \
+#define LOOPS(word, general, pairs, line, next_approaching, next_collided)                                   \
     {                                                                                                        \
-        word, "", pairs, line, advance, margins, predict, append, next_approaching, next_collided            \
+        word, general, "", pairs, line, advance, margins, predict, append, next_approaching, next_collided   \
     }

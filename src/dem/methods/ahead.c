@@ -103,9 +103,8 @@ rp_status dem_ahead_move(dem_sim *sim, unsigned *left)
 static bool may_run_ahead(const dem_sim *sim)
 {
     const dem_definition *def = &sim->def;
-    return sim->pairs.n_chunks > 0 && def->kernel != DEM_REFERENCE && !def->hard.on && !sim->ledger &&
-           !sim->times && def->turn_per_step == 0.0 && def->box_turn_per_step == 0.0 &&
-           sim->walls.n_moving == 0;
+    return sim->pairs.n_chunks > 0 && !sim->loops.general && !def->hard.on && !sim->ledger && !sim->times &&
+           def->turn_per_step == 0.0 && def->box_turn_per_step == 0.0 && sim->walls.n_moving == 0;
 }
 
 /* The forces of the walls on the grains from..to of a part, after those of pairs k..end; then their next

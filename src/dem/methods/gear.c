@@ -113,6 +113,7 @@ const dem_scheme dem_scheme_gear5 = {
         "Gear's predictor-corrector of fifth order (Allen & Tildesley 1987, appendix E), without rotation",
     .order = {4, 2}, /* until a third derivative that starts at 0 is wrong */
     .excess = true,
+    .derivatives = true,
     .step_limit = step_limit,
     .start = start,
     .gravity = change_gravity,

@@ -104,27 +104,27 @@ static double end_quotient(dem_normal_law normal, double k_n, double before, dou
     return force;
 }
 
-/* Coefficients of a contact. */
+/* A contact in the step: its coefficients, overlaps before and after, the normal force; where its parts go,
+ * or NULL. */
 typedef struct {
     const dem_material *c;
-    double mu, m_eff;
-} coefficients;
+    double mu, m_eff, before, after, normal;
+    dem_parts *parts;
+} touch;
 
-/* Normal force of the step, and its derivative by the overlap at the end; here and below, its parts too where
- * `p` is not NULL. */
-static inline double normal_force(const dem_sim *sim, const coefficients *l, double before, double after,
-                                  double *slope, dem_parts *p)
+/* Normal force of the step, and its derivative by the overlap at the end. */
+static inline double normal_force(const dem_sim *sim, const touch *l, double *slope)
 {
     const dem_normal_descriptor *law = &dem_normal_descriptors[sim->def.normal];
-    const double k_n = l->c->k_n, from = fmax(before, 0.0), to = fmax(after, 0.0), gamma_n = l->c->gamma_n,
-                 dt = sim->def.dt;
+    const double k_n = l->c->k_n, gamma_n = l->c->gamma_n, dt = sim->def.dt, before = l->before,
+                 after = l->after, from = fmax(before, 0.0), to = fmax(after, 0.0);
     double force = before > 0.0 && after > 0.0 ? law->quotient(k_n, before, after, slope)
                                                : end_quotient(sim->def.normal, k_n, before, after, slope);
-    if (p) p->elastic = force;
+    if (l->parts) l->parts->elastic = force;
     force += law->mean_rate(k_n, gamma_n, l->m_eff, from, to) * l->m_eff / dt * (to - from);
     if (after > 0.0) *slope += law->damping_rate(k_n, gamma_n, l->m_eff, after) * l->m_eff / dt;
     if (!sim->def.tension && !(force > 0.0)) force = *slope = 0.0;
-    if (p) p->damping = force - p->elastic;
+    if (l->parts) l->parts->damping = force - l->parts->elastic;
     return force;
 }
 
@@ -138,46 +138,47 @@ static void add_along(contact *to, dem_vec s, double f, double slope)
 }
 
 /* Viscous slip along s, over the part of the step in which they touch; `slip` is its displacement. */
-static inline void add_slip(const dem_sim *sim, const coefficients *l, dem_vec s, double slip, double before,
-                            double after, double f_n, contact *to, dem_parts *p)
+static inline void add_slip(const dem_sim *sim, const touch *l, dem_vec s, double slip, contact *to)
 {
     if (!dem_has_friction(sim->def.tangential)) return;
-    const double part = before > 0.0 && after > 0.0 ? 1.0 : fmax(before, after) / fabs(after - before);
-    const double viscous = part * l->c->gamma_s * l->m_eff / sim->def.dt, cap = l->mu * fmax(f_n, 0.0);
+    const bool lasts = l->before > 0.0 && l->after > 0.0;
+    const double part = lasts ? 1.0 : fmax(l->before, l->after) / fabs(l->after - l->before);
+    const double viscous = part * l->c->gamma_s * l->m_eff / sim->def.dt, cap = l->mu * fmax(l->normal, 0.0);
     const bool slides = fabs(viscous * slip) > cap;
     const double force = slides ? -copysign(cap, slip) : -viscous * slip;
     add_along(to, s, force, slides ? 0.0 : viscous);
-    if (p) *(slides ? &p->slip : &p->dashpot) = force;
+    if (l->parts) *(slides ? &l->parts->slip : &l->parts->dashpot) = force;
 }
 
 /* The well's force, by the quotient of the potential k min(d^2, a^2)/2 between displacements. */
-static inline void add_well(const dem_sim *sim, const dem_wall_slot *slot, dem_vec t, double normal,
-                            contact *to, dem_parts *p)
+static inline void add_well(const dem_sim *sim, const touch *l, const dem_wall_slot *slot, dem_vec t,
+                            contact *to)
 {
     const dem_ground *g = &sim->def.ground;
     const double before = dem_ground_displacement(sim, slot),
                  moved = dem_dot(sim->grains.displacement[slot->grain], t);
-    const double k = g->mu_static * fmax(normal, 0.0) / g->a, a = g->a;
+    const double k = g->mu_static * fmax(l->normal, 0.0) / g->a, a = g->a;
     const bool holds = fabs(before + moved) <= a;
     const double pull = holds ? k * (before + 0.5 * moved) : 0.5 * k * (a - before) * (a + before) / moved;
     add_along(to, t, -pull, holds ? 0.5 * k : -pull / moved);
-    if (p) p->well = -pull;
+    if (l->parts) l->parts->well = -pull;
 }
 
 /* Contact number k of sim.h. */
 static inline contact contact_of(const dem_sim *sim, size_t k, dem_parts *p)
 {
     const dem_ends ends = dem_contact_ends(sim, k);
-    coefficients l = {&sim->def.material, sim->mu, 0.0};
+    touch l = {.c = &sim->def.material, .mu = sim->mu, .parts = p};
     dem_vec u = sim->grains.displacement[ends.i], along;
-    double before, after, both = 1.0, length = 1.0; /* of a pair: sum of its distances, |along| */
+    double both = 1.0, length = 1.0; /* of a pair: sum of its distances, |along| */
     contact f = {0};
     if (ends.slot) {
         dem_wall_slot slot = *ends.slot;
-        dem_touch touch;
-        if (!dem_wall_touch(sim, &slot, &touch)) return f;
-        along = touch.normal, before = touch.overlap;
-        after = before - dem_dot(u, along);
+        dem_touch at_wall;
+        if (!dem_wall_touch(sim, &slot, &at_wall)) return f;
+        along = at_wall.normal;
+        l.before = at_wall.overlap;
+        l.after = l.before - dem_dot(u, along);
     } else {
         const dem_vec from = sim->grains.motion[ends.i].x - sim->grains.motion[ends.j].x;
         u -= sim->grains.displacement[ends.j];
@@ -185,24 +186,28 @@ static inline contact contact_of(const dem_sim *sim, size_t k, dem_parts *p)
         const double r = sqrt(dem_dot(from, from));
         along = from + to;
         both = r + sqrt(dem_dot(to, to));
-        before = sim->pairs.radii[k] - r;
+        l.before = sim->pairs.radii[k] - r;
         /* the change of the distance keeps the overlap's last digits */
-        after = before - dem_dot(u, along) / both;
+        l.after = l.before - dem_dot(u, along) / both;
     }
-    if (before <= 0.0 && after <= 0.0) return f;
-    if (ends.slot)
-        l = (coefficients){&sim->walls.wall[ends.slot->wall].material, sim->walls.mu[ends.slot->wall],
-                           sim->grains.mass[ends.i]};
-    else
-        l.m_eff = sim->pairs.m_eff[k], length = sqrt(dem_dot(along, along));
+    if (l.before <= 0.0 && l.after <= 0.0) return f;
+    if (ends.slot) {
+        l.c = &sim->walls.wall[ends.slot->wall].material;
+        l.mu = sim->walls.mu[ends.slot->wall];
+        l.m_eff = sim->grains.mass[ends.i];
+    } else {
+        l.m_eff = sim->pairs.m_eff[k];
+        length = sqrt(dem_dot(along, along));
+    }
     double slope;
-    const double f_n = normal_force(sim, &l, before, after, &slope, p), turn = ends.slot ? 0.0 : f_n / both;
+    l.normal = normal_force(sim, &l, &slope);
+    const double turn = ends.slot ? 0.0 : l.normal / both;
     const dem_vec s = along / both, t = dem_clockwise(along) / length;
-    add_along(&f, s, f_n, slope + turn);
+    add_along(&f, s, l.normal, slope + turn);
     f.xx -= turn, f.yy -= turn;
-    add_slip(sim, &l, t, dem_dot(u, t), before, after, f_n, &f, p);
+    add_slip(sim, &l, t, dem_dot(u, t), &f);
     if (ends.slot && ends.slot->well == DEM_WELL_HOLDS && dem_is_ground(sim, ends.slot))
-        add_well(sim, ends.slot, t, f_n, &f, p);
+        add_well(sim, &l, ends.slot, t, &f);
     if (p) p->n = s, p->s = t;
     return f;
 }
@@ -535,6 +540,7 @@ const dem_scheme dem_scheme_implicit = {
               "without rotation and shear springs; walls are whole lines that stand",
     .order = {2, 2},
     .even_margins = true,
+    .solves = true,
     .check = check,
     .free = free_work,
     .step = step,

@@ -12,6 +12,7 @@
 #include "table/table.h"
 #include "params/units.h"
 #include "dem/setup/definition.h"
+#include "dem/state/method.h"
 #include "dem/state/vec.h"
 
 /* What a scene file says, before defaults that depend on one another are filled in. */
@@ -559,7 +560,7 @@ static rp_status read_scene(const char *path, config_t *config, const rp_texts *
     const config_setting_t *implicit = config_setting_get_member(root, "implicit");
     RP_TRY(read_group(root, "ground", ground_schema, &def->ground));
     RP_TRY(read_group(root, "hard", hard_schema, &def->hard));
-    if (implicit && def->integrator != DEM_IMPLICIT)
+    if (implicit && !dem_schemes[def->integrator]->solves)
         return rp_config_fail(implicit, "implicit: needs integrator = \"implicit\"");
     RP_TRY(read_group(root, "implicit", implicit_schema, &def->implicit));
     return read_grains(path, root, file);
@@ -676,7 +677,7 @@ void dem_scene_write(const dem_scene *scene, FILE *out)
     write_walls(out, def);
     if (def->ground.wall) write_group(out, "ground", ground_schema, &def->ground);
     if (def->hard.on) write_group(out, "hard", hard_schema, &def->hard);
-    if (def->integrator == DEM_IMPLICIT) write_group(out, "implicit", implicit_schema, &def->implicit);
+    if (dem_schemes[def->integrator]->solves) write_group(out, "implicit", implicit_schema, &def->implicit);
     if (scene->has_fill)
         write_group(out, "fill", fill_schema, &scene->fill);
     else

@@ -1,12 +1,14 @@
 /* The arrays of the grains; see grains.h. */
-#include "dem/state/grains.h"
+#include "dem/state/state.h"
 
 #include <string.h>
 
 enum { PADDING = 8 }; /* kernels read up to 7 entries beyond the last grain */
 
-rp_status dem_grains_alloc(dem_grains *grains, const dem_definition *def, size_t capacity, bool states)
+rp_status dem_grains_alloc(const dem_sim *sim, size_t capacity, bool states, dem_grains *grains)
 {
+    const dem_definition *def = &sim->def;
+    const dem_scheme *scheme = sim->scheme;
     const size_t n = capacity + PADDING;
     bool failed = !states && !(grains->slack = dem_array(n / DEM_GROUP + 1, sizeof *grains->slack));
     grains->capacity = capacity;
@@ -29,11 +31,11 @@ void dem_grains_free(dem_grains *grains)
 #undef X
 }
 
-rp_status dem_grains_copy(const dem_grains *grains, const dem_definition *def, size_t capacity,
-                          dem_grains *copy)
+rp_status dem_grains_copy(const dem_sim *sim, size_t capacity, dem_grains *copy)
 {
+    const dem_grains *grains = &sim->grains;
     *copy = *grains;
-    RP_TRY(dem_grains_alloc(copy, def, capacity, false));
+    RP_TRY(dem_grains_alloc(sim, capacity, false, copy));
 #define X(type, name, need, role)                                                                            \
     if (copy->name && role != DEM_OF_STEP) memcpy(copy->name, grains->name, grains->n * sizeof(type));
     DEM_GRAIN_ARRAYS(X)

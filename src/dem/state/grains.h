@@ -30,7 +30,7 @@ typedef enum {
     DEM_OF_STEP /* of one step alone */
 } dem_grain_role;
 
-/* Type, name, the definitions that need it (NULL for others), role.
+/* Type, name, the definitions and integrators that need it (NULL for others), role.
  *
  * motion, force or force_torque: see above; force is without rotation. inverse_mass: 0 where a grain is
  * fixed. angle, omega: omega is of half a step before, as velocities are. gear: of the Gear scheme. excess:
@@ -53,8 +53,8 @@ typedef enum {
     X(double, angle, def->rotation, DEM_STATE)                                                               \
     X(double, omega, def->rotation, DEM_STATE)                                                               \
     X(double, inverse_inertia, def->rotation, DEM_STATE)                                                     \
-    X(dem_gear, gear, def->integrator == DEM_GEAR5, DEM_STATE)                                               \
-    X(dem_vec, excess, def->integrator == DEM_GEAR5, DEM_STATE)                                              \
+    X(dem_gear, gear, scheme->derivatives, DEM_STATE)                                                        \
+    X(dem_vec, excess, scheme->excess, DEM_STATE)                                                            \
     X(dem_vec, listed_x, true, DEM_LISTED)                                                                   \
     X(double, margin2, true, DEM_LISTED)                                                                     \
     X(double, cutoff, true, DEM_LISTED)                                                                      \
@@ -63,12 +63,12 @@ typedef enum {
     X(double, next_angle, def->hard.on && def->rotation, DEM_OF_STEP)                                        \
     X(double, next_omega, def->hard.on && def->rotation, DEM_OF_STEP)                                        \
     X(bool, collided, def->hard.on, DEM_OF_STEP)                                                             \
-    X(dem_vec, displacement, def->integrator == DEM_IMPLICIT, DEM_OF_STEP)                                   \
-    X(dem_vec, contact_force, def->integrator == DEM_IMPLICIT, DEM_OF_STEP)                                  \
-    X(double, stiffness, def->integrator == DEM_IMPLICIT, DEM_OF_STEP)                                       \
-    X(dem_vec, residual, def->integrator == DEM_IMPLICIT, DEM_OF_STEP)                                       \
-    X(dem_vec, newton_step, def->integrator == DEM_IMPLICIT, DEM_OF_STEP)                                    \
-    X(dem_vec, further_step, def->integrator == DEM_IMPLICIT, DEM_OF_STEP)                                   \
+    X(dem_vec, displacement, scheme->solves, DEM_OF_STEP)                                                    \
+    X(dem_vec, contact_force, scheme->solves, DEM_OF_STEP)                                                   \
+    X(double, stiffness, scheme->solves, DEM_OF_STEP)                                                        \
+    X(dem_vec, residual, scheme->solves, DEM_OF_STEP)                                                        \
+    X(dem_vec, newton_step, scheme->solves, DEM_OF_STEP)                                                     \
+    X(dem_vec, further_step, scheme->solves, DEM_OF_STEP)                                                    \
     X(uint32_t, cell, true, DEM_OF_STEP)                                                                     \
     X(uint32_t, moved_to, true, DEM_OF_STEP)                                                                 \
     X(uint32_t, held, true, DEM_OF_STEP)                                                                     \
@@ -90,14 +90,13 @@ typedef struct {
 #undef X
 } dem_grains;
 
-/* Arrays for `capacity` grains, all 0; `states` alone, or all. Free with dem_grains_free, also after an
- * error. Errors: RP_NO_MEMORY. */
-rp_status dem_grains_alloc(dem_grains *grains, const dem_definition *def, size_t capacity, bool states);
+/* Arrays that the definition and the integrator of `sim` need for `capacity` grains, all 0; `states` alone,
+ * or all. Free with dem_grains_free, also after an error. Errors: RP_NO_MEMORY. */
+rp_status dem_grains_alloc(const dem_sim *sim, size_t capacity, bool states, dem_grains *grains);
 void dem_grains_free(dem_grains *grains);
 
-/* A copy with this capacity. Errors: RP_NO_MEMORY. */
-rp_status dem_grains_copy(const dem_grains *grains, const dem_definition *def, size_t capacity,
-                          dem_grains *copy);
+/* A copy of the grains of `sim` with this capacity. Errors: RP_NO_MEMORY. */
+rp_status dem_grains_copy(const dem_sim *sim, size_t capacity, dem_grains *copy);
 
 /* Sort the states: put each grain i of from..end to place to[i] of `sorted`, or nowhere where that is
  * DEM_NOWHERE; then let the n states in `sorted` be those of the grains. */

@@ -22,6 +22,7 @@ enum { DEM_FEW = 4 };
 /* Arrays of grains, and of pairs, have up to 7 entries behind the last one that these read or write. */
 typedef struct {
     const char *word;
+    bool general;  /* laws known at run time alone, and no short cut: grains do not run ahead */
     char name[40]; /* in a simulation: that, after the name of its normal law */
 
     /* Add the forces of the pairs from..to: the first a multiple of 64, the second too or the number of

@@ -31,6 +31,8 @@ typedef struct dem_scheme {
     bool rotation;     /* can rotate grains */
     bool hard;         /* has hard collisions */
     bool excess;       /* keeps excess displacements, which shear springs need; see grains.h */
+    bool derivatives;  /* keeps further derivatives of the positions */
+    bool solves;       /* solves each step for its displacements, as `implicit` of the definition says */
     bool runs_ahead;   /* grains may go on before the forces on all the others are there: parts for threads */
     bool even_margins; /* a step may move a grain by more than v dt: half the skin is every grain's margin */
 
