@@ -1888,7 +1888,8 @@ static void header_notes(void)
     fclose(out);
     const double m_eff = 0.5 * 0.015 / 3.0, r = 0.31 / 3.0;
     dem_collision_result c;
-    CHECK_OK(dem_collision(DEM_HERTZ, true, def.material.k_n, def.material.gamma_n, m_eff, 60.0, &c));
+    CHECK_OK(dem_collision(
+        &(dem_head_on){DEM_HERTZ, true, def.material.k_n, def.material.gamma_n, m_eff, 60.0}, &c));
     const char *what;
     const double limit = dem_time_step_limit(&def, &what);
     snprintf(expected, sizeof expected, "dt = 5e-05 s; limit %.3g s, set by %s", limit, what);

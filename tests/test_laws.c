@@ -226,7 +226,7 @@ static void restitution_has_closed_form(void)
             if (tension && ratio > 0.99) continue; /* the solver follows no impact that hardly ends */
             for (double v = 0.13; v < 1e3; v *= 37.0) {
                 dem_collision_result c;
-                CHECK_OK(dem_collision(law, tension, k, gamma, m, v, &c));
+                CHECK_OK(dem_collision(&(dem_head_on){law, tension, k, gamma, m, v}, &c));
                 CHECK_NEAR(c.restitution, dem_restitution(tension, ratio), 1e-10);
             }
         }
@@ -282,10 +282,14 @@ static void restitution_in_place_of_damping(void)
             /* the start's impact speed is twice the largest one: here one grain rests */
             double gamma_n;
             dem_collision_result c;
-            CHECK_OK(dem_damping_of(normal, def.tension, def.material.k_n, 0.002, 2.0 * v, e, &gamma_n));
-            CHECK_OK(dem_collision(normal, def.tension, def.material.k_n, gamma_n, 0.002, 2.0 * v, &c));
+            CHECK_OK(dem_damping_of(
+                &(dem_head_on){normal, def.tension, .k_n = def.material.k_n, .m_eff = 0.002, .v = 2.0 * v}, e,
+                &gamma_n));
+            CHECK_OK(dem_collision(
+                &(dem_head_on){normal, def.tension, def.material.k_n, gamma_n, 0.002, 2.0 * v}, &c));
             CHECK_NEAR(c.restitution, e, 1e-10);
-            CHECK_OK(dem_collision(normal, def.tension, def.material.k_n, gamma_n, 0.002, v, &c));
+            CHECK_OK(
+                dem_collision(&(dem_head_on){normal, def.tension, def.material.k_n, gamma_n, 0.002, v}, &c));
             CHECK_NEAR(simulated_restitution(&def, v), c.restitution, first_order * c.restitution);
             if (dem_normal_descriptors[normal].damping_ratio) CHECK_NEAR(c.restitution, e, 1e-10);
         }
@@ -301,18 +305,19 @@ static void little_restitution(void)
     double gamma_n[3], begin = rp_cpu_clock();
     dem_collision_result c;
     for (int k = 0; k < 3; k++)
-        CHECK_OK(dem_damping_of(DEM_HERTZ, true, k_n, m_eff, v, (k + 1.0) * e, &gamma_n[k]));
+        CHECK_OK(dem_damping_of(&(dem_head_on){DEM_HERTZ, true, .k_n = k_n, .m_eff = m_eff, .v = v},
+                                (k + 1.0) * e, &gamma_n[k]));
     CU_ASSERT(rp_cpu_clock() - begin < 2.0);
     /* the slope changes as the root of the overlap at which the spring no longer counts, of order e */
     CHECK_NEAR((gamma_n[0] - gamma_n[1]) / (gamma_n[1] - gamma_n[2]), 1.0, 10.0 * sqrt(e));
     const double limit = 2.0 * gamma_n[0] - gamma_n[1];
     CHECK_NEAR(law->sticking_speed(k_n, limit, m_eff) / v, 1.0, e);
     for (int k = -1; k < 2; k += 2) {
-        CHECK_OK(dem_collision(DEM_HERTZ, true, k_n, limit * (1.0 + e * k), m_eff, v, &c));
+        CHECK_OK(dem_collision(&(dem_head_on){DEM_HERTZ, true, k_n, limit * (1.0 + e * k), m_eff, v}, &c));
         CU_ASSERT((law->sticking_speed(k_n, limit * (1.0 + e * k), m_eff) > v) == (k > 0));
         CU_ASSERT((c.restitution == 0.0) == (k > 0) && c.restitution < e);
     }
-    CHECK_OK(dem_collision(DEM_HERTZ, true, k_n, gamma_n[0], m_eff, v, &c));
+    CHECK_OK(dem_collision(&(dem_head_on){DEM_HERTZ, true, k_n, gamma_n[0], m_eff, v}, &c));
     CHECK_NEAR(c.restitution, e, 1e-5 * e);
 }
 
@@ -337,9 +342,14 @@ static void bad_restitution(void)
     CHECK_FAILS(dem_create(&def, &sim), RP_BAD_INPUT, "restitution = 1.1");
     def.material.restitution = 0.5, def.material.k_n = 0.0;
     CHECK_FAILS(dem_create(&def, &sim), RP_BAD_INPUT, "needs k_n > 0");
-    CHECK_FAILS(dem_damping_of(DEM_LINEAR, true, 1e6, 1.0, 1.0, 0.0, &gamma_n), RP_BAD_INPUT, "(0, 1]");
-    CHECK_FAILS(dem_damping_of(DEM_LINEAR, true, 1e6, 1.0, 1.0, NAN, &gamma_n), RP_BAD_INPUT, "(0, 1]");
-    CHECK_OK(dem_damping_of(DEM_HERTZ, true, 1e6, 1.0, 1.0, 1.0, &gamma_n));
+    CHECK_FAILS(
+        dem_damping_of(&(dem_head_on){DEM_LINEAR, true, .k_n = 1e6, .m_eff = 1.0, .v = 1.0}, 0.0, &gamma_n),
+        RP_BAD_INPUT, "(0, 1]");
+    CHECK_FAILS(
+        dem_damping_of(&(dem_head_on){DEM_LINEAR, true, .k_n = 1e6, .m_eff = 1.0, .v = 1.0}, NAN, &gamma_n),
+        RP_BAD_INPUT, "(0, 1]");
+    CHECK_OK(
+        dem_damping_of(&(dem_head_on){DEM_HERTZ, true, .k_n = 1e6, .m_eff = 1.0, .v = 1.0}, 1.0, &gamma_n));
     CU_ASSERT(gamma_n == 0.0);
 }
 
@@ -426,9 +436,11 @@ static void restitution_of_any_wall(void)
         if (asks >= 3) own.n_walls = MANY, own.wall_list = walls;
         dem_material *m = asks < 0 ? &own.material : &own.walls[asks < 3 ? asks : 0].material;
         if (asks < 3) m->restitution = 0.4, m->gamma_n = -1.0;
-        CHECK_OK(dem_damping_of(DEM_LINEAR, def.tension, 3e5, 0.005, 1.0, 0.4, &alike));
-        CHECK_OK(
-            dem_damping_of(DEM_LINEAR, def.tension, m->k_n, asks < 0 ? 0.0025 : 0.005, 1.0, 0.4, &gamma_n));
+        CHECK_OK(dem_damping_of(&(dem_head_on){DEM_LINEAR, def.tension, .k_n = 3e5, .m_eff = 0.005, .v = 1.0},
+                                0.4, &alike));
+        CHECK_OK(dem_damping_of(&(dem_head_on){DEM_LINEAR, def.tension, .k_n = m->k_n,
+                                               .m_eff = asks < 0 ? 0.0025 : 0.005, .v = 1.0},
+                                0.4, &gamma_n));
         CHECK_OK(dem_physics_resolve(&own));
         if (asks < 3) CHECK_NEAR(m->gamma_n, gamma_n, 1e-12 * gamma_n);
         CU_ASSERT(own.material.gamma_n == 500.0 || asks < 0);

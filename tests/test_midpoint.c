@@ -297,7 +297,8 @@ static void restitution(void)
         def.walls[0].material.gamma_n = k / 2 ? 15.0 : 60.0;
         dem_sim *sim = grains_start(&def);
         dem_collision_result exact;
-        CHECK_OK(dem_collision(def.normal, def.tension, K, def.walls[0].material.gamma_n, 1.0, 1.0, &exact));
+        CHECK_OK(dem_collision(
+            &(dem_head_on){def.normal, def.tension, K, def.walls[0].material.gamma_n, 1.0, 1.0}, &exact));
         CHECK_OK(dem_run(sim, lround(0.3 / def.dt)));
         /* second order: the dashpot acts over the fraction of a step in contact */
         CHECK_NEAR(grains_state_of_one(sim).vy, exact.restitution, K * def.dt * def.dt);

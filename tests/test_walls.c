@@ -47,7 +47,8 @@ static void piston(void)
         def.walls[0] = grains_line(0.0, 0.0, 1.0, 0.0, &def.material);
         def.walls[0].velocity[0] = V;
         dem_collision_result impact = {.restitution = 0.7};
-        if (!hard) CHECK_OK(dem_collision(def.normal, def.tension, 1e4, 300.0, M, V, &impact));
+        if (!hard)
+            CHECK_OK(dem_collision(&(dem_head_on){def.normal, def.tension, 1e4, 300.0, M, V}, &impact));
         dem_sim *sim = grains_start(&def);
         CHECK_OK(dem_run(sim, lround(3.3 / V / def.dt))); /* the gap, 2.9, and twice the contact time */
         const double v = V * (1.0 + impact.restitution), tolerance = hard ? 1e-12 : 2e-3;

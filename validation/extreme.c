@@ -214,7 +214,7 @@ static void damped_impacts(void)
             def.material.gamma_n = gammas[i];
             dem_grain pair[2] = {{.r = R, .m = M}, {.r = R, .m = 2.0 * M}};
             dem_collision_result exact;
-            CHECK_OK(dem_collision(law, true, 1e6, gammas[i], M * 2.0 / 3.0, v, &exact));
+            CHECK_OK(dem_collision(&(dem_head_on){law, true, 1e6, gammas[i], M * 2.0 / 3.0, v}, &exact));
             PARAMETERS("gamma_n = %g, %s", gammas[i], law_names[law]);
             outcome o = collide(&def, pair, v, 400.0, 400000);
             const double e = isinf(exact.time) ? 0.0 : exact.restitution;
@@ -398,7 +398,7 @@ static void scaled_units(void)
 {
     const double gamma = 300.0, v = 12.3;
     dem_collision_result exact;
-    CHECK_OK(dem_collision(DEM_HERTZ, true, 1e6, gamma, 0.5 * M, v, &exact));
+    CHECK_OK(dem_collision(&(dem_head_on){DEM_HERTZ, true, 1e6, gamma, 0.5 * M, v}, &exact));
     for (double length = 1e-30; length < 1e31; length *= 1e10)
         for (double mass = 1e-30; mass < 1e31; mass *= 1e20)
             for (double time = 1e-6; time < 1e7; time *= 1e6) {

@@ -134,7 +134,8 @@ static outcome damped_exact(const impact *p)
 {
     if (p->law == DEM_LINEAR) return linear_exact(p);
     dem_collision_result c;
-    CHECK_OK(dem_collision(p->law, !p->clipped, p->k_n, p->gamma_n, effective_mass(p), p->v, &c));
+    CHECK_OK(
+        dem_collision(&(dem_head_on){p->law, !p->clipped, p->k_n, p->gamma_n, effective_mass(p), p->v}, &c));
     return (outcome){c.restitution, c.overlap, c.time, NAN};
 }
 
@@ -266,7 +267,7 @@ static void sticking(void)
     for (int i = 0; i < (check_fast() ? 8 : 16); i++) {
         const double s = 0.5 * (parts + sticks);
         dem_collision_result c;
-        CHECK_OK(dem_collision(DEM_HERTZ, true, 1.0, s, 1.0, 1.0, &c));
+        CHECK_OK(dem_collision(&(dem_head_on){DEM_HERTZ, true, 1.0, s, 1.0, 1.0}, &c));
         *(c.restitution > 0.0 ? &parts : &sticks) = s;
     }
     /* half a unit of the last printed digit, and the bisection */
@@ -286,7 +287,7 @@ static void strong_damping(void)
             const impact p = {DEM_LINEAR, 1.0, damping, 1.0, clipped == 1, 2.0, 2.0, 0.0};
             const outcome exact = linear_exact(&p);
             dem_collision_result c;
-            CHECK_OK(dem_collision(DEM_LINEAR, !clipped, 1.0, damping, 1.0, 1.0, &c));
+            CHECK_OK(dem_collision(&(dem_head_on){DEM_LINEAR, !clipped, 1.0, damping, 1.0, 1.0}, &c));
             CU_ASSERT(clipped ? isfinite(c.time) : c.restitution == 0.0 && isinf(c.time));
             if (damping > 1e4) { /* the closed form loses its digits; its limit */
                 const double less = (2.0 * log(damping) - 1.0) / (damping * damping);
@@ -300,8 +301,8 @@ static void strong_damping(void)
         }
         for (int law = DEM_HERTZ; law <= DEM_LINEAR; law++) {
             dem_collision_result below, above;
-            CHECK_OK(dem_collision(law, !clipped, 1.0, 1e4 * (1.0 - 1e-9), 1.0, 1.0, &below));
-            CHECK_OK(dem_collision(law, !clipped, 1.0, 1e4 * (1.0 + 1e-9), 1.0, 1.0, &above));
+            CHECK_OK(dem_collision(&(dem_head_on){law, !clipped, 1.0, 1e4 * (1.0 - 1e-9), 1.0, 1.0}, &below));
+            CHECK_OK(dem_collision(&(dem_head_on){law, !clipped, 1.0, 1e4 * (1.0 + 1e-9), 1.0, 1.0}, &above));
             CHECK_NEAR(above.overlap / below.overlap, 1.0, 1e-6);
             CHECK_NEAR(above.restitution, below.restitution, 1e-6 * below.restitution);
             if (clipped) CHECK_NEAR(above.time / below.time, 1.0, 1e-6);
@@ -309,7 +310,7 @@ static void strong_damping(void)
     }
     /* slightly over-damped: the overlap decays through subnormal numbers, and ends */
     dem_collision_result c;
-    CHECK_OK(dem_collision(DEM_LINEAR, true, 1.0, 2.2, 1.0, 1.0, &c));
+    CHECK_OK(dem_collision(&(dem_head_on){DEM_LINEAR, true, 1.0, 2.2, 1.0, 1.0}, &c));
     CU_ASSERT(c.restitution == 0.0 && isinf(c.time));
 }
 
@@ -324,7 +325,8 @@ static void check_solver(impact *p)
             if ((p->law == DEM_HERTZ && i > 0) || (i == 3 && !clipped)) continue;
             const outcome exact = p->law == DEM_HERTZ ? elastic_exact(p) : linear_exact(p);
             dem_collision_result c;
-            CHECK_OK(dem_collision(p->law, !clipped, p->k_n, p->gamma_n, effective_mass(p), p->v, &c));
+            CHECK_OK(dem_collision(
+                &(dem_head_on){p->law, !clipped, p->k_n, p->gamma_n, effective_mass(p), p->v}, &c));
             const char *format = "%s %s damping=%g k_n=%g m_eff=%g v=%g";
             const char *reading = clipped ? "pushes" : "pulls";
             /* some 1e2 to 1e3 adaptive steps of 1e-13; the largest overlap comes from a parabola through a
@@ -343,7 +345,8 @@ static void single_impacts(void)
 {
     for_grid(case_stride(11), check_solver);
     dem_collision_result c;
-    CHECK_FAILS(dem_collision(DEM_HERTZ, true, 1e6, 500.0, M_EFF, 0.0, &c), RP_BAD_INPUT, "v = 0");
+    CHECK_FAILS(dem_collision(&(dem_head_on){DEM_HERTZ, true, 1e6, 500.0, M_EFF, 0.0}, &c), RP_BAD_INPUT,
+                "v = 0");
 }
 
 /* The range of damping from light to over-damped, with and without attractive forces, as a table for the

@@ -478,7 +478,7 @@ static void answers(void)
         CHECK_NEAR(a.v_n / b.v_n, 1.0, 1e-9);
         CHECK_NEAR(a.v_s, b.v_s, 1e-9 * V_N);
         CHECK_NEAR(a.along, b.along, 1e-9 * V_N * a.time);
-        CHECK_OK(dem_collision(p->normal, p->tension, stiffness(p), p->gamma_n, M, V_N, &c));
+        CHECK_OK(dem_collision(&(dem_head_on){p->normal, p->tension, stiffness(p), p->gamma_n, M, V_N}, &c));
         CHECK_NEAR(a.v_n / V_N, c.restitution, 1e-9);
         if (p->tension) CHECK_NEAR(a.time / c.time, 1.0, 1e-9);
         if (isinf(p->mu)) { /* a spring that is never truncated */

@@ -308,7 +308,7 @@ static dem_collision_result impact_of(int law)
         const double deepest = pow(1.25 * m * SPEED * SPEED / k, 0.4);
         c.time = 0.8 * deepest / SPEED * tgamma(0.4) * tgamma(0.5) / tgamma(0.9);
     } else {
-        CHECK_OK(dem_collision(DEM_HERTZ, true, k, g, m, SPEED, &c));
+        CHECK_OK(dem_collision(&(dem_head_on){DEM_HERTZ, true, k, g, m, SPEED}, &c));
     }
     return c;
 }

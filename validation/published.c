@@ -56,7 +56,7 @@ static double damping_for(double restitution, bool pulls)
     for (int i = 0; i < 50 && restitution < 1.0; i++) {
         const double middle = 0.5 * (lo + hi);
         dem_collision_result c;
-        CHECK_OK(dem_collision(DEM_LINEAR, false, 1.0, middle, 1.0, 1.0, &c));
+        CHECK_OK(dem_collision(&(dem_head_on){DEM_LINEAR, false, 1.0, middle, 1.0, 1.0}, &c));
         *(c.restitution > restitution ? &lo : &hi) = middle;
     }
     return lo;

@@ -10,10 +10,8 @@
 
 /* An impact in units of its length, at which the spring alone stops it, and of the time to run that. */
 typedef struct {
-    dem_normal_law law;
-    bool tension;
-    double k_n, gamma_n, m_eff, length, time;
-    double damping; /* rate at that length */
+    dem_head_on of;
+    double length, time, damping; /* rate at that length */
 } impact_problem;
 
 /* Overlap y[0] and its rate y[1]. */
@@ -22,10 +20,11 @@ static int impact_rates(double t, const double y[], double dydt[], void *params)
     (void)t;
     const impact_problem *p = params;
     const bool apart = y[0] <= 0.0 && y[1] < 0.0;
-    const double x = y[0] > 0.0 ? y[0] : 0.0, unit = p->m_eff * p->length / (p->time * p->time);
+    const dem_head_on *o = &p->of;
+    const double x = y[0] > 0.0 ? y[0] : 0.0, unit = o->m_eff * p->length / (p->time * p->time);
     dydt[0] = y[1];
     dydt[1] = apart ? 0.0
-                    : -dem_law_normal(p->law, p->tension, p->k_n, p->gamma_n, p->m_eff, x * p->length,
+                    : -dem_law_normal(o->normal, o->tension, o->k_n, o->gamma_n, o->m_eff, x * p->length,
                                       -y[1] * p->length / p->time) /
                           unit;
     return GSL_SUCCESS;
@@ -37,27 +36,29 @@ static int impact_rates(double t, const double y[], double dydt[], void *params)
 static void creep(const impact_problem *p, double *overlap, double *speed)
 {
     enum { ROUNDS = 40 }; /* each leaves a quarter of the error, or none where the rate is constant */
+    const dem_head_on *o = &p->of;
     const double v = p->length / p->time;
     double x = p->length;
     for (int k = 0; k < ROUNDS; k++)
-        x = v / dem_normal_descriptors[p->law].mean_rate(p->k_n, p->gamma_n, p->m_eff, 0.0, x);
+        x = v / dem_normal_descriptors[o->normal].mean_rate(o->k_n, o->gamma_n, o->m_eff, 0.0, x);
     *overlap = x / p->length;
-    *speed = p->tension ? 0.0
-                        : dem_law_elastic(p->law, p->k_n, x) /
-                              (p->m_eff * dem_law_damping_rate(p->law, p->k_n, p->gamma_n, p->m_eff, x)) / v;
+    *speed = o->tension
+                 ? 0.0
+                 : dem_law_elastic(o->normal, o->k_n, x) /
+                       (o->m_eff * dem_law_damping_rate(o->normal, o->k_n, o->gamma_n, o->m_eff, x)) / v;
 }
 
-rp_status dem_collision(dem_normal_law normal, bool tension, double k_n, double gamma_n, double m_eff,
-                        double v, dem_collision_result *result)
+rp_status dem_collision(const dem_head_on *o, dem_collision_result *result)
 {
-    const dem_normal_descriptor *law = &dem_normal_descriptors[normal];
+    const dem_normal_descriptor *law = &dem_normal_descriptors[o->normal];
     *result = (dem_collision_result){NAN, NAN, NAN};
-    if (!(k_n > 0.0 && gamma_n >= 0.0 && m_eff > 0.0 && v > 0.0))
+    if (!(o->k_n > 0.0 && o->gamma_n >= 0.0 && o->m_eff > 0.0 && o->v > 0.0))
         return rp_fail(RP_BAD_INPUT, "impact: k_n = %g, gamma_n = %g, m_eff = %g, v = %g: must be positive",
-                       k_n, gamma_n, m_eff, v);
-    const double length = law->impact_overlap(k_n, m_eff, v), time = length / v, most = 1e4;
-    impact_problem problem = {normal, tension, k_n,  gamma_n,
-                              m_eff,  length,  time, time * law->damping_rate(k_n, gamma_n, m_eff, length)};
+                       o->k_n, o->gamma_n, o->m_eff, o->v);
+    const bool tension = o->tension;
+    const double length = law->impact_overlap(o->k_n, o->m_eff, o->v), time = length / o->v, most = 1e4;
+    impact_problem problem = {*o, length, time,
+                              time * law->damping_rate(o->k_n, o->gamma_n, o->m_eff, length)};
     if (problem.damping > 1e4) {
         double overlap, speed;
         creep(&problem, &overlap, &speed);
@@ -97,27 +98,27 @@ rp_status dem_collision(dem_normal_law normal, bool tension, double k_n, double 
 }
 
 typedef struct {
-    dem_normal_law normal;
-    bool tension;
-    double k_n, m_eff, v, restitution;
+    dem_head_on of;
+    double restitution;
     rp_status status;
 } damping_problem;
 
 /* Grains that stick creep for as long as one waits: their restitution, 0, needs no integration. */
-static bool sticks(const damping_problem *p, double gamma_n)
+static bool sticks(const dem_head_on *o)
 {
-    const dem_normal_descriptor *law = &dem_normal_descriptors[p->normal];
+    const dem_normal_descriptor *law = &dem_normal_descriptors[o->normal];
     const double rounding = 1e-12; /* of that speed */
-    return p->tension && law->sticking_speed &&
-           p->v < (1.0 - rounding) * law->sticking_speed(p->k_n, gamma_n, p->m_eff);
+    return o->tension && law->sticking_speed &&
+           o->v < (1.0 - rounding) * law->sticking_speed(o->k_n, o->gamma_n, o->m_eff);
 }
 
 static double excess_restitution(double gamma_n, void *params)
 {
     damping_problem *p = params;
     dem_collision_result c;
-    if (sticks(p, gamma_n)) return -p->restitution;
-    const rp_status status = dem_collision(p->normal, p->tension, p->k_n, gamma_n, p->m_eff, p->v, &c);
+    p->of.gamma_n = gamma_n;
+    if (sticks(&p->of)) return -p->restitution;
+    const rp_status status = dem_collision(&p->of, &c);
     if (status) p->status = status;
     return c.restitution - p->restitution;
 }
@@ -125,9 +126,10 @@ static double excess_restitution(double gamma_n, void *params)
 /* Restitution falls with gamma_n, from 1. */
 static rp_status damping_at_speed(damping_problem *p, double *gamma_n)
 {
-    const dem_normal_descriptor *law = &dem_normal_descriptors[p->normal];
-    const double length = law->impact_overlap(p->k_n, p->m_eff, p->v);
-    double high = p->v / length / law->damping_rate(p->k_n, 1.0, p->m_eff, length);
+    const dem_head_on *o = &p->of;
+    const dem_normal_descriptor *law = &dem_normal_descriptors[o->normal];
+    const double length = law->impact_overlap(o->k_n, o->m_eff, o->v);
+    double high = o->v / length / law->damping_rate(o->k_n, 1.0, o->m_eff, length);
     while (excess_restitution(high, p) > 0.0 && !p->status) high *= 2.0;
     gsl_function f = {excess_restitution, p};
     gsl_root_fsolver *solver = gsl_root_fsolver_alloc(gsl_root_fsolver_brent);
@@ -144,17 +146,15 @@ static rp_status damping_at_speed(damping_problem *p, double *gamma_n)
     return p->status;
 }
 
-rp_status dem_damping_of(dem_normal_law normal, bool tension, double k_n, double m_eff, double v,
-                         double restitution, double *gamma_n)
+rp_status dem_damping_of(const dem_head_on *o, double restitution, double *gamma_n)
 {
-    const dem_normal_descriptor *law = &dem_normal_descriptors[normal];
+    const dem_normal_descriptor *law = &dem_normal_descriptors[o->normal];
     *gamma_n = NAN;
     if (!(restitution > 0.0 && restitution <= 1.0))
         return rp_fail(RP_BAD_INPUT, "restitution = %g: out of range, allowed: (0, 1]", restitution);
     *gamma_n = 0.0;
     if (restitution == 1.0) return RP_OK;
-    damping_problem p = {normal, tension, k_n, m_eff, v, restitution, RP_OK};
-    if (!law->damping_ratio) return damping_at_speed(&p, gamma_n);
-    *gamma_n = dem_damping_ratio_of(tension, restitution) / law->damping_ratio(k_n, 1.0, m_eff);
+    if (!law->damping_ratio) return damping_at_speed(&(damping_problem){*o, restitution, RP_OK}, gamma_n);
+    *gamma_n = dem_damping_ratio_of(o->tension, restitution) / law->damping_ratio(o->k_n, 1.0, o->m_eff);
     return RP_OK;
 }

@@ -26,7 +26,8 @@ void dem_write_notes(const dem_sim *sim, FILE *out)
                       dem_restitution(sim->def.tension, law->damping_ratio(c->k_n, c->gamma_n, m_eff)));
     dem_collision_result impact;
     if (!(v > 0.0) ||
-        dem_collision(sim->def.normal, sim->def.tension, c->k_n, c->gamma_n, m_eff, v, &impact) != RP_OK)
+        dem_collision(&(dem_head_on){sim->def.normal, sim->def.tension, c->k_n, c->gamma_n, m_eff, v},
+                      &impact) != RP_OK)
         return;
     rp_table_note(out, "impact",
                   "two mean grains at %.4g %s: restitution %.3f, overlap %.3g d, dt/contact time %.3g", v,

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/arena.h"
 #include "params/config.h"
 #include "params/guess.h"
 #include "table/table.h"
@@ -229,10 +230,20 @@ static rp_status read_line(const config_setting_t *setting, const wall_entry *en
     return add_wall(setting, &wall, scene);
 }
 
-/* The sides of a polygon through n points (x, y), with the direction on the left of the way along them. */
-static rp_status add_polygon(const config_setting_t *setting, const wall_entry *entry, const double *points,
-                             size_t n, bool closed, dem_scene *scene)
+/* Points (x, y) of a polygon or circle. */
+typedef struct {
+    size_t n;
+    double *at;
+    bool closed;
+} outline;
+
+/* The sides through the points, with the direction on the left of the way along them. */
+static rp_status add_sides(const config_setting_t *setting, const wall_entry *entry, const outline *through,
+                           dem_scene *scene)
 {
+    const double *points = through->at;
+    const size_t n = through->n;
+    const bool closed = through->closed;
     const size_t first = scene->def.n_walls, sides = closed ? n : n - 1;
     for (size_t i = 0; i < sides; i++) {
         const double *p = &points[2 * i], *q = &points[2 * ((i + 1) % n)];
@@ -261,40 +272,34 @@ static rp_status add_polygon(const config_setting_t *setting, const wall_entry *
 }
 
 /* `polygon = ( [x, y], ... )`. */
-static rp_status read_polygon(const config_setting_t *polygon, const wall_entry *entry, dem_scene *scene)
+static rp_status read_polygon(const config_setting_t *polygon, const wall_entry *entry, outline *o)
 {
-    const size_t n = (size_t)config_setting_length(polygon), least = entry->closed ? 3 : 2;
-    if (!config_setting_is_list(polygon) || n < least)
-        return rp_config_fail(polygon, "polygon: a list ( [x, y], ... ) of at least %zu points expected",
+    const int least = entry->closed ? 3 : 2;
+    if (!config_setting_is_list(polygon) || config_setting_length(polygon) < least)
+        return rp_config_fail(polygon, "polygon: a list ( [x, y], ... ) of at least %d points expected",
                               least);
-    double *points = malloc(2 * n * sizeof *points);
-    rp_status status = points ? RP_OK : rp_fail(RP_NO_MEMORY, "polygon: out of memory");
-    for (size_t i = 0; i < n && !status; i++)
-        status = rp_config_pair(config_setting_get_elem(polygon, (unsigned)i), &points[2 * i]);
-    if (!status) status = add_polygon(polygon, entry, points, n, entry->closed, scene);
-    free(points);
-    return status;
+    *o = (outline){.n = (size_t)config_setting_length(polygon), .closed = entry->closed};
+    if (!(o->at = malloc(2 * o->n * sizeof *o->at))) return rp_fail(RP_NO_MEMORY, "polygon: out of memory");
+    for (size_t i = 0; i < o->n; i++)
+        RP_TRY(rp_config_pair(config_setting_get_elem(polygon, (unsigned)i), &o->at[2 * i]));
+    return RP_OK;
 }
 
 /* `circle = [x, y, radius]`: points on the circle, counter-clockwise; its pivot is its centre. */
-static rp_status read_circle(const config_setting_t *circle, wall_entry *entry, bool pivot, dem_scene *scene)
+static rp_status read_circle(const config_setting_t *circle, wall_entry *entry, outline *o)
 {
-    double c[3], *points;
-    rp_status status = rp_config_numbers(circle, 3, c);
-    if (!status && !(c[2] > 0.0))
-        status = rp_config_fail(circle, "circle: radius = %g: must be above 0", c[2]);
-    if (status) return status;
-    if (!pivot) memcpy(entry->line.pivot, c, sizeof entry->line.pivot);
-    const size_t n = (size_t)entry->sides;
-    if (!(points = malloc(2 * n * sizeof *points))) return rp_fail(RP_NO_MEMORY, "circle: out of memory");
-    for (size_t i = 0; i < n; i++) {
-        const double angle = 2.0 * M_PI * ((double)i + 0.5) / (double)n; /* a side at the bottom */
-        points[2 * i] = c[0] + c[2] * sin(angle);
-        points[2 * i + 1] = c[1] - c[2] * cos(angle);
+    double c[3];
+    RP_TRY(rp_config_numbers(circle, 3, c));
+    if (!(c[2] > 0.0)) return rp_config_fail(circle, "circle: radius = %g: must be above 0", c[2]);
+    memcpy(entry->line.pivot, c, sizeof entry->line.pivot);
+    *o = (outline){.n = (size_t)entry->sides, .closed = true};
+    if (!(o->at = malloc(2 * o->n * sizeof *o->at))) return rp_fail(RP_NO_MEMORY, "circle: out of memory");
+    for (size_t i = 0; i < o->n; i++) {
+        const double angle = 2.0 * M_PI * ((double)i + 0.5) / (double)o->n; /* a side at the bottom */
+        o->at[2 * i] = c[0] + c[2] * sin(angle);
+        o->at[2 * i + 1] = c[1] - c[2] * cos(angle);
     }
-    status = add_polygon(circle, entry, points, n, true, scene);
-    free(points);
-    return status;
+    return RP_OK;
 }
 
 static rp_status read_wall(const config_setting_t *setting, dem_scene *scene)
@@ -308,16 +313,21 @@ static rp_status read_wall(const config_setting_t *setting, dem_scene *scene)
                            *circle = config_setting_get_member(setting, "circle"),
                            *velocity = config_setting_get_member(setting, "velocity"),
                            *pivot = config_setting_get_member(setting, "pivot");
-    if (velocity) RP_TRY(rp_config_pair(velocity, entry.line.velocity));
-    if (pivot) RP_TRY(rp_config_pair(pivot, entry.line.pivot));
     const config_setting_t *shape = polygon ? polygon : circle;
     for (int k = 0; k < 3 && shape; k++)
         if (config_setting_get_member(setting, others[k]) || (polygon && circle))
             return rp_config_fail(setting, "a wall has one of point, polygon and circle");
     entry.line.material = dem_wall_material(&entry.line.material, &scene->def.material);
-    if (polygon) return read_polygon(polygon, &entry, scene);
-    if (circle) return read_circle(circle, &entry, pivot != NULL, scene);
-    return read_line(setting, &entry, scene);
+    outline through = {0};
+    rp_status status = polygon  ? read_polygon(polygon, &entry, &through)
+                       : circle ? read_circle(circle, &entry, &through)
+                                : RP_OK;
+    if (!status && velocity) status = rp_config_pair(velocity, entry.line.velocity);
+    if (!status && pivot) status = rp_config_pair(pivot, entry.line.pivot);
+    if (!status)
+        status = shape ? add_sides(shape, &entry, &through, scene) : read_line(setting, &entry, scene);
+    free(through.at);
+    return status;
 }
 
 static rp_status read_walls(const config_setting_t *root, dem_scene *scene)
@@ -418,15 +428,16 @@ static rp_status read_grains(const char *path, const config_setting_t *root, sce
     if (fill) return read_fill(fill, file);
     if (list) return read_particles(list, file);
     /* a relative name is meant from the scene file's folder */
-    char name[4096];
-    const char *slash = strrchr(path, '/');
-    int folder = slash && file->particles_file[0] != '/' ? (int)(slash - path) + 1 : 0;
-    snprintf(name, sizeof name, "%.*s%s", folder, path, file->particles_file);
-    rp_table table;
-    rp_status status = rp_table_read(name, &table);
+    rp_arena arena = {0};
+    rp_table table = {0};
+    const char *name, *slash = strrchr(path, '/');
+    const int folder = slash && file->particles_file[0] != '/' ? (int)(slash - path) + 1 : 0;
+    rp_status status = rp_path(&arena, &name, "%.*s%s", folder, path, file->particles_file);
+    if (!status) status = rp_table_read(name, &table);
     if (!status && table.n_rows == 0) status = rp_fail(RP_BAD_INPUT, "%s: no particles", name);
     if (!status) status = read_particles_table(&table, file);
     rp_table_free(&table);
+    rp_arena_release(&arena, NULL);
     return status;
 }
 

@@ -92,7 +92,8 @@ static rp_status find_damping(const dem_definition *def, double m_eff, double v,
             "restitution = %g: that of the law %s depends on speed, and the start has no impact to "
             "come; give gamma_n",
             m->restitution, law->name);
-    status = dem_damping_of(def->normal, def->tension, m->k_n, m_eff, v, m->restitution, &m->gamma_n);
+    status = dem_damping_of(&(dem_head_on){def->normal, def->tension, .k_n = m->k_n, .m_eff = m_eff, .v = v},
+                            m->restitution, &m->gamma_n);
     m->restitution = -1.0;
     return status;
 }
