@@ -142,7 +142,7 @@ static inline double tsuji_damping_ratio(double k_n, double gamma_n, double m_ef
 LAW num dem_law_elastic(dem_normal_law law, double k_n, num overlap)
 {
     switch (law) {
-#define X(id, word, manual, spring, ...)                                                                     \
+#define X(id, word, spring, ...)                                                                             \
     case id: return spring##_force(k_n, overlap);
         DEM_NORMAL_LAWS(X)
 #undef X
@@ -153,7 +153,7 @@ LAW num dem_law_elastic(dem_normal_law law, double k_n, num overlap)
 LAW num dem_law_damping_rate(dem_normal_law law, double k_n, double gamma_n, num m_eff, num overlap)
 {
     switch (law) {
-#define X(id, word, manual, spring, dashpot, ...)                                                            \
+#define X(id, word, spring, dashpot, ...)                                                                    \
     case id: return dashpot##_rate(k_n, gamma_n, m_eff, overlap);
         DEM_NORMAL_LAWS(X)
 #undef X

@@ -3,9 +3,8 @@
 #include "dem/law/law.h"
 
 const dem_normal_descriptor dem_normal_descriptors[DEM_NORMAL_N] = {
-#define X(id, word, text, spring, dashpot, k_n, gamma_n, ...)                                                \
+#define X(id, word, spring, dashpot, k_n, gamma_n, ...)                                                      \
     [id] = {.name = #word,                                                                                   \
-            .manual = text,                                                                                  \
             .k_n_unit = k_n,                                                                                 \
             .gamma_n_unit = gamma_n,                                                                         \
             .stiffness = spring##_stiffness,                                                                 \

@@ -10,22 +10,22 @@
 
 RP_C_BEGIN
 
-/* Normal laws: a conservative spring and a dashpot. id; word; manual; the names in law.inl of the spring and
- * of the dashpot; units of k_n and of gamma_n; members of dem_normal_descriptor that not every law has. */
+/* Normal laws: a conservative spring and a dashpot. id; word; the names in law.inl of the spring and of the
+ * dashpot; units of k_n and of gamma_n; members of dem_normal_descriptor: the manual, and what not every law
+ * has. */
 #define DEM_NORMAL_LAWS(X)                                                                                   \
-    X(DEM_HERTZ, hertz,                                                                                      \
-      "elastic spheres, F_n = k_n x^(3/2) - gamma_n m_eff v_n (Lee & Herrmann 1993, eq (2a)): slow impacts " \
-      "lose more than fast ones",                                                                            \
-      hertz, constant, "dyn/cm^1.5", "1/s", .sticking_speed = hertz_sticking_speed,                          \
-      .modulus = hertz_modulus)                                                                              \
-    X(DEM_LINEAR, linear,                                                                                    \
-      "F_n = k_n x - gamma_n m_eff v_n (Liffman, Chan & Hughes 1992, eqs (23) and (25)): impacts of all "    \
-      "speeds have the same restitution",                                                                    \
-      linear, constant, "dyn/cm", "1/s", .constant_stiffness = true, .damping_ratio = linear_damping_ratio)  \
-    X(DEM_TSUJI, tsuji,                                                                                      \
-      "elastic spheres, F_n = k_n x^(3/2) - gamma_n sqrt(m_eff k_n) x^(1/4) v_n (Tsuji, Tanaka & Ishida "    \
-      "1992): impacts of all speeds have the same restitution",                                              \
-      hertz, tsuji, "dyn/cm^1.5", "1", .damping_ratio = tsuji_damping_ratio, .modulus = hertz_modulus)
+    X(DEM_HERTZ, hertz, hertz, constant, "dyn/cm^1.5", "1/s",                                                \
+      .manual = "elastic spheres, F_n = k_n x^(3/2) - gamma_n m_eff v_n (Lee & Herrmann 1993, eq (2a)): "    \
+                "slow impacts lose more than fast ones",                                                     \
+      .sticking_speed = hertz_sticking_speed, .modulus = hertz_modulus)                                      \
+    X(DEM_LINEAR, linear, linear, constant, "dyn/cm", "1/s",                                                 \
+      .manual = "F_n = k_n x - gamma_n m_eff v_n (Liffman, Chan & Hughes 1992, eqs (23) and (25)): impacts " \
+                "of all speeds have the same restitution",                                                   \
+      .constant_stiffness = true, .damping_ratio = linear_damping_ratio)                                     \
+    X(DEM_TSUJI, tsuji, hertz, tsuji, "dyn/cm^1.5", "1",                                                     \
+      .manual = "elastic spheres, F_n = k_n x^(3/2) - gamma_n sqrt(m_eff k_n) x^(1/4) v_n (Tsuji, Tanaka & " \
+                "Ishida 1992): impacts of all speeds have the same restitution",                             \
+      .damping_ratio = tsuji_damping_ratio, .modulus = hertz_modulus)
 
 /* Tangential laws. id; word; manual; has friction; has a spring. */
 #define DEM_TANGENTIAL_LAWS(X)                                                                               \
@@ -73,10 +73,10 @@ static inline bool dem_has_spring(dem_tangential_law law)
 }
 
 /* Units of a coefficient, "; hertz: dyn/cm^1.5; linear: dyn/cm". */
-#define DEM_LAW_K_N(id, word, manual, spring, dashpot, k_n, ...)              "; " #word ": " k_n
-#define DEM_LAW_GAMMA_N(id, word, manual, spring, dashpot, k_n, gamma_n, ...) "; " #word ": " gamma_n
-#define DEM_K_N_UNITS                                                         "" DEM_NORMAL_LAWS(DEM_LAW_K_N)
-#define DEM_GAMMA_N_UNITS                                                     "" DEM_NORMAL_LAWS(DEM_LAW_GAMMA_N)
+#define DEM_LAW_K_N(id, word, spring, dashpot, k_n, ...)              "; " #word ": " k_n
+#define DEM_LAW_GAMMA_N(id, word, spring, dashpot, k_n, gamma_n, ...) "; " #word ": " gamma_n
+#define DEM_K_N_UNITS                                                 "" DEM_NORMAL_LAWS(DEM_LAW_K_N)
+#define DEM_GAMMA_N_UNITS                                             "" DEM_NORMAL_LAWS(DEM_LAW_GAMMA_N)
 
 /* A normal law, for all but its force. m_eff is the contact's effective mass, v an approach speed. */
 typedef struct {
