@@ -1,14 +1,56 @@
-/* Tables of a simulation's state; see scene.h. */
+/* Tables of a simulation's state; see scene.h. A column is a row X(name, value) of a list, of which the
+ * header and the rows are made. */
 #include <stdlib.h>
 
 #include "table/table.h"
 #include "dem/scene/scene.h"
 #include "dem/state/state.h"
 
+#define NAME(name, value)    ", " name
+#define VALUE(name, value)   (double)(value),
+#define HEADER(out, COLUMNS) rp_table_header(out, &(COLUMNS(NAME))[2])
+#define ROW(out, COLUMNS)    put_row(out, sizeof(double[]){COLUMNS(VALUE)}, (double[]){COLUMNS(VALUE)})
+
+/* clang-format off */
+#define NOW(X) X("step", dem_step(sim)) X("t [s]", dem_time(sim))
+
+#define STATES(X) NOW(X) \
+    X("id", p->id) X("x [cm]", p->x) X("y [cm]", p->y) X("angle [rad]", p->angle) \
+    X("vx [cm/s]", p->vx) X("vy [cm/s]", p->vy) X("omega [rad/s]", p->omega) \
+    X("fx [dyn]", p->fx) X("fy [dyn]", p->fy) X("r [cm]", p->r) X("m [g]", p->m) X("contacts", p->contacts)
+
+#define CONTACTS(X) NOW(X) \
+    X("id_a", c->id_a) X("id_b", c->id_b) X("wall", c->wall + 1) \
+    X("x [cm]", c->x) X("y [cm]", c->y) X("x_b [cm]", c->x_b) X("y_b [cm]", c->y_b) X("overlap [cm]", c->overlap) \
+    X("normal_force [dyn]", c->normal_force) X("shear_force [dyn]", c->shear_force) \
+    X("shear_spring [cm]", c->shear_spring) X("rolling_torque [dyn cm]", c->rolling_torque) \
+    X("rolling_spring [cm]", c->rolling_spring)
+
+#define WALLS(X) NOW(X) \
+    X("wall", k + 1) X("x [cm]", w.point[0]) X("y [cm]", w.point[1]) \
+    X("direction_x", w.direction[0]) X("direction_y", w.direction[1]) \
+    X("from [cm]", w.ends[0]) X("to [cm]", w.ends[1]) X("fx [dyn]", w.force[0]) X("fy [dyn]", w.force[1])
+
+#define ENERGIES(X) NOW(X) \
+    X("grains", n) X("kinetic [erg]", e.kinetic) X("elastic [erg]", e.elastic) X("gravity [erg]", e.gravity) \
+    X("kinetic_per_grain [erg]", n > 0.0 ? (e.kinetic + e.rotational) / n : 0.0) \
+    X("rotational [erg]", e.rotational)
+
+#define NAME_OF(channel, sign)  NAME(#channel " [erg]", 0)
+#define VALUE_OF(channel, sign) VALUE(0, l.channel)
+#define WITH_LEDGER(X) ENERGIES(X) \
+    X("start [erg]", l.start) DEM_LEDGER_LIST(X##_OF) X("at_walls [erg]", l.at_walls) \
+    X("turnover [erg]", l.turnover) X("residual [erg]", l.residual)
+/* clang-format on */
+
+static void put_row(FILE *out, size_t size, const double *values)
+{
+    rp_table_row(out, size / sizeof *values, values);
+}
+
 void dem_write_state_columns(FILE *out)
 {
-    rp_table_header(out, "step, t [s], id, x [cm], y [cm], angle [rad], vx [cm/s], vy [cm/s], omega [rad/s], "
-                         "fx [dyn], fy [dyn], r [cm], m [g], contacts");
+    HEADER(out, STATES);
 }
 
 rp_status dem_write_states(const dem_sim *sim, FILE *out)
@@ -16,21 +58,14 @@ rp_status dem_write_states(const dem_sim *sim, FILE *out)
     dem_state *states = malloc((dem_count(sim) + 1) * sizeof *states);
     if (!states) return rp_fail(RP_NO_MEMORY, "states: out of memory");
     rp_status status = dem_states(sim, states);
-    for (size_t i = 0; !status && i < dem_count(sim); i++) {
-        const dem_state *p = &states[i];
-        rp_table_row(out, 14,
-                     (double[]){(double)dem_step(sim), dem_time(sim), p->id, p->x, p->y, p->angle, p->vx,
-                                p->vy, p->omega, p->fx, p->fy, p->r, p->m, p->contacts});
-    }
+    for (const dem_state *p = states; !status && p < states + dem_count(sim); p++) ROW(out, STATES);
     free(states);
     return status;
 }
 
 void dem_write_contact_columns(FILE *out)
 {
-    rp_table_header(out, "step, t [s], id_a, id_b, wall, x [cm], y [cm], x_b [cm], y_b [cm], overlap [cm], "
-                         "normal_force [dyn], shear_force [dyn], shear_spring [cm], rolling_torque [dyn cm], "
-                         "rolling_spring [cm]");
+    HEADER(out, CONTACTS);
 }
 
 rp_status dem_write_contacts(const dem_sim *sim, FILE *out)
@@ -38,68 +73,41 @@ rp_status dem_write_contacts(const dem_sim *sim, FILE *out)
     dem_contact *contacts;
     size_t n;
     rp_status status = dem_contacts(sim, &contacts, &n);
-    for (size_t k = 0; !status && k < n; k++) {
-        const dem_contact *c = &contacts[k];
-        rp_table_row(out, 15,
-                     (double[]){(double)dem_step(sim), dem_time(sim), c->id_a, c->id_b, c->wall + 1, c->x,
-                                c->y, c->x_b, c->y_b, c->overlap, c->normal_force, c->shear_force,
-                                c->shear_spring, c->rolling_torque, c->rolling_spring});
-    }
+    for (const dem_contact *c = contacts; !status && c < contacts + n; c++) ROW(out, CONTACTS);
     free(contacts);
     return status;
 }
 
 void dem_write_wall_columns(FILE *out)
 {
-    rp_table_header(out, "step, t [s], wall, x [cm], y [cm], direction_x, direction_y, from [cm], to [cm], "
-                         "fx [dyn], fy [dyn]");
+    HEADER(out, WALLS);
 }
 
 rp_status dem_write_walls(const dem_sim *sim, FILE *out)
 {
     for (size_t k = 0; k < sim->def.n_walls; k++) {
         const dem_wall_state w = dem_wall_now(sim, k);
-        rp_table_row(out, 11,
-                     (double[]){(double)dem_step(sim), dem_time(sim), (double)k + 1.0, w.point[0], w.point[1],
-                                w.direction[0], w.direction[1], w.ends[0], w.ends[1], w.force[0],
-                                w.force[1]});
+        ROW(out, WALLS);
     }
     return RP_OK;
 }
 
-/* Columns without a ledger, and its own. */
-#define ENERGIES                                                                                             \
-    "step, t [s], grains, kinetic [erg], elastic [erg], gravity [erg], kinetic_per_grain [erg], "            \
-    "rotational [erg]"
-#define CHANNEL(channel, sign) ", " #channel " [erg]"
-#define LEDGER                 ", start [erg]" DEM_LEDGER_LIST(CHANNEL) ", at_walls [erg], turnover [erg], residual [erg]"
-
 void dem_write_energy_columns(bool ledger, FILE *out)
 {
-    rp_table_header(out, ledger ? ENERGIES LEDGER : ENERGIES);
+    if (ledger)
+        HEADER(out, WITH_LEDGER);
+    else
+        HEADER(out, ENERGIES);
 }
 
 void dem_write_energy(const dem_sim *sim, FILE *out)
 {
-    enum { WITHOUT_LEDGER = 8 };
     const double n = (double)dem_count(sim);
     dem_energy e;
     dem_ledger l = {0};
-    const bool ledger = dem_ledger_read(sim, &l);
     dem_energies(sim, &e);
-    const double per_grain = n > 0.0 ? (e.kinetic + e.rotational) / n : 0.0;
-#define VALUE(channel, sign) l.channel,
-    const double row[] = {(double)dem_step(sim),
-                          dem_time(sim),
-                          n,
-                          e.kinetic,
-                          e.elastic,
-                          e.gravity,
-                          per_grain,
-                          e.rotational,
-                          l.start,
-                          DEM_LEDGER_LIST(VALUE) l.at_walls,
-                          l.turnover,
-                          l.residual};
-    rp_table_row(out, ledger ? sizeof row / sizeof *row : WITHOUT_LEDGER, row);
+    if (dem_ledger_read(sim, &l))
+        ROW(out, WITH_LEDGER);
+    else
+        ROW(out, ENERGIES);
 }
