@@ -19,6 +19,26 @@ dem_wall grains_line(double x, double y, double nx, double ny, const dem_materia
                       .open_speed = INFINITY};
 }
 
+dem_definition grains_of(size_t n, const dem_grain *grains)
+{
+    dem_definition def = dem_definition_default();
+    def.grains = grains, def.n_grains = n;
+    return def;
+}
+
+dem_definition grains_afloat(size_t n, const dem_grain *grains)
+{
+    dem_definition def = grains_of(n, grains);
+    def.gravity[1] = 0.0;
+    return def;
+}
+
+void grains_run(dem_sim *sim, long steps, dem_state *states)
+{
+    CHECK_OK(dem_run(sim, steps));
+    CHECK_OK(dem_states(sim, states));
+}
+
 void grains_on_floor(dem_definition *def, size_t n, const dem_grain *grains)
 {
     def->grains = grains;
@@ -138,6 +158,12 @@ dem_contact grains_only_contact(const dem_sim *sim)
     only = list[0];
     free(list);
     return only;
+}
+
+void grains_wall_forces(const dem_sim *sim, double *forces)
+{
+    for (size_t w = 0; w < dem_wall_count(sim); w++)
+        memcpy(&forces[2 * w], dem_wall_now(sim, w).force, 2 * sizeof *forces);
 }
 
 double grains_energy(const dem_sim *sim)

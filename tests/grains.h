@@ -8,6 +8,10 @@
 /* A whole line through (x, y), normal (nx, ny). */
 dem_wall grains_line(double x, double y, double nx, double ny, const dem_material *c);
 
+/* The grains without walls, by the defaults; the same without gravity. */
+dem_definition grains_of(size_t n, const dem_grain *grains);
+dem_definition grains_afloat(size_t n, const dem_grain *grains);
+
 /* The grains, and as the only wall a floor of the definition's material through the origin. */
 void grains_on_floor(dem_definition *def, size_t n, const dem_grain *grains);
 
@@ -41,8 +45,12 @@ dem_sim *grains_start(const dem_definition *def);
 dem_sim *grains_start_in_chunks(const dem_definition *def, size_t chunk);
 dem_state grains_state_of_one(const dem_sim *sim);
 
-/* The contact, if any; the total energy. */
+/* Run without an error, and give the states then. */
+void grains_run(dem_sim *sim, long steps, dem_state *states);
+
+/* The contact, if any; the force on each wall; the total energy. */
 dem_contact grains_only_contact(const dem_sim *sim);
+void grains_wall_forces(const dem_sim *sim, double *forces);
 double grains_energy(const dem_sim *sim);
 
 /* dem_scene_read of a text. */

@@ -65,8 +65,7 @@ static void momentum_of(bool rotation)
     dem_state s[60];
     dem_states(sim, s);
     for (int i = 0; i < 60; i++) l0 += angular_momentum(&def, &s[i]);
-    CHECK_OK(dem_run(sim, 4000));
-    dem_states(sim, s);
+    grains_run(sim, 4000, s);
     int touched = 0;
     for (int i = 0; i < 60; i++) {
         p1[0] += s[i].m * s[i].vx;
@@ -79,8 +78,7 @@ static void momentum_of(bool rotation)
     CHECK_NEAR(p1[0], p0[0], 1e-13 * scale);
     CHECK_NEAR(p1[1], p0[1], 1e-13 * scale);
     if (rotation) CHECK_NEAR(l1, l0, 1e-13 * scale * 2.0); /* at some 2 cm from the origin */
-    dem_free(sim);
-    free(grains);
+    dem_free(sim), free(grains);
 }
 
 static void momentum(void)
@@ -130,10 +128,7 @@ static void mirror_and_relabel_of(bool rotation)
         CHECK_NEAR(r[79 - i].omega, s[i].omega, 1e-5);
     }
     CU_ASSERT(contacts > 40);
-    dem_free(sim);
-    dem_free(mirrored);
-    dem_free(renumbered);
-    free(grains);
+    dem_free(sim), dem_free(mirrored), dem_free(renumbered), free(grains);
 }
 
 static void mirror_and_relabel(void)
@@ -153,8 +148,7 @@ static void list_is_complete_of(double speed, long steps)
     dem_state s[120];
     for (int round = 0; round < 60; round++) {
         if (round == 30) dem_wall_open(sim, 2, INF);
-        CHECK_OK(dem_run(sim, steps));
-        dem_states(sim, s);
+        grains_run(sim, steps, s);
         size_t touching = 0, n = dem_count(sim);
         for (size_t i = 0; i < n; i++)
             for (size_t j = 0; j < i; j++) {
@@ -165,8 +159,7 @@ static void list_is_complete_of(double speed, long steps)
         dem_count_work(sim, &counts);
         CU_ASSERT_EQUAL(counts.contacts, touching);
     }
-    dem_free(sim);
-    free(grains);
+    dem_free(sim), free(grains);
 }
 
 /* Slowly; and where margins differ, fast grains hit resting ones, and few steps lie between two rebuildings.
@@ -205,9 +198,7 @@ static void leaving_of(bool rotation)
     }
     CU_ASSERT(dem_count(sim) + 5 <= before && dem_count(sim) > 50);
     CU_ASSERT(end.rebuilds - start.rebuilds < 40);
-    dem_free(sim);
-    dem_free(rebuilt);
-    free(grains);
+    dem_free(sim), dem_free(rebuilt), free(grains);
 }
 
 /* Grains moved to the indices of removed ones keep their wall contacts and margins. */
@@ -219,10 +210,8 @@ static void leaving_below_others(void)
                            {0.2, 1.0 + r - sinks, r, m, 0.0, 0.0},
                            {0.2, 1.0 + 3.4 * r, r, m, 0.0, 0.0}, /* falls on the one before */
                            {1.2, 1.6 + r - sinks, r, m, 0.0, 0.0}};
-    dem_definition def = dem_definition_default();
+    dem_definition def = grains_of(5, grains);
     def.dt = 1e-5;
-    def.grains = grains;
-    def.n_grains = 5;
     def.y_min = 0.5;
     def.n_walls = 2;
     for (int w = 0; w < 2; w++) {
@@ -255,9 +244,7 @@ static void work(void)
         dem_grain grains[] = {{0.2, 0.5, 0.1, 0.0042, 0.0, 0.0},
                               {0.5, 0.5, 0.1, 0.0042, 0.0, 0.0},
                               {0.93, 0.5, 0.1, 0.0042, 300.0, 0.0}};
-        dem_definition def = dem_definition_default();
-        def.grains = grains;
-        def.n_grains = 3;
+        dem_definition def = grains_of(3, grains);
         def.dt = 1e-5;
         def.x_max = 1.0;
         def.integrator = way < 3 ? (dem_integrator[]){DEM_VERLET, DEM_GEAR5, DEM_IMPLICIT}[way] : DEM_VERLET;
@@ -314,11 +301,7 @@ static void extra_rebuilds_of(bool rotation)
     CHECK_NEAR(spring_a, spring_b, 1e-9);
     CU_ASSERT((roll_a > 1e-4) == rotation);
     CHECK_NEAR(roll_a, roll_b, 1e-9);
-    free(a);
-    free(b);
-    dem_free(sim);
-    dem_free(rebuilt);
-    free(grains);
+    free(a), free(b), dem_free(sim), dem_free(rebuilt), free(grains);
 }
 
 static void extra_rebuilds(void)
@@ -330,8 +313,8 @@ static void extra_rebuilds(void)
 static bool same_wall_forces(const dem_sim *a, const dem_sim *b)
 {
     double f[2 * DEM_FEW_WALLS] = {0}, g[2 * DEM_FEW_WALLS] = {0};
-    dem_wall_forces(a, f);
-    dem_wall_forces(b, g);
+    grains_wall_forces(a, f);
+    grains_wall_forces(b, g);
     return memcmp(f, g, sizeof f) == 0;
 }
 
@@ -381,9 +364,7 @@ static void faults_in_chunks(bool wall)
     dem_sim *sim = grains_start_in_chunks(&def, 64);
     grains_break_alike(reference, sim);
     CU_ASSERT(sim->pairs.n_chunks > 0);
-    dem_free(sim);
-    dem_free(reference);
-    free(grains);
+    dem_free(sim), dem_free(reference), free(grains);
 }
 
 static void chunks(void)
@@ -431,8 +412,7 @@ static void margins_of(bool hard, int kernel)
     sim->pairs.n_chunks = 1;
     sim->grains.motion[sim->grains.n / 2].v[0] = NAN;
     CHECK_FAILS(dem_run(sim, 1), RP_BROKEN, "non_finite");
-    dem_free(sim);
-    free(grains);
+    dem_free(sim), free(grains);
 }
 
 /* Two grains that stop one another at different times between two rebuilds. */
@@ -441,10 +421,7 @@ static void margins_of_two(void)
     for (int k = 0; k < 60; k++) {
         dem_grain two[2] = {{-0.5 - 0.002 * k, 0.0, 0.1, 0.004, 300.0, 0.0},
                             {0.5 + 0.002 * k, 0.0, 0.1, 0.004, -300.0, 0.0}};
-        dem_definition def = dem_definition_default();
-        def.grains = two;
-        def.n_grains = 2;
-        def.gravity[1] = 0.0;
+        dem_definition def = grains_afloat(2, two);
         def.dt = 1e-5;
         def.tension = false;
         def.hard.on = true;
@@ -466,10 +443,7 @@ static void margins_of_many_hit(size_t pairs)
             grains[2 * p] = (dem_grain){0.0, 2.0 * (double)p, 0.1, 0.004, 0.0, 0.0};
             grains[2 * p + 1] = (dem_grain){0.4 + 0.001 * k, 2.0 * (double)p, 0.1, 0.004, -300.0, 0.0};
         }
-        dem_definition def = dem_definition_default();
-        def.grains = grains;
-        def.n_grains = 2 * pairs;
-        def.gravity[1] = 0.0;
+        dem_definition def = grains_afloat(2 * pairs, grains);
         def.dt = 1e-4;
         def.normal = DEM_LINEAR;
         def.material.k_n = 1e3;
@@ -516,8 +490,7 @@ static void determinism_of(bool rotation)
     for (int k = 0; k < 40; k++) {
         dem_energy e;
         dem_rest rest;
-        CHECK_OK(dem_run(cut, 100));
-        dem_states(cut, s);
+        grains_run(cut, 100, s);
         dem_energies(cut, &e);
         dem_rest_state(cut, 0.0, 2.2, &rest);
     }
@@ -533,9 +506,7 @@ static void determinism_of(bool rotation)
     CU_ASSERT(all > 0.5 * elapsed && all <= elapsed * (1.0 + 1e-6));
     CU_ASSERT(grains_same_bits(whole, copy));
     CU_ASSERT(dem_count(copy) == 90);
-    dem_free(whole);
-    dem_free(copy);
-    free(grains);
+    dem_free(whole), dem_free(copy), free(grains);
 }
 
 static void determinism(void)
@@ -548,9 +519,7 @@ static void determinism(void)
 static void gravity_turns(void)
 {
     dem_grain grain = {0.0, 0.0, 0.1, 0.004, 0.0, 0.0};
-    dem_definition def = dem_definition_default();
-    def.grains = &grain;
-    def.n_grains = 1;
+    dem_definition def = grains_of(1, &grain);
     dem_sim *sim = grains_start(&def);
     double g[2], rate = 1e-3 * M_PI / 180.0;
     dem_gravity_turn(sim, rate);
@@ -626,8 +595,7 @@ static void floor_that_ends(void)
     /* thrown back under the floor, it bounces off the underside without a reported leak */
     grain = (dem_grain){1.09, -0.15, r, m, -30.0, 20.0};
     sim = grains_start(&def);
-    CHECK_OK(dem_run(sim, 300));
-    dem_states(sim, &s);
+    grains_run(sim, 300, &s);
     CU_ASSERT(s.vy < 0.0 && s.y < 0.0);
     dem_free(sim);
 }
@@ -638,11 +606,9 @@ static void floor_that_ends(void)
 static void corner_without_rebuild(void)
 {
     dem_grain grain = {0.96, 0.0995, 0.1, 0.0042, 60.0, 0.0};
-    dem_definition def = dem_definition_default();
+    dem_definition def = grains_of(1, &grain);
     def.material.mu = 0.0;
     def.skin = 3.0;
-    def.grains = &grain;
-    def.n_grains = 1;
     def.n_walls = 1;
     def.walls[0] = line(0.0, 0.0, 0.0, 1.0, &def.material);
     def.walls[0].extent[1] = 1.0;
@@ -654,8 +620,7 @@ static void corner_without_rebuild(void)
     grain = (dem_grain){1.15, 0.12, 0.1, 0.0042, 0.0, -150.0};
     def.gravity[0] = -40000.0; /* round the corner and back under the floor */
     sim = grains_start(&def);
-    CHECK_OK(dem_run(sim, 90));
-    dem_states(sim, &s);
+    grains_run(sim, 90, &s);
     dem_count_work(sim, &counts);
     CU_ASSERT_EQUAL(counts.rebuilds, 1);
     CU_ASSERT(s.x < 1.0 && s.y < -0.1);
@@ -718,13 +683,10 @@ static void rolling_couple(void)
 {
     dem_grain grains[2] = {{0.0, 0.0, 0.1, 0.0042, 0.0, 0.0, 0.0, 3.0},
                            {0.27, 0.0, 0.1739, 0.0222, 0.0, 0.0, 0.0, -11.0}};
-    dem_definition def = dem_definition_default();
-    def.gravity[1] = 0.0;
+    dem_definition def = grains_afloat(2, grains);
     def.rotation = true;
     def.material.mu = def.material.gamma_s = def.material.gamma_roll = 0.0;
     def.material.mu_roll = 0.3;
-    def.grains = grains;
-    def.n_grains = 2;
     dem_sim *sim = grains_start(&def);
     dem_contact *c;
     dem_state s[2];
@@ -739,8 +701,7 @@ static void rolling_couple(void)
     CHECK_NEAR(s[0].torque, -r_eff * def.material.k_roll * xi, 1e-12);
     CHECK_NEAR(s[1].torque, r_eff * def.material.k_roll * xi, 1e-12);
     CHECK_NEAR(c[0].rolling_torque, sign * s[0].torque, 1e-15);
-    free(c);
-    dem_free(sim);
+    free(c), dem_free(sim);
 }
 
 enum { SPINNING = 80 };
@@ -797,19 +758,15 @@ static void contacts_add_up(void)
     dem_box_turn(sim, 1e-4);
     CHECK_OK(dem_run(sim, 3));
     sliding_of_sums(sim);
-    dem_free(sim);
-    free(grains);
+    dem_free(sim), free(grains);
 }
 
 /* A lifted wall drags a touching grain upwards. */
 static void lifted_wall_drags(void)
 {
     dem_grain grain = {0.9003, 0.5, 0.1, 0.0042, 0.0, 0.0};
-    dem_definition def = dem_definition_default();
+    dem_definition def = grains_afloat(1, &grain);
     def.gravity[0] = 981.0;
-    def.gravity[1] = 0.0;
-    def.grains = &grain;
-    def.n_grains = 1;
     def.n_walls = 1;
     def.walls[0] = line(1.0, 0.0, -1.0, 0.0, &def.material);
     def.walls[0].extent[0] = 0.0;
@@ -817,8 +774,7 @@ static void lifted_wall_drags(void)
     def.walls[0].open_speed = 2.0;
     dem_sim *sim = grains_start(&def);
     dem_state s;
-    CHECK_OK(dem_run(sim, 2000));
-    dem_states(sim, &s);
+    grains_run(sim, 2000, &s);
     CU_ASSERT(s.vy > 0.5 && s.y > 0.51);
     dem_free(sim);
 }
@@ -829,10 +785,7 @@ static void outlet(void)
     dem_grain grains[3] = {{0.0, 3.0, 0.1, 0.0042, 10.0, 0.0},
                            {0.0, 1.0, 0.1, 0.0042, 0.0, -10.0},
                            {-0.5, 2.0, 0.1, 0.0042, 0.0, 0.0}};
-    dem_definition def = dem_definition_default();
-    def.gravity[1] = 0.0;
-    def.grains = grains;
-    def.n_grains = 3;
+    dem_definition def = grains_afloat(3, grains);
     def.x_max = 0.30125; /* passed in step 603 of 5e-4 each */
     def.y_min = 0.49975; /* passed in step 1001 */
     dem_sim *sim = grains_start(&def);
@@ -845,8 +798,7 @@ static void outlet(void)
     CHECK_OK(dem_run(sim, 1));
     CU_ASSERT_EQUAL(dem_count(sim), 1);
     dem_state s;
-    CHECK_OK(dem_run(sim, 100));
-    dem_states(sim, &s);
+    grains_run(sim, 100, &s);
     CU_ASSERT(s.id == 3 && s.x == -0.5 && s.y == 2.0);
     dem_free(sim);
     def.n_grains = 1; /* the last to go */
@@ -862,11 +814,8 @@ static void outlet(void)
 static void lifted_wall(void)
 {
     dem_grain grains[2] = {{0.9, 0.1, 0.1, 0.0042, 0.0, 0.0}, {0.9, 0.8, 0.1, 0.0042, 50.0, 0.0}};
-    dem_definition def = dem_definition_default();
-    def.gravity[1] = 0.0;
+    dem_definition def = grains_afloat(2, grains);
     def.material.mu = 0.0;
-    def.grains = grains;
-    def.n_grains = 2;
     def.n_walls = 1;
     def.walls[0] = line(1.0, 0.0, -1.0, 0.0, &def.material);
     def.walls[0].extent[0] = -0.2;
@@ -882,16 +831,14 @@ static void lifted_wall(void)
     def.walls[0].open_at_step = 1; /* 0.1 s for the lower end to pass y = 0.8: too late for the upper grain */
     grains[0].x = 0.6;
     sim = grains_start(&def);
-    CHECK_OK(dem_run(sim, 700));
-    dem_states(sim, s);
+    grains_run(sim, 700, s);
     CU_ASSERT(s[0].x > 1.2);
     CU_ASSERT(s[1].x < 1.0 && s[1].vx < 0.0);
     dem_free(sim);
     def.walls[0].extent[1] = -0.1; /* lifted past its upper end: no corner remains for a grain above */
     grains[0] = (dem_grain){1.0, 0.5, 0.1, 0.0042, 0.0, 0.0};
     sim = grains_start(&def);
-    CHECK_OK(dem_run(sim, 700));
-    dem_states(sim, s);
+    grains_run(sim, 700, s);
     CU_ASSERT(s[0].x == 1.0 && s[0].y == 0.5);
     dem_free(sim);
 }
@@ -957,9 +904,7 @@ static void check_added_far_away(bool rotation)
     CHECK_OK(dem_states(more, b));
     CU_ASSERT(memcmp(a, b, sizeof a) == 0);
     CU_ASSERT(b[80].id == 81 && b[80].x == -60.0 && b[80].contacts == 1);
-    dem_free(sim);
-    dem_free(more);
-    free(grains);
+    dem_free(sim), dem_free(more), free(grains);
 }
 
 static void added_far_away(void)
@@ -1005,14 +950,11 @@ static void added_one_by_one(void)
     CHECK_NEAR(dem_largest_speed(sim, 0.8, 1.4), fastest, 1e-15 * fastest);
     CHECK_NEAR(dem_largest_speed(sim, 0.0, 3.0), hypot(s[N].vx, s[N].vy), 1e-9);
     /* the new grain is the largest, so that the cells grow: no contact is missed */
-    CHECK_OK(dem_run(sim, 5000));
-    CHECK_OK(dem_states(sim, s));
+    grains_run(sim, 5000, s);
     int near = 0;
     for (int i = 0; i < N; i++) near += hypot(s[i].x - s[N].x, s[i].y - s[N].y) < s[i].r + r;
     CU_ASSERT(near > 2 && near == s[N].contacts);
-    dem_free(all);
-    dem_free(sim);
-    free(grains);
+    dem_free(all), dem_free(sim), free(grains);
 }
 
 /* Gear's scheme gives the exact parabola too; with rotation the new grain keeps its spin. */
@@ -1022,9 +964,7 @@ static void added_by_either_scheme(void)
     dem_grain one = {.y = 1.0, .r = 0.1, .m = 0.004};
     dem_state s[2];
     for (int gear = 0; gear < 2; gear++) {
-        dem_definition def = dem_definition_default();
-        def.grains = &one;
-        def.n_grains = 1;
+        dem_definition def = grains_of(1, &one);
         def.integrator = gear ? DEM_GEAR5 : DEM_VERLET;
         def.rotation = !gear;
         def.dt = 2e-5; /* Gear's limit is the lower */
@@ -1033,8 +973,7 @@ static void added_by_either_scheme(void)
         CHECK_OK(dem_run(sim, 100));
         CHECK_OK(dem_add(
             sim, &(dem_grain){.x = 3.0, .y = 2.0, .r = 0.1, .m = 0.004, .vy = -7.0, .omega = omega}, NULL));
-        CHECK_OK(dem_run(sim, 300));
-        CHECK_OK(dem_states(sim, s));
+        grains_run(sim, 300, s);
         CHECK_NEAR(s[1].y, 2.0 - 7.0 * t - 0.5 * g * t * t, 1e-12); /* round-off of 300 steps */
         CHECK_NEAR(s[1].vy, -7.0 - g * t, 1e-11);
         CHECK_NEAR(s[1].angle, omega * t, 1e-13);
@@ -1049,9 +988,7 @@ static void added_by_either_scheme(void)
 static void added_names_and_errors(void)
 {
     dem_grain one = {0.0, 1.0, 0.1, 0.004, 0.0, 0.0};
-    dem_definition def = dem_definition_default();
-    def.grains = &one;
-    def.n_grains = 1;
+    dem_definition def = grains_of(1, &one);
     def.y_min = -0.5;
     def.n_walls = 2;
     def.walls[0] = line(0.0, 0.0, 0.0, 1.0, &def.material);
@@ -1080,17 +1017,14 @@ static void added_names_and_errors(void)
     CHECK_OK(dem_add(sim, &(dem_grain){1.1, 0.1, 0.1, 0.004, 0.0, 0.0}, &id));
     CU_ASSERT(id == 3);
     CHECK_OK(dem_add(sim, &(dem_grain){0.5, -0.3, 0.1, 0.004, 0.0, 0.0}, &id)); /* below a wall that ends */
-    dem_free(sim);
-    dem_free(same);
+    dem_free(sim), dem_free(same);
 }
 
 /* Faults of grains stop the run with a message that has step and grain. */
 static void faults(void)
 {
     dem_grain grains[2] = {{0.0, 0.5, 0.1, 0.004, 0.0, 0.0}, {0.0, 0.9, 0.1, 0.004, 0.0, 0.0}};
-    dem_definition def = dem_definition_default();
-    def.grains = grains;
-    def.n_grains = 2;
+    dem_definition def = grains_of(2, grains);
     def.n_walls = 1;
     def.walls[0] = line(0.0, 0.0, 0.0, 1.0, &def.material);
     def.walls[0].material.k_n = 10.0; /* too soft to carry the fall */
@@ -1135,11 +1069,8 @@ static void overlaps_too_deep(void)
     dem_grain grains[4];
     for (int i = 0; i < 4; i++)
         grains[i] = (dem_grain){.x = 0.3125 * i, .y = 0.1875, .r = 0.125 - 0.0625 * (i == 2), .m = 0.004};
-    dem_definition def = dem_definition_default();
-    def.gravity[1] = 0.0;
+    dem_definition def = grains_afloat(4, grains);
     def.skin = 0.3;
-    def.grains = grains;
-    def.n_grains = 4;
     def.n_walls = 2;
     for (int w = 0; w < 2; w++) def.walls[w] = grains_line(0.0, -0.5 + 0.5 * w, 0.0, 1.0, &def.material);
     dem_sim *sim = grains_start(&def);
@@ -1190,10 +1121,8 @@ static void bad_definitions(void)
 {
     dem_grain grains[2] = {{0.0, 0.5, 0.1, 0.004, 0.0, 0.0}, {0.0, 0.9, 0.1, 0.004, 0.0, 0.0}};
     const dem_grain good = grains[0];
-    dem_definition def = dem_definition_default(), bad;
+    dem_definition def = grains_of(2, grains), bad;
     dem_sim *sim;
-    def.grains = grains;
-    def.n_grains = 2;
     def.n_walls = 1;
     def.walls[0] = line(0.0, 0.0, 0.0, 1.0, &def.material);
 #define REFUSES(change, text)                                                                                \
@@ -1476,9 +1405,7 @@ static void ranges_of_scenes(void)
 {
     dem_grain grains[3];
     for (int i = 0; i < 3; i++) grains[i] = (dem_grain){.x = i, .y = 1.0, .r = 0.25, .m = 0.004};
-    dem_definition def = dem_definition_default();
-    def.grains = grains, def.n_grains = 3;
-    def.gravity[1] = 0.0;
+    dem_definition def = grains_afloat(3, grains);
     def.material = (dem_material){.k_n = 1e-9, .k_s = 1e-9};
     def.n_walls = 3;
     for (int w = 0; w < 3; w++) def.walls[w] = grains_line(0.0, 0.0, 0.0, 1.0, &def.material);
@@ -1565,9 +1492,7 @@ static void contacts_of_the_start(void)
         CHECK_NEAR(c->overlap, before[k].overlap, 1e-14);
     }
     CU_ASSERT(rolled > n - 4);
-    dem_free(sim);
-    free(before);
-    free(after);
+    dem_free(sim), free(before), free(after);
 }
 
 /* The limit of dt is below instability: a box at the limit settles. */
@@ -1608,12 +1533,10 @@ static void limit_of_a_fall(void)
         for (double speed = 0.0; speed < 100.0; speed += 40.0) {
             const double g = 981.0, height = 2.3, end = sqrt(2.0 * g * height);
             dem_grain grain = {.x = 0.3, .y = height, .r = 0.1, .m = 0.004, .vx = speed};
-            dem_definition def = dem_definition_default();
+            dem_definition def = grains_of(1, &grain);
             def.normal = law;
             def.gravity[1] = -g;
             def.material.gamma_n = 0.0;
-            def.grains = &grain;
-            def.n_grains = 1;
             def.n_walls = 1;
             def.walls[0] = line(0.0, 0.0, 0.0, 1.0, &def.material);
             for (int scheme = 0; scheme < DEM_INTEGRATORS; scheme++) {
@@ -1634,10 +1557,8 @@ static void limit_of_several(void)
 {
     const dem_grain plain = {.x = 0.3, .y = 0.5, .r = 0.1, .m = 0.004};
     dem_grain grains[4] = {plain, plain, plain, plain};
-    dem_definition def = dem_definition_default();
+    dem_definition def = grains_of(4, grains);
     dem_box_walls(&def, 2.0, &def.material);
-    def.grains = grains;
-    def.n_grains = 4;
     for (size_t i = 1; i < 4; i++) grains[i].x += 0.4 * (double)i;
     const double slow = dem_time_step_limit(&def, NULL);
     for (int what = 0; what < 3; what++) {
@@ -1825,13 +1746,10 @@ static void energy_of_a_long_spring(void)
         const double d = 0.01, ds = 0.5;
         const dem_grain grains[2] = {{.x = 0.5, .y = 0.5, .r = 0.1, .m = 0.004, .vx = speeds[k]},
                                      {.x = 0.7 - d, .y = 0.5, .r = 0.1, .m = 0.004}};
-        dem_definition def = dem_definition_default();
-        def.gravity[1] = 0.0;
+        dem_definition def = grains_afloat(2, grains);
         def.dt = 1e-6;
         def.slip = DEM_TOTAL;
         def.material.gamma_n = 4000.0;
-        def.grains = grains;
-        def.n_grains = 2;
         const dem_contact start = {.id_a = 1, .id_b = 2, .wall = -1, .shear_spring = ds};
         def.contacts = &start;
         def.n_contacts = 1;
@@ -1876,10 +1794,7 @@ static void header_notes(void)
     const dem_grain grains[3] = {{.x = 0.5, .y = 0.5, .r = 0.1, .m = 0.004, .vx = 30.0},
                                  {.x = 1.5, .y = 0.5, .r = 0.13, .m = 0.009, .vy = 13.0},
                                  {.x = 2.5, .y = 0.5, .r = 0.08, .m = 0.002}};
-    dem_definition def = dem_definition_default();
-    def.gravity[1] = 0.0;
-    def.grains = grains;
-    def.n_grains = 3;
+    dem_definition def = grains_afloat(3, grains);
     dem_sim *sim = grains_start(&def);
     char *text = NULL, expected[200];
     size_t size;
@@ -1902,8 +1817,7 @@ static void header_notes(void)
     snprintf(expected, sizeof expected, "at 60 cm/s: restitution %.3f, overlap %.3g d, dt/contact time %.3g",
              c.restitution, c.overlap / (2.0 * r), def.dt / c.time);
     CU_ASSERT(strstr(text, expected) != NULL);
-    free(text);
-    dem_free(sim);
+    free(text), dem_free(sim);
 }
 
 /* State near rest against the given velocities: in the frame of a rotating box, for the grains inside,
@@ -1915,12 +1829,9 @@ static void state_near_rest(void)
                                  {.x = 1.5, .y = 0.6, .r = 0.1, .m = 0.004, .vx = 50.0},
                                  {.x = 0.5, .y = 1.6, .r = 0.1, .m = 0.004, .fixed = true},
                                  {.x = -0.5, .y = 0.6, .r = 0.1, .m = 0.004, .vx = 50.0}};
-    dem_definition def = dem_definition_default();
-    def.gravity[1] = 0.0;
+    dem_definition def = grains_afloat(4, grains);
     def.rotation = true;
     def.dt = dt;
-    def.grains = grains;
-    def.n_grains = 4;
     dem_sim *sim = grains_start(&def);
     dem_rest rest;
     CHECK_OK(dem_rest_state(sim, 0.0, 1.0, &rest));
@@ -1968,10 +1879,8 @@ static void at_rest(void)
     }
     /* at the top of its throw */
     dem_grain thrown = {.x = 0.5, .y = 1.0, .r = 0.1, .m = 0.004, .vy = 981.0 * 100 * 5e-5};
-    dem_definition def = dem_definition_default();
+    dem_definition def = grains_of(1, &thrown);
     def.dt = 5e-5;
-    def.grains = &thrown;
-    def.n_grains = 1;
     dem_sim *sim = grains_start(&def);
     dem_rest rest;
     CHECK_OK(dem_run(sim, 100));
@@ -2031,8 +1940,7 @@ static void arrays_follow_grains(void)
             dem_grains_move(&copy->grains, --copy->grains.n, 2);
             CU_ASSERT(copy->grains.id[2] != gone);
             CU_ASSERT(same_bytes(&copy->grains, bytes));
-            dem_free(sim);
-            dem_free(copy);
+            dem_free(sim), dem_free(copy);
         }
         free(grains);
     }

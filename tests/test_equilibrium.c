@@ -17,6 +17,7 @@
 #include "core/sparse.h"
 #include "sweeps/protocols/pile.h"
 #include "tests/check.h"
+#include "tests/grains.h"
 #include "tests/program.h"
 
 static const double DEG = M_PI / 180;
@@ -61,12 +62,7 @@ static test_pile make_disks(long k, double alpha_deg, double gap)
 
 static void free_pile(test_pile *h)
 {
-    statics_free(h->pile);
-    free(h->disks);
-    free(h->exact);
-    free(h->u);
-    free(h->N);
-    free(h->H);
+    statics_free(h->pile), free(h->disks), free(h->exact), free(h->u), free(h->N), free(h->H);
 }
 
 static rp_status solve(test_pile *h, statics_definition def)
@@ -477,8 +473,7 @@ static void test_stronger_diagonals(void)
     }
     CU_ASSERT(both == (LAYERS - 1) * (LAYERS - 2) / 2);
     CU_ASSERT(right_ones == both);
-    free(contacts);
-    free_pile(&h);
+    free(contacts), free_pile(&h);
 }
 
 /* A branch that ends under load: the pile jumps to another branch once, at full load. */
@@ -595,8 +590,7 @@ static void test_energy(void)
     for (size_t i = 0; i < h.n; i++) sum += h.u[2 * i + 1];
     CU_ASSERT(x_0 > 0.1);
     CHECK_NEAR(h.result.energy, sum, fabs(sum) * 1e-12);
-    free(list);
-    free_pile(&h);
+    free(list), free_pile(&h);
 }
 
 /* Stability is lost at eps_c, about 5.2/k^3 in large piles. */
@@ -677,11 +671,7 @@ static size_t plain_negative_modes(const test_pile *h, double eps, double k_x)
     gsl_eigen_symm(A, values, work);
     size_t negative = 0;
     for (size_t i = 0; i < n; i++) negative += gsl_vector_get(values, i) < 0;
-    gsl_matrix_free(A);
-    gsl_vector_free(values);
-    gsl_eigen_symm_free(work);
-    free(u);
-    free(up);
+    gsl_matrix_free(A), gsl_vector_free(values), gsl_eigen_symm_free(work), free(u), free(up);
     free(down);
     return negative;
 }
@@ -721,8 +711,7 @@ static void test_plain_forces_and_modes(void)
         CU_ASSERT(worst_of(force, 2 * h.n) < 1e-10);
         CU_ASSERT(plain_negative_modes(&h, def.eps, def.k_x) == h.result.negative_modes);
         CU_ASSERT((h.result.negative_modes > 0) == (c == 0));
-        free(force);
-        free_pile(&h);
+        free(force), free_pile(&h);
     }
     CU_ASSERT(energy[1] < energy[0] - 1e-6);
 }
@@ -803,9 +792,7 @@ static void test_relabelled(void)
         CHECK_NEAR(h.disks[base[i]].x, (double)i, 1e-12);
         CHECK_NEAR(h.N[i], N[i], 1e-9);
     }
-    free(disks);
-    free(u);
-    free_pile(&h);
+    free(disks), free(u), free_pile(&h);
 }
 
 /* ---- against the simulator ---- */
@@ -843,18 +830,15 @@ static void test_damped_dynamics(void)
     CHECK_OK(dem_create(&scene, &sim));
     if (sim) {
         dem_state *states = malloc(h.n * sizeof *states);
-        CHECK_OK(dem_run(sim, 100000));
-        CHECK_OK(dem_states(sim, states));
+        grains_run(sim, 100000, states);
         for (size_t i = 0; i < h.n; i++) {
             /* positions near 6 in units of eps: 1e-12; remaining motion: below 1e-9 */
             CHECK_NEAR((states[i].x - grains[i].x) / eps, h.u[2 * i], 1e-8);
             CHECK_NEAR((states[i].y - grains[i].y) / eps, h.u[2 * i + 1], 1e-8);
         }
-        free(states);
-        dem_free(sim);
+        free(states), dem_free(sim);
     }
-    free(grains);
-    free_pile(&h);
+    free(grains), free_pile(&h);
 }
 
 /* ---- bad input ---- */
@@ -1215,9 +1199,7 @@ static void check_solution(rp_stiffness *m, const rp_pivots *pivots, size_t n, d
         for (size_t j = 0; j < 2 * n; j++) sum += K[i][j] * x[j];
         CHECK_NEAR(sum, 0, 1e-10 / least); /* without pivoting, of numbers up to 20 */
     }
-    gsl_matrix_free(A);
-    gsl_vector_free(values);
-    gsl_eigen_symm_free(work);
+    gsl_matrix_free(A), gsl_vector_free(values), gsl_eigen_symm_free(work);
 }
 
 /* Random networks, in either order of elimination: factorised, then updated by bonds and springs to the
@@ -1409,10 +1391,7 @@ static void check_half_pile(double unit)
     size_t orphans = 0;
     for (size_t i = 0; i < h.n - 1; i++) orphans += parents[i].a >= n_half || parents[i].b >= n_half;
     CU_ASSERT(orphans == 2);
-    free(half);
-    free(net.pairs);
-    free(parents);
-    free_pile(&h);
+    free(half), free(net.pairs), free(parents), free_pile(&h);
 }
 
 static void test_half_pile(void)

@@ -7,6 +7,7 @@
 #include "angle/angle.h"
 #include "dem/scene/scene.h"
 #include "tests/check.h"
+#include "tests/grains.h"
 #include "tests/program.h"
 
 static dem_sim *start(const char *path, const char *change, long *steps)
@@ -62,7 +63,7 @@ static void shear_box(void)
     CHECK_OK(dem_run(sim, steps / 2));
     for (int k = 0; k < 200; k++) {
         CHECK_OK(dem_run(sim, steps / 400));
-        dem_wall_forces(sim, forces);
+        grains_wall_forces(sim, forces);
         shear += forces[0], normal -= forces[1];
     }
     CHECK_NEAR(shear / normal, 0.3, 0.005);

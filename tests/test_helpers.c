@@ -370,7 +370,7 @@ static void test_solved_pile(void)
     double fy = 0.0, floor = 0.0;
     for (size_t i = 0; i < pile.n; i++) fy += states[i].fy;
     double forces[2 * DEM_FEW_WALLS] = {0};
-    dem_wall_forces(sim, forces);
+    grains_wall_forces(sim, forces);
     floor = forces[1];
     CHECK_NEAR(fy, -(double)pile.n - floor,
                1e-9 * (double)pile.n); /* weight and ground are all that acts from outside */

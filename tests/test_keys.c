@@ -130,7 +130,7 @@ static char *outcome(const char *text, const char *change)
         dem_write_energy(sim, out);
         double *forces = calloc(2 * scene.def.n_walls + 1, sizeof *forces);
         CU_ASSERT_PTR_NOT_NULL_FATAL(forces);
-        dem_wall_forces(sim, forces);
+        grains_wall_forces(sim, forces);
         for (size_t w = 0; w < 2 * scene.def.n_walls; w++) fprintf(out, "%.17g\t", forces[w]);
         free(forces);
         fclose(out);

@@ -185,11 +185,8 @@ static void observed_force(void)
     for (int law = 0; law < DEM_NORMAL_N; law++) {
         const dem_grain grains[2] = {{.x = 0.0, .r = 0.1, .m = 0.004, .vx = 3.0},
                                      {.x = 0.199, .r = 0.1, .m = 0.004, .vx = -2.0}};
-        dem_definition def = dem_definition_default();
+        dem_definition def = grains_afloat(2, grains);
         grains_law(&def, law, 1.5e5, 500.0);
-        def.gravity[1] = 0.0;
-        def.grains = grains;
-        def.n_grains = 2;
         dem_sim *sim = grains_start(&def);
         CHECK_OK(dem_run(sim, 1));
         const dem_contact c = grains_only_contact(sim);
@@ -262,8 +259,7 @@ static double simulated_restitution(dem_definition *def, double v)
     def->dt = 2e-3 * dem_time_step_limit(def, NULL);
     dem_sim *sim = grains_start(def);
     dem_state s[2];
-    CHECK_OK(dem_run(sim, 8000));
-    CHECK_OK(dem_states(sim, s));
+    grains_run(sim, 8000, s);
     dem_free(sim);
     return (s[1].vx - s[0].vx) / v;
 }
@@ -324,12 +320,9 @@ static void little_restitution(void)
 static void bad_restitution(void)
 {
     dem_grain grains[2] = {{.x = 0.0, .r = 0.1, .m = 0.004}, {.x = 0.3, .r = 0.1, .m = 0.004}};
-    dem_definition def = dem_definition_default();
+    dem_definition def = grains_afloat(2, grains);
     dem_sim *sim;
     double gamma_n;
-    def.gravity[1] = 0.0;
-    def.grains = grains;
-    def.n_grains = 2;
     def.material.restitution = 0.5;
     CHECK_FAILS(dem_create(&def, &sim), RP_BAD_INPUT, "restitution = 0.5, gamma_n = 500: give one");
     def.material.gamma_n = -1.0;
@@ -418,10 +411,9 @@ static void restitution_of_any_wall(void)
     enum { MANY = DEM_FEW_WALLS + 1 };
     const dem_grain grains[3] = {
         {.x = 0.0, .r = 0.1, .m = 0.003}, {.x = 1.0, .r = 0.1, .m = 0.004}, {.x = 2.0, .r = 0.1, .m = 0.008}};
-    dem_definition def = dem_definition_default();
+    dem_definition def = grains_of(3, grains);
     dem_wall walls[MANY];
     def.normal = DEM_LINEAR;
-    def.grains = grains, def.n_grains = 3;
     def.n_walls = 3;
     for (int asks = -1; asks < MANY; asks++) {
         dem_definition own = def;

@@ -45,8 +45,7 @@ static dem_ledger run_closed(const char *name, dem_definition *def, long steps, 
         CHECK_NEAR(l.residual, 0.0, CLOSES * l.turnover);
     }
     CU_ASSERT(grains_same_bits(sim, plain));
-    dem_free(sim);
-    dem_free(plain);
+    dem_free(sim), dem_free(plain);
     return l;
 }
 
@@ -208,8 +207,7 @@ static void turns(void)
     CHECK_OK(dem_run(sim, 1000));
     l = ledger_of(sim);
     CHECK_NEAR(l.residual, 0.0, CLOSES * l.turnover);
-    dem_free(sim);
-    free(grains);
+    dem_free(sim), free(grains);
 }
 
 /* Grains are added one by one; a clone continues with its own ledger. */
@@ -237,8 +235,7 @@ static void grains_put_in(void)
     CHECK_NEAR(l.residual, 0.0, CLOSES * l.turnover);
     CU_ASSERT(memcmp(&l, &same, sizeof l) == 0);
     CHECK_FAILS(dem_add(sim, &(dem_grain){0.0, 0.05, 0.1, 0.003}, NULL), RP_BAD_INPUT, "touches");
-    dem_free(copy);
-    dem_free(sim);
+    dem_free(copy), dem_free(sim);
 }
 
 /* Hard collisions, some together with soft contacts, in a rotating box; wells on a ground. */
@@ -384,8 +381,7 @@ static void pile_sticks(void)
     const dem_ledger after = ledger_of(sim);
     CHECK_NEAR(after.sliding, before.sliding, CLOSES * after.turnover);
     CU_ASSERT(after.normal_damping > before.normal_damping + 1e-3);
-    dem_free(sim);
-    free(grains);
+    dem_free(sim), free(grains);
 }
 
 /* Work of a floor that rotates under a grain: measured force times the displacement of the contact point, and
@@ -415,7 +411,7 @@ static void work_of_a_wall(void)
             size_t n;
             double f[2];
             CHECK_OK(dem_contacts(sim, &c, &n));
-            dem_wall_forces(sim, f);
+            grains_wall_forces(sim, f);
             CU_ASSERT_FATAL(n == 1);
             /* clockwise, from the start of the step or back from its end */
             const double angle = end ? -turn : turn, x = c->x_b, y = c->y_b;

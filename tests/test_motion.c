@@ -168,9 +168,7 @@ static void free_flight(void)
     for (int k = 0; k < DEM_INTEGRATORS; k++) {
         if (dem_schemes[k]->order[0] < 2) continue;
         dem_grain grain = {0.3, 5.0, R, M, 12.0, 385.0};
-        dem_definition def = dem_definition_default();
-        def.grains = &grain;
-        def.n_grains = 1;
+        dem_definition def = grains_of(1, &grain);
         def.integrator = k;
         def.tangential = DEM_NONE;
         def.material.mu = 0.0;
@@ -247,12 +245,11 @@ static void equation_of_motion(void)
     const long steps = 300;
     dem_grain grains[IN_LATTICE];
     for (int way = 0; way < ALL * DEM_INTEGRATORS * DEM_KERNELS; way++) {
-        dem_definition def = dem_definition_default();
+        dem_definition def = grains_of(IN_LATTICE, grains);
         def.kernel = way / ALL % DEM_KERNELS, def.integrator = way / ALL / DEM_KERNELS;
         def.rotation = way & ROTATION, def.hard.on = way & HARD;
         def.tension = !def.hard.on, def.gravity[0] = -385.0;
         def.material.mu = 0.0, def.tangential = DEM_NONE;
-        def.grains = grains, def.n_grains = IN_LATTICE;
         if (!dem_kernel_runs(def.kernel) || dem_scheme_check(&def) || (way & THREADS && !(way & LARGE)))
             continue;
         make_lattice(def.rotation ? 3.0 : 0.0, grains);
@@ -392,9 +389,7 @@ static void determinism(void)
         dem_count_work(copy, &counts);
         CU_ASSERT(counts.rebuilds > 20 && dem_count(copy) < 90 && dem_count(copy) > 30);
         CU_ASSERT(whole->walls.angle == copy->walls.angle);
-        dem_free(whole);
-        dem_free(copy);
-        free(grains);
+        dem_free(whole), dem_free(copy), free(grains);
     }
 }
 
@@ -462,11 +457,9 @@ static void box_against_gravity(void)
         dem_grain grains[5];
         for (int i = 0; i < 5; i++)
             grains[i] = (dem_grain){0.11 + 0.08 * (i % 2), 0.12 + 0.19 * i, R, M, 0.0, 0.0};
-        dem_definition def = dem_definition_default();
+        dem_definition def = grains_of(5, grains);
         def.tangential = DEM_NONE;
         def.material.mu = 0.0;
-        def.grains = grains;
-        def.n_grains = 5;
         dem_box_walls(&def, 0.31, &def.material);
         dem_sim *sim = grains_start(&def);
         CHECK_OK(dem_run(sim, 8000));
@@ -475,7 +468,7 @@ static void box_against_gravity(void)
         (k ? dem_box_turn : dem_gravity_turn)(sim, 0.0);
         CHECK_OK(dem_run(sim, 40000)); /* the stop of the box disturbs the column, which creeps back */
         CHECK_OK(dem_states(sim, s[k]));
-        dem_wall_forces(sim, forces[k]);
+        grains_wall_forces(sim, forces[k]);
         for (int i = 0; i < 5; i++) dem_box_frame(sim, &s[k][i].x, &s[k][i].y);
         for (int w = 0; w < 3; w++) dem_box_frame(sim, &forces[k][2 * w], &forces[k][2 * w + 1]);
         dem_free(sim);
@@ -505,7 +498,7 @@ static void wall_ledger(void)
     for (int round = 0; round <= STEPS; round++) {
         if (round > 0) CHECK_OK(dem_run(sim, 1));
         const double half = round == 0 || round == STEPS ? 0.5 : 1.0;
-        dem_wall_forces(sim, forces);
+        grains_wall_forces(sim, forces);
         for (int w = 0; w < 3; w++)
             for (int a = 0; a < 2; a++) impulse[a] -= half * def.dt * forces[2 * w + a];
         if (half == 1.0) continue;
@@ -523,8 +516,7 @@ static void wall_ledger(void)
     CHECK_NEAR(p[1][0] - p[0][0], impulse[0], 1e-12);
     CHECK_NEAR(p[1][1] - p[0][1], impulse[1], 1e-12);
     CU_ASSERT(fabs(impulse[0]) > 1e-2);
-    dem_free(sim);
-    free(grains);
+    dem_free(sim), free(grains);
 }
 
 /* Walls that sweep up distant grains at rest: the same as with a list rebuilt at every step. */
@@ -553,8 +545,7 @@ static void list_follows_turning_walls(void)
         dem_counts counts;
         dem_count_work(sim, &counts);
         CU_ASSERT(counts.rebuilds < 500);
-        dem_free(sim);
-        dem_free(renewed);
+        dem_free(sim), dem_free(renewed);
     }
 }
 
@@ -562,11 +553,8 @@ static void list_follows_turning_walls(void)
 static void outlet_turns(void)
 {
     dem_grain grains[2] = {{2.0, 5.0, R, M, 0.0, 0.0}, {-4.0, 0.5, R, M, 0.0, 0.0}};
-    dem_definition def = dem_definition_default();
+    dem_definition def = grains_afloat(2, grains);
     const double rate = 1e-4;
-    def.gravity[1] = 0.0;
-    def.grains = grains;
-    def.n_grains = 2;
     def.x_max = 2.5;
     def.y_min = -1.0;
     dem_sim *sim = grains_start(&def);
@@ -607,8 +595,7 @@ static void fixed_is_a_wall(void)
         dem_state s[2];
         for (int part = 0; part < 2; part++) { /* after a bounce, and at rest */
             CHECK_OK(dem_run(on_wall, part ? 11000 : 1000));
-            CHECK_OK(dem_run(on_grain, part ? 11000 : 1000));
-            CHECK_OK(dem_states(on_grain, s));
+            grains_run(on_grain, part ? 11000 : 1000, s);
             /* rounding of centres at a distance, 1e-16 in the overlap, damped */
             CHECK_NEAR(s[0].y, grains_state_of_one(on_wall).y, 1e-12);
             CHECK_NEAR(s[0].vy, grains_state_of_one(on_wall).vy, 1e-9);
@@ -623,8 +610,7 @@ static void fixed_is_a_wall(void)
         dem_energy energy;
         dem_energies(on_grain, &energy);
         CHECK_NEAR(energy.gravity, M * 981.0 * R, 1e-3 * M * 981.0);
-        dem_free(on_wall);
-        dem_free(on_grain);
+        dem_free(on_wall), dem_free(on_grain);
     }
 }
 
@@ -700,10 +686,7 @@ static void fixed_stay(void)
             CU_ASSERT(!(a && b) && !(a && contacts[i].id_b == 0));
         }
         CU_ASSERT(carried > 5);
-        free(contacts);
-        dem_free(sim);
-        dem_free(copy);
-        free(fill);
+        free(contacts), dem_free(sim), dem_free(copy), free(fill);
     }
 }
 

@@ -162,9 +162,7 @@ static void order(void)
     dem_neighbours_close_gaps(later);
     CU_ASSERT(same_order(now, later) && grains_same_bits(now, later));
     CU_ASSERT(later->pairs.n_chunks == 0 && later->grains.n_gone == 0);
-    dem_free(now);
-    dem_free(later);
-    free(grains);
+    dem_free(now), dem_free(later), free(grains);
 }
 
 /* A grain that left stays where it is, and the list as it is, however long the others are at rest. */
@@ -189,9 +187,7 @@ static void rest(void)
     CU_ASSERT(before_n - dem_count(sim) > 2 && before_n - dem_count(sim) < 30);
     CU_ASSERT(sim->count.rebuilds == twin->count.rebuilds && sim->count.rebuilds - before < 60);
     CU_ASSERT(grains_same_bits(sim, twin));
-    dem_free(sim);
-    dem_free(twin);
-    free(grains);
+    dem_free(sim), dem_free(twin), free(grains);
 }
 
 void suite_removal(void)

@@ -64,9 +64,7 @@ static double list_is_plain(const double x[])
     wrong += sim->pairs.n != plain->pairs.n ||
              memcmp(sim->pairs.i, plain->pairs.i, sim->pairs.n * sizeof *sim->pairs.i) != 0 ||
              memcmp(sim->pairs.j, plain->pairs.j, sim->pairs.n * sizeof *sim->pairs.j) != 0;
-    dem_free(sim);
-    dem_free(plain);
-    free(grains);
+    dem_free(sim), dem_free(plain), free(grains);
     return 2.0 * wrong;
 }
 
@@ -90,8 +88,7 @@ static void choice(void)
         const dem_definition def = mixture(2000, k ? 30.0 : 1.2, 7, &width, &grains);
         dem_sim *sim = grains_start(&def);
         CU_ASSERT((sim->list.sizes != NULL) == (k == 1));
-        dem_free(sim);
-        free(grains);
+        dem_free(sim), free(grains);
     }
 }
 

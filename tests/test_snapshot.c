@@ -105,7 +105,7 @@ static bool same(const dem_sim *a, const dem_sim *b)
     size_t n[2];
     for (int k = 0; k < 2; k++) {
         const dem_sim *sim = k ? b : a;
-        dem_wall_forces(sim, forces[k]);
+        grains_wall_forces(sim, forces[k]);
         dem_energies(sim, &energy[k]);
         dem_ledger_read(sim, &ledger[k]);
         dem_count_work(sim, &counts[k]);
@@ -122,8 +122,7 @@ static bool same(const dem_sim *a, const dem_sim *b)
         equal = contacts[0][k].shear_spring == contacts[1][k].shear_spring &&
                 contacts[0][k].rolling_spring == contacts[1][k].rolling_spring &&
                 contacts[0][k].well == contacts[1][k].well;
-    free(contacts[0]);
-    free(contacts[1]);
+    free(contacts[0]), free(contacts[1]);
     return equal;
 }
 
@@ -167,8 +166,7 @@ static bool continues(dem_definition *def, int features, size_t *contacts)
         run(copy, HALF / 2 - HALF / 3);
         CU_ASSERT(same(sim, copy));
     }
-    dem_free(sim);
-    dem_free(copy);
+    dem_free(sim), dem_free(copy);
     return true;
 }
 
@@ -235,9 +233,7 @@ static void large_pile(void)
     dem_count_work(sim, &counts);
     CU_ASSERT(counts.pairs > 6 * 8192 && counts.rebuilds > 2);
     CU_ASSERT(same(sim, copy));
-    dem_free(sim);
-    dem_free(copy);
-    free(grains);
+    dem_free(sim), dem_free(copy), free(grains);
 }
 
 /* ---- Files ---- */
@@ -375,8 +371,7 @@ static void damaged_files(void)
     refused("No such file");
     CU_ASSERT(mkdir(in_folder("s"), 0777) == 0);
     refused("not a regular file");
-    free(bytes);
-    dem_free(sim);
+    free(bytes), dem_free(sim);
     leave();
 }
 
@@ -398,8 +393,7 @@ static void foreign_files(void)
     sign(bytes, n);
     write_bytes("s", bytes, n);
     refused("made by model version ");
-    free(bytes);
-    dem_free(sim);
+    free(bytes), dem_free(sim);
     leave();
 }
 
@@ -433,8 +427,7 @@ static void impossible_states(void)
     CU_ASSERT(s.status == RP_BAD_INPUT && !copy);
     CU_ASSERT_STRING_EQUAL(rp_message(), "memory: its state ends too early");
     rp_snapshot_free(&s);
-    dem_free(sim);
-    free(grains);
+    dem_free(sim), free(grains);
 }
 
 /* Without room for the new one, the older snapshot stays, and no other file. */
@@ -456,8 +449,7 @@ static void full_disk(void)
     CHECK_OK(read_small("test", dem_keep_layout(), &copy));
     CU_ASSERT(dem_step(copy) == 20);
     CU_ASSERT(shell("test \"$(ls)\" = s") == 0);
-    dem_free(sim);
-    dem_free(copy);
+    dem_free(sim), dem_free(copy);
     leave();
 }
 

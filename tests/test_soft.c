@@ -58,8 +58,7 @@ static void sinks_by_its_weight(void)
         CHECK_NEAR(list[k].normal_force, load, 1e-10);
         CHECK_NEAR(list[k].overlap, load / K, 1e-13);
     }
-    free(list);
-    dem_free(sim);
+    free(list), dem_free(sim);
 }
 
 /* Under slow loading the well holds the disk up to mu N, at the displacement m g_x a/(mu N). Beyond, the well
@@ -387,8 +386,7 @@ static void soft_pair(void)
                           dem_inertia(DEM_DISK, s[i].m, s[i].r) * s[i].omega;
         }
         for (int step = 0; k == 0 && step < 1000; step++) {
-            CHECK_OK(dem_run(sim, 1));
-            CHECK_OK(dem_states(sim, s));
+            grains_run(sim, 1, s);
             least = fmin(least, hypot(s[1].x - s[0].x, s[1].y - s[0].y));
         }
         last = grains_energy(sim);
@@ -462,8 +460,7 @@ static void collide_in_flight(void)
         dem_sim *sim = grains_start(&def);
         const double end = 200 * def.dt;
         dem_state s[2];
-        CHECK_OK(dem_run(sim, 200));
-        CHECK_OK(dem_states(sim, s));
+        grains_run(sim, 200, s);
         CU_ASSERT(collisions(sim) == 1 && t < end);
         for (int i = 0; i < 2; i++) {
             CHECK_NEAR(s[i].vx, bodies[i].v[0], 1e-12);
@@ -504,8 +501,7 @@ static void passes_through_a_row(void)
         def.hard = (dem_hard){true, 1.0, 0.0};
         dem_sim *sim = grains_start(&def);
         dem_state s[N];
-        CHECK_OK(dem_run(sim, 1));
-        CHECK_OK(dem_states(sim, s));
+        grains_run(sim, 1, s);
         CU_ASSERT_EQUAL(collisions(sim), N - 1);
         for (int i = 0; i < N; i++) CHECK_NEAR(s[i].vx, i == N - 1 ? 2.0 * side : 0.0, 1e-12);
         /* with contacts in between, the total displacement is 2 dt minus the gaps */
@@ -726,8 +722,7 @@ static void hits_while_it_slides(void)
     CU_ASSERT(t > dt && t < 2.0 * dt && dem_impact(&disk, &held, n, 0.6, INFINITY, &impulse));
     dem_sim *sim = grains_start(&def);
     dem_state s[2];
-    CHECK_OK(dem_run(sim, 2));
-    CHECK_OK(dem_states(sim, s));
+    grains_run(sim, 2, s);
     CU_ASSERT_EQUAL(collisions(sim), 1);
     /* of the middle of the second step, at 1.5 dt */
     CHECK_NEAR(s[0].vx - 0.5 * dt * s[0].fx, disk.v[0] + a * (1.5 * dt - t), 1e-12);
@@ -804,13 +799,11 @@ static void pile_of_disks(void)
     CHECK_OK(dem_contacts(sim, &list, &n));
     for (size_t k = 0; k < n; k++) wells += list[k].well == DEM_WELL_HOLDS;
     CU_ASSERT(wells > 3);
-    free(list);
-    dem_free(copy);
+    free(list), dem_free(copy);
     for (def.kernel = DEM_REFERENCE; def.kernel < DEM_KERNELS; def.kernel++) {
         if (!dem_kernel_runs(def.kernel)) continue;
         copy = grains_start(&def);
-        CHECK_OK(dem_run(copy, 6000));
-        CHECK_OK(dem_states(copy, c));
+        grains_run(copy, 6000, c);
         CU_ASSERT(memcmp(s, c, sizeof s) == 0);
         dem_free(copy);
     }
@@ -892,8 +885,7 @@ static void slow_disk_hit_by_a_fast_one(void)
     dem_sim *sim;
     def.skin = 1.0; /* a list that holds them all */
     CHECK_OK(dem_create(&def, &sim));
-    CHECK_OK(dem_run(sim, 40));
-    CHECK_OK(dem_states(sim, wide));
+    grains_run(sim, 40, wide);
     dem_free(sim);
     def.skin = 0.0;
     for (def.kernel = DEM_REFERENCE; def.kernel < DEM_KERNELS; def.kernel++) {

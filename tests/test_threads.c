@@ -106,9 +106,7 @@ static void one_thread(void)
     CHECK_OK(dem_run(one, 200));
     CHECK_OK(dem_run_timed(timed, 200, &times));
     CU_ASSERT(grains_same_bits(one, timed) && times.lists > 0.0 && times.walls > 0.0);
-    dem_free(one);
-    dem_free(timed);
-    free(grains);
+    dem_free(one), dem_free(timed), free(grains);
 }
 
 /* A fault is found at the same step, with the same message. */
@@ -118,9 +116,7 @@ static void fault(bool wall)
     const dem_definition def = grains_too_soft(wall, &grains);
     dem_sim *one = start(&def, 1), *three = start(&def, 3);
     grains_break_alike(one, three);
-    dem_free(one);
-    dem_free(three);
-    free(grains);
+    dem_free(one), dem_free(three), free(grains);
 }
 
 /* Of an overlap with a grain or a wall; of a number that a rebuilding finds. */
@@ -135,8 +131,7 @@ static void faults(void)
     sim->grains.motion[sim->grains.n / 2].v[0] = NAN;
     CHECK_FAILS(dem_run(sim, 2), RP_BROKEN, "non_finite");
     CU_ASSERT(dem_sim_fault(sim) == DEM_FAULT_NON_FINITE);
-    dem_free(sim);
-    free(grains);
+    dem_free(sim), free(grains);
 }
 
 /* From a snapshot, with another number of threads each time. */
@@ -162,9 +157,7 @@ static void snapshots(void)
         CU_ASSERT(sim->threads == 0 && same_state(one, sim));
         dem_threads(sim, threads);
     }
-    dem_free(one);
-    dem_free(sim);
-    free(grains);
+    dem_free(one), dem_free(sim), free(grains);
 }
 
 /* The program: tables of a run with one thread, with two, and of a run that is stopped and goes on with

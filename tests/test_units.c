@@ -96,8 +96,7 @@ static bool same_contacts(units u, const dem_sim *one, const dem_sim *other)
         SAME(normal_force, 1, 1, -2), SAME(shear_force, 1, 1, -2), SAME(shear_spring, 1, 0, 0);
         SAME(rolling_torque, 2, 1, -2), SAME(rolling_spring, 1, 0, 0);
     }
-    free(list[0]);
-    free(list[1]);
+    free(list[0]), free(list[1]);
     return same;
 }
 
@@ -135,8 +134,8 @@ static bool same_work(units u, const dem_sim *one, const dem_sim *other)
     bool same = true;
     dem_count_work(one, &a);
     dem_count_work(other, &b);
-    dem_wall_forces(one, force[0]);
-    dem_wall_forces(other, force[1]);
+    grains_wall_forces(one, force[0]);
+    grains_wall_forces(other, force[1]);
     for (int k = 0; k < 2 * DEM_FEW_WALLS; k++) same &= to(u, force[0][k], 1, 1, -2) == force[1][k];
     return same && a.pairs == b.pairs && a.contacts == b.contacts && a.wall_slots == b.wall_slots &&
            a.rebuilds == b.rebuilds && a.collisions == b.collisions && a.grain_steps == b.grain_steps &&
@@ -181,8 +180,7 @@ static void check(const dem_definition *def, size_t chunk, long steps, const dem
     }
     CU_ASSERT(touched);
     for (int k = 0; k < 2; k++) dem_free(other[k]);
-    dem_free(sim);
-    free(grains);
+    dem_free(sim), free(grains);
 }
 
 static const dem_grain EXTRA = {.x = 0.5, .y = 9.0, .r = 0.1, .m = 0.004, .vx = 3.0, .vy = -90.0};

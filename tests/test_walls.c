@@ -234,8 +234,7 @@ static void galilean(void)
             for (int a = 0; a < 2; a++) def.walls[w].velocity[a] = V[a];
         for (int i = 0; i < 2 && moving; i++) grains[i].vx += V[0], grains[i].vy += V[1];
         dem_sim *sim = grains_start(&def);
-        CHECK_OK(dem_run(sim, 1200));
-        CHECK_OK(dem_states(sim, s[moving]));
+        grains_run(sim, 1200, s[moving]);
         CU_ASSERT(s[moving][0].omega != 30.0 && s[moving][1].omega != 0.0); /* both have touched */
         CU_ASSERT(dem_ledger_read(sim, &l[moving]));
         t = dem_time(sim);
@@ -267,10 +266,8 @@ static void turning_box(void)
         for (size_t w = 0; w < def.n_walls && own; w++) def.walls[w].omega = -TURN / def.dt;
         if (!own) def.box_turn_per_step = TURN;
         dem_sim *sim = grains_start(&def);
-        CHECK_OK(dem_run(sim, 1500));
-        CHECK_OK(dem_states(sim, s[own]));
-        dem_free(sim);
-        free(grains);
+        grains_run(sim, 1500, s[own]);
+        dem_free(sim), free(grains);
     }
     for (int i = 0; i < 9; i++) {
         CHECK_NEAR(s[1][i].x, s[0][i].x, 1e-9);
@@ -396,7 +393,7 @@ static void drum_snapshot(void)
         dem_sim *const all[] = {sim, clone, kept};
         for (int k = 0; k < 3; k++) {
             CHECK_OK(dem_run(all[k], 800));
-            dem_wall_forces(all[k], forces[k]);
+            grains_wall_forces(all[k], forces[k]);
             CU_ASSERT(grains_same_bits(sim, all[k]));
             CU_ASSERT(memcmp(forces[0], forces[k], sizeof forces[0]) == 0);
         }
@@ -425,8 +422,7 @@ static void inside(void)
         long steps;
         dem_sim *sim = start_text(text, &steps);
         dem_state s[24];
-        CHECK_OK(dem_run(sim, steps));
-        CHECK_OK(dem_states(sim, s));
+        grains_run(sim, steps, s);
         for (size_t i = 0; i < dem_count(sim); i++) {
             int crossings = 0; /* of a ray to the right with the sides */
             for (size_t w = 0; w < sim->def.n_walls; w++) {

@@ -474,7 +474,7 @@ static void sideways(void)
             if (how == 2) dem_box_turn(sim, 0.0);
             CHECK_OK(dem_run(sim, 60000));
             double f[8], carried[2];
-            dem_wall_forces(sim, f);
+            grains_wall_forces(sim, f);
             /* in the frame of the box */
             const double turned = how == 2 ? angle : 0.0;
             double sum[2] = {0.0, 0.0};
@@ -567,7 +567,7 @@ static void turned_boxes(void)
                                  mass = mass_within(sim, &within);
                     const double weight = mass * G, turned = sim->walls.angle;
                     double f[8], along[4], sum[2] = {0.0, 0.0};
-                    dem_wall_forces(sim, f);
+                    grains_wall_forces(sim, f);
                     static const double out[4][2] = {{0.0, -1.0}, {-1.0, 0.0}, {1.0, 0.0}, {0.0, 1.0}};
                     for (int w = 0; w < 4; w++) {
                         double x = f[2 * w], y = f[2 * w + 1];
@@ -607,7 +607,7 @@ static void emptied_boxes(void)
                 mass_within(sim, &within);
                 left = dem_count(sim);
                 double f[8]; /* the sides are infinite lines, which still guide falling grains */
-                dem_wall_forces(sim, f);
+                grains_wall_forces(sim, f);
                 const double force = hypot(f[2 * DEM_BOX_FLOOR], f[2 * DEM_BOX_FLOOR + 1]);
                 PARAMETERS("%d grains, %s turned, open %s, %s", MANY, box ? "box" : "gravity",
                            side ? "at the side" : "on top", dem_schemes[scheme]->name);

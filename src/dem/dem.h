@@ -362,10 +362,6 @@ typedef struct {
 /* False without a ledger. */
 bool dem_ledger_read(const dem_sim *sim, dem_ledger *ledger);
 
-/* Force on each wall, laboratory frame, in the order of the definition: forces[2 * wall],
- * forces[2 * wall + 1]. */
-void dem_wall_forces(const dem_sim *sim, double *forces);
-
 /* A wall as it is now, in the laboratory frame: the line through `point` with the unit normal `direction`,
  * between two ends along the direction turned clockwise, from the point; an infinite end has none. Nothing of
  * an open wall is left where both ends are equal. */

@@ -142,14 +142,6 @@ void dem_energies(const dem_sim *sim, dem_energy *energy)
     }
 }
 
-void dem_wall_forces(const dem_sim *sim, double *forces)
-{
-    for (size_t w = 0; w < sim->def.n_walls; w++) {
-        forces[2 * w] = sim->walls.force[w][0];
-        forces[2 * w + 1] = sim->walls.force[w][1];
-    }
-}
-
 rp_status dem_rest_state(const dem_sim *sim, double lo, double hi, dem_rest *rest)
 {
     *rest = (dem_rest){0};
