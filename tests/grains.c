@@ -50,14 +50,10 @@ void grains_on_floor(dem_definition *def, size_t n, const dem_grain *grains)
 dem_definition grains_disks(size_t n, const dem_grain *grains, double k)
 {
     dem_definition def = dem_definition_default();
-    def.integrator = DEM_IMPLICIT;
-    def.gravity[1] = -1.0;
-    def.normal = DEM_LINEAR;
-    def.tangential = DEM_NONE;
-    def.shape = DEM_DISK;
+    def.integrator = DEM_IMPLICIT, def.gravity[1] = -1.0, def.normal = DEM_LINEAR;
+    def.tangential = DEM_NONE, def.shape = DEM_DISK;
     def.material = (dem_material){.k_n = k};
-    def.grains = grains;
-    def.n_grains = n;
+    def.grains = grains, def.n_grains = n;
     return def;
 }
 
@@ -87,8 +83,7 @@ dem_definition grains_box(long N, double W, long run, dem_grain **grains)
     dem_definition def = dem_definition_default();
     *grains = malloc((size_t)N * sizeof **grains);
     CHECK_OK(dem_fill_random(&fill, *grains));
-    def.grains = *grains;
-    def.n_grains = (size_t)N;
+    def.grains = *grains, def.n_grains = (size_t)N;
     dem_material wall = def.material;
     wall.k_n *= 2.0;
     dem_box_walls(&def, W, &wall);
@@ -100,9 +95,7 @@ dem_definition grains_outflow(long N, long part, bool rotation, dem_grain **grai
     dem_definition def = grains_box(N, 4.0, 9, grains);
     for (long i = 0; i < N; i += 50) (*grains)[i].fixed = true;
     def.walls[DEM_BOX_RIGHT].open_at_step = 2 * part;
-    def.walls[DEM_BOX_FLOOR].open_at_step = 3 * part;
-    def.x_max = 8.0;
-    def.y_min = -0.5;
+    def.walls[DEM_BOX_FLOOR].open_at_step = 3 * part, def.x_max = 8.0, def.y_min = -0.5;
     def.rotation = rotation;
     def.material.mu_roll = rotation ? 0.1 : 0.0;
     return def;
@@ -130,6 +123,13 @@ dem_sim *grains_start(const dem_definition *def)
     dem_sim *sim = NULL;
     CHECK_OK(dem_create(def, &sim));
     CU_ASSERT_PTR_NOT_NULL_FATAL(sim);
+    return sim;
+}
+
+dem_sim *grains_after(const dem_definition *def, long steps)
+{
+    dem_sim *sim = grains_start(def);
+    CHECK_OK(dem_run(sim, steps));
     return sim;
 }
 

@@ -20,6 +20,21 @@ static dem_wall line(double x, double y, double nx, double ny, const dem_materia
     return w;
 }
 
+/* The only wall. */
+static void put_wall(dem_definition *def, double x, double y, double nx, double ny)
+{
+    def->n_walls = 1;
+    def->walls[0] = line(x, y, nx, ny, &def->material);
+}
+
+/* A test without and with rotation. */
+#define EITHER(test)                                                                                         \
+    static void test(void)                                                                                   \
+    {                                                                                                        \
+        test##_of(false);                                                                                    \
+        test##_of(true);                                                                                     \
+    }
+
 /* Largest difference of position or velocity between two simulations of the same grains. */
 static double distance(const dem_sim *a, const dem_sim *b)
 {
@@ -49,9 +64,7 @@ static void momentum_of(bool rotation)
     dem_grain *grains;
     dem_definition def = grains_box(60, 2.0, 3, &grains);
     double p0[2] = {0.0, 0.0}, p1[2] = {0.0, 0.0}, l0 = 0.0, l1 = 0.0, scale = 0.0;
-    def.n_walls = 0;
-    def.gravity[1] = 0.0;
-    def.rotation = rotation;
+    def.n_walls = 0, def.gravity[1] = 0.0, def.rotation = rotation;
     if (rotation) def.material.mu_roll = 0.1;
     for (size_t i = 0; i < 60; i++) { /* towards the middle */
         grains[i].vx = 20.0 * (1.0 - grains[i].x);
@@ -81,11 +94,7 @@ static void momentum_of(bool rotation)
     dem_free(sim), free(grains);
 }
 
-static void momentum(void)
-{
-    momentum_of(false);
-    momentum_of(true);
-}
+EITHER(momentum)
 
 /* A mirrored box, and one with reversed grain numbers, have the same trajectories. Round-off grows in
  * an avalanche, so the comparison ends while the grains settle. */
@@ -131,11 +140,7 @@ static void mirror_and_relabel_of(bool rotation)
     dem_free(sim), dem_free(mirrored), dem_free(renumbered), free(grains);
 }
 
-static void mirror_and_relabel(void)
-{
-    mirror_and_relabel_of(false);
-    mirror_and_relabel_of(true);
-}
+EITHER(mirror_and_relabel)
 
 /* The neighbour list has every touching pair throughout an avalanche. */
 static void list_is_complete_of(double speed, long steps)
@@ -211,9 +216,7 @@ static void leaving_below_others(void)
                            {0.2, 1.0 + 3.4 * r, r, m, 0.0, 0.0}, /* falls on the one before */
                            {1.2, 1.6 + r - sinks, r, m, 0.0, 0.0}};
     dem_definition def = grains_of(5, grains);
-    def.dt = 1e-5;
-    def.y_min = 0.5;
-    def.n_walls = 2;
+    def.dt = 1e-5, def.y_min = 0.5, def.n_walls = 2;
     for (int w = 0; w < 2; w++) {
         def.walls[w] = line(w ? 1.2 : 0.2, w ? 1.6 : 1.0, 0.0, 1.0, &def.material);
         def.walls[w].extent[0] = -0.2, def.walls[w].extent[1] = 0.2;
@@ -245,8 +248,7 @@ static void work(void)
                               {0.5, 0.5, 0.1, 0.0042, 0.0, 0.0},
                               {0.93, 0.5, 0.1, 0.0042, 300.0, 0.0}};
         dem_definition def = grains_of(3, grains);
-        def.dt = 1e-5;
-        def.x_max = 1.0;
+        def.dt = 1e-5, def.x_max = 1.0;
         def.integrator = way < 3 ? (dem_integrator[]){DEM_VERLET, DEM_GEAR5, DEM_IMPLICIT}[way] : DEM_VERLET;
         if (def.integrator == DEM_IMPLICIT)
             def.tension = false, def.tangential = DEM_NONE, def.material.mu = 0.0;
@@ -304,11 +306,7 @@ static void extra_rebuilds_of(bool rotation)
     free(a), free(b), dem_free(sim), dem_free(rebuilt), free(grains);
 }
 
-static void extra_rebuilds(void)
-{
-    extra_rebuilds_of(false);
-    extra_rebuilds_of(true);
-}
+EITHER(extra_rebuilds)
 
 static bool same_wall_forces(const dem_sim *a, const dem_sim *b)
 {
@@ -398,9 +396,7 @@ static void margins_of(bool hard, int kernel)
     dem_grain *grains;
     dem_definition def = grains_box(N, 3.0, 4, &grains);
     for (int i = 0; i < N; i++) grains[i].vx = 100.0 * (i % 5 - 2), grains[i].vy = i % 3 ? -200.0 : 0.0;
-    def.dt = 2e-5;
-    def.kernel = kernel;
-    def.x_max = 3.1;
+    def.dt = 2e-5, def.kernel = kernel, def.x_max = 3.1;
     def.walls[DEM_BOX_RIGHT].open_at_step = 500;
     if (hard) def.hard = (dem_hard){.on = true, .restitution = 0.1, .mu = 0.2}, def.tension = false;
     dem_sim *sim = grains_start(&def);
@@ -422,9 +418,7 @@ static void margins_of_two(void)
         dem_grain two[2] = {{-0.5 - 0.002 * k, 0.0, 0.1, 0.004, 300.0, 0.0},
                             {0.5 + 0.002 * k, 0.0, 0.1, 0.004, -300.0, 0.0}};
         dem_definition def = grains_afloat(2, two);
-        def.dt = 1e-5;
-        def.tension = false;
-        def.hard.on = true;
+        def.dt = 1e-5, def.tension = false, def.hard.on = true;
         dem_sim *sim = grains_start(&def);
         CU_ASSERT(beyond_margins(sim, 200) == 0 && sim->count.collisions == 1);
         dem_free(sim);
@@ -444,9 +438,7 @@ static void margins_of_many_hit(size_t pairs)
             grains[2 * p + 1] = (dem_grain){0.4 + 0.001 * k, 2.0 * (double)p, 0.1, 0.004, -300.0, 0.0};
         }
         dem_definition def = grains_afloat(2 * pairs, grains);
-        def.dt = 1e-4;
-        def.normal = DEM_LINEAR;
-        def.material.k_n = 1e3;
+        def.dt = 1e-4, def.normal = DEM_LINEAR, def.material.k_n = 1e3;
         def.tension = false;
         def.hard = (dem_hard){.on = true, .restitution = 1.0};
         dem_sim *sim = grains_start(&def);
@@ -484,8 +476,7 @@ static void determinism_of(bool rotation)
     if (rotation) def.material.mu_roll = 0.1;
     dem_sim *whole, *cut = grains_start(&def), *copy;
     def.walls[2].open_at_step = 4001;
-    whole = grains_start(&def);
-    CHECK_OK(dem_run(whole, 9000));
+    whole = grains_after(&def, 9000);
     dem_state s[90];
     for (int k = 0; k < 40; k++) {
         dem_energy e;
@@ -509,11 +500,7 @@ static void determinism_of(bool rotation)
     dem_free(whole), dem_free(copy), free(grains);
 }
 
-static void determinism(void)
-{
-    determinism_of(false);
-    determinism_of(true);
-}
+EITHER(determinism)
 
 /* The rotation of gravity keeps its length and accumulates to the angle. */
 static void gravity_turns(void)
@@ -567,13 +554,9 @@ static void floor_that_ends(void)
     dem_definition def = dem_definition_default();
     def.tangential = DEM_NONE;
     def.material = (dem_material){.k_n = 1e6};
-    def.dt = 1e-5;
-    def.grains = &grain;
-    def.n_grains = 1;
-    def.n_walls = 1;
-    def.walls[0] = line(0.0, 0.0, 0.0, 1.0, &def.material);
-    def.walls[0].extent[1] = 1.0;
-    def.y_min = -0.4;
+    def.dt = 1e-5, def.grains = &grain, def.n_grains = 1;
+    put_wall(&def, 0.0, 0.0, 0.0, 1.0);
+    def.walls[0].extent[1] = 1.0, def.y_min = -0.4;
     dem_sim *sim = grains_start(&def);
     dem_energy e0, e;
     dem_state s;
@@ -607,10 +590,8 @@ static void corner_without_rebuild(void)
 {
     dem_grain grain = {0.96, 0.0995, 0.1, 0.0042, 60.0, 0.0};
     dem_definition def = grains_of(1, &grain);
-    def.material.mu = 0.0;
-    def.skin = 3.0;
-    def.n_walls = 1;
-    def.walls[0] = line(0.0, 0.0, 0.0, 1.0, &def.material);
+    def.material.mu = 0.0, def.skin = 3.0;
+    put_wall(&def, 0.0, 0.0, 0.0, 1.0);
     def.walls[0].extent[1] = 1.0;
     dem_sim *sim = grains_start(&def);
     dem_counts counts;
@@ -633,20 +614,15 @@ static void springs_end_of(bool rolling)
 {
     dem_grain grains[2] = {{0.0, 0.25, 0.1, 0.0042, 0.1, -20.0}, {0.0, -9.0, 9.0, 1e12, 0.0, 0.0}};
     dem_definition def = dem_definition_default();
-    def.gravity[1] = 0.0;
-    def.material.gamma_n = def.material.gamma_s = 0.0;
+    def.gravity[1] = 0.0, def.material.gamma_n = def.material.gamma_s = 0.0;
     def.material.mu = 10.0; /* it never slips */
     if (rolling) {          /* rotation without translation; too soft to reverse it */
-        def.rotation = true;
-        def.material.mu = def.material.gamma_roll = 0.0;
-        def.material.mu_roll = 10.0;
-        def.material.k_roll = 1e-3;
+        def.rotation = true, def.material.mu = def.material.gamma_roll = 0.0;
+        def.material.mu_roll = 10.0, def.material.k_roll = 1e-3;
         grains[0].omega = 1.0;
     }
-    def.grains = grains;
-    def.n_grains = 2;
-    def.n_walls = 1;
-    def.walls[0] = line(0.0, 0.5, 0.0, -1.0, &def.material);
+    def.grains = grains, def.n_grains = 2;
+    put_wall(&def, 0.0, 0.5, 0.0, -1.0);
     dem_sim *sim = grains_start(&def);
     int touches = 0;
     size_t before = 0;
@@ -671,11 +647,7 @@ static void springs_end_of(bool rolling)
     dem_free(sim);
 }
 
-static void springs_end(void)
-{
-    springs_end_of(false);
-    springs_end_of(true);
-}
+EITHER(springs_end)
 
 /* The couple of two unequal counter-rotating grains without friction: displacement R_eff (omega_a
  * - omega_b) dt after a step, R_eff = r_a r_b/(r_a + r_b). */
@@ -684,8 +656,7 @@ static void rolling_couple(void)
     dem_grain grains[2] = {{0.0, 0.0, 0.1, 0.0042, 0.0, 0.0, 0.0, 3.0},
                            {0.27, 0.0, 0.1739, 0.0222, 0.0, 0.0, 0.0, -11.0}};
     dem_definition def = grains_afloat(2, grains);
-    def.rotation = true;
-    def.material.mu = def.material.gamma_s = def.material.gamma_roll = 0.0;
+    def.rotation = true, def.material.mu = def.material.gamma_s = def.material.gamma_roll = 0.0;
     def.material.mu_roll = 0.3;
     dem_sim *sim = grains_start(&def);
     dem_contact *c;
@@ -746,14 +717,11 @@ static void contacts_add_up(void)
     enum { N = SPINNING };
     dem_grain *grains;
     dem_definition def = grains_box(N, 2.0, 25, &grains);
-    def.rotation = true;
-    def.damping = DEM_DAMPING_INSIDE;
-    def.material.gamma_s = 200.0;
+    def.rotation = true, def.damping = DEM_DAMPING_INSIDE, def.material.gamma_s = 200.0;
     def.material.mu_roll = 0.1;
     for (int w = 0; w < 3; w++) def.walls[w].material.mu_roll = 0.07;
     def.walls[2].open_at_step = 4000;
-    dem_sim *sim = grains_start(&def);
-    CHECK_OK(dem_run(sim, 5000));
+    dem_sim *sim = grains_after(&def, 5000);
     CU_ASSERT(sliding_of_sums(sim) > 0);
     dem_box_turn(sim, 1e-4);
     CHECK_OK(dem_run(sim, 3));
@@ -767,11 +735,8 @@ static void lifted_wall_drags(void)
     dem_grain grain = {0.9003, 0.5, 0.1, 0.0042, 0.0, 0.0};
     dem_definition def = grains_afloat(1, &grain);
     def.gravity[0] = 981.0;
-    def.n_walls = 1;
-    def.walls[0] = line(1.0, 0.0, -1.0, 0.0, &def.material);
-    def.walls[0].extent[0] = 0.0;
-    def.walls[0].open_at_step = 0;
-    def.walls[0].open_speed = 2.0;
+    put_wall(&def, 1.0, 0.0, -1.0, 0.0);
+    def.walls[0].extent[0] = 0.0, def.walls[0].open_at_step = 0, def.walls[0].open_speed = 2.0;
     dem_sim *sim = grains_start(&def);
     dem_state s;
     grains_run(sim, 2000, &s);
@@ -788,8 +753,7 @@ static void outlet(void)
     dem_definition def = grains_afloat(3, grains);
     def.x_max = 0.30125; /* passed in step 603 of 5e-4 each */
     def.y_min = 0.49975; /* passed in step 1001 */
-    dem_sim *sim = grains_start(&def);
-    CHECK_OK(dem_run(sim, 602));
+    dem_sim *sim = grains_after(&def, 602);
     CU_ASSERT_EQUAL(dem_count(sim), 3);
     CHECK_OK(dem_run(sim, 1));
     CU_ASSERT_EQUAL(dem_count(sim), 2);
@@ -802,8 +766,7 @@ static void outlet(void)
     CU_ASSERT(s.id == 3 && s.x == -0.5 && s.y == 2.0);
     dem_free(sim);
     def.n_grains = 1; /* the last to go */
-    sim = grains_start(&def);
-    CHECK_OK(dem_run(sim, 602));
+    sim = grains_after(&def, 602);
     CU_ASSERT_EQUAL(dem_count(sim), 1);
     CHECK_OK(dem_run(sim, 1));
     CU_ASSERT_EQUAL(dem_count(sim), 0);
@@ -816,14 +779,11 @@ static void lifted_wall(void)
     dem_grain grains[2] = {{0.9, 0.1, 0.1, 0.0042, 0.0, 0.0}, {0.9, 0.8, 0.1, 0.0042, 50.0, 0.0}};
     dem_definition def = grains_afloat(2, grains);
     def.material.mu = 0.0;
-    def.n_walls = 1;
-    def.walls[0] = line(1.0, 0.0, -1.0, 0.0, &def.material);
-    def.walls[0].extent[0] = -0.2;
-    def.walls[0].open_at_step = 100;
+    put_wall(&def, 1.0, 0.0, -1.0, 0.0);
+    def.walls[0].extent[0] = -0.2, def.walls[0].open_at_step = 100;
     def.walls[0].open_speed = 100.0;
     grains[0].vx = 30.0;
-    dem_sim *sim = grains_start(&def);
-    CHECK_OK(dem_run(sim, 99));
+    dem_sim *sim = grains_after(&def, 99);
     dem_state s[2];
     dem_states(sim, s);
     CU_ASSERT(s[0].vx < 0.0 && s[1].vx < 0.0); /* both came back from the closed wall */
@@ -872,8 +832,7 @@ static void filling(void)
     other.run = 5;
     CHECK_OK(dem_fill_random(&other, b));
     CU_ASSERT(a[0].x != b[0].x && a[0].r != b[0].r);
-    other.W = 0.9;
-    other.H = 1.0;
+    other.W = 0.9, other.H = 1.0;
     CHECK_FAILS(dem_fill_random(&other, b), RP_NO_RESULT, "of N = ");
     CU_ASSERT(strstr(rp_message(), "no room for grain") && strstr(rp_message(), ", of radius 0.") &&
               strstr(rp_message(), ", in W = 0.9, H = 1: fewer"));
@@ -881,7 +840,7 @@ static void filling(void)
 
 /* A distant added grain changes no bit of the others, except through the rebuild of the list. A refused large
  * grain does not change the cells, nor the order of sums. */
-static void check_added_far_away(bool rotation)
+static void added_far_away_of(bool rotation)
 {
     dem_grain *grains;
     dem_definition def = grains_box(80, 2.2, 6, &grains);
@@ -907,11 +866,7 @@ static void check_added_far_away(bool rotation)
     dem_free(sim), dem_free(more), free(grains);
 }
 
-static void added_far_away(void)
-{
-    check_added_far_away(false);
-    check_added_far_away(true);
-}
+EITHER(added_far_away)
 
 /* Grains added one by one at the start equal those of the definition, for any capacity and cells; a grain
  * added later falls on a parabola, exact in leapfrog. */
@@ -969,8 +924,7 @@ static void added_by_either_scheme(void)
         def.rotation = !gear;
         def.dt = 2e-5; /* Gear's limit is the lower */
         const double omega = gear ? 0.0 : 2.385, t = 300 * def.dt;
-        dem_sim *sim = grains_start(&def);
-        CHECK_OK(dem_run(sim, 100));
+        dem_sim *sim = grains_after(&def, 100);
         CHECK_OK(dem_add(
             sim, &(dem_grain){.x = 3.0, .y = 2.0, .r = 0.1, .m = 0.004, .vy = -7.0, .omega = omega}, NULL));
         grains_run(sim, 300, s);
@@ -989,8 +943,7 @@ static void added_names_and_errors(void)
 {
     dem_grain one = {0.0, 1.0, 0.1, 0.004, 0.0, 0.0};
     dem_definition def = grains_of(1, &one);
-    def.y_min = -0.5;
-    def.n_walls = 2;
+    def.y_min = -0.5, def.n_walls = 2;
     def.walls[0] = line(0.0, 0.0, 0.0, 1.0, &def.material);
     def.walls[0].extent[1] = 1.0; /* ends at x = 1 */
     def.walls[1] = line(-3.0, 0.0, 1.0, 0.0, &def.material);
@@ -1025,17 +978,14 @@ static void faults(void)
 {
     dem_grain grains[2] = {{0.0, 0.5, 0.1, 0.004, 0.0, 0.0}, {0.0, 0.9, 0.1, 0.004, 0.0, 0.0}};
     dem_definition def = grains_of(2, grains);
-    def.n_walls = 1;
-    def.walls[0] = line(0.0, 0.0, 0.0, 1.0, &def.material);
+    put_wall(&def, 0.0, 0.0, 0.0, 1.0);
     def.walls[0].material.k_n = 10.0; /* too soft to carry the fall */
     dem_sim *sim = grains_start(&def);
     CHECK_FAILS(dem_run(sim, 100000), RP_BROKEN, "grain 1: its centre passed wall 1");
     CU_ASSERT_EQUAL(dem_sim_fault(sim), DEM_FAULT_LEAKED);
     dem_free(sim);
 
-    def.n_walls = 0;
-    def.gravity[1] = 0.0;
-    def.material.k_n = 1.0;
+    def.n_walls = 0, def.gravity[1] = 0.0, def.material.k_n = 1.0;
     def.material.gamma_n = 0.0;
     grains[1].vy = -200.0;
     for (def.kernel = DEM_FAST; def.kernel < DEM_KERNELS; def.kernel++) {
@@ -1047,15 +997,11 @@ static void faults(void)
     }
 
     def = dem_definition_default();
-    def.grains = grains;
-    def.n_grains = 1;
-    def.gravity[1] = -1e9;
+    def.grains = grains, def.n_grains = 1, def.gravity[1] = -1e9;
     sim = grains_start(&def);
     CHECK_FAILS(dem_run(sim, 100000), RP_BROKEN, "too_fast at step");
     dem_free(sim);
-    def.gravity[1] = -1e308;
-    def.dt = 1e100;
-    def.material.k_n = def.material.k_s = 1e-300;
+    def.gravity[1] = -1e308, def.dt = 1e100, def.material.k_n = def.material.k_s = 1e-300;
     def.material.gamma_n = def.material.gamma_s = 0.0;
     sim = grains_start(&def);
     CHECK_FAILS(dem_run(sim, 100000), RP_BROKEN, "non_finite at step");
@@ -1070,8 +1016,7 @@ static void overlaps_too_deep(void)
     for (int i = 0; i < 4; i++)
         grains[i] = (dem_grain){.x = 0.3125 * i, .y = 0.1875, .r = 0.125 - 0.0625 * (i == 2), .m = 0.004};
     dem_definition def = grains_afloat(4, grains);
-    def.skin = 0.3;
-    def.n_walls = 2;
+    def.skin = 0.3, def.n_walls = 2;
     for (int w = 0; w < 2; w++) def.walls[w] = grains_line(0.0, -0.5 + 0.5 * w, 0.0, 1.0, &def.material);
     dem_sim *sim = grains_start(&def);
     dem_motion *at = sim->grains.motion;
@@ -1123,8 +1068,7 @@ static void bad_definitions(void)
     const dem_grain good = grains[0];
     dem_definition def = grains_of(2, grains), bad;
     dem_sim *sim;
-    def.n_walls = 1;
-    def.walls[0] = line(0.0, 0.0, 0.0, 1.0, &def.material);
+    put_wall(&def, 0.0, 0.0, 0.0, 1.0);
 #define REFUSES(change, text)                                                                                \
     do {                                                                                                     \
         bad = def;                                                                                           \
@@ -1226,9 +1170,7 @@ static void ranges_of_numbers(void)
 {
     const double below = nextafter(1.0, 0.0), tiny = 1e-300, least = DBL_MIN;
     dem_definition def = dem_definition_default();
-    def.rotation = true;
-    def.material.mu_roll = 0.1;
-    def.n_walls = 2;
+    def.rotation = true, def.material.mu_roll = 0.1, def.n_walls = 2;
     for (int w = 0; w < 2; w++) def.walls[w] = grains_line(0.0, 0.0, 0.0, 1.0, &def.material);
     dem_wall *w = &def.walls[1];
     for (int wall = 0; wall < 2; wall++) {
@@ -1326,8 +1268,7 @@ static void ranges_of_walls(void)
 static void ranges_of_ground(void)
 {
     dem_definition def = dem_definition_default();
-    def.tangential = DEM_SLIP_ROLL;
-    def.n_walls = 2;
+    def.tangential = DEM_SLIP_ROLL, def.n_walls = 2;
     for (int w = 0; w < 2; w++) def.walls[w] = grains_line(0.0, 0.0, 0.0, 1.0, &def.material);
     def.ground = (dem_ground){.wall = 2, .mu_static = 0.5, .a = 0.01};
     const number_range numbers[] = {{&def.ground.mu_static, 0.0, -1e-300, "ground: mu_static"},
@@ -1456,8 +1397,7 @@ static void contacts_of_the_start(void)
         grains[i].r = 0.1, grains[i].m = 0.004;
         grains[i].vx = 9.0 * sin(7.0 * i + 1.0), grains[i].omega = 80.0 * cos(5.0 * i);
     }
-    def.gravity[1] = 0.0;
-    def.rotation = true;
+    def.gravity[1] = 0.0, def.rotation = true;
     def.material.mu = def.material.mu_roll = 100.0; /* nothing slides */
     def.dt = 1e-5;
     def.grains = grains, def.n_grains = N;
@@ -1466,8 +1406,7 @@ static void contacts_of_the_start(void)
     def.walls[1] = grains_line(0.3, 0.0, 0.0, 1.0, &def.material);
     def.walls[2] = grains_line(2.5, 1.0, 0.0, 1.0, &def.material);
     def.walls[2].extent[0] = -0.5, def.walls[2].extent[1] = 2.0;
-    dem_sim *sim = grains_start(&def);
-    CHECK_OK(dem_run(sim, 20));
+    dem_sim *sim = grains_after(&def, 20);
     dem_state s[N];
     dem_contact *before, *after;
     size_t n, n_after;
@@ -1504,8 +1443,7 @@ static void time_step_limit(void)
     double limit = dem_time_step_limit(&def, &what);
     CU_ASSERT_STRING_EQUAL(what, "the lightest grain at a wall");
     def.dt = limit;
-    dem_sim *sim = grains_start(&def);
-    CHECK_OK(dem_run(sim, 20000));
+    dem_sim *sim = grains_after(&def, 20000);
     dem_rest rest;
     dem_rest_state(sim, 0.0, 2.0, &rest);
     CU_ASSERT(rest.kinetic_energy < 1e-5);
@@ -1534,15 +1472,11 @@ static void limit_of_a_fall(void)
             const double g = 981.0, height = 2.3, end = sqrt(2.0 * g * height);
             dem_grain grain = {.x = 0.3, .y = height, .r = 0.1, .m = 0.004, .vx = speed};
             dem_definition def = grains_of(1, &grain);
-            def.normal = law;
-            def.gravity[1] = -g;
-            def.material.gamma_n = 0.0;
-            def.n_walls = 1;
-            def.walls[0] = line(0.0, 0.0, 0.0, 1.0, &def.material);
+            def.normal = law, def.gravity[1] = -g, def.material.gamma_n = 0.0;
+            put_wall(&def, 0.0, 0.0, 0.0, 1.0);
             for (int scheme = 0; scheme < DEM_INTEGRATORS; scheme++) {
                 if (!dem_schemes[scheme]->step_limit) continue;
-                def.integrator = scheme;
-                def.gravity[1] = -g;
+                def.integrator = scheme, def.gravity[1] = -g;
                 grain.vx = speed;
                 const double falls = dem_time_step_limit(&def, NULL);
                 def.gravity[1] = 0.0;
@@ -1598,12 +1532,9 @@ static void limit_of_unequal(void)
             order[i] = grains[at];
         }
         dem_definition def = dem_definition_default();
-        def.gravity[1] = 0.0;
-        def.normal = DEM_LINEAR;
-        def.tangential = DEM_NONE;
+        def.gravity[1] = 0.0, def.normal = DEM_LINEAR, def.tangential = DEM_NONE;
         def.material = (dem_material){.k_n = k_n};
-        def.grains = order;
-        def.n_grains = 4;
+        def.grains = order, def.n_grains = 4;
         const char *what;
         CHECK_NEAR(dem_time_step_limit(&def, &what) / (3.8 / sqrt(12.0 * k_n * (first + second))), 1.0,
                    1e-14);
@@ -1636,9 +1567,7 @@ static void limit_of_gear(void)
     for (int k = 0; k < 3; k++) {
         dem_grain grains[2] = {{.x = 0.0, .r = 0.1, .m = m}, {.x = 0.3, .r = 0.1, .m = m}};
         dem_definition def = dem_definition_default();
-        def.gravity[1] = 0.0;
-        def.integrator = DEM_GEAR5;
-        def.normal = DEM_LINEAR;
+        def.gravity[1] = 0.0, def.integrator = DEM_GEAR5, def.normal = DEM_LINEAR;
         def.tangential = DEM_NONE;
         def.material = (dem_material){.k_n = k_n, .gamma_n = gammas[k]};
         def.grains = grains, def.n_grains = 2;
@@ -1673,11 +1602,8 @@ static void limit_in_any_direction(void)
             grains[i].x = c * x - s * y + left;
             grains[i].y = s * x + c * y + down;
         }
-        def.gravity[0] = 981.0 * s;
-        def.gravity[1] = -981.0 * c;
-        def.grains = grains;
-        def.n_grains = 2;
-        def.n_walls = 2;
+        def.gravity[0] = 981.0 * s, def.gravity[1] = -981.0 * c, def.grains = grains;
+        def.n_grains = 2, def.n_walls = 2;
         def.walls[0] = line(left, down, -s, c, &def.material);
         /* nearly along, through a point far below the floor */
         def.walls[1] = line(left + 9.0 * s, down - 9.0 * c, c - 1e-9 * s, s + 1e-9 * c, &def.material);
@@ -1704,11 +1630,8 @@ static void overlap_of_the_start(void)
         if (k == 2 || k == 3) grains[k - 2].fixed = true;
         if (k == 4) grains[1].x = 1.2;
         if (k == 5) grains[1].r = 0.3, grains[1].x = 0.9 - d; /* has up to pi/asin(1/4) neighbours, not 6 */
-        def.gravity[1] = 0.0;
-        def.material.gamma_n = def.material.mu = 0.0;
-        def.tangential = DEM_NONE;
-        def.grains = grains;
-        def.n_grains = 3;
+        def.gravity[1] = 0.0, def.material.gamma_n = def.material.mu = 0.0;
+        def.tangential = DEM_NONE, def.grains = grains, def.n_grains = 3;
         def.n_walls = k == 4;
         def.walls[0] = grains_line(0.4 + d, 0.0, 1.0, 0.0, &def.material);
         const double k_n = def.material.k_n,
@@ -1728,8 +1651,7 @@ static void overlap_of_the_start(void)
         const dem_contact c = grains_only_contact(sim);
         CU_ASSERT(c.shear_force == 0.0 && c.rolling_torque == 0.0);
         dem_free(sim);
-        def.normal = DEM_LINEAR;
-        def.dt = 1e-7;
+        def.normal = DEM_LINEAR, def.dt = 1e-7;
         sim = grains_start(&def);
         dem_energies(sim, &energy);
         CHECK_NEAR(energy.elastic / (0.5 * k_n * d * d), 1.0, 1e-12);
@@ -1747,12 +1669,9 @@ static void energy_of_a_long_spring(void)
         const dem_grain grains[2] = {{.x = 0.5, .y = 0.5, .r = 0.1, .m = 0.004, .vx = speeds[k]},
                                      {.x = 0.7 - d, .y = 0.5, .r = 0.1, .m = 0.004}};
         dem_definition def = grains_afloat(2, grains);
-        def.dt = 1e-6;
-        def.slip = DEM_TOTAL;
-        def.material.gamma_n = 4000.0;
+        def.dt = 1e-6, def.slip = DEM_TOTAL, def.material.gamma_n = 4000.0;
         const dem_contact start = {.id_a = 1, .id_b = 2, .wall = -1, .shear_spring = ds};
-        def.contacts = &start;
-        def.n_contacts = 1;
+        def.contacts = &start, def.n_contacts = 1;
         dem_sim *sim = grains_start(&def);
         dem_energy energy;
         dem_energies(sim, &energy);
@@ -1775,13 +1694,10 @@ static void limit_of_rotation(void)
                                  {.x = 1.5, .y = 0.5, .r = 0.1, .m = 0.004}};
     for (int rolls = 0; rolls < 2; rolls++) {
         dem_definition def = dem_definition_default();
-        def.gravity[1] = 0.0;
-        def.normal = DEM_LINEAR;
-        def.rotation = true;
+        def.gravity[1] = 0.0, def.normal = DEM_LINEAR, def.rotation = true;
         def.material =
             (dem_material){.k_n = 1.0, .k_s = 1e4, .mu = 0.2, .k_roll = 3e3, .mu_roll = rolls ? 0.1 : 0.0};
-        def.grains = grains;
-        def.n_grains = 2;
+        def.grains = grains, def.n_grains = 2;
         const double square = 2.5 * (2e4 + (rolls ? 3e3 : 0.0)) / 0.002;
         CHECK_NEAR(dem_time_step_limit(&def, NULL) / (3.8 / sqrt(12.0 * square)), 1.0, 1e-14);
     }
@@ -1830,8 +1746,7 @@ static void state_near_rest(void)
                                  {.x = 0.5, .y = 1.6, .r = 0.1, .m = 0.004, .fixed = true},
                                  {.x = -0.5, .y = 0.6, .r = 0.1, .m = 0.004, .vx = 50.0}};
     dem_definition def = grains_afloat(4, grains);
-    def.rotation = true;
-    def.dt = dt;
+    def.rotation = true, def.dt = dt;
     dem_sim *sim = grains_start(&def);
     dem_rest rest;
     CHECK_OK(dem_rest_state(sim, 0.0, 1.0, &rest));
@@ -1839,10 +1754,8 @@ static void state_near_rest(void)
     const double inertia = dem_inertia(def.shape, 0.004, 0.1);
     CHECK_NEAR(rest.kinetic_energy, 0.5 * inertia * 9.0, 1e-12);
     dem_free(sim);
-    def.n_grains = 2;
-    def.box_turn_per_step = turn;
-    sim = grains_start(&def);
-    CHECK_OK(dem_run(sim, 1));
+    def.n_grains = 2, def.box_turn_per_step = turn;
+    sim = grains_after(&def, 1);
     CHECK_OK(dem_rest_state(sim, 0.0, 1.0, &rest));
     /* the point of the box reached the grain's position along a chord; its spin is clockwise */
     const double chord = hypot(0.5, 0.6) * 2.0 * sin(0.5 * turn) / dt, spin = 3.0 + sin(turn) / dt;
@@ -1852,10 +1765,8 @@ static void state_near_rest(void)
     dem_grain two[2] = {{.x = 0.5, .r = 0.1, .m = 0.004}, {.x = 0.5, .y = 1.0, .r = 0.1, .m = 0.004}};
     def = dem_definition_default();
     two[0].y = 0.1 - pow(0.5 * 0.004 * 981.0 / (2.0 * def.material.k_n), 2.0 / 3.0);
-    def.grains = two;
-    def.n_grains = 2;
-    def.n_walls = 1;
-    def.walls[0] = line(0.0, 0.0, 0.0, 1.0, &def.material);
+    def.grains = two, def.n_grains = 2;
+    put_wall(&def, 0.0, 0.0, 0.0, 1.0);
     sim = grains_start(&def);
     CHECK_OK(dem_rest_state(sim, 0.0, 1.0, &rest));
     CU_ASSERT(rest.n == 2 && rest.contact_number == 0.5);
@@ -1921,9 +1832,7 @@ static void arrays_follow_grains(void)
         static unsigned char bytes[N + 1][1024];
         dem_grain *grains;
         dem_definition def = grains_box(N, 2.0, 5, &grains);
-        def.integrator = k / 2;
-        def.rotation = k % 2;
-        def.dt = 4e-5;
+        def.integrator = k / 2, def.rotation = k % 2, def.dt = 4e-5;
         if (!dem_scheme_check(&def)) {
             dem_sim *sim = grains_start(&def), *copy;
             CHECK_OK(dem_run(sim, 2000));

@@ -67,8 +67,7 @@ static void free_pile(test_pile *h)
 
 static rp_status solve(test_pile *h, statics_definition def)
 {
-    def.n = h->n;
-    def.disks = h->disks;
+    def.n = h->n, def.disks = h->disks;
     statics_free(h->pile);
     h->pile = NULL;
     rp_status status = statics_create(&def, &h->pile);
@@ -78,6 +77,13 @@ static rp_status solve(test_pile *h, statics_definition def)
     statics_displacements(h->pile, h->u);
     statics_base(h->pile, NULL, h->N, h->H);
     return status;
+}
+
+static test_pile solved(long k, double alpha_deg, statics_definition def)
+{
+    test_pile h = make_disks(k, alpha_deg, 0);
+    CHECK_OK(solve(&h, def));
+    return h;
 }
 
 static statics_definition soft(double eps)
@@ -90,9 +96,7 @@ static statics_definition soft(double eps)
 static statics_definition friction(double eps, double mu, double a)
 {
     statics_definition def = soft(eps);
-    def.well = STATICS_WELL_FRICTION;
-    def.mu = mu;
-    def.a = a;
+    def.well = STATICS_WELL_FRICTION, def.mu = mu, def.a = a;
     return def;
 }
 
@@ -169,8 +173,7 @@ static void test_softest_disk(void)
         for (size_t i = 0; i < 4; i++)
             disks[i] = (statics_disk){3 * (double)i, 0.5, 0.5, i == light ? 0.7 : 1.1 + 0.1 * (double)i};
         statics_definition def = friction(1e-4, 0.5, 2);
-        def.n = 4;
-        def.disks = disks;
+        def.n = 4, def.disks = disks;
         statics_pile *pile = NULL;
         statics_result r;
         CHECK_OK(statics_create(&def, &pile));
@@ -270,8 +273,7 @@ static void check_wells(const test_pile *h, double mu, double a, bool at_rest)
 
 static void test_state_of_wells(void)
 {
-    test_pile h = make_disks(45, 30, 0);
-    CHECK_OK(solve(&h, friction(1e-4, 0.3, 1)));
+    test_pile h = solved(45, 30, friction(1e-4, 0.3, 1));
     CU_ASSERT(h.result.eps == 1e-4);
     check_wells(&h, 0.3, 1, true);
     CHECK_FAILS(solve(&h, friction(1e-4, 0.2, 1)), RP_NO_RESULT, " and 16 more; neighbours ");
@@ -416,8 +418,7 @@ static void test_soft_wells(void)
 static void test_primary(void)
 {
     double most, last = 0;
-    test_pile h = make_disks(45, 60, 0);
-    CHECK_OK(solve(&h, soft(1e-4)));
+    test_pile h = solved(45, 60, soft(1e-4));
     CHECK_NEAR(N_error(&h, &most), 2.3e-3, 0.05e-3);
     CHECK_NEAR(most, 4.8e-3, 0.05e-3);
     CU_ASSERT(h.result.negative_modes == 18 && h.result.horizontal == 0 && h.result.jumps == 0);
@@ -563,8 +564,7 @@ static void test_ways(void)
  * weight 1 and stiffness 1, 1/2 - 1. */
 static void test_energy(void)
 {
-    test_pile h = make_disks(1, 60, 0);
-    CHECK_OK(solve(&h, soft(1e-3)));
+    test_pile h = solved(1, 60, soft(1e-3));
     CHECK_NEAR(h.result.energy, -0.5, ROUNDING);
     free_pile(&h);
     h = make_disks(45, 60, 0); /* half of the work of all springs, by Clapeyron, in the linearised problem */
@@ -703,8 +703,7 @@ static void test_plain_forces_and_modes(void)
         test_pile h = make_disks(cases[c].k, cases[c].alpha, 0);
         unequal(&h, cases[c].sizes);
         statics_definition def = soft(cases[c].eps);
-        def.k_x = 0.7;
-        def.branch = cases[c].branch;
+        def.k_x = 0.7, def.branch = cases[c].branch;
         CHECK_OK(solve(&h, def));
         double *force = malloc(2 * h.n * sizeof *force);
         energy[c] = plain_forces(&h, h.u, def.eps, def.k_x, force);
@@ -775,8 +774,7 @@ static void test_horizontal_force(void)
 /* The order of the disks does not matter. */
 static void test_relabelled(void)
 {
-    test_pile h = make_disks(20, 35, 0);
-    CHECK_OK(solve(&h, soft(1e-3)));
+    test_pile h = solved(20, 35, soft(1e-3));
     double *u = malloc(2 * h.n * sizeof *u), N[20];
     memcpy(u, h.u, 2 * h.n * sizeof *u);
     memcpy(N, h.N, sizeof N);
@@ -811,12 +809,8 @@ static void test_damped_dynamics(void)
     for (size_t i = 0; i < h.n; i++)
         grains[i] = (dem_grain){.x = h.disks[i].x, .y = h.disks[i].y, .r = 0.5, .m = 1};
     dem_definition scene = dem_definition_default();
-    scene.gravity[0] = 0;
-    scene.gravity[1] = -1;
-    scene.dt = 4e-3;
-    scene.normal = DEM_LINEAR;
-    scene.tangential = DEM_SPRING;
-    scene.tension = false;
+    scene.gravity[0] = 0, scene.gravity[1] = -1, scene.dt = 4e-3;
+    scene.normal = DEM_LINEAR, scene.tangential = DEM_SPRING, scene.tension = false;
     scene.material = (dem_material){.k_n = 1 / eps, .gamma_n = 20, .k_s = 1};
     scene.n_walls = 1;
     scene.walls[0] = (dem_wall){
@@ -824,8 +818,7 @@ static void test_damped_dynamics(void)
         .material = {.k_n = 1 / eps, .gamma_n = 20, .k_s = k_x / eps, .gamma_s = 20, .mu = INFINITY},
         .extent = {-INFINITY, INFINITY},
         .open_at_step = -1};
-    scene.n_grains = h.n;
-    scene.grains = grains;
+    scene.n_grains = h.n, scene.grains = grains;
     dem_sim *sim = NULL;
     CHECK_OK(dem_create(&scene, &sim));
     if (sim) {
@@ -842,6 +835,17 @@ static void test_damped_dynamics(void)
 }
 
 /* ---- bad input ---- */
+
+/* Status of a pile of these disks, and what is known of it. */
+static rp_status try_disks(statics_definition def, size_t n, const statics_disk disks[], statics_result *r)
+{
+    statics_pile *pile = NULL;
+    def.disks = disks, def.n = n;
+    RP_TRY(statics_create(&def, &pile));
+    const rp_status status = statics_solve(pile, r);
+    statics_free(pile);
+    return status;
+}
 
 /* A disk on two others held by weak springs: tan(theta)/2 = k_x u, at sin(theta) = (1/2 + eps u)/(1 - eps f),
  * with the contact force f = 1/(2 cos(theta)); stable up to eps u of about 0.3. A distance above half a
@@ -862,8 +866,7 @@ static void check_weak_base(void)
         statics_disk given[3];
         for (int i = 0; i < 3; i++) given[orders[k / 2][i]] = disks[i];
         statics_definition def = soft(eps);
-        def.n = 3;
-        def.disks = given;
+        def.n = 3, def.disks = given;
         def.k_x = (k % 2 ? 2.25 : 2.3) * eps;
         statics_pile *pile = NULL;
         statics_result result;
@@ -885,108 +888,65 @@ static void check_weak_base(void)
 
 static void test_errors(void)
 {
+    const double top = 0.5 + sqrt(0.75);
+    const statics_definition def = soft(1e-4);
     statics_pile *pile = NULL;
-    statics_disk disks[3] = {{0, 0.5, 0.5, 1}, {1, 0.5, 0.5, 1}, {0.5, 0.5 + sqrt(0.75), 0.5, 1}};
-    statics_definition def = soft(1e-4);
-    def.n = 3;
-    def.disks = disks;
-    struct {
+    statics_disk disks[3] = {{0, 0.5, 0.5, 1}, {1, 0.5, 0.5, 1}, {0.5, top, 0.5, 1}};
+    statics_result result;
+    static const struct {
         const char *text;
-        statics_definition def;
         statics_disk last;
-    } cases[] = {{"eps = -1", def, disks[2]},
-                 {"eps = nan", def, disks[2]},
-                 {"k_x = 0", def, disks[2]},
-                 {"mu = 0", def, disks[2]},
-                 {"a = -2", def, disks[2]},
-                 {"set_load = 1.5", def, disks[2]},
-                 {"load_steps = 0", def, disks[2]},
-                 {"0 disks", def, disks[2]},
-                 {"disk 3 at (0.5, 2.2) has no support", def, {0.5, 2.2, 0.5, 1}},
-                 {"disk 3 at (1.5, 1.36603) has no support", def, {1.5, 0.5 + sqrt(0.75), 0.5, 1}},
-                 {"disk 3 at (5, 0.2): below the ground", def, {5, 0.2, 0.5, 1}},
-                 {"disks 2 and 3 overlap", def, {1.2, 0.5, 0.5, 1}},
-                 {"disk 3 at (0.5, 2) with r = -1", def, {0.5, 2, -1, 1}},
-                 {"disks 2 and 3 overlap by 0.01", def, {1.99, 0.5, 0.5, 1}}};
-    cases[0].def.eps = -1;
-    cases[1].def.eps = NAN;
-    cases[2].def.k_x = 0;
-    cases[3].def.well = cases[4].def.well = STATICS_WELL_FRICTION;
-    cases[3].def.mu = 0;
-    cases[4].def.a = -2;
-    cases[5].def.set_load = 1.5;
-    cases[6].def.load_steps = 0;
-    cases[7].def.n = 0;
-    cases[13].def.eps = 0;
+    } cases[] = {{"disk 3 at (0.5, 2.2) has no support", {0.5, 2.2, 0.5, 1}},
+                 {"disk 3 at (1.5, 1.36603) has no support", {1.5, 1.3660254037844386, 0.5, 1}},
+                 {"disk 3 at (5, 0.2): below the ground", {5, 0.2, 0.5, 1}},
+                 {"disks 2 and 3 overlap", {1.2, 0.5, 0.5, 1}},
+                 {"disk 3 at (0.5, 2) with r = -1", {0.5, 2, -1, 1}},
+                 {"disks 2 and 3 overlap by 0.01", {1.99, 0.5, 0.5, 1}}};
+    statics_definition nothing = soft(NAN);
+    nothing.disks = disks, nothing.n = 3;
+    CHECK_FAILS(statics_create(&nothing, &pile), RP_BAD_INPUT, "eps = nan");
+    nothing.eps = 1e-4, nothing.n = 0;
+    CHECK_FAILS(statics_create(&nothing, &pile), RP_BAD_INPUT, "0 disks");
+    CU_ASSERT_PTR_NULL(pile);
     for (size_t c = 0; c < sizeof cases / sizeof *cases; c++) {
         disks[2] = cases[c].last;
-        CHECK_FAILS(statics_create(&cases[c].def, &pile), RP_BAD_INPUT, cases[c].text);
-        CU_ASSERT_PTR_NULL(pile);
+        CHECK_FAILS(try_disks(soft(c == 5 ? 0 : 1e-4), 3, disks, &result), RP_BAD_INPUT, cases[c].text);
     }
     /* ten in the air */
     statics_disk high[11] = {{0, 0.5, 0.5, 1}};
     for (int i = 1; i < 11; i++) high[i] = (statics_disk){3 * i, 3, 0.5, 1};
-    def.disks = high;
-    def.n = 11;
-    CHECK_FAILS(statics_create(&def, &pile), RP_BAD_INPUT,
+    CHECK_FAILS(try_disks(def, 11, high, &result), RP_BAD_INPUT,
                 "can't carry it; nor disks 3, 4, 5, 6, 7, 8, 9, 10 and 1 more");
-    /* two disks that support each other: each one is supported, the two together are not */
-    statics_disk tower[] = {{0, 0.5, 0.5, 1}, {0, 1.5, 0.5, 1}, {0, 2.5, 0.5, 1}};
-    def.disks = tower;
-    def.n = 3;
-    CHECK_OK(statics_create(&def, &pile));
-    statics_result result;
-    CHECK_OK(statics_solve(pile, &result)); /* a tower is in equilibrium, but unstable */
+    /* a tower is in equilibrium, but unstable */
+    static const statics_disk tower[] = {{0, 0.5, 0.5, 1}, {0, 1.5, 0.5, 1}, {0, 2.5, 0.5, 1}};
+    statics_definition stable = def;
+    CHECK_OK(try_disks(def, 3, tower, &result));
     CU_ASSERT(result.negative_modes == 2);
-    statics_free(pile);
-    def.branch = STATICS_BRANCH_MINIMUM;
-    CHECK_OK(statics_create(&def, &pile));
-    CHECK_FAILS(statics_solve(pile, &result), RP_NO_RESULT,
+    stable.branch = STATICS_BRANCH_MINIMUM;
+    CHECK_FAILS(try_disks(stable, 3, tower, &result), RP_NO_RESULT,
                 "collapses: neighbours 2 and 3 moved by 0.6 sigma");
     CU_ASSERT(result.negative_modes == STATICS_UNCOUNTED && isnan(result.smallest_pivot));
-    statics_free(pile);
-    def.branch = STATICS_BRANCH_PRIMARY;
     check_weak_base();
     /* two piles of three on weak springs slide into one another, without having been neighbours */
-    statics_disk two[6] = {{0, 0.5, 0.5, 1}, {1, 0.5, 0.5, 1}, {0.5, 0.5 + sqrt(0.75), 0.5, 1}};
-    for (int i = 3; i < 6; i++) {
-        two[i] = two[i - 3];
-        two[i].x += 2.2501;
-    }
-    statics_definition meet = soft(0.01);
-    meet.disks = two;
-    meet.n = 6;
-    meet.k_x = 0.024;
-    CHECK_OK(statics_create(&meet, &pile));
-    CHECK_FAILS(statics_solve(pile, &result), RP_NO_RESULT,
+    statics_disk two[6] = {{0, 0.5, 0.5, 1}, {1, 0.5, 0.5, 1}, {0.5, top, 0.5, 1}};
+    for (int i = 3; i < 6; i++) two[i] = two[i - 3], two[i].x += 2.2501;
+    statics_definition weak = soft(0.01);
+    weak.k_x = 0.024;
+    CHECK_FAILS(try_disks(weak, 6, two, &result), RP_NO_RESULT,
                 "meets: no neighbours, but disk 2 on 4; followed up");
     CU_ASSERT(result.fault == STATICS_MEETS && result.load == 1);
     CU_ASSERT(result.negative_modes == STATICS_UNCOUNTED && isnan(result.smallest_pivot));
-    statics_free(pile);
     /* 0.2 above the ground, without neighbours: no force in x */
-    statics_disk lone[] = {{0, 0.5, 0.5, 1}, {3, 0.6, 0.5, 1}};
-    def.disks = lone;
-    def.n = 2;
-    CHECK_OK(statics_create(&def, &pile));
-    CHECK_FAILS(statics_solve(pile, &result), RP_NO_RESULT, "disk 2");
+    static const statics_disk lone[] = {{0, 0.5, 0.5, 1}, {3, 0.6, 0.5, 1}};
+    CHECK_FAILS(try_disks(def, 2, lone, &result), RP_NO_RESULT, "disk 2");
     CU_ASSERT(result.fault == STATICS_SINGULAR);
-    statics_free(pile);
 }
 
-/* ---- the stiffness matrix ---- */
-
-/* A square with a diagonal, held at all corners, and disk 1 by a spring to the ground: an update against a
- * new factorisation, and as the inverse of the product. Way 1 has the other order
- * of elimination. */
-/* Status of a pile of two disks that lie apart; what is said if it is refused; its wells and contacts. */
+/* Whether a pile of two disks that lie apart can be made; its wells and contacts. */
 static rp_status try_two(statics_definition def, const statics_disk disks[2], statics_result *r)
 {
-    statics_pile *pile = NULL;
-    def.disks = disks, def.n = 2;
-    RP_TRY(statics_create(&def, &pile));
-    (void)statics_solve(pile, r);
-    statics_free(pile);
-    return RP_OK;
+    const rp_status status = try_disks(def, 2, disks, r);
+    return status == RP_NO_RESULT ? RP_OK : status;
 }
 
 /* Both sides of each limit of a definition. */
@@ -1067,6 +1027,11 @@ static void test_ranges_of_places(void)
         }
 }
 
+/* ---- the stiffness matrix ---- */
+
+/* A square with a diagonal, held at all corners, and disk 1 by a spring to the ground: an update against a
+ * new factorisation, and as the inverse of the product. Way 1 has the other order
+ * of elimination. */
 static void test_stiffness_update(void)
 {
     static const rp_pair bonds[] = {{0, 1}, {0, 2}, {1, 2}, {1, 3}, {2, 3}};
@@ -1580,8 +1545,7 @@ static void check_ensemble(void)
         statics_definition def = statics_definition_default();
         CHECK_OK(sweep_outline_make(&h, K, 0, 30 * DEG, 0, NULL));
         CHECK_OK(sweep_outline_disorder(&h, 1e-4, 5, p));
-        def.n = h.n;
-        def.disks = h.disks;
+        def.n = h.n, def.disks = h.disks;
         CHECK_OK(statics_create(&def, &pile));
         CHECK_OK(statics_solve(pile, &r));
         statics_base(pile, NULL, N[p], H[p]);

@@ -76,8 +76,7 @@ static void kernels_of(const features *f, long number)
     def.walls[DEM_BOX_RIGHT].open_at_step = steps / 2;
     def.walls[DEM_BOX_FLOOR].open_at_step = steps - 900;
     def.box_turn_per_step = number % 3 == 1 ? 1e-4 : 0.0;
-    def.x_max = 2.5;
-    def.y_min = -0.5;
+    def.x_max = 2.5, def.y_min = -0.5;
     each_kernel(&def, steps);
     free(grains);
 }
@@ -187,8 +186,7 @@ static void observed_force(void)
                                      {.x = 0.199, .r = 0.1, .m = 0.004, .vx = -2.0}};
         dem_definition def = grains_afloat(2, grains);
         grains_law(&def, law, 1.5e5, 500.0);
-        dem_sim *sim = grains_start(&def);
-        CHECK_OK(dem_run(sim, 1));
+        dem_sim *sim = grains_after(&def, 1);
         const dem_contact c = grains_only_contact(sim);
         dem_state s[2];
         CHECK_OK(dem_states(sim, s));
@@ -270,11 +268,9 @@ static void restitution_in_place_of_damping(void)
         for (int i = 0; i < 6; i++) {
             const double e = 0.3 + 0.15 * (i / 2), v = 37.0, first_order = 2e-2;
             dem_definition def = dem_definition_default();
-            def.normal = normal;
-            def.tension = i % 2;
+            def.normal = normal, def.tension = i % 2;
             def.material.k_n = 1.5e5 / dem_normal_descriptors[normal].stiffness(1.0, 0.01);
-            def.material.restitution = e;
-            def.material.gamma_n = -1.0;
+            def.material.restitution = e, def.material.gamma_n = -1.0;
             /* the start's impact speed is twice the largest one: here one grain rests */
             double gamma_n;
             dem_collision_result c;
@@ -413,8 +409,7 @@ static void restitution_of_any_wall(void)
         {.x = 0.0, .r = 0.1, .m = 0.003}, {.x = 1.0, .r = 0.1, .m = 0.004}, {.x = 2.0, .r = 0.1, .m = 0.008}};
     dem_definition def = grains_of(3, grains);
     dem_wall walls[MANY];
-    def.normal = DEM_LINEAR;
-    def.n_walls = 3;
+    def.normal = DEM_LINEAR, def.n_walls = 3;
     for (int asks = -1; asks < MANY; asks++) {
         dem_definition own = def;
         double gamma_n, alike;

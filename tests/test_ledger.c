@@ -55,15 +55,11 @@ static dem_definition two_grains(dem_grain grains[2], dem_normal_law law, double
     grains[0] = (dem_grain){0.0, 0.0, 0.13, 0.011, 6.1, 5.2};
     grains[1] = (dem_grain){0.19, 0.17, 0.09, 0.0032, -9.3, -11.7};
     dem_definition def = dem_definition_default();
-    def.gravity[1] = 0.0;
-    def.normal = law;
-    def.tension = tension;
+    def.gravity[1] = 0.0, def.normal = law, def.tension = tension;
     def.tangential = DEM_NONE;
     def.material = (dem_material){0};
     grains_law(&def, law, 2e4, rate);
-    def.dt = 2e-6;
-    def.grains = grains;
-    def.n_grains = 2;
+    def.dt = 2e-6, def.grains = grains, def.n_grains = 2;
     return def;
 }
 
@@ -113,8 +109,7 @@ static void sliding_block(void)
         const double weight = grain.m * 981.0;
         /* slip begins within a step; the work of the force uses the middle of the step */
         const double one_step = 0.5 * floor.mu * weight * 15.0 * def.dt;
-        dem_sim *sim = grains_start(&def);
-        CHECK_OK(dem_run(sim, steps));
+        dem_sim *sim = grains_after(&def, steps);
         const dem_state s = grains_state_of_one(sim);
         if (def.slip == DEM_TRUNCATED && !(choice & 4)) {
             const double slid = s.x - floor.mu * weight / floor.k_s; /* the rest is in the spring */
@@ -145,8 +140,7 @@ static void avalanche(void)
     for (int choice = 0; choice < 9; choice++) {
         dem_grain *grains;
         dem_definition def = grains_box(40, 1.2, choice, &grains);
-        def.walls[DEM_BOX_RIGHT].open_at_step = steps / 2;
-        def.x_max = 2.0;
+        def.walls[DEM_BOX_RIGHT].open_at_step = steps / 2, def.x_max = 2.0;
         if (choice == 1) def.slip = DEM_TOTAL;
         if (choice == 2) def.damping = DEM_DAMPING_INSIDE, def.tension = false;
         if (choice == 3) def.integrator = DEM_GEAR5;
@@ -159,8 +153,7 @@ static void avalanche(void)
             }
         if (choice == 7) { /* a moving wall, and a floor that ends in a corner */
             def.walls[DEM_BOX_RIGHT].open_speed = 20.0;
-            def.walls[DEM_BOX_RIGHT].extent[0] = 0.0;
-            def.walls[DEM_BOX_FLOOR].extent[1] = 1.2;
+            def.walls[DEM_BOX_RIGHT].extent[0] = 0.0, def.walls[DEM_BOX_FLOOR].extent[1] = 1.2;
             def.y_min = -0.4;
         }
         if (choice == 8) def.slip = DEM_TOTAL, def.damping = DEM_DAMPING_INSIDE, def.tension = false;
@@ -195,8 +188,7 @@ static void turns(void)
     dem_grain *grains;
     dem_definition def = grains_box(20, 0.8, 3, &grains);
     def.ledger = true;
-    dem_sim *sim = grains_start(&def);
-    CHECK_OK(dem_run(sim, 3000));
+    dem_sim *sim = grains_after(&def, 3000);
     dem_energy before, after;
     dem_energies(sim, &before);
     dem_gravity_set(sim, (double[]){100.0, -900.0});
@@ -216,8 +208,7 @@ static void grains_put_in(void)
     dem_grain grain;
     const dem_material floor = {.k_n = 2e6, .gamma_n = 500.0, .k_s = 1e4, .gamma_s = 5.0, .mu = 0.2};
     dem_definition def = kicked(&grain, 3.0, &floor);
-    def.ledger = true;
-    def.rotation = true;
+    def.ledger = true, def.rotation = true;
     dem_sim *sim = grains_start(&def), *copy;
     double put_in = 0.0;
     for (int k = 0; k < 20; k++) {
@@ -244,11 +235,8 @@ static void hard_and_wells(void)
     for (int choice = 0; choice < 6; choice++) {
         dem_grain *grains;
         dem_definition def = grains_box(30, 1.0, 11 + choice, &grains);
-        def.tangential = DEM_SLIP_ROLL;
-        def.tension = false;
-        def.normal = DEM_LINEAR;
-        def.material.k_n = 2e4;
-        def.rotation = choice & 1;
+        def.tangential = DEM_SLIP_ROLL, def.tension = false, def.normal = DEM_LINEAR;
+        def.material.k_n = 2e4, def.rotation = choice & 1;
         for (int w = 0; w < DEM_BOX_N; w++) def.walls[w].material = def.material;
         if (choice < 4) def.hard = (dem_hard){true, 0.5, 0.3};
         if (choice >= 2) def.ground = (dem_ground){1, 0.3, 1e-3, choice % 3};
@@ -283,8 +271,7 @@ static void implicit_box(void)
         if (choice >= 2) def.ground = (dem_ground){1, 0.3, 1e-3, choice % 3};
         if (choice == 1) grains[7].fixed = true, grains[7].vx = grains[7].vy = 0.0;
         if (choice == 4) def.turn_per_step = 2e-4;
-        def.walls[DEM_BOX_RIGHT].open_at_step = steps / 2;
-        def.x_max = 1.1;
+        def.walls[DEM_BOX_RIGHT].open_at_step = steps / 2, def.x_max = 1.1;
         const dem_ledger l = run_closed("implicit box", &def, steps, 60);
         CU_ASSERT(l.normal_damping > 0.0 && seen(l.normal_damping, &l));
         CU_ASSERT(losses(&l) > l.at_walls && l.at_walls > 0.0);
@@ -312,9 +299,7 @@ static void implicit_conserves(void)
                 for (int damped = 0; damped < 2; damped++) {
                     dem_grain grains[2];
                     dem_definition def = two_grains(grains, law, damped ? 900.0 : 0.0, true);
-                    def.integrator = DEM_IMPLICIT;
-                    def.implicit.solver = solver;
-                    def.dt = dt;
+                    def.integrator = DEM_IMPLICIT, def.implicit.solver = solver, def.dt = dt;
                     def.skin = 0.2;
                     grains[1].vx *= 0.3, grains[1].vy *= 0.3;
                     const dem_ledger l =
@@ -328,9 +313,7 @@ static void implicit_conserves(void)
     const dem_material floor = {.k_n = 1e5};
     dem_definition def = kicked(&grain, 15.0, &floor);
     grain.y = 0.3;
-    def.integrator = DEM_IMPLICIT;
-    def.tangential = DEM_NONE;
-    def.dt = 1e-4;
+    def.integrator = DEM_IMPLICIT, def.tangential = DEM_NONE, def.dt = 1e-4;
     const dem_ledger l = run_closed("implicit bounce", &def, 4000, 40);
     CU_ASSERT(losses(&l) == 0.0 && l.wall_work == 0.0);
     CHECK_NEAR(l.integration, 0.0, 1e-12 * l.turnover);
@@ -344,17 +327,14 @@ static void sticking(void)
         dem_grain grain;
         const dem_material floor = {.k_n = 2e6, .k_s = 1e4, .mu = INFINITY};
         dem_definition def = kicked(&grain, 3.0, &floor);
-        def.integrator = integrator;
-        def.dt = 9e-5;
+        def.integrator = integrator, def.dt = 9e-5;
         if (dem_scheme_check(&def)) continue;
         const dem_ledger l = run_closed("sticks", &def, 3000, 10);
         CHECK_NEAR(losses(&l), 0.0, CLOSES * l.turnover);
         CU_ASSERT(integrator == DEM_VERLET || seen(l.integration, &l));
         dem_grain grains[2];
         def = two_grains(grains, DEM_HERTZ, 0.0, true);
-        def.integrator = integrator;
-        def.tangential = DEM_SPRING;
-        def.material.k_s = 1e4;
+        def.integrator = integrator, def.tangential = DEM_SPRING, def.material.k_s = 1e4;
         def.material.mu = INFINITY;
         const dem_ledger pair = run_closed("sticks", &def, 950, 1);
         CHECK_NEAR(losses(&pair), 0.0, CLOSES * pair.turnover);
@@ -368,11 +348,9 @@ static void pile_sticks(void)
 {
     dem_grain *grains;
     dem_definition def = grains_box(20, 0.8, 5, &grains);
-    def.ledger = true;
-    def.material.mu = INFINITY;
+    def.ledger = true, def.material.mu = INFINITY;
     for (int w = 0; w < DEM_BOX_N; w++) def.walls[w].material.mu = INFINITY;
-    dem_sim *sim = grains_start(&def);
-    CHECK_OK(dem_run(sim, 30000));
+    dem_sim *sim = grains_after(&def, 30000);
     const dem_ledger before = ledger_of(sim);
     const dem_grain two[2] = {{0.4, 4.0, 0.1, 0.004, 0.0, 0.0}, {0.4, 4.25, 0.1, 0.004, 0.0, -40.0}};
     for (int i = 0; i < 2; i++) CHECK_OK(dem_add(sim, &two[i], NULL));
@@ -399,9 +377,7 @@ static void work_of_a_wall(void)
                                 .k_roll = 1e4,
                                 .gamma_roll = 5.0};
     dem_definition def = kicked(&grain, 0.0, &floor);
-    def.rotation = true;
-    def.dt = dt;
-    def.box_turn_per_step = turn;
+    def.rotation = true, def.dt = dt, def.box_turn_per_step = turn;
     def.ledger = true;
     dem_sim *sim = grains_start(&def);
     double work = 0.0;
@@ -432,15 +408,11 @@ static void hit_and_gone(void)
 {
     dem_grain grains[2] = {{0.0, 0.0, 0.1, 0.004, 50.0, 0.0}, {0.2001, 0.0, 0.1, 0.004}};
     dem_definition def = dem_definition_default();
-    def.gravity[1] = 0.0;
-    def.dt = 1e-4;
-    def.tangential = DEM_NONE;
+    def.gravity[1] = 0.0, def.dt = 1e-4, def.tangential = DEM_NONE;
     def.tension = false;
     def.material = (dem_material){.k_n = 1e5};
     def.hard = (dem_hard){true, 0.5, 0.0};
-    def.x_max = 0.2005;
-    def.grains = grains;
-    def.n_grains = 2;
+    def.x_max = 0.2005, def.grains = grains, def.n_grains = 2;
     const dem_ledger l = run_closed("gone", &def, 1, 1);
     const double v = 50.0;
     CHECK_NEAR(l.taken_out, 0.5 * 0.004 * 0.75 * 0.75 * v * v, CLOSES * l.turnover);
@@ -454,22 +426,15 @@ static void hit_by_a_belt(void)
     const double m = 0.004, r = 0.1, e = 0.5, mu = 0.3, belt = 70.0, v_n = 30.0, v_t = -11.0;
     const double n[2] = {-0.6, 0.8}, t[2] = {0.8, 0.6};
     dem_grain grain = {.x = 1.0 + 1.0001 * r * n[0], .y = 2.0 + 1.0001 * r * n[1], .r = r, .m = m};
-    grain.vx = -v_n * n[0] + v_t * t[0];
-    grain.vy = -v_n * n[1] + v_t * t[1];
+    grain.vx = -v_n * n[0] + v_t * t[0], grain.vy = -v_n * n[1] + v_t * t[1];
     dem_definition def = dem_definition_default();
-    def.gravity[1] = 0.0;
-    def.dt = 1e-4;
-    def.tangential = DEM_NONE;
-    def.tension = false;
-    def.rotation = true;
+    def.gravity[1] = 0.0, def.dt = 1e-4, def.tangential = DEM_NONE;
+    def.tension = false, def.rotation = true;
     def.material = (dem_material){.k_n = 1e5};
     def.hard = (dem_hard){true, e, mu};
-    def.grains = &grain;
-    def.n_grains = 1;
-    def.n_walls = 1;
+    def.grains = &grain, def.n_grains = 1, def.n_walls = 1;
     def.walls[0] = grains_line(1.0, 2.0, n[0], n[1], &def.material);
-    def.walls[0].extent[0] = -1.0;
-    def.walls[0].open_at_step = 0;
+    def.walls[0].extent[0] = -1.0, def.walls[0].open_at_step = 0;
     def.walls[0].open_speed = belt;
     const dem_ledger l = run_closed("belt", &def, 4, 4);
     const double impulse = m * (1.0 + e) * v_n, slid = mu * impulse, turned = slid * r;

@@ -92,8 +92,7 @@ static void well_conserves(void)
             dem_grain grain = {.x = 0.3, .y = R - 1.0 / K, .r = R, .m = 1.0};
             grain.vx = (leaves ? 1.3 : 0.8) * escape;
             dem_definition def = on_floor(&grain, 1, 1.0);
-            def.dt = angle / omega;
-            def.skin = 0.6;
+            def.dt = angle / omega, def.skin = 0.6;
             def.ground = (dem_ground){.wall = 1, .mu_static = mu, .a = a, .set = DEM_WELL_TOUCH};
             dem_sim *sim = grains_start(&def);
             const double theta = 2.0 * atan(0.5 * angle), before = grains_energy(sim);
@@ -146,10 +145,8 @@ static double height_after(double time, double dt)
 {
     const dem_grain grain = {.x = 0.0, .y = R - 1e-3, .r = R, .m = 1.0};
     dem_definition def = on_floor(&grain, 1, 1.0);
-    def.normal = DEM_HERTZ;
-    def.dt = dt;
-    dem_sim *sim = grains_start(&def);
-    CHECK_OK(dem_run(sim, lround(time / dt)));
+    def.normal = DEM_HERTZ, def.dt = dt;
+    dem_sim *sim = grains_after(&def, lround(time / dt));
     const double y = grains_state_of_one(sim).y;
     dem_counts counts;
     dem_count_work(sim, &counts);
@@ -178,9 +175,7 @@ static void energy_of_gas(void)
         dem_grain grains[GAS];
         dem_definition def = gas(grains, ratios[k % 4]);
         def.normal = k / 4 % 2 ? DEM_HERTZ : DEM_LINEAR;
-        def.implicit.solver = k / 8;
-        def.implicit.max_iterations = 10000;
-        def.skin = 0.8;
+        def.implicit.solver = k / 8, def.implicit.max_iterations = 10000, def.skin = 0.8;
         if (def.implicit.solver == DEM_SOLVER_SOR) def.skin = 0.4, def.dt *= k % 4 == 3 ? 0.3 : 1.0;
         dem_sim *sim = grains_start(&def);
         const double before = grains_energy(sim);
@@ -261,12 +256,9 @@ static void damping_takes_energy(void)
     for (int k = 0; k < 12; k++) {
         dem_grain grains[GAS];
         dem_definition def = gas(grains, ratios[k % 3]);
-        def.tension = k / 3 % 2;
-        def.material.gamma_n = 30.0;
+        def.tension = k / 3 % 2, def.material.gamma_n = 30.0;
         if (k / 6) {
-            def.tangential = DEM_SLIP_ROLL;
-            def.material.gamma_s = 200.0;
-            def.material.mu = 0.3;
+            def.tangential = DEM_SLIP_ROLL, def.material.gamma_s = 200.0, def.material.mu = 0.3;
         }
         def.n_walls = 0;
         dem_box_walls(&def, 3.6, &def.material);
@@ -315,12 +307,9 @@ static void slip_while_it_touches(void)
         dem_grain grain = {.x = 0.0, .y = R, .r = R, .m = 1.0, .vx = 1.0, .vy = -1.0};
         dem_definition def = on_floor(&grain, 1, 0.01);
         grain.y += (3.0 + k / 8.0) * def.dt;
-        def.gravity[1] = 0.0;
-        def.tangential = DEM_SLIP_ROLL;
-        def.walls[0].material.gamma_s = gamma_s;
-        def.walls[0].material.mu = INFINITY;
-        dem_sim *sim = grains_start(&def);
-        CHECK_OK(dem_run(sim, lround(0.06 / def.dt)));
+        def.gravity[1] = 0.0, def.tangential = DEM_SLIP_ROLL;
+        def.walls[0].material.gamma_s = gamma_s, def.walls[0].material.mu = INFINITY;
+        dem_sim *sim = grains_after(&def, lround(0.06 / def.dt));
         const dem_state s = grains_state_of_one(sim);
         CU_ASSERT(s.contacts == 0 && s.vy > 0.0);
         CHECK_NEAR(s.vx, left, omega * omega * def.dt * def.dt);
@@ -362,8 +351,7 @@ static dem_definition settling_pile(dem_grain *grains, size_t n)
                                 .m = 1.0};
     grains[0].fixed = true;
     dem_definition def = on_floor(grains, n, 0.5);
-    def.material.gamma_n = 20.0;
-    def.n_walls = 2;
+    def.material.gamma_n = 20.0, def.n_walls = 2;
     for (size_t w = 0; w < 2; w++) def.walls[w] = grains_line(0.0, 0.0, 0.0, 1.0, &def.material);
     def.walls[1] = grains_line(4.9, 0.0, -0.6, 0.8, &def.material);
     return def;
@@ -434,8 +422,7 @@ static void newton_is_exact_on_a_slope(void)
     def.walls[0] = grains_line(0.0, 0.0, -0.6, 0.8, &def.material);
     def.gravity[0] = 6.0;
     def.gravity[1] = -8.0; /* 10, onto the wall: deep enough for permanent contact */
-    dem_sim *sim = grains_start(&def);
-    CHECK_OK(dem_run(sim, 50));
+    dem_sim *sim = grains_after(&def, 50);
     dem_counts counts;
     dem_count_work(sim, &counts);
     CU_ASSERT(counts.contacts == 0 && counts.iterations <= 2 * 50);
@@ -482,9 +469,7 @@ static void what_the_tolerance_asks(void)
         const dem_grain *worst = &grains[pair];
         dem_definition def = on_floor(grains, pair ? 2 : 1, 1.0);
         if (pair) def.n_walls = 0;
-        def.gravity[1] = 0.0;
-        def.dt = dt;
-        def.material.k_n = def.walls[0].material.k_n = soft;
+        def.gravity[1] = 0.0, def.dt = dt, def.material.k_n = def.walls[0].material.k_n = soft;
         def.material.gamma_n = def.walls[0].material.gamma_n = gamma;
         def.implicit.solver = k / 4;
         const double m_eff = pair ? 1.7 * 0.6 / 2.3 : worst->m,
@@ -534,8 +519,7 @@ static void disks_leave(void)
         const dem_grain two[] = {{.x = 1.0, .y = 1.0, .r = R, .m = 1.0, .vx = first ? 0.0 : 30.0},
                                  {.x = 1.0, .y = 4.0, .r = R, .m = 1.0, .vx = first ? 30.0 : 0.0}};
         dem_definition def = disks(two, 2, 0.5);
-        def.x_max = 2.0;
-        def.skin = 1.0;
+        def.x_max = 2.0, def.skin = 1.0;
         dem_sim *sim = grains_start(&def);
         for (int k = 1; k < 20; k++) {
             CHECK_OK(dem_run(sim, 1));

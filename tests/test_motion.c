@@ -139,8 +139,7 @@ static void matches_naive_program(void)
         const double rate = rates[k / 2];
         dem_grain grain = {0.385, 0.2, R, M, 7.0, -20.0};
         dem_definition def = one_on_floor(&grain);
-        def.integrator = integrators[k % 2];
-        def.walls[0].material.gamma_n = 100.0;
+        def.integrator = integrators[k % 2], def.walls[0].material.gamma_n = 100.0;
         dem_sim *sim = grains_start(&def);
         dem_box_turn(sim, rate);
         for (long steps = 100; steps <= 1600; steps *= 2) {
@@ -169,9 +168,7 @@ static void free_flight(void)
         if (dem_schemes[k]->order[0] < 2) continue;
         dem_grain grain = {0.3, 5.0, R, M, 12.0, 385.0};
         dem_definition def = grains_of(1, &grain);
-        def.integrator = k;
-        def.tangential = DEM_NONE;
-        def.material.mu = 0.0;
+        def.integrator = k, def.tangential = DEM_NONE, def.material.mu = 0.0;
         dem_sim *sim = grains_start(&def);
         const double t = (double)steps * def.dt, g = 981.0;
         CHECK_OK(dem_run(sim, steps));
@@ -272,13 +269,10 @@ static double impact_error(int integrator, double dt)
         const double v = 50.0 + 0.385 * k; /* so that the phase of the release varies by itself */
         dem_grain grain = {0.0, R + (2.0 + (k + 0.385) / PHASES) * v * dt, R, M, 0.0, -v};
         dem_definition def = one_on_floor(&grain);
-        def.tangential = DEM_NONE;
-        def.gravity[1] = 0.0;
+        def.tangential = DEM_NONE, def.gravity[1] = 0.0;
         def.material = def.walls[0].material = (dem_material){.k_n = 1e6};
-        def.integrator = integrator;
-        def.dt = dt;
-        dem_sim *sim = grains_start(&def);
-        CHECK_OK(dem_run(sim, (long)(8e-4 / dt))); /* the contact lasts 5e-4 */
+        def.integrator = integrator, def.dt = dt;
+        dem_sim *sim = grains_after(&def, (long)(8e-4 / dt)); /* the contact lasts 5e-4 */
         dem_state s = grains_state_of_one(sim);
         CU_ASSERT(s.vy > 0.0 && s.contacts == 0);
         sum += pow(s.vy * s.vy / (v * v) - 1.0, 2.0);
@@ -313,12 +307,9 @@ static void sticking_contact_rings(void)
         dem_definition def = one_on_floor(grains);
         def.integrator = integrators[k % 2];
         def.material = (dem_material){.k_n = k_n, .k_s = k_s, .mu = INFINITY};
-        def.walls[0].material = def.material;
-        def.skin = 0.04;
-        def.dt = dt;
+        def.walls[0].material = def.material, def.skin = 0.04, def.dt = dt;
         if (k / 2) {
-            def.n_walls = 0;
-            def.n_grains = 2;
+            def.n_walls = 0, def.n_grains = 2;
         }
         dem_sim *sim = grains_start(&def);
         dem_state s[2];
@@ -338,8 +329,7 @@ static void gear_settles(void)
     def.integrator = DEM_GEAR5;
     def.dt = dem_time_step_limit(&def, NULL);
     CU_ASSERT(def.dt < 0.95 * verlet_limit);
-    dem_sim *sim = grains_start(&def);
-    CHECK_OK(dem_run(sim, 20000));
+    dem_sim *sim = grains_after(&def, 20000);
     dem_rest rest;
     CHECK_OK(dem_rest_state(sim, 0.0, 2.0, &rest));
     CU_ASSERT(rest.kinetic_energy < 1e-5);
@@ -361,9 +351,7 @@ static void determinism(void)
     for (int k = 0; k < 2 * DEM_INTEGRATORS; k++) {
         dem_grain *grains;
         dem_definition def = grains_box(90, 2.2, 5, &grains);
-        def.integrator = k / 2;
-        def.dt = 4e-5;
-        def.x_max = 3.5;
+        def.integrator = k / 2, def.dt = 4e-5, def.x_max = 3.5;
         def.turn_from_step = 3000;
         *(k % 2 ? &def.box_turn_per_step : &def.turn_per_step) = 2e-5;
         def.walls[2].open_at_step = 4001;
@@ -372,8 +360,7 @@ static void determinism(void)
             continue;
         }
         dem_sim *whole = grains_start(&def), *cut, *copy;
-        def.walls[2].open_at_step = -1;
-        def.box_turn_per_step = def.turn_per_step = 0.0;
+        def.walls[2].open_at_step = -1, def.box_turn_per_step = def.turn_per_step = 0.0;
         cut = grains_start(&def);
         CHECK_OK(dem_run(whole, 9000));
         CHECK_OK(dem_run(cut, 3000));
@@ -423,8 +410,7 @@ static void slides_in_turning_box(void)
     for (int k = 0; k < 2; k++) {
         dem_grain grain = {0.0, R - depth, R, M, 0.0, 0.0};
         dem_definition def = one_on_floor(&grain);
-        def.integrator = integrators[k];
-        def.tangential = DEM_NONE;
+        def.integrator = integrators[k], def.tangential = DEM_NONE;
         def.material.mu = def.walls[0].material.mu = 0.0;
         dem_sim *sim = grains_start(&def);
         dem_box_turn(sim, rate);
@@ -458,11 +444,9 @@ static void box_against_gravity(void)
         for (int i = 0; i < 5; i++)
             grains[i] = (dem_grain){0.11 + 0.08 * (i % 2), 0.12 + 0.19 * i, R, M, 0.0, 0.0};
         dem_definition def = grains_of(5, grains);
-        def.tangential = DEM_NONE;
-        def.material.mu = 0.0;
+        def.tangential = DEM_NONE, def.material.mu = 0.0;
         dem_box_walls(&def, 0.31, &def.material);
-        dem_sim *sim = grains_start(&def);
-        CHECK_OK(dem_run(sim, 8000));
+        dem_sim *sim = grains_after(&def, 8000);
         (k ? dem_box_turn : dem_gravity_turn)(sim, angle / (double)steps);
         CHECK_OK(dem_run(sim, steps));
         (k ? dem_box_turn : dem_gravity_turn)(sim, 0.0);
@@ -525,9 +509,7 @@ static void list_follows_turning_walls(void)
     for (int k = 0; k < DEM_INTEGRATORS; k++) {
         dem_grain grains[2] = {{-8.0, 1.0, R, M, 0.0, 0.0}, {-3.0, 0.5, R, M, 0.0, 0.0}};
         dem_definition def = one_on_floor(grains);
-        def.gravity[1] = 0.0;
-        def.n_grains = 2;
-        def.integrator = k;
+        def.gravity[1] = 0.0, def.n_grains = 2, def.integrator = k;
         if (dem_scheme_check(&def)) continue;
         dem_sim *sim = grains_start(&def), *renewed = grains_start(&def);
         dem_state s[2], t[2];
@@ -555,8 +537,7 @@ static void outlet_turns(void)
     dem_grain grains[2] = {{2.0, 5.0, R, M, 0.0, 0.0}, {-4.0, 0.5, R, M, 0.0, 0.0}};
     dem_definition def = grains_afloat(2, grains);
     const double rate = 1e-4;
-    def.x_max = 2.5;
-    def.y_min = -1.0;
+    def.x_max = 2.5, def.y_min = -1.0;
     dem_sim *sim = grains_start(&def);
     dem_box_turn(sim, -rate);
     /* the first passes x_max where |x| cos(atan2(5, 2) - a) = 2.5 */
@@ -589,8 +570,7 @@ static void fixed_is_a_wall(void)
         def.gravity[1] *= up;
         def.walls[0].direction[1] = up;
         dem_sim *on_wall = grains_start(&def), *on_grain;
-        def.n_walls = 0;
-        def.n_grains = 2;
+        def.n_walls = 0, def.n_grains = 2;
         on_grain = grains_start(&def);
         dem_state s[2];
         for (int part = 0; part < 2; part++) { /* after a bounce, and at rest */
@@ -621,10 +601,8 @@ static void rolls_with_box(void)
     const double rate = 2e-5, depth = pow(M * 981.0 / 1e6, 2.0 / 3.0);
     dem_grain grain = {0.0, R - depth, R, M};
     dem_definition def = one_on_floor(&grain);
-    def.rotation = true;
-    def.walls[0].material.mu = def.walls[0].material.gamma_s = 0.0;
-    def.walls[0].material.mu_roll = 0.5;
-    def.walls[0].material.k_roll = 1e4;
+    def.rotation = true, def.walls[0].material.mu = def.walls[0].material.gamma_s = 0.0;
+    def.walls[0].material.mu_roll = 0.5, def.walls[0].material.k_roll = 1e4;
     def.walls[0].material.gamma_roll = 500.0;
     dem_sim *sim = grains_start(&def);
     dem_box_turn(sim, rate);
@@ -646,13 +624,9 @@ static void fixed_stay(void)
         memcpy(grains + FIXED, fill, N * sizeof *fill);
         for (int i = 0; i < FIXED; i++)
             grains[i] = (dem_grain){0.19 * i, -0.06, R, M, 0.0, 0.0, .fixed = true};
-        def.walls[DEM_BOX_RIGHT].open_at_step = 4000;
-        def.integrator = k / 2;
-        def.rotation = rotation;
-        def.dt = 3.5e-5;
-        def.grains = grains;
-        def.n_grains = N + FIXED;
-        def.x_max = 3.4;
+        def.walls[DEM_BOX_RIGHT].open_at_step = 4000, def.integrator = k / 2;
+        def.rotation = rotation, def.dt = 3.5e-5, def.grains = grains;
+        def.n_grains = N + FIXED, def.x_max = 3.4;
         if (dem_scheme_check(&def)) {
             free(fill);
             continue;
@@ -710,20 +684,17 @@ static void refusals(void)
     CHECK_FAILS(dem_create(&def, &sim), RP_BAD_INPUT, "box_turn_per_step = nan");
     def.box_turn_per_step = 1.0;
     CHECK_FAILS(dem_create(&def, &sim), RP_BAD_INPUT, "below one radian");
-    def.box_turn_per_step = 0.0;
-    def.integrator = DEM_GEAR5;
+    def.box_turn_per_step = 0.0, def.integrator = DEM_GEAR5;
     grain.y = 0.09;
     def.dt = 9e-5; /* at this overlap Verlet allows it */
     CHECK_FAILS(dem_create(&def, &sim), RP_BAD_INPUT, "an initial overlap");
     def.rotation = true;
     CHECK_FAILS(dem_create(&def, &sim), RP_BAD_INPUT, "need the integrator verlet");
-    def.rotation = false;
-    def.integrator = DEM_VERLET;
+    def.rotation = false, def.integrator = DEM_VERLET;
     CHECK_OK(dem_create(&def, &sim));
     dem_free(sim);
     def.rotation = true;
-    grain.fixed = true;
-    grain.omega = 2.0;
+    grain.fixed = true, grain.omega = 2.0;
     CHECK_FAILS(dem_create(&def, &sim), RP_BAD_INPUT, "omega = 2: must be 0, it is fixed");
     def.integrator = DEM_GEAR5;
     grain.omega = 0.0;

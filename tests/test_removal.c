@@ -33,9 +33,7 @@ static dem_definition stream(dem_grain **grains)
 {
     dem_definition def = grains_box(600, 6.0, 9, grains);
     for (size_t i = 0; i < def.n_grains; i++) (*grains)[i].fixed = i % 60 == 7;
-    def.walls[DEM_BOX_RIGHT].open_at_step = settling();
-    def.x_max = 6.5;
-    def.dt = 4e-5;
+    def.walls[DEM_BOX_RIGHT].open_at_step = settling(), def.x_max = 6.5, def.dt = 4e-5;
     return def;
 }
 

@@ -27,8 +27,7 @@ static dem_definition mixture(long n, double ratio, unsigned long seed, double *
     dem_fill fill = {.N = n, .W = *width, .H = *width, .density = 1.0, .shape = DEM_SPHERE};
     fill.seed = (long)seed, fill.radius_mean = 0.5, fill.radius_min = 1.0 / ratio, fill.radius_max = 1.0;
     CHECK_OK(dem_fill_place(&fill, g));
-    def.grains = g;
-    def.n_grains = (size_t)n;
+    def.grains = g, def.n_grains = (size_t)n;
     def.x_max = INFINITY, def.y_min = -INFINITY;
     def.dt = 0.5 * dem_time_step_limit(&def, NULL);
     return def;
@@ -102,11 +101,9 @@ static void runs(void)
     double width;
     dem_definition def = mixture(700, 12.0, 3, &width, &grains);
     for (size_t i = 0; i < def.n_grains; i += 50) grains[i].fixed = true;
-    def.rotation = true;
-    def.material.mu_roll = 0.1;
+    def.rotation = true, def.material.mu_roll = 0.1;
     dem_box_walls(&def, width, &def.material);
-    def.y_min = -0.5;
-    def.walls[DEM_BOX_FLOOR].open_at_step = 2 * part;
+    def.y_min = -0.5, def.walls[DEM_BOX_FLOOR].open_at_step = 2 * part;
     def.dt = 0.8 * dem_time_step_limit(&def, NULL);
     dem_sim *sim[RUNS];
     for (int k = 0; k < RUNS; k++) {

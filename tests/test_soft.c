@@ -15,12 +15,8 @@ static const double R = 0.5, K = 1e3, MU_STATIC = 0.3, A = 0.02;
 static dem_definition on_ground(const dem_grain *grains, size_t n)
 {
     dem_definition def = dem_definition_default();
-    def.gravity[1] = -1.0;
-    def.dt = 2e-3;
-    def.normal = DEM_LINEAR;
-    def.tension = false;
-    def.shape = DEM_DISK;
-    def.tangential = DEM_SLIP_ROLL;
+    def.gravity[1] = -1.0, def.dt = 2e-3, def.normal = DEM_LINEAR;
+    def.tension = false, def.shape = DEM_DISK, def.tangential = DEM_SLIP_ROLL;
     def.material = (dem_material){.k_n = K, .gamma_n = 20.0, .gamma_s = 5.0, .mu = 0.1};
     def.ground = (dem_ground){.wall = 1, .mu_static = MU_STATIC, .a = A, .set = DEM_WELL_REST};
     grains_on_floor(&def, n, grains);
@@ -46,8 +42,7 @@ static void sinks_by_its_weight(void)
     dem_grain grains[4];
     for (int i = 0; i < 4; i++) grains[i] = (dem_grain){.x = 0.1, .y = R + i, .r = R, .m = 1.0};
     dem_definition def = on_ground(grains, 4);
-    dem_sim *sim = grains_start(&def);
-    CHECK_OK(dem_run(sim, 40000));
+    dem_sim *sim = grains_after(&def, 40000);
     dem_contact *list;
     size_t n;
     CHECK_OK(dem_contacts(sim, &list, &n));
@@ -67,8 +62,7 @@ static void well_holds_and_breaks(void)
 {
     const dem_grain grain = resting();
     dem_definition def = on_ground(&grain, 1);
-    def.material.mu = def.walls[0].material.mu = 10.0;
-    def.ground.set = DEM_WELL_AGAIN;
+    def.material.mu = def.walls[0].material.mu = 10.0, def.ground.set = DEM_WELL_AGAIN;
     dem_sim *sim = grains_start(&def);
     for (int k = 1; k <= 99; k++) {
         dem_gravity_set(sim, (double[]){0.01 * k * MU_STATIC, -1.0});
@@ -120,10 +114,8 @@ static void well_of_the_start(void)
 {
     dem_grain grain = resting();
     dem_definition def = on_ground(&grain, 1);
-    def.gravity[0] = 0.2 * MU_STATIC;
-    def.gravity[1] = -0.5;
-    dem_sim *sim = grains_start(&def);
-    CHECK_OK(dem_run(sim, 8000));
+    def.gravity[0] = 0.2 * MU_STATIC, def.gravity[1] = -0.5;
+    dem_sim *sim = grains_after(&def, 8000);
     const dem_contact held = grains_only_contact(sim);
     const dem_state s = grains_state_of_one(sim);
     dem_energy energy;
@@ -133,8 +125,7 @@ static void well_of_the_start(void)
     CU_ASSERT(held.well == DEM_WELL_HOLDS && held.shear_spring > 0.3 * A);
     dem_free(sim);
     grain = (dem_grain){.x = s.x, .y = s.y, .r = R, .m = 1.0, .vx = s.vx, .vy = s.vy};
-    def.contacts = &held;
-    def.n_contacts = 1;
+    def.contacts = &held, def.n_contacts = 1;
     sim = grains_start(&def);
     const dem_contact again = grains_only_contact(sim);
     CU_ASSERT(again.well == DEM_WELL_HOLDS);
@@ -152,8 +143,7 @@ static void energy_of_well(void)
         dem_grain grain = resting();
         grain.vx = leaves ? 1.3 * escape : 0.8 * escape;
         dem_definition def = on_ground(&grain, 1);
-        def.tangential = DEM_NONE;
-        def.material.mu = def.walls[0].material.mu = 0.0;
+        def.tangential = DEM_NONE, def.material.mu = def.walls[0].material.mu = 0.0;
         def.ground.set = DEM_WELL_TOUCH;
         dem_sim *sim = grains_start(&def);
         const double before = grains_energy(sim), error = pow(omega * def.dt, 2.0);
@@ -180,8 +170,7 @@ static void when_wells_are_set(void)
         grain.vx = 2.0;
         dem_definition def = on_ground(&grain, 1);
         def.ground.set = set;
-        dem_sim *sim = grains_start(&def);
-        CHECK_OK(dem_run(sim, 5));
+        dem_sim *sim = grains_after(&def, 5);
         CU_ASSERT_EQUAL(grains_only_contact(sim).well,
                         set == DEM_WELL_TOUCH ? DEM_WELL_HOLDS : DEM_WELL_NONE);
         CHECK_OK(dem_run(sim, 40000));
@@ -207,17 +196,14 @@ static void slip_is_viscous_then_capped(void)
     dem_grain grain = resting();
     grain.vx = 0.7;
     dem_definition def = on_ground(&grain, 1);
-    def.ground.wall = 0;
-    def.material.mu = def.walls[0].material.mu = 10.0;
-    dem_sim *sim = grains_start(&def);
-    CHECK_OK(dem_run(sim, 500));
+    def.ground.wall = 0, def.material.mu = def.walls[0].material.mu = 10.0;
+    dem_sim *sim = grains_after(&def, 500);
     const double fade = exp(-5.0);
     CHECK_NEAR(grains_state_of_one(sim).vx / (0.7 * fade), 1.0,
                0.6 * 25.0 * def.dt); /* gamma^2 dt t/2, t = 1 */
     dem_free(sim);
     def.walls[0].material.mu = 0.1;
-    sim = grains_start(&def);
-    CHECK_OK(dem_run(sim, 500));
+    sim = grains_after(&def, 500);
     CHECK_NEAR(grains_state_of_one(sim).vx, 0.7 - 0.1, 1e-12);
     dem_free(sim);
 }
@@ -232,8 +218,7 @@ static void slides_then_rolls(void)
         grain.vx = spins ? 0.0 : 2.0;
         grain.omega = spins ? -6.0 : 0.0;
         dem_definition def = on_ground(&grain, 1);
-        def.rotation = true;
-        def.ground.wall = 0;
+        def.rotation = true, def.ground.wall = 0;
         dem_sim *sim = grains_start(&def);
         double last = grains_energy(sim), least = 0.0;
         for (int k = 0; k < 40; k++) {
@@ -256,11 +241,9 @@ static void slides_then_rolls(void)
 static void rolling_resistance(void)
 {
     dem_grain grain = resting();
-    grain.vx = 1.0;
-    grain.omega = -2.0;
+    grain.vx = 1.0, grain.omega = -2.0;
     dem_definition def = on_ground(&grain, 1);
-    def.rotation = true;
-    def.walls[0].material.mu_roll = 0.05;
+    def.rotation = true, def.walls[0].material.mu_roll = 0.05;
     def.walls[0].material.k_roll = def.material.k_roll = 50.0;
     dem_sim *sim = grains_start(&def);
     double last = grains_energy(sim);
@@ -371,8 +354,7 @@ static void soft_pair(void)
     const dem_grain grains[2] = {{0.0, 2.0, 0.5, 1.0, 1.0, 0.3, 0.0, 2.0},
                                  {0.9, 2.5, 0.4, 0.6, -1.0, 0.0, 0.0, -3.0}};
     dem_definition def = on_ground(grains, 2);
-    def.gravity[1] = 0.0;
-    def.rotation = true;
+    def.gravity[1] = 0.0, def.rotation = true;
     dem_sim *sim = grains_start(&def);
     double sums[2][3], least = 2.0, first = grains_energy(sim), last = 0.0;
     for (int k = 0; k < 2; k++) {
@@ -441,8 +423,7 @@ static void collide_in_flight(void)
                                {1.3, 2.4, 0.4, 0.6, -1.0, 0.0, 0.0, -3.0, false}};
         if (fixed) grains[1] = (dem_grain){1.3, 2.4, 0.4, 0.6, .fixed = true};
         dem_definition def = on_ground(grains, 2);
-        def.gravity[1] = 0.0;
-        def.rotation = true;
+        def.gravity[1] = 0.0, def.rotation = true;
         def.hard = (dem_hard){true, 0.8, 0.15};
         const double dx = -1.3, dy = -0.4, vx = 3.0 - grains[1].vx, vy = 0.7;
         const double b = dx * vx + dy * vy, c = dx * dx + dy * dy - 0.81, v2 = vx * vx + vy * vy;
@@ -477,8 +458,7 @@ static void collide_in_flight(void)
     dem_definition def = on_ground(&grain, 1);
     def.gravity[1] = 0.0;
     def.hard = (dem_hard){true, 0.5, 0.1};
-    dem_sim *sim = grains_start(&def);
-    CHECK_OK(dem_run(sim, 300));
+    dem_sim *sim = grains_after(&def, 300);
     const dem_state s = grains_state_of_one(sim);
     CHECK_NEAR(s.vy, 1.0, 1e-12);
     CHECK_NEAR(s.vx, 1.0 - 0.1 * 3.0, 1e-12);
@@ -521,11 +501,9 @@ static void rounds_end(void)
         for (int i = 0; i < N; i++) grains[i] = (dem_grain){.y = 3.0 - i * (1.0 + 1e-5), .r = R, .m = 1.0};
         grains[side ? N - 1 : 0].vy = side ? 2.0 : -2.0;
         dem_definition def = on_ground(grains, N);
-        def.gravity[1] = 0.0;
-        def.n_walls = def.ground.wall = 0;
+        def.gravity[1] = 0.0, def.n_walls = def.ground.wall = 0;
         def.hard = (dem_hard){true, 1.0, 0.0};
-        dem_sim *sim = grains_start(&def);
-        CHECK_OK(dem_run(sim, 1));
+        dem_sim *sim = grains_after(&def, 1);
         found[side] = collisions(sim);
         dem_free(sim);
     }
@@ -544,8 +522,7 @@ static void arc_over_a_disk(void)
         grains[1].y = 4.0 - def.dt * def.dt / 8.0 * k / 30.0; /* its top is at 4 for k = 30 */
         grains[1].vy = 0.5 * def.dt;                          /* returns to its initial height */
         def.hard = (dem_hard){true, 1.0, 0.0};
-        dem_sim *sim = grains_start(&def);
-        CHECK_OK(dem_run(sim, 1));
+        dem_sim *sim = grains_after(&def, 1);
         /* a slight intersection has too small an approach speed for a hard collision, (22) */
         if (k < 30 || k > 32) CU_ASSERT((collisions(sim) > 0) == (k > 30));
         dem_free(sim);
@@ -563,12 +540,9 @@ static void far_from_the_origin(void)
             dem_grain grains[2] = {{.x = x, .y = 3.0, .r = R, .m = 1.0, .vx = 20.0 + k},
                                    {.x = x + 0.75, .y = 3.0, .r = 0.25, .m = 0.25, .vx = -10.0}};
             dem_definition def = on_ground(grains, 2);
-            def.gravity[1] = 0.0;
-            def.n_walls = def.ground.wall = 0;
-            def.kernel = kernel;
+            def.gravity[1] = 0.0, def.n_walls = def.ground.wall = 0, def.kernel = kernel;
             def.hard = (dem_hard){true, 1.0, 0.0};
-            dem_sim *sim = grains_start(&def);
-            CHECK_OK(dem_run(sim, 1));
+            dem_sim *sim = grains_after(&def, 1);
             CU_ASSERT(collisions(sim) == 1);
             dem_free(sim);
         }
@@ -585,11 +559,9 @@ static void fixed_stay_to_the_bit(void)
         for (int i = 0; i < N; i++)
             grains[i] = (dem_grain){.x = -2.0 * i, .y = -0.0, .r = R, .m = 1.0, .fixed = i < N - 1};
         dem_definition def = on_ground(grains, N);
-        def.n_walls = def.ground.wall = 0;
-        def.kernel = kernel;
+        def.n_walls = def.ground.wall = 0, def.kernel = kernel;
         def.hard = (dem_hard){true, 1.0, 0.0};
-        dem_sim *sim = grains_start(&def);
-        CHECK_OK(dem_run(sim, 3));
+        dem_sim *sim = grains_after(&def, 3);
         dem_state states[N];
         CHECK_OK(dem_states(sim, states));
         for (int i = 0; i < N - 1; i++) CU_ASSERT(states[i].y == 0.0 && signbit(states[i].y));
@@ -620,10 +592,8 @@ static void rests_on_a_ground_that_moves(void)
         g.y -= below;
         g.vx = against ? speed : -speed;
         dem_definition def = on_ground(&g, 1);
-        def.walls[0].point[1] = -below;
-        def.box_turn_per_step = speed / below * def.dt;
-        dem_sim *sim = grains_start(&def);
-        CHECK_OK(dem_run(sim, 3));
+        def.walls[0].point[1] = -below, def.box_turn_per_step = speed / below * def.dt;
+        dem_sim *sim = grains_after(&def, 3);
         CU_ASSERT_EQUAL(grains_only_contact(sim).well, against ? DEM_WELL_NONE : DEM_WELL_HOLDS);
         dem_free(sim);
     }
@@ -651,8 +621,7 @@ static void touching_is_no_contact(void)
         if (!dem_kernel_runs(kernel)) continue;
         const dem_grain grains[2] = {{.y = 3.0, .r = R, .m = 1.0, .vy = -2.0}, {.y = 2.0, .r = R, .m = 1.0}};
         dem_definition def = on_ground(grains, 2);
-        def.kernel = kernel;
-        def.gravity[1] = 0.0;
+        def.kernel = kernel, def.gravity[1] = 0.0;
         dem_sim *sim = grains_start(&def);
         dem_state s[2];
         CHECK_OK(dem_states(sim, s));
@@ -670,11 +639,9 @@ static void touches_at_the_end(void)
                                      {.y = 2.0, .r = R, .m = 1.0, .fixed = true}};
         dem_definition def = on_ground(grains, 1 + (size_t)pair);
         if (!pair) def.walls[0].point[1] = 3.0 - R;
-        def.gravity[1] = 0.0;
-        def.dt = dt;
+        def.gravity[1] = 0.0, def.dt = dt;
         def.hard = (dem_hard){true, 1.0, 0.0};
-        dem_sim *sim = grains_start(&def);
-        CHECK_OK(dem_run(sim, 1));
+        dem_sim *sim = grains_after(&def, 1);
         CU_ASSERT_EQUAL(collisions(sim), 1);
         dem_free(sim);
     }
@@ -689,12 +656,9 @@ static void bounces_off_a_corner(void)
         const double x = -0.6 * R, y = 0.8 * R, h = 0.7, v = sqrt(2.0 * h);
         const dem_grain grain = {.x = x, .y = y + h, .r = R, .m = 1.0};
         dem_definition def = on_ground(&grain, 1);
-        def.kernel = kernel;
-        def.ground.wall = 0;
-        def.walls[0].extent[0] = 0.0;
+        def.kernel = kernel, def.ground.wall = 0, def.walls[0].extent[0] = 0.0;
         def.hard = (dem_hard){true, 1.0, 0.0};
-        dem_sim *sim = grains_start(&def);
-        CHECK_OK(dem_run(sim, lround(v / def.dt) + 5));
+        dem_sim *sim = grains_after(&def, lround(v / def.dt) + 5);
         CU_ASSERT_EQUAL(collisions(sim), 1);
         /* the tangent at the start of the step replaces the corner */
         CHECK_NEAR(grains_state_of_one(sim).vx, -2.0 * 0.6 * 0.8 * v, 2.0 * v * def.dt / R);
@@ -712,9 +676,7 @@ static void hits_while_it_slides(void)
     grains[1].x = grains[0].x + 1.0 + gap;
     grains[1].y = grains[0].y;
     dem_definition def = on_ground(grains, 2);
-    def.rotation = true;
-    def.gravity[1] = -1.0;
-    def.ground.wall = 0;
+    def.rotation = true, def.gravity[1] = -1.0, def.ground.wall = 0;
     def.hard = (dem_hard){true, 0.6, INFINITY};
     const double t = (1.0 - sqrt(1.0 + 2.0 * a * gap)) / -a, dt = def.dt, n[2] = {1.0, 0.0};
     dem_body disk = {{1.0 + a * t, 0.0}, alpha * t, R, 1.0, 1.0 / (0.5 * R * R)}, held = {{0.0, 0.0}, 0.0, R};
@@ -842,8 +804,7 @@ static void refused(void)
     REFUSES(bad.integrator = DEM_GEAR5, "hard: collisions need the integrator verlet");
 #undef REFUSES
     dem_grain fast = {.x = 0.0, .y = 9.0, .r = R, .m = 1.0, .vx = 49.0}; /* half the skin: 50 dt */
-    def.skin = 0.2;
-    def.grains = &fast;
+    def.skin = 0.2, def.grains = &fast;
     CHECK_OK(dem_create(&def, &sim));
     CHECK_OK(dem_run(sim, 1));
     dem_free(sim);
@@ -857,8 +818,7 @@ static void refused(void)
     dem_grain all[21];
     for (int i = 0; i < 21; i++)
         all[i] = (dem_grain){.x = 1.5 * i, .y = 9.0, .r = R, .m = 1.0, .vx = i < 14 ? 51.0 : 49.0};
-    def.grains = all;
-    def.n_grains = 21;
+    def.grains = all, def.n_grains = 21;
     char first[256] = "";
     for (def.kernel = DEM_REFERENCE; def.kernel < DEM_KERNELS; def.kernel++) {
         if (!dem_kernel_runs(def.kernel)) continue;
@@ -878,8 +838,7 @@ static void slow_disk_hit_by_a_fast_one(void)
                           {.x = 0.0, .y = 7.97, .r = R, .m = 1.0}};
     dem_definition def = on_ground(grains, 3);
     def.hard = (dem_hard){true, 0.5, 0.3};
-    def.dt = 6.6e-3;
-    def.material.k_n = def.walls[0].material.k_n = 1e4;
+    def.dt = 6.6e-3, def.material.k_n = def.walls[0].material.k_n = 1e4;
     def.material.gamma_n = def.walls[0].material.gamma_n = 0.0;
     dem_state s[DEM_KERNELS][3], wide[3];
     dem_sim *sim;

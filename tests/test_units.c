@@ -191,8 +191,7 @@ static void soft(void)
     for (int k = 0; k < 6; k++) {
         dem_grain *grains, extra = EXTRA;
         dem_definition def = grains_box(80, 2.0, 3, &grains);
-        def.ledger = k % 2 == 0;
-        def.rotation = k != 1;
+        def.ledger = k % 2 == 0, def.rotation = k != 1;
         def.slip = k % 2 ? DEM_TOTAL : DEM_TRUNCATED;
         def.damping = k < 3 ? DEM_DAMPING_OUTSIDE : DEM_DAMPING_INSIDE;
         def.tension = k > 1;
@@ -200,8 +199,7 @@ static void soft(void)
         if (k == 4) def.material.mu = INFINITY;
         grains_law(&def, (dem_normal_law)(k % DEM_NORMAL_N), 1e5, 50.0);
         for (int w = 0; w < 3; w++) def.walls[w].material = def.material;
-        def.dt = 2e-5;
-        def.walls[DEM_BOX_RIGHT].open_at_step = 900;
+        def.dt = 2e-5, def.walls[DEM_BOX_RIGHT].open_at_step = 900;
         def.x_max = 2.1, def.y_min = -0.3;
         if (k == 1) def.turn_per_step = 2e-4, def.turn_from_step = 500;
         if (k == 2) def.walls[DEM_BOX_LEFT].velocity[0] = 4.0, def.walls[DEM_BOX_FLOOR].omega = 0.3;
@@ -220,9 +218,7 @@ static void hard(void)
         dem_definition def = grains_box(60, 2.0, 4, &grains);
         for (int i = 0; i < 60; i++) grains[i].vx = 90.0 * sin(3.0 * i), grains[i].vy = 90.0 * cos(7.0 * i);
         def.hard = (dem_hard){.on = true, .restitution = 0.7, .mu = 0.3};
-        def.tension = false;
-        def.ledger = true;
-        def.rotation = k;
+        def.tension = false, def.ledger = true, def.rotation = k;
         if (k) grains[7].omega = 300.0, def.walls[DEM_BOX_LEFT].velocity[0] = 5.0;
         def.x_max = 3.0;
         def.walls[DEM_BOX_RIGHT].extent[0] = -1.0, def.walls[DEM_BOX_RIGHT].extent[1] = 9.0;
@@ -241,11 +237,9 @@ static void gear_and_ground(void)
         def.dt = 1e-5;
         if (k == 0) def.integrator = DEM_GEAR5;
         if (k > 0) {
-            def.tangential = DEM_SLIP_ROLL;
-            def.material.gamma_s = 40.0;
+            def.tangential = DEM_SLIP_ROLL, def.material.gamma_s = 40.0;
             def.ground = (dem_ground){.wall = 1, .mu_static = 0.4, .a = 1e-3, .set = (dem_well_set)(k - 1)};
-            def.rotation = k == 2;
-            def.ledger = true;
+            def.rotation = k == 2, def.ledger = true;
         }
         for (int w = 0; w < 3; w++) def.walls[w].material = def.material;
         check(&def, 0, check_fast() ? 300 : 1500, &EXTRA);
@@ -261,9 +255,7 @@ static void implicit(void)
         grains_gas(N, grains);
         grains[5].fixed = k == 1, grains[5].vx *= k != 1, grains[5].vy *= k != 1;
         dem_definition def = grains_disks(N, grains, 1e4);
-        def.material.gamma_n = 3.0;
-        def.skin = 0.4;
-        def.dt = 0.01;
+        def.material.gamma_n = 3.0, def.skin = 0.4, def.dt = 0.01;
         if (k > 0) def.tangential = DEM_SLIP_ROLL, def.material.mu = 0.3, def.material.gamma_s = 5.0;
         if (k == 2) def.implicit = (dem_implicit_solver){DEM_SOLVER_SOR, 0.7, 1e-12, 3000};
         dem_box_walls(&def, 3.6, &def.material);

@@ -36,8 +36,7 @@ static void piston(void)
     for (int hard = 0; hard < 2; hard++) {
         dem_grain grain = {.x = 3.0, .y = 0.7, .r = R, .m = M};
         dem_definition def = dem_definition_default();
-        def.gravity[1] = 0.0;
-        def.normal = DEM_LINEAR;
+        def.gravity[1] = 0.0, def.normal = DEM_LINEAR;
         def.material.k_n = 1e4, def.material.gamma_n = 300.0;
         def.dt = hard ? 5e-5 : 2e-6;
         def.tension = !hard;
@@ -49,8 +48,8 @@ static void piston(void)
         dem_collision_result impact = {.restitution = 0.7};
         if (!hard)
             CHECK_OK(dem_collision(&(dem_head_on){def.normal, def.tension, 1e4, 300.0, M, V}, &impact));
-        dem_sim *sim = grains_start(&def);
-        CHECK_OK(dem_run(sim, lround(3.3 / V / def.dt))); /* the gap, 2.9, and twice the contact time */
+        dem_sim *sim =
+            grains_after(&def, lround(3.3 / V / def.dt)); /* the gap, 2.9, and twice the contact time */
         const double v = V * (1.0 + impact.restitution), tolerance = hard ? 1e-12 : 2e-3;
         CHECK_NEAR(grains_state_of_one(sim).vx, v, tolerance * v);
         CHECK_NEAR(grains_state_of_one(sim).vy, 0.0, 0.0);
@@ -77,8 +76,7 @@ static void sliding_floor(void)
     grains_on_floor(&def, 1, &grain);
     grain.y = R - pow(M * G / 1e6, 2.0 / 3.0);
     def.walls[0].velocity[0] = V;
-    dem_sim *sim = grains_start(&def);
-    CHECK_OK(dem_run(sim, lround(0.8 * reached / def.dt)));
+    dem_sim *sim = grains_after(&def, lround(0.8 * reached / def.dt));
     dem_state s = grains_state_of_one(sim);
     CHECK_NEAR(s.vx, MU * G * (dem_time(sim) - 0.5 * loading), MU * G * (0.5 * loading + def.dt));
     CHECK_NEAR(s.y, grain.y, 1e-9);
@@ -284,8 +282,7 @@ static void list_of_a_turning_box(void)
     def.gravity[1] = 0.0;
     grains_on_floor(&def, 1, &grain);
     def.box_turn_per_step = 1e-5, def.turn_from_step = 10;
-    dem_sim *sim = grains_start(&def);
-    CHECK_OK(dem_run(sim, 10));
+    dem_sim *sim = grains_after(&def, 10);
     const long before = sim->count.rebuilds;
     CU_ASSERT(sim->walls.angle == 0.0);
     CHECK_OK(dem_run(sim, 1));
@@ -306,8 +303,7 @@ static void where_it_is(void)
     grains_on_floor(&def, 1, &grain);
     def.walls[0].velocity[0] = 3.0, def.walls[0].velocity[1] = -2.0;
     def.walls[0].pivot[0] = 1.0, def.walls[0].omega = 0.5 * M_PI / (1000 * def.dt);
-    dem_sim *sim = grains_start(&def);
-    CHECK_OK(dem_run(sim, 1000));
+    dem_sim *sim = grains_after(&def, 1000);
     /* the origin was at the pivot's left, and is below it after a quarter turn */
     CHECK_NEAR(sim->walls.line[0].point[0], 1.0 + 3.0 * dem_time(sim), 1e-12);
     CHECK_NEAR(sim->walls.line[0].point[1], -1.0 - 2.0 * dem_time(sim), 1e-12);
@@ -330,9 +326,7 @@ static dem_sim *drum(dem_kernel_choice kernel, bool ledger, dem_integrator integ
     dem_scene scene;
     dem_sim *sim = NULL;
     CHECK_OK(grains_read(DRUM, NULL, &scene));
-    scene.def.kernel = kernel;
-    scene.def.ledger = ledger;
-    scene.def.integrator = integrator;
+    scene.def.kernel = kernel, scene.def.ledger = ledger, scene.def.integrator = integrator;
     if (integrator == DEM_GEAR5) scene.def.rotation = false, scene.def.material.mu_roll = 0.0;
     for (size_t w = 0; w < scene.def.n_walls && integrator == DEM_GEAR5; w++)
         scene.walls[w].material.mu_roll = 0.0;
