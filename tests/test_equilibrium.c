@@ -45,8 +45,7 @@ static test_pile make_disks(long k, double alpha_deg, double gap)
     long *up = malloc((size_t)k * sizeof *up);
     CHECK_OK(an_lattice_cut(k, theta, fmin(alpha_deg * DEG, M_PI / 2 - theta), up));
     for (long s = 0; s < k; s++) h.n += (size_t)up[s];
-    h.disks = malloc(h.n * sizeof *h.disks);
-    h.exact = malloc(h.k * sizeof *h.exact);
+    h.disks = malloc(h.n * sizeof *h.disks), h.exact = malloc(h.k * sizeof *h.exact);
     size_t n = 0;
     for (long s = 0; s < k; s++)
         for (long j = 0; j < up[s]; j++)
@@ -54,8 +53,7 @@ static test_pile make_disks(long k, double alpha_deg, double gap)
                                           0.5 + (double)j * cos(theta), 0.5, 1};
     CHECK_OK(an_lattice_counts(k, up, theta, h.exact));
     free(up);
-    h.u = malloc(2 * h.n * sizeof *h.u);
-    h.N = malloc(h.k * sizeof *h.N);
+    h.u = malloc(2 * h.n * sizeof *h.u), h.N = malloc(h.k * sizeof *h.N);
     h.H = malloc(h.k * sizeof *h.H);
     return h;
 }
@@ -1549,8 +1547,7 @@ static void check_ensemble(void)
         CHECK_OK(statics_create(&def, &pile));
         CHECK_OK(statics_solve(pile, &r));
         statics_base(pile, NULL, N[p], H[p]);
-        statics_free(pile);
-        sweep_outline_free(&h);
+        statics_free(pile), sweep_outline_free(&h);
     }
     CU_ASSERT(run_pile("--base 12 --alpha-deg 30 --disorder 1e-4 --seed 5") == 0);
     rp_table one = read_table("out");

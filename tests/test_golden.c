@@ -426,8 +426,7 @@ static void test_scene(void)
                                   .extent = {-INFINITY, INFINITY},
                                   .open_at_step = -1,
                                   .open_speed = INFINITY};
-    def.grains = grains;
-    def.n_grains = N;
+    def.grains = grains, def.n_grains = N;
     dem_sim *sim = NULL;
     CHECK_OK(dem_fill_random(&fill, grains));
     CHECK_OK(dem_create(&def, &sim));

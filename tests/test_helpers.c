@@ -184,8 +184,7 @@ static void test_case_tables(void)
         CHECK_NEAR(cell(&t, i, "cases"), 1.0 + (double)i, 0.0);
         CHECK_NEAR(cell(&t, i, "worst_over_bound"), i ? 0.75 : 0.5, 0.0);
     }
-    rp_table_free(&cases);
-    rp_table_free(&t);
+    rp_table_free(&cases), rp_table_free(&t);
     leave();
 }
 
@@ -256,8 +255,7 @@ static void test_same_bits(void)
 {
     dem_grain one = {.x = 0.3, .y = 0.7, .r = 0.1, .m = 0.2, .vx = 1.5, .vy = -2.5};
     dem_definition def = dem_definition_default();
-    def.grains = &one;
-    def.n_grains = 1;
+    def.grains = &one, def.n_grains = 1;
     dem_sim *a = grains_start(&def), *same = grains_start(&def);
     CU_ASSERT(grains_same_bits(a, same));
     double *const members[] = {&one.x, &one.y, &one.r, &one.m, &one.vx, &one.vy};
@@ -275,9 +273,7 @@ static void test_same_bits(void)
     one.fixed = true;
     dem_sim *fixed = grains_start(&def);
     CU_ASSERT(grains_same_bits(fixed, fixed) && !grains_same_bits(a, fixed));
-    dem_free(fixed);
-    dem_free(a);
-    dem_free(same);
+    dem_free(fixed), dem_free(a), dem_free(same);
 }
 
 /* A pair that is missing or too far apart is a wrong one; one of two fixed grains belongs to no
@@ -288,8 +284,7 @@ static void test_wrong_pairs(void)
                          {.x = 0.2, .y = 1.0, .r = 0.1, .m = 1.0},
                          {.x = 9.0, .y = 1.0, .r = 0.1, .m = 1.0}};
     dem_definition def = dem_definition_default();
-    def.grains = three;
-    def.n_grains = 3;
+    def.grains = three, def.n_grains = 3;
     dem_sim *sim = grains_start(&def);
     CU_ASSERT_FATAL(sim->pairs.n == 1);
     CU_ASSERT(grains_wrong_pairs(sim) == 0);
@@ -374,8 +369,7 @@ static void test_solved_pile(void)
     floor = forces[1];
     CHECK_NEAR(fy, -(double)pile.n - floor,
                1e-9 * (double)pile.n); /* weight and ground are all that acts from outside */
-    free(states);
-    dem_free(sim);
+    free(states), dem_free(sim);
     solved_pile_free(&pile);
 }
 

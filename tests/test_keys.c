@@ -132,8 +132,7 @@ static char *outcome(const char *text, const char *change)
         CU_ASSERT_PTR_NOT_NULL_FATAL(forces);
         grains_wall_forces(sim, forces);
         for (size_t w = 0; w < 2 * scene.def.n_walls; w++) fprintf(out, "%.17g\t", forces[w]);
-        free(forces);
-        fclose(out);
+        free(forces), fclose(out);
     }
     dem_free(sim);
     dem_scene_free(&scene);

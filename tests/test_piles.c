@@ -227,8 +227,7 @@ static void outlines_of_any_size(void)
                 for (long s = 0; s < k; s++) CU_ASSERT_EQUAL(drawn.up[s], slope.up[s]);
                 const double disks = (double)drawn.n * sin(60 * DEG);
                 CHECK_NEAR(drawn.B, sqrt(4 * disks / tan(alpha_deg * DEG)), 1e-9 * drawn.B);
-                sweep_outline_free(&slope);
-                sweep_outline_free(&drawn);
+                sweep_outline_free(&slope), sweep_outline_free(&drawn);
             }
 }
 
@@ -287,8 +286,7 @@ static void sizes(void)
     CHECK_NEAR(squares / (double)n, 0.9733, 5 * sqrt(2 / (double)n));
     CHECK_OK(sweep_outline_disorder(&b, S, 7, 3)); /* drawn again */
     for (size_t i = 0; i < a.n; i++) CU_ASSERT(a.disks[i].r == b.disks[i].r);
-    sweep_outline_free(&a);
-    sweep_outline_free(&b);
+    sweep_outline_free(&a), sweep_outline_free(&b);
 }
 
 /* The base carries the weight without a net horizontal force, from nearly equal sizes to gaps and overlaps of
@@ -301,9 +299,7 @@ static void unequal_piles_stand(void)
         CHECK_OK(sweep_outline_make(&h, 24, 0, 30 * DEG, 0, NULL));
         CHECK_OK(sweep_outline_disorder(&h, S[c / 2], 1992, (unsigned long)c));
         statics_definition def = statics_definition_default();
-        def.n = h.n;
-        def.disks = h.disks;
-        def.eps = eps[c % 2];
+        def.n = h.n, def.disks = h.disks, def.eps = eps[c % 2];
         def.branch = STATICS_BRANCH_MINIMUM;
         statics_pile *pile = NULL;
         statics_result r;
@@ -319,8 +315,7 @@ static void unequal_piles_stand(void)
         CHECK_NEAR(load, weight, BALANCE);
         CHECK_NEAR(push, 0, BALANCE);
         CU_ASSERT(r.fault == STATICS_OK && r.negative_modes == 0 && r.residual < 1e-9);
-        statics_free(pile);
-        sweep_outline_free(&h);
+        statics_free(pile), sweep_outline_free(&h);
     }
 }
 
@@ -404,14 +399,10 @@ static void solve(const pile_case *c, sweep_outline *h, statics_pile **pile, sta
     CHECK_OK(sweep_outline_make(h, 22, c->gap, c->alpha, c->n_corners, c->corners));
     if (c->disorder > 0) CHECK_OK(sweep_outline_disorder(h, c->disorder, 1992, 3));
     statics_definition def = statics_definition_default();
-    def.n = h->n;
-    def.disks = h->disks;
-    def.eps = c->eps;
+    def.n = h->n, def.disks = h->disks, def.eps = c->eps;
     def.k_x = c->k_x;
     def.well = c->well > 0 ? STATICS_WELL_FRICTION : STATICS_WELL_SPRING;
-    def.a = c->well;
-    def.mu = c->mu;
-    def.branch = c->branch;
+    def.a = c->well, def.mu = c->mu, def.branch = c->branch;
     CHECK_OK(statics_create(&def, pile));
     CHECK_OK(statics_solve(*pile, r));
 }
@@ -564,9 +555,7 @@ static void outputs_a_second_way(void)
         CU_ASSERT(output(&r, "negative_modes") == (double)solved.negative_modes);
         CU_ASSERT(output(&r, "broken") == 0 && output(&r, "jumps") == (double)solved.jumps);
         CU_ASSERT(output(&r, "smallest_pivot") == solved.smallest_pivot && output(&r, "load") == 1);
-        free(list);
-        statics_free(pile);
-        sweep_outline_free(&h);
+        free(list), statics_free(pile), sweep_outline_free(&h);
     }
 }
 

@@ -260,9 +260,7 @@ static bool run_pair(const double x[], double angle, bool swapped, dem_state out
     def.material = (dem_material){.k_s = 3e4, .gamma_s = 20.0, .mu = 0.3};
     grains_law(&def, (dem_normal_law)(pick(seed, 0) * DEM_NORMAL_N), 1e5, 50.0);
     if (def.rotation && pick(seed, 8) < 0.5) {
-        def.material.mu_roll = 0.2;
-        def.material.k_roll = 2e4;
-        def.material.gamma_roll = 20.0;
+        def.material.mu_roll = 0.2, def.material.k_roll = 2e4, def.material.gamma_roll = 20.0;
     }
     dem_grain g[2] = {{.r = 0.08, .m = dem_mass(DEM_SPHERE, 1.0, 0.08)},
                       {.r = 0.12, .m = dem_mass(DEM_SPHERE, 1.0, 0.12)}};
@@ -273,8 +271,7 @@ static bool run_pair(const double x[], double angle, bool swapped, dem_state out
         if (def.rotation) g[i].omega = (i ? 1.5 : 4.0) * x[4];
     }
     const dem_grain order[2] = {g[swapped], g[!swapped]};
-    def.grains = order;
-    def.n_grains = 2;
+    def.grains = order, def.n_grains = 2;
     dem_sim *sim = NULL;
     if (dem_create(&def, &sim)) return false;
     dem_state got[2];
@@ -378,9 +375,7 @@ static double pile_in_balance(const double x[])
             disks[n] = (statics_disk){((double)s + 0.5 * (double)j) * 2.0 * sin(theta),
                                       0.5 + (double)j * cos(theta), 0.5, 0.5 + pick(x[4], (long)n)};
     statics_definition def = statics_definition_default();
-    def.n = n;
-    def.disks = disks;
-    def.eps = eps;
+    def.n = n, def.disks = disks, def.eps = eps;
     def.k_x = 0.5 + pick(x[4], -1);
     statics_pile *pile = NULL;
     statics_result r;

@@ -117,8 +117,7 @@ static void written_and_read(void)
         CU_ASSERT(p[0].fixed == (k == 6) && !p[1].fixed);
         CU_ASSERT((back.def.ground.wall == 1 && back.def.hard.on) == (k == 4));
         CU_ASSERT((a->walls.angle != 0.0) == (k == 3));
-        dem_free(a);
-        dem_free(b);
+        dem_free(a), dem_free(b);
         dem_scene_free(&s);
         dem_scene_free(&back);
         free(text);
@@ -366,8 +365,7 @@ static void energy_of_few(void)
     const dem_grain grains[2] = {{.x = 0.5, .r = 0.1, .m = 3.0, .vx = 100.0},
                                  {.x = 0.0, .r = 0.1, .m = 5.0, .vx = 100.0}};
     dem_definition def = dem_definition_default();
-    def.gravity[1] = 0.0;
-    def.x_max = 1.0;
+    def.gravity[1] = 0.0, def.x_max = 1.0;
     def.grains = grains, def.n_grains = 2;
     dem_sim *sim = grains_start(&def);
     for (int left = 0; left < 3; left++) {

@@ -61,15 +61,13 @@ static dem_definition scene_of(int features, dem_grain **grains)
         def.tension = false;
     }
     if (features & LIFTED_GATE) {
-        def.walls[DEM_BOX_RIGHT].extent[0] = 0.0;
-        def.walls[DEM_BOX_RIGHT].open_speed = 100.0;
+        def.walls[DEM_BOX_RIGHT].extent[0] = 0.0, def.walls[DEM_BOX_RIGHT].open_speed = 100.0;
         def.walls[DEM_BOX_RIGHT].open_at_step = HALF / 2;
     }
     if (features & GRAVITY_TURNS) def.turn_per_step = 1e-3, def.turn_from_step = HALF / 3;
     if (features & BOX_TURNS) def.box_turn_per_step = 1e-4;
     if (features & OUTFLOW) {
-        def.x_max = 1.1;
-        def.walls[DEM_BOX_RIGHT].open_at_step = 0;
+        def.x_max = 1.1, def.walls[DEM_BOX_RIGHT].open_at_step = 0;
         for (size_t i = 0; i < GRAINS; i++)
             if ((*grains)[i].x > 1.0) (*grains)[i].x -= 0.1, (*grains)[i].y += 4.0;
     }

@@ -140,8 +140,7 @@ static void snapshots(void)
     dem_grain *grains;
     const long part = check_fast() ? 100 : 300;
     dem_definition def = grains_box(600, 5.0, 9, &grains);
-    def.walls[DEM_BOX_RIGHT].open_at_step = 2 * part;
-    def.rotation = true;
+    def.walls[DEM_BOX_RIGHT].open_at_step = 2 * part, def.rotation = true;
     def.material.mu_roll = 0.1;
     dem_sim *one = start(&def, 1), *sim = start(&def, 3);
     for (size_t threads = 8; threads > 0; threads /= 2) {

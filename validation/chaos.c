@@ -60,9 +60,7 @@ static dem_sim *filled_box(long N, double W, double dt, long stream, int kernel)
 {
     dem_grain *grains;
     dem_definition def = grains_box(N, W, stream, &grains);
-    def.dt = dt;
-    def.x_max = 3.0 * W;
-    def.kernel = kernel;
+    def.dt = dt, def.x_max = 3.0 * W, def.kernel = kernel;
     dem_sim *sim = grains_start(&def);
     free(grains);
     return sim;
@@ -95,10 +93,7 @@ static growth avalanche(long N, double W, double dt, double shift, long stream, 
     double c0, cov[3], sumsq;
     if (fit->grown && fit->n > 2)
         gsl_fit_linear(fit->t, 1, fit->log_d, 1, fit->n, &c0, &g.rate, cov, cov + 1, cov + 2, &sumsq);
-    dem_free(a);
-    dem_free(b);
-    free(fit);
-    free(s);
+    dem_free(a), dem_free(b), free(fit), free(s);
     return g;
 }
 

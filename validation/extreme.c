@@ -78,9 +78,7 @@ static void refusal(const char *name, rp_status status, rp_status expected, cons
 static dem_definition bare(int law, int scheme)
 {
     dem_definition def = dem_definition_default();
-    def.normal = law;
-    def.integrator = scheme;
-    def.tangential = DEM_NONE;
+    def.normal = law, def.integrator = scheme, def.tangential = DEM_NONE;
     def.gravity[1] = 0.0;
     def.material = (dem_material){.k_n = 1e6};
     return def;
@@ -123,8 +121,7 @@ static void static_overlaps(void)
                            1e-6 * overlap + 4.0 * 0x1p-57 / (omega * def.dt));
                 else
                     refusal("static overlap", status, RP_OK, "none");
-                free(contacts);
-                dem_free(sim);
+                free(contacts), dem_free(sim);
             }
 }
 
@@ -224,12 +221,9 @@ static void damped_impacts(void)
         for (size_t i = 0; i < COUNT(slow); i++)
             for (int tension = 0; tension < 2; tension++) {
                 dem_definition def = bare(law, DEM_VERLET);
-                def.tension = tension == 1;
-                def.material.gamma_n = slow[i];
+                def.tension = tension == 1, def.material.gamma_n = slow[i];
                 dem_grain pair[2] = {{.r = R, .m = M}, {.x = 2.0 * R, .r = R, .m = 2.0 * M, .vx = -v}};
-                def.grains = pair;
-                def.n_grains = 2;
-                def.dt = step_limit(&def);
+                def.grains = pair, def.n_grains = 2, def.dt = step_limit(&def);
                 pair[1].x += 0.5 * v * def.dt;
                 dem_sim *sim = grains_start(&def);
                 dem_state s[2];
@@ -261,17 +255,12 @@ static void frictions(void)
                     const double mu = mus[i], gx = G * sin(slope), gy = G * cos(slope);
                     dem_definition def = bare(DEM_HERTZ, DEM_VERLET);
                     dem_grain grain = {0.0, R - pow(M * gy / 1e6, 2.0 / 3.0), R, M};
-                    def.gravity[0] = gx;
-                    def.gravity[1] = -gy;
-                    def.tangential = DEM_SPRING;
-                    def.rotation = rotation == 1;
-                    def.slip = slip;
-                    def.damping = damping;
+                    def.gravity[0] = gx, def.gravity[1] = -gy, def.tangential = DEM_SPRING;
+                    def.rotation = rotation == 1, def.slip = slip, def.damping = damping;
                     def.material = (dem_material){.k_n = 1e6, .gamma_n = 500.0, .k_s = k_s, .mu = mu};
                     def.dt = 2e-5;
                     grains_on_floor(&def, 1, &grain);
-                    dem_sim *sim = grains_start(&def);
-                    CHECK_OK(dem_run(sim, lround(T / def.dt)));
+                    dem_sim *sim = grains_after(&def, lround(T / def.dt));
                     const dem_state s = grains_state_of_one(sim);
                     PARAMETERS("mu = %g, rotation %d, %s, dashpot %s", mu, rotation,
                                slip ? "total" : "truncated", damping ? "inside" : "outside");
@@ -301,8 +290,7 @@ static void start_overlaps(void)
                 dem_grain pair[2] = {{.x = 0.0, .y = R - overlap, .r = R, .m = M},
                                      {.x = 0.0, .y = 3.0 * R - 2.0 * overlap, .r = R, .m = M}};
                 grains_on_floor(&def, wall ? 1 : 2, pair);
-                def.n_walls = wall;
-                def.dt = 1e-9;
+                def.n_walls = wall, def.dt = 1e-9;
                 PARAMETERS("overlap %g of the radius, %s, %s", depths[i], law_names[law],
                            wall ? "at a wall" : "two grains");
                 dem_sim *sim = NULL;
@@ -339,8 +327,7 @@ static void single_grains(void)
                 dem_definition def = bare(DEM_HERTZ, scheme);
                 dem_grain grain = {1.0, 2.0, R, M, speeds[v], -speeds[v]};
                 memcpy(def.gravity, gravities[g], sizeof def.gravity);
-                def.grains = &grain;
-                def.n_grains = 1;
+                def.grains = &grain, def.n_grains = 1;
                 PARAMETERS("gravity = [%g, %g], v = %g, %s", gravities[g][0], gravities[g][1], speeds[v],
                            dem_schemes[scheme]->name);
                 dem_sim *sim = grains_start(&def);
@@ -383,8 +370,7 @@ static void far_apart(void)
                     continue;
                 }
                 CHECK_OK(status);
-                CHECK_OK(dem_run(sim, 1000));
-                dem_states(sim, s);
+                grains_run(sim, 1000, s);
                 const double displacement = 1000.0 * def.dt;
                 number("far apart", fabs(s[0].x - displacement) + fabs(s[1].x - (distance + displacement)),
                        0.0, 1.0 + distance, 2000.0 * 0x1p-53);
@@ -425,15 +411,13 @@ static void zero_velocities(void)
                 dem_definition def = bare(law, scheme);
                 for (int i = 0; i < n; i++)
                     grains[i] = (dem_grain){.x = 0.25 * (i % 10), .y = 0.25 * (i / 10), .r = 0.125, .m = M};
-                def.grains = grains;
-                def.n_grains = (size_t)n;
+                def.grains = grains, def.n_grains = (size_t)n;
                 def.dt = step_limit(&def) < 1.0 ? step_limit(&def) : def.dt;
                 PARAMETERS("%d grains with zero overlap, %s, %s", n, law_names[law],
                            dem_schemes[scheme]->name);
                 dem_sim *sim = grains_start(&def);
                 dem_state s[100];
-                CHECK_OK(dem_run(sim, 1000));
-                dem_states(sim, s);
+                grains_run(sim, 1000, s);
                 int moved = 0;
                 for (int i = 0; i < n; i++)
                     moved +=
@@ -456,9 +440,7 @@ static void sideways(void)
             dem_grain grain = {0.5, 0.5, R, M};
             def.gravity[1] = -G;
             if (how == 0) def.gravity[0] = G * sin(angle), def.gravity[1] = -G * cos(angle);
-            def.material.gamma_n = 500.0;
-            def.grains = &grain;
-            def.n_grains = 1;
+            def.material.gamma_n = 500.0, def.grains = &grain, def.n_grains = 1;
             def.n_walls = 4;
             for (int w = 0; w < 4; w++) {
                 static const double n[4][2] = {{0.0, 1.0}, {-1.0, 0.0}, {0.0, -1.0}, {1.0, 0.0}};
@@ -501,8 +483,7 @@ static dem_sim *start_full_box(int scheme, double mu, bool lid)
 {
     dem_grain *grains;
     dem_definition def = grains_box(MANY, WIDTH, 17, &grains);
-    def.integrator = scheme;
-    def.material.mu = mu;
+    def.integrator = scheme, def.material.mu = mu;
     for (size_t w = 0; w < def.n_walls; w++) def.walls[w].material.mu = mu;
     if (lid) def.walls[def.n_walls++] = grains_line(0.0, HEIGHT, 0.0, -1.0, &def.walls[0].material);
     def.x_max = lid ? INFINITY : 1.5 * WIDTH;
@@ -708,13 +689,11 @@ static void hard_collisions(void)
             dem_grain pair[2] = {{.r = R, .m = M}, {.x = 2.5 * R, .r = R, .m = m, .vx = -v}};
             def.tension = false;
             def.hard = (dem_hard){true, e, 0.0};
-            def.grains = pair;
-            def.n_grains = 2;
+            def.grains = pair, def.n_grains = 2;
             def.dt = fmin(5e-5, 0.9 * step_limit(&def));
             dem_sim *sim = grains_start(&def);
             dem_state s[2];
-            CHECK_OK(dem_run(sim, lround(1e-3 / def.dt)));
-            dem_states(sim, s);
+            grains_run(sim, lround(1e-3 / def.dt), s);
             const double mean = -v * m / (M + m);
             PARAMETERS("restitution %g, m = %g, %g", e, M, m);
             EXPECTED("speeds %.6g, %.6g", mean * (1.0 + e), mean + e * v * M / (M + m));
@@ -1053,12 +1032,9 @@ static void million(void)
         grains[i] =
             (dem_grain){.x = 0.25 * (double)(i % 1000), .y = 0.25 * (double)(i / 1000), .r = 0.125, .m = M};
     dem_definition def = bare(DEM_HERTZ, DEM_VERLET);
-    def.gravity[1] = -G;
-    def.grains = grains;
-    def.n_grains = n;
+    def.gravity[1] = -G, def.grains = grains, def.n_grains = n;
     PARAMETERS("1000 x 1000 grains");
-    dem_sim *sim = grains_start(&def);
-    CHECK_OK(dem_run(sim, 20));
+    dem_sim *sim = grains_after(&def, 20);
     CHECK_OK(dem_states(sim, states));
     const double t = dem_time(sim);
     double most = 0.0;
@@ -1066,9 +1042,7 @@ static void million(void)
         most = fmax(most, hypot(states[i].x - grains[i].x, states[i].y - grains[i].y + 0.5 * G * t * t));
     /* positions up to 250, rounded 20 times, and contact forces of overlaps of 2^-45 */
     number("1e6 grains", most, 0.0, 250.0, 20.0 * 0x1p-51);
-    dem_free(sim);
-    free(states);
-    free(grains);
+    dem_free(sim), free(states), free(grains);
 }
 
 static void extremes(void)

@@ -42,13 +42,10 @@ static dem_definition scene(const impact *p, double dt, dem_grain grains[2])
     grains[0] = (dem_grain){0.0, 0.0, R_A, p->m_a, ux * p->v * share_a, uy * p->v * share_a};
     grains[1] =
         (dem_grain){ux * distance, uy * distance, R_B, p->m_b, -ux * p->v * share_b, -uy * p->v * share_b};
-    def.gravity[1] = 0.0;
-    def.normal = p->law;
-    def.tension = !p->clipped;
+    def.gravity[1] = 0.0, def.normal = p->law, def.tension = !p->clipped;
     def.tangential = DEM_NONE;
     def.material = (dem_material){.k_n = p->k_n, .gamma_n = p->gamma_n};
-    def.dt = dt;
-    def.grains = grains;
+    def.dt = dt, def.grains = grains;
     def.n_grains = wall ? 1 : 2;
     def.n_walls = wall;
     def.walls[0] = grains_line(ux * distance, uy * distance, -ux, -uy, &def.material);

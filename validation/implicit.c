@@ -24,10 +24,8 @@ static dem_sim *gas(int integrator, double dt, double tolerance)
     dem_grain grains[GAS];
     grains_gas(GAS, grains);
     dem_definition def = grains_disks(GAS, grains, K);
-    def.integrator = integrator;
-    def.implicit.tolerance = tolerance;
-    def.dt = dt * contact_time();
-    def.skin = 0.8;
+    def.integrator = integrator, def.implicit.tolerance = tolerance;
+    def.dt = dt * contact_time(), def.skin = 0.8;
     dem_box_walls(&def, 3.6, &def.material);
     return grains_start(&def);
 }
@@ -174,13 +172,11 @@ static void cost_of(long base, double dt, int solver, double *iterations)
     dem_definition def = grains_disks(n, grains, K);
     def.dt = dt * contact_time();
     def.implicit = (dem_implicit_solver){solver, 0.7, 1e-12, 1000000};
-    dem_sim *sim = grains_start(&def);
-    CHECK_OK(dem_run(sim, steps));
+    dem_sim *sim = grains_after(&def, steps);
     dem_counts counts;
     dem_count_work(sim, &counts);
     *iterations = counts.iterations / (double)steps;
-    dem_free(sim);
-    free(grains);
+    dem_free(sim), free(grains);
 }
 
 /* SOR sweeps per step grow with dt and size, factorisations hardly. */
@@ -223,8 +219,7 @@ static double sweeps_of_row(long n, double dt, double relaxation, double toleran
                         .fixed = i == 0 || i == n + 1};
     grains[n + 1].vx = 0.0;
     dem_definition def = grains_disks((size_t)(n + 2), grains, K);
-    def.gravity[1] = 0.0;
-    def.dt = dt * contact_time();
+    def.gravity[1] = 0.0, def.dt = dt * contact_time();
     def.implicit = (dem_implicit_solver){DEM_SOLVER_SOR, relaxation, tolerance, 1000000};
     dem_sim *sim = grains_start(&def);
     dem_counts counts;

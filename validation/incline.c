@@ -25,9 +25,7 @@ static dem_definition incline(double angle, const dem_material *c, double v, dem
 {
     dem_definition def = dem_definition_default();
     *grain = (dem_grain){0.0, R - pow(M * G * cos(angle) / FLOOR_K, 2.0 / 3.0), R, M, v, 0.0};
-    def.gravity[0] = G * sin(angle);
-    def.gravity[1] = -G * cos(angle);
-    def.material = *c;
+    def.gravity[0] = G * sin(angle), def.gravity[1] = -G * cos(angle), def.material = *c;
     grains_on_floor(&def, 1, grain);
     def.walls[0].material.k_n = FLOOR_K;
     return def;
@@ -70,8 +68,7 @@ static void slow_loading(void)
         const int every = 4;
         dem_grain grain;
         dem_definition def = incline(0.0, &c, 0.0, &grain);
-        def.damping = i / 12;
-        def.turn_per_step = rate * def.dt;
+        def.damping = i / 12, def.turn_per_step = rate * def.dt;
         dem_sim *sim = grains_start(&def);
         double slipped = NAN;
         for (long step = 0; step < lround(1.6 / def.turn_per_step) && isnan(slipped); step += every) {
@@ -155,8 +152,7 @@ static void check_kick(int slip, double mu, double k_s, double v)
     const double x1 = limit / w, v1 = sqrt(v * v - limit * limit), stopping = x1 + v1 * v1 / (2.0 * mu * G);
     dem_grain grain;
     dem_definition def = incline(0.0, &c, v, &grain);
-    def.slip = slip;
-    def.dt = dt;
+    def.slip = slip, def.dt = dt;
     dem_sim *sim = grains_start(&def);
     dem_state s = {.vx = v}, last = s;
     const double t1 = asin(limit / v) / w, turn = t1 + v1 / (mu * G);

@@ -41,23 +41,17 @@ static void check_hard(bool pair, int shape, double e, double mu, double ratio)
     dem_grain grains[2] = {{0.0, r + 1.5 * v_n * dt, r, m, v_s - r * spin, -v_n, 0.0, spin},
                            {0.0, -r2, r2, m2, 0.0, 0.0}};
     dem_definition def = dem_definition_default();
-    def.gravity[1] = 0.0;
-    def.normal = DEM_LINEAR;
-    def.tension = false;
-    def.tangential = DEM_SLIP_ROLL;
-    def.rotation = true;
-    def.shape = shape;
+    def.gravity[1] = 0.0, def.normal = DEM_LINEAR, def.tension = false;
+    def.tangential = DEM_SLIP_ROLL, def.rotation = true, def.shape = shape;
     def.hard = (dem_hard){true, e, mu};
     def.material = (dem_material){.k_n = 1e5};
-    def.dt = dt;
-    def.grains = grains;
+    def.dt = dt, def.grains = grains;
     def.n_grains = pair ? 2 : 1;
     def.n_walls = !pair;
     def.walls[0] = grains_line(0.0, 0.0, 0.0, 1.0, &def.material);
     dem_sim *sim = grains_start(&def);
     dem_state s[2] = {0};
-    CHECK_OK(dem_run(sim, 4));
-    CHECK_OK(dem_states(sim, s));
+    grains_run(sim, 4, s);
     dem_free(sim);
     /* 1/M_t is a/m_eff for spheres alike and disks alike: arm^2/I = 1/(q m) */
     const double impulse = fmin(v_s * m_eff / a, mu * (1.0 + e) * m_eff * v_n);
@@ -117,8 +111,7 @@ static void check_limit(long k, double alpha, double theta, const long up[], con
     const double bound = (1.0 + sin(alpha) / sin(M_PI / 3.0 - alpha)) / (double)k;
     case_near(&limit_problem, "N", 0.0, d.N, bound, "alpha=%.4g base=%ld", alpha, k);
     case_near(&limit_problem, "H", 0.0, d.H, bound, "alpha=%.4g base=%ld", alpha, k);
-    free(scaled);
-    free(exact);
+    free(scaled), free(exact);
 }
 
 static void lattice(void)
@@ -139,9 +132,7 @@ static void lattice(void)
         case_near(&lattice_problem, "N", 0.0, d.N, bound, "alpha=%.4g theta=%.4g base=%ld", alpha, theta, k);
         case_near(&lattice_problem, "H", 0.0, d.H, bound, "alpha=%.4g theta=%.4g base=%ld", alpha, theta, k);
         if (thetas[i / 35] < 31.0 && alphas[i % 7] < 60.0 && k > 7) check_limit(k, alpha, theta, up, closed);
-        free(up);
-        free(closed);
-        free(solved);
+        free(up), free(closed), free(solved);
     }
 }
 
@@ -254,9 +245,7 @@ static void static_piles(void)
                 disks[at++] =
                     (statics_disk){(double)i + 0.5 * (double)j, 0.5 + (double)j * sqrt(0.75), 0.5, 1};
         statics_definition def = statics_definition_default();
-        def.n = n;
-        def.disks = disks;
-        def.eps = 0.0;
+        def.n = n, def.disks = disks, def.eps = 0.0;
         statics_pile *pile = NULL;
         statics_result result;
         CHECK_OK(statics_create(&def, &pile));
@@ -268,10 +257,7 @@ static void static_piles(void)
             case_near(&static_problem, "N", exact.N, N[i], 1e-14 * (double)n, "base=%ld disk=%ld", k, i + 1);
             case_near(&static_problem, "H", exact.H, H[i], 1e-14 * (double)n, "base=%ld disk=%ld", k, i + 1);
         }
-        statics_free(pile);
-        free(disks);
-        free(N);
-        free(H);
+        statics_free(pile), free(disks), free(N), free(H);
     }
 }
 

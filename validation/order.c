@@ -140,12 +140,8 @@ static dem_definition flight(const law *p, int integrator, double dt, double pha
 {
     *grain = (dem_grain){0.0, R + (3.0 + phase) * V_N * dt, R, M, v_along(p), -V_N};
     dem_definition def = dem_definition_default();
-    def.gravity[1] = 0.0;
-    def.dt = dt;
-    def.integrator = integrator;
-    def.implicit.tolerance = 1e-15;
-    def.normal = p->normal;
-    def.tension = p->tension;
+    def.gravity[1] = 0.0, def.dt = dt, def.integrator = integrator;
+    def.implicit.tolerance = 1e-15, def.normal = p->normal, def.tension = p->tension;
     def.tangential = p->k_s > 0.0 ? DEM_SPRING : DEM_NONE;
     def.material = (dem_material){
         .k_n = stiffness(p), .gamma_n = p->gamma_n, .k_s = p->k_s, .gamma_s = p->gamma_s, .mu = p->mu};
@@ -417,15 +413,11 @@ static double sway(double gamma_n, int integrator, double n)
     const double reach = 0.5 * deep;
     dem_grain grain = {0.0, R - deep + reach, R, M, 0.0, 0.0};
     dem_definition def = dem_definition_default();
-    def.gravity[1] = -g;
-    def.dt = 2.0 * M_PI / w / n;
-    def.integrator = integrator;
-    def.normal = DEM_LINEAR;
-    def.tangential = DEM_NONE;
+    def.gravity[1] = -g, def.dt = 2.0 * M_PI / w / n, def.integrator = integrator;
+    def.normal = DEM_LINEAR, def.tangential = DEM_NONE;
     def.material = (dem_material){.k_n = k, .gamma_n = gamma_n};
     grains_on_floor(&def, 1, &grain);
-    dem_sim *sim = grains_start(&def);
-    CHECK_OK(dem_run(sim, lround(2.0 * n)));
+    dem_sim *sim = grains_after(&def, lround(2.0 * n));
     const long steps = lround(n);
     double sum = 0.0;
     for (long step = 0; step < steps; step++) {
@@ -517,11 +509,9 @@ static void avalanches(void)
         for (int pile = 0; pile < piles; pile++) {
             dem_grain *grains;
             dem_definition def = grains_box(40, 1.2, pile, &grains);
-            def.dt = row[0];
-            def.ledger = true;
+            def.dt = row[0], def.ledger = true;
             def.walls[DEM_BOX_RIGHT].open_at_step = 6000L << k;
-            dem_sim *sim = grains_start(&def);
-            CHECK_OK(dem_run(sim, 12000L << k));
+            dem_sim *sim = grains_after(&def, 12000L << k);
             dem_ledger l;
             CU_ASSERT_FATAL(dem_ledger_read(sim, &l));
             const double lost = l.normal_damping + l.shear_damping + l.sliding;
@@ -530,8 +520,7 @@ static void avalanches(void)
             square += l.integration / lost * l.integration / lost / piles;
             row[7] = fmax(row[7], fabs(l.residual) / l.turnover);
             CHECK_NEAR(l.residual, 0.0, 1e-10 * l.turnover);
-            dem_free(sim);
-            free(grains);
+            dem_free(sim), free(grains);
         }
         integration[k] = row[5];
         row[6] = sqrt((square - row[5] * row[5]) / (piles - 1.0));

@@ -202,19 +202,16 @@ static double simulate(const motion *p, int integrator, long steps, double *seco
 {
     const size_t n = p->def.n_grains;
     dem_definition def = p->def;
-    def.integrator = integrator;
-    def.dt = p->time / (double)steps;
+    def.integrator = integrator, def.dt = p->time / (double)steps;
     const double start = rp_cpu_clock();
-    dem_sim *sim = grains_start(&def);
-    CHECK_OK(dem_run(sim, steps));
+    dem_sim *sim = grains_after(&def, steps);
     *seconds = rp_cpu_clock() - start;
     dem_state *s = calloc(n, sizeof *s);
     double *y = calloc(4 * n, sizeof *y);
     CHECK_OK(dem_states(sim, s));
     for (size_t i = 0; i < n; i++) y[4 * i] = s[i].x, y[4 * i + 1] = s[i].y;
     const double error = distance(p, y, p->answer);
-    dem_free(sim);
-    free(s), free(y);
+    dem_free(sim), free(s), free(y);
     return error;
 }
 
@@ -253,8 +250,7 @@ static bool allowed(const motion *p, int integrator, double dt)
 {
     dem_sim *sim = NULL;
     dem_definition def = p->def;
-    def.integrator = integrator;
-    def.dt = dt;
+    def.integrator = integrator, def.dt = dt;
     const bool good = dem_create(&def, &sim) == RP_OK;
     dem_free(sim);
     return good;
@@ -327,12 +323,9 @@ static motion impact(int law, dem_grain grains[2])
         memcpy(p.answer + 4 * i, (double[]){side * after, 1.0, 0.5 * side * c.restitution * SPEED, 0.0},
                4 * sizeof(double));
     }
-    p.def.gravity[1] = 0.0;
-    p.def.normal = laws[law].normal;
-    p.def.tangential = DEM_NONE;
+    p.def.gravity[1] = 0.0, p.def.normal = laws[law].normal, p.def.tangential = DEM_NONE;
     p.def.material = (dem_material){.k_n = laws[law].k_n, .gamma_n = laws[law].gamma_n};
-    p.def.grains = grains;
-    p.def.n_grains = 2;
+    p.def.grains = grains, p.def.n_grains = 2;
     return p;
 }
 
@@ -390,9 +383,7 @@ static motion column(dem_grain grains[COLUMN])
         sink[i] = i ? sink[i - 1] + load / k : 0.5 * load / k;
         grains[i] = (dem_grain){.y = (2 * i + 1) * R - 0.5 * sink[i], .r = R, .m = M};
     }
-    p.length = sink[COLUMN - 1];
-    p.def.normal = DEM_LINEAR;
-    p.def.tangential = DEM_NONE;
+    p.length = sink[COLUMN - 1], p.def.normal = DEM_LINEAR, p.def.tangential = DEM_NONE;
     p.def.material = (dem_material){.k_n = k, .gamma_n = 2000.0};
     grains_on_floor(&p.def, COLUMN, grains);
     p.def.walls[0].material.k_n = 2.0 * k;

@@ -90,13 +90,9 @@ static dem_sim *vertical_start(const vertical *p, const double y[2], double dt, 
 {
     dem_grain grains[2] = {{0.0, y[0], p->r, p->m[0], 0.0, 0.0}, {0.0, y[1], p->r, p->m[1], 0.0, 0.0}};
     dem_definition def = dem_definition_default();
-    def.gravity[1] = -G;
-    def.normal = DEM_LINEAR;
-    def.tangential = DEM_NONE;
+    def.gravity[1] = -G, def.normal = DEM_LINEAR, def.tangential = DEM_NONE;
     def.material = (dem_material){.k_n = p->k};
-    def.dt = dt;
-    def.grains = grains;
-    def.n_grains = (size_t)p->n;
+    def.dt = dt, def.grains = grains, def.n_grains = (size_t)p->n;
     def.n_walls = (size_t)p->n;
     def.walls[0] = grains_line(0.0, 0.0, 0.0, 1.0, &def.material);
     def.walls[1] = grains_line(0.0, p->lid, 0.0, -1.0, &def.material);
@@ -104,8 +100,7 @@ static dem_sim *vertical_start(const vertical *p, const double y[2], double dt, 
     def.walls[1].material.gamma_n = p->eta[2] / p->m[1];
     if (p->n == 2) def.material.gamma_n = p->eta[1] * (1.0 / p->m[0] + 1.0 / p->m[1]);
     if (hard) {
-        def.hard = *hard;
-        def.tension = false;
+        def.hard = *hard, def.tension = false;
     }
     return grains_start(&def);
 }
@@ -146,8 +141,7 @@ static void check_dem01(double k, double e)
         case_near(&dem01, "v", y[2], s.vy, (since > 0.0) * error * v + 1e-11, "k=%g e=%g t=%.4f dt=%g", k, e,
                   t, dt);
     }
-    gsl_odeiv2_driver_free(driver);
-    dem_free(sim);
+    gsl_odeiv2_driver_free(driver), dem_free(sim);
 }
 
 static void freely_falling(void)
@@ -194,9 +188,7 @@ static void check_dem02(double k, double e)
         case_near(&dem02, "height", height + p.r, next_top(hard), 2.0 * bounce * sqrt(2.0 * G * 0.4) * dt,
                   "hard e=%g bounce=%d dt=%g", e, bounce, dt);
     }
-    gsl_odeiv2_driver_free(driver);
-    dem_free(soft);
-    dem_free(hard);
+    gsl_odeiv2_driver_free(driver), dem_free(soft), dem_free(hard);
 }
 
 static void bouncing(void)
@@ -212,8 +204,7 @@ static void stacked(void)
         const double e = 1.0 - 0.1 * i, r = 0.5e-3, lid = 3.6 * r, damping = damping_for(e, true);
         vertical p = {2, 1e3, lid, r, {sphere_mass(2e4, r), sphere_mass(1e4, r)}, {0.0}};
         const double m_eff = p.m[0] * p.m[1] / (p.m[0] + p.m[1]);
-        p.eta[0] = damping * sqrt(p.k * p.m[0]);
-        p.eta[1] = damping * sqrt(p.k * m_eff);
+        p.eta[0] = damping * sqrt(p.k * p.m[0]), p.eta[1] = damping * sqrt(p.k * m_eff);
         p.eta[2] = damping * sqrt(p.k * p.m[1]);
         /* the fastest mode: the upper sphere on two springs, at most */
         const double w = sqrt(3.0 * p.k / p.m[1]), dt = 1e-3 / w, h = 0.5 * damping * sqrt(p.k / m_eff) * dt;
@@ -231,8 +222,7 @@ static void stacked(void)
             for (int j = 0; j < 2; j++)
                 case_near(&dem03, j ? "y2" : "y1", y[j], s[j].y, bound, "e=%g t=%.6f dt=%g", e, t, dt);
         }
-        gsl_odeiv2_driver_free(driver);
-        dem_free(sim);
+        gsl_odeiv2_driver_free(driver), dem_free(sim);
     }
 }
 
@@ -244,9 +234,7 @@ static void slipping(void)
                      sinks = m * G / k;
         dem_grain grain = {0.0, r - sinks, r, m, u, 0.0};
         dem_definition def = dem_definition_default();
-        def.gravity[1] = -G;
-        def.normal = DEM_LINEAR;
-        def.rotation = true;
+        def.gravity[1] = -G, def.normal = DEM_LINEAR, def.rotation = true;
         def.material = (dem_material){.k_n = k, .k_s = k, .mu = mu};
         def.dt = 1e-6;
         grains_on_floor(&def, 1, &grain);
@@ -301,13 +289,10 @@ static void run_strike(strike *p, double dt)
     dem_definition def = dem_definition_default();
     def.gravity[1] = 0.0;
     def.normal = p->hertz ? DEM_HERTZ : DEM_LINEAR;
-    def.tension = p->pulls;
-    def.rotation = true;
-    def.tangential = p->tangential;
+    def.tension = p->pulls, def.rotation = true, def.tangential = p->tangential;
     def.material = (dem_material){.k_n = p->k, .gamma_n = p->gamma, .k_s = p->k_s, .mu = p->mu};
     if (p->tangential == DEM_SLIP_ROLL) def.material.gamma_s = 100.0 * strike_rate(p);
-    def.dt = dt;
-    def.grains = grains;
+    def.dt = dt, def.grains = grains;
     def.n_grains = wall ? 1 : 2;
     def.n_walls = wall;
     def.walls[0] = grains_line(0.0, 0.0, 0.0, 1.0, &def.material);
@@ -470,9 +455,7 @@ static void normal_restitution(void)
     for (int i = 0; i < 2 * 2 * 5; i++) {
         const double e = 0.2 * (1 + i / 4);
         strike p = oxide(0.0);
-        p.pulls = i % 2;
-        p.tangential = DEM_NONE;
-        p.mu = 0.0;
+        p.pulls = i % 2, p.tangential = DEM_NONE, p.mu = 0.0;
         if (i / 2 % 2) p.m = sphere_mass(7000.0, OXIDE_R); /* cast iron */
         p.gamma = damping_for(e, p.pulls) * strike_rate(&p);
         const double dt = 1e-3 / strike_rate(&p);

@@ -28,11 +28,8 @@ static dem_definition on_floor(double angle, dem_grain *grain, const dem_materia
 {
     dem_definition def = dem_definition_default();
     *grain = (dem_grain){0.0, R - pow(M * G * cos(angle) / FLOOR_K, 2.0 / 3.0), R, M};
-    def.gravity[0] = G * sin(angle);
-    def.gravity[1] = -G * cos(angle);
-    def.rotation = true;
-    def.material = *material;
-    def.dt = 1e-5;
+    def.gravity[0] = G * sin(angle), def.gravity[1] = -G * cos(angle), def.rotation = true;
+    def.material = *material, def.dt = 1e-5;
     grains_on_floor(&def, 1, grain);
     def.walls[0].material.k_n = FLOOR_K;
     return def;
@@ -41,8 +38,7 @@ static dem_definition on_floor(double angle, dem_grain *grain, const dem_materia
 static dem_state run(dem_sim *sim, double seconds, double dt)
 {
     dem_state s[2];
-    CHECK_OK(dem_run(sim, lround(seconds / dt)));
-    CHECK_OK(dem_states(sim, s));
+    grains_run(sim, lround(seconds / dt), s);
     return s[0];
 }
 
@@ -163,13 +159,10 @@ static void collide(oblique *p, double steps)
     dem_grain grains[2] = {{0.0, R + gap, R, M, vx, -p->v_n, 0.0, spin[0]},
                            {0.0, -r2, r2, m2, 0.0, 0.0, 0.0, spin[1]}};
     dem_definition def = dem_definition_default();
-    def.gravity[1] = 0.0;
-    def.normal = DEM_LINEAR;
-    def.rotation = true;
+    def.gravity[1] = 0.0, def.normal = DEM_LINEAR, def.rotation = true;
     def.shape = p->shape;
     def.material = (dem_material){.k_n = LINEAR_K, .k_s = p->k_s, .mu = p->mu};
-    def.dt = dt;
-    def.grains = grains;
+    def.dt = dt, def.grains = grains;
     def.n_grains = p->pair ? 2 : 1;
     def.n_walls = !p->pair;
     def.walls[0] = grains_line(0.0, 0.0, 0.0, 1.0, &def.material);
@@ -275,14 +268,9 @@ static void pair_conserves(void)
                            {0.45, 0.37, 0.0871, 0.00297, -8.0, -5.0, 0.0, 250.0}};
     for (int damping = DEM_DAMPING_OUTSIDE; damping <= DEM_DAMPING_INSIDE; damping++) {
         dem_definition def = dem_definition_default();
-        def.gravity[1] = 0.0;
-        def.dt = 1e-5;
-        def.rotation = true;
-        def.damping = damping;
-        def.material.gamma_s = 100.0;
-        def.material.mu_roll = 0.1;
-        def.grains = grains;
-        def.n_grains = 2;
+        def.gravity[1] = 0.0, def.dt = 1e-5, def.rotation = true;
+        def.damping = damping, def.material.gamma_s = 100.0, def.material.mu_roll = 0.1;
+        def.grains = grains, def.n_grains = 2;
         dem_sim *sim = grains_start(&def);
         double sums[2][3] = {{0.0}, {0.0}}, scale = 0.0;
         dem_state s[2];
@@ -357,8 +345,7 @@ static void rolling_stops(void)
         dem_grain grain;
         dem_definition def = on_floor(0.0, &grain, &c);
         def.shape = shape;
-        grain.vx = v0;
-        grain.omega = -v0 / grain.y;
+        grain.vx = v0, grain.omega = -v0 / grain.y;
         const double b = grain.y, slows = b * mu_roll * G * R / (b * b + inertia_ratio(shape) * R * R);
         /* springs load over these distances, and friction acts from the first step on */
         const double loading = mu_roll * M * G / 1e4 + M * slows / 1e4 + v0 * def.dt;
@@ -415,12 +402,8 @@ static void rotating_time_step(void)
     dem_material c = {.k_n = 10.0, .k_s = 1e4, .mu = INFINITY, .mu_roll = 1e6, .k_roll = 1e4};
     dem_grain grain = {0.0, 0.0, R, M, 0.0, 0.0, 0.0, 30.0};
     dem_definition def = dem_definition_default();
-    def.gravity[1] = 0.0;
-    def.normal = DEM_LINEAR;
-    def.material = c;
-    def.rotation = true;
-    def.grains = &grain;
-    def.n_grains = 1;
+    def.gravity[1] = 0.0, def.normal = DEM_LINEAR, def.material = c;
+    def.rotation = true, def.grains = &grain, def.n_grains = 1;
     def.n_walls = 4;
     for (int w = 0; w < 4; w++) {
         static const double directions[4][2] = {{1.0, 0.0}, {0.0, 1.0}, {-1.0, 0.0}, {0.0, -1.0}};
@@ -432,8 +415,7 @@ static void rotating_time_step(void)
     CHECK_NEAR(limit, 0.95 * sqrt(4.0 / 3.0 * M / (5.0 * 1e4 + 2.5 * 1e4)), 1e-12);
     def.shape = DEM_DISK;
     CHECK_NEAR(dem_time_step_limit(&def, NULL), 0.95 * sqrt(4.0 / 3.0 * M / (4.0 * 1e4 + 2.0 * 1e4)), 1e-12);
-    def.shape = DEM_SPHERE;
-    def.dt = limit;
+    def.shape = DEM_SPHERE, def.dt = limit;
     dem_sim *sim = grains_start(&def);
     double most = 0.0;
     for (int k = 0; k < 2000; k++) most = fmax(most, fabs(run(sim, def.dt, def.dt).omega));

@@ -23,10 +23,7 @@ typedef struct {
 
 static void free_solved(solved *s)
 {
-    free(s->exact);
-    free(s->N);
-    free(s->H);
-    free(s->wells);
+    free(s->exact), free(s->N), free(s->H), free(s->wells);
 }
 
 static solved solve(long k, double alpha_deg, double eps, double well)
@@ -45,13 +42,9 @@ static solved solve(long k, double alpha_deg, double eps, double well)
     s.wells = calloc(s.k, sizeof *s.wells);
     CHECK_OK(an_lattice_counts(k, up, M_PI / 6, s.exact));
     statics_definition def = statics_definition_default();
-    def.n = s.n;
-    def.disks = disks;
-    def.eps = eps;
+    def.n = s.n, def.disks = disks, def.eps = eps;
     if (well > 0) {
-        def.well = STATICS_WELL_FRICTION;
-        def.mu = 1;
-        def.a = well;
+        def.well = STATICS_WELL_FRICTION, def.mu = 1, def.a = well;
     }
     statics_pile *pile = NULL;
     const double start = rp_cpu_clock();
@@ -62,9 +55,7 @@ static solved solve(long k, double alpha_deg, double eps, double well)
         statics_base(pile, NULL, s.N, s.H);
         statics_wells(pile, s.wells);
     }
-    statics_free(pile);
-    free(disks);
-    free(up);
+    statics_free(pile), free(disks), free(up);
     return s;
 }
 

@@ -25,12 +25,8 @@ solved_pile solved_pile_make(long k, double alpha_deg, double eps, long load_ste
             pile.grains[n] = (dem_grain){.x = list[n].x, .y = list[n].y - 1e-13, .r = R, .m = 1.0};
         }
     statics_definition def = statics_definition_default();
-    def.n = pile.n;
-    def.disks = list;
-    def.eps = eps;
-    def.well = STATICS_WELL_FRICTION;
-    def.mu = MU;
-    def.a = WELL;
+    def.n = pile.n, def.disks = list, def.eps = eps;
+    def.well = STATICS_WELL_FRICTION, def.mu = MU, def.a = WELL;
     def.load_steps = load_steps;
     CHECK_OK(statics_create(&def, &pile.equilibrium));
     CHECK_OK(statics_solve(pile.equilibrium, &pile.result));
@@ -40,8 +36,7 @@ solved_pile solved_pile_make(long k, double alpha_deg, double eps, long load_ste
     pile.u = calloc(2 * pile.n, sizeof *pile.u);
     statics_base(pile.equilibrium, NULL, pile.N, pile.H);
     statics_displacements(pile.equilibrium, pile.u);
-    free(list);
-    free(up);
+    free(list), free(up);
     return pile;
 }
 
@@ -55,12 +50,8 @@ dem_definition solved_pile_scene(const solved_pile *pile, int integrator, double
 {
     const double omega = sqrt(1.0 / pile->eps);
     dem_definition def = dem_definition_default();
-    def.integrator = integrator;
-    def.gravity[1] = 0.0;
-    def.normal = DEM_LINEAR;
-    def.tension = false;
-    def.tangential = DEM_NONE;
-    def.shape = DEM_DISK;
+    def.integrator = integrator, def.gravity[1] = 0.0, def.normal = DEM_LINEAR;
+    def.tension = false, def.tangential = DEM_NONE, def.shape = DEM_DISK;
     def.dt = dt / omega;
     def.material = (dem_material){.k_n = 1.0 / pile->eps, .gamma_n = gamma * omega};
     grains_on_floor(&def, pile->n, pile->grains);

@@ -200,9 +200,7 @@ static double leapfrog_margin(const modes *A, double dt)
                                dt * dt * gsl_matrix_get(A->K, i, j));
     gsl_eigen_symm(S, values, w);
     const double least = gsl_vector_min(values);
-    gsl_eigen_symm_free(w);
-    gsl_vector_free(values);
-    gsl_matrix_free(S);
+    gsl_eigen_symm_free(w), gsl_vector_free(values), gsl_matrix_free(S);
     return least;
 }
 
@@ -227,9 +225,7 @@ static double gear_radius(double k, double c)
         const gsl_complex z = gsl_vector_complex_get(values, i);
         radius = fmax(radius, hypot(GSL_REAL(z), GSL_IMAG(z)));
     }
-    gsl_eigen_nonsymm_free(w);
-    gsl_vector_complex_free(values);
-    gsl_matrix_free(S);
+    gsl_eigen_nonsymm_free(w), gsl_vector_complex_free(values), gsl_matrix_free(S);
     return radius;
 }
 
@@ -269,10 +265,7 @@ static double gear_theory(const modes *A, double omega)
         }
         least = lo;
     }
-    gsl_eigen_symmv_free(w);
-    gsl_vector_free(values);
-    gsl_matrix_free(vectors);
-    gsl_matrix_free(S);
+    gsl_eigen_symmv_free(w), gsl_vector_free(values), gsl_matrix_free(vectors), gsl_matrix_free(S);
     return least;
 }
 
@@ -285,8 +278,7 @@ static double theory(const scene *s, const stability_case *c, const dem_sim *sim
         *(leapfrog_margin(&A, dt) > 0.0 ? &lo : &hi) = dt;
     }
     if (c->integrator == DEM_GEAR5) lo = gear_theory(&A, s->omega);
-    gsl_matrix_free(A.K);
-    gsl_matrix_free(A.C);
+    gsl_matrix_free(A.K), gsl_matrix_free(A.C);
     return lo;
 }
 
@@ -564,15 +556,10 @@ static gas_run run_gas(const equation_solver *with, double depth, double times)
     }
     gsl_rng_free(random);
     dem_definition def = dem_definition_default();
-    def.integrator = DEM_IMPLICIT;
-    def.implicit.solver = with->solver;
-    def.implicit.tolerance = with->tolerance;
-    def.tangential = DEM_NONE;
-    def.gravity[1] = 0.0;
+    def.integrator = DEM_IMPLICIT, def.implicit.solver = with->solver;
+    def.implicit.tolerance = with->tolerance, def.tangential = DEM_NONE, def.gravity[1] = 0.0;
     def.material = (dem_material){.k_n = k_n};
-    def.skin = 0.4 * R;
-    def.dt = out.dt = times * out.contact_time;
-    def.grains = grains;
+    def.skin = 0.4 * R, def.dt = out.dt = times * out.contact_time, def.grains = grains;
     def.n_grains = GAS;
     dem_box_walls(&def, 1.51, &def.material);
     def.walls[def.n_walls++] = grains_line(0.0, 1.51, 0.0, -1.0, &def.material);
@@ -668,8 +655,7 @@ static bool box_rests(int law, int scheme, double gamma, long stream, double tim
     enum { N = 60 };
     dem_grain *grains;
     dem_definition def = grains_box(N, 2.0, stream, &grains);
-    def.normal = law;
-    def.integrator = scheme;
+    def.normal = law, def.integrator = scheme;
     def.material.k_n = law == DEM_HERTZ ? 1e6 : 1e5;
     def.material.gamma_n = gamma;
     for (size_t w = 0; w < def.n_walls; w++) def.walls[w].material = def.material;
