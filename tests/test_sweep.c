@@ -1612,8 +1612,8 @@ static void test_full_disk(void)
     clean();
 }
 
-/* Every parameter of the list of dem/physics.h is known to the protocols of the box and, by its key, to
- * scenes; a default or a range differs where the protocol says so, and nowhere else. */
+/* Every parameter of the list of dem/law/parameters.h is known to the protocols of the box and, by its key,
+ * to scenes; a default or a range differs where the protocol says so, and nowhere else. */
 static void test_physics(void)
 {
     static const struct {

@@ -1,4 +1,4 @@
-/* Stiffness matrix and its factorisation; see stiffness.h.
+/* Stiffness matrix and its factorisation; see sparse.h.
  *
  * The lower triangle is kept by columns. Columns 2a and 2a + 1 hold disk a's own block, then the blocks of
  * its bonds in their order, so that the index of every entry follows from its bond. */

@@ -172,8 +172,8 @@ static inline bool dem_wall_is_line(const dem_wall *wall)
 /* Units of the paper's box scene: g = 981, dt = 5e-5, its coefficients at mu = 0.2; no walls, no grains. */
 dem_definition dem_definition_default(void);
 
-/* The parameters of the list in physics.h: at their defaults; put into a definition, "auto" resolved, all but
- * what a restitution leaves to dem_create; taken from one that makes grains of this density. */
+/* The parameters of the list in parameters.h: at their defaults; put into a definition, "auto" resolved, all
+ * but what a restitution leaves to dem_create; taken from one that makes grains of this density. */
 dem_physics dem_physics_default(void);
 void dem_physics_apply(const dem_physics *p, dem_definition *def);
 dem_physics dem_physics_of(const dem_definition *def, double density);

@@ -164,7 +164,7 @@ static inline void add_well(const dem_sim *sim, const touch *l, const dem_wall_s
     if (l->parts) l->parts->well = -pull;
 }
 
-/* Contact number k of sim.h. */
+/* Contact number k. */
 static inline contact contact_of(const dem_sim *sim, size_t k, dem_parts *p)
 {
     const dem_ends ends = dem_contact_ends(sim, k);

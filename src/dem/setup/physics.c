@@ -1,4 +1,4 @@
-/* The physical parameters, from what is given to a definition; see physics.h. */
+/* The physical parameters, from what is given to a definition; see parameters.h. */
 #include "params/units.h"
 #include <math.h>
 #include <stdlib.h>

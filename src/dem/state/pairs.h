@@ -8,7 +8,7 @@
 
 /* How an entry survives a rebuilding of the neighbour list. */
 typedef enum {
-    DEM_MADE,       /* it is made anew from the grains, by neighbours.c */
+    DEM_MADE,       /* it is made anew from the grains, by list.c */
     DEM_SPRING_OF,  /* it stays with a pair that touches, and is 0 for others */
     DEM_SPRING_TURN /* the same, and changes its sign where i and j are exchanged */
 } dem_pair_role;
