@@ -204,8 +204,8 @@ rp_status sweep_box_advance(sweep_box_run *run, long steps)
 rp_status sweep_box_rest(const sweep_box_run *run, dem_rest *rest, bool *quiet)
 {
     rp_status status = dem_rest_state(run->sim, 0.0, run->box->W, rest);
-    *quiet = !status && rest->kinetic_energy < run->box->rest_energy * run->mg * run->d &&
-             rest->net_force < run->box->rest_force * run->mg;
+    *quiet = !status && dem_at_rest(rest, run->box->rest_energy * run->mg * run->d,
+                                    run->box->rest_force * run->mg, false);
     return status;
 }
 

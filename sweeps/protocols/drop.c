@@ -400,7 +400,7 @@ static rp_status relax(drop *d)
         if (!status) status = dem_states(d->sim, d->states);
         if (!status) status = dem_rest_state(d->sim, -d->p->x_limit, d->p->x_limit, &rest);
         if (status) break;
-        now.quiet = rest.kinetic_energy < 1e-12 && rest.net_force < 1e-4 ? now.quiet + 1 : 0;
+        now.quiet = dem_at_rest(&rest, 1e-12, 1e-4, false) ? now.quiet + 1 : 0;
         const bool falls = rest.kinetic_energy < now.before;
         if (falls) status = stop_all(d);
         if (status) break;
