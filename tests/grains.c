@@ -126,6 +126,11 @@ dem_sim *grains_start(const dem_definition *def)
     return sim;
 }
 
+void grains_end(dem_sim **sim)
+{
+    dem_free(*sim);
+}
+
 dem_sim *grains_after(const dem_definition *def, long steps)
 {
     dem_sim *sim = grains_start(def);

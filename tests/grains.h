@@ -40,7 +40,10 @@ void grains_break_alike(dem_sim *a, dem_sim *b);
 void grains_law(dem_definition *def, dem_normal_law law, double stiffness, double rate);
 
 /* The simulation of a valid definition; that after some steps; one whose steps take chunks of so many pairs,
- * as those of a large pile do (0: as they are), with its list built anew; the state of the only grain. */
+ * as those of a large pile do (0: as they are), with its list built anew; the state of the only grain. A
+ * scoped_sim is freed at the end of its scope. */
+#define scoped_sim __attribute__((cleanup(grains_end))) dem_sim
+void grains_end(dem_sim **sim);
 dem_sim *grains_start(const dem_definition *def);
 dem_sim *grains_after(const dem_definition *def, long steps);
 dem_sim *grains_start_in_chunks(const dem_definition *def, size_t chunk);

@@ -74,7 +74,7 @@ static void momentum_of(bool rotation)
         scale += grains[i].m * 40.0;
         if (rotation) grains[i].omega = 50.0 * ((double)(i % 5) - 1.0);
     }
-    dem_sim *sim = grains_start(&def);
+    scoped_sim *sim = grains_start(&def);
     dem_state s[60];
     dem_states(sim, s);
     for (int i = 0; i < 60; i++) l0 += angular_momentum(&def, &s[i]);
@@ -91,7 +91,7 @@ static void momentum_of(bool rotation)
     CHECK_NEAR(p1[0], p0[0], 1e-13 * scale);
     CHECK_NEAR(p1[1], p0[1], 1e-13 * scale);
     if (rotation) CHECK_NEAR(l1, l0, 1e-13 * scale * 2.0); /* at some 2 cm from the origin */
-    dem_free(sim), free(grains);
+    free(grains);
 }
 
 EITHER(momentum)
@@ -149,7 +149,7 @@ static void list_is_complete_of(double speed, long steps)
     dem_definition def = grains_box(120, 2.6, 11, &grains);
     for (int i = 0; i < 120; i++) grains[i].vx = i % 3 ? 0.0 : speed, grains[i].vy = i % 7 ? 0.0 : -speed;
     if (speed > 0.0) def.dt = 2e-5;
-    dem_sim *sim = grains_start(&def);
+    scoped_sim *sim = grains_start(&def);
     dem_state s[120];
     for (int round = 0; round < 60; round++) {
         if (round == 30) dem_wall_open(sim, 2, INF);
@@ -164,7 +164,7 @@ static void list_is_complete_of(double speed, long steps)
         dem_count_work(sim, &counts);
         CU_ASSERT_EQUAL(counts.contacts, touching);
     }
-    dem_free(sim), free(grains);
+    free(grains);
 }
 
 /* Slowly; and where margins differ, fast grains hit resting ones, and few steps lie between two rebuildings.
@@ -221,7 +221,7 @@ static void leaving_below_others(void)
         def.walls[w] = line(w ? 1.2 : 0.2, w ? 1.6 : 1.0, 0.0, 1.0, &def.material);
         def.walls[w].extent[0] = -0.2, def.walls[w].extent[1] = 0.2;
     }
-    dem_sim *sim = grains_start(&def);
+    scoped_sim *sim = grains_start(&def);
     dem_state s[5];
     CHECK_OK(dem_run(sim, 3000)); /* the fall uses 0.9 of them */
     CU_ASSERT_EQUAL_FATAL(dem_count(sim), 3);
@@ -229,7 +229,6 @@ static void leaving_below_others(void)
     CU_ASSERT(s[0].contacts > 0 && s[0].y < 1.0 + r && s[0].y > 1.0);
     CU_ASSERT(s[1].y - s[0].y > 1.9 * r && s[1].y < 1.0 + 3.3 * r);
     CU_ASSERT(fabs(s[2].y - grains[4].y) < 1e-3);
-    dem_free(sim);
 }
 
 static void leaving(void)
@@ -253,7 +252,7 @@ static void work(void)
         if (def.integrator == DEM_IMPLICIT)
             def.tension = false, def.tangential = DEM_NONE, def.material.mu = 0.0;
         if (way == 3) def.hard = (dem_hard){.on = true, .restitution = 0.5}, def.tension = false;
-        dem_sim *sim = grains_start(&def);
+        scoped_sim *sim = grains_start(&def);
         dem_counts counts;
         size_t steps = 0;
         for (int k = 0; k < 50; k++) {
@@ -263,7 +262,6 @@ static void work(void)
         dem_count_work(sim, &counts);
         CU_ASSERT(dem_count(sim) == 2 && counts.grain_steps == (double)steps);
         CU_ASSERT(counts.collisions == 0 && counts.contacts == 0);
-        dem_free(sim);
     }
 }
 
@@ -357,12 +355,12 @@ static void faults_in_chunks(bool wall)
     dem_grain *grains;
     dem_definition def = grains_too_soft(wall, &grains);
     def.kernel = DEM_REFERENCE;
-    dem_sim *reference = grains_start_in_chunks(&def, 0);
+    scoped_sim *reference = grains_start_in_chunks(&def, 0);
     def.kernel = DEM_FAST;
-    dem_sim *sim = grains_start_in_chunks(&def, 64);
+    scoped_sim *sim = grains_start_in_chunks(&def, 64);
     grains_break_alike(reference, sim);
     CU_ASSERT(sim->pairs.n_chunks > 0);
-    dem_free(sim), dem_free(reference), free(grains);
+    free(grains);
 }
 
 static void chunks(void)
@@ -399,7 +397,7 @@ static void margins_of(bool hard, int kernel)
     def.dt = 2e-5, def.kernel = kernel, def.x_max = 3.1;
     def.walls[DEM_BOX_RIGHT].open_at_step = 500;
     if (hard) def.hard = (dem_hard){.on = true, .restitution = 0.1, .mu = 0.2}, def.tension = false;
-    dem_sim *sim = grains_start(&def);
+    scoped_sim *sim = grains_start(&def);
     CU_ASSERT(beyond_margins(sim, 3000) == 0 && sim->grains.n < N && sim->count.rebuilds < 500);
     CHECK_OK(dem_neighbours_rebuild(sim));
     CU_ASSERT(sim->grains.slack[0] == 0.0 &&
@@ -408,7 +406,7 @@ static void margins_of(bool hard, int kernel)
     sim->pairs.n_chunks = 1;
     sim->grains.motion[sim->grains.n / 2].v[0] = NAN;
     CHECK_FAILS(dem_run(sim, 1), RP_BROKEN, "non_finite");
-    dem_free(sim), free(grains);
+    free(grains);
 }
 
 /* Two grains that stop one another at different times between two rebuilds. */
@@ -419,9 +417,8 @@ static void margins_of_two(void)
                             {0.5 + 0.002 * k, 0.0, 0.1, 0.004, -300.0, 0.0}};
         dem_definition def = grains_afloat(2, two);
         def.dt = 1e-5, def.tension = false, def.hard.on = true;
-        dem_sim *sim = grains_start(&def);
+        scoped_sim *sim = grains_start(&def);
         CU_ASSERT(beyond_margins(sim, 200) == 0 && sim->count.collisions == 1);
-        dem_free(sim);
     }
 }
 
@@ -441,7 +438,7 @@ static void margins_of_many_hit(size_t pairs)
         def.dt = 1e-4, def.normal = DEM_LINEAR, def.material.k_n = 1e3;
         def.tension = false;
         def.hard = (dem_hard){.on = true, .restitution = 1.0};
-        dem_sim *sim = grains_start(&def);
+        scoped_sim *sim = grains_start(&def);
         const long before = sim->count.rebuilds;
         for (int step = 0; sim->count.collisions == 0 && step < 20; step++) {
             CHECK_OK(dem_run(sim, 1));
@@ -452,7 +449,6 @@ static void margins_of_many_hit(size_t pairs)
         }
         CU_ASSERT(sim->count.collisions == (long)pairs);
         rebuilds += sim->count.rebuilds - before;
-        dem_free(sim);
     }
     CU_ASSERT(rebuilds > 0);
 }
@@ -623,7 +619,7 @@ static void springs_end_of(bool rolling)
     }
     def.grains = grains, def.n_grains = 2;
     put_wall(&def, 0.0, 0.5, 0.0, -1.0);
-    dem_sim *sim = grains_start(&def);
+    scoped_sim *sim = grains_start(&def);
     int touches = 0;
     size_t before = 0;
     double longest = 0.0;
@@ -644,7 +640,6 @@ static void springs_end_of(bool rolling)
     }
     CU_ASSERT(touches >= 10);
     CU_ASSERT(longest > 10.0 * 0.1 * def.dt); /* detects a spring that did not end */
-    dem_free(sim);
 }
 
 EITHER(springs_end)
@@ -658,7 +653,7 @@ static void rolling_couple(void)
     dem_definition def = grains_afloat(2, grains);
     def.rotation = true, def.material.mu = def.material.gamma_s = def.material.gamma_roll = 0.0;
     def.material.mu_roll = 0.3;
-    dem_sim *sim = grains_start(&def);
+    scoped_sim *sim = grains_start(&def);
     dem_contact *c;
     dem_state s[2];
     size_t n;
@@ -672,7 +667,7 @@ static void rolling_couple(void)
     CHECK_NEAR(s[0].torque, -r_eff * def.material.k_roll * xi, 1e-12);
     CHECK_NEAR(s[1].torque, r_eff * def.material.k_roll * xi, 1e-12);
     CHECK_NEAR(c[0].rolling_torque, sign * s[0].torque, 1e-15);
-    free(c), dem_free(sim);
+    free(c);
 }
 
 enum { SPINNING = 80 };
@@ -721,12 +716,12 @@ static void contacts_add_up(void)
     def.material.mu_roll = 0.1;
     for (int w = 0; w < 3; w++) def.walls[w].material.mu_roll = 0.07;
     def.walls[2].open_at_step = 4000;
-    dem_sim *sim = grains_after(&def, 5000);
+    scoped_sim *sim = grains_after(&def, 5000);
     CU_ASSERT(sliding_of_sums(sim) > 0);
     dem_box_turn(sim, 1e-4);
     CHECK_OK(dem_run(sim, 3));
     sliding_of_sums(sim);
-    dem_free(sim), free(grains);
+    free(grains);
 }
 
 /* A lifted wall drags a touching grain upwards. */
@@ -737,11 +732,10 @@ static void lifted_wall_drags(void)
     def.gravity[0] = 981.0;
     put_wall(&def, 1.0, 0.0, -1.0, 0.0);
     def.walls[0].extent[0] = 0.0, def.walls[0].open_at_step = 0, def.walls[0].open_speed = 2.0;
-    dem_sim *sim = grains_start(&def);
+    scoped_sim *sim = grains_start(&def);
     dem_state s;
     grains_run(sim, 2000, &s);
     CU_ASSERT(s.vy > 0.5 && s.y > 0.51);
-    dem_free(sim);
 }
 
 /* A grain is removed at the step at which its centre passes x_max or y_min; the others continue. */
@@ -924,7 +918,7 @@ static void added_by_either_scheme(void)
         def.rotation = !gear;
         def.dt = 2e-5; /* Gear's limit is the lower */
         const double omega = gear ? 0.0 : 2.385, t = 300 * def.dt;
-        dem_sim *sim = grains_after(&def, 100);
+        scoped_sim *sim = grains_after(&def, 100);
         CHECK_OK(dem_add(
             sim, &(dem_grain){.x = 3.0, .y = 2.0, .r = 0.1, .m = 0.004, .vy = -7.0, .omega = omega}, NULL));
         grains_run(sim, 300, s);
@@ -934,7 +928,6 @@ static void added_by_either_scheme(void)
         CU_ASSERT(s[1].omega == omega);
         CHECK_FAILS(dem_add(sim, &(dem_grain){.x = 9.0, .r = 0.1, .m = 0.004, .fixed = true}, NULL),
                     RP_BAD_INPUT, "must be there from the start");
-        dem_free(sim);
     }
 }
 
@@ -1018,7 +1011,7 @@ static void overlaps_too_deep(void)
     dem_definition def = grains_afloat(4, grains);
     def.skin = 0.3, def.n_walls = 2;
     for (int w = 0; w < 2; w++) def.walls[w] = grains_line(0.0, -0.5 + 0.5 * w, 0.0, 1.0, &def.material);
-    dem_sim *sim = grains_start(&def);
+    scoped_sim *sim = grains_start(&def);
     dem_motion *at = sim->grains.motion;
     CU_ASSERT_EQUAL_FATAL(sim->pairs.n, 3);
     for (size_t k = 0; k < 3; k++) {
@@ -1059,7 +1052,6 @@ static void overlaps_too_deep(void)
         CHECK_FAILS(dem_check_overlaps(sim, 0, 0, 0, 4), RP_BROKEN, "non_finite");
         at[i].x[1] = 0.1875;
     }
-    dem_free(sim);
 }
 
 static void bad_definitions(void)
@@ -1672,7 +1664,7 @@ static void energy_of_a_long_spring(void)
         def.dt = 1e-6, def.slip = DEM_TOTAL, def.material.gamma_n = 4000.0;
         const dem_contact start = {.id_a = 1, .id_b = 2, .wall = -1, .shear_spring = ds};
         def.contacts = &start, def.n_contacts = 1;
-        dem_sim *sim = grains_start(&def);
+        scoped_sim *sim = grains_start(&def);
         dem_energy energy;
         dem_energies(sim, &energy);
         const dem_contact now = grains_only_contact(sim);
@@ -1682,7 +1674,6 @@ static void energy_of_a_long_spring(void)
         CHECK_NEAR(energy.elastic,
                    0.4 * k_n * pow(d, 2.5) + pull * ds - pull * pull / (2.0 * def.material.k_s),
                    1e-11); /* of 400 */
-        dem_free(sim);
     }
 }
 
@@ -1711,7 +1702,7 @@ static void header_notes(void)
                                  {.x = 1.5, .y = 0.5, .r = 0.13, .m = 0.009, .vy = 13.0},
                                  {.x = 2.5, .y = 0.5, .r = 0.08, .m = 0.002}};
     dem_definition def = grains_afloat(3, grains);
-    dem_sim *sim = grains_start(&def);
+    scoped_sim *sim = grains_start(&def);
     char *text = NULL, expected[200];
     size_t size;
     FILE *out = open_memstream(&text, &size);
@@ -1733,7 +1724,7 @@ static void header_notes(void)
     snprintf(expected, sizeof expected, "at 60 cm/s: restitution %.3f, overlap %.3g d, dt/contact time %.3g",
              c.restitution, c.overlap / (2.0 * r), def.dt / c.time);
     CU_ASSERT(strstr(text, expected) != NULL);
-    free(text), dem_free(sim);
+    free(text);
 }
 
 /* State near rest against the given velocities: in the frame of a rotating box, for the grains inside,
@@ -1792,12 +1783,11 @@ static void at_rest(void)
     dem_grain thrown = {.x = 0.5, .y = 1.0, .r = 0.1, .m = 0.004, .vy = 981.0 * 100 * 5e-5};
     dem_definition def = grains_of(1, &thrown);
     def.dt = 5e-5;
-    dem_sim *sim = grains_start(&def);
+    scoped_sim *sim = grains_start(&def);
     dem_rest rest;
     CHECK_OK(dem_run(sim, 100));
     CHECK_OK(dem_rest_state(sim, 0.0, 1.0, &rest));
     CU_ASSERT(!dem_at_rest(&rest, energy, force, true) && dem_at_rest(&rest, energy, force, false));
-    dem_free(sim);
 }
 
 /* Bytes of a grain in every array that goes with it. */

@@ -262,18 +262,17 @@ static void test_same_bits(void)
     for (size_t k = 0; k < sizeof members / sizeof *members; k++) {
         const double old = *members[k];
         *members[k] = nextafter(old, 9.0);
-        dem_sim *other = grains_start(&def);
+        scoped_sim *other = grains_start(&def);
         CU_ASSERT(!grains_same_bits(a, other));
         *members[k] = old;
-        dem_free(other);
     }
     CHECK_OK(dem_run(same, 1));
     CU_ASSERT(!grains_same_bits(a, same));
     one.vx = one.vy = 0.0;
     one.fixed = true;
-    dem_sim *fixed = grains_start(&def);
+    scoped_sim *fixed = grains_start(&def);
     CU_ASSERT(grains_same_bits(fixed, fixed) && !grains_same_bits(a, fixed));
-    dem_free(fixed), dem_free(a), dem_free(same);
+    dem_free(a), dem_free(same);
 }
 
 /* A pair that is missing or too far apart is a wrong one; one of two fixed grains belongs to no
@@ -285,7 +284,7 @@ static void test_wrong_pairs(void)
                          {.x = 9.0, .y = 1.0, .r = 0.1, .m = 1.0}};
     dem_definition def = dem_definition_default();
     def.grains = three, def.n_grains = 3;
-    dem_sim *sim = grains_start(&def);
+    scoped_sim *sim = grains_start(&def);
     CU_ASSERT_FATAL(sim->pairs.n == 1);
     CU_ASSERT(grains_wrong_pairs(sim) == 0);
     sim->pairs.n = 0;
@@ -303,7 +302,6 @@ static void test_wrong_pairs(void)
     sim->pairs.j[0] = other;
     sim->grains.inverse_mass[0] = sim->grains.inverse_mass[1] = 0.0;
     CU_ASSERT(grains_wrong_pairs(sim) == 1);
-    dem_free(sim);
 }
 
 /* So soft that neighbours slide apart, although every well holds: no result, and a state that is no pile. */
@@ -357,7 +355,7 @@ static void test_solved_pile(void)
     CHECK_NEAR(def.material.k_n, 1.0 / eps, 1e-8);
     CHECK_NEAR(def.ground.a, eps, 1e-18);
     CU_ASSERT(def.gravity[0] == 0.0 && def.gravity[1] == 0.0 && def.n_grains == pile.n);
-    dem_sim *sim = grains_start(&def);
+    scoped_sim *sim = grains_start(&def);
     solved_pile_load(sim, 40);
     CU_ASSERT_EQUAL(dem_step(sim), 40);
     dem_state *states = calloc(pile.n, sizeof *states);
@@ -369,7 +367,7 @@ static void test_solved_pile(void)
     floor = forces[1];
     CHECK_NEAR(fy, -(double)pile.n - floor,
                1e-9 * (double)pile.n); /* weight and ground are all that acts from outside */
-    free(states), dem_free(sim);
+    free(states);
     solved_pile_free(&pile);
 }
 

@@ -35,19 +35,17 @@ static dem_sim *avalanche(dem_definition *def, long steps)
 static void each_kernel(dem_definition *def, long steps)
 {
     def->kernel = DEM_REFERENCE;
-    dem_sim *reference = avalanche(def, steps);
+    scoped_sim *reference = avalanche(def, steps);
     CU_ASSERT_STRING_EQUAL(dem_kernel_name(reference), "reference");
     CU_ASSERT(dem_count(reference) > 0 && dem_count(reference) < GRAINS); /* some were taken out */
     for (def->kernel = DEM_BASELINE; def->kernel < DEM_KERNELS; def->kernel++) {
         if (!dem_kernel_runs(def->kernel)) continue;
-        dem_sim *sim = avalanche(def, steps);
+        scoped_sim *sim = avalanche(def, steps);
         const bool same = grains_same_bits(sim, reference);
         if (!same) fprintf(stderr, "other bits than the reference: %s\n", dem_kernel_name(sim));
         CU_ASSERT(same);
         check_name(def, dem_kernel_name(sim));
-        dem_free(sim);
     }
-    dem_free(reference);
 }
 
 typedef struct {
@@ -186,7 +184,7 @@ static void observed_force(void)
                                      {.x = 0.199, .r = 0.1, .m = 0.004, .vx = -2.0}};
         dem_definition def = grains_afloat(2, grains);
         grains_law(&def, law, 1.5e5, 500.0);
-        dem_sim *sim = grains_after(&def, 1);
+        scoped_sim *sim = grains_after(&def, 1);
         const dem_contact c = grains_only_contact(sim);
         dem_state s[2];
         CHECK_OK(dem_states(sim, s));
@@ -198,7 +196,6 @@ static void observed_force(void)
         CHECK_NEAR(c.normal_force, law_force, 1e-12 * law_force);
         CHECK_NEAR(s[1].fx, c.normal_force, 1e-12 * law_force);
         CHECK_NEAR(s[0].fx, -c.normal_force, 1e-12 * law_force);
-        dem_free(sim);
     }
 }
 
@@ -386,7 +383,7 @@ static void restitution_of_walls(void)
         const dem_material wall = dem_wall_material(&given, &def.material);
         grains_on_floor(&def, 1, &grain);
         def.walls[0].material = wall;
-        dem_sim *sim = grains_start(&def);
+        scoped_sim *sim = grains_start(&def);
         const dem_material *floor = &sim->def.walls[0].material, *grains = &sim->def.material;
         CHECK_NEAR(dem_restitution(true, law->damping_ratio(grains->k_n, grains->gamma_n, 0.002)), 0.4,
                    1e-12);
@@ -396,7 +393,6 @@ static void restitution_of_walls(void)
         if (choice < 2)
             CHECK_NEAR(dem_restitution(true, law->damping_ratio(floor->k_n, floor->gamma_n, 0.004)),
                        choice ? 0.7 : 0.4, 1e-12);
-        dem_free(sim);
     }
 }
 

@@ -109,7 +109,7 @@ static void sliding_block(void)
         const double weight = grain.m * 981.0;
         /* slip begins within a step; the work of the force uses the middle of the step */
         const double one_step = 0.5 * floor.mu * weight * 15.0 * def.dt;
-        dem_sim *sim = grains_after(&def, steps);
+        scoped_sim *sim = grains_after(&def, steps);
         const dem_state s = grains_state_of_one(sim);
         if (def.slip == DEM_TRUNCATED && !(choice & 4)) {
             const double slid = s.x - floor.mu * weight / floor.k_s; /* the rest is in the spring */
@@ -117,7 +117,6 @@ static void sliding_block(void)
         }
         if (def.slip == DEM_TOTAL) CHECK_NEAR(l.sliding, 0.0, one_step);
         if (choice & 4) CU_ASSERT(seen(l.shear_damping, &l));
-        dem_free(sim);
     }
 }
 
@@ -188,7 +187,7 @@ static void turns(void)
     dem_grain *grains;
     dem_definition def = grains_box(20, 0.8, 3, &grains);
     def.ledger = true;
-    dem_sim *sim = grains_after(&def, 3000);
+    scoped_sim *sim = grains_after(&def, 3000);
     dem_energy before, after;
     dem_energies(sim, &before);
     dem_gravity_set(sim, (double[]){100.0, -900.0});
@@ -199,7 +198,7 @@ static void turns(void)
     CHECK_OK(dem_run(sim, 1000));
     l = ledger_of(sim);
     CHECK_NEAR(l.residual, 0.0, CLOSES * l.turnover);
-    dem_free(sim), free(grains);
+    free(grains);
 }
 
 /* Grains are added one by one; a clone continues with its own ledger. */
@@ -350,7 +349,7 @@ static void pile_sticks(void)
     dem_definition def = grains_box(20, 0.8, 5, &grains);
     def.ledger = true, def.material.mu = INFINITY;
     for (int w = 0; w < DEM_BOX_N; w++) def.walls[w].material.mu = INFINITY;
-    dem_sim *sim = grains_after(&def, 30000);
+    scoped_sim *sim = grains_after(&def, 30000);
     const dem_ledger before = ledger_of(sim);
     const dem_grain two[2] = {{0.4, 4.0, 0.1, 0.004, 0.0, 0.0}, {0.4, 4.25, 0.1, 0.004, 0.0, -40.0}};
     for (int i = 0; i < 2; i++) CHECK_OK(dem_add(sim, &two[i], NULL));
@@ -359,7 +358,7 @@ static void pile_sticks(void)
     const dem_ledger after = ledger_of(sim);
     CHECK_NEAR(after.sliding, before.sliding, CLOSES * after.turnover);
     CU_ASSERT(after.normal_damping > before.normal_damping + 1e-3);
-    dem_free(sim), free(grains);
+    free(grains);
 }
 
 /* Work of a floor that rotates under a grain: measured force times the displacement of the contact point, and
@@ -379,7 +378,7 @@ static void work_of_a_wall(void)
     dem_definition def = kicked(&grain, 0.0, &floor);
     def.rotation = true, def.dt = dt, def.box_turn_per_step = turn;
     def.ledger = true;
-    dem_sim *sim = grains_start(&def);
+    scoped_sim *sim = grains_start(&def);
     double work = 0.0;
     for (int step = 0; step < 30; step++) {
         for (int end = 0; end < 2; end++) {
@@ -400,7 +399,6 @@ static void work_of_a_wall(void)
     const dem_ledger l = ledger_of(sim);
     CHECK_NEAR(l.wall_work / work, 1.0, 1e-9);
     CHECK_NEAR(l.residual, 0.0, CLOSES * l.turnover);
-    dem_free(sim);
 }
 
 /* A grain at rest that is hit and leaves within the same step carries the transferred energy away. */

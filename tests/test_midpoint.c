@@ -44,7 +44,7 @@ static void phase_of_oscillator(void)
         const dem_grain grain = {.x = 0.3, .y = R - 1.0 / K + A, .r = R, .m = 1.0};
         dem_definition def = on_floor(&grain, 1, 1.0);
         def.dt = angle / omega;
-        dem_sim *sim = grains_start(&def);
+        scoped_sim *sim = grains_start(&def);
         const double theta = 2.0 * atan(0.5 * angle);
         for (int n = 1; n <= 200; n++) {
             CHECK_OK(dem_run(sim, 1));
@@ -53,7 +53,6 @@ static void phase_of_oscillator(void)
             CHECK_NEAR(s.y, R - 1.0 / K + A * cos(n * theta), 1e-13);
             CHECK_NEAR(s.vy, -omega * A * sin(n * theta), 1e-13 * omega);
         }
-        dem_free(sim);
     }
 }
 
@@ -67,7 +66,7 @@ static void slides_and_creeps(void)
     def.tangential = DEM_SLIP_ROLL;
     def.material.gamma_s = def.walls[0].material.gamma_s = gamma;
     def.material.mu = def.walls[0].material.mu = mu;
-    dem_sim *sim = grains_start(&def);
+    scoped_sim *sim = grains_start(&def);
     const double h = 0.5 * gamma * def.dt;
     double v = 0.2;
     int slid = 0;
@@ -79,7 +78,6 @@ static void slides_and_creeps(void)
         CHECK_NEAR(grains_state_of_one(sim).vx, v, 1e-12); /* N has a relative error of 1e-11 */
     }
     CU_ASSERT(slid > 30 && slid < 60);
-    dem_free(sim);
 }
 
 /* A disk moves in its well: the depth belongs to N = m g throughout, since the disk is in vertical
@@ -94,7 +92,7 @@ static void well_conserves(void)
             dem_definition def = on_floor(&grain, 1, 1.0);
             def.dt = angle / omega, def.skin = 0.6;
             def.ground = (dem_ground){.wall = 1, .mu_static = mu, .a = a, .set = DEM_WELL_TOUCH};
-            dem_sim *sim = grains_start(&def);
+            scoped_sim *sim = grains_start(&def);
             const double theta = 2.0 * atan(0.5 * angle), before = grains_energy(sim);
             for (int n = 1; n <= 100; n++) {
                 CHECK_OK(dem_run(sim, 1));
@@ -106,7 +104,6 @@ static void well_conserves(void)
             }
             /* the loss is the depth of the well, mu N a/2, also if a step leads far beyond a */
             if (leaves) CHECK_NEAR(grains_state_of_one(sim).vx, sqrt(1.3 * 1.3 - 1.0) * escape, 1e-12);
-            dem_free(sim);
         }
 }
 
@@ -122,7 +119,7 @@ static void well_follows_load(void)
         dem_definition def = on_floor(&grain, 1, 1.0);
         def.dt = 0.01 / sqrt(K);
         def.ground = (dem_ground){.wall = well, .mu_static = mu, .a = a, .set = DEM_WELL_TOUCH};
-        dem_sim *sim = grains_start(&def);
+        scoped_sim *sim = grains_start(&def);
         const double before = grains_energy(sim);
         dem_contact c = grains_only_contact(sim);
         double work = 0.0, most = 0.0;
@@ -137,7 +134,6 @@ static void well_follows_load(void)
             CHECK_NEAR(grains_energy(sim) - before, work, well ? 1e-3 * depth : 1e-11);
         }
         CU_ASSERT(!well || (c.well == DEM_WELL_HOLDS && most > 0.1 * depth));
-        dem_free(sim);
     }
 }
 
@@ -177,7 +173,7 @@ static void energy_of_gas(void)
         def.normal = k / 4 % 2 ? DEM_HERTZ : DEM_LINEAR;
         def.implicit.solver = k / 8, def.implicit.max_iterations = 10000, def.skin = 0.8;
         if (def.implicit.solver == DEM_SOLVER_SOR) def.skin = 0.4, def.dt *= k % 4 == 3 ? 0.3 : 1.0;
-        dem_sim *sim = grains_start(&def);
+        scoped_sim *sim = grains_start(&def);
         const double before = grains_energy(sim);
         double most = 0.0;
         const long steps = k % 4 ? 2000 : 20000;
@@ -191,7 +187,6 @@ static void energy_of_gas(void)
         /* the error of a step is the rounding of positions, 5e-16, times a force of some 100, random over
          * 2000 steps; sweeps leave the tolerance, 1e-15, with one sign */
         CHECK_NEAR(most, 0.0, def.implicit.solver == DEM_SOLVER_SOR ? 2e-10 : 1e-11);
-        dem_free(sim);
     }
 }
 
@@ -213,11 +208,10 @@ static void long_steps(void)
     for (int i = 0; i < N; i++) grains[i].vx *= sqrt(0.1), grains[i].vy *= sqrt(0.1);
     def.skin = 0.8;
     dem_box_walls(&def, 4.8, &def.material);
-    dem_sim *sim = grains_start(&def);
+    scoped_sim *sim = grains_start(&def);
     const double before = grains_energy(sim);
     CHECK_OK(dem_run(sim, 300));
     CHECK_NEAR(grains_energy(sim), before, 1e-11);
-    dem_free(sim);
 }
 
 /* Free disks conserve momentum at any tolerance, and angular momentum. */
@@ -229,7 +223,7 @@ static void momentum(void)
         dem_definition def = disks(grains, 3, 0.7);
         def.gravity[1] = 0.0;
         def.implicit.tolerance = loose ? 1e-5 : 1e-15;
-        dem_sim *sim = grains_start(&def);
+        scoped_sim *sim = grains_start(&def);
         dem_state s[3];
         double first[3] = {0.0};
         for (int n = 0; n <= 100; n++) {
@@ -245,7 +239,6 @@ static void momentum(void)
             CHECK_OK(dem_run(sim, 1));
         }
         CU_ASSERT(fabs(s[0].vx - 1.0) > 0.1); /* they met */
-        dem_free(sim);
     }
 }
 
@@ -262,7 +255,7 @@ static void damping_takes_energy(void)
         }
         def.n_walls = 0;
         dem_box_walls(&def, 3.6, &def.material);
-        dem_sim *sim = grains_start(&def);
+        scoped_sim *sim = grains_start(&def);
         double before = grains_energy(sim), fall = 0.0;
         const double start = before;
         for (long n = 0; n < 3000 && dem_sim_fault(sim) == DEM_FAULT_NONE; n++) {
@@ -273,7 +266,6 @@ static void damping_takes_energy(void)
             before = now;
         }
         CU_ASSERT(fall > 1.0);
-        dem_free(sim);
     }
 }
 
@@ -287,14 +279,13 @@ static void restitution(void)
         def.normal = k / 2 ? DEM_HERTZ : DEM_LINEAR;
         def.tension = k % 2;
         def.walls[0].material.gamma_n = k / 2 ? 15.0 : 60.0;
-        dem_sim *sim = grains_start(&def);
+        scoped_sim *sim = grains_start(&def);
         dem_collision_result exact;
         CHECK_OK(dem_collision(
             &(dem_head_on){def.normal, def.tension, K, def.walls[0].material.gamma_n, 1.0, 1.0}, &exact));
         CHECK_OK(dem_run(sim, lround(0.3 / def.dt)));
         /* second order: the dashpot acts over the fraction of a step in contact */
         CHECK_NEAR(grains_state_of_one(sim).vy, exact.restitution, K * def.dt * def.dt);
-        dem_free(sim);
     }
 }
 
@@ -309,11 +300,10 @@ static void slip_while_it_touches(void)
         grain.y += (3.0 + k / 8.0) * def.dt;
         def.gravity[1] = 0.0, def.tangential = DEM_SLIP_ROLL;
         def.walls[0].material.gamma_s = gamma_s, def.walls[0].material.mu = INFINITY;
-        dem_sim *sim = grains_after(&def, lround(0.06 / def.dt));
+        scoped_sim *sim = grains_after(&def, lround(0.06 / def.dt));
         const dem_state s = grains_state_of_one(sim);
         CU_ASSERT(s.contacts == 0 && s.vy > 0.0);
         CHECK_NEAR(s.vx, left, omega * omega * def.dt * def.dt);
-        dem_free(sim);
     }
 }
 
@@ -324,7 +314,7 @@ static void printed_form_loses_energy(void)
     const dem_grain grain = {.x = 0.0, .y = R + 0.01, .r = R, .m = 1.0, .vy = -0.5};
     dem_definition def = on_floor(&grain, 1, 0.2);
     def.gravity[1] = 0.0;
-    dem_sim *sim = grains_start(&def);
+    scoped_sim *sim = grains_start(&def);
     double x = 0.01, v = -0.5; /* of its lowest point */
     const double dt = def.dt, c = 0.25 * dt * dt * K;
     for (int n = 0; n < 200; n++) {
@@ -338,7 +328,6 @@ static void printed_form_loses_energy(void)
     CU_ASSERT(x > 0.0 && v > 0.0);
     CU_ASSERT(fabs(v / 0.5 - 1.0) > 1e-3);
     CHECK_NEAR(grains_state_of_one(sim).vy, 0.5, 1e-13);
-    dem_free(sim);
 }
 
 /* A pile that settles on a sloping wall, a floor and a fixed grain. */
@@ -362,12 +351,12 @@ static void sweeps_match_direct(void)
     enum { N = 12 };
     dem_grain grains[N];
     dem_definition def = settling_pile(grains, N);
-    dem_sim *direct = grains_start(&def);
+    scoped_sim *direct = grains_start(&def);
     def.implicit.solver = DEM_SOLVER_SOR;
     static const double factors[] = {0.5, 0.9};
     for (int k = 0; k < 2; k++) {
         def.implicit.relaxation = factors[k];
-        dem_sim *sor = grains_start(&def);
+        scoped_sim *sor = grains_start(&def);
         if (k == 0) CHECK_OK(dem_run(direct, 100));
         CHECK_OK(dem_run(sor, 100));
         dem_state s[N], t[N];
@@ -380,9 +369,7 @@ static void sweeps_match_direct(void)
         }
         CU_ASSERT(s[0].x == grains[0].x && s[0].vy == 0.0);
         CU_ASSERT(fabs(s[1].y - grains[1].y) > 1e-5);
-        dem_free(sor);
     }
-    dem_free(direct);
 }
 
 /* Factorisations and sweeps of the same settling pile and of a gas, counted once: a tolerance that asks for
@@ -403,14 +390,13 @@ static void work_of_both(void)
         def.implicit.tolerance = cases[c].tolerance;
         if (cases[c].relaxation > 0.0)
             def.implicit.solver = DEM_SOLVER_SOR, def.implicit.relaxation = cases[c].relaxation;
-        dem_sim *sim = grains_start(&def);
+        scoped_sim *sim = grains_start(&def);
         dem_counts counts;
         CHECK_OK(dem_run(sim, 200));
         dem_count_work(sim, &counts);
         if (counts.iterations != cases[c].iterations)
             fprintf(stderr, "case %zu: %g iterations\n", c, counts.iterations);
         CU_ASSERT(counts.iterations == cases[c].iterations);
-        dem_free(sim);
     }
 }
 
@@ -422,11 +408,10 @@ static void newton_is_exact_on_a_slope(void)
     def.walls[0] = grains_line(0.0, 0.0, -0.6, 0.8, &def.material);
     def.gravity[0] = 6.0;
     def.gravity[1] = -8.0; /* 10, onto the wall: deep enough for permanent contact */
-    dem_sim *sim = grains_after(&def, 50);
+    scoped_sim *sim = grains_after(&def, 50);
     dem_counts counts;
     dem_count_work(sim, &counts);
     CU_ASSERT(counts.contacts == 0 && counts.iterations <= 2 * 50);
-    dem_free(sim);
 }
 
 static void what_is_not_solved(void)
@@ -477,12 +462,11 @@ static void what_the_tolerance_asks(void)
         const double stiffness = 0.5 * soft + gamma * m_eff / dt - turn;
         const double asked = c * soft * d / (worst->r * (worst->m + c * stiffness));
         def.implicit.tolerance = asked * (enough ? 1.0 + 1e-9 : 1.0 - 1e-9);
-        dem_sim *sim = grains_start(&def);
+        scoped_sim *sim = grains_start(&def);
         dem_counts counts;
         CHECK_OK(dem_run(sim, 1));
         dem_count_work(sim, &counts);
         CU_ASSERT(enough == (counts.iterations == 0.0));
-        dem_free(sim);
     }
 }
 
@@ -520,13 +504,12 @@ static void disks_leave(void)
                                  {.x = 1.0, .y = 4.0, .r = R, .m = 1.0, .vx = first ? 30.0 : 0.0}};
         dem_definition def = disks(two, 2, 0.5);
         def.x_max = 2.0, def.skin = 1.0;
-        dem_sim *sim = grains_start(&def);
+        scoped_sim *sim = grains_start(&def);
         for (int k = 1; k < 20; k++) {
             CHECK_OK(dem_run(sim, 1));
             CU_ASSERT_EQUAL(dem_count(sim), 1.0 + 30.0 * def.dt * k < 2.0 ? 2 : 1);
         }
         CU_ASSERT_EQUAL(dem_count(sim), 1);
-        dem_free(sim);
     }
 }
 

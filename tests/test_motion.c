@@ -140,7 +140,7 @@ static void matches_naive_program(void)
         dem_grain grain = {0.385, 0.2, R, M, 7.0, -20.0};
         dem_definition def = one_on_floor(&grain);
         def.integrator = integrators[k % 2], def.walls[0].material.gamma_n = 100.0;
-        dem_sim *sim = grains_start(&def);
+        scoped_sim *sim = grains_start(&def);
         dem_box_turn(sim, rate);
         for (long steps = 100; steps <= 1600; steps *= 2) {
             naive p = {.def = &def, .rate = rate};
@@ -156,7 +156,6 @@ static void matches_naive_program(void)
             CHECK_NEAR(s.vx, v[0], 1e3 * tolerance);
             CHECK_NEAR(s.vy, v[1], 1e3 * tolerance);
         }
-        dem_free(sim);
     }
 }
 
@@ -169,7 +168,7 @@ static void free_flight(void)
         dem_grain grain = {0.3, 5.0, R, M, 12.0, 385.0};
         dem_definition def = grains_of(1, &grain);
         def.integrator = k, def.tangential = DEM_NONE, def.material.mu = 0.0;
-        dem_sim *sim = grains_start(&def);
+        scoped_sim *sim = grains_start(&def);
         const double t = (double)steps * def.dt, g = 981.0;
         CHECK_OK(dem_run(sim, steps));
         dem_state s = grains_state_of_one(sim), after;
@@ -194,7 +193,6 @@ static void free_flight(void)
         dem_gravity(sim, now);
         CHECK_NEAR(now[0], 300.0 * cos(0.1) - 100.0 * sin(0.1), 1e-9);
         CHECK_NEAR(now[1], 100.0 * cos(0.1) + 300.0 * sin(0.1), 1e-9);
-        dem_free(sim);
     }
 }
 
@@ -250,12 +248,11 @@ static void equation_of_motion(void)
         if (!dem_kernel_runs(def.kernel) || dem_scheme_check(&def) || (way & THREADS && !(way & LARGE)))
             continue;
         make_lattice(def.rotation ? 3.0 : 0.0, grains);
-        dem_sim *sim = grains_start_in_chunks(&def, way & LARGE ? 64 : 0);
+        scoped_sim *sim = grains_start_in_chunks(&def, way & LARGE ? 64 : 0);
         CU_ASSERT((sim->pairs.n_chunks > 0) == ((way & LARGE) > 0));
         dem_threads(sim, way & THREADS ? 2 : 1);
         CHECK_OK(dem_run(sim, steps));
         check_flight(sim, grains, (double)steps * def.dt);
-        dem_free(sim);
     }
 }
 
@@ -272,11 +269,10 @@ static double impact_error(int integrator, double dt)
         def.tangential = DEM_NONE, def.gravity[1] = 0.0;
         def.material = def.walls[0].material = (dem_material){.k_n = 1e6};
         def.integrator = integrator, def.dt = dt;
-        dem_sim *sim = grains_after(&def, (long)(8e-4 / dt)); /* the contact lasts 5e-4 */
+        scoped_sim *sim = grains_after(&def, (long)(8e-4 / dt)); /* the contact lasts 5e-4 */
         dem_state s = grains_state_of_one(sim);
         CU_ASSERT(s.vy > 0.0 && s.contacts == 0);
         sum += pow(s.vy * s.vy / (v * v) - 1.0, 2.0);
-        dem_free(sim);
     }
     return sqrt(sum / PHASES);
 }
@@ -311,12 +307,11 @@ static void sticking_contact_rings(void)
         if (k / 2) {
             def.n_walls = 0, def.n_grains = 2;
         }
-        dem_sim *sim = grains_start(&def);
+        scoped_sim *sim = grains_start(&def);
         dem_state s[2];
         CHECK_OK(dem_run(sim, 10000)); /* 318 periods */
         CHECK_OK(dem_states(sim, s));
         CHECK_NEAR((omega * omega * s[0].x * s[0].x + s[0].vx * s[0].vx) / (v * v), 1.0, 0.011);
-        dem_free(sim);
     }
 }
 
@@ -387,7 +382,7 @@ static void box_angle(void)
     dem_grain grain = {0.0, 9.0, R, M, 0.0, 0.0};
     dem_definition def = one_on_floor(&grain);
     def.gravity[1] = 0.0;
-    dem_sim *sim = grains_start(&def);
+    scoped_sim *sim = grains_start(&def);
     CU_ASSERT(sim->walls.angle == 0.0);
     dem_box_turn(sim, rate);
     CHECK_OK(dem_run(sim, 4000));
@@ -399,7 +394,6 @@ static void box_angle(void)
     dem_box_frame(sim, &x, &y);
     CHECK_NEAR(x, 2.0, 1e-11);
     CHECK_NEAR(y, 0.7, 1e-11);
-    dem_free(sim);
 }
 
 /* A frictionless grain on a floor that starts to rotate about the contact point: x'' = w^2 x + g sin(w t) in
@@ -412,7 +406,7 @@ static void slides_in_turning_box(void)
         dem_definition def = one_on_floor(&grain);
         def.integrator = integrators[k], def.tangential = DEM_NONE;
         def.material.mu = def.walls[0].material.mu = 0.0;
-        dem_sim *sim = grains_start(&def);
+        scoped_sim *sim = grains_start(&def);
         dem_box_turn(sim, rate);
         const double w = rate / def.dt;
         for (long steps = 500; steps <= 4000; steps *= 2) {
@@ -427,7 +421,6 @@ static void slides_in_turning_box(void)
             CHECK_NEAR(s.x, x, 2.0 * w * t * depth);
             CHECK_NEAR(s.y, R, 3.0 * depth);
         }
-        dem_free(sim);
     }
 }
 
@@ -446,7 +439,7 @@ static void box_against_gravity(void)
         dem_definition def = grains_of(5, grains);
         def.tangential = DEM_NONE, def.material.mu = 0.0;
         dem_box_walls(&def, 0.31, &def.material);
-        dem_sim *sim = grains_after(&def, 8000);
+        scoped_sim *sim = grains_after(&def, 8000);
         (k ? dem_box_turn : dem_gravity_turn)(sim, angle / (double)steps);
         CHECK_OK(dem_run(sim, steps));
         (k ? dem_box_turn : dem_gravity_turn)(sim, 0.0);
@@ -455,7 +448,6 @@ static void box_against_gravity(void)
         grains_wall_forces(sim, forces[k]);
         for (int i = 0; i < 5; i++) dem_box_frame(sim, &s[k][i].x, &s[k][i].y);
         for (int w = 0; w < 3; w++) dem_box_frame(sim, &forces[k][2 * w], &forces[k][2 * w + 1]);
-        dem_free(sim);
     }
     for (int i = 0; i < 5; i++) {
         CHECK_NEAR(s[0][i].x, s[1][i].x, 1e-9);
@@ -474,7 +466,7 @@ static void wall_ledger(void)
     enum { N = 40, STEPS = 4000 };
     dem_grain *grains;
     dem_definition def = grains_box(N, 1.5, 5, &grains);
-    dem_sim *sim = grains_start(&def);
+    scoped_sim *sim = grains_start(&def);
     dem_state s[N];
     double p[2][2], impulse[2] = {0.0, 0.0}, mass = 0.0, forces[2 * DEM_FEW_WALLS];
     CHECK_OK(dem_run(sim, 3000));
@@ -500,7 +492,7 @@ static void wall_ledger(void)
     CHECK_NEAR(p[1][0] - p[0][0], impulse[0], 1e-12);
     CHECK_NEAR(p[1][1] - p[0][1], impulse[1], 1e-12);
     CU_ASSERT(fabs(impulse[0]) > 1e-2);
-    dem_free(sim), free(grains);
+    free(grains);
 }
 
 /* Walls that sweep up distant grains at rest: the same as with a list rebuilt at every step. */
@@ -604,11 +596,10 @@ static void rolls_with_box(void)
     def.rotation = true, def.walls[0].material.mu = def.walls[0].material.gamma_s = 0.0;
     def.walls[0].material.mu_roll = 0.5, def.walls[0].material.k_roll = 1e4;
     def.walls[0].material.gamma_roll = 500.0;
-    dem_sim *sim = grains_start(&def);
+    scoped_sim *sim = grains_start(&def);
     dem_box_turn(sim, rate);
     CHECK_OK(dem_run(sim, 3000));
     CHECK_NEAR(grains_state_of_one(sim).omega, -rate / def.dt, 1e-6 * rate / def.dt);
-    dem_free(sim);
 }
 
 /* A rough floor of overlapping fixed grains below the floor's line. While a box empties over it, the grains

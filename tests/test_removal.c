@@ -169,7 +169,7 @@ static void rest(void)
     dem_grain *grains;
     dem_definition def = grains_box(600, 6.0, 3, &grains);
     def.dt = 4e-5;
-    dem_sim *sim = grains_start_in_chunks(&def, 64);
+    scoped_sim *sim = grains_start_in_chunks(&def, 64);
     CHECK_OK(dem_run(sim, 20000));
     dem_sim *twin;
     CHECK_OK(dem_clone(sim, &twin));
@@ -185,7 +185,7 @@ static void rest(void)
     CU_ASSERT(before_n - dem_count(sim) > 2 && before_n - dem_count(sim) < 30);
     CU_ASSERT(sim->count.rebuilds == twin->count.rebuilds && sim->count.rebuilds - before < 60);
     CU_ASSERT(grains_same_bits(sim, twin));
-    dem_free(sim), dem_free(twin), free(grains);
+    dem_free(twin), free(grains);
 }
 
 void suite_removal(void)

@@ -367,7 +367,7 @@ static void energy_of_few(void)
     dem_definition def = dem_definition_default();
     def.gravity[1] = 0.0, def.x_max = 1.0;
     def.grains = grains, def.n_grains = 2;
-    dem_sim *sim = grains_start(&def);
+    scoped_sim *sim = grains_start(&def);
     for (int left = 0; left < 3; left++) {
         char *text;
         size_t size;
@@ -384,7 +384,6 @@ static void energy_of_few(void)
         free(text);
         CHECK_OK(dem_run(sim, 110));
     }
-    dem_free(sim);
 }
 
 void suite_scene(void)

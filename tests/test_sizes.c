@@ -85,9 +85,9 @@ static void choice(void)
     double width;
     for (int k = 0; k < 2; k++) {
         const dem_definition def = mixture(2000, k ? 30.0 : 1.2, 7, &width, &grains);
-        dem_sim *sim = grains_start(&def);
+        scoped_sim *sim = grains_start(&def);
         CU_ASSERT((sim->list.sizes != NULL) == (k == 1));
-        dem_free(sim), free(grains);
+        free(grains);
     }
 }
 

@@ -222,16 +222,16 @@ static void large_pile(void)
                                 .vx = 3.0 * ((i * 7919) % 101 - 50)};
     dem_definition def = dem_definition_default();
     grains_on_floor(&def, N, grains);
-    dem_sim *sim = grains_start(&def);
+    scoped_sim *sim = grains_start(&def);
     run(sim, 30);
-    dem_sim *copy = again(sim);
+    scoped_sim *copy = again(sim);
     run(sim, 30);
     run(copy, 30);
     dem_counts counts;
     dem_count_work(sim, &counts);
     CU_ASSERT(counts.pairs > 6 * 8192 && counts.rebuilds > 2);
     CU_ASSERT(same(sim, copy));
-    dem_free(sim), dem_free(copy), free(grains);
+    free(grains);
 }
 
 /* ---- Files ---- */

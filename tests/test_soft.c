@@ -42,7 +42,7 @@ static void sinks_by_its_weight(void)
     dem_grain grains[4];
     for (int i = 0; i < 4; i++) grains[i] = (dem_grain){.x = 0.1, .y = R + i, .r = R, .m = 1.0};
     dem_definition def = on_ground(grains, 4);
-    dem_sim *sim = grains_after(&def, 40000);
+    scoped_sim *sim = grains_after(&def, 40000);
     dem_contact *list;
     size_t n;
     CHECK_OK(dem_contacts(sim, &list, &n));
@@ -53,7 +53,7 @@ static void sinks_by_its_weight(void)
         CHECK_NEAR(list[k].normal_force, load, 1e-10);
         CHECK_NEAR(list[k].overlap, load / K, 1e-13);
     }
-    free(list), dem_free(sim);
+    free(list);
 }
 
 /* Under slow loading the well holds the disk up to mu N, at the displacement m g_x a/(mu N). Beyond, the well
@@ -63,7 +63,7 @@ static void well_holds_and_breaks(void)
     const dem_grain grain = resting();
     dem_definition def = on_ground(&grain, 1);
     def.material.mu = def.walls[0].material.mu = 10.0, def.ground.set = DEM_WELL_AGAIN;
-    dem_sim *sim = grains_start(&def);
+    scoped_sim *sim = grains_start(&def);
     for (int k = 1; k <= 99; k++) {
         dem_gravity_set(sim, (double[]){0.01 * k * MU_STATIC, -1.0});
         CHECK_OK(dem_run(sim, k % 33 == 0 ? 8000 : 2000));
@@ -88,7 +88,6 @@ static void well_holds_and_breaks(void)
     CHECK_OK(dem_run(sim, 20000));
     CU_ASSERT_EQUAL(grains_only_contact(sim).well, DEM_WELL_BROKEN);
     CHECK_NEAR(grains_state_of_one(sim).vx, 3.0 * MU_STATIC / 5.0, 1e-12);
-    dem_free(sim);
 }
 
 /* A well's stiffness mu_static w/a, w the weight of the grain or of a column as high as it falls from, limits
@@ -145,7 +144,7 @@ static void energy_of_well(void)
         dem_definition def = on_ground(&grain, 1);
         def.tangential = DEM_NONE, def.material.mu = def.walls[0].material.mu = 0.0;
         def.ground.set = DEM_WELL_TOUCH;
-        dem_sim *sim = grains_start(&def);
+        scoped_sim *sim = grains_start(&def);
         const double before = grains_energy(sim), error = pow(omega * def.dt, 2.0);
         const long period = lround(2.0 * M_PI / (omega * def.dt));
         for (long step = 1; step <= period; step++) {
@@ -158,7 +157,6 @@ static void energy_of_well(void)
         CU_ASSERT_EQUAL(grains_only_contact(sim).well, leaves ? DEM_WELL_BROKEN : DEM_WELL_HOLDS);
         /* the force ends within a step of a: an error of first order, omega dt of the depth */
         if (leaves) CHECK_NEAR(grains_state_of_one(sim).vx / escape, sqrt(1.3 * 1.3 - 1.0), omega * def.dt);
-        dem_free(sim);
     }
 }
 
@@ -170,7 +168,7 @@ static void when_wells_are_set(void)
         grain.vx = 2.0;
         dem_definition def = on_ground(&grain, 1);
         def.ground.set = set;
-        dem_sim *sim = grains_after(&def, 5);
+        scoped_sim *sim = grains_after(&def, 5);
         CU_ASSERT_EQUAL(grains_only_contact(sim).well,
                         set == DEM_WELL_TOUCH ? DEM_WELL_HOLDS : DEM_WELL_NONE);
         CHECK_OK(dem_run(sim, 40000));
@@ -186,7 +184,6 @@ static void when_wells_are_set(void)
         CU_ASSERT_EQUAL(grains_only_contact(sim).well,
                         set == DEM_WELL_AGAIN ? DEM_WELL_HOLDS : DEM_WELL_BROKEN);
         CU_ASSERT(grains_state_of_one(sim).x > x + A);
-        dem_free(sim);
     }
 }
 
@@ -219,7 +216,7 @@ static void slides_then_rolls(void)
         grain.omega = spins ? -6.0 : 0.0;
         dem_definition def = on_ground(&grain, 1);
         def.rotation = true, def.ground.wall = 0;
-        dem_sim *sim = grains_start(&def);
+        scoped_sim *sim = grains_start(&def);
         double last = grains_energy(sim), least = 0.0;
         for (int k = 0; k < 40; k++) {
             CHECK_OK(dem_run(sim, 500));
@@ -233,7 +230,6 @@ static void slides_then_rolls(void)
         CHECK_NEAR(s.vx, rolls, 1e-9);
         CHECK_NEAR(s.omega, -rolls / b, 1e-9);
         CU_ASSERT(least >= (spins ? -6.0 : s.omega - 1e-9));
-        dem_free(sim);
     }
 }
 
@@ -245,7 +241,7 @@ static void rolling_resistance(void)
     dem_definition def = on_ground(&grain, 1);
     def.rotation = true, def.walls[0].material.mu_roll = 0.05;
     def.walls[0].material.k_roll = def.material.k_roll = 50.0;
-    dem_sim *sim = grains_start(&def);
+    scoped_sim *sim = grains_start(&def);
     double last = grains_energy(sim);
     for (int k = 0; k < 400; k++) {
         CHECK_OK(dem_run(sim, 50));
@@ -254,7 +250,6 @@ static void rolling_resistance(void)
     }
     CHECK_NEAR(grains_state_of_one(sim).vx, 0.0, 1e-6);
     CU_ASSERT_EQUAL(grains_only_contact(sim).well, DEM_WELL_HOLDS);
-    dem_free(sim);
 }
 
 /* A disk of radius and mass 1 under the slip force -(v + omega) alone, by Euler's method, its torque `sign`
@@ -355,7 +350,7 @@ static void soft_pair(void)
                                  {0.9, 2.5, 0.4, 0.6, -1.0, 0.0, 0.0, -3.0}};
     dem_definition def = on_ground(grains, 2);
     def.gravity[1] = 0.0, def.rotation = true;
-    dem_sim *sim = grains_start(&def);
+    scoped_sim *sim = grains_start(&def);
     double sums[2][3], least = 2.0, first = grains_energy(sim), last = 0.0;
     for (int k = 0; k < 2; k++) {
         dem_state s[2];
@@ -375,7 +370,6 @@ static void soft_pair(void)
     }
     for (int a = 0; a < 3; a++) CHECK_NEAR(sums[1][a], sums[0][a], 1e-11); /* 1000 steps' round-off */
     CU_ASSERT(least < 0.9 && last < 0.9 * first);
-    dem_free(sim);
 }
 
 /* A disk dropped onto the ground, or onto a fixed disk, bounces by hard collisions. Each bounce loses the
@@ -438,7 +432,7 @@ static void collide_in_flight(void)
         }
         dem_impulse impulse;
         CU_ASSERT(dem_impact(&bodies[0], &bodies[1], n, 0.8, 0.15, &impulse));
-        dem_sim *sim = grains_start(&def);
+        scoped_sim *sim = grains_start(&def);
         const double end = 200 * def.dt;
         dem_state s[2];
         grains_run(sim, 200, s);
@@ -451,20 +445,18 @@ static void collide_in_flight(void)
             CHECK_NEAR(s[i].y, grains[i].y + grains[i].vy * t + bodies[i].v[1] * (end - t), 1e-12);
             CHECK_NEAR(s[i].angle, grains[i].omega * t + bodies[i].omega * (end - t), 1e-11);
         }
-        dem_free(sim);
     }
     /* onto the ground: t = 0.5 / 2 */
     const dem_grain grain = {0.0, 1.0, 0.5, 1.0, 1.0, -2.0};
     dem_definition def = on_ground(&grain, 1);
     def.gravity[1] = 0.0;
     def.hard = (dem_hard){true, 0.5, 0.1};
-    dem_sim *sim = grains_after(&def, 300);
+    scoped_sim *sim = grains_after(&def, 300);
     const dem_state s = grains_state_of_one(sim);
     CHECK_NEAR(s.vy, 1.0, 1e-12);
     CHECK_NEAR(s.vx, 1.0 - 0.1 * 3.0, 1e-12);
     CHECK_NEAR(s.y, 0.5 + (300 * def.dt - 0.25), 1e-12);
     CHECK_NEAR(s.x, 0.25 + 0.7 * (300 * def.dt - 0.25), 1e-12);
-    dem_free(sim);
 }
 
 /* An impulse on the end of a row passes through it within a step, for any order of the pairs. */
@@ -479,14 +471,13 @@ static void passes_through_a_row(void)
         dem_definition def = on_ground(grains, N);
         def.gravity[1] = 0.0;
         def.hard = (dem_hard){true, 1.0, 0.0};
-        dem_sim *sim = grains_start(&def);
+        scoped_sim *sim = grains_start(&def);
         dem_state s[N];
         grains_run(sim, 1, s);
         CU_ASSERT_EQUAL(collisions(sim), N - 1);
         for (int i = 0; i < N; i++) CHECK_NEAR(s[i].vx, i == N - 1 ? 2.0 * side : 0.0, 1e-12);
         /* with contacts in between, the total displacement is 2 dt minus the gaps */
         CHECK_NEAR(side * s[N - 1].x, 4.0 * (1.0 + 1e-5) + 2.0 * def.dt - 4e-5, 1e-12);
-        dem_free(sim);
     }
 }
 
@@ -503,9 +494,8 @@ static void rounds_end(void)
         dem_definition def = on_ground(grains, N);
         def.gravity[1] = 0.0, def.n_walls = def.ground.wall = 0;
         def.hard = (dem_hard){true, 1.0, 0.0};
-        dem_sim *sim = grains_after(&def, 1);
+        scoped_sim *sim = grains_after(&def, 1);
         found[side] = collisions(sim);
-        dem_free(sim);
     }
     /* all in one round upwards; downwards a few pairs of the list follow the ones before them */
     CU_ASSERT(found[1] == N - 1 && found[0] >= 8 && found[0] < N - 1);
@@ -522,10 +512,9 @@ static void arc_over_a_disk(void)
         grains[1].y = 4.0 - def.dt * def.dt / 8.0 * k / 30.0; /* its top is at 4 for k = 30 */
         grains[1].vy = 0.5 * def.dt;                          /* returns to its initial height */
         def.hard = (dem_hard){true, 1.0, 0.0};
-        dem_sim *sim = grains_after(&def, 1);
+        scoped_sim *sim = grains_after(&def, 1);
         /* a slight intersection has too small an approach speed for a hard collision, (22) */
         if (k < 30 || k > 32) CU_ASSERT((collisions(sim) > 0) == (k > 30));
-        dem_free(sim);
     }
 }
 
@@ -542,9 +531,8 @@ static void far_from_the_origin(void)
             dem_definition def = on_ground(grains, 2);
             def.gravity[1] = 0.0, def.n_walls = def.ground.wall = 0, def.kernel = kernel;
             def.hard = (dem_hard){true, 1.0, 0.0};
-            dem_sim *sim = grains_after(&def, 1);
+            scoped_sim *sim = grains_after(&def, 1);
             CU_ASSERT(collisions(sim) == 1);
-            dem_free(sim);
         }
     }
 }
@@ -561,12 +549,11 @@ static void fixed_stay_to_the_bit(void)
         dem_definition def = on_ground(grains, N);
         def.n_walls = def.ground.wall = 0, def.kernel = kernel;
         def.hard = (dem_hard){true, 1.0, 0.0};
-        dem_sim *sim = grains_after(&def, 3);
+        scoped_sim *sim = grains_after(&def, 3);
         dem_state states[N];
         CHECK_OK(dem_states(sim, states));
         for (int i = 0; i < N - 1; i++) CU_ASSERT(states[i].y == 0.0 && signbit(states[i].y));
         CU_ASSERT(states[N - 1].y < 0.0);
-        dem_free(sim);
     }
 }
 
@@ -593,9 +580,8 @@ static void rests_on_a_ground_that_moves(void)
         g.vx = against ? speed : -speed;
         dem_definition def = on_ground(&g, 1);
         def.walls[0].point[1] = -below, def.box_turn_per_step = speed / below * def.dt;
-        dem_sim *sim = grains_after(&def, 3);
+        scoped_sim *sim = grains_after(&def, 3);
         CU_ASSERT_EQUAL(grains_only_contact(sim).well, against ? DEM_WELL_NONE : DEM_WELL_HOLDS);
-        dem_free(sim);
     }
 }
 
@@ -608,9 +594,8 @@ static void rests_while_it_turns(void)
         g.omega = most * (fast ? 1.01 : 0.99);
         dem_definition def = on_ground(&g, 1);
         def.rotation = true;
-        dem_sim *sim = grains_start(&def);
+        scoped_sim *sim = grains_start(&def);
         CU_ASSERT_EQUAL(grains_only_contact(sim).well, fast ? DEM_WELL_NONE : DEM_WELL_HOLDS);
-        dem_free(sim);
     }
 }
 
@@ -622,11 +607,10 @@ static void touching_is_no_contact(void)
         const dem_grain grains[2] = {{.y = 3.0, .r = R, .m = 1.0, .vy = -2.0}, {.y = 2.0, .r = R, .m = 1.0}};
         dem_definition def = on_ground(grains, 2);
         def.kernel = kernel, def.gravity[1] = 0.0;
-        dem_sim *sim = grains_start(&def);
+        scoped_sim *sim = grains_start(&def);
         dem_state s[2];
         CHECK_OK(dem_states(sim, s));
         CU_ASSERT(s[0].contacts == 0 && s[0].fy == 0.0 && s[1].fy == 0.0);
-        dem_free(sim);
     }
 }
 
@@ -641,9 +625,8 @@ static void touches_at_the_end(void)
         if (!pair) def.walls[0].point[1] = 3.0 - R;
         def.gravity[1] = 0.0, def.dt = dt;
         def.hard = (dem_hard){true, 1.0, 0.0};
-        dem_sim *sim = grains_after(&def, 1);
+        scoped_sim *sim = grains_after(&def, 1);
         CU_ASSERT_EQUAL(collisions(sim), 1);
-        dem_free(sim);
     }
 }
 
@@ -658,11 +641,10 @@ static void bounces_off_a_corner(void)
         dem_definition def = on_ground(&grain, 1);
         def.kernel = kernel, def.ground.wall = 0, def.walls[0].extent[0] = 0.0;
         def.hard = (dem_hard){true, 1.0, 0.0};
-        dem_sim *sim = grains_after(&def, lround(v / def.dt) + 5);
+        scoped_sim *sim = grains_after(&def, lround(v / def.dt) + 5);
         CU_ASSERT_EQUAL(collisions(sim), 1);
         /* the tangent at the start of the step replaces the corner */
         CHECK_NEAR(grains_state_of_one(sim).vx, -2.0 * 0.6 * 0.8 * v, 2.0 * v * def.dt / R);
-        dem_free(sim);
     }
 }
 
@@ -682,7 +664,7 @@ static void hits_while_it_slides(void)
     dem_body disk = {{1.0 + a * t, 0.0}, alpha * t, R, 1.0, 1.0 / (0.5 * R * R)}, held = {{0.0, 0.0}, 0.0, R};
     dem_impulse impulse;
     CU_ASSERT(t > dt && t < 2.0 * dt && dem_impact(&disk, &held, n, 0.6, INFINITY, &impulse));
-    dem_sim *sim = grains_start(&def);
+    scoped_sim *sim = grains_start(&def);
     dem_state s[2];
     grains_run(sim, 2, s);
     CU_ASSERT_EQUAL(collisions(sim), 1);
@@ -691,7 +673,6 @@ static void hits_while_it_slides(void)
     CHECK_NEAR(s[0].vy - 0.5 * dt * s[0].fy, disk.v[1], 1e-12);
     CHECK_NEAR(s[0].omega - 0.5 * dt * s[0].torque / (0.5 * R * R), disk.omega + alpha * (1.5 * dt - t),
                1e-12);
-    dem_free(sim);
 }
 
 /* No hard collision is missed when a pair exceeds the cutoff of the list within a step, alone or among many
@@ -707,12 +688,11 @@ static void no_collision_is_missed(void)
         def.gravity[1] = 0.0;
         def.skin = 0.05; /* half of it is 1.4 steps of the faster */
         def.hard = (dem_hard){true, 1.0, 0.0};
-        dem_sim *sim = grains_start(&def);
+        scoped_sim *sim = grains_start(&def);
         const double energy = grains_energy(sim);
         CHECK_OK(dem_run(sim, 120));
         CU_ASSERT_EQUAL(collisions(sim), 1);
         CHECK_NEAR(grains_energy(sim), energy, 1e-10);
-        dem_free(sim);
     }
 }
 

@@ -126,12 +126,12 @@ static void faults(void)
     fault(false);
     fault(true);
     dem_definition def = grains_box(600, 5.0, 9, &grains);
-    dem_sim *sim = start(&def, 3);
+    scoped_sim *sim = start(&def, 3);
     CHECK_OK(dem_run(sim, 100));
     sim->grains.motion[sim->grains.n / 2].v[0] = NAN;
     CHECK_FAILS(dem_run(sim, 2), RP_BROKEN, "non_finite");
     CU_ASSERT(dem_sim_fault(sim) == DEM_FAULT_NON_FINITE);
-    dem_free(sim), free(grains);
+    free(grains);
 }
 
 /* From a snapshot, with another number of threads each time. */

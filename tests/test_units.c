@@ -148,7 +148,7 @@ static void check(const dem_definition *def, size_t chunk, long steps, const dem
 {
     static const units others[] = {{12, 10, 4}, {-12, -14, -6}};
     static const dem_kernel_choice kernel[] = {DEM_REFERENCE, DEM_BASELINE};
-    dem_sim *sim = grains_start_in_chunks(def, chunk);
+    scoped_sim *sim = grains_start_in_chunks(def, chunk);
     dem_grain *grains = malloc(def->n_grains * sizeof *grains);
     dem_sim *other[2];
     for (int k = 0; k < 2; k++) {
@@ -180,7 +180,7 @@ static void check(const dem_definition *def, size_t chunk, long steps, const dem
     }
     CU_ASSERT(touched);
     for (int k = 0; k < 2; k++) dem_free(other[k]);
-    dem_free(sim), free(grains);
+    free(grains);
 }
 
 static const dem_grain EXTRA = {.x = 0.5, .y = 9.0, .r = 0.1, .m = 0.004, .vx = 3.0, .vy = -90.0};

@@ -76,13 +76,12 @@ static void sliding_floor(void)
     grains_on_floor(&def, 1, &grain);
     grain.y = R - pow(M * G / 1e6, 2.0 / 3.0);
     def.walls[0].velocity[0] = V;
-    dem_sim *sim = grains_after(&def, lround(0.8 * reached / def.dt));
+    scoped_sim *sim = grains_after(&def, lround(0.8 * reached / def.dt));
     dem_state s = grains_state_of_one(sim);
     CHECK_NEAR(s.vx, MU * G * (dem_time(sim) - 0.5 * loading), MU * G * (0.5 * loading + def.dt));
     CHECK_NEAR(s.y, grain.y, 1e-9);
     CHECK_OK(dem_run(sim, lround(2.0 * reached / def.dt)));
     CHECK_NEAR(grains_state_of_one(sim).vx, V, 1e-4 * V); /* exp(-gamma_s t/2) = 1e-6 of what it swings */
-    dem_free(sim);
 }
 
 /* ---- largest speeds ---- */
@@ -141,7 +140,7 @@ static void lines_of_walls(void)
     }
     def.walls[0].corner[0] = 0.3, def.walls[0].corner[1] = -0.4;
     def.walls[0].velocity[0] = 30.0, def.walls[0].velocity[1] = -40.0;
-    dem_sim *sim = grains_start(&def);
+    scoped_sim *sim = grains_start(&def);
     CU_ASSERT_EQUAL(sim->walls.n_moving, 4);
     for (int w = 0; w < 5; w++) {
         const dem_wall_line *l = &sim->walls.line[w];
@@ -172,7 +171,6 @@ static void lines_of_walls(void)
     sim->walls.n_moving = 0;
     dem_walls_limit(sim, FAR);
     CHECK_NEAR(sim->walls.sweep_limit, 0.5 * SKIN / (FAR + SKIN), 1e-16);
-    dem_free(sim);
 }
 
 /* A segment that moves carries grains as high as its higher end, and gives them its speed, in any order of
@@ -231,12 +229,11 @@ static void galilean(void)
         for (int w = 0; w < 2 && moving; w++)
             for (int a = 0; a < 2; a++) def.walls[w].velocity[a] = V[a];
         for (int i = 0; i < 2 && moving; i++) grains[i].vx += V[0], grains[i].vy += V[1];
-        dem_sim *sim = grains_start(&def);
+        scoped_sim *sim = grains_start(&def);
         grains_run(sim, 1200, s[moving]);
         CU_ASSERT(s[moving][0].omega != 30.0 && s[moving][1].omega != 0.0); /* both have touched */
         CU_ASSERT(dem_ledger_read(sim, &l[moving]));
         t = dem_time(sim);
-        dem_free(sim);
     }
     /* losses are those of relative motion; the walls' work is not */
     CHECK_NEAR(l[1].sliding, l[0].sliding, 1e-8 * l[0].sliding);
@@ -263,9 +260,9 @@ static void turning_box(void)
         def.walls[DEM_BOX_FLOOR].open_at_step = 100000; /* a wall that opens later turns as well */
         for (size_t w = 0; w < def.n_walls && own; w++) def.walls[w].omega = -TURN / def.dt;
         if (!own) def.box_turn_per_step = TURN;
-        dem_sim *sim = grains_start(&def);
+        scoped_sim *sim = grains_start(&def);
         grains_run(sim, 1500, s[own]);
-        dem_free(sim), free(grains);
+        free(grains);
     }
     for (int i = 0; i < 9; i++) {
         CHECK_NEAR(s[1][i].x, s[0][i].x, 1e-9);
@@ -282,7 +279,7 @@ static void list_of_a_turning_box(void)
     def.gravity[1] = 0.0;
     grains_on_floor(&def, 1, &grain);
     def.box_turn_per_step = 1e-5, def.turn_from_step = 10;
-    dem_sim *sim = grains_after(&def, 10);
+    scoped_sim *sim = grains_after(&def, 10);
     const long before = sim->count.rebuilds;
     CU_ASSERT(sim->walls.angle == 0.0);
     CHECK_OK(dem_run(sim, 1));
@@ -291,7 +288,6 @@ static void list_of_a_turning_box(void)
     CU_ASSERT(sim->count.rebuilds == before + 1);
     CHECK_OK(dem_run(sim, 5000));
     CU_ASSERT(sim->count.rebuilds > before + 1 && sim->count.rebuilds < before + 20);
-    dem_free(sim);
 }
 
 /* A wall that moves by itself and then back, at a grain that it does not touch, is where it was. */
@@ -303,12 +299,11 @@ static void where_it_is(void)
     grains_on_floor(&def, 1, &grain);
     def.walls[0].velocity[0] = 3.0, def.walls[0].velocity[1] = -2.0;
     def.walls[0].pivot[0] = 1.0, def.walls[0].omega = 0.5 * M_PI / (1000 * def.dt);
-    dem_sim *sim = grains_after(&def, 1000);
+    scoped_sim *sim = grains_after(&def, 1000);
     /* the origin was at the pivot's left, and is below it after a quarter turn */
     CHECK_NEAR(sim->walls.line[0].point[0], 1.0 + 3.0 * dem_time(sim), 1e-12);
     CHECK_NEAR(sim->walls.line[0].point[1], -1.0 - 2.0 * dem_time(sim), 1e-12);
     CHECK_NEAR(sim->walls.line[0].direction[0], -1.0, 1e-12);
-    dem_free(sim);
 }
 
 /* ---- drums: ledger, kernels, snapshots ---- */
@@ -341,28 +336,25 @@ static dem_sim *drum(dem_kernel_choice kernel, bool ledger, dem_integrator integ
 static void drum_ledger(void)
 {
     for (int k = 0; k < 2; k++) {
-        dem_sim *sim = drum(DEM_FAST, true, k ? DEM_GEAR5 : DEM_VERLET);
+        scoped_sim *sim = drum(DEM_FAST, true, k ? DEM_GEAR5 : DEM_VERLET);
         dem_ledger l;
         CHECK_OK(dem_run(sim, 1500));
         CU_ASSERT(dem_ledger_read(sim, &l));
         CHECK_NEAR(l.residual, 0.0, 1e-13 * l.turnover);
         CU_ASSERT(fabs(l.wall_work) > 1e-4 * l.turnover && l.sliding > 0.0 && l.normal_damping > 0.0);
-        dem_free(sim);
     }
 }
 
 static void drum_kernels(void)
 {
-    dem_sim *reference = drum(DEM_REFERENCE, false, DEM_VERLET);
+    scoped_sim *reference = drum(DEM_REFERENCE, false, DEM_VERLET);
     CHECK_OK(dem_run(reference, 1500));
     for (dem_kernel_choice k = DEM_FAST; k < DEM_KERNELS; k++) {
         if (!dem_kernel_runs(k)) continue;
-        dem_sim *sim = drum(k, false, DEM_VERLET);
+        scoped_sim *sim = drum(k, false, DEM_VERLET);
         CHECK_OK(dem_run(sim, 1500));
         CU_ASSERT(grains_same_bits(reference, sim));
-        dem_free(sim);
     }
-    dem_free(reference);
 }
 
 /* A clone, and the simulation that the bytes of a snapshot make, go on as the original. */
@@ -414,7 +406,7 @@ static void inside(void)
                  "radius_min = 0.05; radius_max = 0.07; };\n",
                  shapes[k]);
         long steps;
-        dem_sim *sim = start_text(text, &steps);
+        scoped_sim *sim = start_text(text, &steps);
         dem_state s[24];
         grains_run(sim, steps, s);
         for (size_t i = 0; i < dem_count(sim); i++) {
@@ -427,7 +419,6 @@ static void inside(void)
             }
             CU_ASSERT_EQUAL(crossings % 2, 1);
         }
-        dem_free(sim);
     }
 }
 
@@ -447,11 +438,10 @@ static void straight_joints(void)
                  "particles = ( { x = 0.0; y = 0.12; r = 0.1; vx = 15.0; } );\n",
                  walls[k]);
         long steps;
-        dem_sim *sim = start_text(text, &steps);
+        scoped_sim *sim = start_text(text, &steps);
         CHECK_OK(dem_run(sim, steps));
         s[k] = grains_state_of_one(sim);
         CHECK_NEAR(s[k].x, 15.0 * dem_time(sim), 1e-9);
-        dem_free(sim);
     }
     CHECK_NEAR(s[0].y, s[1].y, 1e-12);
     CHECK_NEAR(s[0].vy, s[1].vy, 1e-9);
@@ -483,9 +473,8 @@ static void contacts_at_corners(void)
                  "steps = 0; walls = ( { polygon = ( %s ); closed = false; } );\n"
                  "particles = ( { x = %.17g; y = %.17g; r = 0.1; } );\n",
                  cases[k].polygon, cases[k].x, cases[k].y);
-        dem_sim *sim = start_text(text, NULL);
+        scoped_sim *sim = start_text(text, NULL);
         CU_ASSERT_EQUAL(dem_contact_count(sim, 1), cases[k].contacts);
-        dem_free(sim);
     }
 }
 
@@ -533,12 +522,11 @@ static void joints(void)
             def.walls[w].extent[0] = 0.0, def.walls[w].extent[1] = 1.0;
             def.walls[w].joined[!w] = true, def.walls[w].corner[!w] = turns[t];
         }
-        dem_sim *sim = grains_start(&def);
+        scoped_sim *sim = grains_start(&def);
         for (int k = 0; k < 720; k++) {
             const double angle = M_PI / 360.0 * (k + 0.1), distance = 0.02 + 0.005 * (k % 11);
             check_joint(sim, turns[t], distance * cos(angle), distance * sin(angle));
         }
-        dem_free(sim);
     }
 }
 
@@ -546,18 +534,17 @@ static void joints(void)
  * to 1e-4 over hundreds of joints. A side's end that pushed as well would be a kick at each. */
 static void bowl(void)
 {
-    dem_sim *sim = start_text("steps = 20000; dt = 1.0e-5; gravity = [0.0, -981.0];\n"
-                              "normal = { law = \"linear\"; k_n = 1.0e5; gamma_n = 0.0; };\n"
-                              "walls = ( { circle = [0.0, 0.0, 2.0]; sides = 300; } );\n"
-                              "particles = ( { x = 1.8994; y = 0.0; r = 0.1; } );\n",
-                              NULL);
+    scoped_sim *sim = start_text("steps = 20000; dt = 1.0e-5; gravity = [0.0, -981.0];\n"
+                                 "normal = { law = \"linear\"; k_n = 1.0e5; gamma_n = 0.0; };\n"
+                                 "walls = ( { circle = [0.0, 0.0, 2.0]; sides = 300; } );\n"
+                                 "particles = ( { x = 1.8994; y = 0.0; r = 0.1; } );\n",
+                                 NULL);
     const double before = grains_energy(sim);
     CHECK_OK(dem_run(sim, 20000));
     const dem_state s = grains_state_of_one(sim);
     CU_ASSERT(fabs(s.x) < 1.9 && s.vx != 0.0);
     /* the height fallen through: that of the bowl's radius */
     CHECK_NEAR(grains_energy(sim), before, 1e-4 * s.m * 981.0 * 1.9);
-    dem_free(sim);
 }
 
 /* ---- scene files ---- */

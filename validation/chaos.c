@@ -152,20 +152,18 @@ static void lyapunov(void)
 static void kernels_agree(void)
 {
     const long N = check_fast() ? 30 : 100;
-    dem_sim *reference = filled_box(N, 2.0, 5e-5, 3, DEM_REFERENCE);
+    scoped_sim *reference = filled_box(N, 2.0, 5e-5, 3, DEM_REFERENCE);
     CHECK_OK(dem_run(reference, 3000));
     dem_wall_open(reference, DEM_BOX_RIGHT, INFINITY);
     CHECK_OK(dem_run(reference, 3000));
     for (int kernel = DEM_FAST; kernel < DEM_KERNELS; kernel++) {
         if (!dem_kernel_runs(kernel)) continue;
-        dem_sim *sim = filled_box(N, 2.0, 5e-5, 3, kernel);
+        scoped_sim *sim = filled_box(N, 2.0, 5e-5, 3, kernel);
         CHECK_OK(dem_run(sim, 3000));
         dem_wall_open(sim, DEM_BOX_RIGHT, INFINITY);
         CHECK_OK(dem_run(sim, 3000));
         CU_ASSERT(grains_same_bits(sim, reference));
-        dem_free(sim);
     }
-    dem_free(reference);
 }
 
 /* Piles of a sweep have the same digest from one, two and five workers. */

@@ -85,7 +85,7 @@ static void drop(int law, const bouncing *p, double k, double m, double gamma, d
     def.material = (dem_material){.k_n = k, .gamma_n = gamma};
     def.dt = dt;
     grains_on_floor(&def, 1, &grain);
-    dem_sim *sim = grains_start(&def);
+    scoped_sim *sim = grains_start(&def);
     dem_state s = {0};
     observed[0] = observed[2] = NAN;
     observed[1] = 0.0;
@@ -97,7 +97,6 @@ static void drop(int law, const bouncing *p, double k, double m, double gamma, d
     const double since = (s.y - r) / s.vy; /* to second order */
     observed[0] = s.vy + p->g * since;
     observed[2] = dem_time(sim) - since - before;
-    dem_free(sim);
 }
 
 static void check_bounce(double heavy, double damping, double k, double m, double phase)
@@ -295,12 +294,11 @@ static void cradle_simulate(const cradle *c, int launched, double v, double gap,
     def.gravity[1] = 0.0, def.normal = c->law, def.tangential = DEM_NONE;
     def.material = (dem_material){.k_n = c->k};
     def.dt = dt, def.grains = grains, def.n_grains = (size_t)c->n;
-    dem_sim *sim = grains_start(&def);
+    scoped_sim *sim = grains_start(&def);
     dem_state s[MOST];
     CU_ASSERT_EQUAL_FATAL(dem_run(sim, lround(time / dt)), RP_OK);
     CHECK_OK(dem_states(sim, s));
     for (int i = 0; i < c->n; i++) speeds[i] = s[i].vx;
-    dem_free(sim);
 }
 
 /* Linear springs, three grains, one launched: the overlaps are the half sum and difference of

@@ -109,7 +109,7 @@ static void static_overlaps(void)
                 grains_on_floor(&def, 1, &grain);
                 def.dt = 0.5 * fmin(step_limit(&def), 0.1 / omega);
                 PARAMETERS("k_n = %g, %s, %s", k, law_names[law], dem_schemes[scheme]->name);
-                dem_sim *sim = grains_start(&def);
+                scoped_sim *sim = grains_start(&def);
                 rp_status status = dem_run(sim, lround(40.0 / (omega * def.dt)));
                 dem_contact *contacts = NULL;
                 size_t n = 0;
@@ -121,7 +121,7 @@ static void static_overlaps(void)
                            1e-6 * overlap + 4.0 * 0x1p-57 / (omega * def.dt));
                 else
                     refusal("static overlap", status, RP_OK, "none");
-                free(contacts), dem_free(sim);
+                free(contacts);
             }
 }
 
@@ -225,7 +225,7 @@ static void damped_impacts(void)
                 dem_grain pair[2] = {{.r = R, .m = M}, {.x = 2.0 * R, .r = R, .m = 2.0 * M, .vx = -v}};
                 def.grains = pair, def.n_grains = 2, def.dt = step_limit(&def);
                 pair[1].x += 0.5 * v * def.dt;
-                dem_sim *sim = grains_start(&def);
+                scoped_sim *sim = grains_start(&def);
                 dem_state s[2];
                 PARAMETERS("gamma_n = %g, %s, tension %d", slow[i], law_names[law], tension);
                 rp_status status = dem_run(sim, 200);
@@ -239,7 +239,6 @@ static void damped_impacts(void)
                 verdict("overdamped impact", !status && fabs(overlap * slow[i] / v - 1.0) < 0.5 &&
                                                  fabs(s[1].vx - s[0].vx) < 1e-3 * v &&
                                                  fabs(s[0].vx + 2.0 * s[1].vx + 2.0 * v) < 1e-9 * v);
-                dem_free(sim);
             }
     }
 }
@@ -260,7 +259,7 @@ static void frictions(void)
                     def.material = (dem_material){.k_n = 1e6, .gamma_n = 500.0, .k_s = k_s, .mu = mu};
                     def.dt = 2e-5;
                     grains_on_floor(&def, 1, &grain);
-                    dem_sim *sim = grains_after(&def, lround(T / def.dt));
+                    scoped_sim *sim = grains_after(&def, lround(T / def.dt));
                     const dem_state s = grains_state_of_one(sim);
                     PARAMETERS("mu = %g, rotation %d, %s, dashpot %s", mu, rotation,
                                slip ? "total" : "truncated", damping ? "inside" : "outside");
@@ -271,7 +270,6 @@ static void frictions(void)
                         number("friction, rolls", s.vx, 5.0 / 7.0 * gx * T, gx * T, 2e-3);
                     else /* the default shear spring, below its limit, holds mu N */
                         number("friction, slides", s.vx, (gx - mu * gy) * T, gx * T, 2e-3);
-                    dem_free(sim);
                 }
 }
 
@@ -415,7 +413,7 @@ static void zero_velocities(void)
                 def.dt = step_limit(&def) < 1.0 ? step_limit(&def) : def.dt;
                 PARAMETERS("%d grains with zero overlap, %s, %s", n, law_names[law],
                            dem_schemes[scheme]->name);
-                dem_sim *sim = grains_start(&def);
+                scoped_sim *sim = grains_start(&def);
                 dem_state s[100];
                 grains_run(sim, 1000, s);
                 int moved = 0;
@@ -425,7 +423,6 @@ static void zero_velocities(void)
                 EXPECTED("none moves");
                 OBSERVED("%d move", moved);
                 verdict("zero velocities", moved == 0);
-                dem_free(sim);
             }
 }
 
@@ -447,7 +444,7 @@ static void sideways(void)
                 const double c = w == 1 || w == 2 ? 1.0 : 0.0;
                 def.walls[w] = grains_line(c, c, n[w][0], n[w][1], &def.material);
             }
-            dem_sim *sim = grains_start(&def);
+            scoped_sim *sim = grains_start(&def);
             const long turning = 20000;
             if (how == 1) dem_gravity_turn(sim, angle / (double)turning);
             if (how == 2) dem_box_turn(sim, angle / (double)turning);
@@ -471,7 +468,6 @@ static void sideways(void)
             OBSERVED("%.6g, %.6g", carried[0], carried[1]);
             verdict("gravity sideways",
                     hypot(carried[0] - M * G * sin(angle), carried[1] + M * G * cos(angle)) < 1e-6 * M * G);
-            dem_free(sim);
         }
 }
 
@@ -542,7 +538,7 @@ static void turned_boxes(void)
                 for (int degrees = check_full() ? 45 : 90; degrees <= (check_fast() ? 90 : 180);
                      degrees += check_full() ? 45 : 90) {
                     const double angle = degrees * M_PI / 180.0;
-                    dem_sim *sim = start_full_box(scheme, rough ? 0.2 : 0.0, true);
+                    scoped_sim *sim = start_full_box(scheme, rough ? 0.2 : 0.0, true);
                     size_t within;
                     const double most = turn_box(sim, box == 1, angle, 30000),
                                  mass = mass_within(sim, &within);
@@ -571,7 +567,6 @@ static void turned_boxes(void)
                     /* grains still oscillate on their shear springs, which are weakly damped */
                     verdict("full box turned", within == MANY && off < (rough ? 5e-3 : 1e-3) &&
                                                    most < weight * (WIDTH + HEIGHT));
-                    dem_free(sim);
                 }
 }
 
@@ -581,7 +576,7 @@ static void emptied_boxes(void)
     for (int scheme = 0; scheme < (check_full() ? 2 : 1); scheme++)
         for (int box = 0; box < 2; box++)
             for (int side = 0; side < 2; side++) {
-                dem_sim *sim = start_full_box(scheme, 0.2, false);
+                scoped_sim *sim = start_full_box(scheme, 0.2, false);
                 if (side) dem_wall_open(sim, DEM_BOX_RIGHT, INFINITY);
                 const double most = turn_box(sim, box == 1, side ? M_PI_2 : M_PI, 10000);
                 size_t within, left;
@@ -596,7 +591,6 @@ static void emptied_boxes(void)
                 OBSERVED("%zu inside, %zu counted, force on the floor %.3g", within, left, force);
                 verdict("full box emptied",
                         within == 0 && left == (size_t)(side ? 0 : MANY) && force == 0.0 && isfinite(most));
-                dem_free(sim);
             }
 }
 
@@ -691,7 +685,7 @@ static void hard_collisions(void)
             def.hard = (dem_hard){true, e, 0.0};
             def.grains = pair, def.n_grains = 2;
             def.dt = fmin(5e-5, 0.9 * step_limit(&def));
-            dem_sim *sim = grains_start(&def);
+            scoped_sim *sim = grains_start(&def);
             dem_state s[2];
             grains_run(sim, lround(1e-3 / def.dt), s);
             const double mean = -v * m / (M + m);
@@ -700,7 +694,6 @@ static void hard_collisions(void)
             OBSERVED("%.6g, %.6g", s[0].vx, s[1].vx);
             verdict("hard collision", fabs(s[0].vx - mean * (1.0 + e)) < 1e-9 * v &&
                                           fabs(s[1].vx - mean - e * v * M / (M + m)) < 1e-9 * v);
-            dem_free(sim);
         }
 }
 
@@ -1034,7 +1027,7 @@ static void million(void)
     dem_definition def = bare(DEM_HERTZ, DEM_VERLET);
     def.gravity[1] = -G, def.grains = grains, def.n_grains = n;
     PARAMETERS("1000 x 1000 grains");
-    dem_sim *sim = grains_after(&def, 20);
+    scoped_sim *sim = grains_after(&def, 20);
     CHECK_OK(dem_states(sim, states));
     const double t = dem_time(sim);
     double most = 0.0;
@@ -1042,7 +1035,7 @@ static void million(void)
         most = fmax(most, hypot(states[i].x - grains[i].x, states[i].y - grains[i].y + 0.5 * G * t * t));
     /* positions up to 250, rounded 20 times, and contact forces of overlaps of 2^-45 */
     number("1e6 grains", most, 0.0, 250.0, 20.0 * 0x1p-51);
-    dem_free(sim), free(states), free(grains);
+    free(states), free(grains);
 }
 
 static void extremes(void)

@@ -133,7 +133,7 @@ static void phase(void)
         dem_definition def = grains_disks(1, &grain, K);
         def.dt = angle / omega;
         grains_on_floor(&def, 1, &grain);
-        dem_sim *sim = grains_start(&def);
+        scoped_sim *sim = grains_start(&def);
         double sum = 0.0, last = 0.0;
         for (long n = 0; n < steps; n++) {
             CHECK_OK(dem_run(sim, 1));
@@ -150,7 +150,6 @@ static void phase(void)
             rp_table_row(
                 out, 4,
                 (double[]){angle, measured, formula, angle < 2.0 ? 2.0 / angle * asin(0.5 * angle) : NAN});
-        dem_free(sim);
     }
     check_table_close(out, "implicit_phase");
 }
@@ -172,11 +171,11 @@ static void cost_of(long base, double dt, int solver, double *iterations)
     dem_definition def = grains_disks(n, grains, K);
     def.dt = dt * contact_time();
     def.implicit = (dem_implicit_solver){solver, 0.7, 1e-12, 1000000};
-    dem_sim *sim = grains_after(&def, steps);
+    scoped_sim *sim = grains_after(&def, steps);
     dem_counts counts;
     dem_count_work(sim, &counts);
     *iterations = counts.iterations / (double)steps;
-    dem_free(sim), free(grains);
+    free(grains);
 }
 
 /* SOR sweeps per step grow with dt and size, factorisations hardly. */

@@ -49,13 +49,12 @@ static void sticks(void)
         dem_grain grain;
         dem_definition def = incline(angle, &c, 0.0, &grain);
         def.damping = i / 36;
-        dem_sim *sim = grains_start(&def);
+        scoped_sim *sim = grains_start(&def);
         const dem_state s = run(sim, 0.8, def.dt);
         const double rest = M * G * sin(angle) / k_s;
         /* exp(-80 0.8/2) = 1e-14; x is of the order of 1e-5 and rounded to 1e-21 a step */
         case_near(&stick_problem, "displacement", rest, s.x, 1e-12 * rest + 16000 * 1e-21,
                   "mu=%g k_s=%g angle=%g damping=%s", mu, k_s, angle, def.damping ? "inside" : "outside");
-        dem_free(sim);
     }
 }
 
@@ -153,7 +152,7 @@ static void check_kick(int slip, double mu, double k_s, double v)
     dem_grain grain;
     dem_definition def = incline(0.0, &c, v, &grain);
     def.slip = slip, def.dt = dt;
-    dem_sim *sim = grains_start(&def);
+    scoped_sim *sim = grains_start(&def);
     dem_state s = {.vx = v}, last = s;
     const double t1 = asin(limit / v) / w, turn = t1 + v1 / (mu * G);
     double furthest = 0.0;
@@ -180,7 +179,6 @@ static void check_kick(int slip, double mu, double k_s, double v)
         case_near(&return_problem, "swing", 2.0 * x1, furthest - nearest, 2.0 * kink * x1 + kink * x1, format,
                   reading, mu, k_s, v, dt);
     }
-    dem_free(sim);
 }
 
 static void kicked(void)

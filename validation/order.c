@@ -511,7 +511,7 @@ static void avalanches(void)
             dem_definition def = grains_box(40, 1.2, pile, &grains);
             def.dt = row[0], def.ledger = true;
             def.walls[DEM_BOX_RIGHT].open_at_step = 6000L << k;
-            dem_sim *sim = grains_after(&def, 12000L << k);
+            scoped_sim *sim = grains_after(&def, 12000L << k);
             dem_ledger l;
             CU_ASSERT_FATAL(dem_ledger_read(sim, &l));
             const double lost = l.normal_damping + l.shear_damping + l.sliding;
@@ -520,7 +520,7 @@ static void avalanches(void)
             square += l.integration / lost * l.integration / lost / piles;
             row[7] = fmax(row[7], fabs(l.residual) / l.turnover);
             CHECK_NEAR(l.residual, 0.0, 1e-10 * l.turnover);
-            dem_free(sim), free(grains);
+            free(grains);
         }
         integration[k] = row[5];
         row[6] = sqrt((square - row[5] * row[5]) / (piles - 1.0));

@@ -480,7 +480,7 @@ static double relax_to_rest(const char *problem, const solved_pile *pile, const 
         const dem_definition def = solved_pile_scene(pile, w->integrator, w->gamma, w->dt);
         size_t row = from;
         double start = rp_cpu_clock();
-        dem_sim *sim = grains_start(&def);
+        scoped_sim *sim = grains_start(&def);
         solved_pile_load(sim, w->load);
         seconds = rp_cpu_clock() - start;
         for (long done = 0, more = w->steps / 256; done < w->steps; done += more, more = done) {
@@ -496,7 +496,6 @@ static double relax_to_rest(const char *problem, const solved_pile *pile, const 
                 o->row[row].seconds = fmin(o->row[row].seconds, seconds);
             row++;
         }
-        dem_free(sim);
     }
     return error;
 }

@@ -131,7 +131,7 @@ static void check_dem01(double k, double e)
     double y[4] = {0.5}, t = 0.0;
     gsl_odeiv2_system system = {vertical_rates, NULL, 4, &p};
     gsl_odeiv2_driver *driver = reference(&system, p.r);
-    dem_sim *sim = vertical_start(&p, y, dt, NULL);
+    scoped_sim *sim = vertical_start(&p, y, dt, NULL);
     for (int i = 1; i <= 20; i++) {
         CHECK_OK(dem_run(sim, lround(0.025 * i / dt) - dem_step(sim)));
         CU_ASSERT_EQUAL(gsl_odeiv2_driver_apply(driver, &t, dem_time(sim), y), GSL_SUCCESS);
@@ -141,7 +141,7 @@ static void check_dem01(double k, double e)
         case_near(&dem01, "v", y[2], s.vy, (since > 0.0) * error * v + 1e-11, "k=%g e=%g t=%.4f dt=%g", k, e,
                   t, dt);
     }
-    gsl_odeiv2_driver_free(driver), dem_free(sim);
+    gsl_odeiv2_driver_free(driver);
 }
 
 static void freely_falling(void)
@@ -173,9 +173,9 @@ static void check_dem02(double k, double e)
     gsl_odeiv2_system system = {vertical_rates, NULL, 4, &reference_of};
     gsl_odeiv2_driver *driver = reference(&system, p.r);
     double y[4] = {0.5}, t = 0.0, height = 0.4;
-    dem_sim *soft = vertical_start(&p, y, dt, NULL);
+    scoped_sim *soft = vertical_start(&p, y, dt, NULL);
     const dem_hard hard_law = {true, e, 0.0};
-    dem_sim *hard = vertical_start(&p, y, dt, &hard_law);
+    scoped_sim *hard = vertical_start(&p, y, dt, &hard_law);
     for (int bounce = 1; bounce <= BOUNCES; bounce++) {
         const double top = next_top(soft);
         /* the reference at the same time is near its own top: the difference is a parabola */
@@ -188,7 +188,7 @@ static void check_dem02(double k, double e)
         case_near(&dem02, "height", height + p.r, next_top(hard), 2.0 * bounce * sqrt(2.0 * G * 0.4) * dt,
                   "hard e=%g bounce=%d dt=%g", e, bounce, dt);
     }
-    gsl_odeiv2_driver_free(driver), dem_free(soft), dem_free(hard);
+    gsl_odeiv2_driver_free(driver);
 }
 
 static void bouncing(void)
@@ -211,7 +211,7 @@ static void stacked(void)
         double y[4] = {0.25 * lid, 0.75 * lid}, t = 0.0;
         gsl_odeiv2_system system = {vertical_rates, NULL, 4, &p};
         gsl_odeiv2_driver *driver = reference(&system, r);
-        dem_sim *sim = vertical_start(&p, y, dt, NULL);
+        scoped_sim *sim = vertical_start(&p, y, dt, NULL);
         dem_state s[2];
         for (int k = 1; k <= 10; k++) {
             CHECK_OK(dem_run(sim, lround(1e-4 * k / dt) - dem_step(sim)));
@@ -222,7 +222,7 @@ static void stacked(void)
             for (int j = 0; j < 2; j++)
                 case_near(&dem03, j ? "y2" : "y1", y[j], s[j].y, bound, "e=%g t=%.6f dt=%g", e, t, dt);
         }
-        gsl_odeiv2_driver_free(driver), dem_free(sim);
+        gsl_odeiv2_driver_free(driver);
     }
 }
 
@@ -238,7 +238,7 @@ static void slipping(void)
         def.material = (dem_material){.k_n = k, .k_s = k, .mu = mu};
         def.dt = 1e-6;
         grains_on_floor(&def, 1, &grain);
-        dem_sim *sim = grains_start(&def);
+        scoped_sim *sim = grains_start(&def);
         dem_state s = {.vx = u};
         double slip = u, last = u;
         while (dem_time(sim) < u / (mu * G) && slip > 0.0) {
@@ -254,7 +254,6 @@ static void slipping(void)
                   mu, u, def.dt);
         case_near(&dem04, "omega r", 5.0 / 7.0 * u, -s.omega * r, 2.5 * mu * G * late + 2.0 * sinks / r * u,
                   "mu=%g u=%g dt=%g", mu, u, def.dt);
-        dem_free(sim);
     }
 }
 
@@ -296,7 +295,7 @@ static void run_strike(strike *p, double dt)
     def.n_grains = wall ? 1 : 2;
     def.n_walls = wall;
     def.walls[0] = grains_line(0.0, 0.0, 0.0, 1.0, &def.material);
-    dem_sim *sim = grains_start(&def);
+    scoped_sim *sim = grains_start(&def);
     dem_state s[2] = {0};
     double overlap;
     p->depth = p->force = 0.0;
@@ -312,7 +311,6 @@ static void run_strike(strike *p, double dt)
     p->out_omega = s[0].omega;
     p->out_u_other = s[1].vx;
     p->time = dem_time(sim) + overlap / p->out_n - 0.381 * dt;
-    dem_free(sim);
 }
 
 /* DEM05: aluminium oxide on glass at 3.9 m/s, linear springs. */

@@ -77,13 +77,12 @@ static void inside_incline(void)
     def.rotation = false;
     for (int damping = DEM_DAMPING_OUTSIDE; damping <= DEM_DAMPING_INSIDE; damping++) {
         def.damping = damping;
-        dem_sim *sim = grains_start(&def);
+        scoped_sim *sim = grains_start(&def);
         double early = run(sim, 0.5, def.dt).vx, late = run(sim, 0.5, def.dt).vx;
         if (damping == DEM_DAMPING_INSIDE)
             CHECK_NEAR(late - early, 0.5 * pull, 1e-9 * pull); /* round-off of 5e4 additions */
         else
             CHECK_NEAR(late, pull / gamma_s, 1e-9 * late);
-        dem_free(sim);
     }
 }
 
@@ -166,7 +165,7 @@ static void collide(oblique *p, double steps)
     def.n_grains = p->pair ? 2 : 1;
     def.n_walls = !p->pair;
     def.walls[0] = grains_line(0.0, 0.0, 0.0, 1.0, &def.material);
-    dem_sim *sim = grains_start(&def);
+    scoped_sim *sim = grains_start(&def);
     dem_state s[2] = {0};
     do {
         CU_ASSERT_FATAL(dem_run(sim, 10) == RP_OK && dem_time(sim) < 3.0 * steps * dt);
@@ -177,7 +176,6 @@ static void collide(oblique *p, double steps)
     p->impulse_n = M * (s[0].vy + p->v_n);
     p->impulse = M * (s[0].vx - vx);
     p->turned = s[0].omega - spin[0];
-    dem_free(sim);
 }
 
 /* An impact that slides throughout (k_s v_s > mu k_n v_n to its end): in each step the tangential impulse is
@@ -271,7 +269,7 @@ static void pair_conserves(void)
         def.gravity[1] = 0.0, def.dt = 1e-5, def.rotation = true;
         def.damping = damping, def.material.gamma_s = 100.0, def.material.mu_roll = 0.1;
         def.grains = grains, def.n_grains = 2;
-        dem_sim *sim = grains_start(&def);
+        scoped_sim *sim = grains_start(&def);
         double sums[2][3] = {{0.0}, {0.0}}, scale = 0.0;
         dem_state s[2];
         for (int after = 0; after < 2; after++) {
@@ -287,7 +285,6 @@ static void pair_conserves(void)
         }
         CU_ASSERT(s[0].contacts == 0 && fabs(s[0].omega - 90.0) > 10.0); /* contact has ended */
         for (int a = 0; a < 3; a++) CHECK_NEAR(sums[1][a], sums[0][a], 1e-13 * scale);
-        dem_free(sim);
     }
 }
 
@@ -302,7 +299,7 @@ static void energy_stays(void)
     dem_definition def = on_floor(0.0, &grain, &c);
     def.dt = 2e-6;
     grain.vx = 1.0;
-    dem_sim *sim = grains_start(&def);
+    scoped_sim *sim = grains_start(&def);
     dem_energy e;
     dem_rest rest;
     dem_energies(sim, &e);
@@ -319,7 +316,6 @@ static void energy_stays(void)
     }
     CHECK_NEAR(most / kick, 0.0, (3.5 * 1e4 + 2.5 * 2e3) / M * def.dt * def.dt);
     CU_ASSERT(rotational > 0.1 * kick && elastic > 0.3 * kick); /* each spring took part */
-    dem_free(sim);
 }
 
 /* Rough contacts with damped shear and rolling springs, of this rolling resistance. */
@@ -349,7 +345,7 @@ static void rolling_stops(void)
         const double b = grain.y, slows = b * mu_roll * G * R / (b * b + inertia_ratio(shape) * R * R);
         /* springs load over these distances, and friction acts from the first step on */
         const double loading = mu_roll * M * G / 1e4 + M * slows / 1e4 + v0 * def.dt;
-        dem_sim *sim = grains_start(&def);
+        scoped_sim *sim = grains_start(&def);
         dem_state s = run(sim, 0.1, def.dt);
         CHECK_NEAR(s.vx, v0 - slows * 0.1, slows * loading / v0);
         CHECK_NEAR(s.vx, -b * s.omega, 1e-3 * v0);
@@ -360,7 +356,6 @@ static void rolling_stops(void)
         const double stopped = s.x;
         s = run(sim, 0.5, def.dt);
         CHECK_NEAR(s.x, stopped, 1e-6 * loading);
-        dem_free(sim);
     }
 }
 
@@ -375,7 +370,7 @@ static void rolling_incline(void)
         const dem_material c = resisting(resists);
         dem_grain grain;
         dem_definition def = on_floor(angle, &grain, &c);
-        dem_sim *sim = grains_start(&def);
+        scoped_sim *sim = grains_start(&def);
         dem_state s = run(sim, 0.8, def.dt);
         const double v = s.vx, b = grain.y;
         s = run(sim, 0.2, def.dt);
@@ -391,7 +386,6 @@ static void rolling_incline(void)
                 b * (G * sin(angle) * b - resists * G * cos(angle) * R) / (b * b + 0.4 * R * R);
             CHECK_NEAR((s.vx - v) / 0.2, rolls, 1e-6 * G); /* the oscillation has decayed as exp(-gamma t) */
         }
-        dem_free(sim);
     }
 }
 
