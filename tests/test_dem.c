@@ -1021,35 +1021,38 @@ static void overlaps_too_deep(void)
         for (size_t m = 0; m < 4; m++)
             at[m].x[0] = 0.3125 * (double)m - (m <= low ? 0.0 : 0.3125 - radii + smaller);
         for (size_t c = 0; c < 3; c++) sim->pairs.touching[0] |= 1ull << c;
-        CHECK_OK(dem_check_overlaps(sim, 0, 3, 0, 4)); /* no more than the smaller radius */
+        CHECK_OK(dem_check_overlaps(sim, (dem_stretch){0, 3},
+                                    (dem_stretch){0, 4})); /* no more than the smaller radius */
         for (size_t m = low + 1; m < 4; m++) at[m].x[0] -= 0.015625;
         snprintf(text, sizeof text,
                  "overlap at step 0: grain %zu: overlap %g with grain %zu, beyond the smaller radius %g",
                  i + 1, smaller + 0.015625, j + 1, smaller);
-        CHECK_FAILS(dem_check_overlaps(sim, 0, 3, 0, 4), RP_BROKEN, text);
+        CHECK_FAILS(dem_check_overlaps(sim, (dem_stretch){0, 3}, (dem_stretch){0, 4}), RP_BROKEN, text);
         CU_ASSERT_EQUAL(dem_sim_fault(sim), DEM_FAULT_OVERLAP);
-        CHECK_FAILS(dem_check_overlaps(sim, k, k + 1, 0, 0), RP_BROKEN, text);
-        CHECK_OK(dem_check_overlaps(sim, 0, k, 0, 4));
-        CHECK_OK(dem_check_overlaps(sim, k + 1, 3, 0, 4));
+        CHECK_FAILS(dem_check_overlaps(sim, (dem_stretch){k, k + 1}, (dem_stretch){0, 0}), RP_BROKEN, text);
+        CHECK_OK(dem_check_overlaps(sim, (dem_stretch){0, k}, (dem_stretch){0, 4}));
+        CHECK_OK(dem_check_overlaps(sim, (dem_stretch){k + 1, 3}, (dem_stretch){0, 4}));
         at[i].x[0] = NAN;
-        CHECK_FAILS(dem_check_overlaps(sim, k, k + 1, 0, 4), RP_BROKEN, "non_finite");
+        CHECK_FAILS(dem_check_overlaps(sim, (dem_stretch){k, k + 1}, (dem_stretch){0, 4}), RP_BROKEN,
+                    "non_finite");
         CU_ASSERT_EQUAL(dem_sim_fault(sim), DEM_FAULT_NON_FINITE);
     }
     for (size_t i = 0; i < 4; i++) at[i].x = (dem_vec){0.3125 * (double)i, 0.1875};
     for (size_t i = 0; i < 4; i++) {
         char text[200];
         at[i].x[1] = 0.0;
-        CHECK_OK(dem_check_overlaps(sim, 0, 0, 0, 4));
+        CHECK_OK(dem_check_overlaps(sim, (dem_stretch){0, 0}, (dem_stretch){0, 4}));
         at[i].x[1] = -0.015625;
         snprintf(text, sizeof text, "grain %zu: its centre passed wall 2 (overlap %g)", i + 1,
                  grains[i].r + 0.015625);
-        CHECK_FAILS(dem_check_overlaps(sim, 0, 0, 0, 4), RP_BROKEN, text);
+        CHECK_FAILS(dem_check_overlaps(sim, (dem_stretch){0, 0}, (dem_stretch){0, 4}), RP_BROKEN, text);
         CU_ASSERT_EQUAL(dem_sim_fault(sim), DEM_FAULT_LEAKED);
-        CHECK_FAILS(dem_check_overlaps(sim, 0, 0, i, i + 1), RP_BROKEN, text);
-        CHECK_OK(dem_check_overlaps(sim, 0, 0, 0, i));
-        CHECK_OK(dem_check_overlaps(sim, 0, 0, i + 1, 4));
+        CHECK_FAILS(dem_check_overlaps(sim, (dem_stretch){0, 0}, (dem_stretch){i, i + 1}), RP_BROKEN, text);
+        CHECK_OK(dem_check_overlaps(sim, (dem_stretch){0, 0}, (dem_stretch){0, i}));
+        CHECK_OK(dem_check_overlaps(sim, (dem_stretch){0, 0}, (dem_stretch){i + 1, 4}));
         at[i].x[1] = NAN;
-        CHECK_FAILS(dem_check_overlaps(sim, 0, 0, 0, 4), RP_BROKEN, "non_finite");
+        CHECK_FAILS(dem_check_overlaps(sim, (dem_stretch){0, 0}, (dem_stretch){0, 4}), RP_BROKEN,
+                    "non_finite");
         at[i].x[1] = 0.1875;
     }
 }

@@ -58,7 +58,8 @@ static rp_status start_forces(dem_sim *sim, const dem_definition *def)
     if (status) return status;
     sim->loops.pairs(sim, 0, sim->pairs.n, 0.0);
     dem_walls_apply(sim, 0, sim->grains.n, 0.0);
-    if (sim->too_deep) status = dem_check_overlaps(sim, 0, sim->pairs.n, 0, sim->grains.n);
+    if (sim->too_deep)
+        status = dem_check_overlaps(sim, (dem_stretch){0, sim->pairs.n}, (dem_stretch){0, sim->grains.n});
     if (!status) status = dem_check_start_overlaps(sim);
     if (!status && sim->ledger) status = dem_ledger_forces(sim, 0.0);
     if (status) return status;

@@ -146,13 +146,18 @@ static rp_status append(dem_sim *sorted, size_t p, size_t from, size_t end)
     return RP_OK;
 }
 
-/* With those of a row of cells, from one column to another; of the first cell, those from `least` on. */
-static rp_status append_row(dem_sim *sorted, size_t p, size_t level, long row, long from, long to,
-                            size_t least)
+/* Cells of a row, from one column to another. */
+typedef struct {
+    size_t level;
+    long row, from, to;
+} cell_row;
+
+/* With those of a row of cells; of the first cell, those from `least` on. */
+static rp_status append_row(dem_sim *sorted, size_t p, cell_row r, size_t least)
 {
     const struct dem_sizes *z = sorted->list.sizes;
-    const size_t mask = mask_x(z, level), first = (size_t)from & mask, last = (size_t)to & mask;
-    const uint32_t *start = z->start + row_start(z, level, row);
+    const size_t mask = mask_x(z, r.level), first = (size_t)r.from & mask, last = (size_t)r.to & mask;
+    const uint32_t *start = z->start + row_start(z, r.level, r.row);
     const size_t begin = start[first] > least ? start[first] : least;
     if (first <= last) return append(sorted, p, begin, start[last + 1]);
     RP_TRY(append(sorted, p, begin, start[mask + 1]));
@@ -165,15 +170,15 @@ static rp_status append_grain(dem_sim *sorted, size_t p, size_t level)
     const struct dem_sizes *z = sorted->list.sizes;
     const dem_vec x = z->x[p];
     const long column = cell_at(z, x[0], level), row = cell_at(z, x[1], level);
-    RP_TRY(append_row(sorted, p, level, row, column, column + 1, p + 1));
-    RP_TRY(append_row(sorted, p, level, row + 1, column - 1, column + 1, 0));
+    RP_TRY(append_row(sorted, p, (cell_row){level, row, column, column + 1}, p + 1));
+    RP_TRY(append_row(sorted, p, (cell_row){level, row + 1, column - 1, column + 1}, 0));
     for (size_t l = level + 1; l < z->levels; l++) {
         if (z->first[l] == z->first[l + 1]) continue;
         const double reach = z->cutoff[p] + 0.501 * z->width[l];
         const long left = cell_at(z, x[0] - reach, l), right = cell_at(z, x[0] + reach, l),
                    top = cell_at(z, x[1] + reach, l);
         for (long r = cell_at(z, x[1] - reach, l); r <= top; r++)
-            RP_TRY(append_row(sorted, p, l, r, left, right, 0));
+            RP_TRY(append_row(sorted, p, (cell_row){l, r, left, right}, 0));
     }
     return RP_OK;
 }

@@ -107,14 +107,13 @@ static bool may_run_ahead(const dem_sim *sim)
            def->turn_per_step == 0.0 && def->box_turn_per_step == 0.0 && sim->walls.n_moving == 0;
 }
 
-/* The forces of the walls on the grains from..to of a part, after those of pairs k..end; then their next
+/* The forces of the walls on a part's grains from `from` to `to`, after those of its pairs; then their next
  * step, if they run ahead. */
-static rp_status finish_grains(dem_sim *sim, const dem_part *part, size_t k, size_t end, size_t from,
-                               size_t to)
+static rp_status finish_grains(dem_sim *sim, const dem_part *part, dem_stretch pairs, dem_stretch grains)
 {
-    dem_walls_apply(sim, from, to, sim->def.dt);
-    if (sim->too_deep) RP_TRY(dem_check_overlaps(sim, k, end, from, part->grain_end));
-    if (sim->ahead) move_groups(sim, part, from, to, false);
+    dem_walls_apply(sim, grains.from, grains.to, sim->def.dt);
+    if (sim->too_deep) RP_TRY(dem_check_overlaps(sim, pairs, (dem_stretch){grains.from, part->grain_end}));
+    if (sim->ahead) move_groups(sim, part, grains.from, grains.to, false);
     return RP_OK;
 }
 
@@ -127,11 +126,12 @@ static rp_status sum_part(dem_sim *sim, dem_part *part)
     for (size_t c = 0, end; k < part->pair_end; c++, k = end) {
         end = k + sim->pairs.chunk < part->pair_end ? k + sim->pairs.chunk : part->pair_end;
         sim->loops.pairs(sim, k, end, sim->def.dt);
-        RP_TRY(finish_grains(sim, part, k, end, i, part->done[c]));
+        RP_TRY(finish_grains(sim, part, (dem_stretch){k, end}, (dem_stretch){i, part->done[c]}));
         i = part->done[c];
     }
     dem_threads_copies(sim, &part->after);
-    if (i < part->grain_end) RP_TRY(finish_grains(sim, part, k, k, i, part->grain_end));
+    if (i < part->grain_end)
+        RP_TRY(finish_grains(sim, part, (dem_stretch){k, k}, (dem_stretch){i, part->grain_end}));
     if (sim->ahead) hold_fixed(sim, part, false);
     return RP_OK;
 }

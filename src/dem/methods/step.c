@@ -8,10 +8,10 @@
 #include "dem/list/list.h"
 #include "dem/observe/ledger.h"
 
-rp_status dem_check_overlaps(dem_sim *sim, size_t k, size_t to, size_t from, size_t end)
+rp_status dem_check_overlaps(dem_sim *sim, dem_stretch pairs, dem_stretch grains)
 {
     sim->too_deep = false;
-    for (; k < to; k++) {
+    for (size_t k = pairs.from; k < pairs.to; k++) {
         if (!dem_touches(&sim->pairs, k)) continue;
         const size_t i = sim->pairs.i[k], j = sim->pairs.j[k];
         dem_vec d = sim->grains.motion[i].x - sim->grains.motion[j].x;
@@ -25,7 +25,7 @@ rp_status dem_check_overlaps(dem_sim *sim, size_t k, size_t to, size_t from, siz
     for (size_t s = 0; s < sim->walls.n_slots; s++) {
         dem_touch touch;
         dem_wall_slot slot = sim->walls.slot[s];
-        if (slot.grain >= from && slot.grain < end && dem_wall_touch(sim, &slot, &touch) &&
+        if (slot.grain >= grains.from && slot.grain < grains.to && dem_wall_touch(sim, &slot, &touch) &&
             !(touch.overlap <= sim->grains.radius[slot.grain]))
             return dem_stop(sim, isfinite(touch.overlap) ? DEM_FAULT_LEAKED : DEM_FAULT_NON_FINITE,
                             slot.grain, "its centre passed wall %u (overlap %g)", slot.wall + 1,
@@ -62,7 +62,8 @@ rp_status dem_step_forces(dem_sim *sim)
     sim->loops.pairs(sim, 0, sim->pairs.n, h);
     if (sim->times) lap(sim, &sim->times->contacts);
     dem_walls_apply(sim, 0, sim->grains.n, h);
-    if (sim->too_deep && (status = dem_check_overlaps(sim, 0, sim->pairs.n, 0, sim->grains.n)) != RP_OK)
+    if (sim->too_deep && (status = dem_check_overlaps(sim, (dem_stretch){0, sim->pairs.n},
+                                                      (dem_stretch){0, sim->grains.n})) != RP_OK)
         return status;
     if (sim->times) lap(sim, &sim->times->walls);
     return sim->ledger ? dem_ledger_forces(sim, h) : RP_OK;

@@ -14,15 +14,19 @@ typedef struct {
     long *next; /* the one before it in the same cell */
 } cells;
 
-/* Is (x, y), from the region's corner (x0, y0), free? */
-static bool is_free(const cells *c, const dem_grain *grains, const dem_fill *f, double x, double y, double r)
+/* A place for a grain, from the region's corner (x0, y0). */
+typedef struct {
+    double x, y, r;
+} place;
+
+static bool is_free(const cells *c, const dem_grain *grains, const dem_fill *f, place p)
 {
-    long cx = (long)(x / c->size), cy = (long)(y / c->size);
+    long cx = (long)(p.x / c->size), cy = (long)(p.y / c->size);
     for (long a = cx > 0 ? cx - 1 : 0; a <= cx + 1 && a < c->nx; a++)
         for (long b = cy > 0 ? cy - 1 : 0; b <= cy + 1 && b < c->ny; b++)
             for (long k = c->head[b * c->nx + a]; k >= 0; k = c->next[k]) {
-                double dx = grains[k].x - (f->x0 + x), dy = grains[k].y - (f->y0 + y),
-                       radii = grains[k].r + r;
+                double dx = grains[k].x - (f->x0 + p.x), dy = grains[k].y - (f->y0 + p.y),
+                       radii = grains[k].r + p.r;
                 if (dx * dx + dy * dy < radii * radii) return false;
             }
     return true;
@@ -43,7 +47,7 @@ static rp_status place_all(const dem_fill *f, cells *c, gsl_rng *places, dem_gra
                     i + 1, f->N, r, f->W, f->H);
             x = r + (f->W - 2.0 * r) * gsl_rng_uniform(places);
             y = r + (f->H - 2.0 * r) * gsl_rng_uniform(places);
-        } while (!is_free(c, grains, f, x, y, r));
+        } while (!is_free(c, grains, f, (place){x, y, r}));
         grains[i] = (dem_grain){f->x0 + x, f->y0 + y, r, dem_mass(f->shape, f->density, r), 0.0, 0.0};
         long cell = (long)(y / c->size) * c->nx + (long)(x / c->size);
         c->next[i] = c->head[cell];

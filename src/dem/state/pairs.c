@@ -89,13 +89,13 @@ rp_status dem_pairs_append(dem_pairs *pairs, const dem_pairs *others, size_t k)
 
 /* A grain is done where no pair of a later chunk has it. After cells wrapped around, or as pairs have been
  * renamed, that may be so of few before the end. */
-void dem_pairs_find_done(const dem_pairs *pairs, size_t from, size_t to, size_t first, size_t last,
-                         uint32_t *done)
+void dem_pairs_find_done(const dem_pairs *pairs, dem_stretch of, dem_stretch grains, uint32_t *done)
 {
-    uint32_t least = (uint32_t)last;
-    for (size_t c = (to - from + pairs->chunk - 1) / pairs->chunk, end = to; c-- > 0;) {
-        const size_t start = from + c * pairs->chunk;
-        done[c] = end == to ? least : least / DEM_GROUP * DEM_GROUP;
+    const size_t first = grains.from;
+    uint32_t least = (uint32_t)grains.to;
+    for (size_t c = (of.to - of.from + pairs->chunk - 1) / pairs->chunk, end = of.to; c-- > 0;) {
+        const size_t start = of.from + c * pairs->chunk;
+        done[c] = end == of.to ? least : least / DEM_GROUP * DEM_GROUP;
         for (size_t k = start; k < end; k++) {
             const uint32_t i = pairs->i[k], j = pairs->j[k];
             least = i >= first && i < least ? i : least;
@@ -113,7 +113,7 @@ rp_status dem_pairs_plan_chunks(dem_pairs *pairs, size_t n)
     if (chunks > pairs->chunk_capacity &&
         !dem_grow(&pairs->done, sizeof *pairs->done, pairs->chunk_capacity = 2 * chunks))
         return no_memory();
-    dem_pairs_find_done(pairs, 0, pairs->n, 0, n, pairs->done);
+    dem_pairs_find_done(pairs, (dem_stretch){0, pairs->n}, (dem_stretch){0, n}, pairs->done);
     pairs->n_chunks = chunks;
     return RP_OK;
 }

@@ -66,10 +66,9 @@ rp_status dem_pairs_append(dem_pairs *pairs, const dem_pairs *others, size_t k);
 enum { DEM_LEAST_CHUNKS = 6 }; /* fewer fit into the cache together */
 rp_status dem_pairs_plan_chunks(dem_pairs *pairs, size_t n);
 
-/* For each chunk of the pairs from..to: no later one has a pair of the grains from `first` to below done[c],
- * and those up to `last` alone count. */
-void dem_pairs_find_done(const dem_pairs *pairs, size_t from, size_t to, size_t first, size_t last,
-                         uint32_t *done);
+/* For each chunk of a stretch of the pairs: no later one has a pair of the grains below done[c]; those of
+ * `grains` alone count. */
+void dem_pairs_find_done(const dem_pairs *pairs, dem_stretch of, dem_stretch grains, uint32_t *done);
 
 static inline bool dem_pairs_are_many(const dem_pairs *pairs)
 {

@@ -21,6 +21,11 @@ static inline dem_vec dem_clockwise(dem_vec n)
     return (dem_vec){n[1], -n[0]};
 }
 
+/* Items of an array, from one to before another. */
+typedef struct {
+    size_t from, to;
+} dem_stretch;
+
 /* A new array of n items of this size, all bytes 0; NULL without memory. It begins with a line of the cache,
  * and lies on huge pages if it is large enough: gathers from small ones wait for the page table. */
 void *dem_array(size_t n, size_t size);

@@ -132,7 +132,8 @@ static void find_done(dem_sim *sim, dem_part *part, uint32_t *done)
         if (has(part, j) && j < least) least = j;
     }
     if (least < part->grain_end) least = least / DEM_GROUP * DEM_GROUP;
-    dem_pairs_find_done(&sim->pairs, part->pair, part->pair_end, part->grain, least, done);
+    dem_pairs_find_done(&sim->pairs, (dem_stretch){part->pair, part->pair_end},
+                        (dem_stretch){part->grain, least}, done);
     part->done = done;
 }
 
