@@ -13,6 +13,7 @@
 #define CHECK_UNIT(X)                                                                                        \
     X(suite_core)                                                                                            \
     X(suite_arena)                                                                                           \
+    X(suite_sparse)                                                                                          \
     X(suite_analytic)                                                                                        \
     X(suite_angle)                                                                                           \
     X(suite_calibrate)                                                                                       \

@@ -41,7 +41,7 @@ suites_of() {
     src/stats/*) echo calibrate columns ;;
     figures/*) echo figures ;;
     validation/*) echo helpers contacts rotation property ;;
-    src/core/sparse.c) echo property piles equilibrium midpoint implicit ;;
+    src/core/sparse.c) echo sparse property piles equilibrium midpoint implicit ;;
     src/statics/*) echo property piles equilibrium ;;
     src/dem/scene/scene.c) echo walls scene tables keys cli ;;
     src/dem/setup/physics.c | src/dem/setup/check.c) echo scene dem laws walls keys units hard motion soft tables sweep ;;
