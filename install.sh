@@ -28,7 +28,7 @@ install -d "$to/share/bash-completion/completions"
 # Headers lie in one folder: #include <repose/dem.h>. The public ones stand between RP_C_BEGIN and RP_C_END, or hold
 # macros only.
 install -d "$to/include/repose" "$to/lib/pkgconfig"
-for header in $(grep -l '^RP_C_BEGIN' src/*/*.h src/*/*/*.h analytic/*.h sweeps/*/*.h) src/dem/law/parameters.h; do
+for header in $(grep -l '^RP_C_BEGIN' src/*/*.h src/*/*/*.h analytic/*.h sweeps/*/*.h) src/dem/law/choices.h src/dem/law/parameters.h; do
     sed 's,^#include ".*/,#include ",' "$header" >"$to/include/repose/$(basename "$header")"
 done
 
