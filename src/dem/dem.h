@@ -31,7 +31,7 @@ RP_C_BEGIN
     X(DEM_IMPLICIT, implicit, dem_scheme_implicit)
 typedef enum { DEM_INTEGRATOR_LIST(DEM_ID) } dem_integrator;
 enum { DEM_INTEGRATORS = DEM_INTEGRATOR_LIST(DEM_ONE) };
-const char *dem_integrator_manual(int integrator);
+dem_manual dem_integrator_manual;
 
 /* Instances of the loops, all with the same bits. */
 #define DEM_KERNEL_LIST(X)                                                                                   \
@@ -42,7 +42,7 @@ const char *dem_integrator_manual(int integrator);
     X(DEM_AVX2, avx2, "by four, with AVX2")                                                                  \
     X(DEM_AVX512, avx512, "by eight, with AVX-512")
 typedef enum { DEM_KERNEL_LIST(DEM_ID) DEM_KERNELS } dem_kernel_choice;
-const char *dem_kernel_manual(int kernel);
+dem_manual dem_kernel_manual;
 
 /* A wall through `point`; `direction` is its unit normal. `extent` holds the ends along the tangent (normal
  * turned clockwise), measured from `point`; -INFINITY, INFINITY for a whole line, whose normal points into
@@ -86,7 +86,7 @@ typedef struct {
       "m v_s^2 + I omega^2 <= mu_static F_n a")                                                              \
     X(DEM_WELL_AGAIN, again, "at rest, and again after each break")
 typedef enum { DEM_WELL_SETS(DEM_ID) } dem_well_set;
-const char *dem_well_manual(int set);
+dem_manual dem_well_manual;
 typedef struct {
     long wall; /* its number, from 1; 0: no ground, and nothing else here counts */
     double mu_static, a;
@@ -109,7 +109,7 @@ typedef struct {
       "sweeps grain by grain, each by the part `relaxation` of its own Newton step (Liffman, Chan & Hughes " \
       "1992, who take 0.5 to 0.9)")
 typedef enum { DEM_SOLVERS(DEM_ID) } dem_solver;
-const char *dem_solver_manual(int solver);
+dem_manual dem_solver_manual;
 typedef struct {
     dem_solver solver;
     double relaxation; /* (0, 2); of DEM_SOLVER_SOR */

@@ -12,7 +12,8 @@
 /* "hertz | linear" */
 #define DEM_WORDS(LIST) (&(LIST(DEM_WORD))[3])
 
-/* Define the function that gives the manual of a choice, for the schemas of params.h. */
+/* A function that gives the manual of a choice, for the schemas of params.h; define one. */
+typedef const char *dem_manual(int choice);
 #define DEM_MANUAL_OF(LIST, function)                                                                        \
     const char *function(int choice)                                                                         \
     {                                                                                                        \

@@ -54,10 +54,7 @@ typedef enum { DEM_TANGENTIAL_LAWS(DEM_ID) } dem_tangential_law;
 typedef enum { DEM_SLIPS(DEM_ID) } dem_slip;
 typedef enum { DEM_DAMPINGS(DEM_ID) } dem_damping;
 enum { DEM_NORMAL_N = DEM_NORMAL_LAWS(DEM_ONE), DEM_TANGENTIAL_N = DEM_TANGENTIAL_LAWS(DEM_ONE) };
-const char *dem_normal_manual(int law);
-const char *dem_tangential_manual(int law);
-const char *dem_slip_manual(int slip);
-const char *dem_damping_manual(int damping);
+dem_manual dem_normal_manual, dem_tangential_manual, dem_slip_manual, dem_damping_manual;
 
 #define DEM_LAW_FRICTION(id, word, manual, friction, ...)  | (unsigned)friction << id
 #define DEM_LAW_SPRING(id, word, manual, friction, spring) | (unsigned)spring << id
