@@ -8,6 +8,15 @@
 
 #include "dem/law/law.h"
 
+/* Of an impact's integration, in the units below. */
+static const struct {
+    double step, tolerance, longest, strong, creeping;
+} course = {.step = 1e-2,
+            .tolerance = 1e-13,
+            .longest = 1e4,   /* time after which a pair never parts */
+            .strong = 10.0,   /* damping from which on an impact ends once it has turned, as far as it ends */
+            .creeping = 1e4}; /* damping from which on the limit of no spring serves */
+
 /* An impact in units of its length, at which the spring alone stops it, and of the time to run that. */
 typedef struct {
     dem_head_on of;
@@ -56,27 +65,27 @@ rp_status dem_collision(const dem_head_on *o, dem_collision_result *result)
         return rp_fail(RP_BAD_INPUT, "impact: k_n = %g, gamma_n = %g, m_eff = %g, v = %g: must be positive",
                        o->k_n, o->gamma_n, o->m_eff, o->v);
     const bool tension = o->tension;
-    const double length = law->impact_overlap(o->k_n, o->m_eff, o->v), time = length / o->v, most = 1e4;
+    const double length = law->impact_overlap(o->k_n, o->m_eff, o->v), time = length / o->v;
     impact_problem problem = {*o, length, time,
                               time * law->damping_rate(o->k_n, o->gamma_n, o->m_eff, length)};
-    if (problem.damping > 1e4) {
+    if (problem.damping > course.creeping) {
         double overlap, speed;
         creep(&problem, &overlap, &speed);
         *result =
             (dem_collision_result){speed, overlap * length, tension ? INFINITY : overlap / speed * time};
         return RP_OK;
     }
-    const bool strong = problem.damping > 10.0; /* it ends once turned, as far as it ends */
-    const double step = strong ? 0.1 / problem.damping : 1e-2,
-                 tolerance = strong ? 1e-13 * pow(problem.damping, -2.5) : 1e-13;
+    const bool strong = problem.damping > course.strong;
+    const double step = strong ? 0.1 / problem.damping : course.step,
+                 tolerance = course.tolerance * (strong ? pow(problem.damping, -2.5) : 1.0);
     gsl_odeiv2_system system = {impact_rates, NULL, 2, &problem};
-    gsl_odeiv2_driver *driver =
-        gsl_odeiv2_driver_alloc_y_new(&system, gsl_odeiv2_step_rk8pd, 0.1 * step, tolerance, 1e-13);
+    gsl_odeiv2_driver *driver = gsl_odeiv2_driver_alloc_y_new(&system, gsl_odeiv2_step_rk8pd, 0.1 * step,
+                                                              tolerance, course.tolerance);
     if (!driver) return rp_fail(RP_NO_MEMORY, "impact: out of memory");
     double t = 0.0, y[2] = {0.0, 1.0}, last[2] = {0.0, 1.0}, deepest = 0.0;
     bool freed = false; /* no force acts from there on */
     /* what never parts fades away, of the linear law so much that numbers have no more digits */
-    while (t < most && !freed && !(strong && tension && deepest > 0.0) &&
+    while (t < course.longest && !freed && !(strong && tension && deepest > 0.0) &&
            gsl_odeiv2_driver_apply(driver, &t, t + step, y) == GSL_SUCCESS && y[0] > 1e-100) {
         /* a step's parabola holds the turning point to the third order */
         if (last[1] > 0.0 && y[1] <= 0.0) deepest = y[0] + 0.5 * step * y[1] * y[1] / (last[1] - y[1]);
