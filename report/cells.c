@@ -7,6 +7,8 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "core/file.h"
+
 report_words report_split(rp_arena *arena, const char *text)
 {
     char *copy = rp_text(arena, "%s", text), *save;
@@ -137,15 +139,10 @@ rp_status report_cell_column(const report_cell *cell, const char *column, double
 
 /* ---- numbers ---- */
 
-static bool ends_in(const char *text, const char *end)
-{
-    return strlen(text) >= strlen(end) && strcmp(text + strlen(text) - strlen(end), end) == 0;
-}
-
 /* Length of the name of the cell's column, without this ending. */
 static size_t stem(const report_cell *cell, const char *end)
 {
-    return strlen(cell->column) - (ends_in(cell->column, end) ? strlen(end) : 0);
+    return strlen(cell->column) - (rp_ends_in(cell->column, end) ? strlen(end) : 0);
 }
 
 /* The column with another ending in place of `end`; NULL where the table has none. */
@@ -175,9 +172,9 @@ static rp_status read_value(const report_cell *cell, double n, stats_number *num
 {
     const char *mean = beside(cell, "", "_mean"), *error = beside(cell, "", "_se");
     if (!mean) RP_TRY(rp_table_find(cell->table, cell->column, NULL, &(int){0}));
-    if (!error && ends_in(cell->column, "_deg")) error = beside(cell, "_deg", "_se_deg");
+    if (!error && rp_ends_in(cell->column, "_deg")) error = beside(cell, "_deg", "_se_deg");
     RP_TRY(report_cell_column(cell, mean ? mean : cell->column, &number->value));
-    number->se = ends_in(cell->column, "_sd") ? stats_deviation_error(number->value, n) : 0.0;
+    number->se = rp_ends_in(cell->column, "_sd") ? stats_deviation_error(number->value, n) : 0.0;
     return error ? report_cell_column(cell, error, &number->se) : RP_OK;
 }
 
@@ -220,7 +217,7 @@ static rp_status read_pooled(report_tables *tables, const char *text, report_cel
         RP_TRY(read_summary(cell, &parts[n++]));
     }
     const stats_summary all = stats_pooled(n, parts);
-    const bool deviation = ends_in(cell->column, "_sd");
+    const bool deviation = rp_ends_in(cell->column, "_sd");
     number->n = (double)all.n;
     number->shown = deviation ? (stats_number){all.sd, stats_deviation_error(all.sd, number->n)}
                               : (stats_number){all.mean, all.se};

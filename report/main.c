@@ -1,4 +1,5 @@
 /* The program `report`: what two papers claim, what our tables say of each claim, and pages of both. */
+#include "cli/command.h"
 #include "report/pages.h"
 
 #include <math.h>
@@ -12,7 +13,6 @@
     X(BOOL, variants, "", "false", "",                                                                       \
       "also the claims under other choices that a paper leaves open; the header does not count them")
 
-static rp_arena memory;
 CLI_OPTIONS(claims, CLAIMS_OPTIONS)
 CLI_OPTIONS(published, REPORT_CLAIMS)
 
@@ -64,28 +64,28 @@ static void print_verdicts(rp_arena *arena, const report_claims *all, const repo
     }
 }
 
-static rp_status print_claims(void *values)
+static rp_status print_claims(cli_call *call, const void *values)
 {
     const claims_options *o = values;
-    report_tables tables = {&memory, o->tables, NULL};
+    report_tables tables = {call->arena, o->tables, NULL};
     report_claims all;
     report_judged *judged;
     const report_claim *one;
     RP_TRY(report_claims_read(tables.arena, o->claims, &all));
     if (one_alone(o)) RP_TRY(report_claims_find(&all, o->id, &one));
     RP_TRY(report_judge(&all, &tables, &judged));
-    cli_table(stdout);
+    cli_table(call, stdout);
     note_counts(tables.arena, &all, judged, o);
     print_verdicts(tables.arena, &all, judged, o);
     return RP_OK;
 }
 
-static rp_status print_published(void *values)
+static rp_status print_published(cli_call *call, const void *values)
 {
     const published_options *o = values;
     report_claims all;
-    RP_TRY(report_claims_read(&memory, o->claims, &all));
-    cli_table(stdout);
+    RP_TRY(report_claims_read(call->arena, o->claims, &all));
+    cli_table(call, stdout);
     rp_table_header(stdout, "id, paper, published [own], published_se [own], samples");
     for (size_t i = 0; i < all.n; i++) {
         const report_claim *c = &all.claims[i];
@@ -126,17 +126,10 @@ static const cli_command published = {
 
 const cli_command *const report_commands[] = {&claims, &published, &report_page, NULL};
 
-static void print_overview(FILE *out)
-{
-    fputs("What two papers claim, and what the tables of this repository say of it.\n\n"
-          "usage: report COMMAND [options]; report COMMAND --help says more\n\n",
-          out);
-    for (const cli_command *const *c = report_commands; *c; c++)
-        fprintf(out, "  %-10s %s\n", (*c)->name, (*c)->summary);
-}
-
 int main(int argc, char **argv)
 {
-    static const cli_program report = {"report", report_commands, print_overview};
+    static const cli_program report = {
+        "report", "Report", "what two papers claim, and what the tables of this repository say of it",
+        report_commands};
     return cli_main(&report, argc, argv);
 }

@@ -15,7 +15,6 @@
     REPORT_OPTIONS(X)                                                                                        \
     X(TEXT, o, "", "-", "", "file to write; - is standard output")
 
-static rp_arena memory;
 CLI_OPTIONS(page, PAGE_OPTIONS)
 
 enum { MAX_DEPTH = 2 };
@@ -287,10 +286,10 @@ static rp_status fill_file(page *p, const char *path)
     return status;
 }
 
-static rp_status fill_page(void *values)
+static rp_status fill_page(cli_call *call, const void *values)
 {
     const page_options *o = values;
-    page p = {.tables = {&memory, o->tables, NULL}, .template = cli_argument(0)};
+    page p = {.tables = {call->arena, o->tables, NULL}, .template = cli_argument(call, 0)};
     RP_TRY(report_claims_read(p.tables.arena, o->claims, &p.claims));
     RP_TRY(rp_file_open(o->o, &p.out));
     return rp_file_close(o->o, p.out, fill_file(&p, p.template));

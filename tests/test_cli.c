@@ -5,7 +5,7 @@
 #include <unistd.h>
 
 #include "analytic/analytic.h"
-#include "cli/cli.h"
+#include "cli/command.h"
 #include "dem/scene/scene.h"
 #include "sweeps/protocols/protocols.h"
 #include "tests/check.h"
@@ -159,17 +159,12 @@ static void test_hardened(void)
 
 static void test_help(void)
 {
-    static const char *const commands[] = {
-#define X(name) #name,
-        CLI_COMMANDS(X)
-#undef X
-    };
     enter();
     write_text("scene.cfg", "steps = 2; fill = { N = 3; W = 1.0; H = 1.0; };\n");
-    for (size_t i = 0; i < sizeof commands / sizeof *commands; i++) {
+    for (const cli_command *const *c = cli_repose.commands; *c; c++) {
         GOOD("--help");
-        CU_ASSERT(strstr(out, commands[i]) != NULL);
-        check_help(commands[i]);
+        CU_ASSERT(strstr(out, (*c)->name) != NULL);
+        check_help((*c)->name);
     }
     CU_ASSERT_EQUAL(shell("COLUMNS=110 \"$REPOSE\" angle slope --help >out 2>err"), 0);
     CU_ASSERT(strstr(out, "width W of the box from x = 0, in the unit of FILE; (0, inf) (required)") != NULL);

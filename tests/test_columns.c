@@ -1114,8 +1114,9 @@ static void test_energy_rows(void)
 
 /* ---- series of protocol flux ---- */
 
-static void no_header(FILE *table)
+static void no_header(const void *context, FILE *table)
 {
+    (void)context;
     (void)table;
 }
 

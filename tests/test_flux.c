@@ -61,8 +61,9 @@ static double output(const sweep_result *result, const char *name)
     return protocol_output(protocol, result, name);
 }
 
-static void no_header(FILE *out)
+static void no_header(const void *context, FILE *out)
 {
+    (void)context;
     (void)out;
 }
 

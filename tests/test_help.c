@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "cli/cli.h"
+#include "cli/command.h"
 #include "params/units.h"
 #include "core/version.h"
 #include "dem/scene/scene.h"
@@ -171,7 +171,7 @@ static void check_help(const cli_command *c)
 static void test_help(void)
 {
     enter();
-    each(cli_commands, check_help);
+    each(cli_repose.commands, check_help);
     typed = "report";
     each(report_commands, check_help);
     /* 80 without a number of columns; never below 60 or above 110 */
@@ -214,7 +214,7 @@ static void add_parallel(const cli_command *c)
 static void test_parallel(void)
 {
     char message[400];
-    each(cli_commands, add_parallel);
+    each(cli_repose.commands, add_parallel);
     snprintf(message, sizeof message,
              "unknown option -j: repose lattice works on one processor; -j goes with %s\n", parallel);
     enter();
@@ -240,48 +240,40 @@ static void test_orders(void)
         CU_ASSERT_PTR_NOT_NULL(strstr(orders[k].command->about, orders[k].words));
 }
 
-static rp_status nothing(void *values)
+static rp_status nothing(cli_call *call, const void *values)
 {
-    (void)values;
+    (void)call, (void)values;
     return RP_OK;
 }
 
-/* A command has room for 40 options, with names shorter than 32 letters, and 4096 bytes of values. */
+/* A command has any number of options, with names of any length, and values of any size. */
 static void test_room(void)
 {
-    enum { MOST = 40 };
-    static rp_param rows[MOST + 2];
-    static const char name_31[] = "abcdefghijklmnopqrstuvwxyz_0123",
-                      name_32[] = "abcdefghijklmnopqrstuvwxyz_01234";
-    const rp_param *found;
+    enum { MOST = 100, FAR = 100000 };
+    static rp_param rows[MOST + 1];
+    static const char long_name[] = "abcdefghijklmnopqrstuvwxyz_0123456789_abcdefghijklmnopqrstuvwxyz";
+    rp_arena arena = {0};
+    cli_call call = {.arena = &arena, .program = &cli_repose};
     char name[] = "many", needed[] = "--needed";
-    cli_command c = {.name = name, .protocol = rows, .prints_text = true};
-    for (int i = 0; i < MOST; i++)
-        rows[i] = (rp_param){"a", "", RP_TEXT, 4096 - sizeof(rp_texts), "", "", "", false};
-    CHECK_OK(cli_options_of(&c, &found));
-    CU_ASSERT(found[MOST - 1].name && !found[MOST].name);
-    rows[MOST] = rows[0];
-    CHECK_FAILS(cli_options_of(&c, &found), RP_BROKEN, "repose many: no room for option a");
-    rows[MOST] = (rp_param){0};
-    rows[3].name = name_31;
-    CHECK_OK(cli_options_of(&c, &found));
-    CU_ASSERT_STRING_EQUAL(found[3].name, "abcdefghijklmnopqrstuvwxyz-0123");
-    rows[3].name = name_32;
-    CHECK_FAILS(cli_options_of(&c, &found), RP_BROKEN, name_32);
-    rows[3].name = "b";
-    rows[3].offset++;
-    CHECK_FAILS(cli_options_of(&c, &found), RP_BROKEN, "option b");
-    rows[3] = rows[0];
-    c.synopsis = "[options]";
-    c.act = nothing;
-    CHECK_OK(cli_run(&c, 1, (char *[]){name, NULL}));
+    cli_command c = {
+        .name = name, .protocol = rows, .prints_text = true, .synopsis = "[options]", .act = nothing};
+    for (int i = 0; i < MOST; i++) rows[i] = (rp_param){"a", "", RP_TEXT, FAR * i, "of a", "", "", false};
+    rows[3].name = long_name;
+    cli_options_of(&call, &c);
+    CU_ASSERT(call.options[MOST - 1].name && !call.options[MOST].name && call.n_own == MOST);
+    CU_ASSERT_STRING_EQUAL(call.options[3].name,
+                           "abcdefghijklmnopqrstuvwxyz-0123456789-abcdefghijklmnopqrstuvwxyz");
+    for (size_t i = 0; i < MOST; i++)
+        CU_ASSERT_STRING_EQUAL(*(const char **)((char *)call.values + FAR * i), "of a");
+    CHECK_OK(cli_run(&call, &c, 1, (char *[]){name, NULL}));
     for (int i = 0; i < MOST; i += MOST - 1) { /* the first and the last one are required */
         rows[i].fallback = NULL;
         rows[i].name = "needed";
-        CHECK_FAILS(cli_run(&c, 1, (char *[]){name, NULL}), RP_USAGE, "--needed is required");
-        CHECK_OK(cli_run(&c, 3, (char *[]){name, needed, name, NULL}));
+        CHECK_FAILS(cli_run(&call, &c, 1, (char *[]){name, NULL}), RP_USAGE, "--needed is required");
+        CHECK_OK(cli_run(&call, &c, 3, (char *[]){name, needed, name, NULL}));
         rows[i] = rows[1];
     }
+    rp_arena_release(&arena, NULL);
 }
 
 /* How many arguments go with a synopsis, and options that take no value. */
@@ -299,28 +291,31 @@ static void test_arguments(void)
     char name[] = "few", one[] = "one", flag[] = "--flag", wrong[] = "--flag=3", letter[] = "-y",
          both[] = "-x3";
     cli_command c = {.name = name, .protocol = rows, .prints_text = true, .act = nothing};
+    rp_arena arena = {0};
+    cli_call call = {.arena = &arena, .program = &cli_repose};
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++)
         for (int n = 0; n < 3; n++) {
             char *line[] = {name, one, one, NULL};
             c.synopsis = cases[k].synopsis;
             line[n + 1] = NULL;
-            const rp_status status = cli_run(&c, n + 1, line);
+            const rp_status status = cli_run(&call, &c, n + 1, line);
             CU_ASSERT_EQUAL(status, cases[k].fits[n] ? RP_OK : RP_USAGE);
             if (status)
                 CU_ASSERT(strstr(rp_message(), "usage: repose few ") && strstr(rp_message(), c.synopsis));
-            CU_ASSERT_PTR_EQUAL(cli_argument(0), n > 0 ? line[1] : NULL);
-            CU_ASSERT_PTR_EQUAL(cli_argument(1), n > 1 ? line[2] : NULL);
-            CU_ASSERT_PTR_EQUAL(cli_arguments()[0], line[1]);
+            CU_ASSERT_PTR_EQUAL(cli_argument(&call, 0), n > 0 ? line[1] : NULL);
+            CU_ASSERT_PTR_EQUAL(cli_argument(&call, 1), n > 1 ? line[2] : NULL);
+            CU_ASSERT_PTR_EQUAL(call.arguments[0], line[1]);
         }
     c.synopsis = "[options]";
-    CHECK_OK(cli_run(&c, 2, (char *[]){name, flag, NULL}));
-    CU_ASSERT(cli_given("flag") && !cli_given("x"));
-    CHECK_OK(cli_run(&c, 2, (char *[]){name, both, NULL}));
-    CU_ASSERT(!cli_given("flag") && cli_given("x"));
-    CHECK_FAILS(cli_run(&c, 2, (char *[]){name, wrong, NULL}), RP_USAGE,
+    CHECK_OK(cli_run(&call, &c, 2, (char *[]){name, flag, NULL}));
+    CU_ASSERT(cli_given(&call, "flag") && !cli_given(&call, "x"));
+    CHECK_OK(cli_run(&call, &c, 2, (char *[]){name, both, NULL}));
+    CU_ASSERT(!cli_given(&call, "flag") && cli_given(&call, "x"));
+    CHECK_FAILS(cli_run(&call, &c, 2, (char *[]){name, wrong, NULL}), RP_USAGE,
                 "unknown option --flag=3 (did you mean --flag?)");
-    CHECK_FAILS(cli_run(&c, 2, (char *[]){name, letter, NULL}), RP_USAGE,
+    CHECK_FAILS(cli_run(&call, &c, 2, (char *[]){name, letter, NULL}), RP_USAGE,
                 "unknown option -y; see repose few --help");
+    rp_arena_release(&arena, NULL);
 }
 
 /* ---- manual pages ---- */
@@ -450,7 +445,7 @@ static void test_pages(void)
     static char overview[1 << 14];
     enter();
     GOOD("help --man pages");
-    each(cli_commands, check_page);
+    each(cli_repose.commands, check_page);
     GOOD("help");
     const char *files = strstr(out, "\n\nAn example, sweep or table ");
     CU_ASSERT_PTR_NOT_NULL_FATAL(files);
@@ -461,7 +456,7 @@ static void test_pages(void)
     line_is(".B repose");
     line_is(".I COMMAND");
     line_is("[options]");
-    group_is(cli_commands);
+    group_is(cli_repose.commands);
     line_is(".SH EXIT STATUS");
 #define X(name, code, text) item_is(#code, text);
     RP_STATUS_LIST(X)
@@ -493,7 +488,7 @@ static void completion_of(const cli_command *c)
                 strncat(choices, r, strcspn(r, "|")), r += strcspn(r, "|");
         if (p->type != RP_BOOL) line_is("    '%s'*' %s ') words='%s' ;;", c->name, options[i].typed, choices);
     }
-    for (const cli_command *const *g = cli_commands; *g && strcmp(c->name, "help") == 0; g++)
+    for (const cli_command *const *g = cli_repose.commands; *g && strcmp(c->name, "help") == 0; g++)
         strcat(strcat(words, (*g)->name), " ");
     for (size_t i = 0; i < n; i++) strcat(strcat(words, options[i].typed), " ");
     line_is("    '%s '*) words='%s--help' ;;", c->name, words);
@@ -510,8 +505,8 @@ static void test_completion(void)
     line_is("{");
     line_is("    local words=");
     line_is("    case \"${COMP_WORDS[*]:1:COMP_CWORD-1} \" in");
-    for (const cli_command *const *c = cli_commands; *c; c++) completion_of(*c);
-    for (const cli_command *const *c = cli_commands; *c; c++) strcat(strcat(words, (*c)->name), " ");
+    for (const cli_command *const *c = cli_repose.commands; *c; c++) completion_of(*c);
+    for (const cli_command *const *c = cli_repose.commands; *c; c++) strcat(strcat(words, (*c)->name), " ");
     line_is("    ' ') words='%s--help --version' ;;", words);
     line_is("    esac");
     line_is("    mapfile -t COMPREPLY < <(compgen -W \"$words\" -- \"${COMP_WORDS[COMP_CWORD]}\")");

@@ -5,7 +5,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "cli/cli.h"
+#include "cli/command.h"
 #include "core/version.h"
 #include "tests/check.h"
 #include "tests/program.h"
@@ -217,7 +217,8 @@ static void test_examples(void)
 static void check_pages(const cli_command *c, const char *completion)
 {
     char page[128], text[256];
-    const rp_param *p;
+    rp_arena arena = {0};
+    cli_call call = {.arena = &arena, .program = &cli_repose};
     if (c->group) {
         for (const cli_command *const *g = c->group; *g; g++) check_pages(*g, completion);
         return;
@@ -226,11 +227,11 @@ static void check_pages(const cli_command *c, const char *completion)
     for (char *blank; (blank = strchr(page, ' '));) *blank = '-';
     static char manual[1 << 17];
     slurp(page, manual, sizeof manual);
-    CHECK_OK(cli_options_of(c, &p));
+    cli_options_of(&call, c);
     snprintf(text, sizeof text, "    '%s '*) words='", c->name);
     const char *words = strstr(completion, text);
     CU_ASSERT_PTR_NOT_NULL_FATAL(words);
-    for (; p->name; p++) {
+    for (const rp_param *p = call.options; p->name; p++) {
         const char *dashes = strlen(p->name) == 1 ? "-" : "--";
         char plain[64], *to = text + sprintf(text, ".TP\n.B ");
         snprintf(plain, sizeof plain, "%s%s ", dashes, p->name);
@@ -241,6 +242,7 @@ static void check_pages(const cli_command *c, const char *completion)
         if (!there) fprintf(stderr, "%s: not in the page or completion of %s\n", plain, c->name);
         CU_ASSERT(there);
     }
+    rp_arena_release(&arena, NULL);
 }
 
 /* Words typed, and the word that follows. */
@@ -273,7 +275,7 @@ static void test_manual(void)
     PASSES("mkdir pages && cp $PREFIX/share/man/man1/* pages && (gunzip -q pages/*.gz; true) && "
            "cat $PREFIX/share/bash-completion/completions/repose");
     char *completion = strdup(out);
-    for (const cli_command *const *c = cli_commands; *c; c++) check_pages(*c, completion);
+    for (const cli_command *const *c = cli_repose.commands; *c; c++) check_pages(*c, completion);
     free(completion);
     PASSES("grep -q '^.B mu_roll$' pages/repose-params.1 && grep -q 'REPOSE_DATA' pages/repose.1");
     if (line_of("command -v groff"))

@@ -584,8 +584,9 @@ static void without_result(void)
     CHECK_FAILS(RUN(0, &r, "alpha_deg=59.9", "gap=0.1", "disorder=1e-3"), RP_BAD_INPUT, "alpha");
 }
 
-static void header(FILE *out)
+static void header(const void *context, FILE *out)
 {
+    (void)context;
     (void)out;
 }
 

@@ -46,8 +46,9 @@ static double output(const sweep_result *result, const char *name)
 /* A run with its tables in `folder`. */
 static char folder[64];
 
-static void no_header(FILE *out)
+static void no_header(const void *context, FILE *out)
 {
+    (void)context;
     (void)out;
 }
 

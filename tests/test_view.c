@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "cli/watch.h"
+#include "cli/progress.h"
 #include "tests/check.h"
 #include "tests/program.h"
 

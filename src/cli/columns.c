@@ -3,7 +3,39 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "cli/cli.h"
+#include "cli/columns.h"
+#include "params/units.h"
+#include "sweeps/engine/sweep.h"
+
+static void free_table(void *table)
+{
+    rp_table_free(table);
+}
+
+static rp_table *new_table(rp_arena *arena)
+{
+    return rp_arena_keep(arena, rp_arena_memory(arena, 1, sizeof(rp_table)), free_table);
+}
+
+rp_status cli_table_read(rp_arena *arena, const char *path, rp_table **table)
+{
+    *table = new_table(arena);
+    const rp_status status = rp_table_read(path, *table);
+    rp_units_set(rp_units_find(status ? NULL : rp_table_find_note(*table, "system")));
+    return status;
+}
+
+rp_status cli_texts_read(rp_arena *arena, const char *path, rp_table **table)
+{
+    *table = new_table(arena);
+    return rp_table_read_texts(path, *table);
+}
+
+rp_status cli_table_parse(rp_arena *arena, const char *name, char *text, rp_table **table)
+{
+    *table = new_table(arena);
+    return rp_table_parse(name, text, *table);
+}
 
 rp_status cli_find_column(const rp_table *table, const char *name, int *column)
 {
@@ -30,32 +62,32 @@ rp_status cli_column_list(const rp_table *table, const char *names, size_t most,
     return *n > 0 ? RP_OK : rp_fail(RP_BAD_INPUT, "\"%s\": a column expected", names);
 }
 
-rp_status cli_columns(const rp_table *table, const char *names, size_t *n, int **columns)
+rp_status cli_columns(rp_arena *arena, const rp_table *table, const char *names, size_t *n, int **columns)
 {
     *n = table->n_columns;
-    *columns = cli_memory(*n + strlen(names), sizeof **columns);
+    *columns = rp_arena_memory(arena, *n + strlen(names), sizeof **columns);
     for (size_t c = 0; c < *n; c++) (*columns)[c] = (int)c;
     return strcmp(names, "all") == 0 ? RP_OK : cli_column_list(table, names, strlen(names), n, *columns);
 }
 
-rp_status cli_read_columns(const rp_table *table, const char *names, double **block)
+rp_status cli_read_columns(rp_arena *arena, const rp_table *table, const char *names, double **block)
 {
     int columns[CLI_MOST_COLUMNS];
     size_t n, used = 0;
     RP_TRY(cli_column_list(table, names, CLI_MOST_COLUMNS, &n, columns));
-    *block = cli_memory(n * table->n_rows, sizeof **block);
+    *block = rp_arena_memory(arena, n * table->n_rows, sizeof **block);
     for (size_t c = 0; c < n; c++)
         for (size_t i = 0; i < table->n_rows; i++)
             RP_TRY(rp_table_number(table, i, columns[c], false, *block + used++));
     return RP_OK;
 }
 
-rp_status cli_read_file(const char *path, const char *names, double **block, size_t *n_rows)
+rp_status cli_read_file(rp_arena *arena, const char *path, const char *names, double **block, size_t *n_rows)
 {
     rp_table *table;
-    RP_TRY(cli_table_read(path, &table));
+    RP_TRY(cli_table_read(arena, path, &table));
     *n_rows = table->n_rows;
-    return cli_read_columns(table, names, block);
+    return cli_read_columns(arena, table, names, block);
 }
 
 /* Is this row left out? Count why. Its numbers go to `numbers`. */
@@ -90,10 +122,10 @@ static int by_key(const void *a, const void *b)
 }
 
 /* Where the groups of the ordered rows begin. */
-static void find_groups(cli_rows *r, const ranked rank[], const cli_groups *groups)
+static void find_groups(rp_arena *arena, cli_rows *r, const ranked rank[], const cli_groups *groups)
 {
     size_t g = 0;
-    r->first = cli_memory((groups ? groups->n_groups : r->n) + 1, sizeof *r->first);
+    r->first = rp_arena_memory(arena, (groups ? groups->n_groups : r->n) + 1, sizeof *r->first);
     for (size_t i = 0; i < r->n; i++)
         while (groups ? (double)g < rank[i].key : i > r->first[g] && rank[i].key != rank[i - 1].key)
             r->first[++g] = i;
@@ -101,14 +133,15 @@ static void find_groups(cli_rows *r, const ranked rank[], const cli_groups *grou
     while (g < r->n_groups) r->first[++g] = r->n;
 }
 
-rp_status cli_rows_read(const rp_table *t, const char *names, const cli_choice *choice, cli_rows *r)
+rp_status cli_rows_read(rp_arena *arena, const rp_table *t, const char *names, const cli_choice *choice,
+                        cli_rows *r)
 {
     int columns[CLI_MOST_COLUMNS];
     size_t k;
     *r = (cli_rows){0};
     RP_TRY(cli_column_list(t, names, CLI_MOST_COLUMNS, &k, columns));
-    double *numbers = cli_memory(t->n_rows * k, sizeof *numbers);
-    ranked *rank = cli_memory(t->n_rows, sizeof *rank);
+    double *numbers = rp_arena_memory(arena, t->n_rows * k, sizeof *numbers);
+    ranked *rank = rp_arena_memory(arena, t->n_rows, sizeof *rank);
     for (size_t i = 0; i < t->n_rows; i++) {
         bool out;
         if (choice->among && !choice->among[i]) continue;
@@ -120,10 +153,10 @@ rp_status cli_rows_read(const rp_table *t, const char *names, const cli_choice *
     if (r->n == 0)
         return rp_fail(RP_NO_RESULT, "%s: no row with status ok and numbers for %s", t->path, names);
     qsort(rank, r->n, sizeof *rank, by_key);
-    find_groups(r, rank, choice->groups);
-    r->row = cli_memory(r->n, sizeof *r->row);
+    find_groups(arena, r, rank, choice->groups);
+    r->row = rp_arena_memory(arena, r->n, sizeof *r->row);
     for (size_t c = 0; c < k; c++) {
-        r->column[c] = cli_memory(r->n, sizeof *r->column[c]);
+        r->column[c] = rp_arena_memory(arena, r->n, sizeof *r->column[c]);
         for (size_t i = 0; i < r->n; i++) r->column[c][i] = numbers[(r->row[i] = rank[i].row) * k + c];
     }
     return RP_OK;
@@ -160,7 +193,7 @@ rp_status cli_header_by(const rp_table *table, const char *by, const char *own)
     return RP_OK;
 }
 
-rp_status cli_group_rows(const rp_table *t, const char *by, char separator, cli_groups *g)
+rp_status cli_group_rows(rp_arena *arena, const rp_table *t, const char *by, char separator, cli_groups *g)
 {
     size_t n_by = 0, size;
     int columns[MOST_BY];
@@ -169,8 +202,8 @@ rp_status cli_group_rows(const rp_table *t, const char *by, char separator, cli_
     if (strcmp(by, "none") != 0) RP_TRY(cli_column_list(t, by, MOST_BY, &n_by, columns));
     FILE *text = open_memstream(&label, &size);
     if (!text) return rp_fail(RP_NO_MEMORY, "%s: out of memory", t->path);
-    g->of_row = cli_memory(t->n_rows, sizeof *g->of_row);
-    g->words = cli_memory(t->n_rows, sizeof *g->words);
+    g->of_row = rp_arena_memory(arena, t->n_rows, sizeof *g->of_row);
+    g->words = rp_arena_memory(arena, t->n_rows, sizeof *g->words);
     for (size_t i = 0; i < t->n_rows; i++) {
         rewind(text);
         for (size_t k = 0; k < n_by; k++) fprintf(text, "%s%s", k ? between : "", cli_text(t, i, columns[k]));
@@ -179,7 +212,8 @@ rp_status cli_group_rows(const rp_table *t, const char *by, char separator, cli_
         size_t group = 0;
         while (group < g->n_groups && strcmp(g->words[group], label) != 0) group++;
         g->of_row[i] = group;
-        if (group == g->n_groups) g->words[g->n_groups++] = strcpy(cli_memory(strlen(label), 1), label);
+        if (group == g->n_groups)
+            g->words[g->n_groups++] = strcpy(rp_arena_memory(arena, strlen(label), 1), label);
     }
     fclose(text);
     free(label);

@@ -1,10 +1,9 @@
-/* Progress of a sweep on a terminal; see cli.h. */
+/* Progress of a run and of a sweep; see progress.h. */
 #include <math.h>
 #include <stdarg.h>
 #include <unistd.h>
 
-#include "cli/cli.h"
-#include "cli/watch.h"
+#include "cli/progress.h"
 #include "core/clock.h"
 
 static const char bar[] = "##############################";
@@ -110,14 +109,10 @@ const sweep_watch *cli_watch(bool quiet)
     return !quiet && isatty(STDERR_FILENO) ? &watch : NULL;
 }
 
-rp_status cli_sweep_run(const char *dir, sweep_options options, bool quiet, sweep_counts *counts)
+void cli_sweep_progress(sweep_options *options, bool quiet, bool *drawn)
 {
-    bool drawn = false;
-    if (options.workers < 1) options.workers = (int)sysconf(_SC_NPROCESSORS_ONLN);
-    options.watch = quiet ? NULL : isatty(STDERR_FILENO) ? draw : print;
-    options.context = &drawn;
-    options.report = report;
-    rp_status status = sweep_run(dir, sweep_protocols, &options, counts);
-    if (drawn) fputc('\n', stderr);
-    return status;
+    *drawn = false;
+    options->watch = quiet ? NULL : isatty(STDERR_FILENO) ? draw : print;
+    options->context = drawn;
+    options->report = report;
 }

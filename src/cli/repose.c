@@ -1,8 +1,7 @@
 /* The program `repose`. */
-#include "cli/cli.h"
+#include "cli/command.h"
 
 int main(int argc, char **argv)
 {
-    static const cli_program repose = {"repose", cli_commands, cli_overview};
-    return cli_main(&repose, argc, argv);
+    return cli_main(&cli_repose, argc, argv);
 }

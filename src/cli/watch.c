@@ -33,18 +33,18 @@ static size_of_pile measure(const dem_sim *sim, const dem_state *states)
     return s;
 }
 
-static rp_status read_states(const dem_sim *sim, dem_state **states)
+static rp_status read_states(rp_arena *arena, const dem_sim *sim, dem_state **states)
 {
-    *states = cli_memory(dem_count(sim), sizeof **states);
+    *states = rp_arena_memory(arena, dem_count(sim), sizeof **states);
     return dem_states(sim, *states);
 }
 
-rp_status cli_at_rest(const dem_sim *sim, bool *at_rest)
+rp_status cli_at_rest(rp_arena *arena, const dem_sim *sim, bool *at_rest)
 {
     static const double LEAST = 1e-7; /* m g d, as `rest_energy` of the sweeps' boxes */
     dem_state *states;
     dem_rest rest;
-    RP_TRY(read_states(sim, &states));
+    RP_TRY(read_states(arena, sim, &states));
     RP_TRY(dem_rest_state(sim, -INFINITY, INFINITY, &rest));
     const size_of_pile s = measure(sim, states);
     *at_rest = rest.kinetic_energy <= LEAST * s.weight * s.d;
@@ -65,10 +65,10 @@ static void find_pile(const dem_sim *sim, double x[2])
 }
 
 /* Slopes over this range of x, with the mean diameter as the cell, seen from the left or the right. */
-static rp_status slopes_of(size_t n, const dem_state *states, const size_of_pile *s, bool mirrored,
-                           ang_slope slopes[ANG_N_METHODS])
+static rp_status slopes_of(rp_arena *arena, size_t n, const dem_state *states, const size_of_pile *s,
+                           bool mirrored, ang_slope slopes[ANG_N_METHODS])
 {
-    double *x = cli_memory(2 * n, sizeof *x), *y = x + n;
+    double *x = rp_arena_memory(arena, 2 * n, sizeof *x), *y = x + n;
     ang_options options = ANG_OPTIONS_DEFAULT;
     ang_surface surface = {0};
     for (size_t i = 0; i < n; i++) {
@@ -84,7 +84,7 @@ static rp_status slopes_of(size_t n, const dem_state *states, const size_of_pile
     return status;
 }
 
-rp_status cli_slope_of(const dem_sim *sim, cli_slope *slope)
+rp_status cli_slope_of(rp_arena *arena, const dem_sim *sim, cli_slope *slope)
 {
     static const double CLEAR = 3.0; /* standard errors */
     double gravity[2];
@@ -92,13 +92,13 @@ rp_status cli_slope_of(const dem_sim *sim, cli_slope *slope)
     *slope = (cli_slope){NAN, NAN, {NAN, NAN}};
     dem_gravity(sim, gravity);
     if (!(gravity[0] == 0.0 && gravity[1] < 0.0) || dem_count(sim) == 0) return RP_OK;
-    RP_TRY(read_states(sim, &states));
+    RP_TRY(read_states(arena, sim, &states));
     size_of_pile s = measure(sim, states);
     rp_status status = RP_OK;
     find_pile(sim, s.x);
     for (int mirrored = 0; mirrored < 2 && !status && s.x[0] < s.x[1]; mirrored++) {
         ang_slope slopes[ANG_N_METHODS];
-        status = slopes_of(dem_count(sim), states, &s, mirrored, slopes);
+        status = slopes_of(arena, dem_count(sim), states, &s, mirrored, slopes);
         bool clear = !status;
         for (int k = 0; k < ANG_N_METHODS && clear; k++) clear = slopes[k].slope > CLEAR * slopes[k].slope_se;
         if (clear) *slope = (cli_slope){slopes[2].theta / deg, slopes[2].theta_se / deg, {s.x[0], s.x[1]}};
@@ -110,12 +110,12 @@ rp_status cli_slope_of(const dem_sim *sim, cli_slope *slope)
 
 enum { MOST_SAMPLES = 1000 };
 
-rp_status cli_plot_open(cli_plot *plot)
+rp_status cli_plot_open(rp_arena *arena, cli_plot *plot)
 {
     static char *const arguments[] = {"gnuplot", NULL};
     *plot = (cli_plot){.text = !cli_has_screen(), .every = 1};
     RP_TRY(cli_gnuplot_open(&plot->gnuplot, arguments, "gnuplot-nox", stderr));
-    plot->sample = cli_memory(MOST_SAMPLES, sizeof *plot->sample);
+    plot->sample = rp_arena_memory(arena, MOST_SAMPLES, sizeof *plot->sample);
     plot->open = true;
     struct winsize size = {.ws_col = 80, .ws_row = 32};
     if (isatty(STDERR_FILENO)) ioctl(STDERR_FILENO, TIOCGWINSZ, &size);
@@ -143,13 +143,14 @@ static void add_sample(cli_plot *p, const dem_sim *sim)
 }
 
 /* Highest point of the grains in cells of a mean diameter. */
-static void put_surface(const dem_sim *sim, FILE *out)
+static void put_surface(rp_arena *arena, const dem_sim *sim, FILE *out)
 {
     enum { MOST_CELLS = 1000 };
     dem_state *states;
-    const size_t n = dem_count(sim), mark = cli_mark();
+    const size_t n = dem_count(sim);
+    const rp_mark mark = rp_arena_mark(arena);
     double top[MOST_CELLS + 1];
-    if (n == 0 || read_states(sim, &states)) return;
+    if (n == 0 || read_states(arena, sim, &states)) return;
     const size_of_pile s = measure(sim, states);
     const size_t cells = (size_t)fmin(ceil((s.x[1] - s.x[0]) / s.d), MOST_CELLS);
     for (size_t k = 0; k <= cells; k++) top[k] = -INFINITY;
@@ -159,10 +160,10 @@ static void put_surface(const dem_sim *sim, FILE *out)
     }
     for (size_t k = 0; k <= cells; k++)
         if (isfinite(top[k])) fprintf(out, "%.9g %.9g\n", s.x[0] + ((double)k + 0.5) * s.d, top[k]);
-    cli_release(mark);
+    rp_arena_release(arena, mark);
 }
 
-void cli_plot_show(cli_plot *p, const dem_sim *sim, const char *title, bool last)
+void cli_plot_show(rp_arena *arena, cli_plot *p, const dem_sim *sim, const char *title, bool last)
 {
     FILE *out = p->gnuplot.in;
     if (!p->open || ferror(out)) return;
@@ -173,7 +174,7 @@ void cli_plot_show(cli_plot *p, const dem_sim *sim, const char *title, bool last
     for (size_t k = 0; k < p->n; k++)
         fprintf(out, "%.9g %.9g %.9g\n", p->sample[k][0], p->sample[k][1], p->sample[k][2]);
     fputs("end\n$surface << end\n", out);
-    put_surface(sim, out);
+    put_surface(arena, sim, out);
     fprintf(out,
             "end\nset multiplot layout 2,1\nset title \"%s\" noenhanced\nset xlabel 't (%s)' noenhanced\n"
             "set ylabel 'energy (%s)' noenhanced\nplot $energy using 1:2 with lines title 'kinetic energy', "

@@ -2,21 +2,9 @@
 #ifndef CLI_WATCH_H
 #define CLI_WATCH_H
 
+#include "core/arena.h"
 #include "view/gnuplot.h"
 #include "dem/scene/scene.h"
-
-/* Progress on standard error: a bar with the time left on a terminal, else a line a minute. Times are in
- * seconds, of any clock. */
-typedef struct {
-    bool quiet, terminal, drawn;
-    double started, next;
-    long from, to;
-} cli_progress;
-cli_progress cli_progress_start(bool quiet, bool terminal, double now, long from, long to);
-void cli_progress_show(cli_progress *p, double now, long step, FILE *out);
-
-/* "step 20 of 100, 20 %, 0:12 left" */
-void cli_progress_text(const cli_progress *p, double now, long step, char text[120]);
 
 /* Energies and the surface, drawn by gnuplot in a window, or as text on standard error without a screen. */
 typedef struct {
@@ -28,13 +16,13 @@ typedef struct {
 } cli_plot;
 
 /* Errors: those of cli_gnuplot_open. A plot that fails later is no error of the run. */
-rp_status cli_plot_open(cli_plot *plot);
-void cli_plot_show(cli_plot *plot, const dem_sim *sim, const char *title, bool last);
+rp_status cli_plot_open(rp_arena *arena, cli_plot *plot);
+void cli_plot_show(rp_arena *arena, cli_plot *plot, const dem_sim *sim, const char *title, bool last);
 void cli_plot_close(cli_plot *plot);
 
 /* Are the grains at rest: is their mean kinetic energy below 1e-7 m g d? Without gravity only without any.
  * Errors: RP_NO_MEMORY. */
-rp_status cli_at_rest(const dem_sim *sim, bool *rest);
+rp_status cli_at_rest(rp_arena *arena, const dem_sim *sim, bool *rest);
 
 /* theta_R by method 3 and its standard error, in degrees, over a range of x. */
 typedef struct {
@@ -44,6 +32,6 @@ typedef struct {
 /* That of a pile at rest whose surface falls to one side: the slopes by all three methods have one sign and
  * exceed three times their errors; else NaN. Gravity points down. The pile ends at an upright wall that has
  * opened, and else where the grains end. Errors: RP_NO_MEMORY. */
-rp_status cli_slope_of(const dem_sim *sim, cli_slope *slope);
+rp_status cli_slope_of(rp_arena *arena, const dem_sim *sim, cli_slope *slope);
 
 #endif

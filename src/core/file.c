@@ -66,6 +66,11 @@ rp_status rp_file_close(const char *path, FILE *out, rp_status keep)
     return status;
 }
 
+bool rp_ends_in(const char *text, const char *end)
+{
+    return strlen(text) >= strlen(end) && strcmp(text + strlen(text) - strlen(end), end) == 0;
+}
+
 rp_status rp_make_directory(const char *path)
 {
     char part[4096];

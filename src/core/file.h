@@ -2,6 +2,7 @@
 #ifndef RP_FILE_H
 #define RP_FILE_H
 
+#include <stdbool.h>
 #include <stdio.h>
 
 #include "core/status.h"
@@ -19,6 +20,9 @@ rp_status rp_file_close(const char *path, FILE *out, rp_status keep);
 /* The whole text of a file ("-": standard input); free it, also after an error.
  * Errors: RP_BAD_INPUT (cannot be read, more than 1 GB, a byte 0), RP_NO_MEMORY. */
 rp_status rp_file_read(const char *path, char **text);
+
+/* Does a text, as a file's name, end in these letters? */
+bool rp_ends_in(const char *text, const char *end);
 
 /* Make a directory and its parents. Errors: RP_IO. */
 rp_status rp_make_directory(const char *path);

@@ -48,7 +48,7 @@ typedef struct {
 
 /* Sets n, first and steps from the steps of n rows, or from NaN: one frame. The frame with this
  * step, where the table has a column of steps; none: n. */
-void cli_frames_split(size_t n, const double step[], cli_frames *frames);
+void cli_frames_split(rp_arena *arena, size_t n, const double step[], cli_frames *frames);
 size_t cli_frame_at(const cli_frames *frames, double step);
 
 /* Step and time of a frame of grains; without a column of times the step, without one of steps its number. */
@@ -66,10 +66,11 @@ rp_status cli_export_vtk(const cli_run_frames *run, const char *path);
 /* The frames of the run in `folder`, as `repose run --dump` writes them there: run.lammpstrj, run.xyz or
  * run.pvd. Errors: those of the writers and of the tables. */
 typedef enum { CLI_NO_DUMP, CLI_DUMP_LAMMPS, CLI_DUMP_XYZ, CLI_DUMP_VTK } cli_dump;
-rp_status cli_export_run(const char *folder, cli_dump format);
+rp_status cli_export_run(const cli_call *call, const char *folder, cli_dump format);
 
 /* The scene in file `scene` as the LAMMPS input `path` and its data file. Errors: RP_BAD_INPUT naming the key
  * for which LAMMPS has no equal. */
-rp_status cli_export_lammps_input(const char *scene, const rp_texts *changes, const char *path);
+rp_status cli_export_lammps_input(rp_arena *arena, const char *scene, const rp_texts *changes,
+                                  const char *path);
 
 #endif

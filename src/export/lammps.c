@@ -5,6 +5,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "core/file.h"
 #include "export/export.h"
 #include "dem/setup/definition.h"
 #include "dem/scene/scene.h"
@@ -84,13 +85,13 @@ static rp_status check_scene(const dem_definition *def)
     return check_walls(def);
 }
 
-static rp_status find_types(lammps_scene *s)
+static rp_status find_types(rp_arena *arena, lammps_scene *s)
 {
     if (s->def.normal == DEM_LINEAR) {
         s->n_types = 1;
         return RP_OK;
     }
-    double *r = cli_memory(s->n, sizeof *r);
+    double *r = rp_arena_memory(arena, s->n, sizeof *r);
     for (size_t i = 0; i < s->n; i++) r[i] = s->grains[i].r;
     gsl_sort(r, 1, s->n);
     for (size_t i = 0; i < s->n; i++) {
@@ -107,15 +108,15 @@ static rp_status find_types(lammps_scene *s)
 }
 
 /* The grains of the start, and with them what a restitution stands for. */
-static rp_status start_scene(lammps_scene *s)
+static rp_status start_scene(rp_arena *arena, lammps_scene *s)
 {
     dem_sim *sim;
     RP_TRY(dem_scene_start(&s->scene, &sim));
     s->n = dem_count(sim);
-    s->grains = cli_memory(s->n, sizeof *s->grains);
+    s->grains = rp_arena_memory(arena, s->n, sizeof *s->grains);
     rp_status status = dem_states(sim, s->grains);
     dem_free(sim);
-    dem_grain *grains = cli_memory(s->n, sizeof *grains);
+    dem_grain *grains = rp_arena_memory(arena, s->n, sizeof *grains);
     s->box[0][0] = s->box[1][0] = INFINITY, s->box[0][1] = s->box[1][1] = -INFINITY;
     for (size_t i = 0; i < s->n && !status; i++) {
         const dem_state *p = &s->grains[i];
@@ -285,17 +286,18 @@ static rp_status write_files(const lammps_scene *s, const char *scene, const cha
     return cli_export_close(&e, RP_OK);
 }
 
-rp_status cli_export_lammps_input(const char *scene, const rp_texts *changes, const char *path)
+rp_status cli_export_lammps_input(rp_arena *arena, const char *scene, const rp_texts *changes,
+                                  const char *path)
 {
     lammps_scene s = {.n = 0};
     const size_t n = strlen(path);
-    if (n < 4 || n > 4000 || !cli_ends_in(path, ".in"))
+    if (n < 4 || n > 4000 || !rp_ends_in(path, ".in"))
         return rp_fail(RP_USAGE, "-o %s: lammps-input needs a name that ends in .in", path);
     rp_status status = dem_scene_read(scene, changes, &s.scene);
     if (!status) {
         status = check_scene(&s.scene.def);
-        if (!status) status = start_scene(&s);
-        if (!status) status = find_types(&s);
+        if (!status) status = start_scene(arena, &s);
+        if (!status) status = find_types(arena, &s);
         rp_prefix(status, "%s: ", scene);
     }
     if (!status) status = write_files(&s, scene, path);

@@ -4,6 +4,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
+#include "core/file.h"
 #include "export/export.h"
 
 /* One piece of PolyData in the making: points, then cells of `size` points each. */
@@ -174,7 +175,7 @@ rp_status cli_export_vtk(const cli_run_frames *run, const char *path)
     char folder[4096 + 8];
     cli_export e;
     const size_t n = strlen(path);
-    if (n < 5 || n > 4000 || !cli_ends_in(path, ".pvd"))
+    if (n < 5 || n > 4000 || !rp_ends_in(path, ".pvd"))
         return rp_fail(RP_USAGE, "-o %s: vtk needs a name that ends in .pvd", path);
     strcat(strcpy(folder, cli_export_stem(path, (char[4096]){0})), "_frames");
     rp_status status = RP_OK;

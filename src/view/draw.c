@@ -87,11 +87,11 @@ static stress_grid grid_of(const view_scale *s)
                          .ny = (size_t)ceil((s->window[3] - s->start[1]) / s->cell)};
 }
 
-static rp_status stress_of(const view_frame *f, const view_scale *s, stress_tensor **cells)
+static rp_status stress_of(rp_arena *arena, const view_frame *f, const view_scale *s, stress_tensor **cells)
 {
     const stress_grid g = grid_of(s);
-    stress_contact *contacts = cli_memory(f->n_contacts, sizeof *contacts);
-    *cells = cli_memory(g.nx * g.ny, sizeof **cells);
+    stress_contact *contacts = rp_arena_memory(arena, f->n_contacts, sizeof *contacts);
+    *cells = rp_arena_memory(arena, g.nx * g.ny, sizeof **cells);
     for (size_t k = 0; k < f->n_contacts; k++) contacts[k] = f->contacts[k].c;
     return stress_cells(f->n_contacts, contacts, &g, *cells);
 }
@@ -104,10 +104,10 @@ static void add_to_bin(const view_scale *s, size_t n, double pressure[], double 
 
 /* Vertical force on the base a unit of length, in bins: of contacts with walls that are no steeper than 45
  * degrees and below the grain. */
-static double *pressure_of(const view_frame *f, const view_scale *s, size_t *n)
+static double *pressure_of(rp_arena *arena, const view_frame *f, const view_scale *s, size_t *n)
 {
     *n = grid_of(s).nx;
-    double *pressure = cli_memory(*n, sizeof *pressure);
+    double *pressure = rp_arena_memory(arena, *n, sizeof *pressure);
     for (const view_contact *v = f->contacts; v < f->contacts + f->n_contacts; v++)
         if (v->wall && v->c.y - v->c.y_b >= fabs(v->c.x - v->c.x_b))
             add_to_bin(s, *n, pressure, v->c.x_b, v->c.fy);
@@ -116,25 +116,25 @@ static double *pressure_of(const view_frame *f, const view_scale *s, size_t *n)
 }
 
 /* The largest principal stress and pressure of a frame; the range of the values of all. */
-static rp_status measure(const view_frame *f, const view_style *style, view_scale *s, double *stress,
-                         double *pressure)
+static rp_status measure(rp_arena *arena, const view_frame *f, const view_style *style, view_scale *s,
+                         double *stress, double *pressure)
 {
     const stress_grid g = grid_of(s);
-    const size_t mark = cli_mark();
+    const rp_mark mark = rp_arena_mark(arena);
     stress_tensor *cells;
-    rp_status status = style->stress ? stress_of(f, s, &cells) : RP_OK;
+    rp_status status = style->stress ? stress_of(arena, f, s, &cells) : RP_OK;
     for (size_t k = 0; style->stress && !status && k < g.nx * g.ny; k++) {
         const stress_circle c = stress_mohr(&cells[k]);
         *stress = fmax(*stress, fabs(c.pressure) + c.shear);
     }
     size_t n = 0;
-    const double *bins = style->base ? pressure_of(f, s, &n) : NULL;
+    const double *bins = style->base ? pressure_of(arena, f, s, &n) : NULL;
     for (size_t k = 0; k < n; k++) *pressure = fmax(*pressure, bins[k]);
     for (size_t i = 0; f->value && i < f->n; i++) {
         s->value[0] = fmin(s->value[0], f->value[i]);
         s->value[1] = fmax(s->value[1], f->value[i]);
     }
-    cli_release(mark);
+    rp_arena_release(arena, mark);
     return status;
 }
 
@@ -152,8 +152,8 @@ static void lay_out(const view_style *style, view_scale *s)
     s->height = fmin(width * y / x, TALLEST) + TOP + BOTTOM + s->panel;
 }
 
-rp_status view_scale_of(const view_scene *scene, size_t first, size_t last, const view_style *style,
-                        view_scale *s)
+rp_status view_scale_of(rp_arena *arena, const view_scene *scene, size_t first, size_t last,
+                        const view_style *style, view_scale *s)
 {
     enum { MOST_CELLS = 100000 };
     const view_frame *const from = scene->frames + first, *const end = scene->frames + last + 1;
@@ -170,11 +170,12 @@ rp_status view_scale_of(const view_scene *scene, size_t first, size_t last, cons
         return rp_fail(RP_BAD_INPUT, "cell = %g: more than %d cells", s->cell, MOST_CELLS);
     lay_out(style, s);
     const size_t n = last - first + 1;
-    double *force = cli_memory(n, sizeof *force), *stress = cli_memory(n, sizeof *stress),
-           *pressure = cli_memory(n, sizeof *pressure);
+    double *force = rp_arena_memory(arena, n, sizeof *force),
+           *stress = rp_arena_memory(arena, n, sizeof *stress),
+           *pressure = rp_arena_memory(arena, n, sizeof *pressure);
     for (size_t k = 0; k < n; k++) {
         force[k] = largest_force(from + k);
-        RP_TRY(measure(from + k, style, s, &stress[k], &pressure[k]));
+        RP_TRY(measure(arena, from + k, style, s, &stress[k], &pressure[k]));
     }
     s->force = typical(n, force), s->stress = typical(n, stress), s->pressure = typical(n, pressure);
     if (style->stress && !(s->stress > 0.0))
@@ -304,11 +305,11 @@ static bool put_walls(const view_frame *f, const view_scale *s, FILE *out)
 }
 
 /* Both principal stresses of each cell as a cross. */
-static rp_status put_stress(const view_frame *f, const view_scale *s, FILE *out)
+static rp_status put_stress(rp_arena *arena, const view_frame *f, const view_scale *s, FILE *out)
 {
     const stress_grid g = grid_of(s);
     stress_tensor *cells;
-    rp_status status = stress_of(f, s, &cells);
+    rp_status status = stress_of(arena, f, s, &cells);
     fputs("$stress << end\n", out);
     for (size_t k = 0; !status && k < g.nx * g.ny; k++) {
         const stress_circle c = stress_mohr(&cells[k]);
@@ -334,13 +335,14 @@ static double round_step(double x)
     return ten * (x <= ten ? 1.0 : x <= 2.0 * ten ? 2.0 : x <= 5.0 * ten ? 5.0 : 10.0);
 }
 
-static void put_panel(const view_scene *scene, const view_frame *f, const view_scale *s, FILE *out)
+static void put_panel(rp_arena *arena, const view_scene *scene, const view_frame *f, const view_scale *s,
+                      FILE *out)
 {
     char unit[80] = "1";
     if (strcmp(scene->force, "1") != 0 && strcmp(scene->length, "1") != 0)
         snprintf(unit, sizeof unit, "%s/%s", scene->force, scene->length);
     size_t n;
-    const double *pressure = pressure_of(f, s, &n);
+    const double *pressure = pressure_of(arena, f, s, &n);
     fputs("$base << end\n", out);
     for (size_t k = 0; k < n; k++)
         fprintf(out, "%.9g %.9g\n", s->start[0] + ((double)k + 0.5) * s->cell, pressure[k]);
@@ -386,16 +388,16 @@ static void put_circles(const view_style *style, const view_scale *s, FILE *out)
                 *style->color ? ":4" : "", fill);
 }
 
-rp_status view_draw(const view_scene *scene, const view_frame *f, const view_style *style,
+rp_status view_draw(rp_arena *arena, const view_scene *scene, const view_frame *f, const view_style *style,
                     const view_scale *s, FILE *out)
 {
-    const size_t mark = cli_mark();
+    const rp_mark mark = rp_arena_mark(arena);
     const bool chains = f->n_contacts > 0 && s->force > 0.0;
     rp_status status = RP_OK;
     put_grains(f, out);
     if (chains) put_contacts(f, s, out);
     const bool walls = put_walls(f, s, out);
-    if (style->stress) status = put_stress(f, s, out);
+    if (style->stress) status = put_stress(arena, f, s, out);
     put_title(scene, f, s, out);
     if (style->base) fputs("set multiplot\nunset xlabel\n", out);
     fprintf(out,
@@ -416,7 +418,7 @@ rp_status view_draw(const view_scene *scene, const view_frame *f, const view_sty
         fprintf(out, ", \\\n NaN with vectors arrowstyle 50 title \"principal stress, largest %.4g %s/%s\"",
                 s->stress, scene->force, scene->length);
     fputc('\n', out);
-    if (style->base) put_panel(scene, f, s, out);
-    cli_release(mark);
+    if (style->base) put_panel(arena, scene, f, s, out);
+    rp_arena_release(arena, mark);
     return ferror(out) ? rp_fail(RP_IO, "gnuplot ended early") : status;
 }

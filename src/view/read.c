@@ -5,6 +5,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
+#include "core/file.h"
 #include "export/export.h"
 #include "view/view.h"
 
@@ -16,13 +17,13 @@ typedef struct {
     char unit[MOST][32];
 } numbers;
 
-static rp_status read_column(const rp_table *t, const char *name, const char *expected, double **values,
-                             char unit[32])
+static rp_status read_column(rp_arena *arena, const rp_table *t, const char *name, const char *expected,
+                             double **values, char unit[32])
 {
     const bool optional = *name == '?';
     int column = rp_table_column(t, name + optional);
     strcpy(unit, "1");
-    *values = cli_memory(t->n_rows, sizeof **values);
+    *values = rp_arena_memory(arena, t->n_rows, sizeof **values);
     if (column < 0 && !optional) RP_TRY(rp_table_find(t, name, expected, &column));
     if (column >= 0) cli_column_unit(t, column, unit);
     for (size_t i = 0; i < t->n_rows; i++) {
@@ -33,13 +34,14 @@ static rp_status read_column(const rp_table *t, const char *name, const char *ex
 }
 
 /* A table without rows is empty, whatever its columns. */
-static rp_status read_numbers(const char *path, const char *const names[], const char *expected, numbers *out)
+static rp_status read_numbers(rp_arena *arena, const char *path, const char *const names[],
+                              const char *expected, numbers *out)
 {
     rp_table t;
     rp_status status = rp_table_read(path, &t);
     out->n = t.n_rows;
     for (size_t k = 0; names[k] && t.n_rows > 0 && !status; k++)
-        status = read_column(&t, names[k], expected, &out->column[k], out->unit[k]);
+        status = read_column(arena, &t, names[k], expected, &out->column[k], out->unit[k]);
     rp_table_free(&t);
     return status;
 }
@@ -68,7 +70,7 @@ static void find_source(const char *path, source *s)
     *s = (source){{0}};
     snprintf(s->grains, sizeof s->grains, "%s", path);
     for (size_t k = 0; k < N_OF(grains); k++) {
-        if (!cli_ends_in(path, grains[k])) continue;
+        if (!rp_ends_in(path, grains[k])) continue;
         find_beside(path, strlen(grains[k]), "contacts.tsv", s->contacts);
         find_beside(path, strlen(grains[k]), "walls.tsv", s->walls);
         if (k == 2) find_beside(path, strlen(grains[k]), "base.tsv", s->base);
@@ -82,13 +84,14 @@ static int by_force(const void *a, const void *b)
     return (f > g) - (f < g);
 }
 
-static rp_status read_contacts(const char *path, numbers *c, view_contact **contacts, char unit[32])
+static rp_status read_contacts(rp_arena *arena, const char *path, numbers *c, view_contact **contacts,
+                               char unit[32])
 {
     static const char *const names[] = {"?step",        "x",     "y", "x_b", "y_b", "?normal_force", "?force",
                                         "?shear_force", "?wall", NULL};
-    RP_TRY(read_numbers(path, names, "x y x_b y_b, and normal_force or force", c));
+    RP_TRY(read_numbers(arena, path, names, "x y x_b y_b, and normal_force or force", c));
     if (c->n == 0) return RP_OK;
-    *contacts = cli_memory(c->n, sizeof **contacts);
+    *contacts = rp_arena_memory(arena, c->n, sizeof **contacts);
     for (size_t k = 0; k < c->n; k++) {
         view_contact *v = &(*contacts)[k];
         const double normal = isnan(c->column[5][k]) ? c->column[6][k] : c->column[5][k],
@@ -105,11 +108,11 @@ static rp_status read_contacts(const char *path, numbers *c, view_contact **cont
     return RP_OK;
 }
 
-static rp_status read_walls(const char *path, numbers *w, view_wall **walls)
+static rp_status read_walls(rp_arena *arena, const char *path, numbers *w, view_wall **walls)
 {
     static const char *const names[] = {"?step", "x", "y", "direction_x", "direction_y", "from", "to", NULL};
-    RP_TRY(read_numbers(path, names, "x y direction_x direction_y from to", w));
-    *walls = cli_memory(w->n, sizeof **walls);
+    RP_TRY(read_numbers(arena, path, names, "x y direction_x direction_y from to", w));
+    *walls = rp_arena_memory(arena, w->n, sizeof **walls);
     for (size_t k = 0; k < w->n; k++)
         (*walls)[k] = (view_wall){w->column[1][k],
                                   w->column[2][k],
@@ -118,10 +121,10 @@ static rp_status read_walls(const char *path, numbers *w, view_wall **walls)
     return RP_OK;
 }
 
-static cli_frames split(const numbers *t)
+static cli_frames split(rp_arena *arena, const numbers *t)
 {
     cli_frames f = {.step = -1};
-    cli_frames_split(t->n, t->column[0], &f);
+    cli_frames_split(arena, t->n, t->column[0], &f);
     if (t->n > 0 && !isnan(t->column[0][0])) f.step = 0;
     return f;
 }
@@ -157,16 +160,18 @@ static void put_frames(const numbers *g, const cli_frames *grains, const cli_fra
     }
 }
 
-static rp_status add_source(const source *s, const char *color, view_scene *scene)
+static rp_status add_source(rp_arena *arena, const source *s, const char *color, view_scene *scene)
 {
     const char *names[] = {"?step", "?t", "x", "y", "r", *color ? color : NULL, NULL};
     numbers g = {0}, c = {0}, w = {0}, b = {0};
-    view_contact *contacts = cli_memory(0, sizeof *contacts); /* frames point into both, also if empty */
-    view_wall *walls = cli_memory(0, sizeof *walls);
-    RP_TRY(read_numbers(s->grains, names, "x y r", &g));
-    if (*s->contacts) RP_TRY(read_contacts(s->contacts, &c, &contacts, scene->force));
-    if (*s->walls) RP_TRY(read_walls(s->walls, &w, &walls));
-    if (*s->base) RP_TRY(read_numbers(s->base, (const char *const[]){"x", "N/mg", NULL}, "x N/mg", &b));
+    view_contact *contacts =
+        rp_arena_memory(arena, 0, sizeof *contacts); /* frames point into both, also if empty */
+    view_wall *walls = rp_arena_memory(arena, 0, sizeof *walls);
+    RP_TRY(read_numbers(arena, s->grains, names, "x y r", &g));
+    if (*s->contacts) RP_TRY(read_contacts(arena, s->contacts, &c, &contacts, scene->force));
+    if (*s->walls) RP_TRY(read_walls(arena, s->walls, &w, &walls));
+    if (*s->base)
+        RP_TRY(read_numbers(arena, s->base, (const char *const[]){"x", "N/mg", NULL}, "x N/mg", &b));
     if (g.n == 0) return RP_OK;
     for (size_t k = 0; k < g.n; k++)
         if (!(isfinite(g.column[2][k] + g.column[3][k]) && g.column[4][k] > 0.0 && isfinite(g.column[4][k])))
@@ -174,8 +179,8 @@ static rp_status add_source(const source *s, const char *color, view_scene *scen
     snprintf(scene->length, sizeof scene->length, "%s", g.unit[2]);
     snprintf(scene->time, sizeof scene->time, "%s", g.unit[1]);
     if (*color) snprintf(scene->quantity, sizeof scene->quantity, "%s", g.unit[5]);
-    const cli_frames grains = split(&g), of_contacts = split(&c), of_walls = split(&w);
-    view_frame *frames = cli_memory(scene->n + grains.n, sizeof *frames);
+    const cli_frames grains = split(arena, &g), of_contacts = split(arena, &c), of_walls = split(arena, &w);
+    view_frame *frames = rp_arena_memory(arena, scene->n + grains.n, sizeof *frames);
     if (scene->n > 0) memcpy(frames, scene->frames, scene->n * sizeof *frames);
     put_frames(&g, &grains, &of_contacts, &of_walls, contacts, walls, frames + scene->n);
     for (view_frame *f = frames + scene->n; f < frames + scene->n + grains.n; f++) {
@@ -195,7 +200,7 @@ static int by_step(const void *a, const void *b)
 }
 
 /* The tables of a folder: of a scene, of a static pile, or of each stage of a sweep's run. */
-static rp_status read_folder(const char *path, const char *color, view_scene *scene)
+static rp_status read_folder(rp_arena *arena, const char *path, const char *color, view_scene *scene)
 {
     static const char *const one[] = {"states.tsv", "disks.tsv"};
     char table[4096];
@@ -204,7 +209,7 @@ static rp_status read_folder(const char *path, const char *color, view_scene *sc
         snprintf(table, sizeof table, "%s/%s", path, one[k]);
         if (!is_file(table)) continue;
         find_source(table, &s);
-        return add_source(&s, color, scene);
+        return add_source(arena, &s, color, scene);
     }
     rp_status status = RP_OK;
     struct dirent **names;
@@ -212,7 +217,8 @@ static rp_status read_folder(const char *path, const char *color, view_scene *sc
     for (int k = 0; k < n; k++) {
         snprintf(table, sizeof table, "%s/%s", path, names[k]->d_name);
         find_source(table, &s);
-        if (!status && cli_ends_in(names[k]->d_name, "_grains.tsv")) status = add_source(&s, color, scene);
+        if (!status && rp_ends_in(names[k]->d_name, "_grains.tsv"))
+            status = add_source(arena, &s, color, scene);
         free(names[k]);
     }
     if (n >= 0) free(names);
@@ -220,14 +226,14 @@ static rp_status read_folder(const char *path, const char *color, view_scene *sc
     return status;
 }
 
-rp_status view_read(const char *path, const char *color, view_scene *scene)
+rp_status view_read(rp_arena *arena, const char *path, const char *color, view_scene *scene)
 {
     struct stat info;
     source s;
     *scene = (view_scene){.length = "1", .force = "1", .time = "1", .quantity = "1"};
     const bool folder = stat(path, &info) == 0 && S_ISDIR(info.st_mode);
     find_source(path, &s);
-    RP_TRY(folder ? read_folder(path, color, scene) : add_source(&s, color, scene));
+    RP_TRY(folder ? read_folder(arena, path, color, scene) : add_source(arena, &s, color, scene));
     if (scene->n > 0) return RP_OK;
     return folder ? rp_fail(RP_BAD_INPUT, "%s: no rows in a states.tsv, disks.tsv or ..._grains.tsv", path)
                   : rp_fail(RP_BAD_INPUT, "%s: no rows", path);

@@ -37,7 +37,7 @@ typedef struct {
 } view_scene;
 
 /* All frames of a folder or table; `color`: column of the values, "" for none. Errors: RP_BAD_INPUT. */
-rp_status view_read(const char *path, const char *color, view_scene *scene);
+rp_status view_read(rp_arena *arena, const char *path, const char *color, view_scene *scene);
 
 /* Height of letters in an svg picture, pixels. */
 #define VIEW_LETTERS 11
@@ -62,12 +62,12 @@ typedef struct {
 } view_scale;
 
 /* Scale for the frames first to last. */
-rp_status view_scale_of(const view_scene *scene, size_t first, size_t last, const view_style *style,
-                        view_scale *scale);
+rp_status view_scale_of(rp_arena *arena, const view_scene *scene, size_t first, size_t last,
+                        const view_style *style, view_scale *scale);
 
 /* Settings that all frames share, after the terminal; one frame. */
 void view_draw_start(const view_scene *scene, const view_style *style, const view_scale *scale, FILE *out);
-rp_status view_draw(const view_scene *scene, const view_frame *frame, const view_style *style,
-                    const view_scale *scale, FILE *out);
+rp_status view_draw(rp_arena *arena, const view_scene *scene, const view_frame *frame,
+                    const view_style *style, const view_scale *scale, FILE *out);
 
 #endif

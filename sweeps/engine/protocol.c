@@ -33,7 +33,7 @@ rp_status sweep_table_open(const sweep_tables *t, const char *name, sweep_file *
 {
     snprintf(file->path, sizeof file->path, "%s/%s", t->directory, name);
     RP_TRY(rp_file_open(file->path, &file->out));
-    t->header(file->out);
+    t->header(t->context, file->out);
     return RP_OK;
 }
 

@@ -44,9 +44,10 @@ typedef struct {
 
 /* Where a traced run leaves tables of its states, and what keeps a run for a process that resumes it. */
 typedef struct {
-    const char *directory;   /* NULL: no tables */
-    long every;              /* steps from one row of energies to the next; 0: none */
-    void (*header)(FILE *);  /* writes the first lines of each table */
+    const char *directory;                       /* NULL: no tables */
+    long every;                                  /* steps from one row of energies to the next; 0: none */
+    void (*header)(const void *context, FILE *); /* writes the first lines of each table */
+    const void *context;
     bool ledger;             /* the energies with the ledger */
     struct sweep_keep *keep; /* NULL: none. Protocols without snapshots ignore it. */
     /* For sweep_trace, which sets `keep`: file of the snapshot, NULL: none; processor time from one to the

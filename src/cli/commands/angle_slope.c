@@ -22,7 +22,8 @@ CLI_OPTIONS(slope, SLOPE_OPTIONS)
 
 /* Columns by name, if the table has one of the names, else the first ones. Radii are read where the table has
  * them, if they are `useful`. */
-static rp_status read_grains(rp_table *t, bool needs_r, bool useful, bool *with_r, double **block)
+static rp_status read_grains(rp_arena *arena, rp_table *t, bool needs_r, bool useful, bool *with_r,
+                             double **block)
 {
     static char *first[] = {"x", "y", "r"};
     bool named = false;
@@ -33,7 +34,7 @@ static rp_status read_grains(rp_table *t, bool needs_r, bool useful, bool *with_
         return rp_fail(RP_BAD_INPUT, "%s: %zu columns, at least %zu (%s) needed", t->path, t->n_columns, n,
                        *with_r ? "x y r" : "x y");
     for (size_t c = 0; !named && c < n; c++) t->names[c] = first[c];
-    return cli_read_columns(t, *with_r ? "x,y,r" : "x,y", block);
+    return cli_read_columns(arena, t, *with_r ? "x,y,r" : "x,y", block);
 }
 
 /* A table of states may hold a pile at several times. */
@@ -56,9 +57,9 @@ static void turn_over(size_t n, double y[], double diameter)
 }
 
 /* A table does not tell whether its surface falls to the left or its y points down. */
-static void warn_negative(const ang_slope slopes[ANG_N_METHODS])
+static void warn_negative(const cli_call *call, const ang_slope slopes[ANG_N_METHODS])
 {
-    bool negative = !cli_given("y-axis");
+    bool negative = !cli_given(call, "y-axis");
     for (int i = 0; i < ANG_N_METHODS; i++) negative &= slopes[i].slope < 0.0;
     if (negative)
         fputs("repose angle slope: the angles are negative: the surface falls to the left (--y-axis up tells "
@@ -67,10 +68,10 @@ static void warn_negative(const ang_slope slopes[ANG_N_METHODS])
 }
 
 /* Without slopes: rows without result. */
-static void print_slopes(const ang_surface *surface, const ang_slope *slopes, const char *word, double cell,
-                         const char *origin)
+static void print_slopes(const cli_call *call, const ang_surface *surface, const ang_slope *slopes,
+                         const char *word, double cell, const char *origin)
 {
-    cli_table(stdout);
+    cli_table(call, stdout);
     rp_table_note_number(stdout, "cell", cell, origin);
     rp_table_header(stdout,
                     "method, slope, theta_deg [deg], theta_se_deg [deg], n_cells, n_occupied, status");
@@ -99,7 +100,7 @@ static rp_status choose_cell(const slope_options *o, const rp_table *t, const do
     return with_r ? RP_OK : ang_cell_of_points(n, block, block + n, o->width, cell);
 }
 
-static rp_status slope_of_table(rp_table *table, void *values)
+static rp_status slope_of_table(cli_call *call, rp_table *table, const void *values)
 {
     const slope_options *o = values;
     double *block = NULL;
@@ -111,7 +112,9 @@ static rp_status slope_of_table(rp_table *table, void *values)
     bool with_r = false;
     if (n == 0) return rp_fail(RP_BAD_INPUT, "%s: no grains", table->path);
     rp_status status = refuse_several_steps(table);
-    if (!status) status = read_grains(table, options.height == ANG_TOP, !(o->cell > 0.0), &with_r, &block);
+    if (!status)
+        status =
+            read_grains(call->arena, table, options.height == ANG_TOP, !(o->cell > 0.0), &with_r, &block);
     if (!status) status = choose_cell(o, table, block, with_r, &options.diameter, &origin);
     if (!status && o->y_axis) turn_over(n, block + n, options.diameter);
     if (!status) {
@@ -129,8 +132,8 @@ static rp_status slope_of_table(rp_table *table, void *values)
     if (!status)
         status = ang_slopes(surface.n, surface.column, surface.h, surface.cell, options.parabola, slopes);
     if (!status || status == RP_NO_RESULT)
-        print_slopes(&surface, status ? NULL : slopes, status ? word : "ok", options.diameter, origin);
-    if (!status) warn_negative(slopes);
+        print_slopes(call, &surface, status ? NULL : slopes, status ? word : "ok", options.diameter, origin);
+    if (!status) warn_negative(call, slopes);
     ang_surface_free(&surface);
     return status;
 }

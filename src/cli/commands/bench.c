@@ -44,13 +44,13 @@ enum { MOST = 100, FILL_STEPS = 30000, RELAX_STEPS = 50000, WARM_STEPS = 2000 };
 CLI_OPTIONS(bench, BENCH_OPTIONS)
 
 /* The grains of a table as a new array, with velocity 0. */
-static rp_status read_start(const char *path, dem_grain **grains, long *n)
+static rp_status read_start(rp_arena *arena, const char *path, dem_grain **grains, long *n)
 {
     double *values;
     size_t rows;
-    RP_TRY(cli_read_file(path, "x,y,r", &values, &rows));
+    RP_TRY(cli_read_file(arena, path, "x,y,r", &values, &rows));
     if (rows == 0) return rp_fail(RP_BAD_INPUT, "%s: no grains", path);
-    *grains = cli_memory(rows, sizeof **grains);
+    *grains = rp_arena_memory(arena, rows, sizeof **grains);
     for (size_t i = 0; i < rows; i++) {
         const double r = values[2 * rows + i];
         (*grains)[i] =
@@ -68,23 +68,23 @@ static void radii_of_ratio(long n, double ratio, dem_grain grains[])
     for (long i = 0; i < n; i++) grains[i].r = 1.0 / (first + (last - first) * ((double)i + 0.5) / (double)n);
 }
 
-static rp_status fill(const bench_options *o, dem_grain **grains)
+static rp_status fill(rp_arena *arena, const bench_options *o, dem_grain **grains)
 {
     const dem_fill dilute = {o->n, o->width, 2.0 * o->width, 0.1, 0.02, 0.07, 0.13, 1.0, DEM_SPHERE, 1993, 0};
-    *grains = cli_memory((size_t)o->n, sizeof **grains);
+    *grains = rp_arena_memory(arena, (size_t)o->n, sizeof **grains);
     if (!(o->size_ratio > 0.0)) return dem_fill_random(&dilute, *grains);
     radii_of_ratio(o->n, o->size_ratio, *grains);
     return dem_fill_place(&dilute, *grains);
 }
 
 /* The closed box with its grains, at step 0; o->n becomes their number, o->width that of the box. */
-static rp_status begin(bench_options *o, dem_sim **sim, double *dt)
+static rp_status begin(rp_arena *arena, bench_options *o, dem_sim **sim, double *dt)
 {
     dem_grain *grains = NULL;
-    const size_t mark = cli_mark(); /* memory counts */
-    rp_status status = *o->start ? read_start(o->start, &grains, &o->n) : RP_OK;
+    const rp_mark mark = rp_arena_mark(arena); /* memory counts */
+    rp_status status = *o->start ? read_start(arena, o->start, &grains, &o->n) : RP_OK;
     if (!(o->width > 0.0)) o->width = fmax(0.4, sqrt(0.04 * (double)o->n));
-    if (!status && !grains) status = fill(o, &grains);
+    if (!status && !grains) status = fill(arena, o, &grains);
     if (status) return status;
     dem_definition def = dem_definition_default();
     def.rotation = o->rotation;
@@ -100,15 +100,15 @@ static rp_status begin(bench_options *o, dem_sim **sim, double *dt)
     *dt = def.dt = fmin(def.dt, dem_time_step_limit(&def, NULL));
     status = dem_create(&def, sim);
     if (!status) dem_threads(*sim, (size_t)o->j);
-    cli_release(mark);
+    rp_arena_release(arena, mark);
     return status;
 }
 
-static rp_status write_grains(const char *path, const dem_sim *sim)
+static rp_status write_grains(const cli_call *call, const char *path, const dem_sim *sim)
 {
     FILE *out;
     RP_TRY(rp_file_open(path, &out));
-    cli_provenance(out);
+    cli_provenance(call, out);
     dem_write_state_columns(out);
     return rp_file_close(path, out, dem_write_states(sim, out));
 }
@@ -129,10 +129,10 @@ static rp_status settle(const bench_options *o, dem_sim *sim, double dt)
 }
 
 /* Initial state of the timed runs. */
-static rp_status prepare(const bench_options *o, dem_sim *sim, double dt)
+static rp_status prepare(const cli_call *call, const bench_options *o, dem_sim *sim, double dt)
 {
     rp_status status = *o->start ? dem_run(sim, WARM_STEPS) : settle(o, sim, dt);
-    if (!status && *o->o) status = write_grains(o->o, sim);
+    if (!status && *o->o) status = write_grains(call, o->o, sim);
     if (o->state == FLOWING) dem_wall_open(sim, DEM_BOX_RIGHT, INFINITY);
     return status;
 }
@@ -143,15 +143,16 @@ static rp_status advance(dem_sim *sim, long steps, dem_phases *times)
 }
 
 /* A whole run, from the fill to the slope. */
-static rp_status run_sample(bench_options *o, dem_sim **sim, dem_phases *times, cli_slope *slope)
+static rp_status run_sample(const cli_call *call, bench_options *o, dem_sim **sim, dem_phases *times,
+                            cli_slope *slope)
 {
     double dt;
-    RP_TRY(begin(o, sim, &dt));
+    RP_TRY(begin(call->arena, o, sim, &dt));
     RP_TRY(advance(*sim, FILL_STEPS, times));
     dem_wall_open(*sim, DEM_BOX_RIGHT, INFINITY);
     RP_TRY(advance(*sim, RELAX_STEPS, times));
-    RP_TRY(cli_slope_of(*sim, slope));
-    return *o->o ? write_grains(o->o, *sim) : RP_OK;
+    RP_TRY(cli_slope_of(call->arena, *sim, slope));
+    return *o->o ? write_grains(call, o->o, *sim) : RP_OK;
 }
 
 typedef struct {
@@ -163,14 +164,16 @@ typedef struct {
 } bench_run;
 
 /* One run, of a sample or from `settled` on. */
-static rp_status run_once(bench_options *o, const dem_sim *settled, dem_phases *times, bench_run *run)
+static rp_status run_once(const cli_call *call, bench_options *o, const dem_sim *settled, dem_phases *times,
+                          bench_run *run)
 {
     dem_counts before = {0};
     dem_sim *sim = NULL;
     rp_status status = settled ? dem_clone(settled, &sim) : RP_OK;
     if (!status && settled) dem_count_work(sim, &before);
     const double cpu = rp_cpu_clock(), wall = rp_clock();
-    if (!status) status = settled ? advance(sim, o->steps, times) : run_sample(o, &sim, times, &run->slope);
+    if (!status)
+        status = settled ? advance(sim, o->steps, times) : run_sample(call, o, &sim, times, &run->slope);
     const double seconds = o->j > 1 ? rp_clock() - wall : rp_cpu_clock() - cpu;
     if (!status) {
         dem_count_work(sim, &run->counts);
@@ -207,32 +210,33 @@ static void write_row(const bench_options *o, double rates[], const bench_run *l
             times->walls / all, memory[0] / n, memory[1] / n);
 }
 
-static rp_status measure(void *values)
+static rp_status measure(cli_call *call, const void *values)
 {
-    bench_options *o = values;
+    bench_options *o = call->values; /* the header has what stands for auto */
+    (void)values;
     const double begun = rp_clock(), heap_before = heap(), peak_before = rp_peak_memory();
     dem_sim *sim = NULL;
     dem_phases times = {0};
     bench_run run = {0};
     double rates[MOST], dt = NAN;
-    rp_status status = begin(o, &sim, &dt);
+    rp_status status = begin(call->arena, o, &sim, &dt);
     if (o->state == SAMPLE)
         o->steps = FILL_STEPS + RELAX_STEPS;
     else if (o->steps <= 0) { /* after 10000 steps the pile flows no more */
         const double most = o->state == FLOWING ? 10000.0 : INFINITY;
         o->steps = (long)fmin(fmax(100.0, 2e7 / (double)o->n), most);
     }
-    if (!status && o->state != SAMPLE) status = prepare(o, sim, dt);
+    if (!status && o->state != SAMPLE) status = prepare(call, o, sim, dt);
     const double memory[2] = {heap() - heap_before, 1e6 * (rp_peak_memory() - peak_before)};
     const dem_sim *from = o->state == SAMPLE ? NULL : sim;
     for (int k = 0; !status && k < o->repeat; k++) {
-        status = run_once(o, from, NULL, &run);
+        status = run_once(call, o, from, NULL, &run);
         rates[k] = run.rate;
     }
     bench_run timed;
-    if (!status && o->repeat > 1) status = run_once(o, from, &times, &timed);
+    if (!status && o->repeat > 1) status = run_once(call, o, from, &times, &timed);
     if (!status) {
-        cli_table(stdout);
+        cli_table(call, stdout);
         rp_table_note(stdout, "pair_loop", "%s", dem_kernel_name(sim));
         rp_table_note(stdout, "dt", "%.17g s", dt);
         if (o->state == SAMPLE) rp_table_note(stdout, "theta_r", "%.17g degrees", run.slope.theta);

@@ -43,7 +43,8 @@ typedef struct {
 } source;
 
 /* Run what is missing of a sweep and leave its rows as a table in its folder. */
-static rp_status run_sweep(const char *file, const char *folder, const calibrate_options *o, char path[4096])
+static rp_status run_sweep(const cli_call *call, const char *file, const char *folder,
+                           const calibrate_options *o, char path[4096])
 {
     sweep_counts counts;
     RP_TRY(cli_claim_sweep(folder, file, o->force));
@@ -54,7 +55,7 @@ static rp_status run_sweep(const char *file, const char *folder, const calibrate
     RP_TRY(cli_sweep_run(folder, (sweep_options){.workers = (int)o->j, .snapshot = CLI_SNAPSHOT}, o->quiet,
                          &counts));
     snprintf(path, 4096, "%s/runs.tsv", folder);
-    return cli_sweep_export(folder, SWEEP_RUNS, path, NULL);
+    return cli_sweep_export(call, folder, SWEEP_RUNS, path, NULL);
 }
 
 /* The names under --fit, one or two, as column numbers. */
@@ -93,7 +94,7 @@ static bool has_values(size_t n, const double angle[])
 }
 
 /* Columns of the rows with result: parameters first, then the angles that there are. */
-static rp_status read_piles(source *s, const char *fit)
+static rp_status read_piles(rp_arena *arena, source *s, const char *fit)
 {
     const rp_table *t = s->table;
     char names[256];
@@ -105,7 +106,7 @@ static rp_status read_piles(source *s, const char *fit)
     for (size_t a = 0; a < N_ANGLES; a++)
         if (rp_table_column(t, angle_columns[a]) >= 0)
             used += (size_t)snprintf(names + used, sizeof names - used, ",%s", angle_columns[a]);
-    RP_TRY(cli_rows_read(t, names, &(cli_choice){.any_number = true}, &rows));
+    RP_TRY(cli_rows_read(arena, t, names, &(cli_choice){.any_number = true}, &rows));
     s->piles.n = rows.n;
     s->piles.n_params = n_params;
     for (size_t p = 0; p < n_params; p++) {
@@ -139,15 +140,15 @@ static bool choose_angles(const source *s, unsigned mask, stats_ensemble *piles)
     return true;
 }
 
-static rp_status open_source(const char *sweep, const char *folder, const char *table,
+static rp_status open_source(const cli_call *call, const char *sweep, const char *folder, const char *table,
                              const calibrate_options *o, source *s)
 {
     if (table)
         snprintf(s->path, sizeof s->path, "%s", table);
     else
-        RP_TRY(run_sweep(cli_data(sweep), folder, o, s->path));
-    RP_TRY(cli_table_read(s->path, &s->table));
-    return read_piles(s, o->fit);
+        RP_TRY(run_sweep(call, cli_data(call->arena, sweep), folder, o, s->path));
+    RP_TRY(cli_table_read(call->arena, s->path, &s->table));
+    return read_piles(call->arena, s, o->fit);
 }
 
 /* ---- what the answer holds for ---- */
@@ -217,9 +218,9 @@ static void note_responses(const source *s, const stats_calibration *c, unsigned
     if (c->n_angles == 2) rp_table_note(stdout, "correlation of the angles", "%.2f", c->correlation);
 }
 
-static void print_head(const source *s, const stats_calibration *c, unsigned mask)
+static void print_head(const cli_call *call, const source *s, const stats_calibration *c, unsigned mask)
 {
-    cli_table(stdout);
+    cli_table(call, stdout);
     note_piles("piles", s);
     note_responses(s, c, mask);
     note_scope(s);
@@ -324,7 +325,7 @@ static rp_status conclude(const source *s, const stats_calibration *c, unsigned 
     return RP_OK;
 }
 
-static rp_status calibrate(const source *s, const calibrate_options *o)
+static rp_status calibrate(const cli_call *call, const source *s, const calibrate_options *o)
 {
     const double angles[N_ANGLES] = {o->theta_r_deg, o->theta_t_deg};
     const double errors[N_ANGLES] = {o->error_deg, o->theta_t_error_deg};
@@ -346,9 +347,10 @@ static rp_status calibrate(const source *s, const calibrate_options *o)
     rp_status status = rp_prefix(stats_calibration_fit(&piles, &c), "%s: ", s->path);
     if (!status) status = stats_calibration_invert(&c, &m, found);
     if (!status)
-        status = stats_calibration_bootstrap(&piles, &c, &m, (size_t)o->bootstrap, cli_random(0), found);
+        status =
+            stats_calibration_bootstrap(&piles, &c, &m, (size_t)o->bootstrap, cli_random(call, 0), found);
     if (!status) {
-        print_head(s, &c, mask);
+        print_head(call, s, &c, mask);
         print_found(s, found);
         status = conclude(s, &c, mask, found);
         if (!status) warn_outside(&c, mask, &m);
@@ -378,7 +380,7 @@ static void print_response_rows(const stats_calibration *c)
     }
 }
 
-static rp_status print_response(const source *s)
+static rp_status print_response(const cli_call *call, const source *s)
 {
     char header[512] = "";
     size_t used = 0;
@@ -398,7 +400,7 @@ static rp_status print_response(const source *s)
                                  name, name);
     }
     if (!status) {
-        print_head(s, &c, mask);
+        print_head(call, s, &c, mask);
         rp_table_header(stdout, header);
         print_response_rows(&c);
     }
@@ -419,22 +421,22 @@ static const char *mask_word(unsigned mask)
     return mask == 3 ? "both" : angle_names[mask == 2];
 }
 
-static rp_status make_trial(const source *response, const source *planted, const calibrate_options *o,
-                            unsigned mask, trial *t)
+static rp_status make_trial(const cli_call *call, const source *response, const source *planted,
+                            const calibrate_options *o, unsigned mask, trial *t)
 {
     stats_ensemble fit, piles;
     stats_calibration c = {0};
     *t = (trial){.mask = mask};
     bool whole = choose_angles(response, mask, &fit) && (!planted || choose_angles(planted, mask, &piles));
     if (!whole || fit.n_params > fit.n_angles) return RP_OK; /* an angle that was not measured, or too few */
-    t->cases = cli_memory((size_t)o->verify, sizeof *t->cases);
+    t->cases = rp_arena_memory(call->arena, (size_t)o->verify, sizeof *t->cases);
     rp_status status;
     if (planted) {
         status = stats_calibration_fit(&fit, &c);
         if (!status) note_responses(response, &c, mask);
         if (!status) status = stats_calibration_planted(&c, &piles, (size_t)o->verify, t->cases, &t->n);
     } else {
-        status = stats_calibration_holdout(&fit, (size_t)o->verify, cli_random(mask), t->cases);
+        status = stats_calibration_holdout(&fit, (size_t)o->verify, cli_random(call, mask), t->cases);
         t->n = (size_t)o->verify;
     }
     stats_calibration_free(&c);
@@ -489,17 +491,18 @@ static void print_cases(const trial *t, const source *s)
         }
 }
 
-static rp_status verify(const source *response, const source *planted, const calibrate_options *o)
+static rp_status verify(const cli_call *call, const source *response, const source *planted,
+                        const calibrate_options *o)
 {
     trial trials[3] = {{0}};
     bool good = true;
     size_t n = 0;
-    cli_table(stdout);
+    cli_table(call, stdout);
     note_piles("piles", response);
     if (planted) note_piles("planted piles", planted);
     note_scope(response);
     for (unsigned mask = 1; mask <= 3; mask++) {
-        RP_TRY(make_trial(response, planted, o, mask, &trials[mask - 1]));
+        RP_TRY(make_trial(call, response, planted, o, mask, &trials[mask - 1]));
         good = note_coverage(&trials[mask - 1], response) && good;
         n += trials[mask - 1].n;
     }
@@ -514,13 +517,13 @@ static rp_status verify(const source *response, const source *planted, const cal
 
 /* ---- command ---- */
 
-static rp_status check_options(const calibrate_options *o)
+static rp_status check_options(const cli_call *call, const calibrate_options *o)
 {
     static const char *const names[N_ANGLES][2] = {{"theta-r-deg", "error-deg"},
                                                    {"theta-t-deg", "theta-t-error-deg"}};
     bool any = false;
     for (int i = 0; i < N_ANGLES; i++) {
-        const bool angle = cli_given(names[i][0]), error = cli_given(names[i][1]);
+        const bool angle = cli_given(call, names[i][0]), error = cli_given(call, names[i][1]);
         any |= angle;
         if (angle != error) return rp_fail(RP_USAGE, "--%s needs --%s", names[i][error], names[i][angle]);
     }
@@ -531,25 +534,25 @@ static rp_status check_options(const calibrate_options *o)
     return RP_OK;
 }
 
-static rp_status verify_sources(const source *response, const calibrate_options *o)
+static rp_status verify_sources(const cli_call *call, const source *response, const calibrate_options *o)
 {
     source planted = {0};
     char folder[4096];
-    if (strcmp(o->planted, "hold-out") == 0) return verify(response, NULL, o);
-    const bool is_sweep = strlen(o->planted) > strlen(".cfg") && cli_ends_in(o->planted, ".cfg");
+    if (strcmp(o->planted, "hold-out") == 0) return verify(call, response, NULL, o);
+    const bool is_sweep = strlen(o->planted) > strlen(".cfg") && rp_ends_in(o->planted, ".cfg");
     snprintf(folder, sizeof folder, "%s_planted", o->o);
-    RP_TRY(open_source(o->planted, folder, is_sweep ? NULL : o->planted, o, &planted));
-    return verify(response, &planted, o);
+    RP_TRY(open_source(call, o->planted, folder, is_sweep ? NULL : o->planted, o, &planted));
+    return verify(call, response, &planted, o);
 }
 
-static rp_status answer(void *values)
+static rp_status answer(cli_call *call, const void *values)
 {
     const calibrate_options *o = values;
     source response = {0};
-    RP_TRY(check_options(o));
-    RP_TRY(open_source(o->sweep, o->o, *o->runs ? o->runs : NULL, o, &response));
-    if (o->response) return print_response(&response);
-    return o->verify > 0 ? verify_sources(&response, o) : calibrate(&response, o);
+    RP_TRY(check_options(call, o));
+    RP_TRY(open_source(call, o->sweep, o->o, *o->runs ? o->runs : NULL, o, &response));
+    if (o->response) return print_response(call, &response);
+    return o->verify > 0 ? verify_sources(call, &response, o) : calibrate(call, &response, o);
 }
 
 const cli_command cmd_calibrate = {

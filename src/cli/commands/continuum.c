@@ -10,15 +10,15 @@
 
 CLI_OPTIONS(continuum, CONTINUUM_OPTIONS)
 
-static rp_status write_triangle(void *values)
+static rp_status write_triangle(cli_call *call, const void *values)
 {
     const continuum_options *o = values;
     double *x = NULL, x_c = 0;
     size_t n = 0;
     double alpha = o->alpha_deg * M_PI / 180;
     RP_TRY(an_continuum_kink(alpha, &x_c));
-    RP_TRY(cli_positions(o->points, o->at, &x, &n));
-    cli_table(stdout);
+    RP_TRY(cli_positions(call->arena, o->points, o->at, &x, &n));
+    cli_table(call, stdout);
     rp_table_note_number(stdout, "x_c/B", x_c, "");
     rp_table_header(stdout, "x/B, N/(chi*g*B), H/(chi*g*B)");
     for (size_t i = 0; i < n; i++) {

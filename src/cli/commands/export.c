@@ -36,7 +36,7 @@ rp_status cli_export_open(const char *path, cli_export *e)
     *e = (cli_export){.path = path};
     rp_status status = rp_file_open(path, &e->plain);
     e->out = e->plain;
-    if (status || !cli_ends_in(path, ".gz")) return status;
+    if (status || !rp_ends_in(path, ".gz")) return status;
     gzFile file = gzdopen(dup(fileno(e->plain)), "wb");
     e->out =
         file ? fopencookie(file, "w", (cookie_io_functions_t){.write = gz_write, .close = gz_close}) : NULL;
@@ -56,7 +56,7 @@ rp_status cli_export_close(const cli_export *e, rp_status keep)
 const char *cli_export_stem(const char *path, char stem[4096])
 {
     snprintf(stem, 4096, "%s", path);
-    if (cli_ends_in(stem, ".gz")) stem[strlen(stem) - 3] = '\0';
+    if (rp_ends_in(stem, ".gz")) stem[strlen(stem) - 3] = '\0';
     char *name = strrchr(stem, '/'), *dot = strrchr(name ? name : stem, '.');
     if (dot) *dot = '\0';
     return stem;
@@ -77,7 +77,8 @@ static bool is_there(const char *folder, const char *name)
 }
 
 /* A sweep's runs or points, with all parameters. */
-static rp_status read_sweep(const char *dir, bool reduce, rp_table **table, sweep_counts *counts)
+static rp_status read_sweep(const cli_call *call, const char *dir, bool reduce, rp_table **table,
+                            sweep_counts *counts)
 {
     char *text;
     size_t size;
@@ -85,18 +86,18 @@ static rp_status read_sweep(const char *dir, bool reduce, rp_table **table, swee
     if (!out) return rp_fail(RP_NO_MEMORY, "%s: out of memory", dir);
     rp_status status =
         sweep_export(dir, sweep_protocols, SWEEP_PARAMETERS | (reduce ? SWEEP_POINTS : SWEEP_RUNS),
-                     cli_command_line(), counts, out);
+                     call->line, counts, out);
     fclose(out);
-    if (!status) return cli_table_parse(dir, text, table);
+    if (!status) return cli_table_parse(call->arena, dir, text, table);
     free(text);
     return status;
 }
 
 /* The table that a run, a sweep or a file stands for; of a sweep its counts, else nothing planned. */
-static rp_status read_source(const char *source, const export_options *o, rp_table **table,
-                             sweep_counts *counts)
+static rp_status read_source(const cli_call *call, const char *source, const export_options *o,
+                             rp_table **table, sweep_counts *counts)
 {
-    char *path = cli_memory(strlen(source) + 16, 1);
+    char *path = rp_arena_memory(call->arena, strlen(source) + 16, 1);
     strcpy(path, source);
     *counts = (sweep_counts){0};
     const bool sweep = is_there(source, "sweep.cfg"), run = is_there(source, "states.tsv");
@@ -105,20 +106,21 @@ static rp_status read_source(const char *source, const export_options *o, rp_tab
     if (stat(source, &info) == 0 && S_ISDIR(info.st_mode) && !sweep && !run)
         return rp_fail(RP_BAD_INPUT, "%s: neither a run (states.tsv) nor a sweep (sweep.cfg)", source);
     if (run) strcat(path, "/states.tsv");
-    RP_TRY(sweep ? read_sweep(source, o->reduce, table, counts) : cli_table_read(path, table));
+    RP_TRY(sweep ? read_sweep(call, source, o->reduce, table, counts)
+                 : cli_table_read(call->arena, path, table));
     for (size_t i = 0; i < o->where.n; i++) RP_TRY(rp_table_where(*table, o->where.items[i]));
     return RP_OK;
 }
 
-static rp_status export_table(const char *source, const export_options *o)
+static rp_status export_table(const cli_call *call, const char *source, const export_options *o)
 {
     rp_table *t;
     cli_export e;
     sweep_counts counts;
     size_t n;
     int *columns;
-    RP_TRY(read_source(source, o, &t, &counts));
-    RP_TRY(cli_columns(t, o->columns, &n, &columns));
+    RP_TRY(read_source(call, source, o, &t, &counts));
+    RP_TRY(cli_columns(call->arena, t, o->columns, &n, &columns));
     if (is_there(source, "sweep.cfg")) RP_TRY(sweep_check_output(source, o->o));
     RP_TRY(cli_export_open(o->o, &e));
     rp_status status = (o->to == TO_CSV ? cli_export_csv : cli_export_json)(t, n, columns, e.out);
@@ -128,10 +130,10 @@ static rp_status export_table(const char *source, const export_options *o)
 
 /* ---- frames of a run ---- */
 
-void cli_frames_split(size_t n, const double step[], cli_frames *f)
+void cli_frames_split(rp_arena *arena, size_t n, const double step[], cli_frames *f)
 {
-    f->first = cli_memory(n + 1, sizeof *f->first);
-    f->steps = cli_memory(n, sizeof *f->steps);
+    f->first = rp_arena_memory(arena, n + 1, sizeof *f->first);
+    f->steps = rp_arena_memory(arena, n, sizeof *f->steps);
     f->n = 0;
     for (size_t i = 0; i < n; i++) {
         if (i > 0 && (step[i] == step[i - 1] || isnan(step[i]))) continue;
@@ -156,9 +158,9 @@ static bool is_number(const char *text)
 }
 
 /* Every cell of a frame's table is a number, and steps rise. */
-static rp_status find_frames(rp_table *table, cli_frames *f)
+static rp_status find_frames(rp_arena *arena, rp_table *table, cli_frames *f)
 {
-    double *step = cli_memory(table->n_rows, sizeof *step), unused;
+    double *step = rp_arena_memory(arena, table->n_rows, sizeof *step), unused;
     *f = (cli_frames){
         .table = table, .step = rp_table_column(table, "step"), .t = rp_table_column(table, "t")};
     for (size_t i = 0; i < table->n_rows; i++) {
@@ -167,7 +169,7 @@ static rp_status find_frames(rp_table *table, cli_frames *f)
                 RP_TRY(rp_table_number(table, i, (int)c, true, &unused));
         if (f->step >= 0) RP_TRY(rp_table_number(table, i, f->step, false, &step[i]));
     }
-    cli_frames_split(table->n_rows, step, f);
+    cli_frames_split(arena, table->n_rows, step, f);
     for (size_t k = 1; k < f->n; k++)
         if (f->steps[k] < f->steps[k - 1])
             return rp_fail(RP_BAD_INPUT, "%s:%zu: step %.0f after step %.0f", table->places[f->first[k]].path,
@@ -228,7 +230,7 @@ static rp_status add_field(cli_run_frames *run, int c)
     return RP_OK;
 }
 
-static rp_status find_grains(cli_run_frames *run, const char *names)
+static rp_status find_grains(rp_arena *arena, cli_run_frames *run, const char *names)
 {
     const rp_table *t = run->grains.table;
     int *columns;
@@ -237,7 +239,7 @@ static rp_status find_grains(cli_run_frames *run, const char *names)
     RP_TRY(cli_find_column(t, "y", &run->y));
     RP_TRY(cli_find_column(t, "r", &run->r));
     run->id = rp_table_column(t, "id");
-    RP_TRY(cli_columns(t, names, &n, &columns));
+    RP_TRY(cli_columns(arena, t, names, &n, &columns));
     RP_TRY(add_field(run, run->r));
     for (size_t c = 0; c < n; c++)
         if (columns[c] != run->r) RP_TRY(add_field(run, columns[c]));
@@ -256,35 +258,35 @@ static rp_status find_grains(cli_run_frames *run, const char *names)
 }
 
 /* The table beside that of the grains: DIR/contacts.tsv, or X_contacts.tsv of X_grains.tsv. */
-static rp_status read_beside(const char *source, const char *name, cli_frames *frames)
+static rp_status read_beside(rp_arena *arena, const char *source, const char *name, cli_frames *frames)
 {
     static const char grains[] = "grains.tsv";
-    const bool run = is_there(source, "states.tsv"), stage = cli_ends_in(source, grains);
+    const bool run = is_there(source, "states.tsv"), stage = rp_ends_in(source, grains);
     const int stem = (int)(strlen(source) - (stage ? strlen(grains) : 0));
-    char *path = cli_memory(strlen(source) + 64, 1);
+    char *path = rp_arena_memory(arena, strlen(source) + 64, 1);
     rp_table *table;
     sprintf(path, "%.*s%s%s.tsv", stem, source, run ? "/" : "", name);
     if (!(run || stage) || access(path, F_OK) != 0) return RP_OK;
-    RP_TRY(cli_table_read(path, &table));
-    RP_TRY(find_frames(table, frames));
+    RP_TRY(cli_table_read(arena, path, &table));
+    RP_TRY(find_frames(arena, table, frames));
     if (frames->step < 0 && table->n_rows > 0)
         return rp_fail(RP_BAD_INPUT, "%s: no column \"step\": from an older version?", path);
     return RP_OK;
 }
 
-static rp_status export_frames(const char *source, const export_options *o)
+static rp_status export_frames(const cli_call *call, const char *source, const export_options *o)
 {
     cli_run_frames run = {0};
     rp_table *table;
     sweep_counts none;
     if (is_there(source, "sweep.cfg"))
         return rp_fail(RP_USAGE, "%s is a sweep, which has no grains: csv and json go with it", source);
-    RP_TRY(read_source(source, o, &table, &none));
-    RP_TRY(find_frames(table, &run.grains));
-    RP_TRY(find_grains(&run, o->columns));
+    RP_TRY(read_source(call, source, o, &table, &none));
+    RP_TRY(find_frames(call->arena, table, &run.grains));
+    RP_TRY(find_grains(call->arena, &run, o->columns));
     if (run.grains.n == 0) return rp_fail(RP_BAD_INPUT, "%s: no grains", source);
-    RP_TRY(read_beside(source, "contacts", &run.contacts));
-    RP_TRY(read_beside(source, "walls", &run.walls));
+    RP_TRY(read_beside(call->arena, source, "contacts", &run.contacts));
+    RP_TRY(read_beside(call->arena, source, "walls", &run.walls));
     switch (o->to) {
     case TO_LAMMPS: return cli_export_dump(&run, o->o);
     case TO_XYZ: return cli_export_xyz(&run, o->o);
@@ -292,7 +294,7 @@ static rp_status export_frames(const char *source, const export_options *o)
     }
 }
 
-rp_status cli_export_run(const char *folder, cli_dump format)
+rp_status cli_export_run(const cli_call *call, const char *folder, cli_dump format)
 {
     static const struct {
         target to;
@@ -301,28 +303,29 @@ rp_status cli_export_run(const char *folder, cli_dump format)
                  [CLI_DUMP_XYZ] = {TO_XYZ, "run.xyz"},
                  [CLI_DUMP_VTK] = {TO_VTK, "run.pvd"}};
     if (format == CLI_NO_DUMP) return RP_OK;
-    char *path = cli_memory(strlen(folder) + 16, 1);
+    char *path = rp_arena_memory(call->arena, strlen(folder) + 16, 1);
     sprintf(path, "%s/%s", folder, files[format].name);
-    return export_frames(folder, &(export_options){.to = files[format].to, .o = path, .columns = "all"});
+    return export_frames(call, folder,
+                         &(export_options){.to = files[format].to, .o = path, .columns = "all"});
 }
 
-static rp_status act_export(void *values)
+static rp_status act_export(cli_call *call, const void *values)
 {
     const export_options *o = values;
-    const char *source = cli_data(cli_argument(0));
+    const char *source = cli_data(call->arena, cli_argument(call, 0));
     if (o->set.n > 0 && o->to != TO_LAMMPS_INPUT)
         return rp_fail(RP_USAGE, "--set goes with --to lammps-input");
     switch ((target)o->to) {
     case TO_CSV:
-    case TO_JSON: return export_table(source, o);
+    case TO_JSON: return export_table(call, source, o);
     case TO_LAMMPS:
     case TO_XYZ:
-    case TO_VTK: return export_frames(source, o);
+    case TO_VTK: return export_frames(call, source, o);
     case TO_LAMMPS_INPUT: break;
     }
-    if (cli_given("columns") || cli_given("where") || o->reduce)
+    if (cli_given(call, "columns") || cli_given(call, "where") || o->reduce)
         return rp_fail(RP_USAGE, "--columns, --where and --reduce do not go with --to lammps-input");
-    return cli_export_lammps_input(source, &o->set, o->o);
+    return cli_export_lammps_input(call->arena, source, &o->set, o->o);
 }
 
 const cli_command cmd_export = {

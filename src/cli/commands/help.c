@@ -2,7 +2,7 @@
  * option lists and schemas. */
 #include <string.h>
 
-#include "cli/cli.h"
+#include "cli/command.h"
 #include "core/version.h"
 #include "dem/scene/scene.h"
 
@@ -12,25 +12,11 @@
 
 CLI_OPTIONS(help, HELP_OPTIONS)
 
-#define X(name) &cmd_##name,
-const cli_command *const cli_commands[] = {CLI_COMMANDS(X) NULL};
-#undef X
-
-static const char about[] =
-    "forces in and under piles of grains, and the angles at which piles are stable and fail";
 static const char about_data[] =
     "An example, sweep or table that the program brings along, as sweeps/lh/lh3.cfg, is looked for in the\n"
     "current folder first. Then comes the folder that REPOSE_DATA names. Where REPOSE_DATA is not set, it\n"
     "is\n"
     "../share/repose beside the program, or the source that the program was built in.\n";
-
-void cli_overview(FILE *out)
-{
-    fprintf(out, "Repose %s: %s.\n\nusage: repose COMMAND [options]; repose COMMAND --help says more\n\n",
-            RP_VERSION, about);
-    for (const cli_command *const *c = cli_commands; *c; c++)
-        fprintf(out, "  %-10s %s\n", (*c)->name, (*c)->summary);
-}
 
 /* ---- manual pages ---- */
 
@@ -120,28 +106,28 @@ static void page_name(const cli_command *c, char page[64])
     for (char *blank; (blank = strchr(page, ' '));) *blank = '-';
 }
 
-static rp_status put_command(FILE *out, const cli_command *c)
+static void put_command(cli_call call, FILE *out, const cli_command *c)
 {
-    const rp_param *p;
     char text[1024];
-    RP_TRY(cli_options_of(c, &p));
+    cli_options_of(&call, c);
     put_line(out, " ", c->name);
     put_line(out, "", c->synopsis);
     fputs(".SH DESCRIPTION\n", out);
     put_lines(out, c->about);
     fputs(".SH OPTIONS\n", out);
-    for (; p->name; p++) put_item(out, cli_dashes(p), p->name, cli_option_text(p, text, sizeof text));
+    for (const rp_param *p = call.options; p->name; p++)
+        put_item(out, cli_dashes(p), p->name, cli_option_text(p, text, sizeof text));
     put_item(out, "--", "help", "this text");
     if (c == &cmd_params) put_schemas(out);
     fputs(".SH EXAMPLE\n.nf\n", out);
     put_line(out, "", c->example);
     fputs(".fi\n", out);
-    return RP_OK;
 }
 
-static rp_status write_page(const char *folder, const cli_command *c);
+static rp_status write_page(const cli_call *call, const char *folder, const cli_command *c);
 
-static rp_status put_group(FILE *out, const char *folder, const cli_command *const *group)
+static rp_status put_group(const cli_call *call, FILE *out, const char *folder,
+                           const cli_command *const *group)
 {
     fputs(".SH COMMANDS\n", out);
     for (; *group; group++) {
@@ -150,12 +136,12 @@ static rp_status put_group(FILE *out, const char *folder, const cli_command *con
         fputs(".TP\n.BR ", out);
         put(out, page);
         put_line(out, " (1)\n", (*group)->summary);
-        RP_TRY(write_page(folder, *group));
+        RP_TRY(write_page(call, folder, *group));
     }
     return RP_OK;
 }
 
-static rp_status write_page(const char *folder, const cli_command *c)
+static rp_status write_page(const cli_call *call, const char *folder, const cli_command *c)
 {
     char path[4096], page[64];
     FILE *out;
@@ -167,24 +153,24 @@ static rp_status write_page(const char *folder, const cli_command *c)
     if (c->group) {
         put_line(out, " ", c->name);
         fputs(".I COMMAND\n[options]\n", out);
-        status = put_group(out, folder, c->group);
+        status = put_group(call, out, folder, c->group);
     } else {
-        status = put_command(out, c);
+        put_command(*call, out, c);
     }
     fputs(".SH SEE ALSO\n.BR repose (1)\n", out);
     return rp_file_close(path, out, status);
 }
 
-static rp_status write_manual(const char *folder)
+static rp_status write_manual(const cli_call *call, const char *folder)
 {
     char path[4096];
     FILE *out;
     snprintf(path, sizeof path, "%s/repose.1", folder);
     RP_TRY(rp_make_directory(folder));
     RP_TRY(rp_file_open(path, &out));
-    put_head(out, "repose", about);
+    put_head(out, "repose", call->program->about);
     fputs("\n.I COMMAND\n[options]\n", out);
-    rp_status status = put_group(out, folder, cli_commands);
+    rp_status status = put_group(call, out, folder, call->program->commands);
     fputs(".SH EXIT STATUS\n", out);
 #define X(name, code, text) put_item(out, "", #code, text);
     RP_STATUS_LIST(X)
@@ -198,18 +184,17 @@ static rp_status write_manual(const char *folder)
 
 /* What follows the words typed so far, which are a pattern of bash's `case`. The values of an option come
  * before the options, and commands before their group. */
-static rp_status complete(const cli_command *c)
+static void complete(cli_call call, const cli_command *c)
 {
-    const rp_param *options;
     if (c->group) {
-        for (const cli_command *const *g = c->group; *g; g++) RP_TRY(complete(*g));
+        for (const cli_command *const *g = c->group; *g; g++) complete(call, *g);
         printf("    '%s ') words='", c->name);
         for (const cli_command *const *g = c->group; *g; g++) printf("%s ", cli_own_name(*g));
         puts("--help' ;;");
-        return RP_OK;
+        return;
     }
-    RP_TRY(cli_options_of(c, &options));
-    for (const rp_param *p = options; p->name; p++) {
+    cli_options_of(&call, c);
+    for (const rp_param *p = call.options; p->name; p++) {
         if (p->type == RP_BOOL) continue;
         printf("    '%s'*' %s%s ') words='", c->name, cli_dashes(p), p->name);
         for (const char *r = p->type == RP_CHOICE || p->type == RP_FLAGS ? p->range : ""; *r; r++)
@@ -218,51 +203,50 @@ static rp_status complete(const cli_command *c)
     }
     printf("    '%s '*) words='", c->name);
     if (c == &cmd_help)
-        for (const cli_command *const *g = cli_commands; *g; g++) printf("%s ", (*g)->name);
-    for (const rp_param *p = options; p->name; p++) printf("%s%s ", cli_dashes(p), p->name);
+        for (const cli_command *const *g = call.program->commands; *g; g++) printf("%s ", (*g)->name);
+    for (const rp_param *p = call.options; p->name; p++) printf("%s%s ", cli_dashes(p), p->name);
     puts("--help' ;;");
-    return RP_OK;
 }
 
-static rp_status print_completion(void)
+static void print_completion(const cli_call *call)
 {
     puts("# Completion of repose, from `repose help --completion`; names of files where no word fits.\n"
          "_repose()\n{\n    local words=\n    case \"${COMP_WORDS[*]:1:COMP_CWORD-1} \" in");
-    for (const cli_command *const *c = cli_commands; *c; c++) RP_TRY(complete(*c));
+    for (const cli_command *const *c = call->program->commands; *c; c++) complete(*call, *c);
     fputs("    ' ') words='", stdout);
-    for (const cli_command *const *c = cli_commands; *c; c++) printf("%s ", (*c)->name);
+    for (const cli_command *const *c = call->program->commands; *c; c++) printf("%s ", (*c)->name);
     puts("--help --version' ;;\n    esac\n"
          "    mapfile -t COMPREPLY < <(compgen -W \"$words\" -- \"${COMP_WORDS[COMP_CWORD]}\")\n}\n"
          "complete -o bashdefault -o default -F _repose repose");
-    return RP_OK;
 }
 
 /* ---- help ---- */
 
 /* Help of the command that the arguments name, word by word. */
-static rp_status help_on(char *const *words)
+static rp_status help_on(cli_call call)
 {
-    const cli_command *const *c = cli_commands, *found = NULL;
+    const cli_command *const *among = call.program->commands, *found = NULL;
     static const cli_command *const none[] = {NULL};
     char option[] = "--help";
-    for (; *words; words++, c = found->group) {
-        while (c && *c && strcmp(cli_own_name(*c), *words) != 0) c++;
-        if (!c || !*c)
-            return cli_unknown_command(*words, found ? found->group ? found->group : none : cli_commands,
-                                       found ? found->name : "");
-        found = *c;
+    for (char *const *word = call.arguments; *word; word++) {
+        const cli_command *next = cli_find(among, *word);
+        if (!next) return cli_unknown_command(call.program, *word, found);
+        found = next;
+        among = found->group ? found->group : none;
     }
-    char *line[] = {option, option, NULL};
-    return cli_run(found, 2, line);
+    return cli_run(&call, found, 2, (char *[]){option, option, NULL});
 }
 
-static rp_status act_help(void *values)
+static rp_status act_help(cli_call *call, const void *values)
 {
     const help_options *o = values;
-    if (o->completion) return print_completion();
-    if (*o->man) return write_manual(o->man);
-    if (cli_argument(0)) return help_on(cli_arguments());
-    cli_overview(stdout);
+    if (*o->man) return write_manual(call, o->man);
+    if (cli_argument(call, 0)) return help_on(*call);
+    if (o->completion) {
+        print_completion(call);
+        return RP_OK;
+    }
+    cli_overview(call->program, stdout);
     printf("\n%s", about_data);
     return RP_OK;
 }

@@ -42,10 +42,11 @@ static rp_status solve(const lattice_options *o, long k, double alpha, double th
     return RP_OK;
 }
 
-static void print(long k, double alpha, double theta, const an_force force[], double disks)
+static void print(const cli_call *call, long k, double alpha, double theta, const an_force force[],
+                  double disks)
 {
     double base = an_lattice_base(disks, theta, alpha);
-    cli_table(stdout);
+    cli_table(call, stdout);
     rp_table_note(stdout, "disks", "%.0f", disks);
     rp_table_note_number(stdout, "B", base, "sigma, the base of the triangle of equal weight");
     rp_table_header(stdout, "i, N/mg, H/mg, x/B, N/(chi*g*B), H/(chi*g*B)");
@@ -56,7 +57,7 @@ static void print(long k, double alpha, double theta, const an_force force[], do
     }
 }
 
-static rp_status write_pile(void *values)
+static rp_status write_pile(cli_call *call, const void *values)
 {
     const lattice_options *o = values;
     RP_TRY(check_usage(o));
@@ -64,10 +65,10 @@ static rp_status write_pile(void *values)
     double theta = o->theta_deg * M_PI / 180,
            alpha = o->base > 0 ? o->alpha_deg * M_PI / 180 : M_PI / 2 - theta;
     double disks = 0;
-    long *up = cli_memory((size_t)k, sizeof *up);
-    an_force *force = cli_memory((size_t)k, sizeof *force);
+    long *up = rp_arena_memory(call->arena, (size_t)k, sizeof *up);
+    an_force *force = rp_arena_memory(call->arena, (size_t)k, sizeof *force);
     RP_TRY(solve(o, k, alpha, theta, up, force, &disks));
-    print(k, alpha, theta, force, disks);
+    print(call, k, alpha, theta, force, disks);
     return RP_OK;
 }
 

@@ -102,15 +102,15 @@ static void protocol_rows(const sweep_protocol *protocol)
                o->meaning);
 }
 
-static rp_status print_all(void *values)
+static rp_status print_all(cli_call *call, const void *values)
 {
     const params_options *o = values;
-    const char *name = cli_argument(0);
-    const bool rows = cli_given("json");
+    const char *name = cli_argument(call, 0);
+    const bool rows = cli_given(call, "json");
     bool found = false;
     rp_units_set((rp_units)o->units);
     if (rows) {
-        cli_provenance(stdout);
+        cli_provenance(call, stdout);
         rp_table_header(stdout, "of, kind, name, unit, type, default, range, meaning");
     }
     for (const sweep_protocol *const *p = sweep_protocols; *p; p++) {

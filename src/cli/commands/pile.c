@@ -35,34 +35,34 @@ typedef struct {
 
 /* ---- Outlines ---- */
 
-static rp_status read_outline(const char *path, an_point **v, size_t *n)
+static rp_status read_outline(rp_arena *arena, const char *path, an_point **v, size_t *n)
 {
     double *block;
-    RP_TRY(cli_read_file(path, "x,y", &block, n));
-    *v = cli_memory(*n, sizeof **v);
+    RP_TRY(cli_read_file(arena, path, "x,y", &block, n));
+    *v = rp_arena_memory(arena, *n, sizeof **v);
     for (size_t i = 0; i < *n; i++) (*v)[i] = (an_point){block[i], block[*n + i]};
     return RP_OK;
 }
 
-static rp_status make_outline(const options *o, sweep_outline *h)
+static rp_status make_outline(rp_arena *arena, const options *o, sweep_outline *h)
 {
     an_point *v = NULL;
     size_t n = 0;
     if (!*o->own.outline) return sweep_pile_outline(&o->pile, (unsigned long)o->own.seed, 0, h);
-    RP_TRY(read_outline(o->own.outline, &v, &n));
+    RP_TRY(read_outline(arena, o->own.outline, &v, &n));
     RP_TRY(sweep_outline_make(h, o->pile.base, o->pile.gap, 0, n, v));
     if (o->pile.disorder > 0)
         RP_TRY(sweep_outline_disorder(h, o->pile.disorder, (unsigned long)o->own.seed, 0));
     return RP_OK;
 }
 
-static rp_status read_disks(const char *path, sweep_outline *h)
+static rp_status read_disks(rp_arena *arena, const char *path, sweep_outline *h)
 {
     rp_table *table;
     double *x;
-    RP_TRY(cli_table_read(path, &table));
+    RP_TRY(cli_table_read(arena, path, &table));
     const bool radii = rp_table_column(table, "r") >= 0;
-    RP_TRY(cli_read_columns(table, radii ? "x,y,r" : "x,y", &x));
+    RP_TRY(cli_read_columns(arena, table, radii ? "x,y,r" : "x,y", &x));
     h->n = table->n_rows;
     h->disks = malloc((h->n + 1) * sizeof *h->disks);
     if (!h->disks) return rp_fail(RP_NO_MEMORY, "pile: out of memory");
@@ -96,20 +96,27 @@ static void write_summary(const options *o, const sweep_result *results)
 
 /* The tables of a pile. Without an equilibrium N and H are no result: those of the state where the solve was
  * given up are in the folder's tables alone. */
-static rp_status write_tables(const options *o, const sweep_solved *s, const sweep_result *results)
+static void put_header(const void *call, FILE *out)
 {
-    cli_table(stdout);
+    cli_table(call, out);
+}
+
+static rp_status write_tables(const cli_call *call, const options *o, const sweep_solved *s,
+                              const sweep_result *results)
+{
+    cli_table(call, stdout);
     sweep_pile_notes(s, stdout);
     if (o->own.summary)
         write_summary(o, results);
     else if (!s->r.fault)
         sweep_pile_write_base(s, stdout);
-    return *o->own.o ? sweep_pile_write(s, &(sweep_tables){.directory = o->own.o, .header = cli_table})
+    return *o->own.o ? sweep_pile_write(
+                           s, &(sweep_tables){.directory = o->own.o, .header = put_header, .context = call})
                      : RP_OK;
 }
 
 /* Options that would have no effect beside others. */
-static rp_status check_idle(const options *o)
+static rp_status check_idle(const cli_call *call, const options *o)
 {
     const sweep_pile *p = &o->pile;
     const bool linear = !(p->eps > 0), from_file = *o->own.outline || *o->own.disks;
@@ -131,13 +138,13 @@ static rp_status check_idle(const options *o)
                 {"mu", !(p->well > 0), "goes with --well"},
                 {"seed", !(p->disorder > 0), "goes with --disorder"}};
     for (size_t i = 0; i < N_OF(idle); i++)
-        if (idle[i].idle && cli_given(idle[i].option))
+        if (idle[i].idle && cli_given(call, idle[i].option))
             return rp_fail(RP_USAGE, "--%s would do nothing: %s; see repose pile --help", idle[i].option,
                            idle[i].why);
     return RP_OK;
 }
 
-static rp_status check_usage(const options *o)
+static rp_status check_usage(const cli_call *call, const options *o)
 {
     const sweep_pile *p = &o->pile;
     if (*o->own.outline && *o->own.disks)
@@ -147,14 +154,14 @@ static rp_status check_usage(const options *o)
                        "--threshold goes with an outline, wells and --eps alone; see repose pile --help");
     if (o->own.piles > 1 && (!(p->disorder > 0) || p->threshold || o->own.summary || *o->own.o))
         return rp_fail(RP_USAGE, "--piles goes with --disorder and gives one table; see repose pile --help");
-    return check_idle(o);
+    return check_idle(call, o);
 }
 
-static rp_status find_threshold(const options *o, const sweep_outline *h)
+static rp_status find_threshold(const cli_call *call, const options *o, const sweep_outline *h)
 {
     sweep_result results;
     RP_TRY(sweep_pile_threshold(&o->pile, h, &results));
-    cli_table(stdout);
+    cli_table(call, stdout);
     write_summary(o, &results);
     return RP_OK;
 }
@@ -170,7 +177,7 @@ static void draw(size_t n, const statics_result *r, void *context)
     fflush(stderr);
 }
 
-static rp_status solve(const options *o, const sweep_outline *h)
+static rp_status solve(const cli_call *call, const options *o, const sweep_outline *h)
 {
     sweep_solved s;
     sweep_result results;
@@ -182,7 +189,7 @@ static rp_status solve(const options *o, const sweep_outline *h)
         fprintf(stderr, "repose pile: unstable: %zu negative mode%s; --branch minimum seeks a stable state\n",
                 s.r.negative_modes, s.r.negative_modes == 1 ? "" : "s");
     if (!status || status == RP_NO_RESULT) {
-        rp_status written = write_tables(o, &s, &results);
+        rp_status written = write_tables(call, o, &s, &results);
         status = status ? rp_fail(status, "%s", results.message) : written;
     }
     sweep_solved_free(&s);
@@ -190,11 +197,11 @@ static rp_status solve(const options *o, const sweep_outline *h)
 }
 
 /* Means over the piles that have an equilibrium, from N and H[disk][pile]. */
-static void write_means(const options *o, const sweep_outline *h, size_t solved, size_t unstable,
-                        const double *N, const double *H)
+static void write_means(const cli_call *call, const options *o, const sweep_outline *h, size_t solved,
+                        size_t unstable, const double *N, const double *H)
 {
     const size_t piles = (size_t)o->own.piles;
-    cli_table(stdout);
+    cli_table(call, stdout);
     rp_table_note(stdout, "n_disks", "%zu", h->n);
     rp_table_note_number(stdout, "B", h->B, "sigma");
     rp_table_note(stdout, "solved", "%zu of %zu piles, %zu of them unstable", solved, piles, unstable);
@@ -212,10 +219,10 @@ static void write_means(const options *o, const sweep_outline *h, size_t solved,
 }
 
 /* An ensemble of unequal disks; piles without an equilibrium are told on the way. */
-static rp_status solve_ensemble(const options *o, sweep_outline *h)
+static rp_status solve_ensemble(const cli_call *call, const options *o, sweep_outline *h)
 {
     const size_t piles = (size_t)o->own.piles;
-    double *N = cli_memory(2 * h->k * piles, sizeof *N), *H = N + h->k * piles;
+    double *N = rp_arena_memory(call->arena, 2 * h->k * piles, sizeof *N), *H = N + h->k * piles;
     size_t solved = 0, unstable = 0;
     for (size_t run = 0; run < piles; run++) {
         sweep_solved s = {0};
@@ -233,24 +240,26 @@ static rp_status solve_ensemble(const options *o, sweep_outline *h)
         if (status) fprintf(stderr, "pile %zu: %s\n", run, rp_message());
     }
     if (!solved) return rp_fail(RP_NO_RESULT, "none of %zu piles has an equilibrium", piles);
-    write_means(o, h, solved, unstable, N, H);
+    write_means(call, o, h, solved, unstable, N, H);
     if (unstable)
         fprintf(stderr, "repose pile: unstable: %zu of %zu piles; --branch minimum seeks stable states\n",
                 unstable, solved);
     return RP_OK;
 }
 
-static rp_status solve_any(void *values)
+static rp_status solve_any(cli_call *call, const void *values)
 {
-    options *o = values;
-    RP_TRY(check_usage(o));
+    options *o = call->values; /* the header has the pile that is solved */
+    (void)values;
+    RP_TRY(check_usage(call, o));
     sweep_outline h = {0};
-    rp_status status = *o->own.disks ? read_disks(o->own.disks, &h) : make_outline(o, &h);
+    rp_status status =
+        *o->own.disks ? read_disks(call->arena, o->own.disks, &h) : make_outline(call->arena, o, &h);
     if (*o->own.disks || *o->own.outline) o->pile.alpha_deg = -1; /* the parameters do not describe it */
     if (!status)
-        status = o->own.piles > 1    ? solve_ensemble(o, &h)
-                 : o->pile.threshold ? find_threshold(o, &h)
-                                     : solve(o, &h);
+        status = o->own.piles > 1    ? solve_ensemble(call, o, &h)
+                 : o->pile.threshold ? find_threshold(call, o, &h)
+                                     : solve(call, o, &h);
     sweep_outline_free(&h);
     return status;
 }

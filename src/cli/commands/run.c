@@ -12,6 +12,7 @@
 #include "cli/cli.h"
 #include "export/export.h"
 #include "cli/unfinished.h"
+#include "cli/progress.h"
 #include "cli/watch.h"
 #include "core/clock.h"
 #include "params/config.h"
@@ -46,7 +47,6 @@ typedef struct {
     long steps, every, snapshot;
     bool ledger;
     XXH128_hash_t scene;
-    char command[4096];
 } run_plan;
 
 /* Energy without source must not grow. Samples of the first and of the last quarter of a long run are
@@ -69,13 +69,17 @@ typedef struct {
     long threads;
 } scene_run;
 
-/* The header line that tells what a folder's tables are of. */
-static char run_note[CLI_RUN_NOTE], replaces[CLI_REPLACES];
+/* Of what a folder's tables are, in their header, and which older ones they replace. */
+typedef struct {
+    const cli_call *call;
+    char run[CLI_RUN_NOTE], replaces[CLI_REPLACES];
+} origin;
 
-static void provenance(FILE *out)
+static void put_origin(const void *context, FILE *out)
 {
-    cli_provenance(out);
-    rp_table_note(out, "run", "%s", run_note);
+    const origin *of = context;
+    cli_provenance(of->call, out);
+    rp_table_note(out, "run", "%s", of->run);
 }
 
 /* Where the tables of a run go. Standard output holds the states alone. */
@@ -111,18 +115,18 @@ static void take_growing(outputs *o)
     for (int k = 0; k < CLI_GROWING; k++) o->table[k] = o->unfinished.table[k].file;
 }
 
-static rp_status outputs_open(outputs *o, const scene_run *r)
+static rp_status outputs_open(outputs *o, const origin *of, const scene_run *r)
 {
     o->table[STATES] = stdout;
     if (*o->directory) {
         RP_TRY(cli_unfinished_start(&o->unfinished, o->directory, layout(), growing));
         take_growing(o);
-        for (int k = 0; k < CLI_GROWING; k++) provenance(o->table[k]);
+        for (int k = 0; k < CLI_GROWING; k++) put_origin(of, o->table[k]);
         dem_write_energy_columns(r->plan.ledger, o->table[ENERGY]);
         dem_write_contact_columns(o->table[CONTACTS]);
         dem_write_wall_columns(o->table[WALLS]);
     } else {
-        cli_provenance(stdout);
+        cli_provenance(of->call, stdout);
     }
     dem_write_notes(r->sim, o->table[STATES]);
     dem_write_state_columns(o->table[STATES]);
@@ -176,22 +180,22 @@ static void growth_report(const growth *g, const dem_sim *sim, FILE *states)
 }
 
 /* Plots of text carry the progress in their title. */
-static rp_status start_watch(outputs *o, const scene_run *r, const run_options *options)
+static rp_status start_watch(rp_arena *arena, outputs *o, const scene_run *r, const run_options *options)
 {
     o->quiet = options->quiet;
-    rp_status status = options->plot ? cli_plot_open(&o->plot) : RP_OK;
+    rp_status status = options->plot ? cli_plot_open(arena, &o->plot) : RP_OK;
     o->progress = cli_progress_start(o->quiet || (o->plot.open && o->plot.text), isatty(STDERR_FILENO),
                                      rp_clock(), dem_step(r->sim), r->plan.steps);
     return status;
 }
 
-static void show_progress(outputs *o, const dem_sim *sim, bool last)
+static void show_progress(rp_arena *arena, outputs *o, const dem_sim *sim, bool last)
 {
     char title[120];
     const double now = rp_clock();
     cli_progress_show(&o->progress, now, dem_step(sim), stderr);
     cli_progress_text(&o->progress, now, dem_step(sim), title);
-    cli_plot_show(&o->plot, sim, title, last);
+    cli_plot_show(arena, &o->plot, sim, title, last);
 }
 
 /* The end of the closing line, in which the end of a line in a folder's name is a blank. */
@@ -211,12 +215,12 @@ static const char *unit_text(const char *cgs, char text[32])
 }
 
 /* What happened, in one line. */
-static void report_end(const scene_run *r, const char *directory)
+static void report_end(rp_arena *arena, const scene_run *r, const char *directory)
 {
     bool rest;
     char unit[32];
     cli_slope slope;
-    if (cli_at_rest(r->sim, &rest) || cli_slope_of(r->sim, &slope)) return;
+    if (cli_at_rest(arena, r->sim, &rest) || cli_slope_of(arena, r->sim, &slope)) return;
     fprintf(stderr, "repose run: %zu grains, %ld steps, t = %.5g%s; %s", dem_count(r->sim), dem_step(r->sim),
             dem_time(r->sim), unit_text("s", unit), rest ? "at rest" : "not at rest");
     if (rest && !isnan(slope.theta)) {
@@ -244,7 +248,7 @@ static long steps_to(long step, long every, long most)
 }
 
 /* Advance to the end, or until a signal. */
-static rp_status advance(scene_run *r, outputs *out)
+static rp_status advance(rp_arena *arena, scene_run *r, outputs *out)
 {
     const run_plan *p = &r->plan;
     /* some tenths of a second: often enough to show progress and to notice a signal */
@@ -260,7 +264,7 @@ static rp_status advance(scene_run *r, outputs *out)
         /* too soft, too fast, too hard to solve: the scene has no result, and the program is not wrong */
         if (status == RP_BROKEN && dem_sim_fault(r->sim) != DEM_FAULT_NON_FINITE) status = RP_NO_RESULT;
         const long step = dem_step(r->sim);
-        show_progress(out, r->sim, step == p->steps);
+        show_progress(arena, out, r->sim, step == p->steps);
         if (!status) growth_sample(&r->energy, r->sim);
         const bool stopped = stop_signal && step < p->steps;
         if (!status && p->every > 0 && step % p->every == 0 && step < p->steps)
@@ -277,9 +281,9 @@ static rp_status advance(scene_run *r, outputs *out)
 }
 
 /* From the start, or with `out` resumed from where the run is. */
-static rp_status finish_scene(scene_run *r, outputs *out, rp_status status)
+static rp_status finish_scene(rp_arena *arena, scene_run *r, outputs *out, rp_status status)
 {
-    if (!status) status = advance(r, out);
+    if (!status) status = advance(arena, r, out);
     if (!status && (r->plan.every <= 0 || r->plan.steps > 0)) status = outputs_write(out, r->sim);
     if (!status) growth_report(&r->energy, r->sim, out->table[STATES]);
     cli_plot_close(&out->plot);
@@ -288,16 +292,17 @@ static rp_status finish_scene(scene_run *r, outputs *out, rp_status status)
     return status ? status : rp_file_finish(stdout, "standard output");
 }
 
-static rp_status run_scene(scene_run *r, const run_options *o)
+static rp_status run_scene(const origin *of, scene_run *r, const run_options *o)
 {
+    rp_arena *arena = of->call->arena;
     outputs out = {.directory = o->o, .resumable = r->plan.snapshot > 0, .unfinished.lock = -1};
     cli_on_stop(note_stop);
-    rp_status status = start_watch(&out, r, o);
-    if (!status) status = outputs_open(&out, r);
+    rp_status status = start_watch(arena, &out, r, o);
+    if (!status) status = outputs_open(&out, of, r);
     if (!status && r->plan.every > 0) status = outputs_write(&out, r->sim);
     if (!status && out.resumable) status = cli_unfinished_write(&out.unfinished, keep_run, r);
-    status = finish_scene(r, &out, status);
-    if (!status && !o->quiet) report_end(r, o->o);
+    status = finish_scene(arena, r, &out, status);
+    if (!status && !o->quiet) report_end(arena, r, o->o);
     return status;
 }
 
@@ -310,7 +315,7 @@ static void report_row(const sweep_protocol *protocol, const sweep_result *resul
     report_place(directory);
 }
 
-static rp_status run_row(const char *path, const run_options *o)
+static rp_status run_row(const cli_call *call, const char *path, const run_options *o)
 {
     if (!*o->o)
         return rp_fail(RP_USAGE,
@@ -318,7 +323,7 @@ static rp_status run_row(const char *path, const run_options *o)
                        "repose sweep make %s -o DIR makes all",
                        path, path, path);
     if (o->set.n > 0) return rp_fail(RP_USAGE, "--set goes with a scene file; %s is a sweep file", path);
-    if (cli_given("j"))
+    if (cli_given(call, "j"))
         return rp_fail(
             RP_USAGE,
             "-j goes with a scene file; %s is a sweep file, whose runs take one processor each; repose "
@@ -330,15 +335,17 @@ static rp_status run_row(const char *path, const run_options *o)
     static volatile bool stopped;
     cli_unfinished folder;
     char stage[PATH_MAX], snapshot[PATH_MAX + 16];
-    snprintf(run_note, sizeof run_note, "%s row %ld", path, o->row);
-    RP_TRY(cli_claim_run(o->o, run_note, o->force, replaces));
+    origin of = {.call = call};
+    snprintf(of.run, sizeof of.run, "%s row %ld", path, o->row);
+    RP_TRY(cli_claim_run(o->o, of.run, o->force, of.replaces));
     RP_TRY(cli_unfinished_start(&folder, o->o, 0, NULL));
     snprintf(stage, sizeof stage, "%s/unfinished", o->o);
     snprintf(snapshot, sizeof snapshot, "%s/snapshot", stage);
     cli_unfinished_stops(o->o, &stopped);
     const sweep_tables tables = {.directory = stage,
                                  .every = o->every > 0 ? o->every : 100,
-                                 .header = provenance,
+                                 .header = put_origin,
+                                 .context = &of,
                                  .ledger = o->ledger,
                                  .snapshot = snapshot,
                                  .interval = CLI_SNAPSHOT,
@@ -350,7 +357,7 @@ static rp_status run_row(const char *path, const run_options *o)
     for (const sweep_output *p = protocol->outputs; p->name; p++, n++)
         columns[n][0] = p->name, columns[n][1] = p->unit;
     columns[n][0] = "status", columns[n][1] = "";
-    cli_provenance(stdout);
+    cli_provenance(call, stdout);
     rp_table_note(stdout, "run_time", "%.3g s", rp_clock() - started);
     rp_table_columns(stdout, n + 1, (const char *const(*)[2])columns);
     rp_table_row_word(stdout, n, result.values, result.status);
@@ -406,35 +413,35 @@ static rp_status read_scene(const char *path, const run_options *o, dem_scene *s
 }
 
 /* A folder that this scene may write into. */
-static rp_status claim(const char *path, const run_plan *plan, const run_options *o)
+static rp_status claim(origin *of, const char *path, const run_plan *plan, const run_options *o)
 {
     char key[33], frames[64] = "the last frame";
     if (!*o->o) return RP_OK;
     rp_hash_digits(plan->scene, key);
     if (plan->every > 0) snprintf(frames, sizeof frames, "a frame each %ld", plan->every);
-    snprintf(run_note, sizeof run_note, "%.400s, %ld steps, %s, key %s", path, plan->steps, frames, key);
-    return cli_claim_run(o->o, run_note, o->force, replaces);
+    snprintf(of->run, sizeof of->run, "%.400s, %ld steps, %s, key %s", path, plan->steps, frames, key);
+    return cli_claim_run(o->o, of->run, o->force, of->replaces);
 }
 
-static rp_status run_file(const char *path, const run_options *o)
+static rp_status run_file(const cli_call *call, const char *path, const run_options *o)
 {
     dem_scene scene;
+    origin of = {.call = call};
     scene_run r = {.plan = {.every = o->every, .snapshot = o->snapshot}, .threads = o->j};
-    if (cli_given("row")) return rp_fail(RP_USAGE, "--row goes with a sweep file; %s is a scene", path);
+    if (cli_given(call, "row")) return rp_fail(RP_USAGE, "--row goes with a sweep file; %s is a scene", path);
     if (o->snapshot > 0 && !*o->o) return rp_fail(RP_USAGE, "--snapshot needs -o DIR");
     if (o->dump && !*o->o) return rp_fail(RP_USAGE, "--dump needs -o DIR");
     rp_status status = read_scene(path, o, &scene);
     if (!status && *o->o) status = hash_scene(&scene, &r.plan.scene);
     r.plan.steps = scene.steps;
-    if (!status) status = claim(path, &r.plan, o);
+    if (!status) status = claim(&of, path, &r.plan, o);
     r.plan.ledger = scene.def.ledger;
-    snprintf(r.plan.command, sizeof r.plan.command, "%s", cli_command_line());
     if (!status && (status = dem_scene_start(&scene, &r.sim)) == RP_BAD_INPUT)
         rp_prefix(status, "%s: ", path);
     if (!status) r.energy = growth_of(&scene, r.sim);
-    if (!status) status = run_scene(&r, o);
-    if (!status) status = cli_export_run(o->o, (cli_dump)o->dump);
-    if (!status && *replaces) printf("%s: replaced %s\n", o->o, replaces);
+    if (!status) status = run_scene(&of, &r, o);
+    if (!status) status = cli_export_run(call, o->o, (cli_dump)o->dump);
+    if (!status && *of.replaces) printf("%s: replaced %s\n", o->o, of.replaces);
     dem_free(r.sim);
     dem_scene_free(&scene);
     return status;
@@ -454,13 +461,13 @@ static rp_status check_scene(const char *path, const run_options *o, const run_p
     return rp_fail(RP_BAD_INPUT, "%s: not the scene that the snapshot in %s is of", path, o->resume);
 }
 
-static rp_status resume(const run_options *o)
+static rp_status resume(const cli_call *call, const run_options *o)
 {
-    const char *scene = cli_argument(0);
+    const char *scene = cli_argument(call, 0);
     scene_run r = {.threads = o->j};
     outputs out = {.directory = o->resume, .resumable = true};
-    if (cli_given("o") || cli_given("every") || cli_given("row") || cli_given("snapshot") ||
-        cli_given("force"))
+    if (cli_given(call, "o") || cli_given(call, "every") || cli_given(call, "row") ||
+        cli_given(call, "snapshot") || cli_given(call, "force"))
         return rp_fail(RP_USAGE, "--resume goes on with the options of the start; -o, --every, --row, "
                                  "--snapshot and --force do not go with it");
     if (!scene && (o->set.n > 0 || o->ledger))
@@ -480,22 +487,21 @@ static rp_status resume(const run_options *o)
     }
     printf("%s: goes on from step %ld to %ld\n", o->resume, dem_step(r.sim), r.plan.steps);
     take_growing(&out);
-    cli_command_line_set(r.plan.command);
-    status = finish_scene(&r, &out, start_watch(&out, &r, o));
-    if (!status && !o->quiet) report_end(&r, o->resume);
-    if (!status) status = cli_export_run(o->resume, (cli_dump)o->dump);
+    status = finish_scene(call->arena, &r, &out, start_watch(call->arena, &out, &r, o));
+    if (!status && !o->quiet) report_end(call->arena, &r, o->resume);
+    if (!status) status = cli_export_run(call, o->resume, (cli_dump)o->dump);
     dem_free(r.sim);
     return status;
 }
 
-static rp_status run_any(void *values)
+static rp_status run_any(cli_call *call, const void *values)
 {
     const run_options *o = values;
-    const char *path = cli_argument(0);
+    const char *path = cli_argument(call, 0);
     bool sweep;
-    if (*o->resume) return resume(o);
+    if (*o->resume) return resume(call, o);
     if (!path) return rp_fail(RP_USAGE, "usage: repose run %s", cmd_run.synopsis);
-    path = cli_data(path);
+    path = cli_data(call->arena, path);
     RP_TRY(is_sweep(path, &sweep));
     if (sweep && (o->snapshot > 0 || o->plot || o->dump))
         return rp_fail(RP_USAGE, "--%s goes with a scene; %s is a sweep file",
@@ -503,7 +509,7 @@ static rp_status run_any(void *values)
                        : o->dump ? "dump"
                                  : "snapshot",
                        path);
-    return sweep ? run_row(path, values) : run_file(path, values);
+    return sweep ? run_row(call, path, values) : run_file(call, path, values);
 }
 
 const cli_command cmd_run = {

@@ -5,20 +5,21 @@
 
 #include "cli/cli.h"
 
-static rp_status act_merge(void *values)
+static rp_status act_merge(cli_call *call, const void *values)
 {
     (void)values;
     sweep_counts counts;
     sweep_merged merged = {0};
     int n = 0;
-    while (cli_argument(n + 1)) n++;
-    RP_TRY(sweep_merge(cli_argument(0), sweep_protocols, (size_t)n, cli_arguments() + 1, &merged, &counts));
+    while (cli_argument(call, n + 1)) n++;
+    RP_TRY(sweep_merge(cli_argument(call, 0), sweep_protocols, (size_t)n, call->arguments + 1, &merged,
+                       &counts));
     rp_table_note(stdout, "merged",
                   "%zu rows of %zu stores, %zu duplicates, %zu rows of other plans left out", merged.taken,
                   merged.stores, merged.duplicates, merged.foreign);
     if (*counts.shards) rp_table_note(stdout, "shards with missing runs", "%s", counts.shards);
     cli_print_counts(&counts);
-    return sweep_check_whole(cli_argument(0), &counts);
+    return sweep_check_whole(cli_argument(call, 0), &counts);
 }
 
 const cli_command cmd_sweep_merge = {
@@ -65,13 +66,13 @@ static const char array_script[] =
     "fi\n"
     "exit $status\n";
 
-static rp_status act_slurm(void *values)
+static rp_status act_slurm(cli_call *call, const void *values)
 {
     const slurm_options *o = values;
     char dir[PATH_MAX], self[PATH_MAX], path[PATH_MAX + 16];
     FILE *out;
-    if (!realpath(cli_argument(0), dir) || !realpath("/proc/self/exe", self))
-        return rp_fail(RP_BAD_INPUT, "%s: no such folder", cli_argument(0));
+    if (!realpath(cli_argument(call, 0), dir) || !realpath("/proc/self/exe", self))
+        return rp_fail(RP_BAD_INPUT, "%s: no such folder", cli_argument(call, 0));
     if (strpbrk(dir, "'\n%") || strpbrk(self, "'\n%") || o->time[strspn(o->time, "0123456789:-")] ||
         o->mem[strspn(o->mem, "0123456789KMGT")])
         return rp_fail(RP_BAD_INPUT, "--time 1:00:00 and --mem 1G expected, and a folder without ' and %%");
@@ -99,12 +100,12 @@ const cli_command cmd_sweep_slurm = {
     .prints_text = true,
     .act = act_slurm};
 
-static rp_status act_salvage(void *values)
+static rp_status act_salvage(cli_call *call, const void *values)
 {
     (void)values;
     size_t n = 0;
-    RP_TRY(sweep_salvage(cli_argument(0), sweep_protocols, &n));
-    printf("%s: %zu whole rows; the damaged store is damaged.sqlite\n", cli_argument(0), n);
+    RP_TRY(sweep_salvage(cli_argument(call, 0), sweep_protocols, &n));
+    printf("%s: %zu whole rows; the damaged store is damaged.sqlite\n", cli_argument(call, 0), n);
     return RP_OK;
 }
 

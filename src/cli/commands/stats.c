@@ -15,21 +15,21 @@
 
 CLI_OPTIONS(maximum, MAXIMUM_OPTIONS)
 
-static rp_status maximum_of_table(rp_table *table, void *values)
+static rp_status maximum_of_table(cli_call *call, rp_table *table, const void *values)
 {
     const maximum_options *o = values;
     const size_t draws = (size_t)o->draws, resamples = (size_t)o->bootstrap;
     cli_rows rows;
     stats_summary stats;
     double largest, se;
-    RP_TRY(cli_rows_read(table, o->column, &(cli_choice){.any_status = true}, &rows));
-    cli_table(stdout);
+    RP_TRY(cli_rows_read(call->arena, table, o->column, &(cli_choice){.any_status = true}, &rows));
+    cli_table(call, stdout);
     rp_table_note(stdout, "rows", "%zu used, %zu left out for nan", rows.n, rows.n_nan);
     const double *v = rows.column[0];
-    double *work = cli_memory(2 * rows.n + resamples, sizeof *work);
+    double *work = rp_arena_memory(call->arena, 2 * rows.n + resamples, sizeof *work);
     rp_status status = stats_mean(rows.n, v, &stats);
     if (!status) status = stats_expected_maximum(rows.n, v, draws, work, &largest);
-    if (!status) status = stats_maximum_error(rows.n, v, draws, resamples, cli_random(0), work, &se);
+    if (!status) status = stats_maximum_error(rows.n, v, draws, resamples, cli_random(call, 0), work, &se);
     RP_TRY(rp_prefix(status, "%s: ", table->path));
     rp_table_header(stdout, "n, mean, sd, draws, maximum, maximum_se");
     CLI_ROW((double)rows.n, stats.mean, stats.sd, (double)o->draws, largest, se);
@@ -72,17 +72,17 @@ static rp_status print_correlations(const cli_groups *groups, const cli_rows *ro
     return RP_OK;
 }
 
-static rp_status correlation_of_table(rp_table *table, void *values)
+static rp_status correlation_of_table(cli_call *call, rp_table *table, const void *values)
 {
     const correlation_options *o = values;
     const size_t size = strlen(o->x) + strlen(o->y) + 2;
-    char *names = cli_memory(size, 1), *rest = names;
+    char *names = rp_arena_memory(call->arena, size, 1), *rest = names;
     cli_groups groups;
     cli_rows rows;
     snprintf(names, size, "%s,%s", o->y, o->x);
-    RP_TRY(cli_group_rows(table, o->by, '\t', &groups));
-    RP_TRY(cli_rows_read(table, names, &(cli_choice){.groups = &groups}, &rows));
-    cli_table(stdout);
+    RP_TRY(cli_group_rows(call->arena, table, o->by, '\t', &groups));
+    RP_TRY(cli_rows_read(call->arena, table, names, &(cli_choice){.groups = &groups}, &rows));
+    cli_table(call, stdout);
     rp_table_note(stdout, "rows", "%zu used, %zu without result, %zu with nan", rows.n, rows.n_failed,
                   rows.n_nan);
     rp_status status = cli_header_by(
@@ -114,27 +114,28 @@ static const cli_command correlation = {
 
 CLI_OPTIONS(select, SELECT_OPTIONS)
 
-static void print_selected_header(const rp_table *t, size_t n, const int columns[])
+static void print_selected_header(const cli_call *call, const rp_table *t, size_t n, const int columns[])
 {
-    char(*units)[32] = cli_memory(n, sizeof *units), (*numbers)[12] = cli_memory(n, sizeof *numbers);
-    const char *(*header)[2] = cli_memory(n, sizeof *header);
+    char(*units)[32] = rp_arena_memory(call->arena, n, sizeof *units),
+    (*numbers)[12] = rp_arena_memory(call->arena, n, sizeof *numbers);
+    const char *(*header)[2] = rp_arena_memory(call->arena, n, sizeof *header);
     for (size_t c = 0; c < n; c++) {
         cli_column_unit(t, columns[c], units[c]);
         snprintf(numbers[c], sizeof numbers[c], "%d", columns[c] + 1);
         header[c][0] = t->names[columns[c]] ? t->names[columns[c]] : numbers[c];
         header[c][1] = units[c];
     }
-    cli_provenance(stdout);
+    cli_provenance(call, stdout);
     rp_table_columns(stdout, n, (const char *const(*)[2])header);
 }
 
-static rp_status select_of_table(rp_table *t, void *options)
+static rp_status select_of_table(cli_call *call, rp_table *t, const void *options)
 {
     const select_options *o = options;
     int *columns;
     size_t n;
-    RP_TRY(cli_columns(t, o->columns, &n, &columns));
-    if (!o->bare) print_selected_header(t, n, columns);
+    RP_TRY(cli_columns(call->arena, t, o->columns, &n, &columns));
+    if (!o->bare) print_selected_header(call, t, n, columns);
     for (size_t i = 0; i < t->n_rows; i++)
         for (size_t c = 0; c < n; c++) printf("%s%s", cli_text(t, i, columns[c]), c + 1 < n ? "\t" : "\n");
     return RP_OK;

@@ -47,11 +47,11 @@ static void note_reach(const char *name, double to)
         rp_table_note(stdout, name, "%g", to);
 }
 
-static rp_status print_successive(size_t n, const double x[], const double y[], const double se[],
-                                  double level)
+static rp_status print_successive(rp_arena *arena, size_t n, const double x[], const double y[],
+                                  const double se[], double level)
 {
     double linear_to, bend_free_to;
-    stats_prefix *fits = cli_memory(n, sizeof *fits);
+    stats_prefix *fits = rp_arena_memory(arena, n, sizeof *fits);
     RP_TRY(stats_successive(n, x, y, se, level, fits, &linear_to, &bend_free_to));
     note_reach("linear_to", linear_to);
     note_reach("bend_free_to", bend_free_to);
@@ -85,7 +85,7 @@ static rp_status print_fit(size_t n, const double x[], const double y[], const d
     return RP_OK;
 }
 
-static rp_status fit_table(rp_table *table, void *values)
+static rp_status fit_table(cli_call *call, rp_table *table, const void *values)
 {
     const fit_options *o = values;
     const bool weighted = strcmp(o->se, "none") != 0, logarithms = o->scale == SCALE_LOG;
@@ -99,16 +99,16 @@ static rp_status fit_table(rp_table *table, void *values)
         return rp_fail(RP_USAGE,
                        "--scale log is without --se: give one of them; see repose stats fit --help");
     snprintf(names, sizeof names, weighted ? "%s,%s,%s" : "%s,%s", o->x, o->y, o->se);
-    RP_TRY(cli_rows_read(table, names, &choice, &rows));
+    RP_TRY(cli_rows_read(call->arena, table, names, &choice, &rows));
     double *x = rows.column[0], *y = rows.column[1];
     double range[2];
-    cli_table(stdout);
+    cli_table(call, stdout);
     note_rows(&rows);
     gsl_stats_minmax(&range[0], &range[1], x, 1, rows.n);
     rp_status status = logarithms ? take_logarithms(table, rows.n, x, o->x) : RP_OK;
     if (logarithms && !status) status = take_logarithms(table, rows.n, y, o->y);
     if (!status)
-        status = o->successive ? print_successive(rows.n, x, y, rows.column[2], o->level)
+        status = o->successive ? print_successive(call->arena, rows.n, x, y, rows.column[2], o->level)
                                : print_fit(rows.n, x, y, rows.column[2], logarithms, range);
     return rp_prefix(status, "%s: ", table->path);
 }

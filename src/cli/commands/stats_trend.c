@@ -55,13 +55,13 @@ typedef struct {
     char x_words[256]; /* what the numbers of x stand for; empty if they are numbers */
 } rows;
 
-static rp_status read_rows(const rp_table *t, const trend_options *o, rows *r)
+static rp_status read_rows(rp_arena *arena, const rp_table *t, const trend_options *o, rows *r)
 {
     const cli_choice choice = {.range = (double[]){o->from, o->to}, .groups = &r->groups};
     char names[512];
     snprintf(names, sizeof names, "%s,%s%s", o->x, o->y, o->pair ? ",pile" : "");
-    RP_TRY(cli_group_rows(t, o->by, '\t', &r->groups));
-    RP_TRY(cli_rows_read(t, names, &choice, &r->of));
+    RP_TRY(cli_group_rows(arena, t, o->by, '\t', &r->groups));
+    RP_TRY(cli_rows_read(arena, t, names, &choice, &r->of));
     for (size_t i = 0; i < r->of.n; i++) {
         double *x = &r->of.column[0][i];
         if (o->scale != SCALE_LINEAR && !(*x > 0.0))
@@ -101,20 +101,22 @@ static void print_size(const stats_trend *t, double p_holm)
                  stats_contrast_p(&t->slope), p_holm, stats_contrast_p(&t->bend));
 }
 
-static rp_status print_header(const rp_table *t, const rows *r, const trend_options *o, const char *columns)
+static rp_status print_header(const cli_call *call, const rp_table *t, const rows *r, const trend_options *o,
+                              const char *columns)
 {
-    cli_table(stdout);
+    cli_table(call, stdout);
     rp_table_note(stdout, "rows", "%zu used, %zu without result, %zu with nan, %zu outside the range of x",
                   r->of.n, r->of.n_failed, r->of.n_nan, r->of.n_outside);
     if (*r->x_words) rp_table_note(stdout, "words", "%s", r->x_words);
     return cli_header_by(t, o->by, columns);
 }
 
-static rp_status fit_groups(const rp_table *t, const rows *r, const trend_options *o, bool size)
+static rp_status fit_groups(const cli_call *call, const rp_table *t, const rows *r, const trend_options *o,
+                            bool size)
 {
     const size_t n_groups = r->of.n_groups, *first = r->of.first;
-    stats_trend *trends = cli_memory(n_groups, sizeof *trends);
-    double *p = cli_memory(2 * n_groups, sizeof *p), *p_holm = p + n_groups;
+    stats_trend *trends = rp_arena_memory(call->arena, n_groups, sizeof *trends);
+    double *p = rp_arena_memory(call->arena, 2 * n_groups, sizeof *p), *p_holm = p + n_groups;
     rp_status group = RP_OK;
     size_t with_result = 0;
     for (size_t g = 0; g < n_groups; g++) {
@@ -130,7 +132,7 @@ static rp_status fit_groups(const rp_table *t, const rows *r, const trend_option
     }
     if (with_result == 0) return group;
     stats_holm(n_groups, p, p_holm);
-    RP_TRY(print_header(t, r, o, size ? SIZE_COLUMNS : TREND_COLUMNS));
+    RP_TRY(print_header(call, t, r, o, size ? SIZE_COLUMNS : TREND_COLUMNS));
     for (size_t g = 0; g < n_groups; g++) {
         if (*r->groups.words[g]) printf("%s\t", r->groups.words[g]);
         if (size)
@@ -142,7 +144,7 @@ static rp_status fit_groups(const rp_table *t, const rows *r, const trend_option
 }
 
 /* Words in the column of x (an integrator, say) become 0, 1, ... in the order in which they appear. */
-static rp_status number_words(rp_table *t, const trend_options *o, char words[256])
+static rp_status number_words(rp_arena *arena, rp_table *t, const trend_options *o, char words[256])
 {
     static char *const numbers[] = {"0", "1", "2", "3", "4", "5", "6", "7", "8", "9"};
     int column;
@@ -150,7 +152,7 @@ static rp_status number_words(rp_table *t, const trend_options *o, char words[25
     cli_groups known;
     bool all_numbers = true;
     RP_TRY(cli_find_column(t, o->x, &column));
-    RP_TRY(cli_group_rows(t, o->x, ',', &known));
+    RP_TRY(cli_group_rows(arena, t, o->x, ',', &known));
     for (size_t k = 0; k < known.n_groups; k++) {
         char *end;
         strtod(known.words[k], &end);
@@ -167,17 +169,17 @@ static rp_status number_words(rp_table *t, const trend_options *o, char words[25
     return RP_OK;
 }
 
-static rp_status trend_or_size(rp_table *table, const trend_options *o, bool size)
+static rp_status trend_or_size(const cli_call *call, rp_table *table, const trend_options *o, bool size)
 {
     rows r = {0};
-    RP_TRY(number_words(table, o, r.x_words));
-    RP_TRY(read_rows(table, o, &r));
-    return rp_prefix(fit_groups(table, &r, o, size), "%s: ", table->path);
+    RP_TRY(number_words(call->arena, table, o, r.x_words));
+    RP_TRY(read_rows(call->arena, table, o, &r));
+    return rp_prefix(fit_groups(call, table, &r, o, size), "%s: ", table->path);
 }
 
-static rp_status trend_of_table(rp_table *table, void *values)
+static rp_status trend_of_table(cli_call *call, rp_table *table, const void *values)
 {
-    return trend_or_size(table, values, false);
+    return trend_or_size(call, table, values, false);
 }
 
 static const char *limit_word(const stats_limit *l)
@@ -187,10 +189,11 @@ static const char *limit_word(const stats_limit *l)
 }
 
 /* Limits with a free exponent, one row a group. */
-static rp_status print_limits(const rp_table *t, const rows *r, const trend_options *o, double least_exponent)
+static rp_status print_limits(const cli_call *call, const rp_table *t, const rows *r, const trend_options *o,
+                              double least_exponent)
 {
     const size_t n_groups = r->of.n_groups, *first = r->of.first;
-    stats_limit *limits = cli_memory(n_groups, sizeof *limits);
+    stats_limit *limits = rp_arena_memory(call->arena, n_groups, sizeof *limits);
     rp_status group = RP_OK;
     size_t with_result = 0;
     for (size_t g = 0; g < n_groups; g++) {
@@ -201,7 +204,7 @@ static rp_status print_limits(const rp_table *t, const rows *r, const trend_opti
             return rp_prefix(group, "%s%s", r->groups.words[g], *r->groups.words[g] ? ": " : "");
     }
     if (with_result == 0) return group;
-    RP_TRY(print_header(t, r, o, LIMIT_COLUMNS));
+    RP_TRY(print_header(call, t, r, o, LIMIT_COLUMNS));
     for (size_t g = 0; g < n_groups; g++) {
         const stats_limit *l = &limits[g];
         if (*r->groups.words[g]) printf("%s\t", r->groups.words[g]);
@@ -212,7 +215,7 @@ static rp_status print_limits(const rp_table *t, const rows *r, const trend_opti
     return RP_OK;
 }
 
-static rp_status size_of_table(rp_table *table, void *values)
+static rp_status size_of_table(cli_call *call, rp_table *table, const void *values)
 {
     const size_options *s = values;
     const bool free = s->exponent == EXPONENT_FREE;
@@ -225,14 +228,14 @@ static rp_status size_of_table(rp_table *table, void *values)
                              .scale = free ? SCALE_LINEAR : SCALE_INVERSE,
                              .margin = 1.0}; /* of a test that is not printed */
     rows r = {0};
-    if (!free && cli_given("least-exponent"))
+    if (!free && cli_given(call, "least-exponent"))
         return rp_fail(RP_USAGE, "--least-exponent is for --exponent free");
-    if (!free) return trend_or_size(table, &o, true);
-    if (cli_given("power"))
+    if (!free) return trend_or_size(call, table, &o, true);
+    if (cli_given(call, "power"))
         return rp_fail(RP_USAGE,
                        "--exponent free weighs by the errors of the means; give it or --power, not both");
-    RP_TRY(read_rows(table, &o, &r));
-    return rp_prefix(print_limits(table, &r, &o, s->least_exponent), "%s: ", table->path);
+    RP_TRY(read_rows(call->arena, table, &o, &r));
+    return rp_prefix(print_limits(call, table, &r, &o, s->least_exponent), "%s: ", table->path);
 }
 
 const cli_command cmd_stats_trend = {

@@ -11,25 +11,26 @@
 
 /* ---- piles out of their tables ---- */
 
-static rp_status read_block(const char *prefix, const char *what, const char *names, double **block,
-                            size_t *rows)
+static rp_status read_block(rp_arena *arena, const char *prefix, const char *what, const char *names,
+                            double **block, size_t *rows)
 {
     char path[4096];
     const char *suffix = strstr(prefix, "_contacts.tsv"); /* the file itself, as a shell's * finds it */
     snprintf(path, sizeof path, "%.*s_%s.tsv", (int)(suffix ? suffix - prefix : (long)strlen(prefix)), prefix,
              what);
-    return cli_read_file(path, names, block, rows);
+    return cli_read_file(arena, path, names, block, rows);
 }
 
-static rp_status pile_read(const char *prefix, stress_pile *p)
+static rp_status pile_read(rp_arena *arena, const char *prefix, stress_pile *p)
 {
     double *block;
-    RP_TRY(read_block(prefix, "contacts", "id_b,wall,x,y,x_b,y_b,normal_force,shear_force", &block, &p->n));
-    RP_TRY(read_block(prefix, "grains", "x,y,m", &p->x, &p->n_grains));
+    RP_TRY(read_block(arena, prefix, "contacts", "id_b,wall,x,y,x_b,y_b,normal_force,shear_force", &block,
+                      &p->n));
+    RP_TRY(read_block(arena, prefix, "grains", "x,y,m", &p->x, &p->n_grains));
     p->y = p->x + p->n_grains; /* columns of one block */
     p->m = p->y + p->n_grains;
-    p->contacts = cli_memory(p->n, sizeof *p->contacts);
-    p->floor = cli_memory(p->n, sizeof *p->floor);
+    p->contacts = rp_arena_memory(arena, p->n, sizeof *p->contacts);
+    p->floor = rp_arena_memory(arena, p->n, sizeof *p->floor);
     for (size_t k = 0; k < p->n; k++) {
         const double *v = block + k;
         const size_t n = p->n;
@@ -58,17 +59,18 @@ static rp_status check_size(const stress_pile *p, const char *prefix, double wid
 }
 
 /* The piles of all arguments, and the header of a table of them. */
-static rp_status read_piles(double width, const double *cell, size_t *n, stress_pile **piles)
+static rp_status read_piles(const cli_call *call, double width, const double *cell, size_t *n,
+                            stress_pile **piles)
 {
     *n = 0;
-    while (cli_argument((int)*n)) ++*n;
-    *piles = cli_memory(*n, sizeof **piles);
+    while (cli_argument(call, (int)*n)) ++*n;
+    *piles = rp_arena_memory(call->arena, *n, sizeof **piles);
     for (size_t i = 0; i < *n; i++) {
-        RP_TRY(pile_read(cli_argument((int)i), &(*piles)[i]));
-        if (i == 0) cli_defaults_in_units();
-        RP_TRY(check_size(&(*piles)[i], cli_argument((int)i), width, *cell));
+        RP_TRY(pile_read(call->arena, cli_argument(call, (int)i), &(*piles)[i]));
+        if (i == 0) cli_defaults_in_units(call);
+        RP_TRY(check_size(&(*piles)[i], cli_argument(call, (int)i), width, *cell));
     }
-    cli_table(stdout);
+    cli_table(call, stdout);
     rp_table_note(stdout, "piles", "%zu", *n);
     return RP_OK;
 }
@@ -77,15 +79,15 @@ static rp_status read_piles(double width, const double *cell, size_t *n, stress_
 
 CLI_OPTIONS(field, BOX_OPTIONS)
 
-static rp_status print_field(void *values)
+static rp_status print_field(cli_call *call, const void *values)
 {
     const field_options *o = values;
     stress_pile *piles;
     size_t n;
-    RP_TRY(read_piles(o->width, &o->cell, &n, &piles));
+    RP_TRY(read_piles(call, o->width, &o->cell, &n, &piles));
     const stress_grid g = stress_grid_over(n, piles, o->width, o->cell);
     const size_t cells = g.nx * g.ny;
-    stress_tensor *mean = cli_memory(cells, sizeof *mean);
+    stress_tensor *mean = rp_arena_memory(call->arena, cells, sizeof *mean);
     RP_TRY(stress_mean_cells(n, piles, &g, mean));
     rp_table_header(stdout,
                     "x/W, y/W, sxx [dyn/cm], sxy [dyn/cm], syx [dyn/cm], syy [dyn/cm], p [dyn/cm], shear "
@@ -140,16 +142,16 @@ static rp_status mean_slope(size_t n, const stress_pile piles[], const base_opti
     return status;
 }
 
-static rp_status print_base(void *values)
+static rp_status print_base(cli_call *call, const void *values)
 {
     const base_options *o = values;
     double theta, size;
     stress_pile *piles;
     size_t n;
-    RP_TRY(read_piles(o->width, &o->cell, &n, &piles));
+    RP_TRY(read_piles(call, o->width, &o->cell, &n, &piles));
     RP_TRY(mean_slope(n, piles, o, &theta));
     const size_t cells = stress_floor_cells(n, piles, o->width, o->cell, &size);
-    stress_floor *floor = cli_memory(cells, sizeof *floor);
+    stress_floor *floor = rp_arena_memory(call->arena, cells, sizeof *floor);
     RP_TRY(stress_floor_forces(n, piles, size, o->g, cells, floor));
     rp_table_note_number(stdout, "theta_r_deg", theta / deg, "");
     rp_table_header(stdout,

@@ -22,12 +22,12 @@ typedef struct {
 #define RAYS_NAME(k) "rays_" #k ","
 
 /* Mean profile of rays, if the table has it. */
-static rp_status read_rays(const rp_table *t, dip_piles *p)
+static rp_status read_rays(rp_arena *arena, const rp_table *t, dip_piles *p)
 {
     cli_rows rows;
     for (int k = 0; k < STRESS_DIP_BINS / 2; k++) p->rays[k] = NAN;
     if (rp_table_column(t, "rays_01") < 0) return RP_OK;
-    RP_TRY(cli_rows_read(t, STRESS_DIP_BIN_LIST(RAYS_NAME) "excess", &(cli_choice){0}, &rows));
+    RP_TRY(cli_rows_read(arena, t, STRESS_DIP_BIN_LIST(RAYS_NAME) "excess", &(cli_choice){0}, &rows));
     for (int k = 0; k < STRESS_DIP_BINS / 2; k++) {
         p->rays[k] = 0.0;
         for (size_t i = 0; i < rows.n; i++)
@@ -39,16 +39,16 @@ static rp_status read_rays(const rp_table *t, dip_piles *p)
     return RP_OK;
 }
 
-static rp_status read_piles(const rp_table *t, dip_piles *p)
+static rp_status read_piles(rp_arena *arena, const rp_table *t, dip_piles *p)
 {
     cli_rows rows;
-    RP_TRY(cli_rows_read(t, STRESS_DIP_BIN_LIST(BIN_NAME) "excess", &(cli_choice){0}, &rows));
+    RP_TRY(cli_rows_read(arena, t, STRESS_DIP_BIN_LIST(BIN_NAME) "excess", &(cli_choice){0}, &rows));
     p->n = rows.n;
-    p->profiles = cli_memory(rows.n * STRESS_DIP_BINS, sizeof *p->profiles);
+    p->profiles = rp_arena_memory(arena, rows.n * STRESS_DIP_BINS, sizeof *p->profiles);
     p->excess = rows.column[STRESS_DIP_BINS];
     for (size_t i = 0; i < rows.n * STRESS_DIP_BINS; i++)
         p->profiles[i] = rows.column[i % STRESS_DIP_BINS][i / STRESS_DIP_BINS];
-    return read_rays(t, p);
+    return read_rays(arena, t, p);
 }
 
 static void print_dip(const stress_dips *d, const dip_options *o)
@@ -72,16 +72,16 @@ static void print_profile(const stress_dips *d, const dip_piles *p)
                 d->N[k] + d->N_t * d->N_se[k], p->rays[k]);
 }
 
-static rp_status dip_of_table(rp_table *table, void *values)
+static rp_status dip_of_table(cli_call *call, rp_table *table, const void *values)
 {
     const dip_options *o = values;
     dip_piles piles;
     stress_dips dips;
-    RP_TRY(read_piles(table, &piles));
+    RP_TRY(read_piles(call->arena, table, &piles));
     RP_TRY(rp_prefix(stress_dip_ensemble(piles.n, piles.profiles, piles.excess, o->margin,
-                                         (size_t)o->resamples, cli_random(0), &dips),
+                                         (size_t)o->resamples, cli_random(call, 0), &dips),
                      "%s: ", table->path));
-    cli_table(stdout);
+    cli_table(call, stdout);
     rp_table_note(stdout, "rows", "%zu used, %zu left out", piles.n, table->n_rows - piles.n);
     if (o->profile)
         print_profile(&dips, &piles);

@@ -10,41 +10,9 @@
 #include <unistd.h>
 
 #include "cli/cli.h"
+#include "cli/progress.h"
 #include "params/config.h"
 #include "params/units.h"
-
-void cli_print_counts(const sweep_counts *counts)
-{
-    rp_table_note(stdout, "planned", "%zu", counts->planned);
-    rp_table_note(stdout, "stored", "%zu", counts->stored);
-    rp_table_note(stdout, "missing", "%zu", counts->planned - counts->stored);
-    if (sweep_count_aborted(counts) > 0)
-        rp_table_note(stdout, "aborted", "%zu, to be tried again", sweep_count_aborted(counts));
-    rp_table_columns(stdout, 2, (const char *const[][2]){{"status", ""}, {"runs", ""}});
-    for (size_t i = 0; i < counts->n_words; i++)
-        printf("%s\t%zu\n", counts->words[i].status, counts->words[i].runs);
-}
-
-rp_status cli_check_whole(const char *dir, const sweep_counts *counts)
-{
-    return rp_prefix(sweep_check_whole(dir, counts), "the table is not whole: ");
-}
-
-rp_status cli_sweep_export(const char *dir, unsigned what, const char *path, sweep_counts *counts)
-{
-    FILE *out;
-    RP_TRY(rp_file_open(path, &out));
-    return rp_file_close(path, out,
-                         sweep_export(dir, sweep_protocols, what, cli_command_line(), counts, out));
-}
-
-void cli_warn_gravity(const char *path, double g)
-{
-    if (rp_units_now() == RP_CGS && g > 9.7 && g < 9.9)
-        fprintf(stderr,
-                "repose: warning: %s: g = %g among values in cm, g and s; give units = \"si\", or g = %g\n",
-                path, g, 100.0 * g);
-}
 
 static void warn_of(const char *path, const config_setting_t *group)
 {
@@ -87,30 +55,31 @@ static void warn_undamped(const char *file, const sweep_counts *counts)
 
 CLI_OPTIONS(plan, PLAN_OPTIONS)
 
-static void print_planned(const char *dir, const sweep_counts *counts)
+static void print_planned(const cli_call *call, const char *dir, const sweep_counts *counts)
 {
-    if (!cli_given("json")) {
+    if (!cli_given(call, "json")) {
         printf("%s: %zu runs (%zu grid points x %zu replicas), %zu already stored\n", dir, counts->planned,
                counts->points, counts->replicas, counts->stored);
         return;
     }
-    cli_provenance(stdout);
+    cli_provenance(call, stdout);
     rp_table_note(stdout, "folder", "%s", dir);
     rp_table_header(stdout, "runs, points, replicas, stored");
     CLI_ROW((double)counts->planned, (double)counts->points, (double)counts->replicas,
             (double)counts->stored);
 }
 
-static rp_status act_plan(void *values)
+static rp_status act_plan(cli_call *call, const void *values)
 {
     const plan_options *o = values;
     sweep_counts counts;
-    RP_TRY(cli_claim_sweep(o->o, cli_argument(0), o->force));
-    RP_TRY(sweep_prepare(cli_data(cli_argument(0)), o->o, o->replicas > 0 ? (size_t)o->replicas : 0,
-                         sweep_protocols, cli_watch(o->quiet), &counts));
-    warn_sweep(cli_data(cli_argument(0)));
-    warn_undamped(cli_argument(0), &counts);
-    print_planned(o->o, &counts);
+    RP_TRY(cli_claim_sweep(o->o, cli_argument(call, 0), o->force));
+    RP_TRY(sweep_prepare(cli_data(call->arena, cli_argument(call, 0)), o->o,
+                         o->replicas > 0 ? (size_t)o->replicas : 0, sweep_protocols, cli_watch(o->quiet),
+                         &counts));
+    warn_sweep(cli_data(call->arena, cli_argument(call, 0)));
+    warn_undamped(cli_argument(call, 0), &counts);
+    print_planned(call, o->o, &counts);
     return RP_OK;
 }
 
@@ -155,14 +124,14 @@ static rp_status read_shard(const char *text, int *shard, int *shards)
     return rp_fail(RP_BAD_INPUT, "--shard %s: I/N expected, as in 3/8", text);
 }
 
-static rp_status act_run(void *values)
+static rp_status act_run(cli_call *call, const void *values)
 {
     const run_options *o = values;
     sweep_counts counts;
     sweep_options options = {
         .workers = (int)o->j, .memory = o->mem, .time = o->time, .snapshot = o->snapshot};
     rp_status status = read_shard(o->shard, &options.shard, &options.shards);
-    if (!status) status = cli_sweep_run(cli_argument(0), options, o->quiet, &counts);
+    if (!status) status = cli_sweep_run(cli_argument(call, 0), options, o->quiet, &counts);
     if (!status || status == RP_NO_RESULT) cli_print_counts(&counts);
     return status;
 }
@@ -183,11 +152,11 @@ static const cli_command run = {
     run_params,
     .act = act_run};
 
-static rp_status act_status_of(void *values)
+static rp_status act_status_of(cli_call *call, const void *values)
 {
     (void)values;
     sweep_counts counts;
-    RP_TRY(sweep_status(cli_argument(0), sweep_protocols, &counts));
+    RP_TRY(sweep_status(cli_argument(call, 0), sweep_protocols, &counts));
     const double left = counts.seconds * (double)(counts.planned - counts.stored);
     rp_table_note(stdout, "running", "%zu", counts.running);
     if (isfinite(left)) rp_table_note(stdout, "left", "%.3g s of one core", left);
@@ -214,13 +183,14 @@ static const cli_command status_of = {
 
 CLI_OPTIONS(export, EXPORT_OPTIONS)
 
-static rp_status act_export(void *values)
+static rp_status act_export(cli_call *call, const void *values)
 {
     const export_options *o = values;
     sweep_counts counts;
-    RP_TRY(sweep_check_output(cli_argument(0), o->o));
-    RP_TRY(cli_sweep_export(cli_argument(0), o->reduce ? SWEEP_POINTS : SWEEP_RUNS, o->o, &counts));
-    return cli_check_whole(cli_argument(0), &counts);
+    RP_TRY(sweep_check_output(cli_argument(call, 0), o->o));
+    RP_TRY(
+        cli_sweep_export(call, cli_argument(call, 0), o->reduce ? SWEEP_POINTS : SWEEP_RUNS, o->o, &counts));
+    return cli_check_whole(cli_argument(call, 0), &counts);
 }
 
 static const cli_command export = {
@@ -235,14 +205,14 @@ static const cli_command export = {
     export_params,
     .act = act_export};
 
-static rp_status act_digest(void *values)
+static rp_status act_digest(cli_call *call, const void *values)
 {
     (void)values;
     char text[33];
     size_t rows;
-    RP_TRY(sweep_digest(cli_argument(0), sweep_protocols, text, &rows));
-    if (!cli_given("json")) return printf("%s\t%zu\n", text, rows), RP_OK;
-    cli_provenance(stdout);
+    RP_TRY(sweep_digest(cli_argument(call, 0), sweep_protocols, text, &rows));
+    if (!cli_given(call, "json")) return printf("%s\t%zu\n", text, rows), RP_OK;
+    cli_provenance(call, stdout);
     rp_table_note(stdout, "digest", "%s", text); /* a note is a text, even of digits alone */
     rp_table_header(stdout, "runs");
     CLI_ROW((double)rows);
@@ -309,11 +279,12 @@ static rp_status make_table(const sweep_table *table, const char *tables)
 
 CLI_OPTIONS(make, MAKE_OPTIONS)
 
-static rp_status export_to(const make_options *o, const char *name, const char *suffix, unsigned what)
+static rp_status export_to(const cli_call *call, const make_options *o, const char *name, const char *suffix,
+                           unsigned what)
 {
     char path[4096];
     snprintf(path, sizeof path, "%s/%s%s.tsv", o->tables, name, suffix);
-    return cli_sweep_export(o->o, what, path, NULL);
+    return cli_sweep_export(call, o->o, what, path, NULL);
 }
 
 /* "lh3: 80 runs: 78 ok, 2 not_at_rest" */
@@ -326,7 +297,8 @@ static void print_summary(const char *name, const sweep_counts *counts)
     fflush(stdout); /* before what the commands of tables write */
 }
 
-static rp_status make_runs(const make_options *o, const char *file, const sweep_recipe *recipe)
+static rp_status make_runs(const cli_call *call, const make_options *o, const char *file,
+                           const sweep_recipe *recipe)
 {
     size_t replicas = o->replicas > 0 ? (size_t)o->replicas : o->study ? recipe->study : 0;
     sweep_counts counts;
@@ -335,22 +307,22 @@ static rp_status make_runs(const make_options *o, const char *file, const sweep_
     RP_TRY(cli_claim_sweep(o->o, file, o->force));
     RP_TRY(sweep_prepare(file, o->o, replicas, sweep_protocols, cli_watch(o->quiet), &counts));
     warn_sweep(file);
-    warn_undamped(cli_argument(0), &counts);
+    warn_undamped(cli_argument(call, 0), &counts);
     const rp_status status = cli_sweep_run(o->o, options, o->quiet, &counts);
     if (!status || status == RP_NO_RESULT) print_summary(recipe->name, &counts);
     RP_TRY(status);
-    RP_TRY(export_to(o, recipe->name, "_runs", SWEEP_RUNS));
-    return export_to(o, recipe->name, "", SWEEP_POINTS);
+    RP_TRY(export_to(call, o, recipe->name, "_runs", SWEEP_RUNS));
+    return export_to(call, o, recipe->name, "", SWEEP_POINTS);
 }
 
-static rp_status act_make(void *values)
+static rp_status act_make(cli_call *call, const void *values)
 {
     const make_options *o = values;
     sweep_recipe recipe;
-    const char *file = cli_data(cli_argument(0));
+    const char *file = cli_data(call->arena, cli_argument(call, 0));
     rp_status status = sweep_recipe_read(file, &recipe);
     if (!status) status = rp_make_directory(o->tables);
-    if (!status && recipe.has_runs) status = make_runs(o, file, &recipe);
+    if (!status && recipe.has_runs) status = make_runs(call, o, file, &recipe);
     for (size_t i = 0; !status && i < recipe.n_tables; i++) status = make_table(&recipe.tables[i], o->tables);
     sweep_recipe_free(&recipe);
     return status;

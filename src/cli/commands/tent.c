@@ -27,9 +27,9 @@ static rp_status find_dip(const an_profile *tent, dip *d)
     return RP_OK;
 }
 
-static rp_status write_map(const tent_options *o)
+static rp_status write_map(const cli_call *call, const tent_options *o)
 {
-    cli_table(stdout);
+    cli_table(call, stdout);
     rp_table_header(stdout,
                     "outer_deg [degree], inner_deg [degree], x_most/B, N_most/(chi*g*B), N_middle/(chi*g*B), "
                     "dip");
@@ -46,14 +46,14 @@ static rp_status write_map(const tent_options *o)
     return RP_OK;
 }
 
-static rp_status write_places(const tent_options *o, const an_profile *tent)
+static rp_status write_places(const cli_call *call, const tent_options *o, const an_profile *tent)
 {
     double *x = NULL;
     size_t n = 0;
     dip d;
-    RP_TRY(cli_positions(o->points, o->at, &x, &n));
+    RP_TRY(cli_positions(call->arena, o->points, o->at, &x, &n));
     RP_TRY(find_dip(tent, &d));
-    cli_table(stdout);
+    cli_table(call, stdout);
     rp_table_note(stdout, "dip", "%.3g: N = %.4g at %.4g B, %.4g in the middle", 1 - d.middle / d.most,
                   d.most, d.x_most, d.middle);
     rp_table_header(stdout, "x/B, N/(chi*g*B), H/(chi*g*B), y/B");
@@ -67,17 +67,17 @@ static rp_status write_places(const tent_options *o, const an_profile *tent)
     return RP_OK;
 }
 
-static rp_status write_tent(void *values)
+static rp_status write_tent(cli_call *call, const void *values)
 {
     const tent_options *o = values;
     an_point v[5];
     an_profile tent;
     if ((o->outer_deg > 0) + (o->inner_deg > 0) != (o->map ? 0 : 2))
         return rp_fail(RP_USAGE, "give --outer-deg and --inner-deg, or --map; see repose tent --help");
-    if (o->map) return write_map(o);
+    if (o->map) return write_map(call, o);
     RP_TRY(an_tent(o->outer_deg * M_PI / 180, o->inner_deg * M_PI / 180, o->x1, v));
     RP_TRY(an_profile_set(&tent, v, 5));
-    return write_places(o, &tent);
+    return write_places(call, o, &tent);
 }
 
 const cli_command cmd_tent = {

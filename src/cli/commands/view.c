@@ -49,7 +49,7 @@ static rp_status find_kind(const char *path, const struct kind **kind)
     *kind = kinds;
     if (!*path) return RP_OK;
     for (const struct kind *k = kinds + 1; k < kinds + N_OF(kinds); k++)
-        if (strlen(path) > strlen(k->ending) && cli_ends_in(path, k->ending)) return *kind = k, RP_OK;
+        if (strlen(path) > strlen(k->ending) && rp_ends_in(path, k->ending)) return *kind = k, RP_OK;
     return rp_fail(RP_USAGE, "-o %s: a name that ends in .png, .svg, .pdf, .gif or .mp4 expected", path);
 }
 
@@ -118,30 +118,30 @@ typedef struct {
     const struct kind *kind;
 } picture;
 
-static rp_status put_frames(const picture *p, const view_options *o, FILE *out)
+static rp_status put_frames(rp_arena *arena, const picture *p, const view_options *o, FILE *out)
 {
     put_terminal(p->kind, o, &p->scale, out);
     view_draw_start(&p->scene, &p->style, &p->scale, out);
     for (size_t k = p->first; k <= p->last; k++) {
-        RP_TRY(view_draw(&p->scene, &p->scene.frames[k], &p->style, &p->scale, out));
+        RP_TRY(view_draw(arena, &p->scene, &p->scene.frames[k], &p->style, &p->scale, out));
         if (p->kind == kinds && k < p->last) fprintf(out, "pause %.3f\n", 1.0 / o->fps);
     }
     return RP_OK;
 }
 
 /* gnuplot, whose pictures go to `out` (NULL: a window). */
-static rp_status draw(const picture *p, const view_options *o, FILE *out)
+static rp_status draw(rp_arena *arena, const picture *p, const view_options *o, FILE *out)
 {
     char *const arguments[] = {"gnuplot", out ? NULL : "-persist", NULL};
     cli_gnuplot gnuplot;
     RP_TRY(cli_gnuplot_open(&gnuplot, arguments, out ? "gnuplot-nox" : "gnuplot-qt", out));
-    rp_status status = put_frames(p, o, gnuplot.in);
+    rp_status status = put_frames(arena, p, o, gnuplot.in);
     const rp_status closed = cli_gnuplot_close(&gnuplot);
     return closed ? closed : status;
 }
 
 /* ffmpeg makes a film of the pictures that gnuplot writes. */
-static rp_status film(const picture *p, const view_options *o, FILE *out)
+static rp_status film(rp_arena *arena, const picture *p, const view_options *o, FILE *out)
 {
     char rate[32], path[64];
     snprintf(rate, sizeof rate, "%g", o->fps);
@@ -152,12 +152,12 @@ static rp_status film(const picture *p, const view_options *o, FILE *out)
         "-pix_fmt", "yuv420p",   "-f",    "mp4", path, NULL};
     cli_gnuplot ffmpeg;
     RP_TRY(cli_gnuplot_open(&ffmpeg, arguments, "ffmpeg", NULL));
-    rp_status status = draw(p, o, ffmpeg.in);
+    rp_status status = draw(arena, p, o, ffmpeg.in);
     const rp_status closed = cli_gnuplot_close(&ffmpeg);
     return status ? status : closed;
 }
 
-static rp_status act_view(void *values)
+static rp_status act_view(cli_call *call, const void *values)
 {
     const view_options *o = values;
     picture p;
@@ -167,12 +167,12 @@ static rp_status act_view(void *values)
         return rp_fail(RP_USAGE, "no screen for a window: -o FILE writes a picture");
     RP_TRY(read_style(o, &p.style));
     p.style.points = strcmp(p.kind->ending, ".svg") == 0;
-    RP_TRY(view_read(cli_argument(0), o->color, &p.scene));
+    RP_TRY(view_read(call->arena, cli_argument(call, 0), o->color, &p.scene));
     RP_TRY(choose_frames(&p.scene, o->frame, p.kind->moves || !*o->o, &p.first, &p.last));
-    RP_TRY(view_scale_of(&p.scene, p.first, p.last, &p.style, &p.scale));
-    if (!*o->o) return draw(&p, o, NULL);
+    RP_TRY(view_scale_of(call->arena, &p.scene, p.first, p.last, &p.style, &p.scale));
+    if (!*o->o) return draw(call->arena, &p, o, NULL);
     RP_TRY(rp_file_open(o->o, &out));
-    return rp_file_close(o->o, out, (strcmp(p.kind->ending, ".mp4") ? draw : film)(&p, o, out));
+    return rp_file_close(o->o, out, (strcmp(p.kind->ending, ".mp4") ? draw : film)(call->arena, &p, o, out));
 }
 
 const cli_command cmd_view = {

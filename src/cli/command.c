@@ -1,0 +1,118 @@
+/* From the words of a command line to the command; see command.h. */
+#include "cli/command.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "core/file.h"
+#include "core/version.h"
+#include "export/export.h"
+#include "params/guess.h"
+
+rp_status cli_unknown_command(const cli_program *program, const char *word, const cli_command *group)
+{
+    rp_guess guess = rp_guess_of(word);
+    for (const cli_command *const *c = group ? group->group : program->commands; c && *c; c++)
+        rp_guess_try(&guess, cli_own_name(*c));
+    return rp_fail(RP_USAGE, "unknown command \"%s\"%s; see %s %s%s--help", word, rp_guess_text(&guess),
+                   program->name, group ? group->name : "", group ? " " : "");
+}
+
+const cli_command *cli_find(const cli_command *const *among, const char *word)
+{
+    while (*among && strcmp(cli_own_name(*among), word) != 0) among++;
+    return *among;
+}
+
+static rp_status run_group(cli_call *call, const cli_command *group, int argc, char **argv)
+{
+    const char *name = call->program->name;
+    if (argc < 2) return rp_fail(RP_USAGE, "a command is missing; see %s %s --help", name, group->name);
+    const cli_command *command = cli_find(group->group, argv[1]);
+    if (command) return cli_run(call, command, argc - 1, argv + 1);
+    if (strcmp(argv[1], "--help") != 0 && strcmp(argv[1], "-h") != 0)
+        return cli_unknown_command(call->program, argv[1], group);
+    printf("usage: %s %s COMMAND [options]; %s %s COMMAND --help says more\n\n", name, group->name, name,
+           group->name);
+    for (const cli_command *const *c = group->group; *c; c++)
+        printf("  %-10s %s\n", cli_own_name(*c), (*c)->summary);
+    return RP_OK;
+}
+
+static const void *value_of(const cli_call *call, const rp_param *option)
+{
+    return (const char *)call->values + option->offset;
+}
+
+static rp_status act(cli_call *call)
+{
+    const cli_command *command = call->command;
+    if (!command->on_table) return command->act(call, call->values);
+    rp_table *table;
+    const rp_param *where = rp_params_find(call->options, "where");
+    RP_TRY(cli_tables_read(call, &table, NULL));
+    const rp_texts *conditions = where ? value_of(call, where) : NULL;
+    for (size_t i = 0; where && i < conditions->n; i++) RP_TRY(rp_table_where(table, conditions->items[i]));
+    return command->on_table(call, table, call->values);
+}
+
+/* What is no table is printed as it is. The text is from malloc. */
+static rp_status print_as_json(rp_arena *arena, char *text)
+{
+    rp_table *table;
+    int *columns;
+    size_t n;
+    if (*text != '#' && !strchr(text, '\t')) {
+        fputs(text, stdout);
+        free(text);
+        return RP_OK;
+    }
+    RP_TRY(cli_table_parse(arena, "--json", text, &table));
+    RP_TRY(cli_columns(arena, table, "all", &n, &columns));
+    return cli_export_json(table, n, columns, stdout);
+}
+
+/* Standard output as JSON; a file that the command writes instead would stay a table. A command that fails
+ * has no table. */
+static rp_status act_as_json(cli_call *call)
+{
+    char *text, message[4096];
+    size_t size;
+    const rp_param *o = rp_params_find(call->options, "o");
+    if (o && o->fallback && strcmp(o->fallback, "-") == 0 &&
+        strcmp(*(const char *const *)value_of(call, o), "-") != 0)
+        return rp_fail(RP_USAGE,
+                       "--json is of standard output; repose export --to json -o FILE writes a file");
+    FILE *const out = stdout, *memory = open_memstream(&text, &size);
+    if (!memory) return rp_fail(RP_NO_MEMORY, "--json: out of memory");
+    stdout = memory; /* glibc: a variable */
+    rp_status status = act(call);
+    snprintf(message, sizeof message, "%s", rp_message());
+    const bool whole = rp_file_finish(stdout, "--json") == RP_OK;
+    fclose(stdout);
+    stdout = out;
+    rp_status printed = whole ? RP_OK : rp_fail(RP_NO_MEMORY, "--json: out of memory");
+    if (!printed && (!status || status == RP_NO_RESULT))
+        printed = print_as_json(call->arena, text);
+    else
+        free(text);
+    return status ? rp_fail(status, "%s", message) : printed;
+}
+
+rp_status cli_run(cli_call *call, const cli_command *command, int argc, char **argv)
+{
+    bool helped;
+    if (command->group) return run_group(call, command, argc, argv);
+    RP_TRY(cli_parse(call, command, argc, argv, &helped));
+    if (helped) return RP_OK;
+    const rp_param *json = command->prints_text ? NULL : rp_params_find(call->options, "json");
+    return json && *(const bool *)value_of(call, json) ? act_as_json(call) : act(call);
+}
+
+void cli_overview(const cli_program *program, FILE *out)
+{
+    fprintf(out, "%s %s: %s.\n\nusage: %s COMMAND [options]; %s COMMAND --help says more\n\n", program->title,
+            RP_VERSION, program->about, program->name, program->name);
+    for (const cli_command *const *c = program->commands; *c; c++)
+        fprintf(out, "  %-10s %s\n", (*c)->name, (*c)->summary);
+}

@@ -1,0 +1,29 @@
+/* The progress of a run, of a sweep, and of its preparation. */
+#ifndef CLI_PROGRESS_H
+#define CLI_PROGRESS_H
+
+#include <stdbool.h>
+#include <stdio.h>
+
+#include "sweeps/engine/sweep.h"
+
+/* Progress on standard error: a bar with the time left on a terminal, else a line a minute. Times are in
+ * seconds, of any clock. */
+typedef struct {
+    bool quiet, terminal, drawn;
+    double started, next;
+    long from, to;
+} cli_progress;
+cli_progress cli_progress_start(bool quiet, bool terminal, double now, long from, long to);
+void cli_progress_show(cli_progress *p, double now, long step, FILE *out);
+
+/* "step 20 of 100, 20 %, 0:12 left" */
+void cli_progress_text(const cli_progress *p, double now, long step, char text[120]);
+
+/* That of a sweep, and a line for each run that fails; *drawn: a line has been begun. */
+void cli_sweep_progress(sweep_options *options, bool quiet, bool *drawn);
+
+/* For long preparations: progress on a terminal, unless `quiet`. */
+const sweep_watch *cli_watch(bool quiet);
+
+#endif

@@ -1,0 +1,49 @@
+/* What several commands do with a sweep; see cli.h. */
+#include <unistd.h>
+
+#include "cli/cli.h"
+#include "cli/progress.h"
+#include "params/units.h"
+
+rp_status cli_sweep_run(const char *dir, sweep_options options, bool quiet, sweep_counts *counts)
+{
+    bool drawn;
+    if (options.workers < 1) options.workers = (int)sysconf(_SC_NPROCESSORS_ONLN);
+    cli_sweep_progress(&options, quiet, &drawn);
+    rp_status status = sweep_run(dir, sweep_protocols, &options, counts);
+    if (drawn) fputc('\n', stderr);
+    return status;
+}
+
+void cli_print_counts(const sweep_counts *counts)
+{
+    rp_table_note(stdout, "planned", "%zu", counts->planned);
+    rp_table_note(stdout, "stored", "%zu", counts->stored);
+    rp_table_note(stdout, "missing", "%zu", counts->planned - counts->stored);
+    if (sweep_count_aborted(counts) > 0)
+        rp_table_note(stdout, "aborted", "%zu, to be tried again", sweep_count_aborted(counts));
+    rp_table_columns(stdout, 2, (const char *const[][2]){{"status", ""}, {"runs", ""}});
+    for (size_t i = 0; i < counts->n_words; i++)
+        printf("%s\t%zu\n", counts->words[i].status, counts->words[i].runs);
+}
+
+rp_status cli_check_whole(const char *dir, const sweep_counts *counts)
+{
+    return rp_prefix(sweep_check_whole(dir, counts), "the table is not whole: ");
+}
+
+rp_status cli_sweep_export(const cli_call *call, const char *dir, unsigned what, const char *path,
+                           sweep_counts *counts)
+{
+    FILE *out;
+    RP_TRY(rp_file_open(path, &out));
+    return rp_file_close(path, out, sweep_export(dir, sweep_protocols, what, call->line, counts, out));
+}
+
+void cli_warn_gravity(const char *path, double g)
+{
+    if (rp_units_now() == RP_CGS && g > 9.7 && g < 9.9)
+        fprintf(stderr,
+                "repose: warning: %s: g = %g among values in cm, g and s; give units = \"si\", or g = %g\n",
+                path, g, 100.0 * g);
+}
