@@ -993,6 +993,12 @@ static void test_closing_line(void)
     GOOD("run s.cfg -o moving");
     CU_ASSERT_STRING_EQUAL(err,
                            "repose run: 2 grains, 100 steps, t = 0.001 s; not at rest; tables in moving\n");
+    /* at the top of a throw, where it has no energy */
+    write_text("thrown.cfg",
+               "steps = 1000; dt = 1e-5; %s particles = ( { x = 0.3; y = 1.0; r = 0.1; vy = 9.81; } );\n",
+               walls);
+    GOOD("run thrown.cfg");
+    CU_ASSERT(strstr(err, "t = 0.01 s; not at rest; ") != NULL);
     leave();
 }
 

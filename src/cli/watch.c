@@ -41,13 +41,13 @@ static rp_status read_states(rp_arena *arena, const dem_sim *sim, dem_state **st
 
 rp_status cli_at_rest(rp_arena *arena, const dem_sim *sim, bool *at_rest)
 {
-    static const double LEAST = 1e-7; /* m g d, as `rest_energy` of the sweeps' boxes */
+    static const double ENERGY = 1e-7, FORCE = 1e-2; /* m g d and m g, as the boxes of sweeps have them */
     dem_state *states;
     dem_rest rest;
     RP_TRY(read_states(arena, sim, &states));
     RP_TRY(dem_rest_state(sim, -INFINITY, INFINITY, &rest));
     const size_of_pile s = measure(sim, states);
-    *at_rest = rest.kinetic_energy <= LEAST * s.weight * s.d;
+    *at_rest = dem_at_rest(&rest, ENERGY * s.weight * s.d, FORCE * s.weight, true);
     return RP_OK;
 }
 

@@ -20,8 +20,8 @@ rp_status cli_plot_open(rp_arena *arena, cli_plot *plot);
 void cli_plot_show(rp_arena *arena, cli_plot *plot, const dem_sim *sim, const char *title, bool last);
 void cli_plot_close(cli_plot *plot);
 
-/* Are the grains at rest: is their mean kinetic energy below 1e-7 m g d? Without gravity only without any.
- * Errors: RP_NO_MEMORY. */
+/* Are the grains at rest by dem_at_rest, to 1e-7 m g d and 1e-2 m g, by one look? Without gravity only
+ * without any energy and force. Errors: RP_NO_MEMORY. */
 rp_status cli_at_rest(rp_arena *arena, const dem_sim *sim, bool *rest);
 
 /* theta_R by method 3 and its standard error, in degrees, over a range of x. */
