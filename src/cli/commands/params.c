@@ -137,8 +137,8 @@ const cli_command cmd_params = {
     "every parameter of a protocol or scene file, with unit, default and range",
     "[PROTOCOL | scene] [--units WORD]",
     "Prints the parameters of a sweep's protocol with unit, type, default, range and meaning, and the\n"
-    "protocol's outputs. `scene` prints the keys of a scene file. Without an argument, everything is\n"
-    "printed. With --json, each parameter, key and output is an object of `rows`, with the members of,\n"
+    "protocol's outputs. `scene` prints the keys of a scene file, and what each word of a choice stands\n"
+    "for. Without an argument, everything is printed. With --json, each parameter, key and output is an object of `rows`, with the members of,\n"
     "kind, name, unit, type, default, range and meaning; \"-\" stands for none.",
     "repose params repose",
     params_params,
