@@ -230,7 +230,7 @@ static void test_orders(void)
         const cli_command *command;
         const char *words;
     } orders[] = {{&cmd_params, "with unit, type, default, range and meaning"},
-                  {&cmd_params, "the members of,\nkind, name, unit, type, default, range and meaning"},
+                  {&cmd_params, "the members of, kind, name, unit, type, default, range and meaning"},
                   {&cmd_export, "JSON is { notes, units, rows: [{column: value}] }"},
                   {&cmd_export, "LAMMPS: radius, mass, vx vy vz, omegaz"},
                   {&cmd_export, "a table of grains (x, y, r) too"},

@@ -139,9 +139,8 @@ const cli_command cmd_params = {
     "Prints the parameters of a sweep's protocol with unit, type, default, range and meaning, and the\n"
     "protocol's outputs. `scene` prints the keys of a scene file, and what each word of a choice stands\n"
     "for. Without an argument, everything is printed. With --json, each parameter, key and output is an\n"
-    "object of `rows`, with the members of, kind, name, unit, type, default, range and meaning; \"-\" "
-    "stands\n"
-    "for none.",
+    "object of `rows`, with the members of, kind, name, unit, type, default, range and meaning; \"-\"\n"
+    "stands for none.",
     "repose params repose",
     params_params,
     .act = print_all};
