@@ -21,7 +21,6 @@ for folder in sweeps/*/ examples/ examples/*/; do
     esac
 done
 ln -sfn ../../repose/examples "$to/share/doc/repose/examples"
-"$build/repose" help --man "$to/share/man/man1"
 install -d "$to/share/bash-completion/completions"
 "$build/repose" help --completion >"$to/share/bash-completion/completions/repose"
 

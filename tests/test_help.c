@@ -1,4 +1,4 @@
-/* Help, manual pages, completion and lists of parameters: whole texts, put together a second time from the
+/* Help, manual, completion and lists of parameters: whole texts, put together a second time from the
  * commands' own words and schemas. */
 #include <ctype.h>
 #include <jansson.h>
@@ -318,152 +318,139 @@ static void test_arguments(void)
     rp_arena_release(&arena, NULL);
 }
 
-/* ---- manual pages ---- */
+/* ---- manual ---- */
 
-/* The next line of a page is a request and this text: troff has \- for a dash, \e for a backslash, and \&
- * before a point or a quote that is no request. */
-static void page_is(const char *request, const char *text)
+/* The next line is this text between two others: each mark of Markdown is escaped. */
+static void marked(const char *before, const char *text, const char *after)
 {
-    char line[4096], *to = line + sprintf(line, "%s", request);
-    if (*text == '.' || *text == '\'') to = stpcpy(to, "\\&");
-    for (; *text; text++) to += sprintf(to, *text == '-' ? "\\-" : *text == '\\' ? "\\e" : "%c", *text);
+    char line[4096], *to = stpcpy(line, before);
+    for (; *text; text++) to += sprintf(to, strspn(text, "\\`*_{}[]<>#~^$@|+!&-") ? "\\%c" : "%c", *text);
+    strcpy(to, after);
     line_is("%s", line);
 }
 
-static void item_is(const char *name, const char *text)
+static void title_is(const char *before, const char *name)
 {
-    line_is(".TP");
-    page_is(".B ", name);
-    page_is("", text);
+    marked(before, name, "");
+    line_is("%s", "");
 }
 
-static void schema_is(const char *title, const char *name, const rp_param *schema)
+static void item_is(const char *dashes, const char *name, const char *text)
+{
+    char before[8];
+    snprintf(before, sizeof before, "**%s", dashes);
+    marked(before, name, "**");
+    marked(":   ", text, "");
+    line_is("%s", "");
+}
+
+/* Lines in the form of the text are indented, with a blank line before and after. */
+static void lines_are(const char *text)
+{
+    char line[1024];
+    for (bool kept = false; *text; text += strcspn(text, "\n"), text += *text == '\n') {
+        snprintf(line, sizeof line, "%.*s", (int)strcspn(text, "\n"), text);
+        if (*line && kept != (*line == ' ')) {
+            kept = !kept;
+            line_is("%s", "");
+        }
+        if (kept)
+            line_is("    %s", line);
+        else
+            marked("", line, "");
+    }
+    line_is("%s", "");
+}
+
+static void schema_is(const rp_param *schema)
+{
+    char text[1024], word[64];
+    for (const rp_param *p = schema; p->name; p++) {
+        item_is("", p->name, text_of(p, text));
+        int k = 0;
+        for (const char *at = p->range, *end; p->manual && *at; at = *end ? end + 3 : end) {
+            end = at + strcspn(at, " ");
+            char *to = stpcpy(text, "    *");
+            for (const char *c = strncpy(word, at, 63); c - word < end - at; c++)
+                to += sprintf(to, *c == '_' ? "\\%c" : "%c", *c);
+            strcpy(to, "*: ");
+            marked(text, p->manual(k++), "");
+            line_is("%s", "");
+        }
+    }
+}
+
+static void command_is(const cli_command *c)
 {
     char text[1024];
-    line_is(".SS %s %s", title, name);
-    for (const rp_param *p = schema; p->name; p++) item_is(p->name, text_of(p, text));
+    option options[64];
+    title_is("## repose ", c->name);
+    if (c->group) {
+        title_is("", c->summary);
+        return; /* `each` goes on with its commands */
+    }
+    snprintf(text, sizeof text, "**repose %s** ", c->name);
+    const size_t first = strcspn(c->synopsis, "\n");
+    char line[1024];
+    snprintf(line, sizeof line, "%.*s", (int)first, c->synopsis);
+    marked(text, line, "");
+    lines_are(c->synopsis + first + (c->synopsis[first] == '\n'));
+    lines_are(c->about);
+    const size_t n = options_of(c, options);
+    for (size_t i = 0; i < n; i++) {
+        const char *name = options[i].typed + strspn(options[i].typed, "-");
+        item_is(name - options[i].typed == 2 ? "\\-\\-" : "\\-", name, text_of(options[i].p, text));
+    }
+    line_is("Example:");
+    line_is("%s", "");
+    line_is("    %s", c->example);
+    line_is("%s", "");
 }
 
-static void keys_are(void)
+static void test_manual(void)
 {
-    line_is(".SH KEYS");
-    for (const dem_scene_group *g = dem_scene_schemas; g->name; g++)
-        schema_is("Scene file:", g->name, g->schema);
+    enter();
+    GOOD("help");
+    char *overview = strdup(out), *files = strstr(overview, "\n\nAn example, sweep or table ");
+    CU_ASSERT_PTR_NOT_NULL_FATAL(files);
+    GOOD("help --markdown");
+    rest = out;
+    line_is("%% REPOSE(1) Repose %s | User Commands", RP_VERSION);
+    line_is("%s", "");
+    title_is("# ", "NAME");
+    title_is("repose \\- ", cli_repose.about);
+    title_is("# ", "SYNOPSIS");
+    line_is("**repose** *COMMAND* [options]");
+    line_is("%s", "");
+    title_is("# ", "COMMANDS");
+    each(cli_repose.commands, command_is);
+    title_is("# ", "KEYS OF A SCENE FILE");
+    for (const dem_scene_group *g = dem_scene_schemas; g->name; g++) {
+        title_is("## ", g->name);
+        lines_are(g->manual);
+        schema_is(g->schema);
+    }
+    title_is("# ", "KEYS AND OUTPUTS OF A SWEEP'S PROTOCOL");
 #define X(protocol)                                                                                          \
-    schema_is("Protocol", #protocol, sweep_protocol_##protocol.schema);                                      \
-    line_is(".SS Outputs of protocol " #protocol);                                                           \
+    title_is("## Protocol ", #protocol);                                                                     \
+    lines_are(sweep_protocol_##protocol.about);                                                              \
+    schema_is(sweep_protocol_##protocol.schema);                                                             \
+    title_is("### Outputs of protocol ", #protocol);                                                         \
     for (const sweep_output *o = sweep_protocol_##protocol.outputs; o->name; o++) {                          \
         char text[1024];                                                                                     \
         sprintf(text, *o->unit ? "%s, %s" : "%s", o->meaning, o->unit);                                      \
-        item_is(o->name, text);                                                                              \
+        item_is("", o->name, text);                                                                          \
     }
     SWEEP_PROTOCOLS(X)
 #undef X
-}
-
-/* Lines in the form of the text are between .nf and .fi; an empty one begins a paragraph. */
-static void lines_are(const char *text)
-{
-    bool kept = false;
-    char line[1024];
-    for (; *text; text += strcspn(text, "\n"), text += *text == '\n') {
-        snprintf(line, sizeof line, "%.*s", (int)strcspn(text, "\n"), text);
-        if (kept && isgraph((unsigned char)*line)) line_is(".fi"), kept = false;
-        if (!kept && *line == ' ') line_is(".nf"), kept = true;
-        if (*line) page_is("", line);
-        if (!*line && kept) line_is(" ");
-        if (!*line && !kept) line_is("%s", ""), line_is(".PP");
-    }
-    if (kept) line_is(".fi");
-}
-
-static void group_is(const cli_command *const *group)
-{
-    line_is(".SH COMMANDS");
-    for (; *group; group++) {
-        char page[64];
-        snprintf(page, sizeof page, "repose-%s", (*group)->name);
-        for (char *blank; (blank = strchr(page, ' '));) *blank = '-';
-        line_is(".TP");
-        for (char *dash = page + strlen(page); dash-- > page;) /* each dash is an escape */
-            if (*dash == '-') memmove(dash + 1, dash, strlen(dash) + 1), *dash = '\\';
-        line_is(".BR %s (1)", page);
-        page_is("", (*group)->summary);
-    }
-}
-
-static void head_is(const char *page, const char *summary)
-{
-    char text[1024];
-    line_is(".TH %s 1 \"\" \"Repose %s\" \"User Commands\"", page, RP_VERSION);
-    line_is(".SH NAME");
-    snprintf(text, sizeof text, "%s - %s", page, summary);
-    page_is("", text);
-    line_is(".SH SYNOPSIS");
-}
-
-static void check_page(const cli_command *c)
-{
-    static char page[1 << 18];
-    char name[64], path[80], text[1024];
-    option options[64];
-    snprintf(name, sizeof name, "repose-%s", c->name);
-    for (char *blank; (blank = strchr(name, ' '));) *blank = '-';
-    snprintf(path, sizeof path, "pages/%s.1", name);
-    slurp(path, page, sizeof page);
-    rest = page;
-    head_is(name, c->summary);
-    page_is(".B repose ", c->name);
-    if (c->group) {
-        line_is(".I COMMAND");
-        line_is("[options]");
-        group_is(c->group);
-    } else {
-        for (const char *s = c->synopsis; *s; s += strcspn(s, "\n"), s += *s == '\n') {
-            snprintf(text, sizeof text, "%.*s", (int)strcspn(s, "\n"), s);
-            page_is("", text);
-        }
-        line_is(".SH DESCRIPTION");
-        lines_are(c->about);
-        line_is(".SH OPTIONS");
-        const size_t n = options_of(c, options);
-        for (size_t i = 0; i < n; i++) item_is(options[i].typed, text_of(options[i].p, text));
-        item_is("--help", "this text");
-        if (strcmp(c->name, "params") == 0) keys_are();
-        line_is(".SH EXAMPLE");
-        line_is(".nf");
-        page_is("", c->example);
-        line_is(".fi");
-    }
-    line_is(".SH SEE ALSO");
-    line_is(".BR repose (1)");
-    text_ends();
-}
-
-static void test_pages(void)
-{
-    static char overview[1 << 14];
-    enter();
-    GOOD("help --man pages");
-    each(cli_repose.commands, check_page);
-    GOOD("help");
-    const char *files = strstr(out, "\n\nAn example, sweep or table ");
-    CU_ASSERT_PTR_NOT_NULL_FATAL(files);
-    slurp("pages/repose.1", overview, sizeof overview);
-    rest = overview;
-    head_is("repose",
-            "forces in and under piles of grains, and the angles at which piles are stable and fail");
-    line_is(".B repose");
-    line_is(".I COMMAND");
-    line_is("[options]");
-    group_is(cli_repose.commands);
-    line_is(".SH EXIT STATUS");
-#define X(name, code, text) item_is(#code, text);
+    title_is("# ", "EXIT STATUS");
+#define X(name, code, text) item_is("", #code, text);
     RP_STATUS_LIST(X)
 #undef X
-    line_is(".SH FILES");
+    title_is("# ", "FILES");
     lines_are(files + 2);
     text_ends();
+    free(overview);
     leave();
 }
 
@@ -586,12 +573,10 @@ static void manual_lines(const rp_param *schema)
 static void scene_lines(bool si)
 {
     for (const dem_scene_group *g = dem_scene_schemas; g->name; g++) {
-        line_is("# scene file, %s: %s",
-                g > dem_scene_schemas ? g->name : "top level (and gravity = [gx, gy], cm/s^2)", g->manual);
+        line_is("# scene file, %s: %s", g > dem_scene_schemas ? g->name : "top level", g->manual);
         schema_lines(g->schema, si);
         manual_lines(g->schema);
     }
-    for (int k = 0; k < 3; k++) CU_ASSERT(rest && *strsep(&rest, "\n") == '#'); /* on walls */
 }
 
 /* What is asked for, blank lines between the protocols and the scene. */
@@ -683,7 +668,7 @@ void suite_help(void)
                                        {"commands on several processors", test_parallel},
                                        {"room for options", test_room},
                                        {"arguments", test_arguments},
-                                       {"pages of the manual", test_pages},
+                                       {"manual, line by line", test_manual},
                                        {"completion, line by line", test_completion},
                                        {"lists of parameters", test_params},
                                        {"parameters as rows", test_params_json},

@@ -55,18 +55,10 @@ static void print_manual(const rp_param *schema)
 static void print_scene(void)
 {
     for (const dem_scene_group *g = dem_scene_schemas; g->name; g++) {
-        printf("# scene file, %s: %s\n",
-               g == dem_scene_schemas ? "top level (and gravity = [gx, gy], cm/s^2)" : g->name, g->manual);
+        printf("# scene file, %s: %s\n", g == dem_scene_schemas ? "top level" : g->name, g->manual);
         print_schema(g->schema);
         print_manual(g->schema);
     }
-    printf(
-        "# a wall is one of: point = [x, y]; direction = [nx, ny] (into the grains, any length); extent = "
-        "[s0, s1] (from the point along the direction turned clockwise; without: a whole line)\n"
-        "#   polygon = ( [x, y], ... ) (the inside is on the left of the way from each point to the next); "
-        "circle = [x, y, radius]\n"
-        "# a wall may move: velocity = [vx, vy] (cm/s) of pivot = [x, y] (the origin; of a circle its "
-        "centre)\n");
 }
 
 static void print_protocol(const sweep_protocol *protocol)

@@ -82,7 +82,7 @@ static const rp_param implicit_schema[] = {
      "how a step is solved", .manual = dem_solver_manual},
     {"relaxation", "", RP_REAL, AT(dem_implicit_solver, relaxation), "0.7", "(0, 2)", "factor of the sweeps"},
     {"tolerance", "", RP_REAL, AT(dem_implicit_solver, tolerance), "1e-15", "[1e-15, 1e-3]",
-     "a step is solved once no grain's own Newton step is larger, over its radius"},
+     "convergence: largest Newton correction of a grain, over its radius"},
     {"max_iterations", "", RP_INT, AT(dem_implicit_solver, max_iterations), "1000", "[1, 1000000]",
      "factorisations or sweeps, after which a step counts as not solved"},
     {0}};
@@ -115,9 +115,10 @@ static const rp_param wall_schema[] = {
     {"omega", "rad/s", RP_REAL, AT(wall_entry, line.omega), "0.0", "(-inf, inf)",
      "rate at which the wall turns about `pivot`, counter-clockwise"},
     {"corner_lower", "rad", RP_REAL, AT(wall_entry, corner[0]), "none", "(-3.14, 3.14) | none",
-     "of a polygon's side: angle from the side before it to this one, counter-clockwise"},
+     "angle between this side of a polygon and the previous one, counter-clockwise; set by `polygon`, rarely "
+     "by hand"},
     {"corner_upper", "rad", RP_REAL, AT(wall_entry, corner[1]), "none", "(-3.14, 3.14) | none",
-     "of a polygon's side: angle from this one to the side after it"},
+     "angle between this side of a polygon and the next one"},
     {0}};
 
 static const rp_param particle_schema[] = {
@@ -146,14 +147,22 @@ static const rp_param fill_schema[] = {
     DEM_RADIUS_PARAMS(FILL){0}};
 
 const dem_scene_group dem_scene_schemas[] = {
-    {"scene", top_schema, "what all grains share, and the run"},
+    {"scene", top_schema, "what all grains share, and the run; gravity = [gx, gy] (cm/s^2)"},
     {"normal", normal_schema, "force of a contact along the line of centres; overlap x, parting at v_n"},
     {"tangential", tangential_schema, "force of a contact across the line of centres"},
     {"rolling", rolling_schema,
      "resistance to rolling: a spring and a dashpot of the rolling displacement, under the limit mu F_n, at "
      "the "
      "arm r_i r_j/(r_i + r_j) (Ai, Chen, Rotter & Ooi 2011, model C)"},
-    {"walls", wall_schema, "lines, segments, polygons and circles, which may move and open"},
+    {"walls", wall_schema,
+     "lines, segments, polygons and circles, which may move and open. A line or segment: point = [x, y]; "
+     "direction = [nx, ny] (into the grains, any length); of a segment extent = [s0, s1] (from the point "
+     "along "
+     "the direction turned clockwise). A polygon: polygon = ([x, y], ...) (the inside is on the left of the "
+     "way "
+     "from each point to the next). A circle: circle = [x, y, radius]. A motion: velocity = [vx, vy] (cm/s) "
+     "of "
+     "pivot = [x, y] (the origin; of a circle its centre)"},
     {"ground", ground_schema,
      "static friction of a wall: each grain on it is held by -mu_static F_n/a times its displacement within "
      "a "
