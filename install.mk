@@ -25,6 +25,6 @@ deb: dist ## the Debian package, from that archive, into build
 	@cd $(B)/deb/repose-$(VERSION) && dpkg-buildpackage -us -uc -b
 	@mv $(B)/deb/*.deb $(B) && ls $(B)/*.deb
 
-check-deb: deb $(B)/check ## the suite `install` on the contents of that package, unpacked without root
+check-deb: deb $(B)/check $(REPOSE) ## the suite `install` on the contents of that package, unpacked without root
 	@rm -rf $(B)/deb/root && dpkg-deb -x $(B)/repose_*.deb $(B)/deb/root
 	@RP_INSTALLED=$(abspath $(B))/deb/root/usr REPOSE=$(REPOSE) $(B)/check install
