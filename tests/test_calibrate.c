@@ -595,7 +595,6 @@ static void test_random_tables(void)
             }
         stats_calibration c;
         stats_calibrated r[STATS_MAX_PARAMS];
-        stats_case held[3];
         const stats_measured m = measured(gsl_ran_flat(rng, 0.0, 40.0), 1.0, 12.0, 0.5);
         rp_status status = stats_calibration_fit(&piles, &c);
         if (!status) status = stats_calibration_invert(&c, &m, r);
@@ -604,8 +603,6 @@ static void test_random_tables(void)
         found += r[0].n_solutions > 0;
         CU_ASSERT(r[0].n_solutions > 0 || r[0].status >= STATS_CALIBRATED_ABOVE_RANGE);
         stats_calibration_free(&c);
-        status = stats_calibration_holdout(&piles, 3, rng, held);
-        CU_ASSERT(status == RP_OK || status == RP_BAD_INPUT);
     }
     CU_ASSERT(found > n / 2);
     gsl_rng_free(rng);
@@ -636,6 +633,14 @@ static void draw_piles(gsl_rng *rng, size_t n_angles)
         }
 }
 
+static bool covers(const stats_calibrated *found, double truth)
+{
+    bool in = false;
+    for (size_t i = 0; i < found->n_solutions; i++)
+        in |= !(truth < found->solutions[i].lower || truth > found->solutions[i].upper);
+    return in;
+}
+
 /* True parameters in the inner part of the range; measured with an error about that of the response's points.
  */
 static size_t count_covered(size_t n_angles, size_t n_cases)
@@ -651,10 +656,7 @@ static size_t count_covered(size_t n_angles, size_t n_cases)
         stats_measured m = measured(truth_r(x) + a, 0.6, truth_t(x) + b, 0.3);
         CHECK_OK(stats_calibration_fit(&piles, &c));
         CHECK_OK(stats_calibration_invert(&c, &m, r));
-        bool in = false;
-        for (size_t i = 0; i < r[0].n_solutions; i++)
-            in |= !(x < r[0].solutions[i].lower || x > r[0].solutions[i].upper);
-        covered += in;
+        covered += covers(&r[0], x);
         stats_calibration_free(&c);
     }
     gsl_rng_free(rng);
@@ -673,56 +675,21 @@ static void test_coverage(void)
     }
 }
 
-/* The piles' own test: cases by point, with the scatter as error, against the response of other piles. */
-static void test_planted(void)
+/* The angle of another parameter is not covered; of two parameters, each has an interval of its own. */
+static void test_uncovered(void)
 {
-    enum { N = 60 };
-    static stats_case cases[N];
     gsl_rng *rng = rp_random_alloc(1993, 0, RP_PURPOSE_TEST);
     stats_calibration c;
-    size_t n, covered = 0;
+    stats_calibrated r[STATS_MAX_PARAMS];
     draw_piles(rng, 1);
-    CHECK_OK(stats_calibration_fit(&piles, &c));
-    start(1, 1);
-    add(0.2, 0.0, 17.0, 0.0);
-    add(0.4, 0.0, 28.0, 0.0);
-    add(0.2, 0.0, 20.0, 0.0);
-    add(0.3, 0.0, NAN, 0.0);
-    CHECK_OK(stats_calibration_planted(&c, &piles, N, cases, &n));
-    CU_ASSERT(n == 2);
-    CHECK_NEAR(cases[0].truth[0], 0.2, 0.0);
-    CHECK_NEAR(cases[0].measured.angle[0], 18.5, 1e-12);
-    CHECK_NEAR(cases[0].measured.error[0], stats_calibration_sd(&c, 0, (double[]){0.2}) / sqrt(2.0), 1e-12);
-    CHECK_NEAR(cases[1].measured.error[0], stats_calibration_sd(&c, 0, (double[]){0.4}), 1e-12);
-    CU_ASSERT(cases[0].covered[0] && cases[1].covered[0]);
-    add(0.9, 0.0, 20.0, 0.0);
-    CHECK_FAILS(stats_calibration_planted(&c, &piles, N, cases, &n), RP_BAD_INPUT, "planted parameter = 0.9");
-    /* angles of other parameters are not covered */
-    start(1, 1);
-    for (int k = 0; k < 8; k++) add(0.15 + 0.03 * k, 0.0, truth_r(0.5), 0.0);
-    CHECK_OK(stats_calibration_planted(&c, &piles, N, cases, &n));
-    CU_ASSERT(n == 8 && !cases[0].covered[0] && !cases[1].covered[0]);
-    stats_calibration_free(&c);
-
-    for (int set = 0; set < 6; set++) { /* cases of one set of piles are not independent: 10 points each */
-        draw_piles(rng, 1);
-        CHECK_OK(stats_calibration_holdout(&piles, N / 6, rng, cases + set * (N / 6)));
-    }
-    for (int k = 0; k < N; k++) covered += cases[k].covered[0];
-    bool differ = false; /* any point may be held out */
-    for (int k = 1; k < N / 6; k++) differ = differ || cases[k].truth[0] != cases[0].truth[0];
-    CU_ASSERT(differ);
-    CU_ASSERT(covered >= N - 10); /* 3 expected, and 4 standard errors of 1.7 */
     gsl_rng_free(rng);
-}
-
-/* Two parameters and angles: of each point its own parameters, means of the piles that have the angle, and
- * their scatter over the root of that number; a parameter is covered if its own interval holds it. */
-static void test_planted_planes(void)
-{
-    stats_case cases[4];
-    stats_calibration c;
-    size_t n;
+    CHECK_OK(stats_calibration_fit(&piles, &c));
+    for (int k = 0; k < 3; k++) {
+        const double x = k < 2 ? 0.15 + 0.03 * k : 0.5, e = stats_calibration_sd(&c, 0, &x);
+        CHECK_OK(stats_calibration_invert(&c, &(stats_measured){{truth_r(0.5)}, {e}}, r));
+        CU_ASSERT(covers(&r[0], x) == (k == 2));
+    }
+    stats_calibration_free(&c);
     start(2, 2);
     for (int i = 0; i < 48; i++) {
         const double x = 0.1 + 0.2 * (i / 12), y = 0.15 * (i / 4 % 3);
@@ -730,133 +697,16 @@ static void test_planted_planes(void)
             1.0 + 30.0 * x - 14.0 * y + (i / 2 % 2 ? 0.3 : -0.3));
     }
     CHECK_OK(stats_calibration_fit(&piles, &c));
-    start(2, 2);
-    static const double at[2][2] = {{0.31, 0.11}, {0.47, 0.21}};
-    for (int i = 0; i < 10;
-         i++) { /* of the first point three piles lack the second angle; the second is shifted */
-        const double *x = at[i / 5], shift = i / 5 ? 3.0 : 0.0;
-        add(x[0], x[1], 3.0 + 25.0 * x[0] + 20.0 * x[1] + 0.1 * (i % 5 - 2) + shift,
-            i > 1 && i < 5 ? NAN : 1.0 + 30.0 * x[0] - 14.0 * x[1] + 1.2 * shift);
-    }
-    CHECK_OK(stats_calibration_planted(&c, &piles, 4, cases, &n));
-    CU_ASSERT_FATAL(n == 2);
-    for (size_t k = 0; k < 2; k++) {
-        const double shift = k ? 3.0 : 0.0, number[2] = {5.0, k ? 5.0 : 2.0};
-        stats_calibrated r[STATS_MAX_PARAMS];
-        for (size_t a = 0; a < 2; a++) {
-            const double angle = a ? 1.0 + 30.0 * at[k][0] - 14.0 * at[k][1] + 1.2 * shift
-                                   : 3.0 + 25.0 * at[k][0] + 20.0 * at[k][1] + shift;
-            CHECK_NEAR(cases[k].measured.angle[a], angle, 1e-12);
-            CHECK_NEAR(cases[k].measured.error[a], stats_calibration_sd(&c, a, at[k]) / sqrt(number[a]),
-                       1e-12);
-        }
-        CHECK_OK(stats_calibration_invert(&c, &cases[k].measured, r));
-        for (size_t p = 0; p < 2; p++) {
-            CHECK_NEAR(cases[k].truth[p], at[k][p], 0.0);
-            CHECK_NEAR(cases[k].found[p].value, r[p].value, 0.0);
-            CU_ASSERT(cases[k].covered[p] ==
-                      !(at[k][p] < r[p].solutions[0].lower || at[k][p] > r[p].solutions[0].upper));
-        }
-    }
     /* 25 dx + 20 dy = 3 and 30 dx - 14 dy = 3.6: the first parameter is off by 0.12, the second is not */
-    CU_ASSERT(cases[0].covered[0] && cases[0].covered[1] && !cases[1].covered[0] && cases[1].covered[1]);
-    CHECK_OK(stats_calibration_planted(&c, &piles, 1, cases, &n)); /* room for one */
-    CU_ASSERT(n == 1);
-    static const double off[4][2] = {{0.09, 0.1}, {0.71, 0.1}, {0.3, -0.01}, {0.3, 0.31}};
-    for (int k = 0; k < 4; k++) {
-        start(2, 2);
-        add(off[k][0], off[k][1], 10.0, 10.0);
-        CHECK_FAILS(stats_calibration_planted(&c, &piles, 1, cases, &n), RP_BAD_INPUT,
-                    "out of the response's range");
+    for (int shifted = 0; shifted < 2; shifted++) {
+        const double x[2] = {0.47, 0.21}, shift = shifted ? 3.0 : 0.0;
+        const stats_measured m = measured(
+            3.0 + 25.0 * x[0] + 20.0 * x[1] + shift, stats_calibration_sd(&c, 0, x) / sqrt(5.0),
+            1.0 + 30.0 * x[0] - 14.0 * x[1] + 1.2 * shift, stats_calibration_sd(&c, 1, x) / sqrt(5.0));
+        CHECK_OK(stats_calibration_invert(&c, &m, r));
+        CU_ASSERT(covers(&r[0], x[0]) == !shifted && covers(&r[1], x[1]));
     }
     stats_calibration_free(&c);
-}
-
-/* The same halves as the library's: at each point the piles are shuffled, and the first, the third and so on
- * are fitted; a point of the others is measured. */
-static void test_halves(void)
-{
-    enum { POINTS = 6, EACH = 7, N = POINTS * EACH, HELD = 3 };
-    stats_case cases[HELD];
-    size_t pile[N];
-    double half[N];
-    start(1, 1);
-    for (int i = 0; i < N; i++)
-        add(0.1 + 0.1 * (i / EACH), 0.0, 5.0 + 40.0 * (i / EACH) * 0.1 + 0.3 * ((i * 11) % 7) + 0.01 * i,
-            0.0),
-            pile[i] = (size_t)i;
-    const stats_ensemble all = piles;
-    gsl_rng *rng = rp_random_alloc(66, 0, RP_PURPOSE_TEST), *same = gsl_rng_clone(rng);
-    CHECK_OK(stats_calibration_holdout(&all, HELD, rng, cases));
-    for (int k = 0; k < HELD; k++) {
-        double sum[POINTS] = {0.0};
-        for (size_t g = 0; g < POINTS; g++) {
-            gsl_ran_shuffle(same, pile + g * EACH, EACH, sizeof *pile);
-            for (size_t i = 0; i < EACH; i++) {
-                const size_t j = pile[g * EACH + i];
-                half[j] = i % 2 ? NAN : all.angle[0][j];
-                if (i % 2) sum[g] += all.angle[0][j] / 3.0;
-            }
-        }
-        const size_t g = gsl_rng_uniform_int(same, POINTS);
-        const double x = all.x[0][g * EACH];
-        stats_ensemble fitted = all;
-        stats_calibration c;
-        stats_calibrated r[STATS_MAX_PARAMS];
-        fitted.angle[0] = half;
-        CHECK_OK(stats_calibration_fit(&fitted, &c));
-        CHECK_NEAR(cases[k].truth[0], x, 0.0);
-        CHECK_NEAR(cases[k].measured.angle[0], sum[g], 1e-12);
-        CHECK_NEAR(cases[k].measured.error[0], stats_calibration_sd(&c, 0, &x) / sqrt(3.0), 1e-12);
-        CHECK_OK(stats_calibration_invert(&c, &cases[k].measured, r));
-        CHECK_NEAR(cases[k].found[0].se, r[0].se, 1e-12);
-        stats_calibration_free(&c);
-    }
-    gsl_rng_free(rng);
-    gsl_rng_free(same);
-}
-
-/* Three piles a point, the second angle of two of them: a half with both angles exists only by chance. A case
- * is a point that the other half has whole, and where there is none, or no pile at all, the message says so.
- */
-static void test_holdout(void)
-{
-    stats_case k;
-    int made = 0, none = 0, few = 0;
-    gsl_rng *rng = rp_random_alloc(41, 0, RP_PURPOSE_TEST);
-    for (int whole = 0; whole < 2; whole++) { /* then the last point has the second angle of all piles */
-        start(1, 2);
-        for (int g = 0; g < 4; g++)
-            for (int i = 0; i < 3; i++)
-                add(0.1 * g, 0.0, 10.0 + g + 0.1 * ((i * 7 + g) % 5),
-                    i < 2 || (whole && g == 3) ? 20.0 - g + 0.2 * ((i * 3 + g) % 4) : NAN);
-        for (int n = 0; n < 600; n++) {
-            const rp_status status = stats_calibration_holdout(&piles, 1, rng, &k);
-            made += status == RP_OK;
-            if (status == RP_OK) CHECK_NEAR(k.truth[0], whole ? 0.3 : NAN, 1e-15);
-            if (status == RP_OK) continue;
-            CU_ASSERT(status == RP_BAD_INPUT);
-            none += strstr(rp_message(), "no piles with every angle to hold out") != NULL;
-            few += strstr(rp_message(), "at least 2 needed") != NULL;
-            CU_ASSERT(!whole || strstr(rp_message(), "at least 2 needed"));
-        }
-    }
-    /* the fitted half has both angles of every point once in 3^4 draws, or in 3^3 */
-    CU_ASSERT(none > 0 && none < 25 && made > 5 && made < 50 && made + none + few == 1200);
-    for (size_t n_angles = 1; n_angles <= 2; n_angles++) {
-        start(1, n_angles);
-        CHECK_FAILS(stats_calibration_holdout(&piles, 2, rng, &k), RP_BAD_INPUT,
-                    "no piles with every angle to hold out");
-    }
-    size_t n = 7;
-    stats_calibration c;
-    for (int g = 0; g < 4; g++) add_four(0.1 * g, 0.0, 10.0 + g, 0.5);
-    CHECK_OK(stats_calibration_fit(&piles, &c));
-    piles.n = 0;
-    CHECK_OK(stats_calibration_planted(&c, &piles, 1, &k, &n));
-    CU_ASSERT(n == 0);
-    stats_calibration_free(&c);
-    gsl_rng_free(rng);
 }
 
 /* Angles that scatter in step, or against one another: their covariance keeps an inverse. */
@@ -1075,10 +925,7 @@ void suite_calibrate(void)
                                        {"an interval narrower than the scan", test_narrow},
                                        {"random tables", test_random_tables},
                                        {"coverage", test_coverage},
-                                       {"planted and held-out piles", test_planted},
-                                       {"planted planes", test_planted_planes},
-                                       {"halves of piles, by hand", test_halves},
-                                       {"held-out piles that lack an angle", test_holdout},
+                                       {"angles of other parameters", test_uncovered},
                                        {"fully correlated angles", test_full_correlation},
                                        {"terms that a number of points allows", test_terms_of_points},
                                        {"where a response turns", test_turns},

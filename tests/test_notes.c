@@ -525,54 +525,6 @@ static void test_calibrate(void)
     leave();
 }
 
-/* Planted piles, of which two have larger angles, one beyond the range: how many rows of each trial cover,
- * and have each status. */
-static void test_verify(void)
-{
-    static const char *const angles[] = {"theta_r", "theta_t", "both"};
-    static const double planted[] = {0.2, 0.3, 0.4, 0.5, 0.6};
-    char text[4096] = "# mu\ttheta_r3_deg\ttheta_t_displacement_deg\n";
-    enter();
-    for (int i = 0; i < 24; i++) {
-        const double mu = 0.1 + 0.1 * (i / 4), noise = i % 2 ? 0.5 : -0.5;
-        snprintf(text + strlen(text), sizeof text - strlen(text), "%g\t%g\t%g\n", mu,
-                 10.0 + 30.0 * mu + noise, 2.0 + 10.0 * mu + 0.3 * (i % 4 / 2 ? noise : -noise));
-    }
-    write_text("piles.tsv", "%s", text);
-    strcpy(text, "# mu\ttheta_r3_deg\ttheta_t_displacement_deg\n");
-    for (int i = 0; i < 10; i++) {
-        const double mu = planted[i / 2], noise = i % 2 ? 0.3 : -0.3, shift = i / 2 % 2 ? 0.0 : 1.5 * (i / 2);
-        snprintf(text + strlen(text), sizeof text - strlen(text), "%g\t%g\t%g\n", mu,
-                 10.0 + 30.0 * mu + noise + shift, 2.0 + 10.0 * mu + 0.3 * noise);
-    }
-    write_text("planted.tsv", "%s", text);
-    CU_ASSERT(run("calibrate --runs piles.tsv --verify 100 --planted planted.tsv") == 1);
-    rp_table t = read_table("out");
-    size_t others = 0;
-    for (size_t a = 0; a < 3; a++) {
-        size_t n = 0, covered = 0, status[STATS_CALIBRATED_NO_MATCH + 1] = {0};
-        for (size_t i = 0; i < t.n_rows; i++) {
-            if (strcmp(word(&t, i, "angles"), angles[a]) != 0) continue;
-            n++, covered += cell(&t, i, "covered") == 1.0;
-            for (size_t k = 1; k <= STATS_CALIBRATED_NO_MATCH; k++)
-                status[k] += strcmp(word(&t, i, "status"), stats_calibrated_words[k]) == 0;
-        }
-        char key[128];
-        snprintf(key, sizeof key, "covered_%s_mu", angles[a]);
-        check_note(&t, key, "%zu of %zu", covered, n);
-        CU_ASSERT(covered < n || a == 1);
-        for (size_t k = 1; k <= STATS_CALIBRATED_NO_MATCH; k++) {
-            snprintf(key, sizeof key, "%s_%s_mu", stats_calibrated_words[k], angles[a]);
-            if (status[k]) check_note(&t, key, "%zu of %zu", status[k], n);
-            if (!status[k]) CU_ASSERT_PTR_NULL(rp_table_find_note(&t, key));
-            others += status[k];
-        }
-    }
-    CU_ASSERT(others > 0);
-    rp_table_free(&t);
-    leave();
-}
-
 /* ---- the dip of the pressure ---- */
 
 /* The band's ends are so many standard errors from the mean as the note says. */
@@ -612,7 +564,6 @@ void suite_notes(void)
                                        {"a sweep", test_sweep},
                                        {"a run", test_run},
                                        {"a calibration", test_calibrate},
-                                       {"a trial of calibrations", test_verify},
                                        {"dip of the pressure", test_dip},
                                        {0}};
     check_register("notes", cases);

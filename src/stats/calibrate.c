@@ -238,8 +238,12 @@ rp_status stats_calibration_invert(const stats_calibration *c, const stats_measu
     problem s = {c, measured};
     double x[STATS_MAX_PARAMS], chi2;
     for (size_t p = 0; p < c->n_params; p++)
-        result[p] =
-            (stats_calibrated){.value = NAN, .se = NAN, .boot_se = NAN, .boot_lower = NAN, .boot_upper = NAN};
+        result[p] = (stats_calibrated){.value = NAN,
+                                       .se = NAN,
+                                       .solutions = {{NAN, NAN, NAN}},
+                                       .boot_se = NAN,
+                                       .boot_lower = NAN,
+                                       .boot_upper = NAN};
     RP_TRY(check_measured(c, measured));
     RP_TRY(search(&s, x, &chi2));
     double dof = (double)(c->n_angles > c->n_params ? c->n_angles - c->n_params : c->n_angles);

@@ -85,8 +85,9 @@ typedef enum {
 #undef X
 } stats_calibrated_status;
 
-/* One parameter. Each solution has its 95 % interval; a limit that the range cuts off is NaN. se: by the
- * delta method. boot_*: standard error and percentile interval of the bootstrap, a check of both. */
+/* One parameter. Each solution has its 95 % interval; a limit that the range cuts off is NaN, and so is
+ * the first solution where there is none. se: by the delta method. boot_*: standard error and percentile
+ * interval of the bootstrap, a check of both. */
 typedef struct {
     stats_calibrated_status status;
     double value, se;
@@ -100,10 +101,6 @@ typedef struct {
 extern const char *const stats_calibrated_words[];
 extern const char *const stats_calibrated_meanings[];
 extern const char *const stats_shape_words[];
-
-/* Sort piles into points, in the order of their first piles: the arrays and the correlation of *c, no
- * response. Free with stats_calibration_free, also after an error. Errors: RP_BAD_INPUT, RP_NO_MEMORY. */
-rp_status stats_points_make(const stats_ensemble *piles, stats_calibration *c);
 
 /* Fit the coefficients of a response, whose form is set, to the means y[] of the points.
  * Errors: RP_NO_RESULT (the scale is not determined), RP_NO_MEMORY, RP_BROKEN. */
@@ -144,26 +141,6 @@ rp_status stats_calibration_invert(const stats_calibration *c, const stats_measu
 rp_status stats_calibration_bootstrap(const stats_ensemble *piles, const stats_calibration *c,
                                       const stats_measured *measured, size_t n_resamples, gsl_rng *rng,
                                       stats_calibrated result[]);
-
-/* A case whose truth is known. */
-typedef struct {
-    double truth[STATS_MAX_PARAMS];
-    stats_measured measured;
-    stats_calibrated found[STATS_MAX_PARAMS];
-    bool covered[STATS_MAX_PARAMS]; /* does an interval hold the truth */
-} stats_case;
-
-/* Piles with planted parameters as measurements: each set of equal parameters is a case, in the order of
- * their first piles; its angle is the mean, with the SD of stats_calibration_sd over the root of their number
- * as known error. At most `room` cases. Parameters must lie in the response's range. Errors: RP_BAD_INPUT,
- * RP_NO_MEMORY, RP_BROKEN. */
-rp_status stats_calibration_planted(const stats_calibration *c, const stats_ensemble *planted, size_t room,
-                                    stats_case cases[], size_t *n);
-
-/* The piles against themselves: for each case the piles of each point are divided at random, the response is
- * that of one half, and a point drawn at random gives the measurement by its other half. Errors: as above. */
-rp_status stats_calibration_holdout(const stats_ensemble *piles, size_t n_cases, gsl_rng *rng,
-                                    stats_case cases[]);
 
 RP_C_END
 

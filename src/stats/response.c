@@ -92,7 +92,7 @@ static rp_status check_piles(const stats_ensemble *piles)
     return RP_OK;
 }
 
-rp_status stats_points_make(const stats_ensemble *piles, stats_calibration *c)
+static rp_status make_points(const stats_ensemble *piles, stats_calibration *c)
 {
     *c = (stats_calibration){.n_params = piles->n_params, .n_angles = piles->n_angles};
     RP_TRY(check_piles(piles));
@@ -420,7 +420,7 @@ static rp_status choose_form(stats_calibration *c, size_t angle)
 
 rp_status stats_calibration_fit(const stats_ensemble *piles, stats_calibration *c)
 {
-    RP_TRY(stats_points_make(piles, c));
+    RP_TRY(make_points(piles, c));
     if (c->n_points < 4 * c->n_params)
         return rp_fail(RP_BAD_INPUT, "%zu points with piles, at least %zu needed for a response", c->n_points,
                        4 * c->n_params);

@@ -410,7 +410,6 @@ const fuzz_target fuzz_targets[] = {
     TABLE("stats_correlation", "stats correlation t.tsv -x a -y b --by c"),
     TABLE("stats_maximum", "stats maximum t.tsv --column b --draws 3 --bootstrap 5"),
     TABLE("calibrate", "calibrate --runs t.tsv --theta-r-deg 20 --error-deg 1 --bootstrap 3"),
-    TABLE("calibrate_verify", "calibrate --runs t.tsv --verify 3 --planted hold-out --bootstrap 2"),
     {NULL, {NULL, NULL}, NULL, NULL, NULL, false}};
 
 static bool make_files(void)
