@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include "core/file.h"
+#include "report/verdict.h"
 
 report_words report_split(rp_arena *arena, const char *text)
 {
@@ -174,7 +175,7 @@ static rp_status read_value(const report_cell *cell, double n, stats_number *num
     if (!mean) RP_TRY(rp_table_find(cell->table, cell->column, NULL, &(int){0}));
     if (!error && rp_ends_in(cell->column, "_deg")) error = beside(cell, "_deg", "_se_deg");
     RP_TRY(report_cell_column(cell, mean ? mean : cell->column, &number->value));
-    number->se = rp_ends_in(cell->column, "_sd") ? stats_deviation_error(number->value, n) : 0.0;
+    number->se = rp_ends_in(cell->column, "_sd") ? report_deviation_error(number->value, n) : 0.0;
     return error ? report_cell_column(cell, error, &number->se) : RP_OK;
 }
 
@@ -185,7 +186,7 @@ rp_status report_cell_number(const report_cell *cell, report_number *number)
     RP_TRY(report_cell_column(cell, "p_fit", &number->p_fit));
     RP_TRY(*cell->column == '#' ? read_note(cell, &number->shown)
                                 : read_value(cell, number->n, &number->shown));
-    number->tested = beside(cell, "", "_mean") ? stats_of_few(number->shown, number->n) : number->shown;
+    number->tested = beside(cell, "", "_mean") ? report_of_few(number->shown, number->n) : number->shown;
     return RP_OK;
 }
 
@@ -219,9 +220,9 @@ static rp_status read_pooled(report_tables *tables, const char *text, report_cel
     const stats_summary all = stats_pooled(n, parts);
     const bool deviation = rp_ends_in(cell->column, "_sd");
     number->n = (double)all.n;
-    number->shown = deviation ? (stats_number){all.sd, stats_deviation_error(all.sd, number->n)}
+    number->shown = deviation ? (stats_number){all.sd, report_deviation_error(all.sd, number->n)}
                               : (stats_number){all.mean, all.se};
-    number->tested = deviation ? number->shown : stats_of_few(number->shown, number->n);
+    number->tested = deviation ? number->shown : report_of_few(number->shown, number->n);
     return RP_OK;
 }
 

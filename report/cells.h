@@ -8,7 +8,6 @@
 #include "core/arena.h"
 #include "core/status.h"
 #include "stats/stats.h"
-#include "stats/verdict.h"
 #include "table/table.h"
 
 /* Where tables are looked for, and those that have been read, each once. */

@@ -182,12 +182,12 @@ static rp_status read_tables(const report_claim *c, report_tables *tables, repor
     bool missing = false;
     RP_TRY(report_number_find(tables, c->answer, &cell, &found.ours, &missing));
     if (*c->against) RP_TRY(report_number_find(tables, c->against, &other, &found.against, &missing));
-    if (missing) j->verdict = STATS_NO_DATA;
+    if (missing) j->verdict = REPORT_NO_DATA;
     if (missing) return RP_OK;
     if (tests[c->kind].by == BY_CHANGE) RP_TRY(read_change(tables->arena, c, &cell, &found));
     if (c->kind == CLAIM_RATIO) {
-        found.ours.shown = stats_quotient(found.ours.shown, found.against.shown);
-        found.ours.tested = stats_quotient(found.ours.tested, found.against.tested);
+        found.ours.shown = report_quotient(found.ours.shown, found.against.shown);
+        found.ours.tested = report_quotient(found.ours.tested, found.against.tested);
     }
     RP_TRY(report_sweeps(tables, c->answer, c->against, &sweeps));
     found.failed = report_failed(tables->arena, sweeps);
@@ -207,7 +207,7 @@ static rp_status compare_published(rp_arena *arena, const report_claims *all, co
         RP_TRY(report_claims_find(all, words.word[i], &other));
         numbers[i] = other->number;
     }
-    j->match = stats_constant((size_t)words.n, numbers, other->samples);
+    j->match = report_constant((size_t)words.n, numbers, other->samples);
     j->text = rp_text(arena, "p = %.2g or %.1g", j->match.z_error, j->match.z_deviation);
     return RP_OK;
 }
@@ -244,13 +244,13 @@ static double excluded_margin(const report_claim *c)
 static void find_chances(const report_claim *c, const report_judged *j, double chances[CHANCES])
 {
     const stats_number ours = j->ours.tested, against = j->against.tested;
-    const int by = j->verdict == STATS_NO_DATA ? BY_WORD : tests[c->kind].by;
-    chances[OF_EFFECT] = by == BY_DIFFERENCE ? stats_agree_p(j->match.z_error)
-                         : by == BY_SIDE     ? stats_exceed_p(ours, against)
+    const int by = j->verdict == REPORT_NO_DATA ? BY_WORD : tests[c->kind].by;
+    chances[OF_EFFECT] = by == BY_DIFFERENCE ? report_agree_p(j->match.z_error)
+                         : by == BY_SIDE     ? report_exceed_p(ours, against)
                          : by == BY_CHANGE   ? j->change.p_value
                                              : NAN;
-    chances[OF_DEVIATION] = by == BY_DIFFERENCE ? stats_agree_p(j->match.z_deviation) : chances[OF_EFFECT];
-    chances[OF_MARGIN] = by == BY_SIDE ? stats_exceed_p_margin(ours, against, excluded_margin(c)) : NAN;
+    chances[OF_DEVIATION] = by == BY_DIFFERENCE ? report_agree_p(j->match.z_deviation) : chances[OF_EFFECT];
+    chances[OF_MARGIN] = by == BY_SIDE ? report_exceed_p_margin(ours, against, excluded_margin(c)) : NAN;
     if (by == BY_CHANGE && c->kind == CLAIM_INDEPENDENT)
         chances[OF_MARGIN] = stats_contrast_p_margin(
             &(stats_contrast){j->ours.shown.value, j->ours.shown.se, isnan(j->dof) ? INFINITY : j->dof},
@@ -266,34 +266,34 @@ static void decide(const report_claim *c, const double *raised, report_judged *j
     case CLAIM_RATIO:
     case CLAIM_AGREES:
     case CLAIM_SAME:
-        j->match = c->kind == CLAIM_SAME ? stats_agree(ours, against, 0.0, c->margin)
-                                         : stats_agree(ours, c->number, c->samples, c->margin);
-        if (raised) j->match = stats_agree_by_p(j->match, raised[OF_EFFECT], raised[OF_DEVIATION]);
+        j->match = c->kind == CLAIM_SAME ? report_agree(ours, against, 0.0, c->margin)
+                                         : report_agree(ours, c->number, c->samples, c->margin);
+        if (raised) j->match = report_agree_by_p(j->match, raised[OF_EFFECT], raised[OF_DEVIATION]);
         break;
     case CLAIM_ABOVE:
     case CLAIM_BELOW:
-        j->verdict = raised ? stats_exceed_by_p(ours, against, sign, raised[OF_EFFECT], raised[OF_MARGIN])
-                            : stats_exceed(ours, against, sign, excluded_margin(c));
+        j->verdict = raised ? report_exceed_by_p(ours, against, sign, raised[OF_EFFECT], raised[OF_MARGIN])
+                            : report_exceed(ours, against, sign, excluded_margin(c));
         return;
     case CLAIM_LEAST:
-    case CLAIM_MOST: j->verdict = stats_bound(ours.value, against.value, sign); return;
-    case CLAIM_EQUALS: j->verdict = stats_bound(fabs(ours.value - c->number.value), c->margin, -1); return;
+    case CLAIM_MOST: j->verdict = report_bound(ours.value, against.value, sign); return;
+    case CLAIM_EQUALS: j->verdict = report_bound(fabs(ours.value - c->number.value), c->margin, -1); return;
     case CLAIM_ORDER:
-        j->verdict = stats_order(stats_quotient(ours, *c->against ? against : c->number), c->margin);
+        j->verdict = report_order(report_quotient(ours, *c->against ? against : c->number), c->margin);
         return;
     case CLAIM_INDEPENDENT:
-        j->verdict = raised ? stats_equivalent_by_p(raised[OF_MARGIN], raised[OF_EFFECT])
-                            : stats_equivalent(&j->change, c->margin);
+        j->verdict = raised ? report_equivalent_by_p(raised[OF_MARGIN], raised[OF_EFFECT])
+                            : report_equivalent(&j->change, c->margin);
         return;
     case CLAIM_RISES:
     case CLAIM_FALLS:
         if (raised) j->change.p_value = raised[OF_EFFECT];
-        j->verdict = stats_trends(&j->change, sign, c->margin);
+        j->verdict = report_trends(&j->change, sign, c->margin);
         return;
     case CLAIM_CONSTANT: break;
-    case CLAIM_FORMULA: j->verdict = STATS_REPRODUCED; return;
-    case CLAIM_PICTURE: j->verdict = STATS_BY_EYE; return;
-    case CLAIM_UNTESTABLE: j->verdict = STATS_UNTESTABLE; return;
+    case CLAIM_FORMULA: j->verdict = REPORT_REPRODUCED; return;
+    case CLAIM_PICTURE: j->verdict = REPORT_BY_EYE; return;
+    case CLAIM_UNTESTABLE: j->verdict = REPORT_UNTESTABLE; return;
     case N_CLAIM_TESTS: return;
     }
     j->verdict = j->match.verdict;
@@ -319,7 +319,7 @@ static void decide_family(rp_arena *arena, const report_claim claims[], size_t n
         const report_claim *c = &claims[members[i]];
         report_judged *j = &judged[members[i]];
         double chances[CHANCES];
-        if (j->verdict != STATS_NO_DATA) decide(c, NULL, j);
+        if (j->verdict != REPORT_NO_DATA) decide(c, NULL, j);
         j->uncorrected = j->verdict;
         find_chances(c, j, chances);
         for (size_t k = 0; k < CHANCES; k++) found[k * n + i] = chances[k];
@@ -334,7 +334,7 @@ static void decide_family(rp_arena *arena, const report_claim claims[], size_t n
             decide(c, chances, j);
             j->tests = n_tests;
         }
-        if (stats_fit_rejected(p_fit_of(j))) j->verdict = STATS_UNDECIDED;
+        if (report_fit_rejected(p_fit_of(j))) j->verdict = REPORT_UNDECIDED;
     }
 }
 
@@ -342,24 +342,24 @@ static void decide_family(rp_arena *arena, const report_claim claims[], size_t n
 static bool is_opposite(const report_claim *c, const report_judged *j)
 {
     const int sign = c->kind == CLAIM_ABOVE ? 1 : -1;
-    return stats_exceed(j->ours.tested, j->against.tested, sign, INFINITY) == STATS_NOT_REPRODUCED;
+    return report_exceed(j->ours.tested, j->against.tested, sign, INFINITY) == REPORT_NOT_REPRODUCED;
 }
 
 static const char *reason_of(rp_arena *arena, const report_claim *c, const report_judged *j)
 {
-    const char *verdict = stats_verdict_texts[j->verdict];
-    if (stats_fit_rejected(p_fit_of(j)))
+    const char *verdict = report_verdict_texts[j->verdict];
+    if (report_fit_rejected(p_fit_of(j)))
         return rp_text(arena, "%s: the form of the fit does not describe the means (p = %.2g)", verdict,
                        p_fit_of(j));
     if (j->uncorrected != j->verdict)
         return rp_text(arena, "%s: %s without the correction for %zu tests of one question", verdict,
-                       stats_verdict_texts[j->uncorrected], j->tests);
+                       report_verdict_texts[j->uncorrected], j->tests);
     if (j->two_readings)
         return rp_text(arena, "%s: %s if ± is a standard error, %s if it is a standard deviation", verdict,
-                       stats_verdict_texts[j->match.error], stats_verdict_texts[j->match.deviation]);
-    if ((c->kind == CLAIM_AGREES || c->kind == CLAIM_SAME) && j->verdict != STATS_NO_DATA)
+                       report_verdict_texts[j->match.error], report_verdict_texts[j->match.deviation]);
+    if ((c->kind == CLAIM_AGREES || c->kind == CLAIM_SAME) && j->verdict != REPORT_NO_DATA)
         return rp_text(arena, "%s (%+.1f standard errors)", verdict, j->match.z_error);
-    if (tests[c->kind].by == BY_SIDE && j->verdict == STATS_NOT_REPRODUCED && !is_opposite(c, j))
+    if (tests[c->kind].by == BY_SIDE && j->verdict == REPORT_NOT_REPRODUCED && !is_opposite(c, j))
         return rp_text(arena, "%s (a difference of %g or more is excluded)", verdict, c->margin);
     if (c->kind == CLAIM_FORMULA) return rp_text(arena, "%s, by tests", verdict);
     if (c->kind == CLAIM_UNTESTABLE) return rp_text(arena, "%s: %s", verdict, c->note);
@@ -388,14 +388,14 @@ rp_status report_judge(const report_claims *all, report_tables *tables, report_j
 const char *report_count(rp_arena *arena, const report_claims *claims, const report_judged judged[],
                          const char *paper)
 {
-    size_t counts[STATS_VERDICTS], n = 0;
+    size_t counts[REPORT_VERDICTS], n = 0;
     const char *text = "";
-    stats_verdict *verdicts = rp_arena_memory(arena, claims->n, sizeof *verdicts);
+    report_verdict *verdicts = rp_arena_memory(arena, claims->n, sizeof *verdicts);
     for (size_t i = 0; i < claims->n; i++)
         if (!*claims->claims[i].of && strcmp(claims->claims[i].paper, paper) == 0)
             verdicts[n++] = judged[i].verdict;
-    stats_count_verdicts(n, verdicts, counts);
-    for (stats_verdict v = 0; v < STATS_VERDICTS && n > 0; v++)
-        text = rp_text(arena, "%s%s%zu %s", text, v ? ", " : "", counts[v], stats_verdict_texts[v]);
+    report_count_verdicts(n, verdicts, counts);
+    for (report_verdict v = 0; v < REPORT_VERDICTS && n > 0; v++)
+        text = rp_text(arena, "%s%s%zu %s", text, v ? ", " : "", counts[v], report_verdict_texts[v]);
     return text;
 }

@@ -3,6 +3,7 @@
 #define REPORT_CLAIMS_H
 
 #include "report/cells.h"
+#include "report/verdict.h"
 
 /* How a claim is tested: by what the word in the column `test` means. No test decides by a fit that its own
  * means reject: a cell of a row with p_fit < 0.05 leaves the claim undecided. */
@@ -72,12 +73,12 @@ const char *report_published(rp_arena *arena, const report_claim *claim);
 /* A claim judged by tables. */
 typedef struct {
     report_number ours, against;
-    stats_change change;                /* of what may depend on something, */
-    double dof;                         /* with so many degrees of freedom; NaN: its error is known */
-    stats_verdict verdict, uncorrected; /* for the other tests of its family, */
-    size_t tests;                       /* so many */
-    bool two_readings;                  /* of the published +-, with different verdicts */
-    stats_match match;
+    report_change change;                /* of what may depend on something, */
+    double dof;                          /* with so many degrees of freedom; NaN: its error is known */
+    report_verdict verdict, uncorrected; /* for the other tests of its family, */
+    size_t tests;                        /* so many */
+    bool two_readings;                   /* of the published +-, with different verdicts */
+    report_match match;
     const char *failed; /* runs without a result, see report_failed */
     const char *text;   /* ours, as the report shows it */
     const char *reason; /* verdict with what explains it */

@@ -60,7 +60,7 @@ static void print_verdicts(rp_arena *arena, const report_claims *all, const repo
                c->test, or_dash(report_published(arena, c)), c->samples, or_dash(c->answer),
                or_dash(j->text));
         printf("%g\t%.3g\t%.3g\t%s\t%s\t%s\n", fabs(j->ours.n), j->match.z_error, j->match.z_deviation,
-               j->reason, stats_verdict_texts[j->verdict], or_dash(j->failed));
+               j->reason, report_verdict_texts[j->verdict], or_dash(j->failed));
     }
 }
 

@@ -140,7 +140,7 @@ static void print_in_short(page *p, const report_claim *c, const report_judged *
     fputs(c->statement, p->out);
     if (*c->note && c->kind != CLAIM_UNTESTABLE) fprintf(p->out, " (%s)", c->note);
     fprintf(p->out, " | %s | %s | %s |", report_published(p->tables.arena, c), j->text,
-            c->kind == CLAIM_UNTESTABLE ? j->reason : stats_verdict_texts[j->verdict]);
+            c->kind == CLAIM_UNTESTABLE ? j->reason : report_verdict_texts[j->verdict]);
 }
 
 /* The claims of a section; in short without their variants. */

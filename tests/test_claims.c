@@ -10,7 +10,7 @@
 #include <unistd.h>
 
 #include "table/table.h"
-#include "stats/verdict.h"
+#include "report/verdict.h"
 #include "sweeps/engine/private.h"
 #include "sweeps/protocols/protocols.h"
 #include "tests/check.h"
@@ -18,7 +18,7 @@
 /* Numbers that are exact in binary make an edge an edge; one rounding more is `beyond`. */
 static const double beyond = 1.0 + 0x1p-40;
 
-#define IS(call, verdict) CU_ASSERT_STRING_EQUAL(stats_verdict_texts[call], verdict)
+#define IS(call, verdict) CU_ASSERT_STRING_EQUAL(report_verdict_texts[call], verdict)
 
 static stats_number number(double value, double se)
 {
@@ -29,31 +29,31 @@ static void test_agreement(void)
 {
     /* 3 and 4 make 5: two standard errors are 10 */
     const stats_number published = number(20.0, 4.0);
-    IS(stats_agree(number(30.0, 3.0), published, 0, INFINITY).verdict, "reproduced");
-    IS(stats_agree(number(20.0 + 10.0 * beyond, 3.0), published, 0, INFINITY).verdict, "not reproduced");
-    IS(stats_agree(number(20.0 - 10.0 * beyond, 3.0), published, 0, INFINITY).verdict, "not reproduced");
-    IS(stats_agree(number(21.0, 3.0), published, 0, 10.0).verdict, "reproduced");
-    IS(stats_agree(number(21.0, 3.0), published, 0, 10.0 / beyond).verdict, "undecided");
-    IS(stats_agree(number(21.0, NAN), published, 0, INFINITY).verdict, "undecided");
-    IS(stats_agree(number(NAN, 1.0), published, 0, INFINITY).verdict, "undecided");
-    IS(stats_agree(number(2.0, 0.0), number(2.0, 0.0), 0, 0.0).verdict, "reproduced");
-    CHECK_NEAR(stats_agree(number(30.0, 3.0), published, 0, INFINITY).z_error, 2.0, 0.0);
+    IS(report_agree(number(30.0, 3.0), published, 0, INFINITY).verdict, "reproduced");
+    IS(report_agree(number(20.0 + 10.0 * beyond, 3.0), published, 0, INFINITY).verdict, "not reproduced");
+    IS(report_agree(number(20.0 - 10.0 * beyond, 3.0), published, 0, INFINITY).verdict, "not reproduced");
+    IS(report_agree(number(21.0, 3.0), published, 0, 10.0).verdict, "reproduced");
+    IS(report_agree(number(21.0, 3.0), published, 0, 10.0 / beyond).verdict, "undecided");
+    IS(report_agree(number(21.0, NAN), published, 0, INFINITY).verdict, "undecided");
+    IS(report_agree(number(NAN, 1.0), published, 0, INFINITY).verdict, "undecided");
+    IS(report_agree(number(2.0, 0.0), number(2.0, 0.0), 0, 0.0).verdict, "reproduced");
+    CHECK_NEAR(report_agree(number(30.0, 3.0), published, 0, INFINITY).z_error, 2.0, 0.0);
 }
 
 /* A deviation of 4 over 16 samples is an error of 1. */
 static void test_readings(void)
 {
     const stats_number published = number(20.0, 4.0);
-    stats_match m = stats_agree(number(23.0, 0.0), published, 16.0, INFINITY);
+    report_match m = report_agree(number(23.0, 0.0), published, 16.0, INFINITY);
     IS(m.error, "reproduced");
     IS(m.deviation, "not reproduced");
     IS(m.verdict, "undecided");
     CHECK_NEAR(m.z_deviation, 3.0, 0.0);
-    m = stats_agree(number(22.0, 0.0), published, 16.0, INFINITY);
+    m = report_agree(number(22.0, 0.0), published, 16.0, INFINITY);
     IS(m.verdict, "reproduced");
-    m = stats_agree(number(29.0, 0.0), published, 16.0, INFINITY);
+    m = report_agree(number(29.0, 0.0), published, 16.0, INFINITY);
     IS(m.verdict, "not reproduced");
-    m = stats_agree(number(21.0, 0.0), published, 16.0, 5.0); /* seen by one reading alone */
+    m = report_agree(number(21.0, 0.0), published, 16.0, 5.0); /* seen by one reading alone */
     IS(m.error, "undecided");
     IS(m.deviation, "reproduced");
     IS(m.verdict, "undecided");
@@ -61,138 +61,139 @@ static void test_readings(void)
 
 static void test_inequalities(void)
 {
-    IS(stats_exceed(number(30.0, 3.0), number(20.0, 4.0), 1, INFINITY), "undecided");
-    IS(stats_exceed(number(10.0, 3.0), number(20.0, 4.0), 1, INFINITY), "undecided");
-    IS(stats_exceed(number(20.0 + 10.0 * beyond, 3.0), number(20.0, 4.0), 1, INFINITY), "reproduced");
-    IS(stats_exceed(number(20.0 - 10.0 * beyond, 3.0), number(20.0, 4.0), 1, INFINITY), "not reproduced");
-    IS(stats_exceed(number(20.0 - 10.0 * beyond, 3.0), number(20.0, 4.0), -1, INFINITY), "reproduced");
-    IS(stats_exceed(number(1.0, 0.0), number(1.0, 0.0), 1, INFINITY),
+    IS(report_exceed(number(30.0, 3.0), number(20.0, 4.0), 1, INFINITY), "undecided");
+    IS(report_exceed(number(10.0, 3.0), number(20.0, 4.0), 1, INFINITY), "undecided");
+    IS(report_exceed(number(20.0 + 10.0 * beyond, 3.0), number(20.0, 4.0), 1, INFINITY), "reproduced");
+    IS(report_exceed(number(20.0 - 10.0 * beyond, 3.0), number(20.0, 4.0), 1, INFINITY), "not reproduced");
+    IS(report_exceed(number(20.0 - 10.0 * beyond, 3.0), number(20.0, 4.0), -1, INFINITY), "reproduced");
+    IS(report_exceed(number(1.0, 0.0), number(1.0, 0.0), 1, INFINITY),
        "not reproduced"); /* exact numbers that are equal */
-    IS(stats_exceed(number(beyond, 0.0), number(1.0, 0.0), 1, INFINITY), "reproduced");
-    IS(stats_exceed(number(5.0, NAN), number(1.0, 0.0), 1, INFINITY), "undecided");
-    IS(stats_exceed(number(NAN, 0.0), number(1.0, 0.0), 1, 1.0), "undecided");
+    IS(report_exceed(number(beyond, 0.0), number(1.0, 0.0), 1, INFINITY), "reproduced");
+    IS(report_exceed(number(5.0, NAN), number(1.0, 0.0), 1, INFINITY), "undecided");
+    IS(report_exceed(number(NAN, 0.0), number(1.0, 0.0), 1, 1.0), "undecided");
     /* so small a difference that the margin, 1.8 standard errors away, is excluded; at 1.6 it is not */
-    IS(stats_exceed(number(20.5, 0.3), number(20.0, 0.4), 1, 1.4), "not reproduced");
-    IS(stats_exceed(number(19.5, 0.3), number(20.0, 0.4), 1, 1.4), "not reproduced");
-    IS(stats_exceed(number(20.5, 0.3), number(20.0, 0.4), 1, 1.3), "undecided");
-    IS(stats_exceed(number(21.5, 0.3), number(20.0, 0.4), 1, 5.0), "reproduced"); /* less than the margin */
-    IS(stats_bound(0.05, 0.05, 1), "reproduced");
-    IS(stats_bound(0.05 / beyond, 0.05, 1), "not reproduced");
-    IS(stats_bound(0.05, 0.05, -1), "reproduced");
-    IS(stats_bound(0.05 * beyond, 0.05, -1), "not reproduced");
-    IS(stats_bound(NAN, 0.05, -1), "undecided");
-    IS(stats_order(number(0.5, 0.125), 4.0), "reproduced"); /* 0.25 to 0.75 */
-    IS(stats_order(number(0.5, 0.125 * beyond), 4.0), "undecided");
-    IS(stats_order(number(3.5, 0.25), 4.0), "reproduced");
-    IS(stats_order(number(3.5, 0.25 * beyond), 4.0), "undecided");
-    IS(stats_order(number(0.125, 0.0625), 4.0), "undecided"); /* 0 to 0.25 */
-    IS(stats_order(number(0.125, 0.0625 / beyond), 4.0), "not reproduced");
-    IS(stats_order(number(5.0, 0.25), 4.0), "not reproduced");
-    IS(stats_order(number(NAN, 0.25), 4.0), "undecided");
+    IS(report_exceed(number(20.5, 0.3), number(20.0, 0.4), 1, 1.4), "not reproduced");
+    IS(report_exceed(number(19.5, 0.3), number(20.0, 0.4), 1, 1.4), "not reproduced");
+    IS(report_exceed(number(20.5, 0.3), number(20.0, 0.4), 1, 1.3), "undecided");
+    IS(report_exceed(number(21.5, 0.3), number(20.0, 0.4), 1, 5.0), "reproduced"); /* less than the margin */
+    IS(report_bound(0.05, 0.05, 1), "reproduced");
+    IS(report_bound(0.05 / beyond, 0.05, 1), "not reproduced");
+    IS(report_bound(0.05, 0.05, -1), "reproduced");
+    IS(report_bound(0.05 * beyond, 0.05, -1), "not reproduced");
+    IS(report_bound(NAN, 0.05, -1), "undecided");
+    IS(report_order(number(0.5, 0.125), 4.0), "reproduced"); /* 0.25 to 0.75 */
+    IS(report_order(number(0.5, 0.125 * beyond), 4.0), "undecided");
+    IS(report_order(number(3.5, 0.25), 4.0), "reproduced");
+    IS(report_order(number(3.5, 0.25 * beyond), 4.0), "undecided");
+    IS(report_order(number(0.125, 0.0625), 4.0), "undecided"); /* 0 to 0.25 */
+    IS(report_order(number(0.125, 0.0625 / beyond), 4.0), "not reproduced");
+    IS(report_order(number(5.0, 0.25), 4.0), "not reproduced");
+    IS(report_order(number(NAN, 0.25), 4.0), "undecided");
 }
 
 static void test_changes(void)
 {
-    const stats_change inside = {-0.5, 0.9, 0.4}, edge = {-0.5, 1.0, 0.4}, low = {-1.0, 0.5, 0.4},
-                       rise = {0.2, 3.0, 0.0499}, fall = {-3.0, -0.2, 0.0499}, almost = {0.0, 3.0, 0.05},
-                       small = {0.1, 0.9, 0.001}, none = {NAN, NAN, NAN}, p_alone = {NAN, NAN, 0.001};
-    IS(stats_equivalent(&inside, 1.0), "reproduced");
-    IS(stats_equivalent(&edge, 1.0), "undecided");
-    IS(stats_equivalent(&low, 1.0), "undecided");
-    IS(stats_equivalent(&rise, 1.0), "not reproduced");
-    IS(stats_equivalent(&almost, 1.0), "undecided");
-    IS(stats_equivalent(&small, 1.0), "reproduced"); /* a change, but smaller than any that counts */
-    IS(stats_equivalent(&none, 1.0), "undecided");
-    IS(stats_trends(&rise, 1, 1.0), "reproduced");
-    IS(stats_trends(&rise, -1, 1.0), "not reproduced");
-    IS(stats_trends(&fall, -1, 1.0), "reproduced");
-    IS(stats_trends(&fall, 1, 1.0), "not reproduced");
-    IS(stats_trends(&almost, 1, 1.0), "undecided");
-    IS(stats_trends(&inside, 1, 1.0), "not reproduced"); /* no change as large as the margin */
-    IS(stats_trends(&edge, 1, 1.0), "undecided");
-    IS(stats_trends(&none, 1, 1.0), "undecided");
-    IS(stats_trends(&p_alone, 1, 1.0), "undecided");
-    CU_ASSERT(stats_fit_rejected(0.05 / beyond));
-    CU_ASSERT(!stats_fit_rejected(0.05) && !stats_fit_rejected(NAN));
+    const report_change inside = {-0.5, 0.9, 0.4}, edge = {-0.5, 1.0, 0.4}, low = {-1.0, 0.5, 0.4},
+                        rise = {0.2, 3.0, 0.0499}, fall = {-3.0, -0.2, 0.0499}, almost = {0.0, 3.0, 0.05},
+                        small = {0.1, 0.9, 0.001}, none = {NAN, NAN, NAN}, p_alone = {NAN, NAN, 0.001};
+    IS(report_equivalent(&inside, 1.0), "reproduced");
+    IS(report_equivalent(&edge, 1.0), "undecided");
+    IS(report_equivalent(&low, 1.0), "undecided");
+    IS(report_equivalent(&rise, 1.0), "not reproduced");
+    IS(report_equivalent(&almost, 1.0), "undecided");
+    IS(report_equivalent(&small, 1.0), "reproduced"); /* a change, but smaller than any that counts */
+    IS(report_equivalent(&none, 1.0), "undecided");
+    IS(report_trends(&rise, 1, 1.0), "reproduced");
+    IS(report_trends(&rise, -1, 1.0), "not reproduced");
+    IS(report_trends(&fall, -1, 1.0), "reproduced");
+    IS(report_trends(&fall, 1, 1.0), "not reproduced");
+    IS(report_trends(&almost, 1, 1.0), "undecided");
+    IS(report_trends(&inside, 1, 1.0), "not reproduced"); /* no change as large as the margin */
+    IS(report_trends(&edge, 1, 1.0), "undecided");
+    IS(report_trends(&none, 1, 1.0), "undecided");
+    IS(report_trends(&p_alone, 1, 1.0), "undecided");
+    CU_ASSERT(report_fit_rejected(0.05 / beyond));
+    CU_ASSERT(!report_fit_rejected(0.05) && !report_fit_rejected(NAN));
 }
 
 /* Chances that a correction may raise: two standard errors are 4.55 %. */
 static void test_corrected(void)
 {
     const stats_number a = number(30.0, 3.0), b = number(20.0, 4.0);
-    CHECK_NEAR(stats_exceed_p(a, b), 0.04550026389635839, 1e-14);
-    CHECK_NEAR(stats_exceed_p(b, a), 0.04550026389635839, 1e-14);
-    CU_ASSERT(isnan(stats_exceed_p(number(1.0, 0.0), number(2.0, 0.0))));
-    IS(stats_exceed_by_p(a, b, 1, 0.0454, NAN), "reproduced");
-    IS(stats_exceed_by_p(a, b, -1, 0.0454, NAN), "not reproduced");
-    IS(stats_exceed_by_p(b, a, 1, 0.0454, NAN), "not reproduced");
-    IS(stats_exceed_by_p(a, b, 1, 0.0456, NAN), "undecided");
-    IS(stats_exceed_by_p(a, b, 1, NAN, NAN), "undecided");
-    IS(stats_exceed_by_p(a, b, 1, 0.0456, 0.0499), "not reproduced");
-    IS(stats_exceed_by_p(a, b, 1, 0.0456, 0.0501), "undecided");
-    IS(stats_exceed_by_p(a, b, 1, 0.0454, 0.0499), "reproduced");
-    CHECK_NEAR(stats_exceed_p_margin(a, b, 5.0), gsl_cdf_ugaussian_Q(-1.0), 1e-15);
-    CHECK_NEAR(stats_exceed_p_margin(b, a, 15.0), gsl_cdf_ugaussian_Q(1.0), 1e-15);
-    CU_ASSERT(isnan(stats_exceed_p_margin(a, b, INFINITY)));
+    CHECK_NEAR(report_exceed_p(a, b), 0.04550026389635839, 1e-14);
+    CHECK_NEAR(report_exceed_p(b, a), 0.04550026389635839, 1e-14);
+    CU_ASSERT(isnan(report_exceed_p(number(1.0, 0.0), number(2.0, 0.0))));
+    IS(report_exceed_by_p(a, b, 1, 0.0454, NAN), "reproduced");
+    IS(report_exceed_by_p(a, b, -1, 0.0454, NAN), "not reproduced");
+    IS(report_exceed_by_p(b, a, 1, 0.0454, NAN), "not reproduced");
+    IS(report_exceed_by_p(a, b, 1, 0.0456, NAN), "undecided");
+    IS(report_exceed_by_p(a, b, 1, NAN, NAN), "undecided");
+    IS(report_exceed_by_p(a, b, 1, 0.0456, 0.0499), "not reproduced");
+    IS(report_exceed_by_p(a, b, 1, 0.0456, 0.0501), "undecided");
+    IS(report_exceed_by_p(a, b, 1, 0.0454, 0.0499), "reproduced");
+    CHECK_NEAR(report_exceed_p_margin(a, b, 5.0), gsl_cdf_ugaussian_Q(-1.0), 1e-15);
+    CHECK_NEAR(report_exceed_p_margin(b, a, 15.0), gsl_cdf_ugaussian_Q(1.0), 1e-15);
+    CU_ASSERT(isnan(report_exceed_p_margin(a, b, INFINITY)));
     /* an agreement: by one reading 2.5 errors, chance 1.24 %, by the other 5 */
-    const stats_match far = stats_agree(number(25.0, 0.0), number(20.0, 2.0), 4.0, INFINITY);
-    CHECK_NEAR(stats_agree_p(far.z_error), 0.012419330651552265, 1e-14);
-    CHECK_NEAR(stats_agree_p(-far.z_deviation), 5.733031437583867e-7, 1e-18);
+    const report_match far = report_agree(number(25.0, 0.0), number(20.0, 2.0), 4.0, INFINITY);
+    CHECK_NEAR(report_agree_p(far.z_error), 0.012419330651552265, 1e-14);
+    CHECK_NEAR(report_agree_p(-far.z_deviation), 5.733031437583867e-7, 1e-18);
     IS(far.verdict, "not reproduced");
-    IS(stats_agree_by_p(far, 0.0454, 0.0454).verdict, "not reproduced");
-    IS(stats_agree_by_p(far, 0.0456, 0.0454).error, "undecided");
-    IS(stats_agree_by_p(far, 0.0456, 0.0454).deviation, "not reproduced");
-    IS(stats_agree_by_p(far, 0.0456, 0.0454).verdict, "undecided");
-    IS(stats_agree_by_p(far, 0.0454, 0.0456).deviation, "undecided");
-    IS(stats_agree_by_p(far, 0.9, 0.9).verdict, "undecided"); /* never an agreement */
-    IS(stats_agree_by_p(stats_agree(number(20.0, 1.0), number(20.0, 1.0), 0.0, 3.0), 1.0, 1.0).verdict,
+    IS(report_agree_by_p(far, 0.0454, 0.0454).verdict, "not reproduced");
+    IS(report_agree_by_p(far, 0.0456, 0.0454).error, "undecided");
+    IS(report_agree_by_p(far, 0.0456, 0.0454).deviation, "not reproduced");
+    IS(report_agree_by_p(far, 0.0456, 0.0454).verdict, "undecided");
+    IS(report_agree_by_p(far, 0.0454, 0.0456).deviation, "undecided");
+    IS(report_agree_by_p(far, 0.9, 0.9).verdict, "undecided"); /* never an agreement */
+    IS(report_agree_by_p(report_agree(number(20.0, 1.0), number(20.0, 1.0), 0.0, 3.0), 1.0, 1.0).verdict,
        "reproduced");
-    IS(stats_equivalent_by_p(0.0499, 0.2), "reproduced");
-    IS(stats_equivalent_by_p(0.0499, 0.001), "reproduced");
-    IS(stats_equivalent_by_p(0.05, 0.0499), "not reproduced");
-    IS(stats_equivalent_by_p(0.05, 0.05), "undecided");
-    IS(stats_equivalent_by_p(NAN, NAN), "undecided");
+    IS(report_equivalent_by_p(0.0499, 0.2), "reproduced");
+    IS(report_equivalent_by_p(0.0499, 0.001), "reproduced");
+    IS(report_equivalent_by_p(0.05, 0.0499), "not reproduced");
+    IS(report_equivalent_by_p(0.05, 0.05), "undecided");
+    IS(report_equivalent_by_p(NAN, NAN), "undecided");
 }
 
 /* Two numbers: chi^2 = d^2/(2 e^2) of one degree of freedom. */
 static void test_constant(void)
 {
     const stats_number two[] = {{10.0, 1.0}, {12.0, 1.0}};
-    stats_match m = stats_constant(2, two, 0.0);
+    report_match m = report_constant(2, two, 0.0);
     CHECK_NEAR(m.z_error, gsl_cdf_chisq_Q(2.0, 1.0), 1e-15);
     IS(m.verdict, "reproduced");
-    m = stats_constant(2, two, 4.0);
+    m = report_constant(2, two, 4.0);
     CHECK_NEAR(m.z_deviation, gsl_cdf_chisq_Q(8.0, 1.0), 1e-15);
     IS(m.error, "reproduced");
     IS(m.deviation, "not reproduced");
     IS(m.verdict, "undecided");
-    IS(stats_constant(1, two, 0.0).verdict, "undecided");
+    IS(report_constant(1, two, 0.0).verdict, "undecided");
     /* unequal errors: the mean is weighted, (4*10 + 12)/5 = 10.4 */
     const stats_number unequal[] = {{10.0, 0.5}, {12.0, 1.0}};
-    CHECK_NEAR(stats_constant(2, unequal, 0.0).z_error, gsl_cdf_chisq_Q(4.0 * 0.16 + 2.56, 1.0), 1e-12);
+    CHECK_NEAR(report_constant(2, unequal, 0.0).z_error, gsl_cdf_chisq_Q(4.0 * 0.16 + 2.56, 1.0), 1e-12);
 }
 
 static void test_few(void)
 {
-    CHECK_NEAR(stats_of_few(number(3.0, 1.0), 2).se, 12.706204736 / 2.0, 1e-8);
-    CHECK_NEAR(stats_of_few(number(3.0, 1.0), 21).se, 2.0859634473 / 2.0, 1e-8);
-    CHECK_NEAR(stats_of_few(number(3.0, 1.0), NAN).se, 1.0, 0.0);
-    CHECK_NEAR(stats_of_few(number(3.0, 1.0), 1).se, 1.0, 0.0);
-    CHECK_NEAR(stats_deviation_error(3.0, 19), 0.5, 1e-15);
-    CU_ASSERT(isnan(stats_deviation_error(3.0, 1)) && isnan(stats_deviation_error(3.0, NAN)));
-    const stats_number q = stats_quotient(number(6.0, 0.3), number(2.0, 0.2)); /* 5 % and 10 % */
+    CHECK_NEAR(report_of_few(number(3.0, 1.0), 2).se, 12.706204736 / 2.0, 1e-8);
+    CHECK_NEAR(report_of_few(number(3.0, 1.0), 21).se, 2.0859634473 / 2.0, 1e-8);
+    CHECK_NEAR(report_of_few(number(3.0, 1.0), NAN).se, 1.0, 0.0);
+    CHECK_NEAR(report_of_few(number(3.0, 1.0), 1).se, 1.0, 0.0);
+    CHECK_NEAR(report_deviation_error(3.0, 19), 0.5, 1e-15);
+    CU_ASSERT(isnan(report_deviation_error(3.0, 1)) && isnan(report_deviation_error(3.0, NAN)));
+    const stats_number q = report_quotient(number(6.0, 0.3), number(2.0, 0.2)); /* 5 % and 10 % */
     CHECK_NEAR(q.value, 3.0, 0.0);
     CHECK_NEAR(q.se, 3.0 * hypot(0.05, 0.1), 1e-15);
-    CHECK_NEAR(stats_quotient(number(0.0, 0.3), number(2.0, 0.2)).se, 0.15, 1e-15);
+    CHECK_NEAR(report_quotient(number(0.0, 0.3), number(2.0, 0.2)).se, 0.15, 1e-15);
 }
 
 static void test_counts(void)
 {
-    size_t counts[STATS_VERDICTS];
-    const stats_verdict v[] = {STATS_NO_DATA, STATS_REPRODUCED, STATS_NO_DATA, STATS_BY_EYE, STATS_NO_DATA};
-    stats_count_verdicts(5, v, counts);
-    CU_ASSERT(counts[STATS_NO_DATA] == 3 && counts[STATS_REPRODUCED] == 1 && counts[STATS_BY_EYE] == 1);
-    CU_ASSERT(counts[STATS_NOT_REPRODUCED] + counts[STATS_UNDECIDED] + counts[STATS_UNTESTABLE] == 0);
+    size_t counts[REPORT_VERDICTS];
+    const report_verdict v[] = {REPORT_NO_DATA, REPORT_REPRODUCED, REPORT_NO_DATA, REPORT_BY_EYE,
+                                REPORT_NO_DATA};
+    report_count_verdicts(5, v, counts);
+    CU_ASSERT(counts[REPORT_NO_DATA] == 3 && counts[REPORT_REPRODUCED] == 1 && counts[REPORT_BY_EYE] == 1);
+    CU_ASSERT(counts[REPORT_NOT_REPRODUCED] + counts[REPORT_UNDECIDED] + counts[REPORT_UNTESTABLE] == 0);
 }
 
 /* ---- the claims themselves ---- */

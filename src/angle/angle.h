@@ -12,7 +12,6 @@
 #include <stddef.h>
 
 #include "core/status.h"
-#include "stats/verdict.h"
 #include "stats/stats.h"
 
 RP_C_BEGIN

@@ -11,6 +11,11 @@
 
 RP_C_BEGIN
 
+/* A number and its standard error: 0 for an exact number, NaN for an unknown error. */
+typedef struct {
+    double value, se;
+} stats_number;
+
 /* ---- ensembles (ensemble.c) ---- */
 
 /* sd, se and the 95 % interval (Student's t) are NaN for n = 1. */

@@ -36,7 +36,7 @@ suites_of() {
     analytic/*) echo property analytic ;;
     src/angle/*) echo property angle tables ;;
     src/stats/ensemble.c | src/stats/series.c) echo trend angle notes flux ;;
-    src/stats/verdict.c) echo claims ;;
+    report/verdict.c) echo claims ;;
     src/stats/lines.c | src/stats/trend.c | src/stats/limit.c) echo trend evidence calibrate tables angle ;;
     src/stats/*) echo calibrate columns ;;
     figures/*) echo figures ;;
