@@ -867,7 +867,7 @@ static void test_compare(void)
     }
     r[7] = 0.56;
     ang_comparison c;
-    CHECK_OK(ang_compare(N, r, t, 0.2, phi, B, rng, &c));
+    CHECK_OK(ang_compare(&(ang_piles){0.2, N, r, t}, phi, B, rng, &c));
     CHECK_NEAR(c.theta_ms, atan(0.6), tight);
     CHECK_NEAR(c.theta_rt.mean, c.theta_r.mean + c.theta_t.mean, 10.0 * tight);
     CHECK_NEAR(c.diff_ms.value, c.theta_rt.mean - atan(0.6), tight);
@@ -894,16 +894,16 @@ static void test_compare(void)
         CHECK_OK(stats_mean(N, u, &s));
         CHECK_NEAR(c.form[f].diff.se / s.se, ratio, uncertainty + 0.01);
     }
-    CHECK_OK(ang_compare(1, r, t, 0.2, phi, B, rng, &c));
+    CHECK_OK(ang_compare(&(ang_piles){0.2, 1, r, t}, phi, B, rng, &c));
     CU_ASSERT(isnan(c.diff_ms.se) && isnan(c.form[0].theta_t.se) && !isnan(c.form[0].theta_t.value));
-    CHECK_OK(ang_compare(N, r, t, 0.1, phi, B, rng, &c)); /* theta_ms = 0.291, below the mean */
+    CHECK_OK(ang_compare(&(ang_piles){0.1, N, r, t}, phi, B, rng, &c)); /* theta_ms = 0.291, below the mean */
     CU_ASSERT(c.form[0].status == ANG_TILT_ALREADY_UNSTABLE && isnan(c.form[0].diff.se) && c.n_lost > B / 2);
     CU_ASSERT(isnan(c.form[0].theta_t.value) && isfinite(c.diff_ms.se));
-    CHECK_FAILS(ang_compare(0, r, t, 0.2, phi, B, rng, &c), RP_NO_RESULT, "no values");
-    CHECK_FAILS(ang_compare(N, r, t, 0.2, phi, 1, rng, &c), RP_BAD_INPUT, "resamples = 1");
-    CHECK_FAILS(ang_compare(N, r, t, -0.2, phi, B, rng, &c), RP_BAD_INPUT, "mu = -0.2");
+    CHECK_FAILS(ang_compare(&(ang_piles){0.2, 0, r, t}, phi, B, rng, &c), RP_NO_RESULT, "no values");
+    CHECK_FAILS(ang_compare(&(ang_piles){0.2, N, r, t}, phi, 1, rng, &c), RP_BAD_INPUT, "resamples = 1");
+    CHECK_FAILS(ang_compare(&(ang_piles){-0.2, N, r, t}, phi, B, rng, &c), RP_BAD_INPUT, "mu = -0.2");
     r[0] = NAN;
-    CHECK_FAILS(ang_compare(N, r, t, 0.2, phi, B, rng, &c), RP_BAD_INPUT, "value 1");
+    CHECK_FAILS(ang_compare(&(ang_piles){0.2, N, r, t}, phi, B, rng, &c), RP_BAD_INPUT, "value 1");
     gsl_rng_free(rng);
 }
 
@@ -914,7 +914,7 @@ static void compare_gain_and_flat_piles(void)
     const double flat[4] = {-0.012, 0.004, -0.003, 0.001}, mu = 0.2, phi = M_PI / 3.0;
     gsl_rng *rng = rp_random_alloc(3, 0, RP_PURPOSE_TEST);
     ang_comparison c;
-    CHECK_OK(ang_compare(4, theta_r, theta_t, mu, phi, 400, rng, &c));
+    CHECK_OK(ang_compare(&(ang_piles){mu, 4, theta_r, theta_t}, phi, 400, rng, &c));
     for (int f = 0; f < ANG_N_FORMS; f++) {
         const double form = fabs(c.form[f].diff.value), ms = fabs(c.diff_ms.value);
         CHECK_NEAR(c.form[f].gain.value, form - ms, 1e-15);
@@ -923,11 +923,12 @@ static void compare_gain_and_flat_piles(void)
     }
     /* the bootstrap's error of a mean is the standard error, to the 1/sqrt(2 * 400) of its own */
     CHECK_NEAR(c.diff_ms.se / c.theta_rt.se, 1.0, 5.0 / sqrt(800.0));
-    CHECK_OK(ang_compare(4, flat, theta_t, mu, phi, 50, rng, &c));
+    CHECK_OK(ang_compare(&(ang_piles){mu, 4, flat, theta_t}, phi, 50, rng, &c));
     CU_ASSERT(c.form[ANG_BALANCED].status == ANG_TILT_NO_PILE && isnan(c.form[ANG_BALANCED].theta_t.value));
     CU_ASSERT_STRING_EQUAL(ang_tilt_words[ANG_TILT_NO_PILE], "no_pile");
     CU_ASSERT(isfinite(c.diff_ms.value) && c.n_lost > 0);
-    CHECK_OK(ang_compare(1, flat, theta_t, mu, phi, 50, rng, &c)); /* one pile has no resamples to lose */
+    CHECK_OK(ang_compare(&(ang_piles){mu, 1, flat, theta_t}, phi, 50, rng,
+                         &c)); /* one pile has no resamples to lose */
     CU_ASSERT(c.n_lost == 0);
     gsl_rng_free(rng);
 }
@@ -945,7 +946,7 @@ static void compare_resamples_of(double steeper, double mu)
     const double phi = M_PI / 3.0, ms = atan(3.0 * mu), unbias = sqrt(N / (N - 1.0));
     gsl_rng *rng = rp_random_alloc(17, 0, RP_PURPOSE_TEST), *same = gsl_rng_clone(rng);
     ang_comparison c;
-    CHECK_OK(ang_compare(N, theta_r, theta_t, mu, phi, B, rng, &c));
+    CHECK_OK(ang_compare(&(ang_piles){mu, N, theta_r, theta_t}, phi, B, rng, &c));
     for (int b = 0; b < B; b++) {
         r[b] = t[b] = 0.0;
         for (int i = 0; i < N; i++) {
@@ -988,7 +989,7 @@ static void compare_resamples(void)
     compare_resamples_of(0.0, 0.11);
     compare_resamples_of(0.47, 1.0);
     /* no angle at the mean: no error either, though some resamples have it */
-    CHECK_OK(ang_compare(N, theta_r, theta_t, 0.1, M_PI / 3.0, B, rng, &c));
+    CHECK_OK(ang_compare(&(ang_piles){0.1, N, theta_r, theta_t}, M_PI / 3.0, B, rng, &c));
     for (int f = 0; f < ANG_N_FORMS; f++)
         CU_ASSERT(isnan(c.form[f].theta_t.value) && isnan(c.form[f].theta_t.se) && isnan(c.form[f].gain.se));
     CU_ASSERT(c.n_lost > 0 && c.n_lost < B && c.n_unstable == 4);

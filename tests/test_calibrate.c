@@ -186,9 +186,8 @@ static double variance_by_slopes(const stats_calibration *c, size_t n, slopes_at
     gsl_multifit_linear_workspace *work = gsl_multifit_linear_alloc(points, n);
     double slopes[STATS_MAX_TERMS], chi2, variance = 0.0;
     for (size_t g = 0; g < points; g++) {
-        const double at[2] = {c->x[0][g], c->n_params > 1 ? c->x[1][g] : 0.0},
-                     sd = stats_calibration_sd(c, 0, at);
-        gsl_vector_set(w, g, c->number[0][g] / (sd * sd));
+        const double *at = c->point[g].x, sd = stats_calibration_sd(c, 0, at);
+        gsl_vector_set(w, g, c->point[g].number[0] / (sd * sd));
         slopes_of(form, at, slopes);
         for (size_t i = 0; i < n; i++) gsl_matrix_set(design, g, i, slopes[i]);
     }

@@ -840,7 +840,7 @@ static void test_fits(void)
     stats_line free_line, origin;
     enter();
     write_points(x, y, se);
-    CHECK_OK(stats_trend_fit(POINTS, x, y, NULL, 0.0, 0.7, &t));
+    CHECK_OK(stats_trend_fit(&(stats_sample){POINTS, x, y, NULL, 0.0, false, 0.7}, &t));
     GOOD("stats trend points.tsv -x x -y y --margin 0.7");
     checked c = checked_read("out");
     stats_contrast_interval(&t.change, 0.95, &lo[0], &hi[0]);
@@ -874,7 +874,7 @@ static void test_fits(void)
     checked_end(&c);
 
     for (int i = 0; i < POINTS; i++) inverse[i] = 1.0 / x[i];
-    CHECK_OK(stats_trend_fit(POINTS, inverse, y, NULL, -2.0, 1.0, &t));
+    CHECK_OK(stats_trend_fit(&(stats_sample){POINTS, inverse, y, NULL, -2.0, false, 1.0}, &t));
     GOOD("stats size points.tsv -x x -y y");
     c = checked_read("out");
     stats_contrast_interval(&t.intercept, 0.95, &lo[2], &hi[2]);
@@ -997,8 +997,9 @@ static void check_trends(const char *options, bool paired, bool logarithm, doubl
     for (size_t g = 0; g < GROUPS; g++) {
         double x[MOST_OF_GROUP];
         for (size_t i = 0; i < grouped.n[g]; i++) x[i] = logarithm ? log10(grouped.x[g][i]) : grouped.x[g][i];
-        CHECK_OK((logarithm ? stats_trend_fit_log10 : stats_trend_fit)(
-            grouped.n[g], x, grouped.y[g], paired ? grouped.pile[g] : NULL, power, 0.4, &t[g]));
+        const stats_sample sample = {grouped.n[g], x,         grouped.y[g], paired ? grouped.pile[g] : NULL,
+                                     power,        logarithm, 0.4};
+        CHECK_OK(stats_trend_fit(&sample, &t[g]));
         p[g] = stats_contrast_p(&t[g].change);
     }
     stats_holm(GROUPS, p, p_holm);
@@ -1030,7 +1031,8 @@ static void check_sizes(void)
     for (size_t g = 0; g < GROUPS; g++) {
         double inverse[MOST_OF_GROUP];
         for (size_t i = 0; i < grouped.n[g]; i++) inverse[i] = 1.0 / grouped.x[g][i];
-        CHECK_OK(stats_trend_fit(grouped.n[g], inverse, grouped.y[g], NULL, -1.5, 1.0, &t[g]));
+        CHECK_OK(stats_trend_fit(&(stats_sample){grouped.n[g], inverse, grouped.y[g], NULL, -1.5, false, 1.0},
+                                 &t[g]));
         p[g] = stats_contrast_p(&t[g].change);
     }
     stats_holm(GROUPS, p, p_holm);

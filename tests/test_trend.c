@@ -20,6 +20,13 @@ static double share_error(double share, int cases)
     return sigmas * sqrt(share * (1.0 - share) / cases);
 }
 
+/* With a margin of 1. */
+static rp_status trend_of(size_t n, const double x[], const double y[], const double pile[], double power,
+                          stats_trend *trend)
+{
+    return stats_trend_fit(&(stats_sample){n, x, y, pile, power, false, 1.0}, trend);
+}
+
 enum { N = 11 };
 static const double xs[N] = {1.5, 2.385, 2.5, 3.1, 3.485, 4.0, 4.77, 5.1, 6.2, 7.31, 8.0};
 static const double ys[N] = {19.2, 18.7, 20.1, 17.3, 18.85, 16.2, 17.77, 17.0, 15.1, 16.4, 15.9};
@@ -29,7 +36,7 @@ static void test_single_values(void)
 {
     stats_trend t;
     double c0, c1, v00, v01, v11, rest, chi2;
-    CHECK_OK(stats_trend_fit(N, xs, ys, NULL, 0.0, 1.0, &t));
+    CHECK_OK(trend_of(N, xs, ys, NULL, 0.0, &t));
     gsl_fit_linear(xs, 1, ys, 1, N, &c0, &c1, &v00, &v01, &v11, &rest);
     CHECK_NEAR(t.slope.value, c1, sum_error);
     CHECK_NEAR(t.slope.se, sqrt(v11), sum_error);
@@ -58,7 +65,7 @@ static void test_single_values(void)
     CHECK_NEAR(stats_contrast_p(&bend), 2.0 * gsl_cdf_ugaussian_Q(fabs(bend.value) / bend.se), sum_error);
     double weights[N];
     for (size_t i = 0; i < N; i++) weights[i] = xs[i] * xs[i];
-    CHECK_OK(stats_trend_fit(N, xs, ys, NULL, 2.0, 1.0, &t));
+    CHECK_OK(trend_of(N, xs, ys, NULL, 2.0, &t));
     gsl_fit_wlinear(xs, 1, weights, 1, ys, 1, N, &c0, &c1, &v00, &v01, &v11, &chi2);
     CHECK_NEAR(t.slope.value, c1, sum_error);
     CHECK_NEAR(t.intercept.value, c0, sum_error);
@@ -67,7 +74,7 @@ static void test_single_values(void)
     CHECK_NEAR(t.bend.value, gsl_vector_get(c, 2), sum_error);
     double logs[N]; /* the line in log10 x, with the weights of x itself */
     for (size_t i = 0; i < N; i++) logs[i] = log10(xs[i]);
-    CHECK_OK(stats_trend_fit_log10(N, logs, ys, NULL, 2.0, 1.0, &t));
+    CHECK_OK(stats_trend_fit(&(stats_sample){N, logs, ys, NULL, 2.0, true, 1.0}, &t));
     gsl_fit_wlinear(logs, 1, weights, 1, ys, 1, N, &c0, &c1, &v00, &v01, &v11, &chi2);
     CHECK_NEAR(t.slope.value, c1, sum_error);
     CHECK_NEAR(t.intercept.value, c0, sum_error);
@@ -88,7 +95,7 @@ static void test_two_x(void)
     const double low_paired[] = {18.4, 17.2, 16.1}, high_paired[] = {18.1, 18.8, 19.9};
     stats_trend t;
     stats_summary a, b, d;
-    CHECK_OK(stats_trend_fit(7, x, y, NULL, 0.0, 1.0, &t));
+    CHECK_OK(trend_of(7, x, y, NULL, 0.0, &t));
     CHECK_OK(stats_mean(4, low, &a));
     CHECK_OK(stats_mean(3, high, &b));
     const double va = a.se * a.se, vb = b.se * b.se;
@@ -99,7 +106,7 @@ static void test_two_x(void)
     CHECK_NEAR(t.pair.value, t.change.value, sum_error);
     CHECK_NEAR(t.p_pairs, t.p_margin, sum_error);
     CU_ASSERT(t.n == 7 && t.n_x == 2 && t.from == 2.0 && t.to == 4.0 && isnan(t.bend.value));
-    CHECK_OK(stats_trend_fit(7, x, y, pile, 0.0, 1.0, &t));
+    CHECK_OK(trend_of(7, x, y, pile, 0.0, &t));
     CHECK_OK(stats_paired(3, high_paired, -1.0, low_paired, &d));
     CHECK_NEAR(t.change.value, d.mean, sum_error);
     CHECK_NEAR(t.change.se, d.se, sum_error);
@@ -124,8 +131,8 @@ static void test_order_of_rows(void)
         double x[ROWS], y[ROWS], pile[ROWS];
         for (size_t i = 0; i < ROWS; i++)
             x[i] = 1.0 + (double)(order[i] % 3), y[i] = value[order[i]], pile[i] = (double)(order[i] / 3);
-        if (k % 30 == 0) CHECK_OK(stats_trend_fit(ROWS, x, y, k < 30 ? NULL : pile, 0.0, 1.0, &first));
-        CHECK_OK(stats_trend_fit(ROWS, x, y, k < 30 ? NULL : pile, 0.0, 1.0, &t));
+        if (k % 30 == 0) CHECK_OK(trend_of(ROWS, x, y, k < 30 ? NULL : pile, 0.0, &first));
+        CHECK_OK(trend_of(ROWS, x, y, k < 30 ? NULL : pile, 0.0, &t));
         CU_ASSERT(t.slope.value == first.slope.value && t.slope.se == first.slope.se && t.n == first.n);
         CU_ASSERT(t.bend.value == first.bend.value && t.pair.value == first.pair.value &&
                   t.p_pairs == first.p_pairs);
@@ -173,7 +180,7 @@ static void plant(gsl_rng *rng, int kind, double change, double hump, stats_tren
             pile[n] = (double)k;
         }
     }
-    CHECK_OK(stats_trend_fit(n, x, y, kind == PAIRED ? pile : NULL, kind == WEIGHTED ? -2.0 : 0.0, 1.0, t));
+    CHECK_OK(trend_of(n, x, y, kind == PAIRED ? pile : NULL, kind == WEIGHTED ? -2.0 : 0.0, t));
 }
 
 static void test_coverage(void)
@@ -205,7 +212,7 @@ static void test_pairs(void)
 {
     const double x[] = {2, 2, 4, 4, 6, 6}, y[] = {18.0, 18.2, 16.6, 16.8, 17.6, 17.8};
     stats_trend t;
-    CHECK_OK(stats_trend_fit(6, x, y, NULL, 0.0, 1.0, &t));
+    CHECK_OK(trend_of(6, x, y, NULL, 0.0, &t));
     CHECK_NEAR(t.pair.value, -1.4, sum_error);
     CHECK_NEAR(t.pair.se, sqrt(0.02), sum_error);
     CHECK_NEAR(t.p_pairs, stats_contrast_p_margin(&t.pair, 1.0), sum_error);
@@ -275,25 +282,25 @@ static void test_trend_errors(void)
                  se[] = {1, 1, 1, 1};
     stats_trend t;
     stats_contrast bend;
-    CHECK_FAILS(stats_trend_fit(0, twice, y, NULL, 0.0, 1.0, &t), RP_NO_RESULT, "0 values");
-    CHECK_FAILS(stats_trend_fit(0, twice, y, piles, 0.0, 1.0, &t), RP_NO_RESULT, "0 values");
-    CHECK_FAILS(stats_trend_fit(2, xs, y, NULL, 0.0, 1.0, &t), RP_NO_RESULT, "2 values");
+    CHECK_FAILS(trend_of(0, twice, y, NULL, 0.0, &t), RP_NO_RESULT, "0 values");
+    CHECK_FAILS(trend_of(0, twice, y, piles, 0.0, &t), RP_NO_RESULT, "0 values");
+    CHECK_FAILS(trend_of(2, xs, y, NULL, 0.0, &t), RP_NO_RESULT, "2 values");
     CU_ASSERT(isnan(t.slope.value) && isnan(t.p_margin) && isnan(t.p_pairs));
-    CHECK_FAILS(stats_trend_fit(4, same, y, NULL, 0.0, 1.0, &t), RP_NO_RESULT, "1 different x");
-    CHECK_FAILS(stats_trend_fit(4, twice, bad, NULL, 0.0, 1.0, &t), RP_BAD_INPUT,
-                "value 2: (2, inf) of pile 0");
-    CHECK_FAILS(stats_trend_fit(4, bad, y, NULL, 0.0, 1.0, &t), RP_BAD_INPUT, "value 2: (inf, 2) of pile 0");
-    CHECK_FAILS(stats_trend_fit(4, twice, y, bad, 0.0, 1.0, &t), RP_BAD_INPUT, "value 2: (2, 2) of pile inf");
-    CHECK_FAILS(stats_trend_fit(4, twice, y, repeated, 0.0, 1.0, &t), RP_BAD_INPUT,
-                "pile 0: two values at x = 2");
-    CHECK_FAILS(stats_trend_fit(4, twice, y, apart, 0.0, 1.0, &t), RP_NO_RESULT, "0 values of whole piles");
-    CHECK_FAILS(stats_trend_fit(4, twice, y, NULL, 0.0, 0.0, &t), RP_BAD_INPUT, "margin = 0");
-    CHECK_FAILS(stats_trend_fit(4, twice, y, NULL, 0.0, NAN, &t), RP_BAD_INPUT, "margin = ");
-    CHECK_FAILS(stats_trend_fit(4, apart, y, NULL, 2.0, 1.0, &t), RP_BAD_INPUT, "value 1: x = 0");
-    CHECK_FAILS(stats_trend_fit(4, apart, y, NULL, 1.0, 1.0, &t), RP_BAD_INPUT, "value 1: x = 0");
-    CHECK_OK(stats_trend_fit(4, apart, y, NULL, 0.0, 1.0, &t));       /* without weights any x will do */
-    CHECK_OK(stats_trend_fit_log10(4, apart, y, NULL, 2.0, 1.0, &t)); /* nor with weights of 10^x */
-    CHECK_OK(stats_trend_fit(4, twice, y, piles, 0.0, 1.0, &t));
+    CHECK_FAILS(trend_of(4, same, y, NULL, 0.0, &t), RP_NO_RESULT, "1 different x");
+    CHECK_FAILS(trend_of(4, twice, bad, NULL, 0.0, &t), RP_BAD_INPUT, "value 2: (2, inf) of pile 0");
+    CHECK_FAILS(trend_of(4, bad, y, NULL, 0.0, &t), RP_BAD_INPUT, "value 2: (inf, 2) of pile 0");
+    CHECK_FAILS(trend_of(4, twice, y, bad, 0.0, &t), RP_BAD_INPUT, "value 2: (2, 2) of pile inf");
+    CHECK_FAILS(trend_of(4, twice, y, repeated, 0.0, &t), RP_BAD_INPUT, "pile 0: two values at x = 2");
+    CHECK_FAILS(trend_of(4, twice, y, apart, 0.0, &t), RP_NO_RESULT, "0 values of whole piles");
+    CHECK_FAILS(stats_trend_fit(&(stats_sample){.n = 4, .x = twice, .y = y}, &t), RP_BAD_INPUT, "margin = 0");
+    CHECK_FAILS(stats_trend_fit(&(stats_sample){.n = 4, .x = twice, .y = y, .margin = NAN}, &t), RP_BAD_INPUT,
+                "margin = ");
+    CHECK_FAILS(trend_of(4, apart, y, NULL, 2.0, &t), RP_BAD_INPUT, "value 1: x = 0");
+    CHECK_FAILS(trend_of(4, apart, y, NULL, 1.0, &t), RP_BAD_INPUT, "value 1: x = 0");
+    CHECK_OK(trend_of(4, apart, y, NULL, 0.0, &t)); /* without weights any x will do */
+    CHECK_OK(stats_trend_fit(&(stats_sample){4, apart, y, NULL, 2.0, true, 1.0},
+                             &t)); /* nor with weights of 10^x */
+    CHECK_OK(trend_of(4, twice, y, piles, 0.0, &t));
     CHECK_FAILS(stats_bend(4, twice, y, se, &bend), RP_NO_RESULT, "at least 3 different x");
     CHECK_FAILS(stats_bend(1, twice, y, se, &bend), RP_NO_RESULT, "no line");
     CHECK_FAILS(stats_bend(4, twice, bad, se, &bend), RP_BAD_INPUT, "point 2");

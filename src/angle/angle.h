@@ -143,6 +143,13 @@ rp_status ang_slopes(size_t n, const size_t column[], const double h[], double c
 
 /* ---- piles against theory (compare.c) ---- */
 
+/* Piles of one friction coefficient: theta_r[n] and theta_t[n], one pile an index. Borrowed. */
+typedef struct {
+    double mu;
+    size_t n;
+    const double *theta_r, *theta_t;
+} ang_piles;
+
 /* Piles of one friction coefficient against (3) and (4), standard errors bootstrapped over piles. Estimates
  * are NaN where the form has no theta_t. */
 typedef struct {
@@ -162,21 +169,14 @@ typedef struct {
     } form[ANG_N_FORMS];
 } ang_comparison;
 
-/* theta_r[n], theta_t[n]: measured, one pile an index; mu in [0, inf], phi in (0, pi/2), n_resamples >= 2.
- * Standard errors are NaN for n = 1. Errors: RP_NO_RESULT for n = 0, those of stats_mean and ang_tilt. */
-rp_status ang_compare(size_t n, const double theta_r[], const double theta_t[], double mu, double phi,
-                      size_t n_resamples, gsl_rng *rng, ang_comparison *comparison);
+/* piles->mu in [0, inf], phi in (0, pi/2), n_resamples >= 2. Standard errors are NaN for a single pile.
+ * Errors: RP_NO_RESULT without piles, those of stats_mean and ang_tilt. */
+rp_status ang_compare(const ang_piles *piles, double phi, size_t n_resamples, gsl_rng *rng,
+                      ang_comparison *comparison);
 
 /* ---- inclination of the rays, fitted to piles (phi.c) ---- */
 
-/* Piles of one friction coefficient: theta_r[n] and theta_t[n], one pile an index. Borrowed. */
-typedef struct {
-    double mu; /* (0, inf) */
-    size_t n;  /* at least ANG_PHI_PILES */
-    const double *theta_r, *theta_t;
-} ang_piles;
-
-enum { ANG_PHI_PILES = 5 };
+enum { ANG_PHI_PILES = 5 }; /* of one mu, at least */
 
 /* What phi is fitted to: (3) at theta_r + theta_t, or (4) balanced at theta_t. */
 typedef enum { ANG_AGAINST_MARGINAL, ANG_AGAINST_BALANCED, ANG_N_AGAINST } ang_against;
@@ -193,9 +193,9 @@ extern const char *const ang_against_words[];
 
 /* The phi that serves all groups best, against each equation: where minus twice the logarithm of the
  * likelihood ratio, see phi.c, is least. phi lies between theta_r + theta_t of every mean and pi/2: the flank
- * of a failing pile is less steep than the rays. Errors: RP_BAD_INPUT (a value, fewer than ANG_PHI_PILES
- * piles); RP_NO_RESULT (no groups, piles without spread or steeper than any ray); RP_NO_MEMORY; RP_BROKEN
- * (NLopt, GSL). */
+ * of a failing pile is less steep than the rays. Errors: RP_BAD_INPUT (mu outside (0, inf), an angle, fewer
+ * than ANG_PHI_PILES piles); RP_NO_RESULT (no groups, piles without spread or steeper than any ray);
+ * RP_NO_MEMORY; RP_BROKEN (NLopt, GSL). */
 rp_status ang_phi_fit(size_t n_groups, const ang_piles groups[], ang_phi fit[ANG_N_AGAINST]);
 
 RP_C_END

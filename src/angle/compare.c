@@ -11,17 +11,17 @@
 
 enum { OF_FORM = 5, N_QUANTITIES = 1 + OF_FORM * ANG_N_FORMS };
 
-static void resample(size_t n, const double a[], const double b[], gsl_rng *rng, double *a_mean,
-                     double *b_mean)
+/* Means of theta_r and theta_t over as many piles, drawn with replacement. */
+static void resample(const ang_piles *piles, gsl_rng *rng, double *r, double *t)
 {
-    double a_sum = 0.0, b_sum = 0.0;
-    for (size_t i = 0; i < n; i++) {
-        size_t k = gsl_rng_uniform_int(rng, n);
-        a_sum += a[k];
-        b_sum += b[k];
+    double r_sum = 0.0, t_sum = 0.0;
+    for (size_t i = 0; i < piles->n; i++) {
+        const size_t k = gsl_rng_uniform_int(rng, piles->n);
+        r_sum += piles->theta_r[k];
+        t_sum += piles->theta_t[k];
     }
-    *a_mean = a_sum / (double)n;
-    *b_mean = b_sum / (double)n;
+    *r = r_sum / (double)piles->n;
+    *t = t_sum / (double)piles->n;
 }
 
 /* diff_ms, then of each form theta_t, diff, theta_rt, gain and gain_relative, for mean angles r and t. (4)
@@ -66,27 +66,27 @@ static void take_estimates(size_t n, const double q[], size_t n_resamples, doubl
     }
 }
 
-rp_status ang_compare(size_t n, const double theta_r[], const double theta_t[], double mu, double phi,
-                      size_t n_resamples, gsl_rng *rng, ang_comparison *comparison)
+rp_status ang_compare(const ang_piles *piles, double phi, size_t n_resamples, gsl_rng *rng, ang_comparison *c)
 {
-    ang_comparison *c = comparison;
+    const size_t n = piles->n;
+    const double *theta_r = piles->theta_r, *theta_t = piles->theta_t, mu = piles->mu;
     ang_tilt_status word[ANG_N_FORMS];
     double q[N_QUANTITIES], one[N_QUANTITIES];
     *c = (ang_comparison){0};
-    rp_status status = ang_marginal(mu, phi, &c->theta_ms, NULL);
-    if (!status) status = stats_mean(n, theta_r, &c->theta_r);
-    if (!status) status = stats_mean(n, theta_t, &c->theta_t);
-    if (!status) status = stats_paired(n, theta_r, 1.0, theta_t, &c->theta_rt);
-    if (!status) status = quantities(mu, phi, c->theta_ms, c->theta_r.mean, c->theta_t.mean, q, word);
-    if (!status) status = stats_check_resamples(n_resamples);
-    if (status) return status;
+    RP_TRY(ang_marginal(mu, phi, &c->theta_ms, NULL));
+    RP_TRY(stats_mean(n, theta_r, &c->theta_r));
+    RP_TRY(stats_mean(n, theta_t, &c->theta_t));
+    RP_TRY(stats_paired(n, theta_r, 1.0, theta_t, &c->theta_rt));
+    RP_TRY(quantities(mu, phi, c->theta_ms, c->theta_r.mean, c->theta_t.mean, q, word));
+    RP_TRY(stats_check_resamples(n_resamples));
     for (size_t i = 0; i < n; i++) c->n_unstable += theta_r[i] > c->theta_ms;
     for (int f = 0; f < ANG_N_FORMS; f++) c->form[f].status = word[f];
     double *sample = malloc(N_QUANTITIES * n_resamples * sizeof *sample);
     if (!sample) return rp_fail(RP_NO_MEMORY, "comparison: out of memory");
+    rp_status status = RP_OK;
     for (size_t i = 0; i < n_resamples && !status; i++) {
         double r, t;
-        resample(n, theta_r, theta_t, rng, &r, &t);
+        resample(piles, rng, &r, &t);
         status = quantities(mu, phi, c->theta_ms, r, t, one, word);
         for (size_t k = 0; k < N_QUANTITIES; k++) sample[k * n_resamples + i] = one[k];
     }

@@ -32,7 +32,8 @@ typedef struct {
     size_t n_groups;
     ang_against against;
     moments *group;
-    double most; /* chi2 where the interval of phi ends */
+    double lo, hi; /* where phi may lie for these means */
+    double most;   /* chi2 where the interval of phi ends */
 } problem;
 
 const char *const ang_against_words[] = {"marginal", "balanced"};
@@ -110,18 +111,9 @@ static rp_status check_piles(const ang_piles *piles)
     return RP_OK;
 }
 
-/* Where phi may lie for these means: from *lo to *hi. */
-static void phi_range(const problem *q, double *lo, double *hi)
-{
-    *lo = 0.0;
-    for (size_t i = 0; i < q->n_groups; i++) *lo = fmax(*lo, q->group[i].r + q->group[i].t);
-    *lo += margin + 2.0 * difference;
-    *hi = M_PI_2 - margin;
-}
-
 static rp_status set_problem(size_t n_groups, const ang_piles groups[], problem *q)
 {
-    *q = (problem){.n_groups = n_groups};
+    *q = (problem){.n_groups = n_groups, .hi = M_PI_2 - margin};
     if (n_groups == 0) return rp_fail(RP_NO_RESULT, "no piles");
     q->group = calloc(n_groups, sizeof *q->group);
     if (!q->group) return rp_fail(RP_NO_MEMORY, "phi: out of memory");
@@ -131,21 +123,11 @@ static rp_status set_problem(size_t n_groups, const ang_piles groups[], problem 
             return rp_fail(RP_NO_RESULT,
                            "mu = %g: mean angles %g, %g rad: flat, or all piles the same: nothing to fit",
                            groups[i].mu, q->group[i].r, q->group[i].t);
+        q->lo = fmax(q->lo, q->group[i].r + q->group[i].t);
     }
-    double lo, hi;
-    phi_range(q, &lo, &hi);
-    return lo < hi ? RP_OK : rp_fail(RP_NO_RESULT, "theta_r + theta_t = %g rad: steeper than any ray", lo);
-}
-
-/* The best phi: of several minima, as a sum of terms that saturate may have, the least. */
-static rp_status minimise(problem *q, ang_against against, double *phi, double *chi2)
-{
-    q->against = against;
-    double lo[2] = {0.0}, hi[2] = {0.0}, x[2];
-    phi_range(q, lo, hi);
-    rp_status status = stats_least(misfit, q, lo, hi, SCAN, x, chi2);
-    *phi = x[0];
-    return status;
+    q->lo += margin + 2.0 * difference;
+    if (q->lo < q->hi) return RP_OK;
+    return rp_fail(RP_NO_RESULT, "theta_r + theta_t = %g rad: steeper than any ray", q->lo);
 }
 
 static double above_level(double phi, void *data)
@@ -165,14 +147,17 @@ static rp_status profile_end(problem *q, double phi, double end, bool *open, dou
 
 static rp_status fit_equation(problem *q, ang_against against, ang_phi *fit)
 {
-    double lo, hi;
-    RP_TRY(minimise(q, against, &fit->phi, &fit->chi2));
-    phi_range(q, &lo, &hi);
+    const double lo[2] = {q->lo, 0.0}, hi[2] = {q->hi, 0.0};
+    double phi[2];
+    q->against = against;
+    /* of several minima, as a sum of terms that saturate may have, the least */
+    RP_TRY(stats_least(misfit, q, lo, hi, SCAN, phi, &fit->chi2));
+    fit->phi = *phi;
     q->most = fit->chi2 + rise;
     fit->dof = q->n_groups - 1;
     fit->p_value = fit->dof > 0 ? gsl_cdf_chisq_Q(fit->chi2, (double)fit->dof) : NAN;
-    RP_TRY(profile_end(q, fit->phi, lo, &fit->lo_open, &fit->lo));
-    return profile_end(q, fit->phi, hi, &fit->hi_open, &fit->hi);
+    RP_TRY(profile_end(q, fit->phi, q->lo, &fit->lo_open, &fit->lo));
+    return profile_end(q, fit->phi, q->hi, &fit->hi_open, &fit->hi);
 }
 
 rp_status ang_phi_fit(size_t n_groups, const ang_piles groups[], ang_phi fit[ANG_N_AGAINST])

@@ -266,10 +266,11 @@ rp_status stats_calibration_invert(const stats_calibration *c, const stats_measu
 static void resample(const stats_ensemble *piles, const stats_calibration *c, gsl_rng *rng, double y[])
 {
     for (size_t g = 0; g < c->n_points; g++) {
-        const size_t n = c->first[g + 1] - c->first[g];
+        const stats_point *point = &c->point[g];
+        const size_t n = point[1].first - point->first;
         double sum[STATS_MAX_ANGLES] = {0.0, 0.0}, number[STATS_MAX_ANGLES] = {0.0, 0.0};
         for (size_t k = 0; k < n; k++) {
-            size_t i = c->pile[c->first[g] + gsl_rng_uniform_int(rng, n)];
+            size_t i = c->pile[point->first + gsl_rng_uniform_int(rng, n)];
             for (size_t a = 0; a < c->n_angles; a++)
                 if (!isnan(piles->angle[a][i])) {
                     sum[a] += piles->angle[a][i];
@@ -277,7 +278,7 @@ static void resample(const stats_ensemble *piles, const stats_calibration *c, gs
                 }
         }
         for (size_t a = 0; a < c->n_angles; a++) {
-            double mean = c->mean[a][g], m = c->number[a][g];
+            double mean = point->mean[a], m = point->number[a];
             double drawn = number[a] > 0.0 ? sum[a] / number[a] : mean;
             y[a * c->n_points + g] = mean + sqrt(m / (m - 1.0)) * (drawn - mean);
         }

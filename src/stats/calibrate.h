@@ -36,30 +36,33 @@ typedef enum { STATS_POWERS, STATS_EXPONENTIAL, STATS_TANH } stats_shape;
  * lo)/scale), x; or 1, tanh(x/scale), x. */
 typedef struct {
     stats_shape shape;
-    size_t degree[STATS_MAX_PARAMS];
-    size_t n_params, n_points, n_terms, dof;
+    size_t degree[STATS_MAX_PARAMS]; /* of a parameter that there is not: 0 */
+    size_t n_points, n_terms, dof;
     double lo[STATS_MAX_PARAMS], hi[STATS_MAX_PARAMS]; /* range of the piles' parameters */
     double scale;
     double coefficients[STATS_MAX_TERMS], covariance[STATS_MAX_TERMS * STATS_MAX_TERMS];
     double chi2, p_value, aic;
-    /* for lack of fit: factor of the covariance, chi2/dof but at least 1; and a variance of the response
-     * about the form, the excess of that factor over 1 in units of the points' own variance
-     * n_points/sum(weights) */
-    double inflation, discrepancy;
+    /* variance of the response about the form, for lack of fit: the excess of chi2/dof over 1 in units of the
+     * points' own variance n_points/sum(weights); the covariance grows by the factor chi2/dof */
+    double discrepancy;
     bool monotone; /* in the first parameter; true with two parameters, not tested there */
 } stats_response_fit;
 
-/* The responses of all angles, and the points (sets of piles with equal parameters) behind them. */
+/* Piles with equal parameters x: mean, sd and number of those that have the angle. */
+typedef struct {
+    double x[STATS_MAX_PARAMS], mean[STATS_MAX_ANGLES], sd[STATS_MAX_ANGLES], number[STATS_MAX_ANGLES];
+    size_t first; /* its piles are pile[first] and so on, up to the next point's first */
+} stats_point;
+
+/* The responses of all angles, and the points behind them. */
 typedef struct {
     size_t n_params, n_angles, n_points;
     double lo[STATS_MAX_PARAMS], hi[STATS_MAX_PARAMS]; /* range of the piles' parameters */
     stats_response_fit response[STATS_MAX_ANGLES];
     double log_variance[STATS_MAX_ANGLES][STATS_SD_TERMS]; /* of piles: 1, x, x^2, y, y^2 */
     double correlation;                                    /* of the two angles of a pile, within its point */
-    double *x[STATS_MAX_PARAMS], *mean[STATS_MAX_ANGLES];  /* of the points; sd and n of the piles of each */
-    double *sd[STATS_MAX_ANGLES], *number[STATS_MAX_ANGLES];
-    size_t *pile, *first; /* piles of point g: pile[first[g]] to pile[first[g + 1] - 1] */
-    double *block;        /* holds the arrays of numbers */
+    stats_point *point;                                    /* n_points, and one more that ends them */
+    size_t *pile;
 } stats_calibration;
 
 /* What was measured; error: its standard error, >= 0. Two angles are of the same piles: their errors are as
@@ -102,7 +105,7 @@ extern const char *const stats_calibrated_words[];
 extern const char *const stats_calibrated_meanings[];
 extern const char *const stats_shape_words[];
 
-/* Fit the coefficients of a response, whose form is set, to the means y[] of the points.
+/* Fit the coefficients of a response, whose form is set, to y[] at the points; NULL: their means.
  * Errors: RP_NO_RESULT (the scale is not determined), RP_NO_MEMORY, RP_BROKEN. */
 rp_status stats_response_solve(stats_response_fit *r, const stats_calibration *c, size_t angle,
                                const double y[]);

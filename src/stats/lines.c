@@ -50,21 +50,19 @@ rp_status stats_line_fit(size_t n, const double x[], const double y[], const dou
     return RP_OK;
 }
 
-rp_status stats_multifit(size_t n, size_t p, const double X[], const double w[], const double y[],
-                         double tolerance, double c[], double covariance[], double *chi2, size_t *rank)
+rp_status stats_linear_fit(stats_linear *f)
 {
-    gsl_matrix_const_view columns = gsl_matrix_const_view_array(X, n, p);
-    gsl_vector_const_view weights = gsl_vector_const_view_array(w ? w : y, n);
-    gsl_vector_const_view values = gsl_vector_const_view_array(y, n);
-    gsl_vector_view coefficients = gsl_vector_view_array(c, p);
-    gsl_matrix_view errors = gsl_matrix_view_array(covariance, p, p);
-    gsl_multifit_linear_workspace *work = gsl_multifit_linear_alloc(n, p);
+    gsl_matrix_const_view X = gsl_matrix_const_view_array(f->X, f->n, f->p);
+    gsl_vector_const_view w = gsl_vector_const_view_array(f->w ? f->w : f->y, f->n);
+    gsl_vector_const_view y = gsl_vector_const_view_array(f->y, f->n);
+    gsl_vector_view c = gsl_vector_view_array(f->c, f->p);
+    gsl_matrix_view covariance = gsl_matrix_view_array(f->covariance, f->p, f->p);
+    gsl_multifit_linear_workspace *work = gsl_multifit_linear_alloc(f->n, f->p);
     if (!work) return rp_fail(RP_NO_MEMORY, "least squares: out of memory");
-    const int code =
-        w ? gsl_multifit_wlinear_tsvd(&columns.matrix, &weights.vector, &values.vector, tolerance,
-                                      &coefficients.vector, &errors.matrix, chi2, rank, work)
-          : gsl_multifit_linear_tsvd(&columns.matrix, &values.vector, tolerance, &coefficients.vector,
-                                     &errors.matrix, chi2, rank, work);
+    const int code = f->w ? gsl_multifit_wlinear_tsvd(&X.matrix, &w.vector, &y.vector, f->tolerance,
+                                                      &c.vector, &covariance.matrix, &f->chi2, &f->rank, work)
+                          : gsl_multifit_linear_tsvd(&X.matrix, &y.vector, f->tolerance, &c.vector,
+                                                     &covariance.matrix, &f->chi2, &f->rank, work);
     gsl_multifit_linear_free(work);
     return code ? rp_fail(RP_BROKEN, "least squares failed: %s", gsl_strerror(code)) : RP_OK;
 }
@@ -75,10 +73,8 @@ rp_status stats_bend(size_t n, const double x[], const double y[], const double 
     enum { TERMS = 3 };
     stats_line line;
     *bend = (stats_contrast){NAN, NAN, NAN};
-    rp_status status = stats_line_fit(n, x, y, se, false, &line); /* checks the points */
-    if (status) return status;
-    double lo, hi, chi2, c[TERMS], covariance[TERMS * TERMS];
-    size_t rank = 0;
+    RP_TRY(stats_line_fit(n, x, y, se, false, &line)); /* checks the points */
+    double lo, hi, c[TERMS], covariance[TERMS * TERMS];
     gsl_stats_minmax(&lo, &hi, x, 1, n);
     double *X = malloc((TERMS + 1) * n * sizeof *X), *w = X + TERMS * n;
     if (!X) return rp_fail(RP_NO_MEMORY, "parabola: out of memory");
@@ -87,9 +83,10 @@ rp_status stats_bend(size_t n, const double x[], const double y[], const double 
         w[i] = 1.0 / (se[i] * se[i]);
         for (size_t k = 0; k < TERMS; k++) X[TERMS * i + k] = gsl_pow_int(u, (int)k);
     }
-    if (n >= TERMS) status = stats_multifit(n, TERMS, X, w, y, 1e-10, c, covariance, &chi2, &rank);
+    stats_linear fit = {n, TERMS, X, y, w, 1e-10, c, covariance};
+    rp_status status = n < TERMS ? RP_OK : stats_linear_fit(&fit);
     free(X);
-    if (!status && rank < TERMS) /* two of three columns are the same where there are two x only */
+    if (!status && fit.rank < TERMS) /* two of three columns are the same where there are two x only */
         status = rp_fail(RP_NO_RESULT, "no parabola: %zu points, at least 3 different x needed", n);
     const double scale = 1.0 / ((hi - lo) * (hi - lo));
     if (!status) *bend = (stats_contrast){c[2] * scale, sqrt(covariance[8]) * scale, INFINITY};

@@ -16,9 +16,6 @@ const char *const stats_shape_words[] = {"powers", "exponential", "tanh"};
 
 /* ---- points ---- */
 
-/* Of points: parameters; means, standard deviations and numbers of angles. */
-enum { N_ARRAYS = STATS_MAX_PARAMS + 3 * STATS_MAX_ANGLES };
-
 static bool same_point(const stats_ensemble *piles, size_t i, size_t k)
 {
     for (size_t p = 0; p < piles->n_params; p++)
@@ -26,35 +23,39 @@ static bool same_point(const stats_ensemble *piles, size_t i, size_t k)
     return true;
 }
 
-/* Sort the piles by point: points in the order of their first piles. */
+/* Sort the piles by point, points in the order of their first piles, and find the range of the parameters. */
 static void sort_piles(const stats_ensemble *piles, stats_calibration *c)
 {
     size_t sorted = 0;
     for (size_t i = 0; i < piles->n; i++) {
         size_t g = 0;
-        while (g < c->n_points && !same_point(piles, c->pile[c->first[g]], i)) g++;
+        while (g < c->n_points && !same_point(piles, c->pile[c->point[g].first], i)) g++;
         if (g < c->n_points) continue;
-        c->first[c->n_points++] = sorted;
+        c->point[c->n_points++].first = sorted;
         for (size_t k = i; k < piles->n; k++)
             if (same_point(piles, i, k)) c->pile[sorted++] = k;
-        for (size_t p = 0; p < c->n_params; p++) c->x[p][g] = piles->x[p][i];
+        for (size_t p = 0; p < c->n_params; p++) {
+            const double x = c->point[g].x[p] = piles->x[p][i];
+            c->lo[p] = g ? fmin(c->lo[p], x) : x;
+            c->hi[p] = g ? fmax(c->hi[p], x) : x;
+        }
     }
-    c->first[c->n_points] = sorted;
+    c->point[c->n_points].first = sorted;
 }
 
 /* Means and standard deviations of the piles that have the angle; work[piles->n]. */
-static void point_moments(const stats_ensemble *piles, stats_calibration *c, double work[])
+static void point_moments(const stats_ensemble *piles, const stats_calibration *c, double work[])
 {
-    for (size_t a = 0; a < c->n_angles; a++)
-        for (size_t g = 0; g < c->n_points; g++) {
+    for (stats_point *q = c->point; q < c->point + c->n_points; q++)
+        for (size_t a = 0; a < c->n_angles; a++) {
             stats_summary stats;
             size_t n = 0;
-            for (size_t k = c->first[g]; k < c->first[g + 1]; k++)
+            for (size_t k = q->first; k < q[1].first; k++)
                 if (!isnan(piles->angle[a][c->pile[k]])) work[n++] = piles->angle[a][c->pile[k]];
             (void)stats_mean(n, work, &stats); /* nan without piles */
-            c->number[a][g] = (double)n;
-            c->mean[a][g] = stats.mean;
-            c->sd[a][g] = stats.sd;
+            q->number[a] = (double)n;
+            q->mean[a] = stats.mean;
+            q->sd[a] = stats.sd;
         }
 }
 
@@ -64,10 +65,10 @@ static double correlation(const stats_ensemble *piles, const stats_calibration *
 {
     const double most = 0.999;
     double sum[3] = {0.0};
-    for (size_t g = 0; g < c->n_points; g++)
-        for (size_t k = c->first[g]; k < c->first[g + 1]; k++) {
+    for (const stats_point *q = c->point; q < c->point + c->n_points; q++)
+        for (size_t k = q->first; k < q[1].first; k++) {
             double d[2];
-            for (size_t a = 0; a < 2; a++) d[a] = (piles->angle[a][c->pile[k]] - c->mean[a][g]) / c->sd[a][g];
+            for (size_t a = 0; a < 2; a++) d[a] = (piles->angle[a][c->pile[k]] - q->mean[a]) / q->sd[a];
             for (size_t a = 0; isfinite(d[0] * d[1]) && a < 3; a++) sum[a] += d[a / 2] * d[(a + 1) / 2];
         }
     return sum[1] != 0.0 ? fmax(fmin(sum[1] / sqrt(sum[0] * sum[2]), most), -most) : 0.0;
@@ -96,26 +97,22 @@ static rp_status make_points(const stats_ensemble *piles, stats_calibration *c)
 {
     *c = (stats_calibration){.n_params = piles->n_params, .n_angles = piles->n_angles};
     RP_TRY(check_piles(piles));
-    c->block = calloc((N_ARRAYS + 1) * (piles->n + 1), sizeof *c->block);
-    c->pile = calloc(2 * (piles->n + 1), sizeof *c->pile);
-    if (!c->block || !c->pile) return rp_fail(RP_NO_MEMORY, "calibrate: out of memory");
-    c->first = c->pile + piles->n + 1;
-    double *next = c->block, *work = next + N_ARRAYS * piles->n;
-    for (size_t p = 0; p < c->n_params; p++, next += piles->n) c->x[p] = next;
-    for (size_t a = 0; a < c->n_angles; a++, next += 3 * piles->n) {
-        c->mean[a] = next;
-        c->sd[a] = next + piles->n;
-        c->number[a] = next + 2 * piles->n;
+    double *work = malloc((piles->n + 1) * sizeof *work);
+    c->point = calloc(piles->n + 1, sizeof *c->point);
+    c->pile = calloc(piles->n + 1, sizeof *c->pile);
+    const bool made = work && c->point && c->pile;
+    if (made) {
+        sort_piles(piles, c);
+        point_moments(piles, c, work);
+        if (c->n_angles == 2) c->correlation = correlation(piles, c);
     }
-    sort_piles(piles, c);
-    point_moments(piles, c, work);
-    if (c->n_angles == 2) c->correlation = correlation(piles, c);
-    return RP_OK;
+    free(work);
+    return made ? RP_OK : rp_fail(RP_NO_MEMORY, "calibrate: out of memory");
 }
 
 void stats_calibration_free(stats_calibration *c)
 {
-    free(c->block);
+    free(c->point);
     free(c->pile);
     *c = (stats_calibration){0};
 }
@@ -123,12 +120,12 @@ void stats_calibration_free(stats_calibration *c)
 static rp_status check_spread(const stats_calibration *c)
 {
     for (size_t a = 0; a < c->n_angles; a++)
-        for (size_t g = 0; g < c->n_points; g++) {
-            if (c->number[a][g] < 2.0)
+        for (const stats_point *q = c->point; q < c->point + c->n_points; q++) {
+            if (q->number[a] < 2.0)
                 return rp_fail(RP_BAD_INPUT, "parameter %g: angle %zu of %g piles, at least 2 needed",
-                               c->x[0][g], a + 1, c->number[a][g]);
-            if (!(c->sd[a][g] > 0.0))
-                return rp_fail(RP_BAD_INPUT, "parameter %g: angle %zu is the same in all piles", c->x[0][g],
+                               q->x[0], a + 1, q->number[a]);
+            if (!(q->sd[a] > 0.0))
+                return rp_fail(RP_BAD_INPUT, "parameter %g: angle %zu is the same in all piles", q->x[0],
                                a + 1);
         }
     return RP_OK;
@@ -141,7 +138,7 @@ static rp_status check_rectangle(const stats_calibration *c)
     if (c->n_params == 1) return RP_OK;
     for (size_t p = 0; p < 2; p++)
         for (size_t g = 0, before; g < c->n_points; g++) {
-            for (before = 0; before < g && c->x[p][before] != c->x[p][g]; before++) continue;
+            for (before = 0; before < g && c->point[before].x[p] != c->point[g].x[p]; before++) continue;
             n[p] += before == g;
         }
     if (n[0] > 1 && n[1] > 1 && n[0] * n[1] == c->n_points) return RP_OK;
@@ -150,17 +147,6 @@ static rp_status check_rectangle(const stats_calibration *c)
 }
 
 /* ---- scatter of piles ---- */
-
-static void set_range(stats_calibration *c)
-{
-    for (size_t p = 0; p < c->n_params; p++) {
-        c->lo[p] = c->hi[p] = c->x[p][0];
-        for (size_t g = 1; g < c->n_points; g++) {
-            c->lo[p] = fmin(c->lo[p], c->x[p][g]);
-            c->hi[p] = fmax(c->hi[p], c->x[p][g]);
-        }
-    }
-}
 
 /* x from -1 to 1 over its range; 0 for a parameter that there is not. */
 static double unit(double x, double lo, double hi)
@@ -180,29 +166,23 @@ static size_t scatter_terms(const stats_calibration *c, const double x[], double
     return n;
 }
 
-static void point_at(const stats_calibration *c, size_t g, double x[STATS_MAX_PARAMS])
-{
-    for (size_t p = 0; p < c->n_params; p++) x[p] = c->x[p][g];
-}
-
 /* The variance of n normal values has a logarithm with mean log(sigma^2) + psi(v/2) - log(v/2) and variance
  * psi'(v/2), v = n - 1. */
 static rp_status fit_scatter(stats_calibration *c, size_t angle)
 {
     const size_t n = 2 * c->n_params + 1, points = c->n_points;
-    double x[STATS_MAX_PARAMS], covariance[STATS_SD_TERMS * STATS_SD_TERMS], chi2;
+    double covariance[STATS_SD_TERMS * STATS_SD_TERMS];
     double *X = malloc(points * (n + 2) * sizeof *X), *y = X + points * n, *weights = y + points;
     if (!X) return rp_fail(RP_NO_MEMORY, "calibrate: out of memory");
     for (size_t g = 0; g < points; g++) {
-        const double half = 0.5 * (c->number[angle][g] - 1.0);
-        point_at(c, g, x);
-        scatter_terms(c, x, X + g * n);
-        y[g] = 2.0 * log(c->sd[angle][g]) - gsl_sf_psi(half) + log(half);
+        const stats_point *q = &c->point[g];
+        const double half = 0.5 * (q->number[angle] - 1.0);
+        scatter_terms(c, q->x, X + g * n);
+        y[g] = 2.0 * log(q->sd[angle]) - gsl_sf_psi(half) + log(half);
         weights[g] = 1.0 / gsl_sf_psi_1(half);
     }
-    size_t rank;
-    rp_status status = stats_multifit(points, n, X, weights, y, GSL_DBL_EPSILON, c->log_variance[angle],
-                                      covariance, &chi2, &rank);
+    const rp_status status = stats_linear_fit(
+        &(stats_linear){points, n, X, y, weights, GSL_DBL_EPSILON, c->log_variance[angle], covariance});
     free(X);
     return status;
 }
@@ -230,7 +210,7 @@ static double saturation(const stats_response_fit *r, double x, double *by_scale
 static void terms_at(const stats_response_fit *r, const double x[], double terms[STATS_MAX_TERMS])
 {
     const double first_unit = unit(x[0], r->lo[0], r->hi[0]),
-                 second_unit = r->n_params == 2 ? unit(x[1], r->lo[1], r->hi[1]) : 0.0;
+                 second_unit = r->degree[1] > 0 ? unit(x[1], r->lo[1], r->hi[1]) : 0.0;
     double first = 1.0, by_scale = 0.0;
     size_t n = 0, n_second = r->degree[1] + 1;
     for (size_t i = 0; i <= r->degree[0]; i++) {
@@ -289,24 +269,24 @@ void stats_calibration_reach(const stats_calibration *c, size_t angle, double re
 typedef struct {
     stats_response_fit *r;
     const stats_calibration *c;
-    const double *y; /* at the points */
-    size_t n;        /* terms */
-    double *X, *weights;
+    size_t n;                /* terms */
+    double *weights, *y, *X; /* y: at the points */
 } problem;
 
 /* Coefficients at the present scale, their covariance (n rows of n) and chi2. */
 static rp_status solve_linear(problem *s, double coefficients[STATS_MAX_TERMS])
 {
     stats_response_fit *r = s->r;
-    double terms[STATS_MAX_TERMS], x[STATS_MAX_PARAMS];
+    double terms[STATS_MAX_TERMS];
     for (size_t g = 0; g < s->c->n_points; g++) {
-        point_at(s->c, g, x);
-        terms_at(r, x, terms);
+        terms_at(r, s->c->point[g].x, terms);
         memcpy(s->X + g * s->n, terms, s->n * sizeof *terms);
     }
-    size_t rank;
-    return stats_multifit(s->c->n_points, s->n, s->X, s->weights, s->y, GSL_DBL_EPSILON, coefficients,
-                          r->covariance, &r->chi2, &rank);
+    stats_linear fit = {s->c->n_points,  s->n,         s->X,         s->y, s->weights,
+                        GSL_DBL_EPSILON, coefficients, r->covariance};
+    const rp_status status = stats_linear_fit(&fit);
+    r->chi2 = fit.chi2;
+    return status;
 }
 
 static double chi2_of_scale(const double log_scale[], void *data)
@@ -340,26 +320,26 @@ static void take_errors(problem *s)
     double n = (double)r->n_points, dof = (double)r->dof;
     r->aic = r->chi2 + 2.0 * (double)r->n_terms;
     r->p_value = gsl_cdf_chisq_Q(r->chi2, dof);
-    r->inflation = fmax(1.0, r->chi2 / dof);
+    const double inflation = fmax(1.0, r->chi2 / dof);
     double sum = 0.0;
     for (size_t g = 0; g < r->n_points; g++) sum += s->weights[g];
-    r->discrepancy = (r->inflation - 1.0) * n / sum;
-    for (size_t i = 0; i < s->n * s->n; i++) r->covariance[i] *= r->inflation;
+    r->discrepancy = (inflation - 1.0) * n / sum;
+    for (size_t i = 0; i < s->n * s->n; i++) r->covariance[i] *= inflation;
 }
 
 rp_status stats_response_solve(stats_response_fit *r, const stats_calibration *c, size_t angle,
                                const double y[])
 {
     const bool saturating = r->shape != STATS_POWERS;
-    problem s = {.r = r, .c = c, .y = y, .n = n_linear(r)};
-    s.weights = malloc(c->n_points * (s.n + 2) * sizeof *s.weights);
+    problem s = {.r = r, .c = c, .n = n_linear(r)};
+    s.weights = malloc(c->n_points * (s.n + 3) * sizeof *s.weights);
     if (!s.weights) return rp_fail(RP_NO_MEMORY, "calibrate: out of memory");
-    s.X = s.weights + c->n_points;
+    s.y = s.weights + c->n_points;
+    s.X = s.y + c->n_points;
     for (size_t g = 0; g < c->n_points; g++) {
-        double x[STATS_MAX_PARAMS];
-        point_at(c, g, x);
-        const double sd = stats_calibration_sd(c, angle, x);
-        s.weights[g] = c->number[angle][g] / (sd * sd);
+        s.y[g] = y ? y[g] : c->point[g].mean[angle];
+        const double sd = stats_calibration_sd(c, angle, c->point[g].x);
+        s.weights[g] = c->point[g].number[angle] / (sd * sd);
     }
     rp_status status = saturating ? find_scale(&s) : solve_linear(&s, r->coefficients);
     s.n += saturating; /* the same minimum, with the scale as one more term */
@@ -371,12 +351,13 @@ rp_status stats_response_solve(stats_response_fit *r, const stats_calibration *c
 
 /* ---- choice of the form ---- */
 
+/* In the first parameter; with two parameters it is not tested. */
 static bool is_monotone(const stats_response_fit *r)
 {
-    const int n = 200;
+    const int n = r->degree[1] == 0 ? 200 : 0;
     bool up = true, down = true;
     double last = 0.0, variance;
-    for (int i = 0; i <= n && r->n_params == 1; i++) {
+    for (int i = 0; i <= n && n > 0; i++) {
         double x = r->lo[0] + (r->hi[0] - r->lo[0]) * i / n;
         double value = stats_response_value(r, &x, &variance);
         up = up && (i == 0 || value > last);
@@ -395,7 +376,7 @@ static void consider(const stats_response_fit *r, stats_response_fit *best, stat
 
 static rp_status choose_form(stats_calibration *c, size_t angle)
 {
-    stats_response_fit blank = {.n_params = c->n_params, .aic = HUGE_VAL};
+    stats_response_fit blank = {.aic = HUGE_VAL};
     memcpy(blank.lo, c->lo, sizeof blank.lo);
     memcpy(blank.hi, c->hi, sizeof blank.hi);
     stats_response_fit best = blank, best_monotone = blank;
@@ -408,7 +389,7 @@ static rp_status choose_form(stats_calibration *c, size_t angle)
                 r.degree[1] = j;
                 if (n_linear(&r) + (shape != STATS_POWERS) + 2 > c->n_points)
                     continue; /* a point at least beyond those that any form meets */
-                rp_status status = stats_response_solve(&r, c, angle, c->mean[angle]);
+                rp_status status = stats_response_solve(&r, c, angle, NULL);
                 if (status == RP_NO_RESULT) continue;
                 if (status) return status;
                 r.monotone = is_monotone(&r);
@@ -426,7 +407,6 @@ rp_status stats_calibration_fit(const stats_ensemble *piles, stats_calibration *
                        4 * c->n_params);
     RP_TRY(check_spread(c));
     RP_TRY(check_rectangle(c));
-    set_range(c);
     for (size_t a = 0; a < c->n_angles; a++) {
         RP_TRY(fit_scatter(c, a));
         RP_TRY(choose_form(c, a));

@@ -120,21 +120,24 @@ typedef struct {
     double p_pairs;           /* the largest stats_contrast_p_margin over all pairs of x */
 } stats_trend;
 
-/* Least squares on n values at two different x or more; errors from the scatter at each x
+/* n values y at x. */
+typedef struct {
+    size_t n;
+    const double *x, *y;
+    const double *pile; /* of each value; NULL: values are independent */
+    double power;       /* of x, in the weights; 0: ordinary least squares */
+    bool log10_x;       /* x are logarithms to base 10, and the weights 10^(power x): any finite x will do */
+    double margin;      /* > 0: the largest change that counts as none */
+} stats_sample;
+
+/* Least squares on values at two different x or more; errors from the scatter at each x
  * (Welch-Satterthwaite), so that it may differ between the x, and a curve does not count as scatter. Where
- * an x has one value only, from the scatter about the line. With `pile` (else NULL), values of the same
- * pile are compared: each contrast is taken pile by pile and then averaged. Piles that lack a value at one
- * of the x are left out. Each value has the weight x^power, 0 for ordinary least squares: fixed weights, so
- * that errors stay exact. margin > 0: the largest change that counts as none.
+ * an x has one value only, from the scatter about the line. Values of the same pile are compared: each
+ * contrast is taken pile by pile and then averaged. Piles that lack a value at one of the x are left out. The
+ * weights are fixed, so that errors stay exact.
  * Errors: RP_NO_RESULT (fewer than 3 values, 2 x, or 2 whole piles), RP_BAD_INPUT (a value that is not
  * finite, x <= 0 with a power, two values of a pile at one x), RP_NO_MEMORY. */
-rp_status stats_trend_fit(size_t n, const double x[], const double y[], const double pile[], double power,
-                          double margin, stats_trend *trend);
-
-/* The same where x are logarithms to base 10: the weight is a power of what they are logarithms of, 10^(power
- * x). Any finite x will do. */
-rp_status stats_trend_fit_log10(size_t n, const double x[], const double y[], const double pile[],
-                                double power, double margin, stats_trend *trend);
+rp_status stats_trend_fit(const stats_sample *sample, stats_trend *trend);
 
 /* What tests at `level` say: falls or rises if p_value (corrected or not) is below it,
  * no_dependence_within_margin if p_margin is, falls_within_margin or rises_within_margin if both, undecided
@@ -185,11 +188,19 @@ typedef struct {
 rp_status stats_line_fit(size_t n, const double x[], const double y[], const double se[], bool origin,
                          stats_line *line);
 
-/* Least squares of y by p <= n columns, X[n p] row after row. Weights w; with w NULL all are equal, and
- * errors follow from the scatter. Sets coefficients c[p], covariance[p p], chi2 and the rank of X, which
- * counts singular values above `tolerance` of the largest. Errors: RP_NO_MEMORY, RP_BROKEN. */
-rp_status stats_multifit(size_t n, size_t p, const double X[], const double w[], const double y[],
-                         double tolerance, double c[], double covariance[], double *chi2, size_t *rank);
+/* Least squares of y[n] by p <= n columns, X[n p] row after row. */
+typedef struct {
+    size_t n, p;
+    const double *X, *y;
+    const double *w;  /* weights; NULL: all are equal, and errors follow from the scatter */
+    double tolerance; /* of the largest singular value: larger ones count in the rank */
+    /* found: coefficients c[p] and covariance[p p], whose memory is the caller's; chi2 and rank of X */
+    double *c, *covariance, chi2;
+    size_t rank;
+} stats_linear;
+
+/* Errors: RP_NO_MEMORY, RP_BROKEN. */
+rp_status stats_linear_fit(stats_linear *fit);
 
 /* Coefficient of x^2 of the parabola through points with known errors, as in stats_line_fit.
  * Errors: those of stats_line_fit, RP_NO_RESULT for fewer than three different x. */

@@ -17,9 +17,9 @@ typedef struct {
 } cell;
 
 typedef struct {
-    bool paired, log10_x; /* log10_x: weights are powers of 10^x */
-    size_t n, n_x, n_piles;
-    point *points; /* by x; paired: pile after pile, each by x */
+    const stats_sample *of;
+    size_t n, n_x, n_piles; /* n: values in use */
+    point *points;          /* by x; paired: pile after pile, each by x */
     cell *cells;
     double *c, *work; /* coefficients of a contrast; [n] work space */
     double residual;  /* variance about the straight line, where an x has a single value; else NaN */
@@ -38,8 +38,9 @@ static int by_pile(const void *a, const void *b)
     return p->pile != q->pile ? (p->pile > q->pile) - (p->pile < q->pile) : by_x(a, b);
 }
 
-static rp_status load_points(sample *s, const double x[], const double y[], const double pile[])
+static rp_status load_points(sample *s)
 {
+    const double *x = s->of->x, *y = s->of->y, *pile = s->of->pile;
     for (size_t i = 0; i < s->n; i++) {
         s->points[i] = (point){x[i], y[i], pile ? pile[i] : 0.0};
         if (!isfinite(x[i]) || !isfinite(y[i]) || !isfinite(s->points[i].pile))
@@ -76,8 +77,8 @@ static rp_status keep_whole_piles(sample *s)
 static rp_status fill_cells(sample *s)
 {
     bool single = false;
-    for (size_t j = 0; j < s->n_x && s->paired; j++) s->cells[j].n = (double)s->n_piles;
-    for (size_t j = 0, first = 0; j < s->n_x && !s->paired; j++) {
+    for (size_t j = 0; j < s->n_x && s->of->pile; j++) s->cells[j].n = (double)s->n_piles;
+    for (size_t j = 0, first = 0; j < s->n_x && !s->of->pile; j++) {
         stats_summary stats;
         size_t n = 0;
         for (; first + n < s->n && s->points[first + n].x == s->cells[j].x; n++)
@@ -96,7 +97,7 @@ static rp_status fill_cells(sample *s)
 static stats_contrast contrast(const sample *s)
 {
     stats_contrast r = {0.0, 0.0, 0.0};
-    if (s->paired) {
+    if (s->of->pile) {
         stats_summary stats;
         for (size_t k = 0; k < s->n_piles; k++) {
             s->work[k] = 0.0;
@@ -118,12 +119,13 @@ static stats_contrast contrast(const sample *s)
     return r;
 }
 
-static void set_moments(sample *s, double power)
+static void set_moments(sample *s)
 {
+    const double power = s->of->power;
     s->sw = s->x_mean = s->sxx = s->s3 = 0.0;
     for (size_t j = 0; j < s->n_x; j++) {
         cell *q = &s->cells[j];
-        const double w = power == 0.0 ? 1.0 : s->log10_x ? pow(10.0, power * q->x) : pow(q->x, power);
+        const double w = power == 0.0 ? 1.0 : s->of->log10_x ? pow(10.0, power * q->x) : pow(q->x, power);
         s->sw += q->w = q->n * w;
     }
     for (size_t j = 0; j < s->n_x; j++) s->x_mean += s->cells[j].w * s->cells[j].x / s->sw;
@@ -194,7 +196,7 @@ void stats_contrast_interval(const stats_contrast *c, double level, double *lo, 
     *hi = c->value + half;
 }
 
-static void compare_pairs(sample *s, double margin, stats_trend *trend)
+static void compare_pairs(sample *s, stats_trend *trend)
 {
     trend->pair = (stats_contrast){0.0, 0.0, NAN};
     trend->p_pairs = 0.0;
@@ -205,22 +207,22 @@ static void compare_pairs(sample *s, double margin, stats_trend *trend)
             s->c[j] = 1.0;
             const stats_contrast pair = contrast(s);
             if (fabs(pair.value) >= fabs(trend->pair.value)) trend->pair = pair;
-            trend->p_pairs = fmax(trend->p_pairs, stats_contrast_p_margin(&pair, margin));
+            trend->p_pairs = fmax(trend->p_pairs, stats_contrast_p_margin(&pair, s->of->margin));
         }
 }
 
-static rp_status analyse(sample *s, double power, double margin, stats_trend *trend)
+static rp_status analyse(sample *s, stats_trend *trend)
 {
-    rp_status status = s->paired && s->n > 0 ? keep_whole_piles(s) : RP_OK;
+    rp_status status = s->of->pile && s->n > 0 ? keep_whole_piles(s) : RP_OK;
     trend->n = s->n;
     trend->n_x = s->n_x;
     if (status) return status;
-    if (s->n < 3 || s->n_x < 2 || (s->paired && s->n_piles < 2))
+    if (s->n < 3 || s->n_x < 2 || (s->of->pile && s->n_piles < 2))
         return rp_fail(RP_NO_RESULT,
                        "no trend: %zu values%s at %zu different x; at least 3 values at 2 x%s needed", s->n,
-                       s->paired ? " of whole piles" : "", s->n_x, s->paired ? " of 2 piles" : "");
+                       s->of->pile ? " of whole piles" : "", s->n_x, s->of->pile ? " of 2 piles" : "");
     RP_TRY(fill_cells(s));
-    set_moments(s, power);
+    set_moments(s);
     if (!isnan(s->residual)) set_residual(s);
     trend->from = s->cells[0].x;
     trend->to = s->cells[s->n_x - 1].x;
@@ -229,48 +231,35 @@ static rp_status analyse(sample *s, double power, double margin, stats_trend *tr
     if (s->n_x > 2) trend->bend = coefficient(s, 2);
     const double range = trend->to - trend->from;
     trend->change = (stats_contrast){trend->slope.value * range, trend->slope.se * range, trend->slope.dof};
-    trend->p_margin = stats_contrast_p_margin(&trend->change, margin);
-    compare_pairs(s, margin, trend);
+    trend->p_margin = stats_contrast_p_margin(&trend->change, s->of->margin);
+    compare_pairs(s, trend);
     return RP_OK;
 }
 
-static rp_status fit(bool log10_x, size_t n, const double x[], const double y[], const double pile[],
-                     double power, double margin, stats_trend *trend)
+rp_status stats_trend_fit(const stats_sample *of, stats_trend *trend)
 {
     const stats_contrast none = {NAN, NAN, NAN};
     *trend = (stats_trend){0, 0, NAN, NAN, none, none, none, none, none, NAN, NAN};
-    if (!(margin > 0.0 && isfinite(margin)))
-        return rp_fail(RP_BAD_INPUT, "margin = %g: out of range, allowed: (0, inf)", margin);
-    for (size_t i = 0; i < n && power != 0.0 && !log10_x; i++)
-        if (!(x[i] > 0.0))
+    if (!(of->margin > 0.0 && isfinite(of->margin)))
+        return rp_fail(RP_BAD_INPUT, "margin = %g: out of range, allowed: (0, inf)", of->margin);
+    for (size_t i = 0; i < of->n && of->power != 0.0 && !of->log10_x; i++)
+        if (!(of->x[i] > 0.0))
             return rp_fail(RP_BAD_INPUT,
-                           "value %zu: x = %g: out of range for weights x^%g, allowed: (0, inf)", i + 1, x[i],
-                           power);
-    sample s = {.paired = pile != NULL, .log10_x = log10_x, .n = n};
-    s.points = calloc(n + 1, sizeof *s.points);
-    s.cells = calloc(n + 1, sizeof *s.cells);
-    s.c = calloc(2 * n + 1, sizeof *s.c);
-    s.work = s.c + n;
+                           "value %zu: x = %g: out of range for weights x^%g, allowed: (0, inf)", i + 1,
+                           of->x[i], of->power);
+    sample s = {.of = of, .n = of->n};
+    s.points = calloc(of->n + 1, sizeof *s.points);
+    s.cells = calloc(of->n + 1, sizeof *s.cells);
+    s.c = calloc(2 * of->n + 1, sizeof *s.c);
+    s.work = s.c + of->n;
     rp_status status = RP_OK;
     if (!s.points || !s.cells || !s.c) status = rp_fail(RP_NO_MEMORY, "trend: out of memory");
-    if (!status) status = load_points(&s, x, y, pile);
-    if (!status) status = analyse(&s, power, margin, trend);
+    if (!status) status = load_points(&s);
+    if (!status) status = analyse(&s, trend);
     free(s.points);
     free(s.cells);
     free(s.c);
     return status;
-}
-
-rp_status stats_trend_fit(size_t n, const double x[], const double y[], const double pile[], double power,
-                          double margin, stats_trend *trend)
-{
-    return fit(false, n, x, y, pile, power, margin, trend);
-}
-
-rp_status stats_trend_fit_log10(size_t n, const double x[], const double y[], const double pile[],
-                                double power, double margin, stats_trend *trend)
-{
-    return fit(true, n, x, y, pile, power, margin, trend);
 }
 
 void stats_holm(size_t n, const double p[], double corrected[])

@@ -287,8 +287,7 @@ typedef struct {
 static rp_status measure_motion(experiment *e, motion *m)
 {
     enum { TERMS = 3 };
-    double cx[TERMS], cy[TERMS], covariance[TERMS * TERMS], chi2, mean_x = 0.0, mean_y = 0.0;
-    size_t rank;
+    double cx[TERMS], cy[TERMS], covariance[TERMS * TERMS], mean_x = 0.0, mean_y = 0.0;
     RP_TRY(dem_states(e->box.sim, e->box.states));
     m->n = 0;
     m->state = e->box.states;
@@ -310,11 +309,10 @@ static rp_status measure_motion(experiment *e, motion *m)
         mean_y += m->uy[m->n];
         m->state[m->n++] = s;
     }
-    rp_status status = m->n < TERMS ? RP_OK
-                                    : stats_multifit(m->n, TERMS, X, NULL, m->ux, GSL_DBL_EPSILON, cx,
-                                                     covariance, &chi2, &rank);
-    if (!status && m->n >= TERMS)
-        status = stats_multifit(m->n, TERMS, X, NULL, m->uy, GSL_DBL_EPSILON, cy, covariance, &chi2, &rank);
+    stats_linear in_x = {m->n, TERMS, X, m->ux, NULL, GSL_DBL_EPSILON, cx, covariance},
+                 in_y = {m->n, TERMS, X, m->uy, NULL, GSL_DBL_EPSILON, cy, covariance};
+    rp_status status = m->n < TERMS ? RP_OK : stats_linear_fit(&in_x);
+    if (!status && m->n >= TERMS) status = stats_linear_fit(&in_y);
     m->about_mean = 0.0;
     for (size_t i = 0; !status && i < m->n; i++) {
         const double *x = &X[TERMS * i];

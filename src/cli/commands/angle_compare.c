@@ -82,13 +82,12 @@ static rp_status compare_table(cli_call *call, rp_table *table, const void *valu
     print_compare_header();
     for (size_t g = 0; g < piles.n_groups; g++) {
         const size_t first = piles.first[g];
-        const double mu = piles.column[0][first];
+        const ang_piles of = {piles.column[0][first], piles.first[g + 1] - first, piles.column[1] + first,
+                              piles.column[2] + first};
         ang_comparison c;
-        RP_TRY(rp_prefix(ang_compare(piles.first[g + 1] - first, piles.column[1] + first,
-                                     piles.column[2] + first, mu, o->phi_deg * deg, (size_t)o->bootstrap, rng,
-                                     &c),
-                         "%s: mu = %g: ", table->path, mu));
-        print_comparison(mu, &c);
+        RP_TRY(rp_prefix(ang_compare(&of, o->phi_deg * deg, (size_t)o->bootstrap, rng, &c),
+                         "%s: mu = %g: ", table->path, of.mu));
+        print_comparison(of.mu, &c);
     }
     return RP_OK;
 }

@@ -120,11 +120,14 @@ static rp_status fit_groups(const cli_call *call, const rp_table *t, const rows 
     rp_status group = RP_OK;
     size_t with_result = 0;
     for (size_t g = 0; g < n_groups; g++) {
-        const double *x = r->of.column[0] + first[g], *y = r->of.column[1] + first[g];
-        const double *pile = o->pair ? r->of.column[2] + first[g] : NULL, power = size ? -o->power : o->power;
-        const size_t n = first[g + 1] - first[g];
-        group = o->scale == SCALE_LOG ? stats_trend_fit_log10(n, x, y, pile, power, o->margin, &trends[g])
-                                      : stats_trend_fit(n, x, y, pile, power, o->margin, &trends[g]);
+        const stats_sample sample = {.n = first[g + 1] - first[g],
+                                     .x = r->of.column[0] + first[g],
+                                     .y = r->of.column[1] + first[g],
+                                     .pile = o->pair ? r->of.column[2] + first[g] : NULL,
+                                     .power = size ? -o->power : o->power,
+                                     .log10_x = o->scale == SCALE_LOG,
+                                     .margin = o->margin};
+        group = stats_trend_fit(&sample, &trends[g]);
         with_result += group == RP_OK;
         p[g] = group ? NAN : stats_contrast_p(&trends[g].change);
         if (group && group != RP_NO_RESULT)
