@@ -90,6 +90,10 @@ typedef struct {
 } check_case;
 void check_register(const char *suite, const check_case *cases);
 
+/* The same with what is done before each test, and after it even where the test has ended early. */
+void check_register_within(const char *suite, void (*before)(void), void (*after)(void),
+                           const check_case *cases);
+
 /* True in the sanitizer build, where long tests take a smaller size. */
 bool check_fast(void);
 

@@ -47,12 +47,18 @@ static bool is_wanted(const char *name)
 
 void check_register(const char *suite, const check_case *cases)
 {
+    check_register_within(suite, NULL, NULL, cases);
+}
+
+void check_register_within(const char *suite, void (*before)(void), void (*after)(void),
+                           const check_case *cases)
+{
     CU_pSuite s = NULL;
     bool all = false;
     for (const check_case *c = cases; c->name; c++) all |= c->after_all && is_wanted(c->name);
     for (const check_case *c = cases; c->name; c++) {
         if (!all && (c->after_all || !is_wanted(c->name))) continue;
-        if (!s) s = CU_add_suite(suite, NULL, NULL);
+        if (!s) s = CU_add_suite_with_setup_and_teardown(suite, NULL, NULL, before, after);
         if (!s || !CU_add_test(s, c->name, c->function)) broken_registrations++;
     }
     if (all && n_joint < sizeof joint / sizeof *joint) joint[n_joint++] = s;

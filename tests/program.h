@@ -11,7 +11,7 @@
 /* Output of the last run, also in the files `out` and `err` of the test's folder. */
 extern char out[1 << 20], err[1 << 14];
 
-/* Make the folder of a test, and remove it. */
+/* Make the folder of a test, and remove it: for check_register_within. */
 void enter(void);
 void leave(void);
 
@@ -44,15 +44,17 @@ bool failed(const char *file, int line, int status, int expected, const char *te
 #define REPORT_FAILS(status, text, ...)                                                                      \
     CU_ASSERT(failed(__FILE__, __LINE__, run_report(__VA_ARGS__), status, text))
 
-/* A table of the folder; free with rp_table_free. */
+/* A table of the folder; free with rp_table_free. A scoped_table is freed at the end of its scope. */
+#define scoped_table __attribute__((cleanup(rp_table_free))) rp_table
 rp_table read_table(const char *name);
 
 /* Text and number of a cell; a failed assertion, "" and NaN if there is no such cell. */
 const char *word(const rp_table *t, size_t row, const char *column);
 double cell(const rp_table *t, size_t row, const char *column);
 
-/* A table whose columns must all be read: the end fails, and names them, for columns that `at` has not seen.
- */
+/* A table whose columns must all be read: the end, of a scoped_checked that of its scope, fails, and names
+ * them, for columns that `at` has not seen. */
+#define scoped_checked __attribute__((cleanup(checked_end))) checked
 enum { CHECKED_COLUMNS = 128 };
 typedef struct {
     rp_table t;

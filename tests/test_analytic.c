@@ -23,21 +23,67 @@ static void *room(long n, size_t size)
     return p;
 }
 
+/* Both components; forces of the models. */
+#define NEAR_FORCE(f, g, tolerance)                                                                          \
+    do {                                                                                                     \
+        const an_force f_ = (f), g_ = (g);                                                                   \
+        CHECK_NEAR(f_.N, g_.N, tolerance);                                                                   \
+        CHECK_NEAR(f_.H, g_.H, tolerance);                                                                   \
+    } while (0)
+
+static an_force mirrored_force(an_force f)
+{
+    return (an_force){f.N, -f.H};
+}
+
+static an_force triangle(long k, double theta, long i)
+{
+    an_force f = {NAN, NAN};
+    CHECK_OK(an_lattice_triangle(k, theta, i, &f));
+    return f;
+}
+
+static an_force continuum(double alpha, double x)
+{
+    an_force f = {NAN, NAN};
+    CHECK_OK(an_continuum(alpha, x, &f));
+    return f;
+}
+
+static double kink(double alpha)
+{
+    double x_c = NAN;
+    CHECK_OK(an_continuum_kink(alpha, &x_c));
+    return x_c;
+}
+
+static an_force profile_force(const an_profile *p, double x)
+{
+    an_force f = {NAN, NAN};
+    CHECK_OK(an_profile_force(p, x, &f));
+    return f;
+}
+
+/* A tent by its angles in degrees; v is its outline. */
+static an_profile tent_of(double outer_deg, double inner_deg, double x1, an_point v[5])
+{
+    an_profile tent;
+    CHECK_OK(an_tent(RAD(outer_deg), RAD(inner_deg), x1, v));
+    CHECK_OK(an_profile_set(&tent, v, 5));
+    return tent;
+}
+
 /* ---- lattice */
 
 static void triangle_printed_values(void)
 {
-    an_force f;
-    CHECK_OK(an_lattice_triangle(45, M_PI / 6, 1, &f));
-    CHECK_NEAR(f.N, 23, 0);
-    CHECK_NEAR(f.H, -44 / (2 * sqrt(3)), 44 * ROUND); /* (44): H < 0 at the left toe */
-    CHECK_OK(an_lattice_triangle(45, M_PI / 6, 23, &f));
-    CHECK_NEAR(f.H, 0, 0);
-    CHECK_OK(an_lattice_triangle(238, 0.8135, 200, &f)); /* (43) */
-    CHECK_NEAR(f.N, 119.5, 0);
-    CHECK_NEAR(f.H, tan(0.8135) * 80.5, 81 * ROUND);
-    CHECK_OK(an_lattice_triangle(AN_LAYERS_MAX, M_PI / 3, AN_LAYERS_MAX, &f));
-    CHECK_NEAR(f.H, sqrt(3) * 999999 / 2, 1e6 * ROUND);
+    CHECK_NEAR(triangle(45, M_PI / 6, 1).N, 23, 0);
+    CHECK_NEAR(triangle(45, M_PI / 6, 1).H, -44 / (2 * sqrt(3)),
+               44 * ROUND); /* (44): H < 0 at the left toe */
+    CHECK_NEAR(triangle(45, M_PI / 6, 23).H, 0, 0);
+    CHECK_NEAR(triangle(238, 0.8135, 200).N, 119.5, 0); /* (43) */
+    CHECK_NEAR(triangle(238, 0.8135, 200).H, tan(0.8135) * 80.5, 81 * ROUND);
+    CHECK_NEAR(triangle(AN_LAYERS_MAX, M_PI / 3, AN_LAYERS_MAX).H, sqrt(3) * 999999 / 2, 1e6 * ROUND);
 }
 
 /* Forces grow to k by k additions. */
@@ -50,10 +96,7 @@ static void compare_outline(long k, const long up[], double theta, an_force coun
 {
     CHECK_OK(an_lattice_counts(k, up, theta, counts));
     CHECK_OK(an_lattice_recursion(k, up, theta, recursion));
-    for (long i = 0; i < k; i++) {
-        CHECK_NEAR(recursion[i].N, counts[i].N, recursion_tol(k));
-        CHECK_NEAR(recursion[i].H, counts[i].H, recursion_tol(k));
-    }
+    for (long i = 0; i < k; i++) NEAR_FORCE(recursion[i], counts[i], recursion_tol(k));
 }
 
 static void triangle_three_ways(void)
@@ -62,13 +105,12 @@ static void triangle_three_ways(void)
     for (size_t t = 0; t < sizeof sizes / sizeof *sizes; t++) {
         long k = sizes[t], *up = room(k, sizeof *up);
         double theta = RAD(30 + 6.0 * (double)t);
-        an_force *a = room(k, sizeof *a), *b = room(k, sizeof *b), f;
+        an_force *a = room(k, sizeof *a), *b = room(k, sizeof *b);
         CHECK_OK(an_lattice_cut(k, theta, M_PI / 2 - theta, up));
         compare_outline(k, up, theta, a, b);
         for (long i = 1; i <= k; i++) {
-            CHECK_OK(an_lattice_triangle(k, theta, i, &f));
-            CHECK_NEAR(a[i - 1].N, f.N, 0);
-            CHECK_NEAR(a[i - 1].H, f.H, (double)k * ROUND);
+            CHECK_NEAR(a[i - 1].N, triangle(k, theta, i).N, 0);
+            CHECK_NEAR(a[i - 1].H, triangle(k, theta, i).H, (double)k * ROUND);
         }
         double n = (double)k, spacing = 2 * sin(theta); /* weight of the triangle of base B: k(k+1)/2 disks */
         CHECK_NEAR(an_lattice_base(n * (n + 1) / 2, theta, M_PI / 2 - theta), spacing * sqrt(n * (n + 1)),
@@ -140,8 +182,7 @@ static void cut_forces(void)
         for (long i = 0; i < K; i++) {
             disks += (double)up[i];
             weight += a[i].N;
-            CHECK_NEAR(a[i].N, a[K - 1 - i].N, 0); /* mirror: counts are exact */
-            CHECK_NEAR(a[i].H, -a[K - 1 - i].H, 0);
+            NEAR_FORCE(a[i], mirrored_force(a[K - 1 - i]), 0); /* counts are exact */
         }
         CHECK_NEAR(weight, disks, 0);
         CU_ASSERT(a[0].H <= 0 && a[K / 4].H < 0); /* H < 0 on the left */
@@ -170,10 +211,7 @@ static void any_outline(void)
         CHECK_NEAR(weight, disks, 0);
         CHECK_NEAR(thrust, 0, disks * ROUND);
         CHECK_OK(an_lattice_counts(K, mirrored, theta, b));
-        for (long i = 0; i < K; i++) {
-            CHECK_NEAR(b[K - 1 - i].N, a[i].N, 0);
-            CHECK_NEAR(b[K - 1 - i].H, -a[i].H, 0);
-        }
+        for (long i = 0; i < K; i++) NEAR_FORCE(b[K - 1 - i], mirrored_force(a[i]), 0);
     }
 }
 
@@ -187,13 +225,12 @@ static void cut_pile_to_continuum(void)
         long *up = room(k, sizeof *up);
         an_force *a = room(k, sizeof *a), f;
         for (size_t t = 0; t < sizeof slopes_deg / sizeof *slopes_deg; t++) {
-            double alpha = RAD(slopes_deg[t]), disks = 0, mean = 0, x_c;
+            double alpha = RAD(slopes_deg[t]), disks = 0, mean = 0;
             CHECK_OK(an_lattice_cut(k, RAD(30), alpha, up));
             CHECK_OK(an_lattice_counts(k, up, RAD(30), a));
             for (long s = 0; s < k; s++) disks += (double)up[s];
-            CHECK_OK(an_continuum_kink(alpha, &x_c));
             double base = an_lattice_base(disks, RAD(30), alpha), n = (double)k;
-            double bound = 1 + 2 * sin(alpha) / (2 * sin(2 * M_PI / 3 - alpha)) / x_c;
+            double bound = 1 + 2 * sin(alpha) / (2 * sin(2 * M_PI / 3 - alpha)) / kink(alpha);
             long misfits = 0;
             for (long i = 0; i < k; i++) {
                 f.N = NAN;
@@ -244,10 +281,7 @@ static void lattice_errors(void)
 /* (49)-(53) for the left half, the right one by symmetry. */
 static an_force by_chords(double alpha, double x)
 {
-    if (x > 0.5) {
-        an_force f = by_chords(alpha, 1 - x);
-        return (an_force){f.N, -f.H};
-    }
+    if (x > 0.5) return mirrored_force(by_chords(alpha, 1 - x));
     double x_c = tan(alpha) / 2 * (1 / tan(alpha) - 1 / sqrt(3));
     double l_1 = x * sin(alpha) / sin(2 * M_PI / 3 - alpha);
     double l_2 =
@@ -266,66 +300,48 @@ static void continuum_by_chords(void)
     for (int a = 0; a < N_ANGLES; a++)
         for (int i = 0; i <= 1000; i++) {
             double alpha = RAD(ANGLES_DEG[a]), x = i / 1000.0;
-            an_force f = {NAN, NAN}, g = by_chords(alpha, x);
-            CHECK_OK(an_continuum(alpha, x, &f));
-            CHECK_NEAR(f.N, g.N, near_60(ANGLES_DEG[a]));
-            CHECK_NEAR(f.H, g.H, near_60(ANGLES_DEG[a]));
+            NEAR_FORCE(continuum(alpha, x), by_chords(alpha, x), near_60(ANGLES_DEG[a]));
         }
 }
 
 static void continuum_printed_values(void)
 {
-    an_force f;
-    double x_c;
-    CHECK_OK(an_continuum_kink(RAD(30), &x_c));
-    CHECK_NEAR(x_c, 1.0 / 3, ROUND);
-    CHECK_OK(an_continuum(RAD(30), 0.5, &f)); /* (56): sin 30/(2 sin 90) */
-    CHECK_NEAR(f.N, 0.25, ROUND);
-    CHECK_NEAR(f.H, 0, 0);
-    CHECK_OK(an_continuum(RAD(30), 0.1, &f)); /* (54), (55): sqrt 3 x sqrt 3/4, -x/(4 sqrt 3) */
-    CHECK_NEAR(f.N, 0.075, ROUND);
-    CHECK_NEAR(f.H, -0.1 / (4 * sqrt(3)), ROUND);
-    CHECK_OK(an_continuum(RAD(45), 0.6, &f)); /* (57) */
-    CHECK_NEAR(f.H, 0.1 * sin(RAD(45)) / (sqrt(3) * sin(RAD(75))), ROUND);
+    CHECK_NEAR(kink(RAD(30)), 1.0 / 3, ROUND);
+    CHECK_NEAR(continuum(RAD(30), 0.5).N, 0.25, ROUND); /* (56): sin 30/(2 sin 90) */
+    CHECK_NEAR(continuum(RAD(30), 0.5).H, 0, 0);
+    /* (54), (55): sqrt 3 x sqrt 3/4, -x/(4 sqrt 3) */
+    NEAR_FORCE(continuum(RAD(30), 0.1), ((an_force){0.075, -0.1 / (4 * sqrt(3))}), ROUND);
+    CHECK_NEAR(continuum(RAD(45), 0.6).H, 0.1 * sin(RAD(45)) / (sqrt(3) * sin(RAD(75))), ROUND); /* (57) */
     for (int edge = 0; edge <= 1; edge++) {
-        CHECK_OK(an_continuum(RAD(45), edge, &f));
-        CHECK_NEAR(f.N, 0, 0);
-        CHECK_NEAR(f.H, 0, 0);
-        CU_ASSERT(!signbit(f.H)); /* no "-0" in tables */
+        NEAR_FORCE(continuum(RAD(45), edge), ((an_force){0, 0}), 0);
+        CU_ASSERT(!signbit(continuum(RAD(45), edge).H)); /* no "-0" in tables */
     }
 }
 
 static void continuum_is_continuous(void)
 {
     for (int a = 0; a < N_ANGLES; a++) {
-        double alpha = RAD(ANGLES_DEG[a]), x_c;
-        CHECK_OK(an_continuum_kink(alpha, &x_c));
+        double alpha = RAD(ANGLES_DEG[a]), x_c = kink(alpha);
         for (int side = 0; side <= 1; side++) {
             double x = side ? 1 - x_c : x_c;
-            an_force f = {NAN, NAN}, g = {NAN, NAN};
-            CHECK_OK(an_continuum(alpha, x - 4 * DBL_EPSILON, &f));
-            CHECK_OK(an_continuum(alpha, x + 4 * DBL_EPSILON, &g));
             /* the flanks' slope is at most 1/x_c in N and in H */
-            CHECK_NEAR(f.N, g.N, ROUND * (1 + 1 / x_c));
-            CHECK_NEAR(f.H, g.H, ROUND * (1 + 1 / x_c));
+            NEAR_FORCE(continuum(alpha, x - 4 * DBL_EPSILON), continuum(alpha, x + 4 * DBL_EPSILON),
+                       ROUND * (1 + 1 / x_c));
         }
     }
 }
 
 static double continuum_N(double x, void *alpha)
 {
-    an_force f = {NAN, NAN};
-    CHECK_OK(an_continuum(*(double *)alpha, x, &f));
-    return f.N;
+    return continuum(*(double *)alpha, x).N;
 }
 
 static void continuum_weight(void)
 {
     gsl_integration_workspace *w = gsl_integration_workspace_alloc(100);
     for (int a = 0; a < N_ANGLES; a++) {
-        double alpha = RAD(ANGLES_DEG[a]), x_c = NAN, integral = NAN, error;
-        CHECK_OK(an_continuum_kink(alpha, &x_c));
-        double kinks[] = {0, x_c, 1 - x_c, 1};
+        double alpha = RAD(ANGLES_DEG[a]), kinks[] = {0, kink(alpha), 1 - kink(alpha), 1}, integral = NAN,
+               error;
         gsl_function N = {continuum_N, &alpha};
         CU_ASSERT_EQUAL(gsl_integration_qagp(&N, kinks, 4, 0, 1e-13, 100, w, &integral, &error), 0);
         CHECK_NEAR(integral, tan(alpha) / (2 * sqrt(3)), INTEGRAL_TOL);
@@ -339,11 +355,8 @@ static void continuum_symmetry_and_friction(void)
         double alpha = RAD(ANGLES_DEG[a]), largest = 0;
         for (int i = 1; i < 1024; i++) {
             double x = i / 1024.0; /* 1 - x is exact */
-            an_force f = {NAN, NAN}, g = {NAN, NAN};
-            CHECK_OK(an_continuum(alpha, x, &f));
-            CHECK_OK(an_continuum(alpha, 1 - x, &g));
-            CHECK_NEAR(f.N, g.N, 0);
-            CHECK_NEAR(f.H, -g.H, 0);
+            const an_force f = continuum(alpha, x);
+            NEAR_FORCE(f, mirrored_force(continuum(alpha, 1 - x)), 0);
             largest = fmax(largest, fabs(f.H) / f.N);
         }
         /* taken on the flanks, x < x_c: the grid reaches them below 59.9 degrees */
@@ -358,10 +371,9 @@ static void continuum_limits(void)
      * alpha; the factor is below 1 there. */
     const double short_of_60 = 1e-8;
     enum { K = 45 };
-    an_force f = {NAN, NAN}, g;
     for (long i = 1; i <= K; i++) {
-        CHECK_OK(an_continuum(M_PI / 3 - short_of_60, (double)i / (K + 1), &f));
-        CHECK_OK(an_lattice_triangle(K, M_PI / 6, i, &g));
+        const an_force f = continuum(M_PI / 3 - short_of_60, (double)i / (K + 1)),
+                       g = triangle(K, M_PI / 6, i);
         CHECK_NEAR(f.N * (K + 1), g.N, (K + 1) * short_of_60);
         CHECK_NEAR(f.H * (K + 1), g.H, (K + 1) * short_of_60);
     }
@@ -369,13 +381,13 @@ static void continuum_limits(void)
     const double tiny[] = {1e-9, 1e-100, DBL_MIN};
     for (int t = 0; t < 3; t++)
         for (double x = 0.117; x < 0.5; x += 0.1) {
-            CHECK_OK(an_continuum(tiny[t], x, &f));
+            const an_force f = continuum(tiny[t], x);
             CHECK_NEAR(f.N / tiny[t], x * 2 / sqrt(3), 2 * tiny[t] + ROUND);
             CHECK_NEAR(f.H, 0, tiny[t] * tiny[t]);
         }
     /* the last angle below 60 degrees */
     for (double x = 0; x <= 1; x += 0.125) {
-        CHECK_OK(an_continuum(nextafter(M_PI / 3, 0), x, &f));
+        const an_force f = continuum(nextafter(M_PI / 3, 0), x);
         CU_ASSERT(f.N >= 0 && f.N <= 0.5 + ROUND && fabs(f.H) <= f.N);
     }
 }
@@ -415,32 +427,20 @@ static void tent_is_triangle(void)
         double alpha_deg = t <= 55 ? t : 60 - pow(10, 55 - t),
                alpha = RAD(alpha_deg); /* 1 .. 55, 59.9, 59.99 .. */
         an_point v[5];
-        an_profile tent;
-        CHECK_OK(an_tent(alpha, alpha, 0.2385, v));
-        CHECK_OK(an_profile_set(&tent, v, 5));
-        for (int i = 0; i <= 201; i++) {
-            double x = i / 201.0;
-            an_force f = {NAN, NAN}, g;
-            CHECK_OK(an_profile_force(&tent, x, &f));
-            CHECK_OK(an_continuum(alpha, x, &g));
-            CHECK_NEAR(f.N, g.N, near_60(alpha_deg));
-            CHECK_NEAR(f.H, g.H, near_60(alpha_deg));
-        }
+        const an_profile tent = tent_of(alpha_deg, alpha_deg, 0.2385, v);
+        for (int i = 0; i <= 201; i++)
+            NEAR_FORCE(profile_force(&tent, i / 201.0), continuum(alpha, i / 201.0), near_60(alpha_deg));
     }
 }
 
 static double profile_N(double x, void *profile)
 {
-    an_force f = {NAN, NAN};
-    CHECK_OK(an_profile_force(profile, x, &f));
-    return f.N;
+    return profile_force(profile, x).N;
 }
 
 static double profile_H(double x, void *profile)
 {
-    an_force f = {NAN, NAN};
-    CHECK_OK(an_profile_force(profile, x, &f));
-    return f.H;
+    return profile_force(profile, x).H;
 }
 
 /* Two peaks, a valley that touches the base, and a base that starts away from 0. */
@@ -503,11 +503,8 @@ static void profile_mirror_and_scale(void)
     CHECK_OK(an_profile_set(&p, RANGE, N_RANGE));
     CHECK_OK(an_profile_set(&q, m, N_RANGE));
     for (double x = RANGE[0].x; x < RANGE[N_RANGE - 1].x; x += 0.0371) {
-        an_force f = {NAN, NAN}, g = {NAN, NAN};
-        CHECK_OK(an_profile_force(&p, x, &f));
-        CHECK_OK(an_profile_force(&q, -scale * x, &g));
-        CHECK_NEAR(f.N, g.N, 8 * ROUND); /* slopes to 58 degrees */
-        CHECK_NEAR(f.H, -g.H, 8 * ROUND);
+        /* slopes to 58 degrees */
+        NEAR_FORCE(profile_force(&p, x), mirrored_force(profile_force(&q, -scale * x)), 8 * ROUND);
     }
 }
 
@@ -537,12 +534,8 @@ static void profile_of_many_vertices(void)
 static double tent_at(double outer_deg, double inner_deg, double x)
 {
     an_point v[5];
-    an_profile tent;
-    an_force f = {NAN, NAN};
-    CHECK_OK(an_tent(RAD(outer_deg), RAD(inner_deg), 0.38, v));
-    CHECK_OK(an_profile_set(&tent, v, 5));
-    CHECK_OK(an_profile_force(&tent, x, &f));
-    return f.N;
+    const an_profile tent = tent_of(outer_deg, inner_deg, 0.38, v);
+    return profile_force(&tent, x).N;
 }
 
 /* The vertices of a tent, all of them set. */
@@ -581,20 +574,15 @@ static void largest_force(void)
     for (size_t t = 0; t < 5; t++) {
         const double unit = 7.3, left = -2.1;
         an_point v[5];
-        an_profile tent;
-        an_force f;
+        an_profile tent = tent_of(tents[t][0], tents[t][1], tents[t][2], v);
         double x, N, scanned = 0;
-        CHECK_OK(an_tent(RAD(tents[t][0]), RAD(tents[t][1]), tents[t][2], v));
         for (int i = 0; i < 5; i++) v[i] = (an_point){left + unit * v[i].x, unit * v[i].y};
         CHECK_OK(an_profile_set(&tent, v, 5));
         CHECK_OK(an_profile_largest(&tent, &x, &N));
-        for (int i = 0; i <= 3000; i++) {
-            CHECK_OK(an_profile_force(&tent, left + unit * i / 3000.0, &f));
-            scanned = fmax(scanned, f.N);
-        }
+        for (int i = 0; i <= 3000; i++)
+            scanned = fmax(scanned, profile_force(&tent, left + unit * i / 3000.0).N);
         CU_ASSERT(scanned <= N + ROUND && scanned > N - 2.0 / 3000);
-        CHECK_OK(an_profile_force(&tent, x, &f));
-        CHECK_NEAR(f.N, N, ROUND);
+        CHECK_NEAR(profile_force(&tent, x).N, N, ROUND);
         CU_ASSERT(x <= left + unit / 2 + ROUND); /* the first of two */
     }
 }
@@ -603,8 +591,7 @@ static void largest_force(void)
  * in the lattice below a single disk; the printed pi/3 would give W along each. */
 static void misprint_theta(void)
 {
-    an_force f;
-    CHECK_OK(an_lattice_triangle(2, M_PI / 6, 2, &f));
+    const an_force f = triangle(2, M_PI / 6, 2);
     CHECK_NEAR(hypot(f.N - 1, f.H), 1 / sqrt(3), ROUND);
     CHECK_NEAR(1 / (2 * cos(M_PI / 6)), 1 / sqrt(3), ROUND);
     CHECK_NEAR(1 / (2 * cos(M_PI / 3)), 1, ROUND);

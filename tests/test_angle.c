@@ -10,8 +10,8 @@
 
 #include "angle/angle.h"
 #include "stats/stats.h"
-#include "core/random.h"
 #include "tests/check.h"
+#include "tests/numbers.h"
 
 static const double deg = M_PI / 180.0;
 /* a dozen rounded operations on numbers of order 1 */
@@ -391,7 +391,7 @@ static void rough_line(gsl_rng *rng, size_t n, double slope, double cell, double
 /* Methods 1 and 2 by the sums of least squares, method 3 by a fit of GSL to the running sum. */
 static void test_methods(void)
 {
-    gsl_rng *rng = rp_random_alloc(1, 0, RP_PURPOSE_TEST);
+    scoped_rng *rng = numbers_of(1, 0);
     ang_slope s[ANG_N_METHODS], mirrored[ANG_N_METHODS];
     double h[37], back[37], naive, mean = 0.0, sxx = 0.0, sxh = 0.0, shh = 0.0;
     rough_line(rng, 37, 0.41, 0.193, h);
@@ -419,7 +419,6 @@ static void test_methods(void)
     CHECK_NEAR(s[1].theta_se, sqrt(variance / sxx) / (1.0 + slope * slope), sum_error);
     CHECK_OK(ang_slopes(37, NULL, back, 0.193, ANG_PARABOLA_FREE, mirrored));
     for (int m = 0; m < 2; m++) CHECK_NEAR(mirrored[m].slope, -s[m].slope, sum_error);
-    gsl_rng_free(rng);
 }
 
 /* An excluded cell enters the sum as the mean of its neighbours. */
@@ -454,7 +453,7 @@ static void test_propagated_errors(void)
 {
     enum { N = 20 };
     const size_t n_piles = check_fast() ? 1000 : 10000;
-    gsl_rng *rng = rp_random_alloc(2, 0, RP_PURPOSE_TEST);
+    scoped_rng *rng = numbers_of(2, 0);
     for (int parabola = 0; parabola < 2; parabola++) {
         double sum[3] = {0}, squares[3] = {0}, predicted[3] = {0}, naive_squares = 0.0, h[N], naive;
         ang_slope s[ANG_N_METHODS];
@@ -479,14 +478,13 @@ static void test_propagated_errors(void)
         /* about a third */
         if (parabola == ANG_PARABOLA_FREE) CHECK_NEAR(sqrt(squares[2] / naive_squares), 3.0, 0.5);
     }
-    gsl_rng_free(rng);
 }
 
 /* Piles of random grains below a planted line: every method recovers its slope. */
 static void test_planted_heaps(void)
 {
     enum { N = 3000, PILES = 60 };
-    gsl_rng *rng = rp_random_alloc(3, 0, RP_PURPOSE_TEST);
+    scoped_rng *rng = numbers_of(3, 0);
     ang_options o = ANG_OPTIONS_DEFAULT;
     double x[N], y[N], slopes[ANG_N_METHODS][PILES];
     const double slope = 0.3249, width = 4.0;
@@ -511,7 +509,6 @@ static void test_planted_heaps(void)
         CHECK_NEAR(stats.mean, slope, sigmas * stats.se);
         CU_ASSERT(stats.se < 0.01);
     }
-    gsl_rng_free(rng);
 }
 
 static void test_slope_errors(void)
@@ -699,7 +696,7 @@ static void test_blocking(void)
 {
     enum { N = 4096, SERIES = 200 };
     static double v[N], work[N];
-    gsl_rng *rng = rp_random_alloc(11, 0, RP_PURPOSE_TEST);
+    scoped_rng *rng = numbers_of(11, 0);
     for (double phi = 0.0; phi < 0.95; phi += 0.3) {
         double variance = 0.0, expected = 0.0, tau = 0.0, spread = 0.0, error = 0.0, se = 0.0;
         for (int s = 0; s < SERIES; s++) {
@@ -725,7 +722,6 @@ static void test_blocking(void)
         CHECK_NEAR(expected / mean_variance(phi, N), 1.0, 0.1); /* bias of the blocks, 2 tau/B at most */
         CHECK_NEAR(tau / (0.5 * (1.0 + phi) / (1.0 - phi)), 1.0, fine + 0.1);
     }
-    gsl_rng_free(rng);
 }
 
 /* The first blocks whose length to the third is above twice the values times the squared ratio of variances,
@@ -771,7 +767,7 @@ static void test_series_by_hand(void)
 {
     enum { MOST = 512, SERIES = 400 };
     double v[MOST];
-    gsl_rng *rng = rp_random_alloc(13, 0, RP_PURPOSE_TEST);
+    scoped_rng *rng = numbers_of(13, 0);
     for (int k = 0; k < SERIES; k++) {
         const size_t n = 4 + gsl_rng_uniform_int(rng, k % 2 ? 40 : MOST - 4), rise = n * (size_t)(k % 7) / 10;
         autoregressive(rng, 0.9 * gsl_rng_uniform(rng), n, v);
@@ -780,7 +776,6 @@ static void test_series_by_hand(void)
         for (size_t i = 0; i < rise; i++) v[i] -= 0.3 * (1.0 - (double)i / (double)rise);
         check_level_off(n, v);
     }
-    gsl_rng_free(rng);
 }
 
 static void test_blocking_small(void)
@@ -808,7 +803,7 @@ static void test_level_off(void)
     enum { N = 1000, RISE = 137 };
     double v[N];
     size_t from;
-    gsl_rng *rng = rp_random_alloc(12, 0, RP_PURPOSE_TEST);
+    scoped_rng *rng = numbers_of(12, 0);
     /* a linear rise of ten standard deviations, then noise, correlated or not: the cut is where the rise is
      * within one or two standard deviations of the level, a tenth or two of its length */
     for (double phi = 0.0; phi < 0.9; phi += 0.4) {
@@ -830,7 +825,6 @@ static void test_level_off(void)
     CHECK_FAILS(stats_level_off(3, v, &from), RP_NO_RESULT, "3 values");
     v[2] = INFINITY;
     CHECK_FAILS(stats_level_off(N, v, &from), RP_BAD_INPUT, "value 3");
-    gsl_rng_free(rng);
 }
 
 static void test_expected_maximum(void)
@@ -860,7 +854,7 @@ static void test_compare(void)
     enum { N = 50, B = 4000 };
     double r[N], t[N], rate[ANG_N_FORMS]; /* d theta_T/d theta_r */
     const double phi = M_PI / 3.0;
-    gsl_rng *rng = rp_random_alloc(5, 0, RP_PURPOSE_TEST);
+    scoped_rng *rng = numbers_of(5, 0);
     for (int i = 0; i < N; i++) { /* steep piles slide early */
         r[i] = 0.31 + gsl_ran_gaussian(rng, 0.03);
         t[i] = 0.07 - 0.5 * (r[i] - 0.31) + gsl_ran_gaussian(rng, 0.01);
@@ -904,7 +898,6 @@ static void test_compare(void)
     CHECK_FAILS(ang_compare(&(ang_piles){-0.2, N, r, t}, phi, B, rng, &c), RP_BAD_INPUT, "mu = -0.2");
     r[0] = NAN;
     CHECK_FAILS(ang_compare(&(ang_piles){0.2, N, r, t}, phi, B, rng, &c), RP_BAD_INPUT, "value 1");
-    gsl_rng_free(rng);
 }
 
 /* The claim of Fig. 7 in numbers: errors of (4) and (3); and piles that are flat on average. */
@@ -912,7 +905,7 @@ static void compare_gain_and_flat_piles(void)
 {
     const double theta_r[4] = {0.301, 0.322, 0.345, 0.318}, theta_t[4] = {0.061, 0.072, 0.049, 0.066};
     const double flat[4] = {-0.012, 0.004, -0.003, 0.001}, mu = 0.2, phi = M_PI / 3.0;
-    gsl_rng *rng = rp_random_alloc(3, 0, RP_PURPOSE_TEST);
+    scoped_rng *rng = numbers_of(3, 0);
     ang_comparison c;
     CHECK_OK(ang_compare(&(ang_piles){mu, 4, theta_r, theta_t}, phi, 400, rng, &c));
     for (int f = 0; f < ANG_N_FORMS; f++) {
@@ -930,7 +923,6 @@ static void compare_gain_and_flat_piles(void)
     CHECK_OK(ang_compare(&(ang_piles){mu, 1, flat, theta_t}, phi, 50, rng,
                          &c)); /* one pile has no resamples to lose */
     CU_ASSERT(c.n_lost == 0);
-    gsl_rng_free(rng);
 }
 
 /* Errors and lost resamples, from the same resamples: (4) at the mean angles of each. Some are too steep, for
@@ -944,7 +936,7 @@ static void compare_resamples_of(double steeper, double mu)
     size_t most_lost = 0, lost = 0;
     for (int i = 0; i < N; i++) theta_r[i] += steeper;
     const double phi = M_PI / 3.0, ms = atan(3.0 * mu), unbias = sqrt(N / (N - 1.0));
-    gsl_rng *rng = rp_random_alloc(17, 0, RP_PURPOSE_TEST), *same = gsl_rng_clone(rng);
+    scoped_rng *rng = numbers_of(17, 0), *same = gsl_rng_clone(rng);
     ang_comparison c;
     CHECK_OK(ang_compare(&(ang_piles){mu, N, theta_r, theta_t}, phi, B, rng, &c));
     for (int b = 0; b < B; b++) {
@@ -975,8 +967,6 @@ static void compare_resamples_of(double steeper, double mu)
     }
     CU_ASSERT(c.n_lost == most_lost && most_lost > 2 && most_lost < B / 2 &&
               (lost == most_lost) == (steeper == 0.0));
-    gsl_rng_free(rng);
-    gsl_rng_free(same);
 }
 
 static void compare_resamples(void)
@@ -984,7 +974,7 @@ static void compare_resamples(void)
     enum { N = 5, B = 60 };
     static const double theta_r[N] = {0.301, 0.362, 0.245, 0.318, 0.296},
                         theta_t[N] = {0.061, 0.052, 0.089, 0.066, 0.031};
-    gsl_rng *rng = rp_random_alloc(18, 0, RP_PURPOSE_TEST);
+    scoped_rng *rng = numbers_of(18, 0);
     ang_comparison c;
     compare_resamples_of(0.0, 0.11);
     compare_resamples_of(0.47, 1.0);
@@ -993,7 +983,6 @@ static void compare_resamples(void)
     for (int f = 0; f < ANG_N_FORMS; f++)
         CU_ASSERT(isnan(c.form[f].theta_t.value) && isnan(c.form[f].theta_t.se) && isnan(c.form[f].gain.se));
     CU_ASSERT(c.n_lost > 0 && c.n_lost < B && c.n_unstable == 4);
-    gsl_rng_free(rng);
 }
 
 /* ---- phi ---- */
@@ -1097,7 +1086,7 @@ static void test_phi_planted(void)
     double angles[2][PHI_GROUPS][PHI_PILES], phi[PHI_GROUPS], p_mean = 0.0;
     ang_piles groups[PHI_GROUPS];
     ang_phi fit[ANG_N_AGAINST];
-    gsl_rng *rng = rp_random_alloc(1993, 1, RP_PURPOSE_TEST);
+    scoped_rng *rng = numbers_of(1993, 1);
     for (int g = 0; g < PHI_GROUPS; g++) phi[g] = 58.3 * deg;
     int covered = 0;
     for (int k = 0; k < planted; k++) {
@@ -1134,7 +1123,6 @@ static void test_phi_planted(void)
     plant_piles(phi, 0.15, rng, angles, groups);
     CHECK_OK(ang_phi_fit(PHI_GROUPS, groups, fit));
     CU_ASSERT(fit[ANG_AGAINST_BALANCED].p_value < 1e-3);
-    gsl_rng_free(rng);
 }
 
 static void test_phi_not_identified(void)

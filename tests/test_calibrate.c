@@ -1,7 +1,6 @@
 /* Calibration against closed forms, and on piles drawn from known responses. */
 #include <gsl/gsl_cdf.h>
 #include <gsl/gsl_fit.h>
-#include <gsl/gsl_multifit.h>
 #include <gsl/gsl_poly.h>
 #include <gsl/gsl_randist.h>
 #include <gsl/gsl_sf_psi.h>
@@ -11,8 +10,8 @@
 
 #include "stats/stats.h"
 #include "stats/calibrate.h"
-#include "core/random.h"
 #include "tests/check.h"
+#include "tests/numbers.h"
 
 /* accuracy of the search, relative to the range of the parameter */
 static const double search_error = 1e-7;
@@ -48,19 +47,38 @@ static void add_four(double x, double y, double angle, double scatter)
         add(x, y, angle + (k % 2 ? scatter : -scatter), angle + (k / 2 ? scatter : -scatter));
 }
 
+/* n points from `first` on, a step apart, on the line a + b x. */
+static void start_line(size_t n_angles, int n, double first, double step, double a, double b, double scatter)
+{
+    start(1, n_angles);
+    for (int g = 0; g < n; g++) add_four(first + step * g, 0.0, a + b * (step * g), scatter);
+}
+
 static stats_measured measured(double a, double error_a, double b, double error_b)
 {
     return (stats_measured){{a, b}, {error_a, error_b}};
 }
 
+/* The response of the piles, and the parameters that a measurement gives. */
+static stats_calibration fitted;
+static stats_calibrated found[STATS_MAX_PARAMS];
+
+static void fit_piles(void)
+{
+    stats_calibration_free(&fitted);
+    CHECK_OK(stats_calibration_fit(&piles, &fitted));
+}
+
+static void invert(stats_measured m)
+{
+    CHECK_OK(stats_calibration_invert(&fitted, &m, found));
+}
+
 static stats_calibrated_status invert_status(stats_measured m)
 {
-    stats_calibration c;
-    stats_calibrated r[STATS_MAX_PARAMS];
-    CHECK_OK(stats_calibration_fit(&piles, &c));
-    CHECK_OK(stats_calibration_invert(&c, &m, r));
-    stats_calibration_free(&c);
-    return r[0].status;
+    fit_piles();
+    invert(m);
+    return found[0].status;
 }
 
 /* ---- closed forms ---- */
@@ -77,38 +95,35 @@ static void test_line(void)
         y[g] = a + b * x[g];
         add_four(x[g], 0.0, y[g], 1.37);
     }
-    stats_calibration c;
-    stats_calibrated r[STATS_MAX_PARAMS];
-    CHECK_OK(stats_calibration_fit(&piles, &c));
-    CU_ASSERT(c.response[0].shape == STATS_POWERS && c.response[0].degree[0] == 1 && c.response[0].monotone);
-    for (int g = 0; g < 7; g++) se[g] = stats_calibration_sd(&c, 0, &x[g]) / 2.0;
+    fit_piles();
+    CU_ASSERT(fitted.response[0].shape == STATS_POWERS && fitted.response[0].degree[0] == 1 &&
+              fitted.response[0].monotone);
+    for (int g = 0; g < 7; g++) se[g] = stats_calibration_sd(&fitted, 0, &x[g]) / 2.0;
     CHECK_NEAR(se[0], se[6], 1e-12);
     /* the scatter is unbiased in the logarithm: 1.37 sqrt(4/3) exp((log 1.5 - psi(1.5))/2) */
     CHECK_NEAR(se[3], 0.685 * sqrt(4.0 / 3.0) * exp(0.5 * (log(1.5) - 0.03648997397857652)), 1e-10);
     stats_line line;
     CHECK_OK(stats_line_fit(7, x, y, se, false, &line));
-    CHECK_OK(stats_calibration_invert(&c, &(stats_measured){{z}, {e}}, r));
+    invert((stats_measured){{z}, {e}});
     double at = (z - a) / b, root[2];
-    CHECK_NEAR(r[0].value, at, search_error);
-    stats_response_value(&c.response[0], &at, &v);
+    CHECK_NEAR(found[0].value, at, search_error);
+    stats_response_value(&fitted.response[0], &at, &v);
     CHECK_NEAR(v, pow(line.intercept_se, 2) + 2.0 * at * line.covariance + pow(at * line.slope_se, 2), 1e-10);
-    CHECK_NEAR(r[0].se, sqrt(e * e + v) / b, 1e-7);
+    CHECK_NEAR(found[0].se, sqrt(e * e + v) / b, 1e-7);
     CU_ASSERT(gsl_poly_solve_quadratic(b * b - chi2_95 * pow(line.slope_se, 2),
                                        -2.0 * b * (z - a) - 2.0 * chi2_95 * line.covariance,
                                        pow(z - a, 2) - chi2_95 * (e * e + pow(line.intercept_se, 2)),
                                        &root[0], &root[1]) == 2);
-    CU_ASSERT(r[0].status == STATS_CALIBRATED_OK && r[0].n_solutions == 1);
-    CHECK_NEAR(r[0].solutions[0].lower, root[0], search_error);
-    CHECK_NEAR(r[0].solutions[0].upper, root[1], search_error);
+    CU_ASSERT(found[0].status == STATS_CALIBRATED_OK && found[0].n_solutions == 1);
+    CHECK_NEAR(found[0].solutions[0].lower, root[0], search_error);
+    CHECK_NEAR(found[0].solutions[0].upper, root[1], search_error);
     /* 4000 resamples know a standard deviation to 1.1 % */
-    gsl_rng *rng = rp_random_alloc(1882, 0, RP_PURPOSE_TEST);
-    CHECK_OK(stats_calibration_bootstrap(&piles, &c, &(stats_measured){{z}, {e}}, 4000, rng, r));
+    scoped_rng *rng = numbers_of(1882, 0);
+    CHECK_OK(stats_calibration_bootstrap(&piles, &fitted, &(stats_measured){{z}, {e}}, 4000, rng, found));
     /* the bootstrap knows each point's scatter, 1.37 sqrt(4/3), without the correction of the logarithm */
     double plain = v * pow(1.37 * sqrt(4.0 / 3.0) / (2.0 * se[3]), 2);
-    CHECK_NEAR(r[0].boot_se / (sqrt(e * e + plain) / b), 1.0, sigmas * 0.0112);
-    CHECK_NEAR((r[0].boot_upper - r[0].boot_lower) / (3.92 * r[0].boot_se), 1.0, 0.06);
-    gsl_rng_free(rng);
-    stats_calibration_free(&c);
+    CHECK_NEAR(found[0].boot_se / (sqrt(e * e + plain) / b), 1.0, sigmas * 0.0112);
+    CHECK_NEAR((found[0].boot_upper - found[0].boot_lower) / (3.92 * found[0].boot_se), 1.0, 0.06);
 }
 
 /* Points that scatter about a line by more than their errors: the errors of the line grow, and the lack of
@@ -117,30 +132,27 @@ static void test_lack_of_fit(void)
 {
     const double e = 0.1;
     double x[8], y[8], se[8], v, at = 0.4385;
-    stats_calibration c;
-    stats_calibrated r[STATS_MAX_PARAMS];
     start(1, 1);
     for (int g = 0; g < 8; g++) {
         x[g] = 0.1 * g;
         y[g] = 10.0 + 40.0 * x[g] + (g % 2 ? 1.0 : -1.0);
         add_four(x[g], 0.0, y[g], 1.0);
     }
-    CHECK_OK(stats_calibration_fit(&piles, &c));
-    for (int g = 0; g < 8; g++) se[g] = stats_calibration_sd(&c, 0, &x[g]) / 2.0;
+    fit_piles();
+    for (int g = 0; g < 8; g++) se[g] = stats_calibration_sd(&fitted, 0, &x[g]) / 2.0;
     stats_line line;
     CHECK_OK(stats_line_fit(8, x, y, se, false, &line));
-    CU_ASSERT(c.response[0].degree[0] == 1 && line.chi2 > 12.0);
-    CHECK_NEAR(c.response[0].chi2, line.chi2, 1e-9 * line.chi2);
-    CHECK_NEAR(c.response[0].aic, line.chi2 + 2.0 * 2.0, 1e-9 * line.chi2);
-    CHECK_NEAR(c.response[0].p_value, gsl_cdf_chisq_Q(line.chi2, 6.0), 1e-9);
+    CU_ASSERT(fitted.response[0].degree[0] == 1 && line.chi2 > 12.0);
+    CHECK_NEAR(fitted.response[0].chi2, line.chi2, 1e-9 * line.chi2);
+    CHECK_NEAR(fitted.response[0].aic, line.chi2 + 2.0 * 2.0, 1e-9 * line.chi2);
+    CHECK_NEAR(fitted.response[0].p_value, gsl_cdf_chisq_Q(line.chi2, 6.0), 1e-9);
     double factor = line.chi2 / 6.0;
-    stats_response_value(&c.response[0], &at, &v);
-    double fitted = pow(line.intercept_se, 2) + 2.0 * at * line.covariance + pow(at * line.slope_se, 2);
-    CHECK_NEAR(v, factor * fitted + (factor - 1.0) * se[0] * se[0], 1e-10);
-    CHECK_OK(stats_calibration_invert(&c, &(stats_measured){{10.0 + 40.0 * at}, {e}}, r));
-    stats_response_value(&c.response[0], &r[0].value, &v);
-    CHECK_NEAR(r[0].se, sqrt(e * e + v) / line.slope, 1e-7);
-    stats_calibration_free(&c);
+    stats_response_value(&fitted.response[0], &at, &v);
+    double of_line = pow(line.intercept_se, 2) + 2.0 * at * line.covariance + pow(at * line.slope_se, 2);
+    CHECK_NEAR(v, factor * of_line + (factor - 1.0) * se[0] * se[0], 1e-10);
+    invert((stats_measured){{10.0 + 40.0 * at}, {e}});
+    stats_response_value(&fitted.response[0], &found[0].value, &v);
+    CHECK_NEAR(found[0].se, sqrt(e * e + v) / line.slope, 1e-7);
 }
 
 /* Two angles with correlated noise weigh less than two independent ones: for equal lines
@@ -150,8 +162,6 @@ static void test_correlated(void)
     const double e = 5.0; /* far above the error of the response */
     double se[2];
     for (int opposed = 0; opposed <= 1; opposed++) {
-        stats_calibration c;
-        stats_calibrated r[STATS_MAX_PARAMS];
         start(1, 2);
         for (int g = 0; g < 6; g++)
             for (int k = 0; k < 4; k++) {
@@ -159,15 +169,14 @@ static void test_correlated(void)
                 /* correlation 0.6 or -0.6 */
                 add(x, 0.0, 100.0 * x + noise, 100.0 * x + (opposed ? -0.6 : 0.6) * noise + 0.8 * other);
             }
-        CHECK_OK(stats_calibration_fit(&piles, &c));
-        CHECK_NEAR(c.correlation, opposed ? -0.6 : 0.6, 1e-9);
-        CHECK_OK(stats_calibration_invert(&c, &(stats_measured){{25.0, 25.0}, {e, e}}, r));
-        se[opposed] = r[0].se;
+        fit_piles();
+        CHECK_NEAR(fitted.correlation, opposed ? -0.6 : 0.6, 1e-9);
+        invert((stats_measured){{25.0, 25.0}, {e, e}});
+        se[opposed] = found[0].se;
         /* of errors a and b, the best mean has the variance a^2 b^2 (1 - r^2)/(a^2 + b^2 - 2 r a b) */
         const double a = 5.0, b = 3.0, correlation = opposed ? -0.6 : 0.6;
-        CHECK_OK(stats_calibration_invert(&c, &(stats_measured){{25.0, 25.0}, {a, b}}, r));
-        CHECK_NEAR(r[0].se, 0.8 * a * b / sqrt(a * a + b * b - 2.0 * correlation * a * b) / 100.0, 1e-4);
-        stats_calibration_free(&c);
+        invert((stats_measured){{25.0, 25.0}, {a, b}});
+        CHECK_NEAR(found[0].se, 0.8 * a * b / sqrt(a * a + b * b - 2.0 * correlation * a * b) / 100.0, 1e-4);
     }
     CHECK_NEAR(se[0], sqrt(0.8) * e / 100.0, 1e-4);
     CHECK_NEAR(se[1], sqrt(0.2) * e / 100.0, 1e-4);
@@ -177,30 +186,19 @@ static void test_correlated(void)
 typedef void slopes_at(const void *form, const double x[], double slopes[]);
 
 /* Variance of the value at x of a fit of n parameters, through the normal equations of all points. */
-static double variance_by_slopes(const stats_calibration *c, size_t n, slopes_at *slopes_of, const void *form,
-                                 const double x[])
+static double variance_by_slopes(size_t n, slopes_at *slopes_of, const void *form, const double x[])
 {
-    const size_t points = c->n_points;
-    gsl_matrix *design = gsl_matrix_alloc(points, n), *covariance = gsl_matrix_alloc(n, n);
-    gsl_vector *y = gsl_vector_calloc(points), *w = gsl_vector_alloc(points), *solution = gsl_vector_alloc(n);
-    gsl_multifit_linear_workspace *work = gsl_multifit_linear_alloc(points, n);
-    double slopes[STATS_MAX_TERMS], chi2, variance = 0.0;
-    for (size_t g = 0; g < points; g++) {
-        const double *at = c->point[g].x, sd = stats_calibration_sd(c, 0, at);
-        gsl_vector_set(w, g, c->point[g].number[0] / (sd * sd));
-        slopes_of(form, at, slopes);
-        for (size_t i = 0; i < n; i++) gsl_matrix_set(design, g, i, slopes[i]);
+    double X[STATS_MAX_TERMS * MAX_PILES], w[MAX_PILES],
+        y[MAX_PILES] = {0.0}, c[STATS_MAX_TERMS], slopes[STATS_MAX_TERMS],
+        covariance[STATS_MAX_TERMS * STATS_MAX_TERMS], variance = 0.0;
+    for (size_t g = 0; g < fitted.n_points; g++) {
+        const stats_point *q = &fitted.point[g];
+        w[g] = q->number[0] / pow(stats_calibration_sd(&fitted, 0, q->x), 2.0);
+        slopes_of(form, q->x, X + g * n);
     }
-    CU_ASSERT(gsl_multifit_wlinear(design, w, y, solution, covariance, &chi2, work) == 0);
+    numbers_fit(fitted.n_points, n, X, w, y, c, covariance);
     slopes_of(form, x, slopes);
-    for (size_t i = 0; i < n; i++)
-        for (size_t j = 0; j < n; j++) variance += slopes[i] * slopes[j] * gsl_matrix_get(covariance, i, j);
-    gsl_matrix_free(design);
-    gsl_matrix_free(covariance);
-    gsl_vector_free(y);
-    gsl_vector_free(w);
-    gsl_vector_free(solution);
-    gsl_multifit_linear_free(work);
+    for (size_t i = 0; i < n * n; i++) variance += slopes[i / n] * slopes[i % n] * covariance[i];
     return variance;
 }
 
@@ -232,24 +230,22 @@ static void test_saturating(void)
                    s = shape == STATS_TANH ? tanh(x / scale) : 1.0 - exp(-x / scale);
             add_four(x, 0.0, 1.5 + 33.0 * s, 0.02);
         }
-        stats_calibration c;
-        stats_calibrated r[STATS_MAX_PARAMS];
-        CHECK_OK(stats_calibration_fit(&piles, &c));
-        CU_ASSERT((int)c.response[0].shape == shape && c.response[0].degree[0] == 1);
-        CHECK_NEAR(c.response[0].scale, scale, 1e-6 * unit);
-        CU_ASSERT(c.response[0].n_terms == 3 && c.response[0].dof == 7);
+        fit_piles();
+        CU_ASSERT((int)fitted.response[0].shape == shape && fitted.response[0].degree[0] == 1);
+        CHECK_NEAR(fitted.response[0].scale, scale, 1e-6 * unit);
+        CU_ASSERT(fitted.response[0].n_terms == 3 && fitted.response[0].dof == 7);
         /* 1, and tanh(x/scale) or exp(-(x - lo)/scale) */
         const bool is_tanh = shape == STATS_TANH;
-        CHECK_NEAR(c.response[0].coefficients[0], is_tanh ? 1.5 : 1.5 + 33.0, 1e-3);
-        CHECK_NEAR(c.response[0].coefficients[1], is_tanh ? 33.0 : -33.0 * exp(-c.lo[0] / scale), 1e-3);
-        CHECK_OK(stats_calibration_invert(&c, &(stats_measured){{z}, {0.1}}, r));
+        CHECK_NEAR(fitted.response[0].coefficients[0], is_tanh ? 1.5 : 1.5 + 33.0, 1e-3);
+        CHECK_NEAR(fitted.response[0].coefficients[1], is_tanh ? 33.0 : -33.0 * exp(-fitted.lo[0] / scale),
+                   1e-3);
+        invert((stats_measured){{z}, {0.1}});
         double s = (z - 1.5) / 33.0, at = 0.385 * unit, v;
-        stats_response_value(&c.response[0], &at, &v);
+        stats_response_value(&fitted.response[0], &at, &v);
         /* the scale is known to 1e-6 of it */
         const saturating form = {is_tanh, 33.0, scale};
-        CHECK_NEAR(v / variance_by_slopes(&c, 3, slopes_of_saturating, &form, &at), 1.0, 1e-4);
-        CHECK_NEAR(r[0].value, scale * (shape == STATS_TANH ? atanh(s) : -log(1.0 - s)), 1e-6 * unit);
-        stats_calibration_free(&c);
+        CHECK_NEAR(v / variance_by_slopes(3, slopes_of_saturating, &form, &at), 1.0, 1e-4);
+        CHECK_NEAR(found[0].value, scale * (shape == STATS_TANH ? atanh(s) : -log(1.0 - s)), 1e-6 * unit);
     }
 }
 
@@ -258,11 +254,7 @@ static void test_saturating(void)
 static void test_scatter(void)
 {
     enum { POINTS = 8 };
-    gsl_matrix *terms = gsl_matrix_alloc(POINTS, 3), *covariance = gsl_matrix_alloc(3, 3);
-    gsl_vector *y = gsl_vector_alloc(POINTS), *w = gsl_vector_alloc(POINTS), *solution = gsl_vector_alloc(3);
-    gsl_multifit_linear_workspace *work = gsl_multifit_linear_alloc(POINTS, 3);
-    double chi2;
-    stats_calibration c;
+    double X[3 * POINTS], y[POINTS], w[POINTS], c[3], covariance[9];
     start(1, 1);
     for (size_t g = 0; g < POINTS; g++) {
         const double u = -1.0 + 2.0 * (double)g / (POINTS - 1.0), half = 0.5 * ((double)g + 1.0);
@@ -270,71 +262,67 @@ static void test_scatter(void)
         for (size_t k = 0; k < g + 2; k++)
             add(0.2 + 0.1 * (double)g, 0.0, 10.0 + 3.0 * (double)g + 0.4 * (double)((k * 3 + g * g) % 7),
                 0.0);
-        gsl_vector_set(y, g,
-                       log(gsl_stats_variance(data[2] + first, 1, g + 2)) - gsl_sf_psi(half) + log(half));
-        gsl_vector_set(w, g, 1.0 / gsl_sf_psi_1(half));
-        for (size_t i = 0; i < 3; i++) gsl_matrix_set(terms, g, i, pow(u, (double)i));
+        y[g] = log(gsl_stats_variance(data[2] + first, 1, g + 2)) - gsl_sf_psi(half) + log(half);
+        w[g] = 1.0 / gsl_sf_psi_1(half);
+        for (size_t i = 0; i < 3; i++) X[3 * g + i] = pow(u, (double)i);
     }
-    gsl_multifit_wlinear(terms, w, y, solution, covariance, &chi2, work);
-    CHECK_OK(stats_calibration_fit(&piles, &c));
+    numbers_fit(POINTS, 3, X, w, y, c, covariance);
+    fit_piles();
     for (double u = -1.0; u < 1.1; u += 0.4) {
-        const double x = 0.2 + 0.35 * (u + 1.0), log_variance = gsl_vector_get(solution, 0) +
-                                                                u * gsl_vector_get(solution, 1) +
-                                                                u * u * gsl_vector_get(solution, 2);
-        CHECK_NEAR(stats_calibration_sd(&c, 0, &x), exp(0.5 * log_variance), 1e-10);
+        const double x = 0.2 + 0.35 * (u + 1.0);
+        CHECK_NEAR(stats_calibration_sd(&fitted, 0, &x), exp(0.5 * (c[0] + u * c[1] + u * u * c[2])), 1e-10);
     }
-    stats_calibration_free(&c);
-    gsl_multifit_linear_free(work);
-    gsl_matrix_free(terms);
-    gsl_matrix_free(covariance);
-    gsl_vector_free(y);
-    gsl_vector_free(w);
-    gsl_vector_free(solution);
+}
+
+/* Two angles that are planes; the scatter of the second is a part of the first's and one of its own. */
+static double plane(int a, const double x[])
+{
+    return a ? 1.0 + 30.0 * x[0] - 14.0 * x[1] : 3.0 + 25.0 * x[0] + 20.0 * x[1];
+}
+
+static void start_planes(double shared, double own)
+{
+    start(2, 2);
+    for (int i = 0; i < 48; i++) {
+        const double x[2] = {0.1 + 0.2 * (i / 12), 0.15 * (i / 4 % 3)}, noise = i % 2 ? 0.5 : -0.5,
+                     other = i / 2 % 2 ? 0.5 : -0.5;
+        add(x[0], x[1], plane(0, x) + noise, plane(1, x) + shared * noise + own * other);
+    }
 }
 
 /* Two parameters from two angles that are planes. */
 static void test_two_parameters(void)
 {
-    stats_calibration c;
-    stats_calibrated r[STATS_MAX_PARAMS];
-    start(2, 2);
-    for (int i = 0; i < 4; i++)
-        for (int j = 0; j < 3; j++)
-            for (int k = 0; k < 4; k++) {
-                double x = 0.1 + 0.2 * i, y = 0.15 * j;
-                add(x, y, 3.0 + 25.0 * x + 20.0 * y + (k % 2 ? 0.5 : -0.5),
-                    1.0 + 30.0 * x - 14.0 * y + (k / 2 ? 0.5 : -0.5));
-            }
-    CHECK_OK(stats_calibration_fit(&piles, &c));
-    CHECK_NEAR(c.correlation, 0.0, 1e-12);
-    const double x = 0.3739, y = 0.1187, e = 0.385;
-    stats_measured m = measured(3.0 + 25.0 * x + 20.0 * y, e, 1.0 + 30.0 * x - 14.0 * y, e);
-    CHECK_OK(stats_calibration_invert(&c, &m, r));
-    CHECK_NEAR(r[0].value, x, 1e-6);
-    CHECK_NEAR(r[1].value, y, 1e-6);
+    start_planes(0.0, 1.0);
+    fit_piles();
+    CHECK_NEAR(fitted.correlation, 0.0, 1e-12);
+    const double x[2] = {0.3739, 0.1187}, e = 0.385;
+    stats_measured m = measured(plane(0, x), e, plane(1, x), e);
+    invert(m);
+    CHECK_NEAR(found[0].value, x[0], 1e-6);
+    CHECK_NEAR(found[1].value, x[1], 1e-6);
     /* delta method: inverse of [[25, 20], [30, -14]], determinant -950 */
     double va, vb;
-    stats_response_value(&c.response[0], (double[]){x, y}, &va);
-    stats_response_value(&c.response[1], (double[]){x, y}, &vb);
+    stats_response_value(&fitted.response[0], x, &va);
+    stats_response_value(&fitted.response[1], x, &vb);
     va += e * e, vb += e * e;
-    CHECK_NEAR(r[0].se, sqrt(14.0 * 14.0 * va + 20.0 * 20.0 * vb) / 950.0, 1e-6);
-    CHECK_NEAR(r[1].se, sqrt(30.0 * 30.0 * va + 25.0 * 25.0 * vb) / 950.0, 1e-6);
+    CHECK_NEAR(found[0].se, sqrt(14.0 * 14.0 * va + 20.0 * 20.0 * vb) / 950.0, 1e-6);
+    CHECK_NEAR(found[1].se, sqrt(30.0 * 30.0 * va + 25.0 * 25.0 * vb) / 950.0, 1e-6);
     /* the profile of planes is nearly a parabola: half width 1.96 se, but for the variance that changes with
      * x */
     for (int p = 0; p < 2; p++) {
-        CU_ASSERT(r[p].status == STATS_CALIBRATED_OK);
-        CHECK_NEAR((r[p].solutions[0].upper - r[p].solutions[0].lower) / (3.92 * r[p].se), 1.0, 0.02);
+        CU_ASSERT(found[p].status == STATS_CALIBRATED_OK);
+        CHECK_NEAR((found[p].solutions[0].upper - found[p].solutions[0].lower) / (3.92 * found[p].se), 1.0,
+                   0.02);
     }
     /* 400 resamples know a standard deviation to 3.5 %; the errors of the measurement are far above those of
      * the response, so that the bootstrap's is the delta method's */
-    gsl_rng *rng = rp_random_alloc(64, 0, RP_PURPOSE_TEST);
+    scoped_rng *rng = numbers_of(64, 0);
     m = measured(m.angle[0], 6.0 * e, m.angle[1], 4.0 * e);
-    CHECK_OK(stats_calibration_invert(&c, &m, r));
-    CHECK_OK(stats_calibration_bootstrap(&piles, &c, &m, 400, rng, r));
-    gsl_rng_free(rng);
-    for (int p = 0; p < 2; p++) CHECK_NEAR(r[p].boot_se / r[p].se, 1.0, sigmas * 0.0354);
+    invert(m);
+    CHECK_OK(stats_calibration_bootstrap(&piles, &fitted, &m, 400, rng, found));
+    for (int p = 0; p < 2; p++) CHECK_NEAR(found[p].boot_se / found[p].se, 1.0, sigmas * 0.0354);
     m = measured(m.angle[0], e, m.angle[1], e);
-    stats_calibration_free(&c);
     piles.n_angles = 1; /* one angle determines a line in the plane, and limits from its ends */
     CU_ASSERT(invert_status(m) == STATS_CALIBRATED_UNDERDETERMINED);
 }
@@ -343,33 +331,23 @@ static void test_two_parameters(void)
 static void test_two_correlated(void)
 {
     const double x[2] = {0.3739, 0.1187}, e[2] = {0.385, 0.2}, at[2] = {17.0, 12.0};
-    stats_calibration c;
-    stats_calibrated r[STATS_MAX_PARAMS];
     double v[2];
-    start(2, 2);
-    for (int i = 0; i < 48; i++) {
-        const double mu = 0.1 + 0.2 * (i / 12), roll = 0.15 * (i / 4 % 3), noise = i % 2 ? 0.5 : -0.5,
-                     other = i / 2 % 2 ? 0.5 : -0.5;
-        add(mu, roll, 3.0 + 25.0 * mu + 20.0 * roll + noise,
-            1.0 + 30.0 * mu - 14.0 * roll + 0.6 * noise + 0.8 * other);
-    }
-    CHECK_OK(stats_calibration_fit(&piles, &c));
-    CHECK_NEAR(c.correlation, 0.6, 1e-9);
-    const stats_measured m =
-        measured(3.0 + 25.0 * x[0] + 20.0 * x[1], e[0], 1.0 + 30.0 * x[0] - 14.0 * x[1], e[1]);
-    CHECK_OK(stats_calibration_invert(&c, &m, r));
-    for (size_t a = 0; a < 2; a++) stats_response_value(&c.response[a], x, &v[a]);
+    start_planes(0.6, 0.8);
+    fit_piles();
+    CHECK_NEAR(fitted.correlation, 0.6, 1e-9);
+    invert(measured(plane(0, x), e[0], plane(1, x), e[1]));
+    for (size_t a = 0; a < 2; a++) stats_response_value(&fitted.response[a], x, &v[a]);
     const double both = 0.6 * (sqrt(v[0] * v[1]) + e[0] * e[1]);
     for (size_t a = 0; a < 2; a++) v[a] += e[a] * e[a];
-    CHECK_NEAR(r[0].se, sqrt(14.0 * 14.0 * v[0] + 2.0 * 14.0 * 20.0 * both + 20.0 * 20.0 * v[1]) / 950.0,
+    CHECK_NEAR(found[0].se, sqrt(14.0 * 14.0 * v[0] + 2.0 * 14.0 * 20.0 * both + 20.0 * 20.0 * v[1]) / 950.0,
                1e-6);
-    CHECK_NEAR(r[1].se, sqrt(30.0 * 30.0 * v[0] - 2.0 * 30.0 * 25.0 * both + 25.0 * 25.0 * v[1]) / 950.0,
+    CHECK_NEAR(found[1].se, sqrt(30.0 * 30.0 * v[0] - 2.0 * 30.0 * 25.0 * both + 25.0 * 25.0 * v[1]) / 950.0,
                1e-6);
     /* an angle that no pile has: the best point is in the range, and nothing is known of either parameter */
-    CHECK_OK(stats_calibration_invert(&c, &(stats_measured){{at[0] + 30.0, at[1]}, {0.1, 0.1}}, r));
+    invert((stats_measured){{at[0] + 30.0, at[1]}, {0.1, 0.1}});
     for (int p = 0; p < 2; p++)
-        CU_ASSERT(r[p].status == STATS_CALIBRATED_NO_MATCH && r[p].n_solutions == 0 && isnan(r[p].value));
-    stats_calibration_free(&c);
+        CU_ASSERT(found[p].status == STATS_CALIBRATED_NO_MATCH && found[p].n_solutions == 0 &&
+                  isnan(found[p].value));
 }
 
 /* The same resamples as the library's: at each point the piles drawn anew, then the error of the angle. The
@@ -379,17 +357,15 @@ static void test_bootstrap(void)
     enum { POINTS = 6, EACH = 5, B = 40 };
     const double z = 19.0, e = 0.4, low = 0.1, step = 0.1;
     double value[B];
-    stats_calibration c;
-    stats_calibrated r[STATS_MAX_PARAMS];
     start(1, 1);
     for (int g = 0; g < POINTS; g++)
         for (int k = 0; k < EACH; k++)
             add(low + step * g, 0.0,
                 k == 2 ? NAN : 8.0 + 30.0 * step * g + (k % 2 ? 0.7 : -0.7) * (k < 2 ? 1.0 : 0.5), 0.0);
-    CHECK_OK(stats_calibration_fit(&piles, &c));
-    CHECK_OK(stats_calibration_invert(&c, &(stats_measured){{z}, {e}}, r));
-    gsl_rng *rng = rp_random_alloc(65, 0, RP_PURPOSE_TEST), *same = gsl_rng_clone(rng);
-    CHECK_OK(stats_calibration_bootstrap(&piles, &c, &(stats_measured){{z}, {e}}, B, rng, r));
+    fit_piles();
+    invert((stats_measured){{z}, {e}});
+    scoped_rng *rng = numbers_of(65, 0), *same = gsl_rng_clone(rng);
+    CHECK_OK(stats_calibration_bootstrap(&piles, &fitted, &(stats_measured){{z}, {e}}, B, rng, found));
     for (int b = 0; b < B; b++) {
         double x[POINTS], y[POINTS], draw[2], c0, c1, v00, v01, v11, rest;
         for (int g = 0; g < POINTS; g++) {
@@ -409,12 +385,9 @@ static void test_bootstrap(void)
         value[b] = (z + draw[0] * e - c0) / c1;
     }
     gsl_sort(value, 1, B);
-    CHECK_NEAR(r[0].boot_se, gsl_stats_sd(value, 1, B), 1e-6);
-    CHECK_NEAR(r[0].boot_lower, gsl_stats_quantile_from_sorted_data(value, 1, B, 0.025), 1e-6);
-    CHECK_NEAR(r[0].boot_upper, gsl_stats_quantile_from_sorted_data(value, 1, B, 0.975), 1e-6);
-    gsl_rng_free(rng);
-    gsl_rng_free(same);
-    stats_calibration_free(&c);
+    CHECK_NEAR(found[0].boot_se, gsl_stats_sd(value, 1, B), 1e-6);
+    CHECK_NEAR(found[0].boot_lower, gsl_stats_quantile_from_sorted_data(value, 1, B, 0.025), 1e-6);
+    CHECK_NEAR(found[0].boot_upper, gsl_stats_quantile_from_sorted_data(value, 1, B, 0.975), 1e-6);
 }
 
 /* ---- forms of two parameters ---- */
@@ -464,14 +437,13 @@ static void test_forms(void)
         for (size_t d = 0; d < (shape == STATS_POWERS ? 6 : 4); d++) {
             const size_t first = degrees[d][0], second = degrees[d][1];
             const double scale = 0.31;
-            stats_calibration c;
             start(2, 1);
             for (int i = 0; i < 7; i++)
                 for (int j = 0; j < 4; j++)
                     add_four(0.2 + i / 6.0, 0.5 + 0.1 * j,
                              form_value(shape, first, second, scale, i / 3.0 - 1.0, j / 1.5 - 1.0), 0.01);
-            CHECK_OK(stats_calibration_fit(&piles, &c));
-            const stats_response_fit *r = &c.response[0];
+            fit_piles();
+            const stats_response_fit *r = &fitted.response[0];
             CU_ASSERT((int)r->shape == shape && r->degree[0] == first && r->degree[1] == second);
             CU_ASSERT(r->n_terms == (first + 1) * (second + 1) + (shape != STATS_POWERS) &&
                       r->n_points == 28);
@@ -482,10 +454,8 @@ static void test_forms(void)
                 double variance;
                 CHECK_NEAR(stats_response_value(r, x, &variance),
                            form_value(shape, first, second, scale, u, v), 1e-5);
-                CHECK_NEAR(variance / variance_by_slopes(&c, r->n_terms, slopes_by_differences, r, x), 1.0,
-                           1e-4);
+                CHECK_NEAR(variance / variance_by_slopes(r->n_terms, slopes_by_differences, r, x), 1.0, 1e-4);
             }
-            stats_calibration_free(&c);
         }
 }
 
@@ -493,62 +463,55 @@ static void test_forms(void)
 
 static void test_unidentified(void)
 {
-    start(1, 1);
-    for (int g = 0; g < 6; g++) add_four(0.2 + 0.1 * g, 0.0, 10.0 + 20.0 * 0.1 * g, 1.0);
+    start_line(1, 6, 0.2, 0.1, 10.0, 20.0, 1.0);
     CU_ASSERT(invert_status(measured(15.0, 0.5, 0.0, 0.0)) == STATS_CALIBRATED_OK);
     CU_ASSERT(invert_status(measured(19.6, 0.5, 0.0, 0.0)) == STATS_CALIBRATED_AT_LEAST);
     CU_ASSERT(invert_status(measured(10.3, 0.5, 0.0, 0.0)) == STATS_CALIBRATED_AT_MOST);
     CU_ASSERT(invert_status(measured(15.0, 9.0, 0.0, 0.0)) == STATS_CALIBRATED_NOT_IDENTIFIED);
-    stats_calibration c;
-    stats_calibrated r[STATS_MAX_PARAMS];
-    CHECK_OK(stats_calibration_fit(&piles, &c));
-    CHECK_OK(stats_calibration_invert(&c, &(stats_measured){{27.0}, {0.5}}, r));
-    CU_ASSERT(r[0].status == STATS_CALIBRATED_ABOVE_RANGE && isnan(r[0].value) &&
-              isnan(r[0].solutions[0].upper));
-    CHECK_NEAR(r[0].solutions[0].lower, 0.2 + 0.1 * 5, 0.0);
-    CHECK_OK(stats_calibration_invert(&c, &(stats_measured){{3.0}, {0.5}}, r));
-    CU_ASSERT(r[0].status == STATS_CALIBRATED_BELOW_RANGE && isnan(r[0].solutions[0].lower));
-    CHECK_NEAR(r[0].solutions[0].upper, 0.2, 0.0);
-    stats_calibration_free(&c);
+    invert((stats_measured){{27.0}, {0.5}});
+    CU_ASSERT(found[0].status == STATS_CALIBRATED_ABOVE_RANGE && isnan(found[0].value) &&
+              isnan(found[0].solutions[0].upper));
+    CHECK_NEAR(found[0].solutions[0].lower, 0.2 + 0.1 * 5, 0.0);
+    invert((stats_measured){{3.0}, {0.5}});
+    CU_ASSERT(found[0].status == STATS_CALIBRATED_BELOW_RANGE && isnan(found[0].solutions[0].lower));
+    CHECK_NEAR(found[0].solutions[0].upper, 0.2, 0.0);
 
     start(1, 1); /* a maximum: both flanks match an angle, none matches above it */
     for (int g = 0; g < 9; g++) add_four(0.1 * g, 0.0, 30.0 - 100.0 * pow(0.1 * g - 0.385, 2), 0.5);
-    CHECK_OK(stats_calibration_fit(&piles, &c));
-    CU_ASSERT(!c.response[0].monotone);
-    CHECK_OK(stats_calibration_invert(&c, &(stats_measured){{25.0}, {0.3}}, r));
-    CU_ASSERT(r[0].status == STATS_CALIBRATED_SEVERAL && r[0].n_solutions == 2 && isnan(r[0].value));
-    CHECK_NEAR(r[0].solutions[0].value, 0.385 - sqrt(0.05), 1e-6);
-    CHECK_NEAR(r[0].solutions[1].value, 0.385 + sqrt(0.05), 1e-6);
-    CU_ASSERT(r[0].solutions[0].upper < r[0].solutions[1].lower);
+    fit_piles();
+    CU_ASSERT(!fitted.response[0].monotone);
+    invert((stats_measured){{25.0}, {0.3}});
+    CU_ASSERT(found[0].status == STATS_CALIBRATED_SEVERAL && found[0].n_solutions == 2 &&
+              isnan(found[0].value));
+    CHECK_NEAR(found[0].solutions[0].value, 0.385 - sqrt(0.05), 1e-6);
+    CHECK_NEAR(found[0].solutions[1].value, 0.385 + sqrt(0.05), 1e-6);
+    CU_ASSERT(found[0].solutions[0].upper < found[0].solutions[1].lower);
     CU_ASSERT(invert_status(measured(35.0, 0.3, 0.0, 0.0)) == STATS_CALIBRATED_ABOVE_RANGE);
     CU_ASSERT(invert_status(measured(8.0, 0.3, 0.0, 0.0)) == STATS_CALIBRATED_BELOW_RANGE);
     double reach[2], at[2][STATS_MAX_PARAMS];
-    stats_calibration_reach(&c, 0, reach, at);
+    stats_calibration_reach(&fitted, 0, reach, at);
     CHECK_NEAR(reach[1], 30.0,
                100.0 * pow(0.8 / 128.0, 2)); /* half the distance of two samples off the top */
     CHECK_NEAR(at[1][0], 0.385, 0.8 / 128.0);
     CHECK_NEAR(reach[0], 30.0 - 100.0 * pow(0.8 - 0.385, 2), 1e-6);
-    CU_ASSERT(at[0][0] == c.hi[0]);
+    CU_ASSERT(at[0][0] == fitted.hi[0]);
     CU_ASSERT(invert_status(measured(30.0, 0.3, 0.0, 0.0)) == STATS_CALIBRATED_OK);
-    stats_calibration_free(&c);
 
-    start(1, 1); /* a fall: an angle above all is to be sought below the lower end */
-    for (int g = 0; g < 6; g++) add_four(0.2 + 0.1 * g, 0.0, 30.0 - 20.0 * 0.1 * g, 1.0);
-    CHECK_OK(stats_calibration_fit(&piles, &c));
-    CHECK_OK(stats_calibration_invert(&c, &(stats_measured){{37.0}, {0.5}}, r));
-    CU_ASSERT(r[0].status == STATS_CALIBRATED_ABOVE_RANGE && isnan(r[0].solutions[0].lower));
-    CHECK_NEAR(r[0].solutions[0].upper, 0.2, 0.0);
-    stats_calibration_free(&c);
+    /* a fall: an angle above all is to be sought below the lower end */
+    start_line(1, 6, 0.2, 0.1, 30.0, -20.0, 1.0);
+    fit_piles();
+    invert((stats_measured){{37.0}, {0.5}});
+    CU_ASSERT(found[0].status == STATS_CALIBRATED_ABOVE_RANGE && isnan(found[0].solutions[0].lower));
+    CHECK_NEAR(found[0].solutions[0].upper, 0.2, 0.0);
 
-    start(1, 2); /* both angles rise; the first gives 0.2, the second 0.4 */
-    for (int g = 0; g < 6; g++) add_four(0.1 * g, 0.0, 10.0 + 20.0 * 0.1 * g, 1.0);
+    /* both angles rise; the first gives 0.2, the second 0.4 */
+    start_line(2, 6, 0.0, 0.1, 10.0, 20.0, 1.0);
     CU_ASSERT(invert_status(measured(14.0, 0.5, 14.0, 0.5)) == STATS_CALIBRATED_OK);
     CU_ASSERT(invert_status(measured(14.0, 0.5, 18.0, 0.5)) == STATS_CALIBRATED_NO_MATCH);
     /* both above all: the best is the end of the range, which of two angles says nothing */
-    CHECK_OK(stats_calibration_fit(&piles, &c));
-    CHECK_OK(stats_calibration_invert(&c, &(stats_measured){{40.0, 30.0}, {0.5, 0.5}}, r));
-    CU_ASSERT(r[0].status == STATS_CALIBRATED_NO_MATCH && r[0].n_solutions == 0);
-    stats_calibration_free(&c);
+    fit_piles();
+    invert((stats_measured){{40.0, 30.0}, {0.5, 0.5}});
+    CU_ASSERT(found[0].status == STATS_CALIBRATED_NO_MATCH && found[0].n_solutions == 0);
     /* chi2 of one degree of freedom is above 6.63 with a chance of 1 %; an error of 10 is all there is, so
      * that for angles 15 +- d it is d^2/50 */
     CU_ASSERT(invert_status(measured(15.0 + 18.0, 10.0, 15.0 - 18.0, 10.0)) != STATS_CALIBRATED_NO_MATCH);
@@ -558,27 +521,23 @@ static void test_unidentified(void)
 /* An interval far narrower than the scanned values are apart, at different parts of their distance. */
 static void test_narrow(void)
 {
-    stats_calibration c;
-    start(1, 1);
-    for (int g = 0; g < 6; g++) add_four(0.2 * g, 0.0, 10.0 + 20.0 * 0.2 * g, 1e-3);
-    CHECK_OK(stats_calibration_fit(&piles, &c));
+    start_line(1, 6, 0.0, 0.2, 10.0, 20.0, 1e-3);
+    fit_piles();
     for (int k = 1; k < 10; k++) {
-        stats_calibrated r[STATS_MAX_PARAMS];
         const double x = (200.0 + 0.1 * k) / 400.0;
-        CHECK_OK(stats_calibration_invert(&c, &(stats_measured){{10.0 + 20.0 * x}, {1e-4}}, r));
-        CU_ASSERT(r[0].status == STATS_CALIBRATED_OK &&
-                  r[0].solutions[0].upper - r[0].solutions[0].lower < 4e-4);
-        CHECK_NEAR(r[0].value, x, search_error);
+        invert((stats_measured){{10.0 + 20.0 * x}, {1e-4}});
+        CU_ASSERT(found[0].status == STATS_CALIBRATED_OK &&
+                  found[0].solutions[0].upper - found[0].solutions[0].lower < 4e-4);
+        CHECK_NEAR(found[0].value, x, search_error);
     }
-    stats_calibration_free(&c);
 }
 
 /* Any table of piles has an answer or an error of its own, and never a broken invariant. */
 static void test_random_tables(void)
 {
     const int n = check_fast() ? 40 : 250;
-    gsl_rng *rng = rp_random_alloc(2214, 0, RP_PURPOSE_TEST);
-    int found = 0;
+    scoped_rng *rng = numbers_of(2214, 0);
+    int n_found = 0;
     for (int table = 0; table < n; table++) {
         const size_t n_points = 4 + gsl_rng_uniform_int(rng, 7), n_each = 2 + gsl_rng_uniform_int(rng, 6);
         const double unit = pow(10.0, gsl_ran_flat(rng, -2.0, 2.0)),
@@ -592,19 +551,14 @@ static void test_random_tables(void)
                 const double angle = table % 2 ? slope * tanh(x / bend) : gsl_ran_flat(rng, 0.0, 40.0);
                 add(x * unit, 0.0, angle + e, 5.0 + 14.0 * x + (table % 3 ? other : e));
             }
-        stats_calibration c;
-        stats_calibrated r[STATS_MAX_PARAMS];
         const stats_measured m = measured(gsl_ran_flat(rng, 0.0, 40.0), 1.0, 12.0, 0.5);
-        rp_status status = stats_calibration_fit(&piles, &c);
-        if (!status) status = stats_calibration_invert(&c, &m, r);
-        if (!status) status = stats_calibration_bootstrap(&piles, &c, &m, 2, rng, r);
-        CHECK_OK(status);
-        found += r[0].n_solutions > 0;
-        CU_ASSERT(r[0].n_solutions > 0 || r[0].status >= STATS_CALIBRATED_ABOVE_RANGE);
-        stats_calibration_free(&c);
+        fit_piles();
+        invert(m);
+        CHECK_OK(stats_calibration_bootstrap(&piles, &fitted, &m, 2, rng, found));
+        n_found += found[0].n_solutions > 0;
+        CU_ASSERT(found[0].n_solutions > 0 || found[0].status >= STATS_CALIBRATED_ABOVE_RANGE);
     }
-    CU_ASSERT(found > n / 2);
-    gsl_rng_free(rng);
+    CU_ASSERT(n_found > n / 2);
 }
 
 /* ---- coverage ---- */
@@ -632,11 +586,11 @@ static void draw_piles(gsl_rng *rng, size_t n_angles)
         }
 }
 
-static bool covers(const stats_calibrated *found, double truth)
+static bool covers(const stats_calibrated *r, double truth)
 {
     bool in = false;
-    for (size_t i = 0; i < found->n_solutions; i++)
-        in |= !(truth < found->solutions[i].lower || truth > found->solutions[i].upper);
+    for (size_t i = 0; i < r->n_solutions; i++)
+        in |= !(truth < r->solutions[i].lower || truth > r->solutions[i].upper);
     return in;
 }
 
@@ -644,21 +598,17 @@ static bool covers(const stats_calibrated *found, double truth)
  */
 static size_t count_covered(size_t n_angles, size_t n_cases)
 {
-    gsl_rng *rng = rp_random_alloc(1787, (unsigned long)n_angles, RP_PURPOSE_TEST);
+    scoped_rng *rng = numbers_of(1787, (unsigned long)n_angles);
     size_t covered = 0;
     for (size_t k = 0; k < n_cases; k++) {
-        stats_calibration c;
-        stats_calibrated r[STATS_MAX_PARAMS];
         draw_piles(rng, n_angles);
         double x = 0.1 + 0.3 * gsl_rng_uniform(rng), a, b;
         gsl_ran_bivariate_gaussian(rng, 0.6, 0.3, 0.5, &a, &b);
         stats_measured m = measured(truth_r(x) + a, 0.6, truth_t(x) + b, 0.3);
-        CHECK_OK(stats_calibration_fit(&piles, &c));
-        CHECK_OK(stats_calibration_invert(&c, &m, r));
-        covered += covers(&r[0], x);
-        stats_calibration_free(&c);
+        fit_piles();
+        invert(m);
+        covered += covers(&found[0], x);
     }
-    gsl_rng_free(rng);
     return covered;
 }
 
@@ -677,48 +627,34 @@ static void test_coverage(void)
 /* The angle of another parameter is not covered; of two parameters, each has an interval of its own. */
 static void test_uncovered(void)
 {
-    gsl_rng *rng = rp_random_alloc(1993, 0, RP_PURPOSE_TEST);
-    stats_calibration c;
-    stats_calibrated r[STATS_MAX_PARAMS];
+    scoped_rng *rng = numbers_of(1993, 0);
     draw_piles(rng, 1);
-    gsl_rng_free(rng);
-    CHECK_OK(stats_calibration_fit(&piles, &c));
+    fit_piles();
     for (int k = 0; k < 3; k++) {
-        const double x = k < 2 ? 0.15 + 0.03 * k : 0.5, e = stats_calibration_sd(&c, 0, &x);
-        CHECK_OK(stats_calibration_invert(&c, &(stats_measured){{truth_r(0.5)}, {e}}, r));
-        CU_ASSERT(covers(&r[0], x) == (k == 2));
+        const double x = k < 2 ? 0.15 + 0.03 * k : 0.5, e = stats_calibration_sd(&fitted, 0, &x);
+        invert((stats_measured){{truth_r(0.5)}, {e}});
+        CU_ASSERT(covers(&found[0], x) == (k == 2));
     }
-    stats_calibration_free(&c);
-    start(2, 2);
-    for (int i = 0; i < 48; i++) {
-        const double x = 0.1 + 0.2 * (i / 12), y = 0.15 * (i / 4 % 3);
-        add(x, y, 3.0 + 25.0 * x + 20.0 * y + (i % 2 ? 0.5 : -0.5),
-            1.0 + 30.0 * x - 14.0 * y + (i / 2 % 2 ? 0.3 : -0.3));
-    }
-    CHECK_OK(stats_calibration_fit(&piles, &c));
+    start_planes(0.0, 0.6);
+    fit_piles();
     /* 25 dx + 20 dy = 3 and 30 dx - 14 dy = 3.6: the first parameter is off by 0.12, the second is not */
     for (int shifted = 0; shifted < 2; shifted++) {
         const double x[2] = {0.47, 0.21}, shift = shifted ? 3.0 : 0.0;
-        const stats_measured m = measured(
-            3.0 + 25.0 * x[0] + 20.0 * x[1] + shift, stats_calibration_sd(&c, 0, x) / sqrt(5.0),
-            1.0 + 30.0 * x[0] - 14.0 * x[1] + 1.2 * shift, stats_calibration_sd(&c, 1, x) / sqrt(5.0));
-        CHECK_OK(stats_calibration_invert(&c, &m, r));
-        CU_ASSERT(covers(&r[0], x[0]) == !shifted && covers(&r[1], x[1]));
+        invert(measured(plane(0, x) + shift, stats_calibration_sd(&fitted, 0, x) / sqrt(5.0),
+                        plane(1, x) + 1.2 * shift, stats_calibration_sd(&fitted, 1, x) / sqrt(5.0)));
+        CU_ASSERT(covers(&found[0], x[0]) == !shifted && covers(&found[1], x[1]));
     }
-    stats_calibration_free(&c);
 }
 
 /* Angles that scatter in step, or against one another: their covariance keeps an inverse. */
 static void test_full_correlation(void)
 {
     for (int sign = -1; sign < 2; sign += 2) {
-        stats_calibration c;
         start(1, 2);
         for (int g = 0; g < 6; g++)
             for (int k = 0; k < 4; k++) add(0.1 * g, 0.0, 10.0 * g + 0.1 * k, 5.0 * g + 0.2 * sign * k);
-        CHECK_OK(stats_calibration_fit(&piles, &c));
-        CHECK_NEAR(c.correlation, 0.999 * sign, 1e-12);
-        stats_calibration_free(&c);
+        fit_piles();
+        CHECK_NEAR(fitted.correlation, 0.999 * sign, 1e-12);
     }
 }
 
@@ -726,40 +662,33 @@ static void test_full_correlation(void)
 static void test_terms_of_points(void)
 {
     for (int n = 4; n < 6; n++) {
-        stats_calibration c;
         start(1, 1);
         for (int g = 0; g < n; g++) add_four(0.1 * g, 0.0, 10.0 + 8.0 * g + 1.5 * g * g, 0.01);
-        CHECK_OK(stats_calibration_fit(&piles, &c));
-        CU_ASSERT(c.response[0].n_points == (size_t)n && c.response[0].n_terms == (size_t)n - 2);
-        stats_calibration_free(&c);
+        fit_piles();
+        CU_ASSERT(fitted.response[0].n_points == (size_t)n && fitted.response[0].n_terms == (size_t)n - 2);
     }
 }
 
-/* A parameter that is 1000 larger has limits that are 1000 larger, as exactly as the search finds them. */
+/* A parameter that is 1000 larger, or in a unit a thousand times as large, has limits that are so, as exactly
+ * as the search finds them. */
 static void test_offset(void)
 {
-    stats_calibrated r[2][STATS_MAX_PARAMS];
-    for (int k = 0; k < 2; k++) {
-        stats_calibration c;
-        start(1, 1);
-        for (int g = 0; g < 6; g++) add_four(1000.0 * k + 0.1 * g, 0.0, 10.0 + 2.0 * g, 1.0);
-        CHECK_OK(stats_calibration_fit(&piles, &c));
-        CHECK_OK(stats_calibration_invert(&c, &(stats_measured){{15.0}, {0.5}}, r[k]));
-        stats_calibration_free(&c);
+    static const struct {
+        double first, unit;
+    } cases[] = {{0.0, 1.0}, {1000.0, 1.0}, {0.0, 1e-3}};
+    double limits[3][2], value[3], se[3];
+    for (int k = 0; k < 3; k++) {
+        start_line(1, 6, cases[k].first, 0.1 * cases[k].unit, 10.0, 20.0 / cases[k].unit, 1.0);
+        fit_piles();
+        invert((stats_measured){{15.0}, {0.5}});
+        limits[k][0] = (found[0].solutions[0].lower - cases[k].first) / cases[k].unit;
+        limits[k][1] = (found[0].solutions[0].upper - cases[k].first) / cases[k].unit;
+        value[k] = found[0].value - cases[k].first;
+        se[k] = found[0].se;
+        for (int i = 0; i < 2; i++) CHECK_NEAR(limits[k][i], limits[0][i], 2e-9);
     }
-    CHECK_NEAR(r[1][0].solutions[0].lower - r[0][0].solutions[0].lower, 1000.0, 2e-9);
-    CHECK_NEAR(r[1][0].solutions[0].upper - r[0][0].solutions[0].upper, 1000.0, 2e-9);
-    CHECK_NEAR(r[1][0].value - r[0][0].value, 1000.0, search_error);
-    CHECK_NEAR(r[1][0].se, r[0][0].se, search_error);
-    /* in a unit a thousand times as large */
-    stats_calibration c;
-    start(1, 1);
-    for (int g = 0; g < 6; g++) add_four(1e-4 * g, 0.0, 10.0 + 2.0 * g, 1.0);
-    CHECK_OK(stats_calibration_fit(&piles, &c));
-    CHECK_OK(stats_calibration_invert(&c, &(stats_measured){{15.0}, {0.5}}, r[1]));
-    stats_calibration_free(&c);
-    CHECK_NEAR(1e3 * r[1][0].solutions[0].lower, r[0][0].solutions[0].lower, 2e-9);
-    CHECK_NEAR(1e3 * r[1][0].solutions[0].upper, r[0][0].solutions[0].upper, 2e-9);
+    CHECK_NEAR(value[1], value[0], search_error);
+    CHECK_NEAR(se[1], se[0], search_error);
 }
 
 /* A parabola turns below the range, above it, or just within: the first two rise or fall throughout. */
@@ -767,15 +696,13 @@ static void test_turns(void)
 {
     static const double turn[] = {0.28, 0.92, 0.34, 0.86};
     for (int k = 0; k < 4; k++) {
-        stats_calibration c;
         start(1, 1);
         for (int g = 0; g < 7; g++) {
             const double x = 0.3 + 0.1 * g;
             add_four(x, 0.0, 10.0 + 100.0 * pow(x - turn[k], 2.0), 0.01);
         }
-        CHECK_OK(stats_calibration_fit(&piles, &c));
-        CU_ASSERT(c.response[0].degree[0] == 2 && c.response[0].monotone == (k < 2));
-        stats_calibration_free(&c);
+        fit_piles();
+        CU_ASSERT(fitted.response[0].degree[0] == 2 && fitted.response[0].monotone == (k < 2));
     }
 }
 
@@ -830,82 +757,72 @@ static void test_least(void)
 
 /* ---- bad input ---- */
 
-static void test_errors(void)
+static void fit_fails(const char *text)
 {
-    stats_calibration c;
-    stats_calibrated r[STATS_MAX_PARAMS];
-    start(1, 1);
-    for (int g = 0; g < 3; g++) add_four(0.1 * g, 0.0, 10.0 + g, 1.0);
-    CHECK_FAILS(stats_calibration_fit(&piles, &c), RP_BAD_INPUT, "3 points with piles, at least 4");
-    stats_calibration_free(&c);
+    stats_calibration_free(&fitted);
+    CHECK_FAILS(stats_calibration_fit(&piles, &fitted), RP_BAD_INPUT, text);
+}
+
+static void test_bad_piles(void)
+{
+    start_line(1, 3, 0.0, 0.1, 10.0, 10.0, 1.0);
+    fit_fails("3 points with piles, at least 4");
     add(0.35, 0.0, 12.0, 0.0);
-    CHECK_FAILS(stats_calibration_fit(&piles, &c), RP_BAD_INPUT, "parameter 0.35: angle 1 of 1 piles");
-    stats_calibration_free(&c);
+    fit_fails("parameter 0.35: angle 1 of 1 piles");
     add(0.35, 0.0, 12.0, 0.0);
-    CHECK_FAILS(stats_calibration_fit(&piles, &c), RP_BAD_INPUT, "parameter 0.35: angle 1 is the same");
-    stats_calibration_free(&c);
+    fit_fails("parameter 0.35: angle 1 is the same");
     add(NAN, 0.0, 12.0, 0.0);
-    CHECK_FAILS(stats_calibration_fit(&piles, &c), RP_BAD_INPUT, "pile 15: parameter = nan");
-    stats_calibration_free(&c);
+    fit_fails("pile 15: parameter = nan");
     start(2, 1);
     for (int g = 0; g < 9; g++) add_four(0.1 * (g % 3), g == 8 ? 7.0 : g / 3, 10.0 + g, 1.0);
-    CHECK_FAILS(stats_calibration_fit(&piles, &c), RP_BAD_INPUT, "a full grid needed");
-    stats_calibration_free(&c);
-    start(1, 1);
-    for (int g = 0; g < 5; g++) add_four(0.1 * g, 0.0, 10.0 + g, 1.0);
-    CHECK_OK(stats_calibration_fit(&piles, &c));
-    CHECK_FAILS(stats_calibration_invert(&c, &(stats_measured){{12.0}, {-0.1}}, r), RP_BAD_INPUT,
-                "error of angle 1 = -0.1");
-    CHECK_FAILS(stats_calibration_invert(&c, &(stats_measured){{NAN}, {0.1}}, r), RP_BAD_INPUT,
-                "angle 1 = nan");
-    CHECK_FAILS(stats_calibration_bootstrap(&piles, &c, &(stats_measured){{12.0}, {0.1}}, 1, NULL, r),
-                RP_BAD_INPUT, "resamples = 1");
-    stats_calibration_free(&c);
+    fit_fails("a full grid needed");
     static const struct {
         size_t n_params, n_angles;
+        double pile[4];
         const char *text;
-    } counts[] = {
-        {3, 1, "parameters = 3"}, {0, 1, "parameters = 0"}, {1, 3, "angles = 3"}, {1, 0, "angles = 0"}};
-    for (size_t k = 0; k < 4; k++) {
-        start(counts[k].n_params, counts[k].n_angles);
-        CHECK_FAILS(stats_calibration_fit(&piles, &c), RP_BAD_INPUT, counts[k].text);
-        stats_calibration_free(&c);
+    } cases[] = {{3, 1, {0}, "parameters = 3"},
+                 {0, 1, {0}, "parameters = 0"},
+                 {1, 3, {0}, "angles = 3"},
+                 {1, 0, {0}, "angles = 0"},
+                 {1, 2, {0.1, 0.0, 12.0, -INFINITY}, "pile 1: angle = -inf"},
+                 {2, 2, {0.1, NAN, 12.0, 3.0}, "pile 1: parameter = nan"},
+                 {1, 2, {0.1, 0.0, INFINITY, 3.0}, "pile 1: angle = inf"}};
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        start(cases[k].n_params, cases[k].n_angles);
+        if (k > 3) add(cases[k].pile[0], cases[k].pile[1], cases[k].pile[2], cases[k].pile[3]);
+        fit_fails(cases[k].text);
     }
-    start(1, 2);
-    add(0.1, 0.0, 12.0, -INFINITY);
-    CHECK_FAILS(stats_calibration_fit(&piles, &c), RP_BAD_INPUT, "pile 1: angle = -inf");
-    stats_calibration_free(&c);
-    start(2, 2);
-    add(0.1, 0.0, 12.0, 3.0);
-    add(0.1, NAN, 12.0, 3.0);
-    CHECK_FAILS(stats_calibration_fit(&piles, &c), RP_BAD_INPUT, "pile 2: parameter = nan");
-    stats_calibration_free(&c);
-    start(1, 2);
-    add(0.1, 0.0, INFINITY, 3.0);
-    CHECK_FAILS(stats_calibration_fit(&piles, &c), RP_BAD_INPUT, "pile 1: angle = inf");
-    stats_calibration_free(&c);
-    start(1, 2);
-    for (int g = 0; g < 5; g++) add_four(0.1 * g, 0.0, 10.0 + g, 1.0);
-    CHECK_OK(stats_calibration_fit(&piles, &c));
-    CHECK_FAILS(stats_calibration_invert(&c, &(stats_measured){{12.0, INFINITY}, {0.1, 0.1}}, r),
-                RP_BAD_INPUT, "angle 2 = inf");
-    CHECK_FAILS(stats_calibration_invert(&c, &(stats_measured){{12.0, 12.0}, {0.1, INFINITY}}, r),
-                RP_BAD_INPUT, "error of angle 2 = inf");
-    stats_calibration_free(&c);
     /* two parameters: 8 points at least, and two values of each */
     static const int rows[3] = {2, 2, 1}, columns[3] = {4, 3, 8};
-    static const char *const texts[3] = {"", "6 points with piles, at least 8",
+    static const char *const texts[3] = {NULL, "6 points with piles, at least 8",
                                          "1 x 8 values of two parameters"};
     for (int k = 0; k < 3; k++) {
         start(2, 1);
         for (int i = 0; i < rows[k]; i++)
             for (int j = 0; j < columns[k]; j++) add_four(0.1 * i, 0.1 * j, 10.0 + i + j, 1.0);
-        if (k == 0)
-            CHECK_OK(stats_calibration_fit(&piles, &c));
+        if (texts[k])
+            fit_fails(texts[k]);
         else
-            CHECK_FAILS(stats_calibration_fit(&piles, &c), RP_BAD_INPUT, texts[k]);
-        stats_calibration_free(&c);
+            fit_piles();
     }
+}
+
+static void test_bad_measurements(void)
+{
+    static const struct {
+        stats_measured measured;
+        const char *text;
+    } cases[] = {{{{12.0, 12.0}, {-0.1, 0.1}}, "error of angle 1 = -0.1"},
+                 {{{NAN, 12.0}, {0.1, 0.1}}, "angle 1 = nan"},
+                 {{{12.0, INFINITY}, {0.1, 0.1}}, "angle 2 = inf"},
+                 {{{12.0, 12.0}, {0.1, INFINITY}}, "error of angle 2 = inf"}};
+    start_line(2, 5, 0.0, 0.1, 10.0, 10.0, 1.0);
+    fit_piles();
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++)
+        CHECK_FAILS(stats_calibration_invert(&fitted, &cases[k].measured, found), RP_BAD_INPUT,
+                    cases[k].text);
+    CHECK_FAILS(stats_calibration_bootstrap(&piles, &fitted, &cases[0].measured, 1, NULL, found),
+                RP_BAD_INPUT, "resamples = 1");
 }
 
 void suite_calibrate(void)
@@ -929,7 +846,8 @@ void suite_calibrate(void)
                                        {"terms that a number of points allows", test_terms_of_points},
                                        {"where a response turns", test_turns},
                                        {"a parameter far from 0", test_offset},
-                                       {"errors", test_errors},
+                                       {"piles that have no response", test_bad_piles},
+                                       {"measurements that can not be", test_bad_measurements},
                                        {0}};
     check_register("calibration", cases);
 }

@@ -89,7 +89,6 @@ static bool option_line_is_whole(const char *line)
 static void test_help_width(void)
 {
     static const int widths[][2] = {{70, 70}, {100, 100}, {200, 110}};
-    enter();
     for (size_t i = 0; i < sizeof widths / sizeof *widths; i++) {
         char command[128];
         size_t widest = 0;
@@ -100,7 +99,6 @@ static void test_help_width(void)
                 widest = strcspn(line, "\n");
         CU_ASSERT(widest <= (size_t)widths[i][1] && widest + 12 > (size_t)widths[i][1]);
     }
-    leave();
 }
 
 /* `text` is the help of one command. Its example must be valid, except for missing files. */
@@ -151,15 +149,12 @@ static void test_hardened(void)
 {
     static const char *const marks[] = {"DYN (Position-Independent", "GNU_RELRO", "BIND_NOW"};
     if (check_fast()) return; /* sanitizers have flags of their own */
-    enter();
     CU_ASSERT_EQUAL(shell("readelf -hldW \"$REPOSE\" >out 2>err"), 0);
     for (size_t i = 0; i < sizeof marks / sizeof *marks; i++) CU_ASSERT_PTR_NOT_NULL(strstr(out, marks[i]));
-    leave();
 }
 
 static void test_help(void)
 {
-    enter();
     write_text("scene.cfg", "steps = 2; fill = { N = 3; W = 1.0; H = 1.0; };\n");
     for (const cli_command *const *c = cli_repose.commands; *c; c++) {
         GOOD("--help");
@@ -173,7 +168,6 @@ static void test_help(void)
     GOOD("--version");
     CU_ASSERT(strncmp(out, "repose ", 7) == 0);
     CU_ASSERT(run("%s", "") == RP_USAGE && out[0] == '\0' && strstr(err, "usage: repose COMMAND"));
-    leave();
 }
 
 /* Every key of a schema, in its order, each with unit, default and meaning on its line. */
@@ -197,7 +191,6 @@ static const char *check_listed(const char *text, const rp_param *schema)
 
 static void test_params(void)
 {
-    enter();
     GOOD("params repose");
     const char *text = check_listed(out, sweep_protocol_repose.schema);
     for (const sweep_output *o = sweep_protocol_repose.outputs; o->name && text; o++) {
@@ -213,7 +206,6 @@ static void test_params(void)
     }
     GOOD("params");
     CU_ASSERT(strstr(out, "# protocol repose") && strstr(out, "# scene file, fill"));
-    leave();
 }
 
 /* ---- bad input ---- */
@@ -268,9 +260,7 @@ static void test_wrong_usage(void)
         {64, "usage: repose angle slope FILE", "angle slope --width 4"},
         {64, "usage: repose run", "run"},
     };
-    enter();
     CHECK_FAILURES(list);
-    leave();
 }
 
 /* A job of the array makes one shard; the commands for other schedulers make the same shards. */
@@ -283,7 +273,6 @@ static void test_slurm(void)
         {65, "none: no such folder", "sweep slurm none --shards 2"}};
     static char script[4096], expected[4096];
     char folder[512], program[512];
-    enter();
     write_text("s.cfg", "protocol = \"pile\"; replicas = 9; fixed = { base = 4; };\n");
     GOOD("sweep plan s.cfg -o d");
     GOOD("sweep slurm d --shards 7 -j 3 --time 0:30:00 --mem 2G");
@@ -309,7 +298,6 @@ static void test_slurm(void)
     CU_ASSERT_PTR_NOT_NULL(strstr(script, expected));
     CU_ASSERT(shell("mkdir \"it's\"") == 0);
     CHECK_FAILURES(list);
-    leave();
 }
 
 static void test_bad_values(void)
@@ -353,20 +341,17 @@ static void test_bad_values(void)
         {65, "none/sweep.cfg: cannot read", "sweep digest none"},
         {65, "-j = 0: out of range", "sweep run none -j 0"},
     };
-    enter();
     write_text("short.tsv", "1 2 0.1\n1 2\n");
     write_text("empty.tsv", "# units: cm\tcm\n# x\ty\n");
     CHECK_FAILURES(list);
-    leave();
 }
 
 /* A bench counts the same contacts as a run of the scene. */
 static void test_bench(void)
 {
-    enter();
     write_text("start.tsv", "# x\ty\tr\n0.1\t0.1\t0.1\n0.3\t0.1\t0.1\n0.2\t0.274\t0.1\n");
     GOOD("bench --start start.tsv --steps 300000 --repeat 2"); /* some ticks of a coarse clock */
-    rp_table t = read_table("out");
+    scoped_table t = read_table("out");
     CU_ASSERT(cell(&t, 0, "grains") == 3.0 && cell(&t, 0, "steps") == 3e5);
     CHECK_NEAR(cell(&t, 0, "share_contacts") + cell(&t, 0, "share_lists") + cell(&t, 0, "share_integration") +
                    cell(&t, 0, "share_walls"),
@@ -377,12 +362,10 @@ static void test_bench(void)
     const double inner = cell(&t, 0, "share_contacts") + cell(&t, 0, "share_integration");
     CHECK_NEAR(cell(&t, 0, "bound") * inner, cell(&t, 0, "median"), 1e-14 * cell(&t, 0, "median"));
     CU_ASSERT(cell(&t, 0, "best") >= cell(&t, 0, "median") && cell(&t, 0, "median") > 0.0);
-    rp_table_free(&t);
     FAILS(65, "none.tsv: cannot read", "bench --start none.tsv");
     FAILS(65, "no column \"r\"", "bench --start short.tsv");
     FAILS(65, "mu_roll = 0.1: needs rotation", "bench --mu-roll 0.1");
     FAILS(65, "--size-ratio = 0.5: out of range", "bench --size-ratio 0.5");
-    leave();
 }
 
 #define GRAIN "{ x = 0.1; y = 0.2; r = 0.1; }"
@@ -406,7 +389,6 @@ static void test_bad_scenes(void)
         {"", "{ x = 0.1; y = 0.2; }", "s.cfg:4: particles.[0].r: missing"},
         {"", "", "s.cfg:3: particles: no particles"},
     };
-    enter();
     for (size_t i = 0; i < sizeof list / sizeof *list; i++) {
         write_text("s.cfg",
                    "%s\nwalls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; } );\nparticles = (\n%s );\n",
@@ -439,25 +421,21 @@ static void test_bad_scenes(void)
     FAILS(65, "did you mean \"omega\"", "run s.cfg --set 'walls[1].omeg=3'");
     GOOD("run s.cfg --set 'walls[1].omega=3' --set 'walls[1].velocity=(0.5, 0)' --set 'gravity=[0, -1]' -o "
          "set");
-    rp_table walls = read_table("set/walls.tsv"), grains = read_table("set/states.tsv");
+    scoped_table walls = read_table("set/walls.tsv"), grains = read_table("set/states.tsv");
     CHECK_NEAR(cell(&walls, 0, "direction_y"), 1.0, 0.0);
     CHECK_NEAR(cell(&walls, 1, "x"), 0.5 * 10 * 5e-5, 1e-12);
     CHECK_NEAR(cell(&walls, 1, "direction_y"), sin(3.0 * 10 * 5e-5), 1e-12);
     CHECK_NEAR(cell(&grains, 0, "vy"), -1.0 * 10 * 5e-5, 1e-12);
-    rp_table_free(&walls);
-    rp_table_free(&grains);
     write_text("s.cfg", "particles_file = \"/dev/zero\";\n");
     FAILS(65, "/dev/zero: no text", "run s.cfg");
     char path[256];
     path_of("made", path);
     CU_ASSERT(access(path, F_OK) != 0); /* no output before the scene is valid */
-    leave();
 }
 
 /* Scenes and sweeps are files of the same syntax: each command says which command takes the other. */
 static void test_sweep_or_scene(void)
 {
-    enter();
     write_text("scene.cfg", "fill = { N = 4; W = 1.0; H = 1.0; };\n");
     write_text("sweep.cfg", "protocol = \"pile\"; replicas = 1;\n");
     write_text("tables.cfg", "tables = [\"tables_a = tent\"];\n");
@@ -469,7 +447,6 @@ static void test_sweep_or_scene(void)
     FAILS(64, "sweep.cfg is a sweep file; repose run sweep.cfg --row N -o DIR", "run sweep.cfg");
     FAILS(64, "repose sweep make sweep.cfg -o DIR makes all", "run sweep.cfg --row 0");
     FAILS(65, "tables.cfg is a sweep file of tables alone; repose sweep make", "run tables.cfg -o d");
-    leave();
 }
 
 static void test_bad_sweeps(void)
@@ -492,7 +469,6 @@ static void test_bad_sweeps(void)
          "mu = -0.2: out of range"},
     };
     char path[256];
-    enter();
     path_of("d", path);
     for (size_t i = 0; i < sizeof list / sizeof *list; i++) {
         write_text("s.cfg", "%s\n", list[i].file);
@@ -506,7 +482,6 @@ static void test_bad_sweeps(void)
     FAILS(65, "row = 2: out of range, allowed: [0, 1]", "run s.cfg --row 2 -o d");
     GOOD("sweep plan s.cfg -o d");
     FAILS(1, "missing", "sweep digest d");
-    leave();
 }
 
 static void test_broken_output(void)
@@ -542,7 +517,6 @@ static void test_broken_output(void)
         "bench -n 3 --steps 10",
         "params",
     };
-    enter();
     write_text("file", "a file where a folder is expected\n");
     write_text("scene.cfg", "steps = 2; fill = { N = 3; W = 1.0; H = 1.0; };\n");
     write_text("s.cfg", "protocol = \"repose\"; replicas = 2; seed = 1;\n");
@@ -563,7 +537,6 @@ static void test_broken_output(void)
     for (size_t i = 0; i < sizeof writers / sizeof *writers; i++)
         /* the reason is lost for an output longer than its buffer */
         FAILS(74, "cannot write: ", "%s >/dev/full", writers[i]);
-    leave();
 }
 
 /* ---- values ---- */
@@ -587,7 +560,6 @@ static void check_tent(const rp_table *t, size_t row, double outer, double inner
 
 static void test_static_models(void)
 {
-    enter();
     GOOD("lattice --layers 45");
     rp_table t = read_table("out");
     CU_ASSERT(t.n_rows == 45);
@@ -614,7 +586,7 @@ static void test_static_models(void)
     GOOD("continuum --alpha-deg 23.85 --points 31");
     t = read_table("out");
     GOOD("tent --outer-deg 23.85 --inner-deg 23.85 --x1 0.2385 --points 31");
-    rp_table tent = read_table("out");
+    scoped_table tent = read_table("out");
     CU_ASSERT(t.n_rows == 31 && tent.n_rows == 31);
     for (size_t i = 0; i < 31; i++) {
         CHECK_NEAR(cell(&t, i, "x/B"), (double)i / 30.0, FORM_TOLERANCE);
@@ -625,7 +597,6 @@ static void test_static_models(void)
         CHECK_NEAR(cell(&tent, i, "H/(chi*g*B)"), cell(&t, i, "H/(chi*g*B)"), FORM_TOLERANCE);
     }
     rp_table_free(&t);
-    rp_table_free(&tent);
 
     /* the dip of Fig. 19 in the map of all tents; a steeper outer slope has none */
     GOOD("tent --map --x1 0.38");
@@ -643,7 +614,6 @@ static void test_static_models(void)
         }
     }
     rp_table_free(&t);
-    leave();
 }
 
 static void test_angles(void)
@@ -660,7 +630,6 @@ static void test_angles(void)
         {"sine", 0.5 * (phi - 18.0 * deg - asin(cos(120.0 * deg) * sin(phi + 18.0 * deg))) / deg, 1e-9, 42.0},
         {"lattice", atan((0.2 - t18 / 3.0) / (1.0 - 0.2 * t18)) / deg, 1e-9, 90.0}};
     rp_table t;
-    enter();
     GOOD("angle marginal --mu 0.2");
     t = read_table("out");
     CHECK_NEAR(cell(&t, 0, "theta_ms_deg"), atan(0.6) / deg, FORM_TOLERANCE);
@@ -687,7 +656,6 @@ static void test_angles(void)
     /* no theory means no result, in the row too */
     FAILS(1, "theta-r-deg = 65", "angle tilt --mu 2 --theta-r-deg 65");
     CU_ASSERT(strstr(out, "rays_miss") != NULL);
-    leave();
 }
 
 /* An outline of 25 degrees in whole pixels, as traced from a photograph: every pixel, or 21 points. */
@@ -702,24 +670,21 @@ static void test_outline(void)
             fprintf(file, "%d,%.0f\n", x, round(220.0 - tan(25.0 * deg) * x));
         fclose(file);
         GOOD("angle slope outline.csv --width 401");
-        rp_table t = read_table("out");
+        scoped_table t = read_table("out");
         for (size_t i = 0; i < t.n_rows; i++) {
             CHECK_NEAR(cell(&t, i, "theta_deg"), 25.0, 3.0 * cell(&t, i, "theta_se_deg"));
             CU_ASSERT(cell(&t, i, "theta_se_deg") < 1.0 &&
                       cell(&t, i, "n_occupied") == cell(&t, i, "n_cells"));
         }
-        rp_table_free(&t);
     }
     CU_ASSERT(strstr(out, " from the spacing of the points\n") != NULL && !*err);
     /* the same picture with its rows counted from the top: the angles agree but for their last bits */
     CU_ASSERT(shell("awk -F, 'NR > 1 { $2 = 480 - $2 } { print $1 \",\" $2 }' outline.csv >rows.csv") == 0);
-    rp_table up = read_table("out");
+    scoped_table up = read_table("out");
     GOOD("angle slope rows.csv --width 401 --y-axis down");
-    rp_table down = read_table("out");
+    scoped_table down = read_table("out");
     for (size_t i = 0; i < 3; i++) CHECK_NEAR(cell(&down, i, "theta_deg"), cell(&up, i, "theta_deg"), 1e-9);
     CU_ASSERT(!*err);
-    rp_table_free(&up);
-    rp_table_free(&down);
     CU_ASSERT(run("angle slope rows.csv --width 401") == 0 && strstr(err, "--y-axis down"));
     GOOD("angle slope rows.csv --width 401 --y-axis up");
     CU_ASSERT(!*err);
@@ -752,7 +717,6 @@ static void test_group_order(void)
         {"angle", "marginal", "tilt", "slope", "compare", "phi"},
         {"stats", "fit", "trend", "size", "maximum", "correlation", "select"},
         {"stress", "field", "base", "dip"}};
-    enter();
     for (size_t g = 0; g < 3; g++) {
         const char *at = out;
         GOOD("%s --help", groups[g][0]);
@@ -763,13 +727,11 @@ static void test_group_order(void)
             CU_ASSERT_PTR_NOT_NULL_FATAL(at);
         }
     }
-    leave();
 }
 
 /* A pile drawn with a ruler, and points on a line. */
 static void test_angle_tables(void)
 {
-    enter();
     char path[256];
     path_of("pile.tsv", path);
     FILE *file = fopen(path, "w");
@@ -820,13 +782,11 @@ static void test_angle_tables(void)
     CHECK_NEAR(cell(&t, 0, "phi_deg"), atan(sqrt(tan((9.0 + 13.0 / 3.0) * deg) / 0.1)) / deg, 1e-5);
     rp_table_free(&t);
     FAILS(1, "no row with status ok", "angle phi runs.tsv --from 0.25");
-    leave();
 }
 
 /* Two grains of weight 981 and 1962 on a floor and one on both, supported by a wall; and its runs. */
 static void test_stress_tables(void)
 {
-    enter();
     write_text("p_grains.tsv",
                "# x\ty\tm\n0.1\t0.1\t1\n0.5\t0.1\t2\n0.3\t0.3\t1\n0.7\t0.1\t0.5\n0.9\t0.1\t0.5\n"
                "1.1\t0.1\t0.5\n");
@@ -874,9 +834,9 @@ static void test_stress_tables(void)
               "}' p_contacts.tsv "
               ">si_contacts.tsv") == 0);
     GOOD("stress base p --width 1.2");
-    rp_table cgs = read_table("out");
+    scoped_table cgs = read_table("out");
     GOOD("stress base si --width 0.012");
-    rp_table si = read_table("out");
+    scoped_table si = read_table("out");
     CU_ASSERT_FATAL(cgs.n_rows == si.n_rows && cgs.n_rows == 4);
     for (size_t i = 0; i < si.n_rows; i++) {
         CHECK_NEAR(cell(&si, i, "x/W"), cell(&cgs, i, "x/W"), 1e-12);
@@ -884,12 +844,9 @@ static void test_stress_tables(void)
         CHECK_NEAR(cell(&si, i, "weight"), 1e-3 * cell(&cgs, i, "weight"), 1e-9);
         CHECK_NEAR(cell(&si, i, "N_theory"), 1e-3 * cell(&cgs, i, "N_theory"), 1e-9);
     }
-    rp_table_free(&cgs);
-    rp_table_free(&si);
     FAILS(65, "q_contacts.tsv: cannot read", "stress field q --width 4");
     write_text("r_contacts.tsv", "# x\ty\n1\t2\n");
     FAILS(65, "no column \"id_b\"", "stress field r --width 4");
-    leave();
 }
 
 /* Planted tables of runs: limit + c/W exactly, a change of -3 and of 0 over two decades, a line that bends.
@@ -897,7 +854,6 @@ static void test_stress_tables(void)
 /* Rows of piles without a result or an excess do not count. */
 static void test_stress_dip(void)
 {
-    enter();
     char path[256];
     path_of("piles.tsv", path);
     FILE *file = fopen(path, "w");
@@ -910,18 +866,15 @@ static void test_stress_dip(void)
     }
     fclose(file);
     GOOD("stress dip piles.tsv");
-    rp_table t = read_table("out");
+    scoped_table t = read_table("out");
     CHECK_NEAR(cell(&t, 0, "n"), 4.0, 0.0);
     CHECK_NEAR(cell(&t, 0, "excess"), 0.1, 1e-15);
     CHECK_NEAR(cell(&t, 0, "middle"), 0.5 / 1.1, 1e-15);
-    rp_table_free(&t);
-    leave();
 }
 
 /* Piles with an unfinished drop, and layers, are failed runs, excluded from the mean dip. */
 static void test_cut_drops(void)
 {
-    enter();
     write_text("s.cfg", "protocol = \"drop\"; replicas = 3; seed = 20; fixed = { N = 40; };\n"
                         "grid = ({ max_steps = [20000, 200, 200]; mu_roll = [0.1, 0.1, 0.0]; });\n");
     FAILS(1, "drops_not_at_rest: ", "run s.cfg --row 3 -o cut");
@@ -942,12 +895,10 @@ static void test_cut_drops(void)
     rp_table_free(&t);
     GOOD("stress dip runs.tsv");
     CU_ASSERT(strstr(out, "# rows: 3 used, 6 left out\n") != NULL);
-    leave();
 }
 
 static void test_stats_trends(void)
 {
-    enter();
     char path[256];
     path_of("runs.tsv", path);
     FILE *file = fopen(path, "w");
@@ -1068,12 +1019,10 @@ static void test_stats_trends(void)
     CU_ASSERT_STRING_EQUAL(word(&t, 2, "status"), "curved");
     rp_table_free(&t);
     FAILS(1, "2 points", "stats fit bent.tsv -x x -y y --se se --successive --to 2");
-    leave();
 }
 
 static void test_stats_select(void)
 {
-    enter();
     write_text("a.tsv", "# units: 1\tcm\t1\t1\nlaw\tx\tb\tstatus\nold\t1\t1e-3\tok\nnew\t2\t2e-3\tok\n"
                         "law\tx\tb\tstatus\nold\t10\tnan\tfell\nnew\t-3\t7\tok\n");
     GOOD("stats select a.tsv --where 'x>=2' --where law=new --columns b,x --bare");
@@ -1094,18 +1043,16 @@ static void test_stats_select(void)
     FAILS(65, "\"old\" is not a number", "stats select a.tsv --where 'law<old'");
     write_text("p.tsv", "# eps\te\tmodes\n1e-2\t9\t3\n1e-4\t2e-4\t0\n1e-6\t2e-6\t0\n1e-8\t2e-8\t0\n");
     GOOD("stats fit p.tsv -x eps -y e --scale log --where modes=0");
-    rp_table t = read_table("out");
+    scoped_table t = read_table("out");
     CU_ASSERT(t.n_rows == 1);
     CHECK_NEAR(cell(&t, 0, "slope"), 1.0, 1e-12);
     CHECK_NEAR(cell(&t, 0, "intercept"), log(2.0), 1e-11);
     CHECK_NEAR(cell(&t, 0, "x_from"), 1e-8, 1e-20);
     CHECK_NEAR(cell(&t, 0, "x_to"), 1e-4, 1e-16);
-    rp_table_free(&t);
     write_text("n.tsv", "# eps\te\n-1\t1\n2\t2\n");
     FAILS(65, "eps = -1: out of range of this scale", "stats fit n.tsv -x eps -y e --scale log");
     FAILS(64, "needs --se", "stats fit p.tsv -x eps -y e --successive");
     FAILS(64, "give one of them", "stats fit p.tsv -x eps -y e --se e --scale log");
-    leave();
 }
 
 /* ---- claims and report ---- */
@@ -1182,7 +1129,6 @@ static void test_claims(void)
         {"form", "-", "formula", "-", "angle: theta_MS", "-", "detail", "reproduced, by tests"},
         /* one number and itself, by either reading */
         {"steady", "-", "constant", "-", "angle twin", "-", "detail", "reproduced"}};
-    enter();
     write_claims(CLAIM("angle", "20\t1") VARIANT("twin", "angle", "-\t-", "u v"), N_OF(cases), cases);
     write_text("t.tsv", "# count: 7 of 8\n# v_mean\tv_se\tn\n20.5\t0.1\t101\n");
     write_text("u.tsv", "# v\tv_se\n30\t0.5\n");
@@ -1234,7 +1180,6 @@ static void test_claims(void)
                                  CLAIM("two", "30\t-") CLAIM("three", "40.0\t2"));
     REPORTS("published --claims claims.tsv");
     CU_ASSERT_PTR_NOT_NULL(strstr(out, "\none\tlh\t20\t1\t20\ntwo\tlh\t30\t0\t20\nthree\tlh\t40.0\t2\t20\n"));
-    leave();
 }
 
 /* Three claims of one question, by themselves and as a family. Chances 0.03, 0.03 and 0.0027 are raised to
@@ -1246,7 +1191,6 @@ static void test_families(void)
     MEMBER("second", family, "falls", "9", "t k=2 change", "-")                                              \
     MEMBER("third", family, "above", "-", "t k=3 v", "0")                                                    \
     MEMBER("other", "-", "rises", "9", "t k=1 change", "-")
-    enter();
     write_text("t.tsv", "# k\tv\tv_se\tchange\tchange_se\tdof\tchange_lo90\tchange_hi90\tp_value\tp_holm\n"
                         "1\t3\t1\t4\t1\tinf\t-9\t17\t0.03\t0.04\n2\t3\t1\t-4\t1\tinf\t-17\t9\t0.03\t0.04\n"
                         "3\t3\t1\t4\t1\tinf\t-9\t17\t0.5\t0.5\n4\t3\t1\t0\t0.5\tinf\t-0.8\t0.8\t0.9\t0.9\n"
@@ -1311,7 +1255,6 @@ static void test_families(void)
     CU_ASSERT(shell("cut -f 1-10,12- claims.tsv >plain.tsv") == 0);
     REPORTS("claims --claims plain.tsv --tables .");
     check_verdict("near", "verdict", "reproduced");
-    leave();
 }
 
 /* A fit that its own means reject decides nothing, on either side and by any test, and stays a test of its
@@ -1332,7 +1275,6 @@ static void test_rejected_fits(void)
         {"rise", "q", "rises", "9", "fit k=5 limit", "-", "detail",
          "undecided: reproduced without the correction for 2 tests of one question"},
         {"poor", "q", "rises", "9", "fit k=4 limit", "-", "detail", REJECTED "4e-09)"}};
-    enter();
     write_text("u.tsv", "# v\tv_se\n30\t0.5\n");
     write_text("fit.tsv", "# k\tlimit\tlimit_se\tdof\tlimit_lo90\tlimit_hi90\tp_value\tp_fit\n"
                           "1\t0\t0.1\tinf\t-0.2\t0.2\t0.9\t0.049\n2\t0\t0.1\tinf\t-0.2\t0.2\t0.9\t0.05\n"
@@ -1343,14 +1285,12 @@ static void test_rejected_fits(void)
     check_claims(N_OF(cases), cases);
     check_verdict("level", "verdict", "undecided");
     check_verdict("level", "ours", "0.00 ± 0.10 (90 %: -0.20 to 0.20)");
-    leave();
 }
 
 /* Means of piles that stand in several tables are one mean. By hand: 12 values of mean 21; squares within the
  * two parts, 3 2^2 + 7 3^2, and between them, 4 3^2 + 8 1.5^2. */
 static void test_pooled(void)
 {
-    enter();
     write_text("a.tsv", "# k\tv_mean\tv_sd\tv_se\tv_n\tn\n1\t7\t7\t7\t9\t9\n2\t18\t2\t1\t4\t5\n");
     write_text("b.tsv", "# v_mean\tv_sd\tv_se\tv_n\tn\n22.5\t3\t1.06066\t8\t8\n");
     JUDGE(PLAIN("pooled", "above", "-", "a k=2 v + b v", "0")
@@ -1369,12 +1309,10 @@ static void test_pooled(void)
     CHECK_NEAR(all.sd, sqrt((12.0 + 63.0 + 36.0 + 18.0) / 11.0), 1e-14);
     CHECK_NEAR(one.sd, 2.0, 1e-14);
     CHECK_NEAR(one.hi - one.mean, 3.182446305284263, 1e-9); /* Student's t of 3 degrees of freedom, se 1 */
-    leave();
 }
 
 static void test_bad_claims(void)
 {
-    enter();
     write_text("t.tsv", "# k\tv\n1\t2\n1\t3\n");
 #define BAD(text, message)                                                                                   \
     write_text("bad.tsv", CLAIMS text);                                                                      \
@@ -1393,12 +1331,10 @@ static void test_bad_claims(void)
     BAD(PLAIN("a", "above", "-", "t k=1:2 V", "0"), "2 rows");
     BAD(PLAIN("a", "above", "-", "t v=2 K", "0"), "no column \"K\" (did you mean \"k\"?)");
     BAD(PLAIN("a", "above", "-", "t #j", "0"), "no header line \"j\"");
-    leave();
 }
 
 static void test_report(void)
 {
-    enter();
     write_text("claims.tsv",
                CLAIMS CLAIM("angle", "20.10\t1") PLAIN("high", "above", "-", "many k=8 v", "0"));
     write_text("many.tsv",
@@ -1443,7 +1379,6 @@ static void test_report(void)
     BAD_PLACE("{{include frob*}}", "no file frob*");
     BAD_PLACE("{{include in.md}}", "in an included text");
     BAD_PLACE("{{value many", "without }}");
-    leave();
 }
 
 /* A script of the page of the report on files of the test's folder. */
@@ -1459,7 +1394,6 @@ static int awk(const char *script, const char *arguments)
 /* Frames of a run: grain 9 leaves; the frame before `from` and a faint contact are left out; a wall is -1. */
 static void test_page_frames(void)
 {
-    enter();
     write_text("states.tsv", "# program: x\nstep\tid\tx\ty\tr\n5\t7\t0\t0\t0.1\n10\t7\t0.5\t0.25\t0.1\n"
                              "10\t9\t1.2346\t-0.5\t0.08\n20\t7\t0.75\t0.25\t0.1\n");
     write_text("contacts.tsv", "# program: x\nstep\tid_a\tid_b\twall\tnormal_force\n5\t7\t9\t0\t4\n"
@@ -1468,7 +1402,6 @@ static void test_page_frames(void)
     CU_ASSERT_STRING_EQUAL(out, "{\"dt\":5e-05,\"opens\":11,\"id\":[7,9],\"r\":[100,80],\"frames\":[\n"
                                 "{\"step\":10,\"xy\":[500,250,1235,-500],\"links\":[0,1,12,1,-1,3]},\n"
                                 "{\"step\":20,\"xy\":[750,250,null,null],\"links\":[]}]}\n");
-    leave();
 }
 
 /* A polygon of a hundred corners on a circle becomes this circle; a square and a curve stay. */
@@ -1481,7 +1414,6 @@ static void test_page_circles(void)
         snprintf(corners + strlen(corners), sizeof corners - strlen(corners), "%s%.2f,%.2f ", k ? "L" : "M",
                  50 + 5 * cos(k * pi / 50), 40 + 5 * sin(k * pi / 50));
     snprintf(curve, sizeof curve, "<path d='%s'/>", corners);
-    enter();
     write_text("in.svg", "<svg>%s%s<path stroke='red'  d='%sZ  '/></g>%s</svg>\n", square, curve, corners,
                text);
     CU_ASSERT(awk("circles.awk", "in.svg") == 0);
@@ -1495,7 +1427,6 @@ static void test_page_circles(void)
     write_text("in.svg", "<svg><polygon fill = 'blue' points = '%s'/></svg>\n", corners);
     CU_ASSERT(awk("circles.awk", "in.svg") == 0);
     CU_ASSERT_STRING_EQUAL(out, "<svg><circle fill = 'blue'  cx='50.00' cy='40.00' r='5.00'/></svg>\n");
-    leave();
 }
 
 /* ---- calibrate ---- */
@@ -1523,7 +1454,6 @@ static void write_piles(void)
 static void test_flat_ends(void)
 {
     static const double bends[] = {0.468, 0.473};
-    enter();
     for (int k = 0; k < 4; k++) {
         const bool falls = k / 2;
         char rows[4096], expected[128];
@@ -1541,7 +1471,6 @@ static void test_flat_ends(void)
                  falls ? "0.2" : "0.7");
         FAILS(1, expected, "calibrate --runs flat.tsv --theta-r-deg 60 --error-deg 0.5 --bootstrap 2");
     }
-    leave();
 }
 
 static void test_calibrate(void)
@@ -1561,7 +1490,6 @@ static void test_calibrate(void)
         {65, "no values of \"theta_t_displacement_deg\"",
          "calibrate --theta-t-deg 2 --theta-t-error-deg 1 --runs floors.tsv --fit floor"},
     };
-    enter();
     write_piles();
     write_text("floors.tsv", "# status\tmu\tfloor\ttheta_r3_deg\nok\t0.1\t1\t3\nok\t0.1\t2\t5\n");
     CHECK_FAILURES(list);
@@ -1640,13 +1568,11 @@ static void test_calibrate(void)
           "--theta-t-error-deg 0.1");
     CU_ASSERT(strstr(err, "these piles reach theta_r from 10 to 35 degrees and theta_t from ") &&
               strstr(err, "or of another parameter (--fit), may reach further"));
-    leave();
 }
 
 /* From a sweep file to an answer; the second call makes no run. */
 static void test_calibrate_sweep(void)
 {
-    enter();
     write_text("s.cfg", "protocol = \"repose\"; replicas = 3; seed = 1993;\n"
                         "fixed = { " SHORT_RUN " };\ngrid = { mu = [0.1, 0.2, 0.3, 0.4]; };\n");
     static const char line[] = "calibrate --sweep s.cfg -o d -j 2 --theta-r-deg 15 --error-deg 2";
@@ -1660,7 +1586,6 @@ static void test_calibrate_sweep(void)
     free(first);
     CU_ASSERT(equal_tables("d/runs.tsv", "before.tsv"));
     CU_ASSERT(shell("grep run_time before.tsv >out 2>err; grep run_time d/runs.tsv | cmp - out") == 0);
-    leave();
 }
 
 /* ---- run ---- */
@@ -1670,14 +1595,13 @@ static void test_free_fall(void)
 {
     static const double gx = 12.5, gy = -981.0, x = 0.385, y = 52.85, vx = 23.85, vy = 17.5;
     static const int steps[] = {0, 300, 600, 900, 1000};
-    enter();
     write_text("scene.cfg",
                "gravity = ( %.17g, %.17g ); dt = 1.0; steps = 1000;\n"
                "particles = ( { x = %.17g; y = %.17g; r = 0.1; m = 0.5; vx = %.17g; vy = %.17g; } );\n",
                gx, gy, x, y, vx, vy);
     GOOD("run scene.cfg --set dt=5e-5 --every 300");
     CU_ASSERT(strstr(out, "\nstep\tt\tid\tx\ty\tangle\tvx\tvy\tomega\tfx\tfy\tr\tm\tcontacts\n") != NULL);
-    rp_table t = read_table("out");
+    scoped_table t = read_table("out");
     CU_ASSERT(t.n_rows == 5);
     for (size_t i = 0; i < t.n_rows && i < 5; i++) {
         double time = steps[i] * 5e-5;
@@ -1689,14 +1613,12 @@ static void test_free_fall(void)
         CHECK_NEAR(cell(&t, i, "vy"), vy + gy * time, FALL_TOLERANCE);
         CHECK_NEAR(cell(&t, i, "fy"), 0.5 * gy, FALL_TOLERANCE);
     }
-    rp_table_free(&t);
     /* without --every, the final state alone: the same row */
     GOOD("run scene.cfg --set dt=5e-5");
     const char *last = strstr(out, "\n1000\t");
     CU_ASSERT(last && !strstr(out, "\n0\t"));
     GOOD("run scene.cfg --set dt=5e-5 --set steps=0");
     CU_ASSERT(strstr(out, "\n0\t0\t1\t") != NULL);
-    leave();
 }
 
 /* A grain at rest on the floor: (2a) balances its weight. */
@@ -1704,7 +1626,6 @@ static void test_output_folder(void)
 {
     const double m = 0.5, weight = m * 981.0, overlap = pow(weight / 2e6, 2.0 / 3.0);
     const double relative = 1e-11; /* the overlap, 4e-3, is the difference of numbers rounded to 2^-56 */
-    enter();
     write_text("scene.cfg",
                "dt = 2.0e-5; steps = 100; walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; } );\n"
                "particles = ( { x = 0.385; y = %.17g; r = 0.1; m = %.17g; } );\n",
@@ -1746,23 +1667,20 @@ static void test_output_folder(void)
     t = read_table("new/d/energy.tsv");
     CU_ASSERT(rp_table_column(&t, "start") < 0 && rp_table_column(&t, "rotational") >= 0);
     rp_table_free(&t);
-    leave();
 }
 
 /* A floor too soft to carry the grain: the run stops, and keeps its output so far. */
 static void test_broken_run(void)
 {
-    enter();
     write_text("scene.cfg",
                "steps = 100000; walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; k_n = 10.0; } );\n"
                "particles = ( { x = 0.0; y = 0.5; r = 0.1; m = 0.004; } );\n");
     FAILS(1, "leaked at step ", "run scene.cfg --every 100");
     CU_ASSERT(strstr(err, "grain 1: its centre passed wall 1") != NULL);
-    rp_table t = read_table("out");
+    scoped_table t = read_table("out");
     /* it falls 0.5 cm first: sqrt(2 * 0.5/981) s, 638 steps */
     CU_ASSERT(t.n_rows >= 7 && t.n_rows < 20);
     for (size_t i = 0; i < t.n_rows; i++) CHECK_NEAR(cell(&t, i, "step"), 100.0 * (double)i, 0.0);
-    rp_table_free(&t);
     FAILS(1, "leaked at step ", "run scene.cfg --every 100 -o d");
     CU_ASSERT(shell("exec \"$REPOSE\" run scene.cfg --every 100 >out 2>err") == 1);
     CU_ASSERT(equal_tables("out", "d/unfinished/states.tsv"));
@@ -1789,7 +1707,6 @@ static void test_broken_run(void)
                    solvers[k]);
         FAILS(1, "not_solved at step ", "run hard.cfg");
     }
-    leave();
 }
 
 /* ---- sweep ---- */
@@ -1804,7 +1721,6 @@ static void write_sweep(void)
 static void test_sweep(void)
 {
     char digest[64];
-    enter();
     write_sweep();
     GOOD("sweep plan s.cfg -o d1");
     CU_ASSERT(strstr(out, "d1: 4 runs (2 grid points x 2 replicas), 0 already stored") != NULL);
@@ -1837,7 +1753,7 @@ static void test_sweep(void)
     CU_ASSERT(strstr(out, "4 already stored") != NULL);
 
     GOOD("sweep export d1 -o runs.tsv");
-    rp_table runs = read_table("runs.tsv");
+    scoped_table runs = read_table("runs.tsv");
     CU_ASSERT(runs.n_rows == 4);
     GOOD("sweep export d1 --reduce");
     t = read_table("out");
@@ -1851,14 +1767,11 @@ static void test_sweep(void)
         CHECK_NEAR(cell(&t, i, "n_failed"), 0.0, 0.0);
     }
     rp_table_free(&t);
-    rp_table_free(&runs);
-    leave();
 }
 
 /* Runs, reduced table and derived tables by one command; then tables without runs. */
 static void test_make(void)
 {
-    enter();
     write_text("s.cfg", "protocol = \"repose\"; replicas = 1; study = 2; seed = 1993;\n"
                         "fixed = { " SHORT_RUN " };\ngrid = { mu = [0.2, 0.3]; };\n"
                         "tables = [ \"s_line = stats fit @/s.tsv -x mu -y theta_r3_deg_mean\",\n"
@@ -1870,17 +1783,14 @@ static void test_make(void)
     GOOD("sweep make s.cfg -o d --tables t -j 1 --study");
     runs = read_table("t/s_runs.tsv");
     CU_ASSERT(runs.n_rows == 4);
-    rp_table reduced = read_table("t/s.tsv"), line = read_table("t/s_line.tsv"),
-             rows = read_table("t/s_rows.tsv");
+    scoped_table reduced = read_table("t/s.tsv"), line = read_table("t/s_line.tsv"),
+                 rows = read_table("t/s_rows.tsv");
     CU_ASSERT(reduced.n_rows == 2 && rows.n_rows == 2);
     CHECK_NEAR(cell(&rows, 0, "mu"), 0.3, 0.0);
     CHECK_NEAR(cell(&rows, 1, "mu"), 0.3, 0.0);
     CHECK_NEAR(cell(&line, 0, "slope"),
                (cell(&reduced, 1, "theta_r3_deg_mean") - cell(&reduced, 0, "theta_r3_deg_mean")) / 0.1, 1e-9);
     rp_table_free(&runs);
-    rp_table_free(&reduced);
-    rp_table_free(&line);
-    rp_table_free(&rows);
     GOOD("sweep digest d");
     char digest[33];
     snprintf(digest, sizeof digest, "%.32s", out);
@@ -1888,9 +1798,8 @@ static void test_make(void)
 
     write_text("m.cfg", "tables = [ \"m_1 = continuum --alpha-deg 30\" ];\n");
     GOOD("sweep make m.cfg -o d --tables t");
-    rp_table model = read_table("t/m_1.tsv");
+    scoped_table model = read_table("t/m_1.tsv");
     CU_ASSERT(model.n_rows > 10);
-    rp_table_free(&model);
     write_text("m.cfg", "tables = [ \"m_1 = continuum\" ];\n");
     CU_ASSERT(run("sweep make m.cfg -o d --tables t") == 64 &&
               strstr(err, "m_1: repose continuum: exit status 64"));
@@ -1900,72 +1809,60 @@ static void test_make(void)
     FAILS(65, "NAME = COMMAND", "sweep make m.cfg -o d --tables t");
     write_text("m.cfg", "replicas = 1;\n");
     FAILS(65, "neither a protocol nor tables", "sweep make m.cfg -o d --tables t");
-    leave();
 }
 
 /* Shared piles differ only after the opening. */
 static void test_shared_piles(void)
 {
-    enter();
     write_text("s.cfg", "protocol = \"repose\"; replicas = 2; seed = 1993; piles = \"shared\";\n"
                         "fixed = { " SHORT_RUN " };\ngrid = { floor = [\"extends\", \"absorbs\"]; };\n");
     GOOD("sweep plan s.cfg -o d");
     GOOD("sweep run d");
     GOOD("sweep export d -o runs.tsv");
-    rp_table t = read_table("runs.tsv");
+    scoped_table t = read_table("runs.tsv");
     CU_ASSERT(t.n_rows == 4);
     for (size_t k = 0; k < 2; k++) {
         CU_ASSERT(cell(&t, k, "pile") == (double)k && cell(&t, k + 2, "pile") == (double)k);
         CU_ASSERT_STRING_EQUAL(word(&t, k, "fill_steps_used"), word(&t, k + 2, "fill_steps_used"));
         CU_ASSERT_STRING_NOT_EQUAL(word(&t, k, "residual_energy"), word(&t, k + 2, "residual_energy"));
     }
-    rp_table_free(&t);
     /* the last row again, by itself, and the fills of others */
     GOOD("run s.cfg --row 1 -o first");
     GOOD("run s.cfg --row 2 -o other");
     GOOD("run s.cfg --row 3 -o box");
     CU_ASSERT(equal_tables("first/filled_grains.tsv", "box/filled_grains.tsv"));
     CU_ASSERT(!equal_tables("other/filled_grains.tsv", "box/filled_grains.tsv"));
-    rp_table again = read_table("out"), runs = read_table("runs.tsv");
+    scoped_table again = read_table("out"), runs = read_table("runs.tsv");
     CU_ASSERT_STRING_EQUAL(word(&again, 0, "residual_energy"), word(&runs, 3, "residual_energy"));
-    rp_table_free(&again);
-    rp_table_free(&runs);
-    leave();
 }
 
 /* One row of a sweep again: the stored numbers, and a scene that gives the same bits. */
 static void test_row_again(void)
 {
-    enter();
     write_sweep();
     GOOD("run s.cfg --row 1 -o box --every 1000 --ledger");
-    rp_table again = read_table("out");
+    scoped_table again = read_table("out");
     GOOD("sweep plan s.cfg -o d");
     GOOD("sweep run d -j 2");
     GOOD("sweep export d -o runs.tsv");
-    rp_table runs = read_table("runs.tsv");
+    scoped_table runs = read_table("runs.tsv");
     for (const sweep_output *o = sweep_protocol_repose.outputs; o->name; o++)
         CU_ASSERT_STRING_EQUAL(word(&again, 0, o->name), word(&runs, 1, o->name));
-    rp_table_free(&again);
-    rp_table_free(&runs);
     GOOD("run box/scene.cfg");
     CU_ASSERT(equal_tables("out", "box/pile_grains.tsv"));
     CU_ASSERT(!equal_tables("out", "box/filled_grains.tsv"));
     GOOD("run box/scene.cfg -o scene");
     CU_ASSERT(equal_tables("scene/contacts.tsv", "box/pile_contacts.tsv"));
-    rp_table energy = read_table("box/energy.tsv");
+    scoped_table energy = read_table("box/energy.tsv");
     CU_ASSERT(energy.n_rows >= 4 && cell(&energy, 3, "step") == 4000.0);
     CU_ASSERT(cell(&energy, 3, "normal_damping") > 0.0);
     CHECK_NEAR(cell(&energy, 3, "residual"), 0.0, 1e-10 * cell(&energy, 3, "turnover"));
-    rp_table_free(&energy);
-    leave();
 }
 
 /* An endless run and a large one end at their limits: the others are made, and no digest or table hides it.
  */
 static void test_limits(void)
 {
-    enter();
     write_text("s.cfg", "protocol = \"repose\"; replicas = 1; seed = 1993;\n"
                         "fixed = { W = 2.0; H = 2.0; fill_steps = 100; stop = \"steps\"; };\n"
                         "grid = { relax_steps = [100, 1000000000]; };\n");
@@ -1982,12 +1879,11 @@ static void test_limits(void)
             strstr(out, "# failed: 1 of 2 (time_limit 1)\n# aborted: 1 of the failed, to be tried again\n") !=
             NULL);
     }
-    rp_table points = read_table("out");
+    scoped_table points = read_table("out");
     for (size_t k = 0; k < 2; k++) {
         CHECK_NEAR(cell(&points, k, "n"), k == 0, 0.0);
         CHECK_NEAR(cell(&points, k, "n_failed"), k == 1, 0.0);
     }
-    rp_table_free(&points);
     CU_ASSERT(run("sweep make s.cfg -o d --tables t --time 0.5") == 1 && strstr(err, "(time_limit 1)"));
     CU_ASSERT_STRING_EQUAL(out, "s: 2 runs: 1 ok_fixed_time, 1 time_limit\n");
     CU_ASSERT(shell("! ls t | grep -q .") == 0);
@@ -1998,13 +1894,11 @@ static void test_limits(void)
         CU_ASSERT(run("sweep run p --mem 40") == 1 && strstr(err, "1 of 2 runs were aborted (no_memory 1)"));
         CU_ASSERT(strstr(err, "run 1 (base = 700): pile of 245350 disks: out of memory; no_memory") != NULL);
     }
-    leave();
 }
 
 /* Stopped during its endless second run: stored runs stay, and status 75 means "resume". */
 static void test_stopped(void)
 {
-    enter();
     write_text("s.cfg", "protocol = \"repose\"; replicas = 1; seed = 1993;\n"
                         "fixed = { W = 2.0; H = 2.0; fill_steps = 100; stop = \"steps\"; };\n"
                         "grid = { relax_steps = [100, 1000000000]; };\n");
@@ -2019,14 +1913,12 @@ static void test_stopped(void)
     CU_ASSERT(strstr(out, "# running: 0\n") != NULL);
     CU_ASSERT(strstr(out, "# stored: 1\n# missing: 1\n") != NULL);
     FAILS(1, "missing", "sweep digest d");
-    leave();
 }
 
 /* A folder is of one scene: a change of any particle is another. Gravity of 9.8 in any direction is warned
  * of. */
 static void test_run_scene(void)
 {
-    enter();
     for (int k = -1; k < 3; k++) {
         const double x[] = {1.0 + (k == 0), 4.0 + (k == 1), 7.0 + (k == 2)};
         write_text("s.cfg",
@@ -2041,7 +1933,6 @@ static void test_run_scene(void)
         CU_ASSERT(run("run s.cfg --quiet --set 'gravity=[%s]'", gravity[k]) == 0);
         CU_ASSERT((strstr(err, "g = 9.8 among values in cm") != NULL) == (k < 2));
     }
-    leave();
 }
 
 /* The help has the columns of the states in their order, and its lists in that of what is printed. */
@@ -2051,30 +1942,24 @@ static void test_run_help(void)
                                         "grains, steps, at rest", "grains, contacts, energies",
                                         "disks, contacts, wells"};
     static char help[sizeof out];
-    enter();
     CU_ASSERT(shell("\"$REPOSE\" run --help 2>err | tr '\\n' ' ' >out") == 0);
     slurp("out", help, sizeof help);
     for (size_t k = 0; k < sizeof lists / sizeof *lists; k++) CU_ASSERT_PTR_NOT_NULL(strstr(help, lists[k]));
     const char *at = strstr(help, "state of each grain: ");
     write_text("s.cfg", "steps = 1; particles = ( { x = 1.0; y = 5.0; r = 0.1; } );\n");
     CU_ASSERT(run("run s.cfg") == 0);
-    rp_table t = read_table("out");
+    scoped_table t = read_table("out");
     for (size_t c = 0; at && c < t.n_columns; c++) CU_ASSERT_PTR_NOT_NULL(at = strstr(at, t.names[c]));
-    rp_table_free(&t);
-    leave();
 }
 
 /* Frames and snapshots come at multiples of their own intervals. */
 static void test_run_intervals(void)
 {
-    enter();
     write_text("s.cfg", "steps = 90; particles = ( { x = 1.0; y = 5.0; r = 0.1; } );\n");
     CU_ASSERT(run("run s.cfg --every 30 --snapshot 20 -o d") == 0);
-    rp_table t = read_table("d/energy.tsv");
+    scoped_table t = read_table("d/energy.tsv");
     CU_ASSERT_EQUAL(t.n_rows, 4);
     for (size_t i = 0; i < t.n_rows; i++) CHECK_NEAR(cell(&t, i, "step"), 30.0 * (double)i, 0.0);
-    rp_table_free(&t);
-    leave();
 }
 
 /* The growth that the warning names: mean energy of the last 16 of 64 samples less that of the first 16, over
@@ -2086,7 +1971,7 @@ static void check_growth(int every)
     CU_ASSERT(run("run s.cfg --set steps=%d --every %d -o d%d", 64 * every, every, every) == 0);
     char name[32];
     snprintf(name, sizeof name, "d%d/energy.tsv", every);
-    rp_table t = read_table(name);
+    scoped_table t = read_table(name);
     CU_ASSERT_EQUAL(t.n_rows, 65);
     for (size_t i = 1; i < t.n_rows; i++) {
         const double moving = cell(&t, i, "kinetic") + cell(&t, i, "elastic");
@@ -2096,7 +1981,6 @@ static void check_growth(int every)
     }
     snprintf(expected, sizeof expected, "energy grew by %.2g %% of", 100.0 * (last - first) / most);
     CU_ASSERT(last > first && strstr(err, expected) != NULL);
-    rp_table_free(&t);
 }
 
 /* At 0.98 of the largest step allowed, 60 grains without damping heat up; at a fifth of it, or with damping,
@@ -2104,7 +1988,6 @@ static void check_growth(int every)
 static void test_energy_growth(void)
 {
     if (check_fast()) return; /* a long run: other runs of the program are shorter */
-    enter();
     write_text("s.cfg",
                "steps = 50000; dt = 1.097e-4; normal = { k_n = 1.0e6; gamma_n = 0.0; };\n"
                "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; },\n"
@@ -2125,13 +2008,11 @@ static void test_energy_growth(void)
                                          "walls[0].velocity=[1.0e-12, 0.0]",
                                          "y_min=-1' --set 'walls[0].extent=[0.0, 1.5]"};
     for (size_t k = 0; k < sizeof silent / sizeof *silent; k++) GOOD("run s.cfg --set '%s'", silent[k]);
-    leave();
 }
 
 /* A sweep's rows have no such warning: its plan has one, for all points without damping. */
 static void test_undamped_sweep(void)
 {
-    enter();
     write_text("s.cfg", "protocol = \"repose\"; fixed = { W = 2.0; H = 2.0; };\n"
                         "grid = { gamma_n = [0.0, 50.0]; mu = [0.1, 0.2, 0.3]; };\n");
     CU_ASSERT(run("sweep plan s.cfg -o d") == 0 && strncmp(out, "d: 120 runs ", 12) == 0);
@@ -2139,14 +2020,12 @@ static void test_undamped_sweep(void)
     CU_ASSERT(strchr(err, '\n') == err + strlen(err) - 1);
     write_text("s.cfg", "protocol = \"repose\"; fixed = { W = 2.0; H = 2.0; restitution = 0.5; };\n");
     GOOD("sweep plan s.cfg -o d");
-    leave();
 }
 
 /* A stopped run, of a scene or of a sweep's row, leaves the whole result that is there as it is, and its own
  * tables apart; a whole run replaces both. */
 static void test_run_stopped(void)
 {
-    enter();
     write_text("s.cfg",
                "steps = 2000; particles = ( { x = 0.0; y = 0.0; r = 0.1; } ); gravity = [0.0, 0.0];\n");
     write_text("r.cfg",
@@ -2164,9 +2043,8 @@ static void test_run_stopped(void)
                  signals[k]);
         CU_ASSERT(failed(__FILE__, __LINE__, shell(line), 75,
                          "of 2000000000; the tables so far are in d/unfinished"));
-        rp_table t = read_table("d/unfinished/states.tsv");
+        scoped_table t = read_table("d/unfinished/states.tsv");
         CU_ASSERT(t.n_rows >= 1 && cell(&t, 0, "step") == 0.0);
-        rp_table_free(&t);
         CU_ASSERT(shell("tail -n 1 d/unfinished/states.tsv | grep -q '^# unfinished: stopped at step'") == 0);
         snprintf(
             line, sizeof line,
@@ -2190,13 +2068,11 @@ static void test_run_stopped(void)
               strstr(err, "another process runs in this folder"));
     GOOD("run s.cfg --every 10 -o d");
     CU_ASSERT(shell("! test -e d/unfinished; cat d/*.tsv r/*.* | cmp - before") == 0);
-    leave();
 }
 
 /* A folder with results of something else is not written over: scene, row and sweep into each other's. */
 static void test_folders(void)
 {
-    enter();
     write_text("a.cfg",
                "steps = 20; particles = ( { x = 0.0; y = 0.0; r = 0.1; } ); gravity = [0.0, 0.0];\n");
     write_text("b.cfg",
@@ -2246,7 +2122,6 @@ static void test_folders(void)
     /* tables of older versions have no note */
     CU_ASSERT(shell("sed -i '/^# run: /d' a/*.tsv") == 0);
     FAILS(65, "a: holds a scene (repose run b.cfg -o a --force)", "run b.cfg -o a");
-    leave();
 }
 
 void suite_cli(void)
@@ -2300,5 +2175,5 @@ void suite_cli(void)
                                        {"sweep: limits of a run", test_limits},
                                        {"sweep: stopped, 75", test_stopped},
                                        {0}};
-    check_register("command line", cases);
+    check_register_within("command line", enter, leave, cases);
 }

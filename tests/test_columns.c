@@ -103,7 +103,7 @@ static response read_tilt(int k, double width)
     response r = {.t = tan(tilts_deg[k] * deg)};
     double weight = 0.0, mean_weight = 4.0 / 3.0 * M_PI * 1e-3 * 981.0;
     snprintf(name, sizeof name, "d/tilt_%g_grains.tsv", tilts_deg[k]);
-    rp_table grains = read_table(name);
+    scoped_table grains = read_table(name);
     for (size_t i = 0; i < grains.n_rows; i++) {
         const double x = cell(&grains, i, "x"), fx = cell(&grains, i, "fx"), fy = cell(&grains, i, "fy");
         weight += 981.0 * cell(&grains, i, "m");
@@ -112,7 +112,6 @@ static response read_tilt(int k, double width)
         if (cell(&grains, i, "contacts") > 0.0)
             r.balance_error = fmax(r.balance_error, hypot(fx, fy) / mean_weight);
     }
-    rp_table_free(&grains);
     r.weight_error /= weight;
     snprintf(name, sizeof name, "d/tilt_%g_contacts.tsv", tilts_deg[k]);
     checked c = checked_read(name);
@@ -181,9 +180,8 @@ static void check_response(checked *o, double mu, double width)
 static double slope_of(const char *grains, double width)
 {
     GOOD("angle slope %s --width %g --cell 0.2", grains, width);
-    rp_table t = read_table("out");
+    scoped_table t = read_table("out");
     const double theta = cell(&t, 2, "theta_deg");
-    rp_table_free(&t);
     return theta;
 }
 
@@ -264,11 +262,10 @@ static void check_column(checked *base, size_t row, checked contacts[2], checked
 static void test_stress(void)
 {
     const double width = 2.0, mu = 0.4;
-    enter();
     write_text("s.cfg", "protocol = \"stress\"; replicas = 1; seed = 1993;\n"
                         "fixed = { W = 2.0; H = 2.0; mu = 0.4; };\n");
     GOOD("run s.cfg -o d");
-    checked o = checked_read("out");
+    scoped_checked o = checked_read("out");
     check_response(&o, mu, width);
     CHECK_NEAR(at(&o, 0, "theta_r3_deg"), slope_of("d/pile_grains.tsv", width), tight);
     CHECK_NEAR(at(&o, 0, "tilts"), TILTS, 0.0);
@@ -279,31 +276,26 @@ static void test_stress(void)
         inside += at(&grains[0], i, "x") > 0.0 && at(&grains[0], i, "x") < width;
     CHECK_NEAR(at(&o, 0, "grains"), inside, 0.0);
     /* to the last tilt at rest, then again from the pile on until it moves, 1e-3 degree a step */
-    rp_table last = read_table("d/tilt_4_grains.tsv");
+    scoped_table last = read_table("d/tilt_4_grains.tsv");
     CHECK_NEAR(at(&o, 0, "steps"), cell(&last, 0, "step") + 1e3 * at(&o, 0, "theta_t_displacement_deg"),
                1e-6);
-    rp_table_free(&last);
     at(&o, 0, "status");
     CU_ASSERT_STRING_EQUAL(word(&o.t, 0, "status"), "ok");
-    checked_end(&o);
 
     GOOD("stress field d/pile d/tilt_2_contacts.tsv --width 2 --cell 0.42");
-    checked field = checked_read("out");
+    scoped_checked field = checked_read("out");
     CU_ASSERT(field.t.n_rows >= 15 && field.t.n_rows % 5 == 0);
     for (size_t row = 0; row < field.t.n_rows; row++) check_cell(&field, row, contacts, width, 0.4);
-    checked_end(&field);
 
     const double slope =
         0.5 * (slope_of("d/pile_grains.tsv", width) + slope_of("d/tilt_2_grains.tsv", width));
     GOOD("stress base d/pile d/tilt_2 --width 2 --cell 0.42 --phi-deg 55");
     CHECK_NEAR(strtod(strstr(out, "# theta_r_deg: ") + strlen("# theta_r_deg: "), NULL), slope, tight);
-    checked base = checked_read("out");
+    scoped_checked base = checked_read("out");
     CU_ASSERT(base.t.n_rows > 5);
     for (size_t row = 0; row < base.t.n_rows; row++)
         check_column(&base, row, contacts, grains, width, 0.4, slope);
-    checked_end(&base);
     for (int p = 0; p < 2; p++) rp_table_free(&grains[p].t), rp_table_free(&contacts[p].t);
-    leave();
 }
 
 /* The tilt at which a pile moves is that of protocol repose for the same pile. A run that ends early counts
@@ -330,15 +322,12 @@ static void test_stress_steps(void)
     }
     CU_ASSERT(found[0][0] == found[1][0] && found[0][1] == found[1][1] && found[0][1] > 1.0);
 
-    enter();
     write_text("s.cfg",
                "protocol = \"stress\"; replicas = 1; seed = 1993;\n"
                "fixed = { W = 2.0; H = 2.0; fill_steps = 1000; rest_energy = 1e-30; max_steps = 5000; };\n");
     CU_ASSERT(run("run s.cfg -o d") == 1 && strstr(err, "not_at_rest"));
-    rp_table t = read_table("out");
+    scoped_table t = read_table("out");
     CHECK_NEAR(cell(&t, 0, "steps"), 6000.0, 0.0);
-    rp_table_free(&t);
-    leave();
 }
 
 /* ---- stress dip --profile ---- */
@@ -373,7 +362,8 @@ static void check_profile(double n[DIP_PILES][STRESS_DIP_BINS], const double exc
     gsl_rng *rng = rp_random_alloc(6, 0, RP_PURPOSE_BOOTSTRAP);
     CHECK_OK(stress_dip_ensemble(DIP_PILES, n[0], excess, 0.05, 50, rng, &d));
     gsl_rng_free(rng);
-    checked c = CHECKED_RUN(STRESS_DIP_BINS / 2, "stress dip piles.tsv --profile --resamples 50 --seed 6");
+    scoped_checked c =
+        CHECKED_RUN(STRESS_DIP_BINS / 2, "stress dip piles.tsv --profile --resamples 50 --seed 6");
     for (size_t row = 0; row < c.t.n_rows; row++) {
         double both[DIP_PILES], mean = 0.0, squares = 0.0;
         for (int i = 0; i < DIP_PILES; i++) {
@@ -391,7 +381,6 @@ static void check_profile(double n[DIP_PILES][STRESS_DIP_BINS], const double exc
         CHECK_NEAR(at(&c, row, "rays"), 1.2 + 0.005 * (left * left + right * right), 1e-13);
     }
     CU_ASSERT(d.N_t > 1.0);
-    checked_end(&c);
 }
 
 /* Every column of the row, from the same stream. */
@@ -402,7 +391,7 @@ static void check_dip(double n[DIP_PILES][STRESS_DIP_BINS], const double excess[
     CHECK_OK(stress_dip_ensemble(DIP_PILES, n[0], excess, 0.05, 50, rng, &d));
     gsl_rng_free(rng);
     GOOD("stress dip piles.tsv --resamples 50 --seed 6");
-    checked c = checked_read("out");
+    scoped_checked c = checked_read("out");
     const checked_value columns[] = {{"n", DIP_PILES},
                                      CHECKED_MEAN(d, excess),
                                      {"excess_sd", d.excess.sd},
@@ -427,24 +416,20 @@ static void check_dip(double n[DIP_PILES][STRESS_DIP_BINS], const double excess[
     checked_row(&c, 0, sizeof columns / sizeof *columns, columns, 1e-15);
     at(&c, 0, "verdict");
     CU_ASSERT_STRING_EQUAL(word(&c.t, 0, "verdict"), stress_dip_word(&d, 0.05));
-    checked_end(&c);
 }
 
 static void test_dip(void)
 {
     double n[DIP_PILES][STRESS_DIP_BINS], excess[DIP_PILES];
-    enter();
     write_dips(n, excess);
     check_dip(n, excess);
     check_profile(n, excess);
     /* without rays */
     shell("cut -f 1-3,5,7,9,11,13,15,17,19,21,23,25,27,29,31,33,35,37,39,41 piles.tsv >plain.tsv");
     GOOD("stress dip plain.tsv --profile");
-    rp_table t = read_table("out");
+    scoped_table t = read_table("out");
     for (size_t row = 0; row < STRESS_DIP_BINS / 2; row++)
         CU_ASSERT(isnan(cell(&t, row, "rays")) && isfinite(cell(&t, row, "N_lo")));
-    rp_table_free(&t);
-    leave();
 }
 
 /* ---- calibrate ---- */
@@ -527,7 +512,6 @@ static void test_calibrate(void)
     static const char *const options[2][2] = {{"theta-r-deg", "error-deg"},
                                               {"theta-t-deg", "theta-t-error-deg"}};
     double x[CAL_PILES], angle[2][CAL_PILES], expected[4];
-    enter();
     write_lines(x, angle);
     for (int a = 0; a < 2; a++) {
         const double z = a ? 10.31 : 19.31, e = a ? 0.43 : 0.83;
@@ -545,10 +529,9 @@ static void test_calibrate(void)
         GOOD("calibrate --runs piles.tsv --%s %g --%s %g --bootstrap 30 --seed 12", options[a][0], z,
              options[a][1], e);
         CU_ASSERT(strstr(out, "# range: 0.05 to 0.71\n") != NULL);
-        checked c = checked_read("out");
+        scoped_checked c = checked_read("out");
         CU_ASSERT_FATAL(c.t.n_rows == 1);
         check_found(&c, 0, "mu", expected, r);
-        checked_end(&c);
     }
     /* without the angle that is asked for, in every row or as a column */
     shell("sed 's/^[0-9.]*\t/nan\t/' piles.tsv >no_tilt.tsv; sed -e 's/^# theta_t_displacement_deg\t/# /' -e "
@@ -562,14 +545,12 @@ static void test_calibrate(void)
     /* one pile alone has the tilt, and it is the last */
     shell("sed -e 's/^[0-9.]*\t/nan\t/' -e '$s/^nan/7/' piles.tsv >last.tsv");
     FAILS(65, "angle 1 of 0 piles", "calibrate --runs last.tsv --theta-t-deg 9 --theta-t-error-deg 1");
-    leave();
 }
 
 /* A parabola has two solutions, a row each, in order; planes have two parameters. */
 static void test_calibrate_rows(void)
 {
     char path[256];
-    enter();
     path_of("piles.tsv", path);
     FILE *file = fopen(path, "w");
     fputs("# mu\ttheta_r3_deg\n", file);
@@ -616,7 +597,6 @@ static void test_calibrate_rows(void)
     CU_ASSERT(strstr(out, "# reach: theta_r from 5.5 to 26.5 degrees and theta_t from -0.2 to 22 degrees, "
                           "for 0.1 <= mu <= 0.7, 0 <= mu_roll <= 0.3\n") != NULL);
     rp_table_free(&t);
-    leave();
 }
 
 /* ---- bench ---- */
@@ -635,9 +615,8 @@ static void test_bench(void)
         {.x = 0.1, .y = 0.1, .r = 0.1}, {.x = 0.3, .y = 0.1, .r = 0.1}, {.x = 0.2, .y = 0.274, .r = 0.1}};
     dem_grain heavy[3];
     enum { STEPS = 300000 };
-    enter();
     write_text("start.tsv", "# y\tx\tr\n0.1\t0.1\t0.1\n0.1\t0.3\t0.1\n0.274\t0.2\t0.1\n");
-    checked c = CHECKED_RUN(1, "bench --start start.tsv --steps %d --repeat 2 --width 0.41", STEPS);
+    scoped_checked c = CHECKED_RUN(1, "bench --start start.tsv --steps %d --repeat 2 --width 0.41", STEPS);
     dem_definition def = dem_definition_default();
     dem_material wall = def.material;
     wall.k_n *= 2.0;
@@ -675,8 +654,6 @@ static void test_bench(void)
     /* of the sanitizers' memory the library knows nothing; here some lists of the library are made already */
     CU_ASSERT(check_fast() || fabs(3.0 * bytes / held - 1.0) < 0.1);
     CU_ASSERT(peak >= 0.0);
-    checked_end(&c);
-    leave();
 }
 
 /* The options of one bench of a box that it fills, and what they mean. */
@@ -732,11 +709,10 @@ static void test_bench_fill(void)
                                      {"--size-ratio 1", false, false, 0.0, 1.0}};
     enum { N = 30, STEPS = 2000 };
     const double width = 1.2;
-    enter();
     for (size_t k = check_fast(); k < sizeof list / sizeof *list; k += 1 + check_fast()) {
         GOOD("bench --n %d --width %g --steps %d --repeat 1 --floor absorbs %s -o grains.tsv", N, width,
              STEPS, list[k].options);
-        rp_table t = read_table("out"), start = read_table("grains.tsv");
+        scoped_table t = read_table("out"), start = read_table("grains.tsv");
         dem_counts before, after;
         dem_state states[N];
         dem_sim *sim = bench_sim(&list[k], N, width, &start);
@@ -762,10 +738,7 @@ static void test_bench_fill(void)
         CHECK_NEAR(cell(&t, 0, "pairs"), (double)after.pairs / left, 1e-14);
         CHECK_NEAR(cell(&t, 0, "rebuilds"), (double)(after.rebuilds - before.rebuilds), 0.0);
         CU_ASSERT(after.contacts > 5);
-        rp_table_free(&t);
-        rp_table_free(&start);
     }
-    leave();
 }
 
 /* So many grains that do not touch, on a square lattice. */
@@ -795,13 +768,12 @@ static void test_bench_defaults(void)
                 {"--n 2 --steps 5", 5.0, 0.4},
                 {"--n 5 --steps 6 --width 1", 6.0, 1.0},
                 {"--n 2 --state sample --steps 5", 80000.0, 0.4}};
-    enter();
     write_spread("many.tsv", 2500);
     for (size_t k = check_fast() ? 2 : 0; k < sizeof list / sizeof *list; k++) {
         const double begun = rp_clock();
         GOOD("bench --repeat 1 %s", list[k].options);
         const double seconds = rp_clock() - begun;
-        rp_table t = read_table("out");
+        scoped_table t = read_table("out");
         CU_ASSERT(cell(&t, 0, "seconds") > 0.0 && cell(&t, 0, "seconds") <= seconds);
         CU_ASSERT_EQUAL(rp_table_find_note(&t, "theta_r") != NULL, strstr(list[k].options, "sample") != NULL);
         CHECK_NEAR(cell(&t, 0, "steps"), list[k].steps, 0.0);
@@ -809,9 +781,7 @@ static void test_bench_defaults(void)
         /* of many grains the peak is what they hold, and what their table took before: no more than that */
         const double bytes = cell(&t, 0, "bytes"), peak = cell(&t, 0, "peak_bytes");
         if (k == 0) CU_ASSERT(peak > bytes && peak < 4.0 * bytes);
-        rp_table_free(&t);
     }
-    leave();
 }
 
 /* theta_R of the grains of a table by `angle slope`: over cells as wide as the mean diameter, from the left
@@ -834,9 +804,8 @@ static double slope_of_grains(const rp_table *grains, double width)
         fprintf(shifted, "%.17g\t%.17g\n", cell(grains, i, "x") - left, cell(grains, i, "y") - bottom);
     fclose(shifted);
     GOOD("angle slope shifted.tsv --width %.17g --cell %.17g", width - left, d);
-    rp_table t = read_table("out");
+    scoped_table t = read_table("out");
     const double theta = cell(&t, 2, "theta_deg");
-    rp_table_free(&t);
     return theta;
 }
 
@@ -847,10 +816,9 @@ static void test_bench_sample(void)
     static const bench_box box = {.sample = true};
     static const int numbers[] = {120, 16};
     static const double widths[] = {2.6, 0.8};
-    enter();
     for (int k = check_fast(); k < 2; k++) {
         GOOD("bench --n %d --width %g --repeat 2 --state sample -o grains.tsv", numbers[k], widths[k]);
-        rp_table t = read_table("out"), end = read_table("grains.tsv");
+        scoped_table t = read_table("out"), end = read_table("grains.tsv");
         dem_counts counts;
         dem_state states[120];
         dem_sim *sim = bench_sim(&box, numbers[k], widths[k], NULL);
@@ -872,10 +840,7 @@ static void test_bench_sample(void)
         const double theta = strtod(rp_table_find_note(&t, "theta_r"), NULL);
         if (k == 0) CHECK_NEAR(theta, slope_of_grains(&end, widths[k]), 1e-9); /* the table has 17 digits */
         CU_ASSERT(k == 0 ? theta > 5.0 : isnan(theta) && left < (size_t)numbers[k]);
-        rp_table_free(&end);
-        rp_table_free(&t);
     }
-    leave();
 }
 
 /* ---- energies of a box ---- */
@@ -883,16 +848,13 @@ static void test_bench_sample(void)
 /* Rows come at multiples of their interval, whatever the phases, which end between two of them. */
 static void test_energy_rows(void)
 {
-    enter();
     write_text("b.cfg",
                "protocol = \"repose\"; replicas = 1;\n"
                "fixed = { W = 2.0; N = 30; fill_steps = 700; relax_steps = 500; stop = \"steps\"; };\n");
     GOOD("run b.cfg --row 0 --every 300 -o b --quiet");
-    rp_table t = read_table("b/energy.tsv");
+    scoped_table t = read_table("b/energy.tsv");
     CU_ASSERT_EQUAL(t.n_rows, 4);
     for (size_t i = 0; i < t.n_rows; i++) CHECK_NEAR(cell(&t, i, "step"), 300.0 * (double)(i + 1), 0.0);
-    rp_table_free(&t);
-    leave();
 }
 
 /* ---- series of protocol flux ---- */
@@ -928,7 +890,7 @@ static void check_row(checked *all, size_t row)
 {
     const double width = 1.3, cell_width = width / round(width / 0.2);
     double inside = 0.0, first = 0.0, others = 0.0, left = 0.0;
-    rp_table grains = read_table("d/pile_grains.tsv");
+    scoped_table grains = read_table("d/pile_grains.tsv");
     for (size_t i = 0; i < grains.n_rows; i++) {
         const double x = cell(&grains, i, "x"), y = cell(&grains, i, "y");
         if (!(x > 0.0 && x < width)) continue;
@@ -946,16 +908,14 @@ static void check_row(checked *all, size_t row)
     /* every grain of the first layer or put in later is inside, or has left */
     for (size_t k = 0; k <= row; k++) left += at(all, k, "outflow");
     CHECK_NEAR(inside + left, at(all, 0, "grains") + (double)row, 0.0);
-    rp_table_free(&grains);
 }
 
 static void test_series(void)
 {
     static const int lengths[] = {40, 39, 38, 37, 30, 21, 12, 4};
     double most = 0.0, left = 0.0;
-    enter();
     make_series(lengths[0]);
-    checked all = checked_read("d/series.tsv");
+    scoped_checked all = checked_read("d/series.tsv");
     CU_ASSERT_FATAL(all.t.n_rows == (size_t)lengths[0]);
     for (size_t i = 0; i < sizeof lengths / sizeof *lengths; i++) {
         if (i > 0) make_series(lengths[i]);
@@ -964,8 +924,6 @@ static void test_series(void)
     }
     for (size_t k = 0; k < all.t.n_rows; k++) left += at(&all, k, "outflow");
     CU_ASSERT(most > 0.0 && left > 2.0);
-    checked_end(&all);
-    leave();
 }
 
 /* ---- outputs of protocol drop ---- */
@@ -1213,14 +1171,13 @@ static void check_base(checked *o, const rp_table *grains, const rp_table *conta
 static void test_rough(void)
 {
     const double limit = 15.0;
-    enter();
     write_text("s.cfg",
                "protocol = \"drop\"; replicas = 1; seed = 1993;\n"
                "fixed = { N = %d; glued = 1.3; x_limit = %.1f; };\n",
                DROPPED, limit);
     GOOD("run s.cfg -o d");
     checked o = checked_read("out");
-    rp_table grains = read_table("d/pile_grains.tsv"), contacts = read_table("d/pile_contacts.tsv");
+    scoped_table grains = read_table("d/pile_grains.tsv"), contacts = read_table("d/pile_contacts.tsv");
     double glued = 0.0, carried = 0.0, contact_number = 0.0, height = 0.0, right = -INFINITY;
     for (size_t i = 0; i < grains.n_rows; i++) {
         const bool base = is_glued(&grains, i);
@@ -1244,16 +1201,12 @@ static void test_rough(void)
     CU_ASSERT(at(&o, 0, "base_disks") > 1.5 * at(&o, 0, "width") / 1.3);
     check_base(&o, &grains, &contacts, limit);
     check_fabric(&o, &grains, &contacts, limit, "fabric", "fabric_deg", NULL);
-    rp_table_free(&grains);
-    rp_table_free(&contacts);
     rp_table_free(&o.t);
-    leave();
 }
 
 /* A lattice on glued disks: disk by disk that of protocol `pile`, whose base is the glued row. */
 static void test_lattice(void)
 {
-    enter();
     write_text("s.cfg",
                "protocol = \"drop\"; replicas = 1; seed = 1993;\n"
                "fixed = { N = 0; lattice = 9; lattice_deg = 45.0; glued = 1.0; x_limit = 15.0; mu = 0.1;\n"
@@ -1262,7 +1215,7 @@ static void test_lattice(void)
                         "fixed = { base = 9; alpha_deg = 45.0; disorder = 1e-3; };\n");
     GOOD("run s.cfg -o d");
     GOOD("run p.cfg -o p");
-    rp_table grains = read_table("d/pile_grains.tsv"), disks = read_table("p/disks.tsv");
+    scoped_table grains = read_table("d/pile_grains.tsv"), disks = read_table("p/disks.tsv");
     size_t n = 0;
     while (n < grains.n_rows && is_glued(&grains, n)) n++;
     const double unequal = (double)(grains.n_rows - n);
@@ -1278,9 +1231,6 @@ static void test_lattice(void)
     }
     CU_ASSERT(n == grains.n_rows);
     CHECK_NEAR(sqrt(square / unequal), 1e-3, 4e-4);
-    rp_table_free(&grains);
-    rp_table_free(&disks);
-    leave();
 }
 
 /* A pile from which some disks roll away: everything from its grains, its contacts and what each drop moved.
@@ -1288,14 +1238,13 @@ static void test_lattice(void)
 static void test_drop(void)
 {
     const double limit = 10.0;
-    enter();
     write_text("s.cfg",
                "protocol = \"drop\"; replicas = 1; seed = 1993;\n"
                "fixed = { N = %d; radius_width = 0.05; mu_roll = 0.03; x_limit = %.1f; };\n",
                DROPPED, limit);
     GOOD("run s.cfg -o d");
-    checked o = checked_read("out"), drops = checked_read("d/drops.tsv");
-    rp_table grains = read_table("d/pile_grains.tsv"), contacts = read_table("d/pile_contacts.tsv");
+    scoped_checked o = checked_read("out"), drops = checked_read("d/drops.tsv");
+    scoped_table grains = read_table("d/pile_grains.tsv"), contacts = read_table("d/pile_contacts.tsv");
     bool away[DROPPED], packed[DROPPED];
     double disks = 0.0, height = 0.0, touching = 0.0, most = 0.0, large = 0.0;
     CU_ASSERT_FATAL(grains.n_rows == DROPPED && drops.t.n_rows == DROPPED);
@@ -1331,32 +1280,24 @@ static void test_drop(void)
     check_fabric(&o, &grains, &contacts, limit, "fabric", "fabric_deg", NULL);
     check_fabric(&o, &grains, &contacts, limit, "force_fabric", "force_deg", "normal_force");
     check_rays(&o, &grains, away);
-    rp_table_free(&grains);
-    rp_table_free(&contacts);
-    checked_end(&drops);
-    checked_end(&o);
-    leave();
 }
 
 /* Of two disks the second one can move the first, and does in some of six piles; none moves before. */
 static void test_drop_of_two(void)
 {
     double moved = 0.0;
-    enter();
     write_text("s.cfg", "protocol = \"drop\"; replicas = 6; seed = 1; fixed = { N = 2; };\n");
     for (int k = 0; k < 6; k++) {
         run("run s.cfg --row %d -o d%d", k, k);
         char name[32];
         snprintf(name, sizeof name, "d%d/drops.tsv", k);
-        rp_table t = read_table(name);
+        scoped_table t = read_table(name);
         CU_ASSERT_FATAL(t.n_rows == 2);
         CHECK_NEAR(cell(&t, 0, "moved"), 0.0, 0.0);
         CU_ASSERT(cell(&t, 1, "moved") <= 1.0);
         moved += cell(&t, 1, "moved");
-        rp_table_free(&t);
     }
     CU_ASSERT(moved > 0.0 && moved < 6.0);
-    leave();
 }
 
 void suite_columns(void)
@@ -1377,5 +1318,5 @@ void suite_columns(void)
                                        {"protocol drop from a lattice", test_lattice},
                                        {"drops of two disks", test_drop_of_two},
                                        {0}};
-    check_register("columns", cases);
+    check_register_within("columns", enter, leave, cases);
 }

@@ -210,7 +210,6 @@ static void test_kills(void)
 {
     const long kills = size_of_drill(40);
     static const int signals[] = {SIGKILL, SIGKILL, SIGTERM, SIGINT, SIGHUP, SIGABRT};
-    enter();
     sweep_counts c = {0};
     long whole = 0, sent = 0;
     while (sent < kills) {
@@ -242,7 +241,6 @@ static void test_kills(void)
     }
     conclude();
     if (getenv("RP_DRILL")) fprintf(stderr, "drill: %ld signals, %ld whole sweeps\n", sent, whole + 1);
-    leave();
 }
 
 /* The k-th call fails, in the driver and in each worker, or all calls from there on. Did it matter? */
@@ -265,7 +263,6 @@ static bool inject(fault kind, long call, bool persistent)
 static void test_faults(void)
 {
     const bool all = getenv("RP_DRILL") != NULL;
-    enter();
     for (fault kind = 0; kind < N_FAULTS; kind++) {
         if (!fault_possible(kind)) continue;
         const long most = kind == FAULT_FORK     ? 3
@@ -277,7 +274,6 @@ static void test_faults(void)
             for (int persistent = 0; persistent < 2; persistent++) mattered |= inject(kind, call, persistent);
         CU_ASSERT(mattered);
     }
-    leave();
 }
 
 /* A row of this status and nothing else amiss; without the trouble the same digest. */
@@ -299,7 +295,6 @@ static void check_aborted(conduct as, long times, sweep_options options, const c
 static void test_hung_and_hungry(void)
 {
     const sweep_options impatient = {.patience = 0.6};
-    enter();
     check_aborted(DIES, 99, impatient, "crashed");
     check_aborted(HANGS, 99, impatient, "crashed");
     check_aborted(HANGS, 99, (sweep_options){.time = 0.5}, "time_limit");
@@ -317,20 +312,17 @@ static void test_hung_and_hungry(void)
         clear();
         CHECK_OK(plan());
     }
-    leave();
 }
 
 /* Short runs go out in batches. The one that is bad, amid a batch, is blamed, and no other. */
 static void test_batches(void)
 {
     const sweep_options impatient = {.patience = 0.6};
-    enter();
     shared->pace = 0;
     shared->bad_x = 2.0;
     shared->bad_run = 20;
     check_aborted(DIES, 99, impatient, "crashed");
     check_aborted(HANGS, 99, (sweep_options){.time = 0.5}, "time_limit");
-    leave();
 }
 
 /* A run that takes far longer than the others is named; it ends when it is. */
@@ -346,7 +338,6 @@ static void free_the_slow(void *context, const char *format, ...)
 static void test_slow_run(void)
 {
     char text[512] = "";
-    enter();
     shared->pace = 0;
     shared->as = SPINS;
     shared->times = 1;
@@ -354,7 +345,6 @@ static void test_slow_run(void)
     CU_ASSERT(strncmp(text, "run 7 (x = 1): at work for ", 27) == 0);
     CU_ASSERT(strstr(text, "the median of the others is ") != NULL);
     check_whole();
-    leave();
 }
 
 /* A driver that has stored all runs but the bad one. */
@@ -371,7 +361,6 @@ static pid_t start_and_wait(conduct as)
 /* A stop waits for a run that ends soon. A second signal ends one that does not. */
 static void test_stops(void)
 {
-    enter();
     pid_t driver = start_and_wait(SPINS);
     kill(driver, SIGTERM);
     usleep(200000);
@@ -387,26 +376,22 @@ static void test_stops(void)
     CU_ASSERT(end_of(driver) == RP_STOPPED);
     CU_ASSERT(rp_clock() - begin < 9.0); /* one alone: ten seconds */
     conclude();
-    leave();
 }
 
 /* A worker that someone stops, and forgets. */
 static void test_stopped_worker(void)
 {
-    enter();
     const pid_t driver = start_driver((sweep_options){.patience = 0.6});
     pid_t worker = 0;
     while (worker <= 0) worker = find_worker(driver);
     kill(worker, SIGSTOP);
     CU_ASSERT(end_of(driver) == RP_OK);
     check_whole();
-    leave();
 }
 
 /* A run that always ends its driver keeps the other runs from being made in order only. */
 static void test_deadly_run(void)
 {
-    enter();
     sweep_counts c = {0};
     shared->as = ENDS_DRIVER;
     shared->times = 99;
@@ -416,13 +401,11 @@ static void test_deadly_run(void)
     }
     CU_ASSERT(c.stored == RUNS - 1);
     conclude();
-    leave();
 }
 
 /* Two drivers at once: one does all, the other is refused. */
 static void test_doubled(void)
 {
-    enter();
     for (long k = size_of_drill(4) / 20 + 2; k > 0; k--) {
         const pid_t a = start_driver((sweep_options){0}), b = start_driver((sweep_options){0});
         const int end_a = end_of(a), end_b = end_of(b);
@@ -432,7 +415,6 @@ static void test_doubled(void)
         clear();
         CHECK_OK(plan());
     }
-    leave();
 }
 
 static void turn_clocks(const sweep_progress *progress, void *context)
@@ -444,17 +426,14 @@ static void turn_clocks(const sweep_progress *progress, void *context)
 
 static void test_clocks(void)
 {
-    enter();
     CHECK_OK(drive((sweep_options){.watch = turn_clocks, .time = 3600.0}, NULL));
     fault_wall_clock = fault_monotonic_clock = 0;
     check_whole();
-    leave();
 }
 
 /* A folder that may not be written: an error, and nothing changes. */
 static void test_read_only(void)
 {
-    enter();
     const pid_t driver = start_driver((sweep_options){0});
     usleep(60000);
     kill(driver, SIGTERM);
@@ -477,7 +456,6 @@ static void test_read_only(void)
         chmod(path, *names[k] ? 0644 : 0755);
     }
     conclude();
-    leave();
 }
 
 /* What an export says, to be freed; NULL if it is refused. */
@@ -508,7 +486,6 @@ static void test_flips(void)
     static char bytes[1000000];
     char path[128], digest[33];
     long noticed = 0;
-    enter();
     CHECK_OK(drive((sweep_options){0}, NULL));
     char *good = export();
     CU_ASSERT_PTR_NOT_NULL_FATAL(good);
@@ -532,7 +509,6 @@ static void test_flips(void)
     CU_ASSERT(noticed > 0);
     check_whole();
     free(good);
-    leave();
 }
 
 /* A store that lost its end: what is whole comes back, and the rest is made again. */
@@ -541,7 +517,6 @@ static void test_truncated(void)
     enum { FIRST_PAGES = 8192 };
     char path[128];
     struct stat info;
-    enter();
     for (long k = size_of_drill(6) / 20 + 4; k > 0; k--) {
         CHECK_OK(drive((sweep_options){0}, NULL));
         snprintf(path, sizeof path, "%s/store.sqlite", dir);
@@ -556,14 +531,12 @@ static void test_truncated(void)
         clear();
         CHECK_OK(plan());
     }
-    leave();
 }
 
 /* Shards in any order, killed and resumed, each started twice; merged in any order. */
 static void test_shards(void)
 {
     static const int parts[] = {1, 3, 8};
-    enter();
     for (int k = 0; k < 3; k++) {
         char paths[8][160], *list[8];
         sweep_counts c;
@@ -594,7 +567,6 @@ static void test_shards(void)
         clear();
         CHECK_OK(plan());
     }
-    leave();
 }
 
 void suite_drill(void)
@@ -614,5 +586,5 @@ void suite_drill(void)
                                        {"store cut short", test_truncated},
                                        {"shards", test_shards},
                                        {NULL, NULL}};
-    check_register("drill", cases);
+    check_register_within("drill", enter, leave, cases);
 }

@@ -135,7 +135,6 @@ static void test_verdicts(void)
                                         "can't be tested", "by eye",         "no data"};
     size_t counts[6] = {0};
     char line[512], path[256], template[8192] = "";
-    enter();
     write_claims();
     REPORTS("claims --claims claims.tsv --tables .");
     rp_table t;
@@ -189,7 +188,6 @@ static void test_verdicts(void)
         CU_ASSERT(strncmp(rest, answers[i].verdict, strlen(answers[i].verdict)) == 0);
         check_reason(rest, i);
     }
-    leave();
 }
 
 /* The same claims as rows, in full: 1.5 over the root of 0.9^2 and of Student's 1.1^2 of 12 values; of the
@@ -249,7 +247,6 @@ static void check_claims_table(void)
  * not counted. Of the paper's number the samples stand in brackets, of ours in a column of their own. */
 static void test_section(void)
 {
-    enter();
     write_text("claims.tsv",
                CLAIMS "one\t-\tlh\tfigure 9\ts\tagrees\t20\t0.9\t40\t9\tmeans k=1 a\t-\tfirst\tat rest\n"
                       "two\tone\tlh\tfigure 9\ts\tagrees\t-\t-\t-\t9\tt k=1 a\t-\tsecond\t-\n"
@@ -317,7 +314,6 @@ static void test_section(void)
     CU_ASSERT_STRING_EQUAL(out, "21.5 ± 1.0; 21.50; 1 of 15 (no_pile 1)\n");
     write_text("in.md", "{{failures lh}}\n");
     REPORT_FAILS(65, "{{failures lh}}: allowed: all", "page in.md --tables . --claims claims.tsv");
-    leave();
 }
 
 /* Failed runs are those of the grid points that a claim reads: its row, its range of x, its --where, each of
@@ -343,7 +339,6 @@ static void test_failed_cells(void)
         {"last", "other change", "0",
          "4 of 7 (no_response 4): the weakest piles are left out, theta_T is too large"}};
     char text[4096] = CLAIMS, path[256];
-    enter();
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++)
         snprintf(text + strlen(text), sizeof text - strlen(text),
                  "%s\t-\tlh\t-\ts\tabove\t-\t-\t-\t-\t%s\t%s\t%s\t-\n", cases[k].id, cases[k].answer,
@@ -372,7 +367,6 @@ static void test_failed_cells(void)
         CU_ASSERT_STRING_EQUAL(word(&t, k, "failed"), cases[k].failed);
     }
     rp_table_free(&t);
-    leave();
 }
 
 /* A reference finds its row by numbers as numbers and by words as words. */
@@ -394,7 +388,6 @@ static void test_references(void)
                  {"t k=1.0000001e-6", "7"},
                  {"t k=1000000.0000001", "8"},
                  {"t k=5 v=1", "1"}};
-    enter();
     write_text("claims.tsv", CLAIMS);
     write_text("t.tsv",
                "# k\tv\n5.0\t1\n5x\t2\n50\t3\nword\t4\n-0.5\t5\n0.000001\t6\n1.0000001e-6\t7\n1e6\t8\n");
@@ -426,7 +419,6 @@ static void test_references(void)
         REPORT_FAILS(65, "a format such as %.3g or %.0f expected",
                      "page in.md --tables . --claims claims.tsv");
     }
-    leave();
 }
 
 /* ---- what a claim needs, families, numbers of the papers ---- */
@@ -466,7 +458,6 @@ static void test_needs(void)
                  {"rises", false, false, false},     {"falls", false, false, false},
                  {"formula", false, false, false},   {"picture", false, false, false},
                  {"untestable", false, false, false}};
-    enter();
     write_text("t.tsv", "v\tv_se\n2\t1\n");
     for (size_t k = 0; k < sizeof tests / sizeof *tests; k++) {
         const char *test = tests[k].test;
@@ -506,7 +497,6 @@ static void test_needs(void)
         CU_ASSERT(columns[k] ? failed(__FILE__, __LINE__, status, 65, message)
                              : good(__FILE__, __LINE__, status));
     }
-    leave();
 }
 
 /* A row of a claim in `out`: what stands in its columns. */
@@ -537,7 +527,6 @@ static void check_claim(const char *id, const char *ours, const char *detail)
 static void test_family(void)
 {
 #define THREE ROW("c", "above", "1", "q", "t k=3 v", "0") ROW("d", "below", "1", "q", "t k=3 v", "0")
-    enter();
     write_text("t.tsv",
                "# k\tv\tv_se\tchange\tchange_se\tchange_lo90\tchange_hi90\tp_value\n"
                "1\t3\t1\t0\t1\t0\t0\t1\n2\t-3\t1\t0\t1\t0\t0\t1\n3\t0\t0.5\t0\t1\t0\t0\t1\n"
@@ -566,7 +555,6 @@ static void test_family(void)
     REPORTS(ASK);
     check_claim("c", "0.00 ± 0.50 against 0", "not reproduced (a difference of 1 or more is excluded)");
     check_claim("d", "0.00 ± 0.50 against 0", "not reproduced (a difference of 1 or more is excluded)");
-    leave();
 }
 
 /* Numbers of a paper among themselves: chi^2 of two, of three, and with so many samples. 10, 12 and 10 have
@@ -576,7 +564,6 @@ static void test_constants(void)
 #define NUMBER(id, value, samples)                                                                           \
     id "\t-\tli\t-\ts\tpicture\t" value "\t1\t" samples "\t-\t-\tfig\t-\t" id "\t-\n"
     char two[64], three[64];
-    enter();
     write_text("claims.tsv", HEADER NUMBER("one", "10", "-") NUMBER("two", "12", "4")
                                  NUMBER("three", "10", "-") ROW("pair", "constant", "-", "-", "one two", "-")
                                      ROW("all", "constant", "-", "-", "two three one", "-")
@@ -592,7 +579,6 @@ static void test_constants(void)
     check_claim("all", three, "reproduced");
     check_claim("same", "p = 1 or 1", "reproduced");
     check_claim("lone", "p = nan or nan", "undecided");
-    leave();
 }
 
 /* ---- Holm ---- */
@@ -617,7 +603,6 @@ static void test_holm(void)
     static const char *const tests[] = {"trend", "size"};
     char path[256];
     double p[4];
-    enter();
     path_of("runs.tsv", path);
     FILE *file = fopen(path, "w");
     fprintf(file, "# group\tx\ty\n");
@@ -630,7 +615,7 @@ static void test_holm(void)
     for (size_t k = 0; k < 2; k++) {
         size_t between = 0;
         GOOD("stats %s runs.tsv -x x -y y --by group", tests[k]);
-        rp_table t = read_table("out");
+        scoped_table t = read_table("out");
         CU_ASSERT_FATAL(t.n_rows == 4);
         for (size_t g = 0; g < 4; g++) p[g] = cell(&t, g, "p_value");
         for (size_t g = 0; g < 4; g++) {
@@ -644,9 +629,7 @@ static void test_holm(void)
             if (moves) CU_ASSERT((strncmp(status, "rises", 5) == 0) == (cell(&t, g, "change") > 0.0));
         }
         if (k == 0) CU_ASSERT(between > 0); /* the plain p would have said otherwise */
-        rp_table_free(&t);
     }
-    leave();
 }
 
 /* ---- dips and peaks ---- */
@@ -679,11 +662,10 @@ static void test_dips(void)
                  {0.05, 0.01, "0.2", "peak_within_margin"},
                  {0.0, 0.01, "0.1", "none_within_margin"},
                  {0.0, 0.3, "0.01", "undecided"}};
-    enter();
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         write_profiles(cases[i].change, cases[i].scatter);
         GOOD("stress dip piles.tsv --margin %s", cases[i].margin);
-        rp_table t = read_table("out");
+        scoped_table t = read_table("out");
         CU_ASSERT_STRING_EQUAL(word(&t, 0, "verdict"), cases[i].verdict);
         const double excess = cell(&t, 0, "excess"), se = cell(&t, 0, "excess_se");
         const double sign = cases[i].change, tails[] = {cell(&t, 0, "p_dip"), cell(&t, 0, "p_profile")};
@@ -701,9 +683,7 @@ static void test_dips(void)
         const double below = sign < 0.0 ? 1.0 : sign > 0.0 ? 0.0 : 0.4;
         CHECK_NEAR(cell(&t, 0, "below"), below, 1e-12);
         CHECK_NEAR(cell(&t, 0, "share"), below, 1e-12);
-        rp_table_free(&t);
     }
-    leave();
 }
 
 /* ---- the inclination of the rays ---- */
@@ -712,7 +692,6 @@ static void test_dips(void)
 static void test_rays(void)
 {
     const double deg = M_PI / 180.0;
-    enter();
     for (int k = 0; k < 3; k++) {
         const double phi = 50.0 + 5.0 * k, marginal = atan(0.2 * pow(tan(phi * deg), 2.0)) / deg;
         GOOD("angle marginal --mu 0.2 --phi-deg %g", phi);
@@ -724,7 +703,6 @@ static void test_rays(void)
         CHECK_NEAR(cell(&t, 0, "margin_deg"), marginal - 10.0, 1e-12);
         rp_table_free(&t);
     }
-    leave();
 }
 
 /* ---- sweeps of the papers against the claims ---- */
@@ -1159,5 +1137,5 @@ void suite_evidence(void)
                                        {"names of models tell their settings", test_names},
                                        {"claims, second entry", test_claims_again},
                                        {0}};
-    check_register("evidence", cases);
+    check_register_within("evidence", enter, leave, cases);
 }

@@ -64,15 +64,12 @@ static void test_rows(void)
          "5 used, 1 without result, 2 with nan, 6 outside the range of x"},
         {"stats correlation t.tsv -x x -y y", "11 used, 1 without result, 2 with nan"},
         {"stats maximum t.tsv --column y --draws 2 --bootstrap 3", "12 used, 2 left out for nan"}};
-    enter();
     write_rows();
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         run("%s", cases[k].command);
-        rp_table t = read_table("out");
+        scoped_table t = read_table("out");
         check_note(&t, "rows", "%s", cases[k].rows);
-        rp_table_free(&t);
     }
-    leave();
 }
 
 /* ---- static piles ---- */
@@ -81,7 +78,7 @@ static void test_rows(void)
 static void check_pile_notes(const char *file, const sweep_solved *s, const rp_table *contacts,
                              const rp_table *wells)
 {
-    rp_table t = read_table(file);
+    scoped_table t = read_table(file);
     size_t level = 0, left = 0;
     for (size_t i = 0; i < contacts->n_rows; i++) level += cell(contacts, i, "horizontal") == 1.0;
     for (size_t i = 0; i < wells->n_rows; i++) {
@@ -101,13 +98,12 @@ static void check_pile_notes(const char *file, const sweep_solved *s, const rp_t
     check_note(&t, "negative_modes", "%zu", s->r.negative_modes);
     check_note(&t, "smallest_pivot", "%.3g K_s, disk %zu", s->r.smallest_pivot, s->r.pivot_disk + 1);
     check_note(&t, "solver", "%zu steps, %zu factorisations", s->r.steps, s->r.factored);
-    rp_table_free(&t);
 }
 
 /* Errors of N and H against diagonals alone, and how deep the base sinks: from the rows. */
 static void check_base_notes(double eps)
 {
-    rp_table t = read_table("d/base.tsv");
+    scoped_table t = read_table("d/base.tsv");
     double squares = 0.0, worst = 0.0, H = 0.0, H_diagonals = 0.0, most = 0.0;
     for (size_t i = 0; i < t.n_rows; i++) {
         const double error = cell(&t, i, "N/mg") / cell(&t, i, "N_diagonals/mg") - 1.0;
@@ -121,7 +117,6 @@ static void check_base_notes(double eps)
                sqrt(squares / (double)t.n_rows), worst);
     check_note(&t, "H_ratio", "%.6g, the largest H over that of diagonals alone", H / H_diagonals);
     check_note(&t, "sinks", "%.3g sigma at most", eps * most);
-    rp_table_free(&t);
 }
 
 static void test_pile(void)
@@ -136,7 +131,6 @@ static void test_pile(void)
                  {"--base 20 --alpha-deg 55 --eps 3e-3", {.eps = 3e-3, .alpha_deg = 55.0, .base = 20}},
                  {"--base 45 --alpha-deg 30 --eps 1e-4 --well 1 --mu 0.2 --set-again",
                   {.eps = 1e-4, .alpha_deg = 30.0, .base = 45, .well = 1.0, .mu = 0.2, .set_again = true}}};
-    enter();
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         sweep_pile p;
         rp_params_defaults(sweep_pile_schema, &p);
@@ -150,21 +144,17 @@ static void test_pile(void)
         CHECK_OK(sweep_pile_outline(&p, 1, 0, &h));
         CHECK_OK(sweep_pile_solve(&p, &h, NULL, NULL, &s, &r));
         GOOD("pile %s -o d", cases[k].words);
-        rp_table contacts = read_table("d/contacts.tsv"), wells = read_table("d/wells.tsv");
+        scoped_table contacts = read_table("d/contacts.tsv"), wells = read_table("d/wells.tsv");
         for (size_t f = 0; f < 4; f++) check_pile_notes(files[f], &s, &contacts, &wells);
         check_base_notes(p.eps);
-        rp_table t = read_table("d/base.tsv");
+        scoped_table t = read_table("d/base.tsv");
         CU_ASSERT((rp_table_find_note(&t, "released") != NULL) == !isnan(s.r.released));
         if (!isnan(s.r.released))
             check_note(&t, "released", "%.6g m g eps sigma, from the primary state on", s.r.released);
-        rp_table_free(&t);
-        rp_table_free(&contacts);
-        rp_table_free(&wells);
         sweep_solved_free(&s);
         sweep_outline_free(&h);
         CU_ASSERT(shell("rm -r d") == 0);
     }
-    leave();
 }
 
 /* Of 9 unequal piles some have an equilibrium, and of these some are unstable: each alone tells. */
@@ -172,7 +162,6 @@ static void test_piles(void)
 {
     enum { PILES = 9 };
     size_t solved = 0, unstable = 0;
-    enter();
     write_text("s.cfg",
                "protocol = \"pile\"; replicas = %d; seed = 1; piles = \"shared\";\n"
                "fixed = { base = 10; eps = 5e-3; disorder = 0.02; };\n",
@@ -194,7 +183,6 @@ static void test_piles(void)
     CU_ASSERT(unstable > 0 && unstable < solved);
     check_note(&t, "n_disks", "55");
     rp_table_free(&t);
-    leave();
 }
 
 /* Disks of a table weigh as the squares of their diameters: the base carries all of them. */
@@ -202,18 +190,15 @@ static void test_disks(void)
 {
     static const double r[] = {0.5, 0.45, 0.4};
     const double height = 0.5 + sqrt(0.9 * 0.9 - 0.45 * 0.45);
-    enter();
     write_text("disks.tsv", "x\ty\tr\n0\t0.5\t%g\n0.95\t0.45\t%g\n0.45\t%.6f\t%g\n", r[0], r[1], height,
                r[2]);
     run("pile --disks disks.tsv --eps 1e-3");
-    rp_table t = read_table("out");
+    scoped_table t = read_table("out");
     double weight = 0.0, N = 0.0;
     for (size_t i = 0; i < 3; i++) weight += 4.0 * r[i] * r[i];
     for (size_t i = 0; i < t.n_rows; i++) N += cell(&t, i, "N/mg");
     CHECK_NEAR(N, weight, 1e-9);
     check_note(&t, "n_disks", "3");
-    rp_table_free(&t);
-    leave();
 }
 
 /* An option that would do nothing is refused by its name, and goes where it does something. */
@@ -248,7 +233,6 @@ static void test_idle_options(void)
         {"--piles 2", "--base 4 --disorder 0.01 --eps 1e-4 --summary", "--base 4 --disorder 0.01 --eps 1e-4"},
         {"--piles 2", "--base 4 --disorder 0.01 --eps 1e-4 -o d", "--base 4 --disorder 0.01 --eps 1e-4"},
         {"--outline outline.tsv", "--disks disks.tsv", "--base 4"}};
-    enter();
     write_text("disks.tsv", "x\ty\n0\t0.5\n1\t0.5\n0.5\t1.366025\n");
     write_text("outline.tsv", "x\ty\n0\t0\n4\t3\n9\t0\n");
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
@@ -267,13 +251,11 @@ static void test_idle_options(void)
         CU_ASSERT(served == 0 || served == 1);
     }
     GOOD("pile --base 4 --piles 1");
-    leave();
 }
 
 /* On a terminal a line says how far a pile is that takes long, and is taken away. */
 static void test_terminal(void)
 {
-    enter();
     if (shell("script -qec true typed </dev/null >out 2>err") != 0) {
         fprintf(stderr, "notes: no terminal of script(1): progress of a pile is not tested\n");
     } else {
@@ -289,7 +271,6 @@ static void test_terminal(void)
             0);
         CU_ASSERT_STRING_EQUAL(err, "");
     }
-    leave();
 }
 
 /* ---- models ---- */
@@ -300,7 +281,7 @@ static void check_lattice(int base, double alpha_deg, double theta_deg)
 {
     const double alpha = alpha_deg * M_PI / 180.0, theta = theta_deg * M_PI / 180.0;
     GOOD("lattice --base %d --alpha-deg %g --theta-deg %g", base, alpha_deg, theta_deg);
-    rp_table t = read_table("out");
+    scoped_table t = read_table("out");
     double weight = 0.0;
     CU_ASSERT_FATAL(t.n_rows == (size_t)base);
     for (size_t i = 0; i < t.n_rows; i++) weight += cell(&t, i, "N/mg");
@@ -319,12 +300,10 @@ static void check_lattice(int base, double alpha_deg, double theta_deg)
     check_note(&t, "theta-deg", "%g degrees", theta_deg);
     check_note(&t, "method", "closed");
     CU_ASSERT_PTR_NULL(rp_table_find_note(&t, "json"));
-    rp_table_free(&t);
 }
 
 static void test_models(void)
 {
-    enter();
     check_lattice(12, 30.0, 30.0);
     check_lattice(9, 40.0, 35.0);
     /* the closed form goes beyond the recursion, which has the same forces */
@@ -374,7 +353,6 @@ static void test_models(void)
         if (fabs(cell(&t, i, "H/(chi*g*B)")) > fabs(cell(&t, top, "H/(chi*g*B)"))) top = i;
     CHECK_NEAR(strtod(note(&t, "x_c/B"), NULL), cell(&t, top, "x/B"), 3e-4); /* the kink has the largest H */
     rp_table_free(&t);
-    leave();
 }
 
 /* ---- sweeps ---- */
@@ -431,28 +409,25 @@ static void check_merge(void)
     run("sweep run a -j 1 --shard 3/3");
     for (int again = 0; again < 2; again++) {
         run("sweep merge s a"); /* the store of the copy and its two shards */
-        rp_table t = read_table("out");
+        scoped_table t = read_table("out");
         check_note(&t, "merged", "%d rows of 3 stores, %d duplicates, 0 rows of other plans left out",
                    again ? 0 : 4, again ? 4 : 0);
         check_note(&t, "stored", "4");
         check_note(&t, "shards with missing runs", "1 of 3");
-        rp_table_free(&t);
     }
     run("sweep merge f s");
-    rp_table t = read_table("out");
+    scoped_table t = read_table("out");
     int taken, stores, twice, foreign;
     CU_ASSERT(sscanf(note(&t, "merged"),
                      "%d rows of %d stores, %d duplicates, %d rows of other plans left out", &taken, &stores,
                      &twice, &foreign) == 4);
     check_note(&t, "stored", "%d", taken);
     CU_ASSERT(stores == 2 && taken > 0 && twice == 2 && foreign > 0 && taken + foreign == 4);
-    rp_table_free(&t);
 }
 
 /* A sweep of which a shard is there, and one of its runs has no result; then all of it. */
 static void test_sweep(void)
 {
-    enter();
     write_text("s.cfg",
                "protocol = \"pile\"; replicas = 3; seed = 5; fixed = { base = 10; disorder = 0.02; };\n"
                "grid = { eps = [1e-4, 5e-3]; };\n");
@@ -462,22 +437,18 @@ static void test_sweep(void)
     check_merge();
     run("sweep run s -j 1");
     check_export(6);
-    leave();
 }
 
 /* A run says how long it took, by a clock of its own. */
 static void test_run(void)
 {
-    enter();
     write_text("s.cfg", "protocol = \"pile\"; replicas = 1; fixed = { base = 4; };\n");
     const double begin = rp_clock();
     GOOD("run s.cfg --row 0 -o d");
     const double passed = rp_clock() - begin;
-    rp_table t = read_table("out");
+    scoped_table t = read_table("out");
     const double seconds = strtod(note(&t, "run_time"), NULL);
     CU_ASSERT(seconds >= 0.0 && seconds <= passed);
-    rp_table_free(&t);
-    leave();
 }
 
 /* ---- calibration ---- */
@@ -490,7 +461,6 @@ static void test_calibrate(void)
     double x[PILES], angle[2][PILES];
     stats_calibration fit;
     char text[4096] = "# mu\ttheta_r3_deg\ttheta_t_displacement_deg\tstatus\n0.3\t20\t3\tno_pile\n";
-    enter();
     for (int i = 0; i < PILES; i++) {
         const int k = i % EACH;
         x[i] = 0.1 + 0.1 * (i / EACH);
@@ -503,7 +473,7 @@ static void test_calibrate(void)
     run("calibrate --runs piles.tsv --theta-r-deg 20 --error-deg 0.5 --theta-t-deg 5.4 --theta-t-error-deg "
         "0.2 "
         "--bootstrap 3");
-    rp_table t = read_table("out");
+    scoped_table t = read_table("out");
     const stats_ensemble piles = {PILES, 1, 2, {x}, {angle[0], angle[1]}};
     CHECK_OK(stats_calibration_fit(&piles, &fit));
     check_note(&t, "range", "0.1 to 0.6");
@@ -521,8 +491,6 @@ static void test_calibrate(void)
         if (!strstr(out, line)) fprintf(stderr, "expected: %s\n%s\n", line, out);
     }
     stats_calibration_free(&fit);
-    rp_table_free(&t);
-    leave();
 }
 
 /* ---- the dip of the pressure ---- */
@@ -531,7 +499,6 @@ static void test_calibrate(void)
 static void test_dip(void)
 {
     char text[8192] = "";
-    enter();
     for (int k = 1; k <= 20; k++) snprintf(text + strlen(text), sizeof text - strlen(text), "n_%02d\t", k);
     strcat(text, "excess\tstatus\n");
     for (int i = 0; i < 7; i++) {
@@ -543,13 +510,11 @@ static void test_dip(void)
     }
     write_text("piles.tsv", "%s", text);
     GOOD("stress dip piles.tsv --profile --resamples 99");
-    rp_table t = read_table("out");
+    scoped_table t = read_table("out");
     check_note(&t, "rows", "5 used, 2 left out");
     const double band = strtod(note(&t, "band"), NULL);
     for (size_t k = 0; k < t.n_rows; k++)
         CHECK_NEAR(cell(&t, k, "N_hi"), cell(&t, k, "N") + band * cell(&t, k, "N_se"), 1e-9);
-    rp_table_free(&t);
-    leave();
 }
 
 void suite_notes(void)
@@ -566,5 +531,5 @@ void suite_notes(void)
                                        {"a calibration", test_calibrate},
                                        {"dip of the pressure", test_dip},
                                        {0}};
-    check_register("notes", cases);
+    check_register_within("notes", enter, leave, cases);
 }

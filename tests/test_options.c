@@ -347,7 +347,6 @@ static void check_params(const char *command)
 
 static void test_json(void)
 {
-    enter();
     write_fixtures();
     for (size_t i = 0; i < sizeof lines / sizeof *lines; i++)
         if (strcmp(lines[i].command, "bench") && strcmp(lines[i].command, "export"))
@@ -360,18 +359,15 @@ static void test_json(void)
     FAILS(65, "no column", "stats trend runs.tsv -x none -y theta --json");
     CU_ASSERT_STRING_EQUAL(out, "");
     FAILS(64, "unknown option --json", "help --json");
-    leave();
 }
 
 static void test_options(void)
 {
-    enter();
     write_fixtures();
     for (size_t i = 0; i < sizeof lines / sizeof *lines; i++) {
         check_line(i);
         if (i == 0 || strcmp(lines[i].command, lines[i - 1].command) != 0) check_covered(lines[i].command);
     }
-    leave();
 }
 
 /* ---- rows without a result ---- */
@@ -380,7 +376,7 @@ static void test_options(void)
 static void add_failed(const char *name, const char *status)
 {
     char path[256], copy[64];
-    rp_table t = read_table(name);
+    scoped_table t = read_table(name);
     path_of(name, path);
     FILE *file = fopen(path, "a");
     CU_ASSERT_PTR_NOT_NULL_FATAL(file);
@@ -397,7 +393,6 @@ static void add_failed(const char *name, const char *status)
             fprintf(file, "%s%s", text, c + 1 < t.n_columns ? "\t" : "\n");
         }
     fclose(file);
-    rp_table_free(&t);
 }
 
 /* No command that reads runs takes one without a result for one. stats maximum takes any column. */
@@ -416,7 +411,6 @@ static void test_failed_runs(void)
                                            "no_response", "too_high"};
     enum { N = sizeof commands / sizeof *commands };
     char *before[N];
-    enter();
     write_fixtures();
     for (size_t i = 0; i < N; i++) before[i] = rows_of(commands[i], "", "");
     for (size_t k = 0; k < sizeof statuses / sizeof *statuses; k++) {
@@ -432,7 +426,6 @@ static void test_failed_runs(void)
         free(before[i]);
         free(after);
     }
-    leave();
 }
 
 void suite_options(void)
@@ -441,5 +434,5 @@ void suite_options(void)
                                        {"tables as JSON", test_json},
                                        {"runs without a result", test_failed_runs},
                                        {0}};
-    check_register("options", cases);
+    check_register_within("options", enter, leave, cases);
 }

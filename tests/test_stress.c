@@ -8,11 +8,11 @@
 
 #include "analytic/analytic.h"
 #include "stress/stress.h"
-#include "core/random.h"
 #include "dem/dem.h"
 #include "sweeps/protocols/box.h"
 #include "sweeps/protocols/protocols.h"
 #include "tests/check.h"
+#include "tests/numbers.h"
 #include "tests/protocol.h"
 
 static const double deg = M_PI / 180.0;
@@ -304,7 +304,7 @@ static void test_momentum(void)
 
 static void test_mohr(void)
 {
-    gsl_rng *rng = rp_random_alloc(1993, 3, RP_PURPOSE_TEST);
+    scoped_rng *rng = numbers_of(1993, 3);
     for (int k = 0; k < 20; k++) {
         double v[4];
         for (int i = 0; i < 4; i++) v[i] = 0.4 * gsl_rng_uniform(rng);
@@ -329,7 +329,6 @@ static void test_mohr(void)
     CHECK_NEAR(stress_mohr(&(stress_tensor){1.0, 0.0, 0.0, -0.2}).mobilised, M_PI_2, 0.0);
     CHECK_NEAR(stress_mohr(&(stress_tensor){1.0, 0.0, 0.0, 3.0}).mobilised, 30.0 * deg, tight);
     CHECK_NEAR(stress_mohr(&(stress_tensor){1.0, 0.0, 0.0, 3.0}).direction, M_PI_2, tight);
-    gsl_rng_free(rng);
 }
 
 static void test_tilts(void)
@@ -391,7 +390,7 @@ static void test_dips(void)
     stats_summary all[QUANTITIES];
     stress_dips d;
     make_dips(N, excess);
-    gsl_rng *rng = rp_random_alloc(3, 4, RP_PURPOSE_TEST), *same = gsl_rng_clone(rng);
+    scoped_rng *rng = numbers_of(3, 4), *same = gsl_rng_clone(rng);
     CHECK_OK(stress_dip_ensemble(DIP_PILES, N[0], excess, 0.05, B, rng, &d));
     for (int i = 0; i < DIP_PILES; i++) {
         quantities_of(N[i], excess[i], q[i], &sides[i], &noise[i]);
@@ -446,8 +445,6 @@ static void test_dips(void)
     }
     CHECK_NEAR(d.excess.mean, all[14].mean, tight);
     CHECK_NEAR(d.middle.se, all[15].se, tight);
-    gsl_rng_free(rng);
-    gsl_rng_free(same);
 }
 
 static void test_bad_grids(void)

@@ -13,6 +13,7 @@
 #include "stats/stats.h"
 #include "sweeps/protocols/protocols.h"
 #include "tests/check.h"
+#include "tests/numbers.h"
 #include "tests/program.h"
 
 /* Positions up to 1 and lengths of 1e-3 have relative errors of 1e-13, forces some more. */
@@ -218,11 +219,10 @@ static void test_scene(void)
 {
     const double dt = 1e-5;
     sums sum = {0};
-    enter();
     write_scene("");
     GOOD("run scene.cfg --every 1 -o d");
-    checked s = checked_read("d/states.tsv"), c = checked_read("d/contacts.tsv"),
-            w = checked_read("d/walls.tsv"), e = checked_read("d/energy.tsv");
+    scoped_checked s = checked_read("d/states.tsv"), c = checked_read("d/contacts.tsv"),
+                   w = checked_read("d/walls.tsv"), e = checked_read("d/energy.tsv");
     CU_ASSERT_FATAL(s.t.n_rows == (STEPS + 1) * GRAINS);
     check_frames(&c, &s);
     const size_t end = c.t.n_rows - 5; /* 1-2, 1-3, and three with walls */
@@ -245,11 +245,6 @@ static void test_scene(void)
         NEAR_RELATIVE(at(&w, row, "fx"), sum.wall[wall][0], RELATIVE);
         NEAR_RELATIVE(at(&w, row, "fy"), sum.wall[wall][1], RELATIVE);
     }
-    checked_end(&s);
-    checked_end(&c);
-    checked_end(&w);
-    checked_end(&e);
-    leave();
 }
 
 /* Walls where they are in each frame: one rises at 20 cm/s from step 40, one vanishes at step 60, and all
@@ -257,7 +252,6 @@ static void test_scene(void)
 static void test_walls(void)
 {
     const double dt = 5e-5, turn = 0.01 * M_PI / 180.0;
-    enter();
     write_text(
         "scene.cfg",
         "dt = 5.0e-5; steps = 100; box_turn_deg_per_step = 0.01;\n"
@@ -266,7 +260,7 @@ static void test_walls(void)
         "  { point = [0.0, 0.0]; direction = [0.6, 0.8]; extent = [-2.0, 2.5]; open_at_step = 60; } );\n"
         "particles = ( { x = 0.0; y = 5.0; r = 0.1; } );\n");
     GOOD("run scene.cfg --every 20 -o d");
-    rp_table w = read_table("d/walls.tsv");
+    scoped_table w = read_table("d/walls.tsv");
     CU_ASSERT_FATAL(w.n_rows == 12);
     for (size_t row = 0; row < w.n_rows; row++) {
         const double step = 20.0 * (double)(row / 2), c = cos(turn * step), s = sin(turn * step);
@@ -282,8 +276,6 @@ static void test_walls(void)
                    first ? -0.5 + 20.0 * dt * fmax(step - 40.0, 0.0) : (vanished ? 2.5 : -2.0), 1e-13);
         CHECK_NEAR(cell(&w, row, "to"), first ? 9.0 : 2.5, 0.0);
     }
-    rp_table_free(&w);
-    leave();
 }
 
 /* Units stand above the names, 1 where there is none. */
@@ -295,16 +287,13 @@ static void test_units(void)
                  {"d/contacts.tsv", "1\ts\t1\t1\t1\tcm\tcm\tcm\tcm\tcm\tdyn\tdyn\tcm\tdyn cm\tcm"},
                  {"d/walls.tsv", "1\ts\t1\tcm\tcm\t1\t1\tcm\tcm\tdyn\tdyn"},
                  {"d/energy.tsv", "1\ts\t1\terg\terg\terg\terg\terg"}};
-    enter();
     write_scene("");
     GOOD("run scene.cfg -o d");
     for (size_t i = 0; i < sizeof lists / sizeof *lists; i++) {
-        rp_table t = read_table(lists[i].table);
+        scoped_table t = read_table(lists[i].table);
         const char *units = rp_table_find_note(&t, "units");
         CU_ASSERT(units && strcmp(units, lists[i].units) == 0);
-        rp_table_free(&t);
     }
-    leave();
 }
 
 /* ---- the ledger ---- */
@@ -313,7 +302,6 @@ static void test_units(void)
  * column of the ledger is 0. Each against the member of that name. */
 static void test_ledger(void)
 {
-    enter();
     write_text(
         "scene.cfg",
         "dt = 2.0e-5; steps = 2500; rotation = true; ledger = true; x_max = 1.4; y_min = -9.0;\n"
@@ -330,7 +318,7 @@ static void test_ledger(void)
         "50.0; },\n"
         "  { x = 0.2; y = 0.31; r = 0.09; vy = -30.0; }, { x = 1.3; y = 0.4; r = 0.08; vx = 40.0; } );\n");
     GOOD("run scene.cfg -o d");
-    checked e = checked_read("d/energy.tsv");
+    scoped_checked e = checked_read("d/energy.tsv");
     dem_scene scene;
     dem_sim *sim = NULL;
     dem_ledger l;
@@ -374,8 +362,6 @@ static void test_ledger(void)
     CHECK_NEAR(at(&e, 0, "residual"), 0.0, 1e-12 * l.turnover);
     dem_free(sim);
     dem_scene_free(&scene);
-    checked_end(&e);
-    leave();
 }
 
 /* ---- a static pile ---- */
@@ -456,19 +442,13 @@ static void check_base(checked *b, checked *w)
 
 static void test_pile(void)
 {
-    enter();
     write_text("s.cfg", "protocol = \"pile\"; replicas = 1; fixed = { base = 4; eps = 1e-3; k_x = 0.7; };\n");
     GOOD("run s.cfg -o d");
-    checked d = checked_read("d/disks.tsv"), c = checked_read("d/contacts.tsv"),
-            w = checked_read("d/wells.tsv"), b = checked_read("d/base.tsv");
+    scoped_checked d = checked_read("d/disks.tsv"), c = checked_read("d/contacts.tsv"),
+                   w = checked_read("d/wells.tsv"), b = checked_read("d/base.tsv");
     CU_ASSERT_FATAL(d.t.n_rows == DISKS && w.t.n_rows == BASE && b.t.n_rows == BASE);
     check_disks(&d, &c, &w, 1e-3);
     check_base(&b, &w);
-    checked_end(&d);
-    checked_end(&c);
-    checked_end(&w);
-    checked_end(&b);
-    leave();
 }
 
 /* Means over piles with unequal disks: each pile alone is a run of a sweep with the same stream. */
@@ -477,7 +457,6 @@ static void test_ensemble(void)
     enum { PILES = 3 };
     static const char *const columns[][2] = {{"N/mg", "N_se/mg"}, {"H/mg", "H_se/mg"}};
     checked each[PILES];
-    enter();
     write_text("s.cfg",
                "protocol = \"pile\"; replicas = %d; seed = 5; piles = \"shared\";\n"
                "fixed = { base = 4; eps = 1e-3; gap = 0.1; disorder = 2e-3; };\n",
@@ -510,7 +489,6 @@ static void test_ensemble(void)
     }
     checked_end(&c);
     for (int r = 0; r < PILES; r++) rp_table_free(&each[r].t);
-    leave();
 }
 
 /* ---- runs of a sweep ---- */
@@ -518,7 +496,6 @@ static void test_ensemble(void)
 /* Every row of the exported runs is the run made again; every column of the reduced table comes from them. */
 static void test_sweep(void)
 {
-    enter();
     write_text(
         "s.cfg",
         "protocol = \"pile\"; replicas = 3; seed = 7;\n"
@@ -527,14 +504,14 @@ static void test_sweep(void)
     GOOD("sweep run d -j 2");
     GOOD("sweep export d -o runs.tsv");
     GOOD("sweep export d --reduce -o points.tsv");
-    checked runs = checked_read("runs.tsv");
+    scoped_checked runs = checked_read("runs.tsv");
     char units[1024] = "1\t1\t1\t1\t1\t1"; /* run, status, base, eps, replica, pile */
     for (const sweep_output *o = sweep_protocol_pile.outputs; o->name; o++)
         snprintf(units + strlen(units), sizeof units - strlen(units), "\t%s", *o->unit ? o->unit : "1");
     strcat(units, "\ts");
     const char *const found = rp_table_find_note(&runs.t, "units");
     CU_ASSERT(found && strcmp(found, units) == 0);
-    rp_table points = read_table("points.tsv");
+    scoped_table points = read_table("points.tsv");
     CU_ASSERT_FATAL(runs.t.n_rows == 12 && points.n_rows == 4);
     double seconds = 0.0;
     for (size_t row = 0; row < 12; row++) {
@@ -552,7 +529,7 @@ static void test_sweep(void)
         at(&runs, row, "status");
         if (row % 5) continue; /* three of them */
         GOOD("run s.cfg --row %zu -o again --force", row);
-        rp_table again = read_table("out");
+        scoped_table again = read_table("out");
         const char *const own = rp_table_find_note(&again, "units");
         const size_t length = strlen(units) - strlen("1\t1\t1\t1\t1\t1\t") - strlen("\ts");
         CU_ASSERT(own && strlen(own) == length + 2 &&
@@ -561,7 +538,6 @@ static void test_sweep(void)
             at(&runs, row, o->name);
             CU_ASSERT_STRING_EQUAL(word(&again, 0, o->name), word(&runs.t, row, o->name));
         }
-        rp_table_free(&again);
     }
     CHECK_NEAR(strtod(rp_table_find_note(&runs.t, "run_time"), NULL), seconds,
                0.051); /* a tenth is printed */
@@ -580,9 +556,6 @@ static void test_sweep(void)
             snprintf(column, sizeof column, "%s_se", o->name);
             CHECK_NEAR(cell(&points, row, column), sqrt(square / 6.0), 1e-7 * sqrt(square) + 1e-14);
         }
-    rp_table_free(&points);
-    checked_end(&runs);
-    leave();
 }
 
 /* ---- commands ---- */
@@ -592,7 +565,7 @@ static void test_sweep(void)
 static double resampled_error(size_t n, const double a[], const double b[], int resamples, unsigned long seed)
 {
     double sum = 0.0, squares = 0.0;
-    gsl_rng *rng = rp_random_alloc(seed, 0, RP_PURPOSE_BOOTSTRAP);
+    scoped_rng *rng = rp_random_alloc(seed, 0, RP_PURPOSE_BOOTSTRAP);
     for (int k = 0; k < resamples; k++) {
         double mean = 0.0;
         for (size_t i = 0; i < n; i++) {
@@ -601,7 +574,6 @@ static double resampled_error(size_t n, const double a[], const double b[], int 
         }
         sum += mean, squares += mean * mean;
     }
-    gsl_rng_free(rng);
     const double variance = (squares - sum * sum / resamples) / (resamples - 1.0);
     return sqrt(variance * (double)n / ((double)n - 1.0));
 }
@@ -612,12 +584,11 @@ static void test_compare(void)
     static const char *const forms[] = {"balanced", "lattice", "sine", "printed"};
     static const double r[] = {9.0, 11.0, 10.5, 9.5}, t[] = {3.0, 3.5, 2.5, 4.0};
     const double mean_r = 10.0, mean_t = 3.25;
-    enter();
     write_text("runs.tsv",
                "# mu\ttheta_r3_deg\ttheta_t_displacement_deg\tstatus\n0.2\t%g\t%g\tok\n0.2\t%g\t%g\tok\n"
                "0.2\t%g\t%g\tok\n0.2\t%g\t%g\tok\n",
                r[0], t[0], r[1], t[1], r[2], t[2], r[3], t[3]);
-    checked c = CHECKED_RUN(1, "angle compare runs.tsv --bootstrap 400 --phi-deg 55 --seed 31");
+    scoped_checked c = CHECKED_RUN(1, "angle compare runs.tsv --bootstrap 400 --phi-deg 55 --seed 31");
     const double ms = atan(0.2 * pow(tan(55.0 * M_PI / 180.0), 2.0)) * 180.0 / M_PI;
     const double miss_ms = fabs(mean_r + mean_t - ms);
     CHECK_NEAR(at(&c, 0, "mu"), 0.2, 0.0);
@@ -639,10 +610,9 @@ static void test_compare(void)
         static const char *const parts[] = {"theta_t", "diff", "theta_rt", "gain"};
         char column[64];
         GOOD("angle tilt --mu 0.2 --theta-r-deg 10 --phi-deg 55 --form %s", forms[f]);
-        rp_table tilt = read_table("out");
+        scoped_table tilt = read_table("out");
         const double theory = cell(&tilt, 0, "theta_t_deg"), miss = fabs(mean_t - theory);
         const double expected[] = {theory, mean_t - theory, mean_r + theory, miss - miss_ms};
-        rp_table_free(&tilt);
         for (size_t k = 0; k < 4; k++) {
             snprintf(column, sizeof column, "%s_%s_deg", parts[k], forms[f]);
             CHECK_NEAR(at(&c, 0, column), expected[k], 1e-11);
@@ -654,7 +624,6 @@ static void test_compare(void)
         snprintf(column, sizeof column, "gain_relative_%s_se", forms[f]);
         CU_ASSERT(at(&c, 0, column) > 0.0 && at(&c, 0, column) < 1.0);
     }
-    checked_end(&c);
     /* groups of one pile beside it, each with its own friction */
     write_text(
         "more.tsv",
@@ -678,9 +647,8 @@ static void test_compare(void)
                "# mu\ttheta_r3_deg\ttheta_t_displacement_deg\tstatus\n0.4\t4\t5\tok\n0.4\t6\t7\tok\n");
     for (size_t f = 0; f < 4; f++) {
         GOOD("angle tilt --mu 0.4 --theta-r-deg 5 --phi-deg 74 --form %s", forms[f]);
-        rp_table tilt = read_table("out");
+        scoped_table tilt = read_table("out");
         snprintf(found[f], sizeof found[f], "%s", word(&tilt, 0, "status"));
-        rp_table_free(&tilt);
     }
     for (size_t f = 4; f-- > 0;)
         if (strcmp(found[f], "ok") != 0) first_word = found[f];
@@ -689,7 +657,6 @@ static void test_compare(void)
     t_more = read_table("out");
     CU_ASSERT_STRING_EQUAL(word(&t_more, 0, "status"), first_word);
     rp_table_free(&t_more);
-    leave();
 }
 
 /* Closed-form models: the outline of a tent of 30 and 45 degrees, the triangle by (42) and (44). */
@@ -698,9 +665,8 @@ static void test_models(void)
     static const double x[] = {0.1, 0.4, 0.8};
     const double steep = tan(M_PI / 4.0), flat = tan(M_PI / 6.0);
     const double height[] = {0.1 * flat, 0.3 * flat + 0.1 * steep, 0.2 * flat};
-    enter();
     GOOD("tent --outer-deg 30 --inner-deg 45 --x1 0.3 --at 0.1,0.4,0.8");
-    checked tent = checked_read("out");
+    scoped_checked tent = checked_read("out");
     CU_ASSERT_FATAL(tent.t.n_rows == 3);
     for (size_t i = 0; i < 3; i++) {
         CHECK_NEAR(at(&tent, i, "x/B"), x[i], 0.0);
@@ -708,9 +674,8 @@ static void test_models(void)
         CU_ASSERT(at(&tent, i, "N/(chi*g*B)") > 0.0 && at(&tent, i, "N/(chi*g*B)") < height[1]);
         CU_ASSERT((at(&tent, i, "H/(chi*g*B)") > 0.0) == (x[i] > 0.5));
     }
-    checked_end(&tent);
     GOOD("lattice --layers 5");
-    checked lattice = checked_read("out");
+    scoped_checked lattice = checked_read("out");
     CU_ASSERT_FATAL(lattice.t.n_rows == 5);
     const double width = at(&lattice, 0, "N/mg") / at(&lattice, 0, "N/(chi*g*B)");
     for (size_t i = 0; i < 5; i++) {
@@ -722,16 +687,13 @@ static void test_models(void)
         CHECK_NEAR(at(&lattice, i, "H/(chi*g*B)"), H / width, 1e-13);
         CHECK_NEAR(at(&lattice, i, "x/B"), 0.5 + ((double)i - 2.0) / width, 1e-13);
     }
-    checked_end(&lattice);
-    leave();
 }
 
 /* The continuum at points that are not even: forces of the model at each, mirrored at the middle. */
 static void test_continuum(void)
 {
     static const double x[] = {0.05, 0.2, 0.41, 0.59, 0.8, 0.95};
-    enter();
-    checked c = CHECKED_RUN(6, "continuum --alpha-deg 40 --at 0.05,0.2,0.41,0.59,0.8,0.95");
+    scoped_checked c = CHECKED_RUN(6, "continuum --alpha-deg 40 --at 0.05,0.2,0.41,0.59,0.8,0.95");
     for (size_t i = 0; i < 6; i++) {
         an_force f;
         CHECK_OK(an_continuum(40.0 * M_PI / 180.0, x[i], &f));
@@ -742,8 +704,6 @@ static void test_continuum(void)
         CHECK_NEAR(at(&c, 5 - i, "H/(chi*g*B)"), -f.H, 1e-14);
         CU_ASSERT(i == 0 || i > 2 || f.N > at(&c, i - 1, "N/(chi*g*B)"));
     }
-    checked_end(&c);
-    leave();
 }
 
 /* The fits of phi by the library, of steep piles and of an outlier too: phi has no upper bound, or no lower
@@ -761,7 +721,6 @@ static void test_phi(void)
     size_t open[4] = {0};
     ang_piles groups[GROUPS];
     char text[2048] = "# mu\ttheta_r3_deg\ttheta_t_displacement_deg\tstatus\n";
-    enter();
     for (int g = 0; g < GROUPS; g++) {
         groups[g] = (ang_piles){mu_of[g], PILES, r[g], t[g]};
         for (int k = 0; k < PILES; k++) {
@@ -780,7 +739,7 @@ static void test_phi(void)
         const size_t n = cases[i].to - cases[i].from;
         ang_phi fit[ANG_N_AGAINST];
         CHECK_OK(ang_phi_fit(n, groups + cases[i].from, fit));
-        checked c = CHECKED_RUN(ANG_N_AGAINST, "angle phi runs.tsv %s", cases[i].range);
+        scoped_checked c = CHECKED_RUN(ANG_N_AGAINST, "angle phi runs.tsv %s", cases[i].range);
         for (size_t a = 0; a < ANG_N_AGAINST; a++) {
             const checked_value list[] = {
                 {"n_mu", (double)n},
@@ -797,10 +756,8 @@ static void test_phi(void)
             open[(size_t)(at(&c, a, "open") + 1.0)]++;
             CU_ASSERT_STRING_EQUAL(word(&c.t, a, "against"), ang_against_words[a]);
         }
-        checked_end(&c);
     }
     CU_ASSERT(open[0] + open[3] > 0 && open[1] > 0 && open[2] > 0);
-    leave();
 }
 
 /* Columns by their names, against the members of the same name. */
@@ -838,7 +795,6 @@ static void test_fits(void)
     char path[256];
     stats_trend t;
     stats_line free_line, origin;
-    enter();
     write_points(x, y, se);
     CHECK_OK(stats_trend_fit(&(stats_sample){POINTS, x, y, NULL, 0.0, false, 0.7}, &t));
     GOOD("stats trend points.tsv -x x -y y --margin 0.7");
@@ -953,7 +909,6 @@ static void test_fits(void)
         CU_ASSERT_STRING_EQUAL(word(&c.t, row, "line"), row ? "origin" : "free");
     }
     checked_end(&c);
-    leave();
 }
 
 /* Groups of different sizes, in turns: each row is the library's fit to the rows of its own group. */
@@ -1004,7 +959,7 @@ static void check_trends(const char *options, bool paired, bool logarithm, doubl
     }
     stats_holm(GROUPS, p, p_holm);
     GOOD("stats trend groups.tsv -x x -y y --by g --margin 0.4 --level 0.1 %s", options);
-    rp_table c = read_table("out");
+    scoped_table c = read_table("out");
     CU_ASSERT_FATAL(c.n_rows == GROUPS);
     for (size_t g = 0; g < GROUPS; g++) {
         CU_ASSERT(*word(&c, g, "g") == "abc"[g]);
@@ -1021,7 +976,6 @@ static void check_trends(const char *options, bool paired, bool logarithm, doubl
         CHECK_NEAR(cell(&c, g, "p_margin"), t[g].p_margin, 1e-13);
         CU_ASSERT_STRING_EQUAL(word(&c, g, "verdict"), stats_trend_word(&t[g], p_holm[g], 0.1));
     }
-    rp_table_free(&c);
 }
 
 static void check_sizes(void)
@@ -1037,9 +991,9 @@ static void check_sizes(void)
     }
     stats_holm(GROUPS, p, p_holm);
     GOOD("stats size groups.tsv -x x -y y --by g --power 1.5");
-    rp_table c = read_table("out");
+    scoped_table c = read_table("out");
     GOOD("stats size groups.tsv -x x -y y --by g --exponent free --least-exponent 0.2");
-    rp_table f = read_table("out");
+    scoped_table f = read_table("out");
     CU_ASSERT_FATAL(c.n_rows == GROUPS && f.n_rows == GROUPS);
     for (size_t g = 0; g < GROUPS; g++) {
         stats_limit l;
@@ -1055,29 +1009,24 @@ static void check_sizes(void)
         const int ends = isfinite(l.lo) + isfinite(l.hi);
         CU_ASSERT_STRING_EQUAL(word(&f, g, "status"), ends == 2 ? "ok" : ends == 1 ? "one_end" : "no_limit");
     }
-    rp_table_free(&c);
-    rp_table_free(&f);
 }
 
 static void test_groups(void)
 {
-    enter();
     write_groups();
     check_trends("", false, false, 0.0);
     check_trends("--pair", true, false, 0.0);
     check_trends("--scale log", false, true, 0.0);
     check_trends("--scale log --power 2", false, true, 2.0);
     check_sizes();
-    leave();
 }
 
 /* stats correlation: a row for each column and group, by the library, and one for all rows without groups. */
 static void test_correlations(void)
 {
     static const char *const names[] = {"x", "v"};
-    enter();
     write_groups();
-    checked c = CHECKED_RUN(2 * GROUPS, "stats correlation groups.tsv -y y -x x,v --by g");
+    scoped_checked c = CHECKED_RUN(2 * GROUPS, "stats correlation groups.tsv -y y -x x,v --by g");
     for (size_t k = 0; k < 2; k++)
         for (size_t g = 0; g < GROUPS; g++) {
             const size_t row = k * GROUPS + g;
@@ -1093,12 +1042,9 @@ static void test_correlations(void)
             CU_ASSERT(*word(&c.t, row, "g") == "abc"[g]);
             CU_ASSERT_STRING_EQUAL(word(&c.t, row, "quantity"), names[k]);
         }
-    checked_end(&c);
     GOOD("stats correlation groups.tsv -y y -x x");
-    rp_table t = read_table("out");
+    scoped_table t = read_table("out");
     CU_ASSERT(t.n_rows == 1 && cell(&t, 0, "n") == (double)(grouped.n[0] + grouped.n[1] + grouped.n[2]));
-    rp_table_free(&t);
-    leave();
 }
 
 /* stats maximum: the mean largest of all triples, and its spread over the resamples of the seed. */
@@ -1108,7 +1054,7 @@ static void test_values(void)
     static const double v[N] = {0.3, -1.1, 2.7, 0.9, 0.4, 1.3, -0.2};
     double most[B + 1], sample[N];
     char text[2048] = "# n\tv\n";
-    gsl_rng *rng = rp_random_alloc(9, 0, RP_PURPOSE_BOOTSTRAP);
+    scoped_rng *rng = rp_random_alloc(9, 0, RP_PURPOSE_BOOTSTRAP);
     for (int b = 0; b <= B; b++) {
         most[b] = 0.0;
         for (int i = 0; i < N; i++) sample[i] = b < B ? v[gsl_rng_uniform_int(rng, N)] : v[i];
@@ -1116,12 +1062,11 @@ static void test_values(void)
             for (int j = 0; j < i; j++)
                 for (int k = 0; k < j; k++) most[b] += fmax(sample[i], fmax(sample[j], sample[k])) / 35.0;
     }
-    gsl_rng_free(rng);
-    enter();
     for (int i = 0; i < N; i++)
         snprintf(text + strlen(text), sizeof text - strlen(text), "%d\t%.17g\n%d\tnan\n", i, v[i], i);
     write_text("values.tsv", "%s", text);
-    checked c = CHECKED_RUN(1, "stats maximum values.tsv --column v --draws 3 --bootstrap 30 --seed 9");
+    scoped_checked c =
+        CHECKED_RUN(1, "stats maximum values.tsv --column v --draws 3 --bootstrap 30 --seed 9");
     const checked_value maximum[] = {{"n", N},
                                      {"mean", gsl_stats_mean(v, 1, N)},
                                      {"sd", gsl_stats_sd(v, 1, N)},
@@ -1129,8 +1074,6 @@ static void test_values(void)
                                      {"maximum", most[B]},
                                      {"maximum_se", gsl_stats_sd(most, 1, B)}};
     CHECK_NAMED(&c, 0, maximum);
-    checked_end(&c);
-    leave();
 }
 
 /* Each row of --successive is the library's fit to so many points. */
@@ -1141,11 +1084,10 @@ static void test_prefixes(void)
                  se[N] = {0.1, 0.2, 0.15, 0.1, 0.3, 0.25};
     stats_prefix fits[N];
     double linear_to, bend_free_to;
-    enter();
     write_text("p.tsv", "x\ty\tse\n1\t1\t0.1\n2\t1.3\t0.2\n3\t1.5\t0.15\n4.5\t1.4\t0.1\n5\t2.1\t0.3\n"
                         "6.5\t2.6\t0.25\n");
     CHECK_OK(stats_successive(N, x, y, se, 0.05, fits, &linear_to, &bend_free_to));
-    checked c = CHECKED_RUN(N - 2, "stats fit p.tsv -x x -y y --se se --successive");
+    scoped_checked c = CHECKED_RUN(N - 2, "stats fit p.tsv -x x -y y --se se --successive");
     for (size_t k = 0; k + 3 <= N; k++) {
         const stats_line *l = &fits[k].line;
         const checked_value row[] = {{"x_to", x[k + 2]},
@@ -1163,8 +1105,6 @@ static void test_prefixes(void)
         CHECK_NEAR(at(&c, k, "dof"), (double)k + 1.0, 0.0);
         at(&c, k, "status"); /* suite cli */
     }
-    checked_end(&c);
-    leave();
 }
 
 /* The same box in three systems of units: labels follow, defaults are converted, numbers agree. */
@@ -1180,7 +1120,6 @@ static void test_systems(void)
         {"sigma", "# system: sigma\n", "sigma", "m g sigma", "m g", 5.0, M_PI / 6.0 * 0.008 * 981.0 * 0.2}};
     double kinetic[3] = {0}, elastic[3] = {0};
     char text[512];
-    enter();
     for (int k = 0; k < 3; k++) {
         const double W = systems[k].W;
         snprintf(text, sizeof text,
@@ -1212,12 +1151,10 @@ static void test_systems(void)
         CHECK_NEAR(kinetic[k], kinetic[0], 1e-6 * kinetic[0]);
         CHECK_NEAR(elastic[k], elastic[0], 1e-5 * elastic[0]);
     }
-    leave();
 }
 
 static void test_systems_of_sweeps(void)
 {
-    enter();
 #define SWEEP "protocol = \"repose\"; replicas = 1; fixed = { W = %s; H = %s; stop = \"steps\"; %s};\n"
     static const char short_run[] = "fill_steps = 200; relax_steps = 200; ";
     char text[512];
@@ -1279,7 +1216,6 @@ static void test_systems_of_sweeps(void)
     GOOD("sweep plan w.cfg -o v");
     write_text("w.cfg", "units = \"metric\"; protocol = \"repose\";\n");
     FAILS(65, "units = \"metric\": unknown word, allowed: cgs | si | sigma", "sweep plan w.cfg -o v");
-    leave();
 }
 
 void suite_tables(void)
@@ -1303,5 +1239,5 @@ void suite_tables(void)
                                        {"tent, lattice", test_models},
                                        {"continuum", test_continuum},
                                        {0}};
-    check_register("tables", cases);
+    check_register_within("tables", enter, leave, cases);
 }

@@ -7,8 +7,8 @@
 #include <gsl/gsl_randist.h>
 
 #include "stats/stats.h"
-#include "core/random.h"
 #include "tests/check.h"
+#include "tests/numbers.h"
 
 /* sums of some 30 terms of order 1 to 10, with cancellation */
 static const double sum_error = 1e-12;
@@ -124,7 +124,7 @@ static void test_order_of_rows(void)
     enum { ROWS = 24 };
     size_t order[ROWS];
     stats_trend first, t;
-    gsl_rng *rng = rp_random_alloc(5, 0, RP_PURPOSE_TEST);
+    scoped_rng *rng = numbers_of(5, 0);
     double value[ROWS];
     for (size_t i = 0; i < ROWS; i++) order[i] = i, value[i] = gsl_ran_gaussian(rng, 3.0);
     for (int k = 0; k < 60; k++) {
@@ -138,7 +138,6 @@ static void test_order_of_rows(void)
                   t.p_pairs == first.p_pairs);
         gsl_ran_shuffle(rng, order, ROWS, sizeof *order);
     }
-    gsl_rng_free(rng);
 }
 
 /* TOST is equivalent to the 90 % interval. */
@@ -185,7 +184,7 @@ static void plant(gsl_rng *rng, int kind, double change, double hump, stats_tren
 
 static void test_coverage(void)
 {
-    gsl_rng *rng = rp_random_alloc(11, 0, RP_PURPOSE_TEST);
+    scoped_rng *rng = numbers_of(11, 0);
     for (int kind = 0; kind < N_KINDS; kind++) {
         int covered[2] = {0, 0}, found = 0;
         for (int i = 0; i < CASES; i++) {
@@ -204,7 +203,6 @@ static void test_coverage(void)
         CHECK_NEAR((double)covered[1] / CASES, 0.95, share_error(0.95, CASES));
         CHECK_NEAR((double)found / CASES, 0.05, share_error(0.05, CASES));
     }
-    gsl_rng_free(rng);
 }
 
 /* The result is the largest difference of all pairs, with the sign for increasing x. */
@@ -222,7 +220,7 @@ static void test_pairs(void)
 /* At the margin TOST says "no dependence" in no more than 5 % of the cases, with a trend as with a hump. */
 static void test_tost_size(void)
 {
-    gsl_rng *rng = rp_random_alloc(12, 0, RP_PURPOSE_TEST);
+    scoped_rng *rng = numbers_of(12, 0);
     for (int kind = 0; kind < N_KINDS; kind += PAIRED) {
         int trend = 0, pairs = 0, flat = 0;
         for (int i = 0; i < CASES; i++) {
@@ -238,7 +236,6 @@ static void test_tost_size(void)
         CU_ASSERT(pairs <= CASES * (0.05 + share_error(0.05, CASES)));
         CU_ASSERT(flat > trend);
     }
-    gsl_rng_free(rng);
 }
 
 static void test_holm(void)
@@ -359,7 +356,7 @@ static void test_limit_coverage(void)
         double c, exponent;
     } cases[] = {{14.0, 1.0}, {14.0, 2.0}, {9.0, 0.5}, {1.0, 1.0}};
     double x[SIZES * MOST_AT_SIZE], y[SIZES * MOST_AT_SIZE];
-    gsl_rng *rng = rp_random_alloc(1993, 41, RP_PURPOSE_TEST);
+    scoped_rng *rng = numbers_of(1993, 41);
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         int covered = 0, covered90 = 0, exponents = 0, fits = 0;
         for (int k = 0; k < PLANTED; k++) {
@@ -377,7 +374,6 @@ static void test_limit_coverage(void)
         CHECK_NEAR((double)exponents / PLANTED, 0.96, 0.01 + share_error(0.95, PLANTED));
         CU_ASSERT((double)fits / PLANTED < 0.1 + share_error(0.1, PLANTED)); /* errors from some 20 values */
     }
-    gsl_rng_free(rng);
 }
 
 /* What the means do not tell has no end: a falling logarithm has no lower limit, and a constant neither. */
@@ -385,7 +381,7 @@ static void test_limit_without_end(void)
 {
     enum { PLANTED = 200 };
     double x[SIZES * MOST_AT_SIZE], y[SIZES * MOST_AT_SIZE];
-    gsl_rng *rng = rp_random_alloc(1993, 42, RP_PURPOSE_TEST);
+    scoped_rng *rng = numbers_of(1993, 42);
     int lower = 0, upper = 0, constant = 0, known = 0;
     for (int k = 0; k < PLANTED; k++) {
         stats_limit l;
@@ -401,7 +397,6 @@ static void test_limit_without_end(void)
         CHECK_NEAR(l.se * gsl_cdf_tdist_Qinv(0.025, l.dof), fmax(l.hi - l.limit, l.limit - l.lo), sum_error);
         CU_ASSERT(l.exponent >= 0.5 && l.exponent_lo >= 0.5);
     }
-    gsl_rng_free(rng);
     /* refused where the true model is: in 5 % of the cases */
     CU_ASSERT(lower >= PLANTED * (0.95 - share_error(0.95, PLANTED)) && upper == PLANTED);
     /* a constant lacks c and the exponent: chi^2 of two degrees of freedom above t^2 = 4.7, in 10 % */
@@ -429,12 +424,11 @@ static int residuals(const gsl_vector *v, void *data, gsl_vector *f)
 static void test_limit_against_gsl(void)
 {
     double x[SIZES * MOST_AT_SIZE], y[SIZES * MOST_AT_SIZE], start[] = {18.0, 10.0, 1.1}, chi2;
-    gsl_rng *rng = rp_random_alloc(1993, 43, RP_PURPOSE_TEST);
+    scoped_rng *rng = numbers_of(1993, 43);
     means m = {{0}};
     stats_limit l;
     int info;
     const size_t n = plant_limit(rng, 18.3, 14.0, 1.0, x, y);
-    gsl_rng_free(rng);
     CHECK_OK(stats_limit_fit(n, x, y, 0.0, &l));
     for (size_t j = 0, first = 0; j < SIZES; first += MOST_AT_SIZE - 2 * j, j++) {
         stats_summary mean;
@@ -520,7 +514,7 @@ static void test_limit_by_hand(void)
                  {0.5, 1.0, 1.0, 0.5},    {18.3, 14.0, 7.0, 0.0}, {-0.2, 4.0, 1.0, 0.0},
                  {18.3, 14.0, 0.5, 0.499}};
     double x[SIZES * MOST_AT_SIZE], y[SIZES * MOST_AT_SIZE];
-    gsl_rng *rng = rp_random_alloc(1993, 44, RP_PURPOSE_TEST);
+    scoped_rng *rng = numbers_of(1993, 44);
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
         for (int k = 0; k < 4; k++) {
             stats_limit l;
@@ -528,7 +522,6 @@ static void test_limit_by_hand(void)
             CHECK_OK(stats_limit_fit(n, x, y, cases[i].least_exponent, &l));
             scan_limits(n, x, y, cases[i].least_exponent, &l);
         }
-    gsl_rng_free(rng);
 }
 
 static void test_limit_errors(void)
@@ -583,7 +576,7 @@ static void test_correlation(void)
 static void test_planted_correlation(void)
 {
     enum { COUNT = 150, ENSEMBLES = 300 };
-    gsl_rng *rng = rp_random_alloc(1993, 13, RP_PURPOSE_TEST);
+    scoped_rng *rng = numbers_of(1993, 13);
     double x[COUNT], y[COUNT], values[ENSEMBLES], held = 0.0, se = 0.0;
     stats_correlation c;
     stats_summary of;
@@ -600,7 +593,6 @@ static void test_planted_correlation(void)
     CHECK_OK(stats_mean(ENSEMBLES, values, &of));
     CHECK_NEAR(held / ENSEMBLES, 0.95, 0.05);
     CHECK_NEAR(se / of.sd, 1.0, 4.0 * 0.041);
-    gsl_rng_free(rng);
 }
 
 /* Parts of a sample, put together by their summaries, have the summary of the whole. */

@@ -1,0 +1,17 @@
+/* Numbers to compare with: random streams, and least squares by GSL. */
+#ifndef NUMBERS_H
+#define NUMBERS_H
+
+#include <gsl/gsl_rng.h>
+
+/* A generator of the tests; a scoped_rng is freed at the end of its scope. */
+#define scoped_rng __attribute__((cleanup(numbers_end))) gsl_rng
+void numbers_end(gsl_rng **rng);
+gsl_rng *numbers_of(unsigned long seed, unsigned long run);
+
+/* Least squares of y[n] by p columns X[n p], row after row, with weights w, NULL: all equal. Sets c[p] and
+ * covariance[p p]. */
+void numbers_fit(size_t n, size_t p, const double X[], const double w[], const double y[], double c[],
+                 double covariance[]);
+
+#endif
