@@ -113,6 +113,7 @@ static const cli_command claims = {
     "changes without them.",
     "report claims --paper lh",
     claims_params,
+    .refuses = "A claim without what its test needs; a table without the cells that a claim names.",
     .act = print_claims};
 
 static const cli_command published = {
@@ -121,6 +122,7 @@ static const cli_command published = {
     .synopsis = "[options]",
     .about = "The number of each claim that has one, with its error and its samples.",
     .example = "report published",
+    .refuses = "A claim without what its test needs.",
     .options = published_params,
     .act = print_published};
 

@@ -319,5 +319,6 @@ const cli_command report_page = {
     "A table that has not been made gives `no data` in a table; a line of text then names it instead.",
     "report page report/text/paper-repro.md.in -o paper-repro.md",
     page_params,
+    .refuses = "A place with an unknown word, or whose table has no such row or column.",
     .prints_text = true,
     .act = fill_page};

@@ -36,43 +36,14 @@ static void check_failures(size_t n, const failure list[])
 /* ---- help ---- */
 
 /* Boolean options: help states neither a default nor "required". */
-static const char *const without_default[] = {"--help ",
-                                              "--study ",
-                                              "--where ",
-                                              "--bare ",
-                                              "--set ",
-                                              "--reduce ",
-                                              "--base ",
-                                              "--other-groups ",
-                                              "--pair ",
-                                              "--successive ",
-                                              "-o ",
-                                              "--runs ",
-                                              "--missing ",
-                                              "--outline ",
-                                              "--disks ",
-                                              "--linear ",
-                                              "--set-again ",
-                                              "--summary ",
-                                              "--threshold ",
-                                              "--map ",
-                                              "--ledger ",
-                                              "--force ",
-                                              "--profile ",
-                                              "--resume ",
-                                              "--man ",
-                                              "--rotation ",
-                                              "--quiet ",
-                                              "--plot ",
-                                              "--color ",
-                                              "--stress ",
-                                              "--completion ",
-                                              "--json ",
-                                              "--response ",
-                                              "--shard ",
-                                              "--start ",
-                                              "--variants ",
-                                              NULL};
+static const char *const without_default[] = {
+    "--help ",   "--study ",     "--where ",        "--bare ",      "--set ",
+    "--reduce ", "--base ",      "--other-groups ", "--pair ",      "--successive ",
+    "-o ",       "--runs ",      "--missing ",      "--outline ",   "--disks ",
+    "--linear ", "--set-again ", "--summary ",      "--threshold ", "--map ",
+    "--ledger ", "--force ",     "--profile ",      "--resume ",    "--rotation ",
+    "--quiet ",  "--color ",     "--stress ",       "--markdown ",  "--completion ",
+    "--json ",   "--shard ",     "--start ",        "--variants ",  NULL};
 
 static bool option_line_is_whole(const char *line)
 {
@@ -107,10 +78,11 @@ static void check_command_help(const char *command, char *text)
     char usage[64];
     snprintf(usage, sizeof usage, "usage: repose %s ", command);
     CU_ASSERT(strncmp(text, usage, strlen(usage)) == 0);
-    char *options = strstr(text, "\noptions:\n"), *example = strstr(text, "\nexample:\n  repose ");
-    CU_ASSERT(options && example && options < example);
-    if (!options || !example) return;
-    *example = '\0';
+    char *options = strstr(text, "\noptions:\n"), *refuses = strstr(text, "\nrefuses:\n  "),
+         *example = strstr(text, "\nexample:\n  repose ");
+    CU_ASSERT(options && refuses && example && options < refuses && refuses < example);
+    if (!options || !refuses || !example) return;
+    *refuses = *example = '\0';
     example += strlen("\nexample:\n  repose ");
     example[strcspn(example, "\n")] = '\0';
     CU_ASSERT(strncmp(example, command, strlen(command)) == 0);
@@ -258,7 +230,7 @@ static void test_wrong_usage(void)
         {64, "--base needs --alpha-deg", "lattice --base 5"},
         {64, "usage: repose lattice", "lattice --layers 5 6"},
         {64, "usage: repose angle slope FILE", "angle slope --width 4"},
-        {64, "usage: repose run", "run"},
+        {64, "give a file, or --resume DIR", "run"},
     };
     CHECK_FAILURES(list);
 }

@@ -150,7 +150,11 @@ static void check_help(const cli_command *c)
             text_ends();
             return;
         }
-        filled(start, c->synopsis, 7, width);
+        for (const char *line = c->synopsis; *line; line += strcspn(line, "\n"), line += *line == '\n') {
+            snprintf(text, sizeof text, "%.*s", (int)strcspn(line, "\n"), line);
+            filled(start, text, 11, width);
+            snprintf(start, sizeof start, "       %s %s ", typed, c->name);
+        }
         line_is("%s", "");
         check_about(c->about, width);
         line_is("%s", "");
@@ -161,6 +165,12 @@ static void check_help(const cli_command *c)
             filled(start, text_of(options[i].p, text), 25, width);
         }
         line_is("  %-22s this text", "--help");
+        line_is("%s", "");
+        line_is("refuses:");
+        for (const char *line = c->refuses; *line; line += strcspn(line, "\n"), line += *line == '\n') {
+            snprintf(text, sizeof text, "%.*s", (int)strcspn(line, "\n"), line);
+            filled("  ", text, 4, width);
+        }
         line_is("%s", "");
         line_is("example:");
         line_is("  %s", c->example);
@@ -240,6 +250,42 @@ static void test_orders(void)
         CU_ASSERT_PTR_NOT_NULL(strstr(orders[k].command->about, orders[k].words));
 }
 
+/* Is there a row of CHANGELOG.md with both? The second is read to its first comma or semicolon. */
+static bool is_told_of(const char *changes, const char *name, const char *instead)
+{
+    char line[512], plain[512], first[128];
+    snprintf(first, sizeof first, "%.*s", (int)strcspn(instead, ",;"), instead);
+    for (; *changes; changes += strcspn(changes, "\n"), changes += *changes == '\n') {
+        char *to = plain;
+        snprintf(line, sizeof line, "%.*s", (int)strcspn(changes, "\n"), changes);
+        for (const char *c = line; *c; c++)
+            if (*c != '`') *to++ = *c;
+        *to = '\0';
+        if (*line == '|' && strstr(plain, name) && strstr(plain, first)) return true;
+    }
+    return false;
+}
+
+/* What an older version had answers with what to use instead, as CHANGELOG.md has it. */
+static void test_removed(void)
+{
+    char *changes;
+    CHECK_OK(rp_file_read("CHANGELOG.md", &changes));
+    enter();
+    for (const cli_removed *r = cli_repose.removed; r->name; r++) {
+        char expected[256];
+        const char *dashes = strstr(r->name, " --");
+        snprintf(expected, sizeof expected, "%s of 0.1.0 is gone; instead: %s\n", r->name, r->instead);
+        FAILS(64, expected, "%s", r->name);
+        if (dashes) FAILS(64, expected, "%s=3", r->name);
+        CU_ASSERT(is_told_of(changes, dashes ? dashes + 1 : r->name, r->instead));
+    }
+    FAILS(64, "unknown option --plot", "view --plot");
+    FAILS(64, "unknown option --plo;", "run --plo");
+    free(changes);
+    leave();
+}
+
 static rp_status nothing(cli_call *call, const void *values)
 {
     (void)call, (void)values;
@@ -284,7 +330,8 @@ static void test_arguments(void)
         bool fits[3]; /* none, one, two */
     } cases[] = {{"[options]", {true, false, false}},      {"--flag", {true, false, false}},
                  {"FILE [--flag]", {false, true, false}},  {"FILE... [--flag]", {false, true, true}},
-                 {"[FILE] [--flag]", {true, true, false}}, {"[FILE...] [--flag]", {true, true, true}}};
+                 {"[FILE] [--flag]", {true, true, false}}, {"[FILE...] [--flag]", {true, true, true}},
+                 {"--flag\nFILE", {true, true, false}},    {"FILE\nFILE...", {false, true, true}}};
     static const rp_param rows[] = {{"flag", "", RP_BOOL, 0, "false", "", "a flag", false},
                                     {"x", "", RP_INT, 8, "1", "[0, 9]", "a number", false},
                                     {0}};
@@ -301,7 +348,9 @@ static void test_arguments(void)
             const rp_status status = cli_run(&call, &c, n + 1, line);
             CU_ASSERT_EQUAL(status, cases[k].fits[n] ? RP_OK : RP_USAGE);
             if (status)
-                CU_ASSERT(strstr(rp_message(), "usage: repose few ") && strstr(rp_message(), c.synopsis));
+                CU_ASSERT(strstr(rp_message(), "usage: repose few ") &&
+                          strstr(rp_message(), "; see repose few --help") &&
+                          strncmp(rp_message() + 18, c.synopsis, strcspn(c.synopsis, "\n")) == 0);
             CU_ASSERT_PTR_EQUAL(cli_argument(&call, 0), n > 0 ? line[1] : NULL);
             CU_ASSERT_PTR_EQUAL(cli_argument(&call, 1), n > 1 ? line[2] : NULL);
             CU_ASSERT_PTR_EQUAL(call.arguments[0], line[1]);
@@ -390,17 +439,26 @@ static void command_is(const cli_command *c)
         return; /* `each` goes on with its commands */
     }
     snprintf(text, sizeof text, "**repose %s** ", c->name);
-    const size_t first = strcspn(c->synopsis, "\n");
-    char line[1024];
-    snprintf(line, sizeof line, "%.*s", (int)first, c->synopsis);
-    marked(text, line, "");
-    lines_are(c->synopsis + first + (c->synopsis[first] == '\n'));
+    for (const char *way = c->synopsis; *way; way += strcspn(way, "\n"), way += *way == '\n') {
+        char line[1024];
+        snprintf(line, sizeof line, "%.*s", (int)strcspn(way, "\n"), way);
+        marked(text, line, "");
+        line_is("%s", "");
+    }
     lines_are(c->about);
     const size_t n = options_of(c, options);
     for (size_t i = 0; i < n; i++) {
         const char *name = options[i].typed + strspn(options[i].typed, "-");
         item_is(name - options[i].typed == 2 ? "\\-\\-" : "\\-", name, text_of(options[i].p, text));
     }
+    snprintf(text, sizeof text, "Refuses: ");
+    for (const char *way = c->refuses; *way; way += strcspn(way, "\n"), way += *way == '\n') {
+        char line[1024];
+        snprintf(line, sizeof line, "%.*s", (int)strcspn(way, "\n"), way);
+        marked(text, line, "");
+        *text = '\0';
+    }
+    line_is("%s", "");
     line_is("Example:");
     line_is("%s", "");
     line_is("    %s", c->example);
@@ -665,6 +723,7 @@ void suite_help(void)
 {
     static const check_case cases[] = {{"help of every command", test_help},
                                        {"orders that help says", test_orders},
+                                       {"names of older versions", test_removed},
                                        {"commands on several processors", test_parallel},
                                        {"room for options", test_room},
                                        {"arguments", test_arguments},

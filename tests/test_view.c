@@ -1038,24 +1038,6 @@ static void test_progress(void)
     free(text);
 }
 
-/* Without a screen gnuplot draws text on standard error, and the tables are the same. */
-static void test_plot(void)
-{
-    enter();
-    write_moving();
-    GOOD("run s.cfg --every 50");
-    CU_ASSERT(
-        shell("cp out plain; DISPLAY= WAYLAND_DISPLAY= \"$REPOSE\" run s.cfg --every 50 --plot >out 2>err") ==
-        0);
-    CU_ASSERT(equal_tables("out", "plain"));
-    CU_ASSERT(shell("grep -q 'step 100 of 100, 100 %' err && grep -q 'kinetic energy' err && grep -q 'x "
-                    "(cm)' err && grep -q surface err && "
-                    "tail -n 1 err | grep -q 'repose run: 2 grains'") == 0);
-    write_text("r.cfg", "protocol = \"repose\";\n");
-    FAILS(64, "--plot goes with a scene", "run r.cfg --plot -o d");
-    leave();
-}
-
 void suite_view(void)
 {
     static const check_case cases[] = {{"grains", test_circles},
@@ -1079,7 +1061,6 @@ void suite_view(void)
                                        {"refusals", test_refusals},
                                        {"closing line of a run", test_closing_line},
                                        {"progress of a run", test_progress},
-                                       {"plot of a run", test_plot},
                                        {0}};
     check_register("view", cases);
 }

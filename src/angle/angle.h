@@ -127,6 +127,13 @@ rp_status ang_surface_make(size_t n, const double x[], const double y[], const d
                            const ang_options *options, ang_surface *surface);
 void ang_surface_free(ang_surface *surface);
 
+/* theta_R by method 3 of a pile whose surface falls to one side: n grains of the mean diameter, centres (x,
+ * y) over the ground y = 0, of which those between ends[0] and ends[1] count. The slopes by all three
+ * methods, seen from the left or from the right, exceed three times their errors; else, and with grains in
+ * fewer than half of the cells, NaN. Errors: RP_NO_MEMORY. */
+rp_status ang_one_sided(size_t n, const double x[], const double y[], const double ends[2], double diameter,
+                        ang_slope *slope);
+
 /* A width of cells for points whose grains are not known, such as an outline: the widest gap along x between
  * neighbouring points, so that no cell is empty, or the median distance from a point to its nearest neighbour
  * (of 1000 points at most), where that is larger. Points outside 0 <= x < width do not count; `width` where

@@ -223,3 +223,28 @@ rp_status ang_slopes(size_t n, const size_t column[], const double h[], double c
     free(x);
     return RP_OK;
 }
+
+rp_status ang_one_sided(size_t n, const double x[], const double y[], const double ends[2], double diameter,
+                        ang_slope *slope)
+{
+    static const double CLEAR = 3.0; /* standard errors */
+    ang_options options = ANG_OPTIONS_DEFAULT;
+    double *seen = malloc((n + 1) * sizeof *seen);
+    rp_status status = seen ? RP_OK : rp_fail(RP_NO_MEMORY, "slope of %zu grains: out of memory", n);
+    *slope = (ang_slope){NAN, NAN, NAN, NAN};
+    options.diameter = diameter;
+    for (int mirrored = 0; mirrored < 2 && !status && ends[0] < ends[1]; mirrored++) {
+        ang_surface surface = {0};
+        ang_slope slopes[ANG_N_METHODS];
+        for (size_t i = 0; i < n; i++) seen[i] = mirrored ? ends[1] - x[i] : x[i] - ends[0];
+        status = ang_surface_make(n, seen, y, NULL, ends[1] - ends[0], &options, &surface);
+        if (!status)
+            status = ang_slopes(surface.n, surface.column, surface.h, surface.cell, options.parabola, slopes);
+        bool clear = !status && 2 * surface.n_occupied >= surface.n_cells;
+        for (int k = 0; k < ANG_N_METHODS && clear; k++) clear = slopes[k].slope > CLEAR * slopes[k].slope_se;
+        if (clear) *slope = slopes[ANG_N_METHODS - 1];
+        ang_surface_free(&surface);
+    }
+    free(seen);
+    return status == RP_NO_MEMORY ? status : RP_OK; /* too few cells: no slope */
+}

@@ -17,6 +17,7 @@ typedef struct {
     const char *name, *title;                  /* as it is typed, as it is written */
     const char *about;                         /* in one line */
     const struct cli_command *const *commands; /* in the order of the overview, to NULL */
+    const struct cli_removed *removed;         /* to a NULL name; NULL: none */
 } cli_program;
 
 typedef struct {

@@ -56,8 +56,8 @@
     X(TEXT, at, "", "auto", "", "positions as fractions of B, as in 0.1,0.25")
 
 /* One command: text of --help, options of the parser, and the function that acts on their values. Options of
- * one letter take one dash. A first word of the synopsis in capitals is an argument, with three dots after it
- * one or more, in brackets an optional one. */
+ * one letter take one dash. Each line of the synopsis is a way to call the command; its first word in
+ * capitals is an argument, with three dots after it one or more, in brackets an optional one. */
 typedef struct cli_command {
     const char *name;     /* "angle tilt" */
     const char *summary;  /* in the overview of its group */
@@ -65,6 +65,7 @@ typedef struct cli_command {
     const char *about;    /* one or more lines */
     const char *example;
     const rp_param *(*options)(void); /* schema; NULL: none */
+    const char *refuses;              /* lines: what is refused, and what to do instead */
     rp_status (*act)(cli_call *call, const void *values);
     rp_status (*on_table)(cli_call *call, rp_table *table, const void *values); /* of the arguments, with the
                                                                                    rows that --where leaves */

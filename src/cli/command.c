@@ -9,9 +9,23 @@
 #include "export/export.h"
 #include "params/guess.h"
 
+rp_status cli_check_removed(const cli_program *program, const char *command, const char *option)
+{
+    const size_t n = strlen(command);
+    for (const cli_removed *r = program->removed; r && r->name; r++)
+        if (strncmp(r->name, command, n) == 0 &&
+            (option ? strncmp(r->name + n, " --", 3) == 0 && strcmp(r->name + n + 3, option) == 0
+                    : !r->name[n]))
+            return rp_fail(RP_USAGE, "%s of 0.1.0 is gone; instead: %s", r->name, r->instead);
+    return RP_OK;
+}
+
 rp_status cli_unknown_command(const cli_program *program, const char *word, const cli_command *group)
 {
+    char name[64];
     rp_guess guess = rp_guess_of(word);
+    snprintf(name, sizeof name, "%s%s%s", group ? group->name : "", group ? " " : "", word);
+    RP_TRY(cli_check_removed(program, name, NULL));
     for (const cli_command *const *c = group ? group->group : program->commands; c && *c; c++)
         rp_guess_try(&guess, cli_own_name(*c));
     return rp_fail(RP_USAGE, "unknown command \"%s\"%s; see %s %s%s--help", word, rp_guess_text(&guess),

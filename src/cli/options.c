@@ -7,7 +7,7 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
-#include "cli/cli.h"
+#include "cli/command.h"
 #include "params/guess.h"
 
 const char *cli_dashes(const rp_param *option)
@@ -78,12 +78,25 @@ static void print_about(const char *text)
     }
 }
 
+/* Lines, each filled and begun with these words; from the second on the first of them is blank. */
+static void print_lines(const char *text, const char *first, const char *second, const char *third)
+{
+    const int indent = (int)strlen(first);
+    for (const char *line = text; *line; first = "") {
+        const size_t n = strcspn(line, "\n");
+        const int at =
+            printf("%-*s%s%s%s%s", indent, first, second, *second ? " " : "", third, *third ? " " : "");
+        print_words(line, n, at, *second ? indent + 4 : indent + 2);
+        putchar('\n');
+        line += n + (line[n] == '\n');
+    }
+}
+
 static void print_help(const cli_call *call)
 {
     const cli_command *c = call->command;
-    const int at = printf("usage: %s %s ", call->program->name, c->name);
-    print_words(c->synopsis, strlen(c->synopsis), at, 7);
-    puts("\n");
+    print_lines(c->synopsis, "usage: ", call->program->name, c->name);
+    putchar('\n');
     print_about(c->about);
     puts("\noptions:");
     for (const rp_param *p = call->options; p->name; p++) {
@@ -94,7 +107,13 @@ static void print_help(const cli_call *call)
         print_words(text, strlen(text), 25, 25);
         putchar('\n');
     }
-    printf("  %-22s this text\n\nexample:\n  %s\n", "--help", c->example);
+    printf("  %-22s this text\n\n", "--help");
+    if (c->refuses) {
+        puts("refuses:");
+        print_lines(c->refuses, "  ", "", "");
+        putchar('\n');
+    }
+    printf("example:\n  %s\n", c->example);
 }
 
 /* ---- the options of a command ---- */
@@ -165,13 +184,14 @@ static rp_status set_option(cli_call *call, size_t i, const char *text)
                      cli_dashes(p));
 }
 
-/* Fewest and most arguments, from the synopsis. */
-static bool count_fits(const char *synopsis, int n)
+/* Do so many arguments go with a line of the synopsis? */
+static bool count_fits(const char *line, int n)
 {
-    const bool optional = *synopsis == '[';
-    const char *word = synopsis + optional;
-    if (!isupper(*word)) return n == 0;
-    return (optional || n > 0) && (n <= 1 || word[strcspn(word, " .")] == '.');
+    const bool optional = *line == '[';
+    const char *word = line + optional, *next = strchr(line, '\n');
+    const bool fits =
+        !isupper(*word) ? n == 0 : (optional || n > 0) && (n <= 1 || word[strcspn(word, " .")] == '.');
+    return fits || (next && count_fits(next + 1, n));
 }
 
 static rp_status check_given(const cli_call *call)
@@ -182,7 +202,8 @@ static rp_status check_given(const cli_call *call)
             return rp_fail(RP_USAGE, "%s%s is required (%s); see %s %s --help", cli_dashes(&call->options[i]),
                            call->options[i].name, call->options[i].meaning, call->program->name, c->name);
     if (count_fits(c->synopsis, call->n_arguments)) return RP_OK;
-    return rp_fail(RP_USAGE, "usage: %s %s %s", call->program->name, c->name, c->synopsis);
+    return rp_fail(RP_USAGE, "usage: %s %s %.*s; see %s %s --help", call->program->name, c->name,
+                   (int)strcspn(c->synopsis, "\n"), c->synopsis, call->program->name, c->name);
 }
 
 /* Names of the commands that work on several processors. */
@@ -211,6 +232,7 @@ static rp_status unknown_option(const cli_call *call, const char *text)
     char word[64], nearest[96] = "";
     const char *name = text + strspn(text, "-");
     snprintf(word, sizeof word, "%.*s", (int)strcspn(name, "="), name);
+    RP_TRY(cli_check_removed(call->program, call->command->name, word));
     if (strcmp(word, "j") == 0) return not_parallel(call);
     rp_guess guess = rp_guess_of(word);
     rp_guess_schema(&guess, call->options);

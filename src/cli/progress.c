@@ -26,7 +26,7 @@ cli_progress cli_progress_start(bool quiet, bool terminal, double now, long from
     return (cli_progress){quiet, terminal, false, now, now + (terminal ? 0.5 : 60.0), from, to};
 }
 
-void cli_progress_text(const cli_progress *p, double now, long step, char text[120])
+static void progress_text(const cli_progress *p, double now, long step, char text[120])
 {
     char left[32];
     const double done = (double)(step - p->from), all = (double)(p->to - p->from),
@@ -43,7 +43,7 @@ void cli_progress_show(cli_progress *p, double now, long step, FILE *out)
     if (!p->terminal && step == p->to) return;
     p->next = now + (p->terminal ? 0.1 : 60.0);
     p->drawn = true;
-    cli_progress_text(p, now, step, text);
+    progress_text(p, now, step, text);
     if (!p->terminal) {
         fprintf(out, "repose run: %s\n", text);
         return;

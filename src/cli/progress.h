@@ -17,9 +17,6 @@ typedef struct {
 cli_progress cli_progress_start(bool quiet, bool terminal, double now, long from, long to);
 void cli_progress_show(cli_progress *p, double now, long step, FILE *out);
 
-/* "step 20 of 100, 20 %, 0:12 left" */
-void cli_progress_text(const cli_progress *p, double now, long step, char text[120]);
-
 /* That of a sweep, and a line for each run that fails; *drawn: a line has been begun. */
 void cli_sweep_progress(sweep_options *options, bool quiet, bool *drawn);
 

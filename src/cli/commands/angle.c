@@ -32,6 +32,7 @@ static const cli_command marginal = {
     "status: ok, or extrapolated where theta_MS >= phi, beyond the derivation.",
     "repose angle marginal --mu 0.2",
     marginal_params,
+    .refuses = "A negative friction; rays that are level or upright.",
     .act = print_marginal};
 
 /* ---- tilt ---- */
@@ -73,6 +74,7 @@ static const cli_command tilt = {
     "no theory: exit status 1).",
     "repose angle tilt --mu 0.2 --theta-r-deg 18 --form balanced",
     tilt_params,
+    .refuses = "theta_R >= phi, where no ray leaves through the flank: exit status 1.",
     .act = print_tilt};
 
 /* ---- group ---- */

@@ -109,6 +109,7 @@ const cli_command cmd_angle_compare = {
     "mean theta_R, for the first form of (4) that is not ok.",
     "repose angle compare piles.tsv",
     compare_params,
+    .refuses = "A table without these columns, or without a pile that counts.",
     .on_table = compare_table};
 
 /* ---- phi ---- */
@@ -175,4 +176,6 @@ const cli_command cmd_angle_phi = {
     "no upper bound, 2 for neither; phi is then not identified.",
     "repose angle phi build/tables/lh3_runs.tsv",
     phi_params,
+    .refuses = "A table without a pile that counts; a friction with fewer than 5 piles.\n"
+               "Piles whose angles are all the same, or steeper than any ray: exit status 1.",
     .on_table = phi_table};

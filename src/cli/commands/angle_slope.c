@@ -153,4 +153,6 @@ const cli_command cmd_angle_slope = {
     "Fewer than 5 filled cells: no_pile; fewer than half of the cells: sparse; both have exit status 1.",
     "repose angle slope pile.tsv --width 4",
     slope_params,
+    .refuses = "Grains of several steps: choose one by --where step=N.\n"
+               "--height top without radii; a radius that is not positive.",
     .on_table = slope_of_table};

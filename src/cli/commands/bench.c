@@ -4,7 +4,7 @@
 #include <malloc.h>
 
 #include "cli/cli.h"
-#include "cli/watch.h"
+#include "cli/closing.h"
 #include "core/clock.h"
 #include "dem/scene/scene.h"
 
@@ -239,7 +239,8 @@ static rp_status measure(cli_call *call, const void *values)
         cli_table(call, stdout);
         rp_table_note(stdout, "pair_loop", "%s", dem_kernel_name(sim));
         rp_table_note(stdout, "dt", "%.17g s", dt);
-        if (o->state == SAMPLE) rp_table_note(stdout, "theta_r", "%.17g degrees", run.slope.theta);
+        if (o->state == SAMPLE)
+            rp_table_note(stdout, "theta_r", "%.17g degrees", run.slope.theta_r.theta / deg);
         write_row(o, rates, &run, &times, memory, rp_clock() - begun);
     }
     dem_free(sim);
@@ -261,4 +262,5 @@ const cli_command cmd_bench = {
     "line above the table has theta_R by method 3; nan: the surface does not fall to one side.",
     "repose bench --n 1600 --state flowing --floor absorbs",
     bench_params,
+    .refuses = "More than 100000 grains of its own fill: larger piles come by --start.",
     .act = measure};

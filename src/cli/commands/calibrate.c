@@ -336,4 +336,7 @@ const cli_command cmd_calibrate = {
     "opened on one side. It does not carry over to another model, protocol or size.",
     "repose calibrate --theta-r-deg 25 --error-deg 1",
     calibrate_params,
+    .refuses = "An angle without its standard error; piles that do not vary what is sought, or vary "
+               "something else.\n"
+               "An answer whose status is not ok: exit status 1.",
     .act = calibrate};

@@ -347,5 +347,9 @@ const cli_command cmd_export = {
     "is refused; the head of FILE.in says which laws coincide.",
     "repose export out --to lammps -o pile.lammpstrj.gz",
     export_params,
+    .refuses =
+        "Grains of a sweep, which has none: csv and json take it. --reduce without a sweep.\n"
+        "For lammps-input: a scene with a law or key that LAMMPS lacks; --columns, --where and --reduce.\n"
+        "--set with any other format.",
     .prints_text = true,
     .act = act_export};

@@ -89,11 +89,19 @@ static void put_command(cli_call call, const cli_command *c)
         return;
     }
     cli_options_of(&call, c);
-    printf("**repose %s** ", c->name);
-    put_lines(c->synopsis);
+    for (const char *line = c->synopsis; *line; line += *line == '\n') {
+        const char *end = line + strcspn(line, "\n");
+        printf("**repose %s** ", c->name);
+        put_lines(rp_text(call.arena, "%.*s", (int)(end - line), line));
+        line = end;
+    }
     put_lines(c->about);
     for (const rp_param *p = call.options; p->name; p++)
         put_item(strlen(p->name) == 1 ? "\\-" : "\\-\\-", p->name, cli_option_text(p, text, sizeof text));
+    if (c->refuses) {
+        fputs("Refuses: ", stdout);
+        put_lines(c->refuses);
+    }
     printf("Example:\n\n    %s\n\n", c->example);
 }
 
@@ -212,5 +220,6 @@ const cli_command cmd_help = {
     "completion of bash, to be read by `source`; `make install` installs it.",
     "repose help sweep plan",
     help_params,
+    .refuses = "A name that is no command; the message names the nearest one.",
     .prints_text = true,
     .act = act_help};

@@ -135,4 +135,5 @@ const cli_command cmd_params = {
     "stands for none.",
     "repose params repose",
     params_params,
+    .refuses = "A name that is no protocol; the message names the nearest one.",
     .act = print_all};

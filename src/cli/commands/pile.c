@@ -267,8 +267,8 @@ static rp_status solve_any(cli_call *call, const void *values)
 const cli_command cmd_pile = {
     "pile",
     "static equilibrium of a close-packed pile of soft disks",
-    "[--base K] [--alpha-deg A [--inner-deg A --x-1 X] | --outline FILE | --disks FILE] [--eps E]\n       "
-    "[--k-x K | --well A [--mu MU]] [--branch primary|minimum [--leave N]]\n       [--disorder S [--seed N] "
+    "[--base K] [--alpha-deg A [--inner-deg A --x-1 X] | --outline FILE | --disks FILE] [--eps E] "
+    "[--k-x K | --well A [--mu MU]] [--branch primary|minimum [--leave N]] [--disorder S [--seed N] "
     "[--piles N]] [--summary | --threshold] [-o DIR]",
     "Static equilibrium of soft frictionless disks, close-packed on a flat base: the computer model of\n"
     "Liffman, Chan & Hughes 1992 at rest. Row i is base disk i from the left. N is the normal force of\n"
@@ -288,6 +288,9 @@ const cli_command cmd_pile = {
     "  singular       an equilibrium in which a disk can move freely, or none found for such a disk",
     "repose pile --alpha-deg 30 --base 45",
     own_params,
+    .refuses = "An option that would do nothing beside the others; the message says which it needs.\n"
+               "--threshold with --branch, --disks, -o or eps = 0; --piles without --disorder, or with "
+               "--threshold, --summary or -o.",
     .act = solve_any,
     .protocol = sweep_pile_schema,
     .protocol_size = offsetof(options, own)};

@@ -13,7 +13,7 @@
 #include "export/export.h"
 #include "cli/unfinished.h"
 #include "cli/progress.h"
-#include "cli/watch.h"
+#include "cli/closing.h"
 #include "core/clock.h"
 #include "params/config.h"
 #include "params/units.h"
@@ -36,8 +36,6 @@
       "write the frames for another program too, as `repose export` does; needs -o or --resume")             \
     CLI_FORCE(X)                                                                                             \
     CLI_QUIET(X)                                                                                             \
-    X(BOOL, plot, "", "false", "",                                                                           \
-      "follow energies and surface while the scene runs, in a window or, without a screen, as text")         \
     X(TEXT, resume, "", "", "", "go on from the snapshot in this folder, with the options of the start")
 
 CLI_OPTIONS(run, RUN_OPTIONS)
@@ -90,7 +88,6 @@ typedef struct {
     cli_unfinished unfinished;
     bool quiet;
     cli_progress progress;
-    cli_plot plot;
 } outputs;
 
 /* Every table gets rows of each frame. */
@@ -179,60 +176,6 @@ static void growth_report(const growth *g, const dem_sim *sim, FILE *states)
     fprintf(stderr, "repose run: warning: %s\n", text);
 }
 
-/* Plots of text carry the progress in their title. */
-static rp_status start_watch(rp_arena *arena, outputs *o, const scene_run *r, const run_options *options)
-{
-    o->quiet = options->quiet;
-    rp_status status = options->plot ? cli_plot_open(arena, &o->plot) : RP_OK;
-    o->progress = cli_progress_start(o->quiet || (o->plot.open && o->plot.text), isatty(STDERR_FILENO),
-                                     rp_clock(), dem_step(r->sim), r->plan.steps);
-    return status;
-}
-
-static void show_progress(rp_arena *arena, outputs *o, const dem_sim *sim, bool last)
-{
-    char title[120];
-    const double now = rp_clock();
-    cli_progress_show(&o->progress, now, dem_step(sim), stderr);
-    cli_progress_text(&o->progress, now, dem_step(sim), title);
-    cli_plot_show(arena, &o->plot, sim, title, last);
-}
-
-/* The end of the closing line, in which the end of a line in a folder's name is a blank. */
-static void report_place(const char *directory)
-{
-    fputs(*directory ? "; tables in " : "; states on standard output", stderr);
-    for (const char *c = directory; *c; c++) fputc(*c == '\n' || *c == '\r' ? ' ' : *c, stderr);
-    fputc('\n', stderr);
-}
-
-/* " cm" or another unit of the scene; numbers in units of the grains have none. */
-static const char *unit_text(const char *cgs, char text[32])
-{
-    const bool named = rp_units_now() != RP_SIGMA;
-    snprintf(text, 32, "%s%s", named ? " " : "", named ? rp_unit(cgs) : "");
-    return text;
-}
-
-/* What happened, in one line. */
-static void report_end(rp_arena *arena, const scene_run *r, const char *directory)
-{
-    bool rest;
-    char unit[32];
-    cli_slope slope;
-    if (cli_at_rest(arena, r->sim, &rest) || cli_slope_of(arena, r->sim, &slope)) return;
-    fprintf(stderr, "repose run: %zu grains, %ld steps, t = %.5g%s; %s", dem_count(r->sim), dem_step(r->sim),
-            dem_time(r->sim), unit_text("s", unit), rest ? "at rest" : "not at rest");
-    if (rest && !isnan(slope.theta)) {
-        /* walls give way by parts of a grain: three digits of the length, and no minus of a zero */
-        const double digit = pow(10.0, floor(log10(slope.x[1] - slope.x[0])) - 2.0);
-        fprintf(stderr, "; theta_R = %.1f degrees, standard error %.1f, over x = %.6g to %.6g%s (method 3)",
-                slope.theta, slope.se, digit * round(slope.x[0] / digit) + 0.0,
-                digit * round(slope.x[1] / digit) + 0.0, unit_text("cm", unit));
-    }
-    report_place(directory);
-}
-
 static volatile sig_atomic_t stop_signal;
 
 static void note_stop(int signal_number)
@@ -248,7 +191,7 @@ static long steps_to(long step, long every, long most)
 }
 
 /* Advance to the end, or until a signal. */
-static rp_status advance(rp_arena *arena, scene_run *r, outputs *out)
+static rp_status advance(scene_run *r, outputs *out)
 {
     const run_plan *p = &r->plan;
     /* some tenths of a second: often enough to show progress and to notice a signal */
@@ -264,7 +207,7 @@ static rp_status advance(rp_arena *arena, scene_run *r, outputs *out)
         /* too soft, too fast, too hard to solve: the scene has no result, and the program is not wrong */
         if (status == RP_BROKEN && dem_sim_fault(r->sim) != DEM_FAULT_NON_FINITE) status = RP_NO_RESULT;
         const long step = dem_step(r->sim);
-        show_progress(arena, out, r->sim, step == p->steps);
+        cli_progress_show(&out->progress, rp_clock(), step, stderr);
         if (!status) growth_sample(&r->energy, r->sim);
         const bool stopped = stop_signal && step < p->steps;
         if (!status && p->every > 0 && step % p->every == 0 && step < p->steps)
@@ -283,27 +226,30 @@ static rp_status advance(rp_arena *arena, scene_run *r, outputs *out)
 /* From the start, or with `out` resumed from where the run is. */
 static rp_status finish_scene(rp_arena *arena, scene_run *r, outputs *out, rp_status status)
 {
-    if (!status) status = advance(arena, r, out);
+    out->progress =
+        cli_progress_start(out->quiet, isatty(STDERR_FILENO), rp_clock(), dem_step(r->sim), r->plan.steps);
+    if (!status) status = advance(r, out);
     if (!status && (r->plan.every <= 0 || r->plan.steps > 0)) status = outputs_write(out, r->sim);
     if (!status) growth_report(&r->energy, r->sim, out->table[STATES]);
-    cli_plot_close(&out->plot);
-    if (*out->directory) return cli_unfinished_end(&out->unfinished, out->resumable, status);
-    if (status && out->table[STATES]) rp_table_note(stdout, "unfinished", "%s", rp_message());
-    return status ? status : rp_file_finish(stdout, "standard output");
+    if (*out->directory)
+        status = cli_unfinished_end(&out->unfinished, out->resumable, status);
+    else if (status && out->table[STATES])
+        rp_table_note(stdout, "unfinished", "%s", rp_message());
+    else if (!status)
+        status = rp_file_finish(stdout, "standard output");
+    if (!status && !out->quiet) cli_close_run(arena, r->sim, out->directory);
+    return status;
 }
 
 static rp_status run_scene(const origin *of, scene_run *r, const run_options *o)
 {
-    rp_arena *arena = of->call->arena;
-    outputs out = {.directory = o->o, .resumable = r->plan.snapshot > 0, .unfinished.lock = -1};
+    outputs out = {
+        .directory = o->o, .resumable = r->plan.snapshot > 0, .quiet = o->quiet, .unfinished.lock = -1};
     cli_on_stop(note_stop);
-    rp_status status = start_watch(arena, &out, r, o);
-    if (!status) status = outputs_open(&out, of, r);
+    rp_status status = outputs_open(&out, of, r);
     if (!status && r->plan.every > 0) status = outputs_write(&out, r->sim);
     if (!status && out.resumable) status = cli_unfinished_write(&out.unfinished, keep_run, r);
-    status = finish_scene(arena, r, &out, status);
-    if (!status && !o->quiet) report_end(arena, r, o->o);
-    return status;
+    return finish_scene(of->call->arena, r, &out, status);
 }
 
 static void report_row(const sweep_protocol *protocol, const sweep_result *result, const char *directory)
@@ -312,7 +258,7 @@ static void report_row(const sweep_protocol *protocol, const sweep_result *resul
     for (size_t k = 0; protocol->outputs[k].name; k++)
         if (strcmp(protocol->outputs[k].name, "theta_r3_deg") == 0 && !isnan(result->values[k]))
             fprintf(stderr, ", theta_R = %.1f degrees (method 3)", result->values[k]);
-    report_place(directory);
+    cli_close_line(directory);
 }
 
 static rp_status run_row(const cli_call *call, const char *path, const run_options *o)
@@ -465,7 +411,7 @@ static rp_status resume(const cli_call *call, const run_options *o)
 {
     const char *scene = cli_argument(call, 0);
     scene_run r = {.threads = o->j};
-    outputs out = {.directory = o->resume, .resumable = true};
+    outputs out = {.directory = o->resume, .resumable = true, .quiet = o->quiet};
     if (cli_given(call, "o") || cli_given(call, "every") || cli_given(call, "row") ||
         cli_given(call, "snapshot") || cli_given(call, "force"))
         return rp_fail(RP_USAGE, "--resume goes on with the options of the start; -o, --every, --row, "
@@ -487,8 +433,7 @@ static rp_status resume(const cli_call *call, const run_options *o)
     }
     printf("%s: goes on from step %ld to %ld\n", o->resume, dem_step(r.sim), r.plan.steps);
     take_growing(&out);
-    status = finish_scene(call->arena, &r, &out, start_watch(call->arena, &out, &r, o));
-    if (!status && !o->quiet) report_end(call->arena, &r, o->resume);
+    status = finish_scene(call->arena, &r, &out, RP_OK);
     if (!status) status = cli_export_run(call, o->resume, (cli_dump)o->dump);
     dem_free(r.sim);
     return status;
@@ -500,14 +445,11 @@ static rp_status run_any(cli_call *call, const void *values)
     const char *path = cli_argument(call, 0);
     bool sweep;
     if (*o->resume) return resume(call, o);
-    if (!path) return rp_fail(RP_USAGE, "usage: repose run %s", cmd_run.synopsis);
+    if (!path) return rp_fail(RP_USAGE, "give a file, or --resume DIR; see repose run --help");
     path = cli_data(call->arena, path);
     RP_TRY(is_sweep(path, &sweep));
-    if (sweep && (o->snapshot > 0 || o->plot || o->dump))
-        return rp_fail(RP_USAGE, "--%s goes with a scene; %s is a sweep file",
-                       o->plot   ? "plot"
-                       : o->dump ? "dump"
-                                 : "snapshot",
+    if (sweep && (o->snapshot > 0 || o->dump))
+        return rp_fail(RP_USAGE, "--%s goes with a scene; %s is a sweep file", o->dump ? "dump" : "snapshot",
                        path);
     return sweep ? run_row(call, path, values) : run_file(call, path, values);
 }
@@ -515,11 +457,10 @@ static rp_status run_any(cli_call *call, const void *values)
 const cli_command cmd_run = {
     "run",
     "simulate any scene, described in a file",
-    "[SCENE.cfg] [--set KEY=VALUE]... [--every N] [--ledger] [-o DIR [--snapshot N] [--dump FORMAT] "
-    "[--force]] "
-    "[--plot] [--quiet] | [SCENE.cfg] --resume DIR [--dump FORMAT] [--plot] [--quiet] | SWEEP.cfg [--row N] "
-    "[--every N] [--ledger] "
-    "-o DIR [--force] [--quiet]",
+    "SCENE.cfg [--set KEY=VALUE]... [--every N] [--ledger] [-o DIR [--snapshot N] [--dump FORMAT] "
+    "[--force]]\n"
+    "[SCENE.cfg] --resume DIR [--dump FORMAT]\n"
+    "SWEEP.cfg [--row N] -o DIR [--every N] [--ledger] [--force]",
     "A file that the current folder lacks, as examples/pile.cfg, is read from the program's own files:\n"
     "PREFIX/share/repose where it is installed.\n"
     "\n"
@@ -535,7 +476,8 @@ const cli_command cmd_run = {
     "them.\n"
     "The run ends with one line on standard error: grains, steps, at rest or not (mean kinetic energy below\n"
     "1e-7 m g d), and theta_R by method 3 where the surface at rest falls to one side by all three methods.\n"
-    "The pile ends at an upright wall that has opened, else where its grains end.\n"
+    "The slope is measured from the standing wall to the opened one, or over the whole pile if no wall\n"
+    "opens.\n"
     "\n"
     "--snapshot N: the tables grow in DIR/unfinished, where a snapshot is written every N steps and at\n"
     "SIGINT, SIGTERM or SIGHUP. `repose run --resume DIR` goes on after a stop, a kill or a power cut, and\n"
@@ -549,4 +491,10 @@ const cli_command cmd_run = {
     "forces on the base.",
     "repose run scene.cfg --set tangential.mu=0.3 --every 1000 -o out",
     run_params,
+    .refuses = "A folder with results of something else: give another one, or --force.\n"
+               "--snapshot and --dump without -o; --row with a scene; --set, -j, --snapshot and --dump with "
+               "a sweep.\n"
+               "--resume with -o, --every, --row, --snapshot or --force: it continues with the options of "
+               "the start.\n"
+               "A snapshot of another scene, program version or model, or a damaged one.",
     .act = run_any};

@@ -31,6 +31,9 @@ const cli_command cmd_sweep_merge = {
     "protocol or another model of the physics; a damaged store. Exit status 1 while runs are missing.",
     "repose sweep merge build/sweeps/lh3",
     NULL,
+    .refuses = "Two results of the same run that differ; a store of another protocol or another model of the "
+               "physics;\n"
+               "a damaged store. Nothing is taken then.",
     .act = act_merge};
 
 #define SLURM_OPTIONS(X)                                                                                     \
@@ -97,6 +100,8 @@ const cli_command cmd_sweep_slurm = {
     "machines share.",
     "repose sweep slurm build/sweeps/lh3 --shards 8 --time 0:30:00",
     slurm_params,
+    .refuses =
+        "A folder whose name has a quote or a percent sign; times and sizes that sbatch would not take.",
     .prints_text = true,
     .act = act_slurm};
 
@@ -117,5 +122,7 @@ const cli_command cmd_sweep_salvage = {
     "damaged file is kept as DIR/damaged.sqlite; `sweep run` makes the lost runs again.",
     "repose sweep salvage build/sweeps/lh3",
     NULL,
+    .refuses =
+        "A folder without a store; one that holds damaged.sqlite of an earlier salvage: move it away first.",
     .prints_text = true,
     .act = act_salvage};

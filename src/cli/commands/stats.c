@@ -45,6 +45,7 @@ static const cli_command maximum = {
     "without header; rows with nan are left out.",
     "repose stats maximum piles.tsv --column theta_r3_deg --draws 10",
     maximum_params,
+    .refuses = "More draws than values: exit status 1.",
     .on_table = maximum_of_table};
 
 /* ---- correlation ---- */
@@ -103,6 +104,7 @@ static const cli_command correlation = {
     "repose stats correlation build/studies/lh_onset_runs.tsv -x bulk_friction_0,limit_probe -y "
     "theta_t_displacement_deg --by mu",
     correlation_params,
+    .refuses = "Fewer than 4 rows in a group: exit status 1.",
     .on_table = correlation_of_table};
 
 /* ---- select ---- */
@@ -149,6 +151,7 @@ static const cli_command select_rows = {
     "with the same columns, one after the other, are read as one.",
     "repose stats select build/tables/li_disorder_runs.tsv --where 'eps<1e-5' --columns disorder,D",
     select_params,
+    .refuses = "A column that the table lacks.",
     .on_table = select_of_table};
 
 /* ---- group ---- */

@@ -127,4 +127,6 @@ const cli_command cmd_stats_fit = {
     "out.",
     "repose stats fit build/tables/lh3.tsv -x mu -y theta_r3_deg_mean --se theta_r3_deg_se --to 0.2",
     fit_params,
+    .refuses =
+        "--successive without --se; --scale log together with --se, or with a number that is not positive.",
     .on_table = fit_table};

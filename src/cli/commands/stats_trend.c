@@ -260,6 +260,8 @@ const cli_command cmd_stats_trend = {
     "no_result\n" TABLE_HELP,
     "repose stats trend build/tables/lh2a_runs.tsv -x H -y theta_r3_deg --by mu",
     trend_params,
+    .refuses = "A number that is not positive with --scale log; more than ten different words in column x.\n"
+               "Too few x or rows for a line: exit status 1.",
     .on_table = trend_of_table};
 
 const cli_command cmd_stats_size = {
@@ -280,4 +282,6 @@ const cli_command cmd_stats_size = {
     "no_result\n" TABLE_HELP,
     "repose stats size build/tables/lh2b_runs.tsv -x W -y theta_r3_deg --by mu",
     size_params,
+    .refuses = "An x that is not positive; --least-exponent without --exponent free; --power with it.\n"
+               "Too few x or rows for a limit: exit status 1.",
     .on_table = size_of_table};

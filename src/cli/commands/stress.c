@@ -111,6 +111,9 @@ static const cli_command field = {
     "compression, mobilised angle.",
     "repose stress field pile --width 4",
     field_params,
+    .refuses = "More than 100000 cells, or a grain so many cells away: leave it out of the table, or give a "
+               "larger --cell.\n"
+               "A contact whose two ends are one point.",
     .act = print_field};
 
 /* ---- base ---- */
@@ -178,6 +181,9 @@ static const cli_command base = {
     "that weight.",
     "repose stress base pile --width 4",
     base_params,
+    .refuses = "More than 100000 cells, or a grain so many cells away: leave it out of the table, or give a "
+               "larger --cell.\n"
+               "A contact whose two ends are one point.",
     .act = print_base};
 
 /* ---- group ---- */

@@ -120,4 +120,5 @@ const cli_command cmd_stress_dip = {
     "out.",
     "repose stress dip build/tables/li20_point_runs.tsv",
     dip_params,
+    .refuses = "A table without columns n_01 to n_20 and excess. Fewer than 3 piles: exit status 1.",
     .on_table = dip_of_table};

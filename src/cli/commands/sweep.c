@@ -98,6 +98,9 @@ static const cli_command plan = {
     "  units = \"cgs\";                                      # or si, sigma: of the numbers and the tables",
     "repose sweep plan sweeps/lh/lh3.cfg -o build/sweeps/lh3",
     plan_params,
+    .refuses = "A folder with another sweep, or with a run: give another one, or --force.\n"
+               "An unknown key, a value out of range, and a point of the grid that cannot run. Nothing is "
+               "planned then.",
     .act = act_plan};
 
 #define LIMITS(X)                                                                                            \
@@ -150,6 +153,7 @@ static const cli_command run = {
     "unites the parts.",
     "repose sweep run build/sweeps/lh3 -j 2",
     run_params,
+    .refuses = "A folder without a planned sweep, and one in which another process runs or plans it.",
     .act = act_run};
 
 static rp_status act_status_of(cli_call *call, const void *values)
@@ -174,6 +178,7 @@ static const cli_command status_of = {
     "an array of jobs.",
     "repose sweep status build/sweeps/lh3",
     NULL,
+    .refuses = "A folder without a planned sweep.",
     .act = act_status_of};
 
 #define EXPORT_OPTIONS(X)                                                                                    \
@@ -203,6 +208,7 @@ static const cli_command export = {
     "are missing or aborted, the table has the others, and the exit status is 1.",
     "repose sweep export build/sweeps/lh3 --reduce -o build/tables/lh3.tsv",
     export_params,
+    .refuses = "An output that is a file of the sweep itself.",
     .act = act_export};
 
 static rp_status act_digest(cli_call *call, const void *values)
@@ -228,6 +234,7 @@ static const cli_command digest = {
     "--json, the digest is among the notes.",
     "repose sweep digest build/sweeps/lh3",
     NULL,
+    .refuses = "A folder without a planned sweep.",
     .act = act_digest};
 
 /* In the child: this program with the words of `command`, standard output in `out`. @ is the tables' folder,
@@ -341,6 +348,7 @@ static const cli_command make = {
     "A file without a protocol has tables alone.",
     "repose sweep make sweeps/li/tent.cfg -o build/sweeps/tent",
     make_params,
+    .refuses = "What `repose sweep plan` and `repose sweep run` refuse; a table whose command fails.",
     .prints_text = true,
     .act = act_make};
 

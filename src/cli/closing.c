@@ -1,0 +1,107 @@
+/* The closing line of a run; see closing.h. */
+#include "cli/closing.h"
+
+#include <math.h>
+
+#include "params/units.h"
+
+/* The grains, mean diameter, weight times diameter, extent in x and least y. */
+typedef struct {
+    size_t n;
+    dem_state *grain;
+    double d, weight, x[2], bottom;
+} pile;
+
+static rp_status measure(rp_arena *arena, const dem_sim *sim, pile *s)
+{
+    double gravity[2], m = 0.0;
+    *s = (pile){.n = dem_count(sim), .x = {INFINITY, -INFINITY}, .bottom = INFINITY};
+    s->grain = rp_arena_memory(arena, s->n, sizeof *s->grain);
+    RP_TRY(dem_states(sim, s->grain));
+    for (const dem_state *p = s->grain; p < s->grain + s->n; p++) {
+        s->d += 2.0 * p->r / (double)s->n;
+        m += p->m / (double)s->n;
+        s->x[0] = fmin(s->x[0], p->x - p->r), s->x[1] = fmax(s->x[1], p->x + p->r);
+        s->bottom = fmin(s->bottom, p->y - p->r);
+    }
+    dem_gravity(sim, gravity);
+    s->weight = m * hypot(gravity[0], gravity[1]);
+    return RP_OK;
+}
+
+/* Without gravity only without any energy and force. */
+static rp_status is_at_rest(const dem_sim *sim, const pile *s, bool *at_rest)
+{
+    static const double ENERGY = 1e-7, FORCE = 1e-2; /* m g d and m g, as the boxes of sweeps have them */
+    dem_rest rest;
+    RP_TRY(dem_rest_state(sim, -INFINITY, INFINITY, &rest));
+    *at_rest = dem_at_rest(&rest, ENERGY * s->weight * s->d, FORCE * s->weight, true);
+    return RP_OK;
+}
+
+/* Grains left of a right wall that has opened, or right of a left one: the pile that stays. */
+static void find_pile(const dem_sim *sim, double x[2])
+{
+    for (size_t k = 0; k < dem_wall_count(sim); k++) {
+        const dem_wall_state w = dem_wall_now(sim, k);
+        if (!w.open || fabs(w.direction[0]) < 0.99) continue;
+        if (w.direction[0] < 0.0)
+            x[1] = fmin(x[1], w.point[0]);
+        else
+            x[0] = fmax(x[0], w.point[0]);
+    }
+}
+
+static rp_status find_slope(rp_arena *arena, const dem_sim *sim, const pile *s, cli_slope *slope)
+{
+    double gravity[2], *x = rp_arena_memory(arena, 2 * s->n, sizeof *x), *y = x + s->n;
+    *slope = (cli_slope){{NAN, NAN, NAN, NAN}, {s->x[0], s->x[1]}};
+    dem_gravity(sim, gravity);
+    if (!(gravity[0] == 0.0 && gravity[1] < 0.0)) return RP_OK;
+    find_pile(sim, slope->x);
+    for (size_t i = 0; i < s->n; i++) x[i] = s->grain[i].x, y[i] = s->grain[i].y - s->bottom;
+    return ang_one_sided(s->n, x, y, slope->x, s->d, &slope->theta_r);
+}
+
+rp_status cli_slope_of(rp_arena *arena, const dem_sim *sim, cli_slope *slope)
+{
+    pile s;
+    RP_TRY(measure(arena, sim, &s));
+    return find_slope(arena, sim, &s, slope);
+}
+
+void cli_close_line(const char *directory)
+{
+    fputs(*directory ? "; tables in " : "; states on standard output", stderr);
+    for (const char *c = directory; *c; c++) fputc(*c == '\n' || *c == '\r' ? ' ' : *c, stderr);
+    fputc('\n', stderr);
+}
+
+/* " cm" or another unit of the scene; numbers in units of the grains have none. */
+static const char *unit_text(const char *cgs, char text[32])
+{
+    const bool named = rp_units_now() != RP_SIGMA;
+    snprintf(text, 32, "%s%s", named ? " " : "", named ? rp_unit(cgs) : "");
+    return text;
+}
+
+void cli_close_run(rp_arena *arena, const dem_sim *sim, const char *directory)
+{
+    pile s;
+    bool rest;
+    char unit[32];
+    cli_slope slope;
+    if (measure(arena, sim, &s) || is_at_rest(sim, &s, &rest) || find_slope(arena, sim, &s, &slope)) return;
+    fprintf(stderr, "repose run: %zu grains, %ld steps, t = %.5g%s; %s", s.n, dem_step(sim), dem_time(sim),
+            unit_text("s", unit), rest ? "at rest" : "not at rest");
+    if (rest && !isnan(slope.theta_r.theta)) {
+        static const double deg = M_PI / 180.0;
+        /* walls give way by parts of a grain: three digits of the length, and no minus of a zero */
+        const double digit = pow(10.0, floor(log10(slope.x[1] - slope.x[0])) - 2.0);
+        fprintf(stderr, "; theta_R = %.1f degrees, standard error %.1f, over x = %.6g to %.6g%s (method 3)",
+                slope.theta_r.theta / deg, slope.theta_r.theta_se / deg,
+                digit * round(slope.x[0] / digit) + 0.0, digit * round(slope.x[1] / digit) + 0.0,
+                unit_text("cm", unit));
+    }
+    cli_close_line(directory);
+}

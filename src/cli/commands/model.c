@@ -1,0 +1,224 @@
+/* repose lattice, continuum and tent: the analytic models of a pile's forces on its base. */
+#include <math.h>
+
+#include "analytic/analytic.h"
+#include "cli/cli.h"
+
+/* ---- lattice ---- */
+
+enum { CLOSED, RECURSION };
+
+#define LATTICE_OPTIONS(X)                                                                                   \
+    X(INT, layers, "", "auto", "[1, 1000000] | auto", "layers of a full triangle")                           \
+    X(INT, base, "", "auto", "[1, 1000000] | auto", "disks in the base of a cut pile")                       \
+    X(REAL, alpha_deg, "degrees", "auto", "(0, 60] | auto",                                                  \
+      "slope of the cut pile, at most 90 - theta (with --base)")                                             \
+    X(REAL, theta_deg, "degrees", "30", "[30, 60]",                                                          \
+      "angle of the diagonals to the vertical; above 30 gaps separate the disks of a row")                   \
+    X(CHOICE, method, "", "closed", "closed | recursion",                                                    \
+      "closed form, or recursion disk by disk from the top (at most 10000 disks in the base)")
+
+CLI_OPTIONS(lattice, LATTICE_OPTIONS)
+
+static rp_status check_usage(const lattice_options *o)
+{
+    bool cut = o->base > 0, sloped = o->alpha_deg > 0;
+    if (cut == (o->layers > 0))
+        return rp_fail(RP_USAGE, "give --layers, or --base with --alpha-deg; see repose lattice --help");
+    if (cut != sloped)
+        return rp_fail(RP_USAGE, "%s; see repose lattice --help",
+                       cut ? "--base needs --alpha-deg" : "--alpha-deg needs --base");
+    return RP_OK;
+}
+
+/* Forces on the k base disks, and the number of disks of the pile. `up` holds k numbers. */
+static rp_status solve(const lattice_options *o, long k, double alpha, double theta, long up[],
+                       an_force force[], double *disks)
+{
+    RP_TRY(an_lattice_cut(k, theta, alpha, up));
+    *disks = 0;
+    for (long s = 0; s < k; s++) *disks += (double)up[s];
+    if (o->method == RECURSION) return an_lattice_recursion(k, up, theta, force);
+    if (o->base > 0) return an_lattice_counts(k, up, theta, force);
+    for (long i = 1; i <= k; i++) RP_TRY(an_lattice_triangle(k, theta, i, &force[i - 1]));
+    return RP_OK;
+}
+
+static void print(const cli_call *call, long k, double alpha, double theta, const an_force force[],
+                  double disks)
+{
+    double base = an_lattice_base(disks, theta, alpha);
+    cli_table(call, stdout);
+    rp_table_note(stdout, "disks", "%.0f", disks);
+    rp_table_note_number(stdout, "B", base, "sigma, the base of the triangle of equal weight");
+    rp_table_header(stdout, "i, N/mg, H/mg, x/B, N/(chi*g*B), H/(chi*g*B)");
+    for (long i = 1; i <= k; i++) {
+        an_force f = force[i - 1];
+        double x = 0.5 + ((double)i - (double)(k + 1) / 2) * 2 * sin(theta) / base;
+        CLI_ROW((double)i, f.N, f.H, x, f.N / base, f.H / base);
+    }
+}
+
+static rp_status write_pile(cli_call *call, const void *values)
+{
+    const lattice_options *o = values;
+    RP_TRY(check_usage(o));
+    long k = o->base > 0 ? o->base : o->layers;
+    double theta = o->theta_deg * M_PI / 180,
+           alpha = o->base > 0 ? o->alpha_deg * M_PI / 180 : M_PI / 2 - theta;
+    double disks = 0;
+    long *up = rp_arena_memory(call->arena, (size_t)k, sizeof *up);
+    an_force *force = rp_arena_memory(call->arena, (size_t)k, sizeof *force);
+    RP_TRY(solve(o, k, alpha, theta, up, force, &disks));
+    print(call, k, alpha, theta, force, disks);
+    return RP_OK;
+}
+
+const cli_command cmd_lattice = {
+    "lattice",
+    "forces on the base of a close-packed pile, lattice model (37)-(44)",
+    "(--layers K | --base K --alpha-deg ANGLE) [--theta-deg ANGLE] [--method closed|recursion]",
+    "Forces of a pile of equal disks on its base. Only contacts along the diagonals of the lattice\n"
+    "carry force. Equations (37)-(44) of Liffman, Chan & Hughes 1992 give the full triangle; the same\n"
+    "force balance gives piles with slopes cut out of the lattice. Row i = 1..K is base disk i from the\n"
+    "left. N is the normal force of the ground. H is the horizontal force of the pile on the ground,\n"
+    "positive to the right. The columns in chi g B (chi = m/sigma) compare with `repose continuum`; B\n"
+    "is the base of the triangle of equal weight.",
+    "repose lattice --base 45 --alpha-deg 30",
+    lattice_params,
+    .refuses = "--layers together with --base, and --base without --alpha-deg.\n"
+               "More than 10000 disks in the base by recursion: take the closed form.",
+    .act = write_pile};
+
+/* ---- continuum ---- */
+
+#define CONTINUUM_OPTIONS(X)                                                                                 \
+    X(REAL, alpha_deg, "degrees", NULL, "(0, 60)", "slope of both sides")                                    \
+    CLI_POSITIONS(X)
+
+CLI_OPTIONS(continuum, CONTINUUM_OPTIONS)
+
+static rp_status write_triangle(cli_call *call, const void *values)
+{
+    const continuum_options *o = values;
+    double *x = NULL, x_c = 0;
+    size_t n = 0;
+    double alpha = o->alpha_deg * M_PI / 180;
+    RP_TRY(an_continuum_kink(alpha, &x_c));
+    RP_TRY(cli_positions(call->arena, o->points, o->at, &x, &n));
+    cli_table(call, stdout);
+    rp_table_note_number(stdout, "x_c/B", x_c, "");
+    rp_table_header(stdout, "x/B, N/(chi*g*B), H/(chi*g*B)");
+    for (size_t i = 0; i < n; i++) {
+        an_force f = {0};
+        RP_TRY(an_continuum(alpha, x[i], &f));
+        CLI_ROW(x[i], f.N, f.H);
+    }
+    return RP_OK;
+}
+
+const cli_command cmd_continuum = {
+    "continuum",
+    "forces on the base of a triangular pile, continuum model (49)-(59)",
+    "--alpha-deg ANGLE [--points N | --at X,X,...]",
+    "Forces of a triangular pile on its base, continuum model (49)-(59) of Liffman, Chan & Hughes 1992.\n"
+    "x is a fraction of the base B. N is the normal force of the ground. H is the horizontal force of\n"
+    "the pile on the ground, positive to the right. The unit of both is chi g B, where chi is the mass\n"
+    "per length of a diagonal.",
+    "repose continuum --alpha-deg 30 --at 0.1,0.25",
+    continuum_params,
+    .refuses = "--points together with --at; a position outside [0, 1].",
+    .act = write_triangle};
+
+/* ---- tent ---- */
+
+#define TENT_OPTIONS(X)                                                                                      \
+    X(REAL, outer_deg, "degrees", "auto", "(0, 60) | auto", "alpha_1, slope from the edge to X_1")           \
+    X(REAL, inner_deg, "degrees", "auto", "(0, 60) | auto", "alpha_2, slope from X_1 to the middle")         \
+    X(REAL, x1, "B", NULL, "(0, 0.5)", "X_1, where the slope changes")                                       \
+    X(BOOL, map, "", "false", "",                                                                            \
+      "depth of the dip of N for all pairs of whole degrees, instead of one tent")                           \
+    CLI_POSITIONS(X)
+
+CLI_OPTIONS(tent, TENT_OPTIONS)
+
+typedef struct {
+    double x_most, most, middle; /* position of the largest N; largest N; N in the middle */
+} dip;
+
+static rp_status find_dip(const an_profile *tent, dip *d)
+{
+    an_force f;
+    RP_TRY(an_profile_largest(tent, &d->x_most, &d->most));
+    RP_TRY(an_profile_force(tent, 0.5, &f));
+    d->middle = f.N;
+    return RP_OK;
+}
+
+static rp_status write_map(const cli_call *call, const tent_options *o)
+{
+    cli_table(call, stdout);
+    rp_table_header(stdout,
+                    "outer_deg [degree], inner_deg [degree], x_most/B, N_most/(chi*g*B), N_middle/(chi*g*B), "
+                    "dip");
+    for (int outer = 1; outer < 60; outer++)
+        for (int inner = 1; inner < 60; inner++) {
+            an_point v[5];
+            an_profile tent;
+            dip d;
+            RP_TRY(an_tent(outer * M_PI / 180, inner * M_PI / 180, o->x1, v));
+            RP_TRY(an_profile_set(&tent, v, 5));
+            RP_TRY(find_dip(&tent, &d));
+            CLI_ROW(outer, inner, d.x_most, d.most, d.middle, 1 - d.middle / d.most);
+        }
+    return RP_OK;
+}
+
+static rp_status write_places(const cli_call *call, const tent_options *o, const an_profile *tent)
+{
+    double *x = NULL;
+    size_t n = 0;
+    dip d;
+    RP_TRY(cli_positions(call->arena, o->points, o->at, &x, &n));
+    RP_TRY(find_dip(tent, &d));
+    cli_table(call, stdout);
+    rp_table_note(stdout, "dip", "%.3g: N = %.4g at %.4g B, %.4g in the middle", 1 - d.middle / d.most,
+                  d.most, d.x_most, d.middle);
+    rp_table_header(stdout, "x/B, N/(chi*g*B), H/(chi*g*B), y/B");
+    for (size_t i = 0; i < n; i++) {
+        an_force f = {0};
+        double y = 0;
+        RP_TRY(an_profile_force(tent, x[i], &f));
+        RP_TRY(an_profile_height(tent, x[i], &y));
+        CLI_ROW(x[i], f.N, f.H, y);
+    }
+    return RP_OK;
+}
+
+static rp_status write_tent(cli_call *call, const void *values)
+{
+    const tent_options *o = values;
+    an_point v[5];
+    an_profile tent;
+    if ((o->outer_deg > 0) + (o->inner_deg > 0) != (o->map ? 0 : 2))
+        return rp_fail(RP_USAGE, "give --outer-deg and --inner-deg, or --map; see repose tent --help");
+    if (o->map) return write_map(call, o);
+    RP_TRY(an_tent(o->outer_deg * M_PI / 180, o->inner_deg * M_PI / 180, o->x1, v));
+    RP_TRY(an_profile_set(&tent, v, 5));
+    return write_places(call, o, &tent);
+}
+
+const cli_command cmd_tent = {
+    "tent",
+    "forces on the base of a tent-shaped pile",
+    "--x1 X (--outer-deg ANGLE --inner-deg ANGLE [--points N | --at X,X,...] | --map)",
+    "Outline of a symmetric pile with two slopes, and its forces on the base: the tents of Figs. 18 and\n"
+    "19 of Liffman, Chan & Hughes 1992. x and y are fractions of the base B. N is the normal force of\n"
+    "the ground. H is the horizontal force of the pile on the ground, positive to the right. The unit\n"
+    "of both is chi g B, where chi is the mass per length of a diagonal. The dip is (max N - N in the\n"
+    "middle)/max N.",
+    "repose tent --outer-deg 30 --inner-deg 45 --x1 0.38",
+    tent_params,
+    .refuses =
+        "--map together with the angles of one tent; --points together with --at; a position outside [0, 1].",
+    .act = write_tent};
