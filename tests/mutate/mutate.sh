@@ -26,7 +26,7 @@ files='analytic/*.c src/angle/*.c src/core/sparse.c src/statics/*.c src/stats/*.
     src/dem/methods/implicit.c src/dem/methods/gravity.c src/dem/methods/hard.c src/dem/methods/step.c src/dem/state/slots.c src/dem/state/vec.c
     src/dem/forces/*.c src/dem/list/removal.c src/dem/observe/*.c src/dem/setup/*.c src/dem/sim.c src/dem/run.c
     sweeps/*/*.c src/table/table.c src/params/params.c src/dem/scene/output.c src/dem/scene/scene.c
-    report/*.c src/cli/columns.c src/cli/options.c src/cli/commands/*.c
+    report/*.c src/cli/*.c src/cli/commands/*.c
     src/export/*.c src/view/*.c
     figures/lh/*.gp figures/li/*.gp
     validation/cases.c validation/oblique.c validation/solved_pile.c'
@@ -34,7 +34,7 @@ files='analytic/*.c src/angle/*.c src/core/sparse.c src/statics/*.c src/stats/*.
 suites_of() {
     case $1 in
     analytic/*) echo property analytic ;;
-    src/angle/*) echo property angle tables ;;
+    src/angle/*) echo property angle view tables ;;
     src/stats/ensemble.c | src/stats/series.c) echo trend angle notes flux ;;
     report/verdict.c) echo claims ;;
     src/stats/lines.c | src/stats/trend.c | src/stats/limit.c) echo trend evidence calibrate tables angle ;;
@@ -51,7 +51,9 @@ suites_of() {
     src/cli/commands/view.c | src/view/*) echo view help options ;;
     src/cli/commands/help.c) echo help install ;;
     src/cli/commands/params.c) echo help options ;;
-    src/cli/options.c) echo help notes evidence options tables columns claims cli ;;
+    src/cli/closing.c | src/cli/progress.c) echo view snapshot ;;
+    src/cli/unfinished.c | src/cli/folder.c) echo snapshot cli ;;
+    src/cli/options.c | src/cli/command.c) echo help notes evidence options tables columns claims cli ;;
     src/cli/commands/run.c) echo view tables options snapshot cli ;;
     src/cli/commands/pile.c) echo notes equilibrium tables options cli ;;
     report/*) echo evidence claims options cli ;;
