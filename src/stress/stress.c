@@ -109,9 +109,9 @@ stress_circle stress_mohr(const stress_tensor *s)
     return m;
 }
 
-double stress_floor_tilt(const stress_response *r, double mu)
+double stress_floor_tilt(const stress_linear *n, const stress_linear *h, double mu)
 {
-    /* h[0] + h[1] t = mu (n[0] + n[1] t) */
-    const double rise = r->h[1] - mu * r->n[1];
-    return rise > 0.0 ? atan((mu * r->n[0] - r->h[0]) / rise) : NAN;
+    /* h->at_0 + h->rise t = mu (n->at_0 + n->rise t) */
+    const double rise = h->rise - mu * n->rise;
+    return rise > 0.0 ? atan((mu * n->at_0 - h->at_0) / rise) : NAN;
 }

@@ -88,17 +88,15 @@ void stress_wedge(double weight, double slope, double phi, double *n, double *h)
 
 /* ---- tilt (stress.c) ---- */
 
-/* Response of a pile to tilt, per weight of the pile normal to the floor. With t = tan of the tilt: floor
- * forces n[0] + n[1] t (normal) and h[0] + h[1] t (along it, by the pile, down the tilt), and the stress
- * s[0] + s[1] t in the pile, up to a factor. */
+/* Response of a part of a pile's forces to tilt: at_0 + rise t, t = tan of the tilt, per weight normal to the
+ * floor. */
 typedef struct {
-    double n[2], h[2];
-    stress_tensor s[2];
-} stress_response;
+    double at_0, rise;
+} stress_linear;
 
-/* Tilt at which the friction h/n of the floor reaches mu; negative if it exceeds mu without tilt. NaN if it
- * stays below mu up to pi/2. */
-double stress_floor_tilt(const stress_response *response, double mu);
+/* Tilt at which the friction h/n of the floor reaches mu: n normal to it, h along it, by the pile, down the
+ * tilt. Negative if it exceeds mu without tilt; NaN if it stays below mu up to pi/2. */
+double stress_floor_tilt(const stress_linear *n, const stress_linear *h, double mu);
 
 /* ---- pressure on the base of piles, and whether it dips in the middle (dip.c) ---- */
 

@@ -1,6 +1,6 @@
 /* Protocol `stress`: the box of protocol `repose` to its pile at rest; then gravity is tilted by small
  * angles, each to rest, and the forces of all contacts are read. Yields the response of floor forces and mean
- * stress to tilt, and from it the tilt at which Coulomb's law is reached (src/angle/stress.c), beside the
+ * stress to tilt, and from it the tilt at which Coulomb's law is reached (src/stress/stress.c), beside the
  * tilt at which a copy of the same pile moves. Traced, the run leaves the coarse-grained stress at each tilt.
  */
 #include <math.h>
@@ -46,12 +46,14 @@ enum { N_TILTS = sizeof tilts_deg / sizeof *tilts_deg, N_FITTED = 4, LEAST_TILTS
 enum { OUTPUTS(SWEEP_OUTPUT_INDEX) N_OUTPUTS };
 static const sweep_output outputs[] = {OUTPUTS(SWEEP_OUTPUT_ROW){0}};
 
-/* What is read of one state, forces over the weight normal to the floor. */
+/* What is read of one state: tan of the tilt; over the weight normal to the floor, the forces on the floor
+ * and the stress times d. The response of each part is two outputs. */
+enum { N, H, SXX, SXY, SYX, SYY, N_PARTS };
 typedef struct {
-    double t, n, h;  /* tan of the tilt */
-    stress_tensor s; /* times d */
-    double weight_error, balance_error;
+    double t, part[N_PARTS], weight_error, balance_error;
 } reading;
+static const int at_0[N_PARTS] = {OUT_n_0, OUT_h_0, OUT_sxx_0, OUT_sxy_0, OUT_syx_0, OUT_syy_0},
+                 rises[N_PARTS] = {OUT_n_1, OUT_h_1, OUT_sxx_1, OUT_sxy_1, OUT_syx_1, OUT_syy_1};
 
 typedef struct {
     const sweep_tilted *p;
@@ -127,14 +129,16 @@ static rp_status sum_forces(experiment *e, size_t n, const dem_contact contacts[
         const dem_contact *c = &contacts[k];
         contact_force(c, &forces[k]);
         if (c->id_b || c->wall != DEM_BOX_FLOOR || !(c->x > 0.0 && c->x < b->W)) continue;
-        r->n += forces[k].fy / normal;
-        r->h -= forces[k].fx / normal;
+        r->part[N] += forces[k].fy / normal;
+        r->part[H] -= forces[k].fx / normal;
     }
     /* one cell of unit area times weight times d */
     const stress_grid grid = {0.0, 0.0, b->W, 4.0 * e->p->box.H, 1, 1};
-    rp_status status = stress_cells(n, forces, &grid, &r->s);
-    double *s = &r->s.xx;
-    for (int k = 0; k < 4; k++) s[k] *= grid.dx * grid.dy / (normal * e->box.d);
+    const double scale = grid.dx * grid.dy / (normal * e->box.d);
+    stress_tensor s;
+    rp_status status = stress_cells(n, forces, &grid, &s);
+    r->part[SXX] = scale * s.xx, r->part[SXY] = scale * s.xy;
+    r->part[SYX] = scale * s.yx, r->part[SYY] = scale * s.yy;
     check_balance(e, n, contacts, forces, g, r);
     return status;
 }
@@ -192,19 +196,18 @@ static rp_status tilt_at_rate(void *data)
                           NULL);
 }
 
-/* Value at t = 0 and rise of a quantity of the readings, by least squares. */
-static rp_status respond(const experiment *e, size_t field, double *at_0, double *rise)
+/* Value at t = 0 and rise of a part of the readings, by least squares. */
+static rp_status respond(const experiment *e, int part, stress_linear *response)
 {
     double t[N_TILTS], v[N_TILTS];
     stats_line line;
     const size_t n = e->n_readings < N_FITTED ? e->n_readings : N_FITTED;
     for (size_t k = 0; k < n; k++) {
         t[k] = e->readings[k].t;
-        memcpy(&v[k], (const char *)&e->readings[k] + field, sizeof v[k]);
+        v[k] = e->readings[k].part[part];
     }
     rp_status status = stats_line_fit(n, t, v, NULL, false, &line);
-    *at_0 = line.intercept;
-    *rise = line.slope;
+    *response = (stress_linear){line.intercept, line.slope};
     return status;
 }
 
@@ -212,28 +215,30 @@ static rp_status conclude(void *data)
 {
     experiment *e = data;
     double *v = e->values;
-    stress_response r;
+    stress_linear r[N_PARTS];
     const double mu_floor = e->box.scene.def.walls[DEM_BOX_FLOOR].material.mu;
     const reading *first = &e->readings[0], *last = &e->readings[e->n_readings - 1];
-    v[OUT_couple_0] = stress_mohr(&first->s).couple / stress_mohr(&first->s).pressure;
+    const stress_circle circle =
+        stress_mohr(&(stress_tensor){first->part[SXX], first->part[SXY], first->part[SYX], first->part[SYY]});
+    v[OUT_couple_0] = circle.couple / circle.pressure;
     v[OUT_tilts] = (double)e->n_readings;
     v[OUT_weight_error] = first->weight_error;
     v[OUT_balance_error] = 0.0;
-    v[OUT_floor_friction_0] = first->h / first->n;
-    v[OUT_bulk_friction_0] = tan(stress_mohr(&first->s).mobilised);
+    v[OUT_floor_friction_0] = first->part[H] / first->part[N];
+    v[OUT_bulk_friction_0] = tan(circle.mobilised);
     for (size_t k = 0; k < e->n_readings; k++)
         v[OUT_balance_error] = fmax(v[OUT_balance_error], e->readings[k].balance_error);
     if (e->n_readings < LEAST_TILTS)
         return sweep_conclude(e->box.result, "no_response", "the pile moves at the first tilts");
-    RP_TRY(respond(e, offsetof(reading, n), &r.n[0], &r.n[1]));
-    RP_TRY(respond(e, offsetof(reading, h), &r.h[0], &r.h[1]));
-    for (size_t k = 0; k < 4; k++)
-        RP_TRY(respond(e, offsetof(reading, s) + k * sizeof(double), &r.s[0].xx + k, &r.s[1].xx + k));
-    memcpy(&v[OUT_n_0], &r, sizeof r); /* in the order of the outputs */
-    v[OUT_floor_tilt_deg] = sweep_degrees(stress_floor_tilt(&r, mu_floor));
+    for (int part = 0; part < N_PARTS; part++) RP_TRY(respond(e, part, &r[part]));
+    for (int part = 0; part < N_PARTS; part++) {
+        v[at_0[part]] = r[part].at_0;
+        v[rises[part]] = r[part].rise;
+    }
+    v[OUT_floor_tilt_deg] = sweep_degrees(stress_floor_tilt(&r[N], &r[H], mu_floor));
     if (e->n_readings == N_TILTS)
-        v[OUT_floor_friction_beyond] =
-            last->h / last->n - (r.h[0] + r.h[1] * last->t) / (r.n[0] + r.n[1] * last->t);
+        v[OUT_floor_friction_beyond] = last->part[H] / last->part[N] -
+                                       (r[H].at_0 + r[H].rise * last->t) / (r[N].at_0 + r[N].rise * last->t);
     return sweep_conclude(e->box.result, "ok", NULL);
 }
 
