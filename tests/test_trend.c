@@ -2,7 +2,6 @@
 #include <gsl/gsl_blas.h>
 #include <gsl/gsl_cdf.h>
 #include <gsl/gsl_fit.h>
-#include <gsl/gsl_multifit.h>
 #include <gsl/gsl_multifit_nlinear.h>
 #include <gsl/gsl_randist.h>
 
@@ -31,59 +30,47 @@ enum { N = 11 };
 static const double xs[N] = {1.5, 2.385, 2.5, 3.1, 3.485, 4.0, 4.77, 5.1, 6.2, 7.31, 8.0};
 static const double ys[N] = {19.2, 18.7, 20.1, 17.3, 18.85, 16.2, 17.77, 17.0, 15.1, 16.4, 15.9};
 
-/* One value per x: straight line and parabola of the textbook. */
+/* One value per x: straight line and parabola of the textbook, without weights, with those of known errors
+ * and with x^2; and the line in log10 x with the weights of x itself. */
 static void test_single_values(void)
 {
+    double lines[2 * N], log_lines[2 * N], logs[N], parabolas[3 * N], se[N], weights[N], by_se[N], c[3],
+        cov[9];
     stats_trend t;
-    double c0, c1, v00, v01, v11, rest, chi2;
-    CHECK_OK(trend_of(N, xs, ys, NULL, 0.0, &t));
-    gsl_fit_linear(xs, 1, ys, 1, N, &c0, &c1, &v00, &v01, &v11, &rest);
-    CHECK_NEAR(t.slope.value, c1, sum_error);
-    CHECK_NEAR(t.slope.se, sqrt(v11), sum_error);
-    CHECK_NEAR(t.intercept.value, c0, sum_error);
-    CHECK_NEAR(t.intercept.se, sqrt(v00), sum_error);
-    CHECK_NEAR(t.slope.dof, N - 2.0, 0.0);
-    CHECK_NEAR(t.change.value, 6.5 * c1, 10.0 * sum_error);
-    CHECK_NEAR(stats_contrast_p(&t.change), 2.0 * gsl_cdf_tdist_P(c1 / sqrt(v11), N - 2.0), sum_error);
-    gsl_matrix *terms = gsl_matrix_alloc(N, 3), *cov = gsl_matrix_alloc(3, 3);
-    gsl_vector *y = gsl_vector_alloc(N), *w = gsl_vector_alloc(N), *c = gsl_vector_alloc(3);
-    gsl_multifit_linear_workspace *work = gsl_multifit_linear_alloc(N, 3);
-    double se[N];
-    for (size_t i = 0; i < N; i++) {
-        for (size_t k = 0; k < 3; k++) gsl_matrix_set(terms, i, k, pow(xs[i], (double)k));
-        se[i] = 0.1 + 0.0385 * (double)i;
-        gsl_vector_set(y, i, ys[i]);
-        gsl_vector_set(w, i, 1.0 / (se[i] * se[i]));
-    }
-    gsl_multifit_linear(terms, y, c, cov, &chi2, work);
-    CHECK_NEAR(t.bend.value, gsl_vector_get(c, 2), sum_error);
-    gsl_multifit_wlinear(terms, w, y, c, cov, &chi2, work);
     stats_contrast bend;
+    for (size_t i = 0; i < N; i++) {
+        logs[i] = log10(xs[i]);
+        for (size_t k = 0; k < 2; k++) lines[2 * i + k] = pow(xs[i], (double)k);
+        for (size_t k = 0; k < 2; k++) log_lines[2 * i + k] = pow(logs[i], (double)k);
+        for (size_t k = 0; k < 3; k++) parabolas[3 * i + k] = pow(xs[i], (double)k);
+        se[i] = 0.1 + 0.0385 * (double)i;
+        by_se[i] = 1.0 / (se[i] * se[i]);
+        weights[i] = xs[i] * xs[i];
+    }
+    CHECK_OK(trend_of(N, xs, ys, NULL, 0.0, &t));
+    numbers_fit(N, 2, lines, NULL, ys, c, cov);
+    CHECK_NEAR(t.slope.value, c[1], sum_error);
+    CHECK_NEAR(t.slope.se, sqrt(cov[3]), sum_error);
+    CHECK_NEAR(t.intercept.value, c[0], sum_error);
+    CHECK_NEAR(t.intercept.se, sqrt(cov[0]), sum_error);
+    CHECK_NEAR(t.slope.dof, N - 2.0, 0.0);
+    CHECK_NEAR(t.change.value, 6.5 * c[1], 10.0 * sum_error);
+    CHECK_NEAR(stats_contrast_p(&t.change), 2.0 * gsl_cdf_tdist_P(c[1] / sqrt(cov[3]), N - 2.0), sum_error);
+    numbers_fit(N, 3, parabolas, NULL, ys, c, cov);
+    CHECK_NEAR(t.bend.value, c[2], sum_error);
+    numbers_fit(N, 3, parabolas, by_se, ys, c, cov);
     CHECK_OK(stats_bend(N, xs, ys, se, &bend));
-    CHECK_NEAR(bend.value, gsl_vector_get(c, 2), sum_error);
-    CHECK_NEAR(bend.se, sqrt(gsl_matrix_get(cov, 2, 2)), sum_error);
+    CHECK_NEAR(bend.value, c[2], sum_error);
+    CHECK_NEAR(bend.se, sqrt(cov[8]), sum_error);
     CHECK_NEAR(stats_contrast_p(&bend), 2.0 * gsl_cdf_ugaussian_Q(fabs(bend.value) / bend.se), sum_error);
-    double weights[N];
-    for (size_t i = 0; i < N; i++) weights[i] = xs[i] * xs[i];
-    CHECK_OK(trend_of(N, xs, ys, NULL, 2.0, &t));
-    gsl_fit_wlinear(xs, 1, weights, 1, ys, 1, N, &c0, &c1, &v00, &v01, &v11, &chi2);
-    CHECK_NEAR(t.slope.value, c1, sum_error);
-    CHECK_NEAR(t.intercept.value, c0, sum_error);
-    for (size_t i = 0; i < N; i++) gsl_vector_set(w, i, weights[i]);
-    gsl_multifit_wlinear(terms, w, y, c, cov, &chi2, work);
-    CHECK_NEAR(t.bend.value, gsl_vector_get(c, 2), sum_error);
-    double logs[N]; /* the line in log10 x, with the weights of x itself */
-    for (size_t i = 0; i < N; i++) logs[i] = log10(xs[i]);
-    CHECK_OK(stats_trend_fit(&(stats_sample){N, logs, ys, NULL, 2.0, true, 1.0}, &t));
-    gsl_fit_wlinear(logs, 1, weights, 1, ys, 1, N, &c0, &c1, &v00, &v01, &v11, &chi2);
-    CHECK_NEAR(t.slope.value, c1, sum_error);
-    CHECK_NEAR(t.intercept.value, c0, sum_error);
-    gsl_multifit_linear_free(work);
-    gsl_vector_free(y);
-    gsl_vector_free(w);
-    gsl_vector_free(c);
-    gsl_matrix_free(terms);
-    gsl_matrix_free(cov);
+    for (int log10_x = 0; log10_x < 2; log10_x++) {
+        CHECK_OK(stats_trend_fit(&(stats_sample){N, log10_x ? logs : xs, ys, NULL, 2.0, log10_x, 1.0}, &t));
+        numbers_fit(N, 2, log10_x ? log_lines : lines, weights, ys, c, cov);
+        CHECK_NEAR(t.slope.value, c[1], sum_error);
+        CHECK_NEAR(t.intercept.value, c[0], sum_error);
+        numbers_fit(N, 3, parabolas, weights, ys, c, cov);
+        if (!log10_x) CHECK_NEAR(t.bend.value, c[2], sum_error);
+    }
 }
 
 /* Two x: Welch's test, and the paired one. The order of the values does not matter. */
