@@ -39,13 +39,19 @@ void path_of(const char *name, char path[256])
     snprintf(path, 256, "%s/%s", folder, name);
 }
 
-void write_text(const char *name, const char *format, ...)
+FILE *file_of(const char *name)
 {
     char path[256];
-    va_list args;
     path_of(name, path);
     FILE *file = fopen(path, "w");
     CU_ASSERT_PTR_NOT_NULL_FATAL(file);
+    return file;
+}
+
+void write_text(const char *name, const char *format, ...)
+{
+    va_list args;
+    FILE *file = file_of(name);
     va_start(args, format);
     vfprintf(file, format, args);
     va_end(args);
@@ -177,6 +183,12 @@ double at(checked *c, size_t row, const char *column)
     const int k = rp_table_column(&c->t, column);
     if (k >= 0) c->read[k] = true;
     return cell(&c->t, row, column);
+}
+
+const char *checked_word(checked *c, size_t row, const char *column)
+{
+    (void)at(c, row, column);
+    return word(&c->t, row, column);
 }
 
 void checked_row(checked *c, size_t row, size_t n, const checked_value values[], double tolerance)

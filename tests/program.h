@@ -5,6 +5,7 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdio.h>
 
 #include "table/table.h"
 
@@ -17,6 +18,9 @@ void leave(void);
 
 /* Path of a file of the folder. */
 void path_of(const char *name, char path[256]);
+
+/* A file of the folder, to be written. */
+FILE *file_of(const char *name);
 
 /* Write a file. Its name has no special characters of the shell. */
 void write_text(const char *name, const char *format, ...) __attribute__((format(printf, 2, 3)));
@@ -66,6 +70,9 @@ checked checked_read(const char *name);
 checked checked_run(const char *file, int line, size_t n_rows, const char *format, ...)
     __attribute__((format(printf, 4, 5)));
 double at(checked *c, size_t row, const char *column);
+/* The cell is this word. */
+#define CHECKED_WORD(c, row, column, text) CU_ASSERT_STRING_EQUAL(checked_word(c, row, column), text)
+const char *checked_word(checked *c, size_t row, const char *column);
 /* Columns of a row against n values, within tolerance of 1 + |value|; NaN where the value is NaN. */
 typedef struct {
     const char *column;

@@ -634,9 +634,7 @@ static void test_angles(void)
 static void test_outline(void)
 {
     for (int step = 1; step <= 20; step += 19) {
-        char path[256];
-        path_of("outline.csv", path);
-        FILE *file = fopen(path, "w");
+        FILE *file = file_of("outline.csv");
         fputs("x,y\n", file);
         for (int x = 0; x <= 400; x += step + (step > 1 && x % 3 == 0))
             fprintf(file, "%d,%.0f\n", x, round(220.0 - tan(25.0 * deg) * x));
@@ -704,9 +702,7 @@ static void test_group_order(void)
 /* A pile drawn with a ruler, and points on a line. */
 static void test_angle_tables(void)
 {
-    char path[256];
-    path_of("pile.tsv", path);
-    FILE *file = fopen(path, "w");
+    FILE *file = file_of("pile.tsv");
     for (int j = 0; j < 20; j++)
         fprintf(file, "%.17g\t%.17g\t0.1\n", 0.1 + 0.2 * j, 2.0 - 0.385 * (0.1 + 0.2 * j));
     fclose(file);
@@ -737,8 +733,7 @@ static void test_angle_tables(void)
     FAILS(65, "no column \"theta_r3_deg\"", "stats maximum line.tsv --column theta_r3_deg --draws 2");
     FAILS(65, "no column \"theta_r3_deg\"", "angle compare line.tsv");
     FAILS(65, "no column \"theta_r3_deg\"", "angle phi line.tsv");
-    path_of("runs.tsv", path);
-    file = fopen(path, "w");
+    file = file_of("runs.tsv");
     fprintf(file, "# mu\ttheta_r3_deg\ttheta_t_displacement_deg\tstatus\n0\tnan\tnan\tno_pile\n");
     for (int j = 0; j < 12; j++)
         fprintf(file, "%g\t%d\t%d\tok\n", j % 2 ? 0.2 : 0.1, (j % 2 ? 16 : 8) + j % 3, 3 + j / 3);
@@ -826,9 +821,7 @@ static void test_stress_tables(void)
 /* Rows of piles without a result or an excess do not count. */
 static void test_stress_dip(void)
 {
-    char path[256];
-    path_of("piles.tsv", path);
-    FILE *file = fopen(path, "w");
+    FILE *file = file_of("piles.tsv");
     fprintf(file, "# status\texcess");
     for (int k = 1; k <= 20; k++) fprintf(file, "\tn_%02d", k);
     for (int i = 0; i < 6; i++) {
@@ -871,9 +864,7 @@ static void test_cut_drops(void)
 
 static void test_stats_trends(void)
 {
-    char path[256];
-    path_of("runs.tsv", path);
-    FILE *file = fopen(path, "w");
+    FILE *file = file_of("runs.tsv");
     fprintf(file, "# mu\tW\tk\ttheta\tpile\tstatus\n");
     for (int i = 0; i < 24; i++) {
         const double W = 2.0 + 2.0 * (i % 3), k = pow(10.0, 4 + i % 3), scatter = i / 12 * 0.1;

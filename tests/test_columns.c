@@ -279,8 +279,7 @@ static void test_stress(void)
     scoped_table last = read_table("d/tilt_4_grains.tsv");
     CHECK_NEAR(at(&o, 0, "steps"), cell(&last, 0, "step") + 1e3 * at(&o, 0, "theta_t_displacement_deg"),
                1e-6);
-    at(&o, 0, "status");
-    CU_ASSERT_STRING_EQUAL(word(&o.t, 0, "status"), "ok");
+    CHECKED_WORD(&o, 0, "status", "ok");
 
     GOOD("stress field d/pile d/tilt_2_contacts.tsv --width 2 --cell 0.42");
     scoped_checked field = checked_read("out");
@@ -337,10 +336,7 @@ enum { DIP_PILES = 5 };
 /* Profiles with a slope to the right and a step in the middle, beside their rays. */
 static void write_dips(double n[DIP_PILES][STRESS_DIP_BINS], double excess[DIP_PILES])
 {
-    char path[256];
-    path_of("piles.tsv", path);
-    FILE *file = fopen(path, "w");
-    CU_ASSERT_PTR_NOT_NULL_FATAL(file);
+    FILE *file = file_of("piles.tsv");
     fputs("# status\texcess", file);
     for (int k = 1; k <= STRESS_DIP_BINS; k++) fprintf(file, "\tn_%02d\trays_%02d", k, k);
     for (int i = 0; i < DIP_PILES; i++) {
@@ -414,8 +410,7 @@ static void check_dip(double n[DIP_PILES][STRESS_DIP_BINS], const double excess[
                                      CHECKED_FIELD(d, share_null_se),
                                      CHECKED_FIELD(d, p_share)};
     checked_row(&c, 0, sizeof columns / sizeof *columns, columns, 1e-15);
-    at(&c, 0, "verdict");
-    CU_ASSERT_STRING_EQUAL(word(&c.t, 0, "verdict"), stress_dip_word(&d, 0.05));
+    CHECKED_WORD(&c, 0, "verdict", stress_dip_word(&d, 0.05));
 }
 
 static void test_dip(void)
@@ -448,10 +443,7 @@ static double point_mu(int g)
 /* The piles as a table, with a row that has failed, and as arrays. */
 static void write_lines(double x[CAL_PILES], double angle[2][CAL_PILES])
 {
-    char path[256];
-    path_of("piles.tsv", path);
-    FILE *file = fopen(path, "w");
-    CU_ASSERT_PTR_NOT_NULL_FATAL(file);
+    FILE *file = file_of("piles.tsv");
     fputs("# theta_t_displacement_deg\tmu\tstatus\ttheta_r3_deg\n11\t0.3\tno_pile\t3\n", file);
     for (int i = 0; i < CAL_PILES; i++) {
         const int k = i % CAL_EACH;
@@ -494,9 +486,8 @@ static void fieller(int a, double z, double e, double expected[4])
 static void check_found(checked *c, size_t row, const char *parameter, const double expected[4],
                         const stats_calibrated *boot)
 {
-    at(c, row, "parameter"), at(c, row, "status");
-    CU_ASSERT_STRING_EQUAL(word(&c->t, row, "parameter"), parameter);
-    CU_ASSERT_STRING_EQUAL(word(&c->t, row, "status"), "ok");
+    CHECKED_WORD(c, row, "parameter", parameter);
+    CHECKED_WORD(c, row, "status", "ok");
     CHECK_NEAR(at(c, row, "value"), expected[0], SEARCH);
     CHECK_NEAR(at(c, row, "se"), expected[1], SEARCH);
     CHECK_NEAR(at(c, row, "lower"), expected[2], SEARCH);
@@ -550,9 +541,7 @@ static void test_calibrate(void)
 /* A parabola has two solutions, a row each, in order; planes have two parameters. */
 static void test_calibrate_rows(void)
 {
-    char path[256];
-    path_of("piles.tsv", path);
-    FILE *file = fopen(path, "w");
+    FILE *file = file_of("piles.tsv");
     fputs("# mu\ttheta_r3_deg\n", file);
     for (int i = 0; i < 36; i++) {
         const double mu = 0.1 * (i / 4);
@@ -573,7 +562,7 @@ static void test_calibrate_rows(void)
     CU_ASSERT(cell(&t, 0, "upper") < cell(&t, 1, "lower"));
     rp_table_free(&t);
 
-    file = fopen(path, "w");
+    file = file_of("piles.tsv");
     fputs("# mu_roll\ttheta_r3_deg\ttheta_t_displacement_deg\tmu\n", file);
     for (int i = 0; i < 48; i++) {
         const double x = 0.1 + 0.2 * (i / 12), y = 0.15 * (i / 4 % 3);
@@ -744,11 +733,8 @@ static void test_bench_fill(void)
 /* So many grains that do not touch, on a square lattice. */
 static void write_spread(const char *name, int n)
 {
-    char path[256];
     const int side = (int)ceil(sqrt(n));
-    path_of(name, path);
-    FILE *file = fopen(path, "w");
-    CU_ASSERT_PTR_NOT_NULL_FATAL(file);
+    FILE *file = file_of(name);
     fputs("x\ty\tr\n", file);
     for (int i = 0; i < n; i++)
         fprintf(file, "%.17g\t%.17g\t0.08\n", 0.1 + 0.2 * (i % side), 0.1 + 0.2 * (i / side));
@@ -789,16 +775,13 @@ static void test_bench_defaults(void)
 static double slope_of_grains(const rp_table *grains, double width)
 {
     double d = 0.0, left = INFINITY, bottom = INFINITY;
-    char path[256];
     for (size_t i = 0; i < grains->n_rows; i++) {
         const double r = cell(grains, i, "r");
         d += 2.0 * r / (double)grains->n_rows;
         left = fmin(left, cell(grains, i, "x") - r);
         bottom = fmin(bottom, cell(grains, i, "y") - r);
     }
-    path_of("shifted.tsv", path);
-    FILE *shifted = fopen(path, "w");
-    CU_ASSERT_PTR_NOT_NULL_FATAL(shifted);
+    FILE *shifted = file_of("shifted.tsv");
     fputs("x\ty\n", shifted);
     for (size_t i = 0; i < grains->n_rows; i++)
         fprintf(shifted, "%.17g\t%.17g\n", cell(grains, i, "x") - left, cell(grains, i, "y") - bottom);
@@ -1274,8 +1257,7 @@ static void test_drop(void)
     /* ten looks in a row, of 20 steps each, end the relaxation */
     CU_ASSERT(fmod(at(&o, 0, "relax_steps"), 20.0) == 0.0 && at(&o, 0, "relax_steps") >= 200.0);
     CU_ASSERT(at(&o, 0, "settled") >= 0.0 && at(&o, 0, "settled") < 0.1 * disks);
-    at(&o, 0, "status");
-    CU_ASSERT_STRING_EQUAL(word(&o.t, 0, "status"), "ok");
+    CHECKED_WORD(&o, 0, "status", "ok");
     check_base(&o, &grains, &contacts, limit);
     check_fabric(&o, &grains, &contacts, limit, "fabric", "fabric_deg", NULL);
     check_fabric(&o, &grains, &contacts, limit, "force_fabric", "force_deg", "normal_force");

@@ -82,10 +82,7 @@ enum { N_ANSWERS = sizeof answers / sizeof *answers };
 
 static void write_claims(void)
 {
-    char path[256];
-    path_of("claims.tsv", path);
-    FILE *file = fopen(path, "w");
-    CU_ASSERT_PTR_NOT_NULL_FATAL(file);
+    FILE *file = file_of("claims.tsv");
     fputs(CLAIMS, file);
     for (size_t i = 0; i < N_ANSWERS; i++)
         fprintf(file, "c%zu\t-\tlh\tplace %zu\tall\t%s\t%s\t%s\t%s\t%s\t%s\t%s\tstatement %zu\tnote %zu\n", i,
@@ -601,10 +598,8 @@ static void test_holm(void)
 {
     static const double slopes[] = {1.0, 0.21, -0.2, 0.01}, scatter[] = {0.3, -0.2, -0.25, 0.15, 0.1, -0.1};
     static const char *const tests[] = {"trend", "size"};
-    char path[256];
     double p[4];
-    path_of("runs.tsv", path);
-    FILE *file = fopen(path, "w");
+    FILE *file = file_of("runs.tsv");
     fprintf(file, "# group\tx\ty\n");
     for (int g = 0; g < 4; g++)
         for (int i = 0; i < 12; i++) {
@@ -637,9 +632,7 @@ static void test_holm(void)
 /* Even profiles but for the middle tenth on each side, with the excess of that step. */
 static void write_profiles(double change, double scatter)
 {
-    char path[256];
-    path_of("piles.tsv", path);
-    FILE *file = fopen(path, "w");
+    FILE *file = file_of("piles.tsv");
     fprintf(file, "# status\texcess");
     for (int k = 1; k <= 20; k++) fprintf(file, "\tn_%02d", k);
     for (int i = 0; i < 20; i++) {

@@ -100,10 +100,7 @@ static const struct {
 
 static void write_file(const char *name, void (*print)(FILE *))
 {
-    char path[256];
-    path_of(name, path);
-    FILE *file = fopen(path, "w");
-    CU_ASSERT_PTR_NOT_NULL_FATAL(file);
+    FILE *file = file_of(name);
     print(file);
     fclose(file);
 }

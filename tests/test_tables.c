@@ -404,8 +404,7 @@ static void check_disks(checked *d, checked *c, checked *w, double eps)
         NEAR_RELATIVE(at(w, k, "x-x_0"), (at(w, k, "x") - at(w, k, "x_0")) / eps, RELATIVE);
         NEAR_RELATIVE(at(w, k, "N"), (0.5 - at(d, i, "y")) / eps, RELATIVE);
         NEAR_RELATIVE(at(w, k, "H"), 0.7 * at(w, k, "x-x_0"), RELATIVE);
-        CU_ASSERT_STRING_EQUAL(word(&w->t, k, "state"), "holds");
-        at(w, k, "state");
+        CHECKED_WORD(w, k, "state", "holds");
         fx[id] -= at(w, k, "H"), fy[id] += at(w, k, "N");
     }
     for (int id = 1; id <= DISKS; id++) {
@@ -525,8 +524,7 @@ static void test_sweep(void)
         CHECK_NEAR(at(&runs, row, "eps"), row % 6 < 3 ? 1e-4 : 2e-4, 0.0);
         CU_ASSERT(at(&runs, row, "seconds") > 0.0);
         seconds += at(&runs, row, "seconds");
-        CU_ASSERT_STRING_EQUAL(word(&runs.t, row, "status"), "ok");
-        at(&runs, row, "status");
+        CHECKED_WORD(&runs, row, "status", "ok");
         if (row % 5) continue; /* three of them */
         GOOD("run s.cfg --row %zu -o again --force", row);
         scoped_table again = read_table("out");
@@ -604,8 +602,7 @@ static void test_compare(void)
     CHECK_NEAR(at(&c, 0, "diff_ms_se_deg"), resampled_error(4, r, t, 400, 31), 1e-11);
     CHECK_NEAR(at(&c, 0, "n_unstable"), 0.0, 0.0);
     CHECK_NEAR(at(&c, 0, "n_lost"), 0.0, 0.0);
-    at(&c, 0, "status");
-    CU_ASSERT_STRING_EQUAL(word(&c.t, 0, "status"), "ok");
+    CHECKED_WORD(&c, 0, "status", "ok");
     for (size_t f = 0; f < 4; f++) {
         static const char *const parts[] = {"theta_t", "diff", "theta_rt", "gain"};
         char column[64];
@@ -752,9 +749,8 @@ static void test_phi(void)
                 {"p_value", fit[a].p_value},
                 {"open", fit[a].lo_open ? (fit[a].hi_open ? 2.0 : -1.0) : fit[a].hi_open}};
             checked_row(&c, a, sizeof list / sizeof *list, list, 1e-12);
-            at(&c, a, "against");
             open[(size_t)(at(&c, a, "open") + 1.0)]++;
-            CU_ASSERT_STRING_EQUAL(word(&c.t, a, "against"), ang_against_words[a]);
+            CHECKED_WORD(&c, a, "against", ang_against_words[a]);
         }
     }
     CU_ASSERT(open[0] + open[3] > 0 && open[1] > 0 && open[2] > 0);
@@ -775,10 +771,7 @@ enum { POINTS = 14 };
 
 static void write_points(double x[POINTS], double y[POINTS], double se[POINTS])
 {
-    char path[256];
-    path_of("points.tsv", path);
-    FILE *file = fopen(path, "w");
-    CU_ASSERT_PTR_NOT_NULL_FATAL(file);
+    FILE *file = file_of("points.tsv");
     fputs("# x\ty\tse\n", file);
     for (int i = 0; i < POINTS; i++) {
         x[i] = 1.0 + i % 4 + (i % 4 == 3);
@@ -792,7 +785,6 @@ static void write_points(double x[POINTS], double y[POINTS], double se[POINTS])
 static void test_fits(void)
 {
     double x[POINTS], y[POINTS], se[POINTS], inverse[POINTS], falling[POINTS], lo[4], hi[4];
-    char path[256];
     stats_trend t;
     stats_line free_line, origin;
     write_points(x, y, se);
@@ -825,8 +817,7 @@ static void test_fits(void)
                                    CHECKED_FIELD(t, p_pairs)};
     CHECK_NAMED(&c, 0, trend);
     CHECK_NEAR(at(&c, 0, "p_holm"), stats_contrast_p(&t.change), 1e-15); /* one test alone */
-    at(&c, 0, "verdict");
-    CU_ASSERT_STRING_EQUAL(word(&c.t, 0, "verdict"), "rises");
+    CHECKED_WORD(&c, 0, "verdict", "rises");
     checked_end(&c);
 
     for (int i = 0; i < POINTS; i++) inverse[i] = 1.0 / x[i];
@@ -855,9 +846,7 @@ static void test_fits(void)
     checked_end(&c);
 
     stats_limit limit;
-    path_of("sizes.tsv", path);
-    FILE *file = fopen(path, "w");
-    CU_ASSERT_PTR_NOT_NULL_FATAL(file);
+    FILE *file = file_of("sizes.tsv");
     fputs("# x\ty\n", file);
     for (int i = 0; i < POINTS; i++) {
         falling[i] = 2.0 + 7.0 / x[i] + 0.02 * ((i * 7) % 11);
@@ -886,8 +875,7 @@ static void test_fits(void)
                                            CHECKED_FIELD(limit, chi2),
                                            CHECKED_FIELD(limit, p_fit)};
     CHECK_NAMED(&c, 0, free_exponent);
-    CU_ASSERT_STRING_EQUAL(word(&c.t, 0, "status"), "ok");
-    at(&c, 0, "status");
+    CHECKED_WORD(&c, 0, "status", "ok");
     checked_end(&c);
 
     CHECK_OK(stats_line_fit(POINTS, x, y, se, false, &free_line));
@@ -905,8 +893,7 @@ static void test_fits(void)
         CHECK_NEAR(at(&c, row, "n"), POINTS, 0.0);
         CHECK_NEAR(at(&c, row, "x_from"), 1.0, 0.0);
         CHECK_NEAR(at(&c, row, "x_to"), 5.0, 0.0);
-        at(&c, row, "line");
-        CU_ASSERT_STRING_EQUAL(word(&c.t, row, "line"), row ? "origin" : "free");
+        CHECKED_WORD(&c, row, "line", row ? "origin" : "free");
     }
     checked_end(&c);
 }
@@ -922,10 +909,7 @@ static struct {
 static void write_groups(void)
 {
     static const size_t piles[GROUPS] = {4, 5, 3};
-    char path[256];
-    path_of("groups.tsv", path);
-    FILE *file = fopen(path, "w");
-    CU_ASSERT_PTR_NOT_NULL_FATAL(file);
+    FILE *file = file_of("groups.tsv");
     fputs("# y\tg\tx\tstatus\tpile\tv\n", file);
     memset(&grouped, 0, sizeof grouped);
     for (size_t i = 0; i < 4 * 5; i++)
@@ -1038,9 +1022,8 @@ static void test_correlations(void)
                                           {"correlation_lo", r.lo},
                                           {"correlation_hi", r.hi}};
             checked_row(&c, row, sizeof list / sizeof *list, list, 1e-14);
-            at(&c, row, "g"), at(&c, row, "quantity");
-            CU_ASSERT(*word(&c.t, row, "g") == "abc"[g]);
-            CU_ASSERT_STRING_EQUAL(word(&c.t, row, "quantity"), names[k]);
+            CU_ASSERT(*checked_word(&c, row, "g") == "abc"[g]);
+            CHECKED_WORD(&c, row, "quantity", names[k]);
         }
     GOOD("stats correlation groups.tsv -y y -x x");
     scoped_table t = read_table("out");
@@ -1122,12 +1105,11 @@ static void test_systems(void)
     char text[512];
     for (int k = 0; k < 3; k++) {
         const double W = systems[k].W;
-        snprintf(text, sizeof text,
-                 "units = \"%s\"; steps = 1200; tangential = { law = \"spring\"; };\n"
-                 "fill = { N = 8; W = %g; H = %g; };\n"
-                 "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; } );\n",
-                 systems[k].word, W, W);
-        write_text("s.cfg", text);
+        write_text("s.cfg",
+                   "units = \"%s\"; steps = 1200; tangential = { law = \"spring\"; };\n"
+                   "fill = { N = 8; W = %g; H = %g; };\n"
+                   "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; } );\n",
+                   systems[k].word, W, W);
         GOOD("run s.cfg --every 5 --force -o d");
         rp_table t = read_table("d/energy.tsv");
         for (size_t i = 0; i < t.n_rows; i++) {
@@ -1155,18 +1137,15 @@ static void test_systems(void)
 
 static void test_systems_of_sweeps(void)
 {
-#define SWEEP "protocol = \"repose\"; replicas = 1; fixed = { W = %s; H = %s; stop = \"steps\"; %s};\n"
+#define SWEEP  "protocol = \"repose\"; replicas = 1; fixed = { W = %s; H = %s; stop = \"steps\"; %s};\n"
+#define SHAPES "units = \"si\"; " SWEEP "grid = { shape = [\"sphere\", \"disk\"]; };\n"
     static const char short_run[] = "fill_steps = 200; relax_steps = 200; ";
-    char text[512];
-    snprintf(text, sizeof text, SWEEP, "2.0", "2.0", short_run);
-    write_text("a.cfg", text);
+    write_text("a.cfg", SWEEP, "2.0", "2.0", short_run);
     GOOD("sweep make a.cfg -o a --tables .");
-    snprintf(text, sizeof text, "units = \"cgs\"; " SWEEP, "2.0", "2.0", short_run);
-    write_text("a.cfg", text);
+    write_text("a.cfg", "units = \"cgs\"; " SWEEP, "2.0", "2.0", short_run);
     GOOD("sweep plan a.cfg -o a");
     CU_ASSERT(strstr(out, "1 already stored") != NULL); /* keys know numbers alone */
-    snprintf(text, sizeof text, "units = \"si\"; " SWEEP, "0.02", "0.02", short_run);
-    write_text("b.cfg", text);
+    write_text("b.cfg", "units = \"si\"; " SWEEP, "0.02", "0.02", short_run);
     GOOD("sweep make b.cfg -o b --tables .");
     CU_ASSERT(shell("cat a.tsv b.tsv >out 2>err") == 0);
     CU_ASSERT(
@@ -1181,8 +1160,7 @@ static void test_systems_of_sweeps(void)
     CU_ASSERT(strstr(out, "N/m^1.5    real   10000 ") != NULL);
     /* the g of SI among values in cgs */
     static const char warning[] = "g = 9.81 among values in cm, g and s; give units = \"si\", or g = 981";
-    snprintf(text, sizeof text, SWEEP, "2.0", "2.0", "fill_steps = 200; relax_steps = 200; g = 9.81; ");
-    write_text("w.cfg", text);
+    write_text("w.cfg", SWEEP, "2.0", "2.0", "fill_steps = 200; relax_steps = 200; g = 9.81; ");
     CU_ASSERT(run("sweep plan w.cfg -o w") == 0 && strstr(err, warning));
     write_text("w.cfg", "protocol = \"repose\"; grid = ( { g = [9.81, 981.0]; } );\n");
     CU_ASSERT(run("sweep plan w.cfg -o w") == 0 && strstr(err, warning));
@@ -1206,13 +1184,9 @@ static void test_systems_of_sweeps(void)
                "units = \"si\"; shape = \"disk\"; steps = 2; fill = { N = 3; W = 0.02; H = 0.02; };\n");
     FAILS(65, "s.cfg:1: density: the default is that of spheres", "run s.cfg");
     GOOD("run s.cfg --set density=10");
-    snprintf(text, sizeof text, "units = \"si\"; " SWEEP "grid = { shape = [\"sphere\", \"disk\"]; };\n",
-             "0.02", "0.02", short_run);
-    write_text("w.cfg", text);
+    write_text("w.cfg", SHAPES, "0.02", "0.02", short_run);
     FAILS(65, "grid point shape = disk: density: the default is that of spheres", "sweep plan w.cfg -o v");
-    snprintf(text, sizeof text, "units = \"si\"; " SWEEP "grid = { shape = [\"sphere\", \"disk\"]; };\n",
-             "0.02", "0.02", "fill_steps = 200; density = 1000.0; ");
-    write_text("w.cfg", text);
+    write_text("w.cfg", SHAPES, "0.02", "0.02", "fill_steps = 200; density = 1000.0; ");
     GOOD("sweep plan w.cfg -o v");
     write_text("w.cfg", "units = \"metric\"; protocol = \"repose\";\n");
     FAILS(65, "units = \"metric\": unknown word, allowed: cgs | si | sigma", "sweep plan w.cfg -o v");
