@@ -143,6 +143,12 @@ rp_table read_table(const char *name)
     return table;
 }
 
+void read_again(rp_table *table, const char *name)
+{
+    rp_table_free(table);
+    *table = read_table(name);
+}
+
 const char *word(const rp_table *t, size_t row, const char *column)
 {
     int c = rp_table_column(t, column);

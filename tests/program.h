@@ -51,6 +51,7 @@ bool failed(const char *file, int line, int status, int expected, const char *te
 /* A table of the folder; free with rp_table_free. A scoped_table is freed at the end of its scope. */
 #define scoped_table __attribute__((cleanup(rp_table_free))) rp_table
 rp_table read_table(const char *name);
+void read_again(rp_table *table, const char *name); /* in place of what it holds */
 
 /* Text and number of a cell; a failed assertion, "" and NaN if there is no such cell. */
 const char *word(const rp_table *t, size_t row, const char *column);

@@ -533,30 +533,28 @@ static void check_tent(const rp_table *t, size_t row, double outer, double inner
 static void test_static_models(void)
 {
     GOOD("lattice --layers 45");
-    rp_table t = read_table("out");
+    scoped_table t = read_table("out");
     CU_ASSERT(t.n_rows == 45);
     for (size_t i = 0; i < t.n_rows; i++) {
         /* (42): N = (k + 1)/2; (44): H grows by equal parts from toe to toe, 0 in the middle */
         CHECK_NEAR(cell(&t, i, "N/mg"), 23.0, FORM_TOLERANCE);
         CHECK_NEAR(cell(&t, i, "H/mg"), ((double)i - 22.0) / sqrt(3.0), FORM_TOLERANCE);
     }
-    rp_table_free(&t);
 
     /* rays of 60 degrees from the middle reach the flanks at B tan 30 / (2 (sin 60 + tan 30 cos 60)) = B/4
      * each, and from x in the flank, (54): sqrt 3 x sin 30 cos 30 / (2 sin 90 sin 30) = 3/4 x */
     GOOD("continuum --alpha-deg 30 --at 0.5,0.12,0.88");
-    t = read_table("out");
+    read_again(&t, "out");
     CU_ASSERT(t.n_rows == 3);
     CHECK_NEAR(cell(&t, 0, "N/(chi*g*B)"), 0.25, FORM_TOLERANCE);
     CHECK_NEAR(cell(&t, 0, "H/(chi*g*B)"), 0.0, FORM_TOLERANCE);
     CHECK_NEAR(cell(&t, 1, "N/(chi*g*B)"), 0.09, FORM_TOLERANCE);
     CHECK_NEAR(cell(&t, 1, "H/(chi*g*B)"), -0.12 / (4.0 * sqrt(3.0)), FORM_TOLERANCE);
     CHECK_NEAR(cell(&t, 2, "H/(chi*g*B)"), 0.12 / (4.0 * sqrt(3.0)), FORM_TOLERANCE);
-    rp_table_free(&t);
 
     /* a tent whose slopes are equal is a triangle */
     GOOD("continuum --alpha-deg 23.85 --points 31");
-    t = read_table("out");
+    read_again(&t, "out");
     GOOD("tent --outer-deg 23.85 --inner-deg 23.85 --x1 0.2385 --points 31");
     scoped_table tent = read_table("out");
     CU_ASSERT(t.n_rows == 31 && tent.n_rows == 31);
@@ -568,11 +566,10 @@ static void test_static_models(void)
         CHECK_NEAR(cell(&tent, i, "N/(chi*g*B)"), cell(&t, i, "N/(chi*g*B)"), FORM_TOLERANCE);
         CHECK_NEAR(cell(&tent, i, "H/(chi*g*B)"), cell(&t, i, "H/(chi*g*B)"), FORM_TOLERANCE);
     }
-    rp_table_free(&t);
 
     /* the dip of Fig. 19 in the map of all tents; a steeper outer slope has none */
     GOOD("tent --map --x1 0.38");
-    t = read_table("out");
+    read_again(&t, "out");
     CU_ASSERT(t.n_rows == 59 * 59);
     for (size_t i = 0; i < t.n_rows; i++) {
         const double outer = cell(&t, i, "outer_deg"), inner = cell(&t, i, "inner_deg");
@@ -585,7 +582,6 @@ static void test_static_models(void)
             CHECK_NEAR(cell(&t, i, "N_middle/(chi*g*B)"), 0.25, FORM_TOLERANCE);
         }
     }
-    rp_table_free(&t);
 }
 
 static void test_angles(void)
@@ -601,28 +597,25 @@ static void test_angles(void)
         {"printed", 3.533, printed, 30.0},
         {"sine", 0.5 * (phi - 18.0 * deg - asin(cos(120.0 * deg) * sin(phi + 18.0 * deg))) / deg, 1e-9, 42.0},
         {"lattice", atan((0.2 - t18 / 3.0) / (1.0 - 0.2 * t18)) / deg, 1e-9, 90.0}};
-    rp_table t;
+    scoped_table t = {0};
     GOOD("angle marginal --mu 0.2");
-    t = read_table("out");
+    read_again(&t, "out");
     CHECK_NEAR(cell(&t, 0, "theta_ms_deg"), atan(0.6) / deg, FORM_TOLERANCE);
     CU_ASSERT_STRING_EQUAL(word(&t, 0, "status"), "ok");
-    rp_table_free(&t);
     for (size_t i = 0; i < sizeof forms / sizeof *forms; i++) {
         GOOD("angle tilt --mu 0.2 --theta-r-deg 18 --form %s", forms[i].form);
-        t = read_table("out");
+        read_again(&t, "out");
         CHECK_NEAR(cell(&t, 0, "theta_t_deg"), forms[i].theta_t, forms[i].tolerance);
         CHECK_NEAR(cell(&t, 0, "margin_deg"), atan(0.6) / deg - 18.0, FORM_TOLERANCE);
         CHECK_NEAR(cell(&t, 0, "theta_ms_deg"), atan(0.6) / deg, FORM_TOLERANCE);
         CHECK_NEAR(cell(&t, 0, "limit_deg"), forms[i].limit, FORM_TOLERANCE);
         CU_ASSERT_STRING_EQUAL(word(&t, 0, "status"), "ok");
-        rp_table_free(&t);
     }
     GOOD("angle tilt --mu 0.2 --theta-r-deg 38.5");
-    t = read_table("out");
+    read_again(&t, "out");
     CU_ASSERT_STRING_EQUAL(word(&t, 0, "theta_t_deg"), "nan");
     CHECK_NEAR(cell(&t, 0, "margin_deg"), atan(0.6) / deg - 38.5, FORM_TOLERANCE);
     CU_ASSERT_STRING_EQUAL(word(&t, 0, "status"), "already_unstable");
-    rp_table_free(&t);
     char *first = strstr(out, "nan");
     CU_ASSERT(first && !strstr(first + 1, "nan"));
     /* no theory means no result, in the row too */
@@ -707,28 +700,25 @@ static void test_angle_tables(void)
         fprintf(file, "%.17g\t%.17g\t0.1\n", 0.1 + 0.2 * j, 2.0 - 0.385 * (0.1 + 0.2 * j));
     fclose(file);
     GOOD("angle slope pile.tsv --width 4");
-    rp_table t = read_table("out");
+    scoped_table t = read_table("out");
     CU_ASSERT(t.n_rows == 3);
     for (size_t i = 0; i < t.n_rows; i++) CHECK_NEAR(cell(&t, i, "theta_deg"), atan(0.385) / deg, 1e-9);
-    rp_table_free(&t);
     write_text("pile.tsv", "0.1 0.2\n0.3 0.2\n0.5 0.1\n");
     FAILS(1, "occupied", "angle slope pile.tsv --width 4");
     CU_ASSERT(strstr(out, "no_pile") != NULL);
     test_outline();
     write_text("line.tsv", "# mu\ttheta\tse\n0.05\t1.5\t0.1\n0.1\t2.5\t0.1\n0.2\t4.5\t0.2\n0.3\tnan\tnan\n");
     GOOD("stats fit line.tsv -x mu -y theta --se se");
-    t = read_table("out");
+    read_again(&t, "out");
     CHECK_NEAR(cell(&t, 0, "slope"), 20.0, 1e-10);
     CHECK_NEAR(cell(&t, 0, "intercept"), 0.5, 1e-10);
     CHECK_NEAR(cell(&t, 0, "n"), 3.0, 0.0);
-    rp_table_free(&t);
     GOOD("stats maximum line.tsv --column theta --draws 2");
-    t = read_table("out");
+    read_again(&t, "out");
     CHECK_NEAR(cell(&t, 0, "maximum"), (2.5 + 4.5 + 4.5) / 3.0, 1e-15); /* of the three pairs */
     CHECK_NEAR(cell(&t, 0, "n"), 3.0, 0.0);
     /* the standard deviation over the 27 resamples of 1.5, 2.5, 4.5 is 8/9; 2000 of them give it to 1.6 % */
     CHECK_NEAR(cell(&t, 0, "maximum_se"), 8.0 / 9.0, 5.0 * 0.016);
-    rp_table_free(&t);
     FAILS(1, "too few for a maximum of 4", "stats maximum line.tsv --column theta --draws 4");
     FAILS(65, "no column \"theta_r3_deg\"", "stats maximum line.tsv --column theta_r3_deg --draws 2");
     FAILS(65, "no column \"theta_r3_deg\"", "angle compare line.tsv");
@@ -739,15 +729,13 @@ static void test_angle_tables(void)
         fprintf(file, "%g\t%d\t%d\tok\n", j % 2 ? 0.2 : 0.1, (j % 2 ? 16 : 8) + j % 3, 3 + j / 3);
     fclose(file);
     GOOD("angle phi runs.tsv");
-    t = read_table("out");
+    read_again(&t, "out");
     CU_ASSERT(t.n_rows == 2 && cell(&t, 0, "n") == 12.0 && cell(&t, 0, "n_mu") == 2.0);
-    rp_table_free(&t);
     GOOD("angle phi runs.tsv --to 0.15");
-    t = read_table("out");
+    read_again(&t, "out");
     CU_ASSERT(t.n_rows == 2 && cell(&t, 0, "n") == 6.0 && cell(&t, 0, "n_mu") == 1.0);
     /* mean theta_r 9, theta_t 13/3 at mu = 0.1 */
     CHECK_NEAR(cell(&t, 0, "phi_deg"), atan(sqrt(tan((9.0 + 13.0 / 3.0) * deg) / 0.1)) / deg, 1e-5);
-    rp_table_free(&t);
     FAILS(1, "no row with status ok", "angle phi runs.tsv --from 0.25");
 }
 
@@ -765,7 +753,7 @@ static void test_stress_tables(void)
                "0\t1\t0.9\t0.1\t0.9\t0\t490.5\t0\n0\t1\t1.1\t0.1\t1.1\t0\t490.5\t0\n",
                490.5 * sqrt(2.0), 490.5 * sqrt(2.0));
     GOOD("stress base p --width 1.2 --cell 0.2");
-    rp_table t = read_table("out");
+    scoped_table t = read_table("out");
     static const double n[] = {1471.5, 0.0, 2452.5, 490.5}, weight[] = {981.0, 981.0, 1962.0, 490.5};
     for (size_t i = 0; i < 4; i++) {
         CHECK_NEAR(cell(&t, i, "N"), n[i] / 0.2, 1e-8);
@@ -773,15 +761,13 @@ static void test_stress_tables(void)
         CHECK_NEAR(cell(&t, i, "weight"), weight[i] / 0.2, 1e-8);
         CHECK_NEAR(cell(&t, i, "imbalance"), 0.0, 1e-8);
     }
-    rp_table_free(&t);
     GOOD("stress field p p_contacts.tsv --width 1.2 --cell 1.2");
-    t = read_table("out");
+    read_again(&t, "out");
     /* sum of force times branch vector over 1.44: two contacts of 490.5 x 0.2 per side; floor and wall at 0.1
      */
     CHECK_NEAR(cell(&t, 0, "sxx"), (2.0 * 490.5 * 0.2 + 490.5 * 0.1) / 1.44, 1e-8);
     CHECK_NEAR(cell(&t, 0, "syy"), (2.0 * 490.5 * 0.2 + (1471.5 + 2452.5 + 3.0 * 490.5) * 0.1) / 1.44, 1e-8);
     CHECK_NEAR(cell(&t, 0, "sxy"), -490.5 * 0.1 / 1.44, 1e-8);
-    rp_table_free(&t);
     /* a grain that flew off is named with its pile; 100000 cells away it still has one */
     shell(
         "cp p_contacts.tsv far_contacts.tsv; sed 's/^0.7/2e4/' p_grains.tsv >far_grains.tsv; "
@@ -848,16 +834,14 @@ static void test_cut_drops(void)
     GOOD("sweep plan s.cfg -o d");
     GOOD("sweep run d");
     GOOD("sweep export d --reduce -o points.tsv");
-    rp_table t = read_table("points.tsv");
+    scoped_table t = read_table("points.tsv");
     for (size_t k = 0; k < 3; k++) {
         CHECK_NEAR(cell(&t, k, "n"), k == 0 ? 3.0 : 0.0, 0.0);
         CHECK_NEAR(cell(&t, k, "n_failed"), k == 0 ? 0.0 : 3.0, 0.0);
     }
-    rp_table_free(&t);
     GOOD("sweep export d -o runs.tsv");
-    t = read_table("runs.tsv");
+    read_again(&t, "runs.tsv");
     for (size_t k = 3; k < 9; k++) CU_ASSERT(cell(&t, k, "capped") > 0.0 && isfinite(cell(&t, k, "dip")));
-    rp_table_free(&t);
     GOOD("stress dip runs.tsv");
     CU_ASSERT(strstr(out, "# rows: 3 used, 6 left out\n") != NULL);
 }
@@ -875,26 +859,24 @@ static void test_stats_trends(void)
                   "0.2\t80\t1e4\t99\t9\tok\n");
     fclose(file);
     GOOD("stats size runs.tsv -x W -y theta --by mu --to 6");
-    rp_table t = read_table("out");
+    scoped_table t = read_table("out");
     CU_ASSERT(t.n_rows == 3);
     CHECK_NEAR(cell(&t, 1, "limit"), 18.05, 1e-12);
     CHECK_NEAR(cell(&t, 1, "c"), 0.0, 1e-12);
     CHECK_NEAR(cell(&t, 1, "x_from"), 2.0, 1e-12);
     CHECK_NEAR(cell(&t, 1, "x_to"), 6.0, 1e-12);
     CU_ASSERT_STRING_EQUAL(t.cells[3 * t.n_columns - 1], "no_result");
-    rp_table_free(&t);
     GOOD("stats size runs.tsv -x W -y theta --by mu --to 6 --exponent free");
-    t = read_table("out");
+    read_again(&t, "out");
     CU_ASSERT(t.n_rows == 3);
     CU_ASSERT_STRING_EQUAL(t.cells[2 * t.n_columns - 1], "no_limit"); /* a constant has any exponent */
     CU_ASSERT_STRING_EQUAL(t.cells[3 * t.n_columns - 1], "no_result");
     CU_ASSERT(isnan(cell(&t, 2, "limit_lo")));
-    rp_table_free(&t);
     FAILS(64, "not both", "stats size runs.tsv -x W -y theta --exponent free --power 1");
     FAILS(64, "is for --exponent free", "stats size runs.tsv -x W -y theta --least-exponent 1");
     GOOD("stats trend runs.tsv -x k -y theta --by mu --to 1e6 --scale log --pair");
     CU_ASSERT(strstr(out, "# rows: 25 used, 1 without result, 2 with nan, 0 outside") != NULL);
-    t = read_table("out");
+    read_again(&t, "out");
     CHECK_NEAR(cell(&t, 0, "slope"), -1.5 - 0.5, 1e-12); /* 3/W falls by 1 as well */
     CHECK_NEAR(cell(&t, 0, "change"), -4.0, 1e-12);
     CHECK_NEAR(cell(&t, 0, "n_left"), 0.0, 0.0);
@@ -903,17 +885,15 @@ static void test_stats_trends(void)
     CU_ASSERT_STRING_EQUAL(t.cells[t.n_columns - 1], "falls");
     CU_ASSERT_STRING_EQUAL(t.cells[2 * t.n_columns - 1], "no_dependence_within_margin");
     CU_ASSERT_STRING_EQUAL(t.cells[3 * t.n_columns - 1], "no_result");
-    rp_table_free(&t);
     /* several tables are read as one; those of other columns are refused */
     write_text("less.tsv", "# mu\tW\tk\ttheta\tpile\tstatus\n0.3\t2\t1\t17\t0\tok\n0.3\t2\t1\t19\t0\tok\n");
     write_text("more.tsv", "# mu\tW\tk\ttheta\tpile\tstatus\n0.3\t4\t1\t21\t0\tok\n0.3\t4\t1\t23\t0\tok\n");
     GOOD("stats trend less.tsv more.tsv runs.tsv -x W -y theta --by mu --to 6");
-    t = read_table("out");
+    read_again(&t, "out");
     CU_ASSERT(t.n_rows == 3);
     CHECK_NEAR(cell(&t, 0, "n"), 4.0, 0.0);
     CHECK_NEAR(cell(&t, 0, "slope"), 2.0, 1e-12);
     CHECK_NEAR(cell(&t, 1, "n"), 12.0, 0.0);
-    rp_table_free(&t);
     write_text("other.tsv", "# mu\tW\tk\tslope\tpile\tstatus\n0.3\t4\t1\t21\t0\tok\n");
     write_text("units.tsv",
                "# units: 1\tm\t1\t1\t1\t1\n# mu\tW\tk\ttheta\tpile\tstatus\n0.3\t4\t1\t21\t0\tok\n");
@@ -925,14 +905,13 @@ static void test_stats_trends(void)
     write_text("empty.tsv", "g\tx\ty\tstatus\nfew\t1\t9\tleaked\nb\t1\t2\tok\nb\t2\t4\tok\nb\t3\t6\tok\n"
                             "none\t1\tnan\tok\nd\t1\t5\tok\nd\t2\t4\tok\nd\t3\t3\tok\n");
     GOOD("stats trend empty.tsv -x x -y y --by g");
-    t = read_table("out");
+    read_again(&t, "out");
     CU_ASSERT_FATAL(t.n_rows == 4);
     for (size_t k = 0; k < 4; k++) {
         CU_ASSERT_STRING_EQUAL(word(&t, k, "g"), k == 0 ? "few" : k == 1 ? "b" : k == 2 ? "none" : "d");
         CHECK_NEAR(cell(&t, k, "n"), k % 2 ? 3.0 : 0.0, 0.0);
         if (k % 2) CHECK_NEAR(cell(&t, k, "slope"), k == 1 ? 2.0 : -1.0, 1e-14);
     }
-    rp_table_free(&t);
     FAILS(65, "pile 0: two values", "stats trend runs.tsv -x W -y theta --pair");
     FAILS(1, "at 1 different x", "stats trend runs.tsv -x W -y theta --to 3");
     write_text("runs.tsv",
@@ -941,7 +920,7 @@ static void test_stats_trends(void)
                "new\t1\tu\t8.5\t1\nold\t1\tv\t1\t0\nnew\t1\tv\t1\t0\nold\t1\tv\t2\t1\nnew\t1\tv\t2\t1\n");
     GOOD("stats trend runs.tsv -x law -y y --by a,b --pair");
     CU_ASSERT(strstr(out, "# words: old = 0, new = 1\n") != NULL);
-    t = read_table("out");
+    read_again(&t, "out");
     CU_ASSERT(t.n_rows == 2);
     CU_ASSERT(strstr(out, "# units: cm\t1\t1\t1\t1\tx\tx\t") != NULL); /* each with its own unit */
     for (size_t row = 0; row < 2; row++) {
@@ -951,7 +930,6 @@ static void test_stats_trends(void)
     CHECK_NEAR(cell(&t, 0, "change"), 2.25, 1e-12);
     CHECK_NEAR(cell(&t, 0, "change_se"), 0.25, 1e-12);
     CHECK_NEAR(cell(&t, 1, "change"), 0.0, 1e-12);
-    rp_table_free(&t);
     /* one word among numbers, wherever it stands, makes words of all */
     static const char *const mixed[] = {"old\t1\n2\t2\n3\t4\n", "2\t1\nold\t2\n3\t4\n",
                                         "2\t1\n3\t2\nold\t4\n"},
@@ -971,7 +949,7 @@ static void test_stats_trends(void)
                "# x\ty\tse\n4\t1.9\t0.01\n1\t1\t0.01\n2\t1.2\t0.01\n5\t2.0\t0.01\n3\t1.4\t0.01\n");
     GOOD("stats fit bent.tsv -x x -y y --se se --successive");
     CU_ASSERT(strstr(out, "# linear_to: 3\n# bend_free_to: 3\n") != NULL);
-    t = read_table("out");
+    read_again(&t, "out");
     CU_ASSERT(t.n_rows == 3);
     CHECK_NEAR(cell(&t, 0, "slope"), 0.2, 1e-12);
     CHECK_NEAR(cell(&t, 0, "bend"), 0.0, 1e-12);
@@ -980,7 +958,6 @@ static void test_stats_trends(void)
     CU_ASSERT_STRING_EQUAL(word(&t, 0, "status"), "ok");
     CU_ASSERT_STRING_EQUAL(word(&t, 1, "status"), "curved");
     CU_ASSERT_STRING_EQUAL(word(&t, 2, "status"), "curved");
-    rp_table_free(&t);
     FAILS(1, "2 points", "stats fit bent.tsv -x x -y y --se se --successive --to 2");
 }
 
@@ -1461,7 +1438,7 @@ static void test_calibrate(void)
     CU_ASSERT(strstr(out, "\n# W: 3 cm\n") && strstr(out, "\n# holds for: two-dimensional") &&
               strstr(out, "\n# not for: other models") &&
               strstr(out, "24 piles used, 1 rows without result"));
-    rp_table t = read_table("out");
+    scoped_table t = read_table("out");
     CU_ASSERT(t.n_rows == 1);
     CU_ASSERT_STRING_EQUAL(word(&t, 0, "parameter"), "mu");
     CU_ASSERT_STRING_EQUAL(word(&t, 0, "status"), "ok");
@@ -1471,12 +1448,10 @@ static void test_calibrate(void)
               se < 0.7 / 50.0); /* error of the measurement, plus a little of the response */
     CHECK_NEAR(cell(&t, 0, "upper") - cell(&t, 0, "lower"), 3.92 * se, 0.02 * se);
     CHECK_NEAR(cell(&t, 0, "boot_se"), se, 0.2 * se);
-    rp_table_free(&t);
     GOOD("calibrate --runs piles.tsv --theta-r-deg 20 --error-deg 0.5 --theta-t-deg 5 --theta-t-error-deg "
          "0.5");
-    t = read_table("out");
+    read_again(&t, "out");
     CU_ASSERT(cell(&t, 0, "se") < se);
-    rp_table_free(&t);
     FAILS(1, "mu: above_range: the angle is larger than the response anywhere in the range; mu >= 0.6",
           "calibrate --runs piles.tsv --theta-r-deg 45 --error-deg 0.5");
     CU_ASSERT(
@@ -1595,16 +1570,14 @@ static void test_output_folder(void)
                0.1 - overlap, m);
     GOOD("run scene.cfg --set ledger=true --every 50 -o new/d");
     CU_ASSERT(out[0] == '\0');
-    rp_table t = read_table("new/d/states.tsv");
+    scoped_table t = read_table("new/d/states.tsv");
     CU_ASSERT(t.n_rows == 3);
     CHECK_NEAR(cell(&t, 2, "y"), 0.1 - overlap, 1e-14);
     CHECK_NEAR(cell(&t, 2, "contacts"), 1.0, 0.0);
-    rp_table_free(&t);
     GOOD("run scene.cfg -o 'two\nlines'"); /* which are one in the header */
-    t = read_table("two\nlines/states.tsv");
+    read_again(&t, "two\nlines/states.tsv");
     CU_ASSERT(t.n_rows == 1);
-    rp_table_free(&t);
-    t = read_table("new/d/contacts.tsv");
+    read_again(&t, "new/d/contacts.tsv");
     CU_ASSERT(t.n_rows == 3);
     for (size_t i = 0; i < t.n_rows; i++) {
         CHECK_NEAR(cell(&t, i, "step"), 50.0 * (double)i, 0.0);
@@ -1612,12 +1585,10 @@ static void test_output_folder(void)
         CHECK_NEAR(cell(&t, i, "wall"), 1.0, 0.0);
         CHECK_NEAR(cell(&t, i, "normal_force"), weight, relative * weight);
     }
-    rp_table_free(&t);
-    t = read_table("new/d/walls.tsv");
+    read_again(&t, "new/d/walls.tsv");
     CU_ASSERT(t.n_rows == 3);
     CHECK_NEAR(cell(&t, 2, "fy"), -weight, relative * weight);
-    rp_table_free(&t);
-    t = read_table("new/d/energy.tsv");
+    read_again(&t, "new/d/energy.tsv");
     CU_ASSERT(t.n_rows == 3);
     for (size_t i = 0; i < t.n_rows; i++) {
         CHECK_NEAR(cell(&t, i, "step"), 50.0 * (double)i, 0.0);
@@ -1626,10 +1597,8 @@ static void test_output_folder(void)
         CHECK_NEAR(cell(&t, i, "start"), weight * (0.1 - 0.6 * overlap), relative * weight);
     }
     GOOD("run scene.cfg -o new/d");
-    rp_table_free(&t);
-    t = read_table("new/d/energy.tsv");
+    read_again(&t, "new/d/energy.tsv");
     CU_ASSERT(rp_table_column(&t, "start") < 0 && rp_table_column(&t, "rotational") >= 0);
-    rp_table_free(&t);
 }
 
 /* A floor too soft to carry the grain: the run stops, and keeps its output so far. */
@@ -1707,11 +1676,10 @@ static void test_sweep(void)
     CU_ASSERT_STRING_EQUAL(out, digest);
     GOOD("sweep status d2");
     CU_ASSERT(strstr(out, "# planned: 4\n# stored: 4\n# missing: 0\n") != NULL);
-    rp_table t = read_table("out");
+    scoped_table t = read_table("out");
     CU_ASSERT(t.n_rows == 1);
     CU_ASSERT_STRING_EQUAL(word(&t, 0, "status"), "ok_fixed_time");
     CHECK_NEAR(cell(&t, 0, "runs"), 4.0, 0.0);
-    rp_table_free(&t);
     GOOD("sweep plan s.cfg -o d2");
     CU_ASSERT(strstr(out, "4 already stored") != NULL);
 
@@ -1719,7 +1687,7 @@ static void test_sweep(void)
     scoped_table runs = read_table("runs.tsv");
     CU_ASSERT(runs.n_rows == 4);
     GOOD("sweep export d1 --reduce");
-    t = read_table("out");
+    read_again(&t, "out");
     CU_ASSERT(t.n_rows == 2);
     for (size_t i = 0; i < 2; i++) {
         double a = cell(&runs, 2 * i, "theta_r2_deg"), b = cell(&runs, 2 * i + 1, "theta_r2_deg");
@@ -1729,7 +1697,6 @@ static void test_sweep(void)
         CHECK_NEAR(cell(&t, i, "n"), 2.0, 0.0);
         CHECK_NEAR(cell(&t, i, "n_failed"), 0.0, 0.0);
     }
-    rp_table_free(&t);
 }
 
 /* Runs, reduced table and derived tables by one command; then tables without runs. */
@@ -1740,11 +1707,10 @@ static void test_make(void)
                         "tables = [ \"s_line = stats fit @/s.tsv -x mu -y theta_r3_deg_mean\",\n"
                         "           \"s_rows = stats select @/s_r?ns.tsv --where mu=0.3\" ];\n");
     GOOD("sweep make s.cfg -o d --tables t -j 1");
-    rp_table runs = read_table("t/s_runs.tsv");
+    scoped_table runs = read_table("t/s_runs.tsv");
     CU_ASSERT(runs.n_rows == 2);
-    rp_table_free(&runs);
     GOOD("sweep make s.cfg -o d --tables t -j 1 --study");
-    runs = read_table("t/s_runs.tsv");
+    read_again(&runs, "t/s_runs.tsv");
     CU_ASSERT(runs.n_rows == 4);
     scoped_table reduced = read_table("t/s.tsv"), line = read_table("t/s_line.tsv"),
                  rows = read_table("t/s_rows.tsv");
@@ -1753,7 +1719,6 @@ static void test_make(void)
     CHECK_NEAR(cell(&rows, 1, "mu"), 0.3, 0.0);
     CHECK_NEAR(cell(&line, 0, "slope"),
                (cell(&reduced, 1, "theta_r3_deg_mean") - cell(&reduced, 0, "theta_r3_deg_mean")) / 0.1, 1e-9);
-    rp_table_free(&runs);
     GOOD("sweep digest d");
     char digest[33];
     snprintf(digest, sizeof digest, "%.32s", out);

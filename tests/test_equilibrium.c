@@ -1226,7 +1226,7 @@ static void check_outputs(void)
     CU_ASSERT(base.n_rows == 45 && cell(&base, 0, "H/mg") < 0);
     CHECK_NEAR(weight, 360, 360 * ROUNDING);
     rp_table_free(&base);
-    rp_table contacts = read_table("tables/contacts.tsv"), disks;
+    scoped_table contacts = read_table("tables/contacts.tsv"), disks;
     CU_ASSERT(contacts.n_rows == 845);
     size_t horizontal = 0;
     for (size_t i = 0; i < contacts.n_rows; i++) {
@@ -1236,7 +1236,6 @@ static void check_outputs(void)
         horizontal += cell(&contacts, i, "horizontal") > 0;
     }
     CU_ASSERT(horizontal == 239);
-    rp_table_free(&contacts);
     disks = read_table("tables/disks.tsv");
     CU_ASSERT(disks.n_rows == 360);
     rp_table_free(&disks);
@@ -1347,13 +1346,12 @@ static void check_failed(void)
     size_t broken = 0, told = 0;
     CU_ASSERT(run_pile("--alpha-deg 30 --well 1 --mu 0.2 --summary -o failed") == 1);
     CU_ASSERT(sscanf(err, "repose pile: spreads: %zu of 45 wells broken", &told) == 1);
-    rp_table t = read_table("out");
+    scoped_table t = read_table("out");
     CU_ASSERT(t.n_rows == 1 && isnan(cell(&t, 0, "negative_modes")) && isnan(cell(&t, 0, "smallest_pivot")));
     CU_ASSERT_STRING_EQUAL(rp_table_find_note(&t, "negative_modes"), "nan");
     CU_ASSERT_STRING_EQUAL(rp_table_find_note(&t, "smallest_pivot"), "nan");
     CU_ASSERT(cell(&t, 0, "broken") == (double)told);
-    rp_table_free(&t);
-    t = read_table("failed/wells.tsv");
+    read_again(&t, "failed/wells.tsv");
     CU_ASSERT_STRING_EQUAL(rp_table_find_note(&t, "status"), "spreads");
     CU_ASSERT(rp_table_find_note(&t, "state") != NULL);
     CU_ASSERT(t.n_rows == 45 && cell(&t, 0, "disk") == 1);
@@ -1364,10 +1362,8 @@ static void check_failed(void)
         CHECK_NEAR(cell(&t, i, "x") - cell(&t, i, "x_0"), 1e-4 * cell(&t, i, "x-x_0"), 1e-12);
     }
     CU_ASSERT(broken == told && told == 24);
-    rp_table_free(&t);
-    t = read_table("failed/disks.tsv");
+    read_again(&t, "failed/disks.tsv");
     CU_ASSERT(t.n_rows == 360);
-    rp_table_free(&t);
 }
 
 /* An unstable primary state is a result, with a note. */

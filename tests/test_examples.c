@@ -88,11 +88,10 @@ static double theta_r(void)
     GOOD("sweep plan r.cfg -o r > log");
     GOOD("sweep run r > log");
     GOOD("sweep export r -o r.tsv");
-    rp_table t = read_table("r.tsv");
+    scoped_table t = read_table("r.tsv");
     double sum = 0.0;
     for (size_t i = 0; i < t.n_rows; i++) sum += cell(&t, i, "theta_r3_deg");
     const double mean = sum / (double)t.n_rows;
-    rp_table_free(&t);
     leave();
     return mean;
 }

@@ -426,10 +426,7 @@ static const struct {
  * is round: where a grain touches exactly at a step, round-off decides on its damping. */
 static void write_grains(const char *file)
 {
-    char path[256];
-    path_of(file, path);
-    FILE *f = fopen(path, "w");
-    CU_ASSERT_PTR_NOT_NULL_FATAL(f);
+    FILE *f = file_of(file);
     fputs("x\ty\tr\tvx\tvy\tfixed\n", f);
     for (int i = 0; i < 30; i++) {
         const double moves = i < 2 ? 0.0 : 1.0;

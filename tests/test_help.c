@@ -180,7 +180,6 @@ static void check_help(const cli_command *c)
 
 static void test_help(void)
 {
-    enter();
     each(cli_repose.commands, check_help);
     typed = "report";
     each(report_commands, check_help);
@@ -206,7 +205,6 @@ static void test_help(void)
                               "for c in 100 70; do COLUMNS=$c \"$REPOSE\" calibrate --help; done >wanted; "
                               "cmp said wanted >out"),
                         0);
-    leave();
 }
 
 static char parallel[256];
@@ -227,10 +225,8 @@ static void test_parallel(void)
     each(cli_repose.commands, add_parallel);
     snprintf(message, sizeof message,
              "unknown option -j: repose lattice works on one processor; -j goes with %s\n", parallel);
-    enter();
     FAILS(64, message, "lattice -j 2");
     FAILS(64, message, "lattice -j");
-    leave();
 }
 
 /* Where help says an order, it is that of the output. */
@@ -271,7 +267,6 @@ static void test_removed(void)
 {
     char *changes;
     CHECK_OK(rp_file_read("CHANGELOG.md", &changes));
-    enter();
     for (const cli_removed *r = cli_repose.removed; r->name; r++) {
         char expected[256];
         const char *dashes = strstr(r->name, " --");
@@ -283,7 +278,6 @@ static void test_removed(void)
     FAILS(64, "unknown option --plot", "view --plot");
     FAILS(64, "unknown option --plo;", "run --plo");
     free(changes);
-    leave();
 }
 
 static rp_status nothing(cli_call *call, const void *values)
@@ -467,7 +461,6 @@ static void command_is(const cli_command *c)
 
 static void test_manual(void)
 {
-    enter();
     GOOD("help");
     char *overview = strdup(out), *files = strstr(overview, "\n\nAn example, sweep or table ");
     CU_ASSERT_PTR_NOT_NULL_FATAL(files);
@@ -509,7 +502,6 @@ static void test_manual(void)
     lines_are(files + 2);
     text_ends();
     free(overview);
-    leave();
 }
 
 /* ---- completion ---- */
@@ -542,7 +534,6 @@ static void completion_of(const cli_command *c)
 static void test_completion(void)
 {
     char words[1024] = "";
-    enter();
     GOOD("help --completion");
     rest = out;
     line_is("# Completion of repose, from `repose help --completion`; names of files where no word fits.");
@@ -558,7 +549,6 @@ static void test_completion(void)
     line_is("}");
     line_is("complete -o bashdefault -o default -F _repose repose");
     text_ends();
-    leave();
 }
 
 /* ---- parameters ---- */
@@ -642,7 +632,6 @@ static void test_params(void)
 {
     static const char *const words[] = {"params", "params --units si", "params scene --units si",
                                         "params flux"};
-    enter();
     for (size_t k = 0; k < 4; k++) {
         const bool si = k == 1 || k == 2;
         GOOD("%s", words[k]);
@@ -660,7 +649,6 @@ static void test_params(void)
     FAILS(65, "\"fluxx\": unknown protocol (did you mean \"flux\"?); repose params lists them",
           "params fluxx");
     FAILS(65, "(did you mean \"scene\"?)", "params scen");
-    leave();
 }
 
 /* The next row of the table has these cells. */
@@ -695,7 +683,6 @@ static void schema_rows(const char *of, const char *kind, const rp_param *schema
 static void test_params_json(void)
 {
     static const char *const words[] = {"params --json", "params --json --units si", "params scene --json"};
-    enter();
     for (size_t k = 0; k < 3; k++) {
         const bool si = k == 1;
         GOOD("%s", words[k]);
@@ -716,7 +703,6 @@ static void test_params_json(void)
         json_decref(all);
     }
     rp_units_set(RP_CGS);
-    leave();
 }
 
 void suite_help(void)
@@ -732,5 +718,5 @@ void suite_help(void)
                                        {"lists of parameters", test_params},
                                        {"parameters as rows", test_params_json},
                                        {0}};
-    check_register("help", cases);
+    check_register_within("help", enter, leave, cases);
 }

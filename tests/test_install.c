@@ -174,14 +174,12 @@ static void test_headers(void)
 /* Rows of an example equal those of a table of the program in the columns named. */
 static void check_same(const char *example, const char *program, size_t n, const char *const columns[])
 {
-    rp_table a = read_table(example), b = read_table(program);
+    scoped_table a = read_table(example), b = read_table(program);
     CU_ASSERT(a.n_rows > 2 && a.n_rows == b.n_rows);
     for (size_t row = 0; row < a.n_rows && row < b.n_rows; row++)
         for (size_t c = 0; c < n; c++)
             CHECK_NEAR(cell(&a, row, columns[c]), cell(&b, row, columns[c]),
                        SAME * (1.0 + fabs(cell(&b, row, columns[c]))));
-    rp_table_free(&a);
-    rp_table_free(&b);
 }
 
 #define COMPILE "${CC:-gcc} -std=c11 -Wall -Wextra -Wpedantic -Werror $SANITIZE $examples/"

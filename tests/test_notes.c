@@ -169,20 +169,18 @@ static void test_piles(void)
     GOOD("sweep plan s.cfg -o s");
     run("sweep run s -j 1");
     GOOD("sweep export s");
-    rp_table t = read_table("out");
+    scoped_table t = read_table("out");
     CU_ASSERT_FATAL(t.n_rows == PILES);
     for (size_t k = 0; k < PILES; k++) {
         const bool stands = strncmp(word(&t, k, "status"), "ok", 2) == 0;
         solved += stands;
         unstable += stands && cell(&t, k, "negative_modes") > 0.0;
     }
-    rp_table_free(&t);
     run("pile --base 10 --disorder 0.02 --eps 5e-3 --piles %d --seed 1", PILES);
-    t = read_table("out");
+    read_again(&t, "out");
     check_note(&t, "solved", "%zu of %d piles, %zu of them unstable", solved, PILES, unstable);
     CU_ASSERT(unstable > 0 && unstable < solved);
     check_note(&t, "n_disks", "55");
-    rp_table_free(&t);
 }
 
 /* Disks of a table weigh as the squares of their diameters: the base carries all of them. */
@@ -313,17 +311,15 @@ static void test_models(void)
           "lattice --base 10001 --alpha-deg 30 --method recursion");
     GOOD("lattice --base 10001 --alpha-deg 30");
     GOOD("lattice --layers 10001");
-    rp_table t = read_table("out");
+    scoped_table t = read_table("out");
     CU_ASSERT_FATAL(t.n_rows == 10001);
     for (size_t i = 0; i < t.n_rows; i += 1000) CHECK_NEAR(cell(&t, i, "N/mg"), 5001.0, 1e-9);
-    rp_table_free(&t);
     GOOD("lattice --layers 45 --method recursion");
-    t = read_table("out");
+    read_again(&t, "out");
     check_note(&t, "method", "recursion");
     for (size_t i = 0; i < t.n_rows; i++) CHECK_NEAR(cell(&t, i, "N/mg"), 23.0, 1e-10);
-    rp_table_free(&t);
     GOOD("tent --outer-deg 30 --inner-deg 45 --x1 0.3 --points 2001");
-    t = read_table("out");
+    read_again(&t, "out");
     size_t top = 0, middle = t.n_rows / 2;
     for (size_t i = 0; i <= middle; i++)
         if (cell(&t, i, "N/(chi*g*B)") > cell(&t, top, "N/(chi*g*B)")) top = i;
@@ -340,19 +336,16 @@ static void test_models(void)
     check_note(&t, "map", "false");
     check_note(&t, "points", "2001");
     CU_ASSERT(!rp_table_find_note(&t, "at") && !rp_table_find_note(&t, "json"));
-    rp_table_free(&t);
     GOOD("continuum --alpha-deg 30");
-    t = read_table("out");
+    read_again(&t, "out");
     CU_ASSERT_FATAL(t.n_rows == 201);
     for (size_t i = 0; i < t.n_rows; i++) CHECK_NEAR(cell(&t, i, "x/B"), 0.005 * (double)i, 1e-15);
-    rp_table_free(&t);
     GOOD("continuum --alpha-deg 30 --points 4001");
-    t = read_table("out");
+    read_again(&t, "out");
     top = 0;
     for (size_t i = 0; i < t.n_rows / 2; i++)
         if (fabs(cell(&t, i, "H/(chi*g*B)")) > fabs(cell(&t, top, "H/(chi*g*B)"))) top = i;
     CHECK_NEAR(strtod(note(&t, "x_c/B"), NULL), cell(&t, top, "x/B"), 3e-4); /* the kink has the largest H */
-    rp_table_free(&t);
 }
 
 /* ---- sweeps ---- */
@@ -361,7 +354,7 @@ static void test_models(void)
 static void check_export(size_t stored)
 {
     run("sweep export s");
-    rp_table t = read_table("out");
+    scoped_table t = read_table("out");
     double seconds = 0.0;
     size_t failed = 0;
     CU_ASSERT_FATAL(t.n_rows == stored);
@@ -384,9 +377,8 @@ static void check_export(size_t stored)
         CU_ASSERT_FATAL(sscanf(out, "%63s", digest) == 1);
         check_note(&t, "digest", "%s (6 runs)", digest);
     }
-    rp_table_free(&t);
     run("sweep status s");
-    t = read_table("out");
+    read_again(&t, "out");
     check_note(&t, "running", "0");
     check_note(&t, "planned", "6");
     check_note(&t, "stored", "%zu", stored);
@@ -394,7 +386,6 @@ static void check_export(size_t stored)
     const double left = seconds / (double)stored * (double)(6 - stored);
     CHECK_NEAR(strtod(note(&t, "left"), NULL), left, 0.006 * left); /* three digits */
     if (stored < 6) check_note(&t, "shards with missing runs", "1,3 of 3");
-    rp_table_free(&t);
 }
 
 /* A copy with one more shard of two runs is merged twice, and then into a sweep that shares two of its runs.

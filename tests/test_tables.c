@@ -627,7 +627,7 @@ static void test_compare(void)
         "# mu\ttheta_r3_deg\ttheta_t_displacement_deg\tstatus\n0.3\t12\t5\tok\n0.1\t5\t2\tok\n0.2\t9\t3\tok\n"
         "0.2\t11\t3.5\tok\n");
     GOOD("angle compare more.tsv --bootstrap 10");
-    rp_table t_more = read_table("out");
+    scoped_table t_more = read_table("out");
     CU_ASSERT_FATAL(t_more.n_rows == 3);
     for (size_t g = 0; g < 3; g++) {
         const double mu = 0.1 * ((double)g + 1.0);
@@ -636,7 +636,6 @@ static void test_compare(void)
         CHECK_NEAR(cell(&t_more, g, "theta_ms_deg"), atan(3.0 * mu) * 180.0 / M_PI, 1e-12);
         CHECK_NEAR(cell(&t_more, g, "theta_rt_deg"), g == 0 ? 7.0 : g == 1 ? 13.25 : 17.0, 1e-12);
     }
-    rp_table_free(&t_more);
     /* the word is that of the first form that is not ok */
     const char *first_word = "ok";
     char found[4][32];
@@ -651,9 +650,8 @@ static void test_compare(void)
         if (strcmp(found[f], "ok") != 0) first_word = found[f];
     CU_ASSERT(strcmp(found[0], "ok") == 0 && strcmp(first_word, "ok") != 0);
     GOOD("angle compare more.tsv --bootstrap 10 --phi-deg 74");
-    t_more = read_table("out");
+    read_again(&t_more, "out");
     CU_ASSERT_STRING_EQUAL(word(&t_more, 0, "status"), first_word);
-    rp_table_free(&t_more);
 }
 
 /* Closed-form models: the outline of a tent of 30 and 45 degrees, the triangle by (42) and (44). */
@@ -1111,19 +1109,17 @@ static void test_systems(void)
                    "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; } );\n",
                    systems[k].word, W, W);
         GOOD("run s.cfg --every 5 --force -o d");
-        rp_table t = read_table("d/energy.tsv");
+        scoped_table t = read_table("d/energy.tsv");
         for (size_t i = 0; i < t.n_rows; i++) {
             kinetic[k] += cell(&t, i, "kinetic") * systems[k].erg;
             elastic[k] += cell(&t, i, "elastic") * systems[k].erg;
         }
         const char *units = rp_table_find_note(&t, "units");
         CU_ASSERT(units && strstr(units, systems[k].energies) != NULL);
-        rp_table_free(&t);
-        t = read_table("d/contacts.tsv");
+        read_again(&t, "d/contacts.tsv");
         units = rp_table_find_note(&t, "units");
         snprintf(text, sizeof text, "\t%s\t%s\t%s\t", systems[k].unit, systems[k].force, systems[k].force);
         CU_ASSERT(units && strstr(units, text) != NULL);
-        rp_table_free(&t);
         CU_ASSERT(shell("cat d/states.tsv >out 2>err") == 0);
         GOOD("stats select d/states.tsv");
         CU_ASSERT((strstr(out, "# system: ") != NULL) == (k > 0) && strstr(out, systems[k].note) != NULL);

@@ -92,7 +92,6 @@ static void write_pile(void)
 static void test_circles(void)
 {
     static const double x[] = {0.0, 2.5, 5.0}, y[] = {1.0, 1.5, 1.5}, r[] = {1.0, 1.5, 1.0};
-    enter();
     write_pile();
     GOOD("view . -o a.svg");
     read_svg("a.svg");
@@ -107,14 +106,12 @@ static void test_circles(void)
         /* the picture is a whole number of pixels wide, up to half a pixel of 680 less */
         CHECK_NEAR(c->r, scale * r[i % 3] + (i < 3 ? 0.25 : -0.25), 0.03 + scale * r[i % 3] * 0.5 / 680.0);
     }
-    leave();
 }
 
 /* Each force is a line between the centres of its contact, the strongest last. Its colour and its width are
  * those of its force over the largest, in twelve steps. */
 static void test_forces(void)
 {
-    enter();
     write_pile();
     GOOD("view . -o a.svg");
     read_svg("a.svg");
@@ -152,14 +149,12 @@ static void test_forces(void)
     CU_ASSERT(count_strokes(WALL) == 2); /* the open wall has nothing left */
     CU_ASSERT(shell("grep -q 'normal force 12 N' a.svg && grep -q 'x (m)' a.svg && "
                     "grep -q 'step 7, t = 0.5 s, 3 grains' a.svg") == 0);
-    leave();
 }
 
 /* Walls without end reach from border to border of the window: a level one, an upright one, and two that
  * slope, of which each end lies on one of the borders. */
 static void test_slopes(void)
 {
-    enter();
     write_pile();
     write_text("walls.tsv",
                "step\tt\twall\tx\ty\tdirection_x\tdirection_y\tfrom\tto\n"
@@ -191,13 +186,11 @@ static void test_slopes(void)
         slopes += at_border == 2 && fabs(x[1] - x[0]) > 1.0 && fabs(y[1] - y[0]) > 1.0;
     }
     CU_ASSERT(level == 1 && upright == 1 && slopes == 2);
-    leave();
 }
 
 /* A segment is drawn as far as half the size of the grains' region, whichever side of that is longer. */
 static void test_segment(void)
 {
-    enter();
     for (int tall = 0; tall < 2; tall++) {
         write_text("pile_grains.tsv", "x\ty\tr\n0\t0\t1\n%d\t%d\t1\n", tall ? 0 : 10, tall ? 10 : 0);
         write_text("pile_walls.tsv", "wall\tx\ty\tdirection_x\tdirection_y\tfrom\tto\n1\t0\t0\t%d\t%d\t%s\n",
@@ -210,7 +203,6 @@ static void test_segment(void)
         /* the grains' region is 12 by 2; half of 12 and a radius to both sides of 2 */
         CHECK_NEAR(hypot(wall->x2 - wall->x, wall->y2 - wall->y) / scale, 16.0, 0.1);
     }
-    leave();
 }
 
 /* Corners of frame number `which`, from above: least and largest x, least and largest y. A frame begins with
@@ -262,7 +254,6 @@ static void test_layout(void)
                  {"--window -1,4,-1,19", 11.0, 0.7, 0.0, 5.0, 20.0},
                  {"--window -1,9,-1,13.5", 1.8 + 14.0 * 10.0 / 14.5 + 0.7, 0.7, 0.0, 10.0, 14.5},
                  {"--window -20,20,-1,1", 18.0, 0.7, 0.0, 40.0, 1.2 * 40.0 / 15.5}};
-    enter();
     write_pile();
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         double width, height, frame[4], panel[4], at[2];
@@ -292,7 +283,6 @@ static void test_layout(void)
             CU_ASSERT(at[0] > 11.0 && at[0] < width && at[1] > 11.0 && at[1] < height);
         }
     }
-    leave();
 }
 
 /* The picture that these words ask for has n grains of these colours. */
@@ -309,7 +299,6 @@ static void test_colors(void)
 {
     static const char LEAST[] = "rgb( 43, 123, 186)", ZERO[] = "rgb(247, 247, 247)",
                       LARGEST[] = "rgb(230,  97,   1)";
-    enter();
     write_pile();
     check_colors(". -o a.svg --color m", 3,
                  (const char *[]){"rgb(255, 247, 188)", "rgb(204,  76,   2)", "rgb(254, 153,  41)"});
@@ -321,14 +310,12 @@ static void test_colors(void)
     check_colors("t.csv -o a.svg --color charge --frame last", 2, (const char *[]){LARGEST, LEAST});
     write_text("t.csv", "x,y,r,charge\n0,0,1,nan\n3,0,1,nan\n");
     FAILS(1, "column \"charge\": no number", "view t.csv -o a.svg --color charge");
-    leave();
 }
 
 /* One force of 12 N along y through a cell of 3 m times 3 m: the stress is 12 N * 1.5 m / 9 m^2 along y and
  * none along x, and the pressure on the base 12 N / 3 m. */
 static void test_stress(void)
 {
-    enter();
     write_pile();
     write_text("contacts.tsv", "x\ty\tx_b\ty_b\tforce\twall\n2.5\t1.5\t2.5\t0\t12\t1\n");
     GOOD("view . -o a.svg --stress --base --cell 3");
@@ -382,7 +369,6 @@ static void test_stress(void)
     write_text("contacts.tsv", "x\ty\tx_b\ty_b\tforce\twall\n2.5\t1.5\t0.5\t0\t12\t1\n");
     GOOD("view . -o a.svg --stress --cell 20");
     CU_ASSERT(shell("grep -q 'principal stress, largest 0.075 ' a.svg") == 0);
-    leave();
 }
 
 /* ---- frames ---- */
@@ -399,7 +385,6 @@ static void write_moving(void)
 
 static void test_frames(void)
 {
-    enter();
     write_moving();
     CU_ASSERT(run("run s.cfg --every 50 -o d") == 0);
     GOOD("view d -o a.gif --fps 20");
@@ -424,13 +409,11 @@ static void test_frames(void)
     CHECK_NEAR(top[0], 0.5, 1e-3);
     CHECK_NEAR(top[1], 0.46, 1e-3);
     CHECK_NEAR(top[2], 0.41, 1e-3);
-    leave();
 }
 
 /* A film by ffmpeg where it is installed; else the message names its package. */
 static void test_film(void)
 {
-    enter();
     write_moving();
     CU_ASSERT(run("run s.cfg --every 50 -o d") == 0);
     if (shell("command -v ffmpeg >which") == 0) {
@@ -444,7 +427,6 @@ static void test_film(void)
               "view d -o a.mp4");
         CU_ASSERT(shell("! ls | grep -q mp4") == 0);
     }
-    leave();
 }
 
 /* ---- what gnuplot is told ---- */
@@ -533,7 +515,6 @@ static void write_frames(void)
 static void test_animation(void)
 {
     static const int classes[FRAMES] = {6, 12, 0, 12, 9};
-    enter();
     write_frames();
     CU_ASSERT_EQUAL(tell(". -o a.gif --color m --fps 20"), 0);
     /* 8.5 by 11 m: 14 cm high */
@@ -568,7 +549,6 @@ static void test_animation(void)
     CU_ASSERT_EQUAL(tell(". -o a.gif"), 0);
     check_data("contacts", 0, 1, 5, (double[]){2, 1, 3, 0.5, 12});
     CU_ASSERT(is_told("title \"normal force 0.375\"\n"));
-    leave();
 }
 
 /* Which frame is drawn, and on what. */
@@ -592,7 +572,6 @@ static void test_chosen(void)
                  {"a.pdf", "12", "pdfcairo enhanced font 'DejaVu Sans,8' size 18.000cm,14.000cm", 1},
                  {"a.mp4", "3",
                   "pngcairo enhanced font 'DejaVu Sans,11' fontscale 1.1 linewidth 1.5 size 1080,840", 5}};
-    enter();
     write_frames();
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         char words[128], text[128];
@@ -643,7 +622,6 @@ static void test_chosen(void)
     size_t pauses = 0;
     for (const char *c = told; (c = strstr(c, "\npause 0.100\n")); c++) pauses++;
     CU_ASSERT(pauses == FRAMES - 1 && strstr(told, "\"step 3, ") < strstr(told, "\npause "));
-    leave();
 }
 
 /* Colours run from the least to the largest value, or as far to both sides of 0; of one value alone, half of
@@ -656,7 +634,6 @@ static void test_range(void)
     } cases[] = {{-1.0, 4.0, "-4:4"},   {4.0, -1.0, "-4:4"}, {-4.0, 0.5, "-4:4"},     {2.0, 5.0, "2:5"},
                  {0.0, 0.5, "0:0.5"},   {-3.0, 0.0, "-3:0"}, {0.0, 0.0, "-0.5:0.5"},  {6.0, 6.0, "3:9"},
                  {-6.0, -6.0, "-9:-3"}, {0.5, 0.5, "0:1"},   {-0.5, 0.25, "-0.5:0.5"}};
-    enter();
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         const bool both = cases[k].a * cases[k].b < 0.0;
         char text[64];
@@ -672,7 +649,6 @@ static void test_range(void)
         CU_ASSERT(is_told(text) && is_told("set xrange [-2:8]\n") && is_told("set yrange [-2:2]\n"));
         CU_ASSERT(is_told("\"3 grains\"") && is_told("set xlabel \"x\" noenhanced"));
     }
-    leave();
 }
 
 /* A force of 3 along a branch of length l up to the right and one of 4 across it, in a cell of area 9: the
@@ -681,7 +657,6 @@ static void test_range(void)
 static void test_crosses(void)
 {
     const double l = 0.9 * 3.0, root = sqrt(10.0), half = sqrt(0.5);
-    enter();
     write_pile();
     write_text("contacts.tsv",
                "x\ty\tx_b\ty_b\tnormal_force\tshear_force\twall\n3.5\t1.5\t2.5\t0.5\t3\t4\t0\n"
@@ -712,14 +687,12 @@ static void test_crosses(void)
     CU_ASSERT_EQUAL(tell("p_grains.tsv -o a.png --stress --base --cell 3"), 0);
     check_data("stress", 0, 1, 5, (double[]){0.5, 0.5 - 1.35, 0, 2.7, 50});
     check_data("base", 0, 4, 2, (double[]){-8.5, 0, -5.5, 0, -2.5, 0, 0.5, 4});
-    leave();
 }
 
 /* Vertical forces of contacts with walls below, up to 45 degrees; of bins of 3 m from x = -1 m on to the end
  * of the window, at 7 m and a mean radius. */
 static void test_bins(void)
 {
-    enter();
     write_pile();
     write_text("contacts.tsv", "# units: m\tm\tm\tm\tN\t1\nx\ty\tx_b\ty_b\tnormal_force\twall\n"
                                "-1\t3\t-1\t2\t6\t1\n"        /* where the bins begin */
@@ -764,7 +737,6 @@ static void test_bins(void)
     CU_ASSERT_EQUAL(tell(". -o a.png --base --cell 1"), 0);
     check_data("base", 0, 4, 2, (double[]){0, 0.25, 1, 0.5, 2, 0.125, 3, 0});
     CU_ASSERT(is_told("set ylabel \"pressure\" noenhanced") && is_told("\"3 grains\""));
-    leave();
 }
 
 /* Lines are as wide as 0.9 of a mean radius, from 2 to 5; class k of 12 has (k - 1/2)/12 of it, and a shade
@@ -772,7 +744,6 @@ static void test_bins(void)
 static void test_styles(void)
 {
     static const int windows[] = {50, 136, 1000};
-    enter();
     write_pile();
     write_text("states.tsv", "# units: m\tm\tm\nx\ty\tr\n0\t1\t1\n2\t1\t1\n");
     CU_ASSERT(shell("rm walls.tsv >out 2>err") == 0);
@@ -822,13 +793,11 @@ static void test_styles(void)
     CU_ASSERT_EQUAL(tell(". -o a.png --stress"), 0);
     CU_ASSERT(is_told("set style arrow 7 nohead lw 2.71 lc rgb '#b9b9b9'\n"));
     CU_ASSERT(is_told("plot $grains using 1:2:3 with circles lw 0.4 fc rgb '#eeeeee' notitle, \\\n"));
-    leave();
 }
 
 /* Of walls without ends, what is within the window; none of those beside it, however near. */
 static void test_clipped(void)
 {
-    enter();
     write_text("p_grains.tsv", "x\ty\tr\n0\t1\t1\n");
     write_text("p_walls.tsv", "x\ty\tdirection_x\tdirection_y\tfrom\tto\n"
                               "3\t9.5\t0\t1\t-inf\tinf\n3\t-0.5\t0\t1\t-inf\tinf\n3\t10.5\t0\t1\t-inf\tinf\n"
@@ -845,7 +814,6 @@ static void test_clipped(void)
     CU_ASSERT_EQUAL(tell("p_grains.tsv -o a.png --window 0,10,0,10"), 0);
     check_data("contacts", 0, 2, 5, (double[]){0, 1, 0, -1, 6, 0, 1, 1, 0, 12});
     check_data("walls", 0, 2, 4, (double[]){0, 0, 1, 0, 2, 0, 1, 0});
-    leave();
 }
 
 /* Stages of a run by their steps, whatever their names; a stage without rows is none. */
@@ -853,7 +821,6 @@ static void test_stages(void)
 {
     static const char *const names[] = {"a", "b", "d"};
     static const int order[] = {9, 1, 5};
-    enter();
     CU_ASSERT(shell("mkdir d >out 2>err") == 0);
     for (int k = 0; k < 3; k++) {
         char name[32];
@@ -870,14 +837,12 @@ static void test_stages(void)
         check_data("contacts", k, 1, 5, (double[]){x[k], 0, 0, 2, class[k]});
     }
     CU_ASSERT(is_told("title \"normal force 2\"\n"));
-    leave();
 }
 
 /* ---- kinds of folders and files ---- */
 
 static void test_kinds(void)
 {
-    enter();
     write_pile();
     GOOD("view states.tsv -o a.png");
     CU_ASSERT(shell("head -c 8 a.png | od -An -tx1 | grep -q '89 50 4e 47 0d 0a 1a 0a'") == 0);
@@ -896,12 +861,10 @@ static void test_kinds(void)
     CU_ASSERT(run("run r.cfg -o stages") <= 1);
     GOOD("view stages -o a.gif"); /* filled, and the pile */
     CU_ASSERT(shell("LC_ALL=C grep -aob \"$(printf '\\041\\371\\004')\" a.gif | wc -l | grep -qx 2") == 0);
-    leave();
 }
 
 static void test_refusals(void)
 {
-    enter();
     write_pile();
     write_text("bare.tsv", "x\ty\n1\t2\n");
     write_text("flat.tsv", "x\ty\tr\n1\t2\t0\n");
@@ -948,7 +911,6 @@ static void test_refusals(void)
     CU_ASSERT(shell("! ls | grep -q svg") == 0);
     CU_ASSERT(shell("mkdir none; \"$REPOSE\" view none -o a.svg 2>err") == 65 &&
               shell("grep -q 'no rows in a states.tsv, disks.tsv or ..._grains.tsv' err") == 0);
-    leave();
 }
 
 /* ---- what a run says ---- */
@@ -958,7 +920,6 @@ static void test_refusals(void)
 static void test_closing_line(void)
 {
     char walls[256], grains[4096] = "";
-    enter();
     for (int k = 0; k < 12; k++)
         snprintf(grains + strlen(grains), sizeof grains - strlen(grains),
                  "%s{ x = %g; y = %g; r = 0.1; fixed = true; }", k ? ", " : "", 0.1 + 0.2 * k, 2.0 - 0.1 * k);
@@ -999,7 +960,6 @@ static void test_closing_line(void)
                walls);
     GOOD("run thrown.cfg");
     CU_ASSERT(strstr(err, "t = 0.01 s; not at rest; ") != NULL);
-    leave();
 }
 
 /* Without a terminal a line a minute, with it a bar; the time left follows from the steps done. */
@@ -1062,5 +1022,5 @@ void suite_view(void)
                                        {"closing line of a run", test_closing_line},
                                        {"progress of a run", test_progress},
                                        {0}};
-    check_register("view", cases);
+    check_register_within("view", enter, leave, cases);
 }
