@@ -1,11 +1,11 @@
 /* Random inputs of a property, and simplification of a failing one; see property.h. */
+#include "tests/numbers.h"
 #include "tests/property.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "core/random.h"
 #include "tests/check.h"
 
 static bool fails(const property *p, const double x[])
@@ -58,7 +58,7 @@ static bool simplify(const property *p, double x[], int i)
 
 bool property_holds(const property *p, unsigned long seed, int n, double x[PROPERTY_INPUTS])
 {
-    gsl_rng *rng = rp_random_alloc(seed, 0, RP_PURPOSE_TEST);
+    scoped_rng *rng = numbers_of(seed, 0);
     CU_ASSERT_PTR_NOT_NULL_FATAL(rng);
     bool good = true;
     for (int t = 0; t < n && good; t++) {
@@ -69,7 +69,6 @@ bool property_holds(const property *p, unsigned long seed, int n, double x[PROPE
         }
         good = !fails(p, x);
     }
-    gsl_rng_free(rng);
     for (bool changed = !good; changed;) {
         changed = false;
         for (int i = 0; i < PROPERTY_INPUTS && p->input[i].name; i++) changed |= simplify(p, x, i);

@@ -15,6 +15,8 @@
 #include "stress/stress.h"
 #include "sweeps/protocols/protocols.h"
 #include "tests/check.h"
+#include "tests/grains.h"
+#include "tests/numbers.h"
 #include "tests/program.h"
 
 static const double deg = M_PI / 180.0;
@@ -355,9 +357,8 @@ static void write_dips(double n[DIP_PILES][STRESS_DIP_BINS], double excess[DIP_P
 static void check_profile(double n[DIP_PILES][STRESS_DIP_BINS], const double excess[DIP_PILES])
 {
     stress_dips d;
-    gsl_rng *rng = rp_random_alloc(6, 0, RP_PURPOSE_BOOTSTRAP);
+    scoped_rng *rng = rp_random_alloc(6, 0, RP_PURPOSE_BOOTSTRAP);
     CHECK_OK(stress_dip_ensemble(DIP_PILES, n[0], excess, 0.05, 50, rng, &d));
-    gsl_rng_free(rng);
     scoped_checked c =
         CHECKED_RUN(STRESS_DIP_BINS / 2, "stress dip piles.tsv --profile --resamples 50 --seed 6");
     for (size_t row = 0; row < c.t.n_rows; row++) {
@@ -383,9 +384,8 @@ static void check_profile(double n[DIP_PILES][STRESS_DIP_BINS], const double exc
 static void check_dip(double n[DIP_PILES][STRESS_DIP_BINS], const double excess[DIP_PILES])
 {
     stress_dips d;
-    gsl_rng *rng = rp_random_alloc(6, 0, RP_PURPOSE_BOOTSTRAP);
+    scoped_rng *rng = rp_random_alloc(6, 0, RP_PURPOSE_BOOTSTRAP);
     CHECK_OK(stress_dip_ensemble(DIP_PILES, n[0], excess, 0.05, 50, rng, &d));
-    gsl_rng_free(rng);
     GOOD("stress dip piles.tsv --resamples 50 --seed 6");
     scoped_checked c = checked_read("out");
     const checked_value columns[] = {{"n", DIP_PILES},
@@ -511,11 +511,10 @@ static void test_calibrate(void)
         const stats_ensemble piles = {CAL_PILES, 1, 1, {x}, {angle[a]}};
         const stats_measured m = {{z}, {e}};
         fieller(a, z, e, expected);
-        gsl_rng *rng = rp_random_alloc(12, 0, RP_PURPOSE_BOOTSTRAP);
+        scoped_rng *rng = rp_random_alloc(12, 0, RP_PURPOSE_BOOTSTRAP);
         CHECK_OK(stats_calibration_fit(&piles, &fit));
         CHECK_OK(stats_calibration_invert(&fit, &m, r));
         CHECK_OK(stats_calibration_bootstrap(&piles, &fit, &m, 30, rng, r));
-        gsl_rng_free(rng);
         stats_calibration_free(&fit);
         GOOD("calibrate --runs piles.tsv --%s %g --%s %g --bootstrap 30 --seed 12", options[a][0], z,
              options[a][1], e);
@@ -612,7 +611,7 @@ static void test_bench(void)
     for (int i = 0; i < 3; i++) heavy[i].m = 4.0 / 3.0 * M_PI * 1e-3;
     def.grains = heavy;
     def.n_grains = 3;
-    dem_sim *sim = NULL;
+    scoped_sim *sim = NULL;
     dem_counts before, after;
     const double heap_before = heap();
     CHECK_OK(dem_create(&def, &sim));
@@ -621,7 +620,6 @@ static void test_bench(void)
     dem_count_work(sim, &before);
     CHECK_OK(dem_run(sim, STEPS));
     dem_count_work(sim, &after);
-    dem_free(sim);
     CHECK_NEAR(at(&c, 0, "grains"), 3.0, 0.0);
     CHECK_NEAR(at(&c, 0, "steps"), STEPS, 0.0);
     CHECK_NEAR(at(&c, 0, "contacts"), (double)after.contacts / 3.0, 1e-15);
@@ -702,7 +700,7 @@ static void test_bench_fill(void)
         scoped_table t = read_table("out"), start = read_table("grains.tsv");
         dem_counts before, after;
         dem_state states[N];
-        dem_sim *sim = bench_sim(&list[k], N, width, &start);
+        scoped_sim *sim = bench_sim(&list[k], N, width, &start);
         CHECK_OK(dem_states(sim, states));
         CU_ASSERT_EQUAL(start.n_rows, N);
         for (size_t i = 0; i < N; i++) {
@@ -720,7 +718,6 @@ static void test_bench_fill(void)
         CHECK_OK(dem_run(sim, STEPS));
         dem_count_work(sim, &after);
         const double left = (double)dem_count(sim);
-        dem_free(sim);
         CHECK_NEAR(cell(&t, 0, "contacts"), (double)after.contacts / left, 1e-14);
         CHECK_NEAR(cell(&t, 0, "pairs"), (double)after.pairs / left, 1e-14);
         CHECK_NEAR(cell(&t, 0, "rebuilds"), (double)(after.rebuilds - before.rebuilds), 0.0);
@@ -802,14 +799,13 @@ static void test_bench_sample(void)
         scoped_table t = read_table("out"), end = read_table("grains.tsv");
         dem_counts counts;
         dem_state states[120];
-        dem_sim *sim = bench_sim(&box, numbers[k], widths[k], NULL);
+        scoped_sim *sim = bench_sim(&box, numbers[k], widths[k], NULL);
         CHECK_OK(dem_run(sim, 30000));
         dem_wall_open(sim, DEM_BOX_RIGHT, INFINITY);
         CHECK_OK(dem_run(sim, 50000));
         CHECK_OK(dem_states(sim, states));
         dem_count_work(sim, &counts);
         const size_t left = dem_count(sim);
-        dem_free(sim);
         CU_ASSERT_EQUAL_FATAL(end.n_rows, left);
         for (size_t i = 0; i < left; i++) {
             CHECK_NEAR(cell(&end, i, "x"), states[i].x, 0.0);

@@ -16,6 +16,7 @@
 #include "tests/check.h"
 #include "tests/folder.h"
 #include "tests/faults.h"
+#include "tests/numbers.h"
 
 typedef struct {
     double a, b;
@@ -295,11 +296,10 @@ static void large_files(void)
 /* Philox4x32-10 of the key and counter 0: the known answer of its authors' test vectors. */
 static void random_known_answer(void)
 {
-    gsl_rng *r = gsl_rng_alloc(rp_rng_philox);
+    scoped_rng *r = gsl_rng_alloc(rp_rng_philox);
     gsl_rng_set(r, 0);
     const unsigned long known[4] = {0x6627e8d5UL, 0xe169c58dUL, 0xbc57ac4cUL, 0x9b00dbd8UL};
     for (int i = 0; i < 4; i++) CU_ASSERT_EQUAL(gsl_rng_get(r), known[i]);
-    gsl_rng_free(r);
 }
 
 static void random_streams(void)
@@ -309,7 +309,7 @@ static void random_streams(void)
                                       {0, 0, RP_PURPOSE_RADII},     {4357, 0, RP_PURPOSE_RADII}};
     double first[6];
     for (int i = 0; i < 6; i++) {
-        gsl_rng *r = rp_random_alloc(names[i][0], names[i][1], (rp_purpose)names[i][2]);
+        scoped_rng *r = rp_random_alloc(names[i][0], names[i][1], (rp_purpose)names[i][2]);
         first[i] = gsl_rng_uniform(r);
         double sum = first[i];
         for (int k = 1; k < 10000; k++) {
@@ -319,7 +319,6 @@ static void random_streams(void)
         }
         CHECK_NEAR(sum / 10000.0, 0.5, 5.0 * sqrt(1.0 / 12.0 / 10000.0)); /* five standard errors */
         for (int j = 0; j < i; j++) CU_ASSERT(first[i] != first[j]);
-        gsl_rng_free(r);
     }
 }
 
@@ -340,9 +339,8 @@ static void cut_normal(void)
     double *v = malloc(N * sizeof *v);
     for (int c = 0; c < 4; c++) {
         const double m = cases[c][0], w = cases[c][1], lo = cases[c][2], hi = cases[c][3];
-        gsl_rng *r = rp_random_alloc(7, (unsigned long)c, RP_PURPOSE_TEST);
+        scoped_rng *r = numbers_of(7, (unsigned long)c);
         for (int i = 0; i < N; i++) v[i] = rp_random_cut_normal(r, m, w, lo, hi);
-        gsl_rng_free(r);
         qsort(v, N, sizeof *v, ascending);
         CU_ASSERT(v[0] >= lo && v[N - 1] <= hi);
         double low = gsl_cdf_ugaussian_P((lo - m) / w), all = gsl_cdf_ugaussian_P((hi - m) / w) - low,
@@ -351,9 +349,8 @@ static void cut_normal(void)
             most = fmax(most, fabs((gsl_cdf_ugaussian_P((v[i] - m) / w) - low) / all - (i + 0.5) / N));
         CHECK_NEAR(most, 0.0, 2.23 / sqrt(N));
     }
-    gsl_rng *r = rp_random_alloc(7, 9, RP_PURPOSE_TEST);
+    scoped_rng *r = numbers_of(7, 9);
     CU_ASSERT(rp_random_cut_normal(r, 0.1, 0.0, 0.07, 0.13) == 0.1);
-    gsl_rng_free(r);
     free(v);
 }
 

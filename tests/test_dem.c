@@ -1438,12 +1438,11 @@ static void time_step_limit(void)
     double limit = dem_time_step_limit(&def, &what);
     CU_ASSERT_STRING_EQUAL(what, "the lightest grain at a wall");
     def.dt = limit;
-    dem_sim *sim = grains_after(&def, 20000);
+    scoped_sim *sim = grains_after(&def, 20000);
     dem_rest rest;
     dem_rest_state(sim, 0.0, 2.0, &rest);
     CU_ASSERT(rest.kinetic_energy < 1e-5);
     CU_ASSERT(rest.n == 60 && rest.contact_number > 2.5);
-    dem_free(sim);
     /* the scale of a contact: dt falls as k_n^(-2/5) for Hertz */
     for (int w = 0; w < 3; w++) def.walls[w].material.k_n *= 32.0;
     def.material.gamma_n = 0.0;

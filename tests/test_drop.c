@@ -8,6 +8,7 @@
 #include "dem/list/list.h"
 #include "sweeps/protocols/protocols.h"
 #include "tests/check.h"
+#include "tests/numbers.h"
 #include "tests/protocol.h"
 #include "tests/grains.h"
 
@@ -111,7 +112,7 @@ static double differ(const dem_sim *a, const dem_sim *b, bool turned)
 static void contacts_go_on(void)
 {
     for (int spring = 0; spring < 2; spring++) {
-        dem_sim *sim = moving_pile(spring);
+        scoped_sim *sim = moving_pile(spring);
         const double before = differ(sim, sim, false);
         CHECK_NEAR(before, 0.0, 0.0);
         dem_contact *contacts;
@@ -126,13 +127,10 @@ static void contacts_go_on(void)
         free(contacts);
         CU_ASSERT(sheared > 1e-5 && rolled > 1e-5 && (spring || wells > 0.0));
         for (int turned = 0; turned < 2; turned++) {
-            dem_sim *with = again(sim, spring, true, turned), *without = again(sim, spring, false, turned);
+            scoped_sim *with = again(sim, spring, true, turned), *without = again(sim, spring, false, turned);
             CHECK_NEAR(differ(sim, with, turned), 0.0, 0.1);
             CU_ASSERT(differ(sim, without, turned) > 5.0 * differ(sim, with, turned));
-            dem_free(with);
-            dem_free(without);
         }
-        dem_free(sim);
     }
 }
 
@@ -216,7 +214,7 @@ static void planted_dips(void)
     static const double depths[DEPTHS] = {0.0, 0.02, 0.05, 0.1};
     double profiles[PILES * STRESS_DIP_BINS], excess[PILES];
     double null_share = 0.0;
-    gsl_rng *rng = rp_random_alloc(9, 0, RP_PURPOSE_TEST);
+    scoped_rng *rng = numbers_of(9, 0);
     int found[DEPTHS][3] = {{0}}, missed = 0, outside = 0, none = 0;
     for (int e = 0; e < ENSEMBLES; e++) {
         stress_dips d;
@@ -245,7 +243,6 @@ static void planted_dips(void)
     CU_ASSERT(outside >= 1 && outside <= 20);
     CU_ASSERT(none > 180);                      /* the margin is at 4.1 errors: power 0.99 */
     CHECK_NEAR(null_share, 0.05, 3.3 * 0.0022); /* of Student's t; 60 differences of 200 ensembles */
-    gsl_rng_free(rng);
 }
 
 /* Resampled means of three values -0.3, 0 and 0.3 are multiples of 0.1, widened by sqrt(3/2): 0 in 7 of 27
@@ -255,7 +252,7 @@ static void null_of_three(void)
     enum { RESAMPLES = 20000 };
     double profiles[3 * STRESS_DIP_BINS];
     const double excess[] = {-0.3, 0.3, 0.0}, error = 3.3 * 0.5 / sqrt(RESAMPLES);
-    gsl_rng *rng = rp_random_alloc(9, 1, RP_PURPOSE_TEST);
+    scoped_rng *rng = numbers_of(9, 1);
     stress_dips d;
     for (int i = 0; i < 3 * STRESS_DIP_BINS; i++) profiles[i] = 1.0;
     CHECK_OK(stress_dip_ensemble(3, profiles, excess, 0.1, RESAMPLES, rng, &d));
@@ -267,7 +264,6 @@ static void null_of_three(void)
     /* even profiles: nothing rises, nothing is below */
     CU_ASSERT(d.p_profile == 1.0 && d.p_share == 1.0 && d.share == 0.0 && d.below == 0.0);
     CU_ASSERT(d.share_null == 0.0 && d.share_null_se == 0.0 && d.N_t == 0.0);
-    gsl_rng_free(rng);
 }
 
 /* Blocks of two bins: the middle by -0.2 below its neighbours, sides that differ by `sides` in the four
@@ -287,7 +283,7 @@ static void noise_of_piles(void)
     static const double sides[] = {0.0, 0.1326, 0.1328, 0.9};
     enum { N = 4, RESAMPLES = 4000 };
     double profiles[N * STRESS_DIP_BINS], excess[N] = {0.0};
-    gsl_rng *rng = rp_random_alloc(9, 2, RP_PURPOSE_TEST);
+    scoped_rng *rng = numbers_of(9, 2);
     stress_dips d;
     for (int i = 0; i < N; i++) set_sides(profiles + i * STRESS_DIP_BINS, sides[i]);
     CHECK_OK(stress_dip_ensemble(N, profiles, excess, 0.1, RESAMPLES, rng, &d));
@@ -304,13 +300,12 @@ static void noise_of_piles(void)
     CHECK_OK(stress_dip_ensemble(N, profiles, excess, 0.1, RESAMPLES, rng, &d));
     CHECK_NEAR(d.middle.mean, -0.2, 1e-14);
     CU_ASSERT(d.share == 0.5);
-    gsl_rng_free(rng);
 }
 
 static void bad_ensembles(void)
 {
     double profiles[4 * STRESS_DIP_BINS], excess[4] = {0.0};
-    gsl_rng *rng = rp_random_alloc(9, 4, RP_PURPOSE_TEST);
+    scoped_rng *rng = numbers_of(9, 4);
     stress_dips d;
     for (int i = 0; i < 4 * STRESS_DIP_BINS; i++) profiles[i] = 1.0;
     CHECK_FAILS(stress_dip_ensemble(2, profiles, excess, 0.1, 50, rng, &d), RP_NO_RESULT, "at least 3");
@@ -318,7 +313,6 @@ static void bad_ensembles(void)
     CHECK_FAILS(stress_dip_ensemble(4, profiles, excess, 0.1, 1, rng, &d), RP_BAD_INPUT, "resamples = 1");
     excess[1] = NAN;
     CHECK_FAILS(stress_dip_ensemble(4, profiles, excess, 0.1, 50, rng, &d), RP_BAD_INPUT, "finite");
-    gsl_rng_free(rng);
 }
 
 /* ---- The protocol ---- */
@@ -523,7 +517,7 @@ static void drop_next(dem_sim *sim, int k)
 
 static void dropped(int kernel, dem_state last[DROPPED])
 {
-    dem_sim *sim = drop_first(kernel);
+    scoped_sim *sim = drop_first(kernel);
     for (int k = 1; k < DROPPED; k++) {
         drop_next(sim, k);
         CHECK_OK(dem_run(sim, 150));
@@ -534,7 +528,6 @@ static void dropped(int kernel, dem_state last[DROPPED])
     dem_counts counts;
     dem_count_work(sim, &counts);
     CU_ASSERT(counts.collisions > 5 * DROPPED);
-    dem_free(sim);
 }
 
 /* The reference searches all pairs for collisions, the others only pairs without contact. */
@@ -560,7 +553,7 @@ static void tiny_numbers_are_zero(void)
         def.kernel = kernel;
         def.grains = &grain;
         def.n_grains = 1;
-        dem_sim *sim = grains_start(&def);
+        scoped_sim *sim = grains_start(&def);
         bool tiny = false;
         for (int look = 0; look < 400; look++) {
             CHECK_OK(dem_run(sim, 10));
@@ -570,7 +563,6 @@ static void tiny_numbers_are_zero(void)
             for (int a = 0; a < 5; a++) tiny |= fpclassify(last[a]) == FP_SUBNORMAL;
         }
         CU_ASSERT(!tiny && fabs(sim->grains.omega[0]) < 1e-305);
-        dem_free(sim);
         volatile double least = DBL_MIN;
         CU_ASSERT(least / 2.0 > 0.0);
     }
@@ -607,7 +599,7 @@ static void check_list(const dem_sim *sim)
 /* Partial renewals of the list miss no contact and duplicate none. */
 static void lists_are_complete(void)
 {
-    dem_sim *sim = drop_first(DEM_FAST);
+    scoped_sim *sim = drop_first(DEM_FAST);
     for (int k = 1; k < DROPPED; k++) {
         drop_next(sim, k);
         for (int step = 0; step < 150; step++) {
@@ -619,7 +611,6 @@ static void lists_are_complete(void)
     dem_counts counts;
     dem_count_work(sim, &counts);
     CU_ASSERT(counts.rebuilds < 3 * DROPPED);
-    dem_free(sim);
 }
 
 /* True if the contacts and springs are equal, in any order. */

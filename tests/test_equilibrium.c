@@ -17,6 +17,7 @@
 #include "sweeps/protocols/pile.h"
 #include "tests/check.h"
 #include "tests/grains.h"
+#include "tests/numbers.h"
 #include "tests/program.h"
 
 static const double DEG = M_PI / 180;
@@ -1012,7 +1013,7 @@ static void test_ranges_of_places(void)
 static void test_neighbours(void)
 {
     enum { MOST = 40 };
-    gsl_rng *rng = gsl_rng_alloc(gsl_rng_mt19937);
+    scoped_rng *rng = gsl_rng_alloc(gsl_rng_mt19937);
     for (int trial = 0; trial < 200; trial++) {
         statics_disk disks[MOST];
         const size_t n = 1 + (size_t)trial % MOST;
@@ -1036,7 +1037,6 @@ static void test_neighbours(void)
         CU_ASSERT_EQUAL(k, net.n_pairs);
         free(net.pairs);
     }
-    gsl_rng_free(rng);
 }
 
 /* Which disks their neighbours and the ground can carry: by the steepest slopes of forces to the right and to

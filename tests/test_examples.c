@@ -28,13 +28,12 @@ static void impact(void)
 {
     long steps;
     dem_state s[2];
-    dem_sim *sim = start("examples/impact.cfg", NULL, &steps);
+    scoped_sim *sim = start("examples/impact.cfg", NULL, &steps);
     CHECK_OK(dem_run(sim, steps));
     CHECK_OK(dem_states(sim, s));
     CHECK_NEAR(s[0].vx, 20.0, 0.3);
     CHECK_NEAR(s[1].vx, 80.0, 0.3);
     CHECK_NEAR(s[0].vx + s[1].vx, 100.0, 1e-10);
-    dem_free(sim);
 }
 
 /* The start's gaps and overlaps are 1e-4 of the radius: speeds of 1 mm/s across the chute. The shear spring
@@ -45,12 +44,11 @@ static void chute(void)
     for (int slides = 0; slides < 2; slides++) {
         long steps;
         dem_state s[3];
-        dem_sim *sim = start("examples/chute.cfg", slides ? NULL : "tangential.mu=0.6", &steps);
+        scoped_sim *sim = start("examples/chute.cfg", slides ? NULL : "tangential.mu=0.6", &steps);
         CHECK_OK(dem_run(sim, steps));
         CHECK_OK(dem_states(sim, s));
         const double expected = slides ? G * (1.0 - 0.3 * 2.0) / sqrt(5.0) * dem_time(sim) : 0.0;
         for (int i = 0; i < 3; i++) CHECK_NEAR(hypot(s[i].vx, s[i].vy), expected, 0.4);
-        dem_free(sim);
     }
 }
 
@@ -59,7 +57,7 @@ static void shear_box(void)
 {
     long steps;
     double shear = 0.0, normal = 0.0, forces[2 * 3];
-    dem_sim *sim = start("examples/shear_box.cfg", NULL, &steps);
+    scoped_sim *sim = start("examples/shear_box.cfg", NULL, &steps);
     CHECK_OK(dem_run(sim, steps / 2));
     for (int k = 0; k < 200; k++) {
         CHECK_OK(dem_run(sim, steps / 400));
@@ -75,7 +73,6 @@ static void shear_box(void)
     CHECK_NEAR(normal / 200.0, weight, 0.02 * weight);
     CHECK_NEAR(v, 5.0, 0.05); /* as the frame */
     free(s);
-    dem_free(sim);
 }
 
 /* Angle of repose by the protocol `repose`, degrees. */
@@ -100,7 +97,7 @@ static double theta_r(void)
 static void drum(void)
 {
     long steps;
-    dem_sim *sim = start("examples/drum.cfg", NULL, &steps);
+    scoped_sim *sim = start("examples/drum.cfg", NULL, &steps);
     long from = 40000;
     const long every = 2000;
     double angle = 0.0, theta_ms;
@@ -116,7 +113,6 @@ static void drum(void)
     }
     CU_ASSERT_EQUAL(dem_count(sim), 440);
     free(s);
-    dem_free(sim);
     if (check_fast()) return;
     CHECK_OK(ang_marginal(0.2, M_PI / 3.0, &theta_ms, NULL));
     const double repose = theta_r() * M_PI / 180.0;
@@ -145,7 +141,7 @@ static double flow(double D, long most)
     }
     fclose(copy);
     long steps;
-    dem_sim *sim = start(path, NULL, &steps);
+    scoped_sim *sim = start(path, NULL, &steps);
     remove(path);
     const size_t n = dem_count(sim);
     double begin = 0.0;
@@ -155,7 +151,6 @@ static double flow(double D, long most)
         if (first == 0 && dem_count(sim) * 100 < n * 85) first = dem_count(sim), begin = dem_time(sim);
     }
     const double rate = first ? (double)(first - dem_count(sim)) / (dem_time(sim) - begin) : NAN;
-    dem_free(sim);
     return rate;
 }
 

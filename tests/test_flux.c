@@ -3,11 +3,11 @@
 #include <string.h>
 
 #include "stats/stats.h"
-#include "core/random.h"
 #include "table/table.h"
 #include "sweeps/protocols/box.h"
 #include "sweeps/protocols/protocols.h"
 #include "tests/check.h"
+#include "tests/numbers.h"
 #include "tests/protocol.h"
 #include "tests/folder.h"
 
@@ -35,7 +35,7 @@ static void height_of_random_piles(void)
 {
     enum { N = 12 };
     const double gap = 2e-7, below = 1e-9;
-    gsl_rng *rng = rp_random_alloc(21, 0, RP_PURPOSE_TEST);
+    scoped_rng *rng = numbers_of(21, 0);
     for (int pile = 0; pile < 500; pile++) {
         dem_state s[N];
         for (int i = 0; i < N; i++)
@@ -53,7 +53,6 @@ static void height_of_random_piles(void)
         }
         CU_ASSERT(supported);
     }
-    gsl_rng_free(rng);
 }
 
 static double output(const sweep_result *result, const char *name)

@@ -8,10 +8,11 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "core/random.h"
 #include "dem/scene/scene.h"
 #include "tests/check.h"
 #include "tests/fuzz/targets.h"
+#include "tests/grains.h"
+#include "tests/numbers.h"
 
 enum { MOST_BYTES = 1 << 16 };
 
@@ -127,12 +128,11 @@ static void extreme_scenes(void)
     for (unsigned long i = 0; i < SCENES; i++) {
         char path[] = "/tmp/repose_extreme_XXXXXX", text[8192] = "";
         FILE *out = fdopen(mkstemp(path), "w");
-        gsl_rng *r = rp_random_alloc(18, i, RP_PURPOSE_TEST);
+        scoped_rng *r = numbers_of(18, i);
         write_extreme(out, r);
-        gsl_rng_free(r);
         fclose(out);
         dem_scene scene;
-        dem_sim *sim = NULL;
+        scoped_sim *sim = NULL;
         rp_status status = dem_scene_read(path, NULL, &scene);
         scene.def.implicit.max_iterations = 20;
         if (!status) status = dem_scene_start(&scene, &sim);
@@ -143,7 +143,6 @@ static void extreme_scenes(void)
         n_run += !status;
         if (!status && (strstr(text, "nan") || strstr(text, "inf")))
             n_bad++, fprintf(stderr, "scene %lu: %s\n", i, text);
-        dem_free(sim);
         dem_scene_free(&scene);
         unlink(path);
     }

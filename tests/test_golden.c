@@ -10,6 +10,7 @@
 #include "dem/dem.h"
 #include "sweeps/protocols/protocols.h"
 #include "tests/check.h"
+#include "tests/grains.h"
 
 /* The digests below belong to this RP_MODEL_VERSION: raising it without new digests fails too. */
 enum { GOLDEN_VERSION = 3 };
@@ -427,7 +428,7 @@ static void test_scene(void)
                                   .open_at_step = -1,
                                   .open_speed = INFINITY};
     def.grains = grains, def.n_grains = N;
-    dem_sim *sim = NULL;
+    scoped_sim *sim = NULL;
     CHECK_OK(dem_fill_random(&fill, grains));
     CHECK_OK(dem_create(&def, &sim));
     CU_ASSERT_PTR_NOT_NULL_FATAL(sim);
@@ -447,7 +448,6 @@ static void test_scene(void)
         memcpy(values[i], (double[]){s->x, s->y, s->vx, s->vy, s->fx, s->fy}, sizeof values[i]);
     }
     check_digest("scene", XXH3_64bits(values, sizeof values), SCENE_DIGEST);
-    dem_free(sim);
 }
 
 void suite_golden(void)

@@ -1,10 +1,10 @@
 /* Hard collisions: conservation, energy, Coulomb's law, over random pairs; the paper's misprints. */
 #include <string.h>
 
-#include "core/random.h"
 #include "dem/dem.h"
 #include "dem/law/bodies.h"
 #include "tests/check.h"
+#include "tests/numbers.h"
 
 /* Sums of some 20 rounded terms, relative to their size: 1e-13 is 450 units. */
 static const double ROUND = 1e-13;
@@ -112,7 +112,7 @@ static double energy_lost(const pair *p, const dem_impulse *impulse)
 static void random_pairs(void)
 {
     const int pairs = check_fast() ? 20000 : 200000;
-    gsl_rng *r = rp_random_alloc(1992, 0, RP_PURPOSE_TEST);
+    scoped_rng *r = numbers_of(1992, 0);
     int hits = 0, slips = 0;
     for (int k = 0; k < pairs; k++) {
         const pair p = random_pair(r, k);
@@ -148,14 +148,13 @@ static void random_pairs(void)
         CHECK_NEAR(before - after, energy_lost(&p, &impulse), ROUND * size);
     }
     CU_ASSERT(hits > 0.45 * pairs && slips > 0.1 * hits && slips < 0.9 * hits);
-    gsl_rng_free(r);
 }
 
 /* A million pairs: no energy is gained and Coulomb's bound holds. */
 static void million_pairs(void)
 {
     const int pairs = check_fast() ? 50000 : 1000000;
-    gsl_rng *r = rp_random_alloc(1992, 1, RP_PURPOSE_TEST);
+    scoped_rng *r = numbers_of(1992, 1);
     int gained = 0, broken = 0, hits = 0;
     for (int k = 0; k < pairs; k++) {
         const pair p = random_pair(r, k);
@@ -168,7 +167,6 @@ static void million_pairs(void)
         broken += !(fabs(impulse.tangential) <= p.mu * fabs(impulse.normal));
     }
     CU_ASSERT(hits > 0.45 * pairs && gained == 0 && broken == 0);
-    gsl_rng_free(r);
 }
 
 /* Two disks of equal mass swap velocities in a head-on collision. A disk that hits a wall at 45 degrees rolls
@@ -222,7 +220,7 @@ static double collide_as_printed(dem_body *a, dem_body *b, const pair *p, bool s
 /* (7) and (19): with P_n < 0 about half of the collisions gain energy, and friction exceeds its bound. */
 static void misprint_signs(void)
 {
-    gsl_rng *r = rp_random_alloc(1992, 2, RP_PURPOSE_TEST);
+    scoped_rng *r = numbers_of(1992, 2);
     int hits = 0, gained = 0, broken = 0;
     for (int k = 0; k < 20000; k++) {
         pair p = random_pair(r, 2); /* two rotating bodies */
@@ -235,14 +233,13 @@ static void misprint_signs(void)
         broken += fabs(p_t) > p.mu * fabs(right.normal) * (1.0 + ROUND);
     }
     CU_ASSERT(gained > 0.25 * hits && broken > 0.1 * hits);
-    gsl_rng_free(r);
 }
 
 /* (14): after no sticking collision are the surfaces at relative rest, and angular momentum is lost.
  */
 static void misprint_spin(void)
 {
-    gsl_rng *r = rp_random_alloc(1992, 3, RP_PURPOSE_TEST);
+    scoped_rng *r = numbers_of(1992, 3);
     int sticks = 0, slide = 0, turns = 0, same = 0;
     for (int k = 0; k < 20000; k++) {
         pair p = random_pair(r, 2);
@@ -261,7 +258,6 @@ static void misprint_spin(void)
         same += fabs(a.v[0] - c.v[0]) + fabs(b.omega - d.omega) < 1e-9;
     }
     CU_ASSERT(sticks > 1000 && slide == sticks && turns == sticks && same == sticks);
-    gsl_rng_free(r);
 }
 
 /* (2), (3) and (9) do not define r_i. As the vector from the contact point Q to the centre, each body
@@ -269,7 +265,7 @@ static void misprint_spin(void)
  * holds. */
 static void vector_to_contact(void)
 {
-    gsl_rng *r = rp_random_alloc(1992, 4, RP_PURPOSE_TEST);
+    scoped_rng *r = numbers_of(1992, 4);
     int hits = 0, kept[2] = {0}, surface[2] = {0};
     for (int k = 0; k < 2000; k++) {
         const pair p = random_pair(r, 2);
@@ -297,7 +293,6 @@ static void vector_to_contact(void)
         }
     }
     CU_ASSERT(hits > 800 && kept[0] == hits && surface[0] == hits && kept[1] == 0 && surface[1] == 0);
-    gsl_rng_free(r);
 }
 
 void suite_hard(void)

@@ -117,7 +117,7 @@ static char *outcome(const char *text, const char *change)
 {
     const rp_texts changes = {1, {change}};
     dem_scene scene;
-    dem_sim *sim = NULL;
+    scoped_sim *sim = NULL;
     rp_status status = grains_read(text, change ? &changes : NULL, &scene);
     if (!status) status = dem_scene_start(&scene, &sim);
     char *tables = NULL;
@@ -134,7 +134,6 @@ static char *outcome(const char *text, const char *change)
         for (size_t w = 0; w < 2 * scene.def.n_walls; w++) fprintf(out, "%.17g\t", forces[w]);
         free(forces), fclose(out);
     }
-    dem_free(sim);
     dem_scene_free(&scene);
     return tables;
 }

@@ -252,10 +252,9 @@ static double simulated_restitution(dem_definition *def, double v)
     def->grains = grains;
     def->n_grains = 2;
     def->dt = 2e-3 * dem_time_step_limit(def, NULL);
-    dem_sim *sim = grains_start(def);
+    scoped_sim *sim = grains_start(def);
     dem_state s[2];
     grains_run(sim, 8000, s);
-    dem_free(sim);
     return (s[1].vx - s[0].vx) / v;
 }
 

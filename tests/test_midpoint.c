@@ -142,14 +142,13 @@ static double height_after(double time, double dt)
     const dem_grain grain = {.x = 0.0, .y = R - 1e-3, .r = R, .m = 1.0};
     dem_definition def = on_floor(&grain, 1, 1.0);
     def.normal = DEM_HERTZ, def.dt = dt;
-    dem_sim *sim = grains_after(&def, lround(time / dt));
+    scoped_sim *sim = grains_after(&def, lround(time / dt));
     const double y = grains_state_of_one(sim).y;
     dem_counts counts;
     dem_count_work(sim, &counts);
     CU_ASSERT(counts.iterations <=
               2.0 * time /
                   dt); /* the derivative is exact: the number of digits doubles with each iteration */
-    dem_free(sim);
     return y;
 }
 

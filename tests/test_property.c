@@ -272,11 +272,10 @@ static bool run_pair(const double x[], double angle, bool swapped, dem_state out
     }
     const dem_grain order[2] = {g[swapped], g[!swapped]};
     def.grains = order, def.n_grains = 2;
-    dem_sim *sim = NULL;
+    scoped_sim *sim = NULL;
     if (dem_create(&def, &sim)) return false;
     dem_state got[2];
     const bool good = dem_run(sim, STEPS) == RP_OK && dem_states(sim, got) == RP_OK;
-    dem_free(sim);
     for (int i = 0; i < 2 && good; i++) {
         dem_state p = got[swapped ? 1 - i : i];
         out[i] = p;

@@ -9,6 +9,7 @@
 #include "sweeps/protocols/box.h"
 #include "sweeps/protocols/protocols.h"
 #include "tests/check.h"
+#include "tests/grains.h"
 
 /* Angles from the same numbers in another order of summation: some ulp of 30 degrees. */
 static const double ANGLE_TOLERANCE_DEG = 1e-10;
@@ -345,7 +346,7 @@ static void test_contact_choices(void)
                                  {0}},
                &result);
     dem_scene scene;
-    dem_sim *sim = NULL;
+    scoped_sim *sim = NULL;
     check_scene(&scene, &sim);
     const dem_definition *def = &scene.def;
     CU_ASSERT(def->damping == DEM_DAMPING_INSIDE && def->rotation && def->shape == DEM_DISK);
@@ -356,7 +357,6 @@ static void test_contact_choices(void)
     dem_energy energy;
     dem_energies(sim, &energy);
     CU_ASSERT(energy.rotational > 0.0);
-    dem_free(sim);
     dem_scene_free(&scene);
     clean();
 }
@@ -377,7 +377,7 @@ static void test_floor_of_grains(void)
                &result);
     CU_ASSERT_STRING_EQUAL(result.status, "ok_fixed_time");
     dem_scene scene;
-    dem_sim *sim = NULL;
+    scoped_sim *sim = NULL;
     check_scene(&scene, &sim);
     size_t n_fixed = 0, n_low = 0, n_over = 0, n_cells = 0;
     dem_state states[256];
@@ -400,7 +400,6 @@ static void test_floor_of_grains(void)
     CU_ASSERT(n_fixed == 11 && n_low > 0);
     CU_ASSERT(output(&result, "grains") == (double)n_over);
     CU_ASSERT(n_cells < 11 && output(&result, "cells") == (double)n_cells);
-    dem_free(sim);
     dem_scene_free(&scene);
     clean();
     /* to 3 W where the floor extends */
@@ -470,7 +469,7 @@ static void test_rest_in_turning_box(void)
     def.rotation = true;
     def.grains = &grain;
     def.n_grains = 1;
-    dem_sim *sim = NULL;
+    scoped_sim *sim = NULL;
     dem_rest rest;
     CHECK_OK(dem_create(&def, &sim));
     CHECK_OK(dem_rest_state(sim, 0.0, 1.0, &rest));
@@ -486,7 +485,6 @@ static void test_rest_in_turning_box(void)
     CHECK_OK(dem_run(sim, 1));
     CHECK_OK(dem_rest_state(sim, -1.6, -1.4, &rest));
     CU_ASSERT(rest.n == 1 && rest.kinetic_energy == 0.0);
-    dem_free(sim);
 }
 
 /* Numbers of a table's column. */
@@ -673,7 +671,7 @@ static void test_outputs(void)
         CU_ASSERT_STRING_EQUAL(result.message, "");
         check_pile(&result, t->W);
         dem_scene scene;
-        dem_sim *sim = NULL, *again = NULL;
+        scoped_sim *sim = NULL, *again = NULL;
         double displacement, energy;
         check_scene(&scene, &sim);
         CHECK_OK(dem_clone(sim, &again));
@@ -684,8 +682,6 @@ static void test_outputs(void)
                    ANGLE_TOLERANCE_DEG);
         CHECK_NEAR(output(&result, "theta_t_static_deg"), static_onset(again, t), ANGLE_TOLERANCE_DEG);
         CU_ASSERT(output(&result, "steps") == (double)(dem_step(sim) - scene.steps + dem_step(again)));
-        dem_free(sim);
-        dem_free(again);
         dem_scene_free(&scene);
         clean();
     }

@@ -3,10 +3,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "core/random.h"
 #include "dem/state/state.h"
 #include "tests/check.h"
 #include "tests/grains.h"
+#include "tests/numbers.h"
 #include "tests/property.h"
 
 static const double PLAIN = INFINITY, BY_SIZE = 0.0; /* most tests of a grain in the plain search */
@@ -38,14 +38,13 @@ static dem_definition mixture(long n, double ratio, unsigned long seed, double *
 static void stir(dem_sim *sim, double speed, unsigned long seed)
 {
     dem_grains *const g = &sim->grains;
-    gsl_rng *rng = rp_random_alloc(seed, 0, RP_PURPOSE_TEST);
+    scoped_rng *rng = numbers_of(seed, 0);
     const dem_vec shift = {gsl_ran_flat(rng, -20.0, 20.0), gsl_ran_flat(rng, -20.0, 20.0)};
     for (size_t i = 0; i < g->n; i++) {
         g->motion[i].x += shift + (i % 3 ? (dem_vec){0.0, 0.0} : (dem_vec){97.3, -61.1});
         if (i % 5 == 0) g->inverse_mass[i] = 0.0;
         if (i % 2) g->motion[i].v[0] = 0.9 * speed * gsl_rng_uniform(rng) * g->radius[i] / sim->def.dt;
     }
-    gsl_rng_free(rng);
 }
 
 static double list_is_plain(const double x[])

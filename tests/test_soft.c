@@ -386,7 +386,7 @@ static void switches_to_soft(void)
                                      {.x = onto_disk ? 0.3 : 9.0, .y = R, .r = R, .m = 1.0, .fixed = true}};
         dem_definition def = on_ground(grains, 2);
         def.hard = (dem_hard){true, e, 0.4};
-        dem_sim *sim = grains_start(&def);
+        scoped_sim *sim = grains_start(&def);
         dem_state s[2];
         long seen = 0;
         double when = -v;
@@ -404,7 +404,6 @@ static void switches_to_soft(void)
         }
         CU_ASSERT_EQUAL(seen, 1 + (long)floor(log(def.dt / v) / log(e)));
         CHECK_NEAR(grains_only_contact(sim).overlap, 1.0 / K, 1e-13);
-        dem_free(sim);
     }
 }
 

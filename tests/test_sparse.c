@@ -5,6 +5,7 @@
 
 #include "core/sparse.h"
 #include "tests/check.h"
+#include "tests/numbers.h"
 
 enum { CHAIN = 40 };
 
@@ -101,7 +102,7 @@ static void check_solution(rp_stiffness *m, const rp_pivots *pivots, size_t n, d
  * ground, which are added and removed. */
 static void dense(void)
 {
-    gsl_rng *rng = gsl_rng_alloc(gsl_rng_mt19937);
+    scoped_rng *rng = gsl_rng_alloc(gsl_rng_mt19937);
     for (size_t trial = 0; trial < 60; trial++) {
         const size_t n = 1 + trial % DENSE;
         dense_matrix K = {{0}};
@@ -143,7 +144,6 @@ static void dense(void)
         }
         rp_stiffness_free(m);
     }
-    gsl_rng_free(rng);
 }
 
 /* Without bonds the pivots are the springs themselves: the smallest, its disk, how many are negative; where

@@ -12,6 +12,7 @@
 #include "sweeps/protocols/box.h"
 #include "sweeps/protocols/protocols.h"
 #include "tests/check.h"
+#include "tests/grains.h"
 #include "tests/numbers.h"
 #include "tests/protocol.h"
 
@@ -252,7 +253,7 @@ static void test_momentum(void)
 {
     enum { NX = 5, NY = 6 };
     const stress_grid grid = {-0.05, -0.04, 0.37, 0.41, NX, NY};
-    dem_sim *sim = make_box();
+    scoped_sim *sim = make_box();
     stress_contact *c;
     const size_t n = read_contacts(sim, &c);
     dem_state states[GRAINS];
@@ -297,7 +298,6 @@ static void test_momentum(void)
     }
     for (int ab = 0; ab < 4; ab++) CHECK_NEAR(total[ab / 2][ab % 2], sum[ab / 2][ab % 2], 10.0 * rounding);
     free(c);
-    dem_free(sim);
 }
 
 /* ---- Mohr, tilts ---- */

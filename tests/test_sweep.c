@@ -15,7 +15,6 @@
 #include <xxhash.h>
 
 #include "core/clock.h"
-#include "core/random.h"
 #include "core/file.h"
 #include "table/table.h"
 #include "core/version.h"
@@ -26,6 +25,7 @@
 #include "sweeps/protocols/protocols.h"
 #include "tests/check.h"
 #include "tests/folder.h"
+#include "tests/numbers.h"
 
 /* The toy protocol: y = x + k + noise from the stream of the run. */
 enum { PLAIN, SLOW, CRASH, HALF_NO_PILE, BREAK, TAKE, SLEEP };
@@ -81,9 +81,8 @@ static rp_status toy_run(const void *params, unsigned long seed, unsigned long r
 {
     (void)tables;
     const toy *p = params;
-    gsl_rng *r = rp_random_alloc(seed, run, RP_PURPOSE_TEST);
+    scoped_rng *r = numbers_of(seed, run);
     result->values[0] = p->x + (double)p->k + gsl_rng_uniform(r);
-    gsl_rng_free(r);
     snprintf(result->status, sizeof result->status, "%s%s", run % 2 ? "ok" : "ok_fixed_time", ending);
     if (p->mode == SLOW) usleep(5000);
     if (made) ++*made;
@@ -201,9 +200,8 @@ static rp_status put_row(const sweep_row *row)
 /* The expected results of the toy protocol, in every bit. */
 static double expected(double x, long k, unsigned long seed, unsigned long run_index)
 {
-    gsl_rng *r = rp_random_alloc(seed, run_index, RP_PURPOSE_TEST);
+    scoped_rng *r = numbers_of(seed, run_index);
     double u = gsl_rng_uniform(r);
-    gsl_rng_free(r);
     return x + (double)k + u;
 }
 

@@ -13,6 +13,7 @@
 #include "stats/stats.h"
 #include "sweeps/protocols/protocols.h"
 #include "tests/check.h"
+#include "tests/grains.h"
 #include "tests/numbers.h"
 #include "tests/program.h"
 
@@ -320,7 +321,7 @@ static void test_ledger(void)
     GOOD("run scene.cfg -o d");
     scoped_checked e = checked_read("d/energy.tsv");
     dem_scene scene;
-    dem_sim *sim = NULL;
+    scoped_sim *sim = NULL;
     dem_ledger l;
     dem_energy now;
     char path[256];
@@ -360,7 +361,6 @@ static void test_ledger(void)
     }
     CHECK_NEAR(at(&e, 0, "put_in"), 0.0, 0.0);
     CHECK_NEAR(at(&e, 0, "residual"), 0.0, 1e-12 * l.turnover);
-    dem_free(sim);
     dem_scene_free(&scene);
 }
 

@@ -48,7 +48,7 @@ static void piston(void)
         dem_collision_result impact = {.restitution = 0.7};
         if (!hard)
             CHECK_OK(dem_collision(&(dem_head_on){def.normal, def.tension, 1e4, 300.0, M, V}, &impact));
-        dem_sim *sim =
+        scoped_sim *sim =
             grains_after(&def, lround(3.3 / V / def.dt)); /* the gap, 2.9, and twice the contact time */
         const double v = V * (1.0 + impact.restitution), tolerance = hard ? 1e-12 : 2e-3;
         CHECK_NEAR(grains_state_of_one(sim).vx, v, tolerance * v);
@@ -59,7 +59,6 @@ static void piston(void)
         CHECK_NEAR(l.wall_work, M * v * V, 2.0 * tolerance * M * v * V);
         CHECK_NEAR(hard ? l.hard : l.normal_damping, M * v * (V - 0.5 * v), 4.0 * tolerance * M * v * V);
         CHECK_NEAR(l.residual, 0.0, 1e-13 * l.turnover);
-        dem_free(sim);
     }
 }
 

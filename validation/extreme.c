@@ -141,7 +141,7 @@ static outcome collide(dem_definition *def, dem_grain grains[2], double v, doubl
     def->dt = step_limit(def) / steps;
     grains[1].x += 0.381 * v * def->dt;
     outcome o = {.status = RP_OK};
-    dem_sim *sim = grains_start(def);
+    scoped_sim *sim = grains_start(def);
     dem_state s[2];
     for (long part = 0; part < most && !o.status; part++) {
         o.status = dem_run(sim, 1);
@@ -150,7 +150,6 @@ static outcome collide(dem_definition *def, dem_grain grains[2], double v, doubl
     }
     o.v[0] = s[0].vx;
     o.v[1] = s[1].vx;
-    dem_free(sim);
     return o;
 }
 
@@ -360,7 +359,7 @@ static void far_apart(void)
                 def.n_walls = walls;
                 PARAMETERS("%g apart, %s%s", distance, dem_schemes[scheme]->name,
                            walls ? ", on a floor" : "");
-                dem_sim *sim = NULL;
+                scoped_sim *sim = NULL;
                 dem_state s[2];
                 rp_status status = dem_create(&def, &sim);
                 if (distance > 2e8) { /* cell indices end at 1e9 */
@@ -372,7 +371,6 @@ static void far_apart(void)
                 const double displacement = 1000.0 * def.dt;
                 number("far apart", fabs(s[0].x - displacement) + fabs(s[1].x - (distance + displacement)),
                        0.0, 1.0 + distance, 2000.0 * 0x1p-53);
-                dem_free(sim);
             }
 }
 
@@ -606,9 +604,8 @@ static void refuse_value(dem_definition *def, dem_grain pair[2], double *field, 
     def->n_grains = 2;
     *field = value;
     PARAMETERS("%s = %g", name, value);
-    dem_sim *sim = NULL;
+    scoped_sim *sim = NULL;
     refusal("bad value", dem_create(def, &sim), RP_BAD_INPUT, word);
-    dem_free(sim);
 }
 
 /* Invalid values, and time steps above the limit, are refused with the name of the field. */
@@ -666,9 +663,8 @@ static void step_limits(void)
                 def.dt = 1.001 * limit;
                 PARAMETERS("k_n = %g, gamma_n = %g, %s, dt = %.6g", stiffnesses[i], gamma,
                            dem_schemes[scheme]->name, def.dt);
-                dem_sim *sim = NULL;
+                scoped_sim *sim = NULL;
                 refusal("step above the limit", dem_create(&def, &sim), RP_BAD_INPUT, "dt = ");
-                dem_free(sim);
             }
 }
 

@@ -58,7 +58,7 @@ static outcome simulate(const impact *p, double dt, double longest)
 {
     dem_grain grains[2];
     dem_definition def = scene(p, dt, grains);
-    dem_sim *sim = grains_start(&def);
+    scoped_sim *sim = grains_start(&def);
     outcome o = {0.0, 0.0, INFINITY, 0.0};
     const bool wall = isinf(p->m_b);
     dem_state s[2];
@@ -77,7 +77,6 @@ static outcome simulate(const impact *p, double dt, double longest)
             break;
         }
     }
-    dem_free(sim);
     return o;
 }
 

@@ -49,7 +49,7 @@ enum { MARKS = 200 };
 static size_t run_energy(const energy_case *c, long steps, double error[MARKS], double at[MARKS],
                          double *most, double *iterations)
 {
-    dem_sim *sim = gas(c->integrator, c->dt, c->tolerance);
+    scoped_sim *sim = gas(c->integrator, c->dt, c->tolerance);
     const double before = grains_energy(sim);
     size_t n = 0;
     double next = 10.0;
@@ -67,7 +67,6 @@ static size_t run_energy(const energy_case *c, long steps, double error[MARKS], 
     dem_counts counts;
     dem_count_work(sim, &counts);
     *iterations = counts.iterations / (double)steps;
-    dem_free(sim);
     return n;
 }
 
@@ -220,11 +219,10 @@ static double sweeps_of_row(long n, double dt, double relaxation, double toleran
     dem_definition def = grains_disks((size_t)(n + 2), grains, K);
     def.gravity[1] = 0.0, def.dt = dt * contact_time();
     def.implicit = (dem_implicit_solver){DEM_SOLVER_SOR, relaxation, tolerance, 1000000};
-    dem_sim *sim = grains_start(&def);
+    scoped_sim *sim = grains_start(&def);
     dem_counts counts;
     CHECK_OK(dem_run(sim, 1));
     dem_count_work(sim, &counts);
-    dem_free(sim);
     return counts.iterations;
 }
 
@@ -324,11 +322,10 @@ static pile_difference compare(const solved_pile *pile, const dem_sim *sim)
 static pile_difference relaxed(const solved_pile *pile, int integrator, double gamma, double dt, long steps)
 {
     const dem_definition def = solved_pile_scene(pile, integrator, gamma, dt);
-    dem_sim *sim = grains_start(&def);
+    scoped_sim *sim = grains_start(&def);
     solved_pile_load(sim, steps / 2);
     CHECK_OK(dem_run(sim, steps / 2));
     const pile_difference d = compare(pile, sim);
-    dem_free(sim);
     return d;
 }
 

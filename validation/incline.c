@@ -68,7 +68,7 @@ static void slow_loading(void)
         dem_grain grain;
         dem_definition def = incline(0.0, &c, 0.0, &grain);
         def.damping = i / 12, def.turn_per_step = rate * def.dt;
-        dem_sim *sim = grains_start(&def);
+        scoped_sim *sim = grains_start(&def);
         double slipped = NAN;
         for (long step = 0; step < lround(1.6 / def.turn_per_step) && isnan(slipped); step += every) {
             CHECK_OK(dem_run(sim, every));
@@ -78,7 +78,6 @@ static void slow_loading(void)
             dem_gravity(sim, g);
             if (fabs(held) >= mu * now.normal_force * (1.0 - 1e-12)) slipped = atan2(g[0], -g[1]);
         }
-        dem_free(sim);
         /* the initial oscillation is rate/w; shear and normal springs follow within 1/w; a dashpot outside
          * the limit carries gamma_s/w^2 times the rate */
         const double w = sqrt(k_s / M);
@@ -96,10 +95,9 @@ static bool slips_at_once(double angle, double mu, double k_s, double dt)
     dem_grain grain;
     dem_definition def = incline(angle, &c, 0.0, &grain);
     def.dt = dt;
-    dem_sim *sim = grains_start(&def);
+    scoped_sim *sim = grains_start(&def);
     const dem_state s = run(sim, 1.2 * M_PI * sqrt(M / k_s), dt);
     const double spring = fabs(grains_only_contact(sim).shear_spring);
-    dem_free(sim);
     return fabs(s.x - spring) > 1e-12 * M * G / k_s;
 }
 

@@ -49,10 +49,9 @@ static void check_hard(bool pair, int shape, double e, double mu, double ratio)
     def.n_grains = pair ? 2 : 1;
     def.n_walls = !pair;
     def.walls[0] = grains_line(0.0, 0.0, 0.0, 1.0, &def.material);
-    dem_sim *sim = grains_start(&def);
+    scoped_sim *sim = grains_start(&def);
     dem_state s[2] = {0};
     grains_run(sim, 4, s);
-    dem_free(sim);
     /* 1/M_t is a/m_eff for spheres alike and disks alike: arm^2/I = 1/(q m) */
     const double impulse = fmin(v_s * m_eff / a, mu * (1.0 + e) * m_eff * v_n);
     const double turn = pair ? 2.0 * (v_s + v_n) * dt / (r + r2) : 0.0; /* of the normal until contact */

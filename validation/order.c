@@ -174,14 +174,13 @@ static errors simulate(const law *p, int integrator, const rebound *exact, doubl
     const double dt = exact->time / n;
     dem_definition def = flight(p, integrator, dt, phase, &grain);
     def.ledger = !dem_schemes[integrator]->parts; /* else its energy error has no order */
-    dem_sim *sim = grains_start(&def);
+    scoped_sim *sim = grains_start(&def);
     /* Gear's higher derivatives decay over some steps after the contact */
     CHECK_OK(dem_run(sim, lround(1.2 * n) + 40));
     const dem_state s = grains_state_of_one(sim);
     dem_ledger l = {0};
     dem_ledger_read(sim, &l);
     const double after = dem_time(sim) - (3.0 + phase) * dt - exact->time;
-    dem_free(sim);
     return compare(p, exact, s.x - v_along(p) * (3.0 + phase) * dt, s.y - R, s.vx, s.vy, after,
                    l.integration);
 }
@@ -417,7 +416,7 @@ static double sway(double gamma_n, int integrator, double n)
     def.normal = DEM_LINEAR, def.tangential = DEM_NONE;
     def.material = (dem_material){.k_n = k, .gamma_n = gamma_n};
     grains_on_floor(&def, 1, &grain);
-    dem_sim *sim = grains_after(&def, lround(2.0 * n));
+    scoped_sim *sim = grains_after(&def, lround(2.0 * n));
     const long steps = lround(n);
     double sum = 0.0;
     for (long step = 0; step < steps; step++) {
@@ -428,7 +427,6 @@ static double sway(double gamma_n, int integrator, double n)
         const double v = -fall * (w + half * half / w) * sin(w * t);
         sum += pow(s.y - R + deep - y, 2.0) + pow((s.vy - v) / w, 2.0);
     }
-    dem_free(sim);
     return sqrt(sum / (double)steps) / reach;
 }
 

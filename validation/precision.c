@@ -248,11 +248,10 @@ static double other_answer(motion *p, const gsl_odeiv2_step_type *type, double t
 
 static bool allowed(const motion *p, int integrator, double dt)
 {
-    dem_sim *sim = NULL;
+    scoped_sim *sim = NULL;
     dem_definition def = p->def;
     def.integrator = integrator, def.dt = dt;
     const bool good = dem_create(&def, &sim) == RP_OK;
-    dem_free(sim);
     return good;
 }
 

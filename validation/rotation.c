@@ -410,11 +410,10 @@ static void rotating_time_step(void)
     def.shape = DEM_DISK;
     CHECK_NEAR(dem_time_step_limit(&def, NULL), 0.95 * sqrt(4.0 / 3.0 * M / (4.0 * 1e4 + 2.0 * 1e4)), 1e-12);
     def.shape = DEM_SPHERE, def.dt = limit;
-    dem_sim *sim = grains_start(&def);
+    scoped_sim *sim = grains_start(&def);
     double most = 0.0;
     for (int k = 0; k < 2000; k++) most = fmax(most, fabs(run(sim, def.dt, def.dt).omega));
     CU_ASSERT(most < 2.0 * 30.0); /* stable: omega^2 dt^2 = 3.2 of 4 */
-    dem_free(sim);
     def.rotation = false;
     for (int w = 0; w < 4; w++) def.walls[w].material.mu_roll = 0.0;
     def.material.mu_roll = 0.0;

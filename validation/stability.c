@@ -16,12 +16,12 @@
 #include <string.h>
 
 #include "core/clock.h"
-#include "core/random.h"
 #include "table/table.h"
 #include "dem/state/method.h"
 #include "dem/state/state.h"
 #include "tests/check.h"
 #include "tests/grains.h"
+#include "tests/numbers.h"
 
 enum { PAIR, WALL, LOADED, PACKING, FLOWER, SYSTEMS };
 static const char *const system_names[SYSTEMS] = {"pair", "wall", "loaded", "packing", "flower"};
@@ -126,10 +126,9 @@ static double refused_above(scene *s)
 {
     double lo = 1e-9 / s->omega, hi = 1e3 / s->omega;
     for (int i = 0; i < 50; i++) {
-        dem_sim *sim = NULL;
+        scoped_sim *sim = NULL;
         s->def.dt = sqrt(lo * hi);
         *(dem_create(&s->def, &sim) == RP_OK ? &lo : &hi) = s->def.dt;
-        dem_free(sim);
     }
     return lo;
 }
@@ -306,21 +305,19 @@ static bool holds(const scene *rest, const stability_case *c, double dt, int ste
     static scene s;
     s = *rest;
     s.def.grains = s.grains;
-    gsl_rng *random = rp_random_alloc(11, 0, RP_PURPOSE_TEST);
+    scoped_rng *random = numbers_of(11, 0);
     for (size_t i = 0; i < s.def.n_grains; i++) {
         if (s.grains[i].fixed) continue;
         s.grains[i].x += kick * R * (gsl_rng_uniform(random) - 0.5);
         if (!line) s.grains[i].y += kick * R * (gsl_rng_uniform(random) - 0.5);
         if (c->rotation) s.grains[i].omega = kick * s.omega * (gsl_rng_uniform(random) - 0.5);
     }
-    gsl_rng_free(random);
     s.def.dt = 1e-6 / s.omega;
-    dem_sim *sim = grains_start(&s.def);
+    scoped_sim *sim = grains_start(&s.def);
     sim->def.dt = dt;
     bool bounded = true;
     for (int part = 0; part < 16 && bounded; part++)
         bounded = dem_run(sim, steps / 16) == RP_OK && displaced(rest, sim) < kick * exp(GROWTH);
-    dem_free(sim);
     return bounded;
 }
 
@@ -334,9 +331,8 @@ static stability examine(const stability_case *c, int rings)
     make_scene(&s, c, rings);
     stability out = {.limit = refused_above(&s), .omega = s.omega};
     s.def.dt = 1e-6 / s.omega;
-    dem_sim *sim = grains_start(&s.def);
+    scoped_sim *sim = grains_start(&s.def);
     out.theory = theory(&s, c, sim);
-    dem_free(sim);
     double lo = 0.02 * out.limit, hi = 50.0 * out.limit;
     for (int i = 0; i < 13; i++) {
         const double dt = sqrt(lo * hi);
@@ -544,7 +540,7 @@ static gas_run run_gas(const equation_solver *with, double depth, double times)
     const double k_n = 1e6, overlap = depth * R, v = sqrt(k_n * pow(overlap, 2.5) / (1.25 * 0.5 * M));
     gas_run out = {.contact_time = 2.9433 * overlap / v, .ends = dem_fault_text(DEM_FAULT_NONE)};
     dem_grain grains[GAS];
-    gsl_rng *random = rp_random_alloc(12, 0, RP_PURPOSE_TEST);
+    scoped_rng *random = numbers_of(12, 0);
     for (int i = 0; i < GAS; i++) {
         const double angle = 2.0 * M_PI * gsl_rng_uniform(random);
         grains[i] = (dem_grain){.x = 0.13 + 0.25 * (i % 6),
@@ -554,7 +550,6 @@ static gas_run run_gas(const equation_solver *with, double depth, double times)
                                 .vx = 0.5 * v * cos(angle),
                                 .vy = 0.5 * v * sin(angle)};
     }
-    gsl_rng_free(random);
     dem_definition def = dem_definition_default();
     def.integrator = DEM_IMPLICIT, def.implicit.solver = with->solver;
     def.implicit.tolerance = with->tolerance, def.tangential = DEM_NONE, def.gravity[1] = 0.0;
@@ -563,7 +558,7 @@ static gas_run run_gas(const equation_solver *with, double depth, double times)
     def.n_grains = GAS;
     dem_box_walls(&def, 1.51, &def.material);
     def.walls[def.n_walls++] = grains_line(0.0, 1.51, 0.0, -1.0, &def.material);
-    dem_sim *sim = grains_start(&def);
+    scoped_sim *sim = grains_start(&def);
     dem_energy before, after;
     dem_counts work;
     dem_energies(sim, &before);
@@ -577,7 +572,6 @@ static gas_run run_gas(const equation_solver *with, double depth, double times)
     }
     dem_count_work(sim, &work);
     out.sweeps = work.iterations / (double)(dem_step(sim) + 1);
-    dem_free(sim);
     return out;
 }
 
@@ -661,7 +655,7 @@ static bool box_rests(int law, int scheme, double gamma, long stream, double tim
     for (size_t w = 0; w < def.n_walls; w++) def.walls[w].material = def.material;
     *limit = dem_time_step_limit(&def, NULL);
     def.dt = *limit;
-    dem_sim *sim = grains_start(&def);
+    scoped_sim *sim = grains_start(&def);
     free(grains);
     dem_energy e;
     dem_rest rest;
@@ -676,7 +670,6 @@ static bool box_rests(int law, int scheme, double gamma, long stream, double tim
     }
     good = good && dem_rest_state(sim, 0.0, 2.0, &rest) == RP_OK && rest.n == N &&
            rest.kinetic_energy < 1e-5 * 4e-3 * 981.0 * 0.2;
-    dem_free(sim);
     return good;
 }
 
