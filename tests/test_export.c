@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "dem/law/laws.h"
 #include "tests/check.h"
 #include "tests/program.h"
 
@@ -552,7 +553,7 @@ static void test_input_files(void)
     const char *after = strstr(text, "\nvariable ");
     CU_ASSERT_PTR_NOT_NULL_FATAL(after);
     CU_ASSERT_STRING_EQUAL(after + 1, input);
-    CU_ASSERT_PTR_NOT_NULL(strstr(text, "\n# normal force: Hertz k_n overlap^(3/2); "));
+    CU_ASSERT_PTR_NOT_NULL(strstr(text, "\n# normal force: hertz; LAMMPS' own stiffness is k sqrt(R_eff)"));
     CU_ASSERT_PTR_NOT_NULL(
         strstr(text, ", together not below 0\n# shear force: spring k_s and dashpot gamma_s m_eff, "));
     CU_ASSERT_PTR_NOT_NULL(strstr(text, "\n# start: of contacts whose dashpot"));
@@ -582,7 +583,7 @@ static void test_plain_input(void)
         strstr(text, "\ngroup mobile union all\nfix move mobile nve\nfix flat all enforce2d\nregion wall1 "
                      "plane 0 -8 0 0 1 0\nfix wall1_1 all wall/gran/region granular hooke 200" HOOKE
                      " region wall1\n\ndump "));
-    CU_ASSERT(strstr(text, "# normal force: linear k_n overlap, dashpot gamma_n m_eff, which may pull\n# "
+    CU_ASSERT(strstr(text, "# normal force: linear, dashpot gamma_n m_eff, which may pull\n# "
                            "shear force: none\n") &&
               !strstr(text, "# start"));
     GOOD("export l.cfg --to lammps-input -o a.in --set steps=200 --set 'gravity=[0.0,-0.5]'");
@@ -607,6 +608,50 @@ static void test_types(void)
     CU_ASSERT(shell("grep -c pair_coeff s.in >out") == 0 && strcmp(out, "300\n") == 0);
     write_text("g.tsv", "%s25\t0\t0.5\n", grains);
     FAILS(65, "each radius is a type, at most 24", "export s.cfg --to lammps-input -o t.in");
+    leave();
+}
+
+static void export_law(const char *laws, const char *name, const char *lammps, const char *before)
+{
+    char text[4096], expected[64];
+    write_text("law.cfg", "dt = 1e-6; particles = ( { x = 0.0; y = 0.0; r = 0.1; } ); %s\n", laws);
+    if (lammps)
+        snprintf(expected, sizeof expected, "%s%s ", before, lammps);
+    else
+        snprintf(expected, sizeof expected, "law = \"%s\": LAMMPS has no such law", name);
+    if (lammps) {
+        GOOD("export law.cfg --to lammps-input -o law.in");
+        slurp("law.in", text, sizeof text);
+        CU_ASSERT_PTR_NOT_NULL(strstr(text, expected));
+    } else {
+        FAILS(65, expected, "export law.cfg --to lammps-input -o law.in");
+    }
+}
+
+/* Each law has its own name in LAMMPS, or is refused by its name here. */
+static void test_laws(void)
+{
+    char laws[256];
+    enter();
+    for (int i = 0; i < DEM_NORMAL_N; i++) {
+        const dem_normal_descriptor *law = &dem_normal_descriptors[i];
+        snprintf(laws, sizeof laws, "normal = { law = \"%s\"; tension = false; gamma_n = 0.1; };", law->name);
+        export_law(laws, law->name, law->lammps, "pair_coeff * * ");
+        for (int k = 0; k < i && law->lammps; k++)
+            CU_ASSERT(!dem_normal_descriptors[k].lammps ||
+                      strcmp(law->lammps, dem_normal_descriptors[k].lammps) != 0);
+    }
+    for (int i = 0; i < DEM_TANGENTIAL_N; i++) {
+        const dem_tangential_descriptor *law = &dem_tangential_descriptors[i];
+        snprintf(laws, sizeof laws,
+                 "normal = { tension = false; gamma_n = 0.1; }; tangential = { law = \"%s\"; %s };",
+                 law->name,
+                 dem_has_spring(i)     ? "mu = 0.2; damping = \"inside\";"
+                 : dem_has_friction(i) ? "mu = 0.2;"
+                                       : "");
+        export_law(laws, law->name, law->lammps, " tangential ");
+    }
+    CU_ASSERT(!dem_normal_descriptors[DEM_TSUJI].lammps);
     leave();
 }
 
@@ -724,6 +769,7 @@ void suite_export(void)
                                        {"LAMMPS input: whole files", test_input_files},
                                        {"LAMMPS input: a plain scene", test_plain_input},
                                        {"LAMMPS input: types", test_types},
+                                       {"LAMMPS input: every law", test_laws},
                                        {"LAMMPS input: refused keys", test_refused},
                                        {"dumps by lmp", test_lammps},
                                        {"VTP by VTK", test_vtk},

@@ -10,8 +10,8 @@
 #include "dem/setup/definition.h"
 #include "dem/scene/scene.h"
 
-/* Hertz' k_n is the same for all radii here, and grows as sqrt(R_eff) in LAMMPS: each radius is a type, and
- * for walls a group, of which LAMMPS has 32. */
+/* Where k_n is the same for all radii here and grows as sqrt(R_eff) in LAMMPS, each radius is a type, and for
+ * walls a group, of which LAMMPS has 32. */
 enum { MOST_TYPES = 24 };
 
 typedef struct {
@@ -19,9 +19,14 @@ typedef struct {
     dem_definition def; /* with all coefficients known */
     dem_state *grains;
     size_t n, n_types;
-    double radius[MOST_TYPES]; /* of each type; of the linear law 0, all */
+    double radius[MOST_TYPES]; /* of each type; 0: of all radii */
     double box[2][2], largest;
 } lammps_scene;
+
+static const dem_normal_descriptor *normal_law(const dem_definition *def)
+{
+    return &dem_normal_descriptors[def->normal];
+}
 
 /* Rolling friction needs rotation, which is refused. */
 static rp_status check_material(const dem_definition *def, const dem_material *m, const char *of)
@@ -66,7 +71,6 @@ static rp_status check_scene(const dem_definition *def)
     } checks[] = {
         {def->integrator != DEM_VERLET, "integrator: LAMMPS steps as \"verlet\" does"},
         {def->rotation, "rotation = true: LAMMPS takes the slip at the radius, not at the contact"},
-        {def->normal == DEM_TSUJI, "normal.law = \"tsuji\": LAMMPS fits its damping to a restitution"},
         {slides && def->tension,
          "normal.tension = true: LAMMPS limits friction by mu |F_n| where the force pulls; set it to false"},
         {dem_has_spring(def->tangential) && def->slip != DEM_TRUNCATED,
@@ -79,6 +83,11 @@ static rp_status check_scene(const dem_definition *def)
         {isfinite(def->y_min), "y_min: the input takes no grain out"},
         {def->turn_per_step != 0.0, "gravity_turn_deg_per_step: the input's gravity does not turn"},
         {def->box_turn_per_step != 0.0, "box_turn_deg_per_step: the input's walls do not turn"}};
+    const dem_tangential_descriptor *shear = &dem_tangential_descriptors[def->tangential];
+    if (!normal_law(def)->lammps)
+        return rp_fail(RP_BAD_INPUT, "normal.law = \"%s\": LAMMPS has no such law", normal_law(def)->name);
+    if (!shear->lammps)
+        return rp_fail(RP_BAD_INPUT, "tangential.law = \"%s\": LAMMPS has no such law", shear->name);
     for (size_t i = 0; i < N_OF(checks); i++)
         if (checks[i].differs) return rp_fail(RP_BAD_INPUT, "%s", checks[i].message);
     RP_TRY(check_material(def, &def->material, ""));
@@ -87,7 +96,7 @@ static rp_status check_scene(const dem_definition *def)
 
 static rp_status find_types(rp_arena *arena, lammps_scene *s)
 {
-    if (s->def.normal == DEM_LINEAR) {
+    if (!normal_law(&s->def)->lammps_by_radius) {
         s->n_types = 1;
         return RP_OK;
     }
@@ -99,9 +108,9 @@ static rp_status find_types(rp_arena *arena, lammps_scene *s)
         if (s->n_types == MOST_TYPES)
             return rp_fail(
                 RP_BAD_INPUT,
-                "normal.law = \"hertz\": LAMMPS' k_n depends on the radii, so that each radius is a type, at "
+                "normal.law = \"%s\": LAMMPS' k_n depends on the radii, so that each radius is a type, at "
                 "most %d; equal grains or the law \"linear\" go",
-                MOST_TYPES);
+                normal_law(&s->def)->name, MOST_TYPES);
         s->radius[s->n_types++] = r[i];
     }
     return RP_OK;
@@ -164,44 +173,40 @@ static void write_data(const lammps_scene *s, const char *scene, FILE *out)
 /* The law of a contact whose effective radius is r_eff, in the words of pair_coeff. */
 static void write_law(const dem_definition *def, const dem_material *m, double r_eff, FILE *out)
 {
-    const bool hertz = def->normal == DEM_HERTZ;
+    const dem_normal_descriptor *law = normal_law(def);
     const double damping = m->gamma_n > 0.0 ? m->gamma_s / m->gamma_n : 0.0;
-    fprintf(out, "%s %s %s tangential ", hertz ? "hertz" : "hooke",
-            CLI_SHORT(hertz ? m->k_n / sqrt(r_eff) : m->k_n), CLI_SHORT(m->gamma_n));
-    switch (def->tangential) {
-    case DEM_NONE: fputs("linear_nohistory 0 0", out); break;
-    case DEM_SPRING:
-        fprintf(out, "linear_history %s %s %s", CLI_SHORT(m->k_s), CLI_SHORT(damping), CLI_SHORT(m->mu));
-        break;
-    case DEM_SLIP_ROLL: fprintf(out, "linear_nohistory %s %s", CLI_SHORT(damping), CLI_SHORT(m->mu)); break;
-    }
+    fprintf(out, "%s %s %s tangential %s", law->lammps,
+            CLI_SHORT(law->lammps_by_radius ? m->k_n / sqrt(r_eff) : m->k_n), CLI_SHORT(m->gamma_n),
+            dem_tangential_descriptors[def->tangential].lammps);
+    if (dem_has_spring(def->tangential)) fprintf(out, " %s", CLI_SHORT(m->k_s));
+    if (dem_has_friction(def->tangential))
+        fprintf(out, " %s %s", CLI_SHORT(damping), CLI_SHORT(m->mu));
+    else
+        fputs(" 0 0", out);
     fprintf(out, " damping mass_velocity%s", def->tension ? "" : " limit_damping");
 }
 
 static void write_about(const lammps_scene *s, const char *scene, FILE *out)
 {
-    static const char *const shear[] = {
-        [DEM_NONE] = "none",
-        [DEM_SPRING] =
-            "spring k_s and dashpot gamma_s m_eff, together limited by mu F_n, the spring truncated",
-        [DEM_SLIP_ROLL] = "viscous slip gamma_s m_eff v_s limited by mu F_n, no spring"};
+    const bool spring = dem_has_spring(s->def.tangential), slides = dem_has_friction(s->def.tangential);
     fprintf(out, "# %s for LAMMPS, written by repose export. Run it in this folder: lmp -in FILE\n#\n",
             scene);
     fprintf(
         out,
         "# Laws that coincide, up to round-off, with those of `repose run` (spheres that do not rotate):\n");
-    fprintf(out, "# normal force: %s, dashpot gamma_n m_eff%s\n",
-            s->def.normal == DEM_HERTZ
-                ? "Hertz k_n overlap^(3/2); LAMMPS' own is k sqrt(R_eff), so that each "
-                  "radius is a type"
-                : "linear k_n overlap",
+    fprintf(out, "# normal force: %s%s, dashpot gamma_n m_eff%s\n", normal_law(&s->def)->name,
+            normal_law(&s->def)->lammps_by_radius
+                ? "; LAMMPS' own stiffness is k sqrt(R_eff), so that each radius is a type"
+                : "",
             s->def.tension ? ", which may pull" : ", together not below 0");
     fprintf(out, "# shear force: %s\n# walls: the same with R_eff = r and m_eff = m, whole planes at rest\n",
-            shear[s->def.tangential]);
+            spring ? "spring k_s and dashpot gamma_s m_eff, together limited by mu F_n, the spring truncated"
+            : slides ? "viscous slip gamma_s m_eff v_s limited by mu F_n, no spring"
+                     : "none");
     fprintf(
         out,
         "# integrator: velocity Verlet; forces that depend on velocity take that of half a step before\n");
-    if (s->def.tangential == DEM_SPRING)
+    if (spring)
         fputs("# start: of contacts whose dashpot alone exceeds mu F_n, LAMMPS leaves the shear force out of "
               "the first "
               "half step\n",

@@ -20,7 +20,7 @@ const dem_normal_descriptor dem_normal_descriptors[DEM_NORMAL_N] = {
 };
 
 const dem_tangential_descriptor dem_tangential_descriptors[DEM_TANGENTIAL_N] = {
-#define X(id, word, text, friction, spring) [id] = {.name = #word, .manual = text},
+#define X(id, word, text, friction, spring, in_lammps) [id] = {#word, text, in_lammps},
     DEM_TANGENTIAL_LAWS(X)
 #undef X
 };

@@ -17,27 +17,29 @@ RP_C_BEGIN
     X(DEM_HERTZ, hertz, hertz, constant, "dyn/cm^1.5", "1/s",                                                \
       .manual = "elastic spheres, F_n = k_n x^(3/2) - gamma_n m_eff v_n (Lee & Herrmann 1993, eq (2a)): "    \
                 "slow impacts lose more than fast ones",                                                     \
-      .sticking_speed = hertz_sticking_speed, .modulus = hertz_modulus)                                      \
+      .sticking_speed = hertz_sticking_speed, .modulus = hertz_modulus, .lammps = "hertz",                   \
+      .lammps_by_radius = true)                                                                              \
     X(DEM_LINEAR, linear, linear, constant, "dyn/cm", "1/s",                                                 \
       .manual = "F_n = k_n x - gamma_n m_eff v_n (Liffman, Chan & Hughes 1992, eqs (23) and (25)): impacts " \
                 "of all speeds have the same restitution",                                                   \
-      .constant_stiffness = true, .damping_ratio = linear_damping_ratio)                                     \
+      .constant_stiffness = true, .damping_ratio = linear_damping_ratio, .lammps = "hooke")                  \
     X(DEM_TSUJI, tsuji, hertz, tsuji, "dyn/cm^1.5", "1",                                                     \
       .manual = "elastic spheres, F_n = k_n x^(3/2) - gamma_n sqrt(m_eff k_n) x^(1/4) v_n (Tsuji, Tanaka & " \
                 "Ishida 1992): impacts of all speeds have the same restitution",                             \
       .damping_ratio = tsuji_damping_ratio, .modulus = hertz_modulus)
 
-/* Tangential laws. id; word; manual; has friction; has a spring. */
+/* Tangential laws. id; word; manual; has friction; has a spring; its name in LAMMPS, NULL where that has no
+ * such law. */
 #define DEM_TANGENTIAL_LAWS(X)                                                                               \
-    X(DEM_NONE, none, "no force along the contact", false, false)                                            \
+    X(DEM_NONE, none, "no force along the contact", false, false, "linear_nohistory")                        \
     X(DEM_SPRING, spring,                                                                                    \
       "a spring k_s of the displacement s since first touch, and a dashpot: F_s = -gamma_s m_eff v_s - "     \
       "sign(s) min(k_s |s|, mu max(F_n, 0)) (Lee & Herrmann 1993, eq (2b))",                                 \
-      true, true)                                                                                            \
+      true, true, "linear_history")                                                                          \
     X(DEM_SLIP_ROLL, slip_roll,                                                                              \
       "viscous slip, without a spring: F_s = -sign(v_s) min(gamma_s m_eff |v_s|, mu max(F_n, 0)) (Liffman, " \
       "Chan & Hughes 1992, eqs (27) to (32))",                                                               \
-      true, false)
+      true, false, "linear_nohistory")
 
 /* What a shear spring remembers while it slides; whether the shear dashpot stands outside the limit mu F_n.
  */
@@ -56,8 +58,8 @@ typedef enum { DEM_DAMPINGS(DEM_ID) } dem_damping;
 enum { DEM_NORMAL_N = DEM_NORMAL_LAWS(DEM_ONE), DEM_TANGENTIAL_N = DEM_TANGENTIAL_LAWS(DEM_ONE) };
 dem_manual dem_normal_manual, dem_tangential_manual, dem_slip_manual, dem_damping_manual;
 
-#define DEM_LAW_FRICTION(id, word, manual, friction, ...)  | (unsigned)friction << id
-#define DEM_LAW_SPRING(id, word, manual, friction, spring) | (unsigned)spring << id
+#define DEM_LAW_FRICTION(id, word, manual, friction, ...)       | (unsigned)friction << id
+#define DEM_LAW_SPRING(id, word, manual, friction, spring, ...) | (unsigned)spring << id
 
 static inline bool dem_has_friction(dem_tangential_law law)
 {
@@ -94,11 +96,13 @@ typedef struct {
     double (*damping_ratio)(double k_n, double gamma_n, double m_eff);
     double (*sticking_speed)(double k_n, double gamma_n, double m_eff);
     double (*modulus)(double k_n, double r);
+    const char *lammps; /* name in LAMMPS' pair_style granular, with its damping mass_velocity; NULL: none */
+    bool lammps_by_radius; /* there, the stiffness is k_n sqrt(R_eff) */
 } dem_normal_descriptor;
 extern const dem_normal_descriptor dem_normal_descriptors[DEM_NORMAL_N];
 
 typedef struct {
-    const char *name, *manual;
+    const char *name, *manual, *lammps;
 } dem_tangential_descriptor;
 extern const dem_tangential_descriptor dem_tangential_descriptors[DEM_TANGENTIAL_N];
 
