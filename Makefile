@@ -23,7 +23,7 @@ INCLUDES  = $$(pkg-config --cflags $(PKGS))
 # Work waits for `setup` when both are asked for.
 SETUP_FIRST := $(filter setup,$(MAKECMDGOALS))
 # module=prefix of its exported names; dependents before what they depend on. A module's rooms stand in tests/rooms.txt.
-MODULES := sweep=sweep_ analytic=an_ dem=dem_ statics=statics_ angle=ang_ stress=stress_ stats=stats_ core=rp_
+MODULES := sweep=sweep_ view=view_ export=export_ analytic=an_ dem=dem_ statics=statics_ angle=ang_ stress=stress_ stats=stats_ core=rp_
 module   = $(word 1,$(subst =, ,$(1)))
 rooms    = $(shell awk '$$1 == "$(1)" { print $$2 }' tests/rooms.txt)
 objects  = $(patsubst %.c,$(B)/obj/%.o,$(wildcard $(1:%=%/*.c)))
@@ -86,7 +86,7 @@ $(B)/check: $(CHECK) $(LIBRARY)
 	@echo "link    $@"
 	@$(CC) $(CFLAGS) $^ $$(pkg-config --libs cunit) $(LIBS) -o $@
 
-lint: $(LIBRARY) ## borders of the modules (who includes whom, which prefix is exported), tables of figures, clang-format
+lint: $(LIBRARY) $(REPOSE) $(REPORT) ## order of the rooms, prefixes of the modules, tables of figures, clang-format
 	@sh tests/lint.sh $(B) $(MODULES)
 
 # Figures that take no time show the tests the whole way from a model to a picture. The plain tests run beside the others,

@@ -5,7 +5,7 @@ VERSION := $(shell sed -n 's/^.define RP_VERSION "\(.*\)"/\1/p' src/core/version
 
 .PHONY: install uninstall manual dist deb check-deb
 install: $(REPOSE) $(LIBRARY) ## program, library, headers, sweeps, completion: make install PREFIX=/usr/local DESTDIR=
-	@sh install.sh $(B) $(TARGET) $(VERSION) $(foreach m,$(MODULES),$(call module,$(m)))
+	@sh install.sh $(B) $(TARGET) $(VERSION) $(foreach m,$(filter-out view=% export=%,$(MODULES)),$(call module,$(m)))
 	@echo "install $(TARGET)"
 
 uninstall: ## remove what `make install` put into PREFIX

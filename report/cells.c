@@ -56,11 +56,6 @@ rp_status report_table(report_tables *tables, const char *name, const rp_table *
 
 /* ---- rows ---- */
 
-static const char *text_at(const rp_table *table, size_t row, int column)
-{
-    return table->cells[row * table->n_columns + (size_t)column];
-}
-
 static bool text_equals(const char *cell, const char *wanted)
 {
     char *end_a, *end_b;
@@ -74,10 +69,10 @@ static bool text_equals(const char *cell, const char *wanted)
 /* The row with the smallest or the largest number of a column, the first of equal ones. */
 static bool is_extreme(const rp_table *table, size_t row, int column, bool largest)
 {
-    const double value = strtod(text_at(table, row, column), NULL);
+    const double value = strtod(rp_cell(table, row, column), NULL);
     bool is = isfinite(value);
     for (size_t r = 0; r < table->n_rows && is; r++) {
-        const double other = strtod(text_at(table, r, column), NULL);
+        const double other = strtod(rp_cell(table, r, column), NULL);
         is = !((largest ? other > value : other < value) || (other == value && r < row));
     }
     return is;
@@ -96,7 +91,7 @@ rp_status report_row_matches(const rp_table *table, size_t row, int n, char *con
         RP_TRY(status);
         *matches = strcmp(equals, "=smallest") == 0  ? is_extreme(table, row, column, false)
                    : strcmp(equals, "=largest") == 0 ? is_extreme(table, row, column, true)
-                                                     : text_equals(text_at(table, row, column), equals + 1);
+                                                     : text_equals(rp_cell(table, row, column), equals + 1);
     }
     return RP_OK;
 }
@@ -128,7 +123,7 @@ const char *report_cell_text(const report_cell *cell, const char *column)
 {
     if (*column == '#') return rp_table_find_note(cell->table, column + 1);
     const int c = rp_table_column(cell->table, column);
-    return c < 0 ? NULL : text_at(cell->table, cell->row, c);
+    return c < 0 ? NULL : rp_cell(cell->table, cell->row, c);
 }
 
 rp_status report_cell_column(const report_cell *cell, const char *column, double *value)

@@ -8,7 +8,7 @@
 #include "core/arena.h"
 #include "core/status.h"
 #include "stats/stats.h"
-#include "table/table.h"
+#include "table/columns.h"
 
 /* Where tables are looked for, and those that have been read, each once. */
 typedef struct {

@@ -58,6 +58,7 @@
     X(suite_golden)                                                                                          \
     X(suite_equilibrium)                                                                                     \
     X(suite_piles)                                                                                           \
+    X(suite_rooms)                                                                                           \
     X(suite_places)                                                                                          \
     X(suite_property)                                                                                        \
     X(suite_fuzz)

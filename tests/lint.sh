@@ -1,6 +1,6 @@
 #!/bin/sh
-# The modules' borders, the tables of figures, and clang-format. Arguments: the build folder, then module=prefix for each library.
-# tests/rooms.txt has the order of includes; each library exports its own prefix only.
+# The order of the rooms, the modules' prefixes, the tables of figures, and clang-format. Arguments: the build folder,
+# then module=prefix for each library, which exports its own prefix only.
 build=$1
 shift
 bad=0
@@ -12,6 +12,7 @@ for entry; do
         bad=1
     fi
 done
+python3 tests/rooms.py "$build" || bad=1
 for figure in figures/*/*.gp; do
     listed=" $(grep '^#' "$figure" | grep -oE '[^ ]+\.tsv' | tr '\n' ' ')"
     for table in $(grep -v '^#' "$figure" | sed "s/published(/'published.tsv/g" | grep -oE "['\"][a-z][A-Za-z0-9_./-]*\.tsv" | cut -c 2-); do

@@ -13,6 +13,7 @@ import subprocess
 import sys
 
 MOST_SOURCES = 20
+KINDS = (".c", ".h", ".inl")
 
 
 def read_rooms(path):
@@ -47,6 +48,8 @@ def wrong_includes(sources, rooms, uses):
                 continue
             target = next((p for p in ("src/" + found[1], found[1]) if os.path.exists(p)), None)
             other = room_of(target, rooms) if target else None
+            if target and not target.endswith(KINDS):
+                continue
             if other is None:
                 yield f"{path}:{number}: includes {found[1]}, which is in no room of tests/rooms.txt"
             elif rooms[own][1] != rooms[other][1]:
@@ -96,7 +99,7 @@ def circles(sources, build):
 def main(build):
     rooms, uses = read_rooms("tests/rooms.txt")
     sources = [f"{name}/{file}" for name, _ in rooms if os.path.isdir(name) for file in sorted(os.listdir(name))
-               if file.endswith((".c", ".h", ".inl"))]
+               if file.endswith(KINDS)]
     bad = list(wrong_includes(sources, rooms, uses))
     bad += ["these files use one another in a circle: " + " ".join(part) for part in circles(sources, build)]
     for folder, count in collections.Counter(os.path.dirname(p) for p in sources if p.endswith(".c")).items():

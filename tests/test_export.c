@@ -187,15 +187,15 @@ static void test_errors(void)
     FAILS(65, "no grains", "export pile --to xyz --where 'step>9999'");
     FAILS(65, "neither a run (states.tsv) nor a sweep (sweep.cfg)", "export . --to csv");
     FAILS(65, "nowhere: cannot read", "export nowhere --to csv");
-    FAILS(64, "--reduce goes with a sweep", "export pile --to csv --reduce");
-    FAILS(64, "--set goes with --to lammps-input", "export pile --to csv --set mu=1");
+    FAILS(64, "--reduce needs a sweep", "export pile --to csv --reduce");
+    FAILS(64, "--set needs --to lammps-input", "export pile --to csv --set mu=1");
     FAILS(64, "vtk needs a name that ends in .pvd", "export pile --to vtk -o a.vtk");
     FAILS(64, "lammps-input needs a name that ends in .in", "export scene.cfg --to lammps-input");
-    FAILS(64, "--columns, --where and --reduce do not go",
+    FAILS(64, "takes no --columns, --where or --reduce",
           "export scene.cfg --to lammps-input --columns x -o a.in");
-    FAILS(64, "--columns, --where and --reduce do not go",
+    FAILS(64, "takes no --columns, --where or --reduce",
           "export scene.cfg --to lammps-input --where x=1 -o a.in");
-    FAILS(64, "--columns, --where and --reduce do not go",
+    FAILS(64, "takes no --columns, --where or --reduce",
           "export scene.cfg --to lammps-input --reduce -o a.in");
     FAILS(74, "/dev/full: cannot write", "export pile --to json -o /dev/full");
     CU_ASSERT(shell("ln -s /dev/full full.gz") == 0);

@@ -7,7 +7,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "cli/columns.h"
+#include "table/columns.h"
 #include "core/random.h"
 #include "params/units.h"
 
@@ -87,11 +87,11 @@ const char *cli_data(rp_arena *arena, const char *name)
 
 rp_status cli_tables_read(const cli_call *call, rp_table **table, size_t *n_first)
 {
-    RP_TRY(cli_table_read(call->arena, cli_data(call->arena, cli_argument(call, 0)), table));
+    RP_TRY(rp_table_load(call->arena, cli_data(call->arena, cli_argument(call, 0)), table));
     if (n_first) *n_first = (*table)->n_rows;
     for (int i = 1; i < call->n_arguments; i++) {
         rp_table *more;
-        RP_TRY(cli_table_read(call->arena, cli_data(call->arena, cli_argument(call, i)), &more));
+        RP_TRY(rp_table_load(call->arena, cli_data(call->arena, cli_argument(call, i)), &more));
         RP_TRY(rp_table_append(*table, more));
     }
     return RP_OK;

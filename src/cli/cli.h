@@ -6,7 +6,7 @@
 #include <math.h>
 
 #include "cli/call.h"
-#include "cli/columns.h"
+#include "table/columns.h"
 #include "core/file.h"
 #include "core/status.h"
 #include "sweeps/protocols/protocols.h"
@@ -74,6 +74,14 @@ typedef struct cli_command {
     size_t protocol_size;
     bool prints_text; /* or nothing: the others print a table, which has --json */
 } cli_command;
+
+/* A command, or an option "COMMAND --OPTION", of an older version, and what to use instead. */
+typedef struct cli_removed {
+    const char *name, *instead;
+} cli_removed;
+
+/* Is a command, or its option (NULL: none), an older one? Errors: RP_USAGE, with what to use instead. */
+rp_status cli_check_removed(const cli_program *program, const char *command, const char *option);
 
 /* The options of a command as they are typed, with their defaults, in call->options and call->values. */
 void cli_options_of(cli_call *call, const cli_command *command);

@@ -9,17 +9,6 @@
 #include "export/export.h"
 #include "params/guess.h"
 
-rp_status cli_check_removed(const cli_program *program, const char *command, const char *option)
-{
-    const size_t n = strlen(command);
-    for (const cli_removed *r = program->removed; r && r->name; r++)
-        if (strncmp(r->name, command, n) == 0 &&
-            (option ? strncmp(r->name + n, " --", 3) == 0 && strcmp(r->name + n + 3, option) == 0
-                    : !r->name[n]))
-            return rp_fail(RP_USAGE, "%s of 0.1.0 is gone; instead: %s", r->name, r->instead);
-    return RP_OK;
-}
-
 rp_status cli_unknown_command(const cli_program *program, const char *word, const cli_command *group)
 {
     char name[64];
@@ -81,9 +70,9 @@ static rp_status print_as_json(rp_arena *arena, char *text)
         free(text);
         return RP_OK;
     }
-    RP_TRY(cli_table_parse(arena, "--json", text, &table));
-    RP_TRY(cli_columns(arena, table, "all", &n, &columns));
-    return cli_export_json(table, n, columns, stdout);
+    RP_TRY(rp_table_load_text(arena, "--json", text, &table));
+    RP_TRY(rp_columns(arena, table, "all", &n, &columns));
+    return export_json(table, n, columns, stdout);
 }
 
 /* Standard output as JSON; a file that the command writes instead would stay a table. A command that fails

@@ -11,14 +11,6 @@ rp_status cli_run(cli_call *call, const cli_command *command, int argc, char **a
 /* The one of these commands whose own name is `word`; NULL: none. */
 const cli_command *cli_find(const cli_command *const *among, const char *word);
 
-/* A command, or an option "COMMAND --OPTION", of an older version, and what to use instead. */
-typedef struct cli_removed {
-    const char *name, *instead;
-} cli_removed;
-
-/* Is a command, or its option (NULL: none), an older one? Errors: RP_USAGE, with what to use instead. */
-rp_status cli_check_removed(const cli_program *program, const char *command, const char *option);
-
 /* The error of a word that is no command of the group, or for NULL of the program, with the nearest one. */
 rp_status cli_unknown_command(const cli_program *program, const char *word, const cli_command *group);
 

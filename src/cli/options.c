@@ -7,7 +7,7 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
-#include "cli/command.h"
+#include "cli/cli.h"
 #include "params/guess.h"
 
 const char *cli_dashes(const rp_param *option)
@@ -224,6 +224,17 @@ static rp_status not_parallel(const cli_call *call)
     list_parallel(call->program->commands, names, sizeof names);
     return rp_fail(RP_USAGE, "unknown option -j: %s %s works on one processor; -j goes with %s",
                    call->program->name, call->command->name, names);
+}
+
+rp_status cli_check_removed(const cli_program *program, const char *command, const char *option)
+{
+    const size_t n = strlen(command);
+    for (const cli_removed *r = program->removed; r && r->name; r++)
+        if (strncmp(r->name, command, n) == 0 &&
+            (option ? strncmp(r->name + n, " --", 3) == 0 && strcmp(r->name + n + 3, option) == 0
+                    : !r->name[n]))
+            return rp_fail(RP_USAGE, "%s of 0.1.0 is gone; instead: %s", r->name, r->instead);
+    return RP_OK;
 }
 
 /* An option that is written with too few or too many dashes is found as well. */

@@ -24,6 +24,9 @@ rp_status rp_file_read(const char *path, char **text);
 /* Does a text, as a file's name, end in these letters? */
 bool rp_ends_in(const char *text, const char *end);
 
+/* Is there a file or folder of this name in a folder? */
+bool rp_is_in(const char *folder, const char *name);
+
 /* Make a directory and its parents. Errors: RP_IO. */
 rp_status rp_make_directory(const char *path);
 

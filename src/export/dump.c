@@ -4,32 +4,32 @@
 #include "export/export.h"
 
 /* The values of a grain: the first column of the format, x y z, then the fields. */
-static void write_values(const cli_run_frames *run, size_t row, FILE *out)
+static void write_values(const export_run *run, size_t row, FILE *out)
 {
     const rp_table *t = run->grains.table;
-    fprintf(out, " %s %s 0", cli_export_cell(t, row, run->x), cli_export_cell(t, row, run->y));
+    fprintf(out, " %s %s 0", export_cell(t, row, run->x), export_cell(t, row, run->y));
     for (size_t f = 0; f < run->n_fields; f++) {
         const int *c = run->fields[f].column;
-        fprintf(out, " %s", cli_export_cell(t, row, c[0]));
-        if (c[1] >= 0) fprintf(out, " %s 0", cli_export_cell(t, row, c[1]));
+        fprintf(out, " %s", export_cell(t, row, c[0]));
+        if (c[1] >= 0) fprintf(out, " %s 0", export_cell(t, row, c[1]));
     }
     fputc('\n', out);
 }
 
 /* Head of a frame of `n` atoms or entries: box of all frames, open in x and y. */
-static void write_head(const cli_run_frames *run, size_t frame, const char *of, size_t n, FILE *out)
+static void write_head(const export_run *run, size_t frame, const char *of, size_t n, FILE *out)
 {
     fprintf(out, "ITEM: TIME\n%s\nITEM: TIMESTEP\n%.0f\nITEM: NUMBER OF %s\n%zu\n",
-            CLI_SHORT(cli_frame_time(run, frame)), cli_frame_step(run, frame), of, n);
-    fprintf(out, "ITEM: BOX BOUNDS ff ff pp\n%s %s\n%s %s\n%s %s\n", CLI_SHORT(run->box[0][0]),
-            CLI_SHORT(run->box[0][1]), CLI_SHORT(run->box[1][0]), CLI_SHORT(run->box[1][1]),
-            CLI_SHORT(-run->largest), CLI_SHORT(run->largest));
+            EXPORT_SHORT(export_frame_time(run, frame)), export_frame_step(run, frame), of, n);
+    fprintf(out, "ITEM: BOX BOUNDS ff ff pp\n%s %s\n%s %s\n%s %s\n", EXPORT_SHORT(run->box[0][0]),
+            EXPORT_SHORT(run->box[0][1]), EXPORT_SHORT(run->box[1][0]), EXPORT_SHORT(run->box[1][1]),
+            EXPORT_SHORT(-run->largest), EXPORT_SHORT(run->largest));
 }
 
-static rp_status write_grains(const cli_run_frames *run, const char *path)
+static rp_status write_grains(const export_run *run, const char *path)
 {
-    cli_export e;
-    RP_TRY(cli_export_open(path, &e));
+    export_file e;
+    RP_TRY(export_open(path, &e));
     for (size_t k = 0; k < run->grains.n; k++) {
         const size_t first = run->grains.first[k], end = run->grains.first[k + 1];
         write_head(run, k, "ATOMS", end - first, e.out);
@@ -37,22 +37,22 @@ static rp_status write_grains(const cli_run_frames *run, const char *path)
         for (size_t f = 0; f < run->n_fields; f++) fprintf(e.out, " %s", run->fields[f].dump);
         fputc('\n', e.out);
         for (size_t i = first; i < end; i++) {
-            cli_frame_id(run, k, i, e.out);
+            export_frame_id(run, k, i, e.out);
             fputs(" 1", e.out);
             write_values(run, i, e.out);
         }
     }
-    return cli_export_close(&e, RP_OK);
+    return export_close(&e, RP_OK);
 }
 
-static rp_status write_contacts(const cli_run_frames *run, const char *path)
+static rp_status write_contacts(const export_run *run, const char *path)
 {
-    const cli_frames *f = &run->contacts;
+    const export_frames *f = &run->contacts;
     const rp_table *t = f->table;
-    cli_export e;
-    RP_TRY(cli_export_open(path, &e));
+    export_file e;
+    RP_TRY(export_open(path, &e));
     for (size_t k = 0; k < run->grains.n; k++) {
-        const size_t at = cli_frame_at(f, cli_frame_step(run, k)), first = at < f->n ? f->first[at] : 0,
+        const size_t at = export_frame_at(f, export_frame_step(run, k)), first = at < f->n ? f->first[at] : 0,
                      end = at < f->n ? f->first[at + 1] : 0;
         write_head(run, k, "ENTRIES", end - first, e.out);
         fputs("ITEM: ENTRIES", e.out);
@@ -62,36 +62,36 @@ static rp_status write_contacts(const cli_run_frames *run, const char *path)
         for (size_t i = first; i < end; i++, fputc('\n', e.out))
             for (size_t c = 0, n = 0; c < t->n_columns; c++)
                 if ((int)c != f->step && (int)c != f->t)
-                    fprintf(e.out, "%s%s", n++ ? " " : "", cli_export_cell(t, i, (int)c));
+                    fprintf(e.out, "%s%s", n++ ? " " : "", export_cell(t, i, (int)c));
     }
-    return cli_export_close(&e, RP_OK);
+    return export_close(&e, RP_OK);
 }
 
-rp_status cli_export_dump(const cli_run_frames *run, const char *path)
+rp_status export_dump(const export_run *run, const char *path)
 {
     char stem[4096], contacts[4200];
     rp_status status = write_grains(run, path);
     if (status || strcmp(path, "-") == 0 || !run->contacts.table) return status;
-    cli_export_stem(path, stem);
+    export_stem(path, stem);
     snprintf(contacts, sizeof contacts, "%s.contacts%s", stem, path + strlen(stem));
     return write_contacts(run, contacts);
 }
 
-rp_status cli_export_xyz(const cli_run_frames *run, const char *path)
+rp_status export_xyz(const export_run *run, const char *path)
 {
-    cli_export e;
-    RP_TRY(cli_export_open(path, &e));
+    export_file e;
+    RP_TRY(export_open(path, &e));
     for (size_t k = 0; k < run->grains.n; k++) {
         const size_t first = run->grains.first[k], end = run->grains.first[k + 1];
         fprintf(e.out, "%zu\nProperties=id:I:1:pos:R:3", end - first);
         for (size_t f = 0; f < run->n_fields; f++)
             fprintf(e.out, ":%s:R:%d", run->fields[f].xyz, run->fields[f].column[1] < 0 ? 1 : 3);
-        fprintf(e.out, " Time=%s step=%.0f pbc=\"F F F\"\n", CLI_SHORT(cli_frame_time(run, k)),
-                cli_frame_step(run, k));
+        fprintf(e.out, " Time=%s step=%.0f pbc=\"F F F\"\n", EXPORT_SHORT(export_frame_time(run, k)),
+                export_frame_step(run, k));
         for (size_t i = first; i < end; i++) {
-            cli_frame_id(run, k, i, e.out);
+            export_frame_id(run, k, i, e.out);
             write_values(run, i, e.out);
         }
     }
-    return cli_export_close(&e, RP_OK);
+    return export_close(&e, RP_OK);
 }

@@ -88,7 +88,7 @@ static rp_status check_scene(const dem_definition *def)
         return rp_fail(RP_BAD_INPUT, "normal.law = \"%s\": LAMMPS has no such law", normal_law(def)->name);
     if (!shear->lammps)
         return rp_fail(RP_BAD_INPUT, "tangential.law = \"%s\": LAMMPS has no such law", shear->name);
-    for (size_t i = 0; i < N_OF(checks); i++)
+    for (size_t i = 0; i < sizeof checks / sizeof *checks; i++)
         if (checks[i].differs) return rp_fail(RP_BAD_INPUT, "%s", checks[i].message);
     RP_TRY(check_material(def, &def->material, ""));
     return check_walls(def);
@@ -156,18 +156,18 @@ static void write_data(const lammps_scene *s, const char *scene, FILE *out)
 {
     fprintf(out, "# %s, written by repose export; columns: id type diameter density x y z\n\n", scene);
     fprintf(out, "%zu atoms\n%zu atom types\n", s->n, s->n_types);
-    fprintf(out, "%s %s xlo xhi\n%s %s ylo yhi\n%s %s zlo zhi\n\nAtoms # sphere\n\n", CLI_SHORT(s->box[0][0]),
-            CLI_SHORT(s->box[0][1]), CLI_SHORT(s->box[1][0]), CLI_SHORT(s->box[1][1]), CLI_SHORT(-s->largest),
-            CLI_SHORT(s->largest));
+    fprintf(out, "%s %s xlo xhi\n%s %s ylo yhi\n%s %s zlo zhi\n\nAtoms # sphere\n\n",
+            EXPORT_SHORT(s->box[0][0]), EXPORT_SHORT(s->box[0][1]), EXPORT_SHORT(s->box[1][0]),
+            EXPORT_SHORT(s->box[1][1]), EXPORT_SHORT(-s->largest), EXPORT_SHORT(s->largest));
     for (size_t i = 0; i < s->n; i++) {
         const dem_state *p = &s->grains[i];
-        fprintf(out, "%u %zu %s %s %s %s 0\n", p->id, type_of(s, p->r), CLI_SHORT(2.0 * p->r),
-                CLI_SHORT(p->m / dem_mass(DEM_SPHERE, 1.0, p->r)), CLI_SHORT(p->x), CLI_SHORT(p->y));
+        fprintf(out, "%u %zu %s %s %s %s 0\n", p->id, type_of(s, p->r), EXPORT_SHORT(2.0 * p->r),
+                EXPORT_SHORT(p->m / dem_mass(DEM_SPHERE, 1.0, p->r)), EXPORT_SHORT(p->x), EXPORT_SHORT(p->y));
     }
     fputs("\nVelocities\n\n", out);
     for (size_t i = 0; i < s->n; i++)
-        fprintf(out, "%u %s %s 0 0 0 0\n", s->grains[i].id, CLI_SHORT(s->grains[i].vx),
-                CLI_SHORT(s->grains[i].vy));
+        fprintf(out, "%u %s %s 0 0 0 0\n", s->grains[i].id, EXPORT_SHORT(s->grains[i].vx),
+                EXPORT_SHORT(s->grains[i].vy));
 }
 
 /* The law of a contact whose effective radius is r_eff, in the words of pair_coeff. */
@@ -176,11 +176,11 @@ static void write_law(const dem_definition *def, const dem_material *m, double r
     const dem_normal_descriptor *law = normal_law(def);
     const double damping = m->gamma_n > 0.0 ? m->gamma_s / m->gamma_n : 0.0;
     fprintf(out, "%s %s %s tangential %s", law->lammps,
-            CLI_SHORT(law->lammps_by_radius ? m->k_n / sqrt(r_eff) : m->k_n), CLI_SHORT(m->gamma_n),
+            EXPORT_SHORT(law->lammps_by_radius ? m->k_n / sqrt(r_eff) : m->k_n), EXPORT_SHORT(m->gamma_n),
             dem_tangential_descriptors[def->tangential].lammps);
-    if (dem_has_spring(def->tangential)) fprintf(out, " %s", CLI_SHORT(m->k_s));
+    if (dem_has_spring(def->tangential)) fprintf(out, " %s", EXPORT_SHORT(m->k_s));
     if (dem_has_friction(def->tangential))
-        fprintf(out, " %s %s", CLI_SHORT(damping), CLI_SHORT(m->mu));
+        fprintf(out, " %s %s", EXPORT_SHORT(damping), EXPORT_SHORT(m->mu));
     else
         fputs(" 0 0", out);
     fprintf(out, " damping mass_velocity%s", def->tension ? "" : " limit_damping");
@@ -221,8 +221,9 @@ static void write_walls(const lammps_scene *s, FILE *out)
         fprintf(out, "group type%zu type %zu\n", k + 1, k + 1);
     for (size_t w = 0; w < def->n_walls; w++) {
         const dem_wall *wall = &dem_walls_of(def)[w];
-        fprintf(out, "region wall%zu plane %s %s 0 %s %s 0\n", w + 1, CLI_SHORT(wall->point[0]),
-                CLI_SHORT(wall->point[1]), CLI_SHORT(wall->direction[0]), CLI_SHORT(wall->direction[1]));
+        fprintf(out, "region wall%zu plane %s %s 0 %s %s 0\n", w + 1, EXPORT_SHORT(wall->point[0]),
+                EXPORT_SHORT(wall->point[1]), EXPORT_SHORT(wall->direction[0]),
+                EXPORT_SHORT(wall->direction[1]));
         for (size_t k = 0; k < s->n_types; k++) {
             char group[32] = "all";
             if (s->n_types > 1) snprintf(group, sizeof group, "type%zu", k + 1);
@@ -245,8 +246,8 @@ static void write_motion(const lammps_scene *s, FILE *out)
     if (any) fputs("fix hold fixed freeze\n", out);
     fputs(any ? "group mobile subtract all fixed\n" : "group mobile union all\n", out);
     if (magnitude > 0.0)
-        fprintf(out, "fix gravity mobile gravity %s vector %s %s 0\n", CLI_SHORT(magnitude), CLI_SHORT(g[0]),
-                CLI_SHORT(g[1]));
+        fprintf(out, "fix gravity mobile gravity %s vector %s %s 0\n", EXPORT_SHORT(magnitude),
+                EXPORT_SHORT(g[0]), EXPORT_SHORT(g[1]));
     fputs("fix move mobile nve\nfix flat all enforce2d\n", out);
 }
 
@@ -269,7 +270,7 @@ static void write_input(const lammps_scene *s, const char *scene, const char *st
             fputc('\n', out);
         }
     fprintf(out, "neighbor %s bin\nneigh_modify every 1 delay 0 check yes\ntimestep %s\n\n",
-            CLI_SHORT(0.5 * s->largest), CLI_SHORT(s->def.dt));
+            EXPORT_SHORT(0.5 * s->largest), EXPORT_SHORT(s->def.dt));
     write_motion(s, out);
     write_walls(s, out);
     fputs("\ndump frames all custom ${every} ${dump} id type x y z radius mass vx vy vz\n"
@@ -280,19 +281,18 @@ static void write_input(const lammps_scene *s, const char *scene, const char *st
 static rp_status write_files(const lammps_scene *s, const char *scene, const char *path)
 {
     char stem[4096], data[4200];
-    cli_export e;
-    cli_export_stem(path, stem);
+    export_file e;
+    export_stem(path, stem);
     snprintf(data, sizeof data, "%s.data", stem);
-    RP_TRY(cli_export_open(data, &e));
+    RP_TRY(export_open(data, &e));
     write_data(s, scene, e.out);
-    RP_TRY(cli_export_close(&e, RP_OK));
-    RP_TRY(cli_export_open(path, &e));
+    RP_TRY(export_close(&e, RP_OK));
+    RP_TRY(export_open(path, &e));
     write_input(s, scene, stem, e.out);
-    return cli_export_close(&e, RP_OK);
+    return export_close(&e, RP_OK);
 }
 
-rp_status cli_export_lammps_input(rp_arena *arena, const char *scene, const rp_texts *changes,
-                                  const char *path)
+rp_status export_lammps_input(rp_arena *arena, const char *scene, const rp_texts *changes, const char *path)
 {
     lammps_scene s = {.n = 0};
     const size_t n = strlen(path);

@@ -1,5 +1,6 @@
 /* Tables as CSV (RFC 4180) and JSON. */
 #include <jansson.h>
+#include <math.h>
 #include <string.h>
 
 #include "export/export.h"
@@ -23,7 +24,7 @@ static void write_quoted(const char *text, FILE *out)
     fputc('"', out);
 }
 
-rp_status cli_export_csv(const rp_table *t, size_t n, const int columns[], FILE *out)
+rp_status export_csv(const rp_table *t, size_t n, const int columns[], FILE *out)
 {
     char name[128];
     for (size_t c = 0; c < n; c++) {
@@ -33,7 +34,7 @@ rp_status cli_export_csv(const rp_table *t, size_t n, const int columns[], FILE 
     }
     for (size_t i = 0; i < t->n_rows; i++)
         for (size_t c = 0; c < n; c++) {
-            write_quoted(cli_text(t, i, columns[c]), out);
+            write_quoted(rp_cell(t, i, columns[c]), out);
             fputc(c + 1 < n ? ',' : '\n', out);
         }
     return RP_OK;
@@ -116,13 +117,13 @@ static json_t *units_of(const rp_table *t, size_t n, const int columns[])
     for (size_t c = 0; c < n; c++) {
         char name[128], unit[32];
         name_of(t, columns[c], name);
-        cli_column_unit(t, columns[c], unit);
+        rp_column_unit(t, columns[c], unit);
         json_object_set_new(units, name, json_string(unit));
     }
     return units;
 }
 
-rp_status cli_export_json(const rp_table *t, size_t n, const int columns[], FILE *out)
+rp_status export_json(const rp_table *t, size_t n, const int columns[], FILE *out)
 {
     fputs("{", out);
     if (!write_object("notes", notes_of(t), out) || !write_object("units", units_of(t, n, columns), out))
@@ -135,7 +136,7 @@ rp_status cli_export_json(const rp_table *t, size_t n, const int columns[], FILE
             fputs(c > 0 ? ", " : i > 0 ? ",\n{" : "\n{", out);
             if (!write_json(json_string(name), out)) return not_written(t, out);
             fputs(": ", out);
-            if (!write_value(cli_text(t, i, columns[c]), out)) return not_written(t, out);
+            if (!write_value(rp_cell(t, i, columns[c]), out)) return not_written(t, out);
             if (c + 1 == n) fputs("}", out);
         }
     fputs("\n]}\n", out);

@@ -9,7 +9,7 @@
 
 /* One piece of PolyData in the making: points, then cells of `size` points each. */
 typedef struct {
-    const cli_frames *frames;
+    const export_frames *frames;
     size_t first, end;
     int size;          /* 1: vertices; 2: lines */
     const char *cells; /* "Verts" */
@@ -25,8 +25,8 @@ static void write_column(FILE *out, const piece *p, const char *name, int first,
 {
     start_array(out, name, second < 0 ? 1 : 3);
     for (size_t i = p->first; i < p->end; i++) {
-        fputs(cli_export_cell(p->frames->table, i, first), out);
-        if (second >= 0) fprintf(out, " %s 0", cli_export_cell(p->frames->table, i, second));
+        fputs(export_cell(p->frames->table, i, first), out);
+        if (second >= 0) fprintf(out, " %s 0", export_cell(p->frames->table, i, second));
         fputc('\n', out);
     }
     fputs("</DataArray>\n", out);
@@ -63,12 +63,12 @@ static void finish(FILE *out)
     fputs("</Piece>\n</PolyData>\n</VTKFile>\n", out);
 }
 
-static rp_status write_grains(const cli_run_frames *run, const piece *p, FILE *out)
+static rp_status write_grains(const export_run *run, const piece *p, FILE *out)
 {
     const rp_table *t = run->grains.table;
     start(out, p);
     for (size_t i = p->first; i < p->end; i++)
-        fprintf(out, "%s %s 0\n", cli_export_cell(t, i, run->x), cli_export_cell(t, i, run->y));
+        fprintf(out, "%s %s 0\n", export_cell(t, i, run->x), export_cell(t, i, run->y));
     write_cells(out, p);
     fputs("<PointData Scalars=\"radius\">\n", out);
     if (run->id >= 0) write_column(out, p, "id", run->id, -1);
@@ -96,11 +96,11 @@ static void write_line_data(const piece *p, size_t n, const int ends[], FILE *ou
 
 static rp_status find_columns(const rp_table *t, size_t n, const char *const names[], int columns[])
 {
-    for (size_t k = 0; k < n; k++) RP_TRY(cli_find_column(t, names[k], &columns[k]));
+    for (size_t k = 0; k < n; k++) RP_TRY(rp_table_find(t, names[k], names[k], &columns[k]));
     return RP_OK;
 }
 
-static rp_status write_contacts(const cli_run_frames *run, const piece *p, FILE *out)
+static rp_status write_contacts(const export_run *run, const piece *p, FILE *out)
 {
     (void)run;
     const rp_table *t = p->frames->table;
@@ -108,15 +108,15 @@ static rp_status write_contacts(const cli_run_frames *run, const piece *p, FILE 
     RP_TRY(find_columns(t, 4, (const char *const[]){"x", "y", "x_b", "y_b"}, ends));
     start(out, p);
     for (size_t i = p->first; i < p->end; i++)
-        fprintf(out, "%s %s 0\n%s %s 0\n", cli_text(t, i, ends[0]), cli_text(t, i, ends[1]),
-                cli_text(t, i, ends[2]), cli_text(t, i, ends[3]));
+        fprintf(out, "%s %s 0\n%s %s 0\n", rp_cell(t, i, ends[0]), rp_cell(t, i, ends[1]),
+                rp_cell(t, i, ends[2]), rp_cell(t, i, ends[3]));
     write_line_data(p, 4, ends, out);
     return RP_OK;
 }
 
 /* From end to end along the direction turned clockwise; an open end reaches as far as the grains of all
  * frames do. */
-static rp_status write_walls(const cli_run_frames *run, const piece *p, FILE *out)
+static rp_status write_walls(const export_run *run, const piece *p, FILE *out)
 {
     const rp_table *t = p->frames->table;
     int columns[6];
@@ -125,7 +125,7 @@ static rp_status write_walls(const cli_run_frames *run, const piece *p, FILE *ou
                         columns));
     start(out, p);
     for (size_t i = p->first; i < p->end; i++) {
-        for (int k = 0; k < 6; k++) v[k] = strtod(cli_export_cell(t, i, columns[k]), NULL);
+        for (int k = 0; k < 6; k++) v[k] = strtod(export_cell(t, i, columns[k]), NULL);
         const double tangent[2] = {v[3], -v[2]};
         double reach[2] = {INFINITY, -INFINITY};
         for (int corner = 0; corner < 4; corner++) {
@@ -135,7 +135,8 @@ static rp_status write_walls(const cli_run_frames *run, const piece *p, FILE *ou
         }
         for (int end = 0; end < 2; end++) {
             const double s = isinf(v[4 + end]) ? reach[end] : v[4 + end];
-            fprintf(out, "%s %s 0\n", CLI_SHORT(v[0] + s * tangent[0]), CLI_SHORT(v[1] + s * tangent[1]));
+            fprintf(out, "%s %s 0\n", EXPORT_SHORT(v[0] + s * tangent[0]),
+                    EXPORT_SHORT(v[1] + s * tangent[1]));
         }
     }
     write_line_data(p, 6, columns, out);
@@ -143,46 +144,47 @@ static rp_status write_walls(const cli_run_frames *run, const piece *p, FILE *ou
 }
 
 /* Write the parts of one frame, and name them in the collection. */
-static rp_status write_frame(const cli_run_frames *run, size_t k, const char *folder, FILE *collection)
+static rp_status write_frame(const export_run *run, size_t k, const char *folder, FILE *collection)
 {
     const struct {
         const char *name;
-        const cli_frames *frames;
-        rp_status (*write)(const cli_run_frames *, const piece *, FILE *);
+        const export_frames *frames;
+        rp_status (*write)(const export_run *, const piece *, FILE *);
         int size;
     } parts[] = {{"grains", &run->grains, write_grains, 1},
                  {"contacts", &run->contacts, write_contacts, 2},
                  {"walls", &run->walls, write_walls, 2}};
-    for (size_t i = 0; i < N_OF(parts); i++) {
-        const cli_frames *f = parts[i].frames;
-        const size_t at = i == 0 ? k : f->table ? cli_frame_at(f, cli_frame_step(run, k)) : 0;
+    for (size_t i = 0; i < sizeof parts / sizeof *parts; i++) {
+        const export_frames *f = parts[i].frames;
+        const size_t at = i == 0 ? k : f->table ? export_frame_at(f, export_frame_step(run, k)) : 0;
         const piece p = {f, at < f->n ? f->first[at] : 0, at < f->n ? f->first[at + 1] : 0, parts[i].size,
                          parts[i].size == 1 ? "Verts" : "Lines"};
         if (!f->table) continue;
         char path[4300];
-        cli_export e;
+        export_file e;
         snprintf(path, sizeof path, "%s/%s_%06zu.vtp", folder, parts[i].name, k);
-        RP_TRY(cli_export_open(path, &e));
-        RP_TRY(cli_export_close(&e, parts[i].write(run, &p, e.out)));
+        RP_TRY(export_open(path, &e));
+        RP_TRY(export_close(&e, parts[i].write(run, &p, e.out)));
         fprintf(collection, "<DataSet timestep=\"%s\" part=\"%zu\" name=\"%s\" file=\"%s/%s_%06zu.vtp\"/>\n",
-                CLI_SHORT(cli_frame_time(run, k)), i, parts[i].name, basename(folder), parts[i].name, k);
+                EXPORT_SHORT(export_frame_time(run, k)), i, parts[i].name, basename(folder), parts[i].name,
+                k);
     }
     return RP_OK;
 }
 
-rp_status cli_export_vtk(const cli_run_frames *run, const char *path)
+rp_status export_vtk(const export_run *run, const char *path)
 {
     char folder[4096 + 8];
-    cli_export e;
+    export_file e;
     const size_t n = strlen(path);
     if (n < 5 || n > 4000 || !rp_ends_in(path, ".pvd"))
         return rp_fail(RP_USAGE, "-o %s: vtk needs a name that ends in .pvd", path);
-    strcat(strcpy(folder, cli_export_stem(path, (char[4096]){0})), "_frames");
+    strcat(strcpy(folder, export_stem(path, (char[4096]){0})), "_frames");
     rp_status status = RP_OK;
     RP_TRY(rp_make_directory(folder));
-    RP_TRY(cli_export_open(path, &e));
+    RP_TRY(export_open(path, &e));
     fputs("<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\">\n<Collection>\n", e.out);
     for (size_t k = 0; k < run->grains.n && !status; k++) status = write_frame(run, k, folder, e.out);
     fputs("</Collection>\n</VTKFile>\n", e.out);
-    return cli_export_close(&e, status);
+    return export_close(&e, status);
 }

@@ -3,7 +3,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "cli/cli.h"
 #include "view/view.h"
 
 /* Force chains are dark on pale grains: line style k of `classes` has a width in proportion to the force.

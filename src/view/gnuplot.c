@@ -14,15 +14,15 @@
 extern char **environ;
 
 enum { NO_WINDOW = 3 }; /* exit status of gnuplot */
-const char cli_gnuplot_window[] = "if (GPVAL_TERM eq 'unknown' || GPVAL_TERM eq 'dumb') exit status 3\n";
+const char view_gnuplot_window[] = "if (GPVAL_TERM eq 'unknown' || GPVAL_TERM eq 'dumb') exit status 3\n";
 
-bool cli_has_screen(void)
+bool view_has_screen(void)
 {
     const char *x = getenv("DISPLAY"), *wayland = getenv("WAYLAND_DISPLAY");
     return (x && *x) || (wayland && *wayland);
 }
 
-rp_status cli_gnuplot_open(cli_gnuplot *g, char *const arguments[], const char *package, FILE *out)
+rp_status view_gnuplot_open(view_gnuplot *g, char *const arguments[], const char *package, FILE *out)
 {
     int ends[2];
     g->name = arguments[0];
@@ -49,7 +49,7 @@ rp_status cli_gnuplot_open(cli_gnuplot *g, char *const arguments[], const char *
                    strerror(error ? error : errno), package);
 }
 
-rp_status cli_gnuplot_close(cli_gnuplot *g)
+rp_status view_gnuplot_close(view_gnuplot *g)
 {
     int status = 0;
     char text[400] = "";

@@ -25,7 +25,7 @@ static rp_status read_column(rp_arena *arena, const rp_table *t, const char *nam
     strcpy(unit, "1");
     *values = rp_arena_memory(arena, t->n_rows, sizeof **values);
     if (column < 0 && !optional) RP_TRY(rp_table_find(t, name, expected, &column));
-    if (column >= 0) cli_column_unit(t, column, unit);
+    if (column >= 0) rp_column_unit(t, column, unit);
     for (size_t i = 0; i < t->n_rows; i++) {
         (*values)[i] = NAN;
         if (column >= 0) RP_TRY(rp_table_number(t, i, column, 1, &(*values)[i]));
@@ -69,7 +69,7 @@ static void find_source(const char *path, source *s)
     static const char *const grains[] = {"states.tsv", "grains.tsv", "disks.tsv"};
     *s = (source){{0}};
     snprintf(s->grains, sizeof s->grains, "%s", path);
-    for (size_t k = 0; k < N_OF(grains); k++) {
+    for (size_t k = 0; k < sizeof grains / sizeof *grains; k++) {
         if (!rp_ends_in(path, grains[k])) continue;
         find_beside(path, strlen(grains[k]), "contacts.tsv", s->contacts);
         find_beside(path, strlen(grains[k]), "walls.tsv", s->walls);
@@ -121,25 +121,26 @@ static rp_status read_walls(rp_arena *arena, const char *path, numbers *w, view_
     return RP_OK;
 }
 
-static cli_frames split(rp_arena *arena, const numbers *t)
+static export_frames split(rp_arena *arena, const numbers *t)
 {
-    cli_frames f = {.step = -1};
-    cli_frames_split(arena, t->n, t->column[0], &f);
+    export_frames f = {.step = -1};
+    export_split(arena, t->n, t->column[0], &f);
     if (t->n > 0 && !isnan(t->column[0][0])) f.step = 0;
     return f;
 }
 
 /* The rows of contacts or walls that belong to a frame of grains: those with its step, or all where the
  * grains have one frame only. Returns the number, and the first one. */
-static size_t rows_of(const cli_frames *f, double step, bool one, size_t *first)
+static size_t rows_of(const export_frames *f, double step, bool one, size_t *first)
 {
-    const size_t k = f->step < 0 ? f->n : cli_frame_at(f, step);
+    const size_t k = f->step < 0 ? f->n : export_frame_at(f, step);
     *first = one || k == f->n ? 0 : f->first[k];
     return one ? f->first[f->n] : k == f->n ? 0 : f->first[k + 1] - *first;
 }
 
-static void put_frames(const numbers *g, const cli_frames *grains, const cli_frames *c, const cli_frames *w,
-                       const view_contact *contacts, const view_wall *walls, view_frame *frames)
+static void put_frames(const numbers *g, const export_frames *grains, const export_frames *c,
+                       const export_frames *w, const view_contact *contacts, const view_wall *walls,
+                       view_frame *frames)
 {
     for (size_t k = 0; k < grains->n; k++) {
         const size_t i = grains->first[k];
@@ -179,7 +180,8 @@ static rp_status add_source(rp_arena *arena, const source *s, const char *color,
     snprintf(scene->length, sizeof scene->length, "%s", g.unit[2]);
     snprintf(scene->time, sizeof scene->time, "%s", g.unit[1]);
     if (*color) snprintf(scene->quantity, sizeof scene->quantity, "%s", g.unit[5]);
-    const cli_frames grains = split(arena, &g), of_contacts = split(arena, &c), of_walls = split(arena, &w);
+    const export_frames grains = split(arena, &g), of_contacts = split(arena, &c),
+                        of_walls = split(arena, &w);
     view_frame *frames = rp_arena_memory(arena, scene->n + grains.n, sizeof *frames);
     if (scene->n > 0) memcpy(frames, scene->frames, scene->n * sizeof *frames);
     put_frames(&g, &grains, &of_contacts, &of_walls, contacts, walls, frames + scene->n);
@@ -205,7 +207,7 @@ static rp_status read_folder(rp_arena *arena, const char *path, const char *colo
     static const char *const one[] = {"states.tsv", "disks.tsv"};
     char table[4096];
     source s;
-    for (size_t k = 0; k < N_OF(one); k++) {
+    for (size_t k = 0; k < sizeof one / sizeof *one; k++) {
         snprintf(table, sizeof table, "%s/%s", path, one[k]);
         if (!is_file(table)) continue;
         find_source(table, &s);

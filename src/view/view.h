@@ -5,6 +5,7 @@
 #include <stdbool.h>
 #include <stdio.h>
 
+#include "core/arena.h"
 #include "stress/stress.h"
 
 /* A contact between two grains, or of a grain with a wall: the branch, the normal force (tension negative),

@@ -11,6 +11,7 @@
  * A stop signal asks the workers to write a snapshot of their runs and end; a second one, or ten seconds, end
  * them. */
 #include "core/clock.h"
+#include "table/columns.h"
 #include "sweeps/engine/keep.h"
 #include "sweeps/engine/private.h"
 
@@ -254,7 +255,7 @@ static rp_status store_row(pool *p, const sweep_row *row)
     p->samples[p->finished++ % SAMPLES] = row->seconds;
     p->pace += (row->seconds - p->pace) / LEARNT;
     p->progress.stored++;
-    if (!sweep_is_result(row->result.status)) p->progress.failed++;
+    if (!rp_is_result(row->result.status)) p->progress.failed++;
     show(p);
     return RP_OK;
 }

@@ -1,4 +1,5 @@
 /* What protocols share, whatever they are; see protocol.h. */
+#include "table/columns.h"
 #include "sweeps/engine/protocol.h"
 
 #include <math.h>
@@ -14,11 +15,6 @@ void sweep_result_clear(sweep_result *result)
     for (int i = 0; i < SWEEP_MAX_OUTPUTS; i++) result->values[i] = NAN;
 }
 
-bool sweep_is_result(const char *status)
-{
-    return strncmp(status, "ok", 2) == 0;
-}
-
 rp_status sweep_conclude(sweep_result *result, const char *status, const char *format, ...)
 {
     va_list args;
@@ -26,7 +22,7 @@ rp_status sweep_conclude(sweep_result *result, const char *status, const char *f
     snprintf(result->status, sizeof result->status, "%s", status);
     if (format) vsnprintf(result->message, sizeof result->message, format, args);
     va_end(args);
-    return sweep_is_result(status) ? RP_OK : RP_NO_RESULT;
+    return rp_is_result(status) ? RP_OK : RP_NO_RESULT;
 }
 
 rp_status sweep_table_open(const sweep_tables *t, const char *name, sweep_file *file)

@@ -97,9 +97,6 @@ size_t sweep_count_outputs(const sweep_protocol *protocol);
 /* No status word, no message, every value NaN. */
 void sweep_result_clear(sweep_result *result);
 
-/* Is this the status of a result? */
-bool sweep_is_result(const char *status);
-
 /* Give a result its status word and, unless NULL, its message. RP_NO_RESULT if the word is that of a failure.
  */
 rp_status sweep_conclude(sweep_result *result, const char *status, const char *format, ...)

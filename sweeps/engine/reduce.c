@@ -1,4 +1,5 @@
 /* From the store to tables: rows, grid points with their statistics, and the digest. */
+#include "table/columns.h"
 #include "sweeps/engine/private.h"
 
 #include <math.h>
@@ -78,7 +79,7 @@ static void note_failed(const sweep_counts *counts, FILE *out)
     char causes[SWEEP_MAX_WORDS * 40] = "";
     size_t n = 0;
     for (size_t i = 0; i < counts->n_words; i++)
-        if (!sweep_is_result(counts->words[i].status))
+        if (!rp_is_result(counts->words[i].status))
             n += (size_t)snprintf(causes + n, sizeof causes - n, "%s%s %zu", n ? ", " : " (",
                                   counts->words[i].status, counts->words[i].runs);
     rp_table_note(out, "failed", "%zu of %zu%s%s", counts->failed, counts->stored, causes, n ? ")" : "");
@@ -202,7 +203,7 @@ static rp_status gather(const sweep_row *row, void *context)
     if (point != t->point) write_point(t);
     t->point = point;
     t->n_rows++;
-    if (!sweep_is_result(row->result.status)) return RP_OK;
+    if (!rp_is_result(row->result.status)) return RP_OK;
     t->n_results++;
     for (size_t i = 0; i < t->n_outputs; i++)
         if (isfinite(row->result.values[i]))

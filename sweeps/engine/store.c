@@ -7,6 +7,7 @@
  *   results  a view for users: run, status, every parameter, every output
  * Planning again renumbers the rows, and removes none. Rows are committed in groups of a quarter of a second,
  * each synced to the disk. An open store is the parent's alone: no worker touches it. */
+#include "table/columns.h"
 #include "sweeps/engine/private.h"
 
 #include <math.h>
@@ -523,7 +524,7 @@ rp_status sweep_store_count(sweep_store *s, const sweep_plan *plan, sweep_counts
                  (const char *)sqlite3_column_text(q, 0));
         counts->words[i].runs = runs;
         counts->stored += runs;
-        if (!sweep_is_result(counts->words[i].status)) counts->failed += runs;
+        if (!rp_is_result(counts->words[i].status)) counts->failed += runs;
     }
     return sweep_sql_finish(s, "count the rows", q);
 }

@@ -12,10 +12,10 @@
 CLI_OPTIONS(compare, COMPARE_OPTIONS)
 
 /* Piles ordered by mu: mu, theta_r, theta_t. */
-static rp_status read_piles(rp_arena *arena, const rp_table *table, cli_rows *piles)
+static rp_status read_piles(rp_arena *arena, const rp_table *table, rp_rows *piles)
 {
-    RP_TRY(cli_rows_read(arena, table, "mu,theta_r3_deg,theta_t_displacement_deg",
-                         &(cli_choice){.grouped = true}, piles));
+    RP_TRY(rp_rows_read(arena, table, "mu,theta_r3_deg,theta_t_displacement_deg",
+                        &(rp_choice){.grouped = true}, piles));
     for (size_t i = 0; i < piles->n; i++) piles->column[1][i] *= deg, piles->column[2][i] *= deg;
     return RP_OK;
 }
@@ -74,11 +74,11 @@ static void print_comparison(double mu, const ang_comparison *c)
 static rp_status compare_table(cli_call *call, rp_table *table, const void *values)
 {
     const compare_options *o = values;
-    cli_rows piles;
+    rp_rows piles;
     RP_TRY(read_piles(call->arena, table, &piles));
     gsl_rng *rng = cli_random(call, 0);
     cli_table(call, stdout);
-    cli_rows_note(table, &piles);
+    rp_rows_note(table, &piles);
     print_compare_header();
     for (size_t g = 0; g < piles.n_groups; g++) {
         const size_t first = piles.first[g];
@@ -139,7 +139,7 @@ static rp_status print_phis(size_t n_groups, const ang_piles groups[])
 static rp_status phi_table(cli_call *call, rp_table *table, const void *values)
 {
     const phi_options *o = values;
-    cli_rows piles;
+    rp_rows piles;
     size_t n_groups = 0;
     RP_TRY(read_piles(call->arena, table, &piles));
     ang_piles *groups = rp_arena_memory(call->arena, piles.n_groups, sizeof *groups);
@@ -153,7 +153,7 @@ static rp_status phi_table(cli_call *call, rp_table *table, const void *values)
     if (n_groups == 0)
         return rp_fail(RP_NO_RESULT, "%s: no row with status ok, both angles, and mu in range", table->path);
     cli_table(call, stdout);
-    cli_rows_note(table, &piles);
+    rp_rows_note(table, &piles);
     rp_table_header(
         stdout,
         "n_mu, n, phi_deg [deg], phi_lo_deg [deg], phi_hi_deg [deg], chi2, dof, p_value, open, against");

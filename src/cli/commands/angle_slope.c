@@ -34,7 +34,7 @@ static rp_status read_grains(rp_arena *arena, rp_table *t, bool needs_r, bool us
         return rp_fail(RP_BAD_INPUT, "%s: %zu columns, at least %zu (%s) needed", t->path, t->n_columns, n,
                        *with_r ? "x y r" : "x y");
     for (size_t c = 0; !named && c < n; c++) t->names[c] = first[c];
-    return cli_read_columns(arena, t, *with_r ? "x,y,r" : "x,y", block);
+    return rp_columns_read(arena, t, *with_r ? "x,y,r" : "x,y", block);
 }
 
 /* A table of states may hold a pile at several times. */
@@ -42,10 +42,10 @@ static rp_status refuse_several_steps(const rp_table *table)
 {
     int column = rp_table_column(table, "step");
     for (size_t i = 1; column >= 0 && i < table->n_rows; i++)
-        if (strcmp(cli_text(table, i, column), cli_text(table, 0, column)) != 0)
+        if (strcmp(rp_cell(table, i, column), rp_cell(table, 0, column)) != 0)
             return rp_fail(RP_BAD_INPUT, "%s:%zu: step = %s after %s: one step's grains expected",
-                           table->places[i].path, table->places[i].line, cli_text(table, i, column),
-                           cli_text(table, 0, column));
+                           table->places[i].path, table->places[i].line, rp_cell(table, i, column),
+                           rp_cell(table, 0, column));
     return RP_OK;
 }
 

@@ -48,7 +48,7 @@ static rp_status read_start(rp_arena *arena, const char *path, dem_grain **grain
 {
     double *values;
     size_t rows;
-    RP_TRY(cli_read_file(arena, path, "x,y,r", &values, &rows));
+    RP_TRY(rp_columns_read_file(arena, path, "x,y,r", &values, &rows));
     if (rows == 0) return rp_fail(RP_BAD_INPUT, "%s: no grains", path);
     *grains = rp_arena_memory(arena, rows, sizeof **grains);
     for (size_t i = 0; i < rows; i++) {

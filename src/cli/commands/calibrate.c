@@ -86,7 +86,7 @@ static rp_status find_params(const char *fit, problem *s)
     const rp_table *t = s->table;
     int columns[STATS_MAX_PARAMS];
     size_t n;
-    const rp_status status = cli_column_list(t, fit, STATS_MAX_PARAMS, &n, columns);
+    const rp_status status = rp_column_list(t, fit, STATS_MAX_PARAMS, &n, columns);
     if (status)
         return rp_fail(status, "%s; the piles must vary each parameter",
                        rp_text(s->call->arena, "%s", rp_message()));
@@ -98,7 +98,7 @@ static rp_status find_params(const char *fit, problem *s)
         const int c = rp_table_column(t, p->name);
         if (c < 0 || c == columns[0] || c == columns[n - 1]) continue;
         for (size_t i = 1; i < t->n_rows; i++)
-            if (strcmp(cli_text(t, i, c), cli_text(t, 0, c)) != 0)
+            if (strcmp(rp_cell(t, i, c), rp_cell(t, 0, c)) != 0)
                 return rp_fail(RP_BAD_INPUT, "%s:%zu: %s varies too, and is not under --fit",
                                t->places[i].path, t->places[i].line, p->name);
     }
@@ -110,13 +110,13 @@ static rp_status find_params(const char *fit, problem *s)
 static rp_status read_piles(const char *fit, problem *s)
 {
     const char *names = fit;
-    cli_rows rows;
+    rp_rows rows;
     for (size_t a = 0; a < s->n_angles; a++) {
         if (rp_table_column(s->table, s->angle[a]->column) < 0)
             return rp_fail(RP_BAD_INPUT, "%s: no values of \"%s\"", s->path, s->angle[a]->column);
         names = rp_text(s->call->arena, "%s,%s", names, s->angle[a]->column);
     }
-    RP_TRY(cli_rows_read(s->call->arena, s->table, names, &(cli_choice){.any_number = true}, &rows));
+    RP_TRY(rp_rows_read(s->call->arena, s->table, names, &(rp_choice){.any_number = true}, &rows));
     s->piles.n = rows.n;
     s->piles.n_angles = s->n_angles;
     for (size_t p = 0; p < s->piles.n_params; p++) s->piles.x[p] = rows.column[p];
@@ -298,7 +298,7 @@ static rp_status calibrate(cli_call *call, const void *values)
     problem s = {.call = call, .path = o->runs};
     RP_TRY(read_measured(o, &s));
     if (!*o->runs) RP_TRY(run_sweep(o, &s));
-    RP_TRY(cli_table_read(call->arena, s.path, &s.table));
+    RP_TRY(rp_table_load(call->arena, s.path, &s.table));
     RP_TRY(find_params(o->fit, &s));
     RP_TRY(read_piles(o->fit, &s));
     const rp_status status = invert(o, &s);

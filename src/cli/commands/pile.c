@@ -38,7 +38,7 @@ typedef struct {
 static rp_status read_outline(rp_arena *arena, const char *path, an_point **v, size_t *n)
 {
     double *block;
-    RP_TRY(cli_read_file(arena, path, "x,y", &block, n));
+    RP_TRY(rp_columns_read_file(arena, path, "x,y", &block, n));
     *v = rp_arena_memory(arena, *n, sizeof **v);
     for (size_t i = 0; i < *n; i++) (*v)[i] = (an_point){block[i], block[*n + i]};
     return RP_OK;
@@ -60,9 +60,9 @@ static rp_status read_disks(rp_arena *arena, const char *path, sweep_outline *h)
 {
     rp_table *table;
     double *x;
-    RP_TRY(cli_table_read(arena, path, &table));
+    RP_TRY(rp_table_load(arena, path, &table));
     const bool radii = rp_table_column(table, "r") >= 0;
-    RP_TRY(cli_read_columns(arena, table, radii ? "x,y,r" : "x,y", &x));
+    RP_TRY(rp_columns_read(arena, table, radii ? "x,y,r" : "x,y", &x));
     h->n = table->n_rows;
     h->disks = malloc((h->n + 1) * sizeof *h->disks);
     if (!h->disks) return rp_fail(RP_NO_MEMORY, "pile: out of memory");

@@ -307,8 +307,8 @@ static rp_status run_row(const cli_call *call, const char *path, const run_optio
     rp_table_note(stdout, "run_time", "%.3g s", rp_clock() - started);
     rp_table_columns(stdout, n + 1, (const char *const(*)[2])columns);
     rp_table_row_word(stdout, n, result.values, result.status);
-    if (!o->quiet && sweep_is_result(result.status)) report_row(protocol, &result, o->o);
-    if (sweep_is_result(result.status)) return RP_OK;
+    if (!o->quiet && rp_is_result(result.status)) report_row(protocol, &result, o->o);
+    if (rp_is_result(result.status)) return RP_OK;
     return rp_fail(RP_NO_RESULT, "%s%s%s", result.status, *result.message ? ": " : "", result.message);
 }
 
@@ -386,7 +386,7 @@ static rp_status run_file(const cli_call *call, const char *path, const run_opti
         rp_prefix(status, "%s: ", path);
     if (!status) r.energy = growth_of(&scene, r.sim);
     if (!status) status = run_scene(&of, &r, o);
-    if (!status) status = cli_export_run(call, o->o, (cli_dump)o->dump);
+    if (!status) status = export_folder(call->arena, o->o, (export_format)o->dump);
     if (!status && *of.replaces) printf("%s: replaced %s\n", o->o, of.replaces);
     dem_free(r.sim);
     dem_scene_free(&scene);
@@ -434,7 +434,7 @@ static rp_status resume(const cli_call *call, const run_options *o)
     printf("%s: goes on from step %ld to %ld\n", o->resume, dem_step(r.sim), r.plan.steps);
     take_growing(&out);
     status = finish_scene(call->arena, &r, &out, RP_OK);
-    if (!status) status = cli_export_run(call, o->resume, (cli_dump)o->dump);
+    if (!status) status = export_folder(call->arena, o->resume, (export_format)o->dump);
     dem_free(r.sim);
     return status;
 }

@@ -19,10 +19,10 @@ static rp_status maximum_of_table(cli_call *call, rp_table *table, const void *v
 {
     const maximum_options *o = values;
     const size_t draws = (size_t)o->draws, resamples = (size_t)o->bootstrap;
-    cli_rows rows;
+    rp_rows rows;
     stats_summary stats;
     double largest, se;
-    RP_TRY(cli_rows_read(call->arena, table, o->column, &(cli_choice){.any_status = true}, &rows));
+    RP_TRY(rp_rows_read(call->arena, table, o->column, &(rp_choice){.any_status = true}, &rows));
     cli_table(call, stdout);
     rp_table_note(stdout, "rows", "%zu used, %zu left out for nan", rows.n, rows.n_nan);
     const double *v = rows.column[0];
@@ -59,8 +59,7 @@ static const cli_command maximum = {
 CLI_OPTIONS(correlation, CORRELATION_OPTIONS)
 
 /* A row for each group of the rows, y before the columns of x. */
-static rp_status print_correlations(const cli_groups *groups, const cli_rows *rows, size_t x,
-                                    const char *name)
+static rp_status print_correlations(const rp_groups *groups, const rp_rows *rows, size_t x, const char *name)
 {
     for (size_t g = 0; g < rows->n_groups; g++) {
         const size_t first = rows->first[g];
@@ -78,15 +77,15 @@ static rp_status correlation_of_table(cli_call *call, rp_table *table, const voi
     const correlation_options *o = values;
     const size_t size = strlen(o->x) + strlen(o->y) + 2;
     char *names = rp_arena_memory(call->arena, size, 1), *rest = names;
-    cli_groups groups;
-    cli_rows rows;
+    rp_groups groups;
+    rp_rows rows;
     snprintf(names, size, "%s,%s", o->y, o->x);
-    RP_TRY(cli_group_rows(call->arena, table, o->by, '\t', &groups));
-    RP_TRY(cli_rows_read(call->arena, table, names, &(cli_choice){.groups = &groups}, &rows));
+    RP_TRY(rp_group_rows(call->arena, table, o->by, '\t', &groups));
+    RP_TRY(rp_rows_read(call->arena, table, names, &(rp_choice){.groups = &groups}, &rows));
     cli_table(call, stdout);
     rp_table_note(stdout, "rows", "%zu used, %zu without result, %zu with nan", rows.n, rows.n_failed,
                   rows.n_nan);
-    rp_status status = cli_header_by(
+    rp_status status = rp_header_by(
         table, o->by, "n, correlation, correlation_se, correlation_lo, correlation_hi, quantity");
     strsep(&rest, ",");
     for (size_t x = 1; rest && !status; x++)
@@ -122,7 +121,7 @@ static void print_selected_header(const cli_call *call, const rp_table *t, size_
     (*numbers)[12] = rp_arena_memory(call->arena, n, sizeof *numbers);
     const char *(*header)[2] = rp_arena_memory(call->arena, n, sizeof *header);
     for (size_t c = 0; c < n; c++) {
-        cli_column_unit(t, columns[c], units[c]);
+        rp_column_unit(t, columns[c], units[c]);
         snprintf(numbers[c], sizeof numbers[c], "%d", columns[c] + 1);
         header[c][0] = t->names[columns[c]] ? t->names[columns[c]] : numbers[c];
         header[c][1] = units[c];
@@ -136,10 +135,10 @@ static rp_status select_of_table(cli_call *call, rp_table *t, const void *option
     const select_options *o = options;
     int *columns;
     size_t n;
-    RP_TRY(cli_columns(call->arena, t, o->columns, &n, &columns));
+    RP_TRY(rp_columns(call->arena, t, o->columns, &n, &columns));
     if (!o->bare) print_selected_header(call, t, n, columns);
     for (size_t i = 0; i < t->n_rows; i++)
-        for (size_t c = 0; c < n; c++) printf("%s%s", cli_text(t, i, columns[c]), c + 1 < n ? "\t" : "\n");
+        for (size_t c = 0; c < n; c++) printf("%s%s", rp_cell(t, i, columns[c]), c + 1 < n ? "\t" : "\n");
     return RP_OK;
 }
 

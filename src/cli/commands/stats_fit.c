@@ -21,7 +21,7 @@ enum { SCALE_LINEAR, SCALE_LOG };
 
 CLI_OPTIONS(fit, FIT_OPTIONS)
 
-static void note_rows(const cli_rows *rows)
+static void note_rows(const rp_rows *rows)
 {
     rp_table_note(stdout, "rows", "%zu used, %zu left out for nan, %zu outside the range of x", rows->n,
                   rows->n_nan, rows->n_outside);
@@ -89,17 +89,17 @@ static rp_status fit_table(cli_call *call, rp_table *table, const void *values)
 {
     const fit_options *o = values;
     const bool weighted = strcmp(o->se, "none") != 0, logarithms = o->scale == SCALE_LOG;
-    const cli_choice choice = {
+    const rp_choice choice = {
         .any_status = true, .range = (double[]){o->from, o->to}, .grouped = o->successive};
     char names[512];
-    cli_rows rows;
+    rp_rows rows;
     if (o->successive && !weighted)
         return rp_fail(RP_USAGE, "--successive needs --se; see repose stats fit --help");
     if (logarithms && weighted)
         return rp_fail(RP_USAGE,
                        "--scale log is without --se: give one of them; see repose stats fit --help");
     snprintf(names, sizeof names, weighted ? "%s,%s,%s" : "%s,%s", o->x, o->y, o->se);
-    RP_TRY(cli_rows_read(call->arena, table, names, &choice, &rows));
+    RP_TRY(rp_rows_read(call->arena, table, names, &choice, &rows));
     double *x = rows.column[0], *y = rows.column[1];
     double range[2];
     cli_table(call, stdout);

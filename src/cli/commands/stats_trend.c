@@ -50,18 +50,18 @@ CLI_OPTIONS(size, SIZE_OPTIONS)
 
 /* The rows that count, with columns x, y and, where piles are compared, pile. */
 typedef struct {
-    cli_groups groups;
-    cli_rows of;
+    rp_groups groups;
+    rp_rows of;
     char x_words[256]; /* what the numbers of x stand for; empty if they are numbers */
 } rows;
 
 static rp_status read_rows(rp_arena *arena, const rp_table *t, const trend_options *o, rows *r)
 {
-    const cli_choice choice = {.range = (double[]){o->from, o->to}, .groups = &r->groups};
+    const rp_choice choice = {.range = (double[]){o->from, o->to}, .groups = &r->groups};
     char names[512];
     snprintf(names, sizeof names, "%s,%s%s", o->x, o->y, o->pair ? ",pile" : "");
-    RP_TRY(cli_group_rows(arena, t, o->by, '\t', &r->groups));
-    RP_TRY(cli_rows_read(arena, t, names, &choice, &r->of));
+    RP_TRY(rp_group_rows(arena, t, o->by, '\t', &r->groups));
+    RP_TRY(rp_rows_read(arena, t, names, &choice, &r->of));
     for (size_t i = 0; i < r->of.n; i++) {
         double *x = &r->of.column[0][i];
         if (o->scale != SCALE_LINEAR && !(*x > 0.0))
@@ -108,7 +108,7 @@ static rp_status print_header(const cli_call *call, const rp_table *t, const row
     rp_table_note(stdout, "rows", "%zu used, %zu without result, %zu with nan, %zu outside the range of x",
                   r->of.n, r->of.n_failed, r->of.n_nan, r->of.n_outside);
     if (*r->x_words) rp_table_note(stdout, "words", "%s", r->x_words);
-    return cli_header_by(t, o->by, columns);
+    return rp_header_by(t, o->by, columns);
 }
 
 static rp_status fit_groups(const cli_call *call, const rp_table *t, const rows *r, const trend_options *o,
@@ -152,10 +152,10 @@ static rp_status number_words(rp_arena *arena, rp_table *t, const trend_options 
     static char *const numbers[] = {"0", "1", "2", "3", "4", "5", "6", "7", "8", "9"};
     int column;
     size_t used = 0;
-    cli_groups known;
+    rp_groups known;
     bool all_numbers = true;
-    RP_TRY(cli_find_column(t, o->x, &column));
-    RP_TRY(cli_group_rows(arena, t, o->x, ',', &known));
+    RP_TRY(rp_table_find(t, o->x, o->x, &column));
+    RP_TRY(rp_group_rows(arena, t, o->x, ',', &known));
     for (size_t k = 0; k < known.n_groups; k++) {
         char *end;
         strtod(known.words[k], &end);

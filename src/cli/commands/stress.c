@@ -18,7 +18,7 @@ static rp_status read_block(rp_arena *arena, const char *prefix, const char *wha
     const char *suffix = strstr(prefix, "_contacts.tsv"); /* the file itself, as a shell's * finds it */
     snprintf(path, sizeof path, "%.*s_%s.tsv", (int)(suffix ? suffix - prefix : (long)strlen(prefix)), prefix,
              what);
-    return cli_read_file(arena, path, names, block, rows);
+    return rp_columns_read_file(arena, path, names, block, rows);
 }
 
 static rp_status pile_read(rp_arena *arena, const char *prefix, stress_pile *p)

@@ -24,10 +24,10 @@ typedef struct {
 /* Mean profile of rays, if the table has it. */
 static rp_status read_rays(rp_arena *arena, const rp_table *t, dip_piles *p)
 {
-    cli_rows rows;
+    rp_rows rows;
     for (int k = 0; k < STRESS_DIP_BINS / 2; k++) p->rays[k] = NAN;
     if (rp_table_column(t, "rays_01") < 0) return RP_OK;
-    RP_TRY(cli_rows_read(arena, t, STRESS_DIP_BIN_LIST(RAYS_NAME) "excess", &(cli_choice){0}, &rows));
+    RP_TRY(rp_rows_read(arena, t, STRESS_DIP_BIN_LIST(RAYS_NAME) "excess", &(rp_choice){0}, &rows));
     for (int k = 0; k < STRESS_DIP_BINS / 2; k++) {
         p->rays[k] = 0.0;
         for (size_t i = 0; i < rows.n; i++)
@@ -41,8 +41,8 @@ static rp_status read_rays(rp_arena *arena, const rp_table *t, dip_piles *p)
 
 static rp_status read_piles(rp_arena *arena, const rp_table *t, dip_piles *p)
 {
-    cli_rows rows;
-    RP_TRY(cli_rows_read(arena, t, STRESS_DIP_BIN_LIST(BIN_NAME) "excess", &(cli_choice){0}, &rows));
+    rp_rows rows;
+    RP_TRY(rp_rows_read(arena, t, STRESS_DIP_BIN_LIST(BIN_NAME) "excess", &(rp_choice){0}, &rows));
     p->n = rows.n;
     p->profiles = rp_arena_memory(arena, rows.n * STRESS_DIP_BINS, sizeof *p->profiles);
     p->excess = rows.column[STRESS_DIP_BINS];

@@ -98,7 +98,7 @@ static void put_terminal(const struct kind *kind, const view_options *o, const v
 {
     const double x = s->width * kind->per_cm, y = s->height * kind->per_cm;
     if (kind == kinds) {
-        fputs(cli_gnuplot_window, out);
+        fputs(view_gnuplot_window, out);
         return;
     }
     fputs("set terminal ", out);
@@ -133,10 +133,10 @@ static rp_status put_frames(rp_arena *arena, const picture *p, const view_option
 static rp_status draw(rp_arena *arena, const picture *p, const view_options *o, FILE *out)
 {
     char *const arguments[] = {"gnuplot", out ? NULL : "-persist", NULL};
-    cli_gnuplot gnuplot;
-    RP_TRY(cli_gnuplot_open(&gnuplot, arguments, out ? "gnuplot-nox" : "gnuplot-qt", out));
+    view_gnuplot gnuplot;
+    RP_TRY(view_gnuplot_open(&gnuplot, arguments, out ? "gnuplot-nox" : "gnuplot-qt", out));
     rp_status status = put_frames(arena, p, o, gnuplot.in);
-    const rp_status closed = cli_gnuplot_close(&gnuplot);
+    const rp_status closed = view_gnuplot_close(&gnuplot);
     return closed ? closed : status;
 }
 
@@ -150,10 +150,10 @@ static rp_status film(rp_arena *arena, const picture *p, const view_options *o, 
         "ffmpeg",   "-loglevel", "error", "-y",  "-f", "image2pipe", "-framerate",
         rate,       "-c:v",      "png",   "-i",  "-",  "-vf",        "pad=ceil(iw/2)*2:ceil(ih/2)*2",
         "-pix_fmt", "yuv420p",   "-f",    "mp4", path, NULL};
-    cli_gnuplot ffmpeg;
-    RP_TRY(cli_gnuplot_open(&ffmpeg, arguments, "ffmpeg", NULL));
+    view_gnuplot ffmpeg;
+    RP_TRY(view_gnuplot_open(&ffmpeg, arguments, "ffmpeg", NULL));
     rp_status status = draw(arena, p, o, ffmpeg.in);
-    const rp_status closed = cli_gnuplot_close(&ffmpeg);
+    const rp_status closed = view_gnuplot_close(&ffmpeg);
     return status ? status : closed;
 }
 
@@ -163,7 +163,7 @@ static rp_status act_view(cli_call *call, const void *values)
     picture p;
     FILE *out;
     RP_TRY(find_kind(o->o, &p.kind));
-    if (!*o->o && !cli_has_screen())
+    if (!*o->o && !view_has_screen())
         return rp_fail(RP_USAGE, "no screen for a window: -o FILE writes a picture");
     RP_TRY(read_style(o, &p.style));
     p.style.points = strcmp(p.kind->ending, ".svg") == 0;

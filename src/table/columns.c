@@ -1,11 +1,10 @@
-/* Columns of a table as arrays of numbers, groups of rows; see cli.h. */
+/* Columns of a table as arrays of numbers, groups of rows; see columns.h. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "cli/columns.h"
+#include "table/columns.h"
 #include "params/units.h"
-#include "sweeps/engine/sweep.h"
 
 static void free_table(void *table)
 {
@@ -17,7 +16,7 @@ static rp_table *new_table(rp_arena *arena)
     return rp_arena_keep(arena, rp_arena_memory(arena, 1, sizeof(rp_table)), free_table);
 }
 
-rp_status cli_table_read(rp_arena *arena, const char *path, rp_table **table)
+rp_status rp_table_load(rp_arena *arena, const char *path, rp_table **table)
 {
     *table = new_table(arena);
     const rp_status status = rp_table_read(path, *table);
@@ -25,29 +24,23 @@ rp_status cli_table_read(rp_arena *arena, const char *path, rp_table **table)
     return status;
 }
 
-rp_status cli_texts_read(rp_arena *arena, const char *path, rp_table **table)
-{
-    *table = new_table(arena);
-    return rp_table_read_texts(path, *table);
-}
-
-rp_status cli_table_parse(rp_arena *arena, const char *name, char *text, rp_table **table)
+rp_status rp_table_load_text(rp_arena *arena, const char *name, char *text, rp_table **table)
 {
     *table = new_table(arena);
     return rp_table_parse(name, text, *table);
 }
 
-rp_status cli_find_column(const rp_table *table, const char *name, int *column)
+bool rp_is_result(const char *status)
 {
-    return rp_table_find(table, name, name, column);
+    return strncmp(status, "ok", 2) == 0;
 }
 
-const char *cli_text(const rp_table *table, size_t row, int column)
+const char *rp_cell(const rp_table *table, size_t row, int column)
 {
     return table->cells[row * table->n_columns + (size_t)column];
 }
 
-rp_status cli_column_list(const rp_table *table, const char *names, size_t most, size_t *n, int columns[])
+rp_status rp_column_list(const rp_table *table, const char *names, size_t most, size_t *n, int columns[])
 {
     char header[1024];
     *n = 0;
@@ -62,19 +55,19 @@ rp_status cli_column_list(const rp_table *table, const char *names, size_t most,
     return *n > 0 ? RP_OK : rp_fail(RP_BAD_INPUT, "\"%s\": a column expected", names);
 }
 
-rp_status cli_columns(rp_arena *arena, const rp_table *table, const char *names, size_t *n, int **columns)
+rp_status rp_columns(rp_arena *arena, const rp_table *table, const char *names, size_t *n, int **columns)
 {
     *n = table->n_columns;
     *columns = rp_arena_memory(arena, *n + strlen(names), sizeof **columns);
     for (size_t c = 0; c < *n; c++) (*columns)[c] = (int)c;
-    return strcmp(names, "all") == 0 ? RP_OK : cli_column_list(table, names, strlen(names), n, *columns);
+    return strcmp(names, "all") == 0 ? RP_OK : rp_column_list(table, names, strlen(names), n, *columns);
 }
 
-rp_status cli_read_columns(rp_arena *arena, const rp_table *table, const char *names, double **block)
+rp_status rp_columns_read(rp_arena *arena, const rp_table *table, const char *names, double **block)
 {
-    int columns[CLI_MOST_COLUMNS];
+    int columns[RP_MOST_COLUMNS];
     size_t n, used = 0;
-    RP_TRY(cli_column_list(table, names, CLI_MOST_COLUMNS, &n, columns));
+    RP_TRY(rp_column_list(table, names, RP_MOST_COLUMNS, &n, columns));
     *block = rp_arena_memory(arena, n * table->n_rows, sizeof **block);
     for (size_t c = 0; c < n; c++)
         for (size_t i = 0; i < table->n_rows; i++)
@@ -82,20 +75,21 @@ rp_status cli_read_columns(rp_arena *arena, const rp_table *table, const char *n
     return RP_OK;
 }
 
-rp_status cli_read_file(rp_arena *arena, const char *path, const char *names, double **block, size_t *n_rows)
+rp_status rp_columns_read_file(rp_arena *arena, const char *path, const char *names, double **block,
+                               size_t *n_rows)
 {
     rp_table *table;
-    RP_TRY(cli_table_read(arena, path, &table));
+    RP_TRY(rp_table_load(arena, path, &table));
     *n_rows = table->n_rows;
-    return cli_read_columns(arena, table, names, block);
+    return rp_columns_read(arena, table, names, block);
 }
 
 /* Is this row left out? Count why. Its numbers go to `numbers`. */
 static rp_status leave_out(const rp_table *t, size_t row, size_t n, const int columns[],
-                           const cli_choice *choice, cli_rows *r, double numbers[], bool *out)
+                           const rp_choice *choice, rp_rows *r, double numbers[], bool *out)
 {
     const int word = choice->any_status ? -1 : rp_table_column(t, "status");
-    const bool failed = word >= 0 && !sweep_is_result(cli_text(t, row, word));
+    const bool failed = word >= 0 && !rp_is_result(rp_cell(t, row, word));
     bool missing = false;
     rp_status status = RP_OK;
     for (size_t c = 0; c < n && !failed && !status; c++) {
@@ -122,7 +116,7 @@ static int by_key(const void *a, const void *b)
 }
 
 /* Where the groups of the ordered rows begin. */
-static void find_groups(rp_arena *arena, cli_rows *r, const ranked rank[], const cli_groups *groups)
+static void find_groups(rp_arena *arena, rp_rows *r, const ranked rank[], const rp_groups *groups)
 {
     size_t g = 0;
     r->first = rp_arena_memory(arena, (groups ? groups->n_groups : r->n) + 1, sizeof *r->first);
@@ -133,13 +127,13 @@ static void find_groups(rp_arena *arena, cli_rows *r, const ranked rank[], const
     while (g < r->n_groups) r->first[++g] = r->n;
 }
 
-rp_status cli_rows_read(rp_arena *arena, const rp_table *t, const char *names, const cli_choice *choice,
-                        cli_rows *r)
+rp_status rp_rows_read(rp_arena *arena, const rp_table *t, const char *names, const rp_choice *choice,
+                       rp_rows *r)
 {
-    int columns[CLI_MOST_COLUMNS];
+    int columns[RP_MOST_COLUMNS];
     size_t k;
-    *r = (cli_rows){0};
-    RP_TRY(cli_column_list(t, names, CLI_MOST_COLUMNS, &k, columns));
+    *r = (rp_rows){0};
+    RP_TRY(rp_column_list(t, names, RP_MOST_COLUMNS, &k, columns));
     double *numbers = rp_arena_memory(arena, t->n_rows * k, sizeof *numbers);
     ranked *rank = rp_arena_memory(arena, t->n_rows, sizeof *rank);
     for (size_t i = 0; i < t->n_rows; i++) {
@@ -162,14 +156,14 @@ rp_status cli_rows_read(rp_arena *arena, const rp_table *t, const char *names, c
     return RP_OK;
 }
 
-void cli_rows_note(const rp_table *table, const cli_rows *rows)
+void rp_rows_note(const rp_table *table, const rp_rows *rows)
 {
     rp_table_note(stdout, "rows", "%zu used, %zu left out", rows->n, table->n_rows - rows->n);
 }
 
 enum { MOST_BY = 24 };
 
-void cli_column_unit(const rp_table *table, int column, char unit[32])
+void rp_column_unit(const rp_table *table, int column, char unit[32])
 {
     const char *units = rp_table_find_note(table, "units");
     for (int c = 0; units && c < column; c++) units = (units = strchr(units, '\t')) ? units + 1 : NULL;
@@ -177,15 +171,15 @@ void cli_column_unit(const rp_table *table, int column, char unit[32])
     snprintf(unit, 32, "%.*s", length ? length : 1, length ? units : "1");
 }
 
-rp_status cli_header_by(const rp_table *table, const char *by, const char *own)
+rp_status rp_header_by(const rp_table *table, const char *by, const char *own)
 {
     char text[4096], unit[32];
     int columns[MOST_BY];
     size_t n = 0, used = 0;
-    if (strcmp(by, "none") != 0) RP_TRY(cli_column_list(table, by, MOST_BY, &n, columns));
+    if (strcmp(by, "none") != 0) RP_TRY(rp_column_list(table, by, MOST_BY, &n, columns));
     for (size_t i = 0; i < n; i++) {
         const char *name = table->names[columns[i]];
-        cli_column_unit(table, columns[i], unit);
+        rp_column_unit(table, columns[i], unit);
         used += (size_t)snprintf(text + used, sizeof text - used, "%.100s [%s], ", name ? name : "1", unit);
     }
     snprintf(text + used, sizeof text - used, "%s", own);
@@ -193,20 +187,20 @@ rp_status cli_header_by(const rp_table *table, const char *by, const char *own)
     return RP_OK;
 }
 
-rp_status cli_group_rows(rp_arena *arena, const rp_table *t, const char *by, char separator, cli_groups *g)
+rp_status rp_group_rows(rp_arena *arena, const rp_table *t, const char *by, char separator, rp_groups *g)
 {
     size_t n_by = 0, size;
     int columns[MOST_BY];
     char *label = NULL, between[] = {separator, '\0'};
-    *g = (cli_groups){0};
-    if (strcmp(by, "none") != 0) RP_TRY(cli_column_list(t, by, MOST_BY, &n_by, columns));
+    *g = (rp_groups){0};
+    if (strcmp(by, "none") != 0) RP_TRY(rp_column_list(t, by, MOST_BY, &n_by, columns));
     FILE *text = open_memstream(&label, &size);
     if (!text) return rp_fail(RP_NO_MEMORY, "%s: out of memory", t->path);
     g->of_row = rp_arena_memory(arena, t->n_rows, sizeof *g->of_row);
     g->words = rp_arena_memory(arena, t->n_rows, sizeof *g->words);
     for (size_t i = 0; i < t->n_rows; i++) {
         rewind(text);
-        for (size_t k = 0; k < n_by; k++) fprintf(text, "%s%s", k ? between : "", cli_text(t, i, columns[k]));
+        for (size_t k = 0; k < n_by; k++) fprintf(text, "%s%s", k ? between : "", rp_cell(t, i, columns[k]));
         fputc('\0', text);
         fflush(text); /* the label is there */
         size_t group = 0;

@@ -1,0 +1,216 @@
+/* Files and frames of an export; see export.h. */
+#include "export/export.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+#include <zlib.h>
+
+#include "core/file.h"
+
+/* ---- files ---- */
+
+static ssize_t gz_write(void *file, const char *bytes, size_t n)
+{
+    return n == 0 ? 0 : gzwrite(file, bytes, (unsigned)n);
+}
+
+static int gz_close(void *file)
+{
+    return gzclose(file) == Z_OK ? 0 : EOF;
+}
+
+rp_status export_open(const char *path, export_file *e)
+{
+    *e = (export_file){.path = path};
+    rp_status status = rp_file_open(path, &e->plain);
+    e->out = e->plain;
+    if (status || !rp_ends_in(path, ".gz")) return status;
+    gzFile file = gzdopen(dup(fileno(e->plain)), "wb");
+    e->out =
+        file ? fopencookie(file, "w", (cookie_io_functions_t){.write = gz_write, .close = gz_close}) : NULL;
+    if (e->out) return RP_OK;
+    return rp_file_close(path, e->plain, rp_fail(RP_NO_MEMORY, "%s: out of memory", path));
+}
+
+rp_status export_close(const export_file *e, rp_status keep)
+{
+    if (e->out != e->plain) {
+        const bool failed = ferror(e->out), unclosed = fclose(e->out) != 0;
+        if (!keep && (failed || unclosed)) keep = rp_fail(RP_IO, "%s: cannot write", e->path);
+    }
+    return rp_file_close(e->path, e->plain, keep);
+}
+
+const char *export_stem(const char *path, char stem[4096])
+{
+    snprintf(stem, 4096, "%s", path);
+    if (rp_ends_in(stem, ".gz")) stem[strlen(stem) - 3] = '\0';
+    char *name = strrchr(stem, '/'), *dot = strrchr(name ? name : stem, '.');
+    if (dot) *dot = '\0';
+    return stem;
+}
+
+const char *export_cell(const rp_table *t, size_t row, int column)
+{
+    const char *text = rp_cell(t, row, column);
+    return strcmp(text, "infinite") == 0 ? "inf" : text;
+}
+
+/* ---- frames of a run ---- */
+
+void export_split(rp_arena *arena, size_t n, const double step[], export_frames *f)
+{
+    f->first = rp_arena_memory(arena, n + 1, sizeof *f->first);
+    f->steps = rp_arena_memory(arena, n, sizeof *f->steps);
+    f->n = 0;
+    for (size_t i = 0; i < n; i++) {
+        if (i > 0 && (step[i] == step[i - 1] || isnan(step[i]))) continue;
+        f->steps[f->n] = step[i];
+        f->first[f->n++] = i;
+    }
+    f->first[f->n] = n;
+}
+
+size_t export_frame_at(const export_frames *f, double step)
+{
+    size_t k = 0;
+    while (k < f->n && f->step >= 0 && f->steps[k] != step) k++;
+    return k;
+}
+
+static bool is_number(const char *text)
+{
+    char *end;
+    strtod(text, &end);
+    return *text && !*end;
+}
+
+/* Every cell of a frame's table is a number, and steps rise. */
+static rp_status find_frames(rp_arena *arena, rp_table *table, export_frames *f)
+{
+    double *step = rp_arena_memory(arena, table->n_rows, sizeof *step), unused;
+    *f = (export_frames){
+        .table = table, .step = rp_table_column(table, "step"), .t = rp_table_column(table, "t")};
+    for (size_t i = 0; i < table->n_rows; i++) {
+        for (size_t c = 0; c < table->n_columns; c++)
+            if (!is_number(export_cell(table, i, (int)c)))
+                RP_TRY(rp_table_number(table, i, (int)c, true, &unused));
+        if (f->step >= 0) RP_TRY(rp_table_number(table, i, f->step, false, &step[i]));
+    }
+    export_split(arena, table->n_rows, step, f);
+    for (size_t k = 1; k < f->n; k++)
+        if (f->steps[k] < f->steps[k - 1])
+            return rp_fail(RP_BAD_INPUT, "%s:%zu: step %.0f after step %.0f", table->places[f->first[k]].path,
+                           table->places[f->first[k]].line, f->steps[k], f->steps[k - 1]);
+    return RP_OK;
+}
+
+double export_frame_step(const export_run *run, size_t frame)
+{
+    const export_frames *f = &run->grains;
+    return f->step < 0 ? (double)frame : f->steps[frame];
+}
+
+double export_frame_time(const export_run *run, size_t frame)
+{
+    const export_frames *f = &run->grains;
+    return f->t < 0 ? export_frame_step(run, frame) : strtod(rp_cell(f->table, f->first[frame], f->t), NULL);
+}
+
+void export_frame_id(const export_run *run, size_t frame, size_t row, FILE *out)
+{
+    const export_frames *f = &run->grains;
+    if (run->id < 0)
+        fprintf(out, "%zu", row - f->first[frame] + 1);
+    else
+        fprintf(out, "%.0f", strtod(rp_cell(f->table, row, run->id), NULL));
+}
+
+/* Names in other programs; any other column keeps its own. */
+static const struct {
+    const char *columns[2], *dump, *xyz, *vtk;
+} known[] = {{{"r"}, "radius", "radius", "radius"},
+             {{"m"}, "mass", "mass", "mass"},
+             {{"vx", "vy"}, "vx vy vz", "velo", "velocity"},
+             {{"fx", "fy"}, "fx fy fz", "force", "force"},
+             {{"omega"}, "omegaz", "omega", "omega"}};
+
+/* Add column c, unless it has a place of its own or is the second component of a vector. */
+static rp_status add_field(export_run *run, int c)
+{
+    static const char *const placed[] = {"step", "t", "id", "x", "y"};
+    const rp_table *t = run->grains.table;
+    const char *name = t->names[c];
+    export_field field = {{c, -1}, name, name, name};
+    for (size_t i = 0; i < sizeof placed / sizeof *placed; i++)
+        if (strcmp(name, placed[i]) == 0) return RP_OK;
+    for (size_t i = 0; i < sizeof known / sizeof *known; i++) {
+        const bool vector = known[i].columns[1];
+        const int first = rp_table_column(t, known[i].columns[0]),
+                  second = vector ? rp_table_column(t, known[i].columns[1]) : -1;
+        if (vector && second == c && first >= 0) return RP_OK;
+        if (first != c || (vector && second < 0)) continue;
+        field = (export_field){{c, second}, known[i].dump, known[i].xyz, known[i].vtk};
+    }
+    if (run->n_fields == EXPORT_MOST_FIELDS)
+        return rp_fail(RP_BAD_INPUT, "%s: more than %d columns", t->path, EXPORT_MOST_FIELDS);
+    run->fields[run->n_fields++] = field;
+    return RP_OK;
+}
+
+static rp_status find_grains(rp_arena *arena, export_run *run, const char *names)
+{
+    const rp_table *t = run->grains.table;
+    int *columns;
+    size_t n;
+    RP_TRY(rp_table_find(t, "x", "x", &run->x));
+    RP_TRY(rp_table_find(t, "y", "y", &run->y));
+    RP_TRY(rp_table_find(t, "r", "r", &run->r));
+    run->id = rp_table_column(t, "id");
+    RP_TRY(rp_columns(arena, t, names, &n, &columns));
+    RP_TRY(add_field(run, run->r));
+    for (size_t c = 0; c < n; c++)
+        if (columns[c] != run->r) RP_TRY(add_field(run, columns[c]));
+    run->box[0][0] = run->box[1][0] = INFINITY, run->box[0][1] = run->box[1][1] = -INFINITY;
+    for (size_t i = 0; i < t->n_rows; i++) {
+        double v[3];
+        const int own[3] = {run->x, run->y, run->r};
+        for (int k = 0; k < 3; k++) RP_TRY(rp_table_number(t, i, own[k], false, &v[k]));
+        for (int k = 0; k < 2; k++) {
+            run->box[k][0] = fmin(run->box[k][0], v[k] - v[2]);
+            run->box[k][1] = fmax(run->box[k][1], v[k] + v[2]);
+        }
+        run->largest = fmax(run->largest, v[2]);
+    }
+    return RP_OK;
+}
+
+/* The table beside that of the grains: DIR/contacts.tsv, or X_contacts.tsv of X_grains.tsv. */
+static rp_status read_beside(rp_arena *arena, const char *source, const char *name, export_frames *frames)
+{
+    static const char grains[] = "grains.tsv";
+    const bool run = rp_is_in(source, "states.tsv"), stage = rp_ends_in(source, grains);
+    const int stem = (int)(strlen(source) - (stage ? strlen(grains) : 0));
+    char *path = rp_arena_memory(arena, strlen(source) + 64, 1);
+    rp_table *table;
+    sprintf(path, "%.*s%s%s.tsv", stem, source, run ? "/" : "", name);
+    if (!(run || stage) || access(path, F_OK) != 0) return RP_OK;
+    RP_TRY(rp_table_load(arena, path, &table));
+    RP_TRY(find_frames(arena, table, frames));
+    if (frames->step < 0 && table->n_rows > 0)
+        return rp_fail(RP_BAD_INPUT, "%s: no column \"step\": from an older version?", path);
+    return RP_OK;
+}
+
+rp_status export_run_read(rp_arena *arena, const char *source, rp_table *table, const char *columns,
+                          export_run *run)
+{
+    *run = (export_run){0};
+    RP_TRY(find_frames(arena, table, &run->grains));
+    RP_TRY(find_grains(arena, run, columns));
+    if (run->grains.n == 0) return rp_fail(RP_BAD_INPUT, "%s: no grains", source);
+    RP_TRY(read_beside(arena, source, "contacts", &run->contacts));
+    return read_beside(arena, source, "walls", &run->walls);
+}

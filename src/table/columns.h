@@ -1,0 +1,77 @@
+/* Columns of a table as arrays of numbers, groups of rows. */
+#ifndef RP_COLUMNS_H
+#define RP_COLUMNS_H
+
+#include <stdbool.h>
+
+#include "core/arena.h"
+#include "table/table.h"
+
+/* As rp_table_read and rp_table_parse; the table is freed with the arena. The system of units becomes that of
+ * a table that was read by the first of them. */
+rp_status rp_table_load(rp_arena *arena, const char *path, rp_table **table);
+rp_status rp_table_load_text(rp_arena *arena, const char *name, char *text, rp_table **table);
+
+/* Text of a cell. */
+const char *rp_cell(const rp_table *table, size_t row, int column);
+
+/* The n columns of the list `names` ("a,b,..."), at most `most`. Errors: RP_BAD_INPUT. */
+rp_status rp_column_list(const rp_table *table, const char *names, size_t most, size_t *n, int columns[]);
+
+/* The columns of the list `names`, or all of them for "all", as a new array. Errors: RP_BAD_INPUT. */
+rp_status rp_columns(rp_arena *arena, const rp_table *table, const char *names, size_t *n, int **columns);
+
+/* The columns of the list `names` as new arrays of finite numbers, one after the other in one block; of a
+ * table, and of one in a file. Errors: RP_BAD_INPUT; those of rp_table_read. */
+enum { RP_MOST_COLUMNS = 32 };
+rp_status rp_columns_read(rp_arena *arena, const rp_table *table, const char *names, double **block);
+rp_status rp_columns_read_file(rp_arena *arena, const char *path, const char *names, double **block,
+                               size_t *n_rows);
+
+/* Is this status that of a full result, ok or ok_...? */
+bool rp_is_result(const char *status);
+
+/* Rows of a table grouped by their cells in the columns `by` ("a" or "a,b,..."; "none": one group). */
+typedef struct {
+    size_t n_groups;
+    size_t *of_row;
+    const char *
+        *words; /* in the order in which they appear: the cells of each group, joined by the separator */
+} rp_groups;
+
+/* Errors: RP_BAD_INPUT. */
+rp_status rp_group_rows(rp_arena *arena, const rp_table *table, const char *by, char separator,
+                        rp_groups *groups);
+
+/* Which rows count. Zero: those whose status, if there is such a column, starts with ok, and without nan. */
+typedef struct {
+    bool any_status, any_number;
+    const bool *among;       /* rows of the table; NULL: all */
+    const double *range;     /* least and largest number in the first column; NULL: any */
+    const rp_groups *groups; /* ordered by these, */
+    bool grouped;            /* or by the numbers of the first column, each a group; else as in the table */
+} rp_choice;
+
+/* Rows as columns of numbers. */
+typedef struct {
+    size_t n, n_failed, n_nan, n_outside; /* rows that count; left out for status, nan, range */
+    double *column[RP_MOST_COLUMNS];      /* of the list of names */
+    size_t *row;                          /* each row's index in the table */
+    size_t n_groups, *first;              /* first[g] <= i < first[g + 1] in group g */
+} rp_rows;
+
+/* Errors: RP_BAD_INPUT; RP_NO_RESULT without a row that counts. */
+rp_status rp_rows_read(rp_arena *arena, const rp_table *table, const char *names, const rp_choice *choice,
+                       rp_rows *rows);
+
+/* The header line that says how many rows count. */
+void rp_rows_note(const rp_table *table, const rp_rows *rows);
+
+/* The unit of a column as the table's header has it, "1" where it has none. */
+void rp_column_unit(const rp_table *table, int column, char unit[32]);
+
+/* The header of a table whose first columns are those of the list `by` ("none": none), with their units,
+ * before its own. Errors: RP_BAD_INPUT. */
+rp_status rp_header_by(const rp_table *table, const char *by, const char *own);
+
+#endif

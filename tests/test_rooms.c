@@ -1,0 +1,75 @@
+/* The order of the rooms: what tests/rooms.py says of a small tree, and of one with a fault. */
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "tests/check.h"
+#include "tests/program.h"
+
+static char script[PATH_MAX];
+
+/* Two rooms, a file in each; the upper one uses the lower one by a function and a descriptor. */
+static void plant(void)
+{
+    enter();
+    write_text("rooms.txt", "core src/low\ntop src/high < core\n");
+    CU_ASSERT_EQUAL_FATAL(shell("mkdir -p tests src/low src/high build/obj/src/low build/obj/src/high; "
+                                "mv rooms.txt tests; >out 2>err"),
+                          0);
+    write_text("src/low/low.h", "extern int (*const low)(void);\n");
+    write_text("src/low/low.c", "#include \"low/low.h\"\nstatic int f(void) { return 1; }\n"
+                                "int (*const low)(void) = f;\n");
+    write_text("src/high/high.c", "#include \"low/low.h\"\n#include \"high/grey.gp\"\nint high(void);\n"
+                                  "int high(void) { return low(); }\n");
+    write_text("src/high/grey.gp", "\n");
+}
+
+/* What it says of the tree, "" for nothing. */
+static void check_says(const char *expected)
+{
+    char line[PATH_MAX + 256];
+    snprintf(line, sizeof line,
+             "for f in src/*/*.c; do gcc -Isrc -c $f -o build/obj/${f%%.c}.o || exit 9; done; "
+             "python3 %s build >out 2>err",
+             script);
+    CU_ASSERT_EQUAL(shell(line), *expected != '\0');
+    CU_ASSERT_STRING_EQUAL(out, expected);
+    leave();
+}
+
+static void test_rooms(void)
+{
+    CU_ASSERT_PTR_NOT_NULL_FATAL(realpath("tests/rooms.py", script));
+    plant();
+    check_says("");
+    plant();
+    write_text("src/high/high.h", "int high(void);\n");
+    write_text("src/low/more.c", "#include \"high/high.h\"\n");
+    check_says("lint: src/low/more.c:1: core must not include high/high.h\n");
+    plant();
+    write_text("src/high/b.h", "\n");
+    write_text("src/low/more.c", "#include \"absent/b.h\"\n");
+    CU_ASSERT_EQUAL(shell("mkdir src/absent; cp src/high/b.h src/absent; >out 2>err"), 0);
+    check_says("lint: src/low/more.c:1: includes absent/b.h, which is in no room of tests/rooms.txt\n");
+    plant();
+    write_text("src/high/more.c", "int high(void);\nint (*const more)(void) = high;\n");
+    write_text("src/high/high.c", "extern int (*const more)(void);\nint high(void);\n"
+                                  "int high(void) { return more(); }\n");
+    check_says("lint: these files use one another in a circle: src/high/high.c src/high/more.c\n");
+    plant();
+    write_text("tests/rooms.txt", "core src/high\ncore src/low\n");
+    check_says("lint: src/high/high.c:1: src/high must not include low/low.h, which stands above it\n");
+    plant();
+    for (int k = 0; k < 20; k++) {
+        char name[32];
+        snprintf(name, sizeof name, "src/low/more%d.c", k);
+        write_text(name, "\n");
+    }
+    check_says("lint: src/low has 21 .c files, more than 20\n");
+}
+
+void suite_rooms(void)
+{
+    static const check_case cases[] = {{"faults that are planted", test_rooms}, {0}};
+    check_register("rooms", cases);
+}
