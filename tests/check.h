@@ -95,6 +95,10 @@ void check_register(const char *suite, const check_case *cases);
 void check_register_within(const char *suite, void (*before)(void), void (*after)(void),
                            const check_case *cases);
 
+/* Memory of malloc that is freed at the end of its pointer's scope. */
+#define scoped __attribute__((cleanup(check_free)))
+void check_free(void *pointer);
+
 /* True in the sanitizer build, where long tests take a smaller size. */
 bool check_fast(void);
 

@@ -57,7 +57,8 @@ dem_contact grains_only_contact(const dem_sim *sim);
 void grains_wall_forces(const dem_sim *sim, double *forces);
 double grains_energy(const dem_sim *sim);
 
-/* dem_scene_read of a text. */
+/* dem_scene_read of a text; a scoped_scene is freed at the end of its scope. */
+#define scoped_scene __attribute__((cleanup(dem_scene_free))) dem_scene
 rp_status grains_read(const char *text, const rp_texts *changes, dem_scene *scene);
 
 /* Pairs that are not listed once although they lie within their cutoffs where the list was made, or that are

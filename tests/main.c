@@ -64,6 +64,11 @@ void check_register_within(const char *suite, void (*before)(void), void (*after
     if (all && n_joint < sizeof joint / sizeof *joint) joint[n_joint++] = s;
 }
 
+void check_free(void *pointer)
+{
+    free(*(void **)pointer);
+}
+
 bool check_fast(void)
 {
     return getenv("RP_CHECK_FAST") != NULL;

@@ -514,7 +514,7 @@ static void profile_of_many_vertices(void)
 {
     enum { PIECES = 100000 };
     const double c = 1.25, h = 1.0 / PIECES, tol = c * h * h / 4 * 2 / sqrt(3) * 4 + ROUND * PIECES / 1e3;
-    an_point *v = room(PIECES + 1, sizeof *v);
+    scoped an_point *v = room(PIECES + 1, sizeof *v);
     an_profile p;
     for (int i = 0; i <= PIECES; i++) v[i] = (an_point){i * h, c * (i * h) * (1 - i * h)};
     v[PIECES] = (an_point){1, 0};
@@ -528,7 +528,6 @@ static void profile_of_many_vertices(void)
             CHECK_NEAR(l[side], 4 * e / (b + sqrt(b * b + 4 * c * e)), tol);
         }
     }
-    free(v);
 }
 
 static double tent_at(double outer_deg, double inner_deg, double x)

@@ -151,12 +151,11 @@ static const char *check_listed(const char *text, const rp_param *schema)
         text = strstr(text, name);
         CU_ASSERT(text != NULL);
         if (!text) break;
-        char *line = strndup(text + 1, strcspn(text + 1, "\n"));
+        scoped char *line = strndup(text + 1, strcspn(text + 1, "\n"));
         bool whole = strstr(line, p->unit) && strstr(line, p->fallback ? p->fallback : "(required)") &&
                      strstr(line, p->meaning) && (p->type == RP_BOOL || strstr(line, p->range));
         if (!whole) fprintf(stderr, "repose params: \"%s\"\n", line);
         CU_ASSERT(whole);
-        free(line);
     }
     return text;
 }
@@ -1516,12 +1515,11 @@ static void test_calibrate_sweep(void)
     static const char line[] = "calibrate --sweep s.cfg -o d -j 2 --theta-r-deg 15 --error-deg 2";
     int status = run("%s", line);
     CU_ASSERT(status == RP_OK || status == RP_NO_RESULT); /* a dozen piles may not identify mu */
-    char *first = strdup(out);
+    scoped char *first = strdup(out);
     CU_ASSERT(strstr(first, "12 piles used") && strstr(first, "\n# W: 2 cm\n") && strstr(first, "\nmu\t"));
     GOOD("sweep export d -o before.tsv"); /* with the seconds of each run in its header */
     CU_ASSERT(run("%s", line) == status);
     CU_ASSERT_STRING_EQUAL(out, first);
-    free(first);
     CU_ASSERT(equal_tables("d/runs.tsv", "before.tsv"));
     CU_ASSERT(shell("grep run_time before.tsv >out 2>err; grep run_time d/runs.tsv | cmp - out") == 0);
 }

@@ -310,7 +310,7 @@ static void test_stress_steps(void)
     for (int k = 0; k < 2; k++) {
         static const char *const names[] = {"theta_r3_deg", "theta_t_displacement_deg"};
         const sweep_protocol *p = protocols[k];
-        void *params = calloc(1, p->params_size);
+        scoped void *params = calloc(1, p->params_size);
         rp_params_defaults(p->schema, params);
         for (size_t i = 0; i < 3; i++)
             CHECK_OK(rp_params_set_text(rp_params_find(p->schema, changes[i][0]), params, changes[i][1]));
@@ -319,7 +319,6 @@ static void test_stress_steps(void)
         for (size_t i = 0; p->outputs[i].name; i++)
             for (size_t j = 0; j < 2; j++)
                 if (strcmp(p->outputs[i].name, names[j]) == 0) found[k][j] = r[k].values[i];
-        free(params);
     }
     CU_ASSERT(found[0][0] == found[1][0] && found[0][1] == found[1][1] && found[0][1] > 1.0);
 
@@ -653,7 +652,7 @@ typedef struct {
  * sample is timed from its begin on. */
 static dem_sim *bench_sim(const bench_box *b, int n, double width, const rp_table *radii)
 {
-    dem_grain *grains = calloc((size_t)n, sizeof *grains);
+    scoped dem_grain *grains = calloc((size_t)n, sizeof *grains);
     const dem_fill fill = {n, width, 2.0 * width, 0.1, 0.02, 0.07, 0.13, 1.0, DEM_SPHERE, 1993, 0};
     dem_definition def = dem_definition_default();
     def.rotation = b->rotation;
@@ -669,7 +668,6 @@ static dem_sim *bench_sim(const bench_box *b, int n, double width, const rp_tabl
     def.dt = fmin(5e-5, dem_time_step_limit(&def, NULL));
     dem_sim *sim = NULL;
     CHECK_OK(dem_create(&def, &sim));
-    free(grains);
     if (b->sample) return sim;
     const double settling = 30000.0 * sqrt(width / 4.0) + 10000.0;
     if (b->size_ratio > 0.0) {
@@ -848,7 +846,7 @@ static void make_series(int insertions)
     static const char *const changes[][2] = {{"W", "1.3"}, {"mu", "0.25"}, {"entry_width", "0.4"}};
     const sweep_protocol *p = &sweep_protocol_flux;
     const rp_param *schema = p->schema;
-    void *params = calloc(1, p->params_size);
+    scoped void *params = calloc(1, p->params_size);
     char folder[256], number[16];
     sweep_result result;
     path_of("d", folder);
@@ -859,7 +857,6 @@ static void make_series(int insertions)
         CHECK_OK(rp_params_set_text(rp_params_find(schema, changes[i][0]), params, changes[i][1]));
     CHECK_OK(rp_params_set_text(rp_params_find(schema, "insertions"), params, number));
     CHECK_OK(p->run(params, 1993, 0, &tables, &result));
-    free(params);
 }
 
 /* A row of the longest series, from the last state of one that ends there. */
@@ -955,7 +952,7 @@ static void check_strongest(checked *o, const rp_table *grains, const rp_table *
                             const bool packed[])
 {
     double all[2] = {0.0}, steep[2] = {0.0}, disks = 0.0, close = 0.0, strongest[DROPPED] = {0.0};
-    size_t *ends = calloc(2 * contacts->n_rows, sizeof *ends);
+    scoped size_t *ends = calloc(2 * contacts->n_rows, sizeof *ends);
     for (size_t i = 0; i < DROPPED; i++) disks += !away[i], close += packed[i];
     for (size_t e = 0; e < 2 * contacts->n_rows; e++) { /* indices of the disks; DROPPED: no such pair */
         const char *const id[2] = {"id_a", "id_b"};
@@ -979,7 +976,6 @@ static void check_strongest(checked *o, const rp_table *grains, const rp_table *
             const bool is_steep = slope >= 50.0 && slope <= 70.0, both = packed[a] && packed[b];
             all[0]++, all[1] += both, steep[0] += is_steep, steep[1] += is_steep && both;
         }
-    free(ends);
     CU_ASSERT(all[1] > 0.0 && steep[0] > 0.0 && steep[0] < all[0]);
     CHECK_NEAR(at(o, 0, "packed"), close / disks, 1e-14);
     CHECK_NEAR(at(o, 0, "strongest_60"), steep[0] / all[0], 1e-14);

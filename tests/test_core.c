@@ -336,7 +336,7 @@ static void cut_normal(void)
     enum { N = 40000 };
     const double cases[][4] = {
         {0.1, 0.02, 0.07, 0.13}, {0.1, 0.02, 0.0, 0.2}, {2.0, 1.0, -1.5, 2.5}, {0.0, 1.0, -3.9, -0.4}};
-    double *v = malloc(N * sizeof *v);
+    scoped double *v = malloc(N * sizeof *v);
     for (int c = 0; c < 4; c++) {
         const double m = cases[c][0], w = cases[c][1], lo = cases[c][2], hi = cases[c][3];
         scoped_rng *r = numbers_of(7, (unsigned long)c);
@@ -351,7 +351,6 @@ static void cut_normal(void)
     }
     scoped_rng *r = numbers_of(7, 9);
     CU_ASSERT(rp_random_cut_normal(r, 0.1, 0.0, 0.07, 0.13) == 0.1);
-    free(v);
 }
 
 /* What pandas reads by read_csv(sep="\t", comment="#"): the lines without #. */

@@ -61,7 +61,7 @@ static double angular_momentum(const dem_definition *def, const dem_state *s)
 /* Momentum, and with rotation angular momentum, of a collapsing cloud. */
 static void momentum_of(bool rotation)
 {
-    dem_grain *grains;
+    scoped dem_grain *grains = NULL;
     dem_definition def = grains_box(60, 2.0, 3, &grains);
     double p0[2] = {0.0, 0.0}, p1[2] = {0.0, 0.0}, l0 = 0.0, l1 = 0.0, scale = 0.0;
     def.n_walls = 0, def.gravity[1] = 0.0, def.rotation = rotation;
@@ -91,7 +91,6 @@ static void momentum_of(bool rotation)
     CHECK_NEAR(p1[0], p0[0], 1e-13 * scale);
     CHECK_NEAR(p1[1], p0[1], 1e-13 * scale);
     if (rotation) CHECK_NEAR(l1, l0, 1e-13 * scale * 2.0); /* at some 2 cm from the origin */
-    free(grains);
 }
 
 EITHER(momentum)
@@ -145,7 +144,7 @@ EITHER(mirror_and_relabel)
 /* The neighbour list has every touching pair throughout an avalanche. */
 static void list_is_complete_of(double speed, long steps)
 {
-    dem_grain *grains;
+    scoped dem_grain *grains = NULL;
     dem_definition def = grains_box(120, 2.6, 11, &grains);
     for (int i = 0; i < 120; i++) grains[i].vx = i % 3 ? 0.0 : speed, grains[i].vy = i % 7 ? 0.0 : -speed;
     if (speed > 0.0) def.dt = 2e-5;
@@ -164,7 +163,6 @@ static void list_is_complete_of(double speed, long steps)
         dem_count_work(sim, &counts);
         CU_ASSERT_EQUAL(counts.contacts, touching);
     }
-    free(grains);
 }
 
 /* Slowly; and where margins differ, fast grains hit resting ones, and few steps lie between two rebuildings.
@@ -319,7 +317,7 @@ static void avalanche_in_chunks(bool rotation)
 {
     enum { N = 400, PARTS = 4 };
     const long part = check_fast() ? 700 : 2500;
-    dem_grain *grains;
+    scoped dem_grain *grains = NULL;
     dem_definition def = grains_outflow(N, part, rotation, &grains);
     def.kernel = DEM_REFERENCE;
     dem_sim *reference[PARTS + 1] = {grains_start_in_chunks(&def, 0)};
@@ -346,13 +344,12 @@ static void avalanche_in_chunks(bool rotation)
         dem_free(sim);
     }
     for (int k = 0; k <= PARTS; k++) dem_free(reference[k]);
-    free(grains);
 }
 
 /* A fault is found at the same step, with the same message. */
 static void faults_in_chunks(bool wall)
 {
-    dem_grain *grains;
+    scoped dem_grain *grains = NULL;
     dem_definition def = grains_too_soft(wall, &grains);
     def.kernel = DEM_REFERENCE;
     scoped_sim *reference = grains_start_in_chunks(&def, 0);
@@ -360,7 +357,6 @@ static void faults_in_chunks(bool wall)
     scoped_sim *sim = grains_start_in_chunks(&def, 64);
     grains_break_alike(reference, sim);
     CU_ASSERT(sim->pairs.n_chunks > 0);
-    free(grains);
 }
 
 static void chunks(void)
@@ -391,7 +387,7 @@ static long beyond_margins(dem_sim *sim, int steps)
 static void margins_of(bool hard, int kernel)
 {
     enum { N = 150 };
-    dem_grain *grains;
+    scoped dem_grain *grains = NULL;
     dem_definition def = grains_box(N, 3.0, 4, &grains);
     for (int i = 0; i < N; i++) grains[i].vx = 100.0 * (i % 5 - 2), grains[i].vy = i % 3 ? -200.0 : 0.0;
     def.dt = 2e-5, def.kernel = kernel, def.x_max = 3.1;
@@ -406,7 +402,6 @@ static void margins_of(bool hard, int kernel)
     sim->pairs.n_chunks = 1;
     sim->grains.motion[sim->grains.n / 2].v[0] = NAN;
     CHECK_FAILS(dem_run(sim, 1), RP_BROKEN, "non_finite");
-    free(grains);
 }
 
 /* Two grains that stop one another at different times between two rebuilds. */
@@ -624,7 +619,7 @@ static void springs_end_of(bool rolling)
     size_t before = 0;
     double longest = 0.0;
     for (int step = 0; step < 5000; step++) {
-        dem_contact *c;
+        scoped dem_contact *c = NULL;
         size_t n;
         CHECK_OK(dem_run(sim, 1));
         CHECK_OK(dem_contacts(sim, &c, &n));
@@ -636,7 +631,6 @@ static void springs_end_of(bool rolling)
         }
         longest = fmax(longest, spring);
         before = n;
-        free(c);
     }
     CU_ASSERT(touches >= 10);
     CU_ASSERT(longest > 10.0 * 0.1 * def.dt); /* detects a spring that did not end */
@@ -654,7 +648,7 @@ static void rolling_couple(void)
     def.rotation = true, def.material.mu = def.material.gamma_s = def.material.gamma_roll = 0.0;
     def.material.mu_roll = 0.3;
     scoped_sim *sim = grains_start(&def);
-    dem_contact *c;
+    scoped dem_contact *c = NULL;
     dem_state s[2];
     size_t n;
     const double r_eff = 0.1 * 0.1739 / 0.2739, xi = r_eff * (3.0 + 11.0) * def.dt;
@@ -667,7 +661,6 @@ static void rolling_couple(void)
     CHECK_NEAR(s[0].torque, -r_eff * def.material.k_roll * xi, 1e-12);
     CHECK_NEAR(s[1].torque, r_eff * def.material.k_roll * xi, 1e-12);
     CHECK_NEAR(c[0].rolling_torque, sign * s[0].torque, 1e-15);
-    free(c);
 }
 
 enum { SPINNING = 80 };
@@ -676,7 +669,7 @@ enum { SPINNING = 80 };
 static size_t sliding_of_sums(const dem_sim *sim)
 {
     enum { N = SPINNING };
-    dem_contact *c;
+    scoped dem_contact *c = NULL;
     dem_state s[N];
     double sums[N + 1][3] = {{0.0}}; /* per id: force, torque; id 0 for the walls */
     size_t n, sliding = 0;
@@ -702,7 +695,6 @@ static size_t sliding_of_sums(const dem_sim *sim)
         CHECK_NEAR(sums[i + 1][1] - 981.0 * s[i].m, s[i].fy, 1e-9);
         CHECK_NEAR(sums[i + 1][2], s[i].torque, 1e-10);
     }
-    free(c);
     return sliding;
 }
 
@@ -710,7 +702,7 @@ static size_t sliding_of_sums(const dem_sim *sim)
 static void contacts_add_up(void)
 {
     enum { N = SPINNING };
-    dem_grain *grains;
+    scoped dem_grain *grains = NULL;
     dem_definition def = grains_box(N, 2.0, 25, &grains);
     def.rotation = true, def.damping = DEM_DAMPING_INSIDE, def.material.gamma_s = 200.0;
     def.material.mu_roll = 0.1;
@@ -721,7 +713,6 @@ static void contacts_add_up(void)
     dem_box_turn(sim, 1e-4);
     CHECK_OK(dem_run(sim, 3));
     sliding_of_sums(sim);
-    free(grains);
 }
 
 /* A lifted wall drags a touching grain upwards. */
@@ -1432,7 +1423,7 @@ static void contacts_of_the_start(void)
 /* The limit of dt is below instability: a box at the limit settles. */
 static void time_step_limit(void)
 {
-    dem_grain *grains;
+    scoped dem_grain *grains = NULL;
     dem_definition def = grains_box(60, 2.0, 1, &grains);
     const char *what;
     double limit = dem_time_step_limit(&def, &what);
@@ -1455,7 +1446,6 @@ static void time_step_limit(void)
     def.material = (dem_material){.k_n = 1e-9, .gamma_n = 3e5, .k_s = 1e-9};
     for (int w = 0; w < 3; w++) def.walls[w].material = def.material;
     CHECK_NEAR(dem_time_step_limit(&def, NULL), 0.85 * 2.0 / 3.0 / 3e5, 1e-2 * 0.85 * 2.0 / 3.0 / 3e5);
-    free(grains);
 }
 
 /* The limit uses the speed of a fall at the floor, and twice the initial speed. */
@@ -1822,7 +1812,7 @@ static void arrays_follow_grains(void)
     enum { N = 60 };
     for (int k = 0; k < 2 * DEM_INTEGRATORS; k++) {
         static unsigned char bytes[N + 1][1024];
-        dem_grain *grains;
+        scoped dem_grain *grains = NULL;
         dem_definition def = grains_box(N, 2.0, 5, &grains);
         def.integrator = k / 2, def.rotation = k % 2, def.dt = 4e-5;
         if (!dem_scheme_check(&def)) {
@@ -1843,7 +1833,6 @@ static void arrays_follow_grains(void)
             CU_ASSERT(same_bytes(&copy->grains, bytes));
             dem_free(sim), dem_free(copy);
         }
-        free(grains);
     }
 }
 

@@ -216,7 +216,7 @@ static void every_command(void)
         for (size_t k = 0; k < sizeof pages / sizeof *pages; k++)
             listed |= !strcmp(pages[k], found.gl_pathv[i]);
         FILE *file = fopen(found.gl_pathv[i], "r");
-        char *line = NULL;
+        scoped char *line = NULL;
         size_t size = 0;
         bool fence = false;
         for (int number = 1; getline(&line, &size, file) > 0; number++) {
@@ -229,7 +229,6 @@ static void every_command(void)
             CU_ASSERT(right);
             CU_ASSERT(links_exist(found.gl_pathv[i], line));
         }
-        free(line);
         fclose(file);
     }
     globfree(&found);

@@ -487,7 +487,7 @@ static void test_flips(void)
     char path[128], digest[33];
     long noticed = 0;
     CHECK_OK(drive((sweep_options){0}, NULL));
-    char *good = export();
+    scoped char *good = export();
     CU_ASSERT_PTR_NOT_NULL_FATAL(good);
     for (long k = size_of_drill(60); k > 0; k--) {
         snprintf(path, sizeof path, "%s/%s", dir, names[k % 8 == 0]);
@@ -500,15 +500,13 @@ static void test_flips(void)
             noticed++;
         else
             CU_ASSERT_STRING_EQUAL(digest, undisturbed);
-        char *text = export();
+        scoped char *text = export();
         CU_ASSERT(!text || strcmp(text, good) == 0);
-        free(text);
         bytes[at] = before;
         file_write(path, bytes, size);
     }
     CU_ASSERT(noticed > 0);
     check_whole();
-    free(good);
 }
 
 /* A store that lost its end: what is whole comes back, and the rest is made again. */

@@ -68,7 +68,7 @@ static dem_sim *again(const dem_sim *sim, bool spring, bool with, bool turned)
     dem_state states[HEAP];
     dem_grain grains[HEAP];
     dem_definition def = disks(spring);
-    dem_contact *contacts;
+    scoped dem_contact *contacts = NULL;
     size_t n;
     CHECK_OK(dem_states(sim, states));
     CHECK_OK(dem_contacts(sim, &contacts, &n));
@@ -88,7 +88,6 @@ static dem_sim *again(const dem_sim *sim, bool spring, bool with, bool turned)
     def.contacts = contacts;
     def.n_contacts = with ? n : 0;
     dem_sim *copy = grains_start(&def);
-    free(contacts);
     return copy;
 }
 
@@ -115,7 +114,7 @@ static void contacts_go_on(void)
         scoped_sim *sim = moving_pile(spring);
         const double before = differ(sim, sim, false);
         CHECK_NEAR(before, 0.0, 0.0);
-        dem_contact *contacts;
+        scoped dem_contact *contacts = NULL;
         size_t n;
         double sheared = 0.0, rolled = 0.0, wells = 0.0;
         CHECK_OK(dem_contacts(sim, &contacts, &n));
@@ -124,7 +123,6 @@ static void contacts_go_on(void)
             rolled = fmax(rolled, fabs(contacts[k].rolling_spring));
             wells += contacts[k].well == DEM_WELL_HOLDS;
         }
-        free(contacts);
         CU_ASSERT(sheared > 1e-5 && rolled > 1e-5 && (spring || wells > 0.0));
         for (int turned = 0; turned < 2; turned++) {
             scoped_sim *with = again(sim, spring, true, turned), *without = again(sim, spring, false, turned);
@@ -335,11 +333,10 @@ static void *parameters(const char *const changes[])
 
 static sweep_result run(const char *const changes[])
 {
-    void *p = parameters(changes);
+    scoped void *p = parameters(changes);
     sweep_result result;
     CHECK_OK(sweep_protocol_drop.check(p));
     CHECK_OK(sweep_protocol_drop.run(p, 5, 1, NULL, &result));
-    free(p);
     return result;
 }
 
@@ -486,9 +483,8 @@ static void lattices_that_fit(void)
                  {{"lattice", "9", "glued", "1.5"}, "glued = 1.5"},
                  {{"lattice", "40", "x_limit", "20"}, "lattice = 40: reaches to x_limit = 20"}};
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
-        void *p = parameters(cases[k].changes);
+        scoped void *p = parameters(cases[k].changes);
         CHECK_FAILS(sweep_protocol_drop.check(p), RP_BAD_INPUT, cases[k].message);
-        free(p);
     }
 }
 
@@ -616,7 +612,7 @@ static void lists_are_complete(void)
 /* True if the contacts and springs are equal, in any order. */
 static void check_same_contacts(const dem_sim *one, const dem_sim *two)
 {
-    dem_contact *a, *b;
+    scoped dem_contact *a = NULL, *b = NULL;
     size_t n, m, same = 0;
     CHECK_OK(dem_contacts(one, &a, &n));
     CHECK_OK(dem_contacts(two, &b, &m));
@@ -628,8 +624,6 @@ static void check_same_contacts(const dem_sim *one, const dem_sim *two)
                 p->rolling_spring == (turned ? -q->rolling_spring : q->rolling_spring);
     }
     CU_ASSERT(n == m && n == same);
-    free(a);
-    free(b);
 }
 
 /* A partial renewal, and a full rebuild after it, keep contacts and springs. */
@@ -672,13 +666,12 @@ static void great_heights(void)
     const sweep_protocol *drop = &sweep_protocol_drop;
     static const char *const heights[] = {"drop_height=250", "drop_height=1000"};
     for (int k = 0; k < 2; k++) {
-        void *params = PROTOCOL_PARAMS(drop, "N=4", heights[k], "x_limit=10000");
+        scoped void *params = PROTOCOL_PARAMS(drop, "N=4", heights[k], "x_limit=10000");
         sweep_result result = {0};
         rp_status status = drop->run(params, 1992, 0, NULL, &result);
         CU_ASSERT(status == RP_OK || status == RP_NO_RESULT); /* four disks make no slopes */
         CU_ASSERT(strstr(rp_message(), "too_fast") == NULL);
         CHECK_NEAR(protocol_output(drop, &result, "disks"), 4.0, 0.0);
-        free(params);
     }
 }
 

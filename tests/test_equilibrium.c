@@ -42,7 +42,7 @@ static test_pile make_disks(long k, double alpha_deg, double gap)
 {
     test_pile h = {.k = (size_t)k};
     const double theta = asin((1 + gap) / 2);
-    long *up = malloc((size_t)k * sizeof *up);
+    scoped long *up = malloc((size_t)k * sizeof *up);
     CHECK_OK(an_lattice_cut(k, theta, fmin(alpha_deg * DEG, M_PI / 2 - theta), up));
     for (long s = 0; s < k; s++) h.n += (size_t)up[s];
     h.disks = malloc(h.n * sizeof *h.disks), h.exact = malloc(h.k * sizeof *h.exact);
@@ -52,7 +52,6 @@ static test_pile make_disks(long k, double alpha_deg, double gap)
             h.disks[n++] = (statics_disk){((double)s + 0.5 * (double)j) * 2 * sin(theta),
                                           0.5 + (double)j * cos(theta), 0.5, 1};
     CHECK_OK(an_lattice_counts(k, up, theta, h.exact));
-    free(up);
     h.u = malloc(2 * h.n * sizeof *h.u), h.N = malloc(h.k * sizeof *h.N);
     h.H = malloc(h.k * sizeof *h.H);
     return h;
@@ -423,14 +422,13 @@ static void test_primary(void)
     CHECK_NEAR(N_error(&h, &most), 2.3e-3, 0.05e-3);
     CHECK_NEAR(most, 4.8e-3, 0.05e-3);
     CU_ASSERT(h.result.negative_modes == 18 && h.result.horizontal == 0 && h.result.jumps == 0);
-    double *direct = malloc(2 * h.n * sizeof *direct);
+    scoped double *direct = malloc(2 * h.n * sizeof *direct);
     memcpy(direct, h.u, 2 * h.n * sizeof *direct);
     statics_definition ramp = soft(1e-4); /* the same branch in small steps */
     ramp.load_steps = 10;
     CHECK_OK(solve(&h, ramp));
     for (size_t i = 0; i < 2 * h.n; i++)
-        CHECK_NEAR(h.u[i], direct[i], 1e-6); /* residuals of 1e-11 over the softest modes, 1e-5 */
-    free(direct);
+        CHECK_NEAR(h.u[i], direct[i], 1e-6);         /* residuals of 1e-11 over the softest modes, 1e-5 */
     for (double eps = 1e-5; eps > 1e-8; eps /= 10) { /* the error falls with eps */
         CHECK_OK(solve(&h, soft(eps)));
         const double error = N_error(&h, &most);
@@ -701,12 +699,11 @@ static void test_plain_forces_and_modes(void)
         statics_definition def = soft(cases[c].eps);
         def.k_x = 0.7, def.branch = cases[c].branch;
         CHECK_OK(solve(&h, def));
-        double *force = malloc(2 * h.n * sizeof *force);
+        scoped double *force = malloc(2 * h.n * sizeof *force);
         energy[c] = plain_forces(&h, h.u, def.eps, def.k_x, force);
         CU_ASSERT(worst_of(force, 2 * h.n) < 1e-10);
         CU_ASSERT(plain_negative_modes(&h, def.eps, def.k_x) == h.result.negative_modes);
         CU_ASSERT((h.result.negative_modes > 0) == (c == 0));
-        free(force);
     }
     CU_ASSERT(energy[1] < energy[0] - 1e-6);
 }
@@ -798,7 +795,7 @@ static void test_damped_dynamics(void)
     def.k_x = k_x;
     CHECK_OK(solve(&h, def));
     CU_ASSERT(h.result.horizontal > 0);
-    dem_grain *grains = calloc(h.n, sizeof *grains);
+    scoped dem_grain *grains = calloc(h.n, sizeof *grains);
     for (size_t i = 0; i < h.n; i++)
         grains[i] = (dem_grain){.x = h.disks[i].x, .y = h.disks[i].y, .r = 0.5, .m = 1};
     dem_definition scene = dem_definition_default();
@@ -824,7 +821,6 @@ static void test_damped_dynamics(void)
         }
         free(states), dem_free(sim);
     }
-    free(grains);
 }
 
 /* ---- bad input ---- */

@@ -12,14 +12,13 @@
 
 static dem_sim *start(const char *path, const char *change, long *steps)
 {
-    dem_scene scene;
+    scoped_scene scene = {0};
     dem_sim *sim = NULL;
     const rp_texts changes = {change != NULL, {change}};
     CHECK_OK(dem_scene_read(path, &changes, &scene));
     CHECK_OK(dem_scene_start(&scene, &sim));
     CU_ASSERT_PTR_NOT_NULL_FATAL(sim);
     *steps = scene.steps;
-    dem_scene_free(&scene);
     return sim;
 }
 
@@ -65,14 +64,13 @@ static void shear_box(void)
         shear += forces[0], normal -= forces[1];
     }
     CHECK_NEAR(shear / normal, 0.3, 0.005);
-    dem_state *s = malloc(dem_count(sim) * sizeof *s);
+    scoped dem_state *s = malloc(dem_count(sim) * sizeof *s);
     CHECK_OK(dem_states(sim, s));
     double weight = 0.0, v = 0.0;
     for (size_t i = 0; i < dem_count(sim); i++)
         weight += s[i].m * 981.0, v += s[i].vx / (double)dem_count(sim);
     CHECK_NEAR(normal / 200.0, weight, 0.02 * weight);
     CHECK_NEAR(v, 5.0, 0.05); /* as the frame */
-    free(s);
 }
 
 /* Angle of repose by the protocol `repose`, degrees. */

@@ -76,7 +76,7 @@ typedef struct {
 static void trace(const char *const changes[], traced *t)
 {
     char path[FOLDER_PATH + 16];
-    void *p = protocol_params(protocol, changes);
+    scoped void *p = protocol_params(protocol, changes);
     folder_make("flux", t->folder);
     const sweep_tables tables = {t->folder, 1000000, no_header};
     CHECK_OK(protocol->check(p));
@@ -85,7 +85,6 @@ static void trace(const char *const changes[], traced *t)
     CHECK_OK(rp_table_read(path, &t->series));
     snprintf(path, sizeof path, "%s/pile_grains.tsv", t->folder);
     CHECK_OK(rp_table_read(path, &t->grains));
-    free(p);
 }
 
 static void trace_free(traced *t)
@@ -199,14 +198,13 @@ static void outputs_from_series(void)
     CHECK_NEAR(output(&t.result, "theta_max_draws_deg"), largest, round_off);
 
     sweep_result again;
-    void *p = protocol_params(protocol, ending);
+    scoped void *p = protocol_params(protocol, ending);
     CHECK_OK(protocol->run(p, 1993, 0, NULL, &again));
     CU_ASSERT(memcmp(again.values, t.result.values, sizeof again.values) == 0);
     if (!check_fast()) {
         CHECK_OK(protocol->run(p, 1993, 1, NULL, &again)); /* another stream, another pile */
         CU_ASSERT(output(&again, "theta_deg") != output(&t.result, "theta_deg"));
     }
-    free(p);
     trace_free(&t);
 }
 
@@ -273,7 +271,7 @@ static void __attribute__((noinline)) soil_stack(void)
 static void limit_of_step(void)
 {
     static const char *const high[] = {"W=40", "drop_height=30", NULL};
-    void *p = protocol_params(protocol, high);
+    scoped void *p = protocol_params(protocol, high);
     sweep_box *b = p;
     const double limit = sweep_box_step_limit(b, 2.0 * (40.0 + 30.0 * b->radius_mean), NULL);
     CU_ASSERT(limit < sweep_box_step_limit(b, 2.0 * 40.0, NULL));
@@ -281,7 +279,6 @@ static void limit_of_step(void)
     CHECK_OK(protocol->check(p));
     b->physics.dt = limit * (1.0 + 1e-9);
     CHECK_FAILS(protocol->check(p), RP_BAD_INPUT, "too large for");
-    free(p);
 }
 
 static void fingerprint_repeats(void)

@@ -131,7 +131,7 @@ static void extreme_scenes(void)
         scoped_rng *r = numbers_of(18, i);
         write_extreme(out, r);
         fclose(out);
-        dem_scene scene;
+        scoped_scene scene = {0};
         scoped_sim *sim = NULL;
         rp_status status = dem_scene_read(path, NULL, &scene);
         scene.def.implicit.max_iterations = 20;
@@ -143,7 +143,6 @@ static void extreme_scenes(void)
         n_run += !status;
         if (!status && (strstr(text, "nan") || strstr(text, "inf")))
             n_bad++, fprintf(stderr, "scene %lu: %s\n", i, text);
-        dem_scene_free(&scene);
         unlink(path);
     }
     CU_ASSERT(n_run >= LEAST_RUN && n_bad == 0);

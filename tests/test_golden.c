@@ -350,7 +350,7 @@ static void check_run(const golden_run *g, unsigned long pile)
 {
     const sweep_protocol *p = find_protocol(g->protocol);
     CU_ASSERT_PTR_NOT_NULL_FATAL(p);
-    void *params = calloc(1, p->params_size);
+    scoped void *params = calloc(1, p->params_size);
     sweep_result result;
     rp_params_defaults(p->schema, params);
     for (const named_text *s = g->settings; s->name; s++) {
@@ -372,7 +372,6 @@ static void check_run(const golden_run *g, unsigned long pile)
     for (const named_number *a = g->angles; a->name; a++)
         CHECK_NEAR(output(p, &result, a->name), a->value, ANGLE_TOLERANCE_DEG);
     check_outputs((size_t)(g - runs) + 1, pile, p, &result);
-    free(params);
 }
 
 static void test_protocols(void)

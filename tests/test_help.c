@@ -265,7 +265,7 @@ static bool is_told_of(const char *changes, const char *name, const char *instea
 /* What an older version had answers with what to use instead, as CHANGELOG.md has it. */
 static void test_removed(void)
 {
-    char *changes;
+    scoped char *changes = NULL;
     CHECK_OK(rp_file_read("CHANGELOG.md", &changes));
     for (const cli_removed *r = cli_repose.removed; r->name; r++) {
         char expected[256];
@@ -277,7 +277,6 @@ static void test_removed(void)
     }
     FAILS(64, "unknown option --plot", "view --plot");
     FAILS(64, "unknown option --plo;", "run --plo");
-    free(changes);
 }
 
 static rp_status nothing(cli_call *call, const void *values)

@@ -358,7 +358,7 @@ static void test_solved_pile(void)
     scoped_sim *sim = grains_start(&def);
     solved_pile_load(sim, 40);
     CU_ASSERT_EQUAL(dem_step(sim), 40);
-    dem_state *states = calloc(pile.n, sizeof *states);
+    scoped dem_state *states = calloc(pile.n, sizeof *states);
     CHECK_OK(dem_states(sim, states));
     double fy = 0.0, floor = 0.0;
     for (size_t i = 0; i < pile.n; i++) fy += states[i].fy;
@@ -367,7 +367,6 @@ static void test_solved_pile(void)
     floor = forces[1];
     CHECK_NEAR(fy, -(double)pile.n - floor,
                1e-9 * (double)pile.n); /* weight and ground are all that acts from outside */
-    free(states);
     solved_pile_free(&pile);
 }
 

@@ -263,9 +263,8 @@ static void test_manual(void)
 {
     enter_installed();
     PASSES("cat $PREFIX/share/bash-completion/completions/repose");
-    char *completion = strdup(out);
+    scoped char *completion = strdup(out);
     for (const cli_command *const *c = cli_repose.commands; *c; c++) check_options(*c, completion);
-    free(completion);
     /* a package has the page; else pandoc makes it here, where it is there */
     PASSES("for p in $PREFIX/share/man/man1/repose.1*; do case $p in *.gz) gunzip -c $p >page ;; "
            "*.1) cp $p page ;; *) ! command -v pandoc >have || $PREFIX/bin/repose help --markdown | "

@@ -116,7 +116,7 @@ enum { N_SCENES = sizeof scenes / sizeof *scenes };
 static char *outcome(const char *text, const char *change)
 {
     const rp_texts changes = {1, {change}};
-    dem_scene scene;
+    scoped_scene scene = {0};
     scoped_sim *sim = NULL;
     rp_status status = grains_read(text, change ? &changes : NULL, &scene);
     if (!status) status = dem_scene_start(&scene, &sim);
@@ -134,7 +134,6 @@ static char *outcome(const char *text, const char *change)
         for (size_t w = 0; w < 2 * scene.def.n_walls; w++) fprintf(out, "%.17g\t", forces[w]);
         free(forces), fclose(out);
     }
-    dem_scene_free(&scene);
     return tables;
 }
 
@@ -143,9 +142,8 @@ static bool scene_changes(size_t scene, const char *base, const char *path, cons
 {
     char change[160];
     snprintf(change, sizeof change, "%s=%s", path, value);
-    char *now = outcome(scenes[scene], change);
+    scoped char *now = outcome(scenes[scene], change);
     const bool differs = now && strcmp(now, base) != 0;
-    free(now);
     return differs;
 }
 
@@ -297,9 +295,8 @@ static candidates run_candidates(size_t r, const rp_param *p)
         if (strcmp(runs[r].key, p->name) == 0) add(&c, runs[r].value);
         return c;
     }
-    void *params = settings_of(runs[r].protocol, runs[r].settings, NULL, NULL);
+    scoped void *params = settings_of(runs[r].protocol, runs[r].settings, NULL, NULL);
     c = find_candidates(p, rp_params_text(p, params, now, sizeof now));
-    free(params);
     return c;
 }
 

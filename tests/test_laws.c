@@ -59,7 +59,7 @@ typedef struct {
 static void kernels_of(const features *f, long number)
 {
     const long steps = check_fast() ? 1200 : 4000;
-    dem_grain *grains;
+    scoped dem_grain *grains = NULL;
     dem_definition def = grains_box(GRAINS, 2.0, number, &grains);
     grains_law(&def, f->normal, 1.5e5, 500.0);
     def.tangential = f->tangential, def.slip = f->slip, def.damping = f->damping;
@@ -76,7 +76,6 @@ static void kernels_of(const features *f, long number)
     def.box_turn_per_step = number % 3 == 1 ? 1e-4 : 0.0;
     def.x_max = 2.5, def.y_min = -0.5;
     each_kernel(&def, steps);
-    free(grains);
 }
 
 /* Bits of the features, in the order of their changes. */

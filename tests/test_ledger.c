@@ -137,7 +137,7 @@ static void avalanche(void)
 {
     const long steps = check_fast() ? 6000 : 12000;
     for (int choice = 0; choice < 9; choice++) {
-        dem_grain *grains;
+        scoped dem_grain *grains = NULL;
         dem_definition def = grains_box(40, 1.2, choice, &grains);
         def.walls[DEM_BOX_RIGHT].open_at_step = steps / 2, def.x_max = 2.0;
         if (choice == 1) def.slip = DEM_TOTAL;
@@ -163,7 +163,6 @@ static void avalanche(void)
         if (def.slip == DEM_TRUNCATED) CU_ASSERT(l.sliding > 0.0 && l.shear_damping > 0.0);
         if (!check_fast()) CU_ASSERT(seen(l.taken_out, &l));
         if (choice >= 6) CU_ASSERT(l.rolling > 0.0 && seen(l.rolling, &l));
-        free(grains);
     }
 }
 
@@ -171,7 +170,7 @@ static void avalanche(void)
 static void turns(void)
 {
     for (int choice = 0; choice < 4; choice++) {
-        dem_grain *grains;
+        scoped dem_grain *grains = NULL;
         dem_definition def = grains_box(20, 0.8, 3 + choice, &grains);
         def.turn_from_step = 3000;
         if (choice & 2) def.rotation = true, def.material.mu_roll = 0.1;
@@ -182,9 +181,8 @@ static void turns(void)
         const dem_ledger l = run_closed("turn", &def, 6000, 60);
         CU_ASSERT(seen(choice & 1 ? l.wall_work : l.gravity_turn, &l));
         CU_ASSERT((choice & 1 ? l.gravity_turn : l.wall_work) == 0.0);
-        free(grains);
     }
-    dem_grain *grains;
+    scoped dem_grain *grains = NULL;
     dem_definition def = grains_box(20, 0.8, 3, &grains);
     def.ledger = true;
     scoped_sim *sim = grains_after(&def, 3000);
@@ -198,7 +196,6 @@ static void turns(void)
     CHECK_OK(dem_run(sim, 1000));
     l = ledger_of(sim);
     CHECK_NEAR(l.residual, 0.0, CLOSES * l.turnover);
-    free(grains);
 }
 
 /* Grains are added one by one; a clone continues with its own ledger. */
@@ -232,7 +229,7 @@ static void grains_put_in(void)
 static void hard_and_wells(void)
 {
     for (int choice = 0; choice < 6; choice++) {
-        dem_grain *grains;
+        scoped dem_grain *grains = NULL;
         dem_definition def = grains_box(30, 1.0, 11 + choice, &grains);
         def.tangential = DEM_SLIP_ROLL, def.tension = false, def.normal = DEM_LINEAR;
         def.material.k_n = 2e4, def.rotation = choice & 1;
@@ -246,7 +243,6 @@ static void hard_and_wells(void)
         const dem_ledger l = run_closed("hard", &def, 8000, 100);
         CU_ASSERT(seen(choice < 4 ? l.hard : l.wells, &l));
         CU_ASSERT(l.hard >= 0.0);
-        free(grains);
     }
 }
 
@@ -255,7 +251,7 @@ static void implicit_box(void)
 {
     const long steps = check_fast() ? 600 : 2400;
     for (int choice = 0; choice < 6; choice++) {
-        dem_grain *grains;
+        scoped dem_grain *grains = NULL;
         dem_definition def = grains_box(20, 1.0, 21 + choice, &grains);
         def.integrator = DEM_IMPLICIT;
         def.implicit.solver = choice & 1 ? DEM_SOLVER_SOR : DEM_SOLVER_DIRECT;
@@ -283,7 +279,6 @@ static void implicit_box(void)
         /* residual of the solver in a grain's equation, times the force */
         CHECK_NEAR(l.integration, 0.0, 1e-12 * l.turnover);
         CHECK_NEAR(l.residual, 0.0, 1e-12 * l.turnover);
-        free(grains);
     }
 }
 
@@ -345,7 +340,7 @@ static void sticking(void)
  * under slightly rotated gravity, no contact slides while two grains collide above. */
 static void pile_sticks(void)
 {
-    dem_grain *grains;
+    scoped dem_grain *grains = NULL;
     dem_definition def = grains_box(20, 0.8, 5, &grains);
     def.ledger = true, def.material.mu = INFINITY;
     for (int w = 0; w < DEM_BOX_N; w++) def.walls[w].material.mu = INFINITY;
@@ -358,7 +353,6 @@ static void pile_sticks(void)
     const dem_ledger after = ledger_of(sim);
     CHECK_NEAR(after.sliding, before.sliding, CLOSES * after.turnover);
     CU_ASSERT(after.normal_damping > before.normal_damping + 1e-3);
-    free(grains);
 }
 
 /* Work of a floor that rotates under a grain: measured force times the displacement of the contact point, and
@@ -382,7 +376,7 @@ static void work_of_a_wall(void)
     double work = 0.0;
     for (int step = 0; step < 30; step++) {
         for (int end = 0; end < 2; end++) {
-            dem_contact *c;
+            scoped dem_contact *c = NULL;
             size_t n;
             double f[2];
             CHECK_OK(dem_contacts(sim, &c, &n));
@@ -392,7 +386,6 @@ static void work_of_a_wall(void)
             const double angle = end ? -turn : turn, x = c->x_b, y = c->y_b;
             const double dx = x * cos(angle) + y * sin(angle) - x, dy = y * cos(angle) - x * sin(angle) - y;
             work -= (end ? -0.5 : 0.5) * (f[0] * dx + f[1] * dy) + 0.5 * c->rolling_torque * sin(turn);
-            free(c);
             if (!end) CHECK_OK(dem_run(sim, 1));
         }
     }

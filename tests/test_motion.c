@@ -318,7 +318,7 @@ static void sticking_contact_rings(void)
 /* A box comes to rest with either scheme, also at the largest allowed time step. */
 static void gear_settles(void)
 {
-    dem_grain *grains;
+    scoped dem_grain *grains = NULL;
     dem_definition def = grains_box(60, 2.0, 5, &grains);
     double verlet_limit = dem_time_step_limit(&def, NULL);
     def.integrator = DEM_GEAR5;
@@ -336,7 +336,6 @@ static void gear_settles(void)
     def.material = (dem_material){.k_n = 1e-9, .gamma_n = 3e5, .k_s = 1e-9};
     for (int w = 0; w < 3; w++) def.walls[w].material = def.material;
     CHECK_NEAR(dem_time_step_limit(&def, NULL), 90.0 / 551.0 / 3.0 / 3e5, 1e-3 / 3e5);
-    free(grains);
 }
 
 /* The same bits for any division of the steps, from a clone, after many rebuilds of the list, while the box
@@ -464,7 +463,7 @@ static void box_against_gravity(void)
 static void wall_ledger(void)
 {
     enum { N = 40, STEPS = 4000 };
-    dem_grain *grains;
+    scoped dem_grain *grains = NULL;
     dem_definition def = grains_box(N, 1.5, 5, &grains);
     scoped_sim *sim = grains_start(&def);
     dem_state s[N];
@@ -492,7 +491,6 @@ static void wall_ledger(void)
     CHECK_NEAR(p[1][0] - p[0][0], impulse[0], 1e-12);
     CHECK_NEAR(p[1][1] - p[0][1], impulse[1], 1e-12);
     CU_ASSERT(fabs(impulse[0]) > 1e-2);
-    free(grains);
 }
 
 /* Walls that sweep up distant grains at rest: the same as with a list rebuilt at every step. */

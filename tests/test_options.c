@@ -237,20 +237,18 @@ static char *rows_of(const char *command, const char *base, const char *change)
 static void check_line(size_t i)
 {
     char changes[512], *rest = changes, *change;
-    char *base =
+    scoped char *base =
         strcmp(lines[i].base, "--x1 0.3") == 0 ? strdup("") : rows_of(lines[i].command, lines[i].base, "");
     CU_ASSERT_PTR_NOT_NULL_FATAL(base);
     snprintf(changes, sizeof changes, "%s", lines[i].changes);
     while ((change = strsep(&rest, "|"))) {
         if (check_fast() && rest && strlen(rest) % 4) continue; /* a few, with sanitizers */
-        char *now = rows_of(lines[i].command, lines[i].base, change);
+        scoped char *now = rows_of(lines[i].command, lines[i].base, change);
         const bool differs = now && strcmp(now, base) != 0;
         if (!differs)
             fprintf(stderr, "repose %s %s: %s changes nothing\n", lines[i].command, lines[i].base, change);
         CU_ASSERT(differs);
-        free(now);
     }
-    free(base);
 }
 
 static bool has_word(const char *text, const char *option)
@@ -416,12 +414,11 @@ static void test_failed_runs(void)
         add_failed("piles.tsv", statuses[k]);
     }
     for (size_t i = 0; i < N; i++) {
-        char *after = rows_of(commands[i], "", "");
+        scoped char *after = rows_of(commands[i], "", "");
         const bool same = before[i] && after && strcmp(before[i], after) == 0;
         if (!same) fprintf(stderr, "repose %s: counts runs without a result\n", commands[i]);
         CU_ASSERT(same);
         free(before[i]);
-        free(after);
     }
 }
 

@@ -54,10 +54,9 @@ static void steps_of_a_slope(void)
 static double dip_of(size_t k, const double x[], const double N[], double apart)
 {
     stress_base base;
-    double *r = malloc(k * sizeof *r);
+    scoped double *r = malloc(k * sizeof *r);
     for (size_t i = 0; i < k; i++) r[i] = apart / 2;
     CHECK_OK(stress_base_profile(k, x, r, N, &base));
-    free(r);
     return stress_dip(base.N);
 }
 
@@ -325,10 +324,9 @@ static void unequal_piles_stand(void)
 static rp_status run(const char *const changes[], unsigned long number, sweep_result *result)
 {
     const sweep_protocol *p = &sweep_protocol_pile;
-    void *params = protocol_params(p, changes);
+    scoped void *params = protocol_params(p, changes);
     rp_status status = p->check(params);
     if (!status) status = p->run(params, 1992, number, NULL, result);
-    free(params);
     return status;
 }
 

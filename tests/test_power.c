@@ -500,10 +500,9 @@ static struct {
 
 static XXH64_hash_t hash_file(const char *path)
 {
-    char *text = NULL;
+    scoped char *text = NULL;
     XXH64_hash_t hash = 0;
     if (rp_file_read(path, &text) == RP_OK) hash = XXH3_64bits(text, strlen(text));
-    free(text);
     return hash;
 }
 

@@ -77,7 +77,7 @@ static void compare(const dem_definition *def, long steps)
 
 static void streams(void)
 {
-    dem_grain *grains;
+    scoped dem_grain *grains = NULL;
     dem_definition def = stream(&grains);
     compare(&def, check_fast() ? 150 : 300);
     def.rotation = true;
@@ -87,7 +87,6 @@ static void streams(void)
     compare(&def, 150);
     def.turn_per_step = 0.0, def.walls[DEM_BOX_LEFT].velocity[0] = -5.0;
     compare(&def, 150);
-    free(grains);
 }
 
 /* What closes gaps at once, also in a large pile. */

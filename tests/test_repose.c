@@ -57,10 +57,9 @@ static void traced_run(const setting *settings, sweep_result *result)
 {
     strcpy(folder, "/tmp/repose_protocol_XXXXXX");
     CU_ASSERT_PTR_NOT_NULL_FATAL(mkdtemp(folder));
-    void *params = make_params(settings);
+    scoped void *params = make_params(settings);
     CHECK_OK(protocol->check(params));
     CHECK_OK(protocol->run(params, 1993, 0, &(sweep_tables){folder, 1000, no_header}, result));
-    free(params);
 }
 
 static const char *path_of(const char *name)
@@ -296,14 +295,13 @@ static void test_frictions(void)
                                      {"relax_steps", "10"},
                                      {0}},
                    &result);
-        dem_scene scene;
+        scoped_scene scene = {0};
         CHECK_OK(dem_scene_read(path_of("scene.cfg"), &(rp_texts){0}, &scene));
         CU_ASSERT(scene.def.material.mu == 0.2);
         CU_ASSERT((strstr(result.message, "a floor without friction") != NULL) == (cases[i].floor == 0.0));
         CU_ASSERT(scene.def.walls[DEM_BOX_FLOOR].material.mu == cases[i].floor);
         CU_ASSERT(scene.def.walls[DEM_BOX_LEFT].material.mu == cases[i].wall);
         CU_ASSERT(scene.def.walls[DEM_BOX_RIGHT].material.mu == cases[i].wall);
-        dem_scene_free(&scene);
         clean();
     }
 }
@@ -345,7 +343,7 @@ static void test_contact_choices(void)
                                  {"relax_steps", "10"},
                                  {0}},
                &result);
-    dem_scene scene;
+    scoped_scene scene = {0};
     scoped_sim *sim = NULL;
     check_scene(&scene, &sim);
     const dem_definition *def = &scene.def;
@@ -357,7 +355,6 @@ static void test_contact_choices(void)
     dem_energy energy;
     dem_energies(sim, &energy);
     CU_ASSERT(energy.rotational > 0.0);
-    dem_scene_free(&scene);
     clean();
 }
 
@@ -376,7 +373,7 @@ static void test_floor_of_grains(void)
                                  {0}},
                &result);
     CU_ASSERT_STRING_EQUAL(result.status, "ok_fixed_time");
-    dem_scene scene;
+    scoped_scene scene = {0};
     scoped_sim *sim = NULL;
     check_scene(&scene, &sim);
     size_t n_fixed = 0, n_low = 0, n_over = 0, n_cells = 0;
@@ -400,7 +397,6 @@ static void test_floor_of_grains(void)
     CU_ASSERT(n_fixed == 11 && n_low > 0);
     CU_ASSERT(output(&result, "grains") == (double)n_over);
     CU_ASSERT(n_cells < 11 && output(&result, "cells") == (double)n_cells);
-    dem_scene_free(&scene);
     clean();
     /* to 3 W where the floor extends */
     CU_ASSERT(sweep_box_floor(&(sweep_box){.W = 2.2, .radius_mean = 0.1, .floor_grains = true}, NULL) == 33);
@@ -670,7 +666,7 @@ static void test_outputs(void)
         CU_ASSERT_STRING_EQUAL(result.status, "ok");
         CU_ASSERT_STRING_EQUAL(result.message, "");
         check_pile(&result, t->W);
-        dem_scene scene;
+        scoped_scene scene = {0};
         scoped_sim *sim = NULL, *again = NULL;
         double displacement, energy;
         check_scene(&scene, &sim);
@@ -682,7 +678,6 @@ static void test_outputs(void)
                    ANGLE_TOLERANCE_DEG);
         CHECK_NEAR(output(&result, "theta_t_static_deg"), static_onset(again, t), ANGLE_TOLERANCE_DEG);
         CU_ASSERT(output(&result, "steps") == (double)(dem_step(sim) - scene.steps + dem_step(again)));
-        dem_scene_free(&scene);
         clean();
     }
 }
@@ -762,9 +757,8 @@ static void test_refusals(void)
         {{{"W", "0.9"}, {0}}, "W = 0.9: at least five grain diameters"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        void *params = make_params(cases[i].settings);
+        scoped void *params = make_params(cases[i].settings);
         CHECK_FAILS(protocol->check(params), RP_BAD_INPUT, cases[i].message);
-        free(params);
     }
 }
 
@@ -787,11 +781,10 @@ static void test_patience(void)
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         sweep_box_run run;
         sweep_result result;
-        void *box = make_params(cases[i].settings); /* begins with the box */
+        scoped void *box = make_params(cases[i].settings); /* begins with the box */
         CHECK_OK(sweep_box_begin_filled(&run, box, 1, 0, NULL, &result));
         CU_ASSERT_EQUAL(run.max_steps, cases[i].steps);
         CHECK_OK(sweep_box_end(&run, RP_OK));
-        free(box);
     }
 }
 
@@ -819,7 +812,7 @@ static void test_limit_of_step(void)
     static const sweep_protocol *const filled[] = {&sweep_protocol_repose, &sweep_protocol_stress,
                                                    &sweep_protocol_onset};
     for (size_t k = 0; k < sizeof filled / sizeof *filled; k++) {
-        sweep_box *b = calloc(1, filled[k]->params_size);
+        scoped sweep_box *b = calloc(1, filled[k]->params_size);
         CU_ASSERT_PTR_NOT_NULL_FATAL(b);
         rp_params_defaults(filled[k]->schema, b);
         b->H = 90.0;
@@ -830,7 +823,6 @@ static void test_limit_of_step(void)
         CHECK_OK(filled[k]->check(b));
         b->physics.dt = limit * (1.0 + 1e-9);
         CHECK_FAILS(filled[k]->check(b), RP_BAD_INPUT, "too large for");
-        free(b);
     }
 }
 

@@ -89,7 +89,7 @@ static void written_and_read(void)
         dem_scene s, back;
         dem_sim *a = NULL, *b = NULL;
         dem_state p[40], q[40];
-        char *text;
+        scoped char *text = NULL;
         size_t size;
         CHECK_OK(grains_read(k == 0 ? EXAMPLE : texts[k], NULL, &s));
         FILE *out = open_memstream(&text, &size);
@@ -120,7 +120,6 @@ static void written_and_read(void)
         dem_free(a), dem_free(b);
         dem_scene_free(&s);
         dem_scene_free(&back);
-        free(text);
     }
 }
 
@@ -242,7 +241,7 @@ static void particles_from_table(void)
     close(mkstemp(table));
     snprintf(text, sizeof text, "density = 2.0; particles_file = \"%s\";", table);
     for (int k = 0; k < 3; k++) {
-        dem_scene s;
+        scoped_scene s = {0};
         file_print(table, "%s", texts[k]);
         CHECK_OK(grains_read(text, NULL, &s));
         CU_ASSERT_EQUAL_FATAL(s.def.n_grains, k < 2 ? 3 : 2);
@@ -255,16 +254,14 @@ static void particles_from_table(void)
             CHECK_NEAR(s.grains[0].m, 2.0 * volume, 1e-16);
             CHECK_NEAR(s.grains[1].m, 2.0 * 0.512 * volume, 1e-16);
         }
-        dem_scene_free(&s);
     }
     static const char *const bad[] = {"-0.1", "0"};
     for (int k = 0; k < 2; k++) {
-        dem_scene s;
+        scoped_scene s = {0};
         char says[40];
         file_print(table, "# x y r\n0.5 0.7 %s\n", bad[k]);
         snprintf(says, sizeof says, ":2: r = %s: out of range", bad[k]);
         CHECK_FAILS(grains_read(text, NULL, &s), RP_BAD_INPUT, says);
-        dem_scene_free(&s);
     }
     unlink(table);
 }
@@ -284,7 +281,7 @@ static void values_of_a_file(void)
     static const dem_grain typed[3] = {{0.25, 0.5, 1.5, 0.5, 2.0, -3.0},
                                        {4.0, 5.5, 0.125, 0.0, .fixed = true},
                                        {1.0, 9.0, 0.25, 3.0, 0.0, 0.0}};
-    char *written = NULL;
+    scoped char *written = NULL;
     dem_scene s[2];
     for (int k = 0; k < 2; k++) {
         CHECK_OK(grains_read(k ? written : text, NULL, &s[k]));
@@ -334,7 +331,6 @@ static void values_of_a_file(void)
     CU_ASSERT(s[0].grains[1].m == s[1].grains[1].m);
     dem_scene_free(&s[0]);
     dem_scene_free(&s[1]);
-    free(written);
 }
 
 /* A wall with one end, as the floor that ends at the opening: what has no end is written as far away. */
@@ -342,7 +338,7 @@ static void half_lines(void)
 {
     for (int end = 0; end < 2; end++) {
         dem_scene s, back;
-        char *text;
+        scoped char *text = NULL;
         size_t size;
         CHECK_OK(grains_read(EXAMPLE, NULL, &s));
         s.def.walls[0].extent[end] = end ? 2.385 : -0.25;
@@ -353,7 +349,6 @@ static void half_lines(void)
         CHECK_NEAR(back.def.walls[0].extent[end], end ? 2.385 : -0.25, 0.0);
         CU_ASSERT(fabs(back.def.walls[0].extent[1 - end]) >= 1e300);
         CU_ASSERT((back.def.walls[0].extent[1 - end] < 0.0) == (end == 1));
-        free(text);
         dem_scene_free(&s);
         dem_scene_free(&back);
     }
@@ -369,7 +364,7 @@ static void energy_of_few(void)
     def.grains = grains, def.n_grains = 2;
     scoped_sim *sim = grains_start(&def);
     for (int left = 0; left < 3; left++) {
-        char *text;
+        scoped char *text = NULL;
         size_t size;
         double v[8] = {0.0};
         FILE *out = open_memstream(&text, &size);
@@ -381,7 +376,6 @@ static void energy_of_few(void)
         CU_ASSERT(v[0] == 110.0 * left && v[2] == 2.0 - left && v[4] == 0.0 && v[5] == 0.0 && v[7] == 0.0);
         CHECK_NEAR(v[3], kinetic[left], 1e-8);
         CHECK_NEAR(v[6], left < 2 ? kinetic[left] / (2.0 - left) : 0.0, 1e-8);
-        free(text);
         CHECK_OK(dem_run(sim, 110));
     }
 }

@@ -96,7 +96,7 @@ static void runs(void)
     enum { RUNS = 3 };
     static const size_t threads[RUNS] = {1, 1, 3};
     const long part = check_fast() ? 300 : 1500;
-    dem_grain *grains;
+    scoped dem_grain *grains = NULL;
     double width;
     dem_definition def = mixture(700, 12.0, 3, &width, &grains);
     for (size_t i = 0; i < def.n_grains; i += 50) grains[i].fixed = true;
@@ -118,7 +118,6 @@ static void runs(void)
     CU_ASSERT(dem_count(sim[0]) < def.n_grains && sim[0]->count.rebuilds > 10);
     CU_ASSERT(!sim[0]->list.sizes && sim[1]->list.sizes && sim[2]->list.sizes);
     for (int k = 0; k < RUNS; k++) dem_free(sim[k]);
-    free(grains);
 }
 
 void suite_sizes(void)

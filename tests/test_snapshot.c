@@ -193,7 +193,7 @@ static void every_law_integrator_and_feature(void)
         for (int tangential = 0; tangential < DEM_TANGENTIAL_N; tangential++)
             for (int integrator = 0; integrator < DEM_INTEGRATORS; integrator++)
                 for (size_t k = 0; k < SETS; k++) {
-                    dem_grain *grains;
+                    scoped dem_grain *grains = NULL;
                     dem_definition def = scene_of(sets[k], &grains);
                     grains_law(&def, (dem_normal_law)normal, 1e5, 200.0);
                     def.tangential = (dem_tangential_law)tangential;
@@ -202,7 +202,6 @@ static void every_law_integrator_and_feature(void)
                     for (size_t w = 0; w < def.n_walls; w++) def.walls[w].material = def.material;
                     const bool done = continues(&def, sets[k], &contacts);
                     of_integrator[integrator] += done, of_set[k] += done;
-                    free(grains);
                 }
     for (int k = 0; k < DEM_INTEGRATORS; k++) CU_ASSERT(of_integrator[k] >= 20);
     for (size_t k = 0; k < SETS; k++) CU_ASSERT(of_set[k] >= 3);
@@ -213,7 +212,7 @@ static void every_law_integrator_and_feature(void)
 static void large_pile(void)
 {
     enum { SIDE = 130, N = SIDE * SIDE };
-    dem_grain *grains = calloc(N, sizeof *grains);
+    scoped dem_grain *grains = calloc(N, sizeof *grains);
     for (int i = 0; i < N; i++)
         grains[i] = (dem_grain){.x = 0.1 + 0.198 * (i % SIDE) + 0.099 * (i / SIDE % 2),
                                 .y = 0.1 + 0.172 * (i / SIDE),
@@ -231,7 +230,6 @@ static void large_pile(void)
     dem_count_work(sim, &counts);
     CU_ASSERT(counts.pairs > 6 * 8192 && counts.rebuilds > 2);
     CU_ASSERT(same(sim, copy));
-    free(grains);
 }
 
 /* ---- Files ---- */
@@ -289,7 +287,7 @@ static void write_bytes(const char *name, const void *bytes, size_t n)
 /* Write the state of a small scene to the file s; its simulation. */
 static dem_sim *write_small(long steps)
 {
-    dem_grain *grains;
+    scoped dem_grain *grains = NULL;
     dem_definition def = scene_of(LEDGER, &grains);
     def.n_grains = 10;
     dem_sim *sim = grains_start(&def);
@@ -298,7 +296,6 @@ static dem_sim *write_small(long steps)
     dem_keep(&s, &sim);
     CHECK_OK(rp_snapshot_write(&s, in_folder("s"), "test", dem_keep_layout()));
     rp_snapshot_free(&s);
-    free(grains);
     return sim;
 }
 
@@ -489,11 +486,10 @@ static bool equal_files(void)
 static bool says(const char *text)
 {
     size_t n;
-    char *bytes = (char *)read_bytes("err", &n);
+    scoped char *bytes = (char *)read_bytes("err", &n);
     bytes[n] = '\0';
     const bool there = strstr(bytes, text) != NULL && strchr(bytes, '\n') == bytes + n - 1;
     if (!there) fprintf(stderr, "message \"%s\", expected \"%s\"\n", bytes, text);
-    free(bytes);
     return there;
 }
 
@@ -579,7 +575,7 @@ static void refused_resumes(void)
     CU_ASSERT(shell("\"$REPOSE\" run --resume d --set dt=1 2>err") == 64 &&
               says("--set and --ledger go with"));
     CU_ASSERT(shell("\"$REPOSE\" run s.cfg --snapshot 5 2>err") == 64 && says("--snapshot needs -o"));
-    CU_ASSERT(shell("\"$REPOSE\" run 2>err") == 64 && says("usage: repose run "));
+    CU_ASSERT(shell("\"$REPOSE\" run 2>err") == 64 && says("give a file, or --resume DIR"));
     CU_ASSERT(shell("rm -rf d && cp -r good d") == 0);
     const int other = open(in_folder("d/unfinished"), O_RDONLY | O_DIRECTORY);
     CU_ASSERT(flock(other, LOCK_EX) == 0);
@@ -656,7 +652,7 @@ static int run_killed(const sweep_protocol *protocol, const void *params, double
 static void goes_on(const sweep_protocol *protocol, const setting *settings, const char *word)
 {
     enter();
-    void *params = calloc(1, protocol->params_size);
+    scoped void *params = calloc(1, protocol->params_size);
     rp_params_defaults(protocol->schema, params);
     for (const setting *s = settings; s->name; s++)
         CHECK_OK(rp_params_set_text(rp_params_find(protocol->schema, s->name), params, s->value));
@@ -677,7 +673,6 @@ static void goes_on(const sweep_protocol *protocol, const setting *settings, con
                     parts.values[k], whole.values[k]);
         CU_ASSERT(equal);
     }
-    free(params);
     leave();
 }
 

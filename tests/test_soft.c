@@ -43,7 +43,7 @@ static void sinks_by_its_weight(void)
     for (int i = 0; i < 4; i++) grains[i] = (dem_grain){.x = 0.1, .y = R + i, .r = R, .m = 1.0};
     dem_definition def = on_ground(grains, 4);
     scoped_sim *sim = grains_after(&def, 40000);
-    dem_contact *list;
+    scoped dem_contact *list = NULL;
     size_t n;
     CHECK_OK(dem_contacts(sim, &list, &n));
     CU_ASSERT_EQUAL(n, 4);
@@ -53,7 +53,6 @@ static void sinks_by_its_weight(void)
         CHECK_NEAR(list[k].normal_force, load, 1e-10);
         CHECK_NEAR(list[k].overlap, load / K, 1e-13);
     }
-    free(list);
 }
 
 /* Under slow loading the well holds the disk up to mu N, at the displacement m g_x a/(mu N). Beyond, the well

@@ -210,7 +210,7 @@ static dem_sim *make_box(void)
 
 static size_t read_contacts(const dem_sim *sim, stress_contact **forces)
 {
-    dem_contact *c = NULL;
+    scoped dem_contact *c = NULL;
     size_t n;
     CHECK_OK(dem_contacts(sim, &c, &n));
     *forces = malloc((n + 1) * sizeof **forces);
@@ -224,7 +224,6 @@ static size_t read_contacts(const dem_sim *sim, stress_contact **forces)
                                         (c[k].normal_force * lx + c[k].shear_force * ly) / l,
                                         (c[k].normal_force * ly - c[k].shear_force * lx) / l};
     }
-    free(c);
     return n;
 }
 
@@ -254,7 +253,7 @@ static void test_momentum(void)
     enum { NX = 5, NY = 6 };
     const stress_grid grid = {-0.05, -0.04, 0.37, 0.41, NX, NY};
     scoped_sim *sim = make_box();
-    stress_contact *c;
+    scoped stress_contact *c = NULL;
     const size_t n = read_contacts(sim, &c);
     dem_state states[GRAINS];
     stress_tensor s[NX * NY];
@@ -297,7 +296,6 @@ static void test_momentum(void)
         for (int ab = 0; ab < 4; ab++) sum[ab / 2][ab % 2] += f[ab / 2] * l[ab % 2];
     }
     for (int ab = 0; ab < 4; ab++) CHECK_NEAR(total[ab / 2][ab % 2], sum[ab / 2][ab % 2], 10.0 * rounding);
-    free(c);
 }
 
 /* ---- Mohr, tilts ---- */
@@ -469,7 +467,7 @@ static void test_protocol(void)
 {
     const sweep_protocol *p = &sweep_protocol_stress;
     /* with this friction it is stable at 4 degrees */
-    void *params = PROTOCOL_PARAMS(p, "W=2.0", "H=2.0", "mu=0.4");
+    scoped void *params = PROTOCOL_PARAMS(p, "W=2.0", "H=2.0", "mu=0.4");
     CHECK_OK(p->check(params));
     sweep_result r;
     CHECK_OK(p->run(params, 1993, 2, NULL, &r));
@@ -490,7 +488,6 @@ static void test_protocol(void)
                 "slip = \"total\": the untruncated spring never comes to rest");
     CHECK_OK(rp_params_set_text(rp_params_find(p->schema, "k_n"), params, "0"));
     CHECK_FAILS(p->check(params), RP_BAD_INPUT, "k_n = 0: a box holds its grains");
-    free(params);
 }
 
 /* Protocol onset has the pile of protocol stress, with the forces on its floor. Its second tilt is the first
@@ -505,11 +502,10 @@ static void test_onset(void)
     sweep_result r;
     for (int k = 0; k < 2; k++) {
         const sweep_protocol *p = protocols[k];
-        void *params = PROTOCOL_PARAMS(p, "W=2.0", "H=2.0");
+        scoped void *params = PROTOCOL_PARAMS(p, "W=2.0", "H=2.0");
         CHECK_OK(p->run(params, 1993, 2, NULL, &r));
         CU_ASSERT_STRING_EQUAL(r.status, "ok");
         for (size_t j = 0; j < 5; j++) v[k][j] = protocol_output(p, &r, names[j]);
-        free(params);
     }
     for (size_t j = 0; j < 4; j++) CHECK_NEAR(v[1][j], v[0][j], 1e-12);
     CHECK_NEAR(v[1][4], v[0][4],
@@ -625,7 +621,7 @@ static void check_motion(const sweep_box *box, unsigned long pile, const sweep_r
 static void test_motion(void)
 {
     const sweep_protocol *p = &sweep_protocol_onset;
-    sweep_box *box = PROTOCOL_PARAMS(p, "W=2.0", "H=1.0", "tilt_rate_deg=0.01");
+    scoped sweep_box *box = PROTOCOL_PARAMS(p, "W=2.0", "H=1.0", "tilt_rate_deg=0.01");
     static const unsigned long piles[] = {0, 1, 2, 19, 38}; /* the last: steepest at the wall */
     for (size_t k = check_fast() ? 3 : 0; k < sizeof piles / sizeof *piles; k++) {
         sweep_result r;
@@ -633,7 +629,6 @@ static void test_motion(void)
         if (strcmp(r.status, "ok") == 0 && protocol_output(p, &r, "theta_t_displacement_deg") > 1.0)
             check_motion(box, piles[k], &r);
     }
-    free(box);
 }
 
 /* Slope 30 degrees, rays of 60: t^2/k = 1/9. H/N at a slope theta_MS of (3), tan theta_MS = mu tan^2 phi, is

@@ -798,11 +798,10 @@ static void test_further_output(void)
     CU_ASSERT_PTR_NOT_NULL_FATAL(out);
     CHECK_OK(sweep_export(dir, later, SWEEP_RUNS, NULL, &c, out));
     fclose(out);
-    char *text = NULL;
+    scoped char *text = NULL;
     CHECK_OK(rp_file_read(path, &text));
     CU_ASSERT(strstr(text, "# no value: further of 4 runs, stored before the program had this output\n") &&
               strstr(text, "\tnan\t") && strstr(text, "\t2.385\t"));
-    free(text);
     CHECK_OK(sweep_merge(dir, later, 1, (char *const[]){other}, &m, &c));
     CU_ASSERT(m.duplicates == 4 && m.taken == 0);
     CHECK_OK(sweep_prepare(file, other, 0, later, NULL, &c));
@@ -1262,13 +1261,12 @@ static void write_store(const char *bytes, size_t size)
 /* The text of the export but for its first lines, or "" where it is refused. */
 static char *exported(void)
 {
-    char *text = NULL;
+    scoped char *text = NULL;
     size_t size = 0;
     FILE *out = open_memstream(&text, &size);
     const rp_status status = sweep_export(dir, toys, SWEEP_RUNS, NULL, NULL, out);
     fclose(out);
     char *from = status ? NULL : strstr(text, "# sweep:"), *kept = strdup(from ? from : "");
-    free(text);
     return kept;
 }
 
@@ -1280,7 +1278,7 @@ static void test_flips(void)
     CHECK_OK(prepare(NULL));
     CHECK_OK(run(2, NULL));
     size_t size, refused = 0, silent = 0;
-    char *bytes = read_store(&size), *right = exported();
+    scoped char *bytes = read_store(&size), *right = exported();
     CU_ASSERT(strlen(right) > 0);
     for (size_t i = 0; i < FLIPS; i++) {
         const size_t at = i * size / FLIPS + i % 97;
@@ -1288,15 +1286,12 @@ static void test_flips(void)
         bytes[at < size ? at : i] = before ^ mask;
         write_store(bytes, size);
         bytes[at < size ? at : i] = before;
-        char *text = exported();
+        scoped char *text = exported();
         refused += !*text;
         silent += *text && strcmp(text, right) != 0;
-        free(text);
     }
     CU_ASSERT(silent == 0 && refused > FLIPS / 4);
     if (silent) fprintf(stderr, "flips: %zu of %d silent\n", silent, FLIPS);
-    free(bytes);
-    free(right);
     clean();
 }
 
@@ -1309,7 +1304,7 @@ static void test_salvage(void)
     char right[33], kept[160];
     strcpy(right, digest(600));
     size_t size, n, most = 0;
-    char *bytes = read_store(&size);
+    scoped char *bytes = read_store(&size);
     snprintf(kept, sizeof kept, "%s/damaged.sqlite", dir);
     for (int part = 3; part <= 9; part += 2) {
         write_store(bytes, size * (size_t)part / 10);
@@ -1326,7 +1321,6 @@ static void test_salvage(void)
         unlink(kept);
     }
     CU_ASSERT(most > 200);
-    free(bytes);
     clean();
 }
 

@@ -320,7 +320,7 @@ static void test_ledger(void)
         "  { x = 0.2; y = 0.31; r = 0.09; vy = -30.0; }, { x = 1.3; y = 0.4; r = 0.08; vx = 40.0; } );\n");
     GOOD("run scene.cfg -o d");
     scoped_checked e = checked_read("d/energy.tsv");
-    dem_scene scene;
+    scoped_scene scene = {0};
     scoped_sim *sim = NULL;
     dem_ledger l;
     dem_energy now;
@@ -361,7 +361,6 @@ static void test_ledger(void)
     }
     CHECK_NEAR(at(&e, 0, "put_in"), 0.0, 0.0);
     CHECK_NEAR(at(&e, 0, "residual"), 0.0, 1e-12 * l.turnover);
-    dem_scene_free(&scene);
 }
 
 /* ---- a static pile ---- */

@@ -47,21 +47,19 @@ static void compare(const dem_definition *def, int parts, long steps)
 
 static void avalanche(void)
 {
-    dem_grain *grains;
+    scoped dem_grain *grains = NULL;
     const long part = check_fast() ? 100 : 1500;
     dem_definition def = grains_box(1200, 6.0, 9, &grains);
     def.walls[DEM_BOX_RIGHT].open_at_step = 2 * part;
     compare(&def, 4, part);
-    free(grains);
 }
 
 static void outflow(bool rotation)
 {
-    dem_grain *grains;
+    scoped dem_grain *grains = NULL;
     const long part = check_fast() ? 200 : 500;
     const dem_definition def = grains_outflow(400, part, rotation, &grains);
     compare(&def, 4, part);
-    free(grains);
 }
 
 static void outflows(void)
@@ -122,7 +120,7 @@ static void fault(bool wall)
 /* Of an overlap with a grain or a wall; of a number that a rebuilding finds. */
 static void faults(void)
 {
-    dem_grain *grains;
+    scoped dem_grain *grains = NULL;
     fault(false);
     fault(true);
     dem_definition def = grains_box(600, 5.0, 9, &grains);
@@ -131,7 +129,6 @@ static void faults(void)
     sim->grains.motion[sim->grains.n / 2].v[0] = NAN;
     CHECK_FAILS(dem_run(sim, 2), RP_BROKEN, "non_finite");
     CU_ASSERT(dem_sim_fault(sim) == DEM_FAULT_NON_FINITE);
-    free(grains);
 }
 
 /* From a snapshot, with another number of threads each time. */

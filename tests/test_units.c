@@ -69,7 +69,7 @@ static bool same_states(units u, const dem_sim *one, const dem_sim *other)
 {
     const size_t n = dem_count(one);
     if (n != dem_count(other)) return false;
-    dem_state *s = calloc(2 * n + 1, sizeof *s);
+    scoped dem_state *s = calloc(2 * n + 1, sizeof *s);
     CHECK_OK(dem_states(one, s));
     CHECK_OK(dem_states(other, s + n));
     bool same = true;
@@ -79,7 +79,6 @@ static bool same_states(units u, const dem_sim *one, const dem_sim *other)
         SAME(vx, 1, 0, -1), SAME(vy, 1, 0, -1), SAME(omega, 0, 0, -1);
         SAME(fx, 1, 1, -2), SAME(fy, 1, 1, -2), SAME(torque, 2, 1, -2);
     }
-    free(s);
     return same;
 }
 
@@ -149,7 +148,7 @@ static void check(const dem_definition *def, size_t chunk, long steps, const dem
     static const units others[] = {{12, 10, 4}, {-12, -14, -6}};
     static const dem_kernel_choice kernel[] = {DEM_REFERENCE, DEM_BASELINE};
     scoped_sim *sim = grains_start_in_chunks(def, chunk);
-    dem_grain *grains = malloc(def->n_grains * sizeof *grains);
+    scoped dem_grain *grains = malloc(def->n_grains * sizeof *grains);
     dem_sim *other[2];
     for (int k = 0; k < 2; k++) {
         const units u = others[k];
@@ -180,7 +179,6 @@ static void check(const dem_definition *def, size_t chunk, long steps, const dem
     }
     CU_ASSERT(touched);
     for (int k = 0; k < 2; k++) dem_free(other[k]);
-    free(grains);
 }
 
 static const dem_grain EXTRA = {.x = 0.5, .y = 9.0, .r = 0.1, .m = 0.004, .vx = 3.0, .vy = -90.0};
@@ -214,7 +212,7 @@ static void soft(void)
 static void hard(void)
 {
     for (int k = 0; k < 2; k++) {
-        dem_grain *grains;
+        scoped dem_grain *grains = NULL;
         dem_definition def = grains_box(60, 2.0, 4, &grains);
         for (int i = 0; i < 60; i++) grains[i].vx = 90.0 * sin(3.0 * i), grains[i].vy = 90.0 * cos(7.0 * i);
         def.hard = (dem_hard){.on = true, .restitution = 0.7, .mu = 0.3};
@@ -224,7 +222,6 @@ static void hard(void)
         def.walls[DEM_BOX_RIGHT].extent[0] = -1.0, def.walls[DEM_BOX_RIGHT].extent[1] = 9.0;
         def.dt = 2e-5;
         check(&def, 0, check_fast() ? 150 : 700, &EXTRA);
-        free(grains);
     }
 }
 
@@ -232,7 +229,7 @@ static void hard(void)
 static void gear_and_ground(void)
 {
     for (int k = 0; k < 4; k++) {
-        dem_grain *grains;
+        scoped dem_grain *grains = NULL;
         dem_definition def = grains_box(40, 2.0, 5, &grains);
         def.dt = 1e-5;
         if (k == 0) def.integrator = DEM_GEAR5;
@@ -243,7 +240,6 @@ static void gear_and_ground(void)
         }
         for (int w = 0; w < 3; w++) def.walls[w].material = def.material;
         check(&def, 0, check_fast() ? 300 : 1500, &EXTRA);
-        free(grains);
     }
 }
 

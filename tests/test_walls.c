@@ -15,13 +15,12 @@ static const double R = 0.1, M = 0.0042;
 /* The simulation of a valid scene; the scene's steps. */
 static dem_sim *start_text(const char *text, long *steps)
 {
-    dem_scene scene;
+    scoped_scene scene = {0};
     dem_sim *sim = NULL;
     CHECK_OK(grains_read(text, NULL, &scene));
     CHECK_OK(dem_scene_start(&scene, &sim));
     CU_ASSERT_PTR_NOT_NULL_FATAL(sim);
     if (steps) *steps = scene.steps;
-    dem_scene_free(&scene);
     return sim;
 }
 
@@ -251,7 +250,7 @@ static void turning_box(void)
     static const double TURN = 2e-5; /* a step, clockwise */
     dem_state s[2][9];
     for (int own = 0; own < 2; own++) {
-        dem_grain *grains;
+        scoped dem_grain *grains = NULL;
         dem_definition def = grains_box(9, 1.0, 5, &grains);
         def.rotation = true;
         def.material.mu_roll = 0.2, def.material.k_roll = 1e4, def.material.gamma_roll = 30.0;
@@ -261,7 +260,6 @@ static void turning_box(void)
         if (!own) def.box_turn_per_step = TURN;
         scoped_sim *sim = grains_start(&def);
         grains_run(sim, 1500, s[own]);
-        free(grains);
     }
     for (int i = 0; i < 9; i++) {
         CHECK_NEAR(s[1][i].x, s[0][i].x, 1e-9);
@@ -317,7 +315,7 @@ static const char *const DRUM =
 
 static dem_sim *drum(dem_kernel_choice kernel, bool ledger, dem_integrator integrator)
 {
-    dem_scene scene;
+    scoped_scene scene = {0};
     dem_sim *sim = NULL;
     CHECK_OK(grains_read(DRUM, NULL, &scene));
     scene.def.kernel = kernel, scene.def.ledger = ledger, scene.def.integrator = integrator;
@@ -327,7 +325,6 @@ static dem_sim *drum(dem_kernel_choice kernel, bool ledger, dem_integrator integ
     CU_ASSERT_EQUAL(scene.def.n_walls, 67);
     CHECK_OK(dem_scene_start(&scene, &sim));
     CU_ASSERT_PTR_NOT_NULL_FATAL(sim);
-    dem_scene_free(&scene);
     return sim;
 }
 
@@ -550,7 +547,7 @@ static void bowl(void)
 
 static void normalised(void)
 {
-    dem_scene s;
+    scoped_scene s = {0};
     CHECK_OK(grains_read("walls = ( { point = [0.0, 0.0]; direction = [3.0, 4.0]; },\n"
                          "          { point = [0.0, 0.0]; direction = [0.6, 0.8]; },\n"
                          "          { circle = [1.0, 2.0, 3.0]; sides = 4; velocity = [1.0, 2.0]; } );\n"
@@ -567,7 +564,6 @@ static void normalised(void)
     CHECK_NEAR(bottom->corner[1], 0.5 * M_PI, 1e-14);
     CU_ASSERT(bottom->joined[0] && bottom->joined[1] && bottom->pivot[0] == 1.0 && bottom->pivot[1] == 2.0);
     CU_ASSERT(bottom->velocity[1] == 2.0);
-    dem_scene_free(&s);
 }
 
 /* Each side of a circle has both its corners, one side more or less than a definition holds without a list.
@@ -576,7 +572,7 @@ static void sides_of_circle(void)
 {
     for (int n = DEM_FEW_WALLS - 1; n <= DEM_FEW_WALLS + 1; n++) {
         char text[256];
-        dem_scene s;
+        scoped_scene s = {0};
         snprintf(text, sizeof text,
                  "walls = ( { circle = [1.0, 2.0, 3.0]; sides = %d; } );\n"
                  "particles = ( { x = 1.0; y = 2.0; r = 0.1; } );\n",
@@ -590,7 +586,6 @@ static void sides_of_circle(void)
             CHECK_NEAR(w->corner[0], 2.0 * M_PI / n, 1e-14);
             CHECK_NEAR(w->corner[1], 2.0 * M_PI / n, 1e-14);
         }
-        dem_scene_free(&s);
     }
 }
 

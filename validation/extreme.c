@@ -111,7 +111,7 @@ static void static_overlaps(void)
                 PARAMETERS("k_n = %g, %s, %s", k, law_names[law], dem_schemes[scheme]->name);
                 scoped_sim *sim = grains_start(&def);
                 rp_status status = dem_run(sim, lround(40.0 / (omega * def.dt)));
-                dem_contact *contacts = NULL;
+                scoped dem_contact *contacts = NULL;
                 size_t n = 0;
                 if (overlap > R)
                     refusal("static overlap", status, RP_BROKEN, "centre passed wall 1");
@@ -121,7 +121,6 @@ static void static_overlaps(void)
                            1e-6 * overlap + 4.0 * 0x1p-57 / (omega * def.dt));
                 else
                     refusal("static overlap", status, RP_OK, "none");
-                free(contacts);
             }
 }
 
@@ -475,14 +474,13 @@ static const double WIDTH = 2.0, HEIGHT = 2.2;
 
 static dem_sim *start_full_box(int scheme, double mu, bool lid)
 {
-    dem_grain *grains;
+    scoped dem_grain *grains = NULL;
     dem_definition def = grains_box(MANY, WIDTH, 17, &grains);
     def.integrator = scheme, def.material.mu = mu;
     for (size_t w = 0; w < def.n_walls; w++) def.walls[w].material.mu = mu;
     if (lid) def.walls[def.n_walls++] = grains_line(0.0, HEIGHT, 0.0, -1.0, &def.walls[0].material);
     def.x_max = lid ? INFINITY : 1.5 * WIDTH;
     dem_sim *sim = grains_start(&def);
-    free(grains);
     CHECK_OK(dem_run(sim, 10000));
     return sim;
 }

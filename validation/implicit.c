@@ -158,7 +158,7 @@ static void cost_of(long base, double dt, int solver, double *iterations)
 {
     const size_t n = (size_t)(base * (base + 1) / 2);
     const long steps = 10;
-    dem_grain *grains = calloc(n, sizeof *grains);
+    scoped dem_grain *grains = calloc(n, sizeof *grains);
     size_t at = 0;
     for (long j = 0; j < base; j++)
         for (long i = 0; i < base - j; i++)
@@ -174,7 +174,6 @@ static void cost_of(long base, double dt, int solver, double *iterations)
     dem_counts counts;
     dem_count_work(sim, &counts);
     *iterations = counts.iterations / (double)steps;
-    free(grains);
 }
 
 /* SOR sweeps per step grow with dt and size, factorisations hardly. */

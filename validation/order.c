@@ -505,7 +505,7 @@ static void avalanches(void)
     for (int k = 0; k < sizes; k++) {
         double row[8] = {5e-5 / (1 << k)}, square = 0.0;
         for (int pile = 0; pile < piles; pile++) {
-            dem_grain *grains;
+            scoped dem_grain *grains = NULL;
             dem_definition def = grains_box(40, 1.2, pile, &grains);
             def.dt = row[0], def.ledger = true;
             def.walls[DEM_BOX_RIGHT].open_at_step = 6000L << k;
@@ -518,7 +518,6 @@ static void avalanches(void)
             square += l.integration / lost * l.integration / lost / piles;
             row[7] = fmax(row[7], fabs(l.residual) / l.turnover);
             CHECK_NEAR(l.residual, 0.0, 1e-10 * l.turnover);
-            free(grains);
         }
         integration[k] = row[5];
         row[6] = sqrt((square - row[5] * row[5]) / (piles - 1.0));

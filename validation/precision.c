@@ -240,9 +240,8 @@ static double measure(const motion *p, int integrator, double steps, int phases,
 /* The reference by a second method, Runge-Kutta for the whole motion, and the difference of the two. */
 static double other_answer(motion *p, const gsl_odeiv2_step_type *type, double tolerance)
 {
-    double *y = integrate(p, type, tolerance);
+    scoped double *y = integrate(p, type, tolerance);
     const double d = distance(p, y, p->answer);
-    free(y);
     return d;
 }
 

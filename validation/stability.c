@@ -157,7 +157,7 @@ static modes linearise(const scene *s, const stability_case *c, const dem_sim *s
     modes A = {.n = 3 * s->def.n_grains};
     A.K = gsl_matrix_calloc(A.n, A.n);
     A.C = gsl_matrix_calloc(A.n, A.n);
-    dem_contact *contacts;
+    scoped dem_contact *contacts = NULL;
     size_t n;
     CHECK_OK(dem_contacts(sim, &contacts, &n));
     for (size_t k = 0; k < n; k++) {
@@ -182,7 +182,6 @@ static modes linearise(const scene *s, const stability_case *c, const dem_sim *s
         if (c->shear > 0.0) add_element(A.K, s->def.material.k_s, at, across);
         if (b) add_element(A.K, -t->normal_force / r, at, turned);
     }
-    free(contacts);
     return A;
 }
 
@@ -647,7 +646,7 @@ static void implicit_limits(void)
 static bool box_rests(int law, int scheme, double gamma, long stream, double times, double *limit)
 {
     enum { N = 60 };
-    dem_grain *grains;
+    scoped dem_grain *grains = NULL;
     dem_definition def = grains_box(N, 2.0, stream, &grains);
     def.normal = law, def.integrator = scheme;
     def.material.k_n = law == DEM_HERTZ ? 1e6 : 1e5;
@@ -656,7 +655,6 @@ static bool box_rests(int law, int scheme, double gamma, long stream, double tim
     *limit = dem_time_step_limit(&def, NULL);
     def.dt = *limit;
     scoped_sim *sim = grains_start(&def);
-    free(grains);
     dem_energy e;
     dem_rest rest;
     dem_energies(sim, &e);
