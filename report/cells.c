@@ -141,7 +141,7 @@ static size_t stem(const report_cell *cell, const char *end)
     return strlen(cell->column) - (rp_ends_in(cell->column, end) ? strlen(end) : 0);
 }
 
-/* The column with another ending in place of `end`; NULL where the table has none. */
+/* The column with another ending instead of `end`; NULL where the table has none. */
 static const char *beside(const report_cell *cell, const char *end, const char *ending)
 {
     const size_t kept = stem(cell, end);

@@ -187,10 +187,11 @@ static void test_wrong_usage(void)
         {64, "unknown command \"frob\"", "frob"},
         {64, "--json is of standard output", "sweep export d --json -o f.json"},
         {64, "unknown command \"frob\"", "angle frob"},
-        {64, "--piles goes with --disorder", "pile --base 9 --piles 2"},
-        {64, "--piles goes with --disorder", "pile --base 9 --piles 2 --disorder 0.01 --summary"},
-        {64, "--piles goes with --disorder", "pile --base 9 --piles 2 --disorder 0.01 -o d"},
-        {64, "--threshold goes with an outline", "pile --base 9 --eps 1e-4 --threshold -o d"},
+        {64, "--piles needs --disorder", "pile --base 9 --piles 2"},
+        {64, "--piles needs --disorder", "pile --base 9 --piles 2 --disorder 0.01 --summary"},
+        {64, "--piles needs --disorder", "pile --base 9 --piles 2 --disorder 0.01 -o d"},
+        {64, "--threshold can't be combined with --o; it allows the outline",
+         "pile --base 9 --eps 1e-4 --threshold -o d"},
         {64, "angle --help", "angle"},
         {64, "unknown command \"frob\"", "sweep frob"},
         {64, "sweep --help", "sweep"},
@@ -209,7 +210,7 @@ static void test_wrong_usage(void)
         {64, "unknown option -q", "sweep run d -q"},
         {64, "unknown option -q", "sweep export d --reduce -qz"},
         {64,
-         "unknown option -j: repose sweep export works on one processor; -j goes with run, sweep run, "
+         "unknown option -j: repose sweep export works on one processor; -j is for run, sweep run, "
          "sweep make, sweep slurm, calibrate, bench",
          "sweep export d -j2"},
         {64, "repose lattice works on one processor", "lattice -j 2"},
@@ -370,7 +371,7 @@ static void test_bad_scenes(void)
     write_text("s.cfg", "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; } );\n");
     FAILS(65, "s.cfg: exactly one of particles", "run s.cfg");
     write_text("s.cfg", "particles = ( " GRAIN " );\n");
-    FAILS(64, "--row goes with a sweep", "run s.cfg --row 1");
+    FAILS(64, "--row needs a sweep", "run s.cfg --row 1");
     FAILS(65, "frob: unknown key", "run s.cfg --set frob=1");
     FAILS(65, "--set steps: key=value expected", "run s.cfg --set steps");
     FAILS(65, "steps", "run s.cfg --set steps=many");
@@ -448,8 +449,8 @@ static void test_bad_sweeps(void)
     }
     write_text("s.cfg", "protocol = \"repose\"; replicas = 2; seed = 1;\n");
     FAILS(64, "--row N -o DIR", "run s.cfg");
-    FAILS(64, "--set goes with a scene", "run s.cfg --set mu=0.3 -o d");
-    FAILS(64, "-j goes with a scene", "run s.cfg -j 2 -o d");
+    FAILS(64, "--set needs a scene", "run s.cfg --set mu=0.3 -o d");
+    FAILS(64, "-j needs a scene", "run s.cfg -j 2 -o d");
     FAILS(65, "row = 2: out of range, allowed: [0, 1]", "run s.cfg --row 2 -o d");
     GOOD("sweep plan s.cfg -o d");
     FAILS(1, "missing", "sweep digest d");
@@ -1986,9 +1987,9 @@ static void test_run_stopped(void)
     CU_ASSERT(failed(__FILE__, __LINE__,
                      shell("\"$REPOSE\" run many.cfg >out 2>err & p=$!; sleep 0.5; kill $p; wait $p"), 75,
                      "stopped at step"));
-    /* neither a run that can go on nor that of another process is thrown away */
+    /* neither a run that can be resumed nor that of another process is thrown away */
     CU_ASSERT(shell("touch d/unfinished/snapshot") == 0);
-    FAILS(65, "an unfinished run; go on with --resume d", "run s.cfg -o d");
+    FAILS(65, "an unfinished run; continue with --resume d", "run s.cfg -o d");
     CU_ASSERT(shell("rm d/unfinished/snapshot") == 0);
     CU_ASSERT(shell("flock d/unfinished \"$REPOSE\" run s.cfg -o d >out 2>err") == 74 &&
               strstr(err, "another process runs in this folder"));

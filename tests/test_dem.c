@@ -1370,7 +1370,7 @@ static const dem_contact *find_contact(const dem_contact *list, size_t n, const 
     return NULL;
 }
 
-/* A run that goes on from its states and contacts has their springs: of pairs, more than a word of marks
+/* A run that continues from its states and contacts has their springs: of pairs, more than a word of marks
  * holds, of any wall, and of a segment from either side. */
 static void contacts_of_the_start(void)
 {

@@ -93,7 +93,7 @@ static void write_claims(void)
     write_text("t.tsv", "# count: 7 of 8\n# "
                         "k\ta\ta_se\tb\n1\t21.5\t1\t9\n2\t23.25\t0.75\t9\n3\t24.2\t0.8\t9\n4\t23.7\t0."
                         "75\t9\n6\t0.4\t0.8\t9\n");
-    /* of three values Student's t is 4.3 in place of 2; the row has more runs than this output has values */
+    /* of three values Student's t is 4.3 instead of 2; the row has more runs than this output has values */
     write_text("means.tsv",
                "# k\tn\ta_mean\ta_se\ta_n\ta_sd\n1\t100\t21.5\t1\t3\t17\n2\t3\t21.5\t1\t100\t7\n");
     write_text("trend.tsv", "# k\tchange\tchange_se\tchange_lo90\tchange_hi90\tp_value\tp_holm\n"

@@ -144,7 +144,7 @@ static void test_dump(void)
     FAILS(64, "--dump needs -o DIR", "run scene.cfg --dump xyz");
     FAILS(65, "none | lammps | xyz | vtk", "run scene.cfg -o pile --dump csv");
     write_text("s.cfg", "protocol = \"repose\"; replicas = 1;\n");
-    FAILS(64, "--dump goes with a scene", "run s.cfg -o row --dump xyz");
+    FAILS(64, "--dump needs a scene", "run s.cfg -o row --dump xyz");
     leave();
 }
 

@@ -224,7 +224,7 @@ static void test_parallel(void)
     char message[400];
     each(cli_repose.commands, add_parallel);
     snprintf(message, sizeof message,
-             "unknown option -j: repose lattice works on one processor; -j goes with %s\n", parallel);
+             "unknown option -j: repose lattice works on one processor; -j is for %s\n", parallel);
     FAILS(64, message, "lattice -j 2");
     FAILS(64, message, "lattice -j");
 }
@@ -429,7 +429,7 @@ static void command_is(const cli_command *c)
     title_is("## repose ", c->name);
     if (c->group) {
         title_is("", c->summary);
-        return; /* `each` goes on with its commands */
+        return; /* `each` continues with its commands */
     }
     snprintf(text, sizeof text, "**repose %s** ", c->name);
     for (const char *way = c->synopsis; *way; way += strcspn(way, "\n"), way += *way == '\n') {

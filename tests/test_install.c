@@ -1,5 +1,5 @@
 /* The installed tree: found from any folder, moved as a whole, used as a library. RP_INSTALLED names a prefix
- * to be tested in place of a fresh installation, as of a package. */
+ * to be tested instead of a fresh installation, as of a package. */
 #include <limits.h>
 #include <stdlib.h>
 #include <string.h>

@@ -15,7 +15,7 @@ enum { MOST_CANDIDATES = 24 };
 static const struct {
     const char *group, *key, *reason;
 } exceptions[] = {{"scene", "kernel", "every pair loop gives the same bits: suite laws"},
-                  {"scene", "particles_file", "stands in place of the particles: suite scene"}};
+                  {"scene", "particles_file", "stands instead of the particles: suite scene"}};
 
 static bool is_exception(const char *group, const char *key)
 {
@@ -25,7 +25,7 @@ static bool is_exception(const char *group, const char *key)
     return is;
 }
 
-/* Values to try in place of `now`: words of the range, or numbers near `now` and of several magnitudes. */
+/* Values to try instead of `now`: words of the range, or numbers near `now` and of several magnitudes. */
 typedef struct {
     size_t n;
     char text[MOST_CANDIDATES][64];
@@ -187,7 +187,7 @@ static void test_scene_keys(void)
 
 /* ---- protocols ---- */
 
-/* Quick runs: settings in place of the defaults, and values that only differ with further settings. */
+/* Quick runs: settings instead of the defaults, and values that only differ with further settings. */
 #define BOX   "W=1.2 H=0.8 fill_steps=500 "
 #define FIXED BOX "stop=steps relax_steps=500 "
 #define LOOSE "rest_energy=1e-3 rest_force=0.5 tilt_rate_deg=0.01 mu=0.6 "

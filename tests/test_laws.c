@@ -453,7 +453,7 @@ void suite_laws(void)
                                        {"restitution has a closed form", restitution_has_closed_form},
                                        {"restitution is inverted", restitution_is_inverted},
                                        {"restitution near 0, sticking", little_restitution},
-                                       {"restitution in place of damping", restitution_in_place_of_damping},
+                                       {"restitution instead of damping", restitution_in_place_of_damping},
                                        {"bad restitution", bad_restitution},
                                        {"defaults need a rate", defaults_need_a_rate},
                                        {"restitution of walls", restitution_of_walls},

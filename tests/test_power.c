@@ -413,7 +413,7 @@ static void rows_at(size_t cut, size_t *least, size_t *most)
     }
 }
 
-/* Nothing of the committed groups is lost, nothing is another, and the same command goes on. */
+/* Nothing of the committed groups is lost, nothing is another, and the same command continues. */
 static void check_cut(size_t cut, size_t planned, char good[ROWS][256], const char *digest)
 {
     static char left[ROWS][256];

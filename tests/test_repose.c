@@ -763,7 +763,7 @@ static void test_refusals(void)
 }
 
 /* Most steps of a phase, as the parameter's help has it: 4e5, times 500/gamma_n and (H/4)^2 where these
- * exceed 1; at most 2e9. With restitution in place of gamma_n the second factor is 1. */
+ * exceed 1; at most 2e9. With restitution instead of gamma_n the second factor is 1. */
 static void test_patience(void)
 {
     static const struct {

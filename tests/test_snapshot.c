@@ -1,4 +1,4 @@
-/* Snapshots: a run that goes on from one has the bits of the run that was never stopped, in memory, from a
+/* Snapshots: a run that resumes from one has the bits of the run that was never stopped, in memory, from a
  * file and as output files of the program; what is no such state is refused with the reason. */
 #include <fcntl.h>
 #include <limits.h>
@@ -530,7 +530,7 @@ static void stopped_runs(void)
     CU_ASSERT(
         shell("cp -r d/unfinished u && rm -r d/unfinished && diff -r d whole && cp -r u d/unfinished") == 0);
     CU_ASSERT(shell(START "100 2>err") == 65);
-    CU_ASSERT(says("d/unfinished/snapshot: an unfinished run; go on with --resume d"));
+    CU_ASSERT(says("d/unfinished/snapshot: an unfinished run; continue with --resume d"));
     CU_ASSERT(shell("\"$REPOSE\" run s.cfg --resume d 2>err") == 65);
     CU_ASSERT(says("s.cfg: not the scene that the snapshot in d is of"));
     CU_ASSERT(shell("\"$REPOSE\" run s.cfg --set steps=1400 --set kernel=reference --resume d && ! test -e "
@@ -569,11 +569,11 @@ static void refused_resumes(void)
     for (size_t k = 0; k < sizeof starts / sizeof *starts; k++) {
         char line[128];
         snprintf(line, sizeof line, "\"$REPOSE\" run --resume d %s 2>err", starts[k]);
-        CU_ASSERT(shell(line) == 64 && says("--resume goes on with the options"));
+        CU_ASSERT(shell(line) == 64 && says("--resume continues with the options"));
     }
-    CU_ASSERT(shell("\"$REPOSE\" run --resume d --ledger 2>err") == 64 && says("--set and --ledger go with"));
+    CU_ASSERT(shell("\"$REPOSE\" run --resume d --ledger 2>err") == 64 && says("--set and --ledger need"));
     CU_ASSERT(shell("\"$REPOSE\" run --resume d --set dt=1 2>err") == 64 &&
-              says("--set and --ledger go with"));
+              says("--set and --ledger need"));
     CU_ASSERT(shell("\"$REPOSE\" run s.cfg --snapshot 5 2>err") == 64 && says("--snapshot needs -o"));
     CU_ASSERT(shell("\"$REPOSE\" run 2>err") == 64 && says("give a file, or --resume DIR"));
     CU_ASSERT(shell("rm -rf d && cp -r good d") == 0);

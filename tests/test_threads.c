@@ -7,7 +7,7 @@
 #include "tests/grains.h"
 #include "tests/program.h"
 
-/* All that a simulation goes on from: also forces, springs, and the order of the lists. */
+/* all that a simulation continues from: also forces, springs, and the order of the lists. */
 static bool same_state(dem_sim *a, dem_sim *b)
 {
     rp_snapshot s[2] = {{0}, {0}};
@@ -156,7 +156,7 @@ static void snapshots(void)
     dem_free(one), dem_free(sim), free(grains);
 }
 
-/* The program: tables of a run with one thread, with two, and of a run that is stopped and goes on with
+/* The program: tables of a run with one thread, with two, and of a run that is stopped and resumed with
  * three.
  */
 static void program(void)

@@ -353,7 +353,7 @@ static void drum_kernels(void)
     }
 }
 
-/* A clone, and the simulation that the bytes of a snapshot make, go on as the original. */
+/* A clone, and the simulation that the bytes of a snapshot make, continue as the original. */
 static void drum_snapshot(void)
 {
     for (int ledger = 0; ledger < 2; ledger++) {

@@ -1,5 +1,5 @@
 /* Inclination phi of the rays that carry the weight, fitted to piles: Lee & Herrmann 1993, (3) and (4) with
- * phi in place of pi/3; see angle.h.
+ * phi instead of pi/3; see angle.h.
  *
  * A group of n piles of one mu is compared at its mean angles: the residual e is theta_r + theta_t less (3),
  * or theta_t less (4) at theta_r, whose slope carries the scatter of theta_r into the variance of e. A pile

@@ -222,7 +222,7 @@ static rp_status not_parallel(const cli_call *call)
 {
     char names[256] = "";
     list_parallel(call->program->commands, names, sizeof names);
-    return rp_fail(RP_USAGE, "unknown option -j: %s %s works on one processor; -j goes with %s",
+    return rp_fail(RP_USAGE, "unknown option -j: %s %s works on one processor; -j is for %s",
                    call->program->name, call->command->name, names);
 }
 

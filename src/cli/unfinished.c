@@ -152,15 +152,16 @@ static rp_status publish(const char *directory, int lock)
     return move_rest(directory, to);
 }
 
-/* A run that can go on is not thrown away. */
+/* A run that can be resumed is not thrown away. */
 static rp_status check_vacant(const char *directory)
 {
     char path[PATH_MAX];
     const cli_unfinished u = {.directory = directory};
     return access(path_of(&u, "snapshot", path), F_OK) != 0
                ? RP_OK
-               : rp_fail(RP_BAD_INPUT, "%s: an unfinished run; go on with --resume %s, or remove the folder",
-                         path, directory);
+               : rp_fail(RP_BAD_INPUT,
+                         "%s: an unfinished run; continue with --resume %s, or remove the folder", path,
+                         directory);
 }
 
 /* Empty tables in the folder; without names what is there, if it can go on. */

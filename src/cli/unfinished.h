@@ -1,7 +1,7 @@
-/* The folder DIR/unfinished of a run: its tables, and with snapshots the one that it goes on from. A finished
- * result in DIR stays until the new one is whole. A process that is killed while the new tables take their
- * place leaves the folder DIR/unfinished.moving; the next run or --resume in DIR moves the rest. DIR never
- * holds tables of two results. */
+/* The folder DIR/unfinished of a run: its tables, and with snapshots the one from which it resumes. A
+ * finished result in DIR stays until the new one is whole. A process that is killed while the new tables take
+ * their place leaves the folder DIR/unfinished.moving; the next run or --resume in DIR moves the rest. DIR
+ * never holds tables of two results. */
 #ifndef UNFINISHED_H
 #define UNFINISHED_H
 
@@ -45,7 +45,7 @@ rp_status cli_unfinished_resume(cli_unfinished *u, const char *directory, uint64
 /* Write a snapshot. Errors: RP_IO; the older one and its tables are then still good. */
 rp_status cli_unfinished_write(cli_unfinished *u, cli_keep *keep, void *context);
 
-/* The end of a run, which returns its status `run`. The tables of a whole one move into DIR, in place of what
+/* The end of a run, which returns its status `run`. The tables of a whole one move into DIR, instead of what
  * is there. Those of another one stay; unless it is resumable, they say that they are unfinished, and the
  * message where they are. Nothing is done for a folder that was not entered, with lock -1. Errors: RP_IO. */
 rp_status cli_unfinished_end(cli_unfinished *u, bool resumable, rp_status run);

@@ -1,4 +1,4 @@
-/* Snapshots: files from which a run goes on bit for bit, on the same kind of machine.
+/* Snapshots: files from which a run continues bit for bit, on the same kind of machine.
  *
  * One list of rp_keep calls is both the writer and the reader of a state, so that the two agree. A file holds
  * a head (format, model, layout of the state, owner), the state, and the XXH3-128 of both. */

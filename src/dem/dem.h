@@ -226,11 +226,11 @@ double dem_time_step_limit(const dem_definition *def, const char **what);
  * radius or lie behind a wall), RP_NO_MEMORY. */
 rp_status dem_create(const dem_definition *def, dem_sim **sim);
 
-/* A copy that goes on exactly as the original would. Errors: RP_NO_MEMORY. */
+/* A copy that continues exactly as the original would. Errors: RP_NO_MEMORY. */
 rp_status dem_clone(const dem_sim *sim, dem_sim **copy);
 void dem_free(dem_sim *sim);
 
-/* Write the simulation into a snapshot, or make *sim from one: it goes on exactly as the original would,
+/* Write the simulation into a snapshot, or make *sim from one: it continues exactly as the original would,
  * whatever its kernel. After a failure of a reading *sim is NULL. Errors, in the snapshot's status:
  * RP_BAD_INPUT (a state that no simulation can have), RP_NO_MEMORY. dem_keep_layout: for the file's head. */
 void dem_keep(rp_snapshot *s, dem_sim **sim);
@@ -265,7 +265,7 @@ typedef struct {
 rp_status dem_run_timed(dem_sim *sim, long steps, dem_phases *times);
 
 /* From the next step on: open wall number `wall` at `speed` (INFINITY: at once); turn gravity by this angle
- * a step (0 stops it), |angle| < 1; let gravity be g, which a turn then goes on from. */
+ * a step (0 stops it), |angle| < 1; let gravity be g, from which a turn then continues. */
 void dem_wall_open(dem_sim *sim, size_t wall, double speed);
 void dem_gravity_turn(dem_sim *sim, double radians_per_step);
 void dem_gravity_set(dem_sim *sim, const double g[2]);

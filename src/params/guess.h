@@ -26,7 +26,7 @@ void rp_guess_words(rp_guess *guess, const char *list);
 const char *rp_guess_text(rp_guess *guess);
 
 /* Edit distance: 2 for each letter that is added, left out or another, and for two neighbours exchanged; 1
- * for a letter in the other case, and for a dash in place of an underline. Words of more than 63 bytes have
+ * for a letter in the other case, and for a dash instead of an underline. Words of more than 63 bytes have
  * the distance SIZE_MAX. (Optimal string alignment.) */
 size_t rp_edit_distance(const char *a, const char *b);
 

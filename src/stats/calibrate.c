@@ -104,7 +104,7 @@ static rp_status crossing(problem *s, size_t p, double inside, double outside, d
     return RP_OK;
 }
 
-/* The profile, its minima in place of the scanned values next to them. Beyond its ends there is no value,
+/* The profile, its minima instead of the scanned values next to them. Beyond its ends there is no value,
  * and chi2 is infinite. */
 typedef struct {
     int n; /* intervals; scanned values 1 to n + 1 */

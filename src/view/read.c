@@ -57,7 +57,7 @@ static bool is_file(const char *path)
     return stat(path, &s) == 0 && S_ISREG(s.st_mode);
 }
 
-/* The table `name` in place of the last `length` characters of `path`; empty where there is none. */
+/* The table `name` instead of the last `length` characters of `path`; empty where there is none. */
 static void find_beside(const char *path, size_t length, const char *name, char found[4096])
 {
     snprintf(found, 4096, "%.*s%s", (int)(strlen(path) - length), path, name);

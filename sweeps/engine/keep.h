@@ -1,4 +1,4 @@
-/* Snapshots of one run of a sweep, from which a later process goes on with the same bits.
+/* Snapshots of one run of a sweep, from which a later process continues with the same bits.
  *
  * A run enters the variables that its course depends on as it comes to them, outermost first, and leaves them
  * in the reverse order. A snapshot holds all that are entered. A process that resumes enters them in the same

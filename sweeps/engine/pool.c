@@ -76,7 +76,7 @@ typedef struct {
     int signals; /* descriptor on which stop signals arrive */
 } pool;
 
-/* The file that a run goes on from after its worker has died; it stays until the row is stored. */
+/* The file from which a run resumes after its worker has died; it stays until the row is stored. */
 static void snapshot_of(const pool *p, size_t run, char key[33], char path[4096])
 {
     sweep_plan_key(p->plan, run, key);
@@ -281,7 +281,7 @@ static size_t at_task(const pool *p, const worker *w)
     return ahead < w->n ? ahead : w->n - 1;
 }
 
-/* A run failed, and by no fault of physics: its worker is ended, and the run is tried again after all
+/* A run failed, and not because of its physics: its worker is ended, and the run is tried again after all
  * others, or stored as `word`. So are the other runs of its batch. */
 static rp_status give_up(pool *p, worker *w, const char *word, const char *cause)
 {

@@ -93,7 +93,7 @@ rp_status sweep_recipe_read(const char *file, sweep_recipe *recipe);
 void sweep_recipe_free(sweep_recipe *recipe);
 
 /* Check the sweep `file` and every one of its grid points, and make the folder `dir` or plan again in it.
- * `replicas` in place of the file's, unless 0: runs that both have are the same runs. Nothing is made unless
+ * `replicas` instead of the file's, unless 0: runs that both have are the same runs. Nothing is made unless
  * the whole file is good. Errors: RP_BAD_INPUT, RP_IO, RP_NO_MEMORY. */
 rp_status sweep_prepare(const char *file, const char *dir, size_t replicas,
                         const sweep_protocol *const *protocols, const sweep_watch *watch,
@@ -121,7 +121,7 @@ typedef struct {
 rp_status sweep_merge(const char *dir, const sweep_protocol *const *protocols, size_t n, char *const paths[],
                       sweep_merged *merged, sweep_counts *counts);
 
-/* Put a new store in place of a damaged one, with the rows that are whole; the old one is kept as
+/* Replace a damaged store by a new one, with the rows that are whole; the old one is kept as
  * damaged.sqlite. *n is their number. Errors: RP_BAD_INPUT, RP_IO. */
 rp_status sweep_salvage(const char *dir, const sweep_protocol *const *protocols, size_t *n);
 
@@ -159,7 +159,7 @@ rp_status sweep_digest(const char *dir, const sweep_protocol *const *protocols, 
                        size_t *n_rows);
 
 /* Make run number `row` of a sweep `file` again, in this process, and leave its tables. Sets *protocol and
- * *result. With tables->snapshot the run goes on from there. Errors: RP_BAD_INPUT (the file, a row it does
+ * *result. With tables->snapshot the run resumes from there. Errors: RP_BAD_INPUT (the file, a row it does
  * not have, the snapshot of another run), RP_STOPPED, RP_IO, the protocol's. */
 rp_status sweep_trace(const char *file, const sweep_protocol *const *protocols, size_t row,
                       const sweep_tables *tables, const sweep_protocol **protocol, sweep_result *result);

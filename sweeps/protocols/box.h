@@ -59,7 +59,7 @@ typedef struct {
 
 #define SWEEP_BOX_OPENING_ROWS                                                                               \
     SWEEP_ROW(floor, "", RP_CHOICE, "extends", "extends | ends | absorbs",                                   \
-              "beyond the opening: goes on (out at 3 W), ends in a corner at W, or takes grains out at W")   \
+              "beyond the opening: extends (out at 3 W), ends in a corner at W, or takes grains out at W")   \
     SWEEP_ROW(open, "cm/s", RP_REAL, "instant", "(0, inf) | instant",                                        \
               "speed at which the right wall is lifted")
 

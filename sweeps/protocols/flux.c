@@ -3,7 +3,7 @@
  * method 3 just before each insertion is a series that rises, then fluctuates; what is reported is of the
  * latter part.
  *
- * The floor ends at W: where it goes on, nothing leaves and no steady state exists. "Quiet": the largest
+ * The floor ends at W: where it extends, nothing leaves and no steady state exists. "Quiet": the largest
  * speed over the grains with 0 < x < W has been below v_cut for 200 steps in a row, and the last grain has
  * had a contact, for one at rest in the air is slow too. */
 #include <gsl/gsl_statistics_double.h>

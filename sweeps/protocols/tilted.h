@@ -15,7 +15,7 @@ extern const rp_param sweep_tilted_schema[];
 /* Refuse what cannot be filled or come to rest. Errors: RP_BAD_INPUT. */
 rp_status sweep_tilted_check(const void *params);
 
-/* Fill the box, open it, and go through n further phases of an experiment; a resumed run goes on in its
+/* Fill the box, open it, and go through n further phases of an experiment; a resumed run continues in its
  * phase. Errors: those of sweep_box_phase and of the phases. */
 rp_status sweep_tilted_phases(sweep_box_run *run, size_t n, rp_status (*const phases[])(void *experiment),
                               void *experiment);

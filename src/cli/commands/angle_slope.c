@@ -49,7 +49,7 @@ static rp_status refuse_several_steps(const rp_table *table)
     return RP_OK;
 }
 
-/* A height above the ground in place of a row of a picture. */
+/* A height above the ground instead of a row of a picture. */
 static void turn_over(size_t n, double y[], double diameter)
 {
     const double lowest = gsl_stats_max(y, 1, n);

@@ -129,14 +129,14 @@ static rp_status check_idle(const cli_call *call, const options *o)
                 {"disorder", *o->own.disks, "--disks says it all"},
                 {"alpha-deg", from_file, "the file says it"},
                 {"inner-deg", from_file, "the file says it"},
-                {"x-1", !(p->inner_deg > 0), "goes with --inner-deg"},
+                {"x-1", !(p->inner_deg > 0), "it needs --inner-deg"},
                 {"load-steps", linear, "eps = 0 has no steps of the load"},
-                {"leave", !p->branch || linear, "goes with --branch minimum and eps > 0"},
+                {"leave", !p->branch || linear, "it needs --branch minimum and eps > 0"},
                 {"branch", linear, "eps = 0 has one state"},
-                {"k-x", p->well > 0, "goes without --well"},
-                {"set-again", !(p->well > 0), "goes with --well"},
-                {"mu", !(p->well > 0), "goes with --well"},
-                {"seed", !(p->disorder > 0), "goes with --disorder"}};
+                {"k-x", p->well > 0, "--well sets the stiffness"},
+                {"set-again", !(p->well > 0), "it needs --well"},
+                {"mu", !(p->well > 0), "it needs --well"},
+                {"seed", !(p->disorder > 0), "it needs --disorder"}};
     for (size_t i = 0; i < N_OF(idle); i++)
         if (idle[i].idle && cli_given(call, idle[i].option))
             return rp_fail(RP_USAGE, "--%s would do nothing: %s; see repose pile --help", idle[i].option,
@@ -150,10 +150,16 @@ static rp_status check_usage(const cli_call *call, const options *o)
     if (*o->own.outline && *o->own.disks)
         return rp_fail(RP_USAGE, "give --outline or --disks, not both; see repose pile --help");
     if (p->threshold && (!(p->eps > 0) || p->branch || *o->own.o || *o->own.disks))
-        return rp_fail(RP_USAGE,
-                       "--threshold goes with an outline, wells and --eps alone; see repose pile --help");
+        return rp_fail(
+            RP_USAGE,
+            "--threshold can't be combined with --%s; it allows the outline, the wells and --eps > 0",
+            p->branch       ? "branch"
+            : *o->own.o     ? "o"
+            : *o->own.disks ? "disks"
+                            : "eps 0");
     if (o->own.piles > 1 && (!(p->disorder > 0) || p->threshold || o->own.summary || *o->own.o))
-        return rp_fail(RP_USAGE, "--piles goes with --disorder and gives one table; see repose pile --help");
+        return rp_fail(RP_USAGE,
+                       "--piles needs --disorder, and can't be combined with --threshold, --summary or -o");
     return check_idle(call, o);
 }
 

@@ -1,4 +1,4 @@
-/* `repose run`: any scene from a file, with snapshots that it goes on from; or one run of a sweep again with
+/* `repose run`: any scene from a file, with snapshots from which it resumes; or one run of a sweep again with
  * its tables. */
 #include <limits.h>
 #include <math.h>
@@ -36,7 +36,7 @@
       "write the frames for another program too, as `repose export` does; needs -o or --resume")             \
     CLI_FORCE(X)                                                                                             \
     CLI_QUIET(X)                                                                                             \
-    X(TEXT, resume, "", "", "", "go on from the snapshot in this folder, with the options of the start")
+    X(TEXT, resume, "", "", "", "resume from the snapshot in this folder, with the options of the start")
 
 CLI_OPTIONS(run, RUN_OPTIONS)
 
@@ -216,7 +216,7 @@ static rp_status advance(scene_run *r, outputs *out)
             status = cli_unfinished_write(&out->unfinished, keep_run, r);
         if (!status && stopped)
             status = out->resumable
-                         ? rp_fail(RP_STOPPED, "stopped at step %ld of %ld; repose run --resume %s goes on",
+                         ? rp_fail(RP_STOPPED, "stopped at step %ld of %ld; repose run --resume %s continues",
                                    step, p->steps, out->directory)
                          : rp_fail(RP_STOPPED, "stopped at step %ld of %ld", step, p->steps);
     }
@@ -268,13 +268,12 @@ static rp_status run_row(const cli_call *call, const char *path, const run_optio
                        "%s is a sweep file; repose run %s --row N -o DIR makes one of its runs, with tables; "
                        "repose sweep make %s -o DIR makes all",
                        path, path, path);
-    if (o->set.n > 0) return rp_fail(RP_USAGE, "--set goes with a scene file; %s is a sweep file", path);
+    if (o->set.n > 0) return rp_fail(RP_USAGE, "--set needs a scene; %s is a sweep file", path);
     if (cli_given(call, "j"))
-        return rp_fail(
-            RP_USAGE,
-            "-j goes with a scene file; %s is a sweep file, whose runs take one processor each; repose "
-            "sweep make -j works on several runs",
-            path);
+        return rp_fail(RP_USAGE,
+                       "-j needs a scene; %s is a sweep file, whose runs take one processor each; repose "
+                       "sweep make -j works on several runs",
+                       path);
     sweep_result result;
     const sweep_protocol *protocol;
     const double started = rp_clock();
@@ -374,7 +373,7 @@ static rp_status run_file(const cli_call *call, const char *path, const run_opti
     dem_scene scene;
     origin of = {.call = call};
     scene_run r = {.plan = {.every = o->every, .snapshot = o->snapshot}, .threads = o->j};
-    if (cli_given(call, "row")) return rp_fail(RP_USAGE, "--row goes with a sweep file; %s is a scene", path);
+    if (cli_given(call, "row")) return rp_fail(RP_USAGE, "--row needs a sweep file; %s is a scene", path);
     if (o->snapshot > 0 && !*o->o) return rp_fail(RP_USAGE, "--snapshot needs -o DIR");
     if (o->dump && !*o->o) return rp_fail(RP_USAGE, "--dump needs -o DIR");
     rp_status status = read_scene(path, o, &scene);
@@ -414,10 +413,10 @@ static rp_status resume(const cli_call *call, const run_options *o)
     outputs out = {.directory = o->resume, .resumable = true, .quiet = o->quiet};
     if (cli_given(call, "o") || cli_given(call, "every") || cli_given(call, "row") ||
         cli_given(call, "snapshot") || cli_given(call, "force"))
-        return rp_fail(RP_USAGE, "--resume goes on with the options of the start; -o, --every, --row, "
-                                 "--snapshot and --force do not go with it");
+        return rp_fail(RP_USAGE, "--resume continues with the options of the start; it takes no -o, --every, "
+                                 "--row, --snapshot or --force");
     if (!scene && (o->set.n > 0 || o->ledger))
-        return rp_fail(RP_USAGE, "--set and --ledger go with a scene file");
+        return rp_fail(RP_USAGE, "--set and --ledger need a scene file");
     cli_on_stop(note_stop);
     bool done;
     rp_status status =
@@ -431,7 +430,7 @@ static rp_status resume(const cli_call *call, const run_options *o)
         dem_free(r.sim);
         return cli_unfinished_end(&out.unfinished, true, status);
     }
-    printf("%s: goes on from step %ld to %ld\n", o->resume, dem_step(r.sim), r.plan.steps);
+    printf("%s: continues from step %ld to %ld\n", o->resume, dem_step(r.sim), r.plan.steps);
     take_growing(&out);
     status = finish_scene(call->arena, &r, &out, RP_OK);
     if (!status) status = export_folder(call->arena, o->resume, (export_format)o->dump);
@@ -449,7 +448,7 @@ static rp_status run_any(cli_call *call, const void *values)
     path = cli_data(call->arena, path);
     RP_TRY(is_sweep(path, &sweep));
     if (sweep && (o->snapshot > 0 || o->dump))
-        return rp_fail(RP_USAGE, "--%s goes with a scene; %s is a sweep file", o->dump ? "dump" : "snapshot",
+        return rp_fail(RP_USAGE, "--%s needs a scene; %s is a sweep file", o->dump ? "dump" : "snapshot",
                        path);
     return sweep ? run_row(call, path, values) : run_file(call, path, values);
 }
@@ -480,13 +479,14 @@ const cli_command cmd_run = {
     "opens.\n"
     "\n"
     "--snapshot N: the tables grow in DIR/unfinished, where a snapshot is written every N steps and at\n"
-    "SIGINT, SIGTERM or SIGHUP. `repose run --resume DIR` goes on after a stop, a kill or a power cut, and\n"
+    "SIGINT, SIGTERM or SIGHUP. `repose run --resume DIR` continues after a stop, a kill or a power cut, "
+    "and\n"
     "ends with the files of an undisturbed run, byte by byte. A snapshot of another scene, program version\n"
     "or model, or a damaged one, is refused.\n"
     "\n"
     "SWEEP.cfg (a file with the key `protocol`): repeat one run of the sweep and print its results. The\n"
     "folder gets the tables of this run. A long run of any protocol but pile keeps a snapshot there: after\n"
-    "a stop or a kill the same command goes on. For a box: grains, contacts, energies, and a file\n"
+    "a stop or a kill the same command continues. For a box: grains, contacts, energies, and a file\n"
     "scene.cfg that `repose run` repeats bit for bit. For a static pile: disks, contacts, wells and the\n"
     "forces on the base.",
     "repose run scene.cfg --set tangential.mu=0.3 --every 1000 -o out",

@@ -118,7 +118,7 @@ const cli_command cmd_sweep_salvage = {
     "sweep salvage",
     "get the whole rows out of a damaged store",
     "DIR",
-    "Put a new store in place of a damaged or truncated one, with all rows whose checksum is right. The\n"
+    "Replace a damaged or truncated store by a new one, with all rows whose checksum is right. The\n"
     "damaged file is kept as DIR/damaged.sqlite; `sweep run` makes the lost runs again.",
     "repose sweep salvage build/sweeps/lh3",
     NULL,

@@ -51,7 +51,7 @@ static const cli_command maximum = {
 /* ---- correlation ---- */
 
 #define CORRELATION_OPTIONS(X)                                                                               \
-    X(TEXT, x, "", NULL, "", "columns (a or a,b,...) that may go with y")                                    \
+    X(TEXT, x, "", NULL, "", "columns (a or a,b,...) that may be correlated with y")                         \
     X(TEXT, y, "", NULL, "", "column of y")                                                                  \
     CLI_BY(X, "none", "groups")                                                                              \
     CLI_WHERE(X)
@@ -95,7 +95,7 @@ static rp_status correlation_of_table(cli_call *call, rp_table *table, const voi
 
 static const cli_command correlation = {
     "stats correlation",
-    "what goes with a column, over runs",
+    "correlation of columns, over runs",
     "TABLE -x COLUMNS -y COLUMN [options]",
     "Pearson's correlation of each column of x with y, one row a column and group, with its 95 % interval\n"
     "by Fisher's transformation. Rows with nan in a column are left out for all. TABLE (- for standard\n"

@@ -96,8 +96,7 @@ static rp_status fit_table(cli_call *call, rp_table *table, const void *values)
     if (o->successive && !weighted)
         return rp_fail(RP_USAGE, "--successive needs --se; see repose stats fit --help");
     if (logarithms && weighted)
-        return rp_fail(RP_USAGE,
-                       "--scale log is without --se: give one of them; see repose stats fit --help");
+        return rp_fail(RP_USAGE, "--scale log takes no --se: give one of them; see repose stats fit --help");
     snprintf(names, sizeof names, weighted ? "%s,%s,%s" : "%s,%s", o->x, o->y, o->se);
     RP_TRY(rp_rows_read(call->arena, table, names, &choice, &rows));
     double *x = rows.column[0], *y = rows.column[1];

@@ -144,7 +144,7 @@ static const cli_command run = {
     "run what is planned and not yet stored",
     "DIR [-j N] [--mem MB] [--time S] [--shard I/N] [--snapshot S]",
     "Make all runs of a planned sweep that are not stored yet; each run is stored when it ends. After a\n"
-    "stop, even by SIGKILL, the same command resumes. Long runs go on from their last snapshots (all\n"
+    "stop, even by SIGKILL, the same command resumes. Long runs resume from their last snapshots (all\n"
     "protocols but pile), with the same bits; SIGINT, SIGTERM and SIGHUP write these, a second signal ends\n"
     "the sweep at once. Exit status 0 if every run is stored with its outcome; 75 if\n"
     "stopped; 1 while runs are aborted, which the same command tries again: status crashed (its worker died\n"

@@ -107,7 +107,7 @@ static const rp_param wall_schema[] = {
     {"sides", "", RP_INT, AT(wall_entry, sides), "64", "[3, 4096]",
      "of a circle, which is a regular polygon"},
     {"closed", "", RP_BOOL, AT(wall_entry, closed), "true", "",
-     "whether a polygon goes on from its last point to its first"},
+     "whether a polygon is closed by a side from its last point to its first"},
     DEM_PHYSICS(WALL_AUTO){"open_at_step", "", RP_INT, AT(wall_entry, line.open_at_step), "never",
                            "[0, 2147483647] | never", "step from which the wall is gone"},
     {"open_speed", "cm/s", RP_REAL, AT(wall_entry, line.open_speed), "instant", "[0, inf) | instant",
@@ -524,7 +524,7 @@ static bool add_copy(config_setting_t *parent, const char *name, const config_se
     return whole;
 }
 
-/* Put "group.key=value" or "list[0].key=value" into the tree that was read, in place of what stands there. */
+/* Put "group.key=value" or "list[0].key=value" into the tree that was read, instead of what stands there. */
 static rp_status change(config_t *config, const char *text)
 {
     char path[128];

@@ -7,7 +7,7 @@
 #include "dem/threads/team.h"
 
 /* For the steps of a run that is large enough, start the threads that sim->threads asks for and divide the
- * pile. Without memory or threads, the run goes on with one. */
+ * pile. Without memory or threads, the run continues with one. */
 void dem_threads_start(dem_sim *sim);
 void dem_threads_end(dem_sim *sim);
 
