@@ -572,8 +572,7 @@ static void refused_resumes(void)
         CU_ASSERT(shell(line) == 64 && says("--resume continues with the options"));
     }
     CU_ASSERT(shell("\"$REPOSE\" run --resume d --ledger 2>err") == 64 && says("--set and --ledger need"));
-    CU_ASSERT(shell("\"$REPOSE\" run --resume d --set dt=1 2>err") == 64 &&
-              says("--set and --ledger need"));
+    CU_ASSERT(shell("\"$REPOSE\" run --resume d --set dt=1 2>err") == 64 && says("--set and --ledger need"));
     CU_ASSERT(shell("\"$REPOSE\" run s.cfg --snapshot 5 2>err") == 64 && says("--snapshot needs -o"));
     CU_ASSERT(shell("\"$REPOSE\" run 2>err") == 64 && says("give a file, or --resume DIR"));
     CU_ASSERT(shell("rm -rf d && cp -r good d") == 0);
