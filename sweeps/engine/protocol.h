@@ -3,6 +3,7 @@
 #ifndef SWEEP_PROTOCOL_H
 #define SWEEP_PROTOCOL_H
 
+#include <assert.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdio.h>
@@ -21,18 +22,30 @@ typedef struct {
     const char *meaning;
 } sweep_output;
 
-/* A protocol's outputs are one list, X(name, unit, meaning). It makes the indices OUT_name of the values, and
- * the rows of `outputs`. */
-#define SWEEP_OUTPUT_INDEX(name, unit, meaning) OUT_##name,
-#define SWEEP_OUTPUT_ROW(name, unit, meaning)   {#name, unit, meaning},
+/* A protocol's outputs are one list, X(name, unit, meaning). It makes the members of the protocol's structure
+ * of values, all doubles, and in the same order the rows of `outputs`. A family of members is an array too.
+ */
+#define SWEEP_OUTPUT_MEMBER(name, unit, meaning) double name;
+#define SWEEP_OUTPUT_ROW(name, unit, meaning)    {#name, unit, meaning},
+#define SWEEP_FAMILY(array, members)                                                                         \
+    union {                                                                                                  \
+        struct {                                                                                             \
+            members                                                                                          \
+        };                                                                                                   \
+        double array;                                                                                        \
+    };
 
-/* The same of the bins of the base (STRESS_DIP_BIN_LIST), for protocols whose piles `repose stress dip`
- * reads: the pressure there, and that of rays. */
-#define SWEEP_N_INDEX(k)    OUT_n_##k,
-#define SWEEP_RAYS_INDEX(k) OUT_rays_##k,
+/* Families of the bins of the base, for protocols whose piles `repose stress dip` reads: the pressure there,
+ * and that of rays. */
+#define SWEEP_N_MEMBER(k)    double n_##k;
+#define SWEEP_RAYS_MEMBER(k) double rays_##k;
+#define SWEEP_BIN_FAMILIES                                                                                   \
+    SWEEP_FAMILY(n[STRESS_DIP_BINS], STRESS_DIP_BIN_LIST(SWEEP_N_MEMBER))                                    \
+    SWEEP_FAMILY(rays[STRESS_DIP_BINS], STRESS_DIP_BIN_LIST(SWEEP_RAYS_MEMBER))
 #define SWEEP_N_ROW(k)                                                                                       \
     {"n_" #k, "", "pressure in bin " #k " of 20 of the base, left to right, over the mean"},
 #define SWEEP_RAYS_ROW(k) {"rays_" #k, "", "n_" #k " of 60-degree rays under the pile's own outline"},
+#define SWEEP_BIN_ROWS    STRESS_DIP_BIN_LIST(SWEEP_N_ROW) STRESS_DIP_BIN_LIST(SWEEP_RAYS_ROW)
 
 /* What one run yields. `status` is one of the protocol's words, "ok" for a full result; values that the
  * run has no result for are NaN. Wall time is kept apart, by the caller. */
@@ -80,8 +93,13 @@ typedef struct {
                      sweep_result *result);
 } sweep_protocol;
 
-/* The protocol of a file that has `outputs`, `fingerprint` and `run_one`. */
-#define SWEEP_PROTOCOL(NAME, SCHEMA, PARAMS, CHECK, ABOUT)                                                   \
+/* The protocol of a file that has `outputs`, `fingerprint` and `run_one`; its structures of parameters and
+ * values.
+ */
+#define SWEEP_PROTOCOL(NAME, SCHEMA, PARAMS, VALUES, CHECK, ABOUT)                                           \
+    static_assert(sizeof(VALUES) == sizeof(double) * (sizeof outputs / sizeof *outputs - 1),                 \
+                  "each output is a member of the values");                                                  \
+    static_assert(sizeof(VALUES) <= sizeof(double) * SWEEP_MAX_OUTPUTS, "too many outputs");                 \
     const sweep_protocol sweep_protocol_##NAME = {.name = #NAME,                                             \
                                                   .about = ABOUT,                                            \
                                                   .schema = SCHEMA,                                          \

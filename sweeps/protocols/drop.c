@@ -25,7 +25,6 @@
  * A layer is no result (no_pile), nor is a pile with a drop that was cut short, so that the next fell onto
  * disks that still moved (drops_not_at_rest), nor one that does not relax at the end (not_at_rest). Their
  * outputs are kept. */
-#include <assert.h>
 #include <gsl/gsl_fit.h>
 #include <math.h>
 #include <stdlib.h>
@@ -109,17 +108,16 @@ static const rp_param schema[] = {
     X(force_fabric, "", "fabric, each contact with the weight of its normal force") \
     X(force_deg, "degree", "fabric_deg with these weights")
 /* clang-format on */
-enum {
-    OUTPUTS(SWEEP_OUTPUT_INDEX) STRESS_DIP_BIN_LIST(SWEEP_N_INDEX) STRESS_DIP_BIN_LIST(SWEEP_RAYS_INDEX)
-        N_OUTPUTS
-};
-static const sweep_output outputs[] = {OUTPUTS(SWEEP_OUTPUT_ROW) STRESS_DIP_BIN_LIST(SWEEP_N_ROW)
-                                           STRESS_DIP_BIN_LIST(SWEEP_RAYS_ROW){0}};
-static_assert((int)N_OUTPUTS <= (int)SWEEP_MAX_OUTPUTS, "too many outputs");
+typedef struct {
+    OUTPUTS(SWEEP_OUTPUT_MEMBER)
+    SWEEP_BIN_FAMILIES
+} drop_values;
+static const sweep_output outputs[] = {OUTPUTS(SWEEP_OUTPUT_ROW) SWEEP_BIN_ROWS{0}};
 
 typedef struct {
     const drop_params *p;
     sweep_result *result;
+    drop_values *v; /* the result's */
     dem_definition scene;
     dem_sim *sim;
     size_t n_glued;             /* disks of the base; they come first */
@@ -331,7 +329,7 @@ static rp_status drop_all(drop *d)
         double capped, most, large;
         bool falls; /* disk k has been put in */
     } now = {0};
-    double *v = d->result->values;
+    drop_values *const v = d->v;
     rp_status status = RP_OK;
     SWEEP_ENTER(d->keep, now);
     if (!d->sim && d->p->N == 0) status = begin(d, NULL);
@@ -349,10 +347,10 @@ static rp_status drop_all(drop *d)
     }
     sweep_keep_leave(d->keep, 1);
     if (status) return status;
-    v[OUT_capped] = now.capped;
-    v[OUT_steps] = (double)dem_step(d->sim);
-    v[OUT_moved_max] = now.most;
-    v[OUT_moved_share] = now.large / (double)d->p->N;
+    v->capped = now.capped;
+    v->steps = (double)dem_step(d->sim);
+    v->moved_max = now.most;
+    v->moved_share = now.large / (double)d->p->N;
     return RP_OK;
 }
 
@@ -409,8 +407,8 @@ static rp_status relax(drop *d)
     }
     sweep_keep_leave(d->keep, 1);
     if (status) return status;
-    d->result->values[OUT_relax_steps] = (double)now.steps;
-    d->result->values[OUT_settled] = (double)count_moved(d, d->n);
+    d->v->relax_steps = (double)now.steps;
+    d->v->settled = (double)count_moved(d, d->n);
     d->relaxed = now.quiet >= ENOUGH;
     return RP_OK;
 }
@@ -443,12 +441,12 @@ static double side_slope(const drop *d, double sign, an_point highest)
 static void measure_shape(const drop *d)
 {
     const an_point top = highest(d);
-    double *v = d->result->values;
-    v[OUT_disks] = (double)d->n;
-    v[OUT_away] = (double)d->p->N - (double)d->n;
-    v[OUT_height] = top.y;
-    v[OUT_left_deg] = side_slope(d, -1.0, top);
-    v[OUT_right_deg] = side_slope(d, 1.0, top);
+    drop_values *const v = d->v;
+    v->disks = (double)d->n;
+    v->away = (double)d->p->N - (double)d->n;
+    v->height = top.y;
+    v->left_deg = side_slope(d, -1.0, top);
+    v->right_deg = side_slope(d, 1.0, top);
 }
 
 static int by_id(const void *a, const void *b)
@@ -490,26 +488,27 @@ static void measure_strongest(const drop *d, size_t n, const dem_contact contact
                 at_60[0] += is_at_60(c), at_60[1] += both && is_at_60(c);
             }
         }
-    d->result->values[OUT_strongest_60] = at_60[0] / all[0];
-    d->result->values[OUT_packed_60] = at_60[1] / all[1];
+    d->v->strongest_60 = at_60[0] / all[0];
+    d->v->packed_60 = at_60[1] / all[1];
 }
 
 /* Bond order, close-packed disks, and directions of the strongest contacts. */
 static rp_status measure_order(const drop *d, size_t n_contacts, const dem_contact contacts[])
 {
-    double *v = d->result->values, touching = 0.0, n_packed = 0.0;
+    drop_values *const v = d->v;
+    double touching = 0.0, n_packed = 0.0;
     double *order = calloc(2 * d->n + 1, sizeof *order), *most = order + d->n;
     int *neighbours = calloc(d->n + 1, sizeof *neighbours);
     bool *packed = calloc(d->n + 1, sizeof *packed);
     rp_status status = order && neighbours && packed ? RP_OK : rp_fail(RP_NO_MEMORY, "drop: out of memory");
-    if (!status) v[OUT_psi6] = sweep_bond_order(d->n, d->states, order, neighbours);
+    if (!status) v->psi6 = sweep_bond_order(d->n, d->states, order, neighbours);
     for (size_t i = 0; i < d->n && !status; i++) {
         touching += d->states[i].contacts;
         packed[i] = neighbours[i] == 6 && order[i] >= 0.9;
         n_packed += packed[i];
     }
-    v[OUT_contacts] = touching / (double)d->n;
-    v[OUT_packed] = n_packed / (double)d->n;
+    v->contacts = touching / (double)d->n;
+    v->packed = n_packed / (double)d->n;
     if (!status) measure_strongest(d, n_contacts, contacts, packed, most);
     free(order);
     free(neighbours);
@@ -520,23 +519,22 @@ static rp_status measure_order(const drop *d, size_t n_contacts, const dem_conta
 /* Pressure of rays under the outline, beside that of the base. */
 static rp_status measure_rays(const drop *d, const stress_base *base)
 {
-    double *v = d->result->values;
     double *x = malloc((2 * d->n + 1) * sizeof *x), *top = x + d->n;
     if (!x) return rp_fail(RP_NO_MEMORY, "drop: out of memory");
     for (size_t i = 0; i < d->n; i++) {
         x[i] = d->states[i].x;
         top[i] = d->states[i].y + d->states[i].r;
     }
-    rp_status status = sweep_outline_rays(d->n, x, top, base, &v[OUT_rays_01]);
+    rp_status status = sweep_outline_rays(d->n, x, top, base, d->v->rays);
     free(x);
-    if (!status) v[OUT_excess] = stress_excess(base->N, &v[OUT_rays_01]);
+    if (!status) d->v->excess = stress_excess(base->N, d->v->rays);
     return status;
 }
 
 /* Anisotropy and principal direction of the contacts between disks of the flanks, the left flank mirrored. */
 static void measure_fabric(const drop *d, size_t n, const dem_contact contacts[], const stress_base *base)
 {
-    double cos2[2] = {0.0}, sin2[2] = {0.0}, weights[2] = {0.0}, *v = d->result->values;
+    double cos2[2] = {0.0}, sin2[2] = {0.0}, weights[2] = {0.0};
     for (const dem_contact *c = contacts; c < contacts + n; c++) {
         const double out = 0.5 * (c->x + c->x_b) - base->centroid;
         if (fabs(out) <= 0.1 * base->width || find(d, c->id_a) == d->n || !c->id_b ||
@@ -550,11 +548,12 @@ static void measure_fabric(const drop *d, size_t n, const dem_contact contacts[]
             weights[k] += weight[k];
         }
     }
-    v[OUT_fabric] = hypot(cos2[0], sin2[0]) / weights[0];
-    v[OUT_force_fabric] = hypot(cos2[1], sin2[1]) / weights[1];
+    drop_values *const v = d->v;
+    v->fabric = hypot(cos2[0], sin2[0]) / weights[0];
+    v->force_fabric = hypot(cos2[1], sin2[1]) / weights[1];
     /* turned by 90 degrees: from the vertical */
-    v[OUT_fabric_deg] = sweep_degrees(0.5 * atan2(-sin2[0], -cos2[0]));
-    v[OUT_force_deg] = sweep_degrees(0.5 * atan2(-sin2[1], -cos2[1]));
+    v->fabric_deg = sweep_degrees(0.5 * atan2(-sin2[0], -cos2[0]));
+    v->force_deg = sweep_degrees(0.5 * atan2(-sin2[1], -cos2[1]));
 }
 
 /* What a contact puts on the base: position and radius of the disk, load, force to the right. */
@@ -580,7 +579,8 @@ static bool load_of(const drop *d, const dem_contact *c, base_load *load)
 
 static rp_status measure_base(const drop *d, size_t n_contacts, const dem_contact contacts[])
 {
-    double *v = d->result->values, weight = 0.0, load = 0.0, disks = 0.0, outward = 0.0;
+    drop_values *const v = d->v;
+    double weight = 0.0, load = 0.0, disks = 0.0, outward = 0.0;
     size_t n = 0;
     double *x = malloc(4 * (n_contacts + 1) * sizeof *x), *r = x + n_contacts, *N = r + n_contacts,
            *H = N + n_contacts;
@@ -600,15 +600,15 @@ static rp_status measure_base(const drop *d, size_t n_contacts, const dem_contac
     }
     free(x);
     if (status) return status;
-    v[OUT_base_shear] = outward / load;
+    v->base_shear = outward / load;
     measure_fabric(d, n_contacts, contacts, &base);
-    v[OUT_balance] = 1.0 - load / weight;
-    v[OUT_base_disks] = disks;
-    v[OUT_width] = base.width;
-    v[OUT_centroid] = base.centroid;
-    v[OUT_dip] = stress_dip(base.N);
-    v[OUT_middle] = stress_middle(base.N);
-    memcpy(&v[OUT_n_01], base.N, sizeof base.N);
+    v->balance = 1.0 - load / weight;
+    v->base_disks = disks;
+    v->width = base.width;
+    v->centroid = base.centroid;
+    v->dip = stress_dip(base.N);
+    v->middle = stress_middle(base.N);
+    memcpy(v->n, base.N, sizeof base.N);
     return measure_rays(d, &base);
 }
 
@@ -639,16 +639,15 @@ static void leave_out_away(drop *d)
 static void conclude(const drop *d)
 {
     enum { LEAST_HEIGHT = 2 }; /* d: two rows of disks, the upper ones in gaps, are 1.87 high */
-    const double *v = d->result->values;
+    const drop_values *const v = d->v;
     char drops[110] = "", layer[110] = "";
-    const bool pile =
-        v[OUT_height] >= LEAST_HEIGHT && isfinite(v[OUT_left_deg]) && isfinite(v[OUT_right_deg]);
-    if (v[OUT_capped] > 0.0)
+    const bool pile = v->height >= LEAST_HEIGHT && isfinite(v->left_deg) && isfinite(v->right_deg);
+    if (v->capped > 0.0)
         snprintf(drops, sizeof drops, "%.0f of %ld drops had not come to rest after max_steps = %ld",
-                 v[OUT_capped], d->p->N, d->p->max_steps);
+                 v->capped, d->p->N, d->p->max_steps);
     if (!pile)
-        snprintf(layer, sizeof layer, "%.3g d high, slopes %.3g and %.3g degrees%s", v[OUT_height],
-                 v[OUT_left_deg], v[OUT_right_deg], *drops ? "; " : "");
+        snprintf(layer, sizeof layer, "%.3g d high, slopes %.3g and %.3g degrees%s", v->height, v->left_deg,
+                 v->right_deg, *drops ? "; " : "");
     const char *word = !pile ? "no_pile" : *drops ? "drops_not_at_rest" : !d->relaxed ? "not_at_rest" : "ok";
     sweep_conclude(d->result, word, "%s%s", layer, drops);
 }
@@ -658,7 +657,12 @@ static rp_status make(drop *d, const drop_params *p, unsigned long seed, unsigne
 {
     const size_t glued = glue(p, NULL);
     sweep_result_clear(result);
-    *d = (drop){.p = p, .result = result, .scene = make_scene(p), .n_glued = glued, .keep = keep};
+    *d = (drop){.p = p,
+                .result = result,
+                .v = (void *)result->values,
+                .scene = make_scene(p),
+                .n_glued = glued,
+                .keep = keep};
     RP_TRY(stack(p, seed, run, glued, d));
     const size_t n = d->n + (size_t)p->N;
     d->radii = rp_random_alloc(seed, run, RP_PURPOSE_RADII);
@@ -780,5 +784,5 @@ static rp_status fingerprint(char digits[33])
     return status;
 }
 
-SWEEP_PROTOCOL(drop, schema, drop_params, check,
+SWEEP_PROTOCOL(drop, schema, drop_params, drop_values, check,
                "a pile of disks dropped one at a time (Liffman, Chan & Hughes 1992, fig 20)");

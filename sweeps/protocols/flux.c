@@ -64,7 +64,9 @@ static const rp_param schema[] = {
     X(insertions_made, "", "length of the series, from the first") \
     X(steps, "", "steps in all")
 /* clang-format on */
-enum { OUTPUTS(SWEEP_OUTPUT_INDEX) N_OUTPUTS };
+typedef struct {
+    OUTPUTS(SWEEP_OUTPUT_MEMBER)
+} flux_values;
 static const sweep_output outputs[] = {OUTPUTS(SWEEP_OUTPUT_ROW){0}};
 
 /* One run in the making; a row of the series is the quiet state before an insertion. */
@@ -213,7 +215,7 @@ static double outflow(const flux *f, size_t k)
     return k > 0 ? f->grains[k - 1] + 1.0 - f->grains[k] : 0.0;
 }
 
-static void avalanches(const flux *f, size_t from, double *v)
+static void avalanches(const flux *f, size_t from, flux_values *v)
 {
     double before = 0.0, after = 0.0, count = 0.0;
     for (size_t k = from + 1; k < f->n; k++) {
@@ -222,9 +224,9 @@ static void avalanches(const flux *f, size_t from, double *v)
         after += f->theta[k];
         count++;
     }
-    v[OUT_avalanches] = count;
-    v[OUT_theta_ms_flux_deg] = before / count; /* NaN without any */
-    v[OUT_theta_ms_less_r_deg] = (before - after) / count;
+    v->avalanches = count;
+    v->theta_ms_flux_deg = before / count; /* NaN without any */
+    v->theta_ms_less_r_deg = (before - after) / count;
 }
 
 /* Largest of `draws` angles, one taken every two correlation times. NaN where there are too few. */
@@ -240,7 +242,8 @@ static rp_status maximum_of_draws(const flux *f, size_t from, double tau, double
 
 static rp_status analyse(flux *f)
 {
-    double *v = f->box.result->values, grains = 0.0, tower = 0.0;
+    flux_values *const v = (void *)f->box.result->values;
+    double grains = 0.0, tower = 0.0;
     size_t from;
     stats_series series;
     rp_status status = stats_level_off(f->n, f->theta, &from);
@@ -250,22 +253,22 @@ static rp_status analyse(flux *f)
     status = stats_blocking(f->n - from, f->theta + from, f->work, &series);
     if (status == RP_NO_RESULT) /* no errors, but a mean */
         sweep_conclude(f->box.result, "ok", "%s", rp_message());
-    if (!status) status = maximum_of_draws(f, from, series.tau, &v[OUT_theta_max_draws_deg]);
+    if (!status) status = maximum_of_draws(f, from, series.tau, &v->theta_max_draws_deg);
     if (status && status != RP_NO_RESULT) return status;
     for (size_t k = from; k < f->n; k++) {
         grains += f->grains[k];
         tower += f->tower[k];
     }
-    v[OUT_theta_max_deg] = gsl_stats_max(f->theta + from, 1, f->n - from);
-    v[OUT_level_step] = f->step[from];
-    v[OUT_level_insertion] = (double)from;
-    v[OUT_theta_deg] = series.mean;
-    v[OUT_theta_sd_deg] = series.sd;
-    v[OUT_theta_se_deg] = series.se;
-    v[OUT_tau_insertions] = series.tau;
-    v[OUT_decorrelated] = (double)series.n / (2.0 * series.tau);
-    v[OUT_grains] = grains / (double)series.n;
-    v[OUT_tower] = tower / (double)series.n;
+    v->theta_max_deg = gsl_stats_max(f->theta + from, 1, f->n - from);
+    v->level_step = f->step[from];
+    v->level_insertion = (double)from;
+    v->theta_deg = series.mean;
+    v->theta_sd_deg = series.sd;
+    v->theta_se_deg = series.se;
+    v->tau_insertions = series.tau;
+    v->decorrelated = (double)series.n / (2.0 * series.tau);
+    v->grains = grains / (double)series.n;
+    v->tower = tower / (double)series.n;
     avalanches(f, from, v);
     return RP_OK;
 }
@@ -328,8 +331,9 @@ static rp_status run_one(const void *params, unsigned long seed, unsigned long r
     flux f;
     rp_status status = make(&f, params, seed, run, tables, result);
     if (!status) status = analyse(&f);
-    result->values[OUT_insertions_made] = (double)f.n;
-    if (f.box.sim) result->values[OUT_steps] = (double)dem_step(f.box.sim);
+    flux_values *const v = (void *)result->values;
+    v->insertions_made = (double)f.n;
+    if (f.box.sim) v->steps = (double)dem_step(f.box.sim);
     if ((status == RP_OK || status == RP_NO_RESULT) && f.box.sim) {
         rp_status left = write_series(&f);
         if (!left) left = sweep_state_write(f.box.tables, f.box.sim, "pile");
@@ -356,5 +360,5 @@ static rp_status fingerprint(char digits[33])
     return finish(&f, status);
 }
 
-SWEEP_PROTOCOL(flux, schema, flux_params, check,
+SWEEP_PROTOCOL(flux, schema, flux_params, flux_values, check,
                "grains put in at the left, one by one, leave over the right edge (Lee & Herrmann 1993)");

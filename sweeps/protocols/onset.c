@@ -3,7 +3,6 @@
  * second time, with the same bits, and read at quarters of the tilting angle: which contacts slide, and which
  * grains move otherwise than the pile as a whole.
  */
-#include <assert.h>
 #include <gsl/gsl_math.h>
 #include <gsl/gsl_sort.h>
 #include <math.h>
@@ -62,30 +61,33 @@ static const double PROBE_DEG = 1.0;
     X(moved_surface_##k, "", "share of the grains that have moved 0.1 d: surface, 1.5 d, quarter " #k " from the wall") \
     X(moved_inside_##k, "", "the same of the inside, quarter " #k) \
     X(moved_floor_##k, "", "the same of the floor, grains below y = d, quarter " #k)
-#define LIMIT_INDICES(where, words) LIMIT(SWEEP_OUTPUT_INDEX, where, words)
+#define LIMIT_MEMBERS(where, words) LIMIT(SWEEP_OUTPUT_MEMBER, where, words)
 #define LIMIT_ROWS(where, words)    LIMIT(SWEEP_OUTPUT_ROW, where, words)
-#define ZONE_INDICES(k)             ZONE(SWEEP_OUTPUT_INDEX, k)
+#define ZONE_MEMBERS(k)             ZONE(SWEEP_OUTPUT_MEMBER, k)
 #define ZONE_ROWS(k)                ZONE(SWEEP_OUTPUT_ROW, k)
 #define STEPS(X) X(steps, "", "steps in all")
-enum {
-    OUTPUTS(SWEEP_OUTPUT_INDEX) CLASSES(LIMIT_INDICES) MOTION(SWEEP_OUTPUT_INDEX, half, "") MOTION(SWEEP_OUTPUT_INDEX, onset, "")
-    PLACES(SWEEP_OUTPUT_INDEX) COLUMNS(ZONE_INDICES) STEPS(SWEEP_OUTPUT_INDEX) N_OUTPUTS
-};
+enum { FLOOR, WALL, INSIDE, N_CLASSES };
+enum { N_COLUMNS = 4, SURFACE = 0, BULK = 1, BASE = 2, N_LAYERS = 3 };
+enum { NONAFFINE, NONAFFINE_SHARE, MOVES_X, MOVES_Y, MOVES_DEPTH, N_MOTIONS };
+typedef struct {
+    OUTPUTS(SWEEP_OUTPUT_MEMBER)
+    SWEEP_FAMILY(limit[N_CLASSES][N_QUARTERS], CLASSES(LIMIT_MEMBERS))
+    SWEEP_FAMILY(at_half[N_MOTIONS], MOTION(SWEEP_OUTPUT_MEMBER, half, ""))
+    SWEEP_FAMILY(at_onset[N_MOTIONS], MOTION(SWEEP_OUTPUT_MEMBER, onset, ""))
+    PLACES(SWEEP_OUTPUT_MEMBER)
+    SWEEP_FAMILY(moved[N_COLUMNS][N_LAYERS], COLUMNS(ZONE_MEMBERS))
+    STEPS(SWEEP_OUTPUT_MEMBER)
+} onset_values;
 static const sweep_output outputs[] = {
     OUTPUTS(SWEEP_OUTPUT_ROW) CLASSES(LIMIT_ROWS) MOTION(SWEEP_OUTPUT_ROW, half, "at half the tilting angle")
     MOTION(SWEEP_OUTPUT_ROW, onset, "at the tilting angle") PLACES(SWEEP_OUTPUT_ROW) COLUMNS(ZONE_ROWS)
     STEPS(SWEEP_OUTPUT_ROW) {0}};
 /* clang-format on */
-static_assert((int)N_OUTPUTS <= (int)SWEEP_MAX_OUTPUTS, "too many outputs");
-
-enum { FLOOR, WALL, INSIDE, N_CLASSES };
-enum { N_COLUMNS = 4, SURFACE = 0, BULK = 1, BASE = 2, N_LAYERS = 3 };
-
 typedef struct {
     const sweep_tilted *p;
     sweep_box_run box;
-    double *values;
-    double *depth; /* [1 + most] by id, of the grains of the pile at rest, in d */
+    onset_values *v; /* of the result */
+    double *depth;   /* [1 + most] by id, of the grains of the pile at rest, in d */
 } experiment;
 
 /* ---- the pile at rest ---- */
@@ -115,19 +117,19 @@ static rp_status measure_scatter(const ang_surface *s, double d, double *scatter
 /* Slopes of parts of the surface, its scatter, and the depth of each grain below it. */
 static rp_status measure_surface(experiment *e)
 {
-    double *v = e->values;
+    onset_values *const v = e->v;
     const ang_options options = sweep_box_options(&e->p->box);
     ang_surface s;
     rp_status status = sweep_box_surface(&e->box, &options, &s);
     const size_t half = s.n / 2, part = (2 * s.n + 4) / 5;
-    if (!status) status = line_through(&s, 0, half, &v[OUT_theta_upper_deg]);
-    if (!status) status = line_through(&s, s.n - half, half, &v[OUT_theta_lower_deg]);
+    if (!status) status = line_through(&s, 0, half, &v->theta_upper_deg);
+    if (!status) status = line_through(&s, s.n - half, half, &v->theta_lower_deg);
     for (size_t k = 0; !status && k + part <= s.n; k++) {
         double theta_deg = NAN;
         status = line_through(&s, k, part, &theta_deg);
-        v[OUT_theta_steepest_deg] = fmax(v[OUT_theta_steepest_deg], theta_deg);
+        v->theta_steepest_deg = fmax(v->theta_steepest_deg, theta_deg);
     }
-    if (!status) status = measure_scatter(&s, e->box.d, &v[OUT_scatter]);
+    if (!status) status = measure_scatter(&s, e->box.d, &v->scatter);
     /* the highest centre of each column */
     double *top = e->box.work;
     for (size_t c = 0; !status && c < s.n_cells; c++) top[c] = 0.0;
@@ -190,7 +192,8 @@ static limits count_limits(const experiment *e, size_t n, const dem_contact cont
 /* Floor force, mean stress and fabric of the contacts. */
 static void measure_forces(experiment *e, size_t n, const dem_contact contacts[])
 {
-    double *v = e->values, normal = 0.0, along = 0.0, cos2 = 0.0, sin2 = 0.0, inside = 0.0;
+    onset_values *const v = e->v;
+    double normal = 0.0, along = 0.0, cos2 = 0.0, sin2 = 0.0, inside = 0.0;
     stress_tensor s = {0};
     int where;
     for (const dem_contact *c = contacts; c < contacts + n; c++) {
@@ -206,17 +209,18 @@ static void measure_forces(experiment *e, size_t n, const dem_contact contacts[]
         sin2 += 2.0 * lx * ly / (l * l);
         inside += 1.0;
     }
-    v[OUT_floor_friction_0] = along / normal;
-    v[OUT_bulk_friction_0] = tan(stress_mohr(&s).mobilised);
-    v[OUT_fabric] = hypot(cos2, sin2) / inside;
-    v[OUT_fabric_shear] = sin2 / inside;
-    v[OUT_limit_force_0] = count_limits(e, n, contacts).force;
+    v->floor_friction_0 = along / normal;
+    v->bulk_friction_0 = tan(stress_mohr(&s).mobilised);
+    v->fabric = hypot(cos2, sin2) / inside;
+    v->fabric_shear = sin2 / inside;
+    v->limit_force_0 = count_limits(e, n, contacts).force;
 }
 
 /* Numbers of the grains of the pile. */
 static void measure_grains(experiment *e)
 {
-    double *v = e->values, n = 0.0, contacts = 0.0, rattlers = 0.0, x = 0.0, y = 0.0, depth = 0.0;
+    onset_values *const v = e->v;
+    double n = 0.0, contacts = 0.0, rattlers = 0.0, x = 0.0, y = 0.0, depth = 0.0;
     for (size_t i = 0; i < dem_count(e->box.sim); i++) {
         const dem_state *s = &e->box.states[i];
         if (isnan(e->box.x[s->id])) continue;
@@ -227,13 +231,13 @@ static void measure_grains(experiment *e)
         y += s->y / e->box.d;
         depth += e->depth[s->id];
     }
-    v[OUT_grains] = n;
-    v[OUT_contact_number] = contacts / n;
-    v[OUT_rattlers] = rattlers / n;
-    v[OUT_all_x] = x / n;
-    v[OUT_all_y] = y / n;
-    v[OUT_all_depth] = depth / n;
-    v[OUT_psi6] = sweep_bond_order(dem_count(e->box.sim), e->box.states, NULL, NULL);
+    v->grains = n;
+    v->contact_number = contacts / n;
+    v->rattlers = rattlers / n;
+    v->all_x = x / n;
+    v->all_y = y / n;
+    v->all_depth = depth / n;
+    v->psi6 = sweep_bond_order(dem_count(e->box.sim), e->box.states, NULL, NULL);
 }
 
 /* ---- Phases, each from where the last one ends, or from where a snapshot was written ---- */
@@ -241,7 +245,7 @@ static void measure_grains(experiment *e)
 static rp_status note_pile(void *data)
 {
     experiment *e = data;
-    double *v = e->values;
+    onset_values *const v = e->v;
     ang_slope slopes[ANG_N_METHODS];
     ang_tilt_result theory;
     dem_contact *contacts = NULL;
@@ -254,11 +258,11 @@ static rp_status note_pile(void *data)
     measure_forces(e, n, contacts);
     measure_grains(e);
     free(contacts);
-    v[OUT_theta_r3_deg] = sweep_degrees(slopes[2].theta);
+    v->theta_r3_deg = sweep_degrees(slopes[2].theta);
     if (!(slopes[2].theta < 0.0)) {
         RP_TRY(ang_tilt(ANG_BALANCED, e->box.scene.def.walls[DEM_BOX_FLOOR].material.mu, slopes[2].theta,
                         M_PI / 3.0, &theory));
-        v[OUT_theta_t_theory_deg] = sweep_degrees(theory.theta_t);
+        v->theta_t_theory_deg = sweep_degrees(theory.theta_t);
     }
     return dem_clone(e->box.sim, &e->box.rested);
 }
@@ -266,7 +270,7 @@ static rp_status note_pile(void *data)
 static rp_status find_onset(void *data)
 {
     experiment *e = data;
-    double *theta_t = &e->values[OUT_theta_t_displacement_deg];
+    double *theta_t = &e->v->theta_t_displacement_deg;
     rp_status status = sweep_box_tilt(&e->box, false, e->p->tilt_rate_deg, theta_t, NULL);
     return !status && isnan(*theta_t) ? sweep_conclude(e->box.result, "stable", "stable at 60 degrees")
                                       : status;
@@ -325,8 +329,8 @@ static rp_status measure_motion(experiment *e, motion *m)
     return status;
 }
 
-/* Where grains move otherwise than the pile. `v`: the outputs of MOTION. */
-static void note_motion(const experiment *e, const motion *m, double *v)
+/* Where grains move otherwise than the pile. */
+static void note_motion(const experiment *e, const motion *m, double of[N_MOTIONS])
 {
     double sum = 0.0, x = 0.0, y = 0.0, depth = 0.0;
     for (size_t i = 0; i < m->n; i++) {
@@ -336,11 +340,11 @@ static void note_motion(const experiment *e, const motion *m, double *v)
         y += m->square[i] * e->box.y[id] / e->box.d;
         depth += m->square[i] * e->depth[id];
     }
-    v[0] = sqrt(sum / (double)m->n);
-    v[1] = sum / m->about_mean;
-    v[2] = x / sum;
-    v[3] = y / sum;
-    v[4] = depth / sum;
+    of[NONAFFINE] = sqrt(sum / (double)m->n);
+    of[NONAFFINE_SHARE] = sum / m->about_mean;
+    of[MOVES_X] = x / sum;
+    of[MOVES_Y] = y / sum;
+    of[MOVES_DEPTH] = depth / sum;
 }
 
 /* Shares of the grains that have moved 0.1 d, zone by zone. */
@@ -357,32 +361,30 @@ static void note_zones(experiment *e, const motion *m)
         moved[column][layer] += gsl_pow_2(m->ux[i]) + gsl_pow_2(m->uy[i]) > 0.01;
     }
     for (int k = 0; k < N_COLUMNS; k++)
-        for (int j = 0; j < N_LAYERS; j++)
-            e->values[OUT_moved_surface_1 + k * N_LAYERS + j] = moved[k][j] / all[k][j];
+        for (int j = 0; j < N_LAYERS; j++) e->v->moved[k][j] = moved[k][j] / all[k][j];
 }
 
 /* `quarter`: of the tilting angle; negative at PROBE_DEG. */
 static rp_status read_pile(experiment *e, int quarter)
 {
-    double *v = e->values;
+    onset_values *const v = e->v;
     dem_contact *contacts = NULL;
     size_t n = 0;
     motion m;
     RP_TRY(dem_contacts(e->box.sim, &contacts, &n));
     const limits l = count_limits(e, n, contacts);
     free(contacts);
-    for (int k = 0; quarter >= 0 && k < N_CLASSES; k++)
-        v[OUT_limit_floor_0 + k * N_QUARTERS + quarter] = l.where[k];
+    for (int k = 0; quarter >= 0 && k < N_CLASSES; k++) v->limit[k][quarter] = l.where[k];
     if (quarter >= 0 && quarter != HALF && quarter != ONSET) return RP_OK;
     RP_TRY(measure_motion(e, &m));
-    if (quarter == HALF) note_motion(e, &m, &v[OUT_nonaffine_half]);
-    if (quarter == ONSET) note_motion(e, &m, &v[OUT_nonaffine_onset]);
+    if (quarter == HALF) note_motion(e, &m, v->at_half);
+    if (quarter == ONSET) note_motion(e, &m, v->at_onset);
     if (quarter == ONSET) note_zones(e, &m);
     if (quarter >= 0) return RP_OK;
-    v[OUT_limit_probe] = l.all;
+    v->limit_probe = l.all;
     for (size_t i = 0; i < m.n; i++) m.square[i] = hypot(m.ux[i], m.uy[i]);
     gsl_sort(m.square, 1, m.n);
-    v[OUT_reach_probe] = m.square[(size_t)(0.95 * ((double)m.n - 1.0))];
+    v->reach_probe = m.square[(size_t)(0.95 * ((double)m.n - 1.0))];
     return RP_OK;
 }
 
@@ -390,7 +392,7 @@ static rp_status read_pile(experiment *e, int quarter)
 static rp_status tilt_again(void *data)
 {
     experiment *e = data;
-    const double rate = e->p->tilt_rate_deg, theta_t = e->values[OUT_theta_t_displacement_deg];
+    const double rate = e->p->tilt_rate_deg, theta_t = e->v->theta_t_displacement_deg;
     struct {
         long turned; /* steps */
         int quarter;
@@ -419,7 +421,7 @@ static rp_status run_phases(experiment *e)
     sweep_keep *const keep = e->box.keep;
     sweep_keep_enter(keep, e->depth, (e->box.most + 1) * sizeof *e->depth);
     const rp_status status = sweep_tilted_phases(&e->box, sizeof phases / sizeof *phases, phases, e);
-    e->values[OUT_steps] = sweep_box_steps(&e->box);
+    e->v->steps = sweep_box_steps(&e->box);
     return status;
 }
 
@@ -427,7 +429,7 @@ static rp_status run_one(const void *params, unsigned long seed, unsigned long r
                          const sweep_tables *tables, sweep_result *result)
 {
     const sweep_tilted *p = params;
-    experiment e = {.p = p, .values = result->values};
+    experiment e = {.p = p, .v = (void *)result->values};
     rp_status status = sweep_box_begin_filled(&e.box, &p->box, seed, run, tables, result);
     if (!status) e.depth = calloc(e.box.most + 1, sizeof *e.depth);
     if (!status && !e.depth) status = rp_fail(RP_NO_MEMORY, "onset: out of memory");
@@ -446,5 +448,5 @@ static rp_status fingerprint(char digits[33])
 }
 
 SWEEP_PROTOCOL(
-    onset, sweep_tilted_schema, sweep_tilted, sweep_tilted_check,
+    onset, sweep_tilted_schema, sweep_tilted, onset_values, sweep_tilted_check,
     "the pile of `repose`, tilted until it moves: what predicts the angle, what slides and moves first");

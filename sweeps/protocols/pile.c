@@ -70,9 +70,11 @@ const rp_param sweep_pile_schema[] = {
     X(left_deg, "degree", "slope of the left side; of a tent from the edge to the top") \
     X(right_deg, "degree", "slope of the right side; of a tent from the edge to the top")
 /* clang-format on */
-enum { OUTPUTS(SWEEP_OUTPUT_INDEX) STRESS_DIP_BIN_LIST(SWEEP_N_INDEX) N_OUTPUTS };
+typedef struct {
+    OUTPUTS(SWEEP_OUTPUT_MEMBER)
+    SWEEP_FAMILY(n[STRESS_DIP_BINS], STRESS_DIP_BIN_LIST(SWEEP_N_MEMBER))
+} pile_values;
 static const sweep_output outputs[] = {OUTPUTS(SWEEP_OUTPUT_ROW) STRESS_DIP_BIN_LIST(SWEEP_N_ROW){0}};
-static_assert((int)N_OUTPUTS <= (int)SWEEP_MAX_OUTPUTS, "too many outputs");
 
 static rp_status outline(const sweep_pile *p, an_point v[5], size_t *n)
 {
@@ -150,7 +152,7 @@ static rp_status check(const void *params)
 
 /* Slopes of the outline, and root mean square deviations of N and H from its continuum, over the largest of
  * its; the continuum has none at 60 degrees. */
-static void compare_continuum(const sweep_solved *s, const double x[], double *v)
+static void compare_continuum(const sweep_solved *s, const double x[], pile_values *v)
 {
     const sweep_outline *h = s->h;
     double sum[2] = {0}, most[2] = {0};
@@ -158,7 +160,7 @@ static void compare_continuum(const sweep_solved *s, const double x[], double *v
     size_t n;
     an_profile profile;
     if (!(s->p->alpha_deg > 0) || outline(s->p, corners, &n)) return;
-    v[OUT_left_deg] = v[OUT_right_deg] = atan(corners[n / 2].y / 0.5) * 180 / M_PI;
+    v->left_deg = v->right_deg = atan(corners[n / 2].y / 0.5) * 180 / M_PI;
     if (an_profile_set(&profile, corners, n)) return;
     for (size_t i = 0; i < h->k; i++) {
         const double at = 0.5 + (x[i] - (x[0] + x[h->k - 1]) / 2) / h->B;
@@ -169,8 +171,8 @@ static void compare_continuum(const sweep_solved *s, const double x[], double *v
         most[0] = fmax(most[0], f.N);
         most[1] = fmax(most[1], fabs(f.H));
     }
-    v[OUT_N_continuum_rms] = sqrt(sum[0] / (double)h->k) / most[0];
-    v[OUT_H_continuum_rms] = sqrt(sum[1] / (double)h->k) / most[1];
+    v->N_continuum_rms = sqrt(sum[0] / (double)h->k) / most[0];
+    v->H_continuum_rms = sqrt(sum[1] / (double)h->k) / most[1];
 }
 
 static double middle_slope(const sweep_outline *h, const double x[], const double H[])
@@ -187,7 +189,7 @@ static double middle_slope(const sweep_outline *h, const double x[], const doubl
 }
 
 /* Of the contacts that are the strongest, or the weakest, of a disk: the part in a row. */
-static rp_status find_level(const statics_pile *pile, double *v)
+static rp_status find_level(const statics_pile *pile, pile_values *v)
 {
     statics_contact *list;
     size_t n, all[2] = {0}, level[2] = {0};
@@ -199,34 +201,34 @@ static rp_status find_level(const statics_pile *pile, double *v)
         level[1] += list[i].weakest && list[i].horizontal;
     }
     free(list);
-    v[OUT_strongest_level] = (double)level[0] / (double)all[0];
-    v[OUT_weakest_level] = (double)level[1] / (double)all[1];
+    v->strongest_level = (double)level[0] / (double)all[0];
+    v->weakest_level = (double)level[1] / (double)all[1];
     return RP_OK;
 }
 
 /* As of protocol drop, from the load of the base disks alone. A single disk has no profile. Diagonal contacts
  * alone, `exact` (NULL: not known), are rays of 60 degrees under the pile's own steps. */
 static rp_status base_profile(size_t k, const double x[], const double r[], const double N[],
-                              const double exact[], double *v)
+                              const double exact[], pile_values *v)
 {
     stress_base base, diagonals;
     double rays[STRESS_DIP_BINS];
     rp_status status = stress_base_profile(k, x, r, N, &base);
     if (status) return status == RP_NO_RESULT ? RP_OK : status;
-    memcpy(&v[OUT_n_01], base.N, sizeof base.N);
-    v[OUT_D] = stress_dip(base.N);
-    v[OUT_middle] = stress_middle(base.N);
+    memcpy(v->n, base.N, sizeof base.N);
+    v->D = stress_dip(base.N);
+    v->middle = stress_middle(base.N);
     if (!exact) return RP_OK;
     stress_base_bins(&base, k, x, r, exact, rays);
-    v[OUT_excess] = stress_excess(base.N, rays);
+    v->excess = stress_excess(base.N, rays);
     status = stress_base_profile(k, x, r, exact, &diagonals);
-    v[OUT_D_diagonals] = stress_dip(diagonals.N);
-    v[OUT_middle_diagonals] = stress_middle(diagonals.N);
+    v->D_diagonals = stress_dip(diagonals.N);
+    v->middle_diagonals = stress_middle(diagonals.N);
     return status;
 }
 
 /* Beside diagonals alone, `exact` is room for 2 k numbers. */
-static void compare_diagonals(sweep_solved *s, const double x[], double exact[], double *v)
+static void compare_diagonals(sweep_solved *s, const double x[], double exact[], pile_values *v)
 {
     const sweep_outline *h = s->h;
     const size_t k = h->k;
@@ -242,15 +244,15 @@ static void compare_diagonals(sweep_solved *s, const double x[], double exact[],
         thrust += side * s->H[i];
         exact_thrust += side * exact[k + i];
     }
-    v[OUT_H_N_max_diagonals] = sweep_outline_friction(k, exact, exact + k);
-    v[OUT_H_ratio] = s->H_ratio = H_most / exact_most;
-    v[OUT_thrust_ratio] = thrust / exact_thrust;
-    v[OUT_N_error_rms] = s->N_error_rms = sqrt(squares / (double)k);
-    v[OUT_N_error_max] = s->N_error_max = most;
-    v[OUT_H_slope_ratio] = middle_slope(h, x, s->H);
+    v->H_N_max_diagonals = sweep_outline_friction(k, exact, exact + k);
+    v->H_ratio = s->H_ratio = H_most / exact_most;
+    v->thrust_ratio = thrust / exact_thrust;
+    v->N_error_rms = s->N_error_rms = sqrt(squares / (double)k);
+    v->N_error_max = s->N_error_max = most;
+    v->H_slope_ratio = middle_slope(h, x, s->H);
 }
 
-static rp_status measure(sweep_solved *s, double *v)
+static rp_status measure(sweep_solved *s, pile_values *v)
 {
     const size_t k = s->r.wells;
     double *x = malloc((4 * k + 1) * sizeof *x), *r = x + k;
@@ -264,7 +266,7 @@ static rp_status measure(sweep_solved *s, double *v)
     rp_status status = base_profile(k, x, r, s->N, exact, v);
     if (!status) status = find_level(s->pile, v);
     if (!status) {
-        v[OUT_H_N_max] = sweep_outline_friction(k, s->N, s->H);
+        v->H_N_max = sweep_outline_friction(k, s->N, s->H);
         compare_continuum(s, x, v);
     }
     free(x);
@@ -280,22 +282,22 @@ rp_status sweep_pile_solve(const sweep_pile *p, const sweep_outline *h,
     def.context = context;
     *s = (sweep_solved){.p = p, .h = h, .N_error_rms = NAN, .N_error_max = NAN, .H_ratio = NAN};
     sweep_result_clear(results);
-    results->values[OUT_n_disks] = (double)h->n;
+    pile_values *const v = (void *)results->values;
+    v->n_disks = (double)h->n;
     rp_status status = statics_create(&def, &s->pile);
     if (!status) status = statics_solve(s->pile, &s->r);
     if (status && status != RP_NO_RESULT) return status;
     sweep_conclude(results, statics_fault_texts[s->r.fault], "%s", status ? rp_message() : "");
-    double *v = results->values;
-    v[OUT_negative_modes] = status ? NAN : (double)s->r.negative_modes;
-    v[OUT_smallest_pivot] = status ? NAN : s->r.smallest_pivot;
-    v[OUT_contacts] = (double)s->r.contacts;
-    v[OUT_horizontal] = (double)s->r.horizontal;
-    v[OUT_broken] = (double)s->r.broken;
-    v[OUT_jumps] = (double)s->r.jumps;
-    v[OUT_load] = s->r.load;
-    v[OUT_residual] = s->r.residual;
-    v[OUT_energy] = s->r.energy;
-    v[OUT_released] = s->r.released;
+    v->negative_modes = status ? NAN : (double)s->r.negative_modes;
+    v->smallest_pivot = status ? NAN : s->r.smallest_pivot;
+    v->contacts = (double)s->r.contacts;
+    v->horizontal = (double)s->r.horizontal;
+    v->broken = (double)s->r.broken;
+    v->jumps = (double)s->r.jumps;
+    v->load = s->r.load;
+    v->residual = s->r.residual;
+    v->energy = s->r.energy;
+    v->released = s->r.released;
     if (status) return rp_fail(status, "%s", results->message);
     s->disk = malloc((s->r.wells + 1) * sizeof *s->disk);
     s->N = malloc((2 * s->r.wells + 1) * sizeof *s->N);
@@ -330,7 +332,8 @@ rp_status sweep_pile_threshold(const sweep_pile *p, const sweep_outline *h, swee
     const double PRECISION = 1e-4, WIDEN = 2, EPS_MAX = 0.1;
     double lo = 0, hi = 0, eps = p->eps;
     sweep_result_clear(results);
-    results->values[OUT_n_disks] = (double)h->n;
+    pile_values *const v = (void *)results->values;
+    v->n_disks = (double)h->n;
     while (!(lo > 0 && hi > 0 && hi / lo < 1 + PRECISION)) {
         bool stable = false;
         statics_result r;
@@ -347,7 +350,7 @@ rp_status sweep_pile_threshold(const sweep_pile *p, const sweep_outline *h, swee
         }
         eps = !(hi > 0) ? fmin(lo * WIDEN, EPS_MAX) : !(lo > 0) ? hi / WIDEN : sqrt(lo * hi);
     }
-    results->values[OUT_eps_c] = lo;
+    v->eps_c = lo;
     return sweep_conclude(results, "ok", NULL);
 }
 
@@ -384,7 +387,7 @@ static rp_status run_short(const rp_param *changed, const char *word, void *cont
     if (all->n == MOST_SHORT) return rp_fail(RP_BROKEN, "more than %d short runs of piles", MOST_SHORT);
     sweep_result *result = &all->results[all->n++];
     rp_status status = run_one(&all->p, 1, 0, NULL, result);
-    for (size_t i = 0; i < N_OUTPUTS; i++) result->values[i] = floor(result->values[i] * 1e6 + 0.5);
+    for (size_t i = 0; i < SWEEP_MAX_OUTPUTS; i++) result->values[i] = floor(result->values[i] * 1e6 + 0.5);
     return status;
 }
 
@@ -412,5 +415,5 @@ static rp_status fingerprint(char digits[33])
     return RP_OK;
 }
 
-SWEEP_PROTOCOL(pile, sweep_pile_schema, sweep_pile, check,
+SWEEP_PROTOCOL(pile, sweep_pile_schema, sweep_pile, pile_values, check,
                "static equilibrium of a close-packed pile of soft disks (Liffman, Chan & Hughes 1992)");

@@ -57,10 +57,11 @@ static const rp_param schema[] = {
 enum { N_SURFACES = 0 ANG_SURFACES(ONE), N_SLOPES = ANG_N_METHODS + 1 };
 
 /* clang-format off */
-#define OUTPUTS(X) \
+#define SLOPES(X) \
     X(theta_r1_deg, "degree", "slope by method 1, first to last cell") \
     X(theta_r2_deg, "degree", "slope by method 2, straight line") \
-    X(theta_r3_deg, "degree", "slope by method 3, parabola through the running sum") \
+    X(theta_r3_deg, "degree", "slope by method 3, parabola through the running sum")
+#define OUTPUTS(X) \
     X(theta_r3_error_deg, "degree", "standard error of method 3 within the pile") \
     X(theta_r12_deg, "degree", "method 1 less method 2, of the same pile") \
     X(theta_r23_deg, "degree", "method 2 less method 3, of the same pile") \
@@ -84,18 +85,22 @@ enum { N_SURFACES = 0 ANG_SURFACES(ONE), N_SLOPES = ANG_N_METHODS + 1 };
     X(theta_r2_##height##_##empty##_deg, "degree", "method 2 for height = " #height ", empty = " #empty) \
     X(theta_r3_##height##_##empty##_deg, "degree", "method 3, parabola = free, for height = " #height ", empty = " #empty) \
     X(theta_r3_##height##_##empty##_origin_deg, "degree", "method 3, parabola = origin, for height = " #height ", empty = " #empty)
-#define SURFACE_INDICES(height, empty) SURFACE(SWEEP_OUTPUT_INDEX, height, empty)
+#define SURFACE_MEMBERS(height, empty) SURFACE(SWEEP_OUTPUT_MEMBER, height, empty)
 #define SURFACE_ROWS(height, empty) SURFACE(SWEEP_OUTPUT_ROW, height, empty)
 /* clang-format on */
-enum { OUTPUTS(SWEEP_OUTPUT_INDEX) ANG_SURFACES(SURFACE_INDICES) N_OUTPUTS };
-static const sweep_output outputs[] = {OUTPUTS(SWEEP_OUTPUT_ROW) ANG_SURFACES(SURFACE_ROWS){0}};
-static_assert((int)N_OUTPUTS <= (int)SWEEP_MAX_OUTPUTS, "too many outputs");
+typedef struct {
+    SWEEP_FAMILY(theta_deg[ANG_N_METHODS], SLOPES(SWEEP_OUTPUT_MEMBER))
+    OUTPUTS(SWEEP_OUTPUT_MEMBER)
+    SWEEP_FAMILY(surface_deg[N_SURFACES][N_SLOPES], ANG_SURFACES(SURFACE_MEMBERS))
+} repose_values;
+static const sweep_output outputs[] = {SLOPES(SWEEP_OUTPUT_ROW) OUTPUTS(SWEEP_OUTPUT_ROW)
+                                           ANG_SURFACES(SURFACE_ROWS){0}};
 
 /* One run in the making. */
 typedef struct {
     const repose_params *p;
     sweep_box_run box;
-    double *values; /* of the result */
+    repose_values *v; /* of the result */
 } experiment;
 
 static rp_status check(const void *params)
@@ -157,7 +162,7 @@ static long ramp_steps(const experiment *e)
 
 static rp_status note_filling(experiment *e, rp_status status)
 {
-    e->values[OUT_fill_steps_used] = (double)dem_step(e->box.sim);
+    e->v->fill_steps_used = (double)dem_step(e->box.sim);
     return status;
 }
 
@@ -192,7 +197,7 @@ static rp_status fill_to_rest(experiment *e)
     note_filling(e, status);
     if (!status) status = dem_states(e->box.sim, e->box.states);
     if (status) return status;
-    e->values[OUT_psi6] = sweep_bond_order(dem_count(e->box.sim), e->box.states, NULL, NULL);
+    e->v->psi6 = sweep_bond_order(dem_count(e->box.sim), e->box.states, NULL, NULL);
     return sweep_state_write(e->box.tables, e->box.sim, "filled");
 }
 
@@ -201,7 +206,7 @@ static rp_status open_box(experiment *e)
     long opened_at = dem_step(e->box.sim);
     SWEEP_ENTER(e->box.keep, opened_at);
     rp_status status = sweep_box_open(&e->box, e->p->stop == STOP_REST ? 0 : e->p->relax_steps);
-    e->values[OUT_relax_steps_used] = (double)(dem_step(e->box.sim) - opened_at);
+    e->v->relax_steps_used = (double)(dem_step(e->box.sim) - opened_at);
     sweep_keep_leave(e->box.keep, 1);
     return status;
 }
@@ -209,14 +214,14 @@ static rp_status open_box(experiment *e)
 /* Outputs of any state. */
 static rp_status note_state(experiment *e)
 {
-    double *v = e->values;
+    repose_values *const v = e->v;
     dem_rest rest;
     bool quiet;
     RP_TRY(sweep_box_rest(&e->box, &rest, &quiet));
-    v[OUT_grains] = (double)rest.n;
-    v[OUT_contact_number] = rest.contact_number;
-    v[OUT_residual_energy] = rest.kinetic_energy / (e->box.mg * e->box.d);
-    v[OUT_residual_force] = rest.net_force / e->box.mg;
+    v->grains = (double)rest.n;
+    v->contact_number = rest.contact_number;
+    v->residual_energy = rest.kinetic_energy / (e->box.mg * e->box.d);
+    v->residual_force = rest.net_force / e->box.mg;
     return RP_OK;
 }
 
@@ -238,13 +243,13 @@ static rp_status local_slope(const ang_surface *s, size_t from, size_t to, doubl
 /* The middle cell of an odd number belongs to neither half. */
 static rp_status measure_halves(experiment *e)
 {
-    double *upper = &e->values[OUT_theta_upper_deg], lower = NAN;
+    double *const upper = &e->v->theta_upper_deg, lower = NAN;
     const ang_options options = sweep_box_options(&e->p->box);
     ang_surface s;
     rp_status status = sweep_box_surface(&e->box, &options, &s);
     if (!status) status = local_slope(&s, 0, s.n_cells / 2, upper);
     if (!status) status = local_slope(&s, s.n_cells - s.n_cells / 2, s.n_cells, &lower);
-    e->values[OUT_theta_lower_less_upper_deg] = lower - *upper;
+    e->v->theta_lower_less_upper_deg = lower - *upper;
     ang_surface_free(&s);
     return status;
 }
@@ -254,7 +259,7 @@ static rp_status measure_variants(experiment *e)
 {
     rp_status status = RP_OK;
     for (int k = 0; !status && k < N_SURFACES; k++) {
-        double *v = e->values + OUT_theta_r1_centre_zero_deg + k * N_SLOPES;
+        double *const theta_deg = e->v->surface_deg[k];
         const ang_options options = {e->box.d, (ang_height)(k / 2), (ang_empty)(k % 2), ANG_PARABOLA_FREE};
         ang_surface s;
         ang_slope free[ANG_N_METHODS], origin[ANG_N_METHODS];
@@ -263,22 +268,22 @@ static rp_status measure_variants(experiment *e)
         if (!status) status = ang_slopes(s.n, s.column, s.h, s.cell, ANG_PARABOLA_ORIGIN, origin);
         ang_surface_free(&s);
         if (status) break;
-        for (int m = 0; m < ANG_N_METHODS; m++) v[m] = sweep_degrees(free[m].theta);
-        v[ANG_N_METHODS] = sweep_degrees(origin[2].theta);
+        for (int m = 0; m < ANG_N_METHODS; m++) theta_deg[m] = sweep_degrees(free[m].theta);
+        theta_deg[ANG_N_METHODS] = sweep_degrees(origin[2].theta);
     }
     return status;
 }
 
 static rp_status measure_pile(experiment *e)
 {
-    double *v = e->values;
+    repose_values *const v = e->v;
     ang_slope slopes[ANG_N_METHODS];
     RP_TRY(note_state(e));
     RP_TRY(sweep_box_pile_slopes(&e->box, slopes));
-    for (int m = 0; m < ANG_N_METHODS; m++) v[OUT_theta_r1_deg + m] = sweep_degrees(slopes[m].theta);
-    v[OUT_theta_r3_error_deg] = sweep_degrees(slopes[2].theta_se);
-    v[OUT_theta_r12_deg] = v[OUT_theta_r1_deg] - v[OUT_theta_r2_deg];
-    v[OUT_theta_r23_deg] = v[OUT_theta_r2_deg] - v[OUT_theta_r3_deg];
+    for (int m = 0; m < ANG_N_METHODS; m++) v->theta_deg[m] = sweep_degrees(slopes[m].theta);
+    v->theta_r3_error_deg = sweep_degrees(slopes[2].theta_se);
+    v->theta_r12_deg = v->theta_r1_deg - v->theta_r2_deg;
+    v->theta_r23_deg = v->theta_r2_deg - v->theta_r3_deg;
     RP_TRY(measure_halves(e));
     return measure_variants(e);
 }
@@ -290,14 +295,14 @@ static void turn(experiment *e, double deg_per_step)
 
 static rp_status tilt_at_rate(experiment *e)
 {
-    double *v = e->values;
+    repose_values *const v = e->v;
     /* the tilt that resumes has its positions */
     rp_status status = sweep_keep_resumes(e->box.keep) ? RP_OK : sweep_box_note(&e->box);
     if (!status)
         status = sweep_box_tilt(&e->box, e->p->tilt == TILT_BOX, e->p->tilt_rate_deg,
-                                &v[OUT_theta_t_displacement_deg], &v[OUT_theta_t_energy_deg]);
-    v[OUT_theta_rt_deg] = v[OUT_theta_r3_deg] + v[OUT_theta_t_displacement_deg];
-    if (!status && (isnan(v[OUT_theta_t_displacement_deg]) || isnan(v[OUT_theta_t_energy_deg])))
+                                &v->theta_t_displacement_deg, &v->theta_t_energy_deg);
+    v->theta_rt_deg = v->theta_r3_deg + v->theta_t_displacement_deg;
+    if (!status && (isnan(v->theta_t_displacement_deg) || isnan(v->theta_t_energy_deg)))
         snprintf(e->box.result->message, sizeof e->box.result->message,
                  "tilt: stable, by a criterion, at 60 degrees");
     return status;
@@ -328,7 +333,7 @@ static rp_status tilt_quasi_static(experiment *e)
         if (restless) status = RP_OK;
         size_t moved = 0;
         if (!status) status = sweep_box_moved(&e->box, 0.5 * e->box.d, 2, &moved);
-        if (!status && moved > 0) e->values[OUT_theta_t_static_deg] = now.turned;
+        if (!status && moved > 0) e->v->theta_t_static_deg = now.turned;
         if (moved > 0 || restless) break; /* restless without moving: no angle, the message says why */
         now.part = TO_TURN;
     }
@@ -381,7 +386,7 @@ static rp_status run_phases(experiment *e)
     sweep_keep_leave(e->box.keep, 1);
     if (!status)
         status = sweep_conclude(e->box.result, e->p->stop == STOP_REST ? "ok" : "ok_fixed_time", NULL);
-    e->values[OUT_steps] = sweep_box_steps(&e->box);
+    e->v->steps = sweep_box_steps(&e->box);
     if (status != RP_NO_RESULT || !e->box.sim) return status;
     /* a run without a result leaves what there is to look at */
     rp_status left = note_state(e);
@@ -394,10 +399,10 @@ static rp_status run_one(const void *params, unsigned long seed, unsigned long r
                          const sweep_tables *tables, sweep_result *result)
 {
     const repose_params *p = params;
-    experiment e = {.p = p, .values = result->values};
+    experiment e = {.p = p, .v = (void *)result->values};
     rp_status status = sweep_box_begin_filled(&e.box, &p->box, seed, run, tables, result);
     if (!status) status = run_phases(&e);
-    e.values[OUT_cells] = e.box.cells;
+    e.v->cells = e.box.cells;
     return sweep_box_end(&e.box, status);
 }
 
@@ -428,5 +433,5 @@ static rp_status fingerprint(char digits[33])
     return sweep_physics_add(digits);
 }
 
-SWEEP_PROTOCOL(repose, schema, repose_params, check,
+SWEEP_PROTOCOL(repose, schema, repose_params, repose_values, check,
                "fill a box, open its right wall, measure the slope at rest, tilt (Lee & Herrmann 1993)");

@@ -43,7 +43,9 @@ enum { N_TILTS = sizeof tilts_deg / sizeof *tilts_deg, N_FITTED = 4, LEAST_TILTS
     X(grains, "", "grains with 0 < x < W in the pile") \
     X(steps, "", "steps in all")
 /* clang-format on */
-enum { OUTPUTS(SWEEP_OUTPUT_INDEX) N_OUTPUTS };
+typedef struct {
+    OUTPUTS(SWEEP_OUTPUT_MEMBER)
+} stress_values;
 static const sweep_output outputs[] = {OUTPUTS(SWEEP_OUTPUT_ROW){0}};
 
 /* What is read of one state: tan of the tilt; over the weight normal to the floor, the forces on the floor
@@ -52,14 +54,12 @@ enum { N, H, SXX, SXY, SYX, SYY, N_PARTS };
 typedef struct {
     double t, part[N_PARTS], weight_error, balance_error;
 } reading;
-static const int at_0[N_PARTS] = {OUT_n_0, OUT_h_0, OUT_sxx_0, OUT_sxy_0, OUT_syx_0, OUT_syy_0},
-                 rises[N_PARTS] = {OUT_n_1, OUT_h_1, OUT_sxx_1, OUT_sxy_1, OUT_syx_1, OUT_syy_1};
 
 typedef struct {
     const sweep_tilted *p;
     sweep_box_run box;
-    double *values;
-    double weight; /* of all grains at rest */
+    stress_values *v; /* of the result */
+    double weight;    /* of all grains at rest */
     reading readings[N_TILTS];
     size_t n_readings;
 } experiment;
@@ -71,11 +71,11 @@ static rp_status note_pile(void *data)
     experiment *e = data;
     ang_slope slopes[ANG_N_METHODS];
     RP_TRY(sweep_box_pile_slopes(&e->box, slopes));
-    e->values[OUT_theta_r3_deg] = sweep_degrees(slopes[2].theta);
+    e->v->theta_r3_deg = sweep_degrees(slopes[2].theta);
     RP_TRY(sweep_state_write(e->box.tables, e->box.sim, "pile"));
     RP_TRY(sweep_box_note(&e->box));
     for (size_t i = 0; i < dem_count(e->box.sim); i++) e->weight += e->box.states[i].m * e->p->box.g;
-    e->values[OUT_grains] = (double)e->box.n_noted;
+    e->v->grains = (double)e->box.n_noted;
     return dem_clone(e->box.sim, &e->box.rested);
 }
 
@@ -192,8 +192,7 @@ static rp_status tilt_at_rate(void *data)
 {
     experiment *e = data;
     sweep_box_go_back(&e->box);
-    return sweep_box_tilt(&e->box, false, e->p->tilt_rate_deg, &e->values[OUT_theta_t_displacement_deg],
-                          NULL);
+    return sweep_box_tilt(&e->box, false, e->p->tilt_rate_deg, &e->v->theta_t_displacement_deg, NULL);
 }
 
 /* Value at t = 0 and rise of a part of the readings, by least squares. */
@@ -214,31 +213,33 @@ static rp_status respond(const experiment *e, int part, stress_linear *response)
 static rp_status conclude(void *data)
 {
     experiment *e = data;
-    double *v = e->values;
+    stress_values *const v = e->v;
     stress_linear r[N_PARTS];
     const double mu_floor = e->box.scene.def.walls[DEM_BOX_FLOOR].material.mu;
     const reading *first = &e->readings[0], *last = &e->readings[e->n_readings - 1];
     const stress_circle circle =
         stress_mohr(&(stress_tensor){first->part[SXX], first->part[SXY], first->part[SYX], first->part[SYY]});
-    v[OUT_couple_0] = circle.couple / circle.pressure;
-    v[OUT_tilts] = (double)e->n_readings;
-    v[OUT_weight_error] = first->weight_error;
-    v[OUT_balance_error] = 0.0;
-    v[OUT_floor_friction_0] = first->part[H] / first->part[N];
-    v[OUT_bulk_friction_0] = tan(circle.mobilised);
+    v->couple_0 = circle.couple / circle.pressure;
+    v->tilts = (double)e->n_readings;
+    v->weight_error = first->weight_error;
+    v->balance_error = 0.0;
+    v->floor_friction_0 = first->part[H] / first->part[N];
+    v->bulk_friction_0 = tan(circle.mobilised);
     for (size_t k = 0; k < e->n_readings; k++)
-        v[OUT_balance_error] = fmax(v[OUT_balance_error], e->readings[k].balance_error);
+        v->balance_error = fmax(v->balance_error, e->readings[k].balance_error);
     if (e->n_readings < LEAST_TILTS)
         return sweep_conclude(e->box.result, "no_response", "the pile moves at the first tilts");
+    double *const at_0[] = {&v->n_0, &v->h_0, &v->sxx_0, &v->sxy_0, &v->syx_0, &v->syy_0},
+                  *const rises[] = {&v->n_1, &v->h_1, &v->sxx_1, &v->sxy_1, &v->syx_1, &v->syy_1};
     for (int part = 0; part < N_PARTS; part++) RP_TRY(respond(e, part, &r[part]));
     for (int part = 0; part < N_PARTS; part++) {
-        v[at_0[part]] = r[part].at_0;
-        v[rises[part]] = r[part].rise;
+        *at_0[part] = r[part].at_0;
+        *rises[part] = r[part].rise;
     }
-    v[OUT_floor_tilt_deg] = sweep_degrees(stress_floor_tilt(&r[N], &r[H], mu_floor));
+    v->floor_tilt_deg = sweep_degrees(stress_floor_tilt(&r[N], &r[H], mu_floor));
     if (e->n_readings == N_TILTS)
-        v[OUT_floor_friction_beyond] = last->part[H] / last->part[N] -
-                                       (r[H].at_0 + r[H].rise * last->t) / (r[N].at_0 + r[N].rise * last->t);
+        v->floor_friction_beyond = last->part[H] / last->part[N] -
+                                   (r[H].at_0 + r[H].rise * last->t) / (r[N].at_0 + r[N].rise * last->t);
     return sweep_conclude(e->box.result, "ok", NULL);
 }
 
@@ -250,7 +251,7 @@ static rp_status run_phases(experiment *e)
     SWEEP_ENTER(keep, e->readings);
     SWEEP_ENTER(keep, e->n_readings);
     const rp_status status = sweep_tilted_phases(&e->box, sizeof phases / sizeof *phases, phases, e);
-    e->values[OUT_steps] = sweep_box_steps(&e->box);
+    e->v->steps = sweep_box_steps(&e->box);
     return status;
 }
 
@@ -258,7 +259,7 @@ static rp_status run_one(const void *params, unsigned long seed, unsigned long r
                          const sweep_tables *tables, sweep_result *result)
 {
     const sweep_tilted *p = params;
-    experiment e = {.p = p, .values = result->values};
+    experiment e = {.p = p, .v = (void *)result->values};
     rp_status status = sweep_box_begin_filled(&e.box, &p->box, seed, run, tables, result);
     if (!status) status = run_phases(&e);
     return sweep_box_end(&e.box, status);
@@ -274,5 +275,5 @@ static rp_status fingerprint(char digits[33])
 }
 
 SWEEP_PROTOCOL(
-    stress, sweep_tilted_schema, sweep_tilted, sweep_tilted_check,
+    stress, sweep_tilted_schema, sweep_tilted, stress_values, sweep_tilted_check,
     "the pile of `repose`, tilted by small angles: forces on the floor, stress, Coulomb-critical tilt");
