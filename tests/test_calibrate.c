@@ -461,61 +461,64 @@ static void test_forms(void)
 
 /* ---- parameters that the piles do not identify ---- */
 
+/* Piles on a line, and a measurement. A fall: an angle above all is to be sought below the lower end. Two
+ * angles that rise: the first gives 0.2, the second 0.4; where both are above all the best is the end of the
+ * range, which of two angles says nothing. */
 static void test_unidentified(void)
 {
-    start_line(1, 6, 0.2, 0.1, 10.0, 20.0, 1.0);
-    CU_ASSERT(invert_status(measured(15.0, 0.5, 0.0, 0.0)) == STATS_CALIBRATED_OK);
-    CU_ASSERT(invert_status(measured(19.6, 0.5, 0.0, 0.0)) == STATS_CALIBRATED_AT_LEAST);
-    CU_ASSERT(invert_status(measured(10.3, 0.5, 0.0, 0.0)) == STATS_CALIBRATED_AT_MOST);
-    CU_ASSERT(invert_status(measured(15.0, 9.0, 0.0, 0.0)) == STATS_CALIBRATED_NOT_IDENTIFIED);
-    invert((stats_measured){{27.0}, {0.5}});
-    CU_ASSERT(found[0].status == STATS_CALIBRATED_ABOVE_RANGE && isnan(found[0].value) &&
-              isnan(found[0].solutions[0].upper));
-    CHECK_NEAR(found[0].solutions[0].lower, 0.2 + 0.1 * 5, 0.0);
-    invert((stats_measured){{3.0}, {0.5}});
-    CU_ASSERT(found[0].status == STATS_CALIBRATED_BELOW_RANGE && isnan(found[0].solutions[0].lower));
-    CHECK_NEAR(found[0].solutions[0].upper, 0.2, 0.0);
+    static const struct {
+        size_t n_angles;
+        double first, a, b;
+        stats_measured measured;
+        stats_calibrated_status status;
+        double lower, upper; /* where no pile has the angle */
+    } cases[] = {{1, 0.2, 10.0, 20.0, {{15.0}, {0.5}}, STATS_CALIBRATED_OK, NAN, NAN},
+                 {1, 0.2, 10.0, 20.0, {{19.6}, {0.5}}, STATS_CALIBRATED_AT_LEAST, NAN, NAN},
+                 {1, 0.2, 10.0, 20.0, {{10.3}, {0.5}}, STATS_CALIBRATED_AT_MOST, NAN, NAN},
+                 {1, 0.2, 10.0, 20.0, {{15.0}, {9.0}}, STATS_CALIBRATED_NOT_IDENTIFIED, NAN, NAN},
+                 {1, 0.2, 10.0, 20.0, {{27.0}, {0.5}}, STATS_CALIBRATED_ABOVE_RANGE, 0.2 + 0.1 * 5, NAN},
+                 {1, 0.2, 10.0, 20.0, {{3.0}, {0.5}}, STATS_CALIBRATED_BELOW_RANGE, NAN, 0.2},
+                 {1, 0.2, 30.0, -20.0, {{37.0}, {0.5}}, STATS_CALIBRATED_ABOVE_RANGE, NAN, 0.2},
+                 {2, 0.0, 10.0, 20.0, {{14.0, 14.0}, {0.5, 0.5}}, STATS_CALIBRATED_OK, NAN, NAN},
+                 {2, 0.0, 10.0, 20.0, {{14.0, 18.0}, {0.5, 0.5}}, STATS_CALIBRATED_NO_MATCH, NAN, NAN},
+                 {2, 0.0, 10.0, 20.0, {{40.0, 30.0}, {0.5, 0.5}}, STATS_CALIBRATED_NO_MATCH, NAN, NAN}};
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        start_line(cases[k].n_angles, 6, cases[k].first, 0.1, cases[k].a, cases[k].b, 1.0);
+        CU_ASSERT(invert_status(cases[k].measured) == cases[k].status);
+        const double limits[2] = {found[0].solutions[0].lower, found[0].solutions[0].upper},
+                     expected[2] = {cases[k].lower, cases[k].upper};
+        CU_ASSERT(cases[k].status != STATS_CALIBRATED_NO_MATCH || found[0].n_solutions == 0);
+        if (cases[k].status < STATS_CALIBRATED_ABOVE_RANGE) continue;
+        CU_ASSERT(isnan(found[0].value));
+        for (int i = 0; i < 2; i++)
+            CU_ASSERT(isnan(expected[i]) ? isnan(limits[i]) : limits[i] == expected[i]);
+    }
+    /* chi2 of one degree of freedom is above 6.63 with a chance of 1 %; an error of 10 is all there is, so
+     * that for angles 15 +- d it is d^2/50 */
+    CU_ASSERT(invert_status(measured(15.0 + 18.0, 10.0, 15.0 - 18.0, 10.0)) != STATS_CALIBRATED_NO_MATCH);
+    CU_ASSERT(invert_status(measured(15.0 + 18.6, 10.0, 15.0 - 18.6, 10.0)) == STATS_CALIBRATED_NO_MATCH);
+}
 
-    start(1, 1); /* a maximum: both flanks match an angle, none matches above it */
+/* A response with a maximum: both flanks match an angle, none matches above it. */
+static void test_maximum(void)
+{
+    double reach[2], at[2][STATS_MAX_PARAMS];
+    start(1, 1);
     for (int g = 0; g < 9; g++) add_four(0.1 * g, 0.0, 30.0 - 100.0 * pow(0.1 * g - 0.385, 2), 0.5);
-    fit_piles();
-    CU_ASSERT(!fitted.response[0].monotone);
-    invert((stats_measured){{25.0}, {0.3}});
-    CU_ASSERT(found[0].status == STATS_CALIBRATED_SEVERAL && found[0].n_solutions == 2 &&
-              isnan(found[0].value));
+    CU_ASSERT(invert_status(measured(25.0, 0.3, 0.0, 0.0)) == STATS_CALIBRATED_SEVERAL);
+    CU_ASSERT(!fitted.response[0].monotone && found[0].n_solutions == 2 && isnan(found[0].value));
     CHECK_NEAR(found[0].solutions[0].value, 0.385 - sqrt(0.05), 1e-6);
     CHECK_NEAR(found[0].solutions[1].value, 0.385 + sqrt(0.05), 1e-6);
     CU_ASSERT(found[0].solutions[0].upper < found[0].solutions[1].lower);
     CU_ASSERT(invert_status(measured(35.0, 0.3, 0.0, 0.0)) == STATS_CALIBRATED_ABOVE_RANGE);
     CU_ASSERT(invert_status(measured(8.0, 0.3, 0.0, 0.0)) == STATS_CALIBRATED_BELOW_RANGE);
-    double reach[2], at[2][STATS_MAX_PARAMS];
+    CU_ASSERT(invert_status(measured(30.0, 0.3, 0.0, 0.0)) == STATS_CALIBRATED_OK);
     stats_calibration_reach(&fitted, 0, reach, at);
-    CHECK_NEAR(reach[1], 30.0,
-               100.0 * pow(0.8 / 128.0, 2)); /* half the distance of two samples off the top */
+    /* half the distance of two samples off the top */
+    CHECK_NEAR(reach[1], 30.0, 100.0 * pow(0.8 / 128.0, 2));
     CHECK_NEAR(at[1][0], 0.385, 0.8 / 128.0);
     CHECK_NEAR(reach[0], 30.0 - 100.0 * pow(0.8 - 0.385, 2), 1e-6);
     CU_ASSERT(at[0][0] == fitted.hi[0]);
-    CU_ASSERT(invert_status(measured(30.0, 0.3, 0.0, 0.0)) == STATS_CALIBRATED_OK);
-
-    /* a fall: an angle above all is to be sought below the lower end */
-    start_line(1, 6, 0.2, 0.1, 30.0, -20.0, 1.0);
-    fit_piles();
-    invert((stats_measured){{37.0}, {0.5}});
-    CU_ASSERT(found[0].status == STATS_CALIBRATED_ABOVE_RANGE && isnan(found[0].solutions[0].lower));
-    CHECK_NEAR(found[0].solutions[0].upper, 0.2, 0.0);
-
-    /* both angles rise; the first gives 0.2, the second 0.4 */
-    start_line(2, 6, 0.0, 0.1, 10.0, 20.0, 1.0);
-    CU_ASSERT(invert_status(measured(14.0, 0.5, 14.0, 0.5)) == STATS_CALIBRATED_OK);
-    CU_ASSERT(invert_status(measured(14.0, 0.5, 18.0, 0.5)) == STATS_CALIBRATED_NO_MATCH);
-    /* both above all: the best is the end of the range, which of two angles says nothing */
-    fit_piles();
-    invert((stats_measured){{40.0, 30.0}, {0.5, 0.5}});
-    CU_ASSERT(found[0].status == STATS_CALIBRATED_NO_MATCH && found[0].n_solutions == 0);
-    /* chi2 of one degree of freedom is above 6.63 with a chance of 1 %; an error of 10 is all there is, so
-     * that for angles 15 +- d it is d^2/50 */
-    CU_ASSERT(invert_status(measured(15.0 + 18.0, 10.0, 15.0 - 18.0, 10.0)) != STATS_CALIBRATED_NO_MATCH);
-    CU_ASSERT(invert_status(measured(15.0 + 18.6, 10.0, 15.0 - 18.6, 10.0)) == STATS_CALIBRATED_NO_MATCH);
 }
 
 /* An interval far narrower than the scanned values are apart, at different parts of their distance. */
@@ -838,6 +841,7 @@ void suite_calibrate(void)
                                        {"resamples of piles, by hand", test_bootstrap},
                                        {"forms of two parameters", test_forms},
                                        {"parameters not identified", test_unidentified},
+                                       {"a response with a maximum", test_maximum},
                                        {"an interval narrower than the scan", test_narrow},
                                        {"random tables", test_random_tables},
                                        {"coverage", test_coverage},
