@@ -416,15 +416,13 @@ static void slopes_by_differences(const void *form, const double x[], double slo
 {
     const stats_response_fit *fit = form;
     const double h = 1e-5;
-    double unused;
     for (size_t i = 0; i < fit->n_terms; i++) {
         stats_response_fit up = *fit, down = *fit;
         if (i + 1 == fit->n_terms && fit->shape != STATS_POWERS)
             up.scale += h, down.scale -= h;
         else
             up.coefficients[i] += h, down.coefficients[i] -= h;
-        slopes[i] =
-            (stats_response_value(&up, x, &unused) - stats_response_value(&down, x, &unused)) / (2.0 * h);
+        slopes[i] = (stats_response_value(&up, x, NULL) - stats_response_value(&down, x, NULL)) / (2.0 * h);
     }
 }
 
@@ -502,7 +500,6 @@ static void test_unidentified(void)
 /* A response with a maximum: both flanks match an angle, none matches above it. */
 static void test_maximum(void)
 {
-    double reach[2], at[2][STATS_MAX_PARAMS];
     start(1, 1);
     for (int g = 0; g < 9; g++) add_four(0.1 * g, 0.0, 30.0 - 100.0 * pow(0.1 * g - 0.385, 2), 0.5);
     CU_ASSERT(invert_status(measured(25.0, 0.3, 0.0, 0.0)) == STATS_CALIBRATED_SEVERAL);
@@ -513,12 +510,12 @@ static void test_maximum(void)
     CU_ASSERT(invert_status(measured(35.0, 0.3, 0.0, 0.0)) == STATS_CALIBRATED_ABOVE_RANGE);
     CU_ASSERT(invert_status(measured(8.0, 0.3, 0.0, 0.0)) == STATS_CALIBRATED_BELOW_RANGE);
     CU_ASSERT(invert_status(measured(30.0, 0.3, 0.0, 0.0)) == STATS_CALIBRATED_OK);
-    stats_calibration_reach(&fitted, 0, reach, at);
+    const stats_reach reach = stats_calibration_reach(&fitted, 0);
     /* half the distance of two samples off the top */
-    CHECK_NEAR(reach[1], 30.0, 100.0 * pow(0.8 / 128.0, 2));
-    CHECK_NEAR(at[1][0], 0.385, 0.8 / 128.0);
-    CHECK_NEAR(reach[0], 30.0 - 100.0 * pow(0.8 - 0.385, 2), 1e-6);
-    CU_ASSERT(at[0][0] == fitted.hi[0]);
+    CHECK_NEAR(reach.angle[1], 30.0, 100.0 * pow(0.8 / 128.0, 2));
+    CHECK_NEAR(reach.at[1][0], 0.385, 0.8 / 128.0);
+    CHECK_NEAR(reach.angle[0], 30.0 - 100.0 * pow(0.8 - 0.385, 2), 1e-6);
+    CU_ASSERT(reach.at[0][0] == fitted.hi[0]);
 }
 
 /* An interval far narrower than the scanned values are apart, at different parts of their distance. */

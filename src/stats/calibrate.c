@@ -53,9 +53,9 @@ static void whiten(const double v[3], double d[2])
 static double chi2_at(const double x[], void *data)
 {
     const problem *s = data;
-    double d[STATS_MAX_ANGLES] = {0.0}, v[3], unused;
+    double d[STATS_MAX_ANGLES] = {0.0}, v[3];
     for (size_t a = 0; a < s->c->n_angles; a++)
-        d[a] = s->m->angle[a] - stats_response_value(&s->c->response[a], x, &unused);
+        d[a] = s->m->angle[a] - stats_response_value(&s->c->response[a], x, NULL);
     covariance(s, x, v);
     whiten(v, d);
     return d[0] * d[0] + d[1] * d[1];
@@ -157,15 +157,15 @@ static rp_status find_intervals(problem *s, size_t p, stats_calibrated *r)
 /* Delta method: the inverse of J' S^-1 J, with J the slopes of the responses at x. */
 static void standard_errors(const problem *s, const double x[], stats_calibrated result[])
 {
-    double slope[STATS_MAX_PARAMS][STATS_MAX_ANGLES] = {{0.0}}, v[3], unused;
+    double slope[STATS_MAX_PARAMS][STATS_MAX_ANGLES] = {{0.0}}, v[3];
     covariance(s, x, v);
     for (size_t p = 0; p < s->c->n_params; p++) {
         double up[2] = {x[0], x[1]}, down[2] = {x[0], x[1]}, h = 1e-5 * (s->c->hi[p] - s->c->lo[p]);
         up[p] = fmin(x[p] + h, s->c->hi[p]);
         down[p] = fmax(x[p] - h, s->c->lo[p]);
         for (size_t a = 0; a < s->c->n_angles; a++)
-            slope[p][a] = (stats_response_value(&s->c->response[a], up, &unused) -
-                           stats_response_value(&s->c->response[a], down, &unused)) /
+            slope[p][a] = (stats_response_value(&s->c->response[a], up, NULL) -
+                           stats_response_value(&s->c->response[a], down, NULL)) /
                           (up[p] - down[p]);
         whiten(v, slope[p]);
     }
@@ -194,20 +194,20 @@ static rp_status check_measured(const stats_calibration *c, const stats_measured
  * A response of one parameter that rises or falls throughout is taken to go on so, beyond the end x[0]. */
 static void no_match(const problem *s, const double x[], stats_calibrated result[])
 {
-    double variance;
     const stats_calibration *c = s->c;
     stats_calibrated_status status = STATS_CALIBRATED_NO_MATCH;
     if (c->n_angles == 1)
-        status = s->m->angle[0] > stats_response_value(&c->response[0], x, &variance)
+        status = s->m->angle[0] > stats_response_value(&c->response[0], x, NULL)
                      ? STATS_CALIBRATED_ABOVE_RANGE
                      : STATS_CALIBRATED_BELOW_RANGE;
     for (size_t p = 0; p < c->n_params; p++) result[p].status = status;
     const bool at_end = x[0] == c->lo[0] || x[0] == c->hi[0];
     if (c->n_params == 2 || c->n_angles == 2 || !at_end || !c->response[0].monotone) return;
     result[0].n_solutions = 1;
-    result[0].solutions[0].value = NAN;
-    result[0].solutions[0].lower = x[0] == c->hi[0] ? x[0] : NAN;
-    result[0].solutions[0].upper = x[0] == c->hi[0] ? NAN : x[0];
+    if (x[0] == c->hi[0])
+        result[0].solutions[0].lower = x[0];
+    else
+        result[0].solutions[0].upper = x[0];
 }
 
 static void judge(const problem *s, size_t p, stats_calibrated *r)

@@ -120,12 +120,14 @@ rp_status stats_response_solve(stats_response_fit *r, const stats_calibration *c
 rp_status stats_calibration_fit(const stats_ensemble *piles, stats_calibration *c);
 void stats_calibration_free(stats_calibration *c);
 
-/* The fitted angle at x, and the variance of the fit and of the discrepancy. */
+/* The fitted angle at x, and the variance of the fit and of the discrepancy; NULL: not asked for. */
 double stats_response_value(const stats_response_fit *response, const double x[], double *variance);
 
 /* The least and the largest fitted angle over the whole range of the parameters, and where they are. */
-void stats_calibration_reach(const stats_calibration *c, size_t angle, double reach[2],
-                             double at[2][STATS_MAX_PARAMS]);
+typedef struct {
+    double angle[2], at[2][STATS_MAX_PARAMS];
+} stats_reach;
+stats_reach stats_calibration_reach(const stats_calibration *c, size_t angle);
 
 /* SD of an angle over piles at x: a parabola in each parameter through the logarithms of the points'
  * variances, since the variance of a dozen piles alone is too uncertain for a weight. */

@@ -237,6 +237,7 @@ double stats_response_value(const stats_response_fit *r, const double x[], doubl
     double terms[STATS_MAX_TERMS], value = 0.0;
     terms_at(r, x, terms);
     for (size_t i = 0; i < n_linear(r); i++) value += r->coefficients[i] * terms[i];
+    if (!variance) return value;
     *variance = r->discrepancy;
     for (size_t i = 0; i < r->n_terms; i++)
         for (size_t j = 0; j < r->n_terms; j++)
@@ -244,24 +245,23 @@ double stats_response_value(const stats_response_fit *r, const double x[], doubl
     return value;
 }
 
-void stats_calibration_reach(const stats_calibration *c, size_t angle, double reach[2],
-                             double at[2][STATS_MAX_PARAMS])
+stats_reach stats_calibration_reach(const stats_calibration *c, size_t angle)
 {
     enum { SAMPLES = 65 };
     const size_t rows = c->n_params > 1 ? SAMPLES : 1;
-    double variance;
-    reach[0] = INFINITY, reach[1] = -INFINITY;
+    stats_reach reach = {.angle = {INFINITY, -INFINITY}};
     for (size_t i = 0; i < SAMPLES * rows; i++) {
         const double part[] = {(double)(i % SAMPLES) / (SAMPLES - 1), (double)(i / SAMPLES) / (SAMPLES - 1)};
         double x[STATS_MAX_PARAMS] = {0};
         for (size_t p = 0; p < c->n_params; p++) x[p] = (1.0 - part[p]) * c->lo[p] + part[p] * c->hi[p];
-        const double value = stats_response_value(&c->response[angle], x, &variance);
+        const double value = stats_response_value(&c->response[angle], x, NULL);
         for (int most = 0; most < 2; most++)
-            if (most ? value > reach[1] : value < reach[0]) {
-                reach[most] = value;
-                memcpy(at[most], x, sizeof x);
+            if (most ? value > reach.angle[1] : value < reach.angle[0]) {
+                reach.angle[most] = value;
+                memcpy(reach.at[most], x, sizeof x);
             }
     }
+    return reach;
 }
 
 /* ---- least squares ---- */
@@ -356,10 +356,10 @@ static bool is_monotone(const stats_response_fit *r)
 {
     const int n = r->degree[1] == 0 ? 200 : 0;
     bool up = true, down = true;
-    double last = 0.0, variance;
+    double last = 0.0;
     for (int i = 0; i <= n && n > 0; i++) {
         double x = r->lo[0] + (r->hi[0] - r->lo[0]) * i / n;
-        double value = stats_response_value(r, &x, &variance);
+        double value = stats_response_value(r, &x, NULL);
         up = up && (i == 0 || value > last);
         down = down && (i == 0 || value < last);
         last = value;

@@ -138,10 +138,9 @@ static const char *reach_text(const problem *s)
     const stats_calibration *c = &s->fit;
     const char *text = "";
     for (size_t a = 0; a < c->n_angles; a++) {
-        double reach[2], at[2][STATS_MAX_PARAMS];
-        stats_calibration_reach(c, a, reach, at);
+        const stats_reach reach = stats_calibration_reach(c, a);
         text = rp_text(s->call->arena, "%s%s%s from %.3g to %.3g degrees", text, a ? " and " : "",
-                       s->angle[a]->name, reach[0], reach[1]);
+                       s->angle[a]->name, reach.angle[0], reach.angle[1]);
     }
     for (size_t p = 0; p < c->n_params; p++)
         text = rp_text(s->call->arena, "%s%s%g <= %s <= %g", text, p ? ", " : ", for ", c->lo[p], s->param[p],
@@ -218,17 +217,16 @@ static const char *how_to_extend(const problem *s, stats_calibrated_status why)
         return rp_text(s->call->arena,
                        "piles of other %s (--sweep), or of another parameter (--fit), may reach further",
                        name);
-    double reach[2], at[2][STATS_MAX_PARAMS], variance;
-    stats_calibration_reach(c, 0, reach, at);
-    const double x = at[above][0], inward = 0.1 * (c->hi[0] - c->lo[0]);
+    const stats_reach reach = stats_calibration_reach(c, 0);
+    const double x = reach.at[above][0], inward = 0.1 * (c->hi[0] - c->lo[0]);
     const bool upper = x == c->hi[0];
     if (x > c->lo[0] && x < c->hi[0])
         return rp_text(s->call->arena,
                        "the angle is %s within the range, near %s = %.3g: vary another parameter (--fit)",
                        above ? "largest" : "smallest", name, x);
     const double near =
-        stats_response_value(&c->response[0], &(double){upper ? x - inward : x + inward}, &variance);
-    if (fabs(reach[above] - near) < 0.02 * (reach[1] - reach[0]))
+        stats_response_value(&c->response[0], &(double){upper ? x - inward : x + inward}, NULL);
+    if (fabs(reach.angle[above] - near) < 0.02 * (reach.angle[1] - reach.angle[0]))
         return rp_text(s->call->arena,
                        "the angle hardly changes near %s = %g: vary another parameter (--fit)", name, x);
     return rp_text(s->call->arena, "piles with %s %s %g (--sweep) extend it", name, upper ? "above" : "below",
@@ -240,13 +238,12 @@ static void warn_outside(const problem *s)
 {
     for (size_t a = 0; a < s->n_angles; a++) {
         const double angle = s->measured.angle[a];
-        double reach[2], at[2][STATS_MAX_PARAMS];
-        stats_calibration_reach(&s->fit, a, reach, at);
-        if (angle < reach[0] || angle > reach[1])
+        const stats_reach reach = stats_calibration_reach(&s->fit, a);
+        if (angle < reach.angle[0] || angle > reach.angle[1])
             fprintf(stderr,
                     "repose calibrate: %s = %g degrees lies outside what the response reaches, %.3g to %.3g: "
                     "the answer rests on the errors alone\n",
-                    s->angle[a]->name, angle, reach[0], reach[1]);
+                    s->angle[a]->name, angle, reach.angle[0], reach.angle[1]);
     }
 }
 
