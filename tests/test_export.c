@@ -158,15 +158,16 @@ static void test_long_names(void)
     write_text("g.cfg", "particles_file = \"g.tsv\"; dt = 1e-5; steps = 10;\n"
                         "normal = { law = \"linear\"; tension = false; };\n");
     for (int k = 0; k < 2; k++)
-        for (size_t n = 4000; n < 4002; n++) {
-            char name[4002], line[4200];
+        for (size_t n = 4000; n < 4300; n += 200) { /* of the system's 4096 */
+            char name[4300], line[4400];
             const size_t stem = n - strlen(cases[k].end);
             size_t i = 0;
             for (; i + 3 < stem; i += 2) memcpy(name + i, "./", 2);
             memset(name + i, 'a', stem - i);
             strcpy(name + stem, cases[k].end);
             snprintf(line, sizeof line, "\"$REPOSE\" %s -o %s >out 2>err", cases[k].command, name);
-            CU_ASSERT_EQUAL(shell(line), n > 4000 ? 64 : 0);
+            const int status = shell(line);
+            CU_ASSERT(n > 4096 ? (status == RP_BAD_INPUT || status == RP_IO) && *err : status == 0);
         }
     leave();
 }

@@ -18,10 +18,9 @@
 static const char OWNER[] = "repose run";
 
 /* A file of the unfinished run. */
-static const char *path_of(const cli_unfinished *u, const char *name, char path[PATH_MAX])
+static const char *path_of(const cli_unfinished *u, const char *name)
 {
-    snprintf(path, PATH_MAX, "%s/unfinished/%s", u->directory, name);
-    return path;
+    return rp_text(u->arena, "%s/unfinished/%s", u->directory, name);
 }
 
 static rp_status failed(const char *path)
@@ -47,21 +46,20 @@ static void close_all(cli_unfinished *u)
         XXH3_freeState(u->table[k].hash);
     }
     if (u->lock >= 0) close(u->lock);
-    *u = (cli_unfinished){.lock = -1};
+    *u = (cli_unfinished){.arena = u->arena, .lock = -1};
 }
 
 static rp_status enter(cli_unfinished *u, const char *directory, uint64_t layout,
                        const char *const names[CLI_GROWING])
 {
-    char path[PATH_MAX];
-    *u = (cli_unfinished){.directory = directory, .layout = layout, .lock = -1};
+    *u = (cli_unfinished){.arena = u->arena, .directory = directory, .layout = layout, .lock = -1};
     for (int k = 0; k < CLI_GROWING && names; k++) {
         u->table[k].name = names[k];
         if (!(u->table[k].hash = XXH3_createState())) return rp_fail(RP_NO_MEMORY, "tables: out of memory");
         XXH3_128bits_reset(u->table[k].hash);
     }
     if (strlen(directory) > PATH_MAX - 64) return rp_fail(RP_BAD_INPUT, "%.60s...: path too long", directory);
-    return take_lock(directory, path_of(u, "", path), &u->lock);
+    return take_lock(directory, path_of(u, ""), &u->lock);
 }
 
 static rp_status move_file(const char *from, const char *to)
@@ -153,38 +151,35 @@ static rp_status publish(const char *directory, int lock)
 }
 
 /* A run that can be resumed is not thrown away. */
-static rp_status check_vacant(const char *directory)
+static rp_status check_vacant(const cli_unfinished *u)
 {
-    char path[PATH_MAX];
-    const cli_unfinished u = {.directory = directory};
-    return access(path_of(&u, "snapshot", path), F_OK) != 0
+    const char *path = path_of(u, "snapshot");
+    return access(path, F_OK) != 0
                ? RP_OK
                : rp_fail(RP_BAD_INPUT,
                          "%s: an unfinished run; continue with --resume %s, or remove the folder", path,
-                         directory);
+                         u->directory);
 }
 
 /* Empty tables in the folder; without names what is there, if it can go on. */
 static rp_status open_tables(cli_unfinished *u, const char *const names[CLI_GROWING])
 {
-    char path[PATH_MAX];
-    const rp_status vacant = check_vacant(u->directory);
+    const rp_status vacant = check_vacant(u);
     if (vacant) return names ? vacant : RP_OK;
-    RP_TRY(empty_folder(path_of(u, "", path)));
+    RP_TRY(empty_folder(path_of(u, "")));
     for (int k = 0; k < CLI_GROWING && names; k++)
-        if (!(u->table[k].file = fopen(path_of(u, names[k], path), "w+e"))) RP_TRY(failed(path));
+        if (!(u->table[k].file = fopen(path_of(u, names[k]), "w+e"))) RP_TRY(failed(path_of(u, names[k])));
     return RP_OK;
 }
 
-rp_status cli_unfinished_start(cli_unfinished *u, const char *directory, uint64_t layout,
+rp_status cli_unfinished_start(rp_arena *arena, cli_unfinished *u, const char *directory, uint64_t layout,
                                const char *const names[CLI_GROWING])
 {
-    char path[PATH_MAX];
     bool moved;
-    *u = (cli_unfinished){.directory = directory, .lock = -1};
+    *u = (cli_unfinished){.arena = arena, .directory = directory, .lock = -1};
     RP_TRY(rp_make_directory(directory));
     RP_TRY(complete_move(directory, &moved));
-    RP_TRY(rp_make_directory(path_of(u, "", path)));
+    RP_TRY(rp_make_directory(path_of(u, "")));
     rp_status status = enter(u, directory, layout, names);
     if (!status) status = open_tables(u, names);
     if (status) close_all(u);
@@ -218,8 +213,7 @@ static void keep_table(rp_snapshot *s, cli_growing *t, long *length, XXH128_hash
 /* Cut a table back to its length at the snapshot. */
 static rp_status reopen(cli_unfinished *u, cli_growing *t, long length, XXH128_hash_t hash)
 {
-    char path[PATH_MAX];
-    path_of(u, t->name, path);
+    const char *path = path_of(u, t->name);
     if (!(t->file = fopen(path, "r+e")))
         return rp_fail(RP_BAD_INPUT, "%s: cannot open: %s", path, strerror(errno));
     RP_TRY(hash_to(t, length));
@@ -237,20 +231,19 @@ static bool is_whole(const char *directory, const char *table)
     return access(unfinished, F_OK) != 0 && access(whole, F_OK) == 0;
 }
 
-rp_status cli_unfinished_resume(cli_unfinished *u, const char *directory, uint64_t layout,
+rp_status cli_unfinished_resume(rp_arena *arena, cli_unfinished *u, const char *directory, uint64_t layout,
                                 const char *const names[CLI_GROWING], cli_keep *keep, void *context,
                                 bool *done)
 {
-    char path[PATH_MAX];
     long length[CLI_GROWING];
     XXH128_hash_t hash[CLI_GROWING];
     rp_snapshot s = {0};
-    *u = (cli_unfinished){.lock = -1};
+    *u = (cli_unfinished){.arena = arena, .lock = -1};
     rp_status status = complete_move(directory, done);
     *done |= !status && is_whole(directory, names[0]);
     if (status || *done) return status;
     status = enter(u, directory, layout, names);
-    if (!status) status = rp_snapshot_read(&s, path_of(u, "snapshot", path), OWNER, layout);
+    if (!status) status = rp_snapshot_read(&s, path_of(u, "snapshot"), OWNER, layout);
     if (!status) {
         for (int k = 0; k < CLI_GROWING; k++) keep_table(&s, &u->table[k], &length[k], &hash[k]);
         keep(&s, context);
@@ -264,23 +257,25 @@ rp_status cli_unfinished_resume(cli_unfinished *u, const char *directory, uint64
 
 rp_status cli_unfinished_write(cli_unfinished *u, cli_keep *keep, void *context)
 {
-    char path[PATH_MAX];
+    const rp_mark mark = rp_arena_mark(u->arena);
     rp_snapshot s = {0};
     rp_status status = RP_OK;
     for (int k = 0; k < CLI_GROWING && !status; k++) {
         cli_growing *t = &u->table[k];
         long length;
         XXH128_hash_t hash;
-        status = rp_file_finish(t->file, path_of(u, t->name, path));
+        const char *path = path_of(u, t->name);
+        status = rp_file_finish(t->file, path);
         if (!status) status = hash_to(t, ftell(t->file));
         if (!status && fsync(fileno(t->file)) != 0) status = failed(path);
         keep_table(&s, t, &length, &hash);
     }
     if (!status) {
         keep(&s, context);
-        status = rp_snapshot_write(&s, path_of(u, "snapshot", path), OWNER, u->layout);
+        status = rp_snapshot_write(&s, path_of(u, "snapshot"), OWNER, u->layout);
     }
     rp_snapshot_free(&s);
+    rp_arena_release(u->arena, mark);
     return status;
 }
 
@@ -297,14 +292,14 @@ static rp_status sync_tables(const cli_unfinished *u)
 /* What was computed before a failure: tables whose last line says why, and none that cannot be written. */
 static rp_status leave_tables(const cli_unfinished *u, rp_status run)
 {
-    char why[1024], path[PATH_MAX];
+    char why[1024];
     snprintf(why, sizeof why, "%s", rp_message());
     for (int k = 0; k < CLI_GROWING; k++) {
         if (!u->table[k].file) continue;
         rp_table_note(u->table[k].file, "unfinished", "%s", why);
-        if (rp_file_finish(u->table[k].file, u->table[k].name)) unlink(path_of(u, u->table[k].name, path));
+        if (rp_file_finish(u->table[k].file, u->table[k].name)) unlink(path_of(u, u->table[k].name));
     }
-    if (rmdir(path_of(u, "", path)) == 0) return rp_fail(run, "%s", why); /* nothing was written */
+    if (rmdir(path_of(u, "")) == 0) return rp_fail(run, "%s", why); /* nothing was written */
     return rp_fail(run, "%s; the tables so far are in %s/unfinished", why, u->directory);
 }
 

@@ -7,6 +7,7 @@
 
 #include <stdio.h>
 
+#include "core/arena.h"
 #include "core/snapshot.h"
 
 enum { CLI_GROWING = 4 };
@@ -20,6 +21,7 @@ typedef struct {
 } cli_growing;
 
 typedef struct {
+    rp_arena *arena;       /* of paths */
     const char *directory; /* borrowed */
     uint64_t layout;       /* of what the caller keeps */
     int lock;              /* one process at a time; goes with it */
@@ -32,13 +34,13 @@ typedef void cli_keep(rp_snapshot *s, void *context);
 /* Make the folder, with empty tables; without names it stays as it is if it holds a snapshot, for a run that
  * writes its own. cli_unfinished_end follows, except after an error. Errors: RP_BAD_INPUT (it holds a run
  * that can go on), RP_IO (also: another process is at it), RP_NO_MEMORY. */
-rp_status cli_unfinished_start(cli_unfinished *u, const char *directory, uint64_t layout,
+rp_status cli_unfinished_start(rp_arena *arena, cli_unfinished *u, const char *directory, uint64_t layout,
                                const char *const names[CLI_GROWING]);
 
 /* The same with the tables as they were at the snapshot, after the caller's part has been read. *done: the
  * run was whole, its result is now in DIR, and nothing is left to do. Errors: also RP_BAD_INPUT for a
  * snapshot or a table that does not fit. */
-rp_status cli_unfinished_resume(cli_unfinished *u, const char *directory, uint64_t layout,
+rp_status cli_unfinished_resume(rp_arena *arena, cli_unfinished *u, const char *directory, uint64_t layout,
                                 const char *const names[CLI_GROWING], cli_keep *keep, void *context,
                                 bool *done);
 

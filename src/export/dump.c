@@ -69,12 +69,10 @@ static rp_status write_contacts(const export_run *run, const char *path)
 
 rp_status export_dump(const export_run *run, const char *path)
 {
-    char stem[4096], contacts[4200];
     rp_status status = write_grains(run, path);
     if (status || strcmp(path, "-") == 0 || !run->contacts.table) return status;
-    export_stem(path, stem);
-    snprintf(contacts, sizeof contacts, "%s.contacts%s", stem, path + strlen(stem));
-    return write_contacts(run, contacts);
+    const char *stem = export_stem(run->arena, path);
+    return write_contacts(run, rp_text(run->arena, "%s.contacts%s", stem, path + strlen(stem)));
 }
 
 rp_status export_xyz(const export_run *run, const char *path)

@@ -20,7 +20,7 @@ rp_status export_close(const export_file *e, rp_status keep);       /* as rp_fil
 const char *export_cell(const rp_table *t, size_t row, int column); /* a number: "inf" for infinite */
 
 /* "out/pile", without the ending (and .gz before it), of "out/pile.pvd". */
-const char *export_stem(const char *path, char stem[4096]);
+const char *export_stem(rp_arena *arena, const char *path);
 
 /* A table in frames, the rows of equal `step`: frame k is rows first[k] to first[k + 1] - 1. */
 typedef struct {
@@ -39,6 +39,7 @@ typedef struct {
 /* What a run is made of. Contacts and walls belong to the frame of grains with their step. */
 enum { EXPORT_MOST_FIELDS = 64 };
 typedef struct {
+    rp_arena *arena;
     export_frames grains, contacts, walls;
     int id, x, y, r; /* of the grains; id -1: their number in the frame */
     size_t n_fields;

@@ -43,9 +43,9 @@ rp_status export_close(const export_file *e, rp_status keep)
     return rp_file_close(e->path, e->plain, keep);
 }
 
-const char *export_stem(const char *path, char stem[4096])
+const char *export_stem(rp_arena *arena, const char *path)
 {
-    snprintf(stem, 4096, "%s", path);
+    char *stem = rp_text(arena, "%s", path);
     if (rp_ends_in(stem, ".gz")) stem[strlen(stem) - 3] = '\0';
     char *name = strrchr(stem, '/'), *dot = strrchr(name ? name : stem, '.');
     if (dot) *dot = '\0';
@@ -207,7 +207,7 @@ static rp_status read_beside(rp_arena *arena, const char *source, const char *na
 rp_status export_run_read(rp_arena *arena, const char *source, rp_table *table, const char *columns,
                           export_run *run)
 {
-    *run = (export_run){0};
+    *run = (export_run){.arena = arena};
     RP_TRY(find_frames(arena, table, &run->grains));
     RP_TRY(find_grains(arena, run, columns));
     if (run->grains.n == 0) return rp_fail(RP_BAD_INPUT, "%s: no grains", source);

@@ -278,12 +278,10 @@ static void write_input(const lammps_scene *s, const char *scene, const char *st
           out);
 }
 
-static rp_status write_files(const lammps_scene *s, const char *scene, const char *path)
+static rp_status write_files(rp_arena *arena, const lammps_scene *s, const char *scene, const char *path)
 {
-    char stem[4096], data[4200];
     export_file e;
-    export_stem(path, stem);
-    snprintf(data, sizeof data, "%s.data", stem);
+    const char *stem = export_stem(arena, path), *data = rp_text(arena, "%s.data", stem);
     RP_TRY(export_open(data, &e));
     write_data(s, scene, e.out);
     RP_TRY(export_close(&e, RP_OK));
@@ -296,7 +294,7 @@ rp_status export_lammps_input(rp_arena *arena, const char *scene, const rp_texts
 {
     lammps_scene s = {.n = 0};
     const size_t n = strlen(path);
-    if (n < 4 || n > 4000 || !rp_ends_in(path, ".in"))
+    if (n < 4 || !rp_ends_in(path, ".in"))
         return rp_fail(RP_USAGE, "-o %s: lammps-input needs a name that ends in .in", path);
     rp_status status = dem_scene_read(scene, changes, &s.scene);
     if (!status) {
@@ -305,7 +303,7 @@ rp_status export_lammps_input(rp_arena *arena, const char *scene, const rp_texts
         if (!status) status = find_types(arena, &s);
         rp_prefix(status, "%s: ", scene);
     }
-    if (!status) status = write_files(&s, scene, path);
+    if (!status) status = write_files(arena, &s, scene, path);
     dem_physics_free(&s.def, &s.scene.def);
     dem_scene_free(&s.scene);
     return status;

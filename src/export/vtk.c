@@ -160,9 +160,8 @@ static rp_status write_frame(const export_run *run, size_t k, const char *folder
         const piece p = {f, at < f->n ? f->first[at] : 0, at < f->n ? f->first[at + 1] : 0, parts[i].size,
                          parts[i].size == 1 ? "Verts" : "Lines"};
         if (!f->table) continue;
-        char path[4300];
+        const char *path = rp_text(run->arena, "%s/%s_%06zu.vtp", folder, parts[i].name, k);
         export_file e;
-        snprintf(path, sizeof path, "%s/%s_%06zu.vtp", folder, parts[i].name, k);
         RP_TRY(export_open(path, &e));
         RP_TRY(export_close(&e, parts[i].write(run, &p, e.out)));
         fprintf(collection, "<DataSet timestep=\"%s\" part=\"%zu\" name=\"%s\" file=\"%s/%s_%06zu.vtp\"/>\n",
@@ -174,12 +173,11 @@ static rp_status write_frame(const export_run *run, size_t k, const char *folder
 
 rp_status export_vtk(const export_run *run, const char *path)
 {
-    char folder[4096 + 8];
     export_file e;
     const size_t n = strlen(path);
-    if (n < 5 || n > 4000 || !rp_ends_in(path, ".pvd"))
+    if (n < 5 || !rp_ends_in(path, ".pvd"))
         return rp_fail(RP_USAGE, "-o %s: vtk needs a name that ends in .pvd", path);
-    strcat(strcpy(folder, export_stem(path, (char[4096]){0})), "_frames");
+    const char *folder = rp_text(run->arena, "%s_frames", export_stem(run->arena, path));
     rp_status status = RP_OK;
     RP_TRY(rp_make_directory(folder));
     RP_TRY(export_open(path, &e));

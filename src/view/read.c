@@ -48,7 +48,7 @@ static rp_status read_numbers(rp_arena *arena, const char *path, const char *con
 
 /* A table of grains, and those that may lie beside it. */
 typedef struct {
-    char grains[4096], contacts[4096], walls[4096], base[4096];
+    const char *grains, *contacts, *walls, *base; /* NULL: none */
 } source;
 
 static bool is_file(const char *path)
@@ -57,23 +57,22 @@ static bool is_file(const char *path)
     return stat(path, &s) == 0 && S_ISREG(s.st_mode);
 }
 
-/* The table `name` instead of the last `length` characters of `path`; empty where there is none. */
-static void find_beside(const char *path, size_t length, const char *name, char found[4096])
+/* The table `name` instead of the last `length` characters of `path`; NULL where there is none. */
+static const char *find_beside(rp_arena *arena, const char *path, size_t length, const char *name)
 {
-    snprintf(found, 4096, "%.*s%s", (int)(strlen(path) - length), path, name);
-    if (!is_file(found)) *found = '\0';
+    const char *found = rp_text(arena, "%.*s%s", (int)(strlen(path) - length), path, name);
+    return is_file(found) ? found : NULL;
 }
 
-static void find_source(const char *path, source *s)
+static void find_source(rp_arena *arena, const char *path, source *s)
 {
     static const char *const grains[] = {"states.tsv", "grains.tsv", "disks.tsv"};
-    *s = (source){{0}};
-    snprintf(s->grains, sizeof s->grains, "%s", path);
+    *s = (source){.grains = path};
     for (size_t k = 0; k < sizeof grains / sizeof *grains; k++) {
         if (!rp_ends_in(path, grains[k])) continue;
-        find_beside(path, strlen(grains[k]), "contacts.tsv", s->contacts);
-        find_beside(path, strlen(grains[k]), "walls.tsv", s->walls);
-        if (k == 2) find_beside(path, strlen(grains[k]), "base.tsv", s->base);
+        s->contacts = find_beside(arena, path, strlen(grains[k]), "contacts.tsv");
+        s->walls = find_beside(arena, path, strlen(grains[k]), "walls.tsv");
+        if (k == 2) s->base = find_beside(arena, path, strlen(grains[k]), "base.tsv");
     }
 }
 
@@ -169,10 +168,9 @@ static rp_status add_source(rp_arena *arena, const source *s, const char *color,
         rp_arena_memory(arena, 0, sizeof *contacts); /* frames point into both, also if empty */
     view_wall *walls = rp_arena_memory(arena, 0, sizeof *walls);
     RP_TRY(read_numbers(arena, s->grains, names, "x y r", &g));
-    if (*s->contacts) RP_TRY(read_contacts(arena, s->contacts, &c, &contacts, scene->force));
-    if (*s->walls) RP_TRY(read_walls(arena, s->walls, &w, &walls));
-    if (*s->base)
-        RP_TRY(read_numbers(arena, s->base, (const char *const[]){"x", "N/mg", NULL}, "x N/mg", &b));
+    if (s->contacts) RP_TRY(read_contacts(arena, s->contacts, &c, &contacts, scene->force));
+    if (s->walls) RP_TRY(read_walls(arena, s->walls, &w, &walls));
+    if (s->base) RP_TRY(read_numbers(arena, s->base, (const char *const[]){"x", "N/mg", NULL}, "x N/mg", &b));
     if (g.n == 0) return RP_OK;
     for (size_t k = 0; k < g.n; k++)
         if (!(isfinite(g.column[2][k] + g.column[3][k]) && g.column[4][k] > 0.0 && isfinite(g.column[4][k])))
@@ -205,20 +203,20 @@ static int by_step(const void *a, const void *b)
 static rp_status read_folder(rp_arena *arena, const char *path, const char *color, view_scene *scene)
 {
     static const char *const one[] = {"states.tsv", "disks.tsv"};
-    char table[4096];
+    const char *table;
     source s;
     for (size_t k = 0; k < sizeof one / sizeof *one; k++) {
-        snprintf(table, sizeof table, "%s/%s", path, one[k]);
+        table = rp_text(arena, "%s/%s", path, one[k]);
         if (!is_file(table)) continue;
-        find_source(table, &s);
+        find_source(arena, table, &s);
         return add_source(arena, &s, color, scene);
     }
     rp_status status = RP_OK;
     struct dirent **names;
     const int n = scandir(path, &names, NULL, alphasort);
     for (int k = 0; k < n; k++) {
-        snprintf(table, sizeof table, "%s/%s", path, names[k]->d_name);
-        find_source(table, &s);
+        table = rp_text(arena, "%s/%s", path, names[k]->d_name);
+        find_source(arena, table, &s);
         if (!status && rp_ends_in(names[k]->d_name, "_grains.tsv"))
             status = add_source(arena, &s, color, scene);
         free(names[k]);
@@ -234,7 +232,7 @@ rp_status view_read(rp_arena *arena, const char *path, const char *color, view_s
     source s;
     *scene = (view_scene){.length = "1", .force = "1", .time = "1", .quantity = "1"};
     const bool folder = stat(path, &info) == 0 && S_ISDIR(info.st_mode);
-    find_source(path, &s);
+    find_source(arena, path, &s);
     RP_TRY(folder ? read_folder(arena, path, color, scene) : add_source(arena, &s, color, scene));
     if (scene->n > 0) return RP_OK;
     return folder ? rp_fail(RP_BAD_INPUT, "%s: no rows in a states.tsv, disks.tsv or ..._grains.tsv", path)

@@ -116,7 +116,7 @@ static rp_status outputs_open(outputs *o, const origin *of, const scene_run *r)
 {
     o->table[STATES] = stdout;
     if (*o->directory) {
-        RP_TRY(cli_unfinished_start(&o->unfinished, o->directory, layout(), growing));
+        RP_TRY(cli_unfinished_start(of->call->arena, &o->unfinished, o->directory, layout(), growing));
         take_growing(o);
         for (int k = 0; k < CLI_GROWING; k++) put_origin(of, o->table[k]);
         dem_write_energy_columns(r->plan.ledger, o->table[ENERGY]);
@@ -279,13 +279,13 @@ static rp_status run_row(const cli_call *call, const char *path, const run_optio
     const double started = rp_clock();
     static volatile bool stopped;
     cli_unfinished folder;
-    char stage[PATH_MAX], snapshot[PATH_MAX + 16];
+    const char *stage, *snapshot;
     origin of = {.call = call};
     snprintf(of.run, sizeof of.run, "%s row %ld", path, o->row);
     RP_TRY(cli_claim_run(o->o, of.run, o->force, of.replaces));
-    RP_TRY(cli_unfinished_start(&folder, o->o, 0, NULL));
-    snprintf(stage, sizeof stage, "%s/unfinished", o->o);
-    snprintf(snapshot, sizeof snapshot, "%s/snapshot", stage);
+    RP_TRY(cli_unfinished_start(call->arena, &folder, o->o, 0, NULL));
+    RP_TRY(rp_path(call->arena, &stage, "%s/unfinished", o->o));
+    RP_TRY(rp_path(call->arena, &snapshot, "%s/snapshot", stage));
     cli_unfinished_stops(o->o, &stopped);
     const sweep_tables tables = {.directory = stage,
                                  .every = o->every > 0 ? o->every : 100,
@@ -419,8 +419,8 @@ static rp_status resume(const cli_call *call, const run_options *o)
         return rp_fail(RP_USAGE, "--set and --ledger need a scene file");
     cli_on_stop(note_stop);
     bool done;
-    rp_status status =
-        cli_unfinished_resume(&out.unfinished, o->resume, layout(), growing, keep_run, &r, &done);
+    rp_status status = cli_unfinished_resume(call->arena, &out.unfinished, o->resume, layout(), growing,
+                                             keep_run, &r, &done);
     if (!status && done) {
         printf("%s: the run is done; its tables are in this folder\n", o->resume);
         return RP_OK;

@@ -14,10 +14,10 @@
 static rp_status read_block(rp_arena *arena, const char *prefix, const char *what, const char *names,
                             double **block, size_t *rows)
 {
-    char path[4096];
-    const char *suffix = strstr(prefix, "_contacts.tsv"); /* the file itself, as a shell's * finds it */
-    snprintf(path, sizeof path, "%.*s_%s.tsv", (int)(suffix ? suffix - prefix : (long)strlen(prefix)), prefix,
-             what);
+    const char *path,
+        *suffix = strstr(prefix, "_contacts.tsv"); /* the file itself, as a shell's * finds it */
+    RP_TRY(rp_path(arena, &path, "%.*s_%s.tsv", (int)(suffix ? suffix - prefix : (long)strlen(prefix)),
+                   prefix, what));
     return rp_columns_read_file(arena, path, names, block, rows);
 }
 

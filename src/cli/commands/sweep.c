@@ -254,13 +254,13 @@ static void become(const char *command, const char *tables, FILE *out)
 }
 
 /* Make one derived table. A command that finds no result is an answer too, if it prints a table. */
-static rp_status make_table(const sweep_table *table, const char *tables)
+static rp_status make_table(rp_arena *arena, const sweep_table *table, const char *tables)
 {
-    char path[4096];
+    const char *path;
     FILE *out;
     int code = SIGKILL; /* unless it has ended by itself */
-    snprintf(path, sizeof path, "%s/%s.tsv", tables, table->name);
     rp_status status = RP_OK;
+    RP_TRY(rp_path(arena, &path, "%s/%s.tsv", tables, table->name));
     RP_TRY(rp_file_open(path, &out));
     const pid_t child = fork();
     if (child == 0) become(table->command, tables, out);
@@ -289,8 +289,8 @@ CLI_OPTIONS(make, MAKE_OPTIONS)
 static rp_status export_to(const cli_call *call, const make_options *o, const char *name, const char *suffix,
                            unsigned what)
 {
-    char path[4096];
-    snprintf(path, sizeof path, "%s/%s%s.tsv", o->tables, name, suffix);
+    const char *path;
+    RP_TRY(rp_path(call->arena, &path, "%s/%s%s.tsv", o->tables, name, suffix));
     return cli_sweep_export(call, o->o, what, path, NULL);
 }
 
@@ -330,7 +330,8 @@ static rp_status act_make(cli_call *call, const void *values)
     rp_status status = sweep_recipe_read(file, &recipe);
     if (!status) status = rp_make_directory(o->tables);
     if (!status && recipe.has_runs) status = make_runs(call, o, file, &recipe);
-    for (size_t i = 0; !status && i < recipe.n_tables; i++) status = make_table(&recipe.tables[i], o->tables);
+    for (size_t i = 0; !status && i < recipe.n_tables; i++)
+        status = make_table(call->arena, &recipe.tables[i], o->tables);
     sweep_recipe_free(&recipe);
     return status;
 }
