@@ -38,6 +38,7 @@ rp_status rp_file_open(const char *path, FILE **out)
         return RP_OK;
     }
     *out = NULL;
+    if (strlen(path) >= sizeof target) return rp_fail(RP_BAD_INPUT, "%.60s...: path too long", path);
     if (stat(path, &info) == 0 && !S_ISREG(info.st_mode)) {
         *out = fopen(path, "w");
     } else if (getrandom(&number, sizeof number, 0) == sizeof number) {

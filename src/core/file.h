@@ -13,7 +13,8 @@ RP_C_BEGIN
 rp_status rp_file_finish(FILE *out, const char *name);
 
 /* Open `path` for writing under a temporary name; rp_file_close renames the complete file once it is on the
- * disk, or removes it if `keep` is not RP_OK. "-" is standard output. Errors: RP_IO. */
+ * disk, or removes it if `keep` is not RP_OK. "-" is standard output. Errors: RP_IO, RP_BAD_INPUT (too long).
+ */
 rp_status rp_file_open(const char *path, FILE **out);
 rp_status rp_file_close(const char *path, FILE *out, rp_status keep);
 
