@@ -588,7 +588,7 @@ static void test_line_fit(void)
     const double fit_error = 1e-10, det = sw * sxx - sx * sx;
     const double slope = (sw * sxy - sx * sy) / det, intercept = (sxx * sy - sx * sxy) / det;
     const double chi2 = syy - intercept * sy - slope * sxy;
-    CHECK_OK(stats_line_fit(5, x, y, se, false, &line));
+    CHECK_OK(stats_line_fit(&(stats_xy){5, x, y, se}, false, &line));
     CHECK_NEAR(line.slope, slope, fit_error);
     CHECK_NEAR(line.intercept, intercept, fit_error);
     CHECK_NEAR(line.slope_se, sqrt(sw / det), fit_error);
@@ -597,13 +597,13 @@ static void test_line_fit(void)
     CHECK_NEAR(line.chi2, chi2, fit_error);
     CHECK_NEAR(line.p_value, gsl_cdf_chisq_Q(chi2, 3.0), fit_error);
     CU_ASSERT(line.n == 5 && line.dof == 3);
-    CHECK_OK(stats_line_fit(5, x, y, se, true, &line));
+    CHECK_OK(stats_line_fit(&(stats_xy){5, x, y, se}, true, &line));
     CHECK_NEAR(line.slope, sxy / sxx, fit_error);
     CHECK_NEAR(line.slope_se, 1.0 / sqrt(sxx), fit_error);
     CHECK_NEAR(line.chi2, syy - sxy * sxy / sxx, fit_error);
     CU_ASSERT(line.dof == 4 && line.intercept == 0.0 && line.covariance == 0.0);
     /* without errors, by hand: slope 1/2, residuals 1/6, -1/3, 1/6 */
-    CHECK_OK(stats_line_fit(3, (double[]){1, 2, 3}, (double[]){1, 1, 2}, NULL, false, &line));
+    CHECK_OK(stats_line_fit(&(stats_xy){3, (double[]){1, 2, 3}, (double[]){1, 1, 2}, NULL}, false, &line));
     CHECK_NEAR(line.slope, 0.5, tight);
     CHECK_NEAR(line.intercept, 1.0 / 3.0, tight);
     CHECK_NEAR(line.chi2, 1.0 / 6.0, tight);
@@ -611,15 +611,17 @@ static void test_line_fit(void)
     CHECK_NEAR(line.intercept_se, sqrt(14.0 / 36.0), tight);
     CHECK_NEAR(line.covariance, -1.0 / 6.0, tight);
     CU_ASSERT(isnan(line.p_value) && line.dof == 1);
-    CHECK_OK(stats_line_fit(3, (double[]){1, 2, 3}, (double[]){1, 1, 2}, NULL, true, &line)); /* 9/14 x */
+    CHECK_OK(stats_line_fit(&(stats_xy){3, (double[]){1, 2, 3}, (double[]){1, 1, 2}, NULL}, true,
+                            &line)); /* 9/14 x */
     CHECK_NEAR(line.slope, 9.0 / 14.0, tight);
-    CHECK_OK(stats_line_fit(2, (double[]){1, 1}, (double[]){3, 4}, NULL, true, &line)); /* one x is enough */
+    CHECK_OK(stats_line_fit(&(stats_xy){2, (double[]){1, 1}, (double[]){3, 4}, NULL}, true,
+                            &line)); /* one x is enough */
     CHECK_NEAR(line.slope, 3.5, tight);
-    CHECK_OK(stats_line_fit(3, (double[]){1, 2, 3}, (double[]){1, 1, 2}, NULL, true, &line));
+    CHECK_OK(stats_line_fit(&(stats_xy){3, (double[]){1, 2, 3}, (double[]){1, 1, 2}, NULL}, true, &line));
     CHECK_NEAR(line.slope_se, sqrt((6.0 - 81.0 / 14.0) / 2.0 / 14.0), tight);
-    CHECK_OK(stats_line_fit(2, x, y, NULL, false, &line));
+    CHECK_OK(stats_line_fit(&(stats_xy){2, x, y, NULL}, false, &line));
     CU_ASSERT(isnan(line.slope_se) && line.dof == 0);
-    CHECK_OK(stats_line_fit(2, x, y, se, false, &line));
+    CHECK_OK(stats_line_fit(&(stats_xy){2, x, y, se}, false, &line));
     CHECK_NEAR(line.slope, (10.7 - 5.31) / 0.05, fit_error);
     CU_ASSERT(line.dof == 0 && isnan(line.p_value));
     static const struct {
@@ -641,10 +643,11 @@ static void test_line_fit(void)
                     {2, {1, 2}, {1, 1}, {INFINITY, 1}, false, RP_BAD_INPUT, "point 1"},
                     {2, {1, 2}, {1, 1}, {1, INFINITY}, false, RP_BAD_INPUT, "point 2"}};
     for (size_t k = 0; k < sizeof failures / sizeof *failures; k++)
-        CHECK_FAILS(stats_line_fit(failures[k].n, failures[k].x, failures[k].y, failures[k].se,
+        CHECK_FAILS(stats_line_fit(&(stats_xy){failures[k].n, failures[k].x, failures[k].y, failures[k].se},
                                    failures[k].origin, &line),
                     failures[k].status, failures[k].text);
-    CHECK_FAILS(stats_line_fit(2, (double[]){0, 0}, y, NULL, true, &line), RP_NO_RESULT, "an x other than 0");
+    CHECK_FAILS(stats_line_fit(&(stats_xy){2, (double[]){0, 0}, y, NULL}, true, &line), RP_NO_RESULT,
+                "an x other than 0");
 }
 
 /* Cells of points: the widest step along x where it exceeds the median distance of neighbours, else that. */

@@ -103,7 +103,7 @@ static void test_line(void)
     /* the scatter is unbiased in the logarithm: 1.37 sqrt(4/3) exp((log 1.5 - psi(1.5))/2) */
     CHECK_NEAR(se[3], 0.685 * sqrt(4.0 / 3.0) * exp(0.5 * (log(1.5) - 0.03648997397857652)), 1e-10);
     stats_line line;
-    CHECK_OK(stats_line_fit(7, x, y, se, false, &line));
+    CHECK_OK(stats_line_fit(&(stats_xy){7, x, y, se}, false, &line));
     invert((stats_measured){{z}, {e}});
     double at = (z - a) / b, root[2];
     CHECK_NEAR(found[0].value, at, search_error);
@@ -141,7 +141,7 @@ static void test_lack_of_fit(void)
     fit_piles();
     for (int g = 0; g < 8; g++) se[g] = stats_calibration_sd(&fitted, 0, &x[g]) / 2.0;
     stats_line line;
-    CHECK_OK(stats_line_fit(8, x, y, se, false, &line));
+    CHECK_OK(stats_line_fit(&(stats_xy){8, x, y, se}, false, &line));
     CU_ASSERT(fitted.response[0].degree[0] == 1 && line.chi2 > 12.0);
     CHECK_NEAR(fitted.response[0].chi2, line.chi2, 1e-9 * line.chi2);
     CHECK_NEAR(fitted.response[0].aic, line.chi2 + 2.0 * 2.0, 1e-9 * line.chi2);

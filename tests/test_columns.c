@@ -468,7 +468,7 @@ static void fieller(int a, double z, double e, double expected[4])
         y[g] = line_a[a] + b * x[g];
         se[g] = error;
     }
-    CHECK_OK(stats_line_fit(CAL_POINTS, x, y, se, false, &line));
+    CHECK_OK(stats_line_fit(&(stats_xy){CAL_POINTS, x, y, se}, false, &line));
     const double at_x = (z - line_a[a]) / b;
     const double v = square(line.intercept_se) + 2.0 * at_x * line.covariance + square(at_x * line.slope_se);
     expected[0] = at_x;

@@ -875,8 +875,8 @@ static void test_fits(void)
     CHECKED_WORD(&c, 0, "status", "ok");
     checked_end(&c);
 
-    CHECK_OK(stats_line_fit(POINTS, x, y, se, false, &free_line));
-    CHECK_OK(stats_line_fit(POINTS, x, y, se, true, &origin));
+    CHECK_OK(stats_line_fit(&(stats_xy){POINTS, x, y, se}, false, &free_line));
+    CHECK_OK(stats_line_fit(&(stats_xy){POINTS, x, y, se}, true, &origin));
     c = CHECKED_RUN(2, "stats fit points.tsv -x x -y y --se se");
     for (size_t row = 0; row < 2; row++) {
         const stats_line *l = row ? &origin : &free_line;
@@ -1066,7 +1066,7 @@ static void test_prefixes(void)
     double linear_to, bend_free_to;
     write_text("p.tsv", "x\ty\tse\n1\t1\t0.1\n2\t1.3\t0.2\n3\t1.5\t0.15\n4.5\t1.4\t0.1\n5\t2.1\t0.3\n"
                         "6.5\t2.6\t0.25\n");
-    CHECK_OK(stats_successive(N, x, y, se, 0.05, fits, &linear_to, &bend_free_to));
+    CHECK_OK(stats_successive(&(stats_xy){N, x, y, se}, 0.05, fits, &linear_to, &bend_free_to));
     scoped_checked c = CHECKED_RUN(N - 2, "stats fit p.tsv -x x -y y --se se --successive");
     for (size_t k = 0; k + 3 <= N; k++) {
         const stats_line *l = &fits[k].line;

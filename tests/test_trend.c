@@ -59,7 +59,7 @@ static void test_single_values(void)
     numbers_fit(N, 3, parabolas, NULL, ys, c, cov);
     CHECK_NEAR(t.bend.value, c[2], sum_error);
     numbers_fit(N, 3, parabolas, by_se, ys, c, cov);
-    CHECK_OK(stats_bend(N, xs, ys, se, &bend));
+    CHECK_OK(stats_bend(&(stats_xy){N, xs, ys, se}, &bend));
     CHECK_NEAR(bend.value, c[2], sum_error);
     CHECK_NEAR(bend.se, sqrt(cov[8]), sum_error);
     CHECK_NEAR(stats_contrast_p(&bend), 2.0 * gsl_cdf_ugaussian_Q(fabs(bend.value) / bend.se), sum_error);
@@ -285,9 +285,9 @@ static void test_trend_errors(void)
     CHECK_OK(stats_trend_fit(&(stats_sample){4, apart, y, NULL, 2.0, true, 1.0},
                              &t)); /* nor with weights of 10^x */
     CHECK_OK(trend_of(4, twice, y, piles, 0.0, &t));
-    CHECK_FAILS(stats_bend(4, twice, y, se, &bend), RP_NO_RESULT, "at least 3 different x");
-    CHECK_FAILS(stats_bend(1, twice, y, se, &bend), RP_NO_RESULT, "no line");
-    CHECK_FAILS(stats_bend(4, twice, bad, se, &bend), RP_BAD_INPUT, "point 2");
+    CHECK_FAILS(stats_bend(&(stats_xy){4, twice, y, se}, &bend), RP_NO_RESULT, "at least 3 different x");
+    CHECK_FAILS(stats_bend(&(stats_xy){1, twice, y, se}, &bend), RP_NO_RESULT, "no line");
+    CHECK_FAILS(stats_bend(&(stats_xy){4, twice, bad, se}, &bend), RP_BAD_INPUT, "point 2");
 }
 
 /* A straight line up to x = 4, and one point off it: where lines end and where bends end differ. */
@@ -301,18 +301,18 @@ static void test_successive(void)
     const double d = 6.5, wave[5] = {0, 0, 0, d, d / 2};
     stats_prefix prefixes[POINTS];
     double linear_to, bend_free_to;
-    CHECK_OK(stats_successive(POINTS, x, y, se, 0.3, prefixes, &linear_to, &bend_free_to));
+    CHECK_OK(stats_successive(&(stats_xy){POINTS, x, y, se}, 0.3, prefixes, &linear_to, &bend_free_to));
     CU_ASSERT(linear_to == 6.0 &&
               bend_free_to == 5.0); /* chi2 = 9 (1 - 11/21) on 4, p = 0.37; bend p = 0.10 */
     CHECK_NEAR(prefixes[2].line.slope, 1.0, sum_error);
     CHECK_NEAR(prefixes[3].line.chi2, 9.0 * 10.0 / 21.0, sum_error);
-    CHECK_OK(stats_successive(5, x, wave, se, 0.001, prefixes, &linear_to, &bend_free_to));
+    CHECK_OK(stats_successive(&(stats_xy){5, x, wave, se}, 0.001, prefixes, &linear_to, &bend_free_to));
     CU_ASSERT(linear_to == 4.0 && bend_free_to == 5.0);
     CHECK_NEAR(prefixes[2].line.chi2, 0.4 * d * d, 10.0 * sum_error);
-    CHECK_OK(stats_successive(3, x, y, se, 0.05, prefixes, &linear_to, &bend_free_to));
+    CHECK_OK(stats_successive(&(stats_xy){3, x, y, se}, 0.05, prefixes, &linear_to, &bend_free_to));
     CU_ASSERT(linear_to == 3.0 && bend_free_to == 3.0);
-    CHECK_FAILS(stats_successive(2, x, y, se, 0.05, prefixes, &linear_to, &bend_free_to), RP_NO_RESULT,
-                "at least 3");
+    CHECK_FAILS(stats_successive(&(stats_xy){2, x, y, se}, 0.05, prefixes, &linear_to, &bend_free_to),
+                RP_NO_RESULT, "at least 3");
 }
 
 /* ---- limits with a free exponent ---- */

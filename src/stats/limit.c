@@ -30,7 +30,7 @@ typedef struct {
 static rp_status fit_line(search *s, double p, stats_line *line)
 {
     for (size_t i = 0; i < s->n; i++) s->u[i] = p > 0.0 ? pow(s->x[i] / s->x[0], -p) : log(s->x[i]);
-    return stats_line_fit(s->n, s->u, s->y, s->se, false, line);
+    return stats_line_fit(&(stats_xy){s->n, s->u, s->y, s->se}, false, line);
 }
 
 static double chi2_of(const double p[], void *data)

@@ -10,43 +10,44 @@
 
 #include "stats/stats.h"
 
-static rp_status check_points(size_t n, const double x[], const double y[], const double se[], bool origin)
+static rp_status check_points(const stats_xy *p, bool origin)
 {
     bool spread = false;
-    for (size_t i = 0; i < n; i++) {
-        if (!isfinite(x[i]) || !isfinite(y[i]))
-            return rp_fail(RP_BAD_INPUT, "point %zu: (%g, %g): finite numbers expected", i + 1, x[i], y[i]);
-        if (se && !(se[i] > 0.0 && isfinite(se[i])))
+    for (size_t i = 0; i < p->n; i++) {
+        if (!isfinite(p->x[i]) || !isfinite(p->y[i]))
+            return rp_fail(RP_BAD_INPUT, "point %zu: (%g, %g): finite numbers expected", i + 1, p->x[i],
+                           p->y[i]);
+        if (p->se && !(p->se[i] > 0.0 && isfinite(p->se[i])))
             return rp_fail(RP_BAD_INPUT, "point %zu: standard error = %g: out of range, allowed: (0, inf)",
-                           i + 1, se[i]);
-        spread = spread || x[i] != (origin ? 0.0 : x[0]);
+                           i + 1, p->se[i]);
+        spread = spread || p->x[i] != (origin ? 0.0 : p->x[0]);
     }
     if (spread) return RP_OK; /* two different x are two points */
-    return rp_fail(RP_NO_RESULT, "no line: %zu points without %s", n,
+    return rp_fail(RP_NO_RESULT, "no line: %zu points without %s", p->n,
                    origin ? "an x other than 0" : "two different x");
 }
 
-rp_status stats_line_fit(size_t n, const double x[], const double y[], const double se[], bool origin,
-                         stats_line *line)
+rp_status stats_line_fit(const stats_xy *p, bool origin, stats_line *line)
 {
+    const size_t n = p->n;
     *line = (stats_line){n, 0, NAN, NAN, NAN, NAN, NAN, NAN, NAN};
-    RP_TRY(check_points(n, x, y, se, origin));
+    RP_TRY(check_points(p, origin));
     double *w = malloc(n * sizeof *w), variance = 0.0, slope_variance;
     if (!w) return rp_fail(RP_NO_MEMORY, "line: out of memory");
-    for (size_t i = 0; i < n; i++) w[i] = se ? 1.0 / (se[i] * se[i]) : 1.0;
+    for (size_t i = 0; i < n; i++) w[i] = p->se ? 1.0 / (p->se[i] * p->se[i]) : 1.0;
     line->intercept = line->covariance = 0.0;
     if (origin)
-        gsl_fit_wmul(x, 1, w, 1, y, 1, n, &line->slope, &slope_variance, &line->chi2);
+        gsl_fit_wmul(p->x, 1, w, 1, p->y, 1, n, &line->slope, &slope_variance, &line->chi2);
     else
-        gsl_fit_wlinear(x, 1, w, 1, y, 1, n, &line->intercept, &line->slope, &variance, &line->covariance,
-                        &slope_variance, &line->chi2);
+        gsl_fit_wlinear(p->x, 1, w, 1, p->y, 1, n, &line->intercept, &line->slope, &variance,
+                        &line->covariance, &slope_variance, &line->chi2);
     free(w);
     line->dof = n - (origin ? 1 : 2);
-    const double scale = se ? 1.0 : line->dof > 0 ? line->chi2 / (double)line->dof : NAN;
+    const double scale = p->se ? 1.0 : line->dof > 0 ? line->chi2 / (double)line->dof : NAN;
     line->covariance *= scale;
     line->slope_se = sqrt(slope_variance * scale);
     line->intercept_se = origin ? 0.0 : sqrt(variance * scale);
-    line->p_value = se && line->dof > 0 ? gsl_cdf_chisq_Q(line->chi2, (double)line->dof) : NAN;
+    line->p_value = p->se && line->dof > 0 ? gsl_cdf_chisq_Q(line->chi2, (double)line->dof) : NAN;
     return RP_OK;
 }
 
@@ -68,22 +69,23 @@ rp_status stats_linear_fit(stats_linear *f)
 }
 
 /* x about its first value in units of the range, so that the columns are of one size. */
-rp_status stats_bend(size_t n, const double x[], const double y[], const double se[], stats_contrast *bend)
+rp_status stats_bend(const stats_xy *p, stats_contrast *bend)
 {
     enum { TERMS = 3 };
+    const size_t n = p->n;
     stats_line line;
     *bend = (stats_contrast){NAN, NAN, NAN};
-    RP_TRY(stats_line_fit(n, x, y, se, false, &line)); /* checks the points */
+    RP_TRY(stats_line_fit(p, false, &line)); /* checks the points */
     double lo, hi, c[TERMS], covariance[TERMS * TERMS];
-    gsl_stats_minmax(&lo, &hi, x, 1, n);
+    gsl_stats_minmax(&lo, &hi, p->x, 1, n);
     double *X = malloc((TERMS + 1) * n * sizeof *X), *w = X + TERMS * n;
     if (!X) return rp_fail(RP_NO_MEMORY, "parabola: out of memory");
     for (size_t i = 0; i < n; i++) {
-        const double u = (x[i] - lo) / (hi - lo);
-        w[i] = 1.0 / (se[i] * se[i]);
+        const double u = (p->x[i] - lo) / (hi - lo);
+        w[i] = 1.0 / (p->se[i] * p->se[i]);
         for (size_t k = 0; k < TERMS; k++) X[TERMS * i + k] = gsl_pow_int(u, (int)k);
     }
-    stats_linear fit = {n, TERMS, X, y, w, 1e-10, c, covariance};
+    stats_linear fit = {n, TERMS, X, p->y, w, 1e-10, c, covariance};
     rp_status status = n < TERMS ? RP_OK : stats_linear_fit(&fit);
     free(X);
     if (!status && fit.rank < TERMS) /* two of three columns are the same where there are two x only */
@@ -93,21 +95,23 @@ rp_status stats_bend(size_t n, const double x[], const double y[], const double 
     return status;
 }
 
-rp_status stats_successive(size_t n, const double x[], const double y[], const double se[], double level,
-                           stats_prefix prefixes[], double *linear_to, double *bend_free_to)
+rp_status stats_successive(const stats_xy *points, double level, stats_prefix prefixes[], double *linear_to,
+                           double *bend_free_to)
 {
     bool linear = true, bend_free = true;
+    stats_xy first = *points;
     *linear_to = *bend_free_to = NAN;
-    if (n < 3) return rp_fail(RP_NO_RESULT, "%zu points, at least 3 needed", n);
-    for (size_t k = 0; k + 3 <= n; k++) {
-        stats_prefix *p = &prefixes[k];
-        RP_TRY(stats_line_fit(k + 3, x, y, se, false, &p->line));
-        RP_TRY(stats_bend(k + 3, x, y, se, &p->bend));
+    if (points->n < 3) return rp_fail(RP_NO_RESULT, "%zu points, at least 3 needed", points->n);
+    for (first.n = 3; first.n <= points->n; first.n++) {
+        const double x = points->x[first.n - 1];
+        stats_prefix *p = &prefixes[first.n - 3];
+        RP_TRY(stats_line_fit(&first, false, &p->line));
+        RP_TRY(stats_bend(&first, &p->bend));
         p->p_bend = stats_contrast_p(&p->bend);
         linear = linear && p->line.p_value >= level;
         bend_free = bend_free && p->p_bend >= level;
-        if (linear) *linear_to = x[k + 2];
-        if (bend_free) *bend_free_to = x[k + 2];
+        if (linear) *linear_to = x;
+        if (bend_free) *bend_free_to = x;
     }
     return RP_OK;
 }

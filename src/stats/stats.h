@@ -174,6 +174,12 @@ rp_status stats_limit_fit(size_t n, const double x[], const double y[], double l
 
 /* ---- straight lines (lines.c) ---- */
 
+/* n points (x, y). se: standard errors of y, > 0; NULL: not known, all weights are equal. */
+typedef struct {
+    size_t n;
+    const double *x, *y, *se;
+} stats_xy;
+
 /* y = intercept + slope x. chi2: sum of squared residuals over se^2, or over 1 without se.
  * p_value: chance of a larger chi2; NaN without se or degrees of freedom. */
 typedef struct {
@@ -182,11 +188,10 @@ typedef struct {
 } stats_line;
 
 /* Straight line by least squares, or with `origin` the line through (0, 0), whose intercept and its errors
- * are 0. Weights 1/se^2, se > 0; errors follow from se and are not rescaled. With se NULL all weights are
- * equal, and errors follow from the scatter about the line. Errors: RP_NO_RESULT for fewer points than
- * coefficients or no spread in x, RP_BAD_INPUT, RP_NO_MEMORY. */
-rp_status stats_line_fit(size_t n, const double x[], const double y[], const double se[], bool origin,
-                         stats_line *line);
+ * are 0. Weights 1/se^2; errors follow from se and are not rescaled, or without se from the scatter about the
+ * line. Errors: RP_NO_RESULT for fewer points than coefficients or no spread in x, RP_BAD_INPUT,
+ * RP_NO_MEMORY. */
+rp_status stats_line_fit(const stats_xy *points, bool origin, stats_line *line);
 
 /* Least squares of y[n] by p <= n columns, X[n p] row after row. */
 typedef struct {
@@ -204,7 +209,7 @@ rp_status stats_linear_fit(stats_linear *fit);
 
 /* Coefficient of x^2 of the parabola through points with known errors, as in stats_line_fit.
  * Errors: those of stats_line_fit, RP_NO_RESULT for fewer than three different x. */
-rp_status stats_bend(size_t n, const double x[], const double y[], const double se[], stats_contrast *bend);
+rp_status stats_bend(const stats_xy *points, stats_contrast *bend);
 
 /* The line and the bend of the first points of a series. */
 typedef struct {
@@ -216,8 +221,8 @@ typedef struct {
 /* Where linearity ends, of n points in order of x: prefixes[k] is of the first k + 3 points, n - 2 of them.
  * *linear_to, *bend_free_to: largest x up to which every line has p_value, or p_bend, of at least `level`;
  * NaN if there is none. Errors: those of stats_bend; RP_NO_RESULT for n < 3. */
-rp_status stats_successive(size_t n, const double x[], const double y[], const double se[], double level,
-                           stats_prefix prefixes[], double *linear_to, double *bend_free_to);
+rp_status stats_successive(const stats_xy *points, double level, stats_prefix prefixes[], double *linear_to,
+                           double *bend_free_to);
 
 /* ---- least value of a function (least.c) ---- */
 

@@ -108,7 +108,7 @@ static rp_status measure_scatter(const ang_surface *s, double d, double *scatter
     stats_line line;
     if (!x) return rp_fail(RP_NO_MEMORY, "onset: out of memory");
     for (size_t k = 0; k < s->n; k++) x[k] = (double)s->column[k];
-    rp_status status = stats_line_fit(s->n, x, s->h, NULL, false, &line);
+    rp_status status = stats_line_fit(&(stats_xy){s->n, x, s->h, NULL}, false, &line);
     *scatter = sqrt(line.chi2 / (double)s->n) / d;
     free(x);
     return status;

@@ -205,7 +205,7 @@ static rp_status respond(const experiment *e, int part, stress_linear *response)
         t[k] = e->readings[k].t;
         v[k] = e->readings[k].part[part];
     }
-    rp_status status = stats_line_fit(n, t, v, NULL, false, &line);
+    rp_status status = stats_line_fit(&(stats_xy){n, t, v, NULL}, false, &line);
     *response = (stress_linear){line.intercept, line.slope};
     return status;
 }

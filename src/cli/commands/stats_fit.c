@@ -47,33 +47,31 @@ static void note_reach(const char *name, double to)
         rp_table_note(stdout, name, "%g", to);
 }
 
-static rp_status print_successive(rp_arena *arena, size_t n, const double x[], const double y[],
-                                  const double se[], double level)
+static rp_status print_successive(rp_arena *arena, const stats_xy *points, double level)
 {
     double linear_to, bend_free_to;
-    stats_prefix *fits = rp_arena_memory(arena, n, sizeof *fits);
-    RP_TRY(stats_successive(n, x, y, se, level, fits, &linear_to, &bend_free_to));
+    stats_prefix *fits = rp_arena_memory(arena, points->n, sizeof *fits);
+    RP_TRY(stats_successive(points, level, fits, &linear_to, &bend_free_to));
     note_reach("linear_to", linear_to);
     note_reach("bend_free_to", bend_free_to);
     rp_table_header(stdout,
                     "x_to [x], n, slope [y/x], slope_se [y/x], intercept [y], intercept_se [y], chi2, dof, "
                     "p_value, bend [y/x^2], bend_se [y/x^2], p_bend, status");
-    for (size_t k = 0; k + 3 <= n; k++) {
+    for (size_t k = 0; k + 3 <= points->n; k++) {
         const stats_line *l = &fits[k].line;
         const stats_contrast *bend = &fits[k].bend;
-        CLI_ROW_WORD(l->p_value < level || fits[k].p_bend < level ? "curved" : "ok", x[k + 2], (double)l->n,
-                     l->slope, l->slope_se, l->intercept, l->intercept_se, l->chi2, (double)l->dof,
-                     l->p_value, bend->value, bend->se, fits[k].p_bend);
+        CLI_ROW_WORD(l->p_value < level || fits[k].p_bend < level ? "curved" : "ok", points->x[k + 2],
+                     (double)l->n, l->slope, l->slope_se, l->intercept, l->intercept_se, l->chi2,
+                     (double)l->dof, l->p_value, bend->value, bend->se, fits[k].p_bend);
     }
     return RP_OK;
 }
 
-static rp_status print_fit(size_t n, const double x[], const double y[], const double se[], bool logarithms,
-                           const double range[2])
+static rp_status print_fit(const stats_xy *points, bool logarithms, const double range[2])
 {
     const int n_lines = logarithms ? 1 : 2; /* the line through the origin would be that through (1, 1) */
     stats_line lines[2];
-    for (int i = 0; i < n_lines; i++) RP_TRY(stats_line_fit(n, x, y, se, i == 1, &lines[i]));
+    for (int i = 0; i < n_lines; i++) RP_TRY(stats_line_fit(points, i == 1, &lines[i]));
     rp_table_header(stdout,
                     "slope [y/x], slope_se [y/x], intercept [y], intercept_se [y], covariance [y^2/x], chi2, "
                     "dof, p_value, n, x_from [x], x_to [x], line");
@@ -106,9 +104,10 @@ static rp_status fit_table(cli_call *call, rp_table *table, const void *values)
     gsl_stats_minmax(&range[0], &range[1], x, 1, rows.n);
     rp_status status = logarithms ? take_logarithms(table, rows.n, x, o->x) : RP_OK;
     if (logarithms && !status) status = take_logarithms(table, rows.n, y, o->y);
+    const stats_xy points = {rows.n, x, y, rows.column[2]};
     if (!status)
-        status = o->successive ? print_successive(call->arena, rows.n, x, y, rows.column[2], o->level)
-                               : print_fit(rows.n, x, y, rows.column[2], logarithms, range);
+        status = o->successive ? print_successive(call->arena, &points, o->level)
+                               : print_fit(&points, logarithms, range);
     return rp_prefix(status, "%s: ", table->path);
 }
 
