@@ -255,6 +255,8 @@ static void test_theory_errors(void)
 
 /* ---- surface ---- */
 
+#define scoped_surface __attribute__((cleanup(ang_surface_free))) ang_surface
+
 /* 2.13/0.2 rounds to 11 cells of 0.19363...; grains 0 to 5 lie in cells 0, 0, 1, 3, 4, 10. */
 static const double grain_x[] = {0.0, 0.1, 0.25, 0.6, 0.9, 2.1299999, 2.13, -0.01};
 static const double grain_y[] = {1.3, 1.21, 0.95, 0.07, 0.41, 0.1, 9.0, 9.0};
@@ -263,13 +265,12 @@ enum { N_GRAINS = 8 };
 
 static void check_heights(const ang_options *options, size_t n, const double expected[])
 {
-    ang_surface s;
+    scoped_surface s;
     CHECK_OK(ang_surface_make(N_GRAINS, grain_x, grain_y, grain_r, 2.13, options, &s));
     CU_ASSERT(s.n_cells == 11 && s.n_occupied == 5 && s.n == n);
     CHECK_NEAR(s.cell, 2.13 / 11.0, tight);
     for (size_t k = 0; k < s.n && k < n; k++) CHECK_NEAR(s.h[k], expected[k], tight);
     CU_ASSERT(s.n == 11 ? s.column[10] == 10 : s.column[2] == 3 && s.column[4] == 10);
-    ang_surface_free(&s);
 }
 
 static void test_surface(void)
@@ -283,11 +284,10 @@ static void test_surface(void)
     /* the last number below the width can divide to n_cells; it belongs to the last cell */
     for (double width = 1.01; width < 6.0; width += 0.037) {
         double x[] = {0.1, 0.3, 0.5, 0.7, nextafter(width, 0.0)};
-        ang_surface s;
+        scoped_surface s;
         ang_options raw = {0.2, ANG_RAW_CENTRE, ANG_EMPTY_ZERO, ANG_PARABOLA_FREE};
         CHECK_OK(ang_surface_make(5, x, grain_y, NULL, width, &raw, &s));
         CHECK_NEAR(s.h[s.n_cells - 1], grain_y[4], 0.0);
-        ang_surface_free(&s);
     }
     o.empty = ANG_EMPTY_SKIP;
     check_heights(&o, 5, (double[]){1.4, 1.05, 0.18, 0.53, 0.2});
@@ -417,7 +417,7 @@ static void test_gap(void)
     static const double h[] = {2.1, 1.7, 1.9, 1.2, 1.3, 0.4, 0.6};
     double full[10] = {2.1, 1.7, 1.8, 1.9, 1.2, 1.3, 0.85, 0.85, 0.4, 0.6};
     double z3 = 0.0, z2 = 0.0, top = 0.0, norm = 0.0,
-           sum = 0.0; /* parabola through 0 at the used positions */
+           sum = 0.0; /* parabola through 0 at the positions used */
     ang_slope s[ANG_N_METHODS];
     for (int k = 0; k < 7; k++) {
         double z = (double)(column[k] + 1);
@@ -478,11 +478,10 @@ static void test_planted_heaps(void)
     double x[N], y[N], slopes[ANG_N_METHODS][PILES];
     const double slope = 0.3249, width = 4.0;
     for (int i = 0; i < PILES; i++) {
-        ang_surface surface;
+        scoped_surface surface;
         ang_slope s[ANG_N_METHODS];
-        for (int k = 0;
-             k <
-             N;) { /* uniform below the line, so that the deviation has the same distribution in every cell */
+        /* uniform below the line, so that the deviation has the same distribution in every cell */
+        for (int k = 0; k < N;) {
             x[k] = width * gsl_rng_uniform(rng);
             y[k] = 2.5 * gsl_rng_uniform(rng);
             k += y[k] < 2.5 - slope * x[k];
@@ -490,7 +489,6 @@ static void test_planted_heaps(void)
         CHECK_OK(ang_surface_make(N, x, y, NULL, width, &o, &surface));
         CHECK_OK(ang_slopes(surface.n, surface.column, surface.h, surface.cell, o.parabola, s));
         for (int m = 0; m < ANG_N_METHODS; m++) slopes[m][i] = s[m].slope;
-        ang_surface_free(&surface);
     }
     for (int m = 0; m < ANG_N_METHODS; m++) {
         stats_summary stats;
@@ -1160,16 +1158,12 @@ static void test_phi_not_identified(void)
     CHECK_FAILS(ang_phi_fit(1, &piles, fit), RP_BAD_INPUT, "pile 1: theta_r");
     theta_r[0] = -M_PI_2;
     CHECK_FAILS(ang_phi_fit(1, &piles, fit), RP_BAD_INPUT, "pile 1: theta_r");
-    for (int k = 0; k < 4; k++) { /* a mean of 2e-4 rad is the least of either angle */
-        const double mean[2] = {k == 0   ? 1.9e-4
-                                : k == 1 ? 2.5e-4
-                                         : 0.1,
-                                k == 2   ? 1.9e-4
-                                : k == 3 ? 2.5e-4
-                                         : 0.1};
+    /* a mean of 2e-4 rad is the least of either angle */
+    static const double means[4][2] = {{1.9e-4, 0.1}, {2.5e-4, 0.1}, {0.1, 1.9e-4}, {0.1, 2.5e-4}};
+    for (int k = 0; k < 4; k++) {
         for (int i = 0; i < PHI_PILES; i++) {
-            theta_r[i] = mean[0] * (1.0 + 0.1 * (i % 3 - 1));
-            theta_t[i] = mean[1] * (1.0 + 0.1 * (i % 5 - 2));
+            theta_r[i] = means[k][0] * (1.0 + 0.1 * (i % 3 - 1));
+            theta_t[i] = means[k][1] * (1.0 + 0.1 * (i % 5 - 2));
         }
         if (k % 2)
             CHECK_OK(ang_phi_fit(1, &piles, fit));
