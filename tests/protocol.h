@@ -11,4 +11,7 @@ void *protocol_params(const sweep_protocol *protocol, const char *const changes[
 /* An output by its name; a failed assertion and NaN if there is none. */
 double protocol_output(const sweep_protocol *protocol, const sweep_result *result, const char *name);
 
+/* Tables of a run have no header of their own. */
+void protocol_no_header(const void *context, FILE *table);
+
 #endif

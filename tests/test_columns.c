@@ -18,6 +18,7 @@
 #include "tests/grains.h"
 #include "tests/numbers.h"
 #include "tests/program.h"
+#include "tests/protocol.h"
 
 static const double deg = M_PI / 180.0;
 /* sums of some hundred rounded products */
@@ -834,12 +835,6 @@ static void test_energy_rows(void)
 
 /* ---- series of protocol flux ---- */
 
-static void no_header(const void *context, FILE *table)
-{
-    (void)context;
-    (void)table;
-}
-
 /* A series of so many insertions, of the same grains whatever the number; tables in the folder d. */
 static void make_series(int insertions)
 {
@@ -850,7 +845,7 @@ static void make_series(int insertions)
     char folder[256], number[16];
     sweep_result result;
     path_of("d", folder);
-    const sweep_tables tables = {folder, 1000000, no_header};
+    const sweep_tables tables = {folder, 1000000, protocol_no_header};
     snprintf(number, sizeof number, "%d", insertions);
     rp_params_defaults(schema, params);
     for (size_t i = 0; i < 3; i++)

@@ -60,12 +60,6 @@ static double output(const sweep_result *result, const char *name)
     return protocol_output(protocol, result, name);
 }
 
-static void no_header(const void *context, FILE *out)
-{
-    (void)context;
-    (void)out;
-}
-
 /* A run with its tables in a folder of its own. */
 typedef struct {
     sweep_result result;
@@ -78,7 +72,7 @@ static void trace(const char *const changes[], traced *t)
     char path[FOLDER_PATH + 16];
     scoped void *p = protocol_params(protocol, changes);
     folder_make("flux", t->folder);
-    const sweep_tables tables = {t->folder, 1000000, no_header};
+    const sweep_tables tables = {t->folder, 1000000, protocol_no_header};
     CHECK_OK(protocol->check(p));
     CHECK_OK(protocol->run(p, 1993, 0, &tables, &t->result));
     snprintf(path, sizeof path, "%s/series.tsv", t->folder);

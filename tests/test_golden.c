@@ -11,6 +11,7 @@
 #include "sweeps/protocols/protocols.h"
 #include "tests/check.h"
 #include "tests/grains.h"
+#include "tests/protocol.h"
 
 /* The digests below belong to this RP_MODEL_VERSION: raising it without new digests fails too. */
 enum { GOLDEN_VERSION = 3 };
@@ -296,15 +297,6 @@ static const named_text fingerprints[] = {
     {"pile", "c7a1768420111129d3b453153b2511ef"},   {"drop", "70ede5b5f77b5d91912a221f49111dfd"}};
 enum { N_FINGERPRINTS = sizeof fingerprints / sizeof *fingerprints };
 
-static double output(const sweep_protocol *p, const sweep_result *result, const char *name)
-{
-    for (size_t i = 0; p->outputs[i].name; i++)
-        if (strcmp(p->outputs[i].name, name) == 0) return result->values[i];
-    fprintf(stderr, "protocol %s: no output %s\n", p->name, name);
-    CU_FAIL("no such output");
-    return NAN;
-}
-
 /* An output of number `run` of the list above, from 1 on, with the pile `pile`. False: the file lacks it.
  * Rows: run, pile, output, value. */
 static bool known_output(size_t run, unsigned long pile, const char *name, double *value)
@@ -365,12 +357,12 @@ static void check_run(const golden_run *g, unsigned long pile)
     double values[MAX_HASHED];
     size_t n = 0;
     for (; n < MAX_HASHED && g->hashed[n]; n++) {
-        double v = output(p, &result, g->hashed[n]);
+        double v = protocol_output(p, &result, g->hashed[n]);
         values[n] = isnan(v) ? NAN : v; /* NaN has many bit patterns */
     }
     if (n > 0) check_digest(g->protocol, XXH3_64bits(values, n * sizeof *values), g->digest);
     for (const named_number *a = g->angles; a->name; a++)
-        CHECK_NEAR(output(p, &result, a->name), a->value, ANGLE_TOLERANCE_DEG);
+        CHECK_NEAR(protocol_output(p, &result, a->name), a->value, ANGLE_TOLERANCE_DEG);
     check_outputs((size_t)(g - runs) + 1, pile, p, &result);
 }
 

@@ -10,6 +10,7 @@
 #include "sweeps/protocols/protocols.h"
 #include "tests/check.h"
 #include "tests/grains.h"
+#include "tests/protocol.h"
 
 /* Angles from the same numbers in another order of summation: some ulp of 30 degrees. */
 static const double ANGLE_TOLERANCE_DEG = 1e-10;
@@ -37,21 +38,11 @@ static void *make_params(const setting *settings)
 
 static double output(const sweep_result *result, const char *name)
 {
-    for (size_t i = 0; protocol->outputs[i].name; i++)
-        if (strcmp(protocol->outputs[i].name, name) == 0) return result->values[i];
-    fprintf(stderr, "no output %s\n", name);
-    CU_FAIL("no such output");
-    return NAN;
+    return protocol_output(protocol, result, name);
 }
 
 /* A run with its tables in `folder`. */
 static char folder[64];
-
-static void no_header(const void *context, FILE *out)
-{
-    (void)context;
-    (void)out;
-}
 
 static void traced_run(const setting *settings, sweep_result *result)
 {
@@ -59,7 +50,7 @@ static void traced_run(const setting *settings, sweep_result *result)
     CU_ASSERT_PTR_NOT_NULL_FATAL(mkdtemp(folder));
     scoped void *params = make_params(settings);
     CHECK_OK(protocol->check(params));
-    CHECK_OK(protocol->run(params, 1993, 0, &(sweep_tables){folder, 1000, no_header}, result));
+    CHECK_OK(protocol->run(params, 1993, 0, &(sweep_tables){folder, 1000, protocol_no_header}, result));
 }
 
 static const char *path_of(const char *name)
