@@ -44,22 +44,22 @@ static void close_all(cli_unfinished *u)
     for (int k = 0; k < CLI_GROWING; k++) {
         if (u->table[k].file) fclose(u->table[k].file);
         XXH3_freeState(u->table[k].hash);
+        u->table[k] = (cli_growing){0};
     }
     if (u->lock >= 0) close(u->lock);
-    *u = (cli_unfinished){.arena = u->arena, .lock = -1};
+    u->lock = -1;
 }
 
-static rp_status enter(cli_unfinished *u, const char *directory, uint64_t layout,
-                       const char *const names[CLI_GROWING])
+static rp_status enter(cli_unfinished *u)
 {
-    *u = (cli_unfinished){.arena = u->arena, .directory = directory, .layout = layout, .lock = -1};
-    for (int k = 0; k < CLI_GROWING && names; k++) {
-        u->table[k].name = names[k];
+    for (int k = 0; k < CLI_GROWING && u->names; k++) {
+        u->table[k].name = u->names[k];
         if (!(u->table[k].hash = XXH3_createState())) return rp_fail(RP_NO_MEMORY, "tables: out of memory");
         XXH3_128bits_reset(u->table[k].hash);
     }
-    if (strlen(directory) > PATH_MAX - 64) return rp_fail(RP_BAD_INPUT, "%.60s...: path too long", directory);
-    return take_lock(directory, path_of(u, ""), &u->lock);
+    if (strlen(u->directory) > PATH_MAX - 64)
+        return rp_fail(RP_BAD_INPUT, "%.60s...: path too long", u->directory);
+    return take_lock(u->directory, path_of(u, ""), &u->lock);
 }
 
 static rp_status move_file(const char *from, const char *to)
@@ -161,27 +161,28 @@ static rp_status check_vacant(const cli_unfinished *u)
                          u->directory);
 }
 
-/* Empty tables in the folder; without names what is there, if it can go on. */
-static rp_status open_tables(cli_unfinished *u, const char *const names[CLI_GROWING])
+/* Empty tables in the folder; without names what is there, if it can be resumed. */
+static rp_status open_tables(cli_unfinished *u)
 {
     const rp_status vacant = check_vacant(u);
-    if (vacant) return names ? vacant : RP_OK;
+    if (vacant) return u->names ? vacant : RP_OK;
     RP_TRY(empty_folder(path_of(u, "")));
-    for (int k = 0; k < CLI_GROWING && names; k++)
-        if (!(u->table[k].file = fopen(path_of(u, names[k]), "w+e"))) RP_TRY(failed(path_of(u, names[k])));
+    for (int k = 0; k < CLI_GROWING && u->names; k++) {
+        const char *path = path_of(u, u->names[k]);
+        if (!(u->table[k].file = fopen(path, "w+e"))) RP_TRY(failed(path));
+    }
     return RP_OK;
 }
 
-rp_status cli_unfinished_start(rp_arena *arena, cli_unfinished *u, const char *directory, uint64_t layout,
-                               const char *const names[CLI_GROWING])
+rp_status cli_unfinished_start(cli_unfinished *u)
 {
     bool moved;
-    *u = (cli_unfinished){.arena = arena, .directory = directory, .lock = -1};
-    RP_TRY(rp_make_directory(directory));
-    RP_TRY(complete_move(directory, &moved));
+    u->lock = -1;
+    RP_TRY(rp_make_directory(u->directory));
+    RP_TRY(complete_move(u->directory, &moved));
     RP_TRY(rp_make_directory(path_of(u, "")));
-    rp_status status = enter(u, directory, layout, names);
-    if (!status) status = open_tables(u, names);
+    rp_status status = enter(u);
+    if (!status) status = open_tables(u);
     if (status) close_all(u);
     return status;
 }
@@ -231,19 +232,17 @@ static bool is_whole(const char *directory, const char *table)
     return access(unfinished, F_OK) != 0 && access(whole, F_OK) == 0;
 }
 
-rp_status cli_unfinished_resume(rp_arena *arena, cli_unfinished *u, const char *directory, uint64_t layout,
-                                const char *const names[CLI_GROWING], cli_keep *keep, void *context,
-                                bool *done)
+rp_status cli_unfinished_resume(cli_unfinished *u, cli_keep *keep, void *context, bool *done)
 {
     long length[CLI_GROWING];
     XXH128_hash_t hash[CLI_GROWING];
     rp_snapshot s = {0};
-    *u = (cli_unfinished){.arena = arena, .lock = -1};
-    rp_status status = complete_move(directory, done);
-    *done |= !status && is_whole(directory, names[0]);
+    u->lock = -1;
+    rp_status status = complete_move(u->directory, done);
+    *done |= !status && is_whole(u->directory, u->names[0]);
     if (status || *done) return status;
-    status = enter(u, directory, layout, names);
-    if (!status) status = rp_snapshot_read(&s, path_of(u, "snapshot"), OWNER, layout);
+    status = enter(u);
+    if (!status) status = rp_snapshot_read(&s, path_of(u, "snapshot"), OWNER, u->layout);
     if (!status) {
         for (int k = 0; k < CLI_GROWING; k++) keep_table(&s, &u->table[k], &length[k], &hash[k]);
         keep(&s, context);

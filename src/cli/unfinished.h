@@ -20,29 +20,29 @@ typedef struct {
     long hashed;
 } cli_growing;
 
+/* Set by the caller: an arena for paths, the folder DIR, the layout of what the caller keeps, and the names
+ * of the tables; without names the folder is for a run that writes its own. */
 typedef struct {
-    rp_arena *arena;       /* of paths */
-    const char *directory; /* borrowed */
-    uint64_t layout;       /* of what the caller keeps */
-    int lock;              /* one process at a time; goes with it */
+    rp_arena *arena;
+    const char *directory;
+    uint64_t layout;
+    const char *const *names; /* CLI_GROWING, or NULL */
+    int lock;                 /* of the process that is at it; -1: not entered */
     cli_growing table[CLI_GROWING];
 } cli_unfinished;
 
 /* The caller's part of a snapshot. */
 typedef void cli_keep(rp_snapshot *s, void *context);
 
-/* Make the folder, with empty tables; without names it stays as it is if it holds a snapshot, for a run that
- * writes its own. cli_unfinished_end follows, except after an error. Errors: RP_BAD_INPUT (it holds a run
- * that can go on), RP_IO (also: another process is at it), RP_NO_MEMORY. */
-rp_status cli_unfinished_start(rp_arena *arena, cli_unfinished *u, const char *directory, uint64_t layout,
-                               const char *const names[CLI_GROWING]);
+/* Make the folder, with empty tables; without names it stays as it is if it holds a snapshot.
+ * cli_unfinished_end follows, except after an error. Errors: RP_BAD_INPUT (it holds a run that can be
+ * resumed), RP_IO (also: another process is at it), RP_NO_MEMORY. */
+rp_status cli_unfinished_start(cli_unfinished *u);
 
 /* The same with the tables as they were at the snapshot, after the caller's part has been read. *done: the
  * run was whole, its result is now in DIR, and nothing is left to do. Errors: also RP_BAD_INPUT for a
  * snapshot or a table that does not fit. */
-rp_status cli_unfinished_resume(rp_arena *arena, cli_unfinished *u, const char *directory, uint64_t layout,
-                                const char *const names[CLI_GROWING], cli_keep *keep, void *context,
-                                bool *done);
+rp_status cli_unfinished_resume(cli_unfinished *u, cli_keep *keep, void *context, bool *done);
 
 /* Write a snapshot. Errors: RP_IO; the older one and its tables are then still good. */
 rp_status cli_unfinished_write(cli_unfinished *u, cli_keep *keep, void *context);

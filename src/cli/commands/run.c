@@ -99,6 +99,16 @@ static uint64_t layout(void)
     return dem_keep_layout() ^ sizeof(scene_run);
 }
 
+static outputs outputs_in(rp_arena *arena, const char *directory, bool resumable, bool quiet)
+{
+    return (outputs){
+        .directory = directory,
+        .resumable = resumable,
+        .quiet = quiet,
+        .unfinished = {
+            .arena = arena, .directory = directory, .layout = layout(), .names = growing, .lock = -1}};
+}
+
 static void keep_run(rp_snapshot *s, void *context)
 {
     scene_run *r = context;
@@ -116,7 +126,7 @@ static rp_status outputs_open(outputs *o, const origin *of, const scene_run *r)
 {
     o->table[STATES] = stdout;
     if (*o->directory) {
-        RP_TRY(cli_unfinished_start(of->call->arena, &o->unfinished, o->directory, layout(), growing));
+        RP_TRY(cli_unfinished_start(&o->unfinished));
         take_growing(o);
         for (int k = 0; k < CLI_GROWING; k++) put_origin(of, o->table[k]);
         dem_write_energy_columns(r->plan.ledger, o->table[ENERGY]);
@@ -243,8 +253,7 @@ static rp_status finish_scene(rp_arena *arena, scene_run *r, outputs *out, rp_st
 
 static rp_status run_scene(const origin *of, scene_run *r, const run_options *o)
 {
-    outputs out = {
-        .directory = o->o, .resumable = r->plan.snapshot > 0, .quiet = o->quiet, .unfinished.lock = -1};
+    outputs out = outputs_in(of->call->arena, o->o, r->plan.snapshot > 0, o->quiet);
     cli_on_stop(note_stop);
     rp_status status = outputs_open(&out, of, r);
     if (!status && r->plan.every > 0) status = outputs_write(&out, r->sim);
@@ -278,12 +287,12 @@ static rp_status run_row(const cli_call *call, const char *path, const run_optio
     const sweep_protocol *protocol;
     const double started = rp_clock();
     static volatile bool stopped;
-    cli_unfinished folder;
+    cli_unfinished folder = {.arena = call->arena, .directory = o->o};
     const char *stage, *snapshot;
     origin of = {.call = call};
     snprintf(of.run, sizeof of.run, "%s row %ld", path, o->row);
     RP_TRY(cli_claim_run(o->o, of.run, o->force, of.replaces));
-    RP_TRY(cli_unfinished_start(call->arena, &folder, o->o, 0, NULL));
+    RP_TRY(cli_unfinished_start(&folder));
     RP_TRY(rp_path(call->arena, &stage, "%s/unfinished", o->o));
     RP_TRY(rp_path(call->arena, &snapshot, "%s/snapshot", stage));
     cli_unfinished_stops(o->o, &stopped);
@@ -410,7 +419,7 @@ static rp_status resume(const cli_call *call, const run_options *o)
 {
     const char *scene = cli_argument(call, 0);
     scene_run r = {.threads = o->j};
-    outputs out = {.directory = o->resume, .resumable = true, .quiet = o->quiet};
+    outputs out = outputs_in(call->arena, o->resume, true, o->quiet);
     if (cli_given(call, "o") || cli_given(call, "every") || cli_given(call, "row") ||
         cli_given(call, "snapshot") || cli_given(call, "force"))
         return rp_fail(RP_USAGE, "--resume continues with the options of the start; it takes no -o, --every, "
@@ -419,8 +428,7 @@ static rp_status resume(const cli_call *call, const run_options *o)
         return rp_fail(RP_USAGE, "--set and --ledger need a scene file");
     cli_on_stop(note_stop);
     bool done;
-    rp_status status = cli_unfinished_resume(call->arena, &out.unfinished, o->resume, layout(), growing,
-                                             keep_run, &r, &done);
+    rp_status status = cli_unfinished_resume(&out.unfinished, keep_run, &r, &done);
     if (!status && done) {
         printf("%s: the run is done; its tables are in this folder\n", o->resume);
         return RP_OK;
