@@ -105,7 +105,7 @@ static void triangle_three_ways(void)
     for (size_t t = 0; t < sizeof sizes / sizeof *sizes; t++) {
         long k = sizes[t], *up = room(k, sizeof *up);
         double theta = RAD(30 + 6.0 * (double)t);
-        an_force *a = room(k, sizeof *a), *b = room(k, sizeof *b);
+        scoped an_force *a = room(k, sizeof *a), *b = room(k, sizeof *b);
         CHECK_OK(an_lattice_cut(k, theta, M_PI / 2 - theta, up));
         compare_outline(k, up, theta, a, b);
         for (long i = 1; i <= k; i++) {
@@ -115,7 +115,7 @@ static void triangle_three_ways(void)
         double n = (double)k, spacing = 2 * sin(theta); /* weight of the triangle of base B: k(k+1)/2 disks */
         CHECK_NEAR(an_lattice_base(n * (n + 1) / 2, theta, M_PI / 2 - theta), spacing * sqrt(n * (n + 1)),
                    n * ROUND);
-        free(up), free(a), free(b);
+        free(up);
     }
 }
 
@@ -222,7 +222,7 @@ static void cut_pile_to_continuum(void)
 {
     const double slopes_deg[] = {30, 32.6, 45, 50, 55};
     for (long k = 100; k <= (check_fast() ? 10000 : AN_LAYERS_MAX); k *= 100) {
-        long *up = room(k, sizeof *up);
+        scoped long *up = room(k, sizeof *up);
         an_force *a = room(k, sizeof *a), f;
         for (size_t t = 0; t < sizeof slopes_deg / sizeof *slopes_deg; t++) {
             double alpha = RAD(slopes_deg[t]), disks = 0, mean = 0;
@@ -242,7 +242,7 @@ static void cut_pile_to_continuum(void)
             CU_ASSERT_EQUAL(misfits, 0);
             CHECK_NEAR(mean, 0, bound / (n * n)); /* an_lattice_base: the mean is free of bias */
         }
-        free(up), free(a);
+        free(a);
     }
 }
 

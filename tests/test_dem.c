@@ -176,12 +176,12 @@ static void list_is_complete(void)
 /* Removal of grains from a continued list equals a rebuild, except for the order of sums. */
 static void leaving_of(bool rotation)
 {
-    dem_grain *grains;
+    scoped dem_grain *grains = NULL;
     dem_definition def = grains_box(100, 2.2, 3, &grains);
     def.rotation = rotation;
     if (rotation) def.material.mu_roll = 0.1;
     def.x_max = 2.3;
-    dem_sim *sim = grains_start(&def), *rebuilt;
+    scoped_sim *sim = grains_start(&def), *rebuilt = NULL;
     CHECK_OK(dem_run(sim, 8000));
     dem_wall_open(sim, DEM_BOX_RIGHT, INF);
     CHECK_OK(dem_run(sim, 1000));
@@ -201,7 +201,6 @@ static void leaving_of(bool rotation)
     }
     CU_ASSERT(dem_count(sim) + 5 <= before && dem_count(sim) > 50);
     CU_ASSERT(end.rebuilds - start.rebuilds < 40);
-    dem_free(sim), dem_free(rebuilt), free(grains);
 }
 
 /* Grains moved to the indices of removed ones keep their wall contacts and margins. */
@@ -266,7 +265,7 @@ static void work(void)
 /* Rebuilding the list more often than needed carries the springs over and changes the order of sums only. */
 static void extra_rebuilds_of(bool rotation)
 {
-    dem_grain *grains;
+    scoped dem_grain *grains = NULL;
     dem_definition def = grains_box(100, 2.2, 3, &grains);
     def.rotation = rotation;
     if (rotation) def.material.mu_roll = 0.1;
@@ -276,7 +275,7 @@ static void extra_rebuilds_of(bool rotation)
         def.walls[w].material.mu_roll = def.material.mu_roll;
         def.walls[w].point[0] += 3.8;
     }
-    dem_sim *sim = grains_start(&def), *rebuilt;
+    scoped_sim *sim = grains_start(&def), *rebuilt = NULL;
     CHECK_OK(dem_run(sim, 8000));
     CHECK_OK(dem_clone(sim, &rebuilt));
     for (int k = 0; k < 40; k++) {
@@ -287,7 +286,7 @@ static void extra_rebuilds_of(bool rotation)
     }
     /* a lost spring would shift a grain by mu m g / k_s = 1e-4 */
     CU_ASSERT(distance(sim, rebuilt) < 1e-9);
-    dem_contact *a, *b;
+    scoped dem_contact *a = NULL, *b = NULL;
     size_t n, m;
     double spring_a = 0.0, spring_b = 0.0, roll_a = 0.0, roll_b = 0.0;
     CHECK_OK(dem_contacts(sim, &a, &n));
@@ -299,7 +298,6 @@ static void extra_rebuilds_of(bool rotation)
     CHECK_NEAR(spring_a, spring_b, 1e-9);
     CU_ASSERT((roll_a > 1e-4) == rotation);
     CHECK_NEAR(roll_a, roll_b, 1e-9);
-    free(a), free(b), dem_free(sim), dem_free(rebuilt), free(grains);
 }
 
 EITHER(extra_rebuilds)
@@ -461,7 +459,7 @@ static void margins(void)
  * call, and with observation. */
 static void determinism_of(bool rotation)
 {
-    dem_grain *grains;
+    scoped dem_grain *grains = NULL;
     dem_definition def = grains_box(90, 2.2, 17, &grains);
     def.rotation = rotation;
     if (rotation) def.material.mu_roll = 0.1;
@@ -488,7 +486,7 @@ static void determinism_of(bool rotation)
     CU_ASSERT(all > 0.5 * elapsed && all <= elapsed * (1.0 + 1e-6));
     CU_ASSERT(grains_same_bits(whole, copy));
     CU_ASSERT(dem_count(copy) == 90);
-    dem_free(whole), dem_free(copy), free(grains);
+    dem_free(whole), dem_free(copy);
 }
 
 EITHER(determinism)
@@ -827,11 +825,11 @@ static void filling(void)
  * grain does not change the cells, nor the order of sums. */
 static void added_far_away_of(bool rotation)
 {
-    dem_grain *grains;
+    scoped dem_grain *grains = NULL;
     dem_definition def = grains_box(80, 2.2, 6, &grains);
     def.rotation = rotation;
     def.n_walls = 1; /* the pile spreads over the floor */
-    dem_sim *sim = grains_start(&def), *more;
+    scoped_sim *sim = grains_start(&def), *more = NULL;
     CHECK_OK(dem_run(sim, 6000));
     CHECK_OK(dem_clone(sim, &more));
     uint32_t id = 0;
@@ -848,7 +846,6 @@ static void added_far_away_of(bool rotation)
     CHECK_OK(dem_states(more, b));
     CU_ASSERT(memcmp(a, b, sizeof a) == 0);
     CU_ASSERT(b[80].id == 81 && b[80].x == -60.0 && b[80].contacts == 1);
-    dem_free(sim), dem_free(more), free(grains);
 }
 
 EITHER(added_far_away)
@@ -858,10 +855,10 @@ EITHER(added_far_away)
 static void added_one_by_one(void)
 {
     enum { N = 300, FALL = 400 };
-    dem_grain *grains;
+    scoped dem_grain *grains = NULL;
     dem_definition def = grains_box(N, 3.0, 8, &grains), first = def;
     first.n_grains = 1;
-    dem_sim *all = grains_start(&def), *sim = grains_start(&first);
+    scoped_sim *all = grains_start(&def), *sim = grains_start(&first);
     uint32_t id = 0;
     for (uint32_t i = 1; i < N; i++) {
         CHECK_OK(dem_add(sim, &grains[i], &id));
@@ -894,7 +891,6 @@ static void added_one_by_one(void)
     int near = 0;
     for (int i = 0; i < N; i++) near += hypot(s[i].x - s[N].x, s[i].y - s[N].y) < s[i].r + r;
     CU_ASSERT(near > 2 && near == s[N].contacts);
-    dem_free(all), dem_free(sim), free(grains);
 }
 
 /* Gear's scheme gives the exact parabola too; with rotation the new grain keeps its spin. */
@@ -931,7 +927,7 @@ static void added_names_and_errors(void)
     def.walls[0] = line(0.0, 0.0, 0.0, 1.0, &def.material);
     def.walls[0].extent[1] = 1.0; /* ends at x = 1 */
     def.walls[1] = line(-3.0, 0.0, 1.0, 0.0, &def.material);
-    dem_sim *sim = grains_start(&def), *same;
+    scoped_sim *sim = grains_start(&def), *same = NULL;
     uint32_t id;
     CHECK_OK(dem_add(sim, &(dem_grain){2.0, -0.4, 0.1, 0.004, 0.0, 0.0}, &id));
     CHECK_OK(dem_run(sim, 40000)); /* the last grain falls out, the first comes to rest */
@@ -954,7 +950,6 @@ static void added_names_and_errors(void)
     CHECK_OK(dem_add(sim, &(dem_grain){1.1, 0.1, 0.1, 0.004, 0.0, 0.0}, &id));
     CU_ASSERT(id == 3);
     CHECK_OK(dem_add(sim, &(dem_grain){0.5, -0.3, 0.1, 0.004, 0.0, 0.0}, &id)); /* below a wall that ends */
-    dem_free(sim), dem_free(same);
 }
 
 /* Faults of grains stop the run with a message that has step and grain. */
@@ -1394,7 +1389,7 @@ static void contacts_of_the_start(void)
     def.walls[2].extent[0] = -0.5, def.walls[2].extent[1] = 2.0;
     dem_sim *sim = grains_after(&def, 20);
     dem_state s[N];
-    dem_contact *before, *after;
+    scoped dem_contact *before = NULL, *after = NULL;
     size_t n, n_after;
     CHECK_OK(dem_states(sim, s));
     CHECK_OK(dem_contacts(sim, &before, &n));
@@ -1417,7 +1412,7 @@ static void contacts_of_the_start(void)
         CHECK_NEAR(c->overlap, before[k].overlap, 1e-14);
     }
     CU_ASSERT(rolled > n - 4);
-    dem_free(sim), free(before), free(after);
+    dem_free(sim);
 }
 
 /* The limit of dt is below instability: a box at the limit settles. */
@@ -1816,7 +1811,7 @@ static void arrays_follow_grains(void)
         dem_definition def = grains_box(N, 2.0, 5, &grains);
         def.integrator = k / 2, def.rotation = k % 2, def.dt = 4e-5;
         if (!dem_scheme_check(&def)) {
-            dem_sim *sim = grains_start(&def), *copy;
+            scoped_sim *sim = grains_start(&def), *copy = NULL;
             CHECK_OK(dem_run(sim, 2000));
             const uint32_t first = sim->grains.id[0];
             memset(bytes, 0, sizeof bytes);
@@ -1831,7 +1826,6 @@ static void arrays_follow_grains(void)
             dem_grains_move(&copy->grains, --copy->grains.n, 2);
             CU_ASSERT(copy->grains.id[2] != gone);
             CU_ASSERT(same_bytes(&copy->grains, bytes));
-            dem_free(sim), dem_free(copy);
         }
     }
 }

@@ -812,14 +812,14 @@ static void test_damped_dynamics(void)
     dem_sim *sim = NULL;
     CHECK_OK(dem_create(&scene, &sim));
     if (sim) {
-        dem_state *states = malloc(h.n * sizeof *states);
+        scoped dem_state *states = malloc(h.n * sizeof *states);
         grains_run(sim, 100000, states);
         for (size_t i = 0; i < h.n; i++) {
             /* positions near 6 in units of eps: 1e-12; remaining motion: below 1e-9 */
             CHECK_NEAR((states[i].x - grains[i].x) / eps, h.u[2 * i], 1e-8);
             CHECK_NEAR((states[i].y - grains[i].y) / eps, h.u[2 * i + 1], 1e-8);
         }
-        free(states), dem_free(sim);
+        dem_free(sim);
     }
 }
 

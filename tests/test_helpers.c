@@ -256,7 +256,7 @@ static void test_same_bits(void)
     dem_grain one = {.x = 0.3, .y = 0.7, .r = 0.1, .m = 0.2, .vx = 1.5, .vy = -2.5};
     dem_definition def = dem_definition_default();
     def.grains = &one, def.n_grains = 1;
-    dem_sim *a = grains_start(&def), *same = grains_start(&def);
+    scoped_sim *a = grains_start(&def), *same = grains_start(&def);
     CU_ASSERT(grains_same_bits(a, same));
     double *const members[] = {&one.x, &one.y, &one.r, &one.m, &one.vx, &one.vy};
     for (size_t k = 0; k < sizeof members / sizeof *members; k++) {
@@ -272,7 +272,6 @@ static void test_same_bits(void)
     one.fixed = true;
     scoped_sim *fixed = grains_start(&def);
     CU_ASSERT(grains_same_bits(fixed, fixed) && !grains_same_bits(a, fixed));
-    dem_free(a), dem_free(same);
 }
 
 /* A pair that is missing or too far apart is a wrong one; one of two fixed grains belongs to no

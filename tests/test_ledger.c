@@ -32,9 +32,9 @@ static bool seen(double channel, const dem_ledger *l)
 static dem_ledger run_closed(const char *name, dem_definition *def, long steps, int looks)
 {
     def->ledger = false;
-    dem_sim *plain = grains_start(def);
+    scoped_sim *plain = grains_start(def);
     def->ledger = true;
-    dem_sim *sim = grains_start(def);
+    scoped_sim *sim = grains_start(def);
     dem_ledger l = {0};
     CU_ASSERT_FALSE(dem_ledger_read(plain, &l));
     for (int k = 0; k < looks; k++) {
@@ -45,7 +45,6 @@ static dem_ledger run_closed(const char *name, dem_definition *def, long steps, 
         CHECK_NEAR(l.residual, 0.0, CLOSES * l.turnover);
     }
     CU_ASSERT(grains_same_bits(sim, plain));
-    dem_free(sim), dem_free(plain);
     return l;
 }
 
@@ -205,7 +204,7 @@ static void grains_put_in(void)
     const dem_material floor = {.k_n = 2e6, .gamma_n = 500.0, .k_s = 1e4, .gamma_s = 5.0, .mu = 0.2};
     dem_definition def = kicked(&grain, 3.0, &floor);
     def.ledger = true, def.rotation = true;
-    dem_sim *sim = grains_start(&def), *copy;
+    scoped_sim *sim = grains_start(&def), *copy = NULL;
     double put_in = 0.0;
     for (int k = 0; k < 20; k++) {
         const dem_grain more = {0.07 * k, 1.3, 0.08 + 0.002 * k, 0.003, 4.0, -7.0, 0.0, 11.0};
@@ -222,7 +221,6 @@ static void grains_put_in(void)
     CHECK_NEAR(l.residual, 0.0, CLOSES * l.turnover);
     CU_ASSERT(memcmp(&l, &same, sizeof l) == 0);
     CHECK_FAILS(dem_add(sim, &(dem_grain){0.0, 0.05, 0.1, 0.003}, NULL), RP_BAD_INPUT, "touches");
-    dem_free(copy), dem_free(sim);
 }
 
 /* Hard collisions, some together with soft contacts, in a rotating box; wells on a ground. */

@@ -501,7 +501,7 @@ static void list_follows_turning_walls(void)
         dem_definition def = one_on_floor(grains);
         def.gravity[1] = 0.0, def.n_grains = 2, def.integrator = k;
         if (dem_scheme_check(&def)) continue;
-        dem_sim *sim = grains_start(&def), *renewed = grains_start(&def);
+        scoped_sim *sim = grains_start(&def), *renewed = grains_start(&def);
         dem_state s[2], t[2];
         dem_box_turn(sim, 1e-4);
         dem_box_turn(renewed, 1e-4);
@@ -517,7 +517,6 @@ static void list_follows_turning_walls(void)
         dem_counts counts;
         dem_count_work(sim, &counts);
         CU_ASSERT(counts.rebuilds < 500);
-        dem_free(sim), dem_free(renewed);
     }
 }
 
@@ -620,8 +619,8 @@ static void fixed_stay(void)
             free(fill);
             continue;
         }
-        dem_sim *sim = grains_start(&def), *copy;
-        dem_contact *contacts;
+        scoped_sim *sim = grains_start(&def), *copy = NULL;
+        scoped dem_contact *contacts = NULL;
         size_t n;
         int carried = 0;
         CHECK_OK(dem_run(sim, 7000));
@@ -649,7 +648,7 @@ static void fixed_stay(void)
             CU_ASSERT(!(a && b) && !(a && contacts[i].id_b == 0));
         }
         CU_ASSERT(carried > 5);
-        free(contacts), dem_free(sim), dem_free(copy), free(fill);
+        free(fill);
     }
 }
 

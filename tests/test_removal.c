@@ -113,10 +113,10 @@ static void order(void)
 {
     static const int leave[][3] = {{3, -1, -1}, {10, 150, 11}, {-2, 40, -1}, {199, 0, -1}, {30, 31, 198}};
     enum { N = 200, DROPS = sizeof leave / sizeof *leave };
-    dem_grain *grains;
+    scoped dem_grain *grains = NULL;
     dem_definition def = grains_box(N, 4.0, 3, &grains);
     def.x_max = 10.0;
-    dem_sim *now = grains_start_in_chunks(&def, 0), *later = grains_start_in_chunks(&def, 64);
+    scoped_sim *now = grains_start_in_chunks(&def, 0), *later = grains_start_in_chunks(&def, 64);
     CHECK_OK(dem_run(now, 8000));
     CHECK_OK(dem_run(later, 8000));
     CHECK_OK(dem_neighbours_rebuild(now));
@@ -159,18 +159,17 @@ static void order(void)
     dem_neighbours_close_gaps(later);
     CU_ASSERT(same_order(now, later) && grains_same_bits(now, later));
     CU_ASSERT(later->pairs.n_chunks == 0 && later->grains.n_gone == 0);
-    dem_free(now), dem_free(later), free(grains);
 }
 
 /* A grain that left stays where it is, and the list as it is, however long the others are at rest. */
 static void rest(void)
 {
-    dem_grain *grains;
+    scoped dem_grain *grains = NULL;
     dem_definition def = grains_box(600, 6.0, 3, &grains);
     def.dt = 4e-5;
     scoped_sim *sim = grains_start_in_chunks(&def, 64);
     CHECK_OK(dem_run(sim, 20000));
-    dem_sim *twin;
+    scoped_sim *twin = NULL;
     CHECK_OK(dem_clone(sim, &twin));
     twin->pairs.chunk = 1 << 20;
     CHECK_OK(dem_neighbours_rebuild(sim));
@@ -184,7 +183,6 @@ static void rest(void)
     CU_ASSERT(before_n - dem_count(sim) > 2 && before_n - dem_count(sim) < 30);
     CU_ASSERT(sim->count.rebuilds == twin->count.rebuilds && sim->count.rebuilds - before < 60);
     CU_ASSERT(grains_same_bits(sim, twin));
-    dem_free(twin), free(grains);
 }
 
 void suite_removal(void)

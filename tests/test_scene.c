@@ -87,7 +87,7 @@ static void written_and_read(void)
         "particles = ( { x = 0.3; y = 0.11; r = 0.1; }, { x = 0.4; y = 0.3; r = 0.1; vy = -9.0; } );\n"};
     for (size_t k = 0; k < sizeof texts / sizeof *texts; k++) {
         dem_scene s, back;
-        dem_sim *a = NULL, *b = NULL;
+        scoped_sim *a = NULL, *b = NULL;
         dem_state p[40], q[40];
         scoped char *text = NULL;
         size_t size;
@@ -117,7 +117,6 @@ static void written_and_read(void)
         CU_ASSERT(p[0].fixed == (k == 6) && !p[1].fixed);
         CU_ASSERT((back.def.ground.wall == 1 && back.def.hard.on) == (k == 4));
         CU_ASSERT((a->walls.angle != 0.0) == (k == 3));
-        dem_free(a), dem_free(b);
         dem_scene_free(&s);
         dem_scene_free(&back);
     }

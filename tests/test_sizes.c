@@ -49,10 +49,10 @@ static void stir(dem_sim *sim, double speed, unsigned long seed)
 
 static double list_is_plain(const double x[])
 {
-    dem_grain *grains;
+    scoped dem_grain *grains = NULL;
     double width;
     const dem_definition def = mixture((long)x[0], pow(10.0, x[1]), (unsigned long)x[3], &width, &grains);
-    dem_sim *sim = grains_start(&def), *plain;
+    scoped_sim *sim = grains_start(&def), *plain = NULL;
     stir(sim, x[2], (unsigned long)x[3]);
     CHECK_OK(dem_clone(sim, &plain));
     sim->list.most_tests = BY_SIZE, plain->list.most_tests = PLAIN;
@@ -62,7 +62,6 @@ static double list_is_plain(const double x[])
     wrong += sim->pairs.n != plain->pairs.n ||
              memcmp(sim->pairs.i, plain->pairs.i, sim->pairs.n * sizeof *sim->pairs.i) != 0 ||
              memcmp(sim->pairs.j, plain->pairs.j, sim->pairs.n * sizeof *sim->pairs.j) != 0;
-    dem_free(sim), dem_free(plain), free(grains);
     return 2.0 * wrong;
 }
 

@@ -142,7 +142,7 @@ static dem_sim *again(dem_sim *sim)
  * snapshot; adds the contacts that it has there. */
 static bool continues(dem_definition *def, int features, size_t *contacts)
 {
-    dem_sim *sim;
+    scoped_sim *sim = NULL;
     const double limit = dem_time_step_limit(def, NULL);
     if (!(def->dt <= 0.5 * limit)) def->dt = 0.5 * limit;
     const rp_status status = dem_create(def, &sim);
@@ -154,7 +154,7 @@ static bool continues(dem_definition *def, int features, size_t *contacts)
     dem_counts counts;
     dem_count_work(sim, &counts);
     *contacts += counts.contacts;
-    dem_sim *copy = again(sim);
+    scoped_sim *copy = again(sim);
     CU_ASSERT_PTR_NOT_NULL_FATAL(copy);
     CU_ASSERT(same(sim, copy));
     for (int k = 0; k < 2; k++) {
@@ -164,7 +164,6 @@ static bool continues(dem_definition *def, int features, size_t *contacts)
         run(copy, HALF / 2 - HALF / 3);
         CU_ASSERT(same(sim, copy));
     }
-    dem_free(sim), dem_free(copy);
     return true;
 }
 
@@ -336,12 +335,11 @@ static void sign(unsigned char *bytes, size_t n)
 static void damaged_files(void)
 {
     enter();
-    dem_sim *sim = write_small(50), *copy;
+    scoped_sim *sim = write_small(50), *copy = NULL;
     size_t n;
     unsigned char *bytes = read_bytes("s", &n);
     CHECK_OK(read_small("test", dem_keep_layout(), &copy));
     CU_ASSERT(same(sim, copy));
-    dem_free(copy);
     for (size_t k = 0; k < n; k += k < HEAD + 20 || k > n - 20 ? 1 : 50) {
         bytes[k] ^= 0x10;
         write_bytes("s", bytes, n);
@@ -366,7 +364,7 @@ static void damaged_files(void)
     refused("No such file");
     CU_ASSERT(mkdir(in_folder("s"), 0777) == 0);
     refused("not a regular file");
-    free(bytes), dem_free(sim);
+    free(bytes);
     leave();
 }
 
@@ -395,7 +393,7 @@ static void foreign_files(void)
 /* A state with a true checksum that no simulation has: refused, or run to some end; never a crash. */
 static void impossible_states(void)
 {
-    dem_grain *grains;
+    scoped dem_grain *grains = NULL;
     dem_definition def = scene_of(LEDGER | GRAVITY_TURNS | FIXED, &grains);
     dem_sim *sim = grains_start(&def), *copy = sim;
     run(sim, HALF);
@@ -422,14 +420,14 @@ static void impossible_states(void)
     CU_ASSERT(s.status == RP_BAD_INPUT && !copy);
     CU_ASSERT_STRING_EQUAL(rp_message(), "memory: its state ends too early");
     rp_snapshot_free(&s);
-    dem_free(sim), free(grains);
+    dem_free(sim);
 }
 
 /* Without room for the new one, the older snapshot stays, and no other file. */
 static void full_disk(void)
 {
     enter();
-    dem_sim *sim = write_small(20), *copy;
+    scoped_sim *sim = write_small(20), *copy = NULL;
     const struct rlimit little = {2000, RLIM_INFINITY}, all = {RLIM_INFINITY, RLIM_INFINITY};
     rp_snapshot s = {0};
     run(sim, 20);
@@ -444,7 +442,6 @@ static void full_disk(void)
     CHECK_OK(read_small("test", dem_keep_layout(), &copy));
     CU_ASSERT(dem_step(copy) == 20);
     CU_ASSERT(shell("test \"$(ls)\" = s") == 0);
-    dem_free(sim), dem_free(copy);
     leave();
 }
 

@@ -734,12 +734,12 @@ static void pile_of_disks(void)
     CHECK_OK(dem_states(copy, c));
     CU_ASSERT(memcmp(s, c, sizeof s) == 0);
     CU_ASSERT(collisions(sim) > HEAP && collisions(copy) == collisions(sim));
-    dem_contact *list;
+    scoped dem_contact *list = NULL;
     size_t n, wells = 0;
     CHECK_OK(dem_contacts(sim, &list, &n));
     for (size_t k = 0; k < n; k++) wells += list[k].well == DEM_WELL_HOLDS;
     CU_ASSERT(wells > 3);
-    free(list), dem_free(copy);
+    dem_free(copy);
     for (def.kernel = DEM_REFERENCE; def.kernel < DEM_KERNELS; def.kernel++) {
         if (!dem_kernel_runs(def.kernel)) continue;
         copy = grains_start(&def);

@@ -99,22 +99,21 @@ static void one_thread(void)
         free(grains);
     }
     dem_definition def = grains_box(400, 4.0, 9, &grains);
-    dem_sim *one = start(&def, 1), *timed = start(&def, 3);
+    scoped_sim *one = start(&def, 1), *timed = start(&def, 3);
     dem_phases times = {0};
     CHECK_OK(dem_run(one, 200));
     CHECK_OK(dem_run_timed(timed, 200, &times));
     CU_ASSERT(grains_same_bits(one, timed) && times.lists > 0.0 && times.walls > 0.0);
-    dem_free(one), dem_free(timed), free(grains);
+    free(grains);
 }
 
 /* A fault is found at the same step, with the same message. */
 static void fault(bool wall)
 {
-    dem_grain *grains;
+    scoped dem_grain *grains = NULL;
     const dem_definition def = grains_too_soft(wall, &grains);
-    dem_sim *one = start(&def, 1), *three = start(&def, 3);
+    scoped_sim *one = start(&def, 1), *three = start(&def, 3);
     grains_break_alike(one, three);
-    dem_free(one), dem_free(three), free(grains);
 }
 
 /* Of an overlap with a grain or a wall; of a number that a rebuilding finds. */
@@ -134,7 +133,7 @@ static void faults(void)
 /* From a snapshot, with another number of threads each time. */
 static void snapshots(void)
 {
-    dem_grain *grains;
+    scoped dem_grain *grains = NULL;
     const long part = check_fast() ? 100 : 300;
     dem_definition def = grains_box(600, 5.0, 9, &grains);
     def.walls[DEM_BOX_RIGHT].open_at_step = 2 * part, def.rotation = true;
@@ -153,7 +152,7 @@ static void snapshots(void)
         CU_ASSERT(sim->threads == 0 && same_state(one, sim));
         dem_threads(sim, threads);
     }
-    dem_free(one), dem_free(sim), free(grains);
+    dem_free(one), dem_free(sim);
 }
 
 /* The program: tables of a run with one thread, with two, and of a run that is stopped and resumed with

@@ -72,9 +72,9 @@ static growth avalanche(long N, double W, double dt, double shift, long stream, 
 {
     const int most = 1200;
     const long every = lround(2.5e-4 / dt);
-    dem_sim *a = filled_box(N, W, dt, stream, DEM_FAST), *b = NULL;
-    dem_state *s = calloc((size_t)(2 * N), sizeof *s);
-    series *fit = calloc(1, sizeof *fit);
+    scoped_sim *a = filled_box(N, W, dt, stream, DEM_FAST), *b = NULL;
+    scoped dem_state *s = calloc((size_t)(2 * N), sizeof *s);
+    scoped series *fit = calloc(1, sizeof *fit);
     CU_ASSERT_FATAL(s && fit);
     CHECK_OK(dem_run(a, lround(1.0 / dt)));
     CHECK_OK(dem_clone(a, &b));
@@ -92,7 +92,6 @@ static growth avalanche(long N, double W, double dt, double shift, long stream, 
     double c0, cov[3], sumsq;
     if (fit->grown && fit->n > 2)
         gsl_fit_linear(fit->t, 1, fit->log_d, 1, fit->n, &c0, &g.rate, cov, cov + 1, cov + 2, &sumsq);
-    dem_free(a), dem_free(b), free(fit), free(s);
     return g;
 }
 

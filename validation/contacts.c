@@ -169,14 +169,14 @@ static double compress(int law, double k, double k_wall, size_t n, const dem_gra
     /* damping that makes the slow modes of the column decay fast */
     def.dt = 0.2 * dem_time_step_limit(&def, NULL);
     def.material.gamma_n = def.walls[0].material.gamma_n = def.walls[1].material.gamma_n = 0.2 / def.dt;
-    dem_sim *sim = grains_start(&def);
+    scoped_sim *sim = grains_start(&def);
     /* positions are rounded: the force is uncertain by the last digit times the stiffness, and motion below
      * that digit per step stops at any dashpot force */
     const double digit = 2.0 * DBL_EPSILON * grains[n - 1].y, stiff = 0.1 * heaviest / (def.dt * def.dt);
     const double left =
         settle(sim, def.material.gamma_n,
                1e-9 * heaviest * 981.0 + (stiff + def.material.gamma_n * heaviest / def.dt) * digit);
-    dem_contact *contacts;
+    scoped dem_contact *contacts = NULL;
     size_t n_contacts;
     CHECK_OK(dem_contacts(sim, &contacts, &n_contacts));
     CU_ASSERT_EQUAL(n_contacts, n - 1 + def.n_walls);
@@ -186,7 +186,6 @@ static double compress(int law, double k, double k_wall, size_t n, const dem_gra
                                                      : (size_t)fmin(contacts[c].id_a, contacts[c].id_b);
         force[lower] = contacts[c].normal_force;
     }
-    free(contacts), dem_free(sim);
     return left + stiff * digit;
 }
 

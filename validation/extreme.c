@@ -1012,8 +1012,8 @@ static void run_scenes(void)
 static void million(void)
 {
     const size_t n = 1000000;
-    dem_grain *grains = malloc(n * sizeof *grains);
-    dem_state *states = malloc(n * sizeof *states);
+    scoped dem_grain *grains = malloc(n * sizeof *grains);
+    scoped dem_state *states = malloc(n * sizeof *states);
     CU_ASSERT_FATAL(grains && states);
     for (size_t i = 0; i < n; i++)
         grains[i] =
@@ -1029,7 +1029,6 @@ static void million(void)
         most = fmax(most, hypot(states[i].x - grains[i].x, states[i].y - grains[i].y + 0.5 * G * t * t));
     /* positions up to 250, rounded 20 times, and contact forces of overlaps of 2^-45 */
     number("1e6 grains", most, 0.0, 250.0, 20.0 * 0x1p-51);
-    free(states), free(grains);
 }
 
 static void extremes(void)

@@ -284,13 +284,13 @@ static int by_id(const void *a, const void *b)
 static pile_difference compare(const solved_pile *pile, const dem_sim *sim)
 {
     pile_difference d = {0};
-    dem_contact *list;
+    scoped dem_contact *list = NULL;
     statics_contact *solved;
     size_t n, m, base = 0;
     CHECK_OK(dem_contacts(sim, &list, &n));
     CHECK_OK(statics_contacts(pile->equilibrium, &solved, &m));
     qsort(list, n, sizeof *list, by_id);
-    double *force = calloc(pile->n * pile->n, sizeof *force);
+    scoped double *force = calloc(pile->n * pile->n, sizeof *force);
     for (size_t k = 0; k < m; k++) force[solved[k].a * pile->n + solved[k].b] = solved[k].force;
     for (size_t k = 0; k < n; k++) {
         if (list[k].id_b == 0) {
@@ -306,14 +306,14 @@ static pile_difference compare(const solved_pile *pile, const dem_sim *sim)
     }
     CU_ASSERT_EQUAL(base, pile->k);
     for (size_t k = 0; k < pile->n * pile->n; k++) d.missing += force[k] > 1e-3;
-    dem_state *states = calloc(pile->n, sizeof *states);
+    scoped dem_state *states = calloc(pile->n, sizeof *states);
     CHECK_OK(dem_states(sim, states));
     for (size_t i = 0; i < pile->n; i++) {
         d.position =
             fmax(d.position, hypot((states[i].x - pile->grains[i].x) / pile->eps - pile->u[2 * i],
                                    (states[i].y - pile->grains[i].y) / pile->eps - pile->u[2 * i + 1]));
     }
-    free(states), free(force), free(list), free(solved);
+    free(solved);
     return d;
 }
 

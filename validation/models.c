@@ -99,7 +99,7 @@ static void check_limit(long k, double alpha, double theta, const long up[], con
     double disks = 0.0;
     for (long s = 0; s < k; s++) disks += (double)up[s];
     const double B = an_lattice_base(disks, theta, alpha), width = 2.0 * sin(theta);
-    an_force *scaled = calloc((size_t)k, sizeof *scaled), *exact = calloc((size_t)k, sizeof *exact);
+    scoped an_force *scaled = calloc((size_t)k, sizeof *scaled), *exact = calloc((size_t)k, sizeof *exact);
     for (long i = 0; i < k; i++) {
         const double x = 0.5 + ((double)i + 1.0 - 0.5 * (double)(k + 1)) * width / B;
         scaled[i] = (an_force){force[i].N / B, force[i].H / B};
@@ -110,7 +110,6 @@ static void check_limit(long k, double alpha, double theta, const long up[], con
     const double bound = (1.0 + sin(alpha) / sin(M_PI / 3.0 - alpha)) / (double)k;
     case_near(&limit_problem, "N", 0.0, d.N, bound, "alpha=%.4g base=%ld", alpha, k);
     case_near(&limit_problem, "H", 0.0, d.H, bound, "alpha=%.4g base=%ld", alpha, k);
-    free(scaled), free(exact);
 }
 
 static void lattice(void)
@@ -121,8 +120,9 @@ static void lattice(void)
         const long k = bases[i / 7 % 5];
         const double theta = radians(thetas[i / 35]),
                      alpha = fmin(radians(alphas[i % 7]), 0.5 * M_PI - theta);
-        long *up = calloc((size_t)k, sizeof *up);
-        an_force *closed = calloc((size_t)k, sizeof *closed), *solved = calloc((size_t)k, sizeof *solved);
+        scoped long *up = calloc((size_t)k, sizeof *up);
+        scoped an_force *closed = calloc((size_t)k, sizeof *closed),
+                        *solved = calloc((size_t)k, sizeof *solved);
         CHECK_OK(an_lattice_cut(k, theta, alpha, up));
         CHECK_OK(an_lattice_counts(k, up, theta, closed));
         CHECK_OK(an_lattice_recursion(k, up, theta, solved));
@@ -131,7 +131,6 @@ static void lattice(void)
         case_near(&lattice_problem, "N", 0.0, d.N, bound, "alpha=%.4g theta=%.4g base=%ld", alpha, theta, k);
         case_near(&lattice_problem, "H", 0.0, d.H, bound, "alpha=%.4g theta=%.4g base=%ld", alpha, theta, k);
         if (thetas[i / 35] < 31.0 && alphas[i % 7] < 60.0 && k > 7) check_limit(k, alpha, theta, up, closed);
-        free(up), free(closed), free(solved);
     }
 }
 

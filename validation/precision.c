@@ -204,14 +204,13 @@ static double simulate(const motion *p, int integrator, long steps, double *seco
     dem_definition def = p->def;
     def.integrator = integrator, def.dt = p->time / (double)steps;
     const double start = rp_cpu_clock();
-    dem_sim *sim = grains_after(&def, steps);
+    scoped_sim *sim = grains_after(&def, steps);
     *seconds = rp_cpu_clock() - start;
-    dem_state *s = calloc(n, sizeof *s);
-    double *y = calloc(4 * n, sizeof *y);
+    scoped dem_state *s = calloc(n, sizeof *s);
+    scoped double *y = calloc(4 * n, sizeof *y);
     CHECK_OK(dem_states(sim, s));
     for (size_t i = 0; i < n; i++) y[4 * i] = s[i].x, y[4 * i + 1] = s[i].y;
     const double error = distance(p, y, p->answer);
-    dem_free(sim), free(s), free(y);
     return error;
 }
 
@@ -437,10 +436,10 @@ static double worse(double a, double b)
 /* Largest difference of the forces on the base from the static solution, m g. */
 static double base_error(const solved_pile *pile, const dem_sim *sim)
 {
-    dem_contact *list;
+    scoped dem_contact *list = NULL;
     size_t n, base = 0;
     double worst = 0.0, *force = calloc(2 * pile->n, sizeof *force);
-    bool *stands = calloc(pile->n, sizeof *stands);
+    scoped bool *stands = calloc(pile->n, sizeof *stands);
     CHECK_OK(dem_contacts(sim, &list, &n));
     for (size_t c = 0; c < n; c++) {
         if (list[c].id_b != 0) continue;
@@ -455,7 +454,7 @@ static double base_error(const solved_pile *pile, const dem_sim *sim)
         base++;
     }
     CU_ASSERT_EQUAL(base, pile->k);
-    free(list), free(force), free(stands);
+    free(force);
     return worst;
 }
 
