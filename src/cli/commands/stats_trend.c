@@ -53,6 +53,7 @@ typedef struct {
     rp_groups groups;
     rp_rows of;
     char x_words[256]; /* what the numbers of x stand for; empty if they are numbers */
+    double least_exponent;
 } rows;
 
 static rp_status read_rows(rp_arena *arena, const rp_table *t, const trend_options *o, rows *r)
@@ -111,37 +112,68 @@ static rp_status print_header(const cli_call *call, const rp_table *t, const row
     return rp_header_by(t, o->by, columns);
 }
 
-static rp_status fit_groups(const cli_call *call, const rp_table *t, const rows *r, const trend_options *o,
-                            bool size)
+static const char *limit_word(const stats_limit *l)
 {
-    const size_t n_groups = r->of.n_groups, *first = r->of.first;
-    stats_trend *trends = rp_arena_memory(call->arena, n_groups, sizeof *trends);
+    const int ends = isfinite(l->lo) + isfinite(l->hi);
+    return isnan(l->limit) ? "no_result" : ends == 2 ? "ok" : ends == 1 ? "one_end" : "no_limit";
+}
+
+static void print_limit(const stats_limit *l)
+{
+    CLI_ROW_WORD(limit_word(l), (double)l->n, (double)l->n_x, l->from, l->to, l->limit, l->se, l->lo, l->hi,
+                 l->lo90, l->hi90, l->dof, l->p_value, l->c, l->exponent, l->exponent_lo, l->exponent_hi,
+                 l->chi2, l->p_fit);
+}
+
+/* What is fitted to a group: a trend, a limit with exponent 1 as the trend in 1/x, or with a free one. */
+enum { TREND, SIZE, LIMIT };
+typedef struct {
+    stats_trend trend;
+    stats_limit limit;
+} fit;
+
+static rp_status fit_group(const rows *r, size_t g, const trend_options *o, int kind, fit *f)
+{
+    const size_t first = r->of.first[g], n = r->of.first[g + 1] - first;
+    double *x = r->of.column[0] + first, *y = r->of.column[1] + first;
+    if (kind == LIMIT) return stats_limit_fit(n, x, y, r->least_exponent, &f->limit);
+    return stats_trend_fit(&(stats_sample){.n = n,
+                                           .x = x,
+                                           .y = y,
+                                           .pile = o->pair ? r->of.column[2] + first : NULL,
+                                           .power = kind == SIZE ? -o->power : o->power,
+                                           .log10_x = o->scale == SCALE_LOG,
+                                           .margin = o->margin},
+                           &f->trend);
+}
+
+static rp_status fit_groups(const cli_call *call, const rp_table *t, const rows *r, const trend_options *o,
+                            int kind)
+{
+    static const char *const columns[] = {TREND_COLUMNS, SIZE_COLUMNS, LIMIT_COLUMNS};
+    const size_t n_groups = r->of.n_groups;
+    fit *fits = rp_arena_memory(call->arena, n_groups, sizeof *fits);
     double *p = rp_arena_memory(call->arena, 2 * n_groups, sizeof *p), *p_holm = p + n_groups;
-    rp_status group = RP_OK;
+    rp_status status = RP_OK;
     size_t with_result = 0;
     for (size_t g = 0; g < n_groups; g++) {
-        const stats_sample sample = {.n = first[g + 1] - first[g],
-                                     .x = r->of.column[0] + first[g],
-                                     .y = r->of.column[1] + first[g],
-                                     .pile = o->pair ? r->of.column[2] + first[g] : NULL,
-                                     .power = size ? -o->power : o->power,
-                                     .log10_x = o->scale == SCALE_LOG,
-                                     .margin = o->margin};
-        group = stats_trend_fit(&sample, &trends[g]);
-        with_result += group == RP_OK;
-        p[g] = group ? NAN : stats_contrast_p(&trends[g].change);
-        if (group && group != RP_NO_RESULT)
-            return rp_prefix(group, "%s%s", r->groups.words[g], *r->groups.words[g] ? ": " : "");
+        status = fit_group(r, g, o, kind, &fits[g]);
+        if (status && status != RP_NO_RESULT)
+            return rp_prefix(status, "%s%s", r->groups.words[g], *r->groups.words[g] ? ": " : "");
+        with_result += status == RP_OK;
+        p[g] = status || kind == LIMIT ? NAN : stats_contrast_p(&fits[g].trend.change);
     }
-    if (with_result == 0) return group;
+    if (with_result == 0) return status;
     stats_holm(n_groups, p, p_holm);
-    RP_TRY(print_header(call, t, r, o, size ? SIZE_COLUMNS : TREND_COLUMNS));
+    RP_TRY(print_header(call, t, r, o, columns[kind]));
     for (size_t g = 0; g < n_groups; g++) {
         if (*r->groups.words[g]) printf("%s\t", r->groups.words[g]);
-        if (size)
-            print_size(&trends[g], p_holm[g]);
+        if (kind == TREND)
+            print_trend(&fits[g].trend, r->of.first[g + 1] - r->of.first[g], p_holm[g], o);
+        else if (kind == SIZE)
+            print_size(&fits[g].trend, p_holm[g]);
         else
-            print_trend(&trends[g], first[g + 1] - first[g], p_holm[g], o);
+            print_limit(&fits[g].limit);
     }
     return RP_OK;
 }
@@ -172,50 +204,18 @@ static rp_status number_words(rp_arena *arena, rp_table *t, const trend_options 
     return RP_OK;
 }
 
-static rp_status trend_or_size(const cli_call *call, rp_table *table, const trend_options *o, bool size)
+static rp_status fit_table(const cli_call *call, rp_table *table, const trend_options *o, int kind,
+                           double least_exponent)
 {
-    rows r = {0};
-    RP_TRY(number_words(call->arena, table, o, r.x_words));
+    rows r = {.least_exponent = least_exponent};
+    if (kind != LIMIT) RP_TRY(number_words(call->arena, table, o, r.x_words));
     RP_TRY(read_rows(call->arena, table, o, &r));
-    return rp_prefix(fit_groups(call, table, &r, o, size), "%s: ", table->path);
+    return rp_prefix(fit_groups(call, table, &r, o, kind), "%s: ", table->path);
 }
 
 static rp_status trend_of_table(cli_call *call, rp_table *table, const void *values)
 {
-    return trend_or_size(call, table, values, false);
-}
-
-static const char *limit_word(const stats_limit *l)
-{
-    const int ends = isfinite(l->lo) + isfinite(l->hi);
-    return isnan(l->limit) ? "no_result" : ends == 2 ? "ok" : ends == 1 ? "one_end" : "no_limit";
-}
-
-/* Limits with a free exponent, one row a group. */
-static rp_status print_limits(const cli_call *call, const rp_table *t, const rows *r, const trend_options *o,
-                              double least_exponent)
-{
-    const size_t n_groups = r->of.n_groups, *first = r->of.first;
-    stats_limit *limits = rp_arena_memory(call->arena, n_groups, sizeof *limits);
-    rp_status group = RP_OK;
-    size_t with_result = 0;
-    for (size_t g = 0; g < n_groups; g++) {
-        group = stats_limit_fit(first[g + 1] - first[g], r->of.column[0] + first[g],
-                                r->of.column[1] + first[g], least_exponent, &limits[g]);
-        with_result += group == RP_OK;
-        if (group && group != RP_NO_RESULT)
-            return rp_prefix(group, "%s%s", r->groups.words[g], *r->groups.words[g] ? ": " : "");
-    }
-    if (with_result == 0) return group;
-    RP_TRY(print_header(call, t, r, o, LIMIT_COLUMNS));
-    for (size_t g = 0; g < n_groups; g++) {
-        const stats_limit *l = &limits[g];
-        if (*r->groups.words[g]) printf("%s\t", r->groups.words[g]);
-        CLI_ROW_WORD(limit_word(l), (double)l->n, (double)l->n_x, l->from, l->to, l->limit, l->se, l->lo,
-                     l->hi, l->lo90, l->hi90, l->dof, l->p_value, l->c, l->exponent, l->exponent_lo,
-                     l->exponent_hi, l->chi2, l->p_fit);
-    }
-    return RP_OK;
+    return fit_table(call, table, values, TREND, 0.0);
 }
 
 static rp_status size_of_table(cli_call *call, rp_table *table, const void *values)
@@ -230,15 +230,12 @@ static rp_status size_of_table(cli_call *call, rp_table *table, const void *valu
                              .power = s->power,
                              .scale = free ? SCALE_LINEAR : SCALE_INVERSE,
                              .margin = 1.0}; /* of a test that is not printed */
-    rows r = {0};
     if (!free && cli_given(call, "least-exponent"))
         return rp_fail(RP_USAGE, "--least-exponent is for --exponent free");
-    if (!free) return trend_or_size(call, table, &o, true);
-    if (cli_given(call, "power"))
+    if (free && cli_given(call, "power"))
         return rp_fail(RP_USAGE,
                        "--exponent free weighs by the errors of the means; give it or --power, not both");
-    RP_TRY(read_rows(call->arena, table, &o, &r));
-    return rp_prefix(print_limits(call, table, &r, &o, s->least_exponent), "%s: ", table->path);
+    return fit_table(call, table, &o, free ? LIMIT : SIZE, s->least_exponent);
 }
 
 const cli_command cmd_stats_trend = {
