@@ -53,7 +53,6 @@ static void write_scene(void)
 
 static void write_run(void)
 {
-    enter();
     write_scene();
     GOOD("run scene.cfg --every 250 -o pile");
 }
@@ -77,7 +76,6 @@ static void test_formats(void)
 {
     export_formats();
     CU_ASSERT(readers("light"));
-    leave();
 }
 
 /* A row of a sweep, a table of grains alone, and standard output. */
@@ -97,7 +95,6 @@ static void test_sources(void)
     GOOD("export xyr.tsv --to xyz");
     CU_ASSERT_STRING_EQUAL(out, "2\nProperties=id:I:1:pos:R:3:radius:R:1 Time=0 step=0 pbc=\"F F F\"\n"
                                 "1 0.25 0.5 0 0.125\n2 1 2 0 0.5\n");
-    leave();
 }
 
 #define SWEEP                                                                                                \
@@ -106,7 +103,6 @@ static void test_sources(void)
 
 static void test_sweep(void)
 {
-    enter();
     write_text("sweep.cfg", SWEEP);
     GOOD("sweep plan sweep.cfg -o s");
     CU_ASSERT(run("sweep run s -j 1") == 0);
@@ -118,7 +114,6 @@ static void test_sweep(void)
     CU_ASSERT_STRING_EQUAL(out, "1\t0.1\n1\t0.1\n1\t0.3\n1\t0.3\n");
     FAILS(65, "is the sweep's own store.sqlite", "export s --to csv -o s/store.sqlite");
     FAILS(64, "has no grains", "export s --to vtk -o s.pvd");
-    leave();
 }
 
 /* A name of 4000 characters is the longest from which those of other files are made: here ./././... */
@@ -128,7 +123,6 @@ static void test_dump(void)
     static const struct {
         const char *format, *name;
     } cases[] = {{"lammps", "run.lammpstrj"}, {"xyz", "run.xyz"}, {"vtk", "run.pvd"}};
-    enter();
     write_scene();
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         char line[256];
@@ -145,7 +139,6 @@ static void test_dump(void)
     FAILS(65, "none | lammps | xyz | vtk", "run scene.cfg -o pile --dump csv");
     write_text("s.cfg", "protocol = \"repose\"; replicas = 1;\n");
     FAILS(64, "--dump needs a scene", "run s.cfg -o row --dump xyz");
-    leave();
 }
 
 static void test_long_names(void)
@@ -153,7 +146,6 @@ static void test_long_names(void)
     static const struct {
         const char *command, *end;
     } cases[] = {{"export g.tsv --to vtk", ".pvd"}, {"export g.cfg --to lammps-input", ".in"}};
-    enter();
     write_text("g.tsv", "x\ty\tr\n0.25\t0.5\t0.125\n");
     write_text("g.cfg", "particles_file = \"g.tsv\"; dt = 1e-5; steps = 10;\n"
                         "normal = { law = \"linear\"; tension = false; };\n");
@@ -169,7 +161,6 @@ static void test_long_names(void)
             const int status = shell(line);
             CU_ASSERT(n > 4096 ? (status == RP_BAD_INPUT || status == RP_IO) && *err : status == 0);
         }
-    leave();
 }
 
 static void test_errors(void)
@@ -203,7 +194,6 @@ static void test_errors(void)
     FAILS(74, "full.gz: cannot write", "export pile --to json -o full.gz");
     CU_ASSERT(shell("cp old.tsv pile/contacts.tsv") == 0);
     FAILS(65, "pile/contacts.tsv: no column \"step\"", "export pile --to lammps");
-    leave();
 }
 
 /* ---- whole files, by hand ---- */
@@ -212,7 +202,6 @@ static void test_errors(void)
  * and without ends. All numbers are exact in binary. */
 static void write_small(void)
 {
-    enter();
     CU_ASSERT(shell("mkdir d >out 2>err") == 0);
     write_text("d/states.tsv",
                "step\tt\tid\tx\ty\tr\tm\tvx\tvy\tfx\tfy\tomega\tcontacts\n"
@@ -293,7 +282,6 @@ static void test_dump_files(void)
 #define HALF "Properties=id:I:1:pos:R:3:radius:R:1:vx:R:1:fy:R:1 "
     file_is("out", "2\n" HALF "Time=3 step=3 pbc=\"F F F\"\n1 0 0 0 1 2 4\n2 2 0 0 1 5 6\n"
                    "1\n" HALF "Time=4 step=4 pbc=\"F F F\"\n1 0 0 0 1 7 8\n");
-    leave();
 }
 
 #define VTP(points, verts, lines, at)                                                                        \
@@ -352,13 +340,11 @@ static void test_vtk_files(void)
                 CELLS("Verts", "0\n", "1\n") "<PointData Scalars=\"radius\">\n" ARRAY("id", "1", "3\n")
                     ARRAY("radius", "1", "0.25\n") "</PointData>\n" LAST);
     FAILS(64, "vtk needs a name that ends in .pvd", "export d --to vtk -o .pvd");
-    leave();
 }
 
 /* Header lines that stand again are a list; what is no header line, or has no name, is left out. */
 static void test_text_files(void)
 {
-    enter();
     write_text("t.tsv",
                "# a: one \"two\"\n# b: 1\n# a: three\n#c: no\n# d none\n# a: four\n# units: m\t1\n# last: 2\n"
                "x\ty\tz\n1\t.5\t1e5\n-0\tnan\tx,y\n+3\tinf\t-\n");
@@ -391,7 +377,6 @@ static void test_text_files(void)
     write_text("bare.txt", "# a: b\n7\n");
     GOOD("export bare.txt --to json");
     CU_ASSERT_PTR_NOT_NULL(strstr(out, "{\"notes\": {\n \"a\": \"b\"\n},"));
-    leave();
 }
 
 /* ---- LAMMPS input */
@@ -451,7 +436,6 @@ enum { N_SAME = sizeof same / sizeof *same };
 static void test_lammps_input(void)
 {
     char names[128] = "lammps_input";
-    enter();
     if (has("command -v lmp", "lmp")) {
         write_grains("grains.tsv");
         for (size_t i = 0; i < N_SAME; i++) {
@@ -463,20 +447,17 @@ static void test_lammps_input(void)
         }
         CU_ASSERT(readers(names));
     }
-    leave();
 }
 
 /* Fixed grains, the first and the last among them, are held by their numbers. */
 static void test_held(void)
 {
-    enter();
     write_text("g.tsv", "x\ty\tr\tfixed\n0\t0\t0.1\t1\n1\t0\t0.1\t0\n2\t0\t0.1\t1\n");
     write_text("held.cfg", "particles_file = \"g.tsv\"; dt = 1e-5; steps = 10;\n"
                            "normal = { law = \"linear\"; tension = false; };\n");
     GOOD("export held.cfg --to lammps-input -o held.in");
     CU_ASSERT(shell("grep '^group fixed' held.in >out") == 0);
     CU_ASSERT_STRING_EQUAL(out, "group fixed id 1\ngroup fixed id 3\n");
-    leave();
 }
 
 /* The input by hand: Hertz' k is 1e5/sqrt(R_eff), with R_eff = 1/32, 1/20 and 1/8 of pairs, and the radius at
@@ -534,7 +515,6 @@ static const char input[] =
 static void test_input_files(void)
 {
     char text[1 << 13];
-    enter();
     write_text(
         "h.cfg",
         "gravity = [-3.0, -4.0]; dt = 2.0e-5; steps = 250; density = 2.5;\n"
@@ -558,14 +538,12 @@ static void test_input_files(void)
     CU_ASSERT_PTR_NOT_NULL(
         strstr(text, ", together not below 0\n# shear force: spring k_s and dashpot gamma_s m_eff, "));
     CU_ASSERT_PTR_NOT_NULL(strstr(text, "\n# start: of contacts whose dashpot"));
-    leave();
 }
 
 /* Of one type, whose radii do not count; without gravity, shear and springs; a name of one letter. */
 static void test_plain_input(void)
 {
     char text[1 << 13];
-    enter();
     write_text("l.cfg",
                "dt = 2.0e-5; steps = 199; gravity = [0.0, 0.0];\n"
                "normal = { law = \"linear\"; k_n = 1.0e5; gamma_n = 0.5; };\n"
@@ -592,14 +570,12 @@ static void test_plain_input(void)
     CU_ASSERT(strstr(text, "\nvariable every index 2\n") &&
               strstr(text, "\nfix gravity mobile gravity 0.5 vector 0 -0.5 0\n"));
     FAILS(64, "lammps-input needs a name that ends in .in", "export l.cfg --to lammps-input -o .in");
-    leave();
 }
 
 /* Of Hertz' law, 24 radii are as many as LAMMPS has types for; a radius that comes again is none. */
 static void test_types(void)
 {
     char grains[2048] = "x\ty\tr\n";
-    enter();
     for (int i = 0; i < 25; i++)
         sprintf(grains + strlen(grains), "%d\t0\t%g\n", i, 0.25 - 0.0078125 * (i % 24));
     write_text("g.tsv", "%s", grains);
@@ -609,7 +585,6 @@ static void test_types(void)
     CU_ASSERT(shell("grep -c pair_coeff s.in >out") == 0 && strcmp(out, "300\n") == 0);
     write_text("g.tsv", "%s25\t0\t0.5\n", grains);
     FAILS(65, "each radius is a type, at most 24", "export s.cfg --to lammps-input -o t.in");
-    leave();
 }
 
 static void export_law(const char *laws, const char *name, const char *lammps, const char *before)
@@ -633,7 +608,6 @@ static void export_law(const char *laws, const char *name, const char *lammps, c
 static void test_laws(void)
 {
     char laws[256];
-    enter();
     for (int i = 0; i < DEM_NORMAL_N; i++) {
         const dem_normal_descriptor *law = &dem_normal_descriptors[i];
         snprintf(laws, sizeof laws, "normal = { law = \"%s\"; tension = false; gamma_n = 0.1; };", law->name);
@@ -653,7 +627,6 @@ static void test_laws(void)
         export_law(laws, law->name, law->lammps, " tangential ");
     }
     CU_ASSERT(!dem_normal_descriptors[DEM_TSUJI].lammps);
-    leave();
 }
 
 /* Every setting without an equal is refused by its key. */
@@ -672,7 +645,6 @@ static void test_refused(void)
                    {"y_min=-5", "y_min: "},
                    {"gravity_turn_deg_per_step=0.1", "gravity_turn_deg_per_step"},
                    {"box_turn_deg_per_step=0.1", "box_turn_deg_per_step"}};
-    enter();
     write_grains("grains.tsv");
     write_same(0);
     for (size_t i = 0; i < sizeof refused / sizeof *refused; i++)
@@ -710,7 +682,6 @@ static void test_refused(void)
     FAILS(65, "normal.law = \"hertz\": LAMMPS' k_n depends on the radii",
           "export w.cfg --to lammps-input -o a.in");
     CU_ASSERT(shell("ls a.in a.data >out 2>err") != 0);
-    leave();
 }
 
 /* ---- other programs, where installed; Python */
@@ -719,21 +690,18 @@ static void test_lammps(void)
 {
     export_formats();
     if (has("command -v lmp", "lmp")) CU_ASSERT(readers("lammps"));
-    leave();
 }
 
 static void test_vtk(void)
 {
     export_formats();
     if (has(PYTHON "-c 'import vtkmodules'", "VTK")) CU_ASSERT(readers("vtk"));
-    leave();
 }
 
 static void test_pandas(void)
 {
     export_formats();
     if (has(PYTHON "-c 'import pandas'", "pandas")) CU_ASSERT(readers("pandas"));
-    leave();
 }
 
 /* python/repose.py, and its example. */
@@ -751,7 +719,6 @@ static void test_package(void)
     snprintf(line, sizeof line, "export REPOSE; " PYTHON "%s example >out 2>err", script);
     CU_ASSERT(shell(line) == 0);
     CU_ASSERT(strstr(out, "theta_R by method 3: ") && *err == '\0');
-    leave();
 }
 
 void suite_export(void)
@@ -777,5 +744,5 @@ void suite_export(void)
                                        {"CSV and JSON by pandas", test_pandas},
                                        {"Python package", test_package},
                                        {NULL, NULL}};
-    check_register("export", cases);
+    check_register_within("export", enter, leave, cases);
 }

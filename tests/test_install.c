@@ -31,13 +31,12 @@ static bool passes(const char *text)
 }
 
 /* The tree is installed in one folder and used in another. */
-static void enter_installed(void)
+static void install_program(void)
 {
     char source[PATH_MAX], build[PATH_MAX], prefix[300], name[256];
     const char *given = getenv("RP_INSTALLED"), *program = getenv("REPOSE");
     CU_ASSERT_FATAL(realpath(".", source) && realpath(program ? program : "build/repose", build));
     *strrchr(build, '/') = '\0';
-    enter();
     unsetenv("REPOSE_DATA");
     path_of("moved", name);
     snprintf(prefix, sizeof prefix, "%s", given ? given : name);
@@ -54,7 +53,7 @@ static void enter_installed(void)
 
 static void test_targets(void)
 {
-    enter_installed();
+    install_program();
     PASSES("make -C $SOURCE --no-print-directory -n B=$BUILD DESTDIR=/d PREFIX=/p install");
     CU_ASSERT(strstr(out, "/d/p " RP_VERSION " sweep analytic dem statics angle stress stats core") != NULL);
     if (!getenv("RP_INSTALLED")) {
@@ -63,12 +62,11 @@ static void test_targets(void)
         CU_ASSERT_STRING_EQUAL(out, "");
     }
     PASSES("! grep -rIl -e $SOURCE -e $PWD $PREFIX"); /* no path of the build */
-    leave();
 }
 
 static void test_data(void)
 {
-    enter_installed();
+    install_program();
     PASSES("$PREFIX/bin/repose sweep plan "
            "sweeps/studies/calibrate.cfg -o planned");
     CU_ASSERT(strstr(out, "60 runs") != NULL);
@@ -81,7 +79,6 @@ static void test_data(void)
     CU_ASSERT_PTR_NOT_NULL(strstr(out, "/share/repose: examples python sweeps "));
     PASSES("$PREFIX/bin/repose sweep make sweeps/li/tent.cfg -o tent --tables tables && ls "
            "tables/tent_map_20.tsv");
-    leave();
 }
 
 /* A sweep of so many runs under a name of the program's own sweeps. */
@@ -115,7 +112,7 @@ static int planned(const char *program)
 /* Current folder; REPOSE_DATA, and then nothing else; beside the program; the source. */
 static void test_order(void)
 {
-    enter_installed();
+    install_program();
     write_sweep("tree/share/repose", 2);
     write_sweep("source", 3);
     write_sweep("mine", 4);
@@ -139,7 +136,6 @@ static void test_order(void)
     PASSES("test -f calibrate/runs.tsv && ! test -e build/sweeps");
     write_sweep(".", 5);
     CU_ASSERT_EQUAL(planned("REPOSE_DATA=$PWD/mine tree/bin/repose"), 20);
-    leave();
 }
 
 /* ---- library ---- */
@@ -147,7 +143,7 @@ static void test_order(void)
 /* Each header alone, and a program in C++ against a function of each module. */
 static void test_headers(void)
 {
-    enter_installed();
+    install_program();
     PASSES("for h in $PREFIX/include/repose/*.h; do echo \"#include <repose/${h##*/}>\" >${h##*/}.c && "
            "cp ${h##*/}.c ${h##*/}.cpp || exit 1; done; ls *.h.c | wc -l");
     CU_ASSERT(atoi(out) >= 18);
@@ -168,7 +164,6 @@ static void test_headers(void)
                    "           !sweep_status(\"nowhere\", sweep_protocols, &c) || !*rp_message();\n}\n");
         PASSES("g++ -std=c++17 $SANITIZE all.cpp $(pkg-config --cflags --libs repose) -o all && ./all");
     }
-    leave();
 }
 
 /* Rows of an example equal those of a table of the program in the columns named. */
@@ -186,7 +181,7 @@ static void check_same(const char *example, const char *program, size_t n, const
 
 static void test_examples(void)
 {
-    enter_installed();
+    install_program();
     PASSES("examples=$PREFIX/share/doc/repose/examples; for e in profile run slope pile; do " COMPILE
            "$e.c $(pkg-config --cflags --libs repose) -o $e || exit 1; done");
     PASSES(
@@ -206,7 +201,6 @@ static void test_examples(void)
            "${e%=*}.c $(pkg-config --static --cflags --libs repose-${e#*=}) -o a || exit 1; done");
     PASSES("pkg-config --libs repose-analytic");
     CU_ASSERT(strstr(out, "-lrepose -lm") && !strstr(out, "gsl") && !strstr(out, "cholmod"));
-    leave();
 }
 
 /* ---- manual and completion ---- */
@@ -261,7 +255,7 @@ static void check_completion(void)
 
 static void test_manual(void)
 {
-    enter_installed();
+    install_program();
     PASSES("cat $PREFIX/share/bash-completion/completions/repose");
     scoped char *completion = strdup(out);
     for (const cli_command *const *c = cli_repose.commands; *c; c++) check_options(*c, completion);
@@ -276,19 +270,16 @@ static void test_manual(void)
             "groff -man -ww -z -Tutf8 page && test ! -s err && groff -man -Tascii -P-cbou page >read && "
             "grep -q '^ *mu_roll' read && grep -q REPOSE_DATA read && grep -q '^ *repose sweep plan$' read");
     check_completion();
-    leave();
 }
 
 static void test_help_command(void)
 {
-    enter();
     GOOD("help angle slope");
     CU_ASSERT(strncmp(out, "usage: repose angle slope FILE", 30) == 0);
     GOOD("help sweep");
     CU_ASSERT(strncmp(out, "usage: repose sweep COMMAND", 27) == 0);
     FAILS(RP_USAGE, "unknown command \"nothing\"", "help nothing");
     FAILS(RP_USAGE, "unknown command \"more\"", "help lattice more");
-    leave();
 }
 
 /* ---- package ---- */
@@ -296,7 +287,7 @@ static void test_help_command(void)
 /* Version and libraries stand in debian/ a second time. */
 static void test_debian(void)
 {
-    enter_installed();
+    install_program();
     PASSES("head -1 $SOURCE/debian/changelog");
     CU_ASSERT(strncmp(out, "repose (" RP_VERSION ") ", strlen("repose (" RP_VERSION ") ")) == 0);
     PASSES("grep '^version: ' $SOURCE/CITATION.cff");
@@ -304,7 +295,6 @@ static void test_debian(void)
     PASSES("for p in $(sed -n '/^PACKAGES/,/[^\\\\]$/p' $SOURCE/Makefile); do case $p in libcunit*) ;; "
            "lib*-dev|pkg-config) "
            "grep -qw -e \"$p\" $SOURCE/debian/control || { echo $p; exit 1; } ;; esac; done");
-    leave();
 }
 
 void suite_install(void)
@@ -320,5 +310,5 @@ void suite_install(void)
                                        {"help of a command", test_help_command},
                                        {"Debian package", test_debian},
                                        {0}};
-    check_register("install", cases);
+    check_register_within("install", enter, leave, cases);
 }
