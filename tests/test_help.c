@@ -321,10 +321,11 @@ static void test_arguments(void)
     static const struct {
         const char *synopsis;
         bool fits[3]; /* none, one, two */
-    } cases[] = {{"[options]", {true, false, false}},      {"--flag", {true, false, false}},
-                 {"FILE [--flag]", {false, true, false}},  {"FILE... [--flag]", {false, true, true}},
-                 {"[FILE] [--flag]", {true, true, false}}, {"[FILE...] [--flag]", {true, true, true}},
-                 {"--flag\nFILE", {true, true, false}},    {"FILE\nFILE...", {false, true, true}}};
+    } cases[] = {{"[options]", {true, false, false}},         {"--flag", {true, false, false}},
+                 {"FILE [--flag]", {false, true, false}},     {"FILE... [--flag]", {false, true, true}},
+                 {"[FILE] [--flag]", {true, true, false}},    {"[FILE...] [--flag]", {true, true, true}},
+                 {"FILE.cfg [--flag]", {false, true, false}}, {"--flag\nFILE", {true, true, false}},
+                 {"FILE\nFILE...", {false, true, true}}};
     static const rp_param rows[] = {{"flag", "", RP_BOOL, 0, "false", "", "a flag", false},
                                     {"x", "", RP_INT, 8, "1", "[0, 9]", "a number", false},
                                     {0}};
@@ -340,10 +341,12 @@ static void test_arguments(void)
             line[n + 1] = NULL;
             const rp_status status = cli_run(&call, &c, n + 1, line);
             CU_ASSERT_EQUAL(status, cases[k].fits[n] ? RP_OK : RP_USAGE);
-            if (status)
-                CU_ASSERT(strstr(rp_message(), "usage: repose few ") &&
-                          strstr(rp_message(), "; see repose few --help") &&
-                          strncmp(rp_message() + 18, c.synopsis, strcspn(c.synopsis, "\n")) == 0);
+            if (status) {
+                const char *usage = strstr(rp_message(), "usage: repose few ");
+                CU_ASSERT(usage && strstr(usage, "; see repose few --help") &&
+                          strncmp(usage + 18, c.synopsis, strcspn(c.synopsis, "\n")) == 0);
+                CU_ASSERT_EQUAL(strstr(rp_message(), "\"one\": one argument too many") != NULL, n > 0);
+            }
             CU_ASSERT_PTR_EQUAL(cli_argument(&call, 0), n > 0 ? line[1] : NULL);
             CU_ASSERT_PTR_EQUAL(cli_argument(&call, 1), n > 1 ? line[2] : NULL);
             CU_ASSERT_PTR_EQUAL(call.arguments[0], line[1]);

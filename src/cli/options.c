@@ -189,8 +189,8 @@ static bool count_fits(const char *line, int n)
 {
     const bool optional = *line == '[';
     const char *word = line + optional, *next = strchr(line, '\n');
-    const bool fits =
-        !isupper(*word) ? n == 0 : (optional || n > 0) && (n <= 1 || word[strcspn(word, " .")] == '.');
+    const bool many = strncmp(word + strcspn(word, " ."), "...", 3) == 0;
+    const bool fits = !isupper(*word) ? n == 0 : (optional || n > 0) && (n <= 1 || many);
     return fits || (next && count_fits(next + 1, n));
 }
 
@@ -202,8 +202,12 @@ static rp_status check_given(const cli_call *call)
             return rp_fail(RP_USAGE, "%s%s is required (%s); see %s %s --help", cli_dashes(&call->options[i]),
                            call->options[i].name, call->options[i].meaning, call->program->name, c->name);
     if (count_fits(c->synopsis, call->n_arguments)) return RP_OK;
-    return rp_fail(RP_USAGE, "usage: %s %s %.*s; see %s %s --help", call->program->name, c->name,
-                   (int)strcspn(c->synopsis, "\n"), c->synopsis, call->program->name, c->name);
+    rp_status status = rp_fail(RP_USAGE, "usage: %s %s %.*s; see %s %s --help", call->program->name, c->name,
+                               (int)strcspn(c->synopsis, "\n"), c->synopsis, call->program->name, c->name);
+    for (int n = call->n_arguments - 1; n >= 0; n--)
+        if (count_fits(c->synopsis, n))
+            return rp_prefix(status, "\"%s\": one argument too many; ", call->arguments[n]);
+    return status;
 }
 
 /* Names of the commands that work on several processors. */
