@@ -524,12 +524,12 @@ static void test_animation(void)
              48.0 * (14.0 * 8.5 / 11.0 + 1.8 + 2.6), 48.0 * (14.0 + 1.4 + 1.5));
     CU_ASSERT(strncmp(told, text, strlen(text)) == 0);
     CU_ASSERT(is_told("set xrange [-2.25:6.25]\n") && is_told("set yrange [-1.25:9.75]\n"));
-    CU_ASSERT(is_told("set cbrange [2:8]\n") && is_told("set cblabel \"m (kg)\" noenhanced\n"));
+    CU_ASSERT(is_told("set cbrange [2:8]\n") && is_told("set cblabel 'm (kg)' noenhanced\n"));
     size_t with_contacts = 0;
     for (size_t k = 0; k < FRAMES; k++) {
         const double *a = place[k][0], *b = place[k][1];
         check_data("grains", k, 2, 4, a);
-        snprintf(text, sizeof text, "set label 1 \"step %g, t = %g s, 2 grains\" ", steps[k], 0.1 * steps[k]);
+        snprintf(text, sizeof text, "set label 1 'step %g, t = %g s, 2 grains' ", steps[k], 0.1 * steps[k]);
         CU_ASSERT(is_told(text));
         const double data[3][5] = {
             {4, 2, 0, -1, 22}, {3, 2, 0.5, 0.5, 6}, {a[0], a[1], b[0] - a[0], b[1] - a[1], classes[k]}};
@@ -539,16 +539,16 @@ static void test_animation(void)
     for (size_t k = 1; k < 4; k++) check_data("walls", k, 0, 4, NULL);
     check_data("walls", 4, 1, 4, (double[]){5.5, 0, 0, 9});
     size_t n = 0, n_most = 0;
-    for (const char *c = told; (c = strstr(c, "title \"normal force ")); c++) {
+    for (const char *c = told; (c = strstr(c, "title 'normal force ")); c++) {
         n++;
-        n_most += strncmp(c, "title \"normal force at least 0.5 N\"\n", 36) == 0;
+        n_most += strncmp(c, "title 'normal force at least 0.5 N' noenhanced\n", 36) == 0;
     }
     CU_ASSERT(n == 4 && n_most == 1);
     /* without one frame of four that has forces, the strongest of all frames counts */
     write_text("contacts.tsv", "step\tx\ty\tx_b\ty_b\tnormal_force\n9\t2\t1\t5\t1.5\t0.375\n");
     CU_ASSERT_EQUAL(tell(". -o a.gif"), 0);
     check_data("contacts", 0, 1, 5, (double[]){2, 1, 3, 0.5, 12});
-    CU_ASSERT(is_told("title \"normal force 0.375\"\n"));
+    CU_ASSERT(is_told("title 'normal force 0.375' noenhanced\n"));
 }
 
 /* Which frame is drawn, and on what. */
@@ -581,8 +581,8 @@ static void test_chosen(void)
         CU_ASSERT_EQUAL(tell(words), 0);
         snprintf(text, sizeof text, "set terminal %s", cases[k].terminal);
         CU_ASSERT(is_told(text));
-        snprintf(text, sizeof text, "\"step %s, ", cases[k].step);
-        const char *first = strstr(told, "set label 1 \"");
+        snprintf(text, sizeof text, "'step %s, ", cases[k].step);
+        const char *first = strstr(told, "set label 1 '");
         CU_ASSERT(first && strncmp(first + 12, text, strlen(text)) == 0);
         for (const char *c = told; (c = strstr(c, "set label 1 ")); c++) n++;
         CU_ASSERT_EQUAL(n, cases[k].n);
@@ -595,7 +595,7 @@ static void test_chosen(void)
     CU_ASSERT(strncmp(film, start, strlen(start)) == 0 && strstr(film, "/fd/"));
     /* the scale is that frame's alone */
     CU_ASSERT_EQUAL(tell(". -o a.svg --frame 1"), 0);
-    CU_ASSERT(is_told("set xrange [-0.75:4.25]\n") && is_told("title \"normal force 0.625 N\"\n"));
+    CU_ASSERT(is_told("set xrange [-0.75:4.25]\n") && is_told("title 'normal force 0.625 N' noenhanced\n"));
     CU_ASSERT_EQUAL(tell(". -o a.svg --window 0.25,0.75,0.25,0.5"), 0);
     CU_ASSERT(is_told("set xrange [0.25:0.75]\n"));
     FAILS(65, "--frame 5: there are frames 0 to 4, steps 3 to 12", "view . -o a.svg --frame 5");
@@ -641,13 +641,13 @@ static void test_range(void)
         CU_ASSERT_EQUAL(tell("t.tsv -o a.png --color q"), 0);
         snprintf(text, sizeof text, "set cbrange [%s]\n", cases[k].range);
         CU_ASSERT(is_told(text));
-        CU_ASSERT(is_told(both ? "'#f7f7f7'" : "'#fff7bc'") && is_told("set cblabel \"q\" noenhanced"));
+        CU_ASSERT(is_told(both ? "'#f7f7f7'" : "'#fff7bc'") && is_told("set cblabel 'q' noenhanced"));
         CU_ASSERT(is_told("plot $grains using 1:2:3:4 with circles lw 0.4 fc palette notitle\n"));
         /* a window of 8 by 2 m with a radius around it, whose plot is 13.6 cm wide */
         snprintf(text, sizeof text, "set lmargin at screen %.5f\nset rmargin at screen %.5f\n", 0.1,
                  1.0 - 2.6 / 18.0);
         CU_ASSERT(is_told(text) && is_told("set xrange [-2:8]\n") && is_told("set yrange [-2:2]\n"));
-        CU_ASSERT(is_told("\"3 grains\"") && is_told("set xlabel \"x\" noenhanced"));
+        CU_ASSERT(is_told("'3 grains'") && is_told("set xlabel 'x' noenhanced"));
     }
 }
 
@@ -674,7 +674,7 @@ static void test_crosses(void)
     }
     check_data("stress", 0, 3, 5, *crosses);
     char text[128];
-    snprintf(text, sizeof text, "arrowstyle 50 title \"principal stress, largest %.4g 1/m\"\n",
+    snprintf(text, sizeof text, "arrowstyle 50 title 'principal stress, largest %.4g 1/m' noenhanced\n",
              4.0 * sqrt(2.0) / 9.0);
     CU_ASSERT(is_told(text) && !strstr(told, "normal force"));
     /* a single cell, of 20 m */
@@ -707,22 +707,22 @@ static void test_bins(void)
     CU_ASSERT_EQUAL(tell(". -o a.png --base --cell 3"), 0);
     check_data("base", 0, 3, 2, (double[]){0.5, 2.0, 3.5, 1.5 * sqrt(0.5) / 3.0, 6.5, 0.125});
     CU_ASSERT(is_told("set yrange [0:2.1600000000000001]\nset ytics 0.5\n"));
-    CU_ASSERT(is_told(
-        "set ylabel \"pressure (N/m)\" noenhanced\nset xlabel \"x (m)\" noenhanced\nset boxwidth 3\n"));
-    CU_ASSERT(is_told("set label 1 \"step 7, t = 0.5 s, 3 grains\""));
+    CU_ASSERT(
+        is_told("set ylabel 'pressure (N/m)' noenhanced\nset xlabel 'x (m)' noenhanced\nset boxwidth 3\n"));
+    CU_ASSERT(is_told("set label 1 'step 7, t = 0.5 s, 3 grains'"));
     /* a unit of both, or none */
     CU_ASSERT(shell("sed s/N/1/ contacts.tsv >bare; cp bare contacts.tsv") == 0);
     CU_ASSERT_EQUAL(tell(". -o a.png --base --cell 3"), 0);
-    CU_ASSERT(is_told("set ylabel \"pressure\" noenhanced\nset xlabel \"x (m)\" noenhanced\n"));
+    CU_ASSERT(is_told("set ylabel 'pressure' noenhanced\nset xlabel 'x (m)' noenhanced\n"));
     write_text("states.tsv", "x\ty\tr\n0\t1\t1\n");
     write_text("contacts.tsv",
                "# units: 1\t1\t1\t1\tN\t1\nx\ty\tx_b\ty_b\tnormal_force\twall\n0\t1\t0\t0\t6\t1\n");
     CU_ASSERT_EQUAL(tell(". -o a.png --base --cell 3"), 0);
-    CU_ASSERT(is_told("set ylabel \"pressure\" noenhanced\nset xlabel \"x\" noenhanced\n"));
-    CU_ASSERT(is_told("title \"normal force 6 N\"\n"));
+    CU_ASSERT(is_told("set ylabel 'pressure' noenhanced\nset xlabel 'x' noenhanced\n"));
+    CU_ASSERT(is_told("title 'normal force 6 N' noenhanced\n"));
     write_text("contacts.tsv", "# units: m\tm\tm\tm\tmN\nx\ty\tx_b\ty_b\tforce\n0\t1\t0\t0\t6\n");
     CU_ASSERT_EQUAL(tell(". -o a.png"), 0);
-    CU_ASSERT(is_told("title \"normal force 6 mN\"\n"));
+    CU_ASSERT(is_told("title 'normal force 6 mN' noenhanced\n"));
     write_pile();
     /* without a cell, as many bins as are nearest to three mean diameters: 7 m by 7 m */
     CU_ASSERT_EQUAL(tell(". -o a.png --base"), 0);
@@ -736,7 +736,7 @@ static void test_bins(void)
     write_text("base.tsv", "i\tx\tN/mg\tH/mg\n1\t0\t0.25\t7\n2\t1\t0.5\t7\n3\t2\t0.125\t7\n");
     CU_ASSERT_EQUAL(tell(". -o a.png --base --cell 1"), 0);
     check_data("base", 0, 4, 2, (double[]){0, 0.25, 1, 0.5, 2, 0.125, 3, 0});
-    CU_ASSERT(is_told("set ylabel \"pressure\" noenhanced") && is_told("\"3 grains\""));
+    CU_ASSERT(is_told("set ylabel 'pressure' noenhanced") && is_told("'3 grains'"));
 }
 
 /* Lines are as wide as 0.9 of a mean radius, from 2 to 5; class k of 12 has (k - 1/2)/12 of it, and a shade
@@ -777,15 +777,14 @@ static void test_styles(void)
         CU_ASSERT(is_told(text));
         snprintf(text, sizeof text,
                  "set yrange [0:%d]\nset tmargin at screen %.5f\nset bmargin at screen %.5f\n"
-                 "set key at graph 1, screen %.5f right bottom horizontal samplen 2\nset ylabel \"y (m)\" "
+                 "set key at graph 1, screen %.5f right bottom horizontal samplen 2\nset ylabel 'y (m)' "
                  "noenhanced\n",
                  windows[k], 1.0 - 1.4 / 16.9, 1.5 / 16.9, 1.0 - 1.3 / 16.9);
         CU_ASSERT(is_told(text));
         snprintf(text, sizeof text, "lmargin at screen %.5f\nset rmargin at screen %.5f\n", 1.8 / 16.5,
                  1.0 - 0.7 / 16.5);
         CU_ASSERT(is_told(text));
-        snprintf(text, sizeof text, "\"2 grains\" noenhanced at graph 0, screen %.5f left\n",
-                 1.0 - 0.5 / 16.9);
+        snprintf(text, sizeof text, "'2 grains' noenhanced at graph 0, screen %.5f left\n", 1.0 - 0.5 / 16.9);
         CU_ASSERT(is_told(text) && !strstr(told, "$walls with"));
     }
     CU_ASSERT_EQUAL(tell(". -o a.png --color r"), 0);
@@ -836,7 +835,7 @@ static void test_stages(void)
         check_data("grains", k, 1, 4, (double[]){x[k], 0, 1, 0});
         check_data("contacts", k, 1, 5, (double[]){x[k], 0, 0, 2, class[k]});
     }
-    CU_ASSERT(is_told("title \"normal force 2\"\n"));
+    CU_ASSERT(is_told("title 'normal force 2' noenhanced\n"));
 }
 
 /* ---- kinds of folders and files ---- */
@@ -861,6 +860,30 @@ static void test_kinds(void)
     CU_ASSERT(run("run r.cfg -o stages") <= 1);
     GOOD("view stages -o a.gif"); /* filled, and the pile */
     CU_ASSERT(shell("LC_ALL=C grep -aob \"$(printf '\\041\\371\\004')\" a.gif | wc -l | grep -qx 2") == 0);
+}
+
+/* No text of a table is a command to gnuplot: backquotes, quotes, ends of lines in units, names and folders.
+ */
+static void test_hostile(void)
+{
+    static const char *const texts[] = {"`>hit`",     "'`>hit`'", "\"`>hit`\"", "';system('>hit');'",
+                                        "\\\"`>hit`", "$(>hit)",  "a';!>hit;'"};
+    enter();
+    for (size_t k = 0; k < sizeof texts / sizeof *texts; k++) {
+        write_text("g.tsv", "# units: s\t%s\t%s\t%s\t%s\nt\tx\ty\tr\t%s\n0.5\t0.25\t0.5\t0.125\t1\n",
+                   texts[k], texts[k], texts[k], texts[k], texts[k]);
+        write_text("name", "%s", texts[k]);
+        CU_ASSERT_EQUAL(
+            shell(
+                "\"$REPOSE\" view g.tsv -o p.svg --color \"$(cat name)\" >out 2>err && ! ls hit >>out 2>&1"),
+            0);
+        CU_ASSERT_EQUAL(
+            shell(
+                "d=\"d$(cat name | tr / _)\"; mkdir -p \"$d\" && cp g.tsv \"$d/x_grains.tsv\" && \"$REPOSE\" "
+                "view \"$d\" -o \"$d/p.svg\" >out 2>err && ls \"$d/p.svg\" >out && ! ls hit >>out 2>&1"),
+            0);
+    }
+    leave();
 }
 
 static void test_refusals(void)
@@ -1018,6 +1041,7 @@ void suite_view(void)
                                        {"walls in the window", test_clipped},
                                        {"stages of a run", test_stages},
                                        {"folders and files", test_kinds},
+                                       {"texts of tables are no commands", test_hostile},
                                        {"refusals", test_refusals},
                                        {"closing line of a run", test_closing_line},
                                        {"progress of a run", test_progress},

@@ -1,6 +1,7 @@
 /* Pictures of frames as text for gnuplot; see view.h. */
 #include <gsl/gsl_sort.h>
 #include <math.h>
+#include <stdarg.h>
 #include <string.h>
 
 #include "view/view.h"
@@ -188,12 +189,41 @@ rp_status view_scale_of(rp_arena *arena, const view_scene *scene, size_t first, 
 
 /* ---- text ---- */
 
-/* "x (cm)" as a quoted string. */
+/* A text as a string of gnuplot in which nothing is a command: in single quotes, those of the text apart, and
+ * without control characters. */
+static void put_quoted(FILE *out, const char *format, ...) __attribute__((format(printf, 2, 3)));
+static void put_quoted(FILE *out, const char *format, ...)
+{
+    char text[512];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    fputc('\'', out);
+    for (const char *c = text; *c; c++) {
+        if (*c == '\'')
+            fputs("'.\"'\".'", out);
+        else
+            fputc((unsigned char)*c < ' ' ? ' ' : *c, out);
+    }
+    fputc('\'', out);
+}
+
+/* " cm", or nothing for a number without a unit. */
+static const char *unit_after(const char *unit, char text[40])
+{
+    snprintf(text, 40, "%s%s", strcmp(unit, "1") ? " " : "", strcmp(unit, "1") ? unit : "");
+    return text;
+}
+
 static void put_label(FILE *out, const char *set, const char *name, const char *unit)
 {
-    fprintf(out, "set %s \"%s", set, name);
-    if (strcmp(unit, "1") != 0) fprintf(out, " (%s)", unit);
-    fprintf(out, "\" noenhanced\n");
+    fprintf(out, "set %s ", set);
+    if (strcmp(unit, "1") != 0)
+        put_quoted(out, "%s (%s)", name, unit);
+    else
+        put_quoted(out, "%s", name);
+    fputs(" noenhanced\n", out);
 }
 
 static double thickest(const view_scale *s)
@@ -361,12 +391,12 @@ static void put_panel(rp_arena *arena, const view_scene *scene, const view_frame
 /* What the picture shows, above it. */
 static void put_title(const view_scene *scene, const view_frame *f, const view_scale *s, FILE *out)
 {
-    fputs("set label 1 \"", out);
-    if (!isnan(f->step)) fprintf(out, "step %.0f, ", f->step);
-    if (!isnan(f->t))
-        fprintf(out, "t = %.5g%s%s, ", f->t, strcmp(scene->time, "1") ? " " : "",
-                strcmp(scene->time, "1") ? scene->time : "");
-    fprintf(out, "%zu grains\" noenhanced at graph 0, screen %.5f left\n", f->n, 1.0 - 0.5 / s->height);
+    char step[32] = "", t[80] = "", unit[40];
+    if (!isnan(f->step)) snprintf(step, sizeof step, "step %.0f, ", f->step);
+    if (!isnan(f->t)) snprintf(t, sizeof t, "t = %.5g%s, ", f->t, unit_after(scene->time, unit));
+    fputs("set label 1 ", out);
+    put_quoted(out, "%s%s%zu grains", step, t, f->n);
+    fprintf(out, " noenhanced at graph 0, screen %.5f left\n", 1.0 - 0.5 / s->height);
 }
 
 /* The radius of a point of size 1 in an svg picture: three eighths of the height of its letters. */
@@ -409,14 +439,17 @@ rp_status view_draw(rp_arena *arena, const view_scene *scene, const view_frame *
     if (chains) fputs(", \\\n $contacts using 1:2:3:4:5 with vectors arrowstyle variable notitle", out);
     if (walls) fprintf(out, ", \\\n $walls with vectors nohead lw 2.5 lc rgb '%s' notitle", WALL);
     if (style->stress) fputs(", \\\n $stress using 1:2:3:4:5 with vectors arrowstyle variable notitle", out);
-    if (chains && !style->stress)
-        fprintf(out, ", \\\n NaN with vectors arrowstyle %d title \"normal force %s%.4g%s%s\"",
-                find_colours().classes, largest_force(f) > s->force ? "at least " : "", s->force,
-                strcmp(scene->force, "1") ? " " : "", strcmp(scene->force, "1") ? scene->force : "");
-    if (style->stress)
-        fprintf(out, ", \\\n NaN with vectors arrowstyle 50 title \"principal stress, largest %.4g %s/%s\"",
-                s->stress, scene->force, scene->length);
-    fputc('\n', out);
+    char unit[40];
+    if (chains && !style->stress) {
+        fprintf(out, ", \\\n NaN with vectors arrowstyle %d title ", find_colours().classes);
+        put_quoted(out, "normal force %s%.4g%s", largest_force(f) > s->force ? "at least " : "", s->force,
+                   unit_after(scene->force, unit));
+    }
+    if (style->stress) {
+        fputs(", \\\n NaN with vectors arrowstyle 50 title ", out);
+        put_quoted(out, "principal stress, largest %.4g %s/%s", s->stress, scene->force, scene->length);
+    }
+    fputs(chains || style->stress ? " noenhanced\n" : "\n", out);
     if (style->base) put_panel(arena, scene, f, s, out);
     rp_arena_release(arena, mark);
     return ferror(out) ? rp_fail(RP_IO, "gnuplot ended early") : status;
