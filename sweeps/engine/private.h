@@ -5,6 +5,7 @@
 #include <libconfig.h>
 #include <sqlite3.h>
 
+#include "core/arena.h"
 #include "sweeps/engine/sweep.h"
 
 /* One list of the grid. Lists of one bundle go together; the bundles make the product. */
@@ -207,6 +208,8 @@ rp_status sweep_pool_run(const sweep_plan *plan, sweep_store *store, const size_
 
 /* A sweep's folder, opened for reading or, under a lock, for writing. */
 typedef struct {
+    rp_arena memory;
+    const char *dir, *cfg, *sqlite, *snapshots, *shards; /* names; the last is a pattern of all stores */
     sweep_plan plan;
     sweep_store *store;
     sweep_merged found; /* of the shards */

@@ -27,15 +27,21 @@ rp_status sweep_conclude(sweep_result *result, const char *status, const char *f
 
 rp_status sweep_table_open(const sweep_tables *t, const char *name, sweep_file *file)
 {
-    snprintf(file->path, sizeof file->path, "%s/%s", t->directory, name);
-    RP_TRY(rp_file_open(file->path, &file->out));
-    t->header(t->context, file->out);
-    return RP_OK;
+    *file = (sweep_file){.out = NULL};
+    rp_status status = rp_path(&file->memory, &file->path, "%s/%s", t->directory, name);
+    if (!status) status = rp_file_open(file->path, &file->out);
+    if (status)
+        rp_arena_release(&file->memory, NULL);
+    else
+        t->header(t->context, file->out);
+    return status;
 }
 
-rp_status sweep_table_close(const sweep_file *file, rp_status status)
+rp_status sweep_table_close(sweep_file *file, rp_status keep)
 {
-    return rp_file_close(file->path, file->out, status);
+    const rp_status status = rp_file_close(file->path, file->out, keep);
+    rp_arena_release(&file->memory, NULL);
+    return status;
 }
 
 size_t sweep_count_outputs(const sweep_protocol *protocol)

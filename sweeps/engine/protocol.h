@@ -8,6 +8,7 @@
 #include <stddef.h>
 #include <stdio.h>
 
+#include "core/arena.h"
 #include "params/params.h"
 #include "stress/stress.h"
 
@@ -122,11 +123,12 @@ rp_status sweep_conclude(sweep_result *result, const char *status, const char *f
 
 /* A table of the run: open it, header written; close it, kept if `status` is RP_OK. Errors: RP_IO. */
 typedef struct {
-    char path[4096];
+    rp_arena memory;
+    const char *path;
     FILE *out;
 } sweep_file;
 rp_status sweep_table_open(const sweep_tables *tables, const char *name, sweep_file *file);
-rp_status sweep_table_close(const sweep_file *file, rp_status status);
+rp_status sweep_table_close(sweep_file *file, rp_status status);
 
 /* Hash of the outputs `names`, with blanks between, of n short runs. Angles count to a millionth of a degree,
  * because the C library's atan may differ in its last digits; all NaN are one. */

@@ -28,30 +28,35 @@ static rp_status take_lock(const char *path, const char *store, int *lock)
                : rp_fail(RP_IO, "%s: cannot lock: %s", path, strerror(errno));
 }
 
-static rp_status lock_folder(const char *dir, int *lock)
+/* The names of a folder's files. Afterwards sweep_folder_close, also after an error. */
+static rp_status name_files(const char *dir, sweep_folder *f)
 {
-    char path[4096];
-    snprintf(path, sizeof path, "%s/lock", dir);
-    return take_lock(path, dir, lock);
+    *f = (sweep_folder){.dir = dir, .lock = -1};
+    RP_TRY(rp_path(&f->memory, &f->cfg, "%s/sweep.cfg", dir));
+    RP_TRY(rp_path(&f->memory, &f->sqlite, "%s/store.sqlite", dir));
+    RP_TRY(rp_path(&f->memory, &f->snapshots, "%s/snapshots", dir));
+    return rp_path(&f->memory, &f->shards, "%s/shards/*-of-*.sqlite", dir);
+}
+
+static rp_status lock_folder(sweep_folder *f)
+{
+    const char *path;
+    RP_TRY(rp_path(&f->memory, &path, "%s/lock", f->dir));
+    return take_lock(path, f->dir, &f->lock);
 }
 
 /* The stores of the folder's shards, in order; globfree afterwards. */
-static void find_shards(const char *dir, glob_t *shards)
+static void find_shards(const sweep_folder *f, glob_t *shards)
 {
-    char pattern[4096];
-    snprintf(pattern, sizeof pattern, "%s/shards/*-of-*.sqlite", dir);
-    if (glob(pattern, 0, NULL, shards) != 0) *shards = (glob_t){0};
+    if (glob(f->shards, 0, NULL, shards) != 0) *shards = (glob_t){0};
 }
 
 /* Read the plan of a folder, and open its store. */
-static rp_status open_main(const char *dir, const sweep_protocol *const *protocols, sweep_access access,
-                           sweep_folder *folder)
+static rp_status open_main(const sweep_protocol *const *protocols, sweep_access access, sweep_folder *folder)
 {
-    char path[4096], text[32];
-    snprintf(path, sizeof path, "%s/sweep.cfg", dir);
-    RP_TRY(sweep_plan_read(path, protocols, &folder->plan));
-    snprintf(path, sizeof path, "%s/store.sqlite", dir);
-    RP_TRY(sweep_store_open(path, access, &folder->store));
+    char text[32];
+    RP_TRY(sweep_plan_read(folder->cfg, protocols, &folder->plan));
+    RP_TRY(sweep_store_open(folder->sqlite, access, &folder->store));
     RP_TRY(sweep_store_note(folder->store, "main", "replicas", text, sizeof text));
     const size_t replicas = strtoul(text, NULL, 10);
     if (replicas > 0 && replicas != folder->plan.replicas)
@@ -63,10 +68,10 @@ rp_status sweep_folder_read(const char *dir, const sweep_protocol *const *protoc
                             sweep_folder *folder)
 {
     glob_t shards;
-    *folder = (sweep_folder){.lock = -1};
     rp_status status = RP_OK;
-    RP_TRY(open_main(dir, protocols, SWEEP_READ, folder));
-    find_shards(dir, &shards);
+    RP_TRY(name_files(dir, folder));
+    RP_TRY(open_main(protocols, SWEEP_READ, folder));
+    find_shards(folder, &shards);
     if (verify) status = sweep_store_verify(folder->store, "main", folder->store->path);
     if (!status && shards.gl_pathc > 0)
         status = sweep_store_unite(folder->store, &folder->plan, shards.gl_pathc, shards.gl_pathv, verify,
@@ -84,18 +89,19 @@ void sweep_folder_close(sweep_folder *folder)
     sweep_store_close(folder->store);
     sweep_plan_free(&folder->plan);
     if (folder->lock >= 0) close(folder->lock);
+    rp_arena_release(&folder->memory, NULL);
 }
 
 rp_status sweep_source(const char *dir, char file[256])
 {
-    char path[4096];
-    sweep_store *store = NULL;
+    sweep_folder f;
+    rp_status status = name_files(dir, &f);
     *file = '\0';
-    snprintf(path, sizeof path, "%s/store.sqlite", dir);
-    if (access(path, F_OK) != 0) return RP_OK;
-    rp_status status = sweep_store_open(path, SWEEP_READ, &store);
-    if (!status) status = sweep_store_note(store, "main", "file", file, 256);
-    sweep_store_close(store);
+    if (!status && access(f.sqlite, F_OK) == 0) {
+        status = sweep_store_open(f.sqlite, SWEEP_READ, &f.store);
+        if (!status) status = sweep_store_note(f.store, "main", "file", file, 256);
+    }
+    sweep_folder_close(&f);
     return status;
 }
 
@@ -103,14 +109,18 @@ rp_status sweep_check_output(const char *dir, const char *path)
 {
     static const char *const names[] = {
         "store.sqlite", "store.sqlite-journal", "store.sqlite-wal", "store.sqlite-shm", "sweep.cfg", "lock"};
-    char own[4096];
+    rp_arena memory = {0};
+    const char *own;
     struct stat a, b;
-    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
-        snprintf(own, sizeof own, "%s/%s", dir, names[i]);
-        if (stat(own, &a) == 0 && stat(path, &b) == 0 && a.st_dev == b.st_dev && a.st_ino == b.st_ino)
-            return rp_fail(RP_BAD_INPUT, "%s: is the sweep's own %s; give another file", path, names[i]);
+    rp_status status = RP_OK;
+    for (size_t i = 0; !status && i < sizeof names / sizeof *names; i++) {
+        status = rp_path(&memory, &own, "%s/%s", dir, names[i]);
+        if (!status && stat(own, &a) == 0 && stat(path, &b) == 0 && a.st_dev == b.st_dev &&
+            a.st_ino == b.st_ino)
+            status = rp_fail(RP_BAD_INPUT, "%s: is the sweep's own %s; give another file", path, names[i]);
     }
-    return RP_OK;
+    rp_arena_release(&memory, NULL);
+    return status;
 }
 
 static rp_status check_points(const sweep_plan *plan, const char *file, const sweep_watch *watch,
@@ -131,23 +141,21 @@ rp_status sweep_prepare(const char *file, const char *dir, size_t replicas,
                         const sweep_protocol *const *protocols, const sweep_watch *watch,
                         sweep_counts *counts)
 {
-    sweep_folder f = {.lock = -1};
-    char path[4096];
+    sweep_folder f;
     FILE *out = NULL;
     size_t undamped = 0;
-    rp_status status = sweep_plan_read(file, protocols, &f.plan);
+    rp_status status = name_files(dir, &f);
+    if (!status) status = sweep_plan_read(file, protocols, &f.plan);
     if (!status && replicas > 0) status = sweep_plan_replicate(&f.plan, replicas);
     if (!status) status = check_points(&f.plan, file, watch, &undamped);
     if (!status) status = rp_make_directory(dir);
-    if (!status) status = lock_folder(dir, &f.lock);
-    snprintf(path, sizeof path, "%s/store.sqlite", dir);
-    if (!status) status = sweep_store_open(path, SWEEP_CREATE, &f.store);
+    if (!status) status = lock_folder(&f);
+    if (!status) status = sweep_store_open(f.sqlite, SWEEP_CREATE, &f.store);
     if (!status) status = sweep_store_write_plan(f.store, &f.plan, file, watch);
-    snprintf(path, sizeof path, "%s/sweep.cfg", dir);
-    if (!status) status = rp_file_open(path, &out);
+    if (!status) status = rp_file_open(f.cfg, &out);
     if (!status) {
         fputs(f.plan.text, out);
-        status = rp_file_close(path, out, RP_OK);
+        status = rp_file_close(f.cfg, out, RP_OK);
     }
     if (!status) status = sweep_store_count(f.store, &f.plan, counts);
     counts->undamped = undamped;
@@ -169,28 +177,26 @@ static rp_status mark_store(const char *path, const sweep_plan *plan, unsigned c
     return status;
 }
 
-/* Numbers of the runs of this part (0 of 1: of all) that are neither in the folder's store nor in `own`; a
- * sweep that runs whole leaves out what its shards have. free(*todo). */
-static rp_status find_todo(const char *dir, const sweep_plan *plan, sweep_store *own,
-                           const sweep_options *options, size_t **todo, size_t *n)
+/* Numbers of the runs of this part (0 of 1: of all) that are neither in the folder's store nor in the open
+ * one; a sweep that runs whole leaves out what its shards have. free(*todo). */
+static rp_status find_todo(const sweep_folder *f, const sweep_options *options, size_t **todo, size_t *n)
 {
+    const sweep_plan *plan = &f->plan;
     const size_t parts = options->shards > 0 ? (size_t)options->shards : 1,
                  part = options->shards > 0 ? (size_t)options->shard - 1 : 0;
     unsigned char *done = calloc(plan->n_runs / 8 + 1, 1);
-    char path[4096];
     glob_t shards = {0};
-    rp_status status =
-        done ? sweep_store_mark(own, plan->n_runs, done) : rp_fail(RP_NO_MEMORY, "%s: out of memory", dir);
-    snprintf(path, sizeof path, "%s/store.sqlite", dir);
-    if (!status && options->shards > 0) status = mark_store(path, plan, done);
-    if (options->shards == 0) find_shards(dir, &shards);
+    rp_status status = done ? sweep_store_mark(f->store, plan->n_runs, done)
+                            : rp_fail(RP_NO_MEMORY, "%s: out of memory", f->dir);
+    if (!status && options->shards > 0) status = mark_store(f->sqlite, plan, done);
+    if (options->shards == 0) find_shards(f, &shards);
     for (size_t i = 0; !status && i < shards.gl_pathc; i++)
         status = mark_store(shards.gl_pathv[i], plan, done);
     globfree(&shards);
     *n = 0;
     for (size_t r = part; done && r < plan->n_runs; r += parts) *n += !(done[r / 8] >> r % 8 & 1);
     *todo = malloc((*n + 1) * sizeof **todo);
-    if (!status && !*todo) status = rp_fail(RP_NO_MEMORY, "%s: out of memory", dir);
+    if (!status && !*todo) status = rp_fail(RP_NO_MEMORY, "%s: out of memory", f->dir);
     *n = 0;
     for (size_t r = part; !status && r < plan->n_runs; r += parts)
         if (!(done[r / 8] >> r % 8 & 1)) (*todo)[(*n)++] = r;
@@ -199,37 +205,39 @@ static rp_status find_todo(const char *dir, const sweep_plan *plan, sweep_store 
 }
 
 /* A shard has a store of its own, so that machines that share a folder need no lock between them. */
-static rp_status open_shard(const char *dir, const sweep_options *options, sweep_folder *f)
+static rp_status open_shard(const sweep_options *options, sweep_folder *f)
 {
-    char path[4096 - 8], lock[4096], file[256];
+    const char *folder, *path, *lock;
+    char file[256];
     rp_status status = sweep_store_note(f->store, "main", "file", file, sizeof file);
     sweep_store_close(f->store);
     f->store = NULL;
-    snprintf(path, sizeof path, "%s/shards", dir);
-    if (!status) status = rp_make_directory(path);
-    snprintf(path, sizeof path, "%s/shards/%d-of-%d.sqlite", dir, options->shard, options->shards);
-    snprintf(lock, sizeof lock, "%s.lock", path);
-    if (!status) status = take_lock(lock, path, &f->lock);
-    if (!status) status = sweep_store_open(path, SWEEP_CREATE, &f->store);
-    return status ? status : sweep_store_write_plan(f->store, &f->plan, file, NULL);
+    RP_TRY(status);
+    RP_TRY(rp_path(&f->memory, &folder, "%s/shards", f->dir));
+    RP_TRY(rp_path(&f->memory, &path, "%s/%d-of-%d.sqlite", folder, options->shard, options->shards));
+    RP_TRY(rp_path(&f->memory, &lock, "%s.lock", path));
+    RP_TRY(rp_make_directory(folder));
+    RP_TRY(take_lock(lock, path, &f->lock));
+    RP_TRY(sweep_store_open(path, SWEEP_CREATE, &f->store));
+    return sweep_store_write_plan(f->store, &f->plan, file, NULL);
 }
 
 /* Snapshots of a sweep whose runs are all stored: a driver that was killed may have left some. */
-static void remove_snapshots(const char *folder)
+static void remove_snapshots(sweep_folder *f)
 {
-    char pattern[4096 + 8];
+    const char *pattern;
     glob_t left = {0};
-    snprintf(pattern, sizeof pattern, "%s/*", folder);
+    if (rp_path(&f->memory, &pattern, "%s/*", f->snapshots)) return;
     if (glob(pattern, 0, NULL, &left) == 0)
         for (size_t i = 0; i < left.gl_pathc; i++) unlink(left.gl_pathv[i]);
     globfree(&left);
-    rmdir(folder);
+    rmdir(f->snapshots);
 }
 
 rp_status sweep_run(const char *dir, const sweep_protocol *const *protocols, const sweep_options *options,
                     sweep_counts *counts)
 {
-    sweep_folder f = {.lock = -1};
+    sweep_folder f;
     size_t *todo = NULL, n = 0;
     const bool whole = options->shards == 0;
     if (options->workers < 1)
@@ -237,26 +245,25 @@ rp_status sweep_run(const char *dir, const sweep_protocol *const *protocols, con
     if (!whole && (options->shard < 1 || options->shard > options->shards))
         return rp_fail(RP_BAD_INPUT, "shard = %d/%d: out of range, allowed: 1/%d to %d/%d", options->shard,
                        options->shards, options->shards, options->shards, options->shards);
-    rp_status status = whole ? lock_folder(dir, &f.lock) : RP_OK;
-    if (!status) status = open_main(dir, protocols, whole ? SWEEP_WRITE : SWEEP_READ, &f);
-    if (!status && !whole) status = open_shard(dir, options, &f);
+    rp_status status = name_files(dir, &f);
+    if (!status && whole) status = lock_folder(&f);
+    if (!status) status = open_main(protocols, whole ? SWEEP_WRITE : SWEEP_READ, &f);
+    if (!status && !whole) status = open_shard(options, &f);
     if (!status) status = sweep_store_drop_crashed(f.store);
-    if (!status) status = find_todo(dir, &f.plan, f.store, options, &todo, &n);
+    if (!status) status = find_todo(&f, options, &todo, &n);
     if (!status) status = sweep_store_count(f.store, &f.plan, counts);
-    char snapshots[4096];
     sweep_options own = *options;
-    snprintf(snapshots, sizeof snapshots, "%s/snapshots", dir);
-    own.snapshots = isnormal(options->snapshot) ? snapshots : NULL;
+    own.snapshots = isnormal(options->snapshot) ? f.snapshots : NULL;
     const size_t planned =
         whole ? f.plan.n_runs
               : (f.plan.n_runs + (size_t)(options->shards - options->shard)) / (size_t)options->shards;
     counts->planned = planned;
     counts->stored = planned - n;
-    if (!status && n > 0 && own.snapshots) status = rp_make_directory(snapshots);
+    if (!status && n > 0 && own.snapshots) status = rp_make_directory(f.snapshots);
     if (!status && n > 0) status = sweep_pool_run(&f.plan, f.store, todo, n, f.lock, &own, counts);
     if (!status) status = sweep_store_commit(f.store);
     if (!status) status = sweep_store_count(f.store, &f.plan, counts);
-    if (!status && whole && sweep_count_aborted(counts) == 0) remove_snapshots(snapshots);
+    if (!status && whole && sweep_count_aborted(counts) == 0) remove_snapshots(&f);
     if (!status) counts->planned = counts->stored = planned; /* some may stand in other stores */
     if (!status) status = sweep_check_aborted(counts);
     free(todo);
@@ -267,12 +274,12 @@ rp_status sweep_run(const char *dir, const sweep_protocol *const *protocols, con
 /* ---- asking ---- */
 
 /* "2,5-7 of 8": the shards that have runs to do, where the folder has shards. */
-static rp_status list_shards(const char *dir, sweep_folder *f, char *text, size_t size)
+static rp_status list_shards(const sweep_folder *f, char *text, size_t size)
 {
     glob_t shards;
     size_t parts = 0, used = 0;
     text[0] = '\0';
-    find_shards(dir, &shards);
+    find_shards(f, &shards);
     for (size_t i = 0; i < shards.gl_pathc; i++) {
         const size_t n = strtoul(strstr(strrchr(shards.gl_pathv[i], '/'), "-of-") + 4, NULL, 10);
         if (n > parts) parts = n;
@@ -281,7 +288,7 @@ static rp_status list_shards(const char *dir, sweep_folder *f, char *text, size_
     unsigned char *done = calloc(f->plan.n_runs / 8 + 1, 1);
     bool *open = calloc(parts + 2, sizeof *open);
     rp_status status = done && open ? sweep_store_mark(f->store, f->plan.n_runs, done)
-                                    : rp_fail(RP_NO_MEMORY, "%s: out of memory", dir);
+                                    : rp_fail(RP_NO_MEMORY, "%s: out of memory", f->dir);
     for (size_t r = 0; !status && parts > 0 && r < f->plan.n_runs; r++)
         open[r % parts] |= !(done[r / 8] >> r % 8 & 1);
     for (size_t i = 0; !status && i < parts && used < size; i++) {
@@ -304,7 +311,7 @@ rp_status sweep_status(const char *dir, const sweep_protocol *const *protocols, 
     rp_status status = sweep_folder_read(dir, protocols, false, &f);
     if (!status) status = sweep_store_count(f.store, &f.plan, counts);
     if (!status) status = sweep_store_pace(f.store, &counts->seconds);
-    if (!status) status = list_shards(dir, &f, counts->shards, sizeof counts->shards);
+    if (!status) status = list_shards(&f, counts->shards, sizeof counts->shards);
     counts->running = f.found.running;
     sweep_folder_close(&f);
     return status;
@@ -313,26 +320,27 @@ rp_status sweep_status(const char *dir, const sweep_protocol *const *protocols, 
 rp_status sweep_merge(const char *dir, const sweep_protocol *const *protocols, size_t n, char *const paths[],
                       sweep_merged *merged, sweep_counts *counts)
 {
-    sweep_folder f = {.lock = -1};
+    sweep_folder f, other;
     glob_t sources = {0};
-    rp_status status = lock_folder(dir, &f.lock);
-    if (!status) status = open_main(dir, protocols, SWEEP_WRITE, &f);
-    if (n == 0) find_shards(dir, &sources);
+    rp_status status = name_files(dir, &f);
+    if (!status) status = lock_folder(&f);
+    if (!status) status = open_main(protocols, SWEEP_WRITE, &f);
+    if (!status && n == 0) find_shards(&f, &sources);
     for (size_t i = 0; !status && i < n; i++) { /* a folder stands for its store and its shards */
-        char pattern[4096];
         struct stat info;
         const bool folder = stat(paths[i], &info) == 0 && S_ISDIR(info.st_mode);
-        snprintf(pattern, sizeof pattern, folder ? "%s/store.sqlite" : "%s", paths[i]);
-        if (glob(pattern, sources.gl_pathc ? GLOB_APPEND : 0, NULL, &sources) != 0)
-            status = rp_fail(RP_BAD_INPUT, "%s: no store", pattern);
-        snprintf(pattern, sizeof pattern, "%s/shards/*-of-*.sqlite", paths[i]);
-        if (!status && folder) glob(pattern, GLOB_APPEND, NULL, &sources);
+        status = name_files(paths[i], &other);
+        const char *store = folder ? other.sqlite : paths[i];
+        if (!status && glob(store, sources.gl_pathc ? GLOB_APPEND : 0, NULL, &sources) != 0)
+            status = rp_fail(RP_BAD_INPUT, "%s: no store", store);
+        if (!status && folder) glob(other.shards, GLOB_APPEND, NULL, &sources);
+        sweep_folder_close(&other);
     }
     if (!status && sources.gl_pathc == 0)
         status = rp_fail(RP_BAD_INPUT, "%s: no shards, and no other store is named", dir);
     if (!status) status = sweep_store_merge(f.store, &f.plan, sources.gl_pathc, sources.gl_pathv, merged);
     if (!status) status = sweep_store_count(f.store, &f.plan, counts);
-    if (!status) status = list_shards(dir, &f, counts->shards, sizeof counts->shards);
+    if (!status) status = list_shards(&f, counts->shards, sizeof counts->shards);
     if (sources.gl_pathc) globfree(&sources);
     sweep_folder_close(&f);
     return status;
@@ -341,25 +349,24 @@ rp_status sweep_merge(const char *dir, const sweep_protocol *const *protocols, s
 rp_status sweep_salvage(const char *dir, const sweep_protocol *const *protocols, size_t *n)
 {
     static const char *const ends[] = {"", "-wal", "-journal"};
-    sweep_folder f = {.lock = -1};
-    char store[4096 - 16], kept[4096 - 16], path[4096], from[4096], to[4096];
+    sweep_folder f;
+    const char *kept = NULL, *from, *to;
     *n = 0;
-    snprintf(path, sizeof path, "%s/sweep.cfg", dir);
-    snprintf(store, sizeof store, "%s/store.sqlite", dir);
-    snprintf(kept, sizeof kept, "%s/damaged.sqlite", dir);
-    rp_status status = lock_folder(dir, &f.lock);
-    if (!status) status = sweep_plan_read(path, protocols, &f.plan);
-    if (!status && access(store, F_OK) != 0) status = rp_fail(RP_BAD_INPUT, "%s: no store", store);
+    rp_status status = name_files(dir, &f);
+    if (!status) status = rp_path(&f.memory, &kept, "%s/damaged.sqlite", dir);
+    if (!status) status = lock_folder(&f);
+    if (!status) status = sweep_plan_read(f.cfg, protocols, &f.plan);
+    if (!status && access(f.sqlite, F_OK) != 0) status = rp_fail(RP_BAD_INPUT, "%s: no store", f.sqlite);
     if (!status && access(kept, F_OK) == 0)
         status = rp_fail(RP_BAD_INPUT, "%s: kept of an earlier salvage; move it away first", kept);
     for (size_t i = 0; !status && i < sizeof ends / sizeof *ends; i++) {
-        snprintf(from, sizeof from, "%s%s", store, ends[i]);
-        snprintf(to, sizeof to, "%s%s", kept, ends[i]);
-        if (rename(from, to) != 0 && errno != ENOENT)
+        status = rp_path(&f.memory, &from, "%s%s", f.sqlite, ends[i]);
+        if (!status) status = rp_path(&f.memory, &to, "%s%s", kept, ends[i]);
+        if (!status && rename(from, to) != 0 && errno != ENOENT)
             status = rp_fail(RP_IO, "%s: cannot rename: %s", from, strerror(errno));
     }
-    if (!status) status = sweep_store_open(store, SWEEP_CREATE, &f.store);
-    if (!status) status = sweep_store_write_plan(f.store, &f.plan, path, NULL);
+    if (!status) status = sweep_store_open(f.sqlite, SWEEP_CREATE, &f.store);
+    if (!status) status = sweep_store_write_plan(f.store, &f.plan, f.cfg, NULL);
     if (!status) status = sweep_store_salvage(f.store, &f.plan, kept, n);
     sweep_folder_close(&f);
     return status;

@@ -173,7 +173,7 @@ rp_status sweep_box_note(sweep_box_run *run);
  * positions; grains that have left the scene count. */
 rp_status sweep_box_moved(sweep_box_run *run, double reach, int contacts, size_t *moved);
 
-/* Go on from the pile at rest, unless that is done. Steps in all, with those of tilts before. */
+/* Continue from the pile at rest, unless that is done. Steps in all, with those of tilts before. */
 void sweep_box_go_back(sweep_box_run *run);
 double sweep_box_steps(const sweep_box_run *run);
 
