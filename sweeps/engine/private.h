@@ -125,14 +125,6 @@ rp_status sweep_store_check_plan(sweep_store *store, const sweep_plan *plan);
 rp_status sweep_store_note(sweep_store *store, const char *schema, const char *name, char *buffer,
                            size_t size);
 
-/* Show the programs that made the planned runs, and how many each. */
-rp_status sweep_store_makers(sweep_store *store,
-                             void (*visit)(const char *program, size_t runs, void *context), void *context);
-
-/* Show the outputs that planned runs lack, since the program had them later, and how many runs. */
-rp_status sweep_store_lacks(sweep_store *store, const sweep_protocol *protocol,
-                            void (*visit)(const char *output, size_t runs, void *context), void *context);
-
 /* Forget planned runs that the machine ended: they are made again. */
 rp_status sweep_store_drop_crashed(sweep_store *store);
 
@@ -154,10 +146,10 @@ rp_status sweep_store_count(sweep_store *store, const sweep_plan *plan, sweep_co
 rp_status sweep_store_visit(sweep_store *store, const sweep_plan *plan,
                             rp_status (*visit)(const sweep_row *row, void *context), void *context);
 
-/* Statements, for store.c and merge.c. A query that cannot be prepared is NULL: its first step fails, and
- * finish says why; query_text frees its text; number is the first column of the first row; columns are those
- * of a row in the order in which it is bound and read, 'none' for an output that this schema of the store,
- * unless NULL, has none of. */
+/* Statements, for store.c, merge.c and reduce.c. A query that cannot be prepared is NULL: its first step
+ * fails, and finish says why; query_text frees its text; number is the first column of the first row; columns
+ * are those of a row in the order in which it is bound and read, 'none' for an output that this schema of the
+ * store, unless NULL, has none of. */
 rp_status sweep_sql_fail(const sweep_store *store, const char *what);
 rp_status sweep_sql(sweep_store *store, const char *what, const char *format, ...);
 sqlite3_stmt *sweep_sql_query(sweep_store *store, const char *sql);

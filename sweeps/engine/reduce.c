@@ -26,15 +26,34 @@ typedef struct {
     double *finite;   /* n_outputs x replicas */
 } table;
 
-static void note_maker(const char *program, size_t runs, void *context)
+/* The programs that made the planned runs. */
+static rp_status note_makers(sweep_store *store, FILE *out)
 {
-    rp_table_note(context, "runs made by", "%s (%zu)", program ? program : "an older version", runs);
+    sqlite3_stmt *q = sweep_sql_query(
+        store, "SELECT program, count(*) FROM runs WHERE run IS NOT NULL GROUP BY program ORDER BY program");
+    while (sqlite3_step(q) == SQLITE_ROW) {
+        const char *program = (const char *)sqlite3_column_text(q, 0);
+        rp_table_note(out, "runs made by", "%s (%lld)", program ? program : "an older version",
+                      sqlite3_column_int64(q, 1));
+    }
+    return sweep_sql_finish(store, "read the rows", q);
 }
 
-static void note_lack(const char *output, size_t runs, void *context)
+/* The outputs that planned runs lack. */
+static rp_status note_lacks(sweep_store *store, const sweep_output outputs[], FILE *out)
 {
-    rp_table_note(context, "no value", "%s of %zu runs, stored before the program had this output", output,
-                  runs);
+    sqlite3_str *sql = sqlite3_str_new(store->db);
+    sqlite3_str_appendall(sql, "SELECT 0");
+    for (const sweep_output *o = outputs; o->name; o++)
+        sqlite3_str_appendf(sql, ", sum(typeof(\"%w\") = 'text')", o->name);
+    sqlite3_str_appendall(sql, " FROM runs WHERE run IS NOT NULL");
+    sqlite3_stmt *q = sweep_sql_query_text(store, sql);
+    const bool read = sqlite3_step(q) == SQLITE_ROW;
+    for (int i = 0; read && outputs[i].name; i++)
+        if (sqlite3_column_int64(q, i + 1) > 0)
+            rp_table_note(out, "no value", "%s of %lld runs, stored before the program had this output",
+                          outputs[i].name, sqlite3_column_int64(q, i + 1));
+    return sweep_sql_finish(store, "read the rows", q);
 }
 
 /* Of the rows that are stored. */
@@ -97,12 +116,12 @@ static rp_status write_head(const sweep_plan *plan, sweep_store *store, const ch
     rp_table_note(out, "sweep", "%s, protocol %s, seed %lu, %zu grid points x %zu replicas%s", text,
                   plan->protocol->name, plan->seed, plan->n_points, plan->replicas,
                   plan->shared_piles ? ", shared piles" : "");
-    rp_status status = sweep_store_makers(store, note_maker, out);
+    rp_status status = note_makers(store, out);
     rp_table_note(out, "plan", "%s", plan->hash);
     rp_table_note(out, "digest", "%s (%zu runs)", digest.text, digest.n_rows);
     rp_table_note(out, "missing", "%zu of %zu", counts->planned - counts->stored, counts->planned);
     note_failed(counts, out);
-    if (!status) status = sweep_store_lacks(store, plan->protocol, note_lack, out);
+    if (!status) status = note_lacks(store, plan->protocol->outputs, out);
     if (sweep_count_aborted(counts) > 0)
         rp_table_note(out, "aborted", "%zu of the failed, to be tried again", sweep_count_aborted(counts));
     rp_table_note(out, "run_time", "%.1f s", digest.seconds);

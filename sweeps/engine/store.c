@@ -469,33 +469,6 @@ rp_status sweep_store_verify(sweep_store *s, const char *schema, const char *pat
                : rp_fail(RP_IO, "%s: damaged (%s); `repose sweep salvage` keeps the whole rows", path, text);
 }
 
-rp_status sweep_store_makers(sweep_store *s, void (*visit)(const char *program, size_t runs, void *context),
-                             void *context)
-{
-    sqlite3_stmt *q = sweep_sql_query(
-        s, "SELECT program, count(*) FROM runs WHERE run IS NOT NULL GROUP BY program ORDER BY program");
-    while (sqlite3_step(q) == SQLITE_ROW)
-        visit((const char *)sqlite3_column_text(q, 0), (size_t)sqlite3_column_int64(q, 1), context);
-    return sweep_sql_finish(s, "read the rows", q);
-}
-
-rp_status sweep_store_lacks(sweep_store *s, const sweep_protocol *protocol,
-                            void (*visit)(const char *output, size_t runs, void *context), void *context)
-{
-    sqlite3_str *sql = sqlite3_str_new(s->db);
-    sqlite3_str_appendall(sql, "SELECT 0");
-    for (const sweep_output *o = protocol->outputs; o->name; o++)
-        sqlite3_str_appendf(sql, ", sum(typeof(\"%w\") = 'text')", o->name);
-    sqlite3_str_appendall(sql, " FROM runs WHERE run IS NOT NULL");
-    sqlite3_stmt *q = sweep_sql_query_text(s, sql);
-    const bool read = sqlite3_step(q) == SQLITE_ROW;
-    for (int i = 0; read && protocol->outputs[i].name; i++) {
-        const sqlite3_int64 runs = sqlite3_column_int64(q, i + 1);
-        if (runs > 0) visit(protocol->outputs[i].name, (size_t)runs, context);
-    }
-    return sweep_sql_finish(s, "read the rows", q);
-}
-
 rp_status sweep_store_drop_crashed(sweep_store *s)
 {
     return sweep_sql(s, "write the store",

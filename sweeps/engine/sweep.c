@@ -193,9 +193,7 @@ static rp_status find_todo(const sweep_folder *f, const sweep_options *options, 
     for (size_t i = 0; !status && i < shards.gl_pathc; i++)
         status = mark_store(shards.gl_pathv[i], plan, done);
     globfree(&shards);
-    *n = 0;
-    for (size_t r = part; done && r < plan->n_runs; r += parts) *n += !(done[r / 8] >> r % 8 & 1);
-    *todo = malloc((*n + 1) * sizeof **todo);
+    *todo = malloc((plan->n_runs / parts + 1) * sizeof **todo);
     if (!status && !*todo) status = rp_fail(RP_NO_MEMORY, "%s: out of memory", f->dir);
     *n = 0;
     for (size_t r = part; !status && r < plan->n_runs; r += parts)

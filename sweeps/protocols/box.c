@@ -299,6 +299,15 @@ rp_status sweep_box_pile_slopes(sweep_box_run *run, ang_slope slopes[ANG_N_METHO
     return sweep_conclude(run->result, "no_pile", "a floor without friction, and no wall on the right");
 }
 
+rp_status sweep_box_line(const ang_surface *s, size_t from, size_t n, double *theta_deg)
+{
+    ang_slope slopes[ANG_N_METHODS];
+    if (n < 3) return RP_OK;
+    RP_TRY(ang_slopes(n, s->column + from, s->h + from, s->cell, ANG_PARABOLA_FREE, slopes));
+    *theta_deg = sweep_degrees(slopes[1].theta);
+    return RP_OK;
+}
+
 rp_status sweep_state_write(const sweep_tables *tables, const dem_sim *sim, const char *stage)
 {
     static const struct {

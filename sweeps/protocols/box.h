@@ -152,6 +152,10 @@ rp_status sweep_box_surface(sweep_box_run *run, const ang_options *options, ang_
 rp_status sweep_box_slopes(sweep_box_run *run, ang_slope slopes[ANG_N_METHODS]);
 rp_status sweep_box_pile_slopes(sweep_box_run *run, ang_slope slopes[ANG_N_METHODS]);
 
+/* Slope of the straight line through n neighbouring cells in use from `from` on; fewer than three set none.
+ */
+rp_status sweep_box_line(const ang_surface *surface, size_t from, size_t n, double *theta_deg);
+
 /* Tables <stage>_grains.tsv, <stage>_contacts.tsv and <stage>_walls.tsv of the present state; none if
  * `tables` is NULL. */
 rp_status sweep_state_write(const sweep_tables *tables, const dem_sim *sim, const char *stage);

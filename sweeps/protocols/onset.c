@@ -92,16 +92,6 @@ typedef struct {
 
 /* ---- the pile at rest ---- */
 
-/* Slope of the straight line through `n` neighbouring cells from `from` on. */
-static rp_status line_through(const ang_surface *s, size_t from, size_t n, double *theta_deg)
-{
-    ang_slope slopes[ANG_N_METHODS];
-    rp_status status =
-        n < 3 ? RP_OK : ang_slopes(n, s->column + from, s->h + from, s->cell, ANG_PARABOLA_FREE, slopes);
-    if (!status && n >= 3) *theta_deg = sweep_degrees(slopes[1].theta);
-    return status;
-}
-
 static rp_status measure_scatter(const ang_surface *s, double d, double *scatter)
 {
     double *x = malloc(s->n * sizeof *x);
@@ -122,11 +112,11 @@ static rp_status measure_surface(experiment *e)
     ang_surface s;
     rp_status status = sweep_box_surface(&e->box, &options, &s);
     const size_t half = s.n / 2, part = (2 * s.n + 4) / 5;
-    if (!status) status = line_through(&s, 0, half, &v->theta_upper_deg);
-    if (!status) status = line_through(&s, s.n - half, half, &v->theta_lower_deg);
+    if (!status) status = sweep_box_line(&s, 0, half, &v->theta_upper_deg);
+    if (!status) status = sweep_box_line(&s, s.n - half, half, &v->theta_lower_deg);
     for (size_t k = 0; !status && k + part <= s.n; k++) {
         double theta_deg = NAN;
-        status = line_through(&s, k, part, &theta_deg);
+        status = sweep_box_line(&s, k, part, &theta_deg);
         v->theta_steepest_deg = fmax(v->theta_steepest_deg, theta_deg);
     }
     if (!status) status = measure_scatter(&s, e->box.d, &v->scatter);

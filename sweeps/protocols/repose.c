@@ -225,7 +225,7 @@ static rp_status note_state(experiment *e)
     return RP_OK;
 }
 
-/* Straight line through the cells in use from column `from` to before `to`; NaN for fewer than three. */
+/* Straight line through the cells in use from column `from` to before `to`. */
 static rp_status local_slope(const ang_surface *s, size_t from, size_t to, double *theta_deg)
 {
     size_t first = 0, n = 0;
@@ -233,11 +233,7 @@ static rp_status local_slope(const ang_surface *s, size_t from, size_t to, doubl
         first += s->column[k] < from;
         n += s->column[k] >= from && s->column[k] < to;
     }
-    if (n < 3) return RP_OK;
-    ang_slope slopes[ANG_N_METHODS];
-    RP_TRY(ang_slopes(n, s->column + first, s->h + first, s->cell, ANG_PARABOLA_FREE, slopes));
-    *theta_deg = sweep_degrees(slopes[1].theta);
-    return RP_OK;
+    return sweep_box_line(s, first, n, theta_deg);
 }
 
 /* The middle cell of an odd number belongs to neither half. */
