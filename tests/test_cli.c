@@ -241,7 +241,6 @@ static void test_slurm(void)
     static const failure list[] = {
         {65, "--time 1:00:00 and --mem 1G expected", "sweep slurm d --shards 2 --time '1h'"},
         {65, "--time 1:00:00 and --mem 1G expected", "sweep slurm d --shards 2 --mem '1 G'"},
-        {65, "a folder without ' and %", "sweep slurm \"it's\" --shards 2"},
         {65, "none: no such folder", "sweep slurm none --shards 2"}};
     static char script[4096], expected[4096];
     char folder[512], program[512];
@@ -255,7 +254,7 @@ static void test_slurm(void)
     slurp("d/array.sh", script, sizeof script);
     snprintf(expected, sizeof expected,
              "sbatch %s/array.sh\n"
-             "parallel --sshlogin HOST1,HOST2 %s sweep run %s --shard {}/7 -j 3 ::: $(seq 7)\n"
+             "parallel -q --sshlogin HOST1,HOST2 %s sweep run %s --shard {}/7 -j 3 ::: $(seq 7)\n"
              "repose sweep merge %s\n",
              folder, program, folder, folder);
     CU_ASSERT_STRING_EQUAL(out, expected);
@@ -264,12 +263,36 @@ static void test_slurm(void)
         "#SBATCH --array=1-7\n#SBATCH --cpus-per-task=3\n#SBATCH --time=0:30:00\n#SBATCH --mem-per-cpu=2G\n");
     CU_ASSERT_PTR_NOT_NULL(strstr(script, expected));
     snprintf(expected, sizeof expected,
-             "#SBATCH --output=%s/shards/%%a-of-7.log\n'%s' sweep run '%s' --shard $SLURM_ARRAY_TASK_ID/7 -j "
-             "3 &\n",
+             "exec >>%s/shards/$SLURM_ARRAY_TASK_ID-of-7.log 2>&1\n%s sweep run %s --shard "
+             "$SLURM_ARRAY_TASK_ID/7 -j 3 &\n",
              folder, program, folder);
     CU_ASSERT_PTR_NOT_NULL(strstr(script, expected));
-    CU_ASSERT(shell("mkdir \"it's\"") == 0);
     CHECK_FAILURES(list);
+}
+
+/* The job array, and the commands that are printed, work in folders of any name, and run nothing of it. */
+static void test_slurm_names(void)
+{
+    static const char *const names[] = {"it's", "two  words", "a;touch hit", "$(touch hit)", "`touch hit`",
+                                        "100%", "\"x\" & y",  "x[1]",        "y?",           "*"};
+    write_text("s.cfg", "protocol = \"pile\"; replicas = 4; fixed = { base = 4; };\n");
+    for (size_t k = 0; k < sizeof names / sizeof *names; k++) {
+        write_text("name", "%s", names[k]);
+        const char script[] =
+            "d=\"$(cat name)\"; \"$REPOSE\" sweep plan s.cfg -o "
+            "\"$d\" "
+            ">out 2>err || exit 1; \"$REPOSE\" sweep slurm \"$d\" --shards 2 >said 2>>err || exit 2; "
+            "SLURM_ARRAY_TASK_ID=1 bash \"$d/array.sh\" || exit 3; "
+            "sed -n 's/^parallel -q --sshlogin HOST1,HOST2 //; s/{}/2/; s/ ::: .*//; 2p' said >second; "
+            "sh second >out 2>>err || exit 4; sed -n 's/^repose/\"$REPOSE\"/; 3p' said >third; "
+            "REPOSE=\"$REPOSE\" sh third >out 2>>err || exit 5; "
+            "sh -c \"$(sed -n 's/^sbatch/test -f/; 1p' said)\" || exit 6; test -s \"$d/shards/1-of-2.log\" "
+            "|| exit 7; "
+            "! ls hit >>out 2>&1";
+        const int status = shell(script);
+        if (status) fprintf(stderr, "sweep slurm in \"%s\": step %d: %s\n", names[k], status, err);
+        CU_ASSERT_EQUAL(status, 0);
+    }
 }
 
 static void test_bad_values(void)
@@ -2059,6 +2082,7 @@ void suite_cli(void)
                                        {"wrong usage: 64", test_wrong_usage},
                                        {"bad values: 65", test_bad_values},
                                        {"job array", test_slurm},
+                                       {"job array: folders of any name", test_slurm_names},
                                        {"bench", test_bench},
                                        {"bad scenes", test_bad_scenes},
                                        {"bad sweeps", test_bad_sweeps},

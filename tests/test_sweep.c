@@ -671,24 +671,32 @@ static void test_stop_of_all(void)
     clean();
 }
 
-/* A snapshot that a killed drive left goes once all runs are stored. */
+/* A snapshot that a killed drive left, whole or not, goes once all runs are stored; no other file does. */
 static void test_left_snapshots(void)
 {
-    char path[160];
+    static const char key[] = "0123456789abcdef0123456789abcdef";
+    static const struct {
+        const char *format;
+        bool own;
+    } files[] = {{"%s", true}, {"%s.new", true}, {"photo.png", false}, {"%s0", false}, {"%.31s", false}};
+    char name[64], path[320];
     fresh("protocol = \"toy\"; replicas = 4; fixed = { mode = \"crash\"; }; piles = \"shared\";");
     CHECK_OK(prepare(NULL));
     snprintf(path, sizeof path, "%s/snapshots", dir);
     mkdir(path, 0777);
     for (int done = 0; done < 2; done++) {
-        for (int i = 0; i < 3; i++) {
-            snprintf(path, sizeof path, "%s/snapshots/%d", dir, i);
-            file_write(path, "", 0);
-        }
-        calm = done;
-        CU_ASSERT(run(1, NULL) == (done ? RP_OK : RP_NO_RESULT));
-        for (int i = 0; i < 3; i++) {
-            snprintf(path, sizeof path, "%s/snapshots/%d", dir, i);
-            CU_ASSERT((access(path, F_OK) != 0) == done);
+        for (int checks = 0; checks < 2; checks++) {
+            for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
+                snprintf(name, sizeof name, files[i].format, key);
+                snprintf(path, sizeof path, "%s/snapshots/%s", dir, name);
+                if (checks) {
+                    CU_ASSERT((access(path, F_OK) != 0) == (done && files[i].own));
+                } else {
+                    file_write(path, "", 0);
+                }
+            }
+            calm = done;
+            if (!checks) CU_ASSERT(run(1, NULL) == (done ? RP_OK : RP_NO_RESULT));
         }
     }
     calm = false;

@@ -1,5 +1,4 @@
 /* What a folder holds, so that no result is written over by another; see cli.h. */
-#include <glob.h>
 #include <string.h>
 
 #include "cli/cli.h"
@@ -17,22 +16,25 @@ static void find_note(const char *path, const char *key, char *text, size_t size
     if (in) fclose(in);
 }
 
+static bool is_table(const char *name)
+{
+    return rp_ends_in(name, ".tsv");
+}
+
 /* The `run` note of the folder's tables, and the command that wrote them. Older tables of a scene have no
  * note. */
 static void find_run(const char *directory, char run[CLI_RUN_NOTE], char *command, size_t size)
 {
-    char pattern[4200];
-    glob_t tables;
-    snprintf(pattern, sizeof pattern, "%s/*.tsv", directory);
+    rp_paths tables = {0};
     *run = *command = '\0';
-    if (glob(pattern, 0, NULL, &tables) != 0) return;
-    for (size_t i = 0; i < tables.gl_pathc && !*run; i++) {
-        const char *path = tables.gl_pathv[i];
+    (void)rp_paths_in(&tables, directory, is_table);
+    for (size_t i = 0; i < tables.n && !*run; i++) {
+        const char *path = tables.path[i];
         find_note(path, "run", run, CLI_RUN_NOTE);
         if (*run || strcmp(basename(path), "states.tsv") == 0) find_note(path, "command", command, size);
         if (!*run && *command) snprintf(run, CLI_RUN_NOTE, "a scene");
     }
-    globfree(&tables);
+    rp_paths_free(&tables);
 }
 
 /* Both are of one scene: then their keys agree. */

@@ -1,6 +1,7 @@
 /* Files; see file.h. */
 #include "core/file.h"
 
+#include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
@@ -76,6 +77,41 @@ bool rp_is_in(const char *folder, const char *name)
 {
     char path[PATH_MAX];
     return snprintf(path, sizeof path, "%s/%s", folder, name) < (int)sizeof path && access(path, F_OK) == 0;
+}
+
+rp_status rp_paths_add(rp_paths *paths, const char *folder, const char *name)
+{
+    char **more = realloc(paths->path, (paths->n + 1) * sizeof *more), *path = NULL;
+    if (more) paths->path = more;
+    if (!more || asprintf(&path, "%s%s%s", folder ? folder : "", folder ? "/" : "", name) < 0)
+        return rp_fail(RP_NO_MEMORY, "%s: out of memory", name);
+    paths->path[paths->n++] = path;
+    return RP_OK;
+}
+
+static int by_name(const void *a, const void *b)
+{
+    return strcmp(*(char *const *)a, *(char *const *)b);
+}
+
+rp_status rp_paths_in(rp_paths *paths, const char *folder, bool (*wanted)(const char *name))
+{
+    const size_t first = paths->n;
+    rp_status status = RP_OK;
+    DIR *files = opendir(folder);
+    for (const struct dirent *e; files && !status && (e = readdir(files));)
+        if (strcmp(e->d_name, ".") != 0 && strcmp(e->d_name, "..") != 0 && wanted(e->d_name))
+            status = rp_paths_add(paths, folder, e->d_name);
+    if (files) closedir(files);
+    if (paths->n > first) qsort(paths->path + first, paths->n - first, sizeof *paths->path, by_name);
+    return status;
+}
+
+void rp_paths_free(rp_paths *paths)
+{
+    for (size_t i = 0; i < paths->n; i++) free(paths->path[i]);
+    free(paths->path);
+    *paths = (rp_paths){0};
 }
 
 rp_status rp_make_directory(const char *path)

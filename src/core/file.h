@@ -28,6 +28,17 @@ bool rp_ends_in(const char *text, const char *end);
 /* Is there a file or folder of this name in a folder? */
 bool rp_is_in(const char *folder, const char *name);
 
+/* Paths; zero is an empty list. Add FOLDER/NAME (folder NULL: the name alone), or what is in a folder and
+ * `wanted` by its name, in the order of the names, nothing where there is no such folder. Names are literal.
+ * Errors: RP_NO_MEMORY. */
+typedef struct {
+    size_t n;
+    char **path;
+} rp_paths;
+rp_status rp_paths_add(rp_paths *paths, const char *folder, const char *name);
+rp_status rp_paths_in(rp_paths *paths, const char *folder, bool (*wanted)(const char *name));
+void rp_paths_free(rp_paths *paths);
+
 /* Make a directory and its parents. Errors: RP_IO. */
 rp_status rp_make_directory(const char *path);
 

@@ -27,6 +27,12 @@ void sweep_keep_begin(sweep_keep *k, const char *path, const char *key, double i
     rp_snapshot_free(&k->source);
 }
 
+bool sweep_keep_is_name(const char *name)
+{
+    const size_t digits = strspn(name, "0123456789abcdef");
+    return digits == 32 && (!name[digits] || strcmp(name + digits, ".new") == 0);
+}
+
 void sweep_keep_remove(const char *path)
 {
     char unfinished[4096 + 8];

@@ -34,6 +34,9 @@ void sweep_keep_begin(sweep_keep *k, const char *path, const char *key, double i
 void sweep_keep_end(sweep_keep *k, bool done);
 
 /* Remove the snapshot of a run, and one that was being written. */
+/* Is this the name of a snapshot, or of one in the making? */
+bool sweep_keep_is_name(const char *name);
+
 void sweep_keep_remove(const char *path);
 
 /* Whether there are variables yet to be entered before the run is at the place of its snapshot. */

@@ -11,12 +11,12 @@
  * A stop signal asks the workers to write a snapshot of their runs and end; a second one, or ten seconds, end
  * them. */
 #include "core/clock.h"
+#include "core/file.h"
 #include "table/columns.h"
 #include "sweeps/engine/keep.h"
 #include "sweeps/engine/private.h"
 
 #include <errno.h>
-#include <glob.h>
 #include <gsl/gsl_sort.h>
 #include <math.h>
 #include <poll.h>
@@ -504,11 +504,9 @@ static void begin_drive(pool *p, int lock)
 static task *make_tasks(const size_t runs[], size_t n, const char *snapshots)
 {
     task *tasks = calloc(n, sizeof *tasks);
-    glob_t left = {0};
-    char pattern[4096 + 8];
-    snprintf(pattern, sizeof pattern, "%s/*", snapshots ? snapshots : "");
-    const bool kept = snapshots && glob(pattern, 0, NULL, &left) == 0;
-    globfree(&left);
+    rp_paths left = {0};
+    const bool kept = snapshots && (rp_paths_in(&left, snapshots, sweep_keep_is_name) || left.n > 0);
+    rp_paths_free(&left);
     for (size_t i = 0; tasks && i < n; i++) tasks[i] = (task){.run = runs[i], .kept = kept};
     return tasks;
 }

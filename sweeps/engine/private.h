@@ -201,7 +201,7 @@ rp_status sweep_pool_run(const sweep_plan *plan, sweep_store *store, const size_
 /* A sweep's folder, opened for reading or, under a lock, for writing. */
 typedef struct {
     rp_arena memory;
-    const char *dir, *cfg, *sqlite, *snapshots, *shards; /* names; the last is a pattern of all stores */
+    const char *dir, *cfg, *sqlite, *snapshots, *shards; /* names */
     sweep_plan plan;
     sweep_store *store;
     sweep_merged found; /* of the shards */

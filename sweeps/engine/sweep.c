@@ -4,7 +4,6 @@
 
 #include <errno.h>
 #include <fcntl.h>
-#include <glob.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -35,7 +34,7 @@ static rp_status name_files(const char *dir, sweep_folder *f)
     RP_TRY(rp_path(&f->memory, &f->cfg, "%s/sweep.cfg", dir));
     RP_TRY(rp_path(&f->memory, &f->sqlite, "%s/store.sqlite", dir));
     RP_TRY(rp_path(&f->memory, &f->snapshots, "%s/snapshots", dir));
-    return rp_path(&f->memory, &f->shards, "%s/shards/*-of-*.sqlite", dir);
+    return rp_path(&f->memory, &f->shards, "%s/shards", dir);
 }
 
 static rp_status lock_folder(sweep_folder *f)
@@ -45,10 +44,15 @@ static rp_status lock_folder(sweep_folder *f)
     return take_lock(path, f->dir, &f->lock);
 }
 
-/* The stores of the folder's shards, in order; globfree afterwards. */
-static void find_shards(const sweep_folder *f, glob_t *shards)
+static bool is_shard(const char *name)
 {
-    if (glob(f->shards, 0, NULL, shards) != 0) *shards = (glob_t){0};
+    return rp_ends_in(name, ".sqlite") && strstr(name, "-of-");
+}
+
+/* Add the stores of the folder's shards, in order. */
+static rp_status find_shards(const sweep_folder *f, rp_paths *shards)
+{
+    return rp_paths_in(shards, f->shards, is_shard);
 }
 
 /* Read the plan of a folder, and open its store. */
@@ -67,20 +71,19 @@ static rp_status open_main(const sweep_protocol *const *protocols, sweep_access 
 rp_status sweep_folder_read(const char *dir, const sweep_protocol *const *protocols, bool verify,
                             sweep_folder *folder)
 {
-    glob_t shards;
-    rp_status status = RP_OK;
+    rp_paths shards = {0};
     RP_TRY(name_files(dir, folder));
     RP_TRY(open_main(protocols, SWEEP_READ, folder));
-    find_shards(folder, &shards);
-    if (verify) status = sweep_store_verify(folder->store, "main", folder->store->path);
-    if (!status && shards.gl_pathc > 0)
-        status = sweep_store_unite(folder->store, &folder->plan, shards.gl_pathc, shards.gl_pathv, verify,
-                                   &folder->found);
+    rp_status status = find_shards(folder, &shards);
+    if (!status && verify) status = sweep_store_verify(folder->store, "main", folder->store->path);
+    if (!status && shards.n > 0)
+        status =
+            sweep_store_unite(folder->store, &folder->plan, shards.n, shards.path, verify, &folder->found);
     else if (!status) {
         status = sweep_store_freeze(folder->store);
         if (!status) status = sweep_store_running(folder->store, "main", &folder->found.running);
     }
-    globfree(&shards);
+    rp_paths_free(&shards);
     return status;
 }
 
@@ -185,14 +188,13 @@ static rp_status find_todo(const sweep_folder *f, const sweep_options *options, 
     const size_t parts = options->shards > 0 ? (size_t)options->shards : 1,
                  part = options->shards > 0 ? (size_t)options->shard - 1 : 0;
     unsigned char *done = calloc(plan->n_runs / 8 + 1, 1);
-    glob_t shards = {0};
+    rp_paths shards = {0};
     rp_status status = done ? sweep_store_mark(f->store, plan->n_runs, done)
                             : rp_fail(RP_NO_MEMORY, "%s: out of memory", f->dir);
     if (!status && options->shards > 0) status = mark_store(f->sqlite, plan, done);
-    if (options->shards == 0) find_shards(f, &shards);
-    for (size_t i = 0; !status && i < shards.gl_pathc; i++)
-        status = mark_store(shards.gl_pathv[i], plan, done);
-    globfree(&shards);
+    if (!status && options->shards == 0) status = find_shards(f, &shards);
+    for (size_t i = 0; !status && i < shards.n; i++) status = mark_store(shards.path[i], plan, done);
+    rp_paths_free(&shards);
     *todo = malloc((plan->n_runs / parts + 1) * sizeof **todo);
     if (!status && !*todo) status = rp_fail(RP_NO_MEMORY, "%s: out of memory", f->dir);
     *n = 0;
@@ -220,15 +222,14 @@ static rp_status open_shard(const sweep_options *options, sweep_folder *f)
     return sweep_store_write_plan(f->store, &f->plan, file, NULL);
 }
 
-/* Snapshots of a sweep whose runs are all stored: a driver that was killed may have left some. */
-static void remove_snapshots(sweep_folder *f)
+/* Snapshots of a sweep whose runs are all stored: a driver that was killed may have left some. Other files of
+ * the folder, and then the folder, stay. */
+static void remove_snapshots(const sweep_folder *f)
 {
-    const char *pattern;
-    glob_t left = {0};
-    if (rp_path(&f->memory, &pattern, "%s/*", f->snapshots)) return;
-    if (glob(pattern, 0, NULL, &left) == 0)
-        for (size_t i = 0; i < left.gl_pathc; i++) unlink(left.gl_pathv[i]);
-    globfree(&left);
+    rp_paths left = {0};
+    (void)rp_paths_in(&left, f->snapshots, sweep_keep_is_name);
+    for (size_t i = 0; i < left.n; i++) unlink(left.path[i]);
+    rp_paths_free(&left);
     rmdir(f->snapshots);
 }
 
@@ -274,15 +275,15 @@ rp_status sweep_run(const char *dir, const sweep_protocol *const *protocols, con
 /* "2,5-7 of 8": the shards that have runs to do, where the folder has shards. */
 static rp_status list_shards(const sweep_folder *f, char *text, size_t size)
 {
-    glob_t shards;
+    rp_paths shards = {0};
     size_t parts = 0, used = 0;
     text[0] = '\0';
-    find_shards(f, &shards);
-    for (size_t i = 0; i < shards.gl_pathc; i++) {
-        const size_t n = strtoul(strstr(strrchr(shards.gl_pathv[i], '/'), "-of-") + 4, NULL, 10);
+    RP_TRY(find_shards(f, &shards));
+    for (size_t i = 0; i < shards.n; i++) {
+        const size_t n = strtoul(strstr(strrchr(shards.path[i], '/'), "-of-") + 4, NULL, 10);
         if (n > parts) parts = n;
     }
-    globfree(&shards);
+    rp_paths_free(&shards);
     unsigned char *done = calloc(f->plan.n_runs / 8 + 1, 1);
     bool *open = calloc(parts + 2, sizeof *open);
     rp_status status = done && open ? sweep_store_mark(f->store, f->plan.n_runs, done)
@@ -319,27 +320,27 @@ rp_status sweep_merge(const char *dir, const sweep_protocol *const *protocols, s
                       sweep_merged *merged, sweep_counts *counts)
 {
     sweep_folder f, other;
-    glob_t sources = {0};
+    rp_paths sources = {0};
     rp_status status = name_files(dir, &f);
     if (!status) status = lock_folder(&f);
     if (!status) status = open_main(protocols, SWEEP_WRITE, &f);
-    if (!status && n == 0) find_shards(&f, &sources);
+    if (!status && n == 0) status = find_shards(&f, &sources);
     for (size_t i = 0; !status && i < n; i++) { /* a folder stands for its store and its shards */
         struct stat info;
         const bool folder = stat(paths[i], &info) == 0 && S_ISDIR(info.st_mode);
         status = name_files(paths[i], &other);
         const char *store = folder ? other.sqlite : paths[i];
-        if (!status && glob(store, sources.gl_pathc ? GLOB_APPEND : 0, NULL, &sources) != 0)
-            status = rp_fail(RP_BAD_INPUT, "%s: no store", store);
-        if (!status && folder) glob(other.shards, GLOB_APPEND, NULL, &sources);
+        if (!status && access(store, F_OK) != 0) status = rp_fail(RP_BAD_INPUT, "%s: no store", store);
+        if (!status) status = rp_paths_add(&sources, NULL, store);
+        if (!status && folder) status = find_shards(&other, &sources);
         sweep_folder_close(&other);
     }
-    if (!status && sources.gl_pathc == 0)
+    if (!status && sources.n == 0)
         status = rp_fail(RP_BAD_INPUT, "%s: no shards, and no other store is named", dir);
-    if (!status) status = sweep_store_merge(f.store, &f.plan, sources.gl_pathc, sources.gl_pathv, merged);
+    if (!status) status = sweep_store_merge(f.store, &f.plan, sources.n, sources.path, merged);
     if (!status) status = sweep_store_count(f.store, &f.plan, counts);
     if (!status) status = list_shards(&f, counts->shards, sizeof counts->shards);
-    if (sources.gl_pathc) globfree(&sources);
+    rp_paths_free(&sources);
     sweep_folder_close(&f);
     return status;
 }

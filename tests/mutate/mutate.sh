@@ -72,6 +72,7 @@ suites_of() {
     sweeps/engine/keep.c) echo sweep snapshot ;;
     sweeps/protocols/protocols.c) echo sweep golden tables notes cli ;;
     sweeps/engine/pool.c | sweeps/engine/sweep.c) echo sweep drill notes tables evidence cli snapshot ;;
+    sweeps/protocols/physics.c) echo golden keys sweep ;;
     sweeps/protocols/outline.c) echo golden piles equilibrium ;;
     sweeps/protocols/pile.c) echo piles golden ;;
     sweeps/protocols/onset.c | sweeps/protocols/tilted.c) echo stress golden columns snapshot keys ;;

@@ -56,9 +56,9 @@ static const char array_script[] =
     "#SBATCH --mem-per-cpu=%s\n"
     "#SBATCH --signal=B:USR1@120\n"
     "#SBATCH --requeue\n"
-    "#SBATCH --open-mode=append\n"
-    "#SBATCH --output=%s/shards/%%a-of-%ld.log\n"
-    "'%s' sweep run '%s' --shard $SLURM_ARRAY_TASK_ID/%ld -j %ld &\n"
+    "#SBATCH --output=/dev/null\n" /* a pattern there, so that a folder's name is none */
+    "exec >>%s/shards/$SLURM_ARRAY_TASK_ID-of-%ld.log 2>&1\n"
+    "%s sweep run %s --shard $SLURM_ARRAY_TASK_ID/%ld -j %ld &\n"
     "late=\n"
     "trap 'late=yes; kill -TERM %%1' USR1\n"
     "trap 'kill -TERM %%1' TERM\n"
@@ -69,25 +69,41 @@ static const char array_script[] =
     "fi\n"
     "exit $status\n";
 
+/* A word for the shell that stands for this text, whatever is in it. */
+static const char *quoted(rp_arena *arena, const char *text)
+{
+    static const char plain[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_./+-=:@,%";
+    if (*text && !text[strspn(text, plain)]) return text;
+    const char *word = "'";
+    for (size_t n; *text; text += n + (text[n] == '\'')) {
+        n = strcspn(text, "'");
+        word = rp_text(arena, "%s%.*s%s", word, (int)n, text, text[n] ? "'\\''" : "");
+    }
+    return rp_text(arena, "%s'", word);
+}
+
 static rp_status act_slurm(cli_call *call, const void *values)
 {
     const slurm_options *o = values;
-    char dir[PATH_MAX], self[PATH_MAX], path[PATH_MAX + 16];
+    char dir[PATH_MAX], self[PATH_MAX];
+    const char *shards, *path;
     FILE *out;
     if (!realpath(cli_argument(call, 0), dir) || !realpath("/proc/self/exe", self))
         return rp_fail(RP_BAD_INPUT, "%s: no such folder", cli_argument(call, 0));
-    if (strpbrk(dir, "'\n%") || strpbrk(self, "'\n%") || o->time[strspn(o->time, "0123456789:-")] ||
-        o->mem[strspn(o->mem, "0123456789KMGT")])
-        return rp_fail(RP_BAD_INPUT, "--time 1:00:00 and --mem 1G expected, and a folder without ' and %%");
-    snprintf(path, sizeof path, "%s/shards", dir);
-    RP_TRY(rp_make_directory(path));
-    snprintf(path, sizeof path, "%s/array.sh", dir);
+    if (o->time[strspn(o->time, "0123456789:-")] || o->mem[strspn(o->mem, "0123456789KMGT")])
+        return rp_fail(RP_BAD_INPUT, "--time 1:00:00 and --mem 1G expected");
+    RP_TRY(rp_path(call->arena, &shards, "%s/shards", dir));
+    RP_TRY(rp_path(call->arena, &path, "%s/array.sh", dir));
+    RP_TRY(rp_make_directory(shards));
     RP_TRY(rp_file_open(path, &out));
-    fprintf(out, array_script, o->shards, o->j, o->time, o->mem, dir, o->shards, self, dir, o->shards, o->j);
+    const char *folder = quoted(call->arena, dir), *program = quoted(call->arena, self);
+    fprintf(out, array_script, o->shards, o->j, o->time, o->mem, folder, o->shards, program, folder,
+            o->shards, o->j);
     RP_TRY(rp_file_close(path, out, RP_OK));
-    printf("sbatch %s\nparallel --sshlogin HOST1,HOST2 %s sweep run %s --shard {}/%ld -j %ld ::: $(seq %ld)\n"
-           "repose sweep merge %s\n",
-           path, self, dir, o->shards, o->j, o->shards, dir);
+    printf(
+        "sbatch %s\nparallel -q --sshlogin HOST1,HOST2 %s sweep run %s --shard {}/%ld -j %ld ::: $(seq %ld)\n"
+        "repose sweep merge %s\n",
+        quoted(call->arena, path), program, folder, o->shards, o->j, o->shards, folder);
     return RP_OK;
 }
 
@@ -100,8 +116,7 @@ const cli_command cmd_sweep_slurm = {
     "machines share.",
     "repose sweep slurm build/sweeps/lh3 --shards 8 --time 0:30:00",
     slurm_params,
-    .refuses =
-        "A folder whose name has a quote or a percent sign; times and sizes that sbatch would not take.",
+    .refuses = "A folder that is not there; times and sizes that sbatch would not take.",
     .prints_text = true,
     .act = act_slurm};
 
