@@ -11,12 +11,16 @@ void *protocol_params(const sweep_protocol *protocol, const char *const changes[
     void *params = calloc(1, protocol->params_size);
     CU_ASSERT_PTR_NOT_NULL_FATAL(params);
     rp_params_defaults(protocol->schema, params);
-    for (; *changes; changes++) {
-        char name[32];
-        const char *value = strchr(*changes, '=') + 1;
-        snprintf(name, sizeof name, "%.*s", (int)(value - 1 - *changes), *changes);
-        CHECK_OK(rp_params_set_text(rp_params_find(protocol->schema, name), params, value));
-    }
+    for (; *changes; changes++)
+        for (const char *c = *changes; *c; c += strspn(c, " ")) {
+            char name[32], value[64];
+            int length = 0;
+            CU_ASSERT_FATAL(sscanf(c, "%31[^=]=%63[^ ]%n", name, value, &length) == 2 && length > 0);
+            const rp_param *param = rp_params_find(protocol->schema, name);
+            CU_ASSERT_PTR_NOT_NULL_FATAL(param);
+            CHECK_OK(rp_params_set_text(param, params, value));
+            c += length;
+        }
     return params;
 }
 

@@ -4,7 +4,7 @@
 
 #include "sweeps/protocols/protocols.h"
 
-/* The defaults with "name=value" changes, ended by NULL. Free them. */
+/* The defaults with changes, ended by NULL, each "name=value" or several with blanks between. Free them. */
 void *protocol_params(const sweep_protocol *protocol, const char *const changes[]);
 #define PROTOCOL_PARAMS(protocol, ...) protocol_params(protocol, (const char *const[]){__VA_ARGS__, NULL})
 

@@ -1,5 +1,6 @@
 /* Dropped piles: initial contacts of a simulation, protocol `drop`, and the dip. */
 #include <float.h>
+#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -320,20 +321,14 @@ static double output(const sweep_result *r, const char *name)
     return protocol_output(&sweep_protocol_drop, r, name);
 }
 
-/* The defaults with changes, key and value, ended by NULL. Free them. */
-static void *parameters(const char *const changes[])
+__attribute__((format(printf, 1, 2))) static sweep_result run(const char *format, ...)
 {
-    const rp_param *schema = sweep_protocol_drop.schema;
-    void *p = calloc(1, sweep_protocol_drop.params_size);
-    rp_params_defaults(schema, p);
-    for (; changes[0]; changes += 2)
-        CHECK_OK(rp_params_set_text(rp_params_find(schema, changes[0]), p, changes[1]));
-    return p;
-}
-
-static sweep_result run(const char *const changes[])
-{
-    scoped void *p = parameters(changes);
+    char settings[256];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(settings, sizeof settings, format, args);
+    va_end(args);
+    scoped void *p = PROTOCOL_PARAMS(&sweep_protocol_drop, settings);
     sweep_result result;
     CHECK_OK(sweep_protocol_drop.check(p));
     CHECK_OK(sweep_protocol_drop.run(p, 5, 1, NULL, &result));
@@ -345,8 +340,8 @@ static void piles_stand(void)
 {
     const char *const laws[] = {"slip_roll", "spring"}, *const widths[] = {"0", "0.05"};
     for (int k = 0; k < 2; k++) {
-        const char *const changes[] = {"N", "40", "law", laws[k], "radius_width", widths[k], NULL};
-        sweep_result a = run(changes), b = run(changes);
+        sweep_result a = run("N=40 law=%s radius_width=%s", laws[k], widths[k]),
+                     b = run("N=40 law=%s radius_width=%s", laws[k], widths[k]);
         CU_ASSERT_STRING_EQUAL(a.status, "ok");
         CU_ASSERT(memcmp(a.values, b.values, sizeof a.values) == 0);
         CHECK_NEAR(output(&a, "balance"), 0.0, 1e-6);
@@ -366,8 +361,7 @@ static void piles_stand(void)
 
 static void drops_do_not_pass_their_steps(void)
 {
-    const char *const changes[] = {"N", "10", "max_steps", "100", NULL};
-    sweep_result r = run(changes);
+    sweep_result r = run("N=10 max_steps=100");
     CU_ASSERT(output(&r, "capped") > 5.0);
     CHECK_NEAR(output(&r, "steps"), 10.0 * 100.0, 0.0);
 }
@@ -379,7 +373,7 @@ static void cut_drops_are_no_result(void)
         const char *N, *max_steps;
     } cases[] = {{"40", "200"}, {"20", "600"}};
     for (int k = 0; k < 2; k++) {
-        sweep_result r = run((const char *const[]){"N", cases[k].N, "max_steps", cases[k].max_steps, NULL});
+        sweep_result r = run("N=%s max_steps=%s", cases[k].N, cases[k].max_steps);
         char expected[64];
         snprintf(expected, sizeof expected, "%.0f of %s drops", output(&r, "capped"), cases[k].N);
         CU_ASSERT(k == 0 ? output(&r, "capped") > 20.0 : output(&r, "capped") == 1.0);
@@ -395,21 +389,22 @@ static void cut_drops_are_no_result(void)
 static void layers_are_no_piles(void)
 {
     static const struct {
-        const char *changes[7], *message;
+        const char *settings, *message;
         double height;
         bool slopes;
-    } cases[] = {{{"N", "4"}, "0.998 d high, slopes nan", 0.998, false},
-                 {{"N", "12"}, "1.85 d high, slopes 0.000", 1.85, true},
-                 {{"N", "6", "mu_roll", "10", "source_width", "0.3"}, "slopes nan", 2.82, false},
-                 {{"N", "40", "mu_roll", "0", "max_steps", "200"}, "39 of 40 drops", 0.998, false},
-                 {{"N", "2", "mu_roll", "0", "x_limit", "10"}, "no load", 0.0, false}};
+    } cases[] = {{"N=4", "0.998 d high, slopes nan", 0.998, false},
+                 {"N=12", "1.85 d high, slopes 0.000", 1.85, true},
+                 {"N=6 mu_roll=10 source_width=0.3", "slopes nan", 2.82, false},
+                 {"N=40 mu_roll=0 max_steps=200", "39 of 40 drops", 0.998, false},
+                 {"N=2 mu_roll=0 x_limit=10", "no load", 0.0, false}};
     for (int k = 0; k < 5; k++) {
-        sweep_result r = run(cases[k].changes);
+        sweep_result r = run("%s", cases[k].settings);
         CU_ASSERT_STRING_EQUAL(r.status, "no_pile");
         CU_ASSERT(strstr(r.message, cases[k].message) != NULL);
         CHECK_NEAR(output(&r, "height"), cases[k].height, 0.005);
         CU_ASSERT((isfinite(output(&r, "left_deg")) && isfinite(output(&r, "right_deg"))) == cases[k].slopes);
-        CHECK_NEAR(output(&r, "disks") + output(&r, "away"), strtod(cases[k].changes[1], NULL), 0.0);
+        CHECK_NEAR(output(&r, "disks") + output(&r, "away"), strtod(cases[k].settings + strlen("N="), NULL),
+                   0.0);
     }
 }
 
@@ -419,8 +414,7 @@ static void rest_takes_its_steps(void)
     static const char *const limits[] = {"0.1", "0.001"};
     double before = 0.0;
     for (int k = 0; k < 2; k++) {
-        sweep_result r =
-            run((const char *const[]){"N", "15", "rest_speed", limits[k], "rest_force", limits[k], NULL});
+        sweep_result r = run("N=15 rest_speed=%s rest_force=%s", limits[k], limits[k]);
         CU_ASSERT(output(&r, "steps") > 1.1 * before);
         CHECK_NEAR(output(&r, "capped"), 0.0, 0.0);
         before = output(&r, "steps");
@@ -433,8 +427,7 @@ static void every_disk_must_rest(void)
 {
     static const char *const forces[] = {"10", "1e-9"};
     for (int k = 0; k < 2; k++) {
-        sweep_result r = run((const char *const[]){"N", "2", "rest_speed", "1", "max_steps", "300",
-                                                   "rest_force", forces[k], NULL});
+        sweep_result r = run("N=2 rest_speed=1 max_steps=300 rest_force=%s", forces[k]);
         CHECK_NEAR(output(&r, "capped"), k == 0 ? 0.0 : 2.0, 0.0);
     }
 }
@@ -444,7 +437,7 @@ static void every_disk_must_rest(void)
  */
 static void away_is_no_part(void)
 {
-    sweep_result r = run((const char *const[]){"N", "30", "mu_roll", "0.02", "x_limit", "10", NULL});
+    sweep_result r = run("N=30 mu_roll=0.02 x_limit=10");
     CU_ASSERT(output(&r, "away") > 0.0);
     CHECK_NEAR(output(&r, "disks") + output(&r, "away"), 30.0, 0.0);
     CU_ASSERT(output(&r, "width") < 20.0);
@@ -453,9 +446,7 @@ static void away_is_no_part(void)
 /* No contact with the base carries more than its friction, which by default is that of the disks. */
 static void base_has_its_friction(void)
 {
-    const char *const changes[] = {"N", "40", "mu_base", "0.1", NULL};
-    sweep_result smooth = run(changes), same = run((const char *const[]){"N", "40", "mu_base", "0.5", NULL}),
-                 fallback = run((const char *const[]){"N", "40", NULL});
+    sweep_result smooth = run("N=40 mu_base=0.1"), same = run("N=40 mu_base=0.5"), fallback = run("N=40");
     CU_ASSERT(output(&smooth, "base_shear") > 0.02 && output(&smooth, "base_shear") < 0.1 + 1e-6);
     CU_ASSERT(output(&fallback, "base_shear") > 0.1);
     CU_ASSERT(memcmp(same.values, fallback.values, sizeof same.values) == 0);
@@ -464,9 +455,7 @@ static void base_has_its_friction(void)
 /* The drops, the lattice's disks and its slope: 12 in the base, 30 degrees. */
 static void drops_fall_on_the_lattice(void)
 {
-    const char *const lattice[] = {"N", "0", "lattice", "12", NULL};
-    sweep_result bare = run(lattice),
-                 more = run((const char *const[]){"N", "5", "lattice", "12", "radius_width", "0.01", NULL});
+    sweep_result bare = run("N=0 lattice=12"), more = run("N=5 lattice=12 radius_width=0.01");
     CU_ASSERT_STRING_EQUAL(bare.status, "ok");
     CHECK_NEAR(output(&more, "disks") - output(&bare, "disks"), 5.0, 0.0);
     CHECK_NEAR(output(&bare, "psi6"), 1.0, 1e-3);
@@ -477,13 +466,13 @@ static void drops_fall_on_the_lattice(void)
 static void lattices_that_fit(void)
 {
     static const struct {
-        const char *changes[9], *message;
-    } cases[] = {{{"N", "1"}, "N = 1: without a lattice, allowed: at least 2"},
-                 {{"lattice", "9", "radius_width", "0.2"}, "radius_width = 0.2"},
-                 {{"lattice", "9", "glued", "1.5"}, "glued = 1.5"},
-                 {{"lattice", "40", "x_limit", "20"}, "lattice = 40: reaches to x_limit = 20"}};
+        const char *settings, *message;
+    } cases[] = {{"N=1", "N = 1: without a lattice, allowed: at least 2"},
+                 {"lattice=9 radius_width=0.2", "radius_width = 0.2"},
+                 {"lattice=9 glued=1.5", "glued = 1.5"},
+                 {"lattice=40 x_limit=20", "lattice = 40: reaches to x_limit = 20"}};
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
-        scoped void *p = parameters(cases[k].changes);
+        scoped void *p = PROTOCOL_PARAMS(&sweep_protocol_drop, cases[k].settings);
         CHECK_FAILS(sweep_protocol_drop.check(p), RP_BAD_INPUT, cases[k].message);
     }
 }

@@ -1,4 +1,5 @@
 /* Protocol `repose`: its scene, and its outputs by a second method from the tables of a run. */
+#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -17,24 +18,7 @@ static const double ANGLE_TOLERANCE_DEG = 1e-10;
 
 static const double RADIAN_DEG = 180.0 / 3.14159265358979323846;
 
-typedef struct {
-    const char *name, *value;
-} setting;
-
 static const sweep_protocol *const protocol = &sweep_protocol_repose;
-
-static void *make_params(const setting *settings)
-{
-    void *params = calloc(1, protocol->params_size);
-    CU_ASSERT_PTR_NOT_NULL_FATAL(params);
-    rp_params_defaults(protocol->schema, params);
-    for (const setting *s = settings; s->name; s++) {
-        const rp_param *param = rp_params_find(protocol->schema, s->name);
-        CU_ASSERT_PTR_NOT_NULL_FATAL(param);
-        CHECK_OK(rp_params_set_text(param, params, s->value));
-    }
-    return params;
-}
 
 static double output(const sweep_result *result, const char *name)
 {
@@ -44,11 +28,16 @@ static double output(const sweep_result *result, const char *name)
 /* A run with its tables in `folder`. */
 static char folder[64];
 
-static void traced_run(const setting *settings, sweep_result *result)
+__attribute__((format(printf, 2, 3))) static void traced_run(sweep_result *result, const char *format, ...)
 {
+    char settings[256];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(settings, sizeof settings, format, args);
+    va_end(args);
     strcpy(folder, "/tmp/repose_protocol_XXXXXX");
     CU_ASSERT_PTR_NOT_NULL_FATAL(mkdtemp(folder));
-    scoped void *params = make_params(settings);
+    scoped void *params = PROTOCOL_PARAMS(protocol, settings);
     CHECK_OK(protocol->check(params));
     CHECK_OK(protocol->run(params, 1993, 0, &(sweep_tables){folder, 1000, protocol_no_header}, result));
 }
@@ -180,15 +169,7 @@ static void test_surfaces(void)
 {
     sweep_result result;
     grains g;
-    traced_run((const setting[]){{"W", "2.2"},
-                                 {"N", "16"},
-                                 {"floor", "absorbs"},
-                                 {"mu", "0.1"},
-                                 {"stop", "steps"},
-                                 {"fill_steps", "4000"},
-                                 {"relax_steps", "4000"},
-                                 {0}},
-               &result);
+    traced_run(&result, "W=2.2 N=16 floor=absorbs mu=0.1 stop=steps fill_steps=4000 relax_steps=4000");
     CU_ASSERT_STRING_EQUAL(result.status, "ok_fixed_time");
     CU_ASSERT(output(&result, "fill_steps_used") == 4000.0 && output(&result, "relax_steps_used") == 4000.0);
     CU_ASSERT(output(&result, "steps") == 8000.0);
@@ -223,13 +204,7 @@ static void test_small_halves(void)
 {
     sweep_result result;
     for (int cells = 5; cells < 8; cells += 2) {
-        traced_run((const setting[]){{"W", cells == 5 ? "1" : "1.4"},
-                                     {"H", "1"},
-                                     {"stop", "steps"},
-                                     {"fill_steps", "1500"},
-                                     {"relax_steps", "1"},
-                                     {0}},
-                   &result);
+        traced_run(&result, "W=%s H=1 stop=steps fill_steps=1500 relax_steps=1", cells == 5 ? "1" : "1.4");
         CU_ASSERT(output(&result, "steps") == 1501.0 && output(&result, "relax_steps_used") == 1.0);
         CU_ASSERT(output(&result, "cells") == cells);
         if (cells == 5) {
@@ -277,15 +252,8 @@ static void test_frictions(void)
                  {"auto", "infinite", 0.2, INFINITY}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         sweep_result result;
-        traced_run((const setting[]){{"W", "1"},
-                                     {"H", "1"},
-                                     {"mu_wall", cases[i].mu_wall},
-                                     {"mu_floor", cases[i].mu_floor},
-                                     {"stop", "steps"},
-                                     {"fill_steps", "10"},
-                                     {"relax_steps", "10"},
-                                     {0}},
-                   &result);
+        traced_run(&result, "W=1 H=1 mu_wall=%s mu_floor=%s stop=steps fill_steps=10 relax_steps=10",
+                   cases[i].mu_wall, cases[i].mu_floor);
         scoped_scene scene = {0};
         CHECK_OK(dem_scene_read(path_of("scene.cfg"), &(rp_texts){0}, &scene));
         CU_ASSERT(scene.def.material.mu == 0.2);
@@ -321,19 +289,8 @@ static void check_scene(dem_scene *scene, dem_sim **sim)
 static void test_contact_choices(void)
 {
     sweep_result result;
-    traced_run((const setting[]){{"W", "1"},
-                                 {"H", "1"},
-                                 {"damping", "inside"},
-                                 {"rotation", "true"},
-                                 {"mu_roll", "0.25"},
-                                 {"k_s", "9000"},
-                                 {"gamma_s", "7"},
-                                 {"shape", "disk"},
-                                 {"stop", "steps"},
-                                 {"fill_steps", "1500"},
-                                 {"relax_steps", "10"},
-                                 {0}},
-               &result);
+    traced_run(&result, "W=1 H=1 damping=inside rotation=true mu_roll=0.25 k_s=9000 gamma_s=7 shape=disk "
+                        "stop=steps fill_steps=1500 relax_steps=10");
     scoped_scene scene = {0};
     scoped_sim *sim = NULL;
     check_scene(&scene, &sim);
@@ -353,16 +310,8 @@ static void test_contact_choices(void)
 static void test_floor_of_grains(void)
 {
     sweep_result result;
-    traced_run((const setting[]){{"W", "2.2"},
-                                 {"N", "16"},
-                                 {"mu", "0"},
-                                 {"floor", "absorbs"},
-                                 {"floor_grains", "true"},
-                                 {"stop", "steps"},
-                                 {"fill_steps", "4000"},
-                                 {"relax_steps", "4000"},
-                                 {0}},
-               &result);
+    traced_run(&result,
+               "W=2.2 N=16 mu=0 floor=absorbs floor_grains=true stop=steps fill_steps=4000 relax_steps=4000");
     CU_ASSERT_STRING_EQUAL(result.status, "ok_fixed_time");
     scoped_scene scene = {0};
     scoped_sim *sim = NULL;
@@ -399,15 +348,9 @@ static void test_ramp(void)
 {
     sweep_result result;
     rp_table start, full;
-    const setting settings[] = {
-        {"W", "1"},        {"H", "4"},          {"N", "1"},           {"fill", "ramp"},
-        {"stop", "steps"}, {"fill_steps", "2"}, {"relax_steps", "1"}, {0}};
     double y[2];
     for (int k = 0; k < 2; k++) {
-        setting s[8];
-        memcpy(s, settings, sizeof s);
-        if (k == 1) s[5].value = "800";
-        traced_run(s, &result);
+        traced_run(&result, "W=1 H=4 N=1 fill=ramp stop=steps fill_steps=%d relax_steps=1", k == 0 ? 2 : 800);
         rp_table *t = k == 0 ? &start : &full;
         CHECK_OK(rp_table_read(path_of("filled_grains.tsv"), t));
         CHECK_OK(rp_table_number(t, 0, rp_table_column(t, "y"), 0, &y[k]));
@@ -429,15 +372,8 @@ static void test_ramp_where_soft(void)
     } cases[] = {{"1e6", false}, {"2e5", false}, {"1.6e5", true}, {"1e4", true}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         sweep_result result;
-        traced_run((const setting[]){{"W", "1"},
-                                     {"H", "4"},
-                                     {"k_n", cases[i].k_n},
-                                     {"fill", "auto"},
-                                     {"stop", "steps"},
-                                     {"fill_steps", "400"},
-                                     {"relax_steps", "10"},
-                                     {0}},
-                   &result);
+        traced_run(&result, "W=1 H=4 k_n=%s fill=auto stop=steps fill_steps=400 relax_steps=10",
+                   cases[i].k_n);
         CU_ASSERT_STRING_EQUAL(result.status, "ok_fixed_time");
         CU_ASSERT((access(path_of("scene.cfg"), F_OK) != 0) == cases[i].ramp);
         clean();
@@ -647,13 +583,9 @@ static void test_outputs(void)
     for (int k = 0; k < (check_fast() ? 1 : 2); k++) {
         const tilting *t = &cases[k];
         sweep_result result;
-        traced_run((const setting[]){{"W", k == 0 ? "1.4" : "1"},
-                                     {"H", k == 0 ? "1.4" : "1"},
-                                     {"measure", "theta_t,theta_t_static"},
-                                     {"tilt", t->box ? "box" : "gravity"},
-                                     {"tilt_rate_deg", k == 0 ? "0.01" : "0.0005"},
-                                     {0}},
-                   &result);
+        traced_run(&result, "W=%s H=%s measure=theta_t,theta_t_static tilt=%s tilt_rate_deg=%s",
+                   k == 0 ? "1.4" : "1", k == 0 ? "1.4" : "1", t->box ? "box" : "gravity",
+                   k == 0 ? "0.01" : "0.0005");
         CU_ASSERT_STRING_EQUAL(result.status, "ok");
         CU_ASSERT_STRING_EQUAL(result.message, "");
         check_pile(&result, t->W);
@@ -681,15 +613,8 @@ static void test_stands(void)
     static const char *const measures[] = {"theta_t", "theta_t_static"};
     for (int quasi_static = 0; quasi_static < 2; quasi_static++) {
         sweep_result result;
-        traced_run((const setting[]){{"W", "1"},
-                                     {"N", "8"},
-                                     {"mu", "10"},
-                                     {"floor", "ends"},
-                                     {"floor_grains", "true"},
-                                     {"measure", measures[quasi_static]},
-                                     {"tilt_rate_deg", "0.01"},
-                                     {0}},
-                   &result);
+        traced_run(&result, "W=1 N=8 mu=10 floor=ends floor_grains=true measure=%s tilt_rate_deg=0.01",
+                   measures[quasi_static]);
         CU_ASSERT_STRING_EQUAL(result.status, "ok");
         CU_ASSERT(isnan(output(&result, "theta_t_displacement_deg")) &&
                   isnan(output(&result, "theta_t_static_deg")) && isnan(output(&result, "theta_rt_deg")));
@@ -712,13 +637,8 @@ static void test_restless(void)
     double theta[2];
     for (int bounded = 0; bounded < 2; bounded++) {
         sweep_result result;
-        traced_run((const setting[]){{"W", "1"},
-                                     {"H", "1"},
-                                     {"measure", "theta_t_static"},
-                                     {"tilt_rate_deg", "0.01"},
-                                     {"max_steps", bounded ? "12500" : "auto"},
-                                     {0}},
-                   &result);
+        traced_run(&result, "W=1 H=1 measure=theta_t_static tilt_rate_deg=0.01 max_steps=%s",
+                   bounded ? "12500" : "auto");
         CU_ASSERT_STRING_EQUAL(result.status, "ok");
         CU_ASSERT_STRING_EQUAL(result.message,
                                bounded ? "quasi-static tilt: not at rest after 12500 further steps" : "");
@@ -731,24 +651,22 @@ static void test_restless(void)
 static void test_refusals(void)
 {
     static const struct {
-        setting settings[4];
+        const char *settings;
         const char *message;
     } cases[] = {
-        {{{"floor_grains", "true"}, {"mu_floor", "0.3"}, {0}}, "mu_floor = 0.3: a floor of grains"},
-        {{{"floor_grains", "true"}, {"tilt", "box"}, {"measure", "theta_t"}, {0}},
-         "tilt = \"box\": a floor of fixed grains cannot turn"},
-        {{{"mu_roll", "0.1"}, {0}}, "mu_roll = 0.1: needs rotation = true"},
-        {{{"rotation", "true"}, {"integrator", "gear5"}, {0}},
-         "grains that rotate need the integrator verlet"},
-        {{{"slip", "total"}, {0}}, "needs stop = \"steps\""},
-        {{{"stop", "steps"}, {"measure", "theta_t_static"}, {0}}, "needs stop = \"rest\""},
-        {{{"dt", "2e-4"}, {0}}, "dt = 0.0002: too large"},
-        {{{"integrator", "gear5"}, {"dt", "1e-4"}, {0}}, "dt = 0.0001: too large"},
-        {{{"radius_min", "0.11"}, {0}}, "radius_mean = 0.1: must lie between"},
-        {{{"W", "0.9"}, {0}}, "W = 0.9: at least five grain diameters"},
+        {"floor_grains=true mu_floor=0.3", "mu_floor = 0.3: a floor of grains"},
+        {"floor_grains=true tilt=box measure=theta_t", "tilt = \"box\": a floor of fixed grains cannot turn"},
+        {"mu_roll=0.1", "mu_roll = 0.1: needs rotation = true"},
+        {"rotation=true integrator=gear5", "grains that rotate need the integrator verlet"},
+        {"slip=total", "needs stop = \"steps\""},
+        {"stop=steps measure=theta_t_static", "needs stop = \"rest\""},
+        {"dt=2e-4", "dt = 0.0002: too large"},
+        {"integrator=gear5 dt=1e-4", "dt = 0.0001: too large"},
+        {"radius_min=0.11", "radius_mean = 0.1: must lie between"},
+        {"W=0.9", "W = 0.9: at least five grain diameters"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        scoped void *params = make_params(cases[i].settings);
+        scoped void *params = PROTOCOL_PARAMS(protocol, cases[i].settings);
         CHECK_FAILS(protocol->check(params), RP_BAD_INPUT, cases[i].message);
     }
 }
@@ -758,21 +676,21 @@ static void test_refusals(void)
 static void test_patience(void)
 {
     static const struct {
-        setting settings[4];
+        const char *settings;
         long steps;
-    } cases[] = {{{{"H", "4"}}, 400000},
-                 {{{"gamma_n", "5000"}}, 400000},
-                 {{{"gamma_n", "125"}, {"H", "2"}}, 1600000},
-                 {{{"gamma_n", "0.5"}}, 200000000},
-                 {{{"H", "6"}}, 900000},
-                 {{{"H", "6"}, {"restitution", "0.4"}}, 900000},
-                 {{{"restitution", "0.4"}}, 400000},
-                 {{{"gamma_n", "50"}, {"H", "400"}, {"N", "9"}}, 2000000000},
-                 {{{"gamma_n", "50"}, {"max_steps", "7000"}}, 7000}};
+    } cases[] = {{"H=4", 400000},
+                 {"gamma_n=5000", 400000},
+                 {"gamma_n=125 H=2", 1600000},
+                 {"gamma_n=0.5", 200000000},
+                 {"H=6", 900000},
+                 {"H=6 restitution=0.4", 900000},
+                 {"restitution=0.4", 400000},
+                 {"gamma_n=50 H=400 N=9", 2000000000},
+                 {"gamma_n=50 max_steps=7000", 7000}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         sweep_box_run run;
         sweep_result result;
-        scoped void *box = make_params(cases[i].settings); /* begins with the box */
+        scoped void *box = PROTOCOL_PARAMS(protocol, cases[i].settings); /* begins with the box */
         CHECK_OK(sweep_box_begin_filled(&run, box, 1, 0, NULL, &result));
         CU_ASSERT_EQUAL(run.max_steps, cases[i].steps);
         CHECK_OK(sweep_box_end(&run, RP_OK));

@@ -24,6 +24,7 @@
 #include "tests/faults.h"
 #include "tests/folder.h"
 #include "tests/grains.h"
+#include "tests/protocol.h"
 
 /* ---- Simulations ---- */
 
@@ -601,10 +602,6 @@ static void no_snapshot(void)
     sweep_keep_end(&keep, true);
 }
 
-typedef struct {
-    const char *name, *value;
-} setting;
-
 /* Run the protocol in processes that are killed after so much processor time, each from the snapshot of the
  * last one; how many it took. */
 static int run_killed(const sweep_protocol *protocol, const void *params, double seconds,
@@ -645,13 +642,10 @@ static int run_killed(const sweep_protocol *protocol, const void *params, double
 }
 
 /* A run that is killed again and again ends with the row of the undisturbed one. */
-static void goes_on(const sweep_protocol *protocol, const setting *settings, const char *word)
+static void goes_on(const sweep_protocol *protocol, const char *settings, const char *word)
 {
     enter();
-    scoped void *params = calloc(1, protocol->params_size);
-    rp_params_defaults(protocol->schema, params);
-    for (const setting *s = settings; s->name; s++)
-        CHECK_OK(rp_params_set_text(rp_params_find(protocol->schema, s->name), params, s->value));
+    scoped void *params = PROTOCOL_PARAMS(protocol, settings);
     sweep_result whole, parts;
     const clock_t begin = clock();
     CHECK_OK(protocol->run(params, 7, 1, NULL, &whole));
@@ -675,69 +669,53 @@ static void goes_on(const sweep_protocol *protocol, const setting *settings, con
 static void protocol_repose(void)
 {
     goes_on(&sweep_protocol_repose,
-            (setting[]){{"W", "1.4"},
-                        {"H", "1.2"},
-                        {"fill_steps", "6000"},
-                        {"rotation", "true"},
-                        {"mu_roll", "0.1"},
-                        {"tilt_rate_deg", "0.01"},
-                        {"measure", "theta_r,theta_t,theta_t_static"},
-                        {0}},
+            "W=1.4 H=1.2 fill_steps=6000 rotation=true mu_roll=0.1 tilt_rate_deg=0.01 "
+            "measure=theta_r,theta_t,theta_t_static",
             "ok");
     goes_on(&sweep_protocol_repose,
-            (setting[]){{"W", "1.2"},
-                        {"H", "1.2"},
-                        {"stop", "steps"},
-                        {"fill", "ramp"},
-                        {"fill_steps", "6000"},
-                        {"relax_steps", "4000"},
-                        {"tilt", "box"},
-                        {"open", "100"},
-                        {"integrator", "gear5"},
-                        {"dt", "2e-5"},
-                        {"tilt_rate_deg", "0.01"},
-                        {"measure", "theta_r,theta_t"},
-                        {0}},
+            "W=1.2 H=1.2 stop=steps fill=ramp fill_steps=6000 relax_steps=4000 tilt=box open=100 "
+            "integrator=gear5 dt=2e-5 tilt_rate_deg=0.01 measure=theta_r,theta_t",
             "ok_fixed_time");
 }
 
 static void protocol_stress(void)
 {
-    goes_on(&sweep_protocol_stress,
-            (setting[]){{"W", "1.4"}, {"H", "1.4"}, {"fill_steps", "6000"}, {"tilt_rate_deg", "0.01"}, {0}},
-            "ok");
+    goes_on(&sweep_protocol_stress, "W=1.4 H=1.4 fill_steps=6000 tilt_rate_deg=0.01", "ok");
 }
 
 static void protocol_onset(void)
 {
-    goes_on(&sweep_protocol_onset,
-            (setting[]){{"W", "1.4"}, {"H", "1.4"}, {"fill_steps", "6000"}, {"tilt_rate_deg", "0.01"}, {0}},
-            "ok");
+    goes_on(&sweep_protocol_onset, "W=1.4 H=1.4 fill_steps=6000 tilt_rate_deg=0.01", "ok");
 }
 
 static void protocol_flux(void)
 {
-    goes_on(&sweep_protocol_flux,
-            (setting[]){{"W", "1.4"},
-                        {"insertions", "60"},
-                        {"draws", "3"},
-                        {"avalanche", "2"},
-                        {"drop_height", "1"},
-                        {"entry_width", "1"},
-                        {0}},
+    goes_on(&sweep_protocol_flux, "W=1.4 insertions=60 draws=3 avalanche=2 drop_height=1 entry_width=1",
             "ok");
 }
 
 static void protocol_drop(void)
 {
-    goes_on(
-        &sweep_protocol_drop,
-        (setting[]){{"N", "90"}, {"radius_width", "0.03"}, {"source_width", "5"}, {"rest_force", "0.1"}, {0}},
-        "ok");
-    goes_on(&sweep_protocol_drop, (setting[]){{"N", "60"}, {"glued", "1.2"}, {"x_limit", "20"}, {0}}, "ok");
-    goes_on(&sweep_protocol_drop,
-            (setting[]){{"N", "20"}, {"lattice", "12"}, {"glued", "1"}, {"radius_width", "0.001"}, {0}},
-            "ok");
+    goes_on(&sweep_protocol_drop, "N=90 radius_width=0.03 source_width=5 rest_force=0.1", "ok");
+    goes_on(&sweep_protocol_drop, "N=60 glued=1.2 x_limit=20", "ok");
+    goes_on(&sweep_protocol_drop, "N=20 lattice=12 glued=1 radius_width=0.001", "ok");
+}
+
+/* Plan the same sweep in the folders `whole` and `d`. */
+static void plan_twice(int replicas)
+{
+    file_print(in_folder("s.cfg"),
+               "protocol = \"repose\"; replicas = %d; seed = 5;\n"
+               "fixed = { W = 1.6; H = 1.6; }; grid = { mu = [0.1, 0.2]; };\n",
+               replicas);
+    CU_ASSERT(shell("for d in whole d; do \"$REPOSE\" sweep plan s.cfg -o $d; done >plan") == 0);
+}
+
+/* The driven sweep has the rows of the undisturbed one, and no snapshot. */
+static void check_driven(void)
+{
+    CU_ASSERT(shell("test \"$(\"$REPOSE\" sweep digest d)\" = \"$(\"$REPOSE\" sweep digest whole)\"") == 0);
+    CU_ASSERT(shell("! test -e d/snapshots") == 0);
 }
 
 /* Seconds that the command takes; it must succeed. */
@@ -784,10 +762,7 @@ static bool drive_until_snapshot(int n)
 static void sweep_rows(void)
 {
     enter();
-    static const char file[] = "protocol = \"repose\"; replicas = 2; seed = 5;\n"
-                               "fixed = { W = 1.6; H = 1.6; }; grid = { mu = [0.1, 0.2]; };\n";
-    write_bytes("s.cfg", file, sizeof file - 1);
-    CU_ASSERT(shell("for d in whole d; do \"$REPOSE\" sweep plan s.cfg -o $d; done >plan") == 0);
+    plan_twice(2);
     CU_ASSERT(shell("\"$REPOSE\" sweep run whole --snapshot 0 >counts && ! test -e whole/snapshots") == 0);
     int kills = 0;
     /* a run has one snapshot at least, and comes farther each time */
@@ -796,8 +771,7 @@ static void sweep_rows(void)
         if (++kills == 2) shell("for f in d/snapshots/*; do truncate -s 999 $f; done");
     }
     CU_ASSERT(kills > 2);
-    CU_ASSERT(shell("test \"$(\"$REPOSE\" sweep digest d)\" = \"$(\"$REPOSE\" sweep digest whole)\"") == 0);
-    CU_ASSERT(shell("! test -e d/snapshots") == 0);
+    check_driven();
     leave();
 }
 
@@ -822,17 +796,13 @@ static int stop_until_done(const char *arguments, double seconds, const char *le
 static void stopped_sweep(void)
 {
     enter();
-    static const char file[] = "protocol = \"repose\"; replicas = 1; seed = 5;\n"
-                               "fixed = { W = 1.6; H = 1.6; }; grid = { mu = [0.1, 0.2]; };\n";
-    write_bytes("s.cfg", file, sizeof file - 1);
-    CU_ASSERT(shell("for d in whole d; do \"$REPOSE\" sweep plan s.cfg -o $d; done >plan") == 0);
+    plan_twice(1);
     const double seconds = time_of("\"$REPOSE\" sweep run whole >counts");
     int kept = 0;
     CU_ASSERT(stop_until_done("sweep run d -j 2 >counts", seconds,
                               "d/snapshots/????????????????????????????????", &kept) == 0);
     CU_ASSERT(kept > 0);
-    CU_ASSERT(shell("test \"$(\"$REPOSE\" sweep digest d)\" = \"$(\"$REPOSE\" sweep digest whole)\"") == 0);
-    CU_ASSERT(shell("! test -e d/snapshots") == 0);
+    check_driven();
     leave();
 }
 
