@@ -131,6 +131,19 @@ static rp_status run(int workers, sweep_counts *counts)
     return sweep_run(dir, toys, &(sweep_options){.workers = workers}, counts ? counts : &ignored);
 }
 
+/* A new folder with the plan of this text, and with all its runs made by so many workers. */
+static void planned(const char *text)
+{
+    fresh(text);
+    CHECK_OK(prepare(NULL));
+}
+
+static void made_by(int workers, const char *text)
+{
+    planned(text);
+    CHECK_OK(run(workers, NULL));
+}
+
 /* The digest of the sweep in `dir`; empty, and a failed assertion, if there is none. */
 static const char *digest(size_t rows)
 {
@@ -381,10 +394,8 @@ static void test_growing(void)
 /* Student's t for 3 degrees of freedom at 97.5 %: 3.182446305284263 (tables). */
 static void test_reduce(void)
 {
-    fresh("protocol = \"toy\"; replicas = 8; piles = \"shared\";"
-          "grid = { mode = [\"half_no_pile\"]; x = [1.25, 2.75]; };");
-    CHECK_OK(prepare(NULL));
-    CHECK_OK(run(2, NULL));
+    made_by(2, "protocol = \"toy\"; replicas = 8; piles = \"shared\";"
+               "grid = { mode = [\"half_no_pile\"]; x = [1.25, 2.75]; };");
     sql("DELETE FROM runs WHERE run = 14"); /* one result of the second point is missing */
     rp_table t;
     char path[128];
@@ -439,9 +450,7 @@ static void test_statuses(void)
                  {"no_pile", false},    {"leaked", false},       {"overlap", false},
                  {"crashed", false},    {"not_level", false},    {"no_response", false},
                  {"not_solved", false}, {"broken", false},       {"not_ok", false}};
-    fresh("protocol = \"toy\"; replicas = 4; piles = \"shared\"; fixed = { x = 2.385; };");
-    CHECK_OK(prepare(NULL));
-    CHECK_OK(run(1, NULL));
+    made_by(1, "protocol = \"toy\"; replicas = 4; piles = \"shared\"; fixed = { x = 2.385; };");
     for (size_t k = 0; k < sizeof words / sizeof *words; k++) {
         char path[128];
         rp_table t;
@@ -470,9 +479,7 @@ static void test_statuses(void)
 static void test_stored_once(void)
 {
     const sweep_row row = {.run = 2, .seconds = 1.0, .result = {.status = "ok", .values = {99.0, 98.0}}};
-    fresh("protocol = \"toy\"; replicas = 4; fixed = { x = 2.385; };");
-    CHECK_OK(prepare(NULL));
-    CHECK_OK(run(1, NULL));
+    made_by(1, "protocol = \"toy\"; replicas = 4; fixed = { x = 2.385; };");
     const char *before = digest(4);
     CHECK_FAILS(put_row(&row), RP_IO, "cannot store run 2");
     CU_ASSERT_STRING_EQUAL(digest(4), before);
@@ -511,19 +518,14 @@ static int interrupted(int signal, size_t rows)
 
 static void test_digest(void)
 {
-    fresh(SLOW_SWEEP);
-    CHECK_OK(prepare(NULL));
-    CHECK_OK(run(1, NULL));
+    made_by(1, SLOW_SWEEP);
     const char *one = digest(SLOW_RUNS);
     clean();
-    fresh(SLOW_SWEEP);
-    CHECK_OK(prepare(NULL));
-    CHECK_OK(run(2, NULL));
+    made_by(2, SLOW_SWEEP);
     CU_ASSERT_STRING_EQUAL(digest(SLOW_RUNS), one);
     clean();
 
-    fresh(SLOW_SWEEP);
-    CHECK_OK(prepare(NULL));
+    planned(SLOW_SWEEP);
     int end = interrupted(SIGKILL, 4);
     CU_ASSERT(WIFSIGNALED(end) && WTERMSIG(end) == SIGKILL);
     sweep_counts c;
@@ -561,8 +563,7 @@ static void count_calls(const sweep_progress *p, void *context)
 
 static void test_stop(void)
 {
-    fresh(SLOW_SWEEP);
-    CHECK_OK(prepare(NULL));
+    planned(SLOW_SWEEP);
     made = mmap(NULL, sizeof *made, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
     CU_ASSERT_FATAL(made != MAP_FAILED);
     size_t calls = 0;
@@ -610,9 +611,8 @@ static void test_crash(void)
     CU_ASSERT(sql_number(KEPT) == 7);
     clean();
     /* an error of the protocol, in contrast, stops the sweep; stored runs stay */
-    fresh("protocol = \"toy\"; replicas = 6; piles = \"shared\"; fixed = { mode = \"break\"; };\n"
-          "grid = { x = [0.5, 1.5, 2.5, 3.5]; };");
-    CHECK_OK(prepare(NULL));
+    planned("protocol = \"toy\"; replicas = 6; piles = \"shared\"; fixed = { mode = \"break\"; };\n"
+            "grid = { x = [0.5, 1.5, 2.5, 3.5]; };");
     CHECK_FAILS(run(1, NULL), RP_BROKEN, "run 3 (x = 0.5): planted failure");
     CHECK_OK(sweep_status(dir, toys, &c));
     CU_ASSERT(c.stored == 3);
@@ -629,8 +629,7 @@ static void test_limits(void)
         const sweep_options o = {.workers = 2, .memory = limits[k]};
         sweep_counts c;
         if (fails && check_fast()) continue; /* a sanitizer takes terabytes of addresses */
-        fresh("protocol = \"toy\"; replicas = 4; fixed = { mode = \"take\"; k = 30; };");
-        CHECK_OK(prepare(NULL));
+        planned("protocol = \"toy\"; replicas = 4; fixed = { mode = \"take\"; k = 30; };");
         if (fails)
             CHECK_FAILS(sweep_run(dir, toys, &o, &c), RP_NO_RESULT, "(no_memory 4)");
         else
@@ -644,8 +643,7 @@ static void test_limits(void)
 static void test_within_limits(void)
 {
     sweep_counts c;
-    fresh("protocol = \"toy\"; replicas = 2; fixed = { mode = \"sleep\"; };");
-    CHECK_OK(prepare(NULL));
+    planned("protocol = \"toy\"; replicas = 2; fixed = { mode = \"sleep\"; };");
     CHECK_OK(sweep_run(dir, toys, &(sweep_options){.workers = 2, .time = 1.2, .patience = 1.2}, &c));
     CU_ASSERT(c.stored == 2 && c.failed == 0);
     clean();
@@ -662,8 +660,7 @@ static void test_stop_of_all(void)
 {
     size_t calls = 0;
     sweep_counts c;
-    fresh("protocol = \"toy\"; replicas = 4; fixed = { mode = \"sleep\"; };");
-    CHECK_OK(prepare(NULL));
+    planned("protocol = \"toy\"; replicas = 4; fixed = { mode = \"sleep\"; };");
     const sweep_options o = {.workers = 2, .watch = interrupt, .context = &calls};
     CHECK_FAILS(sweep_run(dir, toys, &o, &c), RP_STOPPED, "stopped: 2 of 4 stored");
     CHECK_OK(sweep_status(dir, toys, &c));
@@ -680,8 +677,7 @@ static void test_left_snapshots(void)
         bool own;
     } files[] = {{"%s", true}, {"%s.new", true}, {"photo.png", false}, {"%s0", false}, {"%.31s", false}};
     char name[64], path[320];
-    fresh("protocol = \"toy\"; replicas = 4; fixed = { mode = \"crash\"; }; piles = \"shared\";");
-    CHECK_OK(prepare(NULL));
+    planned("protocol = \"toy\"; replicas = 4; fixed = { mode = \"crash\"; }; piles = \"shared\";");
     snprintf(path, sizeof path, "%s/snapshots", dir);
     mkdir(path, 0777);
     for (int done = 0; done < 2; done++) {
@@ -785,9 +781,7 @@ static void test_further_output(void)
     sweep_counts c;
     sweep_merged m;
     size_t rows;
-    fresh("protocol = \"toy\"; replicas = 2; grid = { x = [0.5, 1.5]; };");
-    CHECK_OK(prepare(NULL));
-    CHECK_OK(run(1, NULL));
+    made_by(1, "protocol = \"toy\"; replicas = 2; grid = { x = [0.5, 1.5]; };");
     CHECK_FAILS(sweep_status(dir, later, &c), RP_BAD_INPUT, "plan again");
     snprintf(other, sizeof other, "%s/other", base);
     CHECK_OK(sweep_prepare(file, other, 0, toys, NULL, &c));
@@ -957,8 +951,7 @@ static void test_failed_drives(void)
 {
     char path[128];
     unsigned char count = 0;
-    fresh("protocol = \"toy\"; replicas = 6; piles = \"shared\"; fixed = { mode = \"break\"; };");
-    CHECK_OK(prepare(NULL));
+    planned("protocol = \"toy\"; replicas = 6; piles = \"shared\"; fixed = { mode = \"break\"; };");
     snprintf(path, sizeof path, "%s/lock", dir);
     for (int k = 1; k < 4; k++) {
         CHECK_FAILS(run(1, NULL), RP_BROKEN, "planted failure");
@@ -1074,8 +1067,7 @@ static pid_t start_holder(const char *path)
 
 static void test_lock(void)
 {
-    fresh(SMALL_SWEEP);
-    CHECK_OK(prepare(NULL));
+    planned(SMALL_SWEEP);
     char path[128];
     snprintf(path, sizeof path, "%s/lock", dir);
     const pid_t holder = start_holder(path); /* a second process on the same sweep is refused */
@@ -1132,15 +1124,12 @@ static void test_shards(void)
     static const int orders[][9] = {{1, 1}, {3, 2, 3, 1}, {8, 5, 3, 8, 1, 2, 7, 4, 6}};
     sweep_counts c;
     sweep_merged m;
-    fresh(GRID_SWEEP);
-    CHECK_OK(prepare(NULL));
-    CHECK_OK(run(2, NULL));
+    made_by(2, GRID_SWEEP);
     const char *whole = digest(GRID_RUNS);
     clean();
     for (size_t i = 0; i < sizeof orders / sizeof *orders; i++) {
         const int n = orders[i][0];
-        fresh(GRID_SWEEP);
-        CHECK_OK(prepare(NULL));
+        planned(GRID_SWEEP);
         for (int k = 1; k < n; k++) CHECK_OK(run_shard(orders[i][k], n));
         CHECK_OK(sweep_status(dir, toys, &c));
         char list[32];
@@ -1164,8 +1153,7 @@ static void test_shards(void)
         CU_ASSERT_STRING_EQUAL(digest(GRID_RUNS), whole);
         clean();
     }
-    fresh(GRID_SWEEP);
-    CHECK_OK(prepare(NULL));
+    planned(GRID_SWEEP);
     CHECK_FAILS(run_shard(4, 3), RP_BAD_INPUT, "shard = 4/3: out of range");
     CHECK_FAILS(sweep_merge(dir, toys, 0, NULL, &m, &c), RP_BAD_INPUT, "no shards, and no other store");
     clean();
@@ -1282,9 +1270,7 @@ static char *exported(void)
 static void test_flips(void)
 {
     enum { FLIPS = 400 };
-    fresh(GRID_SWEEP);
-    CHECK_OK(prepare(NULL));
-    CHECK_OK(run(2, NULL));
+    made_by(2, GRID_SWEEP);
     size_t size, refused = 0, silent = 0;
     scoped char *bytes = read_store(&size), *right = exported();
     CU_ASSERT(strlen(right) > 0);
@@ -1306,9 +1292,7 @@ static void test_flips(void)
 /* A truncated store: the rows that are whole are kept, the others are made again. */
 static void test_salvage(void)
 {
-    fresh("protocol = \"toy\"; replicas = 300; seed = 77; grid = { x = [0.125, 1.5]; };");
-    CHECK_OK(prepare(NULL));
-    CHECK_OK(run(2, NULL));
+    made_by(2, "protocol = \"toy\"; replicas = 300; seed = 77; grid = { x = [0.125, 1.5]; };");
     char right[33], kept[160];
     strcpy(right, digest(600));
     size_t size, n, most = 0;
@@ -1337,9 +1321,7 @@ static void test_salvage_gaps(void)
 {
     size_t n;
     char kept[160];
-    fresh("protocol = \"toy\"; replicas = 6; fixed = { x = 2.385; };");
-    CHECK_OK(prepare(NULL));
-    CHECK_OK(run(1, NULL));
+    made_by(1, "protocol = \"toy\"; replicas = 6; fixed = { x = 2.385; };");
     static const struct {
         const char *gap;
         size_t rows;
@@ -1402,9 +1384,7 @@ static void test_digest_of_rows(void)
     sweep_plan plan;
     sweep_counts c;
     size_t n = 0;
-    fresh("protocol = \"toy\"; replicas = 5; seed = 77; grid = { x = [0.125, -1.5]; };");
-    CHECK_OK(prepare(NULL));
-    CHECK_OK(run(1, NULL));
+    made_by(1, "protocol = \"toy\"; replicas = 5; seed = 77; grid = { x = [0.125, -1.5]; };");
     sqlite3 *db;
     sqlite3_stmt *q = NULL;
     XXH3_state_t *hash = XXH3_createState();
@@ -1471,9 +1451,8 @@ static void test_stored_columns(void)
         "SELECT key, status, message, program, parameters, seed, model, pile, seconds, "
         "y_deg, sum FROM runs ORDER BY run";
     sweep_plan plan;
-    fresh("protocol = \"toy\"; replicas = 2; seed = 77; piles = \"shared\"; grid = { x = [0.125, -1.5]; };");
-    CHECK_OK(prepare(NULL));
-    CHECK_OK(run(1, NULL));
+    made_by(
+        1, "protocol = \"toy\"; replicas = 2; seed = 77; piles = \"shared\"; grid = { x = [0.125, -1.5]; };");
     CHECK_OK(sweep_plan_read(file, toys, &plan));
     sqlite3 *db;
     sqlite3_stmt *q = NULL;
@@ -1499,9 +1478,7 @@ static void test_running(void)
         long since;
         size_t running;
     } cases[] = {{0, 1}, {57, 1}, {60, 0}, {-57, 1}, {-63, 0}, {1000000, 0}};
-    fresh("protocol = \"toy\"; replicas = 2; fixed = { x = 2.385; };");
-    CHECK_OK(prepare(NULL));
-    CHECK_OK(run(1, NULL));
+    made_by(1, "protocol = \"toy\"; replicas = 2; fixed = { x = 2.385; };");
     sweep_counts c;
     CHECK_OK(sweep_status(dir, toys, &c));
     CU_ASSERT_EQUAL(c.running, 0);
@@ -1581,8 +1558,7 @@ static void test_many_tables(void)
 /* A file that may not grow, as on a full disk: the run ends with a message, and the stored rows stay. */
 static void test_full_disk(void)
 {
-    fresh("protocol = \"toy\"; replicas = 2000; fixed = { x = 2.385; };");
-    CHECK_OK(prepare(NULL));
+    planned("protocol = \"toy\"; replicas = 2000; fixed = { x = 2.385; };");
     struct stat info;
     CU_ASSERT(stat(store, &info) == 0);
     int pipes[2];
