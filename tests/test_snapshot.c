@@ -592,12 +592,12 @@ static void refused_resumes(void)
 static void no_snapshot(void)
 {
     char why[32] = "an old reason";
-    sweep_keep keep;
-    sweep_keep_begin(&keep, in_folder("none"), "test", 1.0, true, why, sizeof why);
+    sweep_keep keep = {.path = in_folder("none"), .key = "test", .interval = 1.0};
+    sweep_keep_begin(&keep, true, why, sizeof why);
     CU_ASSERT_STRING_EQUAL(why, "");
     sweep_keep_end(&keep, true);
     strcpy(why, "an old reason");
-    sweep_keep_begin(&keep, in_folder("none"), "test", 1.0, false, why, sizeof why);
+    sweep_keep_begin(&keep, false, why, sizeof why);
     CU_ASSERT_STRING_EQUAL(why, "");
     sweep_keep_end(&keep, true);
 }
@@ -619,9 +619,9 @@ static int run_killed(const sweep_protocol *protocol, const void *params, double
         const pid_t child = fork();
         if (child == 0) {
             char why[256];
-            sweep_keep keep;
+            sweep_keep keep = {.path = path, .key = "test", .interval = 0.1 * seconds};
             setitimer(ITIMER_PROF, &(struct itimerval){.it_value = {micro / 1000000, micro % 1000000}}, NULL);
-            sweep_keep_begin(&keep, path, "test", 0.1 * seconds, true, why, sizeof why);
+            sweep_keep_begin(&keep, true, why, sizeof why);
             rp_status ended =
                 *why ? RP_BROKEN : protocol->run(params, 7, 1, &(sweep_tables){.keep = &keep}, shared);
             sweep_keep_end(&keep, ended == RP_OK);

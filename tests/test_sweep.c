@@ -975,6 +975,12 @@ static bool holds(FILE *table, const char *text)
     return fread(all, 1, sizeof all - 1, table) == strlen(text) && strcmp(all, text) == 0;
 }
 
+static void begin_keep(sweep_keep *k, const char *path, const char *key, bool look, char why[256])
+{
+    *k = (sweep_keep){.path = path, .key = key, .interval = 1e9};
+    sweep_keep_begin(k, look, why, 256);
+}
+
 /* A snapshot is written when it is due or asked for; a later process gets the variables in their order. */
 static void test_keep(void)
 {
@@ -988,7 +994,7 @@ static void test_keep(void)
     snprintf(path, sizeof path, "%s/kept", base);
     snprintf(unfinished, sizeof unfinished, "%s.new", path);
     fputs("two rows\n", table);
-    sweep_keep_begin(&k, path, "run 5", 1e9, true, why, sizeof why);
+    begin_keep(&k, path, "run 5", true, why);
     CU_ASSERT(!*why && !sweep_keep_resumes(&k) && !sweep_keep_resumes(NULL));
     CU_ASSERT(SWEEP_ENTER(&k, value) && SWEEP_ENTER(&k, step) && sweep_keep_enter_file(&k, table));
     CHECK_OK(sweep_keep_look(&k));
@@ -1002,11 +1008,11 @@ static void test_keep(void)
     sweep_keep_end(&k, false);
     fputs("a row that is not there yet\n", other);
     value = 0.0, step = 0;
-    sweep_keep_begin(&k, path, "run 6", 1e9, true, why, sizeof why);
+    begin_keep(&k, path, "run 6", true, why);
     CU_ASSERT(!sweep_keep_resumes(&k) && *why);
-    sweep_keep_begin(&k, path, "run 5", 1e9, false, why, sizeof why);
+    begin_keep(&k, path, "run 5", false, why);
     CU_ASSERT(!sweep_keep_resumes(&k) && !*why);
-    sweep_keep_begin(&k, path, "run 5", 1e9, true, why, sizeof why);
+    begin_keep(&k, path, "run 5", true, why);
     CU_ASSERT(!*why && sweep_keep_resumes(&k) && !SWEEP_ENTER(&k, value) && value == 3.5 && step == 0);
     CHECK_FAILS(sweep_keep_look(&k), RP_BROKEN, "does not come to the place of its snapshot");
     CU_ASSERT(!SWEEP_ENTER(&k, step) && step == 7 && !sweep_keep_enter_file(&k, other));

@@ -26,11 +26,11 @@ typedef struct sweep_keep {
     } entered[SWEEP_KEEP_MOST];
 } sweep_keep;
 
-/* Prepare for a run: with `look`, read its snapshot if there is a good one, else the run starts anew. `why`
- * gets the reason why one was refused, or "". sweep_keep_end follows; it removes the file if the run is done.
+/* Prepare for a run whose path, key, interval and stop are set: with `look`, read its snapshot if there is a
+ * good one, else the run starts anew. `why` gets the reason why one was refused, or "". sweep_keep_end
+ * follows; it removes the file if the run is done.
  */
-void sweep_keep_begin(sweep_keep *k, const char *path, const char *key, double interval, bool look, char *why,
-                      size_t size);
+void sweep_keep_begin(sweep_keep *k, bool look, char *why, size_t size);
 void sweep_keep_end(sweep_keep *k, bool done);
 
 /* Remove the snapshot of a run, and one that was being written. */

@@ -101,13 +101,12 @@ static rp_status make(const pool *p, const task *t, sweep_result *result)
     const sweep_plan *plan = p->plan;
     const size_t run = t->run;
     char key[33], path[4096], why[sizeof result->message] = "";
-    sweep_keep keep;
+    sweep_keep keep = {.path = path, .key = key, .interval = p->options->snapshot, .stop = &p->board->stop};
     const sweep_tables kept = {.keep = &keep};
     const bool keeps = p->options->snapshots != NULL;
     if (keeps) {
         snapshot_of(p, run, key, path);
-        sweep_keep_begin(&keep, path, key, p->options->snapshot, t->kept, why, sizeof why);
-        keep.stop = &p->board->stop;
+        sweep_keep_begin(&keep, t->kept, why, sizeof why);
     }
     const sweep_stream stream = sweep_plan_stream(plan, run);
     rp_status status = plan->protocol->run(sweep_plan_point(plan, run / plan->replicas), stream.seed,
@@ -511,11 +510,12 @@ static task *make_tasks(const size_t runs[], size_t n, const char *snapshots)
     return tasks;
 }
 
-rp_status sweep_pool_run(const sweep_plan *plan, sweep_store *store, const size_t todo[], size_t n, int lock,
+rp_status sweep_pool_run(const sweep_folder *folder, const size_t todo[], size_t n,
                          const sweep_options *options, const sweep_counts *counts)
 {
-    pool p = {.plan = plan,
-              .store = store,
+    const int lock = folder->lock;
+    pool p = {.plan = &folder->plan,
+              .store = folder->store,
               .todo = make_tasks(todo, n, options->snapshots),
               .n_todo = n,
               .waiting = n,

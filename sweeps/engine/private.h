@@ -193,11 +193,6 @@ rp_status sweep_store_pace(sweep_store *store, double *seconds);
 /* Copy the whole rows of a damaged store, and number them. *n is how many there are. Errors: RP_IO. */
 rp_status sweep_store_salvage(sweep_store *store, const sweep_plan *plan, const char *damaged, size_t *n);
 
-/* Make the runs todo[0..n) and store them. `lock` is the lock file, in which drives that failed are counted,
- * `counts` what was stored before. */
-rp_status sweep_pool_run(const sweep_plan *plan, sweep_store *store, const size_t todo[], size_t n, int lock,
-                         const sweep_options *options, const sweep_counts *counts);
-
 /* A sweep's folder, opened for reading or, under a lock, for writing. */
 typedef struct {
     rp_arena memory;
@@ -213,5 +208,10 @@ typedef struct {
 rp_status sweep_folder_read(const char *dir, const sweep_protocol *const *protocols, bool verify,
                             sweep_folder *folder);
 void sweep_folder_close(sweep_folder *folder);
+
+/* Make the runs todo[0..n) and store them. `counts` is what was stored before; in the lock file of the folder
+ * drives that failed are counted. */
+rp_status sweep_pool_run(const sweep_folder *folder, const size_t todo[], size_t n,
+                         const sweep_options *options, const sweep_counts *counts);
 
 #endif

@@ -259,7 +259,7 @@ rp_status sweep_run(const char *dir, const sweep_protocol *const *protocols, con
     counts->planned = planned;
     counts->stored = planned - n;
     if (!status && n > 0 && own.snapshots) status = rp_make_directory(f.snapshots);
-    if (!status && n > 0) status = sweep_pool_run(&f.plan, f.store, todo, n, f.lock, &own, counts);
+    if (!status && n > 0) status = sweep_pool_run(&f, todo, n, &own, counts);
     if (!status) status = sweep_store_commit(f.store);
     if (!status) status = sweep_store_count(f.store, &f.plan, counts);
     if (!status && whole && sweep_count_aborted(counts) == 0) remove_snapshots(&f);
@@ -384,9 +384,10 @@ rp_status sweep_trace(const char *file, const sweep_protocol *const *protocols, 
                       const sweep_tables *tables, const sweep_protocol **protocol, sweep_result *result)
 {
     sweep_plan plan;
-    sweep_keep keep;
-    sweep_tables kept = *tables;
     char owner[33], why[1024] = "";
+    sweep_keep keep = {
+        .path = tables->snapshot, .key = owner, .interval = tables->interval, .stop = tables->stop};
+    sweep_tables kept = *tables;
     kept.keep = tables->snapshot ? &keep : NULL;
     rp_status status = sweep_plan_read(file, protocols, &plan);
     *protocol = plan.protocol;
@@ -396,9 +397,7 @@ rp_status sweep_trace(const char *file, const sweep_protocol *const *protocols, 
     if (!status) status = sweep_plan_check_point(&plan, file, row / plan.replicas);
     if (!status) {
         trace_owner(&plan, row, tables, owner);
-        if (kept.keep)
-            sweep_keep_begin(&keep, tables->snapshot, owner, tables->interval, true, why, sizeof why);
-        keep.stop = tables->stop;
+        if (kept.keep) sweep_keep_begin(&keep, true, why, sizeof why);
         const sweep_stream stream = sweep_plan_stream(&plan, row);
         status = *why ? rp_fail(RP_BAD_INPUT, "%s; remove this file to start anew", why)
                       : plan.protocol->run(sweep_plan_point(&plan, row / plan.replicas), stream.seed,
