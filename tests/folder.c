@@ -35,6 +35,19 @@ void folder_remove(const char *path)
     nftw(path, remove_entry, 8, FTW_DEPTH | FTW_PHYS);
 }
 
+void *file_read(const char *path, size_t *n)
+{
+    FILE *in = fopen(path, "r");
+    CU_ASSERT_PTR_NOT_NULL_FATAL(in);
+    fseek(in, 0, SEEK_END);
+    *n = (size_t)ftell(in);
+    rewind(in);
+    char *bytes = calloc(*n + 1, 1);
+    CU_ASSERT(bytes && fread(bytes, 1, *n, in) == *n);
+    fclose(in);
+    return bytes;
+}
+
 void file_write(const char *path, const void *bytes, size_t n)
 {
     FILE *out = fopen(path, "w");

@@ -14,6 +14,9 @@ void folder_make_in_memory(const char *name, char path[FOLDER_PATH]);
 /* Remove a file or a folder with all that it holds. */
 void folder_remove(const char *path);
 
+/* The bytes of a file, and a zero after them. Free them. */
+void *file_read(const char *path, size_t *n);
+
 /* Write a file anew: bytes, or formatted text. */
 void file_write(const char *path, const void *bytes, size_t n);
 void file_print(const char *path, const char *format, ...) __attribute__((format(printf, 2, 3)));

@@ -268,15 +268,7 @@ static const char *in_folder(const char *name)
 
 static unsigned char *read_bytes(const char *name, size_t *n)
 {
-    FILE *in = fopen(in_folder(name), "r");
-    CU_ASSERT_PTR_NOT_NULL_FATAL(in);
-    fseek(in, 0, SEEK_END);
-    *n = (size_t)ftell(in);
-    rewind(in);
-    unsigned char *bytes = malloc(*n + 1);
-    CU_ASSERT(fread(bytes, 1, *n, in) == *n);
-    fclose(in);
-    return bytes;
+    return file_read(in_folder(name), n);
 }
 
 static void write_bytes(const char *name, const void *bytes, size_t n)

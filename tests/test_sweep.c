@@ -1239,27 +1239,6 @@ static void test_merge_of_crashed(void)
 
 /* ---- damage ---- */
 
-static char *read_store(size_t *size)
-{
-    FILE *in = fopen(store, "r");
-    CU_ASSERT_PTR_NOT_NULL_FATAL(in);
-    fseek(in, 0, SEEK_END);
-    *size = (size_t)ftell(in);
-    rewind(in);
-    char *bytes = malloc(*size);
-    CU_ASSERT(bytes && fread(bytes, 1, *size, in) == *size);
-    fclose(in);
-    return bytes;
-}
-
-static void write_store(const char *bytes, size_t size)
-{
-    FILE *out = fopen(store, "w");
-    CU_ASSERT_PTR_NOT_NULL_FATAL(out);
-    CU_ASSERT(fwrite(bytes, 1, size, out) == size);
-    fclose(out);
-}
-
 /* The text of the export but for its first lines, or "" where it is refused. */
 static char *exported(void)
 {
@@ -1278,13 +1257,13 @@ static void test_flips(void)
     enum { FLIPS = 400 };
     made_by(2, GRID_SWEEP);
     size_t size, refused = 0, silent = 0;
-    scoped char *bytes = read_store(&size), *right = exported();
+    scoped char *bytes = file_read(store, &size), *right = exported();
     CU_ASSERT(strlen(right) > 0);
     for (size_t i = 0; i < FLIPS; i++) {
         const size_t at = i * size / FLIPS + i % 97;
         const char before = bytes[at < size ? at : i], mask = (char)(1 << i % 8);
         bytes[at < size ? at : i] = before ^ mask;
-        write_store(bytes, size);
+        file_write(store, bytes, size);
         bytes[at < size ? at : i] = before;
         scoped char *text = exported();
         refused += !*text;
@@ -1302,10 +1281,10 @@ static void test_salvage(void)
     char right[33], kept[160];
     strcpy(right, digest(600));
     size_t size, n, most = 0;
-    scoped char *bytes = read_store(&size);
+    scoped char *bytes = file_read(store, &size);
     snprintf(kept, sizeof kept, "%s/damaged.sqlite", dir);
     for (int part = 3; part <= 9; part += 2) {
-        write_store(bytes, size * (size_t)part / 10);
+        file_write(store, bytes, size * (size_t)part / 10);
         CHECK_FAILS(sweep_export(dir, toys, SWEEP_RUNS, NULL, NULL, stdout), RP_IO, "store.sqlite");
         CHECK_OK(sweep_salvage(dir, toys, &n));
         CU_ASSERT(n < 600 && n >= most);

@@ -405,25 +405,20 @@ static rp_status tilt_again(void *data)
     return status ? status : sweep_conclude(e->box.result, "ok", NULL);
 }
 
-static rp_status run_phases(experiment *e)
-{
-    static rp_status (*const phases[])(void *) = {note_pile, find_onset, tilt_again};
-    sweep_keep *const keep = e->box.keep;
-    sweep_keep_enter(keep, e->depth, (e->box.most + 1) * sizeof *e->depth);
-    const rp_status status = sweep_tilted_phases(&e->box, sizeof phases / sizeof *phases, phases, e);
-    e->v->steps = sweep_box_steps(&e->box);
-    return status;
-}
-
 static rp_status run_one(const void *params, unsigned long seed, unsigned long run,
                          const sweep_tables *tables, sweep_result *result)
 {
+    static rp_status (*const phases[])(void *) = {note_pile, find_onset, tilt_again};
     const sweep_tilted *p = params;
     experiment e = {.p = p, .v = (void *)result->values};
     rp_status status = sweep_box_begin_filled(&e.box, &p->box, seed, run, tables, result);
     if (!status) e.depth = calloc(e.box.most + 1, sizeof *e.depth);
     if (!status && !e.depth) status = rp_fail(RP_NO_MEMORY, "onset: out of memory");
-    if (!status) status = run_phases(&e);
+    if (!status) {
+        sweep_keep_enter(e.box.keep, e.depth, (e.box.most + 1) * sizeof *e.depth);
+        status = sweep_tilted_phases(&e.box, sizeof phases / sizeof *phases, phases, &e);
+        e.v->steps = sweep_box_steps(&e.box);
+    }
     free(e.depth);
     return sweep_box_end(&e.box, status);
 }

@@ -243,25 +243,19 @@ static rp_status conclude(void *data)
     return sweep_conclude(e->box.result, "ok", NULL);
 }
 
-static rp_status run_phases(experiment *e)
-{
-    static rp_status (*const phases[])(void *) = {note_pile, tilt_to_rest, tilt_at_rate, conclude};
-    sweep_keep *const keep = e->box.keep;
-    SWEEP_ENTER(keep, e->weight);
-    SWEEP_ENTER(keep, e->readings);
-    SWEEP_ENTER(keep, e->n_readings);
-    const rp_status status = sweep_tilted_phases(&e->box, sizeof phases / sizeof *phases, phases, e);
-    e->v->steps = sweep_box_steps(&e->box);
-    return status;
-}
-
 static rp_status run_one(const void *params, unsigned long seed, unsigned long run,
                          const sweep_tables *tables, sweep_result *result)
 {
+    static rp_status (*const phases[])(void *) = {note_pile, tilt_to_rest, tilt_at_rate, conclude};
     const sweep_tilted *p = params;
     experiment e = {.p = p, .v = (void *)result->values};
     rp_status status = sweep_box_begin_filled(&e.box, &p->box, seed, run, tables, result);
-    if (!status) status = run_phases(&e);
+    if (status) return sweep_box_end(&e.box, status);
+    SWEEP_ENTER(e.box.keep, e.weight);
+    SWEEP_ENTER(e.box.keep, e.readings);
+    SWEEP_ENTER(e.box.keep, e.n_readings);
+    status = sweep_tilted_phases(&e.box, sizeof phases / sizeof *phases, phases, &e);
+    e.v->steps = sweep_box_steps(&e.box);
     return sweep_box_end(&e.box, status);
 }
 
