@@ -202,22 +202,26 @@ static rp_status solve(const cli_call *call, const options *o, const sweep_outli
     return status;
 }
 
-/* Means over the piles that have an equilibrium, from N and H[disk][pile]. */
-static void write_means(const cli_call *call, const options *o, const sweep_outline *h, size_t solved,
-                        size_t unstable, const double *N, const double *H)
+/* Piles: how many, those with an equilibrium, and of these the unstable ones; N and H[disk][pile]. */
+typedef struct {
+    size_t piles, solved, unstable;
+    double *N, *H;
+} ensemble;
+
+static void write_means(const cli_call *call, const options *o, const sweep_outline *h, const ensemble *e)
 {
-    const size_t piles = (size_t)o->own.piles;
     cli_table(call, stdout);
     rp_table_note(stdout, "n_disks", "%zu", h->n);
     rp_table_note_number(stdout, "B", h->B, "sigma");
-    rp_table_note(stdout, "solved", "%zu of %zu piles, %zu of them unstable", solved, piles, unstable);
+    rp_table_note(stdout, "solved", "%zu of %zu piles, %zu of them unstable", e->solved, e->piles,
+                  e->unstable);
     rp_table_header(stdout,
                     "i, x/B, N/mg, N_se/mg, H/mg, H_se/mg, N_diagonals/mg, H_diagonals/mg, N/(chi*g*B), "
                     "N_se/(chi*g*B), H/(chi*g*B), H_se/(chi*g*B)");
     for (size_t i = 0; i < h->k; i++) {
         stats_summary n, f;
-        stats_mean(solved, N + i * piles, &n);
-        stats_mean(solved, H + i * piles, &f);
+        stats_mean(e->solved, e->N + i * e->piles, &n);
+        stats_mean(e->solved, e->H + i * e->piles, &f);
         const double x = 0.5 + ((double)i - ((double)h->k - 1) / 2) * (1 + o->pile.gap) / h->B;
         CLI_ROW((double)i + 1, x, n.mean, n.se, f.mean, f.se, h->exact[i].N, h->exact[i].H, n.mean / h->B,
                 n.se / h->B, f.mean / h->B, f.se / h->B);
@@ -227,29 +231,29 @@ static void write_means(const cli_call *call, const options *o, const sweep_outl
 /* An ensemble of unequal disks; piles without an equilibrium are told on the way. */
 static rp_status solve_ensemble(const cli_call *call, const options *o, sweep_outline *h)
 {
-    const size_t piles = (size_t)o->own.piles;
-    double *N = rp_arena_memory(call->arena, 2 * h->k * piles, sizeof *N), *H = N + h->k * piles;
-    size_t solved = 0, unstable = 0;
-    for (size_t run = 0; run < piles; run++) {
+    ensemble e = {.piles = (size_t)o->own.piles};
+    e.N = rp_arena_memory(call->arena, 2 * h->k * e.piles, sizeof *e.N);
+    e.H = e.N + h->k * e.piles;
+    for (size_t run = 0; run < e.piles; run++) {
         sweep_solved s = {0};
         sweep_result results;
         rp_status status = sweep_outline_disorder(h, o->pile.disorder, (unsigned long)o->own.seed, run);
         if (!status) status = sweep_pile_solve(&o->pile, h, NULL, NULL, &s, &results);
         for (size_t i = 0; !status && i < h->k; i++) {
-            N[i * piles + solved] = s.N[i];
-            H[i * piles + solved] = s.H[i];
+            e.N[i * e.piles + e.solved] = s.N[i];
+            e.H[i * e.piles + e.solved] = s.H[i];
         }
-        unstable += !status && s.r.negative_modes;
-        solved += !status;
+        e.unstable += !status && s.r.negative_modes;
+        e.solved += !status;
         sweep_solved_free(&s);
         if (status && status != RP_NO_RESULT) return status;
         if (status) fprintf(stderr, "pile %zu: %s\n", run, rp_message());
     }
-    if (!solved) return rp_fail(RP_NO_RESULT, "none of %zu piles has an equilibrium", piles);
-    write_means(call, o, h, solved, unstable, N, H);
-    if (unstable)
+    if (!e.solved) return rp_fail(RP_NO_RESULT, "none of %zu piles has an equilibrium", e.piles);
+    write_means(call, o, h, &e);
+    if (e.unstable)
         fprintf(stderr, "repose pile: unstable: %zu of %zu piles; --branch minimum seeks stable states\n",
-                unstable, solved);
+                e.unstable, e.solved);
     return RP_OK;
 }
 
