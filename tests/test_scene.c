@@ -225,28 +225,30 @@ static bool same_wall(const dem_wall *w, const dem_wall *v)
 }
 
 /* particles_file: named columns in any order, or all of them without names; masses from the density where
- * there is no column m. */
+ * there is no column m; of several steps the last. */
 static void particles_from_table(void)
 {
     static const char *const texts[] = {
         "# omega fixed r vy m y vx angle x\n3 1 0.1 -2 0.005 0.7 4 0.3 0.5\n-1 0 1.5 6 0.2 8 -7 9 2\n5 2 3 4 "
         "5 6 7 8 9\n",
         "0.5 0.7 0.1 0.005 4 -2 0.3 3 1\n2 8 1.5 0.2 -7 6 9 -1 0\n9 6 3 5 7 4 8 5 1\n",
-        "# r omega x y vy fixed\n0.1 3.0 0.5 0.7 -2.0 0\n0.08 0.0 0.1 0.9 0.0 1\n"};
+        "# r omega x y vy fixed\n0.1 3.0 0.5 0.7 -2.0 0\n0.08 0.0 0.1 0.9 0.0 1\n",
+        "# step r omega x y vy fixed\n0 0.1 3 9 9 -2 0\n0 0.1 0 9 8 0 1\n0 0.2 0 9 7 0 0\n"
+        "40 0.1 3 0.5 0.7 -2 0\n40 0.08 0 0.1 0.9 0 1\n"};
     static const dem_grain typed[3] = {{0.5, 0.7, 0.1, 0.005, 4.0, -2.0, 0.3, 3.0, true},
                                        {2.0, 8.0, 1.5, 0.2, -7.0, 6.0, 9.0, -1.0, false},
                                        {9.0, 6.0, 3.0, 5.0, 7.0, 4.0, 8.0, 5.0, true}};
     char table[] = "/tmp/repose-grains-XXXXXX", text[128];
     close(mkstemp(table));
     snprintf(text, sizeof text, "density = 2.0; particles_file = \"%s\";", table);
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 4; k++) {
         scoped_scene s = {0};
         file_print(table, "%s", texts[k]);
         CHECK_OK(grains_read(text, NULL, &s));
         CU_ASSERT_EQUAL_FATAL(s.def.n_grains, k < 2 ? 3 : 2);
         for (int i = 0; i < 3 && k < 2; i++) CU_ASSERT(same_grain(&s.grains[i], &typed[i]));
         const double volume = 4.0 / 3.0 * M_PI * 0.1 * 0.1 * 0.1;
-        if (k == 2) {
+        if (k >= 2) {
             CU_ASSERT(same_grain(&s.grains[0],
                                  &(dem_grain){0.5, 0.7, 0.1, s.grains[0].m, 0.0, -2.0, 0.0, 3.0, false}));
             CU_ASSERT(s.grains[1].x == 0.1 && s.grains[1].r == 0.08 && s.grains[1].fixed);

@@ -10,7 +10,7 @@
 #include "core/arena.h"
 #include "params/config.h"
 #include "params/guess.h"
-#include "table/table.h"
+#include "table/columns.h"
 #include "params/units.h"
 #include "dem/setup/definition.h"
 #include "dem/state/method.h"
@@ -54,7 +54,9 @@ static const rp_param top_schema[] = {
      "whether to keep the energy ledger, which `repose run -o` writes with the energies; slower, the same "
      "bits"},
     {"particles_file", "", RP_TEXT, AT(scene_file, particles_file), "", "",
-     "table with columns x y r and, if wanted, m vx vy angle omega fixed; instead of `particles`"},
+     "table with columns x y r and, if wanted, m vx vy angle omega fixed, of several steps the last; instead "
+     "of "
+     "`particles`"},
     {0}};
 
 static const rp_param normal_schema[] = {DEM_NORMAL_PARAMS(ROW){0}};
@@ -413,6 +415,16 @@ static rp_status read_particles_table(const rp_table *table, scene_file *file)
     return RP_OK;
 }
 
+/* Of a table of states that holds a pile at several steps, the last one. */
+static rp_status take_last_step(rp_table *table)
+{
+    char condition[64];
+    const int step = rp_table_column(table, "step");
+    if (step < 0 || table->n_rows == 0) return RP_OK;
+    snprintf(condition, sizeof condition, "step=%s", rp_cell(table, table->n_rows - 1, step));
+    return rp_table_where(table, condition);
+}
+
 static rp_status read_fill(const config_setting_t *group, scene_file *file)
 {
     dem_fill *f = &file->scene.fill;
@@ -443,6 +455,7 @@ static rp_status read_grains(const char *path, const config_setting_t *root, sce
     const int folder = slash && file->particles_file[0] != '/' ? (int)(slash - path) + 1 : 0;
     rp_status status = rp_path(&arena, &name, "%.*s%s", folder, path, file->particles_file);
     if (!status) status = rp_table_read(name, &table);
+    if (!status) status = take_last_step(&table);
     if (!status && table.n_rows == 0) status = rp_fail(RP_BAD_INPUT, "%s: no particles", name);
     if (!status) status = read_particles_table(&table, file);
     rp_table_free(&table);
