@@ -983,6 +983,10 @@ static void test_closing_line(void)
                walls);
     GOOD("run thrown.cfg");
     CU_ASSERT(strstr(err, "t = 0.01 s; not at rest; ") != NULL);
+    GOOD("run thrown.cfg --set steps=0 --set 'particles[0].vy=0'"); /* in the air */
+    CU_ASSERT(strstr(err, "t = 0 s; not at rest; ") != NULL);
+    GOOD("run thrown.cfg --set y_min=0.95 --set steps=5000"); /* no grain is left */
+    CU_ASSERT(strstr(err, "run: 0 grains, ") && strstr(err, " s; not at rest; "));
 }
 
 /* Without a terminal a line a minute, with it a bar; the time left follows from the steps done. */

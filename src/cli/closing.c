@@ -35,7 +35,7 @@ static rp_status is_at_rest(const dem_sim *sim, const pile *s, bool *at_rest)
     static const double ENERGY = 1e-7, FORCE = 1e-2; /* m g d and m g, as the boxes of sweeps have them */
     dem_rest rest;
     RP_TRY(dem_rest_state(sim, -INFINITY, INFINITY, &rest));
-    *at_rest = dem_at_rest(&rest, ENERGY * s->weight * s->d, FORCE * s->weight, true);
+    *at_rest = s->n > 0 && dem_at_rest(&rest, ENERGY * s->weight * s->d, FORCE * s->weight, true);
     return RP_OK;
 }
 
