@@ -89,7 +89,9 @@ static rp_status take_source(sweep_store *s, const sweep_plan *plan, const char 
                              bool *same, sweep_merged *found)
 {
     char hash[33];
-    long long before, rows, after;
+    long long tables, before, rows, after;
+    RP_TRY(sweep_sql_number(s, "SELECT count(*) FROM source.sqlite_schema", &tables));
+    if (tables == 0) return RP_OK; /* left by a process that was killed before it wrote */
     RP_TRY(check_source(s, plan, path));
     if (verify) RP_TRY(sweep_store_verify(s, "source", path));
     RP_TRY(sweep_store_note(s, "source", "plan", hash, sizeof hash));

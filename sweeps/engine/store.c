@@ -161,6 +161,11 @@ rp_status sweep_store_note(sweep_store *s, const char *schema, const char *name,
 {
     char sql[128];
     buffer[0] = '\0';
+    /* a process that was killed may leave a store without a table */
+    if (sqlite3_table_column_metadata(s->db, schema, "sweep", "sum", NULL, NULL, NULL, NULL, NULL) !=
+            SQLITE_OK &&
+        sqlite3_errcode(s->db) == SQLITE_ERROR)
+        return RP_OK;
     snprintf(sql, sizeof sql, "SELECT value, sum FROM %s.sweep WHERE name = ?", schema);
     sqlite3_stmt *q = sweep_sql_query(s, sql);
     sqlite3_bind_text(q, 1, name, -1, SQLITE_STATIC);
