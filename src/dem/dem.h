@@ -50,9 +50,9 @@ dem_manual dem_kernel_manual;
  * or with a finite `open_speed` its lower end extent[0] moves along the tangent at that speed, as a wall that
  * is lifted.
  *
- * An end acts as a corner. With `joined`, another segment begins there, and `corner` is the angle from the
- * tangent before the end to that after it, counter-clockwise positive, in (-pi, pi): the two have one corner
- * together, which acts only on grains that are beyond both ends.
+ * An end acts as a corner. A surface acts the same however it is cut into walls, with springs that go from
+ * one to the next: of contacts whose points lie on each other's walls, to a thousandth of the radius, or
+ * whose directions agree to 0.05 rad, the deepest acts, with the coefficients of its wall.
  *
  * The wall moves as a rigid body from the start on: it turns about `pivot` at the rate `omega`,
  * counter-clockwise, and the pivot moves at `velocity`. */
@@ -60,8 +60,6 @@ typedef struct {
     double point[2], direction[2];
     dem_material material;
     double extent[2];
-    bool joined[2];
-    double corner[2];
     long open_at_step;
     double open_speed;
     double velocity[2], omega, pivot[2];
@@ -134,7 +132,7 @@ typedef struct {
     dem_hard hard;                /* needs DEM_VERLET and no tension */
     dem_implicit_solver implicit; /* DEM_IMPLICIT needs whole lines at rest as walls; no rotation;
                                      not the tangential law DEM_SPRING */
-    double x_max, y_min;  /* in the box's frame: a grain beyond is taken out; INFINITY, -INFINITY for none */
+    double x_min, x_max, y_min;   /* in the box's frame: a grain beyond is taken out; infinite for none */
     double turn_per_step; /* gravity turns by this angle a step, radians; positive lowers the side at +x */
     double box_turn_per_step; /* the same for the walls, about the origin; gravity then keeps its direction */
     long turn_from_step;      /* of both */

@@ -123,8 +123,7 @@ static void keep_wall_list(rp_snapshot *s, dem_sim *sim)
     rp_keep(s, w->start, (n + 1) * sizeof *w->start);
     bool known = true;
     for (size_t k = 0; k < n && !s->status; k++)
-        known &= rp_keep_bool(&w->wall[k].joined[0]) && rp_keep_bool(&w->wall[k].joined[1]) &&
-                 rp_keep_bool(&w->line[k].moves) && rp_keep_bool(&w->line[k].plain);
+        known &= rp_keep_bool(&w->line[k].moves) && rp_keep_bool(&w->line[k].plain);
     rp_keep_check(s, known, "unknown words in its walls");
 }
 
@@ -136,6 +135,7 @@ static void keep_walls(rp_snapshot *s, dem_sim *sim)
     if (s->status || !s->reading) return;
     for (size_t k = 0; k < w->n_slots && exist; k++)
         exist = w->slot[k].wall < sim->def.n_walls && w->slot[k].grain < sim->grains.n &&
+                w->slot[k].next < w->n_slots && w->slot[w->slot[k].next].grain == w->slot[k].grain &&
                 w->slot[k].well <= DEM_WELL_BROKEN;
     for (size_t k = 0; k < sim->def.n_walls && exist; k++) exist = w->start[k] <= w->start[k + 1];
     rp_keep_check(s, exist && w->start[sim->def.n_walls] <= w->n_slots, "impossible contacts with walls");

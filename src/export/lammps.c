@@ -79,6 +79,7 @@ static rp_status check_scene(const dem_definition *def)
          "tangential.damping = \"outside\": LAMMPS limits spring and dashpot together; set \"inside\""},
         {def->ground.wall > 0, "ground: LAMMPS has no wells of static friction"},
         {def->hard.on, "hard: LAMMPS has no hard collisions"},
+        {isfinite(def->x_min), "x_min: the input takes no grain out"},
         {isfinite(def->x_max), "x_max: the input takes no grain out"},
         {isfinite(def->y_min), "y_min: the input takes no grain out"},
         {def->turn_per_step != 0.0, "gravity_turn_deg_per_step: the input's gravity does not turn"},

@@ -47,6 +47,7 @@ bool dem_slot_relative(const dem_sim *sim, dem_wall_slot *slot, dem_relative *r)
                         .roll = slot->roll};
     dem_touch touch;
     if (!dem_wall_touch(sim, slot, &touch) || touch.overlap <= 0.0) return false;
+    if (!dem_wall_is_line(&sim->walls.wall[w]) && dem_wall_yields(sim, slot, &touch)) return false;
     r->n = touch.normal, r->overlap = touch.overlap, r->wall_velocity = touch.velocity;
     const dem_vec v = g->motion[i].v - r->wall_velocity;
     r->s = dem_clockwise(r->n);

@@ -44,13 +44,22 @@ void dem_walls_limit(dem_sim *sim, double far);
 bool dem_wall_rests(const dem_sim *sim, size_t k);
 
 /* Geometry of a wall contact at the present step: unit vector from the wall's nearest point to the grain,
- * velocity of the wall there, overlap. Brings slot->side up to date. False where the wall is open, or where a
- * wall that is joined to it has the contact. */
+ * velocity of the wall there, overlap, and whether that point is an end. Brings slot->side up to date. False
+ * where the wall is open. */
 typedef struct {
     dem_vec normal, velocity;
     double overlap;
+    bool at_end;
 } dem_touch;
 bool dem_wall_touch(const dem_sim *sim, dem_wall_slot *slot, dem_touch *touch);
+
+/* Does another wall near the grain of the slot, a listed one of a segment, have this contact instead? Then
+ * the two are one surface there. */
+bool dem_wall_yields(const dem_sim *sim, const dem_wall_slot *slot, const dem_touch *touch);
+
+/* Before the forces of a grain at several segments, whose first slot this is: springs of contacts that have
+ * ended go to the contacts that have taken them over. */
+void dem_wall_hand_over(dem_sim *sim, dem_wall_slot *first);
 
 /* The ground, see dem_ground; ground.c. Displacement of a grain in its well, and the force along the ground's
  * tangent that this gives. */

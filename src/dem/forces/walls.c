@@ -65,10 +65,6 @@ rp_status dem_walls_place(dem_sim *sim, const dem_definition *def)
                                 .plain = dem_wall_is_line(wall) && wall->open_at_step < 0 &&
                                          !dem_wall_moves(wall)};
         double sine, cosine;
-        for (int end = 0; end < 2; end++) {
-            dem_sine_cosine(end ? 0.5 * wall->corner[end] : -0.5 * wall->corner[end], &sine, &cosine);
-            line->half_corner[end] = (dem_vec){cosine, sine};
-        }
         if (!line->moves) continue;
         dem_sine_cosine(-wall->omega * def->dt, &sine, &cosine);
         line->drift = (dem_vec){wall->velocity[0], wall->velocity[1]};
@@ -187,6 +183,7 @@ static void apply_slot(dem_sim *sim, dem_wall_slot *slot, double h)
 {
     const size_t i = slot->grain;
     dem_relative r;
+    if (slot->leads) dem_wall_hand_over(sim, slot);
     if (!dem_slot_relative(sim, slot, &r)) {
         slot->spring = slot->roll = 0.0;
         slot->well = DEM_WELL_NONE;

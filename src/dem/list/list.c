@@ -357,6 +357,7 @@ static rp_status find_wall_slots(dem_sim *sim)
         }
     }
     dem_walls_find_starts(&sim->walls, sim->def.n_walls);
+    dem_walls_link(&sim->walls, sim->grains.n, sim->grains.held_slot);
     return RP_OK;
 }
 

@@ -63,6 +63,7 @@ static void drop_slots(dem_sim *sim)
     if (n == sim->walls.n_slots) return;
     sim->walls.n_slots = n;
     dem_walls_find_starts(&sim->walls, sim->def.n_walls);
+    dem_walls_link(&sim->walls, sim->grains.n, sim->grains.held_slot);
     dem_threads_find_slots(sim);
 }
 

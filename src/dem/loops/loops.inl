@@ -410,8 +410,9 @@ INLINE void advance_grains(dem_sim *sim, size_t from, size_t to, dem_moved *move
     const bool turned = sim->walls.angle != 0.0;
     const dem_equation e = dem_equation_of(sim);
     const goal now = {sim->grains.motion, sim->grains.angle, sim->grains.omega, true};
-    const double x_max = turned ? INFINITY : sim->def.x_max, y_min = turned ? -INFINITY : sim->def.y_min;
-    const plane most = plane_of((dem_vec){x_max, INFINITY}), least = plane_of((dem_vec){-INFINITY, y_min});
+    const dem_definition *def = &sim->def;
+    const plane most = plane_of((dem_vec){turned ? INFINITY : def->x_max, INFINITY}),
+                least = plane_of(turned ? (dem_vec){-INFINITY, -INFINITY} : (dem_vec){def->x_min, def->y_min});
     num fast = {0};
     bool far = false, out = false;
     size_t i = from;

@@ -104,6 +104,7 @@ static void collide_wall(dem_sim *sim, dem_wall_slot slot)
     const size_t i = slot.grain;
     dem_touch touch;
     if (!dem_wall_touch(sim, &slot, &touch) || touch.overlap > 0.0) return;
+    if (!dem_wall_is_line(&sim->walls.wall[slot.wall]) && dem_wall_yields(sim, &slot, &touch)) return;
     const path m = path_of(sim, i);
     const dem_vec normal = touch.normal;
     const double closing = -dem_dot(m.v - touch.velocity, normal), pressing = -dem_dot(m.a, normal),
@@ -224,7 +225,9 @@ rp_status dem_hard_move(dem_sim *sim, unsigned *left)
     sim->grains.motion = sim->grains.next_motion, sim->grains.next_motion = grain;
     sim->grains.omega = sim->grains.next_omega, sim->grains.next_omega = omega;
     sim->grains.angle = sim->grains.next_angle, sim->grains.next_angle = angle;
-    for (size_t i = 0; i < sim->grains.n && (isfinite(sim->def.x_max) || isfinite(sim->def.y_min)); i++)
+    for (size_t i = 0; i < sim->grains.n &&
+                       (isfinite(sim->def.x_min) || isfinite(sim->def.x_max) || isfinite(sim->def.y_min));
+         i++)
         *left |= dem_beyond(sim, sim->grains.motion[i].x) * DEM_GRAIN_OUT;
     const dem_forces forces = dem_forces_of(&sim->grains);
     memset(forces.at, 0, sim->grains.n * forces.size);

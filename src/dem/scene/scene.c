@@ -21,7 +21,7 @@ typedef struct {
     dem_scene scene;
     dem_physics physics;
     bool has_density; /* given, no default */
-    double y_min, turn_deg, box_turn_deg;
+    double x_min, y_min, turn_deg, box_turn_deg;
     int units;
     const char *particles_file;
 } scene_file;
@@ -38,8 +38,10 @@ static const rp_param top_schema[] = {
      "the default grain, and g"},
     {"skin", "cm", RP_REAL, AT(scene_file, scene.def.skin), "auto", "(0, inf) | auto",
      "of the neighbour list"},
+    {"x_min", "cm", RP_REAL, AT(scene_file, x_min), "none", "(-inf, inf) | none",
+     "a grain whose centre passes it to the left, in the box's frame, is taken out"},
     {"x_max", "cm", RP_REAL, AT(scene_file, scene.def.x_max), "none", "(-inf, inf) | none",
-     "a grain whose centre passes it, in the box's frame, is taken out"},
+     "a grain whose centre passes it to the right, in the box's frame, is taken out"},
     {"y_min", "cm", RP_REAL, AT(scene_file, y_min), "none", "(-inf, inf) | none",
      "a grain whose centre sinks below it, in the box's frame, is taken out"},
     {"gravity_turn_deg_per_step", "degree", RP_REAL, AT(scene_file, turn_deg), "0.0", "[-10, 10]",
@@ -98,7 +100,6 @@ static const rp_param implicit_schema[] = {
 /* What a wall of a file says: one wall, or a polygon or circle of several. */
 typedef struct {
     dem_wall line;
-    double corner[2]; /* INFINITY: not joined */
     long sides;
     bool closed;
 } wall_entry;
@@ -113,14 +114,9 @@ static const rp_param wall_schema[] = {
     DEM_PHYSICS(WALL_AUTO){"open_at_step", "", RP_INT, AT(wall_entry, line.open_at_step), "never",
                            "[0, 2147483647] | never", "step from which the wall is gone"},
     {"open_speed", "cm/s", RP_REAL, AT(wall_entry, line.open_speed), "instant", "[0, inf) | instant",
-     "speed at which its lower end moves then"},
+     "speed at which its lower end moves then, along the wall; of a level one the first"},
     {"omega", "rad/s", RP_REAL, AT(wall_entry, line.omega), "0.0", "(-inf, inf)",
      "rate at which the wall turns about `pivot`, counter-clockwise"},
-    {"corner_lower", "rad", RP_REAL, AT(wall_entry, corner[0]), "none", "(-3.14, 3.14) | none",
-     "angle between this side of a polygon and the previous one, counter-clockwise; set by `polygon`, rarely "
-     "by hand"},
-    {"corner_upper", "rad", RP_REAL, AT(wall_entry, corner[1]), "none", "(-3.14, 3.14) | none",
-     "angle between this side of a polygon and the next one"},
     {0}};
 
 static const rp_param particle_schema[] = {
@@ -212,6 +208,17 @@ static rp_status add_wall(const config_setting_t *setting, const dem_wall *wall,
     return RP_OK;
 }
 
+/* Turn a segment that opens round, where its lower end in space is the upper along its tangent; a level one
+ * opens from its first end. */
+static void put_lower_end_first(dem_wall *wall)
+{
+    const double rise = -wall->direction[0]; /* of the tangent */
+    if (wall->open_at_step < 0 || isinf(wall->open_speed) || !(rise < 0.0)) return;
+    const double ends[2] = {-wall->extent[1], -wall->extent[0]};
+    memcpy(wall->extent, ends, sizeof ends);
+    for (int c = 0; c < 2; c++) wall->direction[c] = -wall->direction[c];
+}
+
 /* A direction of any length; one of length 1 stays as it is to the bit. */
 static rp_status normalise(const config_setting_t *setting, double v[2])
 {
@@ -234,10 +241,7 @@ static rp_status read_line(const config_setting_t *setting, const wall_entry *en
     RP_TRY(rp_config_pair(direction, wall.direction));
     RP_TRY(normalise(direction, wall.direction));
     if (extent) RP_TRY(rp_config_pair(extent, wall.extent));
-    for (int end = 0; end < 2; end++) {
-        wall.joined[end] = isfinite(entry->corner[end]);
-        wall.corner[end] = wall.joined[end] ? entry->corner[end] : 0.0;
-    }
+    put_lower_end_first(&wall);
     return add_wall(setting, &wall, scene);
 }
 
@@ -254,9 +258,7 @@ static rp_status add_sides(const config_setting_t *setting, const wall_entry *en
 {
     const double *points = through->at;
     const size_t n = through->n;
-    const bool closed = through->closed;
-    const size_t first = scene->def.n_walls, sides = closed ? n : n - 1;
-    for (size_t i = 0; i < sides; i++) {
+    for (size_t i = 0; i < (through->closed ? n : n - 1); i++) {
         const double *p = &points[2 * i], *q = &points[2 * ((i + 1) % n)];
         const double dx = q[0] - p[0], dy = q[1] - p[1], length = hypot(dx, dy);
         if (!(length > 0.0) || !isfinite(length))
@@ -266,19 +268,9 @@ static rp_status add_sides(const config_setting_t *setting, const wall_entry *en
         memcpy(wall.point, p, sizeof wall.point);
         wall.direction[0] = -dy / length, wall.direction[1] = dx / length;
         wall.extent[0] = 0.0, wall.extent[1] = length;
+        put_lower_end_first(&wall);
         RP_TRY(add_wall(setting, &wall, scene));
     }
-    for (size_t i = closed ? 0 : 1; i < sides; i++) {
-        dem_wall *before = &scene->walls[first + (i + sides - 1) % sides], *after = &scene->walls[first + i];
-        const double *a = before->direction, *b = after->direction;
-        before->joined[1] = after->joined[0] = true;
-        before->corner[1] = after->corner[0] = atan2(a[0] * b[1] - a[1] * b[0], a[0] * b[0] + a[1] * b[1]);
-        if (!(fabs(after->corner[0]) < 3.14))
-            return rp_config_fail(setting, "polygon: folds back at [%g, %g]", after->point[0],
-                                  after->point[1]);
-    }
-    for (size_t i = first; i < scene->def.n_walls && i < DEM_FEW_WALLS; i++)
-        scene->def.walls[i] = scene->walls[i];
     return RP_OK;
 }
 
@@ -315,8 +307,9 @@ static rp_status read_circle(const config_setting_t *circle, wall_entry *entry, 
 
 static rp_status read_wall(const config_setting_t *setting, dem_scene *scene)
 {
-    static const char *const others[] = {"point",  "direction", "extent", "polygon",
-                                         "circle", "velocity",  "pivot",  NULL};
+    /* corner_lower and corner_upper joined walls before all walls that meet were joined */
+    static const char *const others[] = {"point",    "direction", "extent",       "polygon",      "circle",
+                                         "velocity", "pivot",     "corner_lower", "corner_upper", NULL};
     wall_entry entry = {.line.extent = {-INFINITY, INFINITY}};
     rp_params_defaults(wall_schema, &entry);
     RP_TRY(rp_config_group(setting, wall_schema, &entry, others));
@@ -584,6 +577,7 @@ static rp_status read_scene(const char *path, config_t *config, const rp_texts *
     const config_setting_t *gravity = config_setting_get_member(root, "gravity");
     if (gravity) RP_TRY(rp_config_pair(gravity, def->gravity));
     def->skin = fmax(def->skin, 0.0);
+    def->x_min = isinf(file->x_min) ? -INFINITY : file->x_min;
     def->y_min = isinf(file->y_min) ? -INFINITY : file->y_min;
     def->turn_per_step = file->turn_deg * (M_PI / 180.0);
     def->box_turn_per_step = file->box_turn_deg * (M_PI / 180.0);
@@ -654,6 +648,7 @@ static void write_top(FILE *out, const dem_scene *scene)
     const double density = scene->has_fill ? scene->fill.density : dem_physics_default().density;
     scene_file file = {.scene = *scene, .physics = dem_physics_of(def, density), .particles_file = ""};
     if (def->skin == 0.0) file.scene.def.skin = -1.0;
+    file.x_min = isinf(def->x_min) ? INFINITY : def->x_min;
     file.y_min = isinf(def->y_min) ? INFINITY : def->y_min;
     file.turn_deg = def->turn_per_step * (180.0 / M_PI);
     file.box_turn_deg = def->box_turn_per_step * (180.0 / M_PI);
@@ -670,8 +665,6 @@ static void write_walls(FILE *out, const dem_definition *def)
     for (size_t w = 0; w < def->n_walls; w++) {
         const dem_wall *wall = &dem_walls_of(def)[w];
         wall_entry entry = {.line = *wall};
-        for (int end = 0; end < 2; end++)
-            entry.corner[end] = wall->joined[end] ? wall->corner[end] : INFINITY;
         fputs(w ? ",\n  { " : "\n  { ", out);
         write_pair(out, "point", wall->point);
         write_pair(out, "direction", wall->direction);

@@ -45,10 +45,6 @@ rp_status dem_wall_check(const dem_wall *w)
         return rp_fail(RP_BAD_INPUT,
                        "open_speed = %g: must be at least 0, and a wall that opens slowly needs a lower end",
                        w->open_speed);
-    for (int end = 0; end < 2; end++)
-        if (w->joined[end] && !(isfinite(w->extent[end]) && fabs(w->corner[end]) < M_PI))
-            return rp_fail(RP_BAD_INPUT, "corner = %g at %g: a turn in (-pi, pi) at an end expected",
-                           w->corner[end], w->extent[end]);
     if (!are_finite(2, w->velocity) || !isfinite(w->omega) || !are_finite(2, w->pivot))
         return rp_fail(RP_BAD_INPUT, "velocity, omega and pivot must be finite");
     if (w->open_at_step >= 0 && isfinite(w->open_speed) && dem_wall_moves(w))
@@ -128,9 +124,11 @@ rp_status dem_grain_check(const dem_definition *def, const dem_grain *p)
         (!def->rotation && (p->angle != 0.0 || p->omega != 0.0)))
         return rp_fail(RP_BAD_INPUT, "angle = %g, omega = %g: %s", p->angle, p->omega,
                        def->rotation ? "must be finite" : "needs rotation");
-    if (p->x > def->x_max || p->y < def->y_min)
-        return rp_fail(RP_BAD_INPUT, "x = %g, y = %g: starts beyond x_max = %g or y_min = %g", p->x, p->y,
-                       def->x_max, def->y_min);
+    const char *beyond = p->x < def->x_min   ? "x_min"
+                         : p->x > def->x_max ? "x_max"
+                         : p->y < def->y_min ? "y_min"
+                                             : NULL;
+    if (beyond) return rp_fail(RP_BAD_INPUT, "x = %g, y = %g: starts beyond %s", p->x, p->y, beyond);
     return RP_OK;
 }
 

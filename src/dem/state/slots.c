@@ -50,3 +50,28 @@ void dem_walls_find_starts(dem_walls *walls, size_t n)
         walls->start[w] = k;
     }
 }
+
+/* Is a slot of this grain, before this last one, of a segment? */
+static bool has_segment(const dem_walls *w, size_t last)
+{
+    bool has = false;
+    for (size_t k = w->slot[last].next; k != last; k = w->slot[k].next)
+        has |= !dem_wall_is_line(&w->wall[w->slot[k].wall]);
+    return has;
+}
+
+void dem_walls_link(dem_walls *walls, size_t n_grains, uint32_t *last)
+{
+    memset(last, 0xff, n_grains * sizeof *last);
+    for (uint32_t k = 0; k < walls->n_slots; k++) {
+        dem_wall_slot *slot = &walls->slot[k];
+        uint32_t *before = &last[slot->grain];
+        slot->next = k & INT32_MAX;
+        if (*before != UINT32_MAX) {
+            slot->next = walls->slot[*before].next;
+            walls->slot[*before].next = k & INT32_MAX;
+        }
+        *before = k;
+        slot->leads = !dem_wall_is_line(&walls->wall[slot->wall]) && !has_segment(walls, k);
+    }
+}

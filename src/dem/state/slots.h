@@ -15,6 +15,8 @@ typedef struct {
     double spring, roll, side;
     double rest; /* on the ground: the middle of the well, along the ground, from the wall's point */
     dem_well well;
+    /* the next slot of this grain, after the last one the first; is it the first at a segment of several? */
+    uint32_t next : 31, leads : 1;
 } dem_wall_slot;
 
 /* Where a wall is now. Of one that moves by itself: the displacement of its point at p in the last step over
@@ -25,7 +27,6 @@ typedef struct {
     bool moves, plain; /* plain: a whole line that never opens, nor moves by itself */
     dem_vec drift, pivot, swing, turn, turn_of_step;
     double reach;
-    dem_vec half_corner[2]; /* cosine and sine of half the turn to the wall that is joined at an end */
 } dem_wall_line;
 
 /* Arrays with an entry for each wall, and one more: type, name. start, next: the first slot, and the first
@@ -91,7 +92,8 @@ static inline double dem_finite_mu(double mu)
     return fmin(mu, 1e300);
 }
 
-/* Of n walls, the first slot of each. */
+/* Of n walls, the first slot of each; and the slots of each of n_grains, with as many numbers of room. */
 void dem_walls_find_starts(dem_walls *walls, size_t n);
+void dem_walls_link(dem_walls *walls, size_t n_grains, uint32_t *last);
 
 #endif

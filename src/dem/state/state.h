@@ -95,7 +95,7 @@ static inline bool dem_is_fixed(const dem_sim *sim, size_t i)
 static inline bool dem_beyond(const dem_sim *sim, dem_vec x)
 {
     x = dem_to_box(&sim->walls, x);
-    return (x[0] > sim->def.x_max) | (x[1] < sim->def.y_min);
+    return (x[0] < sim->def.x_min) | (x[0] > sim->def.x_max) | (x[1] < sim->def.y_min);
 }
 
 /* Has grain i at x moved beyond its margin, so that the neighbour list may lack a pair of it? True for NaN.
