@@ -412,7 +412,8 @@ INLINE void advance_grains(dem_sim *sim, size_t from, size_t to, dem_moved *move
     const goal now = {sim->grains.motion, sim->grains.angle, sim->grains.omega, true};
     const dem_definition *def = &sim->def;
     const plane most = plane_of((dem_vec){turned ? INFINITY : def->x_max, INFINITY}),
-                least = plane_of(turned ? (dem_vec){-INFINITY, -INFINITY} : (dem_vec){def->x_min, def->y_min});
+                least =
+                    plane_of(turned ? (dem_vec){-INFINITY, -INFINITY} : (dem_vec){def->x_min, def->y_min});
     num fast = {0};
     bool far = false, out = false;
     size_t i = from;
