@@ -105,7 +105,7 @@ dem_definition grains_too_soft(bool floor, dem_grain **grains)
 {
     dem_definition def = grains_box(1200, 6.0, 9, grains);
     *(floor ? &def.walls[DEM_BOX_FLOOR].material.k_n : &def.material.k_n) = 1e3;
-    def.material.gamma_n = def.walls[DEM_BOX_FLOOR].material.gamma_n = 0.0;
+    def.material.gamma_n = def.walls[DEM_BOX_FLOOR].material.gamma_n = 1e-9;
     return def;
 }
 

@@ -402,7 +402,8 @@ static const struct {
     {"hertz",
      "normal = { law = \"hertz\"; k_n = 1.0e6; gamma_n = 400.0; tension = false; };\n" WALLS
      "tangential = { law = \"spring\"; k_s = 2.0e4; gamma_s = 30.0; mu = 0.2; damping = \"inside\"; };\n"},
-    {"slip", "normal = { law = \"hertz\"; k_n = 1.0e6; restitution = 0.8; tension = false; };\n"
+    {"slip", "normal = { law = \"hertz\"; k_n = 1.0e6; restitution = 0.8; restitution_speed = 50.0; tension "
+             "= false; };\n"
              "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; mu = 0.4; },\n"
              "  { point = [0.15, 0.0]; direction = [0.96, 0.28]; }, { point = [1.6, 0.0]; direction = [-1.0, "
              "0.0]; } );\n"

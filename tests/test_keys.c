@@ -84,7 +84,8 @@ static candidates find_candidates(const rp_param *p, const char *now)
 static const char *const scenes[] = {
     "rotation = true; steps = 300; normal = { k_n = 1.0e5; }; rolling = { mu = 0.05; };\n" FRICTION WALLS
         GRAINS(SPIN),
-    "rotation = true; steps = 300; ledger = true; normal = { restitution = 0.4; }; rolling = { };\n"
+    "rotation = true; steps = 300; ledger = true; normal = { restitution = 0.4; restitution_speed = 60.0; }; "
+    "rolling = { };\n"
     "gravity_turn_deg_per_step = 0.01;\n"
     "tangential = { law = \"spring\"; mu = 0.1; damping = \"inside\"; gamma_s = 300.0; };\n" WALLS GRAINS(
         SPIN),
@@ -196,7 +197,8 @@ static void test_scene_keys(void)
     {protocol, settings " k_n=1e5", "normal", "linear"},                                                     \
         {protocol, settings " restitution=0.4 gamma_s=5", "normal", "tsuji"},                                \
         {protocol, settings " mu=0 mu_floor=0", "tangential", "none"},                                       \
-        {protocol, settings, "restitution", "0.4"},                                                          \
+        {protocol, settings " restitution=0.6 restitution_speed=60", "restitution", "0.4"},                  \
+        {protocol, settings " restitution=0.6 restitution_speed=60", "restitution_speed", "30"},             \
         {protocol, settings " mu=0.2 rotation=true", "rotation", "false"},                                   \
         {protocol, settings " mu=0.2 tangential=slip_roll gamma_s=31", "integrator", "implicit"},            \
     {                                                                                                        \

@@ -317,7 +317,7 @@ static void sticking(void)
 {
     for (int integrator = 0; integrator < DEM_INTEGRATORS; integrator++) {
         dem_grain grain;
-        const dem_material floor = {.k_n = 2e6, .k_s = 1e4, .mu = INFINITY};
+        const dem_material floor = {.k_n = 2e6, .gamma_n = 1e-12, .k_s = 1e4, .mu = INFINITY};
         dem_definition def = kicked(&grain, 3.0, &floor);
         def.integrator = integrator, def.dt = 9e-5;
         if (dem_scheme_check(&def)) continue;

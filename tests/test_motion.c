@@ -302,7 +302,7 @@ static void sticking_contact_rings(void)
         dem_grain grains[2] = {{0.0, rest, R, M, v, 0.0}, {0.0, -flat, flat, M, 0.0, 0.0, .fixed = true}};
         dem_definition def = one_on_floor(grains);
         def.integrator = integrators[k % 2];
-        def.material = (dem_material){.k_n = k_n, .k_s = k_s, .mu = INFINITY};
+        def.material = (dem_material){.k_n = k_n, .gamma_n = 1e-300, .k_s = k_s, .mu = INFINITY};
         def.walls[0].material = def.material, def.skin = 0.04, def.dt = dt;
         if (k / 2) {
             def.n_walls = 0, def.n_grains = 2;

@@ -124,7 +124,9 @@ typedef struct {
     dem_tangential_law tangential;
     dem_slip slip;
     dem_damping damping;
-    bool tension;    /* true: the damped normal force may pull, as (2a) is printed */
+    double restitution_speed; /* at which the restitution of a law without a damping ratio holds; INFINITY:
+                                 none */
+    bool tension;             /* true: the damped normal force may pull, as (2a) is printed */
     bool rotation;   /* else the grains only translate, and no mu_roll may be above 0; not with Gear */
     dem_shape shape; /* gives the moments of inertia */
     dem_material material;
@@ -213,7 +215,8 @@ const char *dem_fault_text(dem_fault fault);
 
 /* Largest time step that the definition allows, 3.4/(3 gamma + sqrt(9 gamma^2 + 12 omega^2)): 0.85 of the
  * stability limit of a packing's fastest mode; with Verlet and the linear law 0.95 of it. omega^2 and gamma
- * belong to the quickest contact in an impact from the start's height and speed; limits.c derives them. A
+ * belong to the quickest contact in an impact from the start's height and speed; limits.c derives them. Where a
+ * contact has no normal damping, also that at which an impact changes the energy by 1 % at most. A
  * single pair becomes unstable at about twice the limit. Gear has a further limit, see gear.c; the implicit
  * integrator has none, INFINITY. `what` (may be NULL) names the contact that sets the limit. dem_create also
  * checks the overlaps of the start. Measured in validation/stability.c. */

@@ -126,15 +126,10 @@ rp_status sweep_check_output(const char *dir, const char *path)
     return status;
 }
 
-static rp_status check_points(const sweep_plan *plan, const char *file, const sweep_watch *watch,
-                              size_t *undamped)
+static rp_status check_points(const sweep_plan *plan, const char *file, const sweep_watch *watch)
 {
-    const rp_param *damping = rp_params_find(plan->protocol->schema, "gamma_n");
-    *undamped = 0;
     for (size_t i = 0; i < plan->n_points; i++) {
         RP_TRY(sweep_plan_check_point(plan, file, i));
-        const char *values = sweep_plan_point(plan, i);
-        *undamped += damping && *(const double *)(values + damping->offset) == 0.0;
         if (watch && watch->call) watch->call("grid points checked", i + 1, plan->n_points, watch->context);
     }
     return RP_OK;
@@ -146,11 +141,10 @@ rp_status sweep_prepare(const char *file, const char *dir, size_t replicas,
 {
     sweep_folder f;
     FILE *out = NULL;
-    size_t undamped = 0;
     rp_status status = name_files(dir, &f);
     if (!status) status = sweep_plan_read(file, protocols, &f.plan);
     if (!status && replicas > 0) status = sweep_plan_replicate(&f.plan, replicas);
-    if (!status) status = check_points(&f.plan, file, watch, &undamped);
+    if (!status) status = check_points(&f.plan, file, watch);
     if (!status) status = rp_make_directory(dir);
     if (!status) status = lock_folder(&f);
     if (!status) status = sweep_store_open(f.sqlite, SWEEP_CREATE, &f.store);
@@ -161,7 +155,6 @@ rp_status sweep_prepare(const char *file, const char *dir, size_t replicas,
         status = rp_file_close(f.cfg, out, RP_OK);
     }
     if (!status) status = sweep_store_count(f.store, &f.plan, counts);
-    counts->undamped = undamped;
     sweep_folder_close(&f);
     return status;
 }

@@ -36,7 +36,6 @@ enum { SWEEP_MAX_WORDS = 32, SWEEP_MAX_TABLES = 64 };
 /* How far a sweep is. A result is a row whose status starts with "ok"; the others are failed. */
 typedef struct {
     size_t points, replicas, planned, stored, failed, n_words;
-    size_t undamped;  /* grid points with gamma_n = 0; of sweep_prepare alone */
     size_t running;   /* stores to which a process writes; of sweep_status alone, as are those below */
     double seconds;   /* of the latest runs, on average; NaN without any */
     char shards[256]; /* "2,5-7 of 8": those with runs to do; "" without shards, or when all are done */

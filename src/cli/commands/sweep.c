@@ -36,17 +36,6 @@ static void warn_sweep(const char *path)
     config_destroy(&config);
 }
 
-/* An energy that grows is seen in a run's tables, and not in its row. */
-static void warn_undamped(const char *file, const sweep_counts *counts)
-{
-    if (counts->undamped > 0)
-        fprintf(stderr,
-                "repose sweep: warning: gamma_n = 0 at %zu of %zu grid points: without damping the energy of "
-                "a run "
-                "can grow, at any dt; repose run %s --row N -o DIR writes it\n",
-                counts->undamped, counts->points, file);
-}
-
 #define PLAN_OPTIONS(X)                                                                                      \
     X(TEXT, o, "", NULL, "", "folder of the sweep; created if missing")                                      \
     X(INT, replicas, "", "auto", "[1, 1000000] | auto", "runs per grid point; auto: the number in the file") \
@@ -78,7 +67,6 @@ static rp_status act_plan(cli_call *call, const void *values)
                          o->replicas > 0 ? (size_t)o->replicas : 0, sweep_protocols, cli_watch(o->quiet),
                          &counts));
     warn_sweep(cli_data(call->arena, cli_argument(call, 0)));
-    warn_undamped(cli_argument(call, 0), &counts);
     print_planned(call, o->o, &counts);
     return RP_OK;
 }
@@ -314,7 +302,6 @@ static rp_status make_runs(const cli_call *call, const make_options *o, const ch
     RP_TRY(cli_claim_sweep(o->o, file, o->force));
     RP_TRY(sweep_prepare(file, o->o, replicas, sweep_protocols, cli_watch(o->quiet), &counts));
     warn_sweep(file);
-    warn_undamped(cli_argument(call, 0), &counts);
     const rp_status status = cli_sweep_run(o->o, options, o->quiet, &counts);
     if (!status || status == RP_NO_RESULT) print_summary(recipe->name, &counts);
     RP_TRY(status);

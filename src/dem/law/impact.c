@@ -106,6 +106,21 @@ rp_status dem_collision(const dem_head_on *o, dem_collision_result *result)
     return RP_OK;
 }
 
+double dem_impact_error(const dem_head_on *o, double restitution, double dt)
+{
+    enum { PHASES = 16, LONGEST = 100000 };
+    double worst = 0.0;
+    for (int phase = 0; phase < PHASES; phase++) {
+        double v = o->v, x = o->v * dt * (phase + 0.5) / PHASES;
+        for (int k = 0; k < LONGEST && x > 0.0; k++) {
+            v -= dt / o->m_eff * dem_law_normal(o->normal, o->tension, o->k_n, o->gamma_n, o->m_eff, x, -v);
+            x += dt * v;
+        }
+        worst = fmax(worst, fabs(v * v / (o->v * o->v) - restitution * restitution));
+    }
+    return worst;
+}
+
 typedef struct {
     dem_head_on of;
     double restitution;

@@ -21,6 +21,10 @@ typedef struct {
 } dem_collision_result;
 rp_status dem_collision(const dem_head_on *bodies, dem_collision_result *result);
 
+/* Largest error of the part of their energy that is left after the impact, by leapfrog steps dt that begin
+ * anywhere before touch; the exact impact has this restitution. */
+double dem_impact_error(const dem_head_on *bodies, double restitution, double dt);
+
 /* gamma_n with which their impact has this restitution, in (0, 1], whatever gamma_n they have: in closed
  * form, at any speed, where the law has a damping ratio; else from dem_collision, to 1e-12 of it. Errors:
  * RP_BAD_INPUT, RP_NO_MEMORY. */

@@ -55,7 +55,10 @@
       DEM_AUTOMATIC(m->k_n), DEM_WALL(2.0), DEM_MEANING("normal stiffness" DEM_K_N_UNITS)) \
     X(MATERIAL, RP_REAL, restitution, DEM_KEY("restitution"), DEM_UNIT(""), DEM_DEFAULT("auto"), DEM_RANGE("(0, 1]"), \
       DEM_ALSO(" | auto"), DEM_AUTOMATIC(-1.0), DEM_WALL(1.0), \
-      DEM_MEANING("of two mean grains (of one at a wall), gives gamma_n; hertz: at the speed of the start's impact; auto: by gamma_n")) \
+      DEM_MEANING("of two mean grains (of one at a wall), gives gamma_n; hertz: at restitution_speed; auto: by gamma_n")) \
+    X(SCENE, RP_REAL, restitution_speed, DEM_KEY("restitution_speed"), DEM_UNIT("cm/s"), DEM_DEFAULT("none"), \
+      DEM_RANGE("(0, inf) | none"), DEM_NO_WALL, \
+      DEM_MEANING("speed of impact at which the restitution of hertz holds; slower impacts lose more")) \
     X(MATERIAL, RP_REAL, gamma_n, DEM_KEY("gamma_n"), DEM_UNIT("1/s"), DEM_DEFAULT("auto"), DEM_RANGE("[0, inf)"), \
       DEM_ALSO(" | auto"), DEM_AUTOMATIC(m->restitution > 0.0 || !rate ? -1.0 : rp_units_value("1/s", 500.0)), DEM_WALL(1.0), \
       DEM_MEANING("normal damping" DEM_GAMMA_N_UNITS "; auto: by restitution, else 500/s")) \

@@ -25,11 +25,17 @@ void dem_write_notes(const dem_sim *sim, FILE *out)
         rp_table_note(out, "restitution", "%.4f of two mean grains, at any speed",
                       dem_restitution(sim->def.tension, law->damping_ratio(c->k_n, c->gamma_n, m_eff)));
     dem_collision_result impact;
-    if (!(v > 0.0) ||
-        dem_collision(&(dem_head_on){sim->def.normal, sim->def.tension, c->k_n, c->gamma_n, m_eff, v},
-                      &impact) != RP_OK)
-        return;
-    rp_table_note(out, "impact",
-                  "two mean grains at %.4g %s: restitution %.3f, overlap %.3g d, dt/contact time %.3g", v,
-                  rp_unit("cm/s"), impact.restitution, impact.overlap / (2.0 * r), sim->def.dt / impact.time);
+    dem_head_on mean = {sim->def.normal, sim->def.tension,          c->k_n, c->gamma_n,
+                        m_eff,           sim->def.restitution_speed};
+    if (!law->damping_ratio && isfinite(mean.v) && dem_collision(&mean, &impact) == RP_OK)
+        rp_table_note(out, "restitution", "%.4f of two mean grains at %.4g %s; slower impacts lose more",
+                      impact.restitution, mean.v, rp_unit("cm/s"));
+    mean.v = v;
+    if (!(v > 0.0) || dem_collision(&mean, &impact) != RP_OK) return;
+    rp_table_note(
+        out, "impact",
+        "two mean grains at %.4g %s: restitution %.3f, overlap %.3g d, dt/contact time %.3g, error of the "
+        "energy about %.2g %%",
+        v, rp_unit("cm/s"), impact.restitution, impact.overlap / (2.0 * r), sim->def.dt / impact.time,
+        100.0 * dem_impact_error(&mean, impact.restitution, sim->def.dt));
 }

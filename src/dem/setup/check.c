@@ -200,7 +200,7 @@ rp_status dem_definition_check(const dem_definition *def)
 
 rp_status dem_material_check(const dem_definition *def, const dem_material *m)
 {
-    RP_TRY(dem_restitution_check(m));
+    RP_TRY(dem_restitution_check(def, m));
     const char *law = dem_normal_descriptors[def->normal].name;
     if (m->gamma_n < 0.0 && !(m->restitution > 0.0))
         return rp_fail(RP_BAD_INPUT, "gamma_n: has no default for the law %s; give it or restitution", law);

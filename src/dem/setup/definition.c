@@ -8,6 +8,7 @@ dem_definition dem_definition_default(void)
     dem_definition def = {
         .gravity = {0.0, -981.0},
         .implicit = {.relaxation = 0.7, .tolerance = 1e-15, .max_iterations = 1000},
+        .restitution_speed = INFINITY,
         .x_min = -INFINITY,
         .x_max = INFINITY,
         .y_min = -INFINITY,

@@ -33,7 +33,7 @@ rp_status dem_check_start_overlaps(const dem_sim *sim);
 rp_status dem_refuse_turn(void);
 
 /* Restitution and damping of a contact, of which one is given. Errors: RP_BAD_INPUT. */
-rp_status dem_restitution_check(const dem_material *m);
+rp_status dem_restitution_check(const dem_definition *def, const dem_material *m);
 
 /* Is gamma_n a rate? Does any contact resist rolling? */
 bool dem_damps_by_rate(const dem_definition *def);

@@ -71,29 +71,30 @@ dem_material dem_wall_material(const dem_material *given, const dem_material *gr
     return m;
 }
 
-rp_status dem_restitution_check(const dem_material *m)
+rp_status dem_restitution_check(const dem_definition *def, const dem_material *m)
 {
+    const dem_normal_descriptor *law = &dem_normal_descriptors[def->normal];
     if (m->restitution > 0.0 && m->gamma_n >= 0.0)
         return rp_fail(RP_BAD_INPUT, "restitution = %g, gamma_n = %g: give one, the other follows",
                        m->restitution, m->gamma_n);
+    if (m->restitution > 0.0 && !law->damping_ratio && !isfinite(def->restitution_speed))
+        return rp_fail(
+            RP_BAD_INPUT,
+            "restitution = %g: that of the law %s depends on speed; give restitution_speed, in (0, "
+            "inf), the speed of the impacts that count, as sqrt(2 g h) of a fall, or gamma_n instead",
+            m->restitution, law->name);
     return rp_check_range("restitution", m->restitution, -INFINITY, 1.0, "(0, 1]");
 }
 
-/* gamma_n of a contact of mass m_eff whose impacts at speed v have the restitution. */
-static rp_status find_damping(const dem_definition *def, double m_eff, double v, dem_material *m)
+/* gamma_n of a contact of mass m_eff whose impacts have the restitution. */
+static rp_status find_damping(const dem_definition *def, double m_eff, dem_material *m)
 {
-    rp_status status = dem_restitution_check(m);
+    rp_status status = dem_restitution_check(def, m);
     if (status || !(m->restitution > 0.0)) return status;
-    const dem_normal_descriptor *law = &dem_normal_descriptors[def->normal];
     if (!(m->k_n > 0.0)) return rp_fail(RP_BAD_INPUT, "restitution = %g: needs k_n > 0", m->restitution);
-    if (!law->damping_ratio && !(v > 0.0))
-        return rp_fail(
-            RP_BAD_INPUT,
-            "restitution = %g: that of the law %s depends on speed, and the start has no impact to "
-            "come; give gamma_n",
-            m->restitution, law->name);
-    status = dem_damping_of(&(dem_head_on){def->normal, def->tension, .k_n = m->k_n, .m_eff = m_eff, .v = v},
-                            m->restitution, &m->gamma_n);
+    status = dem_damping_of(
+        &(dem_head_on){def->normal, def->tension, .k_n = m->k_n, .m_eff = m_eff, .v = def->restitution_speed},
+        m->restitution, &m->gamma_n);
     m->restitution = -1.0;
     return status;
 }
@@ -123,10 +124,9 @@ rp_status dem_physics_resolve(dem_definition *def)
     dem_wall *walls = own_walls(def);
     if (!walls) return rp_fail(RP_NO_MEMORY, "%zu walls: out of memory", def->n_walls);
     if (def->wall_list) def->wall_list = walls;
-    const double v = dem_impact_speed(def);
     double mass = 0.0;
     for (size_t i = 0; i < def->n_grains; i++) mass += def->grains[i].m / (double)def->n_grains;
-    RP_TRY(find_damping(def, 0.5 * mass, v, &def->material));
+    RP_TRY(find_damping(def, 0.5 * mass, &def->material));
     complete(def, &def->material);
     dem_material given;
     for (size_t w = 0; w < def->n_walls; w++) {
@@ -136,7 +136,7 @@ rp_status dem_physics_resolve(dem_definition *def)
             continue;
         }
         given = *m;
-        RP_TRY(rp_prefix(find_damping(def, mass, v, m), "wall %zu: ", w + 1));
+        RP_TRY(rp_prefix(find_damping(def, mass, m), "wall %zu: ", w + 1));
         *m = dem_wall_material(m, &def->material);
     }
     return RP_OK;
