@@ -215,9 +215,9 @@ const char *dem_fault_text(dem_fault fault);
 
 /* Largest time step that the definition allows, 3.4/(3 gamma + sqrt(9 gamma^2 + 12 omega^2)): 0.85 of the
  * stability limit of a packing's fastest mode; with Verlet and the linear law 0.95 of it. omega^2 and gamma
- * belong to the quickest contact in an impact from the start's height and speed; limits.c derives them. Where a
- * contact has no normal damping, also that at which an impact changes the energy by 1 % at most. A
- * single pair becomes unstable at about twice the limit. Gear has a further limit, see gear.c; the implicit
+ * belong to the quickest contact in an impact from the start's height and speed; limits.c derives them. Where
+ * a contact has no normal damping, also that at which an impact changes the energy by 1 % at most. A single
+ * pair becomes unstable at about twice the limit. Gear has a further limit, see gear.c; the implicit
  * integrator has none, INFINITY. `what` (may be NULL) names the contact that sets the limit. dem_create also
  * checks the overlaps of the start. Measured in validation/stability.c. */
 double dem_time_step_limit(const dem_definition *def, const char **what);
