@@ -446,6 +446,23 @@ static void table_forms(void)
     file_print(path, "%s", "x,y\n1,2\n5,\n");
     CHECK_FAILS(rp_table_read(path, &t), RP_BAD_INPUT, ":3: 1 cells where 2 are expected");
     rp_table_free(&t);
+    /* quotes around names and cells; a first column without a name is an index */
+    static const char *const indexed[] = {"\"\",\"x\",\"say, y\"\n\"5\",\"1\",\"a, b\"\n6,2,c\n",
+                                          ",x,say\n5,1,a\n6,2,c\n", "\tx\tsay\n5\t1\ta\n6\t2\tc\n"};
+    for (size_t i = 0; i < sizeof indexed / sizeof *indexed; i++) {
+        file_print(path, "%s", indexed[i]);
+        CHECK_OK(rp_table_read(path, &t));
+        CU_ASSERT(t.n_columns == 3 && t.n_rows == 2 && rp_table_column(&t, "x") == 1);
+        CU_ASSERT(rp_table_column(&t, i ? "say" : "say, y") == 2 &&
+                  (i == 0 || rp_table_column(&t, "index") == 0));
+        CU_ASSERT_STRING_EQUAL(t.cells[0], "5");
+        CU_ASSERT_STRING_EQUAL(t.cells[2], i ? "a" : "a, b");
+        CU_ASSERT_STRING_EQUAL(t.cells[4], "2");
+        rp_table_free(&t);
+    }
+    file_print(path, "%s", ",x,y\n1,2\n3,4\n");
+    CHECK_FAILS(rp_table_read(path, &t), RP_BAD_INPUT, ":2: 2 cells where 3 are expected");
+    rp_table_free(&t);
     unlink(path);
 }
 

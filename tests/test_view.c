@@ -866,7 +866,7 @@ static void test_kinds(void)
  */
 static void test_hostile(void)
 {
-    static const char *const texts[] = {"`>hit`",     "'`>hit`'", "\"`>hit`\"", "';system('>hit');'",
+    static const char *const texts[] = {"`>hit`",     "'`>hit`'", "\"`>hit`\"x", "';system('>hit');'",
                                         "\\\"`>hit`", "$(>hit)",  "a';!>hit;'"};
     enter();
     for (size_t k = 0; k < sizeof texts / sizeof *texts; k++) {

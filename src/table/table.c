@@ -98,21 +98,31 @@ static const char *blanks_of(const char *line, bool texts)
     return texts ? "\t\r" : " \t\r";
 }
 
-static size_t count_cells(const char *line, const char *blanks)
+/* The next cell of a line, without the quotes around it, and its length; NULL behind the last. */
+static char *next_cell(char **line, const char *blanks, size_t *n)
 {
-    size_t n = 0;
-    for (; *line; n++) {
-        line += strspn(line, blanks);
-        if (!*line) break;
-        line += strcspn(line, blanks);
-    }
+    char *cell = *line + strspn(*line, blanks), *quote = *cell == '"' ? strchr(cell + 1, '"') : NULL;
+    const bool quoted = quote && strchr(blanks, quote[1]); /* also at the line's end */
+    if (!*cell) return NULL;
+    *n = quoted ? (size_t)(quote - cell) - 1 : strcspn(cell, blanks);
+    *line = quoted ? quote + 1 : cell + *n;
+    return cell + quoted;
+}
+
+static size_t count_cells(char *line, const char *blanks)
+{
+    size_t n = 0, length;
+    while (next_cell(&line, blanks, &length)) n++;
     return n;
 }
 
 static void split_cells(char *line, const char *blanks, char **cells)
 {
-    for (char *save, *cell = strtok_r(line, blanks, &save); cell; cell = strtok_r(NULL, blanks, &save))
+    size_t n;
+    for (char *cell; (cell = next_cell(&line, blanks, &n)); cell[n] = '\0') {
+        line += *line != '\0';
         *cells++ = cell;
+    }
 }
 
 static bool as_number(const char *text, double *value)
@@ -122,15 +132,13 @@ static bool as_number(const char *text, double *value)
     return end != text && !*end;
 }
 
-static bool holds_number(const char *line, const char *blanks)
+static bool holds_number(char *line, const char *blanks)
 {
-    char word[64];
+    char word[64], *cell;
     double value;
-    for (line += strspn(line, blanks); *line; line += strspn(line, blanks)) {
-        const size_t n = strcspn(line, blanks);
-        snprintf(word, sizeof word, "%.*s", (int)n, line);
+    for (size_t n; (cell = next_cell(&line, blanks, &n));) {
+        snprintf(word, sizeof word, "%.*s", (int)n, cell);
         if (n < sizeof word && as_number(word, &value)) return true;
-        line += n;
     }
     return false;
 }
@@ -142,6 +150,7 @@ typedef struct {
     const char *blanks; /* between the cells of a row */
     char *above;        /* the last line with # before the first row */
     bool units_above;   /* the line before this one holds the units */
+    char lead;          /* what the line of names begins with */
     size_t most_rows, most_cells;
 } reading;
 
@@ -150,9 +159,10 @@ static rp_status take_names(reading *r, char *line)
 {
     rp_table *t = r->table;
     const char *blanks = blanks_of(line, r->texts);
+    r->lead = *line;
     if (t->n_columns == 0) t->n_columns = count_cells(line, blanks);
     free(t->names);
-    t->names = calloc(t->n_columns + 1, sizeof *t->names);
+    t->names = calloc(t->n_columns + 2, sizeof *t->names);
     if (!t->names) return rp_fail(RP_NO_MEMORY, "%s: out of memory", t->path);
     if (count_cells(line, blanks) == t->n_columns) split_cells(line, blanks, t->names);
     return RP_OK;
@@ -160,7 +170,7 @@ static rp_status take_names(reading *r, char *line)
 
 /* Column names have a line of their own. In older tables they are the last line with #, below the units or
  * with tabs; and a first row with a number is no header. */
-static bool is_header(const reading *r, const char *line, size_t n)
+static bool is_header(const reading *r, char *line, size_t n)
 {
     if (r->above && strncmp(r->above, "units: ", 7) == 0) return true;
     const bool older = r->above && (r->units_above || strchr(r->above, '\t')) &&
@@ -172,7 +182,11 @@ static bool is_header(const reading *r, const char *line, size_t n)
 static bool has_empty_cell(const char *line, const char *blanks, size_t n)
 {
     size_t commas = 0;
-    for (; *line; line++) commas += *line == ',';
+    bool quoted = false;
+    for (; *line; line++) {
+        quoted ^= *line == '"';
+        commas += *line == ',' && !quoted;
+    }
     return strchr(blanks, ',') && commas + 1 != n;
 }
 
@@ -184,6 +198,16 @@ static bool is_names(const rp_table *t, char *const cells[])
     return t->names && i == t->n_columns;
 }
 
+/* A table with an index has no name for its first column. */
+static void take_index(reading *r, size_t n)
+{
+    static char name[] = "index";
+    rp_table *t = r->table;
+    if (!t->names || (r->lead != ',' && (r->lead != '\t' || n != t->n_columns + 1))) return;
+    memmove(t->names + 1, t->names, t->n_columns++ * sizeof *t->names);
+    t->names[0] = name;
+}
+
 static rp_status take_row(reading *r, char *line, size_t n, size_t line_number)
 {
     rp_table *t = r->table;
@@ -193,6 +217,7 @@ static rp_status take_row(reading *r, char *line, size_t n, size_t line_number)
         blanks = "\t\r";
     }
     if (!t->cells) {
+        take_index(r, n);
         t->n_columns = t->names ? t->n_columns : n;
         const size_t most =
             r->most_rows < r->most_cells / t->n_columns ? r->most_rows * t->n_columns : r->most_cells;

@@ -52,10 +52,11 @@ typedef struct {
 } rp_table;
 
 /* Read `path` ("-": standard input). Tabs, blanks or commas separate the cells; tabs alone do in a row that
- * has one cell a column only so. The names stand in the first line, or in the last line with '#' above a
- * first row with numbers, as older tables have it; a table without names has columns "1", "2", ... A row that
- * repeats the names is left out. Free with rp_table_free, also after an error. Errors: RP_BAD_INPUT (missing
- * file, rows of unequal length), RP_IO, RP_NO_MEMORY. */
+ * has one cell a column only so. Quotes around a cell are no part of it. The names stand in the first line,
+ * or in the last line with '#' above a first row with numbers, as older tables have it; a table without names
+ * has columns "1", "2", ... The first column of a table with an index, which has no name, is "index". A row
+ * that repeats the names is left out. Free with rp_table_free, also after an error. Errors: RP_BAD_INPUT
+ * (missing file, rows of unequal length), RP_IO, RP_NO_MEMORY. */
 rp_status rp_table_read(const char *path, rp_table *table);
 
 /* The same for a table whose cells hold blanks: only tabs separate them, or commas in a table without
