@@ -1077,7 +1077,7 @@ static void bad_definitions(void)
     REFUSES(bad.material.mu_roll = 0.1, "particles: mu_roll = 0.1: needs rotation");
     REFUSES(bad.walls[0].material.mu_roll = 0.1, "wall 1: mu_roll = 0.1: needs rotation");
     def.rotation = true;
-    REFUSES(bad.material.mu_roll = INF, "mu_roll = inf");
+    REFUSES(bad.material.mu_roll = -INF, "mu_roll = -inf");
     REFUSES((bad.material.mu_roll = 0.1, bad.walls[0].material.k_roll = 0.0), "wall 1: k_roll = 0");
     REFUSES((bad.material.mu_roll = 0.1, bad.material.gamma_roll = -1.0), "particles: gamma_roll = -1");
     REFUSES((bad.material.mu_roll = 0.1, bad.material.mu = bad.walls[0].material.mu = 0.0,
@@ -1164,9 +1164,9 @@ static void ranges_of_numbers(void)
                               &m->mu,  &m->mu_roll, &m->k_roll, &m->gamma_roll};
         for (size_t k = 0; k < 8; k++) {
             snprintf(text[k], sizeof text[k], "%s%s = ", whose, names[k]);
-            const bool positive = k == 2 || k == 6;
+            const bool positive = k == 2 || k == 6, any = k == 4 || k == 5;
             const number_range both[] = {{at[k], positive ? least : 0.0, positive ? 0.0 : -tiny, text[k]},
-                                         {at[k], k == 4 ? INF : 1e308, k == 4 ? -INF : INF, text[k]}};
+                                         {at[k], any ? INF : 1e308, any ? -INF : INF, text[k]}};
             check_ranges(&def, 2, both);
         }
     }

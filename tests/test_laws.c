@@ -343,7 +343,10 @@ static void defaults_need_a_rate(void)
         p.tangential = DEM_SPRING;
         dem_physics_apply(&p, &def);
         if (rate) CHECK_NEAR(def.material.gamma_s, 0.003, 1e-17);
-        if (!rate) CHECK_FAILS(dem_physics_check(&def), RP_BAD_INPUT, "gamma_s: has no default");
+        if (!rate)
+            CHECK_FAILS(dem_physics_check(&def), RP_BAD_INPUT,
+                        "gamma_s: has no default for the law tsuji, whose gamma_n is a number; give a "
+                        "rate, in 1/s");
         p.gamma_s = 5.0;
         dem_physics_apply(&p, &def);
         CHECK_OK(dem_physics_check(&def));

@@ -112,6 +112,7 @@ static rp_status fill_in(dem_sim *sim, const dem_definition *def)
     sim->def.n_contacts = 0;
     sim->scheme = dem_schemes[def->integrator];
     sim->mu = dem_finite_mu(def->material.mu);
+    sim->def.material.mu_roll = dem_finite_mu(def->material.mu_roll);
     sim->pairs.rotation = def->rotation;
     sim->pairs.rolling = dem_has_rolling(def);
     sim->pairs.chunk = CHUNK;

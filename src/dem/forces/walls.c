@@ -56,8 +56,9 @@ rp_status dem_walls_place(dem_sim *sim, const dem_definition *def)
     dem_box_turn(sim, def->box_turn_per_step);
     walls->turn_from_step = def->turn_from_step;
     for (size_t w = 0; w < def->n_walls; w++) {
-        const dem_wall *wall = &walls->wall[w];
+        dem_wall *wall = &walls->wall[w];
         dem_wall_line *line = &walls->line[w];
+        wall->material.mu_roll = dem_finite_mu(wall->material.mu_roll);
         walls->mu[w] = dem_finite_mu(wall->material.mu);
         *line = (dem_wall_line){.point = {wall->point[0], wall->point[1]},
                                 .direction = {wall->direction[0], wall->direction[1]},

@@ -96,7 +96,7 @@
     X(MATERIAL, RP_REAL, mu, DEM_KEY("mu"), DEM_UNIT(""), DEM_DEFAULT(default_mu), DEM_RANGE("[0, inf) | infinite"), DEM_ALSO(""), \
       DEM_AUTOMATIC(m->mu), DEM_WALL(1.0), DEM_MEANING("friction between grains, Coulomb's coefficient"))
 #define DEM_MU_ROLL_PARAM(X, default_mu) \
-    X(MATERIAL, RP_REAL, mu_roll, DEM_KEY("mu"), DEM_UNIT(""), DEM_DEFAULT(default_mu), DEM_RANGE("[0, inf)"), DEM_ALSO(""), \
+    X(MATERIAL, RP_REAL, mu_roll, DEM_KEY("mu"), DEM_UNIT(""), DEM_DEFAULT(default_mu), DEM_RANGE("[0, inf) | infinite"), DEM_ALSO(""), \
       DEM_AUTOMATIC(m->mu_roll), DEM_WALL(1.0), \
       DEM_MEANING("rolling resistance: limit of its force, at an arm r_i r_j/(r_i + r_j), over the normal force"))
 
@@ -146,7 +146,7 @@
      fallback,    DEM_ALLOWED_##kind(range, also),                                                           \
      __VA_ARGS__, .inherited = true},
 
-/* Coefficients of one kind of contact, grain-grain or grain-wall. mu may be INFINITY, mu_roll not.
+/* Coefficients of one kind of contact, grain-grain or grain-wall. mu and mu_roll may be INFINITY.
  * Rolling resistance acts through the force of a spring and a dashpot against R_eff (omega_i - omega_j),
  * R_eff = r_i r_j/(r_i + r_j) (at a wall r_i), limited to mu_roll max(F_n, 0), at an arm of R_eff. Damping
  * coefficients are per effective mass. */

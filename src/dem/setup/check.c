@@ -26,7 +26,7 @@ static rp_status check_material(const dem_definition *def, const dem_material *c
     if (dem_has_spring(def->tangential)) RP_TRY(check_number("k_s", c->k_s, DBL_MIN, "(0, inf)"));
     if (dem_has_friction(def->tangential)) RP_TRY(check_number("gamma_s", c->gamma_s, 0.0, "[0, inf)"));
     RP_TRY(rp_check_range("mu", c->mu, 0.0, INFINITY, "[0, inf) | infinite"));
-    RP_TRY(check_number("mu_roll", c->mu_roll, 0.0, "[0, inf)"));
+    RP_TRY(rp_check_range("mu_roll", c->mu_roll, 0.0, INFINITY, "[0, inf) | infinite"));
     RP_TRY(dem_material_check(def, c));
     if (dem_has_rolling(def)) RP_TRY(check_number("k_roll", c->k_roll, DBL_MIN, "(0, inf)"));
     if (dem_has_rolling(def)) RP_TRY(check_number("gamma_roll", c->gamma_roll, 0.0, "[0, inf)"));
@@ -205,8 +205,10 @@ rp_status dem_material_check(const dem_definition *def, const dem_material *m)
     if (m->gamma_n < 0.0 && !(m->restitution > 0.0))
         return rp_fail(RP_BAD_INPUT, "gamma_n: has no default for the law %s; give it or restitution", law);
     if (m->gamma_s < 0.0 && dem_has_friction(def->tangential) && !dem_damps_by_rate(def))
-        return rp_fail(RP_BAD_INPUT, "gamma_s: has no default for the law %s, whose gamma_n is a number",
-                       law);
+        return rp_fail(
+            RP_BAD_INPUT,
+            "gamma_s: has no default for the law %s, whose gamma_n is a number; give a rate, in %s", law,
+            rp_unit("1/s"));
     if (!dem_has_friction(def->tangential) && m->mu > 0.0)
         return rp_fail(RP_BAD_INPUT, "mu = %g: needs a tangential law, as spring", m->mu);
     if (!dem_has_friction(def->tangential) && m->mu_roll > 0.0)
