@@ -1294,6 +1294,9 @@ static void check_outlines(void)
     CU_ASSERT(t.n_rows == 2);
     CHECK_NEAR(cell(&t, 1, "N/mg"), 1.5, ROUNDING);
     rp_table_free(&t);
+    t = base_table("--disks three --summary"); /* not the defaults of parameters that do not describe it */
+    CU_ASSERT(cell(&t, 0, "base") == 2 && isnan(cell(&t, 0, "gap")) && isnan(cell(&t, 0, "disorder")));
+    rp_table_free(&t);
 }
 
 /* The mean over an ensemble is that of its piles; the first pile is that without --piles. */
@@ -1374,6 +1377,9 @@ static void check_note(void)
     CU_ASSERT(run_pile("--disks three") == 0);
     CU_ASSERT(*err == '\0');
     CU_ASSERT(run_pile("--disks column --branch minimum") == 1);
+    write_text("weights", "# x\ty\tm\n0\t0.5\t2\n");
+    CU_ASSERT(run_pile("--disks weights") == 0);
+    CU_ASSERT_STRING_EQUAL(err, "repose pile: weights: not used: m\n");
 }
 
 static void test_program(void)

@@ -128,6 +128,7 @@ static void refused(void)
         const char *change; /* appended to a file with one grain */
         const char *message;
     } cases[] = {
+        {"particles_step = 3;", "particles_step = 3: needs particles_file"},
         {"colour = 1;", ":2: colour: unknown key"},
         {"partcles = 1;", ":2: partcles: unknown key (did you mean \"particles\"?)"},
         {"tangential = { la = \"spring\"; };",
@@ -233,17 +234,21 @@ static void particles_from_table(void)
         "0.5 0.7 0.1 0.005 4 -2 0.3 3 1\n2 8 1.5 0.2 -7 6 9 -1 0\n9 6 3 5 7 4 8 5 1\n",
         "# r omega x y vy fixed\n0.1 3.0 0.5 0.7 -2.0 0\n0.08 0.0 0.1 0.9 0.0 1\n",
         "# step r omega x y vy fixed\n0 0.1 3 9 9 -2 0\n0 0.1 0 9 8 0 1\n0 0.2 0 9 7 0 0\n"
-        "40 0.1 3 0.5 0.7 -2 0\n40 0.08 0 0.1 0.9 0 1\n"};
+        "40 0.1 3 0.5 0.7 -2 0\n40 0.08 0 0.1 0.9 0 1\n",
+        "\"\",\"x\",\"y\",\"r\",\"omega\",\"vy\",\"fixed\",mass\n"
+        "\"0\",0.5,0.7,0.1,3,-2,False,5\n\"1\",0.1,0.9,0.08,0,0,true,6\n"};
     static const dem_grain typed[3] = {{0.5, 0.7, 0.1, 0.005, 4.0, -2.0, 0.3, 3.0, true},
                                        {2.0, 8.0, 1.5, 0.2, -7.0, 6.0, 9.0, -1.0, false},
                                        {9.0, 6.0, 3.0, 5.0, 7.0, 4.0, 8.0, 5.0, true}};
     char table[] = "/tmp/repose-grains-XXXXXX", text[128];
     close(mkstemp(table));
     snprintf(text, sizeof text, "density = 2.0; particles_file = \"%s\";", table);
-    for (int k = 0; k < 4; k++) {
+    for (int k = 0; k < 5; k++) {
         scoped_scene s = {0};
         file_print(table, "%s", texts[k]);
         CHECK_OK(grains_read(text, NULL, &s));
+        CU_ASSERT((strstr(s.unused, ": not used: mass") != NULL) == (k == 4) &&
+                  (k == 4) == (*s.unused != '\0'));
         CU_ASSERT_EQUAL_FATAL(s.def.n_grains, k < 2 ? 3 : 2);
         for (int i = 0; i < 3 && k < 2; i++) CU_ASSERT(same_grain(&s.grains[i], &typed[i]));
         const double volume = 4.0 / 3.0 * M_PI * 0.1 * 0.1 * 0.1;
@@ -255,6 +260,12 @@ static void particles_from_table(void)
             CHECK_NEAR(s.grains[1].m, 2.0 * 0.512 * volume, 1e-16);
         }
     }
+    scoped_scene first = {0}, none = {0};
+    file_print(table, "%s", texts[3]);
+    CHECK_OK(grains_read(text, &(rp_texts){1, {"particles_step=0"}}, &first));
+    CU_ASSERT(first.def.n_grains == 3 && first.grains[0].x == 9.0 && first.grains[2].r == 0.2);
+    CHECK_FAILS(grains_read(text, &(rp_texts){1, {"particles_step=7"}}, &none), RP_BAD_INPUT,
+                ": no rows with step=7");
     static const char *const bad[] = {"-0.1", "0"};
     for (int k = 0; k < 2; k++) {
         scoped_scene s = {0};
@@ -264,6 +275,28 @@ static void particles_from_table(void)
         CHECK_FAILS(grains_read(text, NULL, &s), RP_BAD_INPUT, says);
     }
     unlink(table);
+}
+
+/* Rolling resistance without a limit is that of a limit which no torque reaches. */
+static void infinite_rolling(void)
+{
+    static const char *const limits[] = {"rolling.mu=infinite", "rolling.mu=1e5", "rolling.mu=0.01"};
+    double spin[3];
+    for (int k = 0; k < 3; k++) {
+        scoped_scene s = {0};
+        scoped_sim *sim = NULL;
+        dem_state p[2];
+        CHECK_OK(grains_read("rotation = true; tangential = { law = \"spring\"; mu = 0.5; }; rolling = { };\n"
+                             "walls = ( { point = [0.0, 0.0]; direction = [0.1, 1.0]; } );\n"
+                             "particles = ( { x = 0.0; y = 0.1; r = 0.1; vx = 5.0; },\n"
+                             "              { x = 0.15; y = 0.25; r = 0.1; } );\n",
+                             &(rp_texts){1, {limits[k]}}, &s));
+        CHECK_OK(dem_scene_start(&s, &sim));
+        CHECK_OK(dem_run(sim, 500));
+        CHECK_OK(dem_states(sim, p));
+        spin[k] = p[0].omega;
+    }
+    CU_ASSERT(spin[0] == spin[1] && fabs(spin[0] - spin[2]) > 1e-3 && isfinite(spin[2]));
 }
 
 /* Values of a file, typed again; what is written of them and read again is the same. */
@@ -383,6 +416,7 @@ void suite_scene(void)
                                        {"written and read: the same bits", written_and_read},
                                        {"walls with one end", half_lines},
                                        {"particles from a table", particles_from_table},
+                                       {"infinite rolling", infinite_rolling},
                                        {"values of a file", values_of_a_file},
                                        {"energy of few grains", energy_of_few},
                                        {"refused scenes", refused},

@@ -63,6 +63,24 @@ rp_status rp_columns(rp_arena *arena, const rp_table *table, const char *names, 
     return strcmp(names, "all") == 0 ? RP_OK : rp_column_list(table, names, strlen(names), n, *columns);
 }
 
+static bool is_listed(const char *names, const char *name)
+{
+    for (size_t n; *names; names += n + (names[n] == ','))
+        if ((n = strcspn(names, ",")) == strlen(name) && strncmp(names, name, n) == 0) return true;
+    return false;
+}
+
+const char *rp_columns_beside(rp_arena *arena, const rp_table *table, const char *names)
+{
+    size_t room = 1;
+    for (size_t c = 0; c < table->n_columns && table->names[c]; c++) room += strlen(table->names[c]) + 1;
+    char *text = rp_arena_memory(arena, room, 1), *end = text;
+    for (size_t c = 0; c < table->n_columns && table->names[c]; c++)
+        if (!is_listed(names, table->names[c]))
+            end += sprintf(end, "%s%s", end == text ? "" : " ", table->names[c]);
+    return text;
+}
+
 rp_status rp_columns_read(rp_arena *arena, const rp_table *table, const char *names, double **block)
 {
     int columns[RP_MOST_COLUMNS];

@@ -21,6 +21,9 @@ rp_status rp_column_list(const rp_table *table, const char *names, size_t most, 
 /* The columns of the list `names`, or all of them for "all", as a new array. Errors: RP_BAD_INPUT. */
 rp_status rp_columns(rp_arena *arena, const rp_table *table, const char *names, size_t *n, int **columns);
 
+/* Names of the columns that are none of `names`, with blanks between. */
+const char *rp_columns_beside(rp_arena *arena, const rp_table *table, const char *names);
+
 /* The columns of the list `names` as new arrays of finite numbers, one after the other in one block; of a
  * table, and of one in a file. Errors: RP_BAD_INPUT; those of rp_table_read. */
 enum { RP_MOST_COLUMNS = 32 };

@@ -63,6 +63,8 @@ static rp_status read_disks(rp_arena *arena, const char *path, sweep_outline *h)
     RP_TRY(rp_table_load(arena, path, &table));
     const bool radii = rp_table_column(table, "r") >= 0;
     RP_TRY(rp_columns_read(arena, table, radii ? "x,y,r" : "x,y", &x));
+    const char *unused = rp_columns_beside(arena, table, "id,x,y,r");
+    if (*unused) fprintf(stderr, "repose pile: %s: not used: %s\n", path, unused);
     h->n = table->n_rows;
     h->disks = malloc((h->n + 1) * sizeof *h->disks);
     if (!h->disks) return rp_fail(RP_NO_MEMORY, "pile: out of memory");
@@ -183,7 +185,7 @@ static void draw(size_t n, const statics_result *r, void *context)
     fflush(stderr);
 }
 
-static rp_status solve(const cli_call *call, const options *o, const sweep_outline *h)
+static rp_status solve(const cli_call *call, options *o, const sweep_outline *h)
 {
     sweep_solved s;
     sweep_result results;
@@ -191,6 +193,7 @@ static rp_status solve(const cli_call *call, const options *o, const sweep_outli
     const bool watched = isatty(STDERR_FILENO);
     rp_status status = sweep_pile_solve(&o->pile, h, watched ? draw : NULL, &start, &s, &results);
     if (watched) fputs("\r\033[K", stderr);
+    if (*o->own.disks) o->pile.base = (long)s.r.wells;
     if (!status && s.r.negative_modes) /* no failure: the primary state is what was asked for */
         fprintf(stderr, "repose pile: unstable: %zu negative mode%s; --branch minimum seeks a stable state\n",
                 s.r.negative_modes, s.r.negative_modes == 1 ? "" : "s");
@@ -265,7 +268,9 @@ static rp_status solve_any(cli_call *call, const void *values)
     sweep_outline h = {0};
     rp_status status =
         *o->own.disks ? read_disks(call->arena, o->own.disks, &h) : make_outline(call->arena, o, &h);
-    if (*o->own.disks || *o->own.outline) o->pile.alpha_deg = -1; /* the parameters do not describe it */
+    /* what the parameters do not describe */
+    if (*o->own.disks || *o->own.outline) o->pile.alpha_deg = -1;
+    if (*o->own.disks) o->pile.gap = o->pile.disorder = NAN;
     if (!status)
         status = o->own.piles > 1    ? solve_ensemble(call, o, &h)
                  : o->pile.threshold ? find_threshold(call, o, &h)

@@ -361,6 +361,7 @@ static rp_status hash_scene(const dem_scene *scene, XXH128_hash_t *hash)
 static rp_status read_scene(const char *path, const run_options *o, dem_scene *scene)
 {
     RP_TRY(dem_scene_read(path, &o->set, scene));
+    if (*scene->unused) fprintf(stderr, "repose run: %s\n", scene->unused);
     cli_warn_gravity(path, hypot(scene->def.gravity[0], scene->def.gravity[1]));
     if (o->ledger) scene->def.ledger = true;
     return RP_OK;

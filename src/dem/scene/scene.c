@@ -6,6 +6,7 @@
 #include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 #include "core/arena.h"
 #include "params/config.h"
@@ -24,6 +25,7 @@ typedef struct {
     double x_min, y_min, turn_deg, box_turn_deg;
     int units;
     const char *particles_file;
+    long particles_step; /* -1: the last */
 } scene_file;
 
 #define AT(type, field) offsetof(type, field)
@@ -56,9 +58,9 @@ static const rp_param top_schema[] = {
      "whether to keep the energy ledger, which `repose run -o` writes with the energies; slower, the same "
      "bits"},
     {"particles_file", "", RP_TEXT, AT(scene_file, particles_file), "", "",
-     "table with columns x y r and, if wanted, m vx vy angle omega fixed, of several steps the last; instead "
-     "of "
-     "`particles`"},
+     "table with columns x y r and, if wanted, m vx vy angle omega fixed; instead of `particles`"},
+    {"particles_step", "", RP_INT, AT(scene_file, particles_step), "last", "[0, 2147483647] | last",
+     "step of the table, which may have several"},
     {0}};
 
 static const rp_param normal_schema[] = {DEM_NORMAL_PARAMS(ROW){0}};
@@ -382,6 +384,16 @@ static rp_status read_particles(const config_setting_t *list, scene_file *file)
     return RP_OK;
 }
 
+/* A number; of a boolean also its word, as pandas spells it too. */
+static rp_status read_cell(const rp_table *table, size_t row, int column, const rp_param *key, double *v)
+{
+    const char *cell = rp_cell(table, row, column);
+    if (key->type != RP_BOOL || (strcasecmp(cell, "true") != 0 && strcasecmp(cell, "false") != 0))
+        return rp_table_number(table, row, column, 0, v);
+    *v = tolower((unsigned char)*cell) == 't';
+    return RP_OK;
+}
+
 static rp_status read_particles_table(const rp_table *table, scene_file *file)
 {
     enum { N = sizeof particle_schema / sizeof *particle_schema - 1 };
@@ -398,7 +410,7 @@ static rp_status read_particles_table(const rp_table *table, scene_file *file)
     for (size_t i = 0; i < table->n_rows; i++) {
         double v[N] = {0.0};
         for (int c = 0; c < N; c++)
-            if (columns[c] >= 0) RP_TRY(rp_table_number(table, i, columns[c], 0, &v[c]));
+            if (columns[c] >= 0) RP_TRY(read_cell(table, i, columns[c], &particle_schema[c], &v[c]));
         if (!(v[2] > 0.0))
             return rp_fail(RP_BAD_INPUT, "%s:%zu: r = %g: out of range, allowed: (0, inf)",
                            table->places[i].path, table->places[i].line, v[2]);
@@ -408,14 +420,18 @@ static rp_status read_particles_table(const rp_table *table, scene_file *file)
     return RP_OK;
 }
 
-/* Of a table of states that holds a pile at several steps, the last one. */
-static rp_status take_last_step(rp_table *table)
+/* Of a table of states that holds a pile at several steps, the one that is wanted; -1: the last. */
+static rp_status take_step(rp_table *table, long wanted)
 {
     char condition[64];
     const int step = rp_table_column(table, "step");
-    if (step < 0 || table->n_rows == 0) return RP_OK;
-    snprintf(condition, sizeof condition, "step=%s", rp_cell(table, table->n_rows - 1, step));
-    return rp_table_where(table, condition);
+    if (wanted < 0 && (step < 0 || table->n_rows == 0)) return RP_OK;
+    if (wanted < 0)
+        snprintf(condition, sizeof condition, "step=%s", rp_cell(table, table->n_rows - 1, step));
+    else
+        snprintf(condition, sizeof condition, "step=%ld", wanted);
+    RP_TRY(rp_table_where(table, condition));
+    return table->n_rows ? RP_OK : rp_fail(RP_BAD_INPUT, "%s: no rows with %s", table->path, condition);
 }
 
 static rp_status read_fill(const config_setting_t *group, scene_file *file)
@@ -432,6 +448,9 @@ static rp_status read_fill(const config_setting_t *group, scene_file *file)
     return RP_OK;
 }
 
+/* Columns of grains, and those of states that follow from them. */
+#define USED "x,y,r,m,vx,vy,angle,omega,fixed,step,t,id,fx,fy,contacts,index"
+
 static rp_status read_grains(const char *path, const config_setting_t *root, scene_file *file)
 {
     const config_setting_t *list = config_setting_get_member(root, "particles");
@@ -439,6 +458,9 @@ static rp_status read_grains(const char *path, const config_setting_t *root, sce
     const bool from_table = file->particles_file && *file->particles_file;
     if ((list != NULL) + (fill != NULL) + from_table != 1)
         return rp_fail(RP_BAD_INPUT, "%s: exactly one of particles, particles_file and fill is needed", path);
+    if (!from_table && file->particles_step >= 0)
+        return rp_fail(RP_BAD_INPUT, "%s: particles_step = %ld: needs particles_file", path,
+                       file->particles_step);
     if (fill) return read_fill(fill, file);
     if (list) return read_particles(list, file);
     /* a relative name is meant from the scene file's folder */
@@ -448,9 +470,11 @@ static rp_status read_grains(const char *path, const config_setting_t *root, sce
     const int folder = slash && file->particles_file[0] != '/' ? (int)(slash - path) + 1 : 0;
     rp_status status = rp_path(&arena, &name, "%.*s%s", folder, path, file->particles_file);
     if (!status) status = rp_table_read(name, &table);
-    if (!status) status = take_last_step(&table);
+    if (!status) status = take_step(&table, file->particles_step);
     if (!status && table.n_rows == 0) status = rp_fail(RP_BAD_INPUT, "%s: no particles", name);
     if (!status) status = read_particles_table(&table, file);
+    const char *unused = status ? "" : rp_columns_beside(&arena, &table, USED);
+    if (*unused) snprintf(file->scene.unused, sizeof file->scene.unused, "%s: not used: %s", name, unused);
     rp_table_free(&table);
     rp_arena_release(&arena, NULL);
     return status;
@@ -646,7 +670,8 @@ static void write_top(FILE *out, const dem_scene *scene)
 {
     const dem_definition *def = &scene->def;
     const double density = scene->has_fill ? scene->fill.density : dem_physics_default().density;
-    scene_file file = {.scene = *scene, .physics = dem_physics_of(def, density), .particles_file = ""};
+    scene_file file = {
+        .scene = *scene, .physics = dem_physics_of(def, density), .particles_file = "", .particles_step = -1};
     if (def->skin == 0.0) file.scene.def.skin = -1.0;
     file.x_min = isinf(def->x_min) ? INFINITY : def->x_min;
     file.y_min = isinf(def->y_min) ? INFINITY : def->y_min;
