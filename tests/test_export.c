@@ -116,6 +116,37 @@ static void test_sweep(void)
     FAILS(64, "has no grains", "export s --to vtk -o s.pvd");
 }
 
+/* Frames without grains, before, between and after those with some. */
+static void test_empty_frames(void)
+{
+    static const struct {
+        const char *words, *steps;
+    } cases[] = {{"o", "0 50 100 150 200 \n"}, {"o --where step=50", "50 \n"}, {"o/states.tsv", "50 150 \n"}};
+    CU_ASSERT(shell("mkdir o >out 2>err") == 0);
+    write_text("o/states.tsv",
+               "step\tt\tid\tx\ty\tr\n50\t.5\t1\t0\t0\t1\n50\t.5\t2\t3\t0\t1\n150\t1.5\t2\t3\t0\t1\n");
+    write_text("o/energy.tsv", "step\tt\tkinetic\n0\t0\t0\n50\t.5\t0\n100\t1\t0\n150\t1.5\t0\n200\t2\t0\n");
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        GOOD("export %s --to lammps -o a.lammpstrj", cases[k].words);
+        CU_ASSERT(
+            shell("grep -A1 'ITEM: TIMESTEP' a.lammpstrj | grep '^[0-9]' | tr '\\n' ' ' >out; echo >>out") ==
+            0);
+        CU_ASSERT_STRING_EQUAL(out, cases[k].steps);
+    }
+    GOOD("export o --to xyz");
+    CU_ASSERT(strstr(out, "0\nProperties=") == out &&
+              strstr(out, "Time=1 step=100 pbc=\"F F F\"\n1\nProperties="));
+    GOOD("export o --to vtk -o a.pvd");
+    CU_ASSERT(shell("grep -o 'timestep=\"[^\"]*' a.pvd | tr -dc '0-9.\\n' | tr '\\n' ' ' >out; echo >>out") ==
+              0);
+    CU_ASSERT_STRING_EQUAL(out, "0 0.5 1 1.5 2 \n");
+    CU_ASSERT(shell("grep -q 'NumberOfPoints=\"0\"' a_frames/grains_000004.vtp") == 0);
+    GOOD("view o -o a.svg");
+    CU_ASSERT(shell("grep -q 'step 200, .*0 grains' a.svg") == 0);
+    GOOD("view o -o a.svg --frame step=150");
+    CU_ASSERT(shell("grep -q '1 grains\\|1 grain' a.svg") == 0);
+}
+
 /* A name of 4000 characters is the longest from which those of other files are made: here ./././... */
 /* `run --dump` leaves in the folder what export writes. */
 static void test_dump(void)
@@ -728,6 +759,7 @@ void suite_export(void)
                                        {"a run, a table, a column, standard output", test_sources},
                                        {"a sweep with its fixed parameters", test_sweep},
                                        {"frames of a run as it ends", test_dump},
+                                       {"frames without grains", test_empty_frames},
                                        {"long names", test_long_names},
                                        {"errors", test_errors},
                                        {"dumps and XYZ, whole files", test_dump_files},

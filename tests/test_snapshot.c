@@ -456,7 +456,7 @@ static void write_scene(void)
     write_bytes("s.cfg", scene, sizeof scene - 1);
 }
 
-#define START "\"$REPOSE\" run s.cfg --every 70 -o d --snapshot "
+#define START "\"$REPOSE\" run s.cfg --every 70 -o d --dump xyz --snapshot "
 
 /* Run undisturbed; its tables are then in the folder `whole`. */
 static void run_whole(const char *interval)
@@ -496,7 +496,7 @@ static void killed_runs(void)
             snprintf(line, sizeof line,
                      "go='run --resume d'; " /* removed here: a killed shell leaves its children behind */
                      "test -e d/unfinished/snapshot -o -e d/unfinished.moving || { rm -rf d; "
-                     "go='run s.cfg --every 70 -o d --snapshot 100'; }; "
+                     "go='run s.cfg --every 70 -o d --dump xyz --snapshot 100'; }; "
                      "timeout -s %s %d.%03d \"$REPOSE\" $go 2>err",
                      k % 2 ? "KILL" : "TERM", ms / 1000, ms % 1000);
             status = shell(line);
@@ -573,6 +573,14 @@ static void refused_resumes(void)
     CU_ASSERT(shell("\"$REPOSE\" run --resume d && \"$REPOSE\" run --resume d >done && "
                     "grep -q 'd: the run is done' done && mv d again && " START
                     "300 && diff -r d again") == 0);
+    /* a finished run is that of its scene; --dump adds what was not asked for at the start */
+    CU_ASSERT(shell("\"$REPOSE\" run s.cfg --resume again --dump vtk >done && test -e again/run.pvd") == 0);
+    static const char *const others[] = {"--set steps=300", "--set tangential.mu=0.4"};
+    for (size_t k = 0; k < sizeof others / sizeof *others; k++) {
+        char line[128];
+        snprintf(line, sizeof line, "\"$REPOSE\" run s.cfg %s --resume again 2>err", others[k]);
+        CU_ASSERT(shell(line) == 65 && says("s.cfg: not the scene that the tables in again are of"));
+    }
     CU_ASSERT(shell("mkdir empty && \"$REPOSE\" run --resume empty 2>err") == 65 &&
               says("no unfinished run"));
     leave();

@@ -4,6 +4,7 @@
 #define CLI_H
 
 #include <math.h>
+#include <xxhash.h>
 
 #include "cli/call.h"
 #include "table/columns.h"
@@ -121,6 +122,7 @@ rp_status cli_check_whole(const char *dir, const sweep_counts *counts);
  * RP_BAD_INPUT; RP_IO. */
 enum { CLI_RUN_NOTE = 1024, CLI_REPLACES = 2 * CLI_RUN_NOTE };
 rp_status cli_claim_run(const char *directory, const char *run, bool force, char replaces[CLI_REPLACES]);
+bool cli_holds_run(const char *directory, long steps, XXH128_hash_t scene); /* is the result of this scene */
 rp_status cli_claim_sweep(const char *directory, const char *file, bool force);
 #define CLI_FORCE(X)                                                                                         \
     X(BOOL, force, "", "false", "", "write into the folder though it holds results of something else")

@@ -74,6 +74,15 @@ rp_status cli_claim_run(const char *directory, const char *run, bool force, char
     return RP_OK;
 }
 
+bool cli_holds_run(const char *directory, long steps, XXH128_hash_t scene)
+{
+    char found[CLI_RUN_NOTE], command[2048], of_steps[32], key[48] = ", key ";
+    find_run(directory, found, command, sizeof command);
+    snprintf(of_steps, sizeof of_steps, ", %ld steps, ", steps);
+    rp_hash_digits(scene, key + strlen(key));
+    return strstr(found, of_steps) && rp_ends_in(found, key);
+}
+
 rp_status cli_claim_sweep(const char *directory, const char *file, bool force)
 {
     char found[CLI_RUN_NOTE], command[2048], sweep[256];

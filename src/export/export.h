@@ -22,12 +22,13 @@ const char *export_cell(const rp_table *t, size_t row, int column); /* a number:
 /* "out/pile", without the ending (and .gz before it), of "out/pile.pvd". */
 const char *export_stem(rp_arena *arena, const char *path);
 
-/* A table in frames, the rows of equal `step`: frame k is rows first[k] to first[k + 1] - 1. */
+/* A table in frames, the rows of equal `step`: frame k is rows first[k] to first[k + 1] - 1, none in an empty
+ * frame. */
 typedef struct {
     rp_table *table; /* NULL: there is no such table, and no frame */
     size_t n, *first;
-    double *steps; /* of each frame */
-    int step, t;   /* columns; -1 for none */
+    double *steps, *times; /* of each frame; NaN: unknown */
+    int step, t;           /* columns; -1 for none */
 } export_frames;
 
 /* A quantity: one column, or the two components of a vector, by name in each format. */
@@ -48,10 +49,13 @@ typedef struct {
     double largest;                          /* radius */
 } export_run;
 
-/* Sets n, first and steps from the steps of n rows, or from NaN: one frame. The frame with this
- * step, where the table has a column of steps; none: n. */
-void export_split(rp_arena *arena, size_t n, const double step[], export_frames *frames);
+/* Sets n, first, steps and times from the steps and times of n rows; steps of NaN: one frame. The frame with
+ * this step, where the table has a column of steps; none: n. */
+void export_split(rp_arena *arena, size_t n, const double step[], const double t[], export_frames *frames);
 size_t export_frame_at(const export_frames *frames, double step);
+
+/* Add the frames of `all` that `frames` lacks, as empty ones: all grains have left. Steps of both rise. */
+void export_add_empty(rp_arena *arena, const export_frames *all, export_frames *frames);
 
 /* Step and time of a frame of grains; without a column of times the step, without one of steps its number. */
 double export_frame_step(const export_run *run, size_t frame);

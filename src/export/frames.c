@@ -60,17 +60,41 @@ const char *export_cell(const rp_table *t, size_t row, int column)
 
 /* ---- frames of a run ---- */
 
-void export_split(rp_arena *arena, size_t n, const double step[], export_frames *f)
+/* Room for n frames. */
+static void make_frames(rp_arena *arena, size_t n, export_frames *f)
 {
+    f->n = 0;
     f->first = rp_arena_memory(arena, n + 1, sizeof *f->first);
     f->steps = rp_arena_memory(arena, n, sizeof *f->steps);
-    f->n = 0;
-    for (size_t i = 0; i < n; i++) {
-        if (i > 0 && (step[i] == step[i - 1] || isnan(step[i]))) continue;
-        f->steps[f->n] = step[i];
-        f->first[f->n++] = i;
-    }
+    f->times = rp_arena_memory(arena, n, sizeof *f->times);
+}
+
+static void put_frame(export_frames *f, double step, double t, size_t first)
+{
+    f->steps[f->n] = step, f->times[f->n] = t;
+    f->first[f->n++] = first;
+}
+
+void export_split(rp_arena *arena, size_t n, const double step[], const double t[], export_frames *f)
+{
+    make_frames(arena, n, f);
+    for (size_t i = 0; i < n; i++)
+        if (i == 0 || !(step[i] == step[i - 1] || isnan(step[i]))) put_frame(f, step[i], t[i], i);
     f->first[f->n] = n;
+}
+
+void export_add_empty(rp_arena *arena, const export_frames *all, export_frames *frames)
+{
+    const export_frames f = *frames;
+    make_frames(arena, f.n + all->n, frames);
+    for (size_t i = 0, k = 0; i < f.n || k < all->n;) {
+        const bool empty = i == f.n || (k < all->n && all->steps[k] < f.steps[i]);
+        const double step = empty ? all->steps[k] : f.steps[i];
+        put_frame(frames, step, empty ? all->times[k] : f.times[i], f.first[i]);
+        i += !empty;
+        while (k < all->n && all->steps[k] <= step) k++;
+    }
+    frames->first[frames->n] = f.first[f.n];
 }
 
 size_t export_frame_at(const export_frames *f, double step)
@@ -90,16 +114,17 @@ static bool is_number(const char *text)
 /* Every cell of a frame's table is a number, and steps rise. */
 static rp_status find_frames(rp_arena *arena, rp_table *table, export_frames *f)
 {
-    double *step = rp_arena_memory(arena, table->n_rows, sizeof *step), unused;
+    double *step = rp_arena_memory(arena, 2 * table->n_rows, sizeof *step), *t = step + table->n_rows, unused;
     *f = (export_frames){
         .table = table, .step = rp_table_column(table, "step"), .t = rp_table_column(table, "t")};
     for (size_t i = 0; i < table->n_rows; i++) {
         for (size_t c = 0; c < table->n_columns; c++)
             if (!is_number(export_cell(table, i, (int)c)))
                 RP_TRY(rp_table_number(table, i, (int)c, true, &unused));
+        t[i] = f->t < 0 ? NAN : strtod(rp_cell(table, i, f->t), NULL);
         if (f->step >= 0) RP_TRY(rp_table_number(table, i, f->step, false, &step[i]));
     }
-    export_split(arena, table->n_rows, step, f);
+    export_split(arena, table->n_rows, step, t, f);
     for (size_t k = 1; k < f->n; k++)
         if (f->steps[k] < f->steps[k - 1])
             return rp_fail(RP_BAD_INPUT, "%s:%zu: step %.0f after step %.0f", table->places[f->first[k]].path,
@@ -116,7 +141,7 @@ double export_frame_step(const export_run *run, size_t frame)
 double export_frame_time(const export_run *run, size_t frame)
 {
     const export_frames *f = &run->grains;
-    return f->t < 0 ? export_frame_step(run, frame) : strtod(rp_cell(f->table, f->first[frame], f->t), NULL);
+    return f->t < 0 ? export_frame_step(run, frame) : f->times[frame];
 }
 
 void export_frame_id(const export_run *run, size_t frame, size_t row, FILE *out)
@@ -211,6 +236,9 @@ rp_status export_run_read(rp_arena *arena, const char *source, rp_table *table, 
     RP_TRY(find_frames(arena, table, &run->grains));
     RP_TRY(find_grains(arena, run, columns));
     if (run->grains.n == 0) return rp_fail(RP_BAD_INPUT, "%s: no grains", source);
+    export_frames energies = {0}; /* of every frame, also of those without grains */
+    RP_TRY(read_beside(arena, source, "energy", &energies));
+    if (run->grains.step >= 0 && !table->chosen) export_add_empty(arena, &energies, &run->grains);
     RP_TRY(read_beside(arena, source, "contacts", &run->contacts));
     return read_beside(arena, source, "walls", &run->walls);
 }

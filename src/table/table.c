@@ -405,6 +405,7 @@ rp_status rp_table_where(rp_table *table, const char *condition)
         memmove(table->cells + kept * columns, table->cells + i * columns, columns * sizeof *table->cells);
         table->places[kept++] = table->places[i];
     }
+    table->chosen |= kept < table->n_rows;
     table->n_rows = kept;
     return RP_OK;
 }

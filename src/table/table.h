@@ -4,6 +4,7 @@
 #ifndef RP_TABLE_H
 #define RP_TABLE_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdio.h>
 
@@ -49,6 +50,7 @@ typedef struct {
     char *text;       /* the file's bytes, which names and cells point into */
     rp_place *places; /* of each row */
     const char *path; /* borrowed */
+    bool chosen;      /* rp_table_where has left rows out */
 } rp_table;
 
 /* Read `path` ("-": standard input). Tabs, blanks or commas separate the cells; tabs alone do in a row that

@@ -48,7 +48,7 @@ static rp_status read_numbers(rp_arena *arena, const char *path, const char *con
 
 /* A table of grains, and those that may lie beside it. */
 typedef struct {
-    const char *grains, *contacts, *walls, *base; /* NULL: none */
+    const char *grains, *contacts, *walls, *base, *energy; /* NULL: none */
 } source;
 
 static bool is_file(const char *path)
@@ -72,6 +72,7 @@ static void find_source(rp_arena *arena, const char *path, source *s)
         if (!rp_ends_in(path, grains[k])) continue;
         s->contacts = find_beside(arena, path, strlen(grains[k]), "contacts.tsv");
         s->walls = find_beside(arena, path, strlen(grains[k]), "walls.tsv");
+        if (k == 0) s->energy = find_beside(arena, path, strlen(grains[k]), "energy.tsv");
         if (k == 2) s->base = find_beside(arena, path, strlen(grains[k]), "base.tsv");
     }
 }
@@ -120,10 +121,11 @@ static rp_status read_walls(rp_arena *arena, const char *path, numbers *w, view_
     return RP_OK;
 }
 
+/* Times of grains and energies alone: of the others this column is another, and is not read. */
 static export_frames split(rp_arena *arena, const numbers *t)
 {
     export_frames f = {.step = -1};
-    export_split(arena, t->n, t->column[0], &f);
+    export_split(arena, t->n, t->column[0], t->column[1], &f);
     if (t->n > 0 && !isnan(t->column[0][0])) f.step = 0;
     return f;
 }
@@ -146,8 +148,8 @@ static void put_frames(const numbers *g, const export_frames *grains, const expo
         size_t ci, wi;
         const size_t n_c = rows_of(c, grains->steps[k], grains->n == 1, &ci),
                      n_w = rows_of(w, grains->steps[k], grains->n == 1, &wi);
-        frames[k] = (view_frame){.step = g->column[0][i],
-                                 .t = g->column[1][i],
+        frames[k] = (view_frame){.step = grains->steps[k],
+                                 .t = grains->times[k],
                                  .n = grains->first[k + 1] - i,
                                  .x = g->column[2] + i,
                                  .y = g->column[3] + i,
@@ -163,7 +165,7 @@ static void put_frames(const numbers *g, const export_frames *grains, const expo
 static rp_status add_source(rp_arena *arena, const source *s, const char *color, view_scene *scene)
 {
     const char *names[] = {"?step", "?t", "x", "y", "r", *color ? color : NULL, NULL};
-    numbers g = {0}, c = {0}, w = {0}, b = {0};
+    numbers g = {0}, c = {0}, w = {0}, b = {0}, e = {0};
     view_contact *contacts =
         rp_arena_memory(arena, 0, sizeof *contacts); /* frames point into both, also if empty */
     view_wall *walls = rp_arena_memory(arena, 0, sizeof *walls);
@@ -178,8 +180,12 @@ static rp_status add_source(rp_arena *arena, const source *s, const char *color,
     snprintf(scene->length, sizeof scene->length, "%s", g.unit[2]);
     snprintf(scene->time, sizeof scene->time, "%s", g.unit[1]);
     if (*color) snprintf(scene->quantity, sizeof scene->quantity, "%s", g.unit[5]);
-    const export_frames grains = split(arena, &g), of_contacts = split(arena, &c),
+    if (s->energy)
+        RP_TRY(read_numbers(arena, s->energy, (const char *const[]){"step", "t", NULL}, "step t", &e));
+    export_frames grains = split(arena, &g);
+    const export_frames energies = split(arena, &e), of_contacts = split(arena, &c),
                         of_walls = split(arena, &w);
+    if (grains.step >= 0) export_add_empty(arena, &energies, &grains);
     view_frame *frames = rp_arena_memory(arena, scene->n + grains.n, sizeof *frames);
     if (scene->n > 0) memcpy(frames, scene->frames, scene->n * sizeof *frames);
     put_frames(&g, &grains, &of_contacts, &of_walls, contacts, walls, frames + scene->n);

@@ -42,7 +42,7 @@ CLI_OPTIONS(run, RUN_OPTIONS)
 
 /* What a run is to do. A snapshot keeps it. */
 typedef struct {
-    long steps, every, snapshot;
+    long steps, every, snapshot, dump;
     bool ledger;
     XXH128_hash_t scene;
 } run_plan;
@@ -247,6 +247,7 @@ static rp_status finish_scene(rp_arena *arena, scene_run *r, outputs *out, rp_st
         rp_table_note(stdout, "unfinished", "%s", rp_message());
     else if (!status)
         status = rp_file_finish(stdout, "standard output");
+    if (!status) status = export_folder(arena, out->directory, (export_format)r->plan.dump);
     if (!status && !out->quiet) cli_close_run(arena, r->sim, out->directory);
     return status;
 }
@@ -382,7 +383,7 @@ static rp_status run_file(const cli_call *call, const char *path, const run_opti
 {
     dem_scene scene;
     origin of = {.call = call};
-    scene_run r = {.plan = {.every = o->every, .snapshot = o->snapshot}, .threads = o->j};
+    scene_run r = {.plan = {.every = o->every, .snapshot = o->snapshot, .dump = o->dump}, .threads = o->j};
     if (cli_given(call, "row")) return rp_fail(RP_USAGE, "--row needs a sweep file; %s is a scene", path);
     if (o->snapshot > 0 && !*o->o) return rp_fail(RP_USAGE, "--snapshot needs -o DIR");
     if (o->dump && !*o->o) return rp_fail(RP_USAGE, "--dump needs -o DIR");
@@ -395,25 +396,26 @@ static rp_status run_file(const cli_call *call, const char *path, const run_opti
         rp_prefix(status, "%s: ", path);
     if (!status) r.energy = growth_of(&scene, r.sim);
     if (!status) status = run_scene(&of, &r, o);
-    if (!status) status = export_folder(call->arena, o->o, (export_format)o->dump);
     if (!status && *of.replaces) printf("%s: replaced %s\n", o->o, of.replaces);
     dem_free(r.sim);
     dem_scene_free(&scene);
     return status;
 }
 
-/* A scene file that is given must be that of the snapshot. */
+/* A scene file that is given must be that of the snapshot, or without a plan that of the finished tables. */
 static rp_status check_scene(const char *path, const run_options *o, const run_plan *plan)
 {
     dem_scene scene;
     XXH128_hash_t hash = {0};
     rp_status status = read_scene(path, o, &scene);
     if (!status) status = hash_scene(&scene, &hash);
-    const bool same =
-        XXH128_isEqual(hash, plan->scene) && scene.steps == plan->steps && scene.def.ledger == plan->ledger;
+    const bool same = !plan ? cli_holds_run(o->resume, scene.steps, hash)
+                            : XXH128_isEqual(hash, plan->scene) && scene.steps == plan->steps &&
+                                  scene.def.ledger == plan->ledger;
     dem_scene_free(&scene);
     if (status || same) return status;
-    return rp_fail(RP_BAD_INPUT, "%s: not the scene that the snapshot in %s is of", path, o->resume);
+    return rp_fail(RP_BAD_INPUT, "%s: not the scene that the %s in %s %s of", path,
+                   plan ? "snapshot" : "tables", o->resume, plan ? "is" : "are");
 }
 
 static rp_status resume(const cli_call *call, const run_options *o)
@@ -431,10 +433,13 @@ static rp_status resume(const cli_call *call, const run_options *o)
     bool done;
     rp_status status = cli_unfinished_resume(&out.unfinished, keep_run, &r, &done);
     if (!status && done) {
+        if (scene) RP_TRY(check_scene(scene, o, NULL));
+        RP_TRY(export_folder(call->arena, o->resume, (export_format)o->dump));
         printf("%s: the run is done; its tables are in this folder\n", o->resume);
         return RP_OK;
     }
     if (!status && scene) status = check_scene(scene, o, &r.plan);
+    if (o->dump) r.plan.dump = o->dump;
     if (status) {
         dem_free(r.sim);
         return cli_unfinished_end(&out.unfinished, true, status);
@@ -442,7 +447,6 @@ static rp_status resume(const cli_call *call, const run_options *o)
     printf("%s: continues from step %ld to %ld\n", o->resume, dem_step(r.sim), r.plan.steps);
     take_growing(&out);
     status = finish_scene(call->arena, &r, &out, RP_OK);
-    if (!status) status = export_folder(call->arena, o->resume, (export_format)o->dump);
     dem_free(r.sim);
     return status;
 }
