@@ -851,7 +851,7 @@ static void test_cut_drops(void)
 {
     write_text("s.cfg", "protocol = \"drop\"; replicas = 3; seed = 20; fixed = { N = 40; };\n"
                         "grid = ({ max_steps = [20000, 200, 200]; mu_roll = [0.1, 0.1, 0.0]; });\n");
-    FAILS(1, "drops_not_at_rest: ", "run s.cfg --row 3 -o cut");
+    FAILS(1, "drops_not_quiet: ", "run s.cfg --row 3 -o cut");
     FAILS(1, " of 40 drops", "run s.cfg --row 3 -o cut");
     FAILS(1, "no_pile: 0.998 d high", "run s.cfg --row 6 -o layer");
     GOOD("sweep plan s.cfg -o d");

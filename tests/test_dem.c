@@ -1788,7 +1788,8 @@ static void state_near_rest(void)
     dem_free(sim);
 }
 
-/* Both limits count; a grain in the air is at rest by one look only where nothing accelerates it. */
+/* Both limits count; where looks follow soon, a grain in the air is at rest only if nothing accelerates it.
+ */
 static void at_rest(void)
 {
     const double weight = 0.004 * 981.0, energy = 1e-7 * weight * 0.2, force = 1e-2 * weight;

@@ -377,7 +377,7 @@ static void cut_drops_are_no_result(void)
         char expected[64];
         snprintf(expected, sizeof expected, "%.0f of %s drops", output(&r, "capped"), cases[k].N);
         CU_ASSERT(k == 0 ? output(&r, "capped") > 20.0 : output(&r, "capped") == 1.0);
-        CU_ASSERT_STRING_EQUAL(r.status, "drops_not_at_rest");
+        CU_ASSERT_STRING_EQUAL(r.status, "drops_not_quiet");
         CU_ASSERT(strncmp(r.message, expected, strlen(expected)) == 0);
         for (int i = 0; sweep_protocol_drop.outputs[i].name; i++)
             CU_ASSERT(isfinite(r.values[i]) || strcmp(sweep_protocol_drop.outputs[i].name, "packed_60") == 0);

@@ -402,7 +402,7 @@ static void test_failed_runs(void)
         "stats correlation runs.tsv -x W -y theta --by mu",
         "calibrate --runs more.tsv --theta-r-deg 15 --error-deg 1 --bootstrap 20"};
     static const char *const statuses[] = {"not_at_rest", "no_pile",   "leaked",  "crashed",
-                                           "broken",      "not_level", "no_room", "drops_not_at_rest",
+                                           "broken",      "not_level", "no_room", "drops_not_quiet",
                                            "no_response", "too_high"};
     enum { N = sizeof commands / sizeof *commands };
     char *before[N];

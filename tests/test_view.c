@@ -987,6 +987,19 @@ static void test_closing_line(void)
     CU_ASSERT(strstr(err, "t = 0 s; not at rest; ") != NULL);
     GOOD("run thrown.cfg --set y_min=0.95 --set steps=5000"); /* no grain is left */
     CU_ASSERT(strstr(err, "run: 0 grains, ") && strstr(err, " s; not at rest; "));
+    /* a grain that lands before the second of ten looks, or before all; too few steps for ten */
+    static const char *const landed[] = {"3000", "not at rest", "10000", "at rest", "9", "not at rest"};
+    write_text(
+        "falls.cfg",
+        "dt = 1e-5; normal = { gamma_n = 2000.0; }; %s particles = ( { x = 0.3; y = 0.105; r = 0.1; } );\n",
+        walls);
+    for (int k = 0; k < 6; k += 2) {
+        GOOD("run falls.cfg --set steps=%s", landed[k]);
+        CU_ASSERT(strstr(err, " s; ") &&
+                  strncmp(strstr(err, " s; ") + 4, landed[k + 1], strlen(landed[k + 1])) == 0);
+    }
+    CU_ASSERT(run("run level.cfg -j 3") == 0 && strncmp(err, "repose run: -j 3 has no use: ", 29) == 0);
+    CU_ASSERT(strstr(err, ", and there are 2\nrepose run: 2 grains, ") != NULL);
 }
 
 /* Without a terminal a line a minute, with it a bar; the time left follows from the steps done. */

@@ -29,14 +29,44 @@ static rp_status measure(rp_arena *arena, const dem_sim *sim, pile *s)
     return RP_OK;
 }
 
+static long gap_of(const cli_rest *rest)
+{
+    const long gap = rest->steps / DEM_REST_LOOKS;
+    return gap < DEM_REST_STEPS ? gap : DEM_REST_STEPS;
+}
+
+long cli_rest_next(const cli_rest *rest, long step)
+{
+    const long gap = gap_of(rest), left = rest->steps - step, looks = gap > 0 ? (left - 1) / gap : 0;
+    return left - (looks < DEM_REST_LOOKS ? looks : DEM_REST_LOOKS - 1) * gap;
+}
+
 /* Without gravity only without any energy and force. */
-static rp_status is_at_rest(const dem_sim *sim, const pile *s, bool *at_rest)
+rp_status cli_rest_look(rp_arena *arena, const dem_sim *sim, cli_rest *rest)
 {
     static const double ENERGY = 1e-7, FORCE = 1e-2; /* m g d and m g, as the boxes of sweeps have them */
-    dem_rest rest;
-    RP_TRY(dem_rest_state(sim, -INFINITY, INFINITY, &rest));
-    *at_rest = s->n > 0 && dem_at_rest(&rest, ENERGY * s->weight * s->d, FORCE * s->weight, true);
+    const long gap = gap_of(rest), left = rest->steps - dem_step(sim);
+    const rp_mark mark = rp_arena_mark(arena);
+    dem_rest now;
+    pile s;
+    if (gap == 0 || left % gap != 0 || left / gap >= DEM_REST_LOOKS) return RP_OK;
+    RP_TRY(measure(arena, sim, &s));
+    RP_TRY(dem_rest_state(sim, -INFINITY, INFINITY, &now));
+    const bool passed =
+        s.n > 0 && dem_at_rest(&now, ENERGY * s.weight * s.d, FORCE * s.weight, gap < DEM_REST_STEPS);
+    rest->passed = passed ? rest->passed + 1 : 0;
+    rp_arena_release(arena, mark);
     return RP_OK;
+}
+
+void cli_tell_threads(const dem_sim *sim, const char *command, long threads)
+{
+    if (threads > 1 && !dem_threads_serve(sim))
+        fprintf(stderr,
+                "repose %s: -j %ld has no use: one thread works; more serve velocity Verlet without hard "
+                "collisions "
+                "and ledger, from some 10000 grains on, and there are %zu\n",
+                command, threads, dem_count(sim));
 }
 
 /* Grains left of a right wall that has opened, or right of a left one: the pile that stays. */
@@ -85,13 +115,13 @@ static const char *unit_text(const char *cgs, char text[32])
     return text;
 }
 
-void cli_close_run(rp_arena *arena, const dem_sim *sim, const char *directory)
+void cli_close_run(rp_arena *arena, const dem_sim *sim, const cli_rest *looks, const char *directory)
 {
+    const bool rest = looks->passed == DEM_REST_LOOKS;
     pile s;
-    bool rest;
     char unit[32];
     cli_slope slope;
-    if (measure(arena, sim, &s) || is_at_rest(sim, &s, &rest) || find_slope(arena, sim, &s, &slope)) return;
+    if (measure(arena, sim, &s) || find_slope(arena, sim, &s, &slope)) return;
     fprintf(stderr, "repose run: %zu grains, %ld steps, t = %.5g%s; %s", s.n, dem_step(sim), dem_time(sim),
             unit_text("s", unit), rest ? "at rest" : "not at rest");
     if (rest && !isnan(slope.theta_r.theta)) {

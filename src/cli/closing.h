@@ -15,9 +15,20 @@ typedef struct {
 } cli_slope;
 rp_status cli_slope_of(rp_arena *arena, const dem_sim *sim, cli_slope *slope);
 
-/* The closing line on standard error: grains, steps, at rest by dem_at_rest to 1e-7 m g d and 1e-2 m g or
- * not, of a pile at rest its slope, and where the tables are; directory "": on standard output. */
-void cli_close_run(rp_arena *arena, const dem_sim *sim, const char *directory);
+/* Looks in a row that found the grains of a run at rest, by dem_at_rest to 1e-7 m g d and 1e-2 m g. They end
+ * with the run of so many steps; a run of fewer than 5000 has them closer together, one below 10 none. */
+typedef struct {
+    long steps, passed;
+} cli_rest;
+long cli_rest_next(const cli_rest *rest, long step); /* steps from `step` to the next look, or to the end */
+rp_status cli_rest_look(rp_arena *arena, const dem_sim *sim, cli_rest *rest); /* if this step has one */
+
+/* The closing line on standard error: grains, steps, at rest or not, of a pile at rest its slope, and where
+ * the tables are; directory "": on standard output. */
+void cli_close_run(rp_arena *arena, const dem_sim *sim, const cli_rest *rest, const char *directory);
+
+/* Say on standard error if so many threads have no use for the simulation as it is. */
+void cli_tell_threads(const dem_sim *sim, const char *command, long threads);
 
 /* The end of that line, in which the end of a line in a folder's name is a blank. */
 void cli_close_line(const char *directory);

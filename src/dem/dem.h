@@ -255,6 +255,7 @@ rp_status dem_run(dem_sim *sim, long steps);
  * and ledger, from some 40 000 listed pairs on; any other run takes one. A copy has the number of its
  * original, a state from a snapshot has 1. */
 void dem_threads(dem_sim *sim, size_t n);
+bool dem_threads_serve(const dem_sim *sim); /* as the list is now */
 
 dem_fault dem_sim_fault(const dem_sim *sim);
 
@@ -386,10 +387,10 @@ rp_status dem_rest_state(const dem_sim *sim, double lo, double hi, dem_rest *res
 
 /* At rest: the mean kinetic energy is at most `energy`, and the largest net force on a grain with a contact
  * at most `force`; 1e-7 m g d and 1e-2 m g in a box. Forces count because energies are small at turning
- * points too. A grain without a contact has a turning point wherever it is thrown to: by one look, forces on
- * such grains count as well, so that only what nothing accelerates rests in the air. Without `one_look` the
- * caller looks again and again, and sees it fall. */
-bool dem_at_rest(const dem_rest *rest, double energy, double force, bool one_look);
+ * points too. Grains are at rest once ten looks in a row say so, 500 steps apart: so a grain that flies is
+ * seen to fall. Where looks follow sooner, `brief`, forces on grains without a contact count as well. */
+enum { DEM_REST_LOOKS = 10, DEM_REST_STEPS = 500 };
+bool dem_at_rest(const dem_rest *rest, double energy, double force, bool brief);
 
 /* Contacts of a grain now, walls included (0 if it has left); the largest speed of a grain with lo < x < hi.
  * Neither allocates. */

@@ -211,13 +211,12 @@ rp_status sweep_box_rest(const sweep_box_run *run, dem_rest *rest, bool *quiet)
 
 rp_status sweep_box_settle(sweep_box_run *run, const char *phase, bool pile)
 {
-    const long every = 500;
-    const int in_a_row = 10;
+    const long every = DEM_REST_STEPS;
     long steps = 0, passed = 0;
     rp_status status = RP_OK;
     SWEEP_ENTER(run->keep, steps);
     SWEEP_ENTER(run->keep, passed);
-    for (; passed < in_a_row && !status; steps += every) {
+    for (; passed < DEM_REST_LOOKS && !status; steps += every) {
         if (steps >= run->max_steps) {
             status = sweep_conclude(run->result, "not_at_rest", "%s: not at rest after %ld further steps",
                                     phase, steps);

@@ -1,5 +1,5 @@
 /* Protocol `drop`: a pile of disks that are dropped one at a time, from two diameters above its highest point
- * (Liffman, Chan & Hughes 1992, fig 20), each once the last has come to rest.
+ * (Liffman, Chan & Hughes 1992, fig 20), each once the pile is quiet.
  *
  * Lengths in d, the mean diameter; masses in m, a disk's of that diameter; g = 1. What the paper leaves open:
  * resistance to rolling, without which disks roll away; the positions, uniform over the source's width; when
@@ -23,7 +23,7 @@
  * of a lattice from that of drops.
  *
  * A layer is no result (no_pile), nor is a pile with a drop that was cut short, so that the next fell onto
- * disks that still moved (drops_not_at_rest), nor one that does not relax at the end (not_at_rest). Their
+ * disks that still moved (drops_not_quiet), nor one that does not relax at the end (not_at_rest). Their
  * outputs are kept. */
 #include <gsl/gsl_fit.h>
 #include <math.h>
@@ -88,7 +88,7 @@ static const rp_param schema[] = {
     X(right_deg, "degree", "slope of the right side, by the same fit") \
     X(dip, "", "D: mean N within 0.1 B of the centroid, less that from there to 0.3 B, over the mean") \
     X(balance, "", "1 - load of the ground over weight") \
-    X(capped, "", "drops that did not come to rest within max_steps; a pile with one is no result") \
+    X(capped, "", "drops after which the pile was not quiet within max_steps; a pile with one is no result") \
     X(away, "", "disks that rolled away") \
     X(excess, "", "N less that of 60-degree rays under the pile's outline, mean within 0.1 B of the centroid, over the mean N") \
     X(middle, "", "mean N within 0.1 B of the centroid, less that from 0.1 B to 0.2 B, over the mean N") \
@@ -129,9 +129,9 @@ typedef struct {
     sweep_keep *keep; /* NULL: none */
 } drop;
 
-/* Between two looks at the pile, in steps; time for which it must be at rest. */
+/* Between two looks at the pile, in steps; time for which it must be quiet. */
 enum { EVERY = 20 };
-static const double REST_TIME = 0.5;
+static const double QUIET_TIME = 0.5;
 
 static bool is_away(const drop *d, size_t i)
 {
@@ -270,25 +270,25 @@ static bool is_quiet(const drop *d)
 }
 
 /* Until all are slow and nearly in balance for a while, or the drop has had its steps. */
-static rp_status settle(drop *d, bool *rest)
+static rp_status settle(drop *d, bool *quiet)
 {
     struct {
         long start, quiet;
     } now = {dem_step(d->sim), 0};
     rp_status status = RP_OK;
     SWEEP_ENTER(d->keep, now);
-    *rest = false;
-    while (!status && !*rest && dem_step(d->sim) - now.start < d->p->max_steps) {
+    *quiet = false;
+    while (!status && !*quiet && dem_step(d->sim) - now.start < d->p->max_steps) {
         status = dem_run(d->sim, EVERY);
-        /* most often one is fast, and the rest need not be looked at */
+        /* most often one is fast, and the others need not be looked at */
         const bool slow = dem_largest_speed(d->sim, -d->p->x_limit, d->p->x_limit) <= d->p->rest_speed;
         if (!status && slow) status = dem_states(d->sim, d->states);
         now.quiet = !status && slow && is_quiet(d) ? now.quiet + EVERY : 0;
-        *rest = (double)now.quiet * d->scene.dt >= REST_TIME;
-        if (!status && !*rest) status = sweep_keep_look(d->keep);
+        *quiet = (double)now.quiet * d->scene.dt >= QUIET_TIME;
+        if (!status && !*quiet) status = sweep_keep_look(d->keep);
     }
     sweep_keep_leave(d->keep, 1);
-    return status || *rest ? status : dem_states(d->sim, d->states);
+    return status || *quiet ? status : dem_states(d->sim, d->states);
 }
 
 /* The disks that are there before the drops, and one more unless NULL. */
@@ -334,13 +334,13 @@ static rp_status drop_all(drop *d)
     SWEEP_ENTER(d->keep, now);
     if (!d->sim && d->p->N == 0) status = begin(d, NULL);
     for (; now.k < d->p->N && !status; now.k++) {
-        bool rest = false;
+        bool quiet = false;
         if (!now.falls) status = draw_and_put_in(d);
         now.falls = true;
-        if (!status) status = settle(d, &rest);
+        if (!status) status = settle(d, &quiet);
         if (status) break;
         const long moved = d->moved[now.k] = (long)count_moved(d, d->n - 1);
-        now.capped += !rest;
+        now.capped += !quiet;
         now.most = fmax(now.most, (double)moved);
         now.large += moved > 10;
         now.falls = false;
@@ -643,12 +643,13 @@ static void conclude(const drop *d)
     char drops[110] = "", layer[110] = "";
     const bool pile = v->height >= LEAST_HEIGHT && isfinite(v->left_deg) && isfinite(v->right_deg);
     if (v->capped > 0.0)
-        snprintf(drops, sizeof drops, "%.0f of %ld drops had not come to rest after max_steps = %ld",
-                 v->capped, d->p->N, d->p->max_steps);
+        snprintf(drops, sizeof drops,
+                 "%.0f of %ld drops left a pile that was not quiet after max_steps = %ld", v->capped, d->p->N,
+                 d->p->max_steps);
     if (!pile)
         snprintf(layer, sizeof layer, "%.3g d high, slopes %.3g and %.3g degrees%s", v->height, v->left_deg,
                  v->right_deg, *drops ? "; " : "");
-    const char *word = !pile ? "no_pile" : *drops ? "drops_not_at_rest" : !d->relaxed ? "not_at_rest" : "ok";
+    const char *word = !pile ? "no_pile" : *drops ? "drops_not_quiet" : !d->relaxed ? "not_at_rest" : "ok";
     sweep_conclude(d->result, word, "%s%s", layer, drops);
 }
 

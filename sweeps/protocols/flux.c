@@ -5,7 +5,7 @@
  *
  * The floor ends at W: where it extends, nothing leaves and no steady state exists. "Quiet": the largest
  * speed over the grains with 0 < x < W has been below v_cut for 200 steps in a row, and the last grain has
- * had a contact, for one at rest in the air is slow too. */
+ * had a contact, for a new one in the air is slow too. */
 #include <gsl/gsl_statistics_double.h>
 #include <math.h>
 #include <stdlib.h>

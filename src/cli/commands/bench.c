@@ -236,6 +236,7 @@ static rp_status measure(cli_call *call, const void *values)
     bench_run timed;
     if (!status && o->repeat > 1) status = run_once(call, o, from, &times, &timed);
     if (!status) {
+        cli_tell_threads(sim, "bench", o->j);
         cli_table(call, stdout);
         rp_table_note(stdout, "pair_loop", "%s", dem_kernel_name(sim));
         rp_table_note(stdout, "dt", "%.17g s", dt);

@@ -28,7 +28,8 @@
     X(TEXT, o, "", "", "", "folder for tables, instead of standard output")                                  \
     X(BOOL, ledger, "", "false", "",                                                                         \
       "add the terms of the energy ledger to the energies; as `ledger = true` in a scene")                   \
-    X(INT, j, "", "1", "[1, 256]", "threads of one large scene; results are the same bits for any number")   \
+    X(INT, j, "", "1", "[1, 256]",                                                                           \
+      "threads of one scene of some 10000 grains or more; the bits are the same for any number")             \
     X(INT, row, "", "0", "[0, 2147483647]", "number of the sweep's run, from 0")                             \
     X(INT, snapshot, "steps", "0", "[0, 2147483647]",                                                        \
       "interval of the snapshots in DIR/unfinished; 0: none; needs -o")                                      \
@@ -63,6 +64,7 @@ typedef struct {
 typedef struct {
     run_plan plan;
     growth energy;
+    cli_rest rest;
     dem_sim *sim;
     long threads;
 } scene_run;
@@ -114,6 +116,7 @@ static void keep_run(rp_snapshot *s, void *context)
     scene_run *r = context;
     RP_KEEP(s, r->plan);
     RP_KEEP(s, r->energy);
+    RP_KEEP(s, r->rest);
     dem_keep(s, &r->sim);
 }
 
@@ -207,18 +210,23 @@ static rp_status advance(scene_run *r, outputs *out)
     /* some tenths of a second: often enough to show progress and to notice a signal */
     const long most = 1 + r->threads * 10000000 / ((long)dem_count(r->sim) + 1);
     rp_status status = RP_OK;
+    bool told = false;
     dem_threads(r->sim, (size_t)r->threads);
     while (!status && dem_step(r->sim) < p->steps) {
         const long left = p->steps - dem_step(r->sim);
         long part = steps_to(dem_step(r->sim), p->every, left < most ? left : most);
         part = steps_to(dem_step(r->sim), p->snapshot, part);
         part = steps_to(dem_step(r->sim), r->energy.every, part);
+        part = (long)fmin((double)part, (double)cli_rest_next(&r->rest, dem_step(r->sim)));
         status = dem_run(r->sim, part);
         /* too soft, too fast, too hard to solve: the scene has no result, and the program is not wrong */
         if (status == RP_BROKEN && dem_sim_fault(r->sim) != DEM_FAULT_NON_FINITE) status = RP_NO_RESULT;
         const long step = dem_step(r->sim);
         cli_progress_show(&out->progress, rp_clock(), step, stderr);
         if (!status) growth_sample(&r->energy, r->sim);
+        if (!status) status = cli_rest_look(out->unfinished.arena, r->sim, &r->rest);
+        if (!status && !told && !out->quiet) cli_tell_threads(r->sim, "run", r->threads);
+        told = true;
         const bool stopped = stop_signal && step < p->steps;
         if (!status && p->every > 0 && step % p->every == 0 && step < p->steps)
             status = outputs_write(out, r->sim);
@@ -248,7 +256,7 @@ static rp_status finish_scene(rp_arena *arena, scene_run *r, outputs *out, rp_st
     else if (!status)
         status = rp_file_finish(stdout, "standard output");
     if (!status) status = export_folder(arena, out->directory, (export_format)r->plan.dump);
-    if (!status && !out->quiet) cli_close_run(arena, r->sim, out->directory);
+    if (!status && !out->quiet) cli_close_run(arena, r->sim, &r->rest, out->directory);
     return status;
 }
 
@@ -389,7 +397,7 @@ static rp_status run_file(const cli_call *call, const char *path, const run_opti
     if (o->dump && !*o->o) return rp_fail(RP_USAGE, "--dump needs -o DIR");
     rp_status status = read_scene(path, o, &scene);
     if (!status && *o->o) status = hash_scene(&scene, &r.plan.scene);
-    r.plan.steps = scene.steps;
+    r.plan.steps = r.rest.steps = scene.steps;
     if (!status) status = claim(&of, path, &r.plan, o);
     r.plan.ledger = scene.def.ledger;
     if (!status && (status = dem_scene_start(&scene, &r.sim)) == RP_BAD_INPUT)
@@ -486,8 +494,10 @@ const cli_command cmd_run = {
     "--force writes over those of the same names.\n"
     "--dump lammps, xyz or vtk adds DIR/run.lammpstrj, DIR/run.xyz or DIR/run.pvd, as `repose export` has\n"
     "them.\n"
-    "The run ends with one line on standard error: grains, steps, at rest or not (mean kinetic energy below\n"
-    "1e-7 m g d), and theta_R by method 3 where the surface at rest falls to one side by all three methods.\n"
+    "The run ends with one line on standard error: grains, steps, at rest or not (a mean kinetic energy "
+    "below\n"
+    "1e-7 m g d, and forces that balance to 1e-2 m g, by ten looks in the last 5000 steps), and theta_R by\n"
+    "method 3 where the surface at rest falls to one side by all three methods.\n"
     "The slope is measured from the standing wall to the opened one, or over the whole pile if no wall\n"
     "opens.\n"
     "\n"

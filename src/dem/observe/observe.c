@@ -170,10 +170,9 @@ rp_status dem_rest_state(const dem_sim *sim, double lo, double hi, dem_rest *res
     return RP_OK;
 }
 
-bool dem_at_rest(const dem_rest *rest, double energy, double force, bool one_look)
+bool dem_at_rest(const dem_rest *rest, double energy, double force, bool brief)
 {
-    return rest->kinetic_energy <= energy && rest->net_force <= force &&
-           !(one_look && rest->free_force > force);
+    return rest->kinetic_energy <= energy && rest->net_force <= force && !(brief && rest->free_force > force);
 }
 
 int dem_contact_count(const dem_sim *sim, uint32_t id)

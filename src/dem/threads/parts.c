@@ -234,10 +234,15 @@ static bool start_part(dem_part *part, const dem_sim *sim)
     return own->slot && own->wall_force;
 }
 
+bool dem_threads_serve(const dem_sim *sim)
+{
+    return sim->scheme->runs_ahead && !sim->def.hard.on && !sim->ledger && dem_pairs_are_many(&sim->pairs);
+}
+
 void dem_threads_start(dem_sim *sim)
 {
-    if (sim->threads < 2 || !sim->scheme->runs_ahead || sim->def.hard.on || sim->ledger || sim->times ||
-        !dem_pairs_are_many(&sim->pairs) || !(sim->team = dem_team_start(sim->threads)))
+    if (sim->threads < 2 || sim->times || !dem_threads_serve(sim) ||
+        !(sim->team = dem_team_start(sim->threads)))
         return;
     bool good = true;
     for (size_t t = 0; t < sim->team->n; t++) good &= start_part(&sim->team->part[t], sim);

@@ -3,15 +3,10 @@
 
 #include <math.h>
 #include <pthread.h>
+#include <sched.h>
 #include <stdatomic.h>
 #include <stdio.h>
 #include <unistd.h>
-#ifdef __SSE2__
-#include <immintrin.h>
-#define relax _mm_pause
-#else
-#define relax() (void)0
-#endif
 
 typedef struct {
     struct dem_crew *crew;
@@ -35,12 +30,12 @@ struct dem_crew {
 };
 
 /* Wait until a count has this value: a while in a loop, since most waits are shorter than a thread takes to
- * wake up. */
+ * wake up; there the processor goes to whoever else wants it. */
 static void await(struct dem_crew *crew, atomic_uint *count, unsigned value)
 {
     for (unsigned k = 0; k < crew->spins; k++) {
         if (atomic_load(count) == value) return;
-        relax();
+        sched_yield();
     }
     pthread_mutex_lock(&crew->mutex);
     atomic_fetch_add(&crew->sleepers, 1);
@@ -104,7 +99,7 @@ rp_status dem_threads_do(dem_sim *sim, dem_task *task)
 
 struct dem_team *dem_team_start(size_t n)
 {
-    enum { SPINS = 3000 }; /* some 0.1 ms */
+    enum { SPINS = 300 }; /* some 0.1 ms */
     struct dem_team *team = calloc(1, sizeof *team);
     struct dem_crew *crew = calloc(1, sizeof *crew);
     dem_part *part = calloc(n, sizeof *part);
