@@ -11,10 +11,10 @@ Table.dataframe() needs pandas.
 
 The program is $REPOSE, else build/repose beside this folder, else `repose` on the PATH.
 """
+import json
 import os
 import pathlib
 import shutil
-import sqlite3
 import subprocess
 
 try:
@@ -107,15 +107,13 @@ def read_table(path):
 
 
 def read_store(path):
-    """The runs of a sweep's folder, or of its store.sqlite, with all parameters and outputs as columns."""
-    path = pathlib.Path(path)
-    store = path / "store.sqlite" if path.is_dir() else path
-    connection = sqlite3.connect(f"{store.absolute().as_uri()}?mode=ro", uri=True)
-    try:
-        cursor = connection.execute("SELECT * FROM results ORDER BY run")
-        return Table([c[0] for c in cursor.description], cursor.fetchall())
-    finally:
-        connection.close()
+    """The stored runs of a sweep's folder (or of that of its store.sqlite), with all parameters and outputs as columns.
+    The program reads them, those of shards that are not merged too, and checks each; notes["missing"] says how many
+    are not stored."""
+    path = pathlib.Path(path).absolute()
+    found = json.loads(_output("export", path if path.is_dir() else path.parent, "--to", "json", allowed=(0, 1)))
+    names = list(found["units"])
+    return Table(names, [[row[name] for name in names] for row in found["rows"]], found["units"], found["notes"])
 
 
 class Frame:
@@ -162,13 +160,17 @@ def program():
     return found
 
 
-def command(*words, allowed=(0,)):
-    """The Table that a command prints: command("angle", "slope", "grains.tsv", "--width", 4).
-    Raises Error unless the exit status is among those allowed; 1 means that a command has no result."""
+def _output(*words, allowed=(0,)):
     done = subprocess.run([program(), *map(str, words)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     if done.returncode not in allowed:
         raise Error(done.stderr.strip(), done.returncode)
-    return parse_table(done.stdout)
+    return done.stdout
+
+
+def command(*words, allowed=(0,)):
+    """The Table that a command prints: command("angle", "slope", "grains.tsv", "--width", 4).
+    Raises Error unless the exit status is among those allowed; 1 means that a command has no result."""
+    return parse_table(_output(*words, allowed=allowed))
 
 
 def run(scene, folder, every=None, set=None, options=()):

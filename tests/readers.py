@@ -8,6 +8,7 @@ import json
 import math
 import os
 import re
+import sqlite3
 import subprocess
 import sys
 import xml.etree.ElementTree as xml
@@ -351,7 +352,23 @@ def package():
     assert [float(v) for v in runs["theta_r3_deg"]] == [number(row["theta_r3_deg"]) for row in expected] or any(
         v != v for v in runs["theta_r3_deg"])
     assert list(runs["mu"]) == [0.1, 0.1, 0.3, 0.3] and list(runs["W"]) == 4 * [1]
-    assert len(runs.where("mu", 0.3)) == 2
+    assert runs.units["theta_r3_deg"] == "degree" and runs.notes["missing"] == "0 of 4"
+    some = runs.where("mu", 0.3)
+    assert some.names == runs.names and some.rows == runs.rows[2:] and some.units == runs.units and len(some) == 2
+    assert some.notes == runs.notes and len(runs.where("mu", 0.2)) == 0
+    assert runs.where("status", runs["status"][3]).rows == [r for r in runs.rows if r[1] == runs.rows[3][1]]
+    assert repose.read_store("first/store.sqlite").rows[1] == repose.read_store("first").rows[1]
+    part = repose.read_store("part")  # one shard of two, not merged
+    assert list(part["run"]) == [1, 3] and part.notes["missing"] == "2 of 4"
+    assert list(part["theta_r3_deg"]) == list(runs["theta_r3_deg"])[1::2]
+    with sqlite3.connect("part/shards/2-of-2.sqlite") as store:
+        store.execute("UPDATE runs SET theta_r3_deg = 1.5 WHERE run = 3")
+    try:
+        repose.read_store("part")
+    except repose.Error as error:
+        assert error.status == 74 and "row of run 3 is damaged (checksum)" in str(error), error
+    else:
+        raise AssertionError("a damaged row is read")
     tilt = repose.command("angle", "tilt", "--mu", 0.2, "--theta-r-deg", 18)
     assert abs(tilt["theta_t_deg"][0] - 4.834) < 1e-3 and tilt["status"] == ["ok"]
     for wrong, status in ((("run", "nowhere.cfg"), 65), (("angle", "tilt"), 64)):

@@ -1,7 +1,14 @@
 /* The program from the shell: exit statuses, one message that names the fault, values on standard output, and
  * a sweep from its file to its digest. The environment variable REPOSE names the program. */
+#include <fcntl.h>
+#include <limits.h>
+#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/ptrace.h>
+#include <sys/syscall.h>
+#include <sys/user.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include "analytic/analytic.h"
@@ -241,6 +248,8 @@ static void test_slurm(void)
     static const failure list[] = {
         {65, "--time 1:00:00 and --mem 1G expected", "sweep slurm d --shards 2 --time '1h'"},
         {65, "--time 1:00:00 and --mem 1G expected", "sweep slurm d --shards 2 --mem '1 G'"},
+        {65, "--shards 1001: Slurm takes arrays of up to 1000 tasks, unless its MaxArraySize is raised; give",
+         "sweep slurm d --shards 1001"},
         {65, "none: no such folder", "sweep slurm none --shards 2"}};
     static char script[4096], expected[4096];
     char folder[512], program[512];
@@ -252,6 +261,8 @@ static void test_slurm(void)
     slurp("folder", folder, sizeof folder);
     slurp("program", program, sizeof program);
     slurp("d/array.sh", script, sizeof script);
+    CU_ASSERT(shell("\"$REPOSE\" sweep slurm d --shards 1000 >most && grep -q -- '^#SBATCH --array=1-1000$' "
+                    "d/array.sh") == 0);
     snprintf(expected, sizeof expected,
              "sbatch %s/array.sh\n"
              "parallel -q --sshlogin HOST1,HOST2 %s sweep run %s --shard {}/7 -j 3 ::: $(seq 7)\n"
@@ -292,6 +303,75 @@ static void test_slurm_names(void)
         const int status = shell(script);
         if (status) fprintf(stderr, "sweep slurm in \"%s\": step %d: %s\n", names[k], status, err);
         CU_ASSERT_EQUAL(status, 0);
+    }
+}
+
+/* ---- killed ---- */
+
+/* Start the program with these words, and kill it at the entry of its k-th call that changes files, from 1;
+ * true if it came to that call. */
+static bool kill_at(long k, char *const words[])
+{
+    static const long calls[] = {SYS_write,     SYS_pwrite64, SYS_ftruncate, SYS_fsync,
+                                 SYS_fdatasync, SYS_mkdir,    SYS_rename,    SYS_unlink};
+    int end = 0;
+    char folder[256], program[PATH_MAX];
+    path_of(".", folder);
+    CU_ASSERT_PTR_NOT_NULL_FATAL(realpath(getenv("REPOSE"), program));
+    const pid_t child = fork();
+    if (child == 0) {
+        if (chdir(folder) != 0 || !freopen("out", "w", stdout) || !freopen("err", "w", stderr)) _exit(126);
+        setenv("ASAN_OPTIONS", "detect_leaks=0", 1);
+        ptrace(PTRACE_TRACEME, 0, NULL, NULL);
+        execv(program, words);
+        _exit(127);
+    }
+    for (bool entry = false; waitpid(child, &end, 0) == child && WIFSTOPPED(end); entry = !entry) {
+        struct user_regs_struct r;
+        ptrace(PTRACE_GETREGS, child, NULL, &r);
+        bool changes = r.orig_rax == SYS_openat && r.rdx & O_CREAT;
+        for (size_t i = 0; i < sizeof calls / sizeof *calls; i++) changes |= (long)r.orig_rax == calls[i];
+        if (entry && changes && --k == 0) kill(child, SIGKILL);
+        ptrace(PTRACE_SYSCALL, child, NULL, NULL);
+    }
+    return WIFSIGNALED(end);
+}
+
+/* A sweep is planned, and planned again for more runs, by a process that is killed at any of its calls: the
+ * same command then does it. A shard that is killed so does not keep the others from being read. */
+static void test_killed_plans(void)
+{
+    static char *const first[] = {"repose", "sweep", "plan", "s.cfg", "-o", "d", "--quiet", NULL},
+                       *const more[] = {"repose", "sweep",      "plan", "s.cfg", "-o",
+                                        "d",      "--replicas", "3",    NULL},
+                       *const shard[] = {"repose", "sweep", "run", "d", "-j", "1", "--shard", "1/2", NULL};
+    static const struct {
+        const char *before, *after;
+        char *const *words;
+        long step;
+    } cases[] = {{"rm -rf d", "\"$REPOSE\" sweep plan s.cfg -o d", first, 1},
+                 {"rm -rf d && cp -r made d", "\"$REPOSE\" sweep plan s.cfg -o d --replicas 3", more, 4},
+                 {"rm -rf d && cp -r half d",
+                  "\"$REPOSE\" sweep run d -j 1 --shard 1/2 && \"$REPOSE\" sweep merge d", shard, 7}};
+    char line[512];
+    write_text("s.cfg", "protocol = \"pile\"; replicas = 2; fixed = { base = 4; };\n");
+    GOOD("sweep plan s.cfg -o made");
+    CU_ASSERT(
+        shell("cp -r made half; for d in made 'half --shard 2/2'; do \"$REPOSE\" sweep run $d -j 1 >out "
+              "2>err || exit 1; done") == 0);
+    for (size_t c = 0; c < sizeof cases / sizeof *cases; c++) {
+        long k = 0;
+        for (bool killed = true; killed; k += killed ? cases[c].step : 0) {
+            snprintf(line, sizeof line, "%s >out 2>err", cases[c].before);
+            CU_ASSERT_FATAL(shell(line) == 0);
+            killed = kill_at(k + 1, cases[c].words);
+            if (c > 0) CU_ASSERT(shell("\"$REPOSE\" sweep status d >out 2>err") == 0);
+            snprintf(line, sizeof line, "{ %s && \"$REPOSE\" sweep status d; } >out 2>err", cases[c].after);
+            const int status = shell(line);
+            if (status) fprintf(stderr, "killed at call %ld of %s: %s\n", k + 1, cases[c].words[2], err);
+            CU_ASSERT_EQUAL(status, 0);
+        }
+        CU_ASSERT(k > 50);
     }
 }
 
@@ -1546,6 +1626,20 @@ static void test_calibrate_sweep(void)
     CU_ASSERT_STRING_EQUAL(out, first);
     CU_ASSERT(equal_tables("d/runs.tsv", "before.tsv"));
     CU_ASSERT(shell("grep run_time before.tsv >out 2>err; grep run_time d/runs.tsv | cmp - out") == 0);
+    /* where nothing may be written the stored piles do, if they are those of the file */
+    static const char readers[] =
+        "chmod 755 . && chmod 555 d && chmod 444 d/* && cp s.cfg other.cfg && "
+        "sed -i s/1993/1994/ other.cfg && w=; [ $(id -u) = 0 ] && w='setpriv --reuid=65534 --clear-groups'; "
+        "for c in 'sweep status d' 'sweep export d' 'sweep digest d' 'export d --to json' 'stats select "
+        "d/runs.tsv'; "
+        "do $w \"$REPOSE\" $c >said 2>err || exit 2; done; "
+        "$w \"$REPOSE\" calibrate --sweep other.cfg -o d --theta-r-deg 15 --error-deg 2 >out 2>err; "
+        "[ $? = 65 ] && grep -q 'd: holds another plan than that of other.cfg, and may only be read' err || "
+        "exit 3; "
+        "$w \"$REPOSE\" calibrate --sweep s.cfg -o d -j 2 --theta-r-deg 15 --error-deg 2 >out 2>err";
+    CU_ASSERT_EQUAL(shell(readers), status);
+    CU_ASSERT_STRING_EQUAL(out, first);
+    CU_ASSERT(shell("chmod 755 d") == 0);
 }
 
 /* ---- run ---- */
@@ -1727,7 +1821,9 @@ static void test_make(void)
     write_text("s.cfg", "protocol = \"repose\"; replicas = 1; study = 2; seed = 1993;\n"
                         "fixed = { " SHORT_RUN " };\ngrid = { mu = [0.2, 0.3]; };\n"
                         "tables = [ \"s_line = stats fit @/s.tsv -x mu -y theta_r3_deg_mean\",\n"
-                        "           \"s_rows = stats select @/s_r?ns.tsv --where mu=0.3\" ];\n");
+                        "           \"s_rows = stats select @/*/s_runs.tsv --where mu=0.3\" ];\n");
+    CU_ASSERT(shell("mkdir -p t/piles t/none t/.not 't[1]' t1/piles && ln -s ../s_runs.tsv t/piles && ln -s "
+                    "../../t/s_runs.tsv t/.not && touch t1/s.tsv t1/piles/s_runs.tsv >out 2>err") == 0);
     GOOD("sweep make s.cfg -o d --tables t -j 1");
     scoped_table runs = read_table("t/s_runs.tsv");
     CU_ASSERT(runs.n_rows == 2);
@@ -1746,6 +1842,13 @@ static void test_make(void)
     snprintf(digest, sizeof digest, "%.32s", out);
     CU_ASSERT(shell("cat t/s.tsv >out 2>err") == 0 && strstr(out, digest));
 
+    /* the folder's name is no pattern; * stands for every folder, in order */
+    CU_ASSERT(shell("mkdir -p 't[1]/b' 't[1]/a' && cp t/s_runs.tsv 't[1]/b'") == 0);
+    GOOD("sweep make s.cfg -o d --tables 't[1]' --study");
+    CU_ASSERT(equal_tables("t/s_rows.tsv", "t[1]/s_rows.tsv") &&
+              equal_tables("t/s_line.tsv", "t[1]/s_line.tsv"));
+    CU_ASSERT(shell("cp t/s_runs.tsv 't[1]/a'") == 0);
+    CU_ASSERT(run("sweep make s.cfg -o d --tables 't[1]' --study") == 64 && strstr(err, "t[1]/b/s_runs.tsv"));
     write_text("m.cfg", "tables = [ \"m_1 = continuum --alpha-deg 30\" ];\n");
     GOOD("sweep make m.cfg -o d --tables t");
     scoped_table model = read_table("t/m_1.tsv");
@@ -2082,6 +2185,7 @@ void suite_cli(void)
                                        {"bad values: 65", test_bad_values},
                                        {"job array", test_slurm},
                                        {"job array: folders of any name", test_slurm_names},
+                                       {"sweep plan and shards killed", test_killed_plans},
                                        {"bench", test_bench},
                                        {"bad scenes", test_bad_scenes},
                                        {"bad sweeps", test_bad_sweeps},

@@ -746,6 +746,8 @@ static void test_package(void)
     GOOD("sweep plan sweep.cfg -o first");
     CU_ASSERT(run("sweep run first -j 1") == 0);
     GOOD("sweep export first -o runs.tsv");
+    GOOD("sweep plan sweep.cfg -o part");
+    CU_ASSERT(run("sweep run part -j 1 --shard 2/2") == 0);
     CU_ASSERT(readers("package"));
     CU_ASSERT_PTR_NOT_NULL_FATAL(realpath("python/pile.py", script));
     snprintf(line, sizeof line, "export REPOSE; " PYTHON "%s example >out 2>err", script);

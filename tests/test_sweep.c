@@ -1,6 +1,7 @@
 /* The sweep driver with toy protocols: plans, resume, crashes, determinism, tables, and every bad input. */
 #include <fcntl.h>
 #include <gsl/gsl_rng.h>
+#include <limits.h>
 #include <signal.h>
 #include <sqlite3.h>
 #include <stdlib.h>
@@ -157,12 +158,17 @@ static const char *digest(size_t rows)
     return text;
 }
 
-static void sql(const char *text)
+static void sql_in(const char *path, const char *text)
 {
     sqlite3 *db;
-    CU_ASSERT(sqlite3_open(store, &db) == SQLITE_OK);
+    CU_ASSERT(sqlite3_open(path, &db) == SQLITE_OK);
     CU_ASSERT(sqlite3_exec(db, text, NULL, NULL, NULL) == SQLITE_OK);
     sqlite3_close(db);
+}
+
+static void sql(const char *text)
+{
+    sql_in(store, text);
 }
 
 static sqlite3_int64 sql_number(const char *text)
@@ -195,19 +201,25 @@ static const char *cell(const rp_table *t, size_t row, const char *name)
     return t->cells[row * t->n_columns + (size_t)c];
 }
 
-/* Store a row as the driver does. */
-static rp_status put_row(const sweep_row *row)
+/* Store a row in a folder as the driver does. */
+static rp_status put_row_in(const char *folder, const sweep_row *row)
 {
-    char path[128];
+    char path[160];
     sweep_plan plan;
     sweep_store *opened = NULL;
-    snprintf(path, sizeof path, "%s/sweep.cfg", dir);
+    snprintf(path, sizeof path, "%s/sweep.cfg", folder);
     rp_status status = sweep_plan_read(path, toys, &plan);
-    if (!status) status = sweep_store_open(store, SWEEP_WRITE, &opened);
+    snprintf(path, sizeof path, "%s/store.sqlite", folder);
+    if (!status) status = sweep_store_open(path, SWEEP_WRITE, &opened);
     if (!status) status = sweep_store_insert(opened, &plan, row);
     sweep_store_close(opened);
     sweep_plan_free(&plan);
     return status;
+}
+
+static rp_status put_row(const sweep_row *row)
+{
+    return put_row_in(dir, row);
 }
 
 /* The expected results of the toy protocol, in every bit. */
@@ -248,10 +260,14 @@ static void test_order(void)
     }
     rp_table_free(&t);
     /* the store has the same values when opened directly */
-    CU_ASSERT(sql_number("SELECT count(*) FROM results WHERE x = 2.385 AND k = 'auto' AND picks = 'green'"
-                         " AND odd = 'true' AND mass = 'infinite' AND never IS NULL AND pile < 3") == 3);
+    CU_ASSERT(
+        sql_number("SELECT count(*) FROM runs WHERE parameters = '{\"odd\":\"true\",\"picks\":\"green\","
+                   "\"x\":2.385,\"k\":\"auto\"}' AND never IS NULL AND pile < 3") == 3);
     clean();
 }
+
+#define X "(parameters ->> 'x')"
+#define K "(parameters ->> 'k')"
 
 static void test_bundles(void)
 {
@@ -262,8 +278,8 @@ static void test_bundles(void)
     CU_ASSERT(c.planned == 6);
     CHECK_OK(run(1, NULL));
     /* 2 (4.5 + 12 + 17.5) times 1 + 3; the last group is the fastest */
-    CU_ASSERT(sql_number("SELECT 2 * sum(x * k * mass) FROM results") == 68 * 4);
-    CU_ASSERT(sql_number("SELECT 2 * x * mass FROM results WHERE run = 3") == 9);
+    CU_ASSERT(sql_number("SELECT 2 * sum(" X " * " K " * (parameters ->> 'mass')) FROM runs") == 68 * 4);
+    CU_ASSERT(sql_number("SELECT 2 * " X " * (parameters ->> 'mass') FROM runs WHERE run = 3") == 9);
     clean();
 }
 
@@ -274,7 +290,7 @@ static void test_zip(void)
     CHECK_OK(prepare(&c));
     CU_ASSERT(c.planned == 3);
     CHECK_OK(run(1, NULL));
-    CU_ASSERT(sql_number("SELECT 2 * sum(x * k) FROM results") == 68); /* 2 (4.5 + 12 + 17.5) */
+    CU_ASSERT(sql_number("SELECT 2 * sum(" X " * " K ") FROM runs") == 68); /* 2 (4.5 + 12 + 17.5) */
     clean();
 }
 
@@ -668,24 +684,229 @@ static void test_stop_of_all(void)
     clean();
 }
 
-/* A store or a shard without a table, as a process that was killed leaves it, is none. */
-static void test_empty_stores(void)
+/* A shard, or the folder of another machine, that a killed process or a broken copy left half made is named
+ * and left out; the others are read. */
+static void test_half_made(void)
 {
-    char path[160];
+    enum { EMPTY, NO_TABLE, CUT, FOLDER, KINDS };
+    char path[160], *text = NULL;
+    size_t size;
     sweep_counts c;
+    sweep_merged m;
     fresh("protocol = \"toy\"; replicas = 4;");
     CHECK_OK(rp_make_directory(dir));
     file_write(store, "", 0);
     CHECK_FAILS(sweep_status(dir, toys, &c), RP_BAD_INPUT, "sweep.cfg: cannot read");
+    for (int kind = 0; kind < KINDS; kind++)
+        for (int named = 0; named < 2; named++) {
+            const sweep_options second = {.workers = 1, .shard = 2, .shards = 2};
+            CHECK_OK(prepare(NULL));
+            CHECK_OK(sweep_run(dir, toys, &second, &c));
+            snprintf(path, sizeof path, named ? "%s/other" : "%s/shards", dir);
+            mkdir(path, 0777);
+            snprintf(path, sizeof path, named ? "%s/other/store.sqlite" : "%s/shards/1-of-2.sqlite", dir);
+            if (kind == FOLDER) mkdir(path, 0777);
+            if (kind == EMPTY) file_write(path, "", 0);
+            if (kind == NO_TABLE) sql_in(path, "CREATE TABLE a (b); DROP TABLE a");
+            scoped char *bytes = file_read(store, &size);
+            if (kind == CUT) file_write(path, bytes, 60);
+            CHECK_OK(sweep_status(dir, toys, &c));
+            CU_ASSERT(c.stored == 2 && (named || strstr(c.skipped, "/shards/1-of-2.sqlite")));
+            CU_ASSERT_STRING_EQUAL(c.shards, "1 of 2");
+            FILE *out = open_memstream(&text, &size);
+            CHECK_OK(sweep_export(dir, toys, SWEEP_RUNS, NULL, &c, out));
+            fclose(out);
+            CU_ASSERT(named == !strstr(text, "# left out, no stores yet: /tmp/"));
+            free(text);
+            char shards[160], other[160];
+            snprintf(shards, sizeof shards, "%s/shards/2-of-2.sqlite", dir);
+            snprintf(other, sizeof other, "%s/other", dir);
+            if (named)
+                CHECK_OK(sweep_merge(dir, toys, 2, (char *const[]){other, shards}, &m, &c));
+            else
+                CHECK_OK(sweep_merge(dir, toys, 0, NULL, &m, &c));
+            CU_ASSERT(m.stores == 1 && c.stored == 2 && strstr(c.skipped, path));
+            if (named)
+                CHECK_FAILS(sweep_merge(dir, toys, 1, (char *const[]){other}, &m, &c), RP_BAD_INPUT,
+                            "none yet: ");
+            CHECK_OK(run(1, &c));
+            CU_ASSERT(c.stored == 4 && (named || strstr(c.skipped, path)));
+            folder_remove(dir);
+        }
+    clean();
+}
+
+/* One row of a store is another than its checksum says: no reader takes it, in the sweep's store, in a shard
+ * or in another machine's, under its number, under that of another run, and without. */
+static void test_damaged_rows(void)
+{
+    static const char *const damages[] = {"UPDATE runs SET y_deg = y_deg + 1e-15 WHERE run = 4",
+                                          "UPDATE runs SET status = 'no_pile' WHERE run = 4",
+                                          "UPDATE runs SET run = 44 WHERE run = 4",
+                                          "UPDATE runs SET key = 'a' || substr(key, 2) WHERE run = 4",
+                                          "UPDATE runs SET run = NULL, y_deg = 3 WHERE run = 4"};
+    static const char message[] = "is damaged (checksum); `repose sweep salvage` keeps the whole rows";
+    char other[128], path[160], d[33];
+    char *const paths[] = {other};
+    sweep_counts c;
+    sweep_merged m;
+    size_t n;
+    for (size_t k = 0; k < sizeof damages / sizeof *damages; k++)
+        for (int where = 0; where < 3; where++) {
+            made_by(1, "protocol = \"toy\"; replicas = 8; grid = { x = [0.125, 2.385]; };");
+            snprintf(other, sizeof other, "%s/other", base);
+            CHECK_OK(sweep_prepare(file, other, 0, toys, NULL, &c));
+            if (where == 0) CHECK_OK(sweep_run(other, toys, &(sweep_options){.workers = 1}, &c));
+            const sweep_options half = {.workers = 1, .shard = 1, .shards = 2}; /* runs 0, 2, 4 ... */
+            if (where == 1) sql("DELETE FROM runs");
+            if (where > 0) CHECK_OK(sweep_run(where == 1 ? dir : other, toys, &half, &c));
+            snprintf(path, sizeof path, "%s/%s", where == 2 ? other : dir,
+                     where ? "shards/1-of-2.sqlite" : "store.sqlite");
+            sql_in(path, damages[k]);
+            if (where < 2) {
+                CHECK_FAILS(sweep_status(dir, toys, &c), RP_IO, message);
+                CHECK_FAILS(sweep_digest(dir, toys, d, &n), RP_IO, message);
+                CHECK_FAILS(sweep_export(dir, toys, SWEEP_RUNS, NULL, NULL, stdout), RP_IO, message);
+                CHECK_FAILS(run(1, NULL), RP_IO, message);
+                CHECK_FAILS(sweep_run(dir, toys, &half, &c), RP_IO, message);
+            }
+            CHECK_FAILS(sweep_merge(dir, toys, where != 1, paths, &m, &c), RP_IO, message);
+            CU_ASSERT(sql_number("SELECT count(*) FROM runs") == (where == 1 ? 0 : 16));
+            CU_ASSERT(strncmp(rp_message(), path, strlen(path)) == 0);
+            clean();
+        }
+}
+
+/* Rows keep the name of the program that made them, when they are merged too, and a table counts them. */
+static void test_makers(void)
+{
+    static const char program[] = "repose 0.1.9, commit 0123abc-dirty, gcc 9";
+    char other[128], path[160], plain[300], *text = NULL;
+    sweep_counts c;
+    sweep_merged m;
+    size_t size;
+    fresh("protocol = \"toy\"; replicas = 4; fixed = { x = 2.385; };");
+    snprintf(other, sizeof other, "%s/other", base);
+    snprintf(path, sizeof path, "%s/store.sqlite", other);
     CHECK_OK(prepare(NULL));
-    snprintf(path, sizeof path, "%s/shards", dir);
-    mkdir(path, 0777);
-    snprintf(path, sizeof path, "%s/shards/1-of-2.sqlite", dir);
-    file_write(path, "", 0);
-    CHECK_OK(sweep_status(dir, toys, &c));
+    CHECK_OK(sweep_prepare(file, other, 0, toys, NULL, &c));
+    sweep_plan plan;
+    sweep_store *opened;
+    CHECK_OK(sweep_plan_read(file, toys, &plan));
+    CHECK_OK(sweep_store_open(path, SWEEP_WRITE, &opened));
+    for (size_t k = 0; k < 2; k++) { /* two rows by another program, as one of another commit writes them */
+        strcpy(opened->program, program);
+        opened->point = SIZE_MAX;
+        const sweep_row row = {.run = k, .seconds = 1.0, .result = {.status = "ok", .values = {1.0, NAN}}};
+        CHECK_OK(sweep_store_insert(opened, &plan, &row));
+    }
+    sweep_store_close(opened);
+    sweep_plan_free(&plan);
+    CHECK_OK(sweep_merge(dir, toys, 1, (char *const[]){other}, &m, &c));
     CHECK_OK(run(1, NULL));
-    CHECK_OK(sweep_status(dir, toys, &c));
-    CU_ASSERT_EQUAL(c.stored, 4);
+    FILE *out = open_memstream(&text, &size);
+    CHECK_OK(sweep_export(dir, toys, SWEEP_RUNS, NULL, NULL, out));
+    fclose(out);
+    snprintf(plain, sizeof plain, "# runs made by: repose %s, commit %s, %s (2)\n", RP_VERSION,
+             rp_build_commit, rp_build_compiler);
+    CU_ASSERT(strstr(text, "# runs made by: repose 0.1.9, commit 0123abc-dirty, gcc 9 (2)\n") &&
+              strstr(text, plain));
+    free(text);
+    clean();
+}
+
+/* Runs that crashed are made again, and forgotten then; those of another plan stay. */
+static void test_crashed_of_another_plan(void)
+{
+    static const char crashed[] = "SELECT count(*) FROM runs WHERE status = 'crashed' AND run IS NULL";
+    char other[128];
+    sweep_counts c;
+    sweep_merged m;
+    planned("protocol = \"toy\"; replicas = 4; piles = \"shared\"; fixed = { mode = \"crash\"; };");
+    CHECK_FAILS(run(1, NULL), RP_NO_RESULT, "crashed 1");
+    file_print(file, "protocol = \"toy\"; replicas = 4; piles = \"shared\"; fixed = { x = 2.385; };");
+    CHECK_OK(prepare(NULL));
+    CHECK_OK(run(1, NULL));
+    CU_ASSERT(sql_number(crashed) == 1);
+    snprintf(other, sizeof other, "%s/other", base);
+    CHECK_OK(sweep_prepare(file, other, 0, toys, NULL, &c));
+    CHECK_OK(sweep_run(other, toys, &(sweep_options){.workers = 1}, &c));
+    CHECK_OK(sweep_merge(dir, toys, 1, (char *const[]){other}, &m, &c));
+    CU_ASSERT(m.duplicates == 4 && sql_number(crashed) == 1);
+    clean();
+}
+
+/* Files and folders that may only be read: a finished sweep, and its shards, are read all the same. */
+static void test_read_only(void)
+{
+    static const char *const names[] = {"sweep.cfg", "store.sqlite", "lock", "shards/2-of-3.sqlite", "shards",
+                                        ""};
+    char right[33], path[192];
+    made_by(1, "protocol = \"toy\"; replicas = 6;");
+    const sweep_options shard = {.workers = 1, .shard = 2, .shards = 3};
+    sweep_counts c;
+    sql("DELETE FROM runs WHERE run IN (1, 4)");
+    CHECK_OK(sweep_run(dir, toys, &shard, &c));
+    strcpy(right, digest(6));
+    chmod(base, 0755);
+    for (int closed = 1; closed >= 0; closed--) { /* the folders too, or the files alone */
+        for (size_t k = 0; k < sizeof names / sizeof *names; k++) {
+            snprintf(path, sizeof path, "%s/%s", dir, names[k]);
+            chmod(path, k < 4 ? 0444 : closed ? 0555 : 0777);
+        }
+        const pid_t child = fork();
+        if (child == 0) {
+            size_t n, size;
+            char found[33], *text;
+            if (geteuid() == 0 && setresuid(65534, 65534, 65534) != 0) _exit(9);
+            FILE *out = open_memstream(&text, &size);
+            const bool good = sweep_status(dir, toys, &c) == RP_OK && c.stored == 6 &&
+                              sweep_digest(dir, toys, found, &n) == RP_OK && strcmp(found, right) == 0 &&
+                              sweep_export(dir, toys, SWEEP_RUNS, NULL, NULL, out) == RP_OK;
+            if (!good) fprintf(stderr, "read-only: %s\n", rp_message());
+            _exit(!good);
+        }
+        int end = 0;
+        waitpid(child, &end, 0);
+        CU_ASSERT_EQUAL(end, 0);
+    }
+    for (size_t k = 0; k < sizeof names / sizeof *names; k++) {
+        snprintf(path, sizeof path, "%s/%s", dir, names[k]);
+        chmod(path, 0777);
+    }
+    clean();
+}
+
+/* Names of folders are literal, also where SQLite takes names for addresses and shells for patterns. */
+static void test_literal_names(void)
+{
+    static const char *const names[] = {"x[1]",   "y?z*",           "a%20b#c?mode=memory", "it's; \"q\"",
+                                        "file:d", "file:d?mode=ro", "localhost",           "\xc3\xa9 \xff"};
+    char before[PATH_MAX], right[33] = "";
+    sweep_merged m;
+    sweep_counts c;
+    fresh("protocol = \"toy\"; replicas = 6;");
+    CU_ASSERT_FATAL(getcwd(before, sizeof before) && chdir(base) == 0);
+    mkdir("x1", 0777);
+    for (size_t k = 0; k < sizeof names / sizeof *names; k++) {
+        struct stat info;
+        char path[200], found[33];
+        size_t n;
+        CHECK_OK(sweep_prepare("s.cfg", names[k], 0, toys, NULL, &c));
+        for (int i = 1; i <= 2; i++)
+            CHECK_OK(sweep_run(names[k], toys, &(sweep_options){.workers = 1, .shard = i, .shards = 2}, &c));
+        CHECK_OK(sweep_status(names[k], toys, &c));
+        CHECK_OK(sweep_merge(names[k], toys, 0, NULL, &m, &c));
+        CU_ASSERT(m.stores == 2 && m.taken == 6);
+        CHECK_OK(sweep_digest(names[k], toys, k ? found : right, &n));
+        CU_ASSERT(k == 0 || strcmp(found, right) == 0);
+        snprintf(path, sizeof path, "%s/shards/2-of-2.sqlite", names[k]);
+        CU_ASSERT(stat(path, &info) == 0 && info.st_size > 0);
+        snprintf(path, sizeof path, "%s/store.sqlite", names[k]);
+        CU_ASSERT(stat(path, &info) == 0 && info.st_size > 0);
+    }
+    CU_ASSERT(rmdir("x1") == 0 && access("d", F_OK) != 0 && access("a b", F_OK) != 0);
+    CU_ASSERT(chdir(before) == 0);
     clean();
 }
 
@@ -769,7 +990,7 @@ static void test_plan_again(void)
     CHECK_OK(sweep_prepare(copy, dir, 0, toys, NULL, &c)); /* the folder's own file can be planned */
     CU_ASSERT(c.planned == 2);
     /* an output that the store has no column for yet */
-    sql("DELETE FROM runs; DROP VIEW results; ALTER TABLE runs DROP COLUMN never");
+    sql("DELETE FROM runs; ALTER TABLE runs DROP COLUMN never");
     CHECK_FAILS(run(1, NULL), RP_IO, "never");
     CHECK_OK(sweep_prepare(copy, dir, 0, toys, NULL, &c));
     CHECK_OK(run(1, NULL));
@@ -813,7 +1034,7 @@ static void test_further_output(void)
     CHECK_OK(sweep_run(dir, later, &one, &c));
     CU_ASSERT(c.stored == 6 && sql_number(KEPT) == 4);
     CU_ASSERT(sql_number("SELECT count(*) FROM runs WHERE further = 2.385") == 2);
-    CU_ASSERT(sql_number("SELECT count(*) FROM results WHERE further = 'none' AND never IS NULL") == 4);
+    CU_ASSERT(sql_number("SELECT count(*) FROM runs WHERE further = 'none' AND never IS NULL") == 4);
     CHECK_OK(sweep_digest(dir, later, found, &rows));
     CU_ASSERT(rows == 6);
     snprintf(path, sizeof path, "%s/table.tsv", base);
@@ -1206,27 +1427,30 @@ static void test_merge(void)
     CU_ASSERT(m.stores == 1 && m.taken == 10 && m.foreign == 10 && m.duplicates == 0);
     CHECK_OK(sweep_merge(dir, toys, 1, paths, &m, &c));
     CU_ASSERT(m.taken == 0 && m.duplicates == 10 && c.stored == 10);
-    sqlite3 *db;
-    CU_ASSERT(sqlite3_open(path, &db) == SQLITE_OK);
-    CU_ASSERT(sqlite3_exec(db, "UPDATE runs SET y_deg = y_deg + 1e-15 WHERE run = 3", NULL, NULL, NULL) == 0);
+    /* the first run of both with another result, and one that crashed */
+    sweep_row row = {.run = 3, .seconds = 1.0, .result = {.status = "ok", .values = {NAN, NAN}}};
+    sql_in(path, "DELETE FROM runs WHERE run = 3");
+    row.result.values[0] = 2.385;
+    CHECK_OK(put_row_in(other, &row));
     CHECK_FAILS(sweep_merge(dir, toys, 1, paths, &m, &c), RP_BAD_INPUT, "another result than in the stores");
     CHECK_OK(sweep_status(dir, toys, &c));
     CU_ASSERT(c.stored ==
               22); /* 15 of the shard, 10 of the other, 3 of both: the refused merge took nothing */
-    CU_ASSERT(sqlite3_exec(db,
-                           "UPDATE runs SET y_deg = y_deg - 1e-15 WHERE run = 3; UPDATE runs SET status ="
-                           " 'crashed', y_deg = NULL WHERE run = 4",
-                           NULL, NULL, NULL) == 0);
+    sql_in(path, "DELETE FROM runs WHERE run = 3");
+    row.result.values[0] = NAN;
+    strcpy(row.result.status, "crashed");
+    CHECK_OK(put_row_in(other, &row));
     CHECK_OK(sweep_merge(dir, toys, 1, paths, &m, &c)); /* a crash is no result */
-    sqlite3_close(db);
     sweep_protocol changed = toy_protocol;
     changed.fingerprint = toy_fingerprint;
     CHECK_OK(sweep_prepare(file, other, 0, (const sweep_protocol *const[]){&changed, NULL}, NULL, &c));
     CHECK_FAILS(sweep_merge(dir, toys, 1, paths, &m, &c), RP_BAD_INPUT, "another model of the physics");
     file_print(path, "not a store");
-    CHECK_FAILS(sweep_merge(dir, toys, 1, paths, &m, &c), RP_IO, "not a database");
+    char *const files[] = {path};
+    CHECK_FAILS(sweep_merge(dir, toys, 1, files, &m, &c), RP_IO, "not a database");
+    CHECK_FAILS(sweep_merge(dir, toys, 1, paths, &m, &c), RP_BAD_INPUT, "other/store.sqlite");
     unlink(path);
-    CHECK_FAILS(sweep_merge(dir, toys, 1, paths, &m, &c), RP_BAD_INPUT, "no store");
+    CHECK_FAILS(sweep_merge(dir, toys, 1, files, &m, &c), RP_BAD_INPUT, "no store");
     clean();
 }
 
@@ -1451,7 +1675,6 @@ static void check_columns(sqlite3_stmt *q, const sweep_plan *plan, size_t run)
 
 static void test_stored_columns(void)
 {
-    static const char *const shown[] = {"run", "status", "message", "seconds", "pile", "x", "mass", "k"};
     static const char rows[] =
         "SELECT key, status, message, program, parameters, seed, model, pile, seconds, "
         "y_deg, sum FROM runs ORDER BY run";
@@ -1467,9 +1690,6 @@ static void test_stored_columns(void)
     while (sqlite3_step(q) == SQLITE_ROW) check_columns(q, &plan, n++);
     sqlite3_finalize(q);
     CU_ASSERT_EQUAL(n, 4);
-    CU_ASSERT(sqlite3_prepare_v2(db, "SELECT * FROM results", -1, &q, NULL) == SQLITE_OK);
-    for (int i = 0; i < 8; i++) CU_ASSERT_STRING_EQUAL(sqlite3_column_name(q, i), shown[i]);
-    sqlite3_finalize(q);
     sqlite3_close(db);
     sweep_plan_free(&plan);
     clean();
@@ -1778,7 +1998,12 @@ void suite_sweep(void)
                                        {"limits of memory, and open files", test_limits},
                                        {"failed drives", test_failed_drives},
                                        {"within limits of time", test_within_limits},
-                                       {"stores without a table", test_empty_stores},
+                                       {"stores that are half made", test_half_made},
+                                       {"damaged rows", test_damaged_rows},
+                                       {"programs that made the rows", test_makers},
+                                       {"crashed runs of another plan", test_crashed_of_another_plan},
+                                       {"folders that may only be read", test_read_only},
+                                       {"names of folders", test_literal_names},
                                        {"snapshots that are left", test_left_snapshots},
                                        {"stop of all workers", test_stop_of_all},
                                        {"kept variables", test_keep},

@@ -20,6 +20,7 @@ void cli_print_counts(const sweep_counts *counts)
     rp_table_note(stdout, "planned", "%zu", counts->planned);
     rp_table_note(stdout, "stored", "%zu", counts->stored);
     rp_table_note(stdout, "missing", "%zu", counts->planned - counts->stored);
+    if (*counts->skipped) rp_table_note(stdout, "left out, no stores yet", "%s", counts->skipped);
     if (sweep_count_aborted(counts) > 0)
         rp_table_note(stdout, "aborted", "%zu, to be tried again", sweep_count_aborted(counts));
     rp_table_columns(stdout, 2, (const char *const[][2]){{"status", ""}, {"runs", ""}});
@@ -38,6 +39,20 @@ rp_status cli_sweep_export(const cli_call *call, const char *dir, unsigned what,
     FILE *out;
     RP_TRY(rp_file_open(path, &out));
     return rp_file_close(path, out, sweep_export(dir, sweep_protocols, what, call->line, counts, out));
+}
+
+rp_status cli_sweep_table(const cli_call *call, const char *dir, unsigned what, rp_table **table,
+                          sweep_counts *counts)
+{
+    char *text;
+    size_t size;
+    FILE *out = open_memstream(&text, &size);
+    if (!out) return rp_fail(RP_NO_MEMORY, "%s: out of memory", dir);
+    rp_status status = sweep_export(dir, sweep_protocols, what, call->line, counts, out);
+    fclose(out);
+    if (!status) return rp_table_load_text(call->arena, dir, text, table);
+    free(text);
+    return status;
 }
 
 void cli_warn_gravity(const char *path, double g)

@@ -89,11 +89,10 @@ static rp_status take_source(sweep_store *s, const sweep_plan *plan, const char 
                              bool *same, sweep_merged *found)
 {
     char hash[33];
-    long long tables, before, rows, after;
-    RP_TRY(sweep_sql_number(s, "SELECT count(*) FROM source.sqlite_schema", &tables));
-    if (tables == 0) return RP_OK; /* left by a process that was killed before it wrote */
+    long long before, rows, after;
     RP_TRY(check_source(s, plan, path));
     if (verify) RP_TRY(sweep_store_verify(s, "source", path));
+    RP_TRY(sweep_store_check_rows(s, "source", path, plan));
     RP_TRY(sweep_store_note(s, "source", "plan", hash, sizeof hash));
     RP_TRY(sweep_store_running(s, "source", &found->running));
     RP_TRY(find_conflict(s, plan, path));
@@ -120,7 +119,10 @@ rp_status sweep_store_unite(sweep_store *s, const sweep_plan *plan, size_t n, ch
     if (!status) status = sweep_store_make_runs(s, "temp", plan->protocol);
     if (!status) status = take_rows(s, plan, "main");
     for (size_t i = 0; !status && i < n; i++) {
-        RP_TRY(rp_prefix(sweep_sql(s, "open a store", "ATTACH %Q AS source", paths[i]), "%s: ", paths[i]));
+        char *uri = sweep_store_uri(paths[i], true);
+        status = rp_prefix(sweep_sql(s, "open a store", "ATTACH %Q AS source", uri), "%s: ", paths[i]);
+        sqlite3_free(uri);
+        if (status) break;
         status = take_source(s, plan, paths[i], verify, &same, found);
         rp_status detached = sweep_sql(s, "close a store", "DETACH source");
         if (!status) status = detached;

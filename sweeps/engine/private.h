@@ -106,11 +106,23 @@ const char *sweep_plan_parameters(const sweep_plan *plan, size_t point, char *bu
 rp_status sweep_store_open(const char *path, sweep_access access, sweep_store **store);
 void sweep_store_close(sweep_store *store);
 
+/* SQLite's name of a store, in which every letter of the path is literal; sqlite3_free it. To read a store
+ * where nothing can be written, and no writer has left a file, SQLite is told that it does not change. */
+char *sweep_store_uri(const char *path, bool reads);
+
+/* Has a process made a store of this file? One that was killed may have left it empty, or a copy broken off.
+ */
+bool sweep_store_is_made(const char *path);
+
 /* Until it is closed, read the store as it is now, whoever writes. */
 rp_status sweep_store_freeze(sweep_store *store);
 
 /* Is every page of this store ("main"), or of an attached one, sound? */
 rp_status sweep_store_verify(sweep_store *store, const char *schema, const char *path);
+
+/* Check each row of this store, or of an attached one, against its checksum and the key of its number. */
+rp_status sweep_store_check_rows(sweep_store *store, const char *schema, const char *path,
+                                 const sweep_plan *plan);
 
 /* Replace the plan, keeping all rows. `file` is noted as its origin.
  * Errors: RP_BAD_INPUT if the store belongs to another protocol. */
@@ -200,6 +212,7 @@ typedef struct {
     sweep_plan plan;
     sweep_store *store;
     sweep_merged found; /* of the shards */
+    char skipped[256];  /* shards that no process has made yet */
     int lock;           /* descriptor, or -1 */
 } sweep_folder;
 

@@ -4,17 +4,19 @@
  *          message, seconds, seed, model, program, pile, parameters (JSON: those that the file
  *          gives), a column for each output (NULL: no value; 'none': stored before the program had this
  *          output), sum (checksum of all but `run`)
- *   results  a view for users: run, status, every parameter, every output
  * Planning again renumbers the rows, and removes none. Rows are committed in groups of a quarter of a second,
  * each synced to the disk. An open store is the parent's alone: no worker touches it. */
 #include "table/columns.h"
 #include "sweeps/engine/private.h"
 
+#include <ctype.h>
+#include <libgen.h>
 #include <math.h>
 #include <signal.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <sys/vfs.h>
 #include <time.h>
 #include <unistd.h>
@@ -111,15 +113,35 @@ static rp_status check_format(sweep_store *s)
     return RP_OK;
 }
 
+char *sweep_store_uri(const char *path, bool reads)
+{
+    char beside[4096 + 16];
+    sqlite3_str *uri = sqlite3_str_new(NULL);
+    sqlite3_str_appendall(uri, *path == '/' ? "file://" : "file:");
+    for (const char *c = path; *c; c++)
+        sqlite3_str_appendf(uri, isalnum((unsigned char)*c) || strchr("/._-", *c) ? "%c" : "%%%02X",
+                            (unsigned char)*c);
+    for (int i = 0; i < 2; i++) {
+        snprintf(beside, sizeof beside, "%s%s", path, i ? "-journal" : "-wal");
+        reads &= access(beside, F_OK) != 0;
+    }
+    /* SQLite has no place for such files */
+    if (reads && access(dirname(beside), W_OK) != 0) sqlite3_str_appendall(uri, "?immutable=1");
+    return sqlite3_str_finish(uri);
+}
+
 rp_status sweep_store_open(const char *path, sweep_access access, sweep_store **store)
 {
     sweep_store *s = *store = calloc(1, sizeof **store);
     if (!s) return rp_fail(RP_NO_MEMORY, "%s: out of memory", path);
     snprintf(s->path, sizeof s->path, "%s", path);
     s->writes = access != SWEEP_READ;
-    const int flags =
-        SQLITE_OPEN_READWRITE | SQLITE_OPEN_NOMUTEX | (access == SWEEP_CREATE ? SQLITE_OPEN_CREATE : 0);
-    if (sqlite3_open_v2(path, &s->db, flags, NULL) != SQLITE_OK) return sweep_sql_fail(s, "open the store");
+    const int flags = SQLITE_OPEN_READWRITE | SQLITE_OPEN_URI | SQLITE_OPEN_NOMUTEX |
+                      (access == SWEEP_CREATE ? SQLITE_OPEN_CREATE : 0);
+    char *uri = sweep_store_uri(path, !s->writes);
+    const int opened = uri ? sqlite3_open_v2(uri, &s->db, flags, NULL) : SQLITE_NOMEM;
+    sqlite3_free(uri);
+    if (opened != SQLITE_OK) return sweep_sql_fail(s, "open the store");
     sqlite3_busy_handler(s->db, wait_for_others, NULL);
     RP_TRY(check_format(s));
     /* EXTRA: the removal of a rollback journal, which is the commit, reaches the disk too. Keys come in no
@@ -130,6 +152,19 @@ rp_status sweep_store_open(const char *path, sweep_access access, sweep_store **
                          "PRAGMA wal_autocheckpoint = 16000",
                          is_shared(path) ? "DELETE" : "WAL"));
     return RP_OK;
+}
+
+bool sweep_store_is_made(const char *path)
+{
+    enum { HEADER = 100 }; /* bytes, of every file of SQLite */
+    sweep_store *s;
+    char hash[33];
+    struct stat info;
+    if (stat(path, &info) != 0 || !S_ISREG(info.st_mode) || info.st_size < HEADER) return false;
+    rp_status status = sweep_store_open(path, SWEEP_READ, &s);
+    if (!status) status = sweep_store_note(s, "main", "plan", hash, sizeof hash);
+    sweep_store_close(s);
+    return status || *hash; /* whoever reads it says what is wrong */
 }
 
 void sweep_store_close(sweep_store *s)
@@ -228,26 +263,6 @@ rp_status sweep_store_check_outputs(sweep_store *s, const char *schema, const ch
     return status ? status : read;
 }
 
-/* What users read: with the parameters as columns. */
-static rp_status make_view(sweep_store *s, const sweep_protocol *protocol)
-{
-    sqlite3_str *sql = sqlite3_str_new(s->db);
-    sqlite3_str_appendall(
-        sql,
-        "DROP VIEW IF EXISTS results; CREATE VIEW results AS SELECT run, status, message, seconds, pile");
-    for (const rp_param *p = protocol->schema; p->name; p++)
-        sqlite3_str_appendf(sql, ", coalesce(parameters ->> %Q, %Q) AS \"%w\"", p->name,
-                            p->fallback ? p->fallback : "", p->name);
-    for (const sweep_output *o = protocol->outputs; o->name; o++)
-        sqlite3_str_appendf(sql, ", \"%w\"", o->name);
-    sqlite3_str_appendall(sql, " FROM runs WHERE run IS NOT NULL");
-    char *text = sqlite3_str_finish(sql);
-    rp_status status = text ? sweep_sql(s, "write the store", "%s", text)
-                            : rp_fail(RP_NO_MEMORY, "%s: out of memory", s->path);
-    sqlite3_free(text);
-    return status;
-}
-
 static rp_status make_tables(sweep_store *s, const sweep_protocol *protocol)
 {
     RP_TRY(sweep_sql(s, "write the store",
@@ -255,8 +270,7 @@ static rp_status make_tables(sweep_store *s, const sweep_protocol *protocol)
                      " (name TEXT PRIMARY KEY, value TEXT NOT NULL, sum INTEGER)",
                      SWEEP_FORMAT));
     RP_TRY(sweep_store_make_runs(s, "main", protocol));
-    RP_TRY(sweep_store_check_outputs(s, "main", s->path, protocol));
-    return make_view(s, protocol);
+    return sweep_store_check_outputs(s, "main", s->path, protocol);
 }
 
 rp_status sweep_store_number(sweep_store *s, const sweep_plan *plan, const sweep_watch *watch)
@@ -552,39 +566,56 @@ bool sweep_store_row_is_whole(sqlite3_stmt *row, const sweep_protocol *protocol)
     return read_record(row, protocol->outputs, &r, values);
 }
 
-/* The row that is read, checked against its sum and against the plan's key of its number. */
-static rp_status read_row(sweep_store *s, const sweep_plan *plan, sqlite3_stmt *q, sweep_row *row)
+/* The row that is read, checked against its sum and, in a store of the same plan, against the key of its
+ * number. */
+static rp_status read_row(const char *path, const sweep_plan *plan, bool same, sqlite3_stmt *q,
+                          sweep_row *row)
 {
     char key[33] = "";
     record r;
-    const bool whole = read_record(q, plan->protocol->outputs, &r, row->result.values);
+    const bool whole = read_record(q, plan->protocol->outputs, &r, row->result.values),
+               numbered = same && sqlite3_column_type(q, 1) != SQLITE_NULL;
     row->run = (size_t)sqlite3_column_int64(q, 1);
     row->seconds = r.seconds;
     snprintf(row->result.status, sizeof row->result.status, "%s", r.status);
     snprintf(row->result.message, sizeof row->result.message, "%s", r.message);
     if (row->run < plan->n_runs) sweep_plan_key(plan, row->run, key);
-    return whole && strcmp(key, r.key) == 0
-               ? RP_OK
-               : rp_fail(RP_IO,
-                         "%s: the row of run %zu is damaged (checksum); `repose sweep salvage` keeps the "
-                         "whole rows",
-                         s->path, row->run);
+    if (whole && (!numbered || strcmp(key, r.key) == 0)) return RP_OK;
+    snprintf(key, sizeof key, "run %zu", row->run);
+    return rp_fail(RP_IO,
+                   "%s: the row of %s is damaged (checksum); `repose sweep salvage` keeps the whole rows",
+                   path, numbered ? key : "another plan's run");
+}
+
+/* Read and check the rows of this plan, in their order, or all those of a schema; `visit` may be NULL. */
+static rp_status read_rows(sweep_store *s, const char *schema, const char *path, const sweep_plan *plan,
+                           bool same, rp_status (*visit)(const sweep_row *row, void *context), void *context)
+{
+    sqlite3_str *sql = sqlite3_str_new(s->db);
+    sqlite3_str_appendall(sql, "SELECT ");
+    sweep_store_columns(s, schema, sql, plan->protocol);
+    sqlite3_str_appendf(sql, schema ? " FROM %s.runs" : " FROM runs WHERE run IS NOT NULL ORDER BY run",
+                        schema);
+    sqlite3_stmt *q = sweep_sql_query_text(s, sql);
+    rp_status status = RP_OK;
+    while (!status && sqlite3_step(q) == SQLITE_ROW) {
+        sweep_row row = {0};
+        status = read_row(path, plan, same, q, &row);
+        if (!status && visit) status = visit(&row, context);
+    }
+    rp_status read = sweep_sql_finish(s, "read the rows", q);
+    return status ? status : read;
 }
 
 rp_status sweep_store_visit(sweep_store *s, const sweep_plan *plan,
                             rp_status (*visit)(const sweep_row *row, void *context), void *context)
 {
-    sqlite3_str *sql = sqlite3_str_new(s->db);
-    sqlite3_str_appendall(sql, "SELECT ");
-    sweep_store_columns(s, NULL, sql, plan->protocol);
-    sqlite3_str_appendall(sql, " FROM runs WHERE run IS NOT NULL ORDER BY run");
-    sqlite3_stmt *q = sweep_sql_query_text(s, sql);
-    rp_status status = RP_OK;
-    while (!status && sqlite3_step(q) == SQLITE_ROW) {
-        sweep_row row = {0};
-        status = read_row(s, plan, q, &row);
-        if (!status) status = visit(&row, context);
-    }
-    rp_status read = sweep_sql_finish(s, "read the rows", q);
-    return status ? status : read;
+    return read_rows(s, NULL, s->path, plan, true, visit, context);
+}
+
+rp_status sweep_store_check_rows(sweep_store *s, const char *schema, const char *path, const sweep_plan *plan)
+{
+    char hash[33];
+    RP_TRY(sweep_store_note(s, schema, "plan", hash, sizeof hash));
+    return read_rows(s, schema, path, plan, strcmp(hash, plan->hash) == 0, NULL, NULL);
 }

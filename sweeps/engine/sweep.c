@@ -49,10 +49,30 @@ static bool is_shard(const char *name)
     return rp_ends_in(name, ".sqlite") && strstr(name, "-of-");
 }
 
-/* Add the stores of the folder's shards, in order. */
-static rp_status find_shards(const sweep_folder *f, rp_paths *shards)
+/* Add a store, or name it among those that are left out. */
+static rp_status add_store(sweep_folder *f, const char *path, rp_paths *stores)
 {
-    return rp_paths_in(shards, f->shards, is_shard);
+    const size_t used = strlen(f->skipped);
+    if (sweep_store_is_made(path)) return rp_paths_add(stores, NULL, path);
+    snprintf(f->skipped + used, sizeof f->skipped - used, "%s%s", used ? ", " : "", path);
+    return RP_OK;
+}
+
+/* Add the stores of the shards of a folder, in order. */
+static rp_status find_shards(sweep_folder *f, const char *folder, rp_paths *stores)
+{
+    rp_paths all = {0};
+    rp_status status = rp_paths_in(&all, folder, is_shard);
+    for (size_t i = 0; !status && i < all.n; i++) status = add_store(f, all.path[i], stores);
+    rp_paths_free(&all);
+    return status;
+}
+
+static rp_status count(const sweep_folder *f, sweep_counts *counts)
+{
+    rp_status status = sweep_store_count(f->store, &f->plan, counts);
+    memcpy(counts->skipped, f->skipped, sizeof f->skipped);
+    return status;
 }
 
 /* Read the plan of a folder, and open its store. */
@@ -65,7 +85,8 @@ static rp_status open_main(const sweep_protocol *const *protocols, sweep_access 
     const size_t replicas = strtoul(text, NULL, 10);
     if (replicas > 0 && replicas != folder->plan.replicas)
         RP_TRY(sweep_plan_replicate(&folder->plan, replicas));
-    return sweep_store_check_plan(folder->store, &folder->plan);
+    RP_TRY(sweep_store_check_plan(folder->store, &folder->plan));
+    return sweep_store_check_rows(folder->store, "main", folder->sqlite, &folder->plan);
 }
 
 rp_status sweep_folder_read(const char *dir, const sweep_protocol *const *protocols, bool verify,
@@ -74,7 +95,7 @@ rp_status sweep_folder_read(const char *dir, const sweep_protocol *const *protoc
     rp_paths shards = {0};
     RP_TRY(name_files(dir, folder));
     RP_TRY(open_main(protocols, SWEEP_READ, folder));
-    rp_status status = find_shards(folder, &shards);
+    rp_status status = find_shards(folder, folder->shards, &shards);
     if (!status && verify) status = sweep_store_verify(folder->store, "main", folder->store->path);
     if (!status && shards.n > 0)
         status =
@@ -168,6 +189,7 @@ static rp_status mark_store(const char *path, const sweep_plan *plan, unsigned c
     char hash[33];
     rp_status status = sweep_store_open(path, SWEEP_READ, &store);
     if (!status) status = sweep_store_note(store, "main", "plan", hash, sizeof hash);
+    if (!status) status = sweep_store_check_rows(store, "main", path, plan);
     if (!status && strcmp(hash, plan->hash) == 0) status = sweep_store_mark(store, plan->n_runs, done);
     sweep_store_close(store);
     return status;
@@ -175,7 +197,7 @@ static rp_status mark_store(const char *path, const sweep_plan *plan, unsigned c
 
 /* Numbers of the runs of this part (0 of 1: of all) that are neither in the folder's store nor in the open
  * one; a sweep that runs whole leaves out what its shards have. free(*todo). */
-static rp_status find_todo(const sweep_folder *f, const sweep_options *options, size_t **todo, size_t *n)
+static rp_status find_todo(sweep_folder *f, const sweep_options *options, size_t **todo, size_t *n)
 {
     const sweep_plan *plan = &f->plan;
     const size_t parts = options->shards > 0 ? (size_t)options->shards : 1,
@@ -185,7 +207,7 @@ static rp_status find_todo(const sweep_folder *f, const sweep_options *options, 
     rp_status status = done ? sweep_store_mark(f->store, plan->n_runs, done)
                             : rp_fail(RP_NO_MEMORY, "%s: out of memory", f->dir);
     if (!status && options->shards > 0) status = mark_store(f->sqlite, plan, done);
-    if (!status && options->shards == 0) status = find_shards(f, &shards);
+    if (!status && options->shards == 0) status = find_shards(f, f->shards, &shards);
     for (size_t i = 0; !status && i < shards.n; i++) status = mark_store(shards.path[i], plan, done);
     rp_paths_free(&shards);
     *todo = malloc((plan->n_runs / parts + 1) * sizeof **todo);
@@ -212,7 +234,8 @@ static rp_status open_shard(const sweep_options *options, sweep_folder *f)
     RP_TRY(rp_make_directory(folder));
     RP_TRY(take_lock(lock, path, &f->lock));
     RP_TRY(sweep_store_open(path, SWEEP_CREATE, &f->store));
-    return sweep_store_write_plan(f->store, &f->plan, file, NULL);
+    RP_TRY(sweep_store_write_plan(f->store, &f->plan, file, NULL));
+    return sweep_store_check_rows(f->store, "main", path, &f->plan);
 }
 
 /* Snapshots of a sweep whose runs are all stored: a driver that was killed may have left some. Other files of
@@ -243,7 +266,7 @@ rp_status sweep_run(const char *dir, const sweep_protocol *const *protocols, con
     if (!status && !whole) status = open_shard(options, &f);
     if (!status) status = sweep_store_drop_crashed(f.store);
     if (!status) status = find_todo(&f, options, &todo, &n);
-    if (!status) status = sweep_store_count(f.store, &f.plan, counts);
+    if (!status) status = count(&f, counts);
     sweep_options own = *options;
     own.snapshots = isnormal(options->snapshot) ? f.snapshots : NULL;
     const size_t planned =
@@ -254,7 +277,7 @@ rp_status sweep_run(const char *dir, const sweep_protocol *const *protocols, con
     if (!status && n > 0 && own.snapshots) status = rp_make_directory(f.snapshots);
     if (!status && n > 0) status = sweep_pool_run(&f, todo, n, &own, counts);
     if (!status) status = sweep_store_commit(f.store);
-    if (!status) status = sweep_store_count(f.store, &f.plan, counts);
+    if (!status) status = count(&f, counts);
     if (!status && whole && sweep_count_aborted(counts) == 0) remove_snapshots(&f);
     if (!status) counts->planned = counts->stored = planned; /* some may stand in other stores */
     if (!status) status = sweep_check_aborted(counts);
@@ -271,7 +294,7 @@ static rp_status list_shards(const sweep_folder *f, char *text, size_t size)
     rp_paths shards = {0};
     size_t parts = 0, used = 0;
     text[0] = '\0';
-    RP_TRY(find_shards(f, &shards));
+    RP_TRY(rp_paths_in(&shards, f->shards, is_shard));
     for (size_t i = 0; i < shards.n; i++) {
         const size_t n = strtoul(strstr(strrchr(shards.path[i], '/'), "-of-") + 4, NULL, 10);
         if (n > parts) parts = n;
@@ -301,10 +324,27 @@ rp_status sweep_status(const char *dir, const sweep_protocol *const *protocols, 
 {
     sweep_folder f;
     rp_status status = sweep_folder_read(dir, protocols, false, &f);
-    if (!status) status = sweep_store_count(f.store, &f.plan, counts);
+    if (!status) status = count(&f, counts);
     if (!status) status = sweep_store_pace(f.store, &counts->seconds);
     if (!status) status = list_shards(&f, counts->shards, sizeof counts->shards);
     counts->running = f.found.running;
+    sweep_folder_close(&f);
+    return status;
+}
+
+rp_status sweep_check_done(const char *file, const char *dir, const sweep_protocol *const *protocols)
+{
+    sweep_folder f;
+    sweep_plan plan = {0};
+    sweep_counts counts;
+    rp_status status = sweep_folder_read(dir, protocols, false, &f);
+    if (!status) status = sweep_plan_read(file, protocols, &plan);
+    if (!status && strcmp(plan.hash, f.plan.hash) != 0)
+        status =
+            rp_fail(RP_BAD_INPUT, "%s: holds another plan than that of %s, and may only be read", dir, file);
+    if (!status) status = count(&f, &counts);
+    if (!status) status = sweep_check_whole(dir, &counts);
+    sweep_plan_free(&plan);
     sweep_folder_close(&f);
     return status;
 }
@@ -317,21 +357,23 @@ rp_status sweep_merge(const char *dir, const sweep_protocol *const *protocols, s
     rp_status status = name_files(dir, &f);
     if (!status) status = lock_folder(&f);
     if (!status) status = open_main(protocols, SWEEP_WRITE, &f);
-    if (!status && n == 0) status = find_shards(&f, &sources);
+    if (!status && n == 0) status = find_shards(&f, f.shards, &sources);
     for (size_t i = 0; !status && i < n; i++) { /* a folder stands for its store and its shards */
         struct stat info;
         const bool folder = stat(paths[i], &info) == 0 && S_ISDIR(info.st_mode);
         status = name_files(paths[i], &other);
         const char *store = folder ? other.sqlite : paths[i];
-        if (!status && access(store, F_OK) != 0) status = rp_fail(RP_BAD_INPUT, "%s: no store", store);
-        if (!status) status = rp_paths_add(&sources, NULL, store);
-        if (!status && folder) status = find_shards(&other, &sources);
+        if (!status && !folder && access(store, F_OK) != 0)
+            status = rp_fail(RP_BAD_INPUT, "%s: no store", store);
+        if (!status) status = folder ? add_store(&f, store, &sources) : rp_paths_add(&sources, NULL, store);
+        if (!status && folder) status = find_shards(&f, other.shards, &sources);
         sweep_folder_close(&other);
     }
     if (!status && sources.n == 0)
-        status = rp_fail(RP_BAD_INPUT, "%s: no shards, and no other store is named", dir);
+        status = rp_fail(RP_BAD_INPUT, "%s: no shards, and no other store is named%s%s", dir,
+                         *f.skipped ? "; none yet: " : "", f.skipped);
     if (!status) status = sweep_store_merge(f.store, &f.plan, sources.n, sources.path, merged);
-    if (!status) status = sweep_store_count(f.store, &f.plan, counts);
+    if (!status) status = count(&f, counts);
     if (!status) status = list_shards(&f, counts->shards, sizeof counts->shards);
     rp_paths_free(&sources);
     sweep_folder_close(&f);

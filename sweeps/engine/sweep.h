@@ -36,9 +36,10 @@ enum { SWEEP_MAX_WORDS = 32, SWEEP_MAX_TABLES = 64 };
 /* How far a sweep is. A result is a row whose status starts with "ok"; the others are failed. */
 typedef struct {
     size_t points, replicas, planned, stored, failed, n_words;
-    size_t running;   /* stores to which a process writes; of sweep_status alone, as are those below */
-    double seconds;   /* of the latest runs, on average; NaN without any */
-    char shards[256]; /* "2,5-7 of 8": those with runs to do; "" without shards, or when all are done */
+    size_t running;    /* stores to which a process writes; of sweep_status alone, as are those below */
+    double seconds;    /* of the latest runs, on average; NaN without any */
+    char shards[256];  /* "2,5-7 of 8": those with runs to do; "" without shards, or when all are done */
+    char skipped[256]; /* of sweep_run too: stores of shards that are none yet, and were left out */
     struct {
         char status[24];
         size_t runs;
@@ -133,6 +134,10 @@ rp_status sweep_check_whole(const char *dir, const sweep_counts *counts);
 
 /* Count what is stored, in the folder's store and its shards. Errors: RP_BAD_INPUT, RP_IO, RP_NO_MEMORY. */
 rp_status sweep_status(const char *dir, const sweep_protocol *const *protocols, sweep_counts *counts);
+
+/* Is this file the folder's plan, and every run stored with an outcome? Nothing is written.
+ * Errors: RP_BAD_INPUT, RP_NO_RESULT, RP_IO, RP_NO_MEMORY. */
+rp_status sweep_check_done(const char *file, const char *dir, const sweep_protocol *const *protocols);
 
 /* Name of the sweep file that the folder was planned by, as it was given; "" for a folder without a sweep.
  * Errors: RP_BAD_INPUT, RP_IO. */

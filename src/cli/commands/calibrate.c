@@ -1,5 +1,6 @@
 /* repose calibrate: from a measured angle of repose, and a tilting angle, to the friction that gives it. */
 #include <string.h>
+#include <unistd.h>
 
 #include "stats/calibrate.h"
 #include "cli/cli.h"
@@ -64,11 +65,17 @@ static rp_status read_measured(const calibrate_options *o, problem *s)
 
 /* ---- piles ---- */
 
-/* Make the runs that the sweep lacks, and write all runs as a table into its folder. */
+/* Make the runs that the sweep lacks, and write all runs as a table into its folder. One that may only be
+ * read has them all. */
 static rp_status run_sweep(const calibrate_options *o, problem *s)
 {
     const char *file = cli_data(s->call->arena, o->sweep);
     sweep_counts counts;
+    if (access(o->o, F_OK) == 0 && access(o->o, W_OK) != 0) {
+        s->path = o->o;
+        RP_TRY(sweep_check_done(file, o->o, sweep_protocols));
+        return cli_sweep_table(s->call, o->o, SWEEP_RUNS, &s->table, &counts);
+    }
     RP_TRY(cli_claim_sweep(o->o, file, o->force));
     RP_TRY(sweep_prepare(file, o->o, 0, sweep_protocols, NULL, &counts));
     if (!o->quiet && counts.stored < counts.planned)
@@ -295,7 +302,7 @@ static rp_status calibrate(cli_call *call, const void *values)
     problem s = {.call = call, .path = o->runs};
     RP_TRY(read_measured(o, &s));
     if (!*o->runs) RP_TRY(run_sweep(o, &s));
-    RP_TRY(rp_table_load(call->arena, s.path, &s.table));
+    if (!s.table) RP_TRY(rp_table_load(call->arena, s.path, &s.table));
     RP_TRY(find_params(o->fit, &s));
     RP_TRY(read_piles(o->fit, &s));
     const rp_status status = invert(o, &s);

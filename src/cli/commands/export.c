@@ -20,23 +20,6 @@ typedef enum { TO_CSV, TO_JSON, TO_LAMMPS, TO_XYZ, TO_VTK, TO_LAMMPS_INPUT } tar
 
 /* ---- what there is to export ---- */
 
-/* A sweep's runs or points, with all parameters. */
-static rp_status read_sweep(const cli_call *call, const char *dir, bool reduce, rp_table **table,
-                            sweep_counts *counts)
-{
-    char *text;
-    size_t size;
-    FILE *out = open_memstream(&text, &size);
-    if (!out) return rp_fail(RP_NO_MEMORY, "%s: out of memory", dir);
-    rp_status status =
-        sweep_export(dir, sweep_protocols, SWEEP_PARAMETERS | (reduce ? SWEEP_POINTS : SWEEP_RUNS),
-                     call->line, counts, out);
-    fclose(out);
-    if (!status) return rp_table_load_text(call->arena, dir, text, table);
-    free(text);
-    return status;
-}
-
 /* The table that a run, a sweep or a file stands for; of a sweep its counts, else nothing planned. */
 static rp_status read_source(const cli_call *call, const char *source, const export_options *o,
                              rp_table **table, sweep_counts *counts)
@@ -47,7 +30,8 @@ static rp_status read_source(const cli_call *call, const char *source, const exp
     if (o->reduce && !sweep) return rp_fail(RP_USAGE, "--reduce needs a sweep; %s is none", source);
     if (stat(source, &info) == 0 && S_ISDIR(info.st_mode) && !sweep && !run)
         return rp_fail(RP_BAD_INPUT, "%s: neither a run (states.tsv) nor a sweep (sweep.cfg)", source);
-    RP_TRY(sweep ? read_sweep(call, source, o->reduce, table, counts)
+    const unsigned what = SWEEP_PARAMETERS | (o->reduce ? SWEEP_POINTS : SWEEP_RUNS);
+    RP_TRY(sweep ? cli_sweep_table(call, source, what, table, counts)
                  : rp_table_load(call->arena, run ? rp_text(call->arena, "%s/states.tsv", source) : source,
                                  table));
     for (size_t i = 0; i < o->where.n; i++) RP_TRY(rp_table_where(*table, o->where.items[i]));

@@ -44,6 +44,8 @@ const cli_command cmd_sweep_merge = {
 
 CLI_OPTIONS(slurm, SLURM_OPTIONS)
 
+enum { MOST_TASKS = 1000 }; /* of an array: Slurm's MaxArraySize is 1001 where no one has set it */
+
 /* The job is told before its time is out, and then ends its processes and queues again; a cancelled one ends.
  */
 static const char array_script[] =
@@ -90,6 +92,12 @@ static rp_status act_slurm(cli_call *call, const void *values)
     FILE *out;
     if (!realpath(cli_argument(call, 0), dir) || !realpath("/proc/self/exe", self))
         return rp_fail(RP_BAD_INPUT, "%s: no such folder", cli_argument(call, 0));
+    if (o->shards > MOST_TASKS)
+        return rp_fail(
+            RP_BAD_INPUT,
+            "--shards %ld: Slurm takes arrays of up to %d tasks, unless its MaxArraySize is raised; "
+            "give --shards %d at most, and each more processors with -j",
+            o->shards, MOST_TASKS, MOST_TASKS);
     if (o->time[strspn(o->time, "0123456789:-")] || o->mem[strspn(o->mem, "0123456789KMGT")])
         return rp_fail(RP_BAD_INPUT, "--time 1:00:00 and --mem 1G expected");
     RP_TRY(rp_path(call->arena, &shards, "%s/shards", dir));
@@ -116,7 +124,9 @@ const cli_command cmd_sweep_slurm = {
     "machines share.",
     "repose sweep slurm build/sweeps/lh3 --shards 8 --time 0:30:00",
     slurm_params,
-    .refuses = "A folder that is not there; times and sizes that sbatch would not take.",
+    .refuses =
+        "A folder that is not there; times and sizes that sbatch would not take; more than 1000 shards,\n"
+        "the usual limit of an array: give each more processors (-j).",
     .prints_text = true,
     .act = act_slurm};
 

@@ -1,7 +1,6 @@
 /* repose sweep plan|run|status|export|digest|make */
 
 #include <errno.h>
-#include <glob.h>
 #include <signal.h>
 #include <math.h>
 #include <stdlib.h>
@@ -225,20 +224,26 @@ static const cli_command digest = {
     .refuses = "A folder without a planned sweep.",
     .act = act_digest};
 
-/* In the child: this program with the words of `command`, standard output in `out`. @ is the tables' folder,
- * and * stands for what is there. */
-static void become(const char *command, const char *tables, FILE *out)
+static bool is_shown(const char *name)
 {
-    glob_t words = {0};
-    char *text = strdup(command), *save;
-    if (!text || glob("repose", GLOB_NOCHECK, NULL, &words)) _exit(RP_NO_MEMORY);
-    for (char *word = strtok_r(text, " ", &save); word; word = strtok_r(NULL, " ", &save)) {
-        char full[4096];
-        snprintf(full, sizeof full, "%s%s", *word == '@' ? tables : "", *word == '@' ? word + 1 : word);
-        if (glob(full, GLOB_NOCHECK | GLOB_APPEND, NULL, &words)) _exit(RP_NO_MEMORY);
-    }
-    if (dup2(fileno(out), STDOUT_FILENO) >= 0) execv("/proc/self/exe", words.gl_pathv);
-    _exit(RP_IO);
+    return *name != '.';
+}
+
+/* Add a word of a table's command. @ is the folder of the tables; a part * of the path stands for each folder
+ * there that has the rest of the path. */
+static rp_status add_word(rp_arena *arena, const char *word, const char *tables, rp_paths *words)
+{
+    const bool at = *word == '@';
+    const char *star = strstr(word, "/*/"), *rest = star ? star + strlen("/*/") : "";
+    const size_t before = words->n, length = star ? (size_t)(star - word) : strlen(word);
+    const char *folder = rp_text(arena, "%s%.*s", at ? tables : "", (int)length - at, word + at);
+    rp_paths found = {0};
+    rp_status status = star ? rp_paths_in(&found, folder, is_shown) : RP_OK;
+    for (size_t i = 0; !status && i < found.n; i++)
+        if (rp_is_in(found.path[i], rest)) status = rp_paths_add(words, found.path[i], rest);
+    rp_paths_free(&found);
+    if (status || words->n > before) return status;
+    return rp_paths_add(words, NULL, rp_text(arena, "%s%s", folder, star ? star : ""));
 }
 
 /* Make one derived table. A command that finds no result is an answer too, if it prints a table. */
@@ -247,14 +252,24 @@ static rp_status make_table(rp_arena *arena, const sweep_table *table, const cha
     const char *path;
     FILE *out;
     int code = SIGKILL; /* unless it has ended by itself */
+    rp_paths words = {0};
+    char *save, *text = rp_text(arena, "repose %s", table->command);
     rp_status status = RP_OK;
     RP_TRY(rp_path(arena, &path, "%s/%s.tsv", tables, table->name));
     RP_TRY(rp_file_open(path, &out));
-    const pid_t child = fork();
-    if (child == 0) become(table->command, tables, out);
+    for (char *word = strtok_r(text, " ", &save); !status && word; word = strtok_r(NULL, " ", &save))
+        status = add_word(arena, word, tables, &words);
+    char **argv = rp_arena_memory(arena, words.n, sizeof *argv); /* and the NULL that ends them */
+    memcpy(argv, words.path, words.n * sizeof *argv);
+    const pid_t child = status ? -1 : fork();
+    if (child == 0) {
+        if (dup2(fileno(out), STDOUT_FILENO) >= 0) execv("/proc/self/exe", argv);
+        _exit(RP_IO);
+    }
     while (child > 0 && waitpid(child, &code, 0) < 0 && errno == EINTR) {
     }
-    if (!WIFEXITED(code))
+    rp_paths_free(&words);
+    if (!status && !WIFEXITED(code))
         status = rp_fail(RP_STOPPED, "%s: repose %s: stopped", table->name, table->command);
     else if (WEXITSTATUS(code) > RP_NO_RESULT)
         status = rp_fail((rp_status)WEXITSTATUS(code), "%s: repose %s: exit status %d", table->name,
