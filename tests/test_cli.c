@@ -13,6 +13,7 @@
 
 #include "analytic/analytic.h"
 #include "cli/command.h"
+#include "core/clock.h"
 #include "dem/scene/scene.h"
 #include "sweeps/protocols/protocols.h"
 #include "tests/check.h"
@@ -437,6 +438,23 @@ static void test_bench(void)
     const double inner = cell(&t, 0, "share_contacts") + cell(&t, 0, "share_integration");
     CHECK_NEAR(cell(&t, 0, "bound") * inner, cell(&t, 0, "median"), 1e-14 * cell(&t, 0, "median"));
     CU_ASSERT(cell(&t, 0, "best") >= cell(&t, 0, "median") && cell(&t, 0, "median") > 0.0);
+    /* the time of the processor counts, without that of a stop and of what came before */
+    const double steps = check_fast() ? 1e5 : 1e6, begun = rp_clock();
+    char line[256];
+    snprintf(line, sizeof line,
+             "\"$REPOSE\" bench --start start.tsv --steps %.0f --repeat 1 >out 2>err & p=$!; sleep 0.1; "
+             "kill -STOP $p; sleep 0.8; kill -CONT $p; wait $p",
+             steps);
+    CU_ASSERT(shell(line) == 0);
+    const double wall = rp_clock() - begun;
+    read_again(&t, "out");
+    const double took = 3.0 * steps / (1e6 * cell(&t, 0, "median"));
+    CU_ASSERT(took > 1e-3 * steps / 3e5 && took < wall - 0.75);
+    for (int threads = 1; threads < 3; threads++) {
+        CU_ASSERT(run("bench -n 100 --steps 10 --repeat 1 -j %d", threads) == 0);
+        read_again(&t, "out");
+        CU_ASSERT(100.0 * 10.0 / (1e6 * cell(&t, 0, "median")) < 0.5 * cell(&t, 0, "seconds"));
+    }
     FAILS(65, "none.tsv: cannot read", "bench --start none.tsv");
     FAILS(65, "no column \"r\"", "bench --start short.tsv");
     FAILS(65, "mu_roll = 0.1: needs rotation", "bench --mu-roll 0.1");

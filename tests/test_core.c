@@ -436,6 +436,16 @@ static void table_forms(void)
     CHECK_FAILS(rp_table_read(path, &t), RP_BAD_INPUT, ":3: 3 cells where 2 are expected");
     CHECK_FAILS(rp_table_find(&t, "x", "x y r", &column), RP_BAD_INPUT, "expected header: x y r; found: u v");
     rp_table_free(&t);
+    /* of too many columns the first are named */
+    char wide[700], found[560];
+    for (int k = 0; k < 680; k++) wide[k] = k % 17 == 16 ? ' ' : (char)('a' + k / 17 % 26);
+    strcpy(wide + 680, "\n");
+    snprintf(found, sizeof found, "\"x\"; found: %.506s ...", wide);
+    file_print(path, "%s", wide);
+    CHECK_OK(rp_table_read(path, &t));
+    CHECK_FAILS(rp_table_find(&t, "x", NULL, &column), RP_BAD_INPUT, found);
+    CU_ASSERT_STRING_EQUAL(strstr(rp_message(), " ..."), " ...");
+    rp_table_free(&t);
     file_print(path, "%s", "say\ty\na few words\t2\n3\t4\n"); /* tabs alone, where blanks belong to texts */
     CHECK_OK(rp_table_read(path, &t));
     CU_ASSERT(t.n_rows == 2 && strcmp(t.cells[0], "a few words") == 0 && strcmp(t.cells[1], "2") == 0);

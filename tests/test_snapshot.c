@@ -641,7 +641,20 @@ static int run_killed(const sweep_protocol *protocol, const void *params, double
     return runs;
 }
 
-/* A run that is killed again and again ends with the row of the undisturbed one. */
+/* A run that is told to stop does so where it looks first, and leaves a snapshot there. */
+static void stop_at_once(const sweep_protocol *protocol, const void *params)
+{
+    static const volatile bool stop = true;
+    char path[256], why[32];
+    sweep_result result;
+    snprintf(path, sizeof path, "%s", in_folder("snapshot"));
+    sweep_keep keep = {.path = path, .key = "test", .interval = INFINITY, .stop = &stop};
+    sweep_keep_begin(&keep, false, why, sizeof why);
+    CU_ASSERT(protocol->run(params, 7, 1, &(sweep_tables){.keep = &keep}, &result) == RP_STOPPED);
+    sweep_keep_end(&keep, false);
+}
+
+/* A run that is stopped, and then killed again and again, ends with the row of the undisturbed one. */
 static void goes_on(const sweep_protocol *protocol, const char *settings, const char *word)
 {
     enter();
@@ -651,6 +664,7 @@ static void goes_on(const sweep_protocol *protocol, const char *settings, const 
     CHECK_OK(protocol->run(params, 7, 1, NULL, &whole));
     /* a tenth of what the whole run took on this machine, just now */
     const double seconds = (double)(clock() - begin) / CLOCKS_PER_SEC / 10.0;
+    stop_at_once(protocol, params);
     CU_ASSERT(run_killed(protocol, params, seconds, &parts) > 2);
     CU_ASSERT_STRING_EQUAL(whole.status, word);
     CU_ASSERT_STRING_EQUAL(whole.status, parts.status);

@@ -1,7 +1,9 @@
 /* What is seen. Pictures by their contents: an svg file has each grain, force and wall at its position, in
  * its colour and width; a gif file has every frame. */
+#include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "cli/progress.h"
 #include "tests/check.h"
@@ -1038,6 +1040,49 @@ static void test_progress(void)
     free(text);
 }
 
+/* Of a sweep: a line a minute in a file; on a terminal a bar, ten times a second and at the end. */
+static void test_sweep_progress(void)
+{
+    static const sweep_progress shown[] = {
+        {30, 0, 0, 0.0, NAN},    {30, 1, 0, 59.9, 1.0},      {30, 2, 1, 60.0, 75.0},  {30, 3, 1, 60.05, 74.0},
+        {30, 4, 2, 119.9, 60.0}, {30, 15, 2, 120.0, 3661.0}, {30, 30, 2, 120.01, 0.0}};
+    enum { SHOWN = sizeof shown / sizeof *shown };
+    const int kept = dup(STDERR_FILENO), terminal = posix_openpt(O_RDWR | O_NOCTTY);
+    for (int k = 0; k < 2; k++) {
+        FILE *file = tmpfile();
+        char text[2048] = "";
+        bool drawn;
+        sweep_options options = {0};
+        const bool ready = k == 0 || (terminal >= 0 && grantpt(terminal) == 0 && unlockpt(terminal) == 0);
+        CU_ASSERT_FATAL(file && ready);
+        const int slave = k == 0 ? dup(fileno(file)) : open(ptsname(terminal), O_RDWR | O_NOCTTY);
+        dup2(slave, STDERR_FILENO);
+        cli_sweep_progress(&options, false, &drawn);
+        for (int i = 0; i < SHOWN; i++) options.watch(&shown[i], options.context);
+        dup2(kept, STDERR_FILENO);
+        if (k == 0) rewind(file);
+        for (ssize_t used = 0, got = 1; got > 0 && !strstr(text, "30/30"); used += got)
+            got = read(k == 0 ? fileno(file) : terminal, text + used, sizeof text - 1 - (size_t)used);
+        close(slave);
+        fclose(file);
+        CU_ASSERT(drawn == (k == 1));
+        if (k == 0)
+            CU_ASSERT_STRING_EQUAL(text, "repose sweep: 2 of 30 runs, 1 failed, 1:15 left\n"
+                                         "repose sweep: 15 of 30 runs, 2 failed, 1:01:01 left\n");
+        static const char *const bars[] = {
+            "[                              ] 0/30  0 failed  0:00  left - ",
+            "] 1/30 ",
+            "] 2/30 ",
+            "] 4/30 ",
+            "[###############               ] 15/30  2 failed  2:00  left 1:01:01 ",
+            "[##############################] 30/30 "};
+        const char *at = text;
+        for (size_t i = 0; k == 1 && at && i < sizeof bars / sizeof *bars; i++) at = strstr(at, bars[i]);
+        CU_ASSERT(at && !strstr(text, "] 3/30"));
+    }
+    close(kept), close(terminal);
+}
+
 void suite_view(void)
 {
     static const check_case cases[] = {{"grains", test_circles},
@@ -1051,6 +1096,7 @@ void suite_view(void)
                                        {"film", test_film},
                                        {"an animation, number by number", test_animation},
                                        {"the frame that is drawn", test_chosen},
+                                       {"progress of a sweep", test_sweep_progress},
                                        {"range of colours", test_range},
                                        {"crosses of stress", test_crosses},
                                        {"bins of the base", test_bins},

@@ -1020,6 +1020,7 @@ static void million(void)
             (dem_grain){.x = 0.25 * (double)(i % 1000), .y = 0.25 * (double)(i / 1000), .r = 0.125, .m = M};
     dem_definition def = bare(DEM_HERTZ, DEM_VERLET);
     def.gravity[1] = -G, def.grains = grains, def.n_grains = n;
+    def.dt = step_limit(&def);
     PARAMETERS("1000 x 1000 grains");
     scoped_sim *sim = grains_after(&def, 20);
     CHECK_OK(dem_states(sim, states));

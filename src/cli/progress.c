@@ -54,12 +54,13 @@ void cli_progress_show(cli_progress *p, double now, long step, FILE *out)
     fflush(out);
 }
 
+static double due; /* when a sweep shows its progress again, in its own time */
+
 /* One line, redrawn in place, in plain text. */
 static void draw(const sweep_progress *p, void *context)
 {
-    static double next;
-    if (p->stored < p->planned && rp_clock() < next) return;
-    next = rp_clock() + 0.1;
+    if (p->stored < p->planned && p->elapsed < due) return;
+    due = p->elapsed + 0.1;
     *(bool *)context = true;
     char elapsed[32], left[32], line[160];
     int width = (int)sizeof bar - 1, full = (int)(p->stored * (size_t)width / p->planned);
@@ -74,11 +75,9 @@ static void draw(const sweep_progress *p, void *context)
 static void print(const sweep_progress *p, void *context)
 {
     (void)context;
-    static double next;
     char left[32];
-    if (next <= 0.0) next = rp_clock() + 60.0;
-    if (rp_clock() < next) return;
-    next = rp_clock() + 60.0;
+    if (p->elapsed < due) return;
+    due = p->elapsed + 60.0;
     fprintf(stderr, "repose sweep: %zu of %zu runs, %zu failed, %s left\n", p->stored, p->planned, p->failed,
             clock_text(p->left, left, sizeof left));
 }
@@ -114,5 +113,6 @@ void cli_sweep_progress(sweep_options *options, bool quiet, bool *drawn)
     *drawn = false;
     options->watch = quiet ? NULL : isatty(STDERR_FILENO) ? draw : print;
     options->context = drawn;
+    due = options->watch == print ? 60.0 : 0.0;
     options->report = report;
 }

@@ -45,7 +45,7 @@ suites_of() {
     src/statics/*) echo property piles equilibrium ;;
     src/dem/scene/scene.c) echo walls scene tables keys cli ;;
     src/dem/setup/physics.c | src/dem/setup/check.c) echo scene dem laws walls keys units hard motion soft tables sweep ;;
-    src/core/* | src/dem/scene/output.c) echo core tables scene keys evidence sweep cli ;;
+    src/core/* | src/params/* | src/table/table.c | src/dem/scene/output.c) echo core tables scene keys evidence sweep cli ;;
     src/table/columns.c) echo columns calibrate tables evidence options cli ;;
     src/cli/commands/export.c | src/export/*) echo export view help options ;;
     report/pages.c) echo help evidence claims cli ;;
