@@ -247,8 +247,7 @@ static void particles_from_table(void)
         scoped_scene s = {0};
         file_print(table, "%s", texts[k]);
         CHECK_OK(grains_read(text, NULL, &s));
-        CU_ASSERT((strstr(s.unused, ": not used: mass") != NULL) == (k == 4) &&
-                  (k == 4) == (*s.unused != '\0'));
+        CU_ASSERT_STRING_EQUAL(s.unused, k == 4 ? " mass" : "");
         CU_ASSERT_EQUAL_FATAL(s.def.n_grains, k < 2 ? 3 : 2);
         for (int i = 0; i < 3 && k < 2; i++) CU_ASSERT(same_grain(&s.grains[i], &typed[i]));
         const double volume = 4.0 / 3.0 * M_PI * 0.1 * 0.1 * 0.1;
@@ -297,6 +296,119 @@ static void infinite_rolling(void)
         spin[k] = p[0].omega;
     }
     CU_ASSERT(spin[0] == spin[1] && fabs(spin[0] - spin[2]) > 1e-3 && isfinite(spin[2]));
+}
+
+/* A filling beside, across, around and within walls: no grain touches one, none lies behind a line, and all
+ * lie in the part of the region that is larger. */
+static void fill_among_walls(void)
+{
+    static const struct {
+        const char *walls, *fill;
+        double part[4]; /* where all grains are: from, to */
+        bool cut;
+    } cases[] = {{"{ circle = [0.0, 0.0, 1.0]; }",
+                  "N = 40; W = 2.0; H = 2.0; x0 = -1.0; y0 = -1.0",
+                  {-1, 1, -1, 1},
+                  true},
+                 {"{ circle = [0.0, 0.0, 0.5]; }",
+                  "N = 25; W = 2.0; H = 2.0; x0 = -1.0; y0 = -1.0",
+                  {-1, 1, -1, 1},
+                  true},
+                 {"{ polygon = ( [0.5, 0.5], [0.5, 1.5], [1.5, 1.5], [1.5, 0.5] ); }",
+                  "N = 90; W = 4.0; H = 2.0",
+                  {0, 4, 0, 2},
+                  true},
+                 {"{ polygon = ( [0.5, 0.5], [1.5, 0.5], [1.5, 1.5], [0.5, 1.5] ); }",
+                  "N = 90; W = 4.0; H = 2.0",
+                  {0, 4, 0, 2},
+                  true},
+                 {"{ polygon = ( [-3.0, 6.0], [-0.6, 0.0] ); closed = false; }, { polygon = ( [0.6, 0.0], "
+                  "[3.0, 6.0] ); closed = false; }",
+                  "N = 200; W = 6.0; H = 8.0; x0 = -3.0; y0 = 0.5",
+                  {-3, 3, 0.5, 8.5},
+                  true},
+                 {"{ polygon = ( [0.0, 9.0], [0.0, 0.0], [2.0, 0.0], [2.0, 9.0] ); closed = false; }",
+                  "N = 80; W = 3.0; H = 3.0",
+                  {0, 2, 0, 3},
+                  true},
+                 {"{ point = [0.0, 0.0]; direction = [0.0, 1.0]; }",
+                  "N = 20; W = 2.0; H = 2.0; y0 = -1.0",
+                  {0, 2, 0, 1},
+                  false},
+                 {"{ point = [0.0, 0.0]; direction = [0.0, 1.0]; extent = [-1.0, 1.0]; open_at_step = 0; }",
+                  "N = 20; W = 2.0; H = 2.0; y0 = -1.0",
+                  {0, 2, -1, 1},
+                  false},
+                 {"{ point = [1.0, 1.0]; direction = [0.6, 0.8]; extent = [-0.3, 0.3]; }",
+                  "N = 30; W = 2.0; H = 2.0",
+                  {0, 2, 0, 2},
+                  false}};
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        char text[512];
+        scoped_scene s = {0};
+        scoped_sim *sim = NULL;
+        dem_state p[200];
+        dem_energy e;
+        bool cut = false;
+        snprintf(text, sizeof text, "dt = 2e-5; walls = ( %s ); fill = { %s; };", cases[k].walls,
+                 cases[k].fill);
+        CHECK_OK(grains_read(text, NULL, &s));
+        s.fill.cut = &cut;
+        CHECK_OK(dem_scene_start(&s, &sim));
+        CU_ASSERT_PTR_NOT_NULL_FATAL(sim);
+        CHECK_OK(dem_states(sim, p));
+        dem_energies(sim, &e);
+        CU_ASSERT(e.elastic == 0.0 && cut == cases[k].cut);
+        for (size_t i = 0; i < dem_count(sim); i++) {
+            const double x = p[i].x, y = p[i].y, r = p[i].r, *in = cases[k].part;
+            CU_ASSERT(x - r > in[0] && x + r < in[1] && y - r > in[2] && y + r < in[3] && p[i].contacts == 0);
+            if (k == 0) CU_ASSERT(hypot(x, y) + r < 1.0);
+            if (k == 1) CU_ASSERT(hypot(x, y) > 0.5);
+            if (k == 2 || k == 3) CU_ASSERT(fmax(fabs(x - 1.0), fabs(y - 1.0)) > 0.5);
+            if (k == 4) CU_ASSERT(y > (fabs(x) - 0.6) * 2.5);
+        }
+    }
+    scoped_scene s = {0};
+    scoped_sim *sim = NULL;
+    CHECK_OK(grains_read("walls = ( { circle = [0.0, 0.0, 0.3]; } ); fill = { N = 90; W = 0.6; H = 0.6; x0 = "
+                         "-0.3; y0 = -0.3; };",
+                         NULL, &s));
+    CHECK_FAILS(dem_scene_start(&s, &sim), RP_NO_RESULT, "H = 0.6 on the inner side of the walls: ");
+}
+
+/* Listed grains overlap by a tenth of the smaller radius at most, or as far as they may be loaded. */
+static void listed_overlaps(void)
+{
+    static const char *const text =
+        "dt = 2e-5; steps = 3; normal = { }; walls = ( { point = [0.0, 0.0]; direction = [0.0, "
+        "1.0]; }, { polygon = ( [5.0, 0.0], [6.0, 0.0] ); closed = false; } );\n"
+        "particles = ( { x = 0.0; y = 0.1; r = 0.1; },\n{ x = 1.0; y = 0.2; r = "
+        "0.2; },\n{ x = 1.0; y = 0.491; r = 0.1; } );\n";
+    static const struct {
+        rp_texts changes;
+        const char *message;
+    } cases[] = {
+        {{0, {NULL}}, NULL},
+        {{1, {"particles[2].y=0.489"}}, "particle 2, of line 3, overlaps particle 3, of line 4, by 0.011"},
+        {{1, {"particles[2].y=0.25"}}, "particle 2, of line 3, overlaps particle 3, of line 4, by 0.25"},
+        {{2, {"particles[2].y=0.489", "normal.k_n=100"}}, NULL},
+        {{3, {"particles[2].y=0.489", "normal.k_n=100", "gravity=[0.0, -0.5]"}}, "by 0.011"},
+        {{3, {"particles[2].y=0.25", "particles[1].fixed=true", "particles[2].fixed=true"}}, NULL},
+        {{1, {"particles[0].y=0.091"}}, NULL},
+        {{1, {"particles[0].y=0.089"}}, "particle 1, of line 2, overlaps wall 1 by 0.011"},
+        {{1, {"particles[0].y=-0.5"}}, "grain 1: behind wall 1"},
+        {{2, {"particles[0].x=5.5", "walls[0].point=[0.0, -9.0]"}}, NULL},
+        {{3, {"particles[0].x=5.5", "particles[0].y=-0.08", "walls[0].point=[0.0, -9.0]"}},
+         "overlaps wall 2 by 0.02"}};
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        scoped_scene s = {0};
+        scoped_sim *sim = NULL;
+        CHECK_OK(grains_read(text, &cases[k].changes, &s));
+        if (cases[k].message)
+            CHECK_FAILS(dem_scene_start(&s, &sim), RP_BAD_INPUT, cases[k].message);
+        else
+            CHECK_OK(dem_scene_start(&s, &sim));
+    }
 }
 
 /* Values of a file, typed again; what is written of them and read again is the same. */
@@ -417,6 +529,8 @@ void suite_scene(void)
                                        {"walls with one end", half_lines},
                                        {"particles from a table", particles_from_table},
                                        {"infinite rolling", infinite_rolling},
+                                       {"a filling among walls", fill_among_walls},
+                                       {"overlaps of listed grains", listed_overlaps},
                                        {"values of a file", values_of_a_file},
                                        {"energy of few grains", energy_of_few},
                                        {"refused scenes", refused},

@@ -149,6 +149,9 @@ typedef struct {
      * springs, rolling springs and wells continue. Contacts that do not touch are ignored. Borrowed too. */
     size_t n_contacts;
     const struct dem_contact *contacts;
+    /* Lines of the grains in a list of a user, borrowed, or NULL. With them, overlaps above a tenth of the
+     * smaller radius and above twice that which carries the weight of all grains are refused. */
+    const size_t *lines;
 } dem_definition;
 
 /* The walls of a definition. */
@@ -406,11 +409,15 @@ typedef struct {
     dem_shape shape;
     long seed, run; /* names of the random streams */
     double x0, y0;
+    size_t n_walls; /* of a scene: grains touch none, and lie in the largest part of the region that they
+                       leave */
+    const dem_wall *walls;
+    bool *cut; /* may be NULL; set where places beside that part were left out */
 } dem_fill;
 
 /* Grains of random radius (Gaussian, drawn again outside the cut), placed one after the other at random
  * where they overlap none: `grains` holds fill->N entries.
- * Errors: RP_NO_RESULT (no room found in a million tries for a grain), RP_NO_MEMORY. */
+ * Errors: RP_NO_RESULT (no room found in a million tries for a grain: how many have it), RP_NO_MEMORY. */
 rp_status dem_fill_random(const dem_fill *fill, dem_grain *grains);
 
 /* The same with the radii that `grains` already have; those of the fill are not used. Large ones should come

@@ -58,7 +58,8 @@ static rp_status start_forces(dem_sim *sim, const dem_definition *def)
     if (status) return status;
     sim->loops.pairs(sim, 0, sim->pairs.n, 0.0);
     dem_walls_apply(sim, 0, sim->grains.n, 0.0);
-    if (sim->too_deep)
+    if (def->lines) status = dem_check_listed(sim, def->lines);
+    if (!status && sim->too_deep)
         status = dem_check_overlaps(sim, (dem_stretch){0, sim->pairs.n}, (dem_stretch){0, sim->grains.n});
     if (!status) status = dem_check_start_overlaps(sim);
     if (!status && sim->ledger) status = dem_ledger_forces(sim, 0.0);
@@ -110,6 +111,7 @@ static rp_status fill_in(dem_sim *sim, const dem_definition *def)
     sim->def.grains = NULL;
     sim->def.contacts = NULL;
     sim->def.n_contacts = 0;
+    sim->def.lines = NULL;
     sim->scheme = dem_schemes[def->integrator];
     sim->mu = dem_finite_mu(def->material.mu);
     sim->def.material.mu_roll = dem_finite_mu(def->material.mu_roll);

@@ -63,22 +63,15 @@ rp_status rp_columns(rp_arena *arena, const rp_table *table, const char *names, 
     return strcmp(names, "all") == 0 ? RP_OK : rp_column_list(table, names, strlen(names), n, *columns);
 }
 
-static bool is_listed(const char *names, const char *name)
+void rp_columns_beside(const rp_table *table, const char *names, char text[256])
 {
-    for (size_t n; *names; names += n + (names[n] == ','))
-        if ((n = strcspn(names, ",")) == strlen(name) && strncmp(names, name, n) == 0) return true;
-    return false;
-}
-
-const char *rp_columns_beside(rp_arena *arena, const rp_table *table, const char *names)
-{
-    size_t room = 1;
-    for (size_t c = 0; c < table->n_columns && table->names[c]; c++) room += strlen(table->names[c]) + 1;
-    char *text = rp_arena_memory(arena, room, 1), *end = text;
-    for (size_t c = 0; c < table->n_columns && table->names[c]; c++)
-        if (!is_listed(names, table->names[c]))
-            end += sprintf(end, "%s%s", end == text ? "" : " ", table->names[c]);
-    return text;
+    char word[72];
+    *text = '\0';
+    for (size_t c = 0, used = 0; c < table->n_columns && table->names[c] && used < 256; c++) {
+        snprintf(word, sizeof word, ",%.60s,", table->names[c]);
+        if (*table->names[c] && !strstr(names, word))
+            used += (size_t)snprintf(text + used, 256 - used, " %s", table->names[c]);
+    }
 }
 
 rp_status rp_columns_read(rp_arena *arena, const rp_table *table, const char *names, double **block)

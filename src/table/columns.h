@@ -21,8 +21,8 @@ rp_status rp_column_list(const rp_table *table, const char *names, size_t most, 
 /* The columns of the list `names`, or all of them for "all", as a new array. Errors: RP_BAD_INPUT. */
 rp_status rp_columns(rp_arena *arena, const rp_table *table, const char *names, size_t *n, int **columns);
 
-/* Names of the columns that are none of `names`, with blanks between. */
-const char *rp_columns_beside(rp_arena *arena, const rp_table *table, const char *names);
+/* Names of the columns that are none of `names`, ",a,b,", each after a blank. */
+void rp_columns_beside(const rp_table *table, const char *names, char text[256]);
 
 /* The columns of the list `names` as new arrays of finite numbers, one after the other in one block; of a
  * table, and of one in a file. Errors: RP_BAD_INPUT; those of rp_table_read. */

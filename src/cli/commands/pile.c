@@ -63,8 +63,9 @@ static rp_status read_disks(rp_arena *arena, const char *path, sweep_outline *h)
     RP_TRY(rp_table_load(arena, path, &table));
     const bool radii = rp_table_column(table, "r") >= 0;
     RP_TRY(rp_columns_read(arena, table, radii ? "x,y,r" : "x,y", &x));
-    const char *unused = rp_columns_beside(arena, table, "id,x,y,r");
-    if (*unused) fprintf(stderr, "repose pile: %s: not used: %s\n", path, unused);
+    char unused[256];
+    rp_columns_beside(table, ",id,x,y,r,", unused);
+    if (*unused) fprintf(stderr, "repose pile: %s: not used:%s\n", path, unused);
     h->n = table->n_rows;
     h->disks = malloc((h->n + 1) * sizeof *h->disks);
     if (!h->disks) return rp_fail(RP_NO_MEMORY, "pile: out of memory");

@@ -73,13 +73,17 @@ typedef struct {
 typedef struct {
     const cli_call *call;
     char run[CLI_RUN_NOTE], replaces[CLI_REPLACES];
+    bool cut; /* walls cut the region of the filling */
 } origin;
+
+static const char CUT[] = "walls cut the region; grains lie in its largest part alone";
 
 static void put_origin(const void *context, FILE *out)
 {
     const origin *of = context;
     cli_provenance(of->call, out);
     rp_table_note(out, "run", "%s", of->run);
+    if (of->cut) rp_table_note(out, "fill", "%s", CUT);
 }
 
 /* Where the tables of a run go. Standard output holds the states alone. */
@@ -370,7 +374,7 @@ static rp_status hash_scene(const dem_scene *scene, XXH128_hash_t *hash)
 static rp_status read_scene(const char *path, const run_options *o, dem_scene *scene)
 {
     RP_TRY(dem_scene_read(path, &o->set, scene));
-    if (*scene->unused) fprintf(stderr, "repose run: %s\n", scene->unused);
+    if (*scene->unused) fprintf(stderr, "repose run: particles_file: not used:%s\n", scene->unused);
     cli_warn_gravity(path, hypot(scene->def.gravity[0], scene->def.gravity[1]));
     if (o->ledger) scene->def.ledger = true;
     return RP_OK;
@@ -400,8 +404,10 @@ static rp_status run_file(const cli_call *call, const char *path, const run_opti
     r.plan.steps = r.rest.steps = scene.steps;
     if (!status) status = claim(&of, path, &r.plan, o);
     r.plan.ledger = scene.def.ledger;
+    scene.fill.cut = &of.cut;
     if (!status && (status = dem_scene_start(&scene, &r.sim)) == RP_BAD_INPUT)
         rp_prefix(status, "%s: ", path);
+    if (of.cut) fprintf(stderr, "repose run: %s: fill: %s\n", path, CUT);
     if (!status) r.energy = growth_of(&scene, r.sim);
     if (!status) status = run_scene(&of, &r, o);
     if (!status && *of.replaces) printf("%s: replaced %s\n", o->o, of.replaces);

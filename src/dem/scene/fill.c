@@ -32,7 +32,71 @@ static bool is_free(const cells *c, const dem_grain *grains, const dem_fill *f, 
     return true;
 }
 
-static rp_status place_all(const dem_fill *f, cells *c, gsl_rng *places, dem_grain *grains)
+/* Distance of a point from a wall at the start, negative behind a whole line; INFINITY of one that is gone.
+ */
+static double distance_of(const dem_wall *w, double x, double y)
+{
+    const double dx = x - w->point[0], dy = y - w->point[1],
+                 along = dx * w->direction[1] - dy * w->direction[0],
+                 above = dx * w->direction[0] + dy * w->direction[1];
+    if (w->open_at_step == 0 && isinf(w->open_speed)) return INFINITY;
+    return dem_wall_is_line(w) ? above : hypot(along - fmin(fmax(along, w->extent[0]), w->extent[1]), above);
+}
+
+static bool is_clear(const dem_fill *f, double x, double y, double distance)
+{
+    for (size_t w = 0; w < f->n_walls; w++)
+        if (distance_of(&f->walls[w], x, y) < distance) return false;
+    return true;
+}
+
+/* The largest part of a region that walls cut: of nodes at which a body of 0.42 of the smallest radius
+ * touches no wall, each with the next ones. At a distance of 0.8 no wall fits between two of them, and from a
+ * place of a grain the way to the nearest node is free. */
+typedef struct {
+    long nx, *up; /* nodes of a row; another node of the same part, -1 at a wall; NULL: the region is one */
+    double h;
+    long largest; /* the node that the others of the part lead up to */
+} space;
+static const double MOST_NODES = 1e7;
+
+static long top_of(long *up, long k)
+{
+    while (up[k] != k) k = up[k] = up[up[k]];
+    return k;
+}
+
+static rp_status find_space(const dem_fill *f, double r_min, space *s)
+{
+    *s = (space){.h = 0.8 * r_min};
+    if (f->n_walls == 0 || !((f->W / s->h + 1.0) * (f->H / s->h + 1.0) < MOST_NODES)) return RP_OK;
+    s->nx = (long)(f->W / s->h) + 1;
+    const long n = s->nx * ((long)(f->H / s->h) + 1);
+    long *up = s->up = malloc((size_t)n * sizeof *up), *size = calloc((size_t)n, sizeof *size);
+    if (!up || !size) return free(size), rp_fail(RP_NO_MEMORY, "filling: out of memory");
+    for (long k = 0; k < n; k++) {
+        const double x = f->x0 + s->h * (double)(k % s->nx), y = f->y0 + s->h * (double)(k / s->nx);
+        up[k] = is_clear(f, x, y, 0.42 * r_min) ? k : -1;
+        if (up[k] >= 0 && k % s->nx && up[k - 1] >= 0) up[k] = top_of(up, k - 1);
+        if (up[k] >= 0 && k >= s->nx && up[k - s->nx] >= 0) up[top_of(up, k)] = top_of(up, k - s->nx);
+    }
+    for (long k = 0; k < n; k++)
+        if (up[k] >= 0 && ++size[top_of(up, k)] > size[s->largest]) s->largest = top_of(up, k);
+    free(size);
+    return RP_OK;
+}
+
+/* May a grain that touches no other be here? */
+static bool is_inside(const dem_fill *f, const space *s, place p)
+{
+    if (!is_clear(f, f->x0 + p.x, f->y0 + p.y, (1.0 - 1e-9) * p.r)) return false;
+    const bool inside =
+        !s->up || top_of(s->up, lround(p.y / s->h) * s->nx + lround(p.x / s->h)) == s->largest;
+    if (!inside && f->cut) *f->cut = true;
+    return inside;
+}
+
+static rp_status place_all(const dem_fill *f, const space *s, cells *c, gsl_rng *places, dem_grain *grains)
 {
     for (long i = 0; i < f->N; i++) {
         const double r = grains[i].r;
@@ -40,14 +104,15 @@ static rp_status place_all(const dem_fill *f, cells *c, gsl_rng *places, dem_gra
         long tries = 0;
         do {
             if (tries++ == MAX_TRIES || 2.0 * r > f->W || 2.0 * r > f->H)
-                return rp_fail(
-                    RP_NO_RESULT,
-                    "no room for grain %ld of N = %ld, of radius %g, in W = %g, H = %g: fewer or smaller "
-                    "grains, or a larger box",
-                    i + 1, f->N, r, f->W, f->H);
+                return rp_fail(RP_NO_RESULT,
+                               "no room for grain %ld of N = %ld, of radius %g, in W = %g, H = %g%s: %ld "
+                               "have it; fewer or "
+                               "smaller grains, or a larger region",
+                               i + 1, f->N, r, f->W, f->H,
+                               f->n_walls ? " on the inner side of the walls" : "", i);
             x = r + (f->W - 2.0 * r) * gsl_rng_uniform(places);
             y = r + (f->H - 2.0 * r) * gsl_rng_uniform(places);
-        } while (!is_free(c, grains, f, (place){x, y, r}));
+        } while (!is_free(c, grains, f, (place){x, y, r}) || !is_inside(f, s, (place){x, y, r}));
         grains[i] = (dem_grain){f->x0 + x, f->y0 + y, r, dem_mass(f->shape, f->density, r), 0.0, 0.0};
         long cell = (long)(y / c->size) * c->nx + (long)(x / c->size);
         c->next[i] = c->head[cell];
@@ -58,8 +123,9 @@ static rp_status place_all(const dem_fill *f, cells *c, gsl_rng *places, dem_gra
 
 rp_status dem_fill_place(const dem_fill *fill, dem_grain *grains)
 {
-    double r_max = 0.0;
-    for (long i = 0; i < fill->N; i++) r_max = fmax(r_max, grains[i].r);
+    double r_max = 0.0, r_min = INFINITY;
+    for (long i = 0; i < fill->N; i++) r_max = fmax(r_max, grains[i].r), r_min = fmin(r_min, grains[i].r);
+    space s = {0};
     /* no more than some four cells a grain, however large the region */
     const double most = 2.0 * sqrt((double)fill->N) + 8.0;
     cells c = {.size = fmax(2.0 * r_max, fmax(fill->W, fill->H) / most)};
@@ -71,12 +137,14 @@ rp_status dem_fill_place(const dem_fill *fill, dem_grain *grains)
     rp_status status = RP_NO_MEMORY;
     if (c.head && c.next && places) {
         for (long k = 0; k < c.nx * c.ny; k++) c.head[k] = -1;
-        status = place_all(fill, &c, places, grains);
+        status = find_space(fill, r_min, &s);
+        if (!status) status = place_all(fill, &s, &c, places, grains);
     } else {
         rp_fail(status, "filling: out of memory");
     }
     free(c.head);
     free(c.next);
+    free(s.up);
     if (places) gsl_rng_free(places);
     return status;
 }

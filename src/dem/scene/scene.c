@@ -360,7 +360,9 @@ static rp_status alloc_grains(scene_file *file, size_t n)
 {
     file->scene.def.n_grains = n;
     file->scene.grains = malloc((n + 1) * sizeof *file->scene.grains);
-    return file->scene.grains ? RP_OK : rp_fail(RP_NO_MEMORY, "%zu particles: out of memory", n);
+    file->scene.lines = malloc((n + 1) * sizeof *file->scene.lines);
+    return file->scene.grains && file->scene.lines ? RP_OK
+                                                   : rp_fail(RP_NO_MEMORY, "%zu particles: out of memory", n);
 }
 
 static rp_status mass_of(const scene_file *file, double r, double *m)
@@ -377,8 +379,10 @@ static rp_status read_particles(const config_setting_t *list, scene_file *file)
     RP_TRY(alloc_grains(file, n));
     for (size_t i = 0; i < n; i++) {
         dem_grain *p = &file->scene.grains[i];
+        const config_setting_t *entry = config_setting_get_elem(list, (unsigned)i);
         rp_params_defaults(particle_schema, p);
-        RP_TRY(rp_config_group(config_setting_get_elem(list, (unsigned)i), particle_schema, p, NULL));
+        RP_TRY(rp_config_group(entry, particle_schema, p, NULL));
+        file->scene.lines[i] = config_setting_source_line(entry);
         if (p->m < 0.0) RP_TRY(mass_of(file, p->r, &p->m));
     }
     return RP_OK;
@@ -416,6 +420,7 @@ static rp_status read_particles_table(const rp_table *table, scene_file *file)
                            table->places[i].path, table->places[i].line, v[2]);
         if (columns[3] < 0) RP_TRY(mass_of(file, v[2], &v[3]));
         file->scene.grains[i] = (dem_grain){v[0], v[1], v[2], v[3], v[4], v[5], v[6], v[7], v[8] != 0.0};
+        file->scene.lines[i] = table->places[i].line;
     }
     return RP_OK;
 }
@@ -449,7 +454,7 @@ static rp_status read_fill(const config_setting_t *group, scene_file *file)
 }
 
 /* Columns of grains, and those of states that follow from them. */
-#define USED "x,y,r,m,vx,vy,angle,omega,fixed,step,t,id,fx,fy,contacts,index"
+#define USED ",x,y,r,m,vx,vy,angle,omega,fixed,step,t,id,fx,fy,contacts,index,"
 
 static rp_status read_grains(const char *path, const config_setting_t *root, scene_file *file)
 {
@@ -473,8 +478,7 @@ static rp_status read_grains(const char *path, const config_setting_t *root, sce
     if (!status) status = take_step(&table, file->particles_step);
     if (!status && table.n_rows == 0) status = rp_fail(RP_BAD_INPUT, "%s: no particles", name);
     if (!status) status = read_particles_table(&table, file);
-    const char *unused = status ? "" : rp_columns_beside(&arena, &table, USED);
-    if (*unused) snprintf(file->scene.unused, sizeof file->scene.unused, "%s: not used: %s", name, unused);
+    if (!status) rp_columns_beside(&table, USED, file->scene.unused);
     rp_table_free(&table);
     rp_arena_release(&arena, NULL);
     return status;
@@ -631,8 +635,10 @@ void dem_scene_free(dem_scene *scene)
 {
     free(scene->grains);
     free(scene->walls);
+    free(scene->lines);
     scene->grains = NULL;
     scene->walls = NULL;
+    scene->lines = NULL;
     scene->def.wall_list = NULL;
 }
 
@@ -642,11 +648,15 @@ rp_status dem_scene_start(const dem_scene *scene, dem_sim **sim)
     dem_definition def = scene->def;
     if (!scene->has_fill) {
         def.grains = scene->grains;
+        def.lines = scene->lines;
         return dem_create(&def, sim);
     }
     dem_grain *grains = malloc((size_t)scene->fill.N * sizeof *grains);
     if (!grains) return rp_fail(RP_NO_MEMORY, "%ld particles: out of memory", scene->fill.N);
-    rp_status status = dem_fill_random(&scene->fill, grains);
+    dem_fill fill = scene->fill;
+    fill.walls = dem_walls_of(&def);
+    fill.n_walls = def.n_walls;
+    rp_status status = dem_fill_random(&fill, grains);
     def.grains = grains;
     def.n_grains = (size_t)scene->fill.N;
     if (!status) status = dem_create(&def, sim);

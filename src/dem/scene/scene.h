@@ -16,7 +16,8 @@ typedef struct {
     long steps;
     dem_grain *grains; /* owned */
     dem_wall *walls;   /* owned; NULL where the definition holds its few walls itself */
-    char unused[256];  /* the columns of particles_file that are not, if there are any */
+    size_t *lines;     /* of the grains in their list; owned */
+    char unused[256];  /* columns of particles_file, if there are any */
 } dem_scene;
 
 /* Read a scene file; `changes` are further "key=value" or "group.key=value" settings, numbers, words or

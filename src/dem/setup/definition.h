@@ -29,6 +29,9 @@ double dem_impact_speed(const dem_definition *def);
 /* Contacts that the start has may be stiffer than any impact to come. Errors: RP_BAD_INPUT. */
 rp_status dem_check_start_overlaps(const dem_sim *sim);
 
+/* Listed grains that overlap too far, see dem_definition. Errors: RP_BAD_INPUT. */
+rp_status dem_check_listed(const dem_sim *sim, const size_t lines[]);
+
 /* The box turns, but some grains are fixed: RP_BAD_INPUT. */
 rp_status dem_refuse_turn(void);
 

@@ -170,3 +170,26 @@ rp_status dem_check_start_overlaps(const dem_sim *sim)
     return rp_fail(RP_BAD_INPUT, "dt = %g: too large for an initial overlap, the limit is %.3g", sim->def.dt,
                    limit);
 }
+
+rp_status dem_check_listed(const dem_sim *sim, const size_t lines[])
+{
+    static const char *const MOST = "more than a tenth of the radius, and than twice what carries all weight";
+    const dem_grains *g = &sim->grains;
+    double weight = 0.0;
+    dem_relative r;
+    for (size_t i = 0; i < g->n; i++) weight += g->mass[i] * hypot(sim->def.gravity[0], sim->def.gravity[1]);
+    for (size_t k = 0; k < dem_contact_numbers(sim); k++) {
+        if (!dem_contact_relative(sim, k, true, &r) || !(r.c->k_n > 0.0)) continue;
+        const double least = r.slot ? g->radius[r.a] : fmin(g->radius[r.a], g->radius[r.b]);
+        if (r.overlap <= fmax((0.1 + 1e-9) * least,
+                              2.0 * dem_normal_descriptors[sim->def.normal].rest_overlap(r.c->k_n, weight)))
+            continue;
+        const uint32_t a = g->id[r.a], b = r.slot ? 0 : g->id[r.b];
+        if (r.slot)
+            return rp_fail(RP_BAD_INPUT, "particle %u, of line %zu, overlaps wall %u by %g: %s", a,
+                           lines[a - 1], r.slot->wall + 1, r.overlap, MOST);
+        return rp_fail(RP_BAD_INPUT, "particle %u, of line %zu, overlaps particle %u, of line %zu, by %g: %s",
+                       a, lines[a - 1], b, lines[b - 1], r.overlap, MOST);
+    }
+    return RP_OK;
+}
