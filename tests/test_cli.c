@@ -882,6 +882,28 @@ static void test_stress_tables(void)
         CHECK_NEAR(cell(&t, i, "weight"), weight[i] / 0.2, 1e-8);
         CHECK_NEAR(cell(&t, i, "imbalance"), 0.0, 1e-8);
     }
+    /* the floor is the same by any number, and in parts; level walls at two heights, and none, are told */
+    static const char *const walls[] = {"$2 ? 3 - $2 : 0", "$2 == 1 ? 3 + ($3 > 0.6) : $2"};
+    static const char named[] = "awk -v FS='\t' -v OFS='\t' 'NR > 1 { %s } { print }' p_contacts.tsv "
+                                ">w_contacts.tsv && cp p_grains.tsv w_grains.tsv";
+    char command[256], change[96];
+    for (size_t k = 0; k < 3; k++) {
+        snprintf(change, sizeof change, "$2 = %s", walls[k % 2]);
+        snprintf(command, sizeof command, named, change);
+        CU_ASSERT(shell(command) == 0);
+        GOOD("stress base w --width 1.2 --cell 0.2 %s", k == 2 ? "--floor 2" : "");
+        scoped_table w = read_table("out");
+        for (size_t i = 0; i < t.n_rows; i++) CHECK_NEAR(cell(&w, i, "N"), cell(&t, i, "N"), 0.0);
+    }
+    snprintf(command, sizeof command, named, "if ($3 > 0.6 && $2) { $2 = 3; $6 = 0.05 }");
+    CU_ASSERT(shell(command) == 0);
+    FAILS(65, "w: walls carry grains at y = 0 and 0.05: name the floor by --floor",
+          "stress base w --width 1.2");
+    snprintf(command, sizeof command, named, "if ($2) $5 += 0.01");
+    CU_ASSERT(shell(command) == 0);
+    FAILS(65, "w: no contact with a level floor: name its wall by --floor", "stress base w --width 1.2");
+    GOOD("stress base w --width 1.2 --floor 1");
+    FAILS(65, "w: no contact with a level floor", "stress base w --width 1.2 --floor 7");
     GOOD("stress field p p_contacts.tsv --width 1.2 --cell 1.2");
     read_again(&t, "out");
     /* sum of force times branch vector over 1.44: two contacts of 490.5 x 0.2 per side; floor and wall at 0.1

@@ -21,7 +21,7 @@ static const struct {
     {"angle compare", "runs.tsv --bootstrap 50", "--phi-deg 50|--bootstrap 51|--seed 4|--where mu=0.2"},
     {"angle phi", "runs.tsv", "--from 0.15|--to 0.15|--where 'pile<4'"},
     {"stress field", "p --width 1.2", "--width 1.0|--cell 0.2"},
-    {"stress base", "p --width 1.2", "--width 1.0|--cell 0.2|--diameter 0.25|-g 900|--phi-deg 50"},
+    {"stress base", "p --width 1.2", "--width 1.0|--cell 0.2|--diameter 0.25|-g 900|--phi-deg 50|--floor 2"},
     {"stress dip", "piles.tsv --resamples 99",
      "--resamples 98|--margin 0.5|--level 0.01|--seed 4|--profile|--where 'n_01<0.9'"},
     {"stats fit", "runs.tsv -x W -y theta",
@@ -159,7 +159,8 @@ static void print_stress_grains(FILE *file)
 
 static void print_stress_contacts(FILE *file)
 {
-    fprintf(file, "# id_b\twall\tx\ty\tx_b\ty_b\tnormal_force\tshear_force\n");
+    fprintf(file, "# id_b\twall\tx\ty\tx_b\ty_b\tnormal_force\tshear_force\n"
+                  "0\t2\t0.1\t0.1\t0\t0.1\t9\t0\n");
     for (int i = 0; i < 6; i++) {
         fprintf(file, "0\t1\t%.4f\t0.1\t%.4f\t0\t%.4f\t%.4f\n", 0.1 + 0.2 * i, 0.1 + 0.2 * i, 20.0 - 2.0 * i,
                 scatter(i));

@@ -21,7 +21,34 @@ static rp_status read_block(rp_arena *arena, const char *prefix, const char *wha
     return rp_columns_read_file(arena, path, names, block, rows);
 }
 
-static rp_status pile_read(rp_arena *arena, const char *prefix, stress_pile *p)
+/* Mark the contacts with the floor: wall number `asked`, or, for auto, walls at the one height at which walls
+ * lie level below a grain. block: columns id_b and wall. */
+static rp_status find_floor(const char *prefix, const double *block, long asked, stress_pile *p)
+{
+    static const double NEAR = 1e-6; /* over the distance of a grain from a wall */
+    double y = NAN;
+    size_t marked = 0;
+    for (size_t k = 0; k < p->n; k++) {
+        const stress_contact *c = &p->contacts[k];
+        const double near = NEAR * (c->y - c->y_b);
+        if (block[k] != 0.0 || !(fabs(c->x - c->x_b) <= near)) continue;
+        if (asked < 1 && fabs(c->y_b - y) > near)
+            return rp_fail(RP_BAD_INPUT, "%s: walls carry grains at y = %g and %g: name the floor by --floor",
+                           prefix, y, c->y_b);
+        y = c->y_b;
+    }
+    for (size_t k = 0; k < p->n; k++) {
+        const stress_contact *c = &p->contacts[k];
+        const bool there = fabs(c->y_b - y) <= NEAR * hypot(c->x - c->x_b, c->y - c->y_b);
+        marked += p->floor[k] = block[k] == 0.0 && (asked < 1 ? there : block[p->n + k] == (double)asked);
+    }
+    return marked
+               ? RP_OK
+               : rp_fail(RP_BAD_INPUT, "%s: no contact with a level floor: name its wall by --floor", prefix);
+}
+
+/* *floor as --floor has it; NULL: not needed. */
+static rp_status pile_read(rp_arena *arena, const char *prefix, const long *floor, stress_pile *p)
 {
     double *block;
     RP_TRY(read_block(arena, prefix, "contacts", "id_b,wall,x,y,x_b,y_b,normal_force,shear_force", &block,
@@ -40,9 +67,8 @@ static rp_status pile_read(rp_arena *arena, const char *prefix, stress_pile *p)
         /* normal from b to a; shear along the normal turned clockwise */
         p->contacts[k] = (stress_contact){
             v[2 * n], v[3 * n], v[4 * n], v[5 * n], (fn * lx + fs * ly) / l, (fn * ly - fs * lx) / l};
-        p->floor[k] = v[0] == 0.0 && v[n] == 1.0;
     }
-    return RP_OK;
+    return floor ? find_floor(prefix, block, *floor, p) : RP_OK;
 }
 
 /* The number of cells is finite: a grain that flew off is left out of the table first. */
@@ -59,14 +85,14 @@ static rp_status check_size(const stress_pile *p, const char *prefix, double wid
 }
 
 /* The piles of all arguments, and the header of a table of them. */
-static rp_status read_piles(const cli_call *call, double width, const double *cell, size_t *n,
-                            stress_pile **piles)
+static rp_status read_piles(const cli_call *call, double width, const double *cell, const long *floor,
+                            size_t *n, stress_pile **piles)
 {
     *n = 0;
     while (cli_argument(call, (int)*n)) ++*n;
     *piles = rp_arena_memory(call->arena, *n, sizeof **piles);
     for (size_t i = 0; i < *n; i++) {
-        RP_TRY(pile_read(call->arena, cli_argument(call, (int)i), &(*piles)[i]));
+        RP_TRY(pile_read(call->arena, cli_argument(call, (int)i), floor, &(*piles)[i]));
         if (i == 0) cli_defaults_in_units(call);
         RP_TRY(check_size(&(*piles)[i], cli_argument(call, (int)i), width, *cell));
     }
@@ -84,7 +110,7 @@ static rp_status print_field(cli_call *call, const void *values)
     const field_options *o = values;
     stress_pile *piles;
     size_t n;
-    RP_TRY(read_piles(call, o->width, &o->cell, &n, &piles));
+    RP_TRY(read_piles(call, o->width, &o->cell, NULL, &n, &piles));
     const stress_grid g = stress_grid_over(n, piles, o->width, o->cell);
     const size_t cells = g.nx * g.ny;
     stress_tensor *mean = rp_arena_memory(call->arena, cells, sizeof *mean);
@@ -120,6 +146,8 @@ static const cli_command field = {
 
 #define BASE_OPTIONS(X)                                                                                      \
     BOX_OPTIONS(X)                                                                                           \
+    X(INT, floor, "", "auto", "[1, 1000000] | auto",                                                         \
+      "number of the wall that is the floor; auto: see above")                                               \
     X(REAL, diameter, "cm", "0.2", "(0, inf)", "nominal diameter of a grain, for the slope")                 \
     X(REAL, g, "cm/s^2", "981.0", "(0, inf)", "gravity")                                                     \
     X(REAL, phi_deg, "deg", "60", "(0, 90)", "inclination of the rays of theory")
@@ -151,7 +179,7 @@ static rp_status print_base(cli_call *call, const void *values)
     double theta, size;
     stress_pile *piles;
     size_t n;
-    RP_TRY(read_piles(call, o->width, &o->cell, &n, &piles));
+    RP_TRY(read_piles(call, o->width, &o->cell, &o->floor, &n, &piles));
     RP_TRY(mean_slope(n, piles, o, &theta));
     const size_t cells = stress_floor_cells(n, piles, o->width, o->cell, &size);
     stress_floor *floor = rp_arena_memory(call->arena, cells, sizeof *floor);
@@ -178,12 +206,13 @@ static const cli_command base = {
     "tables PREFIX_contacts.tsv and PREFIX_grains.tsv of each. N: normal; H: away from the left wall;\n"
     "weight: of the column above; through: vertical force through its sides; imbalance: N - weight -\n"
     "through; N_theory, H_theory: rays of inclination phi in a wedge of the mean slope by method 3, of\n"
-    "that weight.",
+    "that weight. The floor is what touches grains at the height of level walls.",
     "repose stress base pile --width 4",
     base_params,
     .refuses = "More than 100000 cells, or a grain so many cells away: leave it out of the table, or give a "
                "larger --cell.\n"
-               "A contact whose two ends are one point.",
+               "A contact whose two ends are one point.\n"
+               "No level wall below grains, or several at different heights: choose one by --floor.",
     .act = print_base};
 
 /* ---- group ---- */
