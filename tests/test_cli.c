@@ -141,8 +141,8 @@ static void test_help(void)
         CU_ASSERT(strstr(out, (*c)->name) != NULL);
         check_help((*c)->name);
     }
-    CU_ASSERT_EQUAL(shell("COLUMNS=110 \"$REPOSE\" angle slope --help >out 2>err"), 0);
-    CU_ASSERT(strstr(out, "width W of the box from x = 0, in the unit of FILE; (0, inf) (required)") != NULL);
+    CU_ASSERT_EQUAL(shell("COLUMNS=110 \"$REPOSE\" stress base --help >out 2>err"), 0);
+    CU_ASSERT(strstr(out, "width W of the box, from x = 0, cm; (0, inf) (required)") != NULL);
     GOOD("stress base --help");
     CU_ASSERT(strstr(out, "gravity, cm/s^2; (0, inf) (default 981.0)") != NULL);
     GOOD("--version");
@@ -774,10 +774,10 @@ static void test_outline(void)
     CU_ASSERT(!*err);
     FAILS(1, "sparse: ", "angle slope outline.csv --width 401 --cell 0.2");
     CU_ASSERT(strstr(out, "\n2\tnan\tnan\tnan\t2005\t") && strstr(out, "\tsparse\n"));
-    /* half of the cells is enough */
+    /* half of the cells is not enough */
     write_text("outline.csv", "x y\n0.5 9\n2.5 8\n4.5 7\n6.5 6\n8.5 5\n");
-    GOOD("angle slope outline.csv --width 10 --cell 1");
-    FAILS(1, "sparse: 5 of 11 cells", "angle slope outline.csv --width 11 --cell 1");
+    CU_ASSERT_EQUAL(run("angle slope outline.csv --width 9 --cell 1"), 0);
+    FAILS(1, "sparse: 5 of 10 cells", "angle slope outline.csv --width 10 --cell 1");
     /* grains: their mean diameter, by name or in the third column */
     write_text("outline.csv", "0.5 9 0.3\n1.5 8 0.5\n2.5 7 0.7\n3.5 6 0.5\n4.5 5 0.5\n");
     GOOD("angle slope outline.csv --width 5");
@@ -792,6 +792,66 @@ static void test_outline(void)
     }
     write_text("outline.csv", "0.5 9 0.3\n1.5 8 0\n2.5 7 0.7\n");
     FAILS(65, "outline.csv:2: r = 0: out of range", "angle slope outline.csv --width 5");
+}
+
+/* Piles away from x = 0 and y = 0, with two flanks, and in a box that does not fit. */
+static void test_slope_anywhere(void)
+{
+    static const char *const words[] = {"ok_left", "ok_right", "ok_mean"};
+    static const double signs[] = {-1.0, 1.0, 1.0};
+    double theta[3];
+    for (int right = 0; right <= 200; right += 50) {
+        FILE *file = file_of("away.csv");
+        fputs("x,y\n", file);
+        for (int x = 0; x <= 400; x += 4) fprintf(file, "%d,%.0f\n", x + right, 260.0 + tan(25.0 * deg) * x);
+        fclose(file);
+        GOOD("angle slope away.csv --y-axis down");
+        scoped_table t = read_table("out");
+        CU_ASSERT_FATAL(t.n_rows == 3 && !*err);
+        for (size_t i = 0; i < 3; i++) {
+            if (!right) theta[i] = cell(&t, i, "theta_deg");
+            CHECK_NEAR(theta[i], 25.0, 0.2);
+            CHECK_NEAR(cell(&t, i, "theta_deg"), theta[i], 1e-9);
+        }
+        if (!right) continue;
+        FAILS(1, "sparse: ", "angle slope away.csv --y-axis down --width 601");
+    }
+    /* a heap on traced ground, and as a hollow */
+    FILE *file = file_of("heap.csv");
+    fputs("x,y\n", file);
+    for (int x = -400; x <= 400; x++)
+        fprintf(file, "%d,%.17g\n", x, 7.0 + fmax(0.0, 100.0 - tan(25.0 * deg) * abs(x)));
+    fclose(file);
+    for (int down = 0; down < 2; down++) {
+        GOOD("angle slope heap.csv %s", down ? "--y-axis down" : "");
+        scoped_table t = read_table("out");
+        CU_ASSERT_FATAL(t.n_rows == 9 && !*err);
+        for (size_t i = 0; i < 9; i++) {
+            CU_ASSERT_STRING_EQUAL(word(&t, i, "status"), words[i / 3]);
+            CHECK_NEAR(cell(&t, i, "theta_deg"), 25.0 * (down && i < 6 ? -1.0 : 1.0) * signs[i / 3], 1e-9);
+            CHECK_NEAR(cell(&t, i, "slope"), tan(cell(&t, i, "theta_deg") * deg), 1e-12);
+        }
+    }
+    GOOD("angle slope heap.csv --from 1 --to 380");
+    scoped_table t = read_table("out");
+    CU_ASSERT(t.n_rows == 3 && cell(&t, 0, "n_cells") == 380.0);
+    CHECK_NEAR(cell(&t, 1, "theta_deg"), 25.0, 1e-9);
+    FAILS(1, "no pile: 1 flanks, of 2 and 0 points", "angle slope heap.csv --from 212");
+    FAILS(1, "no pile: 0 flanks", "angle slope heap.csv --from 401");
+    FAILS(64, "--from and --to are without it", "angle slope heap.csv --from 1 --width 3");
+    FAILS(64, "need --width", "angle slope heap.csv --cell 1");
+    CU_ASSERT(shell("awk -F, -v OFS=, 'NR > 1 { print $1, $2; print $1 + 801, $2 }' heap.csv >two.csv") == 0);
+    FAILS(1, "two.csv: choose a flank by --from and --to: no pile: 4 flanks", "angle slope two.csv");
+    CU_ASSERT(strstr(out, "\tno_pile\n") != NULL);
+    /* a box takes y = 0 for its ground, x = 0 for its wall, and one flank */
+    CU_ASSERT(run("angle slope heap.csv --width 401") == 0 && strstr(err, "a box leaves out x < 0"));
+    CU_ASSERT(shell("awk -F, -v OFS=, 'NR > 1 { $1 += 400 } { print }' heap.csv >right.csv") == 0);
+    CU_ASSERT(run("angle slope right.csv --width 801") == 0 && strstr(err, "it has one flank"));
+    CU_ASSERT(run("angle slope right.csv --width 1001") == 0 && strstr(err, "empty cells have height 0"));
+    FAILS(1, "sparse: ", "angle slope right.csv --where 'x>=200' --width 801");
+    CU_ASSERT(shell("awk -F, -v OFS=, 'NR > 1 { $2 -= 50 } { print }' right.csv >low.csv") == 0);
+    FAILS(1, "y = -43 on, where a box has 0", "angle slope low.csv --width 801");
+    GOOD("angle slope low.csv");
 }
 
 /* The help of a group lists its commands in the order of what one does first. */
@@ -828,6 +888,7 @@ static void test_angle_tables(void)
     FAILS(1, "occupied", "angle slope pile.tsv --width 4");
     CU_ASSERT(strstr(out, "no_pile") != NULL);
     test_outline();
+    test_slope_anywhere();
     write_text("line.tsv", "# mu\ttheta\tse\n0.05\t1.5\t0.1\n0.1\t2.5\t0.1\n0.2\t4.5\t0.2\n0.3\tnan\tnan\n");
     GOOD("stats fit line.tsv -x mu -y theta --se se");
     read_again(&t, "out");

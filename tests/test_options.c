@@ -18,6 +18,7 @@ static const struct {
     {"angle slope", "grains.tsv --width 4",
      "--width 3.6|--cell 0.3|--height raw_centre|--height top|--empty skip|--parabola origin|--y-axis "
      "down|--where 'r<0.105'"},
+    {"angle slope", "grains.tsv", "--from 0.6|--to 3|--width 4"},
     {"angle compare", "runs.tsv --bootstrap 50", "--phi-deg 50|--bootstrap 51|--seed 4|--where mu=0.2"},
     {"angle phi", "runs.tsv", "--from 0.15|--to 0.15|--where 'pile<4'"},
     {"stress field", "p --width 1.2", "--width 1.0|--cell 0.2"},

@@ -187,6 +187,91 @@ static double slopes_shift_and_scale(const double x[])
     return worst / 1e-13; /* a dozen heights to 30, with weights below 0.3 */
 }
 
+/* A heap of height 1 over the ground y = 0, or one flank of it, or a hollow; bumps that do not depend on the
+ * points, from `margin` before to behind it. */
+#define A_PILE                                                                                               \
+    {"seed", 0, 1e4, true}, {"sides", 1, 3, true}, {"left_deg", 5, 40, false}, {"right_deg", 5, 40, false},  \
+    {                                                                                                        \
+        "bumps", 0, 0.01, false                                                                              \
+    }
+enum { PILE_POINTS = 4096 };
+static const double everywhere[] = {-INFINITY, INFINITY};
+typedef struct {
+    size_t n;
+    double x[PILE_POINTS], y[PILE_POINTS];
+} points;
+
+static void a_pile(const double v[], double step, double margin, points *p)
+{
+    const double left = v[1] > 1.0 ? -1.0 / tan(v[2] * M_PI / 180.0) : 0.0,
+                 right = 1.0 / tan(v[3] * M_PI / 180.0);
+    double x = left - (left < 0.0 ? margin : 0.0);
+    for (p->n = 0; x <= right + margin && p->n < PILE_POINTS; x += step * (0.5 + pick(v[0], (long)p->n++))) {
+        const double h = fmax(0.0, x < 0.0 ? 1.0 - x / left : 1.0 - x / right);
+        p->x[p->n] = x;
+        p->y[p->n] = (v[1] > 2.0 ? -h : h) + v[4] * (sin(40.0 * x + v[0]) + sin(17.0 * x)) / 2.0;
+    }
+}
+
+/* Slopes of q over those of p, where q is the mirror image: in units of 1e-9, or, of `errors`, of two errors
+ * or 0.2 degrees. */
+static double differ(const points *p, const points *q, bool mirror, bool errors)
+{
+    ang_pile a, b;
+    double worst = 0.0;
+    if (ang_pile_find(p->n, p->x, p->y, everywhere, &a) || ang_pile_find(q->n, q->x, q->y, everywhere, &b) ||
+        a.n_flanks != b.n_flanks)
+        return NAN;
+    for (size_t i = 0; i < a.n_flanks; i++)
+        for (int m = 0; m < ANG_N_METHODS; m++) {
+            const ang_slope *s = &a.flank[i][m], *t = &b.flank[mirror ? a.n_flanks - 1 - i : i][m];
+            const double change = fabs(s->theta - (mirror ? -t->theta : t->theta));
+            worst = larger(worst,
+                           errors ? change / fmax(2.0 * hypot(s->theta_se, t->theta_se), 0.2 * M_PI / 180.0)
+                                  : larger(change / fabs(s->theta), fabs(s->theta_se - t->theta_se)) / 1e-9);
+        }
+    return worst;
+}
+
+/* The angles that a pile was made with, by all methods, with ground before and behind; the same ones
+ * elsewhere, in other units, mirrored, in another order, and with points inside. */
+static double pile_anywhere(const double v[])
+{
+    static points p, q;
+    ang_pile pile;
+    double worst = 0.0;
+    a_pile(v, 0.02, v[8], &p);
+    const bool mirror = v[9] > 0.5;
+    q.n = 0;
+    for (size_t k = 0; k < p.n; k++) {
+        const size_t i = (k * 7919 + (size_t)v[0]) % p.n; /* a prime */
+        q.x[q.n] = v[5] + v[7] * (mirror ? -p.x[i] : p.x[i]);
+        q.y[q.n++] = v[6] + v[7] * p.y[i];
+        if (i % 3 || q.n + p.n - k >= PILE_POINTS) continue;
+        q.x[q.n] = q.x[q.n - 1];
+        q.y[q.n] = q.y[q.n - 1] - v[7] * (0.05 + pick(v[0], (long)i));
+        q.n++;
+    }
+    if (ang_pile_find(p.n, p.x, p.y, everywhere, &pile) || pile.n_flanks != (v[1] > 1.0 ? 2 : 1)) return NAN;
+    for (size_t i = 0; i < pile.n_flanks; i++)
+        for (int m = 0; m < ANG_N_METHODS; m++) {
+            const double made =
+                v[2 + (v[1] < 2.0 || i)] * ((v[1] < 2.0 || i) == (v[1] < 3.0) ? 1.0 : -1.0) * M_PI / 180.0;
+            worst = larger(worst, fabs(pile.flank[i][m].theta - made) /
+                                      fmax(0.5 * M_PI / 180.0, 5.0 * pile.flank[i][m].theta_se));
+        }
+    return larger(worst, differ(&p, &q, mirror, false));
+}
+
+/* With other ground before and behind, and points that lie more closely or less. */
+static double pile_on_ground(const double v[])
+{
+    static points p, q;
+    a_pile(v, 0.02, 0.0, &p);
+    a_pile(v, v[5], v[6], &q);
+    return differ(&p, &q, false, true);
+}
+
 /* ---- collisions and contacts ---- */
 
 static double kinetic(const dem_body *b)
@@ -446,7 +531,18 @@ static void of_angles(void)
                                {"parabola", 0, 1, true},
                                {"lift", -3, 3, false},
                                {"plane", -1, 1, false},
-                               {"unit", 0.1, 5, false}}}};
+                               {"unit", 0.1, 5, false}}},
+                             {"pile: anywhere",
+                              pile_anywhere,
+                              {A_PILE,
+                               {"x", -100, 100, false},
+                               {"y", -100, 100, false},
+                               {"unit", 0.01, 100, false},
+                               {"margin", 0, 9, false},
+                               {"mirror", 0, 1, true}}},
+                             {"pile: ground and density",
+                              pile_on_ground,
+                              {A_PILE, {"step", 0.012, 0.04, false}, {"margin", 0, 9, false}}}};
     properties(list, sizeof list / sizeof *list, 1000);
 }
 

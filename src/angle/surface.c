@@ -145,6 +145,7 @@ rp_status ang_cell_of_points(size_t n, const double x[], const double y[], doubl
 typedef struct {
     size_t n;
     const double *x, *h;
+    double width; /* of a cell; 0: of a line through points at any x */
 } heights;
 
 /* A slope downwards per cell, and the sum of its squared coefficients. */
@@ -154,7 +155,7 @@ typedef struct {
 
 static combination end_to_end(const heights *s)
 {
-    double run = s->x[s->n - 1];
+    double run = s->x[s->n - 1] - s->x[0];
     return (combination){(s->h[0] - s->h[s->n - 1]) / run, 2.0 / (run * run)};
 }
 
@@ -172,7 +173,8 @@ static combination straight_line(const heights *s, double *variance)
  * parabola (its origin does not matter, round-off does), from the left edge of the first cell for the
  * other, so that a straight h gives an exact parabola at the cells' right edges. S_k = sum of h up to k
  * turns this into a sum over h_j with the e_k from j onwards. Where g cells are left out before j, their
- * heights are taken midway between their neighbours', so that a straight h keeps its slope. */
+ * heights are taken midway between their neighbours', so that a straight h keeps its slope. Below a line, S_k
+ * less half of h_k is the area from the first point on, whose mirror image has the mirrored slope. */
 static combination running_sum(const heights *s, ang_parabola parabola)
 {
     bool is_free = parabola == ANG_PARABOLA_FREE;
@@ -188,15 +190,26 @@ static combination running_sum(const heights *s, ang_parabola parabola)
     for (size_t k = s->n; k-- > 0;) {
         double z = s->x[k] - start;
         double e = z * z - m3 / m2 * z - (is_free ? m2 / n : 0.0);
-        double gap = k > 0 ? s->x[k] - s->x[k - 1] - 1.0 : 0.0;
+        double gap = k > 0 ? s->x[k] - s->x[k - 1] - s->width : 0.0;
         norm += e * e;
         tail += e;
-        double weight = tail + 0.5 * gap * tail + shared;
+        double weight = s->width * tail + 0.5 * gap * tail + shared;
         shared = 0.5 * gap * tail;
         c.slope -= 2.0 * weight * s->h[k];
         c.gain += 4.0 * weight * weight;
     }
     return (combination){c.slope / norm, c.gain / (norm * norm)};
+}
+
+static void find_slopes(const heights *s, double cell, ang_parabola parabola, ang_slope slopes[ANG_N_METHODS])
+{
+    double variance;
+    combination line = straight_line(s, &variance);
+    combination all[ANG_N_METHODS] = {end_to_end(s), line, running_sum(s, parabola)};
+    for (int i = 0; i < ANG_N_METHODS; i++) {
+        double slope = all[i].slope / cell, se = sqrt(variance * all[i].gain) / cell;
+        slopes[i] = (ang_slope){slope, se, atan(slope), se / (1.0 + slope * slope)};
+    }
 }
 
 rp_status ang_slopes(size_t n, const size_t column[], const double h[], double cell, ang_parabola parabola,
@@ -210,18 +223,88 @@ rp_status ang_slopes(size_t n, const size_t column[], const double h[], double c
         if (column && k > 0 && column[k] <= column[k - 1])
             return rp_fail(RP_BAD_INPUT, "column %zu: numbers must ascend", k + 1);
     }
-    double variance, *x = malloc(n * sizeof *x);
+    double *x = malloc(n * sizeof *x);
     if (!x) return rp_fail(RP_NO_MEMORY, "slopes: out of memory");
     for (size_t k = 0; k < n; k++) x[k] = column ? (double)(column[k] - column[0]) : (double)k;
-    heights s = {n, x, h};
-    combination line = straight_line(&s, &variance);
-    combination all[ANG_N_METHODS] = {end_to_end(&s), line, running_sum(&s, parabola)};
-    for (int i = 0; i < ANG_N_METHODS; i++) {
-        double slope = all[i].slope / cell, se = sqrt(variance * all[i].gain) / cell;
-        slopes[i] = (ang_slope){slope, se, atan(slope), se / (1.0 + slope * slope)};
-    }
+    find_slopes(&(heights){n, x, h, 1.0}, cell, parabola, slopes);
     free(x);
     return RP_OK;
+}
+
+/* Of n points, leave the surface, from *first on in the order of x; returns its number of points. */
+static size_t find_top(size_t n, double x[], double h[], size_t *first)
+{
+    static const double STEEPEST = 1.54; /* tan 57 degrees: pixels have no ties */
+    double falling = -INFINITY, rising = -INFINITY;
+    size_t m = 0;
+    gsl_sort2(x, 1, h, 1, n);
+    for (size_t k = 0; k < n; k++) {
+        if (h[k] + STEEPEST * x[k] < falling) continue;
+        falling = h[k] + STEEPEST * x[k];
+        x[m] = x[k];
+        h[m++] = h[k];
+    }
+    *first = m;
+    for (size_t k = m; k-- > 0;) {
+        if (h[k] - STEEPEST * x[k] < rising) continue;
+        rising = h[k] - STEEPEST * x[k];
+        x[--*first] = x[k];
+        h[*first] = h[k];
+    }
+    return m - *first;
+}
+
+/* The points between two that are in the lowest and the highest tenth are a flank. */
+static rp_status find_flanks(size_t n, const double x[], const double h[], ang_pile *pile)
+{
+    static const double TENTH = 0.1 + 1e-9, CLEAR = 3.0; /* standard errors */
+    enum { LEAST = 4 };
+    const double lo = gsl_stats_min(h, 1, n), height = gsl_stats_max(h, 1, n) - lo;
+    size_t first = 0;
+    int before = 0;
+    bool clear = true;
+    for (size_t k = 0; k < n; k++) {
+        const double part = (h[k] - lo) / height;
+        const int now = part >= 1.0 - TENTH ? 1 : part <= TENTH ? -1 : 0;
+        if (!now) continue;
+        if (before == -now && pile->n_flanks++ < 2) {
+            const size_t i = pile->n_flanks - 1, m = pile->n_flank[i] = k - first;
+            ang_slope *s = pile->flank[i];
+            if (m >= LEAST) find_slopes(&(heights){m, x + first, h + first, 0.0}, 1.0, ANG_PARABOLA_FREE, s);
+            clear &= fabs(s[1].slope) > CLEAR * s[1].slope_se; /* 0 with fewer points */
+        }
+        before = now;
+        first = k + 1;
+    }
+    if (clear && (pile->n_flanks == 1 || pile->n_flanks == 2)) return RP_OK;
+    return rp_fail(
+        RP_NO_RESULT,
+        "no pile: %zu flanks, of %zu and %zu points; expected 1 or 2, of %d points or more, steeper "
+        "than %g of their errors",
+        pile->n_flanks, pile->n_flank[0], pile->n_flank[1], LEAST, CLEAR);
+}
+
+rp_status ang_pile_find(size_t n, const double px[], const double py[], const double range[2], ang_pile *pile)
+{
+    size_t m = 0, first;
+    double *x = calloc(2 * n + 2, sizeof *x), *h = x + n + 1;
+    *pile = (ang_pile){0};
+    if (!x) return rp_fail(RP_NO_MEMORY, "surface of %zu points: out of memory", n);
+    for (size_t i = 0; i < n; i++) {
+        if (px[i] < range[0] || px[i] > range[1]) continue;
+        x[m] = px[i] - px[0];
+        h[m++] = py[i] - py[0];
+    }
+    pile->n = find_top(m, x, h, &first);
+    const rp_status status = find_flanks(pile->n, x + first, h + first, pile);
+    for (int k = 0; k < ANG_N_METHODS; k++) {
+        const ang_slope *a = &pile->flank[0][k], *b = &pile->flank[pile->n_flanks == 2][k];
+        const double theta = 0.5 * (fabs(a->theta) + fabs(b->theta)), t = tan(theta);
+        const double se = 0.5 * hypot(a->theta_se, b->theta_se);
+        pile->mean[k] = (ang_slope){t, se * (1.0 + t * t), theta, se};
+    }
+    free(x);
+    return status;
 }
 
 rp_status ang_one_sided(size_t n, const double x[], const double y[], const double ends[2], double diameter,

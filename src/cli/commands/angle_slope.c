@@ -6,7 +6,9 @@
 #include "cli/cli.h"
 
 #define SLOPE_OPTIONS(X)                                                                                     \
-    X(REAL, width, "", NULL, "(0, inf)", "width W of the box from x = 0, in the unit of FILE")               \
+    X(REAL, width, "", "auto", "(0, inf) | auto",                                                            \
+      "width W of a box from x = 0, in the unit of FILE; auto: the pile, wherever it is")                    \
+    CLI_RANGE(X, "x")                                                                                        \
     X(REAL, cell, "", "auto", "(0, inf) | auto",                                                             \
       "nominal diameter d of a grain, in the unit of FILE; round(W/d) cells; auto: see above")               \
     X(CHOICE, height, "", "centre", ANG_HEIGHT_WORDS,                                                        \
@@ -15,16 +17,17 @@
     X(CHOICE, parabola, "", "free", ANG_PARABOLA_WORDS,                                                      \
       "parabola of method 3: three coefficients, or through the origin")                                     \
     X(CHOICE, y_axis, "", "up", "up | down",                                                                 \
-      "where y grows to: down in the rows of a picture; the lowest point then lies d/2 above the ground")    \
+      "where y grows to: down in the rows of a picture; in a box the lowest point is d/2 above the ground")  \
     CLI_WHERE(X)
 
 CLI_OPTIONS(slope, SLOPE_OPTIONS)
 
 /* Columns by name, if the table has one of the names, else the first ones. Radii are read where the table has
- * them, if they are `useful`. */
-static rp_status read_grains(rp_arena *arena, rp_table *t, bool needs_r, bool useful, bool *with_r,
+ * them, if they are useful. */
+static rp_status read_grains(rp_arena *arena, rp_table *t, const slope_options *o, bool *with_r,
                              double **block)
 {
+    const bool needs_r = o->height == ANG_TOP, useful = o->width > 0.0 && !(o->cell > 0.0);
     static char *first[] = {"x", "y", "r"};
     bool named = false;
     for (size_t c = 0; c < N_OF(first); c++) named |= rp_table_column(t, first[c]) >= 0;
@@ -68,17 +71,12 @@ static void warn_negative(const cli_call *call, const ang_slope slopes[ANG_N_MET
 }
 
 /* Without slopes: rows without result. */
-static void print_slopes(const cli_call *call, const ang_surface *surface, const ang_slope *slopes,
-                         const char *word, double cell, const char *origin)
+static void print_slopes(size_t n_cells, size_t n_occupied, const ang_slope *slopes, const char *word)
 {
-    cli_table(call, stdout);
-    rp_table_note_number(stdout, "cell", cell, origin);
-    rp_table_header(stdout,
-                    "method, slope, theta_deg [deg], theta_se_deg [deg], n_cells, n_occupied, status");
     for (int i = 0; i < ANG_N_METHODS; i++) {
         ang_slope s = slopes ? slopes[i] : (ang_slope){NAN, NAN, NAN, NAN};
-        CLI_ROW_WORD(word, i + 1, s.slope, s.theta / deg, s.theta_se / deg, (double)surface->n_cells,
-                     (double)surface->n_occupied);
+        CLI_ROW_WORD(word, i + 1, s.slope, s.theta / deg, s.theta_se / deg, (double)n_cells,
+                     (double)n_occupied);
     }
 }
 
@@ -100,59 +98,101 @@ static rp_status choose_cell(const slope_options *o, const rp_table *t, const do
     return with_r ? RP_OK : ang_cell_of_points(n, block, block + n, o->width, cell);
 }
 
+/* As the slopes of one flank. A box has its ground at y = 0 and cells from x = 0 on. */
+static rp_status slope_of_box(size_t n, const double *block, bool with_r, const slope_options *o, double cell,
+                              ang_pile *pile)
+{
+    const ang_options options = {cell, (ang_height)o->height, (ang_empty)o->empty, (ang_parabola)o->parabola};
+    const double *x = block, *y = block + n;
+    double left = INFINITY, lowest = 0.0;
+    ang_surface s;
+    rp_status status = ang_surface_make(n, x, y, with_r ? y + n : NULL, o->width, &options, &s);
+    for (size_t i = 0; i < n; i++) {
+        if (!(x[i] >= 0.0 && x[i] < o->width)) continue;
+        left = fmin(left, x[i]);
+        if (o->height == ANG_CENTRE) lowest = fmin(lowest, y[i]);
+    }
+    if (!status && (2 * s.n_occupied <= s.n_cells || left >= s.cell || lowest < -0.5 * s.cell))
+        status =
+            rp_fail(RP_NO_RESULT,
+                    "sparse: %zu of %zu cells hold a point, from x = %g and y = %g on, where a box has 0; "
+                    "give a larger --cell than %g, a smaller --width, or none",
+                    s.n_occupied, s.n_cells, left, lowest, s.cell);
+    if (!status && (4 * s.n_occupied < 3 * s.n_cells || gsl_stats_min(x, 1, n) < 0.0 ||
+                    (!ang_pile_find(n, x, y, (double[]){0.0, o->width}, pile) && pile->n_flanks == 2)))
+        fputs("repose angle slope: a box leaves out x < 0, its empty cells have height 0, and it has one "
+              "flank; without --width the pile is found wherever it is\n",
+              stderr);
+    *pile = (ang_pile){.n = s.n_cells, .n_flanks = 1, .n_flank = {s.n_occupied}};
+    if (!status) status = ang_slopes(s.n, s.column, s.h, s.cell, options.parabola, pile->flank[0]);
+    ang_surface_free(&s);
+    return status;
+}
+
 static rp_status slope_of_table(cli_call *call, rp_table *table, const void *values)
 {
     const slope_options *o = values;
-    double *block = NULL;
-    size_t n = table->n_rows;
-    ang_options options = {o->cell, (ang_height)o->height, (ang_empty)o->empty, (ang_parabola)o->parabola};
-    ang_surface surface = {0};
-    ang_slope slopes[ANG_N_METHODS];
-    const char *origin = "", *word = "no_pile";
+    const bool box = o->width > 0.0;
+    double *block = NULL, cell = NAN;
+    const char *origin = "";
     bool with_r = false;
-    if (n == 0) return rp_fail(RP_BAD_INPUT, "%s: no grains", table->path);
-    rp_status status = refuse_several_steps(table);
-    if (!status)
-        status =
-            read_grains(call->arena, table, options.height == ANG_TOP, !(o->cell > 0.0), &with_r, &block);
-    if (!status) status = choose_cell(o, table, block, with_r, &options.diameter, &origin);
-    if (!status && o->y_axis) turn_over(n, block + n, options.diameter);
-    if (!status) {
-        status = ang_surface_make(n, block, block + n, with_r ? block + 2 * n : NULL, o->width, &options,
-                                  &surface);
-        rp_prefix(status, "%s: ", table->path);
+    ang_pile pile;
+    if (table->n_rows == 0) return rp_fail(RP_BAD_INPUT, "%s: no grains", table->path);
+    if (box ? cli_given(call, "from") || cli_given(call, "to")
+            : cli_given(call, "cell") || cli_given(call, "empty") || cli_given(call, "parabola"))
+        return rp_fail(RP_USAGE,
+                       "--cell, --empty and --parabola need --width, --from and --to are without it");
+    RP_TRY(refuse_several_steps(table));
+    RP_TRY(read_grains(call->arena, table, o, &with_r, &block));
+    const size_t n = table->n_rows;
+    if (box) RP_TRY(choose_cell(o, table, block, with_r, &cell, &origin));
+    if (o->y_axis) turn_over(n, block + n, box ? cell : 0.0);
+    for (size_t i = 0; i < n && !box && o->height == ANG_TOP; i++) block[n + i] += block[2 * n + i];
+    rp_status status = box ? slope_of_box(n, block, with_r, o, cell, &pile)
+                           : ang_pile_find(n, block, block + n, (double[]){o->from, o->to}, &pile);
+    rp_prefix(status, "%s: %s", table->path, box ? "" : "choose a flank by --from and --to: ");
+    if (status && status != RP_NO_RESULT) return status;
+    cli_table(call, stdout);
+    if (box) rp_table_note_number(stdout, "cell", cell, origin);
+    rp_table_header(stdout,
+                    "method, slope, theta_deg [deg], theta_se_deg [deg], n_cells, n_occupied, status");
+    if (status) {
+        const bool sparse = box && pile.n_flank[0] >= ANG_MIN_OCCUPIED;
+        print_slopes(pile.n, pile.n_flank[0], NULL, sparse ? "sparse" : "no_pile");
+    } else if (pile.n_flanks == 1) {
+        print_slopes(pile.n, pile.n_flank[0], pile.flank[0], "ok");
+        warn_negative(call, pile.flank[0]);
+    } else {
+        print_slopes(pile.n, pile.n_flank[0], pile.flank[0], "ok_left");
+        print_slopes(pile.n, pile.n_flank[1], pile.flank[1], "ok_right");
+        print_slopes(pile.n, pile.n_flank[0] + pile.n_flank[1], pile.mean, "ok_mean");
     }
-    if (!status && 2 * surface.n_occupied < surface.n_cells) {
-        word = "sparse";
-        status = rp_fail(RP_NO_RESULT,
-                         "%s: sparse: %zu of %zu cells hold a point; a larger --cell than %g is needed, or a "
-                         "smaller --width",
-                         table->path, surface.n_occupied, surface.n_cells, options.diameter);
-    }
-    if (!status)
-        status = ang_slopes(surface.n, surface.column, surface.h, surface.cell, options.parabola, slopes);
-    if (!status || status == RP_NO_RESULT)
-        print_slopes(call, &surface, status ? NULL : slopes, status ? word : "ok", options.diameter, origin);
-    if (!status) warn_negative(call, slopes);
-    ang_surface_free(&surface);
     return status;
 }
 
 const cli_command cmd_angle_slope = {
     "angle slope",
     "slope of a table of grains by three methods",
-    "FILE --width W [options]",
+    "FILE [options]",
     "Slope of a pile's surface h(x), positive where it falls to the right, by the methods of Lee &\n"
     "Herrmann 1993: 1 first to last cell, 2 straight line, 3 parabola through the running sum of h. The\n"
     "standard error is propagated from the scatter of h about its straight line.\n"
-    "FILE (- for standard input): one row a grain, columns x y r by name, otherwise the first three; r\n"
-    "is needed for --height top only. By default a cell is as wide as the mean diameter of the grains.\n"
-    "Without r it is as wide as the widest gap along x between neighbouring points, so that no cell is\n"
-    "empty, or as the median distance from a point to its nearest one, where that is larger.\n"
-    "For points in pixels, whose y is the row of a picture, give --y-axis down.\n"
-    "Fewer than 5 filled cells: no_pile; fewer than half of the cells: sparse; both have exit status 1.",
-    "repose angle slope pile.tsv --width 4",
+    "FILE (- for standard input): one row a grain or a point of an outline, columns x y r by name,\n"
+    "otherwise the first three; r is needed for --height top only. For points in pixels, whose y is the\n"
+    "row of a picture, give --y-axis down.\n"
+    "The pile is found wherever it is, on any ground. A point that lies below another by more than 57\n"
+    "degrees is inside; n_cells points are left as the surface. A flank is what lies between the lowest\n"
+    "and the highest tenth of the surface, n_occupied points. Two flanks have their rows, ok_left and\n"
+    "ok_right, and as ok_mean the mean of their steepness. Otherwise: no_pile, and exit status 1.\n"
+    "With --width the surface is that of a box, with its ground at y = 0: the highest grain of each cell.\n"
+    "By default a cell is as wide as the mean diameter of the grains. Without r it is as wide as the\n"
+    "widest gap along x between neighbouring points, so that no cell is empty, or as the median distance\n"
+    "from a point to its nearest one, where that is larger. Fewer than 5 filled cells: no_pile; no more\n"
+    "than half of the cells, none at x = 0, or grains below y = 0: sparse; both have exit status 1.",
+    "repose angle slope pile.tsv --y-axis down",
     slope_params,
     .refuses = "Grains of several steps: choose one by --where step=N.\n"
-               "--height top without radii; a radius that is not positive.",
+               "--height top without radii; a radius that is not positive.\n"
+               "Other than one or two flanks: choose by --from and --to.\n"
+               "Without --width: --cell, --empty and --parabola; with it: --from and --to.",
     .on_table = slope_of_table};
