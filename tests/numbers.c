@@ -1,5 +1,6 @@
-/* Random streams, and least squares by GSL; see numbers.h. */
+/* Random streams and texts, and least squares by GSL; see numbers.h. */
 #include <gsl/gsl_multifit.h>
+#include <string.h>
 
 #include "core/random.h"
 #include "tests/check.h"
@@ -13,6 +14,74 @@ void numbers_end(gsl_rng **rng)
 gsl_rng *numbers_of(unsigned long seed, unsigned long run)
 {
     return rp_random_alloc(seed, run, RP_PURPOSE_TEST);
+}
+
+void numbers_text(gsl_rng *rng, const char *without, char text[NUMBERS_TEXT])
+{
+    static const char *const parts[] = {"`>hit`",
+                                        "$(>hit)",
+                                        "`touch hit`",
+                                        "$(touch hit)",
+                                        "system('touch hit')",
+                                        "shell touch hit",
+                                        "touch hit",
+                                        "\"\"\"",
+                                        "${x}",
+                                        "$x",
+                                        "%s",
+                                        "%n",
+                                        "@{",
+                                        "..",
+                                        ">hit",
+                                        "!touch hit",
+                                        "\xc3\xa9",
+                                        "'",
+                                        "\"",
+                                        "\\",
+                                        "`",
+                                        "$",
+                                        ";",
+                                        "|",
+                                        "&",
+                                        "<",
+                                        ">",
+                                        "#",
+                                        "%",
+                                        "{",
+                                        "}",
+                                        "[",
+                                        "]",
+                                        "(",
+                                        ")",
+                                        "*",
+                                        "?",
+                                        "~",
+                                        "!",
+                                        "^",
+                                        "@",
+                                        "=",
+                                        "+",
+                                        "-",
+                                        "_",
+                                        ",",
+                                        ".",
+                                        ":",
+                                        "/",
+                                        " ",
+                                        "\n",
+                                        "\t",
+                                        "\r",
+                                        "\x01",
+                                        "a",
+                                        "Z",
+                                        "9"};
+    const size_t most = 1 + gsl_rng_uniform_int(rng, NUMBERS_TEXT - 1);
+    *text = '\0';
+    for (int k = 0; k < 12 || !*text; k++) {
+        const char *part = parts[gsl_rng_uniform_int(rng, sizeof parts / sizeof *parts)];
+        if (strlen(text) + strlen(part) <= (*text ? most : NUMBERS_TEXT - 1) && !strpbrk(part, without))
+            strcat(text, part);
+    }
 }
 
 void numbers_fit(size_t n, size_t p, const double X[], const double w[], const double y[], double c[],

@@ -9,6 +9,11 @@
 void numbers_end(gsl_rng **rng);
 gsl_rng *numbers_of(unsigned long seed, unsigned long run);
 
+/* A text that would harm where it is taken for a command, a pattern, a format or a mark: 1 to NUMBERS_TEXT -
+ * 1 bytes, none of them in `without`. The commands make a file `hit`. */
+enum { NUMBERS_TEXT = 30 };
+void numbers_text(gsl_rng *rng, const char *without, char text[NUMBERS_TEXT]);
+
 /* Least squares of y[n] by p columns X[n p], row after row, with weights w, NULL: all equal. Sets c[p] and
  * covariance[p p]. */
 void numbers_fit(size_t n, size_t p, const double X[], const double w[], const double y[], double c[],

@@ -330,6 +330,32 @@ def import_repose():
     sys.path.insert(0, os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), "python"))
 
 
+def random():
+    """Names and units of random.tsv are those of its CSV and JSON, and are words in the formats of grains."""
+    texts = open("names", newline="\n").read().split("\n")[:-1]
+    units, names = texts[:len(texts) // 2], texts[len(texts) // 2:]
+    rows = list(csv.reader(open("random.csv", newline="")))
+    found = json.load(open("random.json"))
+    assert rows[0][4:] == names and len(rows) == 3, (rows[0][4:], names)
+    assert list(found["units"])[4:] == names and list(found["units"].values())[4:] == units, (found["units"], units)
+    words = [re.sub("[^a-zA-Z0-9._+/()\\[\\]\\x80-\\U0010ffff-]", "_", name) for name in names]
+    os.chdir("made")
+    for path in os.listdir("."):
+        if path.endswith(".xyz"):
+            assert re.findall(":([^: ]+):R:1", open(path).readlines()[1])[1:] == words
+        elif path.endswith(".lammpstrj"):
+            head = next(line for line in open(path) if line.startswith("ITEM: ATOMS "))
+            assert head.split()[-len(words):] == words
+        elif path.endswith(".pvd"):
+            if min(path) >= " ":
+                for data in xml.parse(path).getroot().iter("DataSet"):
+                    arrays = xml.parse(data.get("file")).getroot().iter("DataArray")
+                    assert [a.get("Name") for a in arrays if a.get("Name").startswith("c") and a.get("Name") != "connectivity"] == words
+        elif path.endswith(".in"):
+            assert re.fullmatch("[a-zA-Z0-9._+()\\[\\]\\x80-\\U0010ffff-]*", path), path
+            assert not any("touch" in line for line in open(path) if not line.startswith("#")) or "touch" in path
+
+
 def package():
     import_repose()
     import repose
@@ -380,5 +406,5 @@ def package():
             raise AssertionError(wrong)
 
 
-CASES = {f.__name__: f for f in (light, sweep, vtk, pandas, lammps, lammps_input, package)}
+CASES = {f.__name__: f for f in (light, sweep, vtk, pandas, lammps, lammps_input, package, random)}
 CASES[sys.argv[1]]()

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/ptrace.h>
+#include <sys/stat.h>
 #include <sys/syscall.h>
 #include <sys/user.h>
 #include <sys/wait.h>
@@ -17,6 +18,8 @@
 #include "dem/scene/scene.h"
 #include "sweeps/protocols/protocols.h"
 #include "tests/check.h"
+#include "tests/folder.h"
+#include "tests/numbers.h"
 #include "tests/program.h"
 
 /* Closed forms take a few operations on numbers up to 180. */
@@ -305,6 +308,77 @@ static void test_slurm_names(void)
         if (status) fprintf(stderr, "sweep slurm in \"%s\": step %d: %s\n", names[k], status, err);
         CU_ASSERT_EQUAL(status, 0);
     }
+}
+
+int repose_main(int argc, char **argv); /* of tests/fuzz/targets.c */
+
+/* The text between two others, from there on; moves behind it. */
+static char *between(const char **at, const char *before, const char *after)
+{
+    const char *from = strstr(*at, before), *end = from ? strstr(from + strlen(before), after) : NULL;
+    CU_ASSERT_PTR_NOT_NULL_FATAL(end);
+    *at = end + strlen(after);
+    return strndup(from + strlen(before), (size_t)(end - from) - strlen(before));
+}
+
+/* Random names of folders: in the job array, and in the commands that are printed, the shell reads each as
+ * one word, and as that name. */
+static void test_random_folders(void)
+{
+    enum { NAMES = 1000, WORDS = 5 };
+    scoped_rng *rng = numbers_of(2385, 8);
+    char root[FOLDER_PATH], name[NAMES][NUMBERS_TEXT], folder[PATH_MAX + 64];
+    folder_make_in_memory("folders", root);
+    FILE *words = file_of("words.sh");
+    for (int k = 0; k < NAMES; k++) {
+        int end = 0;
+        numbers_text(rng, "/", name[k]);
+        snprintf(folder, sizeof folder, "%s/x%.*s", root, NUMBERS_TEXT, name[k]);
+        mkdir(folder, 0777); /* some names come twice */
+        fflush(words);
+        const pid_t child = fork();
+        if (child == 0) {
+            char *line[] = {"repose", "sweep", "slurm", folder, "--shards", "2", NULL};
+            if (chdir(root) != 0 || !freopen("said", "w", stdout)) _exit(99);
+            exit(repose_main(6, line));
+        }
+        CU_ASSERT(waitpid(child, &end, 0) == child && end == 0);
+        char path[PATH_MAX + 96];
+        size_t n;
+        snprintf(path, sizeof path, "%s/array.sh", folder);
+        scoped char *script = file_read(path, &n);
+        snprintf(path, sizeof path, "%s/said", root);
+        scoped char *said = file_read(path, &n);
+        const char *at = script, *then = said;
+        said[n - 1] = '\0'; /* the end of the last line */
+        scoped char *log = between(&at, "exec >>", "/shards/$SLURM_ARRAY_TASK_ID-of-2.log 2>&1\n"),
+                    *array = between(&at, " sweep run ", " --shard $SLURM_ARRAY_TASK_ID/2 -j 1 &\n"),
+                    *submit = between(&then, "sbatch ", "\nparallel -q --sshlogin HOST1,HOST2 "),
+                    *part = between(&then, " sweep run ", " --shard {}/2 -j 1 ::: $(seq 2)\n");
+        const char *merge = strstr(then, "repose sweep merge ");
+        CU_ASSERT_PTR_NOT_NULL_FATAL(merge);
+        fprintf(words, "printf '%%s\\0' %s %s %s %s %s\n", log, array, submit, part,
+                merge + strlen("repose sweep merge "));
+    }
+    fclose(words);
+    CU_ASSERT(shell("sh words.sh >read 2>err && ! ls hit >out 2>>err") == 0);
+    snprintf(folder, sizeof folder, "%s/hit", root);
+    CU_ASSERT(access(folder, F_OK) != 0);
+    path_of("read", folder);
+    size_t n;
+    scoped char *read = file_read(folder, &n);
+    const char *word = read;
+    for (int k = 0; k < NAMES; k++)
+        for (int w = 0; w < WORDS; w++, word += strlen(word) + 1) {
+            snprintf(folder, sizeof folder, "%s/x%.*s%s", root, NUMBERS_TEXT, name[k],
+                     w == 2 ? "/array.sh" : "");
+            CU_ASSERT_FATAL(word < read + n);
+            if (strcmp(word, folder) != 0)
+                fprintf(stderr, "the shell reads \"%s\" for \"%s\"\n", word, folder);
+            CU_ASSERT_FATAL(strcmp(word, folder) == 0);
+        }
+    CU_ASSERT(word == read + n);
+    folder_remove(root);
 }
 
 /* ---- killed ---- */
@@ -2286,6 +2360,7 @@ void suite_cli(void)
                                        {"bad values: 65", test_bad_values},
                                        {"job array", test_slurm},
                                        {"job array: folders of any name", test_slurm_names},
+                                       {"job array: random folders", test_random_folders},
                                        {"sweep plan and shards killed", test_killed_plans},
                                        {"bench", test_bench},
                                        {"bad scenes", test_bad_scenes},

@@ -7,6 +7,7 @@
 
 #include "dem/law/laws.h"
 #include "tests/check.h"
+#include "tests/numbers.h"
 #include "tests/program.h"
 
 /* Debian's Python before any other on the PATH. */
@@ -736,6 +737,65 @@ static void test_pandas(void)
     if (has(PYTHON "-c 'import pandas'", "pandas")) CU_ASSERT(readers("pandas"));
 }
 
+/* Random texts as names of columns and units, and as names of files: CSV and JSON have them as they are, the
+ * formats of grains as one word; in the input of LAMMPS a name is refused, or is one word. */
+static void test_random_texts(void)
+{
+    enum { TEXTS = 1000, A_TABLE = 50 };
+    if (check_fast()) return; /* Python's part has no sanitizers */
+    scoped_rng *rng = numbers_of(2385, 9);
+    char text[NUMBERS_TEXT], file[NUMBERS_TEXT + 8];
+    const char *const ends[] = {"xyz", "lammpstrj", "pvd", "in"}, *const formats[] = {"xyz", "lammps", "vtk",
+                                                                                      "lammps-input"};
+    write_text("l.cfg", "dt = 2.0e-5; steps = 199; gravity = [0.0, 0.0];\n"
+                        "normal = { law = \"linear\"; k_n = 1.0e5; gamma_n = 0.5; };\n"
+                        "particles = ( { x = -1.0; y = -2.0; r = 0.25; } );\n");
+    size_t taken = 0;
+    for (int t = 0; t < TEXTS / A_TABLE; t++) {
+        FILE *table = file_of("random.tsv"), *names = file_of("names");
+        fputs("# units: 1\tcm\tcm\tcm", table);
+        for (int c = 0; c < A_TABLE; c++) {
+            numbers_text(rng, "\n\t\r\x01", text);
+            fprintf(table, "\t%s", text);
+            fprintf(names, "%s\n", text);
+        }
+        fputs("\nid\tx\ty\tr", table);
+        for (int c = 0; c < A_TABLE; c++) {
+            numbers_text(rng, "\n\t\r\x01 ,'\"", text);
+            fprintf(table, "\tc%d%s", c, text);
+            fprintf(names, "c%d%s\n", c, text);
+        }
+        for (int i = 0; i < 2; i++) {
+            fprintf(table, "\n%d\t%d\t0\t0.5", i, 2 * i);
+            for (int c = 0; c < A_TABLE; c++) fprintf(table, "\t%d", c + i);
+        }
+        fputs("\n", table);
+        fclose(table);
+        fclose(names);
+        CU_ASSERT(shell("mkdir made >out 2>err") == 0);
+        GOOD("export random.tsv --to csv -o random.csv");
+        GOOD("export random.tsv --to json -o random.json");
+        for (int k = 0; k < 4; k++) {
+            numbers_text(rng, t % 2 ? "/" : "/ \n\t\r\x01'\"\\`$;|&<>#%{}*?~!^@=,:", text);
+            snprintf(file, sizeof file, "r%s.%s", text, ends[k]);
+            write_text("file", "%s", file);
+            write_text("format", "%s", formats[k]);
+            const char *line =
+                k == 3
+                    ? "cp l.cfg \"made/$(cat file).cfg\"; \"$REPOSE\" export \"made/$(cat file).cfg\" "
+                      "--to "
+                      "lammps-input -o \"made/$(cat file)\" >out 2>err"
+                    : "\"$REPOSE\" export random.tsv --to $(cat format) -o \"made/$(cat file)\" >out 2>err";
+            const int status = shell(line);
+            taken += k == 3 && status == 0;
+            CU_ASSERT(status == 0 || (k == 3 && status == 64 && strstr(err, "letters, digits and ._+-")));
+        }
+        CU_ASSERT(readers("random"));
+        CU_ASSERT(shell("! ls hit made/hit >out 2>err && rm -r made") == 0);
+    }
+    CU_ASSERT(taken > 0);
+}
+
 /* python/repose.py, and its example. */
 static void test_package(void)
 {
@@ -777,6 +837,7 @@ void suite_export(void)
                                        {"dumps by lmp", test_lammps},
                                        {"VTP by VTK", test_vtk},
                                        {"CSV and JSON by pandas", test_pandas},
+                                       {"random texts", test_random_texts},
                                        {"Python package", test_package},
                                        {NULL, NULL}};
     check_register_within("export", enter, leave, cases);

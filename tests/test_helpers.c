@@ -1,4 +1,5 @@
 /* Tests of the tests: each helper by which a test fails must fail where it should, NaN included. */
+#include <limits.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -386,6 +387,30 @@ static void test_commit(void)
     leave();
 }
 
+/* A commit is named as such only where the files are those of the commit; what a study has written is none of
+ * the program. */
+static void test_dirty_commit(void)
+{
+    static const char script[] =
+        "exec >out 2>err; here=$PWD; tar -C \"$REPOSE_SOURCE\" --exclude=./build* --exclude=./.git "
+        "--exclude=./results "
+        "-c . | tar x && git init -q . && mkdir results && echo 1 >results/t && echo 1 >code && git add . "
+        "':!out' ':!err' && "
+        "git -c user.name=a -c user.email=a@b commit -q -m a || exit 8; "
+        "say() { env -u MAKEFLAGS -u MFLAGS make -s build/commit >&2 && cat build/commit; }; "
+        "a=$(say); case $a in ''|unknown|*-dirty) exit 1;; esac; echo 2 >results/t; [ \"$(say)\" = $a ] || "
+        "exit 2; "
+        "echo 2 >code; [ \"$(say)\" = $a-dirty ] || exit 3; git add code; [ \"$(say)\" = $a-dirty ] || exit "
+        "4; "
+        "git checkout -q HEAD code; [ \"$(say)\" = $a ] || exit 5";
+    char source[PATH_MAX];
+    CU_ASSERT_PTR_NOT_NULL_FATAL(getcwd(source, sizeof source));
+    setenv("REPOSE_SOURCE", source, 1);
+    enter();
+    CU_ASSERT_EQUAL(shell(script), 0);
+    leave();
+}
+
 void suite_helpers(void)
 {
     static const check_case cases[] = {{"near, ok, fails", test_check},
@@ -399,6 +424,7 @@ void suite_helpers(void)
                                        {"wrong pairs", test_wrong_pairs},
                                        {"solved pile", test_solved_pile},
                                        {"commit of the program", test_commit},
+                                       {"commit that was changed", test_dirty_commit},
                                        {0}};
     check_register("helpers", cases);
 }

@@ -740,6 +740,35 @@ static double time_of(const char *line)
     return rp_clock() - begin;
 }
 
+/* Of fault_watch: what is done with the files of a folder, f: a file is synced, r: renamed, d: the folder is
+ * synced. */
+static char done[16];
+
+static void note_done(const char *call, int file, const char *from, const char *to)
+{
+    struct stat info, of_folder;
+    (void)from;
+    const bool sync = strcmp(call, "fsync") == 0 && fstat(file, &info) == 0 && stat(folder, &of_folder) == 0,
+               own = sync && S_ISDIR(info.st_mode) && info.st_ino == of_folder.st_ino;
+    if ((sync || to) && strlen(done) < sizeof done - 1) strcat(done, to ? "r" : own ? "d" : "f");
+}
+
+/* A snapshot is on the disk, and then its name is. */
+static void synced(void)
+{
+    rp_snapshot s = {0};
+    long step = 7;
+    enter();
+    RP_KEEP(&s, step);
+    *done = '\0';
+    fault_watch = note_done;
+    CHECK_OK(rp_snapshot_write(&s, in_folder("s"), "test", 1));
+    fault_watch = NULL;
+    CU_ASSERT_STRING_EQUAL(done, "frd");
+    rp_snapshot_free(&s);
+    leave();
+}
+
 /* Of fault_watch: that snapshot of a run before which its whole sweep is killed. */
 static int fatal_snapshot;
 
@@ -862,6 +891,7 @@ void suite_snapshot(void)
         {"protocol onset", protocol_onset},
         {"protocol flux", protocol_flux},
         {"protocol drop", protocol_drop},
+        {"a snapshot and its name are synced", synced},
         {"sweep rows", sweep_rows},
         {"stopped sweep", stopped_sweep},
         {"stopped row", stopped_row},

@@ -7,7 +7,9 @@
 
 #include "cli/progress.h"
 #include "tests/check.h"
+#include "tests/numbers.h"
 #include "tests/program.h"
+#include "view/view.h"
 
 /* ---- the marks of an svg file ---- */
 
@@ -888,6 +890,75 @@ static void test_hostile(void)
     leave();
 }
 
+/* Read a string as gnuplot does, from its first quote on: single quotes, and one of the text between double
+ * ones. Returns what follows. */
+static const char *read_string(const char *at, char text[256])
+{
+    size_t n = 0;
+    for (at++; *at && (*at != '\'' || strncmp(at, "'.\"'\".'", 7) == 0); n++) {
+        CU_ASSERT_FATAL(n < 255);
+        text[n] = *at;
+        at += *at == '\'' ? 7 : 1;
+    }
+    text[n] = '\0';
+    CU_ASSERT(*at == '\'');
+    return at + 1;
+}
+
+/* Random texts as units and as the name of the coloured column: what gnuplot is told has them as strings,
+ * with blanks for control characters, and nothing of them elsewhere. gnuplot itself then draws all. */
+static void test_random_texts(void)
+{
+    enum { TEXTS = 1000 };
+    static const double x[] = {0.0}, r[] = {1.0}, value[] = {2.0};
+    const view_contact contact = {.normal = 1.0, .wall = true, .c = {.y = 1.0, .fy = 1.0}};
+    view_frame f = {
+        .step = 5.0, .t = 0.5, .n = 1, .x = x, .y = r, .r = r, .value = value, .contacts = &contact};
+    view_scene scene = {.n = 1, .frames = &f};
+    scoped_rng *rng = numbers_of(2385, 7);
+    char color[NUMBERS_TEXT], text[256], expected[2 * NUMBERS_TEXT + 8];
+    FILE *all = file_of("all.gp");
+    fputs("set terminal dumb\nset output '/dev/null'\n", all);
+    for (int k = 0; k < TEXTS; k++) {
+        char *const units[] = {scene.length, scene.force, scene.time, scene.quantity}, *said = NULL;
+        size_t size, found = 0, outside = 0;
+        rp_arena arena = {0};
+        view_scale scale;
+        for (int i = 0; i < 4; i++) numbers_text(rng, "", units[i]);
+        numbers_text(rng, "", color);
+        const view_style style = {.width = 16.0,
+                                  .window = {NAN},
+                                  .cell = 2.0,
+                                  .color = color,
+                                  .stress = k % 3 == 1,
+                                  .base = k % 3 == 2};
+        f.n_contacts = (size_t)(k % 4 > 0) | style.stress | style.base;
+        FILE *file = open_memstream(&said, &size);
+        CHECK_OK(view_scale_of(&arena, &scene, 0, 0, &style, &scale));
+        view_draw_start(&scene, &style, &scale, file);
+        CHECK_OK(view_draw(&arena, &scene, &f, &style, &scale, file));
+        fclose(file);
+        snprintf(expected, sizeof expected, strcmp(scene.quantity, "1") ? "%s (%s)" : "%s", color,
+                 scene.quantity);
+        for (char *c = expected; *c; c++)
+            if ((unsigned char)*c < ' ') *c = ' ';
+        for (const char *c = said; *c;)
+            if (*c == '\'') {
+                c = read_string(c, text);
+                found += strcmp(text, expected) == 0;
+            } else {
+                outside += (strchr("`\"!@", *c) != NULL) + (*c == '\\' && c[1] != '\n');
+                c++;
+            }
+        CU_ASSERT(found == 1 && outside == 0);
+        fputs(said, all);
+        free(said);
+        rp_arena_release(&arena, NULL);
+    }
+    fclose(all);
+    CU_ASSERT_EQUAL(shell("gnuplot all.gp >warnings 2>&1 && ! ls hit >out 2>err"), 0);
+}
+
 static void test_refusals(void)
 {
     write_pile();
@@ -1105,6 +1176,7 @@ void suite_view(void)
                                        {"stages of a run", test_stages},
                                        {"folders and files", test_kinds},
                                        {"texts of tables are no commands", test_hostile},
+                                       {"random texts are no commands", test_random_texts},
                                        {"refusals", test_refusals},
                                        {"closing line of a run", test_closing_line},
                                        {"progress of a run", test_progress},

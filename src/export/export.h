@@ -19,6 +19,11 @@ rp_status export_open(const char *path, export_file *e);            /* as rp_fil
 rp_status export_close(const export_file *e, rp_status keep);       /* as rp_file_close */
 const char *export_cell(const rp_table *t, size_t row, int column); /* a number: "inf" for infinite */
 
+/* Make a text one word, in which no program finds a command or a mark: other letters than those, digits,
+ * UTF-8 and
+ * ._+-/()[] become _. */
+char *export_word(char *text);
+
 /* "out/pile", without the ending (and .gz before it), of "out/pile.pvd". */
 const char *export_stem(rp_arena *arena, const char *path);
 

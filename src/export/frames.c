@@ -1,6 +1,7 @@
 /* Files and frames of an export; see export.h. */
 #include "export/export.h"
 
+#include <ctype.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -50,6 +51,13 @@ const char *export_stem(rp_arena *arena, const char *path)
     char *name = strrchr(stem, '/'), *dot = strrchr(name ? name : stem, '.');
     if (dot) *dot = '\0';
     return stem;
+}
+
+char *export_word(char *text)
+{
+    for (char *c = text; *c; c++)
+        if (!isalnum((unsigned char)*c) && !(*c & 0x80) && !strchr("._+-/()[]", *c)) *c = '_';
+    return text;
 }
 
 const char *export_cell(const rp_table *t, size_t row, int column)
@@ -240,5 +248,10 @@ rp_status export_run_read(rp_arena *arena, const char *source, rp_table *table, 
     RP_TRY(read_beside(arena, source, "energy", &energies));
     if (run->grains.step >= 0 && !table->chosen) export_add_empty(arena, &energies, &run->grains);
     RP_TRY(read_beside(arena, source, "contacts", &run->contacts));
-    return read_beside(arena, source, "walls", &run->walls);
+    RP_TRY(read_beside(arena, source, "walls", &run->walls));
+    const rp_table *tables[] = {run->grains.table, run->contacts.table, run->walls.table};
+    for (size_t i = 0; i < sizeof tables / sizeof *tables; i++)
+        for (size_t c = 0; tables[i] && c < tables[i]->n_columns; c++)
+            if (tables[i]->names[c]) export_word(tables[i]->names[c]);
+    return RP_OK;
 }

@@ -282,7 +282,12 @@ static void write_input(const lammps_scene *s, const char *scene, const char *st
 static rp_status write_files(rp_arena *arena, const lammps_scene *s, const char *scene, const char *path)
 {
     export_file e;
-    const char *stem = export_stem(arena, path), *data = rp_text(arena, "%s.data", stem);
+    const char *stem = export_stem(arena, path), *name = export_word(rp_text(arena, "%s", basename(stem))),
+               *data = rp_text(arena, "%s.data", stem);
+    if (strcmp(name, basename(stem)) != 0)
+        return rp_fail(RP_USAGE, "-o %s: the input of LAMMPS names its files: letters, digits and ._+- alone",
+                       path);
+    scene = export_word(rp_text(arena, "%s", scene)); /* for comments */
     RP_TRY(export_open(data, &e));
     write_data(s, scene, e.out);
     RP_TRY(export_close(&e, RP_OK));

@@ -177,7 +177,8 @@ rp_status export_vtk(const export_run *run, const char *path)
     const size_t n = strlen(path);
     if (n < 5 || !rp_ends_in(path, ".pvd"))
         return rp_fail(RP_USAGE, "-o %s: vtk needs a name that ends in .pvd", path);
-    const char *folder = rp_text(run->arena, "%s_frames", export_stem(run->arena, path));
+    char *folder = rp_text(run->arena, "%s_frames", export_stem(run->arena, path));
+    export_word(basename(folder)); /* of an attribute in XML */
     rp_status status = RP_OK;
     RP_TRY(rp_make_directory(folder));
     RP_TRY(export_open(path, &e));

@@ -55,10 +55,10 @@ typedef struct {
 typedef struct {
     sqlite3 *db;
     sqlite3_stmt *insert;
-    double committed, beaten; /* rp_clock; 0: never */
-    bool writes, pending;     /* rows that are not committed yet */
-    char path[4096];
-    size_t point; /* of the parameters, the texts of the latest row */
+    double committed, beaten;      /* rp_clock; 0: never */
+    bool writes, pending;          /* rows that are not committed yet */
+    char path[4096], skipped[256]; /* the latter: shards that no process has made yet */
+    size_t point;                  /* of the parameters, the texts of the latest row */
     char program[256], parameters[8192];
 } sweep_store;
 
@@ -212,7 +212,6 @@ typedef struct {
     sweep_plan plan;
     sweep_store *store;
     sweep_merged found; /* of the shards */
-    char skipped[256];  /* shards that no process has made yet */
     int lock;           /* descriptor, or -1 */
 } sweep_folder;
 

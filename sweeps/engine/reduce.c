@@ -104,10 +104,9 @@ static void note_failed(const sweep_counts *counts, FILE *out)
     rp_table_note(out, "failed", "%zu of %zu%s%s", counts->failed, counts->stored, causes, n ? ")" : "");
 }
 
-static rp_status write_head(const sweep_folder *f, const char *command, sweep_counts *counts, FILE *out)
+static rp_status write_head(const sweep_plan *plan, sweep_store *store, const char *command,
+                            sweep_counts *counts, FILE *out)
 {
-    const sweep_plan *plan = &f->plan;
-    sweep_store *store = f->store;
     char text[256];
     digester digest;
     RP_TRY(sweep_store_note(store, "main", "file", text, sizeof text));
@@ -121,7 +120,7 @@ static rp_status write_head(const sweep_folder *f, const char *command, sweep_co
     rp_table_note(out, "plan", "%s", plan->hash);
     rp_table_note(out, "digest", "%s (%zu runs)", digest.text, digest.n_rows);
     rp_table_note(out, "missing", "%zu of %zu", counts->planned - counts->stored, counts->planned);
-    if (*f->skipped) rp_table_note(out, "left out, no stores yet", "%s", f->skipped);
+    if (*store->skipped) rp_table_note(out, "left out, no stores yet", "%s", store->skipped);
     note_failed(counts, out);
     if (!status) status = note_lacks(store, plan->protocol->outputs, out);
     if (sweep_count_aborted(counts) > 0)
@@ -253,7 +252,7 @@ rp_status sweep_export(const char *dir, const sweep_protocol *const *protocols, 
     if (!status) {
         table t = {
             .plan = &f.plan, .out = out, .what = what, .n_outputs = sweep_count_outputs(f.plan.protocol)};
-        status = write_head(&f, command, counts ? counts : &unused, out);
+        status = write_head(&f.plan, f.store, command, counts ? counts : &unused, out);
         if (!status) status = write_columns(&t);
         if (!status)
             status = what & SWEEP_POINTS ? write_reduced(&t, f.store)

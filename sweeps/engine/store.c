@@ -508,6 +508,7 @@ rp_status sweep_store_mark(sweep_store *s, size_t n_runs, unsigned char *done)
 rp_status sweep_store_count(sweep_store *s, const sweep_plan *plan, sweep_counts *counts)
 {
     *counts = (sweep_counts){.points = plan->n_points, .replicas = plan->replicas, .planned = plan->n_runs};
+    memcpy(counts->skipped, s->skipped, sizeof s->skipped);
     sqlite3_stmt *q = sweep_sql_query(
         s, "SELECT status, count(*) FROM runs WHERE run IS NOT NULL GROUP BY status ORDER BY status");
     while (sqlite3_step(q) == SQLITE_ROW && counts->n_words < SWEEP_MAX_WORDS) {

@@ -50,28 +50,22 @@ static bool is_shard(const char *name)
 }
 
 /* Add a store, or name it among those that are left out. */
-static rp_status add_store(sweep_folder *f, const char *path, rp_paths *stores)
+static rp_status add_store(const sweep_folder *f, const char *path, rp_paths *stores)
 {
-    const size_t used = strlen(f->skipped);
+    char *skipped = f->store->skipped;
+    const size_t used = strlen(skipped);
     if (sweep_store_is_made(path)) return rp_paths_add(stores, NULL, path);
-    snprintf(f->skipped + used, sizeof f->skipped - used, "%s%s", used ? ", " : "", path);
+    snprintf(skipped + used, sizeof f->store->skipped - used, "%s%s", used ? ", " : "", path);
     return RP_OK;
 }
 
 /* Add the stores of the shards of a folder, in order. */
-static rp_status find_shards(sweep_folder *f, const char *folder, rp_paths *stores)
+static rp_status find_shards(const sweep_folder *f, const char *folder, rp_paths *stores)
 {
     rp_paths all = {0};
     rp_status status = rp_paths_in(&all, folder, is_shard);
     for (size_t i = 0; !status && i < all.n; i++) status = add_store(f, all.path[i], stores);
     rp_paths_free(&all);
-    return status;
-}
-
-static rp_status count(const sweep_folder *f, sweep_counts *counts)
-{
-    rp_status status = sweep_store_count(f->store, &f->plan, counts);
-    memcpy(counts->skipped, f->skipped, sizeof f->skipped);
     return status;
 }
 
@@ -197,7 +191,7 @@ static rp_status mark_store(const char *path, const sweep_plan *plan, unsigned c
 
 /* Numbers of the runs of this part (0 of 1: of all) that are neither in the folder's store nor in the open
  * one; a sweep that runs whole leaves out what its shards have. free(*todo). */
-static rp_status find_todo(sweep_folder *f, const sweep_options *options, size_t **todo, size_t *n)
+static rp_status find_todo(const sweep_folder *f, const sweep_options *options, size_t **todo, size_t *n)
 {
     const sweep_plan *plan = &f->plan;
     const size_t parts = options->shards > 0 ? (size_t)options->shards : 1,
@@ -266,7 +260,7 @@ rp_status sweep_run(const char *dir, const sweep_protocol *const *protocols, con
     if (!status && !whole) status = open_shard(options, &f);
     if (!status) status = sweep_store_drop_crashed(f.store);
     if (!status) status = find_todo(&f, options, &todo, &n);
-    if (!status) status = count(&f, counts);
+    if (!status) status = sweep_store_count(f.store, &f.plan, counts);
     sweep_options own = *options;
     own.snapshots = isnormal(options->snapshot) ? f.snapshots : NULL;
     const size_t planned =
@@ -277,7 +271,7 @@ rp_status sweep_run(const char *dir, const sweep_protocol *const *protocols, con
     if (!status && n > 0 && own.snapshots) status = rp_make_directory(f.snapshots);
     if (!status && n > 0) status = sweep_pool_run(&f, todo, n, &own, counts);
     if (!status) status = sweep_store_commit(f.store);
-    if (!status) status = count(&f, counts);
+    if (!status) status = sweep_store_count(f.store, &f.plan, counts);
     if (!status && whole && sweep_count_aborted(counts) == 0) remove_snapshots(&f);
     if (!status) counts->planned = counts->stored = planned; /* some may stand in other stores */
     if (!status) status = sweep_check_aborted(counts);
@@ -324,7 +318,7 @@ rp_status sweep_status(const char *dir, const sweep_protocol *const *protocols, 
 {
     sweep_folder f;
     rp_status status = sweep_folder_read(dir, protocols, false, &f);
-    if (!status) status = count(&f, counts);
+    if (!status) status = sweep_store_count(f.store, &f.plan, counts);
     if (!status) status = sweep_store_pace(f.store, &counts->seconds);
     if (!status) status = list_shards(&f, counts->shards, sizeof counts->shards);
     counts->running = f.found.running;
@@ -342,7 +336,7 @@ rp_status sweep_check_done(const char *file, const char *dir, const sweep_protoc
     if (!status && strcmp(plan.hash, f.plan.hash) != 0)
         status =
             rp_fail(RP_BAD_INPUT, "%s: holds another plan than that of %s, and may only be read", dir, file);
-    if (!status) status = count(&f, &counts);
+    if (!status) status = sweep_store_count(f.store, &f.plan, &counts);
     if (!status) status = sweep_check_whole(dir, &counts);
     sweep_plan_free(&plan);
     sweep_folder_close(&f);
@@ -371,9 +365,9 @@ rp_status sweep_merge(const char *dir, const sweep_protocol *const *protocols, s
     }
     if (!status && sources.n == 0)
         status = rp_fail(RP_BAD_INPUT, "%s: no shards, and no other store is named%s%s", dir,
-                         *f.skipped ? "; none yet: " : "", f.skipped);
+                         *f.store->skipped ? "; none yet: " : "", f.store->skipped);
     if (!status) status = sweep_store_merge(f.store, &f.plan, sources.n, sources.path, merged);
-    if (!status) status = count(&f, counts);
+    if (!status) status = sweep_store_count(f.store, &f.plan, counts);
     if (!status) status = list_shards(&f, counts->shards, sizeof counts->shards);
     rp_paths_free(&sources);
     sweep_folder_close(&f);
