@@ -106,6 +106,12 @@ static const sweep_protocol *const toys[] = {&toy_protocol, &other_protocol, NUL
 /* One folder for each test: `base` holds s.cfg and the sweep `dir`. */
 static char base[FOLDER_PATH], file[96], dir[96], store[128];
 
+static long size_of(const char *path)
+{
+    struct stat found;
+    return stat(path, &found) == 0 ? (long)found.st_size : -1;
+}
+
 static void clean(void)
 {
     folder_remove(base);
@@ -885,8 +891,9 @@ static void test_literal_names(void)
     char before[PATH_MAX], right[33] = "";
     sweep_merged m;
     sweep_counts c;
-    fresh("protocol = \"toy\"; replicas = 6;");
+    folder_make_in_memory("sweep", base);
     CU_ASSERT_FATAL(getcwd(before, sizeof before) && chdir(base) == 0);
+    file_print("s.cfg", "protocol = \"toy\"; replicas = 6;");
     mkdir("x1", 0777);
     for (size_t k = 0; k < sizeof names / sizeof *names; k++) {
         struct stat info;
@@ -905,6 +912,20 @@ static void test_literal_names(void)
         snprintf(path, sizeof path, "%s/store.sqlite", names[k]);
         CU_ASSERT(stat(path, &info) == 0 && info.st_size > 0);
     }
+    /* random ones: the folder, and nothing else, is there */
+    scoped_rng *rng = numbers_of(2385, 10);
+    for (int k = 0; k < (check_fast() ? 100 : 1000); k++) {
+        char name[NUMBERS_TEXT + 2] = "d/", path[64];
+        numbers_text(rng, "/", name + 2);
+        if (strspn(name + 2, ".") == strlen(name + 2)) continue;
+        CHECK_OK(sweep_prepare("s.cfg", name, 0, toys, NULL, &c));
+        CHECK_OK(sweep_status(name, toys, &c));
+        snprintf(path, sizeof path, "%s/store.sqlite", name);
+        CU_ASSERT(size_of(path) > 0);
+        folder_remove(name);
+        CU_ASSERT(rmdir("d") == 0);
+    }
+    CU_ASSERT(access("hit", F_OK) != 0);
     CU_ASSERT(rmdir("x1") == 0 && access("d", F_OK) != 0 && access("a b", F_OK) != 0);
     CU_ASSERT(chdir(before) == 0);
     clean();
@@ -1179,12 +1200,6 @@ static void test_bad_folders(void)
     CHECK_FAILS(sweep_export(dir, toys, SWEEP_RUNS, NULL, NULL, full), RP_IO, "No space left on device");
     fclose(full);
     clean();
-}
-
-static long size_of(const char *path)
-{
-    struct stat found;
-    return stat(path, &found) == 0 ? (long)found.st_size : -1;
 }
 
 /* The lock file counts drives that failed, one after another; a whole one begins anew. */
