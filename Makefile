@@ -39,7 +39,7 @@ ALL     := $(CLI) $(REPORTER) $(foreach m,$(MODULES),$(call sources,$(m)))
 REPOSE  := $(B)/repose
 REPORT  := $(B)/report
 
-.PHONY: all figures studies bench report check-report check test validate asan lint setup help clean FORCE
+.PHONY: all figures studies checksums bench report check-report check test validate asan lint setup help clean FORCE
 all: $(REPOSE) $(REPORT) ## build the programs: build/repose, and build/report, which makes the report
 
 help: ## this list
@@ -132,17 +132,28 @@ LONGEST := lh5 lh2b lh_gamma lh3
 # The report, and the pages behind it: report/text/NAME.md.in.
 PAGES   := paper-repro $(addprefix docs/,claims choices beyond misprints validation)
 make_pages = mkdir -p $(B)/docs; for p in $(PAGES); do \
-	$(REPORT) page report/text/$$(basename $$p).md.in --tables results,$(T) -o $(B)/$$p.md || exit 1; done
+	$(REPORT) page report/text/$$(basename $$p).md.in --tables $$tables -o $(B)/$$p.md || exit 1; done
+# Pages hold tables of `make figures` and `make validate` too: results/kept has the small ones that they need, so that
+# `make check` makes each page again. One is replaced where more than its making and its times differ.
+KEPT    := $(filter-out validation_precision_%,$(notdir $(wildcard results/kept/*.tsv)))
+numbers  = awk -F'\t' '/^\# (program|compiler|libraries|command|runs made by|run_time|commit):/ { next } /^\#/ { print; next } \
+	!n { n = NF; for (k = 1; k <= n; k++) time[k] = $$k ~ /^(seconds|run_time)$$/ } { for (k in time) if (time[k]) $$k = ""; print }'
+keep_tables = for t in $(KEPT); do [ "$$($(numbers) $(T)/$$t)" = "$$($(numbers) results/kept/$$t)" ] || cp $(T)/$$t results/kept || exit 1; done
+# Each table of results stands a second time by its checksum, so that a number that is changed by hand is found.
+sign_results = (cd results && sha256sum *.tsv kept/*.tsv | LC_ALL=C sort -k 2 >checksums.txt)
 # Small pictures that paper-repro.md, README and docs show.
 SHOWN   := $(sort $(notdir $(shell grep -oh 'figures/shown/[a-z0-9_]*' report/text/paper-repro.md.in README.md docs/*.md)))
 figures: | $(SETUP_FIRST) ## every figure of the two papers and of the studies in results, into build/figures, and build/paper-repro.md
 	@$(MAKE) -s -j$(JOBS) $(REPOSE) $(REPORT)
 	@$(MAKE) -s -Oline -j$(JOBS) WORKERS=1 $(addprefix $(B)/made/,$(LONGEST) $(filter-out $(LONGEST),$(SWEEPS))) $(FIGURES:%=$(B)/figures/%.svg) \
 	  $(patsubst %,$(B)/figures/shown/%.png,$(filter $(FIGURES),$(SHOWN)))
-	@$(make_pages); echo "report  $(B)/paper-repro.md"
+	@tables=results,$(T),results/kept; $(make_pages); echo "report  $(B)/paper-repro.md"
 
 validate: $(REPOSE) $(B)/check ## the validation at full size, tables and figures
 	@$(MAKE) -s -j1 $(VALIDATION:%=$(B)/validated/%) $(CHECKED:%=$(B)/figures/%.svg)
+
+checksums: ## results/checksums.txt anew, where a table of results was replaced by hand
+	@$(sign_results)
 
 studies: $(STUDIED:%=$(B)/studied/%) ## larger ensembles, for days: their tables, into results; resumable
 
@@ -151,7 +162,7 @@ suite  = $(firstword $(subst _, ,$(1:validation_%=%)))
 source = $(if $(filter validation_%,$(1)),$(B)/validated/$(suite),$(if $(filter $(STUDIES),$(owner)),results/$(1).tsv,$(B)/made/$(owner)))
 .SECONDEXPANSION:
 $(T)/%.tsv: $$(call source,$$*)
-	@$(if $(filter results/%,$<),mkdir -p $(@D) && cp $< $@)
+	@$(if $(filter results/%,$<),mkdir -p $(@D) && ln -sfr $< $@)
 
 WORKERS := $(JOBS)
 make_sweep = echo "sweep   $*$(1)" && $(REPOSE) sweep make $< -o $(B)/sweeps/$* -j $(WORKERS)$(1) --tables
@@ -161,7 +172,7 @@ $(B)/made/%: %.cfg $(CODE)
 $(B)/studied/%: %.cfg $(CODE)
 	@$(call make_sweep, --study) $(B)/studies
 	@mkdir -p $(@D) results
-	@cp $$(ls $(B)/studies/$*.tsv $(B)/studies/$*_*.tsv | grep -v '_runs.tsv$$\|_row[0-9]*.tsv$$') results && touch $@
+	@cp $$(ls $(B)/studies/$*.tsv $(B)/studies/$*_*.tsv | grep -v '_runs.tsv$$\|_row[0-9]*.tsv$$') results && $(sign_results) && touch $@
 $(B)/studied/lh_size_large: $(B)/studied/lh_size $(B)/studied/lh_size_mid
 $(B)/studied/lh2b_wide: $(B)/studied/lh2b_narrow
 $(B)/studied/lh_rough_large: $(B)/studied/lh_rough
@@ -195,9 +206,12 @@ $(B)/figures/shown/%.png: $(B)/figures/%.svg $$(wildcard $$(addprefix results/,$
 
 make_html = sh report/page/page.sh $(REPOSE) $(B)
 report: figures validate $(SHOWN:%=$(B)/figures/shown/%.png) ## paper-repro.md, docs and the pictures that they and README show; build/report.html, by pandoc
-	@$(make_pages); for p in $(PAGES); do cp $(B)/$$p.md $$p.md; done
+	@$(keep_tables); $(sign_results)
+	@tables=results,results/kept; $(make_pages); for p in $(PAGES); do cp $(B)/$$p.md $$p.md; done
 	@cp $(SHOWN:%=$(B)/figures/shown/%.png) figures/shown
 	@$(make_html)
+	@[ ! -e .git ] || git --no-pager diff --exit-code --stat HEAD -- $(PAGES:=.md) results || \
+	  { echo "report: these differ from the last commit; look at them (git diff), and commit them" >&2; exit 1; }
 check-report: figures ## build/report.html in headless Chromium: pictures, controls, console, widths; installs pandoc and Chromium
 	@$(make_html) && sh report/page/check.sh $(B)
 

@@ -8,7 +8,7 @@
 /* Options of the commands. */
 #define REPORT_CLAIMS(X) X(TEXT, claims, "", "report/claims.tsv", "", "file of the claims")
 #define REPORT_OPTIONS(X)                                                                                    \
-    X(TEXT, tables, "", "results,build/tables", "",                                                          \
+    X(TEXT, tables, "", "results,build/tables,results/kept", "",                                             \
       "folders of tables, joined by commas; a table is read from the first folder that holds it")            \
     REPORT_CLAIMS(X)
 

@@ -1109,6 +1109,39 @@ static void test_claims_again(void)
     check_end(in);
 }
 
+/* A line of shell at the top of the tree, `$to` a folder, and what it says of a fault. */
+static void holds_in_tree(const char *line)
+{
+    char text[2048];
+    snprintf(text, sizeof text, "to=$PWD; { cd \"$OLDPWD\" && %s; } >$to/out 2>$to/err", line);
+    const int status = shell(text);
+    if (status != 0) fprintf(stderr, "%s%s", out, err);
+    CU_ASSERT(status == 0);
+}
+
+/* Each committed page, in every cell and verdict, is what the tables in results say. */
+static void test_pages(void)
+{
+    holds_in_tree("for t in report/text/*.md.in; do p=$(basename $t .in); [ -e $p ] || p=docs/$p; "
+                  "\"$REPORT\" page $t --tables results,results/kept -o $to/page && diff $p $to/page || "
+                  "{ echo \"$p: not what results say: make report; a table that it lacks goes into "
+                  "results/kept\"; exit 1; }; done");
+}
+
+/* Each table of results is the one whose checksum was taken as it was made, and each has one. */
+static void test_checksums(void)
+{
+    holds_in_tree("cd results && sha256sum *.tsv kept/*.tsv | LC_ALL=C sort -k 2 | diff checksums.txt - && [ "
+                  "-s checksums.txt ]");
+}
+
+static void test_remade(void)
+{
+    if (!check_fast())
+        holds_in_tree(
+            "top=$PWD; mkdir $to/copy && cd $to/copy && sh $top/tests/remake.sh $top \"${REPOSE%/*}\"");
+}
+
 void suite_evidence(void)
 {
     static const check_case cases[] = {{"verdicts and the words of the report", test_verdicts},
@@ -1127,6 +1160,9 @@ void suite_evidence(void)
                                        {"sweeps have the settings of their results", test_made},
                                        {"names of models tell their settings", test_names},
                                        {"claims, second entry", test_claims_again},
+                                       {"pages are what results say", test_pages},
+                                       {"checksums of results", test_checksums},
+                                       {"what make makes anew", test_remade},
                                        {0}};
     check_register_within("evidence", enter, leave, cases);
 }

@@ -184,6 +184,7 @@ summary() {
     done
 } >"$build/tables/mutate_summary.tsv"
 cp "$build/tables/mutate_summary.tsv" results # the report takes it from there
+make -s checksums
 
 sed -n "s/^\([^$tab]*\)$tab\([0-9]*\)$tab[^$tab]*$tab[^$tab]*$tab\([^$tab]*\)${tab}survived$tab.*/survived: \1:\2: \3/p" "$rows"
 summary '.*'
