@@ -3,7 +3,6 @@
 #include <gsl/gsl_poly.h>
 #include <gsl/gsl_randist.h>
 #include <gsl/gsl_sf_psi.h>
-#include <gsl/gsl_sort.h>
 #include <gsl/gsl_statistics_double.h>
 #include <string.h>
 
@@ -648,31 +647,6 @@ static void test_line_fit(void)
                 "an x other than 0");
 }
 
-/* Cells of points: the widest step along x where it exceeds the median distance of neighbours, else that. */
-static void test_cell_of_points(void)
-{
-    double cell;
-    const double x[] = {0.9, 0.2, 0.1, 0.0, 1.0, 1.9}, level[6] = {0.0},
-                 steep[] = {2.0, 9.0, 5.0, 0.0, 3.0, 9.0};
-    CHECK_OK(ang_cell_of_points(6, x, level, 1.5, &cell)); /* without the last, which is outside */
-    CHECK_NEAR(cell, 0.7, 1e-15);
-    CHECK_OK(ang_cell_of_points(5, x, steep, 1.5, &cell)); /* distances of 1 or more */
-    CHECK_NEAR(cell, hypot(0.9, 2.0), 1e-15);
-    /* neighbours at 20, 5 and 5: the last point counts as well */
-    CHECK_OK(ang_cell_of_points(3, (double[]){0.0, 0.1, 0.2}, (double[]){0.0, 20.0, 25.0}, 1.5, &cell));
-    CHECK_NEAR(cell, hypot(0.1, 5.0), 1e-14);
-    /* a neighbour outside is none, wherever it stands in the list */
-    for (size_t k = 0; k < 3; k++) {
-        static const double points[3][2] = {{1.4, 0.0}, {1.6, 0.0}, {0.2, 3.0}};
-        double u[3], v[3];
-        for (size_t i = 0; i < 3; i++) u[i] = points[(i + k) % 3][0], v[i] = points[(i + k) % 3][1];
-        CHECK_OK(ang_cell_of_points(3, u, v, 1.5, &cell));
-        CHECK_NEAR(cell, hypot(1.2, 3.0), 1e-14);
-    }
-    CHECK_OK(ang_cell_of_points(1, x, level, 1.5, &cell));
-    CHECK_NEAR(cell, 1.5, 0.0);
-}
-
 /* ---- one series in time ---- */
 
 /* x(k + 1) = phi x(k) + noise, of variance 1, started in its stationary state. */
@@ -1200,7 +1174,6 @@ void suite_angle(void)
         {"errors of slopes", test_slope_errors},
         {"mean and its interval", test_mean},
         {"paired values", test_paired},
-        {"cell of points", test_cell_of_points},
         {"line fit", test_line_fit},
         {"blocking of correlated series", test_blocking},
         {"series: blocks and transients by hand", test_series_by_hand},

@@ -71,7 +71,7 @@ static void test_data(void)
            "sweeps/studies/calibrate.cfg -o planned");
     CU_ASSERT(strstr(out, "60 runs") != NULL);
     PASSES("$PREFIX/bin/repose run examples/pile.cfg --set steps=10 --quiet | grep -q '^10'");
-    PASSES("$PREFIX/bin/repose angle slope examples/outline.csv --width 641 --y-axis down");
+    PASSES("$PREFIX/bin/repose angle slope examples/outline.csv --y-axis down");
     PASSES("test -f $PREFIX/share/doc/repose/examples/pile.cfg"); /* a link */
     /* nothing of the report, no table of results */
     PASSES("ls $PREFIX/bin $PREFIX/share/repose | tr '\\n' ' '");

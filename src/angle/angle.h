@@ -134,12 +134,6 @@ void ang_surface_free(ang_surface *surface);
 rp_status ang_one_sided(size_t n, const double x[], const double y[], const double ends[2], double diameter,
                         ang_slope *slope);
 
-/* A width of cells for points whose grains are not known, such as an outline: the widest gap along x between
- * neighbouring points, so that no cell is empty, or the median distance from a point to its nearest neighbour
- * (of 1000 points at most), where that is larger. Points outside 0 <= x < width do not count; `width` where
- * fewer than two distinct ones are left. Errors: RP_NO_MEMORY. */
-rp_status ang_cell_of_points(size_t n, const double x[], const double y[], double width, double *cell);
-
 /* Slopes by the three methods of Lee & Herrmann 1993, section 3: (1) first to last cell, (2) straight line,
  * (3) parabola through the running sum of h. Each is a linear combination of the heights, whose error is
  * propagated from the scatter of h about its least-squares line. h[n] are the heights of the cells

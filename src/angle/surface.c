@@ -102,45 +102,6 @@ void ang_surface_free(ang_surface *surface)
     surface->h = NULL;
 }
 
-/* From point i to the nearest that differs from it; infinity if there is none. */
-static double nearest(size_t i, size_t n, const double x[], const double y[], double width)
-{
-    double least = INFINITY;
-    for (size_t j = 0; j < n; j++) {
-        const double distance = hypot(x[j] - x[i], y[j] - y[i]);
-        if (within(x[j], width) && distance > 0.0) least = fmin(least, distance);
-    }
-    return least;
-}
-
-/* The widest step from a point to the next along x. */
-static double widest_gap(size_t n, const double x[], double width, double inside[])
-{
-    size_t m = 0;
-    double gap = 0.0;
-    for (size_t i = 0; i < n; i++)
-        if (within(x[i], width)) inside[m++] = x[i];
-    gsl_sort(inside, 1, m);
-    for (size_t i = 1; i < m; i++) gap = fmax(gap, inside[i] - inside[i - 1]);
-    return gap;
-}
-
-rp_status ang_cell_of_points(size_t n, const double x[], const double y[], double width, double *cell)
-{
-    enum { MOST = 1000 };
-    double distance[MOST];
-    size_t found = 0;
-    double *inside = malloc((n + 1) * sizeof *inside);
-    if (!inside) return rp_fail(RP_NO_MEMORY, "surface of %zu points: out of memory", n);
-    for (size_t i = 0; i < n; i += n / MOST + 1) {
-        const double d = within(x[i], width) ? nearest(i, n, x, y, width) : INFINITY;
-        if (isfinite(d)) distance[found++] = d;
-    }
-    *cell = found ? fmax(gsl_stats_median(distance, 1, found), widest_gap(n, x, width, inside)) : width;
-    free(inside);
-    return RP_OK;
-}
-
 /* The heights as the methods see them: x counts cells from the first. Lengths in cells until the end. */
 typedef struct {
     size_t n;

@@ -10,7 +10,7 @@
       "width W of a box from x = 0, in the unit of FILE; auto: the pile, wherever it is")                    \
     CLI_RANGE(X, "x")                                                                                        \
     X(REAL, cell, "", "auto", "(0, inf) | auto",                                                             \
-      "nominal diameter d of a grain, in the unit of FILE; round(W/d) cells; auto: see above")               \
+      "nominal diameter d of a grain, in the unit of FILE; round(W/d) cells; auto: the mean of r")           \
     X(CHOICE, height, "", "centre", ANG_HEIGHT_WORDS,                                                        \
       "height of a cell: highest centre - d/2 (at least 0), highest centre, or highest point")               \
     X(CHOICE, empty, "", "zero", ANG_EMPTY_WORDS, "empty cells have height 0, or are left out")              \
@@ -89,13 +89,17 @@ static rp_status choose_cell(const slope_options *o, const rp_table *t, const do
     *cell = o->cell;
     *origin = "by --cell";
     if (o->cell > 0.0) return RP_OK;
-    for (size_t i = 0; i < n && with_r; i++)
+    if (!with_r)
+        return rp_fail(RP_USAGE,
+                       "%s: no radii, from which --width has its cells; give --cell, or leave --width out",
+                       t->path);
+    for (size_t i = 0; i < n; i++)
         if (!(r[i] > 0.0))
             return rp_fail(RP_BAD_INPUT, "%s:%zu: r = %g: out of range, allowed: (0, inf)", t->places[i].path,
                            t->places[i].line, r[i]);
-    *origin = with_r ? "mean diameter of the grains" : "from the spacing of the points";
-    *cell = with_r ? 2.0 * gsl_stats_mean(r, 1, n) : NAN;
-    return with_r ? RP_OK : ang_cell_of_points(n, block, block + n, o->width, cell);
+    *origin = "mean diameter of the grains";
+    *cell = 2.0 * gsl_stats_mean(r, 1, n);
+    return RP_OK;
 }
 
 /* As the slopes of one flank. A box has its ground at y = 0 and cells from x = 0 on. */
@@ -185,9 +189,8 @@ const cli_command cmd_angle_slope = {
     "and the highest tenth of the surface, n_occupied points. Two flanks have their rows, ok_left and\n"
     "ok_right, and as ok_mean the mean of their steepness. Otherwise: no_pile, and exit status 1.\n"
     "With --width the surface is that of a box, with its ground at y = 0: the highest grain of each cell.\n"
-    "By default a cell is as wide as the mean diameter of the grains. Without r it is as wide as the\n"
-    "widest gap along x between neighbouring points, so that no cell is empty, or as the median distance\n"
-    "from a point to its nearest one, where that is larger. Fewer than 5 filled cells: no_pile; no more\n"
+    "A cell is as wide as the mean diameter of the grains, or --cell. Fewer than 5 filled cells: no_pile; no "
+    "more\n"
     "than half of the cells, none at x = 0, or grains below y = 0: sparse; both have exit status 1.",
     "repose angle slope pile.tsv --y-axis down",
     slope_params,
