@@ -128,7 +128,8 @@ static void refused(void)
         const char *change; /* appended to a file with one grain */
         const char *message;
     } cases[] = {
-        {"particles_step = 3;", "particles_step = 3: needs particles_file"},
+        {"particles_step = 3;", "particles_step: needs particles_file"},
+        {"contacts_file = \"c.tsv\";", "contacts_file: needs particles_file"},
         {"colour = 1;", ":2: colour: unknown key"},
         {"partcles = 1;", ":2: partcles: unknown key (did you mean \"particles\"?)"},
         {"tangential = { la = \"spring\"; };",
@@ -411,6 +412,66 @@ static void listed_overlaps(void)
     }
 }
 
+/* A bed at rest that is taken back with its contacts goes on as if nothing had happened, although grains have
+ * left and a wall is no more; without them it moves. */
+static void bed_taken_back(void)
+{
+    static const char *const stage = "dt = 5e-5; rotation = true; tangential = { law = \"spring\"; mu = 0.4; "
+                                     "}; rolling = { mu = 0.05; }; x_max = 3.0;\n"
+                                     "walls = ( { point = [0.0, %s]; direction = [0.0, 1.0]; }, { point = "
+                                     "[0.0, 0.0]; direction = [1.0, 0.0]; }%s );\n%s";
+    char states[] = "/tmp/repose-states-XXXXXX", contacts[] = "/tmp/repose-contacts-XXXXXX", text[1024],
+         table[256];
+    scoped_scene s = {0};
+    scoped_sim *sim = NULL;
+    snprintf(text, sizeof text, stage, "0.0",
+             ", { point = [2.0, 0.0]; direction = [-1.0, 0.0]; open_at_step = 5000; }",
+             "fill = { N = 80; W = 2.0; H = 3.0; };");
+    CHECK_OK(grains_read(text, NULL, &s));
+    CHECK_OK(dem_scene_start(&s, &sim));
+    FILE *out[2] = {fdopen(mkstemp(states), "w"), fdopen(mkstemp(contacts), "w")};
+    dem_write_state_columns(out[0]);
+    dem_write_contact_columns(out[1]);
+    for (int part = 0; part < 2; part++) {
+        CHECK_OK(dem_run(sim, part ? 10 : 60000));
+        CHECK_OK(dem_write_states(sim, out[0]));
+        CHECK_OK(dem_write_contacts(sim, out[1]));
+    }
+    fclose(out[0]), fclose(out[1]);
+    const size_t n = dem_count(sim);
+    dem_state on[80], back[80];
+    CU_ASSERT_FATAL(n > 20 && n < 80);
+    CHECK_OK(dem_run(sim, 5000));
+    CHECK_OK(dem_states(sim, on));
+    for (int with = 0; with < 2; with++) {
+        scoped_scene again = {0};
+        scoped_sim *taken = NULL;
+        double most = 0.0;
+        snprintf(table, sizeof table, "particles_file = \"%s\"; contacts_file = \"%s\";", states,
+                 with ? contacts : "");
+        snprintf(text, sizeof text, stage, "0.0", "", table);
+        CHECK_OK(grains_read(text, NULL, &again));
+        CHECK_OK(dem_scene_start(&again, &taken));
+        CHECK_OK(dem_run(taken, 5000));
+        CHECK_OK(dem_states(taken, back));
+        for (size_t i = 0; i < n; i++)
+            most = fmax(most, fmax(hypot(on[i].x - back[i].x, on[i].y - back[i].y) / on[i].r,
+                                   fabs(on[i].angle - back[i].angle)));
+        CU_ASSERT(with ? most < 1e-8 : most > 1e-4); /* of a radius; rounding grows in 5000 steps */
+    }
+    scoped_scene bad = {0}, other = {0}, well = {0};
+    CHECK_FAILS(
+        grains_read(text,
+                    &(rp_texts){2, {"tangential.law=slip_roll", "ground={ mu_static = 0.3; a = 0.01; }"}},
+                    &well),
+        RP_BAD_INPUT, "contacts_file: its table does not have the wells");
+    CHECK_FAILS(grains_read(text, &(rp_texts){1, {"particles_step=1"}}, &bad), RP_BAD_INPUT,
+                "no rows with step=1");
+    snprintf(text, sizeof text, stage, "-0.001", "", table);
+    CHECK_FAILS(grains_read(text, NULL, &other), RP_BAD_INPUT, ": no contact of these grains and walls");
+    unlink(states), unlink(contacts);
+}
+
 /* Values of a file, typed again; what is written of them and read again is the same. */
 static void values_of_a_file(void)
 {
@@ -529,6 +590,7 @@ void suite_scene(void)
                                        {"walls with one end", half_lines},
                                        {"particles from a table", particles_from_table},
                                        {"infinite rolling", infinite_rolling},
+                                       {"a bed taken back", bed_taken_back},
                                        {"a filling among walls", fill_among_walls},
                                        {"overlaps of listed grains", listed_overlaps},
                                        {"values of a file", values_of_a_file},

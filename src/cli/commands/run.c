@@ -73,17 +73,15 @@ typedef struct {
 typedef struct {
     const cli_call *call;
     char run[CLI_RUN_NOTE], replaces[CLI_REPLACES];
-    bool cut; /* walls cut the region of the filling */
+    const char *start; /* what is to be known of it, or NULL */
 } origin;
-
-static const char CUT[] = "walls cut the region; grains lie in its largest part alone";
 
 static void put_origin(const void *context, FILE *out)
 {
     const origin *of = context;
     cli_provenance(of->call, out);
     rp_table_note(out, "run", "%s", of->run);
-    if (of->cut) rp_table_note(out, "fill", "%s", CUT);
+    if (of->start) rp_table_note(out, "start", "%s", of->start);
 }
 
 /* Where the tables of a run go. Standard output holds the states alone. */
@@ -365,6 +363,8 @@ static rp_status hash_scene(const dem_scene *scene, XXH128_hash_t *hash)
         fwrite(p, offsetof(dem_grain, fixed), 1, out);
         fputc(p->fixed, out);
     }
+    for (const dem_contact *c = any.contacts; c < any.contacts + any.def.n_contacts; c++)
+        fprintf(out, "%u %u %d %a %a\n", c->id_a, c->id_b, c->wall, c->shear_spring, c->rolling_spring);
     fclose(out);
     *hash = XXH3_128bits(text, size);
     free(text);
@@ -378,6 +378,14 @@ static rp_status read_scene(const char *path, const run_options *o, dem_scene *s
     cli_warn_gravity(path, hypot(scene->def.gravity[0], scene->def.gravity[1]));
     if (o->ledger) scene->def.ledger = true;
     return RP_OK;
+}
+
+static bool has_new_springs(const dem_scene *scene, const dem_sim *sim)
+{
+    dem_counts now;
+    dem_count_work(sim, &now);
+    return scene->from_table && now.contacts > 0 && !scene->def.n_contacts &&
+           dem_has_spring(scene->def.tangential);
 }
 
 /* A folder that this scene may write into. */
@@ -404,10 +412,15 @@ static rp_status run_file(const cli_call *call, const char *path, const run_opti
     r.plan.steps = r.rest.steps = scene.steps;
     if (!status) status = claim(&of, path, &r.plan, o);
     r.plan.ledger = scene.def.ledger;
-    scene.fill.cut = &of.cut;
+    bool cut = false;
+    scene.fill.cut = &cut;
     if (!status && (status = dem_scene_start(&scene, &r.sim)) == RP_BAD_INPUT)
         rp_prefix(status, "%s: ", path);
-    if (of.cut) fprintf(stderr, "repose run: %s: fill: %s\n", path, CUT);
+    of.start = cut ? "walls cut the region; grains lie in its largest part alone"
+               : !status && has_new_springs(&scene, r.sim)
+                   ? "grains touch, and their shear springs begin at 0; a bed at rest needs contacts_file"
+                   : NULL;
+    if (of.start) fprintf(stderr, "repose run: %s: %s\n", path, of.start);
     if (!status) r.energy = growth_of(&scene, r.sim);
     if (!status) status = run_scene(&of, &r, o);
     if (!status && *of.replaces) printf("%s: replaced %s\n", o->o, of.replaces);

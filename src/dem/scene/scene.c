@@ -24,7 +24,7 @@ typedef struct {
     bool has_density; /* given, no default */
     double x_min, y_min, turn_deg, box_turn_deg;
     int units;
-    const char *particles_file;
+    const char *particles_file, *contacts_file;
     long particles_step; /* -1: the last */
 } scene_file;
 
@@ -61,6 +61,10 @@ static const rp_param top_schema[] = {
      "table with columns x y r and, if wanted, m vx vy angle omega fixed; instead of `particles`"},
     {"particles_step", "", RP_INT, AT(scene_file, particles_step), "last", "[0, 2147483647] | last",
      "step of the table, which may have several"},
+    {"contacts_file", "", RP_TEXT, AT(scene_file, contacts_file), "", "",
+     "table contacts.tsv beside the states.tsv of `particles_file`, whose springs then go on; without it "
+     "they begin "
+     "at 0, and a bed at rest moves"},
     {0}};
 
 static const rp_param normal_schema[] = {DEM_NORMAL_PARAMS(ROW){0}};
@@ -453,6 +457,61 @@ static rp_status read_fill(const config_setting_t *group, scene_file *file)
     return RP_OK;
 }
 
+/* A table, whose relative name is meant from the scene file's folder, at one step. */
+static rp_status read_step(rp_arena *arena, const char *path, const char *name, long step, rp_table *table)
+{
+    const char *slash = strrchr(path, '/');
+    const int folder = slash && *name != '/' ? (int)(slash - path) + 1 : 0;
+    RP_TRY(rp_path(arena, &name, "%.*s%s", folder, path, name));
+    RP_TRY(rp_table_read(name, table));
+    return take_step(table, step);
+}
+
+static int by_number(const void *a, const void *b)
+{
+    const double *p = a, *q = b;
+    return (*p > *q) - (*p < *q);
+}
+
+/* The contacts, with their springs, of grains that were read from rows of states; ids rise there. Those with
+ * grains and walls that are gone are left out. */
+static rp_status read_contacts(rp_arena *arena, const rp_table *states, const rp_table *table,
+                               scene_file *file)
+{
+    dem_definition *def = &file->scene.def;
+    const size_t m = table->n_rows, n = states->n_rows;
+    double *id, *v;
+    RP_TRY(rp_columns_read(arena, states, "id", &id));
+    RP_TRY(rp_columns_read(arena, table, "id_a,id_b,wall,x_b,y_b,overlap,shear_spring,rolling_spring", &v));
+    dem_contact *c = file->scene.contacts = calloc(m + 1, sizeof *c);
+    if (!c) return rp_fail(RP_NO_MEMORY, "%s: out of memory", table->path);
+    for (size_t k = 0; k < m; k++, v++) {
+        const double *a = bsearch(v, id, n, sizeof *id, by_number),
+                     *b = v[m] > 0.0 ? bsearch(v + m, id, n, sizeof *id, by_number) : NULL;
+        const bool wall = v[2 * m] >= 1.0 && v[2 * m] <= (double)def->n_walls;
+        if (!a || a == b || (!b && !wall)) continue;
+        const dem_grain *p = &file->scene.grains[a - id], *q = &file->scene.grains[b ? b - id : 0];
+        const dem_wall *w = b ? NULL : &dem_walls_of(def)[(size_t)v[2 * m] - 1];
+        const double overlap = b ? p->r + q->r - hypot(p->x - q->x, p->y - q->y)
+                                 : p->r - hypot(p->x - v[3 * m], p->y - v[4 * m]),
+                     off = b ? 0.0
+                             : (v[3 * m] - w->point[0]) * w->direction[0] +
+                                   (v[4 * m] - w->point[1]) * w->direction[1];
+        if (!(fabs(overlap - v[5 * m]) + fabs(off) <= 1e-6 * p->r))
+            return rp_fail(RP_BAD_INPUT,
+                           "%s:%zu: no contact of these grains and walls, which keep their numbers",
+                           table->path, table->places[k].line);
+        *c++ = (dem_contact){.id_a = (uint32_t)(a - id) + 1,
+                             .id_b = b ? (uint32_t)(b - id) + 1 : 0,
+                             .wall = b ? -1 : (int)v[2 * m] - 1,
+                             .shear_spring = v[6 * m],
+                             .rolling_spring = v[7 * m]};
+    }
+    def->contacts = file->scene.contacts;
+    def->n_contacts = (size_t)(c - file->scene.contacts);
+    return RP_OK;
+}
+
 /* Columns of grains, and those of states that follow from them. */
 #define USED ",x,y,r,m,vx,vy,angle,omega,fixed,step,t,id,fx,fy,contacts,index,"
 
@@ -463,22 +522,28 @@ static rp_status read_grains(const char *path, const config_setting_t *root, sce
     const bool from_table = file->particles_file && *file->particles_file;
     if ((list != NULL) + (fill != NULL) + from_table != 1)
         return rp_fail(RP_BAD_INPUT, "%s: exactly one of particles, particles_file and fill is needed", path);
-    if (!from_table && file->particles_step >= 0)
-        return rp_fail(RP_BAD_INPUT, "%s: particles_step = %ld: needs particles_file", path,
-                       file->particles_step);
+    if (!from_table && (file->particles_step >= 0 || *file->contacts_file))
+        return rp_fail(RP_BAD_INPUT, "%s: %s: needs particles_file", path,
+                       *file->contacts_file ? "contacts_file" : "particles_step");
+    if (*file->contacts_file && file->scene.def.ground.wall)
+        return rp_fail(RP_BAD_INPUT, "%s: contacts_file: its table does not have the wells of a ground",
+                       path);
+    file->scene.from_table = from_table;
     if (fill) return read_fill(fill, file);
     if (list) return read_particles(list, file);
-    /* a relative name is meant from the scene file's folder */
     rp_arena arena = {0};
-    rp_table table = {0};
-    const char *name, *slash = strrchr(path, '/');
-    const int folder = slash && file->particles_file[0] != '/' ? (int)(slash - path) + 1 : 0;
-    rp_status status = rp_path(&arena, &name, "%.*s%s", folder, path, file->particles_file);
-    if (!status) status = rp_table_read(name, &table);
-    if (!status) status = take_step(&table, file->particles_step);
-    if (!status && table.n_rows == 0) status = rp_fail(RP_BAD_INPUT, "%s: no particles", name);
+    rp_table table = {0}, contacts = {0};
+    rp_status status = read_step(&arena, path, file->particles_file, file->particles_step, &table);
+    if (!status && table.n_rows == 0) status = rp_fail(RP_BAD_INPUT, "%s: no particles", table.path);
     if (!status) status = read_particles_table(&table, file);
     if (!status) rp_columns_beside(&table, USED, file->scene.unused);
+    if (!status && *file->contacts_file) {
+        const int step = rp_table_column(&table, "step");
+        status = read_step(&arena, path, file->contacts_file, step < 0 ? -1 : atol(rp_cell(&table, 0, step)),
+                           &contacts);
+        if (!status) status = read_contacts(&arena, &table, &contacts, file);
+    }
+    rp_table_free(&contacts);
     rp_table_free(&table);
     rp_arena_release(&arena, NULL);
     return status;
@@ -636,9 +701,11 @@ void dem_scene_free(dem_scene *scene)
     free(scene->grains);
     free(scene->walls);
     free(scene->lines);
+    free(scene->contacts);
     scene->grains = NULL;
     scene->walls = NULL;
     scene->lines = NULL;
+    scene->contacts = NULL;
     scene->def.wall_list = NULL;
 }
 
@@ -680,8 +747,11 @@ static void write_top(FILE *out, const dem_scene *scene)
 {
     const dem_definition *def = &scene->def;
     const double density = scene->has_fill ? scene->fill.density : dem_physics_default().density;
-    scene_file file = {
-        .scene = *scene, .physics = dem_physics_of(def, density), .particles_file = "", .particles_step = -1};
+    scene_file file = {.scene = *scene,
+                       .physics = dem_physics_of(def, density),
+                       .particles_file = "",
+                       .particles_step = -1,
+                       .contacts_file = ""};
     if (def->skin == 0.0) file.scene.def.skin = -1.0;
     file.x_min = isinf(def->x_min) ? INFINITY : def->x_min;
     file.y_min = isinf(def->y_min) ? INFINITY : def->y_min;

@@ -10,14 +10,15 @@
 RP_C_BEGIN
 
 typedef struct {
-    dem_definition def; /* its grains are the scene's, or NULL with a fill */
-    bool has_fill;
-    dem_fill fill; /* H here is the height of the region that grains are placed in */
+    dem_definition def;        /* its grains are the scene's, or NULL with a fill */
+    bool has_fill, from_table; /* of its grains; the table of particles_file */
+    dem_fill fill;             /* H here is the height of the region that grains are placed in */
     long steps;
-    dem_grain *grains; /* owned */
-    dem_wall *walls;   /* owned; NULL where the definition holds its few walls itself */
-    size_t *lines;     /* of the grains in their list; owned */
-    char unused[256];  /* columns of particles_file, if there are any */
+    dem_grain *grains;     /* owned */
+    dem_contact *contacts; /* owned, as the next two */
+    dem_wall *walls;       /* owned; NULL where the definition holds its few walls itself */
+    size_t *lines;         /* of the grains in their list; owned */
+    char unused[256];      /* columns of particles_file, if there are any */
 } dem_scene;
 
 /* Read a scene file; `changes` are further "key=value" or "group.key=value" settings, numbers, words or
