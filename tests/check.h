@@ -51,6 +51,7 @@
     X(suite_flux)                                                                                            \
     X(suite_drop)                                                                                            \
     X(suite_help)                                                                                            \
+    X(suite_folders)                                                                                         \
     X(suite_install)                                                                                         \
     X(suite_cli)                                                                                             \
     X(suite_view)                                                                                            \

@@ -71,6 +71,31 @@ int fsync(int file)
         return real arguments;                                                                               \
     }
 
+/* In a folder, for the watcher: its path of a name there. */
+static const char *path_in(int folder, const char *name, char path[4200])
+{
+    snprintf(path, 4200, "/proc/self/fd/%d/%s", folder, name);
+    return path;
+}
+
+int unlinkat(int folder, const char *path, int flags)
+{
+    static int (*real)(int, const char *, int);
+    char whole[4200];
+    if (!real) *(void **)&real = dlsym(RTLD_NEXT, "unlinkat");
+    if (fault_watch) fault_watch("unlinkat", -1, path_in(folder, path, whole), NULL);
+    return real(folder, path, flags);
+}
+
+int renameat(int from, const char *path, int folder, const char *to)
+{
+    static int (*real)(int, const char *, int, const char *);
+    char whole[4200], target[4200];
+    if (!real) *(void **)&real = dlsym(RTLD_NEXT, "renameat");
+    if (fault_watch) fault_watch("renameat", -1, path_in(from, path, whole), path_in(folder, to, target));
+    return real(from, path, folder, to);
+}
+
 WATCHED(rename, (const char *path, const char *to), (path, to), to)
 WATCHED(unlink, (const char *path), (path), NULL)
 WATCHED(rmdir, (const char *path), (path), NULL)

@@ -1109,7 +1109,7 @@ static void test_cut_drops(void)
     write_text("s.cfg", "protocol = \"drop\"; replicas = 3; seed = 20; fixed = { N = 40; };\n"
                         "grid = ({ max_steps = [20000, 200, 200]; mu_roll = [0.1, 0.1, 0.0]; });\n");
     FAILS(1, "drops_not_quiet: ", "run s.cfg --row 3 -o cut");
-    FAILS(1, " of 40 drops", "run s.cfg --row 3 -o cut");
+    FAILS(1, " of 40 drops", "run s.cfg --row 3 -o cut --force");
     FAILS(1, "no_pile: 0.998 d high", "run s.cfg --row 6 -o layer");
     GOOD("sweep plan s.cfg -o d");
     GOOD("sweep run d");
@@ -1889,7 +1889,7 @@ static void test_output_folder(void)
         CHECK_NEAR(cell(&t, i, "gravity"), weight * (0.1 - overlap), relative * weight);
         CHECK_NEAR(cell(&t, i, "start"), weight * (0.1 - 0.6 * overlap), relative * weight);
     }
-    GOOD("run scene.cfg -o new/d");
+    GOOD("run scene.cfg -o new/d --force");
     read_again(&t, "new/d/energy.tsv");
     CU_ASSERT(rp_table_column(&t, "start") < 0 && rp_table_column(&t, "rotational") >= 0);
 }
@@ -2260,16 +2260,17 @@ static void test_run_stopped(void)
     write_text("r.cfg",
                "protocol = \"repose\"; fixed = { W = 2.0; H = 2.0; fill_steps = 100; stop = \"steps\"; };\n"
                "grid = { relax_steps = [100, 1000000000]; };\n");
-    GOOD("run s.cfg --every 10 -o d");
+    GOOD("run s.cfg --every 10 -o d --force");
     GOOD("run r.cfg --row 0 -o r");
     CU_ASSERT(shell("cat d/*.tsv r/* >before") == 0);
     static const char *const signals[] = {"TERM", "INT", "HUP"};
     for (int k = 0; k < 3; k++) {
         char line[512];
-        snprintf(line, sizeof line,
-                 "\"$REPOSE\" run s.cfg --set steps=2000000000 --every 100000 -o d >out 2>err & p=$!\n"
-                 "sleep 0.5; kill -%s $p; wait $p",
-                 signals[k]);
+        snprintf(
+            line, sizeof line,
+            "\"$REPOSE\" run s.cfg --set steps=2000000000 --every 100000 -o d --force >out 2>err & p=$!\n"
+            "sleep 0.5; kill -%s $p; wait $p",
+            signals[k]);
         CU_ASSERT(failed(__FILE__, __LINE__, shell(line), 75,
                          "of 2000000000; the tables so far are in d/unfinished"));
         scoped_table t = read_table("d/unfinished/states.tsv");
@@ -2291,11 +2292,11 @@ static void test_run_stopped(void)
                      "stopped at step"));
     /* neither a run that can be resumed nor that of another process is thrown away */
     CU_ASSERT(shell("touch d/unfinished/snapshot") == 0);
-    FAILS(65, "an unfinished run; continue with --resume d", "run s.cfg -o d");
+    FAILS(65, "an unfinished run; continue with --resume d", "run s.cfg -o d --force");
     CU_ASSERT(shell("rm d/unfinished/snapshot") == 0);
-    CU_ASSERT(shell("flock d/unfinished \"$REPOSE\" run s.cfg -o d >out 2>err") == 74 &&
+    CU_ASSERT(shell("flock d \"$REPOSE\" run s.cfg -o d >out 2>err") == 74 &&
               strstr(err, "another process runs in this folder"));
-    GOOD("run s.cfg --every 10 -o d");
+    GOOD("run s.cfg --every 10 -o d --force");
     CU_ASSERT(shell("! test -e d/unfinished; cat d/*.tsv r/*.* | cmp - before") == 0);
 }
 
@@ -2311,20 +2312,22 @@ static void test_folders(void)
                "relax_steps = 10; };\n");
     GOOD("run a.cfg --every 10 -o a");
     CU_ASSERT_STRING_EQUAL(out, "");
-    CU_ASSERT(shell("cp s.cfg t.cfg; cp a.cfg c.cfg") == 0);
+    CU_ASSERT(shell("cp s.cfg t.cfg") == 0);
     GOOD("run s.cfg -o r");
     GOOD("sweep plan s.cfg -o s");
     CU_ASSERT(shell("cat a/* r/* >before") == 0);
     static const failure refused[] = {
         {65, "a: holds a.cfg, 20 steps, a frame each 10, key ", "run b.cfg -o a"},
         {65, "(repose run a.cfg --every 10 -o a); give another folder, or --force", "run b.cfg -o a"},
+        {65, "a: holds a.cfg, 20 steps", "run a.cfg -o a"},
+        {65, "a: holds a.cfg, 20 steps", "pile -o a"},
         {65, "a: holds a.cfg, 20 steps", "run b.cfg -o a --snapshot 5"},
         {65, "a: holds a.cfg, 20 steps", "run a.cfg --set dt=1e-5 -o a"},
         {65, "a: holds a.cfg, 20 steps", "run s.cfg -o a"},
         {65, "r: holds s.cfg row 0 (repose run s.cfg -o r)", "run s.cfg --row 1 -o r"},
         {65, "r: holds s.cfg row 0", "run a.cfg -o r"},
-        {65, "s: holds the sweep s.cfg; give another folder, or --force", "run a.cfg -o s"},
-        {65, "s: holds the sweep s.cfg; give another folder, or --force", "run s.cfg -o s"},
+        {65, "s: holds the sweep s.cfg; give another folder", "run a.cfg -o s"},
+        {65, "s: holds the sweep s.cfg; give another folder", "run s.cfg -o s --force"},
         {65, "s: holds the sweep s.cfg; give another folder, or --force", "sweep plan t.cfg -o s"},
         {65, "a: holds a.cfg, 20 steps", "sweep plan s.cfg -o a"},
         {65, "a: holds a.cfg, 20 steps", "sweep make s.cfg -o a --tables ."},
@@ -2332,25 +2335,25 @@ static void test_folders(void)
         {65, "a: holds a.cfg, 20 steps", "calibrate --theta-r-deg 20 --error-deg 1 --sweep s.cfg -o a"}};
     CHECK_FAILURES(refused);
     CU_ASSERT(shell("cat a/* r/* | cmp - before && ! test -e s/states.tsv && ! test -e a/unfinished") == 0);
-    /* its own: again, shorter, longer, from a copy of the file */
-    GOOD("run a.cfg --every 10 -o a");
-    CU_ASSERT_STRING_EQUAL(out, "a: replaced 20 steps, a frame each 10, by 20 steps, a frame each 10\n");
-    GOOD("run c.cfg --set steps=5 --ledger -o a");
-    CU_ASSERT_STRING_EQUAL(out, "a: replaced 20 steps, a frame each 10, by 5 steps, the last frame\n");
-    GOOD("run a.cfg --set steps=30 --snapshot 10 -o a");
-    CU_ASSERT_STRING_EQUAL(out, "a: replaced 5 steps, the last frame, by 30 steps, the last frame\n");
-    GOOD("run s.cfg -o r");
     GOOD("sweep plan s.cfg -o s");
     GOOD("sweep plan s.cfg --replicas 3 -o s");
-    /* as asked for */
-    GOOD("run b.cfg -o a --force");
+    /* as asked for; a dump goes with its tables */
+    GOOD("run b.cfg -o a --force --dump vtk");
     FAILS(65, "a: holds b.cfg, 20 steps", "run a.cfg -o a");
+    GOOD("run a.cfg -o a --force");
+    CU_ASSERT(shell("test \"$(ls a | tr '\\n' ' ')\" = 'contacts.tsv energy.tsv states.tsv walls.tsv '") ==
+              0);
+    CU_ASSERT(run("pile -o a --force") == 0);
+    CU_ASSERT(shell("test \"$(ls a | tr '\\n' ' ')\" = 'base.tsv contacts.tsv disks.tsv wells.tsv '") == 0);
     GOOD("sweep plan t.cfg -o s --force");
     FAILS(65, "s: holds the sweep t.cfg", "run a.cfg -o s");
-    GOOD("run a.cfg -o s --force");
-    /* tables of older versions have no note */
-    CU_ASSERT(shell("sed -i '/^# run: /d' a/*.tsv") == 0);
-    FAILS(65, "a: holds a scene (repose run b.cfg -o a --force)", "run b.cfg -o a");
+    /* older versions made no markers: what they made is not written over, and their sweeps go on */
+    CU_ASSERT(shell("rm a/.repose s/.repose") == 0);
+    FAILS(65, "a/disks.tsv: not listed as the program's own; move it away", "run b.cfg -o a --force");
+    FAILS(65, "a/disks.tsv: not listed", "sweep plan s.cfg -o a");
+    FAILS(65, "s/store.sqlite: not listed", "run b.cfg -o s");
+    GOOD("sweep plan t.cfg -o s");
+    GOOD("view a -o a.svg");
 }
 
 void suite_cli(void)

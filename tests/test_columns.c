@@ -15,6 +15,7 @@
 #include "stress/stress.h"
 #include "sweeps/protocols/protocols.h"
 #include "tests/check.h"
+#include "tests/folder.h"
 #include "tests/grains.h"
 #include "tests/numbers.h"
 #include "tests/program.h"
@@ -845,6 +846,7 @@ static void make_series(int insertions)
     char folder[256], number[16];
     sweep_result result;
     path_of("d", folder);
+    folder_remove(folder);
     const sweep_tables tables = {folder, 1000000, protocol_no_header};
     snprintf(number, sizeof number, "%d", insertions);
     rp_params_defaults(schema, params);

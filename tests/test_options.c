@@ -81,6 +81,7 @@ static const struct {
                   {"pile", "--outline", "in the bases above"},
                   {"pile", "--disks", "in the bases above"},
                   {"pile", "-o", "a folder: suite tables"},
+                  {"pile", "--force", "suite cli"},
                   {"calibrate", "--quiet", "standard error on a terminal"},
                   {"calibrate", "--fit", "names a column: suite cli"},
                   {"calibrate", "--sweep", "suite cli"},

@@ -495,7 +495,7 @@ static void killed_runs(void)
         for (int ms = check_fast() ? 300 : 15 + 7 * k; status != 0 || attempts == 0; ms = ms * 6 / 5) {
             snprintf(line, sizeof line,
                      "go='run --resume d'; " /* removed here: a killed shell leaves its children behind */
-                     "test -e d/unfinished/snapshot -o -e d/unfinished.moving || { rm -rf d; "
+                     "test -e d/unfinished/snapshot || grep -q '^+' d/.repose || { rm -rf d; "
                      "go='run s.cfg --every 70 -o d --dump xyz --snapshot 100'; }; "
                      "timeout -s %s %d.%03d \"$REPOSE\" $go 2>err",
                      k % 2 ? "KILL" : "TERM", ms / 1000, ms % 1000);
@@ -514,18 +514,19 @@ static void stopped_runs(void)
     enter();
     write_scene();
     run_whole("100");
-    CU_ASSERT(shell("cp -r whole d; cp s.cfg t.cfg; ulimit -f 40; " START "300 --set steps=1400 2>err") ==
-              74);
+    CU_ASSERT(shell("cp -r whole d; cp s.cfg t.cfg; ulimit -f 40; " START
+                    "300 --set steps=1400 --force 2>err") == 74);
     CU_ASSERT(says("cannot write: File too large"));
-    CU_ASSERT(
-        shell("cp -r d/unfinished u && rm -r d/unfinished && diff -r d whole && cp -r u d/unfinished") == 0);
-    CU_ASSERT(shell(START "100 2>err") == 65);
+    CU_ASSERT(shell("cp -r d/unfinished u && rm -r d/unfinished && diff -r -x .repose d whole && cp -r u "
+                    "d/unfinished") == 0);
+    CU_ASSERT(shell(START "100 --force 2>err") == 65);
     CU_ASSERT(says("d/unfinished/snapshot: an unfinished run; continue with --resume d"));
     CU_ASSERT(shell("\"$REPOSE\" run s.cfg --resume d 2>err") == 65);
     CU_ASSERT(says("s.cfg: not the scene that the snapshot in d is of"));
     CU_ASSERT(shell("\"$REPOSE\" run s.cfg --set steps=1400 --set kernel=reference --resume d && ! test -e "
                     "d/unfinished") == 0);
-    CU_ASSERT(shell("mv d resumed && " START "300 --set steps=1400 && diff -r d resumed") == 0);
+    CU_ASSERT(shell("mv d resumed && cp -r whole d && " START
+                    "300 --set steps=1400 --force && diff -r d resumed") == 0);
     leave();
 }
 
@@ -566,7 +567,7 @@ static void refused_resumes(void)
     CU_ASSERT(shell("\"$REPOSE\" run s.cfg --snapshot 5 2>err") == 64 && says("--snapshot needs -o"));
     CU_ASSERT(shell("\"$REPOSE\" run 2>err") == 64 && says("give a file, or --resume DIR"));
     CU_ASSERT(shell("rm -rf d && cp -r good d") == 0);
-    const int other = open(in_folder("d/unfinished"), O_RDONLY | O_DIRECTORY);
+    const int other = open(in_folder("d"), O_RDONLY | O_DIRECTORY);
     CU_ASSERT(flock(other, LOCK_EX) == 0);
     CU_ASSERT(shell("\"$REPOSE\" run --resume d 2>err") == 74 && says("another process runs in this folder"));
     close(other);

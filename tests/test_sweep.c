@@ -931,14 +931,21 @@ static void test_literal_names(void)
     clean();
 }
 
-/* A snapshot that a killed drive left, whole or not, goes once all runs are stored; no other file does. */
+/* A snapshot that a killed drive left goes once all runs are stored; no other file does, whatever its name.
+ */
 static void test_left_snapshots(void)
 {
     static const char key[] = "0123456789abcdef0123456789abcdef";
     static const struct {
         const char *format;
         bool own;
-    } files[] = {{"%s", true}, {"%s.new", true}, {"photo.png", false}, {"%s0", false}, {"%.31s", false}};
+        const char *text;
+    } files[] = {{"%s", true, "repose snapshot\n"},
+                 {"%s.new", true, "repose snapshot\n"},
+                 {"photo.png", false, ""},
+                 {"%s0", false, "repose snapshot\n"},
+                 {"%.31s", false, "repose snapshot\n"},
+                 {"1%.31s", false, "notes\n"}};
     char name[64], path[320];
     planned("protocol = \"toy\"; replicas = 4; fixed = { mode = \"crash\"; }; piles = \"shared\";");
     snprintf(path, sizeof path, "%s/snapshots", dir);
@@ -951,7 +958,7 @@ static void test_left_snapshots(void)
                 if (checks) {
                     CU_ASSERT((access(path, F_OK) != 0) == (done && files[i].own));
                 } else {
-                    file_write(path, "", 0);
+                    file_write(path, files[i].text, strlen(files[i].text));
                 }
             }
             calm = done;

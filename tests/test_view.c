@@ -1030,7 +1030,7 @@ static void test_closing_line(void)
     CU_ASSERT(strstr(err, ", t = 0.0005 s; ") && strstr(err, ", over x = 0 to 2.4 m (method 3); "));
     GOOD("run stairs.cfg --set 'particles[0].x=0.0991' --set units=sigma --set dt=5e-5");
     CU_ASSERT(strstr(err, ", t = 0.0005; ") && strstr(err, ", over x = 0 to 2.4 (method 3); "));
-    GOOD("run stairs.cfg -o d --quiet");
+    GOOD("run stairs.cfg -o d --force --quiet");
     CU_ASSERT_STRING_EQUAL(err, "");
     /* a pile ends at the wall that has opened; a level one has no slope */
     write_text("open.cfg",

@@ -4,7 +4,6 @@
 #define CLI_H
 
 #include <math.h>
-#include <xxhash.h>
 
 #include "cli/call.h"
 #include "table/columns.h"
@@ -118,16 +117,11 @@ void cli_print_counts(const sweep_counts *counts);
 /* As sweep_check_whole, of a table that was written without the runs that lack. */
 rp_status cli_check_whole(const char *dir, const sweep_counts *counts);
 
-/* May this run, or this sweep's file, write into the folder? Not over results of something else, unless by
- * `force`. `run` is the header line `run` of its tables, "FILE, N steps, FRAMES, key DIGITS" or "FILE row N".
- * Where a scene replaces its own results, `replaces` says which by which, else it is "". Errors:
+/* May this sweep's file be planned in the folder? Not over another sweep, unless by `force`. Errors:
  * RP_BAD_INPUT; RP_IO. */
-enum { CLI_RUN_NOTE = 1024, CLI_REPLACES = 2 * CLI_RUN_NOTE };
-rp_status cli_claim_run(const char *directory, const char *run, bool force, char replaces[CLI_REPLACES]);
-bool cli_holds_run(const char *directory, long steps, XXH128_hash_t scene); /* is the result of this scene */
 rp_status cli_claim_sweep(const char *directory, const char *file, bool force);
 #define CLI_FORCE(X)                                                                                         \
-    X(BOOL, force, "", "false", "", "write into the folder though it holds results of something else")
+    X(BOOL, force, "", "false", "", "replace the finished result, or plan over another sweep, in the folder")
 
 /* One degree in radians, and the number of an array's elements. */
 static const double deg = M_PI / 180.0;

@@ -1,4 +1,5 @@
 /* What several commands do with a sweep; see cli.h. */
+#include <string.h>
 #include <unistd.h>
 
 #include "cli/cli.h"
@@ -53,6 +54,19 @@ rp_status cli_sweep_table(const cli_call *call, const char *dir, unsigned what, 
     if (!status) return rp_table_load_text(call->arena, dir, text, table);
     free(text);
     return status;
+}
+
+rp_status cli_claim_sweep(const char *directory, const char *file, bool force)
+{
+    char sweep[256];
+    rp_status status = sweep_source(directory, sweep);
+    if (status || force || !*sweep || strcmp(basename(sweep), basename(file)) == 0)
+        return force ? RP_OK : status;
+    return rp_fail(
+        RP_BAD_INPUT,
+        "%s: holds the sweep %s; give another folder, or --force to plan %s there (stored runs are "
+        "kept)",
+        directory, sweep, file);
 }
 
 void cli_warn_gravity(const char *path, double g)

@@ -1,14 +1,11 @@
 /* Folders of unfinished runs; see unfinished.h. */
 #include "cli/unfinished.h"
 
-#include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
-#include <limits.h>
 #include <signal.h>
 #include <stdbool.h>
 #include <string.h>
-#include <sys/file.h>
 #include <unistd.h>
 #include <xxhash.h>
 
@@ -28,17 +25,6 @@ static rp_status failed(const char *path)
     return rp_fail(RP_IO, "%s: %s", path, strerror(errno));
 }
 
-/* One process at a time writes in a folder. */
-static rp_status take_lock(const char *directory, const char *path, int *lock)
-{
-    *lock = open(path, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    if (*lock < 0) return rp_fail(RP_BAD_INPUT, "%s: no unfinished run: %s", directory, strerror(errno));
-    if (flock(*lock, LOCK_EX | LOCK_NB) == 0) return RP_OK;
-    close(*lock);
-    *lock = -1;
-    return rp_fail(RP_IO, "%s: another process runs in this folder", directory);
-}
-
 static void close_all(cli_unfinished *u)
 {
     for (int k = 0; k < CLI_GROWING; k++) {
@@ -46,143 +32,57 @@ static void close_all(cli_unfinished *u)
         XXH3_freeState(u->table[k].hash);
         u->table[k] = (cli_growing){0};
     }
-    if (u->lock >= 0) close(u->lock);
-    u->lock = -1;
+    rp_folder_close(&u->stage);
+    rp_folder_close(&u->folder);
+    u->entered = false;
 }
 
-static rp_status enter(cli_unfinished *u)
+static rp_status make_hashes(cli_unfinished *u)
 {
     for (int k = 0; k < CLI_GROWING && u->names; k++) {
         u->table[k].name = u->names[k];
         if (!(u->table[k].hash = XXH3_createState())) return rp_fail(RP_NO_MEMORY, "tables: out of memory");
         XXH3_128bits_reset(u->table[k].hash);
     }
-    if (strlen(u->directory) > PATH_MAX - 64)
-        return rp_fail(RP_BAD_INPUT, "%.60s...: path too long", u->directory);
-    return take_lock(u->directory, path_of(u, ""), &u->lock);
+    return RP_OK;
 }
 
-static rp_status move_file(const char *from, const char *to)
-{
-    return rename(from, to) == 0 ? RP_OK : rp_fail(RP_IO, "%s: cannot move: %s", from, strerror(errno));
-}
-
-static rp_status remove_file(const char *path, const char *other)
-{
-    (void)other;
-    if (unlink(path) == 0 || errno == ENOENT) return RP_OK;
-    return rp_fail(RP_IO, "%s: cannot remove: %s", path, strerror(errno));
-}
-
-static rp_status remove_other(const char *path, const char *other)
-{
-    return remove_file(other, path);
-}
-
-/* For each file of a folder, its path and that of the same name in another one. */
-static rp_status each_file(const char *folder, const char *other,
-                           rp_status (*act)(const char *, const char *))
-{
-    char first[4400], second[4400];
-    rp_status status = RP_OK;
-    DIR *files = opendir(folder);
-    if (!files) return rp_fail(RP_IO, "%s: cannot read: %s", folder, strerror(errno));
-    for (const struct dirent *e; !status && (e = readdir(files));) {
-        if (strcmp(e->d_name, ".") == 0 || strcmp(e->d_name, "..") == 0) continue;
-        snprintf(first, sizeof first, "%s/%s", folder, e->d_name);
-        snprintf(second, sizeof second, "%s/%s", other, e->d_name);
-        status = act(first, second);
-    }
-    closedir(files);
-    return status;
-}
-
-static rp_status empty_folder(const char *folder)
-{
-    return each_file(folder, "", remove_file);
-}
-
-/* ---- A whole result takes its place
- *
- * One step decides: the folder "unfinished" is renamed "unfinished.moving". From then on the older tables are
- * removed, and only then the new ones move. So DIR never holds tables of two runs, whenever the process is
- * killed; whoever comes next moves the rest. */
-
-/* Snapshots, and temporary files of processes that were killed, are no tables. */
-static rp_status remove_own(const char *path, const char *other)
-{
-    const char *name = strrchr(path, '/') + 1;
-    return strncmp(name, "snapshot", 8) == 0 || strstr(name, ".tmp") ? remove_file(path, other) : RP_OK;
-}
-
-static rp_status move_rest(const char *directory, const char *folder)
-{
-    RP_TRY(each_file(folder, directory, remove_own));
-    RP_TRY(each_file(folder, directory, remove_other));
-    RP_TRY(rp_sync_folder_of(folder));
-    RP_TRY(each_file(folder, directory, move_file));
-    if (rmdir(folder) != 0) RP_TRY(failed(folder));
-    return rp_sync_folder_of(folder);
-}
-
-/* Complete a move that another process began. *moved: there was one. */
-static rp_status complete_move(const char *directory, bool *moved)
-{
-    char folder[4400];
-    int lock = -1;
-    snprintf(folder, sizeof folder, "%s/unfinished.moving", directory);
-    *moved = access(folder, F_OK) == 0;
-    if (!*moved) return RP_OK;
-    rp_status status = take_lock(directory, folder, &lock);
-    if (!status) status = move_rest(directory, folder);
-    if (lock >= 0) close(lock);
-    return status;
-}
-
-/* The whole and synced tables of "unfinished" become the result. `lock` is that folder's. */
-static rp_status publish(const char *directory, int lock)
-{
-    char from[4400], to[4400];
-    snprintf(from, sizeof from, "%s/unfinished", directory);
-    snprintf(to, sizeof to, "%s/unfinished.moving", directory);
-    RP_TRY(fsync(lock) == 0 ? move_file(from, to) : failed(from));
-    RP_TRY(rp_sync_folder_of(to));
-    return move_rest(directory, to);
-}
-
-/* A run that can be resumed is not thrown away. */
-static rp_status check_vacant(const cli_unfinished *u)
-{
-    const char *path = path_of(u, "snapshot");
-    return access(path, F_OK) != 0
-               ? RP_OK
-               : rp_fail(RP_BAD_INPUT,
-                         "%s: an unfinished run; continue with --resume %s, or remove the folder", path,
-                         u->directory);
-}
-
-/* Empty tables in the folder; without names what is there, if it can be resumed. */
+/* A run that can be resumed is not thrown away; one that writes its own tables resumes by itself. */
 static rp_status open_tables(cli_unfinished *u)
 {
-    const rp_status vacant = check_vacant(u);
-    if (vacant) return u->names ? vacant : RP_OK;
-    RP_TRY(empty_folder(path_of(u, "")));
-    for (int k = 0; k < CLI_GROWING && u->names; k++) {
-        const char *path = path_of(u, u->names[k]);
-        if (!(u->table[k].file = fopen(path, "w+e"))) RP_TRY(failed(path));
-    }
+    if (rp_is_in(u->stage.path, "snapshot"))
+        return !u->names ? RP_OK
+                         : rp_fail(RP_BAD_INPUT,
+                                   "%s: an unfinished run; continue with --resume %s, or remove the folder",
+                                   path_of(u, "snapshot"), u->directory);
+    RP_TRY(rp_folder_clear(&u->stage));
+    for (int k = 0; k < CLI_GROWING && u->names; k++)
+        RP_TRY(rp_folder_list(&u->stage, u->names[k], RP_OWN_STAYS));
+    RP_TRY(rp_folder_list(&u->stage, "snapshot", RP_OWN_GOES));
+    RP_TRY(rp_folder_list(&u->stage, "snapshot.new", RP_OWN_GOES));
+    snprintf(u->stage.holds, sizeof u->stage.holds, "%s", u->holds);
+    RP_TRY(rp_folder_write(&u->stage));
+    for (int k = 0; k < CLI_GROWING && u->names; k++)
+        RP_TRY(rp_folder_file(&u->stage, u->names[k], O_RDWR | O_CREAT | O_EXCL, &u->table[k].file));
     return RP_OK;
+}
+
+static rp_status start(cli_unfinished *u)
+{
+    bool any;
+    RP_TRY(rp_folder_enter(u->directory, &u->folder));
+    RP_TRY(rp_folder_settle(&u->folder, &any));
+    RP_TRY(rp_folder_vacant(&u->folder, u->force));
+    for (int k = 0; k < CLI_GROWING && u->names; k++) RP_TRY(rp_folder_check(&u->folder, u->names[k]));
+    RP_TRY(rp_folder_stage(&u->folder, true, &u->stage, &any));
+    RP_TRY(make_hashes(u));
+    return open_tables(u);
 }
 
 rp_status cli_unfinished_start(cli_unfinished *u)
 {
-    bool moved;
-    u->lock = -1;
-    RP_TRY(rp_make_directory(u->directory));
-    RP_TRY(complete_move(u->directory, &moved));
-    RP_TRY(rp_make_directory(path_of(u, "")));
-    rp_status status = enter(u);
-    if (!status) status = open_tables(u);
+    const rp_status status = start(u);
+    u->entered = !status;
     if (status) close_all(u);
     return status;
 }
@@ -215,7 +115,7 @@ static void keep_table(rp_snapshot *s, cli_growing *t, long *length, XXH128_hash
 static rp_status reopen(cli_unfinished *u, cli_growing *t, long length, XXH128_hash_t hash)
 {
     const char *path = path_of(u, t->name);
-    if (!(t->file = fopen(path, "r+e")))
+    if (rp_folder_file(&u->stage, t->name, O_RDWR, &t->file))
         return rp_fail(RP_BAD_INPUT, "%s: cannot open: %s", path, strerror(errno));
     RP_TRY(hash_to(t, length));
     if (!XXH128_isEqual(hash, XXH3_128bits_digest(t->hash)))
@@ -223,26 +123,22 @@ static rp_status reopen(cli_unfinished *u, cli_growing *t, long length, XXH128_h
     return ftruncate(fileno(t->file), length) == 0 && fseek(t->file, 0, SEEK_END) == 0 ? RP_OK : failed(path);
 }
 
-/* The result is in its place, and nothing of another run is beside it. */
-static bool is_whole(const char *directory, const char *table)
-{
-    char unfinished[4400], whole[4400];
-    snprintf(unfinished, sizeof unfinished, "%s/unfinished", directory);
-    snprintf(whole, sizeof whole, "%s/%s", directory, table);
-    return access(unfinished, F_OK) != 0 && access(whole, F_OK) == 0;
-}
-
-rp_status cli_unfinished_resume(cli_unfinished *u, cli_keep *keep, void *context, bool *done)
+static rp_status resume(cli_unfinished *u, cli_keep *keep, void *context, bool *done)
 {
     long length[CLI_GROWING];
     XXH128_hash_t hash[CLI_GROWING];
     rp_snapshot s = {0};
-    u->lock = -1;
-    rp_status status = complete_move(u->directory, done);
-    *done |= !status && is_whole(u->directory, u->names[0]);
-    if (status || *done) return status;
-    status = enter(u);
-    if (!status) status = rp_snapshot_read(&s, path_of(u, "snapshot"), OWNER, u->layout);
+    bool there;
+    if (access(u->directory, F_OK) != 0) return rp_fail(RP_BAD_INPUT, "%s: no unfinished run", u->directory);
+    RP_TRY(rp_folder_enter(u->directory, &u->folder));
+    RP_TRY(rp_folder_settle(&u->folder, done));
+    RP_TRY(rp_folder_stage(&u->folder, false, &u->stage, &there));
+    const rp_own *table = rp_folder_find(&u->folder, u->names[0]);
+    *done |= table && (!there || u->stage.n == 0);
+    if (*done) return RP_OK;
+    if (!there || !u->stage.marked) return rp_fail(RP_BAD_INPUT, "%s: no unfinished run", u->directory);
+    RP_TRY(make_hashes(u));
+    rp_status status = rp_snapshot_read(&s, path_of(u, "snapshot"), OWNER, u->layout);
     if (!status) {
         for (int k = 0; k < CLI_GROWING; k++) keep_table(&s, &u->table[k], &length[k], &hash[k]);
         keep(&s, context);
@@ -250,7 +146,16 @@ rp_status cli_unfinished_resume(cli_unfinished *u, cli_keep *keep, void *context
     }
     for (int k = 0; k < CLI_GROWING && !status; k++) status = reopen(u, &u->table[k], length[k], hash[k]);
     rp_snapshot_free(&s);
-    if (status) close_all(u);
+    return status;
+}
+
+rp_status cli_unfinished_resume(cli_unfinished *u, cli_keep *keep, void *context, bool *done)
+{
+    *done = false;
+    const rp_status status = resume(u, keep, context, done);
+    u->entered = !status && !*done;
+    u->holds = rp_text(u->arena, "%s", u->folder.holds);
+    if (!u->entered) close_all(u);
     return status;
 }
 
@@ -289,7 +194,7 @@ static rp_status sync_tables(const cli_unfinished *u)
 }
 
 /* What was computed before a failure: tables whose last line says why, and none that cannot be written. */
-static rp_status leave_tables(const cli_unfinished *u, rp_status run)
+static rp_status leave_tables(cli_unfinished *u, rp_status run)
 {
     char why[1024];
     snprintf(why, sizeof why, "%s", rp_message());
@@ -298,18 +203,21 @@ static rp_status leave_tables(const cli_unfinished *u, rp_status run)
         rp_table_note(u->table[k].file, "unfinished", "%s", why);
         if (rp_file_finish(u->table[k].file, u->table[k].name)) unlink(path_of(u, u->table[k].name));
     }
-    if (rmdir(path_of(u, "")) == 0) return rp_fail(run, "%s", why); /* nothing was written */
+    if (rp_folder_empty(&u->stage) && rp_folder_remove(&u->folder, "unfinished") == RP_OK) {
+        if (u->folder.n == 1) (void)rp_folder_clear(&u->folder); /* nothing else was in it */
+        return rp_fail(run, "%s", why);
+    }
     return rp_fail(run, "%s; the tables so far are in %s/unfinished", why, u->directory);
 }
 
 rp_status cli_unfinished_end(cli_unfinished *u, bool resumable, rp_status run)
 {
-    if (u->lock < 0) return run;
+    if (!u->entered) return run;
     if (!run) run = sync_tables(u);
     if (!run) {
         alarm(0);
         cli_on_stop(SIG_IGN); /* the tables will not be where the message says */
-        run = publish(u->directory, u->lock);
+        run = rp_folder_publish(&u->folder);
     } else if (!resumable) {
         run = leave_tables(u, run);
     }

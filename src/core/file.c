@@ -12,6 +12,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "core/folder.h"
+
 rp_status rp_file_finish(FILE *out, const char *name)
 {
     errno = 0;
@@ -20,18 +22,10 @@ rp_status rp_file_finish(FILE *out, const char *name)
     return RP_OK;
 }
 
-/* For a link, the target of the link is replaced. */
-static const char *find_target(const char *path, char target[PATH_MAX])
-{
-    if (!realpath(path, target)) snprintf(target, PATH_MAX, "%s", path);
-    return target;
-}
-
-/* A new file beside the target, under a name that no one can foresee; devices and pipes are written directly.
- */
+/* A new file beside it, under a name that no one can foresee; devices and pipes are written directly. */
 rp_status rp_file_open(const char *path, FILE **out)
 {
-    char target[PATH_MAX], temporary[PATH_MAX + 16];
+    char temporary[PATH_MAX + 16];
     struct stat info;
     unsigned number;
     if (strcmp(path, "-") == 0) {
@@ -39,11 +33,12 @@ rp_status rp_file_open(const char *path, FILE **out)
         return RP_OK;
     }
     *out = NULL;
-    if (strlen(path) >= sizeof target) return rp_fail(RP_BAD_INPUT, "%.60s...: path too long", path);
+    if (strlen(path) >= PATH_MAX) return rp_fail(RP_BAD_INPUT, "%.60s...: path too long", path);
     if (stat(path, &info) == 0 && !S_ISREG(info.st_mode)) {
         *out = fopen(path, "w");
     } else if (getrandom(&number, sizeof number, 0) == sizeof number) {
-        snprintf(temporary, sizeof temporary, "%s.tmp%08x", find_target(path, target), number);
+        snprintf(temporary, sizeof temporary, "%s.tmp%08x", path, number);
+        RP_TRY(rp_folder_admit(path, temporary));
         const int file = open(temporary, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
         if (file >= 0) *out = fdopen(file, "w+");
     }
@@ -52,7 +47,7 @@ rp_status rp_file_open(const char *path, FILE **out)
 
 rp_status rp_file_close(const char *path, FILE *out, rp_status keep)
 {
-    char target[PATH_MAX], link[64], temporary[PATH_MAX] = "";
+    char link[64], temporary[PATH_MAX] = "";
     struct stat info;
     if (out == stdout) return keep ? keep : rp_file_finish(out, "standard output");
     snprintf(link, sizeof link, "/proc/self/fd/%d", fileno(out));
@@ -62,7 +57,7 @@ rp_status rp_file_close(const char *path, FILE *out, rp_status keep)
     /* the bytes reach the disk before the name does */
     bool failed = renamed && !status && (fsync(fileno(out)) != 0 || !named);
     failed |= fclose(out) != 0;
-    if (!status && !failed && renamed) failed = rename(temporary, find_target(path, target)) != 0;
+    if (!status && !failed && renamed) failed = rename(temporary, path) != 0;
     if (!status && failed) status = rp_fail(RP_IO, "%s: cannot write: %s", path, strerror(errno));
     if (status && named) unlink(temporary);
     return status;

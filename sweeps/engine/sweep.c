@@ -11,16 +11,20 @@
 #include <unistd.h>
 
 #include "core/file.h"
+#include "core/folder.h"
 #include "sweeps/engine/keep.h"
 
 /* One process at a time changes a store. The lock goes with the process, whatever ends it; its workers, which
  * may live on for a moment, do not inherit it. */
 static rp_status take_lock(const char *path, const char *store, int *lock)
 {
-    *lock = open(path, O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+    struct stat info;
+    *lock = open(path, O_RDWR | O_CREAT | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC, 0666);
     if (*lock < 0 && errno == ENOENT)
         return rp_fail(RP_BAD_INPUT, "%s: no such folder; `repose sweep plan` makes it", store);
-    if (*lock < 0) return rp_fail(RP_IO, "%s: cannot write: %s", path, strerror(errno));
+    if (*lock < 0 && errno != ELOOP) return rp_fail(RP_IO, "%s: cannot write: %s", path, strerror(errno));
+    if (*lock < 0 || fstat(*lock, &info) != 0 || !S_ISREG(info.st_mode) || info.st_size > 1)
+        return rp_fail(RP_BAD_INPUT, "%s: not made by this program; move it away", path);
     if (fcntl(*lock, F_SETLK, &(struct flock){.l_type = F_WRLCK, .l_whence = SEEK_SET}) == 0) return RP_OK;
     return errno == EACCES || errno == EAGAIN
                ? rp_fail(RP_IO, "%s: another process runs or plans this sweep", store)
@@ -67,6 +71,46 @@ static rp_status find_shards(const sweep_folder *f, const char *folder, rp_paths
     for (size_t i = 0; !status && i < all.n; i++) status = add_store(f, all.path[i], stores);
     rp_paths_free(&all);
     return status;
+}
+
+/* The sweep's files are the program's own; those of an older version, whose store says so. */
+static rp_status claim(const sweep_folder *f, const char *file)
+{
+    static const char *const names[] = {
+        "sweep.cfg",        "lock",     "store.sqlite", "store.sqlite-journal", "store.sqlite-wal",
+        "store.sqlite-shm", "snapshots"};
+    char before[256] = "", holds[512];
+    rp_folder folder;
+    struct stat info;
+    rp_status status = rp_folder_enter(f->dir, &folder);
+    const bool older = !folder.marked && lstat(f->sqlite, &info) == 0 && S_ISREG(info.st_mode);
+    if (!status && older) status = sweep_source(f->dir, before);
+    if (!status && !folder.marked && !older) status = rp_folder_vacant(&folder, false);
+    if (!status && folder.marked && !rp_folder_find(&folder, "sweep.cfg"))
+        status = rp_fail(RP_BAD_INPUT, "%s: holds %s; give another folder", f->dir,
+                         *folder.holds ? folder.holds : "an unfinished run");
+    for (size_t i = 0; !status && i < sizeof names / sizeof *names; i++) {
+        const bool snapshots = i + 1 == sizeof names / sizeof *names;
+        if (snapshots && access(f->snapshots, F_OK) == 0) break; /* people's, if it was there before */
+        if (!older || (i == 0 && !*before)) status = rp_folder_check(&folder, names[i]);
+        if (!status) status = rp_folder_list(&folder, names[i], RP_OWN_STAYS);
+    }
+    snprintf(holds, sizeof holds, "the sweep %s", file);
+    if (!status && strcmp(folder.holds, holds) != 0) {
+        strcpy(folder.holds, holds);
+        status = rp_folder_write(&folder);
+    }
+    rp_folder_close(&folder);
+    return status;
+}
+
+static rp_status make_folder(const char *path)
+{
+    struct stat info;
+    RP_TRY(rp_make_directory(path));
+    return lstat(path, &info) == 0 && S_ISDIR(info.st_mode)
+               ? RP_OK
+               : rp_fail(RP_BAD_INPUT, "%s: no folder of this program, but a link; move it away", path);
 }
 
 /* Read the plan of a folder, and open its store. */
@@ -160,7 +204,7 @@ rp_status sweep_prepare(const char *file, const char *dir, size_t replicas,
     if (!status) status = sweep_plan_read(file, protocols, &f.plan);
     if (!status && replicas > 0) status = sweep_plan_replicate(&f.plan, replicas);
     if (!status) status = check_points(&f.plan, file, watch);
-    if (!status) status = rp_make_directory(dir);
+    if (!status) status = claim(&f, file);
     if (!status) status = lock_folder(&f);
     if (!status) status = sweep_store_open(f.sqlite, SWEEP_CREATE, &f.store);
     if (!status) status = sweep_store_write_plan(f.store, &f.plan, file, watch);
@@ -225,7 +269,7 @@ static rp_status open_shard(const sweep_options *options, sweep_folder *f)
     RP_TRY(rp_path(&f->memory, &folder, "%s/shards", f->dir));
     RP_TRY(rp_path(&f->memory, &path, "%s/%d-of-%d.sqlite", folder, options->shard, options->shards));
     RP_TRY(rp_path(&f->memory, &lock, "%s.lock", path));
-    RP_TRY(rp_make_directory(folder));
+    RP_TRY(make_folder(folder));
     RP_TRY(take_lock(lock, path, &f->lock));
     RP_TRY(sweep_store_open(path, SWEEP_CREATE, &f->store));
     RP_TRY(sweep_store_write_plan(f->store, &f->plan, file, NULL));
@@ -236,11 +280,17 @@ static rp_status open_shard(const sweep_options *options, sweep_folder *f)
  * the folder, and then the folder, stay. */
 static void remove_snapshots(const sweep_folder *f)
 {
+    rp_folder folder;
     rp_paths left = {0};
-    (void)rp_paths_in(&left, f->snapshots, sweep_keep_is_name);
-    for (size_t i = 0; i < left.n; i++) unlink(left.path[i]);
+    rp_status status = rp_folder_open(f->snapshots, &folder);
+    if (!status) status = rp_paths_in(&left, f->snapshots, sweep_keep_is_name);
+    for (size_t i = 0; !status && i < left.n; i++)
+        if (rp_folder_shows(&folder, basename(left.path[i]))) unlink(left.path[i]);
+    rp_folder_close(&folder);
+    status = rp_folder_open(f->dir, &folder);
+    if (!status && rp_folder_find(&folder, "snapshots")) rmdir(f->snapshots);
+    rp_folder_close(&folder);
     rp_paths_free(&left);
-    rmdir(f->snapshots);
 }
 
 rp_status sweep_run(const char *dir, const sweep_protocol *const *protocols, const sweep_options *options,
@@ -268,7 +318,7 @@ rp_status sweep_run(const char *dir, const sweep_protocol *const *protocols, con
               : (f.plan.n_runs + (size_t)(options->shards - options->shard)) / (size_t)options->shards;
     counts->planned = planned;
     counts->stored = planned - n;
-    if (!status && n > 0 && own.snapshots) status = rp_make_directory(f.snapshots);
+    if (!status && n > 0 && own.snapshots) status = make_folder(f.snapshots);
     if (!status && n > 0) status = sweep_pool_run(&f, todo, n, &own, counts);
     if (!status) status = sweep_store_commit(f.store);
     if (!status) status = sweep_store_count(f.store, &f.plan, counts);
@@ -377,6 +427,8 @@ rp_status sweep_merge(const char *dir, const sweep_protocol *const *protocols, s
 rp_status sweep_salvage(const char *dir, const sweep_protocol *const *protocols, size_t *n)
 {
     static const char *const ends[] = {"", "-wal", "-journal"};
+    enum { N_ENDS = sizeof ends / sizeof *ends };
+    struct stat info;
     sweep_folder f;
     const char *kept = NULL, *from, *to;
     *n = 0;
@@ -385,12 +437,12 @@ rp_status sweep_salvage(const char *dir, const sweep_protocol *const *protocols,
     if (!status) status = lock_folder(&f);
     if (!status) status = sweep_plan_read(f.cfg, protocols, &f.plan);
     if (!status && access(f.sqlite, F_OK) != 0) status = rp_fail(RP_BAD_INPUT, "%s: no store", f.sqlite);
-    if (!status && access(kept, F_OK) == 0)
-        status = rp_fail(RP_BAD_INPUT, "%s: kept of an earlier salvage; move it away first", kept);
-    for (size_t i = 0; !status && i < sizeof ends / sizeof *ends; i++) {
-        status = rp_path(&f.memory, &from, "%s%s", f.sqlite, ends[i]);
-        if (!status) status = rp_path(&f.memory, &to, "%s%s", kept, ends[i]);
-        if (!status && rename(from, to) != 0 && errno != ENOENT)
+    for (size_t i = 0; !status && i < 2 * N_ENDS; i++) { /* look at all, then rename all */
+        status = rp_path(&f.memory, &from, "%s%s", f.sqlite, ends[i % N_ENDS]);
+        if (!status) status = rp_path(&f.memory, &to, "%s%s", kept, ends[i % N_ENDS]);
+        if (!status && i < N_ENDS && lstat(to, &info) == 0)
+            status = rp_fail(RP_BAD_INPUT, "%s: kept of an earlier salvage; move it away first", to);
+        if (!status && i >= N_ENDS && rename(from, to) != 0 && errno != ENOENT)
             status = rp_fail(RP_IO, "%s: cannot rename: %s", from, strerror(errno));
     }
     if (!status) status = sweep_store_open(f.sqlite, SWEEP_CREATE, &f.store);

@@ -8,6 +8,7 @@
 #include "analytic/analytic.h"
 #include "stats/stats.h"
 #include "cli/cli.h"
+#include "cli/unfinished.h"
 #include "core/clock.h"
 #include "sweeps/protocols/pile.h"
 
@@ -23,7 +24,8 @@
       "one row for the pile, not one a base disk: parameters and results of protocol `pile`")                \
     X(TEXT, o, "", "", "",                                                                                   \
       "folder for base.tsv, wells.tsv, contacts.tsv and disks.tsv, the last three also without an "          \
-      "equilibrium")
+      "equilibrium")                                                                                         \
+    CLI_FORCE(X)
 
 CLI_OPTIONS(own, OWN_OPTIONS)
 
@@ -104,8 +106,8 @@ static void put_header(const void *call, FILE *out)
     cli_table(call, out);
 }
 
-static rp_status write_tables(const cli_call *call, const options *o, const sweep_solved *s,
-                              const sweep_result *results)
+static void write_tables(const cli_call *call, const options *o, const sweep_solved *s,
+                         const sweep_result *results)
 {
     cli_table(call, stdout);
     sweep_pile_notes(s, stdout);
@@ -113,9 +115,6 @@ static rp_status write_tables(const cli_call *call, const options *o, const swee
         write_summary(o, results);
     else if (!s->r.fault)
         sweep_pile_write_base(s, stdout);
-    return *o->own.o ? sweep_pile_write(
-                           s, &(sweep_tables){.directory = o->own.o, .header = put_header, .context = call})
-                     : RP_OK;
 }
 
 /* Options that would have no effect beside others. */
@@ -192,6 +191,9 @@ static rp_status solve(const cli_call *call, options *o, const sweep_outline *h)
     sweep_result results;
     double start = rp_clock();
     const bool watched = isatty(STDERR_FILENO);
+    cli_unfinished u = {
+        .arena = call->arena, .directory = o->own.o, .holds = call->line, .force = o->own.force};
+    if (*o->own.o) RP_TRY(cli_unfinished_start(&u));
     rp_status status = sweep_pile_solve(&o->pile, h, watched ? draw : NULL, &start, &s, &results);
     if (watched) fputs("\r\033[K", stderr);
     if (*o->own.disks) o->pile.base = (long)s.r.wells;
@@ -199,9 +201,13 @@ static rp_status solve(const cli_call *call, options *o, const sweep_outline *h)
         fprintf(stderr, "repose pile: unstable: %zu negative mode%s; --branch minimum seeks a stable state\n",
                 s.r.negative_modes, s.r.negative_modes == 1 ? "" : "s");
     if (!status || status == RP_NO_RESULT) {
-        rp_status written = write_tables(call, o, &s, &results);
-        status = status ? rp_fail(status, "%s", results.message) : written;
+        write_tables(call, o, &s, &results);
+        const sweep_tables tables = {.directory = u.stage.path, .header = put_header, .context = call};
+        const rp_status written = u.entered ? sweep_pile_write(&s, &tables) : RP_OK,
+                        ended = cli_unfinished_end(&u, false, written);
+        status = ended ? ended : status ? rp_fail(status, "%s", results.message) : RP_OK;
     }
+    status = cli_unfinished_end(&u, false, status); /* of a pile without a state */
     sweep_solved_free(&s);
     return status;
 }
@@ -285,7 +291,7 @@ const cli_command cmd_pile = {
     "static equilibrium of a close-packed pile of soft disks",
     "[--base K] [--alpha-deg A [--inner-deg A --x-1 X] | --outline FILE | --disks FILE] [--eps E] "
     "[--k-x K | --well A [--mu MU]] [--branch primary|minimum [--leave N]] [--disorder S [--seed N] "
-    "[--piles N]] [--summary | --threshold] [-o DIR]",
+    "[--piles N]] [--summary | --threshold] [-o DIR [--force]]",
     "Static equilibrium of soft frictionless disks, close-packed on a flat base: the computer model of\n"
     "Liffman, Chan & Hughes 1992 at rest. Row i is base disk i from the left. N is the normal force of\n"
     "the ground on the disk, H the horizontal force of the disk on the ground, positive to the right.\n"
@@ -305,6 +311,7 @@ const cli_command cmd_pile = {
     "repose pile --alpha-deg 30 --base 45",
     own_params,
     .refuses = "An option that would do nothing beside the others; the message says which it needs.\n"
+               "A folder with a finished result: give another one, or --force.\n"
                "--threshold with --branch, --disks, -o or eps = 0; --piles without --disorder, or with "
                "--threshold, --summary or -o.",
     .act = solve_any,

@@ -69,10 +69,10 @@ typedef struct {
     long threads;
 } scene_run;
 
-/* Of what a folder's tables are, in their header, and which older ones they replace. */
+/* Of what a folder's tables are, in their header and in the folder's marker. */
 typedef struct {
     const cli_call *call;
-    char run[CLI_RUN_NOTE], replaces[CLI_REPLACES];
+    char run[1024], holds[2048];
     const char *start; /* what is to be known of it, or NULL */
 } origin;
 
@@ -82,6 +82,11 @@ static void put_origin(const void *context, FILE *out)
     cli_provenance(of->call, out);
     rp_table_note(out, "run", "%s", of->run);
     if (of->start) rp_table_note(out, "start", "%s", of->start);
+}
+
+static void put_holds(origin *of)
+{
+    snprintf(of->holds, sizeof of->holds, "%s (%.900s)", of->run, of->call->line);
 }
 
 /* Where the tables of a run go. Standard output holds the states alone. */
@@ -109,8 +114,7 @@ static outputs outputs_in(rp_arena *arena, const char *directory, bool resumable
         .directory = directory,
         .resumable = resumable,
         .quiet = quiet,
-        .unfinished = {
-            .arena = arena, .directory = directory, .layout = layout(), .names = growing, .lock = -1}};
+        .unfinished = {.arena = arena, .directory = directory, .layout = layout(), .names = growing}};
 }
 
 static void keep_run(rp_snapshot *s, void *context)
@@ -243,6 +247,13 @@ static rp_status advance(scene_run *r, outputs *out)
     return status;
 }
 
+/* The frames for another program come from the tables, and are part of the result. */
+static rp_status dump_frames(rp_arena *arena, const scene_run *r, const outputs *out)
+{
+    for (int k = 0; k < CLI_GROWING; k++) RP_TRY(rp_file_finish(out->table[k], growing[k]));
+    return export_folder(arena, out->unfinished.stage.path, (export_format)r->plan.dump);
+}
+
 /* From the start, or with `out` resumed from where the run is. */
 static rp_status finish_scene(rp_arena *arena, scene_run *r, outputs *out, rp_status status)
 {
@@ -251,13 +262,13 @@ static rp_status finish_scene(rp_arena *arena, scene_run *r, outputs *out, rp_st
     if (!status) status = advance(r, out);
     if (!status && (r->plan.every <= 0 || r->plan.steps > 0)) status = outputs_write(out, r->sim);
     if (!status) growth_report(&r->energy, r->sim, out->table[STATES]);
+    if (!status && *out->directory) status = dump_frames(arena, r, out);
     if (*out->directory)
         status = cli_unfinished_end(&out->unfinished, out->resumable, status);
     else if (status && out->table[STATES])
         rp_table_note(stdout, "unfinished", "%s", rp_message());
     else if (!status)
         status = rp_file_finish(stdout, "standard output");
-    if (!status) status = export_folder(arena, out->directory, (export_format)r->plan.dump);
     if (!status && !out->quiet) cli_close_run(arena, r->sim, &r->rest, out->directory);
     return status;
 }
@@ -265,6 +276,8 @@ static rp_status finish_scene(rp_arena *arena, scene_run *r, outputs *out, rp_st
 static rp_status run_scene(const origin *of, scene_run *r, const run_options *o)
 {
     outputs out = outputs_in(of->call->arena, o->o, r->plan.snapshot > 0, o->quiet);
+    out.unfinished.holds = of->holds;
+    out.unfinished.force = o->force;
     cli_on_stop(note_stop);
     rp_status status = outputs_open(&out, of, r);
     if (!status && r->plan.every > 0) status = outputs_write(&out, r->sim);
@@ -298,11 +311,11 @@ static rp_status run_row(const cli_call *call, const char *path, const run_optio
     const sweep_protocol *protocol;
     const double started = rp_clock();
     static volatile bool stopped;
-    cli_unfinished folder = {.arena = call->arena, .directory = o->o};
     const char *stage, *snapshot;
     origin of = {.call = call};
     snprintf(of.run, sizeof of.run, "%s row %ld", path, o->row);
-    RP_TRY(cli_claim_run(o->o, of.run, o->force, of.replaces));
+    put_holds(&of);
+    cli_unfinished folder = {.arena = call->arena, .directory = o->o, .holds = of.holds, .force = o->force};
     RP_TRY(cli_unfinished_start(&folder));
     RP_TRY(rp_path(call->arena, &stage, "%s/unfinished", o->o));
     RP_TRY(rp_path(call->arena, &snapshot, "%s/snapshot", stage));
@@ -388,15 +401,13 @@ static bool has_new_springs(const dem_scene *scene, const dem_sim *sim)
            dem_has_spring(scene->def.tangential);
 }
 
-/* A folder that this scene may write into. */
-static rp_status claim(origin *of, const char *path, const run_plan *plan, const run_options *o)
+static void name_run(origin *of, const char *path, const run_plan *plan)
 {
     char key[33], frames[64] = "the last frame";
-    if (!*o->o) return RP_OK;
     rp_hash_digits(plan->scene, key);
     if (plan->every > 0) snprintf(frames, sizeof frames, "a frame each %ld", plan->every);
     snprintf(of->run, sizeof of->run, "%.400s, %ld steps, %s, key %s", path, plan->steps, frames, key);
-    return cli_claim_run(o->o, of->run, o->force, of->replaces);
+    put_holds(of);
 }
 
 static rp_status run_file(const cli_call *call, const char *path, const run_options *o)
@@ -410,7 +421,7 @@ static rp_status run_file(const cli_call *call, const char *path, const run_opti
     rp_status status = read_scene(path, o, &scene);
     if (!status && *o->o) status = hash_scene(&scene, &r.plan.scene);
     r.plan.steps = r.rest.steps = scene.steps;
-    if (!status) status = claim(&of, path, &r.plan, o);
+    name_run(&of, path, &r.plan);
     r.plan.ledger = scene.def.ledger;
     bool cut = false;
     scene.fill.cut = &cut;
@@ -423,20 +434,23 @@ static rp_status run_file(const cli_call *call, const char *path, const run_opti
     if (of.start) fprintf(stderr, "repose run: %s: %s\n", path, of.start);
     if (!status) r.energy = growth_of(&scene, r.sim);
     if (!status) status = run_scene(&of, &r, o);
-    if (!status && *of.replaces) printf("%s: replaced %s\n", o->o, of.replaces);
     dem_free(r.sim);
     dem_scene_free(&scene);
     return status;
 }
 
-/* A scene file that is given must be that of the snapshot, or without a plan that of the finished tables. */
-static rp_status check_scene(const char *path, const run_options *o, const run_plan *plan)
+/* A scene file that is given must be that of the snapshot, or without a plan that of the finished tables,
+ * which the folder's marker names. */
+static rp_status check_scene(const char *path, const run_options *o, const run_plan *plan, const char *holds)
 {
     dem_scene scene;
     XXH128_hash_t hash = {0};
     rp_status status = read_scene(path, o, &scene);
     if (!status) status = hash_scene(&scene, &hash);
-    const bool same = !plan ? cli_holds_run(o->resume, scene.steps, hash)
+    char steps[32], key[48] = ", key ";
+    snprintf(steps, sizeof steps, ", %ld steps, ", scene.steps);
+    rp_hash_digits(hash, key + strlen(key));
+    const bool same = !plan ? strstr(holds, steps) && strstr(holds, key)
                             : XXH128_isEqual(hash, plan->scene) && scene.steps == plan->steps &&
                                   scene.def.ledger == plan->ledger;
     dem_scene_free(&scene);
@@ -460,12 +474,14 @@ static rp_status resume(const cli_call *call, const run_options *o)
     bool done;
     rp_status status = cli_unfinished_resume(&out.unfinished, keep_run, &r, &done);
     if (!status && done) {
-        if (scene) RP_TRY(check_scene(scene, o, NULL));
-        RP_TRY(export_folder(call->arena, o->resume, (export_format)o->dump));
+        if (scene) RP_TRY(check_scene(scene, o, NULL, out.unfinished.holds));
+        if (o->dump) RP_TRY(rp_folder_grow(o->resume, true));
+        status = export_folder(call->arena, o->resume, (export_format)o->dump);
+        if (o->dump) RP_TRY(status ? status : rp_folder_grow(o->resume, false));
         printf("%s: the run is done; its tables are in this folder\n", o->resume);
         return RP_OK;
     }
-    if (!status && scene) status = check_scene(scene, o, &r.plan);
+    if (!status && scene) status = check_scene(scene, o, &r.plan, NULL);
     if (o->dump) r.plan.dump = o->dump;
     if (status) {
         dem_free(r.sim);
@@ -509,8 +525,8 @@ const cli_command cmd_run = {
     "wall is a line through x, y with the unit normal direction_x, direction_y, between the ends `from` and\n"
     "`to` along the normal turned clockwise; an open wall has equal ends. `repose params scene` lists the\n"
     "keys of a scene file. Tables of a run that was stopped or failed go to DIR/unfinished:\n"
-    "only a whole result replaces the one in DIR. A folder with results of something else is refused;\n"
-    "--force writes over those of the same names.\n"
+    "only a whole result takes its place in DIR. A finished result is replaced with --force alone; what the\n"
+    "program did not write there is never touched (DIR/.repose lists what it did).\n"
     "--dump lammps, xyz or vtk adds DIR/run.lammpstrj, DIR/run.xyz or DIR/run.pvd, as `repose export` has\n"
     "them.\n"
     "The run ends with one line on standard error: grains, steps, at rest or not (a mean kinetic energy "
@@ -533,10 +549,12 @@ const cli_command cmd_run = {
     "forces on the base.",
     "repose run scene.cfg --set tangential.mu=0.3 --every 1000 -o out",
     run_params,
-    .refuses = "A folder with results of something else: give another one, or --force.\n"
-               "--snapshot and --dump without -o; --row with a scene; --set, -j, --snapshot and --dump with "
-               "a sweep.\n"
-               "--resume with -o, --every, --row, --snapshot or --force: it continues with the options of "
-               "the start.\n"
-               "A snapshot of another scene, program version or model, or a damaged one.",
+    .refuses =
+        "A folder with a finished result: give another one, or --force. A sweep's folder, and files in "
+        "the way.\n"
+        "--snapshot and --dump without -o; --row with a scene; --set, -j, --snapshot and --dump with "
+        "a sweep.\n"
+        "--resume with -o, --every, --row, --snapshot or --force: it continues with the options of "
+        "the start.\n"
+        "A snapshot of another scene, program version or model, or a damaged one.",
     .act = run_any};

@@ -50,7 +50,7 @@ enum { MOST_TASKS = 1000 }; /* of an array: Slurm's MaxArraySize is 1001 where n
  */
 static const char array_script[] =
     "#!/bin/bash\n"
-    "# Makes what is missing of a sweep; submit it again to resume.\n"
+    "# Makes what is missing of a sweep, written by repose sweep slurm; submit it again to resume.\n"
     "#SBATCH --job-name=repose\n"
     "#SBATCH --array=1-%ld\n"
     "#SBATCH --cpus-per-task=%ld\n"

@@ -1,0 +1,327 @@
+/* What people keep in and beside the program's folders: no command changes it. */
+#include <dirent.h>
+#include <gsl/gsl_rng.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "core/file.h"
+#include "core/random.h"
+#include "tests/check.h"
+#include "tests/folder.h"
+#include "tests/program.h"
+
+#define SCENE "steps = 4; gravity = [0.0, 0.0]; particles = ( { x = 0.0; y = 0.0; r = 0.1; } );\n"
+#define SWEEP "protocol = \"pile\"; replicas = 2; fixed = { base = 4; };\n"
+
+/* Make `what`, run the command, which is refused with this text, and compare what was made. */
+static void refused(const char *what, const char *command, const char *text)
+{
+    char line[1024];
+    snprintf(line, sizeof line,
+             "rm -rf d side && mkdir d side && echo notes >side/notes && %s && cp -a d side before/", what);
+    CU_ASSERT(shell("rm -rf before; mkdir before") == 0 && shell(line) == 0);
+    FAILS(65, text, "%s", command);
+    CU_ASSERT(shell("diff -r --no-dereference d before/d >out && diff -r side before/side >out") == 0);
+}
+
+static void test_refusals(void)
+{
+    write_text("s.cfg", SCENE);
+    write_text("w.cfg", SWEEP);
+    GOOD("run s.cfg -o r");
+    static const char *const cases[][3] = {
+        {"mkdir d/unfinished && echo a >d/unfinished/notes.txt", "run s.cfg -o d",
+         "d/unfinished: not listed"},
+        {"mkdir d/unfinished", "pile -o d", "d/unfinished: not listed"},
+        {"ln -s ../side d/unfinished", "run s.cfg -o d --force", "d/unfinished: not listed"},
+        {"echo mine >d/states.tsv", "run s.cfg -o d",
+         "d/states.tsv: not listed as the program's own; move it away"},
+        {"ln -s ../side/notes d/walls.tsv", "run s.cfg -o d --force", "d/walls.tsv: not listed"},
+        {"echo mine >d/.repose", "run s.cfg -o d", "d/.repose: no marker of this version"},
+        {"echo mine >d/lock", "sweep plan w.cfg -o d", "d/lock: not listed"},
+        {"ln -s ../side/notes d/lock", "sweep plan w.cfg -o d --force", "d/lock: not listed"},
+        {"echo mine >d/sweep.cfg", "sweep plan w.cfg -o d", "d/sweep.cfg: not listed"},
+        {"cp -r r/. d", "run s.cfg -o d", "; give another folder, or --force to replace these results"},
+        {"cp -r r/. d && echo more >>d/energy.tsv", "run s.cfg -o d --force", "d/energy.tsv: changed since"},
+        {"cp -r r/. d && rm d/walls.tsv && mkdir d/walls.tsv", "pile -o d --force", "d/walls.tsv: "},
+        {"cp -r r/. d && rm d/walls.tsv && ln -s ../side/notes d/walls.tsv", "run s.cfg -o d --force",
+         "d/walls.tsv: changed since"},
+        {"echo mine >d/a.csv", "export r --to csv -o d/a.csv",
+         "d/a.csv: nothing in it shows that this program wrote"},
+        {"ln -s ../side/notes d/a.svg", "view r -o d/a.svg", "d/a.svg: a link; move it away"},
+        {"echo mine >d/a.png", "view r -o d/a.png", "d/a.png: nothing in it shows"}};
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) refused(cases[k][0], cases[k][1], cases[k][2]);
+    FAILS(64, "\"steps=3\": one argument too many", "run s.cfg steps=3");
+    FAILS(64, "\"more\": one argument too many", "sweep status r more");
+    /* patterns are names */
+    GOOD("run s.cfg -o 'r[1]'");
+    FAILS(65, "r[1]: holds s.cfg, 4 steps", "run s.cfg --set steps=3 -o 'r[1]'");
+    /* an older process that was killed leaves no command to move a person's files */
+    CU_ASSERT(shell("mkdir d2 d2/unfinished.moving && echo a >d2/unfinished.moving/notes.txt && echo b "
+                    ">d2/notes.txt") == 0);
+    GOOD("run s.cfg -o d2");
+    CU_ASSERT(shell("grep -q a d2/unfinished.moving/notes.txt && grep -q b d2/notes.txt") == 0);
+}
+
+/* Folders of sweeps: a link for the lock of a planned one, snapshots of another name. */
+static void test_sweeps(void)
+{
+    write_text("w.cfg", SWEEP);
+    CU_ASSERT(shell(":>out; :>err; mkdir y1 y1/snapshots 'y?' && echo a "
+                    ">y1/snapshots/0123456789abcdef0123456789abcdef && "
+                    "echo n >n") == 0);
+    GOOD("sweep plan w.cfg -o 'y?'");
+    CU_ASSERT(run("sweep run 'y?' -j 1 --quiet") == 0);
+    CU_ASSERT(shell("test -s y1/snapshots/0123456789abcdef0123456789abcdef && ! test -e 'y?/snapshots'") ==
+              0);
+    CU_ASSERT(shell("mkdir 'y?/snapshots' && echo a >'y?/snapshots/photo.png' && rm 'y?/lock' && ln -s ../n "
+                    "'y?/lock'") == 0);
+    FAILS(65, "y?/lock: not made by this program; move it away", "sweep run 'y?'");
+    CU_ASSERT(shell("rm 'y?/lock' && mv 'y?/snapshots' s && ln -s ../s 'y?/snapshots'") == 0);
+    GOOD("sweep plan w.cfg --replicas 3 -o 'y?'");
+    FAILS(65, "y?/snapshots: no folder of this program", "sweep run 'y?'");
+    CU_ASSERT(shell("test \"$(cat n)\" = n && test \"$(ls s)\" = photo.png") == 0);
+    CU_ASSERT(shell("rm 'y?/snapshots' && mv s 'y?/snapshots'") == 0);
+    CU_ASSERT(run("sweep run 'y?' -j 1 --quiet") == 0);
+    CU_ASSERT(shell("test \"$(ls 'y?/snapshots')\" = photo.png") == 0);
+}
+
+/* ---- 400 folders ---- */
+
+static gsl_rng *chance;
+
+static size_t draw(size_t n)
+{
+    return gsl_rng_uniform_int(chance, n);
+}
+
+/* What is a person's: a file with these bytes, a link with this target, or a folder. */
+typedef struct {
+    char path[128], text[64];
+    mode_t type;
+} thing;
+
+enum { MOST_THINGS = 12 };
+static struct {
+    size_t n;
+    thing of[MOST_THINGS];
+} mine;
+
+static bool is_same(const thing *t)
+{
+    struct stat info;
+    char text[128] = "";
+    if (lstat(t->path, &info) != 0 || (info.st_mode & S_IFMT) != t->type) return false;
+    if (t->type == S_IFLNK) return readlink(t->path, text, sizeof text - 1) > 0 && strcmp(text, t->text) == 0;
+    if (t->type == S_IFDIR) return true;
+    FILE *in = fopen(t->path, "r");
+    const size_t n = in ? fread(text, 1, sizeof text - 1, in) : 0;
+    if (in) fclose(in);
+    return n == strlen(t->text) && memcmp(text, t->text, n) == 0;
+}
+
+/* May a person's thing stand there: in a folder, no link to one, under a name that is not the program's? */
+static bool is_free(const char *path)
+{
+    char folder[160], end[80], *marker = NULL;
+    const char *name = strrchr(path, '/') + 1;
+    struct stat info;
+    snprintf(folder, sizeof folder, "%.*s", (int)(name - path) - 1, path);
+    if (lstat(path, &info) == 0 || lstat(folder, &info) != 0 || !S_ISDIR(info.st_mode)) return false;
+    snprintf(folder, sizeof folder, "%.*s.repose", (int)(name - path), path);
+    snprintf(end, sizeof end, " %s\n", name);
+    const bool is_own = rp_file_read(folder, &marker) == RP_OK && strstr(marker, end);
+    free(marker);
+    return !is_own;
+}
+
+/* Put something where nothing is. A reserved name is never an empty file. */
+static void put(const char *path, size_t kind, bool reserved)
+{
+    static const char *const targets[] = {"../side/notes", "../side", "nowhere", "../side/none"};
+    thing t = {.type = kind == 0 ? S_IFDIR : kind == 1 ? S_IFLNK : S_IFREG};
+    if (mine.n == MOST_THINGS || !is_free(path)) return;
+    snprintf(t.path, sizeof t.path, "%s", path);
+    if (t.type == S_IFDIR && mkdir(path, 0777) != 0) return;
+    if (t.type == S_IFLNK) {
+        snprintf(t.text, sizeof t.text, "%s", targets[draw(4)]);
+        if (symlink(t.text, path) != 0) return;
+    }
+    if (t.type == S_IFREG) {
+        FILE *file = fopen(path, "w");
+        if (!file) return;
+        if (reserved || draw(4) > 0) snprintf(t.text, sizeof t.text, "mine %zu\n\001\377\n", draw(1000));
+        fputs(t.text, file);
+        fclose(file);
+    }
+    mine.of[mine.n++] = t;
+}
+
+static const char *const names[] = {"states.tsv",
+                                    "energy.tsv",
+                                    "contacts.tsv",
+                                    "unfinished",
+                                    "unfinished.moving",
+                                    "unfinished.moving/notes.txt",
+                                    "lock",
+                                    "sweep.cfg",
+                                    "snapshots",
+                                    "shards",
+                                    "run.xyz",
+                                    "run.pvd",
+                                    "run_frames",
+                                    "base.tsv",
+                                    "disks.tsv",
+                                    "wells.tsv",
+                                    "scene.cfg",
+                                    ".repose",
+                                    "array.sh",
+                                    "pic.svg",
+                                    "runs.tsv",
+                                    "w.tsv",
+                                    "damaged.sqlite",
+                                    "notes [1].txt",
+                                    "*",
+                                    "?",
+                                    "-x",
+                                    "unfinished/notes.txt",
+                                    "unfinished/states.tsv",
+                                    "unfinished/snapshot",
+                                    "snapshots/photo.png",
+                                    "snapshots/0123456789abcdef0123456789abcdef",
+                                    "run_frames/mine.vtp",
+                                    "run_frames/grains_000000.vtp",
+                                    "shards/mine",
+                                    "shards/1-of-2.sqlite.lock",
+                                    "store.sqlite",
+                                    ".repose.new",
+                                    "unfinished/.repose.new",
+                                    "store.sqlite-wal"};
+enum { N_NAMES = sizeof names / sizeof *names, RESERVED = N_NAMES - 4 };
+
+/* `sh` with this line. */
+static void each_line(const char *format, ...) __attribute__((format(printf, 1, 2)));
+static void each_line(const char *format, ...)
+{
+    char line[512];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(line, sizeof line, format, args);
+    va_end(args);
+    CU_ASSERT(system(line) == 0);
+}
+
+int repose_main(int argc, char **argv); /* of tests/fuzz/targets.c */
+
+/* The program in this process's folder; `most` bytes a file, unless 0. */
+static void run_words(const char *text, rlim_t most)
+{
+    char line[640], *words[20], *save;
+    int n = 0, end;
+    snprintf(line, sizeof line, "repose %s", text);
+    for (char *word = strtok_r(line, " ", &save); word; word = strtok_r(NULL, " ", &save)) words[n++] = word;
+    words[n] = NULL;
+    const pid_t child = fork();
+    if (child == 0) {
+        if (!freopen("out", "w", stdout) || !freopen("err", "w", stderr)) _exit(99);
+        if (most > 0) setrlimit(RLIMIT_FSIZE, &(struct rlimit){most, most});
+        exit(repose_main(n, words));
+    }
+    CU_ASSERT_FATAL(waitpid(child, &end, 0) == child);
+    CU_ASSERT(WIFEXITED(end) && WEXITSTATUS(end) != 99 && WEXITSTATUS(end) != 70);
+}
+
+static void test_random_folders(void)
+{
+    static const char *const starts[] = {"mkdir d", "cp -a run d", "cp -a pile d", "cp -a sweep d",
+                                         "cp -a stopped d"};
+    static const char *const commands[] = {
+        "run s.cfg -o d",
+        "run s.cfg -o d --force",
+        "run s.cfg -o d --force --dump vtk",
+        "run s.cfg -o d --snapshot 1 --dump xyz",
+        "run --resume d",
+        "run w.cfg --row 1 -o d",
+        "run w.cfg -o d --force",
+        "pile --base 4 -o d",
+        "pile --base 4 -o d --force",
+        "sweep plan w.cfg -o d",
+        "sweep plan v.cfg -o d --force",
+        "sweep run d -j 1",
+        "sweep run d -j 1 --shard 1/2",
+        "sweep merge d",
+        "sweep slurm d --shards 2",
+        "sweep salvage d",
+        "sweep export d -o d/runs.tsv",
+        "sweep make w.cfg -o d -j 1 --tables d",
+        "export d --to csv -o d/runs.tsv",
+        "export d --to vtk -o d/run.pvd",
+        "export d --to xyz -o d/run.xyz",
+        "view d -o d/pic.svg",
+        "calibrate --sweep w.cfg -o d -j 1 --theta-r-deg 20 --error-deg 1"};
+    enum { N = sizeof commands / sizeof *commands };
+    const size_t rounds = check_fast() ? 60 : 400;
+    char path[256], base[FOLDER_PATH];
+    folder_make_in_memory("folders", base);
+    CU_ASSERT_FATAL(chdir(base) == 0);
+    file_print("s.cfg", "%s", SCENE);
+    file_print("w.cfg", "%s", SWEEP);
+    file_print("v.cfg", "%s", SWEEP);
+    run_words("run s.cfg -o run --dump vtk", 0);
+    run_words("pile --base 4 -o pile", 0);
+    run_words("sweep plan w.cfg -o sweep", 0);
+    run_words("run s.cfg --every 1 --set steps=4000 --snapshot 100 -o stopped", 9000);
+    CU_ASSERT(access("stopped/unfinished/snapshot", F_OK) == 0);
+    chance = rp_random_alloc(36, 1, RP_PURPOSE_TEST);
+    size_t kept = 0;
+    for (size_t k = 0; k < rounds; k++) {
+        char line[2][160];
+        const size_t start = draw(5);
+        each_line("rm -rf d side && mkdir side && echo notes >side/notes && %s", starts[start]);
+        mine.n = 0;
+        put("side/none", 0, false);
+        strcpy(mine.of[mine.n].path, "side/notes");
+        strcpy(mine.of[mine.n].text, "notes\n");
+        mine.of[mine.n++].type = S_IFREG;
+        /* one of the program's finished files may have become a person's */
+        if (start == 1 && draw(3) == 0) unlink("d/contacts.tsv");
+        if (start == 1 && draw(3) == 0) unlink("d/run_frames/grains_000000.vtp");
+        for (size_t n = 1 + draw(6); n > 0; n--) {
+            const size_t i = draw(N_NAMES);
+            snprintf(path, sizeof path, "d/%s", names[i]);
+            put(path, draw(4), i >= RESERVED);
+        }
+        kept += mine.n;
+        for (size_t n = 0; n < 2; n++) {
+            snprintf(line[n], sizeof line[n], "%s", commands[draw(N)]);
+            run_words(line[n], 0);
+        }
+        for (const thing *t = mine.of; t < mine.of + mine.n; t++) {
+            const bool same = is_same(t);
+            if (!same)
+                fprintf(stderr, "%zu: %s of \"%s\" changed by %s; %s\n", k, t->path, starts[start], line[0],
+                        line[1]);
+            CU_ASSERT(same);
+        }
+        CU_ASSERT(rmdir("side/none") == 0 && unlink("side/notes") == 0 &&
+                  rmdir("side") == 0); /* and no more */
+    }
+    CU_ASSERT(kept > 4 * rounds);
+    gsl_rng_free(chance);
+    CU_ASSERT(chdir("/") == 0);
+    folder_remove(base);
+}
+
+void suite_folders(void)
+{
+    static const check_case cases[] = {{"what is refused", test_refusals},
+                                       {"sweeps", test_sweeps},
+                                       {"random folders", test_random_folders},
+                                       {0}};
+    check_register_within("folders", enter, leave, cases);
+}
