@@ -70,6 +70,7 @@ static rp_status open_tables(cli_unfinished *u)
 static rp_status start(cli_unfinished *u)
 {
     bool any;
+    RP_TRY(rp_make_directory(u->directory));
     RP_TRY(rp_folder_enter(u->directory, &u->folder));
     RP_TRY(rp_folder_settle(&u->folder, &any));
     RP_TRY(rp_folder_vacant(&u->folder, u->force));

@@ -17,8 +17,6 @@
 #include <unistd.h>
 #include <xxhash.h>
 
-#include "core/file.h"
-
 static const char MARKER[] = ".repose", NEW_MARKER[] = ".repose.new", STAGE[] = "unfinished";
 static const char *const HEADS[] = {"repose folder 1\n", "repose parts 1\n"};
 static const char NO_SUM[] = "--------------------------------";
@@ -164,8 +162,6 @@ rp_status rp_folder_open(const char *path, rp_folder *f)
 
 rp_status rp_folder_enter(const char *path, rp_folder *f)
 {
-    *f = (rp_folder){0};
-    RP_TRY(rp_make_directory(path));
     RP_TRY(rp_folder_open(path, f));
     if (flock(f->file, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return RP_OK;
     return rp_fail(RP_IO, "%s: another process runs in this folder", path);

@@ -32,9 +32,9 @@ typedef struct {
     rp_own *own;
 } rp_folder;
 
-/* Open a folder and read its marker; enter: make it with its parents, open it and lock it. rp_folder_close
- * follows, also after an error. Errors: RP_IO (also: locked by another process), RP_BAD_INPUT (a file .repose
- * that is no marker), RP_NO_MEMORY. */
+/* Open a folder and read its marker; enter: lock it too. rp_folder_close follows, also after an error.
+ * Errors: RP_IO (also: locked by another process), RP_BAD_INPUT (a file .repose that is no marker),
+ * RP_NO_MEMORY. */
 rp_status rp_folder_open(const char *path, rp_folder *f);
 rp_status rp_folder_enter(const char *path, rp_folder *f);
 void rp_folder_close(rp_folder *f);

@@ -80,9 +80,10 @@ static rp_status claim(const sweep_folder *f, const char *file)
         "sweep.cfg",        "lock",     "store.sqlite", "store.sqlite-journal", "store.sqlite-wal",
         "store.sqlite-shm", "snapshots"};
     char before[256] = "", holds[512];
-    rp_folder folder;
+    rp_folder folder = {0};
     struct stat info;
-    rp_status status = rp_folder_enter(f->dir, &folder);
+    rp_status status = rp_make_directory(f->dir);
+    if (!status) status = rp_folder_enter(f->dir, &folder);
     const bool older = !folder.marked && lstat(f->sqlite, &info) == 0 && S_ISREG(info.st_mode);
     if (!status && older) status = sweep_source(f->dir, before);
     if (!status && !folder.marked && !older) status = rp_folder_vacant(&folder, false);
