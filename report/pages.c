@@ -7,6 +7,7 @@
 #include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "core/file.h"
 #include "report/lineage.h"
@@ -291,6 +292,7 @@ static rp_status fill_page(cli_call *call, const void *values)
     const page_options *o = values;
     page p = {.tables = {call->arena, o->tables, NULL}, .template = cli_argument(call, 0)};
     RP_TRY(report_claims_read(p.tables.arena, o->claims, &p.claims));
+    (void)unlink(o->o); /* a page has no mark of the program's own files */
     RP_TRY(rp_file_open(o->o, &p.out));
     return rp_file_close(o->o, p.out, fill_file(&p, p.template));
 }
