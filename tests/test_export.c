@@ -776,6 +776,7 @@ static void test_random_texts(void)
         fclose(table);
         fclose(names);
         CU_ASSERT(shell("mkdir made >out 2>err") == 0);
+        CU_ASSERT(shell("rm -f random.csv random.json") == 0);
         GOOD("export random.tsv --to csv -o random.csv");
         GOOD("export random.tsv --to json -o random.json");
         for (int k = 0; k < 4; k++) {
