@@ -266,6 +266,17 @@ static void particles_from_table(void)
     CU_ASSERT(first.def.n_grains == 3 && first.grains[0].x == 9.0 && first.grains[2].r == 0.2);
     CHECK_FAILS(grains_read(text, &(rp_texts){1, {"particles_step=7"}}, &none), RP_BAD_INPUT,
                 ": no rows with step=7");
+    /* states say which grains are fixed */
+    scoped_scene again = {0};
+    scoped_sim *sim = NULL;
+    first.def.rotation = true;
+    CHECK_OK(dem_scene_start(&first, &sim));
+    FILE *out = fopen(table, "w");
+    dem_write_state_columns(out);
+    CHECK_OK(dem_write_states(sim, out));
+    fclose(out);
+    CHECK_OK(grains_read(text, NULL, &again));
+    CU_ASSERT(again.def.n_grains == 3 && again.grains[1].fixed && !again.grains[0].fixed && !*again.unused);
     static const char *const bad[] = {"-0.1", "0"};
     for (int k = 0; k < 2; k++) {
         scoped_scene s = {0};

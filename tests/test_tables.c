@@ -161,6 +161,7 @@ static void check_states(checked *s, const sums *sum, double dt)
         CHECK_NEAR(at(s, row, "fx"), sum->fx[id] + 40.0 * m, RELATIVE * size);
         CHECK_NEAR(at(s, row, "fy"), sum->fy[id] - 900.0 * m, RELATIVE * size);
         CHECK_NEAR(at(s, row, "contacts"), sum->contacts[id], 0.0);
+        CHECK_NEAR(at(s, row, "fixed"), 0.0, 0.0);
         /* forces change by a few percent a step */
         CHECK_NEAR((at(s, row, "vx") - at(s, before, "vx")) / dt,
                    0.5 * (at(s, row, "fx") + at(s, before, "fx")) / m, 1e-9 * size / m);
@@ -284,7 +285,7 @@ static void test_units(void)
 {
     static const struct {
         const char *table, *units;
-    } lists[] = {{"d/states.tsv", "1\ts\t1\tcm\tcm\trad\tcm/s\tcm/s\trad/s\tdyn\tdyn\tcm\tg\t1"},
+    } lists[] = {{"d/states.tsv", "1\ts\t1\tcm\tcm\trad\tcm/s\tcm/s\trad/s\tdyn\tdyn\tcm\tg\t1\t1"},
                  {"d/contacts.tsv", "1\ts\t1\t1\t1\tcm\tcm\tcm\tcm\tcm\tdyn\tdyn\tcm\tdyn cm\tcm"},
                  {"d/walls.tsv", "1\ts\t1\tcm\tcm\t1\t1\tcm\tcm\tdyn\tdyn"},
                  {"d/energy.tsv", "1\ts\t1\terg\terg\terg\terg\terg"}};

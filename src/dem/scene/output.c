@@ -17,7 +17,8 @@
 #define STATES(X) NOW(X) \
     X("id", p->id) X("x [cm]", p->x) X("y [cm]", p->y) X("angle [rad]", p->angle) \
     X("vx [cm/s]", p->vx) X("vy [cm/s]", p->vy) X("omega [rad/s]", p->omega) \
-    X("fx [dyn]", p->fx) X("fy [dyn]", p->fy) X("r [cm]", p->r) X("m [g]", p->m) X("contacts", p->contacts)
+    X("fx [dyn]", p->fx) X("fy [dyn]", p->fy) X("r [cm]", p->r) X("m [g]", p->m) \
+    X("contacts", p->contacts) X("fixed", p->fixed)
 
 #define CONTACTS(X) NOW(X) \
     X("id_a", c->id_a) X("id_b", c->id_b) X("wall", c->wall + 1) \
