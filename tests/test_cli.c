@@ -1831,7 +1831,8 @@ static void test_free_fall(void)
                "particles = ( { x = %.17g; y = %.17g; r = 0.1; m = 0.5; vx = %.17g; vy = %.17g; } );\n",
                gx, gy, x, y, vx, vy);
     GOOD("run scene.cfg --set dt=5e-5 --every 300");
-    CU_ASSERT(strstr(out, "\nstep\tt\tid\tx\ty\tangle\tvx\tvy\tomega\tfx\tfy\tr\tm\tcontacts\tfixed\n") != NULL);
+    CU_ASSERT(strstr(out, "\nstep\tt\tid\tx\ty\tangle\tvx\tvy\tomega\tfx\tfy\tr\tm\tcontacts\tfixed\n") !=
+              NULL);
     scoped_table t = read_table("out");
     CU_ASSERT(t.n_rows == 5);
     for (size_t i = 0; i < t.n_rows && i < 5; i++) {
