@@ -51,9 +51,9 @@ const rp_own *rp_folder_find(const rp_folder *f, const char *name)
     return find(f, name, 0);
 }
 
-rp_status rp_folder_list(rp_folder *f, const char *name, char act)
+/* List it without a look at the others: frames may be many. */
+static rp_status add(rp_folder *f, const char *name, char act)
 {
-    if (find(f, name, act)) return RP_OK;
     rp_own *more = realloc(f->own, (f->n + 1) * sizeof *more);
     if (more) f->own = more;
     char *copy = more ? strdup(name) : NULL;
@@ -63,13 +63,18 @@ rp_status rp_folder_list(rp_folder *f, const char *name, char act)
     return RP_OK;
 }
 
+rp_status rp_folder_list(rp_folder *f, const char *name, char act)
+{
+    return find(f, name, act) ? RP_OK : add(f, name, act);
+}
+
 /* A name of this folder, not of another one. */
 static rp_status read_line(rp_folder *f, char *line)
 {
     if (strlen(line) <= NAME_AT || !strchr("=-+", *line) || line[NAME_AT] == '.' || strchr(line, '/'))
         return not_ours(f, MARKER, "damaged");
-    RP_TRY(rp_folder_list(f, line + NAME_AT, *line));
-    memcpy(find(f, line + NAME_AT, *line)->sum, line + 2, 32);
+    RP_TRY(add(f, line + NAME_AT, *line));
+    memcpy(f->own[f->n - 1].sum, line + 2, 32);
     return RP_OK;
 }
 
@@ -152,12 +157,18 @@ rp_status rp_folder_write(rp_folder *f)
 
 /* ---- folders ---- */
 
-rp_status rp_folder_open(const char *path, rp_folder *f)
+static rp_status open_folder(const char *path, rp_folder *f)
 {
     *f = (rp_folder){.file = open(path, O_RDONLY | O_DIRECTORY | O_CLOEXEC)};
     if (snprintf(f->path, sizeof f->path, "%s", path) > (int)sizeof f->path - 64)
         return rp_fail(RP_BAD_INPUT, "%.60s...: path too long", path);
-    return f->file < 0 ? rp_fail(RP_IO, "%s: %s", path, strerror(errno)) : read_marker(f);
+    return f->file < 0 ? rp_fail(RP_IO, "%s: %s", path, strerror(errno)) : RP_OK;
+}
+
+rp_status rp_folder_open(const char *path, rp_folder *f)
+{
+    RP_TRY(open_folder(path, f));
+    return read_marker(f);
 }
 
 rp_status rp_folder_enter(const char *path, rp_folder *f)
@@ -407,14 +418,17 @@ rp_status rp_folder_publish(rp_folder *f)
 
 /* ---- single files and folders ---- */
 
-/* The folder of a path, and the name there. */
+/* The folder of a path, of whose marker only the head is read, and the name there. */
 static rp_status open_of(const char *path, rp_folder *f, const char **name)
 {
-    char folder[PATH_MAX];
+    char folder[PATH_MAX], first[512], last[64];
     const char *slash = strrchr(path, '/');
     snprintf(folder, sizeof folder, "%.*s", slash > path ? (int)(slash - path) : 1, slash ? path : ".");
     *name = slash ? slash + 1 : path;
-    return rp_folder_open(folder, f);
+    RP_TRY(open_folder(folder, f));
+    read_ends(f, MARKER, first, last);
+    f->parts = strncmp(first, HEADS[1], strlen(HEADS[1])) == 0;
+    return RP_OK;
 }
 
 /* Add lines to the marker of a folder of parts. */
@@ -433,11 +447,12 @@ rp_status rp_folder_admit(const char *path, const char *temporary)
     rp_folder f;
     const char *name, *slash = strrchr(temporary, '/');
     struct stat info;
-    const rp_own *own = open_of(path, &f, &name) ? NULL : find(&f, name, 0);
     rp_status status = RP_OK; /* a folder that cannot be opened is told by what follows */
-    if (own)
+    if (open_of(path, &f, &name)) return RP_OK;
+    const bool there = is_there(&f, name, &info);
+    if (there && read_marker(&f) == RP_OK && find(&f, name, 0))
         status = rp_folder_check(&f, name);
-    else if (f.file >= 0 && is_there(&f, name, &info) && !rp_folder_shows(&f, name))
+    else if (there && !rp_folder_shows(&f, name))
         status = rp_fail(RP_BAD_INPUT, "%s: %s; move it away, or give another name", path,
                          S_ISLNK(info.st_mode) ? "a link" : "nothing in it shows that this program wrote it");
     if (!status) status = add_lines(&f, name, slash ? slash + 1 : temporary);
