@@ -648,7 +648,7 @@ static void replaced_results(void)
         fclose(out);
     }
     replace_result("scene.cfg");
-    replace_result("scene.cfg --snapshot 1");
+    replace_result("scene.cfg --snapshot 1 --dump vtk");
     replace_result("sweep.cfg --row 1");
     munmap(seen, sizeof *seen);
     leave();
