@@ -51,13 +51,20 @@ static void test_refusals(void)
         {"cp -r r/. d && rm d/walls.tsv && mkdir d/walls.tsv", "pile -o d --force", "d/walls.tsv: "},
         {"cp -r r/. d && rm d/walls.tsv && ln -s ../side/notes d/walls.tsv", "run s.cfg -o d --force",
          "d/walls.tsv: changed since"},
-        {"echo mine >d/a.csv", "export r --to csv -o d/a.csv",
-         "d/a.csv: nothing in it shows that this program wrote"},
+        {"echo mine >d/a.csv", "export r --to csv -o d/a.csv", "d/a.csv: does not begin as what"},
+        {"echo 4 >d/a.xyz", "export r --to xyz -o d/a.xyz", "d/a.xyz: does not begin as what"},
+        {": >d/a.csv.gz", "export r --to csv -o d/a.csv.gz", "d/a.csv.gz: does not begin as what"},
         {"ln -s ../side/notes d/a.svg", "view r -o d/a.svg", "d/a.svg: a link; move it away"},
         {"echo mine >d/a.png", "view r -o d/a.png", "d/a.png: nothing in it shows"}};
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) refused(cases[k][0], cases[k][1], cases[k][2]);
     FAILS(64, "\"steps=3\": one argument too many", "run s.cfg steps=3");
     FAILS(64, "\"more\": one argument too many", "sweep status r more");
+    /* the same command again, also where a format has no header, and for another selection */
+    static const char *const exports[] = {"csv -o a.csv",     "csv -o a.csv.gz", "json -o a.json",
+                                          "lammps -o a.dump", "xyz -o a.xyz",    "vtk -o a.pvd"};
+    for (size_t k = 0; k < sizeof exports / sizeof *exports; k++)
+        for (int again = 0; again < 3; again++)
+            GOOD("export r --to %s %s", exports[k], again == 2 ? "--where id=1" : "");
     /* patterns are names */
     GOOD("run s.cfg -o 'r[1]'");
     FAILS(65, "r[1]: holds s.cfg, 4 steps", "run s.cfg --set steps=3 -o 'r[1]'");

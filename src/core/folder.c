@@ -442,7 +442,7 @@ static rp_status add_lines(const rp_folder *f, const char *name, const char *tem
     return fclose(out) == 0 ? RP_OK : failed(f, MARKER);
 }
 
-rp_status rp_folder_admit(const char *path, const char *temporary)
+rp_status rp_folder_admit(const char *path, const char *temporary, bool bare)
 {
     rp_folder f;
     const char *name, *slash = strrchr(temporary, '/');
@@ -452,12 +452,42 @@ rp_status rp_folder_admit(const char *path, const char *temporary)
     const bool there = is_there(&f, name, &info);
     if (there && read_marker(&f) == RP_OK && find(&f, name, 0))
         status = rp_folder_check(&f, name);
-    else if (there && !rp_folder_shows(&f, name))
+    else if (there && !(bare && S_ISREG(info.st_mode)) && !rp_folder_shows(&f, name))
         status = rp_fail(RP_BAD_INPUT, "%s: %s; move it away, or give another name", path,
                          S_ISLNK(info.st_mode) ? "a link" : "nothing in it shows that this program wrote it");
     if (!status) status = add_lines(&f, name, slash ? slash + 1 : temporary);
     rp_folder_close(&f);
     return status;
+}
+
+/* The head of gzip, of XYZ below the number of grains, or the first line; its length, 0: none. */
+static size_t find_head(const char first[512], const char **head)
+{
+    *head = first + strspn(first, "0123456789\n");
+    if (!**head) return 0;
+    return **head == '\x1f' ? 10 : strcspn(*head, strncmp(*head, "Properties=", 11) ? "\n" : " ");
+}
+
+rp_status rp_folder_admit_bare(const char *path, FILE *whole)
+{
+    rp_folder f;
+    const char *name, *old_head, *new_head;
+    char old[512], new[512] = "", last[64];
+    struct stat info;
+    (void)!pread(fileno(whole), new, sizeof new - 1, 0);
+    bool ours = open_of(path, &f, &name) || !is_there(&f, name, &info) || !S_ISREG(info.st_mode) ||
+                rp_folder_shows(&f, name) || (!read_marker(&f) && find(&f, name, 0));
+    if (!ours) {
+        read_ends(&f, name, old, last);
+        const size_t n = find_head(old, &old_head);
+        ours = n > 0 && n == find_head(new, &new_head) && memcmp(old_head, new_head, n) == 0;
+    }
+    rp_folder_close(&f);
+    return ours
+               ? RP_OK
+               : rp_fail(RP_BAD_INPUT,
+                         "%s: does not begin as what this program writes; move it away, or give another name",
+                         path);
 }
 
 rp_status rp_folder_make(const char *path)

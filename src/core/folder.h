@@ -80,8 +80,13 @@ rp_status rp_folder_grow(const char *path, bool grows);
 rp_status rp_folder_make(const char *path);
 
 /* For rp_file_open: may it write this path, by this temporary name? Not over a file unless its marker lists
- * it, or its own bytes show that the program wrote it. Errors: RP_BAD_INPUT. */
-rp_status rp_folder_admit(const char *path, const char *temporary);
+ * it, or its own bytes show that the program wrote it; `bare`: rp_folder_admit_bare tells. Errors:
+ * RP_BAD_INPUT. */
+rp_status rp_folder_admit(const char *path, const char *temporary, bool bare);
+
+/* For a bare file, once it is whole and flushed: does what is there begin as it does, so that it was written
+ * before? Errors: RP_BAD_INPUT. */
+rp_status rp_folder_admit_bare(const char *path, FILE *whole);
 
 RP_C_END
 

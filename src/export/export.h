@@ -15,7 +15,7 @@ typedef struct {
     const char *path;
     FILE *out, *plain;
 } export_file;
-rp_status export_open(const char *path, export_file *e);            /* as rp_file_open */
+rp_status export_open(const char *path, export_file *e);            /* as rp_file_open_bare */
 rp_status export_close(const export_file *e, rp_status keep);       /* as rp_file_close */
 const char *export_cell(const rp_table *t, size_t row, int column); /* a number: "inf" for infinite */
 
