@@ -83,8 +83,9 @@ static bool precedes(const dem_sim *sim, size_t one, const dem_touch *a, const d
 }
 
 /* Is the contact at point p with this direction one with the surface of a second wall too? Its point lies on
- * that wall, to a thousandth of the radius, or, beside a segment, the directions agree: at more than 0.05 rad
- * two sides that meet begin to touch below 0.1 % of overlap. */
+ * that wall, to a thousandth of the radius, or, beside a segment, its direction agrees with that segment's
+ * and with that of its contact: at more than 0.05 rad two sides that meet begin to touch below 0.1 % of
+ * overlap. */
 static bool is_on(const dem_sim *sim, size_t wall, const dem_touch *at_wall, dem_vec p, dem_vec normal,
                   double radius)
 {
@@ -94,7 +95,8 @@ static bool is_on(const dem_sim *sim, size_t wall, const dem_touch *at_wall, dem
     double ends[2];
     if (!ends_of(sim, wall, ends)) return false;
     if (hypot(along - fmin(fmax(along, ends[0]), ends[1]), above) <= 1e-3 * radius) return true;
-    return !dem_wall_is_line(&sim->walls.wall[wall]) && dem_dot(normal, at_wall->normal) > SLIGHT;
+    return !dem_wall_is_line(&sim->walls.wall[wall]) && dem_dot(normal, at_wall->normal) > SLIGHT &&
+           fabs(dem_dot(normal, direction)) > SLIGHT;
 }
 
 static dem_vec nearest_point(const dem_sim *sim, const dem_wall_slot *slot, const dem_touch *touch)
