@@ -391,7 +391,7 @@ rp_status dem_rest_state(const dem_sim *sim, double lo, double hi, dem_rest *res
 /* At rest: the mean kinetic energy is at most `energy`, and the largest net force on a grain with a contact
  * at most `force`; 1e-7 m g d and 1e-2 m g in a box. Forces count because energies are small at turning
  * points too. Grains are at rest once ten looks in a row say so, 500 steps apart: so a grain that flies is
- * seen to fall. Where looks follow sooner, `brief`, forces on grains without a contact count as well. */
+ * seen to fall. Where that may take longer, `brief`, forces on grains without a contact count as well. */
 enum { DEM_REST_LOOKS = 10, DEM_REST_STEPS = 500 };
 bool dem_at_rest(const dem_rest *rest, double energy, double force, bool brief);
 
