@@ -556,7 +556,8 @@ static void refused_resumes(void)
         CU_ASSERT(shell(line) == 65);
         CU_ASSERT(says(list[k].text));
     }
-    static const char *const starts[] = {"-o e", "--every 5", "--row 1", "--snapshot 5", "--force"};
+    static const char *const starts[] = {"-o e",         "--every 5",  "--row 1",
+                                         "--snapshot 5", "--dump xyz", "--force"};
     for (size_t k = 0; k < sizeof starts / sizeof *starts; k++) {
         char line[128];
         snprintf(line, sizeof line, "\"$REPOSE\" run --resume d %s 2>err", starts[k]);
@@ -574,8 +575,8 @@ static void refused_resumes(void)
     CU_ASSERT(shell("\"$REPOSE\" run --resume d && \"$REPOSE\" run --resume d >done && "
                     "grep -q 'd: the run is done' done && mv d again && " START
                     "300 && diff -r d again") == 0);
-    /* a finished run is that of its scene; --dump adds what was not asked for at the start */
-    CU_ASSERT(shell("\"$REPOSE\" run s.cfg --resume again --dump vtk >done && test -e again/run.pvd") == 0);
+    /* a finished run is that of its scene */
+    CU_ASSERT(shell("\"$REPOSE\" run s.cfg --resume again >done") == 0);
     static const char *const others[] = {"--set steps=300", "--set tangential.mu=0.4"};
     for (size_t k = 0; k < sizeof others / sizeof *others; k++) {
         char line[128];

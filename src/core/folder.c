@@ -378,20 +378,6 @@ static rp_status seal(const rp_folder *f, rp_own *o)
     return status;
 }
 
-rp_status rp_folder_grow(const char *path, bool grows)
-{
-    rp_folder f;
-    rp_status status = rp_folder_enter(path, &f);
-    for (rp_own *o = f.own; !status && !grows && o < f.own + f.n; o++) {
-        if (o->act == RP_OWN_GOES) o->act = 0;
-        status = seal(&f, o);
-    }
-    f.parts = grows;
-    if (!status) status = rp_folder_write(&f);
-    rp_folder_close(&f);
-    return status;
-}
-
 rp_status rp_folder_publish(rp_folder *f)
 {
     rp_folder stage;

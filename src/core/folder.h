@@ -73,9 +73,6 @@ rp_status rp_folder_file(const rp_folder *f, const char *name, int flags, FILE *
 rp_status rp_folder_publish(rp_folder *f);
 rp_status rp_folder_settle(rp_folder *f, bool *moved);
 
-/* What rp_file_open writes into a finished folder between these is part of its result. */
-rp_status rp_folder_grow(const char *path, bool grows);
-
 /* Make a folder with a marker, for files that rp_file_open writes; one that is there stays as it is. */
 rp_status rp_folder_make(const char *path);
 

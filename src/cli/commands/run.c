@@ -34,7 +34,7 @@
     X(INT, snapshot, "steps", "0", "[0, 2147483647]",                                                        \
       "interval of the snapshots in DIR/unfinished; 0: none; needs -o")                                      \
     X(CHOICE, dump, "", "none", "none | lammps | xyz | vtk",                                                 \
-      "write the frames for another program too, as `repose export` does; needs -o or --resume")             \
+      "write the frames for another program too, as `repose export` does; needs -o")                         \
     CLI_FORCE(X)                                                                                             \
     CLI_QUIET(X)                                                                                             \
     X(TEXT, resume, "", "", "", "resume from the snapshot in this folder, with the options of the start")
@@ -465,9 +465,9 @@ static rp_status resume(const cli_call *call, const run_options *o)
     scene_run r = {.threads = o->j};
     outputs out = outputs_in(call->arena, o->resume, true, o->quiet);
     if (cli_given(call, "o") || cli_given(call, "every") || cli_given(call, "row") ||
-        cli_given(call, "snapshot") || cli_given(call, "force"))
+        cli_given(call, "snapshot") || cli_given(call, "dump") || cli_given(call, "force"))
         return rp_fail(RP_USAGE, "--resume continues with the options of the start; it takes no -o, --every, "
-                                 "--row, --snapshot or --force");
+                                 "--row, --snapshot, --dump or --force");
     if (!scene && (o->set.n > 0 || o->ledger))
         return rp_fail(RP_USAGE, "--set and --ledger need a scene file");
     cli_on_stop(note_stop);
@@ -475,14 +475,10 @@ static rp_status resume(const cli_call *call, const run_options *o)
     rp_status status = cli_unfinished_resume(&out.unfinished, keep_run, &r, &done);
     if (!status && done) {
         if (scene) RP_TRY(check_scene(scene, o, NULL, out.unfinished.holds));
-        if (o->dump) RP_TRY(rp_folder_grow(o->resume, true));
-        status = export_folder(call->arena, o->resume, (export_format)o->dump);
-        if (o->dump) RP_TRY(status ? status : rp_folder_grow(o->resume, false));
         printf("%s: the run is done; its tables are in this folder\n", o->resume);
         return RP_OK;
     }
     if (!status && scene) status = check_scene(scene, o, &r.plan, NULL);
-    if (o->dump) r.plan.dump = o->dump;
     if (status) {
         dem_free(r.sim);
         return cli_unfinished_end(&out.unfinished, true, status);
@@ -514,7 +510,7 @@ const cli_command cmd_run = {
     "simulate any scene, described in a file",
     "SCENE.cfg [--set KEY=VALUE]... [--every N] [--ledger] [-o DIR [--snapshot N] [--dump FORMAT] "
     "[--force]]\n"
-    "[SCENE.cfg] --resume DIR [--dump FORMAT]\n"
+    "[SCENE.cfg] --resume DIR\n"
     "SWEEP.cfg [--row N] -o DIR [--every N] [--ledger] [--force]",
     "A file that the current folder lacks, as examples/pile.cfg, is read from the program's own files:\n"
     "PREFIX/share/repose where it is installed.\n"
@@ -555,7 +551,7 @@ const cli_command cmd_run = {
         "the way.\n"
         "--snapshot and --dump without -o; --row with a scene; --set, -j, --snapshot and --dump with "
         "a sweep.\n"
-        "--resume with -o, --every, --row, --snapshot or --force: it continues with the options of "
+        "--resume with -o, --every, --row, --snapshot, --dump or --force: it continues with the options of "
         "the start.\n"
         "A snapshot of another scene, program version or model, or a damaged one.",
     .act = run_any};
