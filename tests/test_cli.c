@@ -2029,6 +2029,10 @@ static void test_make(void)
     CU_ASSERT(run("sweep make s.cfg -o d --tables 't[1]' --study") == 64 && strstr(err, "t[1]/b/s_runs.tsv"));
     write_text("m.cfg", "tables = [ \"m_1 = continuum --alpha-deg 30\" ];\n");
     GOOD("sweep make m.cfg -o d --tables t");
+    /* folders of tables are made anew too */
+    write_text("f.cfg", "tables = [ \"f = pile --base 3 --eps 1e-3 -o @/f\" ];\n");
+    for (int again = 0; again < 2; again++) GOOD("sweep make f.cfg -o d --tables t");
+    CU_ASSERT(shell("test -e t/f/disks.tsv") == 0);
     scoped_table model = read_table("t/m_1.tsv");
     CU_ASSERT(model.n_rows > 10);
     write_text("m.cfg", "tables = [ \"m_1 = continuum\" ];\n");

@@ -259,6 +259,10 @@ static rp_status make_table(rp_arena *arena, const sweep_table *table, const cha
     RP_TRY(rp_file_open(path, &out));
     for (char *word = strtok_r(text, " ", &save); !status && word; word = strtok_r(NULL, " ", &save))
         status = add_word(arena, word, tables, &words);
+    /* the folder of a run or a pile is made anew with its table */
+    const bool folder = strncmp(table->command, "run ", 4) == 0 || strncmp(table->command, "pile ", 5) == 0;
+    if (!status && folder && strstr(table->command, " -o @"))
+        status = add_word(arena, "--force", tables, &words);
     char **argv = rp_arena_memory(arena, words.n, sizeof *argv); /* and the NULL that ends them */
     memcpy(argv, words.path, words.n * sizeof *argv);
     const pid_t child = status ? -1 : fork();
