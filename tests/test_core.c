@@ -439,7 +439,7 @@ static void table_forms(void)
     rp_table_free(&t);
     /* of too many columns the first are named */
     char wide[700], found[560];
-    for (int k = 0; k < 680; k++) wide[k] = k % 17 == 16 ? ' ' : (char)('a' + k / 17 % 26);
+    for (int k = 0; k < 680; k++) wide[k] = (char)(k % 17 == 16 ? ' ' : 'a' + k / 17 % 26);
     strcpy(wide + 680, "\n");
     snprintf(found, sizeof found, "\"x\"; found: %.506s ...", wide);
     file_print(path, "%s", wide);
