@@ -700,6 +700,7 @@ static void joints(void)
             def.walls[w].extent[0] = 0.0, def.walls[w].extent[1] = 1.0;
         }
         scoped_sim *sim = grains_start(&def);
+        free(sim->walls.slot);
         sim->walls.slot = dem_array(sim->walls.capacity = 2, sizeof *sim->walls.slot);
         for (uint32_t w = 0; w < 2; w++) sim->walls.slot[w] = (dem_wall_slot){.wall = w, .next = !w};
         sim->walls.n_slots = 2;

@@ -293,6 +293,7 @@ rp_status rp_folder_clear(rp_folder *f)
         if (is_there(f, f->own[i].name, &info) && (S_ISDIR(info.st_mode) || S_ISREG(info.st_mode)))
             RP_TRY(remove_own(f, f->own[i].name, &info));
     RP_TRY(remove_new(f));
+    for (size_t i = 0; i < f->n; i++) free(f->own[i].name);
     f->n = 0; /* their names are people's from now on */
     return f->parts && !rp_folder_empty(f) ? rp_folder_write(f) : remove_file(f, MARKER);
 }
