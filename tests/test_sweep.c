@@ -748,6 +748,7 @@ static void test_damaged_rows(void)
 {
     static const char *const damages[] = {"UPDATE runs SET y_deg = y_deg + 1e-15 WHERE run = 4",
                                           "UPDATE runs SET status = 'no_pile' WHERE run = 4",
+                                          "UPDATE runs SET program = CAST(program AS BLOB) WHERE run = 4",
                                           "UPDATE runs SET run = 44 WHERE run = 4",
                                           "UPDATE runs SET key = 'a' || substr(key, 2) WHERE run = 4",
                                           "UPDATE runs SET run = NULL, y_deg = 3 WHERE run = 4"};

@@ -537,10 +537,12 @@ rp_status sweep_store_pace(sweep_store *s, double *seconds)
     return sweep_sql_finish(s, "read the store", q);
 }
 
+/* A text of which a changed byte made a blob is none: SQL takes the two for different ones. */
 static const char *column_text(sqlite3_stmt *q, int column)
 {
+    const bool blob = sqlite3_column_type(q, column) == SQLITE_BLOB;
     const char *text = (const char *)sqlite3_column_text(q, column);
-    return text ? text : "";
+    return text && !blob ? text : "";
 }
 
 /* Take the row that is read apart; false if its sum is wrong. */
