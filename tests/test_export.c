@@ -340,7 +340,7 @@ static void test_vtk_files(void)
     write_small();
     GOOD("export d --to vtk -o a.pvd");
     file_is("a.pvd",
-            "<?xml version=\"1.0\"?>\n<!-- frames, written by repose export -->\n<VTKFile "
+            "<?xml version=\"1.0\"?>\n<VTKFile "
             "type=\"Collection\" version=\"1.0\">\n<Collection>\n" PART("0", "0", "grains", "grains_000000")
                 PART("0", "1", "contacts", "contacts_000000") PART("0", "2", "walls", "walls_000000")
                     PART("0.25", "0", "grains", "grains_000001")

@@ -7,6 +7,7 @@
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
+#include <sys/xattr.h>
 #include <unistd.h>
 
 #include "core/file.h"
@@ -34,6 +35,8 @@ static void test_refusals(void)
     write_text("s.cfg", SCENE);
     write_text("w.cfg", SWEEP);
     GOOD("run s.cfg -o r");
+    GOOD("sweep plan w.cfg -o w");
+    GOOD("sweep run w -j 1 --quiet");
     static const char *const cases[][3] = {
         {"mkdir d/unfinished && echo a >d/unfinished/notes.txt", "run s.cfg -o d",
          "d/unfinished: not listed"},
@@ -51,20 +54,32 @@ static void test_refusals(void)
         {"cp -r r/. d && rm d/walls.tsv && mkdir d/walls.tsv", "pile -o d --force", "d/walls.tsv: "},
         {"cp -r r/. d && rm d/walls.tsv && ln -s ../side/notes d/walls.tsv", "run s.cfg -o d --force",
          "d/walls.tsv: changed since"},
-        {"echo mine >d/a.csv", "export r --to csv -o d/a.csv", "d/a.csv: does not begin as what"},
-        {"echo 4 >d/a.xyz", "export r --to xyz -o d/a.xyz", "d/a.xyz: does not begin as what"},
-        {": >d/a.csv.gz", "export r --to csv -o d/a.csv.gz", "d/a.csv.gz: does not begin as what"},
+        {"echo id,x,y,r >d/a.csv", "export r --to csv -o d/a.csv", "d/a.csv: nothing in it shows"},
+        {"echo 4 >d/a.xyz", "export r --to xyz -o d/a.xyz", "d/a.xyz: nothing in it shows"},
+        {": >d/a.csv.gz", "export r --to csv -o d/a.csv.gz", "d/a.csv.gz: nothing in it shows"},
+        {"echo '<?xml version=\"1.0\"?>' >d/a.pvd", "export r --to vtk -o d/a.pvd",
+         "d/a.pvd: nothing in it shows"},
+        {"echo '{' >d/a.json", "export r --to json -o d/a.json", "d/a.json: nothing in it shows"},
+        {"echo 'see:# program: repose 1' >d/a.tsv", "sweep export w -o d/a.tsv",
+         "d/a.tsv: nothing in it shows"},
+        {"echo 'figure, written by repose view' >d/a.svg", "view r -o d/a.svg",
+         "d/a.svg: nothing in it shows"},
         {"ln -s ../side/notes d/a.svg", "view r -o d/a.svg", "d/a.svg: a link; move it away"},
         {"echo mine >d/a.png", "view r -o d/a.png", "d/a.png: nothing in it shows"}};
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) refused(cases[k][0], cases[k][1], cases[k][2]);
     FAILS(64, "\"steps=3\": one argument too many", "run s.cfg steps=3");
     FAILS(64, "\"more\": one argument too many", "sweep status r more");
-    /* the same command again, also where a format has no header, and for another selection */
+    /* the same command again, and for another selection, also where a format has no header if the file system
+     * has attributes; but not over what a person changed */
     static const char *const exports[] = {"csv -o a.csv",     "csv -o a.csv.gz", "json -o a.json",
                                           "lammps -o a.dump", "xyz -o a.xyz",    "vtk -o a.pvd"};
+    write_text("n", "a");
+    const bool signs = setxattr("n", "user.repose", "a", 1, 0) == 0;
     for (size_t k = 0; k < sizeof exports / sizeof *exports; k++)
-        for (int again = 0; again < 3; again++)
+        for (int again = 0; again < (signs ? 3 : 1); again++)
             GOOD("export r --to %s %s", exports[k], again == 2 ? "--where id=1" : "");
+    CU_ASSERT(shell("echo more >>a.csv") == 0);
+    FAILS(65, "a.csv: nothing in it shows", "export r --to csv -o a.csv");
     /* patterns are names */
     GOOD("run s.cfg -o 'r[1]'");
     FAILS(65, "r[1]: holds s.cfg, 4 steps", "run s.cfg --set steps=3 -o 'r[1]'");

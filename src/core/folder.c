@@ -14,11 +14,13 @@
 #include <sys/file.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
+#include <sys/xattr.h>
 #include <unistd.h>
 #include <xxhash.h>
 
 static const char MARKER[] = ".repose", NEW_MARKER[] = ".repose.new", STAGE[] = "unfinished";
 static const char *const HEADS[] = {"repose folder 1\n", "repose parts 1\n"};
+static const char SIGNATURE[] = "user.repose"; /* attribute of a file: the checksum of its bytes */
 static const char NO_SUM[] = "--------------------------------";
 enum { NAME_AT = 2 + 32 + 1 };
 
@@ -114,13 +116,52 @@ static off_t read_ends(const rp_folder *f, const char *name, char first[512], ch
     return regular ? info.st_size : -1;
 }
 
+/* The checksum of an open file. */
+static bool sum_of(int file, char sum[33])
+{
+    struct stat info;
+    const size_t n = fstat(file, &info) == 0 ? (size_t)info.st_size : 0;
+    void *bytes = n > 0 ? mmap(NULL, n, PROT_READ, MAP_PRIVATE, file, 0) : "";
+    if (file < 0 || bytes == MAP_FAILED) return false;
+    const XXH128_hash_t hash = XXH3_128bits(bytes, n);
+    snprintf(sum, 33, "%016llx%016llx", (unsigned long long)hash.high64, (unsigned long long)hash.low64);
+    if (n > 0) munmap(bytes, n);
+    return true;
+}
+
+void rp_folder_sign(FILE *whole)
+{
+    char sum[33];
+    if (sum_of(fileno(whole), sum)) (void)!fsetxattr(fileno(whole), SIGNATURE, sum, 32, 0);
+}
+
+static bool is_signed(const rp_folder *f, const char *name)
+{
+    char sum[33], signature[33] = "";
+    const int file = openat(f->file, name, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+    const bool is = file >= 0 && fgetxattr(file, SIGNATURE, signature, 32) == 32 && sum_of(file, sum) &&
+                    strcmp(sum, signature) == 0;
+    if (file >= 0) close(file);
+    return is;
+}
+
+/* The tail of a picture, after what ends it, or in a comment. */
+static bool is_drawn(const char last[64])
+{
+    const char *at = memmem(last, 64, "repose view", 11);
+    return at && ((at > last && strchr("%\x0b"
+                                       "e",
+                                       at[-1])) ||
+                  (at >= last + 5 && !memcmp(at - 5, "<!-- ", 5)));
+}
+
 bool rp_folder_shows(const rp_folder *f, const char *name)
 {
     char first[512], last[64];
     read_ends(f, name, first, last);
     return strncmp(first, "# program: repose ", 18) == 0 || strncmp(first, "repose snapshot\n", 16) == 0 ||
-           strstr(first, "\"program\": \"repose ") || strstr(first, " written by repose ") ||
-           memmem(last, 64, "repose view", 11);
+           strstr(first, "\"program\": \"repose ") || is_drawn(last) ||
+           (*first == '#' && strstr(first, ", written by repose ")) || is_signed(f, name);
 }
 
 static rp_status remove_file(const rp_folder *f, const char *name)
@@ -208,14 +249,9 @@ static rp_status find_sum(const rp_folder *f, const char *name, char sum[33])
     strcpy(sum, NO_SUM);
     if (!is_there(f, name, &info) || !S_ISREG(info.st_mode)) return RP_OK;
     const int file = openat(f->file, name, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
-    const size_t n = (size_t)info.st_size;
-    void *bytes = n > 0 ? mmap(NULL, n, PROT_READ, MAP_PRIVATE, file, 0) : "";
+    const bool found = file >= 0 && sum_of(file, sum);
     if (file >= 0) close(file);
-    if (file < 0 || bytes == MAP_FAILED) return failed(f, name);
-    const XXH128_hash_t hash = XXH3_128bits(bytes, n);
-    snprintf(sum, 33, "%016llx%016llx", (unsigned long long)hash.high64, (unsigned long long)hash.low64);
-    if (n > 0) munmap(bytes, n);
-    return RP_OK;
+    return found ? RP_OK : failed(f, name);
 }
 
 /* Visit what is in a folder, but for its marker. */
@@ -429,7 +465,7 @@ static rp_status add_lines(const rp_folder *f, const char *name, const char *tem
     return fclose(out) == 0 ? RP_OK : failed(f, MARKER);
 }
 
-rp_status rp_folder_admit(const char *path, const char *temporary, bool bare)
+rp_status rp_folder_admit(const char *path, const char *temporary)
 {
     rp_folder f;
     const char *name, *slash = strrchr(temporary, '/');
@@ -439,42 +475,12 @@ rp_status rp_folder_admit(const char *path, const char *temporary, bool bare)
     const bool there = is_there(&f, name, &info);
     if (there && read_marker(&f) == RP_OK && find(&f, name, 0))
         status = rp_folder_check(&f, name);
-    else if (there && !(bare && S_ISREG(info.st_mode)) && !rp_folder_shows(&f, name))
+    else if (there && !rp_folder_shows(&f, name))
         status = rp_fail(RP_BAD_INPUT, "%s: %s; move it away, or give another name", path,
                          S_ISLNK(info.st_mode) ? "a link" : "nothing in it shows that this program wrote it");
     if (!status) status = add_lines(&f, name, slash ? slash + 1 : temporary);
     rp_folder_close(&f);
     return status;
-}
-
-/* The head of gzip, of XYZ below the number of grains, or the first line; its length, 0: none. */
-static size_t find_head(const char first[512], const char **head)
-{
-    *head = first + strspn(first, "0123456789\n");
-    if (!**head) return 0;
-    return **head == '\x1f' ? 10 : strcspn(*head, strncmp(*head, "Properties=", 11) ? "\n" : " ");
-}
-
-rp_status rp_folder_admit_bare(const char *path, FILE *whole)
-{
-    rp_folder f;
-    const char *name, *old_head, *new_head;
-    char old[512], new[512] = "", last[64];
-    struct stat info;
-    (void)!pread(fileno(whole), new, sizeof new - 1, 0);
-    bool ours = open_of(path, &f, &name) || !is_there(&f, name, &info) || !S_ISREG(info.st_mode) ||
-                rp_folder_shows(&f, name) || (!read_marker(&f) && find(&f, name, 0));
-    if (!ours) {
-        read_ends(&f, name, old, last);
-        const size_t n = find_head(old, &old_head);
-        ours = n > 0 && n == find_head(new, &new_head) && memcmp(old_head, new_head, n) == 0;
-    }
-    rp_folder_close(&f);
-    return ours
-               ? RP_OK
-               : rp_fail(RP_BAD_INPUT,
-                         "%s: does not begin as what this program writes; move it away, or give another name",
-                         path);
 }
 
 rp_status rp_folder_make(const char *path)

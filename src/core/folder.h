@@ -44,7 +44,9 @@ const rp_own *rp_folder_find(const rp_folder *f, const char *name);
 rp_status rp_folder_list(rp_folder *f, const char *name, char act);
 rp_status rp_folder_write(rp_folder *f);
 
-/* Nothing is in it but a marker. The start or the end of a file shows that the program wrote it. */
+/* Nothing is in it but a marker. The start, the end or the signature of a file shows that the program wrote
+ * it.
+ */
 bool rp_folder_empty(const rp_folder *f);
 bool rp_folder_shows(const rp_folder *f, const char *name);
 
@@ -77,13 +79,12 @@ rp_status rp_folder_settle(rp_folder *f, bool *moved);
 rp_status rp_folder_make(const char *path);
 
 /* For rp_file_open: may it write this path, by this temporary name? Not over a file unless its marker lists
- * it, or its own bytes show that the program wrote it; `bare`: rp_folder_admit_bare tells. Errors:
- * RP_BAD_INPUT. */
-rp_status rp_folder_admit(const char *path, const char *temporary, bool bare);
+ * it, or rp_folder_shows. Errors: RP_BAD_INPUT. */
+rp_status rp_folder_admit(const char *path, const char *temporary);
 
-/* For a bare file, once it is whole and flushed: does what is there begin as it does, so that it was written
- * before? Errors: RP_BAD_INPUT. */
-rp_status rp_folder_admit_bare(const char *path, FILE *whole);
+/* Sign a file of a format without a header, whole and flushed, by an attribute of it. Where the file system
+ * has none, the program does not replace the file later. */
+void rp_folder_sign(FILE *whole);
 
 RP_C_END
 

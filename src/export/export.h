@@ -15,13 +15,12 @@ typedef struct {
     const char *path;
     FILE *out, *plain;
 } export_file;
-rp_status export_open(const char *path, export_file *e);            /* as rp_file_open_bare */
-rp_status export_close(const export_file *e, rp_status keep);       /* as rp_file_close */
+rp_status export_open(const char *path, export_file *e);            /* as rp_file_open */
+rp_status export_close(const export_file *e, rp_status keep);       /* as rp_file_close; signed */
 const char *export_cell(const rp_table *t, size_t row, int column); /* a number: "inf" for infinite */
 
-/* Make a text one word, in which no program finds a command or a mark: other letters than those, digits,
- * UTF-8 and
- * ._+-/()[] become _. */
+/* Make a text one word, in which no program finds a command or a mark: what is no letter, digit, UTF-8 or one
+ * of ._+-/()[] becomes _. */
 char *export_word(char *text);
 
 /* "out/pile", without the ending (and .gz before it), of "out/pile.pvd". */

@@ -26,7 +26,7 @@ static int gz_close(void *file)
 rp_status export_open(const char *path, export_file *e)
 {
     *e = (export_file){.path = path};
-    rp_status status = rp_file_open_bare(path, &e->plain);
+    rp_status status = rp_file_open(path, &e->plain);
     e->out = e->plain;
     if (status || !rp_ends_in(path, ".gz")) return status;
     gzFile file = gzdopen(dup(fileno(e->plain)), "wb");
@@ -43,7 +43,7 @@ rp_status export_close(const export_file *e, rp_status keep)
         if (!keep && (failed || unclosed)) keep = rp_fail(RP_IO, "%s: cannot write", e->path);
     }
     if (!keep) keep = rp_file_finish(e->plain, e->path);
-    if (!keep && e->plain != stdout) keep = rp_folder_admit_bare(e->path, e->plain);
+    if (!keep && e->plain != stdout) rp_folder_sign(e->plain);
     return rp_file_close(e->path, e->plain, keep);
 }
 

@@ -180,12 +180,9 @@ rp_status export_vtk(const export_run *run, const char *path)
         return rp_fail(RP_USAGE, "-o %s: vtk needs a name that ends in .pvd", path);
     char *folder = rp_text(run->arena, "%s_frames", export_stem(run->arena, path));
     export_word(basename(folder)); /* of an attribute in XML */
-    rp_status status = RP_OK;
-    RP_TRY(rp_folder_make(folder));
     RP_TRY(export_open(path, &e));
-    fputs("<?xml version=\"1.0\"?>\n<!-- frames, written by repose export -->\n<VTKFile type=\"Collection\" "
-          "version=\"1.0\">\n<Collection>\n",
-          e.out);
+    rp_status status = rp_folder_make(folder);
+    fputs("<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\">\n<Collection>\n", e.out);
     for (size_t k = 0; k < run->grains.n && !status; k++) status = write_frame(run, k, folder, e.out);
     fputs("</Collection>\n</VTKFile>\n", e.out);
     return export_close(&e, status);
