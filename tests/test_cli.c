@@ -926,7 +926,7 @@ static void test_slope_anywhere(void)
               strstr(err, "empty cells have height 0"));
     FAILS(1, "sparse: ", "angle slope right.csv --where 'x>=200' --width 801 --cell 20");
     CU_ASSERT(shell("awk -F, -v OFS=, 'NR > 1 { $2 -= 50 } { print }' right.csv >low.csv") == 0);
-    FAILS(1, "y = -43 on, where a box has 0", "angle slope low.csv --width 801 --cell 20");
+    FAILS(1, "the lowest y -43, where a box begins at 0, 0", "angle slope low.csv --width 801 --cell 20");
     GOOD("angle slope low.csv");
 }
 

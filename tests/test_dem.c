@@ -819,7 +819,7 @@ static void filling(void)
     CHECK_FAILS(dem_fill_random(&other, b), RP_NO_RESULT, "of N = ");
     long first, have;
     CU_ASSERT(sscanf(rp_message(),
-                     "no room for grain %ld of N = 500, of radius 0.%*d, in W = 0.9, H = 1: %ld have it;",
+                     "no room for grain %ld of N = 500, of radius 0.%*d, in W = 0.9, H = 1: %ld have room;",
                      &first, &have) == 2 &&
               have == first - 1);
 }

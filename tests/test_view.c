@@ -1074,8 +1074,9 @@ static void test_closing_line(void)
     /* falls too slowly to be seen in so short a time */
     GOOD("run thrown.cfg --set dt=1e-9 --set 'particles[0].vy=0' --set steps=6000");
     CU_ASSERT(strstr(err, " s; not at rest; ") != NULL);
-    CU_ASSERT(run("run level.cfg -j 3") == 0 && strncmp(err, "repose run: -j 3 has no use: ", 29) == 0);
-    CU_ASSERT(strstr(err, ", and there are 2\nrepose run: 2 grains, ") != NULL);
+    CU_ASSERT(run("run level.cfg -j 3") == 0 &&
+              strncmp(err, "repose run: -j 3 has no use here: one thread works. ", 52) == 0);
+    CU_ASSERT(strstr(err, "; there are 2\nrepose run: 2 grains, ") != NULL);
 }
 
 /* Without a terminal a line a minute, with it a bar; the time left follows from the steps done. */

@@ -44,7 +44,6 @@ long cli_rest_next(const cli_rest *rest, long step)
 /* Without gravity only without any energy and force. */
 rp_status cli_rest_look(rp_arena *arena, const dem_sim *sim, cli_rest *rest)
 {
-    static const double ENERGY = 1e-7, FORCE = 1e-2; /* m g d and m g, as the boxes of sweeps have them */
     const long gap = gap_of(rest), left = rest->steps - dem_step(sim);
     const rp_mark mark = rp_arena_mark(arena);
     dem_rest now;
@@ -52,7 +51,8 @@ rp_status cli_rest_look(rp_arena *arena, const dem_sim *sim, cli_rest *rest)
     if (gap == 0 || left % gap != 0 || left / gap >= DEM_REST_LOOKS) return RP_OK;
     RP_TRY(measure(arena, sim, &s));
     RP_TRY(dem_rest_state(sim, -INFINITY, INFINITY, &now));
-    const bool passed = s.n > 0 && dem_at_rest(&now, ENERGY * s.weight * s.d, FORCE * s.weight, true);
+    const bool passed =
+        s.n > 0 && dem_at_rest(&now, DEM_REST_ENERGY * s.weight * s.d, DEM_REST_FORCE * s.weight, true);
     rest->passed = passed ? rest->passed + 1 : 0;
     rp_arena_release(arena, mark);
     return RP_OK;
@@ -62,9 +62,8 @@ void cli_tell_threads(const dem_sim *sim, const char *command, long threads)
 {
     if (threads > 1 && !dem_threads_serve(sim))
         fprintf(stderr,
-                "repose %s: -j %ld has no use: one thread works; more serve velocity Verlet without hard "
-                "collisions "
-                "and ledger, from some 10000 grains on, and there are %zu\n",
+                "repose %s: -j %ld has no use here: one thread works. Threads serve velocity Verlet without "
+                "hard collisions and ledger, from some 16000 grains on; there are %zu\n",
                 command, threads, dem_count(sim));
 }
 

@@ -389,10 +389,13 @@ typedef struct {
 rp_status dem_rest_state(const dem_sim *sim, double lo, double hi, dem_rest *rest); /* RP_NO_MEMORY */
 
 /* At rest: the mean kinetic energy is at most `energy`, and the largest net force on a grain with a contact
- * at most `force`; 1e-7 m g d and 1e-2 m g in a box. Forces count because energies are small at turning
- * points too. Grains are at rest once ten looks in a row say so, 500 steps apart: so a grain that flies is
- * seen to fall. Where that may take longer, `brief`, forces on grains without a contact count as well. */
+ * at most `force`; in a box these are the constants, m g d and m g. Forces count because energies are small
+ * at turning points too. Grains are at rest once ten looks in a row say so, 500 steps apart: so a grain that
+ * flies is seen to fall. Where that may take longer, `brief`, forces on grains without a contact count as
+ * well. */
 enum { DEM_REST_LOOKS = 10, DEM_REST_STEPS = 500 };
+#define DEM_REST_ENERGY 1e-7
+#define DEM_REST_FORCE  1e-2
 bool dem_at_rest(const dem_rest *rest, double energy, double force, bool brief);
 
 /* Contacts of a grain now, walls included (0 if it has left); the largest speed of a grain with lo < x < hi.

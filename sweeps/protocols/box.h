@@ -63,9 +63,13 @@ typedef struct {
     SWEEP_ROW(open, "cm/s", RP_REAL, "instant", "(0, inf) | instant",                                        \
               "speed at which the right wall is lifted")
 
+#define SWEEP_TEXT(number)  SWEEP_TEXT_(number)
+#define SWEEP_TEXT_(number) #number
 #define SWEEP_BOX_REST_ROWS                                                                                  \
-    SWEEP_ROW(rest_energy, "m g d", RP_REAL, "1e-7", "(0, inf)", "at rest: mean kinetic energy below")       \
-    SWEEP_ROW(rest_force, "m g", RP_REAL, "1e-2", "(0, inf)", "at rest: largest net force below")
+    SWEEP_ROW(rest_energy, "m g d", RP_REAL, SWEEP_TEXT(DEM_REST_ENERGY), "(0, inf)",                        \
+              "at rest: mean kinetic energy below")                                                          \
+    SWEEP_ROW(rest_force, "m g", RP_REAL, SWEEP_TEXT(DEM_REST_FORCE), "(0, inf)",                            \
+              "at rest: largest net force below")
 
 #define SWEEP_BOX_SURFACE_ROWS                                                                               \
     SWEEP_ROW(height, "", RP_CHOICE, "centre", ANG_HEIGHT_WORDS,                                             \

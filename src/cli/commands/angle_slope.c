@@ -117,11 +117,11 @@ static rp_status slope_of_box(size_t n, const double *block, bool with_r, const 
         if (o->height == ANG_CENTRE) lowest = fmin(lowest, y[i]);
     }
     if (!status && (2 * s.n_occupied <= s.n_cells || left >= s.cell || lowest < -0.5 * s.cell))
-        status =
-            rp_fail(RP_NO_RESULT,
-                    "sparse: %zu of %zu cells hold a point, from x = %g and y = %g on, where a box has 0; "
-                    "give a larger --cell than %g, a smaller --width, or none",
-                    s.n_occupied, s.n_cells, left, lowest, s.cell);
+        status = rp_fail(
+            RP_NO_RESULT,
+            "sparse: %zu of %zu cells hold a point, the first x is %g and the lowest y %g, where a box "
+            "begins at 0, 0; give a larger --cell than %g or a smaller --width, or leave --width out",
+            s.n_occupied, s.n_cells, left, lowest, s.cell);
     if (!status && (4 * s.n_occupied < 3 * s.n_cells || gsl_stats_min(x, 1, n) < 0.0 ||
                     (!ang_pile_find(n, x, y, (double[]){0.0, o->width}, pile) && pile->n_flanks == 2)))
         fputs("repose angle slope: a box leaves out x < 0, its empty cells have height 0, and it has one "

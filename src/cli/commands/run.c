@@ -29,7 +29,7 @@
     X(BOOL, ledger, "", "false", "",                                                                         \
       "add the terms of the energy ledger to the energies; as `ledger = true` in a scene")                   \
     X(INT, j, "", "1", "[1, 256]",                                                                           \
-      "threads of one scene of some 10000 grains or more; the bits are the same for any number")             \
+      "threads of one scene of some 16000 grains or more; the bits are the same for any number")             \
     X(INT, row, "", "0", "[0, 2147483647]", "number of the sweep's run, from 0")                             \
     X(INT, snapshot, "steps", "0", "[0, 2147483647]",                                                        \
       "interval of the snapshots in DIR/unfinished; 0: none; needs -o")                                      \

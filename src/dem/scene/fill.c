@@ -106,8 +106,7 @@ static rp_status place_all(const dem_fill *f, const space *s, cells *c, gsl_rng 
             if (tries++ == MAX_TRIES || 2.0 * r > f->W || 2.0 * r > f->H)
                 return rp_fail(RP_NO_RESULT,
                                "no room for grain %ld of N = %ld, of radius %g, in W = %g, H = %g%s: %ld "
-                               "have it; fewer or "
-                               "smaller grains, or a larger region",
+                               "have room; fewer or smaller grains, or a larger region",
                                i + 1, f->N, r, f->W, f->H,
                                f->n_walls ? " on the inner side of the walls" : "", i);
             x = r + (f->W - 2.0 * r) * gsl_rng_uniform(places);
