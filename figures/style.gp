@@ -1,5 +1,5 @@
-# Common style of all figures: the only place of sizes, fonts, colours and symbols. Called with T (folder of the tables),
-# tables (those that the figure lists), terminal and file set.
+# Common style of all figures: the only place of sizes, fonts, colours and symbols. Called with from (folders of tables),
+# sweeps (those that the figure names), terminal and file set.
 # A figure sets some of these and loads this file again:
 #   heading    what the figure shows, in bold; `remark`: what its bars and marks mean
 #   panels     how many (1); two stand side by side, and more go on below
@@ -35,8 +35,8 @@ top = line_height*(lines(heading) + lines(remark) + shared) + 0.25
 cell_height = line_height*(legend + named) + 0.3 + panel_height + 1.15
 height = top + cell_height*ceil(1.0*panels/columns)
 
-# Lines, points and letters of all terminals have the size that they have in svg, at 96 dots an inch. png: 600 dots; shown, for pages: as the Makefile sets `shown`.
-dots = terminal eq 'pdf' ? 72. : terminal eq 'png' ? 600. : exists('shown') ? shown : 220.
+# Lines, points and letters of all terminals have the size that they have in svg, at 96 dots an inch. png: 600 dots; shown, for pages: 180.
+dots = terminal eq 'pdf' ? 72. : terminal eq 'png' ? 600. : 180.
 font = sprintf('DejaVu Sans,%g', letters)
 if (terminal eq 'svg') set terminal svg size width*96/2.54, height*96/2.54 font sprintf('DejaVu Sans,%g', letters*96/72) background 'white' enhanced
 if (terminal eq 'pdf') set terminal pdfcairo size width cm, height cm font font fontscale dots/96 linewidth dots/96 pointscale dots/96 enhanced
@@ -102,8 +102,9 @@ if (panels > 1) set multiplot
 # A table of this project for gnuplot: the last header line becomes the names of the columns.
 set datafile separator tab
 set datafile columnheaders
-# Where a table is. A figure's file lists its tables after "# tables:", for `make`, and reads no others.
-path(name) = strstrt(' '.tables.' ', ' '.name.' ') ? T.name : not_named_after_tables_in_the_figure
+# The first table SWEEP/NAME in the folders. A figure's file names its sweeps after "# sweeps:", for `make`, and reads no others.
+found(name) = system('for folder in '.from.'; do path=$folder/'.name.'; [ ! -e $path ] || break; done; echo $path')
+path(name) = strstrt(' '.sweeps.' ', ' '.name[1:strstrt(name, '/') - 1].' ') ? found(name) : not_of_a_sweep_that_the_figure_names
 # The text after "# KEY: " in the header of a table, without a unit.
 note(name, key) = system("sed -n 's/^# ".key.": \\([^ ]*\\).*/\\1/p' ".path(name))
 within(a, b, x, y) = a <= x && x <= b ? y : NaN
@@ -116,5 +117,5 @@ rows(name, key, value) = '< '.rows_do(name, 'print; ', is(key, value))
 pick(name, key, value, col) = system(rows_do(name, '', is(key, value).' { print $c["'.col.'"]; exit }'))
 most(name, col) = real(system(rows_do(name, '', '$c["'.col.'"] > m { m = $c["'.col.'"] } END { print m }')))
 # A published number: column published or published_se of the claim ID; rows of a table of them.
-published(id, col) = real(pick('published.tsv', 'id', id, col))
+published(id, col) = real(pick('claims/published.tsv', 'id', id, col))
 printed(x, id) = sprintf("%s\t%.17g\t%.17g", x, published(id, 'published'), published(id, 'published_se'))

@@ -16,9 +16,10 @@ done
 nm -D -u "$build/repose" | grep -wE 'system|popen|wordexp|glob|glob64|fnmatch' && echo "lint: build/repose calls these" && bad=1
 python3 tests/rooms.py "$build" || bad=1
 for figure in figures/*/*.gp; do
-    listed=" $(grep '^#' "$figure" | grep -oE '[^ ]+\.tsv' | tr '\n' ' ')"
-    for table in $(grep -v '^#' "$figure" | sed "s/published(/'published.tsv/g" | grep -oE "['\"][a-z][A-Za-z0-9_./-]*\.tsv" | cut -c 2-); do
-        case $listed in *" $table "*) ;; *) echo "lint: $figure reads $table, which is not among its # tables:" && bad=1 ;; esac
+    named=" $(sed -n 's/^# sweeps: //p' "$figure") "
+    for sweep in $(grep -v '^#' "$figure" | sed "s/published(/'claims\//g; /^load /d" | grep -oE "['\"][a-z][A-Za-z0-9_]*/" | tr -d "'\"/"); do
+        ls sweeps/*/"$sweep.cfg" "validation/$sweep.c" 2>/dev/null | grep -q . || [ "$sweep" = claims ] || continue
+        case $named in *" $sweep "*) ;; *) echo "lint: $figure reads a table of $sweep, which is not among its # sweeps:" && bad=1 ;; esac
     done
 done
 # A build whose arithmetic has other bits is refused.

@@ -4,29 +4,23 @@ fuzz: ## every reader by libFuzzer, with clang: make fuzz FOR=60 (seconds each),
 	@sh tests/fuzz/fuzz.sh $(B) $(or $(FOR),60) $(JOBS) $(TARGETS)
 analyze: $(REPOSE) ## gcc -fanalyzer, cppcheck, clang-tidy, scan-build, valgrind, against the list in tests/analyze.txt
 	@sh tests/analyze.sh $(B) $(JOBS)
-
 drill: $(B)/check $(REPOSE) ## 2000 kills (KILLS=) and every other failure done to sweeps, and the matrix of determinism
 	@RP_DRILL=$(or $(KILLS),2000) REPOSE=$(REPOSE) $(B)/check drill && sh tests/drill/matrix.sh $(B)
-
 mutate: | $(SETUP_FIRST) ## changes models, statistics, commands and figures line by line: do the tests see it? MUTANTS=300, SEED=0 draws them
 	@sh tests/mutate/mutate.sh $(B) $(or $(MUTANTS),300) $(JOBS) $(or $(SEED),0)
-
 check-slurm: $(REPOSE) ## sweeps on a real Slurm, here: a controller and two virtual nodes; as root, installs Slurm
 	@bash tests/slurm/slurm.sh $(REPOSE) $(B)/slurm
-
 check-readers: $(REPOSE) $(B)/check ## exports read by LAMMPS, VTK and pandas; as root, installs them
 	@sh tests/setup.sh lammps python3-vtk9 python3-pandas
 	@REPOSE=$(REPOSE) $(B)/check export
-
 # Speed, against LAMMPS and LIGGGHTS where installed; for a quiet machine, two hours. Starts are kept.
 BENCH_peers        = peers.sh $(REPOSE) $(B)/bench 5
 BENCH_instructions = instructions.sh $(REPOSE) $(B)/bench
 BENCH_scaling      = scaling.sh $(REPOSE) $(B)/bench scaling '1000 10000 100000 1000000'
 BENCH_workers      = scaling.sh $(REPOSE) $(B)/bench workers 5
-$(T)/bench.tsv: $(CODE)
-	@mkdir -p $(T) && $(REPOSE) bench --n 1372 >$@.new && mv $@.new $@
-$(T)/bench_%.tsv: $(CODE) $(wildcard validation/peers/*)
-	@mkdir -p $(T) && echo "bench   $*"
-	@bash validation/peers/$(BENCH_$*) >$@
+$(T)/bench/%.tsv: $(CODE) $(wildcard validation/peers/*)
+	@mkdir -p $(@D) && echo "bench   $*" && bash validation/peers/$(BENCH_$*) >$@
+$(T)/bench/done: $(T)/bench/peers.tsv
+	@touch $@
 bench: $(B)/figures/bench.svg ## speed against LAMMPS and LIGGGHTS, instructions, scaling, two workers; tables and a figure
-	@$(MAKE) --no-print-directory -j1 $(T)/bench_instructions.tsv $(T)/bench_scaling.tsv $(T)/bench_workers.tsv
+	@$(MAKE) --no-print-directory -j1 $(addprefix $(T)/bench/,instructions.tsv scaling.tsv workers.tsv)

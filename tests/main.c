@@ -81,7 +81,8 @@ bool check_full(void)
 
 static void table_path(const char *name, char path[static 512])
 {
-    snprintf(path, 512, "%s/validation_%s.tsv", folder, name);
+    const char *table = strchr(name, '_');
+    snprintf(path, 512, "%s/%.*s/%s.tsv", folder, (int)strcspn(name, "_"), name, table ? table + 1 : name);
 }
 
 FILE *check_table(const char *name)
@@ -90,7 +91,9 @@ FILE *check_table(const char *name)
     if (!full || !folder) return NULL;
     char path[512];
     table_path(name, path);
-    CHECK_OK(rp_make_directory(folder));
+    *strrchr(path, '/') = '\0';
+    CHECK_OK(rp_make_directory(path));
+    table_path(name, path);
     CHECK_OK(rp_file_open(path, &out));
     if (out) rp_table_provenance(out, "check --full");
     return out;

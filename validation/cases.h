@@ -25,8 +25,8 @@ void case_near(case_problem *problem, const char *quantity, double expected, dou
 int case_stride(int daily);
 
 /* Call last in a suite: fails for a problem without a case. With `check --full -o DIR` it writes
- * DIR/validation_SUITE.tsv, one row a problem, its source and bound in notes, and
- * DIR/validation_SUITE_cases.tsv, one row a case. */
+ * DIR/SUITE/SUITE.tsv, one row a problem, its source and bound in notes, and
+ * DIR/SUITE/cases.tsv, one row a case. */
 void case_write(const char *suite, case_problem *const problems[], size_t n);
 
 #endif

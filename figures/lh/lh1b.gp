@@ -1,11 +1,11 @@
 # Lee & Herrmann 1993, figure 1(b): kinetic energy per grain against the iteration. Panel (a) has thousands of
 # oscillations and shows them as a band; panel (b) resolves the first ones of the pile.
-# tables: lh1/energy.tsv
+# sweeps: lh1
 heading = 'Kinetic energy before and after opening'
 remark = 'dotted: the right wall is removed'
 panels = 2
 load 'figures/style.gp'
-opened = real(system("sed -n 's/.*open_at_step = \\([0-9][0-9]*\\).*/\\1/p' ".T."lh1/scene.cfg"))
+opened = real(system("sed -n 's/.*open_at_step = \\([0-9][0-9]*\\).*/\\1/p' ".path("lh1/row_0/scene.cfg")))
 from = 60
 to = 63
 set xlabel 'iteration (thousands)'
@@ -16,7 +16,7 @@ set format y '10^{%T}'
 set yrange [1e-9:100]
 set xrange [0:*]
 set arrow 1 from opened/1000, graph 0 to opened/1000, graph 1 nohead ls guide
-plot t('lh1/energy.tsv') using (column('step')/1000):(column('kinetic_per_grain')) with lines lw 0.7 lc 'black' notitle
+plot t('lh1/row_0/energy.tsv') using (column('step')/1000):(column('kinetic_per_grain')) with lines lw 0.7 lc 'black' notitle
 unset arrow 1
 unset logscale y
 eval panel(2, '(b) oscillation of the pile')
@@ -24,5 +24,5 @@ set ylabel 'energy per grain (10^{-6} erg)' offset 0.4
 set format y '%h'
 set yrange [0:*]
 set xrange [from:to]
-plot t('lh1/energy.tsv') using (column('step')/1000):(within(from, to, column('step')/1000, 1e6*column('kinetic_per_grain'))) \
+plot t('lh1/row_0/energy.tsv') using (column('step')/1000):(within(from, to, column('step')/1000, 1e6*column('kinetic_per_grain'))) \
        with linespoints ls ours ps 0.4 lw 0.7 notitle

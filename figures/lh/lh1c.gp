@@ -1,5 +1,5 @@
 # Lee & Herrmann 1993, figure 1(c): 1600 grains, at rest after the avalanche, drawn as figure 1(a).
-# tables: lh1/pile_contacts.tsv lh1/pile_grains.tsv
+# sweeps: lh1
 state = 'pile'
 heading = 'Forces in the pile that is left after the avalanche'
 x_end = 24.2

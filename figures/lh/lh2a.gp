@@ -1,15 +1,15 @@
 # Lee & Herrmann 1993, figure 2(a): angle of repose against the height of the box.
-# tables: lh2a.tsv lh2a_trend.tsv
+# sweeps: lh2a
 heading = 'Angle of repose against height of the box'
-remark = sprintf('bars: standard error over %d piles at most; changes: over the whole range of {/:Italic H}', most('lh2a.tsv', 'n'))
+remark = sprintf('bars: standard error over %d piles at most; changes: over the whole range of {/:Italic H}', most('lh2a/points.tsv', 'n'))
 legend = 3
 load 'figures/style.gp'
 mus = '0.3 0.2 0.1'
-change(mu) = sprintf('{/:Italic μ} = %s, line changes by %.1f ± %.1f', mu, real(pick('lh2a_trend.tsv', 'mu', mu, 'change')), real(pick('lh2a_trend.tsv', 'mu', mu, 'change_se')))
+change(mu) = sprintf('{/:Italic μ} = %s, line changes by %.1f ± %.1f', mu, real(pick('lh2a/trend.tsv', 'mu', mu, 'change')), real(pick('lh2a/trend.tsv', 'mu', mu, 'change_se')))
 at(mu, x) = column('mu') == real(mu) ? x : NaN
 set xlabel 'height {/:Italic H} (cm), width {/:Italic W} = 2 cm'
 set ylabel '{/:Italic θ}_R (degrees), method 3'
 set xrange [1.5:8.5]
 set yrange [0:35]
-plot for [i=1:3] t('lh2a.tsv') using (at(word(mus, i), column('H') + 0.05*(i - 2))):(column('theta_r3_deg_mean')):(column('theta_r3_deg_se')) \
+plot for [i=1:3] t('lh2a/points.tsv') using (at(word(mus, i), column('H') + 0.05*(i - 2))):(column('theta_r3_deg_mean')):(column('theta_r3_deg_se')) \
        with yerrorbars ls i title change(word(mus, i))

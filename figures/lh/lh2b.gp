@@ -1,11 +1,11 @@
 # Lee & Herrmann 1993, figure 2(b): angle of repose against the width of the box at H/W = 2, with theta_inf + c/W.
-# tables: lh2b.tsv lh2b_size.tsv
+# sweeps: lh2b
 heading = 'Angle of repose against the width of the box'
-remark = sprintf('filled: method 3, open: method 2; bars: standard error over %d piles; lines: {/:Italic θ}_∞ + {/:Italic c/W}, method 3', most('lh2b.tsv', 'n'))
+remark = sprintf('filled: method 3, open: method 2; bars: standard error over %d piles; lines: {/:Italic θ}_∞ + {/:Italic c/W}, method 3', most('lh2b/points.tsv', 'n'))
 legend = 3
 load 'figures/style.gp'
 mus = '0.3 0.2 0.1'
-size(mu, name) = real(pick('lh2b_size.tsv', 'mu', mu, name))
+size(mu, name) = real(pick('lh2b/size.tsv', 'mu', mu, name))
 limits(mu) = sprintf('{/:Italic μ} = %s, limit %.1f ± %.1f', mu, size(mu, 'limit'), size(mu, 'limit_se'))
 at(mu, x) = column('mu') == real(mu) ? x : NaN
 array limit[3]; array c[3]
@@ -15,7 +15,7 @@ set ylabel '{/:Italic θ}_R (degrees)'
 set xrange [1.2:4.3]
 set yrange [0:35]
 plot for [i=1:3] within(1.5, 4, x, limit[i] + c[i]/x) with lines ls theory notitle, \
-     for [i=1:3] t('lh2b.tsv') using (at(word(mus, i), column('W') + 0.03*(i - 1))):(column('theta_r2_deg_mean')):(column('theta_r2_deg_se')) \
+     for [i=1:3] t('lh2b/points.tsv') using (at(word(mus, i), column('W') + 0.03*(i - 1))):(column('theta_r2_deg_mean')):(column('theta_r2_deg_se')) \
        with yerrorbars ls i pt int(word('6 4 8', i)) notitle, \
-     for [i=1:3] t('lh2b.tsv') using (at(word(mus, i), column('W') + 0.03*(i - 2))):(column('theta_r3_deg_mean')):(column('theta_r3_deg_se')) \
+     for [i=1:3] t('lh2b/points.tsv') using (at(word(mus, i), column('W') + 0.03*(i - 2))):(column('theta_r3_deg_mean')):(column('theta_r3_deg_se')) \
        with yerrorbars ls i title limits(word(mus, i))

@@ -1,5 +1,5 @@
 # Lee & Herrmann 1993, section 3: angle of repose against normal stiffness, normal damping and shear stiffness.
-# tables: lh_gamma.tsv lh_kn.tsv lh_kn_restitution.tsv lh_kn_wall.tsv lh_ks.tsv published.tsv
+# sweeps: claims lh_gamma lh_kn lh_kn_restitution lh_kn_wall lh_ks
 heading = 'Angle of repose against stiffness and damping'
 remark = 'bars: standard error, those of Lee and Herrmann as printed; series shifted sideways'
 panels = 3
@@ -20,20 +20,20 @@ set format x '10^{%T}'
 eval panel(1, '(a) normal stiffness')
 set xlabel '{/:Italic k}_n (dyn/cm^{1.5})'
 set xrange [4e3:4e6]
-plot t('lh_kn.tsv') using (column('k_n')):(column(y)):(column(se)) with yerrorbars ls 1 title with_piles('walls 2 {/:Italic k}_n', 'lh_kn.tsv'), \
-     t('lh_kn_wall.tsv') using (column('k_n')*1.15):(column(y)):(column(se)) with yerrorbars ls 2 title with_piles('walls 2 × 10^6', 'lh_kn_wall.tsv'), \
-     t('lh_kn_restitution.tsv') using (column('k_n')*1.32):(column(y)):(column(se)) with yerrorbars ls 3 title with_piles('walls 2 {/:Italic k}_n, {/:Italic γ}_n ∝ {/:Italic k}_n^{0.4}', 'lh_kn_restitution.tsv'), \
+plot t('lh_kn/points.tsv') using (column('k_n')):(column(y)):(column(se)) with yerrorbars ls 1 title with_piles('walls 2 {/:Italic k}_n', 'lh_kn/points.tsv'), \
+     t('lh_kn_wall/points.tsv') using (column('k_n')*1.15):(column(y)):(column(se)) with yerrorbars ls 2 title with_piles('walls 2 × 10^6', 'lh_kn_wall/points.tsv'), \
+     t('lh_kn_restitution/points.tsv') using (column('k_n')*1.32):(column(y)):(column(se)) with yerrorbars ls 3 title with_piles('walls 2 {/:Italic k}_n, {/:Italic γ}_n ∝ {/:Italic k}_n^{0.4}', 'lh_kn_restitution/points.tsv'), \
      $kn using ($1/1.15):2:3 with yerrorbars ls paper title 'Lee and Herrmann'
-eval panel(2, with_piles('(b) normal damping', 'lh_gamma.tsv'))
+eval panel(2, with_piles('(b) normal damping', 'lh_gamma/points.tsv'))
 set format x '%g'
 set xlabel '{/:Italic γ}_n (1/s)'
 set xrange [30:800]
 set xtics (50, 100, 200, 500)
-plot t('lh_gamma.tsv') using (column('gamma_n')):(column(y)):(column(se)) with yerrorbars ls 1 notitle, \
+plot t('lh_gamma/points.tsv') using (column('gamma_n')):(column(y)):(column(se)) with yerrorbars ls 1 notitle, \
      $gamma using ($1/1.06):2:3 with yerrorbars ls paper notitle
-eval panel(3, with_piles('(c) shear stiffness', 'lh_ks.tsv'))
+eval panel(3, with_piles('(c) shear stiffness', 'lh_ks/points.tsv'))
 set format x '10^{%T}'
 set xtics autofreq
 set xlabel '{/:Italic k}_s (dyn/cm)'
 set xrange [4e2:2.5e5]
-plot t('lh_ks.tsv') using (column('k_s')):(column(y)):(column(se)) with yerrorbars ls 1 notitle
+plot t('lh_ks/points.tsv') using (column('k_s')):(column(y)):(column(se)) with yerrorbars ls 1 notitle

@@ -1,5 +1,5 @@
 # Liffman, Chan & Hughes 1992, figure 12: the pile of 55 degrees, 45 disks in its base, in equilibrium at eps = 1e-4.
-# tables: pile_45_55_1e-4/disks.tsv
+# sweeps: pile
 heading = 'Pile of 55° with 45 disks in its base'
 legend = 1
 ratio = 33.5/46
@@ -10,5 +10,5 @@ set ylabel '{/:Italic y} / σ'
 set xrange [-1:45]
 set yrange [-0.5:33]
 unset grid
-plot t('pile_45_55_1e-4/disks.tsv') using (column('x')):(column('y')):(column('r')) with circles lw 0.5 fs solid border lc rgb outline fc rgb grain notitle, \
+plot t('pile/45_55_1e-4/disks.tsv') using (column('x')):(column('y')):(column('r')) with circles lw 0.5 fs solid border lc rgb outline fc rgb grain notitle, \
      (x < 22 ? x : 44 - x)*tan(55*pi/180) + 0.5 with lines ls theory title '55°, through the outermost centres'

@@ -1,13 +1,12 @@
 # Liffman, Chan & Hughes 1992, figure 13: normal force on the base for four slopes, 45 disks in the base: soft disks
 # in equilibrium at eps = 1e-4 (spring wells of K_s), forces of diagonal contacts alone in the same piles, and the
 # continuum (54)-(59). Unit: largest value of the soft disks. figures/li/li14.gp draws by this file.
-# tables: continuum_30.tsv continuum_45.tsv continuum_50.tsv continuum_55.tsv pile_45_30_1e-4.tsv pile_45_45_1e-4.tsv
-#    pile_45_50_1e-4.tsv pile_45_55_1e-4.tsv
+# sweeps: continuum pile
 if (!exists('force')) { force = 'N'; heading = 'Normal force on the base for four slopes' }
 panels = 4
 shared = 1
 load 'figures/style.gp'
-soft(k) = 'pile_45_'.word(slopes, k).'_1e-4.tsv'
+soft(k) = 'pile/45_'.word(slopes, k).'_1e-4.tsv'
 slopes = '30 45 50 55'
 set xlabel '{/:Italic x / B}'
 set ylabel force eq 'N' ? '{/:Italic N} / max {/:Italic N}' : '{/:Italic H} / max |{/:Italic H}|'
@@ -18,7 +17,7 @@ do for [k=1:4] {
     eval panel(k, sprintf('(%s) α = %s°, %s disks', word('a b c d', k), word(slopes, k), note(soft(k), 'n_disks')))
     B = real(note(soft(k), 'B'))
     stats t(soft(k)) using (abs(column(f))) nooutput name 'S'
-    plot t('continuum_'.word(slopes, k).'.tsv') using (column('x/B')):(column(f)/S_max) with lines ls theory title 'continuum', \
+    plot t('continuum/'.word(slopes, k).'.tsv') using (column('x/B')):(column(f)/S_max) with lines ls theory title 'continuum', \
          t(soft(k)) using (column('x/B')):(column(force.'_diagonals/mg')/S_max/B) with points ls 2 pt 2 title 'diagonal contacts alone', \
          t(soft(k)) using (column('x/B')):(column(f)/S_max) with points ls ours title 'soft disks'
 }

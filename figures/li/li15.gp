@@ -1,6 +1,6 @@
 # Liffman, Chan & Hughes 1992, figure 15: piles of 30 degrees of 360 and 5490 disks at eps = 1e-4, and of 21780 in the limit
 # eps -> 0, against the continuum (54)-(59).
-# tables: continuum_30.tsv pile_180_30_1e-4.tsv pile_360_30_0.tsv pile_45_30_1e-4.tsv
+# sweeps: continuum pile
 heading = 'Forces on the base of piles of 30° of growing size'
 panels = 2
 shared = 2
@@ -13,8 +13,8 @@ do for [k=1:2] {
     set ylabel '{/:Italic '.f.'} / ({/:Italic χgB})'
     if (k == 1) { set yrange [0:0.33] } else { set yrange [-0.07:0.07] }
     f = f.'/(chi*g*B)'
-    plot t('continuum_30.tsv') using (column('x/B')):(column(f)) with lines ls theory title 'continuum', \
-         t('pile_360_30_0.tsv') using (column('x/B')):(column(f)) with lines lw 2 lc rgb '#009e73' title '21780 disks, ε → 0', \
-         t('pile_180_30_1e-4.tsv') using (column('x/B')):(column(f)) with lines ls 12 title '5490 disks', \
-         t('pile_45_30_1e-4.tsv') using (column('x/B')):(column(f)) with points ls ours title '360 disks'
+    plot t('continuum/30.tsv') using (column('x/B')):(column(f)) with lines ls theory title 'continuum', \
+         t('pile/360_30_0.tsv') using (column('x/B')):(column(f)) with lines lw 2 lc rgb '#009e73' title '21780 disks, ε → 0', \
+         t('pile/180_30_1e-4.tsv') using (column('x/B')):(column(f)) with lines ls 12 title '5490 disks', \
+         t('pile/45_30_1e-4.tsv') using (column('x/B')):(column(f)) with points ls ours title '360 disks'
 }

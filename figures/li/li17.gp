@@ -1,8 +1,8 @@
 # Liffman, Chan & Hughes 1992, figure 17: the pile of 32.6 degrees, the slope of Smid & Novosad's experiment. The
 # paper's text does not contain its curves. Bar: statement of the text, N at the centre 20 % (small piles) to 30 %
 # (large piles) below the largest N.
-# tables: continuum_32.6.tsv pile_45_32.6_1e-4.tsv published.tsv
-soft = 'pile_45_32.6_1e-4.tsv'
+# sweeps: claims continuum pile
+soft = 'pile/45_32.6_1e-4.tsv'
 heading = 'Forces on the base of the pile of 32.6°'
 panels = 2
 legend = 4
@@ -19,7 +19,7 @@ do for [k=1:2] {
     eval panel(k, word('"(a) horizontal force" "(b) normal force"', k))
     set ylabel '{/:Italic '.q.'} / max |{/:Italic '.q.'}|'
     set yrange [k == 1 ? -1.5 : 0:k == 1 ? 1.5 : 1.2]
-    curves = "t('continuum_32.6.tsv') using (column('x/B')):(column(f)/S_max) with lines ls theory title 'continuum', ".\
+    curves = "t('continuum/32.6.tsv') using (column('x/B')):(column(f)/S_max) with lines ls theory title 'continuum', ".\
          "t(soft) using (column('x/B')):(column(q.'_diagonals/mg')/S_max/B) with points ls 2 pt 2 title 'diagonal contacts alone', ".\
          "t(soft) using (column('x/B')):(column(f)/S_max) with points ls ours title note(soft, 'n_disks').' soft disks'"
     experiment = ", '+' using (0.5):(1 - large):(1 - large):(1 - small) every ::0::0 with yerrorbars ls paper title 'experiment, at the centre only'"

@@ -1,5 +1,5 @@
 # Liffman, Chan & Hughes 1992, figure 18: outlines of tents.
-# tables: tent_30_45_38.tsv tent_45_30_38.tsv
+# sweeps: tent
 heading = 'Outlines of two tents'
 panels = 2
 ratio = 0.5
@@ -14,6 +14,6 @@ do for [k=1:2] {
     outer = word('45 30', k)
     inner = word('30 45', k)
     eval panel(k, sprintf('(%s) α_1 = %s°, α_2 = %s°', word('a b', k), outer, inner))
-    plot t('tent_'.outer.'_'.inner.'_38.tsv') using (column('x/B')):(column('y/B')) with filledcurves y1=0 fc rgb grain notitle, \
+    plot t('tent/'.outer.'_'.inner.'_38.tsv') using (column('x/B')):(column('y/B')) with filledcurves y1=0 fc rgb grain notitle, \
          '' using (column('x/B')):(column('y/B')) with lines lw 1.5 lc rgb '#000000' notitle
 }

@@ -1,8 +1,8 @@
 # Liffman, Chan & Hughes 1992, figure 19: forces on the base of the tent of 30 and 45 degrees, X_1 = 0.38 B: continuum, and
 # disks with 90 in the base: diagonal contacts alone, soft disks with stiff and with soft wells.
-# tables: pile_tent_90_30_45_38_1e-5_1.tsv pile_tent_90_30_45_38_1e-5_3000.tsv tent_30_45_38.tsv tent_45_30_38.tsv
-stiff = 'pile_tent_90_30_45_38_1e-5_1.tsv'
-soft = 'pile_tent_90_30_45_38_1e-5_3000.tsv'
+# sweeps: pile tent
+stiff = 'pile/tent_90_30_45_38_1e-5_1.tsv'
+soft = 'pile/tent_90_30_45_38_1e-5_3000.tsv'
 heading = 'Forces on the base of the tent of 30° and 45°'
 panels = 2
 shared = 3
@@ -16,8 +16,8 @@ do for [k=1:2] {
     eval panel(k, word('"(a) normal force" "(b) horizontal force"', k))
     set ylabel '{/:Italic '.q.'} / ({/:Italic χgB})'
     if (k == 1) { set yrange [0:0.42] } else { set yrange [-0.1:0.1] }
-    other = "t('tent_45_30_38.tsv') using (column('x/B')):(column(f)) with lines ls guide title 'continuum, 45° outside, 30° inside: no dip', "
-    curves = "t('tent_30_45_38.tsv') using (column('x/B')):(column(f)) with lines ls theory title 'continuum', ".\
+    other = "t('tent/45_30_38.tsv') using (column('x/B')):(column(f)) with lines ls guide title 'continuum, 45° outside, 30° inside: no dip', "
+    curves = "t('tent/30_45_38.tsv') using (column('x/B')):(column(f)) with lines ls theory title 'continuum', ".\
          "t(stiff) using (column('x/B')):(column(q.'_diagonals/mg')/B) with points ls 2 pt 2 title 'diagonal contacts alone', ".\
          "t(soft) using (column('x/B')):(column(f)) with points ls 3 title 'soft disks, wells of 3000 εσ', ".\
          "t(stiff) using (column('x/B')):(column(f)) with points ls ours title 'soft disks, wells of εσ'"

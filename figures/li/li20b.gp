@@ -2,9 +2,9 @@
 # together, with a band that holds the whole profile with 95 %, and the pressure of 60-degree rays under the piles' own
 # outlines. The excess is the difference within 0.1 B, over the mean N. figures/studies/li20_sources.gp draws more kinds of
 # piles by this file.
-# tables: li20_point_dip.tsv li20_point_profile.tsv
-if (!exists('kinds')) { kinds = 'point'; kind_names = '"dropped at one point"' }
-dip(k, col) = real(system(rows_do('li20_'.word(kinds, k).'_dip.tsv', '', '{ print $c["'.col.'"] }')))
+# sweeps: li20_point
+if (!exists('kinds')) { kinds = 'point/'; kind_names = '"dropped at one point"' }
+dip(k, col) = real(system(rows_do('li20_'.word(kinds, k).'dip.tsv', '', '{ print $c["'.col.'"] }')))
 piles(k) = sprintf('%s, %d piles', word(kind_names, k), dip(k, 'n'))
 heading = 'Mean pressure on the base of dropped piles'
 panels = words(kinds)
@@ -19,7 +19,7 @@ set yrange [0:2]
 set arrow 1 from 0.1, graph 0 to 0.1, graph 1 nohead ls guide
 set arrow 2 from 0.2, graph 0 to 0.2, graph 1 nohead ls guide
 do for [k=1:panels] {
-    profile = t('li20_'.word(kinds, k).'_profile.tsv')
+    profile = t('li20_'.word(kinds, k).'profile.tsv')
     eval panel(k, panels > 1 ? sprintf('(%s) %s', word('a b c d e f', k), piles(k)) : '')
     plot profile using (column('distance')):(column('rays')) with lines ls theory title '60-degree rays under the outlines', \
          profile using (column('distance')):(column('N_lo')) with lines lw 0.7 lc rgb '#0072b2' notitle, \

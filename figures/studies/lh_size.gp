@@ -1,15 +1,14 @@
 # Angle of repose against size by three methods, three frictions, with limit + c/W^p through the means. `make studies`.
-# tables: lh_size.tsv lh_size_mid.tsv lh_size_large.tsv lh_size_large_limit_r1.tsv lh_size_large_limit_r2.tsv
-#    lh_size_large_limit_r3.tsv
+# sweeps: lh_size lh_size_large lh_size_mid
 heading = 'Angle of repose against the size of the box'
 remark = sprintf('bars: standard error, %d piles a point up to {/:Italic W} = 4, %d at 6 and 8, %d beyond; lines: limit + {/:Italic c/W^p}, none where a logarithm fits best; limits: 95 %% intervals', \
-                 most('lh_size.tsv', 'n'), most('lh_size_mid.tsv', 'n'), most('lh_size_large.tsv', 'n'))
+                 most('lh_size/points.tsv', 'n'), most('lh_size_mid/points.tsv', 'n'), most('lh_size_large/points.tsv', 'n'))
 panels = 3
 legend = 3
 load 'figures/style.gp'
 mus = '0.3 0.2 0.1'
-runs = 'lh_size.tsv lh_size_mid.tsv lh_size_large.tsv'
-fit(m, mu, name) = pick('lh_size_large_limit_r'.m.'.tsv', 'mu', mu, name)
+runs = 'lh_size/points.tsv lh_size_mid.tsv lh_size_large.tsv'
+fit(m, mu, name) = pick('lh_size_large/limit_r'.m.'.tsv', 'mu', mu, name)
 end(s) = strstrt(s, 'inf') ? (s[1:1] eq '-' ? '–∞' : '∞') : sprintf('%.1f', real(s))
 limits(m, mu) = sprintf('{/:Italic μ} = %s, limit %s to %s', mu, end(fit(m, mu, 'limit_lo')), end(fit(m, mu, 'limit_hi')))
 fitted(m, mu) = fit(m, mu, 'status') ne 'no_result' && real(fit(m, mu, 'exponent')) > 0

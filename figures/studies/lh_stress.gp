@@ -1,14 +1,14 @@
 # Beyond Lee & Herrmann 1993: stress in the mean of 20 piles at mu = 0.2, and the forces on the base against
 # those of rays at 60 degrees. Crosses: principal directions; lengths are proportional to the principal stresses.
-# tables: lh_stress_base.tsv lh_stress_field.tsv
-heading = sprintf('Stress in piles and forces on their base, mean of %s piles', note('lh_stress_base.tsv', 'piles'))
+# sweeps: lh_stress
+heading = sprintf('Stress in piles and forces on their base, mean of %s piles', note('lh_stress/base.tsv', 'piles'))
 panels = 2
 across = 2
 ratio = 0.4
 legend = 3
 load 'figures/style.gp'
-field = t('lh_stress_field.tsv')
-base = t('lh_stress_base.tsv')
+field = t('lh_stress/field.tsv')
+base = t('lh_stress/base.tsv')
 c(name) = column(name)
 stats field using (c('p')) nooutput name 'P'
 W = 4.0

@@ -1,15 +1,15 @@
 # Onset of motion under tilt against the tilting rate; gravity or the box is rotated.
-# tables: lh_tilt.tsv lh_tilt_static.tsv
+# sweeps: lh_tilt lh_tilt_static
 heading = 'Onset of motion against the rate of tilt'
 remark = 'bars: standard error over piles; lines without points: 0.1° at a time, each to rest'
 panels = 2
 shared = 3
 load 'figures/style.gp'
 of(mu, tilt, x) = column('mu') == real(mu) && strcol('tilt') eq tilt ? x : NaN
-rest(mu, tilt) = real(system(rows_do('lh_tilt_static.tsv', '', is('mu', mu).' && '.is('tilt', tilt).' { print $c["theta_t_static_deg_mean"] }')))
+rest(mu, tilt) = real(system(rows_do('lh_tilt_static/points.tsv', '', is('mu', mu).' && '.is('tilt', tilt).' { print $c["theta_t_static_deg_mean"] }')))
 tilt(j) = word('gravity box', j)
 by(i) = word('displacement energy', i)
-rates = t('lh_tilt.tsv')
+rates = t('lh_tilt/points.tsv')
 set logscale x
 set format x '10^{%T}'
 set xrange [2e-5:1.6e-3]

@@ -1,7 +1,7 @@
 # Dropped piles of twenty settings: whether N dips in the middle of their base, and whether the contacts of their flanks tell.
-# tables: li20_history.tsv
+# sweeps: li20_history
 heading = 'Dips of dropped piles by the way in which they were made'
-remark = sprintf('%d piles to a setting, means with 95 %% intervals; excess: {/:Italic N} of the middle less that of 60-degree rays; middle: less that of its neighbours. Setting: {/:Italic s} source 60 {/:Italic d} wide; {/:Italic h} fall; {/:Italic μ}_r rolling resistance; {/:Italic σ} scatter of the radii; {/:Italic μ}_b friction of the base; {/:Italic l} distance of the disks that are glued to the base', most('li20_history.tsv', 'excess_n'))
+remark = sprintf('%d piles to a setting, means with 95 %% intervals; excess: {/:Italic N} of the middle less that of 60-degree rays; middle: less that of its neighbours. Setting: {/:Italic s} source 60 {/:Italic d} wide; {/:Italic h} fall; {/:Italic μ}_r rolling resistance; {/:Italic σ} scatter of the radii; {/:Italic μ}_b friction of the base; {/:Italic l} distance of the disks that are glued to the base', most('li20_history/points.tsv', 'excess_n'))
 panels = 2
 legend = 1
 ratio = 1.25
@@ -22,7 +22,7 @@ set ytics ('point' 20, '{/:Italic s}' 19, '{/:Italic h} 0.5' 18, '{/:Italic h} 2
            '{/:Italic l}, {/:Italic σ}, '.m 2, '{/:Italic σ}, '.m 1)
 set arrow 1 from 0, graph 0 to 0, graph 1 nohead ls guide
 set arrow 2 from -0.05, graph 0 to -0.05, graph 1 nohead ls guide
-plot t('li20_history.tsv') using (c('excess_mean')):(20 - column(0)):(low('excess_mean', 'excess_se')):(high('excess_mean', 'excess_se')) with xerrorbars ls ours title 'excess', \
+plot t('li20_history/points.tsv') using (c('excess_mean')):(20 - column(0)):(low('excess_mean', 'excess_se')):(high('excess_mean', 'excess_se')) with xerrorbars ls ours title 'excess', \
      '' using (c('middle_mean')):(19.7 - column(0)):(low('middle_mean', 'middle_se')):(high('middle_mean', 'middle_se')) with xerrorbars ls 2 title 'middle'
 unset arrow 1
 unset arrow 2
@@ -35,7 +35,7 @@ set xtics autofreq
 set ytics autofreq
 rough(x) = strcol('glued') eq 'none' ? NaN : x
 flat(x) = strcol('glued') eq 'none' ? x : NaN
-plot t('li20_history.tsv') using (c('fabric_deg_mean')):(flat(c('excess_mean'))):(low('fabric_deg_mean', 'fabric_deg_se')):(high('fabric_deg_mean', 'fabric_deg_se')):(low('excess_mean', 'excess_se')):(high('excess_mean', 'excess_se')) \
+plot t('li20_history/points.tsv') using (c('fabric_deg_mean')):(flat(c('excess_mean'))):(low('fabric_deg_mean', 'fabric_deg_se')):(high('fabric_deg_mean', 'fabric_deg_se')):(low('excess_mean', 'excess_se')):(high('excess_mean', 'excess_se')) \
        with xyerrorbars ls ours title 'flat base', \
      '' using (c('fabric_deg_mean')):(rough(c('excess_mean'))):(low('fabric_deg_mean', 'fabric_deg_se')):(high('fabric_deg_mean', 'fabric_deg_se')):(low('excess_mean', 'excess_se')):(high('excess_mean', 'excess_se')) \
        with xyerrorbars ls 2 title 'rough base'

@@ -1,5 +1,5 @@
 # Depth of the dip of N under tents, continuum: (max N - N in the middle)/max N.
-# tables: tent_map_20.tsv tent_map_30.tsv tent_map_38.tsv tent_map_45.tsv
+# sweeps: tent
 heading = 'Depth of the dip of {/:Italic N} under tents'
 remark = 'dashed: equal slopes; cross: the tent of figure 19'
 panels = 4
@@ -20,7 +20,7 @@ do for [k=1:4] {
     part = word('20 30 38 45', k)
     if (k > 1) { unset colorbox }
     eval panel(k, sprintf('(%s) {/:Italic X}_1 = 0.%s {/:Italic B}', word('a b c d', k), part))
-    plot t('tent_map_'.part.'.tsv') using (column('outer_deg')):(column('inner_deg')):(column('dip')) with image notitle, \
+    plot t('tent/map_'.part.'.tsv') using (column('outer_deg')):(column('inner_deg')):(column('dip')) with image notitle, \
          [1:59] '+' using 1:1 with lines lw 0.7 dt 2 lc rgb '#666666' notitle, \
          '+' using (part eq '38' ? 30 : NaN):(45) every 1000 with points pt 1 ps 1.2 lw 1.5 lc rgb '#000000' notitle
 }

@@ -1,7 +1,7 @@
 # Forces under static piles of unequal disks of 30 degrees, and under the tent of Fig. 19 of Liffman, Chan & Hughes
 # 1992, with 45 disks in the base: stable states of the same random draws. The middle is
 # the mean N within 0.1 B of the centre less that from 0.1 to 0.2 B, over the mean N; a dip is negative.
-# tables: li_disorder.tsv
+# sweeps: li_disorder
 heading = 'Unequal disks: thrust, dip and scatter against disorder over softness'
 remark = 'bars: standard error over piles; {/:Italic H} summed outwards over both halves; ε = 10^{-4} and 10^{-6} shifted sideways'
 panels = 3
@@ -12,7 +12,7 @@ of(k) = strcol('inner_deg') eq word(shapes, k)
 at(k, e) = of(k) && (e == 1) == (column('eps') > 1e-5) ? column('disorder')/column('eps')*(e == 1 ? 0.75 : 1/0.75) : NaN
 name(k, e) = word('"triangle, 30°" "tent, 30° and 45°"', k).', ε = 10^{'.(e == 1 ? '-4' : '-6').'}'
 quantities = 'thrust_ratio middle N_error_rms'
-disorder = t('li_disorder.tsv')
+disorder = t('li_disorder/points.tsv')
 set logscale x
 set format x '10^{%T}'
 set xrange [5e-3:2e4]

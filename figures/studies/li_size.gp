@@ -2,8 +2,7 @@
 # the deviation of N and H from the continuum, root mean square. Lines: limit + c/base by least squares, bases of 180
 # and more, for the wells close to the limit. Bases of 23 and 45 are in brackets: the steps at their ends differ from
 # those of the others. `make studies`.
-# tables: li_size.tsv li_size_limit_180_H_continuum_rms.tsv li_size_limit_180_H_ratio.tsv
-#    li_size_limit_180_N_continuum_rms.tsv
+# sweeps: li_size
 heading = 'Piles of 30° of growing size in the limit of hard disks'
 remark = 'lines: limit + {/:Italic c}/base for the wells close to the limit; small points: bases of 23 and 45, whose ends have other steps'
 panels = 2
@@ -13,11 +12,11 @@ set logscale x
 set xrange [60:1e6]
 set format x '10^{%T}'
 set xlabel 'disks'
-both = t('li_size.tsv')
+both = t('li_size/points.tsv')
 wells = 'auto 1 100'
 names_of = '"springs of {/:Italic K}_s" "{/:Italic a} = εσ" "{/:Italic a} = 100 εσ"'
 at(k, others) = strcol('well') eq word(wells, k) && others == (column('base') < 60) ? column('n_disks_mean') : NaN
-fit_of(what, k, name) = real(system("awk -F'\t' '/^#/ { next } !n { n = split($0, a, FS); for (i = 1; i <= n; i++) c[a[i]] = i; next } $1 == \"".word(wells, k)."\" { print $c[\"".name."\"] }' ".path("li_size_limit_180_".what.".tsv")))
+fit_of(what, k, name) = real(system("awk -F'\t' '/^#/ { next } !n { n = split($0, a, FS); for (i = 1; i <= n; i++) c[a[i]] = i; next } $1 == \"".word(wells, k)."\" { print $c[\"".name."\"] }' ".path("li_size/limit_180_".what.".tsv")))
 array limit[6]; array c[6]
 whats = 'H_ratio H_continuum_rms N_continuum_rms'
 do for [q = 1:3] { do for [k = 1:2] {

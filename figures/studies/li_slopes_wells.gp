@@ -1,8 +1,8 @@
 # Effect of the half-width of the wells on figures 14, 16 and 17 of Liffman, Chan & Hughes 1992. Base of 45 disks, eps =
 # 1e-4. Diagonal contacts alone give 1 in (a) and (b). (c): mean N within 0.1 B of the middle less that from 0.1 to 0.2 B, over
 # the mean N. figures/studies/li_slopes_gaps.gp and li_slopes_disorder.gp draw by this file.
-# tables: li_slopes_wells.tsv
-if (!exists('varied')) { varied = 'well'; heading = 'Forces under piles against the width of the wells'; what = '{/:Italic a} / (εσ)'; data = 'li_slopes_wells.tsv'; lowest = 0.04; highest = 800 }
+# sweeps: li_slopes_wells
+if (!exists('varied')) { varied = 'well'; heading = 'Forces under piles against the width of the wells'; what = '{/:Italic a} / (εσ)'; data = 'li_slopes_wells/points.tsv'; lowest = 0.04; highest = 800 }
 remark = 'slope of the pile: symbols; marks of one value are shifted sideways'
 panels = 4
 shared = 1

@@ -1,6 +1,6 @@
 # Speed: particle-steps per second on one core, with LAMMPS and LIGGGHTS, from the same initial positions.
-# tables: bench_peers.tsv
-data = t('bench_peers.tsv')
+# sweeps: bench
+data = t('bench/peers.tsv')
 set style data histograms
 set style histogram clustered gap 1
 set style fill solid 0.8 border
@@ -8,14 +8,14 @@ set boxwidth 0.9
 set yrange [0:*]
 set offsets 0, 0, graph 0.25, 0
 # states at rest and flowing of scenes, "a|b"
-rates(scenes) = '< '.rows_do('bench_peers.tsv', 'print; ', '$c["state"] != "sample" && $c["scene"] ~ /^('.scenes.')$/')
+rates(scenes) = '< '.rows_do('bench/peers.tsv', 'print; ', '$c["state"] != "sample" && $c["scene"] ~ /^('.scenes.')$/')
 count(n) = int(n) % 1000 == 0 ? sprintf('%d 000', int(n)/1000) : sprintf('%d', int(n))
 label(scene, state, n) = count(n)."\n".(state eq 'settled' ? 'at rest' : 'flowing').(scene eq 'sizes' ? ', 1:10' : '')
 times(r, lo, hi) = sprintf("×%.1f (%.1f–%.1f)", r, lo, hi)
-sample(col, format) = sprintf(format, real(pick('bench_peers.tsv', 'state', 'sample', col)))
-version(peer) = system("sed -n 's/^# ".peer.": //p' ".path('bench_peers.tsv'))
+sample(col, format) = sprintf(format, real(pick('bench/peers.tsv', 'state', 'sample', col)))
+version(peer) = system("sed -n 's/^# ".peer.": //p' ".path('bench/peers.tsv'))
 # the installed programs
-programs = 'repose '.system("sed -nE '/not installed/d; s/^# (lammps|liggghts): .*/\\1/p' ".path('bench_peers.tsv'))
+programs = 'repose '.system("sed -nE '/not installed/d; s/^# (lammps|liggghts): .*/\\1/p' ".path('bench/peers.tsv'))
 n = words(programs)
 program(i) = word(programs, i)
 name(i) = i == 1 ? 'repose' : program(i) eq 'lammps' ? 'LAMMPS' : 'LIGGGHTS'

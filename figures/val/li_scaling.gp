@@ -1,15 +1,15 @@
 # Processor time and memory of the static solver, linearised piles, against the number of disks; lines are the power
 # laws through the largest pile with the exponents in the table's header.
-# tables: validation_scaling.tsv
+# sweeps: scaling
 heading = 'Processor time and memory of the static solver'
 panels = 2
 legend = 2
 load 'figures/style.gp'
-scaling = t('validation_scaling.tsv')
+scaling = t('scaling/scaling.tsv')
 of(alpha, what) = column('alpha_deg') == alpha ? column(what) : NaN
-power(what, alpha) = note('validation_scaling.tsv', sprintf('%s_exponent_%d', what, alpha))
+power(what, alpha) = note('scaling/scaling.tsv', sprintf('%s_exponent_%d', what, alpha))
 name(what, alpha) = sprintf('slope of %d°: {/:Italic n}^{ %s}', alpha, power(what, alpha))
-largest(what, alpha) = real(system(sprintf("awk -F'\t' '!/^#/ && $1 == %d { y = $%d / $2^%s } END { print y }' ", alpha, what eq 'seconds' ? 3 : 4, power(what, alpha)).path('validation_scaling.tsv')))
+largest(what, alpha) = real(system(sprintf("awk -F'\t' '!/^#/ && $1 == %d { y = $%d / $2^%s } END { print y }' ", alpha, what eq 'seconds' ? 3 : 4, power(what, alpha)).path('scaling/scaling.tsv')))
 set logscale xy
 set format '10^{%T}'
 set ylabel offset powers

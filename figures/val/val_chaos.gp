@@ -1,7 +1,7 @@
 # Growth of a shift of one grain by 1e-15 cm after a box at rest is opened.
-# tables: validation_chaos.tsv validation_chaos_fit.tsv
-runs(dt, shift, seed) = sprintf("< awk -F'\t' '/^#/ { next } !n++ { print; next } $1 + 0 == %s && $2 + 0 == %s && $3 == %d' ", dt, shift, seed).path('validation_chaos.tsv')
-cell(row, col) = real(system(sprintf("awk -F'\t' '!/^#/ && n++ == %d { print $%d }' ", row, col).path('validation_chaos_fit.tsv')))
+# sweeps: chaos
+runs(dt, shift, seed) = sprintf("< awk -F'\t' '/^#/ { next } !n++ { print; next } $1 + 0 == %s && $2 + 0 == %s && $3 == %d' ", dt, shift, seed).path('chaos/chaos.tsv')
+cell(row, col) = real(system(sprintf("awk -F'\t' '!/^#/ && n++ == %d { print $%d }' ", row, col).path('chaos/fit.tsv')))
 rate = cell(1, 4)
 seeds = int(cell(1, 3))
 heading = 'Growth of a shift of one grain by 10^{-15} cm'

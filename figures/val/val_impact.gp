@@ -1,13 +1,13 @@
 # Validation of damped impacts: restitution over the range of damping, with and without attractive damped forces, and
 # its error with the bound derived from the scheme.
-# tables: validation_impact_hertz.tsv validation_impact_linear.tsv
+# sweeps: impact
 heading = 'Restitution of damped impacts, and its error'
 remark = 'dashed: damping from which attractive forces hold pairs; time step: 1/1000 of the elastic contact, or less'
 panels = 4
 shared = 3
 load 'figures/style.gp'
-hertz = t('validation_impact_hertz.tsv')
-linear = t('validation_impact_linear.tsv')
+hertz = t('impact/hertz.tsv')
+linear = t('impact/linear.tsv')
 array tables[2] = [hertz, linear]
 array titles[2] = ['Hertz, (2a)', 'linear']
 array threshold[2] = [1.12799, 1.0]

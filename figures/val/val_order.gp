@@ -1,16 +1,16 @@
 # Validation: error of a rebound against the time step, for each law and integrator, and the fitted orders.
-# tables: validation_order.tsv validation_order_fits.tsv
+# sweeps: order
 heading = 'Error of a rebound against the time step'
 remark = 'filled: Verlet, open: Gear; orders of velocity and position in the key; points: root mean square over phases of the first and last contact; lines: slopes 1, 2 and 5/2'
 panels = 2
 shared = 11
 load 'figures/style.gp'
-data = t('validation_order.tsv')
+data = t('order/order.tsv')
 cases = 'paper hertz_pulls linear_slips linear_elastic hertz_elastic'
 array words[5] = ['Hertz, damped, friction', 'Hertz, strongly damped', \
                   'linear, friction, undamped', 'linear, elastic', 'Hertz, elastic']
 located = 'paper/located_full_step'
-order(case, col) = system(rows_do('validation_order_fits.tsv', '', is('case', case).' { printf "%.3f ± %.3f", $c["'.col.'_order"], $c["'.col.'_order_se"] }'))
+order(case, col) = system(rows_do('order/fits.tsv', '', is('case', case).' { printf "%.3f ± %.3f", $c["'.col.'_order"], $c["'.col.'_order_se"] }'))
 orders(case) = order(case, 'velocity').', '.order(case, 'position')
 of(case, col) = strcol('case') eq case ? column(col) : NaN
 set logscale xy

@@ -1,11 +1,11 @@
 # Validation: error of two-grain impacts against processor time, each integrator over four decades of the time step.
-# tables: validation_precision_impact.tsv
+# sweeps: precision
 heading = 'Error of impacts of two grains against processor time'
 remark = 'unit of the error: impact speed × contact time'
 panels = 4
 shared = 2
 load 'figures/style.gp'
-data = t('validation_precision_impact.tsv')
+data = t('precision/impact.tsv')
 problems = 'hertz_elastic hertz_damped linear_elastic linear_damped'
 array words[4] = ['Hertz, elastic', 'Hertz, damped', 'linear, elastic', 'linear, damped']
 methods = 'verlet gear5 implicit'

@@ -1,11 +1,11 @@
 # Validation: error against processor time of a damped column and of 100 settling grains, each integrator over
 # decades of the time step.
-# tables: validation_precision_column.tsv validation_precision_settling.tsv
+# sweeps: precision
 heading = 'Error of motions of many grains against processor time'
 panels = 2
 shared = 2
 load 'figures/style.gp'
-array data[2] = [t('validation_precision_column.tsv'), t('validation_precision_settling.tsv')]
+array data[2] = [t('precision/column.tsv'), t('precision/settling.tsv')]
 array words[2] = ['column of 10, weight doubled, 20 ms', '100 grains that settle, 30 ms']
 array units[2] = ['error of positions / sink of the top', 'error of positions / diameter']
 problems = 'column settling'

@@ -1,11 +1,11 @@
 # Validation: largest error of a force under static piles against processor time: damped motion to rest, and the
 # static solver.
-# tables: validation_precision_pile.tsv
+# sweeps: precision
 heading = 'Error of the forces under static piles against processor time'
 panels = 2
 shared = 2
 load 'figures/style.gp'
-data = t('validation_precision_pile.tsv')
+data = t('precision/pile.tsv')
 problems = '1035 5490'
 array words[2] = ['1035 disks, slopes of 60°', '5490 disks, slopes of 30°']
 methods = 'verlet implicit newton'

@@ -3,8 +3,8 @@
 # copy of the tree, and the suites nearest to its file run until one fails; running for ever is a failure too.
 #
 #   sh tests/mutate/mutate.sh BUILD NUMBER JOBS SEED    from the top of the tree; writes
-#                                                       BUILD/tables/mutate.tsv, a row a mutant, and
-#                                                       mutate_summary.tsv, a row a file, which
+#                                                       BUILD/tables/mutate/mutants.tsv, a row a mutant, and
+#                                                       summary.tsv, a row a file, which
 #                                                       results keeps
 #
 # Some mutants change no result: validation/mutants.txt has them, and why. Status 1: of the others the tests see
@@ -127,7 +127,7 @@ fi
 
 build=$1 number=$2 jobs=$3 seed=$4
 work=$build/mutate
-mkdir -p "$build/tables"
+mkdir -p "$build/tables/mutate"
 ${CC:-gcc} -std=c11 -O2 -D_GNU_SOURCE -I. -Isrc tests/mutate/mutants.c -o "$build/mutants"
 "$build/mutants" validation/mutants.txt "$seed" $files >"$build/mutants.list"
 
@@ -159,7 +159,7 @@ if [ -t 2 ]; then printf '\r\033[K' >&2; fi
 # Of one that survives, the outcome is what the list has: survived or equivalent.
 header="# commit: $(git describe --always --dirty 2>/dev/null || echo unknown)
 # command: make mutate MUTANTS=$number SEED=$seed"
-rows=$build/tables/mutate.tsv
+rows=$build/tables/mutate/mutants.tsv
 {
     echo "$header"
     printf '# units: -\t-\t-\t-\t-\t-\t-\ts\nfile\tline\tkind\toriginal\tmutant\toutcome\tby\twall_time\n'
@@ -182,9 +182,9 @@ summary() {
         printf '%s\t%d\t%d\t%d\t%d\t%s\t%s\n' "$file" $((killed + equivalent + survived)) "$killed" "$equivalent" \
             "$survived" "$seen" "$seen_of_all"
     done
-} >"$build/tables/mutate_summary.tsv"
-cp "$build/tables/mutate_summary.tsv" results # the report takes it from there
-make -s checksums
+} >"$build/tables/mutate/summary.tsv"
+cp "$build/tables/mutate/summary.tsv" results/mutate # the report takes it from there
+sh report/keep.sh
 
 sed -n "s/^\([^$tab]*\)$tab\([0-9]*\)$tab[^$tab]*$tab[^$tab]*$tab\([^$tab]*\)${tab}survived$tab.*/survived: \1:\2: \3/p" "$rows"
 summary '.*'
