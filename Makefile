@@ -114,7 +114,7 @@ $(B)/figures.mk: $(wildcard figures/*/*.gp)
 -include $(B)/figures.mk
 # As SVG, PDF and PNG, and for pages with the dots an inch and colours that take at most 80 kB, of the piles that the words
 # are of: tables in results come before those just made.
-draw = gnuplot -e "from='$(1)'; sweeps='$$(sed -n 's/^. sweeps: //p' $<)'; terminal='$$t'; file='$(basename $@)'" figures/style.gp $<
+draw = gnuplot -e "folders='$(1)'; sweeps='$$(sed -n 's/^. sweeps: //p' $<)'; terminal='$$t'; file='$(basename $@)'" figures/style.gp $<
 $(B)/figures/%.svg: %.gp figures/style.gp figures/chains.gp | $(SETUP_FIRST)
 	@mkdir -p $(@D) && for t in pdf png svg; do $(call draw,$(T)) || exit 1; done && echo "figure  $*"
 $(B)/figures/shown/%.png: %.gp $(B)/figures/%.svg

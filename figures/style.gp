@@ -1,4 +1,4 @@
-# Common style of all figures: the only place of sizes, fonts, colours and symbols. Called with from (folders of tables),
+# Common style of all figures: the only place of sizes, fonts, colours and symbols. Called with folders (of tables),
 # sweeps (those that the figure names), terminal and file set.
 # A figure sets some of these and loads this file again:
 #   heading    what the figure shows, in bold; `remark`: what its bars and marks mean
@@ -103,7 +103,7 @@ if (panels > 1) set multiplot
 set datafile separator tab
 set datafile columnheaders
 # The first table SWEEP/NAME in the folders. A figure's file names its sweeps after "# sweeps:", for `make`, and reads no others.
-found(name) = system('for folder in '.from.'; do path=$folder/'.name.'; [ ! -e $path ] || break; done; echo $path')
+found(name) = system('for folder in '.folders.'; do path=$folder/'.name.'; [ ! -e $path ] || break; done; echo $path')
 path(name) = strstrt(' '.sweeps.' ', ' '.name[1:strstrt(name, '/') - 1].' ') ? found(name) : not_of_a_sweep_that_the_figure_names
 # The text after "# KEY: " in the header of a table, without a unit.
 note(name, key) = system("sed -n 's/^# ".key.": \\([^ ]*\\).*/\\1/p' ".path(name))

@@ -106,8 +106,9 @@ bool check_fast(void);
 /* True for `check --full`, where validation takes its full size. */
 bool check_full(void);
 
-/* A table of the suite that NAME begins with, for NAME chaos_fit DIR/chaos/fit.tsv, for chaos DIR/chaos/chaos.tsv,
- * with its provenance, to be finished by check_table_close; NULL unless `check --full -o DIR`. */
+/* A table of the suite that NAME begins with, for NAME chaos_fit DIR/chaos/fit.tsv, for chaos
+ * DIR/chaos/chaos.tsv, with its provenance, to be finished by check_table_close; NULL unless `check --full -o
+ * DIR`. */
 FILE *check_table(const char *name);
 void check_table_close(FILE *table, const char *name);
 

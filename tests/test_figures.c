@@ -371,7 +371,7 @@ static bool draw(const char *figure)
                                  (int)strcspn(fixtures[i].name, "/"), fixtures[i].name);
     }
     snprintf(command, sizeof command,
-             "w=$PWD/; set -- -e \"from='$w'; sweeps='%s'; terminal='svg'\"; "
+             "w=$PWD/; set -- -e \"folders='$w'; sweeps='%s'; terminal='svg'\"; "
              "(cd \"$OLDPWD\"; exec gnuplot \"$@\" -e \"file='${w}plain'\" figures/style.gp figures/%s.gp "
              ">${w}out 2>${w}err) & "
              "gnuplot \"$@\" -e \"file='none'\" figures/style.gp -e \"set table '${w}drawn'\" figures/%s.gp "

@@ -7,7 +7,7 @@ panels = 3
 legend = 3
 load 'figures/style.gp'
 mus = '0.3 0.2 0.1'
-runs = 'lh_size/points.tsv lh_size_mid.tsv lh_size_large.tsv'
+runs = 'lh_size/points.tsv lh_size_mid/points.tsv lh_size_large/points.tsv'
 fit(m, mu, name) = pick('lh_size_large/limit_r'.m.'.tsv', 'mu', mu, name)
 end(s) = strstrt(s, 'inf') ? (s[1:1] eq '-' ? '–∞' : '∞') : sprintf('%.1f', real(s))
 limits(m, mu) = sprintf('{/:Italic μ} = %s, limit %s to %s', mu, end(fit(m, mu, 'limit_lo')), end(fit(m, mu, 'limit_hi')))
