@@ -13,7 +13,7 @@ CPPFLAGS := -D_GNU_SOURCE -Isrc -I. $(if $(SAN),,-D_FORTIFY_SOURCE=2)
 # Debian packages that the project needs, for `setup`. Work waits for it when both are asked for, and so pkg-config runs inside recipes.
 PACKAGES := g++ pkg-config libgsl-dev libnlopt-dev libcunit1-dev gnuplot-nox libconfig-dev libsqlite3-dev \
             librandom123-dev libsuitesparse-dev libxxhash-dev libjansson-dev zlib1g-dev fonts-dejavu-core pngquant \
-            clang-format python3 python3-pandas lammps
+            clang-format python3 python3-pandas sqlite3 lammps
 SETUP_FIRST := $(filter setup,$(MAKECMDGOALS))
 PKGS     := gsl nlopt libconfig sqlite3 libxxhash jansson zlib
 LIBS      = $$(pkg-config --libs $(PKGS)) -lcholmod -lm $(if $(SAN),,-pie -Wl,-z,relro,-z,now)
