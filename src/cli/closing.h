@@ -15,8 +15,9 @@ typedef struct {
 } cli_slope;
 rp_status cli_slope_of(rp_arena *arena, const dem_sim *sim, cli_slope *slope);
 
-/* Looks in a row that found the grains of a run at rest, by dem_at_rest to DEM_REST_ENERGY and DEM_REST_FORCE. They end
- * with the run of so many steps; a run of fewer than 5000 has them closer together, one below 10 none. */
+/* Looks in a row that found the grains of a run at rest, by dem_at_rest to DEM_REST_ENERGY and
+ * DEM_REST_FORCE. They end with the run of so many steps; a run of fewer than 5000 has them closer together,
+ * one below 10 none. */
 typedef struct {
     long steps, passed;
 } cli_rest;

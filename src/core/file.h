@@ -14,7 +14,8 @@ rp_status rp_file_finish(FILE *out, const char *name);
 
 /* Open `path` for writing under a temporary name; rp_file_close renames the complete file once it is on the
  * disk, or removes it if `keep` is not RP_OK. "-" is standard output. A file that is there is replaced only
- * if its bytes, its signature or the marker of its folder show that the program wrote it. Errors: RP_IO, RP_BAD_INPUT (too long; not ours). */
+ * if its bytes, its signature or the marker of its folder show that the program wrote it. Errors: RP_IO,
+ * RP_BAD_INPUT (too long; not ours). */
 rp_status rp_file_open(const char *path, FILE **out);
 rp_status rp_file_close(const char *path, FILE *out, rp_status keep);
 
