@@ -27,7 +27,7 @@ LIBRARY := $(foreach m,$(MODULES),$(B)/lib$(call module,$(m)).a)
 CLI     := $(call objects,$(call rooms,cli))
 REPORTER := $(call objects,report)
 # The command line but the program itself and its commands.
-FRAME   := $(filter-out %/cli/repose.o,$(call objects,$(filter-out src/cli/commands,$(call rooms,cli))))
+FRAME   := $(filter-out %/cli/repose.o,$(call objects,$(filter-out src/cli/commands src/cli/derive,$(call rooms,cli))))
 FUZZ    := $(call objects,tests/fuzz) $(filter-out %/cli/repose.o,$(CLI)) $(filter-out %/report/main.o,$(REPORTER))
 CHECK   := $(call objects,tests) $(call objects,validation) $(FUZZ)
 ALL     := $(CLI) $(REPORTER) $(foreach m,$(MODULES),$(call sources,$(m)))

@@ -102,6 +102,7 @@ rp_status cli_tables_read(const cli_call *call, rp_table **table, size_t *n_firs
 void cli_provenance(const cli_call *call, FILE *out)
 {
     rp_table_provenance(out, call->line);
+    if (call->lineage) fputs(call->lineage, out);
 }
 
 void cli_table(const cli_call *call, FILE *out)

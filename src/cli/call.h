@@ -23,7 +23,8 @@ typedef struct {
 typedef struct {
     rp_arena *arena; /* of the whole command */
     const cli_program *program;
-    const char *line; /* the command line, for provenance */
+    const char *line;    /* the command line, for provenance */
+    const char *lineage; /* further header lines of its table; may be NULL */
     const struct cli_command *command;
     rp_param *options; /* of the command, with names as they are typed */
     bool *given;       /* each option: on the command line? */

@@ -49,7 +49,10 @@
     X(REAL, to, "", "1e308", "(-inf, inf)", "largest " what " that is used")
 #define CLI_PHI(X)     X(REAL, phi_deg, "deg", "60", "(0, 90)", "inclination of the rays of force")
 #define CLI_WORKERS(X) X(INT, j, "", "auto", "[1, 4096] | auto", "worker processes; auto: one per processor")
-#define CLI_QUIET(X)   X(BOOL, quiet, "", "false", "", "no progress and no closing line on standard error")
+#define CLI_LIMITS(X)                                                                                        \
+    X(REAL, mem, "MB", "infinite", "(0, inf) | infinite", "memory that one run may take")                    \
+    X(REAL, time, "s", "infinite", "(0, inf) | infinite", "time that one run may take")
+#define CLI_QUIET(X) X(BOOL, quiet, "", "false", "", "no progress and no closing line on standard error")
 #define CLI_POSITIONS(X)                                                                                     \
     X(INT, points, "", "auto", "[2, 10000000] | auto",                                                       \
       "number of equidistant positions from 0 to B; auto: 201 unless --at is given")                         \
@@ -72,6 +75,7 @@ typedef struct cli_command {
     const struct cli_command *const *group; /* subcommands, to NULL; no `act` */
     const rp_param *protocol;               /* schema whose options come first, and the size of its values */
     size_t protocol_size;
+    bool derives;     /* a table from a table of runs, or from piles: for settings `derive` */
     bool prints_text; /* or nothing: the others print a table, which has --json */
 } cli_command;
 
@@ -97,8 +101,9 @@ const char *cli_option_text(const rp_param *option, char *text, size_t size);
 const char *cli_dashes(const rp_param *option);
 const char *cli_own_name(const cli_command *command);
 
-/* Warn of the g of SI among values in cgs, of a file whose units have been read. */
+/* Warn of the g of SI among values in cgs, of a file whose units have been read; of a sweep's file. */
 void cli_warn_gravity(const char *path, double g);
+void cli_warn_sweep(const char *path);
 
 /* sweep_run with these options, workers below 1: one per processor; its progress unless `quiet`, and
  * a line for each run that fails. */
@@ -139,7 +144,6 @@ static const double deg = M_PI / 180.0;
 /* The commands, and subcommands with a file of their own. */
 extern const cli_command cmd_lattice, cmd_continuum, cmd_tent, cmd_pile, cmd_angle, cmd_stress, cmd_stats,
     cmd_run, cmd_view, cmd_sweep, cmd_export, cmd_calibrate, cmd_params, cmd_bench, cmd_help;
-extern const cli_command cmd_sweep_merge, cmd_sweep_slurm, cmd_sweep_salvage, cmd_angle_slope,
-    cmd_angle_compare, cmd_angle_phi, cmd_stress_dip, cmd_stats_fit, cmd_stats_trend, cmd_stats_size;
+extern const cli_command cmd_sweep_make, cmd_sweep_merge, cmd_sweep_slurm, cmd_sweep_salvage, cmd_angle_slope;
 
 #endif

@@ -47,16 +47,24 @@ static const void *value_of(const cli_call *call, const rp_param *option)
     return (const char *)call->values + option->offset;
 }
 
-static rp_status act(cli_call *call)
+static rp_status act(cli_call *call, rp_table *table)
 {
     const cli_command *command = call->command;
     if (!command->on_table) return command->act(call, call->values);
-    rp_table *table;
     const rp_param *where = rp_params_find(call->options, "where");
-    RP_TRY(cli_tables_read(call, &table, NULL));
+    if (!table) RP_TRY(cli_tables_read(call, &table, NULL));
     const rp_texts *conditions = where ? value_of(call, where) : NULL;
     for (size_t i = 0; where && i < conditions->n; i++) RP_TRY(rp_table_where(table, conditions->items[i]));
     return command->on_table(call, table, call->values);
+}
+
+rp_status cli_act_into(cli_call *call, rp_table *table, FILE *out)
+{
+    FILE *const before = stdout;
+    stdout = out; /* glibc: a variable */
+    const rp_status status = act(call, table);
+    stdout = before;
+    return status;
 }
 
 /* What is no table is printed as it is. The text is from malloc. */
@@ -86,14 +94,12 @@ static rp_status act_as_json(cli_call *call)
         strcmp(*(const char *const *)value_of(call, o), "-") != 0)
         return rp_fail(RP_USAGE,
                        "--json is of standard output; repose export --to json -o FILE writes a file");
-    FILE *const out = stdout, *memory = open_memstream(&text, &size);
+    FILE *memory = open_memstream(&text, &size);
     if (!memory) return rp_fail(RP_NO_MEMORY, "--json: out of memory");
-    stdout = memory; /* glibc: a variable */
-    rp_status status = act(call);
+    rp_status status = cli_act_into(call, NULL, memory);
     snprintf(message, sizeof message, "%s", rp_message());
-    const bool whole = rp_file_finish(stdout, "--json") == RP_OK;
-    fclose(stdout);
-    stdout = out;
+    const bool whole = rp_file_finish(memory, "--json") == RP_OK;
+    fclose(memory);
     rp_status printed = whole ? RP_OK : rp_fail(RP_NO_MEMORY, "--json: out of memory");
     if (!printed && (!status || status == RP_NO_RESULT))
         printed = print_as_json(call->arena, text);
@@ -109,7 +115,7 @@ rp_status cli_run(cli_call *call, const cli_command *command, int argc, char **a
     RP_TRY(cli_parse(call, command, argc, argv, &helped));
     if (helped) return RP_OK;
     const rp_param *json = command->prints_text ? NULL : rp_params_find(call->options, "json");
-    return json && *(const bool *)value_of(call, json) ? act_as_json(call) : act(call);
+    return json && *(const bool *)value_of(call, json) ? act_as_json(call) : act(call, NULL);
 }
 
 void cli_overview(const cli_program *program, FILE *out)

@@ -8,6 +8,10 @@
  * subcommand, and the action's own. */
 rp_status cli_run(cli_call *call, const cli_command *command, int argc, char **argv);
 
+/* Act, what the command prints going to `out`; `table` in place of the tables of the arguments, NULL: these.
+ */
+rp_status cli_act_into(cli_call *call, rp_table *table, FILE *out);
+
 /* The one of these commands whose own name is `word`; NULL: none. */
 const cli_command *cli_find(const cli_command *const *among, const char *word);
 

@@ -4,6 +4,7 @@
 
 #include "cli/cli.h"
 #include "cli/progress.h"
+#include "params/config.h"
 #include "params/units.h"
 
 rp_status cli_sweep_run(const char *dir, sweep_options options, bool quiet, sweep_counts *counts)
@@ -39,7 +40,7 @@ rp_status cli_sweep_export(const cli_call *call, const char *dir, unsigned what,
 {
     FILE *out;
     RP_TRY(rp_file_open(path, &out));
-    return rp_file_close(path, out, sweep_export(dir, sweep_protocols, what, call->line, counts, out));
+    return rp_file_close(path, out, sweep_export(dir, sweep_protocols, what, call->line, counts, NULL, out));
 }
 
 rp_status cli_sweep_table(const cli_call *call, const char *dir, unsigned what, rp_table **table,
@@ -49,11 +50,14 @@ rp_status cli_sweep_table(const cli_call *call, const char *dir, unsigned what, 
     size_t size;
     FILE *out = open_memstream(&text, &size);
     if (!out) return rp_fail(RP_NO_MEMORY, "%s: out of memory", dir);
-    rp_status status = sweep_export(dir, sweep_protocols, what, call->line, counts, out);
+    sweep_numbers numbers = {.arena = call->arena};
+    rp_status status = sweep_export(dir, sweep_protocols, what, call->line, counts, &numbers, out);
     fclose(out);
-    if (!status) return rp_table_load_text(call->arena, dir, text, table);
-    free(text);
-    return status;
+    if (status) return free(text), status;
+    RP_TRY(rp_table_load_text(call->arena, dir, text, table));
+    for (size_t i = 0; i < (*table)->n_rows; i++)
+        (*table)->places[i].numbers = numbers.of + i * numbers.n_columns;
+    return RP_OK;
 }
 
 rp_status cli_claim_sweep(const char *directory, const char *file, bool force)
@@ -75,4 +79,26 @@ void cli_warn_gravity(const char *path, double g)
         fprintf(stderr,
                 "repose: warning: %s: g = %g among values in cm, g and s; give units = \"si\", or g = %g\n",
                 path, g, 100.0 * g);
+}
+
+static void warn_of(const char *path, const config_setting_t *group)
+{
+    const config_setting_t *g = group ? config_setting_get_member(group, "g") : NULL;
+    if (g)
+        cli_warn_gravity(path, config_setting_is_aggregate(g) ? config_setting_get_float_elem(g, 0)
+                                                              : config_setting_get_float(g));
+}
+
+void cli_warn_sweep(const char *path)
+{
+    config_t config;
+    if (rp_config_read(path, &config) == RP_OK) {
+        const config_setting_t *root = config_root_setting(&config),
+                               *grid = config_setting_get_member(root, "grid");
+        warn_of(path, config_setting_get_member(root, "fixed"));
+        if (grid && config_setting_is_group(grid)) warn_of(path, grid);
+        for (int i = 0; grid && config_setting_is_list(grid) && i < config_setting_length(grid); i++)
+            warn_of(path, config_setting_get_elem(grid, (unsigned)i));
+    }
+    config_destroy(&config);
 }

@@ -35,6 +35,29 @@ bool rp_is_result(const char *status)
     return strncmp(status, "ok", 2) == 0;
 }
 
+void rp_tally_add(rp_tally *t, const char *word, size_t length, double times)
+{
+    size_t i = 0;
+    while (i < t->n && (strncmp(t->of[i].word, word, length) != 0 || t->of[i].word[length])) i++;
+    if (length >= sizeof t->of[i].word || i == sizeof t->of / sizeof *t->of) return;
+    if (i == t->n) snprintf(t->of[t->n++].word, sizeof t->of[i].word, "%.*s", (int)length, word);
+    t->of[i].times += times;
+}
+
+void rp_tally_add_text(rp_tally *t, const char *text)
+{
+    for (const char *colon; (colon = strchr(text, ':')); text += strcspn(text, ","), text += *text == ',')
+        rp_tally_add(t, text, (size_t)(colon - text), strtod(colon + 1, NULL));
+}
+
+void rp_tally_text(const rp_tally *t, char text[1024])
+{
+    strcpy(text, "-");
+    for (size_t i = 0, used = 0; i < t->n; i++)
+        used += (size_t)snprintf(text + used, 1024 - used, "%s%s:%g", i ? "," : "", t->of[i].word,
+                                 t->of[i].times);
+}
+
 const char *rp_cell(const rp_table *table, size_t row, int column)
 {
     return table->cells[row * table->n_columns + (size_t)column];

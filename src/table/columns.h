@@ -34,6 +34,18 @@ rp_status rp_columns_read_file(rp_arena *arena, const char *path, const char *na
 /* Is this status that of a full result, ok or ok_...? */
 bool rp_is_result(const char *status);
 
+/* How often words occur, such as statuses; as a text "no_pile:2,overlap:1", "-" for none. */
+typedef struct {
+    size_t n;
+    struct {
+        char word[24];
+        double times;
+    } of[32];
+} rp_tally;
+void rp_tally_add(rp_tally *tally, const char *word, size_t length, double times);
+void rp_tally_add_text(rp_tally *tally, const char *text);
+void rp_tally_text(const rp_tally *tally, char text[1024]);
+
 /* Rows of a table grouped by their cells in the columns `by` ("a" or "a,b,..."; "none": one group). */
 typedef struct {
     size_t n_groups;

@@ -231,7 +231,7 @@ static rp_status take_row(reading *r, char *line, size_t n, size_t line_number)
         return rp_fail(RP_BAD_INPUT, "%s:%zu: an empty cell", t->path, line_number);
     split_cells(line, blanks, t->cells + t->n_rows * n);
     if (is_names(t, t->cells + t->n_rows * n)) return RP_OK;
-    t->places[t->n_rows++] = (rp_place){t->path, line_number};
+    t->places[t->n_rows++] = (rp_place){.path = t->path, .line = line_number};
     return RP_OK;
 }
 
@@ -361,9 +361,15 @@ rp_status rp_table_find(const rp_table *table, const char *name, const char *exp
 /* rp_table_read has ended every line with NUL; the first row stops the search. */
 const char *rp_table_find_note(const rp_table *table, const char *key)
 {
+    return rp_table_next_note(table, key, NULL);
+}
+
+const char *rp_table_next_note(const rp_table *table, const char *key, const char *previous)
+{
     const size_t n = strlen(key);
     if (!table->cells) return NULL;
-    for (const char *line = table->text; *line == '#'; line += strlen(line) + 1)
+    for (const char *line = previous ? previous + strlen(previous) + 1 : table->text; *line == '#';
+         line += strlen(line) + 1)
         if (strncmp(line, "# ", 2) == 0 && strncmp(line + 2, key, n) == 0 &&
             strncmp(line + 2 + n, ": ", 2) == 0)
             return line + n + 4;
@@ -413,7 +419,9 @@ rp_status rp_table_where(rp_table *table, const char *condition)
 rp_status rp_table_number(const rp_table *table, size_t row, int column, int missing_ok, double *value)
 {
     const char *cell = table->cells[row * table->n_columns + (size_t)column];
+    const double *numbers = table->places[row].numbers;
     char *end;
+    if (numbers && isfinite(numbers[column])) return *value = numbers[column], RP_OK;
     if (missing_ok && strcmp(cell, "infinite") == 0) {
         *value = INFINITY;
         return RP_OK;

@@ -37,10 +37,12 @@ void rp_table_row(FILE *out, size_t n, const double values[]);
 /* One row of n numbers and a last column of one word, such as a status. */
 void rp_table_row_word(FILE *out, size_t n, const double values[], const char *word);
 
-/* Where a row stands: its file, a borrowed name, and line. */
+/* Where a row stands: its file, a borrowed name, and line. And the numbers of its cells, where they were not
+ * read as text; NaN for other cells, NULL: all are texts. */
 typedef struct {
     const char *path;
     size_t line;
+    const double *numbers;
 } rp_place;
 
 /* A table read whole. cells[row * n_columns + column] are texts. */
@@ -80,8 +82,10 @@ int rp_table_column(const rp_table *table, const char *name);
  * table has. Errors: RP_BAD_INPUT. */
 rp_status rp_table_find(const rp_table *table, const char *name, const char *expected, int *column);
 
-/* The text of the header line "# key: text", or NULL. Only for tables with rows. */
+/* The text of the header line "# key: text", or NULL, and that of the next such line. Only for tables with
+ * rows. */
 const char *rp_table_find_note(const rp_table *table, const char *key);
+const char *rp_table_next_note(const rp_table *table, const char *key, const char *previous);
 
 /* Keep the rows that meet a condition: a column's name, one of = != < <= > >=, a value, as in "floor=ends" or
  * "eps<1e-5". Numbers are compared as numbers; words by = and != only, and a word or nan is neither below nor

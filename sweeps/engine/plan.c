@@ -54,8 +54,8 @@ static rp_status read_head(const char *file, const config_setting_t *root,
     if (!config_setting_get_member(root, "protocol")) /* the root has no line to point at */
         return rp_fail(RP_BAD_INPUT, "%s: protocol: missing (kind of experiment), allowed: %s", file, names);
     rp_params_defaults(schema, h);
-    rp_status status =
-        rp_config_group(root, schema, h, (const char *const[]){"fixed", "grid", "tables", NULL});
+    rp_status status = rp_config_group(
+        root, schema, h, (const char *const[]){"fixed", "grid", "derive", "trace", "model", NULL});
     rp_units_set((rp_units)h->units);
     return status;
 }
@@ -439,28 +439,9 @@ const char *sweep_plan_describe(const sweep_plan *plan, size_t point, char *buff
 
 /* ---- tables of the file ---- */
 
-/* "lh3_phi = angle phi @/lh3_runs.tsv" */
-static rp_status read_table(const config_setting_t *setting, sweep_recipe *recipe)
-{
-    const char *text = config_setting_get_string(setting), *equals = text ? strstr(text, " = ") : NULL;
-    const size_t length = strlen(recipe->name);
-    sweep_table *table = &recipe->tables[recipe->n_tables];
-    if (!equals) return rp_config_fail(setting, "tables: \"NAME = COMMAND\" expected");
-    if (recipe->n_tables == SWEEP_MAX_TABLES || (size_t)(equals - text) >= sizeof table->name)
-        return rp_config_fail(setting, "tables: at most %d, of names shorter than %zu", SWEEP_MAX_TABLES,
-                              sizeof table->name);
-    snprintf(table->name, sizeof table->name, "%.*s", (int)(equals - text), text);
-    table->command = equals + strlen(" = ");
-    if (strncmp(table->name, recipe->name, length) != 0 ||
-        (table->name[length] && table->name[length] != '_') || strchr(table->name, '/'))
-        return rp_config_fail(setting, "tables: %s: the name of a table must begin with %s_", table->name,
-                              recipe->name);
-    recipe->n_tables++;
-    return RP_OK;
-}
-
 rp_status sweep_recipe_read(const char *file, sweep_recipe *recipe)
 {
+    static const rp_param none[] = {{0}};
     *recipe = (sweep_recipe){0};
     const char *base = basename(file); /* "lh3" of sweeps/lh/lh3.cfg */
     snprintf(recipe->name, sizeof recipe->name, "%.*s", (int)strcspn(base, "."), base);
@@ -471,11 +452,14 @@ rp_status sweep_recipe_read(const char *file, sweep_recipe *recipe)
     recipe->has_runs = config_setting_get_member(root, "protocol") != NULL;
     if (config_setting_lookup_int(root, "study", &replicas) && replicas > 0) recipe->study = (size_t)replicas;
     RP_TRY(refuse_scene(file, root));
-    if (!tables && !recipe->has_runs) return rp_fail(RP_BAD_INPUT, "%s: neither a protocol nor tables", file);
-    if (tables && !config_setting_is_array(tables) && !config_setting_is_list(tables))
-        return rp_config_fail(tables, "tables: a list [ \"NAME = COMMAND\", ... ] expected");
-    for (int i = 0; i < length(tables); i++) RP_TRY(read_table(element(tables, (size_t)i), recipe));
-    return RP_OK;
+    if (tables)
+        return rp_config_fail(tables,
+                              "tables: commands of 0.1.0 are gone; instead: the settings derive, trace "
+                              "and model, see repose sweep make --help");
+    if (recipe->has_runs) return RP_OK;
+    if (!config_setting_get_member(root, "model"))
+        return rp_fail(RP_BAD_INPUT, "%s: neither a protocol nor a model", file);
+    return rp_config_group(root, none, NULL, (const char *const[]){"model", "units", NULL});
 }
 
 void sweep_recipe_free(sweep_recipe *recipe)

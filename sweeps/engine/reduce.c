@@ -20,8 +20,10 @@ typedef struct {
     FILE *out;
     unsigned what;
     size_t n_outputs;
+    sweep_numbers *numbers; /* may be NULL */
     /* the grid point that is being gathered */
     size_t point, n_rows, n_results;
+    rp_tally causes;  /* of those without a result */
     size_t *n_finite; /* of each output */
     double *finite;   /* n_outputs x replicas */
 } table;
@@ -110,6 +112,7 @@ static rp_status write_head(const sweep_plan *plan, sweep_store *store, const ch
     char text[256];
     digester digest;
     RP_TRY(sweep_store_note(store, "main", "file", text, sizeof text));
+    const char *name = basename(text);
     RP_TRY(sweep_store_count(store, plan, counts));
     RP_TRY(find_digest(plan, store, &digest));
     rp_table_provenance(out, command);
@@ -118,7 +121,7 @@ static rp_status write_head(const sweep_plan *plan, sweep_store *store, const ch
                   plan->shared_piles ? ", shared piles" : "");
     rp_status status = note_makers(store, out);
     rp_table_note(out, "plan", "%s", plan->hash);
-    rp_table_note(out, "digest", "%s (%zu runs)", digest.text, digest.n_rows);
+    rp_table_note(out, "source", "%.*s %s %zu", (int)strcspn(name, "."), name, digest.text, digest.n_rows);
     rp_table_note(out, "missing", "%zu of %zu", counts->planned - counts->stored, counts->planned);
     if (*store->skipped) rp_table_note(out, "left out, no stores yet", "%s", store->skipped);
     note_failed(counts, out);
@@ -158,8 +161,9 @@ static rp_status write_columns(const table *t)
         for (size_t k = 0; k < (reduce ? N_STATISTICS : 1); k++)
             add_column(list, o[i].name, reduce ? statistics_names[k] : "",
                        reduce && k == N_STATISTICS - 1 ? "" : o[i].unit);
-    fputs(reduce ? "n, n_failed" : "seconds [s]", list);
+    fputs(reduce ? "n, n_failed, failed_for" : "seconds [s]", list);
     fclose(list);
+    for (const char *c = text; t->numbers && c; c = strstr(c + 1, ", ")) t->numbers->n_columns++;
     rp_table_header(t->out, text);
     free(text);
     return RP_OK;
@@ -182,6 +186,22 @@ static void write_parameters(const table *t, size_t point)
         if (!sweep_plan_is_axis(t->plan, p)) write_parameter(t->out, p, values);
 }
 
+/* The last numbers of a row, after its texts. */
+static void keep_numbers(sweep_numbers *s, size_t n, const double values[], size_t texts_after)
+{
+    if (!s) return;
+    if (s->n + s->n_columns > s->room) {
+        s->room = 2 * s->room + 64 * s->n_columns;
+        double *more = rp_arena_memory(s->arena, s->room, sizeof *more);
+        if (s->n) memcpy(more, s->of, s->n * sizeof *more);
+        s->of = more;
+    }
+    for (size_t c = 0; c < s->n_columns; c++) {
+        const size_t first = s->n_columns - texts_after - n;
+        s->of[s->n++] = c >= first && c < first + n ? values[c - first] : NAN;
+    }
+}
+
 static rp_status write_run(const sweep_row *row, void *context)
 {
     const table *t = context;
@@ -192,6 +212,7 @@ static rp_status write_run(const sweep_row *row, void *context)
     memcpy(values, row->result.values, t->n_outputs * sizeof *values);
     values[t->n_outputs] = row->seconds;
     rp_table_row(t->out, t->n_outputs + 1, values);
+    keep_numbers(t->numbers, t->n_outputs + 1, values, 0);
     return RP_OK;
 }
 
@@ -199,6 +220,7 @@ static rp_status write_run(const sweep_row *row, void *context)
 static void write_point(table *t)
 {
     double values[SWEEP_MAX_OUTPUTS * N_STATISTICS + 2];
+    char causes[1024];
     size_t n = 0;
     for (size_t i = 0; i < t->n_outputs; i++, n += N_STATISTICS) {
         stats_summary a;
@@ -210,9 +232,12 @@ static void write_point(table *t)
     values[n++] = (double)(t->n_rows - t->n_results);
     if (t->n_rows > 0) {
         write_parameters(t, t->point);
-        rp_table_row(t->out, n, values);
+        rp_tally_text(&t->causes, causes);
+        rp_table_row_word(t->out, n, values, causes);
+        keep_numbers(t->numbers, n, values, 1);
     }
     t->n_rows = t->n_results = 0;
+    t->causes.n = 0;
     memset(t->n_finite, 0, t->n_outputs * sizeof *t->n_finite);
 }
 
@@ -223,7 +248,8 @@ static rp_status gather(const sweep_row *row, void *context)
     if (point != t->point) write_point(t);
     t->point = point;
     t->n_rows++;
-    if (!rp_is_result(row->result.status)) return RP_OK;
+    if (!rp_is_result(row->result.status))
+        return rp_tally_add(&t->causes, row->result.status, strlen(row->result.status), 1.0), RP_OK;
     t->n_results++;
     for (size_t i = 0; i < t->n_outputs; i++)
         if (isfinite(row->result.values[i]))
@@ -244,14 +270,17 @@ static rp_status write_reduced(table *t, sweep_store *store)
 }
 
 rp_status sweep_export(const char *dir, const sweep_protocol *const *protocols, unsigned what,
-                       const char *command, sweep_counts *counts, FILE *out)
+                       const char *command, sweep_counts *counts, sweep_numbers *numbers, FILE *out)
 {
     sweep_folder f;
     sweep_counts unused;
     rp_status status = sweep_folder_read(dir, protocols, true, &f);
     if (!status) {
-        table t = {
-            .plan = &f.plan, .out = out, .what = what, .n_outputs = sweep_count_outputs(f.plan.protocol)};
+        table t = {.plan = &f.plan,
+                   .out = out,
+                   .what = what,
+                   .n_outputs = sweep_count_outputs(f.plan.protocol),
+                   .numbers = numbers};
         status = write_head(&f.plan, f.store, command, counts ? counts : &unused, out);
         if (!status) status = write_columns(&t);
         if (!status)
@@ -260,6 +289,17 @@ rp_status sweep_export(const char *dir, const sweep_protocol *const *protocols, 
         if (!status) status = rp_file_finish(out, "table");
     }
     sweep_folder_close(&f);
+    return status;
+}
+
+rp_status sweep_columns(const char *file, const sweep_protocol *const *protocols, unsigned what, FILE *out)
+{
+    sweep_plan plan;
+    rp_status status = sweep_plan_read(file, protocols, &plan);
+    if (!status)
+        status = write_columns(&(table){
+            .plan = &plan, .out = out, .what = what, .n_outputs = sweep_count_outputs(plan.protocol)});
+    sweep_plan_free(&plan);
     return status;
 }
 

@@ -13,9 +13,9 @@
  * run's random streams, or with piles = "shared" the replica's: then grid points start from the same grains,
  * and their differences can be taken pile by pile.
  *
- * Two more settings are for `repose sweep make`: study, the replicas of a larger ensemble, and tables, what
- * is derived from the runs, in order: tables = [ "lh3_phi = angle phi @/lh3_runs.tsv" ], where @
- * is the folder of the tables. A file without a protocol has tables alone.
+ * More settings are for `repose sweep make`: study, the replicas of a larger ensemble, and derive, trace and
+ * model, tables that are made of the runs, of single runs, and of models. A file without a protocol has
+ * models alone.
  *
  * `protocols` is the list of those that a file may name, ended by NULL. Common errors: RP_BAD_INPUT (the
  * sweep file, or a plan that does not match it), RP_IO (folder or store; rows already stored are kept). */
@@ -31,7 +31,7 @@
 
 RP_C_BEGIN
 
-enum { SWEEP_MAX_WORDS = 32, SWEEP_MAX_TABLES = 64 };
+enum { SWEEP_MAX_WORDS = 32 };
 
 /* How far a sweep is. A result is a row whose status starts with "ok"; the others are failed. */
 typedef struct {
@@ -72,19 +72,11 @@ typedef struct {
     const char *snapshots; /* set by sweep_run */
 } sweep_options;
 
-/* A table that `repose COMMAND` prints. */
-typedef struct {
-    char name[64];
-    const char *command; /* in the recipe's config */
-} sweep_table;
-
-/* What a sweep's file says of its tables. */
+/* What `repose sweep make` reads of a sweep's file, beside the plan: settings derive, trace, model. */
 typedef struct {
     char name[64]; /* the file's, without folder and ending */
-    bool has_runs; /* false: tables alone */
+    bool has_runs; /* false: models alone */
     size_t study;  /* replicas of the larger ensemble; 0: as many as else */
-    size_t n_tables;
-    sweep_table tables[SWEEP_MAX_TABLES];
     config_t config;
 } sweep_recipe;
 
@@ -146,14 +138,23 @@ rp_status sweep_source(const char *dir, char file[256]);
 /* Refuse to write into a file that the sweep itself lives in. Errors: RP_BAD_INPUT. */
 rp_status sweep_check_output(const char *dir, const char *path);
 
+/* The numbers of a table's cells, row by row, NaN where a cell is a text; in an arena. */
+typedef struct {
+    rp_arena *arena;
+    size_t n_columns, n, room;
+    double *of;
+} sweep_numbers;
+
 /* Write a table of what is stored: one row a run or, with SWEEP_POINTS, one row a grid point with mean,
  * standard deviation, standard error, 95 % interval (Student's t) and number of the finite values of each
  * output, over the rows with a result. With SWEEP_PARAMETERS the parameters that all runs share are columns
  * too, "-" for an empty one. `command` is for the header and may be NULL; so may `counts`, of the rows that
- * the table is made of. Errors: RP_BAD_INPUT, RP_IO, RP_NO_MEMORY. */
+ * the table is made of, and `numbers`. sweep_columns: the header alone, before any run, of a sweep's file.
+ * Errors: RP_BAD_INPUT, RP_IO, RP_NO_MEMORY. */
 enum { SWEEP_RUNS = 0, SWEEP_POINTS = 1, SWEEP_PARAMETERS = 2 };
 rp_status sweep_export(const char *dir, const sweep_protocol *const *protocols, unsigned what,
-                       const char *command, sweep_counts *counts, FILE *out);
+                       const char *command, sweep_counts *counts, sweep_numbers *numbers, FILE *out);
+rp_status sweep_columns(const char *file, const sweep_protocol *const *protocols, unsigned what, FILE *out);
 
 /* XXH3-128 over parameters, streams, status and bits of the outputs of all rows in the order of the plan, as
  * 32 hexadecimal digits and NUL. Independent of workers, interruptions, times and host, and of the model

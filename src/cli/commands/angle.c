@@ -1,7 +1,7 @@
 /* repose angle: marginal stability and tilt, (3) and (4), on the command line. */
 
 #include "angle/angle.h"
-#include "cli/cli.h"
+#include "cli/derive/derive.h"
 
 /* ---- marginal ---- */
 
@@ -79,7 +79,8 @@ static const cli_command tilt = {
 
 /* ---- group ---- */
 
-static const cli_command *const commands[] = {&marginal,          &tilt,          &cmd_angle_slope,
-                                              &cmd_angle_compare, &cmd_angle_phi, NULL};
+#define X(name) &cmd_angle_##name,
+static const cli_command *const commands[] = {&marginal, &tilt, &cmd_angle_slope, CLI_ANGLE(X) NULL};
+#undef X
 const cli_command cmd_angle = {"angle", "angles of repose, tilting and marginal stability from plain numbers",
                                .group = commands};

@@ -1,39 +1,9 @@
 /* repose sweep plan|run|status|export|digest|make */
-
-#include <errno.h>
-#include <signal.h>
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include "cli/cli.h"
 #include "cli/progress.h"
-#include "params/config.h"
-#include "params/units.h"
-
-static void warn_of(const char *path, const config_setting_t *group)
-{
-    const config_setting_t *g = group ? config_setting_get_member(group, "g") : NULL;
-    if (g)
-        cli_warn_gravity(path, config_setting_is_aggregate(g) ? config_setting_get_float_elem(g, 0)
-                                                              : config_setting_get_float(g));
-}
-
-static void warn_sweep(const char *path)
-{
-    config_t config;
-    if (rp_config_read(path, &config) == RP_OK) {
-        const config_setting_t *root = config_root_setting(&config),
-                               *grid = config_setting_get_member(root, "grid");
-        warn_of(path, config_setting_get_member(root, "fixed"));
-        if (grid && config_setting_is_group(grid)) warn_of(path, grid);
-        for (int i = 0; grid && config_setting_is_list(grid) && i < config_setting_length(grid); i++)
-            warn_of(path, config_setting_get_elem(grid, (unsigned)i));
-    }
-    config_destroy(&config);
-}
 
 #define PLAN_OPTIONS(X)                                                                                      \
     X(TEXT, o, "", NULL, "", "folder of the sweep; created if missing")                                      \
@@ -65,7 +35,7 @@ static rp_status act_plan(cli_call *call, const void *values)
     RP_TRY(sweep_prepare(cli_data(call->arena, cli_argument(call, 0)), o->o,
                          o->replicas > 0 ? (size_t)o->replicas : 0, sweep_protocols, cli_watch(o->quiet),
                          &counts));
-    warn_sweep(cli_data(call->arena, cli_argument(call, 0)));
+    cli_warn_sweep(cli_data(call->arena, cli_argument(call, 0)));
     print_planned(call, o->o, &counts);
     return RP_OK;
 }
@@ -90,14 +60,10 @@ static const cli_command plan = {
                "planned then.",
     .act = act_plan};
 
-#define LIMITS(X)                                                                                            \
-    X(REAL, mem, "MB", "infinite", "(0, inf) | infinite", "memory that one run may take")                    \
-    X(REAL, time, "s", "infinite", "(0, inf) | infinite", "time that one run may take")
-
 #define RUN_OPTIONS(X)                                                                                       \
     CLI_QUIET(X)                                                                                             \
     CLI_WORKERS(X)                                                                                           \
-    LIMITS(X)                                                                                                \
+    CLI_LIMITS(X)                                                                                            \
     X(TEXT, shard, "", "", "", "part of the runs, I/N with I from 1 to N, in a store of its own")            \
     X(REAL, snapshot, "s", "60", "[0, inf)",                                                                 \
       "processor time from one snapshot of a run to the next, in DIR/snapshots; 0: none")
@@ -224,141 +190,14 @@ static const cli_command digest = {
     .refuses = "A folder without a planned sweep.",
     .act = act_digest};
 
-static bool is_shown(const char *name)
-{
-    return *name != '.';
-}
-
-/* Add a word of a table's command. @ is the folder of the tables; a part * of the path stands for each folder
- * there that has the rest of the path. */
-static rp_status add_word(rp_arena *arena, const char *word, const char *tables, rp_paths *words)
-{
-    const bool at = *word == '@';
-    const char *star = strstr(word, "/*/"), *rest = star ? star + strlen("/*/") : "";
-    const size_t before = words->n, length = star ? (size_t)(star - word) : strlen(word);
-    const char *folder = rp_text(arena, "%s%.*s", at ? tables : "", (int)length - at, word + at);
-    rp_paths found = {0};
-    rp_status status = star ? rp_paths_in(&found, folder, is_shown) : RP_OK;
-    for (size_t i = 0; !status && i < found.n; i++)
-        if (rp_is_in(found.path[i], rest)) status = rp_paths_add(words, found.path[i], rest);
-    rp_paths_free(&found);
-    if (status || words->n > before) return status;
-    return rp_paths_add(words, NULL, rp_text(arena, "%s%s", folder, star ? star : ""));
-}
-
-/* Make one derived table. A command that finds no result is an answer too, if it prints a table. */
-static rp_status make_table(rp_arena *arena, const sweep_table *table, const char *tables)
-{
-    const char *path;
-    FILE *out;
-    int code = SIGKILL; /* unless it has ended by itself */
-    rp_paths words = {0};
-    char *save, *text = rp_text(arena, "repose %s", table->command);
-    rp_status status = RP_OK;
-    RP_TRY(rp_path(arena, &path, "%s/%s.tsv", tables, table->name));
-    RP_TRY(rp_file_open(path, &out));
-    for (char *word = strtok_r(text, " ", &save); !status && word; word = strtok_r(NULL, " ", &save))
-        status = add_word(arena, word, tables, &words);
-    /* the folder of a run or a pile is made anew with its table */
-    const bool folder = strncmp(table->command, "run ", 4) == 0 || strncmp(table->command, "pile ", 5) == 0;
-    if (!status && folder && strstr(table->command, " -o @"))
-        status = add_word(arena, "--force", tables, &words);
-    char **argv = rp_arena_memory(arena, words.n, sizeof *argv); /* and the NULL that ends them */
-    memcpy(argv, words.path, words.n * sizeof *argv);
-    const pid_t child = status ? -1 : fork();
-    if (child == 0) {
-        if (dup2(fileno(out), STDOUT_FILENO) >= 0) execv("/proc/self/exe", argv);
-        _exit(RP_IO);
-    }
-    while (child > 0 && waitpid(child, &code, 0) < 0 && errno == EINTR) {
-    }
-    rp_paths_free(&words);
-    if (!status && !WIFEXITED(code))
-        status = rp_fail(RP_STOPPED, "%s: repose %s: stopped", table->name, table->command);
-    else if (WEXITSTATUS(code) > RP_NO_RESULT)
-        status = rp_fail((rp_status)WEXITSTATUS(code), "%s: repose %s: exit status %d", table->name,
-                         table->command, WEXITSTATUS(code));
-    return rp_file_close(path, out, status);
-}
-
-#define MAKE_OPTIONS(X)                                                                                      \
-    X(TEXT, o, "", NULL, "", "folder of the sweep; created if missing")                                      \
-    X(TEXT, tables, "", "build/tables", "", "folder of the tables")                                          \
-    CLI_WORKERS(X)                                                                                           \
-    LIMITS(X)                                                                                                \
-    X(INT, replicas, "", "auto", "[1, 1000000] | auto", "runs per grid point; auto: the number in the file") \
-    X(BOOL, study, "", "false", "", "runs per grid point: the number `study` of the file")                   \
-    CLI_QUIET(X)                                                                                             \
-    CLI_FORCE(X)
-
-CLI_OPTIONS(make, MAKE_OPTIONS)
-
-static rp_status export_to(const cli_call *call, const make_options *o, const char *name, const char *suffix,
-                           unsigned what)
-{
-    const char *path;
-    RP_TRY(rp_path(call->arena, &path, "%s/%s%s.tsv", o->tables, name, suffix));
-    return cli_sweep_export(call, o->o, what, path, NULL);
-}
-
-/* "lh3: 80 runs: 78 ok, 2 not_at_rest" */
-static void print_summary(const char *name, const sweep_counts *counts)
-{
-    printf("%s: %zu runs", name, counts->stored);
-    for (size_t i = 0; i < counts->n_words; i++)
-        printf("%s %zu %s", i ? "," : ":", counts->words[i].runs, counts->words[i].status);
-    putchar('\n');
-    fflush(stdout); /* before what the commands of tables write */
-}
-
-static rp_status make_runs(const cli_call *call, const make_options *o, const char *file,
-                           const sweep_recipe *recipe)
-{
-    size_t replicas = o->replicas > 0 ? (size_t)o->replicas : o->study ? recipe->study : 0;
-    sweep_counts counts;
-    const sweep_options options = {
-        .workers = (int)o->j, .memory = o->mem, .time = o->time, .snapshot = CLI_SNAPSHOT};
-    RP_TRY(cli_claim_sweep(o->o, file, o->force));
-    RP_TRY(sweep_prepare(file, o->o, replicas, sweep_protocols, cli_watch(o->quiet), &counts));
-    warn_sweep(file);
-    const rp_status status = cli_sweep_run(o->o, options, o->quiet, &counts);
-    if (!status || status == RP_NO_RESULT) print_summary(recipe->name, &counts);
-    RP_TRY(status);
-    RP_TRY(export_to(call, o, recipe->name, "_runs", SWEEP_RUNS));
-    return export_to(call, o, recipe->name, "", SWEEP_POINTS);
-}
-
-static rp_status act_make(cli_call *call, const void *values)
-{
-    const make_options *o = values;
-    sweep_recipe recipe;
-    const char *file = cli_data(call->arena, cli_argument(call, 0));
-    rp_status status = sweep_recipe_read(file, &recipe);
-    if (!status) status = rp_make_directory(o->tables);
-    if (!status && recipe.has_runs) status = make_runs(call, o, file, &recipe);
-    for (size_t i = 0; !status && i < recipe.n_tables; i++)
-        status = make_table(call->arena, &recipe.tables[i], o->tables);
-    sweep_recipe_free(&recipe);
-    return status;
-}
-
-static const cli_command make = {
-    "sweep make",
-    "plan, run, and write all tables of the sweep file",
-    "FILE -o DIR [--tables DIR] [-j N] [--mem MB] [--time S] [--replicas N | --study] [--quiet] [--force]",
-    "Plan a sweep, make its missing runs, and write its tables: NAME_runs.tsv, NAME.tsv, one row per\n"
-    "grid point, and those that the file derives from them, in order. @ is the folder of the tables:\n"
-    "\n"
-    "  study  = 60;                                        # runs per grid point with --study\n"
-    "  tables = [\"lh3_phi = angle phi @/lh3_runs.tsv\"];     # NAME = COMMAND of repose\n"
-    "\n"
-    "A file without a protocol has tables alone.",
-    "repose sweep make sweeps/li/tent.cfg -o build/sweeps/tent",
-    make_params,
-    .refuses = "What `repose sweep plan` and `repose sweep run` refuse; a table whose command fails.",
-    .prints_text = true,
-    .act = act_make};
-
-static const cli_command *const commands[] = {&plan,   &run,  &status_of,       &cmd_sweep_merge,   &export,
-                                              &digest, &make, &cmd_sweep_slurm, &cmd_sweep_salvage, NULL};
+static const cli_command *const commands[] = {&plan,
+                                              &run,
+                                              &status_of,
+                                              &cmd_sweep_merge,
+                                              &export,
+                                              &digest,
+                                              &cmd_sweep_make,
+                                              &cmd_sweep_slurm,
+                                              &cmd_sweep_salvage,
+                                              NULL};
 const cli_command cmd_sweep = {"sweep", "plan, run and read parameter sweeps", .group = commands};

@@ -3,7 +3,7 @@
 #include <string.h>
 
 #include "stats/stats.h"
-#include "cli/cli.h"
+#include "cli/derive/derive.h"
 
 enum { SCALE_LINEAR, SCALE_LOG };
 
@@ -47,7 +47,7 @@ static void note_reach(const char *name, double to)
         rp_table_note(stdout, name, "%g", to);
 }
 
-static rp_status print_successive(rp_arena *arena, const stats_xy *points, double level)
+static rp_status print_successive(rp_arena *arena, const stats_xy *points, double level, const char *failed)
 {
     double linear_to, bend_free_to;
     stats_prefix *fits = rp_arena_memory(arena, points->n, sizeof *fits);
@@ -56,29 +56,32 @@ static rp_status print_successive(rp_arena *arena, const stats_xy *points, doubl
     note_reach("bend_free_to", bend_free_to);
     rp_table_header(stdout,
                     "x_to [x], n, slope [y/x], slope_se [y/x], intercept [y], intercept_se [y], chi2, dof, "
-                    "p_value, bend [y/x^2], bend_se [y/x^2], p_bend, status");
+                    "p_value, bend [y/x^2], bend_se [y/x^2], p_bend, " CLI_FAILED_COLUMNS ", status");
     for (size_t k = 0; k + 3 <= points->n; k++) {
         const stats_line *l = &fits[k].line;
         const stats_contrast *bend = &fits[k].bend;
-        CLI_ROW_WORD(l->p_value < level || fits[k].p_bend < level ? "curved" : "ok", points->x[k + 2],
-                     (double)l->n, l->slope, l->slope_se, l->intercept, l->intercept_se, l->chi2,
-                     (double)l->dof, l->p_value, bend->value, bend->se, fits[k].p_bend);
+        const char *word = l->p_value < level || fits[k].p_bend < level ? "curved" : "ok";
+        CLI_ROW_WORD(rp_text(arena, "%s\t%s", failed, word), points->x[k + 2], (double)l->n, l->slope,
+                     l->slope_se, l->intercept, l->intercept_se, l->chi2, (double)l->dof, l->p_value,
+                     bend->value, bend->se, fits[k].p_bend);
     }
     return RP_OK;
 }
 
-static rp_status print_fit(const stats_xy *points, bool logarithms, const double range[2])
+static rp_status print_fit(rp_arena *arena, const stats_xy *points, bool logarithms, const double range[2],
+                           const char *failed)
 {
     const int n_lines = logarithms ? 1 : 2; /* the line through the origin would be that through (1, 1) */
     stats_line lines[2];
     for (int i = 0; i < n_lines; i++) RP_TRY(stats_line_fit(points, i == 1, &lines[i]));
     rp_table_header(stdout,
                     "slope [y/x], slope_se [y/x], intercept [y], intercept_se [y], covariance [y^2/x], chi2, "
-                    "dof, p_value, n, x_from [x], x_to [x], line");
+                    "dof, p_value, n, x_from [x], x_to [x], " CLI_FAILED_COLUMNS ", line");
     for (int i = 0; i < n_lines; i++) {
         const stats_line *l = &lines[i];
-        CLI_ROW_WORD(i == 1 ? "origin" : "free", l->slope, l->slope_se, l->intercept, l->intercept_se,
-                     l->covariance, l->chi2, (double)l->dof, l->p_value, (double)l->n, range[0], range[1]);
+        CLI_ROW_WORD(rp_text(arena, "%s\t%s", failed, i == 1 ? "origin" : "free"), l->slope, l->slope_se,
+                     l->intercept, l->intercept_se, l->covariance, l->chi2, (double)l->dof, l->p_value,
+                     (double)l->n, range[0], range[1]);
     }
     return RP_OK;
 }
@@ -99,6 +102,7 @@ static rp_status fit_table(cli_call *call, rp_table *table, const void *values)
     RP_TRY(rp_rows_read(call->arena, table, names, &choice, &rows));
     double *x = rows.column[0], *y = rows.column[1];
     double range[2];
+    const char *failed = cli_failed(call->arena, table, NULL, 0, o->x, choice.range);
     cli_table(call, stdout);
     note_rows(&rows);
     gsl_stats_minmax(&range[0], &range[1], x, 1, rows.n);
@@ -106,8 +110,8 @@ static rp_status fit_table(cli_call *call, rp_table *table, const void *values)
     if (logarithms && !status) status = take_logarithms(table, rows.n, y, o->y);
     const stats_xy points = {rows.n, x, y, rows.column[2]};
     if (!status)
-        status = o->successive ? print_successive(call->arena, &points, o->level)
-                               : print_fit(&points, logarithms, range);
+        status = o->successive ? print_successive(call->arena, &points, o->level, failed)
+                               : print_fit(call->arena, &points, logarithms, range, failed);
     return rp_prefix(status, "%s: ", table->path);
 }
 
@@ -127,4 +131,5 @@ const cli_command cmd_stats_fit = {
     fit_params,
     .refuses =
         "--successive without --se; --scale log together with --se, or with a number that is not positive.",
+    .derives = true,
     .on_table = fit_table};

@@ -3,7 +3,7 @@
 #include <string.h>
 
 #include "stats/stats.h"
-#include "cli/cli.h"
+#include "cli/derive/derive.h"
 
 enum { SCALE_LINEAR, SCALE_LOG, SCALE_INVERSE };
 
@@ -40,13 +40,15 @@ CLI_OPTIONS(size, SIZE_OPTIONS)
 #define TREND_COLUMNS                                                                                        \
     "n, n_left, n_x, x_from [x], x_to [x], slope [y/x], slope_se [y/x], dof, change [y], change_se [y], "    \
     "change_lo [y], change_hi [y], p_value, p_holm, bend [y/x^2], bend_se [y/x^2], p_bend, "                 \
-    "change_lo90 [y], change_hi90 [y], p_margin, pair [y], pair_se [y], p_pairs, verdict"
+    "change_lo90 [y], change_hi90 [y], p_margin, pair [y], pair_se [y], p_pairs, " CLI_FAILED_COLUMNS        \
+    ", verdict"
 #define SIZE_COLUMNS                                                                                         \
     "n, n_x, x_from [x], x_to [x], limit [y], limit_se [y], limit_lo [y], limit_hi [y], c [x y], "           \
-    "c_se [x y], c_lo [x y], c_hi [x y], p_value, p_holm, p_bend, status"
+    "c_se [x y], c_lo [x y], c_hi [x y], p_value, p_holm, p_bend, " CLI_FAILED_COLUMNS ", status"
 #define LIMIT_COLUMNS                                                                                        \
     "n, n_x, x_from [x], x_to [x], limit [y], limit_se [y], limit_lo [y], limit_hi [y], limit_lo90 [y], "    \
-    "limit_hi90 [y], dof, p_value, c, exponent, exponent_lo, exponent_hi, chi2, p_fit, status"
+    "limit_hi90 [y], dof, p_value, c, exponent, exponent_lo, exponent_hi, chi2, p_fit, " CLI_FAILED_COLUMNS  \
+    ", status"
 
 /* The rows that count, with columns x, y and, where piles are compared, pile. */
 typedef struct {
@@ -79,27 +81,29 @@ static double unscaled(int scale, double u)
     return scale == SCALE_LOG ? pow(10.0, u) : u;
 }
 
-static void print_trend(const stats_trend *t, size_t n_rows, double p_holm, const trend_options *o)
+static void print_trend(rp_arena *arena, const stats_trend *t, size_t n_rows, double p_holm,
+                        const trend_options *o, const char *failed)
 {
     double lo[2], hi[2];
     stats_contrast_interval(&t->change, 0.95, &lo[0], &hi[0]);
     stats_contrast_interval(&t->change, 0.90, &lo[1], &hi[1]);
-    CLI_ROW_WORD(isnan(p_holm) ? "no_result" : stats_trend_word(t, p_holm, o->level), (double)t->n,
-                 (double)(n_rows - t->n), (double)t->n_x, unscaled(o->scale, t->from),
-                 unscaled(o->scale, t->to), t->slope.value, t->slope.se, t->slope.dof, t->change.value,
-                 t->change.se, lo[0], hi[0], stats_contrast_p(&t->change), p_holm, t->bend.value, t->bend.se,
-                 stats_contrast_p(&t->bend), lo[1], hi[1], t->p_margin, t->pair.value, t->pair.se,
-                 t->p_pairs);
+    const char *word = isnan(p_holm) ? "no_result" : stats_trend_word(t, p_holm, o->level);
+    CLI_ROW_WORD(rp_text(arena, "%s\t%s", failed, word), (double)t->n, (double)(n_rows - t->n),
+                 (double)t->n_x, unscaled(o->scale, t->from), unscaled(o->scale, t->to), t->slope.value,
+                 t->slope.se, t->slope.dof, t->change.value, t->change.se, lo[0], hi[0],
+                 stats_contrast_p(&t->change), p_holm, t->bend.value, t->bend.se, stats_contrast_p(&t->bend),
+                 lo[1], hi[1], t->p_margin, t->pair.value, t->pair.se, t->p_pairs);
 }
 
-static void print_size(const stats_trend *t, double p_holm)
+static void print_size(rp_arena *arena, const stats_trend *t, double p_holm, const char *failed)
 {
     double lo[2], hi[2];
     stats_contrast_interval(&t->intercept, 0.95, &lo[0], &hi[0]);
     stats_contrast_interval(&t->slope, 0.95, &lo[1], &hi[1]);
-    CLI_ROW_WORD(isnan(p_holm) ? "no_result" : "ok", (double)t->n, (double)t->n_x, 1.0 / t->to, 1.0 / t->from,
-                 t->intercept.value, t->intercept.se, lo[0], hi[0], t->slope.value, t->slope.se, lo[1], hi[1],
-                 stats_contrast_p(&t->slope), p_holm, stats_contrast_p(&t->bend));
+    const char *word = isnan(p_holm) ? "no_result" : "ok";
+    CLI_ROW_WORD(rp_text(arena, "%s\t%s", failed, word), (double)t->n, (double)t->n_x, 1.0 / t->to,
+                 1.0 / t->from, t->intercept.value, t->intercept.se, lo[0], hi[0], t->slope.value,
+                 t->slope.se, lo[1], hi[1], stats_contrast_p(&t->slope), p_holm, stats_contrast_p(&t->bend));
 }
 
 static rp_status print_header(const cli_call *call, const rp_table *t, const rows *r, const trend_options *o,
@@ -118,11 +122,11 @@ static const char *limit_word(const stats_limit *l)
     return isnan(l->limit) ? "no_result" : ends == 2 ? "ok" : ends == 1 ? "one_end" : "no_limit";
 }
 
-static void print_limit(const stats_limit *l)
+static void print_limit(rp_arena *arena, const stats_limit *l, const char *failed)
 {
-    CLI_ROW_WORD(limit_word(l), (double)l->n, (double)l->n_x, l->from, l->to, l->limit, l->se, l->lo, l->hi,
-                 l->lo90, l->hi90, l->dof, l->p_value, l->c, l->exponent, l->exponent_lo, l->exponent_hi,
-                 l->chi2, l->p_fit);
+    CLI_ROW_WORD(rp_text(arena, "%s\t%s", failed, limit_word(l)), (double)l->n, (double)l->n_x, l->from,
+                 l->to, l->limit, l->se, l->lo, l->hi, l->lo90, l->hi90, l->dof, l->p_value, l->c,
+                 l->exponent, l->exponent_lo, l->exponent_hi, l->chi2, l->p_fit);
 }
 
 /* What is fitted to a group: a trend, a limit with exponent 1 as the trend in 1/x, or with a free one. */
@@ -168,12 +172,14 @@ static rp_status fit_groups(const cli_call *call, const rp_table *t, const rows 
     RP_TRY(print_header(call, t, r, o, columns[kind]));
     for (size_t g = 0; g < n_groups; g++) {
         if (*r->groups.words[g]) printf("%s\t", r->groups.words[g]);
+        const char *failed = cli_failed(call->arena, t, &r->groups, g, o->x, (double[]){o->from, o->to});
         if (kind == TREND)
-            print_trend(&fits[g].trend, r->of.first[g + 1] - r->of.first[g], p_holm[g], o);
+            print_trend(call->arena, &fits[g].trend, r->of.first[g + 1] - r->of.first[g], p_holm[g], o,
+                        failed);
         else if (kind == SIZE)
-            print_size(&fits[g].trend, p_holm[g]);
+            print_size(call->arena, &fits[g].trend, p_holm[g], failed);
         else
-            print_limit(&fits[g].limit);
+            print_limit(call->arena, &fits[g].limit, failed);
     }
     return RP_OK;
 }
@@ -259,6 +265,7 @@ const cli_command cmd_stats_trend = {
     trend_params,
     .refuses = "A number that is not positive with --scale log; more than ten different words in column x.\n"
                "Too few x or rows for a line: exit status 1.",
+    .derives = true,
     .on_table = trend_of_table};
 
 const cli_command cmd_stats_size = {
@@ -281,4 +288,5 @@ const cli_command cmd_stats_size = {
     size_params,
     .refuses = "An x that is not positive; --least-exponent without --exponent free; --power with it.\n"
                "Too few x or rows for a limit: exit status 1.",
+    .derives = true,
     .on_table = size_of_table};

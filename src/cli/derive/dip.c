@@ -1,5 +1,5 @@
 /* repose stress dip: does the pressure on the base of piles dip in the middle? */
-#include "cli/cli.h"
+#include "cli/derive/derive.h"
 #include "stress/stress.h"
 
 #define DIP_OPTIONS(X)                                                                                       \
@@ -51,16 +51,18 @@ static rp_status read_piles(rp_arena *arena, const rp_table *t, dip_piles *p)
     return read_rays(arena, t, p);
 }
 
-static void print_dip(const stress_dips *d, const dip_options *o)
+static void print_dip(rp_arena *arena, const stress_dips *d, const dip_options *o, const char *failed)
 {
     rp_table_header(stdout,
                     "n, excess, excess_se, excess_sd, excess_lo, excess_hi, null_lo, null_hi, p_value, "
                     "p_dip, p_margin, middle, middle_se, middle_lo, middle_hi, p_profile, below, "
-                    "below_se, share, share_se, share_null, share_null_se, p_share, verdict");
-    CLI_ROW_WORD(stress_dip_word(d, o->level), (double)d->excess.n, d->excess.mean, d->excess.se,
-                 d->excess.sd, d->excess.lo, d->excess.hi, d->null_lo, d->null_hi, d->p_value, d->p_dip,
-                 d->p_margin, d->middle.mean, d->middle.se, d->middle.lo, d->middle.hi, d->p_profile,
-                 d->below, d->below_se, d->share, d->share_se, d->share_null, d->share_null_se, d->p_share);
+                    "below_se, share, share_se, share_null, share_null_se, p_share, " CLI_FAILED_COLUMNS
+                    ", verdict");
+    CLI_ROW_WORD(rp_text(arena, "%s\t%s", failed, stress_dip_word(d, o->level)), (double)d->excess.n,
+                 d->excess.mean, d->excess.se, d->excess.sd, d->excess.lo, d->excess.hi, d->null_lo,
+                 d->null_hi, d->p_value, d->p_dip, d->p_margin, d->middle.mean, d->middle.se, d->middle.lo,
+                 d->middle.hi, d->p_profile, d->below, d->below_se, d->share, d->share_se, d->share_null,
+                 d->share_null_se, d->p_share);
 }
 
 static void print_profile(const stress_dips *d, const dip_piles *p)
@@ -86,7 +88,7 @@ static rp_status dip_of_table(cli_call *call, rp_table *table, const void *value
     if (o->profile)
         print_profile(&dips, &piles);
     else
-        print_dip(&dips, o);
+        print_dip(call->arena, &dips, o, cli_failed(call->arena, table, NULL, 0, NULL, NULL));
     return RP_OK;
 }
 
@@ -121,4 +123,5 @@ const cli_command cmd_stress_dip = {
     "repose stress dip build/tables/li20_point_runs.tsv",
     dip_params,
     .refuses = "A table without columns n_01 to n_20 and excess. Fewer than 3 piles: exit status 1.",
+    .derives = true,
     .on_table = dip_of_table};

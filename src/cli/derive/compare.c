@@ -1,6 +1,8 @@
 /* repose angle compare, repose angle phi: measured piles against (3) and (4). */
+#include <float.h>
+
 #include "angle/angle.h"
-#include "cli/cli.h"
+#include "cli/derive/derive.h"
 
 /* ---- compare ---- */
 
@@ -37,11 +39,11 @@ static void print_compare_header(void)
         used += (size_t)snprintf(text + used, sizeof text - used, ", gain_relative_%s, gain_relative_%s_se",
                                  form, form);
     }
-    snprintf(text + used, sizeof text - used, ", status");
+    snprintf(text + used, sizeof text - used, ", " CLI_FAILED_COLUMNS ", status");
     rp_table_header(stdout, text);
 }
 
-static void print_comparison(double mu, const ang_comparison *c)
+static void print_comparison(rp_arena *arena, double mu, const ang_comparison *c, const char *failed)
 {
     enum { N_HEAD = 13, N_FORM = 10 };
     double v[N_HEAD + ANG_N_FORMS * N_FORM] = {mu,
@@ -68,7 +70,7 @@ static void print_comparison(double mu, const ang_comparison *c)
         *next++ = c->form[f].gain_relative.se;
         if (worst == ANG_TILT_OK) worst = c->form[f].status;
     }
-    rp_table_row_word(stdout, N_OF(v), v, ang_tilt_words[worst]);
+    rp_table_row_word(stdout, N_OF(v), v, rp_text(arena, "%s\t%s", failed, ang_tilt_words[worst]));
 }
 
 static rp_status compare_table(cli_call *call, rp_table *table, const void *values)
@@ -87,7 +89,8 @@ static rp_status compare_table(cli_call *call, rp_table *table, const void *valu
         ang_comparison c;
         RP_TRY(rp_prefix(ang_compare(&of, o->phi_deg * deg, (size_t)o->bootstrap, rng, &c),
                          "%s: mu = %g: ", table->path, of.mu));
-        print_comparison(of.mu, &c);
+        print_comparison(call->arena, of.mu, &c,
+                         cli_failed(call->arena, table, NULL, 0, "mu", (double[]){of.mu, of.mu}));
     }
     return RP_OK;
 }
@@ -110,6 +113,7 @@ const cli_command cmd_angle_compare = {
     "repose angle compare piles.tsv",
     compare_params,
     .refuses = "A table without these columns, or without a pile that counts.",
+    .derives = true,
     .on_table = compare_table};
 
 /* ---- phi ---- */
@@ -121,7 +125,7 @@ const cli_command cmd_angle_compare = {
 
 CLI_OPTIONS(phi, PHI_OPTIONS)
 
-static rp_status print_phis(size_t n_groups, const ang_piles groups[])
+static rp_status print_phis(rp_arena *arena, size_t n_groups, const ang_piles groups[], const char *failed)
 {
     size_t n = 0;
     ang_phi fit[ANG_N_AGAINST];
@@ -130,8 +134,8 @@ static rp_status print_phis(size_t n_groups, const ang_piles groups[])
     for (int a = 0; a < ANG_N_AGAINST; a++) {
         const ang_phi *f = &fit[a];
         const int open = f->lo_open && f->hi_open ? 2 : (int)f->hi_open - (int)f->lo_open;
-        CLI_ROW_WORD(ang_against_words[a], (double)n_groups, (double)n, f->phi / deg, f->lo / deg,
-                     f->hi / deg, f->chi2, (double)f->dof, f->p_value, open);
+        CLI_ROW_WORD(rp_text(arena, "%s\t%s", failed, ang_against_words[a]), (double)n_groups, (double)n,
+                     f->phi / deg, f->lo / deg, f->hi / deg, f->chi2, (double)f->dof, f->p_value, open);
     }
     return RP_OK;
 }
@@ -154,10 +158,12 @@ static rp_status phi_table(cli_call *call, rp_table *table, const void *values)
         return rp_fail(RP_NO_RESULT, "%s: no row with status ok, both angles, and mu in range", table->path);
     cli_table(call, stdout);
     rp_rows_note(table, &piles);
-    rp_table_header(
-        stdout,
-        "n_mu, n, phi_deg [deg], phi_lo_deg [deg], phi_hi_deg [deg], chi2, dof, p_value, open, against");
-    return rp_prefix(print_phis(n_groups, groups), "%s: ", table->path);
+    rp_table_header(stdout, "n_mu, n, phi_deg [deg], phi_lo_deg [deg], phi_hi_deg [deg], chi2, dof, p_value, "
+                            "open, " CLI_FAILED_COLUMNS ", against");
+    const double range[] = {fmax(o->from, DBL_MIN), o->to};
+    return rp_prefix(
+        print_phis(call->arena, n_groups, groups, cli_failed(call->arena, table, NULL, 0, "mu", range)),
+        "%s: ", table->path);
 }
 
 const cli_command cmd_angle_phi = {
@@ -178,4 +184,5 @@ const cli_command cmd_angle_phi = {
     phi_params,
     .refuses = "A table without a pile that counts; a friction with fewer than 5 piles.\n"
                "Piles whose angles are all the same, or steeper than any ray: exit status 1.",
+    .derives = true,
     .on_table = phi_table};

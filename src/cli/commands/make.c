@@ -1,0 +1,446 @@
+/* repose sweep make: the runs of a sweep file, and the tables that its settings derive from them. */
+#include <errno.h>
+#include <libgen.h>
+#include <string.h>
+
+#include "cli/command.h"
+#include "cli/derive/derive.h"
+#include "cli/progress.h"
+#include "core/folder.h"
+#include "params/config.h"
+
+#define MAKE_OPTIONS(X)                                                                                      \
+    X(TEXT, o, "", NULL, "", "folder of the sweep; created if missing")                                      \
+    X(TEXT, tables, "", "auto", "", "folder of the tables; auto: build/tables/NAME")                         \
+    CLI_WORKERS(X)                                                                                           \
+    CLI_LIMITS(X)                                                                                            \
+    X(INT, replicas, "", "auto", "[1, 1000000] | auto", "runs per grid point; auto: the number in the file") \
+    X(BOOL, study, "", "false", "", "runs per grid point: the number `study` of the file")                   \
+    CLI_QUIET(X)                                                                                             \
+    CLI_FORCE(X)
+
+CLI_OPTIONS(make, MAKE_OPTIONS)
+
+/* A table that a setting of the file asks for: a command of this program, and the values of its options. */
+typedef struct step {
+    struct step *next;
+    const config_setting_t *setting;
+    const char *table; /* its name */
+    const char *rows;  /* "runs", "points" or an earlier table; NULL: none */
+    const char *stage; /* of the traces, whose piles the command reads; NULL: none */
+    const config_setting_t *of;
+    bool folder; /* of a trace or a pile: its tables */
+    cli_call call;
+} step;
+
+typedef struct {
+    const cli_call *call;
+    const make_options *o;
+    const char *file, *tables; /* the sweep's file, and the folder */
+    sweep_recipe recipe;
+    step *first, **end;
+} making;
+
+/* ---- reading ---- */
+
+static const char *text_of(const config_setting_t *group, const char *key)
+{
+    const char *text = NULL;
+    config_setting_lookup_string(group, key, &text);
+    return text;
+}
+
+/* Options that a setting cannot have: where the table goes is settled. */
+static bool is_settled(const char *name)
+{
+    static const char *const names[] = {"o", "force", "quiet", "j", "set", "resume", "dump", "snapshot"};
+    size_t i = 0;
+    while (i < N_OF(names) && strcmp(names[i], name) != 0) i++;
+    return i < N_OF(names);
+}
+
+/* The options of the command, their names as in a file. */
+static rp_param *schema_of(cli_call *call)
+{
+    rp_param *schema = rp_arena_memory(call->arena, call->n_own, sizeof *schema), *to = schema;
+    for (const rp_param *p = call->options; p < call->options + call->n_own; p++) {
+        char *name = rp_text(call->arena, "%s", p->name);
+        for (char *c = name; (c = strchr(c, '-'));) *c = '_';
+        if (is_settled(name) || strcmp(name, "where") == 0) continue;
+        *to = *p;
+        to++->name = name;
+    }
+    return schema;
+}
+
+static rp_status read_where(step *s)
+{
+    const config_setting_t *list = config_setting_get_member(s->setting, "where");
+    const rp_param *where = rp_params_find(s->call.options, "where");
+    if (!list) return RP_OK;
+    if (!where) return rp_config_fail(list, "where: %s has no conditions", s->call.command->name);
+    const int n = config_setting_is_scalar(list) ? 1 : config_setting_length(list);
+    for (int i = 0; i < n; i++) {
+        const char *text = config_setting_is_scalar(list) ? config_setting_get_string(list)
+                                                          : config_setting_get_string_elem(list, i);
+        if (!text)
+            return rp_config_fail(list, "where: conditions expected, as in [\"mu=0.2\", \"eps<1e-5\"]");
+        RP_TRY(rp_params_set_text(where, s->call.values, text));
+    }
+    return RP_OK;
+}
+
+/* "trend x=W y=theta_r3_deg by=mu", in the order of the file. */
+static const char *describe(const step *s, const rp_param *schema)
+{
+    char value[256];
+    rp_arena *arena = s->call.arena;
+    const char *text = cli_own_name(s->call.command);
+    for (int i = 0; i < config_setting_length(s->setting); i++) {
+        const config_setting_t *m = config_setting_get_elem(s->setting, (unsigned)i);
+        const rp_param *p = rp_params_find(schema, config_setting_name(m));
+        if (p)
+            text = rp_text(arena, "%s %s=%s", text, p->name,
+                           rp_params_text(p, s->call.values, value, sizeof value));
+    }
+    const rp_param *where = rp_params_find(s->call.options, "where");
+    const rp_texts *conditions =
+        where ? (const rp_texts *)((const char *)s->call.values + where->offset) : NULL;
+    for (size_t i = 0; conditions && i < conditions->n; i++)
+        text = rp_text(arena, "%s where=%s", text, conditions->items[i]);
+    return text;
+}
+
+/* Columns that the options name are those of the runs, or of the points. */
+static rp_status check_columns(const making *m, const step *s, const rp_param *schema)
+{
+    static const char *const names[] = {"x", "y", "se", "by", "column"};
+    char *text;
+    size_t size, n;
+    rp_table *table;
+    int *columns;
+    const bool points = strcmp(s->rows, "points") == 0;
+    if (!points && strcmp(s->rows, "runs") != 0) return RP_OK;
+    FILE *out = open_memstream(&text, &size);
+    if (!out) return rp_fail(RP_NO_MEMORY, "%s: out of memory", m->file);
+    rp_status status = sweep_columns(m->file, sweep_protocols, points ? SWEEP_POINTS : SWEEP_RUNS, out);
+    fclose(out);
+    if (status) return free(text), status;
+    RP_TRY(rp_table_load_text(s->call.arena, points ? "points" : "runs", text, &table));
+    for (size_t i = 0; i < N_OF(names) && !status; i++) {
+        const rp_param *p = rp_params_find(schema, names[i]);
+        if (!p || p->type != RP_TEXT) continue;
+        const char *list = *(const char *const *)((const char *)s->call.values + p->offset);
+        if (strcmp(list, "none") != 0) status = rp_columns(s->call.arena, table, list, &n, &columns);
+        if (status) status = rp_config_fail(s->setting, "%s: %s: %s", s->table, p->name, rp_message());
+    }
+    return status;
+}
+
+static rp_status read_options(const making *m, step *s, const cli_command *command, const char *const *others)
+{
+    cli_options_of(&s->call, command);
+    rp_param *schema = schema_of(&s->call);
+    RP_TRY(rp_config_group(s->setting, schema, s->call.values, others));
+    for (size_t i = 0; i < s->call.n_own; i++) {
+        char *name = rp_text(s->call.arena, "%s", s->call.options[i].name);
+        for (char *c = name; (c = strchr(c, '-'));) *c = '_';
+        s->call.given[i] = config_setting_get_member(s->setting, name) != NULL;
+    }
+    RP_TRY(read_where(s));
+    s->call.lineage = rp_text(s->call.arena, "# derived by: %s\n", describe(s, schema));
+    return s->rows ? check_columns(m, s, schema) : RP_OK;
+}
+
+static step *add_step(making *m, const config_setting_t *setting, const char *table)
+{
+    step *s = rp_arena_memory(m->call->arena, 1, sizeof *s);
+    *s = (step){.setting = setting, .table = table, .call = *m->call};
+    s->call.line = rp_text(m->call->arena, "%s sweep make %s", m->call->program->name, m->file);
+    s->call.n_arguments = 0;
+    *m->end = s;
+    m->end = &s->next;
+    return s;
+}
+
+/* The name of a table is one of a file, and stands once. */
+static rp_status check_name(const making *m, const config_setting_t *setting, const char *name)
+{
+    if (!name) return rp_config_fail(setting, "table: missing (the name of the table)");
+    bool taken = strcmp(name, "runs") == 0 || strcmp(name, "points") == 0;
+    for (const step *s = m->first; s; s = s->next) taken |= strcmp(s->table, name) == 0;
+    if (taken) return rp_config_fail(setting, "table: %s: stands twice", name);
+    if (!*name || *name == '.' || strchr(name, '/') || strlen(name) > 64)
+        return rp_config_fail(
+            setting, "table: %s: the name of a file expected, without / and at most 64 letters", name);
+    return RP_OK;
+}
+
+/* The command that `with` names. */
+static rp_status find_command(const config_setting_t *setting, const cli_command *const groups[], size_t n,
+                              const cli_command **command)
+{
+    const char *with = text_of(setting, "with");
+    char names[512] = "";
+    *command = NULL;
+    for (size_t k = 0; k < n; k++)
+        for (const cli_command *const *c = groups[k]->group ? groups[k]->group : &groups[k]; *c; c++) {
+            const bool derives = !groups[k]->group || (*c)->derives;
+            if (derives && with && strcmp(cli_own_name(*c), with) == 0) *command = *c;
+            if (derives)
+                snprintf(names + strlen(names), sizeof names - strlen(names), " %s", cli_own_name(*c));
+            if (!groups[k]->group) break;
+        }
+    return *command ? RP_OK : rp_config_fail(setting, "with = \"%s\": allowed:%s", with ? with : "", names);
+}
+
+static rp_status read_derive(making *m, const config_setting_t *setting)
+{
+    static const char *const others[] = {"table", "with", "rows", "of", "stage", "where", NULL};
+    const cli_command *const groups[] = {&cmd_stats, &cmd_stress, &cmd_angle}, *command;
+    if (!config_setting_is_group(setting)) return rp_config_fail(setting, "derive: groups { ... } expected");
+    const char *name = text_of(setting, "table"), *rows = text_of(setting, "rows");
+    RP_TRY(check_name(m, setting, name));
+    RP_TRY(find_command(setting, groups, N_OF(groups), &command));
+    bool known = !rows || strcmp(rows, "runs") == 0 || strcmp(rows, "points") == 0;
+    for (const step *s = m->first; s; s = s->next) known |= rows && strcmp(s->table, rows) == 0;
+    if (!known)
+        return rp_config_fail(setting,
+                              "rows = \"%s\": runs, points or an earlier table of this file expected", rows);
+    step *s = add_step(m, setting, name);
+    s->of = config_setting_get_member(setting, "of");
+    s->stage = text_of(setting, "stage");
+    if (!command->on_table != (s->stage != NULL))
+        return rp_config_fail(setting, "%s %s: stage %s", name, command->name,
+                              s->stage ? "is for piles of traces"
+                                       : "missing (of the traces whose piles it reads)");
+    for (int i = 0; s->of && i < config_setting_length(s->of); i++)
+        if (!config_setting_get_string_elem(s->of, i) ||
+            strchr(config_setting_get_string_elem(s->of, i), '/'))
+            return rp_config_fail(s->of,
+                                  "of: names of sweeps expected, as in [\"lh_size\", \"lh_size_mid\"]");
+    if (command->on_table) s->rows = rows ? rows : "runs";
+    return read_options(m, s, command, others);
+}
+
+static rp_status read_model(making *m, const config_setting_t *setting)
+{
+    static const char *const others[] = {"table", "with", "folder", NULL};
+    const cli_command *const models[] = {&cmd_pile, &cmd_tent, &cmd_continuum, &cmd_lattice}, *command;
+    if (!config_setting_is_group(setting)) return rp_config_fail(setting, "model: groups { ... } expected");
+    RP_TRY(check_name(m, setting, text_of(setting, "table")));
+    RP_TRY(find_command(setting, models, N_OF(models), &command));
+    step *s = add_step(m, setting, text_of(setting, "table"));
+    const config_setting_t *folder = config_setting_get_member(setting, "folder");
+    s->folder = folder && config_setting_get_bool(folder);
+    if (folder && command != &cmd_pile) return rp_config_fail(folder, "folder: only a pile has one");
+    return read_options(m, s, command, others);
+}
+
+/* The option of a call, to be set. */
+static void *value_of(const cli_call *call, const char *name)
+{
+    return (char *)call->values + call->options[cli_option(call, name)].offset;
+}
+
+static rp_status read_trace(making *m, const config_setting_t *setting)
+{
+    static const char *const others[] = {"rows", NULL};
+    if (!config_setting_is_group(setting)) return rp_config_fail(setting, "trace: groups { ... } expected");
+    const config_setting_t *rows = config_setting_get_member(setting, "rows");
+    if (!rows || !config_setting_length(rows))
+        return rp_config_fail(setting, "rows: missing (numbers of runs, as in [0, 10])");
+    for (int i = 0; i < config_setting_length(rows); i++) {
+        const long row = config_setting_get_int_elem(rows, i);
+        step *s = add_step(m, setting, rp_text(m->call->arena, "row_%ld", row));
+        RP_TRY(read_options(m, s, &cmd_run, others));
+        s->folder = true;
+        s->call.lineage = NULL; /* its tables say it themselves */
+        s->call.n_arguments = 1;
+        s->call.arguments = rp_arena_memory(m->call->arena, 1, sizeof *s->call.arguments);
+        *(const char **)s->call.arguments = m->file;
+        *(long *)value_of(&s->call, "row") = row;
+        *(bool *)value_of(&s->call, "quiet") = true;
+    }
+    return RP_OK;
+}
+
+static rp_status read_list(making *m, const char *key,
+                           rp_status (*read)(making *m, const config_setting_t *setting))
+{
+    const config_setting_t *list = config_lookup(&m->recipe.config, key);
+    if (!list) return RP_OK;
+    if (!config_setting_is_list(list))
+        return rp_config_fail(list, "%s: a list ( { ... }, ... ) expected", key);
+    for (int i = 0; i < config_setting_length(list); i++)
+        RP_TRY(read(m, config_setting_get_elem(list, (unsigned)i)));
+    return RP_OK;
+}
+
+/* ---- making ---- */
+
+static rp_status export_to(const making *m, const char *name, unsigned what)
+{
+    const char *path;
+    RP_TRY(rp_path(m->call->arena, &path, "%s/%s.tsv", m->tables, name));
+    return cli_sweep_export(m->call, m->o->o, what, path, NULL);
+}
+
+/* "lh3: 80 runs: 78 ok, 2 not_at_rest" */
+static void print_summary(const char *name, const sweep_counts *counts)
+{
+    printf("%s: %zu runs", name, counts->stored);
+    for (size_t i = 0; i < counts->n_words; i++)
+        printf("%s %zu %s", i ? "," : ":", counts->words[i].runs, counts->words[i].status);
+    putchar('\n');
+    fflush(stdout); /* before what is told of tables */
+}
+
+static rp_status make_runs(const making *m)
+{
+    const make_options *o = m->o;
+    const size_t replicas = o->replicas > 0 ? (size_t)o->replicas : o->study ? m->recipe.study : 0;
+    sweep_counts counts;
+    const sweep_options options = {
+        .workers = (int)o->j, .memory = o->mem, .time = o->time, .snapshot = CLI_SNAPSHOT};
+    RP_TRY(cli_claim_sweep(o->o, m->file, o->force));
+    RP_TRY(sweep_prepare(m->file, o->o, replicas, sweep_protocols, cli_watch(o->quiet), &counts));
+    cli_warn_sweep(m->file);
+    const rp_status status = cli_sweep_run(o->o, options, o->quiet, &counts);
+    if (!status || status == RP_NO_RESULT) print_summary(m->recipe.name, &counts);
+    RP_TRY(status);
+    RP_TRY(export_to(m, "runs", SWEEP_RUNS));
+    return export_to(m, "points", SWEEP_POINTS);
+}
+
+/* The runs of other sweeps lie beside those of this one. */
+static rp_status load_of(const making *m, const step *s, cli_call *call, rp_table **table)
+{
+    char *own = rp_text(call->arena, "%s", m->o->o), *beside = dirname(own);
+    *table = NULL;
+    for (int i = 0; i < config_setting_length(s->of); i++) {
+        rp_table *more;
+        const char *name = config_setting_get_string_elem(s->of, i), *folder = m->o->o;
+        if (strcmp(name, m->recipe.name) != 0) RP_TRY(rp_path(call->arena, &folder, "%s/%s", beside, name));
+        RP_TRY(rp_prefix(cli_sweep_table(call, folder, SWEEP_RUNS, &more, &(sweep_counts){0}),
+                         "%s reads the runs of %s, which must be made first: ", s->table, name));
+        call->lineage =
+            rp_text(call->arena, "%s# source: %s\n", call->lineage, rp_table_find_note(more, "source"));
+        if (*table) RP_TRY(rp_table_append(*table, more));
+        if (!*table) *table = more;
+    }
+    return RP_OK;
+}
+
+static rp_status load_rows(const making *m, const step *s, cli_call *call, rp_table **table)
+{
+    const char *path;
+    const bool points = strcmp(s->rows, "points") == 0;
+    if (s->of) return load_of(m, s, call, table);
+    if (points || strcmp(s->rows, "runs") == 0) {
+        RP_TRY(cli_sweep_table(call, m->o->o, points ? SWEEP_POINTS : SWEEP_RUNS, table, &(sweep_counts){0}));
+    } else {
+        RP_TRY(rp_path(call->arena, &path, "%s/%s.tsv", m->tables, s->rows));
+        RP_TRY(rp_table_load(call->arena, path, table));
+    }
+    for (const char *n = NULL; (n = rp_table_next_note(*table, "source", n));)
+        call->lineage = rp_text(call->arena, "%s# source: %s\n", call->lineage, n);
+    return RP_OK;
+}
+
+/* The piles of the traces before this step, as arguments. */
+static rp_status name_piles(const making *m, const step *s, cli_call *call)
+{
+    size_t n = 0;
+    for (const step *t = m->first; t; t = t->next) n++;
+    const char **piles = rp_arena_memory(call->arena, n, sizeof *piles);
+    for (const step *t = m->first; t; t = t->next)
+        if (t->call.command == &cmd_run)
+            RP_TRY(
+                rp_path(call->arena, &piles[call->n_arguments++], "%s/%s/%s", m->tables, t->table, s->stage));
+    call->arguments = (char *const *)piles;
+    return call->n_arguments ? RP_OK : rp_config_fail(s->setting, "%s: no traces in this file", s->table);
+}
+
+/* May this command write the folder: nothing is there, or what the same file made? */
+static bool is_own_folder(const char *path, const char *line)
+{
+    rp_folder f;
+    const bool own = rp_folder_open(path, &f) ? f.file < 0 : !*f.holds || strstr(f.holds, line);
+    rp_folder_close(&f);
+    return own;
+}
+
+/* A command that finds no result is an answer too, if it prints a table. */
+static rp_status make_step(const making *m, const step *s)
+{
+    const rp_mark mark = rp_arena_mark(m->call->arena);
+    const char *path, *folder;
+    FILE *out;
+    rp_table *table = NULL;
+    cli_call call = s->call;
+    RP_TRY(rp_path(call.arena, &folder, "%s/%s", m->tables, s->table));
+    RP_TRY(rp_path(call.arena, &path, "%s.tsv", folder));
+    if (s->rows) RP_TRY(load_rows(m, s, &call, &table));
+    if (s->stage) RP_TRY(name_piles(m, s, &call));
+    if (s->folder) {
+        *(const char **)value_of(&call, "o") = folder;
+        *(bool *)value_of(&call, "force") = is_own_folder(folder, call.line);
+    }
+    RP_TRY(rp_file_open(path, &out));
+    rp_status status = cli_act_into(&call, table, out);
+    if (status == RP_NO_RESULT && ftell(out) > 0) {
+        fprintf(stderr, "repose sweep: %s: %s\n", s->table, rp_message());
+        status = RP_OK;
+    }
+    status = rp_file_close(path, out, rp_prefix(status, "%s: ", s->table));
+    rp_arena_release(m->call->arena, mark);
+    return status;
+}
+
+static rp_status act_make(cli_call *call, const void *values)
+{
+    making m = {
+        .call = call, .o = values, .file = cli_data(call->arena, cli_argument(call, 0)), .end = &m.first};
+    rp_status status = sweep_recipe_read(m.file, &m.recipe);
+    if (!status) status = read_list(&m, "trace", read_trace);
+    if (!status) status = read_list(&m, "derive", read_derive);
+    if (!status) status = read_list(&m, "model", read_model);
+    m.tables =
+        strcmp(m.o->tables, "auto") ? m.o->tables : rp_text(call->arena, "build/tables/%s", m.recipe.name);
+    if (!status) status = rp_make_directory(m.tables);
+    if (!status && m.recipe.has_runs) status = make_runs(&m);
+    for (const step *s = m.first; s && !status; s = s->next) status = make_step(&m, s);
+    sweep_recipe_free(&m.recipe);
+    return status;
+}
+
+const cli_command cmd_sweep_make = {
+    "sweep make",
+    "plan, run, and write all tables of the sweep file",
+    "FILE -o DIR [--tables DIR] [-j N] [--mem MB] [--time S] [--replicas N | --study] [--quiet] [--force]",
+    "Plan a sweep, make its missing runs, and write its tables: runs.tsv, points.tsv, one row per grid\n"
+    "point, and those that settings of the file ask for. All are checked before the first run.\n"
+    "\n"
+    "  study  = 60;                                   # runs per grid point with --study\n"
+    "  derive = ( { table = \"phi\"; with = \"phi\"; },     # of the runs, by repose angle phi, with its "
+    "options\n"
+    "             { table = \"line\"; with = \"fit\"; rows = \"points\"; x = \"mu\"; y = "
+    "\"theta_r3_deg_mean\"; } );\n"
+    "  trace  = ( { rows = [0, 10]; every = 100; } ); # runs again, as repose run FILE --row 0: row_0.tsv, "
+    "row_0\n"
+    "  model  = ( { table = \"30\"; with = \"continuum\"; alpha_deg = 30.0; } );\n"
+    "\n"
+    "with: a command of repose stats, stress or angle that reads a table, for a model pile, tent, continuum\n"
+    "or lattice (folder = true: the tables of a pile too). rows: runs, points, or an earlier table; where = "
+    "[\"mu=0.2\", \"eps<1e-5\"]: as --where.\n"
+    "of = [\"a\", \"b\"]: the runs of these sweeps, made before, whose folders lie beside DIR. stage = "
+    "\"tilt_0\":\n"
+    "for field and base, the piles of the traces at this stage. A file without a protocol has models alone.",
+    "repose sweep make sweeps/li/tent.cfg -o build/sweeps/tent",
+    make_params,
+    .refuses =
+        "What `repose sweep plan` and `repose sweep run` refuse; an unknown key, command or column of a\n"
+        "setting, before any run. A folder of a trace or a pile that holds something else.",
+    .prints_text = true,
+    .act = act_make};

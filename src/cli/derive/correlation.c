@@ -1,0 +1,65 @@
+/* repose stats correlation: correlation of columns, over runs. */
+#include <string.h>
+
+#include "cli/derive/derive.h"
+#include "stats/stats.h"
+
+#define CORRELATION_OPTIONS(X)                                                                               \
+    X(TEXT, x, "", NULL, "", "columns (a or a,b,...) that may be correlated with y")                         \
+    X(TEXT, y, "", NULL, "", "column of y")                                                                  \
+    CLI_BY(X, "none", "groups")                                                                              \
+    CLI_WHERE(X)
+
+CLI_OPTIONS(correlation, CORRELATION_OPTIONS)
+
+/* A row for each group of the rows, y before the columns of x. */
+static rp_status print_correlations(rp_arena *arena, const rp_table *table, const rp_groups *groups,
+                                    const rp_rows *rows, size_t x, const char *name)
+{
+    for (size_t g = 0; g < rows->n_groups; g++) {
+        const size_t first = rows->first[g];
+        stats_correlation c;
+        RP_TRY(stats_correlate(rows->first[g + 1] - first, rows->column[x] + first, rows->column[0] + first,
+                               &c));
+        if (*groups->words[g]) printf("%s\t", groups->words[g]);
+        const char *failed = cli_failed(arena, table, groups, g, NULL, NULL);
+        CLI_ROW_WORD(rp_text(arena, "%s\t%s", failed, name), (double)c.n, c.value, c.se, c.lo, c.hi);
+    }
+    return RP_OK;
+}
+
+static rp_status correlation_of_table(cli_call *call, rp_table *table, const void *values)
+{
+    const correlation_options *o = values;
+    const size_t size = strlen(o->x) + strlen(o->y) + 2;
+    char *names = rp_arena_memory(call->arena, size, 1), *rest = names;
+    rp_groups groups;
+    rp_rows rows;
+    snprintf(names, size, "%s,%s", o->y, o->x);
+    RP_TRY(rp_group_rows(call->arena, table, o->by, '\t', &groups));
+    RP_TRY(rp_rows_read(call->arena, table, names, &(rp_choice){.groups = &groups}, &rows));
+    cli_table(call, stdout);
+    rp_table_note(stdout, "rows", "%zu used, %zu without result, %zu with nan", rows.n, rows.n_failed,
+                  rows.n_nan);
+    rp_status status = rp_header_by(
+        table, o->by,
+        "n, correlation, correlation_se, correlation_lo, correlation_hi, " CLI_FAILED_COLUMNS ", quantity");
+    strsep(&rest, ",");
+    for (size_t x = 1; rest && !status; x++)
+        status = print_correlations(call->arena, table, &groups, &rows, x, strsep(&rest, ","));
+    return rp_prefix(status, "%s: ", table->path);
+}
+
+const cli_command cmd_stats_correlation = {
+    "stats correlation",
+    "correlation of columns, over runs",
+    "TABLE -x COLUMNS -y COLUMN [options]",
+    "Pearson's correlation of each column of x with y, one row a column and group, with its 95 % interval\n"
+    "by Fisher's transformation. Rows with nan in a column are left out for all. TABLE (- for standard\n"
+    "input): one row per run, as repose sweep export writes.",
+    "repose stats correlation build/studies/lh_onset_runs.tsv -x bulk_friction_0,limit_probe -y "
+    "theta_t_displacement_deg --by mu",
+    correlation_params,
+    .refuses = "Fewer than 4 rows in a group: exit status 1.",
+    .derives = true,
+    .on_table = correlation_of_table};

@@ -1,0 +1,218 @@
+/* repose stress field, repose stress base: stress in piles and on their base, from tables of contacts. */
+#include <string.h>
+
+#include "angle/angle.h"
+#include "stress/stress.h"
+#include "cli/derive/derive.h"
+
+#define BOX_OPTIONS(X)                                                                                       \
+    X(REAL, width, "cm", NULL, "(0, inf)", "width W of the box, from x = 0")                                 \
+    X(REAL, cell, "cm", "0.4", "(0, inf)", "cells; round(W/cell) to W")
+
+/* ---- piles out of their tables ---- */
+
+static rp_status read_block(rp_arena *arena, const char *prefix, const char *what, const char *names,
+                            double **block, size_t *rows)
+{
+    const char *path,
+        *suffix = strstr(prefix, "_contacts.tsv"); /* the file itself, as a shell's * finds it */
+    RP_TRY(rp_path(arena, &path, "%.*s_%s.tsv", (int)(suffix ? suffix - prefix : (long)strlen(prefix)),
+                   prefix, what));
+    return rp_columns_read_file(arena, path, names, block, rows);
+}
+
+/* Mark the contacts with the floor: wall number `asked`, or, for auto, walls at the one height at which walls
+ * lie level below a grain. block: columns id_b and wall. */
+static rp_status find_floor(const char *prefix, const double *block, long asked, stress_pile *p)
+{
+    static const double NEAR = 1e-6; /* over the distance of a grain from a wall */
+    double y = NAN;
+    size_t marked = 0;
+    for (size_t k = 0; k < p->n; k++) {
+        const stress_contact *c = &p->contacts[k];
+        const double near = NEAR * (c->y - c->y_b);
+        if (block[k] != 0.0 || !(fabs(c->x - c->x_b) <= near)) continue;
+        if (asked < 1 && fabs(c->y_b - y) > near)
+            return rp_fail(RP_BAD_INPUT, "%s: walls carry grains at y = %g and %g: name the floor by --floor",
+                           prefix, y, c->y_b);
+        y = c->y_b;
+    }
+    for (size_t k = 0; k < p->n; k++) {
+        const stress_contact *c = &p->contacts[k];
+        const bool there = fabs(c->y_b - y) <= NEAR * hypot(c->x - c->x_b, c->y - c->y_b);
+        marked += p->floor[k] = block[k] == 0.0 && (asked < 1 ? there : block[p->n + k] == (double)asked);
+    }
+    return marked
+               ? RP_OK
+               : rp_fail(RP_BAD_INPUT, "%s: no contact with a level floor: name its wall by --floor", prefix);
+}
+
+/* *floor as --floor has it; NULL: not needed. */
+static rp_status pile_read(rp_arena *arena, const char *prefix, const long *floor, stress_pile *p)
+{
+    double *block;
+    RP_TRY(read_block(arena, prefix, "contacts", "id_b,wall,x,y,x_b,y_b,normal_force,shear_force", &block,
+                      &p->n));
+    RP_TRY(read_block(arena, prefix, "grains", "x,y,m", &p->x, &p->n_grains));
+    p->y = p->x + p->n_grains; /* columns of one block */
+    p->m = p->y + p->n_grains;
+    p->contacts = rp_arena_memory(arena, p->n, sizeof *p->contacts);
+    p->floor = rp_arena_memory(arena, p->n, sizeof *p->floor);
+    for (size_t k = 0; k < p->n; k++) {
+        const double *v = block + k;
+        const size_t n = p->n;
+        const double lx = v[2 * n] - v[4 * n], ly = v[3 * n] - v[5 * n], l = hypot(lx, ly);
+        const double fn = v[6 * n], fs = v[7 * n];
+        if (!(l > 0.0)) return rp_fail(RP_BAD_INPUT, "%s: contact %zu has no branch", prefix, k + 1);
+        /* normal from b to a; shear along the normal turned clockwise */
+        p->contacts[k] = (stress_contact){
+            v[2 * n], v[3 * n], v[4 * n], v[5 * n], (fn * lx + fs * ly) / l, (fn * ly - fs * lx) / l};
+    }
+    return floor ? find_floor(prefix, block, *floor, p) : RP_OK;
+}
+
+/* The number of cells is finite: a grain that flew off is left out of the table first. */
+static rp_status check_size(const stress_pile *p, const char *prefix, double width, double cell)
+{
+    enum { MOST = 100000 };
+    if (!(width <= MOST * cell))
+        return rp_fail(RP_BAD_INPUT, "width = %g: more than %d cells of %g", width, MOST, cell);
+    for (size_t i = 0; i < p->n_grains; i++)
+        if (!(fmax(fabs(p->x[i]), fabs(p->y[i])) <= MOST * cell))
+            return rp_fail(RP_BAD_INPUT, "%s: grain %zu at (%g, %g): more than %d cells of %g away", prefix,
+                           i + 1, p->x[i], p->y[i], MOST, cell);
+    return RP_OK;
+}
+
+/* The piles of all arguments, and the header of a table of them. */
+static rp_status read_piles(const cli_call *call, double width, const double *cell, const long *floor,
+                            size_t *n, stress_pile **piles)
+{
+    *n = 0;
+    while (cli_argument(call, (int)*n)) ++*n;
+    *piles = rp_arena_memory(call->arena, *n, sizeof **piles);
+    for (size_t i = 0; i < *n; i++) {
+        RP_TRY(pile_read(call->arena, cli_argument(call, (int)i), floor, &(*piles)[i]));
+        if (i == 0) cli_defaults_in_units(call);
+        RP_TRY(check_size(&(*piles)[i], cli_argument(call, (int)i), width, *cell));
+    }
+    cli_table(call, stdout);
+    rp_table_note(stdout, "piles", "%zu", *n);
+    return RP_OK;
+}
+
+/* ---- field ---- */
+
+CLI_OPTIONS(field, BOX_OPTIONS)
+
+static rp_status print_field(cli_call *call, const void *values)
+{
+    const field_options *o = values;
+    stress_pile *piles;
+    size_t n;
+    RP_TRY(read_piles(call, o->width, &o->cell, NULL, &n, &piles));
+    const stress_grid g = stress_grid_over(n, piles, o->width, o->cell);
+    const size_t cells = g.nx * g.ny;
+    stress_tensor *mean = rp_arena_memory(call->arena, cells, sizeof *mean);
+    RP_TRY(stress_mean_cells(n, piles, &g, mean));
+    rp_table_header(stdout,
+                    "x/W, y/W, sxx [dyn/cm], sxy [dyn/cm], syx [dyn/cm], syy [dyn/cm], p [dyn/cm], shear "
+                    "[dyn/cm], couple [dyn/cm], direction [rad], mobilised_deg [deg]");
+    for (size_t k = 0; k < cells; k++) {
+        const stress_tensor *s = &mean[k];
+        const stress_circle m = stress_mohr(s);
+        CLI_ROW(((double)(k % g.nx) + 0.5) * g.dx / o->width, ((double)(k / g.nx) + 0.5) * g.dy / o->width,
+                s->xx, s->xy, s->yx, s->yy, m.pressure, m.shear, m.couple, m.direction, m.mobilised / deg);
+    }
+    return RP_OK;
+}
+
+const cli_command cmd_stress_field = {
+    "stress field",
+    "stress in the cells of piles, from their contacts",
+    "PREFIX... --width W [options]",
+    "Mean over piles of the stress in cells, from the tables PREFIX_contacts.tsv and PREFIX_grains.tsv\n"
+    "of each: s_ab, force along a, branch along b, compression positive, 0 where there are no grains; p\n"
+    "mean pressure, shear radius of Mohr's circle, couple (xy - yx)/2, direction of the largest\n"
+    "compression, mobilised angle.",
+    "repose stress field pile --width 4",
+    field_params,
+    .refuses = "More than 100000 cells, or a grain so many cells away: leave it out of the table, or give a "
+               "larger --cell.\n"
+               "A contact whose two ends are one point.",
+    .derives = true,
+    .act = print_field};
+
+/* ---- base ---- */
+
+#define BASE_OPTIONS(X)                                                                                      \
+    BOX_OPTIONS(X)                                                                                           \
+    X(INT, floor, "", "auto", "[1, 1000000] | auto",                                                         \
+      "number of the wall that is the floor; auto: see above")                                               \
+    X(REAL, diameter, "cm", "0.2", "(0, inf)", "nominal diameter of a grain, for the slope")                 \
+    X(REAL, g, "cm/s^2", "981.0", "(0, inf)", "gravity")                                                     \
+    X(REAL, phi_deg, "deg", "60", "(0, 90)", "inclination of the rays of theory")
+
+CLI_OPTIONS(base, BASE_OPTIONS)
+
+/* Mean slope by method 3 of the parts in 0 < x < W. */
+static rp_status mean_slope(size_t n, const stress_pile piles[], const base_options *o, double *theta)
+{
+    ang_options how = ANG_OPTIONS_DEFAULT;
+    how.diameter = o->diameter;
+    *theta = 0.0;
+    rp_status status = RP_OK;
+    for (size_t i = 0; i < n && !status; i++) {
+        ang_surface surface;
+        ang_slope slopes[ANG_N_METHODS];
+        status = ang_surface_make(piles[i].n_grains, piles[i].x, piles[i].y, NULL, o->width, &how, &surface);
+        if (!status)
+            status = ang_slopes(surface.n, surface.column, surface.h, surface.cell, how.parabola, slopes);
+        ang_surface_free(&surface);
+        if (!status) *theta += slopes[2].theta / (double)n;
+    }
+    return status;
+}
+
+static rp_status print_base(cli_call *call, const void *values)
+{
+    const base_options *o = values;
+    double theta, size;
+    stress_pile *piles;
+    size_t n;
+    RP_TRY(read_piles(call, o->width, &o->cell, &o->floor, &n, &piles));
+    RP_TRY(mean_slope(n, piles, o, &theta));
+    const size_t cells = stress_floor_cells(n, piles, o->width, o->cell, &size);
+    stress_floor *floor = rp_arena_memory(call->arena, cells, sizeof *floor);
+    RP_TRY(stress_floor_forces(n, piles, size, o->g, cells, floor));
+    rp_table_note_number(stdout, "theta_r_deg", theta / deg, "");
+    rp_table_header(stdout,
+                    "x/W, N [dyn/cm], N_se [dyn/cm], H [dyn/cm], H_se [dyn/cm], weight [dyn/cm], through "
+                    "[dyn/cm], imbalance [dyn/cm], H/N, N_theory [dyn/cm], H_theory [dyn/cm]");
+    for (size_t j = 0; j < cells; j++) {
+        const stress_floor *f = &floor[j];
+        double N, H;
+        stress_wedge(f->weight, theta, o->phi_deg * deg, &N, &H);
+        CLI_ROW(((double)j + 0.5) * size / o->width, f->n.mean, f->n.se, f->h.mean, f->h.se, f->weight,
+                f->through, f->imbalance, f->n.mean > 0.0 ? f->h.mean / f->n.mean : NAN, N, H);
+    }
+    return RP_OK;
+}
+
+const cli_command cmd_stress_base = {
+    "stress base",
+    "forces on the floor of piles, from their contacts",
+    "PREFIX... --width W [options]",
+    "Forces of piles without tilt on the floor, in columns, mean over piles, all per length; from the\n"
+    "tables PREFIX_contacts.tsv and PREFIX_grains.tsv of each. N: normal; H: away from the left wall;\n"
+    "weight: of the column above; through: vertical force through its sides; imbalance: N - weight -\n"
+    "through; N_theory, H_theory: rays of inclination phi in a wedge of the mean slope by method 3, of\n"
+    "that weight. The floor is what touches grains at the height of level walls.",
+    "repose stress base pile --width 4",
+    base_params,
+    .refuses = "More than 100000 cells, or a grain so many cells away: leave it out of the table, or give a "
+               "larger --cell.\n"
+               "A contact whose two ends are one point.\n"
+               "No level wall below grains, or several at different heights: choose one by --floor.",
+    .derives = true,
+    .act = print_base};
