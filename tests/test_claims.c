@@ -526,7 +526,8 @@ static void open_cell(char *cell_text, sweep_plan *plan, size_t *point)
 {
     char path[256], text[64], *save;
     sweep_recipe recipe;
-    const char *table = strtok_r(cell_text, " ", &save), *key;
+    char *table = strtok_r(cell_text, " ", &save), *key;
+    table[strcspn(table, "/")] = '\0';
     snprintf(path, sizeof path, "sweeps/lh/%s.cfg", table);
     if (access(path, R_OK)) snprintf(path, sizeof path, "sweeps/studies/%s.cfg", table);
     CHECK_OK(sweep_recipe_read(path, &recipe));

@@ -605,7 +605,7 @@ static void test_sweep_or_scene(void)
 {
     write_text("scene.cfg", "fill = { N = 4; W = 1.0; H = 1.0; };\n");
     write_text("sweep.cfg", "protocol = \"pile\"; replicas = 1;\n");
-    write_text("tables.cfg", "tables = [\"tables_a = tent\"];\n");
+    write_text("tables.cfg", "model = ( { table = \"a\"; with = \"tent\"; } );\n");
     FAILS(65, "scene.cfg: a scene (it has fill), no sweep; repose run", "sweep plan scene.cfg -o d");
     FAILS(65, "scene.cfg: a scene (it has fill), no sweep; repose run", "sweep make scene.cfg -o d");
     FAILS(65, "scene.cfg: a scene (it has fill), no sweep",
@@ -613,7 +613,7 @@ static void test_sweep_or_scene(void)
     FAILS(64, "scene.cfg is a scene", "run scene.cfg --row 1 -o d");
     FAILS(64, "sweep.cfg is a sweep file; repose run sweep.cfg --row N -o DIR", "run sweep.cfg");
     FAILS(64, "repose sweep make sweep.cfg -o DIR makes all", "run sweep.cfg --row 0");
-    FAILS(65, "tables.cfg is a sweep file of tables alone; repose sweep make", "run tables.cfg -o d");
+    FAILS(65, "tables.cfg is a sweep file of models alone; repose sweep make", "run tables.cfg -o d");
 }
 
 static void test_bad_sweeps(void)
@@ -1993,57 +1993,141 @@ static void test_sweep(void)
     }
 }
 
-/* Runs, reduced table and derived tables by one command; then tables without runs. */
+/* Runs, points, derived tables and traces by one command; then models. */
 static void test_make(void)
 {
     write_text("s.cfg", "protocol = \"repose\"; replicas = 1; study = 2; seed = 1993;\n"
                         "fixed = { " SHORT_RUN " };\ngrid = { mu = [0.2, 0.3]; };\n"
-                        "tables = [ \"s_line = stats fit @/s.tsv -x mu -y theta_r3_deg_mean\",\n"
-                        "           \"s_rows = stats select @/*/s_runs.tsv --where mu=0.3\" ];\n");
-    CU_ASSERT(shell("mkdir -p t/piles t/none t/.not 't[1]' t1/piles && ln -s ../s_runs.tsv t/piles && ln -s "
-                    "../../t/s_runs.tsv t/.not && touch t1/s.tsv t1/piles/s_runs.tsv >out 2>err") == 0);
-    GOOD("sweep make s.cfg -o d --tables t -j 1");
-    scoped_table runs = read_table("t/s_runs.tsv");
+                        "derive = ( { table = \"line\"; with = \"fit\"; rows = \"points\"; x = \"mu\"; y = "
+                        "\"theta_r3_deg_mean\"; },\n"
+                        "           { table = \"lines\"; with = \"maximum\"; rows = \"line\"; column = "
+                        "\"slope\"; draws = 1; } );\n"
+                        "trace = ( { rows = [0, 1]; every = 50; } );\n");
+    CU_ASSERT(run("sweep make s.cfg -o d --tables t -j 1") == 0);
+    scoped_table runs = read_table("t/runs.tsv");
     CU_ASSERT(runs.n_rows == 2);
-    GOOD("sweep make s.cfg -o d --tables t -j 1 --study");
-    read_again(&runs, "t/s_runs.tsv");
+    CU_ASSERT(run("sweep make s.cfg -o d --tables t -j 1 --study") == 0);
+    read_again(&runs, "t/runs.tsv");
     CU_ASSERT(runs.n_rows == 4);
-    scoped_table reduced = read_table("t/s.tsv"), line = read_table("t/s_line.tsv"),
-                 rows = read_table("t/s_rows.tsv");
-    CU_ASSERT(reduced.n_rows == 2 && rows.n_rows == 2);
-    CHECK_NEAR(cell(&rows, 0, "mu"), 0.3, 0.0);
-    CHECK_NEAR(cell(&rows, 1, "mu"), 0.3, 0.0);
+    scoped_table reduced = read_table("t/points.tsv"), line = read_table("t/line.tsv"),
+                 row = read_table("t/row_1.tsv");
+    CU_ASSERT(reduced.n_rows == 2);
     CHECK_NEAR(cell(&line, 0, "slope"),
                (cell(&reduced, 1, "theta_r3_deg_mean") - cell(&reduced, 0, "theta_r3_deg_mean")) / 0.1, 1e-9);
+    CHECK_NEAR(cell(&row, 0, "theta_r2_deg"), cell(&runs, 2, "theta_r2_deg"), 0.0);
+    CU_ASSERT(shell("test -s t/row_0/energy.tsv && test -s t/row_1/energy.tsv") == 0);
+    /* lineage, handed on to what is derived from a derived table */
     GOOD("sweep digest d");
-    char digest[33];
-    snprintf(digest, sizeof digest, "%.32s", out);
-    CU_ASSERT(shell("cat t/s.tsv >out 2>err") == 0 && strstr(out, digest));
+    char source[64];
+    snprintf(source, sizeof source, "s %.32s 4", out);
+    CU_ASSERT_STRING_EQUAL(rp_table_find_note(&reduced, "source"), source);
+    CU_ASSERT_STRING_EQUAL(rp_table_find_note(&line, "source"), source);
+    CU_ASSERT_STRING_EQUAL(rp_table_find_note(&line, "derived by"), "fit x=mu y=theta_r3_deg_mean");
+    scoped_table lines = read_table("t/lines.tsv");
+    CU_ASSERT_STRING_EQUAL(rp_table_find_note(&lines, "source"), source);
 
-    /* the folder's name is no pattern; * stands for every folder, in order */
-    CU_ASSERT(shell("mkdir -p 't[1]/b' 't[1]/a' && cp t/s_runs.tsv 't[1]/b'") == 0);
-    GOOD("sweep make s.cfg -o d --tables 't[1]' --study");
-    CU_ASSERT(equal_tables("t/s_rows.tsv", "t[1]/s_rows.tsv") &&
-              equal_tables("t/s_line.tsv", "t[1]/s_line.tsv"));
-    CU_ASSERT(shell("cp t/s_runs.tsv 't[1]/a'") == 0);
-    CU_ASSERT(run("sweep make s.cfg -o d --tables 't[1]' --study") == 64 && strstr(err, "t[1]/b/s_runs.tsv"));
-    write_text("m.cfg", "tables = [ \"m_1 = continuum --alpha-deg 30\" ];\n");
-    GOOD("sweep make m.cfg -o d --tables t");
-    /* folders of tables are made anew too */
-    write_text("f.cfg", "tables = [ \"f = pile --base 3 --eps 1e-3 -o @/f\" ];\n");
-    for (int again = 0; again < 2; again++) GOOD("sweep make f.cfg -o d --tables t");
-    CU_ASSERT(shell("test -e t/f/disks.tsv") == 0);
-    scoped_table model = read_table("t/m_1.tsv");
-    CU_ASSERT(model.n_rows > 10);
-    write_text("m.cfg", "tables = [ \"m_1 = continuum\" ];\n");
-    CU_ASSERT(run("sweep make m.cfg -o d --tables t") == 64 &&
-              strstr(err, "m_1: repose continuum: exit status 64"));
-    write_text("m.cfg", "tables = [ \"other = continuum\" ];\n");
-    FAILS(65, "must begin with m_", "sweep make m.cfg -o d --tables t");
-    write_text("m.cfg", "tables = [ \"m_1\" ];\n");
-    FAILS(65, "NAME = COMMAND", "sweep make m.cfg -o d --tables t");
-    write_text("m.cfg", "replicas = 1;\n");
-    FAILS(65, "neither a protocol nor tables", "sweep make m.cfg -o d --tables t");
+    /* names are no patterns */
+    CU_ASSERT(run("sweep make s.cfg -o d --tables 't[1]' --study") == 0);
+    CU_ASSERT(equal_tables("t/line.tsv", "t[1]/line.tsv"));
+    write_text("m.cfg",
+               "model = ( { table = \"1\"; with = \"continuum\"; alpha_deg = 30.0; },\n"
+               "          { table = \"f\"; with = \"pile\"; base = 3; eps = 1e-3; folder = true; } );\n");
+    /* folders of tables are made anew too, but not those of a person or of another command */
+    for (int again = 0; again < 2; again++) GOOD("sweep make m.cfg -o d --tables u");
+    CU_ASSERT(shell("test -e u/f/disks.tsv") == 0);
+    GOOD("continuum --alpha-deg 30");
+    CU_ASSERT(shell("grep -v '^#' out >a && grep -v '^#' u/1.tsv | cmp - a") == 0);
+    CU_ASSERT(run("pile --base 4 -o t/f2") == 0);
+    write_text("m.cfg", "model = ( { table = \"f2\"; with = \"pile\"; base = 3; folder = true; } );\n");
+    FAILS(65, "f2: t/f2: holds repose pile --base 4 -o t/f2", "sweep make m.cfg -o d --tables t");
+    CU_ASSERT(shell("echo mine >t/runs.tsv") == 0);
+    FAILS(65, "t/runs.tsv: nothing in it shows", "sweep make s.cfg -o d --tables t --study");
+}
+
+/* Each derivation of stored runs, by the setting and by the command, gives the same lines of data. */
+static void test_derivations(void)
+{
+    static const struct {
+        const char *with, *setting, *command;
+    } cases[] = {
+        {"fit", "x = \"alpha_deg\"; y = \"D\"; from = 20.0; where = \"alpha_deg<50\";",
+         "stats fit -x alpha_deg -y D --from 20 --where 'alpha_deg<50'"},
+        {"trend", "x = \"alpha_deg\"; y = \"D\"; scale = \"log\"; power = 1.0;",
+         "stats trend -x alpha_deg -y D --scale log --power 1"},
+        {"size", "x = \"alpha_deg\"; y = \"D\"; exponent = \"free\"; least_exponent = 0.5;",
+         "stats size -x alpha_deg -y D --exponent free --least-exponent 0.5"},
+        {"maximum", "column = \"D\"; draws = 3;", "stats maximum --column D --draws 3"},
+        {"correlation", "x = \"D,middle\"; y = \"H_ratio\";", "stats correlation -x D,middle -y H_ratio"},
+        {"dip", "where = [\"alpha_deg>20\", \"alpha_deg<50\"];",
+         "stress dip --where 'alpha_deg>20' --where 'alpha_deg<50'"},
+        {"dip", "profile = true;", "stress dip --profile"}};
+    char text[4096] =
+        "protocol = \"pile\"; replicas = 6;\n"
+        "fixed = { base = 9; disorder = 1e-4; };\ngrid = { alpha_deg = [30.0, 40.0, 50.0]; };\nderive = (";
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++)
+        snprintf(text + strlen(text), sizeof text - strlen(text),
+                 "%s { table = \"t%zu\"; with = \"%s\"; %s }", k ? ",\n" : "", k, cases[k].with,
+                 cases[k].setting);
+    write_text("s.cfg", "%s );\n", text);
+    CU_ASSERT(run("sweep make s.cfg -o d --tables t -j 1") == 0);
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        char line[256];
+        run("%s t/runs.tsv", cases[k].command);
+        snprintf(line, sizeof line, "grep -v '^#' out >a && test -s a && grep -v '^#' t/t%zu.tsv | cmp - a",
+                 k);
+        const bool same = shell(line) == 0;
+        if (!same) fprintf(stderr, "%s\n", cases[k].command);
+        CU_ASSERT(same);
+    }
+}
+
+/* What a setting cannot say is refused before any run, with its line. */
+static void test_settings(void)
+{
+    static const char *const cases[][2] = {
+        {"derive = ( { table = \"a\"; with = \"fits\"; } );", "with = \"fits\": allowed: fit trend size"},
+        {"derive = ( { with = \"fit\"; } );", "table: missing"},
+        {"derive = ( { table = \"a/b\"; with = \"phi\"; } );", "table: a/b: the name of a file"},
+        {"derive = ( { table = \"runs\"; with = \"phi\"; } );", "table: runs: stands twice"},
+        {"derive = ( { table = \"a\"; with = \"phi\"; }, { table = \"a\"; with = \"phi\"; } );",
+         "table: a: stands twice"},
+        {"derive = ( { table = \"a\"; with = \"phi\"; frm = 1.0; } );",
+         "frm: unknown key (did you mean \"from\"?)"},
+        {"derive = ( { table = \"a\"; with = \"phi\"; from = -1.0; } );", "from = -1: out of range"},
+        {"derive = ( { table = \"a\"; with = \"phi\"; o = \"x\"; } );", "o: unknown key"},
+        {"derive = ( { table = \"a\"; with = \"phi\"; rows = \"b\"; } );",
+         "rows = \"b\": runs, points or an"},
+        {"derive = ( { table = \"a\"; with = \"phi\"; where = [1]; } );", "where: conditions expected"},
+        {"derive = ( { table = \"a\"; with = \"fit\"; x = \"alpha_deg\"; } );", "y: missing"},
+        {"derive = ( { table = \"a\"; with = \"fit\"; x = \"alpha_deg\"; y = \"DD\"; } );",
+         "a: y: runs: no column"},
+        {"derive = ( { table = \"a\"; with = \"fit\"; rows = \"points\"; x = \"alpha_deg\"; y = \"D\"; } );",
+         "a: y: points: no column"},
+        {"derive = ( { table = \"a\"; with = \"phi\"; of = [\"x/y\"]; } );", "of: names of sweeps"},
+        {"derive = ( { table = \"a\"; with = \"field\"; width = 4.0; } );", "a stress field: stage missing"},
+        {"derive = ( { table = \"a\"; with = \"phi\"; stage = \"b\"; } );",
+         "a angle phi: stage is for piles"},
+        {"derive = { };", "derive: a list ("},
+        {"trace = ( { every = 3; } );", "rows: missing"},
+        {"trace = ( { rows = [0]; quiet = true; } );", "quiet: unknown key"},
+        {"model = ( { table = \"a\"; with = \"fit\"; } );",
+         "with = \"fit\": allowed: pile tent continuum lattice"},
+        {"model = ( { table = \"a\"; with = \"tent\"; x1 = 0.9; } );", "x1 = 0.9: out of range"},
+        {"model = ( { table = \"a\"; with = \"tent\"; x1 = 0.3; folder = true; } );", "folder: only a pile"}};
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        write_text("s.cfg",
+                   "protocol = \"pile\"; replicas = 1; fixed = { base = 4; };\ngrid = { alpha_deg = [30.0]; "
+                   "};\n%s\n",
+                   cases[k][0]);
+        FAILS(65, cases[k][1], "sweep make s.cfg -o d --tables t");
+        CU_ASSERT(strstr(err, "s.cfg:3: ") != NULL);
+    }
+    CU_ASSERT(access("d", F_OK) != 0 && access("t", F_OK) != 0);
+    write_text(
+        "s.cfg",
+        "protocol = \"pile\"; replicas = 1; fixed = { base = 4; };\n"
+        "derive = ( { table = \"a\"; with = \"maximum\"; of = [\"x\"]; column = \"D\"; draws = 1; } );\n");
+    FAILS(65, "a reads the runs of x, which must be made first", "sweep make s.cfg -o e/d --tables t");
 }
 
 /* Shared piles differ only after the opening. */
@@ -2403,6 +2487,8 @@ void suite_cli(void)
                                        {"run: no result, 1", test_broken_run},
                                        {"sweep: file to digest", test_sweep},
                                        {"sweep: runs and tables", test_make},
+                                       {"derivations by settings and by commands", test_derivations},
+                                       {"settings that are refused", test_settings},
                                        {"sweep: shared piles", test_shared_piles},
                                        {"run of a sweep again", test_row_again},
                                        {"run: stopped", test_run_stopped},

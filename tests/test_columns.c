@@ -412,6 +412,8 @@ static void check_dip(double n[DIP_PILES][STRESS_DIP_BINS], const double excess[
                                      CHECKED_FIELD(d, p_share)};
     checked_row(&c, 0, sizeof columns / sizeof *columns, columns, 1e-15);
     CHECKED_WORD(&c, 0, "verdict", stress_dip_word(&d, 0.05));
+    CHECK_NEAR(at(&c, 0, "n_failed"), 0.0, 0.0);
+    CHECKED_WORD(&c, 0, "failed_for", "-");
 }
 
 static void test_dip(void)

@@ -918,27 +918,71 @@ static bool says_setting(const rp_table *t, size_t point, const sweep_plan *plan
     return strncmp(said, wanted, strlen(wanted)) == 0;
 }
 
-/* A command of the file made the table of this name, from tables in the folder of the studies or in results,
- * for which @ stands. Files that * stands for are between what it follows and what follows it. */
-static void check_command(const sweep_table *table)
+/* The words of a header line: how many, and whether KEY=VALUE is among them, a number by its value. */
+static size_t count_words(const char *text)
 {
-    static const char *const folders[] = {"build/studies", "results"};
-    char path[256];
-    bool same = false;
-    rp_table t;
-    snprintf(path, sizeof path, "results/%s.tsv", table->name);
-    if (rp_table_read_texts(path, &t)) return;
-    const char *said = rp_table_find_note(&t, "command");
-    for (size_t k = 0; k < 2; k++) {
-        char made[4096] = "repose ";
-        for (const char *c = table->command; *c && strlen(made) < sizeof made - 20; c++)
-            strcat(made, *c == '@' ? folders[k] : (char[2]){*c, '\0'});
-        const size_t first = strcspn(made, "*"), rest = strlen(made) - first - (made[first] == '*');
-        same |= strncmp(said, made, first) == 0 && strlen(said) >= first + rest &&
-                strcmp(said + strlen(said) - rest, made + strlen(made) - rest) == 0 &&
-                (made[first] == '*' || strlen(said) == strlen(made));
+    size_t n = 0;
+    for (const char *c = text; *c; c++) n += *c != ' ' && (c == text || c[-1] == ' ');
+    return n;
+}
+
+static bool has_word(const char *line, const char *key, const char *text, double number)
+{
+    char word[512], *end;
+    for (const char *c = line; *c; c += strcspn(c, " "), c += strspn(c, " ")) {
+        snprintf(word, sizeof word, "%.*s", (int)strcspn(c, " "), c);
+        char *value = strchr(word, '=');
+        if (!value || strncmp(word, key, strlen(key)) != 0 || word + strlen(key) != value) continue;
+        if (text ? strcmp(value + 1, text) == 0 : strtod(value + 1, &end) == number && !*end) return true;
     }
-    if (!same) fprintf(stderr, "%s: %s\n  the sweep has: %s\n", path, said, table->command);
+    return false;
+}
+
+/* A setting of the file as the header of its table in results has it. */
+static bool says_member(const char *line, const config_setting_t *m, size_t *n)
+{
+    const char *key = config_setting_name(m);
+    bool same = true;
+    for (int i = 0; !config_setting_is_scalar(m) && i < config_setting_length(m); i++, ++*n)
+        same &= has_word(line, key, config_setting_get_string_elem(m, i), 0.0);
+    if (!config_setting_is_scalar(m)) return same;
+    ++*n;
+    const int type = config_setting_type(m);
+    if (type == CONFIG_TYPE_BOOL)
+        return has_word(line, key, config_setting_get_bool(m) ? "true" : "false", 0.0);
+    return has_word(line, key, config_setting_get_string(m),
+                    type == CONFIG_TYPE_INT ? config_setting_get_int(m) : config_setting_get_float(m));
+}
+
+/* The setting `derive` of a sweep made the table of its name in results, from the runs of these sweeps. */
+static void check_derived(const char *sweep, const config_setting_t *setting)
+{
+    static const char *const others[] = {"table", "with", "rows", "of", "stage"};
+    const char *table = "", *with = "", *source = NULL;
+    char path[256], name[160];
+    rp_table t;
+    size_t n = 1;
+    config_setting_lookup_string(setting, "table", &table);
+    config_setting_lookup_string(setting, "with", &with);
+    snprintf(path, sizeof path, "results/%s/%s.tsv", sweep, table);
+    if (rp_table_read_texts(path, &t)) return;
+    const char *said = rp_table_find_note(&t, "derived by");
+    CU_ASSERT_PTR_NOT_NULL_FATAL(said);
+    bool same = strncmp(said, with, strlen(with)) == 0;
+    for (int i = 0; i < config_setting_length(setting); i++) {
+        const config_setting_t *m = config_setting_get_elem(setting, (unsigned)i);
+        bool other = false;
+        for (size_t k = 0; k < 5; k++) other |= strcmp(others[k], config_setting_name(m)) == 0;
+        if (!other) same &= says_member(said, m, &n);
+    }
+    const config_setting_t *of = config_setting_get_member(setting, "of");
+    for (int i = 0; i < (of ? config_setting_length(of) : 1); i++) {
+        source = rp_table_next_note(&t, "source", source);
+        snprintf(name, sizeof name, "%s ", of ? config_setting_get_string_elem(of, i) : sweep);
+        same &= source && strncmp(source, name, strlen(name)) == 0;
+    }
+    same &= n == count_words(said) && !rp_table_next_note(&t, "source", source);
+    if (!same) fprintf(stderr, "%s: %s; not the setting of %s\n", path, said, sweep);
     CU_ASSERT(same);
     rp_table_free(&t);
 }
@@ -984,29 +1028,31 @@ static void test_made(void)
             snprintf(name, sizeof name, "%.*s", (int)strcspn(slash, "."), slash);
             CHECK_OK(sweep_recipe_read(found.gl_pathv[i], &recipe));
             check_runs(found.gl_pathv[i], name, &recipe);
-            for (size_t j = 0; j < recipe.n_tables; j++) check_command(&recipe.tables[j]);
+            const config_setting_t *derive = config_lookup(&recipe.config, "derive");
+            for (int j = 0; derive && j < config_setting_length(derive); j++)
+                check_derived(name, config_setting_get_elem(derive, (unsigned)j));
             sweep_recipe_free(&recipe);
         }
         globfree(&found);
     }
 }
 
-/* The number that follows the next word that is an option, other than that of points of a curve. */
-static bool next_option(const char **command, double *number)
+/* The next member of a model that is a number, other than that of points of a curve. */
+static bool next_number(const config_setting_t *model, int *at, double *number)
 {
-    for (const char *c = *command; (c = strstr(c, " --"));) {
-        char *end;
-        const bool points = strncmp(c, " --points", 9) == 0;
-        c += 1 + strcspn(c + 1, " ");
-        *number = strtod(c, &end);
-        if (end == c || points) continue;
-        *command = end;
+    while (*at < config_setting_length(model)) {
+        const config_setting_t *m = config_setting_get_elem(model, (unsigned)(*at)++);
+        const int type = config_setting_type(m);
+        if ((type != CONFIG_TYPE_INT && type != CONFIG_TYPE_FLOAT) ||
+            !strcmp(config_setting_name(m), "points"))
+            continue;
+        *number = type == CONFIG_TYPE_INT ? config_setting_get_int(m) : config_setting_get_float(m);
         return true;
     }
     return false;
 }
 
-/* pile_45_30_1e-4 = pile --base 45 --alpha-deg 30 --eps 1e-4; x_1 stands in hundredths. */
+/* 45_30_1e-4 has base = 45, alpha_deg = 30, eps = 1e-4; x_1 stands in hundredths. */
 static void test_names(void)
 {
     static const char *const files[] = {"continuum", "pile", "tent", "triangle"};
@@ -1015,21 +1061,25 @@ static void test_names(void)
         sweep_recipe recipe;
         snprintf(path, sizeof path, "sweeps/li/%s.cfg", files[k]);
         CHECK_OK(sweep_recipe_read(path, &recipe));
-        CU_ASSERT(recipe.n_tables > 0);
-        for (size_t j = 0; j < recipe.n_tables; j++) {
-            const char *command = recipe.tables[j].command;
+        const config_setting_t *models = config_lookup(&recipe.config, "model");
+        CU_ASSERT_FATAL(models && config_setting_length(models) > 0);
+        for (int j = 0; j < config_setting_length(models); j++) {
+            const config_setting_t *model = config_setting_get_elem(models, (unsigned)j);
+            const char *table = "";
+            config_setting_lookup_string(model, "table", &table);
             char name[64], *rest = name;
             double set;
+            int at = 0;
             bool same = true;
-            snprintf(name, sizeof name, "%s", recipe.tables[j].name);
+            snprintf(name, sizeof name, "%s", table);
             for (const char *part; (part = strsep(&rest, "_"));) {
                 char *end;
                 const double number = strtod(part, &end);
                 if (end == part || *end) continue;
-                same &= next_option(&command, &set) && (set == number || set == 0.01 * number);
+                same &= next_number(model, &at, &set) && (set == number || set == 0.01 * number);
             }
-            same &= !next_option(&command, &set);
-            if (!same) fprintf(stderr, "%s = %s\n", recipe.tables[j].name, recipe.tables[j].command);
+            same &= !next_number(model, &at, &set);
+            if (!same) fprintf(stderr, "%s: %s\n", path, table);
             CU_ASSERT(same);
         }
         sweep_recipe_free(&recipe);

@@ -159,7 +159,7 @@ static void test_case_tables(void)
     enter();
     snprintf(line, sizeof line, "\"%s\" --full -o . --test 'tables of cases' helpers >out 2>err", program);
     CU_ASSERT_EQUAL(shell(line), 0);
-    rp_table t = read_table("validation_made.tsv"), cases = read_table("validation_made_cases.tsv");
+    rp_table t = read_table("made/made.tsv"), cases = read_table("made/cases.tsv");
     CU_ASSERT_STRING_EQUAL(rp_table_find_note(&t, "source_impact"), "equation (1)");
     CU_ASSERT_STRING_EQUAL(rp_table_find_note(&t, "bound_impact"), "order 2");
     CU_ASSERT_STRING_EQUAL(rp_table_find_note(&t, "source_roll"), "equation (7)");

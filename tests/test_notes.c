@@ -375,7 +375,7 @@ static void check_export(size_t stored)
     if (stored == 6) {
         GOOD("sweep digest s");
         CU_ASSERT_FATAL(sscanf(out, "%63s", digest) == 1);
-        check_note(&t, "digest", "%s (6 runs)", digest);
+        check_note(&t, "source", "s %s 6", digest);
     }
     run("sweep status s");
     read_again(&t, "out");

@@ -195,7 +195,7 @@ static void export_table(bool reduce, rp_table *t, char *path, size_t size)
     snprintf(path, size, "%s/table.tsv", base);
     FILE *out = fopen(path, "w");
     CU_ASSERT_PTR_NOT_NULL_FATAL(out);
-    CHECK_OK(sweep_export(dir, toys, reduce, "the command", NULL, out));
+    CHECK_OK(sweep_export(dir, toys, reduce, "the command", NULL, NULL, out));
     fclose(out);
     CHECK_OK(rp_table_read(path, t));
 }
@@ -448,7 +448,7 @@ static void test_reduce(void)
     fclose(in);
     CU_ASSERT_PTR_NOT_NULL(strstr(
         text,
-        "# units: 1\tcm\tdeg\tdeg\tdeg\tdeg\tdeg\t1\ts\ts\ts\ts\ts\t1\t1\t1\n")); /* numbers n have none */
+        "# units: 1\tcm\tdeg\tdeg\tdeg\tdeg\tdeg\t1\ts\ts\ts\ts\ts\t1\t1\t1\t1\n")); /* numbers n have none */
     CU_ASSERT_PTR_NOT_NULL(strstr(text, "# missing: 1 of 16\n"));
     CU_ASSERT_PTR_NOT_NULL(strstr(text, "# failed: 8 of 15 (no_pile 8)\n"));
     CU_ASSERT_PTR_NOT_NULL(strstr(text, "# command: the command\n"));
@@ -720,7 +720,7 @@ static void test_half_made(void)
             CU_ASSERT(c.stored == 2 && (named || strstr(c.skipped, "/shards/1-of-2.sqlite")));
             CU_ASSERT_STRING_EQUAL(c.shards, "1 of 2");
             FILE *out = open_memstream(&text, &size);
-            CHECK_OK(sweep_export(dir, toys, SWEEP_RUNS, NULL, &c, out));
+            CHECK_OK(sweep_export(dir, toys, SWEEP_RUNS, NULL, &c, NULL, out));
             fclose(out);
             CU_ASSERT(named == !strstr(text, "# left out, no stores yet: /tmp/"));
             free(text);
@@ -773,7 +773,7 @@ static void test_damaged_rows(void)
             if (where < 2) {
                 CHECK_FAILS(sweep_status(dir, toys, &c), RP_IO, message);
                 CHECK_FAILS(sweep_digest(dir, toys, d, &n), RP_IO, message);
-                CHECK_FAILS(sweep_export(dir, toys, SWEEP_RUNS, NULL, NULL, stdout), RP_IO, message);
+                CHECK_FAILS(sweep_export(dir, toys, SWEEP_RUNS, NULL, NULL, NULL, stdout), RP_IO, message);
                 CHECK_FAILS(run(1, NULL), RP_IO, message);
                 CHECK_FAILS(sweep_run(dir, toys, &half, &c), RP_IO, message);
             }
@@ -812,7 +812,7 @@ static void test_makers(void)
     CHECK_OK(sweep_merge(dir, toys, 1, (char *const[]){other}, &m, &c));
     CHECK_OK(run(1, NULL));
     FILE *out = open_memstream(&text, &size);
-    CHECK_OK(sweep_export(dir, toys, SWEEP_RUNS, NULL, NULL, out));
+    CHECK_OK(sweep_export(dir, toys, SWEEP_RUNS, NULL, NULL, NULL, out));
     fclose(out);
     snprintf(plain, sizeof plain, "# runs made by: repose %s, commit %s, %s (2)\n", RP_VERSION,
              rp_build_commit, rp_build_compiler);
@@ -869,7 +869,7 @@ static void test_read_only(void)
             FILE *out = open_memstream(&text, &size);
             const bool good = sweep_status(dir, toys, &c) == RP_OK && c.stored == 6 &&
                               sweep_digest(dir, toys, found, &n) == RP_OK && strcmp(found, right) == 0 &&
-                              sweep_export(dir, toys, SWEEP_RUNS, NULL, NULL, out) == RP_OK;
+                              sweep_export(dir, toys, SWEEP_RUNS, NULL, NULL, NULL, out) == RP_OK;
             if (!good) fprintf(stderr, "read-only: %s\n", rp_message());
             _exit(!good);
         }
@@ -1069,7 +1069,7 @@ static void test_further_output(void)
     snprintf(path, sizeof path, "%s/table.tsv", base);
     FILE *out = fopen(path, "w");
     CU_ASSERT_PTR_NOT_NULL_FATAL(out);
-    CHECK_OK(sweep_export(dir, later, SWEEP_RUNS, NULL, &c, out));
+    CHECK_OK(sweep_export(dir, later, SWEEP_RUNS, NULL, &c, NULL, out));
     fclose(out);
     scoped char *text = NULL;
     CHECK_OK(rp_file_read(path, &text));
@@ -1178,7 +1178,7 @@ static void test_bad_folders(void)
     CHECK_FAILS(run(1, NULL), RP_BAD_INPUT, "no such folder");
     CHECK_FAILS(sweep_status(dir, toys, &c), RP_BAD_INPUT, "sweep.cfg: cannot read");
     CHECK_FAILS(sweep_digest(dir, toys, d, &n), RP_BAD_INPUT, "sweep.cfg: cannot read");
-    CHECK_FAILS(sweep_export(dir, toys, SWEEP_POINTS, NULL, NULL, stdout), RP_BAD_INPUT,
+    CHECK_FAILS(sweep_export(dir, toys, SWEEP_POINTS, NULL, NULL, NULL, stdout), RP_BAD_INPUT,
                 "sweep.cfg: cannot read");
     snprintf(below, sizeof below, "%s/d", file); /* below a regular file */
     CHECK_FAILS(sweep_prepare(file, below, 0, toys, NULL, &c), RP_IO, "cannot make the directory");
@@ -1205,7 +1205,8 @@ static void test_bad_folders(void)
     CHECK_OK(prepare(NULL));
     FILE *full = fopen("/dev/full", "w");
     CU_ASSERT_PTR_NOT_NULL_FATAL(full);
-    CHECK_FAILS(sweep_export(dir, toys, SWEEP_RUNS, NULL, NULL, full), RP_IO, "No space left on device");
+    CHECK_FAILS(sweep_export(dir, toys, SWEEP_RUNS, NULL, NULL, NULL, full), RP_IO,
+                "No space left on device");
     fclose(full);
     clean();
 }
@@ -1516,7 +1517,7 @@ static char *exported(void)
     scoped char *text = NULL;
     size_t size = 0;
     FILE *out = open_memstream(&text, &size);
-    const rp_status status = sweep_export(dir, toys, SWEEP_RUNS, NULL, NULL, out);
+    const rp_status status = sweep_export(dir, toys, SWEEP_RUNS, NULL, NULL, NULL, out);
     fclose(out);
     char *from = status ? NULL : strstr(text, "# sweep:"), *kept = strdup(from ? from : "");
     return kept;
@@ -1556,7 +1557,7 @@ static void test_salvage(void)
     snprintf(kept, sizeof kept, "%s/damaged.sqlite", dir);
     for (int part = 3; part <= 9; part += 2) {
         file_write(store, bytes, size * (size_t)part / 10);
-        CHECK_FAILS(sweep_export(dir, toys, SWEEP_RUNS, NULL, NULL, stdout), RP_IO, "store.sqlite");
+        CHECK_FAILS(sweep_export(dir, toys, SWEEP_RUNS, NULL, NULL, NULL, stdout), RP_IO, "store.sqlite");
         CHECK_OK(sweep_salvage(dir, toys, &n));
         CU_ASSERT(n < 600 && n >= most);
         sweep_counts c;
@@ -1748,25 +1749,18 @@ static void test_running(void)
 
 /* ---- recipes ---- */
 
-/* Tables are named after their file, and the first " = " ends a name. */
+/* A file has runs, or models alone; commands that older ones had as tables are refused. */
 static void test_recipes(void)
 {
     static const struct {
-        const char *text, *name, *command, *message;
-        size_t n, study;
-    } cases[] = {
-        {"tables = [\"s = tent\"];", "s", "tent", NULL, 1, 0},
-        {"tables = (\"s_a_b = angle x = 3\", \"s_2 = tent\");", "s_a_b", "angle x = 3", NULL, 2, 0},
-        {"protocol = \"toy\"; study = 60;", NULL, NULL, NULL, 0, 60},
-        {"protocol = \"toy\"; study = -1;", NULL, NULL, NULL, 0, 0},
-        {"tables = [];", NULL, NULL, NULL, 0, 0},
-        {"tables = [\"s_a tent\"];", NULL, NULL, "tables: \"NAME = COMMAND\" expected", 0, 0},
-        {"tables = [5];", NULL, NULL, "tables: \"NAME = COMMAND\" expected", 0, 0},
-        {"tables = [\"sa = tent\"];", NULL, NULL, "sa: the name of a table must begin with s_", 0, 0},
-        {"tables = [\"t = tent\"];", NULL, NULL, "t: the name of a table must begin with s_", 0, 0},
-        {"tables = [\"s_/a = tent\"];", NULL, NULL, "s_/a: the name of a table must begin with s_", 0, 0},
-        {"tables = \"s = tent\";", NULL, NULL, "tables: a list [", 0, 0},
-        {"study = 3;", NULL, NULL, "neither a protocol nor tables", 0, 0}};
+        const char *text, *message;
+        size_t study;
+    } cases[] = {{"protocol = \"toy\"; study = 60; derive = ();", NULL, 60},
+                 {"protocol = \"toy\"; study = -1;", NULL, 0},
+                 {"model = ();", NULL, 0},
+                 {"tables = [\"s = tent\"];", "s.cfg:1: tables: commands of 0.1.0 are gone; instead: ", 0},
+                 {"model = (); grid = {};", "s.cfg:1: grid: unknown key", 0},
+                 {"study = 3;", "neither a protocol nor a model", 0}};
     fresh("");
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         sweep_recipe r;
@@ -1776,32 +1770,8 @@ static void test_recipes(void)
         else
             CHECK_OK(sweep_recipe_read(file, &r));
         CU_ASSERT_STRING_EQUAL(r.name, "s");
-        CU_ASSERT(cases[k].message || (r.n_tables == cases[k].n && r.study == cases[k].study));
+        CU_ASSERT(cases[k].message || r.study == cases[k].study);
         CU_ASSERT(cases[k].message || r.has_runs == (strncmp(cases[k].text, "protocol", 8) == 0));
-        if (cases[k].name) CU_ASSERT_STRING_EQUAL(r.tables[0].name, cases[k].name);
-        if (cases[k].name) CU_ASSERT_STRING_EQUAL(r.tables[0].command, cases[k].command);
-        sweep_recipe_free(&r);
-    }
-    clean();
-}
-
-/* As many tables as there is room for, and names of 63 letters, but no more. */
-static void test_many_tables(void)
-{
-    fresh("");
-    for (int extra = 0; extra < 3; extra++) {
-        sweep_recipe r;
-        FILE *out = fopen(file, "w");
-        fputs("tables = [\"s = a\"", out);
-        for (int i = 0; i < SWEEP_MAX_TABLES - 2 + (extra == 1); i++) fprintf(out, ", \"s_%d = a\"", i);
-        fprintf(out, ", \"s_%0*d = a\"];", extra == 2 ? 62 : 61, 0);
-        fclose(out);
-        if (extra)
-            CHECK_FAILS(sweep_recipe_read(file, &r), RP_BAD_INPUT,
-                        "tables: at most 64, of names shorter than 64");
-        else
-            CHECK_OK(sweep_recipe_read(file, &r));
-        CU_ASSERT(extra || (r.n_tables == SWEEP_MAX_TABLES && strlen(r.tables[63].name) == 63));
         sweep_recipe_free(&r);
     }
     clean();
@@ -2049,7 +2019,6 @@ void suite_sweep(void)
                                        {"columns of the rows", test_stored_columns},
                                        {"signs of life", test_running},
                                        {"recipes", test_recipes},
-                                       {"recipes: most tables", test_many_tables},
                                        {"physical parameters of protocols", test_physics},
                                        {"digits of results", test_digits},
                                        {"rounded digits of results", test_rounded_digits},

@@ -576,6 +576,52 @@ static double resampled_error(size_t n, const double a[], const double b[], int 
     return sqrt(variance * (double)n / ((double)n - 1.0));
 }
 
+/* A table that is derived from runs with a result alone. */
+static void none_failed(checked *c)
+{
+    for (size_t row = 0; row < c->t.n_rows; row++) {
+        CHECK_NEAR(at(c, row, "n_failed"), 0.0, 0.0);
+        CHECKED_WORD(c, row, "failed_for", "-");
+    }
+}
+
+/* Runs without a result, behind each row of a derived table: those of its group and of its range, of runs and
+ * of grid points. */
+static void test_failed(void)
+{
+    static const struct {
+        const char *command, *table, *failed[3];
+    } cases[] = {
+        {"stats trend -x x -y y --by g", "f.tsv", {"1\tno_pile:1", "3\tno_pile:2,overlap:1"}},
+        {"stats trend -x x -y y --by g --to 3", "f.tsv", {"1\tno_pile:1", "2\tno_pile:2"}},
+        {"stats size -x x -y y --by g", "f.tsv", {"1\tno_pile:1", "3\tno_pile:2,overlap:1"}},
+        {"stats size -x x -y y --by g --exponent free", "f.tsv", {"1\tno_pile:1", "3\tno_pile:2,overlap:1"}},
+        {"stats correlation -x x -y y --by g", "f.tsv", {"1\tno_pile:1", "3\tno_pile:2,overlap:1"}},
+        {"stats maximum --column y --draws 2 --where g=b", "f.tsv", {"3\tno_pile:2,overlap:1"}},
+        {"stats fit -x x -y y --from 2", "f.tsv", {"3\tno_pile:2,overlap:1", "3\tno_pile:2,overlap:1"}},
+        {"stats fit -x x -y y --to 3", "p.tsv", {"4\toverlap:3,a:1", "4\toverlap:3,a:1"}}};
+    FILE *file = file_of("f.tsv");
+    fputs("# units: 1\t1\t1\t1\ng\tx\ty\tstatus\n", file);
+    for (int i = 0; i < 24; i++) fprintf(file, "%c\t%d\t%d\tok\n", "ab"[i % 2], 1 + i / 2 % 4, 5 + i * i % 7);
+    fputs("a\t1\tnan\tno_pile\nb\t2\tnan\tno_pile\nb\t3\t1\tno_pile\nb\t4\tnan\toverlap\n", file);
+    fclose(file);
+    write_text("p.tsv",
+               "# units: 1\t1\t1\t1\t1\nx\ty\tn\tn_failed\tfailed_for\n"
+               "1\t2\t5\t2\toverlap:1,a:1\n2\t3\t5\t2\toverlap:2\n2.5\tnan\t0\t7\ta:7\n3\t4\t5\t0\t-\n"
+               "4\t5\t5\t1\ta:1\n");
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        GOOD("%s %s", cases[k].command, cases[k].table);
+        scoped_table c = read_table("out");
+        for (size_t row = 0; row < 3 && cases[k].failed[row]; row++) {
+            char text[128];
+            CU_ASSERT_FATAL(row < c.n_rows);
+            snprintf(text, sizeof text, "%s\t%s", word(&c, row, "n_failed"), word(&c, row, "failed_for"));
+            if (strcmp(text, cases[k].failed[row])) fprintf(stderr, "%s: %s\n", cases[k].command, text);
+            CU_ASSERT_STRING_EQUAL(text, cases[k].failed[row]);
+        }
+    }
+}
+
 /* angle compare: each form of (4) by angle tilt, at the mean slope. */
 static void test_compare(void)
 {
@@ -587,6 +633,7 @@ static void test_compare(void)
                "0.2\t%g\t%g\tok\n0.2\t%g\t%g\tok\n",
                r[0], t[0], r[1], t[1], r[2], t[2], r[3], t[3]);
     scoped_checked c = CHECKED_RUN(1, "angle compare runs.tsv --bootstrap 400 --phi-deg 55 --seed 31");
+    none_failed(&c);
     const double ms = atan(0.2 * pow(tan(55.0 * M_PI / 180.0), 2.0)) * 180.0 / M_PI;
     const double miss_ms = fabs(mean_r + mean_t - ms);
     CHECK_NEAR(at(&c, 0, "mu"), 0.2, 0.0);
@@ -735,6 +782,7 @@ static void test_phi(void)
         ang_phi fit[ANG_N_AGAINST];
         CHECK_OK(ang_phi_fit(n, groups + cases[i].from, fit));
         scoped_checked c = CHECKED_RUN(ANG_N_AGAINST, "angle phi runs.tsv %s", cases[i].range);
+        none_failed(&c);
         for (size_t a = 0; a < ANG_N_AGAINST; a++) {
             const checked_value list[] = {
                 {"n_mu", (double)n},
@@ -789,6 +837,7 @@ static void test_fits(void)
     CHECK_OK(stats_trend_fit(&(stats_sample){POINTS, x, y, NULL, 0.0, false, 0.7}, &t));
     GOOD("stats trend points.tsv -x x -y y --margin 0.7");
     checked c = checked_read("out");
+    none_failed(&c);
     stats_contrast_interval(&t.change, 0.95, &lo[0], &hi[0]);
     stats_contrast_interval(&t.change, 0.90, &lo[1], &hi[1]);
     const checked_value trend[] = {{"n", POINTS},
@@ -822,6 +871,7 @@ static void test_fits(void)
     CHECK_OK(stats_trend_fit(&(stats_sample){POINTS, inverse, y, NULL, -2.0, false, 1.0}, &t));
     GOOD("stats size points.tsv -x x -y y");
     c = checked_read("out");
+    none_failed(&c);
     stats_contrast_interval(&t.intercept, 0.95, &lo[2], &hi[2]);
     stats_contrast_interval(&t.slope, 0.95, &lo[3], &hi[3]);
     const checked_value size[] = {{"n", POINTS},
@@ -854,6 +904,7 @@ static void test_fits(void)
     CHECK_OK(stats_limit_fit(POINTS, x, falling, 0.1, &limit));
     GOOD("stats size sizes.tsv -x x -y y --exponent free --least-exponent 0.1");
     c = checked_read("out");
+    none_failed(&c);
     const checked_value free_exponent[] = {{"n", POINTS},
                                            {"n_x", 4.0},
                                            {"x_from", 1.0},
@@ -879,6 +930,7 @@ static void test_fits(void)
     CHECK_OK(stats_line_fit(&(stats_xy){POINTS, x, y, se}, false, &free_line));
     CHECK_OK(stats_line_fit(&(stats_xy){POINTS, x, y, se}, true, &origin));
     c = CHECKED_RUN(2, "stats fit points.tsv -x x -y y --se se");
+    none_failed(&c);
     for (size_t row = 0; row < 2; row++) {
         const stats_line *l = row ? &origin : &free_line;
         const checked_value line[] = {{"slope", l->slope},           {"slope_se", l->slope_se},
@@ -1009,6 +1061,10 @@ static void test_correlations(void)
     static const char *const names[] = {"x", "v"};
     write_groups();
     scoped_checked c = CHECKED_RUN(2 * GROUPS, "stats correlation groups.tsv -y y -x x,v --by g");
+    for (size_t row = 0; row < 2 * GROUPS; row++) {
+        CHECK_NEAR(at(&c, row, "n_failed"), row % GROUPS < 2, 0.0);
+        CHECKED_WORD(&c, row, "failed_for", row % GROUPS < 2 ? "no_pile:1" : "-");
+    }
     for (size_t k = 0; k < 2; k++)
         for (size_t g = 0; g < GROUPS; g++) {
             const size_t row = k * GROUPS + g;
@@ -1048,6 +1104,7 @@ static void test_values(void)
     write_text("values.tsv", "%s", text);
     scoped_checked c =
         CHECKED_RUN(1, "stats maximum values.tsv --column v --draws 3 --bootstrap 30 --seed 9");
+    none_failed(&c);
     const checked_value maximum[] = {{"n", N},
                                      {"mean", gsl_stats_mean(v, 1, N)},
                                      {"sd", gsl_stats_sd(v, 1, N)},
@@ -1069,6 +1126,7 @@ static void test_prefixes(void)
                         "6.5\t2.6\t0.25\n");
     CHECK_OK(stats_successive(&(stats_xy){N, x, y, se}, 0.05, fits, &linear_to, &bend_free_to));
     scoped_checked c = CHECKED_RUN(N - 2, "stats fit p.tsv -x x -y y --se se --successive");
+    none_failed(&c);
     for (size_t k = 0; k + 3 <= N; k++) {
         const stats_line *l = &fits[k].line;
         const checked_value row[] = {{"x_to", x[k + 2]},
@@ -1137,17 +1195,17 @@ static void test_systems_of_sweeps(void)
 #define SHAPES "units = \"si\"; " SWEEP "grid = { shape = [\"sphere\", \"disk\"]; };\n"
     static const char short_run[] = "fill_steps = 200; relax_steps = 200; ";
     write_text("a.cfg", SWEEP, "2.0", "2.0", short_run);
-    GOOD("sweep make a.cfg -o a --tables .");
+    GOOD("sweep make a.cfg -o a --tables at");
     write_text("a.cfg", "units = \"cgs\"; " SWEEP, "2.0", "2.0", short_run);
     GOOD("sweep plan a.cfg -o a");
     CU_ASSERT(strstr(out, "1 already stored") != NULL); /* keys know numbers alone */
     write_text("b.cfg", "units = \"si\"; " SWEEP, "0.02", "0.02", short_run);
-    GOOD("sweep make b.cfg -o b --tables .");
-    CU_ASSERT(shell("cat a.tsv b.tsv >out 2>err") == 0);
-    CU_ASSERT(
-        shell(
-            "grep -q '^# g: 981 cm/s^2$' a.tsv && ! grep -q '^# system' a.tsv && grep -q '^# g: 9.81 m/s^2$' "
-            "b.tsv && grep -q '^# k_n: 10000 N/m^1.5$' b.tsv && grep -q '^# system: si$' b.tsv") == 0);
+    GOOD("sweep make b.cfg -o b --tables bt");
+    CU_ASSERT(shell("cat at/points.tsv bt/points.tsv >out 2>err") == 0);
+    CU_ASSERT(shell("grep -q '^# g: 981 cm/s^2$' at/points.tsv && ! grep -q '^# system' at/points.tsv && "
+                    "grep -q '^# g: 9.81 m/s^2$' "
+                    "bt/points.tsv && grep -q '^# k_n: 10000 N/m^1.5$' bt/points.tsv && grep -q '^# system: "
+                    "si$' bt/points.tsv") == 0);
     GOOD("run b.cfg -o r");
     GOOD("stress base r/pile --width 0.02");
     CU_ASSERT(strstr(out, "\n# g: 9.81 m/s^2\n") && strstr(out, "\n# diameter: 0.002 m\n") &&
@@ -1200,6 +1258,7 @@ void suite_tables(void)
                                        {"ensemble of piles", test_ensemble},
                                        {"runs and points of a sweep", test_sweep},
                                        {"angle compare", test_compare},
+                                       {"failed runs behind a row", test_failed},
                                        {"angle phi", test_phi},
                                        {"stats trend, size, fit", test_fits},
                                        {"stats trend, size by groups", test_groups},

@@ -344,15 +344,15 @@ static rp_status run_row(const cli_call *call, const char *path, const run_optio
     return rp_fail(RP_NO_RESULT, "%s%s%s", result.status, *result.message ? ": " : "", result.message);
 }
 
-/* A sweep has a protocol, or tables alone. */
+/* A sweep has a protocol, or models alone. */
 static rp_status is_sweep(const char *path, bool *sweep)
 {
     config_t config;
     rp_status status = rp_config_read(path, &config);
     *sweep = !status && config_lookup(&config, "protocol") != NULL;
-    if (!status && !*sweep && config_lookup(&config, "tables"))
+    if (!status && !*sweep && config_lookup(&config, "model"))
         status = rp_fail(RP_BAD_INPUT,
-                         "%s is a sweep file of tables alone; repose sweep make %s -o DIR writes them", path,
+                         "%s is a sweep file of models alone; repose sweep make %s -o DIR writes their tables", path,
                          path);
     config_destroy(&config);
     return status;
