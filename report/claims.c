@@ -178,7 +178,6 @@ static rp_status read_tables(const report_claim *c, report_tables *tables, repor
 {
     report_judged found = *j;
     report_cell cell, other;
-    report_sweep *sweeps = NULL;
     bool missing = false;
     RP_TRY(report_number_find(tables, c->answer, &cell, &found.ours, &missing));
     if (*c->against) RP_TRY(report_number_find(tables, c->against, &other, &found.against, &missing));
@@ -189,8 +188,7 @@ static rp_status read_tables(const report_claim *c, report_tables *tables, repor
         found.ours.shown = report_quotient(found.ours.shown, found.against.shown);
         found.ours.tested = report_quotient(found.ours.tested, found.against.tested);
     }
-    RP_TRY(report_sweeps(tables, c->answer, c->against, &sweeps));
-    found.failed = report_failed(tables->arena, sweeps);
+    RP_TRY(report_failed(tables, c->answer, c->against, &found.failed));
     found.text = text_of_ours(tables->arena, c, &found);
     *j = found;
     return RP_OK;

@@ -245,21 +245,23 @@ static void check_claims_table(void)
  * not counted. Of the paper's number the samples stand in brackets, of ours in a column of their own. */
 static void test_section(void)
 {
-    write_text("claims.tsv",
-               CLAIMS "one\t-\tlh\tfigure 9\ts\tagrees\t20\t0.9\t40\t9\tmeans k=1 a\t-\tfirst\tat rest\n"
-                      "two\tone\tlh\tfigure 9\ts\tagrees\t-\t-\t-\t9\tt k=1 a\t-\tsecond\t-\n"
-                      "three\t-\tlh\tfigure 9\tother\tuntestable\t-\t-\t-\t-\t-\t-\tthird\ttoo few\n"
-                      "four\t-\tli\t-\tli\tabove\t-\t-\t-\t-\tmeans_fit k=1 a\t0\tfourth\t-\n"
-                      "five\t-\tli\t-\tli\tabove\t-\t-\t-\t-\tmeans k=1 a\t0\tfifth\t-\n"
-                      "six\t-\tlh\t-\tno\tleast\t-\t-\t-\t-\tnone k=1 a\t0\tsixth\t-\n"
-                      "seven\t-\tours\t-\town\tformula\t-\t-\t-\t-\tangle: x\t-\tseventh\t-\n");
+    shell("mkdir -p means more lone end none");
+    write_text("claims.tsv", CLAIMS
+               "one\t-\tlh\tfigure 9\ts\tagrees\t20\t0.9\t40\t9\tmeans/points k=1 a\t-\tfirst\tat rest\n"
+               "two\tone\tlh\tfigure 9\ts\tagrees\t-\t-\t-\t9\tt k=1 a\t-\tsecond\t-\n"
+               "three\t-\tlh\tfigure 9\tother\tuntestable\t-\t-\t-\t-\t-\t-\tthird\ttoo few\n"
+               "four\t-\tli\t-\tli\tabove\t-\t-\t-\t-\tmeans/fit k=1 a\t0\tfourth\t-\n"
+               "five\t-\tli\t-\tli\tabove\t-\t-\t-\t-\tmeans/points k=1 a\t0\tfifth\t-\n"
+               "six\t-\tlh\t-\tno\tleast\t-\t-\t-\t-\tnone/points k=1 a\t0\tsixth\t-\n"
+               "seven\t-\tours\t-\town\tformula\t-\t-\t-\t-\tangle: x\t-\tseventh\t-\n");
     write_text("t.tsv", "# k\ta\ta_se\n1\t24\t1\n");
     /* a sweep with failed runs, and a fit to its table */
-#define SWEEP "# sweep: means.cfg, protocol repose, seed 1, 5 grid points x 3 replicas\n# failed: "
-    write_text("means.tsv", SWEEP "3 of 15 (no_pile 2, overlap 1)\n# k\tn\tn_failed\ta_mean\ta_se\ta_n\n"
-                                  "1\t12\t2\t21.5\t1\t12\n2\t0\t1\tnan\tnan\t0\n");
-    write_text("none.tsv", SWEEP "0 of 15\n# k\ta\n1\t1\n");
-    write_text("means_fit.tsv", "# k\ta\ta_se\n1\t3\t1\n");
+#define SWEEP(name) "# source: " name " D 15\n# failed: "
+    write_text("means/points.tsv",
+               SWEEP("means") "3 of 15 (no_pile 2, overlap 1)\n# k\tn\tn_failed\ta_mean\ta_se\ta_n\n"
+                              "1\t12\t2\t21.5\t1\t12\n2\t0\t1\tnan\tnan\t0\n");
+    write_text("none/points.tsv", SWEEP("none") "0 of 15\n# k\ta\n1\t1\n");
+    write_text("means/fit.tsv", "# source: means D 15\n# k\ta\ta_se\n1\t3\t1\n");
     write_text("in.md", "{{scores s}}\n{{claims s}}\n{{counts lh}}\n{{scores other}}\n{{claims other}}\n"
                         "{{failures all}}\n");
     REPORTS("page in.md --tables . --claims claims.tsv");
@@ -281,18 +283,19 @@ static void test_section(void)
     check_claims_table();
     /* a number of one sample; all failed runs of a sweep */
     write_text("claims.tsv",
-               CLAIMS "none\t-\tlh\tfigure 9\tother\tabove\t-\t-\t-\t-\tlone k=1 a\t0\tnone\t-\n"
-                      "one\t-\tlh\tfigure 9\ts\tagrees\t20\t0.9\t1\t9\tmeans k=1 a\t-\tfirst\t-\n"
-                      "two\t-\tlh\tfigure 9\ts\tagrees\t20\t0.8\t-\t9\tmeans k=1 a\t-\tsecond\t-\n"
-                      "three\t-\tlh\tfigure 9\ts\tabove\t-\t-\t-\t-\tmore k=1 a\t0\tthird\t-\n"
-                      "four\t-\tlh\tfigure 9\ts\tabove\t-\t-\t-\t-\tmore_fit k=1 a\t0\tfourth\t-\n"
-                      "last\t-\tlh\tfigure 9\tother\tabove\t-\t-\t-\t-\tend k=1 a\t0\tlast\t-\n");
-    write_text("lone.tsv", SWEEP "3 of 9 (overlap 3)\n# k\ta\ta_se\n1\t3\t1\n");
-    write_text("end.tsv", SWEEP "4 of 9 (overlap 4)\n# k\ta\ta_se\n1\t3\t1\n");
-    write_text("more.tsv", SWEEP "2 of 9\n# k\ta\ta_se\tn\tn_failed\n1\t3\t1\t7\t2\n");
-    write_text("more_fit.tsv", "# k\ta\ta_se\n1\t3\t1\n");
-    write_text("means.tsv",
-               SWEEP "1 of 15 (no_pile 1)\n# k\tn\tn_failed\ta_mean\ta_se\ta_n\n1\t12\t1\t21.5\t1\t12\n");
+               CLAIMS "none\t-\tlh\tfigure 9\tother\tabove\t-\t-\t-\t-\tlone/points k=1 a\t0\tnone\t-\n"
+                      "one\t-\tlh\tfigure 9\ts\tagrees\t20\t0.9\t1\t9\tmeans/points k=1 a\t-\tfirst\t-\n"
+                      "two\t-\tlh\tfigure 9\ts\tagrees\t20\t0.8\t-\t9\tmeans/points k=1 a\t-\tsecond\t-\n"
+                      "three\t-\tlh\tfigure 9\ts\tabove\t-\t-\t-\t-\tmore/points k=1 a\t0\tthird\t-\n"
+                      "four\t-\tlh\tfigure 9\ts\tabove\t-\t-\t-\t-\tmore/fit k=1 a\t0\tfourth\t-\n"
+                      "last\t-\tlh\tfigure 9\tother\tabove\t-\t-\t-\t-\tend/points k=1 a\t0\tlast\t-\n");
+    write_text("lone/points.tsv", SWEEP("lone") "3 of 9 (overlap 3)\n# k\ta\ta_se\n1\t3\t1\n");
+    write_text("end/points.tsv", SWEEP("end") "4 of 9 (overlap 4)\n# k\ta\ta_se\n1\t3\t1\n");
+    write_text("more/points.tsv", SWEEP("more") "2 of 9\n# k\ta\ta_se\tn\tn_failed\n1\t3\t1\t7\t2\n");
+    write_text("more/fit.tsv", "# source: more D 9\n# k\ta\ta_se\n1\t3\t1\n");
+    write_text(
+        "means/points.tsv",
+        SWEEP("means") "1 of 15 (no_pile 1)\n# k\tn\tn_failed\ta_mean\ta_se\ta_n\n1\t12\t1\t21.5\t1\t12\n");
     write_text("in.md", "{{claims s}}\n{{failures all}}\n");
     REPORTS("page in.md --tables . --claims claims.tsv");
     CU_ASSERT_PTR_NOT_NULL(
@@ -306,55 +309,60 @@ static void test_section(void)
         "stored) |\n| `end` | 4 of 9 (overlap 4) |\n";
     CU_ASSERT_STRING_EQUAL(out + strlen(out) - strlen(lines), lines);
     /* blanks between the brackets do not count */
-    write_text("in.md",
-               "{{ value  means k=1  a }}; {{  cell means k=1 a_mean %%.2f}}; {{ note means failed }}\n");
+    write_text("in.md", "{{ value  means/points k=1  a }}; {{  cell means/points k=1 a_mean %%.2f}}; {{ note "
+                        "means/points failed }}\n");
     REPORTS("page in.md --tables . --claims claims.tsv");
     CU_ASSERT_STRING_EQUAL(out, "21.5 ± 1.0; 21.50; 1 of 15 (no_pile 1)\n");
     write_text("in.md", "{{failures lh}}\n");
     REPORT_FAILS(65, "{{failures lh}}: allowed: all", "page in.md --tables . --claims claims.tsv");
 }
 
-/* Failed runs are those of the grid points that a claim reads: its row, its range of x, its --where, each of
- * its sweeps once, and of a fit no point without any result. */
+/* Failed runs are those behind the rows that a claim reads, each row once: by the columns of a table, by the
+ * entry of a row in a header, or at grid points by the causes of the whole sweep. */
 static void test_failed_cells(void)
 {
+    shell("mkdir -p s r");
     static const struct {
         const char *id, *answer, *against, *failed;
     } cases[] = {
-        {"row", "s k=1 a", "0", "1 of 5 (overlap): effect on the mean not known"},
-        {"clean", "s k=4 a", "0", "-"},
-        {"empty", "s k=3 a", "0", "5 of 5 (overlap): effect on the mean not known"},
-        {"range", "s_trend change", "0", "2 of 10 (overlap): effect on the mean not known"},
-        {"all", "s_all g=1 change", "0", "7 of 20 (overlap): effect on the mean not known"},
-        {"where", "s_where change", "0", "2 of 5 (overlap): effect on the mean not known"},
-        {"two", "s_two change", "0", "13 of 32 (overlap; no_response 4): effect on the mean not known"},
-        {"both", "s k=1 a", "s k=2 a", "3 of 10 (overlap): effect on the mean not known"},
-        {"once", "s k=2 a", "s k=2 a", "2 of 5 (overlap): effect on the mean not known"},
-        {"pooled", "s k=1 a + r k=1 a", "0",
-         "5 of 12 (overlap; no_response 4): effect on the mean not known"},
-        {"pushed", "r k=1 a", "0",
+        {"row", "s/points k=1 a", "0", "1 of 5 (overlap): effect on the mean not known"},
+        {"clean", "s/points k=4 a", "0", "-"},
+        {"empty", "s/points k=3 a", "0", "5 of 5 (overlap): effect on the mean not known"},
+        {"both", "s/points k=1 a", "s/points k=2 a", "3 of 10 (overlap): effect on the mean not known"},
+        {"once", "s/points k=2 a", "s/points k=2 a", "2 of 5 (overlap): effect on the mean not known"},
+        {"pooled", "s/points k=1 a + r/points k=1 a", "0",
+         "5 of 12 (overlap, no_response 4): effect on the mean not known"},
+        {"pushed", "r/points k=1 a", "0",
          "4 of 7 (no_response 4): the weakest piles are left out, theta_T is too large"},
-        {"last", "other change", "0",
-         "4 of 7 (no_response 4): the weakest piles are left out, theta_T is too large"}};
+        {"entry", "s/moved g=2 change", "0", "3 of 8 (overlap 2, no_pile 1): effect on the mean not known"},
+        {"entries", "s/moved g=2 change", "s/moved g=3 change",
+         "7 of 12 (overlap 2, no_pile 5): effect on the mean not known"},
+        {"none", "s/moved g=1 change", "0", "-"},
+        {"no cause", "s/moved g=4 change", "0", "1 of 9 (cause not stored): effect on the mean not known"},
+        {"columns", "s/new g=2 change", "0",
+         "3 of 10 (no_pile 3): the flattest piles are left out, theta_R is too large"},
+        {"two columns", "s/new g=2 change", "s/new g=1 change",
+         "5 of 20 (no_pile 4, overlap 1): effect on the mean not known"}};
     char text[4096] = CLAIMS, path[256];
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++)
         snprintf(text + strlen(text), sizeof text - strlen(text),
                  "%s\t-\tlh\t-\ts\tabove\t-\t-\t-\t-\t%s\t%s\t%s\t-\n", cases[k].id, cases[k].answer,
                  cases[k].against, cases[k].id);
     write_text("claims.tsv", text);
-    write_text("s.tsv", SWEEP "14 of 30 (overlap 14)\n# k\tg\tn\tn_failed\ta_mean\ta_sd\ta_se\ta_n\n"
-                              "1\t1\t4\t1\t3\t1\t1\t4\n2\t1\t3\t2\t3\t1\t1\t3\n3\t1\t0\t5\tnan\tnan\tnan\t0\n"
-                              "4\t1\t5\t0\t3\t1\t1\t5\n5\t1\t1\t4\t3\t1\t1\t1\n6\t2\t3\t2\t3\t1\t1\t3\n");
-    write_text("r.tsv", SWEEP "4 of 7 (no_response 4)\n# k\tn\tn_failed\ta_mean\ta_sd\ta_se\ta_n\n"
-                              "1\t3\t4\t3\t1\t1\t3\n");
-#define FIT(name, options, head, row)                                                                        \
-    write_text(name ".tsv", "# command: repose stats trend x/s_runs.tsv " options "\n# " head                \
-                            "change\tchange_se\n" row "3\t1\n")
-    FIT("s_trend", "--x k --from 2 --to 4", "", "");
-    FIT("s_all", "--x k", "g\t", "1\t");
-    FIT("s_where", "--where g=2 --x k", "", "");
-    FIT("s_two", "x/r_runs.tsv --x k", "", "");
-    write_text("other.tsv", "# command: repose stats trend --x k x/r_runs.tsv\n# change\tchange_se\n3\t1\n");
+    write_text("s/points.tsv",
+               SWEEP("s") "14 of 30 (overlap 14)\n# k\tg\tn\tn_failed\ta_mean\ta_sd\ta_se\ta_n\n"
+                          "1\t1\t4\t1\t3\t1\t1\t4\n2\t1\t3\t2\t3\t1\t1\t3\n3\t1\t0\t5\tnan\tnan\tnan\t0\n"
+                          "4\t1\t5\t0\t3\t1\t1\t5\n5\t1\t1\t4\t3\t1\t1\t1\n6\t2\t3\t2\t3\t1\t1\t3\n");
+    write_text("r/points.tsv",
+               SWEEP("r") "4 of 7 (no_response 4)\n# k\tn\tn_failed\ta_mean\ta_sd\ta_se\ta_n\n"
+                          "1\t3\t4\t3\t1\t1\t3\n");
+    write_text(
+        "s/moved.tsv",
+        "# derived by: trend x=k\n# source: s D 30\n# failed: 0 of 5; 3 of 8 (overlap 2, no_pile 1); 4 of 4 "
+        "(no_pile 4); 1 of 9\n# g\tchange\tchange_se\n1\t3\t1\n2\t3\t1\n3\t3\t1\n4\t3\t1\n");
+    write_text("s/new.tsv",
+               "# source: s D 30\n# units: 1\t1\t1\t1\t1\t1\ng\tn\tchange\tchange_se\tn_failed\tfailed_for\n"
+               "1\t8\t3\t1\t2\tno_pile:1,overlap:1\n2\t7\t3\t1\t3\tno_pile:3\n");
     REPORTS("claims --claims claims.tsv --tables .");
     rp_table t;
     path_of("out", path);

@@ -351,9 +351,10 @@ static rp_status is_sweep(const char *path, bool *sweep)
     rp_status status = rp_config_read(path, &config);
     *sweep = !status && config_lookup(&config, "protocol") != NULL;
     if (!status && !*sweep && config_lookup(&config, "model"))
-        status = rp_fail(RP_BAD_INPUT,
-                         "%s is a sweep file of models alone; repose sweep make %s -o DIR writes their tables", path,
-                         path);
+        status =
+            rp_fail(RP_BAD_INPUT,
+                    "%s is a sweep file of models alone; repose sweep make %s -o DIR writes their tables",
+                    path, path);
     config_destroy(&config);
     return status;
 }
