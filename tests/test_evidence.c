@@ -197,14 +197,14 @@ static void check_claims_table(void)
             "\nid\tpaper\tplace\tstatement\ttest\tpublished\tsamples\tanswer\tours\tn\tz_error\tz_deviation\t"
             "detail\tverdict\tfailed\n",
     one[] =
-        "one\tlh\tfigure 9\tfirst\tagrees\t20 ± 0.9\t40\tmeans k=1 a\t21.5 ± 1.0\t12\t1.06\t1.35\t"
+        "one\tlh\tfigure 9\tfirst\tagrees\t20 ± 0.9\t40\tmeans/points k=1 a\t21.5 ± 1.0\t12\t1.06\t1.35\t"
         "reproduced (+1.1 standard errors)\treproduced\t2 of 14 (no_pile, overlap): effect on the mean not "
         "known\n",
     two[] = "two\tlh\tfigure 9\tsecond\tagrees\t20 ± 0.9\t40\tt k=1 a\t24.0 ± 1.0\tnan\t2.97\t3.96\t"
             "not reproduced (+3.0 standard errors)\tnot reproduced\t-\n",
     three[] = "three\tlh\tfigure 9\tthird\tuntestable\t-\t0\t-\t-\tnan\tnan\tnan\tcan't be tested: too few\t"
               "can't be tested\t-\n",
-    five[] = "five\tli\t-\tfifth\tabove\t-\t0\tmeans k=1 a\t21.5 ± 1.0 against 0\t12\tnan\tnan\treproduced\t"
+    five[] = "five\tli\t-\tfifth\tabove\t-\t0\tmeans/points k=1 a\t21.5 ± 1.0 against 0\t12\tnan\tnan\treproduced\t"
              "reproduced\t2 of 14 (no_pile, overlap): effect on the mean not known\n",
     seven[] = "seven\tours\t-\tseventh\tformula\t-\t0\tangle: x\t-\tnan\tnan\tnan\treproduced, by tests\t"
               "reproduced\t-\n",
@@ -245,7 +245,7 @@ static void check_claims_table(void)
  * not counted. Of the paper's number the samples stand in brackets, of ours in a column of their own. */
 static void test_section(void)
 {
-    shell("mkdir -p means more lone end none");
+    shell("mkdir -p means more lone end none >out 2>err");
     write_text("claims.tsv", CLAIMS
                "one\t-\tlh\tfigure 9\ts\tagrees\t20\t0.9\t40\t9\tmeans/points k=1 a\t-\tfirst\tat rest\n"
                "two\tone\tlh\tfigure 9\ts\tagrees\t-\t-\t-\t9\tt k=1 a\t-\tsecond\t-\n"
@@ -292,7 +292,7 @@ static void test_section(void)
     write_text("lone/points.tsv", SWEEP("lone") "3 of 9 (overlap 3)\n# k\ta\ta_se\n1\t3\t1\n");
     write_text("end/points.tsv", SWEEP("end") "4 of 9 (overlap 4)\n# k\ta\ta_se\n1\t3\t1\n");
     write_text("more/points.tsv", SWEEP("more") "2 of 9\n# k\ta\ta_se\tn\tn_failed\n1\t3\t1\t7\t2\n");
-    write_text("more/fit.tsv", "# source: more D 9\n# k\ta\ta_se\n1\t3\t1\n");
+    write_text("more/fit.tsv", "# source: more D 9\n# failed: 2 of 9\n# k\ta\ta_se\n1\t3\t1\n");
     write_text(
         "means/points.tsv",
         SWEEP("means") "1 of 15 (no_pile 1)\n# k\tn\tn_failed\ta_mean\ta_se\ta_n\n1\t12\t1\t21.5\t1\t12\n");
@@ -321,7 +321,7 @@ static void test_section(void)
  * entry of a row in a header, or at grid points by the causes of the whole sweep. */
 static void test_failed_cells(void)
 {
-    shell("mkdir -p s r");
+    shell("mkdir -p s r >out 2>err");
     static const struct {
         const char *id, *answer, *against, *failed;
     } cases[] = {
