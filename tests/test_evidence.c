@@ -204,7 +204,8 @@ static void check_claims_table(void)
             "not reproduced (+3.0 standard errors)\tnot reproduced\t-\n",
     three[] = "three\tlh\tfigure 9\tthird\tuntestable\t-\t0\t-\t-\tnan\tnan\tnan\tcan't be tested: too few\t"
               "can't be tested\t-\n",
-    five[] = "five\tli\t-\tfifth\tabove\t-\t0\tmeans/points k=1 a\t21.5 ± 1.0 against 0\t12\tnan\tnan\treproduced\t"
+    five[] = "five\tli\t-\tfifth\tabove\t-\t0\tmeans/points k=1 a\t21.5 ± 1.0 against "
+             "0\t12\tnan\tnan\treproduced\t"
              "reproduced\t2 of 14 (no_pile, overlap): effect on the mean not known\n",
     seven[] = "seven\tours\t-\tseventh\tformula\t-\t0\tangle: x\t-\tnan\tnan\tnan\treproduced, by tests\t"
               "reproduced\t-\n",
