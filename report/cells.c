@@ -54,69 +54,66 @@ rp_status report_table(report_tables *tables, const char *name, const rp_table *
     return RP_OK;
 }
 
-/* ---- rows ---- */
+/* ---- references ---- */
 
-static bool text_equals(const char *cell, const char *wanted)
+static rp_status read_conditions(rp_arena *arena, int n, char *const words[], rp_condition **conditions)
 {
-    char *end_a, *end_b;
-    const double a = strtod(cell, &end_a), b = strtod(wanted, &end_b);
-    if (strcmp(cell, wanted) == 0) return true;
-    if (*end_a || !*cell) return false;
-    if (*end_b == ':' && end_b > wanted) return a >= b && a <= strtod(end_b + 1, NULL);
-    return !*end_b && fabs(a - b) <= 1e-12 * fabs(b);
+    *conditions = rp_arena_memory(arena, (size_t)n, sizeof **conditions);
+    for (int w = 0; w < n; w++) RP_TRY(rp_condition_read(words[w], &(*conditions)[w]));
+    return RP_OK;
 }
 
-/* The row with the smallest or the largest number of a column, the first of equal ones. */
-static bool is_extreme(const rp_table *table, size_t row, int column, bool largest)
+rp_status report_reference_read(rp_arena *arena, const char *text, report_reference **reference)
 {
-    const double value = strtod(rp_cell(table, row, column), NULL);
-    bool is = isfinite(value);
-    for (size_t r = 0; r < table->n_rows && is; r++) {
-        const double other = strtod(rp_cell(table, r, column), NULL);
-        is = !((largest ? other > value : other < value) || (other == value && r < row));
-    }
-    return is;
-}
-
-rp_status report_row_matches(const rp_table *table, size_t row, int n, char *const words[], bool *matches)
-{
-    *matches = true;
-    for (int w = 0; w < n && *matches; w++) {
-        char *equals = strchr(words[w], '=');
-        int column;
-        if (!equals) return rp_fail(RP_BAD_INPUT, "\"%s\": key=value expected", words[w]);
-        *equals = '\0';
-        const rp_status status = rp_table_find(table, words[w], NULL, &column);
-        *equals = '=';
-        RP_TRY(status);
-        *matches = strcmp(equals, "=smallest") == 0  ? is_extreme(table, row, column, false)
-                   : strcmp(equals, "=largest") == 0 ? is_extreme(table, row, column, true)
-                                                     : text_equals(rp_cell(table, row, column), equals + 1);
+    for (const char *end; text; text = end ? end + 3 : NULL, reference = &(*reference)->next) {
+        end = strstr(text, " + ");
+        report_reference *r = *reference = rp_arena_memory(arena, 1, sizeof *r);
+        r->text = end ? rp_text(arena, "%.*s", (int)(end - text), text) : text;
+        const report_words w = report_split(arena, r->text);
+        if (w.n < 2) return rp_fail(RP_BAD_INPUT, "\"%s\": a table and a column expected", r->text);
+        r->table = w.word[0];
+        r->column = w.word[w.n - 1];
+        r->n = (size_t)w.n - 2;
+        RP_TRY(read_conditions(arena, w.n - 2, w.word + 1, &r->conditions));
     }
     return RP_OK;
 }
 
+static bool *all_rows(rp_arena *arena, const rp_table *table)
+{
+    return memset(rp_arena_memory(arena, table->n_rows, sizeof(bool)), true, table->n_rows);
+}
+
+rp_status report_rows_of(rp_arena *arena, const rp_table *table, int n, char *const words[], bool **rows)
+{
+    rp_condition *conditions;
+    *rows = all_rows(arena, table);
+    RP_TRY(read_conditions(arena, n, words, &conditions));
+    return rp_conditions_mark(table, (size_t)n, conditions, *rows);
+}
+
+rp_status report_rows(report_tables *tables, const report_reference *r, const rp_table **table, bool **rows)
+{
+    RP_TRY(report_table(tables, r->table, table));
+    if (!*table) return RP_OK;
+    *rows = all_rows(tables->arena, *table);
+    return rp_conditions_mark(*table, r->n, r->conditions, *rows);
+}
+
 /* ---- cells ---- */
 
-rp_status report_cell_find(report_tables *tables, const char *reference, report_cell *cell)
+rp_status report_cell_find(report_tables *tables, const report_reference *reference, report_cell *cell)
 {
-    const report_words w = report_split(tables->arena, reference);
-    *cell = (report_cell){0};
-    if (w.n < 2) return rp_fail(RP_BAD_INPUT, "\"%s\": a table and a column expected", reference);
-    cell->column = w.word[w.n - 1];
-    RP_TRY(report_table(tables, w.word[0], &cell->table));
-    if (!cell->table) return RP_OK;
+    bool *rows;
     size_t found = 0;
-    for (size_t row = 0; row < cell->table->n_rows; row++) {
-        bool matches;
-        RP_TRY(report_row_matches(cell->table, row, w.n - 2, w.word + 1, &matches));
-        if (!matches) continue;
-        cell->row = row;
-        found++;
-    }
+    *cell = (report_cell){.column = reference->column};
+    RP_TRY(report_rows(tables, reference, &cell->table, &rows));
+    if (!cell->table) return RP_OK;
+    for (size_t row = 0; row < cell->table->n_rows; row++)
+        if (rows[row]) cell->row = row, found++;
     if (found == 1 || *cell->column == '#') return RP_OK;
     return rp_fail(RP_BAD_INPUT, "%s: %zu rows for \"%s\", one expected", cell->table->path, found,
-                   reference);
+                   reference->text);
 }
 
 const char *report_cell_text(const report_cell *cell, const char *column)
@@ -202,13 +199,14 @@ static rp_status read_summary(const report_cell *cell, stats_summary *values)
 }
 
 /* The mean of all values of several cells; of columns NAME_sd, their standard deviation. */
-static rp_status read_pooled(report_tables *tables, const char *text, report_cell *cell,
+static rp_status read_pooled(report_tables *tables, const report_reference *r, report_cell *cell,
                              report_number *number)
 {
-    stats_summary *parts = rp_arena_memory(tables->arena, strlen(text), sizeof *parts);
     size_t n = 0;
-    for (const char *part; (part = report_part(tables->arena, &text));) {
-        RP_TRY(report_cell_find(tables, part, cell));
+    for (const report_reference *part = r; part; part = part->next) n++;
+    stats_summary *parts = rp_arena_memory(tables->arena, n, sizeof *parts);
+    for (n = 0; r; r = r->next) {
+        RP_TRY(report_cell_find(tables, r, cell));
         if (!cell->table) return RP_OK;
         RP_TRY(read_summary(cell, &parts[n++]));
     }
@@ -221,26 +219,14 @@ static rp_status read_pooled(report_tables *tables, const char *text, report_cel
     return RP_OK;
 }
 
-const char *report_part(rp_arena *arena, const char **text)
-{
-    if (!*text) return NULL;
-    const char *end = strstr(*text, " + "), *part = *text;
-    *text = end ? end + 3 : NULL;
-    return end ? rp_text(arena, "%.*s", (int)(end - part), part) : part;
-}
-
-rp_status report_number_find(report_tables *tables, const char *text, report_cell *cell,
+rp_status report_number_find(report_tables *tables, const report_reference *reference, report_cell *cell,
                              report_number *number, bool *missing)
 {
-    char *end;
-    *cell = (report_cell){0};
     *number = (report_number){.p_fit = NAN};
-    number->shown = number->tested = (stats_number){strtod(text, &end), 0.0};
-    if (!*end) return RP_OK;
-    if (strstr(text, " + ")) {
-        RP_TRY(read_pooled(tables, text, cell, number));
+    if (reference->next) {
+        RP_TRY(read_pooled(tables, reference, cell, number));
     } else {
-        RP_TRY(report_cell_find(tables, text, cell));
+        RP_TRY(report_cell_find(tables, reference, cell));
         if (cell->table) RP_TRY(report_cell_number(cell, number));
     }
     *missing |= !cell->table;

@@ -9,6 +9,7 @@
 #include "core/status.h"
 #include "stats/stats.h"
 #include "table/columns.h"
+#include "table/where.h"
 
 /* Where tables are looked for, and those that have been read, each once. */
 typedef struct {
@@ -27,9 +28,22 @@ typedef struct {
 } report_words;
 report_words report_split(rp_arena *arena, const char *text);
 
-/* Whether a row matches n words, each key=value, or for numbers key=FROM:TO, key=smallest or key=largest,
- * which is that of the whole table. Errors: RP_BAD_INPUT for a column that the table does not have. */
-rp_status report_row_matches(const rp_table *table, size_t row, int n, char *const words[], bool *matches);
+/* A cell by "TABLE key=value ... COLUMN", or several that are pooled, "CELL + CELL ...". */
+typedef struct report_reference {
+    const char *text, *table, *column;
+    size_t n;
+    rp_condition *conditions;
+    struct report_reference *next; /* pooled with this one; NULL: the last */
+} report_reference;
+
+/* Errors: RP_BAD_INPUT (no column, no condition). */
+rp_status report_reference_read(rp_arena *arena, const char *text, report_reference **reference);
+
+/* Which rows of a table meet these words, each a condition; and which a reference reads, *table NULL where no
+ * folder holds it. Errors: RP_BAD_INPUT (no condition, no such column). */
+rp_status report_rows_of(rp_arena *arena, const rp_table *table, int n, char *const words[], bool **rows);
+rp_status report_rows(report_tables *tables, const report_reference *reference, const rp_table **table,
+                      bool **rows);
 
 /* One cell of a table. */
 typedef struct {
@@ -39,7 +53,7 @@ typedef struct {
 } report_cell;
 
 /* Errors: RP_BAD_INPUT (no such column, rows other than one), those of rp_table_read. */
-rp_status report_cell_find(report_tables *tables, const char *reference, report_cell *cell);
+rp_status report_cell_find(report_tables *tables, const report_reference *reference, report_cell *cell);
 
 /* The text in another column of the cell's row, or for #KEY in a header line; NULL if there is none. */
 const char *report_cell_text(const report_cell *cell, const char *column);
@@ -60,14 +74,11 @@ typedef struct {
  * deviation NAME_sd. Column #KEY is the number that a header line starts with. Errors: RP_BAD_INPUT. */
 rp_status report_cell_number(const report_cell *cell, report_number *number);
 
-/* The number of a text, "18.5", of a cell, or of several cells, "CELL + CELL ...": of all their values the
- * mean, or of columns NAME_sd the standard deviation. A table that is not there leaves *missing true. Errors:
- * those of report_cell_find and report_cell_number. */
-rp_status report_number_find(report_tables *tables, const char *text, report_cell *cell,
+/* The number of a cell, or of several: of all their values the mean, or of columns NAME_sd the standard
+ * deviation. A table that is not there leaves *missing true. Errors: those of report_cell_find and
+ * report_cell_number. */
+rp_status report_number_find(report_tables *tables, const report_reference *reference, report_cell *cell,
                              report_number *number, bool *missing);
-
-/* The next part of "CELL + CELL ..."; NULL at the end. */
-const char *report_part(rp_arena *arena, const char **text);
 
 /* Decimals that show two significant digits of an error > 0. */
 int report_decimals(double se);

@@ -88,7 +88,17 @@ static rp_status check(const report_claims *all, const report_claim *c)
     return *c->answer ? RP_OK : lacks(c, "an answer");
 }
 
-static rp_status read_claim(report_claims *all, size_t row)
+/* Both sides, where tables answer. */
+static rp_status read_sides(rp_arena *arena, report_claim *c)
+{
+    char *end;
+    c->limit = strtod(c->against, &end);
+    if (tests[c->kind].by == BY_WORD) return RP_OK;
+    RP_TRY(report_reference_read(arena, c->answer, &c->answers));
+    return *end ? report_reference_read(arena, c->against, &c->againsts) : RP_OK;
+}
+
+static rp_status read_claim(rp_arena *arena, report_claims *all, size_t row)
 {
     const rp_table *t = all->table;
     report_claim *c = &all->claims[all->n];
@@ -103,6 +113,7 @@ static rp_status read_claim(report_claims *all, size_t row)
     if (!status) status = read_numbers(t, row, c);
     if (!status) status = find_number(all, c);
     if (!status) status = check(all, c);
+    if (!status) status = read_sides(arena, c);
     RP_TRY(rp_prefix(status, "%s:%zu: ", t->places[row].path, t->places[row].line));
     all->n++;
     return RP_OK;
@@ -128,7 +139,7 @@ rp_status report_claims_read(rp_arena *arena, const char *path, report_claims *c
     for (size_t k = 0; k < sizeof columns / sizeof *columns; k++)
         RP_TRY(rp_table_find(t, columns[k], expected, &(int){0}));
     *claims = (report_claims){t, rp_arena_memory(arena, t->n_rows, sizeof *claims->claims), 0};
-    for (size_t row = 0; row < t->n_rows; row++) RP_TRY(read_claim(claims, row));
+    for (size_t row = 0; row < t->n_rows; row++) RP_TRY(read_claim(arena, claims, row));
     return RP_OK;
 }
 
@@ -153,7 +164,6 @@ const char *report_published(rp_arena *arena, const report_claim *c)
 static rp_status read_change(rp_arena *arena, const report_claim *c, const report_cell *cell,
                              report_judged *j)
 {
-    if (!cell->table) return rp_fail(RP_BAD_INPUT, "test %s needs a cell of a table", c->test);
     const bool corrected = !*c->family && report_cell_text(cell, "p_holm");
     RP_TRY(report_cell_column(cell, rp_text(arena, "%s_lo90", cell->column), &j->change.lo90));
     RP_TRY(report_cell_column(cell, rp_text(arena, "%s_hi90", cell->column), &j->change.hi90));
@@ -179,8 +189,9 @@ static rp_status read_tables(const report_claim *c, report_tables *tables, repor
     report_judged found = *j;
     report_cell cell, other;
     bool missing = false;
-    RP_TRY(report_number_find(tables, c->answer, &cell, &found.ours, &missing));
-    if (*c->against) RP_TRY(report_number_find(tables, c->against, &other, &found.against, &missing));
+    RP_TRY(report_number_find(tables, c->answers, &cell, &found.ours, &missing));
+    if (c->againsts) RP_TRY(report_number_find(tables, c->againsts, &other, &found.against, &missing));
+    if (!c->againsts) found.against.shown = found.against.tested = (stats_number){c->limit, 0.0};
     if (missing) j->verdict = REPORT_NO_DATA;
     if (missing) return RP_OK;
     if (tests[c->kind].by == BY_CHANGE) RP_TRY(read_change(tables->arena, c, &cell, &found));
@@ -188,7 +199,7 @@ static rp_status read_tables(const report_claim *c, report_tables *tables, repor
         found.ours.shown = report_quotient(found.ours.shown, found.against.shown);
         found.ours.tested = report_quotient(found.ours.tested, found.against.tested);
     }
-    RP_TRY(report_failed(tables, c->answer, c->against, &found.failed));
+    RP_TRY(report_failed(tables, c->answers, c->againsts, &found.failed));
     found.text = text_of_ours(tables->arena, c, &found);
     *j = found;
     return RP_OK;
@@ -234,9 +245,7 @@ enum { OF_EFFECT, OF_DEVIATION, OF_MARGIN, CHANCES };
  * matters in itself: anything beyond it is enough. */
 static double excluded_margin(const report_claim *c)
 {
-    char *end;
-    const double limit = strtod(c->against, &end);
-    return !*end && limit != 0.0 ? INFINITY : c->margin;
+    return !c->againsts && c->limit != 0.0 ? INFINITY : c->margin;
 }
 
 static void find_chances(const report_claim *c, const report_judged *j, double chances[CHANCES])

@@ -48,9 +48,11 @@ typedef struct {
     REPORT_CLAIM_TEXTS(X)
 #undef X
     report_test kind;
-    const char *family;     /* of claims that answer one question */
-    stats_number number;    /* published; NaN: none */
-    double samples, margin; /* 0: not said; INFINITY: none */
+    const char *family;                   /* of claims that answer one question */
+    stats_number number;                  /* published; NaN: none */
+    report_reference *answers, *againsts; /* cells of both sides; NULL: none, or for `against` a number, */
+    double limit;                         /* this */
+    double samples, margin;               /* 0: not said; INFINITY: none */
 } report_claim;
 
 typedef struct {

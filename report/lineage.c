@@ -14,30 +14,21 @@ typedef struct read_table {
     struct read_table *next;
 } read_table;
 
-static rp_status add_reference(report_tables *tables, const char *text, read_table **list)
+static rp_status add_side(report_tables *tables, const report_reference *side, read_table **list)
 {
-    const rp_table *t;
-    const report_words w = report_split(tables->arena, text);
-    if (w.n < 2) return RP_OK;
-    RP_TRY(report_table(tables, w.word[0], &t));
-    if (!t) return RP_OK;
-    while (*list && (*list)->table != t) list = &(*list)->next;
-    if (!*list) {
-        *list = rp_arena_memory(tables->arena, 1, sizeof **list);
-        **list = (read_table){.table = t, .counted = rp_arena_memory(tables->arena, t->n_rows, sizeof(bool))};
+    for (const report_reference *r = side; r; r = r->next) {
+        const rp_table *t;
+        read_table **at = list;
+        bool *rows;
+        RP_TRY(report_rows(tables, r, &t, &rows));
+        if (!t) continue;
+        while (*at && (*at)->table != t) at = &(*at)->next;
+        if (!*at) {
+            *at = rp_arena_memory(tables->arena, 1, sizeof **at);
+            **at = (read_table){.table = t, .counted = rows};
+        }
+        for (size_t row = 0; row < t->n_rows; row++) (*at)->counted[row] |= rows[row];
     }
-    for (size_t row = 0; row < t->n_rows; row++) {
-        bool matches;
-        RP_TRY(report_row_matches(t, row, w.n - 2, w.word + 1, &matches));
-        (*list)->counted[row] |= matches;
-    }
-    return RP_OK;
-}
-
-static rp_status add_side(report_tables *tables, const char *side, read_table **list)
-{
-    for (const char *part; (part = report_part(tables->arena, &side));)
-        RP_TRY(add_reference(tables, part, list));
     return RP_OK;
 }
 
@@ -118,7 +109,8 @@ static const char *push_of(const rp_tally *causes)
     return "effect on the mean not known";
 }
 
-rp_status report_failed(report_tables *tables, const char *answer, const char *against, const char **text)
+rp_status report_failed(report_tables *tables, const report_reference *answer,
+                        const report_reference *against, const char **text)
 {
     read_table *list = NULL;
     failures f = {0};
@@ -146,7 +138,8 @@ static rp_status add_source(report_tables *tables, const char *note, report_swee
     return RP_OK;
 }
 
-rp_status report_sweeps(report_tables *tables, const char *answer, const char *against, report_sweep **sweeps)
+rp_status report_sweeps(report_tables *tables, const report_reference *answer,
+                        const report_reference *against, report_sweep **sweeps)
 {
     read_table *list = NULL;
     RP_TRY(add_side(tables, answer, &list));

@@ -15,13 +15,14 @@ typedef struct report_sweep {
 } report_sweep;
 
 /* Add the sweeps behind both sides of a claim to a list, NULL at first. A side is a cell or several cells
- * that are pooled, "CELL + CELL". Errors: those of rp_table_read, RP_BAD_INPUT. */
-rp_status report_sweeps(report_tables *tables, const char *answer, const char *against,
-                        report_sweep **sweeps);
+ * that are pooled; NULL: a number, or none. Errors: those of rp_table_read, RP_BAD_INPUT. */
+rp_status report_sweeps(report_tables *tables, const report_reference *answer,
+                        const report_reference *against, report_sweep **sweeps);
 
 /* Runs without a result behind the rows that both sides read, with their causes and how the mean changes
  * without them: "11 of 185 (no_response 11): the weakest piles are left out, theta_T is too large"; "" if
  * there are none. Errors: as above. */
-rp_status report_failed(report_tables *tables, const char *answer, const char *against, const char **text);
+rp_status report_failed(report_tables *tables, const report_reference *answer,
+                        const report_reference *against, const char **text);
 
 #endif

@@ -54,9 +54,11 @@ static rp_status fill_text(page *p, const report_cell *cell, const char *format)
 static rp_status fill_cell(page *p, const char *reference, const char *format)
 {
     report_cell cell;
-    RP_TRY(report_cell_find(&p->tables, reference, &cell));
+    report_reference *r;
+    RP_TRY(report_reference_read(p->tables.arena, reference, &r));
+    RP_TRY(report_cell_find(&p->tables, r, &cell));
     if (cell.table) return fill_text(p, &cell, format);
-    p->lacking = report_split(p->tables.arena, reference).word[0];
+    p->lacking = r->table;
     fputs(no_data, p->out);
     return RP_OK;
 }
@@ -85,10 +87,10 @@ static rp_status fill_rows(page *p, const report_words *w)
     RP_TRY(report_table(&p->tables, w->word[1], &table));
     if (!table) return fprintf(p->out, "| %s |", no_data), RP_OK;
     const char *begin = "|";
+    bool *rows;
+    RP_TRY(report_rows_of(p->tables.arena, table, bar - 2, w->word + 2, &rows));
     for (size_t row = 0; row < table->n_rows; row++) {
-        bool matches;
-        RP_TRY(report_row_matches(table, row, bar - 2, w->word + 2, &matches));
-        if (!matches) continue;
+        if (!rows[row]) continue;
         fputs(begin, p->out);
         begin = "\n|";
         for (int k = bar + 1; k < w->n; k++) {
@@ -171,7 +173,7 @@ static rp_status fill_failures(page *p, const char *which)
     const char *begin = "";
     if (strcmp(which, "all") != 0) return rp_fail(RP_BAD_INPUT, "{{failures %s}}: allowed: all", which);
     for (size_t i = 0; i < p->claims.n; i++)
-        RP_TRY(report_sweeps(&p->tables, p->claims.claims[i].answer, p->claims.claims[i].against, &sweeps));
+        RP_TRY(report_sweeps(&p->tables, p->claims.claims[i].answers, p->claims.claims[i].againsts, &sweeps));
     for (const report_sweep *s = sweeps; s; s = s->next) {
         if (!*s->failed) continue;
         fprintf(p->out, "%s| `%s` | %s%s |", begin, s->name, s->failed,

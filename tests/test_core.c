@@ -11,6 +11,7 @@
 #include "params/guess.h"
 #include "core/random.h"
 #include "core/file.h"
+#include "table/where.h"
 #include "table/table.h"
 #include "params/units.h"
 #include "tests/check.h"

@@ -6,6 +6,7 @@
 
 #include "core/file.h"
 #include "core/version.h"
+#include "table/where.h"
 #include "export/export.h"
 #include "params/guess.h"
 

@@ -376,46 +376,6 @@ const char *rp_table_next_note(const rp_table *table, const char *key, const cha
     return NULL;
 }
 
-/* Does `cell` meet the comparison with `value`? */
-static bool meets(const char *cell, const char *op, const char *value)
-{
-    double a, b;
-    const bool first = as_number(cell, &a), numbers = as_number(value, &b) && first;
-    const bool equal = numbers ? a == b || (isnan(a) && isnan(b)) : strcmp(cell, value) == 0;
-    if (*op == '=') return equal;
-    if (*op == '!') return !equal;
-    if (!numbers) return false;
-    return (op[1] == '=' && equal) || (*op == '<' ? a < b : a > b);
-}
-
-rp_status rp_table_where(rp_table *table, const char *condition)
-{
-    static const char *const operators[] = {"<=", ">=", "!=", "<", ">", "="};
-    char name[64];
-    double number;
-    const size_t length = strcspn(condition, "<>=!"), columns = table->n_columns;
-    const char *op = NULL;
-    for (size_t i = 0; i < sizeof operators / sizeof *operators && !op; i++)
-        if (strncmp(condition + length, operators[i], strlen(operators[i])) == 0) op = operators[i];
-    if (!op || length == 0 || length >= sizeof name)
-        return rp_fail(RP_BAD_INPUT, "condition \"%s\": NAME=VALUE expected, or != < <= > >=", condition);
-    snprintf(name, sizeof name, "%.*s", (int)length, condition);
-    const char *value = condition + length + strlen(op);
-    const int column = rp_table_column(table, name);
-    if (column < 0) return no_column(table, name, NULL);
-    if (strchr("<>", *op) && !as_number(value, &number))
-        return rp_fail(RP_BAD_INPUT, "condition \"%s\": \"%s\" is not a number", condition, value);
-    size_t kept = 0;
-    for (size_t i = 0; i < table->n_rows; i++) {
-        if (!meets(table->cells[i * columns + (size_t)column], op, value)) continue;
-        memmove(table->cells + kept * columns, table->cells + i * columns, columns * sizeof *table->cells);
-        table->places[kept++] = table->places[i];
-    }
-    table->chosen |= kept < table->n_rows;
-    table->n_rows = kept;
-    return RP_OK;
-}
-
 rp_status rp_table_number(const rp_table *table, size_t row, int column, int missing_ok, double *value)
 {
     const char *cell = table->cells[row * table->n_columns + (size_t)column];

@@ -52,7 +52,7 @@ typedef struct {
     char *text;       /* the file's bytes, which names and cells point into */
     rp_place *places; /* of each row */
     const char *path; /* borrowed */
-    bool chosen;      /* rp_table_where has left rows out */
+    bool chosen;      /* rp_table_where (where.h) has left rows out */
 } rp_table;
 
 /* Read `path` ("-": standard input). Tabs, blanks or commas separate the cells; tabs alone do in a row that
@@ -86,11 +86,6 @@ rp_status rp_table_find(const rp_table *table, const char *name, const char *exp
  * rows. */
 const char *rp_table_find_note(const rp_table *table, const char *key);
 const char *rp_table_next_note(const rp_table *table, const char *key, const char *previous);
-
-/* Keep the rows that meet a condition: a column's name, one of = != < <= > >=, a value, as in "floor=ends" or
- * "eps<1e-5". Numbers are compared as numbers; words by = and != only, and a word or nan is neither below nor
- * above a number. Errors: RP_BAD_INPUT (no such column, no operator, an order of words). */
-rp_status rp_table_where(rp_table *table, const char *condition);
 
 /* A cell as a number; "nan", "infinite", "inf" and "-inf" are allowed only if `missing_ok`. Errors:
  * RP_BAD_INPUT with file, line, column. */

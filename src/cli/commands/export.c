@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include "cli/cli.h"
+#include "table/where.h"
 #include "export/export.h"
 
 #define EXPORT_OPTIONS(X)                                                                                    \

@@ -11,6 +11,7 @@
 #include "core/arena.h"
 #include "params/config.h"
 #include "params/guess.h"
+#include "table/where.h"
 #include "table/columns.h"
 #include "params/units.h"
 #include "dem/setup/definition.h"
