@@ -237,10 +237,6 @@ static rp_status read_answer(const report_claims *all, const report_claim *c, re
 
 /* ---- verdicts ---- */
 
-/* Chances that decide a claim: of such a difference or change if there is none, the same with the other
- * reading of the published +-, and of one as small if the truth is the margin. NaN: no such test. */
-enum { OF_EFFECT, OF_DEVIATION, OF_MARGIN, CHANCES };
-
 /* The difference that an inequality must not exclude. A limit other than 0 has the smallest effect that
  * matters in itself: anything beyond it is enough. */
 static double excluded_margin(const report_claim *c)
@@ -248,53 +244,51 @@ static double excluded_margin(const report_claim *c)
     return !c->againsts && c->limit != 0.0 ? INFINITY : c->margin;
 }
 
-static void find_chances(const report_claim *c, const report_judged *j, double chances[CHANCES])
+static report_chances chances_of(const report_claim *c, const report_judged *j)
 {
     const stats_number ours = j->ours.tested, against = j->against.tested;
-    const int by = j->verdict == REPORT_NO_DATA ? BY_WORD : tests[c->kind].by;
-    chances[OF_EFFECT] = by == BY_DIFFERENCE ? report_agree_p(j->match.z_error)
-                         : by == BY_SIDE     ? report_exceed_p(ours, against)
-                         : by == BY_CHANGE   ? j->change.p_value
-                                             : NAN;
-    chances[OF_DEVIATION] = by == BY_DIFFERENCE ? report_agree_p(j->match.z_deviation) : chances[OF_EFFECT];
-    chances[OF_MARGIN] = by == BY_SIDE ? report_exceed_p_margin(ours, against, excluded_margin(c)) : NAN;
-    if (by == BY_CHANGE && c->kind == CLAIM_INDEPENDENT)
-        chances[OF_MARGIN] = stats_contrast_p_margin(
-            &(stats_contrast){j->ours.shown.value, j->ours.shown.se, isnan(j->dof) ? INFINITY : j->dof},
-            c->margin);
+    switch (j->verdict == REPORT_NO_DATA ? BY_WORD : tests[c->kind].by) {
+    case BY_DIFFERENCE:
+        return (report_chances){report_agree_p(j->match.z_error), report_agree_p(j->match.z_deviation), NAN};
+    case BY_SIDE:
+        return (report_chances){report_exceed_p(ours, against), NAN,
+                                report_exceed_p_margin(ours, against, excluded_margin(c))};
+    case BY_CHANGE: {
+        const stats_contrast change = {j->ours.shown.value, j->ours.shown.se,
+                                       isnan(j->dof) ? INFINITY : j->dof};
+        return (report_chances){j->change.p_value, NAN,
+                                c->kind == CLAIM_INDEPENDENT ? stats_contrast_p_margin(&change, c->margin)
+                                                             : NAN};
+    }
+    default: return (report_chances){NAN, NAN, NAN};
+    }
 }
 
-/* The verdict of a claim's test; `raised`: with chances that Holm's correction has raised, NULL: without. */
-static void decide(const report_claim *c, const double *raised, report_judged *j)
+/* The verdict of a claim's test; `raised`: chances that Holm's correction has raised, NULL: none. */
+static void decide(const report_claim *c, const report_chances *raised, report_judged *j)
 {
     const stats_number ours = j->ours.tested, against = j->against.tested;
     const int sign = c->kind == CLAIM_ABOVE || c->kind == CLAIM_LEAST || c->kind == CLAIM_RISES ? 1 : -1;
+    const report_chances own = chances_of(c, j);
     switch (c->kind) {
     case CLAIM_RATIO:
     case CLAIM_AGREES:
     case CLAIM_SAME:
-        j->match = c->kind == CLAIM_SAME ? report_agree(ours, against, 0.0, c->margin)
-                                         : report_agree(ours, c->number, c->samples, c->margin);
-        if (raised) j->match = report_agree_by_p(j->match, raised[OF_EFFECT], raised[OF_DEVIATION]);
+        j->match = c->kind == CLAIM_SAME ? report_agree(ours, against, 0.0, c->margin, raised)
+                                         : report_agree(ours, c->number, c->samples, c->margin, raised);
         break;
     case CLAIM_ABOVE:
-    case CLAIM_BELOW:
-        j->verdict = raised ? report_exceed_by_p(ours, against, sign, raised[OF_EFFECT], raised[OF_MARGIN])
-                            : report_exceed(ours, against, sign, excluded_margin(c));
-        return;
+    case CLAIM_BELOW: j->verdict = report_exceed(ours, against, sign, raised ? raised : &own); return;
     case CLAIM_LEAST:
     case CLAIM_MOST: j->verdict = report_bound(ours.value, against.value, sign); return;
     case CLAIM_EQUALS: j->verdict = report_bound(fabs(ours.value - c->number.value), c->margin, -1); return;
     case CLAIM_ORDER:
         j->verdict = report_order(report_quotient(ours, *c->against ? against : c->number), c->margin);
         return;
-    case CLAIM_INDEPENDENT:
-        j->verdict = raised ? report_equivalent_by_p(raised[OF_MARGIN], raised[OF_EFFECT])
-                            : report_equivalent(&j->change, c->margin);
-        return;
+    case CLAIM_INDEPENDENT: j->verdict = report_equivalent(&j->change, c->margin, raised); return;
     case CLAIM_RISES:
     case CLAIM_FALLS:
-        if (raised) j->change.p_value = raised[OF_EFFECT];
+        if (raised) j->change.p_value = raised->effect;
         j->verdict = report_trends(&j->change, sign, c->margin);
         return;
     case CLAIM_CONSTANT: break;
@@ -313,43 +307,12 @@ static double p_fit_of(const report_judged *j)
     return fmin(j->ours.p_fit, j->against.p_fit);
 }
 
-/* Decide n claims that answer one question, each by itself, and then with Holm's correction for the number of
- * their tests. A fit that its own means reject decides nothing: its test stays one of the family, so that no
- * verdict on another claim gets stronger. */
-static void decide_family(rp_arena *arena, const report_claim claims[], size_t n, const size_t members[],
-                          report_judged judged[])
-{
-    double *found = rp_arena_memory(arena, CHANCES * n, sizeof *found),
-           *raised = rp_arena_memory(arena, CHANCES * n, sizeof *raised);
-    size_t n_tests = 0;
-    for (size_t i = 0; i < n; i++) {
-        const report_claim *c = &claims[members[i]];
-        report_judged *j = &judged[members[i]];
-        double chances[CHANCES];
-        if (j->verdict != REPORT_NO_DATA) decide(c, NULL, j);
-        j->uncorrected = j->verdict;
-        find_chances(c, j, chances);
-        for (size_t k = 0; k < CHANCES; k++) found[k * n + i] = chances[k];
-        n_tests += !isnan(chances[OF_EFFECT]);
-    }
-    for (size_t k = 0; k < CHANCES; k++) stats_holm(n, found + k * n, raised + k * n);
-    for (size_t i = 0; i < n; i++) {
-        const report_claim *c = &claims[members[i]];
-        report_judged *j = &judged[members[i]];
-        const double chances[] = {raised[i], raised[n + i], raised[2 * n + i]};
-        if (*c->family && !isnan(found[i])) {
-            decide(c, chances, j);
-            j->tests = n_tests;
-        }
-        if (report_fit_rejected(p_fit_of(j))) j->verdict = REPORT_UNDECIDED;
-    }
-}
-
 /* Whether the opposite of an inequality is significant by itself. */
 static bool is_opposite(const report_claim *c, const report_judged *j)
 {
     const int sign = c->kind == CLAIM_ABOVE ? 1 : -1;
-    return report_exceed(j->ours.tested, j->against.tested, sign, INFINITY) == REPORT_NOT_REPRODUCED;
+    const report_chances p = {.effect = report_exceed_p(j->ours.tested, j->against.tested), .margin = NAN};
+    return report_exceed(j->ours.tested, j->against.tested, sign, &p) == REPORT_NOT_REPRODUCED;
 }
 
 static const char *reason_of(rp_arena *arena, const report_claim *c, const report_judged *j)
@@ -373,21 +336,54 @@ static const char *reason_of(rp_arena *arena, const report_claim *c, const repor
     return verdict;
 }
 
-rp_status report_judge(const report_claims *all, report_tables *tables, report_judged **judged)
+/* Judge n claims that answer one question: read, decide each by itself, and then with Holm's correction for
+ * the number of their tests. A fit that its own means reject decides nothing: its test stays one of the
+ * family, so that no verdict on another claim gets stronger. */
+static rp_status judge_family(const report_claims *all, report_tables *tables, size_t n,
+                              const size_t members[], report_judged judged[])
 {
     rp_arena *arena = tables->arena;
-    report_judged *found = *judged = rp_arena_memory(arena, all->n, sizeof *found);
-    size_t *members = rp_arena_memory(arena, all->n, sizeof *members);
-    bool *decided = rp_arena_memory(arena, all->n, sizeof *decided);
-    for (size_t i = 0; i < all->n; i++) RP_TRY(read_answer(all, &all->claims[i], tables, &found[i]));
+    enum { CHANCES = sizeof(report_chances) / sizeof(double) };
+    double *found = rp_arena_memory(arena, CHANCES * n, sizeof *found),
+           *raised = rp_arena_memory(arena, CHANCES * n, sizeof *raised);
+    size_t n_tests = 0;
+    for (size_t i = 0; i < n; i++) {
+        const report_claim *c = &all->claims[members[i]];
+        report_judged *j = &judged[members[i]];
+        RP_TRY(read_answer(all, c, tables, j));
+        if (j->verdict != REPORT_NO_DATA) decide(c, NULL, j);
+        j->uncorrected = j->verdict;
+        const report_chances p = chances_of(c, j);
+        for (size_t k = 0; k < CHANCES; k++)
+            found[k * n + i] = (const double[]){p.effect, p.deviation, p.margin}[k];
+        n_tests += !isnan(p.effect);
+    }
+    for (size_t k = 0; k < CHANCES; k++) stats_holm(n, found + k * n, raised + k * n);
+    for (size_t i = 0; i < n; i++) {
+        const report_claim *c = &all->claims[members[i]];
+        report_judged *j = &judged[members[i]];
+        if (*c->family && !isnan(found[i])) {
+            decide(c, &(report_chances){raised[i], raised[n + i], raised[2 * n + i]}, j);
+            j->tests = n_tests;
+        }
+        if (report_fit_rejected(p_fit_of(j))) j->verdict = REPORT_UNDECIDED;
+        j->reason = reason_of(arena, c, j);
+    }
+    return RP_OK;
+}
+
+rp_status report_judge(const report_claims *all, report_tables *tables, report_judged **judged)
+{
+    size_t *members = rp_arena_memory(tables->arena, all->n, sizeof *members);
+    bool *decided = rp_arena_memory(tables->arena, all->n, sizeof *decided);
+    *judged = rp_arena_memory(tables->arena, all->n, sizeof **judged);
     for (size_t i = 0; i < all->n; i++) {
         const char *family = all->claims[i].family;
         size_t n = 0;
         for (size_t k = decided[i] ? all->n : i; k < all->n; k++)
             if (k == i || (*family && strcmp(all->claims[k].family, family) == 0))
                 decided[members[n++] = k] = true;
-        decide_family(arena, all->claims, n, members, found);
-        found[i].reason = reason_of(arena, &all->claims[i], &found[i]);
+        RP_TRY(judge_family(all, tables, n, members, *judged));
     }
     return RP_OK;
 }

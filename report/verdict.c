@@ -21,10 +21,13 @@ double report_deviation_error(double sd, double n)
     return n >= 2.0 ? sd / sqrt(2.0 * (n - 1.0)) : NAN;
 }
 
-static report_verdict agree_once(double difference, double se, double margin)
+/* p: chance of the difference, as it is or corrected. A difference that is no more significant then is no
+ * agreement. */
+static report_verdict agree_once(double difference, double se, double margin, double p)
 {
     if (isnan(difference) || isnan(se)) return REPORT_UNDECIDED;
-    if (fabs(difference) > errors_that_decide * se) return REPORT_NOT_REPRODUCED;
+    if (fabs(difference) > errors_that_decide * se)
+        return p < report_agree_p(errors_that_decide) ? REPORT_NOT_REPRODUCED : REPORT_UNDECIDED;
     return errors_that_decide * se <= margin ? REPORT_REPRODUCED : REPORT_UNDECIDED;
 }
 
@@ -34,15 +37,16 @@ static report_verdict both(report_verdict a, report_verdict b)
     return a == b ? a : REPORT_UNDECIDED;
 }
 
-report_match report_agree(stats_number ours, stats_number published, double samples, double margin)
+report_match report_agree(stats_number ours, stats_number published, double samples, double margin,
+                          const report_chances *raised)
 {
     const double difference = ours.value - published.value;
     const double se = hypot(ours.se, published.se);
     const double sd = hypot(ours.se, samples > 0.0 ? published.se / sqrt(samples) : published.se);
-    report_match m = {.error = agree_once(difference, se, margin),
-                      .deviation = agree_once(difference, sd, margin),
-                      .z_error = difference / se,
-                      .z_deviation = difference / sd};
+    report_match m = {.z_error = difference / se, .z_deviation = difference / sd};
+    const bool own = !raised;
+    m.error = agree_once(difference, se, margin, own ? 0.0 : raised->effect);
+    m.deviation = agree_once(difference, sd, margin, own ? 0.0 : raised->deviation);
     m.verdict = both(m.error, m.deviation);
     return m;
 }
@@ -50,28 +54,6 @@ report_match report_agree(stats_number ours, stats_number published, double samp
 double report_agree_p(double z)
 {
     return 2.0 * gsl_cdf_ugaussian_Q(fabs(z));
-}
-
-static report_verdict agree_by_p(report_verdict before, double p)
-{
-    const bool lost = before == REPORT_NOT_REPRODUCED && !(p < report_agree_p(errors_that_decide));
-    return lost ? REPORT_UNDECIDED : before;
-}
-
-report_match report_agree_by_p(report_match match, double p_error, double p_deviation)
-{
-    match.error = agree_by_p(match.error, p_error);
-    match.deviation = agree_by_p(match.deviation, p_deviation);
-    match.verdict = both(match.error, match.deviation);
-    return match;
-}
-
-report_verdict report_exceed(stats_number a, stats_number b, int sign, double margin)
-{
-    const double difference = sign * (a.value - b.value);
-    if (hypot(a.se, b.se) == 0.0 && !isnan(difference))
-        return difference > 0.0 ? REPORT_REPRODUCED : REPORT_NOT_REPRODUCED;
-    return report_exceed_by_p(a, b, sign, report_exceed_p(a, b), report_exceed_p_margin(a, b, margin));
 }
 
 double report_exceed_p(stats_number a, stats_number b)
@@ -86,11 +68,13 @@ double report_exceed_p_margin(stats_number a, stats_number b, double margin)
     return se > 0.0 && isfinite(margin) ? gsl_cdf_ugaussian_Q((margin - difference) / se) : NAN;
 }
 
-report_verdict report_exceed_by_p(stats_number a, stats_number b, int sign, double p, double p_margin)
+report_verdict report_exceed(stats_number a, stats_number b, int sign, const report_chances *p)
 {
-    if (p < 2.0 * gsl_cdf_ugaussian_Q(errors_that_decide))
-        return sign * (a.value - b.value) > 0.0 ? REPORT_REPRODUCED : REPORT_NOT_REPRODUCED;
-    return p_margin < level ? REPORT_NOT_REPRODUCED : REPORT_UNDECIDED;
+    const double difference = sign * (a.value - b.value);
+    const bool exact = hypot(a.se, b.se) == 0.0 && !isnan(difference);
+    if (exact || p->effect < report_agree_p(errors_that_decide))
+        return difference > 0.0 ? REPORT_REPRODUCED : REPORT_NOT_REPRODUCED;
+    return p->margin < level ? REPORT_NOT_REPRODUCED : REPORT_UNDECIDED;
 }
 
 report_verdict report_bound(double value, double limit, int sign)
@@ -104,16 +88,10 @@ static bool within(const report_change *change, double margin)
     return change->lo90 > -margin && change->hi90 < margin;
 }
 
-report_verdict report_equivalent(const report_change *change, double margin)
+report_verdict report_equivalent(const report_change *change, double margin, const report_chances *raised)
 {
-    if (within(change, margin)) return REPORT_REPRODUCED;
-    return change->p_value < level ? REPORT_NOT_REPRODUCED : REPORT_UNDECIDED;
-}
-
-report_verdict report_equivalent_by_p(double p_margin, double p_value)
-{
-    if (p_margin < level) return REPORT_REPRODUCED;
-    return p_value < level ? REPORT_NOT_REPRODUCED : REPORT_UNDECIDED;
+    if (raised ? raised->margin < level : within(change, margin)) return REPORT_REPRODUCED;
+    return (raised ? raised->effect : change->p_value) < level ? REPORT_NOT_REPRODUCED : REPORT_UNDECIDED;
 }
 
 report_verdict report_trends(const report_change *change, int sign, double margin)

@@ -40,27 +40,32 @@ typedef struct {
     double z_error, z_deviation; /* difference over its standard error */
 } report_match;
 
+/* Chances that decide: of such a difference or change if there is none, the same with the other reading of
+ * the published +-, and of one as small if the truth is the margin. NaN: no such test. The tests below take
+ * those that a correction for other tests has raised; NULL: each by itself. */
+typedef struct {
+    double effect, deviation, margin;
+} report_chances;
+
 /* Agreement: not reproduced where the two differ by more than two standard errors of the difference;
  * reproduced where they do not, and two standard errors are at most `margin`: a test that could not see a
- * difference of `margin` is undecided. samples = 0: one reading; margin = INFINITY: any error will do. */
-report_match report_agree(stats_number ours, stats_number published, double samples, double margin);
+ * difference of `margin` is undecided, and so is a difference that the correction makes too likely.
+ * samples = 0: one reading; margin = INFINITY: any error will do. */
+report_match report_agree(stats_number ours, stats_number published, double samples, double margin,
+                          const report_chances *raised);
 
-/* Chance of a difference of |z| standard errors if there is none; and the same match with these chances, of
- * each reading, corrected for other tests: a difference that is then not significant is undecided. */
+/* Chance of a difference of |z| standard errors if there is none. */
 double report_agree_p(double z);
-report_match report_agree_by_p(report_match match, double p_error, double p_deviation);
 
 /* Inequality: a above b (sign = 1) or below it (-1) by more than two standard errors of the difference. Not
- * reproduced if the opposite is, or if the 90 % interval of the difference lies within +-margin; INFINITY: no
- * margin. */
-report_verdict report_exceed(stats_number a, stats_number b, int sign, double margin);
+ * reproduced if the opposite is, or if the 90 % interval of the difference lies within the margin of
+ * p->margin. Exact numbers need no chances. */
+report_verdict report_exceed(stats_number a, stats_number b, int sign, const report_chances *p);
 
-/* Chance of so large a difference if there is none, and of so small a one if the true one is the margin, NaN
- * for exact numbers; and the same verdict with these chances corrected for other tests: a difference is
- * significant where its chance is below that of two standard errors. */
+/* Its chances: of so large a difference if there is none, and of so small a one if the true one is the
+ * margin; NaN for exact numbers, and for a margin of INFINITY. */
 double report_exceed_p(stats_number a, stats_number b);
 double report_exceed_p_margin(stats_number a, stats_number b, double margin);
-report_verdict report_exceed_by_p(stats_number a, stats_number b, int sign, double p, double p_margin);
 
 /* A number without an error at least (sign = 1) or at most (-1) the limit. NaN: undecided. */
 report_verdict report_bound(double value, double limit, int sign);
@@ -72,11 +77,7 @@ typedef struct {
 
 /* Equivalence: reproduced if the 90 % interval lies within +-margin (two one-sided tests at 5 %); not
  * reproduced if it does not and there is a change; else undecided. */
-report_verdict report_equivalent(const report_change *change, double margin);
-
-/* The same by p-values that are corrected for other tests: of a change as small if the true one is the
- * margin, and of no change. */
-report_verdict report_equivalent_by_p(double p_margin, double p_value);
+report_verdict report_equivalent(const report_change *change, double margin, const report_chances *raised);
 
 /* Trend: a significant rise (sign = 1) or fall (-1). Not reproduced if the opposite is significant, or if no
  * change is and the 90 % interval lies within +-margin. */

@@ -25,35 +25,43 @@ static stats_number number(double value, double se)
     return (stats_number){value, se};
 }
 
+static report_verdict exceeds(stats_number a, stats_number b, int sign, double margin)
+{
+    const report_chances p = {report_exceed_p(a, b), NAN, report_exceed_p_margin(a, b, margin)};
+    return report_exceed(a, b, sign, &p);
+}
+
 static void test_agreement(void)
 {
     /* 3 and 4 make 5: two standard errors are 10 */
     const stats_number published = number(20.0, 4.0);
-    IS(report_agree(number(30.0, 3.0), published, 0, INFINITY).verdict, "reproduced");
-    IS(report_agree(number(20.0 + 10.0 * beyond, 3.0), published, 0, INFINITY).verdict, "not reproduced");
-    IS(report_agree(number(20.0 - 10.0 * beyond, 3.0), published, 0, INFINITY).verdict, "not reproduced");
-    IS(report_agree(number(21.0, 3.0), published, 0, 10.0).verdict, "reproduced");
-    IS(report_agree(number(21.0, 3.0), published, 0, 10.0 / beyond).verdict, "undecided");
-    IS(report_agree(number(21.0, NAN), published, 0, INFINITY).verdict, "undecided");
-    IS(report_agree(number(NAN, 1.0), published, 0, INFINITY).verdict, "undecided");
-    IS(report_agree(number(2.0, 0.0), number(2.0, 0.0), 0, 0.0).verdict, "reproduced");
-    CHECK_NEAR(report_agree(number(30.0, 3.0), published, 0, INFINITY).z_error, 2.0, 0.0);
+    IS(report_agree(number(30.0, 3.0), published, 0, INFINITY, NULL).verdict, "reproduced");
+    IS(report_agree(number(20.0 + 10.0 * beyond, 3.0), published, 0, INFINITY, NULL).verdict,
+       "not reproduced");
+    IS(report_agree(number(20.0 - 10.0 * beyond, 3.0), published, 0, INFINITY, NULL).verdict,
+       "not reproduced");
+    IS(report_agree(number(21.0, 3.0), published, 0, 10.0, NULL).verdict, "reproduced");
+    IS(report_agree(number(21.0, 3.0), published, 0, 10.0 / beyond, NULL).verdict, "undecided");
+    IS(report_agree(number(21.0, NAN), published, 0, INFINITY, NULL).verdict, "undecided");
+    IS(report_agree(number(NAN, 1.0), published, 0, INFINITY, NULL).verdict, "undecided");
+    IS(report_agree(number(2.0, 0.0), number(2.0, 0.0), 0, 0.0, NULL).verdict, "reproduced");
+    CHECK_NEAR(report_agree(number(30.0, 3.0), published, 0, INFINITY, NULL).z_error, 2.0, 0.0);
 }
 
 /* A deviation of 4 over 16 samples is an error of 1. */
 static void test_readings(void)
 {
     const stats_number published = number(20.0, 4.0);
-    report_match m = report_agree(number(23.0, 0.0), published, 16.0, INFINITY);
+    report_match m = report_agree(number(23.0, 0.0), published, 16.0, INFINITY, NULL);
     IS(m.error, "reproduced");
     IS(m.deviation, "not reproduced");
     IS(m.verdict, "undecided");
     CHECK_NEAR(m.z_deviation, 3.0, 0.0);
-    m = report_agree(number(22.0, 0.0), published, 16.0, INFINITY);
+    m = report_agree(number(22.0, 0.0), published, 16.0, INFINITY, NULL);
     IS(m.verdict, "reproduced");
-    m = report_agree(number(29.0, 0.0), published, 16.0, INFINITY);
+    m = report_agree(number(29.0, 0.0), published, 16.0, INFINITY, NULL);
     IS(m.verdict, "not reproduced");
-    m = report_agree(number(21.0, 0.0), published, 16.0, 5.0); /* seen by one reading alone */
+    m = report_agree(number(21.0, 0.0), published, 16.0, 5.0, NULL); /* seen by one reading alone */
     IS(m.error, "undecided");
     IS(m.deviation, "reproduced");
     IS(m.verdict, "undecided");
@@ -61,21 +69,21 @@ static void test_readings(void)
 
 static void test_inequalities(void)
 {
-    IS(report_exceed(number(30.0, 3.0), number(20.0, 4.0), 1, INFINITY), "undecided");
-    IS(report_exceed(number(10.0, 3.0), number(20.0, 4.0), 1, INFINITY), "undecided");
-    IS(report_exceed(number(20.0 + 10.0 * beyond, 3.0), number(20.0, 4.0), 1, INFINITY), "reproduced");
-    IS(report_exceed(number(20.0 - 10.0 * beyond, 3.0), number(20.0, 4.0), 1, INFINITY), "not reproduced");
-    IS(report_exceed(number(20.0 - 10.0 * beyond, 3.0), number(20.0, 4.0), -1, INFINITY), "reproduced");
-    IS(report_exceed(number(1.0, 0.0), number(1.0, 0.0), 1, INFINITY),
+    IS(exceeds(number(30.0, 3.0), number(20.0, 4.0), 1, INFINITY), "undecided");
+    IS(exceeds(number(10.0, 3.0), number(20.0, 4.0), 1, INFINITY), "undecided");
+    IS(exceeds(number(20.0 + 10.0 * beyond, 3.0), number(20.0, 4.0), 1, INFINITY), "reproduced");
+    IS(exceeds(number(20.0 - 10.0 * beyond, 3.0), number(20.0, 4.0), 1, INFINITY), "not reproduced");
+    IS(exceeds(number(20.0 - 10.0 * beyond, 3.0), number(20.0, 4.0), -1, INFINITY), "reproduced");
+    IS(exceeds(number(1.0, 0.0), number(1.0, 0.0), 1, INFINITY),
        "not reproduced"); /* exact numbers that are equal */
-    IS(report_exceed(number(beyond, 0.0), number(1.0, 0.0), 1, INFINITY), "reproduced");
-    IS(report_exceed(number(5.0, NAN), number(1.0, 0.0), 1, INFINITY), "undecided");
-    IS(report_exceed(number(NAN, 0.0), number(1.0, 0.0), 1, 1.0), "undecided");
+    IS(exceeds(number(beyond, 0.0), number(1.0, 0.0), 1, INFINITY), "reproduced");
+    IS(exceeds(number(5.0, NAN), number(1.0, 0.0), 1, INFINITY), "undecided");
+    IS(exceeds(number(NAN, 0.0), number(1.0, 0.0), 1, 1.0), "undecided");
     /* so small a difference that the margin, 1.8 standard errors away, is excluded; at 1.6 it is not */
-    IS(report_exceed(number(20.5, 0.3), number(20.0, 0.4), 1, 1.4), "not reproduced");
-    IS(report_exceed(number(19.5, 0.3), number(20.0, 0.4), 1, 1.4), "not reproduced");
-    IS(report_exceed(number(20.5, 0.3), number(20.0, 0.4), 1, 1.3), "undecided");
-    IS(report_exceed(number(21.5, 0.3), number(20.0, 0.4), 1, 5.0), "reproduced"); /* less than the margin */
+    IS(exceeds(number(20.5, 0.3), number(20.0, 0.4), 1, 1.4), "not reproduced");
+    IS(exceeds(number(19.5, 0.3), number(20.0, 0.4), 1, 1.4), "not reproduced");
+    IS(exceeds(number(20.5, 0.3), number(20.0, 0.4), 1, 1.3), "undecided");
+    IS(exceeds(number(21.5, 0.3), number(20.0, 0.4), 1, 5.0), "reproduced"); /* less than the margin */
     IS(report_bound(0.05, 0.05, 1), "reproduced");
     IS(report_bound(0.05 / beyond, 0.05, 1), "not reproduced");
     IS(report_bound(0.05, 0.05, -1), "reproduced");
@@ -96,13 +104,13 @@ static void test_changes(void)
     const report_change inside = {-0.5, 0.9, 0.4}, edge = {-0.5, 1.0, 0.4}, low = {-1.0, 0.5, 0.4},
                         rise = {0.2, 3.0, 0.0499}, fall = {-3.0, -0.2, 0.0499}, almost = {0.0, 3.0, 0.05},
                         small = {0.1, 0.9, 0.001}, none = {NAN, NAN, NAN}, p_alone = {NAN, NAN, 0.001};
-    IS(report_equivalent(&inside, 1.0), "reproduced");
-    IS(report_equivalent(&edge, 1.0), "undecided");
-    IS(report_equivalent(&low, 1.0), "undecided");
-    IS(report_equivalent(&rise, 1.0), "not reproduced");
-    IS(report_equivalent(&almost, 1.0), "undecided");
-    IS(report_equivalent(&small, 1.0), "reproduced"); /* a change, but smaller than any that counts */
-    IS(report_equivalent(&none, 1.0), "undecided");
+    IS(report_equivalent(&inside, 1.0, NULL), "reproduced");
+    IS(report_equivalent(&edge, 1.0, NULL), "undecided");
+    IS(report_equivalent(&low, 1.0, NULL), "undecided");
+    IS(report_equivalent(&rise, 1.0, NULL), "not reproduced");
+    IS(report_equivalent(&almost, 1.0, NULL), "undecided");
+    IS(report_equivalent(&small, 1.0, NULL), "reproduced"); /* a change, but smaller than any that counts */
+    IS(report_equivalent(&none, 1.0, NULL), "undecided");
     IS(report_trends(&rise, 1, 1.0), "reproduced");
     IS(report_trends(&rise, -1, 1.0), "not reproduced");
     IS(report_trends(&fall, -1, 1.0), "reproduced");
@@ -119,39 +127,46 @@ static void test_changes(void)
 /* Chances that a correction may raise: two standard errors are 4.55 %. */
 static void test_corrected(void)
 {
+    const report_change none = {NAN, NAN, NAN};
     const stats_number a = number(30.0, 3.0), b = number(20.0, 4.0);
     CHECK_NEAR(report_exceed_p(a, b), 0.04550026389635839, 1e-14);
     CHECK_NEAR(report_exceed_p(b, a), 0.04550026389635839, 1e-14);
     CU_ASSERT(isnan(report_exceed_p(number(1.0, 0.0), number(2.0, 0.0))));
-    IS(report_exceed_by_p(a, b, 1, 0.0454, NAN), "reproduced");
-    IS(report_exceed_by_p(a, b, -1, 0.0454, NAN), "not reproduced");
-    IS(report_exceed_by_p(b, a, 1, 0.0454, NAN), "not reproduced");
-    IS(report_exceed_by_p(a, b, 1, 0.0456, NAN), "undecided");
-    IS(report_exceed_by_p(a, b, 1, NAN, NAN), "undecided");
-    IS(report_exceed_by_p(a, b, 1, 0.0456, 0.0499), "not reproduced");
-    IS(report_exceed_by_p(a, b, 1, 0.0456, 0.0501), "undecided");
-    IS(report_exceed_by_p(a, b, 1, 0.0454, 0.0499), "reproduced");
+    IS(report_exceed(a, b, 1, &(report_chances){.effect = 0.0454, .margin = NAN}), "reproduced");
+    IS(report_exceed(a, b, -1, &(report_chances){.effect = 0.0454, .margin = NAN}), "not reproduced");
+    IS(report_exceed(b, a, 1, &(report_chances){.effect = 0.0454, .margin = NAN}), "not reproduced");
+    IS(report_exceed(a, b, 1, &(report_chances){.effect = 0.0456, .margin = NAN}), "undecided");
+    IS(report_exceed(a, b, 1, &(report_chances){.effect = NAN, .margin = NAN}), "undecided");
+    IS(report_exceed(a, b, 1, &(report_chances){.effect = 0.0456, .margin = 0.0499}), "not reproduced");
+    IS(report_exceed(a, b, 1, &(report_chances){.effect = 0.0456, .margin = 0.0501}), "undecided");
+    IS(report_exceed(a, b, 1, &(report_chances){.effect = 0.0454, .margin = 0.0499}), "reproduced");
     CHECK_NEAR(report_exceed_p_margin(a, b, 5.0), gsl_cdf_ugaussian_Q(-1.0), 1e-15);
     CHECK_NEAR(report_exceed_p_margin(b, a, 15.0), gsl_cdf_ugaussian_Q(1.0), 1e-15);
     CU_ASSERT(isnan(report_exceed_p_margin(a, b, INFINITY)));
     /* an agreement: by one reading 2.5 errors, chance 1.24 %, by the other 5 */
-    const report_match far = report_agree(number(25.0, 0.0), number(20.0, 2.0), 4.0, INFINITY);
+    const stats_number ours = number(25.0, 0.0), theirs = number(20.0, 2.0);
+    const report_match far = report_agree(ours, theirs, 4.0, INFINITY, NULL);
     CHECK_NEAR(report_agree_p(far.z_error), 0.012419330651552265, 1e-14);
     CHECK_NEAR(report_agree_p(-far.z_deviation), 5.733031437583867e-7, 1e-18);
     IS(far.verdict, "not reproduced");
-    IS(report_agree_by_p(far, 0.0454, 0.0454).verdict, "not reproduced");
-    IS(report_agree_by_p(far, 0.0456, 0.0454).error, "undecided");
-    IS(report_agree_by_p(far, 0.0456, 0.0454).deviation, "not reproduced");
-    IS(report_agree_by_p(far, 0.0456, 0.0454).verdict, "undecided");
-    IS(report_agree_by_p(far, 0.0454, 0.0456).deviation, "undecided");
-    IS(report_agree_by_p(far, 0.9, 0.9).verdict, "undecided"); /* never an agreement */
-    IS(report_agree_by_p(report_agree(number(20.0, 1.0), number(20.0, 1.0), 0.0, 3.0), 1.0, 1.0).verdict,
+    IS(report_agree(ours, theirs, 4.0, INFINITY, &(report_chances){0.0454, 0.0454, NAN}).verdict,
+       "not reproduced");
+    IS(report_agree(ours, theirs, 4.0, INFINITY, &(report_chances){0.0456, 0.0454, NAN}).error, "undecided");
+    IS(report_agree(ours, theirs, 4.0, INFINITY, &(report_chances){0.0456, 0.0454, NAN}).deviation,
+       "not reproduced");
+    IS(report_agree(ours, theirs, 4.0, INFINITY, &(report_chances){0.0456, 0.0454, NAN}).verdict,
+       "undecided");
+    IS(report_agree(ours, theirs, 4.0, INFINITY, &(report_chances){0.0454, 0.0456, NAN}).deviation,
+       "undecided");
+    IS(report_agree(ours, theirs, 4.0, INFINITY, &(report_chances){0.9, 0.9, NAN}).verdict,
+       "undecided"); /* never an agreement */
+    IS(report_agree(number(20.0, 1.0), number(20.0, 1.0), 0.0, 3.0, &(report_chances){1.0, 1.0, NAN}).verdict,
        "reproduced");
-    IS(report_equivalent_by_p(0.0499, 0.2), "reproduced");
-    IS(report_equivalent_by_p(0.0499, 0.001), "reproduced");
-    IS(report_equivalent_by_p(0.05, 0.0499), "not reproduced");
-    IS(report_equivalent_by_p(0.05, 0.05), "undecided");
-    IS(report_equivalent_by_p(NAN, NAN), "undecided");
+    IS(report_equivalent(&none, 1.0, &(report_chances){.effect = 0.2, .margin = 0.0499}), "reproduced");
+    IS(report_equivalent(&none, 1.0, &(report_chances){.effect = 0.001, .margin = 0.0499}), "reproduced");
+    IS(report_equivalent(&none, 1.0, &(report_chances){.effect = 0.0499, .margin = 0.05}), "not reproduced");
+    IS(report_equivalent(&none, 1.0, &(report_chances){.effect = 0.05, .margin = 0.05}), "undecided");
+    IS(report_equivalent(&none, 1.0, &(report_chances){.effect = NAN, .margin = NAN}), "undecided");
 }
 
 /* Two numbers: chi^2 = d^2/(2 e^2) of one degree of freedom. */
