@@ -118,7 +118,7 @@ draw = gnuplot -e "folders='$(1)'; sweeps='$$(sed -n 's/^. sweeps: //p' $<)'; te
 $(B)/figures/%.svg: %.gp figures/style.gp figures/chains.gp | $(SETUP_FIRST)
 	@mkdir -p $(@D) && for t in pdf png svg; do $(call draw,$(T)) || exit 1; done && echo "figure  $*"
 $(B)/figures/shown/%.png: %.gp $(B)/figures/%.svg
-	@mkdir -p $(@D) && for t in svg shown; do $(call draw,results $(T)) || exit 1; done && pngquant --force --nofs --output $@ 16 $@
+	@mkdir -p $(@D) && for t in svg shown; do $(call draw,results $(T)) || exit 1; done; for n in 64 16; do pngquant --force --nofs --output $@ $$n $@ && [ $$(stat -c %s $@) -gt 80000 ] || break; done
 fig-%: $(B)/figures/%.svg
 	@echo "$(B)/figures/$*.svg .pdf .png"
 make_pages = mkdir -p $(B)/docs; for p in $(PAGES); do \

@@ -66,6 +66,7 @@ static rp_status read_conditions(rp_arena *arena, int n, char *const words[], rp
 rp_status report_reference_read(rp_arena *arena, const char *text, report_reference **reference)
 {
     for (const char *end; text; text = end ? end + 3 : NULL, reference = &(*reference)->next) {
+        text += strspn(text, " ");
         end = strstr(text, " + ");
         report_reference *r = *reference = rp_arena_memory(arena, 1, sizeof *r);
         r->text = end ? rp_text(arena, "%.*s", (int)(end - text), text) : text;

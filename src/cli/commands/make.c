@@ -59,15 +59,17 @@ static bool is_settled(const char *name)
     return i < N_OF(names);
 }
 
-/* The options of the command, their names as in a file. */
-static rp_param *schema_of(cli_call *call)
+/* The options of the command, their names as in a file, and which of them the setting has. */
+static rp_param *schema_of(step *s)
 {
+    cli_call *call = &s->call;
     rp_param *schema = rp_arena_memory(call->arena, call->n_own, sizeof *schema), *to = schema;
-    for (const rp_param *p = call->options; p < call->options + call->n_own; p++) {
-        char *name = rp_text(call->arena, "%s", p->name);
+    for (size_t i = 0; i < call->n_own; i++) {
+        char *name = rp_text(call->arena, "%s", call->options[i].name);
         for (char *c = name; (c = strchr(c, '-'));) *c = '_';
+        call->given[i] = config_setting_get_member(s->setting, name) != NULL;
         if (is_settled(name) || strcmp(name, "where") == 0) continue;
-        *to = *p;
+        *to = call->options[i];
         to++->name = name;
     }
     return schema;
@@ -140,13 +142,8 @@ static rp_status check_columns(const making *m, const step *s, const rp_param *s
 static rp_status read_options(const making *m, step *s, const cli_command *command, const char *const *others)
 {
     cli_options_of(&s->call, command);
-    rp_param *schema = schema_of(&s->call);
+    rp_param *schema = schema_of(s);
     RP_TRY(rp_config_group(s->setting, schema, s->call.values, others));
-    for (size_t i = 0; i < s->call.n_own; i++) {
-        char *name = rp_text(s->call.arena, "%s", s->call.options[i].name);
-        for (char *c = name; (c = strchr(c, '-'));) *c = '_';
-        s->call.given[i] = config_setting_get_member(s->setting, name) != NULL;
-    }
     RP_TRY(read_where(s));
     s->call.lineage = rp_text(s->call.arena, "# derived by: %s\n", describe(s, schema));
     return s->rows ? check_columns(m, s, schema) : RP_OK;
@@ -176,32 +173,29 @@ static rp_status check_name(const making *m, const config_setting_t *setting, co
     return RP_OK;
 }
 
-/* The command that `with` names. */
-static rp_status find_command(const config_setting_t *setting, const cli_command *const groups[], size_t n,
-                              const cli_command **command)
+/* The command that `with` names, one of these lists. */
+static rp_status find_command(const config_setting_t *setting, const cli_command *const *const lists[],
+                              size_t n, const char *allowed, const cli_command **command)
 {
     const char *with = text_of(setting, "with");
-    char names[512] = "";
     *command = NULL;
-    for (size_t k = 0; k < n; k++)
-        for (const cli_command *const *c = groups[k]->group ? groups[k]->group : &groups[k]; *c; c++) {
-            const bool derives = !groups[k]->group || (*c)->derives;
-            if (derives && with && strcmp(cli_own_name(*c), with) == 0) *command = *c;
-            if (derives)
-                snprintf(names + strlen(names), sizeof names - strlen(names), " %s", cli_own_name(*c));
-            if (!groups[k]->group) break;
-        }
-    return *command ? RP_OK : rp_config_fail(setting, "with = \"%s\": allowed:%s", with ? with : "", names);
+    for (size_t k = 0; k < n && with && !*command; k++) *command = cli_find(lists[k], with);
+    return *command ? RP_OK : rp_config_fail(setting, "with = \"%s\": allowed:%s", with ? with : "", allowed);
 }
 
 static rp_status read_derive(making *m, const config_setting_t *setting)
 {
     static const char *const others[] = {"table", "with", "rows", "of", "stage", "where", NULL};
-    const cli_command *const groups[] = {&cmd_stats, &cmd_stress, &cmd_angle}, *command;
+#define X(name) " " #name
+    static const char allowed[] = CLI_STATS(X) CLI_STRESS(X) CLI_ANGLE(X);
+#undef X
+    const cli_command *const *const lists[] = {cmd_stats.group, cmd_stress.group, cmd_angle.group}, *command;
     if (!config_setting_is_group(setting)) return rp_config_fail(setting, "derive: groups { ... } expected");
     const char *name = text_of(setting, "table"), *rows = text_of(setting, "rows");
     RP_TRY(check_name(m, setting, name));
-    RP_TRY(find_command(setting, groups, N_OF(groups), &command));
+    RP_TRY(find_command(setting, lists, N_OF(lists), allowed, &command));
+    if (!command->derives)
+        return rp_config_fail(setting, "with = \"%s\": allowed:%s", text_of(setting, "with"), allowed);
     bool known = !rows || strcmp(rows, "runs") == 0 || strcmp(rows, "points") == 0;
     for (const step *s = m->first; s; s = s->next) known |= rows && strcmp(s->table, rows) == 0;
     if (!known)
@@ -226,10 +220,11 @@ static rp_status read_derive(making *m, const config_setting_t *setting)
 static rp_status read_model(making *m, const config_setting_t *setting)
 {
     static const char *const others[] = {"table", "with", "folder", NULL};
-    const cli_command *const models[] = {&cmd_pile, &cmd_tent, &cmd_continuum, &cmd_lattice}, *command;
+    const cli_command *const models[] = {&cmd_pile, &cmd_tent, &cmd_continuum, &cmd_lattice, NULL}, *command;
     if (!config_setting_is_group(setting)) return rp_config_fail(setting, "model: groups { ... } expected");
     RP_TRY(check_name(m, setting, text_of(setting, "table")));
-    RP_TRY(find_command(setting, models, N_OF(models), &command));
+    RP_TRY(find_command(setting, (const cli_command *const *const[]){models}, 1,
+                        " pile tent continuum lattice", &command));
     step *s = add_step(m, setting, text_of(setting, "table"));
     const config_setting_t *folder = config_setting_get_member(setting, "folder");
     s->folder = folder && config_setting_get_bool(folder);
