@@ -17,6 +17,7 @@
 #include "core/clock.h"
 #include "dem/scene/scene.h"
 #include "sweeps/protocols/protocols.h"
+#include "cli/derive/derive.h"
 #include "tests/check.h"
 #include "tests/folder.h"
 #include "tests/numbers.h"
@@ -2079,6 +2080,17 @@ static void test_derivations(void)
         if (!same) fprintf(stderr, "%s\n", cases[k].command);
         CU_ASSERT(same);
     }
+    /* every derivation of the lists; the suite `tables` tests those of measured angles and of traces */
+    const cli_command *const *const groups[] = {cmd_stats.group, cmd_stress.group, cmd_angle.group};
+    static const char others[] = " compare phi field base ";
+    for (size_t g = 0; g < 3; g++)
+        for (const cli_command *const *c = groups[g]; *c; c++) {
+            bool tested = !(*c)->derives || strstr(others, cli_own_name(*c));
+            for (size_t k = 0; k < sizeof cases / sizeof *cases; k++)
+                tested |= strcmp(cases[k].with, cli_own_name(*c)) == 0;
+            if (!tested) fprintf(stderr, "%s: no case\n", (*c)->name);
+            CU_ASSERT(tested);
+        }
 }
 
 /* What a setting cannot say is refused before any run, with its line. */
