@@ -519,16 +519,39 @@ static void table_append_columns(void)
 }
 
 /* Which of the rows 1, 2, 3, word, nan and 20 a condition keeps, as a number of their digits. Numbers are
- * compared as numbers, words as words; nan is equal to nan alone. A note has exactly its key. */
+ * compared as numbers, words as words; nan is equal to nan alone. FROM:TO is a range; smallest and largest
+ * are one row. A note has exactly its key. */
 static void table_conditions(void)
 {
     static const struct {
         const char *condition, *rows;
-    } cases[] = {{"x=2", "b"},    {"x=2.0", "b"},       {"x!=2", "acdef"}, {"x<2", "a"},
-                 {"x<=2", "ab"},  {"x>2", "cf"},        {"x>=2", "bcf"},   {"x>=3", "cf"},
-                 {"x=word", "d"}, {"x!=word", "abcef"}, {"x=nan", "e"},    {"x!=nan", "abcdf"},
-                 {"x<20", "abc"}, {"x<=20", "abcf"},    {"x>20", ""},      {"x>=20", "f"},
-                 {"x=2e1", "f"},  {"y=c", "c"},         {"x<inf", "abcf"}};
+    } cases[] = {{"x=2", "b"},
+                 {"x=2.0", "b"},
+                 {"x!=2", "acdef"},
+                 {"x<2", "a"},
+                 {"x<=2", "ab"},
+                 {"x>2", "cf"},
+                 {"x>=2", "bcf"},
+                 {"x>=3", "cf"},
+                 {"x=word", "d"},
+                 {"x!=word", "abcef"},
+                 {"x=nan", "e"},
+                 {"x!=nan", "abcdf"},
+                 {"x<20", "abc"},
+                 {"x<=20", "abcf"},
+                 {"x>20", ""},
+                 {"x>=20", "f"},
+                 {"x=2e1", "f"},
+                 {"y=c", "c"},
+                 {"x<inf", "abcf"},
+                 {"x=inf", ""},
+                 {"x=1:3", "abc"},
+                 {"x=3:inf", "cf"},
+                 {"x=2.00000000001", ""},
+                 {"x=2.0000000000000001", "b"},
+                 {"x=smallest", "a"},
+                 {"x=largest", "f"},
+                 {"x!=1:3", "def"}};
     char path[] = "/tmp/repose-table-XXXXXX";
     close(mkstemp(path));
     rp_table t;

@@ -35,7 +35,8 @@ static bool is_equal(const char *cell, const char *value)
     if (!as_number(cell, &a)) return false;
     b = strtod(value, &end);
     if (*end == ':' && end > value) return a >= b && a <= strtod(end + 1, NULL);
-    return !*end && *value && (fabs(a - b) <= 1e-12 * fabs(b) || a == b || (isnan(a) && isnan(b)));
+    const bool near = isfinite(b) && fabs(a - b) <= 1e-12 * fabs(b);
+    return !*end && *value && (near || a == b || (isnan(a) && isnan(b)));
 }
 
 static bool meets(const char *cell, const rp_condition *c)
