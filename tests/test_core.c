@@ -525,33 +525,15 @@ static void table_conditions(void)
 {
     static const struct {
         const char *condition, *rows;
-    } cases[] = {{"x=2", "b"},
-                 {"x=2.0", "b"},
-                 {"x!=2", "acdef"},
-                 {"x<2", "a"},
-                 {"x<=2", "ab"},
-                 {"x>2", "cf"},
-                 {"x>=2", "bcf"},
-                 {"x>=3", "cf"},
-                 {"x=word", "d"},
-                 {"x!=word", "abcef"},
-                 {"x=nan", "e"},
-                 {"x!=nan", "abcdf"},
-                 {"x<20", "abc"},
-                 {"x<=20", "abcf"},
-                 {"x>20", ""},
-                 {"x>=20", "f"},
-                 {"x=2e1", "f"},
-                 {"y=c", "c"},
-                 {"x<inf", "abcf"},
-                 {"x=inf", ""},
-                 {"x=1:3", "abc"},
-                 {"x=3:inf", "cf"},
-                 {"x=2.00000000001", ""},
-                 {"x=2.0000000000000001", "b"},
-                 {"x=smallest", "a"},
-                 {"x=largest", "f"},
-                 {"x!=1:3", "def"}};
+    } cases[] = {{"x=2", "b"},         {"x=2.0", "b"},          {"x!=2", "acdef"},
+                 {"x<2", "a"},         {"x<=2", "ab"},          {"x>2", "cf"},
+                 {"x>=2", "bcf"},      {"x>=3", "cf"},          {"x=word", "d"},
+                 {"x!=word", "abcef"}, {"x=nan", "e"},          {"x!=nan", "abcdf"},
+                 {"x<20", "abc"},      {"x<=20", "abcf"},       {"x>20", ""},
+                 {"x>=20", "f"},       {"x=2e1", "f"},          {"y=c", "c"},
+                 {"x<inf", "abcf"},    {"x=inf", ""},           {"x=1:3", "abc"},
+                 {"x=3:inf", "cf"},    {"x=2.00000000001", ""}, {"x=2.0000000000000001", "b"},
+                 {"x=smallest", "a"},  {"x=largest", "f"},      {"x!=1:3", "def"}};
     char path[] = "/tmp/repose-table-XXXXXX";
     close(mkstemp(path));
     rp_table t;
