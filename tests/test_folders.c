@@ -80,6 +80,10 @@ static void test_refusals(void)
             GOOD("export r --to %s %s", exports[k], again == 2 ? "--where id=1" : "");
     CU_ASSERT(shell("echo more >>a.csv") == 0);
     FAILS(65, "a.csv: nothing in it shows", "export r --to csv -o a.csv");
+    /* of a finished result the marker has no name that is gone */
+    GOOD("run s.cfg --every 2 --dump vtk -o v");
+    CU_ASSERT(shell("cd v/run_frames && test -e grains_000000.vtp && cut -c 36- .repose | sed 1,2d | while "
+                    "read name; do test -e \"$name\" || exit 1; done") == 0);
     /* patterns are names */
     GOOD("run s.cfg -o 'r[1]'");
     FAILS(65, "r[1]: holds s.cfg, 4 steps", "run s.cfg --set steps=3 -o 'r[1]'");

@@ -408,7 +408,10 @@ static rp_status seal(const rp_folder *f, rp_own *o)
     struct stat info;
     if (!is_there(f, o->name, &info) || !S_ISDIR(info.st_mode)) return find_sum(f, o->name, o->sum);
     rp_status status = open_in(f, o->name, &in);
-    for (size_t i = 0; !status && i < in.n; i++) status = seal(&in, &in.own[i]);
+    for (size_t i = 0; !status && i < in.n; i++) {
+        if (in.own[i].act == RP_OWN_GOES && !is_there(&in, in.own[i].name, &info)) in.own[i].act = 0;
+        status = seal(&in, &in.own[i]);
+    }
     in.parts = false;
     if (!status) status = rp_folder_write(&in);
     rp_folder_close(&in);
