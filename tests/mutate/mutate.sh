@@ -26,7 +26,7 @@ files='analytic/*.c src/angle/*.c src/core/sparse.c src/statics/*.c src/stats/*.
     src/dem/methods/implicit.c src/dem/methods/gravity.c src/dem/methods/hard.c src/dem/methods/step.c src/dem/state/slots.c src/dem/state/vec.c
     src/dem/forces/*.c src/dem/list/removal.c src/dem/observe/*.c src/dem/setup/*.c src/dem/sim.c src/dem/run.c
     sweeps/*/*.c src/table/*.c src/params/params.c src/dem/scene/output.c src/dem/scene/scene.c
-    report/*.c src/cli/*.c src/cli/commands/*.c
+    report/*.c src/cli/*.c src/cli/commands/*.c src/cli/derive/*.c
     src/export/*.c src/view/*.c
     figures/lh/*.gp figures/li/*.gp
     validation/cases.c validation/oblique.c validation/solved_pile.c'
@@ -46,7 +46,7 @@ suites_of() {
     src/dem/scene/scene.c) echo walls scene tables keys cli ;;
     src/dem/setup/physics.c | src/dem/setup/check.c) echo scene dem laws walls keys units hard motion soft tables sweep ;;
     src/core/* | src/params/* | src/table/table.c | src/dem/scene/output.c) echo core tables scene keys evidence sweep cli ;;
-    src/table/columns.c) echo columns calibrate tables evidence options cli ;;
+    src/table/columns.c | src/table/where.c) echo core columns calibrate tables evidence options cli ;;
     src/cli/commands/export.c | src/export/*) echo export view help options ;;
     report/pages.c) echo help evidence claims cli ;;
     src/cli/commands/view.c | src/view/*) echo view help options ;;
