@@ -40,7 +40,6 @@ tent --x1 0.38 --outer-deg 30 --inner-deg 45
 pile --base 20 --alpha-deg 30
 run $build/analyze/scene.cfg --ledger --force -o $build/analyze/run
 angle slope tests/fuzz/corpus/angle_slope/pile --width 4
-angle phi tests/fuzz/corpus/angle_phi/piles
 stress dip tests/fuzz/corpus/stress_dip/piles --resamples 9
 stats fit tests/fuzz/corpus/stats_fit/runs -x a -y b
 calibrate --runs tests/fuzz/corpus/calibrate/piles --theta-r-deg 20 --error-deg 1 --bootstrap 3

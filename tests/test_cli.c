@@ -48,14 +48,23 @@ static void check_failures(size_t n, const failure list[])
 /* ---- help ---- */
 
 /* Boolean options: help states neither a default nor "required". */
-static const char *const without_default[] = {
-    "--help ",   "--study ",     "--where ",        "--bare ",      "--set ",
-    "--reduce ", "--base ",      "--other-groups ", "--pair ",      "--successive ",
-    "-o ",       "--runs ",      "--missing ",      "--outline ",   "--disks ",
-    "--linear ", "--set-again ", "--summary ",      "--threshold ", "--map ",
-    "--ledger ", "--force ",     "--profile ",      "--resume ",    "--rotation ",
-    "--quiet ",  "--color ",     "--stress ",       "--markdown ",  "--completion ",
-    "--json ",   "--shard ",     "--start ",        "--variants ",  NULL};
+static const char *const without_default[] = {"--help ",       "--study ",
+                                              "--where ",      "--bare ",
+                                              "--set ",        "--reduce ",
+                                              "--base ",       "--other-groups ",
+                                              "--pair ",       "-o ",
+                                              "--runs ",       "--missing ",
+                                              "--outline ",    "--disks ",
+                                              "--linear ",     "--set-again ",
+                                              "--summary ",    "--threshold ",
+                                              "--map ",        "--ledger ",
+                                              "--force ",      "--profile ",
+                                              "--resume ",     "--rotation ",
+                                              "--quiet ",      "--color ",
+                                              "--stress ",     "--markdown ",
+                                              "--completion ", "--json ",
+                                              "--shard ",      "--start ",
+                                              "--variants ",   NULL};
 
 static bool option_line_is_whole(const char *line)
 {
@@ -218,7 +227,6 @@ static void test_wrong_usage(void)
         {64, "unknown option --J (did you mean -j?)", "sweep run d --J 2"},
         {64, "unknown option --quiet=1",
          "sweep run d --quiet=1"}, /* no value; the first option, and a later one */
-        {64, "unknown option --successive=1", "stats fit t.tsv --successive=1"},
         {64, "unknown option -q", "sweep run d -q"},
         {64, "unknown option -q", "sweep export d --reduce -qz"},
         {64,
@@ -477,7 +485,6 @@ static void test_bad_values(void)
         {65, "none.tsv: cannot read", "angle slope none.tsv --width 4"},
         {65, "none.tsv: cannot read", "angle compare none.tsv"},
         {65, "none.tsv: cannot read", "stats fit none.tsv -x a -y b --se c"},
-        {65, "--draws = 0: out of range", "stats maximum none.tsv --column a --draws 0"},
         {65, "short.tsv:2", "angle slope short.tsv --width 4"},
         {65, "empty.tsv: no grains", "angle slope empty.tsv --width 4"},
         {65, "-n = 0: out of range", "bench -n 0"},
@@ -934,10 +941,9 @@ static void test_slope_anywhere(void)
 /* The help of a group lists its commands in the order of what one does first. */
 static void test_group_order(void)
 {
-    static const char *const groups[][12] = {
-        {"angle", "marginal", "tilt", "slope", "compare", "phi"},
-        {"stats", "fit", "trend", "size", "maximum", "correlation", "select"},
-        {"stress", "field", "base", "dip"}};
+    static const char *const groups[][12] = {{"angle", "marginal", "tilt", "slope", "compare"},
+                                             {"stats", "fit", "trend", "size", "correlation", "select"},
+                                             {"stress", "field", "base", "dip"}};
     for (size_t g = 0; g < 3; g++) {
         const char *at = out;
         GOOD("%s --help", groups[g][0]);
@@ -972,30 +978,7 @@ static void test_angle_tables(void)
     CHECK_NEAR(cell(&t, 0, "slope"), 20.0, 1e-10);
     CHECK_NEAR(cell(&t, 0, "intercept"), 0.5, 1e-10);
     CHECK_NEAR(cell(&t, 0, "n"), 3.0, 0.0);
-    GOOD("stats maximum line.tsv --column theta --draws 2");
-    read_again(&t, "out");
-    CHECK_NEAR(cell(&t, 0, "maximum"), (2.5 + 4.5 + 4.5) / 3.0, 1e-15); /* of the three pairs */
-    CHECK_NEAR(cell(&t, 0, "n"), 3.0, 0.0);
-    /* the standard deviation over the 27 resamples of 1.5, 2.5, 4.5 is 8/9; 2000 of them give it to 1.6 % */
-    CHECK_NEAR(cell(&t, 0, "maximum_se"), 8.0 / 9.0, 5.0 * 0.016);
-    FAILS(1, "too few for a maximum of 4", "stats maximum line.tsv --column theta --draws 4");
-    FAILS(65, "no column \"theta_r3_deg\"", "stats maximum line.tsv --column theta_r3_deg --draws 2");
     FAILS(65, "no column \"theta_r3_deg\"", "angle compare line.tsv");
-    FAILS(65, "no column \"theta_r3_deg\"", "angle phi line.tsv");
-    file = file_of("runs.tsv");
-    fprintf(file, "# mu\ttheta_r3_deg\ttheta_t_displacement_deg\tstatus\n0\tnan\tnan\tno_pile\n");
-    for (int j = 0; j < 12; j++)
-        fprintf(file, "%g\t%d\t%d\tok\n", j % 2 ? 0.2 : 0.1, (j % 2 ? 16 : 8) + j % 3, 3 + j / 3);
-    fclose(file);
-    GOOD("angle phi runs.tsv");
-    read_again(&t, "out");
-    CU_ASSERT(t.n_rows == 2 && cell(&t, 0, "n") == 12.0 && cell(&t, 0, "n_mu") == 2.0);
-    GOOD("angle phi runs.tsv --to 0.15");
-    read_again(&t, "out");
-    CU_ASSERT(t.n_rows == 2 && cell(&t, 0, "n") == 6.0 && cell(&t, 0, "n_mu") == 1.0);
-    /* mean theta_r 9, theta_t 13/3 at mu = 0.1 */
-    CHECK_NEAR(cell(&t, 0, "phi_deg"), atan(sqrt(tan((9.0 + 13.0 / 3.0) * deg) / 0.1)) / deg, 1e-5);
-    FAILS(1, "no row with status ok", "angle phi runs.tsv --from 0.25");
 }
 
 /* Two grains of weight 981 and 1962 on a floor and one on both, supported by a wall; and its runs. */
@@ -1226,20 +1209,6 @@ static void test_stats_trends(void)
     FAILS(65, "no column \"pile\"", "stats trend runs.tsv -x x -y y --pair");
     FAILS(65, "x = 0: out of range for weights", "stats trend runs.tsv -x x -y y --power 2");
     GOOD("stats trend runs.tsv -x x -y y"); /* without status every row counts */
-    write_text("bent.tsv",
-               "# x\ty\tse\n4\t1.9\t0.01\n1\t1\t0.01\n2\t1.2\t0.01\n5\t2.0\t0.01\n3\t1.4\t0.01\n");
-    GOOD("stats fit bent.tsv -x x -y y --se se --successive");
-    CU_ASSERT(strstr(out, "# linear_to: 3\n# bend_free_to: 3\n") != NULL);
-    read_again(&t, "out");
-    CU_ASSERT(t.n_rows == 3);
-    CHECK_NEAR(cell(&t, 0, "slope"), 0.2, 1e-12);
-    CHECK_NEAR(cell(&t, 0, "bend"), 0.0, 1e-12);
-    CHECK_NEAR(cell(&t, 1, "slope"), 0.29, 1e-12);
-    CHECK_NEAR(cell(&t, 1, "bend"), 0.075, 1e-12);
-    CU_ASSERT_STRING_EQUAL(word(&t, 0, "status"), "ok");
-    CU_ASSERT_STRING_EQUAL(word(&t, 1, "status"), "curved");
-    CU_ASSERT_STRING_EQUAL(word(&t, 2, "status"), "curved");
-    FAILS(1, "2 points", "stats fit bent.tsv -x x -y y --se se --successive --to 2");
 }
 
 static void test_stats_select(void)
@@ -1272,7 +1241,6 @@ static void test_stats_select(void)
     CHECK_NEAR(cell(&t, 0, "x_to"), 1e-4, 1e-16);
     write_text("n.tsv", "# eps\te\n-1\t1\n2\t2\n");
     FAILS(65, "eps = -1: out of range of this scale", "stats fit n.tsv -x eps -y e --scale log");
-    FAILS(64, "needs --se", "stats fit p.tsv -x eps -y e --successive");
     FAILS(64, "give one of them", "stats fit p.tsv -x eps -y e --se e --scale log");
 }
 
@@ -2001,8 +1969,8 @@ static void test_make(void)
                         "fixed = { " SHORT_RUN " };\ngrid = { mu = [0.2, 0.3]; };\n"
                         "derive = ( { table = \"line\"; with = \"fit\"; rows = \"points\"; x = \"mu\"; y = "
                         "\"theta_r3_deg_mean\"; },\n"
-                        "           { table = \"lines\"; with = \"maximum\"; rows = \"line\"; column = "
-                        "\"slope\"; draws = 1; } );\n"
+                        "           { table = \"lines\"; with = \"fit\"; rows = \"line\"; x = \"slope\"; y = "
+                        "\"intercept\"; } );\n"
                         "trace = ( { rows = [0, 1]; every = 50; } );\n");
     CU_ASSERT(run("sweep make s.cfg -o d --tables t -j 1") == 0);
     scoped_table runs = read_table("t/runs.tsv");
@@ -2057,7 +2025,6 @@ static void test_derivations(void)
          "stats trend -x alpha_deg -y D --scale log --power 1"},
         {"size", "x = \"alpha_deg\"; y = \"D\"; exponent = \"free\"; least_exponent = 0.5;",
          "stats size -x alpha_deg -y D --exponent free --least-exponent 0.5"},
-        {"maximum", "column = \"D\"; draws = 3;", "stats maximum --column D --draws 3"},
         {"correlation", "x = \"D,middle\"; y = \"H_ratio\";", "stats correlation -x D,middle -y H_ratio"},
         {"dip", "where = [\"alpha_deg>20\", \"alpha_deg<50\"];",
          "stress dip --where 'alpha_deg>20' --where 'alpha_deg<50'"},
@@ -2099,26 +2066,27 @@ static void test_settings(void)
     static const char *const cases[][2] = {
         {"derive = ( { table = \"a\"; with = \"fits\"; } );", "with = \"fits\": allowed: fit trend size"},
         {"derive = ( { with = \"fit\"; } );", "table: missing"},
-        {"derive = ( { table = \"a/b\"; with = \"phi\"; } );", "table: a/b: the name of a file"},
-        {"derive = ( { table = \"runs\"; with = \"phi\"; } );", "table: runs: stands twice"},
-        {"derive = ( { table = \"a\"; with = \"phi\"; }, { table = \"a\"; with = \"phi\"; } );",
+        {"derive = ( { table = \"a/b\"; with = \"compare\"; } );", "table: a/b: the name of a file"},
+        {"derive = ( { table = \"runs\"; with = \"compare\"; } );", "table: runs: stands twice"},
+        {"derive = ( { table = \"a\"; with = \"compare\"; }, { table = \"a\"; with = \"compare\"; } );",
          "table: a: stands twice"},
-        {"derive = ( { table = \"a\"; with = \"phi\"; frm = 1.0; } );",
+        {"derive = ( { table = \"a\"; with = \"fit\"; frm = 1.0; } );",
          "frm: unknown key (did you mean \"from\"?)"},
-        {"derive = ( { table = \"a\"; with = \"phi\"; from = -1.0; } );", "from = -1: out of range"},
-        {"derive = ( { table = \"a\"; with = \"phi\"; o = \"x\"; } );", "o: unknown key"},
-        {"derive = ( { table = \"a\"; with = \"phi\"; rows = \"b\"; } );",
+        {"derive = ( { table = \"a\"; with = \"compare\"; phi_deg = -1.0; } );",
+         "phi_deg = -1: out of range"},
+        {"derive = ( { table = \"a\"; with = \"compare\"; o = \"x\"; } );", "o: unknown key"},
+        {"derive = ( { table = \"a\"; with = \"compare\"; rows = \"b\"; } );",
          "rows = \"b\": runs, points or an"},
-        {"derive = ( { table = \"a\"; with = \"phi\"; where = [1]; } );", "where: conditions expected"},
+        {"derive = ( { table = \"a\"; with = \"compare\"; where = [1]; } );", "where: conditions expected"},
         {"derive = ( { table = \"a\"; with = \"fit\"; x = \"alpha_deg\"; } );", "y: missing"},
         {"derive = ( { table = \"a\"; with = \"fit\"; x = \"alpha_deg\"; y = \"DD\"; } );",
          "a: y: runs: no column"},
         {"derive = ( { table = \"a\"; with = \"fit\"; rows = \"points\"; x = \"alpha_deg\"; y = \"D\"; } );",
          "a: y: points: no column"},
-        {"derive = ( { table = \"a\"; with = \"phi\"; of = [\"x/y\"]; } );", "of: names of sweeps"},
+        {"derive = ( { table = \"a\"; with = \"compare\"; of = [\"x/y\"]; } );", "of: names of sweeps"},
         {"derive = ( { table = \"a\"; with = \"field\"; width = 4.0; } );", "a stress field: stage missing"},
-        {"derive = ( { table = \"a\"; with = \"phi\"; stage = \"b\"; } );",
-         "a angle phi: stage is for piles"},
+        {"derive = ( { table = \"a\"; with = \"compare\"; stage = \"b\"; } );",
+         "a angle compare: stage is for piles"},
         {"derive = { };", "derive: a list ("},
         {"trace = ( { every = 3; } );", "rows: missing"},
         {"trace = ( { rows = [0]; quiet = true; } );", "quiet: unknown key"},
@@ -2138,7 +2106,7 @@ static void test_settings(void)
     write_text(
         "s.cfg",
         "protocol = \"pile\"; replicas = 1; fixed = { base = 4; };\n"
-        "derive = ( { table = \"a\"; with = \"maximum\"; of = [\"x\"]; column = \"D\"; draws = 1; } );\n");
+        "derive = ( { table = \"a\"; with = \"correlation\"; of = [\"x\"]; x = \"D\"; y = \"D\"; } );\n");
     FAILS(65, "a reads the runs of x, which must be made first", "sweep make s.cfg -o e/d --tables t");
 }
 
@@ -2477,7 +2445,7 @@ void suite_cli(void)
                                        {"lattice, continuum, tent", test_static_models},
                                        {"angle marginal, tilt", test_angles},
                                        {"order of a group's commands", test_group_order},
-                                       {"angle slope, phi; stats fit, maximum", test_angle_tables},
+                                       {"angle slope, stats fit", test_angle_tables},
                                        {"stress field, base", test_stress_tables},
                                        {"claims", test_claims},
                                        {"families of claims", test_families},
@@ -2489,7 +2457,7 @@ void suite_cli(void)
                                        {"page of the report: circles", test_page_circles},
                                        {"stress dip", test_stress_dip},
                                        {"unfinished drops", test_cut_drops},
-                                       {"stats trend, size, fit --successive", test_stats_trends},
+                                       {"stats trend, size", test_stats_trends},
                                        {"stats select, --where", test_stats_select},
                                        {"calibrate", test_calibrate},
                                        {"calibrate: what would reach further", test_flat_ends},

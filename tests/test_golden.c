@@ -110,7 +110,7 @@ static const golden_run runs[] = {
       {"theta_r2_deg", 18.224371711593523},
       {"theta_r3_deg", 12.736310147046545}}},
     {"flux",
-     {{"W", "1.4"}, {"insertions", "120"}, {"draws", "3"}, {"avalanche", "2"}, {"drop_height", "1"}},
+     {{"W", "1.4"}, {"insertions", "120"}, {"avalanche", "2"}, {"drop_height", "1"}},
      flux_hashed,
      "ok",
      0x26789a26279f25fa,

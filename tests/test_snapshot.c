@@ -706,8 +706,7 @@ static void protocol_onset(void)
 
 static void protocol_flux(void)
 {
-    goes_on(&sweep_protocol_flux, "W=1.4 insertions=60 draws=3 avalanche=2 drop_height=1 entry_width=1",
-            "ok");
+    goes_on(&sweep_protocol_flux, "W=1.4 insertions=60 avalanche=2 drop_height=1 entry_width=1", "ok");
 }
 
 static void protocol_drop(void)

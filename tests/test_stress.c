@@ -1,5 +1,6 @@
 /* Stress from contacts: hand-made arrangements with known stress, momentum balance in a simulated box, Mohr's
  * circle against a scan of planes, tilts of planted responses, and protocol `stress`. */
+#include <gsl/gsl_cdf.h>
 #include <gsl/gsl_fit.h>
 #include <gsl/gsl_sort.h>
 #include <gsl/gsl_statistics_double.h>
@@ -343,106 +344,44 @@ static void test_tilts(void)
 
 /* ---- the dip of an ensemble ---- */
 
-enum { BINS = STRESS_DIP_BINS, DIP_PILES = 7, RISES = 4, QUANTITIES = BINS / 2 + RISES + 2 };
+enum { BINS = STRESS_DIP_BINS, DIP_PILES = 7 };
 
-/* Of one pile, from the middle outwards: both sides' mean in ten bins; its rise from the inner two to the
- * next four; the excess, and the inner two against the next two. Beside them the same of the sides'
- * difference, and the noise, by blocks of two bins. */
-static void quantities_of(const double N[BINS], double excess, double q[QUANTITIES], double *sides,
-                          double *noise)
+/* Every number of an ensemble, from those of its piles. */
+static void test_dips(void)
 {
-    double mean = 0.0, block[4], inner, next;
-    for (int k = 0; k < BINS; k++) mean += N[k] / BINS;
-    for (int k = 0; k < BINS / 2; k++) q[k] = 0.5 * (N[9 - k] + N[10 + k]);
-    inner = 0.5 * (q[0] + q[1]), next = 0.5 * (q[2] + q[3]);
-    for (int k = 0; k < RISES; k++) q[10 + k] = q[2 + k] - inner;
-    q[14] = excess, q[15] = (inner - next) / mean;
-    for (int b = 0; b < 4; b++)
-        block[b] = 0.25 * (N[9 - 2 * b] + N[8 - 2 * b] - N[10 + 2 * b] - N[11 + 2 * b]);
-    *sides = (block[0] - block[1]) / mean;
-    *noise =
-        sqrt(0.5 * (block[0] * block[0] + block[1] * block[1] + block[2] * block[2] + block[3] * block[3])) /
-        mean;
-}
-
-static void make_dips(double N[DIP_PILES][BINS], double excess[DIP_PILES])
-{
+    double N[DIP_PILES][BINS], excess[DIP_PILES], of[DIP_PILES], below = 0.0;
+    stats_summary all;
+    stress_dips d;
     for (int i = 0; i < DIP_PILES; i++) {
         excess[i] = 0.02 * (i * 3 % 7) - 0.05;
         for (int k = 0; k < BINS; k++)
             N[i][k] = 1.0 - 0.004 * (k - 9.5) * (k - 9.5) + 0.02 * ((7 * i + 3 * k) % 5) -
                       (k > 7 && k < 12 ? 0.04 * (i % 3) + 0.3 * (i % 4 == 1) * (k < 10 ? 1.0 : -1.0) : 0.0);
     }
-}
-
-/* Every number of an ensemble, from the same resamples: means of piles drawn again less those of all, widened
- * to an unbiased variance; beside each as many differences of sides, mirrored or not, and noises. */
-static void test_dips(void)
-{
-    enum { B = 40 };
-    const double T = 2.1318467863266495,
-                 widen = sqrt(DIP_PILES / (DIP_PILES - 1.0)); /* Student's, 95 %, of 4 */
-    double N[DIP_PILES][BINS], excess[DIP_PILES], q[DIP_PILES][QUANTITIES], sides[DIP_PILES],
-        noise[DIP_PILES], of[DIP_PILES], low[B], share[B], band[B], found[5] = {1.0, 1.0, 1.0, 1.0, 0.0},
-                                                                    own = -INFINITY, below = 0.0;
-    stats_summary all[QUANTITIES];
-    stress_dips d;
-    make_dips(N, excess);
-    scoped_rng *rng = numbers_of(3, 4), *same = gsl_rng_clone(rng);
-    CHECK_OK(stress_dip_ensemble(DIP_PILES, N[0], excess, 0.05, B, rng, &d));
-    for (int i = 0; i < DIP_PILES; i++) {
-        quantities_of(N[i], excess[i], q[i], &sides[i], &noise[i]);
-        below += (q[i][15] < 0.0) / (double)DIP_PILES;
-        found[4] += (q[i][15] < -T * noise[i]) / (double)DIP_PILES;
-    }
-    for (int c = 0; c < QUANTITIES; c++) {
-        for (int i = 0; i < DIP_PILES; i++) of[i] = q[i][c];
-        CHECK_OK(stats_mean(DIP_PILES, of, &all[c]));
-        if (c >= 10 && c < 14) own = fmax(own, all[c].mean / all[c].se);
-    }
-    for (int b = 0; b < B; b++) {
-        size_t pool[DIP_PILES];
-        double means[QUANTITIES], rise = -INFINITY;
-        for (int i = 0; i < DIP_PILES; i++) pool[i] = gsl_rng_uniform_int(same, DIP_PILES);
-        band[b] = share[b] = 0.0;
-        for (int c = 0; c < QUANTITIES; c++) {
-            means[c] = 0.0;
-            for (int i = 0; i < DIP_PILES; i++) means[c] += q[pool[i]][c] / DIP_PILES;
-            means[c] = widen * (means[c] - all[c].mean);
-            if (c < 10) band[b] = fmax(band[b], fabs(means[c]) / all[c].se);
-            if (c >= 10 && c < 14) rise = fmax(rise, means[c] / all[c].se);
-        }
-        for (int i = 0; i < DIP_PILES; i++) {
-            double middle = sides[pool[gsl_rng_uniform_int(same, DIP_PILES)]];
-            if (gsl_rng_uniform(same) < 0.5) middle = -middle;
-            share[b] += (middle < -T * noise[pool[gsl_rng_uniform_int(same, DIP_PILES)]]) / (double)DIP_PILES;
-        }
-        low[b] = means[14];
-        found[0] += means[14] <= all[14].mean, found[1] += fabs(means[14]) >= fabs(all[14].mean);
-        found[2] += rise >= own, found[3] += share[b] >= found[4] - tight;
-    }
-    CHECK_NEAR(d.p_dip, found[0] / (B + 1.0), tight);
-    CHECK_NEAR(d.p_value, found[1] / (B + 1.0), tight);
-    CHECK_NEAR(d.p_profile, found[2] / (B + 1.0), tight);
-    CHECK_NEAR(d.p_share, found[3] / (B + 1.0), tight);
-    CHECK_NEAR(d.share, found[4], tight);
-    CHECK_NEAR(d.below, below, tight);
-    CHECK_NEAR(d.share_null, gsl_stats_mean(share, 1, B), tight);
-    const double binomial = d.share_null * (1.0 - d.share_null) / DIP_PILES;
-    CHECK_NEAR(d.share_null_se, sqrt(fmax(gsl_stats_variance(share, 1, B) - binomial, 0.0)), tight);
-    CU_ASSERT(found[0] > 1.0 && found[1] > 1.0 && found[2] > 1.0 && found[3] > 1.0 &&
-              d.share_null_se > 0.0); /* nothing is all or none */
-    gsl_sort(low, 1, B);
-    gsl_sort(band, 1, B);
-    CHECK_NEAR(d.null_lo, gsl_stats_quantile_from_sorted_data(low, 1, B, 0.025), tight);
-    CHECK_NEAR(d.null_hi, gsl_stats_quantile_from_sorted_data(low, 1, B, 0.975), tight);
-    CHECK_NEAR(d.N_t, gsl_stats_quantile_from_sorted_data(band, 1, B, 0.95), tight);
+    CHECK_OK(stress_dip_ensemble(DIP_PILES, N[0], excess, 0.05, &d));
     for (int k = 0; k < BINS / 2; k++) {
-        CHECK_NEAR(d.N[k], all[k].mean, tight);
-        CHECK_NEAR(d.N_se[k], all[k].se, tight);
+        for (int i = 0; i < DIP_PILES; i++) of[i] = 0.5 * (N[i][9 - k] + N[i][10 + k]);
+        CHECK_OK(stats_mean(DIP_PILES, of, &all));
+        CHECK_NEAR(d.N[k], all.mean, tight);
+        CHECK_NEAR(d.N_se[k], all.se, tight);
     }
-    CHECK_NEAR(d.excess.mean, all[14].mean, tight);
-    CHECK_NEAR(d.middle.se, all[15].se, tight);
+    for (int i = 0; i < DIP_PILES; i++) {
+        double mean = 0.0;
+        for (int k = 0; k < BINS; k++) mean += N[i][k] / BINS;
+        of[i] =
+            (N[i][8] + N[i][9] + N[i][10] + N[i][11] - N[i][6] - N[i][7] - N[i][12] - N[i][13]) / 4.0 / mean;
+        below += (of[i] < 0.0) / (double)DIP_PILES;
+    }
+    CHECK_OK(stats_mean(DIP_PILES, of, &all));
+    CHECK_NEAR(d.middle.mean, all.mean, tight);
+    CHECK_NEAR(d.middle.se, all.se, tight);
+    CHECK_NEAR(d.below, below, tight);
+    CU_ASSERT(below > 0.0 && below < 1.0);
+    CHECK_NEAR(d.p_value, 2.0 * gsl_cdf_tdist_Q(fabs(all.mean) / all.se, DIP_PILES - 1.0), tight);
+    CHECK_NEAR(d.p_margin, gsl_cdf_tdist_Q((0.05 - fabs(all.mean)) / all.se, DIP_PILES - 1.0), tight);
+    CHECK_OK(stats_mean(DIP_PILES, excess, &all));
+    CHECK_NEAR(d.excess.mean, all.mean, tight);
+    CHECK_NEAR(d.excess.se, all.se, tight);
 }
 
 static void test_bad_grids(void)

@@ -597,7 +597,6 @@ static void test_failed(void)
         {"stats size -x x -y y --by g", "f.tsv", {"1\tno_pile:1", "3\tno_pile:2,overlap:1"}},
         {"stats size -x x -y y --by g --exponent free", "f.tsv", {"1\tno_pile:1", "3\tno_pile:2,overlap:1"}},
         {"stats correlation -x x -y y --by g", "f.tsv", {"1\tno_pile:1", "3\tno_pile:2,overlap:1"}},
-        {"stats maximum --column y --draws 2 --where g=b", "f.tsv", {"3\tno_pile:2,overlap:1"}},
         {"stats fit -x x -y y --from 2", "f.tsv", {"3\tno_pile:2,overlap:1", "3\tno_pile:2,overlap:1"}},
         {"stats fit -x x -y y --to 3", "p.tsv", {"4\toverlap:3,a:1", "4\toverlap:3,a:1"}}};
     FILE *file = file_of("f.tsv");
@@ -746,60 +745,6 @@ static void test_continuum(void)
         CHECK_NEAR(at(&c, 5 - i, "H/(chi*g*B)"), -f.H, 1e-14);
         CU_ASSERT(i == 0 || i > 2 || f.N > at(&c, i - 1, "N/(chi*g*B)"));
     }
-}
-
-/* The fits of phi by the library, of steep piles and of an outlier too: phi has no upper bound, or no lower
- * one, or neither. */
-static void test_phi(void)
-{
-    enum { PILES = 6, GROUPS = 4 };
-    static const double mu_of[GROUPS] = {0.2, 0.25, 0.3, 0.4};
-    static const struct {
-        const char *range;
-        size_t from, to;
-    } cases[] = {
-        {"", 0, GROUPS}, {"--to 0.22", 0, 1}, {"--from 0.22 --to 0.35", 1, 3}, {"--from 0.35", 3, 4}};
-    double r[GROUPS][PILES], t[GROUPS][PILES];
-    size_t open[4] = {0};
-    ang_piles groups[GROUPS];
-    char text[2048] = "# mu\ttheta_r3_deg\ttheta_t_displacement_deg\tstatus\n";
-    for (int g = 0; g < GROUPS; g++) {
-        groups[g] = (ang_piles){mu_of[g], PILES, r[g], t[g]};
-        for (int k = 0; k < PILES; k++) {
-            const bool plain = g == 1 || g == 2;
-            const double r_deg = (plain ? 6.0 + 4.0 * g : 7.0) + 0.5 * (k % 3),
-                         t_deg = g == 3  ? (k == 4 ? 70.0 : 2.5)
-                                 : plain ? 4.0 + 2.0 * g + 0.375 * (k % 4)
-                                         : 14.0 + 0.375 * (k % 4);
-            r[g][k] = r_deg * (M_PI / 180.0), t[g][k] = t_deg * (M_PI / 180.0); /* the same bits */
-            snprintf(text + strlen(text), sizeof text - strlen(text), "%g\t%g\t%g\tok\n", groups[g].mu, r_deg,
-                     t_deg);
-        }
-    }
-    write_text("runs.tsv", "%s0\t5\t1\tok\n", text); /* without friction there is nothing to fit */
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        const size_t n = cases[i].to - cases[i].from;
-        ang_phi fit[ANG_N_AGAINST];
-        CHECK_OK(ang_phi_fit(n, groups + cases[i].from, fit));
-        scoped_checked c = CHECKED_RUN(ANG_N_AGAINST, "angle phi runs.tsv %s", cases[i].range);
-        none_failed(&c);
-        for (size_t a = 0; a < ANG_N_AGAINST; a++) {
-            const checked_value list[] = {
-                {"n_mu", (double)n},
-                {"n", (double)(n * PILES)},
-                {"phi_deg", fit[a].phi * 180.0 / M_PI},
-                {"phi_lo_deg", fit[a].lo * 180.0 / M_PI},
-                {"phi_hi_deg", fit[a].hi * 180.0 / M_PI},
-                {"chi2", fit[a].chi2},
-                {"dof", (double)fit[a].dof},
-                {"p_value", fit[a].p_value},
-                {"open", fit[a].lo_open ? (fit[a].hi_open ? 2.0 : -1.0) : fit[a].hi_open}};
-            checked_row(&c, a, sizeof list / sizeof *list, list, 1e-12);
-            open[(size_t)(at(&c, a, "open") + 1.0)]++;
-            CHECKED_WORD(&c, a, "against", ang_against_words[a]);
-        }
-    }
-    CU_ASSERT(open[0] + open[3] > 0 && open[1] > 0 && open[2] > 0);
 }
 
 /* Columns by their names, against the members of the same name. */
@@ -1084,68 +1029,6 @@ static void test_correlations(void)
     CU_ASSERT(t.n_rows == 1 && cell(&t, 0, "n") == (double)(grouped.n[0] + grouped.n[1] + grouped.n[2]));
 }
 
-/* stats maximum: the mean largest of all triples, and its spread over the resamples of the seed. */
-static void test_values(void)
-{
-    enum { N = 7, B = 30 };
-    static const double v[N] = {0.3, -1.1, 2.7, 0.9, 0.4, 1.3, -0.2};
-    double most[B + 1], sample[N];
-    char text[2048] = "# n\tv\n";
-    scoped_rng *rng = rp_random_alloc(9, 0, RP_PURPOSE_BOOTSTRAP);
-    for (int b = 0; b <= B; b++) {
-        most[b] = 0.0;
-        for (int i = 0; i < N; i++) sample[i] = b < B ? v[gsl_rng_uniform_int(rng, N)] : v[i];
-        for (int i = 0; i < N; i++)
-            for (int j = 0; j < i; j++)
-                for (int k = 0; k < j; k++) most[b] += fmax(sample[i], fmax(sample[j], sample[k])) / 35.0;
-    }
-    for (int i = 0; i < N; i++)
-        snprintf(text + strlen(text), sizeof text - strlen(text), "%d\t%.17g\n%d\tnan\n", i, v[i], i);
-    write_text("values.tsv", "%s", text);
-    scoped_checked c =
-        CHECKED_RUN(1, "stats maximum values.tsv --column v --draws 3 --bootstrap 30 --seed 9");
-    none_failed(&c);
-    const checked_value maximum[] = {{"n", N},
-                                     {"mean", gsl_stats_mean(v, 1, N)},
-                                     {"sd", gsl_stats_sd(v, 1, N)},
-                                     {"draws", 3.0},
-                                     {"maximum", most[B]},
-                                     {"maximum_se", gsl_stats_sd(most, 1, B)}};
-    CHECK_NAMED(&c, 0, maximum);
-}
-
-/* Each row of --successive is the library's fit to so many points. */
-static void test_prefixes(void)
-{
-    enum { N = 6 };
-    const double x[N] = {1.0, 2.0, 3.0, 4.5, 5.0, 6.5}, y[N] = {1.0, 1.3, 1.5, 1.4, 2.1, 2.6},
-                 se[N] = {0.1, 0.2, 0.15, 0.1, 0.3, 0.25};
-    stats_prefix fits[N];
-    double linear_to, bend_free_to;
-    write_text("p.tsv", "x\ty\tse\n1\t1\t0.1\n2\t1.3\t0.2\n3\t1.5\t0.15\n4.5\t1.4\t0.1\n5\t2.1\t0.3\n"
-                        "6.5\t2.6\t0.25\n");
-    CHECK_OK(stats_successive(&(stats_xy){N, x, y, se}, 0.05, fits, &linear_to, &bend_free_to));
-    scoped_checked c = CHECKED_RUN(N - 2, "stats fit p.tsv -x x -y y --se se --successive");
-    none_failed(&c);
-    for (size_t k = 0; k + 3 <= N; k++) {
-        const stats_line *l = &fits[k].line;
-        const checked_value row[] = {{"x_to", x[k + 2]},
-                                     {"n", (double)k + 3.0},
-                                     {"slope", l->slope},
-                                     {"slope_se", l->slope_se},
-                                     {"intercept", l->intercept},
-                                     {"intercept_se", l->intercept_se},
-                                     {"chi2", l->chi2},
-                                     {"p_value", l->p_value},
-                                     {"bend", fits[k].bend.value},
-                                     {"bend_se", fits[k].bend.se},
-                                     {"p_bend", fits[k].p_bend}};
-        CHECK_NAMED(&c, k, row);
-        CHECK_NEAR(at(&c, k, "dof"), (double)k + 1.0, 0.0);
-        at(&c, k, "status"); /* suite cli */
-    }
-}
-
 /* The same box in three systems of units: labels follow, defaults are converted, numbers agree. */
 static void test_systems(void)
 {
@@ -1259,12 +1142,9 @@ void suite_tables(void)
                                        {"runs and points of a sweep", test_sweep},
                                        {"angle compare", test_compare},
                                        {"failed runs behind a row", test_failed},
-                                       {"angle phi", test_phi},
                                        {"stats trend, size, fit", test_fits},
                                        {"stats trend, size by groups", test_groups},
                                        {"stats correlation", test_correlations},
-                                       {"stats maximum", test_values},
-                                       {"stats fit --successive", test_prefixes},
                                        {"tent, lattice", test_models},
                                        {"continuum", test_continuum},
                                        {0}};

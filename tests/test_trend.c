@@ -34,17 +34,13 @@ static const double ys[N] = {19.2, 18.7, 20.1, 17.3, 18.85, 16.2, 17.77, 17.0, 1
  * and with x^2; and the line in log10 x with the weights of x itself. */
 static void test_single_values(void)
 {
-    double lines[2 * N], log_lines[2 * N], logs[N], parabolas[3 * N], se[N], weights[N], by_se[N], c[3],
-        cov[9];
+    double lines[2 * N], log_lines[2 * N], logs[N], parabolas[3 * N], weights[N], c[3], cov[9];
     stats_trend t;
-    stats_contrast bend;
     for (size_t i = 0; i < N; i++) {
         logs[i] = log10(xs[i]);
         for (size_t k = 0; k < 2; k++) lines[2 * i + k] = pow(xs[i], (double)k);
         for (size_t k = 0; k < 2; k++) log_lines[2 * i + k] = pow(logs[i], (double)k);
         for (size_t k = 0; k < 3; k++) parabolas[3 * i + k] = pow(xs[i], (double)k);
-        se[i] = 0.1 + 0.0385 * (double)i;
-        by_se[i] = 1.0 / (se[i] * se[i]);
         weights[i] = xs[i] * xs[i];
     }
     CHECK_OK(trend_of(N, xs, ys, NULL, 0.0, &t));
@@ -58,11 +54,6 @@ static void test_single_values(void)
     CHECK_NEAR(stats_contrast_p(&t.change), 2.0 * gsl_cdf_tdist_P(c[1] / sqrt(cov[3]), N - 2.0), sum_error);
     numbers_fit(N, 3, parabolas, NULL, ys, c, cov);
     CHECK_NEAR(t.bend.value, c[2], sum_error);
-    numbers_fit(N, 3, parabolas, by_se, ys, c, cov);
-    CHECK_OK(stats_bend(&(stats_xy){N, xs, ys, se}, &bend));
-    CHECK_NEAR(bend.value, c[2], sum_error);
-    CHECK_NEAR(bend.se, sqrt(cov[8]), sum_error);
-    CHECK_NEAR(stats_contrast_p(&bend), 2.0 * gsl_cdf_ugaussian_Q(fabs(bend.value) / bend.se), sum_error);
     for (int log10_x = 0; log10_x < 2; log10_x++) {
         CHECK_OK(stats_trend_fit(&(stats_sample){N, log10_x ? logs : xs, ys, NULL, 2.0, log10_x, 1.0}, &t));
         numbers_fit(N, 2, log10_x ? log_lines : lines, weights, ys, c, cov);
@@ -262,10 +253,8 @@ static void test_words(void)
 static void test_trend_errors(void)
 {
     const double twice[] = {2, 2, 4, 4}, same[] = {2, 2, 2, 2}, y[] = {1, 2, 3, 4.5}, piles[] = {0, 1, 0, 1};
-    const double repeated[] = {0, 0, 0, 1}, apart[] = {0, 1, 2, 3}, bad[] = {1, INFINITY, 3, 4},
-                 se[] = {1, 1, 1, 1};
+    const double repeated[] = {0, 0, 0, 1}, apart[] = {0, 1, 2, 3}, bad[] = {1, INFINITY, 3, 4};
     stats_trend t;
-    stats_contrast bend;
     CHECK_FAILS(trend_of(0, twice, y, NULL, 0.0, &t), RP_NO_RESULT, "0 values");
     CHECK_FAILS(trend_of(0, twice, y, piles, 0.0, &t), RP_NO_RESULT, "0 values");
     CHECK_FAILS(trend_of(2, xs, y, NULL, 0.0, &t), RP_NO_RESULT, "2 values");
@@ -285,34 +274,6 @@ static void test_trend_errors(void)
     CHECK_OK(stats_trend_fit(&(stats_sample){4, apart, y, NULL, 2.0, true, 1.0},
                              &t)); /* nor with weights of 10^x */
     CHECK_OK(trend_of(4, twice, y, piles, 0.0, &t));
-    CHECK_FAILS(stats_bend(&(stats_xy){4, twice, y, se}, &bend), RP_NO_RESULT, "at least 3 different x");
-    CHECK_FAILS(stats_bend(&(stats_xy){1, twice, y, se}, &bend), RP_NO_RESULT, "no line");
-    CHECK_FAILS(stats_bend(&(stats_xy){4, twice, bad, se}, &bend), RP_BAD_INPUT, "point 2");
-}
-
-/* A straight line up to x = 4, and one point off it: where lines end and where bends end differ. */
-static void test_successive(void)
-{
-    enum { POINTS = 6 };
-    const double x[POINTS] = {1, 2, 3, 4, 5, 6}, y[POINTS] = {1, 2, 3, 4, 5, 9},
-                 se[POINTS] = {1, 1, 1, 1, 1, 1};
-    /* of four points the bend has chi2 = d^2/4, of five none and the line 0.4 d^2 on 3: p just above and
-     * below 0.001 */
-    const double d = 6.5, wave[5] = {0, 0, 0, d, d / 2};
-    stats_prefix prefixes[POINTS];
-    double linear_to, bend_free_to;
-    CHECK_OK(stats_successive(&(stats_xy){POINTS, x, y, se}, 0.3, prefixes, &linear_to, &bend_free_to));
-    CU_ASSERT(linear_to == 6.0 &&
-              bend_free_to == 5.0); /* chi2 = 9 (1 - 11/21) on 4, p = 0.37; bend p = 0.10 */
-    CHECK_NEAR(prefixes[2].line.slope, 1.0, sum_error);
-    CHECK_NEAR(prefixes[3].line.chi2, 9.0 * 10.0 / 21.0, sum_error);
-    CHECK_OK(stats_successive(&(stats_xy){5, x, wave, se}, 0.001, prefixes, &linear_to, &bend_free_to));
-    CU_ASSERT(linear_to == 4.0 && bend_free_to == 5.0);
-    CHECK_NEAR(prefixes[2].line.chi2, 0.4 * d * d, 10.0 * sum_error);
-    CHECK_OK(stats_successive(&(stats_xy){3, x, y, se}, 0.05, prefixes, &linear_to, &bend_free_to));
-    CU_ASSERT(linear_to == 3.0 && bend_free_to == 3.0);
-    CHECK_FAILS(stats_successive(&(stats_xy){2, x, y, se}, 0.05, prefixes, &linear_to, &bend_free_to),
-                RP_NO_RESULT, "at least 3");
 }
 
 /* ---- limits with a free exponent ---- */
@@ -628,7 +589,6 @@ void suite_trend(void)
         {"Holm's correction", test_holm},
         {"verdicts", test_words},
         {"errors of trends", test_trend_errors},
-        {"where linearity ends", test_successive},
         {"correlation", test_correlation},
         {"planted correlations: coverage", test_planted_correlation},
         {"pooled summaries", test_pooled},

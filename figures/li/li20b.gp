@@ -1,5 +1,5 @@
 # Liffman, Chan & Hughes 1992, figure 20(b), for an ensemble: mean pressure on the base of dropped piles, both sides
-# together, with a band that holds the whole profile with 95 %, and the pressure of 60-degree rays under the piles' own
+# together, with standard errors, and the pressure of 60-degree rays under the piles' own
 # outlines. The excess is the difference within 0.1 B, over the mean N. figures/studies/li20_sources.gp draws more kinds of
 # piles by this file.
 # sweeps: li20_point
@@ -8,7 +8,7 @@ dip(k, col) = real(system(rows_do('li20_'.word(kinds, k).'dip.tsv', '', '{ print
 piles(k) = sprintf('%s, %d piles', word(kind_names, k), dip(k, 'n'))
 heading = 'Mean pressure on the base of dropped piles'
 panels = words(kinds)
-remark = (panels > 1 ? '' : piles(1).'; ').(exists('made') ? made.'; ' : '').'thin lines: simultaneous 95 % band; dotted: bounds of the middle and its neighbours'
+remark = (panels > 1 ? '' : piles(1).'; ').(exists('made') ? made.'; ' : '').'bars: standard errors; dotted: bounds of the middle and its neighbours'
 legend = 2
 load 'figures/style.gp'
 label(k) = sprintf('mean of the piles, excess %.3f ± %.3f', dip(k, 'excess'), dip(k, 'excess_se'))
@@ -22,7 +22,5 @@ do for [k=1:panels] {
     profile = t('li20_'.word(kinds, k).'profile.tsv')
     eval panel(k, panels > 1 ? sprintf('(%s) %s', word('a b c d e f', k), piles(k)) : '')
     plot profile using (column('distance')):(column('rays')) with lines ls theory title '60-degree rays under the outlines', \
-         profile using (column('distance')):(column('N_lo')) with lines lw 0.7 lc rgb '#0072b2' notitle, \
-         profile using (column('distance')):(column('N_hi')) with lines lw 0.7 lc rgb '#0072b2' notitle, \
-         profile using (column('distance')):(column('N')) with linespoints ls ours title label(k)
+         profile using (column('distance')):(column('N')):(column('N_se')) with yerrorlines ls ours title label(k)
 }

@@ -63,11 +63,6 @@ rp_status ang_friction(ang_form form, double theta_r, double theta_t, double phi
  * Errors: RP_BAD_INPUT, RP_NO_MEMORY (a GSL solver is allocated), RP_BROKEN. */
 rp_status ang_tilt(ang_form form, double mu, double theta_r, double phi, ang_tilt_result *result);
 
-/* Root of f between lo and hi, where its signs differ, by Brent's method to the given errors.
- * Errors: RP_NO_MEMORY, RP_BROKEN. */
-rp_status ang_root(double (*f)(double x, void *data), void *data, double lo, double hi, double absolute,
-                   double relative, double *root);
-
 /* ---- surface and slopes (surface.c) ---- */
 
 #define ANG_HEIGHT_WORDS "centre | raw_centre | top"
@@ -186,30 +181,6 @@ typedef struct {
  * Errors: RP_NO_RESULT without piles, those of stats_mean and ang_tilt. */
 rp_status ang_compare(const ang_piles *piles, double phi, size_t n_resamples, gsl_rng *rng,
                       ang_comparison *comparison);
-
-/* ---- inclination of the rays, fitted to piles (phi.c) ---- */
-
-enum { ANG_PHI_PILES = 5 }; /* of one mu, at least */
-
-/* What phi is fitted to: (3) at theta_r + theta_t, or (4) balanced at theta_t. */
-typedef enum { ANG_AGAINST_MARGINAL, ANG_AGAINST_BALANCED, ANG_N_AGAINST } ang_against;
-
-typedef struct {
-    double phi, lo, hi; /* 95 % by the profile of chi2: a rise by 3.84 */
-    /* chi2 of one phi for all groups, its degrees of freedom, and the chance of a larger one (NaN without) */
-    double chi2, p_value;
-    size_t dof;
-    bool lo_open, hi_open; /* no rise by 3.84 before phi ends: the data give no bound on this side */
-} ang_phi;
-
-extern const char *const ang_against_words[];
-
-/* The phi that serves all groups best, against each equation: where minus twice the logarithm of the
- * likelihood ratio, see phi.c, is least. phi lies between theta_r + theta_t of every mean and pi/2: the flank
- * of a failing pile is less steep than the rays. Errors: RP_BAD_INPUT (mu outside (0, inf), an angle, fewer
- * than ANG_PHI_PILES piles); RP_NO_RESULT (no groups, piles without spread or steeper than any ray);
- * RP_NO_MEMORY; RP_BROKEN (NLopt, GSL). */
-rp_status ang_phi_fit(size_t n_groups, const ang_piles groups[], ang_phi fit[ANG_N_AGAINST]);
 
 RP_C_END
 

@@ -130,8 +130,8 @@ rp_status ang_friction(ang_form form, double theta_r, double theta_t, double phi
     return RP_OK;
 }
 
-rp_status ang_root(double (*f)(double x, void *data), void *data, double lo, double hi, double absolute,
-                   double relative, double *root)
+static rp_status find_root(double (*f)(double x, void *data), void *data, double lo, double hi,
+                           double absolute, double relative, double *root)
 {
     gsl_root_fsolver *solver = gsl_root_fsolver_alloc(gsl_root_fsolver_brent);
     if (!solver) return rp_fail(RP_NO_MEMORY, "root: out of memory");
@@ -173,7 +173,7 @@ rp_status ang_tilt(ang_form form, double mu, double theta_r, double phi, ang_til
     } else if (excess(0.0, &s) <= 0.0) { /* on the margin, or beyond it by round-off */
         result->theta_t = 0.0;
     } else {
-        RP_TRY(ang_root(excess, &s, 0.0, end, root_tolerance, 4.0 * GSL_DBL_EPSILON, &result->theta_t));
+        RP_TRY(find_root(excess, &s, 0.0, end, root_tolerance, 4.0 * GSL_DBL_EPSILON, &result->theta_t));
         if (form == ANG_LATTICE && result->theta_t > M_PI_2 - phi) result->status = ANG_TILT_OK_PULLING;
     }
     return RP_OK;

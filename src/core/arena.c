@@ -16,6 +16,7 @@ struct rp_kept {
 static void *no_memory(const rp_arena *arena)
 {
     if (arena->exhausted) arena->exhausted();
+    rp_fail(RP_NO_MEMORY, "out of memory");
     return NULL;
 }
 
@@ -49,6 +50,11 @@ void rp_arena_release(rp_arena *arena, rp_mark mark)
         kept->release(kept->thing);
         free(kept);
     }
+}
+
+void rp_arena_end(rp_arena *arena)
+{
+    rp_arena_release(arena, NULL);
 }
 
 char *rp_text(rp_arena *arena, const char *format, ...)

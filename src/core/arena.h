@@ -19,6 +19,13 @@ typedef struct {
 /* Zeroed memory for n objects, and one more for the zero that ends them. */
 void *rp_arena_memory(rp_arena *arena, size_t n, size_t size);
 
+/* n zeroed objects for `pointer`, or the end of this function: RP_NO_MEMORY. */
+#define RP_NEW(arena, pointer, n)                                                                            \
+    do {                                                                                                     \
+        (pointer) = rp_arena_memory(arena, n, sizeof *(pointer));                                            \
+        if (!(pointer)) return RP_NO_MEMORY;                                                                 \
+    } while (0)
+
 /* Keep `thing`, which `release` frees with the arena; returns it. NULL stands for a thing that could not be
  * made. Without memory, `thing` is released. */
 void *rp_arena_keep(rp_arena *arena, void *thing, void (*release)(void *));
@@ -27,6 +34,10 @@ void *rp_arena_keep(rp_arena *arena, void *thing, void (*release)(void *));
 typedef struct rp_kept *rp_mark;
 rp_mark rp_arena_mark(const rp_arena *arena);
 void rp_arena_release(rp_arena *arena, rp_mark mark);
+
+/* RP_SCOPE(memory): an arena that ends with the block. */
+void rp_arena_end(rp_arena *arena);
+#define RP_SCOPE(name) RP_ENDS(rp_arena_end) rp_arena name = {0}
 
 /* A text of the arena in the format of printf; NULL without memory. */
 char *rp_text(rp_arena *arena, const char *format, ...) __attribute__((format(printf, 2, 3)));

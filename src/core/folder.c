@@ -80,9 +80,19 @@ static rp_status read_line(rp_folder *f, char *line)
     return RP_OK;
 }
 
+static int open_file(const rp_folder *f, const char *name)
+{
+    return openat(f->file, name, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+}
+
+static void close_file(const int *file)
+{
+    if (*file >= 0) close(*file);
+}
+
 static rp_status read_marker(rp_folder *f)
 {
-    const int file = openat(f->file, MARKER, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+    const int file = open_file(f, MARKER);
     if (file < 0 && errno == ENOENT) return RP_OK;
     FILE *in = file < 0 ? NULL : fdopen(file, "r");
     char *line = NULL;
@@ -106,13 +116,12 @@ static rp_status read_marker(rp_folder *f)
 /* The first and the last bytes of a file as texts, "" where there is none; its length. */
 static off_t read_ends(const rp_folder *f, const char *name, char first[512], char last[64])
 {
-    const int file = openat(f->file, name, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+    RP_ENDS(close_file) const int file = open_file(f, name);
     struct stat info = {0};
     const bool regular = file >= 0 && fstat(file, &info) == 0 && S_ISREG(info.st_mode);
     const off_t at = info.st_size > 64 ? info.st_size - 64 : 0;
     memset(first, 0, 512), memset(last, 0, 64);
     if (regular) (void)!pread(file, first, 511, 0), (void)!pread(file, last, 64, at);
-    if (file >= 0) close(file);
     return regular ? info.st_size : -1;
 }
 
@@ -138,11 +147,9 @@ void rp_folder_sign(FILE *whole)
 static bool is_signed(const rp_folder *f, const char *name)
 {
     char sum[33], signature[33] = "";
-    const int file = openat(f->file, name, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
-    const bool is = file >= 0 && fgetxattr(file, SIGNATURE, signature, 32) == 32 && sum_of(file, sum) &&
-                    strcmp(sum, signature) == 0;
-    if (file >= 0) close(file);
-    return is;
+    RP_ENDS(close_file) const int file = open_file(f, name);
+    return file >= 0 && fgetxattr(file, SIGNATURE, signature, 32) == 32 && sum_of(file, sum) &&
+           strcmp(sum, signature) == 0;
 }
 
 /* The tail of a picture, after what ends it, or in a comment. */
@@ -248,10 +255,8 @@ static rp_status find_sum(const rp_folder *f, const char *name, char sum[33])
     struct stat info;
     strcpy(sum, NO_SUM);
     if (!is_there(f, name, &info) || !S_ISREG(info.st_mode)) return RP_OK;
-    const int file = openat(f->file, name, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
-    const bool found = file >= 0 && sum_of(file, sum);
-    if (file >= 0) close(file);
-    return found ? RP_OK : failed(f, name);
+    RP_ENDS(close_file) const int file = open_file(f, name);
+    return file >= 0 && sum_of(file, sum) ? RP_OK : failed(f, name);
 }
 
 /* Visit what is in a folder, but for its marker. */
@@ -282,14 +287,12 @@ rp_status rp_folder_check(const rp_folder *f, const char *name)
     struct stat info;
     char sum[33];
     const rp_own *own = find(f, name, 0);
-    rp_folder in;
+    RP_ENDS(rp_folder_close) rp_folder in = {0};
     if (!is_there(f, name, &info)) return RP_OK;
     if (!own) return refuse_any(f, name);
     if (S_ISDIR(info.st_mode) && strcmp(own->sum, NO_SUM) == 0) {
-        rp_status status = open_in(f, name, &in);
-        if (!status) status = each(&in, check_listed);
-        rp_folder_close(&in);
-        return status;
+        RP_TRY(open_in(f, name, &in));
+        return each(&in, check_listed);
     }
     RP_TRY(find_sum(f, name, sum));
     const bool same = S_ISREG(info.st_mode) && (strcmp(own->sum, NO_SUM) == 0 || strcmp(own->sum, sum) == 0);
@@ -336,15 +339,14 @@ rp_status rp_folder_clear(rp_folder *f)
 
 rp_status rp_folder_remove(const rp_folder *f, const char *name)
 {
-    rp_folder in;
+    RP_ENDS(rp_folder_close) rp_folder in = {0};
     struct stat info;
     if (!is_there(f, name, &info)) return RP_OK;
-    rp_status status = open_in(f, name, &in);
-    if (!status && in.marked) status = rp_folder_clear(&in);
-    rp_folder_close(&in);
-    if (!status && unlinkat(f->file, name, AT_REMOVEDIR) != 0 && errno != ENOTEMPTY && errno != EEXIST)
-        status = failed(f, name);
-    return status;
+    RP_TRY(open_in(f, name, &in));
+    if (in.marked) RP_TRY(rp_folder_clear(&in));
+    return unlinkat(f->file, name, AT_REMOVEDIR) == 0 || errno == ENOTEMPTY || errno == EEXIST
+               ? RP_OK
+               : failed(f, name);
 }
 
 /* ---- a result ---- */
@@ -368,78 +370,85 @@ rp_status rp_folder_stage(rp_folder *f, bool make, rp_folder *stage, bool *there
     return RP_OK;
 }
 
-rp_status rp_folder_settle(rp_folder *f, bool *moved)
+static rp_status take_over(rp_folder *f)
 {
-    rp_folder stage;
+    RP_ENDS(rp_folder_close) rp_folder stage;
     struct stat info;
     bool there;
-    *moved = false;
-    for (size_t i = 0; i < f->n; i++) *moved |= f->own[i].act != RP_OWN_STAYS;
-    if (!*moved) return RP_OK;
-    rp_status status = rp_folder_stage(f, false, &stage, &there);
-    for (rp_own *o = f->own; !status && o < f->own + f->n; o++) {
+    RP_TRY(rp_folder_stage(f, false, &stage, &there));
+    for (rp_own *o = f->own; o < f->own + f->n; o++) {
         /* where the newer one is no more in "unfinished", it is this one */
         if (o->act != RP_OWN_GOES || !is_there(f, o->name, &info)) continue;
         if (find(f, o->name, RP_OWN_COMES) && !(there && is_there(&stage, o->name, &(struct stat){0})))
             continue;
-        status = remove_own(f, o->name, &info);
+        RP_TRY(remove_own(f, o->name, &info));
     }
-    if (!status && fsync(f->file) != 0) status = failed(f, "");
-    for (rp_own *o = f->own; !status && there && o < f->own + f->n; o++)
-        if (o->act == RP_OWN_COMES && is_there(&stage, o->name, &info)) {
-            if (is_there(f, o->name, &info)) status = refuse_any(f, o->name);
-            if (!status && renameat(stage.file, o->name, f->file, o->name) != 0) status = failed(f, o->name);
-        }
-    if (!status && fsync(f->file) != 0) status = failed(f, "");
-    rp_folder_close(&stage);
-    if (!status) status = rp_folder_remove(f, STAGE);
+    if (fsync(f->file) != 0) return failed(f, "");
+    for (rp_own *o = f->own; there && o < f->own + f->n; o++) {
+        if (o->act != RP_OWN_COMES || !is_there(&stage, o->name, &info)) continue;
+        if (is_there(f, o->name, &info)) return refuse_any(f, o->name);
+        if (renameat(stage.file, o->name, f->file, o->name) != 0) return failed(f, o->name);
+    }
+    return fsync(f->file) == 0 ? RP_OK : failed(f, "");
+}
+
+rp_status rp_folder_settle(rp_folder *f, bool *moved)
+{
+    struct stat info;
+    *moved = false;
+    for (size_t i = 0; i < f->n; i++) *moved |= f->own[i].act != RP_OWN_STAYS;
+    if (!*moved) return RP_OK;
+    RP_TRY(take_over(f));
+    RP_TRY(rp_folder_remove(f, STAGE));
     for (rp_own *o = f->own; o < f->own + f->n; o++) {
         const bool gone =
             o->act == RP_OWN_GOES || (strcmp(o->name, STAGE) == 0 && !is_there(f, STAGE, &info));
         o->act = gone ? 0 : RP_OWN_STAYS;
     }
-    return status ? status : rp_folder_write(f);
+    return rp_folder_write(f);
 }
 
 /* The checksums of a file, or of a folder's files, that become part of the result. */
 static rp_status seal(const rp_folder *f, rp_own *o)
 {
-    rp_folder in;
+    RP_ENDS(rp_folder_close) rp_folder in = {0};
     struct stat info;
     if (!is_there(f, o->name, &info) || !S_ISDIR(info.st_mode)) return find_sum(f, o->name, o->sum);
-    rp_status status = open_in(f, o->name, &in);
-    for (size_t i = 0; !status && i < in.n; i++) {
-        if (in.own[i].act == RP_OWN_GOES && !is_there(&in, in.own[i].name, &info)) in.own[i].act = 0;
-        status = seal(&in, &in.own[i]);
+    RP_TRY(open_in(f, o->name, &in));
+    for (rp_own *own = in.own; own < in.own + in.n; own++) {
+        if (own->act == RP_OWN_GOES && !is_there(&in, own->name, &info)) own->act = 0;
+        RP_TRY(seal(&in, own));
     }
     in.parts = false;
-    if (!status) status = rp_folder_write(&in);
-    rp_folder_close(&in);
-    return status;
+    return rp_folder_write(&in);
+}
+
+static rp_status announce(rp_folder *f)
+{
+    RP_ENDS(rp_folder_close) rp_folder stage;
+    struct stat info;
+    bool there;
+    RP_TRY(rp_folder_stage(f, false, &stage, &there));
+    for (rp_own *o = stage.own; o < stage.own + stage.n; o++) {
+        if (o->act == RP_OWN_GOES || !is_there(&stage, o->name, &info)) continue;
+        if (!find(f, o->name, 0)) RP_TRY(rp_folder_check(f, o->name));
+        RP_TRY(seal(&stage, o));
+        RP_TRY(rp_folder_list(f, o->name, RP_OWN_COMES));
+        strcpy(find(f, o->name, RP_OWN_COMES)->sum, o->sum);
+    }
+    if (fsync(stage.file) != 0) return failed(f, STAGE);
+    strcpy(f->holds, stage.holds);
+    return rp_folder_write(f);
 }
 
 rp_status rp_folder_publish(rp_folder *f)
 {
-    rp_folder stage;
-    struct stat info;
-    bool there;
     RP_TRY(rp_folder_vacant(f, true)); /* people may have been here in the meantime */
     f->parts = false;
     for (rp_own *o = f->own; o < f->own + f->n; o++)
         if (strcmp(o->name, STAGE) != 0) o->act = RP_OWN_GOES;
-    rp_status status = rp_folder_stage(f, false, &stage, &there);
-    for (rp_own *o = stage.own; !status && o < stage.own + stage.n; o++) {
-        if (o->act == RP_OWN_GOES || !is_there(&stage, o->name, &info)) continue;
-        if (!find(f, o->name, 0)) status = rp_folder_check(f, o->name);
-        if (!status) status = seal(&stage, o);
-        if (!status) status = rp_folder_list(f, o->name, RP_OWN_COMES);
-        if (!status) strcpy(find(f, o->name, RP_OWN_COMES)->sum, o->sum);
-    }
-    if (!status && fsync(stage.file) != 0) status = failed(f, STAGE);
-    snprintf(f->holds, sizeof f->holds, "%s", stage.holds);
-    rp_folder_close(&stage);
-    if (!status) status = rp_folder_write(f);
-    return status ? status : rp_folder_settle(f, &there);
+    RP_TRY(announce(f));
+    return rp_folder_settle(f, &(bool){0});
 }
 
 /* ---- single files and folders ---- */
@@ -470,38 +479,31 @@ static rp_status add_lines(const rp_folder *f, const char *name, const char *tem
 
 rp_status rp_folder_admit(const char *path, const char *temporary)
 {
-    rp_folder f;
+    RP_ENDS(rp_folder_close) rp_folder f = {0};
     const char *name, *slash = strrchr(temporary, '/');
     struct stat info;
-    rp_status status = RP_OK; /* a folder that cannot be opened is told by what follows */
-    if (open_of(path, &f, &name)) return RP_OK;
+    if (open_of(path, &f, &name)) return RP_OK; /* told by what follows */
     const bool there = is_there(&f, name, &info);
     if (there && read_marker(&f) == RP_OK && find(&f, name, 0))
-        status = rp_folder_check(&f, name);
+        RP_TRY(rp_folder_check(&f, name));
     else if (there && !rp_folder_shows(&f, name))
-        status = rp_fail(RP_BAD_INPUT, "%s: %s; move it away, or give another name", path,
-                         S_ISLNK(info.st_mode) ? "a link" : "nothing in it shows that this program wrote it");
-    if (!status) status = add_lines(&f, name, slash ? slash + 1 : temporary);
-    rp_folder_close(&f);
-    return status;
+        return rp_fail(RP_BAD_INPUT, "%s: %s; move it away, or give another name", path,
+                       S_ISLNK(info.st_mode) ? "a link" : "nothing in it shows that this program wrote it");
+    return add_lines(&f, name, slash ? slash + 1 : temporary);
 }
 
 rp_status rp_folder_make(const char *path)
 {
-    rp_folder f;
+    RP_ENDS(rp_folder_close) rp_folder f = {0}, made = {0};
     const char *name;
     struct stat info;
-    rp_status status = open_of(path, &f, &name);
-    if (!status) status = add_lines(&f, name, NULL);
-    const bool there = f.file >= 0 && is_there(&f, name, &info);
-    if (!status && there && !S_ISDIR(info.st_mode)) status = not_ours(&f, name, "no folder");
-    rp_folder_close(&f);
-    if (status || there) return status;
+    RP_TRY(open_of(path, &f, &name));
+    RP_TRY(add_lines(&f, name, NULL));
+    const bool there = is_there(&f, name, &info);
+    if (there) return S_ISDIR(info.st_mode) ? RP_OK : not_ours(&f, name, "no folder");
     if (mkdir(path, 0777) != 0)
         return rp_fail(RP_IO, "%s: cannot make the directory: %s", path, strerror(errno));
-    status = rp_folder_open(path, &f);
-    f.parts = true;
-    if (!status) status = rp_folder_write(&f);
-    rp_folder_close(&f);
-    return status;
+    RP_TRY(rp_folder_open(path, &made));
+    made.parts = true;
+    return rp_folder_write(&made);
 }

@@ -44,6 +44,9 @@ rp_status rp_fail(rp_status status, const char *format, ...) __attribute__((form
         if (try_status) return try_status;                                                                   \
     } while (0)
 
+/* Of a variable: when its block is left, by whatever way, `end` is called with its address. */
+#define RP_ENDS(end) __attribute__((cleanup(end)))
+
 /* Prepend a prefix such as "file:line: " to the last recorded message, unless `status` is RP_OK; returns it.
  */
 rp_status rp_prefix(rp_status status, const char *format, ...) __attribute__((format(printf, 2, 3)));

@@ -83,24 +83,6 @@ rp_status stats_correlate(size_t n, const double x[], const double y[], stats_co
     return RP_OK;
 }
 
-rp_status stats_expected_maximum(size_t n, const double v[], size_t draws, double work[], double *maximum)
-{
-    *maximum = NAN;
-    RP_TRY(stats_check_finite(n, v));
-    if (draws < 1) return rp_fail(RP_BAD_INPUT, "draws = 0: out of range, allowed: [1, inf)");
-    if (draws > n) return rp_fail(RP_NO_RESULT, "%zu values: too few for a maximum of %zu", n, draws);
-    memcpy(work, v, n * sizeof *work);
-    gsl_sort(work, 1, n);
-    /* the value of rank i is the largest of the sample with chance C(i - 1, draws - 1)/C(n, draws) */
-    double chance = (double)draws / (double)n, sum = 0.0;
-    for (size_t i = n; i > draws; i--) {
-        sum += chance * work[i - 1];
-        chance *= (double)(i - draws) / (double)(i - 1);
-    }
-    *maximum = sum + chance * work[draws - 1];
-    return RP_OK;
-}
-
 rp_status stats_check_resamples(size_t n_resamples)
 {
     if (n_resamples >= 2) return RP_OK;
@@ -118,20 +100,4 @@ stats_spread stats_resampled(size_t n, double sample[])
     return (stats_spread){found, gsl_stats_sd(sample, 1, found),
                           gsl_stats_quantile_from_sorted_data(sample, 1, found, tail),
                           gsl_stats_quantile_from_sorted_data(sample, 1, found, 1.0 - tail)};
-}
-
-rp_status stats_maximum_error(size_t n, const double v[], size_t draws, size_t n_resamples, gsl_rng *rng,
-                              double work[], double *se)
-{
-    double *sample = work + n, *maxima = sample + n;
-    stats_summary spread;
-    *se = NAN;
-    RP_TRY(stats_check_resamples(n_resamples));
-    for (size_t b = 0; b < n_resamples; b++) {
-        for (size_t i = 0; i < n; i++) sample[i] = v[gsl_rng_uniform_int(rng, n)];
-        RP_TRY(stats_expected_maximum(n, sample, draws, work, &maxima[b]));
-    }
-    RP_TRY(stats_mean(n_resamples, maxima, &spread));
-    *se = spread.sd;
-    return RP_OK;
 }

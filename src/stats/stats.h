@@ -45,16 +45,6 @@ typedef struct {
 /* Errors: RP_NO_RESULT for n < 4, RP_BAD_INPUT for a value that is not finite. */
 rp_status stats_correlate(size_t n, const double x[], const double y[], stats_correlation *correlation);
 
-/* Expected largest of `draws` of the n values, drawn without repeating one: without bias for independent
- * values, so that ensembles of different size can be compared. work[n] is work space.
- * Errors: RP_BAD_INPUT; RP_NO_RESULT for draws > n. */
-rp_status stats_expected_maximum(size_t n, const double v[], size_t draws, double work[], double *maximum);
-
-/* Standard error of that, by bootstrap over the values. work: 2 n + n_resamples values; n_resamples >= 2.
- * Errors: those of stats_expected_maximum. */
-rp_status stats_maximum_error(size_t n, const double v[], size_t draws, size_t n_resamples, gsl_rng *rng,
-                              double work[], double *se);
-
 /* Spread of a statistic over resamples: standard deviation and the central 95 %, NaN below two numbers. */
 typedef struct {
     size_t n; /* numbers */
@@ -206,23 +196,6 @@ typedef struct {
 
 /* Errors: RP_NO_MEMORY, RP_BROKEN. */
 rp_status stats_linear_fit(stats_linear *fit);
-
-/* Coefficient of x^2 of the parabola through points with known errors, as in stats_line_fit.
- * Errors: those of stats_line_fit, RP_NO_RESULT for fewer than three different x. */
-rp_status stats_bend(const stats_xy *points, stats_contrast *bend);
-
-/* The line and the bend of the first points of a series. */
-typedef struct {
-    stats_line line;
-    stats_contrast bend;
-    double p_bend; /* two-sided */
-} stats_prefix;
-
-/* Where linearity ends, of n points in order of x: prefixes[k] is of the first k + 3 points, n - 2 of them.
- * *linear_to, *bend_free_to: largest x up to which every line has p_value, or p_bend, of at least `level`;
- * NaN if there is none. Errors: those of stats_bend; RP_NO_RESULT for n < 3. */
-rp_status stats_successive(const stats_xy *points, double level, stats_prefix prefixes[], double *linear_to,
-                           double *bend_free_to);
 
 /* ---- least value of a function (least.c) ---- */
 

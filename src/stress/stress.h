@@ -133,32 +133,22 @@ double stress_dip(const double N[STRESS_DIP_BINS]);
 double stress_middle(const double N[STRESS_DIP_BINS]);
 double stress_excess(const double N[STRESS_DIP_BINS], const double rays[STRESS_DIP_BINS]);
 
-/* Three tests of an ensemble for a dip. Bin k of N lies from k to k + 1 times 0.05 B from the centroid, both
- * sides together. */
+/* An ensemble of piles: does the middle dip? Bin k of N lies from k to k + 1 times 0.05 B from the centroid,
+ * both sides together. */
 typedef struct {
-    stats_summary excess, middle; /* pile by pile */
-    double null_lo, null_hi;      /* 95 % of the mean excess of as many piles whose mean is 0 */
-    double p_value, p_dip;        /* chance of a mean excess as far from 0, and as low, from such piles */
-    double p_margin;              /* TOST: largest chance of so small a |mean excess| if it were the margin */
-    double p_profile;             /* chance that a mean profile without a rise outwards, up to 0.3 B, has one
-                                     as large in its errors, from within 0.1 B to any bin */
+    stats_summary middle, excess; /* pile by pile */
+    double p_value;               /* of the mean middle: chance of one as far from 0, by Student's t */
+    double p_margin;              /* TOST: largest chance of so small a |mean middle| if it were the margin */
     double below, below_se;       /* share of the piles with middle < 0 */
-    double share, share_se;       /* of those where it is below 0 by more than the pile's own noise, 5 % */
-    double share_null, share_null_se,
-        p_share; /* the same of piles without a dip; chance of so large a share */
     double N[STRESS_DIP_BINS / 2], N_se[STRESS_DIP_BINS / 2]; /* mean profile */
-    double N_t; /* N +- N_t N_se is a band that holds the whole profile with 95 %: bootstrap of the maximum */
 } stress_dips;
 
-/* From n profiles one after the other, STRESS_DIP_BINS each, and the excess of each pile. Null distributions
- * come from these piles, drawn with replacement, with their mean taken off. A pile's noise is that of the
- * difference between its sides, which has no dip; this difference, mirrored or not, is the middle of a pile
- * without a dip. Errors: RP_BAD_INPUT (margin, resamples, a number), RP_NO_RESULT (fewer than three piles),
- * RP_NO_MEMORY. */
+/* From n profiles one after the other, STRESS_DIP_BINS each, and the excess of each pile. Errors:
+ * RP_BAD_INPUT (margin, a number), RP_NO_RESULT (fewer than three piles), RP_NO_MEMORY. */
 rp_status stress_dip_ensemble(size_t n, const double profiles[], const double excess[], double margin,
-                              size_t resamples, gsl_rng *rng, stress_dips *dips);
+                              stress_dips *dips);
 
-/* Of the excess: dip or peak if p_value < level; none_within_margin if p_margin < level; dip_within_margin or
+/* Of the middle: dip or peak if p_value < level; none_within_margin if p_margin < level; dip_within_margin or
  * peak_within_margin if both; undecided. */
 const char *stress_dip_word(const stress_dips *dips, double level);
 

@@ -66,11 +66,10 @@ static rp_status add_store(const sweep_folder *f, const char *path, rp_paths *st
 /* Add the stores of the shards of a folder, in order. */
 static rp_status find_shards(const sweep_folder *f, const char *folder, rp_paths *stores)
 {
-    rp_paths all = {0};
-    rp_status status = rp_paths_in(&all, folder, is_shard);
-    for (size_t i = 0; !status && i < all.n; i++) status = add_store(f, all.path[i], stores);
-    rp_paths_free(&all);
-    return status;
+    RP_ENDS(rp_paths_free) rp_paths all = {0};
+    RP_TRY(rp_paths_in(&all, folder, is_shard));
+    for (size_t i = 0; i < all.n; i++) RP_TRY(add_store(f, all.path[i], stores));
+    return RP_OK;
 }
 
 /* The sweep's files are the program's own; those of an older version, whose store says so. */
@@ -79,30 +78,27 @@ static rp_status claim(const sweep_folder *f, const char *file)
     static const char *const names[] = {
         "sweep.cfg",        "lock",     "store.sqlite", "store.sqlite-journal", "store.sqlite-wal",
         "store.sqlite-shm", "snapshots"};
+    enum { N_NAMES = sizeof names / sizeof *names };
     char before[256] = "", holds[512];
-    rp_folder folder = {0};
+    RP_ENDS(rp_folder_close) rp_folder folder = {0};
     struct stat info;
-    rp_status status = rp_make_directory(f->dir);
-    if (!status) status = rp_folder_enter(f->dir, &folder);
+    RP_TRY(rp_make_directory(f->dir));
+    RP_TRY(rp_folder_enter(f->dir, &folder));
     const bool older = !folder.marked && lstat(f->sqlite, &info) == 0 && S_ISREG(info.st_mode);
-    if (!status && older) status = sweep_source(f->dir, before);
-    if (!status && !folder.marked && !older) status = rp_folder_vacant(&folder, false);
-    if (!status && folder.marked && !rp_folder_find(&folder, "sweep.cfg"))
-        status = rp_fail(RP_BAD_INPUT, "%s: holds %s; give another folder", f->dir,
-                         *folder.holds ? folder.holds : "an unfinished run");
-    for (size_t i = 0; !status && i < sizeof names / sizeof *names; i++) {
-        const bool snapshots = i + 1 == sizeof names / sizeof *names;
-        if (snapshots && access(f->snapshots, F_OK) == 0) break; /* people's, if it was there before */
-        if (!older || (i == 0 && !*before)) status = rp_folder_check(&folder, names[i]);
-        if (!status) status = rp_folder_list(&folder, names[i], RP_OWN_STAYS);
+    if (older) RP_TRY(sweep_source(f->dir, before));
+    if (!folder.marked && !older) RP_TRY(rp_folder_vacant(&folder, false));
+    if (folder.marked && !rp_folder_find(&folder, "sweep.cfg"))
+        return rp_fail(RP_BAD_INPUT, "%s: holds %s; give another folder", f->dir,
+                       *folder.holds ? folder.holds : "an unfinished run");
+    const bool snapshots = access(f->snapshots, F_OK) == 0; /* people's, if it was there before */
+    for (size_t i = 0; i < (snapshots ? N_NAMES - 1 : N_NAMES); i++) {
+        if (!older || (i == 0 && !*before)) RP_TRY(rp_folder_check(&folder, names[i]));
+        RP_TRY(rp_folder_list(&folder, names[i], RP_OWN_STAYS));
     }
     snprintf(holds, sizeof holds, "the sweep %s", file);
-    if (!status && strcmp(folder.holds, holds) != 0) {
-        strcpy(folder.holds, holds);
-        status = rp_folder_write(&folder);
-    }
-    rp_folder_close(&folder);
-    return status;
+    if (strcmp(folder.holds, holds) == 0) return RP_OK;
+    strcpy(folder.holds, holds);
+    return rp_folder_write(&folder);
 }
 
 static rp_status make_folder(const char *path)
@@ -131,20 +127,16 @@ static rp_status open_main(const sweep_protocol *const *protocols, sweep_access 
 rp_status sweep_folder_read(const char *dir, const sweep_protocol *const *protocols, bool verify,
                             sweep_folder *folder)
 {
-    rp_paths shards = {0};
+    RP_ENDS(rp_paths_free) rp_paths shards = {0};
     RP_TRY(name_files(dir, folder));
     RP_TRY(open_main(protocols, SWEEP_READ, folder));
-    rp_status status = find_shards(folder, folder->shards, &shards);
-    if (!status && verify) status = sweep_store_verify(folder->store, "main", folder->store->path);
-    if (!status && shards.n > 0)
-        status =
-            sweep_store_unite(folder->store, &folder->plan, shards.n, shards.path, verify, &folder->found);
-    else if (!status) {
-        status = sweep_store_freeze(folder->store);
-        if (!status) status = sweep_store_running(folder->store, "main", &folder->found.running);
-    }
-    rp_paths_free(&shards);
-    return status;
+    sweep_store *store = folder->store;
+    RP_TRY(find_shards(folder, folder->shards, &shards));
+    if (verify) RP_TRY(sweep_store_verify(store, "main", store->path));
+    if (shards.n > 0)
+        return sweep_store_unite(store, &folder->plan, shards.n, shards.path, verify, &folder->found);
+    RP_TRY(sweep_store_freeze(store));
+    return sweep_store_running(store, "main", &folder->found.running);
 }
 
 void sweep_folder_close(sweep_folder *folder)
@@ -157,33 +149,27 @@ void sweep_folder_close(sweep_folder *folder)
 
 rp_status sweep_source(const char *dir, char file[256])
 {
-    sweep_folder f;
-    rp_status status = name_files(dir, &f);
+    RP_ENDS(sweep_folder_close) sweep_folder f;
     *file = '\0';
-    if (!status && access(f.sqlite, F_OK) == 0) {
-        status = sweep_store_open(f.sqlite, SWEEP_READ, &f.store);
-        if (!status) status = sweep_store_note(f.store, "main", "file", file, 256);
-    }
-    sweep_folder_close(&f);
-    return status;
+    RP_TRY(name_files(dir, &f));
+    if (access(f.sqlite, F_OK) != 0) return RP_OK;
+    RP_TRY(sweep_store_open(f.sqlite, SWEEP_READ, &f.store));
+    return sweep_store_note(f.store, "main", "file", file, 256);
 }
 
 rp_status sweep_check_output(const char *dir, const char *path)
 {
     static const char *const names[] = {
         "store.sqlite", "store.sqlite-journal", "store.sqlite-wal", "store.sqlite-shm", "sweep.cfg", "lock"};
-    rp_arena memory = {0};
+    RP_SCOPE(memory);
     const char *own;
     struct stat a, b;
-    rp_status status = RP_OK;
-    for (size_t i = 0; !status && i < sizeof names / sizeof *names; i++) {
-        status = rp_path(&memory, &own, "%s/%s", dir, names[i]);
-        if (!status && stat(own, &a) == 0 && stat(path, &b) == 0 && a.st_dev == b.st_dev &&
-            a.st_ino == b.st_ino)
-            status = rp_fail(RP_BAD_INPUT, "%s: is the sweep's own %s; give another file", path, names[i]);
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        RP_TRY(rp_path(&memory, &own, "%s/%s", dir, names[i]));
+        if (stat(own, &a) == 0 && stat(path, &b) == 0 && a.st_dev == b.st_dev && a.st_ino == b.st_ino)
+            return rp_fail(RP_BAD_INPUT, "%s: is the sweep's own %s; give another file", path, names[i]);
     }
-    rp_arena_release(&memory, NULL);
-    return status;
+    return RP_OK;
 }
 
 static rp_status check_points(const sweep_plan *plan, const char *file, const sweep_watch *watch)
@@ -199,24 +185,20 @@ rp_status sweep_prepare(const char *file, const char *dir, size_t replicas,
                         const sweep_protocol *const *protocols, const sweep_watch *watch,
                         sweep_counts *counts)
 {
-    sweep_folder f;
-    FILE *out = NULL;
-    rp_status status = name_files(dir, &f);
-    if (!status) status = sweep_plan_read(file, protocols, &f.plan);
-    if (!status && replicas > 0) status = sweep_plan_replicate(&f.plan, replicas);
-    if (!status) status = check_points(&f.plan, file, watch);
-    if (!status) status = claim(&f, file);
-    if (!status) status = lock_folder(&f);
-    if (!status) status = sweep_store_open(f.sqlite, SWEEP_CREATE, &f.store);
-    if (!status) status = sweep_store_write_plan(f.store, &f.plan, file, watch);
-    if (!status) status = rp_file_open(f.cfg, &out);
-    if (!status) {
-        fputs(f.plan.text, out);
-        status = rp_file_close(f.cfg, out, RP_OK);
-    }
-    if (!status) status = sweep_store_count(f.store, &f.plan, counts);
-    sweep_folder_close(&f);
-    return status;
+    RP_ENDS(sweep_folder_close) sweep_folder f;
+    FILE *out;
+    RP_TRY(name_files(dir, &f));
+    RP_TRY(sweep_plan_read(file, protocols, &f.plan));
+    if (replicas > 0) RP_TRY(sweep_plan_replicate(&f.plan, replicas));
+    RP_TRY(check_points(&f.plan, file, watch));
+    RP_TRY(claim(&f, file));
+    RP_TRY(lock_folder(&f));
+    RP_TRY(sweep_store_open(f.sqlite, SWEEP_CREATE, &f.store));
+    RP_TRY(sweep_store_write_plan(f.store, &f.plan, file, watch));
+    RP_TRY(rp_file_open(f.cfg, &out));
+    fputs(f.plan.text, out);
+    RP_TRY(rp_file_close(f.cfg, out, RP_OK));
+    return sweep_store_count(f.store, &f.plan, counts);
 }
 
 /* ---- running ---- */
@@ -235,27 +217,22 @@ static rp_status mark_store(const char *path, const sweep_plan *plan, unsigned c
 }
 
 /* Numbers of the runs of this part (0 of 1: of all) that are neither in the folder's store nor in the open
- * one; a sweep that runs whole leaves out what its shards have. free(*todo). */
-static rp_status find_todo(const sweep_folder *f, const sweep_options *options, size_t **todo, size_t *n)
+ * one; a sweep that runs whole leaves out what its shards have. In the memory of the folder. */
+static rp_status find_todo(sweep_folder *f, const sweep_options *options, size_t **todo, size_t *n)
 {
     const sweep_plan *plan = &f->plan;
     const size_t parts = options->shards > 0 ? (size_t)options->shards : 1,
                  part = options->shards > 0 ? (size_t)options->shard - 1 : 0;
-    unsigned char *done = calloc(plan->n_runs / 8 + 1, 1);
-    rp_paths shards = {0};
-    rp_status status = done ? sweep_store_mark(f->store, plan->n_runs, done)
-                            : rp_fail(RP_NO_MEMORY, "%s: out of memory", f->dir);
-    if (!status && options->shards > 0) status = mark_store(f->sqlite, plan, done);
-    if (!status && options->shards == 0) status = find_shards(f, f->shards, &shards);
-    for (size_t i = 0; !status && i < shards.n; i++) status = mark_store(shards.path[i], plan, done);
-    rp_paths_free(&shards);
-    *todo = malloc((plan->n_runs / parts + 1) * sizeof **todo);
-    if (!status && !*todo) status = rp_fail(RP_NO_MEMORY, "%s: out of memory", f->dir);
-    *n = 0;
-    for (size_t r = part; !status && r < plan->n_runs; r += parts)
+    RP_ENDS(rp_paths_free) rp_paths shards = {0};
+    unsigned char *done;
+    RP_NEW(&f->memory, done, plan->n_runs / 8 + 1);
+    RP_NEW(&f->memory, *todo, plan->n_runs / parts + 1);
+    RP_TRY(sweep_store_mark(f->store, plan->n_runs, done));
+    RP_TRY(options->shards > 0 ? mark_store(f->sqlite, plan, done) : find_shards(f, f->shards, &shards));
+    for (size_t i = 0; i < shards.n; i++) RP_TRY(mark_store(shards.path[i], plan, done));
+    for (size_t r = part; r < plan->n_runs; r += parts)
         if (!(done[r / 8] >> r % 8 & 1)) (*todo)[(*n)++] = r;
-    free(done);
-    return status;
+    return RP_OK;
 }
 
 /* A shard has a store of its own, so that machines that share a folder need no lock between them. */
@@ -281,37 +258,32 @@ static rp_status open_shard(const sweep_options *options, sweep_folder *f)
  * the folder, and then the folder, stay. */
 static void remove_snapshots(const sweep_folder *f)
 {
-    rp_folder folder;
-    rp_paths left = {0};
-    rp_status status = rp_folder_open(f->snapshots, &folder);
-    if (!status) status = rp_paths_in(&left, f->snapshots, sweep_keep_is_name);
-    for (size_t i = 0; !status && i < left.n; i++)
-        if (rp_folder_shows(&folder, basename(left.path[i]))) unlink(left.path[i]);
-    rp_folder_close(&folder);
-    status = rp_folder_open(f->dir, &folder);
-    if (!status && rp_folder_find(&folder, "snapshots")) rmdir(f->snapshots);
-    rp_folder_close(&folder);
-    rp_paths_free(&left);
+    RP_ENDS(rp_folder_close) rp_folder snapshots = {0}, folder = {0};
+    RP_ENDS(rp_paths_free) rp_paths left = {0};
+    if (!rp_folder_open(f->snapshots, &snapshots)) rp_paths_in(&left, f->snapshots, sweep_keep_is_name);
+    for (size_t i = 0; i < left.n; i++)
+        if (rp_folder_shows(&snapshots, basename(left.path[i]))) unlink(left.path[i]);
+    if (!rp_folder_open(f->dir, &folder) && rp_folder_find(&folder, "snapshots")) rmdir(f->snapshots);
 }
 
 rp_status sweep_run(const char *dir, const sweep_protocol *const *protocols, const sweep_options *options,
                     sweep_counts *counts)
 {
-    sweep_folder f;
-    size_t *todo = NULL, n = 0;
+    RP_ENDS(sweep_folder_close) sweep_folder f = {.lock = -1};
+    size_t *todo, n = 0;
     const bool whole = options->shards == 0;
     if (options->workers < 1)
         return rp_fail(RP_BAD_INPUT, "workers = %d: out of range, allowed: [1, inf)", options->workers);
     if (!whole && (options->shard < 1 || options->shard > options->shards))
         return rp_fail(RP_BAD_INPUT, "shard = %d/%d: out of range, allowed: 1/%d to %d/%d", options->shard,
                        options->shards, options->shards, options->shards, options->shards);
-    rp_status status = name_files(dir, &f);
-    if (!status && whole) status = lock_folder(&f);
-    if (!status) status = open_main(protocols, whole ? SWEEP_WRITE : SWEEP_READ, &f);
-    if (!status && !whole) status = open_shard(options, &f);
-    if (!status) status = sweep_store_drop_crashed(f.store);
-    if (!status) status = find_todo(&f, options, &todo, &n);
-    if (!status) status = sweep_store_count(f.store, &f.plan, counts);
+    RP_TRY(name_files(dir, &f));
+    if (whole) RP_TRY(lock_folder(&f));
+    RP_TRY(open_main(protocols, whole ? SWEEP_WRITE : SWEEP_READ, &f));
+    if (!whole) RP_TRY(open_shard(options, &f));
+    RP_TRY(sweep_store_drop_crashed(f.store));
+    RP_TRY(find_todo(&f, options, &todo, &n));
+    RP_TRY(sweep_store_count(f.store, &f.plan, counts));
     sweep_options own = *options;
     own.snapshots = isnormal(options->snapshot) ? f.snapshots : NULL;
     const size_t planned =
@@ -319,39 +291,35 @@ rp_status sweep_run(const char *dir, const sweep_protocol *const *protocols, con
               : (f.plan.n_runs + (size_t)(options->shards - options->shard)) / (size_t)options->shards;
     counts->planned = planned;
     counts->stored = planned - n;
-    if (!status && n > 0 && own.snapshots) status = make_folder(f.snapshots);
-    if (!status && n > 0) status = sweep_pool_run(&f, todo, n, &own, counts);
-    if (!status) status = sweep_store_commit(f.store);
-    if (!status) status = sweep_store_count(f.store, &f.plan, counts);
-    if (!status && whole && sweep_count_aborted(counts) == 0) remove_snapshots(&f);
-    if (!status) counts->planned = counts->stored = planned; /* some may stand in other stores */
-    if (!status) status = sweep_check_aborted(counts);
-    free(todo);
-    sweep_folder_close(&f);
-    return status;
+    if (n > 0 && own.snapshots) RP_TRY(make_folder(f.snapshots));
+    if (n > 0) RP_TRY(sweep_pool_run(&f, todo, n, &own, counts));
+    RP_TRY(sweep_store_commit(f.store));
+    RP_TRY(sweep_store_count(f.store, &f.plan, counts));
+    if (whole && sweep_count_aborted(counts) == 0) remove_snapshots(&f);
+    counts->planned = counts->stored = planned; /* some may stand in other stores */
+    return sweep_check_aborted(counts);
 }
 
 /* ---- asking ---- */
 
 /* "2,5-7 of 8": the shards that have runs to do, where the folder has shards. */
-static rp_status list_shards(const sweep_folder *f, char *text, size_t size)
+static rp_status list_shards(sweep_folder *f, char *text, size_t size)
 {
-    rp_paths shards = {0};
+    RP_ENDS(rp_paths_free) rp_paths shards = {0};
     size_t parts = 0, used = 0;
+    unsigned char *done;
+    bool *open;
     text[0] = '\0';
     RP_TRY(rp_paths_in(&shards, f->shards, is_shard));
     for (size_t i = 0; i < shards.n; i++) {
         const size_t n = strtoul(strstr(strrchr(shards.path[i], '/'), "-of-") + 4, NULL, 10);
         if (n > parts) parts = n;
     }
-    rp_paths_free(&shards);
-    unsigned char *done = calloc(f->plan.n_runs / 8 + 1, 1);
-    bool *open = calloc(parts + 2, sizeof *open);
-    rp_status status = done && open ? sweep_store_mark(f->store, f->plan.n_runs, done)
-                                    : rp_fail(RP_NO_MEMORY, "%s: out of memory", f->dir);
-    for (size_t r = 0; !status && parts > 0 && r < f->plan.n_runs; r++)
-        open[r % parts] |= !(done[r / 8] >> r % 8 & 1);
-    for (size_t i = 0; !status && i < parts && used < size; i++) {
+    RP_NEW(&f->memory, done, f->plan.n_runs / 8 + 1);
+    RP_NEW(&f->memory, open, parts + 2);
+    RP_TRY(sweep_store_mark(f->store, f->plan.n_runs, done));
+    for (size_t r = 0; parts > 0 && r < f->plan.n_runs; r++) open[r % parts] |= !(done[r / 8] >> r % 8 & 1);
+    for (size_t i = 0; i < parts && used < size; i++) {
         size_t last = i;
         while (open[last] && open[last + 1]) last++;
         if (open[i])
@@ -360,69 +328,63 @@ static rp_status list_shards(const sweep_folder *f, char *text, size_t size)
         i = last;
     }
     if (used > 0 && used < size) snprintf(text + used, size - used, " of %zu", parts);
-    free(done);
-    free(open);
-    return status;
+    return RP_OK;
 }
 
 rp_status sweep_status(const char *dir, const sweep_protocol *const *protocols, sweep_counts *counts)
 {
-    sweep_folder f;
-    rp_status status = sweep_folder_read(dir, protocols, false, &f);
-    if (!status) status = sweep_store_count(f.store, &f.plan, counts);
-    if (!status) status = sweep_store_pace(f.store, &counts->seconds);
-    if (!status) status = list_shards(&f, counts->shards, sizeof counts->shards);
+    RP_ENDS(sweep_folder_close) sweep_folder f;
+    RP_TRY(sweep_folder_read(dir, protocols, false, &f));
+    RP_TRY(sweep_store_count(f.store, &f.plan, counts));
+    RP_TRY(sweep_store_pace(f.store, &counts->seconds));
     counts->running = f.found.running;
-    sweep_folder_close(&f);
-    return status;
+    return list_shards(&f, counts->shards, sizeof counts->shards);
 }
 
 rp_status sweep_check_done(const char *file, const char *dir, const sweep_protocol *const *protocols)
 {
-    sweep_folder f;
-    sweep_plan plan = {0};
+    RP_ENDS(sweep_folder_close) sweep_folder f;
+    RP_ENDS(sweep_plan_free) sweep_plan plan = {0};
     sweep_counts counts;
-    rp_status status = sweep_folder_read(dir, protocols, false, &f);
-    if (!status) status = sweep_plan_read(file, protocols, &plan);
-    if (!status && strcmp(plan.hash, f.plan.hash) != 0)
-        status =
-            rp_fail(RP_BAD_INPUT, "%s: holds another plan than that of %s, and may only be read", dir, file);
-    if (!status) status = sweep_store_count(f.store, &f.plan, &counts);
-    if (!status) status = sweep_check_whole(dir, &counts);
-    sweep_plan_free(&plan);
-    sweep_folder_close(&f);
-    return status;
+    RP_TRY(sweep_folder_read(dir, protocols, false, &f));
+    RP_TRY(sweep_plan_read(file, protocols, &plan));
+    if (strcmp(plan.hash, f.plan.hash) != 0)
+        return rp_fail(RP_BAD_INPUT, "%s: holds another plan than that of %s, and may only be read", dir,
+                       file);
+    RP_TRY(sweep_store_count(f.store, &f.plan, &counts));
+    return sweep_check_whole(dir, &counts);
+}
+
+/* A folder stands for its store and its shards. */
+static rp_status add_source(const sweep_folder *f, const char *path, rp_paths *sources)
+{
+    RP_ENDS(sweep_folder_close) sweep_folder other;
+    struct stat info;
+    RP_TRY(name_files(path, &other));
+    if (stat(path, &info) == 0 && S_ISDIR(info.st_mode)) {
+        RP_TRY(add_store(f, other.sqlite, sources));
+        return find_shards(f, other.shards, sources);
+    }
+    if (access(path, F_OK) != 0) return rp_fail(RP_BAD_INPUT, "%s: no store", path);
+    return rp_paths_add(sources, NULL, path);
 }
 
 rp_status sweep_merge(const char *dir, const sweep_protocol *const *protocols, size_t n, char *const paths[],
                       sweep_merged *merged, sweep_counts *counts)
 {
-    sweep_folder f, other;
-    rp_paths sources = {0};
-    rp_status status = name_files(dir, &f);
-    if (!status) status = lock_folder(&f);
-    if (!status) status = open_main(protocols, SWEEP_WRITE, &f);
-    if (!status && n == 0) status = find_shards(&f, f.shards, &sources);
-    for (size_t i = 0; !status && i < n; i++) { /* a folder stands for its store and its shards */
-        struct stat info;
-        const bool folder = stat(paths[i], &info) == 0 && S_ISDIR(info.st_mode);
-        status = name_files(paths[i], &other);
-        const char *store = folder ? other.sqlite : paths[i];
-        if (!status && !folder && access(store, F_OK) != 0)
-            status = rp_fail(RP_BAD_INPUT, "%s: no store", store);
-        if (!status) status = folder ? add_store(&f, store, &sources) : rp_paths_add(&sources, NULL, store);
-        if (!status && folder) status = find_shards(&f, other.shards, &sources);
-        sweep_folder_close(&other);
-    }
-    if (!status && sources.n == 0)
-        status = rp_fail(RP_BAD_INPUT, "%s: no shards, and no other store is named%s%s", dir,
-                         *f.store->skipped ? "; none yet: " : "", f.store->skipped);
-    if (!status) status = sweep_store_merge(f.store, &f.plan, sources.n, sources.path, merged);
-    if (!status) status = sweep_store_count(f.store, &f.plan, counts);
-    if (!status) status = list_shards(&f, counts->shards, sizeof counts->shards);
-    rp_paths_free(&sources);
-    sweep_folder_close(&f);
-    return status;
+    RP_ENDS(sweep_folder_close) sweep_folder f;
+    RP_ENDS(rp_paths_free) rp_paths sources = {0};
+    RP_TRY(name_files(dir, &f));
+    RP_TRY(lock_folder(&f));
+    RP_TRY(open_main(protocols, SWEEP_WRITE, &f));
+    if (n == 0) RP_TRY(find_shards(&f, f.shards, &sources));
+    for (size_t i = 0; i < n; i++) RP_TRY(add_source(&f, paths[i], &sources));
+    if (sources.n == 0)
+        return rp_fail(RP_BAD_INPUT, "%s: no shards, and no other store is named%s%s", dir,
+                       *f.store->skipped ? "; none yet: " : "", f.store->skipped);
+    RP_TRY(sweep_store_merge(f.store, &f.plan, sources.n, sources.path, merged));
+    RP_TRY(sweep_store_count(f.store, &f.plan, counts));
+    return list_shards(&f, counts->shards, sizeof counts->shards);
 }
 
 rp_status sweep_salvage(const char *dir, const sweep_protocol *const *protocols, size_t *n)
@@ -430,27 +392,25 @@ rp_status sweep_salvage(const char *dir, const sweep_protocol *const *protocols,
     static const char *const ends[] = {"", "-wal", "-journal"};
     enum { N_ENDS = sizeof ends / sizeof *ends };
     struct stat info;
-    sweep_folder f;
-    const char *kept = NULL, *from, *to;
+    RP_ENDS(sweep_folder_close) sweep_folder f;
+    const char *kept, *from, *to;
     *n = 0;
-    rp_status status = name_files(dir, &f);
-    if (!status) status = rp_path(&f.memory, &kept, "%s/damaged.sqlite", dir);
-    if (!status) status = lock_folder(&f);
-    if (!status) status = sweep_plan_read(f.cfg, protocols, &f.plan);
-    if (!status && access(f.sqlite, F_OK) != 0) status = rp_fail(RP_BAD_INPUT, "%s: no store", f.sqlite);
-    for (size_t i = 0; !status && i < 2 * N_ENDS; i++) { /* look at all, then rename all */
-        status = rp_path(&f.memory, &from, "%s%s", f.sqlite, ends[i % N_ENDS]);
-        if (!status) status = rp_path(&f.memory, &to, "%s%s", kept, ends[i % N_ENDS]);
-        if (!status && i < N_ENDS && lstat(to, &info) == 0)
-            status = rp_fail(RP_BAD_INPUT, "%s: kept of an earlier salvage; move it away first", to);
-        if (!status && i >= N_ENDS && rename(from, to) != 0 && errno != ENOENT)
-            status = rp_fail(RP_IO, "%s: cannot rename: %s", from, strerror(errno));
+    RP_TRY(name_files(dir, &f));
+    RP_TRY(rp_path(&f.memory, &kept, "%s/damaged.sqlite", dir));
+    RP_TRY(lock_folder(&f));
+    RP_TRY(sweep_plan_read(f.cfg, protocols, &f.plan));
+    if (access(f.sqlite, F_OK) != 0) return rp_fail(RP_BAD_INPUT, "%s: no store", f.sqlite);
+    for (size_t i = 0; i < 2 * N_ENDS; i++) { /* look at all, then rename all */
+        RP_TRY(rp_path(&f.memory, &from, "%s%s", f.sqlite, ends[i % N_ENDS]));
+        RP_TRY(rp_path(&f.memory, &to, "%s%s", kept, ends[i % N_ENDS]));
+        if (i < N_ENDS && lstat(to, &info) == 0)
+            return rp_fail(RP_BAD_INPUT, "%s: kept of an earlier salvage; move it away first", to);
+        if (i >= N_ENDS && rename(from, to) != 0 && errno != ENOENT)
+            return rp_fail(RP_IO, "%s: cannot rename: %s", from, strerror(errno));
     }
-    if (!status) status = sweep_store_open(f.sqlite, SWEEP_CREATE, &f.store);
-    if (!status) status = sweep_store_write_plan(f.store, &f.plan, f.cfg, NULL);
-    if (!status) status = sweep_store_salvage(f.store, &f.plan, kept, n);
-    sweep_folder_close(&f);
-    return status;
+    RP_TRY(sweep_store_open(f.sqlite, SWEEP_CREATE, &f.store));
+    RP_TRY(sweep_store_write_plan(f.store, &f.plan, f.cfg, NULL));
+    return sweep_store_salvage(f.store, &f.plan, kept, n);
 }
 
 /* Whose a snapshot is: of this run with these tables. */
@@ -465,7 +425,7 @@ static void trace_owner(const sweep_plan *plan, size_t row, const sweep_tables *
 rp_status sweep_trace(const char *file, const sweep_protocol *const *protocols, size_t row,
                       const sweep_tables *tables, const sweep_protocol **protocol, sweep_result *result)
 {
-    sweep_plan plan;
+    RP_ENDS(sweep_plan_free) sweep_plan plan;
     char owner[33], why[1024] = "";
     sweep_keep keep = {
         .path = tables->snapshot, .key = owner, .interval = tables->interval, .stop = tables->stop};
@@ -473,19 +433,17 @@ rp_status sweep_trace(const char *file, const sweep_protocol *const *protocols, 
     kept.keep = tables->snapshot ? &keep : NULL;
     rp_status status = sweep_plan_read(file, protocols, &plan);
     *protocol = plan.protocol;
-    if (!status && row >= plan.n_runs)
-        status = rp_fail(RP_BAD_INPUT, "row = %zu: out of range, allowed: [0, %zu], the runs of %s", row,
-                         plan.n_runs - 1, file);
-    if (!status) status = sweep_plan_check_point(&plan, file, row / plan.replicas);
-    if (!status) {
-        trace_owner(&plan, row, tables, owner);
-        if (kept.keep) sweep_keep_begin(&keep, true, why, sizeof why);
-        const sweep_stream stream = sweep_plan_stream(&plan, row);
-        status = *why ? rp_fail(RP_BAD_INPUT, "%s; remove this file to start anew", why)
-                      : plan.protocol->run(sweep_plan_point(&plan, row / plan.replicas), stream.seed,
-                                           stream.run, &kept, result);
-        if (kept.keep) sweep_keep_end(&keep, status == RP_OK);
-    }
-    sweep_plan_free(&plan);
+    RP_TRY(status);
+    if (row >= plan.n_runs)
+        return rp_fail(RP_BAD_INPUT, "row = %zu: out of range, allowed: [0, %zu], the runs of %s", row,
+                       plan.n_runs - 1, file);
+    RP_TRY(sweep_plan_check_point(&plan, file, row / plan.replicas));
+    trace_owner(&plan, row, tables, owner);
+    if (kept.keep) sweep_keep_begin(&keep, true, why, sizeof why);
+    const sweep_stream stream = sweep_plan_stream(&plan, row);
+    status = *why ? rp_fail(RP_BAD_INPUT, "%s; remove this file to start anew", why)
+                  : plan.protocol->run(sweep_plan_point(&plan, row / plan.replicas), stream.seed, stream.run,
+                                       &kept, result);
+    if (kept.keep) sweep_keep_end(&keep, status == RP_OK);
     return status;
 }

@@ -22,7 +22,7 @@ static const long QUIET_STEPS = 200;
 typedef struct {
     sweep_box box;
     double v_cut, drop_height, entry_width;
-    long insertions, steps_max, avalanche, draws;
+    long insertions, steps_max, avalanche;
 } flux_params;
 
 #define AT(field) offsetof(flux_params, field)
@@ -41,7 +41,6 @@ static const rp_param schema[] = {
      "most steps; the series ends there if it is shorter"},
     {"avalanche", "", RP_INT, AT(avalanche), "5", "[1, 1000000]",
      "least outflow between two insertions that counts as an avalanche"},
-    {"draws", "", RP_INT, AT(draws), "10", "[1, 1000000]", "decorrelated angles that a maximum is taken of"},
     SWEEP_BOX_REST_ROWS
     SWEEP_BOX_SURFACE_ROWS
     {0}};
@@ -55,7 +54,6 @@ static const rp_param schema[] = {
     X(tau_insertions, "", "integrated correlation time, in insertions") \
     X(decorrelated, "", "number of decorrelated angles, n/(2 tau)") \
     X(theta_max_deg, "degree", "largest angle") \
-    X(theta_max_draws_deg, "degree", "expected largest of `draws` decorrelated angles") \
     X(theta_ms_flux_deg, "degree", "mean angle just before avalanches") \
     X(theta_ms_less_r_deg, "degree", "that less the mean angle just after avalanches") \
     X(avalanches, "", "number of avalanches") \
@@ -77,7 +75,7 @@ typedef struct {
     size_t n;              /* rows */
     double *theta, *tower; /* degrees, d */
     double *step, *grains;
-    double *work; /* room for two series */
+    double *work; /* room for a series */
 } flux;
 
 static void fix_box(flux_params *p)
@@ -229,17 +227,6 @@ static void avalanches(const flux *f, size_t from, flux_values *v)
     v->theta_ms_less_r_deg = (before - after) / count;
 }
 
-/* Largest of `draws` angles, one taken every two correlation times. NaN where there are too few. */
-static rp_status maximum_of_draws(const flux *f, size_t from, double tau, double *maximum)
-{
-    const size_t stride = (size_t)ceil(2.0 * tau);
-    double *thinned = f->work;
-    size_t n = 0;
-    for (size_t k = from; k < f->n; k += stride) thinned[n++] = f->theta[k];
-    rp_status status = stats_expected_maximum(n, thinned, (size_t)f->p.draws, f->work + f->n, maximum);
-    return status == RP_NO_RESULT ? RP_OK : status;
-}
-
 static rp_status analyse(flux *f)
 {
     flux_values *const v = (void *)f->box.result->values;
@@ -253,7 +240,6 @@ static rp_status analyse(flux *f)
     status = stats_blocking(f->n - from, f->theta + from, f->work, &series);
     if (status == RP_NO_RESULT) /* no errors, but a mean */
         sweep_conclude(f->box.result, "ok", "%s", rp_message());
-    if (!status) status = maximum_of_draws(f, from, series.tau, &v->theta_max_draws_deg);
     if (status && status != RP_NO_RESULT) return status;
     for (size_t k = from; k < f->n; k++) {
         grains += f->grains[k];
@@ -299,7 +285,7 @@ static rp_status make(flux *f, const flux_params *p, unsigned long seed, unsigne
     f->box.max_steps = p->steps_max;
     f->radii = rp_random_alloc(seed, run, RP_PURPOSE_RADII);
     f->positions = rp_random_alloc(seed, run, RP_PURPOSE_PLACES);
-    f->theta = calloc(6 * rows, sizeof *f->theta);
+    f->theta = calloc(5 * rows, sizeof *f->theta);
     dem_grain *layer = f->box.scene.grains = malloc(most_layer * sizeof *layer);
     if (!f->radii || !f->positions || !f->theta || !layer)
         status = status ? status : rp_fail(RP_NO_MEMORY, "flux: out of memory");

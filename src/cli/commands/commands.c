@@ -21,8 +21,11 @@ static const cli_removed removed[] = {
     {"calibrate --response", "nothing; tests of the program do this"},
     {"stress dip --power", "nothing; tests of the program do this"},
     {"stress dip --ensembles", "nothing; tests of the program do this"},
-    {"angle phi --bootstrap", "columns phi_lo_deg and phi_hi_deg"},
-    {"angle phi --seed", "columns phi_lo_deg and phi_hi_deg"},
+    {"stress dip --resamples", "nothing; p_value is by Student's t"},
+    {"stress dip --seed", "nothing; p_value is by Student's t"},
+    {"angle phi", "nothing; 0.1.0 has it"},
+    {"stats maximum", "nothing; 0.1.0 has it"},
+    {"stats fit --successive", "nothing; 0.1.0 has it"},
     {"help --man", "repose help --markdown; packages hold the manual page"},
     {NULL, NULL}};
 

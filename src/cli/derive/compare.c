@@ -1,10 +1,6 @@
-/* repose angle compare, repose angle phi: measured piles against (3) and (4). */
-#include <float.h>
-
+/* repose angle compare: measured piles against (3) and (4). */
 #include "angle/angle.h"
 #include "cli/derive/derive.h"
-
-/* ---- compare ---- */
 
 #define COMPARE_OPTIONS(X)                                                                                   \
     CLI_PHI(X)                                                                                               \
@@ -115,74 +111,3 @@ const cli_command cmd_angle_compare = {
     .refuses = "A table without these columns, or without a pile that counts.",
     .derives = true,
     .on_table = compare_table};
-
-/* ---- phi ---- */
-
-#define PHI_OPTIONS(X)                                                                                       \
-    X(REAL, from, "", "0", "[0, inf)", "smallest mu that is used")                                           \
-    X(REAL, to, "", "1e308", "(0, inf)", "largest mu that is used")                                          \
-    CLI_WHERE(X)
-
-CLI_OPTIONS(phi, PHI_OPTIONS)
-
-static rp_status print_phis(rp_arena *arena, size_t n_groups, const ang_piles groups[], const char *failed)
-{
-    size_t n = 0;
-    ang_phi fit[ANG_N_AGAINST];
-    for (size_t i = 0; i < n_groups; i++) n += groups[i].n;
-    RP_TRY(ang_phi_fit(n_groups, groups, fit));
-    for (int a = 0; a < ANG_N_AGAINST; a++) {
-        const ang_phi *f = &fit[a];
-        const int open = f->lo_open && f->hi_open ? 2 : (int)f->hi_open - (int)f->lo_open;
-        CLI_ROW_WORD(rp_text(arena, "%s\t%s", failed, ang_against_words[a]), (double)n_groups, (double)n,
-                     f->phi / deg, f->lo / deg, f->hi / deg, f->chi2, (double)f->dof, f->p_value, open);
-    }
-    return RP_OK;
-}
-
-static rp_status phi_table(cli_call *call, rp_table *table, const void *values)
-{
-    const phi_options *o = values;
-    rp_rows piles;
-    size_t n_groups = 0;
-    RP_TRY(read_piles(call->arena, table, &piles));
-    ang_piles *groups = rp_arena_memory(call->arena, piles.n_groups, sizeof *groups);
-    for (size_t g = 0; g < piles.n_groups; g++) {
-        const size_t first = piles.first[g];
-        const double mu = piles.column[0][first];
-        if (mu == 0.0 || mu < o->from || mu > o->to) continue;
-        groups[n_groups++] =
-            (ang_piles){mu, piles.first[g + 1] - first, piles.column[1] + first, piles.column[2] + first};
-    }
-    if (n_groups == 0)
-        return rp_fail(RP_NO_RESULT, "%s: no row with status ok, both angles, and mu in range", table->path);
-    cli_table(call, stdout);
-    rp_rows_note(table, &piles);
-    rp_table_header(stdout, "n_mu, n, phi_deg [deg], phi_lo_deg [deg], phi_hi_deg [deg], chi2, dof, p_value, "
-                            "open, " CLI_FAILED_COLUMNS ", against");
-    const double range[] = {fmax(o->from, DBL_MIN), o->to};
-    return rp_prefix(
-        print_phis(call->arena, n_groups, groups, cli_failed(call->arena, table, NULL, 0, "mu", range)),
-        "%s: ", table->path);
-}
-
-const cli_command cmd_angle_phi = {
-    "angle phi",
-    "inclination of the rays, fitted to measured angles",
-    "FILE [options]",
-    "Fits the inclination phi of the rays of force to all mu together. Equation (3), tan theta_MS =\n"
-    "mu tan^2 phi, is fitted to measured theta_R + theta_T; equation (4), in its balanced form, to\n"
-    "measured theta_T.\n"
-    "\n"
-    "FILE (- for standard input) is a table as for repose angle compare. Rows with mu = 0 are left out.\n"
-    "\n"
-    "against names the equation. phi_lo and phi_hi bound the 95 % interval, where chi2 has risen by 3.84\n"
-    "(profile likelihood). p_value is the chance of a larger chi2 if one phi holds for all mu; below\n"
-    "0.05 the interval is that of a compromise. open is -1 if the data give no lower bound on phi, 1 for\n"
-    "no upper bound, 2 for neither; phi is then not identified.",
-    "repose angle phi build/tables/lh3_runs.tsv",
-    phi_params,
-    .refuses = "A table without a pile that counts; a friction with fewer than 5 piles.\n"
-               "Piles whose angles are all the same, or steeper than any ray: exit status 1.",
-    .derives = true,
-    .on_table = phi_table};

@@ -5,9 +5,9 @@
 
 #include "cli/cli.h"
 
-#define CLI_STATS(X)  X(fit) X(trend) X(size) X(maximum) X(correlation)
+#define CLI_STATS(X)  X(fit) X(trend) X(size) X(correlation)
 #define CLI_STRESS(X) X(field) X(base) X(dip)
-#define CLI_ANGLE(X)  X(compare) X(phi)
+#define CLI_ANGLE(X)  X(compare)
 
 #define X(name) cmd_stats_##name,
 extern const cli_command CLI_STATS(X) cmd_stats;

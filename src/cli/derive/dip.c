@@ -3,10 +3,8 @@
 #include "stress/stress.h"
 
 #define DIP_OPTIONS(X)                                                                                       \
-    X(REAL, margin, "", "0.05", "(0, inf)", "largest |excess| that counts as none")                          \
+    X(REAL, margin, "", "0.05", "(0, inf)", "largest |middle| that counts as none")                          \
     X(REAL, level, "", "0.05", "(0, 0.5)", "of the tests")                                                   \
-    X(INT, resamples, "", "10000", "[2, 10000000]", "of the piles")                                          \
-    CLI_SEED(X, "1992", "seed of the resamples")                                                             \
     X(BOOL, profile, "", "false", "", "print the mean profile with its band")                                \
     CLI_WHERE(X)
 
@@ -53,25 +51,21 @@ static rp_status read_piles(rp_arena *arena, const rp_table *t, dip_piles *p)
 
 static void print_dip(rp_arena *arena, const stress_dips *d, const dip_options *o, const char *failed)
 {
+    const stats_summary *m = &d->middle, *e = &d->excess;
     rp_table_header(stdout,
-                    "n, excess, excess_se, excess_sd, excess_lo, excess_hi, null_lo, null_hi, p_value, "
-                    "p_dip, p_margin, middle, middle_se, middle_lo, middle_hi, p_profile, below, "
-                    "below_se, share, share_se, share_null, share_null_se, p_share, " CLI_FAILED_COLUMNS
+                    "n, middle, middle_se, middle_sd, middle_lo, middle_hi, p_value, p_margin, below, "
+                    "below_se, excess, excess_se, excess_sd, excess_lo, excess_hi, " CLI_FAILED_COLUMNS
                     ", verdict");
-    CLI_ROW_WORD(rp_text(arena, "%s\t%s", failed, stress_dip_word(d, o->level)), (double)d->excess.n,
-                 d->excess.mean, d->excess.se, d->excess.sd, d->excess.lo, d->excess.hi, d->null_lo,
-                 d->null_hi, d->p_value, d->p_dip, d->p_margin, d->middle.mean, d->middle.se, d->middle.lo,
-                 d->middle.hi, d->p_profile, d->below, d->below_se, d->share, d->share_se, d->share_null,
-                 d->share_null_se, d->p_share);
+    CLI_ROW_WORD(rp_text(arena, "%s\t%s", failed, stress_dip_word(d, o->level)), (double)m->n, m->mean, m->se,
+                 m->sd, m->lo, m->hi, d->p_value, d->p_margin, d->below, d->below_se, e->mean, e->se, e->sd,
+                 e->lo, e->hi);
 }
 
 static void print_profile(const stress_dips *d, const dip_piles *p)
 {
-    rp_table_note_number(stdout, "band", d->N_t, "standard errors");
-    rp_table_header(stdout, "distance [B], N [mean], N_se [mean], N_lo [mean], N_hi [mean], rays [mean]");
+    rp_table_header(stdout, "distance [B], N [mean], N_se [mean], rays [mean]");
     for (int k = 0; k < STRESS_DIP_BINS / 2; k++)
-        CLI_ROW((k + 0.5) / STRESS_DIP_BINS, d->N[k], d->N_se[k], d->N[k] - d->N_t * d->N_se[k],
-                d->N[k] + d->N_t * d->N_se[k], p->rays[k]);
+        CLI_ROW((k + 0.5) / STRESS_DIP_BINS, d->N[k], d->N_se[k], p->rays[k]);
 }
 
 static rp_status dip_of_table(cli_call *call, rp_table *table, const void *values)
@@ -80,8 +74,7 @@ static rp_status dip_of_table(cli_call *call, rp_table *table, const void *value
     dip_piles piles;
     stress_dips dips;
     RP_TRY(read_piles(call->arena, table, &piles));
-    RP_TRY(rp_prefix(stress_dip_ensemble(piles.n, piles.profiles, piles.excess, o->margin,
-                                         (size_t)o->resamples, cli_random(call, 0), &dips),
+    RP_TRY(rp_prefix(stress_dip_ensemble(piles.n, piles.profiles, piles.excess, o->margin, &dips),
                      "%s: ", table->path));
     cli_table(call, stdout);
     rp_table_note(stdout, "rows", "%zu used, %zu left out", piles.n, table->n_rows - piles.n);
@@ -96,26 +89,20 @@ const cli_command cmd_stress_dip = {
     "stress dip",
     "does the pressure on the base dip in the middle?",
     "TABLE [options]",
-    "Tests the pressure N on the base of many piles for a dip in the middle. B is the base that holds\n"
+    "Does the pressure N on the base of many piles have a minimum in the middle? B is the base that holds\n"
     "98 % of the load, and distances are from the centroid of the load; both are fixed before N is\n"
-    "looked at. Three tests:\n"
+    "looked at.\n"
     "\n"
-    "profile  the mean N of all piles and both sides, in bins of 0.05 B. p_profile is the chance that a\n"
-    "         mean without a rise outwards has one as large, from within 0.1 B to any bin up to 0.3 B.\n"
-    "         --profile prints this mean, with a band that holds all of it with 95 %, and the mean\n"
-    "         pressure of 60-degree rays under the piles' own outlines.\n"
-    "excess   N less that of the rays, mean within 0.1 B, over the mean N. Errors and 95 % intervals are\n"
-    "         over piles; null_lo and null_hi bound 95 % of the mean excess of as many piles whose mean\n"
-    "         is 0. p_value is the chance that such piles have one as far from 0, p_dip one as low.\n"
-    "         p_margin belongs to the test of equivalence (TOST) with the margin.\n"
-    "share    of the piles whose middle lies below its neighbours by more than the pile's own noise, at\n"
-    "         5 %; middle is N within 0.1 B less that from 0.1 to 0.2 B, over the mean N. The noise is\n"
-    "         that of the difference between the pile's sides. share_null is the share of piles without\n"
-    "         a dip, p_share the chance of so large a share of these; below is the share of the piles\n"
-    "         with a middle below 0 at all.\n"
+    "middle   N within 0.1 B less that from 0.1 to 0.2 B, over the mean N: negative for a dip. Errors and\n"
+    "         95 % intervals are over piles; p_value is the chance of a mean as far from 0, p_margin\n"
+    "         belongs to the test of equivalence (TOST) with the margin. below: share of the piles in\n"
+    "         which it is negative.\n"
+    "excess   why: N less the pressure of 60-degree rays under the piles' own outlines, mean within 0.1 B,\n"
+    "         over the mean N. Near 0 where the outline makes the dip.\n"
     "\n"
-    "The verdict is that of the excess: dip or peak if p_value < level; none_within_margin if p_margin <\n"
-    "level; dip_within_margin or peak_within_margin if both; else undecided.\n"
+    "The verdict is that of the middle: dip or peak if p_value < level; none_within_margin if p_margin <\n"
+    "level; dip_within_margin or peak_within_margin if both; else undecided. --profile prints the mean N\n"
+    "of both sides in bins of 0.05 B, and that of the rays.\n"
     "\n"
     "TABLE (- for standard input) has one row per pile with columns n_01 to n_20, excess and status, as\n"
     "repose sweep export writes it for the protocols drop and pile. Rows whose status is not ok are left\n"

@@ -14,9 +14,6 @@ enum { SCALE_LINEAR, SCALE_LOG };
     CLI_RANGE(X, "x")                                                                                        \
     X(CHOICE, scale, "", "linear", "linear | log",                                                           \
       "straight line in x and y, or in their natural logarithms: a power law")                               \
-    X(BOOL, successive, "", "false", "",                                                                     \
-      "where linearity ends: one row for the first three points, the first four, ...")                       \
-    X(REAL, level, "", "0.05", "(0, 1)", "smallest p with which a line is accepted, for --successive")       \
     CLI_WHERE(X)
 
 CLI_OPTIONS(fit, FIT_OPTIONS)
@@ -34,36 +31,6 @@ static rp_status take_logarithms(const rp_table *t, size_t n, double v[], const 
             return rp_fail(RP_BAD_INPUT, "%s: %s = %g: out of range of this scale, allowed: (0, inf)",
                            t->path, name, v[i]);
         v[i] = log(v[i]);
-    }
-    return RP_OK;
-}
-
-/* The largest x of a range, NaN for an empty one. */
-static void note_reach(const char *name, double to)
-{
-    if (isnan(to))
-        rp_table_note(stdout, name, "none");
-    else
-        rp_table_note(stdout, name, "%g", to);
-}
-
-static rp_status print_successive(rp_arena *arena, const stats_xy *points, double level, const char *failed)
-{
-    double linear_to, bend_free_to;
-    stats_prefix *fits = rp_arena_memory(arena, points->n, sizeof *fits);
-    RP_TRY(stats_successive(points, level, fits, &linear_to, &bend_free_to));
-    note_reach("linear_to", linear_to);
-    note_reach("bend_free_to", bend_free_to);
-    rp_table_header(stdout,
-                    "x_to [x], n, slope [y/x], slope_se [y/x], intercept [y], intercept_se [y], chi2, dof, "
-                    "p_value, bend [y/x^2], bend_se [y/x^2], p_bend, " CLI_FAILED_COLUMNS ", status");
-    for (size_t k = 0; k + 3 <= points->n; k++) {
-        const stats_line *l = &fits[k].line;
-        const stats_contrast *bend = &fits[k].bend;
-        const char *word = l->p_value < level || fits[k].p_bend < level ? "curved" : "ok";
-        CLI_ROW_WORD(rp_text(arena, "%s\t%s", failed, word), points->x[k + 2], (double)l->n, l->slope,
-                     l->slope_se, l->intercept, l->intercept_se, l->chi2, (double)l->dof, l->p_value,
-                     bend->value, bend->se, fits[k].p_bend);
     }
     return RP_OK;
 }
@@ -90,12 +57,9 @@ static rp_status fit_table(cli_call *call, rp_table *table, const void *values)
 {
     const fit_options *o = values;
     const bool weighted = strcmp(o->se, "none") != 0, logarithms = o->scale == SCALE_LOG;
-    const rp_choice choice = {
-        .any_status = true, .range = (double[]){o->from, o->to}, .grouped = o->successive};
+    const rp_choice choice = {.any_status = true, .range = (double[]){o->from, o->to}};
     char names[512];
     rp_rows rows;
-    if (o->successive && !weighted)
-        return rp_fail(RP_USAGE, "--successive needs --se; see repose stats fit --help");
     if (logarithms && weighted)
         return rp_fail(RP_USAGE, "--scale log takes no --se: give one of them; see repose stats fit --help");
     snprintf(names, sizeof names, weighted ? "%s,%s,%s" : "%s,%s", o->x, o->y, o->se);
@@ -109,9 +73,7 @@ static rp_status fit_table(cli_call *call, rp_table *table, const void *values)
     rp_status status = logarithms ? take_logarithms(table, rows.n, x, o->x) : RP_OK;
     if (logarithms && !status) status = take_logarithms(table, rows.n, y, o->y);
     const stats_xy points = {rows.n, x, y, rows.column[2]};
-    if (!status)
-        status = o->successive ? print_successive(call->arena, &points, o->level, failed)
-                               : print_fit(call->arena, &points, logarithms, range, failed);
+    if (!status) status = print_fit(call->arena, &points, logarithms, range, failed);
     return rp_prefix(status, "%s: ", table->path);
 }
 
@@ -122,14 +84,10 @@ const cli_command cmd_stats_fit = {
     "Straight line y = intercept + slope x by least squares, and the line through the origin.\n"
     "With --se the weights are 1/se^2, and errors follow from se, not rescaled; p_value: chance of a\n"
     "larger chi2. Without, all weights are equal, and errors follow from the scatter about the line.\n"
-    "--successive orders the points by x and adds one after the other. bend: coefficient of x^2 of the\n"
-    "parabola, p_bend its two-sided p. linear_to, bend_free_to (header): largest x up to which every\n"
-    "line has p_value, or p_bend, of at least --level; nan if there is none.\n"
     "TABLE (- for standard input): columns by name, or 1, 2, ... without header; rows with nan are left\n"
     "out.",
     "repose stats fit build/tables/lh3.tsv -x mu -y theta_r3_deg_mean --se theta_r3_deg_se --to 0.2",
     fit_params,
-    .refuses =
-        "--successive without --se; --scale log together with --se, or with a number that is not positive.",
+    .refuses = "--scale log together with --se, or with a number that is not positive.",
     .derives = true,
     .on_table = fit_table};
