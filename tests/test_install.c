@@ -78,7 +78,7 @@ static void test_data(void)
     CU_ASSERT_PTR_NOT_NULL(strstr(out, "/bin: repose  "));
     CU_ASSERT_PTR_NOT_NULL(strstr(out, "/share/repose: examples python sweeps "));
     PASSES("$PREFIX/bin/repose sweep make sweeps/li/tent.cfg -o tent --tables tables && ls "
-           "tables/map_20.tsv");
+           "tables/30_45_38.tsv");
 }
 
 /* A sweep of so many runs under a name of the program's own sweeps. */

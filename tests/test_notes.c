@@ -332,7 +332,6 @@ static void test_models(void)
     check_note(&t, "outer-deg", "30 degrees");
     check_note(&t, "inner-deg", "45 degrees");
     check_note(&t, "x1", "0.3 B");
-    check_note(&t, "map", "false");
     check_note(&t, "points", "2001");
     CU_ASSERT(!rp_table_find_note(&t, "at") && !rp_table_find_note(&t, "json"));
     GOOD("continuum --alpha-deg 30");

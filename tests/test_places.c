@@ -49,7 +49,6 @@ static const struct {
               {"limit_wall", "", "wall"},
               {"limit_inside", "", "between grains"},
               {"limit", "", "limit|method"},
-              {"exponent", "", "p"},
               {"slope_se", "", "power"},
               {"slope", "", "slope|power|per cm"},
               {"intercept", "", "intercept|at mu = 0"},

@@ -595,7 +595,6 @@ static void test_failed(void)
         {"stats trend -x x -y y --by g", "f.tsv", {"1\tno_pile:1", "3\tno_pile:2,overlap:1"}},
         {"stats trend -x x -y y --by g --to 3", "f.tsv", {"1\tno_pile:1", "2\tno_pile:2"}},
         {"stats size -x x -y y --by g", "f.tsv", {"1\tno_pile:1", "3\tno_pile:2,overlap:1"}},
-        {"stats size -x x -y y --by g --exponent free", "f.tsv", {"1\tno_pile:1", "3\tno_pile:2,overlap:1"}},
         {"stats correlation -x x -y y --by g", "f.tsv", {"1\tno_pile:1", "3\tno_pile:2,overlap:1"}},
         {"stats fit -x x -y y --from 2", "f.tsv", {"3\tno_pile:2,overlap:1", "3\tno_pile:2,overlap:1"}},
         {"stats fit -x x -y y --to 3", "p.tsv", {"4\toverlap:3,a:1", "4\toverlap:3,a:1"}}};
@@ -775,7 +774,7 @@ static void write_points(double x[POINTS], double y[POINTS], double se[POINTS])
 
 static void test_fits(void)
 {
-    double x[POINTS], y[POINTS], se[POINTS], inverse[POINTS], falling[POINTS], lo[4], hi[4];
+    double x[POINTS], y[POINTS], se[POINTS], inverse[POINTS], lo[4], hi[4];
     stats_trend t;
     stats_line free_line, origin;
     write_points(x, y, se);
@@ -836,40 +835,6 @@ static void test_fits(void)
     CHECK_NAMED(&c, 0, size);
     CHECK_NEAR(at(&c, 0, "p_holm"), stats_contrast_p(&t.slope), 1e-15);
     at(&c, 0, "status");
-    checked_end(&c);
-
-    stats_limit limit;
-    FILE *file = file_of("sizes.tsv");
-    fputs("# x\ty\n", file);
-    for (int i = 0; i < POINTS; i++) {
-        falling[i] = 2.0 + 7.0 / x[i] + 0.02 * ((i * 7) % 11);
-        fprintf(file, "%.17g\t%.17g\n", x[i], falling[i]);
-    }
-    fclose(file);
-    CHECK_OK(stats_limit_fit(POINTS, x, falling, 0.1, &limit));
-    GOOD("stats size sizes.tsv -x x -y y --exponent free --least-exponent 0.1");
-    c = checked_read("out");
-    none_failed(&c);
-    const checked_value free_exponent[] = {{"n", POINTS},
-                                           {"n_x", 4.0},
-                                           {"x_from", 1.0},
-                                           {"x_to", 5.0},
-                                           CHECKED_FIELD(limit, limit),
-                                           {"limit_se", limit.se},
-                                           {"limit_lo", limit.lo},
-                                           {"limit_hi", limit.hi},
-                                           {"limit_lo90", limit.lo90},
-                                           {"limit_hi90", limit.hi90},
-                                           CHECKED_FIELD(limit, dof),
-                                           CHECKED_FIELD(limit, p_value),
-                                           CHECKED_FIELD(limit, c),
-                                           CHECKED_FIELD(limit, exponent),
-                                           CHECKED_FIELD(limit, exponent_lo),
-                                           CHECKED_FIELD(limit, exponent_hi),
-                                           CHECKED_FIELD(limit, chi2),
-                                           CHECKED_FIELD(limit, p_fit)};
-    CHECK_NAMED(&c, 0, free_exponent);
-    CHECKED_WORD(&c, 0, "status", "ok");
     checked_end(&c);
 
     CHECK_OK(stats_line_fit(&(stats_xy){POINTS, x, y, se}, false, &free_line));
@@ -971,22 +936,14 @@ static void check_sizes(void)
     stats_holm(GROUPS, p, p_holm);
     GOOD("stats size groups.tsv -x x -y y --by g --power 1.5");
     scoped_table c = read_table("out");
-    GOOD("stats size groups.tsv -x x -y y --by g --exponent free --least-exponent 0.2");
-    scoped_table f = read_table("out");
-    CU_ASSERT_FATAL(c.n_rows == GROUPS && f.n_rows == GROUPS);
+    CU_ASSERT_FATAL(c.n_rows == GROUPS);
     for (size_t g = 0; g < GROUPS; g++) {
-        stats_limit l;
-        CHECK_OK(stats_limit_fit(grouped.n[g], grouped.x[g], grouped.y[g], 0.2, &l));
-        CU_ASSERT(*word(&c, g, "g") == "abc"[g] && *word(&f, g, "g") == "abc"[g]);
+        CU_ASSERT(*word(&c, g, "g") == "abc"[g]);
         CHECK_NEAR(cell(&c, g, "n"), (double)grouped.n[g], 0.0);
         CHECK_NEAR(cell(&c, g, "limit"), t[g].intercept.value, 1e-12);
         CHECK_NEAR(cell(&c, g, "c"), t[g].slope.value, 1e-11);
         CHECK_NEAR(cell(&c, g, "p_holm"), p_holm[g], 1e-13);
-        CHECK_NEAR(cell(&f, g, "n"), (double)grouped.n[g], 0.0);
-        CHECK_NEAR(cell(&f, g, "limit"), l.limit, 1e-9);
-        CHECK_NEAR(cell(&f, g, "exponent"), l.exponent, 1e-9);
-        const int ends = isfinite(l.lo) + isfinite(l.hi);
-        CU_ASSERT_STRING_EQUAL(word(&f, g, "status"), ends == 2 ? "ok" : ends == 1 ? "one_end" : "no_limit");
+        CU_ASSERT_STRING_EQUAL(word(&c, g, "status"), "ok");
     }
 }
 

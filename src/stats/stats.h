@@ -137,31 +137,6 @@ const char *stats_trend_word(const stats_trend *trend, double p_value, double le
 /* Holm's correction for n tests; NaN is no test. */
 void stats_holm(size_t n, const double p[], double corrected[]);
 
-/* ---- limit of infinite size (limit.c) ---- */
-
-/* y = limit + c/x^exponent through the means at each x. An interval is of 95 %, or 90 % where its name says
- * so: the values with which the best fit has a chi^2 larger by at most the square of Student's t (profile
- * likelihood), all other parameters free. An end is infinite where the means do not exclude a logarithm of x,
- * which has no limit; exponent_lo is then 0. exponent_hi is infinite where a step between the smallest two x
- * is not excluded. */
-typedef struct {
-    size_t n, n_x;        /* values, different x */
-    double from, to;      /* least and largest x */
-    double limit, lo, hi; /* infinite where a logarithm fits best, exponent = 0 */
-    double lo90, hi90;
-    double se;      /* half of the 95 % interval, the larger one, over Student's t; NaN for an infinite one */
-    double dof;     /* of the errors: those of the x with fewest values, on the safe side */
-    double p_value; /* chance of a limit as far from 0 if the truth is 0 */
-    double c, exponent, exponent_lo, exponent_hi;
-    double chi2, p_fit; /* chance of a larger chi2; NaN for three x */
-} stats_limit;
-
-/* Weights 1/se^2 from the scatter at each x. Exponents from least_exponent >= 0 to 8; 0 allows a logarithm.
- * Errors: RP_NO_RESULT (fewer than three x, one value at an x), RP_BAD_INPUT (values that are not finite, x
- * <= 0, an x without scatter), RP_NO_MEMORY, RP_BROKEN. */
-rp_status stats_limit_fit(size_t n, const double x[], const double y[], double least_exponent,
-                          stats_limit *limit);
-
 /* ---- straight lines (lines.c) ---- */
 
 /* n points (x, y). se: standard errors of y, > 0; NULL: not known, all weights are equal. */

@@ -26,6 +26,8 @@ static const cli_removed removed[] = {
     {"angle phi", "nothing; 0.1.0 has it"},
     {"stats maximum", "nothing; 0.1.0 has it"},
     {"stats fit --successive", "nothing; 0.1.0 has it"},
+    {"stats size --exponent", "nothing; 0.1.0 has it"},
+    {"tent --map", "repose tent for each pair of angles"},
     {"help --man", "repose help --markdown; packages hold the manual page"},
     {NULL, NULL}};
 

@@ -28,12 +28,7 @@ enum { SCALE_LINEAR, SCALE_LOG, SCALE_INVERSE };
 
 CLI_OPTIONS(trend, TREND_OPTIONS)
 
-enum { EXPONENT_ONE, EXPONENT_FREE };
-
-#define SIZE_OPTIONS(X)                                                                                      \
-    COLUMN_OPTIONS(X, "2")                                                                                   \
-    X(CHOICE, exponent, "", "1", "1 | free", "of limit + c/x^exponent")                                      \
-    X(REAL, least_exponent, "", "0", "[0, 8)", "least free exponent; 0 allows a logarithm")
+#define SIZE_OPTIONS(X) COLUMN_OPTIONS(X, "2")
 
 CLI_OPTIONS(size, SIZE_OPTIONS)
 
@@ -45,17 +40,12 @@ CLI_OPTIONS(size, SIZE_OPTIONS)
 #define SIZE_COLUMNS                                                                                         \
     "n, n_x, x_from [x], x_to [x], limit [y], limit_se [y], limit_lo [y], limit_hi [y], c [x y], "           \
     "c_se [x y], c_lo [x y], c_hi [x y], p_value, p_holm, p_bend, " CLI_FAILED_COLUMNS ", status"
-#define LIMIT_COLUMNS                                                                                        \
-    "n, n_x, x_from [x], x_to [x], limit [y], limit_se [y], limit_lo [y], limit_hi [y], limit_lo90 [y], "    \
-    "limit_hi90 [y], dof, p_value, c, exponent, exponent_lo, exponent_hi, chi2, p_fit, " CLI_FAILED_COLUMNS  \
-    ", status"
 
 /* The rows that count, with columns x, y and, where piles are compared, pile. */
 typedef struct {
     rp_groups groups;
     rp_rows of;
     char x_words[256]; /* what the numbers of x stand for; empty if they are numbers */
-    double least_exponent;
 } rows;
 
 static rp_status read_rows(rp_arena *arena, const rp_table *t, const trend_options *o, rows *r)
@@ -116,70 +106,45 @@ static rp_status print_header(const cli_call *call, const rp_table *t, const row
     return rp_header_by(t, o->by, columns);
 }
 
-static const char *limit_word(const stats_limit *l)
+/* A trend, or a limit of infinite size, which is the trend in 1/x. */
+static rp_status fit_group(const rows *r, size_t g, const trend_options *o, bool size, stats_trend *t)
 {
-    const int ends = isfinite(l->lo) + isfinite(l->hi);
-    return isnan(l->limit) ? "no_result" : ends == 2 ? "ok" : ends == 1 ? "one_end" : "no_limit";
-}
-
-static void print_limit(rp_arena *arena, const stats_limit *l, const char *failed)
-{
-    CLI_ROW_WORD(rp_text(arena, "%s\t%s", failed, limit_word(l)), (double)l->n, (double)l->n_x, l->from,
-                 l->to, l->limit, l->se, l->lo, l->hi, l->lo90, l->hi90, l->dof, l->p_value, l->c,
-                 l->exponent, l->exponent_lo, l->exponent_hi, l->chi2, l->p_fit);
-}
-
-/* What is fitted to a group: a trend, a limit with exponent 1 as the trend in 1/x, or with a free one. */
-enum { TREND, SIZE, LIMIT };
-typedef struct {
-    stats_trend trend;
-    stats_limit limit;
-} fit;
-
-static rp_status fit_group(const rows *r, size_t g, const trend_options *o, int kind, fit *f)
-{
-    const size_t first = r->of.first[g], n = r->of.first[g + 1] - first;
-    double *x = r->of.column[0] + first, *y = r->of.column[1] + first;
-    if (kind == LIMIT) return stats_limit_fit(n, x, y, r->least_exponent, &f->limit);
-    return stats_trend_fit(&(stats_sample){.n = n,
-                                           .x = x,
-                                           .y = y,
+    const size_t first = r->of.first[g];
+    return stats_trend_fit(&(stats_sample){.n = r->of.first[g + 1] - first,
+                                           .x = r->of.column[0] + first,
+                                           .y = r->of.column[1] + first,
                                            .pile = o->pair ? r->of.column[2] + first : NULL,
-                                           .power = kind == SIZE ? -o->power : o->power,
+                                           .power = size ? -o->power : o->power,
                                            .log10_x = o->scale == SCALE_LOG,
                                            .margin = o->margin},
-                           &f->trend);
+                           t);
 }
 
 static rp_status fit_groups(const cli_call *call, const rp_table *t, const rows *r, const trend_options *o,
-                            int kind)
+                            bool size)
 {
-    static const char *const columns[] = {TREND_COLUMNS, SIZE_COLUMNS, LIMIT_COLUMNS};
     const size_t n_groups = r->of.n_groups;
-    fit *fits = rp_arena_memory(call->arena, n_groups, sizeof *fits);
+    stats_trend *fits = rp_arena_memory(call->arena, n_groups, sizeof *fits);
     double *p = rp_arena_memory(call->arena, 2 * n_groups, sizeof *p), *p_holm = p + n_groups;
     rp_status status = RP_OK;
     size_t with_result = 0;
     for (size_t g = 0; g < n_groups; g++) {
-        status = fit_group(r, g, o, kind, &fits[g]);
+        status = fit_group(r, g, o, size, &fits[g]);
         if (status && status != RP_NO_RESULT)
             return rp_prefix(status, "%s%s", r->groups.words[g], *r->groups.words[g] ? ": " : "");
         with_result += status == RP_OK;
-        p[g] = status || kind == LIMIT ? NAN : stats_contrast_p(&fits[g].trend.change);
+        p[g] = status ? NAN : stats_contrast_p(&fits[g].change);
     }
     if (with_result == 0) return status;
     stats_holm(n_groups, p, p_holm);
-    RP_TRY(print_header(call, t, r, o, columns[kind]));
+    RP_TRY(print_header(call, t, r, o, size ? SIZE_COLUMNS : TREND_COLUMNS));
     for (size_t g = 0; g < n_groups; g++) {
         if (*r->groups.words[g]) printf("%s\t", r->groups.words[g]);
         const char *failed = cli_failed(call->arena, t, &r->groups, g, o->x, (double[]){o->from, o->to});
-        if (kind == TREND)
-            print_trend(call->arena, &fits[g].trend, r->of.first[g + 1] - r->of.first[g], p_holm[g], o,
-                        failed);
-        else if (kind == SIZE)
-            print_size(call->arena, &fits[g].trend, p_holm[g], failed);
+        if (size)
+            print_size(call->arena, &fits[g], p_holm[g], failed);
         else
-            print_limit(call->arena, &fits[g].limit, failed);
+            print_trend(call->arena, &fits[g], r->of.first[g + 1] - r->of.first[g], p_holm[g], o, failed);
     }
     return RP_OK;
 }
@@ -210,38 +175,31 @@ static rp_status number_words(rp_arena *arena, rp_table *t, const trend_options 
     return RP_OK;
 }
 
-static rp_status fit_table(const cli_call *call, rp_table *table, const trend_options *o, int kind,
-                           double least_exponent)
+static rp_status fit_table(const cli_call *call, rp_table *table, const trend_options *o, bool size)
 {
-    rows r = {.least_exponent = least_exponent};
-    if (kind != LIMIT) RP_TRY(number_words(call->arena, table, o, r.x_words));
+    rows r = {0};
+    RP_TRY(number_words(call->arena, table, o, r.x_words));
     RP_TRY(read_rows(call->arena, table, o, &r));
-    return rp_prefix(fit_groups(call, table, &r, o, kind), "%s: ", table->path);
+    return rp_prefix(fit_groups(call, table, &r, o, size), "%s: ", table->path);
 }
 
 static rp_status trend_of_table(cli_call *call, rp_table *table, const void *values)
 {
-    return fit_table(call, table, values, TREND, 0.0);
+    return fit_table(call, table, values, false);
 }
 
 static rp_status size_of_table(cli_call *call, rp_table *table, const void *values)
 {
     const size_options *s = values;
-    const bool free = s->exponent == EXPONENT_FREE;
     const trend_options o = {.x = s->x,
                              .y = s->y,
                              .by = s->by,
                              .from = s->from,
                              .to = s->to,
                              .power = s->power,
-                             .scale = free ? SCALE_LINEAR : SCALE_INVERSE,
+                             .scale = SCALE_INVERSE,
                              .margin = 1.0}; /* of a test that is not printed */
-    if (!free && cli_given(call, "least-exponent"))
-        return rp_fail(RP_USAGE, "--least-exponent is for --exponent free");
-    if (free && cli_given(call, "power"))
-        return rp_fail(RP_USAGE,
-                       "--exponent free weighs by the errors of the means; give it or --power, not both");
-    return fit_table(call, table, &o, free ? LIMIT : SIZE, s->least_exponent);
+    return fit_table(call, table, &o, true);
 }
 
 const cli_command cmd_stats_trend = {
@@ -275,18 +233,10 @@ const cli_command cmd_stats_size = {
     "Finite size: y = limit + c/x by least squares, one row a group; errors from the scatter at each x;\n"
     "lo and hi are 95 % intervals (Student). p_value: of c, two-sided; p_holm: corrected for the number\n"
     "of groups; p_bend: of a term in 1/x^2, small where limit + c/x does not describe the means.\n"
-    "With --exponent free, y = limit + c/x^exponent through the means, weights 1/se^2. Intervals take every\n"
-    "exponent with them that the means allow (profile likelihood, Student). limit_lo or limit_hi is\n"
-    "infinite where the means allow a logarithm of x, which has no limit (exponent_lo is 0); "
-    "--least-exponent\n"
-    "excludes it. exponent_hi is infinite where they allow a step between the smallest two x.\n"
-    "  limit_se  larger half of the 95 % interval over Student's t\n"
-    "  p_value   of the limit against 0, two-sided; p_fit: chance of a larger chi2\n"
-    "  status    ok; one_end or no_limit where one or both ends of the interval are infinite; "
-    "no_result\n" TABLE_HELP,
+    "status is ok or no_result.\n" TABLE_HELP,
     "repose stats size build/tables/lh2b_runs.tsv -x W -y theta_r3_deg --by mu",
     size_params,
-    .refuses = "An x that is not positive; --least-exponent without --exponent free; --power with it.\n"
+    .refuses = "An x that is not positive.\n"
                "Too few x or rows for a limit: exit status 1.",
     .derives = true,
     .on_table = size_of_table};
