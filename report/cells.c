@@ -65,10 +65,13 @@ static rp_status read_conditions(rp_arena *arena, int n, char *const words[], rp
 
 rp_status report_reference_read(rp_arena *arena, const char *text, report_reference **reference)
 {
-    for (const char *end; text; text = end ? end + 3 : NULL, reference = &(*reference)->next) {
+    const char *less = strstr(text, " less ");
+    report_reference *first = NULL, **at = &first;
+    text = less ? rp_text(arena, "%.*s", (int)(less - text), text) : text;
+    for (const char *end; text; text = end ? end + 3 : NULL, at = &(*at)->next) {
         text += strspn(text, " ");
         end = strstr(text, " + ");
-        report_reference *r = *reference = rp_arena_memory(arena, 1, sizeof *r);
+        report_reference *r = *at = rp_arena_memory(arena, 1, sizeof *r);
         r->text = end ? rp_text(arena, "%.*s", (int)(end - text), text) : text;
         const report_words w = report_split(arena, r->text);
         if (w.n < 2) return rp_fail(RP_BAD_INPUT, "\"%s\": a table and a column expected", r->text);
@@ -77,7 +80,8 @@ rp_status report_reference_read(rp_arena *arena, const char *text, report_refere
         r->n = (size_t)w.n - 2;
         RP_TRY(read_conditions(arena, w.n - 2, w.word + 1, &r->conditions));
     }
-    return RP_OK;
+    *reference = first;
+    return less ? report_reference_read(arena, less + 6, &first->less) : RP_OK;
 }
 
 static bool *all_rows(rp_arena *arena, const rp_table *table)
@@ -176,7 +180,6 @@ rp_status report_cell_number(const report_cell *cell, report_number *number)
 {
     const char *n = beside(cell, "_sd", "_n");
     RP_TRY(report_cell_column(cell, n ? n : "n", &number->n));
-    RP_TRY(report_cell_column(cell, "p_fit", &number->p_fit));
     RP_TRY(*cell->column == '#' ? read_note(cell, &number->shown)
                                 : read_value(cell, number->n, &number->shown));
     number->tested = beside(cell, "", "_mean") ? report_of_few(number->shown, number->n) : number->shown;
@@ -199,11 +202,33 @@ static rp_status read_summary(const report_cell *cell, stats_summary *values)
     return RP_OK;
 }
 
+/* The mean of fitted numbers, which are of no values, weighted by their errors. */
+static rp_status read_weighted(report_tables *tables, const report_reference *r, report_cell *cell,
+                               report_number *number)
+{
+    double weights = 0.0, sum = 0.0;
+    report_number one;
+    number->n = NAN;
+    for (; r; r = r->next) {
+        RP_TRY(report_cell_find(tables, r, cell));
+        if (!cell->table) return RP_OK;
+        RP_TRY(report_cell_number(cell, &one));
+        const double weight = 1.0 / (one.shown.se * one.shown.se);
+        weights += weight;
+        sum += weight * one.shown.value;
+    }
+    number->shown = number->tested = (stats_number){sum / weights, 1.0 / sqrt(weights)};
+    return RP_OK;
+}
+
 /* The mean of all values of several cells; of columns NAME_sd, their standard deviation. */
 static rp_status read_pooled(report_tables *tables, const report_reference *r, report_cell *cell,
                              report_number *number)
 {
     size_t n = 0;
+    RP_TRY(report_cell_find(tables, r, cell));
+    if (!cell->table) return RP_OK;
+    if (!beside(cell, "_sd", "_sd")) return read_weighted(tables, r, cell, number);
     for (const report_reference *part = r; part; part = part->next) n++;
     stats_summary *parts = rp_arena_memory(tables->arena, n, sizeof *parts);
     for (n = 0; r; r = r->next) {
@@ -220,10 +245,16 @@ static rp_status read_pooled(report_tables *tables, const report_reference *r, r
     return RP_OK;
 }
 
+static stats_number difference(stats_number a, stats_number b)
+{
+    return (stats_number){a.value - b.value, hypot(a.se, b.se)};
+}
+
 rp_status report_number_find(report_tables *tables, const report_reference *reference, report_cell *cell,
                              report_number *number, bool *missing)
 {
-    *number = (report_number){.p_fit = NAN};
+    report_number less;
+    *number = (report_number){0};
     if (reference->next) {
         RP_TRY(read_pooled(tables, reference, cell, number));
     } else {
@@ -231,6 +262,10 @@ rp_status report_number_find(report_tables *tables, const report_reference *refe
         if (cell->table) RP_TRY(report_cell_number(cell, number));
     }
     *missing |= !cell->table;
+    if (!reference->less) return RP_OK;
+    RP_TRY(report_number_find(tables, reference->less, cell, &less, missing));
+    number->shown = difference(number->shown, less.shown);
+    number->tested = difference(number->tested, less.tested);
     return RP_OK;
 }
 

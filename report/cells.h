@@ -28,12 +28,14 @@ typedef struct {
 } report_words;
 report_words report_split(rp_arena *arena, const char *text);
 
-/* A cell by "TABLE key=value ... COLUMN", or several that are pooled, "CELL + CELL ...". */
+/* A cell by "TABLE key=value ... COLUMN", several that are pooled, "CELL + CELL ...", or the difference of
+ * two such numbers, "CELL ... less CELL ...". */
 typedef struct report_reference {
     const char *text, *table, *column;
     size_t n;
     rp_condition *conditions;
     struct report_reference *next; /* pooled with this one; NULL: the last */
+    struct report_reference *less; /* of the first: what is taken off; NULL: nothing */
 } report_reference;
 
 /* Errors: RP_BAD_INPUT (no column, no condition). */
@@ -62,11 +64,10 @@ const char *report_cell_text(const report_cell *cell, const char *column);
 rp_status report_cell_column(const report_cell *cell, const char *column, double *value);
 
 /* A number as it is printed, and with the error that decides: that of a mean by Student's t, that of a fit or
- * a bootstrap as it stands. How many values are behind it, NaN where the table does not say; the p_fit of its
- * table's fit, NaN without one. */
+ * a bootstrap as it stands. How many values are behind it, NaN where the table does not say. */
 typedef struct {
     stats_number shown, tested;
-    double n, p_fit;
+    double n;
 } report_number;
 
 /* Value and standard error of a cell: NAME_mean and NAME_se, or NAME_deg and NAME_se_deg, or NAME and

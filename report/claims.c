@@ -21,15 +21,14 @@ static const struct {
              [CLAIM_LEAST] = {"least", BY_BOUND, .against = true},
              [CLAIM_MOST] = {"most", BY_BOUND, .against = true},
              [CLAIM_EQUALS] = {"equals", BY_BOUND, .number = true, .margin = true},
-             [CLAIM_RATIO] = {"ratio", BY_DIFFERENCE, .number = true, .against = true},
-             [CLAIM_ORDER] = {"order", BY_BOUND, .number = true, .margin = true},
+             [CLAIM_ORDER] = {"order", BY_BOUND, .margin = true},
              [CLAIM_INDEPENDENT] = {"independent", BY_CHANGE, .margin = true},
              [CLAIM_RISES] = {"rises", BY_CHANGE},
              [CLAIM_FALLS] = {"falls", BY_CHANGE},
-             [CLAIM_CONSTANT] = {"constant", BY_WORD},
-             [CLAIM_FORMULA] = {"formula", BY_WORD},
-             [CLAIM_PICTURE] = {"picture", BY_WORD},
-             [CLAIM_UNTESTABLE] = {"untestable", BY_WORD}};
+             [CLAIM_JOINT] = {"joint", BY_WORD},
+             [CLAIM_FORMULA] = {"formula", BY_WORD}};
+
+static const double NORMAL_90 = 1.6448536269514722; /* half of a 90 % interval, in standard errors */
 
 /* ---- reading ---- */
 
@@ -47,11 +46,16 @@ static rp_status number_of(const rp_table *t, size_t row, const char *name, doub
     return *text_of(t, row, name) ? rp_table_number(t, row, rp_table_column(t, name), false, number) : RP_OK;
 }
 
+/* The printed +- is a standard error or, of so many samples, a standard deviation. */
 static rp_status read_numbers(const rp_table *t, size_t row, report_claim *c)
 {
     RP_TRY(number_of(t, row, "published", NAN, &c->number.value));
     RP_TRY(number_of(t, row, "published_se", 0.0, &c->number.se));
     RP_TRY(number_of(t, row, "samples", 0.0, &c->samples));
+    const bool deviation = strcmp(c->error, "sd") == 0;
+    if (deviation ? !(c->samples > 0.0) : *c->error && strcmp(c->error, "se") != 0)
+        return rp_fail(RP_BAD_INPUT, "claim %s: error: se, or sd of so many samples, expected", c->id);
+    if (deviation) c->number.se /= sqrt(c->samples);
     return number_of(t, row, "margin", INFINITY, &c->margin);
 }
 
@@ -77,14 +81,12 @@ static rp_status lacks(const report_claim *c, const char *what)
 
 static rp_status check(const report_claims *all, const report_claim *c)
 {
-    const bool number = tests[c->kind].number && !(c->kind == CLAIM_ORDER && *c->against);
     for (size_t i = 0; i < all->n; i++)
         if (strcmp(all->claims[i].id, c->id) == 0)
             return rp_fail(RP_BAD_INPUT, "claim %s stands twice", c->id);
-    if (number && isnan(c->number.value)) return lacks(c, "a published number");
+    if (tests[c->kind].number && isnan(c->number.value)) return lacks(c, "a published number");
     if (tests[c->kind].against && !*c->against) return lacks(c, "`against`");
     if (tests[c->kind].margin && !isfinite(c->margin)) return lacks(c, "a margin");
-    if (c->kind == CLAIM_UNTESTABLE) return *c->note ? RP_OK : lacks(c, "a reason in `note`");
     return *c->answer ? RP_OK : lacks(c, "an answer");
 }
 
@@ -106,6 +108,10 @@ static rp_status read_claim(rp_arena *arena, report_claims *all, size_t row)
     REPORT_CLAIM_TEXTS(X)
 #undef X
     c->family = text_of(t, row, "family");
+    c->on = text_of(t, row, "on");
+    c->error = text_of(t, row, "error");
+    c->fixed = text_of(t, row, "fixed");
+    c->says = text_of(t, row, "says");
     while (c->kind < N_CLAIM_TESTS && strcmp(c->test, tests[c->kind].word) != 0) c->kind++;
     rp_status status = c->kind < N_CLAIM_TESTS
                            ? RP_OK
@@ -155,6 +161,7 @@ rp_status report_claims_find(const report_claims *claims, const char *id, const 
 
 const char *report_published(rp_arena *arena, const report_claim *c)
 {
+    if (isnan(c->number.value)) return c->says;
     return rp_text(arena, "%s%s%s", c->published, *c->published_se ? " ± " : "", c->published_se);
 }
 
@@ -165,6 +172,13 @@ static rp_status read_change(rp_arena *arena, const report_claim *c, const repor
                              report_judged *j)
 {
     const bool corrected = !*c->family && report_cell_text(cell, "p_holm");
+    if (c->answers->next) { /* several sets of piles: their error is all that is known */
+        const stats_number n = j->ours.shown;
+        const double half = NORMAL_90 * n.se;
+        j->dof = NAN;
+        j->change = (report_change){n.value - half, n.value + half, report_agree_p(n.value / n.se)};
+        return RP_OK;
+    }
     RP_TRY(report_cell_column(cell, rp_text(arena, "%s_lo90", cell->column), &j->change.lo90));
     RP_TRY(report_cell_column(cell, rp_text(arena, "%s_hi90", cell->column), &j->change.hi90));
     RP_TRY(report_cell_column(cell, "dof", &j->dof));
@@ -180,7 +194,7 @@ static const char *text_of_ours(rp_arena *arena, const report_claim *c, const re
         text = rp_text(arena, "%s (90 %%: %.*f to %.*f)", text, decimals, j->change.lo90, decimals,
                        j->change.hi90);
     }
-    if (!*c->against || c->kind == CLAIM_RATIO) return text;
+    if (!*c->against || (!c->againsts && c->limit == 0.0)) return text;
     return rp_text(arena, "%s against %s", text, report_number_text(arena, j->against.shown));
 }
 
@@ -195,44 +209,16 @@ static rp_status read_tables(const report_claim *c, report_tables *tables, repor
     if (missing) j->verdict = REPORT_NO_DATA;
     if (missing) return RP_OK;
     if (tests[c->kind].by == BY_CHANGE) RP_TRY(read_change(tables->arena, c, &cell, &found));
-    if (c->kind == CLAIM_RATIO) {
-        found.ours.shown = report_quotient(found.ours.shown, found.against.shown);
-        found.ours.tested = report_quotient(found.ours.tested, found.against.tested);
-    }
     RP_TRY(report_failed(tables, c->answers, c->againsts, &found.failed));
     found.text = text_of_ours(tables->arena, c, &found);
     *j = found;
     return RP_OK;
 }
 
-/* The published numbers of several claims among themselves. */
-static rp_status compare_published(rp_arena *arena, const report_claims *all, const report_claim *c,
-                                   report_judged *j)
+static rp_status read_answer(const report_claim *c, report_tables *tables, report_judged *j)
 {
-    const report_words words = report_split(arena, c->answer);
-    stats_number *numbers = rp_arena_memory(arena, (size_t)words.n, sizeof *numbers);
-    const report_claim *other = c;
-    for (int i = 0; i < words.n; i++) {
-        RP_TRY(report_claims_find(all, words.word[i], &other));
-        numbers[i] = other->number;
-    }
-    j->match = report_constant((size_t)words.n, numbers, other->samples);
-    j->text = rp_text(arena, "p = %.2g or %.1g", j->match.z_error, j->match.z_deviation);
-    return RP_OK;
-}
-
-static rp_status read_answer(const report_claims *all, const report_claim *c, report_tables *tables,
-                             report_judged *j)
-{
-    *j = (report_judged){.ours = {.n = NAN, .p_fit = NAN},
-                         .against = {.p_fit = NAN},
-                         .match = {.z_error = NAN, .z_deviation = NAN},
-                         .failed = "",
-                         .text = ""};
-    rp_status status = RP_OK;
-    if (tests[c->kind].by != BY_WORD) status = read_tables(c, tables, j);
-    if (c->kind == CLAIM_CONSTANT) status = compare_published(tables->arena, all, c, j);
-    return rp_prefix(status, "claim %s: ", c->id);
+    *j = (report_judged){.ours = {.n = NAN}, .z = NAN, .failed = "", .text = ""};
+    return tests[c->kind].by == BY_WORD ? RP_OK : rp_prefix(read_tables(c, tables, j), "claim %s: ", c->id);
 }
 
 /* ---- verdicts ---- */
@@ -248,63 +234,73 @@ static report_chances chances_of(const report_claim *c, const report_judged *j)
 {
     const stats_number ours = j->ours.tested, against = j->against.tested;
     switch (j->verdict == REPORT_NO_DATA ? BY_WORD : tests[c->kind].by) {
-    case BY_DIFFERENCE:
-        return (report_chances){report_agree_p(j->match.z_error), report_agree_p(j->match.z_deviation), NAN};
+    case BY_DIFFERENCE: return (report_chances){report_agree_p(j->z), NAN};
     case BY_SIDE:
-        return (report_chances){report_exceed_p(ours, against), NAN,
+        return (report_chances){report_exceed_p(ours, against),
                                 report_exceed_p_margin(ours, against, excluded_margin(c))};
     case BY_CHANGE: {
         const stats_contrast change = {j->ours.shown.value, j->ours.shown.se,
                                        isnan(j->dof) ? INFINITY : j->dof};
-        return (report_chances){j->change.p_value, NAN,
-                                c->kind == CLAIM_INDEPENDENT ? stats_contrast_p_margin(&change, c->margin)
-                                                             : NAN};
+        return (report_chances){j->change.p_value, c->kind == CLAIM_INDEPENDENT
+                                                       ? stats_contrast_p_margin(&change, c->margin)
+                                                       : NAN};
     }
-    default: return (report_chances){NAN, NAN, NAN};
+    default: return (report_chances){NAN, NAN};
     }
 }
 
 /* The verdict of a claim's test; `raised`: chances that Holm's correction has raised, NULL: none. */
-static void decide(const report_claim *c, const report_chances *raised, report_judged *j)
+static report_verdict decide(const report_claim *c, const report_chances *raised, report_judged *j)
 {
     const stats_number ours = j->ours.tested, against = j->against.tested;
     const int sign = c->kind == CLAIM_ABOVE || c->kind == CLAIM_LEAST || c->kind == CLAIM_RISES ? 1 : -1;
     const report_chances own = chances_of(c, j);
     switch (c->kind) {
-    case CLAIM_RATIO:
-    case CLAIM_AGREES:
-    case CLAIM_SAME:
-        j->match = c->kind == CLAIM_SAME ? report_agree(ours, against, 0.0, c->margin, raised)
-                                         : report_agree(ours, c->number, c->samples, c->margin, raised);
-        break;
+    case CLAIM_AGREES: return report_agree(ours, c->number, c->margin, raised, &j->z);
+    case CLAIM_SAME: return report_agree(ours, against, c->margin, raised, &j->z);
     case CLAIM_ABOVE:
-    case CLAIM_BELOW: j->verdict = report_exceed(ours, against, sign, raised ? raised : &own); return;
+    case CLAIM_BELOW: return report_exceed(ours, against, sign, raised ? raised : &own);
     case CLAIM_LEAST:
-    case CLAIM_MOST: j->verdict = report_bound(ours.value, against.value, sign); return;
-    case CLAIM_EQUALS: j->verdict = report_bound(fabs(ours.value - c->number.value), c->margin, -1); return;
+    case CLAIM_MOST: return report_bound(ours.value, against.value, sign);
+    case CLAIM_EQUALS: return report_bound(fabs(ours.value - c->number.value), c->margin, -1);
     case CLAIM_ORDER:
-        j->verdict = report_order(report_quotient(ours, *c->against ? against : c->number), c->margin);
-        return;
-    case CLAIM_INDEPENDENT: j->verdict = report_equivalent(&j->change, c->margin, raised); return;
+        return report_order(report_quotient(ours, *c->against ? against : c->number), c->margin);
+    case CLAIM_INDEPENDENT: return report_equivalent(&j->change, c->margin, raised);
     case CLAIM_RISES:
     case CLAIM_FALLS:
         if (raised) j->change.p_value = raised->effect;
-        j->verdict = report_trends(&j->change, sign, c->margin);
-        return;
-    case CLAIM_CONSTANT: break;
-    case CLAIM_FORMULA: j->verdict = REPORT_REPRODUCED; return;
-    case CLAIM_PICTURE: j->verdict = REPORT_BY_EYE; return;
-    case CLAIM_UNTESTABLE: j->verdict = REPORT_UNTESTABLE; return;
-    case N_CLAIM_TESTS: return;
+        return report_trends(&j->change, sign, c->margin);
+    case CLAIM_JOINT:
+    case CLAIM_FORMULA:
+    case N_CLAIM_TESTS: break;
     }
-    j->verdict = j->match.verdict;
-    j->two_readings = j->match.error != j->match.deviation;
+    return REPORT_REPRODUCED; /* a formula, by its tests */
 }
 
-/* Of both sides, a number beside NaN. */
-static double p_fit_of(const report_judged *j)
+/* Several agreements together, and what one shift common to all leaves of their chi^2. */
+static rp_status judge_joint(rp_arena *arena, const report_claims *all, const report_claim *c,
+                             report_judged judged[], report_judged *j)
 {
-    return fmin(j->ours.p_fit, j->against.p_fit);
+    const report_words words = report_split(arena, c->answer);
+    double *z = rp_arena_memory(arena, (size_t)words.n, sizeof *z), weights = 0.0, shift = 0.0, chi2, p,
+           left = 0.0;
+    for (int pass = 0; pass < 2; pass++)
+        for (int i = 0; i < words.n; i++) {
+            const report_claim *of = NULL;
+            RP_TRY(report_claims_find(all, words.word[i], &of));
+            const report_judged *one = &judged[of - all->claims];
+            if (one->verdict == REPORT_NO_DATA) return j->verdict = REPORT_NO_DATA, RP_OK;
+            const double d = one->ours.tested.value - of->number.value,
+                         se = hypot(one->ours.tested.se, of->number.se);
+            z[i] = d / se;
+            if (pass == 0) weights += 1.0 / (se * se), shift += d / (se * se);
+            if (pass == 1) left += (d - shift / weights) * (d - shift / weights) / (se * se);
+        }
+    j->verdict = j->uncorrected = report_joint((size_t)words.n, z, &chi2, &p);
+    j->text = rp_text(
+        arena, "chi² = %.1f over %d, p = %.2g; with a common shift of %s, %.1f over %d", chi2, words.n, p,
+        report_number_text(arena, (stats_number){shift / weights, 1.0 / sqrt(weights)}), left, words.n - 1);
+    return RP_OK;
 }
 
 /* Whether the opposite of an inequality is significant by itself. */
@@ -315,59 +311,45 @@ static bool is_opposite(const report_claim *c, const report_judged *j)
     return report_exceed(j->ours.tested, j->against.tested, sign, &p) == REPORT_NOT_REPRODUCED;
 }
 
-static const char *reason_of(rp_arena *arena, const report_claim *c, const report_judged *j)
+/* What explains a verdict, "" for nothing. */
+static const char *note_of(rp_arena *arena, const report_claim *c, const report_judged *j)
 {
-    const char *verdict = report_verdict_texts[j->verdict];
-    if (report_fit_rejected(p_fit_of(j)))
-        return rp_text(arena, "%s: the form of the fit does not describe the means (p = %.2g)", verdict,
-                       p_fit_of(j));
+    const bool own = strcmp(c->paper, "ours") == 0;
+    if (j->verdict == REPORT_NO_DATA) return "";
     if (j->uncorrected != j->verdict)
-        return rp_text(arena, "%s: %s without the correction for %zu tests of one question", verdict,
-                       report_verdict_texts[j->uncorrected], j->tests);
-    if (j->two_readings)
-        return rp_text(arena, "%s: %s if ± is a standard error, %s if it is a standard deviation", verdict,
-                       report_verdict_texts[j->match.error], report_verdict_texts[j->match.deviation]);
-    if ((c->kind == CLAIM_AGREES || c->kind == CLAIM_SAME) && j->verdict != REPORT_NO_DATA)
-        return rp_text(arena, "%s (%+.1f standard errors)", verdict, j->match.z_error);
+        return rp_text(arena, "%s without the correction for %zu tests of one question",
+                       report_verdict_text(j->uncorrected, own), j->tests);
+    if (!isnan(j->z)) return rp_text(arena, "%+.1f se", j->z);
     if (tests[c->kind].by == BY_SIDE && j->verdict == REPORT_NOT_REPRODUCED && !is_opposite(c, j))
-        return rp_text(arena, "%s (a difference of %g or more is excluded)", verdict, c->margin);
-    if (c->kind == CLAIM_FORMULA) return rp_text(arena, "%s, by tests", verdict);
-    if (c->kind == CLAIM_UNTESTABLE) return rp_text(arena, "%s: %s", verdict, c->note);
-    return verdict;
+        return rp_text(arena, "a difference of %g or more is excluded", c->margin);
+    return c->kind == CLAIM_FORMULA ? "by tests" : "";
 }
 
 /* Judge n claims that answer one question: read, decide each by itself, and then with Holm's correction for
- * the number of their tests. A fit that its own means reject decides nothing: its test stays one of the
- * family, so that no verdict on another claim gets stronger. */
+ * the number of their tests. */
 static rp_status judge_family(const report_claims *all, report_tables *tables, size_t n,
                               const size_t members[], report_judged judged[])
 {
     rp_arena *arena = tables->arena;
-    enum { CHANCES = sizeof(report_chances) / sizeof(double) };
-    double *found = rp_arena_memory(arena, CHANCES * n, sizeof *found),
-           *raised = rp_arena_memory(arena, CHANCES * n, sizeof *raised);
+    double *found = rp_arena_memory(arena, 4 * n, sizeof *found), *raised = found + 2 * n;
     size_t n_tests = 0;
     for (size_t i = 0; i < n; i++) {
         const report_claim *c = &all->claims[members[i]];
         report_judged *j = &judged[members[i]];
-        RP_TRY(read_answer(all, c, tables, j));
-        if (j->verdict != REPORT_NO_DATA) decide(c, NULL, j);
+        RP_TRY(read_answer(c, tables, j));
+        if (j->verdict != REPORT_NO_DATA) j->verdict = decide(c, NULL, j);
         j->uncorrected = j->verdict;
         const report_chances p = chances_of(c, j);
-        for (size_t k = 0; k < CHANCES; k++)
-            found[k * n + i] = (const double[]){p.effect, p.deviation, p.margin}[k];
+        found[i] = p.effect, found[n + i] = p.margin;
         n_tests += !isnan(p.effect);
     }
-    for (size_t k = 0; k < CHANCES; k++) stats_holm(n, found + k * n, raised + k * n);
+    for (size_t k = 0; k < 2 * n; k += n) stats_holm(n, found + k, raised + k);
     for (size_t i = 0; i < n; i++) {
         const report_claim *c = &all->claims[members[i]];
         report_judged *j = &judged[members[i]];
-        if (*c->family && !isnan(found[i])) {
-            decide(c, &(report_chances){raised[i], raised[n + i], raised[2 * n + i]}, j);
-            j->tests = n_tests;
-        }
-        if (report_fit_rejected(p_fit_of(j))) j->verdict = REPORT_UNDECIDED;
-        j->reason = reason_of(arena, c, j);
+        j->tests = n_tests;
+        if (*c->family && !isnan(found[i]))
+            j->verdict = decide(c, &(report_chances){raised[i], raised[n + i]}, j);
     }
     return RP_OK;
 }
@@ -385,6 +367,13 @@ rp_status report_judge(const report_claims *all, report_tables *tables, report_j
                 decided[members[n++] = k] = true;
         RP_TRY(judge_family(all, tables, n, members, *judged));
     }
+    for (size_t i = 0; i < all->n; i++) {
+        const report_claim *c = &all->claims[i];
+        report_judged *j = &(*judged)[i];
+        if (c->kind == CLAIM_JOINT) RP_TRY(judge_joint(tables->arena, all, c, *judged, j));
+        j->word = report_verdict_text(j->verdict, strcmp(c->paper, "ours") == 0);
+        j->note = note_of(tables->arena, c, j);
+    }
     return RP_OK;
 }
 
@@ -398,7 +387,8 @@ const char *report_count(rp_arena *arena, const report_claims *claims, const rep
         if (!*claims->claims[i].of && strcmp(claims->claims[i].paper, paper) == 0)
             verdicts[n++] = judged[i].verdict;
     report_count_verdicts(n, verdicts, counts);
-    for (report_verdict v = 0; v < REPORT_VERDICTS && n > 0; v++)
-        text = rp_text(arena, "%s%s%zu %s", text, v ? ", " : "", counts[v], report_verdict_texts[v]);
+    for (report_verdict v = 0; v < REPORT_NO_DATA && n > 0; v++)
+        text = rp_text(arena, "%s%s%zu %s", text, v ? ", " : "", counts[v],
+                       report_verdict_text(v, strcmp(paper, "ours") == 0));
     return text;
 }

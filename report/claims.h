@@ -5,29 +5,25 @@
 #include "report/cells.h"
 #include "report/verdict.h"
 
-/* How a claim is tested: by what the word in the column `test` means. No test decides by a fit that its own
- * means reject: a cell of a row with p_fit < 0.05 leaves the claim undecided. */
+/* How a claim is tested: by what the word in the column `test` means. */
 typedef enum {
-    CLAIM_AGREES, /* ours is the published number, within two standard errors of the difference */
-    CLAIM_SAME,   /* ours is `against`, within two standard errors of the difference */
-    CLAIM_ABOVE,  /* ours exceeds `against` by two standard errors of the difference */
-    CLAIM_BELOW,  /* ours is below `against` by two standard errors of the difference */
-    CLAIM_LEAST,  /* ours, whose error does not count, is at least `against` */
-    CLAIM_MOST,   /* ours, whose error does not count, is at most `against` */
-    CLAIM_EQUALS, /* ours, whose error does not count, is the published number within the margin */
-    CLAIM_RATIO,  /* ours over `against` is the published number, as in agrees */
-    CLAIM_ORDER,  /* ours over `against`, or over the published number, is 1 within a factor, the margin */
+    CLAIM_AGREES,      /* ours is the published number, within two standard errors of the difference */
+    CLAIM_SAME,        /* ours is `against`, within two standard errors of the difference */
+    CLAIM_ABOVE,       /* ours exceeds `against` by two standard errors of the difference */
+    CLAIM_BELOW,       /* ours is below `against` by two standard errors of the difference */
+    CLAIM_LEAST,       /* ours, whose error does not count, is at least `against` */
+    CLAIM_MOST,        /* ours, whose error does not count, is at most `against` */
+    CLAIM_EQUALS,      /* ours, whose error does not count, is the published number within the margin */
+    CLAIM_ORDER,       /* ours over `against` is 1 within a factor, the margin */
     CLAIM_INDEPENDENT, /* equivalence: the change lies within the margin */
     CLAIM_RISES,       /* the change is a significant rise */
     CLAIM_FALLS,       /* the change is a significant fall */
-    CLAIM_CONSTANT,    /* the published numbers of the claims in `answer` are one, by chi^2 */
+    CLAIM_JOINT,       /* the claims in `answer`, all of agrees, by chi^2 together */
     CLAIM_FORMULA,     /* the unit test in `answer` */
-    CLAIM_PICTURE,     /* no number is possible: the figure in `answer` is judged by eye */
-    CLAIM_UNTESTABLE,  /* cannot be tested, for the reason in `note` */
     N_CLAIM_TESTS
 } report_test;
 
-/* Columns of text in report/claims.tsv; there may be none called `family`. */
+/* Columns of text in report/claims.tsv. There may be none of those below. */
 #define REPORT_CLAIM_TEXTS(X)                                                                                \
     X(id)                                                                                                    \
     X(of)                                                                                                    \
@@ -49,7 +45,10 @@ typedef struct {
 #undef X
     report_test kind;
     const char *family;                   /* of claims that answer one question */
-    stats_number number;                  /* published; NaN: none */
+    const char *on;                       /* "full": not on the page; else on it too */
+    const char *error;                    /* what the printed +- is: "se" (or ""), "sd" */
+    const char *fixed, *says;             /* when the test was fixed; the paper's word for a number */
+    stats_number number;                  /* published, with its standard error; NaN: none */
     report_reference *answers, *againsts; /* cells of both sides; NULL: none, or for `against` a number, */
     double limit;                         /* this */
     double samples, margin;               /* 0: not said; INFINITY: none */
@@ -69,7 +68,7 @@ rp_status report_claims_read(rp_arena *arena, const char *path, report_claims *c
  * RP_BAD_INPUT. */
 rp_status report_claims_find(const report_claims *claims, const char *id, const report_claim **claim);
 
-/* The published number as it is printed there, with its error; "" for none. */
+/* The published number as it is printed there, with its error, or the paper's word; "" for none. */
 const char *report_published(rp_arena *arena, const report_claim *claim);
 
 /* A claim judged by tables. */
@@ -79,11 +78,10 @@ typedef struct {
     double dof;                          /* with so many degrees of freedom; NaN: its error is known */
     report_verdict verdict, uncorrected; /* for the other tests of its family, */
     size_t tests;                        /* so many */
-    bool two_readings;                   /* of the published +-, with different verdicts */
-    report_match match;
-    const char *failed; /* runs without a result, see report_failed */
-    const char *text;   /* ours, as the report shows it */
-    const char *reason; /* verdict with what explains it */
+    double z;                            /* of an agreement: difference in standard errors */
+    const char *failed;                  /* runs without a result, see report_failed */
+    const char *text;                    /* ours, as the report shows it */
+    const char *word, *note;             /* the verdict, and what explains it */
 } report_judged;
 
 /* Every claim. Errors: RP_BAD_INPUT (a table without the cells that the claim names), those of rp_table_read.

@@ -16,6 +16,7 @@ typedef struct read_table {
 
 static rp_status add_side(report_tables *tables, const report_reference *side, read_table **list)
 {
+    if (side && side->less) RP_TRY(add_side(tables, side->less, list));
     for (const report_reference *r = side; r; r = r->next) {
         const rp_table *t;
         read_table **at = list;
@@ -98,15 +99,13 @@ static const char *text_of(rp_arena *arena, const rp_tally *causes)
     return text;
 }
 
-/* How the mean changes without these runs. */
+/* How the mean changes without these runs, where that is known. */
 static const char *push_of(const rp_tally *causes)
 {
-    static const char *const pushes[][2] = {
-        {"no_pile", "the flattest piles are left out, theta_R is too large"},
-        {"no_response", "the weakest piles are left out, theta_T is too large"}};
-    for (size_t k = 0; k < sizeof pushes / sizeof *pushes; k++)
-        if (causes->n == 1 && strcmp(causes->of[0].word, pushes[k][0]) == 0) return pushes[k][1];
-    return "effect on the mean not known";
+    const char *cause = causes->n == 1 ? causes->of[0].word : "";
+    return strcmp(cause, "no_pile") == 0       ? ": the flattest piles are left out, theta_R is too large"
+           : strcmp(cause, "no_response") == 0 ? ": the weakest piles are left out, theta_T is too large"
+                                               : "";
 }
 
 rp_status report_failed(report_tables *tables, const report_reference *answer,
@@ -117,7 +116,7 @@ rp_status report_failed(report_tables *tables, const report_reference *answer,
     RP_TRY(add_side(tables, answer, &list));
     RP_TRY(add_side(tables, against, &list));
     for (const read_table *r = list; r; r = r->next) add_table(&f, r);
-    *text = f.failed > 0.0 ? rp_text(tables->arena, "%g of %g (%s): %s", f.failed, f.runs,
+    *text = f.failed > 0.0 ? rp_text(tables->arena, "%g of %g (%s)%s", f.failed, f.runs,
                                      text_of(tables->arena, &f.causes), push_of(&f.causes))
                            : "";
     return RP_OK;

@@ -49,9 +49,9 @@ static void note_counts(rp_arena *arena, const report_claims *all, const report_
 static void print_verdicts(rp_arena *arena, const report_claims *all, const report_judged judged[],
                            const claims_options *o)
 {
-    rp_table_header(stdout,
-                    "id, paper, place, statement, test, published, samples, answer, ours, n, z_error, "
-                    "z_deviation, detail, verdict, failed");
+    rp_table_header(
+        stdout, "id, paper, place, statement, test, published, samples, answer, ours, n, z, fixed, verdict, "
+                "detail, failed");
     for (size_t i = 0; i < all->n; i++) {
         const report_claim *c = &all->claims[i];
         const report_judged *j = &judged[i];
@@ -59,8 +59,8 @@ static void print_verdicts(rp_arena *arena, const report_claims *all, const repo
         printf("%s\t%s\t%s\t%s\t%s\t%s\t%g\t%s\t%s\t", c->id, c->paper, or_dash(c->place), c->statement,
                c->test, or_dash(report_published(arena, c)), c->samples, or_dash(c->answer),
                or_dash(j->text));
-        printf("%g\t%.3g\t%.3g\t%s\t%s\t%s\n", fabs(j->ours.n), j->match.z_error, j->match.z_deviation,
-               j->reason, report_verdict_texts[j->verdict], or_dash(j->failed));
+        printf("%g\t%.3g\t%s\t%s\t%s\t%s\n", fabs(j->ours.n), j->z, or_dash(c->fixed), j->word,
+               or_dash(j->note), or_dash(j->failed));
     }
 }
 
@@ -101,16 +101,13 @@ static const cli_command claims = {
     "published claims and their verdicts",
     "[options]",
     "Every claim of both papers with its verdict. The header counts the claims with each verdict.\n"
-    "  reproduced, not reproduced   result of the claim's test, which report/claims.tsv names\n"
-    "  undecided         our error or the paper's is too large, or the two readings of the paper's +-\n"
-    "                    (standard error, standard deviation) give different verdicts, or our number is of\n"
-    "                    a fit that its own means reject (p_fit < 0.05)\n"
-    "  can't be tested   for the reason given\n"
-    "  by eye            the claim is a picture without a number\n"
-    "  no data           the table with our value has not been made\n"
-    "Claims of paper `ours` are this program's own, beyond the papers. Column `failed`: runs without a\n"
-    "result at the grid points that the claim reads, of all runs there, their causes, and how the mean\n"
-    "changes without them.",
+    "  reproduced, not reproduced   result of the claim's test, which report/claims.tsv names; of our own\n"
+    "              claims, beyond the papers (`ours`): supported, not supported\n"
+    "  open        our error or the paper's is too large\n"
+    "  no data     the table with our value has not been made\n"
+    "Column `fixed`: whether the test was fixed before the runs, or after a look at some. Column `failed`:\n"
+    "runs without a result at the grid points that the claim reads, of all runs there, their causes, and\n"
+    "how the mean changes without them.",
     "report claims --paper lh",
     claims_params,
     .refuses = "A claim without what its test needs; a table without the cells that a claim names.",

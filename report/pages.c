@@ -2,7 +2,6 @@
  */
 #include "report/pages.h"
 
-#include <glob.h>
 #include <math.h>
 #include <stddef.h>
 #include <stdlib.h>
@@ -18,15 +17,11 @@
 
 CLI_OPTIONS(page, PAGE_OPTIONS)
 
-enum { MAX_DEPTH = 2 };
-
 typedef struct {
     report_tables tables;
-    const char *template;
     report_claims claims;
     report_judged *judged; /* each claim, from the first place on that asks for one */
     FILE *out;
-    int depth;
     const char *lacking; /* table that the line asks for and nobody has made; NULL: none */
 } page;
 
@@ -118,52 +113,64 @@ static rp_status fill_claim(page *p, const char *id, char word)
     RP_TRY(judge(p));
     const report_judged *j = &p->judged[claim - p->claims.claims];
     if (word == 'n' && isfinite(j->ours.n)) return fprintf(p->out, "%.0f", j->ours.n), RP_OK;
-    fputs(word == 'v' ? j->reason : word == 'o' && *j->text ? j->text : no_data, p->out);
+    fputs(word == 'v' ? j->word : word == 'o' && *j->text ? j->text : no_data, p->out);
     return RP_OK;
 }
 
-/* A claim as a line of a table: with its name, samples, values and reason. */
+/* A claim as a line of a table: with its name, samples, values and what explains the verdict. */
 static void print_in_full(page *p, const report_claim *c, const report_judged *j)
 {
     const char *published = report_published(p->tables.arena, c);
     const int count = (int)strcspn(j->failed, "(");
-    fprintf(p->out, "%s%s | %s", *c->of ? "variant " : "", c->id, c->statement);
-    if (*c->note && c->kind != CLAIM_UNTESTABLE) fprintf(p->out, " (%s)", c->note);
-    fprintf(p->out, " | %s", published);
+    fprintf(p->out, "%s%s | %s | %s", *c->of ? "variant " : "", c->id, c->statement, published);
     if (c->samples > 0.0 && *published) fprintf(p->out, " (%.0f)", c->samples);
     fprintf(p->out, " | %s | ", j->text);
     if (isfinite(j->ours.n)) fprintf(p->out, "%.0f", j->ours.n);
-    if (*j->failed) fprintf(p->out, "; %.*sfailed %s", count, j->failed, j->failed + count);
-    fprintf(p->out, " | %s |", j->reason);
+    fprintf(p->out, " | %s | ", j->word);
+    const char *begin = "";
+    const bool after = *c->fixed && strcmp(c->fixed, "before") != 0;
+    const char *const notes[] = {c->note, j->note, after ? c->fixed : ""};
+    for (size_t k = 0; k < N_OF(notes); k++)
+        if (*notes[k]) fprintf(p->out, "%s%s", begin, notes[k]), begin = "; ";
+    if (*j->failed) fprintf(p->out, "%s%.*sfailed %s", begin, count, j->failed, j->failed + count);
+    fputs(" |", p->out);
 }
 
-/* The line that is read first: what is claimed, both numbers, the verdict. */
+static bool is_own(const report_claim *c)
+{
+    return strcmp(c->paper, "ours") == 0;
+}
+
+/* The line that is read first: what is claimed, both sides, the verdict. */
 static void print_in_short(page *p, const report_claim *c, const report_judged *j)
 {
-    fputs(c->statement, p->out);
-    if (*c->note && c->kind != CLAIM_UNTESTABLE) fprintf(p->out, " (%s)", c->note);
-    fprintf(p->out, " | %s | %s | %s |", report_published(p->tables.arena, c), j->text,
-            c->kind == CLAIM_UNTESTABLE ? j->reason : report_verdict_texts[j->verdict]);
+    const bool change = c->kind == CLAIM_INDEPENDENT || c->kind == CLAIM_RISES || c->kind == CLAIM_FALLS;
+    fprintf(p->out, "%s | ", c->statement);
+    if (!is_own(c)) fprintf(p->out, "%s | ", report_published(p->tables.arena, c));
+    fprintf(p->out, "%s | %s |",
+            change && *j->text ? report_number_text(p->tables.arena, j->ours.shown) : j->text, j->word);
 }
 
-/* The claims of a section; in short without their variants. */
+/* The claims of a paper in full; or those of a section that the page has, in short. */
 static rp_status fill_section(page *p, const char *word, const char *section)
 {
     const bool in_full = strcmp(word, "claims") == 0;
     bool any = false;
     RP_TRY(judge(p));
-    fputs(in_full ? "| claim | what it says | paper (samples) | ours | values | verdict "
-                    "|\n|---|---|---|---|---|---|"
-                  : "| claim | paper | ours | verdict |\n|---|---|---|---|",
+    fputs(in_full ? "| claim | what it says | paper (samples) | here | values | verdict | note |\n"
+                    "|---|---|---|---|---|---|---|"
+          : strcmp(section, "ours") == 0 ? "| we say | here | verdict |\n|---|---|---|"
+                                         : "| the paper says | paper | here | verdict |\n|---|---|---|---|",
           p->out);
     for (size_t i = 0; i < p->claims.n; i++) {
         const report_claim *c = &p->claims.claims[i];
-        if (strcmp(c->section, section) != 0 || (*c->of && !in_full)) continue;
+        const bool wanted = strcmp(in_full ? c->paper : c->section, section) == 0;
+        if (!wanted || (!in_full && (*c->of || strcmp(c->on, "full") == 0))) continue;
         fputs("\n| ", p->out);
         (in_full ? print_in_full : print_in_short)(p, c, &p->judged[i]);
         any = true;
     }
-    return any ? RP_OK : rp_fail(RP_BAD_INPUT, "{{%s %s}}: no claim has this section", word, section);
+    return any ? RP_OK : rp_fail(RP_BAD_INPUT, "{{%s %s}}: no such claim", word, section);
 }
 
 /* A line for each sweep behind the claims that has runs without a result. */
@@ -192,25 +199,6 @@ static rp_status fill_counts(page *p, const char *paper)
 
 /* ---- places ---- */
 
-static rp_status fill_file(page *p, const char *path);
-
-static rp_status fill_include(page *p, const char *pattern)
-{
-    glob_t found;
-    const char *slash = strrchr(p->template, '/'), *full;
-    const int folder = slash ? (int)(slash - p->template + 1) : 0;
-    if (p->depth == MAX_DEPTH) return rp_fail(RP_BAD_INPUT, "{{include %s}}: in an included text", pattern);
-    RP_TRY(rp_path(p->tables.arena, &full, "%.*s%s", folder, p->template, pattern));
-    if (glob(full, 0, NULL, &found) != 0) return rp_fail(RP_BAD_INPUT, "{{include ...}}: no file %s", full);
-    rp_status status = RP_OK;
-    for (size_t i = 0; i < found.gl_pathc && !status; i++) {
-        if (i > 0) fputc('\n', p->out);
-        status = fill_file(p, found.gl_pathv[i]);
-    }
-    globfree(&found);
-    return status;
-}
-
 static rp_status fill_place(page *p, char *text)
 {
     const report_words w = report_split(p->tables.arena, text);
@@ -231,7 +219,6 @@ static rp_status fill_place(page *p, char *text)
     if (strcmp(word, "claims") == 0 || strcmp(word, "scores") == 0) return fill_section(p, word, first);
     if (strcmp(word, "counts") == 0) return fill_counts(p, first);
     if (strcmp(word, "failures") == 0) return fill_failures(p, first);
-    if (strcmp(word, "include") == 0) return fill_include(p, first);
     return rp_fail(RP_BAD_INPUT, "{{%s ...}}: unknown word", word);
 }
 
@@ -252,8 +239,7 @@ static rp_status fill_places(page *p, char *line)
 /* A line of text is sentences: without a number of theirs it is left out, and says why. */
 static rp_status fill_line(page *p, char *line)
 {
-    if (*line == '|' || strncmp(line, "{{rows", 6) == 0 || strncmp(line, "{{include", 9) == 0)
-        return fill_places(p, line);
+    if (*line == '|' || strncmp(line, "{{rows", 6) == 0) return fill_places(p, line);
     FILE *out = p->out;
     char *text = NULL;
     size_t size;
@@ -275,7 +261,6 @@ static rp_status fill_file(page *p, const char *path)
     char *text;
     int number = 1;
     rp_status status = rp_file_read(path, &text);
-    p->depth++;
     for (char *line = text, *end; !status && line && *line; line = end, number++) {
         end = strchr(line, '\n');
         if (end) *end++ = '\0';
@@ -284,7 +269,6 @@ static rp_status fill_file(page *p, const char *path)
         else if (end)
             fputc('\n', p->out);
     }
-    p->depth--;
     free(text);
     return status;
 }
@@ -292,11 +276,11 @@ static rp_status fill_file(page *p, const char *path)
 static rp_status fill_page(cli_call *call, const void *values)
 {
     const page_options *o = values;
-    page p = {.tables = {call->arena, o->tables, NULL}, .template = cli_argument(call, 0)};
+    page p = {.tables = {call->arena, o->tables, NULL}};
     RP_TRY(report_claims_read(p.tables.arena, o->claims, &p.claims));
     (void)unlink(o->o); /* a page has no mark of the program's own files */
     RP_TRY(rp_file_open(o->o, &p.out));
-    return rp_file_close(o->o, p.out, fill_file(&p, p.template));
+    return rp_file_close(o->o, p.out, fill_file(&p, cli_argument(call, 0)));
 }
 
 const cli_command report_page = {
@@ -315,11 +299,10 @@ const cli_command report_page = {
     "  {{ours ID}}                  our number, as a claim compares it\n"
     "  {{number ID}}                how many values it is the mean of\n"
     "  {{verdict ID}}               verdict on a claim\n"
-    "  {{scores SECTION}}           the claims of a section in short: paper, ours, verdict\n"
-    "  {{claims SECTION}}           the same in full, with variants, counts, failed runs, reasons\n"
+    "  {{scores SECTION}}           the claims of a section on the page in short: paper, here, verdict\n"
+    "  {{claims PAPER}}             those of a paper in full, with variants, counts, failed runs, notes\n"
     "  {{counts PAPER}}             how many claims of a paper have which verdict\n"
     "  {{failures all}}             the sweeps behind the claims that have runs without a result\n"
-    "  {{include FILES}}            texts beside the template, filled alike\n"
     "A table that has not been made gives `no data` in a table; a line of text then names it instead.",
     "report page report/text/paper-repro.md.in -o paper-repro.md",
     page_params,

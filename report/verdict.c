@@ -7,8 +7,12 @@
 
 static const double errors_that_decide = 2.0, level = 0.05;
 
-const char *const report_verdict_texts[REPORT_VERDICTS] = {"reproduced",      "not reproduced", "undecided",
-                                                           "can't be tested", "by eye",         "no data"};
+const char *report_verdict_text(report_verdict verdict, bool own)
+{
+    static const char *const texts[][REPORT_VERDICTS] = {{"reproduced", "not reproduced", "open", "no data"},
+                                                         {"supported", "not supported", "open", "no data"}};
+    return texts[own][verdict];
+}
 
 stats_number report_of_few(stats_number mean, double n)
 {
@@ -21,34 +25,16 @@ double report_deviation_error(double sd, double n)
     return n >= 2.0 ? sd / sqrt(2.0 * (n - 1.0)) : NAN;
 }
 
-/* p: chance of the difference, as it is or corrected. A difference that is no more significant then is no
- * agreement. */
-static report_verdict agree_once(double difference, double se, double margin, double p)
+report_verdict report_agree(stats_number ours, stats_number published, double margin,
+                            const report_chances *raised, double *z)
 {
-    if (isnan(difference) || isnan(se)) return REPORT_UNDECIDED;
-    if (fabs(difference) > errors_that_decide * se)
-        return p < report_agree_p(errors_that_decide) ? REPORT_NOT_REPRODUCED : REPORT_UNDECIDED;
-    return errors_that_decide * se <= margin ? REPORT_REPRODUCED : REPORT_UNDECIDED;
-}
-
-/* Both readings must say the same. */
-static report_verdict both(report_verdict a, report_verdict b)
-{
-    return a == b ? a : REPORT_UNDECIDED;
-}
-
-report_match report_agree(stats_number ours, stats_number published, double samples, double margin,
-                          const report_chances *raised)
-{
-    const double difference = ours.value - published.value;
-    const double se = hypot(ours.se, published.se);
-    const double sd = hypot(ours.se, samples > 0.0 ? published.se / sqrt(samples) : published.se);
-    report_match m = {.z_error = difference / se, .z_deviation = difference / sd};
-    const bool own = !raised;
-    m.error = agree_once(difference, se, margin, own ? 0.0 : raised->effect);
-    m.deviation = agree_once(difference, sd, margin, own ? 0.0 : raised->deviation);
-    m.verdict = both(m.error, m.deviation);
-    return m;
+    const double difference = ours.value - published.value, se = hypot(ours.se, published.se);
+    *z = difference / se;
+    if (!isfinite(difference) || isnan(se)) return REPORT_OPEN;
+    if (fabs(difference) > errors_that_decide * se) /* one that is no more significant is no agreement */
+        return !raised || raised->effect < report_agree_p(errors_that_decide) ? REPORT_NOT_REPRODUCED
+                                                                              : REPORT_OPEN;
+    return errors_that_decide * se <= margin ? REPORT_REPRODUCED : REPORT_OPEN;
 }
 
 double report_agree_p(double z)
@@ -72,14 +58,15 @@ report_verdict report_exceed(stats_number a, stats_number b, int sign, const rep
 {
     const double difference = sign * (a.value - b.value);
     const bool exact = hypot(a.se, b.se) == 0.0 && !isnan(difference);
+    if (isinf(difference)) return REPORT_OPEN;
     if (exact || p->effect < report_agree_p(errors_that_decide))
         return difference > 0.0 ? REPORT_REPRODUCED : REPORT_NOT_REPRODUCED;
-    return p->margin < level ? REPORT_NOT_REPRODUCED : REPORT_UNDECIDED;
+    return p->margin < level ? REPORT_NOT_REPRODUCED : REPORT_OPEN;
 }
 
 report_verdict report_bound(double value, double limit, int sign)
 {
-    if (isnan(value) || isnan(limit)) return REPORT_UNDECIDED;
+    if (!isfinite(value) || !isfinite(limit)) return REPORT_OPEN;
     return sign * value >= sign * limit ? REPORT_REPRODUCED : REPORT_NOT_REPRODUCED;
 }
 
@@ -90,62 +77,40 @@ static bool within(const report_change *change, double margin)
 
 report_verdict report_equivalent(const report_change *change, double margin, const report_chances *raised)
 {
+    if (isinf(change->lo90) || isinf(change->hi90)) return REPORT_OPEN;
     if (raised ? raised->margin < level : within(change, margin)) return REPORT_REPRODUCED;
-    return (raised ? raised->effect : change->p_value) < level ? REPORT_NOT_REPRODUCED : REPORT_UNDECIDED;
+    return (raised ? raised->effect : change->p_value) < level ? REPORT_NOT_REPRODUCED : REPORT_OPEN;
 }
 
 report_verdict report_trends(const report_change *change, int sign, double margin)
 {
     const double middle = 0.5 * (change->lo90 + change->hi90);
-    if (isnan(middle)) return REPORT_UNDECIDED;
+    if (!isfinite(middle)) return REPORT_OPEN;
     if (change->p_value < level) return sign * middle > 0.0 ? REPORT_REPRODUCED : REPORT_NOT_REPRODUCED;
-    return within(change, margin) ? REPORT_NOT_REPRODUCED : REPORT_UNDECIDED;
+    return within(change, margin) ? REPORT_NOT_REPRODUCED : REPORT_OPEN;
 }
 
-/* Chance of so large a chi^2 about the weighted mean. */
-static double constant_p(size_t n, const stats_number v[], double factor)
+report_verdict report_joint(size_t n, const double z[], double *chi2, double *p)
 {
-    double weights = 0.0, sum = 0.0, chi2 = 0.0;
-    for (size_t i = 0; i < n; i++) {
-        const double w = 1.0 / (factor * v[i].se * factor * v[i].se);
-        weights += w;
-        sum += w * v[i].value;
-    }
-    for (size_t i = 0; i < n; i++) {
-        const double r = (v[i].value - sum / weights) / (factor * v[i].se);
-        chi2 += r * r;
-    }
-    return n > 1 && isfinite(chi2) ? gsl_cdf_chisq_Q(chi2, (double)n - 1.0) : NAN;
-}
-
-report_match report_constant(size_t n, const stats_number published[], double samples)
-{
-    report_match m = {.z_error = constant_p(n, published, 1.0),
-                      .z_deviation = constant_p(n, published, samples > 0.0 ? 1.0 / sqrt(samples) : 1.0)};
-    m.error = report_bound(m.z_error, level, 1);
-    m.deviation = report_bound(m.z_deviation, level, 1);
-    m.verdict = both(m.error, m.deviation);
-    return m;
+    *chi2 = 0.0;
+    for (size_t i = 0; i < n; i++) *chi2 += z[i] * z[i];
+    *p = gsl_cdf_chisq_Q(*chi2, (double)n);
+    return report_bound(*p, level, 1);
 }
 
 report_verdict report_order(stats_number quotient, double factor)
 {
     const double lo = quotient.value - errors_that_decide * quotient.se,
                  hi = quotient.value + errors_that_decide * quotient.se;
-    if (isnan(lo)) return REPORT_UNDECIDED;
+    if (!isfinite(lo)) return REPORT_OPEN;
     if (lo >= 1.0 / factor && hi <= factor) return REPORT_REPRODUCED;
-    return lo > factor || hi < 1.0 / factor ? REPORT_NOT_REPRODUCED : REPORT_UNDECIDED;
+    return lo > factor || hi < 1.0 / factor ? REPORT_NOT_REPRODUCED : REPORT_OPEN;
 }
 
 stats_number report_quotient(stats_number a, stats_number b)
 {
     const double q = a.value / b.value;
     return (stats_number){q, hypot(a.se, q * b.se) / fabs(b.value)};
-}
-
-bool report_fit_rejected(double p_fit)
-{
-    return p_fit < level;
 }
 
 void report_count_verdicts(size_t n, const report_verdict verdicts[], size_t counts[REPORT_VERDICTS])

@@ -1,7 +1,8 @@
 /* Verdicts on published claims. Plain numbers in, one word out: whatever says "reproduced" asks here.
  *
- * Every test but the bounds on exact numbers has three outcomes, so that too few piles give `undecided` and
- * never `reproduced`. Two standard errors decide on numbers, 5 % on p-values. */
+ * Every test but the bounds on exact numbers has three outcomes, so that too few piles leave a claim open and
+ * never reproduce it. Two standard errors decide on numbers, 5 % on p-values; what has no finite interval
+ * decides nothing. */
 #ifndef REPORT_VERDICT_H
 #define REPORT_VERDICT_H
 
@@ -13,15 +14,13 @@
 typedef enum {
     REPORT_REPRODUCED,
     REPORT_NOT_REPRODUCED,
-    REPORT_UNDECIDED,
-    REPORT_UNTESTABLE,
-    REPORT_BY_EYE,  /* a picture without a number */
+    REPORT_OPEN,
     REPORT_NO_DATA, /* the table that answers is not there */
     REPORT_VERDICTS
 } report_verdict;
 
-/* "reproduced", "not reproduced", "undecided", "can't be tested", "by eye", "no data". */
-extern const char *const report_verdict_texts[];
+/* "reproduced", "not reproduced", "open", "no data"; of a claim of our own "supported", "not supported". */
+const char *report_verdict_text(report_verdict verdict, bool own);
 
 /* The mean of n values, its standard error scaled so that two of it are the 95 % interval by Student's t: the
  * scatter of few values is itself uncertain. n < 2 or NaN, not a mean of values: unchanged. */
@@ -31,28 +30,19 @@ stats_number report_of_few(stats_number mean, double n);
  * for n < 2. */
 double report_deviation_error(double sd, double n);
 
-/* Ours against a published number whose printed +- may be a standard error or a standard deviation. */
+/* Chances that decide: of such a difference or change if there is none, and of one as small if the truth is
+ * the margin. NaN: no such test. The tests below take those that a correction for other tests has raised;
+ * NULL: each by itself. */
 typedef struct {
-    report_verdict verdict; /* of both readings; undecided where they differ */
-    report_verdict error;   /* read as a standard error */
-    report_verdict
-        deviation; /* read as a standard deviation of `samples` values; same as error without samples */
-    double z_error, z_deviation; /* difference over its standard error */
-} report_match;
-
-/* Chances that decide: of such a difference or change if there is none, the same with the other reading of
- * the published +-, and of one as small if the truth is the margin. NaN: no such test. The tests below take
- * those that a correction for other tests has raised; NULL: each by itself. */
-typedef struct {
-    double effect, deviation, margin;
+    double effect, margin;
 } report_chances;
 
 /* Agreement: not reproduced where the two differ by more than two standard errors of the difference;
  * reproduced where they do not, and two standard errors are at most `margin`: a test that could not see a
- * difference of `margin` is undecided, and so is a difference that the correction makes too likely.
- * samples = 0: one reading; margin = INFINITY: any error will do. */
-report_match report_agree(stats_number ours, stats_number published, double samples, double margin,
-                          const report_chances *raised);
+ * difference of `margin` leaves it open, and so does a difference that the correction makes too likely.
+ * margin = INFINITY: any error will do. *z: difference over its standard error. */
+report_verdict report_agree(stats_number ours, stats_number published, double margin,
+                            const report_chances *raised, double *z);
 
 /* Chance of a difference of |z| standard errors if there is none. */
 double report_agree_p(double z);
@@ -67,7 +57,7 @@ report_verdict report_exceed(stats_number a, stats_number b, int sign, const rep
 double report_exceed_p(stats_number a, stats_number b);
 double report_exceed_p_margin(stats_number a, stats_number b, double margin);
 
-/* A number without an error at least (sign = 1) or at most (-1) the limit. NaN: undecided. */
+/* A number without an error at least (sign = 1) or at most (-1) the limit. Not finite: open. */
 report_verdict report_bound(double value, double limit, int sign);
 
 /* Change of a quantity over the range of what it may depend on: 90 % interval, p-value of no change. */
@@ -76,16 +66,12 @@ typedef struct {
 } report_change;
 
 /* Equivalence: reproduced if the 90 % interval lies within +-margin (two one-sided tests at 5 %); not
- * reproduced if it does not and there is a change; else undecided. */
+ * reproduced if it does not and there is a change; else open. */
 report_verdict report_equivalent(const report_change *change, double margin, const report_chances *raised);
 
 /* Trend: a significant rise (sign = 1) or fall (-1). Not reproduced if the opposite is significant, or if no
  * change is and the 90 % interval lies within +-margin. */
 report_verdict report_trends(const report_change *change, int sign, double margin);
-
-/* One number behind n published ones, by chi^2: reproduced if p >= 5 %, under both readings of the +-.
- * Verdicts and, as z_error and z_deviation, the p-values. samples = 0: one reading. */
-report_match report_constant(size_t n, const stats_number published[], double samples);
 
 /* Order of magnitude: reproduced if the quotient lies within `factor` of 1 by two standard errors, not
  * reproduced if it lies outside by as much. factor > 1. */
@@ -94,9 +80,8 @@ report_verdict report_order(stats_number quotient, double factor);
 /* a/b with independent errors. */
 stats_number report_quotient(stats_number a, stats_number b);
 
-/* Whether its own data reject a fit, by the chance of a larger chi^2: p_fit < 5 %. NaN, no such chance:
- * false. */
-bool report_fit_rejected(double p_fit);
+/* Numbers z[n] of standard errors together: chi^2, and its chance, whose 5 % decide. */
+report_verdict report_joint(size_t n, const double z[], double *chi2, double *p);
 
 /* How many of each verdict. */
 void report_count_verdicts(size_t n, const report_verdict verdicts[], size_t counts[REPORT_VERDICTS]);

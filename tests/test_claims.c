@@ -18,7 +18,7 @@
 /* Numbers that are exact in binary make an edge an edge; one rounding more is `beyond`. */
 static const double beyond = 1.0 + 0x1p-40;
 
-#define IS(call, verdict) CU_ASSERT_STRING_EQUAL(report_verdict_texts[call], verdict)
+#define IS(call, verdict) CU_ASSERT_STRING_EQUAL(report_verdict_text(call, false), verdict)
 
 static stats_number number(double value, double se)
 {
@@ -27,76 +27,67 @@ static stats_number number(double value, double se)
 
 static report_verdict exceeds(stats_number a, stats_number b, int sign, double margin)
 {
-    const report_chances p = {report_exceed_p(a, b), NAN, report_exceed_p_margin(a, b, margin)};
+    const report_chances p = {report_exceed_p(a, b), report_exceed_p_margin(a, b, margin)};
     return report_exceed(a, b, sign, &p);
+}
+
+static report_verdict agrees(stats_number ours, stats_number published, double margin,
+                             const report_chances *raised)
+{
+    double z;
+    return report_agree(ours, published, margin, raised, &z);
 }
 
 static void test_agreement(void)
 {
     /* 3 and 4 make 5: two standard errors are 10 */
     const stats_number published = number(20.0, 4.0);
-    IS(report_agree(number(30.0, 3.0), published, 0, INFINITY, NULL).verdict, "reproduced");
-    IS(report_agree(number(20.0 + 10.0 * beyond, 3.0), published, 0, INFINITY, NULL).verdict,
-       "not reproduced");
-    IS(report_agree(number(20.0 - 10.0 * beyond, 3.0), published, 0, INFINITY, NULL).verdict,
-       "not reproduced");
-    IS(report_agree(number(21.0, 3.0), published, 0, 10.0, NULL).verdict, "reproduced");
-    IS(report_agree(number(21.0, 3.0), published, 0, 10.0 / beyond, NULL).verdict, "undecided");
-    IS(report_agree(number(21.0, NAN), published, 0, INFINITY, NULL).verdict, "undecided");
-    IS(report_agree(number(NAN, 1.0), published, 0, INFINITY, NULL).verdict, "undecided");
-    IS(report_agree(number(2.0, 0.0), number(2.0, 0.0), 0, 0.0, NULL).verdict, "reproduced");
-    CHECK_NEAR(report_agree(number(30.0, 3.0), published, 0, INFINITY, NULL).z_error, 2.0, 0.0);
-}
-
-/* A deviation of 4 over 16 samples is an error of 1. */
-static void test_readings(void)
-{
-    const stats_number published = number(20.0, 4.0);
-    report_match m = report_agree(number(23.0, 0.0), published, 16.0, INFINITY, NULL);
-    IS(m.error, "reproduced");
-    IS(m.deviation, "not reproduced");
-    IS(m.verdict, "undecided");
-    CHECK_NEAR(m.z_deviation, 3.0, 0.0);
-    m = report_agree(number(22.0, 0.0), published, 16.0, INFINITY, NULL);
-    IS(m.verdict, "reproduced");
-    m = report_agree(number(29.0, 0.0), published, 16.0, INFINITY, NULL);
-    IS(m.verdict, "not reproduced");
-    m = report_agree(number(21.0, 0.0), published, 16.0, 5.0, NULL); /* seen by one reading alone */
-    IS(m.error, "undecided");
-    IS(m.deviation, "reproduced");
-    IS(m.verdict, "undecided");
+    double z;
+    IS(agrees(number(30.0, 3.0), published, INFINITY, NULL), "reproduced");
+    IS(agrees(number(20.0 + 10.0 * beyond, 3.0), published, INFINITY, NULL), "not reproduced");
+    IS(agrees(number(20.0 - 10.0 * beyond, 3.0), published, INFINITY, NULL), "not reproduced");
+    IS(agrees(number(21.0, 3.0), published, 10.0, NULL), "reproduced");
+    IS(agrees(number(21.0, 3.0), published, 10.0 / beyond, NULL), "open");
+    IS(agrees(number(21.0, NAN), published, INFINITY, NULL), "open");
+    IS(agrees(number(NAN, 1.0), published, INFINITY, NULL), "open");
+    IS(agrees(number(-INFINITY, 1.0), published, INFINITY, NULL), "open");
+    IS(agrees(number(2.0, 0.0), number(2.0, 0.0), 0.0, NULL), "reproduced");
+    report_agree(number(30.0, 3.0), published, INFINITY, NULL, &z);
+    CHECK_NEAR(z, 2.0, 0.0);
+    CU_ASSERT_STRING_EQUAL(report_verdict_text(REPORT_REPRODUCED, true), "supported");
+    CU_ASSERT_STRING_EQUAL(report_verdict_text(REPORT_NOT_REPRODUCED, true), "not supported");
 }
 
 static void test_inequalities(void)
 {
-    IS(exceeds(number(30.0, 3.0), number(20.0, 4.0), 1, INFINITY), "undecided");
-    IS(exceeds(number(10.0, 3.0), number(20.0, 4.0), 1, INFINITY), "undecided");
+    IS(exceeds(number(30.0, 3.0), number(20.0, 4.0), 1, INFINITY), "open");
+    IS(exceeds(number(10.0, 3.0), number(20.0, 4.0), 1, INFINITY), "open");
     IS(exceeds(number(20.0 + 10.0 * beyond, 3.0), number(20.0, 4.0), 1, INFINITY), "reproduced");
     IS(exceeds(number(20.0 - 10.0 * beyond, 3.0), number(20.0, 4.0), 1, INFINITY), "not reproduced");
     IS(exceeds(number(20.0 - 10.0 * beyond, 3.0), number(20.0, 4.0), -1, INFINITY), "reproduced");
     IS(exceeds(number(1.0, 0.0), number(1.0, 0.0), 1, INFINITY),
        "not reproduced"); /* exact numbers that are equal */
     IS(exceeds(number(beyond, 0.0), number(1.0, 0.0), 1, INFINITY), "reproduced");
-    IS(exceeds(number(5.0, NAN), number(1.0, 0.0), 1, INFINITY), "undecided");
-    IS(exceeds(number(NAN, 0.0), number(1.0, 0.0), 1, 1.0), "undecided");
+    IS(exceeds(number(5.0, NAN), number(1.0, 0.0), 1, INFINITY), "open");
+    IS(exceeds(number(NAN, 0.0), number(1.0, 0.0), 1, 1.0), "open");
     /* so small a difference that the margin, 1.8 standard errors away, is excluded; at 1.6 it is not */
     IS(exceeds(number(20.5, 0.3), number(20.0, 0.4), 1, 1.4), "not reproduced");
     IS(exceeds(number(19.5, 0.3), number(20.0, 0.4), 1, 1.4), "not reproduced");
-    IS(exceeds(number(20.5, 0.3), number(20.0, 0.4), 1, 1.3), "undecided");
+    IS(exceeds(number(20.5, 0.3), number(20.0, 0.4), 1, 1.3), "open");
     IS(exceeds(number(21.5, 0.3), number(20.0, 0.4), 1, 5.0), "reproduced"); /* less than the margin */
     IS(report_bound(0.05, 0.05, 1), "reproduced");
     IS(report_bound(0.05 / beyond, 0.05, 1), "not reproduced");
     IS(report_bound(0.05, 0.05, -1), "reproduced");
     IS(report_bound(0.05 * beyond, 0.05, -1), "not reproduced");
-    IS(report_bound(NAN, 0.05, -1), "undecided");
+    IS(report_bound(NAN, 0.05, -1), "open");
     IS(report_order(number(0.5, 0.125), 4.0), "reproduced"); /* 0.25 to 0.75 */
-    IS(report_order(number(0.5, 0.125 * beyond), 4.0), "undecided");
+    IS(report_order(number(0.5, 0.125 * beyond), 4.0), "open");
     IS(report_order(number(3.5, 0.25), 4.0), "reproduced");
-    IS(report_order(number(3.5, 0.25 * beyond), 4.0), "undecided");
-    IS(report_order(number(0.125, 0.0625), 4.0), "undecided"); /* 0 to 0.25 */
+    IS(report_order(number(3.5, 0.25 * beyond), 4.0), "open");
+    IS(report_order(number(0.125, 0.0625), 4.0), "open"); /* 0 to 0.25 */
     IS(report_order(number(0.125, 0.0625 / beyond), 4.0), "not reproduced");
     IS(report_order(number(5.0, 0.25), 4.0), "not reproduced");
-    IS(report_order(number(NAN, 0.25), 4.0), "undecided");
+    IS(report_order(number(NAN, 0.25), 4.0), "open");
 }
 
 static void test_changes(void)
@@ -105,23 +96,26 @@ static void test_changes(void)
                         rise = {0.2, 3.0, 0.0499}, fall = {-3.0, -0.2, 0.0499}, almost = {0.0, 3.0, 0.05},
                         small = {0.1, 0.9, 0.001}, none = {NAN, NAN, NAN}, p_alone = {NAN, NAN, 0.001};
     IS(report_equivalent(&inside, 1.0, NULL), "reproduced");
-    IS(report_equivalent(&edge, 1.0, NULL), "undecided");
-    IS(report_equivalent(&low, 1.0, NULL), "undecided");
+    IS(report_equivalent(&edge, 1.0, NULL), "open");
+    IS(report_equivalent(&low, 1.0, NULL), "open");
     IS(report_equivalent(&rise, 1.0, NULL), "not reproduced");
-    IS(report_equivalent(&almost, 1.0, NULL), "undecided");
+    IS(report_equivalent(&almost, 1.0, NULL), "open");
     IS(report_equivalent(&small, 1.0, NULL), "reproduced"); /* a change, but smaller than any that counts */
-    IS(report_equivalent(&none, 1.0, NULL), "undecided");
+    IS(report_equivalent(&none, 1.0, NULL), "open");
     IS(report_trends(&rise, 1, 1.0), "reproduced");
     IS(report_trends(&rise, -1, 1.0), "not reproduced");
     IS(report_trends(&fall, -1, 1.0), "reproduced");
     IS(report_trends(&fall, 1, 1.0), "not reproduced");
-    IS(report_trends(&almost, 1, 1.0), "undecided");
+    IS(report_trends(&almost, 1, 1.0), "open");
     IS(report_trends(&inside, 1, 1.0), "not reproduced"); /* no change as large as the margin */
-    IS(report_trends(&edge, 1, 1.0), "undecided");
-    IS(report_trends(&none, 1, 1.0), "undecided");
-    IS(report_trends(&p_alone, 1, 1.0), "undecided");
-    CU_ASSERT(report_fit_rejected(0.05 / beyond));
-    CU_ASSERT(!report_fit_rejected(0.05) && !report_fit_rejected(NAN));
+    IS(report_trends(&edge, 1, 1.0), "open");
+    IS(report_trends(&none, 1, 1.0), "open");
+    IS(report_trends(&p_alone, 1, 1.0), "open");
+    const report_change endless = {-INFINITY, 0.5, 0.01};
+    IS(report_equivalent(&endless, 1.0, NULL), "open");
+    IS(report_trends(&endless, -1, 1.0), "open");
+    IS(exceeds(number(INFINITY, 0.1), number(1.0, 0.0), 1, INFINITY), "open");
+    IS(report_bound(INFINITY, 0.05, 1), "open");
 }
 
 /* Chances that a correction may raise: two standard errors are 4.55 %. */
@@ -135,56 +129,36 @@ static void test_corrected(void)
     IS(report_exceed(a, b, 1, &(report_chances){.effect = 0.0454, .margin = NAN}), "reproduced");
     IS(report_exceed(a, b, -1, &(report_chances){.effect = 0.0454, .margin = NAN}), "not reproduced");
     IS(report_exceed(b, a, 1, &(report_chances){.effect = 0.0454, .margin = NAN}), "not reproduced");
-    IS(report_exceed(a, b, 1, &(report_chances){.effect = 0.0456, .margin = NAN}), "undecided");
-    IS(report_exceed(a, b, 1, &(report_chances){.effect = NAN, .margin = NAN}), "undecided");
+    IS(report_exceed(a, b, 1, &(report_chances){.effect = 0.0456, .margin = NAN}), "open");
+    IS(report_exceed(a, b, 1, &(report_chances){.effect = NAN, .margin = NAN}), "open");
     IS(report_exceed(a, b, 1, &(report_chances){.effect = 0.0456, .margin = 0.0499}), "not reproduced");
-    IS(report_exceed(a, b, 1, &(report_chances){.effect = 0.0456, .margin = 0.0501}), "undecided");
+    IS(report_exceed(a, b, 1, &(report_chances){.effect = 0.0456, .margin = 0.0501}), "open");
     IS(report_exceed(a, b, 1, &(report_chances){.effect = 0.0454, .margin = 0.0499}), "reproduced");
     CHECK_NEAR(report_exceed_p_margin(a, b, 5.0), gsl_cdf_ugaussian_Q(-1.0), 1e-15);
     CHECK_NEAR(report_exceed_p_margin(b, a, 15.0), gsl_cdf_ugaussian_Q(1.0), 1e-15);
     CU_ASSERT(isnan(report_exceed_p_margin(a, b, INFINITY)));
-    /* an agreement: by one reading 2.5 errors, chance 1.24 %, by the other 5 */
-    const stats_number ours = number(25.0, 0.0), theirs = number(20.0, 2.0);
-    const report_match far = report_agree(ours, theirs, 4.0, INFINITY, NULL);
-    CHECK_NEAR(report_agree_p(far.z_error), 0.012419330651552265, 1e-14);
-    CHECK_NEAR(report_agree_p(-far.z_deviation), 5.733031437583867e-7, 1e-18);
-    IS(far.verdict, "not reproduced");
-    IS(report_agree(ours, theirs, 4.0, INFINITY, &(report_chances){0.0454, 0.0454, NAN}).verdict,
-       "not reproduced");
-    IS(report_agree(ours, theirs, 4.0, INFINITY, &(report_chances){0.0456, 0.0454, NAN}).error, "undecided");
-    IS(report_agree(ours, theirs, 4.0, INFINITY, &(report_chances){0.0456, 0.0454, NAN}).deviation,
-       "not reproduced");
-    IS(report_agree(ours, theirs, 4.0, INFINITY, &(report_chances){0.0456, 0.0454, NAN}).verdict,
-       "undecided");
-    IS(report_agree(ours, theirs, 4.0, INFINITY, &(report_chances){0.0454, 0.0456, NAN}).deviation,
-       "undecided");
-    IS(report_agree(ours, theirs, 4.0, INFINITY, &(report_chances){0.9, 0.9, NAN}).verdict,
-       "undecided"); /* never an agreement */
-    IS(report_agree(number(20.0, 1.0), number(20.0, 1.0), 0.0, 3.0, &(report_chances){1.0, 1.0, NAN}).verdict,
-       "reproduced");
+    const stats_number ours = number(25.0, 0.0), theirs = number(20.0, 2.0); /* 2.5 errors: 1.24 % */
+    CHECK_NEAR(report_agree_p(-2.5), 0.012419330651552265, 1e-14);
+    IS(agrees(ours, theirs, INFINITY, &(report_chances){0.0454, NAN}), "not reproduced");
+    IS(agrees(ours, theirs, INFINITY, &(report_chances){0.0456, NAN}), "open"); /* never an agreement */
+    IS(agrees(number(20.0, 1.0), number(20.0, 1.0), 3.0, &(report_chances){1.0, NAN}), "reproduced");
     IS(report_equivalent(&none, 1.0, &(report_chances){.effect = 0.2, .margin = 0.0499}), "reproduced");
     IS(report_equivalent(&none, 1.0, &(report_chances){.effect = 0.001, .margin = 0.0499}), "reproduced");
     IS(report_equivalent(&none, 1.0, &(report_chances){.effect = 0.0499, .margin = 0.05}), "not reproduced");
-    IS(report_equivalent(&none, 1.0, &(report_chances){.effect = 0.05, .margin = 0.05}), "undecided");
-    IS(report_equivalent(&none, 1.0, &(report_chances){.effect = NAN, .margin = NAN}), "undecided");
+    IS(report_equivalent(&none, 1.0, &(report_chances){.effect = 0.05, .margin = 0.05}), "open");
+    IS(report_equivalent(&none, 1.0, &(report_chances){.effect = NAN, .margin = NAN}), "open");
 }
 
-/* Two numbers: chi^2 = d^2/(2 e^2) of one degree of freedom. */
-static void test_constant(void)
+/* chi^2 of two degrees of freedom is above x with the chance exp(-x/2): 5 % at 5.99. */
+static void test_joint(void)
 {
-    const stats_number two[] = {{10.0, 1.0}, {12.0, 1.0}};
-    report_match m = report_constant(2, two, 0.0);
-    CHECK_NEAR(m.z_error, gsl_cdf_chisq_Q(2.0, 1.0), 1e-15);
-    IS(m.verdict, "reproduced");
-    m = report_constant(2, two, 4.0);
-    CHECK_NEAR(m.z_deviation, gsl_cdf_chisq_Q(8.0, 1.0), 1e-15);
-    IS(m.error, "reproduced");
-    IS(m.deviation, "not reproduced");
-    IS(m.verdict, "undecided");
-    IS(report_constant(1, two, 0.0).verdict, "undecided");
-    /* unequal errors: the mean is weighted, (4*10 + 12)/5 = 10.4 */
-    const stats_number unequal[] = {{10.0, 0.5}, {12.0, 1.0}};
-    CHECK_NEAR(report_constant(2, unequal, 0.0).z_error, gsl_cdf_chisq_Q(4.0 * 0.16 + 2.56, 1.0), 1e-12);
+    const double z[] = {1.2, -2.1};
+    double chi2, p;
+    IS(report_joint(2, z, &chi2, &p), "reproduced");
+    CHECK_NEAR(chi2, 1.44 + 4.41, 1e-14);
+    CHECK_NEAR(p, exp(-0.5 * chi2), 1e-14);
+    IS(report_joint(2, (const double[]){2.0, 1.42}, &chi2, &p), "not reproduced");
+    IS(report_joint(2, (const double[]){NAN, 1.42}, &chi2, &p), "open");
 }
 
 static void test_few(void)
@@ -204,11 +178,11 @@ static void test_few(void)
 static void test_counts(void)
 {
     size_t counts[REPORT_VERDICTS];
-    const report_verdict v[] = {REPORT_NO_DATA, REPORT_REPRODUCED, REPORT_NO_DATA, REPORT_BY_EYE,
+    const report_verdict v[] = {REPORT_NO_DATA, REPORT_REPRODUCED, REPORT_NO_DATA, REPORT_OPEN,
                                 REPORT_NO_DATA};
     report_count_verdicts(5, v, counts);
-    CU_ASSERT(counts[REPORT_NO_DATA] == 3 && counts[REPORT_REPRODUCED] == 1 && counts[REPORT_BY_EYE] == 1);
-    CU_ASSERT(counts[REPORT_NOT_REPRODUCED] + counts[REPORT_UNDECIDED] + counts[REPORT_UNTESTABLE] == 0);
+    CU_ASSERT(counts[REPORT_NO_DATA] == 3 && counts[REPORT_REPRODUCED] == 1 && counts[REPORT_OPEN] == 1 &&
+              counts[REPORT_NOT_REPRODUCED] == 0);
 }
 
 /* ---- the claims themselves ---- */
@@ -246,22 +220,12 @@ static bool test_exists(const char *answer)
     return file_holds(path, test);
 }
 
-static bool figure_exists(const char *answer)
-{
-    char path[256];
-    if (strncmp(answer, "fig-", 4) != 0) return false;
-    snprintf(path, sizeof path, "figures/%.2s/%s.gp", answer + 4, answer + 4);
-    FILE *in = fopen(path, "r");
-    if (in) fclose(in);
-    return in != NULL;
-}
-
 static const char *cell(const rp_table *t, size_t row, const char *column)
 {
     return t->cells[row * t->n_columns + (size_t)rp_table_column(t, column)];
 }
 
-/* The program reads every claim. Those answered by tests and pictures name ones that exist. Without tables
+/* The program reads every claim. Those answered by tests name ones that exist. Without tables
  * nothing is reproduced, but by tests. */
 static void test_claims_file(void)
 {
@@ -279,9 +243,9 @@ static void test_claims_file(void)
     for (size_t row = 0; row < t.n_rows; row++) {
         const char *test = cell(&t, row, "test"), *answer = cell(&t, row, "answer"),
                    *verdict = cell(&t, row, "verdict");
-        const bool formula = strcmp(test, "formula") == 0, picture = strcmp(test, "picture") == 0;
-        const bool right = (!formula || test_exists(answer)) && (!picture || figure_exists(answer)) &&
-                           formula == (strcmp(verdict, "reproduced") == 0);
+        const bool formula = strcmp(test, "formula") == 0;
+        const bool right =
+            (!formula || test_exists(answer)) && formula == (strcmp(verdict, "reproduced") == 0);
         if (!right) fprintf(stderr, "claim %s: %s\n", cell(&t, row, "id"), answer);
         CU_ASSERT(right);
     }
@@ -308,22 +272,20 @@ static size_t files_with(const char *pattern, const char *text, bool wanted)
  * Each section of the claims stands once in full, and those of the two papers once in short. */
 static void test_report_texts(void)
 {
-    static const char *const words[] = {"reproduced", "undecided", "by eye", "agrees", "confirmed"};
-    static const char *const without_numbers[] = {"report/text/*.md", "report/text/*.md.in", "figures/*/*.gp",
-                                                  "sweeps/*/*.cfg",   "src/*/*.c",           "src/*/*/*.c"};
+    static const char *const words[] = {"reproduced", "supported", "agrees", "confirmed"};
+    static const char *const without_numbers[] = {"report/text/*.md.in", "figures/*/*.gp", "sweeps/*/*.cfg",
+                                                  "src/*/*.c", "src/*/*/*.c"};
     rp_table t;
     for (size_t k = 0; k < sizeof words / sizeof *words; k++) {
-        CU_ASSERT(files_with("report/text/*.md", words[k], false) == 0);
-        CU_ASSERT(files_with("report/text/paper-repro.md.in", words[k], false) == 0);
+        CU_ASSERT(files_with("report/text/beyond.md.in", words[k], false) == 0);
     }
     CHECK_OK(rp_table_read_texts("report/claims.tsv", &t));
     for (size_t row = 0; row < t.n_rows; row++) {
         char place[128];
-        const char *section = cell(&t, row, "section");
-        snprintf(place, sizeof place, "{{claims %s}}", section);
-        bool shown = files_with("report/text/*.md", place, true) == 1;
-        if (strcmp(cell(&t, row, "of"), "-") == 0 && strcmp(cell(&t, row, "paper"), "ours") != 0) {
-            snprintf(place, sizeof place, "{{scores %s}}", section);
+        snprintf(place, sizeof place, "{{claims %s}}", cell(&t, row, "paper"));
+        bool shown = files_with("report/text/claims.md.in", place, true) == 1;
+        if (strcmp(cell(&t, row, "on"), "page") == 0) {
+            snprintf(place, sizeof place, "{{scores %s}}", cell(&t, row, "section"));
             shown &= files_with("report/text/paper-repro.md.in", place, true) == 1;
         }
         if (!shown) fprintf(stderr, "%s: not shown once\n", place);
@@ -431,7 +393,7 @@ static bool sentence_is_clean(char *line)
 static void test_sentences(void)
 {
     static const char *const sources[] = {"sweeps/*/*.cfg", "report/claims.tsv", "validation/*.c"},
-                             *const texts[] = {"report/text/*.md", "report/text/*.md.in"};
+                             *const texts[] = {"report/text/*.md.in"};
     char typed[][64] = {"The pile has 18.04 degrees.", "It differs by 2.49 ± 0.3.", "The best pile extends.",
                         "In all 3217 piles were made.", "A few (of 435, 188) fell."},
          clean[][80] = {"W = 4, mu = 0.2: {{value t v}}.", "The best is {{value t v}}, of 400 grains.",
@@ -440,7 +402,7 @@ static void test_sentences(void)
     for (size_t k = 0; k < 3; k++) learn_numbers(sources[k]);
     for (size_t k = 0; k < sizeof typed / sizeof *typed; k++) CU_ASSERT(!sentence_is_clean(typed[k]));
     for (size_t k = 0; k < sizeof clean / sizeof *clean; k++) CU_ASSERT(sentence_is_clean(clean[k]));
-    for (size_t k = 0; k < 2; k++) {
+    for (size_t k = 0; k < 1; k++) {
         glob_t found;
         CU_ASSERT_FATAL(glob(texts[k], 0, NULL, &found) == 0);
         for (size_t i = 0; i < found.gl_pathc; i++) {
@@ -460,7 +422,7 @@ static void test_sentences(void)
 
 /* ---- the page that is read: paper-repro.md ---- */
 
-enum { MOST_WORDS = 6000, LONGEST_ROW = 250, LARGEST_PICTURE = 120000, MOST_TEXT = 200000 };
+enum { MOST_WORDS = 3500, LONGEST_ROW = 250, LARGEST_PICTURE = 120000, MOST_TEXT = 200000 };
 
 /* What follows `open` up to `close` in the line, in turn; NULL after the last. */
 static const char *next_between(const char **line, const char *open, char close, char text[256])
@@ -508,7 +470,8 @@ static void check_page_line(const char *line)
     CU_ASSERT(*line != '|' || strlen(line) <= LONGEST_ROW);
 }
 
-/* The page is short enough to be read, its links lead somewhere, and each claim of the papers has a row. */
+/* The page is short enough to be read, its links lead somewhere, and each claim that belongs on it has a row.
+ */
 static void test_page(void)
 {
     static char text[MOST_TEXT];
@@ -522,17 +485,17 @@ static void test_page(void)
     CHECK_OK(rp_table_read_texts("report/claims.tsv", &t));
     for (size_t row = 0; row < t.n_rows; row++) {
         char start[256];
-        if (strcmp(cell(&t, row, "of"), "-") != 0 || strcmp(cell(&t, row, "paper"), "ours") == 0) continue;
-        snprintf(start, sizeof start, "\n| %s ", cell(&t, row, "statement")); /* a note or | follows */
+        if (strcmp(cell(&t, row, "on"), "page") != 0) continue;
+        snprintf(start, sizeof start, "\n| %s | ", cell(&t, row, "statement"));
         if (!strstr(text, start)) fprintf(stderr, "paper-repro.md lacks: %s\n", start + 1);
         CU_ASSERT(strstr(text, start) != NULL);
     }
     rp_table_free(&t);
     size_t words = 0, lines = 0;
-    for (const char *c = text; *c; c++) words += !strchr(" \n", *c) && (c == text || strchr(" \n", c[-1]));
+    for (const char *c = text; *c; c++) words += !strchr(" \n|", *c) && (c == text || strchr(" \n", c[-1]));
     for (char *save, *line = strtok_r(text, "\n", &save); line; line = strtok_r(NULL, "\n", &save), lines++)
         check_page_line(line);
-    CU_ASSERT(lines > 200);
+    CU_ASSERT(lines > 150);
     CU_ASSERT(words > 1000 && words <= MOST_WORDS);
 }
 
@@ -584,6 +547,7 @@ static void check_one_setting(const sweep_plan *a, size_t at, const sweep_plan *
     for (const rp_param *p = a->protocol->schema; p->name; p++) {
         const rp_param *q = rp_params_find(b->protocol->schema, p->name);
         if (!q || strcmp(p->name, "measure") == 0 || strcmp(p->name, "tilt") == 0) continue;
+        if (strcmp(p->name, "v_cut") == 0) continue; /* a claim of its own says that it makes no difference */
         CU_ASSERT_STRING_EQUAL(setting_of(a, at, p, text[0]), setting_of(b, bt, q, text[1]));
         if (strcmp(text[0], text[1]) != 0)
             fprintf(stderr, "pooled: %s = %s and %s\n", p->name, text[0], text[1]);
@@ -604,12 +568,14 @@ static void test_pools(void)
     rp_table t;
     size_t pools = 0;
     CHECK_OK(rp_table_read_texts("report/claims.tsv", &t));
-    for (size_t row = 0; row < t.n_rows; row++) {
+    for (size_t side = 0; side < 2 * t.n_rows; side++) {
         char text[1024], *rest = text;
         sweep_plan plans[MOST_CELLS];
         size_t points[MOST_CELLS], cells = 0, n = 0;
-        snprintf(text, sizeof text, "%s", cell(&t, row, "answer"));
-        if (!strstr(text, " + ")) continue;
+        const char *less = strstr(cell(&t, side / 2, side % 2 ? "against" : "answer"), " less ");
+        snprintf(text, sizeof text, "%s",
+                 less ? less + 6 : cell(&t, side / 2, side % 2 ? "against" : "answer"));
+        if (!strstr(text, " + ") || strstr(text, "trend")) continue; /* trends are weighted by their errors */
         for (pools++; rest; cells++) {
             char *one = rest, *plus = strstr(rest, " + ");
             rest = plus ? plus + 3 : NULL;
@@ -634,11 +600,10 @@ static void test_pools(void)
 void suite_claims(void)
 {
     static const check_case cases[] = {{"agreement", test_agreement},
-                                       {"both readings of the published +-", test_readings},
                                        {"inequalities and bounds", test_inequalities},
                                        {"equivalence and trends", test_changes},
                                        {"corrected for other tests", test_corrected},
-                                       {"one number behind several", test_constant},
+                                       {"agreements together", test_joint},
                                        {"few values, quotients", test_few},
                                        {"counts", test_counts},
                                        {"the claims and what answers them", test_claims_file},

@@ -241,7 +241,7 @@ static void test_orders(void)
                   {&cmd_export, "LAMMPS: radius, mass, vx vy vz, omegaz"},
                   {&cmd_export, "a table of grains (x, y, r) too"},
                   {&cmd_view, "with columns x, y, r."},
-                  {&report_page, "in short: paper, ours, verdict\n"}};
+                  {&report_page, "in short: paper, here, verdict\n"}};
     for (size_t k = 0; k < sizeof orders / sizeof *orders; k++)
         CU_ASSERT_PTR_NOT_NULL(strstr(orders[k].command->about, orders[k].words));
 }

@@ -53,6 +53,10 @@ static const struct {
               {"slope", "", "slope|power|per cm"},
               {"intercept", "", "intercept|at mu = 0"},
               {"correlation", "", "correlation"},
+              {"residual", "", "straight line"},
+              {"psi6", "", "bond order"},
+              {"fabric", "", "anisotropy"},
+              {"bulk_friction", "", "friction"},
               {"left_deg", "", "slope"},
               {"right_deg", "", "slope"},
               {"height", "", "high"},
@@ -351,12 +355,12 @@ static bool text_fits(const char *path, around *a)
 
 static void test_words(void)
 {
-    static const char *const texts[] = {"report/text/*.md", "report/text/*.md.in"};
+    static const char *const texts[] = {"report/text/*.md.in"};
     static around a;
     rp_table claims;
     CHECK_OK(rp_table_read_texts("report/claims.tsv", &claims));
     a.claims = &claims;
-    for (size_t k = 0; k < 2; k++) {
+    for (size_t k = 0; k < 1; k++) {
         glob_t found;
         CU_ASSERT_FATAL(glob(texts[k], 0, NULL, &found) == 0);
         for (size_t i = 0; i < found.gl_pathc; i++)

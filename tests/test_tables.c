@@ -853,6 +853,10 @@ static void test_fits(void)
         CHECK_NEAR(at(&c, row, "n"), POINTS, 0.0);
         CHECK_NEAR(at(&c, row, "x_from"), 1.0, 0.0);
         CHECK_NEAR(at(&c, row, "x_to"), 5.0, 0.0);
+        double residual = 0.0;
+        for (int i = 0; i < POINTS; i++)
+            residual = fmax(residual, fabs(y[i] - l->intercept - l->slope * x[i]));
+        CHECK_NEAR(at(&c, row, "residual"), residual, 1e-13);
         CHECKED_WORD(&c, row, "line", row ? "origin" : "free");
     }
     checked_end(&c);

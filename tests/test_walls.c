@@ -838,7 +838,15 @@ static void refused(void)
         CHECK_FAILS(grains_read(cases[k][0], NULL, &s), RP_BAD_INPUT, cases[k][1]);
         dem_scene_free(&s);
     }
+#define FLOOR "{ point = [0.0, 0.0]; direction = [0.0, 1.0]; }"
     static const char *const starts[][2] = {
+        /* what lies on a whole line would never act, unless it is alike, or the line opens */
+        {"walls = ( " FLOOR
+         ", { point = [3.0, 0.0]; direction = [0.0, 1.0]; k_n = 7e5; } ); " ONE, /* either */
+         "wall 1: lies on wall 2, a whole line, and would never act"},
+        {"walls = ( { point = [0.5, 0.0]; direction = [0.0, 1.0]; extent = [0.0, 1.0]; k_n = 7e5; }, " FLOOR
+         " ); " ONE,
+         "wall 1: lies on wall 2, a whole line"},
         {"box_turn_deg_per_step = 0.01; walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; omega = 1.0; "
          "} "
          ");" ONE,
@@ -864,6 +872,19 @@ static void refused(void)
         dem_sim *sim = NULL;
         CHECK_OK(grains_read(starts[k][0], NULL, &s));
         CHECK_FAILS(dem_scene_start(&s, &sim), RP_BAD_INPUT, starts[k][1]);
+        dem_scene_free(&s);
+    }
+    static const char *const alike[] = {
+        "walls = ( " FLOOR ", { point = [0.5, 0.0]; direction = [0.0, 1.0]; extent = [0.0, 1.0]; } ); " ONE,
+        "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; open_at_step = 3; },\n"
+        "{ point = [0.5, 0.0]; direction = [0.0, 1.0]; extent = [0.0, 1.0]; k_n = 7e5; } ); " ONE,
+        "walls = ( " FLOOR
+        ", { point = [0.5, 0.1]; direction = [0.0, 1.0]; extent = [2.0, 3.0]; k_n = 7e5; } ); " ONE};
+    for (size_t k = 0; k < sizeof alike / sizeof *alike; k++) {
+        dem_sim *sim = NULL;
+        CHECK_OK(grains_read(alike[k], NULL, &s));
+        CHECK_OK(dem_scene_start(&s, &sim));
+        dem_free(sim);
         dem_scene_free(&s);
     }
 }

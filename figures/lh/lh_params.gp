@@ -1,5 +1,5 @@
 # Lee & Herrmann 1993, section 3: angle of repose against normal stiffness, normal damping and shear stiffness.
-# sweeps: claims lh_gamma lh_kn lh_kn_restitution lh_kn_wall lh_ks
+# sweeps: claims lh_gamma lh_kn lh_kn_wall lh_ks
 heading = 'Angle of repose against stiffness and damping'
 remark = 'bars: standard error, those of Lee and Herrmann as printed; series shifted sideways'
 panels = 3
@@ -14,7 +14,7 @@ set print
 y = 'theta_r3_deg_mean'
 se = 'theta_r3_deg_se'
 set ylabel '{/:Italic θ}_R (degrees), method 3'
-set yrange [0:30]
+set yrange [13:22]
 set logscale x
 set format x '10^{%T}'
 eval panel(1, '(a) normal stiffness')
@@ -22,7 +22,6 @@ set xlabel '{/:Italic k}_n (dyn/cm^{1.5})'
 set xrange [4e3:4e6]
 plot t('lh_kn/points.tsv') using (column('k_n')):(column(y)):(column(se)) with yerrorbars ls 1 title with_piles('walls 2 {/:Italic k}_n', 'lh_kn/points.tsv'), \
      t('lh_kn_wall/points.tsv') using (column('k_n')*1.15):(column(y)):(column(se)) with yerrorbars ls 2 title with_piles('walls 2 × 10^6', 'lh_kn_wall/points.tsv'), \
-     t('lh_kn_restitution/points.tsv') using (column('k_n')*1.32):(column(y)):(column(se)) with yerrorbars ls 3 title with_piles('walls 2 {/:Italic k}_n, {/:Italic γ}_n ∝ {/:Italic k}_n^{0.4}', 'lh_kn_restitution/points.tsv'), \
      $kn using ($1/1.15):2:3 with yerrorbars ls paper title 'Lee and Herrmann'
 eval panel(2, with_piles('(b) normal damping', 'lh_gamma/points.tsv'))
 set format x '%g'

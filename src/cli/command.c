@@ -48,12 +48,21 @@ static const void *value_of(const cli_call *call, const rp_param *option)
     return (const char *)call->values + option->offset;
 }
 
+void cli_sources(cli_call *call, const rp_table *table)
+{
+    for (const char *n = NULL; (n = rp_table_next_note(table, "source", n));)
+        call->lineage = rp_text(call->arena, "%s# source: %s\n", call->lineage ? call->lineage : "", n);
+}
+
 static rp_status act(cli_call *call, rp_table *table)
 {
     const cli_command *command = call->command;
     if (!command->on_table) return command->act(call, call->values);
     const rp_param *where = rp_params_find(call->options, "where");
-    if (!table) RP_TRY(cli_tables_read(call, &table, NULL));
+    if (!table) {
+        RP_TRY(cli_tables_read(call, &table, NULL));
+        cli_sources(call, table);
+    }
     const rp_texts *conditions = where ? value_of(call, where) : NULL;
     for (size_t i = 0; where && i < conditions->n; i++) RP_TRY(rp_table_where(table, conditions->items[i]));
     return command->on_table(call, table, call->values);

@@ -12,6 +12,9 @@ rp_status cli_run(cli_call *call, const cli_command *command, int argc, char **a
  */
 rp_status cli_act_into(cli_call *call, rp_table *table, FILE *out);
 
+/* The header of a call's table has the lines `source` of the table that it is made of. */
+void cli_sources(cli_call *call, const rp_table *table);
+
 /* The one of these commands whose own name is `word`; NULL: none. */
 const cli_command *cli_find(const cli_command *const *among, const char *word);
 

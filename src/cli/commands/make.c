@@ -338,8 +338,7 @@ static rp_status load_rows(const making *m, const step *s, cli_call *call, rp_ta
         RP_TRY(rp_path(call->arena, &path, "%s/%s.tsv", m->tables, s->rows));
         RP_TRY(rp_table_load(call->arena, path, table));
     }
-    for (const char *n = NULL; (n = rp_table_next_note(*table, "source", n));)
-        call->lineage = rp_text(call->arena, "%s# source: %s\n", call->lineage, n);
+    cli_sources(call, *table);
     return RP_OK;
 }
 

@@ -43,12 +43,15 @@ static rp_status print_fit(rp_arena *arena, const stats_xy *points, bool logarit
     for (int i = 0; i < n_lines; i++) RP_TRY(stats_line_fit(points, i == 1, &lines[i]));
     rp_table_header(stdout,
                     "slope [y/x], slope_se [y/x], intercept [y], intercept_se [y], covariance [y^2/x], chi2, "
-                    "dof, p_value, n, x_from [x], x_to [x], " CLI_FAILED_COLUMNS ", line");
+                    "dof, p_value, n, x_from [x], x_to [x], residual [y], " CLI_FAILED_COLUMNS ", line");
     for (int i = 0; i < n_lines; i++) {
         const stats_line *l = &lines[i];
+        double residual = 0.0;
+        for (size_t k = 0; k < points->n; k++)
+            residual = fmax(residual, fabs(points->y[k] - l->intercept - l->slope * points->x[k]));
         CLI_ROW_WORD(rp_text(arena, "%s\t%s", failed, i == 1 ? "origin" : "free"), l->slope, l->slope_se,
                      l->intercept, l->intercept_se, l->covariance, l->chi2, (double)l->dof, l->p_value,
-                     (double)l->n, range[0], range[1]);
+                     (double)l->n, range[0], range[1], residual);
     }
     return RP_OK;
 }
@@ -84,6 +87,7 @@ const cli_command cmd_stats_fit = {
     "Straight line y = intercept + slope x by least squares, and the line through the origin.\n"
     "With --se the weights are 1/se^2, and errors follow from se, not rescaled; p_value: chance of a\n"
     "larger chi2. Without, all weights are equal, and errors follow from the scatter about the line.\n"
+    "residual: largest distance of a point from the line.\n"
     "TABLE (- for standard input): columns by name, or 1, 2, ... without header; rows with nan are left\n"
     "out.",
     "repose stats fit build/tables/lh3.tsv -x mu -y theta_r3_deg_mean --se theta_r3_deg_se --to 0.2",

@@ -1,6 +1,7 @@
 /* Checks of what a definition asks for. */
 #include <float.h>
 #include <math.h>
+#include <string.h>
 
 #include "params/units.h"
 #include "dem/setup/definition.h"
@@ -64,13 +65,32 @@ static rp_status check_moving(const dem_definition *def, const dem_wall *wall)
     return RP_OK;
 }
 
+/* Would wall a never act, because it lies on the whole line b and has other coefficients, or is this line
+ * once more? */
+static bool is_hidden(const dem_wall *a, const dem_wall *b)
+{
+    const double d[] = {a->point[0] - b->point[0], a->point[1] - b->point[1]}, *n = a->direction,
+                 *m = b->direction;
+    if (!dem_wall_is_line(b) || b->open_at_step >= 0 || dem_wall_moves(a) || dem_wall_moves(b)) return false;
+    if (fabs(n[0] * m[1] - n[1] * m[0]) > 1e-9 || fabs(d[0] * m[0] + d[1] * m[1]) > 1e-9 * hypot(d[0], d[1]))
+        return false;
+    return dem_wall_is_line(a) ? n[0] * m[0] + n[1] * m[1] > 0.0
+                               : memcmp(&a->material, &b->material, sizeof a->material) != 0;
+}
+
 static rp_status check_walls(const dem_definition *def)
 {
     for (size_t k = 0; k < def->n_walls; k++) {
-        const dem_wall *wall = &dem_walls_of(def)[k];
+        const dem_wall *walls = dem_walls_of(def), *wall = &walls[k];
         rp_status status = check_material(def, &wall->material);
         if (!status) status = dem_wall_check(wall);
         if (!status) status = check_moving(def, wall);
+        for (size_t j = 0; j < def->n_walls && !status; j++)
+            if (j != k && is_hidden(wall, &walls[j]))
+                status = rp_fail(RP_BAD_INPUT,
+                                 "lies on wall %zu, a whole line, and would never act: cut the line "
+                                 "into segments, or leave one out",
+                                 j + 1);
         RP_TRY(rp_prefix(status, "wall %zu: ", k + 1));
     }
     return RP_OK;
