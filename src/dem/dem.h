@@ -52,7 +52,8 @@ dem_manual dem_kernel_manual;
  *
  * An end acts as a corner. A surface acts the same however it is cut into walls, with springs that go from
  * one to the next: of contacts whose points lie on each other's walls, to a thousandth of the radius, or
- * whose directions agree to 0.05 rad, the deepest acts, with the coefficients of its wall.
+ * whose directions agree to 0.05 rad, the deepest acts, with the coefficients of its wall. A whole line acts
+ * before a segment on it, which must have the same coefficients.
  *
  * The wall moves as a rigid body from the start on: it turns about `pivot` at the rate `omega`,
  * counter-clockwise, and the pivot moves at `velocity`. */
