@@ -1155,7 +1155,7 @@ static void ranges_of_numbers(void)
     const double below = nextafter(1.0, 0.0), tiny = 1e-300, least = DBL_MIN;
     dem_definition def = dem_definition_default();
     def.rotation = true, def.material.mu_roll = 0.1, def.n_walls = 2;
-    for (int w = 0; w < 2; w++) def.walls[w] = grains_line(0.0, -w, 0.0, 1.0, &def.material);
+    for (int w = 0; w < 2; w++) def.walls[w] = grains_line(0.0, 0.0, 1 - w, w, &def.material);
     dem_wall *w = &def.walls[1];
     for (int wall = 0; wall < 2; wall++) {
         dem_material *m = wall ? &w->material : &def.material;
@@ -1239,7 +1239,7 @@ static void ranges_of_ground(void)
 {
     dem_definition def = dem_definition_default();
     def.tangential = DEM_SLIP_ROLL, def.n_walls = 2;
-    for (int w = 0; w < 2; w++) def.walls[w] = grains_line(0.0, -w, 0.0, 1.0, &def.material);
+    for (int w = 0; w < 2; w++) def.walls[w] = grains_line(0.0, 0.0, 1 - w, w, &def.material);
     def.ground = (dem_ground){.wall = 2, .mu_static = 0.5, .a = 0.01};
     const number_range numbers[] = {{&def.ground.mu_static, 0.0, -1e-300, "ground: mu_static"},
                                     {&def.ground.a, DBL_MIN, 0.0, "ground: a"}};

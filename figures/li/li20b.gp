@@ -1,6 +1,6 @@
 # Liffman, Chan & Hughes 1992, figure 20(b), for an ensemble: mean pressure on the base of dropped piles, both sides
 # together, with standard errors, and the pressure of 60-degree rays under the piles' own
-# outlines. The excess is the difference within 0.1 B, over the mean N. figures/studies/li20_sources.gp draws more kinds of
+# outlines. The middle is N within 0.1 B less that from 0.1 to 0.2 B, over the mean N. figures/studies/li20_sources.gp draws more kinds of
 # piles by this file.
 # sweeps: li20_point
 if (!exists('kinds')) { kinds = 'point/'; kind_names = '"dropped at one point"' }
@@ -11,7 +11,7 @@ panels = words(kinds)
 remark = (panels > 1 ? '' : piles(1).'; ').(exists('made') ? made.'; ' : '').'bars: standard errors; dotted: bounds of the middle and its neighbours'
 legend = 2
 load 'figures/style.gp'
-label(k) = sprintf('mean of the piles, excess %.3f ± %.3f', dip(k, 'excess'), dip(k, 'excess_se'))
+label(k) = sprintf('mean of the piles, middle %.3f ± %.3f', dip(k, 'middle'), dip(k, 'middle_se'))
 set xlabel 'distance from the centroid of the load / {/:Italic B}'
 set ylabel '{/:Italic N} / mean {/:Italic N}'
 set xrange [0:0.5]

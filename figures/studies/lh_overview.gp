@@ -14,7 +14,7 @@ eval panel(1, '(a) angle of repose')
 set xlabel 'friction coefficient {/:Italic μ}'
 set ylabel '{/:Italic θ}_R (degrees)'
 set xrange [-0.01:0.32]
-set yrange [0:27]
+set yrange [0:30]
 plot within(0.05, 0.2, x, start + slope*x) with lines ls theory title 'straight line, 0.05 ≤ {/:Italic μ} ≤ 0.2', \
      t('lh3/points.tsv') using (column('mu')):(column('theta_r3_deg_mean')):(column('theta_r3_deg_se')) with yerrorbars ls ours title 'measured', \
      '+' using (0.207):(theta):(se) every ::0::0 with yerrorbars ls paper title 'Lee and Herrmann'

@@ -1,7 +1,7 @@
 /* Ensembles of piles: mean stress and forces on the floor; see stress.h. */
 #include <math.h>
-#include <stdlib.h>
 
+#include "core/arena.h"
 #include "stress/stress.h"
 
 stress_grid stress_grid_over(size_t n, const stress_pile piles[], double width, double cell)
@@ -17,16 +17,16 @@ stress_grid stress_grid_over(size_t n, const stress_pile piles[], double width, 
 
 rp_status stress_mean_cells(size_t n, const stress_pile piles[], const stress_grid *g, stress_tensor mean[])
 {
+    RP_SCOPE(memory);
     const size_t cells = g->nx * g->ny;
-    stress_tensor *one = malloc((cells + 1) * sizeof *one);
-    rp_status status = one ? RP_OK : rp_fail(RP_NO_MEMORY, "%zu cells: out of memory", cells);
+    stress_tensor *one;
+    RP_NEW(&memory, one, cells);
     for (size_t k = 0; k < cells; k++) mean[k] = (stress_tensor){0};
-    for (size_t i = 0; i < n && !status; i++) {
-        status = stress_cells(piles[i].n, piles[i].contacts, g, one);
-        for (size_t k = 0; k < cells && !status; k++) stress_tensor_add(&mean[k], &one[k], 1.0 / (double)n);
+    for (size_t i = 0; i < n; i++) {
+        RP_TRY(stress_cells(piles[i].n, piles[i].contacts, g, one));
+        for (size_t k = 0; k < cells; k++) stress_tensor_add(&mean[k], &one[k], 1.0 / (double)n);
     }
-    free(one);
-    return status;
+    return RP_OK;
 }
 
 /* Sums over a column of one pile. */
@@ -36,7 +36,6 @@ typedef struct {
 
 static void add_columns(const stress_pile *p, double size, double g, size_t n, column columns[])
 {
-    for (size_t i = 0; i < n; i++) columns[i] = (column){0};
     for (size_t k = 0; k < p->n_grains; k++) {
         const double at = floor(p->x[k] / size);
         if (at >= 0.0 && at < (double)n) columns[(size_t)at].weight += p->m[k] * g;
@@ -67,11 +66,13 @@ size_t stress_floor_cells(size_t n, const stress_pile piles[], double width, dou
 rp_status stress_floor_forces(size_t n, const stress_pile piles[], double size, double g, size_t cells,
                               stress_floor forces[])
 {
-    column *all = malloc((n * cells + 1) * sizeof *all);
-    double *work = malloc((2 * n + 1) * sizeof *work);
-    rp_status status = all && work ? RP_OK : rp_fail(RP_NO_MEMORY, "floor: out of memory");
-    for (size_t i = 0; i < n && !status; i++) add_columns(&piles[i], size, g, cells, all + i * cells);
-    for (size_t j = 0; j < cells && !status; j++) {
+    RP_SCOPE(memory);
+    column *all;
+    double *work;
+    RP_NEW(&memory, all, n * cells);
+    RP_NEW(&memory, work, 2 * n);
+    for (size_t i = 0; i < n; i++) add_columns(&piles[i], size, g, cells, all + i * cells);
+    for (size_t j = 0; j < cells; j++) {
         stress_floor *f = &forces[j];
         f->weight = f->through = 0.0;
         for (size_t i = 0; i < n; i++) {
@@ -81,13 +82,11 @@ rp_status stress_floor_forces(size_t n, const stress_pile piles[], double size, 
             f->weight += c->weight / (size * (double)n);
             f->through += c->through / (size * (double)n);
         }
-        status = stats_mean(n, work, &f->n);
-        if (!status) status = stats_mean(n, work + n, &f->h);
+        RP_TRY(stats_mean(n, work, &f->n));
+        RP_TRY(stats_mean(n, work + n, &f->h));
         f->imbalance = f->n.mean - f->weight - f->through;
     }
-    free(work);
-    free(all);
-    return status;
+    return RP_OK;
 }
 
 void stress_wedge(double weight, double slope, double phi, double *n, double *h)

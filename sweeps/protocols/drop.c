@@ -495,40 +495,41 @@ static void measure_strongest(const drop *d, size_t n, const dem_contact contact
 /* Bond order, close-packed disks, and directions of the strongest contacts. */
 static rp_status measure_order(const drop *d, size_t n_contacts, const dem_contact contacts[])
 {
+    RP_SCOPE(memory);
     drop_values *const v = d->v;
-    double touching = 0.0, n_packed = 0.0;
-    double *order = calloc(2 * d->n + 1, sizeof *order), *most = order + d->n;
-    int *neighbours = calloc(d->n + 1, sizeof *neighbours);
-    bool *packed = calloc(d->n + 1, sizeof *packed);
-    rp_status status = order && neighbours && packed ? RP_OK : rp_fail(RP_NO_MEMORY, "drop: out of memory");
-    if (!status) v->psi6 = sweep_bond_order(d->n, d->states, order, neighbours);
-    for (size_t i = 0; i < d->n && !status; i++) {
+    double touching = 0.0, n_packed = 0.0, *order, *most;
+    int *neighbours;
+    bool *packed;
+    RP_NEW(&memory, order, d->n);
+    RP_NEW(&memory, most, d->n);
+    RP_NEW(&memory, neighbours, d->n);
+    RP_NEW(&memory, packed, d->n);
+    v->psi6 = sweep_bond_order(d->n, d->states, order, neighbours);
+    for (size_t i = 0; i < d->n; i++) {
         touching += d->states[i].contacts;
         packed[i] = neighbours[i] == 6 && order[i] >= 0.9;
         n_packed += packed[i];
     }
     v->contacts = touching / (double)d->n;
     v->packed = n_packed / (double)d->n;
-    if (!status) measure_strongest(d, n_contacts, contacts, packed, most);
-    free(order);
-    free(neighbours);
-    free(packed);
-    return status;
+    measure_strongest(d, n_contacts, contacts, packed, most);
+    return RP_OK;
 }
 
 /* Pressure of rays under the outline, beside that of the base. */
 static rp_status measure_rays(const drop *d, const stress_base *base)
 {
-    double *x = malloc((2 * d->n + 1) * sizeof *x), *top = x + d->n;
-    if (!x) return rp_fail(RP_NO_MEMORY, "drop: out of memory");
+    RP_SCOPE(memory);
+    double *x, *top;
+    RP_NEW(&memory, x, d->n);
+    RP_NEW(&memory, top, d->n);
     for (size_t i = 0; i < d->n; i++) {
         x[i] = d->states[i].x;
         top[i] = d->states[i].y + d->states[i].r;
     }
-    rp_status status = sweep_outline_rays(d->n, x, top, base, d->v->rays);
-    free(x);
-    if (!status) d->v->excess = stress_excess(base->N, d->v->rays);
-    return status;
+    RP_TRY(sweep_outline_rays(d->n, x, top, base, d->v->rays));
+    d->v->excess = stress_excess(base->N, d->v->rays);
+    return RP_OK;
 }
 
 /* Anisotropy and principal direction of the contacts between disks of the flanks, the left flank mirrored. */
@@ -579,12 +580,12 @@ static bool load_of(const drop *d, const dem_contact *c, base_load *load)
 
 static rp_status measure_base(const drop *d, size_t n_contacts, const dem_contact contacts[])
 {
+    RP_SCOPE(memory);
     drop_values *const v = d->v;
-    double weight = 0.0, load = 0.0, disks = 0.0, outward = 0.0;
+    double weight = 0.0, load = 0.0, disks = 0.0, outward = 0.0, *x;
     size_t n = 0;
-    double *x = malloc(4 * (n_contacts + 1) * sizeof *x), *r = x + n_contacts, *N = r + n_contacts,
-           *H = N + n_contacts;
-    if (!x) return rp_fail(RP_NO_MEMORY, "drop: out of memory");
+    RP_NEW(&memory, x, 4 * n_contacts);
+    double *r = x + n_contacts, *N = r + n_contacts, *H = N + n_contacts;
     for (size_t k = 0; k < n_contacts; k++) {
         base_load on;
         if (!load_of(d, &contacts[k], &on)) continue;
@@ -592,14 +593,12 @@ static rp_status measure_base(const drop *d, size_t n_contacts, const dem_contac
         load += N[n++];
     }
     stress_base base;
-    rp_status status = stress_base_profile(n, x, r, N, &base);
+    RP_TRY(stress_base_profile(n, x, r, N, &base));
     for (size_t i = 0; i < d->n; i++) weight += d->states[i].m;
-    for (size_t i = 0; i < n && !status; i++) {
+    for (size_t i = 0; i < n; i++) {
         disks += fabs(x[i] - base.centroid) <= 0.5 * base.width;
         outward += x[i] > base.centroid ? H[i] : -H[i];
     }
-    free(x);
-    if (status) return status;
     v->base_shear = outward / load;
     measure_fabric(d, n_contacts, contacts, &base);
     v->balance = 1.0 - load / weight;

@@ -152,16 +152,15 @@ static rp_status bin_rays(const an_profile *profile, const stress_base *base, do
 rp_status sweep_outline_rays(size_t n, const double x[], const double top[], const stress_base *base,
                              double N[STRESS_DIP_BINS])
 {
+    RP_SCOPE(memory);
     double left;
     const size_t columns = count_columns(n, x, top, base, &left);
     an_profile profile;
-    an_point *v = malloc(columns * sizeof *v);
-    if (!v) return rp_fail(RP_NO_MEMORY, "outline of %zu columns: out of memory", columns);
+    an_point *v;
+    RP_NEW(&memory, v, columns);
     set_columns(n, x, top, left, columns, v);
-    rp_status status = an_profile_set(&profile, v, columns);
-    if (!status) status = bin_rays(&profile, base, N);
-    free(v);
-    return status;
+    RP_TRY(an_profile_set(&profile, v, columns));
+    return bin_rays(&profile, base, N);
 }
 
 double sweep_outline_friction(size_t k, const double N[], const double H[])

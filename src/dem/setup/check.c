@@ -80,19 +80,20 @@ static bool is_hidden(const dem_wall *a, const dem_wall *b)
 
 static rp_status check_walls(const dem_definition *def)
 {
+    const dem_wall *walls = dem_walls_of(def);
     for (size_t k = 0; k < def->n_walls; k++) {
-        const dem_wall *walls = dem_walls_of(def), *wall = &walls[k];
-        rp_status status = check_material(def, &wall->material);
-        if (!status) status = dem_wall_check(wall);
-        if (!status) status = check_moving(def, wall);
-        for (size_t j = 0; j < def->n_walls && !status; j++)
-            if (j != k && is_hidden(wall, &walls[j]))
-                status = rp_fail(RP_BAD_INPUT,
-                                 "lies on wall %zu, a whole line, and would never act: cut the line "
-                                 "into segments, or leave one out",
-                                 j + 1);
+        rp_status status = check_material(def, &walls[k].material);
+        if (!status) status = dem_wall_check(&walls[k]);
+        if (!status) status = check_moving(def, &walls[k]);
         RP_TRY(rp_prefix(status, "wall %zu: ", k + 1));
     }
+    for (size_t k = 0; k < def->n_walls; k++)
+        for (size_t j = 0; j < def->n_walls; j++)
+            if (j != k && is_hidden(&walls[k], &walls[j]))
+                return rp_fail(RP_BAD_INPUT,
+                               "wall %zu: lies on wall %zu, a whole line, and would never act: cut the line "
+                               "into segments, or leave one out",
+                               k + 1, j + 1);
     return RP_OK;
 }
 
