@@ -85,7 +85,12 @@ static rp_status print_published(cli_call *call, const void *values)
     const published_options *o = values;
     report_claims all;
     RP_TRY(report_claims_read(call->arena, o->claims, &all));
+    static const char *const untested[] = {"dip_small", "dip_large"};
     cli_table(call, stdout);
+    for (size_t i = 0; i < N_OF(untested); i++) {
+        const char *number = rp_table_find_note(all.table, untested[i]);
+        if (number) rp_table_note(stdout, untested[i], "%s", number);
+    }
     rp_table_header(stdout, "id, paper, published [own], published_se [own], samples");
     for (size_t i = 0; i < all.n; i++) {
         const report_claim *c = &all.claims[i];

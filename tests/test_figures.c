@@ -589,6 +589,25 @@ static void test_style_in_one_place(void)
     globfree(&found);
 }
 
+/* Fixtures are tables of their own: the published numbers that figures name, and the tables of sweeps whose
+ * results stand here, are there. */
+static void test_present(void)
+{
+    CU_ASSERT(
+        system("made=$(build/report published) && n=0 || exit 1\n"
+               "numbers=\"published('[^']*'\\|printed('[^']*', '[^']*'\\|note('claims/[^']*', '[^']*'\"\n"
+               "for name in $(grep -oh \"$numbers\" figures/l*/*.gp figures/studies/*.gp |\n"
+               "  sed \"s/'$//; s/.*'//\"); do\n"
+               "  n=$((n + 1)); echo \"$made\" | grep -q \"^$name\t\\|^# $name: \" ||\n"
+               "  { echo \"$name: not published\"; exit 1; }\n"
+               "done\n"
+               "for table in $(sed -n 's/^table \\([^ ]*\\).*/\\1/p' tests/figures.txt); do\n"
+               "  sweep=${table%%/*}; [ -e sweeps/studies/$sweep.cfg ] || continue\n"
+               "  n=$((n + 1)); [ -e results/$table ] || { echo \"results/$table: none\"; exit 1; }\n"
+               "done\n"
+               "[ $n -gt 30 ]") == 0);
+}
+
 /* `make` draws a figure again after a change of a file that it loads. */
 static void test_loaded_files(void)
 {
@@ -611,6 +630,7 @@ void suite_figures(void)
     static const check_case cases[] = {{"drawn data", test_drawn},
                                        {"all are described", test_all_described},
                                        {"style in one place", test_style_in_one_place},
+                                       {"what is drawn is there", test_present},
                                        {"files that are loaded", test_loaded_files},
                                        {0}};
     check_register("figures", cases);

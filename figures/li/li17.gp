@@ -7,8 +7,8 @@ heading = 'Forces on the base of the pile of 32.6°'
 panels = 2
 legend = 4
 load 'figures/style.gp'
-small = published('li17-small', 'published')
-large = published('li17-large', 'published')
+small = real(note('claims/published.tsv', 'dip_small'))
+large = real(note('claims/published.tsv', 'dip_large'))
 B = real(note(soft, 'B'))
 set xlabel '{/:Italic x / B}'
 set xrange [0:1]
