@@ -1265,7 +1265,7 @@ static void test_keep(void)
     CHECK_OK(sweep_keep_look(&k));
     CU_ASSERT(size_of(path) == -1);
     k.next = rp_cpu_clock();
-    CHECK_OK(sweep_keep_look(&k));
+    for (int looks = 0; looks <= 256 && size_of(path) == -1; looks++) CHECK_OK(sweep_keep_look(&k));
     CU_ASSERT(size_of(path) > 0 && k.next > 1e9);
     value = 3.5;
     k.stop = &stop;

@@ -120,7 +120,11 @@ rp_status sweep_keep_look(sweep_keep *k)
     if (sweep_keep_resumes(k))
         return rp_fail(RP_BROKEN, "%s: the run does not come to the place of its snapshot", k->path);
     const bool stops = k->stop && *k->stop;
-    if (!stops && rp_cpu_clock() < k->next) return RP_OK;
+    if (!stops && k->skipped < k->pause) return k->skipped++, RP_OK;
+    const double now = rp_cpu_clock();
+    k->pause = now - k->looked < 0.01 * fmin(k->interval, 1.0) ? 2 * (k->pause % 128) + 1 : 0;
+    k->skipped = 0, k->looked = now;
+    if (!stops && now < k->next) return RP_OK;
     rp_snapshot s = {0};
     for (size_t i = 0; i < k->n; i++) keep_one(&s, k->entered[i].data, k->entered[i].size);
     rp_status status = rp_snapshot_write(&s, k->path, k->key, layout());

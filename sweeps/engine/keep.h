@@ -15,8 +15,10 @@
 enum { SWEEP_KEEP_MOST = 32 };
 
 typedef struct sweep_keep {
-    const char *path, *key;    /* file; of the run */
-    double interval, next;     /* processor time, s: from one snapshot to the next; of the next */
+    const char *path, *key; /* file; of the run */
+    double interval, next;  /* processor time, s: from one snapshot to the next; of the next */
+    double looked;          /* at the clock, which costs as much as a step of a small pile: then that many */
+    int pause, skipped;     /* looks are skipped, more where they follow each other within 10 ms */
     const volatile bool *stop; /* NULL, or of which true asks for a snapshot now, and for the run's end */
     rp_snapshot source; /* that is resumed from; its data have been used up once its run is at its place */
     size_t n;
