@@ -1,7 +1,7 @@
 # Common style of all figures: the only place of sizes, fonts, colours and symbols. Called with folders (of tables),
 # sweeps (those that the figure names), terminal and file set.
 # A figure sets some of these and loads this file again:
-#   heading    what the figure shows, in bold; `remark`: what its bars and marks mean
+#   heading    what the figure shows, in bold; `remark`: what its bars and marks mean. A page says both beside a shown one
 #   panels     how many (1); two stand side by side, and more go on below
 #   legend     entries of the key above each panel (0); `shared`: of one key above all panels
 #   across     columns of a journal that a panel spans (1); `ratio`: its height over its width
@@ -17,7 +17,7 @@ if (!exists('across')) across = 1
 # Sizes in cm. A column of a journal is 8.6 cm wide. Letters of 8.8 pt leave indices at 7 pt.
 letters = 8.8
 line_height = 0.42
-left_margin = 1.4
+left_margin = 1.6
 right_margin = 0.4
 panel_width = 8.6*across - left_margin - right_margin
 panel_height = exists('ratio') ? ratio*panel_width : 4.6
@@ -31,6 +31,7 @@ fold(s, n, between) = strlen(s) <= room(s, n) ? s : s[1:breaks(s, room(s, n)) - 
 lines(s) = s eq '' ? 0 : 1 + (strstrt(s, "\n") ? lines(s[strstrt(s, "\n") + 1:*]) : 0)
 heading = fold(heading, int(5.2*width), "}\n{/:Bold ")
 remark = fold(remark, int(5.6*width), "\n")
+if (terminal eq 'shown') { heading = ''; remark = '' }
 top = line_height*(lines(heading) + lines(remark) + shared) + 0.25
 cell_height = line_height*(legend + named) + 0.3 + panel_height + 1.15
 height = top + cell_height*ceil(1.0*panels/columns)
@@ -49,18 +50,18 @@ ours = 1
 theory = 11
 paper = 20
 guide = 10
-set style line 1 lc rgb '#000000' pt 7 ps 0.6 lw 1
-set style line 2 lc rgb '#0072b2' pt 5 ps 0.6 lw 1
-set style line 3 lc rgb '#009e73' pt 9 ps 0.75 lw 1
-set style line 4 lc rgb '#cc79a7' pt 11 ps 0.75 lw 1
-set style line 5 lc rgb '#e69f00' pt 15 ps 0.7 lw 1
-set style line 6 lc rgb '#000000' pt 6 ps 0.6 lw 1
+set style line 1 lc rgb '#000000' pt 7 ps 0.45 lw 1
+set style line 2 lc rgb '#0072b2' pt 5 ps 0.45 lw 1
+set style line 3 lc rgb '#009e73' pt 9 ps 0.6 lw 1
+set style line 4 lc rgb '#cc79a7' pt 11 ps 0.6 lw 1
+set style line 5 lc rgb '#e69f00' pt 15 ps 0.55 lw 1
+set style line 6 lc rgb '#000000' pt 6 ps 0.45 lw 1
 set style line 10 lc rgb '#888888' lw 1 dt (4, 3) pt 2 ps 0.5
 set style line 11 lc rgb '#e69f00' lw 2 pt 4 ps 0.6
 set style line 12 lc rgb '#0072b2' lw 1.5 dt (8, 3) pt 8 ps 0.7
 set style line 13 lc rgb '#009e73' lw 1.5 dt (3, 2) pt 10 ps 0.7
 set style line 14 lc rgb '#cc79a7' lw 1.5 dt (8, 2, 2, 2) pt 14 ps 0.7
-set style line 20 lc rgb '#d55e00' pt 13 ps 1.1 lw 1.5
+set style line 20 lc rgb '#d55e00' pt 13 ps 0.8 lw 1.5
 # Force chains are dark on pale grains, as `repose view` draws them: class k of `classes` is as wide as its force.
 # src/view/draw.c reads the same file as C.
 load 'figures/chains.gp'
@@ -81,7 +82,6 @@ set ylabel offset 0.4, 0
 powers = 1.8
 set format '%h'
 set samples 1001
-set grid lw 0.5 lc rgb '#e0e0e0'
 set bars small
 set pointintervalbox 0.01
 if (heading ne '') set label 91 "{/:Bold ".heading."}" at screen 0.3/width, screen 1 - (0.1 + 0.5*line_height)/height

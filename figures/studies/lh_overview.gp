@@ -1,5 +1,5 @@
 # What was found in the two papers' piles, in four panels: the picture of the report's first page.
-# sweeps: claims lh3 lh3_box lh_floor_upper li20_history li20_paper
+# sweeps: claims lh3 lh3_box lh_floor_upper li20_history li20_point
 heading = 'What was found'
 remark = 'bars: standard errors; that of the paper as printed'
 panels = 4
@@ -43,6 +43,6 @@ set xlabel 'distance from the centroid / {/:Italic B}'
 set ylabel '{/:Italic N} / {/:Italic N} of rays'
 set xrange [0:0.4]
 set yrange [0.75:1.25]
-plot t('li20_paper/profile.tsv') using (column('distance')):(column('N')/column('rays')) with linespoints ls 1 title "the paper's contacts", \
+plot t('li20_point/profile.tsv') using (column('distance')):(column('N')/column('rays')) with linespoints ls 1 title "the paper's contacts", \
      t('li20_history/rough_profile.tsv') using (column('distance')):(column('N')/column('rays')) with linespoints ls 2 title 'rough base, point source', \
      t('li20_history/rough_wide_profile.tsv') using (column('distance')):(column('N')/column('rays')) with linespoints ls 3 title 'rough base, wide source'
