@@ -22,6 +22,7 @@
     X(suite_dem)                                                                                             \
     X(suite_threads)                                                                                         \
     X(suite_removal)                                                                                         \
+    X(suite_expression)                                                                                      \
     X(suite_units)                                                                                           \
     X(suite_sizes)                                                                                           \
     X(suite_laws)                                                                                            \

@@ -1,0 +1,79 @@
+/* Expressions of texts: numbers, truths and words; see docs/scenes. Read once, checked, and kept as postfix,
+ * whose steps a compiler leaves as they are written. Outside measures + - * / and sqrt alone compute, so that
+ * all machines agree. */
+#ifndef RP_EXPRESSION_H
+#define RP_EXPRESSION_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "core/arena.h"
+#include "params/guess.h"
+
+RP_C_BEGIN
+
+typedef enum { RP_X_NUMBER, RP_X_TRUTH, RP_X_WORD } rp_x_type;
+
+/* What a name stands for: a value that is known when the text is read, or one that `id` and n_args numbers
+ * ask for. */
+typedef struct {
+    rp_x_type type;
+    bool known;
+    double value;     /* of a known one; a truth is 0 or 1 */
+    const char *word; /* of a known word */
+    const char *key;  /* of another: its name in keys, borrowed */
+    int id, n_args;
+} rp_x_symbol;
+
+/* The names of one place in a text. */
+typedef struct {
+    void *host;
+    /* *known: whether there is such a name. n_args is that of a call, -1 of a name alone. Errors: what speaks
+     * against the name in this place. */
+    rp_status (*find)(void *host, const char *name, int n_args, rp_x_symbol *symbol, bool *known);
+    void (*list)(void *host, rp_guess *guess); /* tries every name, for "did you mean"; NULL: none */
+    bool measure;                              /* atan, exp, log and change are allowed */
+} rp_x_names;
+
+typedef struct rp_x_step rp_x_step;
+
+/* Zero: none was given. */
+typedef struct {
+    rp_x_type type;
+    bool known; /* without a look at anything: then `value` or `word` is all */
+    double value;
+    const char *word, *text; /* text: borrowed */
+    size_t n, n_states;
+    rp_x_step *steps;
+} rp_expression;
+
+/* Read a text; the expression stays in the arena. Errors: RP_BAD_INPUT, "character 3: unknown name grians;
+ * did you mean
+ * ...": syntax, unknown names, types, a place where a name or a function is not allowed, more than 200 parts.
+ */
+rp_status rp_expression_read(rp_arena *arena, const char *text, const rp_x_names *names, rp_expression *e);
+
+/* The same, of this type. */
+rp_status rp_expression_read_as(rp_arena *arena, const char *text, rp_x_type type, const rp_x_names *names,
+                                rp_expression *e);
+
+/* The value now. `load` gives what names stand for. states[e->n_states], zero at first, are those of held and
+ * change: each call is a look, or a sample. */
+typedef struct {
+    void *host;
+    double (*load)(void *host, int id, const double args[]);
+} rp_x_values;
+double rp_expression_value(const rp_expression *e, const rp_x_values *values, double states[]);
+
+/* Call `each` for every name that the value is asked of. */
+void rp_expression_each(const rp_expression *e, void (*each)(void *host, int id), void *host);
+
+/* Its postfix, for keys: what is known is folded, names are the host's. Without memory NULL. */
+char *rp_expression_key(rp_arena *arena, const rp_expression *e);
+
+/* "grains = 12, mu = nan": the names of an expression with their values, for messages. */
+char *rp_expression_operands(rp_arena *arena, const rp_expression *e, const rp_x_values *values);
+
+RP_C_END
+
+#endif
