@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "check.h"
+#include "dem/scene/scene.h"
 #include "params/expression.h"
 
 enum { GRAINS, REST, MOVED, THETA, SPEED };
@@ -300,10 +301,94 @@ static void test_random(void)
     }
 }
 
+/* ---- a scene's names ---- */
+
+static const char scene_text[] = "let = { D = { value = 1.6; unit = \"cm\"; range = \"(0, 6)\"; meaning = "
+                                 "\"outlet\"; }; mu = 0.2; N = 12; floor = \"ends\";\n"
+                                 "        wide = \"3*D\"; turns = true; law = \"spring\"; };\n"
+                                 "dt = 5.0e-5; y_min = \"floor == 'ends' ? -2*d : -inf\"; steps = \"N*10\"; "
+                                 "density = \"4/pi\"; rotation = \"turns and wide > 1\";\n"
+                                 "x_max = \"m*g\"; tangential = { law = \"law\"; mu = \"mu\"; };\n"
+                                 "walls = ( { point = (\"-D\", 0.0); direction = (0.0, 1.0); extent = "
+                                 "(\"-inf\", \"-wide\"); open_at_step = \"dt < 1 ? 7 : 8\"; } );\n"
+                                 "fill = { N = \"N\"; W = \"wide\"; H = 16.0; };\n";
+
+static rp_status read_changed(const char *from, const char *to, const rp_texts *changes, dem_scene *scene)
+{
+    char text[2000];
+    const char *start = strstr(scene_text, from);
+    CU_ASSERT_FATAL(start != NULL);
+    snprintf(text, sizeof text, "%.*s%s%s", (int)(start - scene_text), scene_text, to, start + strlen(from));
+    FILE *out = fopen("build/lets.cfg", "w");
+    CU_ASSERT_FATAL(out != NULL);
+    fputs(text, out);
+    fclose(out);
+    return dem_scene_read("build/lets.cfg", changes, scene);
+}
+
+static void test_lets(void)
+{
+    dem_scene s;
+    CHECK_OK(read_changed("", "", NULL, &s));
+    CU_ASSERT(s.def.y_min == -0.4 && s.steps == 120 && s.def.rotation && s.def.material.mu == 0.2 &&
+              s.fill.N == 12);
+    CHECK_NEAR(s.fill.W, 4.8, 1e-15);
+    CHECK_NEAR(s.fill.density, 4.0 / M_PI, 1e-15);
+    CHECK_NEAR(s.def.x_max, 4.0 / 3.0 * M_PI * 1e-3 * 4.0 / M_PI * 981.0, 1e-14);
+    CU_ASSERT(s.def.walls[0].open_at_step == 7 && s.def.walls[0].point[0] == -1.6);
+    CU_ASSERT(s.def.walls[0].extent[1] == -s.fill.W && isinf(s.def.walls[0].extent[0]));
+    dem_scene_free(&s);
+    CHECK_OK(read_changed("", "", &(rp_texts){3, {"D=0.5", "mu=0.7", "fill.H=3"}}, &s));
+    CU_ASSERT(s.fill.W == 1.5 && s.def.material.mu == 0.7 && s.fill.H == 3.0);
+    dem_scene_free(&s);
+}
+
+static void test_lets_refused(void)
+{
+    static const char *const cases[][3] = {
+        {"\"N*10\"", "\"N/7\"", "lets.cfg:3: steps = \"N/7\": steps = 1.71429: a whole number expected"},
+        {"\"N*10\"", "\"n*10\"",
+         "lets.cfg:3: steps = \"n*10\": character 1: unknown name n (did you mean \"N\"?)"},
+        {"\"N*10\"", "\"N*inf\"", "lets.cfg:3: steps = \"N*inf\": "},
+        {"\"N*10\"", "\"floor\"", "steps = \"floor\": steps = \"ends\": "},
+        {"\"N*10\"", "\"0/0\"", "steps = \"0/0\": is nan"},
+        {"mu = \"mu\"", "mu = \"-mu\"",
+         "lets.cfg:4: tangential.mu = \"-mu\": mu = -0.2: out of range, allowed: [0, inf)"},
+        {"mu = \"mu\"", "mu = \"atan(mu)\"", "atan: only in measure"},
+        {"law = \"law\"", "law = \"laws\"", "tangential.law = \"laws\": unknown word, allowed: none"},
+        {"law = \"law\"", "law = \"mu\"", "tangential.law = \"mu\": law = 0.2: "},
+        {"\"-D\"", "\"-E\"", "walls.[0].point = \"-E\": character 2: unknown name E"},
+        {"\"-D\"", "\"turns\"", "walls.[0].point: two numbers [a, b] expected"},
+        {"\"-D\"", "\"inf\"", "walls.[0].point: finite numbers expected"},
+        {"\"3*D\"", "\"3*later\"", "lets.cfg:2: let.wide: character 3: unknown name later"},
+        {"value = 1.6", "value = 7.0", "lets.cfg:1: let.D: D = 7: out of range, allowed: (0, 6) cm"},
+        {"value = 1.6", "valu = 1.6", "let.D: value is missing"},
+        {"unit =", "units =", "let.D: unknown key units; allowed: value unit range meaning"},
+        {"unit = \"cm\"", "unit = 3", "let.D: unit: a text expected"},
+        {"mu = 0.2", "pi = 0.2", "let.pi: the name is taken"},
+        {"mu = 0.2", "mu = [1, 2]", "let.mu: a number, true, false, a word or an expression expected"}};
+    dem_scene s;
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        CHECK_FAILS(read_changed(cases[k][0], cases[k][1], NULL, &s), RP_BAD_INPUT, cases[k][2]);
+        dem_scene_free(&s);
+    }
+    CHECK_FAILS(read_changed("", "", &(rp_texts){1, {"D=7"}}, &s), RP_BAD_INPUT,
+                "let.D: D = 7: out of range");
+    dem_scene_free(&s);
+    CHECK_FAILS(read_changed("let =", "lets =", NULL, &s), RP_BAD_INPUT, "unknown key");
+    dem_scene_free(&s);
+    remove("build/lets.cfg");
+}
+
 void suite_expression(void)
 {
-    static const check_case cases[] = {{"values", test_values},          {"messages", test_messages},
-                                       {"held and change", test_states}, {"keys", test_keys},
-                                       {"random texts", test_random},    {0}};
+    static const check_case cases[] = {{"values", test_values},
+                                       {"messages", test_messages},
+                                       {"held and change", test_states},
+                                       {"keys", test_keys},
+                                       {"random texts", test_random},
+                                       {"names of a scene", test_lets},
+                                       {"names that are refused", test_lets_refused},
+                                       {0}};
     check_register("expression", cases);
 }

@@ -137,7 +137,7 @@ static void refused(void)
         {"tangential = { law = \"sprnig\"; };", "(did you mean \"spring\"?)"},
         {"walls = ( { pint = 1; } );", ":2: walls.[0].pint: unknown key (did you mean \"point\"?)"},
         {"dt = 0.0;", ":2: dt = 0: out of range"},
-        {"dt = \"fast\";", ":2: dt = \"fast\": a number expected"},
+        {"dt = \"fast\";", ":2: dt = \"fast\": character 1: unknown name fast"},
         {"tangential = { law = \"spring\"; }; rolling = { mu = 0.1; };",
          ":2: mu_roll = 0.1: needs rotation = true"},
         {"rolling = { mu = 0.1; };", ":2: mu_roll = 0.1: needs a tangential law"},

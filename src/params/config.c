@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "params/guess.h"
+#include "params/lets.h"
 #include "core/file.h"
 
 /* libconfig says "syntax error" and the line, no more: this is the line, and what a parameter file is. */
@@ -127,6 +128,27 @@ static rp_status to_value(const config_setting_t *setting, rp_value *value)
     return RP_OK;
 }
 
+/* A text that is no word of the parameter: an expression of the file's names. RP_NO_RESULT: nothing of the
+ * kind. */
+static rp_status set_computed(const config_setting_t *setting, const rp_param *param, void *values,
+                              const char *text)
+{
+    rp_x_symbol is = {0};
+    if (param->type == RP_TEXT || param->type == RP_TEXTS) return RP_NO_RESULT;
+    const bool word = param->type == RP_CHOICE || param->type == RP_FLAGS;
+    RP_TRY(word && !rp_lets_has(setting, text) && !strpbrk(text, "?'(") ? RP_NO_RESULT
+                                                                        : rp_lets_value(setting, text, &is));
+    const bool whole = is.type == RP_X_NUMBER && param->type == RP_INT &&
+                       fabs(is.value) <= 9007199254740992.0 && is.value == floor(is.value);
+    const rp_value value = is.type == RP_X_WORD    ? (rp_value){.kind = RP_V_TEXT, .s = is.word}
+                           : is.type == RP_X_TRUTH ? (rp_value){.kind = RP_V_BOOL, .i = is.value != 0.0}
+                           : whole                 ? (rp_value){.kind = RP_V_INT, .i = (long)is.value}
+                                                   : (rp_value){.kind = RP_V_REAL, .r = is.value};
+    if (!isfinite(is.value) && param->type == RP_REAL)
+        return rp_params_set_text(param, values, is.value > 0.0 ? "inf" : "-inf");
+    return rp_params_set(param, values, &value);
+}
+
 rp_status rp_config_value(const config_setting_t *setting, const rp_param *param, void *values)
 {
     rp_value value;
@@ -149,8 +171,15 @@ rp_status rp_config_value(const config_setting_t *setting, const rp_param *param
                               path_within(config_setting_parent(setting), path), param->name,
                               list ? "list" : "group");
     if (param->type == RP_FLAGS) *(unsigned *)((char *)values + param->offset) = 0;
-    if (rp_params_set(param, values, &value))
-        return rp_config_fail(setting, "%s%s", path_within(setting, path), rp_message());
+    rp_status status = rp_params_set(param, values, &value);
+    if (status && value.kind == RP_V_TEXT) {
+        const rp_status computed = set_computed(setting, param, values, value.s);
+        if (computed && computed != RP_NO_RESULT)
+            return rp_config_fail(setting, "%s%s = \"%s\": %s", path_within(setting, path), param->name,
+                                  value.s, rp_message());
+        if (!computed) status = RP_OK;
+    }
+    if (status) return rp_config_fail(setting, "%s%s", path_within(setting, path), rp_message());
     return RP_OK;
 }
 
@@ -183,7 +212,7 @@ rp_status rp_config_group(const config_setting_t *group, const rp_param *schema,
     return RP_OK;
 }
 
-rp_status rp_config_numbers(const config_setting_t *setting, int n, double *numbers)
+static rp_status read_numbers(const config_setting_t *setting, int n, bool finite, double *numbers)
 {
     const char *name = config_setting_name(setting) ? config_setting_name(setting) : "value";
     char path[PATH_BYTES];
@@ -195,18 +224,35 @@ rp_status rp_config_numbers(const config_setting_t *setting, int n, double *numb
     for (int i = 0; i < n; i++) {
         rp_value value;
         const config_setting_t *element = config_setting_get_elem(setting, (unsigned)i);
-        if (to_value(element, &value) != RP_OK || (value.kind != RP_V_INT && value.kind != RP_V_REAL))
+        rp_x_symbol is = {0};
+        const bool read = to_value(element, &value) == RP_OK;
+        rp_status status =
+            read && value.kind == RP_V_TEXT ? rp_lets_value(element, value.s, &is) : RP_NO_RESULT;
+        if (status && status != RP_NO_RESULT)
+            return rp_config_fail(element, "%s%s = \"%s\": %s", within, name, value.s, rp_message());
+        if (!read || value.kind == RP_V_BOOL ||
+            (value.kind == RP_V_TEXT && (status || is.type != RP_X_NUMBER)))
             return rp_config_fail(element, "%s%s: %s", within, name, expected);
-        numbers[i] = value.kind == RP_V_INT ? (double)value.i : value.r;
-        if (!isfinite(numbers[i]))
+        numbers[i] = !status ? is.value : value.kind == RP_V_INT ? (double)value.i : value.r;
+        if (finite && !isfinite(numbers[i]))
             return rp_config_fail(element, "%s%s: finite numbers expected", within, name);
     }
     return RP_OK;
 }
 
+rp_status rp_config_numbers(const config_setting_t *setting, int n, double *numbers)
+{
+    return read_numbers(setting, n, true, numbers);
+}
+
 rp_status rp_config_pair(const config_setting_t *setting, double pair[2])
 {
-    return rp_config_numbers(setting, 2, pair);
+    return read_numbers(setting, 2, true, pair);
+}
+
+rp_status rp_config_ends(const config_setting_t *setting, double pair[2])
+{
+    return read_numbers(setting, 2, false, pair);
 }
 
 void rp_config_write(FILE *out, const rp_param *schema, const void *values)

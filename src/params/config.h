@@ -45,6 +45,9 @@ rp_status rp_config_fail(const config_setting_t *setting, const char *format, ..
 /* Two finite numbers, as in [0.0, 1.0]. Errors: RP_BAD_INPUT. */
 rp_status rp_config_pair(const config_setting_t *setting, double pair[2]);
 
+/* The same, where "inf" and "-inf" stand for an end that is open. */
+rp_status rp_config_ends(const config_setting_t *setting, double pair[2]);
+
 /* n = 2 or 3 finite numbers, as in [0.0, 1.0, 2.0]. Errors: RP_BAD_INPUT. */
 rp_status rp_config_numbers(const config_setting_t *setting, int n, double *numbers);
 

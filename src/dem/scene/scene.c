@@ -11,6 +11,7 @@
 #include "core/arena.h"
 #include "params/config.h"
 #include "params/guess.h"
+#include "params/lets.h"
 #include "table/where.h"
 #include "table/columns.h"
 #include "params/units.h"
@@ -247,7 +248,7 @@ static rp_status read_line(const config_setting_t *setting, const wall_entry *en
     RP_TRY(rp_config_pair(point, wall.point));
     RP_TRY(rp_config_pair(direction, wall.direction));
     RP_TRY(normalise(direction, wall.direction));
-    if (extent) RP_TRY(rp_config_pair(extent, wall.extent));
+    if (extent) RP_TRY(rp_config_ends(extent, wall.extent));
     put_lower_end_first(&wall);
     return add_wall(setting, &wall, scene);
 }
@@ -642,6 +643,11 @@ static rp_status change(config_t *config, const char *text)
         *dot = '\0';
         status = step_into(key, text, &group);
     }
+    config_setting_t *let = config_setting_get_member(group, "let"),
+                     *named = let && key == path ? config_setting_get_member(let, key) : NULL;
+    if (named)
+        group = config_setting_is_group(named) ? named : let,
+        key = config_setting_is_group(named) ? strcpy(path, "value") : key;
     if (!status && strchr(key, '['))
         status = rp_fail(RP_BAD_INPUT, "--set %s: give a key of the entry, or the whole list", text);
     if (!status) {
@@ -653,10 +659,50 @@ static rp_status change(config_t *config, const char *text)
     return status;
 }
 
-static rp_status read_scene(const char *path, config_t *config, const rp_texts *changes, scene_file *file)
+/* A value that others are written with, before they are read. */
+static rp_status peek(const config_setting_t *group, const rp_param *schema, const char *name, void *values)
 {
-    static const char *const others[] = {"gravity", "normal", "tangential", "rolling",  "walls", "particles",
-                                         "fill",    "ground", "hard",       "implicit", NULL};
+    const config_setting_t *setting = group ? config_setting_get_member(group, name) : NULL;
+    return setting ? rp_config_value(setting, rp_params_find(schema, name), values) : RP_OK;
+}
+
+/* What d, m, g and dt are in this file's expressions: of the mean grain of its fill or particles. */
+static rp_status know_grain(const config_setting_t *root, scene_file *file, rp_lets *lets)
+{
+    const config_setting_t *fill = config_setting_get_member(root, "fill"),
+                           *gravity = config_setting_get_member(root, "gravity"),
+                           *list = config_setting_get_member(root, "particles");
+    dem_definition *def = &file->scene.def;
+    double r = 0.0;
+    if (gravity) RP_TRY(rp_config_pair(gravity, def->gravity));
+    lets->constants[RP_LET_G] = hypot(def->gravity[0], def->gravity[1]);
+    RP_TRY(peek(root, top_schema, "shape", file));
+    RP_TRY(peek(root, top_schema, "density", file));
+    if (fill && config_setting_is_group(fill)) {
+        rp_params_defaults(fill_schema, &file->scene.fill);
+        RP_TRY(peek(fill, fill_schema, "radius_mean", &file->scene.fill));
+        r = file->scene.fill.radius_mean;
+    }
+    const int n = list ? config_setting_length(list) : 0;
+    for (int i = 0; i < n; i++) {
+        dem_grain grain = {0};
+        RP_TRY(peek(config_setting_get_elem(list, (unsigned)i), particle_schema, "r", &grain));
+        r += grain.r / n;
+    }
+    if (r > 0.0) {
+        lets->constants[RP_LET_D] = 2.0 * r;
+        lets->constants[RP_LET_M] = dem_mass(file->physics.shape, file->physics.density, r);
+    }
+    RP_TRY(peek(root, top_schema, "dt", file));
+    lets->constants[RP_LET_DT] = def->dt;
+    return RP_OK;
+}
+
+static rp_status read_scene(const char *path, config_t *config, const rp_texts *changes, scene_file *file,
+                            rp_lets *lets)
+{
+    static const char *const others[] = {"let",       "gravity", "normal", "tangential", "rolling",  "walls",
+                                         "particles", "fill",    "ground", "hard",       "implicit", NULL};
     const char *units = NULL;
     RP_TRY(rp_config_read(path, config));
     for (size_t i = 0; changes && i < changes->n; i++) RP_TRY(change(config, changes->items[i]));
@@ -664,12 +710,12 @@ static rp_status read_scene(const char *path, config_t *config, const rp_texts *
     config_lookup_string(config, "units", &units);
     rp_units_set(rp_units_find(units));
     rp_params_defaults(top_schema, file);
-    RP_TRY(rp_config_group(root, top_schema, file, others));
-    file->has_density = config_setting_get_member(root, "density") != NULL;
     dem_definition *def = &file->scene.def;
     def->gravity[1] = rp_units_value("cm/s^2", def->gravity[1]);
-    const config_setting_t *gravity = config_setting_get_member(root, "gravity");
-    if (gravity) RP_TRY(rp_config_pair(gravity, def->gravity));
+    RP_TRY(rp_lets_read(config_root_setting(config), lets));
+    RP_TRY(know_grain(root, file, lets));
+    RP_TRY(rp_config_group(root, top_schema, file, others));
+    file->has_density = config_setting_get_member(root, "density") != NULL;
     def->skin = fmax(def->skin, 0.0);
     def->x_min = isinf(file->x_min) ? -INFINITY : file->x_min;
     def->y_min = isinf(file->y_min) ? -INFINITY : file->y_min;
@@ -691,8 +737,10 @@ rp_status dem_scene_read(const char *path, const rp_texts *changes, dem_scene *s
 {
     config_t config;
     scene_file file = {.scene = {.def = dem_definition_default()}};
-    rp_status status = read_scene(path, &config, changes, &file);
+    rp_lets lets = {0};
+    rp_status status = read_scene(path, &config, changes, &file, &lets);
     *scene = file.scene;
+    rp_lets_end(&lets);
     config_destroy(&config);
     return status;
 }

@@ -1,0 +1,41 @@
+/* Names that a text gives to numbers, truths and words, `let`, for the expressions that stand in place of its
+ * values. */
+#ifndef RP_LETS_H
+#define RP_LETS_H
+
+#include <libconfig.h>
+
+#include "params/expression.h"
+
+/* NAME = value; or NAME = { value; unit; range; meaning; }. */
+typedef struct {
+    const char *name, *unit, *range, *meaning; /* "" where nothing is said */
+    rp_x_symbol is;
+} rp_let;
+
+/* Constants of the text besides pi, deg and inf: diameter and mass of the mean grain, |gravity|, the time
+ * step. */
+typedef enum { RP_LET_D, RP_LET_M, RP_LET_G, RP_LET_DT, RP_LET_CONSTANTS } rp_let_constant;
+
+typedef struct {
+    rp_arena arena;
+    size_t n;
+    rp_let *lets;
+    double constants[RP_LET_CONSTANTS]; /* NAN: not known where the text is read so far */
+    rp_x_names names;
+} rp_lets;
+
+/* Read the group `let` of a text, if it has one; from here on rp_config_* take expressions for the text's
+ * values. `lets` must outlive them, and ends with rp_lets_end. Errors: RP_BAD_INPUT (names that are taken,
+ * values that are none, out of their range). */
+rp_status rp_lets_read(config_setting_t *root, rp_lets *lets);
+void rp_lets_end(rp_lets *lets);
+
+/* The value of an expression that stands for a setting, which must be known before the run. Errors:
+ * RP_BAD_INPUT, with the expression and the character; without lets RP_NO_RESULT and no message. */
+rp_status rp_lets_value(const config_setting_t *setting, const char *text, rp_x_symbol *value);
+
+/* Is this a name of the text that the setting is of? */
+bool rp_lets_has(const config_setting_t *setting, const char *name);
+
+#endif
