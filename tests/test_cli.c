@@ -539,7 +539,7 @@ static void test_bad_scenes(void)
         const char *line, *particles, *text;
     } list[] = {
         {"frob = 3;", GRAIN, "s.cfg:1: frob: unknown key"},
-        {"dt = \"fast\";", GRAIN, "s.cfg:1: dt = \"fast\": a number expected"},
+        {"dt = \"fast\";", GRAIN, "s.cfg:1: dt = \"fast\": character 1: unknown name fast"},
         {"steps = 4.5;", GRAIN, "s.cfg:1: steps = 4.5: a whole number expected"},
         {"dt = 0.0;", GRAIN, "s.cfg:1: dt = 0: out of range, allowed: (0, inf)"},
         {"dt = 1.0e-2;", GRAIN, "the limit is "},

@@ -54,6 +54,22 @@ void cli_progress_show(cli_progress *p, double now, long step, FILE *out)
     fflush(out);
 }
 
+bool cli_progress_due(const cli_progress *p, double now)
+{
+    return !p->quiet && now >= p->next;
+}
+
+void cli_progress_tell(cli_progress *p, double now, const char *where, FILE *out)
+{
+    p->next = now + (p->terminal ? 0.1 : 60.0);
+    if (p->terminal && (where || p->drawn))
+        fprintf(out, where ? "\r%-79.79s" : "\r%79s\r", where ? where : "");
+    else if (where)
+        fprintf(out, "repose run: %s\n", where);
+    p->drawn = where != NULL;
+    fflush(out);
+}
+
 static double due; /* when a sweep shows its progress again, in its own time */
 
 /* One line, redrawn in place, in plain text. */

@@ -378,8 +378,8 @@ typedef struct {
 size_t dem_wall_count(const dem_sim *sim);
 dem_wall_state dem_wall_now(const dem_sim *sim, size_t wall);
 
-/* How far from rest the grains with lo < x < hi are, fixed ones left out; in the frame of the box, if that
- * turns. */
+/* How far from rest the grains of a region are, fixed ones left out; in the frame of the box, if that turns.
+ * The region is lo < x < hi, or where `in` is true. */
 typedef struct {
     size_t n;              /* grains in the region */
     double kinetic_energy; /* mean over them, of translation and rotation */
@@ -388,6 +388,8 @@ typedef struct {
     double contact_number; /* mean contacts a grain, walls counted once */
 } dem_rest;
 rp_status dem_rest_state(const dem_sim *sim, double lo, double hi, dem_rest *rest); /* RP_NO_MEMORY */
+rp_status dem_rest_in(const dem_sim *sim, bool (*in)(const void *region, double x, double y),
+                      const void *region, dem_rest *rest); /* RP_NO_MEMORY */
 
 /* At rest: the mean kinetic energy is at most `energy`, and the largest net force on a grain with a contact
  * at most `force`; in a box these are the constants, m g d and m g. Forces count because energies are small

@@ -107,7 +107,7 @@ rp_status rp_config_unknown(const config_setting_t *setting, const rp_param *sch
                           allowed, more);
 }
 
-static rp_status to_value(const config_setting_t *setting, rp_value *value)
+rp_status rp_config_scalar(const config_setting_t *setting, rp_value *value)
 {
     switch (config_setting_type(setting)) {
     case CONFIG_TYPE_INT: *value = (rp_value){.kind = RP_V_INT, .i = config_setting_get_int(setting)}; break;
@@ -158,7 +158,7 @@ rp_status rp_config_value(const config_setting_t *setting, const rp_param *param
         *(unsigned *)((char *)values + param->offset) = 0;
         for (int i = 0; i < config_setting_length(setting); i++) {
             const config_setting_t *element = config_setting_get_elem(setting, (unsigned)i);
-            if (to_value(element, &value) != RP_OK || value.kind != RP_V_TEXT)
+            if (rp_config_scalar(element, &value) != RP_OK || value.kind != RP_V_TEXT)
                 return rp_config_fail(element, "%s%s: a list of words expected, allowed: %s",
                                       path_within(element, path), param->name, param->range);
             if (rp_params_set(param, values, &value) != RP_OK)
@@ -166,7 +166,7 @@ rp_status rp_config_value(const config_setting_t *setting, const rp_param *param
         }
         return RP_OK;
     }
-    if (to_value(setting, &value) != RP_OK)
+    if (rp_config_scalar(setting, &value) != RP_OK)
         return rp_config_fail(setting, "%s%s: one value expected, not a %s",
                               path_within(config_setting_parent(setting), path), param->name,
                               list ? "list" : "group");
@@ -225,7 +225,7 @@ static rp_status read_numbers(const config_setting_t *setting, int n, bool finit
         rp_value value;
         const config_setting_t *element = config_setting_get_elem(setting, (unsigned)i);
         rp_x_symbol is = {0};
-        const bool read = to_value(element, &value) == RP_OK;
+        const bool read = rp_config_scalar(element, &value) == RP_OK;
         rp_status status =
             read && value.kind == RP_V_TEXT ? rp_lets_value(element, value.s, &is) : RP_NO_RESULT;
         if (status && status != RP_NO_RESULT)

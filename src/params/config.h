@@ -42,6 +42,9 @@ void rp_config_write(FILE *out, const rp_param *schema, const void *values);
 rp_status rp_config_fail(const config_setting_t *setting, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 
+/* A value as it stands; texts are borrowed. Errors: RP_BAD_INPUT, without a message, for a list or group. */
+rp_status rp_config_scalar(const config_setting_t *setting, rp_value *value);
+
 /* Two finite numbers, as in [0.0, 1.0]. Errors: RP_BAD_INPUT. */
 rp_status rp_config_pair(const config_setting_t *setting, double pair[2]);
 

@@ -10,8 +10,6 @@
 #include "core/arena.h"
 #include "params/guess.h"
 
-RP_C_BEGIN
-
 typedef enum { RP_X_NUMBER, RP_X_TRUTH, RP_X_WORD } rp_x_type;
 
 /* What a name stands for: a value that is known when the text is read, or one that `id` and n_args numbers
@@ -73,7 +71,5 @@ char *rp_expression_key(rp_arena *arena, const rp_expression *e);
 
 /* "grains = 12, mu = nan": the names of an expression with their values, for messages. */
 char *rp_expression_operands(rp_arena *arena, const rp_expression *e, const rp_x_values *values);
-
-RP_C_END
 
 #endif

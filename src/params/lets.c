@@ -9,25 +9,46 @@
 
 static const char *const constants[RP_LET_CONSTANTS] = {"d", "m", "g", "dt"};
 
-static rp_status find(void *host, const char *name, int n_args, rp_x_symbol *symbol, bool *known)
+/* A constant, where a text first asks for it. */
+static rp_status know(rp_lets *lets, rp_let_constant k)
 {
-    const rp_lets *lets = host;
-    for (size_t k = 0; k < lets->n && n_args < 0 && !*known; k++)
-        if (strcmp(lets->lets[k].name, name) == 0) *symbol = lets->lets[k].is, *known = true;
-    for (int k = 0; k < RP_LET_CONSTANTS && n_args < 0 && !*known; k++) {
+    if (!isnan(lets->constants[k])) return RP_OK;
+    if (!lets->know || lets->asked[k]) return rp_fail(RP_BAD_INPUT, "%s is not known here", constants[k]);
+    lets->asked[k] = true;
+    rp_status status = lets->know(lets->host, k, &lets->constants[k]);
+    lets->asked[k] = false;
+    if (!status && isnan(lets->constants[k]))
+        status = rp_fail(RP_BAD_INPUT, "%s is not known here", constants[k]);
+    return status;
+}
+
+rp_status rp_lets_find(rp_lets *lets, const char *name, rp_x_symbol *symbol, bool *known)
+{
+    for (size_t k = 0; k < lets->n; k++)
+        if (strcmp(lets->lets[k].name, name) == 0) return *symbol = lets->lets[k].is, *known = true, RP_OK;
+    for (rp_let_constant k = 0; k < RP_LET_CONSTANTS; k++) {
         if (strcmp(constants[k], name) != 0) continue;
-        if (isnan(lets->constants[k])) return rp_fail(RP_BAD_INPUT, "%s is not known here", name);
-        *symbol = (rp_x_symbol){.type = RP_X_NUMBER, .known = true, .value = lets->constants[k]},
+        RP_TRY(know(lets, k));
+        *symbol = (rp_x_symbol){.type = RP_X_NUMBER, .known = true, .value = lets->constants[k]};
         *known = true;
     }
     return RP_OK;
 }
 
-static void list(void *host, rp_guess *guess)
+static rp_status find(void *host, const char *name, int n_args, rp_x_symbol *symbol, bool *known)
 {
-    const rp_lets *lets = host;
+    return n_args < 0 ? rp_lets_find(host, name, symbol, known) : RP_OK;
+}
+
+void rp_lets_list(const rp_lets *lets, rp_guess *guess)
+{
     for (size_t k = 0; k < lets->n; k++) rp_guess_try(guess, lets->lets[k].name);
     for (int k = 0; k < RP_LET_CONSTANTS; k++) rp_guess_try(guess, constants[k]);
+}
+
+static void list(void *host, rp_guess *guess)
+{
+    rp_lets_list(host, guess);
 }
 
 static const rp_lets *lets_of(const config_setting_t *setting)
@@ -67,25 +88,15 @@ static bool is_word(const char *text)
     return !*text;
 }
 
-static rp_status read_value(const config_setting_t *setting, rp_x_symbol *is)
+static rp_status read_value(const config_setting_t *root, const rp_value *v, rp_x_symbol *is)
 {
-    const int type = config_setting_type(setting);
-    is->known = true;
-    if (config_setting_is_number(setting)) {
-        is->value = type == CONFIG_TYPE_FLOAT ? config_setting_get_float(setting)
-                                              : (double)config_setting_get_int64(setting);
-    } else if (type == CONFIG_TYPE_BOOL) {
-        is->type = RP_X_TRUTH, is->value = config_setting_get_bool(setting);
-    } else if (type == CONFIG_TYPE_STRING) {
-        const char *text = config_setting_get_string(setting);
-        rp_x_symbol earlier;
-        bool known = false;
-        if (is_word(text)) RP_TRY(find((void *)lets_of(setting), text, -1, &earlier, &known));
-        if (known || !is_word(text)) return rp_lets_value(setting, text, is);
-        is->type = RP_X_WORD, is->word = text;
-    } else {
-        return rp_fail(RP_BAD_INPUT, "a number, true, false, a word or an expression expected");
-    }
+    rp_x_symbol earlier;
+    bool known = false;
+    *is = (rp_x_symbol){.type = v->kind == RP_V_BOOL ? RP_X_TRUTH : RP_X_NUMBER, .known = true};
+    if (v->kind != RP_V_TEXT) return is->value = v->kind == RP_V_REAL ? v->r : (double)v->i, RP_OK;
+    if (is_word(v->s)) RP_TRY(rp_lets_find(config_setting_get_hook(root), v->s, &earlier, &known));
+    if (known || !is_word(v->s)) return rp_lets_value(root, v->s, is);
+    is->type = RP_X_WORD, is->word = v->s;
     return RP_OK;
 }
 
@@ -111,7 +122,7 @@ static rp_status read_group(const config_setting_t *setting, rp_let *let, const 
     return RP_OK;
 }
 
-static rp_status read_let(const config_setting_t *setting, rp_lets *lets)
+static rp_status read_let(const config_setting_t *root, const config_setting_t *setting, rp_lets *lets)
 {
     rp_let let = {.name = config_setting_name(setting), .unit = "", .range = "", .meaning = ""};
     const config_setting_t *value = setting;
@@ -120,10 +131,15 @@ static rp_status read_let(const config_setting_t *setting, rp_lets *lets)
         if (strcmp(let.name, taken[k]) == 0) return rp_fail(RP_BAD_INPUT, "the name is taken");
     if (!is_word(let.name)) return rp_fail(RP_BAD_INPUT, "a name of letters, digits and _ expected");
     if (config_setting_is_group(setting)) RP_TRY(read_group(setting, &let, &value));
-    RP_TRY(read_value(value, &let.is));
+    rp_value is;
+    if (rp_config_scalar(value, &is))
+        return rp_fail(RP_BAD_INPUT, "a number, true, false, a word or an expression expected");
+    for (size_t k = 0; k < lets->n_given; k++)
+        if (strcmp(lets->given[k].name, let.name) == 0) is = lets->given[k].value;
+    RP_TRY(read_value(root, &is, &let.is));
     if (*let.range && let.is.type == RP_X_NUMBER) {
         const rp_param param = {let.name, let.unit, RP_REAL, 0, NULL, let.range, let.meaning};
-        double checked;
+        double checked; /* units are the text's own */
         RP_TRY(rp_params_set(&param, &checked, &(rp_value){.kind = RP_V_REAL, .r = let.is.value}));
     }
     lets->lets[lets->n++] = let;
@@ -132,7 +148,9 @@ static rp_status read_let(const config_setting_t *setting, rp_lets *lets)
 
 rp_status rp_lets_read(config_setting_t *root, rp_lets *lets)
 {
-    *lets = (rp_lets){.names = {.host = lets, .find = find, .list = list}};
+    rp_arena_end(&lets->arena);
+    lets->n = 0;
+    lets->names = (rp_x_names){.host = lets, .find = find, .list = list};
     for (int k = 0; k < RP_LET_CONSTANTS; k++) lets->constants[k] = NAN;
     config_setting_set_hook(root, lets);
     const config_setting_t *group = config_setting_get_member(root, "let");
@@ -142,7 +160,7 @@ rp_status rp_lets_read(config_setting_t *root, rp_lets *lets)
     RP_NEW(&lets->arena, lets->lets, (size_t)config_setting_length(group));
     for (int i = 0; i < config_setting_length(group); i++) {
         const config_setting_t *setting = config_setting_get_elem(group, (unsigned)i);
-        if (read_let(setting, lets))
+        if (read_let(root, setting, lets))
             return rp_config_fail(setting, "let.%s: %s", config_setting_name(setting), rp_message());
     }
     return RP_OK;

@@ -17,7 +17,8 @@
 #include "core/clock.h"
 #include "params/config.h"
 #include "params/units.h"
-#include "dem/scene/scene.h"
+#include "dem/scene/text.h"
+#include "experiment/experiment.h"
 #include "sweeps/protocols/protocols.h"
 
 #define RUN_OPTIONS(X)                                                                                       \
@@ -44,7 +45,7 @@ CLI_OPTIONS(run, RUN_OPTIONS)
 /* What a run is to do. A snapshot keeps it. */
 typedef struct {
     long steps, every, snapshot, dump;
-    bool ledger;
+    bool ledger, phases;
     XXH128_hash_t scene;
 } run_plan;
 
@@ -60,12 +61,20 @@ typedef struct {
     double first, last, scale;
 } growth;
 
+/* A scene as its file has it, and what it says of phases; NULL without. */
+typedef struct {
+    dem_text text;
+    dem_scene scene;
+    exp_plan *phases;
+} scene_text;
+
 /* A scene run in the making. */
 typedef struct {
     run_plan plan;
     growth energy;
     cli_rest rest;
-    dem_sim *sim;
+    dem_sim *sim; /* with phases theirs */
+    exp_run *exp; /* NULL: no phases */
     long threads;
 } scene_run;
 
@@ -73,7 +82,8 @@ typedef struct {
 typedef struct {
     const cli_call *call;
     char run[1024], holds[2048];
-    const char *start; /* what is to be known of it, or NULL */
+    const char *start;      /* what is to be known of it, or NULL */
+    const exp_plan *phases; /* NULL: none */
 } origin;
 
 static void put_origin(const void *context, FILE *out)
@@ -123,7 +133,13 @@ static void keep_run(rp_snapshot *s, void *context)
     RP_KEEP(s, r->plan);
     RP_KEEP(s, r->energy);
     RP_KEEP(s, r->rest);
-    dem_keep(s, &r->sim);
+    rp_keep_check(s, rp_keep_bool(&r->plan.phases) && r->plan.phases == (r->exp != NULL),
+                  r->exp ? "of a run without phases"
+                         : "of a run with phases; give its file too, repose run FILE --resume DIR");
+    if (!r->plan.phases || s->status)
+        dem_keep(s, &r->sim);
+    else
+        exp_keep(s, r->exp), r->sim = exp_sim(r->exp);
 }
 
 static void take_growing(outputs *o)
@@ -133,6 +149,7 @@ static void take_growing(outputs *o)
 
 static rp_status outputs_open(outputs *o, const origin *of, const scene_run *r)
 {
+    if (r->exp && !*o->directory) return RP_OK; /* standard output holds the measures */
     o->table[STATES] = stdout;
     if (*o->directory) {
         RP_TRY(cli_unfinished_start(&o->unfinished));
@@ -151,6 +168,7 @@ static rp_status outputs_open(outputs *o, const origin *of, const scene_run *r)
 
 static rp_status outputs_write(const outputs *o, const dem_sim *sim)
 {
+    if (!o->table[STATES]) return RP_OK;
     RP_TRY(dem_write_states(sim, o->table[STATES]));
     if (!*o->directory) return RP_OK;
     dem_write_energy(sim, o->table[ENERGY]);
@@ -209,6 +227,30 @@ static long steps_to(long step, long every, long most)
     return next < most ? next : most;
 }
 
+static bool is_done(const scene_run *r)
+{
+    return r->exp ? exp_done(r->exp) : dem_step(r->sim) >= r->plan.steps;
+}
+
+static rp_status go_on(scene_run *r, long part)
+{
+    if (r->exp) return exp_advance(r->exp, part);
+    part = (long)fmin((double)part, (double)cli_rest_next(&r->rest, dem_step(r->sim)));
+    rp_status status = dem_run(r->sim, part);
+    /* too soft, too fast, too hard to solve: the scene has no result, and the program is not wrong */
+    return status == RP_BROKEN && dem_sim_fault(r->sim) != DEM_FAULT_NON_FINITE ? RP_NO_RESULT : status;
+}
+
+static void show_progress(const scene_run *r, cli_progress *p)
+{
+    char text[256];
+    const double now = rp_clock();
+    if (!r->exp)
+        cli_progress_show(p, now, dem_step(r->sim), stderr);
+    else if (is_done(r) || cli_progress_due(p, now))
+        cli_progress_tell(p, now, is_done(r) ? NULL : exp_where(r->exp, text, sizeof text), stderr);
+}
+
 /* Advance to the end, or until a signal. */
 static rp_status advance(scene_run *r, outputs *out)
 {
@@ -218,31 +260,32 @@ static rp_status advance(scene_run *r, outputs *out)
     rp_status status = RP_OK;
     bool told = false;
     dem_threads(r->sim, (size_t)r->threads);
-    while (!status && dem_step(r->sim) < p->steps) {
-        const long left = p->steps - dem_step(r->sim);
-        long part = steps_to(dem_step(r->sim), p->every, left < most ? left : most);
-        part = steps_to(dem_step(r->sim), p->snapshot, part);
-        part = steps_to(dem_step(r->sim), r->energy.every, part);
-        part = (long)fmin((double)part, (double)cli_rest_next(&r->rest, dem_step(r->sim)));
-        status = dem_run(r->sim, part);
-        /* too soft, too fast, too hard to solve: the scene has no result, and the program is not wrong */
-        if (status == RP_BROKEN && dem_sim_fault(r->sim) != DEM_FAULT_NON_FINITE) status = RP_NO_RESULT;
+    while (!status && !is_done(r)) {
+        const long before = dem_step(r->sim), left = r->exp ? most : p->steps - before;
+        long part = steps_to(before, p->every, left < most ? left : most);
+        part = steps_to(before, p->snapshot, part);
+        part = steps_to(before, r->energy.every, part);
+        status = go_on(r, part);
         const long step = dem_step(r->sim);
-        cli_progress_show(&out->progress, rp_clock(), step, stderr);
+        show_progress(r, &out->progress);
+        if (step == before) continue; /* a phase began or ended */
         if (!status) growth_sample(&r->energy, r->sim);
-        if (!status) status = cli_rest_look(out->unfinished.arena, r->sim, &r->rest);
+        if (!status && !r->exp) status = cli_rest_look(out->unfinished.arena, r->sim, &r->rest);
         if (!status && !told && !out->quiet) cli_tell_threads(r->sim, "run", r->threads);
         told = true;
-        const bool stopped = stop_signal && step < p->steps;
-        if (!status && p->every > 0 && step % p->every == 0 && step < p->steps)
+        const bool stopped = stop_signal && !is_done(r);
+        if (!status && p->every > 0 && step % p->every == 0 && !is_done(r))
             status = outputs_write(out, r->sim);
-        if (!status && out->resumable && step < p->steps && (stopped || step % p->snapshot == 0))
+        if (!status && out->resumable && !is_done(r) && (stopped || step % p->snapshot == 0))
             status = cli_unfinished_write(&out->unfinished, keep_run, r);
+        char at[300], of[32], where[256];
+        snprintf(of, sizeof of, "%ld", p->steps);
+        snprintf(at, sizeof at, "stopped at step %ld of %s", step,
+                 r->exp && stopped ? exp_where(r->exp, where, sizeof where) : of);
         if (!status && stopped)
-            status = out->resumable
-                         ? rp_fail(RP_STOPPED, "stopped at step %ld of %ld; repose run --resume %s continues",
-                                   step, p->steps, out->directory)
-                         : rp_fail(RP_STOPPED, "stopped at step %ld of %ld", step, p->steps);
+            status = out->resumable ? rp_fail(RP_STOPPED, "%s; repose run %s--resume %s continues", at,
+                                              r->exp ? "FILE " : "", out->directory)
+                                    : rp_fail(RP_STOPPED, "%s", at);
     }
     return status;
 }
@@ -254,14 +297,70 @@ static rp_status dump_frames(rp_arena *arena, const scene_run *r, const outputs 
     return export_folder(arena, out->unfinished.stage.path, (export_format)r->plan.dump);
 }
 
-/* From the start, or with `out` resumed from where the run is. */
-static rp_status finish_scene(rp_arena *arena, scene_run *r, outputs *out, rp_status status)
+/* What the phases end with: a row a column of a sweep's table. */
+static void write_measures(const cli_call *call, const scene_run *r, const exp_plan *plan, FILE *out)
 {
+    size_t n;
+    const exp_output *o = exp_outputs(plan, &n);
+    const exp_end *end = exp_ended(r->exp);
+    cli_provenance(call, out);
+    rp_table_note(out, "status", "%s", end->status);
+    if (*end->message) rp_table_note(out, "message", "%s", end->message);
+    rp_table_note(out, "steps", "%ld", exp_steps(r->exp));
+    rp_table_header(out, "measure, value, unit, meaning");
+    for (size_t k = 0; k < n; k++) {
+        fprintf(out, "%s\t", o[k].name);
+        rp_table_numbers(out, 1, &exp_values(r->exp)[k]);
+        fprintf(out, "\t%s\t%s\n", *o[k].unit ? o[k].unit : "-", o[k].meaning);
+    }
+}
+
+static rp_status write_results(const origin *of, const scene_run *r, const outputs *out)
+{
+    rp_arena *arena = of->call->arena;
+    const char *path, *stage = out->unfinished.stage.path;
+    FILE *table;
+    write_measures(of->call, r, of->phases, stdout);
+    if (!*out->directory) return RP_OK;
+    RP_TRY(rp_path(arena, &path, "%s/measures.tsv", stage));
+    RP_TRY(rp_file_open(path, &table));
+    write_measures(of->call, r, of->phases, table);
+    RP_TRY(rp_file_close(path, table, RP_OK));
+    for (size_t k = 0; k < exp_series_count(of->phases); k++) {
+        RP_TRY(rp_path(arena, &path, "%s/series_%s.tsv", stage, exp_series_name(of->phases, k)));
+        RP_TRY(rp_file_open(path, &table));
+        put_origin(of, table);
+        exp_series_write(r->exp, k, table);
+        RP_TRY(rp_file_close(path, table, RP_OK));
+    }
+    return RP_OK;
+}
+
+/* The closing line of a run with phases. A word other than ok is no result. */
+static rp_status close_phases(const scene_run *r, const outputs *out)
+{
+    const exp_end *end = exp_ended(r->exp);
+    if (!out->quiet) {
+        fprintf(stderr, "repose run: %s, %ld steps", end->status, exp_steps(r->exp));
+        if (*out->directory)
+            cli_close_line(out->directory);
+        else
+            fputc('\n', stderr);
+    }
+    if (rp_is_result(end->status)) return RP_OK;
+    return rp_fail(RP_NO_RESULT, "%s%s%s", end->status, *end->message ? ": " : "", end->message);
+}
+
+/* From the start, or with `out` resumed from where the run is. */
+static rp_status finish_scene(const origin *of, scene_run *r, outputs *out, rp_status status)
+{
+    rp_arena *arena = of->call->arena;
     out->progress =
         cli_progress_start(out->quiet, isatty(STDERR_FILENO), rp_clock(), dem_step(r->sim), r->plan.steps);
     if (!status) status = advance(r, out);
     if (!status && (r->plan.every <= 0 || r->plan.steps > 0)) status = outputs_write(out, r->sim);
-    if (!status) growth_report(&r->energy, r->sim, out->table[STATES]);
+    if (!status && !r->exp) growth_report(&r->energy, r->sim, out->table[STATES]);
+    if (!status && r->exp) status = write_results(of, r, out);
     if (!status && *out->directory) status = dump_frames(arena, r, out);
     if (*out->directory)
         status = cli_unfinished_end(&out->unfinished, out->resumable, status);
@@ -269,6 +368,7 @@ static rp_status finish_scene(rp_arena *arena, scene_run *r, outputs *out, rp_st
         rp_table_note(stdout, "unfinished", "%s", rp_message());
     else if (!status)
         status = rp_file_finish(stdout, "standard output");
+    if (!status && r->exp) return close_phases(r, out);
     if (!status && !out->quiet) cli_close_run(arena, r->sim, &r->rest, out->directory);
     return status;
 }
@@ -282,7 +382,7 @@ static rp_status run_scene(const origin *of, scene_run *r, const run_options *o)
     rp_status status = outputs_open(&out, of, r);
     if (!status && r->plan.every > 0) status = outputs_write(&out, r->sim);
     if (!status && out.resumable) status = cli_unfinished_write(&out.unfinished, keep_run, r);
-    return finish_scene(of->call->arena, r, &out, status);
+    return finish_scene(of, r, &out, status);
 }
 
 static void report_row(const sweep_protocol *protocol, const sweep_result *result, const char *directory)
@@ -360,7 +460,7 @@ static rp_status is_sweep(const char *path, bool *sweep)
 }
 
 /* Of all that makes a scene, whatever the kernel, the ledger and the number of steps. */
-static rp_status hash_scene(const dem_scene *scene, XXH128_hash_t *hash)
+static rp_status hash_scene(const dem_scene *scene, const exp_plan *phases, XXH128_hash_t *hash)
 {
     char *text = NULL;
     size_t size = 0;
@@ -371,6 +471,9 @@ static rp_status hash_scene(const dem_scene *scene, XXH128_hash_t *hash)
     any.steps = 0;
     FILE *out = open_memstream(&text, &size);
     if (!out) return rp_fail(RP_NO_MEMORY, "scene: out of memory");
+    char *key = phases ? exp_key(phases) : NULL;
+    if (key) fputs(key, out);
+    free(key);
     dem_scene_write(&any, out);
     for (size_t i = 0; i < scene->def.n_grains && !scene->has_fill; i++) {
         const dem_grain *p = &scene->grains[i];
@@ -385,13 +488,38 @@ static rp_status hash_scene(const dem_scene *scene, XXH128_hash_t *hash)
     return RP_OK;
 }
 
-static rp_status read_scene(const char *path, const run_options *o, dem_scene *scene)
+/* Afterwards free_text, also after an error. */
+static rp_status read_text(const char *path, const run_options *o, scene_text *t)
 {
-    RP_TRY(dem_scene_read(path, &o->set, scene));
+    dem_scene *scene = &t->scene;
+    *t = (scene_text){0};
+    RP_TRY(dem_text_open(path, &o->set, &t->text));
+    if (exp_has_phases(&t->text)) {
+        RP_TRY(exp_read(&t->text, &t->phases));
+        RP_TRY(exp_check(t->phases));
+        *scene = *exp_scene(t->phases);
+    } else {
+        RP_TRY(dem_text_scene(&t->text, scene));
+    }
     if (*scene->unused) fprintf(stderr, "repose run: particles_file: not used:%s\n", scene->unused);
     cli_warn_gravity(path, hypot(scene->def.gravity[0], scene->def.gravity[1]));
     if (o->ledger) scene->def.ledger = true;
     return RP_OK;
+}
+
+static void free_text(scene_text *t)
+{
+    if (!t->phases) dem_scene_free(&t->scene);
+    exp_free(t->phases);
+    dem_text_close(&t->text);
+}
+
+static void free_run(scene_run *r)
+{
+    if (r->exp)
+        exp_run_free(r->exp);
+    else
+        dem_free(r->sim);
 }
 
 static bool has_new_springs(const dem_scene *scene, const dem_sim *sim)
@@ -411,51 +539,65 @@ static void name_run(origin *of, const char *path, const run_plan *plan)
     put_holds(of);
 }
 
+/* Make the simulation, or the run of the phases. */
+static rp_status start(scene_text *t, scene_run *r)
+{
+    if (!t->phases) return dem_scene_start(&t->scene, &r->sim);
+    RP_TRY(
+        exp_start(t->phases, (unsigned long)t->scene.fill.seed, (unsigned long)t->scene.fill.run, &r->exp));
+    r->sim = exp_sim(r->exp);
+    return r->sim ? RP_OK : rp_fail(RP_NO_RESULT, "%s", exp_ended(r->exp)->message);
+}
+
 static rp_status run_file(const cli_call *call, const char *path, const run_options *o)
 {
-    dem_scene scene;
+    RP_ENDS(free_text) scene_text t;
     origin of = {.call = call};
     scene_run r = {.plan = {.every = o->every, .snapshot = o->snapshot, .dump = o->dump}, .threads = o->j};
     if (cli_given(call, "row")) return rp_fail(RP_USAGE, "--row needs a sweep file; %s is a scene", path);
     if (o->snapshot > 0 && !*o->o) return rp_fail(RP_USAGE, "--snapshot needs -o DIR");
     if (o->dump && !*o->o) return rp_fail(RP_USAGE, "--dump needs -o DIR");
-    rp_status status = read_scene(path, o, &scene);
-    if (!status && *o->o) status = hash_scene(&scene, &r.plan.scene);
-    r.plan.steps = r.rest.steps = scene.steps;
+    RP_TRY(read_text(path, o, &t));
+    if (t.phases && o->every > 0 && !*o->o)
+        return rp_fail(RP_USAGE,
+                       "--every needs -o DIR; %s has phases, and standard output holds what they measure",
+                       path);
+    if (*o->o) RP_TRY(hash_scene(&t.scene, t.phases, &r.plan.scene));
+    r.plan.steps = r.rest.steps = t.phases ? 0 : t.scene.steps;
+    r.plan.phases = t.phases != NULL;
+    of.phases = t.phases;
     name_run(&of, path, &r.plan);
-    r.plan.ledger = scene.def.ledger;
+    r.plan.ledger = t.scene.def.ledger;
     bool cut = false;
-    scene.fill.cut = &cut;
-    if (!status && (status = dem_scene_start(&scene, &r.sim)) == RP_BAD_INPUT)
-        rp_prefix(status, "%s: ", path);
+    t.scene.fill.cut = &cut;
+    rp_status status = start(&t, &r);
+    if (status == RP_BAD_INPUT && !t.phases) rp_prefix(status, "%s: ", path);
     of.start = cut ? "walls cut the region; grains lie in its largest part alone"
-               : !status && has_new_springs(&scene, r.sim)
+               : !status && has_new_springs(&t.scene, r.sim)
                    ? "grains touch, and their shear springs begin at 0; a bed at rest needs contacts_file"
                    : NULL;
     if (of.start) fprintf(stderr, "repose run: %s: %s\n", path, of.start);
-    if (!status) r.energy = growth_of(&scene, r.sim);
+    if (!status && !t.phases) r.energy = growth_of(&t.scene, r.sim);
     if (!status) status = run_scene(&of, &r, o);
-    dem_free(r.sim);
-    dem_scene_free(&scene);
+    free_run(&r);
     return status;
 }
 
 /* A scene file that is given must be that of the snapshot, or without a plan that of the finished tables,
  * which the folder's marker names. */
-static rp_status check_scene(const char *path, const run_options *o, const run_plan *plan, const char *holds)
+static rp_status check_scene(const char *path, const run_options *o, const scene_text *t,
+                             const run_plan *plan, const char *holds)
 {
-    dem_scene scene;
     XXH128_hash_t hash = {0};
-    rp_status status = read_scene(path, o, &scene);
-    if (!status) status = hash_scene(&scene, &hash);
+    RP_TRY(hash_scene(&t->scene, t->phases, &hash));
     char steps[32], key[48] = ", key ";
-    snprintf(steps, sizeof steps, ", %ld steps, ", scene.steps);
+    snprintf(steps, sizeof steps, ", %ld steps, ", t->phases ? 0 : t->scene.steps);
     rp_hash_digits(hash, key + strlen(key));
     const bool same = !plan ? strstr(holds, steps) && strstr(holds, key)
-                            : XXH128_isEqual(hash, plan->scene) && scene.steps == plan->steps &&
-                                  scene.def.ledger == plan->ledger;
-    dem_scene_free(&scene);
-    if (status || same) return status;
+                            : XXH128_isEqual(hash, plan->scene) &&
+                                  (t->phases || t->scene.steps == plan->steps) &&
+                                  t->scene.def.ledger == plan->ledger;
+    if (same) return RP_OK;
     return rp_fail(RP_BAD_INPUT, "%s: not the scene that the %s in %s %s of", path,
                    plan ? "snapshot" : "tables", o->resume, plan ? "is" : "are");
 }
@@ -463,7 +605,9 @@ static rp_status check_scene(const char *path, const run_options *o, const run_p
 static rp_status resume(const cli_call *call, const run_options *o)
 {
     const char *scene = cli_argument(call, 0);
+    RP_ENDS(free_text) scene_text t = {0};
     scene_run r = {.threads = o->j};
+    origin of = {.call = call};
     outputs out = outputs_in(call->arena, o->resume, true, o->quiet);
     if (cli_given(call, "o") || cli_given(call, "every") || cli_given(call, "row") ||
         cli_given(call, "snapshot") || cli_given(call, "dump") || cli_given(call, "force"))
@@ -471,23 +615,31 @@ static rp_status resume(const cli_call *call, const run_options *o)
                                  "--row, --snapshot, --dump or --force");
     if (!scene && (o->set.n > 0 || o->ledger))
         return rp_fail(RP_USAGE, "--set and --ledger need a scene file");
+    if (scene) RP_TRY(read_text(scene, o, &t));
+    if (t.phases) RP_TRY(start(&t, &r));
+    of.phases = t.phases;
     cli_on_stop(note_stop);
     bool done;
     rp_status status = cli_unfinished_resume(&out.unfinished, keep_run, &r, &done);
     if (!status && done) {
-        if (scene) RP_TRY(check_scene(scene, o, NULL, out.unfinished.holds));
-        printf("%s: the run is done; its tables are in this folder\n", o->resume);
-        return RP_OK;
+        if (scene) status = check_scene(scene, o, &t, NULL, out.unfinished.holds);
+        if (!status) printf("%s: the run is done; its tables are in this folder\n", o->resume);
+        free_run(&r);
+        return status;
     }
-    if (!status && scene) status = check_scene(scene, o, &r.plan, NULL);
+    if (!status && scene) status = check_scene(scene, o, &t, &r.plan, NULL);
     if (status) {
-        dem_free(r.sim);
+        free_run(&r);
         return cli_unfinished_end(&out.unfinished, true, status);
     }
-    printf("%s: continues from step %ld to %ld\n", o->resume, dem_step(r.sim), r.plan.steps);
+    if (r.exp) snprintf(of.run, sizeof of.run, "%s", out.unfinished.holds);
+    if (r.exp)
+        printf("%s: continues from step %ld\n", o->resume, dem_step(r.sim));
+    else
+        printf("%s: continues from step %ld to %ld\n", o->resume, dem_step(r.sim), r.plan.steps);
     take_growing(&out);
-    status = finish_scene(call->arena, &r, &out, RP_OK);
-    dem_free(r.sim);
+    status = finish_scene(&of, &r, &out, RP_OK);
+    free_run(&r);
     return status;
 }
 

@@ -142,15 +142,16 @@ void dem_energies(const dem_sim *sim, dem_energy *energy)
     }
 }
 
-rp_status dem_rest_state(const dem_sim *sim, double lo, double hi, dem_rest *rest)
+rp_status dem_rest_in(const dem_sim *sim, bool (*in)(const void *region, double x, double y),
+                      const void *region, dem_rest *rest)
 {
     *rest = (dem_rest){0};
     int *contacts = count_contacts(sim);
     if (!contacts) return rp_fail(RP_NO_MEMORY, "rest test: out of memory");
     double force2[2] = {0.0, 0.0}; /* without, with a contact */
     for (size_t i = 0; i < sim->grains.n; i++) {
-        double x = dem_to_box(&sim->walls, sim->grains.motion[i].x)[0];
-        if (!(x > lo && x < hi) || dem_is_fixed(sim, i)) continue;
+        const dem_vec at = dem_to_box(&sim->walls, sim->grains.motion[i].x);
+        if (dem_is_fixed(sim, i) || !in(region, at[0], at[1])) continue;
         dem_vec v = velocity(sim, i) - dem_box_velocity(&sim->walls, sim->grains.motion[i].x);
         dem_vec f = sim->grains.mass[i] * dem_acceleration_of(sim, i);
         rest->n++;
@@ -168,6 +169,17 @@ rp_status dem_rest_state(const dem_sim *sim, double lo, double hi, dem_rest *res
         rest->contact_number /= (double)rest->n;
     }
     return RP_OK;
+}
+
+static bool lies_between(const void *ends, double x, double y)
+{
+    (void)y;
+    return x > ((const double *)ends)[0] && x < ((const double *)ends)[1];
+}
+
+rp_status dem_rest_state(const dem_sim *sim, double lo, double hi, dem_rest *rest)
+{
+    return dem_rest_in(sim, lies_between, (double[]){lo, hi}, rest);
 }
 
 bool dem_at_rest(const dem_rest *rest, double energy, double force, bool brief)

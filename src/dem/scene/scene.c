@@ -1,5 +1,5 @@
 /* Scene files, through schemas; see scene.h. */
-#include "dem/scene/scene.h"
+#include "dem/scene/text.h"
 
 #include <ctype.h>
 #include <math.h>
@@ -11,7 +11,6 @@
 #include "core/arena.h"
 #include "params/config.h"
 #include "params/guess.h"
-#include "params/lets.h"
 #include "table/where.h"
 #include "table/columns.h"
 #include "params/units.h"
@@ -110,11 +109,16 @@ typedef struct {
     dem_wall line;
     long sides;
     bool closed;
+    const char *name;
 } wall_entry;
 
-/* The first rows are of polygons and circles alone; each side is written as a segment. */
-enum { SHAPE_ROWS = 2 };
+#define NAME_LETTERS "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_"
+
+/* The first rows are of entries: their sides are written as segments, each with the name if there is one. */
+enum { SHAPE_ROWS = 3 };
 static const rp_param wall_schema[] = {
+    {"name", "", RP_TEXT, AT(wall_entry, name), "", "",
+     "for phases and measures; entries of one name open together"},
     {"sides", "", RP_INT, AT(wall_entry, sides), "64", "[3, 4096]",
      "of a circle, which is a regular polygon"},
     {"closed", "", RP_BOOL, AT(wall_entry, closed), "true", "",
@@ -313,8 +317,25 @@ static rp_status read_circle(const config_setting_t *circle, wall_entry *entry, 
     return RP_OK;
 }
 
+/* Name the walls from number `first` on. */
+static rp_status name_walls(const config_setting_t *setting, const char *name, size_t first, dem_scene *scene)
+{
+    const size_t n = scene->def.n_walls;
+    if (strlen(name) >= DEM_NAME_BYTES || strspn(name, NAME_LETTERS) != strlen(name) ||
+        isdigit((unsigned char)*name))
+        return rp_config_fail(setting, "name = \"%s\": up to %d letters, digits and _ expected", name,
+                              DEM_NAME_BYTES - 1);
+    if (!dem_grow(&scene->names, sizeof *scene->names, n))
+        return rp_fail(RP_NO_MEMORY, "walls: out of memory");
+    for (size_t w = scene->n_names; w < n; w++)
+        snprintf(scene->names[w], sizeof *scene->names, "%s", w < first ? "" : name);
+    scene->n_names = n;
+    return RP_OK;
+}
+
 static rp_status read_wall(const config_setting_t *setting, dem_scene *scene)
 {
+    const size_t first = scene->def.n_walls;
     /* corner_lower and corner_upper joined walls before all walls that meet were joined */
     static const char *const others[] = {"point",    "direction", "extent",       "polygon",      "circle",
                                          "velocity", "pivot",     "corner_lower", "corner_upper", NULL};
@@ -339,6 +360,7 @@ static rp_status read_wall(const config_setting_t *setting, dem_scene *scene)
     if (!status)
         status = shape ? add_sides(shape, &entry, &through, scene) : read_line(setting, &entry, scene);
     free(through.at);
+    if (!status && *entry.name) status = name_walls(setting, entry.name, first, scene);
     return status;
 }
 
@@ -625,9 +647,33 @@ static bool add_copy(config_setting_t *parent, const char *name, const config_se
     return whole;
 }
 
-/* Put "group.key=value" or "list[0].key=value" into the tree that was read, instead of what stands there. */
-static rp_status change(config_t *config, const char *text)
+static bool has_let(const config_t *config, const char *name)
 {
+    const config_setting_t *let = config_lookup(config, "let");
+    return let && config_setting_get_member(let, name);
+}
+
+rp_status dem_text_give(dem_text *text, const char *name, const rp_value *value)
+{
+    rp_lets *lets = &text->lets;
+    size_t k = 0;
+    while (k < lets->n_given && strcmp(lets->given[k].name, name) != 0) k++;
+    if (!has_let(&text->config, name)) return rp_fail(RP_BAD_INPUT, "let: the text has no %s", name);
+    if (k == RP_LETS_MOST) return rp_fail(RP_BAD_INPUT, "let: more than %d values are given", RP_LETS_MOST);
+    lets->given[k] = (rp_let_given){
+        config_setting_name(config_setting_get_member(config_lookup(&text->config, "let"), name)), *value};
+    if (value->kind == RP_V_TEXT) {
+        RP_NEW(&text->memory, lets->given[k].value.s, strlen(value->s));
+        strcpy((char *)lets->given[k].value.s, value->s);
+    }
+    if (k == lets->n_given) lets->n_given++;
+    return RP_OK;
+}
+
+/* Put "group.key=value" or "list[0].key=value" into the tree that was read, instead of what stands there. */
+static rp_status change(dem_text *scene, const char *text)
+{
+    config_t *config = &scene->config;
     char path[128];
     const char *equals = strchr(text, '=');
     if (!equals || equals == text || equals - text >= (long)sizeof path)
@@ -643,11 +689,13 @@ static rp_status change(config_t *config, const char *text)
         *dot = '\0';
         status = step_into(key, text, &group);
     }
-    config_setting_t *let = config_setting_get_member(group, "let"),
-                     *named = let && key == path ? config_setting_get_member(let, key) : NULL;
-    if (named)
-        group = config_setting_is_group(named) ? named : let,
-        key = config_setting_is_group(named) ? strcpy(path, "value") : key;
+    rp_value value;
+    if (!status && key == path && has_let(config, key) &&
+        !rp_config_scalar(config_lookup(&one, "v"), &value)) {
+        status = dem_text_give(scene, key, &value);
+        config_destroy(&one);
+        return status;
+    }
     if (!status && strchr(key, '['))
         status = rp_fail(RP_BAD_INPUT, "--set %s: give a key of the entry, or the whole list", text);
     if (!status) {
@@ -666,54 +714,82 @@ static rp_status peek(const config_setting_t *group, const rp_param *schema, con
     return setting ? rp_config_value(setting, rp_params_find(schema, name), values) : RP_OK;
 }
 
-/* What d, m, g and dt are in this file's expressions: of the mean grain of its fill or particles. */
-static rp_status know_grain(const config_setting_t *root, scene_file *file, rp_lets *lets)
+/* Radius of the mean grain of the first fill, or of the particles; 0: unknown. */
+static rp_status mean_radius(const config_setting_t *root, double *r)
 {
     const config_setting_t *fill = config_setting_get_member(root, "fill"),
-                           *gravity = config_setting_get_member(root, "gravity"),
                            *list = config_setting_get_member(root, "particles");
-    dem_definition *def = &file->scene.def;
-    double r = 0.0;
-    if (gravity) RP_TRY(rp_config_pair(gravity, def->gravity));
-    lets->constants[RP_LET_G] = hypot(def->gravity[0], def->gravity[1]);
-    RP_TRY(peek(root, top_schema, "shape", file));
-    RP_TRY(peek(root, top_schema, "density", file));
+    dem_fill mean = {0};
+    *r = 0.0;
     if (fill && config_setting_is_group(fill)) {
-        rp_params_defaults(fill_schema, &file->scene.fill);
-        RP_TRY(peek(fill, fill_schema, "radius_mean", &file->scene.fill));
-        r = file->scene.fill.radius_mean;
+        rp_params_defaults(fill_schema, &mean);
+        RP_TRY(peek(fill, fill_schema, "radius_mean", &mean));
+        *r = mean.radius_mean;
     }
     const int n = list ? config_setting_length(list) : 0;
     for (int i = 0; i < n; i++) {
         dem_grain grain = {0};
         RP_TRY(peek(config_setting_get_elem(list, (unsigned)i), particle_schema, "r", &grain));
-        r += grain.r / n;
+        *r += grain.r / n;
     }
-    if (r > 0.0) {
-        lets->constants[RP_LET_D] = 2.0 * r;
-        lets->constants[RP_LET_M] = dem_mass(file->physics.shape, file->physics.density, r);
-    }
-    RP_TRY(peek(root, top_schema, "dt", file));
-    lets->constants[RP_LET_DT] = def->dt;
     return RP_OK;
 }
 
-static rp_status read_scene(const char *path, config_t *config, const rp_texts *changes, scene_file *file,
-                            rp_lets *lets)
+/* What d, m, g and dt are in this file's expressions. */
+static rp_status know(void *host, rp_let_constant which, double *value)
+{
+    const config_setting_t *root = config_root_setting(&((dem_text *)host)->config),
+                           *gravity = config_setting_get_member(root, "gravity");
+    scene_file file = {.scene = {.def = dem_definition_default()}};
+    double r = 0.0, g[2] = {0.0, rp_units_value("cm/s^2", file.scene.def.gravity[1])};
+    rp_params_defaults(top_schema, &file);
+    if (which == RP_LET_DT) {
+        RP_TRY(peek(root, top_schema, "dt", &file));
+        return *value = file.scene.def.dt, RP_OK;
+    }
+    if (which == RP_LET_G) {
+        if (gravity) RP_TRY(rp_config_pair(gravity, g));
+        return *value = hypot(g[0], g[1]), RP_OK;
+    }
+    RP_TRY(mean_radius(root, &r));
+    RP_TRY(peek(root, top_schema, "shape", &file));
+    if (which == RP_LET_M) RP_TRY(peek(root, top_schema, "density", &file));
+    if (r > 0.0) *value = which == RP_LET_D ? 2.0 * r : dem_mass(file.physics.shape, file.physics.density, r);
+    return RP_OK;
+}
+
+rp_status dem_text_open(const char *path, const rp_texts *changes, dem_text *text)
+{
+    const char *units = NULL;
+    *text = (dem_text){.path = path};
+    RP_TRY(rp_config_read(path, &text->config));
+    for (size_t i = 0; changes && i < changes->n; i++) RP_TRY(change(text, changes->items[i]));
+    config_lookup_string(&text->config, "units", &units);
+    rp_units_set(rp_units_find(units));
+    return RP_OK;
+}
+
+void dem_text_close(dem_text *text)
+{
+    rp_lets_end(&text->lets);
+    rp_arena_end(&text->memory);
+    config_destroy(&text->config);
+}
+
+static rp_status read_scene(dem_text *text, scene_file *file)
 {
     static const char *const others[] = {"let",       "gravity", "normal", "tangential", "rolling",  "walls",
-                                         "particles", "fill",    "ground", "hard",       "implicit", NULL};
-    const char *units = NULL;
-    RP_TRY(rp_config_read(path, config));
-    for (size_t i = 0; changes && i < changes->n; i++) RP_TRY(change(config, changes->items[i]));
-    const config_setting_t *root = config_root_setting(config);
-    config_lookup_string(config, "units", &units);
-    rp_units_set(rp_units_find(units));
+                                         "particles", "fill",    "ground", "hard",       "implicit", "phases",
+                                         "measure",   "regions", "rest",   "result",     NULL};
+    config_setting_t *root = config_root_setting(&text->config);
     rp_params_defaults(top_schema, file);
     dem_definition *def = &file->scene.def;
     def->gravity[1] = rp_units_value("cm/s^2", def->gravity[1]);
-    RP_TRY(rp_lets_read(config_root_setting(config), lets));
-    RP_TRY(know_grain(root, file, lets));
+    for (int k = 0; k < RP_LET_CONSTANTS; k++) text->lets.constants[k] = NAN;
+    text->lets.know = know, text->lets.host = text;
+    RP_TRY(rp_lets_read(root, &text->lets));
+    const config_setting_t *gravity = config_setting_get_member(root, "gravity");
+    if (gravity) RP_TRY(rp_config_pair(gravity, def->gravity));
     RP_TRY(rp_config_group(root, top_schema, file, others));
     file->has_density = config_setting_get_member(root, "density") != NULL;
     def->skin = fmax(def->skin, 0.0);
@@ -730,18 +806,24 @@ static rp_status read_scene(const char *path, config_t *config, const rp_texts *
     if (implicit && !dem_schemes[def->integrator]->solves)
         return rp_config_fail(implicit, "implicit: needs integrator = \"implicit\"");
     RP_TRY(read_group(root, "implicit", implicit_schema, &def->implicit));
-    return read_grains(path, root, file);
+    return read_grains(text->path, root, file);
+}
+
+rp_status dem_text_scene(dem_text *text, dem_scene *scene)
+{
+    scene_file file = {.scene = {.def = dem_definition_default()}};
+    rp_status status = read_scene(text, &file);
+    *scene = file.scene;
+    return status;
 }
 
 rp_status dem_scene_read(const char *path, const rp_texts *changes, dem_scene *scene)
 {
-    config_t config;
-    scene_file file = {.scene = {.def = dem_definition_default()}};
-    rp_lets lets = {0};
-    rp_status status = read_scene(path, &config, changes, &file, &lets);
-    *scene = file.scene;
-    rp_lets_end(&lets);
-    config_destroy(&config);
+    dem_text text;
+    *scene = (dem_scene){0};
+    rp_status status = dem_text_open(path, changes, &text);
+    if (!status) status = dem_text_scene(&text, scene);
+    dem_text_close(&text);
     return status;
 }
 
@@ -749,10 +831,13 @@ void dem_scene_free(dem_scene *scene)
 {
     free(scene->grains);
     free(scene->walls);
+    free(scene->names);
     free(scene->lines);
     free(scene->contacts);
     scene->grains = NULL;
     scene->walls = NULL;
+    scene->names = NULL;
+    scene->n_names = 0;
     scene->lines = NULL;
     scene->contacts = NULL;
     scene->def.wall_list = NULL;
@@ -813,13 +898,15 @@ static void write_top(FILE *out, const dem_scene *scene)
     fputc('\n', out);
 }
 
-static void write_walls(FILE *out, const dem_definition *def)
+static void write_walls(FILE *out, const dem_scene *scene)
 {
+    const dem_definition *def = &scene->def;
     fputs("walls = (", out);
     for (size_t w = 0; w < def->n_walls; w++) {
         const dem_wall *wall = &dem_walls_of(def)[w];
         wall_entry entry = {.line = *wall};
         fputs(w ? ",\n  { " : "\n  { ", out);
+        if (w < scene->n_names && *scene->names[w]) fprintf(out, "name = \"%s\"; ", scene->names[w]);
         write_pair(out, "point", wall->point);
         write_pair(out, "direction", wall->direction);
         /* libconfig has no infinity: an open end is written as a number far away */
@@ -854,7 +941,7 @@ void dem_scene_write(const dem_scene *scene, FILE *out)
     write_group(out, "normal", normal_schema, &physics);
     write_group(out, "tangential", tangential_schema, &physics);
     write_group(out, "rolling", rolling_schema, &physics);
-    write_walls(out, def);
+    write_walls(out, scene);
     if (def->ground.wall) write_group(out, "ground", ground_schema, &def->ground);
     if (def->hard.on) write_group(out, "hard", hard_schema, &def->hard);
     if (dem_schemes[def->integrator]->solves) write_group(out, "implicit", implicit_schema, &def->implicit);

@@ -18,7 +18,9 @@ typedef struct {
     dem_contact *contacts; /* owned, as the next two */
     dem_wall *walls;       /* owned; NULL where the definition holds its few walls itself */
     size_t *lines;         /* of the grains in their list; owned */
-    char unused[256];      /* columns of particles_file, if there are any */
+    size_t n_names;
+    char (*names)[32]; /* of the walls, "" of one without; owned, NULL where none has one */
+    char unused[256];  /* columns of particles_file, if there are any */
 } dem_scene;
 
 /* Read a scene file; `changes` are further "key=value" or "group.key=value" settings, numbers, words or

@@ -1,0 +1,34 @@
+/* A scene file as a text: read once, and made a scene with one set of values of its names, or with another.
+ */
+#ifndef DEM_TEXT_H
+#define DEM_TEXT_H
+
+#include <libconfig.h>
+
+#include "dem/scene/scene.h"
+#include "core/arena.h"
+#include "params/lets.h"
+
+enum { DEM_NAME_BYTES = 32 }; /* of a wall's name, and of other names that a text gives */
+
+typedef struct {
+    const char *path; /* borrowed */
+    config_t config;
+    rp_lets lets;
+    rp_arena memory;
+} dem_text;
+
+/* Read a file and the changes of it, of which those of a let are given to the lets; its units are those of
+ * all numbers from here on. Afterwards dem_text_close, also after an error. Errors: RP_BAD_INPUT. */
+rp_status dem_text_open(const char *path, const rp_texts *changes, dem_text *text);
+void dem_text_close(dem_text *text);
+
+/* Give a let a value, of a text that is open; another reading takes it. Errors: RP_BAD_INPUT (no such let).
+ */
+rp_status dem_text_give(dem_text *text, const char *name, const rp_value *value);
+
+/* Make the scene, with the lets as given; phases, measures and regions are left to the caller. Afterwards
+ * dem_scene_free, also after an error. Errors: those of dem_scene_read. */
+rp_status dem_text_scene(dem_text *text, dem_scene *scene);
+
+#endif

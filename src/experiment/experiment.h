@@ -1,0 +1,70 @@
+/* Experiments: a scene whose file also says, in phases, what is done with it and, in measures, what is read
+ * of it; docs/scenes has the language. A plan is such a text with one set of values of its names; a run of it
+ * goes on from look to look, and gives one number for each output.
+ *
+ * Everything about a text is checked before its first step. A run depends on the plan and its random streams
+ * alone; how it is cut into parts, and kept between them, changes no bit. */
+#ifndef EXP_EXPERIMENT_H
+#define EXP_EXPERIMENT_H
+
+#include "core/snapshot.h"
+#include "dem/scene/text.h"
+
+typedef struct exp_plan exp_plan;
+typedef struct exp_run exp_run;
+
+/* A number that a run yields. */
+typedef struct {
+    const char *name, *unit, *meaning;
+} exp_output;
+
+/* What came of a run: "ok", the text's own word, or why there is no result. */
+typedef struct {
+    char status[24], message[232];
+} exp_end;
+
+/* Does a text have phases? Without them it is a scene alone. */
+bool exp_has_phases(const dem_text *text);
+
+/* Read scene, phases and measures of a text that is open, and stays so. Afterwards exp_free, also after an
+ * error. Errors: RP_BAD_INPUT with file, line, key, text, character and the nearest name; RP_NO_MEMORY. */
+rp_status exp_read(dem_text *text, exp_plan **plan);
+void exp_free(exp_plan *plan);
+
+/* Refuse a time step that a fall within the scene's fill can't take. Errors: RP_BAD_INPUT. */
+rp_status exp_check(const exp_plan *plan);
+
+const dem_scene *exp_scene(const exp_plan *plan);
+const exp_output *exp_outputs(const exp_plan *plan, size_t *n); /* ended by a NULL name */
+
+/* All that the numbers of a run depend on but its streams, as a text: scene, phases and measures with what is
+ * known folded, without names that are the text's own affair. NULL without memory; free it. */
+char *exp_key(const exp_plan *plan);
+
+/* Start a run with the random streams (seed, stream, purpose). A scene that can't be filled is a run that has
+ * ended. Afterwards exp_run_free, also after an error. Errors: RP_BAD_INPUT, RP_NO_MEMORY. */
+rp_status exp_start(const exp_plan *plan, unsigned long seed, unsigned long stream, exp_run **run);
+void exp_run_free(exp_run *run);
+
+/* Go on by `most` steps, at least one, or to the next look or the end of a phase if that comes earlier. What
+ * the run ends with is no error. Errors: RP_NO_MEMORY, RP_BROKEN. */
+rp_status exp_advance(exp_run *run, long most);
+
+bool exp_done(const exp_run *run);
+dem_sim *exp_sim(const exp_run *run); /* NULL if there never was one */
+long exp_steps(const exp_run *run);         /* so far */
+const exp_end *exp_ended(const exp_run *run);
+const double *exp_values(const exp_run *run); /* of the outputs; NAN: none */
+
+/* The phase, and how far it is: "discharge: grains = 842, until grains < 300". Returns `text`. */
+const char *exp_where(const exp_run *run, char *text, size_t size);
+
+/* Write the samples of the measures with `series`: table NAME of columns time and value. */
+size_t exp_series_count(const exp_plan *plan);
+const char *exp_series_name(const exp_plan *plan, size_t k);
+void exp_series_write(const exp_run *run, size_t k, FILE *out);
+
+/* Write the state of a run into a snapshot, or read it into one that has been started. */
+void exp_keep(rp_snapshot *s, exp_run *run);
+
+#endif

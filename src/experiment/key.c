@@ -1,0 +1,92 @@
+/* What a plan's numbers depend on, and whether its time step can work. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "experiment/private.h"
+
+static void put(FILE *out, rp_arena *arena, const char *key, const exp_expression *e)
+{
+    const char *text = e->x.text || e->x.known ? rp_expression_key(arena, &e->x) : NULL;
+    if (text)
+        fprintf(out, " %s=[%s]", key,
+                e->x.known && e->x.n == 0 ? rp_number_text(e->x.value, 6, (char[32]){0}, 32) : text);
+}
+
+static void put_phase(FILE *out, rp_arena *arena, const exp_plan *plan, const exp_phase *p)
+{
+    static const char *const ends[] = {"steps", "time", "until"};
+    if (p->left_out) return;
+    fprintf(out, "phase %s of %ld every=%ld least=%ld most=%ld on=%d mark=%d status=%s repeat=%ld", p->name,
+            p->block == SIZE_MAX ? -1L : (long)p->block, p->every, p->least, p->most, p->go_on, p->mark,
+            p->status, p->repeat);
+    if (p->opens >= 0) fprintf(out, " open=%s", plan->walls[p->opens].name);
+    put(out, arena, ends[p->ending], &p->end);
+    for (int k = 0; k < 2; k++) {
+        if (p->has_gravity) put(out, arena, "g", &p->gravity[k]);
+        if (p->turns[k]) put(out, arena, k ? "box" : "turn", &p->turn[k]);
+    }
+    for (size_t k = 0; k < p->n_fails; k++) put(out, arena, p->fails[k].word, &p->fails[k].when);
+    fputc('\n', out);
+}
+
+char *exp_key(const exp_plan *plan)
+{
+    char *text = NULL;
+    size_t size = 0;
+    RP_SCOPE(arena);
+    dem_scene scene = plan->scene;
+    scene.def.kernel = DEM_FAST;
+    scene.def.ledger = false;
+    scene.steps = 0;
+    scene.fill.seed = scene.fill.run = 0;
+    FILE *out = open_memstream(&text, &size);
+    if (!out) return NULL;
+    dem_scene_write(&scene, out);
+    fprintf(out, "rest %a %a %ld %ld\n", plan->rest.energy, plan->rest.force, plan->rest.looks,
+            plan->rest.every);
+    for (size_t k = 0; k < plan->n_regions; k++) {
+        const exp_region *r = &plan->regions[k];
+        fprintf(out, "region %s", r->name);
+        for (int c = 0; c < 3 && r->circle; c++) put(out, &arena, "circle", &r->circle_of[c]);
+        for (int c = 0; c < 2 && !r->circle; c++)
+            put(out, &arena, "x", &r->x[c]), put(out, &arena, "y", &r->y[c]);
+        fputc('\n', out);
+    }
+    for (size_t k = 0; k < plan->n_phases; k++) put_phase(out, &arena, plan, &plan->phases[k]);
+    for (size_t k = 0; k < plan->n_measures; k++) {
+        const exp_measure *m = &plan->measures[k];
+        if (m->left_out) continue;
+        fprintf(out, "measure %s in %s take=%d during=%d every=%ld skip=%a optional=%d", m->name,
+                plan->phases[m->phase].name, m->take, *m->during != '\0', m->every, m->skip, m->optional);
+        put(out, &arena, "of", &m->of);
+        put(out, &arena, "when", &m->when);
+        fputc('\n', out);
+    }
+    fprintf(out, "result %s\n", plan->result);
+    fclose(out);
+    return text;
+}
+
+rp_status exp_check(const exp_plan *plan)
+{
+    const dem_scene *s = &plan->scene;
+    dem_definition def = s->def;
+    const dem_fill *f = &s->fill;
+    dem_grain two[2];
+    const char *what;
+    if (s->has_fill) {
+        const double r = f->radius_width > 0.0 ? f->radius_min : f->radius_mean,
+                     m = dem_mass(f->shape, f->density, r);
+        two[0] = (dem_grain){.x = f->x0, .y = f->y0, .r = r, .m = m};
+        two[1] = (dem_grain){.x = f->x0, .y = f->y0 + f->H, .r = r, .m = m};
+        def.grains = two, def.n_grains = 2;
+    } else {
+        def.grains = s->grains;
+    }
+    RP_TRY(rp_prefix(dem_physics_check(&def), "%s: ", plan->text->path));
+    const double limit = dem_time_step_limit(&def, &what);
+    if (def.dt <= limit) return RP_OK;
+    return rp_fail(RP_BAD_INPUT, "%s: dt = %g: too large for %s, the limit is %.3g", plan->text->path, def.dt,
+                   what, limit);
+}

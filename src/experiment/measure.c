@@ -1,0 +1,206 @@
+/* Measures: samples of a phase, and what is made of them. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "core/arena.h"
+#include "experiment/private.h"
+#include "stats/stats.h"
+#include "table/table.h"
+
+static bool samples_in(const exp_measure *m, size_t phase)
+{
+    return !m->left_out && m->phase == phase && m->take != TAKE_VALUE;
+}
+
+/* A measure `at` an inner phase has a sample a pass, one `during` a phase at looks. */
+static bool samples_at_looks(const exp_measure *m, size_t phase)
+{
+    return samples_in(m, phase) && *m->during;
+}
+
+bool exp_measures_in(const exp_run *run, long *next)
+{
+    const exp_phase *phase = &run->plan->phases[run->at.phase];
+    bool some = false;
+    for (size_t k = 0; k < run->plan->n_measures; k++) {
+        const exp_measure *m = &run->plan->measures[k];
+        if (!samples_at_looks(m, run->at.phase)) continue;
+        const long since = run->at.phase_step - phase->least,
+                   left = since < 0 ? m->every - since : m->every - since % m->every;
+        *next = left < *next ? left : *next;
+        some = true;
+    }
+    return some;
+}
+
+static void add_sample(exp_run *run, size_t k)
+{
+    const exp_measure *m = &run->plan->measures[k];
+    exp_samples *s = &run->samples[k];
+    if (m->when.x.text && !exp_true(run, &m->when)) return;
+    const double value = exp_value(run, &m->of);
+    double *last = s->n > 0 ? &s->at[2 * (s->n - 1)] : NULL;
+    if (run->failed) return;
+    if (m->take == TAKE_FIRST || ((m->take == TAKE_MAX || m->take == TAKE_MIN) && !m->series)) {
+        /* one sample is enough */
+        if (last && (m->take == TAKE_FIRST || !(m->take == TAKE_MAX ? value > last[1] : value < last[1])))
+            return;
+        s->n = 0;
+    }
+    if (s->n == s->room) {
+        const size_t room = s->room ? 2 * s->room : 64;
+        double *more = realloc(s->at, 2 * room * sizeof *more);
+        if (!more) {
+            run->failed = rp_fail(RP_NO_MEMORY, "%s: out of memory", m->name);
+            return;
+        }
+        s->at = more, s->room = room;
+    }
+    s->at[2 * s->n] = dem_time(run->sim), s->at[2 * s->n + 1] = value;
+    s->n++;
+    /* what is known while the phase lasts */
+    if (m->take == TAKE_FIRST) run->values[m->output] = value;
+}
+
+void exp_sample(exp_run *run)
+{
+    const exp_phase *phase = &run->plan->phases[run->at.phase];
+    const long since = run->at.phase_step - phase->least;
+    for (size_t k = 0; k < run->plan->n_measures && !run->failed; k++) {
+        const exp_measure *m = &run->plan->measures[k];
+        if (samples_at_looks(m, run->at.phase) && since > 0 && since % m->every == 0) add_sample(run, k);
+    }
+}
+
+/* ---- what is made of samples ---- */
+
+/* The first sample that counts. */
+static rp_status first_of(const exp_measure *m, const exp_samples *s, const double v[], size_t *from)
+{
+    if (isinf(m->skip)) return stats_level_off(s->n, v, from);
+    *from = (size_t)ceil(m->skip * (double)s->n);
+    return RP_OK;
+}
+
+enum { BLOCKS = 10 };
+
+/* Change over time, and its standard error from ten blocks. */
+static void rate(const exp_samples *s, size_t from, double out[])
+{
+    const double *at = &s->at[2 * from];
+    const size_t last = s->n - 1 - from;
+    double rates[BLOCKS], mean = 0.0, sum = 0.0;
+    out[0] = (at[2 * last + 1] - at[1]) / (at[2 * last] - at[0]);
+    if (last < 2 * BLOCKS) return;
+    for (size_t b = 0; b < BLOCKS; b++) {
+        const double *lo = &at[2 * (last * b / BLOCKS)], *hi = &at[2 * (last * (b + 1) / BLOCKS)];
+        mean += rates[b] = (hi[1] - lo[1]) / (hi[0] - lo[0]);
+    }
+    mean /= BLOCKS;
+    for (size_t b = 0; b < BLOCKS; b++) sum += (rates[b] - mean) * (rates[b] - mean);
+    out[1] = sqrt(sum / (BLOCKS - 1) / BLOCKS);
+}
+
+/* The outputs of a measure, in the order of its columns. */
+static rp_status reduce(const exp_measure *m, const exp_samples *s, double out[])
+{
+    RP_SCOPE(arena);
+    double *v, *work;
+    size_t from;
+    stats_series series = {0};
+    if (s->n == 0) return rp_fail(RP_NO_RESULT, "no samples");
+    RP_NEW(&arena, v, s->n);
+    RP_NEW(&arena, work, s->n);
+    for (size_t i = 0; i < s->n; i++)
+        if (!isfinite(v[i] = s->at[2 * i + 1])) return rp_fail(RP_NO_RESULT, "a sample is %g", v[i]);
+    RP_TRY(first_of(m, s, v, &from));
+    if (m->take == TAKE_RATE && s->n - from < 2) return rp_fail(RP_NO_RESULT, "fewer than two samples");
+    out[0] = v[from];
+    for (size_t i = from; i < s->n; i++)
+        if (m->take == TAKE_MAX ? v[i] > out[0] : m->take == TAKE_MIN && v[i] < out[0]) out[0] = v[i];
+    if (m->take == TAKE_RATE) rate(s, from, out);
+    if (m->take != TAKE_MEAN) return RP_OK;
+    out[0] = 0.0;
+    for (size_t i = from; i < s->n; i++) out[0] += v[i] / (double)(s->n - from);
+    if (stats_blocking(s->n - from, v + from, work, &series)) return RP_OK; /* a mean without an error */
+    out[0] = series.mean, out[1] = series.sd, out[2] = series.se;
+    out[3] = (double)series.n / fmax(2.0 * series.tau, 1.0);
+    return RP_OK;
+}
+
+/* The names in an expression, with their values. */
+static void blame(exp_run *run, const exp_measure *m)
+{
+    RP_SCOPE(arena);
+    const rp_x_values values = {run, exp_observe};
+    const char *names = rp_expression_operands(&arena, &m->of.x, &values);
+    exp_conclude(run, "nan", "%s = \"%s\" is %g; %s", m->name, m->of.x.text, run->values[m->output],
+                 names ? names : "");
+}
+
+static void measure(exp_run *run, size_t k)
+{
+    const exp_measure *m = &run->plan->measures[k];
+    double *out = &run->values[m->output];
+    if (m->take != TAKE_VALUE) {
+        const rp_status status = reduce(m, &run->samples[k], out);
+        if (status && status != RP_NO_RESULT)
+            run->failed = status;
+        else if (status && !m->optional)
+            exp_conclude(run, "no_samples", "%s: %s", m->name, rp_message());
+        return;
+    }
+    out[0] = exp_value(run, &m->of);
+    if (!isfinite(out[0]) && !m->optional && !run->failed) blame(run, m);
+    if (!isfinite(out[0])) out[0] = NAN;
+}
+
+void exp_measure_phase(exp_run *run, size_t phase)
+{
+    const exp_plan *plan = run->plan;
+    const exp_phase *p = &plan->phases[phase];
+    const bool passes = p->block != SIZE_MAX;
+    for (size_t k = 0; k < plan->n_measures && !run->failed && !run->at.done; k++) {
+        const exp_measure *m = &plan->measures[k];
+        if (m->left_out || m->phase != phase) continue;
+        if (m->take == TAKE_VALUE || !passes)
+            measure(run, k);
+        else if (!*m->during)
+            add_sample(run, k);
+    }
+    /* a block has ended: of its phases' samples */
+    for (size_t i = phase + 1; i <= phase + p->n_inner; i++)
+        for (size_t k = 0; k < plan->n_measures && !run->failed && !run->at.done; k++)
+            if (samples_in(&plan->measures[k], i)) measure(run, k);
+}
+
+/* ---- series ---- */
+
+static size_t nth_series(const exp_plan *plan, size_t k)
+{
+    size_t m = 0;
+    for (; m < plan->n_measures; m++)
+        if (plan->measures[m].series && k-- == 0) break;
+    return m;
+}
+
+size_t exp_series_count(const exp_plan *plan)
+{
+    size_t n = 0;
+    for (size_t m = 0; m < plan->n_measures; m++) n += plan->measures[m].series;
+    return n;
+}
+
+const char *exp_series_name(const exp_plan *plan, size_t k)
+{
+    return plan->measures[nth_series(plan, k)].name;
+}
+
+void exp_series_write(const exp_run *run, size_t k, FILE *out)
+{
+    const exp_samples *s = &run->samples[nth_series(run->plan, k)];
+    const exp_measure *m = &run->plan->measures[nth_series(run->plan, k)];
+    rp_table_columns(out, 2, (const char *const[][2]){{"time", "s"}, {m->name, m->unit}});
+    for (size_t i = 0; i < s->n; i++) rp_table_row(out, 2, &s->at[2 * i]);
+}

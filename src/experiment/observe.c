@@ -1,0 +1,462 @@
+/* Observables: what expressions may ask of a simulation. What a text does not name is not computed. */
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "experiment/private.h"
+
+const dem_state *exp_states(exp_run *run)
+{
+    if (run->fresh || run->failed) return run->failed ? NULL : run->states;
+    const size_t n = dem_count(run->sim);
+    void *more = realloc(run->states, (n + 1) * sizeof *run->states);
+    if (!more) {
+        run->failed = rp_fail(RP_NO_MEMORY, "grains: out of memory");
+        return NULL;
+    }
+    run->states = more;
+    run->failed = dem_states(run->sim, run->states);
+    run->n_states = n;
+    run->fresh = !run->failed;
+    return run->failed ? NULL : run->states;
+}
+
+/* ---- regions ---- */
+
+/* A region as it is at this look. */
+typedef struct {
+    bool all, circle;
+    double at[4]; /* x, y from and to; or centre, radius */
+} area;
+
+static area area_now(exp_run *run, const exp_scope *scope)
+{
+    area a = {.all = scope->kind != EXP_REGION};
+    if (a.all) return a;
+    const exp_region *r = &run->plan->regions[scope->index];
+    a.circle = r->circle;
+    const exp_expression *const box[4] = {&r->x[0], &r->x[1], &r->y[0], &r->y[1]};
+    for (int k = 0; k < (r->circle ? 3 : 4); k++)
+        a.at[k] = exp_value(run, r->circle ? &r->circle_of[k] : box[k]);
+    return a;
+}
+
+static bool inside(const void *region, double x, double y)
+{
+    const area *a = region;
+    if (a->all) return true;
+    if (!a->circle) return x > a->at[0] && x < a->at[1] && y > a->at[2] && y < a->at[3];
+    const double dx = x - a->at[0], dy = y - a->at[1];
+    return dx * dx + dy * dy < a->at[2] * a->at[2];
+}
+
+/* The grains that an observable is of, one after the other: those that move, in its region. */
+typedef struct {
+    exp_run *run;
+    const dem_state *all;
+    size_t n, i;
+    area in;
+    dem_state s; /* its centre in the box's frame */
+} walk;
+
+static walk walk_over(exp_run *run, const exp_use *use)
+{
+    walk w = {.run = run, .in = area_now(run, &use->scope)};
+    w.all = exp_states(run);
+    w.n = w.all ? run->n_states : 0;
+    return w;
+}
+
+static bool next(walk *w)
+{
+    while (w->i < w->n) {
+        w->s = w->all[w->i++];
+        dem_box_frame(w->run->sim, &w->s.x, &w->s.y);
+        if (!w->s.fixed && inside(&w->in, w->s.x, w->s.y)) return true;
+    }
+    return false;
+}
+
+#define EACH(w) for (walk w = walk_over(run, use); next(&w);)
+#define OBSERVABLE(name)                                                                                     \
+    static double name(exp_run *run, const exp_use *use, const double args[]) /* NOLINT */
+#define NO_ARGS (void)use, (void)args
+
+/* ---- of the run ---- */
+
+OBSERVABLE(run_time)
+{
+    return NO_ARGS, dem_time(run->sim);
+}
+OBSERVABLE(run_t)
+{
+    return NO_ARGS, dem_time(run->sim) - run->at.begun;
+}
+OBSERVABLE(run_step)
+{
+    return NO_ARGS, (double)run->at.steps;
+}
+OBSERVABLE(run_phase_step)
+{
+    return NO_ARGS, (double)run->at.phase_step;
+}
+OBSERVABLE(run_pass)
+{
+    return NO_ARGS, (double)run->at.pass;
+}
+OBSERVABLE(run_tilt)
+{
+    return NO_ARGS, run->at.tilt;
+}
+OBSERVABLE(run_marked)
+{
+    return NO_ARGS, (double)run->at.marked;
+}
+
+OBSERVABLE(run_out)
+{
+    return NO_ARGS, (double)run->at.grains0 - (double)dem_count(run->sim);
+}
+
+OBSERVABLE(run_out_mass)
+{
+    double mass = 0.0;
+    NO_ARGS;
+    const dem_state *s = exp_states(run);
+    for (size_t i = 0; s && i < run->n_states; i++) mass += s[i].m;
+    return run->at.mass0 - mass;
+}
+
+/* ---- of grains ---- */
+
+OBSERVABLE(grains)
+{
+    double n = 0.0;
+    (void)args;
+    EACH(w) n++;
+    return n;
+}
+
+OBSERVABLE(mass)
+{
+    double sum = 0.0;
+    (void)args;
+    EACH(w) sum += w.s.m;
+    return sum;
+}
+
+static double kinetic_of(const exp_run *run, const dem_state *s)
+{
+    return 0.5 * s->m * (s->vx * s->vx + s->vy * s->vy) +
+           0.5 * dem_inertia(run->plan->scene.def.shape, s->m, s->r) * s->omega * s->omega;
+}
+
+OBSERVABLE(kinetic)
+{
+    double sum = 0.0;
+    (void)args;
+    EACH(w) sum += kinetic_of(run, &w.s);
+    return sum;
+}
+
+OBSERVABLE(energy)
+{
+    dem_rest rest = {0};
+    const area in = area_now(run, &use->scope);
+    (void)args;
+    if (!run->failed) run->failed = dem_rest_in(run->sim, inside, &in, &rest);
+    return rest.kinetic_energy;
+}
+
+OBSERVABLE(force)
+{
+    dem_rest rest = {0};
+    const area in = area_now(run, &use->scope);
+    (void)args;
+    if (!run->failed) run->failed = dem_rest_in(run->sim, inside, &in, &rest);
+    return rest.net_force;
+}
+
+OBSERVABLE(contacts)
+{
+    dem_rest rest = {0};
+    const area in = area_now(run, &use->scope);
+    (void)args;
+    if (!run->failed) run->failed = dem_rest_in(run->sim, inside, &in, &rest);
+    return rest.n ? rest.contact_number : NAN;
+}
+
+OBSERVABLE(elastic)
+{
+    dem_energy e;
+    NO_ARGS;
+    dem_energies(run->sim, &e);
+    return e.elastic;
+}
+
+OBSERVABLE(speed)
+{
+    double most = 0.0;
+    (void)args;
+    EACH(w) most = fmax(most, w.s.vx * w.s.vx + w.s.vy * w.s.vy);
+    return sqrt(most);
+}
+
+OBSERVABLE(spin)
+{
+    double most = 0.0;
+    (void)args;
+    EACH(w) most = fmax(most, fabs(w.s.omega) * w.s.r);
+    return most;
+}
+
+OBSERVABLE(imbalance)
+{
+    double most = 0.0;
+    (void)args;
+    EACH(w)
+    {
+        const double weight = w.s.m * run->plan->g, f = sqrt(w.s.fx * w.s.fx + w.s.fy * w.s.fy);
+        if (w.s.contacts > 0) most = fmax(most, fmax(f / weight, fabs(w.s.torque) / (weight * w.s.r)));
+    }
+    return most;
+}
+
+/* Means by mass of x, y, vx, vy. */
+static double mean_of(exp_run *run, const exp_use *use, size_t offset)
+{
+    double sum = 0.0, weight = 0.0;
+    EACH(w) sum += w.s.m * *(const double *)((const char *)&w.s + offset), weight += w.s.m;
+    return sum / weight;
+}
+OBSERVABLE(mean_x)
+{
+    return (void)args, mean_of(run, use, offsetof(dem_state, x));
+}
+OBSERVABLE(mean_y)
+{
+    return (void)args, mean_of(run, use, offsetof(dem_state, y));
+}
+OBSERVABLE(mean_vx)
+{
+    return (void)args, mean_of(run, use, offsetof(dem_state, vx));
+}
+OBSERVABLE(mean_vy)
+{
+    return (void)args, mean_of(run, use, offsetof(dem_state, vy));
+}
+
+/* The outermost point to one side; without grains 0. */
+static double outermost(exp_run *run, const exp_use *use, double x, double y)
+{
+    double most = -INFINITY;
+    EACH(w) most = fmax(most, x * w.s.x + y * w.s.y + w.s.r);
+    return isinf(most) ? 0.0 : most;
+}
+OBSERVABLE(height)
+{
+    return (void)args, outermost(run, use, 0.0, 1.0);
+}
+OBSERVABLE(left)
+{
+    return (void)args, -outermost(run, use, -1.0, 0.0);
+}
+OBSERVABLE(right)
+{
+    return (void)args, outermost(run, use, 1.0, 0.0);
+}
+
+void exp_mark(exp_run *run)
+{
+    const dem_state *s = exp_states(run);
+    run->at.marked = 0;
+    for (size_t k = 0; k < 2 * run->n_ids; k++) run->marks[k] = NAN;
+    for (size_t i = 0; s && i < run->n_states; i++) {
+        double x = s[i].x, y = s[i].y;
+        if (s[i].fixed) continue;
+        dem_box_frame(run->sim, &x, &y);
+        run->marks[2 * (s[i].id - 1)] = x, run->marks[2 * (s[i].id - 1) + 1] = y;
+        run->at.marked++;
+    }
+}
+
+/* How many of the marked of the region are farther than args[0] from their mark and have args[1] contacts or
+ * more; those that are gone included. */
+OBSERVABLE(moved)
+{
+    const area in = area_now(run, &use->scope);
+    const dem_state *s = exp_states(run);
+    size_t n = 0, there = 0, marked = 0;
+    for (size_t k = 0; k < run->n_ids; k++) {
+        const double *mark = &run->marks[2 * k];
+        marked += !isnan(mark[0]) && inside(&in, mark[0], mark[1]);
+    }
+    for (size_t i = 0; s && i < run->n_states; i++) {
+        const double *mark = &run->marks[2 * (s[i].id - 1)];
+        double x = s[i].x, y = s[i].y;
+        if (isnan(mark[0]) || !inside(&in, mark[0], mark[1])) continue;
+        there++;
+        dem_box_frame(run->sim, &x, &y);
+        const double dx = x - mark[0], dy = y - mark[1];
+        n += dx * dx + dy * dy > args[0] * args[0] && (use->n_args < 2 || s[i].contacts >= args[1]);
+    }
+    return (double)(n + marked - there);
+}
+
+/* Columns of width about d, between the ends of a region or of the grains, that hold a centre. */
+OBSERVABLE(cells)
+{
+    (void)args;
+    area in = area_now(run, &use->scope);
+    double lo = INFINITY, hi = -INFINITY, n = 0.0;
+    EACH(w) lo = fmin(lo, w.s.x), hi = fmax(hi, w.s.x);
+    if (!(hi >= lo)) return 0.0;
+    if (!in.all && !in.circle && isfinite(in.at[0]) && isfinite(in.at[1])) lo = in.at[0], hi = in.at[1];
+    const double width = fmax(hi - lo, DBL_MIN), columns = fmin(fmax(round(width / run->plan->d), 1.0), 1e7);
+    bool *held = calloc((size_t)columns + 1, sizeof *held);
+    if (!held) run->failed = rp_fail(RP_NO_MEMORY, "cells: out of memory");
+    EACH(w)
+    {
+        if (!held || w.s.x < lo || w.s.x > hi) continue;
+        bool *cell = &held[(size_t)fmin((w.s.x - lo) / width * columns, columns - 1.0)];
+        n += !*cell, *cell = true;
+    }
+    free(held);
+    return n;
+}
+
+/* Area of the grains by centre over the region's own. */
+OBSERVABLE(fraction)
+{
+    const area in = area_now(run, &use->scope);
+    double sum = 0.0;
+    (void)args;
+    EACH(w) sum += M_PI * w.s.r * w.s.r;
+    return sum / (in.circle ? M_PI * in.at[2] * in.at[2] : (in.at[1] - in.at[0]) * (in.at[3] - in.at[2]));
+}
+
+/* Mean normal force of the contacts: what forces are compared with where nothing has a weight. */
+static double mean_force(exp_run *run)
+{
+    dem_contact *c = NULL;
+    size_t n = 0;
+    double sum = 0.0;
+    if (!run->failed) run->failed = dem_contacts(run->sim, &c, &n);
+    for (size_t i = 0; i < n; i++) sum += c[i].normal_force;
+    free(c);
+    return n > 0 ? sum / (double)n : 0.0;
+}
+
+/* Looks in a row that found the grains at rest, some steps apart whatever the phase's own looks. */
+OBSERVABLE(rest)
+{
+    enum { PASSED, LAST, LOOKED };
+    const exp_plan *p = run->plan;
+    double *c = &run->counters[use->state];
+    (void)args;
+    if (c[LOOKED] != 0.0 && (double)run->at.phase_step - c[LAST] < (double)p->rest.every)
+        return c[PASSED] >= (double)p->rest.looks;
+    const area in = area_now(run, &use->scope);
+    const double f0 = p->g > 0.0 ? p->m * p->g : mean_force(run);
+    dem_rest now = {0};
+    if (!run->failed) run->failed = dem_rest_in(run->sim, inside, &in, &now);
+    const bool quiet = f0 > 0.0 && dem_at_rest(&now, p->rest.energy * f0 * p->d, p->rest.force * f0, false);
+    c[PASSED] = quiet ? c[PASSED] + 1.0 : 0.0;
+    c[LAST] = (double)run->at.phase_step, c[LOOKED] = 1.0;
+    return c[PASSED] >= (double)p->rest.looks;
+}
+
+/* ---- of walls ---- */
+
+static dem_wall_state wall_now(const exp_run *run, const exp_use *use, size_t k)
+{
+    return dem_wall_now(run->sim, run->plan->walls[use->scope.index].walls[k]);
+}
+
+OBSERVABLE(wall_x)
+{
+    return (void)args, wall_now(run, use, 0).point[0];
+}
+OBSERVABLE(wall_y)
+{
+    return (void)args, wall_now(run, use, 0).point[1];
+}
+
+static double wall_force(exp_run *run, const exp_use *use, int component)
+{
+    double sum = 0.0;
+    for (size_t k = 0; k < run->plan->walls[use->scope.index].n; k++)
+        sum += wall_now(run, use, k).force[component];
+    return sum;
+}
+OBSERVABLE(wall_fx)
+{
+    return (void)args, wall_force(run, use, 0);
+}
+OBSERVABLE(wall_fy)
+{
+    return (void)args, wall_force(run, use, 1);
+}
+
+#define ALL_GRAINS (OF_GRAINS | OF_REGION)
+/* clang-format off */
+const exp_observable exp_observables[] = {
+    {"time", OF_RUN, 0, 0, RP_X_NUMBER, "s", "time since the start", run_time},
+    {"t", OF_RUN, 0, 0, RP_X_NUMBER, "s", "time since the phase began", run_t},
+    {"step", OF_RUN, 0, 0, RP_X_NUMBER, "", "steps since the start", run_step},
+    {"phase_step", OF_RUN, 0, 0, RP_X_NUMBER, "", "steps since the phase began", run_phase_step},
+    {"pass", OF_RUN, 0, 0, RP_X_NUMBER, "", "number of the block's pass, from 1", run_pass},
+    {"tilt_deg", OF_RUN, 0, 0, RP_X_NUMBER, "degree", "turn of gravity against the box so far; positive lowers +x", run_tilt},
+    {"out", OF_RUN, 0, 0, RP_X_NUMBER, "", "grains taken out so far", run_out},
+    {"out_mass", OF_RUN, 0, 0, RP_X_NUMBER, "g", "their mass", run_out_mass},
+    {"marked", OF_RUN, 0, 0, RP_X_NUMBER, "", "grains whose position is marked", run_marked},
+    {"elastic", OF_RUN, 0, 0, RP_X_NUMBER, "erg", "elastic energy of all contacts", elastic},
+    {"grains", ALL_GRAINS, 0, 0, RP_X_NUMBER, "", "number of grains", grains},
+    {"mass", ALL_GRAINS, 0, 0, RP_X_NUMBER, "g", "their mass", mass},
+    {"energy", ALL_GRAINS, 0, 0, RP_X_NUMBER, "erg", "mean kinetic energy of a grain, of translation and spin", energy},
+    {"kinetic", ALL_GRAINS, 0, 0, RP_X_NUMBER, "erg", "sum of the kinetic energies", kinetic},
+    {"speed", ALL_GRAINS, 0, 0, RP_X_NUMBER, "cm/s", "largest speed of a centre", speed},
+    {"spin", ALL_GRAINS, 0, 0, RP_X_NUMBER, "cm/s", "largest speed at a rim by spin", spin},
+    {"force", ALL_GRAINS, 0, 0, RP_X_NUMBER, "dyn", "largest net force on a grain with a contact", force},
+    {"imbalance", ALL_GRAINS, 0, 0, RP_X_NUMBER, "", "largest net force over weight, or torque over weight times radius", imbalance},
+    {"contacts", ALL_GRAINS, 0, 0, RP_X_NUMBER, "", "mean contacts of a grain", contacts},
+    {"x", ALL_GRAINS, 0, 0, RP_X_NUMBER, "cm", "centre of mass", mean_x},
+    {"y", ALL_GRAINS, 0, 0, RP_X_NUMBER, "cm", "centre of mass", mean_y},
+    {"vx", ALL_GRAINS, 0, 0, RP_X_NUMBER, "cm/s", "its velocity", mean_vx},
+    {"vy", ALL_GRAINS, 0, 0, RP_X_NUMBER, "cm/s", "its velocity", mean_vy},
+    {"height", ALL_GRAINS, 0, 0, RP_X_NUMBER, "cm", "highest point of a grain, 0 without grains", height},
+    {"left", ALL_GRAINS, 0, 0, RP_X_NUMBER, "cm", "leftmost point", left},
+    {"right", ALL_GRAINS, 0, 0, RP_X_NUMBER, "cm", "rightmost point", right},
+    {"moved", ALL_GRAINS, 1, 2, RP_X_NUMBER, "", "moved(s, k): marked grains farther than s from their mark, with k contacts or more", moved},
+    {"cells", ALL_GRAINS, 0, 0, RP_X_NUMBER, "", "columns of about d that hold a grain", cells},
+    {"rest", ALL_GRAINS, 0, 0, RP_X_TRUTH, "", "whether the grains are at rest, by several looks in a row", rest},
+    {"fraction", OF_REGION, 0, 0, RP_X_NUMBER, "", "area of the grains over that of the region", fraction},
+    {"x", OF_WALL, 0, 0, RP_X_NUMBER, "cm", "the wall's point", wall_x},
+    {"y", OF_WALL, 0, 0, RP_X_NUMBER, "cm", "the wall's point", wall_y},
+    {"fx", OF_WALL, 0, 0, RP_X_NUMBER, "dyn", "force of the grains on it", wall_fx},
+    {"fy", OF_WALL, 0, 0, RP_X_NUMBER, "dyn", "force of the grains on it", wall_fy},
+    {0}};
+/* clang-format on */
+
+/* ---- expressions ---- */
+
+double exp_observe(void *host, int id, const double args[])
+{
+    exp_run *run = host;
+    if (id >= EXP_ID_MEASURE) return run->values[id - EXP_ID_MEASURE];
+    const exp_use *use = &run->plan->uses[id];
+    return run->failed ? NAN : use->of->value(run, use, args);
+}
+
+double exp_value(exp_run *run, const exp_expression *e)
+{
+    if (e->x.known) return e->x.value;
+    const rp_x_values values = {run, exp_observe};
+    return rp_expression_value(&e->x, &values, &run->counters[e->state]);
+}
+
+bool exp_true(exp_run *run, const exp_expression *e)
+{
+    return exp_value(run, e) == 1.0;
+}
