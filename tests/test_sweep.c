@@ -22,7 +22,7 @@
 #include "dem/scene/scene.h"
 #include "sweeps/engine/keep.h"
 #include "sweeps/engine/private.h"
-#include "sweeps/protocols/physics.h"
+#include "sweeps/engine/physics.h"
 #include "sweeps/protocols/protocols.h"
 #include "tests/check.h"
 #include "tests/folder.h"
@@ -1184,10 +1184,11 @@ static void test_bad_folders(void)
     CHECK_FAILS(sweep_prepare(file, below, 0, toys, NULL, &c), RP_IO, "cannot make the directory");
     CHECK_OK(prepare(NULL));
     CHECK_FAILS(run(0, NULL), RP_BAD_INPUT, "workers = 0");
-    const sweep_protocol *protocol;
+    const sweep_output *outputs;
     sweep_result result;
     const sweep_tables tables = {base, 1, NULL};
-    CHECK_FAILS(sweep_trace(file, toys, 40, &tables, &protocol, &result), RP_BAD_INPUT, "allowed: [0, 39]");
+    RP_SCOPE(arena);
+    CHECK_FAILS(sweep_trace(file, toys, 40, &tables, &arena, &outputs, &result), RP_BAD_INPUT, "allowed: [0, 39]");
     unlink(store);
     CHECK_FAILS(run(1, NULL), RP_IO, "store.sqlite: cannot open the store");
     mkdir(store, 0777);

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "params/config.h"
+#include "params/units.h"
 
 static const char *const constants[RP_LET_CONSTANTS] = {"d", "m", "g", "dt"};
 
@@ -119,6 +120,9 @@ static rp_status read_group(const config_setting_t *setting, rp_let *let, const 
             }
         if (!known) return rp_fail(RP_BAD_INPUT, "unknown key %s; allowed: value unit range meaning", name);
     }
+    if (strcmp(rp_unit(let->unit), let->unit) != 0)
+        return rp_fail(RP_BAD_INPUT, "unit = %s: the text's units are %s; %s", let->unit, rp_units_word(),
+                       rp_unit(let->unit));
     return RP_OK;
 }
 
@@ -137,6 +141,7 @@ static rp_status read_let(const config_setting_t *root, const config_setting_t *
     for (size_t k = 0; k < lets->n_given; k++)
         if (strcmp(lets->given[k].name, let.name) == 0) is = lets->given[k].value;
     RP_TRY(read_value(root, &is, &let.is));
+    let.computed = is.kind == RP_V_TEXT && !(let.is.type == RP_X_WORD && strcmp(let.is.word, is.s) == 0);
     if (*let.range && let.is.type == RP_X_NUMBER) {
         const rp_param param = {let.name, let.unit, RP_REAL, 0, NULL, let.range, let.meaning};
         double checked; /* units are the text's own */

@@ -11,6 +11,7 @@
 typedef struct {
     const char *name, *unit, *range, *meaning; /* "" where nothing is said */
     rp_x_symbol is;
+    bool computed; /* by an expression of others */
 } rp_let;
 
 /* Constants of the text besides pi, deg and inf: diameter and mass of the mean grain, |gravity|, the time

@@ -69,8 +69,12 @@ static void keep_file(rp_snapshot *s, FILE *file)
     free(text);
 }
 
-static void keep_one(rp_snapshot *s, void *data, size_t size)
+static void keep_one(rp_snapshot *s, void *data, size_t size, void (*by)(rp_snapshot *, void *))
 {
+    if (by) {
+        by(s, data);
+        return;
+    }
     if (size == SIZE_MAX) {
         keep_file(s, data);
         return;
@@ -85,17 +89,27 @@ static void keep_one(rp_snapshot *s, void *data, size_t size)
     if (there && !s->status) dem_keep(s, sim);
 }
 
-bool sweep_keep_enter(sweep_keep *k, void *data, size_t size)
+static bool enter(sweep_keep *k, void *data, size_t size, void (*by)(rp_snapshot *, void *))
 {
     if (!k) return true;
     const bool restore = sweep_keep_resumes(k);
-    if (restore) keep_one(&k->source, data, size);
+    if (restore) keep_one(&k->source, data, size, by);
     if (k->n < SWEEP_KEEP_MOST)
-        k->entered[k->n].data = data, k->entered[k->n].size = size;
+        k->entered[k->n].data = data, k->entered[k->n].size = size, k->entered[k->n].by = by;
     else
         k->source.status = rp_fail(RP_BROKEN, "more than %d kept variables", SWEEP_KEEP_MOST);
     k->n++;
     return !restore;
+}
+
+bool sweep_keep_enter(sweep_keep *k, void *data, size_t size)
+{
+    return enter(k, data, size, NULL);
+}
+
+bool sweep_keep_enter_by(sweep_keep *k, void (*by)(rp_snapshot *, void *), void *data)
+{
+    return enter(k, data, 0, by);
 }
 
 bool sweep_keep_enter_sim(sweep_keep *k, dem_sim **sim)
@@ -126,7 +140,7 @@ rp_status sweep_keep_look(sweep_keep *k)
     k->skipped = 0, k->looked = now;
     if (!stops && now < k->next) return RP_OK;
     rp_snapshot s = {0};
-    for (size_t i = 0; i < k->n; i++) keep_one(&s, k->entered[i].data, k->entered[i].size);
+    for (size_t i = 0; i < k->n; i++) keep_one(&s, k->entered[i].data, k->entered[i].size, k->entered[i].by);
     rp_status status = rp_snapshot_write(&s, k->path, k->key, layout());
     rp_snapshot_free(&s);
     k->next = rp_cpu_clock() + k->interval;

@@ -24,7 +24,8 @@ typedef struct sweep_keep {
     size_t n;
     struct {
         void *data;
-        size_t size; /* 0: a dem_sim *; SIZE_MAX: a FILE */
+        size_t size;                           /* 0: a dem_sim *; SIZE_MAX: a FILE */
+        void (*by)(rp_snapshot *, void *data); /* instead of all that */
     } entered[SWEEP_KEEP_MOST];
 } sweep_keep;
 
@@ -51,6 +52,9 @@ bool sweep_keep_enter_sim(sweep_keep *k, dem_sim **sim);
 
 /* Enter a table in the making, of rp_file_open: its text so far is that of the snapshot. */
 bool sweep_keep_enter_file(sweep_keep *k, FILE *file);
+
+/* Enter what a function writes and reads. */
+bool sweep_keep_enter_by(sweep_keep *k, void (*by)(rp_snapshot *s, void *data), void *data);
 void sweep_keep_leave(sweep_keep *k, size_t n);
 #define SWEEP_ENTER(k, variable) sweep_keep_enter(k, &(variable), sizeof(variable))
 

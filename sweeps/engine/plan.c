@@ -18,12 +18,19 @@ typedef struct {
     long replicas, study, seed;
     bool zip;
     int piles, units;
+    const char *experiment;
 } head;
+
+/* Of what a sweep's file has runs: a protocol, or an experiment. */
+static bool sweep_names_runs(const config_setting_t *root)
+{
+    return config_setting_get_member(root, "protocol") || config_setting_get_member(root, "experiment");
+}
 
 static rp_status refuse_scene(const char *file, const config_setting_t *root)
 {
     static const char *const keys[] = {"particles", "particles_file", "fill", "walls"};
-    for (size_t i = 0; i < sizeof keys / sizeof *keys && !config_setting_get_member(root, "protocol"); i++)
+    for (size_t i = 0; i < sizeof keys / sizeof *keys && !sweep_names_runs(root); i++)
         if (config_setting_get_member(root, keys[i]))
             return rp_fail(RP_BAD_INPUT, "%s: a scene (it has %s), no sweep; repose run %s simulates it",
                            file, keys[i], file);
@@ -39,7 +46,10 @@ static rp_status read_head(const char *file, const config_setting_t *root,
     for (const sweep_protocol *const *p = protocols; *p && used < sizeof names; p++)
         used += (size_t)snprintf(names + used, sizeof names - used, "%s%s", used ? " | " : "", (*p)->name);
     const rp_param schema[] = {
-        {"protocol", "", RP_CHOICE, offsetof(head, protocol), NULL, names, "kind of experiment"},
+        {"protocol", "", RP_CHOICE, offsetof(head, protocol), protocols[0]->name, names,
+         "kind of experiment"},
+        {"experiment", "", RP_TEXT, offsetof(head, experiment), "", "",
+         "file of a scene with phases and measures, instead of a protocol; beside this file"},
         {"replicas", "", RP_INT, offsetof(head, replicas), "20", "[1, 1000000]", "runs of each grid point"},
         {"study", "", RP_INT, offsetof(head, study), "auto", "[1, 1000000] | auto",
          "runs of each grid point for `repose sweep make --study`; auto: replicas"},
@@ -51,12 +61,19 @@ static rp_status read_head(const char *file, const config_setting_t *root,
          "of the numbers here and of the tables; defaults are converted"},
         {0}};
     RP_TRY(refuse_scene(file, root));
-    if (!config_setting_get_member(root, "protocol")) /* the root has no line to point at */
-        return rp_fail(RP_BAD_INPUT, "%s: protocol: missing (kind of experiment), allowed: %s", file, names);
+    if (!sweep_names_runs(root)) /* the root has no line to point at */
+        return rp_fail(RP_BAD_INPUT, "%s: protocol or experiment: missing (kind of experiment), allowed: %s",
+                       file, names);
     rp_params_defaults(schema, h);
     rp_status status = rp_config_group(
-        root, schema, h, (const char *const[]){"fixed", "grid", "derive", "trace", "model", NULL});
+        root, schema, h, (const char *const[]){"fixed", "grid", "derive", "trace", "model", "set", NULL});
     rp_units_set((rp_units)h->units);
+    const char *other = *h->experiment ? "protocol" : "set";
+    const config_setting_t *extra = config_setting_get_member(root, other);
+    if (!status && !extra && *h->experiment) other = "units", extra = config_setting_get_member(root, other);
+    if (!status && extra)
+        return rp_config_fail(
+            extra, *h->experiment ? "%s: the experiment's text has it" : "%s: changes an experiment", other);
     return status;
 }
 
@@ -74,19 +91,59 @@ static rp_status refuse_includes(const char *file, const char *text)
     return RP_OK;
 }
 
+static int length(const config_setting_t *group)
+{
+    return group ? config_setting_length(group) : 0;
+}
+
+/* The setting's text among the bytes of its file, in quotes, gives way to another. */
+static rp_status rename_text(const config_setting_t *setting, const char *to, char **text)
+{
+    char quoted[4096], *at = *text, *made = NULL;
+    const char *from = config_setting_get_string(setting);
+    for (unsigned line = 1; line < config_setting_source_line(setting) && (at = strchr(at, '\n')); line++)
+        at++;
+    snprintf(quoted, sizeof quoted, "\"%.4000s\"", from);
+    at = at ? strstr(at, quoted) : NULL;
+    if (!at) return rp_config_fail(setting, "experiment: a name in quotes, without \\, on one line expected");
+    if (asprintf(&made, "%.*s\"%s\"%s", (int)(at - *text), *text, to, at + strlen(quoted)) < 0)
+        return rp_fail(RP_NO_MEMORY, "experiment: out of memory");
+    free(*text);
+    *text = made;
+    return RP_OK;
+}
+
+/* Open the experiment's file, beside the sweep's. */
+static rp_status open_experiment(const char *file, const char *name, sweep_plan *plan)
+{
+    RP_SCOPE(arena);
+    rp_texts changes = {0};
+    const char *path, *slash = strrchr(file, '/');
+    const config_setting_t *set = config_lookup(&plan->config, "set");
+    if (set && !config_setting_is_list(set) && !config_setting_is_array(set))
+        return rp_config_fail(set, "set: a list [ \"key=value\" ] expected");
+    for (int i = 0; i < length(set); i++) {
+        const char *text = config_setting_get_string_elem(set, i);
+        if (!text || changes.n == sizeof changes.items / sizeof *changes.items)
+            return rp_config_fail(set, "set: up to %zu texts \"key=value\" expected",
+                                  sizeof changes.items / sizeof *changes.items);
+        changes.items[changes.n++] = text;
+    }
+    RP_TRY(rp_path(&arena, &path, "%.*s%s", slash && *name != '/' ? (int)(slash - file) + 1 : 0, file, name));
+    rp_status status = sweep_experiment_open(path, &changes, &plan->experiment);
+    if (status) return rp_prefix(status, "%s: experiment: ", file);
+    plan->protocol = sweep_experiment_protocol(plan->experiment);
+    return rename_text(config_lookup(&plan->config, "experiment"), "experiment.cfg", &plan->text);
+}
+
 static rp_status find_param(const sweep_protocol *protocol, const config_setting_t *setting,
                             const rp_param **param)
 {
     *param = rp_params_find(protocol->schema, config_setting_name(setting));
     if (*param) return RP_OK;
     char more[64];
-    snprintf(more, sizeof more, "; see repose params %s", protocol->name);
+    snprintf(more, sizeof more, protocol->context ? "" : "; see repose params %s", protocol->name);
     return rp_config_unknown(setting, protocol->schema, NULL, more);
-}
-
-static int length(const config_setting_t *group)
-{
-    return group ? config_setting_length(group) : 0;
 }
 
 static const config_setting_t *element(const config_setting_t *group, size_t i)
@@ -187,6 +244,8 @@ static void move_to(const sweep_plan *plan, size_t i)
         at->hash = rp_hash_add(at->hash, rp_params_hash_one(axis->param, at->values));
         if (axis->first) rest /= axis->n;
     }
+    XXH128_hash_t hash;
+    if (plan->protocol->hash && plan->protocol->hash(at->values, &hash)) at->hash = hash;
 }
 
 bool sweep_plan_is_axis(const sweep_plan *plan, const rp_param *param)
@@ -306,11 +365,13 @@ static void hash_plan(const sweep_plan *plan, char digits[33])
     XXH3_state_t *state = XXH3_createState();
     char text[512];
     XXH3_128bits_reset(state);
+    move_to(plan, 0);
+    const XXH128_hash_t first = plan->protocol->hash ? plan->at->hash : plan->fixed_hash;
     int n = snprintf(text, sizeof text, "%s outputs=%016llx seed=%lu shared=%d replicas=%zu points=%zu",
                      plan->model, (unsigned long long)hash_outputs(plan->protocol), plan->seed,
                      plan->shared_piles, plan->replicas, plan->n_points);
     XXH3_128bits_update(state, text, (size_t)n);
-    XXH3_128bits_update(state, &plan->fixed_hash, sizeof plan->fixed_hash);
+    XXH3_128bits_update(state, &first, sizeof first);
     for (const sweep_axis *axis = plan->axes; axis < plan->axes + plan->n_axes; axis++)
         for (size_t i = 0; i < axis->n; i++) {
             rp_config_value(element(axis->list, i), axis->param, plan->at->values);
@@ -334,6 +395,7 @@ rp_status sweep_plan_read(const char *file, const sweep_protocol *const *protoco
                            *grid = config_setting_get_member(root, "grid");
     RP_TRY(read_head(file, root, protocols, &h));
     plan->protocol = protocols[h.protocol];
+    if (*h.experiment) RP_TRY(open_experiment(file, h.experiment, plan));
     plan->replicas = (size_t)h.replicas;
     plan->seed = (unsigned long)h.seed;
     plan->shared_piles = h.piles == PILES_SHARED;
@@ -341,6 +403,7 @@ rp_status sweep_plan_read(const char *file, const sweep_protocol *const *protoco
     plan->at = calloc(1, sizeof *plan->at + plan->protocol->params_size);
     if (!plan->axes || !plan->at) return rp_fail(RP_NO_MEMORY, "%s: out of memory", file);
     plan->at->point = SIZE_MAX;
+    if (plan->protocol->context) memcpy(plan->at->values, &plan->protocol->context, sizeof(void *));
     RP_TRY(find_lists(&h, grid, plan->axes, &plan->n_axes));
     RP_TRY(read_axes(plan, fixed));
     RP_TRY(read_fixed(plan, fixed, plan->at->values));
@@ -367,6 +430,7 @@ void sweep_plan_free(sweep_plan *plan)
     free(plan->axes);
     free(plan->at);
     free(plan->text);
+    sweep_experiment_close(plan->experiment);
     config_destroy(&plan->config);
 }
 
@@ -449,7 +513,7 @@ rp_status sweep_recipe_read(const char *file, sweep_recipe *recipe)
     const config_setting_t *root = config_root_setting(&recipe->config),
                            *tables = config_setting_get_member(root, "tables");
     int replicas = 0;
-    recipe->has_runs = config_setting_get_member(root, "protocol") != NULL;
+    recipe->has_runs = sweep_names_runs(root);
     if (config_setting_lookup_int(root, "study", &replicas) && replicas > 0) recipe->study = (size_t)replicas;
     RP_TRY(refuse_scene(file, root));
     if (tables)
@@ -458,7 +522,7 @@ rp_status sweep_recipe_read(const char *file, sweep_recipe *recipe)
                               "and model, see repose sweep make --help");
     if (recipe->has_runs) return RP_OK;
     if (!config_setting_get_member(root, "model"))
-        return rp_fail(RP_BAD_INPUT, "%s: neither a protocol nor a model", file);
+        return rp_fail(RP_BAD_INPUT, "%s: neither a protocol nor an experiment nor a model", file);
     return rp_config_group(root, none, NULL, (const char *const[]){"model", "units", NULL});
 }
 

@@ -6,6 +6,7 @@
 #include <sqlite3.h>
 
 #include "core/arena.h"
+#include "sweeps/engine/experiment.h"
 #include "sweeps/engine/sweep.h"
 
 /* One list of the grid. Lists of one bundle go together; the bundles make the product. */
@@ -34,8 +35,9 @@ typedef struct {
     sweep_position *at;
     XXH128_hash_t fixed_hash;                    /* sum over the parameters that no axis varies */
     char model[128], hash[33], fixed_json[4096]; /* the last without its closing brace */
-    char *text;                                  /* of the file */
-    config_t config;                             /* owns the texts among the parameters */
+    char *text;                   /* of the file; with an experiment it names the folder's copy */
+    sweep_experiment *experiment; /* NULL: none */
+    config_t config;              /* owns the texts among the parameters */
 } sweep_plan;
 
 /* The random streams of a run; `pile` is one number that stands for them. */
@@ -208,7 +210,7 @@ rp_status sweep_store_salvage(sweep_store *store, const sweep_plan *plan, const 
 /* A sweep's folder, opened for reading or, under a lock, for writing. */
 typedef struct {
     rp_arena memory;
-    const char *dir, *cfg, *sqlite, *snapshots, *shards; /* names */
+    const char *dir, *cfg, *experiment, *sqlite, *snapshots, *shards; /* names */
     sweep_plan plan;
     sweep_store *store;
     sweep_merged found; /* of the shards */

@@ -8,6 +8,7 @@
 #include <xxhash.h>
 
 #include "core/file.h"
+#include "dem/scene/scene.h"
 
 void sweep_result_clear(sweep_result *result)
 {
@@ -42,6 +43,26 @@ rp_status sweep_table_close(sweep_file *file, rp_status keep)
     const rp_status status = rp_file_close(file->path, file->out, keep);
     rp_arena_release(&file->memory, NULL);
     return status;
+}
+
+rp_status sweep_state_write(const sweep_tables *tables, const dem_sim *sim, const char *stage)
+{
+    static const struct {
+        const char *name;
+        void (*columns)(FILE *);
+        rp_status (*rows)(const dem_sim *, FILE *);
+    } list[] = {{"grains", dem_write_state_columns, dem_write_states},
+                {"contacts", dem_write_contact_columns, dem_write_contacts},
+                {"walls", dem_write_wall_columns, dem_write_walls}};
+    for (size_t i = 0; tables && i < sizeof list / sizeof *list; i++) {
+        char name[64];
+        sweep_file f;
+        snprintf(name, sizeof name, "%s_%s.tsv", stage, list[i].name);
+        RP_TRY(sweep_table_open(tables, name, &f));
+        list[i].columns(f.out);
+        RP_TRY(sweep_table_close(&f, list[i].rows(sim, f.out)));
+    }
+    return RP_OK;
 }
 
 size_t sweep_count_outputs(const sweep_protocol *protocol)

@@ -10,6 +10,7 @@
 
 #include "core/arena.h"
 #include "params/params.h"
+#include "dem/dem.h"
 #include "stress/stress.h"
 
 RP_C_BEGIN
@@ -87,6 +88,11 @@ typedef struct {
      * even if RP_MODEL_VERSION was forgotten. In milliseconds; the same on every processor. May be NULL. */
     rp_status (*fingerprint)(char digits[33]);
 
+    /* Of a protocol that a text describes: its first parameter, a pointer; and what stands for the parameters
+     * in keys and streams, false for values that can't be. NULL for those of the program. */
+    const void *context;
+    bool (*hash)(const void *params, XXH128_hash_t *digest);
+
     /* One run with the random streams (seed, run, purpose). With `tables` (else NULL) the run, the same to
      * the bit, leaves tables in a folder. Physics without a result (a leak, a pile that never rests) is RP_OK
      * with its status word; an error stops the whole sweep. */
@@ -129,6 +135,10 @@ typedef struct {
 } sweep_file;
 rp_status sweep_table_open(const sweep_tables *tables, const char *name, sweep_file *file);
 rp_status sweep_table_close(sweep_file *file, rp_status status);
+
+/* Tables <stage>_grains.tsv, <stage>_contacts.tsv and <stage>_walls.tsv of the present state; none if
+ * `tables` is NULL. */
+rp_status sweep_state_write(const sweep_tables *tables, const dem_sim *sim, const char *stage);
 
 /* Hash of the outputs `names`, with blanks between, of n short runs. Angles count to a millionth of a degree,
  * because the C library's atan may differ in its last digits; all NaN are one. */

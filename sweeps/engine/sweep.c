@@ -36,6 +36,7 @@ static rp_status name_files(const char *dir, sweep_folder *f)
 {
     *f = (sweep_folder){.dir = dir, .lock = -1};
     RP_TRY(rp_path(&f->memory, &f->cfg, "%s/sweep.cfg", dir));
+    RP_TRY(rp_path(&f->memory, &f->experiment, "%s/experiment.cfg", dir));
     RP_TRY(rp_path(&f->memory, &f->sqlite, "%s/store.sqlite", dir));
     RP_TRY(rp_path(&f->memory, &f->snapshots, "%s/snapshots", dir));
     return rp_path(&f->memory, &f->shards, "%s/shards", dir);
@@ -76,8 +77,8 @@ static rp_status find_shards(const sweep_folder *f, const char *folder, rp_paths
 static rp_status claim(const sweep_folder *f, const char *file)
 {
     static const char *const names[] = {
-        "sweep.cfg",        "lock",     "store.sqlite", "store.sqlite-journal", "store.sqlite-wal",
-        "store.sqlite-shm", "snapshots"};
+        "sweep.cfg",        "lock",           "store.sqlite", "store.sqlite-journal", "store.sqlite-wal",
+        "store.sqlite-shm", "experiment.cfg", "snapshots"};
     enum { N_NAMES = sizeof names / sizeof *names };
     char before[256] = "", holds[512];
     RP_ENDS(rp_folder_close) rp_folder folder = {0};
@@ -92,6 +93,7 @@ static rp_status claim(const sweep_folder *f, const char *file)
                        *folder.holds ? folder.holds : "an unfinished run");
     const bool snapshots = access(f->snapshots, F_OK) == 0; /* people's, if it was there before */
     for (size_t i = 0; i < (snapshots ? N_NAMES - 1 : N_NAMES); i++) {
+        if (i == N_NAMES - 2 && !f->plan.experiment) continue;
         if (!older || (i == 0 && !*before)) RP_TRY(rp_folder_check(&folder, names[i]));
         RP_TRY(rp_folder_list(&folder, names[i], RP_OWN_STAYS));
     }
@@ -159,8 +161,13 @@ rp_status sweep_source(const char *dir, char file[256])
 
 rp_status sweep_check_output(const char *dir, const char *path)
 {
-    static const char *const names[] = {
-        "store.sqlite", "store.sqlite-journal", "store.sqlite-wal", "store.sqlite-shm", "sweep.cfg", "lock"};
+    static const char *const names[] = {"store.sqlite",
+                                        "store.sqlite-journal",
+                                        "store.sqlite-wal",
+                                        "store.sqlite-shm",
+                                        "sweep.cfg",
+                                        "experiment.cfg",
+                                        "lock"};
     RP_SCOPE(memory);
     const char *own;
     struct stat a, b;
@@ -181,12 +188,19 @@ static rp_status check_points(const sweep_plan *plan, const char *file, const sw
     return RP_OK;
 }
 
+static rp_status write_text(const char *path, const char *text)
+{
+    FILE *out;
+    RP_TRY(rp_file_open(path, &out));
+    fputs(text, out);
+    return rp_file_close(path, out, RP_OK);
+}
+
 rp_status sweep_prepare(const char *file, const char *dir, size_t replicas,
                         const sweep_protocol *const *protocols, const sweep_watch *watch,
                         sweep_counts *counts)
 {
     RP_ENDS(sweep_folder_close) sweep_folder f;
-    FILE *out;
     RP_TRY(name_files(dir, &f));
     RP_TRY(sweep_plan_read(file, protocols, &f.plan));
     if (replicas > 0) RP_TRY(sweep_plan_replicate(&f.plan, replicas));
@@ -195,9 +209,8 @@ rp_status sweep_prepare(const char *file, const char *dir, size_t replicas,
     RP_TRY(lock_folder(&f));
     RP_TRY(sweep_store_open(f.sqlite, SWEEP_CREATE, &f.store));
     RP_TRY(sweep_store_write_plan(f.store, &f.plan, file, watch));
-    RP_TRY(rp_file_open(f.cfg, &out));
-    fputs(f.plan.text, out);
-    RP_TRY(rp_file_close(f.cfg, out, RP_OK));
+    if (f.plan.experiment) RP_TRY(write_text(f.experiment, sweep_experiment_text(f.plan.experiment)));
+    RP_TRY(write_text(f.cfg, f.plan.text));
     return sweep_store_count(f.store, &f.plan, counts);
 }
 
@@ -422,8 +435,24 @@ static void trace_owner(const sweep_plan *plan, size_t row, const sweep_tables *
     rp_hash_digits(XXH3_128bits(text, strlen(text)), owner);
 }
 
+static rp_status copy_outputs(rp_arena *arena, const sweep_protocol *protocol, const sweep_output **outputs)
+{
+    const size_t n = sweep_count_outputs(protocol);
+    sweep_output *copy;
+    RP_NEW(arena, copy, n);
+    for (size_t k = 0; k < n; k++) {
+        copy[k].name = rp_text(arena, "%s", protocol->outputs[k].name);
+        copy[k].unit = rp_text(arena, "%s", protocol->outputs[k].unit);
+        copy[k].meaning = "";
+        if (!copy[k].name || !copy[k].unit) return RP_NO_MEMORY;
+    }
+    *outputs = copy;
+    return RP_OK;
+}
+
 rp_status sweep_trace(const char *file, const sweep_protocol *const *protocols, size_t row,
-                      const sweep_tables *tables, const sweep_protocol **protocol, sweep_result *result)
+                      const sweep_tables *tables, rp_arena *arena, const sweep_output **outputs,
+                      sweep_result *result)
 {
     RP_ENDS(sweep_plan_free) sweep_plan plan;
     char owner[33], why[1024] = "";
@@ -432,8 +461,8 @@ rp_status sweep_trace(const char *file, const sweep_protocol *const *protocols, 
     sweep_tables kept = *tables;
     kept.keep = tables->snapshot ? &keep : NULL;
     rp_status status = sweep_plan_read(file, protocols, &plan);
-    *protocol = plan.protocol;
     RP_TRY(status);
+    RP_TRY(copy_outputs(arena, plan.protocol, outputs));
     if (row >= plan.n_runs)
         return rp_fail(RP_BAD_INPUT, "row = %zu: out of range, allowed: [0, %zu], the runs of %s", row,
                        plan.n_runs - 1, file);

@@ -307,26 +307,6 @@ rp_status sweep_box_line(const ang_surface *s, size_t from, size_t n, double *th
     return RP_OK;
 }
 
-rp_status sweep_state_write(const sweep_tables *tables, const dem_sim *sim, const char *stage)
-{
-    static const struct {
-        const char *name;
-        void (*columns)(FILE *);
-        rp_status (*rows)(const dem_sim *, FILE *);
-    } list[] = {{"grains", dem_write_state_columns, dem_write_states},
-                {"contacts", dem_write_contact_columns, dem_write_contacts},
-                {"walls", dem_write_wall_columns, dem_write_walls}};
-    for (size_t i = 0; tables && i < sizeof list / sizeof *list; i++) {
-        char name[64];
-        sweep_file f;
-        snprintf(name, sizeof name, "%s_%s.tsv", stage, list[i].name);
-        RP_TRY(sweep_table_open(tables, name, &f));
-        list[i].columns(f.out);
-        RP_TRY(sweep_table_close(&f, list[i].rows(sim, f.out)));
-    }
-    return RP_OK;
-}
-
 static long count_grains(const sweep_box *box)
 {
     const double r = box->radius_mean;

@@ -160,10 +160,6 @@ rp_status sweep_box_pile_slopes(sweep_box_run *run, ang_slope slopes[ANG_N_METHO
  */
 rp_status sweep_box_line(const ang_surface *surface, size_t from, size_t n, double *theta_deg);
 
-/* Tables <stage>_grains.tsv, <stage>_contacts.tsv and <stage>_walls.tsv of the present state; none if
- * `tables` is NULL. */
-rp_status sweep_state_write(const sweep_tables *tables, const dem_sim *sim, const char *stage);
-
 /* Check a box that is filled from W x 2 H: by N grains, or for N < 1 by as many as W H holds squares of the
  * diameter d. Errors: RP_BAD_INPUT. */
 rp_status sweep_box_check_fill(const sweep_box *box);

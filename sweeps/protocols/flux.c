@@ -14,7 +14,7 @@
 #include "core/random.h"
 #include "table/table.h"
 #include "sweeps/protocols/box.h"
-#include "sweeps/protocols/physics.h"
+#include "sweeps/engine/physics.h"
 #include "stats/stats.h"
 
 static const long QUIET_STEPS = 200;

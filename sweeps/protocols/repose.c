@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "sweeps/protocols/box.h"
-#include "sweeps/protocols/physics.h"
+#include "sweeps/engine/physics.h"
 
 enum { FILL_DROP, FILL_RAMP, FILL_AUTO };
 enum { STOP_REST, STOP_STEPS };

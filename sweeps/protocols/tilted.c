@@ -4,7 +4,7 @@
 #include <stddef.h>
 
 #include "sweeps/engine/keep.h"
-#include "sweeps/protocols/physics.h"
+#include "sweeps/engine/physics.h"
 
 #define AT(field) offsetof(sweep_tilted, field)
 

@@ -385,11 +385,11 @@ static rp_status run_scene(const origin *of, scene_run *r, const run_options *o)
     return finish_scene(of, r, &out, status);
 }
 
-static void report_row(const sweep_protocol *protocol, const sweep_result *result, const char *directory)
+static void report_row(const sweep_output columns[], const sweep_result *result, const char *directory)
 {
     fprintf(stderr, "repose run: %s", result->status);
-    for (size_t k = 0; protocol->outputs[k].name; k++)
-        if (strcmp(protocol->outputs[k].name, "theta_r3_deg") == 0 && !isnan(result->values[k]))
+    for (size_t k = 0; columns[k].name; k++)
+        if (strcmp(columns[k].name, "theta_r3_deg") == 0 && !isnan(result->values[k]))
             fprintf(stderr, ", theta_R = %.1f degrees (method 3)", result->values[k]);
     cli_close_line(directory);
 }
@@ -408,7 +408,7 @@ static rp_status run_row(const cli_call *call, const char *path, const run_optio
                        "sweep make -j works on several runs",
                        path);
     sweep_result result;
-    const sweep_protocol *protocol;
+    const sweep_output *made;
     const double started = rp_clock();
     static volatile bool stopped;
     const char *stage, *snapshot;
@@ -428,18 +428,18 @@ static rp_status run_row(const cli_call *call, const char *path, const run_optio
                                  .snapshot = snapshot,
                                  .interval = CLI_SNAPSHOT,
                                  .stop = &stopped};
-    rp_status status = sweep_trace(path, sweep_protocols, (size_t)o->row, &tables, &protocol, &result);
+    rp_status status =
+        sweep_trace(path, sweep_protocols, (size_t)o->row, &tables, call->arena, &made, &result);
     RP_TRY(cli_unfinished_end(&folder, false, status));
     const char *columns[SWEEP_MAX_OUTPUTS + 1][2];
     size_t n = 0;
-    for (const sweep_output *p = protocol->outputs; p->name; p++, n++)
-        columns[n][0] = p->name, columns[n][1] = p->unit;
+    for (const sweep_output *p = made; p->name; p++, n++) columns[n][0] = p->name, columns[n][1] = p->unit;
     columns[n][0] = "status", columns[n][1] = "";
     cli_provenance(call, stdout);
     rp_table_note(stdout, "run_time", "%.3g s", rp_clock() - started);
     rp_table_columns(stdout, n + 1, (const char *const(*)[2])columns);
     rp_table_row_word(stdout, n, result.values, result.status);
-    if (!o->quiet && rp_is_result(result.status)) report_row(protocol, &result, o->o);
+    if (!o->quiet && rp_is_result(result.status)) report_row(made, &result, o->o);
     if (rp_is_result(result.status)) return RP_OK;
     return rp_fail(RP_NO_RESULT, "%s%s%s", result.status, *result.message ? ": " : "", result.message);
 }
@@ -449,7 +449,7 @@ static rp_status is_sweep(const char *path, bool *sweep)
 {
     config_t config;
     rp_status status = rp_config_read(path, &config);
-    *sweep = !status && config_lookup(&config, "protocol") != NULL;
+    *sweep = !status && (config_lookup(&config, "protocol") || config_lookup(&config, "experiment"));
     if (!status && !*sweep && config_lookup(&config, "model"))
         status =
             rp_fail(RP_BAD_INPUT,

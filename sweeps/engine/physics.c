@@ -1,7 +1,7 @@
 /* Short runs of the contact physics; see physics.h. Three grains slide, roll, collide and part between a
  * floor and two walls. From each tangential law one thing at a time is changed: each choice to each of its
  * words, and each coefficient that is 0 or "auto" to a number. */
-#include "sweeps/protocols/physics.h"
+#include "sweeps/engine/physics.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,0 +1,268 @@
+/* An experiment's text as a protocol: its lets are the parameters, its measures the outputs. */
+#include "sweeps/engine/experiment.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "core/arena.h"
+#include "core/file.h"
+#include "experiment/experiment.h"
+#include "params/config.h"
+#include "params/units.h"
+#include "sweeps/engine/keep.h"
+#include "sweeps/engine/physics.h"
+
+/* A let's value among the parameters; the first 8 bytes of those are the experiment. */
+typedef union {
+    double number;
+    bool truth;
+    int choice;
+    const char *word;
+} slot;
+
+struct sweep_experiment {
+    sweep_protocol protocol;
+    rp_arena arena;
+    dem_text text;
+    char *bytes;
+};
+
+static const char COMPUTED[] = "computed";
+
+/* ---- one set of values ---- */
+
+static const sweep_experiment *experiment_of(const void *params)
+{
+    const sweep_experiment *e;
+    memcpy(&e, params, sizeof e);
+    return e;
+}
+
+/* The text with these values of its lets. */
+static rp_status plan_of(const void *params, exp_plan **plan)
+{
+    sweep_experiment *e = (sweep_experiment *)experiment_of(params);
+    *plan = NULL;
+    for (const rp_param *p = e->protocol.schema; p->name; p++) {
+        char word[64];
+        const slot *v = (const slot *)((const char *)params + p->offset);
+        if (p->type == RP_REAL && isinf(v->number) && p->fallback && strstr(p->range, COMPUTED)) continue;
+        const rp_value value =
+            p->type == RP_REAL   ? (rp_value){.kind = RP_V_REAL, .r = v->number}
+            : p->type == RP_BOOL ? (rp_value){.kind = RP_V_BOOL, .i = v->truth}
+            : p->type == RP_TEXT
+                ? (rp_value){.kind = RP_V_TEXT, .s = v->word}
+                : (rp_value){.kind = RP_V_TEXT, .s = rp_word_at(p->range, v->choice, word, sizeof word)};
+        RP_TRY(dem_text_give(&e->text, p->name, &value));
+    }
+    return exp_read(&e->text, plan);
+}
+
+static rp_status check(const void *params)
+{
+    exp_plan *plan;
+    rp_status status = plan_of(params, &plan);
+    if (!status) status = exp_check(plan);
+    exp_free(plan);
+    return status;
+}
+
+static bool hash(const void *params, XXH128_hash_t *digest)
+{
+    exp_plan *plan;
+    char *key = plan_of(params, &plan) ? NULL : exp_key(plan);
+    if (key) *digest = XXH3_128bits(key, strlen(key));
+    free(key);
+    exp_free(plan);
+    return key != NULL;
+}
+
+static rp_status fingerprint(char digits[33])
+{
+    memset(digits, '0', 32);
+    return sweep_physics_add(digits);
+}
+
+static void keep_run(rp_snapshot *s, void *run)
+{
+    exp_keep(s, run);
+}
+
+static rp_status write_tables(const exp_plan *plan, const exp_run *run, const sweep_tables *tables)
+{
+    char name[96];
+    if (!tables || !tables->directory || !exp_sim(run)) return RP_OK;
+    RP_TRY(rp_make_directory(tables->directory));
+    for (size_t k = 0; k < exp_series_count(plan); k++) {
+        sweep_file f;
+        snprintf(name, sizeof name, "series_%s.tsv", exp_series_name(plan, k));
+        RP_TRY(sweep_table_open(tables, name, &f));
+        exp_series_write(run, k, f.out);
+        RP_TRY(sweep_table_close(&f, RP_OK));
+    }
+    return sweep_state_write(tables, exp_sim(run), "end");
+}
+
+/* From its start or its snapshot to the end. */
+static rp_status go(exp_run *run, sweep_keep *keep)
+{
+    enum { PART = 1000 };
+    rp_status status = RP_OK;
+    sweep_keep_enter_by(keep, keep_run, run);
+    if (keep) status = keep->source.status;
+    while (!status && !exp_done(run)) {
+        status = exp_advance(run, PART);
+        if (!status && !exp_done(run)) status = sweep_keep_look(keep);
+    }
+    sweep_keep_leave(keep, 1);
+    return status;
+}
+
+static rp_status run_one(const void *params, unsigned long seed, unsigned long stream,
+                         const sweep_tables *tables, sweep_result *result)
+{
+    exp_plan *plan;
+    exp_run *run = NULL;
+    size_t n = 0;
+    sweep_result_clear(result);
+    rp_status status = plan_of(params, &plan);
+    if (!status) status = exp_start(plan, seed, stream, &run);
+    if (!status) status = go(run, tables ? tables->keep : NULL);
+    if (!status) {
+        const exp_end *end = exp_ended(run);
+        exp_outputs(plan, &n);
+        memcpy(result->values, exp_values(run), n * sizeof *result->values);
+        snprintf(result->status, sizeof result->status, "%s", end->status);
+        snprintf(result->message, sizeof result->message, "%s", end->message);
+        status = write_tables(plan, run, tables);
+    }
+    exp_run_free(run);
+    exp_free(plan);
+    return status;
+}
+
+/* ---- the text's parameters and outputs ---- */
+
+static rp_status add_let(sweep_experiment *e, const rp_let *let, rp_param *p)
+{
+    const bool number = let->is.type == RP_X_NUMBER, word = let->is.type == RP_X_WORD;
+    char text[32];
+    *p = (rp_param){.name = let->name,
+                    .unit = let->unit,
+                    .meaning = *let->meaning ? let->meaning : "of the text",
+                    .type = number        ? RP_REAL
+                            : !word       ? RP_BOOL
+                            : *let->range ? RP_CHOICE
+                                          : RP_TEXT,
+                    .range = ""};
+    if (number) p->range = *let->range ? let->range : "(-inf, inf)";
+    if (word) p->range = let->range;
+    if (let->computed) p->range = rp_text(&e->arena, "%s | %s", p->range, COMPUTED);
+    p->fallback = let->computed ? COMPUTED
+                  : number ? rp_text(&e->arena, "%s", rp_number_text(let->is.value, 6, text, sizeof text))
+                  : word   ? rp_text(&e->arena, "%s", let->is.word)
+                           : (let->is.value != 0.0 ? "true" : "false");
+    return p->fallback && p->range ? RP_OK : RP_NO_MEMORY;
+}
+
+static rp_status describe(sweep_experiment *e, const exp_plan *plan)
+{
+    const rp_lets *lets = &e->text.lets;
+    rp_param *schema;
+    sweep_output *outputs;
+    size_t n, n_params = 0;
+    const exp_output *o = exp_outputs(plan, &n);
+    if (n > SWEEP_MAX_OUTPUTS)
+        return rp_fail(RP_BAD_INPUT, "%s: %zu columns of measures; a sweep has up to %d", e->text.path, n,
+                       SWEEP_MAX_OUTPUTS);
+    RP_NEW(&e->arena, schema, lets->n);
+    RP_NEW(&e->arena, outputs, n);
+    for (size_t k = 0; k < lets->n; k++) {
+        if (lets->lets[k].computed && lets->lets[k].is.type != RP_X_NUMBER)
+            continue; /* the text's own affair */
+        RP_TRY(add_let(e, &lets->lets[k], &schema[n_params]));
+        schema[n_params].name = rp_text(&e->arena, "%s", lets->lets[k].name);
+        schema[n_params].offset = sizeof(slot) * (1 + n_params);
+        n_params++;
+    }
+    for (size_t k = 0; k < n; k++) {
+        outputs[k] = (sweep_output){rp_text(&e->arena, "%s", o[k].name), rp_text(&e->arena, "%s", o[k].unit),
+                                    rp_text(&e->arena, "%s", o[k].meaning)};
+        for (size_t p = 0; p < n_params; p++)
+            if (outputs[k].name && schema[p].name && strcmp(schema[p].name, outputs[k].name) == 0)
+                return rp_fail(RP_BAD_INPUT, "%s: %s is a let and a column of a measure", e->text.path,
+                               outputs[k].name);
+        if (!outputs[k].name || !outputs[k].unit || !outputs[k].meaning) return RP_NO_MEMORY;
+    }
+    e->protocol = (sweep_protocol){.name = "experiment",
+                                   .about = "a scene with phases and measures",
+                                   .schema = schema,
+                                   .params_size = sizeof(slot) * (1 + n_params),
+                                   .outputs = outputs,
+                                   .check = check,
+                                   .hash = hash,
+                                   .fingerprint = fingerprint,
+                                   .run = run_one,
+                                   .context = e};
+    return RP_OK;
+}
+
+/* A sweep's folder keeps all that its runs depend on. */
+static rp_status refuse_files(const sweep_experiment *e)
+{
+    static const char *const keys[] = {"particles_file", "contacts_file"};
+    for (size_t k = 0; k < sizeof keys / sizeof *keys; k++) {
+        const config_setting_t *setting = config_lookup(&e->text.config, keys[k]);
+        if (setting)
+            return rp_config_fail(setting, "%s: a text that is swept must be whole in itself", keys[k]);
+    }
+    int line = 1;
+    for (const char *at = e->bytes; at; at = strchr(at, '\n') ? strchr(at, '\n') + 1 : NULL, line++)
+        if (strncmp(at + strspn(at, " \t"), "@include", 8) == 0)
+            return rp_fail(RP_BAD_INPUT, "%s:%d: @include: a text that is swept must be whole in itself",
+                           e->text.path, line);
+    return RP_OK;
+}
+
+static rp_status open_text(const char *path, const rp_texts *changes, sweep_experiment *e)
+{
+    exp_plan *plan = NULL;
+    RP_TRY(rp_file_read(path, &e->bytes));
+    RP_TRY(dem_text_open(path, changes, &e->text));
+    if (!exp_has_phases(&e->text))
+        return rp_fail(RP_BAD_INPUT, "%s: has no phases; a sweep needs an experiment", path);
+    RP_TRY(refuse_files(e));
+    rp_status status = exp_read(&e->text, &plan);
+    if (!status) status = describe(e, plan);
+    exp_free(plan);
+    return status;
+}
+
+rp_status sweep_experiment_open(const char *path, const rp_texts *changes, sweep_experiment **made)
+{
+    *made = calloc(1, sizeof **made);
+    if (!*made) return rp_fail(RP_NO_MEMORY, "experiment: out of memory");
+    config_init(&(*made)->text.config);
+    const char *kept = rp_text(&(*made)->arena, "%s", path);
+    return kept ? open_text(kept, changes, *made) : RP_NO_MEMORY;
+}
+
+void sweep_experiment_close(sweep_experiment *e)
+{
+    if (!e) return;
+    dem_text_close(&e->text);
+    rp_arena_end(&e->arena);
+    free(e->bytes);
+    free(e);
+}
+
+const sweep_protocol *sweep_experiment_protocol(const sweep_experiment *e)
+{
+    return &e->protocol;
+}
+
+const char *sweep_experiment_text(const sweep_experiment *e)
+{
+    return e->bytes;
+}

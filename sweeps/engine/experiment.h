@@ -1,0 +1,17 @@
+/* An experiment's text as a protocol of sweeps: its lets are the parameters, its measures the outputs. */
+#ifndef SWEEP_EXPERIMENT_H
+#define SWEEP_EXPERIMENT_H
+
+#include "sweeps/engine/protocol.h"
+
+typedef struct sweep_experiment sweep_experiment;
+
+/* Read a text, with changes as of --set. Afterwards sweep_experiment_close, also after an error.
+ * Errors: RP_BAD_INPUT (also: it has no phases, or names other files), RP_NO_MEMORY. */
+rp_status sweep_experiment_open(const char *path, const rp_texts *changes, sweep_experiment **made);
+void sweep_experiment_close(sweep_experiment *e);
+
+const sweep_protocol *sweep_experiment_protocol(const sweep_experiment *e);
+const char *sweep_experiment_text(const sweep_experiment *e); /* the file's bytes */
+
+#endif
