@@ -23,6 +23,7 @@
     X(suite_threads)                                                                                         \
     X(suite_removal)                                                                                         \
     X(suite_expression)                                                                                      \
+    X(suite_experiment)                                                                                      \
     X(suite_units)                                                                                           \
     X(suite_sizes)                                                                                           \
     X(suite_laws)                                                                                            \

@@ -111,7 +111,7 @@ static bool is_closing_line(const char *text)
 {
     const char *end = strchr(text, '\n');
     return strncmp(text, "repose run: ", 12) == 0 && end && !end[1] &&
-           (strstr(text, "; tables in ") || strstr(text, "; states on standard output\n"));
+           (strstr(text, "; tables in ") || strstr(text, " on standard output\n"));
 }
 
 bool good(const char *file, int line, int status)

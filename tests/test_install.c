@@ -46,7 +46,7 @@ static void install_program(void)
     setenv("SANITIZE", check_fast() ? "-fsanitize=address,undefined -no-pie" : "", 1);
     if (!given)
         PASSES("to=$PWD; cd $SOURCE && sh install.sh $BUILD $to/first " RP_VERSION
-               " sweep analytic dem statics angle stress stats core && mv $to/first $PREFIX");
+               " sweep exp analytic dem statics angle stress stats core && mv $to/first $PREFIX");
 }
 
 /* ---- program ---- */
@@ -55,7 +55,8 @@ static void test_targets(void)
 {
     install_program();
     PASSES("make -C $SOURCE --no-print-directory -n B=$BUILD DESTDIR=/d PREFIX=/p install");
-    CU_ASSERT(strstr(out, "/d/p " RP_VERSION " sweep analytic dem statics angle stress stats core") != NULL);
+    CU_ASSERT(strstr(out, "/d/p " RP_VERSION " sweep exp analytic dem statics angle stress stats core") !=
+              NULL);
     if (!getenv("RP_INSTALLED")) {
         PASSES("cp -r $PREFIX there && make -sC $SOURCE B=$BUILD DESTDIR=$PWD PREFIX=/there uninstall >log "
                "&& find there ! -type d");

@@ -1094,7 +1094,8 @@ static void test_bad_files(void)
     static const struct {
         const char *text, *message;
     } cases[] = {
-        {"replicas = 2;", "s.cfg: protocol: missing (kind of experiment), allowed: toy | other"},
+        {"replicas = 2;",
+         "s.cfg: protocol or experiment: missing (kind of experiment), allowed: toy | other"},
         {"protocol = \"sand\";", "s.cfg:1: protocol = \"sand\": unknown word, allowed: toy | other"},
         {"protocol = 4;", "s.cfg:1: protocol = 4: a word expected"},
         {"protocol = \"toy\";\nreplicas = 0;", "s.cfg:2: replicas = 0: out of range, allowed: [1, 1000000]"},
@@ -1129,7 +1130,7 @@ static void test_bad_files(void)
          "s.cfg:2: grid.mas: unknown key (did you mean \"mass\"?)"},
         {"protocol = \"toi\";", "unknown word, allowed: toy | other (did you mean \"toy\"?)"},
         {"protocol = \"toy\";\nreplica = 2;", "s.cfg:2: replica: unknown key (did you mean \"replicas\"?); "
-                                              "allowed: protocol replicas study seed"},
+                                              "allowed: protocol experiment replicas study seed"},
         {"protocol = \"toy\";\ngrid = { x = 1.0; };", "s.cfg:2: x: a list"},
         {"protocol = \"toy\";\ngrid = { x = [ ]; };", "s.cfg:2: x: a list"},
         {"protocol = \"toy\";\ngrid = { x = [0, 0.1]; };",
@@ -1188,7 +1189,8 @@ static void test_bad_folders(void)
     sweep_result result;
     const sweep_tables tables = {base, 1, NULL};
     RP_SCOPE(arena);
-    CHECK_FAILS(sweep_trace(file, toys, 40, &tables, &arena, &outputs, &result), RP_BAD_INPUT, "allowed: [0, 39]");
+    CHECK_FAILS(sweep_trace(file, toys, 40, &tables, &arena, &outputs, &result), RP_BAD_INPUT,
+                "allowed: [0, 39]");
     unlink(store);
     CHECK_FAILS(run(1, NULL), RP_IO, "store.sqlite: cannot open the store");
     mkdir(store, 0777);
@@ -1761,7 +1763,7 @@ static void test_recipes(void)
                  {"model = ();", NULL, 0},
                  {"tables = [\"s = tent\"];", "s.cfg:1: tables: commands of 0.1.0 are gone; instead: ", 0},
                  {"model = (); grid = {};", "s.cfg:1: grid: unknown key", 0},
-                 {"study = 3;", "neither a protocol nor a model", 0}};
+                 {"study = 3;", "neither a protocol nor an experiment nor a model", 0}};
     fresh("");
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         sweep_recipe r;

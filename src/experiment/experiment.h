@@ -52,7 +52,7 @@ rp_status exp_advance(exp_run *run, long most);
 
 bool exp_done(const exp_run *run);
 dem_sim *exp_sim(const exp_run *run); /* NULL if there never was one */
-long exp_steps(const exp_run *run);         /* so far */
+long exp_steps(const exp_run *run);   /* so far */
 const exp_end *exp_ended(const exp_run *run);
 const double *exp_values(const exp_run *run); /* of the outputs; NAN: none */
 

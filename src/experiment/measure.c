@@ -42,8 +42,8 @@ static void add_sample(exp_run *run, size_t k)
     const double value = exp_value(run, &m->of);
     double *last = s->n > 0 ? &s->at[2 * (s->n - 1)] : NULL;
     if (run->failed) return;
-    if (m->take == TAKE_FIRST || ((m->take == TAKE_MAX || m->take == TAKE_MIN) && !m->series)) {
-        /* one sample is enough */
+    const bool extreme = m->take == TAKE_MAX || m->take == TAKE_MIN;
+    if (m->take == TAKE_FIRST || (extreme && !m->series && m->skip == 0.0)) { /* one sample is enough */
         if (last && (m->take == TAKE_FIRST || !(m->take == TAKE_MAX ? value > last[1] : value < last[1])))
             return;
         s->n = 0;
@@ -115,6 +115,7 @@ static rp_status reduce(const exp_measure *m, const exp_samples *s, double out[]
     for (size_t i = 0; i < s->n; i++)
         if (!isfinite(v[i] = s->at[2 * i + 1])) return rp_fail(RP_NO_RESULT, "a sample is %g", v[i]);
     RP_TRY(first_of(m, s, v, &from));
+    if (from >= s->n) return rp_fail(RP_NO_RESULT, "one sample, and skip = %g", m->skip);
     if (m->take == TAKE_RATE && s->n - from < 2) return rp_fail(RP_NO_RESULT, "fewer than two samples");
     out[0] = v[from];
     for (size_t i = from; i < s->n; i++)

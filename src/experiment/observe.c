@@ -1,10 +1,21 @@
 /* Observables: what expressions may ask of a simulation. What a text does not name is not computed. */
 #include <float.h>
 #include <math.h>
+#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "experiment/private.h"
+
+void exp_conclude(exp_run *run, const char *status, const char *format, ...)
+{
+    va_list args;
+    va_start(args, format);
+    run->at.done = true;
+    snprintf(run->at.end.status, sizeof run->at.end.status, "%s", status);
+    vsnprintf(run->at.end.message, sizeof run->at.end.message, format, args);
+    va_end(args);
+}
 
 const dem_state *exp_states(exp_run *run)
 {

@@ -1,21 +1,10 @@
 /* A run: from look to look, and from phase to phase. */
 #include <limits.h>
 #include <math.h>
-#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "experiment/private.h"
-
-void exp_conclude(exp_run *run, const char *status, const char *format, ...)
-{
-    va_list args;
-    va_start(args, format);
-    run->at.done = true;
-    snprintf(run->at.end.status, sizeof run->at.end.status, "%s", status);
-    vsnprintf(run->at.end.message, sizeof run->at.end.message, format, args);
-    va_end(args);
-}
 
 static const exp_phase *phase_of(const exp_run *run)
 {
@@ -180,8 +169,11 @@ static void end_phase(exp_run *run)
         if (run->at.done || run->failed) return;
     }
     run->at.phase = next = present(plan, next, plan->n_phases);
-    if (next == plan->n_phases)
-        exp_conclude(run, *run->at.end.status ? run->at.end.status : plan->result, "%s", run->at.end.message);
+    if (next < plan->n_phases) return;
+    if (*run->at.end.status) /* of a phase that was gone on from */
+        run->at.done = true;
+    else
+        exp_conclude(run, plan->result, "%s", "");
 }
 
 /* One look: samples, what ends the run, what ends the phase. */

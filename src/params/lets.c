@@ -1,4 +1,4 @@
-/* Names of a text; see lets.h. */
+/* Reading the names of a text; see lets.h. */
 #include "params/lets.h"
 
 #include <ctype.h>
@@ -7,79 +7,6 @@
 
 #include "params/config.h"
 #include "params/units.h"
-
-static const char *const constants[RP_LET_CONSTANTS] = {"d", "m", "g", "dt"};
-
-/* A constant, where a text first asks for it. */
-static rp_status know(rp_lets *lets, rp_let_constant k)
-{
-    if (!isnan(lets->constants[k])) return RP_OK;
-    if (!lets->know || lets->asked[k]) return rp_fail(RP_BAD_INPUT, "%s is not known here", constants[k]);
-    lets->asked[k] = true;
-    rp_status status = lets->know(lets->host, k, &lets->constants[k]);
-    lets->asked[k] = false;
-    if (!status && isnan(lets->constants[k]))
-        status = rp_fail(RP_BAD_INPUT, "%s is not known here", constants[k]);
-    return status;
-}
-
-rp_status rp_lets_find(rp_lets *lets, const char *name, rp_x_symbol *symbol, bool *known)
-{
-    for (size_t k = 0; k < lets->n; k++)
-        if (strcmp(lets->lets[k].name, name) == 0) return *symbol = lets->lets[k].is, *known = true, RP_OK;
-    for (rp_let_constant k = 0; k < RP_LET_CONSTANTS; k++) {
-        if (strcmp(constants[k], name) != 0) continue;
-        RP_TRY(know(lets, k));
-        *symbol = (rp_x_symbol){.type = RP_X_NUMBER, .known = true, .value = lets->constants[k]};
-        *known = true;
-    }
-    return RP_OK;
-}
-
-static rp_status find(void *host, const char *name, int n_args, rp_x_symbol *symbol, bool *known)
-{
-    return n_args < 0 ? rp_lets_find(host, name, symbol, known) : RP_OK;
-}
-
-void rp_lets_list(const rp_lets *lets, rp_guess *guess)
-{
-    for (size_t k = 0; k < lets->n; k++) rp_guess_try(guess, lets->lets[k].name);
-    for (int k = 0; k < RP_LET_CONSTANTS; k++) rp_guess_try(guess, constants[k]);
-}
-
-static void list(void *host, rp_guess *guess)
-{
-    rp_lets_list(host, guess);
-}
-
-static const rp_lets *lets_of(const config_setting_t *setting)
-{
-    while (config_setting_parent(setting)) setting = config_setting_parent(setting);
-    return config_setting_get_hook(setting);
-}
-
-rp_status rp_lets_value(const config_setting_t *setting, const char *text, rp_x_symbol *value)
-{
-    const rp_lets *lets = lets_of(setting);
-    rp_expression e = {0};
-    RP_SCOPE(arena);
-    if (!lets) return RP_NO_RESULT;
-    RP_TRY(rp_expression_read(&arena, text, &lets->names, &e));
-    if (!e.known) return rp_fail(RP_BAD_INPUT, "is not known before the run");
-    *value = (rp_x_symbol){.type = e.type, .known = true, .value = e.value};
-    if (e.type == RP_X_WORD) value->word = rp_text(&((rp_lets *)lets)->arena, "%s", e.word);
-    if (e.type == RP_X_WORD && !value->word) return RP_NO_MEMORY;
-    if (e.type == RP_X_NUMBER && isnan(e.value)) return rp_fail(RP_BAD_INPUT, "is nan");
-    return RP_OK;
-}
-
-bool rp_lets_has(const config_setting_t *setting, const char *name)
-{
-    const rp_lets *lets = lets_of(setting);
-    bool has = false;
-    for (size_t k = 0; lets && k < lets->n; k++) has |= strcmp(lets->lets[k].name, name) == 0;
-    return has;
-}
 
 /* Is a text a name, which stands for itself unless it is an earlier one's? */
 static bool is_word(const char *text)
@@ -155,7 +82,7 @@ rp_status rp_lets_read(config_setting_t *root, rp_lets *lets)
 {
     rp_arena_end(&lets->arena);
     lets->n = 0;
-    lets->names = (rp_x_names){.host = lets, .find = find, .list = list};
+    rp_lets_name(lets);
     for (int k = 0; k < RP_LET_CONSTANTS; k++) lets->constants[k] = NAN;
     config_setting_set_hook(root, lets);
     const config_setting_t *group = config_setting_get_member(root, "let");

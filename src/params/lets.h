@@ -46,6 +46,9 @@ typedef struct {
 rp_status rp_lets_read(config_setting_t *root, rp_lets *lets);
 void rp_lets_end(rp_lets *lets);
 
+/* The names of the lets themselves. */
+void rp_lets_name(rp_lets *lets);
+
 /* For names of a wider place: those of lets and constants. See rp_x_names. */
 rp_status rp_lets_find(rp_lets *lets, const char *name, rp_x_symbol *symbol, bool *known);
 void rp_lets_list(const rp_lets *lets, rp_guess *guess);

@@ -73,8 +73,9 @@ typedef struct {
     run_plan plan;
     growth energy;
     cli_rest rest;
-    dem_sim *sim; /* with phases theirs */
-    exp_run *exp; /* NULL: no phases */
+    dem_sim *sim;               /* with phases theirs */
+    exp_run *exp;               /* NULL: no phases */
+    char line[4096], run[1024]; /* of its start, for tables that are written at the end */
     long threads;
 } scene_run;
 
@@ -134,12 +135,16 @@ static void keep_run(rp_snapshot *s, void *context)
     RP_KEEP(s, r->energy);
     RP_KEEP(s, r->rest);
     rp_keep_check(s, rp_keep_bool(&r->plan.phases) && r->plan.phases == (r->exp != NULL),
-                  r->exp ? "of a run without phases"
-                         : "of a run with phases; give its file too, repose run FILE --resume DIR");
-    if (!r->plan.phases || s->status)
+                  r->exp ? "no phases" : "phases: give the file too, repose run FILE --resume DIR");
+    if (!r->plan.phases || s->status) {
         dem_keep(s, &r->sim);
-    else
-        exp_keep(s, r->exp), r->sim = exp_sim(r->exp);
+        return;
+    }
+    RP_KEEP(s, r->line);
+    RP_KEEP(s, r->run);
+    rp_keep_check(s, memchr(r->line, 0, sizeof r->line) && memchr(r->run, 0, sizeof r->run), "no command");
+    exp_keep(s, r->exp);
+    r->sim = exp_sim(r->exp);
 }
 
 static void take_growing(outputs *o)
@@ -340,15 +345,14 @@ static rp_status write_results(const origin *of, const scene_run *r, const outpu
 static rp_status close_phases(const scene_run *r, const outputs *out)
 {
     const exp_end *end = exp_ended(r->exp);
-    if (!out->quiet) {
-        fprintf(stderr, "repose run: %s, %ld steps", end->status, exp_steps(r->exp));
-        if (*out->directory)
-            cli_close_line(out->directory);
-        else
-            fputc('\n', stderr);
-    }
-    if (rp_is_result(end->status)) return RP_OK;
-    return rp_fail(RP_NO_RESULT, "%s%s%s", end->status, *end->message ? ": " : "", end->message);
+    const char *beside = *out->directory ? "; tables in " : "";
+    if (!rp_is_result(end->status))
+        return rp_fail(RP_NO_RESULT, "%s: %s%s%s", end->status, end->message, beside, out->directory);
+    if (out->quiet) return RP_OK;
+    fprintf(stderr, "repose run: %s, %ld steps, t = %.5g%s", end->status, exp_steps(r->exp), dem_time(r->sim),
+            *out->directory ? "" : "; measures on standard output\n");
+    if (*out->directory) cli_close_line(out->directory);
+    return RP_OK;
 }
 
 /* From the start, or with `out` resumed from where the run is. */
@@ -535,7 +539,9 @@ static void name_run(origin *of, const char *path, const run_plan *plan)
     char key[33], frames[64] = "the last frame";
     rp_hash_digits(plan->scene, key);
     if (plan->every > 0) snprintf(frames, sizeof frames, "a frame each %ld", plan->every);
-    snprintf(of->run, sizeof of->run, "%.400s, %ld steps, %s, key %s", path, plan->steps, frames, key);
+    char length[32] = "phases";
+    if (!plan->phases) snprintf(length, sizeof length, "%ld steps", plan->steps);
+    snprintf(of->run, sizeof of->run, "%.400s, %s, %s, key %s", path, length, frames, key);
     put_holds(of);
 }
 
@@ -567,6 +573,8 @@ static rp_status run_file(const cli_call *call, const char *path, const run_opti
     r.plan.phases = t.phases != NULL;
     of.phases = t.phases;
     name_run(&of, path, &r.plan);
+    snprintf(r.line, sizeof r.line, "%s", call->line);
+    memcpy(r.run, of.run, sizeof r.run);
     r.plan.ledger = t.scene.def.ledger;
     bool cut = false;
     t.scene.fill.cut = &cut;
@@ -591,7 +599,7 @@ static rp_status check_scene(const char *path, const run_options *o, const scene
     XXH128_hash_t hash = {0};
     RP_TRY(hash_scene(&t->scene, t->phases, &hash));
     char steps[32], key[48] = ", key ";
-    snprintf(steps, sizeof steps, ", %ld steps, ", t->phases ? 0 : t->scene.steps);
+    snprintf(steps, sizeof steps, t->phases ? ", phases, " : ", %ld steps, ", t->scene.steps);
     rp_hash_digits(hash, key + strlen(key));
     const bool same = !plan ? strstr(holds, steps) && strstr(holds, key)
                             : XXH128_isEqual(hash, plan->scene) &&
@@ -632,7 +640,8 @@ static rp_status resume(const cli_call *call, const run_options *o)
         free_run(&r);
         return cli_unfinished_end(&out.unfinished, true, status);
     }
-    if (r.exp) snprintf(of.run, sizeof of.run, "%s", out.unfinished.holds);
+    cli_call first = *call;
+    if (r.exp) first.line = r.line, of.call = &first, memcpy(of.run, r.run, sizeof of.run);
     if (r.exp)
         printf("%s: continues from step %ld\n", o->resume, dem_step(r.sim));
     else

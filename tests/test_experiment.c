@@ -1,0 +1,477 @@
+/* Experiments: observables and measures against closed forms, what is refused, and that cuts, snapshots and
+ * sweeps change no bit. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "check.h"
+#include "experiment/experiment.h"
+#include "folder.h"
+#include "program.h"
+
+/* A text, its plan and a run of it. */
+typedef struct {
+    dem_text text;
+    exp_plan *plan;
+    exp_run *run;
+} trial;
+
+static void end(trial *t)
+{
+    exp_run_free(t->run);
+    exp_free(t->plan);
+    dem_text_close(&t->text);
+}
+#define scoped_trial __attribute__((cleanup(end))) trial
+
+static rp_status read_text(trial *t, const char *text)
+{
+    char path[256];
+    *t = (trial){0};
+    write_text("e.cfg", "%s", text);
+    path_of("e.cfg", path);
+    RP_TRY(dem_text_open(path, NULL, &t->text));
+    return exp_read(&t->text, &t->plan);
+}
+
+static void start(trial *t, const char *text)
+{
+    CHECK_OK(read_text(t, text));
+    CHECK_OK(exp_start(t->plan, 7, 3, &t->run));
+}
+
+static void finish(trial *t, long part)
+{
+    while (!exp_done(t->run)) CHECK_OK(exp_advance(t->run, part));
+}
+
+static double measured(const trial *t, const char *name)
+{
+    size_t n;
+    const exp_output *o = exp_outputs(t->plan, &n);
+    for (size_t k = 0; k < n; k++)
+        if (strcmp(o[k].name, name) == 0) return exp_values(t->run)[k];
+    fprintf(stderr, "%s: no such measure\n", name);
+    return NAN;
+}
+
+/* Two grains fall from rest beside each other, then lie on a floor that is a wall with a name. */
+static const char fall[] =
+    "dt = 1.0e-4; gravity = (0.0, -1000.0); let = { h = 5.0; };\n"
+    "walls = ( { name = \"floor\"; point = (0.0, 0.0); direction = (0.0, 1.0); } );\n"
+    "particles = ( { x = 1.0; y = \"h\"; r = 0.1; m = 0.01; }, { x = 3.0; y = \"h\"; r = 0.2; m = 0.03; } "
+    ");\n"
+    "regions = { left_half = { x = (0.0, 2.0); }; disk = { circle = (3.0, \"h\", 1.5); }; };\n"
+    "phases = ( { name = \"fall\"; steps = 500; every = 50; },\n"
+    "           { name = \"land\"; least = 1000; every = 100; until = \"rest\"; } );\n"
+    "measure = (\n"
+    "  { name = \"y1\"; of = \"left_half.y\"; at = \"fall\"; }, { name = \"v\"; of = \"vy\"; at = \"fall\"; "
+    "},\n"
+    "  { name = \"all\"; of = \"y\"; at = \"fall\"; }, { name = \"fastest\"; of = \"speed\"; at = \"fall\"; "
+    "},\n"
+    "  { name = \"e\"; of = \"kinetic\"; at = \"fall\"; }, { name = \"mean_e\"; of = \"energy\"; at = "
+    "\"fall\"; },\n"
+    "  { name = \"fell\"; of = \"moved(1.2)\"; at = \"fall\"; }, { name = \"not\"; of = \"moved(1.3)\"; at = "
+    "\"fall\"; },\n"
+    "  { name = \"in\"; of = \"disk.grains\"; at = \"fall\"; }, { name = \"in_m\"; of = \"disk.mass\"; at = "
+    "\"fall\"; },\n"
+    "  { name = \"t1\"; of = \"t\"; at = \"fall\"; }, { name = \"T\"; of = \"time\"; }, { name = \"s\"; of = "
+    "\"step\"; },\n"
+    "  { name = \"rate_y\"; of = \"vy\"; during = \"fall\"; take = \"rate\"; },\n"
+    "  { name = \"mean_t\"; of = \"t\"; during = \"fall\"; },\n"
+    "  { name = \"late\"; of = \"t\"; during = \"fall\"; when = \"vy < -26\"; take = \"first\"; },\n"
+    "  { name = \"most\"; of = \"-vy\"; during = \"fall\"; take = \"max\"; skip = 0.5; },\n"
+    "  { name = \"least\"; of = \"-vy\"; during = \"fall\"; take = \"min\"; skip = 0.5; },\n"
+    "  { name = \"step_y\"; of = \"change(t)\"; during = \"fall\"; take = \"max\"; every = 25; },\n"
+    "  { name = \"weight\"; of = \"floor.fy\"; }, { name = \"side\"; of = \"floor.fx\"; },\n"
+    "  { name = \"top\"; of = \"height\"; }, { name = \"l\"; of = \"left\"; }, { name = \"r\"; of = "
+    "\"right\"; },\n"
+    "  { name = \"touching\"; of = \"contacts\"; }, { name = \"columns\"; of = \"cells\"; },\n"
+    "  { name = \"sum\"; of = \"v + exp(log(2))\"; } );\n";
+
+static void test_closed_forms(void)
+{
+    scoped_trial t;
+    start(&t, fall);
+    finish(&t, 1000);
+    CU_ASSERT_STRING_EQUAL(exp_ended(t.run)->status, "ok");
+    const double T = 0.05, fell = 0.5 * 1000.0 * T * T;
+    /* Verlet has the fall exact */
+    CHECK_NEAR(measured(&t, "y1"), 5.0 - fell, 1e-9);
+    CHECK_NEAR(measured(&t, "v"), -50.0, 1e-9);
+    CHECK_NEAR(measured(&t, "all"), 5.0 - fell, 1e-9);
+    CHECK_NEAR(measured(&t, "fastest"), 50.0, 1e-9);
+    CHECK_NEAR(measured(&t, "e"), 0.5 * 0.04 * 2500.0, 1e-9);
+    CHECK_NEAR(measured(&t, "mean_e"), 0.25 * 0.04 * 2500.0, 1e-9);
+    CU_ASSERT(measured(&t, "fell") == 2.0 && measured(&t, "not") == 0.0);
+    CU_ASSERT(measured(&t, "in") == 1.0 && measured(&t, "in_m") == 0.03);
+    CHECK_NEAR(measured(&t, "t1"), T, 1e-12);
+    CHECK_NEAR(measured(&t, "T"), 1e-4 * measured(&t, "s"), 1e-12);
+    CHECK_NEAR(measured(&t, "rate_y"), -1000.0, 1e-6);
+    CHECK_NEAR(measured(&t, "mean_t"), 0.0275, 1e-12);
+    CHECK_NEAR(measured(&t, "late"), 0.03, 1e-12); /* samples each 0.005 s; the first beyond 25 cm/s */
+    CHECK_NEAR(measured(&t, "most"), 50.0, 1e-9);
+    CHECK_NEAR(measured(&t, "least"), 30.0, 1e-9); /* half of ten samples is left out */
+    CHECK_NEAR(measured(&t, "step_y"), 0.0025, 1e-12);
+    CHECK_NEAR(measured(&t, "weight"), -0.04 * 1000.0, 0.4);
+    CU_ASSERT(measured(&t, "side") == 0.0);
+    CHECK_NEAR(measured(&t, "top"), 0.4, 1e-3);
+    CHECK_NEAR(measured(&t, "l"), 0.9, 1e-9);
+    CHECK_NEAR(measured(&t, "r"), 3.2, 1e-9);
+    CU_ASSERT(measured(&t, "touching") == 1.0 && measured(&t, "columns") == 2.0);
+    CHECK_NEAR(measured(&t, "sum"), -48.0, 1e-9);
+    CU_ASSERT(isnan(measured(&t, "rate_y_se"))); /* ten samples are too few for an error */
+}
+
+/* Blocks, gravity that turns, phases that are left out, ends by time, and words. */
+static void test_phases(void)
+{
+    static const char text[] =
+        "dt = 1.0e-4; let = { turns = true; rate = 0.01; };\n"
+        "walls = ( { name = \"floor\"; point = (0.0, 0.0); direction = (0.0, 1.0); } );\n"
+        "tangential = { law = \"spring\"; mu = 1.0; }; particles = ( { x = 1.0; y = 0.1; r = 0.1; } );\n"
+        "result = \"ok_turned\";\n"
+        "phases = ( { name = \"never\"; if = \"not turns\"; steps = 100; },\n"
+        "  { name = \"steps\"; repeat = 6; until = \"tilt_deg > 4.5\"; phases = (\n"
+        "    { name = \"turn\"; gravity_turn_deg_per_step = \"rate\"; steps = \"round(1/rate)\"; },\n"
+        "    { name = \"no\"; if = \"rate > 1\"; steps = 1; },\n"
+        "    { name = \"wait\"; gravity_turn_deg_per_step = 0.0; time = 0.01; } ); },\n"
+        "  { name = \"back\"; gravity = (0.0, -981.0); steps = 3; } );\n"
+        "measure = ( { name = \"tilt\"; of = \"tilt_deg\"; at = \"wait\"; take = \"max\"; },\n"
+        "  { name = \"passes\"; of = \"pass\"; at = \"wait\"; take = \"max\"; series = true; },\n"
+        "  { name = \"nothing\"; of = \"tilt_deg\"; at = \"never\"; }, { name = \"steps\"; of = \"step\"; } "
+        ");\n";
+    scoped_trial t;
+    start(&t, text);
+    finish(&t, 37);
+    CU_ASSERT_STRING_EQUAL(exp_ended(t.run)->status, "ok_turned");
+    CHECK_NEAR(measured(&t, "tilt"), 5.0, 1e-9);
+    CU_ASSERT(measured(&t, "passes") == 5.0 && measured(&t, "steps") == 5.0 * 200.0 + 3.0);
+    CU_ASSERT(isnan(measured(&t, "nothing")) && exp_steps(t.run) == 1003);
+    CU_ASSERT(exp_series_count(t.plan) == 1 && strcmp(exp_series_name(t.plan, 0), "passes") == 0);
+}
+
+/* Replace the first `from` of a text. */
+static void replaced(const char *text, const char *from, const char *to, char made[8192])
+{
+    const char *at = strstr(text, from);
+    CU_ASSERT_FATAL(at != NULL);
+    snprintf(made, 8192, "%.*s%s%s", (int)(at - text), text, to, at + strlen(from));
+}
+
+static const char hopper[] =
+    "let = { D = { value = 1.6; unit = \"cm\"; range = \"(0, 6)\"; meaning = \"outlet\"; }; mu = 0.2; N = "
+    "60; left = 20; };\n"
+    "dt = 5.0e-5; y_min = -1.0;\n"
+    "tangential = { law = \"spring\"; mu = \"mu\"; };\n"
+    "walls = ( { name = \"bin\"; polygon = ( ( 0.0, 40.0 ), ( 0.0, 0.0 ), ( \"1 - D/4\", 0.0 ) ); closed = "
+    "false; },\n"
+    "          { name = \"bin\"; polygon = ( ( \"1 + D/4\", 0.0 ), ( 2.0, 0.0 ), ( 2.0, 40.0 ) ); closed = "
+    "false; },\n"
+    "          { name = \"gate\"; polygon = ( ( \"1 - D/4\", 0.0 ), ( \"1 + D/4\", 0.0 ) ); closed = false; "
+    "} );\n"
+    "fill = { N = \"N\"; W = 2.0; H = 4.0; };\n"
+    "regions = { bulk = { x = [0.5, 1.5]; y = [0.0, 1.0]; }; };\n"
+    "phases = ( { name = \"fill\"; least = 2000; every = 100; until = \"held(energy < 1e-3, 3)\"; },\n"
+    "           { name = \"flow\"; open = \"gate\"; every = 50; until = \"grains < stop\"; most = 40000;\n"
+    "             fail = { clogged = \"rest\"; }; } );\n"
+    "measure = ( { name = \"depth\"; of = \"height\"; at = \"fill\"; },\n"
+    "  { name = \"rate\"; of = \"out\"; during = \"flow\"; take = \"rate\"; unit = \"1/s\"; },\n"
+    "  { name = \"packed\"; of = \"bulk.fraction\"; at = \"fill\"; },\n"
+    "  { name = \"mean_y\"; of = \"y\"; during = \"flow\"; series = true; } );\n";
+
+static const char *small_hopper(void)
+{
+    static char text[8192], renamed[8192];
+    replaced(hopper, "left = 20", "stop = 20", renamed);
+    replaced(renamed, "H = 4.0", "H = 4.0", text);
+    return text;
+}
+
+static void test_cuts(void)
+{
+    static const long parts[] = {1, 7, 333};
+    scoped_trial whole;
+    start(&whole, small_hopper());
+    finish(&whole, 1000000);
+    CU_ASSERT_STRING_EQUAL(exp_ended(whole.run)->status, "ok");
+    size_t n;
+    exp_outputs(whole.plan, &n);
+    CU_ASSERT(n == 8 && measured(&whole, "rate") > 100.0);
+    for (size_t k = 0; k < 3; k++) {
+        scoped_trial cut;
+        start(&cut, small_hopper());
+        finish(&cut, parts[k]);
+        CU_ASSERT(memcmp(exp_values(cut.run), exp_values(whole.run), n * sizeof(double)) == 0);
+        CU_ASSERT(exp_steps(cut.run) == exp_steps(whole.run));
+    }
+}
+
+/* Kept after any part, and gone on with in a run that has just been started. */
+static void test_kept(void)
+{
+    scoped_trial whole;
+    start(&whole, small_hopper());
+    finish(&whole, 1000000);
+    size_t n;
+    exp_outputs(whole.plan, &n);
+    for (long k = 1; k < 12; k++) {
+        scoped_trial first, again;
+        start(&first, small_hopper());
+        start(&again, small_hopper());
+        for (long part = 0; part < 5 * k && !exp_done(first.run); part++)
+            CHECK_OK(exp_advance(first.run, 61 * k));
+        rp_snapshot s = {0};
+        exp_keep(&s, first.run);
+        CHECK_OK(s.status);
+        s.reading = true;
+        exp_keep(&s, again.run);
+        CHECK_OK(s.status);
+        CHECK_OK(rp_snapshot_end(&s));
+        rp_snapshot_free(&s);
+        finish(&again, 10000);
+        CU_ASSERT(memcmp(exp_values(again.run), exp_values(whole.run), n * sizeof(double)) == 0);
+    }
+}
+
+static void test_words(void)
+{
+    static const char *const cases[][3] = {
+        {"grains < stop", "grains < -1", "most_flow"},
+        {"most = 40000;", "most = 100; status = \"slow\";", "slow"},
+        {"most = 40000;", "most = 100; status = \"slow\"; go_on = true;", "slow"},
+        {"most = 40000;", "most = 100; go_on = true;", "ok"},
+        {"clogged = \"rest\"", "deep = \"grains < 50\"", "deep"},
+        {"N = 60", "N = 6000", "no_room"},
+        {"\"height\"", "\"sqrt(-height)\"", "nan"},
+        {"held(energy < 1e-3, 3)\"", "rest\"; most = 4000", "not_at_rest"},
+        {"take = \"rate\"", "when = \"grains < 0\"; take = \"rate\"", "no_samples"},
+        {"take = \"rate\"", "when = \"grains < 0\"; optional = true; take = \"rate\"", "ok"}};
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        char text[8192];
+        scoped_trial t;
+        replaced(small_hopper(), cases[k][0], cases[k][1], text);
+        start(&t, text);
+        finish(&t, 100000);
+        const exp_end *end_of = exp_ended(t.run);
+        if (strcmp(end_of->status, cases[k][2]) != 0)
+            fprintf(stderr, "%s: %s (%s), not %s\n", cases[k][1], end_of->status, end_of->message,
+                    cases[k][2]);
+        CU_ASSERT_STRING_EQUAL(end_of->status, cases[k][2]);
+        CU_ASSERT(strncmp(end_of->status, "ok", 2) == 0 || *end_of->message);
+    }
+}
+
+static void test_refused(void)
+{
+    static const char *const cases[][3] = {
+        {"grains < stop", "grians < stop",
+         "e.cfg:10: until \"grians < stop\", character 1: unknown name grians (did you mean \"grains\"?)"},
+        {"grains < stop", "bulk.grain < 3", "unknown name bulk.grain (did you mean \"bulk.grains\"?)"},
+        {"grains < stop", "D > 3", "until \"D > 3\" never changes"},
+        {"grains < stop", "D", "until \"D\" is a number, a condition is expected"},
+        {"grains < stop", "rate > 3", "rate is measured at flow, after this phase"},
+        {"grains < stop", "atan(y) > 1", "atan: only in measure"},
+        {"grains < stop", "moved() > 1", "moved: 1 to 2 numbers in brackets expected"},
+        {"grains < stop", "grains(3) > 1", "grains: takes nothing in brackets"},
+        {"until = \"grains < stop\"; ", "", "phase flow: steps, time or until is missing"},
+        {"until = \"grains < stop\"; ", "until = \"grains < stop\"; steps = 3; ",
+         "phase flow: steps and until; keep one"},
+        {"until = \"grains < stop\"; ", "time = -3.0; ", "time = -3: out of range"},
+        {"open = \"gate\"", "open = \"gat\"",
+         "open = \"gat\": no wall has this name (did you mean \"gate\"?)"},
+        {"open = \"gate\"", "opens = \"gate\"", "opens: unknown key (did you mean \"open\"?)"},
+        {"clogged =", "ok_clogged =", "fail: ok_clogged: a word"},
+        {"name = \"flow\"", "name = \"fill\"", "name = \"fill\": names two phases"},
+        {"bulk = {", "gate = {", "gate names a wall and a region"},
+        {"bulk = {", "D = {", "D names a let and a region"},
+        {"bulk = {", "grains = {", "grains names a region, and is an observable"},
+        {"x = [0.5, 1.5]; y = [0.0, 1.0];", "z = 3;", "regions.bulk.z: unknown key"},
+        {"x = [0.5, 1.5]; y = [0.0, 1.0];", "", "bulk: x, y or both, or circle expected"},
+        {"name = \"depth\"", "name = \"D\"", "D names a let and a measure"},
+        {"name = \"depth\"", "name = \"rate\"", "rate: two measures have this column"},
+        {"at = \"fill\"", "at = \"fil\"", "at = \"fil\": no such phase (did you mean \"fill\"?)"},
+        {"at = \"fill\"", "at = \"fill\"; take = \"mean\"", "measure depth: take = \"mean\": needs during"},
+        {"of = \"height\"; ", "", "measure depth: of: missing"},
+        {"of = \"height\"", "of = \"height > 1\"", "of \"height > 1\" is a condition, a number is expected"},
+        {"of = \"height\"", "of = \"mean_y\"", "mean_y is measured after this"},
+        {"unit = \"1/s\"", "unit = 3", "unit"},
+        {"regions =", "result = \"fine\"; regions =", "result = \"fine\": ok or ok_... expected"},
+        {"dt = 5.0e-5", "dt = \"D > 1\"", "dt = \"D > 1\": "}};
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        char text[8192];
+        scoped_trial t;
+        replaced(small_hopper(), cases[k][0], cases[k][1], text);
+        CHECK_FAILS(read_text(&t, text), RP_BAD_INPUT, cases[k][2]);
+    }
+    char text[8192];
+    scoped_trial t;
+    replaced(small_hopper(), "dt = 5.0e-5", "dt = 5.0e-3", text);
+    CHECK_OK(read_text(&t, text));
+    CHECK_FAILS(exp_check(t.plan), RP_BAD_INPUT, "dt = 0.005: too large for");
+}
+
+static void test_keys(void)
+{
+    /* what is replaced by what, and whether that may change the numbers */
+    static const struct {
+        const char *from, *to;
+        bool matters;
+    } cases[] = {{"D = {", "/* outlet */ D = {", false},
+                 {"meaning = \"outlet\"", "meaning = \"gap\"", false},
+                 {"grains < stop", "grains < 4*5", false},
+                 {"  { name = \"packed\"", "\n { name = \"packed\"", false},
+                 {"value = 1.6", "value = 1.7", true},
+                 {"stop = 20", "stop = 21", true},
+                 {"mu = 0.2", "mu = 0.3", true},
+                 {"least = 2000", "least = 2001", true},
+                 {"every = 100", "every = 101", true},
+                 {"most = 40000", "most = 40001", true},
+                 {"clogged = \"rest\"", "clogged = \"bulk.rest\"", true},
+                 {"open = \"gate\"; ", "", true},
+                 {"x = [0.5, 1.5]", "x = [0.5, 1.6]", true},
+                 {"regions =", "rest = { looks = 9; }; regions =", true},
+                 {"take = \"rate\"", "take = \"max\"", true},
+                 {"of = \"height\"", "of = \"2*height\"", true}};
+    scoped_trial base;
+    CHECK_OK(read_text(&base, small_hopper()));
+    char *expected = exp_key(base.plan);
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        char text[8192];
+        scoped_trial t;
+        replaced(small_hopper(), cases[k].from, cases[k].to, text);
+        CHECK_OK(read_text(&t, text));
+        char *key = exp_key(t.plan);
+        if ((strcmp(key, expected) != 0) != cases[k].matters) fprintf(stderr, "%s\n", cases[k].to);
+        CU_ASSERT((strcmp(key, expected) != 0) == cases[k].matters);
+        free(key);
+    }
+    free(expected);
+}
+
+/* ---- the program ---- */
+
+static void test_run(void)
+{
+    write_text("h.cfg", "%s", small_hopper());
+    GOOD("run h.cfg --json");
+    CU_ASSERT(strstr(out, "\"status\": \"ok\"") != NULL);
+    CU_ASSERT(strstr(out, "{\"measure\": \"rate\", \"value\": ") != NULL);
+    GOOD("run h.cfg -o whole --snapshot 500 --every 700");
+    CU_ASSERT(strstr(err, "repose run: ok, ") && strstr(err, "; tables in whole"));
+    scoped_table m = read_table("whole/measures.tsv");
+    CU_ASSERT(m.n_rows == 8 && cell(&m, 0, "value") > 0.5);
+    scoped_table series = read_table("whole/series_mean_y.tsv");
+    CU_ASSERT(series.n_rows > 10);
+    FAILS(64, "--every needs -o DIR", "run h.cfg --every 3");
+    FAILS(65, "let.D: D = 7: out of range, allowed: (0, 6) cm", "run h.cfg --set D=7");
+    FAILS(1, "deep: phase flow, step ", "run h.cfg --set 'phases[1].fail={deep=\"grains<50\"}'");
+    CU_ASSERT(strstr(out, "# status: deep") != NULL);
+}
+
+/* Stopped in each phase, and resumed: the same bytes, in folders of the same name. */
+static void test_resumed(void)
+{
+    write_text("out", "%s", ""), write_text("err", "%s", "");
+    write_text("h.cfg", "%s", small_hopper());
+    CU_ASSERT(shell("mkdir a b && cp h.cfg a && cp h.cfg b && cd a && $REPOSE run h.cfg -o o --snapshot 300 "
+                    "--every 700 >a.out 2>/dev/null") == 0);
+    static const char *const delays[] = {"0.02", "0.05", "0.1", "0.2"};
+    for (size_t k = 0; k < 4; k++) {
+        char line[1024];
+        snprintf(
+            line, sizeof line,
+            "cd b && rm -rf o && timeout -s KILL %s $REPOSE run h.cfg -o o --snapshot 300 --every 700 "
+            ">/dev/null 2>&1; "
+            "[ -e o/unfinished/snapshot ] && { $REPOSE run h.cfg --resume o >/dev/null 2>&1 || exit 9; } ; "
+            "[ ! -e o/states.tsv ] || diff -r ../a/o o",
+            delays[k]);
+        CU_ASSERT(shell(line) == 0);
+    }
+    CU_ASSERT(shell("cd b && rm -rf o && timeout -s INT 0.1 $REPOSE run h.cfg -o o --snapshot 300 >/dev/null "
+                    "2>err; [ ! -e o/unfinished/snapshot ] || grep -q 'stopped at step .* of f' err") == 0);
+    if (shell("[ -e b/o/unfinished/snapshot ]") == 0) {
+        FAILS(65, "phases: give the file too", "run --resume b/o");
+        FAILS(65, "not the scene that the snapshot in b/o is of", "run h.cfg --set mu=0.3 --resume b/o");
+    }
+}
+
+static void test_swept(void)
+{
+    write_text("out", "%s", ""), write_text("err", "%s", "");
+    write_text("h.cfg", "%s", small_hopper());
+    write_text("s.cfg", "experiment = \"h.cfg\"; replicas = 3; seed = 5; set = [ \"rest.looks=9\" ];\n"
+                        "fixed = { mu = 0.25; }; grid = { D = [1.4, 1.6]; };\n");
+    CU_ASSERT(shell("sed -i 's/^regions/rest = { looks = 10; }; regions/' h.cfg") == 0);
+    GOOD("sweep make s.cfg -o s --tables t -j 2 --quiet");
+    scoped_table t = read_table("t/runs.tsv");
+    CU_ASSERT(t.n_rows == 6 && cell(&t, 0, "D") == 1.4 && cell(&t, 5, "D") == 1.6);
+    CU_ASSERT(cell(&t, 5, "rate") > 100.0 && cell(&t, 5, "rate") != cell(&t, 4, "rate"));
+    /* a row again, alone; the folder has all that it needs */
+    CU_ASSERT(shell("mv h.cfg gone.cfg && $REPOSE run s/sweep.cfg --row 5 -o row >row.out 2>/dev/null") == 0);
+    scoped_table row = read_table("row.out");
+    CU_ASSERT(cell(&row, 0, "rate") == cell(&t, 5, "rate"));
+    scoped_table series = read_table("row/series_mean_y.tsv");
+    CU_ASSERT(series.n_rows > 10);
+    GOOD("sweep status s");
+    /* in shards, with the same digest; killed and gone on with */
+    CU_ASSERT(shell("mv gone.cfg h.cfg && $REPOSE sweep plan s.cfg -o p >/dev/null && for k in 1 2 3; do "
+                    "timeout -s KILL 0.05 $REPOSE sweep run p --shard $k/3 -j 1 --quiet; $REPOSE sweep run p "
+                    "--shard $k/3 -j 1 --quiet || exit 9; done; "
+                    "$REPOSE sweep merge p >/dev/null && [ \"$($REPOSE sweep digest s)\" = \"$($REPOSE sweep "
+                    "digest p)\" ]") == 0);
+    /* another phase is another plan; its rows are made again */
+    CU_ASSERT(shell("sed -i 's/least = 2000/least = 2100/' h.cfg && $REPOSE sweep plan s.cfg -o s | grep -q "
+                    "' 0 already stored'") == 0);
+}
+
+static void test_sweeps_refused(void)
+{
+    static const char *const cases[][2] = {
+        {"experiment = \"no.cfg\";", "s.cfg: experiment: "},
+        {"experiment = \"plain.cfg\";", "plain.cfg: has no phases; a sweep needs an experiment"},
+        {"experiment = \"h.cfg\"; protocol = \"repose\";", "s.cfg:1: protocol: the experiment's text has it"},
+        {"experiment = \"h.cfg\"; units = \"si\";", "s.cfg:1: units: the experiment's text has it"},
+        {"protocol = \"repose\"; set = [ \"mu=1\" ];", "s.cfg:1: set: changes an experiment"},
+        {"experiment = \"h.cfg\"; set = [ \"moo=1\" ];", "moo"},
+        {"experiment = \"h.cfg\"; fixed = { moo = 0.1; };",
+         "fixed.moo: unknown key; allowed: D mu unused N stop"},
+        {"experiment = \"h.cfg\"; grid = { D = [1.0, 7.0]; };",
+         "s.cfg:1: grid.D = 7: out of range, allowed: (0, 6) cm"},
+        {"experiment = \"h.cfg\"; grid = { N = [60.0, 60.5]; };", "grid point N = 60.5: "},
+        {"experiment = \"h.cfg\"; grid = { unused = [1.0, 2.0]; };", "appears twice in the grid"},
+        {"experiment = \"files.cfg\";", "particles_file: a text that is swept must be whole in itself"},
+        {"experiment = \"included.cfg\";",
+         "included.cfg:1: @include: a text that is swept must be whole in itself"},
+        {"replicas = 3;", "protocol or experiment: missing"}};
+    char text[8192];
+    replaced(small_hopper(), "mu = 0.2", "mu = 0.2; unused = 1.0", text);
+    write_text("h.cfg", "%s", text);
+    write_text("plain.cfg", "steps = 3; particles = ( { x = 0.0; y = 0.0; r = 0.1; } );\n");
+    write_text("files.cfg", "particles_file = \"p.tsv\"; phases = ( { name = \"a\"; steps = 3; } );\n");
+    write_text("p.tsv", "x\ty\tr\n0\t0\t0.1\n");
+    write_text("included.cfg", "@include \"h.cfg\"\n");
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        write_text("s.cfg", "%s\n", cases[k][0]);
+        FAILS(65, cases[k][1], "sweep plan s.cfg -o s");
+        CU_ASSERT(shell("[ ! -e s ]") == 0);
+    }
+}
+
+void suite_experiment(void)
+{
+    static const check_case cases[] = {{"closed forms", test_closed_forms},
+                                       {"phases and blocks", test_phases},
+                                       {"cuts", test_cuts},
+                                       {"kept and gone on with", test_kept},
+                                       {"words of the end", test_words},
+                                       {"refused", test_refused},
+                                       {"keys", test_keys},
+                                       {"repose run", test_run},
+                                       {"stopped and resumed", test_resumed},
+                                       {"swept", test_swept},
+                                       {"sweeps that are refused", test_sweeps_refused},
+                                       {0}};
+    check_register_within("experiment", enter, leave, cases);
+}
