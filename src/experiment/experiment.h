@@ -23,6 +23,19 @@ typedef struct {
     char status[24], message[232];
 } exp_end;
 
+/* The language, for people: keys of phases and measures, what expressions may ask for. Ended by a NULL name.
+ */
+typedef struct {
+    const char *name;
+    const rp_param *schema;
+    const char *manual;
+} exp_group;
+extern const exp_group exp_groups[];
+typedef struct {
+    const char *name, *of, *unit, *meaning;
+} exp_word;
+exp_word exp_observable_at(size_t k); /* number k of the observables; a NULL name past the end */
+
 /* Does a text have phases? Without them it is a scene alone. */
 bool exp_has_phases(const dem_text *text);
 

@@ -450,6 +450,17 @@ const exp_observable exp_observables[] = {
     {0}};
 /* clang-format on */
 
+exp_word exp_observable_at(size_t k)
+{
+    const exp_observable *o = &exp_observables[k];
+    return (exp_word){o->name,
+                      o->of & OF_WALL      ? "WALL."
+                      : o->of == OF_REGION ? "REGION."
+                      : o->of & OF_RUN     ? "the run"
+                                           : "all, REGION.",
+                      o->unit, o->meaning};
+}
+
 /* ---- expressions ---- */
 
 double exp_observe(void *host, int id, const double args[])

@@ -126,20 +126,18 @@ static rp_status read_regions(exp_plan *plan)
     return RP_OK;
 }
 
+#define REST(field) offsetof(exp_plan, rest.field)
+static const rp_param rest_schema[] = {
+    {"energy", "m g d", RP_REAL, REST(energy), "1e-7", "(0, inf)", "largest mean kinetic energy of a grain"},
+    {"force", "m g", RP_REAL, REST(force), "1e-2", "(0, inf)", "largest net force on a grain with a contact"},
+    {"looks", "", RP_INT, REST(looks), "10", "[1, 1000000]", "in a row that find both"},
+    {"every", "steps", RP_INT, REST(every), "500", "[1, 1000000000]", "least distance of two looks"},
+    {0}};
 static rp_status read_rest(exp_plan *plan)
 {
-#define REST(field) offsetof(exp_plan, rest.field)
-    static const rp_param schema[] = {
-        {"energy", "m g d", RP_REAL, REST(energy), "1e-7", "(0, inf)",
-         "largest mean kinetic energy of a grain"},
-        {"force", "m g", RP_REAL, REST(force), "1e-2", "(0, inf)",
-         "largest net force on a grain with a contact"},
-        {"looks", "", RP_INT, REST(looks), "10", "[1, 1000000]", "in a row that find both"},
-        {"every", "steps", RP_INT, REST(every), "500", "[1, 1000000000]", "least distance of two looks"},
-        {0}};
     const config_setting_t *group = config_lookup(&plan->text->config, "rest");
-    rp_params_defaults(schema, plan);
-    return group ? rp_config_group(group, schema, plan, NULL) : RP_OK;
+    rp_params_defaults(rest_schema, plan);
+    return group ? rp_config_group(group, rest_schema, plan, NULL) : RP_OK;
 }
 
 /* ---- measures: their names and outputs, before phases ask for them ---- */
@@ -534,3 +532,16 @@ const exp_output *exp_outputs(const exp_plan *plan, size_t *n)
     if (n) *n = plan->n_outputs;
     return plan->outputs;
 }
+
+const exp_group exp_groups[] = {
+    {"phases", phase_schema,
+     "a list, in its order: name; one of steps, time, until (a condition, looked at every `every` steps); if "
+     "(a "
+     "condition of lets); fail = { word = \"condition\"; }; gravity; gravity_turn_deg_per_step; "
+     "box_turn_deg_per_step. A block has phases of its own, and repeat or until"},
+    {"measure", measure_schema,
+     "a list of columns: name; of (an expression); at or during a phase; when (a condition, of samples); if "
+     "(a "
+     "condition of lets)"},
+    {"rest", rest_schema, "what the condition `rest` asks, in m, |g| and d of the mean grain"},
+    {0}};

@@ -5,7 +5,9 @@
 #include <string.h>
 
 #include "params/guess.h"
-#include "dem/scene/scene.h"
+#include "core/file.h"
+#include "dem/scene/text.h"
+#include "experiment/experiment.h"
 #include "sweeps/protocols/protocols.h"
 
 #define PARAMS_OPTIONS(X)                                                                                    \
@@ -61,6 +63,19 @@ static void print_scene(void)
     }
 }
 
+static void print_experiment(void)
+{
+    for (const exp_group *g = exp_groups; g->name; g++) {
+        printf("# experiment, %s: %s\n", g->name, g->manual);
+        print_schema(g->schema);
+    }
+    printf("# experiment, what expressions may ask for\n# %-25s %-10s %-14s %s\n", "name", "unit", "of",
+           "meaning");
+    exp_word w;
+    for (size_t k = 0; (w = exp_observable_at(k)).name; k++)
+        printf("  %-25s %-10s %-14s %s\n", w.name, shown(rp_unit(w.unit)), w.of, w.meaning);
+}
+
 static void print_protocol(const sweep_protocol *protocol)
 {
     printf("# protocol %s: %s\n", protocol->name, protocol->about);
@@ -86,6 +101,47 @@ static void scene_rows(void)
         schema_rows("scene", g == dem_scene_schemas ? "top level" : g->name, g->schema);
 }
 
+static void experiment_rows(void)
+{
+    exp_word w;
+    for (const exp_group *g = exp_groups; g->name; g++) schema_rows("experiment", g->name, g->schema);
+    for (size_t k = 0; (w = exp_observable_at(k)).name; k++)
+        printf("experiment\tobservable\t%s\t%s\t-\t-\t%s\t%s\n", w.name, shown(rp_unit(w.unit)), w.of,
+               w.meaning);
+}
+
+/* The names and measures of a file. */
+static rp_status file_rows(const cli_call *call, const char *path)
+{
+    dem_text text;
+    dem_scene scene = {0};
+    exp_plan *plan = NULL;
+    char number[32];
+    rp_status status = dem_text_open(path, NULL, &text);
+    const bool phases = !status && exp_has_phases(&text);
+    if (!status) status = phases ? exp_read(&text, &plan) : dem_text_scene(&text, &scene);
+    if (!status) {
+        cli_provenance(call, stdout);
+        rp_table_header(stdout, "name, kind, value, unit, range, meaning");
+    }
+    for (size_t k = 0; !status && k < text.lets.n; k++) {
+        const rp_let *let = &text.lets.lets[k];
+        printf("%s\t%s\t%s\t%s\t%s\t%s\n", let->name, let->computed ? "computed" : "let",
+               let->is.type == RP_X_WORD    ? let->is.word
+               : let->is.type == RP_X_TRUTH ? (let->is.value != 0.0 ? "true" : "false")
+                                            : rp_number_text(let->is.value, 6, number, sizeof number),
+               shown(let->unit), shown(let->range), shown(let->meaning));
+    }
+    size_t n = 0;
+    const exp_output *o = plan && !status ? exp_outputs(plan, &n) : NULL;
+    for (size_t k = 0; k < n; k++)
+        printf("%s\tmeasure\t-\t%s\t-\t%s\n", o[k].name, shown(o[k].unit), o[k].meaning);
+    if (!phases) dem_scene_free(&scene);
+    exp_free(plan);
+    dem_text_close(&text);
+    return status;
+}
+
 static void protocol_rows(const sweep_protocol *protocol)
 {
     schema_rows(protocol->name, "parameter", protocol->schema);
@@ -100,6 +156,7 @@ static rp_status print_all(cli_call *call, const void *values)
     const char *name = cli_argument(call, 0);
     const bool rows = cli_given(call, "json");
     bool found = false;
+    if (name && rp_ends_in(name, ".cfg")) return file_rows(call, name);
     rp_units_set((rp_units)o->units);
     if (rows) {
         cli_provenance(call, stdout);
@@ -116,10 +173,15 @@ static rp_status print_all(cli_call *call, const void *values)
         (rows ? scene_rows : print_scene)();
         found = true;
     }
+    if (!name || strcmp(name, "experiment") == 0) {
+        if (found && !rows) putchar('\n');
+        (rows ? experiment_rows : print_experiment)();
+        found = true;
+    }
     if (found) return RP_OK;
     rp_guess guess = rp_guess_of(name);
     for (const sweep_protocol *const *p = sweep_protocols; *p; p++) rp_guess_try(&guess, (*p)->name);
-    rp_guess_try(&guess, "scene");
+    rp_guess_try(&guess, "scene"), rp_guess_try(&guess, "experiment");
     return rp_fail(RP_BAD_INPUT, "\"%s\": unknown protocol%s; repose params lists them", name,
                    rp_guess_text(&guess));
 }
@@ -127,10 +189,12 @@ static rp_status print_all(cli_call *call, const void *values)
 const cli_command cmd_params = {
     "params",
     "every parameter of a protocol or scene file, with unit, default and range",
-    "[PROTOCOL | scene] [--units WORD]",
+    "[PROTOCOL | scene | experiment | FILE.cfg] [--units WORD]",
     "Prints the parameters of a sweep's protocol with unit, type, default, range and meaning, and the\n"
     "protocol's outputs. `scene` prints the keys of a scene file, and what each word of a choice stands\n"
-    "for. Without an argument, everything is printed. With --json, each parameter, key and output is an\n"
+    "for; `experiment` those of phases and measures, and what expressions may ask for. FILE.cfg: the names\n"
+    "that this file gives, with values, units and ranges, and the columns that it measures. Without an "
+    "argument, everything is printed. With --json, each parameter, key and output is an\n"
     "object of `rows`, with the members of, kind, name, unit, type, default, range and meaning; \"-\"\n"
     "stands for none.",
     "repose params repose",
