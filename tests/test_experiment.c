@@ -286,7 +286,7 @@ static void test_refused(void)
         {"name = \"flow\"", "name = \"fill\"", "name = \"fill\": names two phases"},
         {"bulk = {", "gate = {", "gate names a wall and a region"},
         {"bulk = {", "D = {", "D names a let and a region"},
-        {"bulk = {", "grains = {", "grains names a region, and is an observable"},
+        {"mu = 0.2;", "mu = 0.2; height = 3.0;", "let.height: is an observable"},
         {"x = [0.5, 1.5]; y = [0.0, 1.0];", "z = 3;", "regions.bulk.z: unknown key"},
         {"x = [0.5, 1.5]; y = [0.0, 1.0];", "", "bulk: x, y or both, or circle expected"},
         {"name = \"depth\"", "name = \"D\"", "D names a let and a measure"},

@@ -273,6 +273,11 @@ rp_status dem_run_timed(dem_sim *sim, long steps, dem_phases *times);
 /* From the next step on: open wall number `wall` at `speed` (INFINITY: at once); turn gravity by this angle
  * a step (0 stops it), |angle| < 1; let gravity be g, from which a turn then continues. */
 void dem_wall_open(dem_sim *sim, size_t wall, double speed);
+
+/* From the next step on, wall number `wall` moves so from where it is, about its pivot, which has moved
+ * along; NULL and NAN: as before. Errors: RP_BAD_INPUT (a motion that dem_create would refuse); then nothing
+ * has changed. */
+rp_status dem_wall_move(dem_sim *sim, size_t wall, const double velocity[2], double omega);
 void dem_gravity_turn(dem_sim *sim, double radians_per_step);
 void dem_gravity_set(dem_sim *sim, const double g[2]);
 
@@ -373,7 +378,8 @@ bool dem_ledger_read(const dem_sim *sim, dem_ledger *ledger);
  * an open wall is left where both ends are equal. */
 typedef struct {
     double point[2], direction[2], ends[2], force[2];
-    bool open; /* it has begun to open */
+    double pivot[2], velocity[2], angle; /* the latter: turned by itself since the start, radians */
+    bool open;                           /* it has begun to open */
 } dem_wall_state;
 size_t dem_wall_count(const dem_sim *sim);
 dem_wall_state dem_wall_now(const dem_sim *sim, size_t wall);

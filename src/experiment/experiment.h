@@ -9,14 +9,10 @@
 
 #include "core/snapshot.h"
 #include "dem/scene/text.h"
+#include "experiment/modules/module.h"
 
 typedef struct exp_plan exp_plan;
 typedef struct exp_run exp_run;
-
-/* A number that a run yields. */
-typedef struct {
-    const char *name, *unit, *meaning;
-} exp_output;
 
 /* What came of a run: "ok", the text's own word, or why there is no result. */
 typedef struct {
@@ -29,8 +25,10 @@ typedef struct {
     const char *name;
     const rp_param *schema;
     const char *manual;
+    const exp_output *outputs; /* of a module: endings of columns */
 } exp_group;
 extern const exp_group exp_groups[];
+exp_group exp_module_at(size_t k); /* modules of measures; a NULL name past the end */
 typedef struct {
     const char *name, *of, *unit, *meaning;
 } exp_word;

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "experiment/private.h"
+#include "params/config.h"
 
 static void put(FILE *out, rp_arena *arena, const char *key, const exp_expression *e)
 {
@@ -25,6 +26,12 @@ static void put_phase(FILE *out, rp_arena *arena, const exp_plan *plan, const ex
     for (int k = 0; k < 2; k++) {
         if (p->has_gravity) put(out, arena, "g", &p->gravity[k]);
         if (p->turns[k]) put(out, arena, k ? "box" : "turn", &p->turn[k]);
+    }
+    for (size_t k = 0; k < p->n_moves; k++) {
+        const exp_move *m = &p->moves[k];
+        fprintf(out, " wall %s", plan->walls[m->wall].name);
+        for (int c = 0; c < 2 && m->has_velocity; c++) put(out, arena, "v", &m->velocity[c]);
+        if (m->has_omega) put(out, arena, "omega", &m->omega);
     }
     for (size_t k = 0; k < p->n_fails; k++) put(out, arena, p->fails[k].word, &p->fails[k].when);
     fputc('\n', out);
@@ -61,11 +68,48 @@ char *exp_key(const exp_plan *plan)
                 plan->phases[m->phase].name, m->take, *m->during != '\0', m->every, m->skip, m->optional);
         put(out, &arena, "of", &m->of);
         put(out, &arena, "when", &m->when);
+        put(out, &arena, "event", &m->event);
+        if (m->take == TAKE_AVALANCHES) fprintf(out, " drop=%a", m->drop);
+        if (!m->module) {
+            fputc('\n', out);
+            continue;
+        }
+        fprintf(out, " module=%s %ld in=%s ", m->module->name, m->pick, m->in);
+        rp_config_write(out, m->module->schema, m->params);
         fputc('\n', out);
     }
     fprintf(out, "result %s\n", plan->result);
     fclose(out);
     return text;
+}
+
+/* The walls' motions that are known, one phase after the other. */
+static rp_status check_moves(const exp_plan *plan, dem_definition *def)
+{
+    RP_SCOPE(arena);
+    dem_wall *walls;
+    const char *what;
+    RP_NEW(&arena, walls, def->n_walls);
+    memcpy(walls, dem_walls_of(def), def->n_walls * sizeof *walls);
+    def->wall_list = walls;
+    for (size_t p = 0; p < plan->n_phases; p++) {
+        const exp_phase *phase = &plan->phases[p];
+        for (size_t k = 0; k < phase->n_moves && !phase->left_out; k++) {
+            const exp_move *m = &phase->moves[k];
+            const exp_wall *wall = &plan->walls[m->wall];
+            for (size_t i = 0; i < wall->n; i++) {
+                dem_wall *w = &walls[wall->walls[i]];
+                for (int c = 0; c < 2 && m->has_velocity; c++)
+                    if (m->velocity[c].x.known) w->velocity[c] = m->velocity[c].x.value;
+                if (m->has_omega && m->omega.x.known) w->omega = m->omega.x.value;
+            }
+            const double limit = dem_time_step_limit(def, &what);
+            if (def->dt > limit)
+                return rp_config_fail(phase->setting, "phase %s: wall %s needs dt <= %.3g, by %s",
+                                      phase->name, wall->name, limit, what);
+        }
+    }
+    return RP_OK;
 }
 
 rp_status exp_check(const exp_plan *plan)
@@ -86,7 +130,7 @@ rp_status exp_check(const exp_plan *plan)
     }
     RP_TRY(rp_prefix(dem_physics_check(&def), "%s: ", plan->text->path));
     const double limit = dem_time_step_limit(&def, &what);
-    if (def.dt <= limit) return RP_OK;
+    if (def.dt <= limit) return check_moves(plan, &def);
     return rp_fail(RP_BAD_INPUT, "%s: dt = %g: too large for %s, the limit is %.3g", plan->text->path, def.dt,
                    what, limit);
 }

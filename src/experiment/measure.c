@@ -34,13 +34,29 @@ bool exp_measures_in(const exp_run *run, long *next)
     return some;
 }
 
+/* A measure whose module has no numbers. */
+static void no_numbers(exp_run *run, const exp_measure *m, rp_status status)
+{
+    if (status != RP_NO_RESULT)
+        run->failed = status;
+    else if (!m->optional)
+        exp_conclude(run, m->module->word, "%s: %s", m->name, rp_message());
+}
+
 static void add_sample(exp_run *run, size_t k)
 {
     const exp_measure *m = &run->plan->measures[k];
     exp_samples *s = &run->samples[k];
+    double out[EXP_MODULE_OUTPUTS];
     if (m->when.x.text && !exp_true(run, &m->when)) return;
-    const double value = exp_value(run, &m->of);
-    double *last = s->n > 0 ? &s->at[2 * (s->n - 1)] : NULL;
+    rp_status status = m->module && !run->failed ? exp_module_values(run, m, out) : RP_OK;
+    if (status) {
+        no_numbers(run, m, status);
+        return;
+    }
+    const double value = m->module ? out[m->pick] : exp_value(run, &m->of);
+    const bool event = m->event.x.text && exp_true(run, &m->event);
+    double *last = s->n > 0 ? &s->at[EXP_SAMPLE * (s->n - 1)] : NULL;
     if (run->failed) return;
     const bool extreme = m->take == TAKE_MAX || m->take == TAKE_MIN;
     if (m->take == TAKE_FIRST || (extreme && !m->series && m->skip == 0.0)) { /* one sample is enough */
@@ -50,15 +66,15 @@ static void add_sample(exp_run *run, size_t k)
     }
     if (s->n == s->room) {
         const size_t room = s->room ? 2 * s->room : 64;
-        double *more = realloc(s->at, 2 * room * sizeof *more);
+        double *more = realloc(s->at, EXP_SAMPLE * room * sizeof *more);
         if (!more) {
             run->failed = rp_fail(RP_NO_MEMORY, "%s: out of memory", m->name);
             return;
         }
         s->at = more, s->room = room;
     }
-    s->at[2 * s->n] = dem_time(run->sim), s->at[2 * s->n + 1] = value;
-    s->n++;
+    double *now = &s->at[EXP_SAMPLE * s->n++];
+    now[0] = dem_time(run->sim), now[1] = value, now[2] = event;
     /* what is known while the phase lasts */
     if (m->take == TAKE_FIRST) run->values[m->output] = value;
 }
@@ -88,18 +104,59 @@ enum { BLOCKS = 10 };
 /* Change over time, and its standard error from ten blocks. */
 static void rate(const exp_samples *s, size_t from, double out[])
 {
-    const double *at = &s->at[2 * from];
+    const double *at = &s->at[EXP_SAMPLE * from];
     const size_t last = s->n - 1 - from;
     double rates[BLOCKS], mean = 0.0, sum = 0.0;
-    out[0] = (at[2 * last + 1] - at[1]) / (at[2 * last] - at[0]);
+    out[0] = (at[EXP_SAMPLE * last + 1] - at[1]) / (at[EXP_SAMPLE * last] - at[0]);
     if (last < 2 * BLOCKS) return;
     for (size_t b = 0; b < BLOCKS; b++) {
-        const double *lo = &at[2 * (last * b / BLOCKS)], *hi = &at[2 * (last * (b + 1) / BLOCKS)];
+        const double *lo = &at[EXP_SAMPLE * (last * b / BLOCKS)],
+                     *hi = &at[EXP_SAMPLE * (last * (b + 1) / BLOCKS)];
         mean += rates[b] = (hi[1] - lo[1]) / (hi[0] - lo[0]);
     }
     mean /= BLOCKS;
     for (size_t b = 0; b < BLOCKS; b++) sum += (rates[b] - mean) * (rates[b] - mean);
     out[1] = sqrt(sum / (BLOCKS - 1) / BLOCKS);
+}
+
+/* Mean and standard error of n numbers whose sum and sum of squares these are. */
+static void mean_of(double n, double sum, double squares, double out[2])
+{
+    out[0] = sum / n;
+    out[1] = n > 1.0 ? sqrt(fmax(squares - sum * sum / n, 0.0) / (n - 1.0) / n) : NAN;
+}
+
+/* Falls of a series: samples with an event, from the one before; or falls by `drop` from a maximum, to the
+ * minimum before it has risen as much again. Number; values before and after, each with its error. */
+static rp_status avalanches(const exp_measure *m, const exp_samples *s, const double v[], size_t from,
+                            double out[])
+{
+    double n = 0.0, sums[2] = {0.0, 0.0}, squares[2] = {0.0, 0.0}, most = v[from], least = v[from];
+    bool falls = false;
+    for (size_t i = from + 1; i <= s->n; i++) {
+        const bool end = i == s->n;
+        double pair[2] = {v[i - 1], end ? NAN : v[i]};
+        bool found = !end && s->at[EXP_SAMPLE * i + 2] != 0.0;
+        if (isfinite(m->drop)) {
+            found = falls && (end || v[i] >= least + m->drop);
+            pair[0] = most, pair[1] = least;
+            if (found)
+                falls = false, most = end ? most : v[i];
+            else if (!end && !falls && v[i] <= most - m->drop)
+                falls = true, least = v[i];
+            else if (!end && falls)
+                least = fmin(least, v[i]);
+            else if (!end)
+                most = fmax(most, v[i]);
+        }
+        if (!found) continue;
+        n++;
+        for (int k = 0; k < 2; k++) sums[k] += pair[k], squares[k] += pair[k] * pair[k];
+    }
+    out[0] = n;
+    if (n == 0.0) return rp_fail(RP_NO_RESULT, "no avalanche in %zu samples", s->n - from);
+    for (int k = 0; k < 2; k++) mean_of(n, sums[k], squares[k], &out[1 + 2 * k]);
+    return RP_OK;
 }
 
 /* The outputs of a measure, in the order of its columns. */
@@ -113,9 +170,10 @@ static rp_status reduce(const exp_measure *m, const exp_samples *s, double out[]
     RP_NEW(&arena, v, s->n);
     RP_NEW(&arena, work, s->n);
     for (size_t i = 0; i < s->n; i++)
-        if (!isfinite(v[i] = s->at[2 * i + 1])) return rp_fail(RP_NO_RESULT, "a sample is %g", v[i]);
+        if (!isfinite(v[i] = s->at[EXP_SAMPLE * i + 1])) return rp_fail(RP_NO_RESULT, "a sample is %g", v[i]);
     RP_TRY(first_of(m, s, v, &from));
     if (from >= s->n) return rp_fail(RP_NO_RESULT, "one sample, and skip = %g", m->skip);
+    if (m->take == TAKE_AVALANCHES) return avalanches(m, s, v, from, out);
     if (m->take == TAKE_RATE && s->n - from < 2) return rp_fail(RP_NO_RESULT, "fewer than two samples");
     out[0] = v[from];
     for (size_t i = from; i < s->n; i++)
@@ -150,6 +208,13 @@ static void measure(exp_run *run, size_t k)
             run->failed = status;
         else if (status && !m->optional)
             exp_conclude(run, "no_samples", "%s: %s", m->name, rp_message());
+        return;
+    }
+    if (m->module) {
+        double all[EXP_MODULE_OUTPUTS];
+        const rp_status status = exp_module_values(run, m, all);
+        if (status) no_numbers(run, m, status);
+        for (size_t o = 0; !status && o < m->n_outputs; o++) out[o] = all[m->pick < 0 ? (long)o : m->pick];
         return;
     }
     out[0] = exp_value(run, &m->of);
@@ -203,5 +268,5 @@ void exp_series_write(const exp_run *run, size_t k, FILE *out)
     const exp_samples *s = &run->samples[nth_series(run->plan, k)];
     const exp_measure *m = &run->plan->measures[nth_series(run->plan, k)];
     rp_table_columns(out, 2, (const char *const[][2]){{"time", "s"}, {m->name, m->unit}});
-    for (size_t i = 0; i < s->n; i++) rp_table_row(out, 2, &s->at[2 * i]);
+    for (size_t i = 0; i < s->n; i++) rp_table_row(out, 2, &s->at[EXP_SAMPLE * i]);
 }

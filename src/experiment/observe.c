@@ -385,13 +385,53 @@ static dem_wall_state wall_now(const exp_run *run, const exp_use *use, size_t k)
     return dem_wall_now(run->sim, run->plan->walls[use->scope.index].walls[k]);
 }
 
+/* Its pivot, which moves along; of a whole line its point. */
+static double wall_place(const exp_run *run, const exp_use *use, int component)
+{
+    const dem_wall_state w = wall_now(run, use, 0);
+    return isinf(w.ends[0]) && isinf(w.ends[1]) ? w.point[component] : w.pivot[component];
+}
 OBSERVABLE(wall_x)
 {
-    return (void)args, wall_now(run, use, 0).point[0];
+    return (void)args, wall_place(run, use, 0);
 }
 OBSERVABLE(wall_y)
 {
-    return (void)args, wall_now(run, use, 0).point[1];
+    return (void)args, wall_place(run, use, 1);
+}
+OBSERVABLE(wall_vx)
+{
+    return (void)args, wall_now(run, use, 0).velocity[0];
+}
+OBSERVABLE(wall_vy)
+{
+    return (void)args, wall_now(run, use, 0).velocity[1];
+}
+OBSERVABLE(wall_angle)
+{
+    return (void)args, wall_now(run, use, 0).angle;
+}
+
+/* Torque of the grains on it about its pivot. */
+OBSERVABLE(wall_torque)
+{
+    const exp_wall *wall = &run->plan->walls[use->scope.index];
+    dem_contact *c = NULL;
+    size_t n = 0;
+    double sum = 0.0;
+    (void)args;
+    if (!run->failed) run->failed = dem_contacts(run->sim, &c, &n);
+    for (size_t i = 0; i < n; i++)
+        for (size_t k = 0; k < wall->n && c[i].id_b == 0; k++) {
+            if ((size_t)c[i].wall != wall->walls[k]) continue;
+            const dem_wall_state w = wall_now(run, use, k);
+            const double dx = c[i].x - c[i].x_b, dy = c[i].y - c[i].y_b, l = sqrt(dx * dx + dy * dy),
+                         nx = dx / l, ny = dy / l, fx = c[i].normal_force * nx + c[i].shear_force * ny,
+                         fy = c[i].normal_force * ny - c[i].shear_force * nx;
+            sum -= (c[i].x_b - w.pivot[0]) * fy - (c[i].y_b - w.pivot[1]) * fx + c[i].rolling_torque;
+        }
+    free(c);
+    return sum;
 }
 
 static double wall_force(exp_run *run, const exp_use *use, int component)
@@ -443,12 +483,58 @@ const exp_observable exp_observables[] = {
     {"cells", ALL_GRAINS, 0, 0, RP_X_NUMBER, "", "columns of about d that hold a grain", cells},
     {"rest", ALL_GRAINS, 0, 0, RP_X_TRUTH, "", "whether the grains are at rest, by several looks in a row", rest},
     {"fraction", OF_REGION, 0, 0, RP_X_NUMBER, "", "area of the grains over that of the region", fraction},
-    {"x", OF_WALL, 0, 0, RP_X_NUMBER, "cm", "the wall's point", wall_x},
-    {"y", OF_WALL, 0, 0, RP_X_NUMBER, "cm", "the wall's point", wall_y},
+    {"x", OF_WALL, 0, 0, RP_X_NUMBER, "cm", "the wall's pivot, of a whole line its point", wall_x},
+    {"y", OF_WALL, 0, 0, RP_X_NUMBER, "cm", "the wall's pivot, of a whole line its point", wall_y},
+    {"vx", OF_WALL, 0, 0, RP_X_NUMBER, "cm/s", "its velocity", wall_vx},
+    {"vy", OF_WALL, 0, 0, RP_X_NUMBER, "cm/s", "its velocity", wall_vy},
+    {"angle", OF_WALL, 0, 0, RP_X_NUMBER, "rad", "turned since the start, counter-clockwise", wall_angle},
+    {"torque", OF_WALL, 0, 0, RP_X_NUMBER, "dyn cm", "torque of the grains on it about its pivot", wall_torque},
     {"fx", OF_WALL, 0, 0, RP_X_NUMBER, "dyn", "force of the grains on it", wall_fx},
     {"fy", OF_WALL, 0, 0, RP_X_NUMBER, "dyn", "force of the grains on it", wall_fy},
     {0}};
 /* clang-format on */
+
+/* ---- modules ---- */
+
+#define X(name) &exp_module_##name,
+static const exp_module *const modules[] = {EXP_MODULES(X) NULL};
+#undef X
+
+const exp_module *exp_module_find(const char *name, size_t length)
+{
+    for (const exp_module *const *m = modules; *m; m++)
+        if (strlen((*m)->name) == length && strncmp((*m)->name, name, length) == 0) return *m;
+    return NULL;
+}
+
+exp_group exp_module_at(size_t k)
+{
+    if (k >= sizeof modules / sizeof *modules - 1) return (exp_group){0};
+    return (exp_group){modules[k]->name, modules[k]->schema, modules[k]->about, modules[k]->outputs};
+}
+
+rp_status exp_module_values(exp_run *run, const exp_measure *m, double out[EXP_MODULE_OUTPUTS])
+{
+    const exp_use use = {.scope = m->scope};
+    const area in = area_now(run, &m->scope);
+    exp_view sample = {
+        .d = run->plan->d, .sim = run->sim, .lo = {-INFINITY, -INFINITY}, .hi = {INFINITY, INFINITY}};
+    for (int c = 0; c < 2 && !in.all && !in.circle; c++)
+        sample.lo[c] = in.at[2 * c], sample.hi[c] = in.at[2 * c + 1];
+    if (m->module->bounded &&
+        !(isfinite(sample.lo[0]) && sample.hi[0] > sample.lo[0] && isfinite(sample.hi[0])))
+        return rp_fail(RP_NO_RESULT, "the region goes from x = %g to %g", sample.lo[0], sample.hi[0]);
+    if (!exp_states(run)) return run->failed;
+    dem_state *grains = malloc((run->n_states + 1) * sizeof *grains);
+    if (!grains) return rp_fail(RP_NO_MEMORY, "%s: out of memory", m->name);
+    for (walk w = walk_over(run, &use); next(&w);)
+        if (inside(&in, w.s.x, w.s.y)) grains[sample.n++] = w.s;
+    for (int k = 0; k < EXP_MODULE_OUTPUTS; k++) out[k] = NAN;
+    sample.grains = grains;
+    rp_status status = m->module->evaluate(&sample, m->params, out);
+    free(grains);
+    return status;
+}
 
 exp_word exp_observable_at(size_t k)
 {

@@ -102,6 +102,18 @@ static void clear(exp_run *run, const size_t states[2])
     for (size_t k = states[0]; k < states[1]; k++) run->counters[k] = 0.0;
 }
 
+/* All walls of a name move as one. */
+static void move_walls(exp_run *run, const exp_phase *p, const exp_move *m)
+{
+    const exp_wall *wall = &run->plan->walls[m->wall];
+    const double velocity[2] = {m->has_velocity ? exp_value(run, &m->velocity[0]) : 0.0,
+                                m->has_velocity ? exp_value(run, &m->velocity[1]) : 0.0},
+                 omega = m->has_omega ? exp_value(run, &m->omega) : NAN;
+    for (size_t k = 0; k < wall->n && !run->at.done; k++)
+        if (dem_wall_move(run->sim, wall->walls[k], m->has_velocity ? velocity : NULL, omega))
+            exp_conclude(run, "too_fast", "phase %s: %s: %s", p->name, wall->name, rp_message());
+}
+
 /* What a phase does at its start; a block begins with its first. */
 static void begin_phase(exp_run *run)
 {
@@ -128,6 +140,7 @@ static void begin_phase(exp_run *run)
         const size_t w = run->plan->walls[p->opens].walls[k];
         dem_wall_open(run->sim, w, dem_walls_of(&run->plan->scene.def)[w].open_speed);
     }
+    for (size_t k = 0; k < p->n_moves; k++) move_walls(run, p, &p->moves[k]);
     if (p->mark || p->block == SIZE_MAX) exp_mark(run);
     const double least = p->ending == EXP_STEPS  ? exp_value(run, &p->end)
                          : p->ending == EXP_TIME ? exp_value(run, &p->end) / run->plan->scene.def.dt
@@ -279,14 +292,14 @@ static void keep_samples(rp_snapshot *s, exp_samples *samples)
 {
     RP_KEEP(s, samples->n);
     if (s->reading) {
-        rp_keep_check(s, samples->n <= (s->n - s->at) / sizeof(double), "samples without end");
+        rp_keep_check(s, samples->n <= (s->n - s->at) / sizeof(double) / EXP_SAMPLE, "samples without end");
         if (s->status) return;
         free(samples->at);
         samples->room = samples->n;
-        samples->at = malloc((2 * samples->room + 1) * sizeof *samples->at);
+        samples->at = malloc((EXP_SAMPLE * samples->room + 1) * sizeof *samples->at);
         if (!samples->at) s->status = rp_fail(RP_NO_MEMORY, "samples: out of memory");
     }
-    if (!s->status && samples->n > 0) rp_keep(s, samples->at, 2 * samples->n * sizeof *samples->at);
+    if (!s->status && samples->n > 0) rp_keep(s, samples->at, EXP_SAMPLE * samples->n * sizeof *samples->at);
 }
 
 void exp_keep(rp_snapshot *s, exp_run *run)

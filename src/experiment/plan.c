@@ -56,8 +56,16 @@ static rp_status check_name(const exp_plan *plan, const config_setting_t *settin
         return rp_config_fail(setting, "\"%s\": the name of %s has up to %d letters, digits and _", name,
                               what, DEM_NAME_BYTES - 1);
     if (other) return rp_config_fail(setting, "%s names %s and %s", name, other, what);
-    if (is_observable(name) && strcmp(what, "a measure") != 0)
-        return rp_config_fail(setting, "%s names %s, and is an observable", name, what);
+    return RP_OK;
+}
+
+/* A let's name stands alone, as an observable's does. */
+static rp_status check_lets(const exp_plan *plan)
+{
+    const config_setting_t *let = config_lookup(&plan->text->config, "let");
+    for (size_t k = 0; k < plan->text->lets.n; k++)
+        if (is_observable(plan->text->lets.lets[k].name))
+            return rp_config_fail(let, "let.%s: is an observable", plan->text->lets.lets[k].name);
     return RP_OK;
 }
 
@@ -155,10 +163,13 @@ static const rp_param measure_schema[] = {
      "share of the samples that is left out; level: until they level off"},
     {"series", "", RP_BOOL, IN(series), "false", "", "whether to write a table of the samples too"},
     {"optional", "", RP_BOOL, IN(optional), "false", "", "whether a run is good without it"},
+    {"drop", "", RP_REAL, IN(drop), "none", "(0, inf) | none",
+     "least fall that is an avalanche; none: samples with `event`"},
     {"unit", "", RP_TEXT, IN(unit), "", "", "of the column"},
+    {"in", "", RP_TEXT, IN(in), "", "", "region of a module's grains"},
     {0}};
 
-static const char *const take_words[] = {"value", "mean", "max", "min", "first", "rate"};
+static const char *const take_words[] = {"value", "mean", "max", "min", "first", "rate", "avalanches"};
 
 static rp_status find_phase(const exp_plan *plan, const config_setting_t *setting, const char *key,
                             const char *name, size_t *phase)
@@ -171,11 +182,12 @@ static rp_status find_phase(const exp_plan *plan, const config_setting_t *settin
     return rp_config_fail(setting, "%s = \"%s\": no such phase%s", key, name, rp_guess_text(&guess));
 }
 
-static rp_status add_output(exp_plan *plan, const exp_measure *m, const char *ending, const char *meaning)
+static rp_status add_output(exp_plan *plan, const exp_measure *m, const char *ending, const char *unit,
+                            const char *meaning)
 {
     exp_output *o = &plan->outputs[plan->n_outputs];
     o->name = rp_text(&plan->arena, "%s%s", m->name, ending);
-    o->unit = strcmp(ending, "_n") == 0 ? "" : m->unit;
+    o->unit = strcmp(ending, "_n") == 0 ? "" : unit;
     o->meaning = meaning;
     if (!o->name || !meaning) return RP_NO_MEMORY;
     for (size_t k = 0; k < plan->n_outputs; k++)
@@ -185,18 +197,54 @@ static rp_status add_output(exp_plan *plan, const exp_measure *m, const char *en
     return RP_OK;
 }
 
-enum { MOST_OUTPUTS = 4 }; /* of a measure */
+enum { MOST_OUTPUTS = 5 }; /* of samples */
 
-static rp_status name_measure(exp_plan *plan, const config_setting_t *setting, exp_measure *m)
+/* Of a module: all its numbers, or with MODULE.OUTPUT one; its keys are the measure's too. */
+static rp_status read_module(exp_plan *plan, const config_setting_t *setting, exp_measure *m,
+                             const char *others[])
 {
-    static const char *const others[] = {"of", "when", "if", NULL};
-    exp_place place;
-    *m = (exp_measure){.setting = setting};
-    rp_params_defaults(measure_schema, m);
-    RP_TRY(rp_config_group(setting, measure_schema, m, others));
-    RP_TRY(check_name(plan, setting, "a measure", m->name));
-    if (!member(setting, "of"))
-        return rp_config_fail(setting, "measure %s: of: missing (what is measured)", m->name);
+    const char *of = config_setting_get_string(member(setting, "of")), *dot = of ? strchr(of, '.') : NULL;
+    m->module = of ? exp_module_find(of, dot ? (size_t)(dot - of) : strlen(of)) : NULL;
+    m->pick = -1;
+    if (!m->module) return RP_OK;
+    for (long k = 0; dot && m->module->outputs[k].name; k++)
+        if (strcmp(m->module->outputs[k].name + 1, dot + 1) == 0) m->pick = k;
+    if (dot && m->pick < 0)
+        return rp_config_fail(member(setting, "of"), "of = \"%s\": %s has no such number", of,
+                              m->module->name);
+    m->params = rp_arena_memory(&plan->arena, 1, m->module->size);
+    if (!m->params) return RP_NO_MEMORY;
+    rp_params_defaults(m->module->schema, m->params);
+    for (const rp_param *p = m->module->schema; p->name; p++) {
+        const config_setting_t *key = member(setting, p->name);
+        if (key) RP_TRY(rp_config_value(key, p, m->params));
+        *others++ = p->name;
+    }
+    *others = NULL;
+    return RP_OK;
+}
+
+/* The region of a module's grains. */
+static rp_status read_scope(const exp_plan *plan, exp_measure *m)
+{
+    const config_setting_t *in = member(m->setting, "in");
+    rp_guess guess = rp_guess_of(m->in);
+    if (in && !m->module)
+        return rp_config_fail(in, "in: of a module; an expression names its region, as in %s.grains", m->in);
+    for (size_t k = 0; k < plan->n_regions && *m->in; k++) {
+        rp_guess_try(&guess, plan->regions[k].name);
+        if (strcmp(plan->regions[k].name, m->in) == 0) return m->scope = (exp_scope){EXP_REGION, k}, RP_OK;
+    }
+    if (*m->in) return rp_config_fail(in, "in = \"%s\": no such region%s", m->in, rp_guess_text(&guess));
+    return m->module && m->module->bounded
+               ? rp_config_fail(m->setting, "measure %s: in: missing (a region with two ends in x)", m->name)
+               : RP_OK;
+}
+
+/* The phase of a measure, and what is made of samples there. */
+static rp_status read_when(exp_plan *plan, exp_measure *m)
+{
+    const config_setting_t *setting = m->setting;
     if (*m->at && *m->during)
         return rp_config_fail(setting, "measure %s: has at and during; keep one", m->name);
     m->phase = plan->n_phases - 1;
@@ -209,12 +257,72 @@ static rp_status name_measure(exp_plan *plan, const config_setting_t *setting, e
         return rp_config_fail(setting, "during = \"%s\": a block; name one of its phases", m->during);
     if (!member(setting, "take")) m->take = many ? TAKE_MEAN : TAKE_VALUE;
     if (many != (m->take != TAKE_VALUE))
-        return rp_config_fail(setting,
-                              many
-                                  ? "measure %s: take = \"%s\" of samples: one of mean, max, min, first, rate"
-                                  : "measure %s: take = \"%s\": needs during = \"PHASE\"",
-                              m->name, take_words[m->take]);
+        return rp_config_fail(
+            setting,
+            many ? "measure %s: take = \"%s\" of samples: one of mean, max, min, first, rate, avalanches"
+                 : "measure %s: take = \"%s\": needs during = \"PHASE\"",
+            m->name, take_words[m->take]);
+    if (many && m->module && m->pick < 0)
+        return rp_config_fail(setting, "measure %s: samples are of one number, as in of = \"%s.%s\"", m->name,
+                              m->module->name, m->module->outputs[0].name + 1);
+    if (m->take == TAKE_AVALANCHES && isfinite(m->drop) == (member(setting, "event") != NULL))
+        return rp_config_fail(setting, "measure %s: avalanches are found by drop, or by event", m->name);
     if (m->every < 0) m->every = phase->every;
+    m->left_out |= phase->left_out || (phase->block != SIZE_MAX && plan->phases[phase->block].left_out);
+    return RP_OK;
+}
+
+/* The columns of a measure. */
+static rp_status name_outputs(exp_plan *plan, exp_measure *m)
+{
+    static const char *const of_mean[][2] = {{"", "mean"},
+                                             {"_sd", "standard deviation of the samples"},
+                                             {"_se", "standard error of the mean, by blocking"},
+                                             {"_n", "decorrelated samples"},
+                                             {0}},
+                             *const of_rate[][2] = {{"", "change over time"},
+                                                    {"_se", "standard error of the rate, from ten blocks"},
+                                                    {0}},
+                             *const of_falls[][2] = {{"_n", "avalanches"},
+                                                     {"_before", "mean before one"},
+                                                     {"_before_se", "its standard error"},
+                                                     {"_after", "mean after one"},
+                                                     {"_after_se", "its standard error"},
+                                                     {0}},
+                             *const of_one[][2] = {{"", NULL}, {0}};
+    const char *const(*list)[2] = m->take == TAKE_MEAN         ? of_mean
+                                  : m->take == TAKE_RATE       ? of_rate
+                                  : m->take == TAKE_AVALANCHES ? of_falls
+                                                               : of_one;
+    const exp_output *o = m->module && m->pick < 0 ? m->module->outputs : NULL;
+    const char *of = config_setting_get_string(member(m->setting, "of")),
+               *phase = plan->phases[m->phase].name,
+               *unit = *m->unit || !m->module || m->pick < 0 ? m->unit : m->module->outputs[m->pick].unit;
+    const char *words = m->take == TAKE_VALUE ? "" : take_words[m->take];
+    m->output = plan->n_outputs;
+    for (; o && o->name; o++) RP_TRY(add_output(plan, m, o->name, o->unit, o->meaning));
+    for (size_t k = 0; !(m->module && m->pick < 0) && list[k][0]; k++)
+        RP_TRY(add_output(plan, m, list[k][0], unit,
+                          rp_text(&plan->arena, "%s%s%s, %s %s", list[k][1] ? list[k][1] : words,
+                                  *words || list[k][1] ? " of " : "", of ? of : "a number",
+                                  *m->during ? "during" : "at the end of", phase)));
+    m->n_outputs = plan->n_outputs - m->output;
+    return RP_OK;
+}
+
+static rp_status name_measure(exp_plan *plan, const config_setting_t *setting, exp_measure *m)
+{
+    const char *others[EXP_MODULE_OUTPUTS] = {"of", "when", "if", "event", NULL};
+    exp_place place;
+    *m = (exp_measure){.setting = setting};
+    rp_params_defaults(measure_schema, m);
+    if (!config_setting_is_group(setting))
+        return rp_config_fail(setting, "measure: a list ( { ... } ) expected");
+    RP_TRY(read_module(plan, setting, m, others + 4));
+    RP_TRY(rp_config_group(setting, measure_schema, m, others));
+    RP_TRY(check_name(plan, setting, "a measure", m->name));
+    if (!member(setting, "of"))
+        return rp_config_fail(setting, "measure %s: of: missing (what is measured)", m->name);
     exp_place_in(&place, plan);
     place.lets_alone = true;
     if (member(setting, "if")) {
@@ -222,22 +330,21 @@ static rp_status name_measure(exp_plan *plan, const config_setting_t *setting, e
         RP_TRY(exp_expression_read(member(setting, "if"), "if", RP_X_TRUTH, &place, &e));
         m->left_out = e.x.value == 0.0;
     }
-    m->left_out |= phase->left_out || (phase->block != SIZE_MAX && plan->phases[phase->block].left_out);
-    m->output = plan->n_outputs;
-    const char *of = config_setting_get_string(member(setting, "of")), *at = phase->name, *text;
-    text = rp_text(&plan->arena, "%s%s, %s %s",
-                   m->take == TAKE_VALUE ? "" : rp_text(&plan->arena, "%s of ", take_words[m->take]),
-                   of ? of : "a number", many ? "during" : "at the end of", at);
-    RP_TRY(add_output(plan, m, "", text));
-    if (m->take == TAKE_MEAN)
-        RP_TRY(add_output(plan, m, "_sd",
-                          rp_text(&plan->arena, "standard deviation of the samples of %s", m->name)));
-    if (m->take == TAKE_MEAN || m->take == TAKE_RATE)
-        RP_TRY(add_output(plan, m, "_se", rp_text(&plan->arena, "standard error of %s", m->name)));
-    if (m->take == TAKE_MEAN)
-        RP_TRY(add_output(plan, m, "_n", rp_text(&plan->arena, "decorrelated samples of %s", m->name)));
-    m->n_outputs = plan->n_outputs - m->output;
-    return RP_OK;
+    RP_TRY(read_scope(plan, m));
+    RP_TRY(read_when(plan, m));
+    return name_outputs(plan, m);
+}
+
+static size_t count_outputs(const config_setting_t *list)
+{
+    size_t n = 0;
+    for (size_t i = 0; i < length(list); i++) {
+        const config_setting_t *of =
+            config_setting_is_group(element(list, i)) ? member(element(list, i), "of") : NULL;
+        const char *name = of ? config_setting_get_string(of) : NULL;
+        n += name && exp_module_find(name, strlen(name)) ? EXP_MODULE_OUTPUTS : MOST_OUTPUTS;
+    }
+    return n;
 }
 
 static rp_status name_measures(exp_plan *plan)
@@ -246,7 +353,7 @@ static rp_status name_measures(exp_plan *plan)
     if (list && !config_setting_is_list(list))
         return rp_config_fail(list, "measure: a list ( { ... } ) expected");
     RP_NEW(&plan->arena, plan->measures, length(list));
-    RP_NEW(&plan->arena, plan->outputs, MOST_OUTPUTS * length(list));
+    RP_NEW(&plan->arena, plan->outputs, count_outputs(list));
     for (size_t i = 0; i < length(list); i++) {
         RP_TRY(name_measure(plan, element(list, i), &plan->measures[i]));
         plan->n_measures++;
@@ -263,7 +370,11 @@ static rp_status read_measure(exp_plan *plan, size_t k)
     place.names.measure = true;
     place.measure = k;
     m->states[0] = plan->n_states;
-    RP_TRY(exp_expression_read(member(m->setting, "of"), "of", RP_X_NUMBER, &place, &m->of));
+    const config_setting_t *event = member(m->setting, "event");
+    if (!m->module) RP_TRY(exp_expression_read(member(m->setting, "of"), "of", RP_X_NUMBER, &place, &m->of));
+    if (event && m->take != TAKE_AVALANCHES)
+        return rp_config_fail(event, "event: needs take = \"avalanches\"");
+    if (event) RP_TRY(exp_expression_read(event, "event", RP_X_TRUTH, &place, &m->event));
     if (when && m->take == TAKE_VALUE) return rp_config_fail(when, "when: needs samples, during = \"PHASE\"");
     if (when) RP_TRY(exp_expression_read(when, "when", RP_X_TRUTH, &place, &m->when));
     m->states[1] = plan->n_states;
@@ -368,18 +479,43 @@ static rp_status open_wall(const exp_plan *plan, const config_setting_t *setting
                                 rp_guess_text(&guess));
 }
 
+/* walls = { NAME = { velocity = (vx, vy); omega = ...; }; }. */
+static rp_status read_moves(const config_setting_t *group, exp_place *place, exp_phase *p)
+{
+    static const rp_param none[] = {{0}};
+    const exp_plan *plan = place->plan;
+    if (!config_setting_is_group(group))
+        return rp_config_fail(group, "walls: a group { NAME = { ... }; } expected");
+    RP_NEW(&place->plan->arena, p->moves, length(group));
+    for (size_t i = 0; i < length(group); i++, p->n_moves++) {
+        const config_setting_t *setting = element(group, i);
+        const char *name = config_setting_name(setting);
+        exp_move *m = &p->moves[i];
+        rp_guess guess = rp_guess_of(name);
+        while (m->wall < plan->n_walls && strcmp(plan->walls[m->wall].name, name) != 0)
+            rp_guess_try(&guess, plan->walls[m->wall++].name);
+        if (m->wall == plan->n_walls)
+            return rp_config_fail(setting, "%s: no wall has this name%s", name, rp_guess_text(&guess));
+        RP_TRY(rp_config_group(setting, none, NULL, (const char *const[]){"velocity", "omega", NULL}));
+        m->has_velocity = member(setting, "velocity") != NULL,
+        m->has_omega = member(setting, "omega") != NULL;
+        if (!m->has_velocity && !m->has_omega)
+            return rp_config_fail(setting, "%s: velocity or omega expected", name);
+        if (m->has_velocity)
+            RP_TRY(read_list(member(setting, "velocity"), "velocity", 2, place, m->velocity));
+        if (m->has_omega)
+            RP_TRY(exp_expression_read(member(setting, "omega"), "omega", RP_X_NUMBER, place, &m->omega));
+    }
+    return RP_OK;
+}
+
 /* The head of a phase: its own keys, and whether it is left out. */
 static rp_status name_phase(exp_plan *plan, const config_setting_t *setting, size_t block, bool has_inner)
 {
-    static const char *const others[] = {"if",
-                                         "steps",
-                                         "time",
-                                         "until",
-                                         "fail",
-                                         "gravity",
-                                         "gravity_turn_deg_per_step",
-                                         "box_turn_deg_per_step",
-                                         NULL};
+    /* clang-format off */
+    static const char *const others[] = {"if", "steps", "time", "until", "fail", "walls", "gravity",
+                                         "gravity_turn_deg_per_step", "box_turn_deg_per_step", NULL};
+    /* clang-format on */
     static const char *const of_block[] = {"if", "until", "phases", NULL};
     exp_phase *p = &plan->phases[plan->n_phases];
     const config_setting_t *when = member(setting, "if");
@@ -447,6 +583,7 @@ static rp_status read_phase(exp_plan *plan, size_t k)
     RP_TRY(read_end(p->setting, &place, p));
     if (p->repeat < 0) p->repeat = p->n_inner ? 1000000 : 1;
     if (fail) RP_TRY(read_fails(fail, &place, p));
+    if (member(p->setting, "walls")) RP_TRY(read_moves(member(p->setting, "walls"), &place, p));
     if (gravity) {
         p->has_gravity = true;
         RP_TRY(read_list(gravity, "gravity", 2, &place, p->gravity));
@@ -496,6 +633,7 @@ static rp_status read(exp_plan *plan)
         return rp_config_fail(config_lookup(&text->config, "result"),
                               "result = \"%s\": ok or ok_... expected", plan->result);
     RP_NEW(&plan->arena, plan->phases, count_phases(phases));
+    RP_TRY(check_lets(plan));
     RP_TRY(read_walls(plan));
     RP_TRY(read_regions(plan));
     RP_TRY(read_rest(plan));
@@ -535,9 +673,11 @@ const exp_output *exp_outputs(const exp_plan *plan, size_t *n)
 
 const exp_group exp_groups[] = {
     {"phases", phase_schema,
-     "a list, in its order: name; one of steps, time, until (a condition, looked at every `every` steps); if "
+     "a list, in its order: name; one of steps (a number), time (s), until (a condition, looked at every "
+     "`every` steps); if "
      "(a "
-     "condition of lets); fail = { word = \"condition\"; }; gravity; gravity_turn_deg_per_step; "
+     "condition of lets); fail = { word = \"condition\"; }; walls = { NAME = { velocity = (vx, vy); omega = "
+     "...; }; }; gravity; gravity_turn_deg_per_step; "
      "box_turn_deg_per_step. A block has phases of its own, and repeat or until"},
     {"measure", measure_schema,
      "a list of columns: name; of (an expression); at or during a phase; when (a condition, of samples); if "

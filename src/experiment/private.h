@@ -53,6 +53,13 @@ typedef struct {
     exp_expression when;
 } exp_fail;
 
+/* A wall's new motion. */
+typedef struct {
+    size_t wall; /* number among the plan's */
+    bool has_velocity, has_omega;
+    exp_expression velocity[2], omega;
+} exp_move;
+
 typedef enum { EXP_STEPS, EXP_TIME, EXP_UNTIL } exp_ending;
 
 typedef struct {
@@ -69,6 +76,8 @@ typedef struct {
     exp_expression gravity[2];
     bool turns[2], has_gravity;
     long opens; /* number of the wall, or -1 */
+    size_t n_moves;
+    exp_move *moves;
     size_t n_fails;
     exp_fail *fails;
     size_t n_inner,
@@ -76,19 +85,23 @@ typedef struct {
     size_t states[2]; /* counters of its expressions */
 } exp_phase;
 
-typedef enum { TAKE_VALUE, TAKE_MEAN, TAKE_MAX, TAKE_MIN, TAKE_FIRST, TAKE_RATE } exp_take;
-#define EXP_TAKES "value | mean | max | min | first | rate"
+typedef enum { TAKE_VALUE, TAKE_MEAN, TAKE_MAX, TAKE_MIN, TAKE_FIRST, TAKE_RATE, TAKE_AVALANCHES } exp_take;
+#define EXP_TAKES "value | mean | max | min | first | rate | avalanches"
 
 typedef struct {
-    const char *name, *at, *during, *unit;
+    const char *name, *at, *during, *unit, *in;
     int take;
     long every;
-    double skip; /* share; INFINITY: where it levels off */
+    double skip, drop; /* share, INFINITY: where it levels off; least fall of an avalanche, or INFINITY */
     bool series, optional;
     const config_setting_t *setting;
     bool left_out;
     size_t phase, output; /* its phase; the first of its outputs */
-    exp_expression of, when;
+    exp_expression of, when, event;
+    const exp_module *module; /* instead of `of`; NULL: none */
+    void *params;             /* of the module */
+    long pick;                /* the module's output that is sampled; -1: all are outputs */
+    exp_scope scope;          /* of the module */
     size_t n_outputs, states[2];
 } exp_measure;
 
@@ -125,7 +138,8 @@ void exp_place_in(exp_place *place, exp_plan *plan);
 rp_status exp_expression_read(const config_setting_t *setting, const char *key, rp_x_type type,
                               exp_place *place, exp_expression *e);
 
-/* Samples of a measure: pairs of time and value. */
+/* Samples of a measure: time, value, and whether there was an event. */
+enum { EXP_SAMPLE = 3 };
 typedef struct {
     size_t n, room;
     double *at;
@@ -168,6 +182,10 @@ bool exp_true(exp_run *run, const exp_expression *e);
 const dem_state *exp_states(exp_run *run);
 void exp_mark(exp_run *run);
 double exp_observe(void *run, int id, const double args[]);
+
+/* The numbers of a module. Errors: RP_NO_RESULT; others. */
+rp_status exp_module_values(exp_run *run, const exp_measure *m, double out[EXP_MODULE_OUTPUTS]);
+const exp_module *exp_module_find(const char *name, size_t length); /* NULL: none */
 
 /* Take the samples of a look; the values of the measures of a phase that has ended. */
 void exp_sample(exp_run *run);

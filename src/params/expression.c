@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MOST_STEPS = 200, MOST_WORD = 64, MOST_POWER = 64, MOST_NESTED = 50 };
+enum { MOST_STEPS = 200, MOST_WORD = 64, MOST_POWER = 64, MOST_NESTED = 50, MOST_ARGS = 4 };
 
 typedef enum {
     X_NUMBER,
@@ -331,6 +331,21 @@ static rp_status take_name(x_reader *r, x_part *part, const char *name, int n_ar
         (rp_x_step){.kind = kind, .id = symbol.id, .n = n_args > 0 ? (size_t)n_args : 0, .key = symbol.key});
 }
 
+/* A call of the host's: of known numbers, or a name with arguments. */
+static rp_status take_call(x_reader *r, x_part *part, const char *name, int n)
+{
+    double args[MOST_ARGS] = {0.0}, value;
+    bool known = false;
+    if (r->names->call && n <= MOST_ARGS && is_known(r, part->start)) {
+        for (int k = 0; k < n; k++) args[k] = r->steps[part->start + (size_t)k].number;
+        RP_TRY(rp_prefix(r->names->call(r->names->host, name, n, args, &value, &known),
+                         "character %zu: ", (size_t)(part->begins - r->text) + 1));
+        if (known) r->n = part->start;
+        if (known) return add_number(r, part, RP_X_NUMBER, value);
+    }
+    return take_name(r, part, name, n, X_NAME);
+}
+
 /* After the opening bracket of a call. */
 static rp_status read_call(x_reader *r, x_part *part, const char *name)
 {
@@ -373,7 +388,7 @@ static rp_status read_call(x_reader *r, x_part *part, const char *name)
         if (!own) RP_TRY(want(r, &arg, RP_X_NUMBER));
     }
     RP_TRY(expect(r, ")"));
-    if (!own) return take_name(r, part, name, n, X_NAME);
+    if (!own) return take_call(r, part, name, n);
     if (n < functions[f].least || n > functions[f].most)
         return fail_at(r, part->begins, "%s: another number of arguments expected%s", name, "");
     part->type = functions[f].kind == X_HELD ? RP_X_TRUTH : RP_X_NUMBER;

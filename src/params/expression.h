@@ -31,6 +31,8 @@ typedef struct {
     rp_status (*find)(void *host, const char *name, int n_args, rp_x_symbol *symbol, bool *known);
     void (*list)(void *host, rp_guess *guess); /* tries every name, for "did you mean"; NULL: none */
     bool measure;                              /* atan, exp, log and change are allowed */
+    /* A function of n known numbers, whose value is known too; NULL: there is none. Errors as of find. */
+    rp_status (*call)(void *host, const char *name, int n, const double args[], double *value, bool *known);
 } rp_x_names;
 
 typedef struct rp_x_step rp_x_step;

@@ -34,6 +34,7 @@ typedef struct {
     /* Find one when a text asks for it; NULL: none is known. Errors: those of the keys that it is read from.
      */
     rp_status (*know)(void *host, rp_let_constant which, double *value);
+    rp_status (*call)(void *host, const char *name, int n, const double args[], double *value, bool *known);
     void *host;
     bool asked[RP_LET_CONSTANTS];
     rp_x_names names;

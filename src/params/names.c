@@ -77,7 +77,13 @@ bool rp_lets_has(const config_setting_t *setting, const char *name)
     return has;
 }
 
+static rp_status call(void *host, const char *name, int n, const double args[], double *value, bool *known)
+{
+    const rp_lets *lets = host;
+    return lets->call(lets->host, name, n, args, value, known);
+}
+
 void rp_lets_name(rp_lets *lets)
 {
-    lets->names = (rp_x_names){.host = lets, .find = find, .list = list};
+    lets->names = (rp_x_names){.host = lets, .find = find, .list = list, .call = lets->call ? call : NULL};
 }

@@ -69,6 +69,14 @@ static void print_experiment(void)
         printf("# experiment, %s: %s\n", g->name, g->manual);
         print_schema(g->schema);
     }
+    exp_group m;
+    for (size_t k = 0; (m = exp_module_at(k)).name; k++) {
+        printf("# experiment, measure of = \"%s\": %s; a column is the measure's name with one of\n", m.name,
+               m.manual);
+        for (const exp_output *o = m.outputs; o->name; o++)
+            printf("#   %-25s %-10s %s\n", o->name, shown(o->unit), o->meaning);
+        print_schema(m.schema);
+    }
     printf("# experiment, what expressions may ask for\n# %-25s %-10s %-14s %s\n", "name", "unit", "of",
            "meaning");
     exp_word w;
@@ -104,7 +112,9 @@ static void scene_rows(void)
 static void experiment_rows(void)
 {
     exp_word w;
+    exp_group m;
     for (const exp_group *g = exp_groups; g->name; g++) schema_rows("experiment", g->name, g->schema);
+    for (size_t k = 0; (m = exp_module_at(k)).name; k++) schema_rows("experiment", m.name, m.schema);
     for (size_t k = 0; (w = exp_observable_at(k)).name; k++)
         printf("experiment\tobservable\t%s\t%s\t-\t-\t%s\t%s\n", w.name, shown(rp_unit(w.unit)), w.of,
                w.meaning);

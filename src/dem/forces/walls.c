@@ -46,6 +46,19 @@ static dem_vec swing_of(dem_vec turn, double dt)
     return (dem_vec){turn[1] * turn[1] / (1.0 + turn[0]), turn[1]} / dt;
 }
 
+/* A wall begins the motion of its definition, from where that has it. */
+static void set_off(dem_wall_line *line, const dem_wall *wall, double dt)
+{
+    double sine, cosine;
+    dem_sine_cosine(-wall->omega * dt, &sine, &cosine);
+    line->drift = (dem_vec){wall->velocity[0], wall->velocity[1]};
+    line->turn = (dem_vec){1.0, 0.0};
+    line->turn_of_step = (dem_vec){cosine, sine};
+    line->swing = swing_of(line->turn_of_step, dt);
+    line->reach = reach_of(wall);
+    carry(line, wall, 0.0);
+}
+
 rp_status dem_walls_place(dem_sim *sim, const dem_definition *def)
 {
     dem_walls *const walls = &sim->walls;
@@ -65,17 +78,61 @@ rp_status dem_walls_place(dem_sim *sim, const dem_definition *def)
                                 .moves = dem_wall_moves(wall),
                                 .plain = dem_wall_is_line(wall) && wall->open_at_step < 0 &&
                                          !dem_wall_moves(wall)};
-        double sine, cosine;
-        if (!line->moves) continue;
-        dem_sine_cosine(-wall->omega * def->dt, &sine, &cosine);
-        line->drift = (dem_vec){wall->velocity[0], wall->velocity[1]};
-        line->turn = (dem_vec){1.0, 0.0};
-        line->turn_of_step = (dem_vec){cosine, sine};
-        line->swing = swing_of(line->turn_of_step, def->dt);
-        line->reach = reach_of(wall);
-        carry(line, wall, 0.0);
-        walls->n_moving++;
+        if (line->moves) set_off(line, wall, def->dt), walls->n_moving++;
     }
+    return RP_OK;
+}
+
+/* Is a motion one that this wall can have? */
+static rp_status check_motion(const dem_sim *sim, size_t w, const dem_wall *wall)
+{
+    const double travel = sim->def.dt * (hypot(wall->velocity[0], wall->velocity[1]) +
+                                         fabs(wall->omega) * (isinf(reach_of(wall)) ? 0.0 : reach_of(wall)));
+    double r_min = INFINITY;
+    for (size_t i = 0; i < sim->grains.n; i++) r_min = fmin(r_min, sim->grains.radius[i]);
+    if (!isfinite(travel)) return rp_fail(RP_BAD_INPUT, "wall %zu: velocity and omega must be finite", w + 1);
+    if (sim->def.ground.wall == (long)w + 1)
+        return rp_fail(RP_BAD_INPUT, "wall %zu: the ground can't move", w + 1);
+    if (sim->def.integrator == DEM_IMPLICIT)
+        return rp_fail(RP_BAD_INPUT, "wall %zu: the integrator implicit needs walls that stand", w + 1);
+    if (sim->def.box_turn_per_step != 0.0 || sim->walls.turn[1] != 0.0)
+        return rp_fail(RP_BAD_INPUT, "wall %zu: velocity or omega: not in a box that turns", w + 1);
+    if (wall->open_at_step >= 0 && isfinite(wall->open_speed))
+        return rp_fail(RP_BAD_INPUT, "wall %zu: a wall that opens slowly can't move", w + 1);
+    if (!(fabs(wall->omega) * sim->def.dt < 1.0))
+        return rp_fail(RP_BAD_INPUT, "wall %zu: omega = %g: must be below one radian a step", w + 1,
+                       wall->omega);
+    if (travel > r_min)
+        return rp_fail(RP_BAD_INPUT, "wall %zu: moves %g in one step, the smallest radius is %g", w + 1,
+                       travel, r_min);
+    return RP_OK;
+}
+
+rp_status dem_wall_move(dem_sim *sim, size_t w, const double velocity[2], double omega)
+{
+    dem_walls *const walls = &sim->walls;
+    dem_wall *wall = &walls->wall[w], next = *wall;
+    dem_wall_line *line = &walls->line[w];
+    if (velocity) memcpy(next.velocity, velocity, sizeof next.velocity);
+    if (!isnan(omega)) next.omega = omega;
+    if (next.velocity[0] == wall->velocity[0] && next.velocity[1] == wall->velocity[1] &&
+        next.omega == wall->omega)
+        return RP_OK;
+    if (line->moves)
+        for (int c = 0; c < 2; c++)
+            next.point[c] = line->point[c], next.direction[c] = line->direction[c],
+            next.pivot[c] = line->pivot[c];
+    RP_TRY(check_motion(sim, w, &next));
+    line->angle += wall->omega * sim->def.dt * (double)(sim->step - line->since);
+    line->since = sim->step;
+    *wall = next;
+    line->moves = dem_wall_moves(wall);
+    line->plain = dem_wall_is_line(wall) && wall->open_at_step < 0 && !line->moves;
+    line->drift = line->pivot = line->swing = (dem_vec){0.0, 0.0};
+    if (line->moves) set_off(line, wall, sim->def.dt);
+    walls->n_moving = 0;
+    for (size_t k = 0; k < sim->def.n_walls; k++) walls->n_moving += walls->line[k].moves;
+    walls->swept = INFINITY; /* the list has not reckoned with it */
     return RP_OK;
 }
 
@@ -105,10 +162,10 @@ void dem_wall_open(dem_sim *sim, size_t wall, double speed)
 /* Of walls that move by themselves. */
 static void move_on(dem_sim *sim)
 {
-    const double t = (double)(sim->step + 1) * sim->def.dt;
     for (size_t w = 0; w < sim->def.n_walls; w++) {
         dem_wall_line *line = &sim->walls.line[w];
         if (!line->moves) continue;
+        const double t = (double)(sim->step - line->since + 1) * sim->def.dt;
         line->turn = turned_on(line->turn, line->turn_of_step);
         carry(line, &sim->walls.wall[w], t);
     }
@@ -164,8 +221,9 @@ size_t dem_wall_count(const dem_sim *sim)
 dem_wall_state dem_wall_now(const dem_sim *sim, size_t wall)
 {
     const dem_wall *w = &sim->walls.wall[wall];
-    const dem_vec point = sim->walls.line[wall].point, direction = sim->walls.line[wall].direction,
-                  force = sim->walls.force[wall];
+    const dem_wall_line *line = &sim->walls.line[wall];
+    const dem_vec point = line->point, direction = line->direction, force = sim->walls.force[wall],
+                  pivot = line->moves ? line->pivot : (dem_vec){w->pivot[0], w->pivot[1]};
     double lo = w->extent[0];
     const double hi = w->extent[1];
     const bool open = dem_wall_opens(sim, wall);
@@ -177,6 +235,9 @@ dem_wall_state dem_wall_now(const dem_sim *sim, size_t wall)
                             .direction = {direction[0], direction[1]},
                             .ends = {lo, hi},
                             .force = {force[0], force[1]},
+                            .pivot = {pivot[0], pivot[1]},
+                            .velocity = {w->velocity[0], w->velocity[1]},
+                            .angle = line->angle + w->omega * sim->def.dt * (double)(sim->step - line->since),
                             .open = open};
 }
 

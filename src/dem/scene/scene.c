@@ -758,6 +758,47 @@ static rp_status know(void *host, rp_let_constant which, double *value)
     return RP_OK;
 }
 
+/* dt_limit(v): the largest time step of this file for impacts at v, the fall from any height aside. */
+static rp_status dt_limit(void *host, const char *name, int n, const double args[], double *value,
+                          bool *known)
+{
+    dem_text *text = host;
+    const config_setting_t *root = config_root_setting(&text->config),
+                           *fill = config_setting_get_member(root, "fill");
+    scene_file file = {.scene = {.def = dem_definition_default()}};
+    dem_definition *def = &file.scene.def;
+    dem_fill f = {0};
+    double r = 0.0;
+    const char *what;
+    if (strcmp(name, "dt_limit") != 0) return RP_OK;
+    if (n != 1 || !(args[0] >= 0.0) || isinf(args[0]))
+        return rp_fail(RP_BAD_INPUT, "dt_limit: a speed expected");
+    rp_params_defaults(top_schema, &file);
+    RP_TRY(peek(root, top_schema, "integrator", &file));
+    RP_TRY(peek(root, top_schema, "shape", &file));
+    RP_TRY(peek(root, top_schema, "density", &file));
+    RP_TRY(read_physics(root, &file.physics, def));
+    rp_status status = read_walls(root, &file.scene);
+    if (!status && fill && config_setting_is_group(fill)) {
+        rp_params_defaults(fill_schema, &f);
+        static const char *const keys[] = {"radius_mean", "radius_width", "radius_min"};
+        for (size_t k = 0; k < 3 && !status; k++) status = peek(fill, fill_schema, keys[k], &f);
+        r = f.radius_width > 0.0 ? f.radius_min : f.radius_mean;
+    } else if (!status) {
+        status = mean_radius(root, &r);
+    }
+    if (!status && !(r > 0.0)) status = rp_fail(RP_BAD_INPUT, "dt_limit: no grains are known here");
+    const double m = dem_mass(file.physics.shape, file.physics.density, r);
+    const dem_grain two[2] = {{.r = r, .m = m, .vx = 0.5 * args[0]}, {.x = 3.0 * r, .r = r, .m = m}};
+    def->grains = two, def->n_grains = 2;
+    def->gravity[0] = def->gravity[1] = 0.0;
+    *known = true;
+    if (!status) *value = dem_time_step_limit(def, &what);
+    def->grains = NULL;
+    dem_scene_free(&file.scene);
+    return status;
+}
+
 rp_status dem_text_open(const char *path, const rp_texts *changes, dem_text *text)
 {
     const char *units = NULL;
@@ -786,7 +827,7 @@ static rp_status read_scene(dem_text *text, scene_file *file)
     dem_definition *def = &file->scene.def;
     def->gravity[1] = rp_units_value("cm/s^2", def->gravity[1]);
     for (int k = 0; k < RP_LET_CONSTANTS; k++) text->lets.constants[k] = NAN;
-    text->lets.know = know, text->lets.host = text;
+    text->lets.know = know, text->lets.call = dt_limit, text->lets.host = text;
     RP_TRY(rp_lets_read(root, &text->lets));
     const config_setting_t *gravity = config_setting_get_member(root, "gravity");
     if (gravity) RP_TRY(rp_config_pair(gravity, def->gravity));

@@ -19,14 +19,17 @@ typedef struct {
     uint32_t next : 31, leads : 1;
 } dem_wall_slot;
 
-/* Where a wall is now. Of one that moves by itself: the displacement of its point at p in the last step over
- * dt is drift + swing[0] (p - pivot) + swing[1] (p - pivot, turned clockwise); turn so far and of a step
- * (cosine, sine, clockwise); distance of its farther end from the pivot, INFINITY of a line. */
+/* Where a wall is now. Its definition says where it was at the step `since`, turned by `angle` then; that is
+ * the start, or when its motion last changed. Of one that moves by itself: the displacement of its point at p
+ * in the last step over dt is drift + swing[0] (p - pivot) + swing[1] (p - pivot, turned clockwise); turn so
+ * far and of a step (cosine, sine, clockwise); distance of its farther end from the pivot, INFINITY of a
+ * line. */
 typedef struct {
     dem_vec point, direction;
     bool moves, plain; /* plain: a whole line that never opens, nor moves by itself */
     dem_vec drift, pivot, swing, turn, turn_of_step;
-    double reach;
+    double reach, angle;
+    long since;
 } dem_wall_line;
 
 /* Arrays with an entry for each wall, and one more: type, name. start, next: the first slot, and the first

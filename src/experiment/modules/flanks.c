@@ -1,0 +1,95 @@
+/* The two flanks of a heap: straight lines from the highest column outwards. */
+#include <math.h>
+#include <stdlib.h>
+
+#include "angle/angle.h"
+#include "experiment/modules/module.h"
+
+typedef struct {
+    double from, to;
+} flanks_params;
+
+#define AT(field) offsetof(flanks_params, field)
+static const rp_param schema[] = {
+    {"from", "", RP_REAL, AT(from), "0.1", "[0, 1)", "lowest height that counts, of that of the heap"},
+    {"to", "", RP_REAL, AT(to), "0.9", "(0, 1]", "highest height that counts"},
+    {0}};
+
+enum { LEFT, RIGHT, MEAN, LEFT_ERROR, RIGHT_ERROR, MEAN_ERROR, HEIGHT, APEX, WIDTH };
+static const exp_output outputs[] = {
+    {"_left_deg", "degree", "slope of the left flank"},
+    {"_right_deg", "degree", "slope of the right flank"},
+    {"_mean_deg", "degree", "mean of both"},
+    {"_left_error_deg", "degree", "standard error, from the scatter of the heights"},
+    {"_right_error_deg", "degree", "standard error, from the scatter of the heights"},
+    {"_mean_error_deg", "degree", "standard error, from the scatter of the heights"},
+    {"_height", "", "highest point of the heap above y = 0 or the region's lower end"},
+    {"_apex", "", "place of the highest column"},
+    {"_width", "", "from the leftmost to the rightmost point"},
+    {0}};
+
+/* The flank on one side of column `apex`: the columns outwards from it, until one is below the lowest height,
+ * that are not above the highest. */
+static rp_status flank(const ang_surface *s, size_t apex, int side, const flanks_params *p, double out[])
+{
+    static const char *const names[] = {"left", "right"};
+    enum { LEAST = 3 };
+    const double top = s->h[apex];
+    ang_slope slopes[ANG_N_METHODS];
+    size_t first = apex, last = apex, n = 0;
+    for (size_t k = apex; k < s->n; side ? k++ : k--) { /* below 0 it ends too */
+        if (s->h[k] < p->from * top) break;
+        if (s->h[k] > p->to * top) continue;
+        if (n++ == 0) first = k;
+        last = k;
+    }
+    const size_t lo = side ? first : last, hi = side ? last : first;
+    if (n < LEAST)
+        return rp_fail(RP_NO_RESULT, "%zu columns on the %s flank; %d or more expected", n, names[side],
+                       LEAST);
+    RP_TRY(ang_slopes(hi - lo + 1, s->column + lo, s->h + lo, s->cell, ANG_PARABOLA_FREE, slopes));
+    out[side] = (side ? 1.0 : -1.0) * slopes[1].theta * (180.0 / M_PI);
+    out[LEFT_ERROR + side] = slopes[1].theta_se * (180.0 / M_PI);
+    return RP_OK;
+}
+
+static rp_status evaluate(const exp_view *s, const void *params, double out[])
+{
+    const flanks_params *p = params;
+    const double ground = isfinite(s->lo[1]) ? s->lo[1] : 0.0;
+    const ang_options options = {s->d, ANG_TOP, ANG_EMPTY_SKIP, ANG_PARABOLA_FREE};
+    double left = INFINITY, right = -INFINITY, *x = malloc((3 * s->n + 1) * sizeof *x), *y = x + s->n,
+           *r = y + s->n;
+    ang_surface surface = {0};
+    size_t apex = 0;
+    if (!x) return rp_fail(RP_NO_MEMORY, "flanks: out of memory");
+    for (size_t i = 0; i < s->n; i++) {
+        r[i] = s->grains[i].r, y[i] = s->grains[i].y - ground, x[i] = s->grains[i].x;
+        left = fmin(left, x[i] - r[i]), right = fmax(right, x[i] + r[i]);
+    }
+    for (size_t i = 0; i < s->n; i++) x[i] -= left;
+    rp_status status = s->n ? ang_surface_make(s->n, x, y, r, right - left, &options, &surface)
+                            : rp_fail(RP_NO_RESULT, "no grains");
+    for (size_t k = 0; k < surface.n && !status; k++)
+        if (surface.h[k] > surface.h[apex]) apex = k;
+    for (int side = 0; side < 2 && !status; side++) status = flank(&surface, apex, side, p, out);
+    if (!status) {
+        out[MEAN] = 0.5 * (out[LEFT] + out[RIGHT]);
+        out[MEAN_ERROR] = 0.5 * hypot(out[LEFT_ERROR], out[RIGHT_ERROR]);
+        out[HEIGHT] = surface.h[apex];
+        out[APEX] = left + ((double)surface.column[apex] + 0.5) * surface.cell;
+        out[WIDTH] = right - left;
+    }
+    ang_surface_free(&surface);
+    free(x);
+    return status;
+}
+
+const exp_module exp_module_flanks = {
+    .name = "flanks",
+    .about = "both flanks of a heap, by straight lines from the highest column outwards",
+    .word = "no_pile",
+    .schema = schema,
+    .size = sizeof(flanks_params),
+    .outputs = outputs,
+    .evaluate = evaluate};
