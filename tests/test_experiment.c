@@ -459,10 +459,180 @@ static void test_sweeps_refused(void)
     }
 }
 
+/* ---- walls, modules and avalanches ---- */
+
+static const char lift[] =
+    "dt = 1.0e-4; gravity = (0.0, -1000.0); let = { v = 2.0; };\n"
+    "walls = ( { name = \"plate\"; polygon = ((-1.0, 0.0), (1.0, 0.0)); closed = false; } );\n"
+    "particles = ( { x = 0.5; y = 0.1; r = 0.1; m = 0.01; } ); tangential = { law = \"spring\"; mu = 0.5; "
+    "};\n"
+    "phases = ( { name = \"lie\"; steps = 3000; },\n"
+    "  { name = \"up\"; walls = { plate = { velocity = (0.0, \"v\"); }; }; every = 10; until = \"plate.y >= "
+    "0.5\"; },\n"
+    "  { name = \"wait\"; walls = { plate = { velocity = (0.0, 0.0); }; }; steps = 3000; },\n"
+    "  { name = \"tilt\"; walls = { plate = { omega = 0.1; }; }; time = 2.0; },\n"
+    "  { name = \"stop\"; walls = { plate = { omega = 0.0; }; }; steps = 3000; } );\n"
+    "measure = ( { name = \"y0\"; of = \"y\"; at = \"lie\"; }, { name = \"torque\"; of = \"plate.torque\"; "
+    "at = \"lie\"; },\n"
+    "  { name = \"vy_\"; of = \"vy\"; at = \"up\"; }, { name = \"wall_vy\"; of = \"plate.vy\"; at = \"up\"; "
+    "},\n"
+    "  { name = \"y1\"; of = \"y\"; at = \"wait\"; }, { name = \"p1\"; of = \"plate.y\"; at = \"wait\"; },\n"
+    "  { name = \"turned\"; of = \"plate.angle\"; }, { name = \"x2\"; of = \"x\"; }, { name = \"y2\"; of = "
+    "\"y\"; },\n"
+    "  { name = \"px\"; of = \"plate.x\"; }, { name = \"py\"; of = \"plate.y\"; }, { name = \"f\"; of = "
+    "\"plate.fy\"; } );\n";
+
+/* A grain on a plate that rises, stands, turns about its middle and stands again. */
+static void test_walls(void)
+{
+    scoped_trial t;
+    start(&t, lift);
+    finish(&t, 321);
+    CU_ASSERT_STRING_EQUAL(exp_ended(t.run)->status, "ok");
+    CHECK_NEAR(measured(&t, "torque"), -0.01 * 1000.0 * 0.5, 1e-3); /* the weight at its arm */
+    CHECK_NEAR(measured(&t, "vy_"), 2.0, 0.2);
+    CHECK_NEAR(measured(&t, "wall_vy"), 2.0, 0.0);
+    CHECK_NEAR(measured(&t, "p1"), 0.5, 1e-12); /* 2500 steps */
+    CHECK_NEAR(measured(&t, "y1") - measured(&t, "y0"), 0.5, 1e-5);
+    CHECK_NEAR(measured(&t, "turned"), 0.2, 1e-12);
+    CU_ASSERT(measured(&t, "px") == 0.0 && fabs(measured(&t, "py") - 0.5) < 1e-12);
+    /* the grain lies on the plate, which is inclined by 0.2 now, and friction holds it */
+    const double x = measured(&t, "x2"), y = measured(&t, "y2") - 0.5;
+    CHECK_NEAR(y * cos(0.2) - x * sin(0.2), 0.1, 1e-3);
+    CHECK_NEAR(x * cos(0.2) + y * sin(0.2), 0.5, 2e-2);
+    CHECK_NEAR(measured(&t, "f"), -0.01 * 1000.0, 0.05);
+}
+
+/* A heap of columns: two slopes, one apex, a grain that has run out. */
+static void test_modules(void)
+{
+    char text[16384];
+    size_t n = 0;
+    n += (size_t)snprintf(text, sizeof text,
+                          "dt = 1.0e-5; gravity = (0.0, 0.0); regions = { all = { x = (-2.0, 4.2); y = (0.0, "
+                          "9.0); }; right_side = { x = (0.0, 4.0); }; };\nparticles = (");
+    /* columns of width 0.2: heights 2 - 0.4 |x| to the right, 2 - 0.8 |x| to the left */
+    for (int k = -9; k <= 19; k++) {
+        const double x = 0.2 * k, top = k < 0 ? 2.0 + 0.8 * x : 2.0 - 0.4 * x;
+        n += (size_t)snprintf(text + n, sizeof text - n, "%s { x = %.6f; y = %.6f; r = 0.1; }",
+                              k > -9 ? "," : "", x + 0.1, top - 0.1);
+    }
+    snprintf(text + n, sizeof text - n,
+             ", { x = 9.0; y = 0.1; r = 0.1; }, { x = 9.19; y = 0.1; r = 0.1; } );\n"
+             "phases = ( { name = \"look\"; steps = 0; } );\n"
+             "measure = ( { name = \"heap\"; of = \"flanks\"; in = \"all\"; }, { name = \"d_\"; of = "
+             "\"deposit\"; },\n"
+             "  { name = \"s\"; of = \"slope\"; in = \"right_side\"; height = \"top\"; }, { name = \"two\"; "
+             "of = \"slope.r2_deg\"; in = \"right_side\"; height = \"top\"; },\n"
+             "  { name = \"mirrored\"; of = \"slope.r1_deg\"; in = \"right_side\"; falls = \"left\"; } );\n");
+    scoped_trial t;
+    start(&t, text);
+    finish(&t, 100);
+    const double deg = M_PI / 180.0;
+    CU_ASSERT_STRING_EQUAL(exp_ended(t.run)->status, "ok");
+    CHECK_NEAR(measured(&t, "heap_right_deg"), atan(0.4) / deg, 1e-6);
+    CHECK_NEAR(measured(&t, "heap_left_deg"), atan(0.8) / deg, 1e-6);
+    CHECK_NEAR(measured(&t, "heap_mean_deg"), 0.5 * (atan(0.4) + atan(0.8)) / deg, 1e-6);
+    CHECK_NEAR(measured(&t, "heap_height"), 2.0, 1e-6);
+    CHECK_NEAR(measured(&t, "heap_apex"), 0.1, 0.02);
+    CHECK_NEAR(measured(&t, "heap_width"), 29 * 0.2, 1e-6);
+    CU_ASSERT(measured(&t, "heap_right_error_deg") < 1e-6);
+    CHECK_NEAR(measured(&t, "s_r2_deg"), atan(0.4) / deg, 1e-6);
+    CHECK_NEAR(measured(&t, "two"), measured(&t, "s_r2_deg"), 0.0);
+    CHECK_NEAR(measured(&t, "s_r1_deg"), atan(0.4) / deg, 1e-6);
+    CHECK_NEAR(measured(&t, "mirrored"), -atan(0.4) / deg, 1e-6);
+    CU_ASSERT(measured(&t, "s_cells") == 20.0);
+    /* the two that overlap by a hundredth are the only ones that touch */
+    CU_ASSERT(measured(&t, "d__grains") == 2.0);
+    CHECK_NEAR(measured(&t, "d__left"), 8.9, 1e-9);
+    CHECK_NEAR(measured(&t, "d__right"), 9.29, 1e-9);
+}
+
+/* A saw of known teeth, by a drop and by events; levelling off; a time step by its limit. */
+static void test_avalanches(void)
+{
+    static const char text[] =
+        "dt = \"min(1e-4, 0.9*dt_limit(20))\"; gravity = (0.0, 0.0); particles = ( { x = 0.0; y = 0.0; r = "
+        "0.1; } );\n"
+        "phases = ( { name = \"saw\"; steps = 10000; every = 10; } );\n"
+        "measure = ( { name = \"fall\"; of = \"3*(phase_step/995 - floor(phase_step/995))\"; during = "
+        "\"saw\"; take = \"avalanches\"; drop = 1.0; },\n"
+        "  { name = \"shock\"; of = \"floor(phase_step/995)\"; during = \"saw\"; take = \"avalanches\"; "
+        "event = \"change(floor(phase_step/995)) > 0\"; },\n"
+        "  { name = \"level\"; of = \"max(1, 5 - phase_step/500)\"; during = \"saw\"; skip = \"level\"; "
+        "series = true; },\n"
+        "  { name = \"none\"; of = \"1\"; during = \"saw\"; take = \"avalanches\"; drop = 1.0; optional = "
+        "true; } );\n";
+    scoped_trial t;
+    start(&t, text);
+    finish(&t, 1 << 20);
+    CU_ASSERT_STRING_EQUAL(exp_ended(t.run)->status, "ok");
+    CU_ASSERT(measured(&t, "fall_n") == 10.0 && measured(&t, "shock_n") == 10.0 &&
+              measured(&t, "none_n") == 0.0);
+    CHECK_NEAR(measured(&t, "fall_before"), 3.0, 0.05);
+    CHECK_NEAR(measured(&t, "fall_after"), 0.0, 0.05);
+    CU_ASSERT(measured(&t, "fall_before_se") < 0.01);
+    CHECK_NEAR(measured(&t, "shock_before"), 4.5, 1e-12);
+    CHECK_NEAR(measured(&t, "shock_after"), 5.5, 1e-12);
+    CHECK_NEAR(measured(&t, "shock_after_se"), sqrt(82.5 / 9.0 / 10.0), 1e-12);
+    CHECK_NEAR(measured(&t, "level"), 1.0, 0.01);
+    /* the limit is that of a check with the same fall */
+    static const char *const factors[] = {"0.999", "1.001"};
+    for (int k = 0; k < 2; k++) {
+        char fall_text[1024];
+        scoped_trial f;
+        snprintf(fall_text, sizeof fall_text,
+                 "dt = \"%s*dt_limit(sqrt(2*g*(1 - 0)))\"; fill = { N = 3; W = 2.0; H = 1.0; };\n"
+                 "walls = ( { point = (0.0, 0.0); direction = (0.0, 1.0); } );\nphases = ( { name = \"a\"; "
+                 "steps = 1; } );\n",
+                 factors[k]);
+        CHECK_OK(read_text(&f, fall_text));
+        CU_ASSERT(exp_check(f.plan) == (k ? RP_BAD_INPUT : RP_OK));
+    }
+}
+
+static void test_refused_more(void)
+{
+    static const char *const cases[][3] = {
+        {"plate = { velocity = (0.0, \"v\"); };", "plat = { omega = 1.0; };",
+         "plat: no wall has this name (did you mean \"plate\"?)"},
+        {"plate = { velocity = (0.0, \"v\"); };", "plate = { };", "plate: velocity or omega expected"},
+        {"plate = { velocity = (0.0, \"v\"); };", "plate = { speed = 3.0; };", "speed: unknown key"},
+        {"(0.0, \"v\")", "(\"v\")", "velocity: (a, b) expected"},
+        {"of = \"y\"; at = \"lie\"", "of = \"slope\"; at = \"lie\"", "measure y0: in: missing"},
+        {"of = \"y\"; at = \"lie\"", "of = \"flanks.r3\"; at = \"lie\"",
+         "of = \"flanks.r3\": flanks has no such number"},
+        {"of = \"y\"; at = \"lie\"", "of = \"flanks\"; in = \"here\"", "in = \"here\": no such region"},
+        {"of = \"y\"; at = \"lie\"", "of = \"flanks\"; during = \"lie\"",
+         "samples are of one number, as in of = \"flanks.left_deg\""},
+        {"of = \"y\"; at = \"lie\"", "of = \"flanks\"; from = 2.0", "from = 2: out of range"},
+        {"of = \"y\"; at = \"lie\"", "of = \"y\"; in = \"here\"", "in: of a module"},
+        {"of = \"y\"; at = \"lie\"", "of = \"y\"; during = \"lie\"; take = \"avalanches\"",
+         "avalanches are found by drop, or by event"}};
+    char text[8192];
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        scoped_trial t;
+        replaced(lift, cases[k][0], cases[k][1], text);
+        CHECK_FAILS(read_text(&t, text), RP_BAD_INPUT, cases[k][2]);
+    }
+    scoped_trial t, fast;
+    replaced(lift, "v = 2.0", "v = 900.0", text);
+    CHECK_OK(read_text(&t, text));
+    CHECK_FAILS(exp_check(t.plan), RP_BAD_INPUT, "phase up: wall plate needs dt <= ");
+    replaced(lift, "\"v\"", "\"v*(1e5 + y)\"", text); /* known to the run alone */
+    start(&fast, text);
+    finish(&fast, 1000);
+    CU_ASSERT_STRING_EQUAL(exp_ended(fast.run)->status, "too_fast");
+}
+
 void suite_experiment(void)
 {
     static const check_case cases[] = {{"closed forms", test_closed_forms},
                                        {"phases and blocks", test_phases},
+                                       {"walls that change their motion", test_walls},
+                                       {"modules", test_modules},
+                                       {"avalanches", test_avalanches},
+                                       {"refused walls and modules", test_refused_more},
                                        {"cuts", test_cuts},
                                        {"kept and gone on with", test_kept},
                                        {"words of the end", test_words},

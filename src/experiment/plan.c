@@ -203,7 +203,8 @@ enum { MOST_OUTPUTS = 5 }; /* of samples */
 static rp_status read_module(exp_plan *plan, const config_setting_t *setting, exp_measure *m,
                              const char *others[])
 {
-    const char *of = config_setting_get_string(member(setting, "of")), *dot = of ? strchr(of, '.') : NULL;
+    const config_setting_t *what = member(setting, "of");
+    const char *of = what ? config_setting_get_string(what) : NULL, *dot = of ? strchr(of, '.') : NULL;
     m->module = of ? exp_module_find(of, dot ? (size_t)(dot - of) : strlen(of)) : NULL;
     m->pick = -1;
     if (!m->module) return RP_OK;

@@ -166,7 +166,7 @@ static rp_status print_all(cli_call *call, const void *values)
     const char *name = cli_argument(call, 0);
     const bool rows = cli_given(call, "json");
     bool found = false;
-    if (name && rp_ends_in(name, ".cfg")) return file_rows(call, name);
+    if (name && rp_ends_in(name, ".cfg")) return file_rows(call, cli_data(call->arena, name));
     rp_units_set((rp_units)o->units);
     if (rows) {
         cli_provenance(call, stdout);
