@@ -11,6 +11,7 @@
 #include "params/units.h"
 #include "core/version.h"
 #include "dem/scene/scene.h"
+#include "experiment/experiment.h"
 #include "report/pages.h"
 #include "tests/check.h"
 #include "tests/program.h"
@@ -629,12 +630,33 @@ static void scene_lines(bool si)
     }
 }
 
-/* What is asked for, blank lines between the protocols and the scene. */
+static void experiment_lines(bool si)
+{
+    for (const exp_group *g = exp_groups; g->name; g++) {
+        line_is("# experiment, %s: %s", g->name, g->manual);
+        schema_lines(g->schema, si);
+    }
+    exp_group m;
+    for (size_t k = 0; (m = exp_module_at(k)).name; k++) {
+        line_is("# experiment, measure of = \"%s\": %s; a column is the measure's name with one of", m.name,
+                m.manual);
+        for (const exp_output *o = m.outputs; o->name; o++)
+            line_is("#   %-25s %-10s %s", o->name, or_dash(o->unit), o->meaning);
+        schema_lines(m.schema, si);
+    }
+    line_is("# experiment, what expressions may ask for");
+    line_is("# %-25s %-10s %-14s %s", "name", "unit", "of", "meaning");
+    exp_word w;
+    for (size_t k = 0; (w = exp_observable_at(k)).name; k++)
+        line_is("  %-25s %-10s %-14s %s", w.name, or_dash(rp_unit(w.unit)), w.of, w.meaning);
+}
+
+/* What is asked for, blank lines between the protocols, the scene and experiments. */
 static void test_params(void)
 {
     static const char *const words[] = {"params", "params --units si", "params scene --units si",
-                                        "params flux"};
-    for (size_t k = 0; k < 4; k++) {
+                                        "params flux", "params experiment"};
+    for (size_t k = 0; k < 5; k++) {
         const bool si = k == 1 || k == 2;
         GOOD("%s", words[k]);
         rest = out;
@@ -645,6 +667,8 @@ static void test_params(void)
         }
         if (k < 3) scene_lines(si);
         if (k == 3) protocol_lines(&sweep_protocol_flux, si);
+        if (k < 2) line_is("%s", "");
+        if (k < 2 || k == 4) experiment_lines(si);
         text_ends();
     }
     rp_units_set(RP_CGS);
@@ -701,6 +725,15 @@ static void test_params_json(void)
         }
         for (const dem_scene_group *g = dem_scene_schemas; g->name; g++)
             schema_rows("scene", g == dem_scene_schemas ? "top level" : g->name, g->schema, si);
+        for (const exp_group *g = exp_groups; g->name && k < 2; g++)
+            schema_rows("experiment", g->name, g->schema, si);
+        exp_group m;
+        for (size_t i = 0; (m = exp_module_at(i)).name && k < 2; i++)
+            schema_rows("experiment", m.name, m.schema, si);
+        exp_word w;
+        for (size_t i = 0; (w = exp_observable_at(i)).name && k < 2; i++)
+            row_is((const char *[]){"experiment", "observable", w.name, or_dash(rp_unit(w.unit)), "-", "-",
+                                    w.of, w.meaning});
         CU_ASSERT_EQUAL(row_now, json_array_size(rows));
         json_decref(all);
     }
