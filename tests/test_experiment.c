@@ -625,6 +625,44 @@ static void test_refused_more(void)
     CU_ASSERT_STRING_EQUAL(exp_ended(fast.run)->status, "too_fast");
 }
 
+/* A thousand texts with parts exchanged, doubled or left out: refused with a message, or run to a word. */
+static void test_random_texts(void)
+{
+    static const char *const texts[] = {hopper, lift, fall};
+    static const char *const parts[] = {"0.0",  "-1",  "1e300", "\"inf\"",  "\"0/0\"", "\"grains\"",
+                                        "true", "( )", "{ }",   "\"rest\"", "1e-300",  "\"1/(grains - 60)\""};
+    unsigned random = 1993;
+    const int n = check_fast() ? 150 : 1000;
+    for (int k = 0; k < n; k++) {
+        char text[8192], mutated[8192];
+        strcpy(text, texts[k % 3]);
+        for (int change = 0; change < 1 + k % 3; change++) {
+            /* from one sign to another */
+            const size_t length = strlen(text);
+            random = random * 1664525u + 1013904223u;
+            size_t from = (random >> 8) % length;
+            while (from < length && !strchr("=;,({ ", text[from])) from++;
+            const size_t to =
+                from + 1 + strcspn(text + from + 1 < text + length ? text + from + 1 : "", ";,)} ");
+            random = random * 1664525u + 1013904223u;
+            const char *part = parts[(random >> 8) % (sizeof parts / sizeof *parts)];
+            snprintf(mutated, sizeof mutated, "%.*s %s %s", (int)(from < length ? from + 1 : length), text,
+                     (random >> 20) % 4 ? part : "", to < length ? text + to : "");
+            if (strlen(mutated) < 6000) strcpy(text, mutated);
+        }
+        scoped_trial t;
+        rp_status status = read_text(&t, text);
+        if (!status) status = exp_check(t.plan);
+        if (!status && exp_scene(t.plan)->has_fill && exp_scene(t.plan)->fill.N > 100) continue;
+        if (!status) status = exp_start(t.plan, 1, 2, &t.run);
+        for (int part = 0; !status && part < 100 && !exp_done(t.run); part++) status = exp_advance(t.run, 50);
+        const bool right =
+            status ? status == RP_BAD_INPUT && *rp_message() : !exp_done(t.run) || *exp_ended(t.run)->status;
+        if (!right) fprintf(stderr, "status %d, %s\n%s\n", status, rp_message(), text);
+        CU_ASSERT(right);
+    }
+}
+
 void suite_experiment(void)
 {
     static const check_case cases[] = {{"closed forms", test_closed_forms},
@@ -638,6 +676,7 @@ void suite_experiment(void)
                                        {"words of the end", test_words},
                                        {"refused", test_refused},
                                        {"keys", test_keys},
+                                       {"random texts", test_random_texts},
                                        {"repose run", test_run},
                                        {"stopped and resumed", test_resumed},
                                        {"swept", test_swept},

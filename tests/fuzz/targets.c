@@ -11,6 +11,7 @@
 
 #include "params/config.h"
 #include "dem/scene/scene.h"
+#include "experiment/experiment.h"
 #include "dem/state/state.h"
 
 /* The programs' own main, as functions. */
@@ -93,6 +94,25 @@ static void read_scene(size_t n, const char text[])
     dem_scene scene;
     if (dem_scene_read("s.cfg", NULL, &scene) == RP_OK) use_scene(&scene);
     dem_scene_free(&scene);
+}
+
+/* An experiment, for a while: each of its looks, and an end with a word. */
+static void read_experiment(size_t n, const char bytes[])
+{
+    (void)n, (void)bytes;
+    dem_text text;
+    exp_plan *plan = NULL;
+    exp_run *run = NULL;
+    rp_status status = dem_text_open("e.cfg", NULL, &text);
+    if (!status) status = exp_read(&text, &plan);
+    if (!status) status = exp_check(plan);
+    if (!status && exp_scene(plan)->has_fill && exp_scene(plan)->fill.N > 200) status = RP_NO_RESULT;
+    if (!status) status = exp_start(plan, 1, 2, &run);
+    for (int k = 0; !status && k < 300 && !exp_done(run); k++) status = exp_advance(run, 20);
+    demand(status || !exp_done(run) || *exp_ended(run)->status, "an end without a word");
+    exp_run_free(run);
+    exp_free(plan);
+    dem_text_close(&text);
 }
 
 /* The text of --set. */
@@ -374,6 +394,7 @@ static const char grains_text[] = "# x\ty\tm\n1\t1\t1\n1.1\t1.5\t1\n";
 
 const fuzz_target fuzz_targets[] = {
     {"scene", {"s.cfg", "included.cfg"}, "steps = 3;\n", NULL, read_scene, true},
+    {"experiment", {"e.cfg", NULL}, NULL, NULL, read_experiment, true},
     {"set", {"set.txt", NULL}, NULL, NULL, read_set, true},
     {"param", {"param.txt", NULL}, NULL, NULL, read_param, false},
     {"sweep", {"s.cfg", NULL}, NULL, NULL, read_sweep, false},
