@@ -25,6 +25,7 @@ struct sweep_experiment {
     sweep_protocol protocol;
     rp_arena arena;
     dem_text text;
+    bool open;
     char *bytes;
 };
 
@@ -229,6 +230,7 @@ static rp_status open_text(const char *path, const rp_texts *changes, sweep_expe
 {
     exp_plan *plan = NULL;
     RP_TRY(rp_file_read(path, &e->bytes));
+    e->open = true;
     RP_TRY(dem_text_open(path, changes, &e->text));
     if (!exp_has_phases(&e->text))
         return rp_fail(RP_BAD_INPUT, "%s: has no phases; a sweep needs an experiment", path);
@@ -243,7 +245,6 @@ rp_status sweep_experiment_open(const char *path, const rp_texts *changes, sweep
 {
     *made = calloc(1, sizeof **made);
     if (!*made) return rp_fail(RP_NO_MEMORY, "experiment: out of memory");
-    config_init(&(*made)->text.config);
     const char *kept = rp_text(&(*made)->arena, "%s", path);
     return kept ? open_text(kept, changes, *made) : RP_NO_MEMORY;
 }
@@ -251,7 +252,7 @@ rp_status sweep_experiment_open(const char *path, const rp_texts *changes, sweep
 void sweep_experiment_close(sweep_experiment *e)
 {
     if (!e) return;
-    dem_text_close(&e->text);
+    if (e->open) dem_text_close(&e->text);
     rp_arena_end(&e->arena);
     free(e->bytes);
     free(e);
