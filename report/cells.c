@@ -245,7 +245,7 @@ static rp_status read_pooled(report_tables *tables, const report_reference *r, r
     return RP_OK;
 }
 
-static stats_number difference(stats_number a, stats_number b)
+stats_number report_difference(stats_number a, stats_number b)
 {
     return (stats_number){a.value - b.value, hypot(a.se, b.se)};
 }
@@ -264,8 +264,8 @@ rp_status report_number_find(report_tables *tables, const report_reference *refe
     *missing |= !cell->table;
     if (!reference->less) return RP_OK;
     RP_TRY(report_number_find(tables, reference->less, cell, &less, missing));
-    number->shown = difference(number->shown, less.shown);
-    number->tested = difference(number->tested, less.tested);
+    number->shown = report_difference(number->shown, less.shown);
+    number->tested = report_difference(number->tested, less.tested);
     return RP_OK;
 }
 

@@ -81,6 +81,9 @@ rp_status report_cell_number(const report_cell *cell, report_number *number);
 rp_status report_number_find(report_tables *tables, const report_reference *reference, report_cell *cell,
                              report_number *number, bool *missing);
 
+/* a - b with independent errors. */
+stats_number report_difference(stats_number a, stats_number b);
+
 /* Decimals that show two significant digits of an error > 0. */
 int report_decimals(double se);
 

@@ -277,29 +277,23 @@ static report_verdict decide(const report_claim *c, const report_chances *raised
     return REPORT_REPRODUCED; /* a formula, by its tests */
 }
 
-/* Several agreements together, and what one shift common to all leaves of their chi^2. */
+/* Several agreements together. */
 static rp_status judge_joint(rp_arena *arena, const report_claims *all, const report_claim *c,
                              report_judged judged[], report_judged *j)
 {
     const report_words words = report_split(arena, c->answer);
-    double *z = rp_arena_memory(arena, (size_t)words.n, sizeof *z), weights = 0.0, shift = 0.0, chi2, p,
-           left = 0.0;
-    for (int pass = 0; pass < 2; pass++)
-        for (int i = 0; i < words.n; i++) {
-            const report_claim *of = NULL;
-            RP_TRY(report_claims_find(all, words.word[i], &of));
-            const report_judged *one = &judged[of - all->claims];
-            if (one->verdict == REPORT_NO_DATA) return j->verdict = REPORT_NO_DATA, RP_OK;
-            const double d = one->ours.tested.value - of->number.value,
-                         se = hypot(one->ours.tested.se, of->number.se);
-            z[i] = d / se;
-            if (pass == 0) weights += 1.0 / (se * se), shift += d / (se * se);
-            if (pass == 1) left += (d - shift / weights) * (d - shift / weights) / (se * se);
-        }
-    j->verdict = j->uncorrected = report_joint((size_t)words.n, z, &chi2, &p);
-    j->text = rp_text(
-        arena, "chi² = %.1f over %d, p = %.2g; with a common shift of %s, %.1f over %d", chi2, words.n, p,
-        report_number_text(arena, (stats_number){shift / weights, 1.0 / sqrt(weights)}), left, words.n - 1);
+    stats_number *d = rp_arena_memory(arena, (size_t)words.n, sizeof *d);
+    for (int i = 0; i < words.n; i++) {
+        const report_claim *of = NULL;
+        RP_TRY(report_claims_find(all, words.word[i], &of));
+        const report_judged *one = &judged[of - all->claims];
+        if (one->verdict == REPORT_NO_DATA) return j->verdict = REPORT_NO_DATA, RP_OK;
+        d[i] = report_difference(one->ours.tested, of->number);
+    }
+    const report_together t = report_joint((size_t)words.n, d);
+    j->verdict = j->uncorrected = t.verdict;
+    j->text = rp_text(arena, "chi² = %.1f over %d, p = %.2g; with a common shift of %s, %.1f over %d", t.chi2,
+                      words.n, t.p, report_number_text(arena, t.shift), t.left, words.n - 1);
     return RP_OK;
 }
 

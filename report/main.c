@@ -128,7 +128,7 @@ static const cli_command published = {
     .options = published_params,
     .act = print_published};
 
-const cli_command *const report_commands[] = {&claims, &published, &report_page, NULL};
+const cli_command *const report_commands[] = {&claims, &published, &report_joint_command, &report_page, NULL};
 
 int main(int argc, char **argv)
 {

@@ -12,7 +12,7 @@
       "folders of tables, joined by commas; a table is read from the first folder that holds it")            \
     REPORT_CLAIMS(X)
 
-extern const cli_command report_page;
+extern const cli_command report_page, report_joint_command;
 
 /* The commands of the program, ended by NULL. */
 extern const cli_command *const report_commands[];

@@ -90,12 +90,20 @@ report_verdict report_trends(const report_change *change, int sign, double margi
     return within(change, margin) ? REPORT_NOT_REPRODUCED : REPORT_OPEN;
 }
 
-report_verdict report_joint(size_t n, const double z[], double *chi2, double *p)
+report_together report_joint(size_t n, const stats_number differences[])
 {
-    *chi2 = 0.0;
-    for (size_t i = 0; i < n; i++) *chi2 += z[i] * z[i];
-    *p = gsl_cdf_chisq_Q(*chi2, (double)n);
-    return report_bound(*p, level, 1);
+    report_together t = {0};
+    double weights = 0.0, sum = 0.0;
+    for (size_t i = 0; i < n; i++) {
+        const stats_number d = differences[i];
+        const double weight = 1.0 / (d.se * d.se);
+        t.chi2 += weight * d.value * d.value, weights += weight, sum += weight * d.value;
+    }
+    t.shift = (stats_number){sum / weights, 1.0 / sqrt(weights)};
+    t.left = t.chi2 - t.shift.value * sum;
+    t.p = gsl_cdf_chisq_Q(t.chi2, (double)n);
+    t.verdict = report_bound(t.p, level, 1);
+    return t;
 }
 
 report_verdict report_order(stats_number quotient, double factor)

@@ -80,8 +80,14 @@ report_verdict report_order(stats_number quotient, double factor);
 /* a/b with independent errors. */
 stats_number report_quotient(stats_number a, stats_number b);
 
-/* Numbers z[n] of standard errors together: chi^2, and its chance, whose 5 % decide. */
-report_verdict report_joint(size_t n, const double z[], double *chi2, double *p);
+/* n differences from published numbers together: chi^2 and its chance, whose 5 % decide; the shift that all
+ * have in common, and what it leaves of chi^2. NaN, and open, where one is not known. */
+typedef struct {
+    double chi2, p, left;
+    stats_number shift;
+    report_verdict verdict;
+} report_together;
+report_together report_joint(size_t n, const stats_number differences[]);
 
 /* How many of each verdict. */
 void report_count_verdicts(size_t n, const report_verdict verdicts[], size_t counts[REPORT_VERDICTS]);

@@ -149,16 +149,20 @@ static void test_corrected(void)
     IS(report_equivalent(&none, 1.0, &(report_chances){.effect = NAN, .margin = NAN}), "open");
 }
 
-/* chi^2 of two degrees of freedom is above x with the chance exp(-x/2): 5 % at 5.99. */
+/* chi^2 of two degrees of freedom is above x with the chance exp(-x/2): 5 % at 5.99. What a common shift
+ * leaves of two numbers is their difference over its error. */
 static void test_joint(void)
 {
-    const double z[] = {1.2, -2.1};
-    double chi2, p;
-    IS(report_joint(2, z, &chi2, &p), "reproduced");
-    CHECK_NEAR(chi2, 1.44 + 4.41, 1e-14);
-    CHECK_NEAR(p, exp(-0.5 * chi2), 1e-14);
-    IS(report_joint(2, (const double[]){2.0, 1.42}, &chi2, &p), "not reproduced");
-    IS(report_joint(2, (const double[]){NAN, 1.42}, &chi2, &p), "open");
+    const stats_number d[] = {{1.2, 1.0}, {-4.2, 2.0}};
+    const report_together t = report_joint(2, d);
+    IS(t.verdict, "reproduced");
+    CHECK_NEAR(t.chi2, 1.44 + 4.41, 1e-14);
+    CHECK_NEAR(t.p, exp(-0.5 * t.chi2), 1e-14);
+    CHECK_NEAR(t.shift.value, (1.2 - 4.2 / 4.0) / 1.25, 1e-14);
+    CHECK_NEAR(t.shift.se, 1.0 / sqrt(1.25), 1e-14);
+    CHECK_NEAR(t.left, 5.4 * 5.4 / 5.0, 1e-14);
+    IS(report_joint(2, (const stats_number[]){{2.0, 1.0}, {1.42, 1.0}}).verdict, "not reproduced");
+    IS(report_joint(2, (const stats_number[]){{NAN, 1.0}, {1.42, 1.0}}).verdict, "open");
 }
 
 static void test_few(void)
