@@ -1136,6 +1136,17 @@ static void test_checksums(void)
                   "diff checksums.txt - && [ -s checksums.txt ]");
 }
 
+/* Where the whole history is there, each table was made by commits of it, and by no changed one. */
+static void test_commits(void)
+{
+    holds_in_tree("[ \"$(git rev-parse --is-shallow-repository 2>/dev/null)\" = false ] || exit 0; git "
+                  "rev-list HEAD >$to/commits; "
+                  "find results -name '*.tsv' -exec sed -n '/^# program:/p; /^# runs made by:/p' {} + | "
+                  "grep -oE 'commit [0-9a-f]+(-dirty)?' | sort -u | while read -r _ made; do "
+                  "grep -q \"^$made\" $to/commits || { grep -rl \"commit $made\" results; echo \"$made: no "
+                  "commit of this history\"; exit 1; }; done");
+}
+
 static void test_remade(void)
 {
     if (!check_fast())
@@ -1162,6 +1173,7 @@ void suite_evidence(void)
                                        {"claims, second entry", test_claims_again},
                                        {"pages are what results say", test_pages},
                                        {"checksums of results", test_checksums},
+                                       {"commits of results", test_commits},
                                        {"what make makes anew", test_remade},
                                        {0}};
     check_register_within("evidence", enter, leave, cases);
