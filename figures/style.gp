@@ -4,6 +4,7 @@
 #   heading    what the figure shows, in bold; `remark`: what its bars and marks mean. A page says both beside a shown one
 #   panels     how many (1); two stand side by side, and more go on below
 #   legend     entries of the key above each panel (0); `shared`: of one key above all panels
+#   sample     length of a line in the key (1.5); 0 where the key has marks alone
 #   across     columns of a journal that a panel spans (1); `ratio`: its height over its width
 # Each of several panels begins with `eval panel(K, NAME)`.
 set encoding utf8
@@ -13,6 +14,7 @@ if (!exists('panels')) panels = 1
 if (!exists('legend')) legend = 0
 if (!exists('shared')) shared = 0
 if (!exists('across')) across = 1
+if (!exists('sample')) sample = 1.5
 
 # Sizes in cm. A column of a journal is 8.6 cm wide. Letters of 8.8 pt leave indices at 7 pt.
 letters = 8.8
@@ -92,7 +94,7 @@ place(k) = sprintf('set lmargin at screen %g; set rmargin at screen %g; set tmar
                    from_left(k)/width, (from_left(k) + panel_width)/width, 1 - from_top(k)/height, 1 - (from_top(k) + panel_height)/height)
 key_at(k) = shared ? sprintf('set key at screen %g, screen %g', 0.1/width, 1 - top/height) \
                    : sprintf('set key at screen %g, screen %g', (from_left(k) - left_margin + 0.1)/width, 1 - (from_top(k) - 0.2)/height)
-key(k) = shared && k > 1 ? 'unset key;' : key_at(k).sprintf(' left bottom Left reverse samplen 1.5 spacing 1.1 maxrows %d;', shared + legend)
+key(k) = shared && k > 1 ? 'unset key;' : key_at(k).sprintf(' left bottom Left reverse samplen %g spacing 1.1 maxrows %d;', sample, shared + legend)
 name_at(k, name) = name eq '' ? '' : sprintf("set label 90 '%s' at screen %g, screen %g;", name, (from_left(k) - left_margin + 0.3)/width, \
                                         1 - (from_top(k) - 0.3 - line_height*(legend + 0.5))/height)
 panel(k, name) = (k > 1 ? 'unset label 91; unset label 92;' : '').place(k).key(k).name_at(k, name)
@@ -116,6 +118,10 @@ is(key, value) = '($c["'.key.'"] "" == "'.value.'" || ("'.value.'" + 0 && $c["'.
 rows(name, key, value) = '< '.rows_do(name, 'print; ', is(key, value))
 pick(name, key, value, col) = system(rows_do(name, '', is(key, value).' { print $c["'.col.'"]; exit }'))
 most(name, col) = real(system(rows_do(name, '', '$c["'.col.'"] > m { m = $c["'.col.'"] } END { print m }')))
+# Column COL of a table less that of another, a line of the same x/B from 0 to 1: columns x and less.
+less(name, line, col) = "< awk -F'\t' 'FNR == 1 { file++; head = 1 } /^#/ { next } head { for (i = 1; i <= NF; i++) c[file, $i] = i; head = 0; if (file == 2) print \"x\tless\"; next } ".\
+    "file == 1 { n++; x[n] = $c[1, \"x/B\"]; f[n] = $c[1, \"".col."\"]; next } { at = $c[2, \"x/B\"]; if (k < 1) k = 1; while (k < n - 1 && x[k + 1] < at) k++; ".\
+    "print at \"\t\" $c[2, \"".col."\"] - f[k] - (f[k + 1] - f[k])*(at - x[k])/(x[k + 1] - x[k]) }' ".path(line).' '.path(name)
 # A published number: column published or published_se of the claim ID; rows of a table of them.
 published(id, col) = real(pick('claims/published.tsv', 'id', id, col))
 printed(x, id) = sprintf("%s\t%.17g\t%.17g", x, published(id, 'published'), published(id, 'published_se'))

@@ -4,6 +4,7 @@ heading = 'Angle of repose against height of the box'
 remark = sprintf('bars: standard error over %d piles at most; changes: of a straight line over the whole range of {/:Italic H}', most('lh2a/points.tsv', 'n'))
 panels = 2
 shared = 3
+sample = 0
 load 'figures/style.gp'
 mus = '0.3 0.2 0.1'
 change(mu) = sprintf('{/:Italic μ} = %s, changes by %.1f ± %.1f', mu, real(pick('lh2a/trend.tsv', 'mu', mu, 'change')), real(pick('lh2a/trend.tsv', 'mu', mu, 'change_se')))

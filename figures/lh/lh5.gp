@@ -1,8 +1,8 @@
-# Lee & Herrmann 1993, figure 5: angle of the pile just before a grain is added. Rows 0, 10 and 20 of the sweep are
-# the first pile of each v_cut.
+# Lee & Herrmann 1993, figure 5: angle of the pile just before a grain is added. Row 0 of the sweep is the first pile of the
+# paper's v_cut; beside it all piles of three v_cut, and boxes that are opened on the same floor.
 # sweeps: lh5 lh_floor
 heading = 'Angle of a pile that grows grain by grain'
-remark = 'vertical line: end of the transient'
+remark = 'vertical line: end of the transient; (b) mean of each pile after it, bars: standard deviation; at the right the slope of each opened box'
 panels = 2
 legend = 3
 load 'figures/style.gp'
@@ -15,7 +15,7 @@ v_cut(row) = '{/:Italic v}_{cut} = '.note('lh5/row_'.row.'/series.tsv', 'v_cut')
 set ylabel '{/:Italic θ} (degrees), method 3'
 set yrange [0:38]
 set ytics 10
-eval panel(1, '(a) fastest grains')
+eval panel(1, '(a) against the iteration')
 set xlabel 'iteration (10^5)'
 set arrow 1 from level/1e5, graph 0 to level/1e5, graph 1 nohead ls guide
 plot t('lh5/row_0/series.tsv') using (column('step')/1e5):(column('theta_r3_deg')) with lines lw 1 lc 'black' title v_cut('0'), \
@@ -23,8 +23,12 @@ plot t('lh5/row_0/series.tsv') using (column('step')/1e5):(column('theta_r3_deg'
        with lines ls 12 title k ? '' : 'mean ± standard deviation', \
      opened with lines ls theory title sprintf('mean {/:Italic θ}_R of opened boxes, same floor, %.1f', opened)
 unset arrow 1
-eval panel(2, '(b) slower grains')
-set xlabel 'grains added'
-plot for [row in '10 20'] t('lh5/row_'.row.'/series.tsv') using (column('insertion')):(column('theta_r3_deg')) \
-       with lines lw 1 lc rgb (row eq '10' ? '#000000' : '#0072b2') title v_cut(row), \
+eval panel(2, '(b) each pile after the transient')
+set xlabel '{/:Italic v}_{cut} (cm/s)' offset -4, 0.6
+set xrange [0.4:4.6]
+set yrange [12:30]
+set xtics ('0.1' 1, '0.01' 2, '0.001' 3, 'opened' 4)
+x(v) = column('v_cut') == v ? 0.03*column('replica') - 0.15 - log10(v) : NaN
+plot for [v in '0.1 0.01 0.001'] t('lh5/runs.tsv') using (x(real(v))):(column('theta_deg')):(column('theta_sd_deg')) with yerrorbars ls 1 notitle, \
+     t('lh_floor/runs.tsv') using (stringcolumn('floor') eq 'ends' ? 3.85 + 0.03*column('replica') : NaN):(column('theta_r3_deg')) with points ls 2 notitle, \
      opened with lines ls theory notitle

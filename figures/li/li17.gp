@@ -22,6 +22,6 @@ do for [k=1:2] {
     curves = "t('continuum/32.6.tsv') using (column('x/B')):(column(f)/S_max) with lines ls theory title 'continuum', ".\
          "t(soft) using (column('x/B')):(column(q.'_diagonals/mg')/S_max/B) with points ls 2 pt 2 title 'diagonal contacts alone', ".\
          "t(soft) using (column('x/B')):(column(f)/S_max) with points ls ours title note(soft, 'n_disks').' soft disks'"
-    experiment = ", '+' using (0.5):(1 - large):(1 - large):(1 - small) every ::0::0 with yerrorbars ls paper title 'experiment, at the centre only'"
+    experiment = ", '+' using (0.5):(1 - 0.5*(large + small)):(1 - large):(1 - small) every ::0::0 with yerrorbars ls paper pt 0 title 'experiment, at the centre'"
     eval 'plot '.curves.(k == 2 ? experiment : '')
 }

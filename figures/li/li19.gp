@@ -4,7 +4,7 @@
 stiff = 'pile/tent_90_30_45_38_1e-5_1.tsv'
 soft = 'pile/tent_90_30_45_38_1e-5_3000.tsv'
 heading = 'Forces on the base of the tent of 30° and 45°'
-panels = 2
+panels = 4
 shared = 3
 load 'figures/style.gp'
 B = real(note(stiff, 'B'))
@@ -21,5 +21,20 @@ do for [k=1:2] {
          "t(stiff) using (column('x/B')):(column(q.'_diagonals/mg')/B) with points ls 2 pt 2 title 'diagonal contacts alone', ".\
          "t(soft) using (column('x/B')):(column(f)) with points ls 3 title 'soft disks, wells of 3000 εσ', ".\
          "t(stiff) using (column('x/B')):(column(f)) with points ls ours title 'soft disks, wells of εσ'"
+    if (k == 1) { of_normal = curves }
     eval 'plot '.(k == 1 ? other : '').curves
 }
+eval panel(3, '(c) normal force, the middle')
+set ylabel '{/:Italic N} / ({/:Italic χgB})'
+set xrange [0.25:0.75]
+set yrange [0.22:0.29]
+q = 'N'
+f = 'N/(chi*g*B)'
+eval 'plot '.of_normal
+eval panel(4, '(d) normal force less continuum')
+set ylabel 'difference'
+set xrange [0:1]
+set yrange [-0.06:0.06]
+plot 0 with lines ls theory notitle, \
+     less(soft, 'tent/30_45_38.tsv', f) using (column('x')):(column('less')) with points ls 3 notitle, \
+     less(stiff, 'tent/30_45_38.tsv', f) using (column('x')):(column('less')) with points ls ours notitle

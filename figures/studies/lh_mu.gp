@@ -3,6 +3,7 @@
 heading = 'Angle of repose of grains of large friction'
 remark = sprintf('bars: standard error over the piles at rest, of %d a point; {/:Italic W} = {/:Italic H} = 4 cm', most('lh_mu/points.tsv', 'n'))
 legend = 3
+sample = 0
 load 'figures/style.gp'
 set logscale x
 set xlabel 'friction {/:Italic μ}'

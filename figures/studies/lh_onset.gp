@@ -4,6 +4,7 @@ heading = 'The onset of motion: what slides, what moves, and what goes with it'
 remark = sprintf('%d piles at each friction; (a) to (c) {/:Italic μ} = 0.2; bars: standard error, in (c) 95 %% interval', most('lh_onset/points.tsv', 'theta_r3_deg_n'))
 panels = 3
 legend = 3
+sample = 0
 load 'figures/style.gp'
 c(name) = column(name)
 at(mu, x) = c('mu') == mu ? x : NaN

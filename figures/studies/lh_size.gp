@@ -5,6 +5,7 @@ remark = sprintf('bars: standard error, %d piles a point up to {/:Italic W} = 4,
                  most('lh_size/points.tsv', 'n'), most('lh_size_mid/points.tsv', 'n'), most('lh_size_large/points.tsv', 'n'))
 panels = 3
 legend = 3
+sample = 0
 load 'figures/style.gp'
 mus = '0.3 0.2 0.1'
 runs = 'lh_size/points.tsv lh_size_mid/points.tsv lh_size_large/points.tsv'

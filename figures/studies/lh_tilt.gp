@@ -4,6 +4,7 @@ heading = 'Onset of motion against the rate of tilt'
 remark = 'bars: standard error over piles; lines without points: 0.1° at a time, each to rest'
 panels = 2
 shared = 3
+sample = 0
 load 'figures/style.gp'
 of(mu, tilt, x) = column('mu') == real(mu) && strcol('tilt') eq tilt ? x : NaN
 rest(mu, tilt) = real(system(rows_do('lh_tilt_static/points.tsv', '', is('mu', mu).' && '.is('tilt', tilt).' { print $c["theta_t_static_deg_mean"] }')))

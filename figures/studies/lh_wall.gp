@@ -4,6 +4,7 @@ heading = 'Friction of grains, floor and walls'
 remark = sprintf('friction from 0.1 to 0.4, the others 0.2; bars: standard error, %d piles a point of the floor', \
                  most('lh_floor_upper/points.tsv', 'n'))
 legend = 4
+sample = 0
 load 'figures/style.gp'
 set xlabel 'size of the box {/:Italic W} = {/:Italic H} (cm)'
 set ylabel 'change of the slope (degrees)'

@@ -5,6 +5,7 @@ heading = 'Unequal disks in a lattice: disorder over softness, and friction'
 remark = sprintf('triangles of 30°, %d and %d piles to a setting, means with standard errors; (a) excess: {/:Italic N} of the middle less that of diagonal contacts alone; (b) less that of 60-degree rays', most('li_scale/points.tsv', 'excess_n'), most('li_lattice/points.tsv', 'excess_n'))
 panels = 2
 legend = 3
+sample = 0
 load 'figures/style.gp'
 set logscale x
 set format x '10^{%T}'
