@@ -6,6 +6,8 @@ Table.dataframe() needs pandas.
     pile = repose.run("scene.cfg", "out", every=1000, set={"tangential.mu": 0.3})
     for frame in pile:
         print(frame.t, max(frame.grains["y"]))
+    hopper = repose.run("hopper.cfg", D=1.6)
+    print(hopper.status, hopper.measures["rate"], hopper.units["rate"])
     runs = repose.sweep("lh3.cfg", "lh3")
     print(runs["theta_r3_deg"], runs.units["theta_r3_deg"])
 
@@ -160,11 +162,16 @@ def program():
     return found
 
 
-def _output(*words, allowed=(0,)):
+def _answer(*words, allowed=(0,)):
+    """What the program prints, its message, and its exit status, one of those allowed."""
     done = subprocess.run([program(), *map(str, words)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     if done.returncode not in allowed:
         raise Error(done.stderr.strip(), done.returncode)
-    return done.stdout
+    return done.stdout, done.stderr.strip(), done.returncode
+
+
+def _output(*words, allowed=(0,)):
+    return _answer(*words, allowed=allowed)[0]
 
 
 def command(*words, allowed=(0,)):
@@ -173,16 +180,32 @@ def command(*words, allowed=(0,)):
     return parse_table(_output(*words, allowed=allowed))
 
 
-def run(scene, folder, every=None, set=None, options=()):
-    """Simulate a scene into a folder, a frame every `every` steps, with keys of the scene replaced by `set`.
-    Returns its Frames."""
-    words = ["run", scene, "-o", folder, *options]
+class Run:
+    """What an experiment, a scene with phases, has given: its `status` and `message`, `measures` and their `units` by
+    name, and with a folder its `frames`. A measure without a value is nan."""
+
+    def __init__(self, table, frames):
+        self.status, self.message = table.notes.get("status", ""), table.notes.get("message", "")
+        self.measures = dict(zip(table["measure"], map(float, table["value"])))
+        self.units = dict(zip(table["measure"], table["unit"]))
+        self.frames = frames
+
+
+def run(scene, folder=None, every=None, set=None, options=(), **lets):
+    """Simulate a scene into a folder, a frame every `every` steps, with keys of the scene replaced by `set`, and its
+    own names by keywords, as D=1.6. Returns its Frames; of a scene with phases a Run, which needs no folder."""
+    words = ["run", scene, *(["-o", folder] if folder else []), *options]
     if every:
         words += ["--every", every]
-    for key, value in (set or {}).items():
+    for key, value in {**(set or {}), **lets}.items():
         words += ["--set", f"{key}={str(value).lower() if isinstance(value, bool) else value}"]
-    command(*words)
-    return read_frames(folder)
+    printed, message, status = _answer(*words, allowed=(0, 1))
+    table = parse_table(printed)
+    if "measure" in table.names:
+        return Run(table, read_frames(folder) if folder else [])
+    if status:
+        raise Error(message, status)
+    return read_frames(folder) if folder else [Frame(int(table["step"][0]), table["t"][0], table, None, None)]
 
 
 def sweep(file, folder, workers=None, replicas=None):

@@ -806,6 +806,11 @@ static void test_package(void)
     if (check_fast()) return; /* Python's part has no sanitizers */
     char script[PATH_MAX], line[PATH_MAX + 128];
     write_run();
+    write_text(
+        "e.cfg",
+        "let = { n = 40; }; particles = ( { x = 0.0; y = 0.0; r = 0.1; } );\n"
+        "phases = ( { name = \"fall\"; steps = \"n\"; every = 10; fail = { late = \"step > 45\"; }; } );\n"
+        "measure = ( { name = \"n_steps\"; of = \"step\"; unit = \"steps\"; } );\n");
     write_text("sweep.cfg", SWEEP);
     GOOD("sweep plan sweep.cfg -o first");
     CU_ASSERT(run("sweep run first -j 1") == 0);

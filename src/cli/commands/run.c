@@ -362,7 +362,8 @@ static rp_status finish_scene(const origin *of, scene_run *r, outputs *out, rp_s
     out->progress =
         cli_progress_start(out->quiet, isatty(STDERR_FILENO), rp_clock(), dem_step(r->sim), r->plan.steps);
     if (!status) status = advance(r, out);
-    if (!status && (r->plan.every <= 0 || r->plan.steps > 0)) status = outputs_write(out, r->sim);
+    if (!status && (r->plan.every <= 0 || (r->exp ? dem_step(r->sim) : r->plan.steps) > 0))
+        status = outputs_write(out, r->sim);
     if (!status && !r->exp) growth_report(&r->energy, r->sim, out->table[STATES]);
     if (!status && r->exp) status = write_results(of, r, out);
     if (!status && *out->directory) status = dump_frames(arena, r, out);
