@@ -189,22 +189,47 @@ static const char *small_hopper(void)
     return text;
 }
 
+static const char shaken[] =
+    "dt = 5.0e-5; let = { f = 20.0; A = 0.05; w = \"2*pi*f\"; };\n"
+    "walls = ( { name = \"box\"; polygon = ((0.0, 9.0), (0.0, 0.0), (2.0, 0.0), (2.0, 9.0)); closed = false; "
+    "} );\n"
+    "fill = { N = 40; W = 2.0; H = 3.0; };\n"
+    "phases = ( { name = \"fall\"; steps = 2000; },\n"
+    "  { name = \"shake\"; walls = { box = { velocity = (0.0, \"A*w*sin(w*t)\"); }; }; time = \"2/f\"; every "
+    "= 50; },\n"
+    "  { name = \"sway\"; gravity = (\"300*sin(w*t)\", -981.0); time = \"1/f\"; } );\n"
+    "measure = ( { name = \"rises\"; of = \"y\"; during = \"shake\"; take = \"max\"; }, { name = \"xs\"; of "
+    "= \"x\"; } );\n";
+
 static void test_cuts(void)
 {
     static const long parts[] = {1, 7, 333};
-    scoped_trial whole;
-    start(&whole, small_hopper());
-    finish(&whole, 1000000);
-    CU_ASSERT_STRING_EQUAL(exp_ended(whole.run)->status, "ok");
-    size_t n;
-    exp_outputs(whole.plan, &n);
-    CU_ASSERT(n == 8 && measured(&whole, "rate") > 100.0);
-    for (size_t k = 0; k < 3; k++) {
-        scoped_trial cut;
-        start(&cut, small_hopper());
-        finish(&cut, parts[k]);
-        CU_ASSERT(memcmp(exp_values(cut.run), exp_values(whole.run), n * sizeof(double)) == 0);
-        CU_ASSERT(exp_steps(cut.run) == exp_steps(whole.run));
+    for (int text = 0; text < 2; text++) {
+        scoped_trial whole;
+        start(&whole, text ? shaken : small_hopper());
+        finish(&whole, 1000000);
+        CU_ASSERT_STRING_EQUAL(exp_ended(whole.run)->status, "ok");
+        size_t n;
+        exp_outputs(whole.plan, &n);
+        CU_ASSERT(text ? measured(&whole, "xs") != 1.0 : n == 8 && measured(&whole, "rate") > 100.0);
+        for (size_t k = 0; k < 3; k++) {
+            scoped_trial cut, kept;
+            start(&cut, text ? shaken : small_hopper());
+            for (int part = 0; part < 2000 / parts[k] + 20 && !exp_done(cut.run); part++)
+                CHECK_OK(exp_advance(cut.run, parts[k]));
+            rp_snapshot s = {0};
+            start(&kept, text ? shaken : small_hopper());
+            exp_keep(&s, cut.run);
+            s.reading = true;
+            exp_keep(&s, kept.run);
+            CHECK_OK(rp_snapshot_end(&s));
+            rp_snapshot_free(&s);
+            finish(&cut, parts[k]);
+            finish(&kept, 50);
+            CU_ASSERT(memcmp(exp_values(cut.run), exp_values(whole.run), n * sizeof(double)) == 0);
+            CU_ASSERT(memcmp(exp_values(kept.run), exp_values(whole.run), n * sizeof(double)) == 0);
+            CU_ASSERT(exp_steps(cut.run) == exp_steps(whole.run));
+        }
     }
 }
 
@@ -503,6 +528,42 @@ static void test_walls(void)
     CHECK_NEAR(measured(&t, "f"), -0.01 * 1000.0, 0.05);
 }
 
+/* A grain on a plate that moves as A sin(w t) lifts off where A w^2 exceeds g, at the phase sin(w t) = g/(A
+ * w^2). */
+static void test_vibrated(void)
+{
+    for (int strong = 0; strong < 2; strong++) {
+        char text[2048];
+        scoped_trial t;
+        snprintf(text, sizeof text,
+                 "dt = 1.0e-5; gravity = (0.0, -981.0); let = { f = 10.0; gamma = %s; w = \"2*pi*f\"; A = "
+                 "\"gamma*g/w^2\"; };\n"
+                 "walls = ( { name = \"plate\"; polygon = ((-1.0, 0.0), (1.0, 0.0)); closed = false; } );\n"
+                 "particles = ( { x = 0.0; y = 0.0999; r = 0.1; m = 0.004; } );\n"
+                 "phases = ( { name = \"lie\"; steps = 5000; },\n"
+                 "  { name = \"shake\"; walls = { plate = { velocity = (0.0, \"A*w*sin(w*t)\"); }; }; time = "
+                 "\"0.5/f\"; every = 5; } );\n"
+                 "measure = ( { name = \"flies\"; of = \"t\"; during = \"shake\"; take = \"first\"; when = "
+                 "\"contacts == 0\"; optional = true; },\n"
+                 "  { name = \"top\"; of = \"plate.y\"; during = \"shake\"; take = \"max\"; }, { name = "
+                 "\"end\"; of = \"plate.y\"; },\n"
+                 "  { name = \"fastest\"; of = \"plate.vy\"; during = \"shake\"; take = \"max\"; } );\n",
+                 strong ? "2.0" : "0.8");
+        start(&t, text);
+        CHECK_OK(exp_check(t.plan));
+        finish(&t, 777);
+        const double w = 2.0 * M_PI * 10.0, A = (strong ? 2.0 : 0.8) * 981.0 / (w * w);
+        CHECK_NEAR(measured(&t, "top"), 2.0 * A, 1e-5);
+        CHECK_NEAR(measured(&t, "end"), 2.0 * A, 1e-5);
+        CHECK_NEAR(measured(&t, "fastest"), A * w, 1e-4 * A * w);
+        if (strong)
+            CHECK_NEAR(measured(&t, "flies"), acos(-0.5) / w,
+                       1e-3); /* contacts give way within their own time */
+        else
+            CU_ASSERT(isnan(measured(&t, "flies")));
+    }
+}
+
 /* A heap of columns: two slopes, one apex, a grain that has run out. */
 static void test_modules(void)
 {
@@ -619,6 +680,10 @@ static void test_refused_more(void)
     replaced(lift, "v = 2.0", "v = 900.0", text);
     CHECK_OK(read_text(&t, text));
     CHECK_FAILS(exp_check(t.plan), RP_BAD_INPUT, "phase up: wall plate needs dt <= ");
+    replaced(lift, "\"v\"", "\"2000*cos(t)\"", text); /* a function of time alone */
+    scoped_trial timed;
+    CHECK_OK(read_text(&timed, text));
+    CHECK_FAILS(exp_check(timed.plan), RP_BAD_INPUT, "phase up: wall plate needs dt <= ");
     replaced(lift, "\"v\"", "\"v*(1e5 + y)\"", text); /* known to the run alone */
     start(&fast, text);
     finish(&fast, 1000);
@@ -668,6 +733,7 @@ void suite_experiment(void)
     static const check_case cases[] = {{"closed forms", test_closed_forms},
                                        {"phases and blocks", test_phases},
                                        {"walls that change their motion", test_walls},
+                                       {"a plate that vibrates", test_vibrated},
                                        {"modules", test_modules},
                                        {"avalanches", test_avalanches},
                                        {"refused walls and modules", test_refused_more},

@@ -83,6 +83,42 @@ char *exp_key(const exp_plan *plan)
     return text;
 }
 
+/* t and phase_step of a moment; NAN for all else, which only the run knows. */
+typedef struct {
+    const exp_plan *plan;
+    double t;
+} moment;
+
+static double at_moment(void *host, int id, const double args[])
+{
+    const moment *m = host;
+    const exp_use *use = id < EXP_ID_MEASURE ? &m->plan->uses[id] : NULL;
+    (void)args;
+    if (use && strcmp(use->of->name, "t") == 0) return m->t;
+    return use && strcmp(use->of->name, "phase_step") == 0 ? m->t / m->plan->scene.def.dt : NAN;
+}
+
+/* The largest value of an expression of t over a phase, at a thousand points; *v stays if it has none. */
+static void largest(const exp_plan *plan, const exp_phase *p, const exp_expression *e, rp_arena *arena,
+                    double *v)
+{
+    enum { POINTS = 1000 };
+    const double dt = plan->scene.def.dt, end = p->end.x.known ? p->end.x.value : NAN,
+                 last = p->ending == EXP_TIME    ? end
+                        : p->ending == EXP_STEPS ? end * dt
+                                                 : (double)p->most * dt;
+    double *states = rp_arena_memory(arena, e->x.n_states, sizeof *states), most = -INFINITY;
+    if (e->x.known) {
+        *v = e->x.value;
+        return;
+    }
+    for (int k = 0; k < POINTS && states && isfinite(last); k++) {
+        moment m = {plan, last * (k + 0.5) / POINTS};
+        most = fmax(most, fabs(rp_expression_value(&e->x, &(rp_x_values){&m, at_moment}, states)));
+    }
+    if (isfinite(most)) *v = most;
+}
+
 /* The walls' motions that are known, one phase after the other. */
 static rp_status check_moves(const exp_plan *plan, dem_definition *def)
 {
@@ -100,8 +136,8 @@ static rp_status check_moves(const exp_plan *plan, dem_definition *def)
             for (size_t i = 0; i < wall->n; i++) {
                 dem_wall *w = &walls[wall->walls[i]];
                 for (int c = 0; c < 2 && m->has_velocity; c++)
-                    if (m->velocity[c].x.known) w->velocity[c] = m->velocity[c].x.value;
-                if (m->has_omega && m->omega.x.known) w->omega = m->omega.x.value;
+                    largest(plan, phase, &m->velocity[c], &arena, &w->velocity[c]);
+                if (m->has_omega) largest(plan, phase, &m->omega, &arena, &w->omega);
             }
             const double limit = dem_time_step_limit(def, &what);
             if (def->dt > limit)

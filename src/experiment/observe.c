@@ -102,7 +102,7 @@ OBSERVABLE(run_time)
 }
 OBSERVABLE(run_t)
 {
-    return NO_ARGS, dem_time(run->sim) - run->at.begun;
+    return NO_ARGS, dem_time(run->sim) - run->at.begun + (run->ahead ? 0.5 * run->plan->scene.def.dt : 0.0);
 }
 OBSERVABLE(run_step)
 {
@@ -110,7 +110,7 @@ OBSERVABLE(run_step)
 }
 OBSERVABLE(run_phase_step)
 {
-    return NO_ARGS, (double)run->at.phase_step;
+    return NO_ARGS, (double)(run->at.phase_step + run->ahead);
 }
 OBSERVABLE(run_pass)
 {
@@ -567,4 +567,16 @@ double exp_value(exp_run *run, const exp_expression *e)
 bool exp_true(exp_run *run, const exp_expression *e)
 {
     return exp_value(run, e) == 1.0;
+}
+
+static void ask(void *host, int id)
+{
+    *(bool *)host |= id < EXP_ID_MEASURE;
+}
+
+bool exp_changes(const exp_expression *e)
+{
+    bool asks = false;
+    rp_expression_each(&e->x, ask, &asks);
+    return asks;
 }

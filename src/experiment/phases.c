@@ -114,6 +114,41 @@ static void move_walls(exp_run *run, const exp_phase *p, const exp_move *m)
             exp_conclude(run, "too_fast", "phase %s: %s: %s", p->name, wall->name, rp_message());
 }
 
+/* Gravity and the motion of walls, at the phase's start; before each step those that change. */
+static void set_forces(exp_run *run, const exp_phase *p, bool each_step)
+{
+    if (p->has_gravity && p->gravity_each_step == each_step)
+        dem_gravity_set(run->sim, (double[]){exp_value(run, &p->gravity[0]), exp_value(run, &p->gravity[1])});
+    for (size_t k = 0; k < p->n_moves; k++)
+        if (p->moves[k].each_step == each_step) move_walls(run, p, &p->moves[k]);
+}
+
+/* Steps whose forces change from one to the next. */
+static rp_status go_by_steps(exp_run *run, long steps)
+{
+    rp_status status = RP_OK;
+    for (; steps > 0 && !status && !run->failed && !run->at.done; steps--) {
+        run->fresh = false;
+        run->ahead = true;
+        set_forces(run, phase_of(run), true);
+        run->ahead = false;
+        if (run->at.done || run->failed) break;
+        status = dem_run(run->sim, 1);
+        if (!status) run->at.phase_step++, run->at.steps++;
+        if (!status) run->at.tilt += run->at.turn[0] + run->at.turn[1];
+    }
+    return status;
+}
+
+static rp_status go(exp_run *run, long steps)
+{
+    rp_status status = dem_run(run->sim, steps);
+    if (status) return status;
+    run->at.phase_step += steps, run->at.steps += steps;
+    run->at.tilt += (double)steps * (run->at.turn[0] + run->at.turn[1]);
+    return RP_OK;
+}
+
 /* What a phase does at its start; a block begins with its first. */
 static void begin_phase(exp_run *run)
 {
@@ -129,8 +164,7 @@ static void begin_phase(exp_run *run)
     run->at.begun = dem_time(run->sim);
     run->at.started = true;
     clear(run, p->states);
-    if (p->has_gravity)
-        dem_gravity_set(run->sim, (double[]){exp_value(run, &p->gravity[0]), exp_value(run, &p->gravity[1])});
+    set_forces(run, p, false);
     for (int k = 0; k < 2; k++)
         if (p->turns[k]) {
             run->at.turn[k] = exp_value(run, &p->turn[k]);
@@ -140,7 +174,6 @@ static void begin_phase(exp_run *run)
         const size_t w = run->plan->walls[p->opens].walls[k];
         dem_wall_open(run->sim, w, dem_walls_of(&run->plan->scene.def)[w].open_speed);
     }
-    for (size_t k = 0; k < p->n_moves; k++) move_walls(run, p, &p->moves[k]);
     if (p->mark || p->block == SIZE_MAX) exp_mark(run);
     const double least = p->ending == EXP_STEPS  ? exp_value(run, &p->end)
                          : p->ending == EXP_TIME ? exp_value(run, &p->end) / run->plan->scene.def.dt
@@ -239,15 +272,14 @@ rp_status exp_advance(exp_run *run, long most)
     exp_measures_in(run, &next);
     const long left = run->at.most - run->at.phase_step, part = least_of(most, least_of(next, left));
     if (part > 0) {
-        rp_status status = dem_run(run->sim, part);
+        rp_status status = p->each_step ? go_by_steps(run, part) : go(run, part);
         run->fresh = false;
         if (status == RP_BROKEN) {
             exp_conclude(run, dem_fault_text(dem_sim_fault(run->sim)), "%s", rp_message());
             return RP_OK;
         }
         RP_TRY(status);
-        run->at.phase_step += part, run->at.steps += part;
-        run->at.tilt += (double)part * (run->at.turn[0] + run->at.turn[1]);
+        if (run->at.done || run->failed) return run->failed;
     }
     if (part == next || part == left) look(run, part == left);
     return run->failed;

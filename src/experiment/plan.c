@@ -506,6 +506,8 @@ static rp_status read_moves(const config_setting_t *group, exp_place *place, exp
             RP_TRY(read_list(member(setting, "velocity"), "velocity", 2, place, m->velocity));
         if (m->has_omega)
             RP_TRY(exp_expression_read(member(setting, "omega"), "omega", RP_X_NUMBER, place, &m->omega));
+        m->each_step = exp_changes(&m->velocity[0]) || exp_changes(&m->velocity[1]) || exp_changes(&m->omega);
+        p->each_step |= m->each_step;
     }
     return RP_OK;
 }
@@ -588,6 +590,8 @@ static rp_status read_phase(exp_plan *plan, size_t k)
     if (gravity) {
         p->has_gravity = true;
         RP_TRY(read_list(gravity, "gravity", 2, &place, p->gravity));
+        p->gravity_each_step = exp_changes(&p->gravity[0]) || exp_changes(&p->gravity[1]);
+        p->each_step |= p->gravity_each_step;
     }
     for (int t = 0; t < 2; t++) {
         const config_setting_t *turn = member(p->setting, turns[t]);

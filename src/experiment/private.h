@@ -55,8 +55,8 @@ typedef struct {
 
 /* A wall's new motion. */
 typedef struct {
-    size_t wall; /* number among the plan's */
-    bool has_velocity, has_omega;
+    size_t wall;                             /* number among the plan's */
+    bool has_velocity, has_omega, each_step; /* the latter: it asks for what changes from step to step */
     exp_expression velocity[2], omega;
 } exp_move;
 
@@ -74,8 +74,8 @@ typedef struct {
     exp_expression end;     /* steps, time or until; of a block, its until */
     exp_expression turn[2]; /* degrees a step: gravity, box */
     exp_expression gravity[2];
-    bool turns[2], has_gravity;
-    long opens; /* number of the wall, or -1 */
+    bool turns[2], has_gravity, gravity_each_step, each_step; /* the last: this or a move */
+    long opens;                                               /* number of the wall, or -1 */
     size_t n_moves;
     exp_move *moves;
     size_t n_fails;
@@ -149,6 +149,7 @@ struct exp_run {
     const exp_plan *plan;
     dem_sim *sim;
     rp_status failed; /* of a look */
+    bool ahead;       /* t and phase_step are those of the step to come, at its middle */
     struct {
         size_t phase;           /* that it is in; n_phases: it has ended */
         long pass;              /* of its block, from 1 */
@@ -177,6 +178,9 @@ void exp_conclude(exp_run *run, const char *status, const char *format, ...)
 
 double exp_value(exp_run *run, const exp_expression *e);
 bool exp_true(exp_run *run, const exp_expression *e);
+
+/* Does an expression ask for anything but measures? */
+bool exp_changes(const exp_expression *e);
 
 /* The states of the grains as they are now; NULL after a failure. */
 const dem_state *exp_states(exp_run *run);

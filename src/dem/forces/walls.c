@@ -84,10 +84,11 @@ rp_status dem_walls_place(dem_sim *sim, const dem_definition *def)
 }
 
 /* Is a motion one that this wall can have? */
-static rp_status check_motion(const dem_sim *sim, size_t w, const dem_wall *wall)
+static rp_status check_motion(const dem_sim *sim, size_t w, const dem_wall *wall, double *way)
 {
-    const double travel = sim->def.dt * (hypot(wall->velocity[0], wall->velocity[1]) +
-                                         fabs(wall->omega) * (isinf(reach_of(wall)) ? 0.0 : reach_of(wall)));
+    const double travel = *way =
+        sim->def.dt * (hypot(wall->velocity[0], wall->velocity[1]) +
+                       fabs(wall->omega) * (isinf(reach_of(wall)) ? 0.0 : reach_of(wall)));
     double r_min = INFINITY;
     for (size_t i = 0; i < sim->grains.n; i++) r_min = fmin(r_min, sim->grains.radius[i]);
     if (!isfinite(travel)) return rp_fail(RP_BAD_INPUT, "wall %zu: velocity and omega must be finite", w + 1);
@@ -113,6 +114,7 @@ rp_status dem_wall_move(dem_sim *sim, size_t w, const double velocity[2], double
     dem_walls *const walls = &sim->walls;
     dem_wall *wall = &walls->wall[w], next = *wall;
     dem_wall_line *line = &walls->line[w];
+    double way;
     if (velocity) memcpy(next.velocity, velocity, sizeof next.velocity);
     if (!isnan(omega)) next.omega = omega;
     if (next.velocity[0] == wall->velocity[0] && next.velocity[1] == wall->velocity[1] &&
@@ -122,17 +124,21 @@ rp_status dem_wall_move(dem_sim *sim, size_t w, const double velocity[2], double
         for (int c = 0; c < 2; c++)
             next.point[c] = line->point[c], next.direction[c] = line->direction[c],
             next.pivot[c] = line->pivot[c];
-    RP_TRY(check_motion(sim, w, &next));
+    RP_TRY(check_motion(sim, w, &next, &way));
+    const bool reckoned = line->moves && way <= walls->stride && isfinite(line->reach);
     line->angle += wall->omega * sim->def.dt * (double)(sim->step - line->since);
     line->since = sim->step;
     *wall = next;
-    line->moves = dem_wall_moves(wall);
+    line->moves =
+        dem_wall_moves(wall) || reckoned; /* one that stands for a moment stays in the list as it is */
     line->plain = dem_wall_is_line(wall) && wall->open_at_step < 0 && !line->moves;
     line->drift = line->pivot = line->swing = (dem_vec){0.0, 0.0};
     if (line->moves) set_off(line, wall, sim->def.dt);
     walls->n_moving = 0;
     for (size_t k = 0; k < sim->def.n_walls; k++) walls->n_moving += walls->line[k].moves;
-    walls->swept = INFINITY; /* the list has not reckoned with it */
+    if (reckoned) return RP_OK;
+    walls->swept = INFINITY; /* the list has not reckoned with it, and will with more */
+    walls->least_stride = fmax(walls->least_stride, 1.5 * way);
     return RP_OK;
 }
 
@@ -181,7 +187,7 @@ void dem_walls_limit(dem_sim *sim, double far)
      * grain that moves along the wall to where it turns faster moves less towards it.) */
     walls->sweep_limit = half / (far + sim->list.skin);
     if (walls->n_moving == 0) return;
-    walls->stride = 0.0;
+    walls->stride = walls->least_stride;
     for (size_t w = 0; w < sim->def.n_walls; w++) {
         const dem_wall_line *l = &walls->line[w];
         if (!l->moves) continue;

@@ -45,10 +45,10 @@ typedef struct {
     DEM_WALL_ARRAYS(X)
 #undef X
 
-    /* walls that move by themselves: how many; the way of the fastest in a step, at most; margin of the list
-     * for such walls */
+    /* walls that move by themselves: how many; the way of the fastest in a step, at most, and what the list
+     * reckons with at least, where motions change; margin of the list for such walls */
     size_t n_moving;
-    double stride, margin;
+    double stride, least_stride, margin;
 
     /* a box that turns: the turn of a step and in all (cosine, sine), that as an angle; displacement of a
      * point at x in the last step over dt, along x and along x turned clockwise; angles turned since the last
