@@ -94,6 +94,8 @@ static const struct {
 
 /* How a table of {{rows}} heads the columns that choose its rows: by their names or by these. */
 static const char *const headed[][2] = {{"mu_roll", "rolling"},
+                                        {"slip", "spring"},
+                                        {"n_least", "piles"},
                                         {"alpha_deg", "slope"},
                                         {"inner_deg", "inner slope"},
                                         {"tilt", "turned"},
