@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "experiment/modules/base.h"
 #include "stress/stress.h"
 #include "table/table.h"
 #include "sweeps/protocols/pile.h"
@@ -162,7 +163,7 @@ static void rays_under_outlines(void)
             top[i] *= COLUMNS;
         }
         const stress_base base = {.centroid = AT + 0.5 * COLUMNS, .width = 0.9 * COLUMNS};
-        CHECK_OK(sweep_outline_rays(COLUMNS, x, top, &base, rays));
+        CHECK_OK(exp_outline_rays(COLUMNS, x, top, &base, rays));
         for (int i = 0; i < POINTS * STRESS_DIP_BINS; i++) {
             an_force f;
             CHECK_OK(
@@ -187,7 +188,7 @@ static void rays_under_walls(void)
         top[i] = 17;
     }
     const stress_base base = {.centroid = x[4], .width = 32};
-    CHECK_OK(sweep_outline_rays(N, x, top, &base, rays));
+    CHECK_OK(exp_outline_rays(N, x, top, &base, rays));
     for (int k = 0; k < STRESS_DIP_BINS / 2; k++) {
         CHECK_NEAR(rays[k], rays[STRESS_DIP_BINS - 1 - k], 1e-9);
         /* from x up to 17 along both rays within the block and its filled feet, 10 wide each */
@@ -195,14 +196,14 @@ static void rays_under_walls(void)
         CU_ASSERT(out > 10.1 ? rays[k] < 1e-12 : rays[k] > 0.01);
     }
     const stress_base wide = {.centroid = 3.5, .width = 60}; /* far beyond the one disk */
-    CHECK_OK(sweep_outline_rays(1, (double[]){3.5}, (double[]){1.7}, &wide, rays));
+    CHECK_OK(exp_outline_rays(1, (double[]){3.5}, (double[]){1.7}, &wide, rays));
     for (int k = 0; k < STRESS_DIP_BINS; k++) CU_ASSERT((rays[k] > 0) == (k == 9 || k == 10));
     /* the highest disk, of any number, needs room for its feet */
     const stress_base narrow = {.centroid = 1, .width = 2};
     for (int high = 0; high < 3; high++) {
         double tops[] = {1, 1, 1, 0};
         tops[high] = 17;
-        CHECK_OK(sweep_outline_rays(3, (double[]){0, 1, 2, 0}, tops, &narrow, rays));
+        CHECK_OK(exp_outline_rays(3, (double[]){0, 1, 2, 0}, tops, &narrow, rays));
     }
 }
 

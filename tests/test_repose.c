@@ -4,6 +4,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "experiment/modules/module.h"
 #include "angle/angle.h"
 #include "table/table.h"
 #include "dem/scene/scene.h"
@@ -113,8 +114,8 @@ static void test_bond_order(void)
     dem_state g[7] = {{.r = 1.0}};
     for (int k = 0; k < 6; k++)
         g[k + 1] = (dem_state){.x = 2.0 * cos(k * M_PI / 3.0), .y = 2.0 * sin(k * M_PI / 3.0), .r = 1.0};
-    CHECK_NEAR(sweep_bond_order(7, g, NULL, NULL), 1.0, 1e-14);
-    CU_ASSERT(isnan(sweep_bond_order(2, g, NULL, NULL)));
+    CHECK_NEAR(exp_bond_order(7, g, NULL, NULL), 1.0, 1e-14);
+    CU_ASSERT(isnan(exp_bond_order(2, g, NULL, NULL)));
     /* bonds at 0 and 45 degrees: half of |1 + exp(i 270)|; the others are too far away */
     g[1] = (dem_state){.x = 2.48, .r = 1.0};
     g[2] = (dem_state){.x = sqrt(2.0), .y = sqrt(2.0), .r = 1.0};
@@ -123,7 +124,7 @@ static void test_bond_order(void)
     const double apart = hypot(2.48 - sqrt(2.0), sqrt(2.0));
     CU_ASSERT(apart < 2.5); /* so they touch one another as well */
     const double angle = atan2(sqrt(2.0), 2.48 - sqrt(2.0));
-    CHECK_NEAR(sweep_bond_order(5, g, NULL, NULL),
+    CHECK_NEAR(exp_bond_order(5, g, NULL, NULL),
                (sqrt(0.5) + fabs(cos(3.0 * angle)) + fabs(cos(3.0 * (M_PI - angle - 0.25 * M_PI)))) / 3.0,
                1e-14);
 }

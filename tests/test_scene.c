@@ -163,7 +163,16 @@ static void refused(void)
         {"walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; extent = [1.0, 0.0]; } );",
          "extent = [1, 0]"},
         {"walls = { point = 1; };", "walls: a list"},
-        {"fill = { N = 3; W = 1.0; H = 1.0; };", "exactly one of particles, particles_file and fill"},
+        {"particles_file = \"t.tsv\";", "particles or particles_file, or fill"},
+        {"fill = 3;", ":2: fill: a group { ... } expected"},
+        {"fill = { N = 3; W = 1.0; };", ":2: H: missing (height of the region of a random fill)"},
+        {"fill = { N = 3; W = 1.0; H = 1.0; kind = \"a b\"; };", ":2: kind = \"a b\": up to 31 letters"},
+        {"fill = { N = 3; W = 1.0; H = 1.0; radius_law = \"table\"; };", ":2: radii: missing, of"},
+        {"fill = { N = 3; W = 1.0; H = 1.0; radii = ( ); };", ":2: radii: needs radius_law"},
+        {"fill = { N = 3; W = 1.0; H = 1.0; radius_law = \"table\"; radii = ( (0.1, 0.0) ); };",
+         ":2: radii: a list ( [r, share], ... ) is needed"},
+        {"fill = { N = 3; W = 1.0; H = 1.0; radius_law = \"table\"; radii = ( (-0.1, 1.0) ); };",
+         ":2: radii: [-0.1, 1]: a radius above 0 and a share expected"},
         {"steps = -3;", ":2: steps = -3: out of range"}};
     dem_scene s;
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
@@ -173,7 +182,7 @@ static void refused(void)
         dem_scene_free(&s);
     }
     static const char *const whole[][2] = {
-        {"steps = 3;", "exactly one of"},
+        {"steps = 3;", "particles or particles_file, or fill"},
         {"particles = ( );", ":1: particles: no particles"},
         {"particles = ( { x = 0.0; y = 0.5; r = -0.1; } );",
          ":1: particles.[0].r = -0.1: out of range, allowed: (0, inf) cm"},

@@ -52,6 +52,11 @@ gsl_rng *rp_random_alloc(unsigned long seed, unsigned long run, rp_purpose purpo
     return r;
 }
 
+bool rp_random_is_whole(const gsl_rng *r)
+{
+    return ((const philox_state *)gsl_rng_state(r))->used <= 4;
+}
+
 /* True with probability exp(-x), 0 <= x <= 1: the run x > u1 > u2 > ... has even length with it. */
 static bool accept_exp_unit(gsl_rng *r, double x)
 {

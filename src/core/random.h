@@ -5,6 +5,8 @@
 #ifndef RP_RANDOM_H
 #define RP_RANDOM_H
 
+#include <stdbool.h>
+
 #include <gsl/gsl_rng.h>
 
 #include "core/status.h"
@@ -17,7 +19,9 @@ typedef enum {
     RP_PURPOSE_PLACES = 2,
     RP_PURPOSE_BOOTSTRAP = 3,
     RP_PURPOSE_TEST = 4,
-    RP_PURPOSE_DIRECTION = 5
+    RP_PURPOSE_DIRECTION = 5,
+    RP_PURPOSE_ADDED = 6,
+    RP_PURPOSE_FILLS = 1000 /* and the numbers after: two of each fill of a scene after its first */
 } rp_purpose;
 
 /* The generator type. gsl_rng_set(r, seed) gives stream (seed, 0, 0). */
@@ -25,6 +29,9 @@ extern const gsl_rng_type *rp_rng_philox;
 
 /* New stream (seed, run, purpose), each below 2^32; free with gsl_rng_free. NULL when out of memory. */
 gsl_rng *rp_random_alloc(unsigned long seed, unsigned long run, rp_purpose purpose);
+
+/* Is a state that was read one that a stream can have? */
+bool rp_random_is_whole(const gsl_rng *r);
 
 /* Normal deviate of the given mean and standard deviation `width`, drawn again until it lies in [lo, hi], lo
  * < hi. Only + - * / are used, so that every processor and C library gives the same bits: a uniform proposal

@@ -119,7 +119,8 @@ typedef struct {
 typedef struct {
     double gravity[2];
     double dt;
-    double skin; /* of the neighbour list; 0: each grain has its own, by its speed */
+    double skin; /* of the neighbour list; 0: each grain has its own, by its speed; a start without grains, to
+                    which some are added, must give it */
     dem_integrator integrator;
     dem_normal_law normal;
     dem_tangential_law tangential;
@@ -240,6 +241,19 @@ void dem_free(dem_sim *sim);
  * RP_BAD_INPUT (a state that no simulation can have), RP_NO_MEMORY. dem_keep_layout: for the file's head. */
 void dem_keep(rp_snapshot *s, dem_sim **sim);
 uint64_t dem_keep_layout(void);
+
+/* Go on with the time step, laws, coefficients (also of the walls, by number) and limits x_min, x_max, y_min
+ * of another definition: grains, contacts with their springs, walls, gravity, ids, steps and time stay. *sim
+ * is a new simulation afterwards. A ledger counts the energy that a spring gains or loses as put in. Errors:
+ * as dem_create, and a box that turns; then *sim is as before. */
+rp_status dem_change(dem_sim **sim, const dem_definition *laws);
+
+/* The same with fewer grains, and the laws that hold: those of a region are taken out. */
+rp_status dem_remove(dem_sim **sim, bool (*in)(const void *region, uint32_t id, double x, double y),
+                     const void *region);
+
+/* All velocities and spins become 0; springs stay. Errors: RP_NO_MEMORY. */
+rp_status dem_halt(dem_sim *sim);
 
 /* Put in one more grain, at rest or not, where it touches nothing; *id (may be NULL) is the next after the
  * last that was given. Forces and springs of the others stay as they are. The neighbour list is rebuilt;
@@ -378,6 +392,7 @@ bool dem_ledger_read(const dem_sim *sim, dem_ledger *ledger);
  * an open wall is left where both ends are equal. */
 typedef struct {
     double point[2], direction[2], ends[2], force[2];
+    double mu;
     double pivot[2], velocity[2], angle; /* the latter: turned by itself since the start, radians */
     bool open;                           /* it has begun to open */
 } dem_wall_state;
@@ -394,7 +409,7 @@ typedef struct {
     double contact_number; /* mean contacts a grain, walls counted once */
 } dem_rest;
 rp_status dem_rest_state(const dem_sim *sim, double lo, double hi, dem_rest *rest); /* RP_NO_MEMORY */
-rp_status dem_rest_in(const dem_sim *sim, bool (*in)(const void *region, double x, double y),
+rp_status dem_rest_in(const dem_sim *sim, bool (*in)(const void *region, uint32_t id, double x, double y),
                       const void *region, dem_rest *rest); /* RP_NO_MEMORY */
 
 /* At rest: the mean kinetic energy is at most `energy`, and the largest net force on a grain with a contact
@@ -412,9 +427,33 @@ bool dem_at_rest(const dem_rest *rest, double energy, double force, bool brief);
 int dem_contact_count(const dem_sim *sim, uint32_t id);
 double dem_largest_speed(const dem_sim *sim, double lo, double hi);
 
-/* Random filling: grains at rest, dropped nowhere nearer than touching. */
+/* Filling: grains at rest. Their radii follow a law, whose shares count grains, or the area or the mass that
+ * they have; their places a pattern. */
+#define DEM_RADIUS_LAWS(X)                                                                                   \
+    X(DEM_RADII_GAUSS, gauss, "normal law")                                                                  \
+    X(DEM_RADII_UNIFORM, uniform,                                                                            \
+      "all radii alike, from radius_mean - sqrt(3) radius_width to "                                         \
+      "radius_mean + sqrt(3) radius_width")                                                                  \
+    X(DEM_RADII_LOGNORMAL, lognormal, "normal law of the logarithm")                                         \
+    X(DEM_RADII_TABLE, table, "those of radii = ( [r, share], ... )")
+typedef enum { DEM_RADIUS_LAWS(DEM_ID) } dem_radius_law;
+dem_manual dem_radius_law_manual;
+#define DEM_SHARES(X)                                                                                        \
+    X(DEM_BY_NUMBER, number, "a share of the grains")                                                        \
+    X(DEM_BY_AREA, area, "a share of the area that they cover")                                              \
+    X(DEM_BY_MASS, mass, "a share of their mass")
+typedef enum { DEM_SHARES(DEM_ID) } dem_share;
+dem_manual dem_share_manual;
+#define DEM_PATTERNS(X)                                                                                      \
+    X(DEM_PATTERN_RANDOM, random, "one after the other where they overlap none, at random")                  \
+    X(DEM_PATTERN_ROW, row, "one row from x0 on, each on y0 and touching the last, as many as fit in W")     \
+    X(DEM_PATTERN_LATTICE, lattice,                                                                          \
+      "close-packed rows from (x0, y0) on, of the width of the largest grain, as many as fit in W and H")
+typedef enum { DEM_PATTERNS(DEM_ID) } dem_pattern;
+dem_manual dem_pattern_manual;
+
 typedef struct {
-    long N;
+    long N;      /* of a row or lattice -1: as many as there is room for */
     double W, H; /* grains lie inside (x0, x0 + W) x (y0, y0 + H) */
     double radius_mean, radius_width, radius_min, radius_max;
     double density;
@@ -425,11 +464,24 @@ typedef struct {
                        leave */
     const dem_wall *walls;
     bool *cut; /* may be NULL; set where places beside that part were left out */
+    dem_radius_law law;
+    dem_share by;
+    dem_pattern pattern;
+    size_t n_radii; /* of the table: radius and share of each, borrowed */
+    const double *radii;
+    bool fixed;     /* grains that never move */
+    long number;    /* of the fill in a scene, from 0 on: each has streams of its own */
+    size_t n_there; /* grains that are there already, right before `grains` in their array */
 } dem_fill;
 
-/* Grains of random radius (Gaussian, drawn again outside the cut), placed one after the other at random
- * where they overlap none: `grains` holds fill->N entries.
- * Errors: RP_NO_RESULT (no room found in a million tries for a grain: how many have it), RP_NO_MEMORY. */
+/* Draw radii, and place the grains: `grains` has room for dem_fill_most(fill), *n are placed, fill->N where
+ * that is not -1.
+ * Errors: RP_NO_RESULT (no room found in a million tries for a grain, or in a row or lattice for N: how many
+ * have it), RP_NO_MEMORY. */
+rp_status dem_fill_grains(const dem_fill *fill, dem_grain *grains, size_t *n);
+size_t dem_fill_most(const dem_fill *fill);
+
+/* The same of a random fill of N grains. */
 rp_status dem_fill_random(const dem_fill *fill, dem_grain *grains);
 
 /* The same with the radii that `grains` already have; those of the fill are not used. Large ones should come

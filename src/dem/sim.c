@@ -243,7 +243,7 @@ rp_status dem_add(dem_sim *sim, const dem_grain *grain, uint32_t *id)
     RP_TRY(rp_prefix(check_new_grain(sim, grain), "new particle: "));
     if (sim->grains.n == sim->grains.capacity) {
         dem_sim *larger, old = *sim;
-        RP_TRY(copy_with_capacity(sim, 2 * sim->grains.capacity, &larger));
+        RP_TRY(copy_with_capacity(sim, sim->grains.capacity ? 2 * sim->grains.capacity : 1, &larger));
         *sim = *larger;
         *larger = old;
         dem_free(larger);
@@ -283,7 +283,7 @@ long dem_step(const dem_sim *sim)
 
 double dem_time(const dem_sim *sim)
 {
-    return (double)sim->step * sim->def.dt;
+    return sim->time0 + (double)(sim->step - sim->step0) * sim->def.dt;
 }
 
 size_t dem_count(const dem_sim *sim)

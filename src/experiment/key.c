@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "dem/scene/radii.h"
 #include "experiment/private.h"
 #include "params/config.h"
 
@@ -14,6 +15,19 @@ static void put(FILE *out, rp_arena *arena, const char *key, const exp_expressio
                 e->x.known && e->x.n == 0 ? rp_number_text(e->x.value, 6, (char[32]){0}, 32) : text);
 }
 
+static void put_add(FILE *out, rp_arena *arena, const exp_plan *plan, const exp_add *a)
+{
+    const exp_expression *const e[] = {&a->n,    &a->r,  &a->density, &a->x[0],  &a->x[1], &a->y[0],
+                                       &a->y[1], &a->vx, &a->vy,      &a->omega, &a->gap};
+    const dem_fill *f = &a->radii;
+    fprintf(out, " add kind=%s range=%d r=%d", a->kind < 0 ? "" : plan->kinds[a->kind], a->in_range,
+            a->has_r);
+    for (size_t k = 0; k < sizeof e / sizeof *e; k++) put(out, arena, "e", e[k]);
+    fprintf(out, " radii %a %a %a %a %d %d", f->radius_mean, f->radius_width, f->radius_min, f->radius_max,
+            f->law, f->by);
+    for (size_t k = 0; k < 2 * f->n_radii; k++) fprintf(out, " %a", f->radii[k]);
+}
+
 static void put_phase(FILE *out, rp_arena *arena, const exp_plan *plan, const exp_phase *p)
 {
     static const char *const ends[] = {"steps", "time", "until"};
@@ -21,6 +35,17 @@ static void put_phase(FILE *out, rp_arena *arena, const exp_plan *plan, const ex
     fprintf(out, "phase %s of %ld every=%ld least=%ld most=%ld on=%d mark=%d status=%s repeat=%ld", p->name,
             p->block == SIZE_MAX ? -1L : (long)p->block, p->every, p->least, p->most, p->go_on, p->mark,
             p->status, p->repeat);
+    if (p->damp) fputs(" damp", out);
+    if (p->source != SIZE_MAX) fprintf(out, " from=%s", plan->phases[p->source].name);
+    if (*p->remove) fprintf(out, " remove=%s", p->remove);
+    if (p->has_laws) {
+        fputc(' ', out);
+        dem_laws_write(&p->laws, out);
+        for (size_t w = 0; w < plan->scene.def.n_walls; w++)
+            for (size_t k = 0; k < sizeof *p->given / sizeof(double); k++)
+                fprintf(out, " %a", ((const double *)&p->given[w])[k]);
+    }
+    if (p->add.on) put_add(out, arena, plan, &p->add);
     if (p->opens >= 0) fprintf(out, " open=%s", plan->walls[p->opens].name);
     put(out, arena, ends[p->ending], &p->end);
     for (int k = 0; k < 2; k++) {
@@ -32,6 +57,11 @@ static void put_phase(FILE *out, rp_arena *arena, const exp_plan *plan, const ex
         fprintf(out, " wall %s", plan->walls[m->wall].name);
         for (int c = 0; c < 2 && m->has_velocity; c++) put(out, arena, "v", &m->velocity[c]);
         if (m->has_omega) put(out, arena, "omega", &m->omega);
+        for (int c = 0; c < 2; c++) {
+            if (m->loading[c] != EXP_SAME) fprintf(out, " load %d %d", c, m->loading[c]);
+            if (m->loading[c] == EXP_LOADED) put(out, arena, "load", &m->load[c]);
+        }
+        put(out, arena, "speed", &m->speed);
     }
     for (size_t k = 0; k < p->n_fails; k++) put(out, arena, p->fails[k].word, &p->fails[k].when);
     fputc('\n', out);
@@ -46,7 +76,8 @@ char *exp_key(const exp_plan *plan)
     scene.def.kernel = DEM_FAST;
     scene.def.ledger = false;
     scene.steps = 0;
-    scene.fill.seed = scene.fill.run = 0;
+    dem_fill *fill;
+    for (size_t k = 0; (fill = dem_scene_fill_at(&scene, k)); k++) fill->seed = fill->run = 0;
     FILE *out = open_memstream(&text, &size);
     if (!out) return NULL;
     dem_scene_write(&scene, out);
@@ -56,8 +87,9 @@ char *exp_key(const exp_plan *plan)
         const exp_region *r = &plan->regions[k];
         fprintf(out, "region %s", r->name);
         for (int c = 0; c < 3 && r->circle; c++) put(out, &arena, "circle", &r->circle_of[c]);
-        for (int c = 0; c < 2 && !r->circle; c++)
+        for (int c = 0; c < 2 && !r->circle && !r->n_points; c++)
             put(out, &arena, "x", &r->x[c]), put(out, &arena, "y", &r->y[c]);
+        for (size_t c = 0; c < 2 * r->n_points; c++) put(out, &arena, "p", &r->points[c]);
         fputc('\n', out);
     }
     for (size_t k = 0; k < plan->n_phases; k++) put_phase(out, &arena, plan, &plan->phases[k]);
@@ -75,6 +107,7 @@ char *exp_key(const exp_plan *plan)
             continue;
         }
         fprintf(out, " module=%s %ld in=%s ", m->module->name, m->pick, m->in);
+        if (m->module->on_wall) fprintf(out, "wall=%s ", m->wall);
         rp_config_write(out, m->module->schema, m->params);
         fputc('\n', out);
     }
@@ -92,7 +125,7 @@ typedef struct {
 static double at_moment(void *host, int id, const double args[])
 {
     const moment *m = host;
-    const exp_use *use = id < EXP_ID_MEASURE ? &m->plan->uses[id] : NULL;
+    const exp_use *use = id < EXP_ID_GRAIN ? &m->plan->uses[id] : NULL;
     (void)args;
     if (use && strcmp(use->of->name, "t") == 0) return m->t;
     return use && strcmp(use->of->name, "phase_step") == 0 ? m->t / m->plan->scene.def.dt : NAN;
@@ -103,7 +136,7 @@ static void largest(const exp_plan *plan, const exp_phase *p, const exp_expressi
                     double *v)
 {
     enum { POINTS = 1000 };
-    const double dt = plan->scene.def.dt, end = p->end.x.known ? p->end.x.value : NAN,
+    const double dt = p->laws.physics.dt, end = p->end.x.known ? p->end.x.value : NAN,
                  last = p->ending == EXP_TIME    ? end
                         : p->ending == EXP_STEPS ? end * dt
                                                  : (double)p->most * dt;
@@ -119,8 +152,20 @@ static void largest(const exp_plan *plan, const exp_phase *p, const exp_expressi
     if (isfinite(most)) *v = most;
 }
 
-/* The walls' motions that are known, one phase after the other. */
-static rp_status check_moves(const exp_plan *plan, dem_definition *def)
+/* The speeds that a phase lets a wall have. */
+static void let_move(const exp_plan *plan, const exp_phase *p, const exp_move *m, rp_arena *arena,
+                     dem_wall *w)
+{
+    for (int c = 0; c < 2 && m->has_velocity; c++) largest(plan, p, &m->velocity[c], arena, &w->velocity[c]);
+    if (m->has_omega) largest(plan, p, &m->omega, arena, &w->omega);
+    for (int c = 0; c < 2; c++) {
+        if (m->loading[c] == EXP_LOADED) largest(plan, p, &m->speed, arena, &w->velocity[c]);
+        if (m->loading[c] == EXP_FREED && !m->has_velocity) w->velocity[c] = 0.0;
+    }
+}
+
+/* The time step of each phase, with its laws and the walls' motions that are known, one after the other. */
+static rp_status check_phases(const exp_plan *plan, dem_definition *def)
 {
     RP_SCOPE(arena);
     dem_wall *walls;
@@ -130,15 +175,21 @@ static rp_status check_moves(const exp_plan *plan, dem_definition *def)
     def->wall_list = walls;
     for (size_t p = 0; p < plan->n_phases; p++) {
         const exp_phase *phase = &plan->phases[p];
-        for (size_t k = 0; k < phase->n_moves && !phase->left_out; k++) {
+        if (phase->left_out || phase->n_inner) continue;
+        if (phase->has_laws) {
+            dem_physics_apply(&phase->laws.physics, def);
+            for (size_t w = 0; w < def->n_walls; w++)
+                walls[w].material = dem_wall_material(&phase->given[w], &def->material);
+            const double limit = dem_time_step_limit(def, &what);
+            if (def->dt > limit)
+                return rp_config_fail(phase->setting,
+                                      "phase %s: dt = %g: too large for %s, the limit is %.3g", phase->name,
+                                      def->dt, what, limit);
+        }
+        for (size_t k = 0; k < phase->n_moves; k++) {
             const exp_move *m = &phase->moves[k];
             const exp_wall *wall = &plan->walls[m->wall];
-            for (size_t i = 0; i < wall->n; i++) {
-                dem_wall *w = &walls[wall->walls[i]];
-                for (int c = 0; c < 2 && m->has_velocity; c++)
-                    largest(plan, phase, &m->velocity[c], &arena, &w->velocity[c]);
-                if (m->has_omega) largest(plan, phase, &m->omega, &arena, &w->omega);
-            }
+            for (size_t i = 0; i < wall->n; i++) let_move(plan, phase, m, &arena, &walls[wall->walls[i]]);
             const double limit = dem_time_step_limit(def, &what);
             if (def->dt > limit)
                 return rp_config_fail(phase->setting, "phase %s: wall %s needs dt <= %.3g, by %s",
@@ -148,25 +199,37 @@ static rp_status check_moves(const exp_plan *plan, dem_definition *def)
     return RP_OK;
 }
 
+/* Grains that stand for those of the start: the smallest of each fill at both ends of its height. */
+static rp_status stand_ins(const exp_plan *plan, rp_arena *arena, dem_definition *def)
+{
+    dem_scene *s = (dem_scene *)&plan->scene;
+    const size_t listed = s->grains ? s->def.n_grains : 0;
+    const dem_fill *f;
+    dem_grain *grains;
+    RP_NEW(arena, grains, listed + 2 * (s->n_more + 1));
+    if (listed) memcpy(grains, s->grains, listed * sizeof *grains);
+    def->grains = grains, def->n_grains = listed;
+    for (size_t k = 0; (f = dem_scene_fill_at(s, k)); k++) {
+        const double r = dem_radius_least(f), m = dem_mass(f->shape, f->density, r);
+        for (int end = 0; end < 2; end++)
+            grains[def->n_grains++] = (dem_grain){.x = f->x0,
+                                                  .y = f->y0 + (isfinite(f->H) ? end * f->H : 0.0),
+                                                  .r = r,
+                                                  .m = m,
+                                                  .fixed = f->fixed};
+    }
+    return RP_OK;
+}
+
 rp_status exp_check(const exp_plan *plan)
 {
-    const dem_scene *s = &plan->scene;
-    dem_definition def = s->def;
-    const dem_fill *f = &s->fill;
-    dem_grain two[2];
+    dem_definition def = plan->scene.def;
     const char *what;
-    if (s->has_fill) {
-        const double r = f->radius_width > 0.0 ? f->radius_min : f->radius_mean,
-                     m = dem_mass(f->shape, f->density, r);
-        two[0] = (dem_grain){.x = f->x0, .y = f->y0, .r = r, .m = m};
-        two[1] = (dem_grain){.x = f->x0, .y = f->y0 + f->H, .r = r, .m = m};
-        def.grains = two, def.n_grains = 2;
-    } else {
-        def.grains = s->grains;
-    }
+    RP_SCOPE(arena);
+    RP_TRY(stand_ins(plan, &arena, &def));
     RP_TRY(rp_prefix(dem_physics_check(&def), "%s: ", plan->text->path));
     const double limit = dem_time_step_limit(&def, &what);
-    if (def.dt <= limit) return check_moves(plan, &def);
+    if (def.dt <= limit) return check_phases(plan, &def);
     return rp_fail(RP_BAD_INPUT, "%s: dt = %g: too large for %s, the limit is %.3g", plan->text->path, def.dt,
                    what, limit);
 }

@@ -5,7 +5,7 @@
 #include "experiment/private.h"
 #include "params/config.h"
 
-/* The region or wall in "NAME.", of length n. */
+/* The region, wall or kind in "NAME.", of length n. */
 static bool find_scope(const exp_plan *plan, const char *name, size_t n, exp_scope *scope)
 {
     for (size_t k = 0; k < plan->n_regions; k++)
@@ -14,6 +14,9 @@ static bool find_scope(const exp_plan *plan, const char *name, size_t n, exp_sco
     for (size_t k = 0; k < plan->n_walls; k++)
         if (strlen(plan->walls[k].name) == n && strncmp(plan->walls[k].name, name, n) == 0)
             return *scope = (exp_scope){EXP_WALL, k}, true;
+    for (size_t k = 0; k < plan->n_kinds; k++)
+        if (strlen(plan->kinds[k]) == n && strncmp(plan->kinds[k], name, n) == 0)
+            return *scope = (exp_scope){EXP_KIND, k}, true;
     return false;
 }
 
@@ -73,6 +76,19 @@ static rp_status find_measure(const exp_place *place, const char *name, rp_x_sym
     return RP_OK;
 }
 
+/* What a new grain knows of itself. */
+static const char *const grain_names[EXP_GRAIN_N] = EXP_GRAIN_NAMES;
+
+static bool find_of_grain(const char *name, rp_x_symbol *symbol)
+{
+    for (int k = 0; k < EXP_GRAIN_N; k++)
+        if (strcmp(grain_names[k], name) == 0)
+            return *symbol =
+                       (rp_x_symbol){.type = RP_X_NUMBER, .key = grain_names[k], .id = EXP_ID_GRAIN + k},
+                   true;
+    return false;
+}
+
 static rp_status find(void *host, const char *name, int n_args, rp_x_symbol *symbol, bool *known)
 {
     exp_place *place = host;
@@ -80,10 +96,13 @@ static rp_status find(void *host, const char *name, int n_args, rp_x_symbol *sym
     const char *dot = strchr(name, '.');
     exp_scope scope = {EXP_ALL, 0};
     const exp_observable *o = NULL;
+    if (place->of_grain && n_args < 0 && find_of_grain(name, symbol)) return *known = true, RP_OK;
     if (!dot && n_args < 0) RP_TRY(rp_lets_find(&plan->text->lets, name, symbol, known));
     if (*known) return RP_OK;
     if (dot && find_scope(plan, name, (size_t)(dot - name), &scope))
-        o = find_observable(dot + 1, scope.kind == EXP_WALL ? OF_WALL : OF_REGION);
+        o = find_observable(dot + 1, scope.kind == EXP_WALL   ? OF_WALL
+                                     : scope.kind == EXP_KIND ? OF_GRAINS
+                                                              : OF_REGION);
     else if (!dot)
         o = find_observable(name, OF_RUN | OF_GRAINS);
     if (o && place->lets_alone) return rp_fail(RP_BAD_INPUT, "%s is not known before the run", name);
@@ -101,9 +120,12 @@ static void list(void *host, rp_guess *guess)
         if (o->of & (OF_RUN | OF_GRAINS)) rp_guess_try(guess, o->name);
         for (size_t k = 0; k < plan->n_regions && (o->of & OF_REGION); k++)
             snprintf(name, sizeof name, "%s.%s", plan->regions[k].name, o->name), rp_guess_try(guess, name);
+        for (size_t k = 0; k < plan->n_kinds && (o->of & OF_GRAINS); k++)
+            snprintf(name, sizeof name, "%s.%s", plan->kinds[k], o->name), rp_guess_try(guess, name);
         for (size_t k = 0; k < plan->n_walls && (o->of & OF_WALL); k++)
             snprintf(name, sizeof name, "%s.%s", plan->walls[k].name, o->name), rp_guess_try(guess, name);
     }
+    for (int k = 0; k < EXP_GRAIN_N && place->of_grain; k++) rp_guess_try(guess, grain_names[k]);
     for (size_t k = 0; k < plan->n_outputs; k++) rp_guess_try(guess, plan->outputs[k].name);
 }
 

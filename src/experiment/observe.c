@@ -35,31 +35,61 @@ const dem_state *exp_states(exp_run *run)
 
 /* ---- regions ---- */
 
-/* A region as it is at this look. */
-typedef struct {
-    bool all, circle;
-    double at[4]; /* x, y from and to; or centre, radius */
-} area;
-
-static area area_now(exp_run *run, const exp_scope *scope)
+exp_within exp_within_now(exp_run *run, const exp_scope *scope)
 {
-    area a = {.all = scope->kind != EXP_REGION};
+    exp_within a = {.all = scope->kind != EXP_REGION};
+    if (scope->kind == EXP_KIND) a.kinds = run->kinds, a.kind = (int32_t)scope->index;
     if (a.all) return a;
     const exp_region *r = &run->plan->regions[scope->index];
     a.circle = r->circle;
     const exp_expression *const box[4] = {&r->x[0], &r->x[1], &r->y[0], &r->y[1]};
     for (int k = 0; k < (r->circle ? 3 : 4); k++)
         a.at[k] = exp_value(run, r->circle ? &r->circle_of[k] : box[k]);
+    if (r->n_points == 0) return a;
+    double *points = run->points[scope->index];
+    a.points = points, a.n_points = r->n_points;
+    a.at[0] = a.at[2] = INFINITY, a.at[1] = a.at[3] = -INFINITY;
+    for (size_t k = 0; k < 2 * r->n_points; k++) {
+        points[k] = exp_value(run, &r->points[k]);
+        a.at[2 * (k % 2)] = fmin(a.at[2 * (k % 2)], points[k]);
+        a.at[2 * (k % 2) + 1] = fmax(a.at[2 * (k % 2) + 1], points[k]);
+    }
     return a;
 }
 
-static bool inside(const void *region, double x, double y)
+/* An odd number of sides to the right of the point. */
+static bool in_polygon(const exp_within *a, double x, double y)
 {
-    const area *a = region;
+    bool in = false;
+    for (size_t k = 0; k < a->n_points; k++) {
+        const double *p = &a->points[2 * k], *q = &a->points[2 * ((k + 1) % a->n_points)];
+        if ((p[1] > y) != (q[1] > y) && x < p[0] + (y - p[1]) / (q[1] - p[1]) * (q[0] - p[0])) in = !in;
+    }
+    return in;
+}
+
+bool exp_is_within(const void *within, uint32_t id, double x, double y)
+{
+    const exp_within *a = within;
+    if (a->kinds && a->kinds[id - 1] != a->kind) return false;
     if (a->all) return true;
-    if (!a->circle) return x > a->at[0] && x < a->at[1] && y > a->at[2] && y < a->at[3];
+    if (!a->circle)
+        return x > a->at[0] && x < a->at[1] && y > a->at[2] && y < a->at[3] &&
+               (!a->n_points || in_polygon(a, x, y));
     const double dx = x - a->at[0], dy = y - a->at[1];
     return dx * dx + dy * dy < a->at[2] * a->at[2];
+}
+
+static double area_of(const exp_within *a)
+{
+    double sum = 0.0;
+    if (a->circle) return M_PI * a->at[2] * a->at[2];
+    if (!a->n_points) return (a->at[1] - a->at[0]) * (a->at[3] - a->at[2]);
+    for (size_t k = 0; k < a->n_points; k++) {
+        const double *p = &a->points[2 * k], *q = &a->points[2 * ((k + 1) % a->n_points)];
+        sum += 0.5 * (p[0] * q[1] - q[0] * p[1]);
+    }
+    return fabs(sum);
 }
 
 /* The grains that an observable is of, one after the other: those that move, in its region. */
@@ -67,13 +97,13 @@ typedef struct {
     exp_run *run;
     const dem_state *all;
     size_t n, i;
-    area in;
+    exp_within in;
     dem_state s; /* its centre in the box's frame */
 } walk;
 
 static walk walk_over(exp_run *run, const exp_use *use)
 {
-    walk w = {.run = run, .in = area_now(run, &use->scope)};
+    walk w = {.run = run, .in = exp_within_now(run, &use->scope)};
     w.all = exp_states(run);
     w.n = w.all ? run->n_states : 0;
     return w;
@@ -84,7 +114,7 @@ static bool next(walk *w)
     while (w->i < w->n) {
         w->s = w->all[w->i++];
         dem_box_frame(w->run->sim, &w->s.x, &w->s.y);
-        if (!w->s.fixed && inside(&w->in, w->s.x, w->s.y)) return true;
+        if (!w->s.fixed && exp_is_within(&w->in, w->s.id, w->s.x, w->s.y)) return true;
     }
     return false;
 }
@@ -102,7 +132,7 @@ OBSERVABLE(run_time)
 }
 OBSERVABLE(run_t)
 {
-    return NO_ARGS, dem_time(run->sim) - run->at.begun + (run->ahead ? 0.5 * run->plan->scene.def.dt : 0.0);
+    return NO_ARGS, dem_time(run->sim) - run->at.begun + (run->ahead ? 0.5 * exp_dt(run) : 0.0);
 }
 OBSERVABLE(run_step)
 {
@@ -118,16 +148,11 @@ OBSERVABLE(run_pass)
 }
 OBSERVABLE(run_tilt)
 {
-    return NO_ARGS, run->at.tilt;
+    return NO_ARGS, run->at.now.tilt;
 }
-OBSERVABLE(run_marked)
-{
-    return NO_ARGS, (double)run->at.marked;
-}
-
 OBSERVABLE(run_out)
 {
-    return NO_ARGS, (double)run->at.grains0 - (double)dem_count(run->sim);
+    return NO_ARGS, (double)(run->at.grains0 + run->at.now.added) - (double)dem_count(run->sim);
 }
 
 OBSERVABLE(run_out_mass)
@@ -136,7 +161,16 @@ OBSERVABLE(run_out_mass)
     NO_ARGS;
     const dem_state *s = exp_states(run);
     for (size_t i = 0; s && i < run->n_states; i++) mass += s[i].m;
-    return run->at.mass0 - mass;
+    return run->at.mass0 + run->at.now.added_mass - mass;
+}
+
+OBSERVABLE(run_added)
+{
+    return NO_ARGS, (double)run->at.now.added;
+}
+OBSERVABLE(run_touched)
+{
+    return NO_ARGS, run->at.now.touched;
 }
 
 /* ---- of grains ---- */
@@ -174,27 +208,27 @@ OBSERVABLE(kinetic)
 OBSERVABLE(energy)
 {
     dem_rest rest = {0};
-    const area in = area_now(run, &use->scope);
+    const exp_within in = exp_within_now(run, &use->scope);
     (void)args;
-    if (!run->failed) run->failed = dem_rest_in(run->sim, inside, &in, &rest);
+    if (!run->failed) run->failed = dem_rest_in(run->sim, exp_is_within, &in, &rest);
     return rest.kinetic_energy;
 }
 
 OBSERVABLE(force)
 {
     dem_rest rest = {0};
-    const area in = area_now(run, &use->scope);
+    const exp_within in = exp_within_now(run, &use->scope);
     (void)args;
-    if (!run->failed) run->failed = dem_rest_in(run->sim, inside, &in, &rest);
+    if (!run->failed) run->failed = dem_rest_in(run->sim, exp_is_within, &in, &rest);
     return rest.net_force;
 }
 
 OBSERVABLE(contacts)
 {
     dem_rest rest = {0};
-    const area in = area_now(run, &use->scope);
+    const exp_within in = exp_within_now(run, &use->scope);
     (void)args;
-    if (!run->failed) run->failed = dem_rest_in(run->sim, inside, &in, &rest);
+    if (!run->failed) run->failed = dem_rest_in(run->sim, exp_is_within, &in, &rest);
     return rest.n ? rest.contact_number : NAN;
 }
 
@@ -281,45 +315,50 @@ OBSERVABLE(right)
 void exp_mark(exp_run *run)
 {
     const dem_state *s = exp_states(run);
-    run->at.marked = 0;
     for (size_t k = 0; k < 2 * run->n_ids; k++) run->marks[k] = NAN;
     for (size_t i = 0; s && i < run->n_states; i++) {
         double x = s[i].x, y = s[i].y;
         if (s[i].fixed) continue;
         dem_box_frame(run->sim, &x, &y);
         run->marks[2 * (s[i].id - 1)] = x, run->marks[2 * (s[i].id - 1) + 1] = y;
-        run->at.marked++;
     }
+}
+
+OBSERVABLE(marked)
+{
+    const exp_within in = exp_within_now(run, &use->scope);
+    double n = 0.0;
+    (void)args;
+    for (size_t k = 0; k < run->n_ids; k++)
+        n += !isnan(run->marks[2 * k]) &&
+             exp_is_within(&in, (uint32_t)k + 1, run->marks[2 * k], run->marks[2 * k + 1]);
+    return n;
 }
 
 /* How many of the marked of the region are farther than args[0] from their mark and have args[1] contacts or
  * more; those that are gone included. */
 OBSERVABLE(moved)
 {
-    const area in = area_now(run, &use->scope);
+    const exp_within in = exp_within_now(run, &use->scope);
     const dem_state *s = exp_states(run);
-    size_t n = 0, there = 0, marked = 0;
-    for (size_t k = 0; k < run->n_ids; k++) {
-        const double *mark = &run->marks[2 * k];
-        marked += !isnan(mark[0]) && inside(&in, mark[0], mark[1]);
-    }
+    size_t n = 0, there = 0;
     for (size_t i = 0; s && i < run->n_states; i++) {
         const double *mark = &run->marks[2 * (s[i].id - 1)];
         double x = s[i].x, y = s[i].y;
-        if (isnan(mark[0]) || !inside(&in, mark[0], mark[1])) continue;
+        if (isnan(mark[0]) || !exp_is_within(&in, s[i].id, mark[0], mark[1])) continue;
         there++;
         dem_box_frame(run->sim, &x, &y);
         const double dx = x - mark[0], dy = y - mark[1];
         n += dx * dx + dy * dy > args[0] * args[0] && (use->n_args < 2 || s[i].contacts >= args[1]);
     }
-    return (double)(n + marked - there);
+    return (double)n + marked(run, use, args) - (double)there;
 }
 
 /* Columns of width about d, between the ends of a region or of the grains, that hold a centre. */
 OBSERVABLE(cells)
 {
     (void)args;
-    area in = area_now(run, &use->scope);
+    exp_within in = exp_within_now(run, &use->scope);
     double lo = INFINITY, hi = -INFINITY, n = 0.0;
     EACH(w) lo = fmin(lo, w.s.x), hi = fmax(hi, w.s.x);
     if (!(hi >= lo)) return 0.0;
@@ -340,11 +379,90 @@ OBSERVABLE(cells)
 /* Area of the grains by centre over the region's own. */
 OBSERVABLE(fraction)
 {
-    const area in = area_now(run, &use->scope);
+    const exp_within in = exp_within_now(run, &use->scope);
     double sum = 0.0;
     (void)args;
     EACH(w) sum += M_PI * w.s.r * w.s.r;
-    return sum / (in.circle ? M_PI * in.at[2] * in.at[2] : (in.at[1] - in.at[0]) * (in.at[3] - in.at[2]));
+    return sum / area_of(&in);
+}
+
+/* Sum over the contacts of a scope of what each adds: those with their middle in a region, or with a grain of
+ * a kind. */
+static double over_contacts(exp_run *run, const exp_use *use,
+                            double (*part)(const exp_run *run, const dem_contact *c, const double f[2]),
+                            double *n)
+{
+    dem_contact *c = NULL;
+    size_t n_contacts = 0;
+    double sum = 0.0;
+    const exp_within in = exp_within_now(run, &use->scope);
+    if (!run->failed) run->failed = dem_contacts(run->sim, &c, &n_contacts);
+    *n = 0.0;
+    for (size_t k = 0; k < n_contacts; k++) {
+        const double dx = c[k].x - c[k].x_b, dy = c[k].y - c[k].y_b, l = sqrt(dx * dx + dy * dy), nx = dx / l,
+                     ny = dy / l;
+        double x = 0.5 * (c[k].x + c[k].x_b), y = 0.5 * (c[k].y + c[k].y_b);
+        dem_box_frame(run->sim, &x, &y);
+        if (!exp_is_within(&in, c[k].id_a, x, y) &&
+            !(in.kinds && c[k].id_b && exp_is_within(&in, c[k].id_b, x, y)))
+            continue;
+        (*n)++;
+        sum += part(run, &c[k],
+                    (double[]){c[k].normal_force * nx + c[k].shear_force * ny,
+                               c[k].normal_force * ny - c[k].shear_force * nx});
+    }
+    free(c);
+    return sum;
+}
+
+static double slides(const exp_run *run, const dem_contact *c, const double f[2])
+{
+    const size_t laws = run->at.now.laws;
+    const double grains =
+                     (laws == SIZE_MAX ? run->plan->scene.laws : run->plan->phases[laws].laws).physics.mu,
+                 mu = c->id_b ? grains : dem_wall_now(run->sim, (size_t)c->wall).mu;
+    (void)f;
+    return c->normal_force > 0.0 && fabs(c->shear_force) >= 0.999 * mu * c->normal_force;
+}
+
+OBSERVABLE(sliding)
+{
+    double n;
+    (void)args;
+    const double sum = over_contacts(run, use, slides, &n);
+    return n > 0.0 ? sum / n : NAN;
+}
+
+/* Branch vector times force, compression positive. */
+static double part_xx(const exp_run *run, const dem_contact *c, const double f[2])
+{
+    return (void)run, (c->x - c->x_b) * f[0];
+}
+static double part_yy(const exp_run *run, const dem_contact *c, const double f[2])
+{
+    return (void)run, (c->y - c->y_b) * f[1];
+}
+static double part_xy(const exp_run *run, const dem_contact *c, const double f[2])
+{
+    return (void)run, 0.5 * ((c->x - c->x_b) * f[1] + (c->y - c->y_b) * f[0]);
+}
+OBSERVABLE(stress_xx)
+{
+    double n;
+    const exp_within in = exp_within_now(run, &use->scope);
+    return (void)args, over_contacts(run, use, part_xx, &n) / area_of(&in);
+}
+OBSERVABLE(stress_yy)
+{
+    double n;
+    const exp_within in = exp_within_now(run, &use->scope);
+    return (void)args, over_contacts(run, use, part_yy, &n) / area_of(&in);
+}
+OBSERVABLE(stress_xy)
+{
+    double n;
+    const exp_within in = exp_within_now(run, &use->scope);
+    return (void)args, over_contacts(run, use, part_xy, &n) / area_of(&in);
 }
 
 /* Mean normal force of the contacts: what forces are compared with where nothing has a weight. */
@@ -368,10 +486,10 @@ OBSERVABLE(rest)
     (void)args;
     if (c[LOOKED] != 0.0 && (double)run->at.phase_step - c[LAST] < (double)p->rest.every)
         return c[PASSED] >= (double)p->rest.looks;
-    const area in = area_now(run, &use->scope);
+    const exp_within in = exp_within_now(run, &use->scope);
     const double f0 = p->g > 0.0 ? p->m * p->g : mean_force(run);
     dem_rest now = {0};
-    if (!run->failed) run->failed = dem_rest_in(run->sim, inside, &in, &now);
+    if (!run->failed) run->failed = dem_rest_in(run->sim, exp_is_within, &in, &now);
     const bool quiet = f0 > 0.0 && dem_at_rest(&now, p->rest.energy * f0 * p->d, p->rest.force * f0, false);
     c[PASSED] = quiet ? c[PASSED] + 1.0 : 0.0;
     c[LAST] = (double)run->at.phase_step, c[LOOKED] = 1.0;
@@ -461,7 +579,8 @@ const exp_observable exp_observables[] = {
     {"tilt_deg", OF_RUN, 0, 0, RP_X_NUMBER, "degree", "turn of gravity against the box so far; positive lowers +x", run_tilt},
     {"out", OF_RUN, 0, 0, RP_X_NUMBER, "", "grains taken out so far", run_out},
     {"out_mass", OF_RUN, 0, 0, RP_X_NUMBER, "g", "their mass", run_out_mass},
-    {"marked", OF_RUN, 0, 0, RP_X_NUMBER, "", "grains whose position is marked", run_marked},
+    {"added", OF_RUN, 0, 0, RP_X_NUMBER, "", "grains put in so far", run_added},
+    {"touched", OF_RUN, 0, 0, RP_X_TRUTH, "", "whether the last that was put in has had a contact at a look", run_touched},
     {"elastic", OF_RUN, 0, 0, RP_X_NUMBER, "erg", "elastic energy of all contacts", elastic},
     {"grains", ALL_GRAINS, 0, 0, RP_X_NUMBER, "", "number of grains", grains},
     {"mass", ALL_GRAINS, 0, 0, RP_X_NUMBER, "g", "their mass", mass},
@@ -479,9 +598,14 @@ const exp_observable exp_observables[] = {
     {"height", ALL_GRAINS, 0, 0, RP_X_NUMBER, "cm", "highest point of a grain, 0 without grains", height},
     {"left", ALL_GRAINS, 0, 0, RP_X_NUMBER, "cm", "leftmost point", left},
     {"right", ALL_GRAINS, 0, 0, RP_X_NUMBER, "cm", "rightmost point", right},
+    {"marked", ALL_GRAINS, 0, 0, RP_X_NUMBER, "", "grains whose position is marked, by where that is", marked},
     {"moved", ALL_GRAINS, 1, 2, RP_X_NUMBER, "", "moved(s, k): marked grains farther than s from their mark, with k contacts or more", moved},
     {"cells", ALL_GRAINS, 0, 0, RP_X_NUMBER, "", "columns of about d that hold a grain", cells},
     {"rest", ALL_GRAINS, 0, 0, RP_X_TRUTH, "", "whether the grains are at rest, by several looks in a row", rest},
+    {"sliding", ALL_GRAINS, 0, 0, RP_X_NUMBER, "", "share of the contacts whose shear force is at Coulomb's limit", sliding},
+    {"sxx", OF_REGION, 0, 0, RP_X_NUMBER, "dyn/cm", "stress: sum of branch vector times force over area, compression positive", stress_xx},
+    {"sxy", OF_REGION, 0, 0, RP_X_NUMBER, "dyn/cm", "its mixed component, the mean of the two", stress_xy},
+    {"syy", OF_REGION, 0, 0, RP_X_NUMBER, "dyn/cm", "its component along y", stress_yy},
     {"fraction", OF_REGION, 0, 0, RP_X_NUMBER, "", "area of the grains over that of the region", fraction},
     {"x", OF_WALL, 0, 0, RP_X_NUMBER, "cm", "the wall's pivot, of a whole line its point", wall_x},
     {"y", OF_WALL, 0, 0, RP_X_NUMBER, "cm", "the wall's pivot, of a whole line its point", wall_y},
@@ -516,7 +640,7 @@ exp_group exp_module_at(size_t k)
 rp_status exp_module_values(exp_run *run, const exp_measure *m, double out[EXP_MODULE_OUTPUTS])
 {
     const exp_use use = {.scope = m->scope};
-    const area in = area_now(run, &m->scope);
+    const exp_within in = exp_within_now(run, &m->scope);
     exp_view sample = {
         .d = run->plan->d, .sim = run->sim, .lo = {-INFINITY, -INFINITY}, .hi = {INFINITY, INFINITY}};
     for (int c = 0; c < 2 && !in.all && !in.circle; c++)
@@ -528,9 +652,11 @@ rp_status exp_module_values(exp_run *run, const exp_measure *m, double out[EXP_M
     dem_state *grains = malloc((run->n_states + 1) * sizeof *grains);
     if (!grains) return rp_fail(RP_NO_MEMORY, "%s: out of memory", m->name);
     for (walk w = walk_over(run, &use); next(&w);)
-        if (inside(&in, w.s.x, w.s.y)) grains[sample.n++] = w.s;
+        if (exp_is_within(&in, w.s.id, w.s.x, w.s.y)) grains[sample.n++] = w.s;
     for (int k = 0; k < EXP_MODULE_OUTPUTS; k++) out[k] = NAN;
     sample.grains = grains;
+    if (m->module->on_wall)
+        sample.walls = run->plan->walls[m->on].walls, sample.n_walls = run->plan->walls[m->on].n;
     rp_status status = m->module->evaluate(&sample, m->params, out);
     free(grains);
     return status;
@@ -543,7 +669,7 @@ exp_word exp_observable_at(size_t k)
                       o->of & OF_WALL      ? "WALL."
                       : o->of == OF_REGION ? "REGION."
                       : o->of & OF_RUN     ? "the run"
-                                           : "all, REGION.",
+                                           : "all, REGION., KIND.",
                       o->unit, o->meaning};
 }
 
@@ -553,6 +679,7 @@ double exp_observe(void *host, int id, const double args[])
 {
     exp_run *run = host;
     if (id >= EXP_ID_MEASURE) return run->values[id - EXP_ID_MEASURE];
+    if (id >= EXP_ID_GRAIN) return run->grain[id - EXP_ID_GRAIN];
     const exp_use *use = &run->plan->uses[id];
     return run->failed ? NAN : use->of->value(run, use, args);
 }

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/random.h"
 #include "experiment/private.h"
 
 static const exp_phase *phase_of(const exp_run *run)
@@ -56,11 +57,59 @@ static rp_status make_room(exp_run *run)
     run->counters = calloc(p->n_states + 1, sizeof *run->counters);
     run->values = calloc(p->n_outputs + 1, sizeof *run->values);
     run->samples = calloc(p->n_measures + 1, sizeof *run->samples);
-    run->marks = calloc(2 * run->n_ids + 1, sizeof *run->marks);
-    if (!run->counters || !run->values || !run->samples || !run->marks)
+    run->saved = calloc(p->n_phases + 1, sizeof *run->saved);
+    run->loads = calloc(2 * p->n_walls + 1, sizeof *run->loads);
+    run->points = calloc(p->n_regions + 1, sizeof *run->points);
+    if (!run->counters || !run->values || !run->samples || !run->saved || !run->loads || !run->points)
         return rp_fail(RP_NO_MEMORY, "run: out of memory");
+    for (size_t k = 0; k < p->n_regions; k++)
+        if (!(run->points[k] = calloc(2 * p->regions[k].n_points + 1, sizeof **run->points)))
+            return rp_fail(RP_NO_MEMORY, "run: out of memory");
     for (size_t k = 0; k < p->n_outputs; k++) run->values[k] = NAN;
-    for (size_t k = 0; k < 2 * run->n_ids; k++) run->marks[k] = NAN;
+    for (size_t k = 0; k < 2 * p->n_walls; k++) run->loads[k] = -1;
+    return RP_OK;
+}
+
+bool exp_make_ids(exp_run *run, size_t id)
+{
+    const size_t n = id > 2 * run->n_ids ? id : 2 * run->n_ids;
+    if (id <= run->n_ids) return true;
+    double *marks = realloc(run->marks, 2 * n * sizeof *marks);
+    if (marks) run->marks = marks;
+    int32_t *kinds = realloc(run->kinds, n * sizeof *kinds);
+    if (kinds) run->kinds = kinds;
+    if (!marks || !kinds) return run->failed = rp_fail(RP_NO_MEMORY, "grains: out of memory"), false;
+    for (size_t k = run->n_ids; k < n; k++) marks[2 * k] = marks[2 * k + 1] = NAN, kinds[k] = -1;
+    run->n_ids = n;
+    return true;
+}
+
+static int kind_named(const exp_plan *plan, const char *name)
+{
+    for (size_t k = 0; k < plan->n_kinds; k++)
+        if (strcmp(plan->kinds[k], name) == 0) return (int)k;
+    return -1;
+}
+
+/* The simulation, and the kinds of its grains. */
+static rp_status fill(exp_run *run, dem_scene *scene)
+{
+    const exp_plan *plan = run->plan;
+    dem_definition def = scene->def;
+    dem_grain *grains = NULL;
+    size_t *ends, i = 0;
+    RP_SCOPE(arena);
+    RP_NEW(&arena, ends, scene->n_more + 1);
+    rp_status status = dem_scene_grains(scene, &grains, &def.n_grains, ends);
+    if (def.n_grains == 0 && def.skin == 0.0) def.skin = 0.2 * plan->d; /* as of grains of that size */
+    def.grains = grains, def.lines = scene->has_fill ? NULL : scene->lines;
+    if (!status) status = dem_create(&def, &run->sim);
+    free(grains);
+    if (status) return status;
+    if (!exp_make_ids(run, def.n_grains + 1)) return run->failed;
+    i = scene->grains ? scene->def.n_grains : 0;
+    for (size_t k = 0; dem_scene_fill_at(scene, k); k++)
+        for (const int kind = kind_named(plan, scene->kinds[k]); i < ends[k]; i++) run->kinds[i] = kind;
     return RP_OK;
 }
 
@@ -71,11 +120,13 @@ rp_status exp_start(const exp_plan *plan, unsigned long seed, unsigned long stre
     dem_scene scene = plan->scene;
     scene.fill.seed = (long)seed, scene.fill.run = (long)stream;
     run->plan = plan;
-    run->n_ids = scene.has_fill ? (size_t)scene.fill.N : scene.def.n_grains;
     RP_TRY(make_room(run));
-    run->at.turn[0] = scene.def.turn_per_step * (180.0 / M_PI);
-    run->at.turn[1] = scene.def.box_turn_per_step * (180.0 / M_PI);
-    rp_status status = dem_scene_start(&scene, &run->sim);
+    if (plan->adds && !(run->random = rp_random_alloc(seed, stream, RP_PURPOSE_ADDED)))
+        return rp_fail(RP_NO_MEMORY, "run: out of memory");
+    run->at.now.turn[0] = scene.def.turn_per_step * (180.0 / M_PI);
+    run->at.now.turn[1] = scene.def.box_turn_per_step * (180.0 / M_PI);
+    run->at.now.laws = SIZE_MAX;
+    rp_status status = fill(run, &scene);
     if (status == RP_NO_RESULT) return exp_conclude(run, "no_room", "%s", rp_message()), RP_OK;
     if (status) return rp_prefix(status, "%s: ", plan->text->path);
     run->at.grains0 = dem_count(run->sim);
@@ -90,7 +141,12 @@ void exp_run_free(exp_run *run)
 {
     if (!run) return;
     for (size_t k = 0; run->samples && k < run->plan->n_measures; k++) free(run->samples[k].at);
+    for (size_t k = 0; run->saved && k < run->plan->n_phases; k++)
+        dem_free(run->saved[k].sim), free(run->saved[k].loads);
     free(run->counters), free(run->values), free(run->samples), free(run->marks), free(run->states);
+    for (size_t k = 0; run->points && k < run->plan->n_regions; k++) free(run->points[k]);
+    free(run->kinds), free(run->loads), free(run->saved), free(run->points);
+    if (run->random) gsl_rng_free(run->random);
     dem_free(run->sim);
     free(run);
 }
@@ -102,16 +158,12 @@ static void clear(exp_run *run, const size_t states[2])
     for (size_t k = states[0]; k < states[1]; k++) run->counters[k] = 0.0;
 }
 
-/* All walls of a name move as one. */
 static void move_walls(exp_run *run, const exp_phase *p, const exp_move *m)
 {
-    const exp_wall *wall = &run->plan->walls[m->wall];
     const double velocity[2] = {m->has_velocity ? exp_value(run, &m->velocity[0]) : 0.0,
                                 m->has_velocity ? exp_value(run, &m->velocity[1]) : 0.0},
                  omega = m->has_omega ? exp_value(run, &m->omega) : NAN;
-    for (size_t k = 0; k < wall->n && !run->at.done; k++)
-        if (dem_wall_move(run->sim, wall->walls[k], m->has_velocity ? velocity : NULL, omega))
-            exp_conclude(run, "too_fast", "phase %s: %s: %s", p->name, wall->name, rp_message());
+    exp_move_wall(run, p, &run->plan->walls[m->wall], m->has_velocity ? velocity : NULL, omega);
 }
 
 /* Gravity and the motion of walls, at the phase's start; before each step those that change. */
@@ -131,11 +183,12 @@ static rp_status go_by_steps(exp_run *run, long steps)
         run->fresh = false;
         run->ahead = true;
         set_forces(run, phase_of(run), true);
+        if (!run->at.done) exp_push_walls(run);
         run->ahead = false;
         if (run->at.done || run->failed) break;
         status = dem_run(run->sim, 1);
         if (!status) run->at.phase_step++, run->at.steps++;
-        if (!status) run->at.tilt += run->at.turn[0] + run->at.turn[1];
+        if (!status) run->at.now.tilt += run->at.now.turn[0] + run->at.now.turn[1];
     }
     return status;
 }
@@ -145,7 +198,7 @@ static rp_status go(exp_run *run, long steps)
     rp_status status = dem_run(run->sim, steps);
     if (status) return status;
     run->at.phase_step += steps, run->at.steps += steps;
-    run->at.tilt += (double)steps * (run->at.turn[0] + run->at.turn[1]);
+    run->at.now.tilt += (double)steps * (run->at.now.turn[0] + run->at.now.turn[1]);
     return RP_OK;
 }
 
@@ -155,28 +208,37 @@ static void begin_phase(exp_run *run)
     const exp_phase *p = phase_of(run);
     if (p->n_inner > 0) {
         clear(run, p->states);
+        if (p->source != SIZE_MAX) exp_go_back(run, p);
         run->at.pass = 1;
         run->at.phase = present(run->plan, run->at.phase + 1, end_of_block(run->plan, run->at.phase));
         p = phase_of(run);
     }
     run->fresh = false;
     run->at.phase_step = 0;
-    run->at.begun = dem_time(run->sim);
     run->at.started = true;
+    run->at.damped = 0.0;
     clear(run, p->states);
+    if (p->source != SIZE_MAX) exp_go_back(run, p);
+    run->at.begun = dem_time(run->sim);
+    if (*p->remove) exp_remove(run, p);
+    if (p->has_laws && !run->at.done && !run->failed) exp_change_laws(run, p);
+    if (run->at.done || run->failed) return;
+    exp_load_walls(run, p);
     set_forces(run, p, false);
     for (int k = 0; k < 2; k++)
         if (p->turns[k]) {
-            run->at.turn[k] = exp_value(run, &p->turn[k]);
-            (k ? dem_box_turn : dem_gravity_turn)(run->sim, run->at.turn[k] * (M_PI / 180.0));
+            run->at.now.turn[k] = exp_value(run, &p->turn[k]);
+            (k ? dem_box_turn : dem_gravity_turn)(run->sim, run->at.now.turn[k] * (M_PI / 180.0));
         }
     for (size_t k = 0; p->opens >= 0 && k < run->plan->walls[p->opens].n; k++) {
         const size_t w = run->plan->walls[p->opens].walls[k];
         dem_wall_open(run->sim, w, dem_walls_of(&run->plan->scene.def)[w].open_speed);
     }
     if (p->mark || p->block == SIZE_MAX) exp_mark(run);
+    if (p->add.on && !run->at.done) exp_add_grains(run, p);
+    if (run->at.done || run->failed) return;
     const double least = p->ending == EXP_STEPS  ? exp_value(run, &p->end)
-                         : p->ending == EXP_TIME ? exp_value(run, &p->end) / run->plan->scene.def.dt
+                         : p->ending == EXP_TIME ? exp_value(run, &p->end) / exp_dt(run)
                                                  : (double)p->most;
     run->at.most = least >= 0.0 && least <= 9e15 ? lround(least) : -1;
     if (run->at.most < 0 && !run->failed)
@@ -194,6 +256,7 @@ static void end_phase(exp_run *run)
     const exp_phase *p = phase_of(run);
     run->fresh = false;
     exp_measure_phase(run, run->at.phase);
+    if (p->is_source && !run->failed) exp_save(run, run->at.phase);
     run->at.started = false;
     if (run->at.done || run->failed) return;
     const size_t end = p->block == SIZE_MAX ? plan->n_phases : end_of_block(plan, p->block);
@@ -222,12 +285,25 @@ static void end_phase(exp_run *run)
         exp_conclude(run, plan->result, "%s", "");
 }
 
+/* All velocities become 0 where the kinetic energy begins to fall: it has passed a maximum. */
+static void damp(exp_run *run)
+{
+    dem_rest rest;
+    if (!run->failed) run->failed = dem_rest_state(run->sim, -INFINITY, INFINITY, &rest);
+    if (run->failed) return;
+    const bool falls = rest.kinetic_energy < run->at.damped;
+    if (falls) run->failed = dem_halt(run->sim);
+    run->at.damped = falls ? 0.0 : rest.kinetic_energy;
+    run->fresh = false;
+}
+
 /* One look: samples, what ends the run, what ends the phase. */
 static void look(exp_run *run, bool is_end)
 {
     const exp_phase *p = phase_of(run);
     const long since = run->at.phase_step - p->least;
     run->fresh = false;
+    run->at.now.touched |= run->at.now.last && dem_contact_count(run->sim, run->at.now.last) > 0;
     exp_sample(run);
     const bool looks = since > 0 && since % p->every == 0;
     for (size_t k = 0; k < p->n_fails && looks && !run->failed && !run->at.done; k++)
@@ -239,7 +315,8 @@ static void look(exp_run *run, bool is_end)
         end_phase(run);
         return;
     }
-    if (!is_end) return;
+    if (p->damp && looks) damp(run);
+    if (!is_end || run->failed) return;
     if (p->ending == EXP_UNTIL && !p->go_on) {
         char now[160];
         exp_conclude(run, p->status, "phase %s, after %ld steps: %s", p->name, run->at.phase_step,
@@ -265,14 +342,14 @@ rp_status exp_advance(exp_run *run, long most)
     if (run->at.done || run->failed) return run->failed;
     const exp_phase *p = phase_of(run);
     long next = LONG_MAX;
-    if (p->ending == EXP_UNTIL || p->n_fails > 0) {
+    if (p->ending == EXP_UNTIL || p->n_fails > 0 || p->damp) {
         const long since = run->at.phase_step - p->least;
         next = since < 0 ? p->every - since : p->every - since % p->every;
     }
     exp_measures_in(run, &next);
     const long left = run->at.most - run->at.phase_step, part = least_of(most, least_of(next, left));
     if (part > 0) {
-        rp_status status = p->each_step ? go_by_steps(run, part) : go(run, part);
+        rp_status status = p->each_step || exp_is_loaded(run) ? go_by_steps(run, part) : go(run, part);
         run->fresh = false;
         if (status == RP_BROKEN) {
             exp_conclude(run, dem_fault_text(dem_sim_fault(run->sim)), "%s", rp_message());
@@ -289,7 +366,7 @@ rp_status exp_advance(exp_run *run, long most)
 static double show(void *host, int id, const double args[])
 {
     const exp_run *run = host;
-    const exp_use *use = id < EXP_ID_MEASURE ? &run->plan->uses[id] : NULL;
+    const exp_use *use = id < EXP_ID_GRAIN ? &run->plan->uses[id] : NULL;
     return use && use->of->type == RP_X_TRUTH ? run->counters[use->state] : exp_observe(host, id, args);
 }
 
@@ -334,23 +411,81 @@ static void keep_samples(rp_snapshot *s, exp_samples *samples)
     if (!s->status && samples->n > 0) rp_keep(s, samples->at, EXP_SAMPLE * samples->n * sizeof *samples->at);
 }
 
+static void keep_longs(rp_snapshot *s, long *v, size_t n, long least, size_t most)
+{
+    if (!s->status && n > 0) rp_keep(s, v, n * sizeof *v);
+    bool known = true;
+    for (size_t k = 0; k < n; k++) known &= v[k] >= least && v[k] < (long)most;
+    rp_keep_check(s, known, "a run of another file");
+}
+
+static void keep_sim(rp_snapshot *s, dem_sim **sim)
+{
+    bool there = *sim != NULL;
+    RP_KEEP(s, there);
+    rp_keep_check(s, rp_keep_bool(&there), "a run of another file");
+    if (s->reading) dem_free(*sim), *sim = NULL;
+    if (there && !s->status) dem_keep(s, sim);
+}
+
+static void keep_saved(rp_snapshot *s, const exp_run *run, exp_saved *saved)
+{
+    const size_t n = 2 * run->plan->n_walls;
+    keep_sim(s, &saved->sim);
+    if (!saved->sim || s->status) return;
+    RP_KEEP(s, saved->now);
+    if (!saved->loads && !(saved->loads = calloc(n + 1, sizeof *saved->loads)))
+        s->status = rp_fail(RP_NO_MEMORY, "run: out of memory");
+    else
+        keep_longs(s, saved->loads, n, -1, run->plan->n_loads);
+    rp_keep_check(s, saved->now.laws == SIZE_MAX || saved->now.laws < run->plan->n_phases,
+                  "a run of another file");
+}
+
+/* Marks and kinds, of as many ids as there have been. */
+static void keep_ids(rp_snapshot *s, exp_run *run)
+{
+    size_t n = run->n_ids;
+    RP_KEEP(s, n);
+    if (s->reading) {
+        rp_keep_check(s, n <= (s->n - s->at) / (2 * sizeof(double)), "grains without end");
+        if (!s->status && n > run->n_ids) {
+            run->n_ids = run->n_ids ? run->n_ids : 1;
+            if (!exp_make_ids(run, n)) s->status = run->failed;
+        }
+        run->n_ids = s->status ? run->n_ids : n;
+    }
+    if (s->status || n == 0) return;
+    rp_keep(s, run->marks, 2 * n * sizeof *run->marks);
+    rp_keep(s, run->kinds, n * sizeof *run->kinds);
+    bool known = true;
+    for (size_t k = 0; k < n; k++) known &= run->kinds[k] >= -1 && run->kinds[k] < (int)run->plan->n_kinds;
+    rp_keep_check(s, known, "a run of another file");
+}
+
 void exp_keep(rp_snapshot *s, exp_run *run)
 {
     const exp_plan *p = run->plan;
     RP_KEEP(s, run->at);
     rp_keep_check(s,
                   rp_keep_bool(&run->at.started) && rp_keep_bool(&run->at.done) &&
-                      run->at.phase <= p->n_phases && (run->at.done || run->at.phase < p->n_phases) &&
-                      run->at.phase_step >= 0 && memchr(run->at.end.status, 0, sizeof run->at.end.status) &&
+                      rp_keep_bool(&run->at.now.touched) && run->at.phase <= p->n_phases &&
+                      (run->at.done || run->at.phase < p->n_phases) && run->at.phase_step >= 0 &&
+                      (run->at.now.laws == SIZE_MAX || run->at.now.laws < p->n_phases) &&
+                      memchr(run->at.end.status, 0, sizeof run->at.end.status) &&
                       memchr(run->at.end.message, 0, sizeof run->at.end.message),
                   "a place that no run is at");
     keep_array(s, run->counters, p->n_states);
     keep_array(s, run->values, p->n_outputs);
-    keep_array(s, run->marks, 2 * run->n_ids);
+    keep_ids(s, run);
+    if (!s->status) keep_longs(s, run->loads, 2 * p->n_walls, -1, p->n_loads);
+    if (run->random && !s->status) {
+        rp_keep(s, gsl_rng_state(run->random), gsl_rng_size(run->random));
+        rp_keep_check(s, rp_random_is_whole(run->random), "a random stream that is none");
+    }
     for (size_t k = 0; k < p->n_measures && !s->status; k++) keep_samples(s, &run->samples[k]);
-    bool there = run->sim != NULL;
-    RP_KEEP(s, there);
-    if (s->reading) dem_free(run->sim), run->sim = NULL;
-    if (there && !s->status) dem_keep(s, &run->sim);
+    for (size_t k = 0; k < p->n_phases && !s->status; k++)
+        if (p->phases[k].is_source) keep_saved(s, run, &run->saved[k]);
+    if (!s->status) keep_sim(s, &run->sim);
     run->fresh = false;
 }

@@ -2,9 +2,17 @@
 #ifndef EXP_PRIVATE_H
 #define EXP_PRIVATE_H
 
+#include <gsl/gsl_rng.h>
+
 #include "experiment/experiment.h"
 
-enum { EXP_ID_MEASURE = 1 << 20 }; /* symbols from here on are outputs, below uses of observables */
+/* Symbols: below the first uses of observables, then what a new grain knows of itself, then outputs. */
+enum { EXP_ID_GRAIN = 1 << 19, EXP_ID_MEASURE = 1 << 20 };
+#define EXP_GRAIN_NAMES                                                                                      \
+    {                                                                                                        \
+        "r", "y", "touch"                                                                                    \
+    }
+enum { EXP_R, EXP_Y, EXP_TOUCH, EXP_GRAIN_N };
 
 /* An expression of the text, with its place in a run's counters. */
 typedef struct {
@@ -14,7 +22,7 @@ typedef struct {
 
 /* What an observable is of. */
 typedef struct {
-    enum { EXP_ALL, EXP_REGION, EXP_WALL } kind;
+    enum { EXP_ALL, EXP_REGION, EXP_WALL, EXP_KIND } kind;
     size_t index;
 } exp_scope;
 
@@ -41,6 +49,8 @@ typedef struct {
     const char *name;
     bool circle;
     exp_expression x[2], y[2], circle_of[3];
+    size_t n_points; /* of a polygon, x and y of each */
+    exp_expression *points;
 } exp_region;
 
 typedef struct {
@@ -53,12 +63,24 @@ typedef struct {
     exp_expression when;
 } exp_fail;
 
-/* A wall's new motion. */
+/* What a wall does from here on: a motion, a load along x or y in which it is free, or the end of that. */
+typedef enum { EXP_SAME, EXP_LOADED, EXP_FREED } exp_loading;
 typedef struct {
     size_t wall;                             /* number among the plan's */
     bool has_velocity, has_omega, each_step; /* the latter: it asks for what changes from step to step */
     exp_expression velocity[2], omega;
+    exp_loading loading[2];
+    exp_expression load[2], speed;
+    size_t number; /* among the plan's loads */
 } exp_move;
+
+/* Grains that a phase puts in. */
+typedef struct {
+    bool on, has_r, has_density, in_range; /* in_range: anywhere between y[0] and y[1] */
+    long kind;                             /* -1: none */
+    exp_expression n, r, density, x[2], y[2], vx, vy, omega, gap;
+    dem_fill radii;
+} exp_add;
 
 typedef enum { EXP_STEPS, EXP_TIME, EXP_UNTIL } exp_ending;
 
@@ -66,7 +88,8 @@ typedef struct {
     /* by schema */
     const char *name, *open, *status;
     long least, every, most, repeat;
-    bool mark, go_on;
+    bool mark, go_on, damp, keep;
+    const char *from, *remove;
     /* by hand */
     const config_setting_t *setting;
     bool left_out;
@@ -78,6 +101,12 @@ typedef struct {
     long opens;                                               /* number of the wall, or -1 */
     size_t n_moves;
     exp_move *moves;
+    exp_add add;
+    bool has_laws, is_source; /* is_source: a later phase goes back to its end */
+    dem_scene_laws laws;      /* that hold in it */
+    dem_material *given;      /* and the coefficients of the walls, as given */
+    size_t source;            /* phase of `from`, or SIZE_MAX */
+    exp_scope removes;
     size_t n_fails;
     exp_fail *fails;
     size_t n_inner,
@@ -89,7 +118,7 @@ typedef enum { TAKE_VALUE, TAKE_MEAN, TAKE_MAX, TAKE_MIN, TAKE_FIRST, TAKE_RATE,
 #define EXP_TAKES "value | mean | max | min | first | rate | avalanches"
 
 typedef struct {
-    const char *name, *at, *during, *unit, *in;
+    const char *name, *at, *during, *unit, *in, *wall;
     int take;
     long every;
     double skip, drop; /* share, INFINITY: where it levels off; least fall of an avalanche, or INFINITY */
@@ -102,6 +131,7 @@ typedef struct {
     void *params;             /* of the module */
     long pick;                /* the module's output that is sampled; -1: all are outputs */
     exp_scope scope;          /* of the module */
+    size_t on;                /* its wall */
     size_t n_outputs, states[2];
 } exp_measure;
 
@@ -115,7 +145,10 @@ struct exp_plan {
         double energy, force;
         long looks, every;
     } rest;
-    size_t n_regions, n_walls, n_phases, n_measures, n_outputs, n_uses, n_states;
+    size_t n_regions, n_walls, n_phases, n_measures, n_outputs, n_uses, n_states, n_kinds, n_loads;
+    const char **kinds;
+    exp_move **loads;
+    bool adds; /* some phase does */
     exp_region *regions;
     exp_wall *walls;
     exp_phase *phases;
@@ -131,6 +164,7 @@ typedef struct {
     size_t phase;    /* of a phase; SIZE_MAX: of measures, or of the whole text */
     size_t measure;  /* outputs of measures before this one are known; SIZE_MAX: by phase */
     bool lets_alone; /* before the run */
+    bool of_grain;   /* names of a new grain are known */
 } exp_place;
 void exp_place_in(exp_place *place, exp_plan *plan);
 
@@ -145,26 +179,50 @@ typedef struct {
     double *at;
 } exp_samples;
 
+/* What belongs to the simulation, beside itself: a phase that goes back gets it back. */
+typedef struct {
+    double tilt, turn[2]; /* so far, degrees; a step, of gravity and of the box */
+    size_t laws;          /* of this phase, or SIZE_MAX: the scene's */
+    size_t added;         /* grains */
+    double added_mass;
+    uint32_t last; /* id of the last that was added, 0 before */
+    bool touched;  /* it has had a contact */
+} exp_world;
+
+/* The end of a phase, to go back to. */
+typedef struct {
+    dem_sim *sim;
+    exp_world now;
+    long *loads;
+} exp_saved;
+
 struct exp_run {
     const exp_plan *plan;
     dem_sim *sim;
     rp_status failed; /* of a look */
     bool ahead;       /* t and phase_step are those of the step to come, at its middle */
     struct {
-        size_t phase;           /* that it is in; n_phases: it has ended */
-        long pass;              /* of its block, from 1 */
-        long phase_step, most;  /* steps in the phase, of which there are so many, or LONG_MAX */
-        long steps;             /* in all */
-        double begun;           /* time at the phase's start */
-        double tilt, turn[2];   /* so far, degrees; a step, of gravity and of the box */
-        double mass0;           /* of all grains at the start */
-        size_t grains0, marked; /* grains at the start; marked */
+        size_t phase;          /* that it is in; n_phases: it has ended */
+        long pass;             /* of its block, from 1 */
+        long phase_step, most; /* steps in the phase, of which there are so many, or LONG_MAX */
+        long steps;            /* in all */
+        double begun;          /* time at the phase's start */
+        double mass0;          /* of all grains at the start */
+        size_t grains0;        /* grains at the start */
+        double damped;         /* kinetic energy at the last look of a phase that damps */
+        exp_world now;
         bool started, done;
         exp_end end;
     } at;
     double *counters, *values; /* of expressions; of outputs */
     exp_samples *samples;      /* of measures */
     double *marks;             /* x, y of ids from 1 on, in the box's frame; NAN: none */
+    int32_t *kinds;            /* of ids from 1 on; -1: none */
+    long *loads;               /* of walls, along x and y: number of the load, or -1 */
+    gsl_rng *random;           /* of grains that are added */
+    exp_saved *saved;          /* of phases */
+    double **points;           /* of regions: the corners of a polygon, as they were last asked for */
+    double grain[EXP_GRAIN_N]; /* that is being added */
     /* readings of the present state, made when they are asked for */
     bool fresh;
     size_t n_states;
@@ -176,6 +234,7 @@ struct exp_run {
 void exp_conclude(exp_run *run, const char *status, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
+double exp_dt(const exp_run *run); /* of the laws that hold */
 double exp_value(exp_run *run, const exp_expression *e);
 bool exp_true(exp_run *run, const exp_expression *e);
 
@@ -185,6 +244,36 @@ bool exp_changes(const exp_expression *e);
 /* The states of the grains as they are now; NULL after a failure. */
 const dem_state *exp_states(exp_run *run);
 void exp_mark(exp_run *run);
+
+/* The grains of a scope at this look: of a region, or of a kind. */
+typedef struct {
+    bool all, circle;
+    size_t n_points;      /* of a polygon */
+    const double *points; /* the run's own, of this region */
+    double at[4];         /* x, y from and to; or centre, radius */
+    const int32_t *kinds; /* by ids from 1 on; NULL: of any kind */
+    int32_t kind;
+} exp_within;
+exp_within exp_within_now(exp_run *run, const exp_scope *scope);
+bool exp_is_within(const void *within, uint32_t id, double x, double y);
+
+/* Room for the marks and kinds of ids up to this one. Errors: RP_NO_MEMORY, in run->failed. */
+bool exp_make_ids(exp_run *run, size_t id);
+
+/* What a phase does at its start besides forces: laws, grains out of a region, grains put in; going back.
+ * What can't be ends the run. */
+void exp_go_back(exp_run *run, const exp_phase *p);
+void exp_save(exp_run *run, size_t phase);
+void exp_change_laws(exp_run *run, const exp_phase *p);
+void exp_remove(exp_run *run, const exp_phase *p);
+void exp_add_grains(exp_run *run, const exp_phase *p);
+
+/* Loads of walls: begin or end with a phase; then give their walls their speed for a step. */
+void exp_load_walls(exp_run *run, const exp_phase *p);
+bool exp_is_loaded(const exp_run *run);
+void exp_push_walls(exp_run *run);
+void exp_move_wall(exp_run *run, const exp_phase *p, const exp_wall *wall, const double velocity[2],
+                   double omega);
 double exp_observe(void *run, int id, const double args[]);
 
 /* The numbers of a module. Errors: RP_NO_RESULT; others. */

@@ -144,8 +144,12 @@ static rp_status set_computed(const config_setting_t *setting, const rp_param *p
                            : is.type == RP_X_TRUTH ? (rp_value){.kind = RP_V_BOOL, .i = is.value != 0.0}
                            : whole                 ? (rp_value){.kind = RP_V_INT, .i = (long)is.value}
                                                    : (rp_value){.kind = RP_V_REAL, .r = is.value};
-    if (!isfinite(is.value) && param->type == RP_REAL)
+    if (!isfinite(is.value) && param->type == RP_REAL) { /* what is infinite has its word, if there is one */
+        static const char *const words[] = {"none", "infinite", "instant"};
+        for (size_t k = 0; k < sizeof words / sizeof *words; k++)
+            if (strstr(param->range, words[k])) return rp_params_set_text(param, values, words[k]);
         return rp_params_set_text(param, values, is.value > 0.0 ? "inf" : "-inf");
+    }
     return rp_params_set(param, values, &value);
 }
 

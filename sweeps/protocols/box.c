@@ -22,31 +22,6 @@ double sweep_touch_height(size_t n, const dem_state grains[], double x, double r
     return y;
 }
 
-double sweep_bond_order(size_t n, const dem_state grains[], double order[], int neighbours[])
-{
-    double sum = 0.0, counted = 0.0;
-    for (size_t i = 0; i < n; i++) {
-        const dem_state *a = &grains[i];
-        double re = 0.0, im = 0.0, near = 0.0;
-        for (const dem_state *b = grains; b < grains + n; b++) {
-            const double dx = b->x - a->x, dy = b->y - a->y, reach = 1.25 * (a->r + b->r),
-                         r2 = dx * dx + dy * dy;
-            if (a == b || a->fixed || b->fixed || r2 > reach * reach) continue;
-            const double c2 = (dx * dx - dy * dy) / r2, s2 = 2.0 * dx * dy / r2; /* of 2 theta; cubed */
-            re += c2 * c2 * c2 - 3.0 * c2 * s2 * s2;
-            im += 3.0 * c2 * c2 * s2 - s2 * s2 * s2;
-            near += 1.0;
-        }
-        const double own = near < 2.0 ? NAN : sqrt(re * re + im * im) / near;
-        if (order) order[i] = own;
-        if (neighbours) neighbours[i] = (int)near;
-        if (near < 2.0) continue;
-        sum += own;
-        counted += 1.0;
-    }
-    return sum / counted;
-}
-
 void sweep_states_digits(size_t n, const dem_state states[], char digits[33])
 {
     XXH3_state_t *hash = XXH3_createState();

@@ -197,11 +197,6 @@ double sweep_degrees(double radians);
  * `gap` away from the first obstacle. */
 double sweep_touch_height(size_t n, const dem_state grains[], double x, double r, double gap);
 
-/* Bond order: mean over the grains of |psi_6|, the mean of exp(6 i theta) over the neighbours nearer
- * than 1.25 times touching; 1 in a triangular lattice. Fixed grains and those with fewer than two neighbours
- * are left out; NaN if all are. order[n], neighbours[n] (may be NULL): of each grain; NaN where left out. */
-double sweep_bond_order(size_t n, const dem_state grains[], double order[], int neighbours[]);
-
 /* Hash of all positions and velocities. */
 void sweep_states_digits(size_t n, const dem_state states[], char digits[33]);
 

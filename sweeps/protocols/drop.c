@@ -31,6 +31,8 @@
 #include <string.h>
 #include <xxhash.h>
 
+#include "experiment/modules/base.h"
+#include "experiment/modules/module.h"
 #include "stress/stress.h"
 #include "core/random.h"
 #include "core/file.h"
@@ -504,7 +506,7 @@ static rp_status measure_order(const drop *d, size_t n_contacts, const dem_conta
     RP_NEW(&memory, most, d->n);
     RP_NEW(&memory, neighbours, d->n);
     RP_NEW(&memory, packed, d->n);
-    v->psi6 = sweep_bond_order(d->n, d->states, order, neighbours);
+    v->psi6 = exp_bond_order(d->n, d->states, order, neighbours);
     for (size_t i = 0; i < d->n; i++) {
         touching += d->states[i].contacts;
         packed[i] = neighbours[i] == 6 && order[i] >= 0.9;
@@ -527,7 +529,7 @@ static rp_status measure_rays(const drop *d, const stress_base *base)
         x[i] = d->states[i].x;
         top[i] = d->states[i].y + d->states[i].r;
     }
-    RP_TRY(sweep_outline_rays(d->n, x, top, base, d->v->rays));
+    RP_TRY(exp_outline_rays(d->n, x, top, base, d->v->rays));
     d->v->excess = stress_excess(base->N, d->v->rays);
     return RP_OK;
 }

@@ -8,6 +8,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "experiment/modules/module.h"
 #include "stats/stats.h"
 #include "sweeps/protocols/tilted.h"
 #include "stress/stress.h"
@@ -227,7 +228,7 @@ static void measure_grains(experiment *e)
     v->all_x = x / n;
     v->all_y = y / n;
     v->all_depth = depth / n;
-    v->psi6 = sweep_bond_order(dem_count(e->box.sim), e->box.states, NULL, NULL);
+    v->psi6 = exp_bond_order(dem_count(e->box.sim), e->box.states, NULL, NULL);
 }
 
 /* ---- Phases, each from where the last one ends, or from where a snapshot was written ---- */

@@ -34,12 +34,6 @@ void sweep_outline_free(sweep_outline *outline);
  * between unequal ones for ever. S in [0, 0.1]. Errors: RP_NO_MEMORY. */
 rp_status sweep_outline_disorder(sweep_outline *outline, double S, unsigned long seed, unsigned long run);
 
-/* Profile that rays of 60 degrees put on this base under the outline of a pile of disks of mean diameter 1:
- * the highest points of columns of that width, where disks have their highest points (x, top), joined by
- * straight lines. Steps steeper than rays are filled. Errors: RP_NO_MEMORY, RP_BAD_INPUT (not finite). */
-rp_status sweep_outline_rays(size_t n, const double x[], const double top[], const stress_base *base,
-                             double N[STRESS_DIP_BINS]);
-
 /* Friction that the base must have at least: largest |H|/N of its disks. INFINITY for a disk that
  * carries H but no N. */
 double sweep_outline_friction(size_t k, const double N[], const double H[]);

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "experiment/modules/module.h"
 #include "sweeps/protocols/box.h"
 #include "sweeps/engine/physics.h"
 
@@ -197,7 +198,7 @@ static rp_status fill_to_rest(experiment *e)
     note_filling(e, status);
     if (!status) status = dem_states(e->box.sim, e->box.states);
     if (status) return status;
-    e->v->psi6 = sweep_bond_order(dem_count(e->box.sim), e->box.states, NULL, NULL);
+    e->v->psi6 = exp_bond_order(dem_count(e->box.sim), e->box.states, NULL, NULL);
     return sweep_state_write(e->box.tables, e->box.sim, "filled");
 }
 

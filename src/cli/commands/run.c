@@ -232,6 +232,12 @@ static long steps_to(long step, long every, long most)
     return next < most ? next : most;
 }
 
+/* Steps so far; those of a simulation alone go back with it. */
+static long steps_of(const scene_run *r)
+{
+    return r->exp ? exp_steps(r->exp) : dem_step(r->sim);
+}
+
 static bool is_done(const scene_run *r)
 {
     return r->exp ? exp_done(r->exp) : dem_step(r->sim) >= r->plan.steps;
@@ -239,7 +245,11 @@ static bool is_done(const scene_run *r)
 
 static rp_status go_on(scene_run *r, long part)
 {
-    if (r->exp) return exp_advance(r->exp, part);
+    if (r->exp) {
+        const rp_status advanced = exp_advance(r->exp, part);
+        r->sim = exp_sim(r->exp); /* laws that change make a new one */
+        return advanced;
+    }
     part = (long)fmin((double)part, (double)cli_rest_next(&r->rest, dem_step(r->sim)));
     rp_status status = dem_run(r->sim, part);
     /* too soft, too fast, too hard to solve: the scene has no result, and the program is not wrong */
@@ -266,12 +276,12 @@ static rp_status advance(scene_run *r, outputs *out)
     bool told = false;
     dem_threads(r->sim, (size_t)r->threads);
     while (!status && !is_done(r)) {
-        const long before = dem_step(r->sim), left = r->exp ? most : p->steps - before;
+        const long before = steps_of(r), left = r->exp ? most : p->steps - before;
         long part = steps_to(before, p->every, left < most ? left : most);
         part = steps_to(before, p->snapshot, part);
         part = steps_to(before, r->energy.every, part);
         status = go_on(r, part);
-        const long step = dem_step(r->sim);
+        const long step = steps_of(r);
         show_progress(r, &out->progress);
         if (step == before) continue; /* a phase began or ended */
         if (!status) growth_sample(&r->energy, r->sim);
@@ -644,7 +654,7 @@ static rp_status resume(const cli_call *call, const run_options *o)
     cli_call first = *call;
     if (r.exp) first.line = r.line, of.call = &first, memcpy(of.run, r.run, sizeof of.run);
     if (r.exp)
-        printf("%s: continues from step %ld\n", o->resume, dem_step(r.sim));
+        printf("%s: continues from step %ld\n", o->resume, steps_of(&r));
     else
         printf("%s: continues from step %ld to %ld\n", o->resume, dem_step(r.sim), r.plan.steps);
     take_growing(&out);

@@ -244,6 +244,7 @@ dem_wall_state dem_wall_now(const dem_sim *sim, size_t wall)
                             .pivot = {pivot[0], pivot[1]},
                             .velocity = {w->velocity[0], w->velocity[1]},
                             .angle = line->angle + w->omega * sim->def.dt * (double)(sim->step - line->since),
+                            .mu = w->material.mu,
                             .open = open};
 }
 

@@ -418,6 +418,21 @@ void dem_ledger_start(dem_sim *sim)
     b->sum.start = energy_now(sim);
 }
 
+rp_status dem_ledger_go_on(dem_sim *sim, const dem_sim *old, double before)
+{
+    struct dem_ledger_state *b = sim->ledger;
+    const dem_ledger sum = old->ledger->sum;
+    RP_TRY(reserve_grains(sim, sim->grains.last_id));
+    memset(b->grain, 0, b->capacity * sizeof *b->grain);
+    RP_TRY(dem_ledger_forces(sim, 0.0));
+    dem_ledger_start(sim);
+    const double gained = b->sum.start - before;
+    b->sum = sum;
+    b->sum.put_in += gained;
+    b->sum.turnover += fabs(gained);
+    return RP_OK;
+}
+
 rp_status dem_ledger_clone(dem_sim *copy, const dem_sim *sim)
 {
     const struct dem_ledger_state *from = sim->ledger;

@@ -10,6 +10,10 @@ rp_status dem_ledger_alloc(dem_sim *sim);
 rp_status dem_ledger_clone(dem_sim *copy, const dem_sim *sim);
 void dem_ledger_free(dem_sim *sim);
 
+/* Go on with the sums of `old`, which may be the same one, whose energy was `before`; what it is now more, is
+ * put in. */
+rp_status dem_ledger_go_on(dem_sim *sim, const dem_sim *old, double before);
+
 /* Its part of a snapshot; a reading makes the ledger. */
 void dem_ledger_keep(rp_snapshot *s, dem_sim *sim);
 

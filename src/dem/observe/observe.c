@@ -142,7 +142,7 @@ void dem_energies(const dem_sim *sim, dem_energy *energy)
     }
 }
 
-rp_status dem_rest_in(const dem_sim *sim, bool (*in)(const void *region, double x, double y),
+rp_status dem_rest_in(const dem_sim *sim, bool (*in)(const void *region, uint32_t id, double x, double y),
                       const void *region, dem_rest *rest)
 {
     *rest = (dem_rest){0};
@@ -151,7 +151,7 @@ rp_status dem_rest_in(const dem_sim *sim, bool (*in)(const void *region, double 
     double force2[2] = {0.0, 0.0}; /* without, with a contact */
     for (size_t i = 0; i < sim->grains.n; i++) {
         const dem_vec at = dem_to_box(&sim->walls, sim->grains.motion[i].x);
-        if (dem_is_fixed(sim, i) || !in(region, at[0], at[1])) continue;
+        if (dem_is_fixed(sim, i) || !in(region, sim->grains.id[i], at[0], at[1])) continue;
         dem_vec v = velocity(sim, i) - dem_box_velocity(&sim->walls, sim->grains.motion[i].x);
         dem_vec f = sim->grains.mass[i] * dem_acceleration_of(sim, i);
         rest->n++;
@@ -171,9 +171,9 @@ rp_status dem_rest_in(const dem_sim *sim, bool (*in)(const void *region, double 
     return RP_OK;
 }
 
-static bool lies_between(const void *ends, double x, double y)
+static bool lies_between(const void *ends, uint32_t id, double x, double y)
 {
-    (void)y;
+    (void)id, (void)y;
     return x > ((const double *)ends)[0] && x < ((const double *)ends)[1];
 }
 

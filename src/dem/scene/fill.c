@@ -1,9 +1,9 @@
-/* Random filling without overlap (random sequential addition), found through square cells. */
+/* Filling: at random without overlap (random sequential addition), found through square cells; in rows. */
 #include <math.h>
 #include <stdlib.h>
 
 #include "core/random.h"
-#include "dem/dem.h"
+#include "dem/scene/radii.h"
 
 static const long MAX_TRIES = 1000000;
 
@@ -19,6 +19,7 @@ typedef struct {
     double x, y, r;
 } place;
 
+/* `grains`: all, those that are there first. */
 static bool is_free(const cells *c, const dem_grain *grains, const dem_fill *f, place p)
 {
     long cx = (long)(p.x / c->size), cy = (long)(p.y / c->size);
@@ -96,34 +97,68 @@ static bool is_inside(const dem_fill *f, const space *s, place p)
     return inside;
 }
 
+static void put_in_cell(cells *c, double x, double y, long i)
+{
+    const long cx = (long)fmin(fmax(x / c->size, 0.0), (double)(c->nx - 1)),
+               cy = (long)fmin(fmax(y / c->size, 0.0), (double)(c->ny - 1));
+    c->next[i] = c->head[cy * c->nx + cx];
+    c->head[cy * c->nx + cx] = i;
+}
+
+/* Those that are there, and reach into the region. */
+static void put_there(cells *c, const dem_fill *f, const dem_grain *all)
+{
+    for (size_t i = 0; i < f->n_there; i++) {
+        const double x = all[i].x - f->x0, y = all[i].y - f->y0, r = all[i].r;
+        if (x > -r && x < f->W + r && y > -r && y < f->H + r) put_in_cell(c, x, y, (long)i);
+    }
+}
+
+static dem_grain grain_of(const dem_fill *f, double x, double y, double r)
+{
+    return (dem_grain){.x = x, .y = y, .r = r, .m = dem_mass(f->shape, f->density, r), .fixed = f->fixed};
+}
+
+static rp_status no_room(const dem_fill *f, long i, double r)
+{
+    return rp_fail(RP_NO_RESULT,
+                   "no room for grain %ld of N = %ld, of radius %g, in W = %g, H = %g%s: %ld "
+                   "have room; fewer or smaller grains, or a larger region",
+                   i + 1, f->N, r, f->W, f->H, f->n_walls ? " on the inner side of the walls" : "", i);
+}
+
 static rp_status place_all(const dem_fill *f, const space *s, cells *c, gsl_rng *places, dem_grain *grains)
 {
+    dem_grain *const all = grains - f->n_there;
+    put_there(c, f, all);
     for (long i = 0; i < f->N; i++) {
         const double r = grains[i].r;
         double x, y;
         long tries = 0;
         do {
-            if (tries++ == MAX_TRIES || 2.0 * r > f->W || 2.0 * r > f->H)
-                return rp_fail(RP_NO_RESULT,
-                               "no room for grain %ld of N = %ld, of radius %g, in W = %g, H = %g%s: %ld "
-                               "have room; fewer or smaller grains, or a larger region",
-                               i + 1, f->N, r, f->W, f->H,
-                               f->n_walls ? " on the inner side of the walls" : "", i);
+            if (tries++ == MAX_TRIES || 2.0 * r > f->W || 2.0 * r > f->H) return no_room(f, i, r);
             x = r + (f->W - 2.0 * r) * gsl_rng_uniform(places);
             y = r + (f->H - 2.0 * r) * gsl_rng_uniform(places);
-        } while (!is_free(c, grains, f, (place){x, y, r}) || !is_inside(f, s, (place){x, y, r}));
-        grains[i] = (dem_grain){f->x0 + x, f->y0 + y, r, dem_mass(f->shape, f->density, r), 0.0, 0.0};
-        long cell = (long)(y / c->size) * c->nx + (long)(x / c->size);
-        c->next[i] = c->head[cell];
-        c->head[cell] = i;
+        } while (!is_free(c, all, f, (place){x, y, r}) || !is_inside(f, s, (place){x, y, r}));
+        grains[i] = grain_of(f, f->x0 + x, f->y0 + y, r);
+        put_in_cell(c, x, y, (long)f->n_there + i);
     }
     return RP_OK;
+}
+
+/* A stream of this fill. */
+static gsl_rng *stream_of(const dem_fill *f, rp_purpose purpose)
+{
+    const long of =
+        f->number == 0 ? purpose : RP_PURPOSE_FILLS + 2 * (f->number - 1) + (purpose == RP_PURPOSE_PLACES);
+    return rp_random_alloc((unsigned long)f->seed, (unsigned long)f->run, (rp_purpose)of);
 }
 
 rp_status dem_fill_place(const dem_fill *fill, dem_grain *grains)
 {
     double r_max = 0.0, r_min = INFINITY;
     for (long i = 0; i < fill->N; i++) r_max = fmax(r_max, grains[i].r), r_min = fmin(r_min, grains[i].r);
+    for (size_t i = 1; i <= fill->n_there; i++) r_max = fmax(r_max, grains[-(long)i].r);
     space s = {0};
     /* no more than some four cells a grain, however large the region */
     const double most = 2.0 * sqrt((double)fill->N) + 8.0;
@@ -131,8 +166,8 @@ rp_status dem_fill_place(const dem_fill *fill, dem_grain *grains)
     c.nx = (long)(fill->W / c.size) + 1;
     c.ny = (long)(fill->H / c.size) + 1;
     c.head = malloc((size_t)(c.nx * c.ny) * sizeof *c.head);
-    c.next = malloc((size_t)fill->N * sizeof *c.next);
-    gsl_rng *places = rp_random_alloc((unsigned long)fill->seed, (unsigned long)fill->run, RP_PURPOSE_PLACES);
+    c.next = malloc(((size_t)fill->N + fill->n_there + 1) * sizeof *c.next);
+    gsl_rng *places = stream_of(fill, RP_PURPOSE_PLACES);
     rp_status status = RP_NO_MEMORY;
     if (c.head && c.next && places) {
         for (long k = 0; k < c.nx * c.ny; k++) c.head[k] = -1;
@@ -148,13 +183,85 @@ rp_status dem_fill_place(const dem_fill *fill, dem_grain *grains)
     return status;
 }
 
+/* From left to right, each on y0 and touching the last: (r + r')^2 = dx^2 + (r - r')^2. */
+static size_t place_row(const dem_fill *f, gsl_rng *radii, size_t most, dem_grain *grains)
+{
+    double r = dem_radius_draw(f, radii), x = r;
+    size_t n = 0;
+    for (; n < most && x + r <= f->W * (1.0 + 1e-12); n++) {
+        grains[n] = grain_of(f, f->x0 + x, f->y0 + r, r);
+        const double next = dem_radius_draw(f, radii);
+        x += 2.0 * sqrt(r * next);
+        r = next;
+    }
+    return n;
+}
+
+/* Rows of places that the largest grain has room in, each row moved by half a place against the last. */
+static size_t place_lattice(const dem_fill *f, gsl_rng *radii, double widest, size_t most, dem_grain *grains)
+{
+    size_t n = 0;
+    for (long row = 0; widest + sqrt(3.0) * widest * (double)row + widest <= f->H * (1.0 + 1e-12); row++)
+        for (long k = 0; n < most; k++) {
+            const double x = widest * (1.0 + 2.0 * (double)k + (double)(row % 2));
+            if (x + widest > f->W * (1.0 + 1e-12)) break;
+            grains[n++] = grain_of(f, f->x0 + x, f->y0 + widest * (1.0 + sqrt(3.0) * (double)row),
+                                   dem_radius_draw(f, radii));
+        }
+    return n;
+}
+
+static double ratio_up(double length, double least)
+{
+    return fmin(length / (2.0 * least) + 2.0, 1e8);
+}
+
+size_t dem_fill_most(const dem_fill *f)
+{
+    if (f->N >= 0) return (size_t)f->N;
+    const double row = ratio_up(f->W, dem_radius_least(f));
+    return (size_t)fmin(f->pattern == DEM_PATTERN_ROW ? row : row * ratio_up(f->H, 0.8 * dem_radius_least(f)),
+                        1e8);
+}
+
+static rp_status place_rows(const dem_fill *f, gsl_rng *radii, dem_grain *grains, size_t *n)
+{
+    const size_t most = dem_fill_most(f);
+    *n = f->pattern == DEM_PATTERN_ROW ? place_row(f, radii, most, grains)
+                                       : place_lattice(f, radii, dem_radius_most(f), most, grains);
+    if (f->N >= 0 && *n < most) return no_room(f, (long)*n, dem_radius_mean(f));
+    for (size_t i = 0; i < *n; i++) {
+        const dem_grain *g = &grains[i];
+        if (!f->fixed && !is_clear(f, g->x, g->y, (1.0 - 1e-9) * g->r))
+            return rp_fail(RP_NO_RESULT, "grain %zu of a %s, at x = %g, y = %g, touches a wall", i + 1,
+                           f->pattern == DEM_PATTERN_ROW ? "row" : "lattice", g->x, g->y);
+        for (size_t k = 1; k <= f->n_there; k++) {
+            const dem_grain *b = &grains[-(long)k];
+            if (hypot(b->x - g->x, b->y - g->y) < (b->r + g->r) * (1.0 - 1e-9))
+                return rp_fail(RP_NO_RESULT,
+                               "grain %zu of a %s, at x = %g, y = %g, touches one that is there", i + 1,
+                               f->pattern == DEM_PATTERN_ROW ? "row" : "lattice", g->x, g->y);
+        }
+    }
+    return RP_OK;
+}
+
+rp_status dem_fill_grains(const dem_fill *f, dem_grain *grains, size_t *n)
+{
+    gsl_rng *radii = stream_of(f, RP_PURPOSE_RADII);
+    rp_status status = RP_OK;
+    if (!radii) return rp_fail(RP_NO_MEMORY, "filling: out of memory");
+    *n = (size_t)f->N;
+    if (f->pattern != DEM_PATTERN_RANDOM)
+        status = place_rows(f, radii, grains, n);
+    else
+        for (long i = 0; i < f->N; i++) grains[i].r = dem_radius_draw(f, radii);
+    gsl_rng_free(radii);
+    return f->pattern == DEM_PATTERN_RANDOM ? dem_fill_place(f, grains) : status;
+}
+
 rp_status dem_fill_random(const dem_fill *f, dem_grain *grains)
 {
-    gsl_rng *radii = rp_random_alloc((unsigned long)f->seed, (unsigned long)f->run, RP_PURPOSE_RADII);
-    if (!radii) return rp_fail(RP_NO_MEMORY, "filling: out of memory");
-    for (long i = 0; i < f->N; i++)
-        grains[i].r =
-            rp_random_cut_normal(radii, f->radius_mean, f->radius_width, f->radius_min, f->radius_max);
-    gsl_rng_free(radii);
-    return dem_fill_place(f, grains);
+    size_t n;
+    return dem_fill_grains(f, grains, &n);
 }

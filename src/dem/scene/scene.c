@@ -14,6 +14,7 @@
 #include "table/where.h"
 #include "table/columns.h"
 #include "params/units.h"
+#include "dem/scene/radii.h"
 #include "dem/setup/definition.h"
 #include "dem/state/method.h"
 #include "dem/state/vec.h"
@@ -144,17 +145,36 @@ static const rp_param particle_schema[] = {
     {"fixed", "", RP_BOOL, AT(dem_grain, fixed), "false", "", "whether it never moves"},
     {0}};
 
-#define FILL(...) DEM_KEY_ROW(dem_fill, , __VA_ARGS__)
+/* What a fill of a file says. */
+typedef struct {
+    dem_fill fill;
+    const char *kind;
+} fill_entry;
+
+#define FILL(...) DEM_KEY_ROW(fill_entry, fill., __VA_ARGS__)
 
 static const rp_param fill_schema[] = {
-    {"N", "", RP_INT, AT(dem_fill, N), NULL, "[1, 100000000]", "number of grains"},
-    {"W", "cm", RP_REAL, AT(dem_fill, W), NULL, "(0, inf)", "width of the region, from x = x0"},
-    {"H", "cm", RP_REAL, AT(dem_fill, H), NULL, "(0, inf)", "height of the region, from y = y0"},
-    {"x0", "cm", RP_REAL, AT(dem_fill, x0), "0.0", "(-inf, inf)", "left end of the region"},
-    {"y0", "cm", RP_REAL, AT(dem_fill, y0), "0.0", "(-inf, inf)", "lower end of the region"},
-    {"seed", "", RP_INT, AT(dem_fill, seed), "1993", "[0, 2147483647]", "of the random streams"},
-    {"run", "", RP_INT, AT(dem_fill, run), "0", "[0, 2147483647]", "number of the streams within the seed"},
-    DEM_RADIUS_PARAMS(FILL){0}};
+    {"N", "", RP_INT, AT(fill_entry, fill.N), "auto", "[1, 100000000] | auto",
+     "number of grains; auto: of a row or a lattice, as many as there is room for"},
+    {"W", "cm", RP_REAL, AT(fill_entry, fill.W), NULL, "(0, inf)", "width of the region, from x = x0"},
+    {"H", "cm", RP_REAL, AT(fill_entry, fill.H), "auto", "(0, inf) | auto",
+     "height of the region, from y = y0; auto: of a row, which needs none"},
+    {"x0", "cm", RP_REAL, AT(fill_entry, fill.x0), "0.0", "(-inf, inf)", "left end of the region"},
+    {"y0", "cm", RP_REAL, AT(fill_entry, fill.y0), "0.0", "(-inf, inf)", "lower end of the region"},
+    {"seed", "", RP_INT, AT(fill_entry, fill.seed), "1993", "[0, 2147483647]", "of the random streams"},
+    {"run", "", RP_INT, AT(fill_entry, fill.run), "0", "[0, 2147483647]",
+     "number of the streams within the seed"},
+    DEM_RADIUS_PARAMS(FILL){"radius_law", "", RP_CHOICE, AT(fill_entry, fill.law), "gauss",
+                            DEM_WORDS(DEM_RADIUS_LAWS), "law of the radii", .manual = dem_radius_law_manual},
+    {"by", "", RP_CHOICE, AT(fill_entry, fill.by), "number", DEM_WORDS(DEM_SHARES),
+     "what the law's shares are of", .manual = dem_share_manual},
+    {"pattern", "", RP_CHOICE, AT(fill_entry, fill.pattern), "random", DEM_WORDS(DEM_PATTERNS),
+     "of the places", .manual = dem_pattern_manual},
+    {"density", "g/cm^3", RP_REAL, AT(fill_entry, fill.density), "auto", "(0, inf) | auto",
+     "of these grains; auto: the scene's"},
+    {"fixed", "", RP_BOOL, AT(fill_entry, fill.fixed), "false", "", "whether they never move"},
+    {"kind", "", RP_TEXT, AT(fill_entry, kind), "", "", "a name for them, for measures"},
+    {0}};
 
 const dem_scene_group dem_scene_schemas[] = {
     {"scene", top_schema, "what all grains share, and the run; gravity = [gx, gy] (cm/s^2)"},
@@ -182,15 +202,24 @@ const dem_scene_group dem_scene_schemas[] = {
      "moment of touch (Liffman, Chan & Hughes 1992, eqs (1) to (22)); slow contacts are soft"},
     {"implicit", implicit_schema, "solver of the integrator implicit"},
     {"particles", particle_schema, "grains, each with its place"},
-    {"fill", fill_schema, "grains of random radius at random places without overlap"},
+    {"fill", fill_schema,
+     "grains of random radius, at random places without overlap or in rows; a group, or a list ( { ... } ) "
+     "of "
+     "several, each of which if = \"CONDITION\" may leave out; radii = ( [r, share], ... ) of a table"},
     {0}};
 
-/* The groups of the contacts' parameters, and what they are of. */
+/* A value that others are written with, before they are read. */
+static rp_status peek(const config_setting_t *group, const rp_param *schema, const char *name, void *values)
+{
+    const config_setting_t *setting = group ? config_setting_get_member(group, name) : NULL;
+    return setting ? rp_config_value(setting, rp_params_find(schema, name), values) : RP_OK;
+}
+
+/* The groups of the contacts' parameters that stand in a text, over those that are there. */
 static rp_status read_physics(const config_setting_t *root, dem_physics *p, dem_definition *def)
 {
     enum { N_GROUPS = 3 };
     const dem_scene_group *groups = &dem_scene_schemas[1];
-    for (size_t k = 0; k < N_GROUPS; k++) rp_params_defaults(groups[k].schema, p);
     dem_physics_apply(p, def);
     for (size_t k = 0; k < N_GROUPS; k++) {
         const config_setting_t *group = config_setting_get_member(root, groups[k].name);
@@ -203,18 +232,97 @@ static rp_status read_physics(const config_setting_t *root, dem_physics *p, dem_
     return RP_OK;
 }
 
-/* Add a wall to those of the scene, once its place is known. */
-static rp_status add_wall(const config_setting_t *setting, const dem_wall *wall, dem_scene *scene)
+rp_status dem_laws_apply(const dem_scene_laws *laws, const dem_material *given, const dem_scene *scene,
+                         dem_definition *def, dem_wall *walls)
 {
+    *def = scene->def;
+    dem_physics_apply(&laws->physics, def);
+    def->x_min = laws->ends[0], def->x_max = laws->ends[1], def->y_min = laws->ends[2];
+    memcpy(walls, dem_walls_of(&scene->def), scene->def.n_walls * sizeof *walls);
+    for (size_t w = 0; w < scene->def.n_walls; w++) {
+        walls[w].material = dem_wall_material(&given[w], &def->material);
+        RP_TRY(rp_prefix(dem_material_check(def, &walls[w].material), "wall %zu: ", w + 1));
+    }
+    def->wall_list = walls;
+    return RP_OK;
+}
+
+rp_status dem_text_laws(const config_setting_t *group, const dem_scene *scene, dem_scene_laws *laws)
+{
+    static const char *const keys[] = {"dt", "x_min", "x_max", "y_min"};
+    dem_definition def = scene->def;
+    scene_file file = {.physics = laws->physics,
+                       .x_min = -laws->ends[0],
+                       .scene.def.x_max = laws->ends[1],
+                       .y_min = -laws->ends[2]};
+    if (!isinf(file.x_min)) file.x_min = laws->ends[0];
+    if (!isinf(file.y_min)) file.y_min = laws->ends[2];
+    for (size_t k = 0; k < sizeof keys / sizeof *keys; k++) RP_TRY(peek(group, top_schema, keys[k], &file));
+    RP_TRY(read_physics(group, &file.physics, &def));
+    *laws = (dem_scene_laws){file.physics,
+                             {isinf(file.x_min) ? -INFINITY : file.x_min, file.scene.def.x_max,
+                              isinf(file.y_min) ? -INFINITY : file.y_min}};
+    return RP_OK;
+}
+
+/* Is this a row of a coefficient? */
+static bool is_coefficient(const rp_param *row)
+{
+    return row->offset >= AT(wall_entry, line.material) &&
+           row->offset < AT(wall_entry, line.material) + sizeof(dem_material);
+}
+
+rp_status dem_text_coefficients(const config_setting_t *group, const char *const others[], bool *some,
+                                dem_material *given)
+{
+    wall_entry entry = {.line.material = *given};
+    rp_guess guess;
+    for (int i = 0; i < config_setting_length(group); i++) {
+        const config_setting_t *key = config_setting_get_elem(group, (unsigned)i);
+        const rp_param *row = rp_params_find(wall_schema, config_setting_name(key));
+        const char *const *other = others;
+        while (*other && strcmp(*other, config_setting_name(key)) != 0) other++;
+        if (*other) continue;
+        guess = rp_guess_of(config_setting_name(key));
+        for (other = others; *other; other++) rp_guess_try(&guess, *other);
+        for (const rp_param *r = wall_schema; r->name; r++)
+            if (is_coefficient(r)) rp_guess_try(&guess, r->name);
+        if (!row || !is_coefficient(row))
+            return rp_config_fail(key, "%s: unknown key%s", config_setting_name(key), rp_guess_text(&guess));
+        RP_TRY(rp_config_value(key, row, &entry));
+        *some = true;
+    }
+    *given = entry.line.material;
+    return RP_OK;
+}
+
+void dem_laws_write(const dem_scene_laws *laws, FILE *out)
+{
+    fprintf(out, "dt = %.17g; ends = ( %.17g, %.17g, %.17g );\n", laws->physics.dt, laws->ends[0],
+            laws->ends[1], laws->ends[2]);
+    for (size_t k = 1; k <= 3; k++) {
+        fprintf(out, "%s = { ", dem_scene_schemas[k].name);
+        rp_config_write(out, dem_scene_schemas[k].schema, &laws->physics);
+        fputs("};\n", out);
+    }
+}
+
+/* Add a wall to those of the scene, once its place is known; its coefficients are those that are given. */
+static rp_status add_wall(const config_setting_t *setting, const dem_wall *placed, dem_scene *scene)
+{
+    dem_wall own = *placed, *const wall = &own;
+    wall->material = dem_wall_material(&placed->material, &scene->def.material);
     dem_definition *def = &scene->def;
     rp_status status = dem_wall_check(wall);
     if (!status) status = dem_material_check(def, &wall->material);
     if (status) return rp_config_fail(setting, "%s", rp_message());
     const size_t n = def->n_walls;
     if (n < DEM_FEW_WALLS) def->walls[n] = *wall;
-    if ((n & (n - 1)) == 0 && !dem_grow(&scene->walls, sizeof *wall, n ? 2 * n : 1))
+    if ((n & (n - 1)) == 0 && (!dem_grow(&scene->walls, sizeof *wall, n ? 2 * n : 1) ||
+                               !dem_grow(&scene->given, sizeof *scene->given, n ? 2 * n : 1)))
         return rp_fail(RP_NO_MEMORY, "%zu walls: out of memory", n);
     scene->walls[n] = *wall;
+    scene->given[n] = placed->material;
     def->n_walls++;
     def->wall_list = def->n_walls > DEM_FEW_WALLS ? scene->walls : NULL;
     return RP_OK;
@@ -350,7 +458,6 @@ static rp_status read_wall(const config_setting_t *setting, dem_scene *scene)
     for (int k = 0; k < 3 && shape; k++)
         if (config_setting_get_member(setting, others[k]) || (polygon && circle))
             return rp_config_fail(setting, "a wall has one of point, polygon and circle");
-    entry.line.material = dem_wall_material(&entry.line.material, &scene->def.material);
     outline through = {0};
     rp_status status = polygon  ? read_polygon(polygon, &entry, &through)
                        : circle ? read_circle(circle, &entry, &through)
@@ -467,17 +574,117 @@ static rp_status take_step(rp_table *table, long wanted)
     return table->n_rows ? RP_OK : rp_fail(RP_BAD_INPUT, "%s: no rows with %s", table->path, condition);
 }
 
-static rp_status read_fill(const config_setting_t *group, scene_file *file)
+/* radii = ( [r, share], ... ), of the law `table`. */
+static rp_status read_radii(const config_setting_t *group, dem_fill *f)
 {
-    dem_fill *f = &file->scene.fill;
-    rp_params_defaults(fill_schema, f);
-    RP_TRY(rp_config_group(group, fill_schema, f, NULL));
-    rp_status status = dem_radius_check(f->radius_mean, f->radius_min, f->radius_max);
-    if (!status) status = dem_density_check(file->physics.shape, file->has_density);
+    const config_setting_t *list = config_setting_get_member(group, "radii");
+    const size_t n = list ? (size_t)config_setting_length(list) : 0;
+    if ((list != NULL) != (f->law == DEM_RADII_TABLE))
+        return rp_config_fail(list ? list : group, "radii: %s radius_law = \"table\"",
+                              list ? "needs" : "missing, of");
+    if (!list) return RP_OK;
+    double *radii = malloc((2 * n + 1) * sizeof *radii);
+    if (!radii) return rp_fail(RP_NO_MEMORY, "radii: out of memory");
+    f->radii = radii, f->n_radii = n;
+    for (size_t k = 0; k < n; k++)
+        RP_TRY(rp_config_pair(config_setting_get_elem(list, (unsigned)k), &radii[2 * k]));
+    return RP_OK;
+}
+
+rp_status dem_text_radii(const config_setting_t *group, const char *const others[], const dem_fill *as,
+                         dem_fill *radii)
+{
+    fill_entry entry = {.kind = ""};
+    bool given = config_setting_get_member(group, "radii") != NULL;
+    rp_params_defaults(fill_schema, &entry);
+    if (as) entry.fill = *as;
+    for (int i = 0; i < config_setting_length(group); i++) {
+        const config_setting_t *key = config_setting_get_elem(group, (unsigned)i);
+        const char *name = config_setting_name(key), *const *other = others;
+        const rp_param *row = rp_params_find(fill_schema, name);
+        while (*other && strcmp(*other, name) != 0) other++;
+        if (*other || strcmp(name, "radii") == 0) continue;
+        if (!row || (strncmp(name, "radius_", 7) != 0 && strcmp(name, "by") != 0)) {
+            rp_guess guess = rp_guess_of(name);
+            for (other = others; *other; other++) rp_guess_try(&guess, *other);
+            return rp_config_fail(key, "%s: unknown key%s", name, rp_guess_text(&guess));
+        }
+        RP_TRY(rp_config_value(key, row, &entry));
+    }
+    if (given || entry.fill.law != DEM_RADII_TABLE) RP_TRY(read_radii(group, &entry.fill));
+    *radii = entry.fill;
+    rp_status status = dem_radii_check(radii);
+    return status ? rp_config_fail(group, "%s", rp_message()) : RP_OK;
+}
+
+static rp_status check_fill(const config_setting_t *group, const scene_file *file, const dem_fill *f)
+{
+    static const char *const patterns[] = {"random", "row", "lattice"};
+    rp_status status = dem_radii_check(f);
+    if (!status && f->density < 0.0) status = dem_density_check(file->physics.shape, file->has_density);
     if (status) return rp_config_fail(group, "%s", rp_message());
+    if (f->N < 0 && f->pattern == DEM_PATTERN_RANDOM)
+        return rp_config_fail(group, "N: missing (number of grains)");
+    if (f->H < 0.0 && f->pattern != DEM_PATTERN_ROW)
+        return rp_config_fail(group, "H: missing (height of the region of a %s fill)", patterns[f->pattern]);
+    return RP_OK;
+}
+
+/* Number k of the fills. */
+static rp_status read_fill(const config_setting_t *group, scene_file *file, size_t k)
+{
+    static const char *const others[] = {"radii", "if", NULL};
+    dem_scene *scene = &file->scene;
+    dem_fill *f = k == 0 ? &scene->fill : &scene->more[k - 1];
+    fill_entry entry = {0};
+    if (!config_setting_is_group(group)) return rp_config_fail(group, "fill: a group { ... } expected");
+    rp_params_defaults(fill_schema, &entry);
+    RP_TRY(rp_config_group(group, fill_schema, &entry, others));
+    rp_status status = read_radii(group, &entry.fill);
+    *f = entry.fill; /* its radii are the scene's, also after an error */
+    if (!status) status = check_fill(group, file, f);
+    if (status) return status;
+    if (strlen(entry.kind) >= DEM_NAME_BYTES || strspn(entry.kind, NAME_LETTERS) != strlen(entry.kind) ||
+        isdigit((unsigned char)*entry.kind))
+        return rp_config_fail(group, "kind = \"%s\": up to %d letters, digits and _ expected", entry.kind,
+                              DEM_NAME_BYTES - 1);
+    snprintf(scene->kinds[k], sizeof *scene->kinds, "%s", entry.kind);
+    f->number = (long)k;
     f->shape = file->physics.shape;
-    f->density = file->physics.density;
-    file->scene.has_fill = true;
+    if (f->density < 0.0) f->density = file->physics.density;
+    if (f->H < 0.0) f->H = INFINITY;
+    return RP_OK;
+}
+
+/* Is a fill there? */
+static rp_status is_wanted(const config_setting_t *group, bool *wanted)
+{
+    const config_setting_t *when =
+        config_setting_is_group(group) ? config_setting_get_member(group, "if") : NULL;
+    static const rp_param condition = {"if", "", RP_BOOL, 0, NULL, "", "whether the fill is there"};
+    *wanted = true;
+    return when ? rp_config_value(when, &condition, wanted) : RP_OK;
+}
+
+static rp_status read_fills(const config_setting_t *fill, scene_file *file)
+{
+    dem_scene *scene = &file->scene;
+    const bool list = config_setting_is_list(fill);
+    const size_t n = list ? (size_t)config_setting_length(fill) : 1;
+    scene->more = calloc(n + 1, sizeof *scene->more);
+    scene->kinds = calloc(n + 1, sizeof *scene->kinds);
+    if (!scene->more || !scene->kinds) return rp_fail(RP_NO_MEMORY, "fills: out of memory");
+    size_t there = 0;
+    for (size_t k = 0; k < n; k++) {
+        const config_setting_t *group = list ? config_setting_get_elem(fill, (unsigned)k) : fill;
+        bool wanted;
+        RP_TRY(is_wanted(group, &wanted));
+        if (!wanted) continue;
+        scene->has_fill = true;
+        scene->n_more = there;
+        RP_TRY(read_fill(group, file, there));
+        there++;
+    }
     return RP_OK;
 }
 
@@ -539,13 +746,30 @@ static rp_status read_contacts(rp_arena *arena, const rp_table *states, const rp
 /* Columns of grains, and those of states that follow from them. */
 #define USED ",x,y,r,m,vx,vy,angle,omega,fixed,step,t,id,fx,fy,contacts,index,"
 
+/* The first group `add` of phases; NULL: none. */
+static const config_setting_t *first_add(const config_setting_t *phases)
+{
+    const config_setting_t *add = NULL;
+    const int n = phases && config_setting_is_list(phases) ? config_setting_length(phases) : 0;
+    for (int i = 0; i < n && !add; i++) {
+        const config_setting_t *phase = config_setting_get_elem(phases, (unsigned)i);
+        if (!config_setting_is_group(phase)) continue;
+        add = config_setting_get_member(phase, "add");
+        if (!add) add = first_add(config_setting_get_member(phase, "phases"));
+    }
+    return add && config_setting_is_group(add) ? add : NULL;
+}
+
 static rp_status read_grains(const char *path, const config_setting_t *root, scene_file *file)
 {
     const config_setting_t *list = config_setting_get_member(root, "particles");
     const config_setting_t *fill = config_setting_get_member(root, "fill");
     const bool from_table = file->particles_file && *file->particles_file;
-    if ((list != NULL) + (fill != NULL) + from_table != 1)
-        return rp_fail(RP_BAD_INPUT, "%s: exactly one of particles, particles_file and fill is needed", path);
+    const bool added = first_add(config_setting_get_member(root, "phases")) != NULL;
+    if ((list != NULL && from_table) || !(list || fill || from_table || added))
+        return rp_fail(RP_BAD_INPUT,
+                       "%s: particles or particles_file, or fill, or a fill with one of them is needed",
+                       path);
     if (!from_table && (file->particles_step >= 0 || *file->contacts_file))
         return rp_fail(RP_BAD_INPUT, "%s: %s: needs particles_file", path,
                        *file->contacts_file ? "contacts_file" : "particles_step");
@@ -553,7 +777,8 @@ static rp_status read_grains(const char *path, const config_setting_t *root, sce
         return rp_fail(RP_BAD_INPUT, "%s: contacts_file: its table does not have the wells of a ground",
                        path);
     file->scene.from_table = from_table;
-    if (fill) return read_fill(fill, file);
+    if (fill) RP_TRY(read_fills(fill, file));
+    if (!list && !from_table) return RP_OK;
     if (list) return read_particles(list, file);
     rp_arena arena = {0};
     rp_table table = {0}, contacts = {0};
@@ -707,24 +932,43 @@ static rp_status change(dem_text *scene, const char *text)
     return status;
 }
 
-/* A value that others are written with, before they are read. */
-static rp_status peek(const config_setting_t *group, const rp_param *schema, const char *name, void *values)
+static const config_setting_t *first_fill(const config_setting_t *root)
 {
-    const config_setting_t *setting = group ? config_setting_get_member(group, name) : NULL;
-    return setting ? rp_config_value(setting, rp_params_find(schema, name), values) : RP_OK;
+    const config_setting_t *fill = config_setting_get_member(root, "fill");
+    if (fill && config_setting_is_list(fill)) fill = config_setting_get_elem(fill, 0);
+    return fill && config_setting_is_group(fill) ? fill : NULL;
 }
 
-/* Radius of the mean grain of the first fill, or of the particles; 0: unknown. */
-static rp_status mean_radius(const config_setting_t *root, double *r)
+/* What tells the radii of the first fill. Afterwards free its radii, also after an error. */
+static rp_status peek_radii(const config_setting_t *fill, fill_entry *entry)
 {
-    const config_setting_t *fill = config_setting_get_member(root, "fill"),
-                           *list = config_setting_get_member(root, "particles");
-    dem_fill mean = {0};
-    *r = 0.0;
-    if (fill && config_setting_is_group(fill)) {
-        rp_params_defaults(fill_schema, &mean);
-        RP_TRY(peek(fill, fill_schema, "radius_mean", &mean));
-        *r = mean.radius_mean;
+    static const char *const keys[] = {"radius_mean", "radius_width", "radius_min", "radius_max",
+                                       "radius_law",  "by",           "density"};
+    rp_params_defaults(fill_schema, entry);
+    for (size_t k = 0; k < sizeof keys / sizeof *keys; k++) RP_TRY(peek(fill, fill_schema, keys[k], entry));
+    RP_TRY(read_radii(fill, &entry->fill));
+    return entry->fill.law == DEM_RADII_TABLE ? dem_radii_check(&entry->fill) : RP_OK;
+}
+
+/* Radius and density of the mean grain of the first fill, of the particles, or of what a phase adds first; 0:
+ * unknown. */
+static rp_status mean_grain(const config_setting_t *root, double *r, double *density)
+{
+    const config_setting_t *fill = first_fill(root), *list = config_setting_get_member(root, "particles"),
+                           *add = first_add(config_setting_get_member(root, "phases"));
+    *r = *density = 0.0;
+    if (!fill && !list && add && config_setting_get_member(add, "r")) {
+        dem_grain grain = {0};
+        RP_TRY(peek(add, particle_schema, "r", &grain));
+        return *r = grain.r, RP_OK;
+    }
+    if (!fill && !list) fill = add;
+    if (fill) {
+        fill_entry entry = {0};
+        rp_status status = peek_radii(fill, &entry);
+        if (!status) *r = dem_radius_mean(&entry.fill), *density = fmax(entry.fill.density, 0.0);
+        free((void *)entry.fill.radii);
+        return status;
     }
     const int n = list ? config_setting_length(list) : 0;
     for (int i = 0; i < n; i++) {
@@ -741,19 +985,20 @@ static rp_status know(void *host, rp_let_constant which, double *value)
     const config_setting_t *root = config_root_setting(&((dem_text *)host)->config),
                            *gravity = config_setting_get_member(root, "gravity");
     scene_file file = {.scene = {.def = dem_definition_default()}};
-    double r = 0.0, g[2] = {0.0, rp_units_value("cm/s^2", file.scene.def.gravity[1])};
+    double r = 0.0, density = 0.0, g[2] = {0.0, rp_units_value("cm/s^2", file.scene.def.gravity[1])};
     rp_params_defaults(top_schema, &file);
     if (which == RP_LET_DT) {
         RP_TRY(peek(root, top_schema, "dt", &file));
-        return *value = file.scene.def.dt, RP_OK;
+        return *value = file.physics.dt, RP_OK;
     }
     if (which == RP_LET_G) {
         if (gravity) RP_TRY(rp_config_pair(gravity, g));
         return *value = hypot(g[0], g[1]), RP_OK;
     }
-    RP_TRY(mean_radius(root, &r));
+    RP_TRY(mean_grain(root, &r, &density));
     RP_TRY(peek(root, top_schema, "shape", &file));
     if (which == RP_LET_M) RP_TRY(peek(root, top_schema, "density", &file));
+    if (density > 0.0) file.physics.density = density;
     if (r > 0.0) *value = which == RP_LET_D ? 2.0 * r : dem_mass(file.physics.shape, file.physics.density, r);
     return RP_OK;
 }
@@ -763,30 +1008,30 @@ static rp_status dt_limit(void *host, const char *name, int n, const double args
                           bool *known)
 {
     dem_text *text = host;
-    const config_setting_t *root = config_root_setting(&text->config),
-                           *fill = config_setting_get_member(root, "fill");
+    const config_setting_t *root = config_root_setting(&text->config), *fill = first_fill(root);
     scene_file file = {.scene = {.def = dem_definition_default()}};
     dem_definition *def = &file.scene.def;
-    dem_fill f = {0};
-    double r = 0.0;
+    fill_entry f = {0};
+    double r = 0.0, density = 0.0;
     const char *what;
     if (strcmp(name, "dt_limit") != 0) return RP_OK;
     if (n != 1 || !(args[0] >= 0.0) || isinf(args[0]))
         return rp_fail(RP_BAD_INPUT, "dt_limit: a speed expected");
     rp_params_defaults(top_schema, &file);
+    RP_TRY(peek(root, top_schema, "rotation", &file));
     RP_TRY(peek(root, top_schema, "integrator", &file));
     RP_TRY(peek(root, top_schema, "shape", &file));
     RP_TRY(peek(root, top_schema, "density", &file));
+    for (size_t k = 1; k <= 3; k++) rp_params_defaults(dem_scene_schemas[k].schema, &file.physics);
     RP_TRY(read_physics(root, &file.physics, def));
     rp_status status = read_walls(root, &file.scene);
-    if (!status && fill && config_setting_is_group(fill)) {
-        rp_params_defaults(fill_schema, &f);
-        static const char *const keys[] = {"radius_mean", "radius_width", "radius_min"};
-        for (size_t k = 0; k < 3 && !status; k++) status = peek(fill, fill_schema, keys[k], &f);
-        r = f.radius_width > 0.0 ? f.radius_min : f.radius_mean;
-    } else if (!status) {
-        status = mean_radius(root, &r);
+    if (!status) status = mean_grain(root, &r, &density);
+    if (!status && fill) {
+        status = peek_radii(fill, &f);
+        if (!status) r = dem_radius_least(&f.fill);
+        free((void *)f.fill.radii);
     }
+    if (density > 0.0) file.physics.density = density;
     if (!status && !(r > 0.0)) status = rp_fail(RP_BAD_INPUT, "dt_limit: no grains are known here");
     const double m = dem_mass(file.physics.shape, file.physics.density, r);
     const dem_grain two[2] = {{.r = r, .m = m, .vx = 0.5 * args[0]}, {.x = 3.0 * r, .r = r, .m = m}};
@@ -817,11 +1062,23 @@ void dem_text_close(dem_text *text)
     config_destroy(&text->config);
 }
 
+/* `seed` and `run` of the text go before those of its first fill, and are for what phases add too. */
+static rp_status read_streams(const config_setting_t *root, dem_scene *scene)
+{
+    fill_entry entry = {.fill = scene->fill};
+    if (!scene->has_fill) rp_params_defaults(fill_schema, &entry);
+    RP_TRY(peek(root, fill_schema, "seed", &entry));
+    RP_TRY(peek(root, fill_schema, "run", &entry));
+    scene->fill.seed = entry.fill.seed, scene->fill.run = entry.fill.run;
+    return RP_OK;
+}
+
 static rp_status read_scene(dem_text *text, scene_file *file)
 {
-    static const char *const others[] = {"let",       "gravity", "normal", "tangential", "rolling",  "walls",
-                                         "particles", "fill",    "ground", "hard",       "implicit", "phases",
-                                         "measure",   "regions", "rest",   "result",     NULL};
+    static const char *const others[] = {"let",      "gravity",   "normal",  "tangential", "rolling",
+                                         "walls",    "particles", "fill",    "ground",     "hard",
+                                         "implicit", "phases",    "measure", "regions",    "rest",
+                                         "result",   "seed",      "run",     NULL};
     config_setting_t *root = config_root_setting(&text->config);
     rp_params_defaults(top_schema, file);
     dem_definition *def = &file->scene.def;
@@ -838,7 +1095,9 @@ static rp_status read_scene(dem_text *text, scene_file *file)
     def->y_min = isinf(file->y_min) ? -INFINITY : file->y_min;
     def->turn_per_step = file->turn_deg * (M_PI / 180.0);
     def->box_turn_per_step = file->box_turn_deg * (M_PI / 180.0);
+    for (size_t k = 1; k <= 3; k++) rp_params_defaults(dem_scene_schemas[k].schema, &file->physics);
     RP_TRY(read_physics(root, &file->physics, def));
+    file->scene.laws = (dem_scene_laws){file->physics, {def->x_min, def->x_max, def->y_min}};
     RP_TRY(read_walls(root, &file->scene));
     def->hard.on = config_setting_get_member(root, "hard") != NULL;
     const config_setting_t *implicit = config_setting_get_member(root, "implicit");
@@ -847,7 +1106,8 @@ static rp_status read_scene(dem_text *text, scene_file *file)
     if (implicit && !dem_schemes[def->integrator]->solves)
         return rp_config_fail(implicit, "implicit: needs integrator = \"implicit\"");
     RP_TRY(read_group(root, "implicit", implicit_schema, &def->implicit));
-    return read_grains(text->path, root, file);
+    RP_TRY(read_grains(text->path, root, file));
+    return read_streams(root, &file->scene);
 }
 
 rp_status dem_text_scene(dem_text *text, dem_scene *scene)
@@ -868,20 +1128,47 @@ rp_status dem_scene_read(const char *path, const rp_texts *changes, dem_scene *s
     return status;
 }
 
+dem_fill *dem_scene_fill_at(dem_scene *scene, size_t k)
+{
+    if (!scene->has_fill || k > scene->n_more) return NULL;
+    return k == 0 ? &scene->fill : &scene->more[k - 1];
+}
+
 void dem_scene_free(dem_scene *scene)
 {
-    free(scene->grains);
-    free(scene->walls);
-    free(scene->names);
-    free(scene->lines);
-    free(scene->contacts);
-    scene->grains = NULL;
-    scene->walls = NULL;
-    scene->names = NULL;
-    scene->n_names = 0;
-    scene->lines = NULL;
-    scene->contacts = NULL;
+    dem_fill *fill;
+    for (size_t k = 0; (fill = dem_scene_fill_at(scene, k)); k++)
+        free((void *)fill->radii), fill->radii = NULL;
+    free(scene->grains), free(scene->walls), free(scene->names), free(scene->lines), free(scene->contacts);
+    free(scene->more), free(scene->kinds), free(scene->given);
+    scene->grains = NULL, scene->walls = NULL, scene->names = NULL, scene->lines = NULL;
+    scene->contacts = NULL, scene->more = NULL, scene->kinds = NULL, scene->given = NULL;
+    scene->n_names = scene->n_more = 0;
     scene->def.wall_list = NULL;
+}
+
+rp_status dem_scene_grains(const dem_scene *scene, dem_grain **grains, size_t *n, size_t ends[])
+{
+    const size_t listed = scene->grains ? scene->def.n_grains : 0;
+    size_t room = listed + 1;
+    const dem_fill *fill;
+    for (size_t k = 0; (fill = dem_scene_fill_at((dem_scene *)scene, k)); k++) room += dem_fill_most(fill);
+    *grains = malloc(room * sizeof **grains);
+    if (!*grains) return rp_fail(RP_NO_MEMORY, "%zu particles: out of memory", room);
+    if (listed) memcpy(*grains, scene->grains, listed * sizeof **grains);
+    *n = listed;
+    for (size_t k = 0; (fill = dem_scene_fill_at((dem_scene *)scene, k)); k++) {
+        dem_fill one = *fill;
+        const char *kind = scene->kinds ? scene->kinds[k] : "";
+        size_t placed = 0;
+        one.seed = scene->fill.seed, one.run = scene->fill.run, one.cut = scene->fill.cut;
+        one.walls = dem_walls_of(&scene->def), one.n_walls = scene->def.n_walls;
+        one.n_there = *n;
+        RP_TRY(rp_prefix(dem_fill_grains(&one, *grains + *n, &placed), "%s%s", kind, *kind ? ": " : ""));
+        *n += placed;
+        if (ends) ends[k] = *n;
+    }
+    return RP_OK;
 }
 
 rp_status dem_scene_start(const dem_scene *scene, dem_sim **sim)
@@ -893,14 +1180,9 @@ rp_status dem_scene_start(const dem_scene *scene, dem_sim **sim)
         def.lines = scene->lines;
         return dem_create(&def, sim);
     }
-    dem_grain *grains = malloc((size_t)scene->fill.N * sizeof *grains);
-    if (!grains) return rp_fail(RP_NO_MEMORY, "%ld particles: out of memory", scene->fill.N);
-    dem_fill fill = scene->fill;
-    fill.walls = dem_walls_of(&def);
-    fill.n_walls = def.n_walls;
-    rp_status status = dem_fill_random(&fill, grains);
+    dem_grain *grains = NULL;
+    rp_status status = dem_scene_grains(scene, &grains, &def.n_grains, NULL);
     def.grains = grains;
-    def.n_grains = (size_t)scene->fill.N;
     if (!status) status = dem_create(&def, sim);
     free(grains);
     return status;
@@ -974,6 +1256,38 @@ static void write_particles(FILE *out, const dem_scene *scene)
     fputs(" );\n", out);
 }
 
+/* A fill: the rows that it always had, then those that are not at their defaults, so that a new one leaves
+ * keys as they are. */
+static void write_fill(FILE *out, const fill_entry *entry, double density)
+{
+    fill_entry plain = {.kind = ""};
+    char is[512], was[512];
+    rp_params_defaults(fill_schema, &plain);
+    plain.fill.density = density;
+    for (const rp_param *row = fill_schema; row->name; row++) {
+        rp_params_text(row, entry, is, sizeof is), rp_params_text(row, &plain, was, sizeof was);
+        const bool always = row < rp_params_find(fill_schema, "radius_law");
+        if (always || strcmp(is, was) != 0) rp_config_write(out, (const rp_param[]){*row, {0}}, entry);
+    }
+}
+
+static void write_fills(FILE *out, const dem_scene *scene)
+{
+    const dem_fill *f;
+    fputs(scene->n_more ? "fill = (\n" : "fill = ", out);
+    for (size_t k = 0; (f = dem_scene_fill_at((dem_scene *)scene, k)); k++) {
+        fill_entry entry = {*f, scene->kinds ? scene->kinds[k] : ""};
+        if (isinf(f->H)) entry.fill.H = -1.0;
+        fputs(k ? ",\n{ " : "{ ", out);
+        write_fill(out, &entry, scene->fill.density);
+        if (f->n_radii) fputs("radii = (", out);
+        for (size_t i = 0; i < f->n_radii; i++)
+            fprintf(out, "%s( %.17g, %.17g )", i ? ", " : " ", f->radii[2 * i], f->radii[2 * i + 1]);
+        fputs(f->n_radii ? " ); }" : "}", out);
+    }
+    fputs(scene->n_more ? " );\n" : ";\n", out);
+}
+
 void dem_scene_write(const dem_scene *scene, FILE *out)
 {
     const dem_definition *def = &scene->def;
@@ -986,8 +1300,6 @@ void dem_scene_write(const dem_scene *scene, FILE *out)
     if (def->ground.wall) write_group(out, "ground", ground_schema, &def->ground);
     if (def->hard.on) write_group(out, "hard", hard_schema, &def->hard);
     if (dem_schemes[def->integrator]->solves) write_group(out, "implicit", implicit_schema, &def->implicit);
-    if (scene->has_fill)
-        write_group(out, "fill", fill_schema, &scene->fill);
-    else
-        write_particles(out, scene);
+    if (scene->has_fill) write_fills(out, scene);
+    if (scene->grains) write_particles(out, scene);
 }

@@ -9,15 +9,26 @@
 
 RP_C_BEGIN
 
+/* What may change while a scene runs. */
+typedef struct {
+    dem_physics physics;
+    double ends[3]; /* x_min, x_max, y_min */
+} dem_scene_laws;
+
 typedef struct {
     dem_definition def;        /* its grains are the scene's, or NULL with a fill */
     bool has_fill, from_table; /* of its grains; the table of particles_file */
-    dem_fill fill;             /* H here is the height of the region that grains are placed in */
+    dem_fill fill;             /* the first; H here is the height of the region that grains are placed in */
+    size_t n_more;             /* fills after it; owned */
+    dem_fill *more;
+    char (*kinds)[32]; /* of the grains of each fill, "" for none; owned, NULL without a fill */
     long steps;
     dem_grain *grains;     /* owned */
     dem_contact *contacts; /* owned, as the next two */
     dem_wall *walls;       /* owned; NULL where the definition holds its few walls itself */
     size_t *lines;         /* of the grains in their list; owned */
+    dem_scene_laws laws;   /* as given, "auto" not resolved */
+    dem_material *given;   /* of the walls, the same; owned */
     size_t n_names;
     char (*names)[32]; /* of the walls, "" of one without; owned, NULL where none has one */
     char unused[256];  /* columns of particles_file, if there are any */
@@ -29,8 +40,14 @@ typedef struct {
 rp_status dem_scene_read(const char *path, const rp_texts *changes, dem_scene *scene);
 void dem_scene_free(dem_scene *scene);
 
-/* Fill if there is something to fill, and make the simulation. Errors: as dem_fill_random, dem_create. */
+/* The grains of the start, a new array: those of the scene's list, then those of its fills one after the
+ * other; ends[k] (ends may be NULL) is their number with those of the first k + 1 fills. Errors: as
+ * dem_fill_grains. */
+rp_status dem_scene_grains(const dem_scene *scene, dem_grain **grains, size_t *n, size_t ends[]);
+
+/* Fill if there is something to fill, and make the simulation. Errors: as dem_fill_grains, dem_create. */
 rp_status dem_scene_start(const dem_scene *scene, dem_sim **sim);
+dem_fill *dem_scene_fill_at(dem_scene *scene, size_t k); /* number k of the fills; NULL past the last */
 
 /* Write a scene that dem_scene_read reads back to the same bits (a turn of gravity: to round-off). */
 void dem_scene_write(const dem_scene *scene, FILE *out);

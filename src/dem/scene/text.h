@@ -31,4 +31,23 @@ rp_status dem_text_give(dem_text *text, const char *name, const rp_value *value)
  * dem_scene_free, also after an error. Errors: those of dem_scene_read. */
 rp_status dem_text_scene(dem_text *text, dem_scene *scene);
 
+/* The keys dt, x_min, x_max, y_min, normal, tangential and rolling of a group, over the laws that hold so
+ * far. Errors: RP_BAD_INPUT. */
+rp_status dem_text_laws(const config_setting_t *group, const dem_scene *scene, dem_scene_laws *laws);
+
+/* The definition and walls that follow from laws and the walls' coefficients as given; the definition borrows
+ * the walls, of which there are as many as the scene's. Errors: RP_BAD_INPUT. */
+rp_status dem_laws_apply(const dem_scene_laws *laws, const dem_material *given, const dem_scene *scene,
+                         dem_definition *def, dem_wall *walls);
+void dem_laws_write(const dem_scene_laws *laws, FILE *out);
+
+/* The coefficients of a wall in a group, beside other keys; *some: there is one. Errors: RP_BAD_INPUT. */
+rp_status dem_text_coefficients(const config_setting_t *group, const char *const others[], bool *some,
+                                dem_material *given);
+
+/* Keys of radii in a group, beside other keys; default: those of `as`, or of a fill. The caller frees
+ * radii->radii where they are not those of `as`. Errors: RP_BAD_INPUT. */
+rp_status dem_text_radii(const config_setting_t *group, const char *const others[], const dem_fill *as,
+                         dem_fill *radii);
+
 #endif

@@ -13,7 +13,8 @@ struct dem_sim {
     dem_pairs pairs;
     dem_walls walls;
     dem_loops loops;
-    long step;
+    long step, step0; /* step0, time0: where dt has last changed */
+    double time0;
     double mu;           /* of grains: finite stand-in for an infinite one */
     double r_min, r_max; /* of all grains so far */
     bool too_deep;       /* an overlap beyond the smallest radius was seen */

@@ -19,6 +19,8 @@ typedef struct {
     double d;            /* diameter of the mean grain */
     double lo[2], hi[2]; /* of the region, infinite without */
     const dem_sim *sim;
+    size_t n_walls; /* numbers of those of its wall */
+    const size_t *walls;
 } exp_view;
 
 typedef struct {
@@ -27,11 +29,17 @@ typedef struct {
     size_t size;
     const exp_output *outputs; /* endings of names */
     bool bounded;              /* its region must have two ends in x */
+    bool on_wall;              /* it is of a wall too */
     /* Errors: RP_NO_RESULT; others. */
     rp_status (*evaluate)(const exp_view *view, const void *params, double out[]);
 } exp_module;
 
-#define EXP_MODULES(X) X(slope) X(flanks) X(deposit)
+/* Bond order: mean over the grains of |psi_6|, the mean of exp(6 i theta) over the neighbours nearer
+ * than 1.25 times touching; 1 in a triangular lattice. Fixed grains and those with fewer than two neighbours
+ * are left out; NaN if all are. order[n], neighbours[n] (may be NULL): of each grain; NaN where left out. */
+double exp_bond_order(size_t n, const dem_state grains[], double order[], int neighbours[]);
+
+#define EXP_MODULES(X) X(slope) X(flanks) X(deposit) X(base) X(order)
 #define X(name)        extern const exp_module exp_module_##name;
 EXP_MODULES(X)
 #undef X

@@ -1,0 +1,268 @@
+/* What a phase does at its start: going back, other laws, grains taken out and put in, loads of walls. */
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "dem/scene/radii.h"
+#include "experiment/private.h"
+
+double exp_dt(const exp_run *run)
+{
+    const exp_plan *plan = run->plan;
+    const size_t laws = run->at.now.laws;
+    return laws == SIZE_MAX ? plan->scene.def.dt : plan->phases[laws].laws.physics.dt;
+}
+
+/* ---- going back ---- */
+
+void exp_save(exp_run *run, size_t phase)
+{
+    exp_saved *saved = &run->saved[phase];
+    const size_t n = 2 * run->plan->n_walls;
+    dem_free(saved->sim);
+    saved->sim = NULL;
+    if (!saved->loads && !(saved->loads = calloc(n + 1, sizeof *saved->loads)))
+        run->failed = rp_fail(RP_NO_MEMORY, "run: out of memory");
+    if (run->failed || (run->failed = dem_clone(run->sim, &saved->sim))) return;
+    saved->now = run->at.now;
+    if (n) memcpy(saved->loads, run->loads, n * sizeof *saved->loads);
+}
+
+void exp_go_back(exp_run *run, const exp_phase *p)
+{
+    const exp_saved *saved = &run->saved[p->source];
+    const size_t n = 2 * run->plan->n_walls;
+    dem_sim *copy;
+    if (!saved->sim) { /* its block was left before it */
+        exp_conclude(run, "no_start", "phase %s: %s was not reached", p->name,
+                     run->plan->phases[p->source].name);
+        return;
+    }
+    run->failed = dem_clone(saved->sim, &copy);
+    if (run->failed) return;
+    dem_free(run->sim);
+    run->sim = copy;
+    run->at.now = saved->now;
+    if (n) memcpy(run->loads, saved->loads, n * sizeof *saved->loads);
+}
+
+/* ---- laws, and grains that go ---- */
+
+static void renew(exp_run *run, const exp_phase *p, rp_status status)
+{
+    run->fresh = false;
+    if (status == RP_BAD_INPUT || status == RP_BROKEN)
+        exp_conclude(run, "too_fast", "phase %s: %s", p->name, rp_message());
+    else
+        run->failed = status;
+}
+
+void exp_change_laws(exp_run *run, const exp_phase *p)
+{
+    const exp_plan *plan = run->plan;
+    const dem_scene *scene = &plan->scene;
+    dem_definition def;
+    dem_wall *walls = calloc(scene->def.n_walls + 1, sizeof *walls);
+    rp_status status = walls ? dem_laws_apply(&p->laws, p->given, scene, &def, walls)
+                             : rp_fail(RP_NO_MEMORY, "laws: out of memory");
+    if (!status) status = dem_change(&run->sim, &def);
+    free(walls);
+    run->at.now.laws = (size_t)(p - plan->phases);
+    renew(run, p, status);
+}
+
+void exp_remove(exp_run *run, const exp_phase *p)
+{
+    const exp_within in = exp_within_now(run, &p->removes);
+    renew(run, p, dem_remove(&run->sim, exp_is_within, &in));
+}
+
+/* ---- grains that come ---- */
+
+/* The lowest place of a centre above which a body of this radius, that comes from above at x, meets nothing:
+ * -INFINITY where there is nothing, INFINITY where a wall is beside it all the way up. */
+static double touch_of_wall(const dem_wall_state *w, double x, double r, double gap)
+{
+    const double reach = r + gap, nx = w->direction[0], ny = w->direction[1], tx = ny, ty = -nx;
+    double y = -INFINITY;
+    if (w->ends[0] >= w->ends[1]) return y;
+    for (int side = -1; side <= 1; side += 2) { /* of both sides the one that looks up */
+        const double up = side * ny;
+        if (isinf(w->ends[0]) && isinf(w->ends[1]) && side < 0) continue;
+        if (up <= 0.0 || fabs(ny) < 1e-12) continue;
+        const double at = (reach - side * (x - w->point[0]) * nx) / up + w->point[1],
+                     along = (x - w->point[0]) * tx + (at - w->point[1]) * ty;
+        if (along >= w->ends[0] && along <= w->ends[1]) y = fmax(y, at);
+    }
+    for (int end = 0; end < 2; end++) {
+        const double dx = w->point[0] + w->ends[end] * tx - x;
+        if (isfinite(w->ends[end]) && fabs(dx) < reach)
+            y = fmax(y, w->point[1] + w->ends[end] * ty + sqrt(reach * reach - dx * dx));
+    }
+    /* an upright one without an upper end */
+    const bool up = fabs(ny) < 1e-12 && isinf(w->ends[ty > 0.0 ? 1 : 0]);
+    return up && fabs(x - w->point[0]) < r * (1.0 - 1e-9) ? INFINITY : y;
+}
+
+static double touch_height(exp_run *run, double x, double r, double gap)
+{
+    const dem_state *s = exp_states(run);
+    double y = -INFINITY;
+    for (size_t w = 0; w < dem_wall_count(run->sim); w++) {
+        const dem_wall_state wall = dem_wall_now(run->sim, w);
+        y = fmax(y, touch_of_wall(&wall, x, r, gap));
+    }
+    for (size_t i = 0; s && i < run->n_states; i++) {
+        const double dx = s[i].x - x, reach = r + s[i].r + gap;
+        if (fabs(dx) < reach) y = fmax(y, s[i].y + sqrt(reach * reach - dx * dx));
+    }
+    return y;
+}
+
+static bool touches(exp_run *run, double x, double y, double r)
+{
+    const dem_state *s = exp_states(run);
+    for (size_t i = 0; s && i < run->n_states; i++) {
+        const double dx = s[i].x - x, dy = s[i].y - y, reach = r + s[i].r;
+        if (dx * dx + dy * dy < reach * reach) return true;
+    }
+    return false;
+}
+
+static double between(exp_run *run, const double ends[2])
+{
+    return ends[0] == ends[1] ? ends[0] : ends[0] + (ends[1] - ends[0]) * gsl_rng_uniform(run->random);
+}
+
+/* Draw a grain and its place. False: there is none. */
+static bool draw_grain(exp_run *run, const exp_add *a, dem_grain *g)
+{
+    enum { TRIES = 10000 };
+    const exp_plan *plan = run->plan;
+    double *const of = run->grain;
+    const dem_fill *first = dem_scene_fill_at((dem_scene *)&plan->scene, 0);
+    *g = (dem_grain){.r = a->has_r ? exp_value(run, &a->r) : dem_radius_draw(&a->radii, run->random)};
+    of[EXP_R] = g->r, of[EXP_Y] = of[EXP_TOUCH] = NAN;
+    const double density = a->has_density ? exp_value(run, &a->density)
+                           : first        ? first->density
+                                          : plan->scene.laws.physics.density,
+                 gap = exp_value(run, &a->gap);
+    g->m = dem_mass(plan->scene.def.shape, density, g->r);
+    const double x[2] = {exp_value(run, &a->x[0]), exp_value(run, &a->x[1])};
+    for (int k = 0; k < TRIES; k++) {
+        g->x = between(run, x);
+        of[EXP_TOUCH] = a->in_range ? NAN : touch_height(run, g->x, g->r, gap);
+        const double y[2] = {exp_value(run, &a->y[0]), a->in_range ? exp_value(run, &a->y[1]) : NAN};
+        g->y = a->in_range ? between(run, y) : y[0];
+        if (!a->in_range) break;
+        if (!touches(run, g->x, g->y, g->r)) break;
+        if (k == TRIES - 1) return false;
+    }
+    of[EXP_Y] = g->y;
+    g->vx = exp_value(run, &a->vx), g->vy = exp_value(run, &a->vy), g->omega = exp_value(run, &a->omega);
+    return isfinite(g->x) && isfinite(g->y);
+}
+
+static void add_grain(exp_run *run, const exp_phase *p)
+{
+    dem_grain g;
+    uint32_t id;
+    if (!draw_grain(run, &p->add, &g)) {
+        if (!run->failed)
+            exp_conclude(run, "no_room", "phase %s: no place for a grain of radius %g, at x = %g, y = %g",
+                         p->name, g.r, g.x, g.y);
+        return;
+    }
+    const rp_status status = dem_add(run->sim, &g, &id);
+    run->fresh = false;
+    if (status == RP_BAD_INPUT)
+        exp_conclude(run, strstr(rp_message(), "too large for") ? "too_fast" : "no_room", "phase %s: %s",
+                     p->name, rp_message());
+    else
+        run->failed = status;
+    if (run->failed || run->at.done || !exp_make_ids(run, id)) return;
+    run->kinds[id - 1] = (int32_t)p->add.kind;
+    run->marks[2 * (id - 1)] = run->marks[2 * (id - 1) + 1] = NAN;
+    run->at.now.added++, run->at.now.added_mass += g.m;
+    run->at.now.last = id, run->at.now.touched = false;
+}
+
+void exp_add_grains(exp_run *run, const exp_phase *p)
+{
+    const double n = exp_value(run, &p->add.n);
+    if (!(n >= 0.0 && n <= 1e8)) {
+        exp_conclude(run, "nan", "phase %s: add: N \"%s\" is %g", p->name, p->add.n.x.text, n);
+        return;
+    }
+    for (long k = lround(n); k > 0 && !run->failed && !run->at.done; k--) add_grain(run, p);
+}
+
+/* ---- walls ---- */
+
+/* All walls of a name move as one; along a direction in which one is free, its load sees to that. */
+void exp_move_wall(exp_run *run, const exp_phase *p, const exp_wall *wall, const double velocity[2],
+                   double omega)
+{
+    const size_t w = (size_t)(wall - run->plan->walls);
+    const dem_wall_state now = dem_wall_now(run->sim, wall->walls[0]);
+    double v[2];
+    for (int c = 0; c < 2 && velocity; c++) v[c] = run->loads[2 * w + c] >= 0 ? now.velocity[c] : velocity[c];
+    for (size_t k = 0; k < wall->n && !run->at.done; k++)
+        if (dem_wall_move(run->sim, wall->walls[k], velocity ? v : NULL, omega))
+            exp_conclude(run, "too_fast", "phase %s: %s: %s", p->name, wall->name, rp_message());
+}
+
+void exp_load_walls(exp_run *run, const exp_phase *p)
+{
+    for (size_t k = 0; k < p->n_moves && !run->at.done; k++) {
+        const exp_move *m = &p->moves[k];
+        const exp_wall *wall = &run->plan->walls[m->wall];
+        const dem_wall_state now = dem_wall_now(run->sim, wall->walls[0]);
+        double v[2] = {now.velocity[0], now.velocity[1]};
+        bool freed = false;
+        for (int c = 0; c < 2; c++) {
+            long *const load = &run->loads[2 * m->wall + (size_t)c];
+            if (m->loading[c] == EXP_FREED && *load >= 0) *load = -1, v[c] = 0.0, freed = true;
+            if (m->loading[c] == EXP_LOADED) *load = (long)m->number;
+        }
+        if (freed) exp_move_wall(run, p, wall, v, NAN);
+    }
+}
+
+bool exp_is_loaded(const exp_run *run)
+{
+    for (size_t k = 0; k < 2 * run->plan->n_walls; k++)
+        if (run->loads[k] >= 0) return true;
+    return false;
+}
+
+/* M dv/dt = force of the grains + load, |v| <= speed; M is a tenth of the grains', at least 10 m. A step
+ * takes the velocity of its middle, as that of a grain. */
+void exp_push_walls(exp_run *run)
+{
+    const exp_plan *plan = run->plan;
+    const double mass = fmax(0.1 * (run->at.mass0 + run->at.now.added_mass), 10.0 * plan->m),
+                 dt = exp_dt(run);
+    for (size_t w = 0; w < plan->n_walls && !run->at.done; w++) {
+        const exp_wall *wall = &plan->walls[w];
+        const dem_wall_state now = dem_wall_now(run->sim, wall->walls[0]);
+        double v[2] = {now.velocity[0], now.velocity[1]};
+        bool loaded = false;
+        for (int c = 0; c < 2; c++) {
+            const long load = run->loads[2 * w + (size_t)c];
+            if (load < 0) continue;
+            const exp_move *m = plan->loads[load];
+            const double most = fabs(exp_value(run, &m->speed));
+            double force = exp_value(run, &m->load[c]);
+            loaded = true;
+            for (size_t k = 0; k < wall->n; k++) force += dem_wall_now(run->sim, wall->walls[k]).force[c];
+            v[c] = fmin(fmax(v[c] + dt / mass * force, -most), most);
+            if (!isfinite(v[c]))
+                exp_conclude(run, "nan", "%s: load \"%s\" is %g", wall->name, m->load[c].x.text, force);
+        }
+        for (size_t k = 0; k < wall->n && loaded && !run->at.done; k++)
+            if (dem_wall_move(run->sim, wall->walls[k], v, NAN))
+                exp_conclude(run, "too_fast", "%s: %s", wall->name, rp_message());
+    }
+}

@@ -1,0 +1,250 @@
+/* Measures of a text: their names and outputs, before phases ask for them; then what they say. */
+#include <ctype.h>
+#include <math.h>
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "experiment/reading.h"
+#include "params/config.h"
+
+#define IN(field) offsetof(exp_measure, field)
+const rp_param exp_measure_schema[] = {
+    {"name", "", RP_TEXT, IN(name), NULL, "", "of the column"},
+    {"at", "", RP_TEXT, IN(at), "", "", "phase at whose end; default: the last"},
+    {"during", "", RP_TEXT, IN(during), "", "", "phase that is sampled"},
+    {"take", "", RP_CHOICE, IN(take), "value", EXP_TAKES,
+     "what is made of samples; default: value, or the mean during a phase"},
+    {"every", "steps", RP_INT, IN(every), "auto", "[1, 1000000000] | auto",
+     "from sample to sample; auto: the phase's looks"},
+    {"skip", "", RP_REAL, IN(skip), "0", "[0, 1) | level",
+     "share of the samples that is left out; level: until they level off"},
+    {"series", "", RP_BOOL, IN(series), "false", "", "whether to write a table of the samples too"},
+    {"optional", "", RP_BOOL, IN(optional), "false", "", "whether a run is good without it"},
+    {"drop", "", RP_REAL, IN(drop), "none", "(0, inf) | none",
+     "least fall that is an avalanche; none: samples with `event`"},
+    {"unit", "", RP_TEXT, IN(unit), "", "", "of the column"},
+    {"in", "", RP_TEXT, IN(in), "", "", "region of a module's grains"},
+    {"wall", "", RP_TEXT, IN(wall), "", "", "wall of the module base"},
+    {0}};
+
+static const char *const take_words[] = {"value", "mean", "max", "min", "first", "rate", "avalanches"};
+
+rp_status exp_find_phase(const exp_plan *plan, const config_setting_t *setting, const char *key,
+                         const char *name, size_t *phase)
+{
+    rp_guess guess = rp_guess_of(name);
+    for (size_t k = 0; k < plan->n_phases; k++) {
+        if (strcmp(plan->phases[k].name, name) == 0) return *phase = k, RP_OK;
+        rp_guess_try(&guess, plan->phases[k].name);
+    }
+    return rp_config_fail(setting, "%s = \"%s\": no such phase%s", key, name, rp_guess_text(&guess));
+}
+
+static rp_status add_output(exp_plan *plan, const exp_measure *m, const char *ending, const char *unit,
+                            const char *meaning)
+{
+    exp_output *o = &plan->outputs[plan->n_outputs];
+    o->name = rp_text(&plan->arena, "%s%s", m->name, ending);
+    o->unit = strcmp(ending, "_n") == 0 ? "" : unit;
+    o->meaning = meaning;
+    if (!o->name || !meaning) return RP_NO_MEMORY;
+    for (size_t k = 0; k < plan->n_outputs; k++)
+        if (strcmp(plan->outputs[k].name, o->name) == 0)
+            return rp_config_fail(m->setting, "%s: two measures have this column", o->name);
+    plan->n_outputs++;
+    return RP_OK;
+}
+
+enum { MOST_OUTPUTS = 5 }; /* of samples */
+
+/* Of a module: all its numbers, or with MODULE.OUTPUT one; its keys are the measure's too. */
+static rp_status read_module(exp_plan *plan, const config_setting_t *setting, exp_measure *m,
+                             const char *others[])
+{
+    const config_setting_t *what = member(setting, "of");
+    const char *of = what ? config_setting_get_string(what) : NULL, *dot = of ? strchr(of, '.') : NULL;
+    m->module = of ? exp_module_find(of, dot ? (size_t)(dot - of) : strlen(of)) : NULL;
+    m->pick = -1;
+    if (!m->module) return RP_OK;
+    for (long k = 0; dot && m->module->outputs[k].name; k++)
+        if (strcmp(m->module->outputs[k].name + 1, dot + 1) == 0) m->pick = k;
+    if (dot && m->pick < 0)
+        return rp_config_fail(member(setting, "of"), "of = \"%s\": %s has no such number", of,
+                              m->module->name);
+    m->params = rp_arena_memory(&plan->arena, 1, m->module->size);
+    if (!m->params) return RP_NO_MEMORY;
+    rp_params_defaults(m->module->schema, m->params);
+    for (const rp_param *p = m->module->schema; p->name; p++) {
+        const config_setting_t *key = member(setting, p->name);
+        if (key) RP_TRY(rp_config_value(key, p, m->params));
+        *others++ = p->name;
+    }
+    *others = NULL;
+    return RP_OK;
+}
+
+/* The region of a module's grains. */
+static rp_status read_scope(const exp_plan *plan, exp_measure *m)
+{
+    const config_setting_t *in = member(m->setting, "in");
+    rp_guess guess = rp_guess_of(m->in);
+    const bool on_wall = m->module && m->module->on_wall;
+    if (on_wall != (*m->wall != '\0'))
+        return rp_config_fail(m->setting, "measure %s: wall: %s", m->name,
+                              on_wall ? "missing, whose load is measured" : "of the module base");
+    if (on_wall) RP_TRY(exp_find_wall(plan, member(m->setting, "wall"), "wall", m->wall, &m->on));
+    if (in && !m->module)
+        return rp_config_fail(in, "in: of a module; an expression names its region, as in %s.grains", m->in);
+    for (size_t k = 0; k < plan->n_regions && *m->in; k++) {
+        rp_guess_try(&guess, plan->regions[k].name);
+        if (strcmp(plan->regions[k].name, m->in) == 0) return m->scope = (exp_scope){EXP_REGION, k}, RP_OK;
+    }
+    if (*m->in) return rp_config_fail(in, "in = \"%s\": no such region%s", m->in, rp_guess_text(&guess));
+    return m->module && m->module->bounded
+               ? rp_config_fail(m->setting, "measure %s: in: missing (a region with two ends in x)", m->name)
+               : RP_OK;
+}
+
+/* The phase of a measure, and what is made of samples there. */
+static rp_status read_when(exp_plan *plan, exp_measure *m)
+{
+    const config_setting_t *setting = m->setting;
+    if (*m->at && *m->during)
+        return rp_config_fail(setting, "measure %s: has at and during; keep one", m->name);
+    m->phase = plan->n_phases - 1;
+    while (plan->phases[m->phase].block != SIZE_MAX) m->phase--;
+    if (*m->at || *m->during)
+        RP_TRY(
+            exp_find_phase(plan, setting, *m->at ? "at" : "during", *m->at ? m->at : m->during, &m->phase));
+    const exp_phase *phase = &plan->phases[m->phase];
+    const bool many = *m->during || phase->block != SIZE_MAX;
+    if (*m->during && phase->n_inner > 0)
+        return rp_config_fail(setting, "during = \"%s\": a block; name one of its phases", m->during);
+    if (!member(setting, "take")) m->take = many ? TAKE_MEAN : TAKE_VALUE;
+    if (many != (m->take != TAKE_VALUE))
+        return rp_config_fail(
+            setting,
+            many ? "measure %s: take = \"%s\" of samples: one of mean, max, min, first, rate, avalanches"
+                 : "measure %s: take = \"%s\": needs during = \"PHASE\"",
+            m->name, take_words[m->take]);
+    if (many && m->module && m->pick < 0)
+        return rp_config_fail(setting, "measure %s: samples are of one number, as in of = \"%s.%s\"", m->name,
+                              m->module->name, m->module->outputs[0].name + 1);
+    if (m->take == TAKE_AVALANCHES && isfinite(m->drop) == (member(setting, "event") != NULL))
+        return rp_config_fail(setting, "measure %s: avalanches are found by drop, or by event", m->name);
+    if (m->every < 0) m->every = phase->every;
+    m->left_out |= phase->left_out || (phase->block != SIZE_MAX && plan->phases[phase->block].left_out);
+    return RP_OK;
+}
+
+/* The columns of a measure. */
+static rp_status name_outputs(exp_plan *plan, exp_measure *m)
+{
+    static const char *const of_mean[][2] = {{"", "mean"},
+                                             {"_sd", "standard deviation of the samples"},
+                                             {"_se", "standard error of the mean, by blocking"},
+                                             {"_n", "decorrelated samples"},
+                                             {0}},
+                             *const of_rate[][2] = {{"", "change over time"},
+                                                    {"_se", "standard error of the rate, from ten blocks"},
+                                                    {0}},
+                             *const of_falls[][2] = {{"_n", "avalanches"},
+                                                     {"_before", "mean before one"},
+                                                     {"_before_se", "its standard error"},
+                                                     {"_after", "mean after one"},
+                                                     {"_after_se", "its standard error"},
+                                                     {0}},
+                             *const of_one[][2] = {{"", NULL}, {0}};
+    const char *const(*list)[2] = m->take == TAKE_MEAN         ? of_mean
+                                  : m->take == TAKE_RATE       ? of_rate
+                                  : m->take == TAKE_AVALANCHES ? of_falls
+                                                               : of_one;
+    const exp_output *o = m->module && m->pick < 0 ? m->module->outputs : NULL;
+    const char *of = config_setting_get_string(member(m->setting, "of")),
+               *phase = plan->phases[m->phase].name,
+               *unit = *m->unit || !m->module || m->pick < 0 ? m->unit : m->module->outputs[m->pick].unit;
+    const char *words = m->take == TAKE_VALUE ? "" : take_words[m->take];
+    m->output = plan->n_outputs;
+    for (; o && o->name; o++) RP_TRY(add_output(plan, m, o->name, o->unit, o->meaning));
+    for (size_t k = 0; !(m->module && m->pick < 0) && list[k][0]; k++)
+        RP_TRY(add_output(plan, m, list[k][0], unit,
+                          rp_text(&plan->arena, "%s%s%s, %s %s", list[k][1] ? list[k][1] : words,
+                                  *words || list[k][1] ? " of " : "", of ? of : "a number",
+                                  *m->during ? "during" : "at the end of", phase)));
+    m->n_outputs = plan->n_outputs - m->output;
+    return RP_OK;
+}
+
+static rp_status name_measure(exp_plan *plan, const config_setting_t *setting, exp_measure *m)
+{
+    const char *others[EXP_MODULE_OUTPUTS] = {"of", "when", "if", "event", NULL};
+    exp_place place;
+    *m = (exp_measure){.setting = setting};
+    rp_params_defaults(exp_measure_schema, m);
+    if (!config_setting_is_group(setting))
+        return rp_config_fail(setting, "measure: a list ( { ... } ) expected");
+    RP_TRY(read_module(plan, setting, m, others + 4));
+    RP_TRY(rp_config_group(setting, exp_measure_schema, m, others));
+    /* all numbers of a module have names of their own */
+    RP_TRY(m->module && m->pick < 0 ? exp_check_word(setting, "a measure", m->name)
+                                    : exp_check_name(plan, setting, "a measure", m->name));
+    if (!member(setting, "of"))
+        return rp_config_fail(setting, "measure %s: of: missing (what is measured)", m->name);
+    exp_place_in(&place, plan);
+    place.lets_alone = true;
+    if (member(setting, "if")) {
+        exp_expression e;
+        RP_TRY(exp_expression_read(member(setting, "if"), "if", RP_X_TRUTH, &place, &e));
+        m->left_out = e.x.value == 0.0;
+    }
+    RP_TRY(read_scope(plan, m));
+    RP_TRY(read_when(plan, m));
+    return name_outputs(plan, m);
+}
+
+static size_t count_outputs(const config_setting_t *list)
+{
+    size_t n = 0;
+    for (size_t i = 0; i < length(list); i++) {
+        const config_setting_t *of =
+            config_setting_is_group(element(list, i)) ? member(element(list, i), "of") : NULL;
+        const char *name = of ? config_setting_get_string(of) : NULL;
+        n += name && exp_module_find(name, strlen(name)) ? EXP_MODULE_OUTPUTS : MOST_OUTPUTS;
+    }
+    return n;
+}
+
+rp_status exp_name_measures(exp_plan *plan)
+{
+    const config_setting_t *list = config_lookup(&plan->text->config, "measure");
+    if (list && !config_setting_is_list(list))
+        return rp_config_fail(list, "measure: a list ( { ... } ) expected");
+    RP_NEW(&plan->arena, plan->measures, length(list));
+    RP_NEW(&plan->arena, plan->outputs, count_outputs(list));
+    for (size_t i = 0; i < length(list); i++) {
+        RP_TRY(name_measure(plan, element(list, i), &plan->measures[i]));
+        plan->n_measures++;
+    }
+    return RP_OK;
+}
+
+rp_status exp_read_measure(exp_plan *plan, size_t k)
+{
+    exp_measure *m = &plan->measures[k];
+    const config_setting_t *when = member(m->setting, "when");
+    exp_place place;
+    exp_place_in(&place, plan);
+    place.names.measure = true;
+    place.measure = k;
+    m->states[0] = plan->n_states;
+    const config_setting_t *event = member(m->setting, "event");
+    if (!m->module) RP_TRY(exp_expression_read(member(m->setting, "of"), "of", RP_X_NUMBER, &place, &m->of));
+    if (event && m->take != TAKE_AVALANCHES)
+        return rp_config_fail(event, "event: needs take = \"avalanches\"");
+    if (event) RP_TRY(exp_expression_read(event, "event", RP_X_TRUTH, &place, &m->event));
+    if (when && m->take == TAKE_VALUE) return rp_config_fail(when, "when: needs samples, during = \"PHASE\"");
+    if (when) RP_TRY(exp_expression_read(when, "when", RP_X_TRUTH, &place, &m->when));
+    m->states[1] = plan->n_states;
+    return RP_OK;
+}
