@@ -24,6 +24,8 @@
     X(suite_removal)                                                                                         \
     X(suite_expression)                                                                                      \
     X(suite_experiment)                                                                                      \
+    X(suite_actions)                                                                                         \
+    X(suite_fills)                                                                                           \
     X(suite_units)                                                                                           \
     X(suite_sizes)                                                                                           \
     X(suite_laws)                                                                                            \

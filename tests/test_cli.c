@@ -52,7 +52,7 @@ static const char *const without_default[] = {
     "--help ",    "--study ",        "--where ",    "--bare ",       "--set ",      "--reduce ",
     "--base ",    "--other-groups ", "--pair ",     "-o ",           "--runs ",     "--missing ",
     "--outline ", "--disks ",        "--linear ",   "--set-again ",  "--summary ",  "--threshold ",
-    "--ledger ",  "--force ",        "--profile ",  "--resume ",     "--rotation ", "--quiet ",
+    "--ledger ",  "--from ",   "--force ",        "--profile ",  "--resume ",     "--rotation ", "--quiet ",
     "--color ",   "--stress ",       "--markdown ", "--completion ", "--json ",     "--shard ",
     "--start ",   "--variants ",     NULL};
 
@@ -560,7 +560,7 @@ static void test_bad_scenes(void)
         CU_ASSERT(out[0] == '\0');
     }
     write_text("s.cfg", "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; } );\n");
-    FAILS(65, "s.cfg: exactly one of particles", "run s.cfg");
+    FAILS(65, "s.cfg: particles or particles_file, or fill", "run s.cfg");
     write_text("s.cfg", "particles = ( " GRAIN " );\n");
     FAILS(64, "--row needs a sweep", "run s.cfg --row 1");
     FAILS(65, "frob: unknown key", "run s.cfg --set frob=1");

@@ -6,55 +6,9 @@
 #include <unistd.h>
 
 #include "check.h"
-#include "experiment/experiment.h"
 #include "folder.h"
 #include "program.h"
-
-/* A text, its plan and a run of it. */
-typedef struct {
-    dem_text text;
-    exp_plan *plan;
-    exp_run *run;
-} trial;
-
-static void end(trial *t)
-{
-    exp_run_free(t->run);
-    exp_free(t->plan);
-    dem_text_close(&t->text);
-}
-#define scoped_trial __attribute__((cleanup(end))) trial
-
-static rp_status read_text(trial *t, const char *text)
-{
-    char path[256];
-    *t = (trial){0};
-    write_text("e.cfg", "%s", text);
-    path_of("e.cfg", path);
-    RP_TRY(dem_text_open(path, NULL, &t->text));
-    return exp_read(&t->text, &t->plan);
-}
-
-static void start(trial *t, const char *text)
-{
-    CHECK_OK(read_text(t, text));
-    CHECK_OK(exp_start(t->plan, 7, 3, &t->run));
-}
-
-static void finish(trial *t, long part)
-{
-    while (!exp_done(t->run)) CHECK_OK(exp_advance(t->run, part));
-}
-
-static double measured(const trial *t, const char *name)
-{
-    size_t n;
-    const exp_output *o = exp_outputs(t->plan, &n);
-    for (size_t k = 0; k < n; k++)
-        if (strcmp(o[k].name, name) == 0) return exp_values(t->run)[k];
-    fprintf(stderr, "%s: no such measure\n", name);
-    return NAN;
-}
+#include "trial.h"
 
 /* Two grains fall from rest beside each other, then lie on a floor that is a wall with a name. */
 static const char fall[] =
@@ -659,7 +613,8 @@ static void test_refused_more(void)
          "plat: no wall has this name (did you mean \"plate\"?)"},
         {"plate = { velocity = (0.0, \"v\"); };", "plate = { };",
          "plate: velocity, omega, load_x, load_y or coefficients expected"},
-        {"plate = { velocity = (0.0, \"v\"); };", "plate = { speed = 3.0; };", "speed: needs load_x or load_y"},
+        {"plate = { velocity = (0.0, \"v\"); };", "plate = { speed = 3.0; };",
+         "speed: needs load_x or load_y"},
         {"(0.0, \"v\")", "(\"v\")", "velocity: (a, b) expected"},
         {"of = \"y\"; at = \"lie\"", "of = \"slope\"; at = \"lie\"", "measure y0: in: missing"},
         {"of = \"y\"; at = \"lie\"", "of = \"flanks.r3\"; at = \"lie\"",

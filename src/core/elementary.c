@@ -3,8 +3,8 @@
 
 #include <math.h>
 
-/* ln 2, of which the first part has 21 trailing zeros: its multiples up to 2^20 are exact. */
-static const double LN2_HIGH = 0x1.62e42fep-1, LN2_LOW = 0x1.efa39ef35793cp-33;
+/* ln 2, of which the first part has 24 trailing zeros: its multiples up to 2^24 are exact. */
+static const double LN2_HIGH = 0x1.62e42fep-1, LN2_LOW = 0x1.f473de6af278fp-30;
 
 /* e^x = 2^k e^r, |r| <= ln(2)/2, by Taylor's series, whose rest after r^17 is below 1e-22. */
 double rp_exp(double x)

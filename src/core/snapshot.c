@@ -99,13 +99,28 @@ static XXH128_hash_t checksum(const head *h, const void *state, size_t length)
     return XXH3_128bits_withSeed(state, length, hash.low64 ^ hash.high64);
 }
 
+static head head_of(const rp_snapshot *s, const char *owner, uint64_t layout)
+{
+    head h = {.format = RP_SNAPSHOT_FORMAT, .model = RP_MODEL_VERSION, .layout = layout, .length = s->n};
+    memcpy(h.magic, MAGIC, sizeof MAGIC);
+    snprintf(h.owner, sizeof h.owner, "%s", owner);
+    return h;
+}
+
+rp_status rp_snapshot_print(const rp_snapshot *s, FILE *out, const char *owner, uint64_t layout)
+{
+    if (s->status) return s->status;
+    const head h = head_of(s, owner, layout);
+    const XXH128_hash_t hash = checksum(&h, s->bytes, s->n);
+    fwrite(&h, sizeof h, 1, out), fwrite(s->bytes, 1, s->n, out), fwrite(&hash, sizeof hash, 1, out);
+    return RP_OK;
+}
+
 rp_status rp_snapshot_write(rp_snapshot *s, const char *path, const char *owner, uint64_t layout)
 {
     if (s->status) return s->status;
     char temporary[PATH_MAX];
-    head h = {.format = RP_SNAPSHOT_FORMAT, .model = RP_MODEL_VERSION, .layout = layout, .length = s->n};
-    memcpy(h.magic, MAGIC, sizeof MAGIC);
-    snprintf(h.owner, sizeof h.owner, "%s", owner);
+    const head h = head_of(s, owner, layout);
     const XXH128_hash_t hash = checksum(&h, s->bytes, s->n);
     if (snprintf(temporary, sizeof temporary, "%s.new", path) >= (int)sizeof temporary)
         return rp_fail(RP_IO, "%.60s...: path too long", path);

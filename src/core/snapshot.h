@@ -8,6 +8,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
 
 #include "core/status.h"
 
@@ -38,6 +39,9 @@ void rp_keep_check(rp_snapshot *s, bool good, const char *what);
  * snapshot. `owner` names what the state is of, `layout` is a number that changes with its structure.
  * rp_snapshot_free follows. Errors: RP_IO, that of the status. */
 rp_status rp_snapshot_write(rp_snapshot *s, const char *path, const char *owner, uint64_t layout);
+
+/* The same into an open file, whose errors are the caller's. */
+rp_status rp_snapshot_print(const rp_snapshot *s, FILE *out, const char *owner, uint64_t layout);
 
 /* Read a file that rp_snapshot_write made, for the rp_keep calls to come. rp_snapshot_free follows, also
  * after an error. Errors: RP_BAD_INPUT (no snapshot; truncated, damaged; of another format, model, layout or

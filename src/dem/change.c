@@ -115,6 +115,11 @@ static rp_status make(const dem_sim *old, const dem_definition *laws, const choi
     return status;
 }
 
+static double energy_of(const dem_energy *e)
+{
+    return e->kinetic + e->elastic + e->gravity + e->rotational;
+}
+
 static rp_status renew(dem_sim **sim, const dem_definition *laws, const choice *out)
 {
     dem_sim *old = *sim, *made = NULL;
@@ -131,9 +136,9 @@ static rp_status renew(dem_sim **sim, const dem_definition *laws, const choice *
     if (!status) {
         dem_energies(old, &before);
         go_on(made, old, ids);
-        if (old->ledger && made->ledger)
-            status = dem_ledger_go_on(made, old,
-                                      before.kinetic + before.elastic + before.gravity + before.rotational);
+        dem_ledger sum;
+        if (made->ledger && dem_ledger_read(old, &sum))
+            status = dem_ledger_go_on(made, &sum, energy_of(&before), ids);
     }
     free(ids), free(walls), free(contacts);
     if (status) return dem_free(made), status;
@@ -164,8 +169,8 @@ rp_status dem_halt(dem_sim *sim)
     }
     sim->loops.pairs(sim, 0, sim->pairs.n, 0.0);
     dem_walls_apply(sim, 0, sim->grains.n, 0.0);
+    if (sim->ledger) RP_TRY(dem_ledger_forces(sim, 0.0));
     if (sim->scheme->start) sim->scheme->start(sim, 0);
-    return sim->ledger ? dem_ledger_go_on(
-                             sim, sim, before.kinetic + before.elastic + before.gravity + before.rotational)
-                       : RP_OK;
+    if (sim->ledger) dem_ledger_halt(sim, energy_of(&before));
+    return RP_OK;
 }

@@ -69,6 +69,11 @@ static void put_phase(FILE *out, rp_arena *arena, const exp_plan *plan, const ex
 
 char *exp_key(const exp_plan *plan)
 {
+    return exp_key_to(plan, plan->n_phases);
+}
+
+char *exp_key_to(const exp_plan *plan, size_t end)
+{
     char *text = NULL;
     size_t size = 0;
     RP_SCOPE(arena);
@@ -92,10 +97,10 @@ char *exp_key(const exp_plan *plan)
         for (size_t c = 0; c < 2 * r->n_points; c++) put(out, &arena, "p", &r->points[c]);
         fputc('\n', out);
     }
-    for (size_t k = 0; k < plan->n_phases; k++) put_phase(out, &arena, plan, &plan->phases[k]);
+    for (size_t k = 0; k < end; k++) put_phase(out, &arena, plan, &plan->phases[k]);
     for (size_t k = 0; k < plan->n_measures; k++) {
         const exp_measure *m = &plan->measures[k];
-        if (m->left_out) continue;
+        if (m->left_out || m->phase >= end) continue;
         fprintf(out, "measure %s in %s take=%d during=%d every=%ld skip=%a optional=%d", m->name,
                 plan->phases[m->phase].name, m->take, *m->during != '\0', m->every, m->skip, m->optional);
         put(out, &arena, "of", &m->of);
@@ -164,6 +169,13 @@ static void let_move(const exp_plan *plan, const exp_phase *p, const exp_move *m
     }
 }
 
+static double smallest(size_t n, const dem_grain grains[])
+{
+    double r = INFINITY;
+    for (size_t i = 0; i < n; i++) r = fmin(r, grains[i].r);
+    return r;
+}
+
 /* The time step of each phase, with its laws and the walls' motions that are known, one after the other. */
 static rp_status check_phases(const exp_plan *plan, dem_definition *def)
 {
@@ -190,6 +202,13 @@ static rp_status check_phases(const exp_plan *plan, dem_definition *def)
             const exp_move *m = &phase->moves[k];
             const exp_wall *wall = &plan->walls[m->wall];
             for (size_t i = 0; i < wall->n; i++) let_move(plan, phase, m, &arena, &walls[wall->walls[i]]);
+            const dem_wall *first = &walls[wall->walls[0]];
+            const double way = hypot(first->velocity[0], first->velocity[1]) * def->dt,
+                         r = smallest(def->n_grains, def->grains);
+            if (way > r)
+                return rp_config_fail(phase->setting,
+                                      "phase %s: wall %s moves %g in one step, the smallest radius is %g",
+                                      phase->name, wall->name, way, r);
             const double limit = dem_time_step_limit(def, &what);
             if (def->dt > limit)
                 return rp_config_fail(phase->setting, "phase %s: wall %s needs dt <= %.3g, by %s",

@@ -6,6 +6,7 @@
 
 #include "core/random.h"
 #include "experiment/private.h"
+#include "table/columns.h"
 
 static const exp_phase *phase_of(const exp_run *run)
 {
@@ -60,6 +61,8 @@ static rp_status make_room(exp_run *run)
     run->saved = calloc(p->n_phases + 1, sizeof *run->saved);
     run->loads = calloc(2 * p->n_walls + 1, sizeof *run->loads);
     run->points = calloc(p->n_regions + 1, sizeof *run->points);
+    run->kept = calloc(p->n_phases + 1, sizeof *run->kept);
+    if (!run->kept) return rp_fail(RP_NO_MEMORY, "run: out of memory");
     if (!run->counters || !run->values || !run->samples || !run->saved || !run->loads || !run->points)
         return rp_fail(RP_NO_MEMORY, "run: out of memory");
     for (size_t k = 0; k < p->n_regions; k++)
@@ -143,9 +146,10 @@ void exp_run_free(exp_run *run)
     for (size_t k = 0; run->samples && k < run->plan->n_measures; k++) free(run->samples[k].at);
     for (size_t k = 0; run->saved && k < run->plan->n_phases; k++)
         dem_free(run->saved[k].sim), free(run->saved[k].loads);
+    for (size_t k = 0; run->kept && k < run->plan->n_phases; k++) rp_snapshot_free(&run->kept[k]);
     free(run->counters), free(run->values), free(run->samples), free(run->marks), free(run->states);
     for (size_t k = 0; run->points && k < run->plan->n_regions; k++) free(run->points[k]);
-    free(run->kinds), free(run->loads), free(run->saved), free(run->points);
+    free(run->kinds), free(run->loads), free(run->saved), free(run->points), free(run->kept);
     if (run->random) gsl_rng_free(run->random);
     dem_free(run->sim);
     free(run);
@@ -250,7 +254,7 @@ static void begin_phase(exp_run *run)
 }
 
 /* The phase that follows, or the end of the run. */
-static void end_phase(exp_run *run)
+static void go_to_next(exp_run *run)
 {
     const exp_plan *plan = run->plan;
     const exp_phase *p = phase_of(run);
@@ -283,6 +287,14 @@ static void end_phase(exp_run *run)
         run->at.done = true;
     else
         exp_conclude(run, plan->result, "%s", "");
+}
+
+static void end_phase(exp_run *run)
+{
+    const size_t phase = run->at.phase;
+    go_to_next(run);
+    if (run->plan->phases[phase].keep && !run->failed && (!run->at.done || rp_is_result(run->at.end.status)))
+        exp_keep_end(run, phase);
 }
 
 /* All velocities become 0 where the kinetic energy begins to fall: it has passed a maximum. */
@@ -463,7 +475,7 @@ static void keep_ids(rp_snapshot *s, exp_run *run)
     rp_keep_check(s, known, "a run of another file");
 }
 
-void exp_keep(rp_snapshot *s, exp_run *run)
+static void keep_state(rp_snapshot *s, exp_run *run)
 {
     const exp_plan *p = run->plan;
     RP_KEEP(s, run->at);
@@ -488,4 +500,81 @@ void exp_keep(rp_snapshot *s, exp_run *run)
         if (p->phases[k].is_source) keep_saved(s, run, &run->saved[k]);
     if (!s->status) keep_sim(s, &run->sim);
     run->fresh = false;
+}
+
+/* ---- ends that are kept for other runs ---- */
+
+static void keep_bytes(rp_snapshot *s, rp_snapshot *kept)
+{
+    size_t n = kept->n;
+    RP_KEEP(s, n);
+    if (s->reading) {
+        rp_snapshot_free(kept);
+        rp_keep_check(s, n <= s->n - s->at, "an end without end");
+        if (!s->status && n > 0) rp_keep(kept, s->bytes + s->at, n), s->at += n;
+        if (kept->status) s->status = kept->status;
+    } else if (n > 0) {
+        rp_keep(s, kept->bytes, n);
+    }
+}
+
+void exp_keep(rp_snapshot *s, exp_run *run)
+{
+    keep_state(s, run);
+    for (size_t k = 0; k < run->plan->n_phases && !s->status; k++)
+        if (run->plan->phases[k].keep) keep_bytes(s, &run->kept[k]);
+}
+
+void exp_keep_end(exp_run *run, size_t phase)
+{
+    rp_snapshot *kept = &run->kept[phase];
+    rp_snapshot_free(kept);
+    keep_state(kept, run);
+    run->failed = kept->status;
+}
+
+static size_t nth_kept(const exp_plan *plan, size_t k)
+{
+    size_t phase = 0;
+    for (; phase < plan->n_phases; phase++)
+        if (plan->phases[phase].keep && !plan->phases[phase].left_out && k-- == 0) break;
+    return phase;
+}
+
+size_t exp_kept_count(const exp_plan *plan)
+{
+    size_t n = 0;
+    for (size_t k = 0; k < plan->n_phases; k++) n += plan->phases[k].keep && !plan->phases[k].left_out;
+    return n;
+}
+
+const char *exp_kept_name(const exp_plan *plan, size_t k)
+{
+    return plan->phases[nth_kept(plan, k)].name;
+}
+
+const rp_snapshot *exp_kept(const exp_run *run, size_t k)
+{
+    return &run->kept[nth_kept(run->plan, k)];
+}
+
+char *exp_kept_key(const exp_plan *plan, size_t k, unsigned long seed, unsigned long stream)
+{
+    char *whole = NULL, *begun = exp_key_to(plan, nth_kept(plan, k) + 1);
+    if (begun && asprintf(&whole, "%sarrays %zu %zu %zu %zu streams %lu %lu\n", begun, plan->n_states,
+                          plan->n_outputs, plan->n_measures, plan->n_loads, seed, stream) < 0)
+        whole = NULL;
+    free(begun);
+    return whole;
+}
+
+rp_status exp_begin(exp_run *run, size_t k, rp_snapshot *state)
+{
+    const size_t phase = nth_kept(run->plan, k);
+    keep_state(state, run);
+    RP_TRY(rp_snapshot_end(state));
+    if (run->at.phase <= phase && !run->at.done)
+        return rp_fail(RP_BAD_INPUT, "%s: a state within", state->path);
+    exp_keep_end(run, phase);
+    return run->failed;
 }

@@ -221,6 +221,7 @@ struct exp_run {
     long *loads;               /* of walls, along x and y: number of the load, or -1 */
     gsl_rng *random;           /* of grains that are added */
     exp_saved *saved;          /* of phases */
+    rp_snapshot *kept;         /* of phases: their ends, for other runs */
     double **points;           /* of regions: the corners of a polygon, as they were last asked for */
     double grain[EXP_GRAIN_N]; /* that is being added */
     /* readings of the present state, made when they are asked for */
@@ -264,6 +265,8 @@ bool exp_make_ids(exp_run *run, size_t id);
  * What can't be ends the run. */
 void exp_go_back(exp_run *run, const exp_phase *p);
 void exp_save(exp_run *run, size_t phase);
+void exp_keep_end(exp_run *run, size_t phase);
+char *exp_key_to(const exp_plan *plan, size_t end); /* exp_key of the phases before this one */
 void exp_change_laws(exp_run *run, const exp_phase *p);
 void exp_remove(exp_run *run, const exp_phase *p);
 void exp_add_grains(exp_run *run, const exp_phase *p);

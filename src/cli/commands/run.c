@@ -36,6 +36,9 @@
       "interval of the snapshots in DIR/unfinished; 0: none; needs -o")                                      \
     X(CHOICE, dump, "", "none", "none | lammps | xyz | vtk",                                                 \
       "write the frames for another program too, as `repose export` does; needs -o")                         \
+    X(TEXT, from, "", "", "",                                                                                \
+      "begin where a run in this folder has kept the end of a phase, of a text that is the same up to "      \
+      "there")                                                                                               \
     CLI_FORCE(X)                                                                                             \
     CLI_QUIET(X)                                                                                             \
     X(TEXT, resume, "", "", "", "resume from the snapshot in this folder, with the options of the start")
@@ -44,7 +47,7 @@ CLI_OPTIONS(run, RUN_OPTIONS)
 
 /* What a run is to do. A snapshot keeps it. */
 typedef struct {
-    long steps, every, snapshot, dump;
+    long steps, every[CLI_GROWING], snapshot, dump; /* every: as dem_intervals, of the tables below */
     bool ledger, phases;
     XXH128_hash_t scene;
 } run_plan;
@@ -75,6 +78,7 @@ typedef struct {
     cli_rest rest;
     dem_sim *sim;               /* with phases theirs */
     exp_run *exp;               /* NULL: no phases */
+    unsigned long streams[2];   /* seed and run, of phases */
     char line[4096], run[1024]; /* of its start, for tables that are written at the end */
     long threads;
 } scene_run;
@@ -171,14 +175,23 @@ static rp_status outputs_open(outputs *o, const origin *of, const scene_run *r)
     return RP_OK;
 }
 
-static rp_status outputs_write(const outputs *o, const dem_sim *sim)
+/* Steps so far; those of a simulation alone go back with it. */
+static long steps_of(const scene_run *r)
 {
-    if (!o->table[STATES]) return RP_OK;
-    RP_TRY(dem_write_states(sim, o->table[STATES]));
-    if (!*o->directory) return RP_OK;
-    dem_write_energy(sim, o->table[ENERGY]);
-    RP_TRY(dem_write_contacts(sim, o->table[CONTACTS]));
-    return dem_write_walls(sim, o->table[WALLS]);
+    return r->exp ? exp_steps(r->exp) : dem_step(r->sim);
+}
+
+/* A frame of the tables whose turn it is at this step; `last`: of all that have any. */
+static rp_status outputs_write(const outputs *o, const scene_run *r, bool last)
+{
+    const long *every = r->plan.every, step = steps_of(r);
+    bool due[CLI_GROWING];
+    for (int k = 0; k < CLI_GROWING; k++)
+        due[k] = o->table[k] && (last ? every[k] != 0 : every[k] > 0 && step % every[k] == 0);
+    if (due[STATES]) RP_TRY(dem_write_states(r->sim, o->table[STATES]));
+    if (due[ENERGY]) dem_write_energy(r->sim, o->table[ENERGY]);
+    if (due[CONTACTS]) RP_TRY(dem_write_contacts(r->sim, o->table[CONTACTS]));
+    return due[WALLS] ? dem_write_walls(r->sim, o->table[WALLS]) : RP_OK;
 }
 
 static growth growth_of(const dem_scene *scene, const dem_sim *sim)
@@ -232,12 +245,6 @@ static long steps_to(long step, long every, long most)
     return next < most ? next : most;
 }
 
-/* Steps so far; those of a simulation alone go back with it. */
-static long steps_of(const scene_run *r)
-{
-    return r->exp ? exp_steps(r->exp) : dem_step(r->sim);
-}
-
 static bool is_done(const scene_run *r)
 {
     return r->exp ? exp_done(r->exp) : dem_step(r->sim) >= r->plan.steps;
@@ -277,7 +284,8 @@ static rp_status advance(scene_run *r, outputs *out)
     dem_threads(r->sim, (size_t)r->threads);
     while (!status && !is_done(r)) {
         const long before = steps_of(r), left = r->exp ? most : p->steps - before;
-        long part = steps_to(before, p->every, left < most ? left : most);
+        long part = left < most ? left : most;
+        for (int k = 0; k < CLI_GROWING; k++) part = steps_to(before, p->every[k], part);
         part = steps_to(before, p->snapshot, part);
         part = steps_to(before, r->energy.every, part);
         status = go_on(r, part);
@@ -289,8 +297,7 @@ static rp_status advance(scene_run *r, outputs *out)
         if (!status && !told && !out->quiet) cli_tell_threads(r->sim, "run", r->threads);
         told = true;
         const bool stopped = stop_signal && !is_done(r);
-        if (!status && p->every > 0 && step % p->every == 0 && !is_done(r))
-            status = outputs_write(out, r->sim);
+        if (!status && !is_done(r)) status = outputs_write(out, r, false);
         if (!status && out->resumable && !is_done(r) && (stopped || step % p->snapshot == 0))
             status = cli_unfinished_write(&out->unfinished, keep_run, r);
         char at[300], of[32], where[256];
@@ -330,6 +337,17 @@ static void write_measures(const cli_call *call, const scene_run *r, const exp_p
     }
 }
 
+/* A state at the end of a phase belongs to all texts that are the same up to there. */
+#define KEPT "end_%s.state"
+static rp_status name_kept(const exp_plan *plan, size_t k, const unsigned long streams[2], char owner[33])
+{
+    char *key = exp_kept_key(plan, k, streams[0], streams[1]);
+    if (!key) return rp_fail(RP_NO_MEMORY, "state: out of memory");
+    rp_hash_digits(XXH3_128bits(key, strlen(key)), owner);
+    free(key);
+    return RP_OK;
+}
+
 static rp_status write_results(const origin *of, const scene_run *r, const outputs *out)
 {
     rp_arena *arena = of->call->arena;
@@ -341,6 +359,15 @@ static rp_status write_results(const origin *of, const scene_run *r, const outpu
     RP_TRY(rp_file_open(path, &table));
     write_measures(of->call, r, of->phases, table);
     RP_TRY(rp_file_close(path, table, RP_OK));
+    for (size_t k = 0; k < exp_kept_count(of->phases); k++) {
+        const rp_snapshot *state = exp_kept(r->exp, k);
+        char owner[33];
+        if (state->n == 0) continue;
+        RP_TRY(name_kept(of->phases, k, r->streams, owner));
+        RP_TRY(rp_path(arena, &path, "%s/" KEPT, stage, exp_kept_name(of->phases, k)));
+        RP_TRY(rp_file_open(path, &table));
+        RP_TRY(rp_file_close(path, table, rp_snapshot_print(state, table, owner, layout())));
+    }
     for (size_t k = 0; k < exp_series_count(of->phases); k++) {
         RP_TRY(rp_path(arena, &path, "%s/series_%s.tsv", stage, exp_series_name(of->phases, k)));
         RP_TRY(rp_file_open(path, &table));
@@ -372,8 +399,7 @@ static rp_status finish_scene(const origin *of, scene_run *r, outputs *out, rp_s
     out->progress =
         cli_progress_start(out->quiet, isatty(STDERR_FILENO), rp_clock(), dem_step(r->sim), r->plan.steps);
     if (!status) status = advance(r, out);
-    if (!status && (r->plan.every <= 0 || (r->exp ? dem_step(r->sim) : r->plan.steps) > 0))
-        status = outputs_write(out, r->sim);
+    if (!status) status = outputs_write(out, r, true);
     if (!status && !r->exp) growth_report(&r->energy, r->sim, out->table[STATES]);
     if (!status && r->exp) status = write_results(of, r, out);
     if (!status && *out->directory) status = dump_frames(arena, r, out);
@@ -395,7 +421,7 @@ static rp_status run_scene(const origin *of, scene_run *r, const run_options *o)
     out.unfinished.force = o->force;
     cli_on_stop(note_stop);
     rp_status status = outputs_open(&out, of, r);
-    if (!status && r->plan.every > 0) status = outputs_write(&out, r->sim);
+    if (!status && !is_done(r)) status = outputs_write(&out, r, false);
     if (!status && out.resumable) status = cli_unfinished_write(&out.unfinished, keep_run, r);
     return finish_scene(of, r, &out, status);
 }
@@ -490,7 +516,7 @@ static rp_status hash_scene(const dem_scene *scene, const exp_plan *phases, XXH1
     if (key) fputs(key, out);
     free(key);
     dem_scene_write(&any, out);
-    for (size_t i = 0; i < scene->def.n_grains && !scene->has_fill; i++) {
+    for (size_t i = 0; i < scene->def.n_grains && scene->grains; i++) {
         const dem_grain *p = &scene->grains[i];
         fwrite(p, offsetof(dem_grain, fixed), 1, out);
         fputc(p->fixed, out);
@@ -547,9 +573,15 @@ static bool has_new_springs(const dem_scene *scene, const dem_sim *sim)
 
 static void name_run(origin *of, const char *path, const run_plan *plan)
 {
-    char key[33], frames[64] = "the last frame";
+    const long *every = plan->every;
+    char key[33], frames[200] = "the last frame";
+    bool equal = true;
+    for (int k = 1; k < CLI_GROWING; k++) equal &= every[k] == every[0];
     rp_hash_digits(plan->scene, key);
-    if (plan->every > 0) snprintf(frames, sizeof frames, "a frame each %ld", plan->every);
+    if (equal && *every > 0) snprintf(frames, sizeof frames, "a frame each %ld", *every);
+    if (!equal)
+        snprintf(frames, sizeof frames, "frames each %ld (states), %ld (energy), %ld (contacts), %ld (walls)",
+                 every[STATES], every[ENERGY], every[CONTACTS], every[WALLS]);
     char length[32] = "phases";
     if (!plan->phases) snprintf(length, sizeof length, "%ld steps", plan->steps);
     snprintf(of->run, sizeof of->run, "%.400s, %s, %s, key %s", path, length, frames, key);
@@ -560,17 +592,43 @@ static void name_run(origin *of, const char *path, const run_plan *plan)
 static rp_status start(scene_text *t, scene_run *r)
 {
     if (!t->phases) return dem_scene_start(&t->scene, &r->sim);
-    RP_TRY(
-        exp_start(t->phases, (unsigned long)t->scene.fill.seed, (unsigned long)t->scene.fill.run, &r->exp));
+    r->streams[0] = (unsigned long)t->scene.fill.seed, r->streams[1] = (unsigned long)t->scene.fill.run;
+    RP_TRY(exp_start(t->phases, r->streams[0], r->streams[1], &r->exp));
     r->sim = exp_sim(r->exp);
     return r->sim ? RP_OK : rp_fail(RP_NO_RESULT, "%s", exp_ended(r->exp)->message);
+}
+
+/* Begin at the last phase whose end the folder has, of a text that is the same up to there. */
+static rp_status begin_from(rp_arena *arena, const char *path, const char *directory, const exp_plan *plan,
+                            scene_run *r, const char **note)
+{
+    char told[300] = "it has none";
+    if (!plan || exp_kept_count(plan) == 0)
+        return rp_fail(RP_USAGE, "--from %s: %s has no phase with keep = true", directory, path);
+    for (size_t k = exp_kept_count(plan); k-- > 0;) {
+        const char *state;
+        char owner[33];
+        rp_snapshot s = {0};
+        RP_TRY(rp_path(arena, &state, "%s/" KEPT, directory, exp_kept_name(plan, k)));
+        if (access(state, F_OK)) continue;
+        RP_TRY(name_kept(plan, k, r->streams, owner));
+        rp_status status = rp_snapshot_read(&s, state, owner, layout());
+        if (!status) status = exp_begin(r->exp, k, &s);
+        rp_snapshot_free(&s);
+        r->sim = exp_sim(r->exp);
+        if (!status)
+            return rp_path(arena, note, "begins with the end of %s in %s", exp_kept_name(plan, k), directory);
+        snprintf(told, sizeof told, "%s", rp_message());
+    }
+    return rp_fail(RP_BAD_INPUT, "--from %s: no end of a phase that %s begins with: %s", directory, path,
+                   told);
 }
 
 static rp_status run_file(const cli_call *call, const char *path, const run_options *o)
 {
     RP_ENDS(free_text) scene_text t;
     origin of = {.call = call};
-    scene_run r = {.plan = {.every = o->every, .snapshot = o->snapshot, .dump = o->dump}, .threads = o->j};
+    scene_run r = {.plan = {.snapshot = o->snapshot, .dump = o->dump}, .threads = o->j};
     if (cli_given(call, "row")) return rp_fail(RP_USAGE, "--row needs a sweep file; %s is a scene", path);
     if (o->snapshot > 0 && !*o->o) return rp_fail(RP_USAGE, "--snapshot needs -o DIR");
     if (o->dump && !*o->o) return rp_fail(RP_USAGE, "--dump needs -o DIR");
@@ -579,6 +637,9 @@ static rp_status run_file(const cli_call *call, const char *path, const run_opti
         return rp_fail(RP_USAGE,
                        "--every needs -o DIR; %s has phases, and standard output holds what they measure",
                        path);
+    const dem_intervals *own = &t.scene.output;
+    const long every[] = {own->states, own->energy, own->contacts, own->walls};
+    for (int k = 0; k < CLI_GROWING; k++) r.plan.every[k] = o->every > 0 ? o->every : every[k];
     if (*o->o) RP_TRY(hash_scene(&t.scene, t.phases, &r.plan.scene));
     r.plan.steps = r.rest.steps = t.phases ? 0 : t.scene.steps;
     r.plan.phases = t.phases != NULL;
@@ -595,6 +656,7 @@ static rp_status run_file(const cli_call *call, const char *path, const run_opti
                : !status && has_new_springs(&t.scene, r.sim)
                    ? "grains touch, and their shear springs begin at 0; a bed at rest needs contacts_file"
                    : NULL;
+    if (!status && *o->from) status = begin_from(call->arena, path, o->from, t.phases, &r, &of.start);
     if (of.start) fprintf(stderr, "repose run: %s: %s\n", path, of.start);
     if (!status && !t.phases) r.energy = growth_of(&t.scene, r.sim);
     if (!status) status = run_scene(&of, &r, o);
@@ -629,9 +691,10 @@ static rp_status resume(const cli_call *call, const run_options *o)
     origin of = {.call = call};
     outputs out = outputs_in(call->arena, o->resume, true, o->quiet);
     if (cli_given(call, "o") || cli_given(call, "every") || cli_given(call, "row") ||
-        cli_given(call, "snapshot") || cli_given(call, "dump") || cli_given(call, "force"))
+        cli_given(call, "snapshot") || cli_given(call, "dump") || cli_given(call, "force") ||
+        cli_given(call, "from"))
         return rp_fail(RP_USAGE, "--resume continues with the options of the start; it takes no -o, --every, "
-                                 "--row, --snapshot, --dump or --force");
+                                 "--row, --snapshot, --dump, --from or --force");
     if (!scene && (o->set.n > 0 || o->ledger))
         return rp_fail(RP_USAGE, "--set and --ledger need a scene file");
     if (scene) RP_TRY(read_text(scene, o, &t));
@@ -672,8 +735,11 @@ static rp_status run_any(cli_call *call, const void *values)
     if (!path) return rp_fail(RP_USAGE, "give a file, or --resume DIR; see repose run --help");
     path = cli_data(call->arena, path);
     RP_TRY(is_sweep(path, &sweep));
-    if (sweep && (o->snapshot > 0 || o->dump))
-        return rp_fail(RP_USAGE, "--%s needs a scene; %s is a sweep file", o->dump ? "dump" : "snapshot",
+    if (sweep && (o->snapshot > 0 || o->dump || *o->from))
+        return rp_fail(RP_USAGE, "--%s needs a scene; %s is a sweep file",
+                       o->dump    ? "dump"
+                       : *o->from ? "from"
+                                  : "snapshot",
                        path);
     return sweep ? run_row(call, path, values) : run_file(call, path, values);
 }
@@ -722,9 +788,11 @@ const cli_command cmd_run = {
     .refuses =
         "A folder with a finished result: give another one, or --force. A sweep's folder, and files in "
         "the way.\n"
-        "--snapshot and --dump without -o; --row with a scene; --set, -j, --snapshot and --dump with "
+        "--snapshot and --dump without -o; --row with a scene; --set, -j, --snapshot, --dump and --from with "
         "a sweep.\n"
-        "--resume with -o, --every, --row, --snapshot, --dump or --force: it continues with the options of "
+        "--from without a phase that keeps its end, or where the folder's text begins otherwise.\n"
+        "--resume with -o, --every, --row, --snapshot, --dump, --from or --force: it continues with the "
+        "options of "
         "the start.\n"
         "A snapshot of another scene, program version or model, or a damaged one.",
     .act = run_any};

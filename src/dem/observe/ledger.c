@@ -418,19 +418,33 @@ void dem_ledger_start(dem_sim *sim)
     b->sum.start = energy_now(sim);
 }
 
-rp_status dem_ledger_go_on(dem_sim *sim, const dem_sim *old, double before)
+rp_status dem_ledger_go_on(dem_sim *sim, const dem_ledger *sum, double before, const uint32_t ids[])
 {
     struct dem_ledger_state *b = sim->ledger;
-    const dem_ledger sum = old->ledger->sum;
+    const double gained = b->sum.start - before;
     RP_TRY(reserve_grains(sim, sim->grains.last_id));
     memset(b->grain, 0, b->capacity * sizeof *b->grain);
-    RP_TRY(dem_ledger_forces(sim, 0.0));
-    dem_ledger_start(sim);
-    const double gained = b->sum.start - before;
-    b->sum = sum;
+    for (size_t i = 0; i < sim->grains.n; i++) b->grain[sim->grains.id[i]] = read_grain(sim, i);
+    for (size_t k = 0; k < b->old.n; k++) { /* ids rise with the numbers, so that the order stays */
+        ledger_contact *c = &b->old.at[k];
+        const uint32_t last = (uint32_t)c->key;
+        c->a = ids[c->a - 1], c->b = c->b ? ids[c->b - 1] : 0;
+        c->key = (uint64_t)c->a << 32 | (c->b ? c->b : last);
+    }
+    b->sum = *sum;
     b->sum.put_in += gained;
     b->sum.turnover += fabs(gained);
     return RP_OK;
+}
+
+void dem_ledger_halt(dem_sim *sim, double before)
+{
+    struct dem_ledger_state *b = sim->ledger;
+    dem_ledger sum = b->sum;
+    dem_ledger_start(sim);
+    sum.put_in += b->sum.start - before;
+    sum.turnover += fabs(b->sum.start - before);
+    b->sum = sum;
 }
 
 rp_status dem_ledger_clone(dem_sim *copy, const dem_sim *sim)

@@ -10,9 +10,10 @@ rp_status dem_ledger_alloc(dem_sim *sim);
 rp_status dem_ledger_clone(dem_sim *copy, const dem_sim *sim);
 void dem_ledger_free(dem_sim *sim);
 
-/* Go on with the sums of `old`, which may be the same one, whose energy was `before`; what it is now more, is
- * put in. */
-rp_status dem_ledger_go_on(dem_sim *sim, const dem_sim *old, double before);
+/* Go on with these sums, of a simulation whose energy was `before`; what there is now more, is put in. Grain
+ * number k has the id ids[k]. dem_ledger_halt: the same where all stand still, whose forces are recorded. */
+rp_status dem_ledger_go_on(dem_sim *sim, const dem_ledger *sum, double before, const uint32_t ids[]);
+void dem_ledger_halt(dem_sim *sim, double before);
 
 /* Its part of a snapshot; a reading makes the ledger. */
 void dem_ledger_keep(rp_snapshot *s, dem_sim *sim);

@@ -145,6 +145,17 @@ static const rp_param particle_schema[] = {
     {"fixed", "", RP_BOOL, AT(dem_grain, fixed), "false", "", "whether it never moves"},
     {0}};
 
+#define INTERVAL(table, what)                                                                                \
+    {                                                                                                        \
+#table, "steps", RP_INT, AT(dem_intervals, table), "auto", "[0, 2147483647] | auto",                 \
+            "from frame to frame of the " what "; 0: none; auto: the last frame alone"                       \
+    }
+static const rp_param output_schema[] = {INTERVAL(states, "states"),
+                                         INTERVAL(energy, "energies"),
+                                         INTERVAL(contacts, "contacts"),
+                                         INTERVAL(walls, "walls"),
+                                         {0}};
+
 /* What a fill of a file says. */
 typedef struct {
     dem_fill fill;
@@ -201,6 +212,7 @@ const dem_scene_group dem_scene_schemas[] = {
      "collisions of what approaches fast are instantaneous: an impulse of restitution and friction at the "
      "moment of touch (Liffman, Chan & Hughes 1992, eqs (1) to (22)); slow contacts are soft"},
     {"implicit", implicit_schema, "solver of the integrator implicit"},
+    {"output", output_schema, "frames of the tables of `repose run -o`; its --every sets all"},
     {"particles", particle_schema, "grains, each with its place"},
     {"fill", fill_schema,
      "grains of random radius, at random places without overlap or in rows; a group, or a list ( { ... } ) "
@@ -979,6 +991,21 @@ static rp_status mean_grain(const config_setting_t *root, double *r, double *den
     return RP_OK;
 }
 
+/* Of particles that are listed with their masses, the mean of these; else it stays. */
+static rp_status mean_mass(const config_setting_t *root, double one, double *m)
+{
+    const config_setting_t *list = config_setting_get_member(root, "particles");
+    const int n = list && !first_fill(root) && config_setting_is_list(list) ? config_setting_length(list) : 0;
+    double sum = 0.0;
+    for (int i = 0; i < n; i++) {
+        dem_grain grain = {.m = one};
+        RP_TRY(peek(config_setting_get_elem(list, (unsigned)i), particle_schema, "m", &grain));
+        sum += grain.m > 0.0 ? grain.m : one;
+    }
+    if (n > 0) *m = sum / n;
+    return RP_OK;
+}
+
 /* What d, m, g and dt are in this file's expressions. */
 static rp_status know(void *host, rp_let_constant which, double *value)
 {
@@ -999,8 +1026,10 @@ static rp_status know(void *host, rp_let_constant which, double *value)
     RP_TRY(peek(root, top_schema, "shape", &file));
     if (which == RP_LET_M) RP_TRY(peek(root, top_schema, "density", &file));
     if (density > 0.0) file.physics.density = density;
-    if (r > 0.0) *value = which == RP_LET_D ? 2.0 * r : dem_mass(file.physics.shape, file.physics.density, r);
-    return RP_OK;
+    if (!(r > 0.0)) return RP_OK;
+    const double m = dem_mass(file.physics.shape, file.physics.density, r);
+    *value = which == RP_LET_D ? 2.0 * r : m;
+    return which == RP_LET_M ? mean_mass(root, m, value) : RP_OK;
 }
 
 /* dt_limit(v): the largest time step of this file for impacts at v, the fall from any height aside. */
@@ -1078,7 +1107,7 @@ static rp_status read_scene(dem_text *text, scene_file *file)
     static const char *const others[] = {"let",      "gravity",   "normal",  "tangential", "rolling",
                                          "walls",    "particles", "fill",    "ground",     "hard",
                                          "implicit", "phases",    "measure", "regions",    "rest",
-                                         "result",   "seed",      "run",     NULL};
+                                         "result",   "seed",      "run",     "output",     NULL};
     config_setting_t *root = config_root_setting(&text->config);
     rp_params_defaults(top_schema, file);
     dem_definition *def = &file->scene.def;
@@ -1106,6 +1135,8 @@ static rp_status read_scene(dem_text *text, scene_file *file)
     if (implicit && !dem_schemes[def->integrator]->solves)
         return rp_config_fail(implicit, "implicit: needs integrator = \"implicit\"");
     RP_TRY(read_group(root, "implicit", implicit_schema, &def->implicit));
+    rp_params_defaults(output_schema, &file->scene.output);
+    RP_TRY(read_group(root, "output", output_schema, &file->scene.output));
     RP_TRY(read_grains(text->path, root, file));
     return read_streams(root, &file->scene);
 }

@@ -9,6 +9,11 @@
 
 RP_C_BEGIN
 
+/* Steps from frame to frame of each table; 0: none, -1: the last frame alone. */
+typedef struct {
+    long states, energy, contacts, walls;
+} dem_intervals;
+
 /* What may change while a scene runs. */
 typedef struct {
     dem_physics physics;
@@ -23,6 +28,7 @@ typedef struct {
     dem_fill *more;
     char (*kinds)[32]; /* of the grains of each fill, "" for none; owned, NULL without a fill */
     long steps;
+    dem_intervals output;
     dem_grain *grains;     /* owned */
     dem_contact *contacts; /* owned, as the next two */
     dem_wall *walls;       /* owned; NULL where the definition holds its few walls itself */

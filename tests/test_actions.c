@@ -1,0 +1,538 @@
+/* What phases do: loads on walls, laws that change, grains that come and go, going back, ends that are kept.
+ */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "check.h"
+#include "folder.h"
+#include "grains.h"
+#include "trial.h"
+
+/* ---- loads ---- */
+
+/* A lid of mass M = 10 m that a load has made fast meets a free grain: an elastic collision of two bodies. */
+static const char lid[] =
+    "dt = 1.0e-5; gravity = (0.0, 0.0);\n"
+    "normal = { law = \"linear\"; k_n = 1.0e4; gamma_n = 0.0; };\n"
+    "walls = ( { name = \"lid\"; point = (0.0, 0.21); direction = (0.0, -1.0); k_n = 1.0e4; } );\n"
+    "particles = ( { x = 0.0; y = 0.1; r = 0.1; m = 0.01; }, { x = 9.0; y = -7.0; r = 0.1; m = 0.01; } );\n"
+    "phases = ( { name = \"near\"; walls = { lid = { load_y = -10.0; speed = 100.0; }; }; every = 1; until = "
+    "\"lid.fy > 0\"; },\n"
+    "  { name = \"touch\"; walls = { lid = { load_y = 0.0; speed = 100.0; }; }; every = 1; until = \"lid.fy "
+    "== "
+    "0\"; } );\n"
+    "regions = { left = { x = (-1.0, 1.0); }; };\n"
+    "measure = ( { name = \"v0\"; of = \"lid.vy\"; at = \"near\"; }, { name = \"last\"; of = \"t\"; at = "
+    "\"touch\"; },\n"
+    "  { name = \"deep\"; of = \"lid.fy\"; during = \"touch\"; take = \"max\"; },\n"
+    "  { name = \"v1\"; of = \"lid.vy\"; }, { name = \"u1\"; of = \"left.vy\"; } );\n";
+
+static void test_oscillator(void)
+{
+    scoped_trial t;
+    start(&t, lid);
+    finish(&t, 1000);
+    CU_ASSERT_STRING_EQUAL(exp_ended(t.run)->status, "ok");
+    const double m = 0.01, M = 0.1, w = sqrt(1e4 * (m + M) / (m * M)), v0 = measured(&t, "v0"), dt = 1e-5;
+    CHECK_NEAR(v0, -sqrt(2.0 * 10.0 / M * 0.01), 3e-3); /* over the way to it */
+    CHECK_NEAR(measured(&t, "last"), M_PI / w, 2.0 * dt);
+    CHECK_NEAR(measured(&t, "deep"), 1e4 * -v0 / w, 2e-3 * 1e4 * -v0 / w);
+    CHECK_NEAR(measured(&t, "v1"), (M - m) / (M + m) * v0, 2e-3 * -v0);
+    CHECK_NEAR(measured(&t, "u1"), 2.0 * M / (M + m) * v0, 2e-3 * -v0);
+    CHECK_NEAR(M * measured(&t, "v1") + m * measured(&t, "u1"), M * v0, 1e-3 * M * -v0);
+}
+
+/* A lid of a load on grains in a box: the floor carries their weight and the load, at rest. */
+static void test_column(void)
+{
+    static const char text[] =
+        "dt = 2.0e-5; let = { W = 2.0; load = 3.0e3; };\n"
+        "walls = ( { name = \"box\"; polygon = ( (0.0, 9.0), (0.0, 0.0), (\"W\", 0.0), (\"W\", 9.0) ); "
+        "closed "
+        "= false; },\n"
+        "  { name = \"lid\"; point = (0.0, 6.0); direction = (0.0, -1.0); } );\n"
+        "fill = { N = 60; W = \"W\"; H = 4.0; };\n"
+        "regions = { all = { polygon = ( (0.0, 0.0), (\"W\", 0.0), (\"W\", \"lid.y\"), (0.0, \"lid.y\") ); "
+        "}; "
+        "};\n"
+        "phases = ( { name = \"fill\"; least = 5000; until = \"rest\"; },\n"
+        "  { name = \"press\"; walls = { lid = { load_y = \"-load\"; speed = 30.0; }; }; least = 5000; until "
+        "= "
+        "\"rest\"; },\n"
+        "  { name = \"free\"; walls = { lid = { load_y = \"none\"; }; }; steps = 100; } );\n"
+        "measure = ( { name = \"top\"; of = \"lid.fy/load\"; at = \"press\"; },\n"
+        "  { name = \"floor\"; of = \"-box.fy/(load + mass*g)\"; at = \"press\"; },\n"
+        "  { name = \"sides\"; of = \"box.fx/load\"; at = \"press\"; },\n"
+        "  { name = \"mean\"; of = \"all.syy*W/load\"; at = \"press\"; },\n"
+        "  { name = \"area\"; of = \"all.fraction*W*lid.y\"; at = \"press\"; },\n"
+        "  { name = \"symmetric\"; of = \"all.sxy/all.syy\"; at = \"press\"; },\n"
+        "  { name = \"still\"; of = \"lid.vy\"; at = \"free\"; } );\n";
+    scoped_trial t;
+    start(&t, text);
+    finish(&t, 1000);
+    CU_ASSERT_STRING_EQUAL(exp_ended(t.run)->status, "ok");
+    CHECK_NEAR(measured(&t, "top"), 1.0, 2e-3);
+    CHECK_NEAR(measured(&t, "floor"), 1.0, 2e-3);
+    CHECK_NEAR(measured(&t, "sides"), 0.0, 2e-3);
+    /* between the load at the top and with the weight at the floor */
+    CU_ASSERT(measured(&t, "mean") > 0.9 && measured(&t, "mean") < 1.15);
+    CU_ASSERT(fabs(measured(&t, "symmetric")) < 0.3 && measured(&t, "still") == 0.0);
+    const dem_sim *sim = exp_sim(t.run);
+    dem_state *states = malloc(dem_count(sim) * sizeof *states);
+    double area = 0.0;
+    CHECK_OK(dem_states(sim, states));
+    for (size_t i = 0; i < dem_count(sim); i++) area += M_PI * states[i].r * states[i].r;
+    CHECK_NEAR(measured(&t, "area"), area, 1e-9);
+    free(states);
+}
+
+/* ---- laws ---- */
+
+/* A pile at rest goes on by other laws: what is the same changes nothing but round-off, springs and ids stay;
+ * energy and ledger agree. */
+static void test_laws_change(void)
+{
+    static const char scene[] =
+        "dt = 5e-5; rotation = true; ledger = true; tangential = { law = \"spring\"; mu = 0.4; };\n"
+        "walls = ( { point = (0.0, 0.0); direction = (0.0, 1.0); }, { point = (0.0, 0.0); direction = (1.0, "
+        "0.0); }, { point = (2.0, 0.0); direction = (-1.0, 0.0); open_at_step = 12000; } );\n"
+        "y_min = -1.0; x_max = 3.0; fill = { N = 60; W = 2.0; H = 4.0; };\n";
+    scoped_scene s;
+    CHECK_OK(grains_read(scene, NULL, &s));
+    dem_sim *a, *b;
+    CHECK_OK(dem_scene_start(&s, &a));
+    CHECK_OK(dem_run(a, 14000)); /* the wall is gone, grains run out */
+    dem_ledger l;
+    CHECK_OK(dem_clone(a, &b));
+    CHECK_OK(dem_change(&b, &s.def));
+    CU_ASSERT(dem_step(a) == dem_step(b) && dem_count(a) == dem_count(b));
+    CHECK_NEAR(dem_time(b), dem_time(a), 1e-12);
+    dem_contact *c[2];
+    size_t n[2];
+    CHECK_OK(dem_contacts(a, &c[0], &n[0]));
+    CHECK_OK(dem_contacts(b, &c[1], &n[1]));
+    CU_ASSERT(n[0] == n[1] && n[0] > 40);
+    for (size_t k = 0, i; k < n[0]; k++) {
+        for (i = 0; i < n[1]; i++)
+            if (c[0][k].wall == c[1][i].wall && c[0][k].id_a + c[0][k].id_b == c[1][i].id_a + c[1][i].id_b &&
+                (c[0][k].id_a == c[1][i].id_a || c[0][k].id_a == c[1][i].id_b))
+                break;
+        CU_ASSERT_FATAL(i < n[1]);
+        /* one that slides is cut to Coulomb's limit again, now by the velocities of the full step */
+        CU_ASSERT(fabs(c[0][k].shear_spring - c[1][i].shear_spring) <= 0.05 * fabs(c[0][k].shear_spring));
+    }
+    free(c[0]), free(c[1]);
+    CHECK_OK(dem_run(a, 200));
+    CHECK_OK(dem_run(b, 200));
+    const size_t left = dem_count(a);
+    dem_state *x = malloc(left * sizeof *x), *y = malloc(left * sizeof *y);
+    CU_ASSERT(dem_count(b) == left && dem_count(b) < 60);
+    CHECK_OK(dem_states(a, x));
+    CHECK_OK(dem_states(b, y));
+    for (size_t i = 0; i < left; i++)
+        CU_ASSERT(x[i].id == y[i].id && fabs(x[i].x - y[i].x) < 1e-4 && fabs(x[i].y - y[i].y) < 1e-4);
+    free(x), free(y);
+    /* stiffer, and a smaller step */
+    dem_definition stiff = s.def;
+    dem_wall walls[3];
+    memcpy(walls, dem_walls_of(&s.def), sizeof walls);
+    stiff.material.k_n *= 4.0, stiff.dt *= 0.5, stiff.wall_list = walls;
+    for (int w = 0; w < 3; w++) walls[w].material.k_n *= 4.0;
+    const double time = dem_time(b);
+    CHECK_OK(dem_change(&b, &stiff));
+    CHECK_OK(dem_run(b, 4000));
+    CHECK_NEAR(dem_time(b), time + 4000 * 2.5e-5, 1e-9);
+    dem_energy e;
+    CU_ASSERT(dem_ledger_read(b, &l));
+    dem_energies(b, &e);
+    CU_ASSERT(fabs(l.residual) < 1e-12 * l.turnover && l.sliding > 0.0);
+    stiff.dt = 1.0;
+    CHECK_FAILS(dem_change(&b, &stiff), RP_BAD_INPUT, "too large");
+    dem_box_turn(b, 1e-5);
+    CHECK_FAILS(dem_change(&b, &s.def), RP_BAD_INPUT, "a box that turns");
+    dem_free(a), dem_free(b);
+}
+
+/* All stand still, and then fall as from rest. */
+static void test_halt(void)
+{
+    static const char *const scenes[] = {"", "integrator = \"gear5\";", "rotation = true;"};
+    for (size_t k = 0; k < 3; k++) {
+        char text[400];
+        scoped_scene s;
+        dem_sim *sim;
+        dem_state at[2], now[2];
+        snprintf(
+            text, sizeof text,
+            "dt = 1e-5; ledger = true; %s particles = ( { x = 0.0; y = 5.0; r = 0.1; vx = 30.0; vy = 9.0; %s "
+            "}, { x = 1.0; y = 5.0; r = 0.1; } );",
+            scenes[k], k == 2 ? "omega = 8.0;" : "");
+        CHECK_OK(grains_read(text, NULL, &s));
+        CHECK_OK(dem_scene_start(&s, &sim));
+        CHECK_OK(dem_run(sim, 1000));
+        CHECK_OK(dem_halt(sim));
+        CHECK_OK(dem_states(sim, at));
+        CU_ASSERT(fabs(at[0].vx) < 1e-12 && fabs(at[0].vy) < 1e-12 && at[0].omega == 0.0);
+        CHECK_NEAR(at[0].fy, -981.0 * at[0].m, 1e-9);
+        CHECK_OK(dem_run(sim, 1000));
+        CHECK_OK(dem_states(sim, now));
+        CHECK_NEAR(now[0].x, at[0].x, 1e-12);
+        CHECK_NEAR(now[0].y, at[0].y - 0.5 * 981.0 * 1e-4, 1e-10);
+        dem_ledger l;
+        CU_ASSERT(dem_ledger_read(sim, &l) && fabs(l.residual) < 1e-12 * l.turnover &&
+                  l.put_in < -100.0 * at[0].m);
+        dem_free(sim);
+    }
+}
+
+/* mu that changes in a phase: a grain on an incline stays, then slides with g (sin - mu cos). */
+static const char incline[] =
+    "dt = 1e-5; let = { a = \"30*deg\"; mu = 0.7; later = 0.2; };\n"
+    "tangential = { law = \"spring\"; mu = \"mu\"; k_s = 1e6; gamma_s = 0.0; };\n"
+    "gravity = (\"1000*sin(a)\", \"-1000*cos(a)\");\n"
+    "walls = ( { name = \"floor\"; point = (0.0, 0.0); direction = (0.0, 1.0); } );\n"
+    "particles = ( { x = 0.0; y = 0.1; r = 0.1; m = 0.01; } );\n"
+    "phases = ( { name = \"stay\"; steps = 20000; }, { name = \"slide\"; tangential = { mu = \"later\"; }; "
+    "steps "
+    "= 10000; },\n"
+    "  { name = \"again\"; dt = 5e-6; walls = { floor = { mu = 0.0; }; }; time = 0.1; } );\n"
+    "measure = ( { name = \"v0\"; of = \"vx\"; at = \"stay\"; }, { name = \"no\"; of = \"sliding\"; at = "
+    "\"stay\"; },\n"
+    "  { name = \"v1\"; of = \"vx\"; at = \"slide\"; }, { name = \"yes\"; of = \"sliding\"; at = \"slide\"; "
+    "},\n"
+    "  { name = \"v2\"; of = \"vx\"; at = \"again\"; }, { name = \"T\"; of = \"time\"; } );\n";
+
+static void test_friction_changes(void)
+{
+    scoped_trial t;
+    start(&t, incline);
+    finish(&t, 777);
+    CU_ASSERT_STRING_EQUAL(exp_ended(t.run)->status, "ok");
+    CU_ASSERT(fabs(measured(&t, "v0")) < 0.1 && measured(&t, "no") == 0.0 && measured(&t, "yes") == 1.0);
+    CHECK_NEAR(measured(&t, "v1"), 0.1 * (500.0 - 200.0 * sqrt(3.0) / 2.0), 0.2);
+    CHECK_NEAR(measured(&t, "v2") - measured(&t, "v1"), 50.0, 0.01);
+    CHECK_NEAR(measured(&t, "T"), 0.4, 1e-9);
+}
+
+/* ---- grains that come and go ---- */
+
+static const char rain[] =
+    "dt = 5e-5; seed = 11; tangential = { law = \"spring\"; mu = 0.5; }; let = { n = 6; };\n"
+    "walls = ( { name = \"floor\"; point = (0.0, 0.0); direction = (0.0, 1.0); } );\n"
+    "regions = { right = { polygon = ( (0.0, -1.0), (9.0, -1.0), (9.0, 9.0), (0.0, 9.0) ); }; };\n"
+    "phases = (\n"
+    "  { name = \"first\"; add = { kind = \"stone\"; r = 0.3; density = 2.0; x = 0.5; y = \"touch\"; gap = "
+    "0.0; }; steps = 1; },\n"
+    "  { name = \"rain\"; repeat = \"n\"; phases = ( { name = \"drop\"; mark = true; every = 10;\n"
+    "      add = { N = 2; kind = \"drop\"; x = (-1.0, 1.0); y = \"touch + 0.2\"; vy = \"-sqrt(2*g*0.1)\"; "
+    "};\n"
+    "      until = \"touched and held(speed < 1, 5)\"; } ); },\n"
+    "  { name = \"cloud\"; add = { N = 20; kind = \"drop\"; x = (-1.5, 1.5); y = (3.0, 4.0); }; steps = 1; "
+    "},\n"
+    "  { name = \"clear\"; remove = \"right\"; steps = 1; } );\n"
+    "measure = ( { name = \"y1\"; of = \"stone.y\"; at = \"first\"; }, { name = \"m1\"; of = \"stone.mass\"; "
+    "at = \"first\"; },\n"
+    "  { name = \"n1\"; of = \"drop.grains\"; at = \"rain\"; }, { name = \"moved\"; of = \"moved(0.1)\"; at "
+    "= "
+    "\"drop\"; take = \"max\"; },\n"
+    "  { name = \"added1\"; of = \"added\"; at = \"rain\"; }, { name = \"x\"; of = \"drop.x\"; at = "
+    "\"rain\"; "
+    "},\n"
+    "  { name = \"n2\"; of = \"grains\"; at = \"cloud\"; }, { name = \"lost\"; of = \"right.grains\"; at = "
+    "\"cloud\"; },\n"
+    "  { name = \"n3\"; of = \"grains\"; at = \"clear\"; }, { name = \"gone\"; of = \"out\"; at = \"clear\"; "
+    "}, "
+    "{ name = \"stones\"; of = \"stone.grains\"; } );\n";
+
+static void test_added(void)
+{
+    scoped_trial t;
+    start(&t, rain);
+    CU_ASSERT(exp_sim(t.run) && dem_count(exp_sim(t.run)) == 0);
+    finish(&t, 1000);
+    CU_ASSERT_STRING_EQUAL(exp_ended(t.run)->status, "ok");
+    CHECK_NEAR(measured(&t, "y1"), 0.3, 1e-5);
+    CHECK_NEAR(measured(&t, "m1"), 2.0 * 4.0 / 3.0 * M_PI * 0.027, 1e-12);
+    CU_ASSERT(measured(&t, "n1") == 12.0 && measured(&t, "added1") == 13.0 && measured(&t, "n2") == 33.0);
+    CU_ASSERT(fabs(measured(&t, "x")) < 1.0 && measured(&t, "moved") >= 0.0);
+    CU_ASSERT(measured(&t, "lost") > 1.0 && measured(&t, "n3") == 33.0 - measured(&t, "lost"));
+    CU_ASSERT(measured(&t, "gone") == measured(&t, "lost") && measured(&t, "stones") == 0.0);
+}
+
+/* Where a body from above is stopped: by a floor, a ledge's end, a slope, a grain, a wall beside it. */
+static void test_touch(void)
+{
+    static const struct {
+        const char *walls, *x, *status;
+        double y;
+    } cases[] = {
+        {"{ point = (0.0, 1.0); direction = (0.0, 1.0); }", "7.0", "ok", 1.1},
+        {"{ point = (0.0, 1.0); direction = (0.0, 1.0); extent = (-1.0, 1.0); }", "1.06", "ok", 1.08},
+        {"{ point = (0.0, 1.0); direction = (0.0, 1.0); extent = (-1.0, 1.0); }", "1.5", "no_room", 0.0},
+        {"{ point = (0.0, 1.0); direction = (0.0, -1.0); extent = (-1.0, 1.0); }", "0.3", "ok", 1.1},
+        {"{ point = (0.0, 0.0); direction = (0.6, 0.8); }", "1.0", "ok", (0.1 - 0.6) / 0.8},
+        {"{ point = (0.0, 0.0); direction = (0.0, 1.0); }, { point = (2.0, 0.0); direction = (-1.0, 0.0); }",
+         "1.95", "no_room", 0.0},
+        {"{ point = (0.0, 0.0); direction = (0.0, 1.0); }, { point = (2.0, 0.0); direction = (-1.0, 0.0); }",
+         "1.9", "ok", 0.1},
+        {"{ point = (0.0, 0.0); direction = (0.0, 1.0); }, { point = (0.0, 0.5); direction = (1.0, 0.0); "
+         "extent "
+         "= (-0.5, 0.5); }",
+         "0.08", "ok", 1.06}};
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        char text[1000];
+        scoped_trial t;
+        snprintf(
+            text, sizeof text,
+            "dt = 1e-6; walls = ( %s ); particles = ( { x = -3.0; y = 3.0; r = 0.1; } );\n"
+            "phases = ( { name = \"a\"; add = { kind = \"new\"; r = 0.1; x = %s; y = \"touch\"; gap = 1e-9; "
+            "}; steps = 0; } );\n"
+            "measure = ( { name = \"y\"; of = \"new.y\"; } );\n",
+            cases[k].walls, cases[k].x);
+        start(&t, text);
+        finish(&t, 10);
+        CU_ASSERT_STRING_EQUAL(exp_ended(t.run)->status, cases[k].status);
+        if (strcmp(cases[k].status, "ok") == 0) CHECK_NEAR(measured(&t, "y"), cases[k].y, 1e-8);
+    }
+}
+
+/* ---- going back ---- */
+
+static const char back[] =
+    "dt = 5e-5; tangential = { law = \"spring\"; mu = 0.3; };\n"
+    "walls = ( { name = \"base\"; point = (0.0, 0.0); direction = (0.0, 1.0); }, { point = (0.0, 0.0); "
+    "direction "
+    "= (1.0, 0.0); }, { name = \"gate\"; point = (2.0, 0.0); direction = (-1.0, 0.0); } );\n"
+    "x_max = 4.0; fill = { N = 50; W = 2.0; H = 4.0; };\n"
+    "phases = ( { name = \"fill\"; least = 3000; every = 100; until = \"held(energy < 1e-2, 3)\"; },\n"
+    "  { name = \"one\"; gravity_turn_deg_per_step = 0.01; walls = { base = { mu = 0.0; }; }; open = "
+    "\"gate\"; "
+    "steps = 1500; add = { r = 0.1; x = 1.0; y = \"touch + 1\"; }; },\n"
+    "  { name = \"two\"; from = \"fill\"; gravity_turn_deg_per_step = 0.01; walls = { base = { mu = 0.0; }; "
+    "}; "
+    "open = \"gate\"; steps = 1500; },\n"
+    "  { name = \"three\"; from = \"fill\"; steps = 0; } );\n"
+    "measure = ( { name = \"y0\"; of = \"y\"; at = \"fill\"; }, { name = \"y1\"; of = \"y\"; at = \"one\"; "
+    "},\n"
+    "  { name = \"y2\"; of = \"y\"; at = \"two\"; }, { name = \"tilt\"; of = \"tilt_deg\"; at = \"two\"; },\n"
+    "  { name = \"out1\"; of = \"out\"; at = \"one\"; }, { name = \"n1\"; of = \"added\"; at = \"one\"; },\n"
+    "  { name = \"y3\"; of = \"y\"; at = \"three\"; }, { name = \"n3\"; of = \"added\"; }, { name = "
+    "\"tilt3\"; of "
+    "= \"tilt_deg\"; }, { name = \"steps\"; of = \"step\"; }, { name = \"grains3\"; of = \"grains\"; } );\n";
+
+static void test_back(void)
+{
+    scoped_trial t;
+    start(&t, back);
+    finish(&t, 1000);
+    CU_ASSERT_STRING_EQUAL(exp_ended(t.run)->status, "ok");
+    CU_ASSERT(measured(&t, "y3") == measured(&t, "y0") && measured(&t, "tilt3") == 0.0);
+    CU_ASSERT(measured(&t, "n1") == 1.0 && measured(&t, "n3") == 0.0 && measured(&t, "grains3") == 50.0);
+    CHECK_NEAR(measured(&t, "tilt"), 15.0, 1e-9);
+    CU_ASSERT(measured(&t, "y2") != measured(&t, "y1") && measured(&t, "y2") != measured(&t, "y0"));
+    CU_ASSERT(measured(&t, "steps") > 3000.0 + measured(&t, "y0"));
+}
+
+/* ---- cuts, snapshots, keys ---- */
+
+static const char *const texts[] = {lid, incline, rain, back};
+
+static void test_cuts(void)
+{
+    static const long parts[] = {1, 7, 130};
+    for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
+        scoped_trial whole;
+        size_t n;
+        start(&whole, texts[i]);
+        finish(&whole, 1000000);
+        exp_outputs(whole.plan, &n);
+        for (size_t k = 0; k < 9; k++) {
+            scoped_trial cut, kept;
+            start(&cut, texts[i]), start(&kept, texts[i]);
+            const long total = exp_steps(whole.run) * (long)(k + 1) / 10;
+            while (exp_steps(cut.run) < total && !exp_done(cut.run))
+                CHECK_OK(exp_advance(cut.run, parts[k % 3]));
+            rp_snapshot s = {0};
+            exp_keep(&s, cut.run);
+            s.reading = true;
+            exp_keep(&s, kept.run);
+            CHECK_OK(rp_snapshot_end(&s));
+            rp_snapshot_free(&s);
+            finish(&cut, 50);
+            finish(&kept, 333);
+            CU_ASSERT(memcmp(exp_values(cut.run), exp_values(whole.run), n * sizeof(double)) == 0);
+            CU_ASSERT(memcmp(exp_values(kept.run), exp_values(whole.run), n * sizeof(double)) == 0);
+        }
+    }
+}
+
+static char *changed(const char *text, const char *from, const char *to)
+{
+    const char *at = strstr(text, from);
+    char *made = malloc(strlen(text) + strlen(to) + 1);
+    CU_ASSERT_PTR_NOT_NULL_FATAL(at);
+    sprintf(made, "%.*s%s%s", (int)(at - text), text, to, at + strlen(from));
+    return made;
+}
+
+/* What changes a run changes its key; what does not, doesn't. */
+static void test_keys(void)
+{
+    static const struct {
+        const char *text, *from, *to;
+        bool same;
+    } cases[] = {{lid, "load_y = -10.0", "load_y = -11.0", false},
+                 {lid, "speed = 100.0", "speed = 90.0", false},
+                 {lid, "load_y = -10.0", "load_y = \"-5*2\"", true},
+                 {incline, "later = 0.2", "later = 0.25", false},
+                 {incline, "dt = 5e-6", "dt = 6e-6", false},
+                 {incline, "mu = 0.0; }; }; time", "mu = 0.1; }; }; time", false},
+                 {rain, "r = 0.3", "r = 0.31", false},
+                 {rain, "density = 2.0", "density = 2.1", false},
+                 {rain, "y = \"touch + 0.2\"", "y = \"touch + 0.3\"", false},
+                 {rain, "N = 20", "N = 21", false},
+                 {rain, "remove = \"right\"; ", "", false},
+                 {rain, "(9.0, 9.0)", "(9.0, 8.0)", false},
+                 {rain, "name = \"floor\"", "name = \"ground\"", false},
+                 {rain, "mark = true; ", "", false},
+                 {back, "from = \"fill\"; steps", "from = \"one\"; steps", false},
+                 {back, "name = \"three\";", "name = \"three\"; keep = true;", true},
+                 {back, "steps = 0;", "steps = 0; damp = true;", false}};
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        scoped_trial a, b;
+        scoped char *other = changed(cases[k].text, cases[k].from, cases[k].to);
+        CHECK_OK(read_text(&a, cases[k].text));
+        CHECK_OK(read_text(&b, other));
+        scoped char *key = exp_key(a.plan), *now = exp_key(b.plan);
+        const bool same = strcmp(key, now) == 0;
+        if (same != cases[k].same) fprintf(stderr, "key of %s\n", cases[k].to);
+        CU_ASSERT(same == cases[k].same);
+    }
+}
+
+static void test_refused(void)
+{
+    static const char *const cases[][4] = {
+        {lid, "speed = 100.0; ", "", "lid: load_y needs speed"},
+        {lid, "speed = 100.0", "speed = 0.0", "speed = 0: out of range, allowed: (0, inf)"},
+        {lid, "load_y = -10.0", "load_z = -10.0", "load_z: unknown key"},
+        {lid, "load_y = -10.0", "load_y = \"fast\"", "unknown name fast"},
+        {lid, "speed = 100.0", "speed = 9.0e4", "phase near: wall lid moves 0.9 in one step"},
+        {incline, "tangential = { mu = \"later\"; }", "tangential = { muu = 1.0; }", "muu: unknown key"},
+        {incline, "tangential = { mu = \"later\"; }", "tangential = { law = \"none\"; }",
+         "needs a tangential law"},
+        {incline, "tangential = { mu = \"later\"; }", "rolling = { mu = 0.1; }", "needs rotation = true"},
+        {incline, "dt = 5e-6", "dt = 5e-3", "phase again: dt = 0.005: too large"},
+        {incline, "floor = { mu = 0.0; }", "floor = { mu = -1.0; }", "mu = -1: out of range"},
+        {incline, "floor = { mu = 0.0; }", "flor = { mu = 0.0; }",
+         "flor: no wall has this name (did you mean"},
+        {rain, "x = 0.5; ", "", "add: x: missing"},
+        {rain, "r = 0.3", "s = 0.3", "s: unknown key"},
+        {rain, "y = \"touch\"", "y = \"tuch\"", "unknown name tuch (did you mean \"touch\"?)"},
+        {rain, "kind = \"stone\"", "kind = \"floor\"", "floor names a wall and a kind"},
+        {rain, "kind = \"stone\"", "kind = 3", "kind: a name expected"},
+        {rain, "remove = \"right\"", "remove = \"rigt\"", "remove = \"rigt\": no such region (did you mean"},
+        {rain, "(9.0, 9.0), ", "", NULL},
+        {rain, "( (0.0, -1.0), (9.0, -1.0), (9.0, 9.0), (0.0, 9.0) )", "( (0.0, -1.0), (9.0, -1.0) )",
+         "polygon: a list ( (x, y), ... ) of at least 3"},
+        {rain, "of = \"stone.y\"", "of = \"stone.fy\"", "unknown name stone.fy"},
+        {back, "from = \"fill\"; g", "from = \"two\"; g", "from = \"two\": an earlier phase"},
+        {back, "from = \"fill\"; g", "from = \"fil\"; g", "from = \"fil\": no such phase (did you mean"},
+        {back, "of = \"y\"; at = \"fill\"", "of = \"base\"; at = \"fill\"", "wall: missing, whose load"},
+        {back, "of = \"y\"; at = \"fill\"", "of = \"base\"; wall = \"bas\"; at = \"fill\"",
+         "wall = \"bas\": no wall has this name"},
+        {back, "of = \"y\"; at = \"fill\"", "of = \"y\"; wall = \"base\"; at = \"fill\"",
+         "wall: of the module base"}};
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        scoped_trial t;
+        scoped char *text = changed(cases[k][0], cases[k][1], cases[k][2]);
+        rp_status status = read_text(&t, text);
+        if (!status) status = exp_check(t.plan);
+        if (!cases[k][3])
+            CHECK_OK(status);
+        else
+            CHECK_FAILS(status, RP_BAD_INPUT, cases[k][3]);
+    }
+}
+
+/* What only the run can know. */
+static void test_ends(void)
+{
+    static const char *const cases[][4] = {
+        {rain, "N = 20", "N = 2000", "no_room"},
+        {rain, "y = \"touch + 0.2\"", "y = \"touch + 4000\"", "too_fast"},
+        {rain, "y = \"touch + 0.2\"", "y = \"touch - 0.05\"", "no_room"},
+        {rain, "repeat = \"n\"", "until = \"added > 4\"", "ok"},
+        {rain, "repeat = \"n\"", "repeat = 2; until = \"added > 40\"", "ok"},
+        {rain, "repeat = \"n\"", "repeat = 2; status = \"dry\"; until = \"added > 40\"", "dry"},
+        {incline, "later = 0.2", "later = 0.2; z = 0.0", "ok"}};
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        scoped_trial t;
+        scoped char *text = changed(cases[k][0], cases[k][1], cases[k][2]);
+        start(&t, text);
+        finish(&t, 1000);
+        CU_ASSERT_STRING_EQUAL(exp_ended(t.run)->status, cases[k][3]);
+    }
+}
+
+/* ---- ends that are kept, and intervals of tables, by the command ---- */
+
+static void test_kept(void)
+{
+    static const char text[] =
+        "dt = 5e-5; let = { v = 20.0; late = 1; };\n"
+        "walls = ( { point = (0.0, 0.0); direction = (0.0, 1.0); }, { point = (0.0, 0.0); direction = (1.0, "
+        "0.0); "
+        "}, { point = (2.0, 0.0); direction = (-1.0, 0.0); } );\n"
+        "output = { states = 700; contacts = 0; energy = 100; };\n"
+        "fill = { N = 30; W = 2.0; H = 3.0; };\n"
+        "phases = ( { name = \"bed\"; steps = 4000; keep = true; },\n"
+        "  { name = \"hit\"; add = { r = 0.1; x = 1.0; y = \"touch\"; vy = \"-v\"; }; steps = 500; } );\n"
+        "measure = ( { name = \"before\"; of = \"y\"; at = \"bed\"; }, { name = \"after\"; of = \"y\"; } "
+        ");\n";
+    write_text("k.cfg", "%s", text);
+    GOOD("run k.cfg -o whole --snapshot 900");
+    CU_ASSERT(shell("cut -f1 whole/states.tsv | grep -v '^#' | sort -nu | tr '\\n' ' ' >out") == 0);
+    CU_ASSERT_STRING_EQUAL(out, "step 700 1400 2100 2800 3500 4200 4500 ");
+    CU_ASSERT(shell("(grep -vc '^#' whole/energy.tsv; grep -vc '^#' whole/contacts.tsv; grep -vc '^#' "
+                    "whole/walls.tsv) >out") == 0);
+    CU_ASSERT_STRING_EQUAL(out, "47\n1\n4\n");
+    GOOD("run k.cfg -o all --every 1500");
+    CU_ASSERT(shell("cut -f1 all/contacts.tsv | grep -v '^#' | sort -nu | tr '\\n' ' ' >out") == 0);
+    CU_ASSERT(strstr(out, "3000 4500 ") != NULL);
+    CU_ASSERT(shell("$REPOSE run k.cfg -o hit --from whole >/dev/null 2>err") == 0);
+    CU_ASSERT(shell("cmp whole/end_bed.state hit/end_bed.state") == 0);
+    CU_ASSERT(shell("grep -v '^#' whole/measures.tsv >a; grep -v '^#' hit/measures.tsv >b; cmp a b") == 0);
+    CU_ASSERT(shell("grep -q '# start: begins with the end of bed in whole' hit/states.tsv") == 0);
+    CU_ASSERT(
+        shell("$REPOSE run k.cfg --from whole --set v=40.0 >c 2>err && ! cmp -s c b && grep -q before c") ==
+        0);
+    FAILS(65, "of another run", "run k.cfg -o other --from whole --set fill.N=31");
+    FAILS(65, "it has none", "run k.cfg --from .");
+    CU_ASSERT(shell("sed 's/ keep = true;//' k.cfg >n.cfg") == 0);
+    FAILS(64, "no phase with keep", "run n.cfg --from whole");
+    FAILS(64, "takes no -o", "run k.cfg --resume whole --from whole");
+    CU_ASSERT(shell("printf x | dd of=whole/end_bed.state bs=1 seek=5000 conv=notrunc 2>/dev/null") == 0);
+    FAILS(65, "damaged", "run k.cfg --from whole");
+}
+
+void suite_actions(void)
+{
+    static const check_case cases[] = {{"an oscillator under a load", test_oscillator},
+                                       {"a column under a load", test_column},
+                                       {"laws that change", test_laws_change},
+                                       {"all stand still", test_halt},
+                                       {"friction that changes", test_friction_changes},
+                                       {"grains that come and go", test_added},
+                                       {"where a grain from above is stopped", test_touch},
+                                       {"going back", test_back},
+                                       {"cut and kept", test_cuts},
+                                       {"keys", test_keys},
+                                       {"refused", test_refused},
+                                       {"words of the end", test_ends},
+                                       {"ends that are kept", test_kept},
+                                       {0}};
+    check_register_within("actions", enter, leave, cases);
+}

@@ -1,0 +1,209 @@
+/* Fills: laws of radii, patterns, several fills in one scene. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "check.h"
+#include "core/elementary.h"
+#include "dem/scene/scene.h"
+#include "grains.h"
+
+/* ---- elementary functions ---- */
+
+static void test_elementary(void)
+{
+    double worst[2] = {0.0, 0.0};
+    for (int k = 0; k < 20000; k++) {
+        const double x = -700.0 + 0.07 * k, y = exp(0.05 * (k - 10000) / 10.0) * (1.0 + 1e-5 * k);
+        worst[0] = fmax(worst[0], fabs(rp_exp(x) / exp(x) - 1.0));
+        if (fabs(log(y)) > 1e-3) worst[1] = fmax(worst[1], fabs(rp_log(y) / log(y) - 1.0));
+    }
+    CU_ASSERT(worst[0] < 1e-15 && worst[1] < 1e-15);
+    CU_ASSERT(rp_exp(0.0) == 1.0 && rp_log(1.0) == 0.0);
+    CHECK_NEAR(rp_log(1.0 + 1e-9), 1e-9, 1e-16);
+}
+
+/* ---- laws of radii ---- */
+
+static double density_of(const dem_fill *f, double r)
+{
+    const double z = (r - f->radius_mean) / f->radius_width, part = f->radius_width / f->radius_mean,
+                 s2 = log(1.0 + part * part), l = log(r / f->radius_mean) + 0.5 * s2;
+    return f->law == DEM_RADII_GAUSS     ? exp(-0.5 * z * z)
+           : f->law == DEM_RADII_UNIFORM ? (fabs(z) <= sqrt(3.0))
+                                         : exp(-0.5 * l * l / s2) / r;
+}
+
+static int by_value(const void *a, const void *b)
+{
+    const double *p = a, *q = b;
+    return (*p > *q) - (*p < *q);
+}
+
+/* Largest distance between the radii's distribution and the law's, times the root of their number; the law's
+ * shares are divided by the power of r that a grain has of them. */
+static double kolmogorov(const dem_fill *f, size_t n, const dem_grain *grains, double power)
+{
+    enum { POINTS = 20000 };
+    double *r = malloc(n * sizeof *r), *sum = malloc((POINTS + 1) * sizeof *sum), most = 0.0;
+    for (size_t i = 0; i < n; i++) r[i] = grains[i].r;
+    qsort(r, n, sizeof *r, by_value);
+    sum[0] = 0.0;
+    const double h = (f->radius_max - f->radius_min) / POINTS;
+    for (int k = 0; k < POINTS; k++) {
+        const double at = f->radius_min + (k + 0.5) * h;
+        sum[k + 1] = sum[k] + density_of(f, at) / pow(at, power);
+    }
+    for (size_t i = 0; i < n; i++) {
+        const double at = sum[(int)fmin((r[i] - f->radius_min) / h + 0.5, POINTS)] / sum[POINTS];
+        most = fmax(most, fmax(fabs(at - (double)i / (double)n), fabs(at - (double)(i + 1) / (double)n)));
+    }
+    free(r), free(sum);
+    return most * sqrt((double)n);
+}
+
+static const dem_fill wide = {.N = 3000,
+                              .W = 60.0,
+                              .H = 60.0,
+                              .radius_mean = 0.1,
+                              .radius_width = 0.02,
+                              .radius_min = 0.05,
+                              .radius_max = 0.17,
+                              .density = 1.0,
+                              .seed = 3};
+
+static void test_laws(void)
+{
+    dem_grain *grains = malloc((size_t)wide.N * sizeof *grains);
+    const struct {
+        dem_share by;
+        dem_shape shape;
+        double power;
+    } shares[] = {{DEM_BY_NUMBER, DEM_SPHERE, 0.0},
+                  {DEM_BY_AREA, DEM_SPHERE, 2.0},
+                  {DEM_BY_MASS, DEM_SPHERE, 3.0},
+                  {DEM_BY_MASS, DEM_DISK, 2.0}};
+    for (int law = DEM_RADII_GAUSS; law < DEM_RADII_TABLE; law++)
+        for (size_t k = 0; k < sizeof shares / sizeof *shares; k++) {
+            dem_fill f = wide;
+            size_t n;
+            f.law = (dem_radius_law)law, f.by = shares[k].by, f.shape = shares[k].shape;
+            CHECK_OK(dem_fill_grains(&f, grains, &n));
+            const double right = kolmogorov(&f, n, grains, shares[k].power),
+                         wrong = kolmogorov(&f, n, grains, shares[k].power + 2.0);
+            CU_ASSERT(n == (size_t)wide.N && right < 1.95); /* p > 0.001 */
+            CU_ASSERT(wrong > 3.0);                         /* it would be seen */
+        }
+    free(grains);
+}
+
+/* Of each radius as many as its share of number, area or mass says. */
+static void test_table(void)
+{
+    static const double radii[] = {0.1, 2.0, 0.2, 1.0, 0.15, 0.0, 0.3, 1.0};
+    dem_grain *grains = malloc((size_t)wide.N * sizeof *grains);
+    for (int by = DEM_BY_NUMBER; by <= DEM_BY_MASS; by++) {
+        dem_fill f = wide;
+        size_t n, count[4] = {0};
+        double sum = 0.0, chi2 = 0.0;
+        f.law = DEM_RADII_TABLE, f.radii = radii, f.n_radii = 4, f.by = (dem_share)by, f.W = f.H = 80.0;
+        CHECK_OK(dem_fill_grains(&f, grains, &n));
+        for (size_t i = 0; i < n; i++)
+            for (int k = 0; k < 4; k++) count[k] += grains[i].r == radii[2 * k];
+        CU_ASSERT(count[0] + count[1] + count[3] == n && count[2] == 0);
+        const double power = by == DEM_BY_NUMBER ? 0.0 : by == DEM_BY_AREA ? 2.0 : 3.0;
+        for (int k = 0; k < 4; k++) sum += radii[2 * k + 1] / pow(radii[2 * k], power);
+        for (int k = 0; k < 4; k++) {
+            const double expected = (double)n * radii[2 * k + 1] / pow(radii[2 * k], power) / sum;
+            if (expected > 0.0)
+                chi2 += ((double)count[k] - expected) * ((double)count[k] - expected) / expected;
+        }
+        CU_ASSERT(chi2 < 13.8); /* two degrees of freedom, p > 0.001 */
+    }
+    free(grains);
+}
+
+/* ---- patterns ---- */
+
+static void test_patterns(void)
+{
+    dem_fill f = wide;
+    dem_grain *grains;
+    size_t n;
+    f.N = -1, f.W = 3.0, f.H = 2.0, f.x0 = 1.0, f.y0 = -0.5;
+    f.pattern = DEM_PATTERN_ROW;
+    grains = malloc(dem_fill_most(&f) * sizeof *grains);
+    CHECK_OK(dem_fill_grains(&f, grains, &n));
+    CU_ASSERT(n >= 10 && n <= 25);
+    for (size_t i = 0; i < n; i++) {
+        const dem_grain *g = &grains[i];
+        CHECK_NEAR(g->y - g->r, -0.5, 1e-15);
+        if (i > 0) CHECK_NEAR(hypot(g->x - g[-1].x, g->y - g[-1].y), g->r + g[-1].r, 1e-14);
+        CU_ASSERT(g->x - g->r >= 1.0 - 1e-15 && g->x + g->r <= 4.0 + 1e-9);
+    }
+    free(grains);
+    f.pattern = DEM_PATTERN_LATTICE, f.radius_width = 0.0;
+    grains = malloc(dem_fill_most(&f) * sizeof *grains);
+    CHECK_OK(dem_fill_grains(&f, grains, &n));
+    CU_ASSERT(n == 15 * 6 + 14 * 5); /* rows of 15 and 14 at 0.173 from one another */
+    for (size_t i = 1; i < n; i++) CU_ASSERT(grains[i].y + 0.1 <= 1.5 && grains[i].x + 0.1 <= 4.0 + 1e-9);
+    f.N = 200;
+    CHECK_FAILS(dem_fill_grains(&f, grains, &n), RP_NO_RESULT, "have room");
+    free(grains);
+}
+
+/* ---- several fills ---- */
+
+static const char several[] =
+    "dt = 1e-5; steps = 10;\n"
+    "walls = ( { name = \"bin\"; polygon = ( (0.0, 30.0), (0.0, 0.0), (4.0, 0.0), (4.0, 30.0) ); closed = "
+    "false; } );\n"
+    "particles = ( { x = 2.0; y = 20.0; r = 0.3; } );\n"
+    "fill = ( { kind = \"bed\"; pattern = \"row\"; W = 4.0; fixed = true; },\n"
+    "  { kind = \"small\"; N = 150; W = 4.0; H = 6.0; }, { if = false; N = 7; W = 1.0; H = 1.0; },\n"
+    "  { kind = \"large\"; N = 12; W = 4.0; H = 6.0; density = 2.5; radius_mean = 0.2; radius_width = 0.0; } "
+    ");\n";
+
+static void test_several(void)
+{
+    scoped_scene s, back;
+    dem_grain *grains, *again;
+    size_t n, m, ends[3];
+    CHECK_OK(grains_read(several, NULL, &s));
+    CU_ASSERT(s.has_fill && s.n_more == 2 && strcmp(s.kinds[2], "large") == 0);
+    CHECK_OK(dem_scene_grains(&s, &grains, &n, ends));
+    CU_ASSERT(n == ends[2] && ends[2] - ends[1] == 12 && ends[1] - ends[0] == 150 && ends[0] > 15);
+    double nearest = INFINITY;
+    for (size_t i = 0; i < n; i++) {
+        const dem_grain *g = &grains[i];
+        CU_ASSERT(g->fixed == (i >= 1 && i < ends[0]));
+        CU_ASSERT(g->x >= g->r * (1.0 - 1e-9) && g->x <= 4.0 - g->r * (1.0 - 1e-9) &&
+                  g->y >= g->r * (1.0 - 1e-9)); /* none touches a wall */
+        if (i >= ends[1]) CHECK_NEAR(g->m, dem_mass(DEM_SPHERE, 2.5, 0.2), 1e-15);
+        for (size_t k = 0; k < i; k++)
+            nearest = fmin(nearest, hypot(g->x - grains[k].x, g->y - grains[k].y) - g->r - grains[k].r);
+    }
+    CU_ASSERT(nearest >= -1e-14);
+    CU_ASSERT(grains[ends[0]].r != grains[1].r); /* streams of its own */
+    /* written and read again: the same grains */
+    char *text = NULL;
+    size_t size;
+    FILE *out = open_memstream(&text, &size);
+    dem_scene_write(&s, out);
+    fclose(out);
+    CHECK_OK(grains_read(text, NULL, &back));
+    CHECK_OK(dem_scene_grains(&back, &again, &m, NULL));
+    CU_ASSERT(m == n);
+    for (size_t i = 0; i < n && m == n; i++)
+        CU_ASSERT(grains[i].x == again[i].x && grains[i].y == again[i].y && grains[i].r == again[i].r &&
+                  grains[i].m == again[i].m && grains[i].fixed == again[i].fixed);
+    free(grains), free(again), free(text);
+}
+
+void suite_fills(void)
+{
+    static const check_case cases[] = {{"exp and log", test_elementary}, {"laws of radii", test_laws},
+                                       {"radii of a table", test_table}, {"rows and lattices", test_patterns},
+                                       {"several fills", test_several},  {0}};
+    check_register("fills", cases);
+}
