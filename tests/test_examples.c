@@ -186,6 +186,43 @@ static void ledge(void)
     if (!check_fast()) CU_ASSERT(above > below + 4.0 && above < 31.0 && below > 4.0);
 }
 
+/* Equal loads make equal stresses; the angle of friction grows with that of the grains, below it: 26.6
+ * degrees at mu = 0.5. */
+static void biaxial(void)
+{
+    enter_folder();
+    const double low = measured("biaxial.cfg", "mu=0.1", "phi_deg"),
+                 high = measured("biaxial.cfg", "mu=0.5", "phi_deg"),
+                 ratio = measured("biaxial.cfg", NULL, "ratio0"),
+                 p = measured("biaxial.cfg", NULL, "pressure0");
+    leave();
+    if (check_fast()) return;
+    CHECK_NEAR(ratio, 1.0, 0.1);
+    CHECK_NEAR(p, 1.0, 0.15);
+    CU_ASSERT(low > 5.0 && high > low + 3.0 && high < 26.6);
+}
+
+/* The faster, the deeper, the stronger and the sooner over. */
+static void crater(void)
+{
+    enter_folder();
+    if (!check_fast()) {
+        double depth[2], force[2], time[2];
+        GOOD("run examples/crater.cfg -o bed");
+        for (int k = 0; k < 2; k++) {
+            CU_ASSERT(shell(k ? "$REPOSE run examples/crater.cfg --from bed --set v=80 >out 2>err"
+                              : "$REPOSE run examples/crater.cfg --from bed --set v=20 >out 2>err") == 0);
+            depth[k] = measured("crater.cfg", NULL, "depth"),
+            force[k] = measured("crater.cfg", NULL, "force");
+            time[k] = measured("crater.cfg", NULL, "stop_time");
+        }
+        CU_ASSERT(depth[1] > 1.5 * depth[0] && force[1] > 2.0 * force[0] && time[1] < time[0]);
+    } else {
+        GOOD("params examples/crater.cfg");
+    }
+    leave();
+}
+
 void suite_examples(void)
 {
     static const check_case cases[] = {{"two grains collide", impact},
@@ -196,6 +233,8 @@ void suite_examples(void)
                                        {"a lifted cylinder", cylinder},
                                        {"a column", column},
                                        {"a ledge", ledge},
+                                       {"a loaded sample", biaxial},
+                                       {"a crater", crater},
                                        {NULL, NULL}};
     check_register("examples", cases);
 }

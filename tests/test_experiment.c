@@ -646,17 +646,39 @@ static void test_refused_more(void)
     CU_ASSERT_STRING_EQUAL(exp_ended(fast.run)->status, "too_fast");
 }
 
+/* Much of what phases can do, for a while. */
+static const char acting[] =
+    "dt = 5e-5; seed = 2; let = { n = 3; }; tangential = { law = \"spring\"; mu = 0.4; };\n"
+    "walls = ( { name = \"base\"; point = (0.0, 0.0); direction = (0.0, 1.0); },\n"
+    "  { name = \"lid\"; point = (0.0, 5.0); direction = (0.0, -1.0); } );\n"
+    "fill = ( { kind = \"a\"; N = 20; W = 2.0; H = 3.0; radius_law = \"lognormal\"; by = \"mass\"; },\n"
+    "  { kind = \"b\"; pattern = \"row\"; W = 2.0; x0 = 3.0; } );\n"
+    "regions = { part = { polygon = ( (0.0, 0.0), (2.0, 0.0), (1.0, \"lid.y\") ); }; };\n"
+    "output = { states = 100; contacts = 0; };\n"
+    "phases = ( { name = \"fall\"; steps = 200; damp = true; every = 20; keep = true; },\n"
+    "  { name = \"press\"; walls = { lid = { load_y = \"-10*lid.y\"; speed = 50.0; mu = 0.1; }; }; steps = "
+    "100; },\n"
+    "  { name = \"feed\"; repeat = \"n\"; phases = ( { name = \"drop\"; mark = true;\n"
+    "      add = { N = 1; kind = \"c\"; r = 0.1; x = (2.2, 2.8); y = \"touch + r\"; vy = \"-y\"; };\n"
+    "      every = 10; most = 100; go_on = true; until = \"touched\"; } ); },\n"
+    "  { name = \"again\"; from = \"fall\"; tangential = { mu = 0.2; }; dt = 2e-5; remove = \"part\"; steps "
+    "= "
+    "50; } );\n"
+    "measure = ( { name = \"s\"; of = \"part.syy + c.y + sliding\"; at = \"feed\"; optional = true; },\n"
+    "  { name = \"order\"; of = \"order\"; at = \"fall\"; }, { name = \"load\"; of = \"base\"; wall = "
+    "\"base\"; at = \"press\"; optional = true; } );\n";
+
 /* A thousand texts with parts exchanged, doubled or left out: refused with a message, or run to a word. */
 static void test_random_texts(void)
 {
-    static const char *const texts[] = {hopper, lift, fall};
+    static const char *const texts[] = {hopper, lift, fall, acting};
     static const char *const parts[] = {"0.0",  "-1",  "1e300", "\"inf\"",  "\"0/0\"", "\"grains\"",
                                         "true", "( )", "{ }",   "\"rest\"", "1e-300",  "\"1/(grains - 60)\""};
     unsigned random = 1993;
     const int n = check_fast() ? 150 : 1000;
     for (int k = 0; k < n; k++) {
         char text[8192], mutated[8192];
-        strcpy(text, texts[k % 3]);
+        strcpy(text, texts[k % 4]);
         for (int change = 0; change < 1 + k % 3; change++) {
             /* from one sign to another */
             const size_t length = strlen(text);

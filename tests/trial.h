@@ -25,7 +25,7 @@ static inline void end(trial *t)
 
 static inline rp_status read_text(trial *t, const char *text)
 {
-    char path[256];
+    static char path[256]; /* which the text borrows */
     *t = (trial){0};
     write_text("e.cfg", "%s", text);
     path_of("e.cfg", path);

@@ -202,6 +202,10 @@ static rp_status check_phases(const exp_plan *plan, dem_definition *def)
             const exp_move *m = &phase->moves[k];
             const exp_wall *wall = &plan->walls[m->wall];
             for (size_t i = 0; i < wall->n; i++) let_move(plan, phase, m, &arena, &walls[wall->walls[i]]);
+            const double limit = dem_time_step_limit(def, &what);
+            if (def->dt > limit)
+                return rp_config_fail(phase->setting, "phase %s: wall %s needs dt <= %.3g, by %s",
+                                      phase->name, wall->name, limit, what);
             const dem_wall *first = &walls[wall->walls[0]];
             const double way = hypot(first->velocity[0], first->velocity[1]) * def->dt,
                          r = smallest(def->n_grains, def->grains);
@@ -209,10 +213,6 @@ static rp_status check_phases(const exp_plan *plan, dem_definition *def)
                 return rp_config_fail(phase->setting,
                                       "phase %s: wall %s moves %g in one step, the smallest radius is %g",
                                       phase->name, wall->name, way, r);
-            const double limit = dem_time_step_limit(def, &what);
-            if (def->dt > limit)
-                return rp_config_fail(phase->setting, "phase %s: wall %s needs dt <= %.3g, by %s",
-                                      phase->name, wall->name, limit, what);
         }
     }
     return RP_OK;
