@@ -202,7 +202,7 @@ static void biaxial(void)
     CU_ASSERT(low > 5.0 && high > low + 3.0 && high < 26.6);
 }
 
-/* The faster, the deeper, the stronger and the sooner over. */
+/* The faster, the deeper and the stronger; soon over. */
 static void crater(void)
 {
     enter_folder();
@@ -211,12 +211,12 @@ static void crater(void)
         GOOD("run examples/crater.cfg -o bed");
         for (int k = 0; k < 2; k++) {
             CU_ASSERT(shell(k ? "$REPOSE run examples/crater.cfg --from bed --set v=80 >out 2>err"
-                              : "$REPOSE run examples/crater.cfg --from bed --set v=20 >out 2>err") == 0);
+                              : "$REPOSE run examples/crater.cfg --from bed --set v=40 >out 2>err") == 0);
             depth[k] = measured("crater.cfg", NULL, "depth"),
             force[k] = measured("crater.cfg", NULL, "force");
             time[k] = measured("crater.cfg", NULL, "stop_time");
         }
-        CU_ASSERT(depth[1] > 1.5 * depth[0] && force[1] > 2.0 * force[0] && time[1] < time[0]);
+        CU_ASSERT(depth[1] > 1.5 * depth[0] && force[1] > 1.5 * force[0] && time[1] < time[0]);
     } else {
         GOOD("params examples/crater.cfg");
     }

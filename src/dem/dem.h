@@ -430,11 +430,11 @@ double dem_largest_speed(const dem_sim *sim, double lo, double hi);
 /* Filling: grains at rest. Their radii follow a law, whose shares count grains, or the area or the mass that
  * they have; their places a pattern. */
 #define DEM_RADIUS_LAWS(X)                                                                                   \
-    X(DEM_RADII_GAUSS, gauss, "normal law, cut at radius_min and radius_max")                                                                  \
+    X(DEM_RADII_GAUSS, gauss, "normal law, cut at radius_min and radius_max")                                \
     X(DEM_RADII_UNIFORM, uniform,                                                                            \
       "all radii alike, from radius_mean - sqrt(3) radius_width to "                                         \
       "radius_mean + sqrt(3) radius_width")                                                                  \
-    X(DEM_RADII_LOGNORMAL, lognormal, "normal law of the logarithm, of this mean and standard deviation")                                         \
+    X(DEM_RADII_LOGNORMAL, lognormal, "normal law of the logarithm, of this mean and standard deviation")    \
     X(DEM_RADII_TABLE, table, "those of radii = ( [r, share], ... )")
 typedef enum { DEM_RADIUS_LAWS(DEM_ID) } dem_radius_law;
 dem_manual dem_radius_law_manual;

@@ -7,13 +7,6 @@
 #include "dem/scene/radii.h"
 #include "experiment/private.h"
 
-double exp_dt(const exp_run *run)
-{
-    const exp_plan *plan = run->plan;
-    const size_t laws = run->at.now.laws;
-    return laws == SIZE_MAX ? plan->scene.def.dt : plan->phases[laws].laws.physics.dt;
-}
-
 /* ---- going back ---- */
 
 void exp_save(exp_run *run, size_t phase)

@@ -7,32 +7,6 @@
 
 #include "experiment/private.h"
 
-void exp_conclude(exp_run *run, const char *status, const char *format, ...)
-{
-    va_list args;
-    va_start(args, format);
-    run->at.done = true;
-    snprintf(run->at.end.status, sizeof run->at.end.status, "%s", status);
-    vsnprintf(run->at.end.message, sizeof run->at.end.message, format, args);
-    va_end(args);
-}
-
-const dem_state *exp_states(exp_run *run)
-{
-    if (run->fresh || run->failed) return run->failed ? NULL : run->states;
-    const size_t n = dem_count(run->sim);
-    void *more = realloc(run->states, (n + 1) * sizeof *run->states);
-    if (!more) {
-        run->failed = rp_fail(RP_NO_MEMORY, "grains: out of memory");
-        return NULL;
-    }
-    run->states = more;
-    run->failed = dem_states(run->sim, run->states);
-    run->n_states = n;
-    run->fresh = !run->failed;
-    return run->failed ? NULL : run->states;
-}
-
 /* ---- regions ---- */
 
 exp_within exp_within_now(exp_run *run, const exp_scope *scope)
@@ -310,18 +284,6 @@ OBSERVABLE(left)
 OBSERVABLE(right)
 {
     return (void)args, outermost(run, use, 1.0, 0.0);
-}
-
-void exp_mark(exp_run *run)
-{
-    const dem_state *s = exp_states(run);
-    for (size_t k = 0; k < 2 * run->n_ids; k++) run->marks[k] = NAN;
-    for (size_t i = 0; s && i < run->n_states; i++) {
-        double x = s[i].x, y = s[i].y;
-        if (s[i].fixed) continue;
-        dem_box_frame(run->sim, &x, &y);
-        run->marks[2 * (s[i].id - 1)] = x, run->marks[2 * (s[i].id - 1) + 1] = y;
-    }
 }
 
 OBSERVABLE(marked)

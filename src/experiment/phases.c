@@ -73,20 +73,6 @@ static rp_status make_room(exp_run *run)
     return RP_OK;
 }
 
-bool exp_make_ids(exp_run *run, size_t id)
-{
-    const size_t n = id > 2 * run->n_ids ? id : 2 * run->n_ids;
-    if (id <= run->n_ids) return true;
-    double *marks = realloc(run->marks, 2 * n * sizeof *marks);
-    if (marks) run->marks = marks;
-    int32_t *kinds = realloc(run->kinds, n * sizeof *kinds);
-    if (kinds) run->kinds = kinds;
-    if (!marks || !kinds) return run->failed = rp_fail(RP_NO_MEMORY, "grains: out of memory"), false;
-    for (size_t k = run->n_ids; k < n; k++) marks[2 * k] = marks[2 * k + 1] = NAN, kinds[k] = -1;
-    run->n_ids = n;
-    return true;
-}
-
 static int kind_named(const exp_plan *plan, const char *name)
 {
     for (size_t k = 0; k < plan->n_kinds; k++)

@@ -30,17 +30,6 @@ const rp_param exp_measure_schema[] = {
 
 static const char *const take_words[] = {"value", "mean", "max", "min", "first", "rate", "avalanches"};
 
-rp_status exp_find_phase(const exp_plan *plan, const config_setting_t *setting, const char *key,
-                         const char *name, size_t *phase)
-{
-    rp_guess guess = rp_guess_of(name);
-    for (size_t k = 0; k < plan->n_phases; k++) {
-        if (strcmp(plan->phases[k].name, name) == 0) return *phase = k, RP_OK;
-        rp_guess_try(&guess, plan->phases[k].name);
-    }
-    return rp_config_fail(setting, "%s = \"%s\": no such phase%s", key, name, rp_guess_text(&guess));
-}
-
 static rp_status add_output(exp_plan *plan, const exp_measure *m, const char *ending, const char *unit,
                             const char *meaning)
 {

@@ -1,0 +1,66 @@
+/* What all files of a run read and change of it. */
+#include <math.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "experiment/private.h"
+
+void exp_conclude(exp_run *run, const char *status, const char *format, ...)
+{
+    va_list args;
+    va_start(args, format);
+    run->at.done = true;
+    snprintf(run->at.end.status, sizeof run->at.end.status, "%s", status);
+    vsnprintf(run->at.end.message, sizeof run->at.end.message, format, args);
+    va_end(args);
+}
+
+const dem_state *exp_states(exp_run *run)
+{
+    if (run->fresh || run->failed) return run->failed ? NULL : run->states;
+    const size_t n = dem_count(run->sim);
+    void *more = realloc(run->states, (n + 1) * sizeof *run->states);
+    if (!more) {
+        run->failed = rp_fail(RP_NO_MEMORY, "grains: out of memory");
+        return NULL;
+    }
+    run->states = more;
+    run->failed = dem_states(run->sim, run->states);
+    run->n_states = n;
+    run->fresh = !run->failed;
+    return run->failed ? NULL : run->states;
+}
+
+double exp_dt(const exp_run *run)
+{
+    const exp_plan *plan = run->plan;
+    const size_t laws = run->at.now.laws;
+    return laws == SIZE_MAX ? plan->scene.def.dt : plan->phases[laws].laws.physics.dt;
+}
+
+bool exp_make_ids(exp_run *run, size_t id)
+{
+    const size_t n = id > 2 * run->n_ids ? id : 2 * run->n_ids;
+    if (id <= run->n_ids) return true;
+    double *marks = realloc(run->marks, 2 * n * sizeof *marks);
+    if (marks) run->marks = marks;
+    int32_t *kinds = realloc(run->kinds, n * sizeof *kinds);
+    if (kinds) run->kinds = kinds;
+    if (!marks || !kinds) return run->failed = rp_fail(RP_NO_MEMORY, "grains: out of memory"), false;
+    for (size_t k = run->n_ids; k < n; k++) marks[2 * k] = marks[2 * k + 1] = NAN, kinds[k] = -1;
+    run->n_ids = n;
+    return true;
+}
+
+void exp_mark(exp_run *run)
+{
+    const dem_state *s = exp_states(run);
+    for (size_t k = 0; k < 2 * run->n_ids; k++) run->marks[k] = NAN;
+    for (size_t i = 0; s && i < run->n_states; i++) {
+        double x = s[i].x, y = s[i].y;
+        if (s[i].fixed) continue;
+        dem_box_frame(run->sim, &x, &y);
+        run->marks[2 * (s[i].id - 1)] = x, run->marks[2 * (s[i].id - 1) + 1] = y;
+    }
+}
