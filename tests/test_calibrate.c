@@ -735,7 +735,7 @@ static void test_least(void)
             double high[2] = {hi[0], hi[1]}, x[2], value;
             if (held >= 0) high[held] = lo[held];
             s = (seen){.lowest = {k % 2 ? high[0] : lo[0], k / 2 ? high[1] : lo[1]}};
-            CHECK_OK(stats_least(bowl_and_well, &s, lo, high, CELLS, x, &value));
+            CHECK_OK(stats_least(bowl_and_well, &s, 2, lo, high, CELLS, x, &value));
             const int n[2] = {held == 0 ? 0 : CELLS, held == 1 ? 0 : CELLS};
             size_t scanned = 0;
             for (int i = 0; i <= n[0]; i++)
@@ -751,8 +751,9 @@ static void test_least(void)
             CHECK_NEAR(value, bowl_and_well(x, &s), 1e-12);
         }
     double x[2], value; /* a box that is none */
-    CHECK_FAILS(stats_least(bowl_and_well, &s, (double[]){0.0, 1.0}, (double[]){1.0, 0.0}, CELLS, x, &value),
-                RP_BROKEN, "minimum not found: ");
+    CHECK_FAILS(
+        stats_least(bowl_and_well, &s, 2, (double[]){0.0, 1.0}, (double[]){1.0, 0.0}, CELLS, x, &value),
+        RP_BROKEN, "minimum not found: ");
 }
 
 /* ---- bad input ---- */

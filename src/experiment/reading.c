@@ -68,7 +68,7 @@ rp_status exp_find_phase(const exp_plan *plan, const config_setting_t *setting, 
 
 /* Numbers or expressions, (a, b) or (a, b, c). */
 rp_status exp_read_list(const config_setting_t *list, const char *key, size_t n, exp_place *place,
-                        exp_expression e[])
+                        exp_expression *e)
 {
     if ((!config_setting_is_list(list) && !config_setting_is_array(list)) || length(list) != n)
         return rp_config_fail(list, "%s: %s expected", key, n == 2 ? "(a, b)" : "(a, b, c)");

@@ -24,7 +24,7 @@ bool exp_is_word(const char *word); /* of a run's status */
 
 /* n numbers or expressions, (a, b, ...). */
 rp_status exp_read_list(const config_setting_t *list, const char *key, size_t n, exp_place *place,
-                        exp_expression e[]);
+                        exp_expression *e);
 
 /* A name among those of walls, or of phases, *at its number; a failure names the nearest. Without a key the
  * setting itself bears the name. */

@@ -74,7 +74,7 @@ static rp_status least(problem *s, size_t p, double from, double to, double x[],
     memcpy(hi, s->c->hi, sizeof hi);
     lo[p] = from;
     hi[p] = to;
-    return stats_least(chi2_at, s, lo, hi, s->c->n_params == 1 ? SCAN_ONE : SCAN_OTHER, x, chi2);
+    return stats_least(chi2_at, s, 2, lo, hi, s->c->n_params == 1 ? SCAN_ONE : SCAN_OTHER, x, chi2);
 }
 
 static rp_status search(problem *s, double x[], double *chi2)

@@ -1,6 +1,7 @@
-/* Least value of a function of one or two variables; see stats.h. */
+/* Least value of a function of up to three variables; see stats.h. */
 #include <math.h>
 #include <nlopt.h>
+#include <string.h>
 
 #include "stats/stats.h"
 
@@ -16,31 +17,43 @@ static double objective(unsigned n, const double *x, double *gradient, void *dat
     return s->f(x, s->data);
 }
 
-rp_status stats_least(double (*f)(const double x[], void *data), void *data, const double lo[2],
-                      const double hi[2], int cells, double x[2], double *value)
+enum { MOST = 3 };
+
+/* The best of a grid, the last side fastest. */
+static void best_of_grid(const function *s, size_t n, const double lo[], const double hi[],
+                         const double cell[], int cells, double x[], double *value)
 {
-    const bool held[2] = {!(hi[0] > lo[0]), !(hi[1] > lo[1])};
-    double cell[2], tolerance[2];
-    *value = HUGE_VAL;
-    for (int p = 0; p < 2; p++) {
-        x[p] = lo[p];
-        cell[p] = held[p] ? 1.0 : (hi[p] - lo[p]) / cells;
-        tolerance[p] = 1e-9 * cell[p];
+    int at[MOST] = {0};
+    double y[MOST];
+    for (size_t p = 1; p > 0;) {
+        /* round-off must not leave the box: NLopt refuses such a start */
+        for (size_t k = 0; k < n; k++) y[k] = fmin(lo[k] + at[k] * cell[k], hi[k]);
+        const double here = s->f(y, s->data);
+        if (here < *value) *value = here, memcpy(x, y, n * sizeof *x);
+        for (p = n; p > 0 && (!(hi[p - 1] > lo[p - 1]) || at[p - 1] == cells); p--) at[p - 1] = 0;
+        if (p > 0) at[p - 1]++;
     }
-    for (int i = 0; i <= (held[0] ? 0 : cells); i++)
-        for (int j = 0; j <= (held[1] ? 0 : cells); j++) {
-            /* round-off must not leave the box: NLopt refuses such a start */
-            const double y[2] = {fmin(lo[0] + i * cell[0], hi[0]), fmin(lo[1] + j * cell[1], hi[1])};
-            const double here = f(y, data);
-            if (!(here < *value)) continue;
-            *value = here;
-            x[0] = y[0];
-            x[1] = y[1];
-        }
-    if (held[0] && held[1]) return RP_OK;
-    nlopt_opt o = nlopt_create(held[0] || held[1] ? NLOPT_LN_COBYLA : NLOPT_LN_SBPLX, 2);
+}
+
+rp_status stats_least(double (*f)(const double x[], void *data), void *data, size_t n, const double lo[],
+                      const double hi[], int cells, double x[], double *value)
+{
+    double cell[MOST], tolerance[MOST];
+    size_t n_free = 0;
+    function s = {f, data};
+    for (size_t p = 0; p < n; p++) {
+        const bool held = !(hi[p] > lo[p]);
+        n_free += !held;
+        cell[p] = held ? 1.0 : (hi[p] - lo[p]) / cells;
+        tolerance[p] = 1e-9 * cell[p];
+        x[p] = lo[p];
+    }
+    *value = HUGE_VAL;
+    best_of_grid(&s, n, lo, hi, cell, cells, x, value);
+    if (n_free == 0) return RP_OK;
+    nlopt_opt o = nlopt_create(n_free == 1 ? NLOPT_LN_COBYLA : NLOPT_LN_SBPLX, (unsigned)n);
     if (!o) return rp_fail(RP_NO_MEMORY, "minimum: out of memory");
-    nlopt_set_min_objective(o, objective, &(function){f, data});
+    nlopt_set_min_objective(o, objective, &s);
     nlopt_set_lower_bounds(o, lo);
     nlopt_set_upper_bounds(o, hi);
     nlopt_set_initial_step(o, cell);

@@ -303,7 +303,7 @@ static rp_status find_scale(problem *s)
     const double range = s->r->hi[0] - s->r->lo[0];
     const double lo[2] = {log(0.05 * range)}, hi[2] = {log(3.0 * range)};
     double at[2], value;
-    RP_TRY(stats_least(chi2_of_scale, s, lo, hi, 12, at, &value));
+    RP_TRY(stats_least(chi2_of_scale, s, 2, lo, hi, 12, at, &value));
     if (!(isfinite(value) && *at > *lo + 1e-6 && *at < *hi - 1e-6))
         return rp_fail(RP_NO_RESULT, "scale: not determined by the points");
     chi2_of_scale(at, s);

@@ -174,11 +174,11 @@ rp_status stats_linear_fit(stats_linear *fit);
 
 /* ---- least value of a function (least.c) ---- */
 
-/* Least value of f over a box of two dimensions: downhill from the best of a grid of so many cells a side. A
- * side with lo = hi is held, so that f may have one variable. Sets x[2] and *value.
- * Errors: RP_NO_MEMORY, RP_BROKEN. */
-rp_status stats_least(double (*f)(const double x[], void *data), void *data, const double lo[2],
-                      const double hi[2], int cells, double x[2], double *value);
+/* Least value of f over a box of n dimensions, up to three: downhill from the best of a grid of so many cells
+ * a side, or with 0 cells from x. A side with lo = hi is held. Sets x[n] and *value. Errors: RP_NO_MEMORY,
+ * RP_BROKEN. */
+rp_status stats_least(double (*f)(const double x[], void *data), void *data, size_t n, const double lo[],
+                      const double hi[], int cells, double x[], double *value);
 
 RP_C_END
 

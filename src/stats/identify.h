@@ -1,0 +1,77 @@
+/* Parameters of a simulation from numbers that were measured: one to three names, several numbers.
+ *
+ * Runs at the points of a Sobol sequence give each number as a full quadratic of the names (of one name a
+ * cubic), by least squares with the scatter of the runs at equal points. Where these agree with what was
+ * measured, a smaller box gets further points, until it no longer shrinks, the form fits, and the fit's error
+ * is small. The answer holds for the model that ran, and no other. */
+#ifndef STATS_IDENTIFY_H
+#define STATS_IDENTIFY_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "core/status.h"
+
+RP_C_BEGIN
+
+enum { STATS_NAMES = 3, STATS_NUMBERS = 16, STATS_TERMS = 10 };
+
+/* What runs give at a point, of one number: how many had it, their mean, and sum of squares about it. */
+typedef struct {
+    double n, mean, squares;
+} stats_runs;
+
+typedef struct {
+    size_t n_names, n_numbers, n_groups;
+    double lo[STATS_NAMES], hi[STATS_NAMES];
+    /* measured values, their standard errors; group[k]: which runs give number k */
+    double value[STATS_NUMBERS], error[STATS_NUMBERS];
+    size_t group[STATS_NUMBERS];
+    bool fixed_runs; /* there are no further ones: `run` is called once, and says how many points it has */
+    size_t budget;   /* most runs */
+    bool leave_out;  /* look for each design point by the others: takes longest */
+    void *host;
+    /* May a point be asked for? NULL: any of the ranges. */
+    bool (*allowed)(void *host, const double x[]);
+    /* Make the runs of a stage, from 0: n points of n_names coordinates each, replicas[group] at each; fill
+     * in runs[k n + point]. With fixed_runs: *n and *x are the host's own, runs too. */
+    rp_status (*run)(void *host, size_t stage, size_t *n, const double **x, const size_t replicas[],
+                     stats_runs **runs);
+} stats_quest;
+
+#define STATS_IDENTIFIED_LIST(X)                                                                             \
+    X(OK, "ok", "found, with an interval inside the range")                                                  \
+    X(AT_LEAST, "at_least", "the interval reaches the upper end of the range: only the lower limit holds")   \
+    X(AT_MOST, "at_most", "the interval reaches the lower end of the range: only the upper limit holds")     \
+    X(NOT_IDENTIFIED, "not_identified", "the interval holds nine tenths of the range")                       \
+    X(BUDGET, "budget", "the runs are used up before the answer is settled: what is known so far")           \
+    X(NO_MATCH, "no_match", "no parameters of the range give all numbers together")
+typedef enum {
+#define X(name, word, meaning) STATS_IDENTIFIED_##name,
+    STATS_IDENTIFIED_LIST(X)
+#undef X
+} stats_identified;
+extern const char *const stats_identified_words[], *const stats_identified_meanings[];
+
+typedef struct {
+    stats_identified status[STATS_NAMES];
+    double x[STATS_NAMES], se[STATS_NAMES], lower[STATS_NAMES], upper[STATS_NAMES]; /* of 95 % */
+    double correlation[STATS_NAMES][STATS_NAMES];
+    double chi2;
+    size_t dof; /* numbers less names, at least 0 */
+    /* each number: what the fit gives there, its error and the form's lack of fit, p of that */
+    double fitted[STATS_NUMBERS], fit_error[STATS_NUMBERS], p_value[STATS_NUMBERS];
+    size_t stages, n_points, n_failed, n_runs; /* failed: points without a run that has every number */
+    size_t tried, recovered;                   /* design points that are left out, and found again */
+    /* the combination of the names that is determined best: sum of weight x = value +- error */
+    double weight[STATS_NAMES], sum, sum_error;
+    double box_lo[STATS_NAMES], box_hi[STATS_NAMES]; /* of the last stage */
+} stats_answer;
+
+/* Errors: RP_BAD_INPUT (no range, too few points), RP_NO_RESULT (too few points with numbers), RP_NO_MEMORY,
+ * RP_BROKEN, those of `run`. A budget that ends the search is a status. */
+rp_status stats_identify(const stats_quest *quest, stats_answer *answer);
+
+RP_C_END
+
+#endif

@@ -1,0 +1,223 @@
+/* Calibration by quadratics: planted truths on closed-form stand-ins with noise. Intervals hold the truth as
+ * often as they say, the signed roots of chi2 are normal, and what can't be told is said. */
+#include <gsl/gsl_cdf.h>
+#include <gsl/gsl_randist.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "check.h"
+#include "core/arena.h"
+#include "core/random.h"
+#include "stats/identify.h"
+
+/* A simulation that is known: numbers of the names, and the scatter of its runs. */
+typedef struct {
+    size_t n_names, n_numbers;
+    bool degenerate; /* every number is one of the same sum */
+    double scatter[STATS_NUMBERS];
+    gsl_rng *noise;
+    rp_arena arena;
+    long runs;
+} stand_in;
+
+static double number_of(const stand_in *s, size_t k, const double x[])
+{
+    const double a = x[0], b = s->n_names > 1 ? x[1] : 0.5, c = s->n_names > 2 ? x[2] : 0.5;
+    if (s->degenerate) return 20.0 + 10.0 * (a + 1.9 * b) + (double)k;
+    switch (k) {
+    case 0: return 15.0 + 22.0 * (1.0 - exp(-2.0 * a)) + 4.0 * b;
+    case 1: return 8.0 + 6.0 * b + 3.0 * a * b + 2.0 * c;
+    case 2: return 30.0 - 9.0 * sqrt(0.3 + c) + 2.0 * a;
+    default: return 5.0 + 3.0 * a - 2.0 * b + c * c;
+    }
+}
+
+static rp_status run(void *host, size_t stage, size_t *n, const double **x, const size_t replicas[],
+                     stats_runs **runs)
+{
+    stand_in *s = host;
+    (void)stage;
+    RP_NEW(&s->arena, *runs, *n * s->n_numbers);
+    for (size_t i = 0; i < *n; i++)
+        for (size_t k = 0; k < s->n_numbers; k++) {
+            stats_runs *r = &(*runs)[k * *n + i];
+            for (size_t j = 0; j < replicas[0]; j++) {
+                const double y = number_of(s, k, &(*x)[i * s->n_names]) +
+                                 gsl_ran_gaussian(s->noise, s->scatter[k]),
+                             d = y - r->mean;
+                r->n++, r->mean += d / r->n, r->squares += d * (y - r->mean);
+                s->runs++;
+            }
+        }
+    return RP_OK;
+}
+
+static stats_quest quest_of(stand_in *s, const double truth[], double error)
+{
+    stats_quest q = {.n_names = s->n_names,
+                     .n_numbers = s->n_numbers,
+                     .n_groups = 1,
+                     .budget = 4000,
+                     .host = s,
+                     .run = run};
+    for (size_t p = 0; p < q.n_names; p++) q.lo[p] = 0.0, q.hi[p] = 1.0;
+    for (size_t k = 0; k < q.n_numbers; k++) {
+        q.error[k] = error;
+        q.value[k] = number_of(s, k, truth) + gsl_ran_gaussian(s->noise, error);
+    }
+    return q;
+}
+
+static int by_value(const void *a, const void *b)
+{
+    const double *p = a, *q = b;
+    return (*p > *q) - (*p < *q);
+}
+
+/* Kolmogorov's distance from the normal law, times the root of the number. */
+static double distance_from_normal(size_t n, double z[])
+{
+    double most = 0.0;
+    qsort(z, n, sizeof *z, by_value);
+    for (size_t i = 0; i < n; i++) {
+        const double at = gsl_cdf_ugaussian_P(z[i]);
+        most = fmax(most, fmax(fabs(at - (double)i / (double)n), fabs(at - (double)(i + 1) / (double)n)));
+    }
+    return most * sqrt((double)n);
+}
+
+static void planted(size_t n_names)
+{
+    const size_t n = check_fast() ? 40 : n_names < 3 || check_full() ? 1000 : 250;
+    stand_in s = {.n_names = n_names, .n_numbers = n_names + 1, .scatter = {1.0, 0.8, 0.6, 0.5}};
+    double *z = malloc(n * n_names * sizeof *z);
+    size_t inside[STATS_NAMES] = {0}, ok = 0, used = 0, tried = 0, recovered = 0;
+    s.noise = rp_random_alloc(2026, n_names, RP_PURPOSE_TEST);
+    for (size_t i = 0; i < n; i++) {
+        double truth[STATS_NAMES];
+        stats_answer a;
+        for (size_t p = 0; p < n_names; p++) truth[p] = 0.3 + 0.4 * gsl_rng_uniform(s.noise);
+        stats_quest q = quest_of(&s, truth, 0.4);
+        q.leave_out = i < 20;
+        CHECK_OK(stats_identify(&q, &a));
+        rp_arena_end(&s.arena);
+        bool known = true;
+        for (size_t p = 0; p < n_names; p++) known = known && isfinite(a.x[p]);
+        if (!known) continue; /* no_match: one case in a hundred */
+        ok += a.status[0] == STATS_IDENTIFIED_OK;
+        tried += a.tried, recovered += a.recovered;
+        for (size_t p = 0; p < n_names; p++) {
+            inside[p] += truth[p] >= a.lower[p] && truth[p] <= a.upper[p];
+            const double side =
+                truth[p] > a.x[p] ? (a.upper[p] - a.x[p]) / 1.96 : (a.x[p] - a.lower[p]) / 1.96;
+            z[used * n_names + p] = (truth[p] - a.x[p]) / side;
+        }
+        used++;
+    }
+    CU_ASSERT(used > 0.95 * (double)n);
+    for (size_t p = 0; p < n_names; p++) {
+        double *own = malloc(used * sizeof *own);
+        for (size_t i = 0; i < used; i++) own[i] = z[i * n_names + p];
+        const double share = (double)inside[p] / (double)used, far = distance_from_normal(used, own);
+        const bool good = check_fast() ? share > 0.8 : n < 1000 ? share > 0.91 : share > 0.93 && share < 0.97;
+        fprintf(
+            stderr,
+            "%zu names, name %zu: %.3f inside, distance %.2f, ok %zu of %zu, runs %ld, left out %zu of %zu\n",
+            n_names, p + 1, share, far, ok, used, s.runs / (long)n, recovered, tried);
+        CU_ASSERT(good && far < 1.95);
+        free(own);
+    }
+    CU_ASSERT((double)recovered > 0.8 * (double)tried);
+    gsl_rng_free(s.noise);
+    free(z);
+}
+
+static void test_one(void)
+{
+    planted(1);
+}
+static void test_two(void)
+{
+    planted(2);
+}
+static void test_three(void)
+{
+    planted(3);
+}
+
+/* Numbers that all tell the same sum: that one is found, its parts are not. */
+static void test_degenerate(void)
+{
+    const size_t n = check_fast() ? 20 : 100;
+    size_t said = 0, inside = 0;
+    stand_in s = {.n_names = 2, .n_numbers = 2, .degenerate = true, .scatter = {0.5, 0.5}};
+    s.noise = rp_random_alloc(7, 1, RP_PURPOSE_TEST);
+    for (size_t i = 0; i < n; i++) {
+        const double truth[] = {0.3 + 0.4 * gsl_rng_uniform(s.noise), 0.4 + 0.2 * gsl_rng_uniform(s.noise)};
+        stats_answer a;
+        const stats_quest q = quest_of(&s, truth, 0.3);
+        CHECK_OK(stats_identify(&q, &a));
+        rp_arena_end(&s.arena);
+        said +=
+            a.status[0] == STATS_IDENTIFIED_NOT_IDENTIFIED || a.status[1] == STATS_IDENTIFIED_NOT_IDENTIFIED;
+        CHECK_NEAR(a.weight[1] / a.weight[0], 1.9, 0.3);
+        inside += fabs(a.sum - (truth[0] + a.weight[1] * truth[1])) < 3.0 * a.sum_error;
+        CU_ASSERT(a.sum_error < 0.1);
+    }
+    CU_ASSERT((double)said >= 0.95 * (double)n && (double)inside > 0.9 * (double)n);
+    gsl_rng_free(s.noise);
+}
+
+static bool below(void *host, const double x[])
+{
+    (void)host;
+    return x[1] < x[0];
+}
+
+static void test_statuses(void)
+{
+    stand_in s = {.n_names = 1, .n_numbers = 1, .scatter = {1.0}};
+    stats_answer a;
+    s.noise = rp_random_alloc(8, 1, RP_PURPOSE_TEST);
+    stats_quest q = quest_of(&s, (double[STATS_NAMES]){0.5}, 0.4);
+    q.value[0] = 70.0;
+    CHECK_OK(stats_identify(&q, &a));
+    CU_ASSERT(a.status[0] == STATS_IDENTIFIED_NO_MATCH && isnan(a.x[0]));
+    q.value[0] = number_of(&s, 0, (double[STATS_NAMES]){1.0});
+    CHECK_OK(stats_identify(&q, &a));
+    CU_ASSERT(a.status[0] == STATS_IDENTIFIED_AT_LEAST && a.upper[0] == 1.0 && a.lower[0] > 0.5);
+    q.value[0] = number_of(&s, 0, (double[STATS_NAMES]){0.0});
+    CHECK_OK(stats_identify(&q, &a));
+    CU_ASSERT(a.status[0] == STATS_IDENTIFIED_AT_MOST && a.lower[0] == 0.0 && a.upper[0] < 0.4);
+    q.value[0] = number_of(&s, 0, (double[STATS_NAMES]){0.4}), q.budget = 30;
+    CHECK_OK(stats_identify(&q, &a));
+    CU_ASSERT(a.status[0] == STATS_IDENTIFIED_BUDGET && a.n_runs == 24 && a.lower[0] < 0.4 &&
+              a.upper[0] > 0.4);
+    q.budget = 20;
+    CHECK_FAILS(stats_identify(&q, &a), RP_BAD_INPUT, "the first stage needs 24 runs");
+    q.budget = 400, q.hi[0] = 0.0;
+    CHECK_FAILS(stats_identify(&q, &a), RP_BAD_INPUT, "range of name 1");
+    rp_arena_end(&s.arena);
+    gsl_rng_free(s.noise);
+    /* only what is allowed */
+    stand_in t = {.n_names = 2, .n_numbers = 2, .scatter = {0.5, 0.5}};
+    t.noise = rp_random_alloc(9, 1, RP_PURPOSE_TEST);
+    stats_quest two = quest_of(&t, (double[STATS_NAMES]){0.6, 0.4}, 0.2);
+    two.allowed = below, two.leave_out = true;
+    CHECK_OK(stats_identify(&two, &a));
+    CU_ASSERT(a.x[1] < a.x[0] && a.status[0] == STATS_IDENTIFIED_OK && a.tried > 10);
+    CHECK_NEAR(a.correlation[0][0], 1.0, 1e-12);
+    CHECK_NEAR(a.correlation[0][1], a.correlation[1][0], 1e-12);
+    rp_arena_end(&t.arena);
+    gsl_rng_free(t.noise);
+}
+
+void suite_identify(void)
+{
+    static const check_case cases[] = {
+        {"one name, planted", test_one},      {"two names, planted", test_two},
+        {"three names, planted", test_three}, {"what can't be told apart", test_degenerate},
+        {"statuses", test_statuses},          {0}};
+    check_register("identify", cases);
+}
