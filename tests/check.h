@@ -16,6 +16,7 @@
     X(suite_sparse)                                                                                          \
     X(suite_analytic)                                                                                        \
     X(suite_angle)                                                                                           \
+    X(suite_calibrate_text)                                                                                  \
     X(suite_identify)                                                                                        \
     X(suite_calibrate)                                                                                       \
     X(suite_claims)                                                                                          \

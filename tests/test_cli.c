@@ -48,23 +48,13 @@ static void check_failures(size_t n, const failure list[])
 /* ---- help ---- */
 
 /* Boolean options: help states neither a default nor "required". */
-static const char *const without_default[] = {"--help ",       "--study ",
-                                              "--where ",      "--bare ",
-                                              "--set ",        "--reduce ",
-                                              "--base ",       "--other-groups ",
-                                              "--pair ",       "-o ",
-                                              "--runs ",       "--missing ",
-                                              "--outline ",    "--disks ",
-                                              "--linear ",     "--set-again ",
-                                              "--summary ",    "--threshold ",
-                                              "--ledger ",     "--from ",
-                                              "--force ",      "--profile ",
-                                              "--resume ",     "--rotation ",
-                                              "--quiet ",      "--color ",
-                                              "--stress ",     "--markdown ",
-                                              "--completion ", "--json ",
-                                              "--shard ",      "--start ",
-                                              "--variants ",   NULL};
+static const char *const without_default[] = {
+    "--help ",     "--study ",        "--where ",  "--bare ",      "--set ",      "--reduce ",
+    "--base ",     "--other-groups ", "--pair ",   "-o ",          "--runs ",     "--missing ",
+    "--outline ",  "--disks ",        "--linear ", "--set-again ", "--summary ",  "--threshold ",
+    "--dry-run ",  "--ledger ",       "--from ",   "--force ",     "--profile ",  "--resume ",
+    "--rotation ", "--quiet ",        "--color ",  "--stress ",    "--markdown ", "--completion ",
+    "--json ",     "--shard ",        "--start ",  "--variants ",  NULL};
 
 static bool option_line_is_whole(const char *line)
 {

@@ -423,6 +423,10 @@ static void test_sweeps_refused(void)
         {"experiment = \"files.cfg\";", "particles_file: a text that is swept must be whole in itself"},
         {"experiment = \"included.cfg\";",
          "included.cfg:1: @include: a text that is swept must be whole in itself"},
+        {"experiment = \"taken.cfg\";", "taken.cfg: sum is a column that every sweep has"},
+        {"experiment = \"twice.cfg\";", "twice.cfg: rate and RATE differ by capitals alone"},
+        {"experiment = \"seed.cfg\"; grid = { seed = [1.0, 2.0]; };",
+         "seed: is a column that every sweep has"},
         {"replicas = 3;", "protocol or experiment: missing"}};
     char text[8192];
     replaced(small_hopper(), "mu = 0.2", "mu = 0.2; unused = 1.0", text);
@@ -430,6 +434,9 @@ static void test_sweeps_refused(void)
     write_text("plain.cfg", "steps = 3; particles = ( { x = 0.0; y = 0.0; r = 0.1; } );\n");
     write_text("files.cfg", "particles_file = \"p.tsv\"; phases = ( { name = \"a\"; steps = 3; } );\n");
     write_text("p.tsv", "x\ty\tr\n0\t0\t0.1\n");
+    write_text("out", "%s", ""), write_text("err", "%s", "");
+    CU_ASSERT(shell("sed 's/packed/sum/' h.cfg >taken.cfg; sed 's/packed/RATE/' h.cfg >twice.cfg; "
+                    "sed 's/unused/seed/' h.cfg >seed.cfg") == 0);
     write_text("included.cfg", "@include \"h.cfg\"\n");
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         write_text("s.cfg", "%s\n", cases[k][0]);

@@ -386,6 +386,7 @@ static void judge(const search *s, bool converged, stats_answer *a)
                        : high                                     ? STATS_IDENTIFIED_AT_LEAST
                        : converged                                ? STATS_IDENTIFIED_OK
                                                                   : STATS_IDENTIFIED_BUDGET;
+        if (a->se[p] > 10.0 * range) a->se[p] = NAN; /* no number tells */
         if (!match) a->x[p] = a->se[p] = a->lower[p] = a->upper[p] = NAN;
         if (low && match) a->lower[p] = q->lo[p];
         if (high && match) a->upper[p] = q->hi[p];

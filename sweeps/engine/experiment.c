@@ -1,9 +1,11 @@
 /* An experiment's text as a protocol: its lets are the parameters, its measures the outputs. */
+#include "sweeps/engine/private.h"
 #include "sweeps/engine/experiment.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 #include "core/arena.h"
 #include "core/file.h"
@@ -190,6 +192,15 @@ static rp_status describe(sweep_experiment *e, const exp_plan *plan)
     for (size_t k = 0; k < n; k++) {
         outputs[k] = (sweep_output){rp_text(&e->arena, "%s", o[k].name), rp_text(&e->arena, "%s", o[k].unit),
                                     rp_text(&e->arena, "%s", o[k].meaning)};
+        if (outputs[k].name && sweep_column_is_taken(outputs[k].name, true))
+            return rp_fail(RP_BAD_INPUT,
+                           "%s: %s is a column that every sweep has; give the measure another name",
+                           e->text.path, outputs[k].name);
+        for (size_t j = 0; j < k; j++)
+            if (outputs[k].name && strcasecmp(outputs[j].name, outputs[k].name) == 0)
+                return rp_fail(RP_BAD_INPUT,
+                               "%s: %s and %s differ by capitals alone, which a store does not tell",
+                               e->text.path, outputs[j].name, outputs[k].name);
         for (size_t p = 0; p < n_params; p++)
             if (outputs[k].name && schema[p].name && strcmp(schema[p].name, outputs[k].name) == 0)
                 return rp_fail(RP_BAD_INPUT, "%s: %s is a let and a column of a measure", e->text.path,

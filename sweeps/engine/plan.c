@@ -198,6 +198,9 @@ static rp_status read_axis(sweep_plan *plan, size_t a, const config_setting_t *f
     for (size_t other = 0; other < a; other++)
         if (plan->axes[other].param == axis->param)
             return rp_config_fail(axis->list, "%s: appears twice in the grid; keep one", name);
+    if (plan->protocol->context && sweep_column_is_taken(name, false))
+        return rp_config_fail(axis->list, "%s: is a column that every sweep has; give the let another name",
+                              name);
     const rp_type type = axis->param->type;
     if (type == RP_FLAGS || type == RP_TEXT || type == RP_TEXTS)
         return rp_config_fail(axis->list, "%s: cannot vary over a grid; set it under fixed", name);

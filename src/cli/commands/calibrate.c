@@ -3,7 +3,7 @@
 #include <unistd.h>
 
 #include "stats/calibrate.h"
-#include "cli/cli.h"
+#include "cli/commands/identify.h"
 
 #define CALIBRATE_OPTIONS(X)                                                                                 \
     X(REAL, theta_r_deg, "deg", "none", "(-90, 90) | none", "measured angle of repose, by method 3")         \
@@ -14,6 +14,8 @@
       "parameter to find, or two (mu,mu_roll); the piles must vary these and no others")                     \
     X(TEXT, sweep, "", "sweeps/studies/calibrate.cfg", "", "sweep file of the simulated piles")              \
     X(TEXT, o, "", "calibrate", "", "folder of that sweep; stored runs are not made again")                  \
+    X(INT, budget, "", "auto", "[1, 10000000] | auto", "most runs, of FILE; auto: the file's")               \
+    X(BOOL, dry_run, "", "false", "", "check FILE, and say what the first stage needs")                      \
     X(TEXT, runs, "", "", "", "table of piles instead of a sweep, as repose sweep export writes it")         \
     CLI_FORCE(X)                                                                                             \
     CLI_QUIET(X)                                                                                             \
@@ -300,6 +302,14 @@ static rp_status calibrate(cli_call *call, const void *values)
 {
     const calibrate_options *o = values;
     problem s = {.call = call, .path = o->runs};
+    const char *file = cli_argument(call, 0);
+    if (file && (!isinf(o->theta_r_deg) || !isinf(o->theta_t_deg) || *o->runs || cli_given(call, "fit")))
+        return rp_fail(
+            RP_USAGE, "%s says what is measured and fitted: no --theta-r-deg, --theta-t-deg, --fit or --runs",
+            file);
+    if (file)
+        return cli_identify(call, cli_data(call->arena, file),
+                            &(calibrate_text_options){o->o, o->budget, o->j, o->quiet, o->force, o->dry_run});
     RP_TRY(read_measured(o, &s));
     if (!*o->runs) RP_TRY(run_sweep(o, &s));
     if (!s.table) RP_TRY(rp_table_load(call->arena, s.path, &s.table));
@@ -312,9 +322,28 @@ static rp_status calibrate(cli_call *call, const void *values)
 
 const cli_command cmd_calibrate = {
     "calibrate",
-    "friction that gives a measured angle of repose, with its interval",
+    "parameters that give measured numbers, with their intervals",
+    "FILE.cfg [-o DIR] [--budget RUNS] [--dry-run]\n"
     "--theta-r-deg ANGLE --error-deg SE [options]",
-    "Finds the friction that gives a measured angle. Piles are simulated over a range of friction, and\n"
+    "FILE.cfg: find up to three names of experiments (`let`) from several measured numbers. It has\n"
+    "fit = { NAME = [from, to]; } and measured = ( { experiment, of, value, error } ), where `of` is a "
+    "column of the\n"
+    "experiment's sweep, and if wanted fixed = { ... }, model_error, protocol instead of experiment, or "
+    "runs, a table\n"
+    "of another program; where = \"CONDITION\" of the names, seed, budget. Each number is fitted by a "
+    "quadratic of the\n"
+    "names over the runs of a design; where that agrees with the measurements, a smaller box gets more runs, "
+    "until the\n"
+    "answer is settled. Each stage is a sweep in DIR: the same command continues. The interval is of 95 %, "
+    "by profiles\n"
+    "of chi2. The header has each number's residual, correlations, the combination of the names that is "
+    "determined\n"
+    "best, and how many points of the design the others find again. status is ok, at_least, at_most, "
+    "not_identified\n"
+    "(nine tenths of the range agree), no_match, or budget (not settled yet); exit status 1 unless ok.\n"
+    "\n"
+    "--theta-r-deg: the friction of a box that gives a measured angle. Piles are simulated over a range of "
+    "friction, and\n"
     "their mean angles are fitted by powers or a saturating form, whichever has the least AIC. The fit is\n"
     "inverted. The first call simulates for some minutes; the folder -o keeps the piles for the next one.\n"
     "\n"

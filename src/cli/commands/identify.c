@@ -1,0 +1,574 @@
+/* repose calibrate FILE: names of experiments from numbers that were measured. Each stage of the search is a
+ * sweep in the folder, which it goes on from. */
+#include "cli/commands/identify.h"
+
+#include <limits.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "core/folder.h"
+#include "params/config.h"
+#include "params/expression.h"
+#include "params/units.h"
+#include "stats/identify.h"
+#include "stats/stats.h"
+
+/* Runs that give some of the numbers: of an experiment or protocol with values of its own, or of a table. */
+typedef struct {
+    const char *kind, *source, *runs; /* "experiment" or "protocol" and its name; a table */
+    const config_setting_t *fixed;
+    bool has[STATS_NAMES]; /* it has this name */
+    rp_table *table;       /* of the last stage */
+} group;
+
+typedef struct {
+    const char *of, *experiment, *protocol, *runs;
+    double value, error, model_error;
+} measured;
+
+typedef struct {
+    const cli_call *call;
+    const calibrate_text_options *o;
+    const char *path, *folder; /* of the file */
+    config_t config;
+    stats_quest quest;
+    const char *name[STATS_NAMES];
+    measured number[STATS_NUMBERS];
+    group group[STATS_NUMBERS];
+    long seed, budget;
+    rp_expression where;
+    rp_x_names names;
+    size_t n_table_points;
+    double *points; /* of tables */
+    stats_runs *runs;
+} problem;
+
+#define member(setting, name) config_setting_get_member(setting, name)
+
+/* ---- the file ---- */
+
+static rp_status read_fit(problem *s, const config_setting_t *fit)
+{
+    const int n = fit && config_setting_is_group(fit) ? config_setting_length(fit) : 0;
+    if (n < 1 || n > STATS_NAMES)
+        return fit ? rp_config_fail(fit, "fit: a group of one to %d names, { NAME = [from, to]; } expected",
+                                    STATS_NAMES)
+                   : rp_fail(RP_BAD_INPUT, "%s: fit: missing (what is to be found)", s->path);
+    s->quest.n_names = (size_t)n;
+    for (int i = 0; i < n; i++) {
+        const config_setting_t *range = config_setting_get_elem(fit, (unsigned)i);
+        double ends[2];
+        s->name[i] = config_setting_name(range);
+        RP_TRY(rp_config_pair(range, ends));
+        if (!(ends[1] > ends[0]))
+            return rp_config_fail(range, "%s: [%g, %g]: a range from a smaller to a larger number expected",
+                                  s->name[i], ends[0], ends[1]);
+        s->quest.lo[i] = ends[0], s->quest.hi[i] = ends[1];
+    }
+    return RP_OK;
+}
+
+static bool same_setting(const config_setting_t *a, const config_setting_t *b)
+{
+    rp_value u, v;
+    if (!a || !b) return a == b;
+    const int n = config_setting_is_aggregate(a) ? config_setting_length(a) : 0;
+    if (config_setting_is_aggregate(a) != config_setting_is_aggregate(b)) return false;
+    if (!config_setting_is_aggregate(a)) {
+        if (rp_config_scalar(a, &u) || rp_config_scalar(b, &v) || u.kind != v.kind) return false;
+        return u.kind == RP_V_TEXT ? strcmp(u.s, v.s) == 0 : u.kind == RP_V_REAL ? u.r == v.r : u.i == v.i;
+    }
+    bool same = n == config_setting_length(b);
+    for (int i = 0; i < n && same; i++) {
+        const config_setting_t *p = config_setting_get_elem(a, (unsigned)i),
+                               *q = config_setting_get_elem(b, (unsigned)i);
+        const char *one = config_setting_name(p), *other = config_setting_name(q);
+        same = (!one || (other && strcmp(one, other) == 0)) && same_setting(p, q);
+    }
+    return same;
+}
+
+static bool same_text(const char *a, const char *b)
+{
+    return a == b || (a && b && strcmp(a, b) == 0);
+}
+
+/* The group of a number: that of an earlier one of the same runs, or a new one. */
+static size_t group_of(problem *s, const measured *m, const config_setting_t *fixed)
+{
+    const group own = {.kind = *m->experiment ? "experiment" : "protocol",
+                       .source = *m->experiment ? m->experiment : m->protocol,
+                       .runs = *m->runs ? m->runs : NULL,
+                       .fixed = fixed};
+    size_t g = 0;
+    while (g < s->quest.n_groups &&
+           !(same_text(s->group[g].source, own.source) && same_text(s->group[g].runs, own.runs) &&
+             same_setting(s->group[g].fixed, fixed)))
+        g++;
+    if (g == s->quest.n_groups) s->group[s->quest.n_groups++] = own;
+    return g;
+}
+
+static rp_status read_measured(problem *s, const config_setting_t *setting, size_t k)
+{
+#define AT(field) offsetof(measured, field)
+    static const rp_param schema[] = {
+        {"of", "", RP_TEXT, AT(of), NULL, "", "column"},
+        {"value", "", RP_REAL, AT(value), NULL, "(-inf, inf)", "measured"},
+        {"error", "", RP_REAL, AT(error), NULL, "(0, inf)", "its standard error"},
+        {"model_error", "", RP_REAL, AT(model_error), "0", "[0, inf)",
+         "of the model, which adds in quadrature"},
+        {"experiment", "", RP_TEXT, AT(experiment), "", "", "file"},
+        {"protocol", "", RP_TEXT, AT(protocol), "", "", "its name"},
+        {"runs", "", RP_TEXT, AT(runs), "", "", "table of another program"},
+        {0}};
+    measured *m = &s->number[k];
+    if (!config_setting_is_group(setting))
+        return rp_config_fail(setting, "measured: a list ( { ... } ) expected");
+    rp_params_defaults(schema, m);
+    RP_TRY(rp_config_group(setting, schema, m, (const char *const[]){"fixed", NULL}));
+    if ((*m->experiment != 0) + (*m->protocol != 0) + (*m->runs != 0) != 1)
+        return rp_config_fail(setting, "measured: one of experiment, protocol and runs expected");
+    if (*m->runs && member(setting, "fixed"))
+        return rp_config_fail(member(setting, "fixed"), "fixed: a table is as it is");
+    s->quest.value[k] = m->value;
+    s->quest.error[k] = hypot(m->error, m->model_error);
+    s->quest.group[k] = group_of(s, m, member(setting, "fixed"));
+    s->quest.fixed_runs |= *m->runs != 0;
+    return RP_OK;
+}
+
+/* Names of the condition `where`. */
+static rp_status find_name(void *host, const char *name, int n_args, rp_x_symbol *symbol, bool *known)
+{
+    const problem *s = host;
+    for (size_t p = 0; p < s->quest.n_names && n_args < 0; p++)
+        if (strcmp(s->name[p], name) == 0)
+            *symbol = (rp_x_symbol){.type = RP_X_NUMBER, .key = s->name[p], .id = (int)p}, *known = true;
+    return RP_OK;
+}
+
+static void list_names(void *host, rp_guess *guess)
+{
+    const problem *s = host;
+    for (size_t p = 0; p < s->quest.n_names; p++) rp_guess_try(guess, s->name[p]);
+}
+
+typedef struct {
+    const double *x;
+} place;
+
+static double load(void *host, int id, const double args[])
+{
+    (void)args;
+    return ((const place *)host)->x[id];
+}
+
+static bool allowed(void *host, const double x[])
+{
+    const problem *s = host;
+    place at = {x};
+    const rp_x_values values = {&at, load};
+    return rp_expression_value(&s->where, &values, NULL) != 0.0;
+}
+
+static rp_status read_file(problem *s)
+{
+#undef AT
+#define AT(field) offsetof(problem, field)
+    static const rp_param schema[] = {
+        {"seed", "", RP_INT, AT(seed), "1", "[0, 2147483647]", "of the runs"},
+        {"budget", "", RP_INT, AT(budget), "1000", "[1, 10000000]", "most runs"},
+        {0}};
+    RP_TRY(rp_config_read(s->path, &s->config));
+    const config_setting_t *root = config_root_setting(&s->config), *list = member(root, "measured"),
+                           *where = member(root, "where");
+    rp_params_defaults(schema, s);
+    RP_TRY(rp_config_group(root, schema, s, (const char *const[]){"fit", "measured", "where", NULL}));
+    RP_TRY(read_fit(s, member(root, "fit")));
+    const int n = list && config_setting_is_list(list) ? config_setting_length(list) : 0;
+    if (n < 1 || n > STATS_NUMBERS)
+        return list ? rp_config_fail(list, "measured: a list ( { ... } ) of 1 to %d numbers expected",
+                                     STATS_NUMBERS)
+                    : rp_fail(RP_BAD_INPUT, "%s: measured: missing (the numbers)", s->path);
+    s->quest.n_numbers = (size_t)n;
+    for (int k = 0; k < n; k++)
+        RP_TRY(read_measured(s, config_setting_get_elem(list, (unsigned)k), (size_t)k));
+    for (size_t g = 0; g < s->quest.n_groups && s->quest.fixed_runs; g++)
+        if (!s->group[g].runs)
+            return rp_config_fail(list, "measured: numbers of tables and of experiments don't go together");
+    s->quest.budget = (size_t)(s->o->budget > 0 ? s->o->budget : s->budget);
+    if (!where) return RP_OK;
+    const char *text = config_setting_get_string(where);
+    s->names = (rp_x_names){.host = s, .find = find_name, .list = list_names};
+    if (!text || rp_expression_read_as(s->call->arena, text, RP_X_TRUTH, &s->names, &s->where))
+        return rp_config_fail(where, "where%s%s: %s", text ? " " : "", text ? text : "",
+                              text ? rp_message() : "a condition of the names expected");
+    s->quest.allowed = allowed;
+    return RP_OK;
+}
+
+/* ---- stages ---- */
+
+static void write_value(FILE *out, const config_setting_t *setting)
+{
+    rp_value v;
+    if (!config_setting_is_aggregate(setting)) {
+        if (rp_config_scalar(setting, &v)) return;
+        if (v.kind == RP_V_REAL) fprintf(out, "%.17e", v.r);
+        if (v.kind == RP_V_INT) fprintf(out, "%ld", v.i);
+        if (v.kind == RP_V_BOOL) fputs(v.i ? "true" : "false", out);
+        if (v.kind == RP_V_TEXT) fprintf(out, "\"%s\"", v.s);
+        return;
+    }
+    const bool named = config_setting_is_group(setting);
+    fputs(named ? "{ " : "( ", out);
+    for (int i = 0; i < config_setting_length(setting); i++) {
+        const config_setting_t *part = config_setting_get_elem(setting, (unsigned)i);
+        if (named) fprintf(out, "%s = ", config_setting_name(part));
+        if (!named && i) fputs(", ", out);
+        write_value(out, part);
+        if (named) fputs("; ", out);
+    }
+    fputs(named ? "}" : " )", out);
+}
+
+/* The sweep of a group's runs at the points; names that it does not have are left out. */
+static rp_status write_sweep(const problem *s, const group *g, const char *path, size_t n, const double x[],
+                             size_t replicas)
+{
+    FILE *out;
+    char real[PATH_MAX];
+    const char *source = g->source;
+    if (strcmp(g->kind, "experiment") == 0) {
+        RP_TRY(rp_path(s->call->arena, &source, "%s%s", *g->source == '/' ? "" : s->folder, g->source));
+        if (!realpath(cli_data(s->call->arena, source), real))
+            return rp_fail(RP_BAD_INPUT, "%s: experiment = \"%s\": no such file", s->path, source);
+        source = real;
+    }
+    RP_TRY(rp_file_open(path, &out));
+    fprintf(out, "%s = \"%s\";\nreplicas = %zu;\nseed = %ld;\n", g->kind, source, replicas, s->seed);
+    if (g->fixed) fputs("fixed = ", out), write_value(out, g->fixed), fputs(";\n", out);
+    fputs("zip = true;\ngrid = {\n", out);
+    for (size_t p = 0; p < s->quest.n_names; p++) {
+        if (!g->has[p]) continue;
+        fprintf(out, "  %s = [ ", s->name[p]);
+        for (size_t i = 0; i < n; i++) fprintf(out, "%s%.17e", i ? ", " : "", x[i * s->quest.n_names + p]);
+        fputs(" ];\n", out);
+    }
+    fputs("};\n", out);
+    return rp_file_close(path, out, RP_OK);
+}
+
+/* The names that a sweep of the group may have, tried one by one. */
+static rp_status find_names(problem *s, size_t k, const char *path)
+{
+    group *g = &s->group[k];
+    bool has[STATS_NAMES];
+    double x[STATS_NAMES];
+    for (size_t p = 0; p < s->quest.n_names; p++) x[p] = 0.5 * (s->quest.lo[p] + s->quest.hi[p]);
+    for (size_t p = 0; p < s->quest.n_names; p++) {
+        char *text = NULL;
+        size_t size;
+        memset(g->has, 0, sizeof g->has);
+        g->has[p] = true;
+        RP_TRY(write_sweep(s, g, path, 1, x, 1));
+        FILE *columns = open_memstream(&text, &size);
+        if (!columns) return rp_fail(RP_NO_MEMORY, "calibrate: out of memory");
+        const rp_status status = sweep_columns(path, sweep_protocols, SWEEP_RUNS, columns);
+        fclose(columns), free(text);
+        if (status && !strstr(rp_message(), "unknown key")) return status;
+        has[p] = !status;
+    }
+    memcpy(g->has, has, sizeof has);
+    return RP_OK;
+}
+
+static rp_status column_of(const problem *s, const rp_table *table, size_t k, int *column)
+{
+    rp_guess guess = rp_guess_of(s->number[k].of);
+    *column = rp_table_column(table, s->number[k].of);
+    for (size_t c = 0; c < table->n_columns; c++) rp_guess_try(&guess, table->names[c]);
+    return *column >= 0 ? RP_OK
+                        : rp_fail(RP_BAD_INPUT, "%s: of = \"%s\": the runs have no such column%s", s->path,
+                                  s->number[k].of, rp_guess_text(&guess));
+}
+
+static void add_run(stats_runs *r, double y)
+{
+    const double d = y - r->mean;
+    r->n++, r->mean += d / r->n, r->squares += d * (y - r->mean);
+}
+
+/* Numbers of a group's table, whose rows go by points. */
+static rp_status take_numbers(const problem *s, size_t g, size_t n, size_t replicas, stats_runs *runs)
+{
+    const rp_table *t = s->group[g].table;
+    const int status = rp_table_column(t, "status");
+    for (size_t k = 0; k < s->quest.n_numbers; k++) {
+        int column;
+        if (s->quest.group[k] != g) continue;
+        RP_TRY(column_of(s, t, k, &column));
+        for (size_t row = 0; row < t->n_rows && row < n * replicas; row++) {
+            double y;
+            if (status >= 0 && !rp_is_result(rp_cell(t, row, status))) continue;
+            RP_TRY(rp_table_number(t, row, column, 1, &y));
+            if (isfinite(y)) add_run(&runs[k * n + row / replicas], y);
+        }
+    }
+    return RP_OK;
+}
+
+static rp_status run_group(problem *s, size_t stage, size_t g, size_t n, const double x[], size_t replicas)
+{
+    const char *path, *dir;
+    sweep_counts counts;
+    RP_TRY(rp_path(s->call->arena, &path, "%s/stage_%zu_%zu.cfg", s->o->o, stage + 1, g + 1));
+    RP_TRY(rp_path(s->call->arena, &dir, "%s/stage_%zu_%zu", s->o->o, stage + 1, g + 1));
+    RP_TRY(write_sweep(s, &s->group[g], path, n, x, replicas));
+    RP_TRY(cli_claim_sweep(dir, path, s->o->force));
+    RP_TRY(sweep_prepare(path, dir, 0, sweep_protocols, NULL, &counts));
+    if (!s->o->quiet && counts.stored < counts.planned)
+        fprintf(stderr, "repose calibrate: stage %zu, %s: %zu points, %zu runs each, in %s\n", stage + 1,
+                s->group[g].source, n, replicas, dir);
+    rp_status status = cli_sweep_run(dir, (sweep_options){.workers = (int)s->o->j, .snapshot = CLI_SNAPSHOT},
+                                     s->o->quiet, &counts);
+    if (status) return status;
+    return cli_sweep_table(s->call, dir, SWEEP_RUNS, &s->group[g].table, &counts);
+}
+
+static rp_status run_stage(void *host, size_t stage, size_t *n, const double **x, const size_t replicas[],
+                           stats_runs **runs)
+{
+    problem *s = host;
+    if (s->quest.fixed_runs) return *n = s->n_table_points, *x = s->points, *runs = s->runs, RP_OK;
+    RP_NEW(s->call->arena, *runs, *n * s->quest.n_numbers);
+    for (size_t g = 0; g < s->quest.n_groups; g++) {
+        RP_TRY(run_group(s, stage, g, *n, *x, replicas[g]));
+        RP_TRY(take_numbers(s, g, *n, replicas[g], *runs));
+    }
+    return RP_OK;
+}
+
+/* Points and numbers of tables: rows with equal names are runs of one point. */
+static rp_status read_tables(problem *s)
+{
+    const size_t p = s->quest.n_names, K = s->quest.n_numbers;
+    size_t rows = 0;
+    for (size_t g = 0; g < s->quest.n_groups; g++) {
+        const char *path;
+        RP_TRY(rp_path(s->call->arena, &path, "%s%s", *s->group[g].runs == '/' ? "" : s->folder,
+                       s->group[g].runs));
+        RP_TRY(rp_table_load(s->call->arena, path, &s->group[g].table));
+        rows += s->group[g].table->n_rows;
+    }
+    RP_NEW(s->call->arena, s->points, rows * p + 1);
+    stats_runs *runs;
+    RP_NEW(s->call->arena, runs, rows * K + 1);
+    RP_NEW(s->call->arena, s->runs, rows * K + 1);
+    for (size_t g = 0; g < s->quest.n_groups; g++) {
+        const rp_table *t = s->group[g].table;
+        const int status = rp_table_column(t, "status");
+        const char *names = s->name[0];
+        for (size_t i = 1; i < p; i++) names = rp_text(s->call->arena, "%s,%s", names, s->name[i]);
+        double *v;
+        RP_TRY(rp_columns_read(s->call->arena, t, names, &v));
+        for (size_t row = 0; row < t->n_rows; row++) {
+            double x[STATS_NAMES];
+            size_t i = 0;
+            if (status >= 0 && !rp_is_result(rp_cell(t, row, status))) continue;
+            for (size_t c = 0; c < p; c++) x[c] = v[c * t->n_rows + row];
+            while (i < s->n_table_points && memcmp(&s->points[i * p], x, p * sizeof *x) != 0) i++;
+            if (i == s->n_table_points) memcpy(&s->points[s->n_table_points++ * p], x, p * sizeof *x);
+            for (size_t k = 0; k < K; k++) {
+                int column;
+                double y;
+                if (s->quest.group[k] != g) continue;
+                RP_TRY(column_of(s, t, k, &column));
+                RP_TRY(rp_table_number(t, row, column, 1, &y));
+                if (isfinite(y)) add_run(&runs[i * K + k], y);
+            }
+        }
+    }
+    for (size_t i = 0; i < s->n_table_points; i++)
+        for (size_t k = 0; k < K; k++) s->runs[k * s->n_table_points + i] = runs[i * K + k];
+    return RP_OK;
+}
+
+/* ---- the answer ---- */
+
+/* "mu + 1.9 mu_roll" */
+static const char *combination(const problem *s, const stats_answer *a)
+{
+    const char *text = "";
+    for (size_t p = 0; p < s->quest.n_names; p++) {
+        const double w = a->weight[p];
+        if (w == 0.0) continue;
+        const char *sign = !*text ? (w < 0.0 ? "-" : "") : w < 0.0 ? " - " : " + ";
+        text = fabs(fabs(w) - 1.0) < 5e-4
+                   ? rp_text(s->call->arena, "%s%s%s", text, sign, s->name[p])
+                   : rp_text(s->call->arena, "%s%s%.3g %s", text, sign, fabs(w), s->name[p]);
+    }
+    return text;
+}
+
+/* Of the numbers that the runs give besides, the one whose slope across the combination is largest beside its
+ * scatter; by straight lines through the last stage's runs. */
+static const char *separator(const problem *s, const stats_answer *a)
+{
+    const size_t p = s->quest.n_names;
+    double most = 3.0;
+    const char *best = NULL;
+    for (size_t g = 0; g < s->quest.n_groups; g++) {
+        const rp_table *t = s->group[g].table;
+        int names[STATS_NAMES];
+        bool whole = t && t->n_rows > 4 * p;
+        for (size_t i = 0; i < p && whole; i++) whole = (names[i] = rp_table_column(t, s->name[i])) >= 0;
+        for (size_t c = 0; c < (whole ? t->n_columns : 0); c++) {
+            RP_SCOPE(arena);
+            const double *cells = t->places[0].numbers;
+            double *X, *y, coefficients[STATS_NAMES + 1], covariance[(STATS_NAMES + 1) * (STATS_NAMES + 1)],
+                along = 0.0, power = 0.0, weight2 = 0.0;
+            bool used = !cells;
+            for (size_t k = 0; k < s->quest.n_numbers; k++) used |= strcmp(s->number[k].of, t->names[c]) == 0;
+            for (size_t i = 0; i < p; i++) used |= names[i] == (int)c;
+            for (const char *const *other = (const char *const[]){"run", "replica", "pile", "seconds", NULL};
+                 *other; other++)
+                used |= strcmp(*other, t->names[c]) == 0;
+            X = rp_arena_memory(&arena, t->n_rows * (p + 1), sizeof *X),
+            y = rp_arena_memory(&arena, t->n_rows, sizeof *y);
+            size_t n = 0;
+            for (size_t row = 0; row < t->n_rows && X && y && !used; row++) {
+                double v = NAN;
+                if (rp_table_number(t, row, (int)c, 1, &v) || !isfinite(v)) continue;
+                X[n * (p + 1)] = 1.0, y[n] = v;
+                for (size_t i = 0; i < p; i++) {
+                    double x = NAN;
+                    rp_table_number(t, row, names[i], 1, &x);
+                    X[n * (p + 1) + 1 + i] = (x - s->quest.lo[i]) / (s->quest.hi[i] - s->quest.lo[i]);
+                }
+                n++;
+            }
+            stats_linear fit = {.n = n,
+                                .p = p + 1,
+                                .X = X,
+                                .y = y,
+                                .tolerance = 1e-12,
+                                .c = coefficients,
+                                .covariance = covariance};
+            if (n < 2 * p + 4 || stats_linear_fit(&fit) || !(fit.chi2 > 0.0)) continue;
+            for (size_t i = 0; i < p; i++) {
+                const double w = a->weight[i] * (s->quest.hi[i] - s->quest.lo[i]);
+                along += w * coefficients[i + 1], weight2 += w * w,
+                    power += coefficients[i + 1] * coefficients[i + 1];
+            }
+            const double across =
+                sqrt(fmax(power - along * along / weight2, 0.0) / (fit.chi2 / (double)(n - p - 1)));
+            if (across > most)
+                most = across, best = rp_text(s->call->arena, "%s of %s", t->names[c],
+                                              s->group[g].source ? s->group[g].source : s->group[g].runs);
+        }
+    }
+    return best;
+}
+
+static void print_answer(const problem *s, const stats_answer *a)
+{
+    cli_provenance(s->call, stdout);
+    rp_table_note(stdout, "runs", "%zu at %zu points, %zu of them without some number, in %zu stages",
+                  s->quest.fixed_runs ? 0 : a->n_runs, a->n_points, a->n_failed, a->stages);
+    rp_table_note(stdout, "chi2", "%.3g over %zu", a->chi2, a->dof);
+    for (size_t k = 0; k < s->quest.n_numbers; k++) {
+        const measured *m = &s->number[k];
+        const double d = (m->value - a->fitted[k]) / hypot(s->quest.error[k], a->fit_error[k]);
+        rp_table_note(stdout, m->of,
+                      "measured %.6g +- %.3g, fitted %.6g +- %.3g, residual %.2g; form p = %.2g", m->value,
+                      s->quest.error[k], a->fitted[k], a->fit_error[k], d, a->p_value[k]);
+    }
+    for (size_t p = 1; p < s->quest.n_names; p++)
+        for (size_t q = 0; q < p; q++)
+            rp_table_note(stdout, "correlation", "%s and %s: %.2f", s->name[q], s->name[p],
+                          a->correlation[q][p]);
+    if (s->quest.n_names > 1)
+        rp_table_note(stdout, "determined", "%s = %.4g +- %.2g", combination(s, a), a->sum, a->sum_error);
+    rp_table_note(stdout, "left out", "%zu of %zu points are found again by the others", a->recovered,
+                  a->tried);
+    rp_table_note(stdout, "holds for", "the experiments that ran, and no other model");
+    rp_table_header(stdout, "parameter, value, se, lower, upper, status");
+    for (size_t p = 0; p < s->quest.n_names; p++) {
+        printf("%s\t", s->name[p]);
+        CLI_ROW_WORD(stats_identified_words[a->status[p]], a->x[p], a->se[p], a->lower[p], a->upper[p]);
+    }
+}
+
+/* A name that is not found, with what is known of it. */
+static rp_status conclude(const problem *s, const stats_answer *a)
+{
+    size_t p = 0;
+    while (p < s->quest.n_names && a->status[p] != STATS_IDENTIFIED_NOT_IDENTIFIED) p++;
+    if (p == s->quest.n_names)
+        for (p = 0; p < s->quest.n_names && a->status[p] == STATS_IDENTIFIED_OK;) p++;
+    if (p == s->quest.n_names) return RP_OK;
+    const stats_identified status = a->status[p];
+    const char *more = "";
+    if (status == STATS_IDENTIFIED_NOT_IDENTIFIED && s->quest.n_names > 1) {
+        const char *other = separator(s, a);
+        more = rp_text(s->call->arena, "; determined is %s = %.3g +- %.2g%s%s", combination(s, a), a->sum,
+                       a->sum_error, other ? "; best to separate the names: " : "", other ? other : "");
+    }
+    if (status == STATS_IDENTIFIED_BUDGET)
+        more = rp_text(s->call->arena, "; %zu of %zu runs; --budget gives more", a->n_runs, s->quest.budget);
+    return rp_fail(RP_NO_RESULT, "%s: %s: %s%s", s->name[p], stats_identified_words[status],
+                   stats_identified_meanings[status], more);
+}
+
+static rp_status plan_alone(const problem *s)
+{
+    const size_t n = 8 * s->quest.n_names + 4;
+    cli_provenance(s->call, stdout);
+    rp_table_note(stdout, "first stage", "%zu points, %zu runs; at most %zu in all", n,
+                  2 * n * s->quest.n_groups, s->quest.budget);
+    rp_table_header(stdout, "number, group, value, error");
+    for (size_t k = 0; k < s->quest.n_numbers; k++) {
+        printf("%s\t", s->number[k].of);
+        CLI_ROW((double)s->quest.group[k] + 1.0, s->quest.value[k], s->quest.error[k]);
+    }
+    return RP_OK;
+}
+
+static rp_status find(problem *s)
+{
+    stats_answer a;
+    RP_TRY(read_file(s));
+    if (s->quest.fixed_runs) RP_TRY(read_tables(s));
+    if (!s->quest.fixed_runs) {
+        RP_TRY(rp_folder_make(s->o->o));
+        for (size_t g = 0; g < s->quest.n_groups; g++) {
+            const char *path;
+            RP_TRY(rp_path(s->call->arena, &path, "%s/stage_1_%zu.cfg", s->o->o, g + 1));
+            RP_TRY(find_names(s, g, path));
+        }
+    }
+    for (size_t p = 0; p < s->quest.n_names && !s->quest.fixed_runs; p++) {
+        bool some = false;
+        for (size_t g = 0; g < s->quest.n_groups; g++) some |= s->group[g].has[p];
+        if (!some)
+            return rp_fail(RP_BAD_INPUT, "%s: fit.%s: no experiment has this name", s->path, s->name[p]);
+    }
+    if (s->o->dry_run) return plan_alone(s);
+    s->quest.host = s, s->quest.run = run_stage, s->quest.leave_out = true;
+    RP_TRY(rp_prefix(stats_identify(&s->quest, &a), "%s: ", s->path));
+    print_answer(s, &a);
+    return conclude(s, &a);
+}
+
+rp_status cli_identify(const cli_call *call, const char *path, const calibrate_text_options *o)
+{
+    problem s = {.call = call, .o = o, .path = path, .folder = ""};
+    const char *slash = strrchr(path, '/');
+    if (slash) s.folder = rp_text(call->arena, "%.*s", (int)(slash - path) + 1, path);
+    rp_status status = find(&s);
+    config_destroy(&s.config);
+    return status;
+}

@@ -1,0 +1,144 @@
+/* repose calibrate FILE: a planted friction is found by runs; tables of other programs; what is refused. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "check.h"
+#include "core/random.h"
+#include "folder.h"
+#include "program.h"
+
+#include <gsl/gsl_randist.h>
+
+/* A grain slides down an incline: x = g (sin - mu cos) t^2/2; the scatter is that of its radius. */
+static const char slide[] =
+    "let = { mu = 0.2; mu_roll = 0.1; T = 0.05; };\n"
+    "dt = 1e-5; gravity = (\"1000*sin(30*deg)\", \"-1000*cos(30*deg)\"); seed = 4;\n"
+    "tangential = { law = \"spring\"; mu = \"mu\"; k_s = 1e6; gamma_s = 0.0; };\n"
+    "walls = ( { point = (0.0, 0.0); direction = (0.0, 1.0); } );\n"
+    "fill = { N = 4; pattern = \"row\"; W = 0.9; x0 = 0.0; };\n"
+    "phases = ( { name = \"go\"; time = \"T\"; } );\n"
+    "measure = ( { name = \"way\"; of = \"x\"; }, { name = \"v\"; of = \"vx + 0.1*x\"; },\n"
+    "            { name = \"both\"; of = \"vx + 20*mu_roll\"; } );\n";
+
+static void write_fit(const char *measured)
+{
+    write_text("fit.cfg", "fit = { mu = [0.05, 0.45]; };\nbudget = 400;\nmeasured = ( %s );\n", measured);
+}
+
+static double found(const char *name, const char *column)
+{
+    scoped_table t = read_table("out");
+    for (size_t i = 0; i < t.n_rows; i++)
+        if (strcmp(word(&t, i, "parameter"), name) == 0) return cell(&t, i, column);
+    return NAN;
+}
+
+static void test_runs(void)
+{
+    write_text("slide.cfg", "%s", slide);
+    /* v = 1000 (0.5 - mu cos 30) t, at mu = 0.3 */
+    write_fit("{ experiment = \"slide.cfg\"; of = \"v\"; value = 12.05; error = 0.3; }");
+    CU_ASSERT(shell("$REPOSE calibrate fit.cfg -o c >out 2>err") == 0);
+    CHECK_NEAR(found("mu", "value"), 0.3, 0.01);
+    CU_ASSERT(found("mu", "lower") < 0.3 && found("mu", "upper") > 0.3);
+    CHECK_NEAR(found("mu", "se"), 0.3 / (50.0 * 0.866), 0.003);
+    CU_ASSERT(strstr(err, "stage 1, slide.cfg: 12 points, 2 runs each") != NULL);
+    CU_ASSERT(shell("cp out first && $REPOSE calibrate fit.cfg -o c >out 2>err && cmp out first") == 0);
+    CU_ASSERT_STRING_EQUAL(err, ""); /* all runs are there */
+    GOOD("calibrate fit.cfg --dry-run -o d");
+    CU_ASSERT(strstr(out, "first stage: 12 points, 24 runs; at most 400") != NULL);
+    /* two numbers of two texts, a name that one of them lacks */
+    CU_ASSERT(shell("sed 's/mu_roll = 0.1; //; s/.*name = .both.*//; s/10\\*x. },/10*x\\\" } );/' slide.cfg "
+                    ">other.cfg") == 0);
+    write_text(
+        "two.cfg",
+        "fit = { mu = [0.05, 0.45]; mu_roll = [0.0, 0.5]; }; where = \"mu_roll < 2*mu\"; budget = 900;\n"
+        "measured = ( { experiment = \"slide.cfg\"; of = \"both\"; value = 16.0; error = 0.5; },\n"
+        " { experiment = \"slide.cfg\"; of = \"v\"; value = 12.05; error = 0.3; fixed = { T = 0.05; }; } "
+        ");\n");
+    CU_ASSERT(shell("$REPOSE calibrate two.cfg -o e >out 2>err") == 0);
+    CHECK_NEAR(found("mu", "value"), 0.3, 0.02);
+    CHECK_NEAR(found("mu_roll", "value"), 0.2, 0.05);
+    CU_ASSERT(strstr(out, "# correlation: mu and mu_roll: ") && strstr(out, "# left out: "));
+    CU_ASSERT(shell("sed -i 's/.*of = .v.*/ );/; s/error = 0.5; },/error = 0.5; }/' two.cfg && ! $REPOSE calibrate two.cfg -o f >out 2>err") ==
+              0);
+    CU_ASSERT(strstr(err, "not_identified: ") && strstr(err, "determined is mu") &&
+              strstr(err, "best to separate the names: ") != NULL);
+}
+
+/* Numbers of another program: 0.4 + 2 a + a^2 at the points of a table. */
+static void test_table(void)
+{
+    char path[256];
+    gsl_rng *noise = rp_random_alloc(5, 5, RP_PURPOSE_TEST);
+    path_of("t.tsv", path);
+    FILE *table = fopen(path, "w");
+    fputs("a\ty\n", table);
+    for (int i = 0; i < 10; i++)
+        for (int k = 0; k < 4; k++)
+            fprintf(table, "%g\t%.17g\n", 0.1 * i,
+                    0.4 + 0.2 * i + 0.01 * i * i + gsl_ran_gaussian(noise, 0.02));
+    fclose(table);
+    gsl_rng_free(noise);
+    write_text("fit.cfg", "fit = { a = [0.0, 0.9]; };\n"
+                          "measured = ( { runs = \"t.tsv\"; of = \"y\"; value = 1.65; error = 0.02; "
+                          "model_error = 0.01; } );\n");
+    GOOD("calibrate fit.cfg");
+    CHECK_NEAR(found("a", "value"), 0.5, 0.02);
+    CHECK_NEAR(found("a", "se"), hypot(hypot(0.02, 0.01), 0.006) / 3.0, 0.001);
+}
+
+static void test_refused(void)
+{
+    static const struct {
+        const char *text, *message;
+    } cases[] = {{"measured = ( );", "fit: missing"},
+                 {"fit = { mu = [0.1, 0.8]; };", "measured: missing"},
+                 {"fit = { mu = [0.8, 0.1]; };", "fit.cfg:1: mu: [0.8, 0.1]: a range from a smaller"},
+                 {"fit = { };", "one to 3 names"},
+                 {"fit = { mu = [0.1, 0.8]; }; colour = 1;", "colour: unknown key"},
+                 {"fit = { mu = [0.1, 0.8]; }; measured = ( { of = \"v\"; value = 1.0; error = 0.1; } );",
+                  "one of experiment, protocol and runs"},
+                 {"fit = { mu = [0.1, 0.8]; }; measured = ( { experiment = \"slide.cfg\"; of = \"v\"; value "
+                  "= 1.0; error = "
+                  "0.0; } );",
+                  "error = 0: out of range, allowed: (0, inf)"},
+                 {"fit = { mu = [0.1, 0.8]; }; measured = ( { experiment = \"no.cfg\"; of = \"v\"; value = "
+                  "1.0; error = 0.1; } "
+                  ");",
+                  "experiment = \"no.cfg\": no such file"},
+                 {"fit = { mu = [0.1, 0.8]; }; measured = ( { experiment = \"slide.cfg\"; of = \"vv\"; value "
+                  "= 1.0; error = "
+                  "0.1; } );",
+                  "of = \"vv\": the runs have no such column (did you mean \"v\"?)"},
+                 {"fit = { nu = [0.1, 0.8]; }; measured = ( { experiment = \"slide.cfg\"; of = \"v\"; value "
+                  "= 1.0; error = 0.1; "
+                  "} );",
+                  "fit.nu: no experiment has this name"},
+                 {"fit = { mu = [0.1, 0.8]; }; where = \"nu < 1\"; measured = ( { experiment = "
+                  "\"slide.cfg\"; of = \"v\"; value "
+                  "= 1.0; error = 0.1; } );",
+                  "where nu < 1: character 1: unknown name nu (did you mean \"mu\"?)"},
+                 {"fit = { mu = [0.1, 0.8]; }; budget = 20; measured = ( { experiment = \"slide.cfg\"; of = "
+                  "\"v\"; value = 1.0; "
+                  "error = 0.1; } );",
+                  "budget = 20: the first stage needs 24 runs"},
+                 {"fit = { mu = [0.1, 0.8]; }; measured = ( { experiment = \"slide.cfg\"; of = \"v\"; value "
+                  "= 1.0; error = 0.1; "
+                  "}, { runs = \"t.tsv\"; of = \"y\"; value = 1.0; error = 0.1; } );",
+                  "don't go together"}};
+    write_text("slide.cfg", "%s", slide);
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        write_text("fit.cfg", "%s\n", cases[k].text);
+        FAILS(65, cases[k].message, "calibrate fit.cfg -o r --quiet");
+    }
+    FAILS(64, "says what is measured", "calibrate fit.cfg --theta-r-deg 20 --error-deg 1");
+}
+
+void suite_calibrate_text(void)
+{
+    static const check_case cases[] = {
+        {"by runs", test_runs}, {"by a table", test_table}, {"refused", test_refused}, {0}};
+    check_register_within("calibrate by a text", enter, leave, cases);
+}
