@@ -61,8 +61,8 @@ static void test_runs(void)
     CHECK_NEAR(found("mu", "value"), 0.3, 0.02);
     CHECK_NEAR(found("mu_roll", "value"), 0.2, 0.05);
     CU_ASSERT(strstr(out, "# correlation: mu and mu_roll: ") && strstr(out, "# left out: "));
-    CU_ASSERT(shell("sed -i 's/.*of = .v.*/ );/; s/error = 0.5; },/error = 0.5; }/' two.cfg && ! $REPOSE calibrate two.cfg -o f >out 2>err") ==
-              0);
+    CU_ASSERT(shell("sed -i 's/.*of = .v.*/ );/; s/error = 0.5; },/error = 0.5; }/' two.cfg && ! $REPOSE "
+                    "calibrate two.cfg -o f >out 2>err") == 0);
     CU_ASSERT(strstr(err, "not_identified: ") && strstr(err, "determined is mu") &&
               strstr(err, "best to separate the names: ") != NULL);
 }

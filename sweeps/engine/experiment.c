@@ -1,5 +1,4 @@
 /* An experiment's text as a protocol: its lets are the parameters, its measures the outputs. */
-#include "sweeps/engine/private.h"
 #include "sweeps/engine/experiment.h"
 
 #include <math.h>

@@ -160,9 +160,6 @@ rp_status sweep_store_count(sweep_store *store, const sweep_plan *plan, sweep_co
 rp_status sweep_store_visit(sweep_store *store, const sweep_plan *plan,
                             rp_status (*visit)(const sweep_row *row, void *context), void *context);
 
-/* Is this the name of a column that each table has? A store does not tell capitals. */
-bool sweep_column_is_taken(const char *name, bool in_store);
-
 /* Statements, for store.c, merge.c and reduce.c. A query that cannot be prepared is NULL: its first step
  * fails, and finish says why; query_text frees its text; number is the first column of the first row; columns
  * are those of a row in the order in which it is bound and read, 'none' for an output that this schema of the

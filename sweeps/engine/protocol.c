@@ -5,6 +5,7 @@
 #include <math.h>
 #include <stdarg.h>
 #include <string.h>
+#include <strings.h>
 #include <xxhash.h>
 
 #include "core/file.h"
@@ -115,4 +116,16 @@ rp_status sweep_each_word(const rp_param *schema, void *params,
         }
     }
     return RP_OK;
+}
+
+/* Columns of the store and of tables of runs and points, beside parameters and outputs. */
+bool sweep_column_is_taken(const char *name, bool in_store)
+{
+    static const char *const own[] = {"key",  "run",     "status",  "message", "seconds",
+                                      "seed", "model",   "program", "pile",    "parameters",
+                                      "sum",  "replica", "n",       "n_failed"};
+    bool taken = false;
+    for (size_t k = 0; k < sizeof own / sizeof *own; k++)
+        taken |= (in_store ? strcasecmp : strcmp)(own[k], name) == 0;
+    return taken;
 }

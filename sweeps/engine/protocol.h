@@ -151,6 +151,9 @@ rp_status sweep_each_word(const rp_param *schema, void *params,
                           rp_status (*visit)(const rp_param *changed, const char *word, void *context),
                           void *context);
 
+/* Is this the name of a column that each table has? A store does not tell capitals. */
+bool sweep_column_is_taken(const char *name, bool in_store);
+
 RP_C_END
 
 #endif

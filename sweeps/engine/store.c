@@ -16,7 +16,6 @@
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 #include <sys/stat.h>
 #include <sys/vfs.h>
 #include <time.h>
@@ -223,18 +222,6 @@ bool sweep_store_has(const sweep_store *s, const char *schema, const char *name)
 {
     return sqlite3_table_column_metadata(s->db, schema, "runs", name, NULL, NULL, NULL, NULL, NULL) ==
            SQLITE_OK;
-}
-
-/* Columns of the store and of tables of runs and points, beside parameters and outputs. */
-bool sweep_column_is_taken(const char *name, bool in_store)
-{
-    static const char *const own[] = {"key",  "run",     "status",  "message", "seconds",
-                                      "seed", "model",   "program", "pile",    "parameters",
-                                      "sum",  "replica", "n",       "n_failed"};
-    bool taken = false;
-    for (size_t k = 0; k < sizeof own / sizeof *own; k++)
-        taken |= (in_store ? strcasecmp : strcmp)(own[k], name) == 0;
-    return taken;
 }
 
 rp_status sweep_store_make_runs(sweep_store *s, const char *schema, const sweep_protocol *protocol)
