@@ -180,12 +180,21 @@ def command(*words, allowed=(0,)):
     return parse_table(_output(*words, allowed=allowed))
 
 
+def _value(text):
+    """A number, true or false, or a word."""
+    try:
+        return {"true": True, "false": False}[text] if text in ("true", "false") else float(text)
+    except ValueError:
+        return text
+
+
 class Run:
     """What an experiment, a scene with phases, has given: its `status` and `message`, `measures` and their `units` by
-    name, and with a folder its `frames`. A measure without a value is nan."""
+    name, its names' values `let`, and with a folder its `frames`. A measure without a value is nan."""
 
     def __init__(self, table, frames):
         self.status, self.message = table.notes.get("status", ""), table.notes.get("message", "")
+        self.let = {key[4:]: _value(text) for key, text in table.notes.items() if key.startswith("let ")}
         self.measures = dict(zip(table["measure"], map(float, table["value"])))
         self.units = dict(zip(table["measure"], table["unit"]))
         self.frames = frames

@@ -372,6 +372,7 @@ def package():
     assert found[0].grains.units["vx"] not in ("", "1") and found[0].grains.notes["program"].startswith("repose")
     whole, late = repose.run("e.cfg", n=20), repose.run("e.cfg", "late", every=10, n=60)
     assert (whole.status, whole.measures, whole.units, whole.frames) == ("ok", {"n_steps": 20.0}, {"n_steps": "steps"}, [])
+    assert whole.let == {"n": 20.0}
     assert late.status == "late" and late.measures["n_steps"] != late.measures["n_steps"] and "step > 45" in late.message
     assert [f.step for f in late.frames] == [0, 10, 20, 30, 40, 50]
     again = repose.run("scene.cfg", "again", every=250, set={"tangential.mu": 0.1, "ledger": True})

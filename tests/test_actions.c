@@ -428,6 +428,7 @@ static void test_refused(void)
         {incline, "floor = { mu = 0.0; }", "floor = { mu = -1.0; }", "mu = -1: out of range"},
         {incline, "floor = { mu = 0.0; }", "flor = { mu = 0.0; }",
          "flor: no wall has this name (did you mean"},
+        {rain, "r = 0.3; density = 2.0", "r = 0.01; density = 0.2", "dt = 5e-05: too large for"},
         {rain, "x = 0.5; ", "", "add: x: missing"},
         {rain, "r = 0.3", "s = 0.3", "s: unknown key"},
         {rain, "y = \"touch\"", "y = \"tuch\"", "unknown name tuch (did you mean \"touch\"?)"},

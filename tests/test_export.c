@@ -706,6 +706,7 @@ static void test_refused(void)
         {"normal = { law = \"tsuji\"; gamma_n = 0.1; };", "normal.law = \"tsuji\""},
         {"rotation = true; normal = { tension = false; }; hard = { restitution = 0.5; };", "rotation"},
         {"normal = { tension = false; }; hard = { restitution = 0.5; };", "hard: "},
+        {"normal = { tension = false; }; phases = ( { name = \"a\"; steps = 1; } );", "phases: "},
         {"walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; } ); ground = { mu_static = 0.5; a = 0.01; "
          "};",
          "ground: "},

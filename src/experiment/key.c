@@ -218,14 +218,27 @@ static rp_status check_phases(const exp_plan *plan, dem_definition *def)
     return RP_OK;
 }
 
-/* Grains that stand for those of the start: the smallest of each fill at both ends of its height. */
+/* The lightest that a phase may add, as far as that is known. */
+static bool lightest_added(const exp_plan *plan, const exp_add *a, dem_grain *g)
+{
+    const dem_fill *first = dem_scene_fill_at((dem_scene *)&plan->scene, 0);
+    const double density = a->has_density ? (a->density.x.known ? a->density.x.value : NAN)
+                           : first        ? first->density
+                                          : plan->scene.laws.physics.density;
+    *g = (dem_grain){.r = !a->has_r ? dem_radius_least(&a->radii) : a->r.x.known ? a->r.x.value : NAN};
+    g->m = dem_mass(plan->scene.def.shape, density, g->r);
+    return a->on && g->m > 0.0;
+}
+
+/* Grains that stand for those of the start, the smallest of each fill at both ends of its height, and for
+ * those that come. */
 static rp_status stand_ins(const exp_plan *plan, rp_arena *arena, dem_definition *def)
 {
     dem_scene *s = (dem_scene *)&plan->scene;
     const size_t listed = s->grains ? s->def.n_grains : 0;
     const dem_fill *f;
-    dem_grain *grains;
-    RP_NEW(arena, grains, listed + 2 * (s->n_more + 1));
+    dem_grain *grains, added;
+    RP_NEW(arena, grains, listed + 2 * (s->n_more + 1) + plan->n_phases);
     if (listed) memcpy(grains, s->grains, listed * sizeof *grains);
     def->grains = grains, def->n_grains = listed;
     for (size_t k = 0; (f = dem_scene_fill_at(s, k)); k++) {
@@ -237,6 +250,10 @@ static rp_status stand_ins(const exp_plan *plan, rp_arena *arena, dem_definition
                                                   .m = m,
                                                   .fixed = f->fixed};
     }
+    const double y = def->n_grains ? grains[0].y : 0.0;
+    for (size_t k = 0; k < plan->n_phases; k++)
+        if (!plan->phases[k].left_out && lightest_added(plan, &plan->phases[k].add, &added))
+            added.y = y, grains[def->n_grains++] = added;
     return RP_OK;
 }
 

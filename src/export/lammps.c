@@ -303,6 +303,8 @@ rp_status export_lammps_input(rp_arena *arena, const char *scene, const rp_texts
     if (n < 4 || !rp_ends_in(path, ".in"))
         return rp_fail(RP_USAGE, "-o %s: lammps-input needs a name that ends in .in", path);
     rp_status status = dem_scene_read(scene, changes, &s.scene);
+    if (!status && s.scene.phases)
+        status = rp_fail(RP_BAD_INPUT, "%s: phases: the input is of a scene without them", scene);
     if (!status) {
         status = check_scene(&s.scene.def);
         if (!status) status = start_scene(arena, &s);

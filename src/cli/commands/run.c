@@ -329,6 +329,19 @@ static void write_measures(const cli_call *call, const scene_run *r, const exp_p
     rp_table_note(out, "status", "%s", end->status);
     if (*end->message) rp_table_note(out, "message", "%s", end->message);
     rp_table_note(out, "steps", "%ld", exp_steps(r->exp));
+    const rp_lets *lets = exp_lets(plan);
+    for (size_t k = 0; k < lets->n; k++) {
+        char key[80];
+        const rp_x_symbol *is = &lets->lets[k].is;
+        snprintf(key, sizeof key, "let %.64s", lets->lets[k].name);
+        if (is->type == RP_X_NUMBER)
+            rp_table_note_number(out, key, is->value, "");
+        else
+            rp_table_note(out, key, "%s",
+                          is->type == RP_X_WORD ? is->word
+                          : is->value != 0.0    ? "true"
+                                                : "false");
+    }
     rp_table_header(out, "measure, value, unit, meaning");
     for (size_t k = 0; k < n; k++) {
         fprintf(out, "%s\t", o[k].name);

@@ -1137,6 +1137,7 @@ static rp_status read_scene(dem_text *text, scene_file *file)
     RP_TRY(read_group(root, "implicit", implicit_schema, &def->implicit));
     rp_params_defaults(output_schema, &file->scene.output);
     RP_TRY(read_group(root, "output", output_schema, &file->scene.output));
+    file->scene.phases = config_setting_get_member(root, "phases") != NULL;
     RP_TRY(read_grains(text->path, root, file));
     return read_streams(root, &file->scene);
 }
