@@ -429,6 +429,10 @@ static void test_refused(void)
         {incline, "floor = { mu = 0.0; }", "flor = { mu = 0.0; }",
          "flor: no wall has this name (did you mean"},
         {rain, "r = 0.3; density = 2.0", "r = 0.01; density = 0.2", "dt = 5e-05: too large for"},
+        {rain, "r = 0.3", "r = -0.3", "add.r = -0.3: out of range, allowed: (0, inf)"},
+        {rain, "density = 2.0", "density = 0.0", "add.density = 0: out of range"},
+        {rain, "gap = 0.0", "gap = -1.0", "add.gap = -1: out of range"},
+        {rain, "N = 20", "N = -20", "add.N = -20: out of range"},
         {rain, "x = 0.5; ", "", "add: x: missing"},
         {rain, "r = 0.3", "s = 0.3", "s: unknown key"},
         {rain, "y = \"touch\"", "y = \"tuch\"", "unknown name tuch (did you mean \"touch\"?)"},
@@ -463,6 +467,9 @@ static void test_ends(void)
 {
     static const char *const cases[][4] = {
         {rain, "N = 20", "N = 2000", "no_room"},
+        {rain, "r = 0.3", "r = \"0/grains\"", "nan"},
+        {rain, "density = 2.0", "density = \"0*grains\"", "nan"},
+        {lid, "load_y = -10.0", "load_y = \"-1/(grains - 2)\"", "nan"},
         {rain, "y = \"touch + 0.2\"", "y = \"touch + 4000\"", "too_fast"},
         {rain, "y = \"touch + 0.2\"", "y = \"touch - 0.05\"", "no_room"},
         {rain, "repeat = \"n\"", "until = \"added > 4\"", "ok"},

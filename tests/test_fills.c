@@ -200,10 +200,29 @@ static void test_several(void)
     free(grains), free(again), free(text);
 }
 
+/* What leaves no grain, or more than there may be. */
+static void test_extremes(void)
+{
+    static const char *const cases[][2] = {
+        {"fill = { if = false; N = 3; W = 1.0; H = 1.0; };", "no particles"},
+        {"fill = { pattern = \"row\"; W = 0.05; };", "no particles"},
+        {"fill = { pattern = \"lattice\"; W = 1e9; H = 1e9; };", "particles: at most 100000000"}};
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        scoped_scene s;
+        dem_sim *sim;
+        CHECK_OK(grains_read(cases[k][0], NULL, &s));
+        CHECK_FAILS(dem_scene_start(&s, &sim), RP_BAD_INPUT, cases[k][1]);
+    }
+}
+
 void suite_fills(void)
 {
-    static const check_case cases[] = {{"exp and log", test_elementary}, {"laws of radii", test_laws},
-                                       {"radii of a table", test_table}, {"rows and lattices", test_patterns},
-                                       {"several fills", test_several},  {0}};
+    static const check_case cases[] = {{"exp and log", test_elementary},
+                                       {"laws of radii", test_laws},
+                                       {"radii of a table", test_table},
+                                       {"rows and lattices", test_patterns},
+                                       {"several fills", test_several},
+                                       {"none, and too many", test_extremes},
+                                       {0}};
     check_register("fills", cases);
 }

@@ -121,10 +121,6 @@ static void planted(size_t n_names)
         for (size_t i = 0; i < used; i++) own[i] = z[i * n_names + p];
         const double share = (double)inside[p] / (double)used, far = distance_from_normal(used, own);
         const bool good = check_fast() ? share > 0.8 : n < 1000 ? share > 0.91 : share > 0.93 && share < 0.97;
-        fprintf(
-            stderr,
-            "%zu names, name %zu: %.3f inside, distance %.2f, ok %zu of %zu, runs %ld, left out %zu of %zu\n",
-            n_names, p + 1, share, far, ok, used, s.runs / (long)n, recovered, tried);
         CU_ASSERT(good && far < 1.95);
         free(own);
     }

@@ -164,6 +164,7 @@ static void refused(void)
          "extent = [1, 0]"},
         {"walls = { point = 1; };", "walls: a list"},
         {"particles_file = \"t.tsv\";", "particles or particles_file, or fill"},
+        {"fill = ( );", ":2: fill: a group { ... }, or a list of one or more, expected"},
         {"fill = 3;", ":2: fill: a group { ... } expected"},
         {"fill = { N = 3; W = 1.0; };", ":2: H: missing (height of the region of a random fill)"},
         {"fill = { N = 3; W = 1.0; H = 1.0; kind = \"a b\"; };", ":2: kind = \"a b\": up to 31 letters"},

@@ -74,6 +74,8 @@ typedef struct {
     bool fixed;
 } dem_grain;
 
+enum { DEM_MOST_GRAINS = 100000000 };
+
 /* Static friction of a ground, a whole line that never opens: Liffman, Chan & Hughes 1992, eqs (30) and (33).
  * A grain that touches it is held in a well: along the ground, through the centre and without a torque, acts
  * -mu_static N (s - s0)/a, none beyond a half-width a: there the well is broken, until the contact ends.

@@ -129,8 +129,9 @@ static double between(exp_run *run, const double ends[2])
 }
 
 /* Draw a grain and its place. False: there is none. */
-static bool draw_grain(exp_run *run, const exp_add *a, dem_grain *g)
+static bool draw_grain(exp_run *run, const exp_phase *p, dem_grain *g)
 {
+    const exp_add *a = &p->add;
     enum { TRIES = 10000 };
     const exp_plan *plan = run->plan;
     double *const of = run->grain;
@@ -143,6 +144,11 @@ static bool draw_grain(exp_run *run, const exp_add *a, dem_grain *g)
                  gap = exp_value(run, &a->gap);
     g->m = dem_mass(plan->scene.def.shape, density, g->r);
     const double x[2] = {exp_value(run, &a->x[0]), exp_value(run, &a->x[1])};
+    if (!(g->r > 0.0) || !(g->m > 0.0) || !(gap >= 0.0) || !isfinite(x[0]) || !isfinite(x[1])) {
+        exp_conclude(run, "nan", "%s: r = %g, density = %g, gap = %g, x = %g to %g", p->name, g->r, density,
+                     gap, x[0], x[1]);
+        return false;
+    }
     for (int k = 0; k < TRIES; k++) {
         g->x = between(run, x);
         of[EXP_TOUCH] = a->in_range ? NAN : touch_height(run, g->x, g->r, gap);
@@ -161,8 +167,8 @@ static void add_grain(exp_run *run, const exp_phase *p)
 {
     dem_grain g;
     uint32_t id;
-    if (!draw_grain(run, &p->add, &g)) {
-        if (!run->failed)
+    if (!draw_grain(run, p, &g)) {
+        if (!run->failed && !run->at.done)
             exp_conclude(run, "no_room", "phase %s: no place for a grain of radius %g, at x = %g, y = %g",
                          p->name, g.r, g.x, g.y);
         return;
@@ -249,10 +255,11 @@ void exp_push_walls(exp_run *run)
             const double most = fabs(exp_value(run, &m->speed));
             double force = exp_value(run, &m->load[c]);
             loaded = true;
+            if (!isfinite(force) || !isfinite(most))
+                exp_conclude(run, "nan", "%s: load \"%s\" is %g, speed %g", wall->name, m->load[c].x.text,
+                             force, most);
             for (size_t k = 0; k < wall->n; k++) force += dem_wall_now(run->sim, wall->walls[k]).force[c];
             v[c] = fmin(fmax(v[c] + dt / mass * force, -most), most);
-            if (!isfinite(v[c]))
-                exp_conclude(run, "nan", "%s: load \"%s\" is %g", wall->name, m->load[c].x.text, force);
         }
         for (size_t k = 0; k < wall->n && loaded && !run->at.done; k++)
             if (dem_wall_move(run->sim, wall->walls[k], v, NAN))

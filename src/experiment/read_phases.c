@@ -169,10 +169,15 @@ static rp_status read_add(const config_setting_t *group, exp_place *place, exp_a
     const struct {
         const char *key;
         exp_expression *e;
-        double fallback;
-    } numbers[] = {
-        {"N", &a->n, 1.0},   {"r", &a->r, NAN},         {"density", &a->density, NAN},   {"vx", &a->vx, 0.0},
-        {"vy", &a->vy, 0.0}, {"omega", &a->omega, 0.0}, {"gap", &a->gap, 1e-6 * plan->d}};
+        double fallback, least, above;
+        const char *range;
+    } numbers[] = {{"N", &a->n, 1.0, 0.0, INFINITY, "[0, inf)"},
+                   {"r", &a->r, NAN, 0.0, 0.0, "(0, inf)"},
+                   {"density", &a->density, NAN, 0.0, 0.0, "(0, inf)"},
+                   {"vx", &a->vx, 0.0, -INFINITY, INFINITY, "(-inf, inf)"},
+                   {"vy", &a->vy, 0.0, -INFINITY, INFINITY, "(-inf, inf)"},
+                   {"omega", &a->omega, 0.0, -INFINITY, INFINITY, "(-inf, inf)"},
+                   {"gap", &a->gap, 1e-6 * plan->d, 0.0, INFINITY, "[0, inf)"}};
     if (!config_setting_is_group(group)) return rp_config_fail(group, "add: a group { ... } expected");
     if (!x || !y) return rp_config_fail(group, "add: %s: missing", x ? "y" : "x");
     a->on = plan->adds = true, a->kind = -1;
@@ -189,6 +194,10 @@ static rp_status read_add(const config_setting_t *group, exp_place *place, exp_a
             RP_TRY(exp_expression_read(value, numbers[k].key, RP_X_NUMBER, place, numbers[k].e));
         else
             numbers[k].e->x = (rp_expression){.known = true, .value = numbers[k].fallback};
+        const double v = numbers[k].e->x.known ? numbers[k].e->x.value : NAN;
+        if (value && (v < numbers[k].least || v == numbers[k].above || isinf(v)))
+            return rp_config_fail(value, "add.%s = %g: out of range, allowed: %s", numbers[k].key, v,
+                                  numbers[k].range);
     }
     const bool x_range = !config_setting_is_scalar(x);
     a->in_range = !config_setting_is_scalar(y);

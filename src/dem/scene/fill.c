@@ -213,7 +213,7 @@ static size_t place_lattice(const dem_fill *f, gsl_rng *radii, double widest, si
 
 static double ratio_up(double length, double least)
 {
-    return fmin(length / (2.0 * least) + 2.0, 1e8);
+    return fmin(length / (2.0 * least) + 2.0, 2.0 * DEM_MOST_GRAINS);
 }
 
 size_t dem_fill_most(const dem_fill *f)
@@ -221,7 +221,7 @@ size_t dem_fill_most(const dem_fill *f)
     if (f->N >= 0) return (size_t)f->N;
     const double row = ratio_up(f->W, dem_radius_least(f));
     return (size_t)fmin(f->pattern == DEM_PATTERN_ROW ? row : row * ratio_up(f->H, 0.8 * dem_radius_least(f)),
-                        1e8);
+                        2.0 * DEM_MOST_GRAINS);
 }
 
 static rp_status place_rows(const dem_fill *f, gsl_rng *radii, dem_grain *grains, size_t *n)

@@ -683,6 +683,7 @@ static rp_status read_fills(const config_setting_t *fill, scene_file *file)
     dem_scene *scene = &file->scene;
     const bool list = config_setting_is_list(fill);
     const size_t n = list ? (size_t)config_setting_length(fill) : 1;
+    if (n == 0) return rp_config_fail(fill, "fill: a group { ... }, or a list of one or more, expected");
     scene->more = calloc(n + 1, sizeof *scene->more);
     scene->kinds = calloc(n + 1, sizeof *scene->kinds);
     if (!scene->more || !scene->kinds) return rp_fail(RP_NO_MEMORY, "fills: out of memory");
@@ -1185,6 +1186,8 @@ rp_status dem_scene_grains(const dem_scene *scene, dem_grain **grains, size_t *n
     size_t room = listed + 1;
     const dem_fill *fill;
     for (size_t k = 0; (fill = dem_scene_fill_at((dem_scene *)scene, k)); k++) room += dem_fill_most(fill);
+    if (room > DEM_MOST_GRAINS)
+        return rp_fail(RP_BAD_INPUT, "fill: room for %zu particles: at most %d", room, DEM_MOST_GRAINS);
     *grains = malloc(room * sizeof **grains);
     if (!*grains) return rp_fail(RP_NO_MEMORY, "%zu particles: out of memory", room);
     if (listed) memcpy(*grains, scene->grains, listed * sizeof **grains);

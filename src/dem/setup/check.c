@@ -156,8 +156,8 @@ rp_status dem_grain_check(const dem_definition *def, const dem_grain *p)
 static rp_status check_grain_values(const dem_definition *def)
 {
     if (def->n_grains == 0 && !(def->skin > 0.0)) return rp_fail(RP_BAD_INPUT, "no particles");
-    if (def->n_grains > 100000000)
-        return rp_fail(RP_BAD_INPUT, "%zu particles: at most 100000000", def->n_grains);
+    if (def->n_grains > DEM_MOST_GRAINS)
+        return rp_fail(RP_BAD_INPUT, "%zu particles: at most %d", def->n_grains, DEM_MOST_GRAINS);
     for (size_t i = 0; i < def->n_grains; i++)
         RP_TRY(rp_prefix(dem_grain_check(def, &def->grains[i]), "particle %zu: ", i + 1));
     return RP_OK;
