@@ -46,7 +46,7 @@ void exp_free(exp_plan *plan);
 rp_status exp_check(const exp_plan *plan);
 
 const dem_scene *exp_scene(const exp_plan *plan);
-const rp_lets *exp_lets(const exp_plan *plan); /* with the values that hold */
+const rp_lets *exp_lets(const exp_plan *plan);                  /* with the values that hold */
 const exp_output *exp_outputs(const exp_plan *plan, size_t *n); /* ended by a NULL name */
 
 /* All that the numbers of a run depend on but its streams, as a text: scene, phases and measures with what is
