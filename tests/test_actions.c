@@ -467,7 +467,7 @@ static void test_ends(void)
 {
     static const char *const cases[][4] = {
         {rain, "N = 20", "N = 2000", "no_room"},
-        {rain, "r = 0.3", "r = \"0/grains\"", "nan"},
+        {rain, "N = 2; kind", "N = 2; r = \"0/grains\"; kind", "nan"},
         {rain, "density = 2.0", "density = \"0*grains\"", "nan"},
         {lid, "load_y = -10.0", "load_y = \"-1/(grains - 2)\"", "nan"},
         {rain, "y = \"touch + 0.2\"", "y = \"touch + 4000\"", "too_fast"},
