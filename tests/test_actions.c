@@ -187,6 +187,35 @@ static void test_halt(void)
     }
 }
 
+/* One in a contact stands still there: what is left is its weight and the spring. */
+static void test_halt_in_contact(void)
+{
+    static const char text[] =
+        "dt = 1e-6; normal = { law = \"linear\"; k_n = 1.0e6; gamma_n = 50.0; }; tangential = { law = "
+        "\"spring\"; "
+        "mu = 0.5; }; rotation = true; walls = ( { point = (0.0, 0.0); direction = (0.0, 1.0); k_n = 1.0e6; "
+        "} "
+        ");\n"
+        "particles = ( { x = 0.0; y = 0.1; r = 0.1; m = 0.01; vx = 5.0; vy = -20.0; omega = 3.0; } );\n";
+    scoped_scene s;
+    dem_sim *sim;
+    dem_state now;
+    dem_contact *c;
+    size_t n;
+    CHECK_OK(grains_read(text, NULL, &s));
+    CHECK_OK(dem_scene_start(&s, &sim));
+    CHECK_OK(dem_run(sim, 100));
+    CHECK_OK(dem_halt(sim));
+    CHECK_OK(dem_states(sim, &now));
+    CHECK_OK(dem_contacts(sim, &c, &n));
+    CU_ASSERT_FATAL(n == 1);
+    CU_ASSERT(c->overlap > 1e-3 && fabs(c->shear_force) > 1.0);
+    CHECK_NEAR(now.fy, 1e6 * c->overlap - 981.0 * 0.01, 1e-6);
+    CHECK_NEAR(fabs(now.fx), fabs(c->shear_force), 1e-5);
+    free(c);
+    dem_free(sim);
+}
+
 /* mu that changes in a phase: a grain on an incline stays, then slides with g (sin - mu cos). */
 static const char incline[] =
     "dt = 1e-5; let = { a = \"30*deg\"; mu = 0.7; later = 0.2; };\n"
@@ -296,6 +325,59 @@ static void test_touch(void)
         CU_ASSERT_STRING_EQUAL(exp_ended(t.run)->status, cases[k].status);
         if (strcmp(cases[k].status, "ok") == 0) CHECK_NEAR(measured(&t, "y"), cases[k].y, 1e-8);
     }
+}
+
+/* Radii of a phase: those of the fill if it names none, else its own and the defaults of a fill. */
+static void test_added_radii(void)
+{
+    static const char *const cases[][2] = {{"", "0.2"}, {"radius_mean = 0.1; radius_width = 0.0;", "0.1"}};
+    for (size_t k = 0; k < 2; k++) {
+        char text[900];
+        scoped_trial t;
+        snprintf(
+            text, sizeof text,
+            "dt = 1e-5; walls = ( { point = (0.0, 0.0); direction = (0.0, 1.0); } );\n"
+            "fill = { N = 2; W = 2.0; H = 2.0; radius_law = \"table\"; radii = ( (0.2, 1.0) ); };\n"
+            "phases = ( { name = \"add\"; add = { kind = \"new\"; x = 5.0; y = \"r\"; %s }; steps = 0; } "
+            ");\n"
+            "measure = ( { name = \"r\"; of = \"new.y\"; } );\n",
+            cases[k][0]);
+        start(&t, text);
+        finish(&t, 10);
+        CHECK_NEAR(measured(&t, "r"), atof(cases[k][1]), 1e-15);
+    }
+}
+
+/* ---- measures of what was put there ---- */
+
+/* A row of touching grains on a wall, and a hexagon of lattice places that stand still above it. */
+static void test_base_order(void)
+{
+    static const char text[] =
+        "dt = 1e-5;\n"
+        "walls = ( { name = \"base\"; point = (0.0, 0.0); direction = (0.0, 1.0); } );\n"
+        "fill = ( { pattern = \"row\"; W = 8.0; x0 = 1.0; radius_width = 0.0; },\n"
+        "  { pattern = \"lattice\"; W = 0.81; H = 0.56; x0 = 20.0; y0 = 30.0; radius_width = 0.0; } );\n"
+        "regions = { up = { y = (20.0, 40.0); }; low = { y = (-1.0, 1.0); }; };\n"
+        "phases = ( { name = \"start\"; steps = 0; },\n"
+        "  { name = \"sink\"; remove = \"up\"; damp = true; every = 10; until = \"held(force < 1e-6*m*g, "
+        "2)\"; "
+        "} );\n"
+        "measure = ( { name = \"o\"; of = \"order\"; in = \"up\"; at = \"start\"; },\n"
+        "  { name = \"b\"; of = \"base\"; wall = \"base\"; }, { name = \"weight\"; of = \"low.mass*g\"; } "
+        ");\n";
+    scoped_trial t;
+    start(&t, text);
+    finish(&t, 1000);
+    CU_ASSERT_STRING_EQUAL(exp_ended(t.run)->status, "ok");
+    CHECK_NEAR(measured(&t, "o_psi6"), 1.0, 1e-12);
+    CHECK_NEAR(measured(&t, "o_packed"), 1.0 / 11.0, 1e-12); /* the middle one of rows of 4, 3 and 4 */
+    CHECK_NEAR(measured(&t, "b_centroid"), 5.0, 1e-6);
+    CHECK_NEAR(measured(&t, "b_load"), measured(&t, "weight"), 1e-5 * measured(&t, "weight"));
+    CHECK_NEAR(measured(&t, "b_width"), 39.0 * 0.2, 0.05); /* 40 grains, less 1 % at both ends */
+    CHECK_NEAR(measured(&t, "b_shear"), 0.0, 1e-9);
+    CHECK_NEAR(measured(&t, "b_n_10"), 1.0, 0.02);
+    CHECK_NEAR(measured(&t, "b_dip"), 0.0, 0.02);
 }
 
 /* ---- going back ---- */
@@ -532,9 +614,12 @@ void suite_actions(void)
                                        {"a column under a load", test_column},
                                        {"laws that change", test_laws_change},
                                        {"all stand still", test_halt},
+                                       {"stand still in contact", test_halt_in_contact},
                                        {"friction that changes", test_friction_changes},
                                        {"grains that come and go", test_added},
                                        {"where a grain from above is stopped", test_touch},
+                                       {"radii of a phase", test_added_radii},
+                                       {"base and order", test_base_order},
                                        {"going back", test_back},
                                        {"cut and kept", test_cuts},
                                        {"keys", test_keys},

@@ -89,6 +89,24 @@ static void test_table(void)
     CHECK_NEAR(found("a", "se"), hypot(hypot(0.02, 0.01), 0.006) / 3.0, 0.001);
 }
 
+/* A folder that is there and holds what is somebody's, of a name with a blank; again. */
+static void test_folder(void)
+{
+    CU_ASSERT(shell(": >out; : >err; mkdir -p 'a b' && echo mine >'a b/mine.txt'") == 0);
+    write_text("a b/slide.cfg", "%s", slide);
+    write_text(
+        "a b/fit.cfg",
+        "fit = { mu = [0.05, 0.45]; };\nmeasured = ( { experiment = \"slide.cfg\"; of = \"v\"; value = "
+        "12.05; error = 0.3; fixed = { T = 0.05; }; } );\n");
+    for (int k = 0; k < 2; k++)
+        CU_ASSERT(shell("cd 'a b' && $REPOSE calibrate fit.cfg -o . --quiet >../out 2>../err") == 0);
+    CHECK_NEAR(found("mu", "value"), 0.3, 0.01);
+    CU_ASSERT(shell("echo x >'a b/stage_1_1.cfg'") == 0);
+    CU_ASSERT(shell("cd 'a b' && ! $REPOSE calibrate fit.cfg -o . --quiet >../out 2>../err") == 0);
+    CU_ASSERT(strstr(err, "stage_1_1.cfg: nothing in it shows that this program wrote it") != NULL);
+    CU_ASSERT(shell("test mine = \"$(cat 'a b/mine.txt')\"") == 0);
+}
+
 static void test_refused(void)
 {
     static const struct {
@@ -138,7 +156,10 @@ static void test_refused(void)
 
 void suite_calibrate_text(void)
 {
-    static const check_case cases[] = {
-        {"by runs", test_runs}, {"by a table", test_table}, {"refused", test_refused}, {0}};
+    static const check_case cases[] = {{"by runs", test_runs},
+                                       {"by a table", test_table},
+                                       {"folders", test_folder},
+                                       {"refused", test_refused},
+                                       {0}};
     check_register_within("calibrate by a text", enter, leave, cases);
 }

@@ -560,7 +560,7 @@ static void test_bad_scenes(void)
         CU_ASSERT(out[0] == '\0');
     }
     write_text("s.cfg", "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; } );\n");
-    FAILS(65, "s.cfg: particles or particles_file, or fill", "run s.cfg");
+    FAILS(65, "s.cfg: no grains: particles, particles_file or fill is needed", "run s.cfg");
     write_text("s.cfg", "particles = ( " GRAIN " );\n");
     FAILS(64, "--row needs a sweep", "run s.cfg --row 1");
     FAILS(65, "frob: unknown key", "run s.cfg --set frob=1");

@@ -364,7 +364,8 @@ static void test_resumed(void)
             "cd b && rm -rf o && timeout -s KILL %s $REPOSE run h.cfg -o o --snapshot 300 --every 700 "
             ">/dev/null 2>&1; "
             "[ -e o/unfinished/snapshot ] && { $REPOSE run h.cfg --resume o >/dev/null 2>&1 || exit 9; } ; "
-            "[ ! -e o/states.tsv ] || diff -r ../a/o o",
+            "[ ! -e o/states.tsv ] || diff -r -x '.repose*' ../a/o o", /* whose marker may be of the last
+                                                                          moment */
             delays[k]);
         CU_ASSERT(shell(line) == 0);
     }

@@ -200,6 +200,57 @@ static void test_several(void)
     free(grains), free(again), free(text);
 }
 
+/* d is that of the mean grain of what is there first. */
+static void test_constants(void)
+{
+    static const struct {
+        const char *text;
+        double d;
+    } cases[] = {
+        {"fill = ( { if = \"not all\"; N = 3; W = 1.0; H = 1.0; radius_mean = 0.12; }, { N = 3; W = 5.0; H = "
+         "5.0; "
+         "radius_mean = 0.2; radius_width = 0.0; } );",
+         0.4},
+        {"fill = { N = 3; W = 5.0; H = 5.0; radius_law = \"table\"; radii = ( (0.1, 3.0), (0.2, 1.0) ); };",
+         0.25},
+        {"fill = { if = \"not all\"; N = 3; W = 5.0; H = 5.0; }; particles = ( { x = 0.0; y = 0.0; r = 0.3; "
+         "} );",
+         0.6},
+        {"particles = ( { x = 0.0; y = 0.0; r = 0.1; }, { x = 2.0; y = 0.0; r = 0.3; } );", 0.4}};
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        char text[400];
+        scoped_scene s;
+        snprintf(text, sizeof text, "let = { all = true; }; x_max = \"d\"; %s", cases[k].text);
+        CHECK_OK(grains_read(text, NULL, &s));
+        CHECK_NEAR(s.def.x_max, cases[k].d, 1e-15);
+    }
+}
+
+/* Few grains of a lattice in much room, and rows that have places by turns. */
+static void test_sparse(void)
+{
+    static const struct {
+        const char *text;
+        size_t n;
+        double y; /* of the last */
+    } cases[] = {{"N = 3; W = 0.5; H = 1e9;", 3, 0.1 * (1.0 + 1.7320508075688772)},
+                 {"W = 0.25; H = 1.0;", 3, 0.1 * (1.0 + 4.0 * 1.7320508075688772)},
+                 {"N = 3; W = 0.15; H = 1e9;", 0, 0.0}};
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        char text[200];
+        scoped_scene s;
+        dem_grain *grains;
+        size_t n = 0;
+        snprintf(text, sizeof text, "fill = { pattern = \"lattice\"; radius_width = 0.0; %s };",
+                 cases[k].text);
+        CHECK_OK(grains_read(text, NULL, &s));
+        const rp_status status = dem_scene_grains(&s, &grains, &n, NULL);
+        CU_ASSERT(status == (cases[k].n ? RP_OK : RP_NO_RESULT) && n == cases[k].n);
+        if (n == cases[k].n && n > 0) CHECK_NEAR(grains[n - 1].y, cases[k].y, 1e-12);
+        free(grains);
+    }
+}
+
 /* What leaves no grain, or more than there may be. */
 static void test_extremes(void)
 {
@@ -222,6 +273,8 @@ void suite_fills(void)
                                        {"radii of a table", test_table},
                                        {"rows and lattices", test_patterns},
                                        {"several fills", test_several},
+                                       {"constants", test_constants},
+                                       {"few in much room", test_sparse},
                                        {"none, and too many", test_extremes},
                                        {0}};
     check_register("fills", cases);

@@ -163,7 +163,7 @@ static void refused(void)
         {"walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; extent = [1.0, 0.0]; } );",
          "extent = [1, 0]"},
         {"walls = { point = 1; };", "walls: a list"},
-        {"particles_file = \"t.tsv\";", "particles or particles_file, or fill"},
+        {"particles_file = \"t.tsv\";", "particles and particles_file; keep one"},
         {"fill = ( );", ":2: fill: a group { ... }, or a list of one or more, expected"},
         {"fill = 3;", ":2: fill: a group { ... } expected"},
         {"fill = { N = 3; W = 1.0; };", ":2: H: missing (height of the region of a random fill)"},
@@ -183,7 +183,7 @@ static void refused(void)
         dem_scene_free(&s);
     }
     static const char *const whole[][2] = {
-        {"steps = 3;", "particles or particles_file, or fill"},
+        {"steps = 3;", "no grains: particles, particles_file or fill is needed"},
         {"particles = ( );", ":1: particles: no particles"},
         {"particles = ( { x = 0.0; y = 0.5; r = -0.1; } );",
          ":1: particles.[0].r = -0.1: out of range, allowed: (0, inf) cm"},

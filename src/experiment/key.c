@@ -124,7 +124,7 @@ char *exp_key_to(const exp_plan *plan, size_t end)
 /* t and phase_step of a moment; NAN for all else, which only the run knows. */
 typedef struct {
     const exp_plan *plan;
-    double t;
+    double t, dt;
 } moment;
 
 static double at_moment(void *host, int id, const double args[])
@@ -133,7 +133,7 @@ static double at_moment(void *host, int id, const double args[])
     const exp_use *use = id < EXP_ID_GRAIN ? &m->plan->uses[id] : NULL;
     (void)args;
     if (use && strcmp(use->of->name, "t") == 0) return m->t;
-    return use && strcmp(use->of->name, "phase_step") == 0 ? m->t / m->plan->scene.def.dt : NAN;
+    return use && strcmp(use->of->name, "phase_step") == 0 ? m->t / m->dt : NAN;
 }
 
 /* The largest value of an expression of t over a phase, at a thousand points; *v stays if it has none. */
@@ -151,7 +151,7 @@ static void largest(const exp_plan *plan, const exp_phase *p, const exp_expressi
         return;
     }
     for (int k = 0; k < POINTS && states && isfinite(last); k++) {
-        moment m = {plan, last * (k + 0.5) / POINTS};
+        moment m = {plan, last * (k + 0.5) / POINTS, dt};
         most = fmax(most, fabs(rp_expression_value(&e->x, &(rp_x_values){&m, at_moment}, states)));
     }
     if (isfinite(most)) *v = most;

@@ -174,17 +174,23 @@ const exp_output *exp_outputs(const exp_plan *plan, size_t *n)
     return plan->outputs;
 }
 
+static const rp_param no_schema[] = {{0}};
+
 const exp_group exp_groups[] = {
     {"phases", exp_phase_schema,
      "a list, in its order: name; one of steps (a number), time (s), until (a condition, looked at every "
-     "`every` steps); if "
-     "(a "
-     "condition of lets); fail = { word = \"condition\"; }; walls = { NAME = { velocity = (vx, vy); omega = "
-     "...; }; }; gravity; gravity_turn_deg_per_step; "
-     "box_turn_deg_per_step. A block has phases of its own, and repeat or until"},
+     "`every` steps); if (a condition of lets); fail = { word = \"condition\"; }. From here on: gravity = "
+     "(gx, "
+     "gy); gravity_turn_deg_per_step; box_turn_deg_per_step; dt; x_min; x_max; y_min; normal; tangential; "
+     "rolling; walls = { NAME = { velocity = (vx, vy); omega; load_x; load_y; speed; coefficients }; }. New "
+     "grains: add = { N; kind; r, or radii as of a fill; density; x; y; vx; vy; omega; gap; }. A block has "
+     "phases of its own, and repeat or until"},
     {"measure", exp_measure_schema,
-     "a list of columns: name; of (an expression); at or during a phase; when (a condition, of samples); if "
-     "(a "
-     "condition of lets)"},
+     "a list of columns: name; of (an expression, a module or MODULE.OUTPUT); at or during a phase; when (a "
+     "condition, of samples); if (a condition of lets)"},
+    {"regions", no_schema,
+     "NAME = { x = (from, to); y = (from, to); }, { circle = (x, y, radius); } or { polygon = ( (x, y), ... "
+     "); "
+     "}, in the box's frame, by expressions"},
     {"rest", rest_schema, "what the condition `rest` asks, in m, |g| and d of the mean grain"},
     {0}};

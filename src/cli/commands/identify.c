@@ -7,7 +7,8 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "core/folder.h"
+#include "core/file.h"
+#include "core/version.h"
 #include "params/config.h"
 #include "params/expression.h"
 #include "params/units.h"
@@ -211,6 +212,18 @@ static rp_status read_file(problem *s)
 
 /* ---- stages ---- */
 
+/* In quotes, as a parameter file has it. */
+static void write_text(FILE *out, const char *text)
+{
+    fputc('"', out);
+    for (const char *c = text; *c; c++)
+        if ((unsigned char)*c < ' ')
+            fprintf(out, "\\x%02x", (unsigned)*c);
+        else
+            fprintf(out, strchr("\"\\", *c) ? "\\%c" : "%c", *c);
+    fputc('"', out);
+}
+
 static void write_value(FILE *out, const config_setting_t *setting)
 {
     rp_value v;
@@ -219,7 +232,7 @@ static void write_value(FILE *out, const config_setting_t *setting)
         if (v.kind == RP_V_REAL) fprintf(out, "%.17e", v.r);
         if (v.kind == RP_V_INT) fprintf(out, "%ld", v.i);
         if (v.kind == RP_V_BOOL) fputs(v.i ? "true" : "false", out);
-        if (v.kind == RP_V_TEXT) fprintf(out, "\"%s\"", v.s);
+        if (v.kind == RP_V_TEXT) write_text(out, v.s);
         return;
     }
     const bool named = config_setting_is_group(setting);
@@ -248,7 +261,9 @@ static rp_status write_sweep(const problem *s, const group *g, const char *path,
         source = real;
     }
     RP_TRY(rp_file_open(path, &out));
-    fprintf(out, "%s = \"%s\";\nreplicas = %zu;\nseed = %ld;\n", g->kind, source, replicas, s->seed);
+    fprintf(out, "# program: repose %s\n%s = ", RP_VERSION, g->kind); /* by which it knows its own */
+    write_text(out, source);
+    fprintf(out, ";\nreplicas = %zu;\nseed = %ld;\n", replicas, s->seed);
     if (g->fixed) fputs("fixed = ", out), write_value(out, g->fixed), fputs(";\n", out);
     fputs("zip = true;\ngrid = {\n", out);
     for (size_t p = 0; p < s->quest.n_names; p++) {
@@ -543,7 +558,7 @@ static rp_status find(problem *s)
     RP_TRY(read_file(s));
     if (s->quest.fixed_runs) RP_TRY(read_tables(s));
     if (!s->quest.fixed_runs) {
-        RP_TRY(rp_folder_make(s->o->o));
+        RP_TRY(rp_make_directory(s->o->o));
         for (size_t g = 0; g < s->quest.n_groups; g++) {
             const char *path;
             RP_TRY(rp_path(s->call->arena, &path, "%s/stage_1_%zu.cfg", s->o->o, g + 1));

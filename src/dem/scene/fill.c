@@ -201,13 +201,15 @@ static size_t place_row(const dem_fill *f, gsl_rng *radii, size_t most, dem_grai
 static size_t place_lattice(const dem_fill *f, gsl_rng *radii, double widest, size_t most, dem_grain *grains)
 {
     size_t n = 0;
-    for (long row = 0; widest + sqrt(3.0) * widest * (double)row + widest <= f->H * (1.0 + 1e-12); row++)
+    for (long row = 0; n < most && (row == 0 || n > 0); row++) {
+        const double y = widest * (1.0 + sqrt(3.0) * (double)row);
+        if (y + widest > f->H * (1.0 + 1e-12)) break;
         for (long k = 0; n < most; k++) {
             const double x = widest * (1.0 + 2.0 * (double)k + (double)(row % 2));
             if (x + widest > f->W * (1.0 + 1e-12)) break;
-            grains[n++] = grain_of(f, f->x0 + x, f->y0 + widest * (1.0 + sqrt(3.0) * (double)row),
-                                   dem_radius_draw(f, radii));
+            grains[n++] = grain_of(f, f->x0 + x, f->y0 + y, dem_radius_draw(f, radii));
         }
+    }
     return n;
 }
 

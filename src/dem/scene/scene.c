@@ -586,7 +586,7 @@ static rp_status take_step(rp_table *table, long wanted)
     return table->n_rows ? RP_OK : rp_fail(RP_BAD_INPUT, "%s: no rows with %s", table->path, condition);
 }
 
-/* radii = ( [r, share], ... ), of the law `table`. */
+/* radii = ( [r, share], ... ), of the law `table`; the caller frees them. */
 static rp_status read_radii(const config_setting_t *group, dem_fill *f)
 {
     const config_setting_t *list = config_setting_get_member(group, "radii");
@@ -596,11 +596,17 @@ static rp_status read_radii(const config_setting_t *group, dem_fill *f)
                               list ? "needs" : "missing, of");
     if (!list) return RP_OK;
     double *radii = malloc((2 * n + 1) * sizeof *radii);
-    if (!radii) return rp_fail(RP_NO_MEMORY, "radii: out of memory");
+    rp_status status = radii ? RP_OK : rp_fail(RP_NO_MEMORY, "radii: out of memory");
+    for (size_t k = 0; k < n && !status; k++)
+        status = rp_config_pair(config_setting_get_elem(list, (unsigned)k), &radii[2 * k]);
+    if (status) return free(radii), status;
     f->radii = radii, f->n_radii = n;
-    for (size_t k = 0; k < n; k++)
-        RP_TRY(rp_config_pair(config_setting_get_elem(list, (unsigned)k), &radii[2 * k]));
     return RP_OK;
+}
+
+static bool is_of_radii(const char *name)
+{
+    return rp_params_find(fill_schema, name) && (strncmp(name, "radius_", 7) == 0 || strcmp(name, "by") == 0);
 }
 
 rp_status dem_text_radii(const config_setting_t *group, const char *const others[], const dem_fill *as,
@@ -608,25 +614,27 @@ rp_status dem_text_radii(const config_setting_t *group, const char *const others
 {
     fill_entry entry = {.kind = ""};
     bool given = config_setting_get_member(group, "radii") != NULL;
+    for (int i = 0; i < config_setting_length(group); i++)
+        given |= is_of_radii(config_setting_name(config_setting_get_elem(group, (unsigned)i)));
     rp_params_defaults(fill_schema, &entry);
-    if (as) entry.fill = *as;
+    if (as && !given) entry.fill = *as;
     for (int i = 0; i < config_setting_length(group); i++) {
         const config_setting_t *key = config_setting_get_elem(group, (unsigned)i);
         const char *name = config_setting_name(key), *const *other = others;
-        const rp_param *row = rp_params_find(fill_schema, name);
         while (*other && strcmp(*other, name) != 0) other++;
         if (*other || strcmp(name, "radii") == 0) continue;
-        if (!row || (strncmp(name, "radius_", 7) != 0 && strcmp(name, "by") != 0)) {
+        if (!is_of_radii(name)) {
             rp_guess guess = rp_guess_of(name);
             for (other = others; *other; other++) rp_guess_try(&guess, *other);
             return rp_config_fail(key, "%s: unknown key%s", name, rp_guess_text(&guess));
         }
-        RP_TRY(rp_config_value(key, row, &entry));
+        RP_TRY(rp_config_value(key, rp_params_find(fill_schema, name), &entry));
     }
-    if (given || entry.fill.law != DEM_RADII_TABLE) RP_TRY(read_radii(group, &entry.fill));
+    if (given || !as) RP_TRY(read_radii(group, &entry.fill));
     *radii = entry.fill;
-    rp_status status = dem_radii_check(radii);
-    return status ? rp_config_fail(group, "%s", rp_message()) : RP_OK;
+    if (!dem_radii_check(radii)) return RP_OK;
+    if (given) free((void *)radii->radii);
+    return rp_config_fail(group, "%s", rp_message());
 }
 
 static rp_status check_fill(const config_setting_t *group, const scene_file *file, const dem_fill *f)
@@ -779,10 +787,11 @@ static rp_status read_grains(const char *path, const config_setting_t *root, sce
     const config_setting_t *fill = config_setting_get_member(root, "fill");
     const bool from_table = file->particles_file && *file->particles_file;
     const bool added = first_add(config_setting_get_member(root, "phases")) != NULL;
-    if ((list != NULL && from_table) || !(list || fill || from_table || added))
-        return rp_fail(RP_BAD_INPUT,
-                       "%s: particles or particles_file, or fill, or a fill with one of them is needed",
-                       path);
+    if (list && from_table)
+        return rp_config_fail(config_setting_get_member(root, "particles_file"),
+                              "particles and particles_file; keep one");
+    if (!(list || fill || from_table || added))
+        return rp_fail(RP_BAD_INPUT, "%s: no grains: particles, particles_file or fill is needed", path);
     if (!from_table && (file->particles_step >= 0 || *file->contacts_file))
         return rp_fail(RP_BAD_INPUT, "%s: %s: needs particles_file", path,
                        *file->contacts_file ? "contacts_file" : "particles_step");
@@ -945,11 +954,20 @@ static rp_status change(dem_text *scene, const char *text)
     return status;
 }
 
-static const config_setting_t *first_fill(const config_setting_t *root)
+/* The first fill that is there; NULL: none. */
+static rp_status first_fill(const config_setting_t *root, const config_setting_t **first)
 {
     const config_setting_t *fill = config_setting_get_member(root, "fill");
-    if (fill && config_setting_is_list(fill)) fill = config_setting_get_elem(fill, 0);
-    return fill && config_setting_is_group(fill) ? fill : NULL;
+    const bool list = fill && config_setting_is_list(fill);
+    const int n = list ? config_setting_length(fill) : fill != NULL;
+    *first = NULL;
+    for (int k = 0; k < n && !*first; k++) {
+        const config_setting_t *group = list ? config_setting_get_elem(fill, (unsigned)k) : fill;
+        bool wanted;
+        RP_TRY(is_wanted(group, &wanted));
+        if (wanted && config_setting_is_group(group)) *first = group;
+    }
+    return RP_OK;
 }
 
 /* What tells the radii of the first fill. Afterwards free its radii, also after an error. */
@@ -967,9 +985,10 @@ static rp_status peek_radii(const config_setting_t *fill, fill_entry *entry)
  * unknown. */
 static rp_status mean_grain(const config_setting_t *root, double *r, double *density)
 {
-    const config_setting_t *fill = first_fill(root), *list = config_setting_get_member(root, "particles"),
-                           *add = first_add(config_setting_get_member(root, "phases"));
+    const config_setting_t *fill, *list = config_setting_get_member(root, "particles"),
+                                  *add = first_add(config_setting_get_member(root, "phases"));
     *r = *density = 0.0;
+    RP_TRY(first_fill(root, &fill));
     if (!fill && !list && add && config_setting_get_member(add, "r")) {
         dem_grain grain = {0};
         RP_TRY(peek(add, particle_schema, "r", &grain));
@@ -995,8 +1014,9 @@ static rp_status mean_grain(const config_setting_t *root, double *r, double *den
 /* Of particles that are listed with their masses, the mean of these; else it stays. */
 static rp_status mean_mass(const config_setting_t *root, double one, double *m)
 {
-    const config_setting_t *list = config_setting_get_member(root, "particles");
-    const int n = list && !first_fill(root) && config_setting_is_list(list) ? config_setting_length(list) : 0;
+    const config_setting_t *list = config_setting_get_member(root, "particles"), *fill;
+    RP_TRY(first_fill(root, &fill));
+    const int n = list && !fill && config_setting_is_list(list) ? config_setting_length(list) : 0;
     double sum = 0.0;
     for (int i = 0; i < n; i++) {
         dem_grain grain = {.m = one};
@@ -1038,7 +1058,7 @@ static rp_status dt_limit(void *host, const char *name, int n, const double args
                           bool *known)
 {
     dem_text *text = host;
-    const config_setting_t *root = config_root_setting(&text->config), *fill = first_fill(root);
+    const config_setting_t *root = config_root_setting(&text->config), *fill;
     scene_file file = {.scene = {.def = dem_definition_default()}};
     dem_definition *def = &file.scene.def;
     fill_entry f = {0};
@@ -1047,6 +1067,7 @@ static rp_status dt_limit(void *host, const char *name, int n, const double args
     if (strcmp(name, "dt_limit") != 0) return RP_OK;
     if (n != 1 || !(args[0] >= 0.0) || isinf(args[0]))
         return rp_fail(RP_BAD_INPUT, "dt_limit: a speed expected");
+    RP_TRY(first_fill(root, &fill));
     rp_params_defaults(top_schema, &file);
     RP_TRY(peek(root, top_schema, "rotation", &file));
     RP_TRY(peek(root, top_schema, "integrator", &file));

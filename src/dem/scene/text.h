@@ -45,8 +45,8 @@ void dem_laws_write(const dem_scene_laws *laws, FILE *out);
 rp_status dem_text_coefficients(const config_setting_t *group, const char *const others[], bool *some,
                                 dem_material *given);
 
-/* Keys of radii in a group, beside other keys; default: those of `as`, or of a fill. The caller frees
- * radii->radii where they are not those of `as`. Errors: RP_BAD_INPUT. */
+/* Keys of radii in a group, beside other keys; without any the radii of `as`, or the defaults of a fill.
+ * After success the caller frees radii->radii where they are not those of `as`. Errors: RP_BAD_INPUT. */
 rp_status dem_text_radii(const config_setting_t *group, const char *const others[], const dem_fill *as,
                          dem_fill *radii);
 
