@@ -31,6 +31,7 @@ dir=$build/analyze/sweep
 rm -rf "$dir"
 printf 'protocol = "pile"; replicas = 2; fixed = { base = 5; };\n' >"$build/analyze/s.cfg"
 printf 'steps = 50; fill = { N = 9; W = 1.0; H = 1.0; }; walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; } );\n' >"$build/analyze/scene.cfg"
+printf 'fit = { mu = [0.1, 0.8]; }; measured = ( { runs = "%s/tests/fuzz/corpus/calibrate/piles"; of = "theta_r3_deg"; value = 20.0; error = 1.0; } );\n' "$PWD" >"$build/analyze/fit.cfg"
 while read -r line; do
     valgrind -q --error-exitcode=99 --leak-check=full --trace-children=no "$build/repose" $line >/dev/null 2>"$build/analyze/valgrind.log"
     [ $? != 99 ] || { echo "valgrind src/cli/main.c ${line%% *}" >>"$found.raw"; cat "$build/analyze/valgrind.log"; }
@@ -42,7 +43,7 @@ run $build/analyze/scene.cfg --ledger --force -o $build/analyze/run
 angle slope tests/fuzz/corpus/angle_slope/pile --width 4
 stress dip tests/fuzz/corpus/stress_dip/piles --resamples 9
 stats fit tests/fuzz/corpus/stats_fit/runs -x a -y b
-calibrate --runs tests/fuzz/corpus/calibrate/piles --theta-r-deg 20 --error-deg 1 --bootstrap 3
+calibrate $build/analyze/fit.cfg
 sweep plan $build/analyze/s.cfg -o $dir
 sweep run $dir -j 1
 sweep export $dir --reduce

@@ -18,7 +18,6 @@
     X(suite_angle)                                                                                           \
     X(suite_calibrate_text)                                                                                  \
     X(suite_identify)                                                                                        \
-    X(suite_calibrate)                                                                                       \
     X(suite_claims)                                                                                          \
     X(suite_trend)                                                                                           \
     X(suite_dem)                                                                                             \

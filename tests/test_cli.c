@@ -604,8 +604,6 @@ static void test_sweep_or_scene(void)
     write_text("tables.cfg", "model = ( { table = \"a\"; with = \"tent\"; } );\n");
     FAILS(65, "scene.cfg: a scene (it has fill), no sweep; repose run", "sweep plan scene.cfg -o d");
     FAILS(65, "scene.cfg: a scene (it has fill), no sweep; repose run", "sweep make scene.cfg -o d");
-    FAILS(65, "scene.cfg: a scene (it has fill), no sweep",
-          "calibrate --theta-r-deg 20 --error-deg 1 --sweep scene.cfg -o d");
     FAILS(64, "scene.cfg is a scene", "run scene.cfg --row 1 -o d");
     FAILS(64, "sweep.cfg is a sweep file; repose run sweep.cfg --row N -o DIR", "run sweep.cfg");
     FAILS(64, "repose sweep make sweep.cfg -o DIR makes all", "run sweep.cfg --row 0");
@@ -1525,176 +1523,6 @@ static void test_page_circles(void)
     CU_ASSERT_STRING_EQUAL(out, "<svg><circle fill = 'blue'  cx='50.00' cy='40.00' r='5.00'/></svg>\n");
 }
 
-/* ---- calibrate ---- */
-
-/* Piles on straight lines, theta_r = 5 + 50 mu and theta_t = 2 + 10 mu, with a scatter of about one degree.
- */
-static void write_piles(void)
-{
-    static const double scatter_r[] = {-1.1, 1.2, -0.9, 0.8}, scatter_t[] = {-1.2, -0.8, 1.1, 0.9};
-    char rows[4096];
-    size_t used = 0;
-    for (int i = 0; i < 24; i++) {
-        const double mu = 0.1 + 0.1 * (i / 4);
-        used += (size_t)snprintf(rows + used, sizeof rows - used, "ok\t%g\t%.17g\t%.17g\n", mu,
-                                 5.0 + 50.0 * mu + scatter_r[i % 4], 2.0 + 10.0 * mu + scatter_t[i % 4]);
-    }
-    write_text("piles.tsv",
-               "# W: 3 cm\n# sweep: planted here\n# status\tmu\ttheta_r3_deg\ttheta_t_displacement_deg\n"
-               "%sno_pile\t0.35\tnan\tnan\n",
-               rows);
-}
-
-/* What would reach further: more of the range, unless the response changes there by less than a fiftieth of
- * its reach over the last tenth. Of t - bend t^2 on [0, 1] that is 0.0208 or 0.0192 of it. */
-static void test_flat_ends(void)
-{
-    static const double bends[] = {0.468, 0.473};
-    for (int k = 0; k < 4; k++) {
-        const bool falls = k / 2;
-        char rows[4096], expected[128];
-        size_t used = 0;
-        for (int i = 0; i < 44; i++) { /* as a fall its largest values are at the lower end */
-            const double t = 0.1 * (i / 4), f = t - bends[k % 2] * t * t, at = falls ? 1.0 - t : t;
-            used += (size_t)snprintf(rows + used, sizeof rows - used, "ok\t%g\t%.17g\n", 0.2 + 0.5 * at,
-                                     10.0 + 40.0 * f + (i % 2 ? 0.001 : -0.001));
-        }
-        write_text("flat.tsv", "# status\tmu\ttheta_r3_deg\n%s", rows);
-        snprintf(expected, sizeof expected,
-                 k % 2   ? "the angle hardly changes near mu = %s"
-                 : falls ? "piles with mu below %s (--sweep) extend it"
-                         : "piles with mu above %s (--sweep) extend it",
-                 falls ? "0.2" : "0.7");
-        FAILS(1, expected, "calibrate --runs flat.tsv --theta-r-deg 60 --error-deg 0.5 --bootstrap 2");
-    }
-}
-
-static void test_calibrate(void)
-{
-    static const failure list[] = {
-        {64, "--theta-r-deg or --theta-t-deg is required", "calibrate"},
-        {64, "--theta-r-deg needs --error-deg", "calibrate --theta-r-deg 20"},
-        {64, "--theta-t-error-deg needs --theta-t-deg", "calibrate --theta-t-error-deg 1"},
-        {65, "--error-deg = -1: out of range", "calibrate --theta-r-deg 20 --error-deg -1"},
-        {65, "none.cfg: cannot read", "calibrate --theta-r-deg 20 --error-deg 1 --sweep none.cfg -o d"},
-        {65, "no column \"mu_roll\"; expected header: mu mu_roll; found: status mu",
-         "calibrate --theta-r-deg 20 --error-deg 1 --runs piles.tsv --fit mu,mu_roll"},
-        {65, "at most 2", "calibrate --theta-r-deg 20 --error-deg 1 --runs piles.tsv --fit mu,status,mu"},
-        {65, "the same parameter twice",
-         "calibrate --theta-r-deg 20 --error-deg 1 --runs piles.tsv --fit mu,mu"},
-        {65, "floors.tsv:3: floor varies too", "calibrate --theta-r-deg 20 --error-deg 1 --runs floors.tsv"},
-        {65, "no values of \"theta_t_displacement_deg\"",
-         "calibrate --theta-t-deg 2 --theta-t-error-deg 1 --runs floors.tsv --fit floor"},
-    };
-    write_piles();
-    write_text("floors.tsv", "# status\tmu\tfloor\ttheta_r3_deg\nok\t0.1\t1\t3\nok\t0.1\t2\t5\n");
-    CHECK_FAILURES(list);
-
-    GOOD("calibrate --runs piles.tsv --theta-r-deg 20 --error-deg 0.5");
-    CU_ASSERT(strstr(out, "\n# W: 3 cm\n") && strstr(out, "\n# holds for: two-dimensional") &&
-              strstr(out, "\n# not for: other models") &&
-              strstr(out, "24 piles used, 1 rows without result"));
-    scoped_table t = read_table("out");
-    CU_ASSERT(t.n_rows == 1);
-    CU_ASSERT_STRING_EQUAL(word(&t, 0, "parameter"), "mu");
-    CU_ASSERT_STRING_EQUAL(word(&t, 0, "status"), "ok");
-    CHECK_NEAR(cell(&t, 0, "value"), 0.3, 1e-6);
-    double se = cell(&t, 0, "se");
-    CU_ASSERT(se > 0.5 / 50.0 &&
-              se < 0.7 / 50.0); /* error of the measurement, plus a little of the response */
-    CHECK_NEAR(cell(&t, 0, "upper") - cell(&t, 0, "lower"), 3.92 * se, 0.02 * se);
-    CHECK_NEAR(cell(&t, 0, "boot_se"), se, 0.2 * se);
-    GOOD("calibrate --runs piles.tsv --theta-r-deg 20 --error-deg 0.5 --theta-t-deg 5 --theta-t-error-deg "
-         "0.5");
-    read_again(&t, "out");
-    CU_ASSERT(cell(&t, 0, "se") < se);
-    FAILS(1, "mu: above_range: the angle is larger than the response anywhere in the range; mu >= 0.6",
-          "calibrate --runs piles.tsv --theta-r-deg 45 --error-deg 0.5");
-    CU_ASSERT(
-        strstr(err,
-               "; these piles reach theta_r from 10 to 35 degrees, for 0.1 <= mu <= 0.6; piles with mu above "
-               "0.6 (--sweep) extend it\n") != NULL);
-    CU_ASSERT(strstr(out, "\n# reach: theta_r from 10 to 35 degrees, for 0.1 <= mu <= 0.6\n") != NULL);
-    CU_ASSERT(strstr(out, "\nmu\tnan\tnan\t0.6\tnan\t") != NULL);
-    FAILS(1, "mu: at_least", "calibrate --runs piles.tsv --theta-r-deg 34.5 --error-deg 0.5");
-    /* above the peak of a response that falls again */
-    char rows[4096];
-    size_t used = 0;
-    for (int k = 0; k < 66; k++)
-        used += (size_t)snprintf(rows + used, sizeof rows - used, "ok\t%g\t%g\n", 0.1 * (k / 6),
-                                 20.0 - 60.0 * pow(0.1 * (k / 6) - 0.5, 2.0) + k % 6);
-    write_text("peak.tsv", "# status\tmu\ttheta_r3_deg\n%s", rows);
-    GOOD("calibrate --runs peak.tsv --theta-r-deg 22 --error-deg 0.5");
-    CU_ASSERT(!strstr(err, "outside"));
-    CU_ASSERT(run("calibrate --runs peak.tsv --theta-r-deg 22.9 --error-deg 0.5") == 0);
-    double reach[2]; /* the same as in the header */
-    CU_ASSERT(sscanf(strstr(out, "# reach: "), "# reach: theta_r from %lf to %lf", &reach[0], &reach[1]) ==
-              2);
-    snprintf(rows, sizeof rows,
-             "theta_r = 22.9 degrees lies outside what the response reaches, %.3g to %.3g: ", reach[0],
-             reach[1]);
-    CU_ASSERT(strstr(err, rows) != NULL);
-    FAILS(1, "mu: above_range: the angle is larger than the response anywhere in the range; these piles",
-          "calibrate --runs peak.tsv --theta-r-deg 30 --error-deg 0.5");
-    CU_ASSERT(strstr(err, "; the angle is largest within the range, near mu = 0.5: vary another parameter") !=
-              NULL);
-    CU_ASSERT(strstr(out, "\nmu\tnan\tnan\tnan\tnan\tnan\tnan\tnan\tabove_range\n") != NULL);
-
-    /* below the trough of one, and above one that has levelled off */
-    for (int level = 0; level < 2; level++) {
-        used = 0;
-        for (int k = 0; k < 66; k++) {
-            const double mu = 0.1 * (k / 6),
-                         angle = level ? 15.0 * tanh(5.0 * mu) : 60.0 * pow(mu - 0.5, 2.0);
-            used +=
-                (size_t)snprintf(rows + used, sizeof rows - used, "ok\t%g\t%g\n", mu, 20.0 + angle + k % 6);
-        }
-        write_text("bent.tsv", "# status\tmu\ttheta_r3_deg\n%s", rows);
-        FAILS(1,
-              level ? "; the angle hardly changes near mu = 1: vary another parameter"
-                    : "; the angle is smallest within the range, near mu = 0.5: vary another parameter",
-              "calibrate --runs bent.tsv --theta-r-deg %d --error-deg 0.5", level ? 45 : 15);
-    }
-    FAILS(1, "piles with mu below 0.1 (--sweep) extend it",
-          "calibrate --runs piles.tsv --theta-r-deg 2 --error-deg 0.5");
-    FAILS(1, "no_match",
-          "calibrate --runs piles.tsv --theta-r-deg 12 --error-deg 0.1 --theta-t-deg 9 "
-          "--theta-t-error-deg 0.1");
-    CU_ASSERT(strstr(err, "these piles reach theta_r from 10 to 35 degrees and theta_t from ") &&
-              strstr(err, "or of another parameter (--fit), may reach further"));
-}
-
-/* From a sweep file to an answer; the second call makes no run. */
-static void test_calibrate_sweep(void)
-{
-    write_text("s.cfg", "protocol = \"repose\"; replicas = 3; seed = 1993;\n"
-                        "fixed = { " SHORT_RUN " };\ngrid = { mu = [0.1, 0.2, 0.3, 0.4]; };\n");
-    static const char line[] = "calibrate --sweep s.cfg -o d -j 2 --theta-r-deg 15 --error-deg 2";
-    int status = run("%s", line);
-    CU_ASSERT(status == RP_OK || status == RP_NO_RESULT); /* a dozen piles may not identify mu */
-    scoped char *first = strdup(out);
-    CU_ASSERT(strstr(first, "12 piles used") && strstr(first, "\n# W: 2 cm\n") && strstr(first, "\nmu\t"));
-    GOOD("sweep export d -o before.tsv"); /* with the seconds of each run in its header */
-    CU_ASSERT(run("%s", line) == status);
-    CU_ASSERT_STRING_EQUAL(out, first);
-    CU_ASSERT(equal_tables("d/runs.tsv", "before.tsv"));
-    CU_ASSERT(shell("grep run_time before.tsv >out 2>err; grep run_time d/runs.tsv | cmp - out") == 0);
-    /* where nothing may be written the stored piles do, if they are those of the file */
-    static const char readers[] =
-        "chmod 755 . && chmod 555 d && chmod 444 d/* && cp s.cfg other.cfg && "
-        "sed -i s/1993/1994/ other.cfg && w=; [ $(id -u) = 0 ] && w='setpriv --reuid=65534 --clear-groups'; "
-        "for c in 'sweep status d' 'sweep export d' 'sweep digest d' 'export d --to json' 'stats select "
-        "d/runs.tsv'; "
-        "do $w \"$REPOSE\" $c >said 2>err || exit 2; done; "
-        "$w \"$REPOSE\" calibrate --sweep other.cfg -o d --theta-r-deg 15 --error-deg 2 >out 2>err; "
-        "[ $? = 65 ] && grep -q 'd: holds another plan than that of other.cfg, and may only be read' err || "
-        "exit 3; "
-        "$w \"$REPOSE\" calibrate --sweep s.cfg -o d -j 2 --theta-r-deg 15 --error-deg 2 >out 2>err";
-    CU_ASSERT_EQUAL(shell(readers), status);
-    CU_ASSERT_STRING_EQUAL(out, first);
-    CU_ASSERT(shell("chmod 755 d") == 0);
-}
-
 /* ---- run ---- */
 
 /* Free fall under a slanting gravity, for which Verlet is exact. */
@@ -2306,8 +2134,7 @@ static void test_folders(void)
         {65, "s: holds the sweep s.cfg; give another folder, or --force", "sweep plan t.cfg -o s"},
         {65, "a: holds a.cfg, 20 steps", "sweep plan s.cfg -o a"},
         {65, "a: holds a.cfg, 20 steps", "sweep make s.cfg -o a --tables ."},
-        {65, "r: holds s.cfg row 0", "sweep make s.cfg -o r --tables ."},
-        {65, "a: holds a.cfg, 20 steps", "calibrate --theta-r-deg 20 --error-deg 1 --sweep s.cfg -o a"}};
+        {65, "r: holds s.cfg row 0", "sweep make s.cfg -o r --tables ."}};
     CHECK_FAILURES(refused);
     CU_ASSERT(shell("cat a/* r/* | cmp - before && ! test -e s/states.tsv && ! test -e a/unfinished") == 0);
     GOOD("sweep plan s.cfg -o s");
@@ -2364,9 +2191,6 @@ void suite_cli(void)
                                        {"unfinished drops", test_cut_drops},
                                        {"stats trend, size", test_stats_trends},
                                        {"stats select, --where", test_stats_select},
-                                       {"calibrate", test_calibrate},
-                                       {"calibrate: what would reach further", test_flat_ends},
-                                       {"calibrate: sweep to answer", test_calibrate_sweep},
                                        {"run: free fall", test_free_fall},
                                        {"run: tables in a folder", test_output_folder},
                                        {"run: no result, 1", test_broken_run},

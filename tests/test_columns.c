@@ -10,7 +10,6 @@
 #include "core/clock.h"
 #include "core/random.h"
 #include "dem/scene/scene.h"
-#include "stats/calibrate.h"
 #include "stats/stats.h"
 #include "stress/stress.h"
 #include "sweeps/protocols/protocols.h"
@@ -404,164 +403,6 @@ static void test_dip(void)
     GOOD("stress dip plain.tsv --profile");
     scoped_table t = read_table("out");
     for (size_t row = 0; row < STRESS_DIP_BINS / 2; row++) CU_ASSERT(isnan(cell(&t, row, "rays")));
-}
-
-/* ---- calibrate ---- */
-
-enum { CAL_POINTS = 7, CAL_EACH = 4, CAL_PILES = CAL_POINTS * CAL_EACH };
-static const double chi2_95 = 3.841458820694124;
-
-/* Both angles are lines in mu, a + b mu, and scatter alike about every point. */
-static const double line_a[2] = {2.385, 1.5}, line_b[2] = {41.7, 23.0}, line_scatter[2] = {1.37, 0.45};
-
-static double point_mu(int g)
-{
-    return 0.05 + 0.11 * g;
-}
-
-/* The piles as a table, with a row that has failed, and as arrays. */
-static void write_lines(double x[CAL_PILES], double angle[2][CAL_PILES])
-{
-    FILE *file = file_of("piles.tsv");
-    fputs("# theta_t_displacement_deg\tmu\tstatus\ttheta_r3_deg\n11\t0.3\tno_pile\t3\n", file);
-    for (int i = 0; i < CAL_PILES; i++) {
-        const int k = i % CAL_EACH;
-        x[i] = point_mu(i / CAL_EACH);
-        angle[0][i] = line_a[0] + line_b[0] * x[i] + (k % 2 ? 1.0 : -1.0) * line_scatter[0];
-        angle[1][i] = line_a[1] + line_b[1] * x[i] + (k / 2 ? 1.0 : -1.0) * line_scatter[1];
-        fprintf(file, "%.17g\t%.17g\tok\t%.17g\n", angle[1][i], x[i], angle[0][i]);
-    }
-    fclose(file);
-}
-
-/* Value, error and Fieller's interval of a line at the angle z with error e. The scatter's estimate is
- * without bias in its logarithm: scatter sqrt(4/3) exp((log 1.5 - psi(1.5))/2). */
-static void fieller(int a, double z, double e, double expected[4])
-{
-    double x[CAL_POINTS], y[CAL_POINTS], se[CAL_POINTS];
-    const double error =
-                     0.5 * line_scatter[a] * sqrt(4.0 / 3.0) * exp(0.5 * (log(1.5) - 0.03648997397857652)),
-                 b = line_b[a];
-    stats_line line;
-    for (int g = 0; g < CAL_POINTS; g++) {
-        x[g] = point_mu(g);
-        y[g] = line_a[a] + b * x[g];
-        se[g] = error;
-    }
-    CHECK_OK(stats_line_fit(&(stats_xy){CAL_POINTS, x, y, se}, false, &line));
-    const double at_x = (z - line_a[a]) / b;
-    const double v = square(line.intercept_se) + 2.0 * at_x * line.covariance + square(at_x * line.slope_se);
-    expected[0] = at_x;
-    expected[1] = sqrt(e * e + v) / b;
-    CU_ASSERT(gsl_poly_solve_quadratic(b * b - chi2_95 * square(line.slope_se),
-                                       -2.0 * b * (z - line_a[a]) - 2.0 * chi2_95 * line.covariance,
-                                       square(z - line_a[a]) - chi2_95 * (e * e + square(line.intercept_se)),
-                                       &expected[2], &expected[3]) == 2);
-}
-
-/* The search knows a parameter to 1e-7 of its range. */
-#define SEARCH 1e-7
-
-static void check_found(checked *c, size_t row, const char *parameter, const double expected[4],
-                        const stats_calibrated *boot)
-{
-    CHECKED_WORD(c, row, "parameter", parameter);
-    CHECKED_WORD(c, row, "status", "ok");
-    CHECK_NEAR(at(c, row, "value"), expected[0], SEARCH);
-    CHECK_NEAR(at(c, row, "se"), expected[1], SEARCH);
-    CHECK_NEAR(at(c, row, "lower"), expected[2], SEARCH);
-    CHECK_NEAR(at(c, row, "upper"), expected[3], SEARCH);
-    CHECK_NEAR(at(c, row, "boot_se"), boot->boot_se, 1e-14);
-    CHECK_NEAR(at(c, row, "boot_lower"), boot->boot_lower, 1e-14);
-    CHECK_NEAR(at(c, row, "boot_upper"), boot->boot_upper, 1e-14);
-}
-
-/* Each angle alone, by Fieller's theorem; the bootstrap by the library, with the stream of the seed. */
-static void test_calibrate(void)
-{
-    static const char *const options[2][2] = {{"theta-r-deg", "error-deg"},
-                                              {"theta-t-deg", "theta-t-error-deg"}};
-    double x[CAL_PILES], angle[2][CAL_PILES], expected[4];
-    write_lines(x, angle);
-    for (int a = 0; a < 2; a++) {
-        const double z = a ? 10.31 : 19.31, e = a ? 0.43 : 0.83;
-        stats_calibration fit;
-        stats_calibrated r[STATS_MAX_PARAMS];
-        const stats_ensemble piles = {CAL_PILES, 1, 1, {x}, {angle[a]}};
-        const stats_measured m = {{z}, {e}};
-        fieller(a, z, e, expected);
-        scoped_rng *rng = rp_random_alloc(12, 0, RP_PURPOSE_BOOTSTRAP);
-        CHECK_OK(stats_calibration_fit(&piles, &fit));
-        CHECK_OK(stats_calibration_invert(&fit, &m, r));
-        CHECK_OK(stats_calibration_bootstrap(&piles, &fit, &m, 30, rng, r));
-        stats_calibration_free(&fit);
-        GOOD("calibrate --runs piles.tsv --%s %g --%s %g --bootstrap 30 --seed 12", options[a][0], z,
-             options[a][1], e);
-        CU_ASSERT(strstr(out, "# range: 0.05 to 0.71\n") != NULL);
-        scoped_checked c = checked_read("out");
-        CU_ASSERT_FATAL(c.t.n_rows == 1);
-        check_found(&c, 0, "mu", expected, r);
-    }
-    /* without the angle that is asked for, in every row or as a column */
-    shell("sed 's/^[0-9.]*\t/nan\t/' piles.tsv >no_tilt.tsv; sed -e 's/^# theta_t_displacement_deg\t/# /' -e "
-          "'s/^[0-9.]*\t//' piles.tsv >one.tsv");
-    for (int k = 0; k < 2; k++) {
-        const char *const file = k ? "one.tsv" : "no_tilt.tsv";
-        FAILS(65, "no values of \"theta_t_displacement_deg\"",
-              "calibrate --runs %s --theta-t-deg 9 --theta-t-error-deg 1", file);
-        GOOD("calibrate --runs %s --theta-r-deg 19.31 --error-deg 0.83 --bootstrap 2", file);
-    }
-    /* one pile alone has the tilt, and it is the last */
-    shell("sed -e 's/^[0-9.]*\t/nan\t/' -e '$s/^nan/7/' piles.tsv >last.tsv");
-    FAILS(65, "angle 1 of 0 piles", "calibrate --runs last.tsv --theta-t-deg 9 --theta-t-error-deg 1");
-}
-
-/* A parabola has two solutions, a row each, in order; planes have two parameters. */
-static void test_calibrate_rows(void)
-{
-    FILE *file = file_of("piles.tsv");
-    fputs("# mu\ttheta_r3_deg\n", file);
-    for (int i = 0; i < 36; i++) {
-        const double mu = 0.1 * (i / 4);
-        fprintf(file, "%.17g\t%.17g\n", mu, 30.0 - 100.0 * square(mu - 0.385) + (i % 2 ? 0.5 : -0.5));
-    }
-    fclose(file);
-    CU_ASSERT(run("calibrate --runs piles.tsv --theta-r-deg 25 --error-deg 0.3 --bootstrap 2") == 1);
-    CU_ASSERT(strstr(err, "mu: several: ") != NULL);
-    CU_ASSERT(strstr(out, ", degree 2, 3 coefficients, 9 points, ") != NULL);
-    scoped_table t = read_table("out");
-    CU_ASSERT_FATAL(t.n_rows == 2);
-    for (size_t k = 0; k < 2; k++) {
-        const double root = 0.385 + (k ? 1.0 : -1.0) * sqrt(0.05);
-        CHECK_NEAR(cell(&t, k, "value"), root, 1e-6);
-        CU_ASSERT(cell(&t, k, "lower") < root && root < cell(&t, k, "upper"));
-        CU_ASSERT_STRING_EQUAL(word(&t, k, "status"), "several");
-    }
-    CU_ASSERT(cell(&t, 0, "upper") < cell(&t, 1, "lower"));
-
-    file = file_of("piles.tsv");
-    fputs("# mu_roll\ttheta_r3_deg\ttheta_t_displacement_deg\tmu\n", file);
-    for (int i = 0; i < 48; i++) {
-        const double x = 0.1 + 0.2 * (i / 12), y = 0.15 * (i / 4 % 3);
-        fprintf(file, "%.17g\t%.17g\t%.17g\t%.17g\n", y, 3.0 + 25.0 * x + 20.0 * y + (i % 2 ? 0.5 : -0.5),
-                1.0 + 30.0 * x - 14.0 * y + (i / 2 % 2 ? 0.5 : -0.5), x);
-    }
-    fclose(file);
-    const double x = 0.3739, y = 0.1187;
-    GOOD(
-        "calibrate --runs piles.tsv --fit mu,mu_roll --theta-r-deg %.10g --error-deg 0.2 --theta-t-deg %.10g "
-        "--theta-t-error-deg 0.3 --bootstrap 2",
-        3.0 + 25.0 * x + 20.0 * y, 1.0 + 30.0 * x - 14.0 * y);
-    read_again(&t, "out");
-    CU_ASSERT_FATAL(t.n_rows == 2);
-    for (size_t k = 0; k < 2; k++) {
-        CU_ASSERT_STRING_EQUAL(word(&t, k, "parameter"), k ? "mu_roll" : "mu");
-        CHECK_NEAR(cell(&t, k, "value"), k ? y : x, 1e-6);
-    }
-    CU_ASSERT(strstr(out, ", degree 1 and 1, 4 coefficients, 12 points, ") != NULL);
-    CU_ASSERT(strstr(out, "# range: 0.1 to 0.7\n# range: 0 to 0.3\n") != NULL);
-    CU_ASSERT(strstr(out, "# reach: theta_r from 5.5 to 26.5 degrees and theta_t from -0.2 to 22 degrees, "
-                          "for 0.1 <= mu <= 0.7, 0 <= mu_roll <= 0.3\n") != NULL);
 }
 
 /* ---- bench ---- */
@@ -1252,8 +1093,6 @@ void suite_columns(void)
     static const check_case cases[] = {{"protocol stress, stress field, stress base", test_stress},
                                        {"tilt and steps of protocol stress", test_stress_steps},
                                        {"stress dip", test_dip},
-                                       {"calibrate: value and interval", test_calibrate},
-                                       {"calibrate: several rows", test_calibrate_rows},
                                        {"bench", test_bench},
                                        {"bench: boxes that it fills", test_bench_fill},
                                        {"bench: its defaults", test_bench_defaults},

@@ -17,6 +17,10 @@
 #include "tests/program.h"
 
 #define SCENE "steps = 4; gravity = [0.0, 0.0]; particles = ( { x = 0.0; y = 0.0; r = 0.1; } );\n"
+#define FIT                                                                                                  \
+    "fit = { k_x = [0.5, 2.0]; }; measured = ( { protocol = \"pile\"; of = \"D\"; value = 0.1; error = "     \
+    "0.5; "                                                                                                  \
+    "fixed = { base = 4; eps = 1e-2; }; } );\n"
 #define SWEEP "protocol = \"pile\"; replicas = 2; fixed = { base = 4; };\n"
 
 /* Make `what`, run the command, which is refused with this text, and compare what was made. */
@@ -266,30 +270,29 @@ static void test_random_folders(void)
 {
     static const char *const starts[] = {"mkdir d", "cp -a run d", "cp -a pile d", "cp -a sweep d",
                                          "cp -a stopped d"};
-    static const char *const commands[] = {
-        "run s.cfg -o d",
-        "run s.cfg -o d --force",
-        "run s.cfg -o d --force --dump vtk",
-        "run s.cfg -o d --snapshot 1 --dump xyz",
-        "run --resume d",
-        "run w.cfg --row 1 -o d",
-        "run w.cfg -o d --force",
-        "pile --base 4 -o d",
-        "pile --base 4 -o d --force",
-        "sweep plan w.cfg -o d",
-        "sweep plan v.cfg -o d --force",
-        "sweep run d -j 1",
-        "sweep run d -j 1 --shard 1/2",
-        "sweep merge d",
-        "sweep slurm d --shards 2",
-        "sweep salvage d",
-        "sweep export d -o d/runs.tsv",
-        "sweep make w.cfg -o d -j 1 --tables d",
-        "export d --to csv -o d/runs.tsv",
-        "export d --to vtk -o d/run.pvd",
-        "export d --to xyz -o d/run.xyz",
-        "view d -o d/pic.svg",
-        "calibrate --sweep w.cfg -o d -j 1 --theta-r-deg 20 --error-deg 1"};
+    static const char *const commands[] = {"run s.cfg -o d",
+                                           "run s.cfg -o d --force",
+                                           "run s.cfg -o d --force --dump vtk",
+                                           "run s.cfg -o d --snapshot 1 --dump xyz",
+                                           "run --resume d",
+                                           "run w.cfg --row 1 -o d",
+                                           "run w.cfg -o d --force",
+                                           "pile --base 4 -o d",
+                                           "pile --base 4 -o d --force",
+                                           "sweep plan w.cfg -o d",
+                                           "sweep plan v.cfg -o d --force",
+                                           "sweep run d -j 1",
+                                           "sweep run d -j 1 --shard 1/2",
+                                           "sweep merge d",
+                                           "sweep slurm d --shards 2",
+                                           "sweep salvage d",
+                                           "sweep export d -o d/runs.tsv",
+                                           "sweep make w.cfg -o d -j 1 --tables d",
+                                           "export d --to csv -o d/runs.tsv",
+                                           "export d --to vtk -o d/run.pvd",
+                                           "export d --to xyz -o d/run.xyz",
+                                           "view d -o d/pic.svg",
+                                           "calibrate fit.cfg -o d -j 1 --budget 24"};
     enum { N = sizeof commands / sizeof *commands };
     const size_t rounds = check_fast() ? 60 : 400;
     char path[256], base[FOLDER_PATH];
@@ -298,6 +301,7 @@ static void test_random_folders(void)
     file_print("s.cfg", "%s", SCENE);
     file_print("w.cfg", "%s", SWEEP);
     file_print("v.cfg", "%s", SWEEP);
+    file_print("fit.cfg", "%s", FIT);
     run_words("run s.cfg -o run --dump vtk", 0);
     run_words("pile --base 4 -o pile", 0);
     run_words("sweep plan w.cfg -o sweep", 0);

@@ -14,7 +14,7 @@
 /* A simulation that is known: numbers of the names, and the scatter of its runs. */
 typedef struct {
     size_t n_names, n_numbers;
-    bool degenerate; /* every number is one of the same sum */
+    bool degenerate, arch; /* every number is one of the same sum; rises and falls */
     double scatter[STATS_NUMBERS];
     gsl_rng *noise;
     rp_arena arena;
@@ -24,6 +24,7 @@ typedef struct {
 static double number_of(const stand_in *s, size_t k, const double x[])
 {
     const double a = x[0], b = s->n_names > 1 ? x[1] : 0.5, c = s->n_names > 2 ? x[2] : 0.5;
+    if (s->arch) return 30.0 - 100.0 * (a - 0.5) * (a - 0.5);
     if (s->degenerate) return 20.0 + 10.0 * (a + 1.9 * b) + (double)k;
     switch (k) {
     case 0: return 15.0 + 22.0 * (1.0 - exp(-2.0 * a)) + 4.0 * b;
@@ -108,9 +109,9 @@ static void planted(size_t n_names)
         ok += a.status[0] == STATS_IDENTIFIED_OK;
         tried += a.tried, recovered += a.recovered;
         for (size_t p = 0; p < n_names; p++) {
-            inside[p] += truth[p] >= a.lower[p] && truth[p] <= a.upper[p];
+            inside[p] += truth[p] >= a.own[p].lower && truth[p] <= a.own[p].upper;
             const double side =
-                truth[p] > a.x[p] ? (a.upper[p] - a.x[p]) / 1.96 : (a.x[p] - a.lower[p]) / 1.96;
+                truth[p] > a.x[p] ? (a.own[p].upper - a.x[p]) / 1.96 : (a.x[p] - a.own[p].lower) / 1.96;
             z[used * n_names + p] = (truth[p] - a.x[p]) / side;
         }
         used++;
@@ -140,6 +141,33 @@ static void test_two(void)
 static void test_three(void)
 {
     planted(3);
+}
+
+/* A number that rises and falls: two values give it, each with its interval; near the top one does, and
+ * above it none. */
+static void test_arch(void)
+{
+    stand_in s = {.n_names = 1, .n_numbers = 1, .arch = true, .scatter = {0.5}};
+    stats_answer a;
+    s.noise = rp_random_alloc(11, 1, RP_PURPOSE_TEST);
+    stats_quest q = quest_of(&s, (double[STATS_NAMES]){0.5}, 0.3);
+    q.value[0] = 21.0;
+    CHECK_OK(stats_identify(&q, &a));
+    CU_ASSERT(a.status[0] == STATS_IDENTIFIED_SEVERAL && a.n_intervals[0] == 2);
+    for (int k = 0; k < 2; k++) {
+        const stats_interval *i = &a.interval[0][k];
+        const double root = 0.5 + (k ? 0.3 : -0.3);
+        CHECK_NEAR(i->value, root, 0.02);
+        CU_ASSERT(i->lower < root && i->upper > root && i->upper - i->lower < 0.05);
+    }
+    q.value[0] = 29.9;
+    CHECK_OK(stats_identify(&q, &a));
+    CU_ASSERT(a.status[0] == STATS_IDENTIFIED_OK && a.own[0].lower < 0.5 && a.own[0].upper > 0.5);
+    q.value[0] = 36.0;
+    CHECK_OK(stats_identify(&q, &a));
+    CU_ASSERT(a.status[0] == STATS_IDENTIFIED_ABOVE_RANGE);
+    rp_arena_end(&s.arena);
+    gsl_rng_free(s.noise);
 }
 
 /* Numbers that all tell the same sum: that one is found, its parts are not. */
@@ -179,17 +207,22 @@ static void test_statuses(void)
     stats_quest q = quest_of(&s, (double[STATS_NAMES]){0.5}, 0.4);
     q.value[0] = 70.0;
     CHECK_OK(stats_identify(&q, &a));
-    CU_ASSERT(a.status[0] == STATS_IDENTIFIED_NO_MATCH && isnan(a.x[0]));
+    CU_ASSERT(a.status[0] == STATS_IDENTIFIED_ABOVE_RANGE && isnan(a.x[0]) && a.n_intervals[0] == 0);
+    CU_ASSERT(a.stages == 1 && a.n_runs == 24); /* no more runs for what is beyond reach */
+    CU_ASSERT(a.reach[0][0] > 16.0 && a.reach[0][0] < 24.0 && a.reach[0][1] > 33.0 && a.reach[0][1] < 38.5);
+    q.value[0] = -20.0;
+    CHECK_OK(stats_identify(&q, &a));
+    CU_ASSERT(a.status[0] == STATS_IDENTIFIED_BELOW_RANGE);
     q.value[0] = number_of(&s, 0, (double[STATS_NAMES]){1.0});
     CHECK_OK(stats_identify(&q, &a));
-    CU_ASSERT(a.status[0] == STATS_IDENTIFIED_AT_LEAST && a.upper[0] == 1.0 && a.lower[0] > 0.5);
+    CU_ASSERT(a.status[0] == STATS_IDENTIFIED_AT_LEAST && a.own[0].upper == 1.0 && a.own[0].lower > 0.5);
     q.value[0] = number_of(&s, 0, (double[STATS_NAMES]){0.0});
     CHECK_OK(stats_identify(&q, &a));
-    CU_ASSERT(a.status[0] == STATS_IDENTIFIED_AT_MOST && a.lower[0] == 0.0 && a.upper[0] < 0.4);
+    CU_ASSERT(a.status[0] == STATS_IDENTIFIED_AT_MOST && a.own[0].lower == 0.0 && a.own[0].upper < 0.4);
     q.value[0] = number_of(&s, 0, (double[STATS_NAMES]){0.4}), q.budget = 30;
     CHECK_OK(stats_identify(&q, &a));
-    CU_ASSERT(a.status[0] == STATS_IDENTIFIED_BUDGET && a.n_runs == 24 && a.lower[0] < 0.4 &&
-              a.upper[0] > 0.4);
+    CU_ASSERT(a.status[0] == STATS_IDENTIFIED_BUDGET && a.n_runs == 24 && a.own[0].lower < 0.4 &&
+              a.own[0].upper > 0.4);
     q.budget = 20;
     CHECK_FAILS(stats_identify(&q, &a), RP_BAD_INPUT, "the first stage needs 24 runs");
     q.budget = 400, q.hi[0] = 0.0;
@@ -211,9 +244,12 @@ static void test_statuses(void)
 
 void suite_identify(void)
 {
-    static const check_case cases[] = {
-        {"one name, planted", test_one},      {"two names, planted", test_two},
-        {"three names, planted", test_three}, {"what can't be told apart", test_degenerate},
-        {"statuses", test_statuses},          {0}};
+    static const check_case cases[] = {{"one name, planted", test_one},
+                                       {"two names, planted", test_two},
+                                       {"three names, planted", test_three},
+                                       {"two values", test_arch},
+                                       {"what can't be told apart", test_degenerate},
+                                       {"statuses", test_statuses},
+                                       {0}};
     check_register("identify", cases);
 }

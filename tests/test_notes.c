@@ -7,7 +7,6 @@
 #include <string.h>
 
 #include "core/clock.h"
-#include "stats/calibrate.h"
 #include "stats/stats.h"
 #include "sweeps/protocols/pile.h"
 #include "tests/check.h"
@@ -440,48 +439,6 @@ static void test_run(void)
     CU_ASSERT(seconds >= 0.0 && seconds <= passed);
 }
 
-/* ---- calibration ---- */
-
-/* Both angles are lines in mu, and their scatter has a correlation. */
-static void test_calibrate(void)
-{
-    enum { POINTS = 6, EACH = 5, PILES = POINTS * EACH };
-    static const double scatter[EACH] = {-1.0, -0.4, 0.1, 0.5, 0.8};
-    double x[PILES], angle[2][PILES];
-    stats_calibration fit;
-    char text[4096] = "# mu\ttheta_r3_deg\ttheta_t_displacement_deg\tstatus\n0.3\t20\t3\tno_pile\n";
-    for (int i = 0; i < PILES; i++) {
-        const int k = i % EACH;
-        x[i] = 0.1 + 0.1 * (i / EACH);
-        angle[0][i] = 10.0 + 30.0 * x[i] + scatter[k];
-        angle[1][i] = 2.0 + 10.0 * x[i] - 0.3 * scatter[k] + 0.2 * scatter[(k + 2) % EACH];
-        snprintf(text + strlen(text), sizeof text - strlen(text), "%.17g\t%.17g\t%.17g\tok\n", x[i],
-                 angle[0][i], angle[1][i]);
-    }
-    write_text("piles.tsv", "%s", text);
-    run("calibrate --runs piles.tsv --theta-r-deg 20 --error-deg 0.5 --theta-t-deg 5.4 --theta-t-error-deg "
-        "0.2 "
-        "--bootstrap 3");
-    scoped_table t = read_table("out");
-    const stats_ensemble piles = {PILES, 1, 2, {x}, {angle[0], angle[1]}};
-    CHECK_OK(stats_calibration_fit(&piles, &fit));
-    check_note(&t, "range", "0.1 to 0.6");
-    check_note(&t, "correlation of the angles", "%.2f", fit.correlation);
-    CU_ASSERT(fit.correlation < -0.3);
-    for (int a = 0; a < 2; a++) {
-        const stats_response_fit *r = &fit.response[a];
-        char line[512];
-        snprintf(line, sizeof line,
-                 "# response: theta_%c: %s, degree %zu, %zu coefficients, %d points, chi2 = %.3g, p = %.2g, "
-                 "discrepancy %.2g deg\n",
-                 a ? 't' : 'r', stats_shape_words[r->shape], r->degree[0], r->degree[0] + 1, POINTS, r->chi2,
-                 r->p_value, sqrt(r->discrepancy));
-        CU_ASSERT(strstr(out, line) != NULL);
-        if (!strstr(out, line)) fprintf(stderr, "expected: %s\n%s\n", line, out);
-    }
-    stats_calibration_free(&fit);
-}
-
 /* ---- the dip of the pressure ---- */
 
 static void test_dip(void)
@@ -513,7 +470,6 @@ void suite_notes(void)
                                        {"models", test_models},
                                        {"a sweep", test_sweep},
                                        {"a run", test_run},
-                                       {"a calibration", test_calibrate},
                                        {"dip of the pressure", test_dip},
                                        {0}};
     check_register_within("notes", enter, leave, cases);

@@ -50,11 +50,6 @@ static const struct {
     {"pile", "--outline outline.tsv --base 6", "--base 7|--disorder 0.01"},
     {"pile", "--outline outline.tsv --base 6 --disorder 0.01", "--seed 4"},
     {"pile", "--disks disks.tsv", "--eps 1e-3"},
-    {"calibrate", "--runs more.tsv --theta-r-deg 15 --error-deg 1 --bootstrap 20",
-     "--runs fewer.tsv|--theta-r-deg 16|--error-deg 2|--bootstrap 21|--seed 4"},
-    {"calibrate",
-     "--runs more.tsv --theta-r-deg 15 --error-deg 1 --theta-t-deg 4 --theta-t-error-deg 1 --bootstrap 20",
-     "--theta-t-deg 5|--theta-t-error-deg 2"},
     {"report claims", "--claims claims.tsv --tables .",
      "--claims other.tsv|--tables nowhere|--paper li|--id angle|--variants"},
     {"report published", "--claims claims.tsv", "--claims other.tsv"},
@@ -63,9 +58,7 @@ static const struct {
 /* Options that change no row, or that other tests follow. */
 static const struct {
     const char *command, *option, *reason;
-} exceptions[] = {{"calibrate", "--budget", "of a text: suite calibrate_text"},
-                  {"calibrate", "--dry-run", "of a text: suite calibrate_text"},
-                  {"stats select", "--bare", "takes the header away: suite cli"},
+} exceptions[] = {{"stats select", "--bare", "takes the header away: suite cli"},
                   {"export", "-o", "a file: suite export"},
                   {"export", "--reduce", "of a sweep: suite export"},
                   {"export", "--set", "of a scene: suite export"},
@@ -76,12 +69,6 @@ static const struct {
                   {"pile", "--disks", "in the bases above"},
                   {"pile", "-o", "a folder: suite tables"},
                   {"pile", "--force", "suite cli"},
-                  {"calibrate", "--quiet", "standard error on a terminal"},
-                  {"calibrate", "--fit", "names a column: suite cli"},
-                  {"calibrate", "--sweep", "suite cli"},
-                  {"calibrate", "-o", "suite cli"},
-                  {"calibrate", "-j", "suite cli"},
-                  {"calibrate", "--force", "suite cli"},
                   {"bench", "--width", "times are not compared"},
                   {"bench", "--state", "times are not compared"},
                   {"bench", "--floor", "times are not compared"},
@@ -181,8 +168,13 @@ static void print_piles(FILE *file)
     "# id\tof\tpaper\tplace\tsection\ttest\tpublished\tpublished_se\tsamples\tmargin\tanswer\t"              \
     "against\tstatement\tnote\n"
 
+#define FIT                                                                                                  \
+    "fit = { mu = [0.1, 0.6]; }; measured = ( { runs = \"more.tsv\"; of = \"theta_r3_deg\"; value = %g; "    \
+    "error = 1.0; } );\n"
+
 static void write_fixtures(void)
 {
+    write_text("fit.cfg", FIT, 15.0);
     write_file("runs.tsv", print_runs);
     write_file("more.tsv", print_more);
     shell("head -n 18 more.tsv >fewer.tsv; :>out; :>err");
@@ -361,8 +353,10 @@ static void test_json(void)
     for (size_t i = 0; i < sizeof lines / sizeof *lines; i++)
         if (strcmp(lines[i].command, "bench") && strcmp(lines[i].command, "export"))
             check_json(lines[i].command, lines[i].base);
-    check_json("calibrate",
-               "--runs more.tsv --theta-r-deg 60 --error-deg 1 --bootstrap 20"); /* no result: 1 */
+    for (int k = 0; k < 2; k++) { /* the second has no result: 1 */
+        write_text("fit.cfg", FIT, k ? 60.0 : 15.0);
+        check_json("calibrate", "fit.cfg");
+    }
     check_params("params repose --units si");
     check_params("params scene");
     FAILS(65, "no column", "stats trend runs.tsv -x none -y theta --json");
@@ -407,13 +401,12 @@ static void add_failed(const char *name, const char *status)
 /* No command that reads runs takes one without a result for one. */
 static void test_failed_runs(void)
 {
-    static const char *const commands[] = {
-        "angle compare runs.tsv --bootstrap 20",
-        "stress dip piles.tsv",
-        "stats trend runs.tsv -x W -y theta --by mu",
-        "stats size runs.tsv -x W -y theta --by mu",
-        "stats correlation runs.tsv -x W -y theta --by mu",
-        "calibrate --runs more.tsv --theta-r-deg 15 --error-deg 1 --bootstrap 20"};
+    static const char *const commands[] = {"angle compare runs.tsv --bootstrap 20",
+                                           "stress dip piles.tsv",
+                                           "stats trend runs.tsv -x W -y theta --by mu",
+                                           "stats size runs.tsv -x W -y theta --by mu",
+                                           "stats correlation runs.tsv -x W -y theta --by mu",
+                                           "calibrate fit.cfg"};
     static const char *const statuses[] = {"not_at_rest", "no_pile",   "leaked",  "crashed",
                                            "broken",      "not_level", "no_room", "drops_not_quiet",
                                            "no_response", "too_high"};

@@ -25,7 +25,8 @@ const char *const stats_identified_meanings[] = {
 
 /* One number in the box: coefficients and their covariance; variance of a point's mean about the form. */
 typedef struct {
-    double c[STATS_TERMS], covariance[STATS_TERMS * STATS_TERMS], tau2, p_value;
+    size_t n_terms;
+    double c[STATS_TERMS], covariance[STATS_TERMS * STATS_TERMS], tau2, p_value, one; /* the last: of a run */
 } form;
 
 typedef struct {
@@ -36,6 +37,7 @@ typedef struct {
     stats_runs *runs; /* of number k at point i: [k + n_numbers i] */
     form form[STATS_NUMBERS];
     double value[STATS_NUMBERS], error[STATS_NUMBERS]; /* what is looked for */
+    double widest[STATS_NUMBERS];                      /* error of the form, where something agrees */
     size_t skipped;                                    /* point that is left out, or SIZE_MAX */
     rp_arena arena;
 } search;
@@ -70,39 +72,56 @@ static bool in_box(const search *s, size_t i)
     return in;
 }
 
+/* By the first so many of the terms, of which a row of T has all. */
+static rp_status fit_form(stats_linear *fit, const search *s, const double T[], double X[], size_t terms,
+                          form *f)
+{
+    for (size_t i = 0; i < fit->n * terms; i++) X[i] = T[i / terms * s->n_terms + i % terms];
+    fit->p = f->n_terms = terms, fit->c = f->c, fit->covariance = f->covariance;
+    return stats_linear_fit(fit);
+}
+
 /* Least squares over the points of the box that have the number. The variance of one run is that of runs at
- * equal points, pooled. */
+ * equal points, pooled. Of one name, there are fewer powers where these do as well (chi2 + 2 for each), or
+ * where there are few points. */
 static rp_status fit_number(search *s, size_t k)
 {
     RP_SCOPE(arena);
-    const size_t K = s->q->n_numbers, m = s->n_terms;
-    double *X, *y, *w, squares = 0.0, dof = 0.0, weights = 0.0;
+    const size_t K = s->q->n_numbers, all = s->n_terms, least_terms = s->q->n_names == 1 ? 2 : all;
+    double *T, *X, *y, *w, squares = 0.0, dof = 0.0, weights = 0.0, chi2 = INFINITY;
     size_t n = 0;
     form *f = &s->form[k];
-    RP_NEW(&arena, X, s->n * m + 1);
+    RP_NEW(&arena, T, s->n * all + 1);
+    RP_NEW(&arena, X, s->n * all + 1);
     RP_NEW(&arena, y, s->n + 1);
     RP_NEW(&arena, w, s->n + 1);
     for (size_t i = 0; i < s->n; i++) {
         const stats_runs *r = &s->runs[k + K * i];
         if (!in_box(s, i) || !(r->n > 0.0)) continue;
-        terms_at(s, &s->x[i * s->q->n_names], &X[n * m]);
+        terms_at(s, &s->x[i * s->q->n_names], &T[n * all]);
         y[n] = r->mean, w[n] = r->n, n++;
         squares += r->squares, dof += r->n - 1.0;
     }
-    if (n < m + 1)
-        return rp_fail(RP_NO_RESULT, "number %zu: %zu points have it, at least %zu needed", k + 1, n, m + 1);
+    if (n < least_terms + 1)
+        return rp_fail(RP_NO_RESULT, "number %zu: %zu points have it, at least %zu needed", k + 1, n,
+                       least_terms + 1);
     const double one = dof > 0.0 ? squares / dof : 0.0;
     for (size_t i = 0; i < n && one > 0.0; i++) w[i] /= one;
     for (size_t i = 0; i < n; i++) weights += w[i];
-    stats_linear fit = {
-        .n = n, .p = m, .X = X, .y = y, .w = w, .tolerance = 1e-12, .c = f->c, .covariance = f->covariance};
-    RP_TRY(stats_linear_fit(&fit));
-    const double left = (double)(n - m), excess = fit.chi2 / left;
-    f->p_value = one > 0.0 ? gsl_cdf_chisq_Q(fit.chi2, left) : 0.0;
+    stats_linear fit = {.n = n, .X = X, .y = y, .w = w, .tolerance = 1e-12};
+    for (size_t terms = all < n ? all : n - 1; terms >= least_terms; terms--) {
+        form less;
+        RP_TRY(fit_form(&fit, s, T, X, terms, &less));
+        if (fit.chi2 + 2.0 * (double)terms < chi2 + 2.0 * (double)f->n_terms) *f = less, chi2 = fit.chi2;
+        if (one == 0.0) break; /* chi2 has no unit */
+    }
+    const double left = (double)(n - f->n_terms), excess = chi2 / left;
+    f->one = one;
+    f->p_value = one > 0.0 ? gsl_cdf_chisq_Q(chi2, left) : 0.0;
     /* without scatter, or with a form that does not fit, the residuals tell the error */
     const bool grows = one == 0.0 || excess > 1.0;
     if (grows)
-        for (size_t i = 0; i < m * m; i++) f->covariance[i] *= excess;
+        for (size_t i = 0; i < f->n_terms * f->n_terms; i++) f->covariance[i] *= excess;
     f->tau2 = one == 0.0 ? excess * (double)n / weights : fmax(excess - 1.0, 0.0) * (double)n / weights;
     return RP_OK;
 }
@@ -112,10 +131,10 @@ static double value_at(const search *s, size_t k, const double x[], double *vari
     double t[STATS_TERMS], sum = 0.0, v = 0.0;
     const form *f = &s->form[k];
     terms_at(s, x, t);
-    for (size_t i = 0; i < s->n_terms; i++) {
+    for (size_t i = 0; i < f->n_terms; i++) {
         sum += f->c[i] * t[i];
-        for (size_t j = 0; j < s->n_terms && variance; j++)
-            v += t[i] * f->covariance[i * s->n_terms + j] * t[j];
+        for (size_t j = 0; j < f->n_terms && variance; j++)
+            v += t[i] * f->covariance[i * f->n_terms + j] * t[j];
     }
     if (variance) *variance = fmax(v, 0.0) + f->tau2;
     return sum;
@@ -145,26 +164,65 @@ static rp_status least(search *s, size_t held, double at, double x[], double *ch
     return stats_least(chi2_at, s, p, lo, hi, cells[n_free], x, chi2);
 }
 
-/* Where the profile of a name passes the limit on one side of the best; the box's end where it does not. */
-static rp_status pass(search *s, size_t p, const double best[], double se, int side, double limit, double *at)
+/* Values of a name at which its profile is looked at: over the box, and by its error about the best. */
+enum { NODES = 64, NEAR = 3, ALL_NODES = NODES + 1 + 2 * NEAR + 1 };
+
+static int by_value(const void *a, const void *b)
 {
-    double y[STATS_NAMES], inside = best[p], chi2,
-                           step = isfinite(se) && se > 0.0 ? se : 0.1 * (s->hi[p] - s->lo[p]);
-    const double end = side < 0 ? s->lo[p] : s->hi[p];
-    for (;; step *= 1.6) {
-        double outside = side < 0 ? fmax(inside - step, end) : fmin(inside + step, end);
-        RP_TRY(least(s, p, outside, y, &chi2));
-        if (chi2 > limit) {
-            while (fabs(outside - inside) > 1e-4 * (s->hi[p] - s->lo[p])) {
-                const double middle = 0.5 * (inside + outside);
-                RP_TRY(least(s, p, middle, y, &chi2));
-                *(chi2 > limit ? &outside : &inside) = middle;
-            }
-            return *at = 0.5 * (inside + outside), RP_OK;
-        }
-        inside = outside;
-        if (outside == end) return *at = end, RP_OK;
+    const double *x = a, *y = b;
+    return (*x > *y) - (*x < *y);
+}
+
+static size_t place_nodes(const search *s, size_t p, double best, double se, double at[ALL_NODES])
+{
+    static const double near[NEAR] = {1.0, 2.0, 4.0};
+    const int cells = s->q->n_names == 1 ? NODES : 8;
+    size_t n = 0;
+    for (int k = 0; k <= cells; k++) at[n++] = s->lo[p] + (s->hi[p] - s->lo[p]) * k / cells;
+    for (int k = 0; k < 2 * NEAR && isfinite(se); k++) {
+        const double x = best + (k % 2 ? -1.0 : 1.0) * near[k / 2] * se;
+        if (x > s->lo[p] && x < s->hi[p]) at[n++] = x;
     }
+    at[n++] = best;
+    qsort(at, n, sizeof *at, by_value);
+    return n;
+}
+
+/* Where the profile passes the limit between a value inside and one outside. */
+static rp_status pass(search *s, size_t p, double inside, double outside, double limit, double *at)
+{
+    double y[STATS_NAMES], chi2;
+    while (fabs(outside - inside) > 1e-4 * (s->hi[p] - s->lo[p])) {
+        const double middle = 0.5 * (inside + outside);
+        RP_TRY(least(s, p, middle, y, &chi2));
+        *(chi2 > limit ? &outside : &inside) = middle;
+    }
+    return *at = 0.5 * (inside + outside), RP_OK;
+}
+
+/* The intervals of a name in which its profile does not exceed the limit. */
+static rp_status intervals_of(search *s, size_t p, const stats_answer *a, double limit,
+                              stats_interval out[STATS_INTERVALS], size_t *n)
+{
+    double at[ALL_NODES], chi2[ALL_NODES], y[STATS_NAMES], lowest = INFINITY;
+    const size_t nodes = place_nodes(s, p, a->x[p], a->se[p], at);
+    *n = 0;
+    for (size_t k = 0; k < nodes; k++) {
+        if (at[k] == a->x[p])
+            chi2[k] = a->chi2;
+        else
+            RP_TRY(least(s, p, at[k], y, &chi2[k]));
+        const bool in = chi2[k] <= limit, was = k > 0 && chi2[k - 1] <= limit;
+        if (in && !was) { /* the last takes what is beyond */
+            if (*n < STATS_INTERVALS) out[(*n)++].lower = at[k], lowest = INFINITY;
+            if (k > 0 && out[*n - 1].lower == at[k])
+                RP_TRY(pass(s, p, at[k], at[k - 1], limit, &out[*n - 1].lower));
+        }
+        if (!in && was) RP_TRY(pass(s, p, at[k - 1], at[k], limit, &out[*n - 1].upper));
+        if (in && k + 1 == nodes) out[*n - 1].upper = at[k];
+        if (in && chi2[k] < lowest) lowest = chi2[k], out[*n - 1].value = at[k];
+    }
+    return RP_OK;
 }
 
 /* Information on the names at x: sum of slopes times slopes over variances. */
@@ -247,8 +305,10 @@ static rp_status invert(search *s, bool intervals, stats_answer *a)
     RP_TRY(least(s, SIZE_MAX, 0.0, a->x, &a->chi2));
     take_errors(s, a);
     for (size_t p = 0; p < s->q->n_names && intervals; p++) {
-        RP_TRY(pass(s, p, a->x, a->se[p], -1, a->chi2 + limit, &a->lower[p]));
-        RP_TRY(pass(s, p, a->x, a->se[p], 1, a->chi2 + limit, &a->upper[p]));
+        stats_interval *const of = a->interval[p];
+        RP_TRY(intervals_of(s, p, a, a->chi2 + limit, of, &a->n_intervals[p]));
+        for (size_t k = 0; k < a->n_intervals[p]; k++)
+            if (of[k].lower <= a->x[p] && of[k].upper >= a->x[p]) a->own[p] = of[k];
     }
     return RP_OK;
 }
@@ -289,16 +349,18 @@ static rp_status draw(const search *s, gsl_qrng *sobol, size_t n, double x[])
     return RP_OK;
 }
 
-/* The box that holds what agrees: chi2 within its 99.9 % quantile of the least, widened by a fifth. True: it
- * is smaller by more than a fifth. */
-static rp_status shrink(search *s, const stats_answer *a, bool *smaller)
+/* The box that holds what agrees: chi2 within this quantile of the least, widened by a fifth. True: it is
+ * smaller by more than a fifth. */
+static rp_status shrink_to(search *s, const stats_answer *a, double quantile, bool *smaller)
 {
     const size_t p = s->q->n_names;
-    const double limit = a->chi2 + gsl_cdf_chisq_Pinv(0.999, (double)p);
+    const double limit = a->chi2 + gsl_cdf_chisq_Pinv(quantile, (double)p);
     double lo[STATS_NAMES], hi[STATS_NAMES], ratio = 1.0;
     for (size_t i = 0; i < p; i++) {
-        RP_TRY(pass(s, i, a->x, 2.0 * a->se[i], -1, limit, &lo[i]));
-        RP_TRY(pass(s, i, a->x, 2.0 * a->se[i], 1, limit, &hi[i]));
+        stats_interval of[STATS_INTERVALS];
+        size_t n;
+        RP_TRY(intervals_of(s, i, a, limit, of, &n));
+        lo[i] = of[0].lower, hi[i] = of[n - 1].upper;
         /* not below what a form can be fitted over */
         const double wide = fmax(1.2 * (hi[i] - lo[i]), 0.02 * (s->q->hi[i] - s->q->lo[i])),
                      middle = 0.5 * (lo[i] + hi[i]);
@@ -310,18 +372,63 @@ static rp_status shrink(search *s, const stats_answer *a, bool *smaller)
     return RP_OK;
 }
 
-/* Do the forms fit, and are their errors below half the measured ones? Groups whose are not get twice the
- * replicas. */
-static bool settled(const search *s, const stats_answer *a, size_t replicas[])
+/* Where a form does not fit, its variance keeps too large a box, which no further runs would mend: there the
+ * box is of what agrees best. */
+static rp_status shrink(search *s, const stats_answer *a, bool *smaller)
 {
-    bool good = true, doubled[STATS_NUMBERS] = {false};
+    bool fits = true;
+    for (size_t k = 0; k < s->q->n_numbers; k++) fits = fits && a->p_value[k] > 0.05;
+    RP_TRY(shrink_to(s, a, 0.999, smaller));
+    return fits || *smaller ? RP_OK : shrink_to(s, a, 0.95, smaller);
+}
+
+/* Nothing comes near what was measured, by a form that may err by as much as it does. */
+static bool is_hopeless(const search *s, const stats_answer *a)
+{
+    const size_t K = s->q->n_numbers, p = s->q->n_names;
+    return a->chi2 > gsl_cdf_chisq_Pinv(1.0 - 1e-4, K > p ? (double)(K - p) : 1.0);
+}
+
+/* Is the error of a form, its lack of fit too, below half the measured one? */
+static bool is_settled(const search *s, size_t k)
+{
+    return s->widest[k] <= 0.5 * s->error[k];
+}
+
+static bool settled(const search *s)
+{
+    bool all = true;
+    for (size_t k = 0; k < s->q->n_numbers; k++) all = all && is_settled(s, k);
+    return all;
+}
+
+/* The errors of the forms at the best places of other intervals of a name, too. */
+static rp_status look_elsewhere(search *s, stats_answer *a)
+{
+    RP_TRY(invert(s, true, a));
+    for (size_t p = 0; p < s->q->n_names; p++)
+        for (size_t i = 0; i < a->n_intervals[p]; i++) {
+            const stats_interval *of = &a->interval[p][i];
+            double y[STATS_NAMES], chi2, v;
+            if (of->lower <= a->x[p] && of->upper >= a->x[p]) continue;
+            RP_TRY(least(s, p, of->value, y, &chi2));
+            for (size_t k = 0; k < s->q->n_numbers; k++) {
+                value_at(s, k, y, &v);
+                s->widest[k] = fmax(s->widest[k], sqrt(v));
+            }
+        }
+    return RP_OK;
+}
+
+/* Twice the replicas of the groups whose numbers are not. */
+static void double_replicas(const search *s, size_t replicas[])
+{
+    bool doubled[STATS_NUMBERS] = {false};
     for (size_t k = 0; k < s->q->n_numbers; k++) {
-        const bool small = a->fit_error[k] <= 0.5 * s->error[k];
-        good = good && small && a->p_value[k] > 0.05;
-        if (!small && !doubled[s->q->group[k]] && replicas[s->q->group[k]] < 64)
-            replicas[s->q->group[k]] *= 2, doubled[s->q->group[k]] = true;
+        const size_t g = s->q->group[k];
+        if (is_settled(s, k) || doubled[g] || replicas[g] >= 64) continue;
+        replicas[g] *= 2, doubled[g] = true;
     }
-    return good;
 }
 
 static void note_fits(const search *s, stats_answer *a)
@@ -331,6 +438,18 @@ static void note_fits(const search *s, stats_answer *a)
         a->fitted[k] = value_at(s, k, a->x, &v);
         a->fit_error[k] = sqrt(v);
         a->p_value[k] = s->form[k].p_value;
+    }
+}
+
+static void note_reach(const search *s, stats_answer *a)
+{
+    for (size_t k = 0; k < s->q->n_numbers; k++) {
+        a->reach[k][0] = INFINITY, a->reach[k][1] = -INFINITY;
+        for (size_t i = 0; i < s->n; i++) {
+            const stats_runs *r = &s->runs[k + s->q->n_numbers * i];
+            if (!(r->n > 0.0)) continue;
+            a->reach[k][0] = fmin(a->reach[k][0], r->mean), a->reach[k][1] = fmax(a->reach[k][1], r->mean);
+        }
     }
 }
 
@@ -357,14 +476,14 @@ static rp_status recover(search *s, stats_answer *a)
             const stats_runs *r = &s->runs[k + K * i];
             whole = whole && r->n > 1.0;
             s->value[k] = r->mean;
-            s->error[k] = whole ? sqrt(r->squares / (r->n - 1.0) / r->n) : 0.0;
+            s->error[k] = whole ? sqrt(s->form[k].one / r->n) : 0.0;
         }
         if (!whole) continue;
         s->skipped = i;
         if (fit_all(s)) continue; /* too few are left */
         RP_TRY(invert(s, true, &one));
         for (size_t k = 0; k < p; k++)
-            found = found && s->x[i * p + k] >= one.lower[k] && s->x[i * p + k] <= one.upper[k];
+            found = found && s->x[i * p + k] >= one.own[k].lower && s->x[i * p + k] <= one.own[k].upper;
         a->tried++, a->recovered += found;
     }
     s->skipped = SIZE_MAX;
@@ -372,24 +491,35 @@ static rp_status recover(search *s, stats_answer *a)
     return fit_all(s);
 }
 
+static stats_identified status_of(const stats_quest *q, const stats_answer *a, size_t p, bool converged)
+{
+    const double range = q->hi[p] - q->lo[p], slack = 1e-3 * range;
+    const size_t n = a->n_intervals[p];
+    const stats_interval *first = &a->interval[p][0], *last = &a->interval[p][n - 1];
+    double width = 0.0;
+    for (size_t k = 0; k < n; k++) width += a->interval[p][k].upper - a->interval[p][k].lower;
+    return width >= 0.9 * range               ? STATS_IDENTIFIED_NOT_IDENTIFIED
+           : n > 1                            ? STATS_IDENTIFIED_SEVERAL
+           : first->lower <= q->lo[p] + slack ? STATS_IDENTIFIED_AT_MOST
+           : last->upper >= q->hi[p] - slack  ? STATS_IDENTIFIED_AT_LEAST
+           : converged                        ? STATS_IDENTIFIED_OK
+                                              : STATS_IDENTIFIED_BUDGET;
+}
+
 static void judge(const search *s, bool converged, stats_answer *a)
 {
     const stats_quest *q = s->q;
     a->dof = q->n_numbers > q->n_names ? q->n_numbers - q->n_names : 0;
     const bool match = a->chi2 <= gsl_cdf_chisq_Pinv(0.99, a->dof ? (double)a->dof : 1.0);
+    const stats_identified none = q->n_numbers > 1             ? STATS_IDENTIFIED_NO_MATCH
+                                  : q->value[0] > a->fitted[0] ? STATS_IDENTIFIED_ABOVE_RANGE
+                                                               : STATS_IDENTIFIED_BELOW_RANGE;
     for (size_t p = 0; p < q->n_names; p++) {
-        const double range = q->hi[p] - q->lo[p], slack = 1e-3 * range;
-        const bool low = a->lower[p] <= q->lo[p] + slack, high = a->upper[p] >= q->hi[p] - slack;
-        a->status[p] = !match                                     ? STATS_IDENTIFIED_NO_MATCH
-                       : a->upper[p] - a->lower[p] >= 0.9 * range ? STATS_IDENTIFIED_NOT_IDENTIFIED
-                       : low                                      ? STATS_IDENTIFIED_AT_MOST
-                       : high                                     ? STATS_IDENTIFIED_AT_LEAST
-                       : converged                                ? STATS_IDENTIFIED_OK
-                                                                  : STATS_IDENTIFIED_BUDGET;
-        if (a->se[p] > 10.0 * range) a->se[p] = NAN; /* no number tells */
-        if (!match) a->x[p] = a->se[p] = a->lower[p] = a->upper[p] = NAN;
-        if (low && match) a->lower[p] = q->lo[p];
-        if (high && match) a->upper[p] = q->hi[p];
+        a->status[p] = match ? status_of(q, a, p, converged) : none;
+        if (a->se[p] > 10.0 * (q->hi[p] - q->lo[p])) a->se[p] = NAN; /* no number tells */
+        if (match) continue;
+        a->x[p] = a->se[p] = NAN, a->n_intervals[p] = 0;
+        a->own[p] = (stats_interval){NAN, NAN, NAN};
     }
     memcpy(a->box_lo, s->lo, sizeof s->lo), memcpy(a->box_hi, s->hi, sizeof s->hi);
 }
@@ -421,16 +551,20 @@ static rp_status go(search *s, gsl_qrng *sobol, stats_answer *a)
         RP_TRY(fit_all(s));
         RP_TRY(invert(s, false, a));
         note_fits(s, a);
-        good = settled(s, a, replicas);
-        if (q->fixed_runs) break;
+        memcpy(s->widest, a->fit_error, sizeof s->widest);
+        if (q->fixed_runs || is_hopeless(s, a)) break;
         memcpy(last_lo, s->lo, sizeof last_lo), memcpy(last_hi, s->hi, sizeof last_hi);
         RP_TRY(shrink(s, a, &smaller));
+        if (!smaller && settled(s)) RP_TRY(look_elsewhere(s, a));
+        good = settled(s);
         if (!smaller && good) break;
+        if (!smaller) double_replicas(s, replicas);
     }
     if (!paid) memcpy(s->lo, last_lo, sizeof last_lo), memcpy(s->hi, last_hi, sizeof last_hi);
     RP_TRY(fit_all(s));
     RP_TRY(invert(s, true, a));
     note_fits(s, a);
+    note_reach(s, a);
     a->n_points = s->n, a->n_failed = count_failed(s);
     judge(s, q->fixed_runs || (!smaller && good), a);
     return q->leave_out ? recover(s, a) : RP_OK;

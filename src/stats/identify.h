@@ -44,7 +44,10 @@ typedef struct {
     X(AT_LEAST, "at_least", "the interval reaches the upper end of the range: only the lower limit holds")   \
     X(AT_MOST, "at_most", "the interval reaches the lower end of the range: only the upper limit holds")     \
     X(NOT_IDENTIFIED, "not_identified", "the interval holds nine tenths of the range")                       \
+    X(SEVERAL, "several", "separate intervals agree with what was measured")                                 \
     X(BUDGET, "budget", "the runs are used up before the answer is settled: what is known so far")           \
+    X(ABOVE_RANGE, "above_range", "the number is larger than the fitted one anywhere in the range")          \
+    X(BELOW_RANGE, "below_range", "the number is smaller than the fitted one anywhere in the range")         \
     X(NO_MATCH, "no_match", "no parameters of the range give all numbers together")
 typedef enum {
 #define X(name, word, meaning) STATS_IDENTIFIED_##name,
@@ -53,14 +56,24 @@ typedef enum {
 } stats_identified;
 extern const char *const stats_identified_words[], *const stats_identified_meanings[];
 
+/* An interval of a name, and the best value in it. */
+enum { STATS_INTERVALS = 4 };
+typedef struct {
+    double value, lower, upper;
+} stats_interval;
+
 typedef struct {
     stats_identified status[STATS_NAMES];
-    double x[STATS_NAMES], se[STATS_NAMES], lower[STATS_NAMES], upper[STATS_NAMES]; /* of 95 % */
+    double x[STATS_NAMES], se[STATS_NAMES];
+    /* of 95 %, from below; own: the one that holds x */
+    size_t n_intervals[STATS_NAMES];
+    stats_interval interval[STATS_NAMES][STATS_INTERVALS], own[STATS_NAMES];
     double correlation[STATS_NAMES][STATS_NAMES];
     double chi2;
     size_t dof; /* numbers less names, at least 0 */
     /* each number: what the fit gives there, its error and the form's lack of fit, p of that */
     double fitted[STATS_NUMBERS], fit_error[STATS_NUMBERS], p_value[STATS_NUMBERS];
+    double reach[STATS_NUMBERS][2];            /* least and largest mean of a point */
     size_t stages, n_points, n_failed, n_runs; /* failed: points without a run that has every number */
     size_t tried, recovered;                   /* design points that are left out, and found again */
     /* the combination of the names that is determined best: sum of weight x = value +- error */

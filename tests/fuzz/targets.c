@@ -345,7 +345,7 @@ static bool is_harmless(const char *line)
     }
     if (!is_small(line)) return false;
     if (has(line, "sweep\nrun") || has(line, "sweep\nmake") || strncmp(line, "bench", 5) == 0) return false;
-    return strncmp(line, "calibrate", 9) != 0 || (has(line, "--runs") && !has(line, ".cfg"));
+    return strncmp(line, "calibrate", 9) != 0 || (has(line, "fit.cfg") && !has(line, "--theta"));
 }
 
 static int remove_entry(const char *path, const struct stat *info, int type, struct FTW *ftw)
@@ -426,7 +426,7 @@ const fuzz_target fuzz_targets[] = {
     TABLE("stats_size", "stats size t.tsv -x a -y b --by c"),
     TABLE("stats_correlation", "stats correlation t.tsv -x a -y b --by c"),
     TABLE("stats_maximum", "stats maximum t.tsv --column b --draws 3 --bootstrap 5"),
-    TABLE("calibrate", "calibrate --runs t.tsv --theta-r-deg 20 --error-deg 1 --bootstrap 3"),
+    TABLE("calibrate", "calibrate fit.cfg"),
     {NULL, {NULL, NULL}, NULL, NULL, NULL, false}};
 
 static bool make_files(void)
@@ -434,6 +434,8 @@ static bool make_files(void)
     put_text("scene.cfg", scene_text);
     put_text("particles.cfg", "particles_file = \"t.tsv\"; steps = 2; normal = { gamma_n = 0.0; };\n");
     put_text("sweep.cfg", "protocol = \"pile\"; replicas = 2; fixed = { base = 3; };\n");
+    put_text("fit.cfg", "fit = { mu = [0.1, 0.8]; }; measured = ( { runs = \"t.tsv\"; of = \"theta_r3_deg\"; "
+                        "value = 20.0; error = 1.0; } );\n");
     put_text("t.tsv", table_text);
     put_text("many.tsv", table_text);
     put_text("c.tsv", claims_text);

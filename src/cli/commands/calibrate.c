@@ -1,323 +1,666 @@
-/* repose calibrate: from a measured angle of repose, and a tilting angle, to the friction that gives it. */
+/* repose calibrate: names of experiments from numbers that were measured. Each stage of the search is a sweep
+ * in the folder, which it goes on from. */
+#include <limits.h>
+#include <math.h>
+#include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
-#include "stats/calibrate.h"
-#include "cli/commands/identify.h"
+#include "cli/cli.h"
+
+#include "core/file.h"
+#include "core/version.h"
+#include "params/config.h"
+#include "params/expression.h"
+#include "params/units.h"
+#include "stats/identify.h"
+#include "stats/stats.h"
 
 #define CALIBRATE_OPTIONS(X)                                                                                 \
     X(REAL, theta_r_deg, "deg", "none", "(-90, 90) | none", "measured angle of repose, by method 3")         \
-    X(REAL, error_deg, "deg", "none", "[0, 90) | none", "its standard error")                                \
+    X(REAL, error_deg, "deg", "none", "(0, 90) | none", "its standard error")                                \
     X(REAL, theta_t_deg, "deg", "none", "[0, 90) | none", "measured tilt at which the pile moves")           \
-    X(REAL, theta_t_error_deg, "deg", "none", "[0, 90) | none", "its standard error")                        \
-    X(TEXT, fit, "", "mu", "",                                                                               \
-      "parameter to find, or two (mu,mu_roll); the piles must vary these and no others")                     \
-    X(TEXT, sweep, "", "sweeps/studies/calibrate.cfg", "", "sweep file of the simulated piles")              \
-    X(TEXT, o, "", "calibrate", "", "folder of that sweep; stored runs are not made again")                  \
-    X(INT, budget, "", "auto", "[1, 10000000] | auto", "most runs, of FILE; auto: the file's")               \
-    X(BOOL, dry_run, "", "false", "", "check FILE, and say what the first stage needs")                      \
-    X(TEXT, runs, "", "", "", "table of piles instead of a sweep, as repose sweep export writes it")         \
+    X(REAL, theta_t_error_deg, "deg", "none", "(0, 90) | none", "its standard error")                        \
+    X(TEXT, o, "", "calibrate", "", "folder of the runs; those that are there are not made again")           \
+    X(INT, budget, "", "auto", "[1, 10000000] | auto", "most runs; auto: the file's")                        \
+    X(BOOL, dry_run, "", "false", "", "check the file, and say what the first stage needs")                  \
     CLI_FORCE(X)                                                                                             \
     CLI_QUIET(X)                                                                                             \
-    CLI_WORKERS(X)                                                                                           \
-    X(INT, bootstrap, "", "500", "[2, 100000]", "resamples of the piles, to check error and interval")       \
-    CLI_SEED(X, "1993", "seed of the resamples")
+    CLI_WORKERS(X)
 
 CLI_OPTIONS(calibrate, CALIBRATE_OPTIONS)
 
+/* Runs that give some of the numbers: of an experiment or protocol with values of its own, or of a table. */
 typedef struct {
-    const char *name, *column, *option, *error_option;
-} angle_kind;
+    const char *kind, *source, *runs; /* "experiment" or "protocol" and its name; a table */
+    const config_setting_t *fixed;
+    bool has[STATS_NAMES]; /* it has this name */
+    rp_table *table;       /* of the last stage */
+} group;
 
-static const angle_kind kinds[STATS_MAX_ANGLES] = {
-    {"theta_r", "theta_r3_deg", "theta-r-deg", "error-deg"},
-    {"theta_t", "theta_t_displacement_deg", "theta-t-deg", "theta-t-error-deg"}};
+typedef struct {
+    const char *of, *experiment, *protocol, *runs;
+    double value, error, model_error;
+} measured;
 
 typedef struct {
     const cli_call *call;
-    size_t n_angles; /* measured */
-    const angle_kind *angle[STATS_MAX_ANGLES];
-    stats_measured measured;
-    const char *path; /* of the table of piles */
-    rp_table *table;
-    const char *param[STATS_MAX_PARAMS];
-    stats_ensemble piles; /* those with a result */
-    stats_calibration fit;
-    stats_calibrated found[STATS_MAX_PARAMS];
+    const calibrate_options *o;
+    const char *path, *folder; /* of the file */
+    config_t config;
+    stats_quest quest;
+    const char *name[STATS_NAMES];
+    measured number[STATS_NUMBERS];
+    group group[STATS_NUMBERS];
+    long seed, budget;
+    rp_expression where;
+    rp_x_names names;
+    size_t n_table_points;
+    double *points; /* of tables */
+    stats_runs *runs;
 } problem;
 
-static rp_status read_measured(const calibrate_options *o, problem *s)
-{
-    const double values[][2] = {{o->theta_r_deg, o->error_deg}, {o->theta_t_deg, o->theta_t_error_deg}};
-    for (size_t a = 0; a < STATS_MAX_ANGLES; a++) {
-        const bool angle = !isinf(values[a][0]), error = !isinf(values[a][1]);
-        const angle_kind *k = &kinds[a];
-        if (angle != error)
-            return rp_fail(RP_USAGE, "--%s needs --%s", angle ? k->option : k->error_option,
-                           angle ? k->error_option : k->option);
-        if (!angle) continue;
-        s->measured.angle[s->n_angles] = values[a][0];
-        s->measured.error[s->n_angles] = values[a][1];
-        s->angle[s->n_angles++] = k;
-    }
-    if (s->n_angles > 0) return RP_OK;
-    return rp_fail(RP_USAGE, "--%s or --%s is required; see repose calibrate --help", kinds[0].option,
-                   kinds[1].option);
-}
+#define member(setting, name) config_setting_get_member(setting, name)
 
-/* ---- piles ---- */
+/* ---- the file ---- */
 
-/* Make the runs that the sweep lacks, and write all runs as a table into its folder. One that may only be
- * read has them all. */
-static rp_status run_sweep(const calibrate_options *o, problem *s)
+static rp_status read_fit(problem *s, const config_setting_t *fit)
 {
-    const char *file = cli_data(s->call->arena, o->sweep);
-    sweep_counts counts;
-    if (access(o->o, F_OK) == 0 && access(o->o, W_OK) != 0) {
-        s->path = o->o;
-        RP_TRY(sweep_check_done(file, o->o, sweep_protocols));
-        return cli_sweep_table(s->call, o->o, SWEEP_RUNS, &s->table, &counts);
-    }
-    RP_TRY(cli_claim_sweep(o->o, file, o->force));
-    RP_TRY(sweep_prepare(file, o->o, 0, sweep_protocols, NULL, &counts));
-    if (!o->quiet && counts.stored < counts.planned)
-        fprintf(stderr, "repose calibrate: makes %zu piles, once, and keeps them in the folder %s\n",
-                counts.planned - counts.stored, o->o);
-    RP_TRY(cli_sweep_run(o->o, (sweep_options){.workers = (int)o->j, .snapshot = CLI_SNAPSHOT}, o->quiet,
-                         &counts));
-    RP_TRY(rp_path(s->call->arena, &s->path, "%s/runs.tsv", o->o));
-    return cli_sweep_export(s->call, o->o, SWEEP_RUNS, s->path, NULL);
-}
-
-/* The parameters of --fit: one or two columns, and no other parameter may vary. */
-static rp_status find_params(const char *fit, problem *s)
-{
-    const rp_table *t = s->table;
-    int columns[STATS_MAX_PARAMS];
-    size_t n;
-    const rp_status status = rp_column_list(t, fit, STATS_MAX_PARAMS, &n, columns);
-    if (status)
-        return rp_fail(status, "%s; the piles must vary each parameter",
-                       rp_text(s->call->arena, "%s", rp_message()));
-    if (n > 1 && columns[0] == columns[1])
-        return rp_fail(RP_BAD_INPUT, "--fit = \"%s\": the same parameter twice", fit);
-    s->piles.n_params = n;
-    for (size_t p = 0; p < n; p++) s->param[p] = t->names[columns[p]];
-    for (const rp_param *p = sweep_protocol_repose.schema; p->name; p++) {
-        const int c = rp_table_column(t, p->name);
-        if (c < 0 || c == columns[0] || c == columns[n - 1]) continue;
-        for (size_t i = 1; i < t->n_rows; i++)
-            if (strcmp(rp_cell(t, i, c), rp_cell(t, 0, c)) != 0)
-                return rp_fail(RP_BAD_INPUT, "%s:%zu: %s varies too, and is not under --fit",
-                               t->places[i].path, t->places[i].line, p->name);
+    const int n = fit && config_setting_is_group(fit) ? config_setting_length(fit) : 0;
+    if (n < 1 || n > STATS_NAMES)
+        return fit ? rp_config_fail(fit, "fit: a group of one to %d names, { NAME = [from, to]; } expected",
+                                    STATS_NAMES)
+                   : rp_fail(RP_BAD_INPUT, "%s: fit: missing (what is to be found)", s->path);
+    s->quest.n_names = (size_t)n;
+    for (int i = 0; i < n; i++) {
+        const config_setting_t *range = config_setting_get_elem(fit, (unsigned)i);
+        double ends[2];
+        s->name[i] = config_setting_name(range);
+        RP_TRY(rp_config_pair(range, ends));
+        if (!(ends[1] > ends[0]))
+            return rp_config_fail(range, "%s: [%g, %g]: a range from a smaller to a larger number expected",
+                                  s->name[i], ends[0], ends[1]);
+        s->quest.lo[i] = ends[0], s->quest.hi[i] = ends[1];
     }
     return RP_OK;
 }
 
-/* Parameters and measured angles of the piles with a result. A protocol that did not measure an angle leaves
- * nan in every row. */
-static rp_status read_piles(const char *fit, problem *s)
+static bool same_setting(const config_setting_t *a, const config_setting_t *b)
 {
-    const char *names = fit;
-    rp_rows rows;
-    for (size_t a = 0; a < s->n_angles; a++) {
-        if (rp_table_column(s->table, s->angle[a]->column) < 0)
-            return rp_fail(RP_BAD_INPUT, "%s: no values of \"%s\"", s->path, s->angle[a]->column);
-        names = rp_text(s->call->arena, "%s,%s", names, s->angle[a]->column);
+    rp_value u, v;
+    if (!a || !b) return a == b;
+    const int n = config_setting_is_aggregate(a) ? config_setting_length(a) : 0;
+    if (config_setting_is_aggregate(a) != config_setting_is_aggregate(b)) return false;
+    if (!config_setting_is_aggregate(a)) {
+        if (rp_config_scalar(a, &u) || rp_config_scalar(b, &v) || u.kind != v.kind) return false;
+        return u.kind == RP_V_TEXT ? strcmp(u.s, v.s) == 0 : u.kind == RP_V_REAL ? u.r == v.r : u.i == v.i;
     }
-    RP_TRY(rp_rows_read(s->call->arena, s->table, names, &(rp_choice){.any_number = true}, &rows));
-    s->piles.n = rows.n;
-    s->piles.n_angles = s->n_angles;
-    for (size_t p = 0; p < s->piles.n_params; p++) s->piles.x[p] = rows.column[p];
-    for (size_t a = 0; a < s->n_angles; a++) {
-        s->piles.angle[a] = rows.column[s->piles.n_params + a];
-        size_t n = 0;
-        while (n < rows.n && isnan(s->piles.angle[a][n])) n++;
-        if (n == rows.n)
-            return rp_fail(RP_BAD_INPUT, "%s: no values of \"%s\"", s->path, s->angle[a]->column);
+    bool same = n == config_setting_length(b);
+    for (int i = 0; i < n && same; i++) {
+        const config_setting_t *p = config_setting_get_elem(a, (unsigned)i),
+                               *q = config_setting_get_elem(b, (unsigned)i);
+        const char *one = config_setting_name(p), *other = config_setting_name(q);
+        same = (!one || (other && strcmp(one, other) == 0)) && same_setting(p, q);
     }
+    return same;
+}
+
+static bool same_text(const char *a, const char *b)
+{
+    return a == b || (a && b && strcmp(a, b) == 0);
+}
+
+/* The group of a number: that of an earlier one of the same runs, or a new one. */
+static size_t group_of(problem *s, const measured *m, const config_setting_t *fixed)
+{
+    const group own = {.kind = *m->experiment ? "experiment" : "protocol",
+                       .source = *m->experiment ? m->experiment : m->protocol,
+                       .runs = *m->runs ? m->runs : NULL,
+                       .fixed = fixed};
+    size_t g = 0;
+    while (g < s->quest.n_groups &&
+           !(same_text(s->group[g].source, own.source) && same_text(s->group[g].runs, own.runs) &&
+             same_setting(s->group[g].fixed, fixed)))
+        g++;
+    if (g == s->quest.n_groups) s->group[s->quest.n_groups++] = own;
+    return g;
+}
+
+static rp_status read_measured(problem *s, const config_setting_t *setting, size_t k)
+{
+#define AT(field) offsetof(measured, field)
+    static const rp_param schema[] = {
+        {"of", "", RP_TEXT, AT(of), NULL, "", "column"},
+        {"value", "", RP_REAL, AT(value), NULL, "(-inf, inf)", "measured"},
+        {"error", "", RP_REAL, AT(error), NULL, "(0, inf)", "its standard error"},
+        {"model_error", "", RP_REAL, AT(model_error), "0", "[0, inf)",
+         "of the model, which adds in quadrature"},
+        {"experiment", "", RP_TEXT, AT(experiment), "", "", "file"},
+        {"protocol", "", RP_TEXT, AT(protocol), "", "", "its name"},
+        {"runs", "", RP_TEXT, AT(runs), "", "", "table of another program"},
+        {0}};
+    measured *m = &s->number[k];
+    if (!config_setting_is_group(setting))
+        return rp_config_fail(setting, "measured: a list ( { ... } ) expected");
+    rp_params_defaults(schema, m);
+    RP_TRY(rp_config_group(setting, schema, m, (const char *const[]){"fixed", NULL}));
+    if ((*m->experiment != 0) + (*m->protocol != 0) + (*m->runs != 0) != 1)
+        return rp_config_fail(setting, "measured: one of experiment, protocol and runs expected");
+    if (*m->runs && member(setting, "fixed"))
+        return rp_config_fail(member(setting, "fixed"), "fixed: a table is as it is");
+    s->quest.value[k] = m->value;
+    s->quest.error[k] = hypot(m->error, m->model_error);
+    s->quest.group[k] = group_of(s, m, member(setting, "fixed"));
+    s->quest.fixed_runs |= *m->runs != 0;
+    return RP_OK;
+}
+
+/* Names of the condition `where`. */
+static rp_status find_name(void *host, const char *name, int n_args, rp_x_symbol *symbol, bool *known)
+{
+    const problem *s = host;
+    for (size_t p = 0; p < s->quest.n_names && n_args < 0; p++)
+        if (strcmp(s->name[p], name) == 0)
+            *symbol = (rp_x_symbol){.type = RP_X_NUMBER, .key = s->name[p], .id = (int)p}, *known = true;
+    return RP_OK;
+}
+
+static void list_names(void *host, rp_guess *guess)
+{
+    const problem *s = host;
+    for (size_t p = 0; p < s->quest.n_names; p++) rp_guess_try(guess, s->name[p]);
+}
+
+typedef struct {
+    const double *x;
+} place;
+
+static double load(void *host, int id, const double args[])
+{
+    (void)args;
+    return ((const place *)host)->x[id];
+}
+
+static bool allowed(void *host, const double x[])
+{
+    const problem *s = host;
+    place at = {x};
+    const rp_x_values values = {&at, load};
+    return rp_expression_value(&s->where, &values, NULL) != 0.0;
+}
+
+static rp_status read_file(problem *s)
+{
+#undef AT
+#define AT(field) offsetof(problem, field)
+    static const rp_param schema[] = {
+        {"seed", "", RP_INT, AT(seed), "1", "[0, 2147483647]", "of the runs"},
+        {"budget", "", RP_INT, AT(budget), "1000", "[1, 10000000]", "most runs"},
+        {0}};
+    RP_TRY(rp_config_read(s->path, &s->config));
+    const config_setting_t *root = config_root_setting(&s->config), *list = member(root, "measured"),
+                           *where = member(root, "where");
+    rp_params_defaults(schema, s);
+    RP_TRY(rp_config_group(root, schema, s, (const char *const[]){"fit", "measured", "where", NULL}));
+    RP_TRY(read_fit(s, member(root, "fit")));
+    const int n = list && config_setting_is_list(list) ? config_setting_length(list) : 0;
+    if (n < 1 || n > STATS_NUMBERS)
+        return list ? rp_config_fail(list, "measured: a list ( { ... } ) of 1 to %d numbers expected",
+                                     STATS_NUMBERS)
+                    : rp_fail(RP_BAD_INPUT, "%s: measured: missing (the numbers)", s->path);
+    s->quest.n_numbers = (size_t)n;
+    for (int k = 0; k < n; k++)
+        RP_TRY(read_measured(s, config_setting_get_elem(list, (unsigned)k), (size_t)k));
+    for (size_t g = 0; g < s->quest.n_groups && s->quest.fixed_runs; g++)
+        if (!s->group[g].runs)
+            return rp_config_fail(list, "measured: numbers of tables and of experiments don't go together");
+    s->quest.budget = (size_t)(s->o->budget > 0 ? s->o->budget : s->budget);
+    if (!where) return RP_OK;
+    const char *text = config_setting_get_string(where);
+    s->names = (rp_x_names){.host = s, .find = find_name, .list = list_names};
+    if (!text || rp_expression_read_as(s->call->arena, text, RP_X_TRUTH, &s->names, &s->where))
+        return rp_config_fail(where, "where%s%s: %s", text ? " " : "", text ? text : "",
+                              text ? rp_message() : "a condition of the names expected");
+    s->quest.allowed = allowed;
+    return RP_OK;
+}
+
+/* ---- stages ---- */
+
+/* In quotes, as a parameter file has it. */
+static void write_text(FILE *out, const char *text)
+{
+    fputc('"', out);
+    for (const char *c = text; *c; c++)
+        if ((unsigned char)*c < ' ')
+            fprintf(out, "\\x%02x", (unsigned)*c);
+        else
+            fprintf(out, strchr("\"\\", *c) ? "\\%c" : "%c", *c);
+    fputc('"', out);
+}
+
+static void write_value(FILE *out, const config_setting_t *setting)
+{
+    rp_value v;
+    if (!config_setting_is_aggregate(setting)) {
+        if (rp_config_scalar(setting, &v)) return;
+        if (v.kind == RP_V_REAL) fprintf(out, "%.17e", v.r);
+        if (v.kind == RP_V_INT) fprintf(out, "%ld", v.i);
+        if (v.kind == RP_V_BOOL) fputs(v.i ? "true" : "false", out);
+        if (v.kind == RP_V_TEXT) write_text(out, v.s);
+        return;
+    }
+    const bool named = config_setting_is_group(setting);
+    fputs(named ? "{ " : "( ", out);
+    for (int i = 0; i < config_setting_length(setting); i++) {
+        const config_setting_t *part = config_setting_get_elem(setting, (unsigned)i);
+        if (named) fprintf(out, "%s = ", config_setting_name(part));
+        if (!named && i) fputs(", ", out);
+        write_value(out, part);
+        if (named) fputs("; ", out);
+    }
+    fputs(named ? "}" : " )", out);
+}
+
+/* The sweep of a group's runs at the points; names that it does not have are left out. */
+static rp_status write_sweep(const problem *s, const group *g, const char *path, size_t n, const double x[],
+                             size_t replicas)
+{
+    FILE *out;
+    char real[PATH_MAX];
+    const char *source = g->source;
+    if (strcmp(g->kind, "experiment") == 0) {
+        RP_TRY(rp_path(s->call->arena, &source, "%s%s", *g->source == '/' ? "" : s->folder, g->source));
+        if (!realpath(cli_data(s->call->arena, source), real))
+            return rp_fail(RP_BAD_INPUT, "%s: experiment = \"%s\": no such file", s->path, source);
+        source = real;
+    }
+    RP_TRY(rp_file_open(path, &out));
+    fprintf(out, "# program: repose %s\n%s = ", RP_VERSION, g->kind); /* by which it knows its own */
+    write_text(out, source);
+    fprintf(out, ";\nreplicas = %zu;\nseed = %ld;\n", replicas, s->seed);
+    if (g->fixed) fputs("fixed = ", out), write_value(out, g->fixed), fputs(";\n", out);
+    fputs("zip = true;\ngrid = {\n", out);
+    for (size_t p = 0; p < s->quest.n_names; p++) {
+        if (!g->has[p]) continue;
+        fprintf(out, "  %s = [ ", s->name[p]);
+        for (size_t i = 0; i < n; i++) fprintf(out, "%s%.17e", i ? ", " : "", x[i * s->quest.n_names + p]);
+        fputs(" ];\n", out);
+    }
+    fputs("};\n", out);
+    return rp_file_close(path, out, RP_OK);
+}
+
+/* The names that a sweep of the group may have, tried one by one. */
+static rp_status find_names(problem *s, size_t k, const char *path)
+{
+    group *g = &s->group[k];
+    bool has[STATS_NAMES];
+    double x[STATS_NAMES];
+    for (size_t p = 0; p < s->quest.n_names; p++) x[p] = 0.5 * (s->quest.lo[p] + s->quest.hi[p]);
+    for (size_t p = 0; p < s->quest.n_names; p++) {
+        char *text = NULL;
+        size_t size;
+        memset(g->has, 0, sizeof g->has);
+        g->has[p] = true;
+        RP_TRY(write_sweep(s, g, path, 1, x, 1));
+        FILE *columns = open_memstream(&text, &size);
+        if (!columns) return rp_fail(RP_NO_MEMORY, "calibrate: out of memory");
+        const rp_status status = sweep_columns(path, sweep_protocols, SWEEP_RUNS, columns);
+        fclose(columns), free(text);
+        if (status && !strstr(rp_message(), "unknown key")) return status;
+        has[p] = !status;
+    }
+    memcpy(g->has, has, sizeof has);
+    return RP_OK;
+}
+
+static rp_status column_of(const problem *s, const rp_table *table, size_t k, int *column)
+{
+    rp_guess guess = rp_guess_of(s->number[k].of);
+    *column = rp_table_column(table, s->number[k].of);
+    for (size_t c = 0; c < table->n_columns; c++) rp_guess_try(&guess, table->names[c]);
+    return *column >= 0 ? RP_OK
+                        : rp_fail(RP_BAD_INPUT, "%s: of = \"%s\": the runs have no such column%s", s->path,
+                                  s->number[k].of, rp_guess_text(&guess));
+}
+
+static void add_run(stats_runs *r, double y)
+{
+    const double d = y - r->mean;
+    r->n++, r->mean += d / r->n, r->squares += d * (y - r->mean);
+}
+
+/* Numbers of a group's table, whose rows go by points. */
+static rp_status take_numbers(const problem *s, size_t g, size_t n, size_t replicas, stats_runs *runs)
+{
+    const rp_table *t = s->group[g].table;
+    const int status = rp_table_column(t, "status");
+    for (size_t k = 0; k < s->quest.n_numbers; k++) {
+        int column;
+        if (s->quest.group[k] != g) continue;
+        RP_TRY(column_of(s, t, k, &column));
+        for (size_t row = 0; row < t->n_rows && row < n * replicas; row++) {
+            double y;
+            if (status >= 0 && !rp_is_result(rp_cell(t, row, status))) continue;
+            RP_TRY(rp_table_number(t, row, column, 1, &y));
+            if (isfinite(y)) add_run(&runs[k * n + row / replicas], y);
+        }
+    }
+    return RP_OK;
+}
+
+static rp_status run_group(problem *s, size_t stage, size_t g, size_t n, const double x[], size_t replicas)
+{
+    const char *path, *dir;
+    sweep_counts counts;
+    RP_TRY(rp_path(s->call->arena, &path, "%s/stage_%zu_%zu.cfg", s->o->o, stage + 1, g + 1));
+    RP_TRY(rp_path(s->call->arena, &dir, "%s/stage_%zu_%zu", s->o->o, stage + 1, g + 1));
+    RP_TRY(write_sweep(s, &s->group[g], path, n, x, replicas));
+    RP_TRY(cli_claim_sweep(dir, path, s->o->force));
+    RP_TRY(sweep_prepare(path, dir, 0, sweep_protocols, NULL, &counts));
+    if (!s->o->quiet && counts.stored < counts.planned)
+        fprintf(stderr, "repose calibrate: stage %zu, %s: %zu points, %zu runs each, in %s\n", stage + 1,
+                s->group[g].source, n, replicas, dir);
+    rp_status status = cli_sweep_run(dir, (sweep_options){.workers = (int)s->o->j, .snapshot = CLI_SNAPSHOT},
+                                     s->o->quiet, &counts);
+    if (status) return status;
+    return cli_sweep_table(s->call, dir, SWEEP_RUNS, &s->group[g].table, &counts);
+}
+
+static rp_status run_stage(void *host, size_t stage, size_t *n, const double **x, const size_t replicas[],
+                           stats_runs **runs)
+{
+    problem *s = host;
+    if (s->quest.fixed_runs) return *n = s->n_table_points, *x = s->points, *runs = s->runs, RP_OK;
+    RP_NEW(s->call->arena, *runs, *n * s->quest.n_numbers);
+    for (size_t g = 0; g < s->quest.n_groups; g++) {
+        RP_TRY(run_group(s, stage, g, *n, *x, replicas[g]));
+        RP_TRY(take_numbers(s, g, *n, replicas[g], *runs));
+    }
+    return RP_OK;
+}
+
+/* Points and numbers of tables: rows with equal names are runs of one point. */
+static rp_status read_tables(problem *s)
+{
+    const size_t p = s->quest.n_names, K = s->quest.n_numbers;
+    size_t rows = 0;
+    for (size_t g = 0; g < s->quest.n_groups; g++) {
+        const char *path;
+        RP_TRY(rp_path(s->call->arena, &path, "%s%s", *s->group[g].runs == '/' ? "" : s->folder,
+                       s->group[g].runs));
+        RP_TRY(rp_table_load(s->call->arena, path, &s->group[g].table));
+        rows += s->group[g].table->n_rows;
+    }
+    RP_NEW(s->call->arena, s->points, rows * p + 1);
+    stats_runs *runs;
+    RP_NEW(s->call->arena, runs, rows * K + 1);
+    RP_NEW(s->call->arena, s->runs, rows * K + 1);
+    for (size_t g = 0; g < s->quest.n_groups; g++) {
+        const rp_table *t = s->group[g].table;
+        const int status = rp_table_column(t, "status");
+        const char *names = s->name[0];
+        for (size_t i = 1; i < p; i++) names = rp_text(s->call->arena, "%s,%s", names, s->name[i]);
+        double *v;
+        RP_TRY(rp_columns_read(s->call->arena, t, names, &v));
+        for (size_t row = 0; row < t->n_rows; row++) {
+            double x[STATS_NAMES];
+            size_t i = 0;
+            if (status >= 0 && !rp_is_result(rp_cell(t, row, status))) continue;
+            for (size_t c = 0; c < p; c++) x[c] = v[c * t->n_rows + row];
+            while (i < s->n_table_points && memcmp(&s->points[i * p], x, p * sizeof *x) != 0) i++;
+            if (i == s->n_table_points) memcpy(&s->points[s->n_table_points++ * p], x, p * sizeof *x);
+            for (size_t k = 0; k < K; k++) {
+                int column;
+                double y;
+                if (s->quest.group[k] != g) continue;
+                RP_TRY(column_of(s, t, k, &column));
+                RP_TRY(rp_table_number(t, row, column, 1, &y));
+                if (isfinite(y)) add_run(&runs[i * K + k], y);
+            }
+        }
+    }
+    for (size_t i = 0; i < s->n_table_points; i++)
+        for (size_t k = 0; k < K; k++) s->runs[k * s->n_table_points + i] = runs[i * K + k];
     return RP_OK;
 }
 
 /* ---- the answer ---- */
 
-/* "theta_r from 10 to 35 degrees and theta_t ..., for 0.1 <= mu <= 0.6" */
-static const char *reach_text(const problem *s)
+/* "mu + 1.9 mu_roll" */
+static const char *combination(const problem *s, const stats_answer *a)
 {
-    const stats_calibration *c = &s->fit;
     const char *text = "";
-    for (size_t a = 0; a < c->n_angles; a++) {
-        const stats_reach reach = stats_calibration_reach(c, a);
-        text = rp_text(s->call->arena, "%s%s%s from %.3g to %.3g degrees", text, a ? " and " : "",
-                       s->angle[a]->name, reach.angle[0], reach.angle[1]);
+    for (size_t p = 0; p < s->quest.n_names; p++) {
+        const double w = a->weight[p];
+        if (w == 0.0) continue;
+        const char *sign = !*text ? (w < 0.0 ? "-" : "") : w < 0.0 ? " - " : " + ";
+        text = fabs(fabs(w) - 1.0) < 5e-4
+                   ? rp_text(s->call->arena, "%s%s%s", text, sign, s->name[p])
+                   : rp_text(s->call->arena, "%s%s%.3g %s", text, sign, fabs(w), s->name[p]);
     }
-    for (size_t p = 0; p < c->n_params; p++)
-        text = rp_text(s->call->arena, "%s%s%g <= %s <= %g", text, p ? ", " : ", for ", c->lo[p], s->param[p],
-                       c->hi[p]);
     return text;
 }
 
-/* Where the answer holds: model and protocol from the header of the piles' table. */
-static void note_scope(const rp_table *t)
+/* Of the numbers that the runs give besides, the one whose slope across the combination is largest beside its
+ * scatter; by straight lines through the last stage's runs. */
+static const char *separator(const problem *s, const stats_answer *a)
 {
-    const char *rotation = rp_table_find_note(t, "rotation"), *text;
-    const bool rotate = rp_table_column(t, "rotation") >= 0 || (rotation && strcmp(rotation, "true") == 0);
-    bool known = false;
-    rp_table_note(
-        stdout, "holds for",
-        "two-dimensional piles in a box whose right wall is removed; grains %s; theta_r by method 3, "
-        "theta_t by displacement; the parameters that follow",
-        rotate ? "rotate" : "do not rotate");
-    for (const rp_param *p = sweep_protocol_repose.schema; p->name; p++)
-        if ((text = rp_table_find_note(t, p->name))) {
-            rp_table_note(stdout, p->name, "%s", text);
-            known = true;
+    const size_t p = s->quest.n_names;
+    double most = 3.0;
+    const char *best = NULL;
+    for (size_t g = 0; g < s->quest.n_groups; g++) {
+        const rp_table *t = s->group[g].table;
+        int names[STATS_NAMES];
+        bool whole = t && t->n_rows > 4 * p;
+        for (size_t i = 0; i < p && whole; i++) whole = (names[i] = rp_table_column(t, s->name[i])) >= 0;
+        for (size_t c = 0; c < (whole ? t->n_columns : 0); c++) {
+            RP_SCOPE(arena);
+            const double *cells = t->places[0].numbers;
+            double *X, *y, coefficients[STATS_NAMES + 1], covariance[(STATS_NAMES + 1) * (STATS_NAMES + 1)],
+                along = 0.0, power = 0.0, weight2 = 0.0;
+            bool used = !cells;
+            for (size_t k = 0; k < s->quest.n_numbers; k++) used |= strcmp(s->number[k].of, t->names[c]) == 0;
+            for (size_t i = 0; i < p; i++) used |= names[i] == (int)c;
+            for (const char *const *other = (const char *const[]){"run", "replica", "pile", "seconds", NULL};
+                 *other; other++)
+                used |= strcmp(*other, t->names[c]) == 0;
+            X = rp_arena_memory(&arena, t->n_rows * (p + 1), sizeof *X),
+            y = rp_arena_memory(&arena, t->n_rows, sizeof *y);
+            size_t n = 0;
+            for (size_t row = 0; row < t->n_rows && X && y && !used; row++) {
+                double v = NAN;
+                if (rp_table_number(t, row, (int)c, 1, &v) || !isfinite(v)) continue;
+                X[n * (p + 1)] = 1.0, y[n] = v;
+                for (size_t i = 0; i < p; i++) {
+                    double x = NAN;
+                    rp_table_number(t, row, names[i], 1, &x);
+                    X[n * (p + 1) + 1 + i] = (x - s->quest.lo[i]) / (s->quest.hi[i] - s->quest.lo[i]);
+                }
+                n++;
+            }
+            stats_linear fit = {.n = n,
+                                .p = p + 1,
+                                .X = X,
+                                .y = y,
+                                .tolerance = 1e-12,
+                                .c = coefficients,
+                                .covariance = covariance};
+            if (n < 2 * p + 4 || stats_linear_fit(&fit) || !(fit.chi2 > 0.0)) continue;
+            for (size_t i = 0; i < p; i++) {
+                const double w = a->weight[i] * (s->quest.hi[i] - s->quest.lo[i]);
+                along += w * coefficients[i + 1], weight2 += w * w,
+                    power += coefficients[i + 1] * coefficients[i + 1];
+            }
+            const double across =
+                sqrt(fmax(power - along * along / weight2, 0.0) / (fit.chi2 / (double)(n - p - 1)));
+            if (across > most)
+                most = across, best = rp_text(s->call->arena, "%s of %s", t->names[c],
+                                              s->group[g].source ? s->group[g].source : s->group[g].runs);
         }
-    if (!known) rp_table_note(stdout, "parameters", "unknown: the table of piles does not name them");
-    rp_table_note(stdout, "not for",
-                  "other models, protocols or sizes: the answer does not carry over to them");
-}
-
-static void print_head(const problem *s)
-{
-    static const char *const second_degree[] = {"", " and 1", " and 2"};
-    const stats_calibration *c = &s->fit;
-    const char *sweep = rp_table_find_note(s->table, "sweep");
-    cli_table(s->call, stdout);
-    rp_table_note(stdout, "piles", "%s; %zu piles used, %zu rows without result", sweep ? sweep : s->path,
-                  s->piles.n, s->table->n_rows - s->piles.n);
-    for (size_t a = 0; a < c->n_angles; a++) {
-        const stats_response_fit *r = &c->response[a];
-        rp_table_note(stdout, "response",
-                      "%s: %s, degree %zu%s, %zu coefficients, %zu points, chi2 = %.3g, p = %.2g, "
-                      "discrepancy %.2g deg%s",
-                      s->angle[a]->name, stats_shape_words[r->shape], r->degree[0],
-                      second_degree[r->degree[1]], r->n_terms, r->n_points, r->chi2, r->p_value,
-                      sqrt(r->discrepancy), r->monotone ? "" : ", not monotone");
     }
-    rp_table_note(stdout, "reach", "%s", reach_text(s));
-    for (size_t p = 0; p < c->n_params; p++) rp_table_note(stdout, "range", "%g to %g", c->lo[p], c->hi[p]);
-    if (c->n_angles == 2) rp_table_note(stdout, "correlation of the angles", "%.2f", c->correlation);
-    note_scope(s->table);
+    return best;
 }
 
-static void print_found(const problem *s)
+static void print_answer(const problem *s, const stats_answer *a)
 {
-    rp_table_header(stdout, "parameter, value, se, lower, upper, boot_se, boot_lower, boot_upper, status");
-    for (size_t p = 0; p < s->piles.n_params; p++) {
-        const stats_calibrated *f = &s->found[p];
-        for (size_t k = 0; k == 0 || k < f->n_solutions; k++) {
-            printf("%s\t", s->param[p]);
-            CLI_ROW_WORD(stats_calibrated_words[f->status], f->solutions[k].value, f->se,
-                         f->solutions[k].lower, f->solutions[k].upper, f->boot_se, f->boot_lower,
-                         f->boot_upper);
+    cli_provenance(s->call, stdout);
+    rp_table_note(stdout, "runs", "%zu at %zu points, %zu of them without some number, in %zu stages",
+                  s->quest.fixed_runs ? 0 : a->n_runs, a->n_points, a->n_failed, a->stages);
+    rp_table_note(stdout, "chi2", "%.3g over %zu", a->chi2, a->dof);
+    for (size_t k = 0; k < s->quest.n_numbers; k++) {
+        const measured *m = &s->number[k];
+        const double d = (m->value - a->fitted[k]) / hypot(s->quest.error[k], a->fit_error[k]);
+        rp_table_note(stdout, m->of,
+                      "measured %.6g +- %.3g, fitted %.6g +- %.3g, residual %.2g; form p = %.2g; runs reach "
+                      "%.6g to %.6g",
+                      m->value, s->quest.error[k], a->fitted[k], a->fit_error[k], d, a->p_value[k],
+                      a->reach[k][0], a->reach[k][1]);
+    }
+    for (size_t p = 1; p < s->quest.n_names; p++)
+        for (size_t q = 0; q < p; q++)
+            rp_table_note(stdout, "correlation", "%s and %s: %.2f", s->name[q], s->name[p],
+                          a->correlation[q][p]);
+    if (s->quest.n_names > 1)
+        rp_table_note(stdout, "determined", "%s = %.4g +- %.2g", combination(s, a), a->sum, a->sum_error);
+    rp_table_note(stdout, "left out", "%zu of %zu points are found again by the others", a->recovered,
+                  a->tried);
+    rp_table_note(stdout, "holds for", "the experiments that ran, and no other model");
+    rp_table_header(stdout, "parameter, value, se, lower, upper, status");
+    for (size_t p = 0; p < s->quest.n_names; p++) {
+        const size_t n = a->n_intervals[p];
+        for (size_t k = 0; k == 0 || k < n; k++) {
+            const stats_interval *i = n > 1 ? &a->interval[p][k] : &a->own[p];
+            printf("%s\t", s->name[p]);
+            CLI_ROW_WORD(stats_identified_words[a->status[p]], n > 1 ? i->value : a->x[p], a->se[p], i->lower,
+                         i->upper);
         }
     }
 }
 
-/* What would make these piles reach the measurement: more of the range where the response is largest, or
- * smallest, at an end. Near its end the response may be flat. */
-static const char *how_to_extend(const problem *s, stats_calibrated_status why)
-{
-    const stats_calibration *c = &s->fit;
-    const bool above = why == STATS_CALIBRATED_ABOVE_RANGE;
-    const char *name = s->param[0];
-    if (c->n_params > 1 || why == STATS_CALIBRATED_NO_MATCH)
-        return rp_text(s->call->arena,
-                       "piles of other %s (--sweep), or of another parameter (--fit), may reach further",
-                       name);
-    const stats_reach reach = stats_calibration_reach(c, 0);
-    const double x = reach.at[above][0], inward = 0.1 * (c->hi[0] - c->lo[0]);
-    const bool upper = x == c->hi[0];
-    if (x > c->lo[0] && x < c->hi[0])
-        return rp_text(s->call->arena,
-                       "the angle is %s within the range, near %s = %.3g: vary another parameter (--fit)",
-                       above ? "largest" : "smallest", name, x);
-    const double near =
-        stats_response_value(&c->response[0], &(double){upper ? x - inward : x + inward}, NULL);
-    if (fabs(reach.angle[above] - near) < 0.02 * (reach.angle[1] - reach.angle[0]))
-        return rp_text(s->call->arena,
-                       "the angle hardly changes near %s = %g: vary another parameter (--fit)", name, x);
-    return rp_text(s->call->arena, "piles with %s %s %g (--sweep) extend it", name, upper ? "above" : "below",
-                   x);
-}
-
-/* A match with an angle that no response reaches rests on the scatter and the discrepancy alone. */
-static void warn_outside(const problem *s)
-{
-    for (size_t a = 0; a < s->n_angles; a++) {
-        const double angle = s->measured.angle[a];
-        const stats_reach reach = stats_calibration_reach(&s->fit, a);
-        if (angle < reach.angle[0] || angle > reach.angle[1])
-            fprintf(stderr,
-                    "repose calibrate: %s = %g degrees lies outside what the response reaches, %.3g to %.3g: "
-                    "the answer rests on the errors alone\n",
-                    s->angle[a]->name, angle, reach.angle[0], reach.angle[1]);
-    }
-}
-
-/* Limits of all solutions together: "; 0.1 <= mu <= 0.3", "; mu >= 0.1" or "". */
-static const char *limits_text(const problem *s, size_t p)
-{
-    const stats_calibrated *f = &s->found[p];
-    const double lower = f->solutions[0].lower,
-                 upper = f->solutions[f->n_solutions ? f->n_solutions - 1 : 0].upper;
-    const char *name = s->param[p];
-    if (!isnan(lower) && !isnan(upper))
-        return rp_text(s->call->arena, "; %g <= %s <= %g", lower, name, upper);
-    if (!isnan(lower)) return rp_text(s->call->arena, "; %s >= %g", name, lower);
-    return isnan(upper) ? "" : rp_text(s->call->arena, "; %s <= %g", name, upper);
-}
-
-/* Exit status 1 and what is known, for the first parameter that is not found. */
-static rp_status conclude(const problem *s)
+/* A name that is not found, with what is known of it. */
+static rp_status conclude(const problem *s, const stats_answer *a)
 {
     size_t p = 0;
-    while (p < s->piles.n_params && s->found[p].status == STATS_CALIBRATED_OK) p++;
-    if (p == s->piles.n_params) {
-        warn_outside(s);
-        return RP_OK;
+    while (p < s->quest.n_names && a->status[p] != STATS_IDENTIFIED_NOT_IDENTIFIED) p++;
+    if (p == s->quest.n_names)
+        for (p = 0; p < s->quest.n_names && a->status[p] == STATS_IDENTIFIED_OK;) p++;
+    if (p == s->quest.n_names) return RP_OK;
+    const stats_identified status = a->status[p];
+    const char *more = "";
+    if (status == STATS_IDENTIFIED_NOT_IDENTIFIED && s->quest.n_names > 1) {
+        const char *other = separator(s, a);
+        more = rp_text(s->call->arena, "; determined is %s = %.3g +- %.2g%s%s", combination(s, a), a->sum,
+                       a->sum_error, other ? "; best to separate the names: " : "", other ? other : "");
     }
-    const stats_calibrated_status status = s->found[p].status;
-    const char *extend = "";
-    if (status >= STATS_CALIBRATED_ABOVE_RANGE)
-        extend =
-            rp_text(s->call->arena, "; these piles reach %s; %s", reach_text(s), how_to_extend(s, status));
-    return rp_fail(RP_NO_RESULT, "%s: %s: %s%s%s", s->param[p], stats_calibrated_words[status],
-                   stats_calibrated_meanings[status], limits_text(s, p), extend);
+    if (status == STATS_IDENTIFIED_ABOVE_RANGE || status == STATS_IDENTIFIED_BELOW_RANGE)
+        more = rp_text(s->call->arena, "; the runs reach %.3g to %.3g, for %g <= %s <= %g", a->reach[0][0],
+                       a->reach[0][1], s->quest.lo[0], s->name[0], s->quest.hi[0]);
+    if (status == STATS_IDENTIFIED_BUDGET)
+        more = rp_text(s->call->arena, "; %zu of %zu runs; --budget gives more", a->n_runs, s->quest.budget);
+    return rp_fail(RP_NO_RESULT, "%s: %s: %s%s", s->name[p], stats_identified_words[status],
+                   stats_identified_meanings[status], more);
 }
 
-static rp_status invert(const calibrate_options *o, problem *s)
+static rp_status plan_alone(const problem *s)
 {
-    RP_TRY(rp_prefix(stats_calibration_fit(&s->piles, &s->fit), "%s: ", s->path));
-    RP_TRY(stats_calibration_invert(&s->fit, &s->measured, s->found));
-    RP_TRY(stats_calibration_bootstrap(&s->piles, &s->fit, &s->measured, (size_t)o->bootstrap,
-                                       cli_random(s->call, 0), s->found));
-    print_head(s);
-    print_found(s);
-    return conclude(s);
+    const size_t n = 8 * s->quest.n_names + 4;
+    cli_provenance(s->call, stdout);
+    rp_table_note(stdout, "first stage", "%zu points, %zu runs; at most %zu in all", n,
+                  2 * n * s->quest.n_groups, s->quest.budget);
+    rp_table_header(stdout, "number, group, value, error");
+    for (size_t k = 0; k < s->quest.n_numbers; k++) {
+        printf("%s\t", s->number[k].of);
+        CLI_ROW((double)s->quest.group[k] + 1.0, s->quest.value[k], s->quest.error[k]);
+    }
+    return RP_OK;
+}
+
+static rp_status find(problem *s)
+{
+    stats_answer a;
+    RP_TRY(read_file(s));
+    if (s->quest.fixed_runs) RP_TRY(read_tables(s));
+    if (!s->quest.fixed_runs) {
+        RP_TRY(rp_make_directory(s->o->o));
+        for (size_t g = 0; g < s->quest.n_groups; g++) {
+            const char *path;
+            RP_TRY(rp_path(s->call->arena, &path, "%s/stage_1_%zu.cfg", s->o->o, g + 1));
+            RP_TRY(find_names(s, g, path));
+        }
+    }
+    for (size_t p = 0; p < s->quest.n_names && !s->quest.fixed_runs; p++) {
+        bool some = false;
+        for (size_t g = 0; g < s->quest.n_groups; g++) some |= s->group[g].has[p];
+        if (!some)
+            return rp_fail(RP_BAD_INPUT, "%s: fit.%s: no experiment has this name", s->path, s->name[p]);
+    }
+    if (s->o->dry_run) return plan_alone(s);
+    s->quest.host = s, s->quest.run = run_stage, s->quest.leave_out = true;
+    RP_TRY(rp_prefix(stats_identify(&s->quest, &a), "%s: ", s->path));
+    print_answer(s, &a);
+    return conclude(s, &a);
+}
+
+static rp_status calibrate_file(const cli_call *call, const char *path, const calibrate_options *o)
+{
+    problem s = {.call = call, .o = o, .path = path, .folder = ""};
+    const char *slash = strrchr(path, '/');
+    if (slash) s.folder = rp_text(call->arena, "%.*s", (int)(slash - path) + 1, path);
+    rp_status status = find(&s);
+    config_destroy(&s.config);
+    return status;
+}
+
+/* ---- an angle alone ---- */
+
+/* The file of a friction whose piles have these angles, in the folder of its runs: to look at, and to change
+ * a copy of. */
+static rp_status write_file(const cli_call *call, const calibrate_options *o, const char **path)
+{
+    const struct {
+        const char *option, *error_option, *of;
+        double value, error;
+    } angles[] = {{"theta-r-deg", "error-deg", "theta_r3_deg", o->theta_r_deg, o->error_deg},
+                  {"theta-t-deg", "theta-t-error-deg", "theta_t_displacement_deg", o->theta_t_deg,
+                   o->theta_t_error_deg}};
+    FILE *out;
+    for (int k = 0; k < 2; k++)
+        if (isinf(angles[k].value) != isinf(angles[k].error))
+            return rp_fail(RP_USAGE, "--%s needs --%s",
+                           isinf(angles[k].value) ? angles[k].error_option : angles[k].option,
+                           isinf(angles[k].value) ? angles[k].option : angles[k].error_option);
+    if (isinf(o->theta_r_deg) && isinf(o->theta_t_deg))
+        return rp_fail(RP_USAGE, "FILE.cfg, --theta-r-deg or --theta-t-deg is required; see repose calibrate "
+                                 "--help");
+    RP_TRY(rp_make_directory(o->o));
+    RP_TRY(rp_path(call->arena, path, "%s/angle.cfg", o->o));
+    RP_TRY(rp_file_open(*path, &out));
+    fprintf(out,
+            "# program: repose %s\n"
+            "# Friction of a box that is opened on one side, from the angles of the pile.\n"
+            "fit = { mu = [0.05, 0.8]; };\nmeasured = (\n",
+            RP_VERSION);
+    for (int k = 0, some = 0; k < 2; k++)
+        if (!isinf(angles[k].value))
+            fprintf(out,
+                    "%s  { protocol = \"repose\"; of = \"%s\"; value = %.17e; error = %.17e;\n"
+                    "    fixed = { W = 4.0; H = 4.0; floor = \"extends\"; slip = \"truncated\"; "
+                    "measure = ( \"theta_r\", \"theta_t\" ); }; }",
+                    some++ ? ",\n" : "", angles[k].of, angles[k].value, angles[k].error);
+    fputs(" );\n", out);
+    return rp_file_close(*path, out, RP_OK);
 }
 
 static rp_status calibrate(cli_call *call, const void *values)
 {
     const calibrate_options *o = values;
-    problem s = {.call = call, .path = o->runs};
     const char *file = cli_argument(call, 0);
-    if (file && (!isinf(o->theta_r_deg) || !isinf(o->theta_t_deg) || *o->runs || cli_given(call, "fit")))
-        return rp_fail(
-            RP_USAGE, "%s says what is measured and fitted: no --theta-r-deg, --theta-t-deg, --fit or --runs",
-            file);
-    if (file)
-        return cli_identify(call, cli_data(call->arena, file),
-                            &(calibrate_text_options){o->o, o->budget, o->j, o->quiet, o->force, o->dry_run});
-    RP_TRY(read_measured(o, &s));
-    if (!*o->runs) RP_TRY(run_sweep(o, &s));
-    if (!s.table) RP_TRY(rp_table_load(call->arena, s.path, &s.table));
-    RP_TRY(find_params(o->fit, &s));
-    RP_TRY(read_piles(o->fit, &s));
-    const rp_status status = invert(o, &s);
-    stats_calibration_free(&s.fit);
-    return status;
+    if (file && (!isinf(o->theta_r_deg) || !isinf(o->error_deg) || !isinf(o->theta_t_deg) ||
+                 !isinf(o->theta_t_error_deg)))
+        return rp_fail(RP_USAGE, "%s says what is measured: no --theta-r-deg and no --theta-t-deg", file);
+    if (!file) RP_TRY(write_file(call, o, &file));
+    return calibrate_file(call, cli_data(call->arena, file), o);
 }
 
 const cli_command cmd_calibrate = {
@@ -334,42 +677,34 @@ const cli_command cmd_calibrate = {
     "quadratic of the\n"
     "names over the runs of a design; where that agrees with the measurements, a smaller box gets more runs, "
     "until the\n"
-    "answer is settled. Each stage is a sweep in DIR: the same command continues. The interval is of 95 %, "
-    "by profiles\n"
-    "of chi2. The header has each number's residual, correlations, the combination of the names that is "
-    "determined\n"
-    "best, and how many points of the design the others find again. status is ok, at_least, at_most, "
-    "not_identified\n"
-    "(nine tenths of the range agree), no_match, or budget (not settled yet); exit status 1 unless ok.\n"
+    "answer is settled. Each stage is a sweep in DIR: the same command continues.\n"
     "\n"
-    "--theta-r-deg: the friction of a box that gives a measured angle. Piles are simulated over a range of "
-    "friction, and\n"
-    "their mean angles are fitted by powers or a saturating form, whichever has the least AIC. The fit is\n"
-    "inverted. The first call simulates for some minutes; the folder -o keeps the piles for the next one.\n"
+    "--theta-r-deg: the friction of a box that is opened on one side, whose pile has this angle of repose; "
+    "--theta-t-deg:\n"
+    "this tilting angle too. DIR/angle.cfg is the file that says so; for other piles change a copy of it.\n"
     "\n"
-    "lower and upper bound the 95 % interval. The interval contains the error of the measurement, the\n"
-    "error of the fit, and its lack of fit. se is the standard error by the delta method. boot_se,\n"
-    "boot_lower and boot_upper come from a bootstrap over piles, as a check.\n"
+    "The interval from lower to upper is of 95 %, by profiles of chi2: of the measurement's error, the "
+    "scatter of the\n"
+    "runs, and the lack of fit. The header has each number's residual and reach, correlations, the "
+    "combination of the\n"
+    "names that is determined best, and how many points of the design the others find again.\n"
     "\n"
     "status is ok, or\n"
-    "  several          several intervals agree with the angle, one row each\n"
-    "  at_least         the upper end of the interval lies beyond the simulated range\n"
+    "  several          several intervals agree with the numbers, one row each\n"
+    "  at_least         the upper end of the interval lies beyond the range\n"
     "  at_most          the lower end lies beyond it\n"
-    "  not_identified   every friction of the range agrees\n"
-    "  above_range      the angle is larger than the fitted one anywhere in the range\n"
-    "  below_range      the angle is smaller than the fitted one anywhere in the range\n"
-    "  no_match         no friction agrees with both angles together\n"
-    "  underdetermined  two parameters are sought from one angle\n"
+    "  not_identified   nine tenths of the range agree\n"
+    "  budget           not settled yet: what is known so far\n"
+    "  above_range      the number is larger than the fitted one anywhere in the range\n"
+    "  below_range      the number is smaller than the fitted one anywhere in the range\n"
+    "  no_match         no values of the names agree with all numbers together\n"
     "The exit status is 1 unless the status is ok.\n"
     "\n"
-    "The header names the range of angles that the piles reach. The message of above_range, below_range\n"
-    "and no_match names it too, and says what would extend it.\n"
-    "\n"
-    "The answer holds for the model and protocol that the header names: two-dimensional piles in a box\n"
-    "opened on one side. It does not carry over to another model, protocol or size.",
-    "repose calibrate --theta-r-deg 25 --error-deg 1",
+    "The answer holds for the experiments that ran. It does not carry over to another model, protocol or "
+    "size.",
+    "repose calibrate fit.cfg -o found",
     calibrate_params,
-    .refuses = "An angle without its standard error; piles that do not vary what is sought, or vary "
-               "something else.\n"
+    .refuses = "An angle without its standard error; a column that the runs do not have; a name that no "
+               "experiment has.\n"
                "An answer whose status is not ok: exit status 1.",
     .act = calibrate};
