@@ -81,7 +81,8 @@
     X(suite_extreme)                                                                                         \
     X(suite_chaos)                                                                                           \
     X(suite_implicit)                                                                                        \
-    X(suite_precision)
+    X(suite_precision)                                                                                       \
+    X(suite_calibration)
 
 #define X(suite) void suite(void);
 CHECK_UNIT(X)

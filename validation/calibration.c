@@ -1,0 +1,106 @@
+/* Calibration by real runs: friction, damping and stiffness that are known, found again from impacts of
+ * single grains on a floor. One to three names, ten cases each in the full run, which writes a table. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "core/random.h"
+#include "table/table.h"
+#include "tests/check.h"
+#include "tests/program.h"
+
+/* An oblique impact; the scatter is that of the grains' radii. */
+static const char impact[] =
+    "let = { mu = 0.2; gamma = 2000.0; k = 1.0e6; };\n"
+    "dt = 2e-6; gravity = (0.0, 0.0); rotation = true;\n"
+    "normal = { law = \"linear\"; k_n = \"k\"; gamma_n = \"gamma\"; };\n"
+    "tangential = { law = \"spring\"; mu = \"mu\"; k_s = 1e6; gamma_s = 0.0; };\n"
+    "walls = ( { name = \"floor\"; point = (0.0, 0.0); direction = (0.0, 1.0); } );\n"
+    "phases = (\n"
+    "  { name = \"fall\"; every = 1; until = \"floor.fy < 0\"; most = 10000;\n"
+    "    add = { x = 0.0; y = \"1.01*r\"; vx = 60.0; vy = -40.0; radius_mean = 0.1; radius_width = 0.004; }; "
+    "},\n"
+    "  { name = \"impact\"; every = 1; until = \"floor.fy >= 0\"; most = 10000; } );\n"
+    "measure = ( { name = \"u\"; of = \"vx\"; }, { name = \"v\"; of = \"vy\"; },\n"
+    "            { name = \"ms\"; of = \"1000*t\"; at = \"impact\"; } );\n";
+
+enum { NAMES = 3, RUNS = 16 };
+static const struct {
+    const char *name, *number;
+    double lo, hi;
+} of[NAMES] = {{"mu", "u", 0.05, 0.45}, {"gamma", "v", 500.0, 4000.0}, {"k", "ms", 5e5, 2e6}};
+
+/* Runs at the truth, which a measurement would be. */
+static void measure(size_t names, const double truth[], int seed, double value[], double error[])
+{
+    char text[256] = "";
+    for (size_t p = 0; p < names; p++)
+        snprintf(text + strlen(text), sizeof text - strlen(text), "%s = %.17e; ", of[p].name, truth[p]);
+    write_text("truth.cfg", "experiment = \"impact.cfg\"; replicas = %d; seed = %d;\nfixed = { %s};\n", RUNS,
+               seed, text);
+    CU_ASSERT(shell("rm -rf truth && $REPOSE sweep make truth.cfg -o truth --quiet >out 2>err && $REPOSE "
+                    "sweep export truth --reduce >out 2>err") == 0);
+    scoped_table t = read_table("out");
+    for (size_t p = 0; p < names; p++) {
+        char column[32];
+        snprintf(column, sizeof column, "%s_mean", of[p].number);
+        value[p] = cell(&t, 0, column);
+        snprintf(column, sizeof column, "%s_se", of[p].number);
+        error[p] = cell(&t, 0, column);
+    }
+}
+
+static void write_fit(size_t names, int seed, const double value[], const double error[])
+{
+    char fit[256] = "", numbers[1024] = "";
+    for (size_t p = 0; p < names; p++) {
+        snprintf(fit + strlen(fit), sizeof fit - strlen(fit), "%s = [%.2f, %.2f]; ", of[p].name, of[p].lo,
+                 of[p].hi);
+        snprintf(numbers + strlen(numbers), sizeof numbers - strlen(numbers),
+                 "%s{ experiment = \"impact.cfg\"; of = \"%s\"; value = %.17e; error = %.17e; }",
+                 p ? ",\n  " : "", of[p].number, value[p], error[p]);
+    }
+    write_text("fit.cfg", "fit = { %s}; seed = %d; budget = 20000;\nmeasured = ( %s );\n", fit, seed,
+               numbers);
+}
+
+static void test_found_again(void)
+{
+    const int cases = check_full() ? 10 : 1;
+    gsl_rng *rng = rp_random_alloc(39, 3, RP_PURPOSE_TEST);
+    FILE *table = check_table("calibration");
+    int inside = 0, n = 0;
+    write_text("impact.cfg", "%s", impact);
+    if (table) rp_table_header(table, "names, case, parameter, truth, value, lower, upper, status");
+    for (size_t names = 1; names <= (check_full() ? NAMES : 1); names++)
+        for (int k = 0; k < cases; k++) {
+            double truth[NAMES], value[NAMES], error[NAMES];
+            for (size_t p = 0; p < names; p++)
+                truth[p] = of[p].lo + (of[p].hi - of[p].lo) * (0.2 + 0.6 * gsl_rng_uniform(rng));
+            measure(names, truth, 100 * (int)names + k, value, error);
+            write_fit(names, 7 + k, value, error);
+            const int status = shell("rm -rf found && $REPOSE calibrate fit.cfg -o found --quiet >out 2>err");
+            if (status > 1) fprintf(stderr, "%s", err);
+            CU_ASSERT(status == RP_OK || status == RP_NO_RESULT);
+            scoped_table t = read_table("out");
+            CU_ASSERT_FATAL(t.n_rows >= names);
+            for (size_t row = 0; row < names; row++) {
+                const double lower = cell(&t, row, "lower"), upper = cell(&t, row, "upper");
+                inside += truth[row] >= lower && truth[row] <= upper;
+                n++;
+                if (!table) continue;
+                fprintf(table, "%zu\t%d\t%s\t%.6g\t%.6g\t%.6g\t%.6g\t%s\n", names, k, of[row].name,
+                        truth[row], cell(&t, row, "value"), lower, upper, word(&t, row, "status"));
+            }
+        }
+    /* 95 % of 60, less four standard errors */
+    CU_ASSERT(inside >= (n > 50 ? 50 : n));
+    fprintf(stderr, "calibration: %d of %d intervals hold the truth\n", inside, n);
+    if (table) check_table_close(table, "calibration");
+    gsl_rng_free(rng);
+}
+
+void suite_calibration(void)
+{
+    static const check_case cases[] = {{"names found again by runs", test_found_again}, {0}};
+    check_register_within("calibration", enter, leave, cases);
+}
