@@ -380,6 +380,37 @@ static void test_base_order(void)
     CHECK_NEAR(measured(&t, "b_dip"), 0.0, 0.02);
 }
 
+/* Contacts at 0 and 30 degrees from the vertical, the second on the left: its mirror image leans back; a
+ * wall's does not count. */
+static void test_fabric(void)
+{
+    static const char text[] =
+        "dt = 1e-6; gravity = (0.0, 0.0); walls = ( { point = (0.0, 0.0); direction = (0.0, 1.0); } );\n"
+        "particles = ( { x = 1.0; y = 0.099; r = 0.1; }, { x = 1.0; y = 0.298; r = 0.1; },\n"
+        "  { x = -1.0; y = 0.5; r = 0.1; }, { x = \"-1 + 0.198*sin(30*deg)\"; y = \"0.5 + "
+        "0.198*cos(30*deg)\"; r = 0.1; } );\n"
+        "regions = { left = { x = (-2.0, 0.0); }; none = { y = (7.0, 8.0); }; };\n"
+        "phases = ( { name = \"p\"; steps = 0; } );\n"
+        "measure = ( { name = \"all\"; of = \"fabric\"; }, { name = \"lean\"; of = \"fabric.fabric_deg\"; in "
+        "= \"left\"; },\n"
+        "  { name = \"mirror\"; of = \"fabric\"; about = 0.0; }, { name = \"empty\"; of = \"fabric\"; in = "
+        "\"none\"; optional = true; } );\n";
+    scoped_trial t;
+    start(&t, text);
+    finish(&t, 10);
+    CU_ASSERT_STRING_EQUAL(exp_ended(t.run)->status, "ok");
+    /* |1 + exp(i 60 degrees)|/2 = cos 30 degrees; forces are Hertzian, of overlaps 0.001 and 0.002 */
+    const double w = pow(2.0, 1.5), fx = -1.0 - w * 0.5, fy = w * sqrt(0.75);
+    CHECK_NEAR(measured(&t, "all_contacts"), 2.0, 0.0);
+    CHECK_NEAR(measured(&t, "all_fabric"), sqrt(0.75), 1e-12);
+    CHECK_NEAR(measured(&t, "all_fabric_deg"), 15.0, 1e-10);
+    CHECK_NEAR(measured(&t, "all_force"), hypot(fx, fy) / (1.0 + w), 1e-4); /* damped by half a step */
+    CHECK_NEAR(measured(&t, "all_force_deg"), 0.5 * atan2(fy, -fx) * 180.0 / M_PI, 0.01);
+    CHECK_NEAR(measured(&t, "lean"), 30.0, 1e-10);
+    CHECK_NEAR(measured(&t, "mirror_fabric_deg"), -15.0, 1e-10);
+    CU_ASSERT(isnan(measured(&t, "empty_fabric")));
+}
+
 /* ---- going back ---- */
 
 static const char back[] =
@@ -588,7 +619,23 @@ static void test_kept(void)
     CU_ASSERT_STRING_EQUAL(out, "step 700 1400 2100 2800 3500 4200 4500 ");
     CU_ASSERT(shell("(grep -vc '^#' whole/energy.tsv; grep -vc '^#' whole/contacts.tsv; grep -vc '^#' "
                     "whole/walls.tsv) >out") == 0);
-    CU_ASSERT_STRING_EQUAL(out, "47\n1\n4\n");
+    CU_ASSERT_STRING_EQUAL(out, "47\n1\n7\n"); /* walls at both ends */
+    /* without intervals, frames at the ends of phases; where a text goes back the last alone */
+    CU_ASSERT(
+        shell(
+            "sed '/output =/d' k.cfg >f.cfg && $REPOSE run f.cfg -o f --snapshot 900 >notes 2>err && cut -f1 "
+            "f/contacts.tsv | grep -v '^#' | sort -nu | tr '\\n' ' ' >out") == 0);
+    CU_ASSERT_STRING_EQUAL(out, "step 4000 4500 ");
+    CU_ASSERT(shell("grep -qx '# phase bed: 1 pass, to step 4000, t = 0.2' notes && grep -q '^# phase hit: 1 "
+                    "pass, to "
+                    "step 4500' f/measures.tsv") == 0);
+    GOOD("view f --frame bed -o bed.svg");
+    FAILS(64, "--frame bet: last, all, a number or step=N expected, or a phase that has ended",
+          "view f --frame bet -o b.svg");
+    CU_ASSERT(shell("sed '/name = .hit/s/add/from = \"bed\"; add/' f.cfg >g.cfg && $REPOSE run g.cfg -o g "
+                    ">out 2>err && "
+                    "cut -f1 g/states.tsv | grep -v '^#' | sort -nu | tr '\\n' ' ' >out") == 0);
+    CU_ASSERT_STRING_EQUAL(out, "step 4500 ");
     GOOD("run k.cfg -o all --every 1500");
     CU_ASSERT(shell("cut -f1 all/contacts.tsv | grep -v '^#' | sort -nu | tr '\\n' ' ' >out") == 0);
     CU_ASSERT(strstr(out, "3000 4500 ") != NULL);
@@ -620,6 +667,7 @@ void suite_actions(void)
                                        {"where a grain from above is stopped", test_touch},
                                        {"radii of a phase", test_added_radii},
                                        {"base and order", test_base_order},
+                                       {"fabric", test_fabric},
                                        {"going back", test_back},
                                        {"cut and kept", test_cuts},
                                        {"keys", test_keys},

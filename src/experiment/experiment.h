@@ -71,6 +71,18 @@ const double *exp_values(const exp_run *run); /* of the outputs; NAN: none */
 /* The phase, and how far it is: "discharge: grains = 842, until grains < 300". Returns `text`. */
 const char *exp_where(const exp_run *run, char *text, size_t size);
 
+/* Phases and blocks in the order of the text. How often one has ended (a block once, with its passes), and
+ * the run's steps and the time at its last end; passes 0: not yet. */
+typedef struct {
+    const char *name;
+    long passes, step;
+    double time;
+} exp_passed;
+size_t exp_phase_count(const exp_plan *plan);
+exp_passed exp_phase_at(const exp_run *run, size_t k);
+size_t exp_stages(const exp_run *run);    /* phases of the top level that have ended */
+bool exp_goes_back(const exp_plan *plan); /* some phase begins where an earlier one ended */
+
 /* Write the samples of the measures with `series`: table NAME of columns time and value. */
 size_t exp_series_count(const exp_plan *plan);
 const char *exp_series_name(const exp_plan *plan, size_t k);

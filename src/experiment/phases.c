@@ -62,8 +62,10 @@ static rp_status make_room(exp_run *run)
     run->loads = calloc(2 * p->n_walls + 1, sizeof *run->loads);
     run->points = calloc(p->n_regions + 1, sizeof *run->points);
     run->kept = calloc(p->n_phases + 1, sizeof *run->kept);
+    run->passed = calloc(p->n_phases + 1, sizeof *run->passed);
     if (!run->kept) return rp_fail(RP_NO_MEMORY, "run: out of memory");
-    if (!run->counters || !run->values || !run->samples || !run->saved || !run->loads || !run->points)
+    if (!run->counters || !run->values || !run->samples || !run->saved || !run->loads || !run->points ||
+        !run->passed)
         return rp_fail(RP_NO_MEMORY, "run: out of memory");
     for (size_t k = 0; k < p->n_regions; k++)
         if (!(run->points[k] = calloc(2 * p->regions[k].n_points + 1, sizeof **run->points)))
@@ -137,6 +139,7 @@ void exp_run_free(exp_run *run)
     free(run->counters), free(run->values), free(run->samples), free(run->marks), free(run->states);
     for (size_t k = 0; run->points && k < run->plan->n_regions; k++) free(run->points[k]);
     free(run->kinds), free(run->loads), free(run->saved), free(run->points), free(run->kept);
+    free(run->passed);
     if (run->random) gsl_rng_free(run->random);
     dem_free(run->sim);
     free(run);
@@ -240,12 +243,20 @@ static void begin_phase(exp_run *run)
             clear(run, run->plan->measures[k].states);
 }
 
+/* A phase has ended, or a block with so many passes. */
+static void note_passed(exp_run *run, size_t phase, long passes)
+{
+    exp_passed *p = &run->passed[phase];
+    p->passes = passes, p->step = run->at.steps, p->time = dem_time(run->sim);
+}
+
 /* The phase that follows, or the end of the run. */
 static void go_to_next(exp_run *run)
 {
     const exp_plan *plan = run->plan;
     const exp_phase *p = phase_of(run);
     run->fresh = false;
+    note_passed(run, run->at.phase, run->passed[run->at.phase].passes + 1);
     exp_measure_phase(run, run->at.phase);
     if (p->is_source && !run->failed) exp_save(run, run->at.phase);
     run->at.started = false;
@@ -265,6 +276,7 @@ static void go_to_next(exp_run *run)
                          block->end.x.text);
             return;
         }
+        note_passed(run, p->block, run->at.pass);
         exp_measure_phase(run, p->block);
         if (run->at.done || run->failed) return;
     }
@@ -359,6 +371,33 @@ rp_status exp_advance(exp_run *run, long most)
     }
     if (part == next || part == left) look(run, part == left);
     return run->failed;
+}
+
+size_t exp_phase_count(const exp_plan *plan)
+{
+    return plan->n_phases;
+}
+
+exp_passed exp_phase_at(const exp_run *run, size_t k)
+{
+    exp_passed passed = run->passed[k];
+    passed.name = run->plan->phases[k].name;
+    return passed;
+}
+
+size_t exp_stages(const exp_run *run)
+{
+    size_t n = 0;
+    for (size_t k = 0; k < run->plan->n_phases; k++)
+        n += run->plan->phases[k].block == SIZE_MAX && run->passed[k].passes > 0;
+    return n;
+}
+
+bool exp_goes_back(const exp_plan *plan)
+{
+    for (size_t k = 0; k < plan->n_phases; k++)
+        if (!plan->phases[k].left_out && plan->phases[k].source != SIZE_MAX) return true;
+    return false;
 }
 
 /* A condition that counts looks, without another one. */
@@ -462,7 +501,8 @@ static void keep_ids(rp_snapshot *s, exp_run *run)
     rp_keep_check(s, known, "a run of another file");
 }
 
-static void keep_state(rp_snapshot *s, exp_run *run)
+/* n: of how many phases the ends are kept. */
+static void keep_state(rp_snapshot *s, exp_run *run, size_t n)
 {
     const exp_plan *p = run->plan;
     RP_KEEP(s, run->at);
@@ -476,6 +516,13 @@ static void keep_state(rp_snapshot *s, exp_run *run)
                   "a place that no run is at");
     keep_array(s, run->counters, p->n_states);
     keep_array(s, run->values, p->n_outputs);
+    for (size_t k = 0; k < n && !s->status; k++) {
+        exp_passed *passed = &run->passed[k];
+        RP_KEEP(s, passed->passes);
+        RP_KEEP(s, passed->step);
+        RP_KEEP(s, passed->time);
+        rp_keep_check(s, passed->passes >= 0 && passed->step >= 0, "a phase that has not been");
+    }
     keep_ids(s, run);
     if (!s->status) keep_longs(s, run->loads, 2 * p->n_walls, -1, p->n_loads);
     if (run->random && !s->status) {
@@ -507,7 +554,7 @@ static void keep_bytes(rp_snapshot *s, rp_snapshot *kept)
 
 void exp_keep(rp_snapshot *s, exp_run *run)
 {
-    keep_state(s, run);
+    keep_state(s, run, run->plan->n_phases);
     for (size_t k = 0; k < run->plan->n_phases && !s->status; k++)
         if (run->plan->phases[k].keep) keep_bytes(s, &run->kept[k]);
 }
@@ -516,7 +563,7 @@ void exp_keep_end(exp_run *run, size_t phase)
 {
     rp_snapshot *kept = &run->kept[phase];
     rp_snapshot_free(kept);
-    keep_state(kept, run);
+    keep_state(kept, run, phase + 1);
     run->failed = kept->status;
 }
 
@@ -558,7 +605,7 @@ char *exp_kept_key(const exp_plan *plan, size_t k, unsigned long seed, unsigned 
 rp_status exp_begin(exp_run *run, size_t k, rp_snapshot *state)
 {
     const size_t phase = nth_kept(run->plan, k);
-    keep_state(state, run);
+    keep_state(state, run, phase + 1);
     RP_TRY(rp_snapshot_end(state));
     if (run->at.phase <= phase && !run->at.done)
         return rp_fail(RP_BAD_INPUT, "%s: a state within", state->path);

@@ -221,6 +221,7 @@ struct exp_run {
     long *loads;               /* of walls, along x and y: number of the load, or -1 */
     gsl_rng *random;           /* of grains that are added */
     exp_saved *saved;          /* of phases */
+    exp_passed *passed;        /* of phases; their names aside */
     rp_snapshot *kept;         /* of phases: their ends, for other runs */
     double **points;           /* of regions: the corners of a polygon, as they were last asked for */
     double grain[EXP_GRAIN_N]; /* that is being added */

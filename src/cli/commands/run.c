@@ -25,7 +25,8 @@
     X(TEXTS, set, "", "", "",                                                                                \
       "KEY=VALUE, GROUP.KEY=VALUE or walls[0].KEY=VALUE replaces a key; may be repeated")                    \
     X(INT, every, "steps", "auto", "[1, 2147483647] | auto",                                                 \
-      "interval of the frames (of a sweep's run: energies) written; auto: the final frame (energies: 100)")  \
+      "interval of the frames (of a sweep's run: energies) written; auto: the last, and the ends of phases " \
+      "(energies: 100)")                                                                                     \
     X(TEXT, o, "", "", "", "folder for tables, instead of standard output")                                  \
     X(BOOL, ledger, "", "false", "",                                                                         \
       "add the terms of the energy ledger to the energies; as `ledger = true` in a scene")                   \
@@ -48,12 +49,13 @@ CLI_OPTIONS(run, RUN_OPTIONS)
 /* What a run is to do. A snapshot keeps it. */
 typedef struct {
     long steps, every[CLI_GROWING], snapshot, dump; /* every: as dem_intervals, of the tables below */
-    bool ledger, phases;
+    bool ledger, phases, stages; /* the last: a frame at the end of each phase of the top level */
     XXH128_hash_t scene;
 } run_plan;
 
 /* Energy without source must not grow. Samples of the first and of the last quarter of a long run are
- * compared: a step near the limit of stability heats a scene with little damping, slowly and without an end.
+ * compared: a step near the limit of stability heats a scene with little damping, slowly and without an
+ * end.
  */
 enum { SAMPLES = 64, LEAST_STEPS = 100 * SAMPLES };
 static const double MOST_GROWTH = 0.02; /* of the largest sum of kinetic and elastic energy */
@@ -138,7 +140,9 @@ static void keep_run(rp_snapshot *s, void *context)
     RP_KEEP(s, r->plan);
     RP_KEEP(s, r->energy);
     RP_KEEP(s, r->rest);
-    rp_keep_check(s, rp_keep_bool(&r->plan.phases) && r->plan.phases == (r->exp != NULL),
+    rp_keep_check(s,
+                  rp_keep_bool(&r->plan.stages) && rp_keep_bool(&r->plan.phases) &&
+                      r->plan.phases == (r->exp != NULL),
                   r->exp ? "no phases" : "phases: give the file too, repose run FILE --resume DIR");
     if (!r->plan.phases || s->status) {
         dem_keep(s, &r->sim);
@@ -181,13 +185,16 @@ static long steps_of(const scene_run *r)
     return r->exp ? exp_steps(r->exp) : dem_step(r->sim);
 }
 
-/* A frame of the tables whose turn it is at this step; `last`: of all that have any. */
-static rp_status outputs_write(const outputs *o, const scene_run *r, bool last)
+/* A frame of the tables whose turn it is at this step; of those without an interval at the end of a
+ * stage; `last`: of all that have any. */
+static rp_status outputs_write(const outputs *o, const scene_run *r, bool stage, bool last)
 {
     const long *every = r->plan.every, step = steps_of(r);
     bool due[CLI_GROWING];
     for (int k = 0; k < CLI_GROWING; k++)
-        due[k] = o->table[k] && (last ? every[k] != 0 : every[k] > 0 && step % every[k] == 0);
+        due[k] = o->table[k] && (last           ? every[k] != 0
+                                 : every[k] > 0 ? step % every[k] == 0
+                                                : stage && every[k]);
     if (due[STATES]) RP_TRY(dem_write_states(r->sim, o->table[STATES]));
     if (due[ENERGY]) dem_write_energy(r->sim, o->table[ENERGY]);
     if (due[CONTACTS]) RP_TRY(dem_write_contacts(r->sim, o->table[CONTACTS]));
@@ -288,8 +295,10 @@ static rp_status advance(scene_run *r, outputs *out)
         for (int k = 0; k < CLI_GROWING; k++) part = steps_to(before, p->every[k], part);
         part = steps_to(before, p->snapshot, part);
         part = steps_to(before, r->energy.every, part);
+        const size_t stages = r->exp ? exp_stages(r->exp) : 0;
         status = go_on(r, part);
         const long step = steps_of(r);
+        const bool stage = r->exp && exp_stages(r->exp) > stages && r->plan.stages;
         show_progress(r, &out->progress);
         if (step == before) continue; /* a phase began or ended */
         if (!status) growth_sample(&r->energy, r->sim);
@@ -297,7 +306,7 @@ static rp_status advance(scene_run *r, outputs *out)
         if (!status && !told && !out->quiet) cli_tell_threads(r->sim, "run", r->threads);
         told = true;
         const bool stopped = stop_signal && !is_done(r);
-        if (!status && !is_done(r)) status = outputs_write(out, r, false);
+        if (!status && !is_done(r)) status = outputs_write(out, r, stage, false);
         if (!status && out->resumable && !is_done(r) && (stopped || step % p->snapshot == 0))
             status = cli_unfinished_write(&out->unfinished, keep_run, r);
         char at[300], of[32], where[256];
@@ -341,6 +350,14 @@ static void write_measures(const cli_call *call, const scene_run *r, const exp_p
                           is->type == RP_X_WORD ? is->word
                           : is->value != 0.0    ? "true"
                                                 : "false");
+    }
+    for (size_t k = 0; k < exp_phase_count(plan); k++) {
+        const exp_passed p = exp_phase_at(r->exp, k);
+        char key[80];
+        snprintf(key, sizeof key, "phase %.64s", p.name);
+        if (p.passes > 0)
+            rp_table_note(out, key, "%ld pass%s, to step %ld, t = %.15g", p.passes, p.passes > 1 ? "es" : "",
+                          p.step, p.time);
     }
     rp_table_header(out, "measure, value, unit, meaning");
     for (size_t k = 0; k < n; k++) {
@@ -412,7 +429,7 @@ static rp_status finish_scene(const origin *of, scene_run *r, outputs *out, rp_s
     out->progress =
         cli_progress_start(out->quiet, isatty(STDERR_FILENO), rp_clock(), dem_step(r->sim), r->plan.steps);
     if (!status) status = advance(r, out);
-    if (!status) status = outputs_write(out, r, true);
+    if (!status) status = outputs_write(out, r, false, true);
     if (!status && !r->exp) growth_report(&r->energy, r->sim, out->table[STATES]);
     if (!status && r->exp) status = write_results(of, r, out);
     if (!status && *out->directory) status = dump_frames(arena, r, out);
@@ -434,7 +451,7 @@ static rp_status run_scene(const origin *of, scene_run *r, const run_options *o)
     out.unfinished.force = o->force;
     cli_on_stop(note_stop);
     rp_status status = outputs_open(&out, of, r);
-    if (!status && !is_done(r)) status = outputs_write(&out, r, false);
+    if (!status && !is_done(r)) status = outputs_write(&out, r, false, false);
     if (!status && out.resumable) status = cli_unfinished_write(&out.unfinished, keep_run, r);
     return finish_scene(of, r, &out, status);
 }
@@ -656,6 +673,7 @@ static rp_status run_file(const cli_call *call, const char *path, const run_opti
     if (*o->o) RP_TRY(hash_scene(&t.scene, t.phases, &r.plan.scene));
     r.plan.steps = r.rest.steps = t.phases ? 0 : t.scene.steps;
     r.plan.phases = t.phases != NULL;
+    r.plan.stages = t.phases && !exp_goes_back(t.phases); /* there steps would not rise */
     of.phases = t.phases;
     name_run(&of, path, &r.plan);
     snprintf(r.line, sizeof r.line, "%s", call->line);
@@ -677,8 +695,8 @@ static rp_status run_file(const cli_call *call, const char *path, const run_opti
     return status;
 }
 
-/* A scene file that is given must be that of the snapshot, or without a plan that of the finished tables,
- * which the folder's marker names. */
+/* A scene file that is given must be that of the snapshot, or without a plan that of the finished
+ * tables, which the folder's marker names. */
 static rp_status check_scene(const char *path, const run_options *o, const scene_text *t,
                              const run_plan *plan, const char *holds)
 {
@@ -764,47 +782,66 @@ const cli_command cmd_run = {
     "[--force]]\n"
     "[SCENE.cfg] --resume DIR\n"
     "SWEEP.cfg [--row N] -o DIR [--every N] [--ledger] [--force]",
-    "A file that the current folder lacks, as examples/pile.cfg, is read from the program's own files:\n"
+    "A file that the current folder lacks, as examples/pile.cfg, is read from the program's own "
+    "files:\n"
     "PREFIX/share/repose where it is installed.\n"
     "\n"
-    "SCENE.cfg: simulate the scene and print the state of each grain: step, t (s), id, x, y (cm), angle\n"
-    "(rad), vx, vy (cm/s), omega (rad/s), net force fx, fy (dyn), r (cm), m (g), contacts, fixed. With -o, "
+    "SCENE.cfg: simulate the scene and print the state of each grain: step, t (s), id, x, y (cm), "
+    "angle\n"
+    "(rad), vx, vy (cm/s), omega (rad/s), net force fx, fy (dyn), r (cm), m (g), contacts, fixed. With "
+    "-o, "
     "the\n"
-    "folder gets the tables states.tsv, contacts.tsv, walls.tsv and energy.tsv, with rows of every frame. A\n"
-    "wall is a line through x, y with the unit normal direction_x, direction_y, between the ends `from` and\n"
-    "`to` along the normal turned clockwise; an open wall has equal ends. `repose params scene` lists the\n"
+    "folder gets the tables states.tsv, contacts.tsv, walls.tsv and energy.tsv, with rows of every "
+    "frame. A\n"
+    "wall is a line through x, y with the unit normal direction_x, direction_y, between the ends "
+    "`from` and\n"
+    "`to` along the normal turned clockwise; an open wall has equal ends. `repose params scene` lists "
+    "the\n"
     "keys of a scene file. Tables of a run that was stopped or failed go to DIR/unfinished:\n"
-    "only a whole result takes its place in DIR. A finished result is replaced with --force alone; what the\n"
+    "only a whole result takes its place in DIR. A finished result is replaced with --force alone; "
+    "what the\n"
     "program did not write there is never touched (DIR/.repose lists what it did).\n"
-    "--dump lammps, xyz or vtk adds DIR/run.lammpstrj, DIR/run.xyz or DIR/run.pvd, as `repose export` has\n"
+    "--dump lammps, xyz or vtk adds DIR/run.lammpstrj, DIR/run.xyz or DIR/run.pvd, as `repose export` "
+    "has\n"
     "them.\n"
-    "The run ends with one line on standard error: grains, steps, at rest or not (a mean kinetic energy "
+    "The run ends with one line on standard error: grains, steps, at rest or not (a mean kinetic "
+    "energy "
     "below\n"
-    "1e-7 m g d, and forces that balance to 1e-2 m g, by ten looks in the last 5000 steps), and theta_R by\n"
+    "1e-7 m g d, and forces that balance to 1e-2 m g, by ten looks in the last 5000 steps), and "
+    "theta_R by\n"
     "method 3 where the surface at rest falls to one side by all three methods.\n"
-    "The slope is measured from the standing wall to the opened one, or over the whole pile if no wall\n"
+    "The slope is measured from the standing wall to the opened one, or over the whole pile if no "
+    "wall\n"
     "opens.\n"
     "\n"
-    "--snapshot N: the tables grow in DIR/unfinished, where a snapshot is written every N steps and at\n"
-    "SIGINT, SIGTERM or SIGHUP. `repose run --resume DIR` continues after a stop, a kill or a power cut, "
+    "--snapshot N: the tables grow in DIR/unfinished, where a snapshot is written every N steps and "
+    "at\n"
+    "SIGINT, SIGTERM or SIGHUP. `repose run --resume DIR` continues after a stop, a kill or a power "
+    "cut, "
     "and\n"
-    "ends with the files of an undisturbed run, byte by byte. A snapshot of another scene, program version\n"
+    "ends with the files of an undisturbed run, byte by byte. A snapshot of another scene, program "
+    "version\n"
     "or model, or a damaged one, is refused.\n"
     "\n"
-    "SWEEP.cfg (a file with the key `protocol`): repeat one run of the sweep and print its results. The\n"
-    "folder gets the tables of this run. A long run of any protocol but pile keeps a snapshot there: after\n"
+    "SWEEP.cfg (a file with the key `protocol`): repeat one run of the sweep and print its results. "
+    "The\n"
+    "folder gets the tables of this run. A long run of any protocol but pile keeps a snapshot there: "
+    "after\n"
     "a stop or a kill the same command continues. For a box: grains, contacts, energies, and a file\n"
-    "scene.cfg that `repose run` repeats bit for bit. For a static pile: disks, contacts, wells and the\n"
+    "scene.cfg that `repose run` repeats bit for bit. For a static pile: disks, contacts, wells and "
+    "the\n"
     "forces on the base.",
     "repose run scene.cfg --set tangential.mu=0.3 --every 1000 -o out",
     run_params,
     .refuses =
         "A folder with a finished result: give another one, or --force. A sweep's folder, and files in "
         "the way.\n"
-        "--snapshot and --dump without -o; --row with a scene; --set, -j, --snapshot, --dump and --from with "
+        "--snapshot and --dump without -o; --row with a scene; --set, -j, --snapshot, --dump and "
+        "--from with "
         "a sweep.\n"
         "--from without a phase that keeps its end, or where the folder's text begins otherwise.\n"
-        "--resume with -o, --every, --row, --snapshot, --dump, --from or --force: it continues with the "
+        "--resume with -o, --every, --row, --snapshot, --dump, --from or --force: it continues with "
+        "the "
         "options of "
         "the start.\n"
         "A snapshot of another scene, program version or model, or a damaged one.",

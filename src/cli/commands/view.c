@@ -14,7 +14,9 @@
     X(TEXT, o, "", "", "",                                                                                   \
       "picture (.png, .svg, .pdf) or animation (.gif, .mp4) to write; without it, a window opens")           \
     X(TEXT, frame, "", "auto", "",                                                                           \
-      "last, all, the number of a frame from 0, or step=N; auto: the last; all for an animation")            \
+      "last, all, the number of a frame from 0, step=N, or a phase, at whose end it is; auto: the last; "    \
+      "all for an "                                                                                          \
+      "animation")                                                                                           \
     X(TEXT, color, "", "", "", "column of the grains' table that colours the grains")                        \
     X(BOOL, stress, "", "false", "", "principal stresses as crosses; orange: tension")                       \
     X(BOOL, base, "", "false", "", "vertical force a unit length on the base, below the picture")            \
@@ -30,8 +32,8 @@ CLI_OPTIONS(view, VIEW_OPTIONS)
 #define TEXT_OF(number) TEXT(number)
 #define TEXT(number)    #number
 
-/* Kinds of output by the name's ending. The tail takes the place of the last bytes of a picture, by the rules
- * of its format. It shows that the program made the picture, which it may then replace. */
+/* Kinds of output by the name's ending. The tail takes the place of the last bytes of a picture, by the
+ * rules of its format. It shows that the program made the picture, which it may then replace. */
 #define TAIL(bytes, cut) bytes, sizeof bytes - 1, cut
 static const struct kind {
     const char *ending, *terminal;
@@ -64,8 +66,21 @@ static rp_status find_kind(const char *path, const struct kind **kind)
     return rp_fail(RP_USAGE, "-o %s: a name that ends in .png, .svg, .pdf, .gif or .mp4 expected", path);
 }
 
-static rp_status choose_frames(const view_scene *scene, const char *text, bool moves, size_t *first,
-                               size_t *last)
+/* The step at which a phase of an experiment ended last, by the notes of its measures; NAN: none does.
+ */
+static double step_of_phase(rp_arena *arena, const char *folder, const char *phase)
+{
+    const char *path = rp_text(arena, "%s/measures.tsv", folder), *note = NULL;
+    rp_table *table;
+    double step = NAN;
+    if (access(path, R_OK) == 0 && !rp_table_load(arena, path, &table))
+        note = rp_table_find_note(table, rp_text(arena, "phase %s", phase));
+    if (note && (note = strstr(note, "to step "))) sscanf(note, "to step %lf", &step);
+    return step;
+}
+
+static rp_status choose_frames(rp_arena *arena, const char *folder, const view_scene *scene, const char *text,
+                               bool moves, size_t *first, size_t *last)
 {
     char *end;
     const size_t n = scene->n;
@@ -78,10 +93,15 @@ static rp_status choose_frames(const view_scene *scene, const char *text, bool m
                    ? RP_OK
                    : rp_fail(RP_USAGE, "--frame all: a picture shows one frame; -o NAME.gif shows %zu", n);
     }
-    const bool step = strncmp(text, "step=", 5) == 0;
-    const double number = strtod(text + (step ? 5 : 0), &end);
-    if (*end || end == text + (step ? 5 : 0))
-        return rp_fail(RP_USAGE, "--frame %s: last, all, a number or step=N expected", text);
+    bool step = strncmp(text, "step=", 5) == 0;
+    double number = strtod(text + (step ? 5 : 0), &end);
+    if (*end || end == text + (step ? 5 : 0)) {
+        step = true, number = step_of_phase(arena, folder, text);
+        if (isnan(number))
+            return rp_fail(RP_USAGE,
+                           "--frame %s: last, all, a number or step=N expected, or a phase that has ended",
+                           text);
+    }
     for (size_t k = 0; k < n; k++)
         if (step ? scene->frames[k].step == number : (double)k == number) return *first = *last = k, RP_OK;
     return rp_fail(RP_BAD_INPUT, "--frame %s: there are frames 0 to %zu, steps %.0f to %.0f", text, n - 1,
@@ -188,7 +208,8 @@ static rp_status act_view(cli_call *call, const void *values)
     RP_TRY(read_style(o, &p.style));
     p.style.points = strcmp(p.kind->ending, ".svg") == 0;
     RP_TRY(view_read(call->arena, cli_argument(call, 0), o->color, &p.scene));
-    RP_TRY(choose_frames(&p.scene, o->frame, p.kind->moves || !*o->o, &p.first, &p.last));
+    RP_TRY(choose_frames(call->arena, cli_argument(call, 0), &p.scene, o->frame, p.kind->moves || !*o->o,
+                         &p.first, &p.last));
     RP_TRY(view_scale_of(call->arena, &p.scene, p.first, p.last, &p.style, &p.scale));
     if (!*o->o) return draw(call->arena, &p, o, NULL);
     RP_TRY(rp_file_open(o->o, &out));
@@ -200,12 +221,17 @@ static rp_status act_view(cli_call *call, const void *values)
 const cli_command cmd_view = {
     "view",
     "grains, walls and forces as a picture or an animation",
-    "DIR|TABLE [-o FILE] [--frame K] [--color COLUMN] [--stress] [--base] [--cell X] [--window X0,X1,Y0,Y1] "
+    "DIR|TABLE [-o FILE] [--frame K] [--color COLUMN] [--stress] [--base] [--cell X] [--window "
+    "X0,X1,Y0,Y1] "
     "[--width W] [--fps N]",
-    "DIR: folder of `repose run -o`, for a scene or for one run of a sweep (its stages are the frames), or\n"
-    "of `repose pile -o`. TABLE: one of its tables of grains, or any table with columns x, y, r. Width and\n"
-    "darkness of a line between two centres show the normal force; orange: tension. Lengths and forces\n"
-    "have the units of the tables. All frames of an animation have one scale: the widest line stands for a\n"
+    "DIR: folder of `repose run -o`, for a scene or for one run of a sweep (its stages are the frames; "
+    "of an\n"
+    "experiment the ends of its phases), or of `repose pile -o`. TABLE: one of its tables of grains, "
+    "or any table with columns x, y, r. Width and\n"
+    "darkness of a line between two centres show the normal force; orange: tension. Lengths and "
+    "forces\n"
+    "have the units of the tables. All frames of an animation have one scale: the widest line stands "
+    "for a\n"
     "force that a quarter of the frames exceed. gnuplot draws the pictures. An .mp4 file needs ffmpeg.",
     "repose view out -o pile.png --color contacts",
     view_params,

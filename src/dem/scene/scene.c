@@ -148,7 +148,8 @@ static const rp_param particle_schema[] = {
 #define INTERVAL(table, what)                                                                                \
     {                                                                                                        \
 #table, "steps", RP_INT, AT(dem_intervals, table), "auto", "[0, 2147483647] | auto",                 \
-            "from frame to frame of the " what "; 0: none; auto: the last frame alone"                       \
+            "from frame to frame of the " what                                                               \
+            "; 0: none; auto: the last frame, and those at the ends of phases"                               \
     }
 static const rp_param output_schema[] = {INTERVAL(states, "states"),
                                          INTERVAL(energy, "energies"),

@@ -21,19 +21,12 @@ static const exp_output outputs[] = {
     {"_shear", "", "outward force along the wall, both flanks, over the load"},
     STRESS_DIP_BIN_LIST(N_ROW) STRESS_DIP_BIN_LIST(RAYS_ROW){0}};
 
-static int by_id(const void *a, const void *b)
-{
-    const uint32_t p = ((const dem_state *)a)->id, q = ((const dem_state *)b)->id;
-    return (p > q) - (p < q);
-}
-
-/* A contact of the wall with a grain of the view, whose ids rise. */
+/* A contact of the wall with a grain of the view. */
 static bool is_of(const exp_view *s, const dem_contact *c)
 {
-    const dem_state wanted = {.id = c->id_a};
     bool wall = false;
     for (size_t k = 0; k < s->n_walls && c->id_b == 0; k++) wall |= s->walls[k] == (size_t)c->wall;
-    return wall && bsearch(&wanted, s->grains, s->n, sizeof wanted, by_id) != NULL;
+    return wall && exp_view_has(s, c->id_a);
 }
 
 /* Lengths in diameters, from here on. */

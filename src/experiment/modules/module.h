@@ -34,12 +34,15 @@ typedef struct {
     rp_status (*evaluate)(const exp_view *view, const void *params, double out[]);
 } exp_module;
 
+/* Is a grain of this id in a view, whose ids rise? */
+bool exp_view_has(const exp_view *view, uint32_t id);
+
 /* Bond order: mean over the grains of |psi_6|, the mean of exp(6 i theta) over the neighbours nearer
  * than 1.25 times touching; 1 in a triangular lattice. Fixed grains and those with fewer than two neighbours
  * are left out; NaN if all are. order[n], neighbours[n] (may be NULL): of each grain; NaN where left out. */
 double exp_bond_order(size_t n, const dem_state grains[], double order[], int neighbours[]);
 
-#define EXP_MODULES(X) X(slope) X(flanks) X(deposit) X(base) X(order)
+#define EXP_MODULES(X) X(slope) X(flanks) X(deposit) X(base) X(order) X(fabric)
 #define X(name)        extern const exp_module exp_module_##name;
 EXP_MODULES(X)
 #undef X

@@ -11,6 +11,18 @@ static const exp_output outputs[] = {
     {"_packed", "", "share of the grains that are close-packed: six neighbours, |psi_6| at least 0.9"},
     {0}};
 
+static int by_id(const void *a, const void *b)
+{
+    const uint32_t p = ((const dem_state *)a)->id, q = ((const dem_state *)b)->id;
+    return (p > q) - (p < q);
+}
+
+bool exp_view_has(const exp_view *view, uint32_t id)
+{
+    const dem_state wanted = {.id = id};
+    return bsearch(&wanted, view->grains, view->n, sizeof wanted, by_id) != NULL;
+}
+
 double exp_bond_order(size_t n, const dem_state grains[], double order[], int neighbours[])
 {
     double sum = 0.0, counted = 0.0;

@@ -1,0 +1,66 @@
+/* Fabric: the directions of the contacts between grains, by number and by their normal forces. */
+#include <math.h>
+#include <stdlib.h>
+
+#include "experiment/modules/module.h"
+
+typedef struct {
+    double about;
+} fabric_params;
+
+static const rp_param schema[] = {
+    {"about", "cm", RP_REAL, offsetof(fabric_params, about), "none", "(-inf, inf) | none",
+     "contacts on the left of this x are mirrored: of a pile, the x of its middle"},
+    {0}};
+
+enum { FABRIC, FABRIC_DEG, FORCE, FORCE_DEG, CONTACTS };
+static const exp_output outputs[] = {
+    {"_fabric", "", "anisotropy of the contacts' directions, |mean exp(2 i direction)|"},
+    {"_fabric_deg", "degree",
+     "their principal direction from the vertical, positive if its upper end leans to +x"},
+    {"_force", "", "anisotropy with each contact by its normal force"},
+    {"_force_deg", "degree", "that principal direction"},
+    {"_contacts", "", "contacts between the grains"},
+    {0}};
+
+static rp_status take(const exp_view *s, const fabric_params *p, size_t n, const dem_contact contacts[],
+                      double out[])
+{
+    double cos2[2] = {0.0}, sin2[2] = {0.0}, sum[2] = {0.0};
+    for (const dem_contact *c = contacts; c < contacts + n; c++) {
+        if (c->id_b == 0 || !exp_view_has(s, c->id_a) || !exp_view_has(s, c->id_b)) continue;
+        const double side = isfinite(p->about) ? copysign(1.0, 0.5 * (c->x + c->x_b) - p->about) : 1.0,
+                     lx = side * (c->x - c->x_b), ly = c->y - c->y_b, l2 = lx * lx + ly * ly,
+                     weight[2] = {1.0, c->normal_force};
+        for (int k = 0; k < 2; k++) {
+            cos2[k] += weight[k] * (lx * lx - ly * ly) / l2;
+            sin2[k] += weight[k] * 2.0 * lx * ly / l2;
+            sum[k] += weight[k];
+        }
+    }
+    if (!(sum[0] > 0.0 && sum[1] > 0.0)) return rp_fail(RP_NO_RESULT, "no contacts of grains");
+    out[CONTACTS] = sum[0];
+    for (int k = 0; k < 2; k++) {
+        out[k ? FORCE : FABRIC] = hypot(cos2[k], sin2[k]) / sum[k];
+        out[k ? FORCE_DEG : FABRIC_DEG] = 0.5 * atan2(sin2[k], -cos2[k]) * (180.0 / M_PI);
+    }
+    return RP_OK;
+}
+
+static rp_status evaluate(const exp_view *s, const void *params, double out[])
+{
+    dem_contact *contacts = NULL;
+    size_t n = 0;
+    RP_TRY(dem_contacts(s->sim, &contacts, &n));
+    const rp_status status = take(s, params, n, contacts, out);
+    free(contacts);
+    return status;
+}
+
+const exp_module exp_module_fabric = {.name = "fabric",
+                                      .about = "directions of the contacts between grains",
+                                      .word = "no_contacts",
+                                      .schema = schema,
+                                      .size = sizeof(fabric_params),
+                                      .outputs = outputs,
+                                      .evaluate = evaluate};
