@@ -150,6 +150,7 @@ static void test_refused(void)
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         write_text("fit.cfg", "%s\n", cases[k].text);
         FAILS(65, cases[k].message, "calibrate fit.cfg -o r --quiet");
+        CU_ASSERT(shell("! test -e r/stage_1_1") == 0); /* before any run */
     }
     FAILS(64, "says what is measured", "calibrate fit.cfg --theta-r-deg 20 --error-deg 1");
 }

@@ -7,6 +7,7 @@
 
 #include "experiment/reading.h"
 #include "params/config.h"
+#include "params/units.h"
 
 #define IN(field) offsetof(exp_measure, field)
 const rp_param exp_measure_schema[] = {
@@ -128,6 +129,19 @@ static rp_status read_when(exp_plan *plan, exp_measure *m)
 }
 
 /* The columns of a measure. */
+/* The unit of a number: as given; of a module's output, or of an observable that stands alone. */
+static const char *unit_of(exp_plan *plan, const exp_measure *m, const char *of)
+{
+    if (*m->unit) return m->unit;
+    if (m->module) return m->pick < 0 ? "" : rp_unit(m->module->outputs[m->pick].unit);
+    const char *dot = of ? strchr(of, '.') : NULL, *name = dot ? dot + 1 : of, *unit = "";
+    for (const exp_observable *o = exp_observables; of && o->name; o++)
+        if (strcmp(o->name, name) == 0) unit = rp_unit(o->unit);
+    if (m->take != TAKE_RATE) return unit;
+    unit = rp_text(&plan->arena, "%s/%s", *unit ? unit : "1", rp_unit("s"));
+    return unit ? unit : "";
+}
+
 static rp_status name_outputs(exp_plan *plan, exp_measure *m)
 {
     static const char *const of_mean[][2] = {{"", "mean"},
@@ -151,11 +165,10 @@ static rp_status name_outputs(exp_plan *plan, exp_measure *m)
                                                                : of_one;
     const exp_output *o = m->module && m->pick < 0 ? m->module->outputs : NULL;
     const char *of = config_setting_get_string(member(m->setting, "of")),
-               *phase = plan->phases[m->phase].name,
-               *unit = *m->unit || !m->module || m->pick < 0 ? m->unit : m->module->outputs[m->pick].unit;
+               *phase = plan->phases[m->phase].name, *unit = unit_of(plan, m, of);
     const char *words = m->take == TAKE_VALUE ? "" : take_words[m->take];
     m->output = plan->n_outputs;
-    for (; o && o->name; o++) RP_TRY(add_output(plan, m, o->name, o->unit, o->meaning));
+    for (; o && o->name; o++) RP_TRY(add_output(plan, m, o->name, rp_unit(o->unit), o->meaning));
     for (size_t k = 0; !(m->module && m->pick < 0) && list[k][0]; k++)
         RP_TRY(add_output(plan, m, list[k][0], unit,
                           rp_text(&plan->arena, "%s%s%s, %s %s", list[k][1] ? list[k][1] : words,

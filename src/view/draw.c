@@ -390,6 +390,16 @@ static void put_panel(rp_arena *arena, const view_scene *scene, const view_frame
             s->cell);
 }
 
+/* Where the picture is low, with room between their numbers. */
+static void put_ticks(const view_scale *s, FILE *out)
+{
+    const double low = 4.0, room = 0.5; /* cm */
+    if ((s->window[3] - s->window[2]) * s->per_length < low)
+        fprintf(out, "set ytics %g\n", round_step(room / s->per_length));
+    else
+        fputs("set ytics autofreq\n", out);
+}
+
 /* What the picture shows, above it. */
 static void put_title(const view_scene *scene, const view_frame *f, const view_scale *s, FILE *out)
 {
@@ -431,8 +441,9 @@ rp_status view_draw(rp_arena *arena, const view_scene *scene, const view_frame *
     if (style->stress) status = put_stress(arena, f, s, out);
     put_title(scene, f, s, out);
     if (style->base) fputs("set multiplot\nunset xlabel\n", out);
+    put_ticks(s, out);
     fprintf(out,
-            "set size ratio -1\nset ytics autofreq\nset yrange [%.17g:%.17g]\nset tmargin at screen %.5f\n"
+            "set size ratio -1\nset yrange [%.17g:%.17g]\nset tmargin at screen %.5f\n"
             "set bmargin at screen %.5f\nset key at graph 1, screen %.5f right bottom horizontal samplen 2\n",
             s->window[2], s->window[3], 1.0 - TOP / s->height, (BOTTOM + s->panel) / s->height,
             1.0 - (TOP - 0.1) / s->height);

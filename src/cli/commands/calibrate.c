@@ -290,6 +290,28 @@ static rp_status write_sweep(const problem *s, const group *g, const char *path,
     return rp_file_close(path, out, RP_OK);
 }
 
+static rp_status column_of(const problem *s, const rp_table *table, size_t k, int *column)
+{
+    rp_guess guess = rp_guess_of(s->number[k].of);
+    *column = rp_table_column(table, s->number[k].of);
+    for (size_t c = 0; c < table->n_columns; c++) rp_guess_try(&guess, table->names[c]);
+    return *column >= 0 ? RP_OK
+                        : rp_fail(RP_BAD_INPUT, "of = \"%s\": the runs have no such column%s",
+                                  s->number[k].of, rp_guess_text(&guess));
+}
+
+/* Of the head of a group's table: does it have the columns of its numbers? */
+static rp_status check_columns(const problem *s, size_t g, char *head)
+{
+    rp_table t;
+    int column;
+    rp_status status = rp_table_parse(s->path, head, &t);
+    for (size_t k = 0; k < s->quest.n_numbers && !status; k++)
+        if (s->quest.group[k] == g) status = rp_prefix(column_of(s, &t, k, &column), "%s: ", s->path);
+    rp_table_free(&t);
+    return status;
+}
+
 /* The names that a sweep of the group may have, tried one by one. */
 static rp_status find_names(problem *s, size_t k, const char *path)
 {
@@ -306,22 +328,16 @@ static rp_status find_names(problem *s, size_t k, const char *path)
         FILE *columns = open_memstream(&text, &size);
         if (!columns) return rp_fail(RP_NO_MEMORY, "calibrate: out of memory");
         const rp_status status = sweep_columns(path, sweep_protocols, SWEEP_RUNS, columns);
-        fclose(columns), free(text);
-        if (status && !strstr(rp_message(), "unknown key")) return status;
+        fclose(columns);
         has[p] = !status;
+        if (has[p])
+            RP_TRY(check_columns(s, k, text));
+        else
+            free(text);
+        if (status && !strstr(rp_message(), "unknown key")) return status;
     }
     memcpy(g->has, has, sizeof has);
     return RP_OK;
-}
-
-static rp_status column_of(const problem *s, const rp_table *table, size_t k, int *column)
-{
-    rp_guess guess = rp_guess_of(s->number[k].of);
-    *column = rp_table_column(table, s->number[k].of);
-    for (size_t c = 0; c < table->n_columns; c++) rp_guess_try(&guess, table->names[c]);
-    return *column >= 0 ? RP_OK
-                        : rp_fail(RP_BAD_INPUT, "%s: of = \"%s\": the runs have no such column%s", s->path,
-                                  s->number[k].of, rp_guess_text(&guess));
 }
 
 static void add_run(stats_runs *r, double y)
@@ -580,7 +596,7 @@ static rp_status find(problem *s)
 {
     stats_answer a;
     RP_TRY(read_file(s));
-    if (s->quest.fixed_runs) RP_TRY(read_tables(s));
+    if (s->quest.fixed_runs) RP_TRY(rp_prefix(read_tables(s), "%s: ", s->path));
     if (!s->quest.fixed_runs) {
         RP_TRY(rp_make_directory(s->o->o));
         for (size_t g = 0; g < s->quest.n_groups; g++) {

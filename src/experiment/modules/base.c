@@ -12,9 +12,9 @@ enum { LOAD, CENTROID, WIDTH, DIP, MIDDLE, EXCESS, SHEAR, N_01, RAYS_01 = N_01 +
 #define N_ROW(k)    {"_n_" #k, "", "pressure in bin " #k " of 20 over the width, over its mean"},
 #define RAYS_ROW(k) {"_rays_" #k, "", "that of rays at 60 degrees under the outline"},
 static const exp_output outputs[] = {
-    {"_load", "", "force normal to the wall"},
-    {"_centroid", "", "its centroid, along x"},
-    {"_width", "", "width about it that holds 98 % of it"},
+    {"_load", "dyn", "force normal to the wall"},
+    {"_centroid", "cm", "its centroid, along x"},
+    {"_width", "cm", "width about it that holds 98 % of it"},
     {"_dip", "", "mean pressure within 0.1 of the width from the centroid, less that from there to 0.3"},
     {"_middle", "", "the same, less that from 0.1 to 0.2"},
     {"_excess", "", "the same, less that of rays at 60 degrees under the outline"},

@@ -7,9 +7,9 @@
 static const rp_param schema[] = {{0}};
 
 static const exp_output outputs[] = {
-    {"_left", "", "leftmost point of the largest cluster of grains that touch"},
-    {"_right", "", "its rightmost point"},
-    {"_height", "", "its highest point"},
+    {"_left", "cm", "leftmost point of the largest cluster of grains that touch"},
+    {"_right", "cm", "its rightmost point"},
+    {"_height", "cm", "its highest point"},
     {"_grains", "", "its grains"},
     {0}};
 

@@ -23,9 +23,9 @@ static const exp_output outputs[] = {
     {"_left_error_deg", "degree", "standard error, from the scatter of the heights"},
     {"_right_error_deg", "degree", "standard error, from the scatter of the heights"},
     {"_mean_error_deg", "degree", "standard error, from the scatter of the heights"},
-    {"_height", "", "highest point of the heap above y = 0 or the region's lower end"},
-    {"_apex", "", "place of the highest column"},
-    {"_width", "", "from the leftmost to the rightmost point"},
+    {"_height", "cm", "highest point of the heap above y = 0 or the region's lower end"},
+    {"_apex", "cm", "place of the highest column"},
+    {"_width", "cm", "from the leftmost to the rightmost point"},
     {0}};
 
 /* The flank on one side of column `apex`: the columns outwards from it, until one is below the lowest height,
