@@ -20,7 +20,6 @@ typedef enum {
     RP_PURPOSE_BOOTSTRAP = 3,
     RP_PURPOSE_TEST = 4,
     RP_PURPOSE_DIRECTION = 5,
-    RP_PURPOSE_ADDED = 6,
     RP_PURPOSE_FILLS = 1000 /* and the numbers after: two of each fill of a scene after its first */
 } rp_purpose;
 

@@ -125,7 +125,7 @@ static bool touches(exp_run *run, double x, double y, double r)
 
 static double between(exp_run *run, const double ends[2])
 {
-    return ends[0] == ends[1] ? ends[0] : ends[0] + (ends[1] - ends[0]) * gsl_rng_uniform(run->random);
+    return ends[0] == ends[1] ? ends[0] : ends[0] + (ends[1] - ends[0]) * gsl_rng_uniform(run->random[1]);
 }
 
 /* Draw a grain and its place. False: there is none. */
@@ -136,7 +136,7 @@ static bool draw_grain(exp_run *run, const exp_phase *p, dem_grain *g)
     const exp_plan *plan = run->plan;
     double *const of = run->grain;
     const dem_fill *first = dem_scene_fill_at((dem_scene *)&plan->scene, 0);
-    *g = (dem_grain){.r = a->has_r ? exp_value(run, &a->r) : dem_radius_draw(&a->radii, run->random)};
+    *g = (dem_grain){.r = a->has_r ? exp_value(run, &a->r) : dem_radius_draw(&a->radii, run->random[0])};
     of[EXP_R] = g->r, of[EXP_Y] = of[EXP_TOUCH] = NAN;
     const double density = a->has_density ? exp_value(run, &a->density)
                            : first        ? first->density

@@ -107,6 +107,7 @@ char *exp_key_to(const exp_plan *plan, size_t end)
         put(out, &arena, "when", &m->when);
         put(out, &arena, "event", &m->event);
         if (m->take == TAKE_AVALANCHES) fprintf(out, " drop=%a", m->drop);
+        if (*m->level_of) fprintf(out, " level_of=%s", m->level_of);
         if (!m->module) {
             fputc('\n', out);
             continue;

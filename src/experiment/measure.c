@@ -23,6 +23,7 @@ bool exp_measures_in(const exp_run *run, long *next)
 {
     const exp_phase *phase = &run->plan->phases[run->at.phase];
     bool some = false;
+    if (!phase->is_sampled) return false;
     for (size_t k = 0; k < run->plan->n_measures; k++) {
         const exp_measure *m = &run->plan->measures[k];
         if (!samples_at_looks(m, run->at.phase)) continue;
@@ -59,7 +60,8 @@ static void add_sample(exp_run *run, size_t k)
     double *last = s->n > 0 ? &s->at[EXP_SAMPLE * (s->n - 1)] : NULL;
     if (run->failed) return;
     const bool extreme = m->take == TAKE_MAX || m->take == TAKE_MIN;
-    if (m->take == TAKE_FIRST || (extreme && !m->series && m->skip == 0.0)) { /* one sample is enough */
+    const bool some = m->skip != 0.0 || *m->level_of;
+    if (!some && (m->take == TAKE_FIRST || (extreme && !m->series))) { /* one sample is enough */
         if (last && (m->take == TAKE_FIRST || !(m->take == TAKE_MAX ? value > last[1] : value < last[1])))
             return;
         s->n = 0;
@@ -76,14 +78,14 @@ static void add_sample(exp_run *run, size_t k)
     double *now = &s->at[EXP_SAMPLE * s->n++];
     now[0] = dem_time(run->sim), now[1] = value, now[2] = event;
     /* what is known while the phase lasts */
-    if (m->take == TAKE_FIRST) run->values[m->output] = value;
+    if (m->take == TAKE_FIRST && !some) run->values[m->output] = value;
 }
 
 void exp_sample(exp_run *run)
 {
     const exp_phase *phase = &run->plan->phases[run->at.phase];
     const long since = run->at.phase_step - phase->least;
-    for (size_t k = 0; k < run->plan->n_measures && !run->failed; k++) {
+    for (size_t k = 0; phase->is_sampled && k < run->plan->n_measures && !run->failed; k++) {
         const exp_measure *m = &run->plan->measures[k];
         if (samples_at_looks(m, run->at.phase) && since > 0 && since % m->every == 0) add_sample(run, k);
     }
@@ -92,10 +94,15 @@ void exp_sample(exp_run *run)
 /* ---- what is made of samples ---- */
 
 /* The first sample that counts. */
-static rp_status first_of(const exp_measure *m, const exp_samples *s, const double v[], size_t *from)
+static rp_status first_of(const exp_run *run, const exp_measure *m, double work[], size_t *from)
 {
-    if (isinf(m->skip)) return stats_level_off(s->n, v, from);
-    *from = (size_t)ceil(m->skip * (double)s->n);
+    const exp_measure *level = &run->plan->measures[m->levels_with];
+    const exp_samples *s = &run->samples[m->levels_with];
+    if (s->n != run->samples[m - run->plan->measures].n)
+        return rp_fail(RP_NO_RESULT, "%s has other samples", level->name);
+    for (size_t i = 0; i < s->n; i++) work[i] = s->at[EXP_SAMPLE * i + 1];
+    if (isinf(level->skip)) return stats_level_off(s->n, work, from);
+    *from = (size_t)ceil(level->skip * (double)s->n);
     return RP_OK;
 }
 
@@ -160,7 +167,7 @@ static rp_status avalanches(const exp_measure *m, const exp_samples *s, const do
 }
 
 /* The outputs of a measure, in the order of its columns. */
-static rp_status reduce(const exp_measure *m, const exp_samples *s, double out[])
+static rp_status reduce(const exp_run *run, const exp_measure *m, const exp_samples *s, double out[])
 {
     RP_SCOPE(arena);
     double *v, *work;
@@ -171,7 +178,7 @@ static rp_status reduce(const exp_measure *m, const exp_samples *s, double out[]
     RP_NEW(&arena, work, s->n);
     for (size_t i = 0; i < s->n; i++)
         if (!isfinite(v[i] = s->at[EXP_SAMPLE * i + 1])) return rp_fail(RP_NO_RESULT, "a sample is %g", v[i]);
-    RP_TRY(first_of(m, s, v, &from));
+    RP_TRY(first_of(run, m, work, &from));
     if (from >= s->n) return rp_fail(RP_NO_RESULT, "one sample, and skip = %g", m->skip);
     if (m->take == TAKE_AVALANCHES) return avalanches(m, s, v, from, out);
     if (m->take == TAKE_RATE && s->n - from < 2) return rp_fail(RP_NO_RESULT, "fewer than two samples");
@@ -203,7 +210,7 @@ static void measure(exp_run *run, size_t k)
     const exp_measure *m = &run->plan->measures[k];
     double *out = &run->values[m->output];
     if (m->take != TAKE_VALUE) {
-        const rp_status status = reduce(m, &run->samples[k], out);
+        const rp_status status = reduce(run, m, &run->samples[k], out);
         if (status && status != RP_NO_RESULT)
             run->failed = status;
         else if (status && !m->optional)

@@ -113,8 +113,10 @@ rp_status exp_start(const exp_plan *plan, unsigned long seed, unsigned long stre
     scene.fill.seed = (long)seed, scene.fill.run = (long)stream;
     run->plan = plan;
     RP_TRY(make_room(run));
-    if (plan->adds && !(run->random = rp_random_alloc(seed, stream, RP_PURPOSE_ADDED)))
-        return rp_fail(RP_NO_MEMORY, "run: out of memory");
+    for (int k = 0; k < 2 && plan->adds; k++) {
+        run->random[k] = rp_random_alloc(seed, stream, k ? RP_PURPOSE_PLACES : RP_PURPOSE_RADII);
+        if (!(scene.fill.streams[k] = run->random[k])) return rp_fail(RP_NO_MEMORY, "run: out of memory");
+    }
     run->at.now.turn[0] = scene.def.turn_per_step * (180.0 / M_PI);
     run->at.now.turn[1] = scene.def.box_turn_per_step * (180.0 / M_PI);
     run->at.now.laws = SIZE_MAX;
@@ -140,7 +142,8 @@ void exp_run_free(exp_run *run)
     for (size_t k = 0; run->points && k < run->plan->n_regions; k++) free(run->points[k]);
     free(run->kinds), free(run->loads), free(run->saved), free(run->points), free(run->kept);
     free(run->passed);
-    if (run->random) gsl_rng_free(run->random);
+    for (int k = 0; k < 2; k++)
+        if (run->random[k]) gsl_rng_free(run->random[k]);
     dem_free(run->sim);
     free(run);
 }
@@ -314,7 +317,8 @@ static void look(exp_run *run, bool is_end)
     const exp_phase *p = phase_of(run);
     const long since = run->at.phase_step - p->least;
     run->fresh = false;
-    run->at.now.touched |= run->at.now.last && dem_contact_count(run->sim, run->at.now.last) > 0;
+    if (run->at.now.last && !run->at.now.touched)
+        run->at.now.touched = dem_contact_count(run->sim, run->at.now.last) > 0;
     exp_sample(run);
     const bool looks = since > 0 && since % p->every == 0;
     for (size_t k = 0; k < p->n_fails && looks && !run->failed && !run->at.done; k++)
@@ -525,9 +529,9 @@ static void keep_state(rp_snapshot *s, exp_run *run, size_t n)
     }
     keep_ids(s, run);
     if (!s->status) keep_longs(s, run->loads, 2 * p->n_walls, -1, p->n_loads);
-    if (run->random && !s->status) {
-        rp_keep(s, gsl_rng_state(run->random), gsl_rng_size(run->random));
-        rp_keep_check(s, rp_random_is_whole(run->random), "a random stream that is none");
+    for (int k = 0; k < 2 && run->random[k] && !s->status; k++) {
+        rp_keep(s, gsl_rng_state(run->random[k]), gsl_rng_size(run->random[k]));
+        rp_keep_check(s, rp_random_is_whole(run->random[k]), "a random stream that is none");
     }
     for (size_t k = 0; k < p->n_measures && !s->status; k++) keep_samples(s, &run->samples[k]);
     for (size_t k = 0; k < p->n_phases && !s->status; k++)

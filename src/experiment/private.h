@@ -92,7 +92,7 @@ typedef struct {
     const char *from, *remove;
     /* by hand */
     const config_setting_t *setting;
-    bool left_out;
+    bool left_out, is_sampled; /* the last: some measure takes samples at its looks */
     exp_ending ending;
     exp_expression end;     /* steps, time or until; of a block, its until */
     exp_expression turn[2]; /* degrees a step: gravity, box */
@@ -118,7 +118,8 @@ typedef enum { TAKE_VALUE, TAKE_MEAN, TAKE_MAX, TAKE_MIN, TAKE_FIRST, TAKE_RATE,
 #define EXP_TAKES "value | mean | max | min | first | rate | avalanches"
 
 typedef struct {
-    const char *name, *at, *during, *unit, *in, *wall;
+    const char *name, *at, *during, *unit, *in, *wall, *level_of;
+    size_t levels_with; /* number of that measure, or its own */
     int take;
     long every;
     double skip, drop; /* share, INFINITY: where it levels off; least fall of an avalanche, or INFINITY */
@@ -219,7 +220,7 @@ struct exp_run {
     double *marks;             /* x, y of ids from 1 on, in the box's frame; NAN: none */
     int32_t *kinds;            /* of ids from 1 on; -1: none */
     long *loads;               /* of walls, along x and y: number of the load, or -1 */
-    gsl_rng *random;           /* of grains that are added */
+    gsl_rng *random[2];        /* radii and places of the first fill, then of grains that are added */
     exp_saved *saved;          /* of phases */
     exp_passed *passed;        /* of phases; their names aside */
     rp_snapshot *kept;         /* of phases: their ends, for other runs */

@@ -20,6 +20,8 @@ const rp_param exp_measure_schema[] = {
      "from sample to sample; auto: the phase's looks"},
     {"skip", "", RP_REAL, IN(skip), "0", "[0, 1) | level",
      "share of the samples that is left out; level: until they level off"},
+    {"level_of", "", RP_TEXT, IN(level_of), "", "",
+     "earlier measure of the same phase: as many samples are left out as of that"},
     {"series", "", RP_BOOL, IN(series), "false", "", "whether to write a table of the samples too"},
     {"optional", "", RP_BOOL, IN(optional), "false", "", "whether a run is good without it"},
     {"drop", "", RP_REAL, IN(drop), "none", "(0, inf) | none",
@@ -178,6 +180,29 @@ static rp_status name_outputs(exp_plan *plan, exp_measure *m)
     return RP_OK;
 }
 
+static rp_status read_level(exp_plan *plan, exp_measure *m)
+{
+    const size_t own = (size_t)(m - plan->measures);
+    const config_setting_t *setting = member(m->setting, "level_of");
+    rp_guess guess = rp_guess_of(m->level_of);
+    m->levels_with = own;
+    if (!*m->level_of) return RP_OK;
+    if (member(m->setting, "skip")) return rp_config_fail(setting, "level_of and skip; keep one");
+    for (size_t k = 0; k < own; k++) {
+        const exp_measure *other = &plan->measures[k];
+        rp_guess_try(&guess, other->name);
+        if (strcmp(other->name, m->level_of) != 0) continue;
+        if (other->phase != m->phase || other->every != m->every || other->take == TAKE_VALUE ||
+            other->take == TAKE_FIRST || *other->during != *m->during || other->left_out)
+            return rp_config_fail(setting, "level_of = \"%s\": samples of the same looks expected",
+                                  m->level_of);
+        m->levels_with = k;
+        return RP_OK;
+    }
+    return rp_config_fail(setting, "level_of = \"%s\": no earlier measure has this name%s", m->level_of,
+                          rp_guess_text(&guess));
+}
+
 static rp_status name_measure(exp_plan *plan, const config_setting_t *setting, exp_measure *m)
 {
     const char *others[EXP_MODULE_OUTPUTS] = {"of", "when", "if", "event", NULL};
@@ -202,6 +227,8 @@ static rp_status name_measure(exp_plan *plan, const config_setting_t *setting, e
     }
     RP_TRY(read_scope(plan, m));
     RP_TRY(read_when(plan, m));
+    RP_TRY(read_level(plan, m));
+    plan->phases[m->phase].is_sampled |= !m->left_out && *m->during;
     return name_outputs(plan, m);
 }
 

@@ -146,12 +146,18 @@ static rp_status place_all(const dem_fill *f, const space *s, cells *c, gsl_rng 
     return RP_OK;
 }
 
-/* A stream of this fill. */
+/* A stream of this fill: its own, or one that goes on when it is filled. */
 static gsl_rng *stream_of(const dem_fill *f, rp_purpose purpose)
 {
+    if (f->streams[purpose == RP_PURPOSE_PLACES]) return f->streams[purpose == RP_PURPOSE_PLACES];
     const long of =
         f->number == 0 ? purpose : RP_PURPOSE_FILLS + 2 * (f->number - 1) + (purpose == RP_PURPOSE_PLACES);
     return rp_random_alloc((unsigned long)f->seed, (unsigned long)f->run, (rp_purpose)of);
+}
+
+static void end_stream(const dem_fill *f, gsl_rng *stream)
+{
+    if (stream && stream != f->streams[0] && stream != f->streams[1]) gsl_rng_free(stream);
 }
 
 rp_status dem_fill_place(const dem_fill *fill, dem_grain *grains)
@@ -179,7 +185,7 @@ rp_status dem_fill_place(const dem_fill *fill, dem_grain *grains)
     free(c.head);
     free(c.next);
     free(s.up);
-    if (places) gsl_rng_free(places);
+    end_stream(fill, places);
     return status;
 }
 
@@ -258,7 +264,7 @@ rp_status dem_fill_grains(const dem_fill *f, dem_grain *grains, size_t *n)
         status = place_rows(f, radii, grains, n);
     else
         for (long i = 0; i < f->N; i++) grains[i].r = dem_radius_draw(f, radii);
-    gsl_rng_free(radii);
+    end_stream(f, radii);
     return f->pattern == DEM_PATTERN_RANDOM ? dem_fill_place(f, grains) : status;
 }
 

@@ -1221,6 +1221,7 @@ rp_status dem_scene_grains(const dem_scene *scene, dem_grain **grains, size_t *n
         one.seed = scene->fill.seed, one.run = scene->fill.run, one.cut = scene->fill.cut;
         one.walls = dem_walls_of(&scene->def), one.n_walls = scene->def.n_walls;
         one.n_there = *n;
+        if (k > 0) one.streams[0] = one.streams[1] = NULL;
         RP_TRY(rp_prefix(dem_fill_grains(&one, *grains + *n, &placed), "%s%s", kind, *kind ? ": " : ""));
         *n += placed;
         if (ends) ends[k] = *n;
