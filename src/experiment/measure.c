@@ -5,6 +5,7 @@
 
 #include "core/arena.h"
 #include "experiment/private.h"
+#include "params/units.h"
 #include "stats/stats.h"
 #include "table/table.h"
 
@@ -76,7 +77,7 @@ static void add_sample(exp_run *run, size_t k)
         s->at = more, s->room = room;
     }
     double *now = &s->at[EXP_SAMPLE * s->n++];
-    now[0] = dem_time(run->sim), now[1] = value, now[2] = event;
+    now[0] = dem_time(run->sim), now[1] = value, now[2] = event, now[3] = (double)run->at.steps;
     /* what is known while the phase lasts */
     if (m->take == TAKE_FIRST && !some) run->values[m->output] = value;
 }
@@ -208,9 +209,11 @@ static void blame(exp_run *run, const exp_measure *m)
 static void measure(exp_run *run, size_t k)
 {
     const exp_measure *m = &run->plan->measures[k];
-    double *out = &run->values[m->output];
+    double *out = &run->values[m->output], all[EXP_MODULE_OUTPUTS];
+    for (int o = 0; o < EXP_MODULE_OUTPUTS; o++) all[o] = NAN;
     if (m->take != TAKE_VALUE) {
-        const rp_status status = reduce(run, m, &run->samples[k], out);
+        const rp_status status = reduce(run, m, &run->samples[k], all);
+        memcpy(out, all, m->n_outputs * sizeof *out);
         if (status && status != RP_NO_RESULT)
             run->failed = status;
         else if (status && !m->optional)
@@ -218,7 +221,6 @@ static void measure(exp_run *run, size_t k)
         return;
     }
     if (m->module) {
-        double all[EXP_MODULE_OUTPUTS];
         const rp_status status = exp_module_values(run, m, all);
         if (status) no_numbers(run, m, status);
         for (size_t o = 0; !status && o < m->n_outputs; o++) out[o] = all[m->pick < 0 ? (long)o : m->pick];
@@ -234,6 +236,10 @@ void exp_measure_phase(exp_run *run, size_t phase)
     const exp_plan *plan = run->plan;
     const exp_phase *p = &plan->phases[phase];
     const bool passes = p->block != SIZE_MAX;
+    /* a block has ended: first of its phases' samples, which its own measures may use */
+    for (size_t i = phase + 1; i <= phase + p->n_inner; i++)
+        for (size_t k = 0; k < plan->n_measures && !run->failed && !run->at.done; k++)
+            if (samples_in(&plan->measures[k], i)) measure(run, k);
     for (size_t k = 0; k < plan->n_measures && !run->failed && !run->at.done; k++) {
         const exp_measure *m = &plan->measures[k];
         if (m->left_out || m->phase != phase) continue;
@@ -242,10 +248,6 @@ void exp_measure_phase(exp_run *run, size_t phase)
         else if (!*m->during)
             add_sample(run, k);
     }
-    /* a block has ended: of its phases' samples */
-    for (size_t i = phase + 1; i <= phase + p->n_inner; i++)
-        for (size_t k = 0; k < plan->n_measures && !run->failed && !run->at.done; k++)
-            if (samples_in(&plan->measures[k], i)) measure(run, k);
 }
 
 /* ---- series ---- */
@@ -274,6 +276,11 @@ void exp_series_write(const exp_run *run, size_t k, FILE *out)
 {
     const exp_samples *s = &run->samples[nth_series(run->plan, k)];
     const exp_measure *m = &run->plan->measures[nth_series(run->plan, k)];
-    rp_table_columns(out, 2, (const char *const[][2]){{"time", "s"}, {m->name, m->unit}});
-    for (size_t i = 0; i < s->n; i++) rp_table_row(out, 2, &s->at[EXP_SAMPLE * i]);
+    const char *const columns[][2] = {
+        {"step", ""}, {"time", rp_unit("s")}, {m->name, run->plan->outputs[m->output].unit}};
+    rp_table_columns(out, 3, columns);
+    for (size_t i = 0; i < s->n; i++) {
+        const double *at = &s->at[EXP_SAMPLE * i];
+        rp_table_row(out, 3, (double[]){at[3], at[0], at[1]});
+    }
 }

@@ -187,7 +187,8 @@ const exp_group exp_groups[] = {
      "phases of its own, and repeat or until"},
     {"measure", exp_measure_schema,
      "a list of columns: name; of (an expression, a module or MODULE.OUTPUT); at or during a phase; when (a "
-     "condition, of samples); if (a condition of lets)"},
+     "condition, of samples); if (a condition of lets); columns = [\"NAME\", ...] (the first of its columns, "
+     "by these names)"},
     {"regions", no_schema,
      "NAME = { x = (from, to); y = (from, to); }, { circle = (x, y, radius); } or { polygon = ( (x, y), ... "
      "); "

@@ -173,8 +173,8 @@ void exp_place_in(exp_place *place, exp_plan *plan);
 rp_status exp_expression_read(const config_setting_t *setting, const char *key, rp_x_type type,
                               exp_place *place, exp_expression *e);
 
-/* Samples of a measure: time, value, and whether there was an event. */
-enum { EXP_SAMPLE = 3 };
+/* Samples of a measure: time, value, whether there was an event, step. */
+enum { EXP_SAMPLE = 4 };
 typedef struct {
     size_t n, room;
     double *at;

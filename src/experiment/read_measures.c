@@ -33,11 +33,16 @@ const rp_param exp_measure_schema[] = {
 
 static const char *const take_words[] = {"value", "mean", "max", "min", "first", "rate", "avalanches"};
 
+/* The next column: by the measure's name and an ending, or by `columns`, beyond which there is none. */
 static rp_status add_output(exp_plan *plan, const exp_measure *m, const char *ending, const char *unit,
                             const char *meaning)
 {
     exp_output *o = &plan->outputs[plan->n_outputs];
-    o->name = rp_text(&plan->arena, "%s%s", m->name, ending);
+    const config_setting_t *names = member(m->setting, "columns");
+    const size_t number = plan->n_outputs - m->output;
+    if (names && number >= length(names)) return RP_OK;
+    o->name = names ? config_setting_get_string(element(names, number))
+                    : rp_text(&plan->arena, "%s%s", m->name, ending);
     o->unit = strcmp(ending, "_n") == 0 ? "" : unit;
     o->meaning = meaning;
     if (!o->name || !meaning) return RP_NO_MEMORY;
@@ -180,6 +185,21 @@ static rp_status name_outputs(exp_plan *plan, exp_measure *m)
     return RP_OK;
 }
 
+/* columns = ["NAME", ...]: the first of the measure's, by these names. */
+static rp_status check_columns(const exp_plan *plan, const exp_measure *m)
+{
+    const config_setting_t *names = member(m->setting, "columns");
+    const bool list = names && (config_setting_is_list(names) || config_setting_is_array(names));
+    if (names && (!list || length(names) == 0 || length(names) > EXP_MODULE_OUTPUTS))
+        return rp_config_fail(names, "columns: names, [\"NAME\", ...], expected");
+    for (size_t k = 0; k < length(names); k++) {
+        const char *name = config_setting_get_string(element(names, k));
+        if (!name) return rp_config_fail(names, "columns: names, [\"NAME\", ...], expected");
+        RP_TRY(exp_check_name(plan, names, "a column", name));
+    }
+    return RP_OK;
+}
+
 static rp_status read_level(exp_plan *plan, exp_measure *m)
 {
     const size_t own = (size_t)(m - plan->measures);
@@ -205,13 +225,13 @@ static rp_status read_level(exp_plan *plan, exp_measure *m)
 
 static rp_status name_measure(exp_plan *plan, const config_setting_t *setting, exp_measure *m)
 {
-    const char *others[EXP_MODULE_OUTPUTS] = {"of", "when", "if", "event", NULL};
+    const char *others[EXP_MODULE_OUTPUTS] = {"of", "when", "if", "event", "columns", NULL};
     exp_place place;
     *m = (exp_measure){.setting = setting};
     rp_params_defaults(exp_measure_schema, m);
     if (!config_setting_is_group(setting))
         return rp_config_fail(setting, "measure: a list ( { ... } ) expected");
-    RP_TRY(read_module(plan, setting, m, others + 4));
+    RP_TRY(read_module(plan, setting, m, others + 5));
     RP_TRY(rp_config_group(setting, exp_measure_schema, m, others));
     /* all numbers of a module have names of their own */
     RP_TRY(m->module && m->pick < 0 ? exp_check_word(setting, "a measure", m->name)
@@ -225,6 +245,7 @@ static rp_status name_measure(exp_plan *plan, const config_setting_t *setting, e
         RP_TRY(exp_expression_read(member(setting, "if"), "if", RP_X_TRUTH, &place, &e));
         m->left_out = e.x.value == 0.0;
     }
+    RP_TRY(check_columns(plan, m));
     RP_TRY(read_scope(plan, m));
     RP_TRY(read_when(plan, m));
     RP_TRY(read_level(plan, m));
