@@ -22,7 +22,9 @@ MODULES := sweep=sweep_ view=view_ export=export_ exp=exp_ analytic=an_ dem=dem_
 module   = $(word 1,$(subst =, ,$(1)))
 rooms    = $(shell awk '$$1 == "$(1)" { print $$2 }' tests/rooms.txt)
 objects  = $(patsubst %.c,$(B)/obj/%.o,$(wildcard $(1:%=%/*.c)))
-sources  = $(call objects,$(call rooms,$(call module,$(1))))
+# A room's texts (.cfg) become part of its library, as sweep_text_NAME.
+texts    = $(patsubst %.cfg,$(B)/obj/%.cfg.o,$(wildcard $(1:%=%/*.cfg)))
+sources  = $(call objects,$(call rooms,$(call module,$(1)))) $(call texts,$(call rooms,$(call module,$(1))))
 LIBRARY := $(foreach m,$(MODULES),$(B)/lib$(call module,$(m)).a)
 CLI     := $(call objects,$(call rooms,cli))
 REPORTER := $(call objects,report)
@@ -45,6 +47,9 @@ setup: ## install the Debian packages that are missing
 $(B)/obj/%.o: %.c | $(SETUP_FIRST)
 	@mkdir -p $(@D) && echo "compile $<"
 	@$(CC) $(CPPFLAGS) $$(pkg-config --cflags $(PKGS)) $(CFLAGS) -MMD -MP -c $< -o $@
+$(B)/obj/%.cfg.o: %.cfg
+	@mkdir -p $(@D) && echo "embed   $<"
+	@printf '.section .rodata\n.global sweep_text_$(*F)\nsweep_text_$(*F): .incbin "$<"\n.byte 0\n.section .note.GNU-stack\n' | $(CC) -c -x assembler - -o $@
 -include $(patsubst %.o,%.d,$(ALL) $(CHECK))
 # The commit is part of every table's provenance: rebuild that one file when it changes. Tables that a study has just
 # written do not make the program another one.

@@ -11,6 +11,7 @@ void *protocol_params(const sweep_protocol *protocol, const char *const changes[
     void *params = calloc(1, protocol->params_size);
     CU_ASSERT_PTR_NOT_NULL_FATAL(params);
     rp_params_defaults(protocol->schema, params);
+    if (protocol->context) memcpy(params, &protocol->context, sizeof(void *)); /* of a text */
     for (; *changes; changes++)
         for (const char *c = *changes; *c; c += strspn(c, " ")) {
             char name[32], value[64];

@@ -653,69 +653,6 @@ static void test_energy_rows(void)
     for (size_t i = 0; i < t.n_rows; i++) CHECK_NEAR(cell(&t, i, "step"), 300.0 * (double)(i + 1), 0.0);
 }
 
-/* ---- series of protocol flux ---- */
-
-/* A series of so many insertions, of the same grains whatever the number; tables in the folder d. */
-static void make_series(int insertions)
-{
-    static const char *const changes[][2] = {{"W", "1.3"}, {"mu", "0.25"}, {"entry_width", "0.4"}};
-    const sweep_protocol *p = &sweep_protocol_flux;
-    const rp_param *schema = p->schema;
-    scoped void *params = calloc(1, p->params_size);
-    char folder[256], number[16];
-    sweep_result result;
-    path_of("d", folder);
-    folder_remove(folder);
-    const sweep_tables tables = {folder, 1000000, protocol_no_header};
-    snprintf(number, sizeof number, "%d", insertions);
-    rp_params_defaults(schema, params);
-    for (size_t i = 0; i < 3; i++)
-        CHECK_OK(rp_params_set_text(rp_params_find(schema, changes[i][0]), params, changes[i][1]));
-    CHECK_OK(rp_params_set_text(rp_params_find(schema, "insertions"), params, number));
-    CHECK_OK(p->run(params, 1993, 0, &tables, &result));
-}
-
-/* A row of the longest series, from the last state of one that ends there. */
-static void check_row(checked *all, size_t row)
-{
-    const double width = 1.3, cell_width = width / round(width / 0.2);
-    double inside = 0.0, first = 0.0, others = 0.0, left = 0.0;
-    scoped_table grains = read_table("d/pile_grains.tsv");
-    for (size_t i = 0; i < grains.n_rows; i++) {
-        const double x = cell(&grains, i, "x"), y = cell(&grains, i, "y");
-        if (!(x > 0.0 && x < width)) continue;
-        inside++;
-        if (x < cell_width)
-            first = fmax(first, y);
-        else
-            others = fmax(others, y);
-    }
-    CHECK_NEAR(at(all, row, "step"), cell(&grains, 0, "step"), 0.0);
-    CHECK_NEAR(at(all, row, "insertion"), (double)row + 1.0, 0.0);
-    CHECK_NEAR(at(all, row, "grains"), inside, 0.0);
-    CHECK_NEAR(at(all, row, "tower"), fmax(first - others, 0.0) / 0.2, 1e-12);
-    CHECK_NEAR(at(all, row, "theta_r3_deg"), slope_of("d/pile_grains.tsv", width), tight);
-    /* every grain of the first layer or put in later is inside, or has left */
-    for (size_t k = 0; k <= row; k++) left += at(all, k, "outflow");
-    CHECK_NEAR(inside + left, at(all, 0, "grains") + (double)row, 0.0);
-}
-
-static void test_series(void)
-{
-    static const int lengths[] = {40, 39, 38, 37, 30, 21, 12, 4};
-    double most = 0.0, left = 0.0;
-    make_series(lengths[0]);
-    scoped_checked all = checked_read("d/series.tsv");
-    CU_ASSERT_FATAL(all.t.n_rows == (size_t)lengths[0]);
-    for (size_t i = 0; i < sizeof lengths / sizeof *lengths; i++) {
-        if (i > 0) make_series(lengths[i]);
-        check_row(&all, (size_t)lengths[i] - 1);
-        most = fmax(most, at(&all, (size_t)lengths[i] - 1, "tower"));
-    }
-    for (size_t k = 0; k < all.t.n_rows; k++) left += at(&all, k, "outflow");
-    CU_ASSERT(most > 0.0 && left > 2.0);
-}
-
 /* ---- outputs of protocol drop ---- */
 
 enum { DROPPED = 60 };
@@ -1098,7 +1035,6 @@ void suite_columns(void)
                                        {"bench: its defaults", test_bench_defaults},
                                        {"bench: a sample", test_bench_sample},
                                        {"energies of a box", test_energy_rows},
-                                       {"series of protocol flux", test_series},
                                        {"protocol drop", test_drop},
                                        {"protocol drop on a rough base", test_rough},
                                        {"protocol drop from a lattice", test_lattice},

@@ -13,6 +13,7 @@
 #include "dem/scene/scene.h"
 #include "experiment/experiment.h"
 #include "report/pages.h"
+#include "sweeps/engine/experiment.h"
 #include "tests/check.h"
 #include "tests/program.h"
 
@@ -485,18 +486,21 @@ static void test_manual(void)
         schema_is(g->schema);
     }
     title_is("# ", "KEYS AND OUTPUTS OF A SWEEP'S PROTOCOL");
-#define X(protocol)                                                                                          \
-    title_is("## Protocol ", #protocol);                                                                     \
-    lines_are(sweep_protocol_##protocol.about);                                                              \
-    schema_is(sweep_protocol_##protocol.schema);                                                             \
-    title_is("### Outputs of protocol ", #protocol);                                                         \
-    for (const sweep_output *o = sweep_protocol_##protocol.outputs; o->name; o++) {                          \
-        char text[1024];                                                                                     \
-        sprintf(text, *o->unit ? "%s, %s" : "%s", o->meaning, o->unit);                                      \
-        item_is("", o->name, text);                                                                          \
+    for (const sweep_protocol *const *each_of = sweep_protocols; *each_of; each_of++) {
+        sweep_experiment *opened;
+        const sweep_protocol *p;
+        CHECK_OK(sweep_protocol_open(*each_of, NULL, &opened, &p));
+        title_is("## Protocol ", p->name);
+        lines_are(p->about);
+        schema_is(p->schema);
+        title_is("### Outputs of protocol ", p->name);
+        for (const sweep_output *o = p->outputs; o->name; o++) {
+            char text[1024];
+            snprintf(text, sizeof text, *o->unit ? "%s, %s" : "%s", o->meaning, o->unit);
+            item_is("", o->name, text);
+        }
+        sweep_experiment_close(opened);
     }
-    SWEEP_PROTOCOLS(X)
-#undef X
     title_is("# ", "EXIT STATUS");
 #define X(name, code, text) item_is("", #code, text);
     RP_STATUS_LIST(X)
@@ -651,6 +655,16 @@ static void experiment_lines(bool si)
         line_is("  %-25s %-10s %-14s %s", w.name, or_dash(rp_unit(w.unit)), w.of, w.meaning);
 }
 
+/* One that is a text has the units of that. */
+static void opened_lines(const sweep_protocol *p, bool si)
+{
+    sweep_experiment *text;
+    CHECK_OK(sweep_protocol_open(p, NULL, &text, &p));
+    protocol_lines(p, si && !text);
+    sweep_experiment_close(text);
+    rp_units_set(si ? RP_SI : RP_CGS);
+}
+
 /* What is asked for, blank lines between the protocols, the scene and experiments. */
 static void test_params(void)
 {
@@ -662,11 +676,11 @@ static void test_params(void)
         rest = out;
         rp_units_set(si ? RP_SI : RP_CGS);
         for (const sweep_protocol *const *p = sweep_protocols; *p && k < 2; p++) {
-            protocol_lines(*p, si);
+            opened_lines(*p, si);
             line_is("%s", "");
         }
         if (k < 3) scene_lines(si);
-        if (k == 3) protocol_lines(&sweep_protocol_flux, si);
+        if (k == 3) opened_lines(&sweep_protocol_flux, si);
         if (k < 2) line_is("%s", "");
         if (k < 2 || k == 4) experiment_lines(si);
         text_ends();
@@ -718,10 +732,15 @@ static void test_params_json(void)
         row_now = 0;
         rp_units_set(si ? RP_SI : RP_CGS);
         for (const sweep_protocol *const *p = sweep_protocols; *p && k < 2; p++) {
-            schema_rows((*p)->name, "parameter", (*p)->schema, si);
-            for (const sweep_output *o = (*p)->outputs; o->name; o++)
-                row_is((const char *[]){(*p)->name, "output", o->name, or_dash(rp_unit(o->unit)), "real", "-",
-                                        "-", o->meaning});
+            sweep_experiment *text; /* which has the units of that */
+            const sweep_protocol *opened;
+            CHECK_OK(sweep_protocol_open(*p, NULL, &text, &opened));
+            schema_rows(opened->name, "parameter", opened->schema, si && !text);
+            for (const sweep_output *o = opened->outputs; o->name; o++)
+                row_is((const char *[]){opened->name, "output", o->name, or_dash(rp_unit(o->unit)), "real",
+                                        "-", "-", o->meaning});
+            sweep_experiment_close(text);
+            rp_units_set(si ? RP_SI : RP_CGS);
         }
         for (const dem_scene_group *g = dem_scene_schemas; g->name; g++)
             schema_rows("scene", g == dem_scene_schemas ? "top level" : g->name, g->schema, si);

@@ -202,7 +202,6 @@ static void test_scene_keys(void)
 #define BOX   "W=1.2 H=0.8 fill_steps=500 "
 #define FIXED BOX "stop=steps relax_steps=500 "
 #define LOOSE "rest_energy=1e-3 rest_force=0.5 tilt_rate_deg=0.01 mu=0.6 "
-#define FLUX  "W=1.2 insertions=24 v_cut=2 avalanche=1 "
 #define WORDS(protocol, settings)                                                                            \
     {protocol, settings " k_n=1e5", "normal", "linear"},                                                     \
         {protocol, settings " restitution=0.4 gamma_s=5", "normal", "tsuji"},                                \
@@ -235,11 +234,6 @@ static const struct {
     {&sweep_protocol_onset, BOX "tilt_rate_deg=0.01 mu=0.6 rest_force=1e3", "rest_energy", "1e-2"},
     {&sweep_protocol_onset, "W=2 N=14 fill_steps=500 floor=absorbs " LOOSE, "empty", "skip"},
     WORDS(&sweep_protocol_onset, BOX LOOSE),
-    {&sweep_protocol_flux, FLUX "gamma_n=2000 rotation=true mu_roll=0.1"},
-    {&sweep_protocol_flux, "W=1.2 insertions=200 v_cut=5 avalanche=1 gamma_n=2000", "avalanche", "4"},
-    {&sweep_protocol_flux, FLUX, "rest_energy", "1e-16"},
-    {&sweep_protocol_flux, FLUX, "rest_force", "1e-12"},
-    WORDS(&sweep_protocol_flux, FLUX),
     {&sweep_protocol_drop, "N=16 damping=1"},
     {&sweep_protocol_drop, "N=16 damping=1 law=slip_roll"},
     {&sweep_protocol_drop, "N=0 lattice=9 damping=1"},

@@ -704,11 +704,6 @@ static void protocol_onset(void)
     goes_on(&sweep_protocol_onset, "W=1.4 H=1.4 fill_steps=6000 tilt_rate_deg=0.01", "ok");
 }
 
-static void protocol_flux(void)
-{
-    goes_on(&sweep_protocol_flux, "W=1.4 insertions=60 avalanche=2 drop_height=1 entry_width=1", "ok");
-}
-
 static void protocol_drop(void)
 {
     goes_on(&sweep_protocol_drop, "N=90 radius_width=0.03 source_width=5 rest_force=0.1", "ok");
@@ -890,7 +885,6 @@ void suite_snapshot(void)
         {"protocol repose", protocol_repose},
         {"protocol stress", protocol_stress},
         {"protocol onset", protocol_onset},
-        {"protocol flux", protocol_flux},
         {"protocol drop", protocol_drop},
         {"a snapshot and its name are synced", synced},
         {"sweep rows", sweep_rows},

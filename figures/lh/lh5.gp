@@ -11,14 +11,14 @@ theta = most('lh5/row_0.tsv', 'theta_deg')
 sd = most('lh5/row_0.tsv', 'theta_sd_deg')
 opened = real(pick('lh_floor/points.tsv', 'floor', 'ends', 'theta_r3_deg_mean'))
 from_level(x, y) = x < level ? NaN : y
-v_cut(row) = '{/:Italic v}_{cut} = '.note('lh5/row_'.row.'/series.tsv', 'v_cut').' cm/s'
+v_cut = sprintf('{/:Italic v}_{cut} = %g cm/s', most('lh5/runs.tsv', 'v_cut'))
 set ylabel '{/:Italic θ} (degrees), method 3'
 set yrange [0:38]
 set ytics 10
 eval panel(1, '(a) against the iteration')
 set xlabel 'iteration (10^5)'
 set arrow 1 from level/1e5, graph 0 to level/1e5, graph 1 nohead ls guide
-plot t('lh5/row_0/series.tsv') using (column('step')/1e5):(column('theta_r3_deg')) with lines lw 1 lc 'black' title v_cut('0'), \
+plot t('lh5/row_0/series_theta.tsv') using (column('step')/1e5):(column('theta')) with lines lw 1 lc 'black' title v_cut, \
      for [k=0:1] '' using (column('step')/1e5):(from_level(column('step'), theta + (2*k - 1)*sd)) \
        with lines ls 12 title k ? '' : 'mean ± standard deviation', \
      opened with lines ls theory title sprintf('mean {/:Italic θ}_R of opened boxes, same floor, %.1f', opened)

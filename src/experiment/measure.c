@@ -190,9 +190,10 @@ static rp_status reduce(const exp_run *run, const exp_measure *m, const exp_samp
     if (m->take != TAKE_MEAN) return RP_OK;
     out[0] = 0.0;
     for (size_t i = from; i < s->n; i++) out[0] += v[i] / (double)(s->n - from);
-    if (stats_blocking(s->n - from, v + from, work, &series)) return RP_OK; /* a mean without an error */
-    out[0] = series.mean, out[1] = series.sd, out[2] = series.se;
-    out[3] = (double)series.n / fmax(2.0 * series.tau, 1.0);
+    (void)stats_blocking(s->n - from, v + from, work, &series); /* a mean without an error is one */
+    if (isfinite(series.mean)) out[0] = series.mean;
+    out[1] = series.sd, out[2] = series.se;
+    out[3] = isfinite(series.tau) ? (double)series.n / fmax(2.0 * series.tau, 1.0) : NAN;
     return RP_OK;
 }
 

@@ -118,7 +118,7 @@ typedef enum { TAKE_VALUE, TAKE_MEAN, TAKE_MAX, TAKE_MIN, TAKE_FIRST, TAKE_RATE,
 #define EXP_TAKES "value | mean | max | min | first | rate | avalanches"
 
 typedef struct {
-    const char *name, *at, *during, *unit, *in, *wall, *level_of;
+    const char *name, *at, *during, *unit, *meaning, *in, *wall, *level_of;
     size_t levels_with; /* number of that measure, or its own */
     int take;
     long every;

@@ -27,6 +27,7 @@ const rp_param exp_measure_schema[] = {
     {"drop", "", RP_REAL, IN(drop), "none", "(0, inf) | none",
      "least fall that is an avalanche; none: samples with `event`"},
     {"unit", "", RP_TEXT, IN(unit), "", "", "of the column"},
+    {"meaning", "", RP_TEXT, IN(meaning), "", "", "of the first column"},
     {"in", "", RP_TEXT, IN(in), "", "", "region of a module's grains"},
     {"wall", "", RP_TEXT, IN(wall), "", "", "wall of the module base"},
     {0}};
@@ -44,7 +45,7 @@ static rp_status add_output(exp_plan *plan, const exp_measure *m, const char *en
     o->name = names ? config_setting_get_string(element(names, number))
                     : rp_text(&plan->arena, "%s%s", m->name, ending);
     o->unit = strcmp(ending, "_n") == 0 ? "" : unit;
-    o->meaning = meaning;
+    o->meaning = number == 0 && *m->meaning ? m->meaning : meaning;
     if (!o->name || !meaning) return RP_NO_MEMORY;
     for (size_t k = 0; k < plan->n_outputs; k++)
         if (strcmp(plan->outputs[k].name, o->name) == 0)

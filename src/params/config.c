@@ -33,6 +33,14 @@ static void explain(const char *path, const char *error, int line, char hint[256
     free(text);
 }
 
+rp_status rp_config_read_text(const char *name, const char *text, config_t *config)
+{
+    config_init(config);
+    RP_TRY(rp_config_scan_text(name, text));
+    if (config_read_string(config, text) == CONFIG_TRUE) return RP_OK;
+    return rp_fail(RP_BAD_INPUT, "%s:%d: %s", name, config_error_line(config), config_error_text(config));
+}
+
 rp_status rp_config_read(const char *path, config_t *config)
 {
     char folder[PATH_MAX];
@@ -60,7 +68,7 @@ rp_status rp_config_fail(const config_setting_t *setting, const char *format, ..
     const char *file = config_setting_source_file(setting);
     int line = (int)config_setting_source_line(setting);
     /* a setting without a line was not read from a file */
-    return line > 0 ? rp_fail(RP_BAD_INPUT, "%s:%d: %s", file ? file : "parameter file", line, text)
+    return line > 0 ? rp_fail(RP_BAD_INPUT, "%s:%d: %s", file ? file : "built-in text", line, text)
                     : rp_fail(RP_BAD_INPUT, "%s", text);
 }
 

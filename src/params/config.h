@@ -12,6 +12,9 @@
  * Errors: RP_BAD_INPUT (missing file, syntax, whole number above 2^31 - 1, too large). */
 rp_status rp_config_read(const char *path, config_t *config);
 
+/* The same of a text that is there; its errors name it so. */
+rp_status rp_config_read_text(const char *name, const char *text, config_t *config);
+
 /* Refuse what libconfig would read wrong or without end: a whole number that does not fit an int, or a long
  * one (5L) a long long; a text or comment without its end; more than 64 MB, 65536 bytes in a text, comment or
  * gap, 1000 keys in a group, 31 levels, 10 included files. `folder`: of included files; `name` of a text: for

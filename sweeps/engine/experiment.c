@@ -239,9 +239,10 @@ static rp_status refuse_files(const sweep_experiment *e)
 static rp_status open_text(const char *path, const rp_texts *changes, sweep_experiment *e)
 {
     exp_plan *plan = NULL;
-    RP_TRY(rp_file_read(path, &e->bytes));
+    const bool inside = e->bytes; /* the program */
+    if (!inside) RP_TRY(rp_file_read(path, &e->bytes));
     e->open = true;
-    RP_TRY(dem_text_open(path, changes, &e->text));
+    RP_TRY(dem_text_open_bytes(path, inside ? e->bytes : NULL, changes, &e->text));
     if (!exp_has_phases(&e->text))
         return rp_fail(RP_BAD_INPUT, "%s: has no phases; a sweep needs an experiment", path);
     RP_TRY(refuse_files(e));
@@ -257,6 +258,18 @@ rp_status sweep_experiment_open(const char *path, const rp_texts *changes, sweep
     if (!*made) return rp_fail(RP_NO_MEMORY, "experiment: out of memory");
     const char *kept = rp_text(&(*made)->arena, "%s", path);
     return kept ? open_text(kept, changes, *made) : RP_NO_MEMORY;
+}
+
+rp_status sweep_protocol_open(const sweep_protocol *protocol, const rp_texts *changes,
+                              sweep_experiment **made, const sweep_protocol **opened)
+{
+    *made = NULL, *opened = protocol;
+    if (!protocol->text) return RP_OK;
+    sweep_experiment *e = *made = calloc(1, sizeof **made);
+    if (!e || !(e->bytes = strdup(protocol->text))) return rp_fail(RP_NO_MEMORY, "protocol: out of memory");
+    RP_TRY(open_text(rp_text(&e->arena, "protocol %s", protocol->name), changes, e));
+    e->protocol.name = protocol->name, e->protocol.about = protocol->about;
+    return *opened = &e->protocol, RP_OK;
 }
 
 void sweep_experiment_close(sweep_experiment *e)

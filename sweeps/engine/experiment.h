@@ -9,6 +9,10 @@ typedef struct sweep_experiment sweep_experiment;
 /* Read a text, with changes as of --set. Afterwards sweep_experiment_close, also after an error.
  * Errors: RP_BAD_INPUT (also: it has no phases, or names other files), RP_NO_MEMORY. */
 rp_status sweep_experiment_open(const char *path, const rp_texts *changes, sweep_experiment **made);
+
+/* The same of a protocol that is a text of the program; one that is not is itself, and *made NULL. */
+rp_status sweep_protocol_open(const sweep_protocol *protocol, const rp_texts *changes,
+                              sweep_experiment **made, const sweep_protocol **opened);
 void sweep_experiment_close(sweep_experiment *e);
 
 const sweep_protocol *sweep_experiment_protocol(const sweep_experiment *e);

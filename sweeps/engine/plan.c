@@ -68,13 +68,14 @@ static rp_status read_head(const char *file, const config_setting_t *root,
     rp_status status = rp_config_group(
         root, schema, h, (const char *const[]){"fixed", "grid", "derive", "trace", "model", "set", NULL});
     rp_units_set((rp_units)h->units);
-    const char *other = *h->experiment ? "protocol" : "set";
-    const config_setting_t *extra = config_setting_get_member(root, other);
-    if (!status && !extra && *h->experiment) other = "units", extra = config_setting_get_member(root, other);
-    if (!status && extra)
-        return rp_config_fail(
-            extra, *h->experiment ? "%s: the experiment's text has it" : "%s: changes an experiment", other);
-    return status;
+    if (status) return status;
+    const bool text = *h->experiment || protocols[h->protocol]->text;
+    const config_setting_t *set = config_setting_get_member(root, "set"),
+                           *units = config_setting_get_member(root, "units"),
+                           *protocol = config_setting_get_member(root, "protocol");
+    if (set && !text) return rp_config_fail(set, "set: changes an experiment");
+    if (protocol && *h->experiment) return rp_config_fail(protocol, "protocol: the experiment's text has it");
+    return units && text ? rp_config_fail(units, "units: the experiment's text has it") : RP_OK;
 }
 
 /* A sweep's folder keeps one file that says everything. */
@@ -113,7 +114,7 @@ static rp_status rename_text(const config_setting_t *setting, const char *to, ch
     return RP_OK;
 }
 
-/* Open the experiment's file, beside the sweep's. */
+/* Open the experiment's file, beside the sweep's, or the protocol's text. */
 static rp_status open_experiment(const char *file, const char *name, sweep_plan *plan)
 {
     RP_SCOPE(arena);
@@ -129,6 +130,12 @@ static rp_status open_experiment(const char *file, const char *name, sweep_plan 
                                   sizeof changes.items / sizeof *changes.items);
         changes.items[changes.n++] = text;
     }
+    if (!*name) {
+        const rp_status status =
+            sweep_protocol_open(plan->protocol, &changes, &plan->experiment, &plan->protocol);
+        return rp_prefix(status, "%s: ", file);
+    }
+    plan->has_copy = true;
     RP_TRY(rp_path(&arena, &path, "%.*s%s", slash && *name != '/' ? (int)(slash - file) + 1 : 0, file, name));
     rp_status status = sweep_experiment_open(path, &changes, &plan->experiment);
     if (status) return rp_prefix(status, "%s: experiment: ", file);
@@ -398,7 +405,7 @@ rp_status sweep_plan_read(const char *file, const sweep_protocol *const *protoco
                            *grid = config_setting_get_member(root, "grid");
     RP_TRY(read_head(file, root, protocols, &h));
     plan->protocol = protocols[h.protocol];
-    if (*h.experiment) RP_TRY(open_experiment(file, h.experiment, plan));
+    if (*h.experiment || plan->protocol->text) RP_TRY(open_experiment(file, h.experiment, plan));
     plan->replicas = (size_t)h.replicas;
     plan->seed = (unsigned long)h.seed;
     plan->shared_piles = h.piles == PILES_SHARED;

@@ -37,6 +37,7 @@ typedef struct {
     char model[128], hash[33], fixed_json[4096]; /* the last without its closing brace */
     char *text;                   /* of the file; with an experiment it names the folder's copy */
     sweep_experiment *experiment; /* NULL: none */
+    bool has_copy;                /* the folder has one of its file */
     config_t config;              /* owns the texts among the parameters */
 } sweep_plan;
 

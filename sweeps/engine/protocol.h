@@ -91,6 +91,8 @@ typedef struct {
     /* Of a protocol that a text describes: its first parameter, a pointer; and what stands for the parameters
      * in keys and streams, false for values that can't be. NULL for those of the program. */
     const void *context;
+    const char
+        *text; /* of a protocol that is not open yet (sweep_protocol_open): all but its name and `about` */
     bool (*hash)(const void *params, XXH128_hash_t *digest);
 
     /* One run with the random streams (seed, run, purpose). With `tables` (else NULL) the run, the same to

@@ -93,7 +93,7 @@ static rp_status claim(const sweep_folder *f, const char *file)
                        *folder.holds ? folder.holds : "an unfinished run");
     const bool snapshots = access(f->snapshots, F_OK) == 0; /* people's, if it was there before */
     for (size_t i = 0; i < (snapshots ? N_NAMES - 1 : N_NAMES); i++) {
-        if (i == N_NAMES - 2 && !f->plan.experiment) continue;
+        if (i == N_NAMES - 2 && !f->plan.has_copy) continue;
         if (!older || (i == 0 && !*before)) RP_TRY(rp_folder_check(&folder, names[i]));
         RP_TRY(rp_folder_list(&folder, names[i], RP_OWN_STAYS));
     }
@@ -209,7 +209,7 @@ rp_status sweep_prepare(const char *file, const char *dir, size_t replicas,
     RP_TRY(lock_folder(&f));
     RP_TRY(sweep_store_open(f.sqlite, SWEEP_CREATE, &f.store));
     RP_TRY(sweep_store_write_plan(f.store, &f.plan, file, watch));
-    if (f.plan.experiment) RP_TRY(write_text(f.experiment, sweep_experiment_text(f.plan.experiment)));
+    if (f.plan.has_copy) RP_TRY(write_text(f.experiment, sweep_experiment_text(f.plan.experiment)));
     RP_TRY(write_text(f.cfg, f.plan.text));
     return sweep_store_count(f.store, &f.plan, counts);
 }

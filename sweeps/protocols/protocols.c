@@ -1,8 +1,21 @@
 /* The list of protocols; see protocols.h. */
 #include "sweeps/protocols/protocols.h"
 
+static const rp_param no_params[] = {{0}};
+static const sweep_output no_outputs[] = {{0}};
+
+/* One that is a text. */
+#define TEXT(NAME, ABOUT)                                                                                    \
+    extern const char sweep_text_##NAME[];                                                                   \
+    const sweep_protocol sweep_protocol_##NAME = {.name = #NAME,                                             \
+                                                  .about = ABOUT,                                            \
+                                                  .schema = no_params,                                       \
+                                                  .outputs = no_outputs,                                     \
+                                                  .text = sweep_text_##NAME}
+TEXT(flux, "grains put in at the left, one by one, leave over the right edge (Lee & Herrmann 1993)");
+
 const sweep_protocol *const sweep_protocols[] = {
 #define X(name) &sweep_protocol_##name,
-    SWEEP_PROTOCOLS(X)
+    SWEEP_PROTOCOLS(X) SWEEP_TEXTS(X)
 #undef X
         NULL};

@@ -6,10 +6,12 @@
 
 RP_C_BEGIN
 
-#define SWEEP_PROTOCOLS(X) X(repose) X(stress) X(onset) X(flux) X(pile) X(drop)
+#define SWEEP_PROTOCOLS(X) X(repose) X(stress) X(onset) X(pile) X(drop)
+#define SWEEP_TEXTS(X)     X(flux) /* flux.cfg, beside this file */
 
 #define X(name) extern const sweep_protocol sweep_protocol_##name;
 SWEEP_PROTOCOLS(X)
+SWEEP_TEXTS(X)
 #undef X
 
 extern const sweep_protocol *const sweep_protocols[]; /* ended by NULL */

@@ -5,6 +5,7 @@
 #include "cli/command.h"
 #include "core/version.h"
 #include "dem/scene/scene.h"
+#include "sweeps/engine/experiment.h"
 
 #define HELP_OPTIONS(X)                                                                                      \
     X(BOOL, markdown, "", "false", "", "print the manual of all commands and keys as Markdown of pandoc")    \
@@ -105,7 +106,20 @@ static void put_command(cli_call call, const cli_command *c)
     printf("Example:\n\n    %s\n\n", c->example);
 }
 
-static void print_manual(const cli_call *call)
+static void put_protocol(const sweep_protocol *p)
+{
+    put_title(2, "Protocol ", p->name);
+    put_lines(p->about);
+    put_schema(p->schema);
+    put_title(3, "Outputs of protocol ", p->name);
+    for (const sweep_output *o = p->outputs; o->name; o++) {
+        char text[1024];
+        snprintf(text, sizeof text, "%s%s%s", o->meaning, *o->unit ? ", " : "", o->unit);
+        put_item("", o->name, text);
+    }
+}
+
+static rp_status print_manual(const cli_call *call)
 {
     const cli_program *program = call->program;
     printf("%% REPOSE(1) Repose %s | User Commands\n\n# NAME\n\nrepose \\- %s\n\n# SYNOPSIS\n\n"
@@ -120,15 +134,12 @@ static void print_manual(const cli_call *call)
     }
     put_title(1, "", "KEYS AND OUTPUTS OF A SWEEP'S PROTOCOL");
     for (const sweep_protocol *const *p = sweep_protocols; *p; p++) {
-        put_title(2, "Protocol ", (*p)->name);
-        put_lines((*p)->about);
-        put_schema((*p)->schema);
-        put_title(3, "Outputs of protocol ", (*p)->name);
-        for (const sweep_output *o = (*p)->outputs; o->name; o++) {
-            char text[1024];
-            snprintf(text, sizeof text, "%s%s%s", o->meaning, *o->unit ? ", " : "", o->unit);
-            put_item("", o->name, text);
-        }
+        sweep_experiment *text;
+        const sweep_protocol *opened;
+        const rp_status status = sweep_protocol_open(*p, NULL, &text, &opened);
+        if (!status) put_protocol(opened);
+        sweep_experiment_close(text);
+        RP_TRY(status);
     }
     put_title(1, "", "EXIT STATUS");
 #define X(name, code, text) put_item("", #code, text);
@@ -136,6 +147,7 @@ static void print_manual(const cli_call *call)
 #undef X
     put_title(1, "", "FILES");
     put_lines(about_data);
+    return RP_OK;
 }
 
 /* ---- completion ---- */
@@ -200,7 +212,7 @@ static rp_status act_help(cli_call *call, const void *values)
     const help_options *o = values;
     if (cli_argument(call, 0)) return help_on(*call);
     if (o->markdown) {
-        print_manual(call);
+        RP_TRY(print_manual(call));
     } else if (o->completion) {
         print_completion(call);
     } else {

@@ -8,6 +8,7 @@
 #include "core/file.h"
 #include "dem/scene/text.h"
 #include "experiment/experiment.h"
+#include "sweeps/engine/experiment.h"
 #include "sweeps/protocols/protocols.h"
 
 #define PARAMS_OPTIONS(X)                                                                                    \
@@ -175,7 +176,13 @@ static rp_status print_all(cli_call *call, const void *values)
     for (const sweep_protocol *const *p = sweep_protocols; *p; p++) {
         if (name && strcmp(name, (*p)->name) != 0) continue;
         if (found && !rows) putchar('\n');
-        (rows ? protocol_rows : print_protocol)(*p);
+        sweep_experiment *text;
+        const sweep_protocol *opened;
+        const rp_status status = sweep_protocol_open(*p, NULL, &text, &opened);
+        if (!status) (rows ? protocol_rows : print_protocol)(opened);
+        sweep_experiment_close(text);
+        rp_units_set((rp_units)o->units); /* a text has its own */
+        RP_TRY(status);
         found = true;
     }
     if (!name || strcmp(name, "scene") == 0) {

@@ -1098,9 +1098,14 @@ static rp_status dt_limit(void *host, const char *name, int n, const double args
 
 rp_status dem_text_open(const char *path, const rp_texts *changes, dem_text *text)
 {
+    return dem_text_open_bytes(path, NULL, changes, text);
+}
+
+rp_status dem_text_open_bytes(const char *name, const char *bytes, const rp_texts *changes, dem_text *text)
+{
     const char *units = NULL;
-    *text = (dem_text){.path = path};
-    RP_TRY(rp_config_read(path, &text->config));
+    *text = (dem_text){.path = name};
+    RP_TRY(bytes ? rp_config_read_text(name, bytes, &text->config) : rp_config_read(name, &text->config));
     for (size_t i = 0; changes && i < changes->n; i++) RP_TRY(change(text, changes->items[i]));
     config_lookup_string(&text->config, "units", &units);
     rp_units_set(rp_units_find(units));

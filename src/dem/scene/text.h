@@ -21,6 +21,7 @@ typedef struct {
 /* Read a file and the changes of it, of which those of a let are given to the lets; its units are those of
  * all numbers from here on. Afterwards dem_text_close, also after an error. Errors: RP_BAD_INPUT. */
 rp_status dem_text_open(const char *path, const rp_texts *changes, dem_text *text);
+rp_status dem_text_open_bytes(const char *name, const char *bytes, const rp_texts *changes, dem_text *text);
 void dem_text_close(dem_text *text);
 
 /* Give a let a value, of a text that is open; another reading takes it. Errors: RP_BAD_INPUT (no such let).
