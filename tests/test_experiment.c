@@ -276,6 +276,14 @@ static void test_refused(void)
         {"of = \"height\"", "of = \"height > 1\"", "of \"height > 1\" is a condition, a number is expected"},
         {"of = \"height\"", "of = \"mean_y\"", "mean_y is measured after this"},
         {"unit = \"1/s\"", "unit = 3", "unit"},
+        {"unit = \"1/s\"", "level_of = \"dept\"",
+         "level_of = \"dept\": no earlier measure has this name (did you"},
+        {"unit = \"1/s\"", "level_of = \"depth\"",
+         "level_of = \"depth\": samples of the same looks expected"},
+        {"unit = \"1/s\"", "level_of = \"depth\"; skip = 0.1", "level_of and skip; keep one"},
+        {"unit = \"1/s\"", "columns = 3", "columns: names, [\"NAME\", ...], expected"},
+        {"unit = \"1/s\"", "columns = [\"mu\"]", "mu names a let and a column"},
+        {"unit = \"1/s\"", "columns = [\"depth\"]", "depth: two measures have this column"},
         {"regions =", "result = \"fine\"; regions =", "result = \"fine\": ok or ok_... expected"},
         {"dt = 5.0e-5", "dt = \"D > 1\"", "dt = \"D > 1\": "}};
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
