@@ -175,7 +175,8 @@ static void ends_without_result(void)
         trace((const char *const[]){cases[k].changes, NULL}, &t);
         CU_ASSERT_STRING_EQUAL(t.result.status, cases[k].status);
         if (k == 1) CU_ASSERT(output(&t, "insertions_made") > 4.0 && output(&t, "insertions_made") < 100.0);
-        if (k == 1) CU_ASSERT(output(&t, "steps") == cases[k].steps);
+        if (k == 1)
+            CU_ASSERT(output(&t, "steps") >= cases[k].steps && output(&t, "steps") < 1.5 * cases[k].steps);
         if (k != 1) CU_ASSERT(isnan(output(&t, "theta_deg")));
         trace_free(&t);
     }

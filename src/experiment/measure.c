@@ -24,7 +24,6 @@ bool exp_measures_in(const exp_run *run, long *next)
 {
     const exp_phase *phase = &run->plan->phases[run->at.phase];
     bool some = false;
-    if (!phase->is_sampled) return false;
     for (size_t k = 0; k < run->plan->n_measures; k++) {
         const exp_measure *m = &run->plan->measures[k];
         if (!samples_at_looks(m, run->at.phase)) continue;
@@ -86,7 +85,7 @@ void exp_sample(exp_run *run)
 {
     const exp_phase *phase = &run->plan->phases[run->at.phase];
     const long since = run->at.phase_step - phase->least;
-    for (size_t k = 0; phase->is_sampled && k < run->plan->n_measures && !run->failed; k++) {
+    for (size_t k = 0; k < run->plan->n_measures && !run->failed; k++) {
         const exp_measure *m = &run->plan->measures[k];
         if (samples_at_looks(m, run->at.phase) && since > 0 && since % m->every == 0) add_sample(run, k);
     }

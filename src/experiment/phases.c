@@ -319,8 +319,8 @@ static void look(exp_run *run, bool is_end)
     run->fresh = false;
     if (run->at.now.last && !run->at.now.touched)
         run->at.now.touched = dem_contact_count(run->sim, run->at.now.last) > 0;
-    exp_sample(run);
-    const bool looks = since > 0 && since % p->every == 0;
+    if (p->is_sampled) exp_sample(run);
+    const bool looks = since > 0 && (p->every == 1 || since % p->every == 0); /* a division takes long */
     for (size_t k = 0; k < p->n_fails && looks && !run->failed && !run->at.done; k++)
         if (exp_true(run, &p->fails[k].when))
             exp_conclude(run, p->fails[k].word, "phase %s, step %ld: %s", p->name, run->at.phase_step,
@@ -359,12 +359,14 @@ rp_status exp_advance(exp_run *run, long most)
     long next = LONG_MAX;
     if (p->ending == EXP_UNTIL || p->n_fails > 0 || p->damp) {
         const long since = run->at.phase_step - p->least;
-        next = since < 0 ? p->every - since : p->every - since % p->every;
+        next = since < 0 ? p->every - since : p->every == 1 ? 1 : p->every - since % p->every;
     }
-    exp_measures_in(run, &next);
+    if (p->is_sampled) exp_measures_in(run, &next);
     const long left = run->at.most - run->at.phase_step, part = least_of(most, least_of(next, left));
     if (part > 0) {
-        rp_status status = p->each_step || exp_is_loaded(run) ? go_by_steps(run, part) : go(run, part);
+        rp_status status = p->each_step || (run->plan->n_loads > 0 && exp_is_loaded(run))
+                               ? go_by_steps(run, part)
+                               : go(run, part);
         run->fresh = false;
         if (status == RP_BROKEN) {
             exp_conclude(run, dem_fault_text(dem_sim_fault(run->sim)), "%s", rp_message());

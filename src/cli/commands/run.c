@@ -280,6 +280,17 @@ static void show_progress(const scene_run *r, cli_progress *p)
         cli_progress_tell(p, now, is_done(r) ? NULL : exp_where(r->exp, text, sizeof text), stderr);
 }
 
+static rp_status stop(const scene_run *r, const outputs *out, long step)
+{
+    char at[300], of[32], where[256];
+    snprintf(of, sizeof of, "%ld", r->plan.steps);
+    snprintf(at, sizeof at, "stopped at step %ld of %s", step,
+             r->exp ? exp_where(r->exp, where, sizeof where) : of);
+    return out->resumable ? rp_fail(RP_STOPPED, "%s; repose run %s--resume %s continues", at,
+                                    r->exp ? "FILE " : "", out->directory)
+                          : rp_fail(RP_STOPPED, "%s", at);
+}
+
 /* Advance to the end, or until a signal. */
 static rp_status advance(scene_run *r, outputs *out)
 {
@@ -309,14 +320,7 @@ static rp_status advance(scene_run *r, outputs *out)
         if (!status && !is_done(r)) status = outputs_write(out, r, stage, false);
         if (!status && out->resumable && !is_done(r) && (stopped || step % p->snapshot == 0))
             status = cli_unfinished_write(&out->unfinished, keep_run, r);
-        char at[300], of[32], where[256];
-        snprintf(of, sizeof of, "%ld", p->steps);
-        snprintf(at, sizeof at, "stopped at step %ld of %s", step,
-                 r->exp && stopped ? exp_where(r->exp, where, sizeof where) : of);
-        if (!status && stopped)
-            status = out->resumable ? rp_fail(RP_STOPPED, "%s; repose run %s--resume %s continues", at,
-                                              r->exp ? "FILE " : "", out->directory)
-                                    : rp_fail(RP_STOPPED, "%s", at);
+        if (!status && stopped) status = stop(r, out, step);
     }
     return status;
 }
