@@ -15,7 +15,7 @@ put 644 share/repose/python python/*.py
 put 644 share/doc/repose README.md LICENSE CITATION.cff docs/*.md
 for folder in sweeps/*/ examples/ examples/*/; do
     case $folder in
-    sweeps/engine/ | sweeps/protocols/ | *\*/) ;;
+    sweeps/engine/ | *\*/) ;;
     sweeps/*) put 644 "share/repose/$folder" "$folder"*.cfg ;;
     *) put 644 "share/repose/$folder" $(find "$folder" -maxdepth 1 -type f) ;;
     esac

@@ -71,6 +71,7 @@ static void test_data(void)
     PASSES("$PREFIX/bin/repose sweep plan "
            "sweeps/studies/calibrate.cfg -o planned");
     CU_ASSERT(strstr(out, "60 runs") != NULL);
+    PASSES("$PREFIX/bin/repose params sweeps/protocols/flux.cfg | grep -q ^v_cut");
     PASSES("$PREFIX/bin/repose run examples/pile.cfg --set steps=10 --quiet | grep -q '^10'");
     PASSES("$PREFIX/bin/repose angle slope examples/outline.csv --y-axis down");
     PASSES("test -f $PREFIX/share/doc/repose/examples/pile.cfg"); /* a link */
