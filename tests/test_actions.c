@@ -598,6 +598,54 @@ static void test_ends(void)
     }
 }
 
+/* Bins of a box, by what is put there; over samples their mean; the stress is that of the region. */
+static void test_profile(void)
+{
+    static const char text[] =
+        "dt = 1e-6; gravity = (0.0, 0.0);\n"
+        "particles = ( { x = 0.5; y = 0.5; r = 0.1; vx = 1.0; }, { x = 1.5; y = 0.5; r = 0.1; vx = 3.0; },\n"
+        "  { x = 0.5; y = 1.5; r = 0.1; vx = 2.0; vy = 1.0; }, { x = 1.2; y = 1.5; r = 0.1; }, { x = 1.39; y "
+        "= 1.5; r "
+        "= 0.1; }, { x = 7.0; y = 1.0; r = 0.1; } );\n"
+        "regions = { box = { x = (0.0, 2.0); y = (0.0, 2.0); }; half = { x = (0.0, 2.0); }; };\n"
+        "phases = ( { name = \"p\"; steps = 0; }, { name = \"q\"; steps = 30; } );\n"
+        "measure = ( { name = \"rows\"; of = \"profile\"; bins = 2; in = \"box\"; at = \"p\"; }, { name = "
+        "\"sxx\"; of = "
+        "\"box.sxx\"; at = \"p\"; },\n"
+        "  { name = \"mean\"; of = \"profile\"; along = \"x\"; bins = 4; in = \"box\"; during = \"q\"; every "
+        "= 10; } );\n";
+    write_text("p.cfg", "%s", text);
+    GOOD("run p.cfg -o p --snapshot 7");
+    scoped_table rows = read_table("p/profile_rows.tsv");
+    scoped_table measures = read_table("p/measures.tsv");
+    CU_ASSERT_FATAL(rows.n_rows == 2 && measures.n_rows == 1);
+    static const double expected[2][4] = {{0.5, 2.0, 2.0, 0.0}, {1.5, 3.0, 2.0 / 3.0, 1.0 / 3.0}};
+    for (size_t k = 0; k < 2; k++) {
+        CHECK_NEAR(cell(&rows, k, "y"), expected[k][0], 1e-14);
+        CHECK_NEAR(cell(&rows, k, "grains"), expected[k][1], 0.0);
+        CHECK_NEAR(cell(&rows, k, "vx"), expected[k][2], 1e-12);
+        CHECK_NEAR(cell(&rows, k, "vy"), expected[k][3], 1e-12);
+        CHECK_NEAR(cell(&rows, k, "fraction"), expected[k][1] * M_PI * 0.01 / 2.0, 1e-12);
+    }
+    CU_ASSERT(cell(&rows, 0, "sxx") == 0.0 && cell(&rows, 1, "sxx") > 10.0);
+    CHECK_NEAR(0.5 * cell(&rows, 1, "sxx"), cell(&measures, 0, "value"), 1e-10);
+    CHECK_NEAR(cell(&rows, 1, "syy"), 0.0, 1e-12);
+    scoped_table mean = read_table("p/profile_mean.tsv");
+    CU_ASSERT_FATAL(mean.n_rows == 4);
+    CHECK_NEAR(cell(&mean, 1, "grains"), 2.0, 0.0); /* of both ways, x from 0.5 to 1 */
+    CHECK_NEAR(cell(&mean, 2, "grains"), 2.0, 0.0);
+    CU_ASSERT(shell("grep -qx '# samples: 3' p/profile_mean.tsv") == 0);
+    /* stopped and gone on with: the same bytes */
+    CU_ASSERT(shell("mkdir r && cd r && cp ../p.cfg . && cp -r ../p/. whole && $REPOSE run p.cfg -o p "
+                    "--snapshot 7 --every 3 "
+                    ">/dev/null 2>&1 && grep -v '^#' p/profile_mean.tsv >x && grep -v '^#' "
+                    "whole/profile_mean.tsv | cmp - x") == 0);
+    CU_ASSERT(shell("sed 's/in = \"box\"; at/in = \"half\"; at/' p.cfg >h.cfg") == 0);
+    FAILS(1, "no_region: rows: the region goes from y = -inf to inf", "run h.cfg");
+    CU_ASSERT(shell("sed 's/bins = 4;/bins = 4; take = \"max\";/' p.cfg >h.cfg") == 0);
+    FAILS(65, "measure mean: profile has a table of means, and no series", "run h.cfg");
+}
+
 /* ---- ends that are kept, and intervals of tables, by the command ---- */
 
 static void test_kept(void)
@@ -674,6 +722,7 @@ void suite_actions(void)
                                        {"refused", test_refused},
                                        {"words of the end", test_ends},
                                        {"ends that are kept", test_kept},
+                                       {"a profile", test_profile},
                                        {0}};
     check_register_within("actions", enter, leave, cases);
 }

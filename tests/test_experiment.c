@@ -103,7 +103,7 @@ static void test_phases(void)
     CHECK_NEAR(measured(&t, "tilt"), 5.0, 1e-9);
     CU_ASSERT(measured(&t, "passes") == 5.0 && measured(&t, "steps") == 5.0 * 200.0 + 3.0);
     CU_ASSERT(isnan(measured(&t, "nothing")) && exp_steps(t.run) == 1003);
-    CU_ASSERT(exp_series_count(t.plan) == 1 && strcmp(exp_series_name(t.plan, 0), "passes") == 0);
+    CU_ASSERT(exp_series_count(t.plan) == 1 && strcmp(exp_series_name(t.plan, 0), "series_passes.tsv") == 0);
 }
 
 /* Replace the first `from` of a text. */

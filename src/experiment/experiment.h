@@ -83,8 +83,8 @@ exp_passed exp_phase_at(const exp_run *run, size_t k);
 size_t exp_stages(const exp_run *run);    /* phases of the top level that have ended */
 bool exp_goes_back(const exp_plan *plan); /* some phase begins where an earlier one ended */
 
-/* Write the samples of the measures with `series`: table NAME of columns step, time and
- * value. */
+/* Tables of measures, by the names of their files: samples of those with `series`, columns step, time and
+ * value; and modules that have tables. */
 size_t exp_series_count(const exp_plan *plan);
 const char *exp_series_name(const exp_plan *plan, size_t k);
 void exp_series_write(const exp_run *run, size_t k, FILE *out);

@@ -55,6 +55,7 @@ static void add_sample(exp_run *run, size_t k)
         no_numbers(run, m, status);
         return;
     }
+    if (m->module && m->module->add) return;
     const double value = m->module ? out[m->pick] : exp_value(run, &m->of);
     const bool event = m->event.x.text && exp_true(run, &m->event);
     double *last = s->n > 0 ? &s->at[EXP_SAMPLE * (s->n - 1)] : NULL;
@@ -211,6 +212,10 @@ static void measure(exp_run *run, size_t k)
     const exp_measure *m = &run->plan->measures[k];
     double *out = &run->values[m->output], all[EXP_MODULE_OUTPUTS];
     for (int o = 0; o < EXP_MODULE_OUTPUTS; o++) all[o] = NAN;
+    if (m->module && m->module->add && m->take != TAKE_VALUE) {
+        if (run->tables[k].samples == 0.0 && !m->optional) exp_conclude(run, "no_samples", "%s", m->name);
+        return;
+    }
     if (m->take != TAKE_VALUE) {
         const rp_status status = reduce(run, m, &run->samples[k], all);
         memcpy(out, all, m->n_outputs * sizeof *out);
@@ -252,30 +257,41 @@ void exp_measure_phase(exp_run *run, size_t phase)
 
 /* ---- series ---- */
 
+static bool has_table(const exp_measure *m)
+{
+    return m->series || (m->module && m->module->add);
+}
+
 static size_t nth_series(const exp_plan *plan, size_t k)
 {
     size_t m = 0;
     for (; m < plan->n_measures; m++)
-        if (plan->measures[m].series && k-- == 0) break;
+        if (has_table(&plan->measures[m]) && k-- == 0) break;
     return m;
 }
 
 size_t exp_series_count(const exp_plan *plan)
 {
     size_t n = 0;
-    for (size_t m = 0; m < plan->n_measures; m++) n += plan->measures[m].series;
+    for (size_t m = 0; m < plan->n_measures; m++) n += has_table(&plan->measures[m]);
     return n;
 }
 
 const char *exp_series_name(const exp_plan *plan, size_t k)
 {
-    return plan->measures[nth_series(plan, k)].name;
+    return plan->measures[nth_series(plan, k)].file;
 }
 
 void exp_series_write(const exp_run *run, size_t k, FILE *out)
 {
-    const exp_samples *s = &run->samples[nth_series(run->plan, k)];
-    const exp_measure *m = &run->plan->measures[nth_series(run->plan, k)];
+    const size_t number = nth_series(run->plan, k);
+    const exp_samples *s = &run->samples[number];
+    const exp_measure *m = &run->plan->measures[number];
+    const exp_table *table = &run->tables[number];
+    if (table->sums) {
+        m->module->write(m->params, table->samples, table->sums, out);
+        return;
+    }
     const char *const columns[][2] = {
         {"step", ""}, {"time", rp_unit("s")}, {m->name, run->plan->outputs[m->output].unit}};
     rp_table_columns(out, 3, columns);

@@ -624,7 +624,10 @@ rp_status exp_module_values(exp_run *run, const exp_measure *m, double out[EXP_M
     sample.grains = grains;
     if (m->module->on_wall)
         sample.walls = run->plan->walls[m->on].walls, sample.n_walls = run->plan->walls[m->on].n;
-    rp_status status = m->module->evaluate(&sample, m->params, out);
+    exp_table *table = &run->tables[m - run->plan->measures];
+    rp_status status = m->module->add ? m->module->add(&sample, m->params, table->sums)
+                                      : m->module->evaluate(&sample, m->params, out);
+    table->samples += !status;
     free(grains);
     return status;
 }

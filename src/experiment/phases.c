@@ -62,14 +62,21 @@ static rp_status make_room(exp_run *run)
     run->loads = calloc(2 * p->n_walls + 1, sizeof *run->loads);
     run->points = calloc(p->n_regions + 1, sizeof *run->points);
     run->kept = calloc(p->n_phases + 1, sizeof *run->kept);
+    run->tables = calloc(p->n_measures + 1, sizeof *run->tables);
     run->passed = calloc(p->n_phases + 1, sizeof *run->passed);
     if (!run->kept) return rp_fail(RP_NO_MEMORY, "run: out of memory");
     if (!run->counters || !run->values || !run->samples || !run->saved || !run->loads || !run->points ||
-        !run->passed)
+        !run->passed || !run->tables)
         return rp_fail(RP_NO_MEMORY, "run: out of memory");
     for (size_t k = 0; k < p->n_regions; k++)
         if (!(run->points[k] = calloc(2 * p->regions[k].n_points + 1, sizeof **run->points)))
             return rp_fail(RP_NO_MEMORY, "run: out of memory");
+    for (size_t k = 0; k < p->n_measures; k++) {
+        const exp_measure *m = &p->measures[k];
+        if (!m->module || !m->module->add) continue;
+        run->tables[k].sums = calloc(m->module->room(m->params), sizeof(double));
+        if (!run->tables[k].sums) return rp_fail(RP_NO_MEMORY, "run: out of memory");
+    }
     for (size_t k = 0; k < p->n_outputs; k++) run->values[k] = NAN;
     for (size_t k = 0; k < 2 * p->n_walls; k++) run->loads[k] = -1;
     return RP_OK;
@@ -142,6 +149,8 @@ void exp_run_free(exp_run *run)
     for (size_t k = 0; run->points && k < run->plan->n_regions; k++) free(run->points[k]);
     free(run->kinds), free(run->loads), free(run->saved), free(run->points), free(run->kept);
     free(run->passed);
+    for (size_t k = 0; run->tables && k < run->plan->n_measures; k++) free(run->tables[k].sums);
+    free(run->tables);
     for (int k = 0; k < 2; k++)
         if (run->random[k]) gsl_rng_free(run->random[k]);
     dem_free(run->sim);
@@ -535,7 +544,12 @@ static void keep_state(rp_snapshot *s, exp_run *run, size_t n)
         rp_keep(s, gsl_rng_state(run->random[k]), gsl_rng_size(run->random[k]));
         rp_keep_check(s, rp_random_is_whole(run->random[k]), "a random stream that is none");
     }
-    for (size_t k = 0; k < p->n_measures && !s->status; k++) keep_samples(s, &run->samples[k]);
+    for (size_t k = 0; k < p->n_measures && !s->status; k++) {
+        keep_samples(s, &run->samples[k]);
+        if (!run->tables[k].sums) continue;
+        RP_KEEP(s, run->tables[k].samples);
+        keep_array(s, run->tables[k].sums, p->measures[k].module->room(p->measures[k].params));
+    }
     for (size_t k = 0; k < p->n_phases && !s->status; k++)
         if (p->phases[k].is_source) keep_saved(s, run, &run->saved[k]);
     if (!s->status) keep_sim(s, &run->sim);

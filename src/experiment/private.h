@@ -120,6 +120,7 @@ typedef enum { TAKE_VALUE, TAKE_MEAN, TAKE_MAX, TAKE_MIN, TAKE_FIRST, TAKE_RATE,
 typedef struct {
     const char *name, *at, *during, *unit, *meaning, *in, *wall, *level_of;
     size_t levels_with; /* number of that measure, or its own */
+    const char *file;   /* of its table */
     int take;
     long every;
     double skip, drop; /* share, INFINITY: where it levels off; least fall of an avalanche, or INFINITY */
@@ -197,6 +198,11 @@ typedef struct {
     long *loads;
 } exp_saved;
 
+/* Sums of a module that has a table. */
+typedef struct {
+    double samples, *sums;
+} exp_table;
+
 struct exp_run {
     const exp_plan *plan;
     dem_sim *sim;
@@ -217,6 +223,7 @@ struct exp_run {
     } at;
     double *counters, *values; /* of expressions; of outputs */
     exp_samples *samples;      /* of measures */
+    exp_table *tables;         /* of measures; without sums where there is none */
     double *marks;             /* x, y of ids from 1 on, in the box's frame; NAN: none */
     int32_t *kinds;            /* of ids from 1 on; -1: none */
     long *loads;               /* of walls, along x and y: number of the load, or -1 */

@@ -126,7 +126,10 @@ static rp_status read_when(exp_plan *plan, exp_measure *m)
             many ? "measure %s: take = \"%s\" of samples: one of mean, max, min, first, rate, avalanches"
                  : "measure %s: take = \"%s\": needs during = \"PHASE\"",
             m->name, take_words[m->take]);
-    if (many && m->module && m->pick < 0)
+    if (m->module && m->module->add && (m->series || (many && m->take != TAKE_MEAN)))
+        return rp_config_fail(setting, "measure %s: %s has a table of means, and no series", m->name,
+                              m->module->name);
+    if (many && m->module && m->pick < 0 && !m->module->add)
         return rp_config_fail(setting, "measure %s: samples are of one number, as in of = \"%s.%s\"", m->name,
                               m->module->name, m->module->outputs[0].name + 1);
     if (m->take == TAKE_AVALANCHES && isfinite(m->drop) == (member(setting, "event") != NULL))
@@ -247,6 +250,9 @@ static rp_status name_measure(exp_plan *plan, const config_setting_t *setting, e
         m->left_out = e.x.value == 0.0;
     }
     RP_TRY(check_columns(plan, m));
+    m->file =
+        rp_text(&plan->arena, "%s_%s.tsv", m->module && m->module->add ? m->module->name : "series", m->name);
+    if (!m->file) return RP_NO_MEMORY;
     RP_TRY(read_scope(plan, m));
     RP_TRY(read_when(plan, m));
     RP_TRY(read_level(plan, m));

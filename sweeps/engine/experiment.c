@@ -93,13 +93,11 @@ static void keep_run(rp_snapshot *s, void *run)
 
 static rp_status write_tables(const exp_plan *plan, const exp_run *run, const sweep_tables *tables)
 {
-    char name[96];
     if (!tables || !tables->directory || !exp_sim(run)) return RP_OK;
     RP_TRY(rp_make_directory(tables->directory));
     for (size_t k = 0; k < exp_series_count(plan); k++) {
         sweep_file f;
-        snprintf(name, sizeof name, "series_%s.tsv", exp_series_name(plan, k));
-        RP_TRY(sweep_table_open(tables, name, &f));
+        RP_TRY(sweep_table_open(tables, exp_series_name(plan, k), &f));
         exp_series_write(run, k, f.out);
         RP_TRY(sweep_table_close(&f, RP_OK));
     }

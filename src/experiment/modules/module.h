@@ -32,6 +32,11 @@ typedef struct {
     bool on_wall;              /* it is of a wall too */
     /* Errors: RP_NO_RESULT; others. */
     rp_status (*evaluate)(const exp_view *view, const void *params, double out[]);
+    /* Of one that has a table instead of outputs: how many sums it needs; what a sample adds to them, 0 at
+     * first; the table of so many samples. Errors: RP_NO_RESULT; others. */
+    size_t (*room)(const void *params);
+    rp_status (*add)(const exp_view *view, const void *params, double sums[]);
+    void (*write)(const void *params, double samples, const double sums[], FILE *out);
 } exp_module;
 
 /* Is a grain of this id in a view, whose ids rise? */
@@ -42,7 +47,7 @@ bool exp_view_has(const exp_view *view, uint32_t id);
  * are left out; NaN if all are. order[n], neighbours[n] (may be NULL): of each grain; NaN where left out. */
 double exp_bond_order(size_t n, const dem_state grains[], double order[], int neighbours[]);
 
-#define EXP_MODULES(X) X(slope) X(flanks) X(deposit) X(base) X(order) X(fabric)
+#define EXP_MODULES(X) X(slope) X(flanks) X(deposit) X(base) X(order) X(fabric) X(profile)
 #define X(name)        extern const exp_module exp_module_##name;
 EXP_MODULES(X)
 #undef X

@@ -1,0 +1,112 @@
+/* Profile: what grains and contacts have in bins of a region, as a table; over several samples the mean. */
+#include <math.h>
+#include <stdlib.h>
+
+#include "experiment/modules/module.h"
+#include "params/units.h"
+#include "table/table.h"
+
+typedef struct {
+    int along;
+    long bins;
+} profile_params;
+
+enum { ALONG_X, ALONG_Y };
+static const rp_param schema[] = {
+    {"along", "", RP_CHOICE, offsetof(profile_params, along), "y", "x | y", "direction of the bins"},
+    {"bins", "", RP_INT, offsetof(profile_params, bins), "20", "[1, 10000]", "of the region"},
+    {0}};
+
+static const exp_output outputs[] = {{0}};
+
+/* Of all samples: ends of the region and area of a bin, then of each bin these. */
+enum { LOWER, UPPER, AREA, HEAD };
+enum { COUNT, COVERED, MASS, P_X, P_Y, S_XX, S_XY, S_YY, SUMS };
+
+static size_t room(const void *params)
+{
+    return HEAD + (size_t)((const profile_params *)params)->bins * SUMS;
+}
+
+/* The bin of a place, NULL beside all. */
+static double *bin_of(const exp_view *s, const profile_params *p, double x, double y, double sums[])
+{
+    const int c = p->along == ALONG_Y;
+    const double at = c ? y : x, k = floor((at - s->lo[c]) / (s->hi[c] - s->lo[c]) * (double)p->bins);
+    const bool in = x >= s->lo[0] && x <= s->hi[0] && y >= s->lo[1] && y <= s->hi[1];
+    return in ? &sums[HEAD + (size_t)fmin(k, (double)(p->bins - 1)) * SUMS] : NULL;
+}
+
+static void add_contacts(const exp_view *s, const profile_params *p, size_t n, const dem_contact contacts[],
+                         double sums[])
+{
+    for (const dem_contact *c = contacts; c < contacts + n; c++) {
+        const double lx = c->x - c->x_b, ly = c->y - c->y_b, l = hypot(lx, ly),
+                     fx = (c->normal_force * lx + c->shear_force * ly) / l,
+                     fy = (c->normal_force * ly - c->shear_force * lx) / l;
+        double x = 0.5 * (c->x + c->x_b), y = 0.5 * (c->y + c->y_b);
+        dem_box_frame(s->sim, &x, &y);
+        double *bin = bin_of(s, p, x, y, sums);
+        if (!bin) continue;
+        bin[S_XX] += lx * fx, bin[S_YY] += ly * fy, bin[S_XY] += 0.5 * (lx * fy + ly * fx);
+    }
+}
+
+static rp_status add(const exp_view *s, const void *params, double sums[])
+{
+    const profile_params *p = params;
+    dem_contact *contacts;
+    size_t n;
+    for (int c = 0; c < 2; c++)
+        if (!(s->hi[c] > s->lo[c] && isfinite(s->hi[c] - s->lo[c])))
+            return rp_fail(RP_NO_RESULT, "the region goes from %c = %g to %g", c ? 'y' : 'x', s->lo[c],
+                           s->hi[c]);
+    RP_TRY(dem_contacts(s->sim, &contacts, &n));
+    const int c = p->along == ALONG_Y;
+    sums[LOWER] += s->lo[c], sums[UPPER] += s->hi[c];
+    sums[AREA] += (s->hi[0] - s->lo[0]) * (s->hi[1] - s->lo[1]) / (double)p->bins;
+    for (size_t i = 0; i < s->n; i++) {
+        const dem_state *g = &s->grains[i];
+        double *bin = bin_of(s, p, g->x, g->y, sums);
+        if (!bin) continue;
+        bin[COUNT]++, bin[COVERED] += M_PI * g->r * g->r;
+        bin[MASS] += g->m, bin[P_X] += g->m * g->vx, bin[P_Y] += g->m * g->vy;
+    }
+    add_contacts(s, p, n, contacts, sums);
+    free(contacts);
+    return RP_OK;
+}
+
+static void write(const void *params, double samples, const double sums[], FILE *out)
+{
+    const profile_params *p = params;
+    const char *const columns[][2] = {{p->along == ALONG_Y ? "y" : "x", rp_unit("cm")},
+                                      {"grains", ""},
+                                      {"fraction", ""},
+                                      {"vx", rp_unit("cm/s")},
+                                      {"vy", rp_unit("cm/s")},
+                                      {"sxx", rp_unit("dyn/cm")},
+                                      {"sxy", rp_unit("dyn/cm")},
+                                      {"syy", rp_unit("dyn/cm")}};
+    rp_table_note(out, "samples", "%.0f", samples);
+    rp_table_columns(out, 8, columns);
+    for (long k = 0; k < p->bins && samples > 0.0; k++) {
+        const double *bin = &sums[HEAD + k * SUMS],
+                     at = (sums[LOWER] + (sums[UPPER] - sums[LOWER]) * ((double)k + 0.5) / (double)p->bins);
+        rp_table_row(out, 8,
+                     (double[]){at / samples, bin[COUNT] / samples, bin[COVERED] / sums[AREA],
+                                bin[P_X] / bin[MASS], bin[P_Y] / bin[MASS], bin[S_XX] / sums[AREA],
+                                bin[S_XY] / sums[AREA], bin[S_YY] / sums[AREA]});
+    }
+}
+
+const exp_module exp_module_profile = {.name = "profile",
+                                       .about =
+                                           "fraction, velocity and stress in bins of a region: a table alone",
+                                       .word = "no_region",
+                                       .schema = schema,
+                                       .size = sizeof(profile_params),
+                                       .outputs = outputs,
+                                       .room = room,
+                                       .add = add,
+                                       .write = write};
