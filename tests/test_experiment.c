@@ -368,11 +368,13 @@ static void test_resumed(void)
     for (size_t k = 0; k < 4; k++) {
         char line[1024];
         snprintf(line, sizeof line,
-                 "cd b && rm -rf o && timeout -s KILL %s $REPOSE run h.cfg -o o --snapshot 300 --every 700 "
+                 "cd b && rm -rf o && timeout --foreground -s KILL %s $REPOSE run h.cfg -o o --snapshot 300 "
+                 "--every 700 "
                  ">/dev/null 2>&1; "
                  "resume() { $REPOSE run h.cfg --resume o >/dev/null 2>&1 || exit 9; }; "
                  "[ ! -e o/unfinished/snapshot ] || resume; "
-                 /* a kill while the result takes its place leaves the rest of that to the next command */
+                 /* timeout waits for the one it has killed, which holds the lock until then; a kill while the
+                    result takes its place leaves the rest of that to the next command */
                  "[ ! -e o/states.tsv ] || diff -r ../a/o o >/dev/null || { resume; diff -r ../a/o o; }",
                  delays[k]);
         CU_ASSERT(shell(line) == 0);
@@ -405,7 +407,8 @@ static void test_swept(void)
     GOOD("sweep status s");
     /* in shards, with the same digest; killed and gone on with */
     CU_ASSERT(shell("mv gone.cfg h.cfg && $REPOSE sweep plan s.cfg -o p >/dev/null && for k in 1 2 3; do "
-                    "timeout -s KILL 0.05 $REPOSE sweep run p --shard $k/3 -j 1 --quiet; $REPOSE sweep run p "
+                    "timeout --foreground -s KILL 0.05 $REPOSE sweep run p --shard $k/3 -j 1 --quiet; "
+                    "$REPOSE sweep run p "
                     "--shard $k/3 -j 1 --quiet || exit 9; done; "
                     "$REPOSE sweep merge p >/dev/null && [ \"$($REPOSE sweep digest s)\" = \"$($REPOSE sweep "
                     "digest p)\" ]") == 0);
