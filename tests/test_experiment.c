@@ -309,6 +309,7 @@ static void test_keys(void)
                  {"meaning = \"outlet\"", "meaning = \"gap\"", false},
                  {"grains < stop", "grains < 4*5", false},
                  {"  { name = \"packed\"", "\n { name = \"packed\"", false},
+                 {"unit = \"1/s\"", "columns = [\"rate\", \"other\"]", true},
                  {"value = 1.6", "value = 1.7", true},
                  {"stop = 20", "stop = 21", true},
                  {"mu = 0.2", "mu = 0.3", true},

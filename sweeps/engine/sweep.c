@@ -354,20 +354,6 @@ rp_status sweep_status(const char *dir, const sweep_protocol *const *protocols, 
     return list_shards(&f, counts->shards, sizeof counts->shards);
 }
 
-rp_status sweep_check_done(const char *file, const char *dir, const sweep_protocol *const *protocols)
-{
-    RP_ENDS(sweep_folder_close) sweep_folder f;
-    RP_ENDS(sweep_plan_free) sweep_plan plan = {0};
-    sweep_counts counts;
-    RP_TRY(sweep_folder_read(dir, protocols, false, &f));
-    RP_TRY(sweep_plan_read(file, protocols, &plan));
-    if (strcmp(plan.hash, f.plan.hash) != 0)
-        return rp_fail(RP_BAD_INPUT, "%s: holds another plan than that of %s, and may only be read", dir,
-                       file);
-    RP_TRY(sweep_store_count(f.store, &f.plan, &counts));
-    return sweep_check_whole(dir, &counts);
-}
-
 /* A folder stands for its store and its shards. */
 static rp_status add_source(const sweep_folder *f, const char *path, rp_paths *sources)
 {

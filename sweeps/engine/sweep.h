@@ -127,10 +127,6 @@ rp_status sweep_check_whole(const char *dir, const sweep_counts *counts);
 /* Count what is stored, in the folder's store and its shards. Errors: RP_BAD_INPUT, RP_IO, RP_NO_MEMORY. */
 rp_status sweep_status(const char *dir, const sweep_protocol *const *protocols, sweep_counts *counts);
 
-/* Is this file the folder's plan, and every run stored with an outcome? Nothing is written.
- * Errors: RP_BAD_INPUT, RP_NO_RESULT, RP_IO, RP_NO_MEMORY. */
-rp_status sweep_check_done(const char *file, const char *dir, const sweep_protocol *const *protocols);
-
 /* Name of the sweep file that the folder was planned by, as it was given; "" for a folder without a sweep.
  * Errors: RP_BAD_INPUT, RP_IO. */
 rp_status sweep_source(const char *dir, char file[256]);
