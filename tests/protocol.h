@@ -4,7 +4,11 @@
 
 #include "sweeps/protocols/protocols.h"
 
-/* The defaults with changes, ended by NULL, each "name=value" or several with blanks between. Free them. */
+/* A protocol of the program, open as long as the tests run. */
+const sweep_protocol *protocol_of(const sweep_protocol *protocol);
+
+/* The defaults with changes, ended by NULL, each "name=value" or several with blanks between; of a text also
+ * those of a scene that it has no name for. Free them. */
 void *protocol_params(const sweep_protocol *protocol, const char *const changes[]);
 #define PROTOCOL_PARAMS(protocol, ...) protocol_params(protocol, (const char *const[]){__VA_ARGS__, NULL})
 

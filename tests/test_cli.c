@@ -19,6 +19,7 @@
 #include "sweeps/protocols/protocols.h"
 #include "cli/derive/derive.h"
 #include "tests/check.h"
+#include "tests/protocol.h"
 #include "tests/folder.h"
 #include "tests/numbers.h"
 #include "tests/program.h"
@@ -174,8 +175,8 @@ static const char *check_listed(const char *text, const rp_param *schema)
 static void test_params(void)
 {
     GOOD("params repose");
-    const char *text = check_listed(out, sweep_protocol_repose.schema);
-    for (const sweep_output *o = sweep_protocol_repose.outputs; o->name && text; o++) {
+    const char *text = check_listed(out, protocol_of(&sweep_protocol_repose)->schema);
+    for (const sweep_output *o = protocol_of(&sweep_protocol_repose)->outputs; o->name && text; o++) {
         text = strstr(text, o->name);
         CU_ASSERT(text && strstr(text, o->meaning));
     }
@@ -1869,7 +1870,7 @@ static void test_shared_piles(void)
     CU_ASSERT_STRING_EQUAL(word(&again, 0, "residual_energy"), word(&runs, 3, "residual_energy"));
 }
 
-/* One row of a sweep again: the stored numbers, and a scene that gives the same bits. */
+/* One row of a sweep again: the stored numbers, and tables of its states. */
 static void test_row_again(void)
 {
     write_sweep();
@@ -1879,13 +1880,13 @@ static void test_row_again(void)
     GOOD("sweep run d -j 2");
     GOOD("sweep export d -o runs.tsv");
     scoped_table runs = read_table("runs.tsv");
-    for (const sweep_output *o = sweep_protocol_repose.outputs; o->name; o++)
+    for (const sweep_output *o = protocol_of(&sweep_protocol_repose)->outputs; o->name; o++)
         CU_ASSERT_STRING_EQUAL(word(&again, 0, o->name), word(&runs, 1, o->name));
-    GOOD("run box/scene.cfg");
-    CU_ASSERT(equal_tables("out", "box/pile_grains.tsv"));
-    CU_ASSERT(!equal_tables("out", "box/filled_grains.tsv"));
-    GOOD("run box/scene.cfg -o scene");
-    CU_ASSERT(equal_tables("scene/contacts.tsv", "box/pile_contacts.tsv"));
+    GOOD("run s.cfg --row 1 -o again");
+    CU_ASSERT(equal_tables("again/pile_grains.tsv", "box/pile_grains.tsv"));
+    CU_ASSERT(equal_tables("again/pile_contacts.tsv", "box/pile_contacts.tsv"));
+    CU_ASSERT(!equal_tables("again/pile_grains.tsv", "box/filled_grains.tsv"));
+    CU_ASSERT(equal_tables("again/phases.tsv", "box/phases.tsv"));
     scoped_table energy = read_table("box/energy.tsv");
     CU_ASSERT(energy.n_rows >= 4 && cell(&energy, 3, "step") == 4000.0);
     CU_ASSERT(cell(&energy, 3, "normal_damping") > 0.0);
@@ -1902,7 +1903,7 @@ static void test_limits(void)
     GOOD("sweep plan s.cfg -o d");
     CU_ASSERT(run("sweep run d -j 2 --time 0.5") == 1 &&
               strstr(err, "1 of 2 runs were aborted (time_limit 1); the same"));
-    CU_ASSERT(strstr(err, "run 1 (relax_steps = 1000000000): ended after ") != NULL);
+    CU_ASSERT(strstr(err, "run 1 (relax_steps = 1e+09): ended after ") != NULL);
     CU_ASSERT(strstr(out, "# missing: 0\n# aborted: 1, to be tried again\n") != NULL);
     CU_ASSERT(strstr(out, "\nok_fixed_time\t1\ntime_limit\t1\n") != NULL);
     FAILS(1, "no digest: d: 1 of 2 runs were aborted", "sweep digest d");
@@ -2049,8 +2050,11 @@ static void test_undamped_sweep(void)
     write_text("s.cfg", "protocol = \"repose\"; fixed = { W = 2.0; H = 2.0; };\n"
                         "grid = { gamma_n = [0.0, 50.0]; mu = [0.1, 0.2, 0.3]; };\n");
     CU_ASSERT(run("sweep plan s.cfg -o d") == 65 &&
-              strstr(err, "grid point gamma_n = 0, mu = 0.1: dt = 5e-05: too large"));
+              strstr(err, "grid point gamma_n = 0, mu = 0.1: protocol repose: dt = 5e-05: too large"));
     write_text("s.cfg", "protocol = \"repose\"; fixed = { W = 2.0; H = 2.0; restitution = 0.5; };\n");
+    CU_ASSERT(run("sweep plan s.cfg -o d") == 65 && strstr(err, "give one, the other follows"));
+    write_text("s.cfg", "protocol = \"repose\"; set = [\"normal.gamma_n=auto\"];\n"
+                        "fixed = { W = 2.0; H = 2.0; restitution = 0.5; };\n");
     CU_ASSERT(run("sweep plan s.cfg -o d") == 65 && strstr(err, "give restitution_speed, in (0, inf)"));
 }
 

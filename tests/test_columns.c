@@ -310,12 +310,11 @@ static void test_stress_steps(void)
     double found[2][2];
     for (int k = 0; k < 2; k++) {
         static const char *const names[] = {"theta_r3_deg", "theta_t_displacement_deg"};
-        const sweep_protocol *p = protocols[k];
-        scoped void *params = calloc(1, p->params_size);
-        rp_params_defaults(p->schema, params);
+        const sweep_protocol *p = protocol_of(protocols[k]);
+        scoped void *params = protocol_params(p, (const char *const[]){NULL});
         for (size_t i = 0; i < 3; i++)
             CHECK_OK(rp_params_set_text(rp_params_find(p->schema, changes[i][0]), params, changes[i][1]));
-        if (k == 1) CHECK_OK(rp_params_set_text(rp_params_find(p->schema, "measure"), params, "theta_t"));
+        if (k == 1) CHECK_OK(rp_params_set_text(rp_params_find(p->schema, "theta_t"), params, "true"));
         CHECK_OK(p->run(params, 1993, 2, NULL, &r[k]));
         for (size_t i = 0; p->outputs[i].name; i++)
             for (size_t j = 0; j < 2; j++)

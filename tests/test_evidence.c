@@ -10,6 +10,8 @@
 #include <unistd.h>
 
 #include "table/table.h"
+#include "dem/scene/text.h"
+#include "sweeps/engine/experiment.h"
 #include "sweeps/engine/private.h"
 #include "sweeps/protocols/protocols.h"
 #include "tests/check.h"
@@ -729,8 +731,10 @@ static size_t values_of(const config_t *config, const sweep_protocol *protocol, 
                                                                     : config_setting_get_int(one);
     const rp_param *p = rp_params_find(protocol->schema, key);
     const char *fallback = p && p->fallback ? p->fallback : "";
-    if (n == 0 && *fallback)
-        values[n++] = strcmp(fallback, "auto") ? strtod(fallback, NULL) : 500.0; /* gamma_n */
+    const bool damping = strcmp(fallback, "auto") == 0,
+               as_mu = strcmp(fallback, "computed") == 0 && strncmp(key, "mu_", 3) == 0;
+    if (n == 0 && as_mu) return values_of(config, protocol, "mu", values);
+    if (n == 0 && *fallback) values[n++] = damping ? 500.0 : strtod(fallback, NULL);
     return n;
 }
 
@@ -752,15 +756,25 @@ static bool find_sweep(const char *table, char path[256])
     return false;
 }
 
-static const sweep_protocol *protocol_of(const config_t *config)
+/* The protocol of a sweep's file, with all that its `fixed` and `grid` may name. */
+static const sweep_protocol *protocol_in(const config_t *config)
 {
+    static struct {
+        const sweep_protocol *of, *open;
+        sweep_experiment *text;
+    } kept[8];
     const char *name = "";
+    size_t k = 0;
     config_lookup_string(config, "protocol", &name);
-#define X(p)                                                                                                 \
-    if (strcmp(name, #p) == 0) return &sweep_protocol_##p;
-    SWEEP_PROTOCOLS(X)
-#undef X
-    return NULL;
+    const sweep_protocol *const *p = sweep_protocols;
+    while (*p && strcmp((*p)->name, name) != 0) p++;
+    if (!*p) return NULL;
+    while (kept[k].of && kept[k].of != *p) k++;
+    if (kept[k].of) return kept[k].open;
+    CHECK_OK(sweep_protocol_open(*p, NULL, &kept[k].text, &kept[k].open));
+    for (const dem_named_key *key = dem_named_keys; key->key && kept[k].text; key++)
+        sweep_experiment_also(kept[k].text, key->param.name);
+    return kept[k].of = *p, kept[k].open;
 }
 
 /* Every "KEY=VALUE" of the answer and "KEY = VALUE" of the statement is a value of the sweep, and "from KEY =
@@ -835,7 +849,7 @@ static void test_settings(void)
         config_t config;
         config_init(&config);
         CU_ASSERT(config_read_file(&config, path));
-        const sweep_protocol *protocol = protocol_of(&config);
+        const sweep_protocol *protocol = protocol_in(&config);
         for (size_t k = 0; k < 3 && protocol; k++) {
             char text[2048], *others; /* the suite claims compares the cells of a pool */
             snprintf(text, sizeof text, "%s", word(&t, row, texts[k]));
@@ -857,7 +871,7 @@ static size_t check_place(const char *place)
     if (!find_sweep(place, path) || strncmp(path, "sweeps/l", 8) != 0) return 0; /* of the papers */
     config_init(&config);
     CU_ASSERT(config_read_file(&config, path));
-    const sweep_protocol *protocol = protocol_of(&config);
+    const sweep_protocol *protocol = protocol_in(&config);
     const size_t n = protocol ? check_statement(path, place, &config, protocol) : 0;
     config_destroy(&config);
     return n;
@@ -897,6 +911,13 @@ static bool says_setting(const rp_table *t, size_t point, const sweep_plan *plan
         column >= 0 ? t->cells[point * t->n_columns + (size_t)column] : rp_table_find_note(t, param->name);
     rp_params_text(param, sweep_plan_point(plan, point), wanted, sizeof wanted);
     if (!said) return true; /* a parameter that is newer than the table */
+    static const char *const same[][3] = {{"gamma_n", "500", "auto"}, {"open", "0", "instant"}};
+    for (size_t k = 0; k < 2; k++)
+        if (strcmp(param->name, same[k][0]) == 0 && strcmp(wanted, same[k][1]) == 0 &&
+            strncmp(said, same[k][2], strlen(same[k][2])) == 0)
+            return true;
+    if (strcmp(wanted, "computed") == 0)
+        return strncmp(said, "auto", 4) == 0 || strncmp(said, wanted, 8) == 0;
     const double number = strtod(said, &end), other = strtod(wanted, &rest);
     if (end > said && rest > wanted)
         return fabs(number - other) <= 1e-5 * fabs(other); /* a header has six digits */

@@ -78,9 +78,8 @@ static void shear_box(void)
 static double theta_r(void)
 {
     enter();
-    write_text("r.cfg",
-               "protocol = \"repose\"; replicas = 3; seed = 1993;\n"
-               "fixed = { W = 4.0; H = 4.0; floor = \"extends\"; mu = 0.2; measure = [\"theta_r\"]; };\n");
+    write_text("r.cfg", "protocol = \"repose\"; replicas = 3; seed = 1993;\n"
+                        "fixed = { W = 4.0; H = 4.0; floor = \"extends\"; mu = 0.2; };\n");
     GOOD("sweep plan r.cfg -o r > log");
     GOOD("sweep run r > log");
     GOOD("sweep export r -o r.tsv");

@@ -106,6 +106,37 @@ static void test_phases(void)
     CU_ASSERT(exp_series_count(t.plan) == 1 && strcmp(exp_series_name(t.plan, 0), "series_passes.tsv") == 0);
 }
 
+/* A grain rises and falls: the largest height so far is known while the phase lasts. A block marks positions
+ * at its start alone, its phases where they say so. A measure without a phase is of the last that is there.
+ */
+static void test_known_so_far(void)
+{
+    static const char text[] =
+        "dt = 1.0e-4; gravity = [0.0, -1000.0]; particles = ( { x = 1.0; y = 5.0; r = 0.1; vy = 50.0; } );\n"
+        "phases = ( { name = \"flight\"; every = 10; until = \"y < most - 0.2\"; most = 5000; },\n"
+        "  { name = \"twice\"; repeat = 2; phases = ( { name = \"on\"; steps = 100; } ); },\n"
+        "  { name = \"marked\"; repeat = 2; phases = ( { name = \"again\"; mark = true; steps = 100; } ); "
+        "},\n"
+        "  { name = \"never\"; if = \"1 > 2\"; steps = 3; } );\n"
+        "measure = ( { name = \"most\"; of = \"y\"; during = \"flight\"; take = \"max\"; },\n"
+        "  { name = \"fell\"; of = \"y\"; at = \"flight\"; },\n"
+        "  { name = \"by_block\"; of = \"moved(0.5)\"; at = \"on\"; take = \"max\"; },\n"
+        "  { name = \"before\"; of = \"moved(0.7)\"; at = \"on\"; take = \"max\"; },\n"
+        "  { name = \"by_phase\"; of = \"moved(0.6)\"; at = \"again\"; take = \"max\"; },\n"
+        "  { name = \"last\"; of = \"step\"; } );\n";
+    scoped_trial t;
+    start(&t, text);
+    finish(&t, 7);
+    CU_ASSERT_STRING_EQUAL(exp_ended(t.run)->status, "ok");
+    CHECK_NEAR(measured(&t, "most"), 5.0 + 50.0 * 50.0 / 2000.0, 1e-3);
+    CU_ASSERT(measured(&t, "fell") < measured(&t, "most") - 0.2 &&
+              measured(&t, "fell") > measured(&t, "most") - 0.25);
+    /* from 20 cm/s down 0.25 and 0.35 cm in a pass of a block, then 0.45 and 0.55; the block begins 1.05 cm
+     * higher than the flight */
+    CU_ASSERT(measured(&t, "by_block") == 1.0 && measured(&t, "before") == 0.0);
+    CU_ASSERT(measured(&t, "by_phase") == 0.0 && measured(&t, "last") == (double)exp_steps(t.run));
+}
+
 /* Replace the first `from` of a text. */
 static void replaced(const char *text, const char *from, const char *to, char made[8192])
 {
@@ -226,6 +257,11 @@ static void test_words(void)
         {"\"height\"", "\"sqrt(-height)\"", "nan"},
         {"held(energy < 1e-3, 3)\"", "rest\"; most = 4000", "not_at_rest"},
         {"take = \"rate\"", "when = \"grains < 0\"; take = \"rate\"", "no_samples"},
+        {"clogged = \"rest\"", "narrow = \"D < 2\"", "narrow"},
+        {"clogged = \"rest\"", "narrow = \"D > 2\"", "ok"},
+        {"phases = (", "phases = ( { name = \"none\"; steps = 0; fail = { at_end = \"grains > 0\"; }; }, ",
+         "at_end"},
+        {"phases = (", "result = \"D > 2 ? 'ok' : 'ok_narrow'\"; phases = (", "ok_narrow"},
         {"take = \"rate\"", "when = \"grains < 0\"; optional = true; take = \"rate\"", "ok"}};
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         char text[8192];
@@ -249,6 +285,15 @@ static void test_refused(void)
          "e.cfg:10: until \"grians < stop\", character 1: unknown name grians (did you mean \"grains\"?)"},
         {"grains < stop", "bulk.grain < 3", "unknown name bulk.grain (did you mean \"bulk.grains\"?)"},
         {"grains < stop", "D > 3", "until \"D > 3\" never changes"},
+        {"clogged = \"rest\"", "clogged = true", "clogged = 1 never changes"},
+        {"phases = (", "result = \"D > 2 ? 'ok' : 'narrow'\"; phases = (",
+         "result = \"narrow\": ok or ok_... expected"},
+        {"phases = (", "require = ( (\"D > 2 or mu == 0\", \"too narrow\") ); phases = (",
+         "too narrow (D > 2 or mu == 0; D = 1.6; mu = 0.2)"},
+        {"phases = (", "require = ( (\"D\", \"x\") ); phases = (", "require \"D\": a condition expected"},
+        {"phases = (", "require = ( (\"grains > 2\", \"x\") ); phases = (", "unknown name grains"},
+        {"phases = (", "require = ( \"D > 2\" ); phases = (",
+         "require: (\"condition\", \"message\") expected"},
         {"grains < stop", "D", "until \"D\" is a number, a condition is expected"},
         {"grains < stop", "rate > 3", "rate is measured at flow, after this phase"},
         {"grains < stop", "atan(y) > 1", "atan: only in measure"},
@@ -425,7 +470,7 @@ static void test_sweeps_refused(void)
         {"experiment = \"plain.cfg\";", "plain.cfg: has no phases; a sweep needs an experiment"},
         {"experiment = \"h.cfg\"; protocol = \"repose\";", "s.cfg:1: protocol: the experiment's text has it"},
         {"experiment = \"h.cfg\"; units = \"si\";", "s.cfg:1: units: the experiment's text has it"},
-        {"protocol = \"repose\"; set = [ \"mu=1\" ];", "s.cfg:1: set: changes an experiment"},
+        {"protocol = \"pile\"; set = [ \"mu=1\" ];", "s.cfg:1: set: changes an experiment"},
         {"experiment = \"h.cfg\"; set = [ \"moo=1\" ];", "moo"},
         {"experiment = \"h.cfg\"; fixed = { moo = 0.1; };",
          "fixed.moo: unknown key; allowed: D mu unused N stop"},
@@ -730,6 +775,7 @@ void suite_experiment(void)
 {
     static const check_case cases[] = {{"closed forms", test_closed_forms},
                                        {"phases and blocks", test_phases},
+                                       {"known so far", test_known_so_far},
                                        {"walls that change their motion", test_walls},
                                        {"a plate that vibrates", test_vibrated},
                                        {"modules", test_modules},

@@ -14,6 +14,7 @@
 #include "experiment/experiment.h"
 #include "report/pages.h"
 #include "sweeps/engine/experiment.h"
+#include "dem/scene/text.h"
 #include "tests/check.h"
 #include "tests/program.h"
 
@@ -605,6 +606,12 @@ static void protocol_lines(const sweep_protocol *protocol, bool si)
 {
     line_is("# protocol %s: %s", protocol->name, protocol->about);
     schema_lines(protocol->schema, si);
+    if (protocol->context) {
+        char also[1024] = "# for sweeps also these of a scene:";
+        for (const dem_named_key *k = dem_named_keys; k->key; k++)
+            if (!rp_params_find(protocol->schema, k->param.name)) strcat(strcat(also, " "), k->param.name);
+        line_is("%s", also);
+    }
     line_is("# outputs of protocol %s", protocol->name);
     line_is("# %-36s %-10s %s", "name", "unit", "meaning");
     for (const sweep_output *o = protocol->outputs; o->name; o++)
@@ -655,12 +662,12 @@ static void experiment_lines(bool si)
         line_is("  %-25s %-10s %-14s %s", w.name, or_dash(rp_unit(w.unit)), w.of, w.meaning);
 }
 
-/* One that is a text has the units of that. */
 static void opened_lines(const sweep_protocol *p, bool si)
 {
     sweep_experiment *text;
     CHECK_OK(sweep_protocol_open(p, NULL, &text, &p));
-    protocol_lines(p, si && !text);
+    if (text) sweep_experiment_in(text, si ? RP_SI : RP_CGS);
+    protocol_lines(p, si);
     sweep_experiment_close(text);
     rp_units_set(si ? RP_SI : RP_CGS);
 }
@@ -732,10 +739,11 @@ static void test_params_json(void)
         row_now = 0;
         rp_units_set(si ? RP_SI : RP_CGS);
         for (const sweep_protocol *const *p = sweep_protocols; *p && k < 2; p++) {
-            sweep_experiment *text; /* which has the units of that */
+            sweep_experiment *text;
             const sweep_protocol *opened;
             CHECK_OK(sweep_protocol_open(*p, NULL, &text, &opened));
-            schema_rows(opened->name, "parameter", opened->schema, si && !text);
+            if (text) sweep_experiment_in(text, si ? RP_SI : RP_CGS);
+            schema_rows(opened->name, "parameter", opened->schema, si);
             for (const sweep_output *o = opened->outputs; o->name; o++)
                 row_is((const char *[]){opened->name, "output", o->name, or_dash(rp_unit(o->unit)), "real",
                                         "-", "-", o->meaning});

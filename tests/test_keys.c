@@ -200,7 +200,6 @@ static void test_scene_keys(void)
 
 /* Quick runs: settings instead of the defaults, and values that only differ with further settings. */
 #define BOX   "W=1.2 H=0.8 fill_steps=500 "
-#define FIXED BOX "stop=steps relax_steps=500 "
 #define LOOSE "rest_energy=1e-3 rest_force=0.5 tilt_rate_deg=0.01 mu=0.6 "
 #define WORDS(protocol, settings)                                                                            \
     {protocol, settings " k_n=1e5", "normal", "linear"},                                                     \
@@ -217,34 +216,27 @@ static const struct {
     const sweep_protocol *protocol;
     const char *settings;
     const char *key, *value; /* NULL: for all keys */
-} runs[] = {
-    {&sweep_protocol_repose, FIXED "rotation=true mu_roll=0.1"},
-    {&sweep_protocol_repose, "W=1.2 H=1.2 fill_steps=500 mu=0.05 stop=steps relax_steps=3000 open=200"},
-    {&sweep_protocol_repose, BOX "gamma_n=2000 mu=0.6 tilt_rate_deg=0.01 measure=theta_t"},
-    {&sweep_protocol_repose, FIXED "k_n=1e4", "fill", "drop"},
-    {&sweep_protocol_repose, "W=2 N=9 fill_steps=2500 stop=steps relax_steps=100", "empty", "skip"},
-    WORDS(&sweep_protocol_repose, FIXED),
-    {&sweep_protocol_stress, BOX LOOSE "gamma_n=2000 rotation=true mu_roll=0.1"},
-    {&sweep_protocol_stress, BOX LOOSE "gamma_n=2000 open=50 floor=ends"},
-    {&sweep_protocol_stress, BOX "tilt_rate_deg=0.01 mu=0.6 gamma_n=2000", "rest_energy", "1e-2"},
-    {&sweep_protocol_stress, "W=2 N=14 fill_steps=500 floor=absorbs " LOOSE, "empty", "skip"},
-    WORDS(&sweep_protocol_stress, BOX LOOSE),
-    {&sweep_protocol_onset, BOX LOOSE "gamma_n=2000 rotation=true mu_roll=0.1"},
-    {&sweep_protocol_onset, BOX LOOSE "gamma_n=2000 open=50 floor=ends"},
-    {&sweep_protocol_onset, BOX "tilt_rate_deg=0.01 mu=0.6 rest_force=1e3", "rest_energy", "1e-2"},
-    {&sweep_protocol_onset, "W=2 N=14 fill_steps=500 floor=absorbs " LOOSE, "empty", "skip"},
-    WORDS(&sweep_protocol_onset, BOX LOOSE),
-    {&sweep_protocol_drop, "N=16 damping=1"},
-    {&sweep_protocol_drop, "N=16 damping=1 law=slip_roll"},
-    {&sweep_protocol_drop, "N=0 lattice=9 damping=1"},
-    {&sweep_protocol_drop, "N=30 damping=1 mu_roll=0 drop_height=20", "x_limit", "10"},
-    {&sweep_protocol_pile, "base=7"},
-    {&sweep_protocol_pile, "base=7 eps=1e-3 branch=minimum load_steps=4"},
-    {&sweep_protocol_pile, "base=9 alpha_deg=30 inner_deg=45 x_1=0.3 disorder=0.01"},
-    {&sweep_protocol_pile, "base=9 alpha_deg=30 well=0.3 mu=0.2 load_steps=4 eps=1e-3"},
-    {&sweep_protocol_pile, "base=9 alpha_deg=30 well=0.05 mu=0.05 load_steps=4 eps=1e-3", "set_again",
-     "true"},
-    {&sweep_protocol_pile, "base=9 threshold=true eps=1e-6"}};
+} runs[] = {{&sweep_protocol_stress, BOX LOOSE "gamma_n=2000 rotation=true mu_roll=0.1"},
+            {&sweep_protocol_stress, BOX LOOSE "gamma_n=2000 open=50 floor=ends"},
+            {&sweep_protocol_stress, BOX "tilt_rate_deg=0.01 mu=0.6 gamma_n=2000", "rest_energy", "1e-2"},
+            {&sweep_protocol_stress, "W=2 N=14 fill_steps=500 floor=absorbs " LOOSE, "empty", "skip"},
+            WORDS(&sweep_protocol_stress, BOX LOOSE),
+            {&sweep_protocol_onset, BOX LOOSE "gamma_n=2000 rotation=true mu_roll=0.1"},
+            {&sweep_protocol_onset, BOX LOOSE "gamma_n=2000 open=50 floor=ends"},
+            {&sweep_protocol_onset, BOX "tilt_rate_deg=0.01 mu=0.6 rest_force=1e3", "rest_energy", "1e-2"},
+            {&sweep_protocol_onset, "W=2 N=14 fill_steps=500 floor=absorbs " LOOSE, "empty", "skip"},
+            WORDS(&sweep_protocol_onset, BOX LOOSE),
+            {&sweep_protocol_drop, "N=16 damping=1"},
+            {&sweep_protocol_drop, "N=16 damping=1 law=slip_roll"},
+            {&sweep_protocol_drop, "N=0 lattice=9 damping=1"},
+            {&sweep_protocol_drop, "N=30 damping=1 mu_roll=0 drop_height=20", "x_limit", "10"},
+            {&sweep_protocol_pile, "base=7"},
+            {&sweep_protocol_pile, "base=7 eps=1e-3 branch=minimum load_steps=4"},
+            {&sweep_protocol_pile, "base=9 alpha_deg=30 inner_deg=45 x_1=0.3 disorder=0.01"},
+            {&sweep_protocol_pile, "base=9 alpha_deg=30 well=0.3 mu=0.2 load_steps=4 eps=1e-3"},
+            {&sweep_protocol_pile, "base=9 alpha_deg=30 well=0.05 mu=0.05 load_steps=4 eps=1e-3", "set_again",
+             "true"},
+            {&sweep_protocol_pile, "base=9 threshold=true eps=1e-6"}};
 enum { N_RUNS = sizeof runs / sizeof *runs };
 
 /* The parameters of a run with one more setting "key=value"; NULL if a value is refused. */

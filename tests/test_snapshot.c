@@ -684,13 +684,13 @@ static void goes_on(const sweep_protocol *protocol, const char *settings, const 
 
 static void protocol_repose(void)
 {
-    goes_on(&sweep_protocol_repose,
+    goes_on(protocol_of(&sweep_protocol_repose),
             "W=1.4 H=1.2 fill_steps=6000 rotation=true mu_roll=0.1 tilt_rate_deg=0.01 "
-            "measure=theta_r,theta_t,theta_t_static",
+            "theta_t=true theta_t_static=true",
             "ok");
-    goes_on(&sweep_protocol_repose,
+    goes_on(protocol_of(&sweep_protocol_repose),
             "W=1.2 H=1.2 stop=steps fill=ramp fill_steps=6000 relax_steps=4000 tilt=box open=100 "
-            "integrator=gear5 dt=2e-5 tilt_rate_deg=0.01 measure=theta_r,theta_t",
+            "integrator=gear5 dt=2e-5 tilt_rate_deg=0.01 theta_t=true",
             "ok_fixed_time");
 }
 
@@ -849,7 +849,7 @@ static void stopped_sweep(void)
 static void stopped_row(void)
 {
     static const char *const files[] = {
-        "protocol = \"repose\"; fixed = { W = 1.6; H = 1.6; measure = [\"theta_r\", \"theta_t\"]; "
+        "protocol = \"repose\"; fixed = { W = 1.6; H = 1.6; theta_t = true; "
         "tilt_rate_deg = 0.01; };",
         "protocol = \"drop\"; fixed = { N = 90; radius_width = 0.03; rest_force = 0.1; };"};
     enter();

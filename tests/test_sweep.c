@@ -20,11 +20,13 @@
 #include "table/table.h"
 #include "core/version.h"
 #include "dem/scene/scene.h"
+#include "dem/scene/text.h"
 #include "sweeps/engine/keep.h"
 #include "sweeps/engine/private.h"
 #include "sweeps/engine/physics.h"
 #include "sweeps/protocols/protocols.h"
 #include "tests/check.h"
+#include "tests/protocol.h"
 #include "tests/folder.h"
 #include "tests/numbers.h"
 
@@ -1824,8 +1826,7 @@ static void test_physics(void)
 #define ROW_OF(kind, type, name, key, unit, fallback, range, also, ...)                                      \
     {#name, key, fallback, DEM_ALLOWED_##kind(range, also)},
         DEM_PHYSICS(ROW)};
-    static const sweep_protocol *const boxes[] = {&sweep_protocol_repose, &sweep_protocol_stress,
-                                                  &sweep_protocol_onset};
+    static const sweep_protocol *const boxes[] = {&sweep_protocol_stress, &sweep_protocol_onset};
     const char *const own[] = {"mu", "tangential"};
     for (size_t i = 0; i < sizeof list / sizeof *list; i++) {
         bool in_scene = false, overridden = false;
@@ -1840,7 +1841,8 @@ static void test_physics(void)
                       (strcmp(p->fallback, list[i].fallback) == 0 && strcmp(p->range, list[i].range) == 0));
         }
     }
-    CU_ASSERT_STRING_EQUAL(rp_params_find(sweep_protocol_repose.schema, "mu")->fallback, "0.2");
+    CU_ASSERT_STRING_EQUAL(rp_params_find(protocol_of(&sweep_protocol_repose)->schema, "mu")->fallback,
+                           "0.2");
     CU_ASSERT_STRING_EQUAL(rp_params_find(sweep_protocol_drop.schema, "mu")->fallback, "0.5");
 }
 
@@ -1889,11 +1891,12 @@ static void test_fingerprint_words(void)
         if (!t.tried[i].differs) fprintf(stderr, "%s = %s changes no run\n", t.tried[i].key, t.tried[i].word);
         CU_ASSERT(t.tried[i].differs);
     }
-    for (const rp_param *p = sweep_protocol_repose.schema; p->name; p++) {
+    for (const dem_named_key *k = dem_named_keys; k->key; k++) {
+        const rp_param *p = &k->param;
         const bool choice = p->type == RP_CHOICE || p->type == RP_BOOL;
         size_t words = p->type == RP_BOOL ? 2 : 0;
         while (p->type == RP_CHOICE && *rp_word_at(p->range, (int)words, word, sizeof word)) words++;
-        if (p->inherited && choice) CU_ASSERT(count_trials(&t, p->name) + 1 >= words);
+        if (choice) CU_ASSERT(count_trials(&t, p->name) + 1 >= words);
     }
     CU_ASSERT(count_trials(&t, "set") + 1 == 3 && count_trials(&t, "hard") == 1);
     CU_ASSERT(count_trials(&t, "integrator") + 1 == DEM_INTEGRATORS && count_trials(&t, "solver") == 1);

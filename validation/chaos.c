@@ -167,9 +167,6 @@ static void kernels_agree(void)
 /* Piles of a sweep have the same digest from one, two and five workers. */
 static void workers_agree(void)
 {
-#define X(name) &sweep_protocol_##name,
-    static const sweep_protocol *const protocols[] = {SWEEP_PROTOCOLS(X) NULL};
-#undef X
     char base[FOLDER_PATH], file[80], digests[3][33];
     folder_make("chaos", base);
     snprintf(file, sizeof file, "%s/s.cfg", base);
@@ -184,10 +181,10 @@ static void workers_agree(void)
         sweep_counts counts;
         size_t n;
         snprintf(dir, sizeof dir, "%s/%d", base, k);
-        CHECK_OK(sweep_prepare(file, dir, 0, protocols, NULL, &counts));
-        CHECK_OK(sweep_run(dir, protocols, &(sweep_options){.workers = (int[]){1, 2, 5}[k]}, &counts));
+        CHECK_OK(sweep_prepare(file, dir, 0, sweep_protocols, NULL, &counts));
+        CHECK_OK(sweep_run(dir, sweep_protocols, &(sweep_options){.workers = (int[]){1, 2, 5}[k]}, &counts));
         digests[k][0] = '\0';
-        CHECK_OK(sweep_digest(dir, protocols, digests[k], &n));
+        CHECK_OK(sweep_digest(dir, sweep_protocols, digests[k], &n));
         CU_ASSERT(n == 8 && strcmp(digests[k], digests[0]) == 0);
     }
     folder_remove(base);

@@ -45,6 +45,8 @@ void exp_free(exp_plan *plan);
 /* Refuse a time step that a fall within the scene's fill can't take. Errors: RP_BAD_INPUT. */
 rp_status exp_check(const exp_plan *plan);
 
+void exp_keep_ledger(exp_plan *plan); /* by its runs */
+
 const dem_scene *exp_scene(const exp_plan *plan);
 const rp_lets *exp_lets(const exp_plan *plan);                  /* with the values that hold */
 const exp_output *exp_outputs(const exp_plan *plan, size_t *n); /* ended by a NULL name */
@@ -77,6 +79,7 @@ typedef struct {
     const char *name;
     long passes, step;
     double time;
+    bool inner; /* of a block */
 } exp_passed;
 size_t exp_phase_count(const exp_plan *plan);
 exp_passed exp_phase_at(const exp_run *run, size_t k);

@@ -60,7 +60,7 @@ static void add_sample(exp_run *run, size_t k)
     const bool event = m->event.x.text && exp_true(run, &m->event);
     double *last = s->n > 0 ? &s->at[EXP_SAMPLE * (s->n - 1)] : NULL;
     if (run->failed) return;
-    const bool extreme = m->take == TAKE_MAX || m->take == TAKE_MIN;
+    const bool extreme = m->take == TAKE_MAX || m->take == TAKE_MIN; /* of all samples so far */
     const bool some = m->skip != 0.0 || *m->level_of;
     if (!some && (m->take == TAKE_FIRST || (extreme && !m->series))) { /* one sample is enough */
         if (last && (m->take == TAKE_FIRST || !(m->take == TAKE_MAX ? value > last[1] : value < last[1])))
@@ -79,7 +79,10 @@ static void add_sample(exp_run *run, size_t k)
     double *now = &s->at[EXP_SAMPLE * s->n++];
     now[0] = dem_time(run->sim), now[1] = value, now[2] = event, now[3] = (double)run->at.steps;
     /* what is known while the phase lasts */
-    if (m->take == TAKE_FIRST && !some) run->values[m->output] = value;
+    double *const known = &run->values[m->output];
+    if (some) return;
+    if (m->take == TAKE_FIRST || (extreme && !(m->take == TAKE_MAX ? value <= *known : value >= *known)))
+        *known = value;
 }
 
 void exp_sample(exp_run *run)

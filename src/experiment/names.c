@@ -62,8 +62,8 @@ static rp_status find_measure(const exp_place *place, const char *name, rp_x_sym
         const exp_measure *m = &plan->measures[k];
         for (size_t o = m->output; o < m->output + m->n_outputs; o++) {
             if (strcmp(plan->outputs[o].name, name) != 0) continue;
-            const bool during =
-                m->take == TAKE_FIRST && m->phase == place->phase && m->skip == 0.0 && !*m->level_of;
+            const bool during = (m->take == TAKE_FIRST || m->take == TAKE_MAX || m->take == TAKE_MIN) &&
+                                m->phase == place->phase && m->skip == 0.0 && !*m->level_of;
             if (place->phase != SIZE_MAX && m->phase >= place->phase && !during)
                 return rp_fail(RP_BAD_INPUT, "%s is measured at %s, after this phase", name,
                                plan->phases[m->phase].name);

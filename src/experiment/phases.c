@@ -218,6 +218,8 @@ static void begin_phase(exp_run *run)
         run->at.pass = 1;
         run->at.phase = present(run->plan, run->at.phase + 1, end_of_block(run->plan, run->at.phase));
         p = phase_of(run);
+        run->fresh = false;
+        exp_mark(run);
     }
     run->fresh = false;
     run->at.phase_step = 0;
@@ -330,7 +332,7 @@ static void look(exp_run *run, bool is_end)
         run->at.now.touched = dem_contact_count(run->sim, run->at.now.last) > 0;
     if (p->is_sampled) exp_sample(run);
     const bool looks = since > 0 && (p->every == 1 || since % p->every == 0); /* a division takes long */
-    for (size_t k = 0; k < p->n_fails && looks && !run->failed && !run->at.done; k++)
+    for (size_t k = 0; k < p->n_fails && (looks || is_end) && !run->failed && !run->at.done; k++)
         if (exp_true(run, &p->fails[k].when))
             exp_conclude(run, p->fails[k].word, "phase %s, step %ld: %s", p->name, run->at.phase_step,
                          p->fails[k].when.x.text);
@@ -397,6 +399,7 @@ exp_passed exp_phase_at(const exp_run *run, size_t k)
 {
     exp_passed passed = run->passed[k];
     passed.name = run->plan->phases[k].name;
+    passed.inner = run->plan->phases[k].block != SIZE_MAX;
     return passed;
 }
 

@@ -8,6 +8,8 @@
 #include "experiment/reading.h"
 #include "params/config.h"
 
+#define NAME_LETTERS "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_"
+
 bool exp_has_phases(const dem_text *text)
 {
     return config_lookup(&text->config, "phases") != NULL;
@@ -111,6 +113,66 @@ static rp_status read_rest(exp_plan *plan)
     return group ? rp_config_group(group, rest_schema, plan, NULL) : RP_OK;
 }
 
+/* A word, or an expression of one. */
+static rp_status read_result(exp_plan *plan)
+{
+    const config_setting_t *setting = config_lookup(&plan->text->config, "result");
+    const char *text = setting ? config_setting_get_string(setting) : "ok";
+    rp_x_symbol is = {0};
+    if (text && !exp_is_word(text)) {
+        if (rp_lets_value(setting, text, &is))
+            return rp_config_fail(setting, "result \"%s\": %s", text, rp_message());
+        text = is.type == RP_X_WORD ? is.word : NULL;
+    }
+    if (!text || !exp_is_word(text) || (strcmp(text, "ok") != 0 && strncmp(text, "ok_", 3) != 0))
+        return rp_config_fail(setting, "result = \"%s\": ok or ok_... expected", text ? text : "");
+    plan->result = rp_text(&plan->arena, "%s", text);
+    return plan->result ? RP_OK : RP_NO_MEMORY;
+}
+
+/* The numbers that a condition names. Returns `text`. */
+static const char *values_in(const exp_plan *plan, const char *condition, char text[256])
+{
+    const rp_lets *lets = &plan->text->lets;
+    char number[32];
+    size_t used = 0;
+    *text = '\0';
+    for (const char *c = condition; *c; c += isalpha((unsigned char)*c) ? strspn(c, NAME_LETTERS) : 1)
+        for (size_t k = 0; k < lets->n && isalpha((unsigned char)*c) && used < 200; k++)
+            if (lets->lets[k].is.type == RP_X_NUMBER &&
+                strlen(lets->lets[k].name) == strspn(c, NAME_LETTERS) &&
+                strncmp(c, lets->lets[k].name, strlen(lets->lets[k].name)) == 0)
+                used += (size_t)snprintf(text + used, 256 - used, "; %s = %s", lets->lets[k].name,
+                                         rp_number_text(lets->lets[k].is.value, 6, number, sizeof number));
+    return text;
+}
+
+/* require = ( ("condition", "message"), ... ): of the lets, before anything runs. */
+static rp_status check_required(const exp_plan *plan)
+{
+    const config_setting_t *list = config_lookup(&plan->text->config, "require");
+    if (list && !config_setting_is_list(list))
+        return rp_config_fail(list, "require: a list ( (\"condition\", \"message\"), ... ) expected");
+    for (size_t k = 0; k < length(list); k++) {
+        const config_setting_t *pair = element(list, k);
+        const bool two =
+            !config_setting_is_scalar(pair) && !config_setting_is_group(pair) && length(pair) == 2;
+        const char *condition = two ? config_setting_get_string(element(pair, 0)) : NULL,
+                   *message = two ? config_setting_get_string(element(pair, 1)) : NULL;
+        rp_x_symbol is = {0};
+        char values[256];
+        if (!condition || !message)
+            return rp_config_fail(pair, "require: (\"condition\", \"message\") expected");
+        if (rp_lets_value(pair, condition, &is))
+            return rp_config_fail(pair, "require \"%s\": %s", condition, rp_message());
+        if (is.type != RP_X_TRUTH)
+            return rp_config_fail(pair, "require \"%s\": a condition expected", condition);
+        if (is.value == 0.0)
+            return rp_config_fail(pair, "%s (%s%s)", message, condition, values_in(plan, condition, values));
+    }
+    return RP_OK;
+}
+
 static rp_status read(exp_plan *plan)
 {
     dem_text *text = plan->text;
@@ -124,12 +186,8 @@ static rp_status read(exp_plan *plan)
     RP_TRY(rp_lets_find(&text->lets, "m", &m, &known));
     plan->d = text->lets.constants[RP_LET_D], plan->m = text->lets.constants[RP_LET_M],
     plan->g = text->lets.constants[RP_LET_G];
-    plan->result = "ok";
-    config_lookup_string(&text->config, "result", &plan->result);
-    if (!exp_is_word(plan->result) ||
-        (strcmp(plan->result, "ok") != 0 && strncmp(plan->result, "ok_", 3) != 0))
-        return rp_config_fail(config_lookup(&text->config, "result"),
-                              "result = \"%s\": ok or ok_... expected", plan->result);
+    RP_TRY(read_result(plan));
+    RP_TRY(check_required(plan));
     RP_TRY(check_lets(plan));
     RP_TRY(read_walls(plan));
     RP_TRY(exp_name_kinds(plan));
@@ -156,6 +214,11 @@ void exp_free(exp_plan *plan)
     dem_scene_free(&plan->scene);
     rp_arena_end(&plan->arena);
     free(plan);
+}
+
+void exp_keep_ledger(exp_plan *plan)
+{
+    plan->scene.def.ledger = true;
 }
 
 const dem_scene *exp_scene(const exp_plan *plan)
@@ -193,5 +256,7 @@ const exp_group exp_groups[] = {
      "NAME = { x = (from, to); y = (from, to); }, { circle = (x, y, radius); } or { polygon = ( (x, y), ... "
      "); "
      "}, in the box's frame, by expressions"},
+    {"require", no_schema,
+     "( (\"condition\", \"message\"), ... ): what must hold of the lets; asked before anything runs"},
     {"rest", rest_schema, "what the condition `rest` asks, in m, |g| and d of the mean grain"},
     {0}};

@@ -12,7 +12,7 @@
 #define IN(field) offsetof(exp_measure, field)
 const rp_param exp_measure_schema[] = {
     {"name", "", RP_TEXT, IN(name), NULL, "", "of the column"},
-    {"at", "", RP_TEXT, IN(at), "", "", "phase at whose end; default: the last"},
+    {"at", "", RP_TEXT, IN(at), "", "", "phase at whose end; default: the last that is not left out"},
     {"during", "", RP_TEXT, IN(during), "", "", "phase that is sampled"},
     {"take", "", RP_CHOICE, IN(take), "value", EXP_TAKES,
      "what is made of samples; default: value, or the mean during a phase"},
@@ -111,7 +111,8 @@ static rp_status read_when(exp_plan *plan, exp_measure *m)
     if (*m->at && *m->during)
         return rp_config_fail(setting, "measure %s: has at and during; keep one", m->name);
     m->phase = plan->n_phases - 1;
-    while (plan->phases[m->phase].block != SIZE_MAX) m->phase--;
+    while (m->phase > 0 && (plan->phases[m->phase].block != SIZE_MAX || plan->phases[m->phase].left_out))
+        m->phase--;
     if (*m->at || *m->during)
         RP_TRY(
             exp_find_phase(plan, setting, *m->at ? "at" : "during", *m->at ? m->at : m->during, &m->phase));

@@ -17,7 +17,8 @@ const rp_param exp_phase_schema[] = {
     {"go_on", "", RP_BOOL, IN(go_on), "false", "", "whether the run goes on when these are used up"},
     {"status", "", RP_TEXT, IN(status), "", "", "word of a run that ends so"},
     {"open", "", RP_TEXT, IN(open), "", "", "wall that opens at the start, at its open_speed"},
-    {"mark", "", RP_BOOL, IN(mark), "false", "", "whether positions are marked for `moved` at the start"},
+    {"mark", "", RP_BOOL, IN(mark), "false", "",
+     "whether a block's phase marks positions for `moved` at its start, as others do"},
     {"damp", "", RP_BOOL, IN(damp), "false", "",
      "whether all grains stop at each look at which the kinetic energy has fallen since the last"},
     {"from", "", RP_TEXT, IN(from), "", "", "earlier phase to whose end the run first goes back"},
@@ -40,8 +41,8 @@ static rp_status read_fails(const config_setting_t *group, exp_place *place, exp
                                   "fail: %s: a word of up to 23 letters expected, not one of a good run",
                                   f->word);
         RP_TRY(exp_expression_read(element(group, i), f->word, RP_X_TRUTH, place, &f->when));
-        if (f->when.x.known)
-            return rp_config_fail(element(group, i), "%s \"%s\" never changes", f->word, f->when.x.text);
+        if (config_setting_type(element(group, i)) == CONFIG_TYPE_BOOL)
+            return rp_config_fail(element(group, i), "%s = %s never changes", f->word, f->when.x.text);
         p->n_fails++;
     }
     return RP_OK;

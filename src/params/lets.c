@@ -29,7 +29,8 @@ static rp_status read_value(const config_setting_t *root, const rp_value *v, rp_
 }
 
 /* The further keys of a group, and the range of a number. */
-static rp_status read_group(const config_setting_t *setting, rp_let *let, const config_setting_t **value)
+static rp_status read_group(const config_setting_t *setting, bool foreign, rp_let *let,
+                            const config_setting_t **value)
 {
     const struct {
         const char *key, **at;
@@ -47,7 +48,7 @@ static rp_status read_group(const config_setting_t *setting, rp_let *let, const 
             }
         if (!known) return rp_fail(RP_BAD_INPUT, "unknown key %s; allowed: value unit range meaning", name);
     }
-    if (strcmp(rp_unit(let->unit), let->unit) != 0)
+    if (!foreign && strcmp(rp_unit(let->unit), let->unit) != 0)
         return rp_fail(RP_BAD_INPUT, "unit = %s: the text's units are %s; %s", let->unit, rp_units_word(),
                        rp_unit(let->unit));
     return RP_OK;
@@ -61,7 +62,7 @@ static rp_status read_let(const config_setting_t *root, const config_setting_t *
     for (size_t k = 0; k < sizeof taken / sizeof *taken; k++)
         if (strcmp(let.name, taken[k]) == 0) return rp_fail(RP_BAD_INPUT, "the name is taken");
     if (!is_word(let.name)) return rp_fail(RP_BAD_INPUT, "a name of letters, digits and _ expected");
-    if (config_setting_is_group(setting)) RP_TRY(read_group(setting, &let, &value));
+    if (config_setting_is_group(setting)) RP_TRY(read_group(setting, lets->foreign, &let, &value));
     rp_value is;
     if (rp_config_scalar(value, &is))
         return rp_fail(RP_BAD_INPUT, "a number, true, false, a word or an expression expected");

@@ -13,6 +13,7 @@
 #include "params/units.h"
 #include "sweeps/engine/keep.h"
 #include "sweeps/engine/physics.h"
+#include "table/columns.h"
 
 /* A let's value among the parameters; the first 8 bytes of those are the experiment. */
 typedef union {
@@ -28,6 +29,9 @@ struct sweep_experiment {
     dem_text text;
     bool open;
     char *bytes;
+    rp_param *schema; /* of lets, then of keys of the scene */
+    size_t n_lets, n_params;
+    const char **keys;
 };
 
 static const char COMPUTED[] = "computed";
@@ -46,7 +50,13 @@ static rp_status plan_of(const void *params, exp_plan **plan)
 {
     sweep_experiment *e = (sweep_experiment *)experiment_of(params);
     *plan = NULL;
-    for (const rp_param *p = e->protocol.schema; p->name; p++) {
+    for (size_t k = e->n_lets; k < e->n_params; k++) {
+        char value[64], change[160];
+        rp_params_text(&e->schema[k], params, value, sizeof value);
+        snprintf(change, sizeof change, "%s=%s", e->keys[k], value);
+        RP_TRY(dem_text_change(&e->text, change));
+    }
+    for (const rp_param *p = e->schema; p < e->schema + e->n_lets; p++) {
         char word[64];
         const slot *v = (const slot *)((const char *)params + p->offset);
         if (p->type == RP_REAL && isinf(v->number) && p->fallback && strstr(p->range, COMPUTED)) continue;
@@ -91,6 +101,65 @@ static void keep_run(rp_snapshot *s, void *run)
     exp_keep(s, run);
 }
 
+/* Tables of a traced run that grow with it, and what has been written of the ends of its phases. */
+typedef struct {
+    const sweep_tables *tables; /* NULL: none */
+    const exp_plan *plan;
+    sweep_file energy;
+    size_t stages;
+} trace;
+
+static rp_status begin_trace(trace *t, const exp_run *run)
+{
+    if (!t->tables || !exp_sim(run)) return RP_OK;
+    RP_TRY(rp_make_directory(t->tables->directory));
+    RP_TRY(sweep_table_open(t->tables, "energy.tsv", &t->energy));
+    dem_write_energy_columns(t->tables->ledger, t->energy.out);
+    sweep_keep_enter_file(t->tables->keep, t->energy.out);
+    return RP_OK;
+}
+
+/* Steps to the next row of energies, or as many as given. */
+static long part_of(const trace *t, const exp_run *run, long most)
+{
+    const long every = t->tables ? t->tables->every : 0;
+    if (every < 1 || !exp_sim(run)) return most;
+    const long left = every - dem_step(exp_sim(run)) % every;
+    return left < most ? left : most;
+}
+
+static rp_status note_phase(trace *t, exp_run *run, long step)
+{
+    if (!t->energy.out) return RP_OK;
+    const long every = t->tables->every, now = dem_step(exp_sim(run));
+    if (every > 0 && now != step && now % every == 0) dem_write_energy(exp_sim(run), t->energy.out);
+    if (exp_stages(run) == t->stages) return RP_OK;
+    t->stages = exp_stages(run);
+    exp_passed last = {0};
+    for (size_t k = 0; k < exp_phase_count(t->plan); k++) {
+        const exp_passed p = exp_phase_at(run, k);
+        if (p.passes > 0 && !p.inner) last = p;
+    }
+    return sweep_state_write(t->tables, exp_sim(run), last.name);
+}
+
+static rp_status write_phases(const exp_plan *plan, const exp_run *run, const sweep_tables *tables)
+{
+    sweep_file f;
+    RP_TRY(sweep_table_open(tables, "phases.tsv", &f));
+    rp_table_columns(
+        f.out, 4,
+        (const char *const[][2]){{"phase", ""}, {"passes", ""}, {"step", ""}, {"time", rp_unit("s")}});
+    for (size_t k = 0; k < exp_phase_count(plan); k++) {
+        const exp_passed p = exp_phase_at(run, k);
+        char time[32];
+        if (p.passes > 0)
+            fprintf(f.out, "%s\t%ld\t%ld\t%s\n", p.name, p.passes, p.step,
+                    rp_number_text(p.time, 6, time, sizeof time));
+    }
+    return sweep_table_close(&f, RP_OK);
+}
+
 static rp_status write_tables(const exp_plan *plan, const exp_run *run, const sweep_tables *tables)
 {
     if (!tables || !tables->directory || !exp_sim(run)) return RP_OK;
@@ -101,22 +170,27 @@ static rp_status write_tables(const exp_plan *plan, const exp_run *run, const sw
         exp_series_write(run, k, f.out);
         RP_TRY(sweep_table_close(&f, RP_OK));
     }
+    RP_TRY(write_phases(plan, run, tables));
     return sweep_state_write(tables, exp_sim(run), "end");
 }
 
 /* From its start or its snapshot to the end. */
-static rp_status go(exp_run *run, sweep_keep *keep)
+static rp_status go(exp_run *run, trace *t, sweep_keep *keep)
 {
     enum { PART = 1000 };
     rp_status status = RP_OK;
     sweep_keep_enter_by(keep, keep_run, run);
-    if (keep) status = keep->source.status;
+    status = begin_trace(t, run);
+    if (!status && keep) status = keep->source.status;
+    t->stages = exp_stages(run);
     while (!status && !exp_done(run)) {
-        status = exp_advance(run, PART);
+        const long step = exp_sim(run) ? dem_step(exp_sim(run)) : 0;
+        status = exp_advance(run, part_of(t, run, PART));
+        if (!status) status = note_phase(t, run, step);
         if (!status && !exp_done(run)) status = sweep_keep_look(keep);
     }
-    sweep_keep_leave(keep, 1);
-    return status;
+    sweep_keep_leave(keep, t->energy.out ? 2 : 1);
+    return t->energy.out ? sweep_table_close(&t->energy, status) : status;
 }
 
 static rp_status run_one(const void *params, unsigned long seed, unsigned long stream,
@@ -127,8 +201,10 @@ static rp_status run_one(const void *params, unsigned long seed, unsigned long s
     size_t n = 0;
     sweep_result_clear(result);
     rp_status status = plan_of(params, &plan);
+    trace t = {.tables = tables && tables->directory ? tables : NULL, .plan = plan};
+    if (!status && t.tables && tables->ledger) exp_keep_ledger(plan);
     if (!status) status = exp_start(plan, seed, stream, &run);
-    if (!status) status = go(run, tables ? tables->keep : NULL);
+    if (!status) status = go(run, &t, tables ? tables->keep : NULL);
     if (!status) {
         const exp_end *end = exp_ended(run);
         exp_outputs(plan, &n);
@@ -155,7 +231,8 @@ static rp_status add_let(sweep_experiment *e, const rp_let *let, rp_param *p)
                             : !word       ? RP_BOOL
                             : *let->range ? RP_CHOICE
                                           : RP_TEXT,
-                    .range = ""};
+                    .range = "",
+                    .inherited = true}; /* streams stay when a text gets one more name */
     if (number) p->range = *let->range ? let->range : "(-inf, inf)";
     if (word) p->range = let->range;
     if (let->computed) p->range = rp_text(&e->arena, "%s | %s", p->range, COMPUTED);
@@ -171,12 +248,14 @@ static rp_status describe(sweep_experiment *e, const exp_plan *plan)
     const rp_lets *lets = &e->text.lets;
     rp_param *schema;
     sweep_output *outputs;
-    size_t n, n_params = 0;
+    size_t n, n_params = 0, n_keys = 0;
     const exp_output *o = exp_outputs(plan, &n);
     if (n > SWEEP_MAX_OUTPUTS)
         return rp_fail(RP_BAD_INPUT, "%s: %zu columns of measures; a sweep has up to %d", e->text.path, n,
                        SWEEP_MAX_OUTPUTS);
-    RP_NEW(&e->arena, schema, lets->n);
+    while (dem_named_keys[n_keys].key) n_keys++;
+    RP_NEW(&e->arena, schema, lets->n + n_keys + 1);
+    RP_NEW(&e->arena, e->keys, lets->n + n_keys);
     RP_NEW(&e->arena, outputs, n);
     for (size_t k = 0; k < lets->n; k++) {
         if (lets->lets[k].computed && lets->lets[k].is.type != RP_X_NUMBER)
@@ -204,10 +283,11 @@ static rp_status describe(sweep_experiment *e, const exp_plan *plan)
                                outputs[k].name);
         if (!outputs[k].name || !outputs[k].unit || !outputs[k].meaning) return RP_NO_MEMORY;
     }
+    e->schema = schema, e->n_lets = e->n_params = n_params;
     e->protocol = (sweep_protocol){.name = "experiment",
                                    .about = "a scene with phases and measures",
                                    .schema = schema,
-                                   .params_size = sizeof(slot) * (1 + n_params),
+                                   .params_size = sizeof(slot) * (1 + n_params + n_keys),
                                    .outputs = outputs,
                                    .check = check,
                                    .hash = hash,
@@ -268,6 +348,22 @@ rp_status sweep_protocol_open(const sweep_protocol *protocol, const rp_texts *ch
     RP_TRY(open_text(rp_text(&e->arena, "protocol %s", protocol->name), changes, e));
     e->protocol.name = protocol->name, e->protocol.about = protocol->about;
     return *opened = &e->protocol, RP_OK;
+}
+
+void sweep_experiment_in(sweep_experiment *e, rp_units units)
+{
+    e->text.lets.foreign |= units != rp_units_now();
+    rp_units_set(units);
+}
+
+void sweep_experiment_also(sweep_experiment *e, const char *name)
+{
+    const dem_named_key *k = dem_named_keys;
+    while (k->key && strcmp(k->param.name, name) != 0) k++;
+    if (!k->key || rp_params_find(e->schema, name)) return;
+    e->schema[e->n_params] = k->param;
+    e->schema[e->n_params].offset = sizeof(slot) * (1 + e->n_params);
+    e->keys[e->n_params++] = k->key;
 }
 
 void sweep_experiment_close(sweep_experiment *e)

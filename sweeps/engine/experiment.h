@@ -2,6 +2,7 @@
 #ifndef SWEEP_EXPERIMENT_H
 #define SWEEP_EXPERIMENT_H
 
+#include "params/units.h"
 #include "sweeps/engine/protocol.h"
 
 typedef struct sweep_experiment sweep_experiment;
@@ -13,6 +14,14 @@ rp_status sweep_experiment_open(const char *path, const rp_texts *changes, sweep
 /* The same of a protocol that is a text of the program; one that is not is itself, and *made NULL. */
 rp_status sweep_protocol_open(const sweep_protocol *protocol, const rp_texts *changes,
                               sweep_experiment **made, const sweep_protocol **opened);
+
+/* The units of the parameters of an open protocol, where they are not those of its text. */
+void sweep_experiment_in(sweep_experiment *e, rp_units units);
+
+/* Make a physical parameter of scenes (dem/scene/text.h) one of these runs too, if the text has no let of
+ * this name.
+ */
+void sweep_experiment_also(sweep_experiment *e, const char *name);
 void sweep_experiment_close(sweep_experiment *e);
 
 const sweep_protocol *sweep_experiment_protocol(const sweep_experiment *e);

@@ -75,7 +75,7 @@ static rp_status read_head(const char *file, const config_setting_t *root,
                            *protocol = config_setting_get_member(root, "protocol");
     if (set && !text) return rp_config_fail(set, "set: changes an experiment");
     if (protocol && *h->experiment) return rp_config_fail(protocol, "protocol: the experiment's text has it");
-    return units && text ? rp_config_fail(units, "units: the experiment's text has it") : RP_OK;
+    return units && *h->experiment ? rp_config_fail(units, "units: the experiment's text has it") : RP_OK;
 }
 
 /* A sweep's folder keeps one file that says everything. */
@@ -114,12 +114,32 @@ static rp_status rename_text(const config_setting_t *setting, const char *to, ch
     return RP_OK;
 }
 
+static const config_setting_t *element(const config_setting_t *group, size_t i)
+{
+    return config_setting_get_elem(group, (unsigned)i);
+}
+
+/* What fixed and grid name of the physics, though the text has no let of it. */
+static void add_keys(sweep_plan *plan)
+{
+    const config_setting_t *grid = config_lookup(&plan->config, "grid"),
+                           *fixed = config_lookup(&plan->config, "fixed");
+    const bool bundles = grid && config_setting_is_list(grid);
+    for (int g = -1; g < (bundles ? length(grid) : 1); g++) {
+        const config_setting_t *group = g < 0 ? fixed : bundles ? element(grid, (size_t)g) : grid;
+        for (int i = 0; i < length(group); i++) {
+            const char *name = config_setting_name(element(group, (size_t)i));
+            if (name) sweep_experiment_also(plan->experiment, name);
+        }
+    }
+}
+
 /* Open the experiment's file, beside the sweep's, or the protocol's text. */
-static rp_status open_experiment(const char *file, const char *name, sweep_plan *plan)
+static rp_status open_experiment(const char *file, const head *h, sweep_plan *plan)
 {
     RP_SCOPE(arena);
     rp_texts changes = {0};
-    const char *path, *slash = strrchr(file, '/');
+    const char *const name = h->experiment, *path, *slash = strrchr(file, '/');
     const config_setting_t *set = config_lookup(&plan->config, "set");
     if (set && !config_setting_is_list(set) && !config_setting_is_array(set))
         return rp_config_fail(set, "set: a list [ \"key=value\" ] expected");
@@ -133,6 +153,8 @@ static rp_status open_experiment(const char *file, const char *name, sweep_plan 
     if (!*name) {
         const rp_status status =
             sweep_protocol_open(plan->protocol, &changes, &plan->experiment, &plan->protocol);
+        if (!status && plan->experiment)
+            sweep_experiment_in(plan->experiment, (rp_units)h->units), add_keys(plan);
         return rp_prefix(status, "%s: ", file);
     }
     plan->has_copy = true;
@@ -140,6 +162,7 @@ static rp_status open_experiment(const char *file, const char *name, sweep_plan 
     rp_status status = sweep_experiment_open(path, &changes, &plan->experiment);
     if (status) return rp_prefix(status, "%s: experiment: ", file);
     plan->protocol = sweep_experiment_protocol(plan->experiment);
+    add_keys(plan);
     return rename_text(config_lookup(&plan->config, "experiment"), "experiment.cfg", &plan->text);
 }
 
@@ -149,13 +172,9 @@ static rp_status find_param(const sweep_protocol *protocol, const config_setting
     *param = rp_params_find(protocol->schema, config_setting_name(setting));
     if (*param) return RP_OK;
     char more[64];
-    snprintf(more, sizeof more, protocol->context ? "" : "; see repose params %s", protocol->name);
+    snprintf(more, sizeof more, "; see repose params %s",
+             strcmp(protocol->name, "experiment") ? protocol->name : "scene");
     return rp_config_unknown(setting, protocol->schema, NULL, more);
-}
-
-static const config_setting_t *element(const config_setting_t *group, size_t i)
-{
-    return config_setting_get_elem(group, (unsigned)i);
 }
 
 static rp_status read_fixed(const sweep_plan *plan, const config_setting_t *fixed, void *values)
@@ -247,14 +266,15 @@ static void move_to(const sweep_plan *plan, size_t i)
     sweep_position *at = plan->at;
     if (at->point == i) return;
     at->point = i;
-    at->hash = plan->fixed_hash;
+    at->settings = plan->fixed_hash;
     for (size_t a = plan->n_axes, rest = i; a-- > 0;) {
         const sweep_axis *axis = &plan->axes[a];
         rp_config_value(element(axis->list, rest % axis->n), axis->param, at->values); /* checked before */
-        at->hash = rp_hash_add(at->hash, rp_params_hash_one(axis->param, at->values));
+        at->settings = rp_hash_add(at->settings, rp_params_hash_one(axis->param, at->values));
         if (axis->first) rest /= axis->n;
     }
     XXH128_hash_t hash;
+    at->hash = at->settings;
     if (plan->protocol->hash && plan->protocol->hash(at->values, &hash)) at->hash = hash;
 }
 
@@ -360,7 +380,12 @@ static void append_json(const rp_param *param, const void *values, char *buffer,
 
 static void sum_fixed(sweep_plan *plan, const config_setting_t *fixed)
 {
+    const config_setting_t *set = config_lookup(&plan->config, "set");
     strcpy(plan->fixed_json, "{");
+    for (int i = 0; i < length(set); i++) {
+        const char *text = config_setting_get_string_elem(set, i);
+        plan->fixed_hash = rp_hash_add(plan->fixed_hash, XXH3_128bits(text, strlen(text)));
+    }
     for (const rp_param *p = plan->protocol->schema; p->name; p++) {
         if (sweep_plan_is_axis(plan, p)) continue;
         plan->fixed_hash = rp_hash_add(plan->fixed_hash, rp_params_hash_one(p, plan->at->values));
@@ -405,7 +430,7 @@ rp_status sweep_plan_read(const char *file, const sweep_protocol *const *protoco
                            *grid = config_setting_get_member(root, "grid");
     RP_TRY(read_head(file, root, protocols, &h));
     plan->protocol = protocols[h.protocol];
-    if (*h.experiment || plan->protocol->text) RP_TRY(open_experiment(file, h.experiment, plan));
+    if (*h.experiment || plan->protocol->text) RP_TRY(open_experiment(file, &h, plan));
     plan->replicas = (size_t)h.replicas;
     plan->seed = (unsigned long)h.seed;
     plan->shared_piles = h.piles == PILES_SHARED;
@@ -450,12 +475,11 @@ const void *sweep_plan_point(const sweep_plan *plan, size_t point)
     return plan->at->values;
 }
 
-/* Hash of a point's parameters with `text`. */
-static XXH128_hash_t hash_point(const sweep_plan *plan, size_t point, const char *text)
+/* Hash of one of a point's hashes with `text`. */
+static XXH128_hash_t hash_point(const XXH128_hash_t *of, const char *text)
 {
     char bytes[sizeof(XXH128_canonical_t) + 256];
-    move_to(plan, point);
-    XXH128_canonicalFromHash((XXH128_canonical_t *)bytes, plan->at->hash);
+    XXH128_canonicalFromHash((XXH128_canonical_t *)bytes, *of);
     const int n = snprintf(bytes + sizeof(XXH128_canonical_t), 256, "%s", text);
     return XXH3_128bits(bytes, sizeof(XXH128_canonical_t) + (size_t)n);
 }
@@ -467,7 +491,8 @@ sweep_stream sweep_plan_stream(const sweep_plan *plan, size_t run)
     char text[64];
     snprintf(text, sizeof text, "streams %lu", plan->seed);
     /* numbers of 31 bits, as scene files have them */
-    const unsigned long most = 0x7fffffff, hash = hash_point(plan, run / plan->replicas, text).low64;
+    move_to(plan, run / plan->replicas);
+    const unsigned long most = 0x7fffffff, hash = hash_point(&plan->at->settings, text).low64;
     return (sweep_stream){hash & most, ((hash >> 33) + replica) & most, (hash >> 12) + replica};
 }
 
@@ -477,7 +502,8 @@ static void hash_run(const sweep_plan *plan, size_t run, const char *before, cha
     const sweep_stream stream = sweep_plan_stream(plan, run);
     char text[256];
     snprintf(text, sizeof text, "%s seed=%lu run=%lu", before, stream.seed, stream.run);
-    rp_hash_digits(hash_point(plan, run / plan->replicas, text), digits);
+    move_to(plan, run / plan->replicas);
+    rp_hash_digits(hash_point(&plan->at->hash, text), digits);
 }
 
 void sweep_plan_key(const sweep_plan *plan, size_t run, char key[33])

@@ -20,7 +20,9 @@ typedef struct {
 /* The grid point whose values a plan holds at the moment. */
 typedef struct {
     size_t point;
-    XXH128_hash_t hash; /* sum over its parameters */
+    /* Sum over its parameters, which gives the streams; and what stands for them in keys: the same, but of a
+     * text all that its numbers depend on. */
+    XXH128_hash_t settings, hash;
     _Alignas(max_align_t) char values[];
 } sweep_position;
 

@@ -12,10 +12,11 @@ static const sweep_output no_outputs[] = {{0}};
                                                   .schema = no_params,                                       \
                                                   .outputs = no_outputs,                                     \
                                                   .text = sweep_text_##NAME}
+TEXT(repose, "fill a box, open its right wall, measure the slope at rest, tilt (Lee & Herrmann 1993)");
 TEXT(flux, "grains put in at the left, one by one, leave over the right edge (Lee & Herrmann 1993)");
 
 const sweep_protocol *const sweep_protocols[] = {
 #define X(name) &sweep_protocol_##name,
-    SWEEP_PROTOCOLS(X) SWEEP_TEXTS(X)
+    SWEEP_TEXTS(X) SWEEP_PROTOCOLS(X)
 #undef X
         NULL};

@@ -147,6 +147,7 @@ static void read_param(size_t n, const char text[])
     size_t row = (unsigned char)text[1], rows = 0;
     if (group == 9) schema = sweep_protocols[row / 51 % 5]->schema;
     while (schema[rows].name) rows++;
+    if (rows == 0) return; /* of a text */
     const rp_param *p = &schema[row % rows];
     char *value = strndup(text + 2, n - 2);
     rp_params_defaults(schema, values);

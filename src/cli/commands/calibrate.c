@@ -662,7 +662,7 @@ static rp_status write_file(const cli_call *call, const calibrate_options *o, co
             fprintf(out,
                     "%s  { protocol = \"repose\"; of = \"%s\"; value = %.17e; error = %.17e;\n"
                     "    fixed = { W = 4.0; H = 4.0; floor = \"extends\"; slip = \"truncated\"; "
-                    "measure = ( \"theta_r\", \"theta_t\" ); }; }",
+                    "theta_t = true; }; }",
                     some++ ? ",\n" : "", angles[k].of, angles[k].value, angles[k].error);
     fputs(" );\n", out);
     return rp_file_close(*path, out, RP_OK);

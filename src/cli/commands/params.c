@@ -89,6 +89,12 @@ static void print_protocol(const sweep_protocol *protocol)
 {
     printf("# protocol %s: %s\n", protocol->name, protocol->about);
     print_schema(protocol->schema);
+    if (protocol->context) {
+        printf("# for sweeps also these of a scene:");
+        for (const dem_named_key *k = dem_named_keys; k->key; k++)
+            if (!rp_params_find(protocol->schema, k->param.name)) printf(" %s", k->param.name);
+        putchar('\n');
+    }
     printf("# outputs of protocol %s\n# %-36s %-10s %s\n", protocol->name, "name", "unit", "meaning");
     for (const sweep_output *o = protocol->outputs; o->name; o++)
         printf("  %-36s %-10s %s\n", o->name, shown(rp_unit(o->unit)), o->meaning);
@@ -179,6 +185,7 @@ static rp_status print_all(cli_call *call, const void *values)
         sweep_experiment *text;
         const sweep_protocol *opened;
         const rp_status status = sweep_protocol_open(*p, NULL, &text, &opened);
+        if (!status && text) sweep_experiment_in(text, (rp_units)o->units);
         if (!status) (rows ? protocol_rows : print_protocol)(opened);
         sweep_experiment_close(text);
         rp_units_set((rp_units)o->units); /* a text has its own */

@@ -861,6 +861,10 @@ static rp_status step_into(char *name, const char *text, config_setting_t **grou
 {
     const long i = take_index(name);
     config_setting_t *member = config_setting_get_member(*group, name);
+    for (int k = 1; k <= 3 && !member && i == -1 && config_setting_is_root(*group);
+         k++) /* laws have defaults */
+        if (strcmp(name, dem_scene_schemas[k].name) == 0)
+            member = config_setting_add(*group, name, CONFIG_TYPE_GROUP);
     if (!member) return no_member(*group, name, text);
     const int n = config_setting_length(member);
     if (config_setting_is_list(member) && (i < 0 || i >= n))
@@ -919,7 +923,7 @@ rp_status dem_text_give(dem_text *text, const char *name, const rp_value *value)
 }
 
 /* Put "group.key=value" or "list[0].key=value" into the tree that was read, instead of what stands there. */
-static rp_status change(dem_text *scene, const char *text)
+rp_status dem_text_change(dem_text *scene, const char *text)
 {
     config_t *config = &scene->config;
     char path[128];
@@ -954,6 +958,18 @@ static rp_status change(dem_text *scene, const char *text)
     config_destroy(&one);
     return status;
 }
+
+#define NAMED_KEY(...) NAMED_KEY_OF(__VA_ARGS__)
+#define NAMED_KEY_OF(group, kind, type, name, key, unit, fallback, range, also, automatic, wall, ...)        \
+    {{#name, unit, type, 0, fallback, DEM_ALLOWED_##kind(range, also), __VA_ARGS__}, group key},
+#define OF_TOP(...)        NAMED_KEY("", __VA_ARGS__)
+#define OF_NORMAL(...)     NAMED_KEY("normal.", __VA_ARGS__)
+#define OF_TANGENTIAL(...) NAMED_KEY("tangential.", __VA_ARGS__)
+#define OF_ROLLING(...)    NAMED_KEY("rolling.", __VA_ARGS__)
+#define OF_FILL(...)       NAMED_KEY("fill.", __VA_ARGS__)
+const dem_named_key dem_named_keys[] = {
+    DEM_GRAIN_PARAMS(OF_TOP) DEM_NORMAL_PARAMS(OF_NORMAL) DEM_TANGENTIAL_PARAMS(OF_TANGENTIAL)
+        DEM_ROLLING_PARAMS(OF_ROLLING) DEM_RADIUS_PARAMS(OF_FILL){{0}, NULL}};
 
 /* The first fill that is there; NULL: none. */
 static rp_status first_fill(const config_setting_t *root, const config_setting_t **first)
@@ -1106,7 +1122,7 @@ rp_status dem_text_open_bytes(const char *name, const char *bytes, const rp_text
     const char *units = NULL;
     *text = (dem_text){.path = name};
     RP_TRY(bytes ? rp_config_read_text(name, bytes, &text->config) : rp_config_read(name, &text->config));
-    for (size_t i = 0; changes && i < changes->n; i++) RP_TRY(change(text, changes->items[i]));
+    for (size_t i = 0; changes && i < changes->n; i++) RP_TRY(dem_text_change(text, changes->items[i]));
     config_lookup_string(&text->config, "units", &units);
     rp_units_set(rp_units_find(units));
     return RP_OK;
@@ -1132,10 +1148,10 @@ static rp_status read_streams(const config_setting_t *root, dem_scene *scene)
 
 static rp_status read_scene(dem_text *text, scene_file *file)
 {
-    static const char *const others[] = {"let",      "gravity",   "normal",  "tangential", "rolling",
-                                         "walls",    "particles", "fill",    "ground",     "hard",
-                                         "implicit", "phases",    "measure", "regions",    "rest",
-                                         "result",   "seed",      "run",     "output",     NULL};
+    static const char *const others[] = {"let",       "gravity", "normal", "tangential", "rolling",  "walls",
+                                         "particles", "fill",    "ground", "hard",       "implicit", "phases",
+                                         "measure",   "regions", "rest",   "result",     "seed",     "run",
+                                         "output",    "require", NULL};
     config_setting_t *root = config_root_setting(&text->config);
     rp_params_defaults(top_schema, file);
     dem_definition *def = &file->scene.def;

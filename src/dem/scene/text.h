@@ -24,6 +24,17 @@ rp_status dem_text_open(const char *path, const rp_texts *changes, dem_text *tex
 rp_status dem_text_open_bytes(const char *name, const char *bytes, const rp_texts *changes, dem_text *text);
 void dem_text_close(dem_text *text);
 
+/* Change a key, as --set does. Errors: RP_BAD_INPUT. */
+rp_status dem_text_change(dem_text *text, const char *change);
+
+/* Physical parameters by the names that sweeps have for them (dem/law/parameters.h), and the keys of a scene
+ * file that they stand for; ended by a NULL name. Their offsets are in no structure. */
+typedef struct {
+    rp_param param;
+    const char *key;
+} dem_named_key;
+extern const dem_named_key dem_named_keys[];
+
 /* Give a let a value, of a text that is open; another reading takes it. Errors: RP_BAD_INPUT (no such let).
  */
 rp_status dem_text_give(dem_text *text, const char *name, const rp_value *value);

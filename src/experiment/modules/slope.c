@@ -7,6 +7,7 @@
 
 typedef struct {
     int falls, height, empty, parabola;
+    double from, to;
 } slope_params;
 
 #define AT(field) offsetof(slope_params, field)
@@ -15,6 +16,10 @@ static const rp_param schema[] = {
     {"height", "", RP_CHOICE, AT(height), "centre", ANG_HEIGHT_WORDS, "of a column of width about d"},
     {"empty", "", RP_CHOICE, AT(empty), "zero", ANG_EMPTY_WORDS, "height of an empty column"},
     {"parabola", "", RP_CHOICE, AT(parabola), "free", ANG_PARABOLA_WORDS, "of method 3"},
+    {"from", "", RP_REAL, AT(from), "0", "[0, 1)",
+     "share of the width that is left out, on the side that the surface falls from"},
+    {"to", "", RP_REAL, AT(to), "1", "(0, 1]",
+     "share of the width, from there, where the columns that are used end"},
     {0}};
 
 static const exp_output outputs[] = {
@@ -42,8 +47,17 @@ static rp_status evaluate(const exp_view *s, const void *params, double out[])
         y[i] = s->grains[i].y - ground, r[i] = s->grains[i].r;
     }
     rp_status status = ang_surface_make(s->n, x, y, r, s->hi[0] - s->lo[0], &options, &surface);
+    size_t first = 0, n = 0;
+    const double lo = ceil(p->from * (double)surface.n_cells - 1e-9),
+                 hi = floor(p->to * (double)surface.n_cells + 1e-9);
+    for (size_t k = 0; k < surface.n && !status; k++) {
+        first += (double)surface.column[k] < lo;
+        n += (double)surface.column[k] >= lo && (double)surface.column[k] < hi;
+    }
+    if (!status && n < 3) status = rp_fail(RP_NO_RESULT, "%zu columns, at least 3 needed", n);
     if (!status)
-        status = ang_slopes(surface.n, surface.column, surface.h, surface.cell, options.parabola, slopes);
+        status =
+            ang_slopes(n, surface.column + first, surface.h + first, surface.cell, options.parabola, slopes);
     if (!status) {
         for (int k = 0; k < ANG_N_METHODS; k++) out[k] = slopes[k].theta * degree;
         out[3] = slopes[2].theta_se * degree;
