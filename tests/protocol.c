@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "dem/scene/scene.h"
 #include "sweeps/engine/experiment.h"
 #include "tests/check.h"
 
@@ -39,6 +40,32 @@ void *protocol_params(const sweep_protocol *protocol, const char *const changes[
             c += length;
         }
     return params;
+}
+
+void protocol_box(double W, double H, long run, const double steps[2], dem_sim **sim)
+{
+    dem_scene scene = {.def = dem_definition_default(), .has_fill = true};
+    dem_physics physics = dem_physics_default();
+    physics.tangential = DEM_SPRING;
+    physics.mu = 0.2;
+    dem_physics_apply(&physics, &scene.def);
+    const dem_material wall = dem_wall_material(&dem_material_auto, &scene.def.material);
+    dem_box_walls(&scene.def, W, &wall);
+    scene.def.x_max = 3.0 * W;
+    scene.fill = (dem_fill){.N = lround(W * H / 0.04),
+                            .W = W,
+                            .H = 2.0 * H,
+                            .radius_mean = 0.1,
+                            .radius_width = 0.02,
+                            .radius_min = 0.07,
+                            .radius_max = 0.13,
+                            .density = 1.0,
+                            .seed = 1993,
+                            .run = run};
+    CHECK_OK(dem_scene_start(&scene, sim));
+    CHECK_OK(dem_run(*sim, lround(steps[0])));
+    dem_wall_open(*sim, DEM_BOX_RIGHT, INFINITY);
+    CHECK_OK(dem_run(*sim, lround(steps[1])));
 }
 
 double protocol_output(const sweep_protocol *protocol, const sweep_result *result, const char *name)

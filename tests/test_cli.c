@@ -1887,6 +1887,11 @@ static void test_row_again(void)
     CU_ASSERT(equal_tables("again/pile_contacts.tsv", "box/pile_contacts.tsv"));
     CU_ASSERT(!equal_tables("again/pile_grains.tsv", "box/filled_grains.tsv"));
     CU_ASSERT(equal_tables("again/phases.tsv", "box/phases.tsv"));
+    GOOD("run box/scene.cfg");
+    scoped_table measures = read_table("out");
+    for (size_t row = 0; row < measures.n_rows; row++)
+        CU_ASSERT_STRING_EQUAL(word(&measures, row, "value"),
+                               word(&again, 0, word(&measures, row, "measure")));
     scoped_table energy = read_table("box/energy.tsv");
     CU_ASSERT(energy.n_rows >= 4 && cell(&energy, 3, "step") == 4000.0);
     CU_ASSERT(cell(&energy, 3, "normal_damping") > 0.0);
@@ -1973,7 +1978,7 @@ static void test_run_scene(void)
 static void test_run_help(void)
 {
     static const char *const lists[] = {"states.tsv, contacts.tsv, walls.tsv", "direction_x, direction_y",
-                                        "grains, steps, at rest", "grains, contacts, energies",
+                                        "grains, steps, at rest", "grains, contacts and walls",
                                         "disks, contacts, wells"};
     static char help[sizeof out];
     CU_ASSERT(shell("\"$REPOSE\" run --help 2>err | tr '\\n' ' ' >out") == 0);

@@ -4,7 +4,7 @@
 
 #include "table/table.h"
 #include "sweeps/engine/experiment.h"
-#include "sweeps/protocols/box.h"
+#include "experiment/modules/module.h"
 #include "tests/check.h"
 #include "tests/numbers.h"
 #include "tests/protocol.h"
@@ -14,17 +14,17 @@ static void height_closed_forms(void)
 {
     const double gap = 1e-3;
     dem_state s[3] = {{.x = 1.0, .y = 0.7, .r = 0.15}};
-    CHECK_NEAR(sweep_touch_height(0, s, 0.1, 0.1, gap), 0.101, 1e-15);
-    CHECK_NEAR(sweep_touch_height(1, s, 0.1, 0.1, gap), 0.101, 1e-15); /* beyond contact */
-    CHECK_NEAR(sweep_touch_height(1, s, 1.0, 0.1, gap), 0.7 + 0.25 + gap, 1e-15);
+    CHECK_NEAR(exp_touch_height(0, s, 0.1, 0.1, gap, 0.1 + gap), 0.101, 1e-15);
+    CHECK_NEAR(exp_touch_height(1, s, 0.1, 0.1, gap, 0.1 + gap), 0.101, 1e-15); /* beyond contact */
+    CHECK_NEAR(exp_touch_height(1, s, 1.0, 0.1, gap, 0.1 + gap), 0.7 + 0.25 + gap, 1e-15);
     s[0] = (dem_state){.x = 0.4, .y = 0.7, .r = 0.399}; /* with 0.1 + gap a triangle of 3, 4, 5 tenths */
-    CHECK_NEAR(sweep_touch_height(1, s, 0.1, 0.1, gap), 1.1, 1e-15);
+    CHECK_NEAR(exp_touch_height(1, s, 0.1, 0.1, gap, 0.1 + gap), 1.1, 1e-15);
     s[1] = (dem_state){.x = 0.1, .y = 0.9, .r = 0.1}; /* the higher of two, in either order */
-    CHECK_NEAR(sweep_touch_height(2, s, 0.1, 0.1, gap), 0.9 + 0.2 + gap, 1e-15);
+    CHECK_NEAR(exp_touch_height(2, s, 0.1, 0.1, gap, 0.1 + gap), 0.9 + 0.2 + gap, 1e-15);
     s[2] = s[0];
-    CHECK_NEAR(sweep_touch_height(2, s + 1, 0.1, 0.1, gap), 0.9 + 0.2 + gap, 1e-15);
+    CHECK_NEAR(exp_touch_height(2, s + 1, 0.1, 0.1, gap, 0.1 + gap), 0.9 + 0.2 + gap, 1e-15);
     s[0].y = -0.4; /* at the height of the floor's contact, not above it */
-    CHECK_NEAR(sweep_touch_height(1, s, 0.1, 0.1, gap), 0.101, 1e-15);
+    CHECK_NEAR(exp_touch_height(1, s, 0.1, 0.1, gap, 0.1 + gap), 0.101, 1e-15);
 }
 
 /* Free at that height and everywhere above, not free just below it. */
@@ -40,7 +40,7 @@ static void height_of_random_piles(void)
                                .y = 2.0 * gsl_rng_uniform(rng),
                                .r = 0.07 + 0.06 * gsl_rng_uniform(rng)};
         const double r = 0.07 + 0.06 * gsl_rng_uniform(rng), x = r + 0.5 * gsl_rng_uniform(rng);
-        const double y = sweep_touch_height(N, s, x, r, gap);
+        const double y = exp_touch_height(N, s, x, r, gap, r + gap);
         bool supported = y - below < r + gap;
         CU_ASSERT(y >= r + gap);
         for (int i = 0; i < N; i++) {

@@ -130,7 +130,7 @@ static const golden_run runs[] = {
      {{"W", "2"}, {"H", "2"}},
      stress_hashed,
      "ok",
-     0xa9269f5f27ff7173,
+     0xe0da2cde73d7c18a,
      {{"theta_r3_deg", 18.30022251707566},
       {"floor_tilt_deg", 12.129609284937734},
       {"n_0", 0.57734545187972242},
@@ -145,7 +145,7 @@ static const golden_run runs[] = {
      {{"W", "2"}, {"H", "2"}},
      onset_hashed,
      "ok",
-     0xa7f5e780b02b4c34,
+     0xcd19fa6f329f6201,
      {{"theta_r3_deg", 18.30022251707566},
       {"theta_t_displacement_deg", 5.4399999999999284},
       {"theta_steepest_deg", 31.027190318490319}}},
@@ -181,12 +181,7 @@ static const golden_run runs[] = {
      none,
      "ok"},
     {"stress",
-     {{"W", "1.6"},
-      {"H", "1.6"},
-      {"mu_floor", "0.4"},
-      {"mu_wall", "0.1"},
-      {"g", "700"},
-      {"tilt_rate_deg", "0.01"}},
+     {{"W", "1.6"}, {"H", "1.6"}, {"mu_floor", "0.4"}, {"mu_wall", "0.1"}, {"tilt_rate_deg", "0.01"}},
      none,
      "ok"},
     {"onset",
@@ -195,8 +190,6 @@ static const golden_run runs[] = {
       {"mu_floor", "0.4"},
       {"mu_wall", "0.1"},
       {"floor", "ends"},
-      {"open", "50"},
-      {"g", "700"},
       {"tilt_rate_deg", "0.01"}},
      none,
      "ok"},
@@ -281,9 +274,7 @@ static void check_digest(const char *what, uint64_t digest, uint64_t golden)
 }
 
 /* The key of stored runs: an accidental change loses all stored runs. */
-static const named_text fingerprints[] = {{"stress", "8f43eb6d7da37363a4339d9f067ca178"},
-                                          {"onset", "e573dd90b164c6d51d705ca88a9519d5"},
-                                          {"pile", "c7a1768420111129d3b453153b2511ef"},
+static const named_text fingerprints[] = {{"pile", "c7a1768420111129d3b453153b2511ef"},
                                           {"drop", "70ede5b5f77b5d91912a221f49111dfd"}};
 enum { N_FINGERPRINTS = sizeof fingerprints / sizeof *fingerprints };
 

@@ -10,7 +10,6 @@
 #include "dem/scene/scene.h"
 #include "dem/scene/text.h"
 #include "sweeps/engine/experiment.h"
-#include "sweeps/protocols/box.h"
 #include "sweeps/protocols/protocols.h"
 #include "tests/check.h"
 #include "tests/grains.h"
@@ -184,27 +183,6 @@ static void test_small_halves(void)
     }
 }
 
-/* Of three grains that were noted one stays, one has moved, and one has left; the last two have moved. */
-static void test_moved(void)
-{
-    dem_grain two[] = {{.x = 0.2, .y = 5.0, .r = 0.1, .m = 1.0}, {.x = 0.7, .y = 5.0, .r = 0.1, .m = 1.0}};
-    dem_definition def = dem_definition_default();
-    def.grains = two;
-    def.n_grains = 2;
-    double x[] = {NAN, 0.2, 0.7, 0.4}, y[] = {NAN, 5.0, 5.1, 5.0};
-    dem_state states[2];
-    sweep_box_run run = {.states = states, .n_noted = 3, .x = x, .y = y};
-    CHECK_OK(dem_create(&def, &run.sim));
-    size_t moved;
-    CHECK_OK(sweep_box_moved(&run, 0.05, 0, &moved));
-    CU_ASSERT_EQUAL(moved, 2);
-    CHECK_OK(sweep_box_moved(&run, 0.11, 0, &moved));
-    CU_ASSERT_EQUAL(moved, 1);
-    CHECK_OK(sweep_box_moved(&run, 0.05, 1, &moved)); /* none in the scene has a contact */
-    CU_ASSERT_EQUAL(moved, 1);
-    dem_free(run.sim);
-}
-
 /* The scene of the text with such values. */
 static void scene_with(const char *const changes[], dem_text *text, dem_scene *scene)
 {
@@ -246,27 +224,8 @@ static void box_again(const sweep_result *result, double W, dem_sim **sim)
 {
     dem_state states[256];
     rp_table t;
-    dem_scene scene = {.def = dem_definition_default(), .has_fill = true};
-    dem_physics physics = dem_physics_default();
-    physics.tangential = DEM_SPRING;
-    physics.mu = 0.2;
-    dem_physics_apply(&physics, &scene.def);
-    const dem_material wall = dem_wall_material(&dem_material_auto, &scene.def.material);
-    dem_box_walls(&scene.def, W, &wall);
-    scene.def.x_max = 3.0 * W;
-    scene.fill = (dem_fill){.N = lround(W * W / 0.04),
-                            .W = W,
-                            .H = 2.0 * W,
-                            .radius_mean = 0.1,
-                            .radius_width = 0.02,
-                            .radius_min = 0.07,
-                            .radius_max = 0.13,
-                            .density = 1.0,
-                            .seed = 1993};
-    CHECK_OK(dem_scene_start(&scene, sim));
-    CHECK_OK(dem_run(*sim, lround(output(result, "fill_steps_used"))));
-    dem_wall_open(*sim, DEM_BOX_RIGHT, INFINITY);
-    CHECK_OK(dem_run(*sim, lround(output(result, "relax_steps_used"))));
+    const double steps[] = {output(result, "fill_steps_used"), output(result, "relax_steps_used")};
+    protocol_box(W, W, 0, steps, sim);
     CHECK_OK(rp_table_read(path_of("pile_grains.tsv"), &t));
     CU_ASSERT_FATAL(dem_count(*sim) <= 256 && dem_count(*sim) == t.n_rows);
     CHECK_OK(dem_states(*sim, states));
@@ -697,41 +656,24 @@ static void test_patience(void)
     }
 }
 
-/* The limit is that of two grains of the smallest radius, which have the mass of this radius, or of the mean
- * one if all radii are equal. */
-static void check_lightest(const sweep_box *like)
-{
-    for (int equal = 0; equal < 2; equal++) {
-        sweep_box b = *like;
-        dem_scene scene;
-        b.radius_width = equal ? 0.0 : 0.02;
-        sweep_box_scene(&b, &scene);
-        const double m = 4.0 / 3.0 * M_PI * (equal ? 1e-3 : 0.343e-3);
-        const dem_grain two[] = {{.r = 0.07, .m = m}, {.y = 50.0, .r = 0.07, .m = m}};
-        scene.def.grains = two;
-        scene.def.n_grains = 2;
-        const double limit = dem_time_step_limit(&scene.def, NULL);
-        CHECK_NEAR(sweep_box_step_limit(&b, 50.0, NULL), limit, 1e-12 * limit);
-    }
-}
-
-/* Grains fill a box from twice its height: the time step allows for a fall through that. */
+/* Grains fill a box from twice its height: the time step allows for a fall through that, of two grains of the
+ * smallest radius. */
 static void test_limit_of_step(void)
 {
-    static const sweep_protocol *const filled[] = {&sweep_protocol_stress, &sweep_protocol_onset};
+    static const sweep_protocol *const filled[] = {&sweep_protocol_repose, &sweep_protocol_stress,
+                                                   &sweep_protocol_onset};
+    const double m = 4.0 / 3.0 * M_PI * 0.343e-3;
+    const dem_grain two[] = {{.y = 0.0, .r = 0.07, .m = m}, {.y = 180.0, .r = 0.07, .m = m}};
     for (size_t k = 0; k < sizeof filled / sizeof *filled; k++) {
-        scoped sweep_box *b = calloc(1, filled[k]->params_size);
-        CU_ASSERT_PTR_NOT_NULL_FATAL(b);
-        rp_params_defaults(filled[k]->schema, b);
-        b->H = 90.0;
-        const double limit = sweep_box_step_limit(b, 2.0 * 90.0, NULL);
-        CU_ASSERT(limit < sweep_box_step_limit(b, 90.0, NULL));
-        check_lightest(b);
-        b->physics.dt = limit * (1.0 - 1e-9);
-        CHECK_OK(filled[k]->check(b));
-        b->physics.dt = limit * (1.0 + 1e-9);
-        CHECK_FAILS(filled[k]->check(b), RP_BAD_INPUT, "too large for");
-        protocol = protocol_of(&sweep_protocol_repose);
+        dem_text text;
+        scoped_scene scene = {0};
+        CHECK_OK(dem_text_open_bytes("box", filled[k]->text, NULL, &text));
+        CHECK_OK(dem_text_scene(&text, &scene));
+        scene.def.grains = two, scene.def.n_grains = 2;
+        const double limit = dem_time_step_limit(&scene.def, NULL);
+        scene.def.grains = NULL, scene.def.n_grains = 0;
+        dem_text_close(&text);
+        protocol = protocol_of(filled[k]);
         for (int above = 0; above < 2; above++) {
             char dt[64];
             snprintf(dt, sizeof dt, "dt=%.17g", limit * (1.0 + (above ? 1e-9 : -1e-9)));
@@ -749,7 +691,6 @@ void suite_repose(void)
     static const check_case cases[] = {{"few grains", test_surfaces},
                                        {"limit of the time step", test_limit_of_step},
                                        {"halves of three cells", test_small_halves},
-                                       {"grains that have moved", test_moved},
                                        {"bond order", test_bond_order},
                                        {"friction of the floor", test_frictions},
                                        {"keys of the scene", test_keys_of_the_scene},

@@ -696,12 +696,12 @@ static void protocol_repose(void)
 
 static void protocol_stress(void)
 {
-    goes_on(&sweep_protocol_stress, "W=1.4 H=1.4 fill_steps=6000 tilt_rate_deg=0.01", "ok");
+    goes_on(protocol_of(&sweep_protocol_stress), "W=1.4 H=1.4 fill_steps=6000 tilt_rate_deg=0.01", "ok");
 }
 
 static void protocol_onset(void)
 {
-    goes_on(&sweep_protocol_onset, "W=1.4 H=1.4 fill_steps=6000 tilt_rate_deg=0.01", "ok");
+    goes_on(protocol_of(&sweep_protocol_onset), "W=1.4 H=1.4 fill_steps=6000 tilt_rate_deg=0.01", "ok");
 }
 
 static void protocol_drop(void)

@@ -1815,8 +1815,8 @@ static void test_full_disk(void)
     clean();
 }
 
-/* Every parameter of the list of dem/law/parameters.h is known to the protocols of the box and, by its key,
- * to scenes; a default or a range differs where the protocol says so, and nowhere else. */
+/* Every parameter of the list of dem/law/parameters.h is known to sweeps of texts and, by its key, to scenes.
+ */
 static void test_physics(void)
 {
     static const struct {
@@ -1826,20 +1826,16 @@ static void test_physics(void)
 #define ROW_OF(kind, type, name, key, unit, fallback, range, also, ...)                                      \
     {#name, key, fallback, DEM_ALLOWED_##kind(range, also)},
         DEM_PHYSICS(ROW)};
-    static const sweep_protocol *const boxes[] = {&sweep_protocol_stress, &sweep_protocol_onset};
-    const char *const own[] = {"mu", "tangential"};
     for (size_t i = 0; i < sizeof list / sizeof *list; i++) {
-        bool in_scene = false, overridden = false;
+        bool in_scene = false;
+        const dem_named_key *named = dem_named_keys;
         for (const dem_scene_group *g = dem_scene_schemas; g->name && !in_scene; g++)
             in_scene = rp_params_find(g->schema, list[i].key) != NULL;
         CU_ASSERT(in_scene);
-        for (size_t k = 0; k < sizeof own / sizeof *own; k++) overridden |= strcmp(own[k], list[i].name) == 0;
-        for (size_t k = 0; k < sizeof boxes / sizeof *boxes; k++) {
-            const rp_param *p = rp_params_find(boxes[k]->schema, list[i].name);
-            CU_ASSERT_PTR_NOT_NULL_FATAL(p);
-            CU_ASSERT(overridden ||
-                      (strcmp(p->fallback, list[i].fallback) == 0 && strcmp(p->range, list[i].range) == 0));
-        }
+        while (named->key && strcmp(named->param.name, list[i].name) != 0) named++;
+        CU_ASSERT_PTR_NOT_NULL_FATAL(named->key);
+        CU_ASSERT(strcmp(named->param.fallback, list[i].fallback) == 0 &&
+                  strcmp(named->param.range, list[i].range) == 0);
     }
     CU_ASSERT_STRING_EQUAL(rp_params_find(protocol_of(&sweep_protocol_repose)->schema, "mu")->fallback,
                            "0.2");

@@ -1058,10 +1058,6 @@ static void test_systems_of_sweeps(void)
     CU_ASSERT(strstr(out, "N/m^1.5    real   10000 ") != NULL);
     /* the g of SI among values in cgs */
     static const char warning[] = "g = 9.81 among values in cm, g and s; give units = \"si\", or g = 981";
-    write_text("w.cfg", "protocol = \"stress\"; fixed = { g = 9.81; };\n");
-    CU_ASSERT(run("sweep plan w.cfg -o w") == 0 && strstr(err, warning));
-    write_text("w.cfg", "protocol = \"stress\"; grid = ( { g = [9.81, 981.0]; } );\n");
-    CU_ASSERT(run("sweep plan w.cfg -o w") == 0 && strstr(err, warning));
     write_text("s.cfg",
                "gravity = [0.0, -9.81]; steps = 2; particles = ( { x = 0.0; y = 0.0; r = 0.1; } );\n");
     CU_ASSERT(run("run s.cfg") == 0 && strstr(err, warning));

@@ -5,7 +5,7 @@ heading = 'Kinetic energy before and after opening'
 remark = 'dotted: the right wall is removed'
 panels = 2
 load 'figures/style.gp'
-opened = real(system("sed -n 's/.*open_at_step = \\([0-9][0-9]*\\).*/\\1/p' ".path("lh1/row_0/scene.cfg")))
+opened = real(pick('lh1/row_0/phases.tsv', 'phase', 'filled', 'step'))
 from = 60
 to = 63
 set xlabel 'iteration (thousands)'

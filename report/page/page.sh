@@ -9,9 +9,12 @@ rm -rf "$work"; mkdir -p "$work" # the program refuses to write over results
 # The avalanche: the first pile of figure 3 with mu = 0.2, from just before its wall is removed.
 every=500
 "$repose" run sweeps/lh/lh3.cfg --row 80 --force -o "$work/pile" >/dev/null
-opens=$(sed -n 's/.*open_at_step = \([0-9][0-9]*\);.*/\1/p' "$work/pile/scene.cfg")
-dt=$(sed -n 's/.*[ ;]dt = \([^;]*\);.*/\1/p' "$work/pile/scene.cfg")
-"$repose" run "$work/pile/scene.cfg" --set steps=$((opens + 60*every)) --every $every --force -o "$work/frames" >/dev/null
+opens=$(awk '$1 == "filled" { print $3 + 1 }' "$work/pile/phases.tsv")
+dt=$(awk '$1 == "filled" { print $4/$3 }' "$work/pile/phases.tsv")
+"$repose" run "$work/pile/scene.cfg" --every $every --force -o "$work/frames" >/dev/null
+for table in states contacts; do
+    awk -v last=$((opens + 60*every)) '/^#/ || $1 == "step" || $1 <= last' "$work/frames/$table.tsv" >"$work/$table.tsv" && mv "$work/$table.tsv" "$work/frames/"
+done
 awk -v from=$((opens - every)) -v opens="$opens" -v dt="$dt" -f "$here/frames.awk" \
     "$work/frames/states.tsv" "$work/frames/contacts.tsv" >"$work/frames.json"
 

@@ -103,7 +103,6 @@ const char *cli_own_name(const cli_command *command);
 
 /* Warn of the g of SI among values in cgs, of a file whose units have been read; of a sweep's file. */
 void cli_warn_gravity(const char *path, double g);
-void cli_warn_sweep(const char *path);
 
 /* sweep_run with these options, workers below 1: one per processor; its progress unless `quiet`, and
  * a line for each run that fails. */

@@ -394,7 +394,7 @@ bool dem_ledger_read(const dem_sim *sim, dem_ledger *ledger);
  * an open wall is left where both ends are equal. */
 typedef struct {
     double point[2], direction[2], ends[2], force[2];
-    double mu;
+    double mu, k_s;
     double pivot[2], velocity[2], angle; /* the latter: turned by itself since the start, radians */
     bool open;                           /* it has begun to open */
 } dem_wall_state;

@@ -98,6 +98,15 @@ static double touch_of_wall(const dem_wall_state *w, double x, double r, double 
     return up && fabs(x - w->point[0]) < r * (1.0 - 1e-9) ? INFINITY : y;
 }
 
+double exp_touch_height(size_t n, const dem_state grains[], double x, double r, double gap, double y)
+{
+    for (size_t i = 0; i < n; i++) {
+        const double dx = grains[i].x - x, reach = r + grains[i].r + gap;
+        if (fabs(dx) < reach) y = fmax(y, grains[i].y + sqrt(reach * reach - dx * dx));
+    }
+    return y;
+}
+
 static double touch_height(exp_run *run, double x, double r, double gap)
 {
     const dem_state *s = exp_states(run);
@@ -106,11 +115,7 @@ static double touch_height(exp_run *run, double x, double r, double gap)
         const dem_wall_state wall = dem_wall_now(run->sim, w);
         y = fmax(y, touch_of_wall(&wall, x, r, gap));
     }
-    for (size_t i = 0; s && i < run->n_states; i++) {
-        const double dx = s[i].x - x, reach = r + s[i].r + gap;
-        if (fabs(dx) < reach) y = fmax(y, s[i].y + sqrt(reach * reach - dx * dx));
-    }
-    return y;
+    return s ? exp_touch_height(run->n_states, s, x, r, gap, y) : y;
 }
 
 static bool touches(exp_run *run, double x, double y, double r)

@@ -79,7 +79,7 @@ typedef struct {
     const char *name;
     long passes, step;
     double time;
-    bool inner; /* of a block */
+    bool inner, look; /* of a block; and without steps, of a block of few passes */
 } exp_passed;
 size_t exp_phase_count(const exp_plan *plan);
 exp_passed exp_phase_at(const exp_run *run, size_t k);

@@ -106,6 +106,7 @@ char *exp_key_to(const exp_plan *plan, size_t end)
         put(out, &arena, "of", &m->of);
         put(out, &arena, "when", &m->when);
         put(out, &arena, "event", &m->event);
+        put(out, &arena, "against", &m->against);
         if (m->take == TAKE_AVALANCHES) fprintf(out, " drop=%a", m->drop);
         if (*m->level_of) fprintf(out, " level_of=%s", m->level_of);
         for (size_t o = 0; config_setting_get_member(m->setting, "columns") && o < m->n_outputs; o++)

@@ -57,7 +57,9 @@ static void add_sample(exp_run *run, size_t k)
     }
     if (m->module && m->module->add) return;
     const double value = m->module ? out[m->pick] : exp_value(run, &m->of);
-    const bool event = m->event.x.text && exp_true(run, &m->event);
+    const double event = m->take == TAKE_LINE ? exp_value(run, &m->against)
+                         : m->event.x.text    ? exp_true(run, &m->event)
+                                              : 0.0;
     double *last = s->n > 0 ? &s->at[EXP_SAMPLE * (s->n - 1)] : NULL;
     if (run->failed) return;
     const bool extreme = m->take == TAKE_MAX || m->take == TAKE_MIN; /* of all samples so far */
@@ -170,6 +172,18 @@ static rp_status avalanches(const exp_measure *m, const exp_samples *s, const do
     return RP_OK;
 }
 
+/* The straight line through the samples. */
+static rp_status straight(const exp_samples *s, const double v[], size_t from, double x[], double out[])
+{
+    stats_line line;
+    for (size_t i = from; i < s->n; i++)
+        if (!isfinite(x[i] = s->at[EXP_SAMPLE * i + 2])) return rp_fail(RP_NO_RESULT, "against is %g", x[i]);
+    RP_TRY(stats_line_fit(&(stats_xy){s->n - from, x + from, v + from, NULL}, false, &line));
+    out[0] = line.intercept, out[1] = line.slope;
+    if (line.dof > 0) out[2] = line.intercept_se, out[3] = line.slope_se;
+    return RP_OK;
+}
+
 /* The outputs of a measure, in the order of its columns. */
 static rp_status reduce(const exp_run *run, const exp_measure *m, const exp_samples *s, double out[])
 {
@@ -184,6 +198,7 @@ static rp_status reduce(const exp_run *run, const exp_measure *m, const exp_samp
         if (!isfinite(v[i] = s->at[EXP_SAMPLE * i + 1])) return rp_fail(RP_NO_RESULT, "a sample is %g", v[i]);
     RP_TRY(first_of(run, m, work, &from));
     if (from >= s->n) return rp_fail(RP_NO_RESULT, "one sample, and skip = %g", m->skip);
+    if (m->take == TAKE_LINE) return straight(s, v, from, work, out);
     if (m->take == TAKE_AVALANCHES) return avalanches(m, s, v, from, out);
     if (m->take == TAKE_RATE && s->n - from < 2) return rp_fail(RP_NO_RESULT, "fewer than two samples");
     out[0] = v[from];

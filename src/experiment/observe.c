@@ -197,6 +197,13 @@ OBSERVABLE(force)
     return rest.net_force;
 }
 
+OBSERVABLE(rattlers)
+{
+    double n = 0.0, all = 0.0;
+    (void)args;
+    EACH(w) all++, n += w.s.contacts < 2;
+    return n / all;
+}
 OBSERVABLE(contacts)
 {
     dem_rest rest = {0};
@@ -366,28 +373,28 @@ static double over_contacts(exp_run *run, const exp_use *use,
     if (!run->failed) run->failed = dem_contacts(run->sim, &c, &n_contacts);
     *n = 0.0;
     for (size_t k = 0; k < n_contacts; k++) {
-        const double dx = c[k].x - c[k].x_b, dy = c[k].y - c[k].y_b, l = sqrt(dx * dx + dy * dy), nx = dx / l,
-                     ny = dy / l;
-        double x = 0.5 * (c[k].x + c[k].x_b), y = 0.5 * (c[k].y + c[k].y_b);
+        double f[2], x = 0.5 * (c[k].x + c[k].x_b), y = 0.5 * (c[k].y + c[k].y_b);
         dem_box_frame(run->sim, &x, &y);
         if (!exp_is_within(&in, c[k].id_a, x, y) &&
             !(in.kinds && c[k].id_b && exp_is_within(&in, c[k].id_b, x, y)))
             continue;
         (*n)++;
-        sum += part(run, &c[k],
-                    (double[]){c[k].normal_force * nx + c[k].shear_force * ny,
-                               c[k].normal_force * ny - c[k].shear_force * nx});
+        exp_contact_force(&c[k], f);
+        sum += part(run, &c[k], f);
     }
     free(c);
     return sum;
 }
 
-static double slides(const exp_run *run, const dem_contact *c, const double f[2])
+static const dem_physics *physics_now(const exp_run *run)
 {
     const size_t laws = run->at.now.laws;
-    const double grains =
-                     (laws == SIZE_MAX ? run->plan->scene.laws : run->plan->phases[laws].laws).physics.mu,
-                 mu = c->id_b ? grains : dem_wall_now(run->sim, (size_t)c->wall).mu;
+    return &(laws == SIZE_MAX ? &run->plan->scene.laws : &run->plan->phases[laws].laws)->physics;
+}
+
+static double slides(const exp_run *run, const dem_contact *c, const double f[2])
+{
+    const double mu = c->id_b ? physics_now(run)->mu : dem_wall_now(run->sim, (size_t)c->wall).mu;
     (void)f;
     return c->normal_force > 0.0 && fabs(c->shear_force) >= 0.999 * mu * c->normal_force;
 }
@@ -558,6 +565,7 @@ const exp_observable exp_observables[] = {
     {"force", ALL_GRAINS, 0, 0, RP_X_NUMBER, "dyn", "largest net force on a grain with a contact", force},
     {"imbalance", ALL_GRAINS, 0, 0, RP_X_NUMBER, "", "largest net force over weight, or torque over weight times radius", imbalance},
     {"contacts", ALL_GRAINS, 0, 0, RP_X_NUMBER, "", "mean contacts of a grain", contacts},
+    {"rattlers", ALL_GRAINS, 0, 0, RP_X_NUMBER, "", "share of the grains with fewer than two contacts", rattlers},
     {"x", ALL_GRAINS, 0, 0, RP_X_NUMBER, "cm", "centre of mass", mean_x},
     {"y", ALL_GRAINS, 0, 0, RP_X_NUMBER, "cm", "centre of mass", mean_y},
     {"vx", ALL_GRAINS, 0, 0, RP_X_NUMBER, "cm/s", "its velocity", mean_vx},
@@ -608,8 +616,15 @@ rp_status exp_module_values(exp_run *run, const exp_measure *m, double out[EXP_M
 {
     const exp_use use = {.scope = m->scope};
     const exp_within in = exp_within_now(run, &m->scope);
-    exp_view sample = {
-        .d = run->plan->d, .sim = run->sim, .lo = {-INFINITY, -INFINITY}, .hi = {INFINITY, INFINITY}};
+    exp_view sample = {.d = run->plan->d,
+                       .m = run->plan->m,
+                       .sim = run->sim,
+                       .mu = physics_now(run)->mu,
+                       .k_s = physics_now(run)->k_s,
+                       .n_marks = run->marks ? run->n_ids : 0,
+                       .marks = run->marks,
+                       .lo = {-INFINITY, -INFINITY},
+                       .hi = {INFINITY, INFINITY}};
     for (int c = 0; c < 2 && !in.all && !in.circle; c++)
         sample.lo[c] = in.at[2 * c], sample.hi[c] = in.at[2 * c + 1];
     if (m->module->bounded &&
@@ -620,6 +635,7 @@ rp_status exp_module_values(exp_run *run, const exp_measure *m, double out[EXP_M
     if (!grains) return rp_fail(RP_NO_MEMORY, "%s: out of memory", m->name);
     for (walk w = walk_over(run, &use); next(&w);)
         if (exp_is_within(&in, w.s.id, w.s.x, w.s.y)) grains[sample.n++] = w.s;
+    for (size_t i = 0; i < run->n_states; i++) sample.mass += run->states[i].fixed ? 0.0 : run->states[i].m;
     for (int k = 0; k < EXP_MODULE_OUTPUTS; k++) out[k] = NAN;
     sample.grains = grains;
     if (m->module->on_wall)

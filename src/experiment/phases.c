@@ -242,7 +242,7 @@ static void begin_phase(exp_run *run)
         const size_t w = run->plan->walls[p->opens].walls[k];
         dem_wall_open(run->sim, w, dem_walls_of(&run->plan->scene.def)[w].open_speed);
     }
-    if (p->mark || p->block == SIZE_MAX) exp_mark(run);
+    if (p->mark) exp_mark(run);
     if (p->add.on && !run->at.done) exp_add_grains(run, p);
     if (run->at.done || run->failed) return;
     const double least = p->ending == EXP_STEPS  ? exp_value(run, &p->end)
@@ -399,7 +399,10 @@ exp_passed exp_phase_at(const exp_run *run, size_t k)
 {
     exp_passed passed = run->passed[k];
     passed.name = run->plan->phases[k].name;
-    passed.inner = run->plan->phases[k].block != SIZE_MAX;
+    const exp_phase *p = &run->plan->phases[k];
+    passed.inner = p->block != SIZE_MAX;
+    passed.look = passed.inner && p->ending == EXP_STEPS && p->end.x.known && p->end.x.value == 0.0 &&
+                  run->plan->phases[p->block].repeat <= 20;
     return passed;
 }
 

@@ -114,8 +114,17 @@ typedef struct {
     size_t states[2]; /* counters of its expressions */
 } exp_phase;
 
-typedef enum { TAKE_VALUE, TAKE_MEAN, TAKE_MAX, TAKE_MIN, TAKE_FIRST, TAKE_RATE, TAKE_AVALANCHES } exp_take;
-#define EXP_TAKES "value | mean | max | min | first | rate | avalanches"
+typedef enum {
+    TAKE_VALUE,
+    TAKE_MEAN,
+    TAKE_MAX,
+    TAKE_MIN,
+    TAKE_FIRST,
+    TAKE_RATE,
+    TAKE_AVALANCHES,
+    TAKE_LINE
+} exp_take;
+#define EXP_TAKES "value | mean | max | min | first | rate | avalanches | line"
 
 typedef struct {
     const char *name, *at, *during, *unit, *meaning, *in, *wall, *level_of;
@@ -128,7 +137,7 @@ typedef struct {
     const config_setting_t *setting;
     bool left_out;
     size_t phase, output; /* its phase; the first of its outputs */
-    exp_expression of, when, event;
+    exp_expression of, when, event, against;
     const exp_module *module; /* instead of `of`; NULL: none */
     void *params;             /* of the module */
     long pick;                /* the module's output that is sampled; -1: all are outputs */
@@ -174,7 +183,7 @@ void exp_place_in(exp_place *place, exp_plan *plan);
 rp_status exp_expression_read(const config_setting_t *setting, const char *key, rp_x_type type,
                               exp_place *place, exp_expression *e);
 
-/* Samples of a measure: time, value, whether there was an event, step. */
+/* Samples of a measure: time, value, whether there was an event or what it is against, step. */
 enum { EXP_SAMPLE = 4 };
 typedef struct {
     size_t n, room;

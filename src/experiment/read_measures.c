@@ -32,7 +32,8 @@ const rp_param exp_measure_schema[] = {
     {"wall", "", RP_TEXT, IN(wall), "", "", "wall of the module base"},
     {0}};
 
-static const char *const take_words[] = {"value", "mean", "max", "min", "first", "rate", "avalanches"};
+static const char *const take_words[] = {"value", "mean", "max",        "min",
+                                         "first", "rate", "avalanches", "line"};
 
 /* The next column: by the measure's name and an ending, or by `columns`, beyond which there is none. */
 static rp_status add_output(exp_plan *plan, const exp_measure *m, const char *ending, const char *unit,
@@ -124,8 +125,9 @@ static rp_status read_when(exp_plan *plan, exp_measure *m)
     if (many != (m->take != TAKE_VALUE))
         return rp_config_fail(
             setting,
-            many ? "measure %s: take = \"%s\" of samples: one of mean, max, min, first, rate, avalanches"
-                 : "measure %s: take = \"%s\": needs during = \"PHASE\"",
+            many
+                ? "measure %s: take = \"%s\" of samples: one of mean, max, min, first, rate, avalanches, line"
+                : "measure %s: take = \"%s\": needs during = \"PHASE\"",
             m->name, take_words[m->take]);
     if (m->module && m->module->add && (m->series || (many && m->take != TAKE_MEAN)))
         return rp_config_fail(setting, "measure %s: %s has a table of means, and no series", m->name,
@@ -135,6 +137,9 @@ static rp_status read_when(exp_plan *plan, exp_measure *m)
                               m->module->name, m->module->outputs[0].name + 1);
     if (m->take == TAKE_AVALANCHES && isfinite(m->drop) == (member(setting, "event") != NULL))
         return rp_config_fail(setting, "measure %s: avalanches are found by drop, or by event", m->name);
+    if ((m->take == TAKE_LINE) != (member(setting, "against") != NULL))
+        return rp_config_fail(setting, "measure %s: take = \"line\" goes with against, an expression",
+                              m->name);
     if (m->every < 0) m->every = phase->every;
     m->left_out |= phase->left_out || (phase->block != SIZE_MAX && plan->phases[phase->block].left_out);
     return RP_OK;
@@ -170,10 +175,17 @@ static rp_status name_outputs(exp_plan *plan, exp_measure *m)
                                                      {"_after", "mean after one"},
                                                      {"_after_se", "its standard error"},
                                                      {0}},
+                             *const of_line[][2] = {{"_0", "value at against = 0 of the straight line"},
+                                                    {"_1", "rise of the straight line"},
+                                                    {"_0_se",
+                                                     "standard error of the value, from the scatter"},
+                                                    {"_1_se", "standard error of the rise"},
+                                                    {0}},
                              *const of_one[][2] = {{"", NULL}, {0}};
     const char *const(*list)[2] = m->take == TAKE_MEAN         ? of_mean
                                   : m->take == TAKE_RATE       ? of_rate
                                   : m->take == TAKE_AVALANCHES ? of_falls
+                                  : m->take == TAKE_LINE       ? of_line
                                                                : of_one;
     const exp_output *o = m->module && m->pick < 0 ? m->module->outputs : NULL;
     const char *of = config_setting_get_string(member(m->setting, "of")),
@@ -230,13 +242,13 @@ static rp_status read_level(exp_plan *plan, exp_measure *m)
 
 static rp_status name_measure(exp_plan *plan, const config_setting_t *setting, exp_measure *m)
 {
-    const char *others[EXP_MODULE_OUTPUTS] = {"of", "when", "if", "event", "columns", NULL};
+    const char *others[EXP_MODULE_OUTPUTS] = {"of", "when", "if", "event", "columns", "against", NULL};
     exp_place place;
     *m = (exp_measure){.setting = setting};
     rp_params_defaults(exp_measure_schema, m);
     if (!config_setting_is_group(setting))
         return rp_config_fail(setting, "measure: a list ( { ... } ) expected");
-    RP_TRY(read_module(plan, setting, m, others + 5));
+    RP_TRY(read_module(plan, setting, m, others + 6));
     RP_TRY(rp_config_group(setting, exp_measure_schema, m, others));
     /* all numbers of a module have names of their own */
     RP_TRY(m->module && m->pick < 0 ? exp_check_word(setting, "a measure", m->name)
@@ -303,6 +315,9 @@ rp_status exp_read_measure(exp_plan *plan, size_t k)
     if (event) RP_TRY(exp_expression_read(event, "event", RP_X_TRUTH, &place, &m->event));
     if (when && m->take == TAKE_VALUE) return rp_config_fail(when, "when: needs samples, during = \"PHASE\"");
     if (when) RP_TRY(exp_expression_read(when, "when", RP_X_TRUTH, &place, &m->when));
+    if (m->take == TAKE_LINE)
+        RP_TRY(
+            exp_expression_read(member(m->setting, "against"), "against", RP_X_NUMBER, &place, &m->against));
     m->states[1] = plan->n_states;
     return RP_OK;
 }

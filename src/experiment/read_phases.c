@@ -17,8 +17,8 @@ const rp_param exp_phase_schema[] = {
     {"go_on", "", RP_BOOL, IN(go_on), "false", "", "whether the run goes on when these are used up"},
     {"status", "", RP_TEXT, IN(status), "", "", "word of a run that ends so"},
     {"open", "", RP_TEXT, IN(open), "", "", "wall that opens at the start, at its open_speed"},
-    {"mark", "", RP_BOOL, IN(mark), "false", "",
-     "whether a block's phase marks positions for `moved` at its start, as others do"},
+    {"mark", "", RP_BOOL, IN(mark), "true", "",
+     "whether positions are marked for `moved` at the start; of a block's phases false, unless given"},
     {"damp", "", RP_BOOL, IN(damp), "false", "",
      "whether all grains stop at each look at which the kinetic energy has fallen since the last"},
     {"from", "", RP_TEXT, IN(from), "", "", "earlier phase to whose end the run first goes back"},
@@ -302,6 +302,7 @@ static rp_status name_phase(exp_plan *plan, const config_setting_t *setting, siz
     *p = (exp_phase){.setting = setting, .block = block, .ending = EXP_UNTIL};
     rp_params_defaults(exp_phase_schema, p);
     RP_TRY(rp_config_group(setting, exp_phase_schema, p, has_inner ? of_block : others));
+    if (block != SIZE_MAX && !member(setting, "mark")) p->mark = false;
     if (!exp_is_word(p->name))
         return rp_config_fail(setting, "name = \"%s\": up to 23 letters, digits and _ expected", p->name);
     for (size_t k = 0; k < plan->n_phases; k++)

@@ -279,3 +279,42 @@ void rp_config_write(FILE *out, const rp_param *schema, const void *values)
         fprintf(out, "%s = %s%s%s%s; ", schema->name, quote, text, point, quote);
     }
 }
+
+/* In quotes, as a parameter file has it. */
+void rp_config_write_text(FILE *out, const char *text)
+{
+    fputc('"', out);
+    for (const char *c = text; *c; c++)
+        if ((unsigned char)*c < ' ')
+            fprintf(out, "\\x%02x", (unsigned)*c);
+        else
+            fprintf(out, strchr("\"\\", *c) ? "\\%c" : "%c", *c);
+    fputc('"', out);
+}
+
+void rp_config_write_scalar(FILE *out, const rp_value *v)
+{
+    if (v->kind == RP_V_REAL) fprintf(out, "%.17e", v->r);
+    if (v->kind == RP_V_INT) fprintf(out, "%ld", v->i);
+    if (v->kind == RP_V_BOOL) fputs(v->i ? "true" : "false", out);
+    if (v->kind == RP_V_TEXT) rp_config_write_text(out, v->s);
+}
+
+void rp_config_write_value(FILE *out, const config_setting_t *setting)
+{
+    rp_value v;
+    if (!config_setting_is_aggregate(setting)) {
+        if (!rp_config_scalar(setting, &v)) rp_config_write_scalar(out, &v);
+        return;
+    }
+    const bool named = config_setting_is_group(setting);
+    fputs(named ? "{ " : "( ", out);
+    for (int i = 0; i < config_setting_length(setting); i++) {
+        const config_setting_t *part = config_setting_get_elem(setting, (unsigned)i);
+        if (named) fprintf(out, "%s = ", config_setting_name(part));
+        if (!named && i) fputs(", ", out);
+        rp_config_write_value(out, part);
+        if (named) fputs("; ", out);
+    }
+    fputs(named ? "}" : " )", out);
+}

@@ -106,13 +106,15 @@ typedef struct {
     const sweep_tables *tables; /* NULL: none */
     const exp_plan *plan;
     sweep_file energy;
-    size_t stages;
+    long *passes; /* of phases, that are written */
 } trace;
 
 static rp_status begin_trace(trace *t, const exp_run *run)
 {
     if (!t->tables || !exp_sim(run)) return RP_OK;
     RP_TRY(rp_make_directory(t->tables->directory));
+    t->passes = calloc(exp_phase_count(t->plan) + 1, sizeof *t->passes);
+    if (!t->passes) return rp_fail(RP_NO_MEMORY, "run: out of memory");
     RP_TRY(sweep_table_open(t->tables, "energy.tsv", &t->energy));
     dem_write_energy_columns(t->tables->ledger, t->energy.out);
     sweep_keep_enter_file(t->tables->keep, t->energy.out);
@@ -133,14 +135,25 @@ static rp_status note_phase(trace *t, exp_run *run, long step)
     if (!t->energy.out) return RP_OK;
     const long every = t->tables->every, now = dem_step(exp_sim(run));
     if (every > 0 && now != step && now % every == 0) dem_write_energy(exp_sim(run), t->energy.out);
-    if (exp_stages(run) == t->stages) return RP_OK;
-    t->stages = exp_stages(run);
-    exp_passed last = {0};
     for (size_t k = 0; k < exp_phase_count(t->plan); k++) {
         const exp_passed p = exp_phase_at(run, k);
-        if (p.passes > 0 && !p.inner) last = p;
+        char stage[64];
+        if (p.passes == t->passes[k]) continue;
+        t->passes[k] = p.passes;
+        snprintf(stage, sizeof stage, p.inner ? "%s_%ld" : "%s", p.name, p.passes);
+        if (!p.inner || p.look) RP_TRY(sweep_state_write(t->tables, exp_sim(run), stage));
     }
-    return sweep_state_write(t->tables, exp_sim(run), last.name);
+    return RP_OK;
+}
+
+/* The text of this run, for `repose run`. */
+static rp_status write_text(const void *params, const sweep_tables *tables, unsigned long seed,
+                            unsigned long stream)
+{
+    sweep_file f;
+    RP_TRY(sweep_table_open(tables, "scene.cfg", &f));
+    dem_text_write(&experiment_of(params)->text, seed, stream, f.out);
+    return sweep_table_close(&f, RP_OK);
 }
 
 static rp_status write_phases(const exp_plan *plan, const exp_run *run, const sweep_tables *tables)
@@ -182,7 +195,8 @@ static rp_status go(exp_run *run, trace *t, sweep_keep *keep)
     sweep_keep_enter_by(keep, keep_run, run);
     status = begin_trace(t, run);
     if (!status && keep) status = keep->source.status;
-    t->stages = exp_stages(run);
+    for (size_t k = 0; k < exp_phase_count(t->plan) && t->passes; k++)
+        t->passes[k] = exp_phase_at(run, k).passes;
     while (!status && !exp_done(run)) {
         const long step = exp_sim(run) ? dem_step(exp_sim(run)) : 0;
         status = exp_advance(run, part_of(t, run, PART));
@@ -212,7 +226,9 @@ static rp_status run_one(const void *params, unsigned long seed, unsigned long s
         snprintf(result->status, sizeof result->status, "%s", end->status);
         snprintf(result->message, sizeof result->message, "%s", end->message);
         status = write_tables(plan, run, tables);
+        if (!status && t.energy.path) status = write_text(params, tables, seed, stream);
     }
+    free(t.passes);
     exp_run_free(run);
     exp_free(plan);
     return status;

@@ -488,8 +488,9 @@ sweep_stream sweep_plan_stream(const sweep_plan *plan, size_t run)
 {
     const size_t replica = run % plan->replicas;
     if (plan->shared_piles) return (sweep_stream){plan->seed, replica, replica};
-    char text[64];
-    snprintf(text, sizeof text, "streams %lu", plan->seed);
+    char text[128];
+    const char *name = plan->protocol->context ? plan->protocol->name : ""; /* of a text */
+    snprintf(text, sizeof text, *name ? "streams %lu %s" : "streams %lu", plan->seed, name);
     /* numbers of 31 bits, as scene files have them */
     move_to(plan, run / plan->replicas);
     const unsigned long most = 0x7fffffff, hash = hash_point(&plan->at->settings, text).low64;

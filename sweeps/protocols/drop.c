@@ -38,7 +38,7 @@
 #include "core/file.h"
 #include "table/table.h"
 #include "dem/scene/scene.h"
-#include "sweeps/protocols/box.h"
+#include "sweeps/engine/keep.h"
 #include "sweeps/protocols/pile.h"
 
 typedef struct {
@@ -138,6 +138,11 @@ static const double QUIET_TIME = 0.5;
 static bool is_away(const drop *d, size_t i)
 {
     return fabs(d->states[i].x) > d->p->x_limit;
+}
+
+static double degrees(double radians)
+{
+    return radians * (180.0 / M_PI);
 }
 
 /* ---- The scene ---- */
@@ -314,7 +319,7 @@ static rp_status draw_and_put_in(drop *d)
     const double r = 0.5 * rp_random_cut_normal(d->radii, 1.0, p->radius_width, 1.0 - 3.0 * p->radius_width,
                                                 1.0 + 3.0 * p->radius_width);
     const double x = p->source_width * (gsl_rng_uniform(d->positions) - 0.5),
-                 y = sweep_touch_height(d->n, d->states, x, r, 0.05),
+                 y = exp_touch_height(d->n, d->states, x, r, 0.05, r + 0.05),
                  from = highest(d).y + p->drop_height + r;
     const dem_grain grain = {
         .x = x, .y = y, .r = r, .m = dem_mass(DEM_DISK, density, r), .vy = -sqrt(2.0 * (from - y))};
@@ -437,7 +442,7 @@ static double side_slope(const drop *d, double sign, an_point highest)
         top[n++] = top[k]; /* n <= k */
     }
     gsl_fit_linear(x, 1, top, 1, n, &intercept, &slope, &unused, &unused, &unused, &unused);
-    return -sweep_degrees(atan(slope));
+    return -degrees(atan(slope));
 }
 
 static void measure_shape(const drop *d)
@@ -467,7 +472,7 @@ static size_t find(const drop *d, uint32_t id)
 /* Within 10 degrees of 60 or 120 degrees to the horizontal. */
 static bool is_at_60(const dem_contact *c)
 {
-    const double turn = sweep_degrees(atan2(fabs(c->y_b - c->y), fabs(c->x_b - c->x)));
+    const double turn = degrees(atan2(fabs(c->y_b - c->y), fabs(c->x_b - c->x)));
     return fabs(turn - 60.0) <= 10.0;
 }
 
@@ -555,8 +560,8 @@ static void measure_fabric(const drop *d, size_t n, const dem_contact contacts[]
     v->fabric = hypot(cos2[0], sin2[0]) / weights[0];
     v->force_fabric = hypot(cos2[1], sin2[1]) / weights[1];
     /* turned by 90 degrees: from the vertical */
-    v->fabric_deg = sweep_degrees(0.5 * atan2(-sin2[0], -cos2[0]));
-    v->force_deg = sweep_degrees(0.5 * atan2(-sin2[1], -cos2[1]));
+    v->fabric_deg = degrees(0.5 * atan2(-sin2[0], -cos2[0]));
+    v->force_deg = degrees(0.5 * atan2(-sin2[1], -cos2[1]));
 }
 
 /* What a contact puts on the base: position and radius of the disk, load, force to the right. */
@@ -754,6 +759,17 @@ typedef struct {
     XXH3_state_t *hash;
 } series;
 
+/* Of all positions and velocities. */
+static void hash_states(size_t n, const dem_state states[], char digits[33])
+{
+    XXH3_state_t *hash = XXH3_createState();
+    XXH3_128bits_reset(hash);
+    for (const dem_state *s = states; s < states + n; s++)
+        XXH3_128bits_update(hash, (double[]){s->x, s->y, s->vx, s->vy}, 4 * sizeof(double));
+    rp_hash_digits(XXH3_128bits_digest(hash), digits);
+    XXH3_freeState(hash);
+}
+
 static rp_status hash_pile(const rp_param *changed, const char *word, void *context)
 {
     (void)changed, (void)word;
@@ -763,7 +779,7 @@ static rp_status hash_pile(const rp_param *changed, const char *word, void *cont
     char digits[33];
     rp_status status = make(&d, &all->p, 1, 0, NULL, &result);
     if (!status) {
-        sweep_states_digits(d.n, d.states, digits);
+        hash_states(d.n, d.states, digits);
         XXH3_128bits_update(all->hash, digits, sizeof digits);
     }
     rp_status freed = finish(&d, status);

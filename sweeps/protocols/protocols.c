@@ -14,6 +14,10 @@ static const sweep_output no_outputs[] = {{0}};
                                                   .text = sweep_text_##NAME}
 TEXT(repose, "fill a box, open its right wall, measure the slope at rest, tilt (Lee & Herrmann 1993)");
 TEXT(flux, "grains put in at the left, one by one, leave over the right edge (Lee & Herrmann 1993)");
+TEXT(stress,
+     "the pile of `repose`, tilted by small angles: forces on the floor, stress, Coulomb-critical tilt");
+TEXT(onset,
+     "the pile of `repose`, tilted until it moves: what predicts the angle, what slides and moves first");
 
 const sweep_protocol *const sweep_protocols[] = {
 #define X(name) &sweep_protocol_##name,

@@ -226,41 +226,6 @@ static rp_status read_file(problem *s)
 
 /* ---- stages ---- */
 
-/* In quotes, as a parameter file has it. */
-static void write_text(FILE *out, const char *text)
-{
-    fputc('"', out);
-    for (const char *c = text; *c; c++)
-        if ((unsigned char)*c < ' ')
-            fprintf(out, "\\x%02x", (unsigned)*c);
-        else
-            fprintf(out, strchr("\"\\", *c) ? "\\%c" : "%c", *c);
-    fputc('"', out);
-}
-
-static void write_value(FILE *out, const config_setting_t *setting)
-{
-    rp_value v;
-    if (!config_setting_is_aggregate(setting)) {
-        if (rp_config_scalar(setting, &v)) return;
-        if (v.kind == RP_V_REAL) fprintf(out, "%.17e", v.r);
-        if (v.kind == RP_V_INT) fprintf(out, "%ld", v.i);
-        if (v.kind == RP_V_BOOL) fputs(v.i ? "true" : "false", out);
-        if (v.kind == RP_V_TEXT) write_text(out, v.s);
-        return;
-    }
-    const bool named = config_setting_is_group(setting);
-    fputs(named ? "{ " : "( ", out);
-    for (int i = 0; i < config_setting_length(setting); i++) {
-        const config_setting_t *part = config_setting_get_elem(setting, (unsigned)i);
-        if (named) fprintf(out, "%s = ", config_setting_name(part));
-        if (!named && i) fputs(", ", out);
-        write_value(out, part);
-        if (named) fputs("; ", out);
-    }
-    fputs(named ? "}" : " )", out);
-}
-
 /* The sweep of a group's runs at the points; names that it does not have are left out. */
 static rp_status write_sweep(const problem *s, const group *g, const char *path, size_t n, const double x[],
                              size_t replicas)
@@ -276,9 +241,9 @@ static rp_status write_sweep(const problem *s, const group *g, const char *path,
     }
     RP_TRY(rp_file_open(path, &out));
     fprintf(out, "# program: repose %s\n%s = ", RP_VERSION, g->kind); /* by which it knows its own */
-    write_text(out, source);
+    rp_config_write_text(out, source);
     fprintf(out, ";\nreplicas = %zu;\nseed = %ld;\n", replicas, s->seed);
-    if (g->fixed) fputs("fixed = ", out), write_value(out, g->fixed), fputs(";\n", out);
+    if (g->fixed) fputs("fixed = ", out), rp_config_write_value(out, g->fixed), fputs(";\n", out);
     fputs("zip = true;\ngrid = {\n", out);
     for (size_t p = 0; p < s->quest.n_names; p++) {
         if (!g->has[p]) continue;

@@ -300,7 +300,6 @@ static rp_status make_runs(const making *m)
         .workers = (int)o->j, .memory = o->mem, .time = o->time, .snapshot = CLI_SNAPSHOT};
     RP_TRY(cli_claim_sweep(o->o, m->file, o->force));
     RP_TRY(sweep_prepare(m->file, o->o, replicas, sweep_protocols, cli_watch(o->quiet), &counts));
-    cli_warn_sweep(m->file);
     const rp_status status = cli_sweep_run(o->o, options, o->quiet, &counts);
     if (!status || status == RP_NO_RESULT) print_summary(m->recipe.name, &counts);
     RP_TRY(status);
@@ -428,7 +427,7 @@ const cli_command cmd_sweep_make = {
     "or lattice (folder = true: the tables of a pile too). rows: runs, points, or an earlier table; where = "
     "[\"mu=0.2\", \"eps<1e-5\"]: as --where.\n"
     "of = [\"a\", \"b\"]: the runs of these sweeps, made before, whose folders lie beside DIR. stage = "
-    "\"tilt_0\":\n"
+    "\"pile\":\n"
     "for field and base, the piles of the traces at this stage. A file without a protocol has models alone.",
     "repose sweep make sweeps/li/tent.cfg -o build/sweeps/tent",
     make_params,

@@ -831,8 +831,9 @@ const cli_command cmd_run = {
     "The\n"
     "folder gets the tables of this run. A long run of any protocol but pile keeps a snapshot there: "
     "after\n"
-    "a stop or a kill the same command continues. For a box: grains, contacts, energies, and a file\n"
-    "scene.cfg that `repose run` repeats bit for bit. For a static pile: disks, contacts, wells and "
+    "a stop or a kill the same command continues. Of a text: grains, contacts and walls at the end of each\n"
+    "phase, phases.tsv, energies, and a file scene.cfg that `repose run` repeats bit for bit. For a static "
+    "pile: disks, contacts, wells and "
     "the\n"
     "forces on the base.",
     "repose run scene.cfg --set tangential.mu=0.3 --every 1000 -o out",

@@ -35,7 +35,6 @@ static rp_status act_plan(cli_call *call, const void *values)
     RP_TRY(sweep_prepare(cli_data(call->arena, cli_argument(call, 0)), o->o,
                          o->replicas > 0 ? (size_t)o->replicas : 0, sweep_protocols, cli_watch(o->quiet),
                          &counts));
-    cli_warn_sweep(cli_data(call->arena, cli_argument(call, 0)));
     print_planned(call, o->o, &counts);
     return RP_OK;
 }

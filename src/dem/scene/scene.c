@@ -959,6 +959,49 @@ rp_status dem_text_change(dem_text *scene, const char *text)
     return status;
 }
 
+/* A let, with the value that it was given. */
+static void write_let(const rp_lets *lets, const config_setting_t *let, FILE *out)
+{
+    const rp_let_given *given = lets->given;
+    while (given < lets->given + lets->n_given && strcmp(given->name, config_setting_name(let)) != 0) given++;
+    fprintf(out, "  %s = ", config_setting_name(let));
+    if (given == lets->given + lets->n_given) {
+        rp_config_write_value(out, let);
+    } else if (!config_setting_is_group(let)) {
+        rp_config_write_scalar(out, &given->value);
+    } else {
+        fputs("{ ", out);
+        for (int i = 0; i < config_setting_length(let); i++) {
+            const config_setting_t *m = config_setting_get_elem(let, (unsigned)i);
+            const bool value = strcmp(config_setting_name(m), "value") == 0;
+            fprintf(out, "%s = ", config_setting_name(m));
+            value ? rp_config_write_scalar(out, &given->value) : rp_config_write_value(out, m);
+            fputs("; ", out);
+        }
+        fputc('}', out);
+    }
+    fputs(";\n", out);
+}
+
+void dem_text_write(const dem_text *text, unsigned long seed, unsigned long stream, FILE *out)
+{
+    const config_setting_t *root = config_root_setting(&text->config);
+    if (text->lets.foreign) return;
+    fprintf(out, "seed = %lu;\nrun = %lu;\n", seed, stream);
+    for (int i = 0; i < config_setting_length(root); i++) {
+        const config_setting_t *s = config_setting_get_elem(root, (unsigned)i);
+        const char *name = config_setting_name(s);
+        const bool let = strcmp(name, "let") == 0;
+        if (strcmp(name, "seed") == 0 || strcmp(name, "run") == 0) continue;
+        fprintf(out, "%s = ", name);
+        if (let) fputs("{\n", out);
+        for (int k = 0; k < config_setting_length(s) && let; k++)
+            write_let(&text->lets, config_setting_get_elem(s, (unsigned)k), out);
+        let ? (void)fputc('}', out) : rp_config_write_value(out, s);
+        fputs(";\n", out);
+    }
+}
+
 #define NAMED_KEY(...) NAMED_KEY_OF(__VA_ARGS__)
 #define NAMED_KEY_OF(group, kind, type, name, key, unit, fallback, range, also, automatic, wall, ...)        \
     {{#name, unit, type, 0, fallback, DEM_ALLOWED_##kind(range, also), __VA_ARGS__}, group key},

@@ -16,10 +16,14 @@ enum { EXP_MODULE_OUTPUTS = 64 }; /* most of a module */
 typedef struct {
     size_t n;
     const dem_state *grains;
-    double d;            /* diameter of the mean grain */
+    double d, m;         /* diameter and mass of the mean grain */
     double lo[2], hi[2]; /* of the region, infinite without */
     const dem_sim *sim;
-    size_t n_walls; /* numbers of those of its wall */
+    double mass;         /* of all grains that move */
+    double mu, k_s;      /* of contacts between grains */
+    size_t n_marks;      /* ids from 1 on: */
+    const double *marks; /* their marked x, y; NAN: none */
+    size_t n_walls;      /* numbers of those of its wall */
     const size_t *walls;
 } exp_view;
 
@@ -42,13 +46,22 @@ typedef struct {
 /* Is a grain of this id in a view, whose ids rise? */
 bool exp_view_has(const exp_view *view, uint32_t id);
 
+/* Height of the centre at which a grain of radius r, lowered at x onto n grains, is `gap` away from the first
+ * of them; at least y. */
+double exp_touch_height(size_t n, const dem_state grains[], double x, double r, double gap, double y);
+
+/* Of a contact on the grain that is named first. */
+void exp_contact_force(const dem_contact *contact, double force[2]);
+
 /* Bond order: mean over the grains of |psi_6|, the mean of exp(6 i theta) over the neighbours nearer
  * than 1.25 times touching; 1 in a triangular lattice. Fixed grains and those with fewer than two neighbours
  * are left out; NaN if all are. order[n], neighbours[n] (may be NULL): of each grain; NaN where left out. */
 double exp_bond_order(size_t n, const dem_state grains[], double order[], int neighbours[]);
 
-#define EXP_MODULES(X) X(slope) X(flanks) X(deposit) X(base) X(order) X(fabric) X(profile)
-#define X(name)        extern const exp_module exp_module_##name;
+#define EXP_MODULES(X)                                                                                       \
+    X(slope)                                                                                                 \
+    X(flanks) X(deposit) X(base) X(order) X(fabric) X(profile) X(surface) X(forces) X(limit) X(motion)
+#define X(name) extern const exp_module exp_module_##name;
 EXP_MODULES(X)
 #undef X
 

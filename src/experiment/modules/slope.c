@@ -4,6 +4,7 @@
 
 #include "angle/angle.h"
 #include "experiment/modules/module.h"
+#include "stats/stats.h"
 
 typedef struct {
     int falls, height, empty, parabola;
@@ -32,32 +33,48 @@ static const exp_output outputs[] = {
     {"_cells", "", "columns that hold a grain"},
     {0}};
 
-static rp_status evaluate(const exp_view *s, const void *params, double out[])
+/* The columns of a surface that count, [first, first + n). Afterwards ang_surface_free, also after an error.
+ */
+static rp_status find_columns(const exp_view *s, const slope_params *p, ang_surface *surface, size_t *first,
+                              size_t *n)
 {
-    static const double degree = 180.0 / M_PI;
-    const slope_params *p = params;
     const ang_options options = {s->d, (ang_height)p->height, (ang_empty)p->empty, (ang_parabola)p->parabola};
     const double ground = isfinite(s->lo[1]) ? s->lo[1] : 0.0;
-    ang_surface surface = {0};
-    ang_slope slopes[ANG_N_METHODS];
+    *surface = (ang_surface){0};
+    *first = *n = 0;
     double *x = malloc((3 * s->n + 1) * sizeof *x), *y = x + s->n, *r = y + s->n;
     if (!x) return rp_fail(RP_NO_MEMORY, "slope: out of memory");
     for (size_t i = 0; i < s->n; i++) {
         x[i] = p->falls ? s->hi[0] - s->grains[i].x : s->grains[i].x - s->lo[0];
         y[i] = s->grains[i].y - ground, r[i] = s->grains[i].r;
     }
-    rp_status status = ang_surface_make(s->n, x, y, r, s->hi[0] - s->lo[0], &options, &surface);
-    size_t first = 0, n = 0;
-    const double lo = ceil(p->from * (double)surface.n_cells - 1e-9),
-                 hi = floor(p->to * (double)surface.n_cells + 1e-9);
-    for (size_t k = 0; k < surface.n && !status; k++) {
-        first += (double)surface.column[k] < lo;
-        n += (double)surface.column[k] >= lo && (double)surface.column[k] < hi;
+    rp_status status = ang_surface_make(s->n, x, y, r, s->hi[0] - s->lo[0], &options, surface);
+    const double lo = ceil(p->from * (double)surface->n_cells - 1e-9),
+                 hi = floor(p->to * (double)surface->n_cells + 1e-9);
+    for (size_t k = 0; k < surface->n && !status; k++) {
+        *first += (double)surface->column[k] < lo;
+        *n += (double)surface->column[k] >= lo && (double)surface->column[k] < hi;
     }
-    if (!status && n < 3) status = rp_fail(RP_NO_RESULT, "%zu columns, at least 3 needed", n);
-    if (!status)
-        status =
-            ang_slopes(n, surface.column + first, surface.h + first, surface.cell, options.parabola, slopes);
+    free(x);
+    return status || *n >= 3 ? status : rp_fail(RP_NO_RESULT, "%zu columns, at least 3 needed", *n);
+}
+
+static rp_status slopes_of(const ang_surface *s, size_t first, size_t n, int parabola,
+                           ang_slope slopes[ANG_N_METHODS])
+{
+    return ang_slopes(n, s->column + first, s->h + first, s->cell, (ang_parabola)parabola, slopes);
+}
+
+static const double degree = 180.0 / M_PI;
+
+static rp_status evaluate(const exp_view *s, const void *params, double out[])
+{
+    const slope_params *p = params;
+    ang_surface surface;
+    ang_slope slopes[ANG_N_METHODS];
+    size_t first, n;
+    rp_status status = find_columns(s, p, &surface, &first, &n);
+    if (!status) status = slopes_of(&surface, first, n, p->parabola, slopes);
     if (!status) {
         for (int k = 0; k < ANG_N_METHODS; k++) out[k] = slopes[k].theta * degree;
         out[3] = slopes[2].theta_se * degree;
@@ -65,7 +82,6 @@ static rp_status evaluate(const exp_view *s, const void *params, double out[])
         out[6] = (double)surface.n_occupied;
     }
     ang_surface_free(&surface);
-    free(x);
     return status;
 }
 
@@ -78,3 +94,69 @@ const exp_module exp_module_slope = {
     .outputs = outputs,
     .bounded = true,
     .evaluate = evaluate};
+
+/* ---- what else the surface says ---- */
+
+typedef struct {
+    slope_params slope;
+    double mu;
+} surface_params;
+
+#define OF_SURFACE(field) offsetof(surface_params, field)
+static const rp_param surface_schema[] = {
+    {"falls", "", RP_CHOICE, OF_SURFACE(slope.falls), "right", "right | left",
+     "side to which the surface falls"},
+    {"mu", "", RP_REAL, OF_SURFACE(mu), "none", "[0, inf) | none", "friction of the floor, for theta_t"},
+    {0}};
+
+static const exp_output surface_outputs[] = {
+    {"_scatter", "d", "root mean square of the heights about their straight line"},
+    {"_steepest_deg", "degree", "steepest straight line through two fifths of the columns, neighbours"},
+    {"_theta_t_deg", "degree", "tilt at which (4), balanced, lets a pile of this slope (method 3) move"},
+    {0}};
+
+static rp_status look_closer(const ang_surface *s, size_t first, size_t n, double d, double mu, double out[])
+{
+    const size_t part = (2 * n + 4) / 5;
+    double *x = malloc(n * sizeof *x);
+    ang_slope slopes[ANG_N_METHODS];
+    ang_tilt_result theory;
+    stats_line line;
+    if (!x) return rp_fail(RP_NO_MEMORY, "surface: out of memory");
+    for (size_t k = 0; k < n; k++) x[k] = (double)s->column[first + k];
+    rp_status status = stats_line_fit(&(stats_xy){n, x, s->h + first, NULL}, false, &line);
+    free(x);
+    if (!status) out[0] = sqrt(line.chi2 / (double)n) / d;
+    for (size_t k = 0; k + part <= n && part >= 3 && !status; k++) {
+        status = slopes_of(s, first + k, part, ANG_PARABOLA_FREE, slopes);
+        if (!status) out[1] = fmax(out[1], slopes[1].theta * degree);
+    }
+    if (!status) status = slopes_of(s, first, n, ANG_PARABOLA_FREE, slopes);
+    if (status || isinf(mu) || slopes[2].theta < 0.0) return status;
+    status = ang_tilt(ANG_BALANCED, mu, slopes[2].theta, M_PI / 3.0, &theory);
+    if (!status) out[2] = theory.theta_t * degree;
+    return status;
+}
+
+static rp_status evaluate_surface(const exp_view *s, const void *params, double out[])
+{
+    const surface_params *p = params;
+    slope_params whole = p->slope;
+    ang_surface surface;
+    size_t first, n;
+    whole.from = 0.0, whole.to = 1.0;
+    rp_status status = find_columns(s, &whole, &surface, &first, &n);
+    if (!status) status = look_closer(&surface, first, n, s->d, p->mu, out);
+    ang_surface_free(&surface);
+    return status;
+}
+
+const exp_module exp_module_surface = {.name = "surface",
+                                       .about = "scatter and steepest part of a surface that falls to one "
+                                                "side, and the tilt of LH's (4) for its slope",
+                                       .word = "no_pile",
+                                       .schema = surface_schema,
+                                       .size = sizeof(surface_params),
+                                       .outputs = surface_outputs,
+                                       .bounded = true,
+                                       .evaluate = evaluate_surface};

@@ -1,0 +1,177 @@
+/* Forces of a pile on a level floor and inside it, over the weight; and which contacts are at the limit of
+ * friction. */
+#include <math.h>
+#include <stdlib.h>
+
+#include "core/arena.h"
+#include "experiment/modules/module.h"
+#include "stress/stress.h"
+
+static const rp_param schema[] = {{0}};
+
+void exp_contact_force(const dem_contact *c, double force[2])
+{
+    const double lx = c->x - c->x_b, ly = c->y - c->y_b, l = sqrt(lx * lx + ly * ly), nx = lx / l,
+                 ny = ly / l;
+    force[0] = c->normal_force * nx + c->shear_force * ny;
+    force[1] = c->normal_force * ny - c->shear_force * nx;
+}
+
+static bool is_floor(const exp_view *s, const dem_contact *c)
+{
+    bool floor = false;
+    for (size_t k = 0; k < s->n_walls && c->id_b == 0; k++) floor |= s->walls[k] == (size_t)c->wall;
+    return floor;
+}
+
+static bool is_in(const exp_view *s, double x)
+{
+    return x > s->lo[0] && x < s->hi[0];
+}
+
+enum { N, H, SXX, SXY, SYX, SYY, FRICTION, BULK, COUPLE, WEIGHT_ERROR, BALANCE_ERROR };
+static const exp_output outputs[] = {
+    {"_n", "weight", "normal force on the floor, over all grains' weight normal to it"},
+    {"_h", "weight", "force of the grains along the floor, to the right"},
+    {"_sxx", "weight d", "sum over the contacts of force along x times branch along x"},
+    {"_sxy", "weight d", "sum of force along x times branch along y"},
+    {"_syx", "weight d", "sum of force along y times branch along x"},
+    {"_syy", "weight d", "sum of force along y times branch along y"},
+    {"_friction", "", "h/n"},
+    {"_bulk", "", "tangent of the angle that the mean stress mobilises"},
+    {"_couple", "", "half of xy - yx, over the mean pressure"},
+    {"_weight_error", "weight", "floor, walls and shear through the ends less the weight of the grains"},
+    {"_balance_error", "m g", "largest net force on a grain with a contact, of its contacts and weight"},
+    {0}};
+
+/* Net force on each grain, by its id: what is missing in the vertical balance of the region, within which
+ * contacts cancel; and the largest of a grain. */
+static rp_status check_balance(const exp_view *s, size_t n, const dem_contact contacts[], const double g[2],
+                               double weight, double out[])
+{
+    RP_SCOPE(arena);
+    double *f, x, y;
+    size_t n_ids = s->n ? s->grains[s->n - 1].id : 0;
+    for (size_t k = 0; k < n; k++) n_ids = contacts[k].id_a > n_ids ? contacts[k].id_a : n_ids;
+    for (size_t k = 0; k < n; k++) n_ids = contacts[k].id_b > n_ids ? contacts[k].id_b : n_ids;
+    RP_NEW(&arena, f, 2 * n_ids);
+    for (const dem_contact *c = contacts; c < contacts + n; c++) {
+        double force[2];
+        exp_contact_force(c, force);
+        for (int k = 0; k < 2; k++) {
+            f[2 * (c->id_a - 1) + (size_t)k] += force[k];
+            if (c->id_b) f[2 * (c->id_b - 1) + (size_t)k] -= force[k];
+        }
+    }
+    out[WEIGHT_ERROR] = out[BALANCE_ERROR] = 0.0;
+    for (const dem_state *grain = s->grains; grain < s->grains + s->n; grain++) {
+        x = f[2 * (grain->id - 1)] + grain->m * g[0], y = f[2 * (grain->id - 1) + 1] + grain->m * g[1];
+        out[WEIGHT_ERROR] += y / weight;
+        if (grain->contacts > 0)
+            out[BALANCE_ERROR] = fmax(out[BALANCE_ERROR], sqrt(x * x + y * y) / (s->m * hypot(g[0], g[1])));
+    }
+    return RP_OK;
+}
+
+static rp_status sum(const exp_view *s, size_t n, const dem_contact contacts[], double out[])
+{
+    RP_SCOPE(arena);
+    stress_contact *forces;
+    stress_tensor stress;
+    double g[2], top = 0.0;
+    RP_NEW(&arena, forces, n);
+    dem_gravity(s->sim, g);
+    const double weight = s->mass * hypot(g[0], g[1]), normal = -s->mass * g[1];
+    if (!(normal > 0.0)) return rp_fail(RP_NO_RESULT, "no weight on the floor");
+    out[N] = out[H] = 0.0;
+    for (size_t k = 0; k < n; k++) {
+        const dem_contact *c = &contacts[k];
+        double f[2];
+        exp_contact_force(c, f);
+        forces[k] = (stress_contact){c->x, c->y, c->x_b, c->y_b, f[0], f[1]};
+        top = fmax(top, fmax(c->y, c->y_b));
+        if (!is_floor(s, c) || !is_in(s, c->x)) continue;
+        out[N] += f[1] / normal, out[H] -= f[0] / normal;
+    }
+    /* one cell over them all */
+    const stress_grid grid = {s->lo[0], 0.0, s->hi[0] - s->lo[0], 2.0 * top + s->d, 1, 1};
+    const double scale = grid.dx * grid.dy / (normal * s->d);
+    RP_TRY(stress_cells(n, forces, &grid, &stress));
+    const stress_circle circle = stress_mohr(&stress);
+    out[SXX] = scale * stress.xx, out[SXY] = scale * stress.xy;
+    out[SYX] = scale * stress.yx, out[SYY] = scale * stress.yy;
+    out[FRICTION] = out[H] / out[N], out[BULK] = tan(circle.mobilised);
+    out[COUPLE] = circle.couple / circle.pressure;
+    return check_balance(s, n, contacts, g, weight, out);
+}
+
+static rp_status evaluate(const exp_view *s, const void *params, double out[])
+{
+    dem_contact *contacts = NULL;
+    size_t n = 0;
+    (void)params;
+    RP_TRY(dem_contacts(s->sim, &contacts, &n));
+    const rp_status status = sum(s, n, contacts, out);
+    free(contacts);
+    return status;
+}
+
+const exp_module exp_module_forces = {.name = "forces",
+                                      .about = "forces on a level floor, mean stress and balance",
+                                      .word = "no_pile",
+                                      .schema = schema,
+                                      .size = 1,
+                                      .outputs = outputs,
+                                      .bounded = true,
+                                      .on_wall = true,
+                                      .evaluate = evaluate};
+
+/* ---- the limit of friction ---- */
+
+enum { FLOOR, WALLS, INSIDE, ALL, FORCE };
+static const exp_output limit_outputs[] = {{"_floor", "", "share of the contacts with the floor"},
+                                           {"_walls", "", "share of those with other walls"},
+                                           {"_inside", "", "share of those between grains"},
+                                           {"_all", "", "share of all"},
+                                           {"_force", "", "share of the normal force that they carry"},
+                                           {0}};
+
+/* Has its spring come to the limit of Coulomb's law? It holds mu times the normal force of its last step, so
+ * that a thousandth is left for the force's change. */
+static bool at_limit(const exp_view *s, const dem_contact *c)
+{
+    const dem_wall_state wall = c->id_b ? (dem_wall_state){0} : dem_wall_now(s->sim, (size_t)c->wall);
+    const double mu = c->id_b ? s->mu : wall.mu, k_s = c->id_b ? s->k_s : wall.k_s;
+    return mu > 0.0 && k_s * fabs(c->shear_spring) >= 0.999 * mu * c->normal_force;
+}
+
+static rp_status count(const exp_view *s, const void *params, double out[])
+{
+    dem_contact *contacts = NULL;
+    size_t n = 0;
+    double at[INSIDE + 1] = {0}, of[INSIDE + 1] = {0}, force_at = 0.0, force = 0.0;
+    (void)params;
+    RP_TRY(dem_contacts(s->sim, &contacts, &n));
+    for (const dem_contact *c = contacts; c < contacts + n; c++) {
+        if (!is_in(s, c->x)) continue;
+        const int where = c->id_b ? INSIDE : is_floor(s, c) ? FLOOR : WALLS;
+        const bool slides = at_limit(s, c);
+        at[where] += slides, of[where] += 1.0;
+        force_at += slides ? c->normal_force : 0.0, force += c->normal_force;
+    }
+    for (int k = 0; k <= INSIDE; k++) out[k] = at[k] / of[k];
+    out[ALL] = (at[FLOOR] + at[WALLS] + at[INSIDE]) / (of[FLOOR] + of[WALLS] + of[INSIDE]);
+    out[FORCE] = force_at / force;
+    free(contacts);
+    return RP_OK;
+}
+
+const exp_module exp_module_limit = {.name = "limit",
+                                     .about = "contacts that are at the limit of friction",
+                                     .word = "no_contacts",
+                                     .schema = schema,
+                                     .size = 1,
+                                     .outputs = limit_outputs,
+                                     .bounded = true,
+                                     .on_wall = true,
+                                     .evaluate = count};
