@@ -123,7 +123,8 @@ static void test_known_so_far(void)
         "  { name = \"by_block\"; of = \"moved(0.5)\"; at = \"on\"; take = \"max\"; },\n"
         "  { name = \"before\"; of = \"moved(0.7)\"; at = \"on\"; take = \"max\"; },\n"
         "  { name = \"by_phase\"; of = \"moved(0.6)\"; at = \"again\"; take = \"max\"; },\n"
-        "  { name = \"last\"; of = \"step\"; } );\n";
+        "  { name = \"last\"; of = \"step\"; },\n"
+        "  { name = \"fall\"; of = \"vy\"; during = \"flight\"; take = \"line\"; against = \"t\"; } );\n";
     scoped_trial t;
     start(&t, text);
     finish(&t, 7);
@@ -134,6 +135,9 @@ static void test_known_so_far(void)
     /* from 20 cm/s down 0.25 and 0.35 cm in a pass of a block, then 0.45 and 0.55; the block begins 1.05 cm
      * higher than the flight */
     CU_ASSERT(measured(&t, "by_block") == 1.0 && measured(&t, "before") == 0.0);
+    CHECK_NEAR(measured(&t, "fall_0"), 50.0, 1e-9); /* vy = 50 - 1000 t */
+    CHECK_NEAR(measured(&t, "fall_1"), -1000.0, 1e-7);
+    CHECK_NEAR(measured(&t, "fall_1_se"), 0.0, 1e-7);
     CU_ASSERT(measured(&t, "by_phase") == 0.0 && measured(&t, "last") == (double)exp_steps(t.run));
 }
 
@@ -285,6 +289,8 @@ static void test_refused(void)
          "e.cfg:10: until \"grians < stop\", character 1: unknown name grians (did you mean \"grains\"?)"},
         {"grains < stop", "bulk.grain < 3", "unknown name bulk.grain (did you mean \"bulk.grains\"?)"},
         {"grains < stop", "D > 3", "until \"D > 3\" never changes"},
+        {"take = \"rate\"", "take = \"line\"", "take = \"line\" goes with against"},
+        {"take = \"rate\"", "take = \"rate\"; against = \"t\"", "take = \"line\" goes with against"},
         {"clogged = \"rest\"", "clogged = true", "clogged = 1 never changes"},
         {"phases = (", "result = \"D > 2 ? 'ok' : 'narrow'\"; phases = (",
          "result = \"narrow\": ok or ok_... expected"},

@@ -516,6 +516,31 @@ static void check_lines(size_t n, const dem_state at[], const sweep_result *r)
     CHECK_NEAR(protocol_output(p, r, "theta_lower_deg"), theta_deg[5], 1e-9);
 }
 
+/* Of the pile at rest: grains that nothing holds, and contacts whose spring is at mu N, by hand. */
+static void check_limits(const dem_sim *sim, size_t n, const dem_state at[], const sweep_result *r)
+{
+    static const char *const names[] = {"limit_floor_0", "limit_wall_0", "limit_inside_0"};
+    const sweep_protocol *p = protocol_of(&sweep_protocol_onset);
+    double grains = 0.0, loose = 0.0, of[3] = {0.0}, slide[3] = {0.0}, force = 0.0, held = 0.0;
+    dem_contact *contacts = NULL;
+    size_t n_contacts = 0;
+    for (size_t i = 0; i < n; i++)
+        if (at[i].x > 0.0 && at[i].x < 2.0) grains++, loose += at[i].contacts < 2;
+    CHECK_NEAR(protocol_output(p, r, "rattlers"), loose / grains, tight);
+    CHECK_OK(dem_contacts(sim, &contacts, &n_contacts));
+    for (const dem_contact *c = contacts; c < contacts + n_contacts; c++) {
+        if (!(c->x > 0.0 && c->x < 2.0)) continue;
+        const int where = c->id_b ? 2 : c->wall == DEM_BOX_FLOOR ? 0 : 1;
+        const bool slides = 1e4 * fabs(c->shear_spring) >= 0.999 * 0.2 * c->normal_force;
+        of[where]++, slide[where] += slides;
+        force += c->normal_force, held += slides ? c->normal_force : 0.0;
+    }
+    free(contacts);
+    for (int k = 0; k < 3; k++)
+        if (of[k] > 0.0) CHECK_NEAR(protocol_output(p, r, names[k]), slide[k] / of[k], tight);
+    CHECK_NEAR(protocol_output(p, r, "limit_force_0"), held / force, tight);
+}
+
 /* The grains that have moved at the tilting angle, zone by zone, and how far they have at one degree, from
  * the same pile tilted by hand. */
 static void check_motion(unsigned long pile, const sweep_result *r)
@@ -537,6 +562,7 @@ static void check_motion(unsigned long pile, const sweep_result *r)
     CU_ASSERT_FATAL(n <= MOST_GRAINS && theta_deg > 1.0);
     CHECK_OK(dem_states(sim, at));
     check_lines(n, at, r);
+    check_limits(sim, n, at, r);
     dem_gravity_turn(sim, 0.01 * deg);
     CHECK_OK(dem_run(sim, 100));
     read_motion(sim, n, at, &m);

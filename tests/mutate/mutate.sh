@@ -75,8 +75,6 @@ suites_of() {
     sweeps/protocols/physics.c) echo golden keys sweep ;;
     sweeps/protocols/outline.c) echo golden piles equilibrium ;;
     sweeps/protocols/pile.c) echo piles golden ;;
-    sweeps/protocols/onset.c | sweeps/protocols/tilted.c) echo stress golden columns snapshot keys ;;
-    sweeps/protocols/box.c) echo repose stress flux golden keys columns snapshot ;;
     sweeps/protocols/*) suite=${1##*/} && echo "${suite%.c}" golden columns snapshot ;;
     sweeps/engine/*) echo sweep notes tables evidence cli ;;
     src/dem/forces/walls.c | src/dem/forces/touch.c | src/dem/state/slots.c) echo units walls scene tables contacts incline rotation golden ledger ;;
