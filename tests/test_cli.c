@@ -566,6 +566,7 @@ static void test_bad_scenes(void)
     FAILS(64, "--row needs a sweep", "run s.cfg --row 1");
     FAILS(65, "frob: unknown key", "run s.cfg --set frob=1");
     FAILS(65, "--set steps: key=value expected", "run s.cfg --set steps");
+    FAILS(65, "--set k_n=1e5: of a scene the key is normal.k_n", "run s.cfg --set k_n=1e5");
     FAILS(65, "steps", "run s.cfg --set steps=many");
     FAILS(65, "--set:1: 4294967396: whole numbers go up to", "run s.cfg --set steps=4294967396");
     FAILS(65, "steps = \"5; dt = 6\"", "run s.cfg --set 'steps=5; dt = 6'");

@@ -201,7 +201,7 @@ static void refused(void)
     static const char *const sets[][2] = {{"steps", "key=value expected"},
                                           {"nothing.mu=0.1", "no such group"},
                                           {"particle.mu=0.1", "no such group (did you mean \"particles\"?)"},
-                                          {"mu=0.1", "mu: unknown key"},
+                                          {"mu=0.1", "--set mu=0.1: of a scene the key is tangential.mu"},
                                           {"dt=-1", "dt = -1: out of range"},
                                           {"dt=[1.0,2.0]", "dt: one value expected, not a list"},
                                           {"=3", "--set =3: key=value expected"},

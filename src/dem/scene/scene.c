@@ -922,6 +922,18 @@ rp_status dem_text_give(dem_text *text, const char *name, const rp_value *value)
     return RP_OK;
 }
 
+#define NAMED_KEY(...) NAMED_KEY_OF(__VA_ARGS__)
+#define NAMED_KEY_OF(group, kind, type, name, key, unit, fallback, range, also, automatic, wall, ...)        \
+    {{#name, unit, type, 0, fallback, DEM_ALLOWED_##kind(range, also), __VA_ARGS__}, group key},
+#define OF_TOP(...)        NAMED_KEY("", __VA_ARGS__)
+#define OF_NORMAL(...)     NAMED_KEY("normal.", __VA_ARGS__)
+#define OF_TANGENTIAL(...) NAMED_KEY("tangential.", __VA_ARGS__)
+#define OF_ROLLING(...)    NAMED_KEY("rolling.", __VA_ARGS__)
+#define OF_FILL(...)       NAMED_KEY("fill.", __VA_ARGS__)
+const dem_named_key dem_named_keys[] = {
+    DEM_GRAIN_PARAMS(OF_TOP) DEM_NORMAL_PARAMS(OF_NORMAL) DEM_TANGENTIAL_PARAMS(OF_TANGENTIAL)
+        DEM_ROLLING_PARAMS(OF_ROLLING) DEM_RADIUS_PARAMS(OF_FILL){{0}, NULL}};
+
 /* Put "group.key=value" or "list[0].key=value" into the tree that was read, instead of what stands there. */
 rp_status dem_text_change(dem_text *scene, const char *text)
 {
@@ -948,6 +960,9 @@ rp_status dem_text_change(dem_text *scene, const char *text)
         config_destroy(&one);
         return status;
     }
+    for (const dem_named_key *k = dem_named_keys; k->key && key == path && !status; k++)
+        if (strcmp(k->param.name, key) == 0 && strchr(k->key, '.') && strncmp(k->key, key, strlen(key)) != 0)
+            status = rp_fail(RP_BAD_INPUT, "--set %s: of a scene the key is %s", text, k->key);
     if (!status && strchr(key, '['))
         status = rp_fail(RP_BAD_INPUT, "--set %s: give a key of the entry, or the whole list", text);
     if (!status) {
@@ -1001,18 +1016,6 @@ void dem_text_write(const dem_text *text, unsigned long seed, unsigned long stre
         fputs(";\n", out);
     }
 }
-
-#define NAMED_KEY(...) NAMED_KEY_OF(__VA_ARGS__)
-#define NAMED_KEY_OF(group, kind, type, name, key, unit, fallback, range, also, automatic, wall, ...)        \
-    {{#name, unit, type, 0, fallback, DEM_ALLOWED_##kind(range, also), __VA_ARGS__}, group key},
-#define OF_TOP(...)        NAMED_KEY("", __VA_ARGS__)
-#define OF_NORMAL(...)     NAMED_KEY("normal.", __VA_ARGS__)
-#define OF_TANGENTIAL(...) NAMED_KEY("tangential.", __VA_ARGS__)
-#define OF_ROLLING(...)    NAMED_KEY("rolling.", __VA_ARGS__)
-#define OF_FILL(...)       NAMED_KEY("fill.", __VA_ARGS__)
-const dem_named_key dem_named_keys[] = {
-    DEM_GRAIN_PARAMS(OF_TOP) DEM_NORMAL_PARAMS(OF_NORMAL) DEM_TANGENTIAL_PARAMS(OF_TANGENTIAL)
-        DEM_ROLLING_PARAMS(OF_ROLLING) DEM_RADIUS_PARAMS(OF_FILL){{0}, NULL}};
 
 /* The first fill that is there; NULL: none. */
 static rp_status first_fill(const config_setting_t *root, const config_setting_t **first)
