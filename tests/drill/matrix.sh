@@ -63,9 +63,9 @@ done
 # The final state of a row, run as a scene by each kernel that this machine has.
 "$program" run "$work/sweeps/repose.cfg" --row 1 -o "$work/sweeps/row" >/dev/null
 for kernel in reference baseline avx2 avx512; do
-    "$program" run "$work/sweeps/row/scene.cfg" --set kernel=$kernel >"$work/sweeps/states" 2>"$work/sweeps/why" ||
+    "$program" run "$work/sweeps/row/scene.cfg" --set kernel=$kernel --force -o "$work/sweeps/kernel" >/dev/null 2>"$work/sweeps/why" ||
         { grep -q 'kernel' "$work/sweeps/why" && continue; }
-    cell scene "kernel $kernel" "$(grep -v '^#' "$work/sweeps/states" | md5sum | cut -c 1-32)"
+    cell scene "kernel $kernel" "$(grep -v '^#' "$work/sweeps/kernel/states.tsv" | md5sum | cut -c 1-32)"
 done
 
 # The same scene, killed and resumed from its snapshots.
