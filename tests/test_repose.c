@@ -674,6 +674,8 @@ static void test_limit_of_step(void)
         scene.def.grains = NULL, scene.def.n_grains = 0;
         dem_text_close(&text);
         protocol = protocol_of(filled[k]);
+        CU_ASSERT(strtod(rp_params_find(protocol->schema, "rest_energy")->fallback, NULL) == DEM_REST_ENERGY);
+        CU_ASSERT(strtod(rp_params_find(protocol->schema, "rest_force")->fallback, NULL) == DEM_REST_FORCE);
         for (int above = 0; above < 2; above++) {
             char dt[64];
             snprintf(dt, sizeof dt, "dt=%.17g", limit * (1.0 + (above ? 1e-9 : -1e-9)));

@@ -78,10 +78,6 @@ typedef enum {
     ANG_EMPTY_SKIP  /* an empty cell is left out */
 } ang_empty;
 
-/* All readings, in the order of ang_height and, fastest, ang_empty, as X(height, empty). */
-#define ANG_SURFACES(X)                                                                                      \
-    X(centre, zero) X(centre, skip) X(raw_centre, zero) X(raw_centre, skip) X(top, zero) X(top, skip)
-
 #define ANG_PARABOLA_WORDS "free | origin"
 typedef enum {
     ANG_PARABOLA_FREE,  /* three coefficients */

@@ -419,7 +419,8 @@ rp_status dem_rest_in(const dem_sim *sim, bool (*in)(const void *region, uint32_
  * at turning points too. Grains are at rest once ten looks in a row say so, 500 steps apart: so a grain that
  * flies is seen to fall. Where that may take longer, `brief`, forces on grains without a contact count as
  * well. */
-enum { DEM_REST_LOOKS = 10, DEM_REST_STEPS = 500 };
+#define DEM_REST_LOOKS  10
+#define DEM_REST_STEPS  500
 #define DEM_REST_ENERGY 1e-7
 #define DEM_REST_FORCE  1e-2
 bool dem_at_rest(const dem_rest *rest, double energy, double force, bool brief);

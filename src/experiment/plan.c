@@ -99,12 +99,17 @@ static rp_status read_regions(exp_plan *plan)
     return RP_OK;
 }
 
-#define REST(field) offsetof(exp_plan, rest.field)
+#define REST(field)   offsetof(exp_plan, rest.field)
+#define TEXT(number)  TEXT_(number)
+#define TEXT_(number) #number
 static const rp_param rest_schema[] = {
-    {"energy", "m g d", RP_REAL, REST(energy), "1e-7", "(0, inf)", "largest mean kinetic energy of a grain"},
-    {"force", "m g", RP_REAL, REST(force), "1e-2", "(0, inf)", "largest net force on a grain with a contact"},
-    {"looks", "", RP_INT, REST(looks), "10", "[1, 1000000]", "in a row that find both"},
-    {"every", "steps", RP_INT, REST(every), "500", "[1, 1000000000]", "least distance of two looks"},
+    {"energy", "m g d", RP_REAL, REST(energy), TEXT(DEM_REST_ENERGY), "(0, inf)",
+     "largest mean kinetic energy of a grain"},
+    {"force", "m g", RP_REAL, REST(force), TEXT(DEM_REST_FORCE), "(0, inf)",
+     "largest net force on a grain with a contact"},
+    {"looks", "", RP_INT, REST(looks), TEXT(DEM_REST_LOOKS), "[1, 1000000]", "in a row that find both"},
+    {"every", "steps", RP_INT, REST(every), TEXT(DEM_REST_STEPS), "[1, 1000000000]",
+     "least distance of two looks"},
     {0}};
 static rp_status read_rest(exp_plan *plan)
 {

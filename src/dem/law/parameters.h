@@ -65,17 +65,16 @@
     X(SCENE, RP_BOOL, tension, DEM_KEY("tension"), DEM_UNIT(""), DEM_DEFAULT("true"), DEM_RANGE(""), DEM_NO_WALL, \
       DEM_MEANING("whether the damped normal force may pull, as printed"))
 
-/* Group `tangential`, with the defaults of a scene or others. */
-#define DEM_TANGENTIAL_PARAMS(X) DEM_TANGENTIAL_PARAMS_FROM(X, "none", "0.0")
-#define DEM_TANGENTIAL_PARAMS_FROM(X, default_law, default_mu) \
-    X(SCENE, RP_CHOICE, tangential, DEM_KEY("law"), DEM_UNIT(""), DEM_DEFAULT(default_law), DEM_RANGE(DEM_WORDS(DEM_TANGENTIAL_LAWS)), \
+/* Group `tangential`. */
+#define DEM_TANGENTIAL_PARAMS(X) \
+    X(SCENE, RP_CHOICE, tangential, DEM_KEY("law"), DEM_UNIT(""), DEM_DEFAULT("none"), DEM_RANGE(DEM_WORDS(DEM_TANGENTIAL_LAWS)), \
       DEM_NO_WALL, DEM_MEANING("force along the contact"), DEM_MANUAL_BY(dem_tangential_manual)) \
     X(MATERIAL, RP_REAL, k_s, DEM_KEY("k_s"), DEM_UNIT("dyn/cm"), DEM_DEFAULT("1e4"), DEM_RANGE("(0, inf)"), DEM_ALSO(""), \
       DEM_AUTOMATIC(m->k_s), DEM_WALL(1.0), DEM_MEANING("shear stiffness")) \
     X(MATERIAL, RP_REAL, gamma_s, DEM_KEY("gamma_s"), DEM_UNIT("1/s"), DEM_DEFAULT("auto"), DEM_RANGE("[0, inf)"), \
       DEM_ALSO(" | auto"), DEM_AUTOMATIC(rate ? m->gamma_n / 100.0 : -1.0), DEM_WALL(1.0), \
       DEM_MEANING("shear damping; auto: gamma_n/100 where that is in 1/s")) \
-    DEM_MU_PARAM(X, default_mu) \
+    DEM_MU_PARAM(X, "0.0") \
     X(SCENE, RP_CHOICE, slip, DEM_KEY("slip"), DEM_UNIT(""), DEM_DEFAULT("truncated"), DEM_RANGE(DEM_WORDS(DEM_SLIPS)), \
       DEM_NO_WALL, DEM_MEANING("shear spring of a sliding contact: cut at the Coulomb limit, or as (2b) is printed"), \
       DEM_MANUAL_BY(dem_slip_manual)) \
@@ -114,9 +113,6 @@
 
 #define DEM_CONTACT_PARAMS(X) DEM_NORMAL_PARAMS(X) DEM_TANGENTIAL_PARAMS(X) DEM_ROLLING_PARAMS(X)
 #define DEM_PHYSICS(X)        DEM_CONTACT_PARAMS(X) DEM_GRAIN_PARAMS(X)
-#define DEM_PHYSICS_FROM(X, default_law, default_mu)                                                         \
-    DEM_NORMAL_PARAMS(X)                                                                                     \
-    DEM_TANGENTIAL_PARAMS_FROM(X, default_law, default_mu) DEM_ROLLING_PARAMS(X) DEM_GRAIN_PARAMS(X)
 
 /* What follows `kind` where a row is of this kind, else nothing. */
 #define DEM_IF_MATERIAL(kind, ...)    DEM_IF_MATERIAL_##kind(__VA_ARGS__)
