@@ -141,6 +141,40 @@ static void test_known_so_far(void)
     CU_ASSERT(measured(&t, "by_phase") == 0.0 && measured(&t, "last") == (double)exp_steps(t.run));
 }
 
+/* A grain on a level floor presses with its weight, wherever the floor lies and which region it is in; beside
+ * the region it counts only in the weight. Of a floor that is not level there is no number. */
+static void test_forces(void)
+{
+    static const char text[] =
+        "dt = 4.0e-5; normal = { gamma_n = 2000.0; }; rest = { energy = 1e-20; force = 1e-9; };\n"
+        "walls = ( { name = \"base\"; point = (0.0, %s); direction = (%s, 1.0); } );\n"
+        "particles = ( { x = 1.0; y = %s; r = 0.1; }, { x = 3.0; y = %s; r = 0.1; } );\n"
+        "regions = { here = { x = (0.5, 1.5); y = (%s, 9.0); }; };\n"
+        "phases = ( { name = \"lie\"; until = \"rest\"; most = 200000; go_on = true; } );\n"
+        "measure = ( { name = \"f\"; of = \"forces\"; in = \"here\"; wall = \"base\"; } );\n";
+    static const char *const places[][5] = {{"0.0", "0.0", "0.099", "0.099", "0.0"},
+                                            {"-7.0", "0.0", "-6.901", "-6.901", "-7.0"},
+                                            {"0.0", "0.2", "-0.09", "-0.49", "-1.0"}};
+    for (size_t k = 0; k < 3; k++) {
+        const char *const *at = places[k];
+        char made[2048];
+        scoped_trial t;
+        snprintf(made, sizeof made, text, at[0], at[1], at[2], at[3], at[4]);
+        start(&t, made);
+        finish(&t, 1000);
+        CU_ASSERT_STRING_EQUAL(exp_ended(t.run)->status, k < 2 ? "ok" : "no_pile");
+        if (k == 2) CU_ASSERT(strstr(exp_ended(t.run)->message, "the floor is not level") != NULL);
+        if (k == 2) continue;
+        CHECK_NEAR(measured(&t, "f_n"), 0.5, 1e-6); /* of two such grains */
+        CHECK_NEAR(measured(&t, "f_syy"), 0.5 * 0.5,
+                   1e-3); /* half of the weight at an arm of half of d, less the overlap */
+        CHECK_NEAR(measured(&t, "f_h"), 0.0, 1e-12);
+        CU_ASSERT(isnan(measured(&t, "f_bulk"))); /* nothing presses from the sides */
+        CHECK_NEAR(measured(&t, "f_weight_error"), 0.0, 1e-6);
+        CHECK_NEAR(measured(&t, "f_balance_error"), 0.0, 1e-6);
+    }
+}
+
 /* Replace the first `from` of a text. */
 static void replaced(const char *text, const char *from, const char *to, char made[8192])
 {
@@ -782,6 +816,7 @@ void suite_experiment(void)
     static const check_case cases[] = {{"closed forms", test_closed_forms},
                                        {"phases and blocks", test_phases},
                                        {"known so far", test_known_so_far},
+                                       {"forces on a floor", test_forces},
                                        {"walls that change their motion", test_walls},
                                        {"a plate that vibrates", test_vibrated},
                                        {"modules", test_modules},

@@ -1051,6 +1051,7 @@ static void test_systems_of_sweeps(void)
                     "si$' bt/points.tsv") == 0);
     write_text("b.cfg", "units = \"si\"; " SWEEP, "0.02", "0.02", "fill_steps = 5000; relax_steps = 200; ");
     GOOD("run b.cfg -o r");
+    CU_ASSERT(shell("[ -e r/phases.tsv ] && [ ! -e r/scene.cfg ]") == 0); /* the text is in other units */
     GOOD("stress base r/pile --width 0.02");
     CU_ASSERT(strstr(out, "\n# g: 9.81 m/s^2\n") && strstr(out, "\n# diameter: 0.002 m\n") &&
               strstr(out, "\n# units: 1\tN/m\tN/m\t"));

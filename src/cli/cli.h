@@ -101,7 +101,7 @@ const char *cli_option_text(const rp_param *option, char *text, size_t size);
 const char *cli_dashes(const rp_param *option);
 const char *cli_own_name(const cli_command *command);
 
-/* Warn of the g of SI among values in cgs, of a file whose units have been read; of a sweep's file. */
+/* Warn of the g of SI among values in cgs, of a file whose units have been read. */
 void cli_warn_gravity(const char *path, double g);
 
 /* sweep_run with these options, workers below 1: one per processor; its progress unless `quiet`, and

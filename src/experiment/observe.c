@@ -641,9 +641,14 @@ rp_status exp_module_values(exp_run *run, const exp_measure *m, double out[EXP_M
     if (m->module->on_wall)
         sample.walls = run->plan->walls[m->on].walls, sample.n_walls = run->plan->walls[m->on].n;
     exp_table *table = &run->tables[m - run->plan->measures];
-    rp_status status = m->module->add ? m->module->add(&sample, m->params, table->sums)
-                                      : m->module->evaluate(&sample, m->params, out);
+    dem_contact *contacts = NULL;
+    rp_status status = m->module->on_contacts ? dem_contacts(run->sim, &contacts, &sample.n_contacts) : RP_OK;
+    sample.contacts = contacts;
+    if (!status)
+        status = m->module->add ? m->module->add(&sample, m->params, table->sums)
+                                : m->module->evaluate(&sample, m->params, out);
     table->samples += !status;
+    free(contacts);
     free(grains);
     return status;
 }

@@ -8,8 +8,6 @@
 #include "experiment/reading.h"
 #include "params/config.h"
 
-#define NAME_LETTERS "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_"
-
 bool exp_has_phases(const dem_text *text)
 {
     return config_lookup(&text->config, "phases") != NULL;
@@ -142,10 +140,10 @@ static const char *values_in(const exp_plan *plan, const char *condition, char t
     char number[32];
     size_t used = 0;
     *text = '\0';
-    for (const char *c = condition; *c; c += isalpha((unsigned char)*c) ? strspn(c, NAME_LETTERS) : 1)
+    for (const char *c = condition; *c; c += isalpha((unsigned char)*c) ? strspn(c, RP_NAME_LETTERS) : 1)
         for (size_t k = 0; k < lets->n && isalpha((unsigned char)*c) && used < 200; k++)
             if (lets->lets[k].is.type == RP_X_NUMBER &&
-                strlen(lets->lets[k].name) == strspn(c, NAME_LETTERS) &&
+                strlen(lets->lets[k].name) == strspn(c, RP_NAME_LETTERS) &&
                 strncmp(c, lets->lets[k].name, strlen(lets->lets[k].name)) == 0)
                 used += (size_t)snprintf(text + used, 256 - used, "; %s = %s", lets->lets[k].name,
                                          rp_number_text(lets->lets[k].is.value, 6, number, sizeof number));

@@ -40,7 +40,7 @@ bool exp_is_word(const char *word)
 {
     const size_t n = strlen(word);
     return n > 0 && n < sizeof((exp_end *)NULL)->status && isalpha((unsigned char)*word) &&
-           strspn(word, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_") == n;
+           strspn(word, RP_NAME_LETTERS) == n;
 }
 
 rp_status exp_find_wall(const exp_plan *plan, const config_setting_t *setting, const char *key,

@@ -113,8 +113,6 @@ typedef struct {
     const char *name;
 } wall_entry;
 
-#define NAME_LETTERS "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_"
-
 /* The first rows are of entries: their sides are written as segments, each with the name if there is one. */
 enum { SHAPE_ROWS = 3 };
 static const rp_param wall_schema[] = {
@@ -442,7 +440,7 @@ static rp_status read_circle(const config_setting_t *circle, wall_entry *entry, 
 static rp_status name_walls(const config_setting_t *setting, const char *name, size_t first, dem_scene *scene)
 {
     const size_t n = scene->def.n_walls;
-    if (strlen(name) >= DEM_NAME_BYTES || strspn(name, NAME_LETTERS) != strlen(name) ||
+    if (strlen(name) >= DEM_NAME_BYTES || strspn(name, RP_NAME_LETTERS) != strlen(name) ||
         isdigit((unsigned char)*name))
         return rp_config_fail(setting, "name = \"%s\": up to %d letters, digits and _ expected", name,
                               DEM_NAME_BYTES - 1);
@@ -665,7 +663,7 @@ static rp_status read_fill(const config_setting_t *group, scene_file *file, size
     *f = entry.fill; /* its radii are the scene's, also after an error */
     if (!status) status = check_fill(group, file, f);
     if (status) return status;
-    if (strlen(entry.kind) >= DEM_NAME_BYTES || strspn(entry.kind, NAME_LETTERS) != strlen(entry.kind) ||
+    if (strlen(entry.kind) >= DEM_NAME_BYTES || strspn(entry.kind, RP_NAME_LETTERS) != strlen(entry.kind) ||
         isdigit((unsigned char)*entry.kind))
         return rp_config_fail(group, "kind = \"%s\": up to %d letters, digits and _ expected", entry.kind,
                               DEM_NAME_BYTES - 1);
@@ -1001,7 +999,6 @@ static void write_let(const rp_lets *lets, const config_setting_t *let, FILE *ou
 void dem_text_write(const dem_text *text, unsigned long seed, unsigned long stream, FILE *out)
 {
     const config_setting_t *root = config_root_setting(&text->config);
-    if (text->lets.foreign) return;
     fprintf(out, "seed = %lu;\nrun = %lu;\n", seed, stream);
     for (int i = 0; i < config_setting_length(root); i++) {
         const config_setting_t *s = config_setting_get_elem(root, (unsigned)i);

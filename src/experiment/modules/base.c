@@ -1,6 +1,5 @@
 /* The load on a wall that a pile stands on: its profile about its own centroid, and whether it dips there. */
 #include <math.h>
-#include <stdlib.h>
 
 #include "core/arena.h"
 #include "experiment/modules/base.h"
@@ -30,12 +29,15 @@ static bool is_of(const exp_view *s, const dem_contact *c)
 }
 
 /* Lengths in diameters, from here on. */
-static rp_status profile(const exp_view *s, size_t n_contacts, const dem_contact c[], double out[])
+static rp_status evaluate(const exp_view *s, const void *params, double out[])
 {
+    const size_t n_contacts = s->n_contacts;
+    const dem_contact *const c = s->contacts;
     RP_SCOPE(memory);
     double *x, *top, outward = 0.0, load = 0.0;
     size_t n = 0;
     stress_base base;
+    (void)params;
     RP_NEW(&memory, x, 4 * n_contacts);
     RP_NEW(&memory, top, 2 * s->n);
     double *r = x + n_contacts, *N = r + n_contacts, *H = N + n_contacts, *at = top + s->n;
@@ -58,17 +60,6 @@ static rp_status profile(const exp_view *s, size_t n_contacts, const dem_contact
     return RP_OK;
 }
 
-static rp_status evaluate(const exp_view *s, const void *params, double out[])
-{
-    dem_contact *c = NULL;
-    size_t n = 0;
-    (void)params;
-    RP_TRY(dem_contacts(s->sim, &c, &n));
-    rp_status status = profile(s, n, c, out);
-    free(c);
-    return status;
-}
-
 const exp_module exp_module_base = {.name = "base",
                                     .about = "load of a pile on a level wall under it, and its profile",
                                     .word = "no_pile",
@@ -76,4 +67,5 @@ const exp_module exp_module_base = {.name = "base",
                                     .size = 1,
                                     .outputs = outputs,
                                     .on_wall = true,
+                                    .on_contacts = true,
                                     .evaluate = evaluate};

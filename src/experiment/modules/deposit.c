@@ -21,17 +21,14 @@ static size_t root(size_t *of, size_t i)
 
 static rp_status evaluate(const exp_view *s, const void *params, double out[])
 {
-    dem_contact *c = NULL;
-    size_t n_contacts = 0, n_ids = 0, largest = 0;
+    const dem_contact *const c = s->contacts;
+    const size_t n_contacts = s->n_contacts;
+    size_t n_ids = 0, largest = 0;
     (void)params;
     if (s->n == 0) return rp_fail(RP_NO_RESULT, "no grains");
-    RP_TRY(dem_contacts(s->sim, &c, &n_contacts));
     for (size_t i = 0; i < s->n; i++) n_ids = s->grains[i].id > n_ids ? s->grains[i].id : n_ids;
     size_t *of = calloc(2 * n_ids + 2, sizeof *of), *size = of + n_ids + 1; /* by id; 0: not of the sample */
-    if (!of) {
-        free(c);
-        return rp_fail(RP_NO_MEMORY, "deposit: out of memory");
-    }
+    if (!of) return rp_fail(RP_NO_MEMORY, "deposit: out of memory");
     for (size_t i = 0; i < s->n; i++) of[s->grains[i].id] = s->grains[i].id;
     for (size_t k = 0; k < n_contacts; k++) {
         if (c[k].id_b == 0 || c[k].id_a > n_ids || c[k].id_b > n_ids || !of[c[k].id_a] || !of[c[k].id_b])
@@ -50,7 +47,6 @@ static rp_status evaluate(const exp_view *s, const void *params, double out[])
         out[2] = fmax(out[2], g->y + g->r);
     }
     free(of);
-    free(c);
     return RP_OK;
 }
 
@@ -60,4 +56,5 @@ const exp_module exp_module_deposit = {.name = "deposit",
                                        .schema = schema,
                                        .size = 1,
                                        .outputs = outputs,
+                                       .on_contacts = true,
                                        .evaluate = evaluate};

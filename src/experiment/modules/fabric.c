@@ -1,6 +1,5 @@
 /* Fabric: the directions of the contacts between grains, by number and by their normal forces. */
 #include <math.h>
-#include <stdlib.h>
 
 #include "experiment/modules/module.h"
 
@@ -23,11 +22,11 @@ static const exp_output outputs[] = {
     {"_contacts", "", "contacts between the grains"},
     {0}};
 
-static rp_status take(const exp_view *s, const fabric_params *p, size_t n, const dem_contact contacts[],
-                      double out[])
+static rp_status evaluate(const exp_view *s, const void *params, double out[])
 {
+    const fabric_params *p = params;
     double cos2[2] = {0.0}, sin2[2] = {0.0}, sum[2] = {0.0};
-    for (const dem_contact *c = contacts; c < contacts + n; c++) {
+    for (const dem_contact *c = s->contacts; c < s->contacts + s->n_contacts; c++) {
         if (c->id_b == 0 || !exp_view_has(s, c->id_a) || !exp_view_has(s, c->id_b)) continue;
         const double side = isfinite(p->about) ? copysign(1.0, 0.5 * (c->x + c->x_b) - p->about) : 1.0,
                      lx = side * (c->x - c->x_b), ly = c->y - c->y_b, l2 = lx * lx + ly * ly,
@@ -47,20 +46,11 @@ static rp_status take(const exp_view *s, const fabric_params *p, size_t n, const
     return RP_OK;
 }
 
-static rp_status evaluate(const exp_view *s, const void *params, double out[])
-{
-    dem_contact *contacts = NULL;
-    size_t n = 0;
-    RP_TRY(dem_contacts(s->sim, &contacts, &n));
-    const rp_status status = take(s, params, n, contacts, out);
-    free(contacts);
-    return status;
-}
-
 const exp_module exp_module_fabric = {.name = "fabric",
                                       .about = "directions of the contacts between grains",
                                       .word = "no_contacts",
                                       .schema = schema,
                                       .size = sizeof(fabric_params),
                                       .outputs = outputs,
+                                      .on_contacts = true,
                                       .evaluate = evaluate};

@@ -1,7 +1,6 @@
 /* Forces of a pile on a level floor and inside it, over the weight; and which contacts are at the limit of
  * friction. */
 #include <math.h>
-#include <stdlib.h>
 
 #include "core/arena.h"
 #include "experiment/modules/module.h"
@@ -24,9 +23,9 @@ static bool is_floor(const exp_view *s, const dem_contact *c)
     return floor;
 }
 
-static bool is_in(const exp_view *s, double x)
+static bool is_in(const exp_view *s, const dem_contact *c)
 {
-    return x > s->lo[0] && x < s->hi[0];
+    return c->x > s->lo[0] && c->x < s->hi[0] && c->y > s->lo[1] && c->y < s->hi[1];
 }
 
 enum { N, H, SXX, SXY, SYX, SYY, FRICTION, BULK, COUPLE, WEIGHT_ERROR, BALANCE_ERROR };
@@ -38,7 +37,7 @@ static const exp_output outputs[] = {
     {"_syx", "weight d", "sum of force along y times branch along x"},
     {"_syy", "weight d", "sum of force along y times branch along y"},
     {"_friction", "", "h/n"},
-    {"_bulk", "", "tangent of the angle that the mean stress mobilises"},
+    {"_bulk", "", "tangent of the angle that the mean stress mobilises; none where a plane pulls"},
     {"_couple", "", "half of xy - yx, over the mean pressure"},
     {"_weight_error", "weight", "floor, walls and shear through the ends less the weight of the grains"},
     {"_balance_error", "m g", "largest net force on a grain with a contact, of its contacts and weight"},
@@ -73,47 +72,46 @@ static rp_status check_balance(const exp_view *s, size_t n, const dem_contact co
     return RP_OK;
 }
 
-static rp_status sum(const exp_view *s, size_t n, const dem_contact contacts[], double out[])
+static rp_status evaluate(const exp_view *s, const void *params, double out[])
 {
     RP_SCOPE(arena);
+    const size_t n = s->n_contacts;
+    const dem_contact *const contacts = s->contacts;
     stress_contact *forces;
     stress_tensor stress;
-    double g[2], top = 0.0;
+    double g[2], y[2] = {s->lo[1], s->hi[1]}, top = -INFINITY, bottom = INFINITY;
+    (void)params;
     RP_NEW(&arena, forces, n);
     dem_gravity(s->sim, g);
     const double weight = s->mass * hypot(g[0], g[1]), normal = -s->mass * g[1];
     if (!(normal > 0.0)) return rp_fail(RP_NO_RESULT, "no weight on the floor");
+    for (size_t k = 0; k < s->n_walls; k++)
+        if (fabs(dem_wall_now(s->sim, s->walls[k]).direction[0]) > 1e-9)
+            return rp_fail(RP_NO_RESULT, "the floor is not level");
     out[N] = out[H] = 0.0;
     for (size_t k = 0; k < n; k++) {
         const dem_contact *c = &contacts[k];
         double f[2];
         exp_contact_force(c, f);
         forces[k] = (stress_contact){c->x, c->y, c->x_b, c->y_b, f[0], f[1]};
-        top = fmax(top, fmax(c->y, c->y_b));
-        if (!is_floor(s, c) || !is_in(s, c->x)) continue;
+        top = fmax(top, fmax(c->y, c->y_b)), bottom = fmin(bottom, fmin(c->y, c->y_b));
+        if (!is_floor(s, c) || !is_in(s, c)) continue;
         out[N] += f[1] / normal, out[H] -= f[0] / normal;
     }
-    /* one cell over them all */
-    const stress_grid grid = {s->lo[0], 0.0, s->hi[0] - s->lo[0], 2.0 * top + s->d, 1, 1};
+    /* one cell: the region, whose open ends are beyond all contacts */
+    if (isinf(y[0])) y[0] = bottom - s->d;
+    if (isinf(y[1])) y[1] = top + s->d;
+    if (n == 0 || !(y[1] > y[0])) return rp_fail(RP_NO_RESULT, "no contacts in the region");
+    const stress_grid grid = {s->lo[0], y[0], s->hi[0] - s->lo[0], y[1] - y[0], 1, 1};
     const double scale = grid.dx * grid.dy / (normal * s->d);
     RP_TRY(stress_cells(n, forces, &grid, &stress));
     const stress_circle circle = stress_mohr(&stress);
     out[SXX] = scale * stress.xx, out[SXY] = scale * stress.xy;
     out[SYX] = scale * stress.yx, out[SYY] = scale * stress.yy;
-    out[FRICTION] = out[H] / out[N], out[BULK] = tan(circle.mobilised);
+    out[FRICTION] = out[H] / out[N],
+    out[BULK] = circle.mobilised < 0.5 * M_PI - 1e-9 ? tan(circle.mobilised) : NAN;
     out[COUPLE] = circle.couple / circle.pressure;
     return check_balance(s, n, contacts, g, weight, out);
-}
-
-static rp_status evaluate(const exp_view *s, const void *params, double out[])
-{
-    dem_contact *contacts = NULL;
-    size_t n = 0;
-    (void)params;
-    RP_TRY(dem_contacts(s->sim, &contacts, &n));
-    const rp_status status = sum(s, n, contacts, out);
-    free(contacts);
-    return status;
 }
 
 const exp_module exp_module_forces = {.name = "forces",
@@ -124,6 +122,7 @@ const exp_module exp_module_forces = {.name = "forces",
                                       .outputs = outputs,
                                       .bounded = true,
                                       .on_wall = true,
+                                      .on_contacts = true,
                                       .evaluate = evaluate};
 
 /* ---- the limit of friction ---- */
@@ -147,13 +146,10 @@ static bool at_limit(const exp_view *s, const dem_contact *c)
 
 static rp_status count(const exp_view *s, const void *params, double out[])
 {
-    dem_contact *contacts = NULL;
-    size_t n = 0;
     double at[INSIDE + 1] = {0}, of[INSIDE + 1] = {0}, force_at = 0.0, force = 0.0;
     (void)params;
-    RP_TRY(dem_contacts(s->sim, &contacts, &n));
-    for (const dem_contact *c = contacts; c < contacts + n; c++) {
-        if (!is_in(s, c->x)) continue;
+    for (const dem_contact *c = s->contacts; c < s->contacts + s->n_contacts; c++) {
+        if (!is_in(s, c)) continue;
         const int where = c->id_b ? INSIDE : is_floor(s, c) ? FLOOR : WALLS;
         const bool slides = at_limit(s, c);
         at[where] += slides, of[where] += 1.0;
@@ -162,7 +158,6 @@ static rp_status count(const exp_view *s, const void *params, double out[])
     for (int k = 0; k <= INSIDE; k++) out[k] = at[k] / of[k];
     out[ALL] = (at[FLOOR] + at[WALLS] + at[INSIDE]) / (of[FLOOR] + of[WALLS] + of[INSIDE]);
     out[FORCE] = force_at / force;
-    free(contacts);
     return RP_OK;
 }
 
@@ -174,4 +169,5 @@ const exp_module exp_module_limit = {.name = "limit",
                                      .outputs = limit_outputs,
                                      .bounded = true,
                                      .on_wall = true,
+                                     .on_contacts = true,
                                      .evaluate = count};

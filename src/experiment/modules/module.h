@@ -23,7 +23,9 @@ typedef struct {
     double mu, k_s;      /* of contacts between grains */
     size_t n_marks;      /* ids from 1 on: */
     const double *marks; /* their marked x, y; NAN: none */
-    size_t n_walls;      /* numbers of those of its wall */
+    size_t n_contacts;   /* of a module that asks for them: all of the run */
+    const dem_contact *contacts;
+    size_t n_walls; /* numbers of those of its wall */
     const size_t *walls;
 } exp_view;
 
@@ -34,6 +36,7 @@ typedef struct {
     const exp_output *outputs; /* endings of names */
     bool bounded;              /* its region must have two ends in x */
     bool on_wall;              /* it is of a wall too */
+    bool on_contacts;          /* it asks for the contacts */
     /* Errors: RP_NO_RESULT; others. */
     rp_status (*evaluate)(const exp_view *view, const void *params, double out[]);
     /* Of one that has a table instead of outputs: how many sums it needs; what a sample adds to them, 0 at

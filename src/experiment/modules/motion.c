@@ -21,7 +21,7 @@ static const exp_output outputs[] = {
     {"_nonaffine", "d", "root mean square displacement less the best affine one"},
     {"_share", "", "share of these squares in those of the displacement about its mean"},
     {"_x", "", "distance from the left end over the width, mean over the grains with the squares as weights"},
-    {"_y", "d", "the same of the height"},
+    {"_y", "d", "the same of the height over y = 0, or over the region's lower end"},
     {"_depth", "d", "the same of the depth below the surface"},
     {"_reach", "d", "displacement that 5 % of the grains exceed"},
     {"_all_x", "", "distance from the left end over the width, mean over the grains"},
@@ -39,7 +39,7 @@ static bool mark_of(const exp_view *s, uint32_t id, double at[2])
 {
     if (id > s->n_marks) return false;
     memcpy(at, &s->marks[2 * (id - 1)], 2 * sizeof *at);
-    return at[0] > s->lo[0] && at[0] < s->hi[0];
+    return at[0] > s->lo[0] && at[0] < s->hi[0] && at[1] > s->lo[1] && at[1] < s->hi[1];
 }
 
 static size_t column_of(double x, double width, size_t n)
@@ -53,8 +53,10 @@ static rp_status find_places(const exp_view *s, rp_arena *arena, size_t n, const
 {
     const double width = s->hi[0] - s->lo[0];
     const size_t columns = (size_t)fmax(round(width / s->d), 1.0);
+    const double ground = isfinite(s->lo[1]) ? s->lo[1] : 0.0;
     double *top, at[2];
     RP_NEW(arena, top, columns);
+    for (size_t k = 0; k < columns; k++) top[k] = -INFINITY;
     for (uint32_t id = 1; id <= s->n_marks; id++)
         if (mark_of(s, id, at)) {
             double *t = &top[column_of(at[0] - s->lo[0], width, columns)];
@@ -65,12 +67,9 @@ static rp_status find_places(const exp_view *s, rp_arena *arena, size_t n, const
         double x = states[i].x, y = states[i].y;
         if (!mark_of(s, states[i].id, at)) continue;
         dem_box_frame(s->sim, &x, &y);
-        p[(*found)++] = (place){at[0] - s->lo[0],
-                                at[1],
-                                top[column_of(at[0] - s->lo[0], width, columns)] - at[1],
-                                (x - at[0]) / s->d,
-                                (y - at[1]) / s->d,
-                                0.0};
+        p[(*found)++] = (place){
+            at[0] - s->lo[0],   at[1] - ground,     top[column_of(at[0] - s->lo[0], width, columns)] - at[1],
+            (x - at[0]) / s->d, (y - at[1]) / s->d, 0.0};
     }
     return RP_OK;
 }

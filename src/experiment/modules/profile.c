@@ -55,13 +55,10 @@ static void add_contacts(const exp_view *s, const profile_params *p, size_t n, c
 static rp_status add(const exp_view *s, const void *params, double sums[])
 {
     const profile_params *p = params;
-    dem_contact *contacts;
-    size_t n;
     for (int c = 0; c < 2; c++)
         if (!(s->hi[c] > s->lo[c] && isfinite(s->hi[c] - s->lo[c])))
             return rp_fail(RP_NO_RESULT, "the region goes from %c = %g to %g", c ? 'y' : 'x', s->lo[c],
                            s->hi[c]);
-    RP_TRY(dem_contacts(s->sim, &contacts, &n));
     const int c = p->along == ALONG_Y;
     sums[LOWER] += s->lo[c], sums[UPPER] += s->hi[c];
     sums[AREA] += (s->hi[0] - s->lo[0]) * (s->hi[1] - s->lo[1]) / (double)p->bins;
@@ -72,8 +69,7 @@ static rp_status add(const exp_view *s, const void *params, double sums[])
         bin[COUNT]++, bin[COVERED] += M_PI * g->r * g->r;
         bin[MASS] += g->m, bin[P_X] += g->m * g->vx, bin[P_Y] += g->m * g->vy;
     }
-    add_contacts(s, p, n, contacts, sums);
-    free(contacts);
+    add_contacts(s, p, s->n_contacts, s->contacts, sums);
     return RP_OK;
 }
 
@@ -107,6 +103,7 @@ const exp_module exp_module_profile = {.name = "profile",
                                        .schema = schema,
                                        .size = sizeof(profile_params),
                                        .outputs = outputs,
+                                       .on_contacts = true,
                                        .room = room,
                                        .add = add,
                                        .write = write};
