@@ -711,6 +711,50 @@ static void test_avalanches(void)
     }
 }
 
+/* dt_limit of a radius is that of a text with grains of it. */
+static void test_limits_of_radii(void)
+{
+    double dt[2];
+    for (int k = 0; k < 2; k++) {
+        char text[512];
+        scoped_trial t;
+        snprintf(text, sizeof text,
+                 "dt = \"0.5*dt_limit(20%s)\"; gravity = (0.0, 0.0); particles = ( { x = 0.0; y = 0.0; r = "
+                 "%s; } );\n"
+                 "phases = ( { name = \"a\"; steps = 1; } );\n",
+                 k ? ", 0.04" : "", k ? "0.1" : "0.04");
+        CHECK_OK(read_text(&t, text));
+        dt[k] = exp_scene(t.plan)->def.dt;
+    }
+    CHECK_NEAR(dt[0], dt[1], 0.0);
+}
+
+/* The base of a pile on grains that never move; names with a beginning of one's own; a flank ends at a gap.
+ */
+static void test_more_modules(void)
+{
+    static const char text[] =
+        "dt = 1.0e-5; normal = { gamma_n = 0.0; }; gravity = (0.0, 0.0); particles = ( { x = 0.0; y = 0.0; r "
+        "= 0.1; fixed = true; }, { x "
+        "= 0.3; y = 0.0; r = "
+        "0.1; fixed = "
+        "true; },\n"
+        "  { x = 0.0; y = 0.1999; r = 0.1; }, { x = 0.3; y = 0.1998; r = 0.1; }, { x = 0.6; y = 0.0999; r = "
+        "0.1; } );\n"
+        "walls = ( { name = \"floor\"; point = (0.0, 0.0); direction = (0.0, 1.0); } );\n"
+        "phases = ( { name = \"look\"; steps = 0; } );\n"
+        "measure = ( { name = \"a\"; of = \"base\"; wall = \"floor\"; prefix = \"\"; fixed = true; },\n"
+        "  { name = \"b\"; of = \"base\"; wall = \"floor\"; prefix = \"alone\"; optional = true; } );\n";
+    scoped_trial t;
+    start(&t, text);
+    finish(&t, 100);
+    CU_ASSERT_STRING_EQUAL(exp_ended(t.run)->status, "ok");
+    const double k = 1e6, one = k * pow(1e-4, 1.5), two = k * pow(2e-4, 1.5), wall = 2.0 * k * pow(1e-4, 1.5);
+    CHECK_NEAR(measured(&t, "load"), one + two + wall, 1e-6);
+    CHECK_NEAR(measured(&t, "centroid"), (0.3 * two + 0.6 * wall) / (one + two + wall), 1e-9);
+    CU_ASSERT(isnan(measured(&t, "alone_load"))); /* one grain is no base */
+}
+
 static void test_refused_more(void)
 {
     static const char *const cases[][3] = {
@@ -821,6 +865,8 @@ void suite_experiment(void)
                                        {"a plate that vibrates", test_vibrated},
                                        {"modules", test_modules},
                                        {"avalanches", test_avalanches},
+                                       {"limits of radii", test_limits_of_radii},
+                                       {"grains that never move as a base", test_more_modules},
                                        {"refused walls and modules", test_refused_more},
                                        {"cuts", test_cuts},
                                        {"kept and gone on with", test_kept},

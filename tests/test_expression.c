@@ -202,6 +202,45 @@ static void test_states(void)
     CU_ASSERT(e.n_states == 4);
 }
 
+static int asked;
+
+static double load_counted(void *host, int id, const double args[])
+{
+    asked++;
+    return load(host, id, args);
+}
+
+/* An `and` that is false, an `or` that is true ask no further; what counts its looks is always asked. */
+static void test_decided(void)
+{
+    static const struct {
+        const char *text;
+        int asked, value;
+    } cases[] = {{"grains < 5 and theta > 0 and theta < 9", 1, 0},
+                 {"grains > 5 and theta > 0 and theta < 9", 3, 1},
+                 {"grains > 5 or theta > 0 or grains > 5", 1, 1},
+                 {"grains < 5 or theta < 0 or grains < 5", 3, 0},
+                 {"grains < 5 and rest", 2, 0},
+                 {"grains < 5 and held(theta > 0, 2)", 2, 0},
+                 {"(grains < 5 and theta > 0) or theta > 1", 2, 1},
+                 {"grains > 5 and (theta > 0 or theta > 1)", 2, 1},
+                 {"not (grains < 5 and theta > 0)", 1, 1},
+                 {"held(grains < 5 and theta > 0, 1)", 1, 0},
+                 {"W > 3 and grains > 5 and W < 9", 1, 1},
+                 {"W < 3 and grains > 5", 0, 0}};
+    at[GRAINS] = 7.0, at[THETA] = 2.0, at[REST] = 0.0;
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        RP_SCOPE(arena);
+        rp_expression e;
+        double states[8] = {0.0};
+        CHECK_OK(rp_expression_read(&arena, cases[k].text, &inside, &e));
+        asked = 0;
+        CU_ASSERT((int)rp_expression_value(&e, &(rp_x_values){NULL, load_counted}, states) == cases[k].value);
+        if (asked != cases[k].asked) fprintf(stderr, "%s: asked %d\n", cases[k].text, asked);
+        CU_ASSERT(asked == cases[k].asked);
+    }
+}
+
 static void count(void *host, int id)
 {
     ((int *)host)[id]++;
@@ -385,6 +424,7 @@ void suite_expression(void)
     static const check_case cases[] = {{"values", test_values},
                                        {"messages", test_messages},
                                        {"held and change", test_states},
+                                       {"decided conditions", test_decided},
                                        {"keys", test_keys},
                                        {"random texts", test_random},
                                        {"names of a scene", test_lets},

@@ -152,6 +152,71 @@ static void test_patterns(void)
     free(grains);
 }
 
+/* Rows and lattices of a given spacing; regions that a polygon cuts, written and read again. */
+static void test_cut(void)
+{
+    static const char *const fills[] = {
+        "{ pattern = \"row\"; W = 3.0; spacing = 0.5; radius_width = 0.0; }",
+        "{ pattern = \"lattice\"; W = 2.2; H = 9.0; spacing = 0.2; radius_width = 0.0;\n"
+        "  polygon = ( (0.07, 0.05), (2.13, 0.05), (1.1, 1.84) ); }",
+        "{ N = 300; W = 8.0; H = 8.0; polygon = ( (0.0, 0.0), (8.0, 0.0), (0.0, 8.0) ); }"};
+    static const size_t counts[] = {6, 66, 300}; /* of the second 11 rows of 11 to 1 */
+    for (int k = 0; k < 3; k++) {
+        char text[512], *written = NULL;
+        scoped_scene s, back;
+        dem_grain *grains, *again;
+        size_t n, m, size, low = 0;
+        snprintf(text, sizeof text, "fill = %s;\n", fills[k]);
+        CHECK_OK(grains_read(text, NULL, &s));
+        CHECK_OK(dem_scene_grains(&s, &grains, &n, NULL));
+        CU_ASSERT_FATAL(n == counts[k]);
+        for (size_t i = 0; i < n; i++) {
+            const dem_grain *g = &grains[i];
+            if (k == 0) CHECK_NEAR(g->x, 0.1 + 0.5 * (double)i, 1e-14);
+            if (k == 1) CU_ASSERT(fabs(g->x - 1.1) <= 1.0 - (g->y - 0.1) / sqrt(3.0) + 1e-9);
+            if (k == 2) CU_ASSERT(g->x + g->y < 8.0);
+            low += g->x < 4.0 && g->y < 4.0; /* of the triangle a half */
+        }
+        if (k == 2) CU_ASSERT(fabs((double)low - 150.0) < 3.3 * sqrt(75.0));
+        FILE *out = open_memstream(&written, &size);
+        dem_scene_write(&s, out);
+        fclose(out);
+        CHECK_OK(grains_read(written, NULL, &back));
+        CHECK_OK(dem_scene_grains(&back, &again, &m, NULL));
+        CU_ASSERT(m == n && memcmp(grains, again, n * sizeof *grains) == 0);
+        free(grains), free(again), free(written);
+    }
+    static const char *const refused[][2] = {
+        {"N = 3; W = 1.0; H = 1.0; spacing = 0.3;", "spacing: of a row or a lattice"},
+        {"pattern = \"row\"; W = 3.0; spacing = 0.17; radius_width = 0.0;", "overlap by more than a tenth"},
+        {"N = 3; W = 1.0; H = 1.0; polygon = ( (0.0, 0.0), (1.0, 1.0) );", "at least 3 points"}};
+    for (int k = 0; k < 3; k++) {
+        char text[256];
+        scoped_scene s;
+        snprintf(text, sizeof text, "fill = { %s };\n", refused[k][0]);
+        CHECK_FAILS(grains_read(text, NULL, &s), RP_BAD_INPUT, refused[k][1]);
+    }
+}
+
+/* Groups that a condition leaves out. */
+static void test_if(void)
+{
+    static const char *const words[] = {"true", "false"};
+    for (int k = 0; k < 2; k++) {
+        char text[512];
+        scoped_scene s;
+        snprintf(
+            text, sizeof text,
+            "let = { is = %s; }; normal = { law = \"linear\"; tension = false; }; tangential = { law = "
+            "\"slip_roll\"; };\nwalls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; } );\n"
+            "hard = { if = \"is\"; restitution = 0.5; }; ground = { if = \"not is\"; mu_static = 0.3; a = "
+            "0.01; };\nfill = { N = 3; W = 1.0; H = 1.0; };\n",
+            words[k]);
+        CHECK_OK(grains_read(text, NULL, &s));
+        CU_ASSERT(s.def.hard.on == (k == 0) && s.def.ground.wall == k);
+    }
+}
+
 /* ---- several fills ---- */
 
 static const char several[] =
@@ -269,6 +334,8 @@ static void test_extremes(void)
 void suite_fills(void)
 {
     static const check_case cases[] = {{"exp and log", test_elementary},
+                                       {"spacing and polygons", test_cut},
+                                       {"groups with a condition", test_if},
                                        {"laws of radii", test_laws},
                                        {"radii of a table", test_table},
                                        {"rows and lattices", test_patterns},

@@ -110,6 +110,7 @@ static const char *const scenes[] = {
     "};\n" WALLS GRAINS(""),
     "steps = 300; normal = { }; tangential = { }; fill = { N = 12; W = 1.0; H = 1.2; };\n" WALLS,
     "steps = 300; fill = { N = 3; W = 1.0; H = 1.2; };\n" WALLS,
+    "steps = 300; fill = { pattern = \"lattice\"; W = 1.0; H = 1.2; radius_width = 0.0; };\n" WALLS,
     /* where the segment ends, the grain is carried by its corner or, with a turn, not yet */
     "steps = 300; walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; extent = [-1.0, 0.3]; } );\n"
     "particles = ( { x = 0.31; y = 0.09; r = 0.1; }, { x = -1.01; y = 0.09; r = 0.1; } );\n",
@@ -203,11 +204,7 @@ static const struct {
     const sweep_protocol *protocol;
     const char *settings;
     const char *key, *value; /* NULL: for all keys */
-} runs[] = {{&sweep_protocol_drop, "N=16 damping=1"},
-            {&sweep_protocol_drop, "N=16 damping=1 law=slip_roll"},
-            {&sweep_protocol_drop, "N=0 lattice=9 damping=1"},
-            {&sweep_protocol_drop, "N=30 damping=1 mu_roll=0 drop_height=20", "x_limit", "10"},
-            {&sweep_protocol_pile, "base=7"},
+} runs[] = {{&sweep_protocol_pile, "base=7"},
             {&sweep_protocol_pile, "base=7 eps=1e-3 branch=minimum load_steps=4"},
             {&sweep_protocol_pile, "base=9 alpha_deg=30 inner_deg=45 x_1=0.3 disorder=0.01"},
             {&sweep_protocol_pile, "base=9 alpha_deg=30 well=0.3 mu=0.2 load_steps=4 eps=1e-3"},

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "sweeps/protocols/protocols.h"
+#include "tests/protocol.h"
 #include "tests/check.h"
 #include "tests/program.h"
 
@@ -167,13 +167,13 @@ static void numbers_of(const char *line, const char *key, char list[256])
 /* A setting that needs no word: what a protocol has unless told, or the header of the claims. */
 static bool is_usual(const rp_table *claims, const char *key, const char *value)
 {
-    static const char *const words[] = {"auto",     "none",    "all",          "free",
-                                        "smallest", "largest", "ok_fixed_time"};
+    static const char *const words[] = {"auto", "none",     "computed", "all",
+                                        "free", "smallest", "largest",  "ok_fixed_time"};
     char said[64];
     for (size_t k = 0; k < sizeof words / sizeof *words; k++)
         if (strcmp(value, words[k]) == 0) return true;
     for (size_t k = 0; sweep_protocols[k]; k++) {
-        const rp_param *p = rp_params_find(sweep_protocols[k]->schema, key);
+        const rp_param *p = rp_params_find(protocol_of(sweep_protocols[k])->schema, key);
         char *end;
         if (p && p->fallback && strtod(p->fallback, &end) == strtod(value, NULL) && end > p->fallback &&
             !*end)

@@ -706,9 +706,9 @@ static void protocol_onset(void)
 
 static void protocol_drop(void)
 {
-    goes_on(&sweep_protocol_drop, "N=90 radius_width=0.03 source_width=5 rest_force=0.1", "ok");
-    goes_on(&sweep_protocol_drop, "N=60 glued=1.2 x_limit=20", "ok");
-    goes_on(&sweep_protocol_drop, "N=20 lattice=12 glued=1 radius_width=0.001", "ok");
+    goes_on(protocol_of(&sweep_protocol_drop), "N=90 radius_width=0.03 source_width=5 rest_force=0.1", "ok");
+    goes_on(protocol_of(&sweep_protocol_drop), "N=60 glued=1.2 x_limit=20", "ok");
+    goes_on(protocol_of(&sweep_protocol_drop), "N=20 lattice=12 glued=1 radius_width=0.001", "ok");
 }
 
 /* Plan the same sweep in the folders `whole` and `d`. */

@@ -1839,7 +1839,7 @@ static void test_physics(void)
     }
     CU_ASSERT_STRING_EQUAL(rp_params_find(protocol_of(&sweep_protocol_repose)->schema, "mu")->fallback,
                            "0.2");
-    CU_ASSERT_STRING_EQUAL(rp_params_find(sweep_protocol_drop.schema, "mu")->fallback, "0.5");
+    CU_ASSERT_STRING_EQUAL(rp_params_find(protocol_of(&sweep_protocol_drop)->schema, "mu")->fallback, "0.5");
 }
 
 /* Words and numbers that the short runs of the physics try, and whether one differs from its law's run. */

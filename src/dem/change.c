@@ -97,7 +97,7 @@ static rp_status make(const dem_sim *old, const dem_definition *laws, const choi
     dem_grain *grains = grains_of(old, out, ids, &n);
     if (!grains) return rp_fail(RP_NO_MEMORY, "simulation: out of memory");
     def.n_grains = n;
-    if (n == 0) def.skin = old->list.skin; /* for those that may come */
+    def.radius_to_come = old->start.radius_mean;
     walls_of(old, laws, walls);
     def.wall_list = walls, def.n_walls = old->def.n_walls;
     dem_gravity(old, def.gravity);

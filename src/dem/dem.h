@@ -147,6 +147,7 @@ typedef struct {
     size_t n_walls;
     dem_wall walls[DEM_FEW_WALLS];
     const dem_wall *wall_list; /* if not NULL, the walls are these, of any number; borrowed as the grains */
+    double radius_to_come;     /* mean radius of grains that are added to none; 0: there must be some */
     size_t n_grains;
     const dem_grain *grains; /* borrowed until dem_create returns */
     /* Contacts that the start already has, as dem_contacts gives them, ids by the order of the grains: their
@@ -449,9 +450,11 @@ typedef enum { DEM_SHARES(DEM_ID) } dem_share;
 dem_manual dem_share_manual;
 #define DEM_PATTERNS(X)                                                                                      \
     X(DEM_PATTERN_RANDOM, random, "one after the other where they overlap none, at random")                  \
-    X(DEM_PATTERN_ROW, row, "one row from x0 on, each on y0 and touching the last, as many as fit in W")     \
+    X(DEM_PATTERN_ROW, row,                                                                                  \
+      "one row from x0 on, each on y0 and touching the last or `spacing` from it, as many as fit in W")      \
     X(DEM_PATTERN_LATTICE, lattice,                                                                          \
-      "close-packed rows from (x0, y0) on, of the width of the largest grain, as many as fit in W and H")
+      "close-packed rows from (x0, y0) on, of the width of the largest grain or `spacing`, as many as fit "  \
+      "in W and H")
 typedef enum { DEM_PATTERNS(DEM_ID) } dem_pattern;
 dem_manual dem_pattern_manual;
 
@@ -473,6 +476,9 @@ typedef struct {
     size_t n_radii; /* of the table: radius and share of each, borrowed */
     const double *radii;
     bool fixed;       /* grains that never move */
+    double spacing;   /* of a row or lattice, from centre to centre; 0: of grains that touch */
+    size_t n_corners; /* of a polygon that centres lie in, x and y of each, borrowed; 0: none */
+    const double *corners;
     long number;      /* of the fill in a scene, from 0 on: each has streams of its own */
     size_t n_there;   /* grains that are there already, right before `grains` in their array */
     void *streams[2]; /* gsl_rng of radii and places that go on afterwards; NULL: those of seed and run */

@@ -31,17 +31,6 @@ exp_within exp_within_now(exp_run *run, const exp_scope *scope)
     return a;
 }
 
-/* An odd number of sides to the right of the point. */
-static bool in_polygon(const exp_within *a, double x, double y)
-{
-    bool in = false;
-    for (size_t k = 0; k < a->n_points; k++) {
-        const double *p = &a->points[2 * k], *q = &a->points[2 * ((k + 1) % a->n_points)];
-        if ((p[1] > y) != (q[1] > y) && x < p[0] + (y - p[1]) / (q[1] - p[1]) * (q[0] - p[0])) in = !in;
-    }
-    return in;
-}
-
 bool exp_is_within(const void *within, uint32_t id, double x, double y)
 {
     const exp_within *a = within;
@@ -49,7 +38,7 @@ bool exp_is_within(const void *within, uint32_t id, double x, double y)
     if (a->all) return true;
     if (!a->circle)
         return x > a->at[0] && x < a->at[1] && y > a->at[2] && y < a->at[3] &&
-               (!a->n_points || in_polygon(a, x, y));
+               (!a->n_points || dem_in_polygon(a->n_points, a->points, x, y));
     const double dx = x - a->at[0], dy = y - a->at[1];
     return dx * dx + dy * dy < a->at[2] * a->at[2];
 }
@@ -249,7 +238,7 @@ OBSERVABLE(imbalance)
     EACH(w)
     {
         const double weight = w.s.m * run->plan->g, f = sqrt(w.s.fx * w.s.fx + w.s.fy * w.s.fy);
-        if (w.s.contacts > 0) most = fmax(most, fmax(f / weight, fabs(w.s.torque) / (weight * w.s.r)));
+        most = fmax(most, fmax(f / weight, fabs(w.s.torque) / (weight * w.s.r)));
     }
     return most;
 }
@@ -563,7 +552,7 @@ const exp_observable exp_observables[] = {
     {"speed", ALL_GRAINS, 0, 0, RP_X_NUMBER, "cm/s", "largest speed of a centre", speed},
     {"spin", ALL_GRAINS, 0, 0, RP_X_NUMBER, "cm/s", "largest speed at a rim by spin", spin},
     {"force", ALL_GRAINS, 0, 0, RP_X_NUMBER, "dyn", "largest net force on a grain with a contact", force},
-    {"imbalance", ALL_GRAINS, 0, 0, RP_X_NUMBER, "", "largest net force over weight, or torque over weight times radius", imbalance},
+    {"imbalance", ALL_GRAINS, 0, 0, RP_X_NUMBER, "", "largest net force on a grain over its weight, or torque over weight times radius; 1 of one that falls freely", imbalance},
     {"contacts", ALL_GRAINS, 0, 0, RP_X_NUMBER, "", "mean contacts of a grain", contacts},
     {"rattlers", ALL_GRAINS, 0, 0, RP_X_NUMBER, "", "share of the grains with fewer than two contacts", rattlers},
     {"x", ALL_GRAINS, 0, 0, RP_X_NUMBER, "cm", "centre of mass", mean_x},
@@ -619,6 +608,8 @@ rp_status exp_module_values(exp_run *run, const exp_measure *m, double out[EXP_M
     exp_view sample = {.d = run->plan->d,
                        .m = run->plan->m,
                        .sim = run->sim,
+                       .n_all = run->n_states,
+                       .all = run->states,
                        .mu = physics_now(run)->mu,
                        .k_s = physics_now(run)->k_s,
                        .n_marks = run->marks ? run->n_ids : 0,

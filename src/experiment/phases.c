@@ -99,8 +99,7 @@ static rp_status fill(exp_run *run, dem_scene *scene)
     RP_SCOPE(arena);
     RP_NEW(&arena, ends, scene->n_more + 1);
     rp_status status = dem_scene_grains(scene, &grains, &def.n_grains, ends);
-    if (def.n_grains == 0 && def.skin == 0.0 && plan->adds)
-        def.skin = 0.2 * plan->d; /* as of grains of that size */
+    if (plan->adds) def.radius_to_come = 0.5 * plan->d;
     def.grains = grains, def.lines = scene->has_fill ? NULL : scene->lines;
     if (!status) status = dem_create(&def, &run->sim);
     free(grains);

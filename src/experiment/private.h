@@ -127,7 +127,7 @@ typedef enum {
 #define EXP_TAKES "value | mean | max | min | first | rate | avalanches | line"
 
 typedef struct {
-    const char *name, *at, *during, *unit, *meaning, *in, *wall, *level_of;
+    const char *name, *at, *during, *unit, *meaning, *prefix, *in, *wall, *level_of;
     size_t levels_with; /* number of that measure, or its own */
     const char *file;   /* of its table */
     int take;

@@ -28,6 +28,8 @@ const rp_param exp_measure_schema[] = {
      "least fall that is an avalanche; none: samples with `event`"},
     {"unit", "", RP_TEXT, IN(unit), "", "", "of the column"},
     {"meaning", "", RP_TEXT, IN(meaning), "", "", "of the first column"},
+    {"prefix", "", RP_TEXT, IN(prefix), "auto", "",
+     "of a module: what its columns' names begin with, which may be nothing; auto: the measure's name"},
     {"in", "", RP_TEXT, IN(in), "", "", "region of a module's grains"},
     {"wall", "", RP_TEXT, IN(wall), "", "", "wall of the module base"},
     {0}};
@@ -42,9 +44,10 @@ static rp_status add_output(exp_plan *plan, const exp_measure *m, const char *en
     exp_output *o = &plan->outputs[plan->n_outputs];
     const config_setting_t *names = member(m->setting, "columns");
     const size_t number = plan->n_outputs - m->output;
+    const char *begin = strcmp(m->prefix, "auto") == 0 ? m->name : m->prefix;
     if (names && number >= length(names)) return RP_OK;
     o->name = names ? config_setting_get_string(element(names, number))
-                    : rp_text(&plan->arena, "%s%s", m->name, ending);
+                    : rp_text(&plan->arena, "%s%s", begin, ending + (!*begin && *ending));
     o->unit = strcmp(ending, "_n") == 0 ? "" : unit;
     o->meaning = number == 0 && *m->meaning ? m->meaning : meaning;
     if (!o->name || !meaning) return RP_NO_MEMORY;

@@ -294,7 +294,7 @@ void rp_config_write_text(FILE *out, const char *text)
 
 void rp_config_write_scalar(FILE *out, const rp_value *v)
 {
-    if (v->kind == RP_V_REAL) fprintf(out, "%.17e", v->r);
+    if (v->kind == RP_V_REAL) fprintf(out, isinf(v->r) ? "\"%g\"" : "%.17e", v->r);
     if (v->kind == RP_V_INT) fprintf(out, "%ld", v->i);
     if (v->kind == RP_V_BOOL) fputs(v->i ? "true" : "false", out);
     if (v->kind == RP_V_TEXT) rp_config_write_text(out, v->s);

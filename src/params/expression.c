@@ -51,7 +51,7 @@ typedef enum {
 struct rp_x_step {
     x_kind kind;
     int id;
-    size_t n;
+    size_t n, skip;  /* skip: so many steps ahead, past an `and` that is false or an `or` that is true */
     double number;   /* X_NUMBER; X_POWER: the exponent; X_HELD: how many looks */
     const char *key; /* X_NAME, X_KNOWN */
 };
@@ -159,6 +159,8 @@ double rp_expression_value(const rp_expression *e, const rp_x_values *values, do
                              takes > 2 ? stack[n + 2] : 0.0, states);
             n++;
         }
+        while (e->steps[i].skip && (stack[n - 1] != 0.0) == (e->steps[i + e->steps[i].skip].kind == X_OR))
+            i += e->steps[i].skip;
     }
     return e->known ? e->value : stack[0];
 }
@@ -169,7 +171,7 @@ typedef struct {
     const char *text, *at;
     const rp_x_names *names;
     rp_x_step steps[MOST_STEPS];
-    size_t n, n_states;
+    size_t n, n_states, n_truths; /* truths: names of the host's that count their looks */
     int nested;
     char token[MOST_WORD];
     const char *begins; /* of the token */
@@ -324,6 +326,7 @@ static rp_status take_name(x_reader *r, x_part *part, const char *name, int n_ar
                      "character %zu: ", (size_t)(part->begins - r->text) + 1));
     if (!known) return fail_unknown(r, part->begins, name, n_args >= 0);
     part->type = symbol.type;
+    r->n_truths += symbol.type == RP_X_TRUTH && !symbol.known;
     if (symbol.type == RP_X_WORD) return snprintf(part->word, sizeof part->word, "%s", symbol.word), RP_OK;
     if (symbol.known) return add_number(r, part, symbol.type, symbol.value);
     return add(
@@ -509,11 +512,14 @@ static rp_status read_level(x_reader *r, int level, x_part *part)
         const int k = is_sign(r, l->signs[0]) ? 0 : l->signs[1] && is_sign(r, l->signs[1]) ? 1 : -1;
         x_part right;
         if (k < 0) return RP_OK;
+        const size_t last = r->n - 1, looks = r->n_states + r->n_truths;
         RP_TRY(want(r, part, l->type));
         RP_TRY(next(r));
         RP_TRY(level == 1 ? read_comparison(r, &right) : read_level(r, level + 1, &right));
         RP_TRY(want(r, &right, l->type));
         RP_TRY(add(r, part, (rp_x_step){.kind = l->kinds[k]}));
+        if (level < 2 && r->n - 1 > last && r->n_states + r->n_truths == looks)
+            r->steps[last].skip = r->n - 1 - last;
     }
 }
 

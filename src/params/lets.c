@@ -23,7 +23,7 @@ static rp_status read_value(const config_setting_t *root, const rp_value *v, rp_
     *is = (rp_x_symbol){.type = v->kind == RP_V_BOOL ? RP_X_TRUTH : RP_X_NUMBER, .known = true};
     if (v->kind != RP_V_TEXT) return is->value = v->kind == RP_V_REAL ? v->r : (double)v->i, RP_OK;
     if (is_word(v->s)) RP_TRY(rp_lets_find(config_setting_get_hook(root), v->s, &earlier, &known));
-    if (known || !is_word(v->s)) return rp_lets_value(root, v->s, is);
+    if (known || !is_word(v->s) || strcmp(v->s, "inf") == 0) return rp_lets_value(root, v->s, is);
     is->type = RP_X_WORD, is->word = v->s;
     return RP_OK;
 }
@@ -54,6 +54,14 @@ static rp_status read_group(const config_setting_t *setting, bool foreign, rp_le
     return RP_OK;
 }
 
+/* Is it one of the words of a range of numbers, as in "[1, 10] | none"? */
+static bool is_word_of(const rp_let *let, const rp_value *is, double *value)
+{
+    const rp_param param = {let->name, let->unit, RP_REAL, 0, NULL, let->range, let->meaning};
+    return is->kind == RP_V_TEXT && strchr("[(", *let->range) && *let->range && strcmp(is->s, "auto") != 0 &&
+           !rp_params_set(&param, value, is);
+}
+
 static rp_status read_let(const config_setting_t *root, const config_setting_t *setting, rp_lets *lets)
 {
     rp_let let = {.name = config_setting_name(setting), .unit = "", .range = "", .meaning = ""};
@@ -68,9 +76,14 @@ static rp_status read_let(const config_setting_t *root, const config_setting_t *
         return rp_fail(RP_BAD_INPUT, "a number, true, false, a word or an expression expected");
     for (size_t k = 0; k < lets->n_given; k++)
         if (strcmp(lets->given[k].name, let.name) == 0) is = lets->given[k].value;
-    RP_TRY(read_value(root, &is, &let.is));
+    const bool word = is_word_of(&let, &is, &let.is.value);
+    if (word)
+        let.is.type = RP_X_NUMBER, let.is.known = true, is.kind = RP_V_REAL;
+    else
+        RP_TRY(read_value(root, &is, &let.is));
+    const bool infinite = isinf(let.is.value) && strchr(let.range, '|'); /* what such a word stands for */
     let.computed = is.kind == RP_V_TEXT && !(let.is.type == RP_X_WORD && strcmp(let.is.word, is.s) == 0);
-    if (*let.range && let.is.type == RP_X_NUMBER) {
+    if (*let.range && let.is.type == RP_X_NUMBER && !word && !infinite) {
         const rp_param param = {let.name, let.unit, RP_REAL, 0, NULL, let.range, let.meaning};
         double checked; /* units are the text's own */
         RP_TRY(rp_params_set(&param, &checked, &(rp_value){.kind = RP_V_REAL, .r = let.is.value}));

@@ -252,11 +252,15 @@ static rp_status add_let(sweep_experiment *e, const rp_let *let, rp_param *p)
                     .inherited = true}; /* streams stay when a text gets one more name */
     if (number) p->range = *let->range ? let->range : "(-inf, inf)";
     if (word) p->range = let->range;
+    if (isinf(let->is.value) && number)
+        rp_params_text(&(rp_param){.type = RP_REAL, .range = p->range}, &let->is.value, text, sizeof text);
+    else
+        rp_number_text(let->is.value, 6, text, sizeof text);
     if (let->computed) p->range = rp_text(&e->arena, "%s | %s", p->range, COMPUTED);
     p->fallback = let->computed ? COMPUTED
-                  : number ? rp_text(&e->arena, "%s", rp_number_text(let->is.value, 6, text, sizeof text))
-                  : word   ? rp_text(&e->arena, "%s", let->is.word)
-                           : (let->is.value != 0.0 ? "true" : "false");
+                  : number      ? rp_text(&e->arena, "%s", text)
+                  : word        ? rp_text(&e->arena, "%s", let->is.word)
+                                : (let->is.value != 0.0 ? "true" : "false");
     return p->fallback && p->range ? RP_OK : RP_NO_MEMORY;
 }
 

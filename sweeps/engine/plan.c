@@ -58,7 +58,7 @@ static rp_status read_head(const char *file, const config_setting_t *root,
         {"piles", "", RP_CHOICE, offsetof(head, piles), "own", "own | shared",
          "random streams: every run its own, or replica k of every grid point the same"},
         {"units", "", RP_CHOICE, offsetof(head, units), "cgs", RP_UNITS_WORDS,
-         "of the numbers here and of the tables; defaults are converted"},
+         "of the numbers here and of the tables; without it those of the protocol's text"},
         {0}};
     RP_TRY(refuse_scene(file, root));
     if (!sweep_names_runs(root)) /* the root has no line to point at */
@@ -153,8 +153,11 @@ static rp_status open_experiment(const char *file, const head *h, sweep_plan *pl
     if (!*name) {
         const rp_status status =
             sweep_protocol_open(plan->protocol, &changes, &plan->experiment, &plan->protocol);
-        if (!status && plan->experiment)
-            sweep_experiment_in(plan->experiment, (rp_units)h->units), add_keys(plan);
+        if (!status && plan->experiment) {
+            if (config_lookup(&plan->config, "units"))
+                sweep_experiment_in(plan->experiment, (rp_units)h->units);
+            add_keys(plan);
+        }
         return rp_prefix(status, "%s: ", file);
     }
     plan->has_copy = true;

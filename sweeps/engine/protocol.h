@@ -37,17 +37,10 @@ typedef struct {
         double array;                                                                                        \
     };
 
-/* Families of the bins of the base, for protocols whose piles `repose stress dip` reads: the pressure there,
- * and that of rays. */
-#define SWEEP_N_MEMBER(k)    double n_##k;
-#define SWEEP_RAYS_MEMBER(k) double rays_##k;
-#define SWEEP_BIN_FAMILIES                                                                                   \
-    SWEEP_FAMILY(n[STRESS_DIP_BINS], STRESS_DIP_BIN_LIST(SWEEP_N_MEMBER))                                    \
-    SWEEP_FAMILY(rays[STRESS_DIP_BINS], STRESS_DIP_BIN_LIST(SWEEP_RAYS_MEMBER))
+/* The bins of the base, of a protocol whose piles `repose stress dip` reads: the pressure there. */
+#define SWEEP_N_MEMBER(k) double n_##k;
 #define SWEEP_N_ROW(k)                                                                                       \
     {"n_" #k, "", "pressure in bin " #k " of 20 of the base, left to right, over the mean"},
-#define SWEEP_RAYS_ROW(k) {"rays_" #k, "", "n_" #k " of 60-degree rays under the pile's own outline"},
-#define SWEEP_BIN_ROWS    STRESS_DIP_BIN_LIST(SWEEP_N_ROW) STRESS_DIP_BIN_LIST(SWEEP_RAYS_ROW)
 
 /* What one run yields. `status` is one of the protocol's words, "ok" for a full result; values that the
  * run has no result for are NaN. Wall time is kept apart, by the caller. */

@@ -18,6 +18,7 @@ TEXT(stress,
      "the pile of `repose`, tilted by small angles: forces on the floor, stress, Coulomb-critical tilt");
 TEXT(onset,
      "the pile of `repose`, tilted until it moves: what predicts the angle, what slides and moves first");
+TEXT(drop, "a pile of disks dropped one at a time (Liffman, Chan & Hughes 1992, fig 20)");
 
 const sweep_protocol *const sweep_protocols[] = {
 #define X(name) &sweep_protocol_##name,

@@ -6,8 +6,8 @@
 
 RP_C_BEGIN
 
-#define SWEEP_PROTOCOLS(X) X(pile) X(drop)
-#define SWEEP_TEXTS(X)     X(repose) X(flux) X(stress) X(onset) /* repose.cfg, beside this file */
+#define SWEEP_PROTOCOLS(X) X(pile)
+#define SWEEP_TEXTS(X)     X(repose) X(flux) X(stress) X(onset) X(drop) /* repose.cfg, beside this file */
 
 #define X(name) extern const sweep_protocol sweep_protocol_##name;
 SWEEP_PROTOCOLS(X)

@@ -4,6 +4,7 @@
 
 #include "core/random.h"
 #include "dem/scene/radii.h"
+#include "dem/scene/scene.h"
 
 static const long MAX_TRIES = 1000000;
 
@@ -31,6 +32,22 @@ static bool is_free(const cells *c, const dem_grain *grains, const dem_fill *f, 
                 if (dx * dx + dy * dy < radii * radii) return false;
             }
     return true;
+}
+
+/* An odd number of sides to the right of the point. */
+bool dem_in_polygon(size_t n, const double points[], double x, double y)
+{
+    bool in = false;
+    for (size_t k = 0; k < n; k++) {
+        const double *p = &points[2 * k], *q = &points[2 * ((k + 1) % n)];
+        if ((p[1] > y) != (q[1] > y) && x < p[0] + (y - p[1]) / (q[1] - p[1]) * (q[0] - p[0])) in = !in;
+    }
+    return in;
+}
+
+static bool in_corners(const dem_fill *f, double x, double y)
+{
+    return f->n_corners == 0 || dem_in_polygon(f->n_corners, f->corners, x, y);
 }
 
 /* Distance of a point from a wall at the start, negative behind a whole line; INFINITY of one that is gone.
@@ -90,6 +107,7 @@ static rp_status find_space(const dem_fill *f, double r_min, space *s)
 /* May a grain that touches no other be here? */
 static bool is_inside(const dem_fill *f, const space *s, place p)
 {
+    if (!in_corners(f, f->x0 + p.x, f->y0 + p.y)) return false;
     if (!is_clear(f, f->x0 + p.x, f->y0 + p.y, (1.0 - 1e-9) * p.r)) return false;
     const bool inside =
         !s->up || top_of(s->up, lround(p.y / s->h) * s->nx + lround(p.x / s->h)) == s->largest;
@@ -194,26 +212,28 @@ static size_t place_row(const dem_fill *f, gsl_rng *radii, size_t most, dem_grai
 {
     double r = dem_radius_draw(f, radii), x = r;
     size_t n = 0;
-    for (; n < most && x + r <= f->W * (1.0 + 1e-12); n++) {
-        grains[n] = grain_of(f, f->x0 + x, f->y0 + r, r);
+    while (n < most && x + r <= f->W * (1.0 + 1e-12)) {
+        if (in_corners(f, f->x0 + x, f->y0 + r)) grains[n++] = grain_of(f, f->x0 + x, f->y0 + r, r);
         const double next = dem_radius_draw(f, radii);
-        x += 2.0 * sqrt(r * next);
+        x += f->spacing > 0.0 ? f->spacing : 2.0 * sqrt(r * next);
         r = next;
     }
     return n;
 }
 
 /* Rows of places that the largest grain has room in, each row moved by half a place against the last. */
-static size_t place_lattice(const dem_fill *f, gsl_rng *radii, double widest, size_t most, dem_grain *grains)
+static size_t place_lattice(const dem_fill *f, gsl_rng *radii, size_t most, dem_grain *grains)
 {
+    const double widest = f->spacing > 0.0 ? 0.5 * f->spacing : dem_radius_most(f);
     size_t n = 0;
-    for (long row = 0; n < most && (row == 0 || n > 0); row++) {
+    for (long row = 0; n < most; row++) {
         const double y = widest * (1.0 + sqrt(3.0) * (double)row);
         if (y + widest > f->H * (1.0 + 1e-12)) break;
         for (long k = 0; n < most; k++) {
             const double x = widest * (1.0 + 2.0 * (double)k + (double)(row % 2));
             if (x + widest > f->W * (1.0 + 1e-12)) break;
-            grains[n++] = grain_of(f, f->x0 + x, f->y0 + y, dem_radius_draw(f, radii));
+            if (in_corners(f, f->x0 + x, f->y0 + y))
+                grains[n++] = grain_of(f, f->x0 + x, f->y0 + y, dem_radius_draw(f, radii));
         }
     }
     return n;
@@ -227,25 +247,27 @@ static double ratio_up(double length, double least)
 size_t dem_fill_most(const dem_fill *f)
 {
     if (f->N >= 0) return (size_t)f->N;
-    const double row = ratio_up(f->W, dem_radius_least(f));
-    return (size_t)fmin(f->pattern == DEM_PATTERN_ROW ? row : row * ratio_up(f->H, 0.8 * dem_radius_least(f)),
+    const double least = f->spacing > 0.0 ? 0.5 * f->spacing : dem_radius_least(f),
+                 row = ratio_up(f->W, least);
+    return (size_t)fmin(f->pattern == DEM_PATTERN_ROW ? row : row * ratio_up(f->H, 0.8 * least),
                         2.0 * DEM_MOST_GRAINS);
 }
 
 static rp_status place_rows(const dem_fill *f, gsl_rng *radii, dem_grain *grains, size_t *n)
 {
     const size_t most = dem_fill_most(f);
+    const double overlap = f->spacing > 0.0 ? DEM_SPACING_OVERLAP : 1e-9;
     *n = f->pattern == DEM_PATTERN_ROW ? place_row(f, radii, most, grains)
-                                       : place_lattice(f, radii, dem_radius_most(f), most, grains);
+                                       : place_lattice(f, radii, most, grains);
     if (f->N >= 0 && *n < most) return no_room(f, (long)*n, dem_radius_mean(f));
     for (size_t i = 0; i < *n; i++) {
         const dem_grain *g = &grains[i];
-        if (!f->fixed && !is_clear(f, g->x, g->y, (1.0 - 1e-9) * g->r))
+        if (!f->fixed && !is_clear(f, g->x, g->y, (1.0 - overlap) * g->r))
             return rp_fail(RP_NO_RESULT, "grain %zu of a %s, at x = %g, y = %g, touches a wall", i + 1,
                            f->pattern == DEM_PATTERN_ROW ? "row" : "lattice", g->x, g->y);
         for (size_t k = 1; k <= f->n_there; k++) {
             const dem_grain *b = &grains[-(long)k];
-            if (hypot(b->x - g->x, b->y - g->y) < (b->r + g->r) * (1.0 - 1e-9))
+            if (hypot(b->x - g->x, b->y - g->y) < (b->r + g->r) * (1.0 - overlap))
                 return rp_fail(RP_NO_RESULT,
                                "grain %zu of a %s, at x = %g, y = %g, touches one that is there", i + 1,
                                f->pattern == DEM_PATTERN_ROW ? "row" : "lattice", g->x, g->y);

@@ -6,6 +6,10 @@
 
 #include "dem/dem.h"
 
+/* Grains of a spacing of their own may overlap by this part of their radii: of a lattice whose sizes scatter.
+ */
+#define DEM_SPACING_OVERLAP 0.1
+
 /* One radius, between radius_min and radius_max where those cut the law; of a table one of its radii. */
 double dem_radius_draw(const dem_fill *fill, gsl_rng *radii);
 

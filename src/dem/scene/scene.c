@@ -184,6 +184,8 @@ static const rp_param fill_schema[] = {
      "of these grains; auto: the scene's"},
     {"fixed", "", RP_BOOL, AT(fill_entry, fill.fixed), "false", "", "whether they never move"},
     {"kind", "", RP_TEXT, AT(fill_entry, kind), "", "", "a name for them, for measures"},
+    {"spacing", "cm", RP_REAL, AT(fill_entry, fill.spacing), "auto", "(0, inf) | auto",
+     "of a row or lattice, from centre to centre; auto: so that grains touch"},
     {0}};
 
 const dem_scene_group dem_scene_schemas[] = {
@@ -216,7 +218,9 @@ const dem_scene_group dem_scene_schemas[] = {
     {"fill", fill_schema,
      "grains of random radius, at random places without overlap or in rows; a group, or a list ( { ... } ) "
      "of "
-     "several, each of which if = \"CONDITION\" may leave out; radii = ( [r, share], ... ) of a table"},
+     "several, each of which if = \"CONDITION\" may leave out; radii = ( [r, share], ... ) of a table; "
+     "polygon "
+     "= ( [x, y], ... ) that the centres lie in, of the region"},
     {0}};
 
 /* A value that others are written with, before they are read. */
@@ -405,18 +409,22 @@ static rp_status add_sides(const config_setting_t *setting, const wall_entry *en
     return RP_OK;
 }
 
-/* `polygon = ( [x, y], ... )`. */
+/* `polygon = ( [x, y], ... )`; the caller frees the points, also after an error. */
+static rp_status read_points(const config_setting_t *list, int least, size_t *n, double **points)
+{
+    if (!config_setting_is_list(list) || config_setting_length(list) < least)
+        return rp_config_fail(list, "polygon: a list ( [x, y], ... ) of at least %d points expected", least);
+    *n = (size_t)config_setting_length(list);
+    if (!(*points = malloc(2 * *n * sizeof **points))) return rp_fail(RP_NO_MEMORY, "polygon: out of memory");
+    for (size_t i = 0; i < *n; i++)
+        RP_TRY(rp_config_pair(config_setting_get_elem(list, (unsigned)i), *points + 2 * i));
+    return RP_OK;
+}
+
 static rp_status read_polygon(const config_setting_t *polygon, const wall_entry *entry, outline *o)
 {
-    const int least = entry->closed ? 3 : 2;
-    if (!config_setting_is_list(polygon) || config_setting_length(polygon) < least)
-        return rp_config_fail(polygon, "polygon: a list ( [x, y], ... ) of at least %d points expected",
-                              least);
-    *o = (outline){.n = (size_t)config_setting_length(polygon), .closed = entry->closed};
-    if (!(o->at = malloc(2 * o->n * sizeof *o->at))) return rp_fail(RP_NO_MEMORY, "polygon: out of memory");
-    for (size_t i = 0; i < o->n; i++)
-        RP_TRY(rp_config_pair(config_setting_get_elem(polygon, (unsigned)i), &o->at[2 * i]));
-    return RP_OK;
+    *o = (outline){.closed = entry->closed};
+    return read_points(polygon, entry->closed ? 3 : 2, &o->n, &o->at);
 }
 
 /* `circle = [x, y, radius]`: points on the circle, counter-clockwise; its pivot is its centre. */
@@ -492,14 +500,28 @@ static rp_status read_walls(const config_setting_t *root, dem_scene *scene)
     return RP_OK;
 }
 
+/* Is a group there, or left out by its condition? */
+static rp_status is_wanted(const config_setting_t *group, bool *wanted)
+{
+    const config_setting_t *when =
+        config_setting_is_group(group) ? config_setting_get_member(group, "if") : NULL;
+    static const rp_param condition = {"if", "", RP_BOOL, 0, NULL, "", "whether the group is there"};
+    *wanted = true;
+    return when ? rp_config_value(when, &condition, wanted) : RP_OK;
+}
+
 /* A group that may be missing; its values then stay as they are. */
 static rp_status read_group(const config_setting_t *root, const char *name, const rp_param *schema,
-                            void *values)
+                            void *values, bool *there)
 {
+    static const char *const others[] = {"if", NULL};
     const config_setting_t *group = config_setting_get_member(root, name);
-    if (!group) return RP_OK;
+    bool wanted = false;
+    if (group) RP_TRY(is_wanted(group, &wanted));
+    if (there) *there = wanted;
+    if (!wanted) return RP_OK;
     rp_params_defaults(schema, values);
-    return rp_config_group(group, schema, values, NULL);
+    return rp_config_group(group, schema, values, others);
 }
 
 static rp_status alloc_grains(scene_file *file, size_t n)
@@ -644,6 +666,11 @@ static rp_status check_fill(const config_setting_t *group, const scene_file *fil
     if (status) return rp_config_fail(group, "%s", rp_message());
     if (f->N < 0 && f->pattern == DEM_PATTERN_RANDOM)
         return rp_config_fail(group, "N: missing (number of grains)");
+    if (f->spacing > 0.0 && f->pattern == DEM_PATTERN_RANDOM)
+        return rp_config_fail(group, "spacing: of a row or a lattice");
+    if (f->spacing > 0.0 && f->spacing < 2.0 * (1.0 - DEM_SPACING_OVERLAP) * dem_radius_most(f))
+        return rp_config_fail(group, "spacing = %g: grains of radius %g overlap by more than a tenth",
+                              f->spacing, dem_radius_most(f));
     if (f->H < 0.0 && f->pattern != DEM_PATTERN_ROW)
         return rp_config_fail(group, "H: missing (height of the region of a %s fill)", patterns[f->pattern]);
     return RP_OK;
@@ -652,15 +679,19 @@ static rp_status check_fill(const config_setting_t *group, const scene_file *fil
 /* Number k of the fills. */
 static rp_status read_fill(const config_setting_t *group, scene_file *file, size_t k)
 {
-    static const char *const others[] = {"radii", "if", NULL};
+    static const char *const others[] = {"radii", "polygon", "if", NULL};
     dem_scene *scene = &file->scene;
     dem_fill *f = k == 0 ? &scene->fill : &scene->more[k - 1];
     fill_entry entry = {0};
     if (!config_setting_is_group(group)) return rp_config_fail(group, "fill: a group { ... } expected");
     rp_params_defaults(fill_schema, &entry);
     RP_TRY(rp_config_group(group, fill_schema, &entry, others));
+    double *corners = NULL;
     rp_status status = read_radii(group, &entry.fill);
-    *f = entry.fill; /* its radii are the scene's, also after an error */
+    const config_setting_t *polygon = config_setting_get_member(group, "polygon");
+    if (!status && polygon) status = read_points(polygon, 3, &entry.fill.n_corners, &corners);
+    entry.fill.corners = corners;
+    *f = entry.fill; /* its radii and corners are the scene's, also after an error */
     if (!status) status = check_fill(group, file, f);
     if (status) return status;
     if (strlen(entry.kind) >= DEM_NAME_BYTES || strspn(entry.kind, RP_NAME_LETTERS) != strlen(entry.kind) ||
@@ -673,16 +704,6 @@ static rp_status read_fill(const config_setting_t *group, scene_file *file, size
     if (f->density < 0.0) f->density = file->physics.density;
     if (f->H < 0.0) f->H = INFINITY;
     return RP_OK;
-}
-
-/* Is a fill there? */
-static rp_status is_wanted(const config_setting_t *group, bool *wanted)
-{
-    const config_setting_t *when =
-        config_setting_is_group(group) ? config_setting_get_member(group, "if") : NULL;
-    static const rp_param condition = {"if", "", RP_BOOL, 0, NULL, "", "whether the fill is there"};
-    *wanted = true;
-    return when ? rp_config_value(when, &condition, wanted) : RP_OK;
 }
 
 static rp_status read_fills(const config_setting_t *fill, scene_file *file)
@@ -1113,7 +1134,8 @@ static rp_status know(void *host, rp_let_constant which, double *value)
     return which == RP_LET_M ? mean_mass(root, m, value) : RP_OK;
 }
 
-/* dt_limit(v): the largest time step of this file for impacts at v, the fall from any height aside. */
+/* dt_limit(v, r): the largest time step of this file for impacts at v of grains of radius r, by default the
+ * smallest of its first fill; the fall from any height aside. */
 static rp_status dt_limit(void *host, const char *name, int n, const double args[], double *value,
                           bool *known)
 {
@@ -1125,8 +1147,8 @@ static rp_status dt_limit(void *host, const char *name, int n, const double args
     double r = 0.0, density = 0.0;
     const char *what;
     if (strcmp(name, "dt_limit") != 0) return RP_OK;
-    if (n != 1 || !(args[0] >= 0.0) || isinf(args[0]))
-        return rp_fail(RP_BAD_INPUT, "dt_limit: a speed expected");
+    if (n < 1 || n > 2 || !(args[0] >= 0.0) || isinf(args[0]) || (n == 2 && !(args[1] > 0.0)))
+        return rp_fail(RP_BAD_INPUT, "dt_limit: a speed and, if wanted, a radius expected");
     RP_TRY(first_fill(root, &fill));
     rp_params_defaults(top_schema, &file);
     RP_TRY(peek(root, top_schema, "rotation", &file));
@@ -1143,6 +1165,7 @@ static rp_status dt_limit(void *host, const char *name, int n, const double args
         free((void *)f.fill.radii);
     }
     if (density > 0.0) file.physics.density = density;
+    if (n == 2) r = args[1];
     if (!status && !(r > 0.0)) status = rp_fail(RP_BAD_INPUT, "dt_limit: no grains are known here");
     const double m = dem_mass(file.physics.shape, file.physics.density, r);
     const dem_grain two[2] = {{.r = r, .m = m, .vx = 0.5 * args[0]}, {.x = 3.0 * r, .r = r, .m = m}};
@@ -1215,15 +1238,14 @@ static rp_status read_scene(dem_text *text, scene_file *file)
     RP_TRY(read_physics(root, &file->physics, def));
     file->scene.laws = (dem_scene_laws){file->physics, {def->x_min, def->x_max, def->y_min}};
     RP_TRY(read_walls(root, &file->scene));
-    def->hard.on = config_setting_get_member(root, "hard") != NULL;
     const config_setting_t *implicit = config_setting_get_member(root, "implicit");
-    RP_TRY(read_group(root, "ground", ground_schema, &def->ground));
-    RP_TRY(read_group(root, "hard", hard_schema, &def->hard));
+    RP_TRY(read_group(root, "ground", ground_schema, &def->ground, NULL));
+    RP_TRY(read_group(root, "hard", hard_schema, &def->hard, &def->hard.on));
     if (implicit && !dem_schemes[def->integrator]->solves)
         return rp_config_fail(implicit, "implicit: needs integrator = \"implicit\"");
-    RP_TRY(read_group(root, "implicit", implicit_schema, &def->implicit));
+    RP_TRY(read_group(root, "implicit", implicit_schema, &def->implicit, NULL));
     rp_params_defaults(output_schema, &file->scene.output);
-    RP_TRY(read_group(root, "output", output_schema, &file->scene.output));
+    RP_TRY(read_group(root, "output", output_schema, &file->scene.output, NULL));
     file->scene.phases = config_setting_get_member(root, "phases") != NULL;
     RP_TRY(read_grains(text->path, root, file));
     return read_streams(root, &file->scene);
@@ -1257,7 +1279,7 @@ void dem_scene_free(dem_scene *scene)
 {
     dem_fill *fill;
     for (size_t k = 0; (fill = dem_scene_fill_at(scene, k)); k++)
-        free((void *)fill->radii), fill->radii = NULL;
+        free((void *)fill->radii), free((void *)fill->corners), fill->radii = fill->corners = NULL;
     free(scene->grains), free(scene->walls), free(scene->names), free(scene->lines), free(scene->contacts);
     free(scene->more), free(scene->kinds), free(scene->given);
     scene->grains = NULL, scene->walls = NULL, scene->names = NULL, scene->lines = NULL;
@@ -1393,6 +1415,14 @@ static void write_fill(FILE *out, const fill_entry *entry, double density)
     }
 }
 
+static void write_points(FILE *out, const char *key, size_t n, const double points[])
+{
+    if (n > 0) fprintf(out, "%s = (", key);
+    for (size_t i = 0; i < n; i++)
+        fprintf(out, "%s( %.17g, %.17g )", i ? ", " : " ", points[2 * i], points[2 * i + 1]);
+    if (n > 0) fputs(" ); ", out);
+}
+
 static void write_fills(FILE *out, const dem_scene *scene)
 {
     const dem_fill *f;
@@ -1400,12 +1430,12 @@ static void write_fills(FILE *out, const dem_scene *scene)
     for (size_t k = 0; (f = dem_scene_fill_at((dem_scene *)scene, k)); k++) {
         fill_entry entry = {*f, scene->kinds ? scene->kinds[k] : ""};
         if (isinf(f->H)) entry.fill.H = -1.0;
+        if (!(f->spacing > 0.0)) entry.fill.spacing = -1.0;
         fputs(k ? ",\n{ " : "{ ", out);
         write_fill(out, &entry, scene->fill.density);
-        if (f->n_radii) fputs("radii = (", out);
-        for (size_t i = 0; i < f->n_radii; i++)
-            fprintf(out, "%s( %.17g, %.17g )", i ? ", " : " ", f->radii[2 * i], f->radii[2 * i + 1]);
-        fputs(f->n_radii ? " ); }" : "}", out);
+        write_points(out, "radii", f->n_radii, f->radii);
+        write_points(out, "polygon", f->n_corners, f->corners);
+        fputs("}", out);
     }
     fputs(scene->n_more ? " );\n" : ";\n", out);
 }

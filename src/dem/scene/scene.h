@@ -47,6 +47,9 @@ typedef struct {
 rp_status dem_scene_read(const char *path, const rp_texts *changes, dem_scene *scene);
 void dem_scene_free(dem_scene *scene);
 
+/* Does a point lie in a polygon? x and y of each of its n points. */
+bool dem_in_polygon(size_t n, const double points[], double x, double y);
+
 /* The grains of the start, a new array: those of the scene's list, then those of its fills one after the
  * other; ends[k] (ends may be NULL) is their number with those of the first k + 1 fills. Errors: as
  * dem_fill_grains. */

@@ -155,7 +155,7 @@ rp_status dem_grain_check(const dem_definition *def, const dem_grain *p)
 
 static rp_status check_grain_values(const dem_definition *def)
 {
-    if (def->n_grains == 0 && !(def->skin > 0.0)) return rp_fail(RP_BAD_INPUT, "no particles");
+    if (def->n_grains == 0 && !(def->radius_to_come > 0.0)) return rp_fail(RP_BAD_INPUT, "no particles");
     if (def->n_grains > DEM_MOST_GRAINS)
         return rp_fail(RP_BAD_INPUT, "%zu particles: at most %d", def->n_grains, DEM_MOST_GRAINS);
     for (size_t i = 0; i < def->n_grains; i++)

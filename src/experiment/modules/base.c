@@ -5,7 +5,13 @@
 #include "experiment/modules/base.h"
 #include "experiment/modules/module.h"
 
-static const rp_param schema[] = {{0}};
+typedef struct {
+    bool fixed;
+} base_params;
+
+static const rp_param schema[] = {{"fixed", "", RP_BOOL, offsetof(base_params, fixed), "false", "",
+                                   "whether grains that never move are part of the base"},
+                                  {0}};
 
 enum { LOAD, CENTROID, WIDTH, DIP, MIDDLE, EXCESS, SHEAR, N_01, RAYS_01 = N_01 + STRESS_DIP_BINS };
 #define N_ROW(k)    {"_n_" #k, "", "pressure in bin " #k " of 20 over the width, over its mean"},
@@ -20,11 +26,31 @@ static const exp_output outputs[] = {
     {"_shear", "", "outward force along the wall, both flanks, over the load"},
     STRESS_DIP_BIN_LIST(N_ROW) STRESS_DIP_BIN_LIST(RAYS_ROW){0}};
 
-/* A contact of the wall with a grain of the view. */
-static bool is_of(const exp_view *s, const dem_contact *c)
+/* What a contact puts on the base: position and radius of the grain, load, force along x. */
+typedef struct {
+    double x, r, N, H;
+} base_load;
+
+/* Of a grain of the view on a grain that never moves. */
+static bool is_of_fixed(const exp_view *s, const dem_contact *c, base_load *load)
+{
+    const bool on_b = exp_view_has(s, c->id_a);
+    const dem_state *under = exp_grain_of(s->n_all, s->all, on_b ? c->id_b : c->id_a);
+    if (!under || !under->fixed || !(on_b || exp_view_has(s, c->id_b))) return false;
+    const double lx = c->x - c->x_b, ly = c->y - c->y_b, l = hypot(lx, ly), sign = on_b ? 1.0 : -1.0;
+    *load = (base_load){on_b ? c->x : c->x_b, l + c->overlap - under->r,
+                        sign * (c->normal_force * ly - c->shear_force * lx) / l,
+                        -sign * (c->normal_force * lx + c->shear_force * ly) / l};
+    return true;
+}
+
+/* Of a grain of the view on the wall. */
+static bool is_of_wall(const exp_view *s, const dem_contact *c, base_load *load)
 {
     bool wall = false;
-    for (size_t k = 0; k < s->n_walls && c->id_b == 0; k++) wall |= s->walls[k] == (size_t)c->wall;
+    for (size_t k = 0; k < s->n_walls; k++) wall |= s->walls[k] == (size_t)c->wall;
+    *load =
+        (base_load){c->x, hypot(c->x - c->x_b, c->y - c->y_b) + c->overlap, c->normal_force, -c->shear_force};
     return wall && exp_view_has(s, c->id_a);
 }
 
@@ -33,19 +59,18 @@ static rp_status evaluate(const exp_view *s, const void *params, double out[])
 {
     const size_t n_contacts = s->n_contacts;
     const dem_contact *const c = s->contacts;
+    const base_params *p = params;
     RP_SCOPE(memory);
     double *x, *top, outward = 0.0, load = 0.0;
     size_t n = 0;
     stress_base base;
-    (void)params;
     RP_NEW(&memory, x, 4 * n_contacts);
     RP_NEW(&memory, top, 2 * s->n);
     double *r = x + n_contacts, *N = r + n_contacts, *H = N + n_contacts, *at = top + s->n;
     for (size_t k = 0; k < n_contacts; k++) {
-        if (!is_of(s, &c[k])) continue;
-        const double l = hypot(c[k].x - c[k].x_b, c[k].y - c[k].y_b);
-        x[n] = c[k].x / s->d, r[n] = (l + c[k].overlap) / s->d;
-        H[n] = -c[k].shear_force, N[n] = c[k].normal_force;
+        base_load on;
+        if (c[k].id_b ? !p->fixed || !is_of_fixed(s, &c[k], &on) : !is_of_wall(s, &c[k], &on)) continue;
+        x[n] = on.x / s->d, r[n] = on.r / s->d, N[n] = on.N, H[n] = on.H;
         load += N[n++];
     }
     RP_TRY(stress_base_profile(n, x, r, N, &base));
@@ -64,7 +89,7 @@ const exp_module exp_module_base = {.name = "base",
                                     .about = "load of a pile on a level wall under it, and its profile",
                                     .word = "no_pile",
                                     .schema = schema,
-                                    .size = 1,
+                                    .size = sizeof(base_params),
                                     .outputs = outputs,
                                     .on_wall = true,
                                     .on_contacts = true,

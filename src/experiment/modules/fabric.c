@@ -4,12 +4,14 @@
 #include "experiment/modules/module.h"
 
 typedef struct {
-    double about;
+    double about, apart;
 } fabric_params;
 
 static const rp_param schema[] = {
     {"about", "cm", RP_REAL, offsetof(fabric_params, about), "none", "(-inf, inf) | none",
      "contacts on the left of this x are mirrored: of a pile, the x of its middle"},
+    {"apart", "cm", RP_REAL, offsetof(fabric_params, apart), "0", "[0, inf)",
+     "contacts nearer than this to `about` are left out"},
     {0}};
 
 enum { FABRIC, FABRIC_DEG, FORCE, FORCE_DEG, CONTACTS };
@@ -28,9 +30,10 @@ static rp_status evaluate(const exp_view *s, const void *params, double out[])
     double cos2[2] = {0.0}, sin2[2] = {0.0}, sum[2] = {0.0};
     for (const dem_contact *c = s->contacts; c < s->contacts + s->n_contacts; c++) {
         if (c->id_b == 0 || !exp_view_has(s, c->id_a) || !exp_view_has(s, c->id_b)) continue;
-        const double side = isfinite(p->about) ? copysign(1.0, 0.5 * (c->x + c->x_b) - p->about) : 1.0,
-                     lx = side * (c->x - c->x_b), ly = c->y - c->y_b, l2 = lx * lx + ly * ly,
-                     weight[2] = {1.0, c->normal_force};
+        const double off = isfinite(p->about) ? 0.5 * (c->x + c->x_b) - p->about : INFINITY;
+        if (fabs(off) < p->apart) continue;
+        const double side = copysign(1.0, off), lx = side * (c->x - c->x_b), ly = c->y - c->y_b,
+                     l2 = lx * lx + ly * ly, weight[2] = {1.0, c->normal_force};
         for (int k = 0; k < 2; k++) {
             cos2[k] += weight[k] * (lx * lx - ly * ly) / l2;
             sin2[k] += weight[k] * 2.0 * lx * ly / l2;

@@ -1,4 +1,4 @@
-/* The two flanks of a heap: straight lines from the highest column outwards. */
+/* The two flanks of a heap: straight lines from the highest point outwards. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -24,12 +24,12 @@ static const exp_output outputs[] = {
     {"_right_error_deg", "degree", "standard error, from the scatter of the heights"},
     {"_mean_error_deg", "degree", "standard error, from the scatter of the heights"},
     {"_height", "cm", "highest point of the heap above y = 0 or the region's lower end"},
-    {"_apex", "cm", "place of the highest column"},
+    {"_apex", "cm", "x of the highest point"},
     {"_width", "cm", "from the leftmost to the rightmost point"},
     {0}};
 
-/* The flank on one side of column `apex`: the columns outwards from it, until one is below the lowest height,
- * that are not above the highest. */
+/* The flank on one side of the apex's column: the columns outwards until one is empty or below the lowest
+ * height, those that are not above the highest. */
 static rp_status flank(const ang_surface *s, size_t apex, int side, const flanks_params *p, double out[])
 {
     static const char *const names[] = {"left", "right"};
@@ -38,7 +38,8 @@ static rp_status flank(const ang_surface *s, size_t apex, int side, const flanks
     ang_slope slopes[ANG_N_METHODS];
     size_t first = apex, last = apex, n = 0;
     for (size_t k = apex; k < s->n; side ? k++ : k--) { /* below 0 it ends too */
-        if (s->h[k] < p->from * top) break;
+        const size_t gone = side ? s->column[k] - s->column[apex] : s->column[apex] - s->column[k];
+        if (s->h[k] < p->from * top || gone != (side ? k - apex : apex - k)) break;
         if (s->h[k] > p->to * top) continue;
         if (n++ == 0) first = k;
         last = k;
@@ -58,26 +59,28 @@ static rp_status evaluate(const exp_view *s, const void *params, double out[])
     const flanks_params *p = params;
     const double ground = isfinite(s->lo[1]) ? s->lo[1] : 0.0;
     const ang_options options = {s->d, ANG_TOP, ANG_EMPTY_SKIP, ANG_PARABOLA_FREE};
-    double left = INFINITY, right = -INFINITY, *x = malloc((3 * s->n + 1) * sizeof *x), *y = x + s->n,
-           *r = y + s->n;
+    double left = INFINITY, right = -INFINITY, top = -INFINITY, apex = 0.0,
+           *x = malloc((3 * s->n + 1) * sizeof *x), *y = x + s->n, *r = y + s->n;
     ang_surface surface = {0};
-    size_t apex = 0;
+    size_t column = 0;
     if (!x) return rp_fail(RP_NO_MEMORY, "flanks: out of memory");
     for (size_t i = 0; i < s->n; i++) {
         r[i] = s->grains[i].r, y[i] = s->grains[i].y - ground, x[i] = s->grains[i].x;
         left = fmin(left, x[i] - r[i]), right = fmax(right, x[i] + r[i]);
+        if (y[i] + r[i] > top) top = y[i] + r[i], apex = x[i];
     }
-    for (size_t i = 0; i < s->n; i++) x[i] -= left;
-    rp_status status = s->n ? ang_surface_make(s->n, x, y, r, right - left, &options, &surface)
+    /* columns one diameter wide, the middle one about the apex */
+    const double beside = ceil((apex - left) / s->d), columns = beside + 1.0 + ceil((right - apex) / s->d);
+    for (size_t i = 0; i < s->n; i++) x[i] = x[i] - apex + (beside + 0.5) * s->d;
+    rp_status status = s->n ? ang_surface_make(s->n, x, y, r, columns * s->d, &options, &surface)
                             : rp_fail(RP_NO_RESULT, "no grains");
-    for (size_t k = 0; k < surface.n && !status; k++)
-        if (surface.h[k] > surface.h[apex]) apex = k;
-    for (int side = 0; side < 2 && !status; side++) status = flank(&surface, apex, side, p, out);
+    while (column + 1 < surface.n && (double)surface.column[column] < beside) column++;
+    for (int side = 0; side < 2 && !status; side++) status = flank(&surface, column, side, p, out);
     if (!status) {
         out[MEAN] = 0.5 * (out[LEFT] + out[RIGHT]);
         out[MEAN_ERROR] = 0.5 * hypot(out[LEFT_ERROR], out[RIGHT_ERROR]);
-        out[HEIGHT] = surface.h[apex];
-        out[APEX] = left + ((double)surface.column[apex] + 0.5) * surface.cell;
+        out[HEIGHT] = top;
+        out[APEX] = apex;
         out[WIDTH] = right - left;
     }
     ang_surface_free(&surface);
@@ -87,7 +90,7 @@ static rp_status evaluate(const exp_view *s, const void *params, double out[])
 
 const exp_module exp_module_flanks = {
     .name = "flanks",
-    .about = "both flanks of a heap, by straight lines from the highest column outwards",
+    .about = "both flanks of a heap, by straight lines from the highest point outwards",
     .word = "no_pile",
     .schema = schema,
     .size = sizeof(flanks_params),

@@ -25,6 +25,8 @@ typedef struct {
     const double *marks; /* their marked x, y; NAN: none */
     size_t n_contacts;   /* of a module that asks for them: all of the run */
     const dem_contact *contacts;
+    size_t n_all; /* all grains, those of the view and others, whose ids rise */
+    const dem_state *all;
     size_t n_walls; /* numbers of those of its wall */
     const size_t *walls;
 } exp_view;
@@ -48,6 +50,9 @@ typedef struct {
 
 /* Is a grain of this id in a view, whose ids rise? */
 bool exp_view_has(const exp_view *view, uint32_t id);
+
+/* The grain of that id among n whose ids rise; NULL: there is none. */
+const dem_state *exp_grain_of(size_t n, const dem_state grains[], uint32_t id);
 
 /* Height of the centre at which a grain of radius r, lowered at x onto n grains, is `gap` away from the first
  * of them; at least y. */

@@ -1,7 +1,9 @@
-/* Order of the grains: bonds to neighbours, and how many lie close-packed. */
+/* Order of the grains: bonds to neighbours, how many lie close-packed, and where their strongest forces run.
+ */
 #include <math.h>
 #include <stdlib.h>
 
+#include "core/arena.h"
 #include "experiment/modules/module.h"
 
 static const rp_param schema[] = {{0}};
@@ -9,6 +11,10 @@ static const rp_param schema[] = {{0}};
 static const exp_output outputs[] = {
     {"_psi6", "", "mean |psi_6| of the grains with two or more neighbours"},
     {"_packed", "", "share of the grains that are close-packed: six neighbours, |psi_6| at least 0.9"},
+    {"_strongest_60", "",
+     "share of the contacts than which one of their grains has no stronger, that run within 10 degrees of 60 "
+     "or 120"},
+    {"_packed_60", "", "the same of contacts between close-packed grains"},
     {0}};
 
 static int by_id(const void *a, const void *b)
@@ -17,10 +23,15 @@ static int by_id(const void *a, const void *b)
     return (p > q) - (p < q);
 }
 
-bool exp_view_has(const exp_view *view, uint32_t id)
+const dem_state *exp_grain_of(size_t n, const dem_state grains[], uint32_t id)
 {
     const dem_state wanted = {.id = id};
-    return bsearch(&wanted, view->grains, view->n, sizeof wanted, by_id) != NULL;
+    return bsearch(&wanted, grains, n, sizeof wanted, by_id);
+}
+
+bool exp_view_has(const exp_view *view, uint32_t id)
+{
+    return exp_grain_of(view->n, view->grains, id) != NULL;
 }
 
 double exp_bond_order(size_t n, const dem_state grains[], double order[], int neighbours[])
@@ -48,18 +59,53 @@ double exp_bond_order(size_t n, const dem_state grains[], double order[], int ne
     return sum / counted;
 }
 
+/* Within 10 degrees of 60 or 120 degrees to the horizontal. */
+static bool is_at_60(const dem_contact *c)
+{
+    const double turn = atan2(fabs(c->y_b - c->y), fabs(c->x_b - c->x)) * (180.0 / M_PI);
+    return fabs(turn - 60.0) <= 10.0;
+}
+
+/* Of the contacts between grains than which one of the two has no stronger; most[i]: the strongest force of
+ * grain i. */
+static void strongest(const exp_view *s, const bool packed[], double most[], double out[2])
+{
+    double all[2] = {0.0}, at_60[2] = {0.0};
+    for (int pass = 0; pass < 2; pass++)
+        for (const dem_contact *c = s->contacts; c < s->contacts + s->n_contacts; c++) {
+            const dem_state *p = exp_grain_of(s->n, s->grains, c->id_a),
+                            *q = c->id_b ? exp_grain_of(s->n, s->grains, c->id_b) : NULL;
+            if (!p || !q) continue;
+            const size_t a = (size_t)(p - s->grains), b = (size_t)(q - s->grains);
+            if (pass == 0) {
+                most[a] = fmax(most[a], c->normal_force);
+                most[b] = fmax(most[b], c->normal_force);
+            } else if (c->normal_force >= fmin(most[a], most[b])) {
+                const bool both = packed[a] && packed[b];
+                all[0] += 1.0, all[1] += both;
+                at_60[0] += is_at_60(c), at_60[1] += both && is_at_60(c);
+            }
+        }
+    for (int k = 0; k < 2; k++) out[k] = at_60[k] / all[k];
+}
+
 static rp_status evaluate(const exp_view *s, const void *params, double out[])
 {
-    double *order = malloc((s->n + 1) * sizeof *order), packed = 0.0;
-    int *neighbours = malloc((s->n + 1) * sizeof *neighbours);
+    RP_SCOPE(memory);
+    double *order, *most, n_packed = 0.0;
+    int *neighbours;
+    bool *packed;
     (void)params;
-    rp_status status = order && neighbours ? RP_OK : rp_fail(RP_NO_MEMORY, "order: out of memory");
-    if (!status && s->n == 0) status = rp_fail(RP_NO_RESULT, "no grains");
-    if (!status) out[0] = exp_bond_order(s->n, s->grains, order, neighbours);
-    for (size_t i = 0; i < s->n && !status; i++) packed += neighbours[i] == 6 && order[i] >= 0.9;
-    if (!status) out[1] = packed / (double)s->n;
-    free(order), free(neighbours);
-    return status;
+    if (s->n == 0) return rp_fail(RP_NO_RESULT, "no grains");
+    RP_NEW(&memory, order, s->n);
+    RP_NEW(&memory, most, s->n);
+    RP_NEW(&memory, neighbours, s->n);
+    RP_NEW(&memory, packed, s->n);
+    out[0] = exp_bond_order(s->n, s->grains, order, neighbours);
+    for (size_t i = 0; i < s->n; i++) n_packed += packed[i] = neighbours[i] == 6 && order[i] >= 0.9;
+    out[1] = n_packed / (double)s->n;
+    strongest(s, packed, most, &out[2]);
+    return RP_OK;
 }
 
 const exp_module exp_module_order = {.name = "order",
@@ -68,4 +114,5 @@ const exp_module exp_module_order = {.name = "order",
                                      .schema = schema,
                                      .size = 1,
                                      .outputs = outputs,
+                                     .on_contacts = true,
                                      .evaluate = evaluate};
