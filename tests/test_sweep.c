@@ -1251,75 +1251,77 @@ static void begin_keep(sweep_keep *k, const char *path, const char *key, bool lo
     sweep_keep_begin(k, look, why, 256);
 }
 
-/* A snapshot is written when it is due or asked for; a later process gets the variables in their order. */
+/* What the snapshots of the test hold. */
+typedef struct {
+    double value;
+    FILE *table;
+} kept_pair;
+
+static void keep_both(rp_snapshot *s, void *data)
+{
+    kept_pair *k = data;
+    RP_KEEP(s, k->value);
+    sweep_keep_file(s, k->table);
+}
+
+/* A snapshot is written when it is due or asked for; a later process gets what it holds. */
 static void test_keep(void)
 {
     char path[128], unfinished[136], why[256];
     volatile bool stop = true;
-    double value = 2.5;
-    long step = 7;
-    FILE *table = tmpfile(), *other = tmpfile();
+    kept_pair now = {2.5, tmpfile()}, later = {0.0, tmpfile()};
     sweep_keep k;
     fresh("");
     snprintf(path, sizeof path, "%s/kept", base);
     snprintf(unfinished, sizeof unfinished, "%s.new", path);
-    fputs("two rows\n", table);
+    fputs("two rows\n", now.table);
     begin_keep(&k, path, "run 5", true, why);
-    CU_ASSERT(!*why && !sweep_keep_resumes(&k) && !sweep_keep_resumes(NULL));
-    CU_ASSERT(SWEEP_ENTER(&k, value) && SWEEP_ENTER(&k, step) && sweep_keep_enter_file(&k, table));
+    CU_ASSERT(!*why);
+    CHECK_OK(sweep_keep_resume(NULL, keep_both, &now));
+    CHECK_OK(sweep_keep_resume(&k, keep_both, &now));
     CHECK_OK(sweep_keep_look(&k));
-    CU_ASSERT(size_of(path) == -1);
+    CU_ASSERT(now.value == 2.5 && size_of(path) == -1);
     k.next = rp_cpu_clock();
     for (int looks = 0; looks <= 256 && size_of(path) == -1; looks++) CHECK_OK(sweep_keep_look(&k));
     CU_ASSERT(size_of(path) > 0 && k.next > 1e9);
-    value = 3.5;
+    now.value = 3.5;
     k.stop = &stop;
     CHECK_FAILS(sweep_keep_look(&k), RP_STOPPED, "stopped");
     sweep_keep_end(&k, false);
-    fputs("a row that is not there yet\n", other);
-    value = 0.0, step = 0;
+    fputs("a row that is not there yet\n", later.table);
     begin_keep(&k, path, "run 6", true, why);
-    CU_ASSERT(!sweep_keep_resumes(&k) && *why);
+    CU_ASSERT(*why);
+    CHECK_OK(sweep_keep_resume(&k, keep_both, &later));
+    CU_ASSERT(later.value == 0.0);
     begin_keep(&k, path, "run 5", false, why);
-    CU_ASSERT(!sweep_keep_resumes(&k) && !*why);
+    CHECK_OK(sweep_keep_resume(&k, keep_both, &later));
+    CU_ASSERT(!*why && later.value == 0.0);
     begin_keep(&k, path, "run 5", true, why);
-    CU_ASSERT(!*why && sweep_keep_resumes(&k) && !SWEEP_ENTER(&k, value) && value == 3.5 && step == 0);
-    CHECK_FAILS(sweep_keep_look(&k), RP_BROKEN, "does not come to the place of its snapshot");
-    CU_ASSERT(!SWEEP_ENTER(&k, step) && step == 7 && !sweep_keep_enter_file(&k, other));
-    CU_ASSERT(!sweep_keep_resumes(&k) && holds(other, "two rows\n") && k.n == 3);
+    CHECK_OK(sweep_keep_resume(&k, keep_both, &later));
+    CU_ASSERT(!*why && later.value == 3.5 && holds(later.table, "two rows\n"));
     CHECK_OK(sweep_keep_look(&k));
-    sweep_keep_leave(&k, 2);
-    CU_ASSERT(k.n == 1);
     file_write(unfinished, "", 0);
     sweep_keep_end(&k, true);
     CU_ASSERT(size_of(path) == -1 && size_of(unfinished) == -1);
-    fclose(table);
-    fclose(other);
+    fclose(now.table), fclose(later.table);
     clean();
 }
 
-/* A table of no more than what a snapshot holds is read from it, and no more variables are entered than there
- * is room for. */
+/* A table of no more than what a snapshot holds is read from it. */
 static void test_keep_limits(void)
 {
     unsigned char bytes[sizeof(size_t) + 8] = {0};
     FILE *table = tmpfile();
     for (size_t n = 8; n < 10; n++) {
-        sweep_keep k = {.source = {.reading = true, .bytes = bytes, .n = sizeof bytes, .path = "memory"}};
+        rp_snapshot s = {.reading = true, .bytes = bytes, .n = sizeof bytes, .path = "memory"};
         memcpy(bytes, &n, sizeof n);
         memcpy(bytes + sizeof n, "12345678", 8);
-        sweep_keep_enter_file(&k, table);
-        if (n == 8) CU_ASSERT(k.source.status == RP_OK && holds(table, "12345678"));
+        sweep_keep_file(&s, table);
+        if (n == 8) CU_ASSERT(s.status == RP_OK && holds(table, "12345678"));
         if (n > 8)
-            CHECK_FAILS(sweep_keep_look(&k), RP_BAD_INPUT, "memory: its state has a table that is too long");
+            CHECK_FAILS(rp_snapshot_end(&s), RP_BAD_INPUT, "memory: its state has a table that is too long");
     }
     fclose(table);
-    sweep_keep k = {.interval = 1e9, .next = 1e9};
-    char variable = 0;
-    for (int i = 0; i < SWEEP_KEEP_MOST; i++) SWEEP_ENTER(&k, variable);
-    CHECK_OK(sweep_keep_look(&k));
-    SWEEP_ENTER(&k, variable);
-    CHECK_FAILS(sweep_keep_look(&k), RP_BROKEN, "more than 32 kept variables");
 }
 
 /* A process that locks a file, and lives until it is killed. */

@@ -96,42 +96,46 @@ static rp_status fingerprint(char digits[33])
     return sweep_physics_add(digits);
 }
 
-static void keep_run(rp_snapshot *s, void *run)
-{
-    exp_keep(s, run);
-}
-
 /* Tables of a traced run that grow with it, and what has been written of the ends of its phases. */
 typedef struct {
     const sweep_tables *tables; /* NULL: none */
     const exp_plan *plan;
+    exp_run *run;
     sweep_file energy;
     long *passes; /* of phases, that are written */
 } trace;
 
-static rp_status begin_trace(trace *t, const exp_run *run)
+static rp_status begin_trace(trace *t)
 {
-    if (!t->tables || !exp_sim(run)) return RP_OK;
+    if (!t->tables || !exp_sim(t->run)) return RP_OK;
     RP_TRY(rp_make_directory(t->tables->directory));
     t->passes = calloc(exp_phase_count(t->plan) + 1, sizeof *t->passes);
     if (!t->passes) return rp_fail(RP_NO_MEMORY, "run: out of memory");
     RP_TRY(sweep_table_open(t->tables, "energy.tsv", &t->energy));
     dem_write_energy_columns(t->tables->ledger, t->energy.out);
-    sweep_keep_enter_file(t->tables->keep, t->energy.out);
     return RP_OK;
 }
 
-/* Steps to the next row of energies, or as many as given. */
-static long part_of(const trace *t, const exp_run *run, long most)
+static void keep_trace(rp_snapshot *s, void *data)
 {
+    const trace *t = data;
+    exp_keep(s, t->run);
+    if (t->energy.out) sweep_keep_file(s, t->energy.out);
+}
+
+/* Steps to the next row of energies, or as many as given. */
+static long part_of(const trace *t, long most)
+{
+    const exp_run *run = t->run;
     const long every = t->tables ? t->tables->every : 0;
     if (every < 1 || !exp_sim(run)) return most;
     const long left = every - dem_step(exp_sim(run)) % every;
     return left < most ? left : most;
 }
 
-static rp_status note_phase(trace *t, exp_run *run, long step)
+static rp_status note_phase(trace *t, long step)
 {
+    exp_run *const run = t->run;
     if (!t->energy.out) return RP_OK;
     const long every = t->tables->every, now = dem_step(exp_sim(run));
     if (every > 0 && now != step && now % every == 0) dem_write_energy(exp_sim(run), t->energy.out);
@@ -189,22 +193,20 @@ static rp_status write_tables(const exp_plan *plan, const exp_run *run, const sw
 }
 
 /* From its start or its snapshot to the end. */
-static rp_status go(exp_run *run, trace *t, sweep_keep *keep)
+static rp_status go(trace *t, sweep_keep *keep)
 {
     enum { PART = 1000 };
-    rp_status status = RP_OK;
-    sweep_keep_enter_by(keep, keep_run, run);
-    status = begin_trace(t, run);
-    if (!status && keep) status = keep->source.status;
+    exp_run *const run = t->run;
+    rp_status status = begin_trace(t);
+    if (!status) status = sweep_keep_resume(keep, keep_trace, t);
     for (size_t k = 0; k < exp_phase_count(t->plan) && t->passes; k++)
         t->passes[k] = exp_phase_at(run, k).passes;
     while (!status && !exp_done(run)) {
         const long step = exp_sim(run) ? dem_step(exp_sim(run)) : 0;
-        status = exp_advance(run, part_of(t, run, PART));
-        if (!status) status = note_phase(t, run, step);
+        status = exp_advance(run, part_of(t, PART));
+        if (!status) status = note_phase(t, step);
         if (!status && !exp_done(run)) status = sweep_keep_look(keep);
     }
-    sweep_keep_leave(keep, t->energy.out ? 2 : 1);
     return t->energy.out ? sweep_table_close(&t->energy, status) : status;
 }
 
@@ -219,7 +221,8 @@ static rp_status run_one(const void *params, unsigned long seed, unsigned long s
     trace t = {.tables = tables && tables->directory ? tables : NULL, .plan = plan};
     if (!status && t.tables && tables->ledger) exp_keep_ledger(plan);
     if (!status) status = exp_start(plan, seed, stream, &run);
-    if (!status) status = go(run, &t, tables ? tables->keep : NULL);
+    t.run = run;
+    if (!status) status = go(&t, tables ? tables->keep : NULL);
     if (!status) {
         const exp_end *end = exp_ended(run);
         exp_outputs(plan, &n);

@@ -47,12 +47,7 @@ void sweep_keep_end(sweep_keep *k, bool done)
     if (done) sweep_keep_remove(k->path);
 }
 
-bool sweep_keep_resumes(const sweep_keep *k)
-{
-    return k && k->source.at < k->source.n;
-}
-
-static void keep_file(rp_snapshot *s, FILE *file)
+void sweep_keep_file(rp_snapshot *s, FILE *file)
 {
     size_t n = fflush(file) == 0 && !s->reading ? (size_t)ftell(file) : 0;
     RP_KEEP(s, n);
@@ -69,70 +64,18 @@ static void keep_file(rp_snapshot *s, FILE *file)
     free(text);
 }
 
-static void keep_one(rp_snapshot *s, void *data, size_t size, void (*by)(rp_snapshot *, void *))
+rp_status sweep_keep_resume(sweep_keep *k, void (*by)(rp_snapshot *, void *), void *data)
 {
-    if (by) {
-        by(s, data);
-        return;
-    }
-    if (size == SIZE_MAX) {
-        keep_file(s, data);
-        return;
-    }
-    if (size > 0) {
-        rp_keep(s, data, size);
-        return;
-    }
-    dem_sim **sim = data;
-    bool there = *sim != NULL;
-    RP_KEEP(s, there);
-    if (there && !s->status) dem_keep(s, sim);
-}
-
-static bool enter(sweep_keep *k, void *data, size_t size, void (*by)(rp_snapshot *, void *))
-{
-    if (!k) return true;
-    const bool restore = sweep_keep_resumes(k);
-    if (restore) keep_one(&k->source, data, size, by);
-    if (k->n < SWEEP_KEEP_MOST)
-        k->entered[k->n].data = data, k->entered[k->n].size = size, k->entered[k->n].by = by;
-    else
-        k->source.status = rp_fail(RP_BROKEN, "more than %d kept variables", SWEEP_KEEP_MOST);
-    k->n++;
-    return !restore;
-}
-
-bool sweep_keep_enter(sweep_keep *k, void *data, size_t size)
-{
-    return enter(k, data, size, NULL);
-}
-
-bool sweep_keep_enter_by(sweep_keep *k, void (*by)(rp_snapshot *, void *), void *data)
-{
-    return enter(k, data, 0, by);
-}
-
-bool sweep_keep_enter_sim(sweep_keep *k, dem_sim **sim)
-{
-    return sweep_keep_enter(k, sim, 0);
-}
-
-bool sweep_keep_enter_file(sweep_keep *k, FILE *file)
-{
-    return sweep_keep_enter(k, file, SIZE_MAX);
-}
-
-void sweep_keep_leave(sweep_keep *k, size_t n)
-{
-    if (k) k->n -= n;
+    if (!k) return RP_OK;
+    k->by = by, k->data = data;
+    if (k->source.n == 0) return RP_OK;
+    by(&k->source, data);
+    return rp_snapshot_end(&k->source);
 }
 
 rp_status sweep_keep_look(sweep_keep *k)
 {
     if (!k) return RP_OK;
-    if (k->source.status) return k->source.status;
-    if (sweep_keep_resumes(k))
-        return rp_fail(RP_BROKEN, "%s: the run does not come to the place of its snapshot", k->path);
     const bool stops = k->stop && *k->stop;
     if (!stops && k->skipped < k->pause) return k->skipped++, RP_OK;
     const double now = rp_cpu_clock();
@@ -140,7 +83,7 @@ rp_status sweep_keep_look(sweep_keep *k)
     k->skipped = 0, k->looked = now;
     if (!stops && now < k->next) return RP_OK;
     rp_snapshot s = {0};
-    for (size_t i = 0; i < k->n; i++) keep_one(&s, k->entered[i].data, k->entered[i].size, k->entered[i].by);
+    k->by(&s, k->data);
     rp_status status = rp_snapshot_write(&s, k->path, k->key, layout());
     rp_snapshot_free(&s);
     k->next = rp_cpu_clock() + k->interval;
