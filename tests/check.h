@@ -27,6 +27,7 @@
     X(suite_experiment)                                                                                      \
     X(suite_actions)                                                                                         \
     X(suite_fills)                                                                                           \
+    X(suite_material)                                                                                        \
     X(suite_units)                                                                                           \
     X(suite_sizes)                                                                                           \
     X(suite_laws)                                                                                            \

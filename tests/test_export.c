@@ -443,6 +443,11 @@ static const struct {
              "  { point = [0.15, 0.0]; direction = [0.96, 0.28]; }, { point = [1.6, 0.0]; direction = [-1.0, "
              "0.0]; } );\n"
              "tangential = { law = \"slip_roll\"; gamma_s = 200.0; mu = 0.2; };\n"},
+    {"mindlin",
+     "material = { E = 3.0e7; nu = 0.3; restitution = 0.7; mu = 0.3; };\n"
+     "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; mu = 0.5; E = 2.0e7; },\n"
+     "  { point = [0.15, 0.0]; direction = [0.96, 0.28]; nu = 0.2; }, { point = [1.6, 0.0]; direction = "
+     "[-1.0, 0.0]; } );\n"},
     {"pulls", "normal = { law = \"hertz\"; k_n = 1.0e6; gamma_n = 900.0; };\n" SMOOTH_WALLS}};
 
 /* Rows of grains of three radii that touch nothing yet; two at the bottom are fixed. No number
@@ -650,7 +655,8 @@ static void test_laws(void)
         export_law(laws, law->name, law->lammps, "pair_coeff * * ");
         for (int k = 0; k < i && law->lammps; k++)
             CU_ASSERT(!dem_normal_descriptors[k].lammps ||
-                      strcmp(law->lammps, dem_normal_descriptors[k].lammps) != 0);
+                      strcmp(law->lammps, dem_normal_descriptors[k].lammps) != 0 ||
+                      law->lammps_damping != dem_normal_descriptors[k].lammps_damping);
     }
     for (int i = 0; i < DEM_TANGENTIAL_N; i++) {
         const dem_tangential_descriptor *law = &dem_tangential_descriptors[i];

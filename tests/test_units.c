@@ -19,12 +19,14 @@ static double to(units u, double value, double l, double m, double t)
     return ldexp(value, (int)lround(l * u.length + m * u.mass + t * u.time));
 }
 
-static void scale_material(units u, dem_normal_law law, dem_material *c)
+static void scale_material(units u, const dem_definition *def, dem_material *c)
 {
-    c->k_n = to(u, c->k_n, law == DEM_LINEAR ? 0.0 : -0.5, 1.0, -2.0);
-    if (law != DEM_TSUJI) c->gamma_n = to(u, c->gamma_n, 0.0, 0.0, -1.0);
-    c->k_s = to(u, c->k_s, 0.0, 1.0, -2.0);
-    c->gamma_s = to(u, c->gamma_s, 0.0, 0.0, -1.0);
+    const dem_normal_law law = def->normal;
+    const bool mindlin = def->tangential == DEM_MINDLIN;
+    c->k_n = to(u, c->k_n, law == DEM_LINEAR ? 0.0 : law == DEM_ELASTIC ? -1.0 : -0.5, 1.0, -2.0);
+    if (dem_damps_by_rate(def)) c->gamma_n = to(u, c->gamma_n, 0.0, 0.0, -1.0);
+    c->k_s = to(u, c->k_s, mindlin ? -1.0 : 0.0, 1.0, -2.0);
+    if (!mindlin) c->gamma_s = to(u, c->gamma_s, 0.0, 0.0, -1.0);
     c->k_roll = to(u, c->k_roll, 0.0, 1.0, -2.0);
     c->gamma_roll = to(u, c->gamma_roll, 0.0, 0.0, -1.0);
 }
@@ -42,10 +44,10 @@ static dem_definition scaled(units u, const dem_definition *def, dem_grain *grai
     dem_definition s = *def;
     s.grains = memcpy(grains, def->grains, def->n_grains * sizeof *grains);
     for (size_t i = 0; i < s.n_grains; i++) scale_grain(u, &grains[i]);
-    scale_material(u, def->normal, &s.material);
+    scale_material(u, def, &s.material);
     for (size_t w = 0; w < s.n_walls; w++) {
         dem_wall *wall = &s.walls[w];
-        scale_material(u, def->normal, &wall->material);
+        scale_material(u, def, &wall->material);
         for (int c = 0; c < 2; c++) {
             wall->point[c] = to(u, wall->point[c], 1.0, 0.0, 0.0);
             wall->extent[c] = to(u, wall->extent[c], 1.0, 0.0, 0.0);
@@ -188,7 +190,7 @@ static const dem_grain EXTRA = {.x = 0.5, .y = 9.0, .r = 0.1, .m = 0.004, .vx = 
 /* Each law, with what may move, turn and open; alone and in chunks as a large pile. */
 static void soft(void)
 {
-    for (int k = 0; k < 6; k++) {
+    for (int k = 0; k < 8; k++) {
         dem_grain *grains, extra = EXTRA;
         dem_definition def = grains_box(80, 2.0, 3, &grains);
         def.ledger = k % 2 == 0, def.rotation = k != 1;
@@ -198,6 +200,9 @@ static void soft(void)
         if (def.rotation) def.material.mu_roll = 0.1, extra.omega = 20.0;
         if (k == 4) def.material.mu = INFINITY;
         grains_law(&def, (dem_normal_law)(k % DEM_NORMAL_N), 1e5, 50.0);
+        if (k > 5)
+            def.tangential = DEM_MINDLIN, def.material.k_s = 0.9 * def.material.k_n,
+            def.material.gamma_s = 0.1;
         for (int w = 0; w < 3; w++) def.walls[w].material = def.material;
         def.dt = 2e-5, def.walls[DEM_BOX_RIGHT].open_at_step = 900;
         def.x_max = 2.1, def.y_min = -0.3;

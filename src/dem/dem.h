@@ -348,6 +348,7 @@ typedef struct dem_contact {
     int wall;
     double x, y, x_b, y_b; /* centres; for a wall its nearest point */
     double overlap, normal_force, shear_force, shear_spring;
+    double k_s;                            /* stiffness of the shear spring */
     double rolling_torque, rolling_spring; /* torque on grain a, and displacement */
     dem_well well; /* on the ground: of which shear_force holds the pull, shear_spring the displacement */
 } dem_contact;
@@ -395,7 +396,7 @@ bool dem_ledger_read(const dem_sim *sim, dem_ledger *ledger);
  * an open wall is left where both ends are equal. */
 typedef struct {
     double point[2], direction[2], ends[2], force[2];
-    double mu, k_s;
+    double mu;
     double pivot[2], velocity[2], angle; /* the latter: turned by itself since the start, radians */
     bool open;                           /* it has begun to open */
 } dem_wall_state;

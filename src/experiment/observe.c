@@ -611,7 +611,6 @@ rp_status exp_module_values(exp_run *run, const exp_measure *m, double out[EXP_M
                        .n_all = run->n_states,
                        .all = run->states,
                        .mu = physics_now(run)->mu,
-                       .k_s = physics_now(run)->k_s,
                        .n_marks = run->marks ? run->n_ids : 0,
                        .marks = run->marks,
                        .lo = {-INFINITY, -INFINITY},

@@ -1,6 +1,7 @@
 /* A scene as a LAMMPS input: pair_style granular (version of 2021) and wall/gran/region, in two dimensions.
  * Both programs step by the same Verlet scheme, with the velocity of half a step before in dashpots and shear
  * springs. Laws that coincide are mapped; for any other setting the key is named and nothing is written. */
+#include <gsl/gsl_poly.h>
 #include <gsl/gsl_sort.h>
 #include <math.h>
 #include <string.h>
@@ -34,6 +35,9 @@ static rp_status check_material(const dem_definition *def, const dem_material *m
     const bool slides = dem_has_friction(def->tangential);
     if (slides && isinf(m->mu))
         return rp_fail(RP_BAD_INPUT, "%stangential.mu = infinite: LAMMPS needs a number", of);
+    if (normal_law(def)->lammps_damping && m->gamma_n > 1.2728)
+        return rp_fail(RP_BAD_INPUT, "%snormal.gamma_n = %g: LAMMPS' damping tsuji goes up to 1.2728", of,
+                       m->gamma_n);
     if (slides && m->gamma_n == 0.0 && m->gamma_s > 0.0)
         return rp_fail(RP_BAD_INPUT,
                        "%stangential.gamma_s = %g: LAMMPS has it as a part of gamma_n, which is 0", of,
@@ -171,20 +175,35 @@ static void write_data(const lammps_scene *s, const char *scene, FILE *out)
                 EXPORT_SHORT(s->grains[i].vy));
 }
 
+/* LAMMPS takes Tsuji's damping from a restitution, by a polynomial of its manual: where that has this value.
+ */
+static double tsuji_restitution(double gamma_n)
+{
+    static const double c[] = {1.2728, -4.2783, 11.087, -22.348, 27.467, -18.022, 4.8218};
+    double low = 0.0, high = 1.0;
+    for (double middle; middle = 0.5 * (low + high), middle > low && middle < high;)
+        *(gsl_poly_eval(c, 7, middle) > gamma_n ? &low : &high) = middle;
+    return low;
+}
+
 /* The law of a contact whose effective radius is r_eff, in the words of pair_coeff. */
 static void write_law(const dem_definition *def, const dem_material *m, double r_eff, FILE *out)
 {
     const dem_normal_descriptor *law = normal_law(def);
-    const double damping = m->gamma_n > 0.0 ? m->gamma_s / m->gamma_n : 0.0;
+    const bool tsuji = law->lammps_damping, mindlin = def->tangential == DEM_MINDLIN;
+    const double part = m->gamma_n > 0.0 ? m->gamma_s / m->gamma_n : 0.0,
+                 damping = mindlin ? part * sqrt(m->k_s / m->k_n) : part;
     fprintf(out, "%s %s %s tangential %s", law->lammps,
-            EXPORT_SHORT(law->lammps_by_radius ? m->k_n / sqrt(r_eff) : m->k_n), EXPORT_SHORT(m->gamma_n),
+            EXPORT_SHORT(law->lammps_by_radius ? m->k_n / sqrt(r_eff) : m->k_n),
+            EXPORT_SHORT(tsuji ? tsuji_restitution(m->gamma_n) : m->gamma_n),
             dem_tangential_descriptors[def->tangential].lammps);
     if (dem_has_spring(def->tangential)) fprintf(out, " %s", EXPORT_SHORT(m->k_s));
     if (dem_has_friction(def->tangential))
         fprintf(out, " %s %s", EXPORT_SHORT(damping), EXPORT_SHORT(m->mu));
     else
         fputs(" 0 0", out);
-    fprintf(out, " damping mass_velocity%s", def->tension ? "" : " limit_damping");
+    fprintf(out, " damping %s%s", tsuji ? law->lammps_damping : "mass_velocity",
+            def->tension ? "" : " limit_damping");
 }
 
 static void write_about(const lammps_scene *s, const char *scene, FILE *out)
@@ -200,8 +219,16 @@ static void write_about(const lammps_scene *s, const char *scene, FILE *out)
                 ? "; LAMMPS' own stiffness is k sqrt(R_eff), so that each radius is a type"
                 : "",
             s->def.tension ? ", which may pull" : ", together not below 0");
+    if (normal_law(&s->def)->lammps_damping)
+        fputs("# damping: LAMMPS takes it from a restitution by a polynomial; the number here is where that "
+              "has gamma_n, not "
+              "the restitution of impacts\n",
+              out);
     fprintf(out, "# shear force: %s\n# walls: the same with R_eff = r and m_eff = m, whole planes at rest\n",
-            spring ? "spring k_s and dashpot gamma_s m_eff, together limited by mu F_n, the spring truncated"
+            s->def.tangential == DEM_MINDLIN ? "spring k_s sqrt(R_eff x) and dashpot, together limited by mu "
+                                               "F_n; the force is rescaled on unloading"
+            : spring
+                ? "spring k_s and dashpot gamma_s m_eff, together limited by mu F_n, the spring truncated"
             : slides ? "viscous slip gamma_s m_eff v_s limited by mu F_n, no spring"
                      : "none");
     fprintf(

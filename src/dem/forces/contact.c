@@ -24,10 +24,10 @@ static dem_relative pair_relative(const dem_sim *sim, size_t k, bool swap)
     r.s = dem_clockwise(r.n);
     r.v_n = dem_dot(v, r.n);
     r.v_s = dem_dot(v, r.s);
+    r.r_eff = g->radius[i] * g->radius[j] / sim->pairs.radii[k];
     if (!g->omega) return r;
     r.arm_a = g->radius[i] - 0.5 * r.overlap;
     r.arm_b = g->radius[j] - 0.5 * r.overlap;
-    r.r_eff = g->radius[i] * g->radius[j] / sim->pairs.radii[k];
     r.v_s += r.arm_a * g->omega[i] + r.arm_b * g->omega[j];
     r.v_roll = r.r_eff * (g->omega[i] - g->omega[j]);
     return r;
@@ -54,9 +54,9 @@ bool dem_slot_relative(const dem_sim *sim, dem_wall_slot *slot, dem_relative *r)
     r->v_n = dem_dot(v, r->n);
     r->v_s = dem_dot(v, r->s);
     r->point = g->motion[i].x - (g->radius[i] - r->overlap) * r->n;
+    r->r_eff = g->radius[i];
     if (!g->omega) return true;
     r->arm_a = g->radius[i] - r->overlap;
-    r->r_eff = g->radius[i];
     r->v_s += r->arm_a * g->omega[i];
     r->v_roll = r->r_eff * (g->omega[i] + dem_wall_spin(&sim->walls, w));
     return true;
@@ -79,10 +79,15 @@ bool dem_contact_relative(const dem_sim *sim, size_t k, bool by_id, dem_relative
 dem_contact dem_law_forces(const dem_sim *sim, const dem_relative *r, double h)
 {
     const dem_definition *def = &sim->def;
-    const dem_slider shear = dem_slider_of(def->slip, def->damping, r->c->k_s, r->c->gamma_s, r->mu);
+    const double k_n = dem_law_k_n(def->normal, r->c->k_n, r->r_eff);
+    dem_slider shear = dem_slider_of(def->slip, def->damping, r->c->k_s, r->c->gamma_s, r->mu);
     dem_contact c = {.overlap = r->overlap, .shear_spring = r->spring, .rolling_spring = r->roll};
     c.normal_force =
-        dem_law_normal(def->normal, def->tension, r->c->k_n, r->c->gamma_n, r->m_eff, r->overlap, r->v_n);
+        dem_law_normal(def->normal, def->tension, k_n, r->c->gamma_n, r->m_eff, r->overlap, r->v_n);
+    if (def->tangential == DEM_MINDLIN) /* a pair has h = 0 here */
+        shear =
+            dem_law_mindlin(shear, r->r_eff, r->m_eff, r->overlap, r->overlap + r->v_n * h, &c.shear_spring);
+    c.k_s = shear.k;
     c.shear_force =
         dem_law_tangential(def->tangential, shear, r->m_eff, r->v_s, c.normal_force, h, &c.shear_spring);
     if (sim->pairs.rolling)

@@ -245,7 +245,6 @@ dem_wall_state dem_wall_now(const dem_sim *sim, size_t wall)
                             .velocity = {w->velocity[0], w->velocity[1]},
                             .angle = line->angle + w->omega * sim->def.dt * (double)(sim->step - line->since),
                             .mu = w->material.mu,
-                            .k_s = w->material.k_s,
                             .open = open};
 }
 

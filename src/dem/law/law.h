@@ -34,6 +34,11 @@ static inline num num_choose(lanes l, num yes, num no)
     return l ? yes : no;
 }
 
+static inline lanes num_less(num a, num b)
+{
+    return a < b;
+}
+
 #include "dem/law/law.inl"
 
 #endif

@@ -13,7 +13,7 @@
  */
 
 /* Hertz: F = k_n x^(3/2). */
-LAW num hertz_force(double k_n, num overlap)
+LAW num hertz_force(num k_n, num overlap)
 {
     return k_n * overlap * num_sqrt(overlap);
 }
@@ -53,7 +53,7 @@ static inline double hertz_modulus(double k_n, double r)
 }
 
 /* Linear: F = k_n x. */
-LAW num linear_force(double k_n, num overlap)
+LAW num linear_force(num k_n, num overlap)
 {
     return k_n * overlap;
 }
@@ -89,7 +89,7 @@ static inline double linear_quotient(double k_n, double before, double after, do
  * overlaps. */
 
 /* Lee & Herrmann 1993, eq (2a): c = gamma_n. */
-LAW num constant_rate(double k_n, double gamma_n, num m_eff, num overlap)
+LAW num constant_rate(num k_n, double gamma_n, num m_eff, num overlap)
 {
     (void)k_n, (void)m_eff, (void)overlap;
     return num_of(gamma_n);
@@ -116,7 +116,7 @@ static inline double hertz_sticking_speed(double k_n, double gamma_n, double m_e
 
 /* Tsuji, Tanaka & Ishida 1992: c m_eff = gamma_n sqrt(m_eff k_n) x^(1/4), with Hertz' spring, gamma_n
  * a number. */
-LAW num tsuji_rate(double k_n, double gamma_n, num m_eff, num overlap)
+LAW num tsuji_rate(num k_n, double gamma_n, num m_eff, num overlap)
 {
     return gamma_n * num_sqrt(k_n / m_eff * num_sqrt(overlap));
 }
@@ -137,9 +137,33 @@ static inline double tsuji_damping_ratio(double k_n, double gamma_n, double m_ef
     return gamma_n / sqrt(5.0);
 }
 
+/* ---- k_n of a contact: the same for all, or of elastic bodies by the effective radius ---- */
+
+LAW num of_all_k_n(double k_n, num r_eff)
+{
+    (void)r_eff;
+    return num_of(k_n);
+}
+
+LAW num by_radius_k_n(double k_n, num r_eff)
+{
+    return k_n * num_sqrt(r_eff);
+}
+
+LAW num dem_law_k_n(dem_normal_law law, double k_n, num r_eff)
+{
+    switch (law) {
+#define X(id, word, spring, dashpot, scaled, ...)                                                            \
+    case id: return scaled##_k_n(k_n, r_eff);
+        DEM_NORMAL_LAWS(X)
+#undef X
+    }
+    __builtin_unreachable();
+}
+
 /* ---- Normal laws: a spring and a dashpot, by their rows in laws.h ---- */
 
-LAW num dem_law_elastic(dem_normal_law law, double k_n, num overlap)
+LAW num dem_law_elastic(dem_normal_law law, num k_n, num overlap)
 {
     switch (law) {
 #define X(id, word, spring, ...)                                                                             \
@@ -150,7 +174,7 @@ LAW num dem_law_elastic(dem_normal_law law, double k_n, num overlap)
     __builtin_unreachable();
 }
 
-LAW num dem_law_damping_rate(dem_normal_law law, double k_n, double gamma_n, num m_eff, num overlap)
+LAW num dem_law_damping_rate(dem_normal_law law, num k_n, double gamma_n, num m_eff, num overlap)
 {
     switch (law) {
 #define X(id, word, spring, dashpot, ...)                                                                    \
@@ -163,7 +187,7 @@ LAW num dem_law_damping_rate(dem_normal_law law, double k_n, double gamma_n, num
 
 /* v_n is the normal relative velocity, positive when the grains part. Where they part fast the damping
  * outweighs the spring and the force pulls; `tension` false cuts it at 0. */
-LAW num dem_law_normal(dem_normal_law law, bool tension, double k_n, double gamma_n, num m_eff, num overlap,
+LAW num dem_law_normal(dem_normal_law law, bool tension, num k_n, double gamma_n, num m_eff, num overlap,
                        num v_n)
 {
     const num zero = {0};
@@ -185,6 +209,18 @@ typedef struct {
 LAW dem_slider dem_slider_of(dem_slip slip, dem_damping damping, double k, double gamma, double mu)
 {
     return (dem_slider){num_of(k), num_of(1.0 / k), num_of(gamma), num_of(mu), slip, damping};
+}
+
+/* Mindlin's spring at this overlap: stiffness k sqrt(R_eff x), and a dashpot by gamma of the critical rate.
+ * *spring is shortened where the contact has grown since it was at `before`, so that its force stays: the
+ * energy F^2/(2 k) falls then; while the contact shrinks the spring stays, and k s^2/2 falls. */
+LAW dem_slider dem_law_mindlin(dem_slider c, num r_eff, num m_eff, num overlap, num before, num *spring)
+{
+    const num zero = {0}, k = c.k * num_sqrt(r_eff * overlap),
+              grown = num_sqrt(num_max(before, zero) / overlap);
+    *spring = num_choose(num_less(before, overlap), *spring * grown, *spring);
+    c.gamma = c.gamma * num_sqrt(k / m_eff), c.k = k, c.inverse_k = 1.0 / k;
+    return c;
 }
 
 /* Shear force: Lee & Herrmann 1993, eq (2b), with the magnitudes its "min" needs:
@@ -236,6 +272,7 @@ LAW num dem_law_tangential(dem_tangential_law law, dem_slider c, num m_eff, num 
     const num zero = {0};
     switch (law) {
     case DEM_NONE: return zero;
+    case DEM_MINDLIN:
     case DEM_SPRING: return dem_law_shear(c, m_eff, v_s, normal_force, h, spring);
     case DEM_SLIP_ROLL: return dem_law_slip_roll(c.gamma, c.mu, m_eff, v_s, normal_force);
     }

@@ -3,10 +3,11 @@
 #include "dem/law/law.h"
 
 const dem_normal_descriptor dem_normal_descriptors[DEM_NORMAL_N] = {
-#define X(id, word, spring, dashpot, k_n, gamma_n, ...)                                                      \
+#define X(id, word, spring, dashpot, scaled, k_n, gamma_n, ...)                                              \
     [id] = {.name = #word,                                                                                   \
             .k_n_unit = k_n,                                                                                 \
             .gamma_n_unit = gamma_n,                                                                         \
+            .scale = scaled##_k_n,                                                                           \
             .stiffness = spring##_stiffness,                                                                 \
             .potential = spring##_potential,                                                                 \
             .impact_overlap = spring##_impact_overlap,                                                       \
@@ -37,6 +38,16 @@ const char *dem_tangential_manual(int law)
 
 DEM_MANUAL_OF(DEM_SLIPS, dem_slip_manual)
 DEM_MANUAL_OF(DEM_DAMPINGS, dem_damping_manual)
+
+void dem_elastic_contact(const double E[2], const double nu[2], double *k_n, double *k_s)
+{
+    double normal = 0.0, shear = 0.0;
+    for (int k = 0; k < 2; k++) {
+        normal += (1.0 - nu[k] * nu[k]) / E[k];
+        shear += 2.0 * (1.0 + nu[k]) * (2.0 - nu[k]) / E[k];
+    }
+    *k_n = 4.0 / (3.0 * normal), *k_s = 8.0 / shear;
+}
 
 /* The damped oscillator x'' + 2 D x' + x = 0 from x = 0, with D = cos(a), is back at x = 0 with the part
  * exp(-pi/tan a) of its speed. Its force x + 2 D x' is 0 already at the phase 2 a, with exp(-2 a/tan a) of it

@@ -10,23 +10,28 @@
 
 RP_C_BEGIN
 
-/* Normal laws: a conservative spring and a dashpot. id; word; the names in law.inl of the spring and of the
- * dashpot; units of k_n and of gamma_n; members of dem_normal_descriptor: the manual, and what not every law
- * has. */
+/* Normal laws: a conservative spring and a dashpot. id; word; the names in law.inl of the spring, of the
+ * dashpot, and of how the stiffness depends on the radii; units of k_n and of gamma_n; members of
+ * dem_normal_descriptor: the manual, and what not every law has. */
 #define DEM_NORMAL_LAWS(X)                                                                                   \
-    X(DEM_HERTZ, hertz, hertz, constant, "dyn/cm^1.5", "1/s",                                                \
+    X(DEM_HERTZ, hertz, hertz, constant, of_all, "dyn/cm^1.5", "1/s",                                        \
       .manual = "elastic spheres, F_n = k_n x^(3/2) - gamma_n m_eff v_n (Lee & Herrmann 1993, eq (2a)): "    \
                 "slow impacts lose more than fast ones",                                                     \
       .sticking_speed = hertz_sticking_speed, .modulus = hertz_modulus, .lammps = "hertz",                   \
       .lammps_by_radius = true)                                                                              \
-    X(DEM_LINEAR, linear, linear, constant, "dyn/cm", "1/s",                                                 \
+    X(DEM_LINEAR, linear, linear, constant, of_all, "dyn/cm", "1/s",                                         \
       .manual = "F_n = k_n x - gamma_n m_eff v_n (Liffman, Chan & Hughes 1992, eqs (23) and (25)): impacts " \
                 "of all speeds have the same restitution",                                                   \
       .constant_stiffness = true, .damping_ratio = linear_damping_ratio, .lammps = "hooke")                  \
-    X(DEM_TSUJI, tsuji, hertz, tsuji, "dyn/cm^1.5", "1",                                                     \
+    X(DEM_TSUJI, tsuji, hertz, tsuji, of_all, "dyn/cm^1.5", "1",                                             \
       .manual = "elastic spheres, F_n = k_n x^(3/2) - gamma_n sqrt(m_eff k_n) x^(1/4) v_n (Tsuji, Tanaka & " \
                 "Ishida 1992): impacts of all speeds have the same restitution",                             \
-      .damping_ratio = tsuji_damping_ratio, .modulus = hertz_modulus)
+      .damping_ratio = tsuji_damping_ratio, .modulus = hertz_modulus)                                        \
+    X(DEM_ELASTIC, elastic, hertz, tsuji, by_radius, "dyn/cm^2", "1",                                        \
+      .manual = "tsuji with the stiffness k_n sqrt(R) of each pair's own radii, R = r_i r_j/(r_i + r_j), "   \
+                "at a wall r: "                                                                              \
+                "k_n = 4/3 E* of `material` (Hertz)",                                                        \
+      .damping_ratio = tsuji_damping_ratio, .lammps = "hertz", .lammps_damping = "tsuji")
 
 /* Tangential laws. id; word; manual; has friction; has a spring; its name in LAMMPS, NULL where that has no
  * such law. */
@@ -36,6 +41,12 @@ RP_C_BEGIN
       "a spring k_s of the displacement s since first touch, and a dashpot: F_s = -gamma_s m_eff v_s - "     \
       "sign(s) min(k_s |s|, mu max(F_n, 0)) (Lee & Herrmann 1993, eq (2b))",                                 \
       true, true, "linear_history")                                                                          \
+    X(DEM_MINDLIN, mindlin,                                                                                  \
+      "spring, with the stiffness k_s sqrt(R x) of the contact's radius and the damping rate gamma_s "       \
+      "sqrt(stiffness/m_eff); while the contact grows its force stays, so that no energy is gained: k_s = "  \
+      "8 G* "                                                                                                \
+      "of `material` (Mindlin & Deresiewicz 1953; Thornton, Cummins & Cleary 2013)",                         \
+      true, true, "mindlin_rescale/force")                                                                   \
     X(DEM_SLIP_ROLL, slip_roll,                                                                              \
       "viscous slip, without a spring: F_s = -sign(v_s) min(gamma_s m_eff |v_s|, mu max(F_n, 0)) (Liffman, " \
       "Chan & Hughes 1992, eqs (27) to (32))",                                                               \
@@ -72,14 +83,16 @@ static inline bool dem_has_spring(dem_tangential_law law)
 }
 
 /* Units of a coefficient, "; hertz: dyn/cm^1.5; linear: dyn/cm". */
-#define DEM_LAW_K_N(id, word, spring, dashpot, k_n, ...)              "; " #word ": " k_n
-#define DEM_LAW_GAMMA_N(id, word, spring, dashpot, k_n, gamma_n, ...) "; " #word ": " gamma_n
-#define DEM_K_N_UNITS                                                 "" DEM_NORMAL_LAWS(DEM_LAW_K_N)
-#define DEM_GAMMA_N_UNITS                                             "" DEM_NORMAL_LAWS(DEM_LAW_GAMMA_N)
+#define DEM_LAW_K_N(id, word, spring, dashpot, scale, k_n, ...)              "; " #word ": " k_n
+#define DEM_LAW_GAMMA_N(id, word, spring, dashpot, scale, k_n, gamma_n, ...) "; " #word ": " gamma_n
+#define DEM_K_N_UNITS                                                        "" DEM_NORMAL_LAWS(DEM_LAW_K_N)
+#define DEM_GAMMA_N_UNITS                                                    "" DEM_NORMAL_LAWS(DEM_LAW_GAMMA_N)
 
 /* A normal law, for all but its force. m_eff is the contact's effective mass, v an approach speed. */
 typedef struct {
     const char *name, *manual, *k_n_unit, *gamma_n_unit;
+    /* k_n of a contact of this effective radius, which the functions below take */
+    double (*scale)(double k_n, double r_eff);
     double (*stiffness)(double k_n, double overlap);              /* dF/d(overlap) of the spring */
     double (*potential)(double k_n, double overlap);              /* energy of the spring */
     double (*impact_overlap)(double k_n, double m_eff, double v); /* at which the spring alone stops v */
@@ -96,8 +109,9 @@ typedef struct {
     double (*damping_ratio)(double k_n, double gamma_n, double m_eff);
     double (*sticking_speed)(double k_n, double gamma_n, double m_eff);
     double (*modulus)(double k_n, double r);
-    const char *lammps; /* name in LAMMPS' pair_style granular, with its damping mass_velocity; NULL: none */
-    bool lammps_by_radius; /* there, the stiffness is k_n sqrt(R_eff) */
+    const char *lammps;         /* name in LAMMPS' pair_style granular; NULL: none */
+    const char *lammps_damping; /* there; NULL: mass_velocity */
+    bool lammps_by_radius;      /* there, the stiffness is k_n sqrt(R_eff) */
 } dem_normal_descriptor;
 extern const dem_normal_descriptor dem_normal_descriptors[DEM_NORMAL_N];
 
@@ -105,6 +119,11 @@ typedef struct {
     const char *name, *manual, *lammps;
 } dem_tangential_descriptor;
 extern const dem_tangential_descriptor dem_tangential_descriptors[DEM_TANGENTIAL_N];
+
+/* k_n of the law elastic, 4/3 E*, and k_s of mindlin, 8 G*, where bodies of two materials touch: Young's
+ * moduli E and Poisson's ratios nu; 1/E* is the sum of (1 - nu^2)/E, 1/G* of 2 (1 + nu) (2 - nu)/E (Johnson
+ * 1985). */
+void dem_elastic_contact(const double E[2], const double nu[2], double *k_n, double *k_s);
 
 /* Restitution of a law with a damping ratio, which may be above 1: of an impact from first touch to where the
  * overlap, or without tension the force, is 0 again. And the ratio of a restitution in (0, 1]; without

@@ -216,10 +216,8 @@ static void complete_pairs(dem_sim *sim, size_t k, size_t end)
         const double radii = g->radius[i] + g->radius[j], m_i = g->mass[i], m_j = g->mass[j];
         pairs->radii[k] = radii;
         pairs->m_eff[k] = dem_is_fixed(sim, i) ? m_j : dem_is_fixed(sim, j) ? m_i : m_i * m_j / (m_i + m_j);
-        if (pairs->rotation) {
-            const double r_i = g->radius[i], r_j = g->radius[j];
-            pairs->radius_i[k] = r_i, pairs->radius_j[k] = r_j, pairs->r_eff[k] = r_i * r_j / radii;
-        }
+        pairs->r_eff[k] = g->radius[i] * g->radius[j] / radii;
+        if (pairs->rotation) pairs->radius_i[k] = g->radius[i], pairs->radius_j[k] = g->radius[j];
 #define X(type, name, need, share, role)                                                                     \
     if (role != DEM_MADE && pairs->name) pairs->name[k] = 0;
         DEM_PAIR_ARRAYS(X)

@@ -61,11 +61,6 @@ static inline num num_gather(const double *from, const uint32_t *index, int stri
     return from[(size_t)stride * *index];
 }
 
-static inline lanes num_less(num a, num b)
-{
-    return a < b;
-}
-
 static inline lanes num_at_most(num a, num b)
 {
     return a <= b;

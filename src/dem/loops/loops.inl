@@ -56,9 +56,10 @@ INLINE dem_laws laws_of(const dem_definition *def, const dem_material *c, double
                       dem_rolls_of(c)};
 }
 
-INLINE num normal_force(const dem_laws *law, num m_eff, num overlap, num v_n)
+INLINE num normal_force(const dem_laws *law, num r_eff, num m_eff, num overlap, num v_n)
 {
-    return dem_law_normal(law->normal, law->tension, law->k_n, law->gamma_n, m_eff, overlap, v_n);
+    return dem_law_normal(law->normal, law->tension, dem_law_k_n(law->normal, law->k_n, r_eff), law->gamma_n,
+                          m_eff, overlap, v_n);
 }
 
 INLINE geometry geometry_of(const work *w, size_t k)
@@ -83,8 +84,8 @@ INLINE forces forces_of(const work *w, size_t k, const geometry *g)
     const dem_pairs *pairs = &w->pairs;
     const dem_laws *law = &w->with.law;
     const bool has_spring = dem_has_spring(law->tangential);
-    const num zero = {0}, m_eff = num_load(pairs->m_eff + k),
-              f_n = normal_force(law, m_eff, g->overlap, g->vx * g->nx + g->vy * g->ny);
+    const num zero = {0}, m_eff = num_load(pairs->m_eff + k), r_eff = num_load(pairs->r_eff + k),
+              v_n = g->vx * g->nx + g->vy * g->ny, f_n = normal_force(law, r_eff, m_eff, g->overlap, v_n);
     forces f = {f_n * g->nx, f_n * g->ny, zero, zero};
     if (!dem_has_friction(law->tangential)) return f;
     /* along s = (ny, -nx), the normal turned clockwise */
@@ -104,7 +105,13 @@ INLINE forces forces_of(const work *w, size_t k, const geometry *g)
         ds += more[0] * g->ny - more[1] * g->nx;
     }
 #endif
-    const num f_s = dem_law_tangential(law->tangential, law->shear, m_eff, v_s, f_n, w->h, &ds);
+    dem_slider shear = law->shear;
+    if (law->tangential == DEM_MINDLIN) { /* a step back, along straight lines */
+        const num radii = num_load(pairs->radii + k), r = radii - g->overlap, h = num_of(w->h),
+                  back = r * r - 2.0 * h * r * v_n + h * h * (g->vx * g->vx + g->vy * g->vy);
+        shear = dem_law_mindlin(shear, r_eff, m_eff, g->overlap, radii - num_sqrt(back), &ds);
+    }
+    const num f_s = dem_law_tangential(law->tangential, shear, m_eff, v_s, f_n, w->h, &ds);
     if (has_spring) num_store(pairs->spring + k, num_choose(g->touch, ds, zero));
     f.fx = f.fx + f_s * g->ny;
     f.fy = f.fy - f_s * g->nx;
@@ -112,8 +119,7 @@ INLINE forces forces_of(const work *w, size_t k, const geometry *g)
     num couple = zero;
     if (w->with.rolling) {
         num xi = num_load(pairs->roll + k);
-        couple =
-            dem_law_rolling(law->rolls, num_load(pairs->r_eff + k), m_eff, omega_i - omega_j, f_n, w->h, &xi);
+        couple = dem_law_rolling(law->rolls, r_eff, m_eff, omega_i - omega_j, f_n, w->h, &xi);
         num_store(pairs->roll + k, num_choose(g->touch, xi, zero));
     }
     f.on_i = arm_i * f_s + couple;
@@ -207,9 +213,9 @@ INLINE void pair_loop(dem_sim *sim, size_t from, size_t to, double h, features w
 }
 
 /* The laws with these choices. */
-INLINE dem_laws spring_laws(dem_laws law, bool tension, dem_damping damping)
+INLINE dem_laws spring_laws(dem_laws law, dem_tangential_law tangential, bool tension, dem_damping damping)
 {
-    law.tangential = DEM_SPRING, law.tension = tension;
+    law.tangential = tangential, law.tension = tension;
     law.shear.slip = DEM_TRUNCATED, law.shear.damping = damping;
     return law;
 }
@@ -227,12 +233,16 @@ INLINE void run_of_motion(dem_sim *sim, size_t from, size_t to, double h, dem_la
 /* The compiler knows all choices of the laws of a box and of dropped piles. */
 INLINE void run_of_law(dem_sim *sim, size_t from, size_t to, double h, dem_laws law)
 {
-    const bool spring = law.tangential == DEM_SPRING && law.shear.slip == DEM_TRUNCATED,
+    const bool truncated = law.shear.slip == DEM_TRUNCATED,
+               spring = law.tangential == DEM_SPRING && truncated,
+               mindlin = law.tangential == DEM_MINDLIN && truncated && law.normal == DEM_ELASTIC,
                inside = law.shear.damping == DEM_DAMPING_INSIDE;
     if (spring && law.tension && !inside)
-        run_of_motion(sim, from, to, h, spring_laws(law, true, DEM_DAMPING_OUTSIDE));
+        run_of_motion(sim, from, to, h, spring_laws(law, DEM_SPRING, true, DEM_DAMPING_OUTSIDE));
     else if (spring && !law.tension && inside)
-        run_of_motion(sim, from, to, h, spring_laws(law, false, DEM_DAMPING_INSIDE));
+        run_of_motion(sim, from, to, h, spring_laws(law, DEM_SPRING, false, DEM_DAMPING_INSIDE));
+    else if (mindlin && !law.tension && inside)
+        run_of_motion(sim, from, to, h, spring_laws(law, DEM_MINDLIN, false, DEM_DAMPING_INSIDE));
     else
         run_of_motion(sim, from, to, h, law);
 }
@@ -275,7 +285,7 @@ INLINE slot_forces slot_forces_of(const dem_sim *sim, const dem_laws *law, const
               vx = num_gather(grain + 2, i, of_grain), vy = num_gather(grain + 3, i, of_grain);
     const num distance = (x - point[0]) * n[0] + (y - point[1]) * n[1], overlap = radius - side * distance,
               nx = side * n[0], ny = side * n[1];
-    const num f_n = normal_force(law, mass, overlap, vx * nx + vy * ny);
+    const num v_n = vx * nx + vy * ny, f_n = normal_force(law, radius, mass, overlap, v_n);
     slot_forces b = {.fx = f_n * nx,
                      .fy = f_n * ny,
                      .spring = num_gather(&slot->spring, at, of_slot),
@@ -286,7 +296,10 @@ INLINE slot_forces slot_forces_of(const dem_sim *sim, const dem_laws *law, const
     const num arm = radius - overlap, omega = sim->grains.omega ? num_gather(sim->grains.omega, i, 1) : zero;
     num v_s = vx * ny - vy * nx;
     if (sim->grains.omega) v_s += arm * omega;
-    const num f_s = dem_law_tangential(law->tangential, law->shear, mass, v_s, f_n, h, &b.spring);
+    dem_slider shear = law->shear;
+    if (law->tangential == DEM_MINDLIN)
+        shear = dem_law_mindlin(shear, radius, mass, overlap, overlap + v_n * h, &b.spring);
+    const num f_s = dem_law_tangential(law->tangential, shear, mass, v_s, f_n, h, &b.spring);
     b.fx += ny * f_s;
     b.fy -= nx * f_s;
     b.slip = arm * f_s;

@@ -61,7 +61,8 @@ static rp_status check(const dem_definition *def)
 {
     const dem_implicit_solver *s = &def->implicit;
     if (dem_has_spring(def->tangential))
-        return rp_fail(RP_BAD_INPUT, "the integrator implicit has no tangential law spring");
+        return rp_fail(RP_BAD_INPUT, "the integrator implicit has no tangential law %s",
+                       dem_tangential_descriptors[def->tangential].name);
     if (def->box_turn_per_step != 0.0)
         return rp_fail(RP_BAD_INPUT, "the box turns, but the integrator implicit needs walls that stand");
     for (size_t w = 0; w < def->n_walls; w++) {
@@ -108,7 +109,7 @@ static double end_quotient(dem_normal_law normal, double k_n, double before, dou
  * or NULL. */
 typedef struct {
     const dem_material *c;
-    double mu, m_eff, before, after, normal;
+    double mu, k_n, m_eff, before, after, normal;
     dem_parts *parts;
 } touch;
 
@@ -116,7 +117,7 @@ typedef struct {
 static inline double normal_force(const dem_sim *sim, const touch *l, double *slope)
 {
     const dem_normal_descriptor *law = &dem_normal_descriptors[sim->def.normal];
-    const double k_n = l->c->k_n, gamma_n = l->c->gamma_n, dt = sim->def.dt, before = l->before,
+    const double k_n = l->k_n, gamma_n = l->c->gamma_n, dt = sim->def.dt, before = l->before,
                  after = l->after, from = fmax(before, 0.0), to = fmax(after, 0.0);
     double force = before > 0.0 && after > 0.0 ? law->quotient(k_n, before, after, slope)
                                                : end_quotient(sim->def.normal, k_n, before, after, slope);
@@ -168,6 +169,7 @@ static inline void add_well(const dem_sim *sim, const touch *l, const dem_wall_s
 static inline contact contact_of(const dem_sim *sim, size_t k, dem_parts *p)
 {
     const dem_ends ends = dem_contact_ends(sim, k);
+    double r_eff;
     touch l = {.c = &sim->def.material, .mu = sim->mu, .parts = p};
     dem_vec u = sim->grains.displacement[ends.i], along;
     double both = 1.0, length = 1.0; /* of a pair: sum of its distances, |along| */
@@ -194,12 +196,13 @@ static inline contact contact_of(const dem_sim *sim, size_t k, dem_parts *p)
     if (ends.slot) {
         l.c = &sim->walls.wall[ends.slot->wall].material;
         l.mu = sim->walls.mu[ends.slot->wall];
-        l.m_eff = sim->grains.mass[ends.i];
+        l.m_eff = sim->grains.mass[ends.i], r_eff = sim->grains.radius[ends.i];
     } else {
-        l.m_eff = sim->pairs.m_eff[k];
+        l.m_eff = sim->pairs.m_eff[k], r_eff = sim->pairs.r_eff[k];
         length = sqrt(dem_dot(along, along));
     }
     double slope;
+    l.k_n = dem_normal_descriptors[sim->def.normal].scale(l.c->k_n, r_eff);
     l.normal = normal_force(sim, &l, &slope);
     const double turn = ends.slot ? 0.0 : l.normal / both;
     const dem_vec s = along / both, t = dem_clockwise(along) / length;

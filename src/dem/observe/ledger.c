@@ -99,11 +99,13 @@ static dem_parts split_force(const dem_sim *sim, const dem_relative *r)
     const dem_material *c = r->c;
     const dem_contact law = dem_law_forces(sim, r, 0.0);
     const double f_n = law.normal_force, f_s = law.shear_force, cap = r->mu * fmax(f_n, 0.0);
-    dem_parts p = {.n = r->n, .s = r->s, .elastic = dem_law_elastic(def->normal, c->k_n, r->overlap)};
+    dem_parts p = {
+        .n = r->n, .s = r->s, .elastic = dem_law_elastic(def->normal, dem_k_n_of(sim, r), r->overlap)};
     p.damping = f_n - p.elastic;
-    double pull = c->k_s * r->spring, xi = r->roll;
+    double pull = law.k_s * r->spring, xi = r->roll;
     switch (def->tangential) {
     case DEM_NONE: break;
+    case DEM_MINDLIN:
     case DEM_SPRING:
         if (def->slip == DEM_TOTAL && fabs(pull) > cap) pull = copysign(cap, pull);
         p.spring = -pull;

@@ -115,14 +115,15 @@ dem_elastic dem_contact_elastic(const dem_sim *sim, size_t k)
     const dem_contact contact = contact_of(sim, &r);
     const double ds = fabs(contact.shear_spring), roll = contact.rolling_spring,
                  normal = fmax(contact.normal_force, 0.0);
-    dem_elastic energy = {.normal = dem_normal_descriptors[sim->def.normal].potential(r.c->k_n, r.overlap),
-                          .rolling = 0.5 * r.c->k_roll * roll * roll};
+    dem_elastic energy = {
+        .normal = dem_normal_descriptors[sim->def.normal].potential(dem_k_n_of(sim, &r), r.overlap),
+        .rolling = 0.5 * r.c->k_roll * roll * roll};
     if (contact.well == DEM_WELL_HOLDS)
         energy.well = 0.5 * sim->def.ground.mu_static * normal / sim->def.ground.a * ds * ds;
     if (dem_has_spring(sim->def.tangential)) {
-        double pull = r.c->k_s * ds;
+        double pull = contact.k_s * ds;
         if (sim->def.slip == DEM_TOTAL) pull = fmin(pull, r.mu * normal);
-        energy.shear = pull * ds - 0.5 * pull * pull / r.c->k_s;
+        energy.shear = pull * ds - 0.5 * pull * pull / contact.k_s;
     }
     return energy;
 }

@@ -8,7 +8,7 @@ void dem_write_notes(const dem_sim *sim, FILE *out)
 {
     const dem_material *c = &sim->def.material;
     const dem_normal_descriptor *law = &dem_normal_descriptors[sim->def.normal];
-    const double r = sim->start.radius_mean, m_eff = 0.5 * sim->start.mass_mean, v = sim->start.speed;
+    const double r = sim->start.radius_mean, k_n = law->scale(c->k_n, 0.5 * r), m_eff = 0.5 * sim->start.mass_mean, v = sim->start.speed;
     rp_table_note(out, "kernel", "%s", sim->loops.name);
     rp_table_note(out, "integrator", "%s", sim->scheme->name);
     rp_table_note(out, "time step", "dt = %.4g %s; limit %.3g %s, set by %s", sim->def.dt, rp_unit("s"),
@@ -16,16 +16,16 @@ void dem_write_notes(const dem_sim *sim, FILE *out)
     if (!(c->k_n > 0.0)) return;
     if (law->sticking_speed && sim->def.tension)
         rp_table_note(out, "sticking speed", "%.3g %s: slower impacts of two mean grains do not part",
-                      law->sticking_speed(c->k_n, c->gamma_n, m_eff), rp_unit("cm/s"));
+                      law->sticking_speed(k_n, c->gamma_n, m_eff), rp_unit("cm/s"));
     if (law->modulus)
         rp_table_note(out, "modulus", "E* = %.3g %s at the mean radius; k_n is the same for all radii",
                       law->modulus(c->k_n, r), rp_unit("dyn/cm^2"));
     rp_table_note(out, "normal damping", "gamma_n = %.6g %s", c->gamma_n, rp_unit(law->gamma_n_unit));
     if (law->damping_ratio)
         rp_table_note(out, "restitution", "%.4f of two mean grains, at any speed",
-                      dem_restitution(sim->def.tension, law->damping_ratio(c->k_n, c->gamma_n, m_eff)));
+                      dem_restitution(sim->def.tension, law->damping_ratio(k_n, c->gamma_n, m_eff)));
     dem_collision_result impact;
-    dem_head_on mean = {sim->def.normal, sim->def.tension,          c->k_n, c->gamma_n,
+    dem_head_on mean = {sim->def.normal, sim->def.tension,          k_n, c->gamma_n,
                         m_eff,           sim->def.restitution_speed};
     if (!law->damping_ratio && isfinite(mean.v) && dem_collision(&mean, &impact) == RP_OK)
         rp_table_note(out, "restitution", "%.4f of two mean grains at %.4g %s; slower impacts lose more",

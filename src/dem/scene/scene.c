@@ -73,6 +73,14 @@ static const rp_param normal_schema[] = {DEM_NORMAL_PARAMS(ROW){0}};
 static const rp_param tangential_schema[] = {DEM_TANGENTIAL_PARAMS(ROW){0}};
 static const rp_param rolling_schema[] = {DEM_ROLLING_PARAMS(ROW){0}};
 
+static const rp_param material_schema[] = {
+    {"E", "dyn/cm^2", RP_REAL, AT(scene_file, scene.E), NULL, "(0, inf)", "Young's modulus"},
+    {"nu", "", RP_REAL, AT(scene_file, scene.nu), NULL, "[0, 0.5]", "Poisson's ratio"},
+    {"restitution", "", RP_REAL, AT(scene_file, physics.restitution), NULL, "(0, 1]",
+     "of impacts of all speeds"},
+    {"mu", "", RP_REAL, AT(scene_file, physics.mu), NULL, "[0, inf) | infinite", "coefficient of friction"},
+    {0}};
+
 static const rp_param ground_schema[] = {
     {"wall", "", RP_INT, AT(dem_ground, wall), "1", "[1, 8]", "its number: a whole line"},
     {"mu_static", "", RP_REAL, AT(dem_ground, mu_static), NULL, "[0, inf)",
@@ -111,10 +119,11 @@ typedef struct {
     long sides;
     bool closed;
     const char *name;
+    double E, nu;
 } wall_entry;
 
 /* The first rows are of entries: their sides are written as segments, each with the name if there is one. */
-enum { SHAPE_ROWS = 3 };
+enum { SHAPE_ROWS = 5 };
 static const rp_param wall_schema[] = {
     {"name", "", RP_TEXT, AT(wall_entry, name), "", "",
      "for phases and measures; entries of one name open together"},
@@ -122,6 +131,9 @@ static const rp_param wall_schema[] = {
      "of a circle, which is a regular polygon"},
     {"closed", "", RP_BOOL, AT(wall_entry, closed), "true", "",
      "whether a polygon is closed by a side from its last point to its first"},
+    {"E", "dyn/cm^2", RP_REAL, AT(wall_entry, E), "auto", "(0, inf) | auto",
+     "Young's modulus; auto: the grains' in `material`"},
+    {"nu", "", RP_REAL, AT(wall_entry, nu), "auto", "[0, 0.5] | auto", "Poisson's ratio; auto: the grains'"},
     DEM_PHYSICS(WALL_AUTO){"open_at_step", "", RP_INT, AT(wall_entry, line.open_at_step), "never",
                            "[0, 2147483647] | never", "step from which the wall is gone"},
     {"open_speed", "cm/s", RP_REAL, AT(wall_entry, line.open_speed), "instant", "[0, inf) | instant",
@@ -196,6 +208,12 @@ const dem_scene_group dem_scene_schemas[] = {
      "resistance to rolling: a spring and a dashpot of the rolling displacement, under the limit mu F_n, at "
      "the "
      "arm r_i r_j/(r_i + r_j) (Ai, Chen, Rotter & Ooi 2011, model C)"},
+    {"material", material_schema,
+     "elastic spheres by their material: stands for normal = { law = \"elastic\"; tension = false; } with "
+     "k_n = 4/3 E*, "
+     "tangential = { law = \"mindlin\"; damping = \"inside\"; } with k_s = 8 G*, and these coefficients; "
+     "walls have E and "
+     "nu of their own, else the grains'"},
     {"walls", wall_schema,
      "lines, segments, polygons and circles, which may move and open. A line or segment: point = [x, y]; "
      "direction = [nx, ny] (into the grains, any length); of a segment extent = [s0, s1] (from the point "
@@ -231,10 +249,19 @@ static rp_status peek(const config_setting_t *group, const rp_param *schema, con
 }
 
 /* The groups of the contacts' parameters that stand in a text, over those that are there. */
-static rp_status read_physics(const config_setting_t *root, dem_physics *p, dem_definition *def)
+static rp_status read_physics(const config_setting_t *root, scene_file *file, dem_definition *def)
 {
     enum { N_GROUPS = 3 };
     const dem_scene_group *groups = &dem_scene_schemas[1];
+    const config_setting_t *material = config_setting_get_member(root, "material");
+    dem_physics *p = &file->physics;
+    if (material) {
+        RP_TRY(rp_config_group(material, material_schema, file, NULL));
+        const double E[2] = {file->scene.E, file->scene.E}, nu[2] = {file->scene.nu, file->scene.nu};
+        p->normal = DEM_ELASTIC, p->tension = false;
+        p->tangential = DEM_MINDLIN, p->damping = DEM_DAMPING_INSIDE;
+        dem_elastic_contact(E, nu, &p->k_n, &p->k_s);
+    }
     dem_physics_apply(p, def);
     for (size_t k = 0; k < N_GROUPS; k++) {
         const config_setting_t *group = config_setting_get_member(root, groups[k].name);
@@ -273,7 +300,7 @@ rp_status dem_text_laws(const config_setting_t *group, const dem_scene *scene, d
     if (!isinf(file.x_min)) file.x_min = laws->ends[0];
     if (!isinf(file.y_min)) file.y_min = laws->ends[2];
     for (size_t k = 0; k < sizeof keys / sizeof *keys; k++) RP_TRY(peek(group, top_schema, keys[k], &file));
-    RP_TRY(read_physics(group, &file.physics, &def));
+    RP_TRY(read_physics(group, &file, &def));
     *laws = (dem_scene_laws){file.physics,
                              {isinf(file.x_min) ? -INFINITY : file.x_min, file.scene.def.x_max,
                               isinf(file.y_min) ? -INFINITY : file.y_min}};
@@ -460,6 +487,23 @@ static rp_status name_walls(const config_setting_t *setting, const char *name, s
     return RP_OK;
 }
 
+/* Of a wall's material against the grains'. */
+static rp_status use_material(const config_setting_t *setting, const dem_scene *scene, wall_entry *wall)
+{
+    dem_material *m = &wall->line.material;
+    double k_n, k_s;
+    if (!(scene->E > 0.0))
+        return wall->E > 0.0 || wall->nu >= 0.0
+                   ? rp_config_fail(setting, "E, nu: of a wall need the grains' in material = { E; nu; ... }")
+                   : RP_OK;
+    const double E[2] = {scene->E, wall->E > 0.0 ? wall->E : scene->E},
+                 nu[2] = {scene->nu, wall->nu >= 0.0 ? wall->nu : scene->nu};
+    dem_elastic_contact(E, nu, &k_n, &k_s);
+    if (m->k_n < 0.0) m->k_n = k_n;
+    if (m->k_s < 0.0) m->k_s = k_s;
+    return RP_OK;
+}
+
 static rp_status read_wall(const config_setting_t *setting, dem_scene *scene)
 {
     const size_t first = scene->def.n_walls;
@@ -469,6 +513,7 @@ static rp_status read_wall(const config_setting_t *setting, dem_scene *scene)
     wall_entry entry = {.line.extent = {-INFINITY, INFINITY}};
     rp_params_defaults(wall_schema, &entry);
     RP_TRY(rp_config_group(setting, wall_schema, &entry, others));
+    RP_TRY(use_material(setting, scene, &entry));
     const config_setting_t *polygon = config_setting_get_member(setting, "polygon"),
                            *circle = config_setting_get_member(setting, "circle"),
                            *velocity = config_setting_get_member(setting, "velocity"),
@@ -1156,7 +1201,7 @@ static rp_status dt_limit(void *host, const char *name, int n, const double args
     RP_TRY(peek(root, top_schema, "shape", &file));
     RP_TRY(peek(root, top_schema, "density", &file));
     for (size_t k = 1; k <= 3; k++) rp_params_defaults(dem_scene_schemas[k].schema, &file.physics);
-    RP_TRY(read_physics(root, &file.physics, def));
+    RP_TRY(read_physics(root, &file, def));
     rp_status status = read_walls(root, &file.scene);
     if (!status) status = mean_grain(root, &r, &density);
     if (!status && fill) {
@@ -1214,10 +1259,10 @@ static rp_status read_streams(const config_setting_t *root, dem_scene *scene)
 
 static rp_status read_scene(dem_text *text, scene_file *file)
 {
-    static const char *const others[] = {"let",       "gravity", "normal", "tangential", "rolling",  "walls",
-                                         "particles", "fill",    "ground", "hard",       "implicit", "phases",
-                                         "measure",   "regions", "rest",   "result",     "seed",     "run",
-                                         "output",    "require", NULL};
+    static const char *const others[] = {"let",    "material",  "gravity", "normal", "tangential", "rolling",
+                                         "walls",  "particles", "fill",    "ground", "hard",       "implicit",
+                                         "phases", "measure",   "regions", "rest",   "result",     "seed",
+                                         "run",    "output",    "require", NULL};
     config_setting_t *root = config_root_setting(&text->config);
     rp_params_defaults(top_schema, file);
     dem_definition *def = &file->scene.def;
@@ -1235,7 +1280,7 @@ static rp_status read_scene(dem_text *text, scene_file *file)
     def->turn_per_step = file->turn_deg * (M_PI / 180.0);
     def->box_turn_per_step = file->box_turn_deg * (M_PI / 180.0);
     for (size_t k = 1; k <= 3; k++) rp_params_defaults(dem_scene_schemas[k].schema, &file->physics);
-    RP_TRY(read_physics(root, &file->physics, def));
+    RP_TRY(read_physics(root, file, def));
     file->scene.laws = (dem_scene_laws){file->physics, {def->x_min, def->x_max, def->y_min}};
     RP_TRY(read_walls(root, &file->scene));
     const config_setting_t *implicit = config_setting_get_member(root, "implicit");

@@ -22,6 +22,7 @@ typedef struct {
 
 typedef struct {
     dem_definition def;        /* its grains are the scene's, or NULL with a fill */
+    double E, nu;              /* of the grains, from `material`; 0: not given */
     bool has_fill, from_table; /* of its grains; the table of particles_file */
     bool phases;               /* its text has some, which are the experiment's */
     dem_fill fill;             /* the first; H here is the height of the region that grains are placed in */

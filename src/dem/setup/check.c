@@ -108,7 +108,8 @@ static rp_status check_ground(const dem_definition *def)
         return rp_fail(RP_BAD_INPUT, "ground: wall = %ld: must be a whole line that never opens or moves",
                        g->wall);
     if (dem_has_spring(def->tangential))
-        return rp_fail(RP_BAD_INPUT, "ground: the tangential law spring has static friction of its own");
+        return rp_fail(RP_BAD_INPUT, "ground: the tangential law %s has static friction of its own",
+                       dem_tangential_descriptors[def->tangential].name);
     rp_status status = check_number("mu_static", g->mu_static, 0.0, "[0, inf)");
     if (!status) status = check_number("a", g->a, DBL_MIN, "(0, inf)");
     return rp_prefix(status, "ground: ");
@@ -225,7 +226,10 @@ rp_status dem_material_check(const dem_definition *def, const dem_material *m)
     const char *law = dem_normal_descriptors[def->normal].name;
     if (m->gamma_n < 0.0 && !(m->restitution > 0.0))
         return rp_fail(RP_BAD_INPUT, "gamma_n: has no default for the law %s; give it or restitution", law);
-    if (m->gamma_s < 0.0 && dem_has_friction(def->tangential) && !dem_damps_by_rate(def))
+    if (def->tangential == DEM_MINDLIN && def->integrator != DEM_VERLET)
+        return rp_fail(RP_BAD_INPUT, "the tangential law mindlin needs the integrator verlet");
+    if (m->gamma_s < 0.0 && dem_has_friction(def->tangential) && !dem_damps_by_rate(def) &&
+        !(def->tangential == DEM_MINDLIN && m->restitution > 0.0))
         return rp_fail(
             RP_BAD_INPUT,
             "gamma_s: has no default for the law %s, whose gamma_n is a number; give a rate, in %s", law,

@@ -4,6 +4,7 @@
 
 #include "dem/setup/definition.h"
 #include "dem/forces/forces.h"
+#include "dem/law/law.h"
 
 /* The stiffest and the most damped motion of a packing in which every contact is as this one, over a third of
  * what a pair's are. Of normal forces alone a triangular packing's modes have 3 k_n/m_eff at most; with shear
@@ -16,9 +17,10 @@ static double packing_sum(double normal, double shear, double roll, double turns
     return fmax(fmax(edge, corner), turns * (2.0 * shear + roll));
 }
 
-/* Effective mass, and coordination number over six, of two grains or of a grain and a fixed body. */
+/* Effective mass, coordination number over six, and effective radius of two grains or of a grain and a fixed
+ * body. */
 typedef struct {
-    double m_eff, coordination;
+    double m_eff, coordination, r_eff;
 } contact_pair;
 
 /* Largest coordination number of a grain, over six: a large grain among small ones has more neighbours. */
@@ -28,10 +30,11 @@ static double coordination_of(double r, double r_min)
 }
 
 /* Each of the two has as many contacts as it can; m_b may be INFINITY. */
-static contact_pair pair_of(double m_a, double coordination_a, double m_b, double coordination_b)
+static contact_pair pair_of(double m_a, double coordination_a, double m_b, double coordination_b,
+                            double r_eff)
 {
     const double inverse = 1.0 / m_a + 1.0 / m_b;
-    return (contact_pair){1.0 / inverse, (coordination_a / m_a + coordination_b / m_b) / inverse};
+    return (contact_pair){1.0 / inverse, (coordination_a / m_a + coordination_b / m_b) / inverse, r_eff};
 }
 
 /* Largest time step of a contact at this overlap. */
@@ -40,16 +43,20 @@ static double contact_step_limit(const dem_definition *def, const dem_material *
 {
     const dem_scheme *scheme = dem_schemes[def->integrator];
     const dem_normal_descriptor *law = &dem_normal_descriptors[def->normal];
-    const double k_n = law->stiffness(c->k_n, overlap),
-                 gamma_n = law->damping_rate(c->k_n, c->gamma_n, of.m_eff, overlap);
+    const double scaled = law->scale(c->k_n, of.r_eff), k_n = law->stiffness(scaled, overlap),
+                 gamma_n = law->damping_rate(scaled, c->gamma_n, of.m_eff, overlap);
+    double unused = 0.0;
+    dem_slider slider = dem_slider_of(def->slip, def->damping, c->k_s, c->gamma_s, 0.0);
+    if (def->tangential == DEM_MINDLIN)
+        slider = dem_law_mindlin(slider, of.r_eff, of.m_eff, overlap, overlap, &unused);
     const double turns = def->rotation ? 1.0 / dem_inertia(def->shape, 1.0, 1.0) : 0.0;
     const bool shear = dem_has_friction(def->tangential), spring = dem_has_spring(def->tangential),
                rolls = shear && c->mu_roll > 0.0;
-    const dem_rates rates = {.gamma = of.coordination * packing_sum(gamma_n, shear ? c->gamma_s : 0.0,
+    const dem_rates rates = {.gamma = of.coordination * packing_sum(gamma_n, shear ? slider.gamma : 0.0,
                                                                     rolls ? c->gamma_roll : 0.0, turns),
                              .omega2 =
                                  of.coordination / of.m_eff *
-                                 packing_sum(k_n, spring ? c->k_s : 0.0, rolls ? c->k_roll : 0.0, turns)};
+                                 packing_sum(k_n, spring ? slider.k : 0.0, rolls ? c->k_roll : 0.0, turns)};
     return scheme->step_limit ? scheme->step_limit(def, rates, load) : INFINITY;
 }
 
@@ -60,8 +67,8 @@ static double speed_step_limit(const dem_definition *def, const dem_material *c,
 {
     const dem_normal_descriptor *law = &dem_normal_descriptors[def->normal];
     if (!(c->k_n > 0.0)) return contact_step_limit(def, c, of, 0.0, DEM_AT_IMPACT);
-    const double impact = law->impact_overlap(c->k_n, of.m_eff, v), weight = of.m_eff * v * v / (4.0 * r),
-                 rest = law->rest_overlap(c->k_n, weight);
+    const double k_n = law->scale(c->k_n, of.r_eff), impact = law->impact_overlap(k_n, of.m_eff, v),
+                 weight = of.m_eff * v * v / (4.0 * r), rest = law->rest_overlap(k_n, weight);
     const double limit = fmin(contact_step_limit(def, c, of, impact, DEM_AT_IMPACT),
                               contact_step_limit(def, c, of, rest, DEM_AT_REST));
     /* Where nothing damps, the error of an impact's energy stays below 1 % if the way to the deepest point
@@ -109,20 +116,23 @@ static double step_limit(const dem_definition *def, const char **what)
 {
     *what = "nothing: the integrator is implicit";
     if (!dem_schemes[def->integrator]->step_limit) return INFINITY;
-    double r_moves = INFINITY, r_min = INFINITY, limit = INFINITY;
+    double r_moves = INFINITY, r_min = INFINITY, r_max = 0.0, limit = INFINITY;
     const dem_grain *first, *second;
     for (size_t i = 0; i < def->n_grains; i++) {
-        r_min = fmin(r_min, def->grains[i].r);
+        r_min = fmin(r_min, def->grains[i].r), r_max = fmax(r_max, def->grains[i].r);
         if (!def->grains[i].fixed) r_moves = fmin(r_moves, def->grains[i].r);
     }
     lightest_two(def, r_min, &first, &second);
     *what = "no contact";
     if (!first) return limit;
     const double v = dem_impact_speed(def), coordination = coordination_of(first->r, r_min);
-    const contact_pair one = pair_of(first->m, coordination, INFINITY, 0.0); /* the other cannot move */
+    const contact_pair one =
+        pair_of(first->m, coordination, INFINITY, 0.0, first->r); /* the other cannot move */
     if (def->n_grains > 1) {
         const contact_pair two =
-            second ? pair_of(first->m, coordination, second->m, coordination_of(second->r, r_min)) : one;
+            second ? pair_of(first->m, coordination, second->m, coordination_of(second->r, r_min),
+                             first->r * r_max / (first->r + r_max))
+                   : one;
         *what = "two of the lightest grains";
         limit = speed_step_limit(def, &def->material, two, r_moves, v);
     }
@@ -151,11 +161,12 @@ double dem_time_step_limit(const dem_definition *def, const char **what)
 static contact_pair pair_at(const dem_sim *sim, const dem_relative *r)
 {
     const dem_grains *g = &sim->grains;
-    if (r->slot) return pair_of(r->m_eff, 1.0, INFINITY, 0.0);
+    if (r->slot) return pair_of(r->m_eff, 1.0, INFINITY, 0.0, r->r_eff);
     const bool held = dem_is_fixed(sim, r->a);
     const size_t a = held ? r->b : r->a, b = held ? r->a : r->b;
     return pair_of(g->mass[a], coordination_of(g->radius[a], sim->r_min),
-                   dem_is_fixed(sim, b) ? INFINITY : g->mass[b], coordination_of(g->radius[b], sim->r_min));
+                   dem_is_fixed(sim, b) ? INFINITY : g->mass[b], coordination_of(g->radius[b], sim->r_min),
+                   r->r_eff);
 }
 
 rp_status dem_check_start_overlaps(const dem_sim *sim)
@@ -181,8 +192,9 @@ rp_status dem_check_listed(const dem_sim *sim, const size_t lines[])
     for (size_t k = 0; k < dem_contact_numbers(sim); k++) {
         if (!dem_contact_relative(sim, k, true, &r) || !(r.c->k_n > 0.0)) continue;
         const double least = r.slot ? g->radius[r.a] : fmin(g->radius[r.a], g->radius[r.b]);
-        if (r.overlap <= fmax((0.1 + 1e-9) * least,
-                              2.0 * dem_normal_descriptors[sim->def.normal].rest_overlap(r.c->k_n, weight)))
+        if (r.overlap <=
+            fmax((0.1 + 1e-9) * least,
+                 2.0 * dem_normal_descriptors[sim->def.normal].rest_overlap(dem_k_n_of(sim, &r), weight)))
             continue;
         const uint32_t a = g->id[r.a], b = r.slot ? 0 : g->id[r.b];
         if (r.slot)

@@ -25,7 +25,7 @@ typedef enum {
     X(double, m_eff, !springs_only, 1, DEM_MADE)                                                             \
     X(double, radius_i, rotation, 1, DEM_MADE)                                                               \
     X(double, radius_j, rotation, 1, DEM_MADE)                                                               \
-    X(double, r_eff, rotation, 1, DEM_MADE)                                                                  \
+    X(double, r_eff, !springs_only, 1, DEM_MADE)                                                             \
     X(double, spring, true, 1, DEM_SPRING_OF)                                                                \
     X(double, roll, rolling, 1, DEM_SPRING_TURN)
 

@@ -140,8 +140,8 @@ static const exp_output limit_outputs[] = {{"_floor", "", "share of the contacts
 static bool at_limit(const exp_view *s, const dem_contact *c)
 {
     const dem_wall_state wall = c->id_b ? (dem_wall_state){0} : dem_wall_now(s->sim, (size_t)c->wall);
-    const double mu = c->id_b ? s->mu : wall.mu, k_s = c->id_b ? s->k_s : wall.k_s;
-    return mu > 0.0 && k_s * fabs(c->shear_spring) >= 0.999 * mu * c->normal_force;
+    const double mu = c->id_b ? s->mu : wall.mu;
+    return mu > 0.0 && c->k_s * fabs(c->shear_spring) >= 0.999 * mu * c->normal_force;
 }
 
 static rp_status count(const exp_view *s, const void *params, double out[])

@@ -20,7 +20,7 @@ typedef struct {
     double lo[2], hi[2]; /* of the region, infinite without */
     const dem_sim *sim;
     double mass;         /* of all grains that move */
-    double mu, k_s;      /* of contacts between grains */
+    double mu;           /* of contacts between grains */
     size_t n_marks;      /* ids from 1 on: */
     const double *marks; /* their marked x, y; NAN: none */
     size_t n_contacts;   /* of a module that asks for them: all of the run */
