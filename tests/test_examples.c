@@ -185,6 +185,23 @@ static void ledge(void)
     if (!check_fast()) CU_ASSERT(above > below + 4.0 && above < 31.0 && below > 4.0);
 }
 
+/* Resistance to rolling decides how high the heap is; a fifth of the grains here. */
+static void wedge(void)
+{
+    static const char few[] =
+        "small=500' --set 'large=100' --set 'opened=1.0' --set 'end=4.0' --set 'mu_roll=%g";
+    double height[2];
+    enter_folder();
+    for (int k = 0; k < 2; k++) {
+        char set[128];
+        snprintf(set, sizeof set, few, k ? 0.3 : 0.0);
+        height[k] = measured("wedge.cfg", set, "height");
+        if (!check_fast()) CHECK_NEAR(measured("wedge.cfg", NULL, "below"), 600.0, 0.0);
+    }
+    leave();
+    if (!check_fast()) CU_ASSERT(height[0] > 0.03 && height[1] > 1.3 * height[0] && height[1] < 0.15);
+}
+
 /* Equal loads make equal stresses; the angle of friction grows with that of the grains, below it: 26.6
  * degrees at mu = 0.5. */
 static void biaxial(void)
@@ -224,16 +241,11 @@ static void crater(void)
 
 void suite_examples(void)
 {
-    static const check_case cases[] = {{"two grains collide", impact},
-                                       {"a chute", chute},
-                                       {"a shear box", shear_box},
-                                       {"a drum", drum},
-                                       {"a hopper", hopper},
-                                       {"a lifted cylinder", cylinder},
-                                       {"a column", column},
-                                       {"a ledge", ledge},
-                                       {"a loaded sample", biaxial},
-                                       {"a crater", crater},
-                                       {NULL, NULL}};
+    static const check_case cases[] = {{"two grains collide", impact}, {"a chute", chute},
+                                       {"a shear box", shear_box},     {"a drum", drum},
+                                       {"a hopper", hopper},           {"a lifted cylinder", cylinder},
+                                       {"a column", column},           {"a ledge", ledge},
+                                       {"a loaded sample", biaxial},   {"a wedge hopper", wedge},
+                                       {"a crater", crater},           {NULL, NULL}};
     check_register("examples", cases);
 }

@@ -66,7 +66,10 @@ static void kernels_of(const features *f, long number)
     def.tension = f->tension, def.rotation = f->rotation;
     if (f->rolling) def.material.mu_roll = 0.1;
     if (!dem_has_friction(f->tangential)) def.material.mu = 0.0;
-    if (f->tangential == DEM_MINDLIN) def.material.k_s = 0.9 * def.material.k_n, def.material.gamma_s = 0.2;
+    if (f->tangential == DEM_MINDLIN) {
+        def.material.k_s = def.material.k_roll = 0.4 * def.material.k_n;
+        def.material.gamma_s = def.material.gamma_roll = 0.2;
+    }
     for (int i = 0; def.rotation && i < GRAINS; i++) grains[i].omega = i % 7 - 3.0;
     for (int w = 0; w < DEM_BOX_N; w++) {
         def.walls[w].material = def.material;

@@ -27,8 +27,8 @@ static void scale_material(units u, const dem_definition *def, dem_material *c)
     if (dem_damps_by_rate(def)) c->gamma_n = to(u, c->gamma_n, 0.0, 0.0, -1.0);
     c->k_s = to(u, c->k_s, mindlin ? -1.0 : 0.0, 1.0, -2.0);
     if (!mindlin) c->gamma_s = to(u, c->gamma_s, 0.0, 0.0, -1.0);
-    c->k_roll = to(u, c->k_roll, 0.0, 1.0, -2.0);
-    c->gamma_roll = to(u, c->gamma_roll, 0.0, 0.0, -1.0);
+    c->k_roll = to(u, c->k_roll, mindlin ? -1.0 : 0.0, 1.0, -2.0);
+    if (!mindlin) c->gamma_roll = to(u, c->gamma_roll, 0.0, 0.0, -1.0);
 }
 
 static void scale_grain(units u, dem_grain *p)
@@ -200,9 +200,11 @@ static void soft(void)
         if (def.rotation) def.material.mu_roll = 0.1, extra.omega = 20.0;
         if (k == 4) def.material.mu = INFINITY;
         grains_law(&def, (dem_normal_law)(k % DEM_NORMAL_N), 1e5, 50.0);
-        if (k > 5)
-            def.tangential = DEM_MINDLIN, def.material.k_s = 0.9 * def.material.k_n,
-            def.material.gamma_s = 0.1;
+        if (k > 5) {
+            def.tangential = DEM_MINDLIN;
+            def.material.k_s = def.material.k_roll = 0.9 * def.material.k_n;
+            def.material.gamma_s = def.material.gamma_roll = 0.1;
+        }
         for (int w = 0; w < 3; w++) def.walls[w].material = def.material;
         def.dt = 2e-5, def.walls[DEM_BOX_RIGHT].open_at_step = 900;
         def.x_max = 2.1, def.y_min = -0.3;

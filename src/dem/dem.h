@@ -348,7 +348,7 @@ typedef struct dem_contact {
     int wall;
     double x, y, x_b, y_b; /* centres; for a wall its nearest point */
     double overlap, normal_force, shear_force, shear_spring;
-    double k_s;                            /* stiffness of the shear spring */
+    double k_s, k_roll;                    /* stiffness of the shear spring, of the rolling one */
     double rolling_torque, rolling_spring; /* torque on grain a, and displacement */
     dem_well well; /* on the ground: of which shear_force holds the pull, shear_spring the displacement */
 } dem_contact;

@@ -80,18 +80,21 @@ dem_contact dem_law_forces(const dem_sim *sim, const dem_relative *r, double h)
 {
     const dem_definition *def = &sim->def;
     const double k_n = dem_law_k_n(def->normal, r->c->k_n, r->r_eff);
-    dem_slider shear = dem_slider_of(def->slip, def->damping, r->c->k_s, r->c->gamma_s, r->mu);
+    dem_slider shear = dem_slider_of(def->slip, def->damping, r->c->k_s, r->c->gamma_s, r->mu),
+               rolls = dem_rolls_of(r->c);
     dem_contact c = {.overlap = r->overlap, .shear_spring = r->spring, .rolling_spring = r->roll};
     c.normal_force =
         dem_law_normal(def->normal, def->tension, k_n, r->c->gamma_n, r->m_eff, r->overlap, r->v_n);
-    if (def->tangential == DEM_MINDLIN) /* a pair has h = 0 here */
-        shear =
-            dem_law_mindlin(shear, r->r_eff, r->m_eff, r->overlap, r->overlap + r->v_n * h, &c.shear_spring);
-    c.k_s = shear.k;
+    if (def->tangential == DEM_MINDLIN) { /* a pair has h = 0 here */
+        const double before = r->overlap + r->v_n * h;
+        shear = dem_law_mindlin(shear, r->r_eff, r->m_eff, r->overlap, before, &c.shear_spring);
+        rolls = dem_law_mindlin(rolls, r->r_eff, r->m_eff, r->overlap, before, &c.rolling_spring);
+    }
+    c.k_s = shear.k, c.k_roll = rolls.k;
     c.shear_force =
         dem_law_tangential(def->tangential, shear, r->m_eff, r->v_s, c.normal_force, h, &c.shear_spring);
     if (sim->pairs.rolling)
-        c.rolling_torque = r->r_eff * dem_law_shear(dem_rolls_of(r->c), r->m_eff, r->v_roll, c.normal_force,
-                                                    h, &c.rolling_spring);
+        c.rolling_torque =
+            r->r_eff * dem_law_shear(rolls, r->m_eff, r->v_roll, c.normal_force, h, &c.rolling_spring);
     return c;
 }

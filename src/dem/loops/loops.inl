@@ -105,11 +105,14 @@ INLINE forces forces_of(const work *w, size_t k, const geometry *g)
         ds += more[0] * g->ny - more[1] * g->nx;
     }
 #endif
-    dem_slider shear = law->shear;
+    dem_slider shear = law->shear, rolls = law->rolls;
+    num xi = w->with.rolling ? num_load(pairs->roll + k) : zero;
     if (law->tangential == DEM_MINDLIN) { /* a step back, along straight lines */
         const num radii = num_load(pairs->radii + k), r = radii - g->overlap, h = num_of(w->h),
-                  back = r * r - 2.0 * h * r * v_n + h * h * (g->vx * g->vx + g->vy * g->vy);
-        shear = dem_law_mindlin(shear, r_eff, m_eff, g->overlap, radii - num_sqrt(back), &ds);
+                  back = r * r - 2.0 * h * r * v_n + h * h * (g->vx * g->vx + g->vy * g->vy),
+                  before = radii - num_sqrt(back);
+        shear = dem_law_mindlin(shear, r_eff, m_eff, g->overlap, before, &ds);
+        if (w->with.rolling) rolls = dem_law_mindlin(rolls, r_eff, m_eff, g->overlap, before, &xi);
     }
     const num f_s = dem_law_tangential(law->tangential, shear, m_eff, v_s, f_n, w->h, &ds);
     if (has_spring) num_store(pairs->spring + k, num_choose(g->touch, ds, zero));
@@ -118,8 +121,7 @@ INLINE forces forces_of(const work *w, size_t k, const geometry *g)
     if (!w->with.rotation) return f;
     num couple = zero;
     if (w->with.rolling) {
-        num xi = num_load(pairs->roll + k);
-        couple = dem_law_rolling(law->rolls, r_eff, m_eff, omega_i - omega_j, f_n, w->h, &xi);
+        couple = dem_law_rolling(rolls, r_eff, m_eff, omega_i - omega_j, f_n, w->h, &xi);
         num_store(pairs->roll + k, num_choose(g->touch, xi, zero));
     }
     f.on_i = arm_i * f_s + couple;
@@ -296,14 +298,17 @@ INLINE slot_forces slot_forces_of(const dem_sim *sim, const dem_laws *law, const
     const num arm = radius - overlap, omega = sim->grains.omega ? num_gather(sim->grains.omega, i, 1) : zero;
     num v_s = vx * ny - vy * nx;
     if (sim->grains.omega) v_s += arm * omega;
-    dem_slider shear = law->shear;
-    if (law->tangential == DEM_MINDLIN)
-        shear = dem_law_mindlin(shear, radius, mass, overlap, overlap + v_n * h, &b.spring);
+    dem_slider shear = law->shear, rolls = law->rolls;
+    if (law->tangential == DEM_MINDLIN) {
+        const num before = overlap + v_n * h;
+        shear = dem_law_mindlin(shear, radius, mass, overlap, before, &b.spring);
+        rolls = dem_law_mindlin(rolls, radius, mass, overlap, before, &b.roll);
+    }
     const num f_s = dem_law_tangential(law->tangential, shear, mass, v_s, f_n, h, &b.spring);
     b.fx += ny * f_s;
     b.fy -= nx * f_s;
     b.slip = arm * f_s;
-    if (sim->pairs.rolling) b.couple = dem_law_rolling(law->rolls, radius, mass, omega, f_n, h, &b.roll);
+    if (sim->pairs.rolling) b.couple = dem_law_rolling(rolls, radius, mass, omega, f_n, h, &b.roll);
     return b;
 }
 

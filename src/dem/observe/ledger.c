@@ -102,7 +102,7 @@ static dem_parts split_force(const dem_sim *sim, const dem_relative *r)
     dem_parts p = {
         .n = r->n, .s = r->s, .elastic = dem_law_elastic(def->normal, dem_k_n_of(sim, r), r->overlap)};
     p.damping = f_n - p.elastic;
-    double pull = law.k_s * r->spring, xi = r->roll;
+    double pull = law.k_s * r->spring;
     switch (def->tangential) {
     case DEM_NONE: break;
     case DEM_MINDLIN:
@@ -114,8 +114,8 @@ static dem_parts split_force(const dem_sim *sim, const dem_relative *r)
     case DEM_SLIP_ROLL: *(f_s == -(c->gamma_s * r->m_eff * r->v_s) ? &p.dashpot : &p.slip) = f_s; break;
     }
     if (sim->pairs.rolling) {
-        p.roll_spring = -c->k_roll * xi;
-        p.roll_dashpot = dem_law_shear(dem_rolls_of(c), r->m_eff, r->v_roll, f_n, 0.0, &xi) - p.roll_spring;
+        p.roll_spring = -law.k_roll * r->roll;
+        p.roll_dashpot = law.rolling_torque / r->r_eff - p.roll_spring;
     }
     if (r->slot && dem_is_ground(sim, r->slot)) p.well = dem_ground_force(sim, r->slot, f_n);
     return p;

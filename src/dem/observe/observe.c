@@ -117,7 +117,7 @@ dem_elastic dem_contact_elastic(const dem_sim *sim, size_t k)
                  normal = fmax(contact.normal_force, 0.0);
     dem_elastic energy = {
         .normal = dem_normal_descriptors[sim->def.normal].potential(dem_k_n_of(sim, &r), r.overlap),
-        .rolling = 0.5 * r.c->k_roll * roll * roll};
+        .rolling = 0.5 * contact.k_roll * roll * roll};
     if (contact.well == DEM_WELL_HOLDS)
         energy.well = 0.5 * sim->def.ground.mu_static * normal / sim->def.ground.a * ds * ds;
     if (dem_has_spring(sim->def.tangential)) {

@@ -8,7 +8,8 @@ void dem_write_notes(const dem_sim *sim, FILE *out)
 {
     const dem_material *c = &sim->def.material;
     const dem_normal_descriptor *law = &dem_normal_descriptors[sim->def.normal];
-    const double r = sim->start.radius_mean, k_n = law->scale(c->k_n, 0.5 * r), m_eff = 0.5 * sim->start.mass_mean, v = sim->start.speed;
+    const double r = sim->start.radius_mean, k_n = law->scale(c->k_n, 0.5 * r),
+                 m_eff = 0.5 * sim->start.mass_mean, v = sim->start.speed;
     rp_table_note(out, "kernel", "%s", sim->loops.name);
     rp_table_note(out, "integrator", "%s", sim->scheme->name);
     rp_table_note(out, "time step", "dt = %.4g %s; limit %.3g %s, set by %s", sim->def.dt, rp_unit("s"),

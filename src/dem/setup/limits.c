@@ -46,17 +46,20 @@ static double contact_step_limit(const dem_definition *def, const dem_material *
     const double scaled = law->scale(c->k_n, of.r_eff), k_n = law->stiffness(scaled, overlap),
                  gamma_n = law->damping_rate(scaled, c->gamma_n, of.m_eff, overlap);
     double unused = 0.0;
-    dem_slider slider = dem_slider_of(def->slip, def->damping, c->k_s, c->gamma_s, 0.0);
-    if (def->tangential == DEM_MINDLIN)
+    dem_slider slider = dem_slider_of(def->slip, def->damping, c->k_s, c->gamma_s, 0.0),
+               roll = dem_rolls_of(c);
+    if (def->tangential == DEM_MINDLIN) {
         slider = dem_law_mindlin(slider, of.r_eff, of.m_eff, overlap, overlap, &unused);
+        roll = dem_law_mindlin(roll, of.r_eff, of.m_eff, overlap, overlap, &unused);
+    }
     const double turns = def->rotation ? 1.0 / dem_inertia(def->shape, 1.0, 1.0) : 0.0;
     const bool shear = dem_has_friction(def->tangential), spring = dem_has_spring(def->tangential),
                rolls = shear && c->mu_roll > 0.0;
     const dem_rates rates = {.gamma = of.coordination * packing_sum(gamma_n, shear ? slider.gamma : 0.0,
-                                                                    rolls ? c->gamma_roll : 0.0, turns),
+                                                                    rolls ? roll.gamma : 0.0, turns),
                              .omega2 =
                                  of.coordination / of.m_eff *
-                                 packing_sum(k_n, spring ? slider.k : 0.0, rolls ? c->k_roll : 0.0, turns)};
+                                 packing_sum(k_n, spring ? slider.k : 0.0, rolls ? roll.k : 0.0, turns)};
     return scheme->step_limit ? scheme->step_limit(def, rates, load) : INFINITY;
 }
 
