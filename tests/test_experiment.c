@@ -628,9 +628,10 @@ static void test_modules(void)
 {
     char text[16384];
     size_t n = 0;
-    n += (size_t)snprintf(text, sizeof text,
-                          "dt = 1.0e-5; gravity = (0.0, 0.0); regions = { all = { x = (-2.0, 4.2); y = (0.0, "
-                          "9.0); }; right_side = { x = (0.0, 4.0); }; };\nparticles = (");
+    n += (size_t)snprintf(
+        text, sizeof text,
+        "dt = 1.0e-5; gravity = (0.0, 0.0); regions = { all = { x = (-2.0, 4.2); y = (0.0, "
+        "9.0); }; right_side = { x = (0.0, 4.0); }; wide = { x = (-2.0, 6.0); }; };\nparticles = (");
     /* columns of width 0.2: heights 2 - 0.4 |x| to the right, 2 - 0.8 |x| to the left */
     for (int k = -9; k <= 19; k++) {
         const double x = 0.2 * k, top = k < 0 ? 2.0 + 0.8 * x : 2.0 - 0.4 * x;
@@ -638,9 +639,11 @@ static void test_modules(void)
                               k > -9 ? "," : "", x + 0.1, top - 0.1);
     }
     snprintf(text + n, sizeof text - n,
-             ", { x = 9.0; y = 0.1; r = 0.1; }, { x = 9.19; y = 0.1; r = 0.1; } );\n"
+             ", { x = 4.7; y = 0.9; r = 0.1; }, { x = 9.0; y = 0.1; r = 0.1; }, { x = 9.19; y = 0.1; r = "
+             "0.1; } );\n"
              "phases = ( { name = \"look\"; steps = 0; } );\n"
-             "measure = ( { name = \"heap\"; of = \"flanks\"; in = \"all\"; }, { name = \"d_\"; of = "
+             "measure = ( { name = \"heap\"; of = \"flanks\"; in = \"all\"; }, { name = "
+             "\"gap\"; of = \"flanks\"; in = \"wide\"; }, { name = \"d_\"; of = "
              "\"deposit\"; },\n"
              "  { name = \"s\"; of = \"slope\"; in = \"right_side\"; height = \"top\"; }, { name = \"two\"; "
              "of = \"slope.r2_deg\"; in = \"right_side\"; height = \"top\"; },\n"
@@ -652,6 +655,8 @@ static void test_modules(void)
     CU_ASSERT_STRING_EQUAL(exp_ended(t.run)->status, "ok");
     CHECK_NEAR(measured(&t, "heap_right_deg"), atan(0.4) / deg, 1e-6);
     CHECK_NEAR(measured(&t, "heap_left_deg"), atan(0.8) / deg, 1e-6);
+    CHECK_NEAR(measured(&t, "gap_right_deg"), measured(&t, "heap_right_deg"),
+               1e-9); /* beyond an empty column */
     CHECK_NEAR(measured(&t, "heap_mean_deg"), 0.5 * (atan(0.4) + atan(0.8)) / deg, 1e-6);
     CHECK_NEAR(measured(&t, "heap_height"), 2.0, 1e-6);
     CHECK_NEAR(measured(&t, "heap_apex"), 0.1, 0.02);
