@@ -110,6 +110,8 @@ static const char *const scenes[] = {
     "};\n" WALLS GRAINS(""),
     "steps = 300; normal = { }; tangential = { }; fill = { N = 12; W = 1.0; H = 1.2; };\n" WALLS,
     "steps = 300; fill = { N = 3; W = 1.0; H = 1.2; };\n" WALLS,
+    "rotation = true; steps = 300; normal = { k_n = 1.0e5; }; rolling = { mu = 0.001; };\n" FRICTION WALLS
+        GRAINS(SPIN),
     /* E as of the candidates up to 1e5; the first lies on the floor */
     "steps = 300; gravity = [0.0, -20.0]; rotation = true; dt = 1.0e-4; material = { E = 1.0e5; nu = 0.3; "
     "restitution = "

@@ -64,7 +64,8 @@ static void kernels_of(const features *f, long number)
     grains_law(&def, f->normal, 1.5e5, 500.0);
     def.tangential = f->tangential, def.slip = f->slip, def.damping = f->damping;
     def.tension = f->tension, def.rotation = f->rotation;
-    if (f->rolling) def.material.mu_roll = 0.1;
+    if (f->rolling) def.rolling = (dem_rolling)(number % 3);
+    if (f->rolling) def.material.mu_roll = def.rolling == DEM_ROLL_VISCOUS ? 1e-3 : 0.1;
     if (!dem_has_friction(f->tangential)) def.material.mu = 0.0;
     if (f->tangential == DEM_MINDLIN) {
         def.material.k_s = def.material.k_roll = 0.4 * def.material.k_n;

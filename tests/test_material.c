@@ -175,7 +175,7 @@ static void group_of_a_scene(void)
 
 /* Undamped grains that roll and slide in a closed box: the ledger closes, friction alone takes energy, and
  * takes it at all times. */
-static void ledger_closes(void)
+static void ledger_of(dem_rolling model)
 {
     scoped dem_grain *grains = NULL;
     dem_definition def = grains_box(60, 2.0, 4, &grains);
@@ -184,10 +184,12 @@ static void ledger_closes(void)
     def.normal = DEM_ELASTIC, def.tangential = DEM_MINDLIN, def.tension = false, def.rotation = true,
     def.ledger = true;
     def.damping = DEM_DAMPING_INSIDE;
-    def.material = (dem_material){.k_n = k_n, .k_s = k_s, .mu = 0.4, .mu_roll = 0.1, .k_roll = k_s};
+    def.material = (dem_material){
+        .k_n = k_n, .k_s = k_s, .mu = 0.4, .mu_roll = model == DEM_ROLL_VISCOUS ? 1e-3 : 0.1, .k_roll = k_s};
     for (int w = 0; w < DEM_BOX_N; w++) def.walls[w].material = def.material;
     for (int i = 0; i < 60; i++) grains[i].omega = 20.0 * (i % 7 - 3.0);
     def.dt = 1e-6;
+    def.rolling = model;
     scoped_sim *sim = grains_start(&def);
     for (int k = 0; k < 40; k++) {
         dem_ledger l;
@@ -199,6 +201,43 @@ static void ledger_closes(void)
         lost = l.sliding, rolled = l.rolling;
     }
     CU_ASSERT(lost > 0.0 && rolled > 0.0);
+}
+
+static void ledger_closes(void)
+{
+    for (int model = DEM_ROLL_SPRING; model <= DEM_ROLL_VISCOUS; model++) ledger_of((dem_rolling)model);
+}
+
+/* A sphere rolls on a floor: the constant model takes mu g/(1 + I/(m r^2)) of its speed a second and then
+ * holds it, the viscous one a part mu g/(1 + I/(m r^2)) of it; as the spring does, but for its own stretch.
+ */
+static void rolling_models(void)
+{
+    static const char *const models[] = {"spring", "constant", "viscous"};
+    for (int k = 0; k < 3; k++)
+        for (int kernel = 0; kernel < 2; kernel++) {
+            char text[1024];
+            scoped_scene s;
+            scoped_sim *sim = NULL;
+            dem_state now;
+            const double mu = k == 2 ? 2e-3 : 0.02, v = 10.0, decay = mu * 981.0 / 1.4;
+            snprintf(
+                text, sizeof text,
+                "%srotation = true; dt = 5e-6; kernel = \"%s\"; rolling = { model = \"%s\"; mu = %g; };\n"
+                "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; mu = 5.0; } );\n"
+                "particles = ( { x = 0.0; y = 0.09995; r = 0.1; vx = %g; omega = %g; } );\n",
+                material, kernel ? "reference" : "fast", models[k], mu, v, -v / 0.1);
+            CHECK_OK(grains_read(text, NULL, &s));
+            CHECK_OK(dem_scene_start(&s, &sim));
+            CHECK_OK(dem_run(sim, 60000)); /* 0.3 s */
+            CHECK_OK(dem_states(sim, &now));
+            CHECK_NEAR(now.vx, k == 2 ? v * exp(-decay * 0.3) : v - decay * 0.3, 0.02 * v);
+            CHECK_NEAR(now.omega, -now.vx / 0.1, 0.02 * v / 0.1);
+            CHECK_OK(dem_run(sim, 120000));
+            CHECK_OK(dem_states(sim, &now));
+            if (k < 2) CHECK_NEAR(now.vx, 0.0, 0.02);
+            if (k == 2) CHECK_NEAR(now.vx, v * exp(-decay * 0.9), 0.03 * v * exp(-decay * 0.9));
+        }
 }
 
 /* A surface acts the same as a whole line and as a segment, at rest and, seen from a frame that moves along,
@@ -239,6 +278,7 @@ void suite_material(void)
                                        {"Hertz' impact", hertz_impact},
                                        {"a scene's material", group_of_a_scene},
                                        {"walls of all kinds", walls_alike},
+                                       {"models of rolling resistance", rolling_models},
                                        {"ledger", ledger_closes},
                                        {0}};
     check_register("material", cases);

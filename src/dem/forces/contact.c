@@ -94,7 +94,7 @@ dem_contact dem_law_forces(const dem_sim *sim, const dem_relative *r, double h)
     c.shear_force =
         dem_law_tangential(def->tangential, shear, r->m_eff, r->v_s, c.normal_force, h, &c.shear_spring);
     if (sim->pairs.rolling)
-        c.rolling_torque =
-            r->r_eff * dem_law_shear(rolls, r->m_eff, r->v_roll, c.normal_force, h, &c.rolling_spring);
+        c.rolling_torque = r->r_eff * dem_law_rolling(def->rolling, rolls, r->m_eff, r->v_roll,
+                                                      c.normal_force, h, &c.rolling_spring);
     return c;
 }

@@ -279,24 +279,33 @@ LAW num dem_law_tangential(dem_tangential_law law, dem_slider c, num m_eff, num 
     __builtin_unreachable();
 }
 
-/* Rolling resistance as the same spring and slider (Ai, Chen, Rotter & Ooi 2011, model C): force at the
- * distance R_eff = r_i r_j/(r_i + r_j) (a wall: r_i) from both centres, against R_eff (omega_i - omega_j), at
- * most mu_roll max(F_n, 0), dashpot included; *xi is the rolling displacement. The torque of R_eff times it
- * on i, which this gives, and its opposite on j conserve angular momentum. */
+/* Rolling resistance (Ai, Chen, Rotter & Ooi 2011): force at the distance R_eff = r_i r_j/(r_i + r_j) (a
+ * wall: r_i) from both centres, against the speed v = R_eff (omega_i - omega_j). Of a spring and a slider as
+ * for shear, at most mu_roll max(F_n, 0), dashpot included, *xi the rolling displacement; or that limit; or
+ * mu_roll F_n v. The torque of R_eff times it on i, and its opposite on j, conserve angular momentum. */
 LAW dem_slider dem_rolls_of(const dem_material *c)
 {
     return dem_slider_of(DEM_TRUNCATED, DEM_DAMPING_INSIDE, c->k_roll, c->gamma_roll, c->mu_roll);
 }
 
-LAW num dem_law_rolling(dem_slider c, num r_eff, num m_eff, num omega, num normal_force, double h, num *xi)
+LAW num dem_law_rolling(dem_rolling model, dem_slider c, num m_eff, num v, num normal_force, double h,
+                        num *xi)
 {
-    return r_eff * dem_law_shear(c, m_eff, r_eff * omega, normal_force, h, xi);
+    const num cap = c.mu * num_max(normal_force, (num){0});
+    lanes slides;
+    switch (model) {
+    case DEM_ROLL_SPRING: return dem_law_shear(c, m_eff, v, normal_force, h, xi);
+    case DEM_ROLL_CONSTANT: return -num_limit(v * 1e300, cap, &slides);
+    case DEM_ROLL_VISCOUS: return -(cap * v);
+    }
+    __builtin_unreachable();
 }
 
 /* The laws of one kind of contact, with their coefficients. */
 typedef struct {
     dem_normal_law normal;
     dem_tangential_law tangential;
+    dem_rolling rolling;
     bool tension;
     double k_n, gamma_n;
     dem_slider shear, rolls;

@@ -36,6 +36,7 @@ const char *dem_tangential_manual(int law)
     return dem_tangential_descriptors[law].manual;
 }
 
+DEM_MANUAL_OF(DEM_ROLLINGS, dem_rolling_manual)
 DEM_MANUAL_OF(DEM_SLIPS, dem_slip_manual)
 DEM_MANUAL_OF(DEM_DAMPINGS, dem_damping_manual)
 

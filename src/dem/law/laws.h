@@ -62,12 +62,22 @@ RP_C_BEGIN
     X(DEM_DAMPING_OUTSIDE, outside, "the dashpot adds to the limit mu F_n, as (2b) is printed")              \
     X(DEM_DAMPING_INSIDE, inside, "spring and dashpot together obey the limit mu F_n")
 
+/* Models of rolling resistance, named as by Ai, Chen, Rotter & Ooi 2011. */
+#define DEM_ROLLINGS(X)                                                                                      \
+    X(DEM_ROLL_SPRING, spring,                                                                               \
+      "a spring and a dashpot of the rolling displacement, under the limit mu F_n: model C")                 \
+    X(DEM_ROLL_CONSTANT, constant,                                                                           \
+      "the limit mu F_n against any rolling, however slow, which then trembles: model A")                    \
+    X(DEM_ROLL_VISCOUS, viscous,                                                                             \
+      "mu F_n times the rolling speed, of which mu is 1/unit; holds nothing at rest: model B")
+
 typedef enum { DEM_NORMAL_LAWS(DEM_ID) } dem_normal_law;
 typedef enum { DEM_TANGENTIAL_LAWS(DEM_ID) } dem_tangential_law;
+typedef enum { DEM_ROLLINGS(DEM_ID) } dem_rolling;
 typedef enum { DEM_SLIPS(DEM_ID) } dem_slip;
 typedef enum { DEM_DAMPINGS(DEM_ID) } dem_damping;
 enum { DEM_NORMAL_N = DEM_NORMAL_LAWS(DEM_ONE), DEM_TANGENTIAL_N = DEM_TANGENTIAL_LAWS(DEM_ONE) };
-dem_manual dem_normal_manual, dem_tangential_manual, dem_slip_manual, dem_damping_manual;
+dem_manual dem_normal_manual, dem_tangential_manual, dem_rolling_manual, dem_slip_manual, dem_damping_manual;
 
 #define DEM_LAW_FRICTION(id, word, manual, friction, ...)       | (unsigned)friction << id
 #define DEM_LAW_SPRING(id, word, manual, friction, spring, ...) | (unsigned)spring << id

@@ -86,6 +86,8 @@
 /* Group `rolling`. */
 #define DEM_ROLLING_PARAMS(X) \
     DEM_MU_ROLL_PARAM(X, "0.0") \
+    X(SCENE, RP_CHOICE, rolling, DEM_KEY("model"), DEM_UNIT(""), DEM_DEFAULT("spring"), DEM_RANGE(DEM_WORDS(DEM_ROLLINGS)), \
+      DEM_NO_WALL, DEM_MEANING("resistance to rolling"), DEM_MANUAL_BY(dem_rolling_manual)) \
     X(MATERIAL, RP_REAL, k_roll, DEM_KEY("k"), DEM_UNIT("dyn/cm"), DEM_DEFAULT("auto"), DEM_RANGE("[0, inf)"), \
       DEM_ALSO(" | auto"), DEM_AUTOMATIC(m->k_s), DEM_WALL(1.0), DEM_MEANING("stiffness of rolling; auto: k_s")) \
     X(MATERIAL, RP_REAL, gamma_roll, DEM_KEY("gamma"), DEM_UNIT("1/s"), DEM_DEFAULT("auto"), DEM_RANGE("[0, inf)"), \

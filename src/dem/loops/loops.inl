@@ -50,10 +50,14 @@ typedef struct {
 
 INLINE dem_laws laws_of(const dem_definition *def, const dem_material *c, double mu)
 {
-    return (dem_laws){def->normal,    def->tangential,
-                      def->tension,   c->k_n,
-                      c->gamma_n,     dem_slider_of(def->slip, def->damping, c->k_s, c->gamma_s, mu),
-                      dem_rolls_of(c)};
+    return (dem_laws){.normal = def->normal,
+                      .tangential = def->tangential,
+                      .rolling = def->rolling,
+                      .tension = def->tension,
+                      .k_n = c->k_n,
+                      .gamma_n = c->gamma_n,
+                      .shear = dem_slider_of(def->slip, def->damping, c->k_s, c->gamma_s, mu),
+                      .rolls = dem_rolls_of(c)};
 }
 
 INLINE num normal_force(const dem_laws *law, num r_eff, num m_eff, num overlap, num v_n)
@@ -121,7 +125,8 @@ INLINE forces forces_of(const work *w, size_t k, const geometry *g)
     if (!w->with.rotation) return f;
     num couple = zero;
     if (w->with.rolling) {
-        couple = dem_law_rolling(rolls, r_eff, m_eff, omega_i - omega_j, f_n, w->h, &xi);
+        couple =
+            r_eff * dem_law_rolling(law->rolling, rolls, m_eff, r_eff * (omega_i - omega_j), f_n, w->h, &xi);
         num_store(pairs->roll + k, num_choose(g->touch, xi, zero));
     }
     f.on_i = arm_i * f_s + couple;
@@ -228,7 +233,10 @@ INLINE void run_of_motion(dem_sim *sim, size_t from, size_t to, double h, dem_la
         pair_loop(sim, from, to, h, (features){law, false, false, false});
     else if (!sim->pairs.rolling)
         pair_loop(sim, from, to, h, (features){law, true, false, false});
-    else
+    else if (law.rolling == DEM_ROLL_SPRING) {
+        law.rolling = DEM_ROLL_SPRING; /* known to the compiler */
+        pair_loop(sim, from, to, h, (features){law, true, true, false});
+    } else
         pair_loop(sim, from, to, h, (features){law, true, true, false});
 }
 
@@ -308,7 +316,8 @@ INLINE slot_forces slot_forces_of(const dem_sim *sim, const dem_laws *law, const
     b.fx += ny * f_s;
     b.fy -= nx * f_s;
     b.slip = arm * f_s;
-    if (sim->pairs.rolling) b.couple = dem_law_rolling(rolls, radius, mass, omega, f_n, h, &b.roll);
+    if (sim->pairs.rolling)
+        b.couple = radius * dem_law_rolling(law->rolling, rolls, mass, radius * omega, f_n, h, &b.roll);
     return b;
 }
 
