@@ -608,8 +608,6 @@ rp_status exp_module_values(exp_run *run, const exp_measure *m, double out[EXP_M
     exp_view sample = {.d = run->plan->d,
                        .m = run->plan->m,
                        .sim = run->sim,
-                       .n_all = run->n_states,
-                       .all = run->states,
                        .mu = physics_now(run)->mu,
                        .n_marks = run->marks ? run->n_ids : 0,
                        .marks = run->marks,
@@ -620,7 +618,8 @@ rp_status exp_module_values(exp_run *run, const exp_measure *m, double out[EXP_M
     if (m->module->bounded &&
         !(isfinite(sample.lo[0]) && sample.hi[0] > sample.lo[0] && isfinite(sample.hi[0])))
         return rp_fail(RP_NO_RESULT, "the region goes from x = %g to %g", sample.lo[0], sample.hi[0]);
-    if (!exp_states(run)) return run->failed;
+    if (!(sample.all = exp_states(run))) return run->failed;
+    sample.n_all = run->n_states;
     dem_state *grains = malloc((run->n_states + 1) * sizeof *grains);
     if (!grains) return rp_fail(RP_NO_MEMORY, "%s: out of memory", m->name);
     for (walk w = walk_over(run, &use); next(&w);)
