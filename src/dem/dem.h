@@ -231,6 +231,9 @@ const char *dem_fault_text(dem_fault fault);
  * checks the overlaps of the start. Measured in validation/stability.c. */
 double dem_time_step_limit(const dem_definition *def, const char **what);
 
+/* The error of a time step above that limit: RP_BAD_INPUT. */
+rp_status dem_refuse_step(const dem_definition *def, double limit, const char *what);
+
 /* Check the definition and make a simulation at step 0; free with dem_free.
  * Errors: RP_BAD_INPUT (a value, a time step above the limit, grains that overlap by more than the smaller
  * radius or lie behind a wall), RP_NO_MEMORY. */

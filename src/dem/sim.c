@@ -213,8 +213,7 @@ static rp_status check_new_grain(const dem_sim *sim, const dem_grain *p)
     def.n_grains = 2;
     const char *what;
     double limit = dem_time_step_limit(&def, &what);
-    if (def.dt > limit)
-        return rp_fail(RP_BAD_INPUT, "dt = %g: too large for %s, the limit is %.3g", def.dt, what, limit);
+    if (def.dt > limit) return dem_refuse_step(&def, limit, what);
     for (size_t i = 0; i < sim->grains.n; i++) {
         dem_vec d = sim->grains.motion[i].x - (dem_vec){p->x, p->y};
         double radii = sim->grains.radius[i] + p->r;

@@ -201,9 +201,8 @@ static rp_status check_phases(const exp_plan *plan, dem_definition *def)
                 walls[w].material = dem_wall_material(&phase->given[w], &def->material);
             const double limit = dem_time_step_limit(def, &what);
             if (def->dt > limit)
-                return rp_config_fail(phase->setting,
-                                      "phase %s: dt = %g: too large for %s, the limit is %.3g", phase->name,
-                                      def->dt, what, limit);
+                return dem_refuse_step(def, limit, what),
+                       rp_config_fail(phase->setting, "phase %s: %s", phase->name, rp_message());
         }
         for (size_t k = 0; k < phase->n_moves; k++) {
             const exp_move *m = &phase->moves[k];
@@ -273,6 +272,5 @@ rp_status exp_check(const exp_plan *plan)
     RP_TRY(rp_prefix(dem_physics_check(&def), "%s: ", plan->text->path));
     const double limit = dem_time_step_limit(&def, &what);
     if (def.dt <= limit) return check_phases(plan, &def);
-    return rp_fail(RP_BAD_INPUT, "%s: dt = %g: too large for %s, the limit is %.3g", plan->text->path, def.dt,
-                   what, limit);
+    return rp_prefix(dem_refuse_step(&def, limit, what), "%s: ", plan->text->path);
 }

@@ -19,7 +19,7 @@ const rp_param exp_measure_schema[] = {
     {"every", "steps", RP_INT, IN(every), "auto", "[1, 1000000000] | auto",
      "from sample to sample; auto: the phase's looks"},
     {"skip", "", RP_REAL, IN(skip), "0", "[0, 1) | level",
-     "share of the samples that is left out; level: until they level off"},
+     "share of the samples that is left out, the first ones; level: until they level off"},
     {"level_of", "", RP_TEXT, IN(level_of), "", "",
      "earlier measure of the same phase: as many samples are left out as of that"},
     {"series", "", RP_BOOL, IN(series), "false", "", "whether to write a table of the samples too"},

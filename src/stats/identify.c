@@ -539,6 +539,7 @@ static rp_status go(search *s, gsl_qrng *sobol, stats_answer *a)
         paid = q->fixed_runs || a->n_runs + cost <= q->budget;
         if (!paid && a->stages == 0)
             return rp_fail(RP_BAD_INPUT, "budget = %zu: the first stage needs %zu runs", q->budget, cost);
+        if (!paid) a->n_next = cost;
         if (!paid) break;
         if (!q->fixed_runs) {
             RP_NEW(&s->arena, x, n * q->n_names);

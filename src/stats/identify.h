@@ -73,7 +73,8 @@ typedef struct {
     size_t dof; /* numbers less names, at least 0 */
     /* each number: what the fit gives there, its error and the form's lack of fit, p of that */
     double fitted[STATS_NUMBERS], fit_error[STATS_NUMBERS], p_value[STATS_NUMBERS];
-    double reach[STATS_NUMBERS][2];            /* least and largest mean of a point */
+    double reach[STATS_NUMBERS][2]; /* least and largest mean of a point */
+    size_t n_next;                  /* runs that the next stage would have taken, where the budget ended it */
     size_t stages, n_points, n_failed, n_runs; /* failed: points without a run that has every number */
     size_t tried, recovered;                   /* design points that are left out, and found again */
     /* the combination of the names that is determined best: sum of weight x = value +- error */

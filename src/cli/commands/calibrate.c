@@ -196,10 +196,15 @@ static rp_status read_file(problem *s)
         {"seed", "", RP_INT, AT(seed), "1", "[0, 2147483647]", "of the runs"},
         {"budget", "", RP_INT, AT(budget), "1000", "[1, 10000000]", "most runs"},
         {0}};
+    static const char *const of_measured[] = {"experiment", "protocol",    "of",   "value", "error",
+                                              "fixed",      "model_error", "runs", NULL};
     RP_TRY(rp_config_read(s->path, &s->config));
     const config_setting_t *root = config_root_setting(&s->config), *list = member(root, "measured"),
                            *where = member(root, "where");
     rp_params_defaults(schema, s);
+    for (const char *const *key = of_measured; *key; key++)
+        if (member(root, *key))
+            return rp_config_fail(member(root, *key), "%s: belongs to an entry of measured", *key);
     RP_TRY(rp_config_group(root, schema, s, (const char *const[]){"fit", "measured", "where", NULL}));
     RP_TRY(read_fit(s, member(root, "fit")));
     const int n = list && config_setting_is_list(list) ? config_setting_length(list) : 0;
@@ -538,7 +543,8 @@ static rp_status conclude(const problem *s, const stats_answer *a)
         more = rp_text(s->call->arena, "; the runs reach %.3g to %.3g, for %g <= %s <= %g", a->reach[0][0],
                        a->reach[0][1], s->quest.lo[0], s->name[0], s->quest.hi[0]);
     if (status == STATS_IDENTIFIED_BUDGET)
-        more = rp_text(s->call->arena, "; %zu of %zu runs; --budget gives more", a->n_runs, s->quest.budget);
+        more = rp_text(s->call->arena, "; %zu of %zu runs, and the next stage needs %zu: --budget gives more",
+                       a->n_runs, s->quest.budget, a->n_next);
     return rp_fail(RP_NO_RESULT, "%s: %s: %s%s", s->name[p], stats_identified_words[status],
                    stats_identified_meanings[status], more);
 }
@@ -658,7 +664,10 @@ const cli_command cmd_calibrate = {
     "quadratic of the\n"
     "names over the runs of a design; where that agrees with the measurements, a smaller box gets more runs, "
     "until the\n"
-    "answer is settled. Each stage is a sweep in DIR: the same command continues.\n"
+    "answer is settled. Each stage is a sweep in DIR: the same command continues. The first one takes 24 "
+    "runs of "
+    "each\n"
+    "experiment for one name, 40 for two, 56 for three.\n"
     "\n"
     "--theta-r-deg: the friction of a box that is opened on one side, whose pile has this angle of repose; "
     "--theta-t-deg:\n"

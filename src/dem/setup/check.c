@@ -215,8 +215,7 @@ rp_status dem_definition_check(const dem_definition *def)
     RP_TRY(check_wall_speeds(def));
     const char *what;
     double limit = dem_time_step_limit(def, &what);
-    if (def->dt > limit)
-        return rp_fail(RP_BAD_INPUT, "dt = %g: too large for %s, the limit is %.3g", def->dt, what, limit);
+    if (def->dt > limit) return dem_refuse_step(def, limit, what);
     return RP_OK;
 }
 

@@ -2,6 +2,7 @@
 
 #include <math.h>
 
+#include "params/units.h"
 #include "dem/setup/definition.h"
 #include "dem/forces/forces.h"
 #include "dem/law/law.h"
@@ -161,6 +162,12 @@ double dem_time_step_limit(const dem_definition *def, const char **what)
     const double limit = dem_physics_resolve(&own) ? 0.0 : step_limit(&own, what);
     dem_physics_free(&own, def);
     return limit;
+}
+
+rp_status dem_refuse_step(const dem_definition *def, double limit, const char *what)
+{
+    return rp_fail(RP_BAD_INPUT, "dt = %g: too large for %s, the limit is %.3g for impacts at %.3g %s",
+                   def->dt, what, limit, dem_impact_speed(def), rp_unit("cm/s"));
 }
 
 /* Of a contact at the start. */
