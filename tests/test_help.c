@@ -651,8 +651,16 @@ static void experiment_lines(bool si)
     for (size_t k = 0; (m = exp_module_at(k)).name; k++) {
         line_is("# experiment, measure of = \"%s\": %s; a column is the measure's name with one of", m.name,
                 m.manual);
-        for (const exp_output *o = m.outputs; o->name; o++)
-            line_is("#   %-25s %-10s %s", o->name, or_dash(o->unit), o->meaning);
+        for (const exp_output *o = m.outputs; o->name; o++) {
+            const exp_output *first = o; /* a family of the bins stands in one line */
+            const size_t stem = strcspn(o->name, "0123456789");
+            char names[64];
+            while (o[1].name && strlen(o->name) == stem + 2 && strlen(o[1].name) == stem + 2 &&
+                   strncmp(o->name, o[1].name, stem) == 0)
+                o++;
+            snprintf(names, sizeof names, o > first ? "%s to %s" : "%s", first->name, o->name);
+            line_is("#   %-25s %-10s %s", names, or_dash(first->unit), first->meaning);
+        }
         schema_lines(m.schema, si);
     }
     line_is("# experiment, what expressions may ask for");

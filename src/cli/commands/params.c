@@ -1,7 +1,9 @@
 /* repose params: parameters and outputs of the protocols. */
+#include "core/arena.h"
 #include "params/units.h"
 #include "cli/cli.h"
 
+#include <ctype.h>
 #include <string.h>
 
 #include "params/guess.h"
@@ -64,8 +66,17 @@ static void print_scene(void)
     }
 }
 
+/* Does a name of a family follow the other, as n_02 follows n_01? */
+static bool is_next(const char *name, const char *after)
+{
+    const size_t n = strlen(name);
+    return after && n > 2 && strlen(after) == n && isdigit((unsigned char)name[n - 1]) &&
+           isdigit((unsigned char)name[n - 2]) && strncmp(name, after, n - 2) == 0;
+}
+
 static void print_experiment(void)
 {
+    RP_SCOPE(arena);
     for (const exp_group *g = exp_groups; g->name; g++) {
         printf("# experiment, %s: %s\n", g->name, g->manual);
         print_schema(g->schema);
@@ -74,8 +85,12 @@ static void print_experiment(void)
     for (size_t k = 0; (m = exp_module_at(k)).name; k++) {
         printf("# experiment, measure of = \"%s\": %s; a column is the measure's name with one of\n", m.name,
                m.manual);
-        for (const exp_output *o = m.outputs; o->name; o++)
-            printf("#   %-25s %-10s %s\n", o->name, shown(o->unit), o->meaning);
+        for (const exp_output *o = m.outputs; o->name; o++) {
+            const char *first = o->name, *unit = shown(o->unit), *meaning = o->meaning;
+            while (is_next(o->name, o[1].name)) o++;
+            printf("#   %-25s %-10s %s\n",
+                   o->name == first ? first : rp_text(&arena, "%s to %s", first, o->name), unit, meaning);
+        }
         print_schema(m.schema);
     }
     printf("# experiment, what expressions may ask for\n# %-25s %-10s %-14s %s\n", "name", "unit", "of",
