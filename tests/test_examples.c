@@ -192,6 +192,7 @@ static void wedge(void)
         "small=500' --set 'large=100' --set 'opened=1.0' --set 'end=4.0' --set 'mu_roll=%g";
     double height[2];
     enter_folder();
+    GOOD("sweep plan examples/wedge_sweep.cfg -o plan");
     for (int k = 0; k < 2; k++) {
         char set[128];
         snprintf(set, sizeof set, few, k ? 0.3 : 0.0);
