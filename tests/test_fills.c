@@ -190,6 +190,14 @@ static void test_cut(void)
         {"N = 3; W = 1.0; H = 1.0; spacing = 0.3;", "spacing: of a row or a lattice"},
         {"pattern = \"row\"; W = 3.0; spacing = 0.17; radius_width = 0.0;", "overlap by more than a tenth"},
         {"N = 3; W = 1.0; H = 1.0; polygon = ( (0.0, 0.0), (1.0, 1.0) );", "at least 3 points"}};
+    scoped_scene far;
+    dem_grain *none = NULL;
+    size_t n;
+    CHECK_OK(grains_read("fill = { pattern = \"lattice\"; W = 1.0; H = 1.0; polygon = ( (5.0, 5.0), (6.0, "
+                         "5.0), (5.0, 6.0) ); };\n",
+                         NULL, &far));
+    CHECK_FAILS(dem_scene_grains(&far, &none, &n, NULL), RP_NO_RESULT, "no place for a grain");
+    free(none);
     for (int k = 0; k < 3; k++) {
         char text[256];
         scoped_scene s;

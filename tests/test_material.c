@@ -4,6 +4,7 @@
 
 #include "dem/law/law.h"
 #include "dem/scene/scene.h"
+#include "dem/state/state.h"
 #include "tests/check.h"
 #include "tests/grains.h"
 #include "tests/numbers.h"
@@ -146,6 +147,8 @@ static void group_of_a_scene(void)
     CHECK_OK(dem_run(one, 2000));
     CHECK_OK(dem_run(two, 2000));
     CU_ASSERT(grains_same_bits(one, two));
+    /* the same part of critical: c over 2 sqrt(k/m), of the stiffnesses 3/2 K sqrt(x) and K_s */
+    CHECK_NEAR(one->def.material.gamma_s / 2.0, one->def.material.gamma_n / (2.0 * sqrt(1.5)), 1e-14);
     scoped_scene c;
     snprintf(text, sizeof text, rest, "E = 3.0e7; nu = 0.1; mu = 0.9; restitution = 0.3;");
     snprintf(whole, sizeof whole, "%s%s", material, text);

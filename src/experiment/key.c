@@ -109,10 +109,9 @@ char *exp_key_to(const exp_plan *plan, size_t end)
         put(out, &arena, "against", &m->against);
         if (m->take == TAKE_AVALANCHES) fprintf(out, " drop=%a", m->drop);
         if (*m->level_of) fprintf(out, " level_of=%s", m->level_of);
-        for (size_t o = 0; (config_setting_get_member(m->setting, "columns") ||
-                            config_setting_get_member(m->setting, "prefix")) &&
-                           o < m->n_outputs;
-             o++)
+        const bool named = config_setting_get_member(m->setting, "columns") ||
+                           config_setting_get_member(m->setting, "prefix");
+        for (size_t o = 0; named && o < m->n_outputs; o++)
             fprintf(out, " column=%s", plan->outputs[m->output + o].name);
         if (!m->module) {
             fputc('\n', out);

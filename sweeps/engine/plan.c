@@ -154,8 +154,11 @@ static rp_status open_experiment(const char *file, const head *h, sweep_plan *pl
         const rp_status status =
             sweep_protocol_open(plan->protocol, &changes, &plan->experiment, &plan->protocol);
         if (!status && plan->experiment) {
-            if (config_lookup(&plan->config, "units"))
-                sweep_experiment_in(plan->experiment, (rp_units)h->units);
+            const config_setting_t *units = config_lookup(&plan->config, "units");
+            if (units && rp_units_now() == RP_SIGMA && h->units != RP_SIGMA)
+                return rp_config_fail(units, "units: protocol %s is in sigma, without a unit of length",
+                                      plan->protocol->name);
+            if (units) sweep_experiment_in(plan->experiment, (rp_units)h->units);
             add_keys(plan);
         }
         return rp_prefix(status, "%s: ", file);

@@ -69,7 +69,7 @@ RP_C_BEGIN
     X(DEM_ROLL_CONSTANT, constant,                                                                           \
       "the limit mu F_n against any rolling, however slow, which then trembles: model A")                    \
     X(DEM_ROLL_VISCOUS, viscous,                                                                             \
-      "mu F_n times the rolling speed, of which mu is 1/unit; holds nothing at rest: model B")
+      "mu F_n v of the rolling speed v, mu in s/cm or s/m; holds nothing at rest: model B")
 
 typedef enum { DEM_NORMAL_LAWS(DEM_ID) } dem_normal_law;
 typedef enum { DEM_TANGENTIAL_LAWS(DEM_ID) } dem_tangential_law;

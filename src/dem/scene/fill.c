@@ -260,6 +260,9 @@ static rp_status place_rows(const dem_fill *f, gsl_rng *radii, dem_grain *grains
     *n = f->pattern == DEM_PATTERN_ROW ? place_row(f, radii, most, grains)
                                        : place_lattice(f, radii, most, grains);
     if (f->N >= 0 && *n < most) return no_room(f, (long)*n, dem_radius_mean(f));
+    if (*n == 0)
+        return rp_fail(RP_NO_RESULT, "no place for a grain of a row or lattice in W = %g, H = %g", f->W,
+                       f->H);
     for (size_t i = 0; i < *n; i++) {
         const dem_grain *g = &grains[i];
         if (!f->fixed && !is_clear(f, g->x, g->y, (1.0 - overlap) * g->r))

@@ -27,6 +27,7 @@ static const exp_output outputs[] = {
 static rp_status evaluate(const exp_view *s, const void *params, double out[])
 {
     const fabric_params *p = params;
+    if (p->apart > 0.0 && !isfinite(p->about)) return rp_fail(RP_NO_RESULT, "apart needs about");
     double cos2[2] = {0.0}, sin2[2] = {0.0}, sum[2] = {0.0};
     for (const dem_contact *c = s->contacts; c < s->contacts + s->n_contacts; c++) {
         if (c->id_b == 0 || !exp_view_has(s, c->id_a) || !exp_view_has(s, c->id_b)) continue;
