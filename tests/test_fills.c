@@ -328,7 +328,7 @@ static void test_sparse(void)
 static void test_extremes(void)
 {
     static const char *const cases[][2] = {
-        {"fill = { if = false; N = 3; W = 1.0; H = 1.0; };", "no place for a grain"},
+        {"fill = { if = false; N = 3; W = 1.0; H = 1.0; };", "no particles"},
         {"fill = { pattern = \"row\"; W = 0.05; };", "no place for a grain"},
         {"fill = { pattern = \"lattice\"; W = 1e9; H = 1e9; };", "particles: at most 100000000"}};
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
@@ -336,7 +336,7 @@ static void test_extremes(void)
         dem_sim *sim;
         CHECK_OK(grains_read(cases[k][0], NULL, &s));
         const rp_status status = dem_scene_start(&s, &sim);
-        CU_ASSERT(status == (strncmp(cases[k][1], "no p", 4) == 0 ? RP_NO_RESULT : RP_BAD_INPUT));
+        CU_ASSERT(status == (k == 1 ? RP_NO_RESULT : RP_BAD_INPUT));
         CHECK_FAILS(status, status, cases[k][1]);
     }
 }
