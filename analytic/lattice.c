@@ -1,6 +1,7 @@
 /* Forces on the base of a pile on a lattice: Liffman, Chan & Hughes 1992, equations (37)-(44), and the same
  * balance under any stepped outline. Hard disks, no contact between neighbours of a row. See analytic.h. */
 #include "analytic/analytic.h"
+#include "core/elementary.h"
 
 #include <math.h>
 
@@ -33,7 +34,7 @@ rp_status an_lattice_triangle(long k, double theta, long i, an_force *force)
     RP_TRY(check_lattice(k, AN_LAYERS_MAX, theta));
     if (i < 1 || i > k)
         return rp_fail(RP_BAD_INPUT, "base disk i = %ld: out of range, allowed: [1, %ld]", i, k);
-    *force = (an_force){(double)(k + 1) / 2, tan(theta) * (double)(2 * i - k - 1) / 2};
+    *force = (an_force){(double)(k + 1) / 2, rp_tan(theta) * (double)(2 * i - k - 1) / 2};
     return RP_OK;
 }
 
@@ -44,7 +45,7 @@ rp_status an_lattice_cut(long k, double theta, double alpha, long up[])
         return rp_fail(RP_BAD_INPUT, "alpha = %.15g degrees: out of range, allowed: (0, 90 - theta = %.15g]",
                        alpha * DEG, 90 - theta * DEG);
     /* Sites lost at each end of a row, per row of height. */
-    double lost = fmax(0, 0.5 / (tan(alpha) * tan(theta)) - 0.5);
+    double lost = fmax(0, 0.5 / (rp_tan(alpha) * rp_tan(theta)) - 0.5);
     for (long s = 0; s < k; s++) {
         double left = floor(((double)s + TIE) / lost); /* last row in which the left flank keeps site s */
         double right = floor(((double)(k - 1 - s) + TIE) / (1 + lost));
@@ -64,7 +65,7 @@ rp_status an_lattice_counts(long k, const long up[], double theta, an_force forc
         force[s].N += 1;
         if (s + up[s] < k) force[s + up[s]].N -= 1;
     }
-    double n_ul = 0, slope = tan(theta);
+    double n_ul = 0, slope = rp_tan(theta);
     for (long i = 0; i < k; i++) {
         n_ul += force[i].N;
         double n_ur = (double)up[i];
@@ -84,7 +85,7 @@ rp_status an_lattice_recursion(long k, const long up[], double theta, an_force f
     }
     /* Until the ground is reached force[s].N, .H hold L, R of disk s of the row above. From right to left, so
      * that L of site s - 1 is still that row's. */
-    const double W = 1 / cos(theta);
+    const double W = 1 / rp_cos(theta);
     for (long row = top - 1; row >= 0; row--)
         for (long s = k - 1 - row; s >= 0; s--) {
             if (up[s] <= row) continue;
@@ -94,8 +95,8 @@ rp_status an_lattice_recursion(long k, const long up[], double theta, an_force f
                 double sum = from_left + from_right + W;    /* L + R by (38) */
                 force[s] = (an_force){(sum + difference) / 2, (sum - difference) / 2};
             } else
-                force[s] = (an_force){(from_left + from_right + W) * cos(theta),
-                                      (from_left - from_right) * sin(theta)};
+                force[s] = (an_force){(from_left + from_right + W) * rp_cos(theta),
+                                      (from_left - from_right) * rp_sin(theta)};
         }
     return RP_OK;
 }
@@ -103,5 +104,5 @@ rp_status an_lattice_recursion(long k, const long up[], double theta, an_force f
 double an_lattice_base(double disks, double theta, double alpha)
 {
     /* Area of the triangle B^2 tan(alpha)/4, of a lattice cell sin(2 theta). */
-    return sqrt(4 * disks * sin(2 * theta) / tan(alpha));
+    return sqrt(4 * disks * rp_sin(2 * theta) / rp_tan(alpha));
 }

@@ -1,6 +1,7 @@
 /* Forces on the base under any polygonal outline: the chords l_1, l_2 of Fig. 11 of Liffman, Chan & Hughes
  * 1992 end on the outline, and (52), (53) follow. Assumptions: continuum.c. See analytic.h. */
 #include "analytic/analytic.h"
+#include "core/elementary.h"
 
 #include <math.h>
 
@@ -29,7 +30,7 @@ rp_status an_profile_set(an_profile *profile, const an_point *v, size_t n)
         if (!(dx - LEAN * fabs(dy) > STEEP * dx))
             return rp_fail(RP_BAD_INPUT,
                            "outline: slope of %.15g degrees before vertex %zu, allowed: (-60, 60)",
-                           atan2(dy, dx) * DEG, i);
+                           rp_atan2(dy, dx) * DEG, i);
     }
     *profile = (an_profile){n, v};
     return RP_OK;
@@ -113,7 +114,7 @@ rp_status an_tent(double alpha_1, double alpha_2, double x_1, an_point v[5])
     RP_TRY(check_angle("alpha_2", alpha_2));
     if (!(x_1 > 0 && x_1 < 0.5))
         return rp_fail(RP_BAD_INPUT, "X_1/B = %.15g: out of range, allowed: (0, 0.5)", x_1);
-    double shoulder = x_1 * tan(alpha_1), peak = shoulder + (0.5 - x_1) * tan(alpha_2);
+    double shoulder = x_1 * rp_tan(alpha_1), peak = shoulder + (0.5 - x_1) * rp_tan(alpha_2);
     v[0] = (an_point){0, 0};
     v[1] = (an_point){x_1, shoulder};
     v[2] = (an_point){0.5, peak};

@@ -32,6 +32,7 @@
 #include <math.h>
 
 #include "angle/angle.h"
+#include "core/elementary.h"
 
 enum { MAX_ITERATIONS = 200 }; /* bisection alone needs 60 */
 static const double root_tolerance = 1e-15;
@@ -49,29 +50,29 @@ const char *const ang_tilt_words[] = {"ok",       "ok_pulling", "already_unstabl
 /* T and N on the base, up to a common positive factor. */
 static void base_force(const pile *s, double theta, double *t, double *n)
 {
-    double r = s->theta_r, a = s->phi - theta, b = s->phi + theta, cot = 1.0 / tan(s->phi);
+    double r = s->theta_r, a = s->phi - theta, b = s->phi + theta, cot = 1.0 / rp_tan(s->phi);
     double p = NAN, q = NAN; /* F_A : F_B = p : q */
     switch (s->form) {
     case ANG_LATTICE: /* F_A and F_B worked out: no cancellation near pi/2 */
-        *t = sin(theta) * cos(r) + cot * cot * sin(r) * cos(theta);
-        *n = cos(theta - r);
+        *t = rp_sin(theta) * rp_cos(r) + cot * cot * rp_sin(r) * rp_cos(theta);
+        *n = rp_cos(theta - r);
         return;
     case ANG_SINE:
-        p = sin(b + r);
-        q = sin(a - r);
+        p = rp_sin(b + r);
+        q = rp_sin(a - r);
         break;
     case ANG_PRINTED:
-        p = (sin(b) * cos(r) + sin(r) * gsl_pow_2(cos(b))) * cos(a);
-        q = (sin(a) * cos(r) - sin(r) * gsl_pow_2(cos(a))) * cos(b);
+        p = (rp_sin(b) * rp_cos(r) + rp_sin(r) * gsl_pow_2(rp_cos(b))) * rp_cos(a);
+        q = (rp_sin(a) * rp_cos(r) - rp_sin(r) * gsl_pow_2(rp_cos(a))) * rp_cos(b);
         break;
     case ANG_BALANCED:
-        p = cos(r) + sin(r) / tan(b);
-        q = cos(r) - sin(r) / tan(a);
+        p = rp_cos(r) + rp_sin(r) / rp_tan(b);
+        q = rp_cos(r) - rp_sin(r) / rp_tan(a);
         break;
     case ANG_N_FORMS: break;
     }
-    *t = p * cos(a) - q * cos(b);
-    *n = p * sin(a) + q * sin(b);
+    *t = p * rp_cos(a) - q * rp_cos(b);
+    *n = p * rp_sin(a) + q * rp_sin(b);
 }
 
 /* Tilt at which the form ends; 0 or less if the upper ray misses the flank without tilt. */
@@ -81,8 +82,8 @@ static double tilt_limit(ang_form form, double theta_r, double phi)
     if (form == ANG_LATTICE) return M_PI_2;
     if (form != ANG_PRINTED) return phi - theta_r;
     /* tan a = t cos a, or tan b infinite, whichever comes first */
-    double s = sin(theta_r), c = cos(theta_r);
-    double a = asin(2.0 * s / (c + sqrt(c * c + 4.0 * s * s)));
+    double s = rp_sin(theta_r), c = rp_cos(theta_r);
+    double a = rp_asin(2.0 * s / (c + sqrt(c * c + 4.0 * s * s)));
     return phi - fmax(a, 2.0 * phi - M_PI_2);
 }
 
@@ -114,7 +115,7 @@ rp_status ang_marginal(double mu, double phi, double *theta_ms, bool *extrapolat
 {
     RP_TRY(check_angle("phi", phi, 0.0, M_PI_2, false));
     if (!(mu >= 0.0)) return rp_fail(RP_BAD_INPUT, "mu = %g: out of range, allowed: [0, inf]", mu);
-    *theta_ms = atan(mu * gsl_pow_2(tan(phi)));
+    *theta_ms = rp_atan(mu * gsl_pow_2(rp_tan(phi)));
     if (extrapolated) *extrapolated = *theta_ms >= phi;
     return RP_OK;
 }
@@ -159,7 +160,7 @@ rp_status ang_tilt(ang_form form, double mu, double theta_r, double phi, ang_til
     *result = (ang_tilt_result){.theta_t = NAN};
     RP_TRY(check_common(form, theta_r, phi));
     RP_TRY(ang_marginal(mu, phi, &result->theta_ms, NULL));
-    double root = isinf(mu) ? INFINITY : hypot(1.0, mu);
+    double root = isinf(mu) ? INFINITY : rp_hypot(1.0, mu);
     pile s = {form, phi, theta_r, isinf(mu) ? 1.0 : mu / root, 1.0 / root};
     result->margin = result->theta_ms - theta_r;
     result->limit = tilt_limit(form, theta_r, phi);

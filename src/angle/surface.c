@@ -2,13 +2,13 @@
  *
  * Every slope is a linear combination of the heights, sum c_j h_j, so with independent scatter of variance
  * s^2 about the straight line its standard error is s sqrt(sum c_j^2). */
-#include <gsl/gsl_fit.h>
 #include <gsl/gsl_sort.h>
 #include <gsl/gsl_statistics_double.h>
 #include <math.h>
 #include <stdlib.h>
 
 #include "angle/angle.h"
+#include "core/elementary.h"
 
 static const double most_cells = 1e8;
 
@@ -123,10 +123,28 @@ static combination end_to_end(const heights *s)
 /* Also the residual variance of h about the line, on n - 2 degrees of freedom. */
 static combination straight_line(const heights *s, double *variance)
 {
-    double intercept, slope, cov[3], squares;
-    gsl_fit_linear(s->x, 1, s->h, 1, s->n, &intercept, &slope, &cov[0], &cov[1], &cov[2], &squares);
-    *variance = squares / ((double)s->n - 2.0);
-    return (combination){-slope, 1.0 / gsl_stats_tss(s->x, 1, s->n)};
+    double x = 0.0, h = 0.0, xx = 0.0, xh = 0.0, n = 0.0, first = 0.0, second = 0.0, squares = 0.0;
+    for (size_t i = 0; i < s->n; i++) {
+        n += 1.0;
+        x += (s->x[i] - x) / n;
+        h += (s->h[i] - h) / n;
+    }
+    n = 0.0;
+    for (size_t i = 0; i < s->n; i++) {
+        const double dx = s->x[i] - x, dh = s->h[i] - h, from_first = s->x[i] - s->x[0];
+        n += 1.0;
+        xx += (dx * dx - xx) / n;
+        xh += (dx * dh - xh) / n;
+        first += from_first;
+        second += from_first * from_first;
+    }
+    const double slope = xh / xx;
+    for (size_t i = 0; i < s->n; i++) {
+        const double left = s->h[i] - h - slope * (s->x[i] - x);
+        squares += left * left;
+    }
+    *variance = squares / (n - 2.0);
+    return (combination){-slope, n / (n * second - first * first)};
 }
 
 /* Method 3. The parabola's second coefficient is sum e_k S_k / sum e_k^2, with e the part of z^2 that the
@@ -169,7 +187,7 @@ static void find_slopes(const heights *s, double cell, ang_parabola parabola, an
     combination all[ANG_N_METHODS] = {end_to_end(s), line, running_sum(s, parabola)};
     for (int i = 0; i < ANG_N_METHODS; i++) {
         double slope = all[i].slope / cell, se = sqrt(variance * all[i].gain) / cell;
-        slopes[i] = (ang_slope){slope, se, atan(slope), se / (1.0 + slope * slope)};
+        slopes[i] = (ang_slope){slope, se, rp_atan(slope), se / (1.0 + slope * slope)};
     }
 }
 
@@ -260,8 +278,8 @@ rp_status ang_pile_find(size_t n, const double px[], const double py[], const do
     const rp_status status = find_flanks(pile->n, x + first, h + first, pile);
     for (int k = 0; k < ANG_N_METHODS; k++) {
         const ang_slope *a = &pile->flank[0][k], *b = &pile->flank[pile->n_flanks == 2][k];
-        const double theta = 0.5 * (fabs(a->theta) + fabs(b->theta)), t = tan(theta);
-        const double se = 0.5 * hypot(a->theta_se, b->theta_se);
+        const double theta = 0.5 * (fabs(a->theta) + fabs(b->theta)), t = rp_tan(theta);
+        const double se = 0.5 * rp_hypot(a->theta_se, b->theta_se);
         pile->mean[k] = (ang_slope){t, se * (1.0 + t * t), theta, se};
     }
     free(x);

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/elementary.h"
 #include "dem/scene/radii.h"
 #include "experiment/private.h"
 #include "params/config.h"
@@ -212,7 +213,7 @@ static rp_status check_phases(const exp_plan *plan, dem_definition *def)
                 return rp_config_fail(phase->setting, "phase %s: wall %s needs dt <= %.3g, by %s",
                                       phase->name, wall->name, limit, what);
             const dem_wall *first = &walls[wall->walls[0]];
-            const double way = hypot(first->velocity[0], first->velocity[1]) * def->dt,
+            const double way = rp_hypot(first->velocity[0], first->velocity[1]) * def->dt,
                          r = smallest(def->n_grains, def->grains);
             if (way > r)
                 return rp_config_fail(phase->setting,

@@ -1,5 +1,6 @@
 /* Expressions: a parser by descent that writes postfix, folds what is known, and checks types; see
  * expression.h. */
+#include "core/elementary.h"
 #include "params/expression.h"
 
 #include <ctype.h>
@@ -73,22 +74,6 @@ static const struct {
 
 /* ---- values ---- */
 
-/* Of an angle: reduced to a quarter turn about 0, then by the series, which ends in rounding. */
-static double sine(double angle, int quarters)
-{
-    const double turns = floor(angle / 1.5707963267948966 + 0.5);
-    const double left =
-        (angle - turns * 1.5707963267341256) - turns * 6.0771005063039e-11; /* pi/2 in two parts */
-    double term = 1.0, sums[2] = {0.0, 0.0};
-    if (!isfinite(angle)) return NAN;
-    for (int k = 0; k < 24; k++) {
-        sums[k % 2] += k % 4 < 2 ? term : -term;
-        term *= left / (k + 1);
-    }
-    const int quarter = ((int)fmod(turns, 4.0) + quarters + 4) % 4;
-    return quarter % 2 ? (quarter == 1 ? sums[0] : -sums[0]) : (quarter == 0 ? sums[1] : -sums[1]);
-}
-
 /* x^p of a multiple of 1/2: products, and a root. */
 static double power(double x, double p)
 {
@@ -125,12 +110,12 @@ static double apply(const rp_x_step *s, double a, double b, double c, double sta
     case X_SQRT: return sqrt(a);
     case X_FLOOR: return floor(a);
     case X_ROUND: return a < 0.0 ? -floor(0.5 - a) : floor(a + 0.5);
-    case X_SIN: return sine(a, 0);
-    case X_COS: return sine(a, 1);
-    case X_TAN: return sine(a, 0) / sine(a, 1);
-    case X_ATAN: return atan(a);
-    case X_EXP: return exp(a);
-    case X_LOG: return log(a);
+    case X_SIN: return rp_sin(a);
+    case X_COS: return rp_cos(a);
+    case X_TAN: return rp_tan(a);
+    case X_ATAN: return rp_atan(a);
+    case X_EXP: return rp_exp(a);
+    case X_LOG: return rp_log(a);
     case X_HELD: return (states[s->n] = a != 0.0 ? states[s->n] + 1.0 : 0.0) >= s->number;
     case X_CHANGE:
         b = states[s->n + 1] != 0.0 ? a - states[s->n] : 0.0; /* since the last sample, of the first 0 */

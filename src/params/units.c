@@ -1,4 +1,5 @@
 /* Systems of units; see units.h. */
+#include "core/elementary.h"
 #include "params/units.h"
 
 #include <math.h>
@@ -74,6 +75,7 @@ double rp_units_value(const char *cgs, double number)
                  time = now == RP_SI ? 1.0 : sqrt(d / g),
                  mass = now == RP_SI ? 1000.0 : M_PI / 6.0 * d * d * d;
     snprintf(text, sizeof text, "%.12g",
-             number / (pow(length, units[i].length) * pow(time, units[i].time) * pow(mass, units[i].mass)));
+             number / (rp_pow(length, units[i].length) * rp_pow(time, units[i].time) *
+                       rp_pow(mass, units[i].mass)));
     return strtod(text, NULL);
 }

@@ -1,7 +1,6 @@
 /* Straight lines through points, where they cease to be straight, and the parabola's bend; see stats.h. */
 #include <gsl/gsl_cdf.h>
 #include <gsl/gsl_errno.h>
-#include <gsl/gsl_fit.h>
 #include <gsl/gsl_math.h>
 #include <gsl/gsl_multifit.h>
 #include <gsl/gsl_statistics_double.h>
@@ -27,26 +26,44 @@ static rp_status check_points(const stats_xy *p, bool origin)
                    origin ? "an x other than 0" : "two different x");
 }
 
+static double weight(const stats_xy *p, size_t i)
+{
+    return p->se ? 1.0 / (p->se[i] * p->se[i]) : 1.0;
+}
+
+/* By running means, in the order of GSL's fit, whose builds for some processors fuse products and sums. */
 rp_status stats_line_fit(const stats_xy *p, bool origin, stats_line *line)
 {
     const size_t n = p->n;
     *line = (stats_line){n, 0, NAN, NAN, NAN, NAN, NAN, NAN, NAN};
     RP_TRY(check_points(p, origin));
-    double *w = malloc(n * sizeof *w), variance = 0.0, slope_variance;
-    if (!w) return rp_fail(RP_NO_MEMORY, "line: out of memory");
-    for (size_t i = 0; i < n; i++) w[i] = p->se ? 1.0 / (p->se[i] * p->se[i]) : 1.0;
-    line->intercept = line->covariance = 0.0;
-    if (origin)
-        gsl_fit_wmul(p->x, 1, w, 1, p->y, 1, n, &line->slope, &slope_variance, &line->chi2);
-    else
-        gsl_fit_wlinear(p->x, 1, w, 1, p->y, 1, n, &line->intercept, &line->slope, &variance,
-                        &line->covariance, &slope_variance, &line->chi2);
-    free(w);
+    double x = 0.0, y = 0.0, xx = 0.0, xy = 0.0,
+           sum; /* weighted means of x, y; then of products about these */
+    sum = 0.0;
+    for (size_t i = 0; i < n; i++) {
+        const double w = weight(p, i), share = w / (sum += w);
+        x += (p->x[i] - x) * share;
+        y += (p->y[i] - y) * share;
+    }
+    sum = 0.0;
+    for (size_t i = 0; i < n; i++) {
+        const double w = weight(p, i), share = w / (sum += w), dx = p->x[i] - x, dy = p->y[i] - y;
+        xx += (dx * dx - xx) * share;
+        xy += (dx * dy - xy) * share;
+    }
+    const double along = origin ? x * x + xx : xx, slope = (origin ? x * y + xy : xy) / along;
+    line->slope = slope;
+    line->intercept = origin ? 0.0 : y - x * slope;
+    line->chi2 = 0.0;
+    for (size_t i = 0; i < n; i++) {
+        const double left = (origin ? y - slope * x : 0.0) + (p->y[i] - y - slope * (p->x[i] - x));
+        line->chi2 += weight(p, i) * (left * left);
+    }
     line->dof = n - (origin ? 1 : 2);
     const double scale = p->se ? 1.0 : line->dof > 0 ? line->chi2 / (double)line->dof : NAN;
-    line->covariance *= scale;
-    line->slope_se = sqrt(slope_variance * scale);
-    line->intercept_se = origin ? 0.0 : sqrt(variance * scale);
+    line->covariance = origin ? 0.0 : -x / (sum * xx) * scale;
+    line->slope_se = sqrt(1.0 / (sum * along) * scale);
+    line->intercept_se = origin ? 0.0 : sqrt(1.0 / sum * (1.0 + x * x / xx) * scale);
     line->p_value = p->se && line->dof > 0 ? gsl_cdf_chisq_Q(line->chi2, (double)line->dof) : NAN;
     return RP_OK;
 }

@@ -2,6 +2,7 @@
 #include <math.h>
 
 #include "core/arena.h"
+#include "core/elementary.h"
 #include "stress/stress.h"
 
 stress_grid stress_grid_over(size_t n, const stress_pile piles[], double width, double cell)
@@ -91,7 +92,7 @@ rp_status stress_floor_forces(size_t n, const stress_pile piles[], double size, 
 
 void stress_wedge(double weight, double slope, double phi, double *n, double *h)
 {
-    const double t = tan(slope), k = tan(phi) * tan(phi);
+    const double t = rp_tan(slope), k = rp_tan(phi) * rp_tan(phi);
     *n = weight / (1.0 - t * t / k);
     *h = t / k * *n;
 }

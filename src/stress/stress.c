@@ -24,6 +24,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "core/elementary.h"
 #include "stress/stress.h"
 
 /* Cut [*lo, *hi] down to where from + s step lies in [a, b]. */
@@ -99,12 +100,12 @@ stress_circle stress_mohr(const stress_tensor *s)
     stress_circle m;
     const double deviator = 0.5 * (s->xx - s->yy), shear = 0.5 * (s->xy + s->yx);
     m.pressure = 0.5 * (s->xx + s->yy);
-    m.shear = hypot(deviator, shear);
+    m.shear = rp_hypot(deviator, shear);
     m.couple = 0.5 * (s->xy - s->yx);
-    m.direction = m.shear > 0.0 ? 0.5 * atan2(shear, deviator) : NAN;
-    const double reach = hypot(m.pressure, m.couple);
+    m.direction = m.shear > 0.0 ? 0.5 * rp_atan2(shear, deviator) : NAN;
+    const double reach = rp_hypot(m.pressure, m.couple);
     m.mobilised = m.pressure > 0.0 && m.shear < reach
-                      ? fmin(asin(m.shear / reach) + atan(fabs(m.couple) / m.pressure), M_PI_2)
+                      ? fmin(rp_asin(m.shear / reach) + rp_atan(fabs(m.couple) / m.pressure), M_PI_2)
                       : (reach > 0.0 || m.shear > 0.0 ? M_PI_2 : NAN);
     return m;
 }
@@ -113,5 +114,5 @@ double stress_floor_tilt(const stress_linear *n, const stress_linear *h, double 
 {
     /* h->at_0 + h->rise t = mu (n->at_0 + n->rise t) */
     const double rise = h->rise - mu * n->rise;
-    return rise > 0.0 ? atan((mu * n->at_0 - h->at_0) / rise) : NAN;
+    return rise > 0.0 ? rp_atan((mu * n->at_0 - h->at_0) / rise) : NAN;
 }

@@ -1,4 +1,5 @@
 /* Outlines of close-packed piles; see pile.h. */
+#include "core/elementary.h"
 #include "sweeps/protocols/pile.h"
 
 #include <math.h>
@@ -12,7 +13,7 @@
 static rp_status cut_profile(const an_profile *profile, long k, double theta, long up[])
 {
     const double TIE = 1e-9, left = profile->v[0].x, width = profile->v[profile->n - 1].x - left;
-    const double unit = k > 1 ? width / (double)(k - 1) : width, height = unit / (2 * tan(theta));
+    const double unit = k > 1 ? width / (double)(k - 1) : width, height = unit / (2 * rp_tan(theta));
     for (long s = 0; s < k; s++)
         for (up[s] = 1; s + up[s] < k; up[s]++) {
             double top, x = left + fmin(((double)s + 0.5 * (double)up[s]) * unit, width);
@@ -40,8 +41,8 @@ static rp_status fill_outline(sweep_outline *h, double theta)
     size_t n = 0;
     for (size_t s = 0; s < h->k; s++)
         for (long j = 0; j < h->up[s]; j++)
-            h->disks[n++] = (statics_disk){((double)s + 0.5 * (double)j) * 2 * sin(theta),
-                                           0.5 + (double)j * cos(theta), 0.5, 1};
+            h->disks[n++] = (statics_disk){((double)s + 0.5 * (double)j) * 2 * rp_sin(theta),
+                                           0.5 + (double)j * rp_cos(theta), 0.5, 1};
     return an_lattice_counts((long)h->k, h->up, theta, h->exact);
 }
 
@@ -56,7 +57,7 @@ static rp_status cut_outline(sweep_outline *h, double theta, double alpha, size_
     if (h->n > STATICS_MAX) /* before there is memory for them */
         return rp_fail(RP_BAD_INPUT, "base of %zu disks: a pile of %zu, allowed: up to %d", h->k, h->n,
                        STATICS_MAX);
-    h->B = n > 0 ? sqrt((double)h->n * sin(2 * theta) / area(&profile))
+    h->B = n > 0 ? sqrt((double)h->n * rp_sin(2 * theta) / area(&profile))
                  : an_lattice_base((double)h->n, theta, alpha);
     return RP_OK;
 }
@@ -64,7 +65,7 @@ static rp_status cut_outline(sweep_outline *h, double theta, double alpha, size_
 rp_status sweep_outline_count(sweep_outline *h, long k, double gap, double alpha, size_t n,
                               const an_point v[])
 {
-    const double theta = asin((1 + gap) / 2); /* of the diagonals to the vertical */
+    const double theta = rp_asin((1 + gap) / 2); /* of the diagonals to the vertical */
     long *up = malloc((size_t)k * sizeof *up);
     if (!up) return rp_fail(RP_NO_MEMORY, "pile: out of memory");
     *h = (sweep_outline){.k = (size_t)k};
@@ -76,7 +77,7 @@ rp_status sweep_outline_count(sweep_outline *h, long k, double gap, double alpha
 rp_status sweep_outline_make(sweep_outline *h, long k, double gap, double alpha, size_t n, const an_point v[])
 {
     rp_status status = sweep_outline_count(h, k, gap, alpha, n, v);
-    return status ? status : fill_outline(h, asin((1 + gap) / 2));
+    return status ? status : fill_outline(h, rp_asin((1 + gap) / 2));
 }
 
 void sweep_outline_free(sweep_outline *h)

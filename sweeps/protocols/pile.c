@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/elementary.h"
 #include "sweeps/protocols/pile.h"
 
 #define AT(field) offsetof(sweep_pile, field)
@@ -82,7 +83,7 @@ static rp_status outline(const sweep_pile *p, an_point v[5], size_t *n)
     *n = p->inner_deg > 0 ? 5 : 3;
     if (p->inner_deg > 0) return an_tent(alpha, p->inner_deg * M_PI / 180, p->x_1, v);
     v[0] = (an_point){0, 0};
-    v[1] = (an_point){0.5, 0.5 * tan(alpha)};
+    v[1] = (an_point){0.5, 0.5 * rp_tan(alpha)};
     v[2] = (an_point){1, 0};
     return RP_OK;
 }
@@ -160,7 +161,7 @@ static void compare_continuum(const sweep_solved *s, const double x[], pile_valu
     size_t n;
     an_profile profile;
     if (!(s->p->alpha_deg > 0) || outline(s->p, corners, &n)) return;
-    v->left_deg = v->right_deg = atan(corners[n / 2].y / 0.5) * 180 / M_PI;
+    v->left_deg = v->right_deg = rp_atan(corners[n / 2].y / 0.5) * 180 / M_PI;
     if (an_profile_set(&profile, corners, n)) return;
     for (size_t i = 0; i < h->k; i++) {
         const double at = 0.5 + (x[i] - (x[0] + x[h->k - 1]) / 2) / h->B;

@@ -5,6 +5,7 @@
  * grain touches more deeply, is not a second one, and what its springs hold goes from wall to wall. */
 #include <math.h>
 
+#include "core/elementary.h"
 #include "dem/forces/forces.h"
 
 bool dem_wall_rests(const dem_sim *sim, size_t k)
@@ -94,7 +95,7 @@ static bool is_on(const dem_sim *sim, size_t wall, const dem_touch *at_wall, dem
     const double along = dem_dot(d, dem_clockwise(direction)), above = dem_dot(d, direction);
     double ends[2];
     if (!ends_of(sim, wall, ends)) return false;
-    if (hypot(along - fmin(fmax(along, ends[0]), ends[1]), above) <= 1e-3 * radius) return true;
+    if (rp_hypot(along - fmin(fmax(along, ends[0]), ends[1]), above) <= 1e-3 * radius) return true;
     return !dem_wall_is_line(&sim->walls.wall[wall]) && dem_dot(normal, at_wall->normal) > SLIGHT &&
            fabs(dem_dot(normal, direction)) > SLIGHT;
 }

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "core/elementary.h"
 #include "dem/forces/forces.h"
 
 static dem_vec turned(const dem_sim *sim, const double x[2])
@@ -16,8 +17,9 @@ static double reach_of(const dem_wall *wall)
 {
     double reach = 0.0;
     for (int end = 0; end < 2; end++)
-        reach = fmax(reach, hypot(wall->point[0] + wall->extent[end] * wall->direction[1] - wall->pivot[0],
-                                  wall->point[1] - wall->extent[end] * wall->direction[0] - wall->pivot[1]));
+        reach =
+            fmax(reach, rp_hypot(wall->point[0] + wall->extent[end] * wall->direction[1] - wall->pivot[0],
+                                 wall->point[1] - wall->extent[end] * wall->direction[0] - wall->pivot[1]));
     return isnan(reach) ? INFINITY : reach;
 }
 
@@ -87,7 +89,7 @@ rp_status dem_walls_place(dem_sim *sim, const dem_definition *def)
 static rp_status check_motion(const dem_sim *sim, size_t w, const dem_wall *wall, double *way)
 {
     const double travel = *way =
-        sim->def.dt * (hypot(wall->velocity[0], wall->velocity[1]) +
+        sim->def.dt * (rp_hypot(wall->velocity[0], wall->velocity[1]) +
                        fabs(wall->omega) * (isinf(reach_of(wall)) ? 0.0 : reach_of(wall)));
     double r_min = INFINITY;
     for (size_t i = 0; i < sim->grains.n; i++) r_min = fmin(r_min, sim->grains.radius[i]);

@@ -1,4 +1,5 @@
 /* Single impacts; see impact.h. */
+#include "core/elementary.h"
 #include "dem/law/impact.h"
 
 #include <gsl/gsl_errno.h>
@@ -77,7 +78,7 @@ rp_status dem_collision(const dem_head_on *o, dem_collision_result *result)
     }
     const bool strong = problem.damping > course.strong;
     const double step = strong ? 0.1 / problem.damping : course.step,
-                 tolerance = course.tolerance * (strong ? pow(problem.damping, -2.5) : 1.0);
+                 tolerance = course.tolerance * (strong ? rp_pow(problem.damping, -2.5) : 1.0);
     gsl_odeiv2_system system = {impact_rates, NULL, 2, &problem};
     gsl_odeiv2_driver *driver = gsl_odeiv2_driver_alloc_y_new(&system, gsl_odeiv2_step_rk8pd, 0.1 * step,
                                                               tolerance, course.tolerance);

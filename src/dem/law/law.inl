@@ -2,6 +2,7 @@
  * functions of a few numbers. `num` is a double or a vector of them, `lanes` a truth value for each;
  * num_sqrt, num_max, num_choose, and num_limit: `a`, or `most` with the sign of `a` where |a| > most. A law
  * that other functions than these would need has no vector form, and does not compile. */
+#include "core/elementary.h"
 #include "dem/law/laws.h"
 #include "dem/law/parameters.h"
 
@@ -30,12 +31,12 @@ static inline double hertz_potential(double k_n, double overlap)
 
 static inline double hertz_impact_overlap(double k_n, double m_eff, double v)
 {
-    return pow(5.0 * m_eff * v * v / (4.0 * k_n), 0.4);
+    return rp_pow(5.0 * m_eff * v * v / (4.0 * k_n), 0.4);
 }
 
 static inline double hertz_rest_overlap(double k_n, double force)
 {
-    return pow(force / k_n, 2.0 / 3.0);
+    return rp_pow(force / k_n, 2.0 / 3.0);
 }
 
 /* (s^5 - t^5)/(s^2 - t^2) of the roots */
@@ -111,7 +112,7 @@ static inline double linear_damping_ratio(double k_n, double gamma_n, double m_e
  * overlap 0, integrated back from there */
 static inline double hertz_sticking_speed(double k_n, double gamma_n, double m_eff)
 {
-    return pow(gamma_n * pow(m_eff / k_n, 0.4) / 1.12798813552017, 5.0);
+    return rp_pow(gamma_n * rp_pow(m_eff / k_n, 0.4) / 1.12798813552017, 5.0);
 }
 
 /* Tsuji, Tanaka & Ishida 1992: c m_eff = gamma_n sqrt(m_eff k_n) x^(1/4), with Hertz' spring, gamma_n

@@ -1,4 +1,5 @@
 /* Descriptors of the laws, from their rows; restitution. */
+#include "core/elementary.h"
 #include "dem/law/laws.h"
 #include "dem/law/law.h"
 
@@ -57,20 +58,21 @@ void dem_elastic_contact(const double E[2], const double nu[2], double *k_n, dou
 double dem_restitution(bool tension, double damping_ratio)
 {
     if (damping_ratio >= 1.0) {
-        const double a = acosh(damping_ratio);
-        return tension ? 0.0 : exp(a > 0.0 ? -2.0 * a / tanh(a) : -2.0);
+        const double a = rp_acosh(damping_ratio),
+                     sinh_a = sqrt((damping_ratio - 1.0) * (damping_ratio + 1.0));
+        return tension ? 0.0 : rp_exp(a > 0.0 ? -2.0 * a * damping_ratio / sinh_a : -2.0);
     }
     const double cotangent = damping_ratio / sqrt((1.0 - damping_ratio) * (1.0 + damping_ratio));
-    return exp(-(tension ? M_PI : 2.0 * acos(damping_ratio)) * cotangent);
+    return rp_exp(-(tension ? M_PI : 2.0 * rp_acos(damping_ratio)) * cotangent);
 }
 
 /* With tension by inversion. Without it by bisection of the numbers themselves: restitution falls with the
  * ratio, and -ln(restitution) >= 2 a bounds it. */
 double dem_damping_ratio_of(bool tension, double restitution)
 {
-    const double loss = -log(restitution);
-    if (tension) return loss / hypot(M_PI, loss);
-    double low = 0.0, high = cosh(0.5 * loss);
+    const double loss = -rp_log(restitution);
+    if (tension) return loss / rp_hypot(M_PI, loss);
+    double low = 0.0, high = 0.5 * (rp_exp(0.5 * loss) + rp_exp(-0.5 * loss));
     for (double middle; middle = 0.5 * (low + high), middle > low && middle < high;)
         *(dem_restitution(false, middle) > restitution ? &low : &high) = middle;
     return low;

@@ -6,6 +6,7 @@
  * 3 to 5 start at 0, which is exact for grains that touch nothing. */
 #include <math.h>
 
+#include "core/elementary.h"
 #include "dem/forces/forces.h"
 #include "dem/methods/step.h"
 #include "dem/state/motion.h"
@@ -97,7 +98,7 @@ static double step_limit(const dem_definition *def, dem_rates rates, dem_load lo
 {
     (void)def;
     const double springs = load == DEM_AT_REST ? 2.0 : 3.0,
-                 rate = hypot(3.0 * rates.gamma * 551.0 / 90.0, springs * sqrt(rates.omega2)),
+                 rate = rp_hypot(3.0 * rates.gamma * 551.0 / 90.0, springs * sqrt(rates.omega2)),
                  own = rate > 0.0 ? 1.0 / rate : INFINITY;
     switch (load) {
     case DEM_AT_REST: return own;

@@ -2,6 +2,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "core/elementary.h"
 #include "core/random.h"
 #include "dem/scene/radii.h"
 #include "dem/scene/scene.h"
@@ -58,7 +59,8 @@ static double distance_of(const dem_wall *w, double x, double y)
                  along = dx * w->direction[1] - dy * w->direction[0],
                  above = dx * w->direction[0] + dy * w->direction[1];
     if (w->open_at_step == 0 && isinf(w->open_speed)) return INFINITY;
-    return dem_wall_is_line(w) ? above : hypot(along - fmin(fmax(along, w->extent[0]), w->extent[1]), above);
+    return dem_wall_is_line(w) ? above
+                               : rp_hypot(along - fmin(fmax(along, w->extent[0]), w->extent[1]), above);
 }
 
 static bool is_clear(const dem_fill *f, double x, double y, double distance)
@@ -270,7 +272,7 @@ static rp_status place_rows(const dem_fill *f, gsl_rng *radii, dem_grain *grains
                            f->pattern == DEM_PATTERN_ROW ? "row" : "lattice", g->x, g->y);
         for (size_t k = 1; k <= f->n_there; k++) {
             const dem_grain *b = &grains[-(long)k];
-            if (hypot(b->x - g->x, b->y - g->y) < (b->r + g->r) * (1.0 - overlap))
+            if (rp_hypot(b->x - g->x, b->y - g->y) < (b->r + g->r) * (1.0 - overlap))
                 return rp_fail(RP_NO_RESULT,
                                "grain %zu of a %s, at x = %g, y = %g, touches one that is there", i + 1,
                                f->pattern == DEM_PATTERN_ROW ? "row" : "lattice", g->x, g->y);

@@ -1,4 +1,5 @@
 /* Scene files, through schemas; see scene.h. */
+#include "core/elementary.h"
 #include "dem/scene/text.h"
 
 #include <ctype.h>
@@ -384,7 +385,7 @@ static void put_lower_end_first(dem_wall *wall)
 /* A direction of any length; one of length 1 stays as it is to the bit. */
 static rp_status normalise(const config_setting_t *setting, double v[2])
 {
-    const double length = hypot(v[0], v[1]);
+    const double length = rp_hypot(v[0], v[1]);
     if (!(length > 0.0)) return rp_config_fail(setting, "direction = [0, 0]: must not be 0");
     if (fabs(length - 1.0) < 1e-9) return RP_OK;
     v[0] /= length, v[1] /= length;
@@ -422,7 +423,7 @@ static rp_status add_sides(const config_setting_t *setting, const wall_entry *en
     const size_t n = through->n;
     for (size_t i = 0; i < (through->closed ? n : n - 1); i++) {
         const double *p = &points[2 * i], *q = &points[2 * ((i + 1) % n)];
-        const double dx = q[0] - p[0], dy = q[1] - p[1], length = hypot(dx, dy);
+        const double dx = q[0] - p[0], dy = q[1] - p[1], length = rp_hypot(dx, dy);
         if (!(length > 0.0) || !isfinite(length))
             return rp_config_fail(setting, "polygon: points %zu and %zu are [%g, %g]: no side", i + 1,
                                   (i + 1) % n + 1, p[0], p[1]);
@@ -465,8 +466,8 @@ static rp_status read_circle(const config_setting_t *circle, wall_entry *entry, 
     if (!(o->at = malloc(2 * o->n * sizeof *o->at))) return rp_fail(RP_NO_MEMORY, "circle: out of memory");
     for (size_t i = 0; i < o->n; i++) {
         const double angle = 2.0 * M_PI * ((double)i + 0.5) / (double)o->n; /* a side at the bottom */
-        o->at[2 * i] = c[0] + c[2] * sin(angle);
-        o->at[2 * i + 1] = c[1] - c[2] * cos(angle);
+        o->at[2 * i] = c[0] + c[2] * rp_sin(angle);
+        o->at[2 * i + 1] = c[1] - c[2] * rp_cos(angle);
     }
     return RP_OK;
 }
@@ -809,8 +810,8 @@ static rp_status read_contacts(rp_arena *arena, const rp_table *states, const rp
         if (!a || a == b || (!b && !wall)) continue;
         const dem_grain *p = &file->scene.grains[a - id], *q = &file->scene.grains[b ? b - id : 0];
         const dem_wall *w = b ? NULL : &dem_walls_of(def)[(size_t)v[2 * m] - 1];
-        const double overlap = b ? p->r + q->r - hypot(p->x - q->x, p->y - q->y)
-                                 : p->r - hypot(p->x - v[3 * m], p->y - v[4 * m]),
+        const double overlap = b ? p->r + q->r - rp_hypot(p->x - q->x, p->y - q->y)
+                                 : p->r - rp_hypot(p->x - v[3 * m], p->y - v[4 * m]),
                      off = b ? 0.0
                              : (v[3 * m] - w->point[0]) * w->direction[0] +
                                    (v[4 * m] - w->point[1]) * w->direction[1];
@@ -1167,7 +1168,7 @@ static rp_status know(void *host, rp_let_constant which, double *value)
     }
     if (which == RP_LET_G) {
         if (gravity) RP_TRY(rp_config_pair(gravity, g));
-        return *value = hypot(g[0], g[1]), RP_OK;
+        return *value = rp_hypot(g[0], g[1]), RP_OK;
     }
     RP_TRY(mean_grain(root, &r, &density));
     RP_TRY(peek(root, top_schema, "shape", &file));

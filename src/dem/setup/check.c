@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "core/elementary.h"
 #include "params/units.h"
 #include "dem/setup/definition.h"
 #include "dem/state/loops.h"
@@ -36,7 +37,7 @@ static rp_status check_material(const dem_definition *def, const dem_material *c
 
 rp_status dem_wall_check(const dem_wall *w)
 {
-    if (!(fabs(hypot(w->direction[0], w->direction[1]) - 1.0) < 1e-9) || !are_finite(2, w->point))
+    if (!(fabs(rp_hypot(w->direction[0], w->direction[1]) - 1.0) < 1e-9) || !are_finite(2, w->point))
         return rp_fail(RP_BAD_INPUT, "direction = [%g, %g]: a unit vector expected", w->direction[0],
                        w->direction[1]);
     if (!(w->extent[0] < w->extent[1]))
@@ -72,7 +73,8 @@ static bool is_hidden(const dem_wall *a, const dem_wall *b)
     const double d[] = {a->point[0] - b->point[0], a->point[1] - b->point[1]}, *n = a->direction,
                  *m = b->direction;
     if (!dem_wall_is_line(b) || b->open_at_step >= 0 || dem_wall_moves(a) || dem_wall_moves(b)) return false;
-    if (fabs(n[0] * m[1] - n[1] * m[0]) > 1e-9 || fabs(d[0] * m[0] + d[1] * m[1]) > 1e-9 * hypot(d[0], d[1]))
+    if (fabs(n[0] * m[1] - n[1] * m[0]) > 1e-9 ||
+        fabs(d[0] * m[0] + d[1] * m[1]) > 1e-9 * rp_hypot(d[0], d[1]))
         return false;
     return dem_wall_is_line(a) ? n[0] * m[0] + n[1] * m[1] > 0.0
                                : memcmp(&a->material, &b->material, sizeof a->material) != 0;

@@ -2,6 +2,7 @@
 
 #include <math.h>
 
+#include "core/elementary.h"
 #include "params/units.h"
 #include "dem/setup/definition.h"
 #include "dem/forces/forces.h"
@@ -27,7 +28,7 @@ typedef struct {
 /* Largest coordination number of a grain, over six: a large grain among small ones has more neighbours. */
 static double coordination_of(double r, double r_min)
 {
-    return fmax(1.0, M_PI / 6.0 / asin(r_min / (r + r_min)));
+    return fmax(1.0, M_PI / 6.0 / rp_asin(r_min / (r + r_min)));
 }
 
 /* Each of the two has as many contacts as it can; m_b may be INFINITY. */
@@ -88,7 +89,7 @@ static double speed_step_limit(const dem_definition *def, const dem_material *c,
 static double well_step_limit(const dem_definition *def, double m, double r, double v)
 {
     const double stiffness = def->ground.mu_static *
-                             fmax(m * v * v / (4.0 * r), m * hypot(def->gravity[0], def->gravity[1])) /
+                             fmax(m * v * v / (4.0 * r), m * rp_hypot(def->gravity[0], def->gravity[1])) /
                              def->ground.a;
     return stiffness > 0.0 ? 0.85 * 4.0 / sqrt(12.0 * stiffness / m) : INFINITY;
 }
@@ -201,7 +202,8 @@ rp_status dem_check_listed(const dem_sim *sim, const size_t lines[])
     const dem_grains *g = &sim->grains;
     double weight = 0.0;
     dem_relative r;
-    for (size_t i = 0; i < g->n; i++) weight += g->mass[i] * hypot(sim->def.gravity[0], sim->def.gravity[1]);
+    for (size_t i = 0; i < g->n; i++)
+        weight += g->mass[i] * rp_hypot(sim->def.gravity[0], sim->def.gravity[1]);
     for (size_t k = 0; k < dem_contact_numbers(sim); k++) {
         if (!dem_contact_relative(sim, k, true, &r) || !(r.c->k_n > 0.0)) continue;
         const double least = r.slot ? g->radius[r.a] : fmin(g->radius[r.a], g->radius[r.b]);

@@ -1,6 +1,7 @@
 /* The speeds that a definition's walls have, and its impacts will have. */
 #include <math.h>
 
+#include "core/elementary.h"
 #include "dem/setup/definition.h"
 #include "dem/state/vec.h"
 
@@ -24,7 +25,7 @@ double dem_wall_speed(const dem_definition *def, const dem_wall *wall)
         const dem_vec arm = (dem_vec){def->grains[i].x, def->grains[i].y} - pivot;
         reach2 = fmax(reach2, dem_dot(arm, arm));
     }
-    return hypot(wall->velocity[0], wall->velocity[1]) + fabs(wall->omega) * sqrt(reach2);
+    return rp_hypot(wall->velocity[0], wall->velocity[1]) + fabs(wall->omega) * sqrt(reach2);
 }
 
 double dem_impact_speed(const dem_definition *def)
@@ -34,7 +35,7 @@ double dem_impact_speed(const dem_definition *def)
     for (size_t i = 0; i < def->n_grains; i++) {
         const dem_grain *p = &def->grains[i];
         double height = -(g[0] * p->x + g[1] * p->y); /* times g */
-        speed = fmax(speed, hypot(p->vx, p->vy));
+        speed = fmax(speed, rp_hypot(p->vx, p->vy));
         low = fmin(low, height);
         high = fmax(high, height);
     }
@@ -47,7 +48,7 @@ double dem_impact_speed(const dem_definition *def)
             if (isfinite(p[0] + p[1])) high = fmax(high, -(g[0] * p[0] + g[1] * p[1]));
         }
         /* a wall along gravity has no height of its own */
-        if (fabs(n[0] * g[0] + n[1] * g[1]) > 1e-6 * hypot(g[0], g[1]))
+        if (fabs(n[0] * g[0] + n[1] * g[1]) > 1e-6 * rp_hypot(g[0], g[1]))
             low = fmin(low, -(g[0] * q[0] + g[1] * q[1]));
     }
     return 2.0 * speed + (high > low ? sqrt(2.0 * (high - low)) : 0.0);

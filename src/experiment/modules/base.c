@@ -2,6 +2,7 @@
 #include <math.h>
 
 #include "core/arena.h"
+#include "core/elementary.h"
 #include "experiment/modules/base.h"
 #include "experiment/modules/module.h"
 
@@ -37,7 +38,7 @@ static bool is_of_fixed(const exp_view *s, const dem_contact *c, base_load *load
     const bool on_b = exp_view_has(s, c->id_a);
     const dem_state *under = exp_grain_of(s->n_all, s->all, on_b ? c->id_b : c->id_a);
     if (!under || !under->fixed || !(on_b || exp_view_has(s, c->id_b))) return false;
-    const double lx = c->x - c->x_b, ly = c->y - c->y_b, l = hypot(lx, ly), sign = on_b ? 1.0 : -1.0;
+    const double lx = c->x - c->x_b, ly = c->y - c->y_b, l = rp_hypot(lx, ly), sign = on_b ? 1.0 : -1.0;
     *load = (base_load){on_b ? c->x : c->x_b, l + c->overlap - under->r,
                         sign * (c->normal_force * ly - c->shear_force * lx) / l,
                         -sign * (c->normal_force * lx + c->shear_force * ly) / l};
@@ -49,8 +50,8 @@ static bool is_of_wall(const exp_view *s, const dem_contact *c, base_load *load)
 {
     bool wall = false;
     for (size_t k = 0; k < s->n_walls; k++) wall |= s->walls[k] == (size_t)c->wall;
-    *load =
-        (base_load){c->x, hypot(c->x - c->x_b, c->y - c->y_b) + c->overlap, c->normal_force, -c->shear_force};
+    *load = (base_load){c->x, rp_hypot(c->x - c->x_b, c->y - c->y_b) + c->overlap, c->normal_force,
+                        -c->shear_force};
     return wall && exp_view_has(s, c->id_a);
 }
 

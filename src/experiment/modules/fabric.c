@@ -1,6 +1,7 @@
 /* Fabric: the directions of the contacts between grains, by number and by their normal forces. */
 #include <math.h>
 
+#include "core/elementary.h"
 #include "experiment/modules/module.h"
 
 typedef struct {
@@ -44,8 +45,8 @@ static rp_status evaluate(const exp_view *s, const void *params, double out[])
     if (!(sum[0] > 0.0 && sum[1] > 0.0)) return rp_fail(RP_NO_RESULT, "no contacts of grains");
     out[CONTACTS] = sum[0];
     for (int k = 0; k < 2; k++) {
-        out[k ? FORCE : FABRIC] = hypot(cos2[k], sin2[k]) / sum[k];
-        out[k ? FORCE_DEG : FABRIC_DEG] = 0.5 * atan2(sin2[k], -cos2[k]) * (180.0 / M_PI);
+        out[k ? FORCE : FABRIC] = rp_hypot(cos2[k], sin2[k]) / sum[k];
+        out[k ? FORCE_DEG : FABRIC_DEG] = 0.5 * rp_atan2(sin2[k], -cos2[k]) * (180.0 / M_PI);
     }
     return RP_OK;
 }

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 
 #include "angle/angle.h"
+#include "core/elementary.h"
 #include "experiment/modules/module.h"
 
 typedef struct {
@@ -78,7 +79,7 @@ static rp_status evaluate(const exp_view *s, const void *params, double out[])
     for (int side = 0; side < 2 && !status; side++) status = flank(&surface, column, side, p, out);
     if (!status) {
         out[MEAN] = 0.5 * (out[LEFT] + out[RIGHT]);
-        out[MEAN_ERROR] = 0.5 * hypot(out[LEFT_ERROR], out[RIGHT_ERROR]);
+        out[MEAN_ERROR] = 0.5 * rp_hypot(out[LEFT_ERROR], out[RIGHT_ERROR]);
         out[HEIGHT] = top;
         out[APEX] = apex;
         out[WIDTH] = right - left;

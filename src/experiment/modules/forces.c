@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "core/arena.h"
+#include "core/elementary.h"
 #include "experiment/modules/module.h"
 #include "stress/stress.h"
 
@@ -67,7 +68,8 @@ static rp_status check_balance(const exp_view *s, size_t n, const dem_contact co
         x = f[2 * (grain->id - 1)] + grain->m * g[0], y = f[2 * (grain->id - 1) + 1] + grain->m * g[1];
         out[WEIGHT_ERROR] += y / weight;
         if (grain->contacts > 0)
-            out[BALANCE_ERROR] = fmax(out[BALANCE_ERROR], sqrt(x * x + y * y) / (s->m * hypot(g[0], g[1])));
+            out[BALANCE_ERROR] =
+                fmax(out[BALANCE_ERROR], sqrt(x * x + y * y) / (s->m * rp_hypot(g[0], g[1])));
     }
     return RP_OK;
 }
@@ -83,7 +85,7 @@ static rp_status evaluate(const exp_view *s, const void *params, double out[])
     (void)params;
     RP_NEW(&arena, forces, n);
     dem_gravity(s->sim, g);
-    const double weight = s->mass * hypot(g[0], g[1]), normal = -s->mass * g[1];
+    const double weight = s->mass * rp_hypot(g[0], g[1]), normal = -s->mass * g[1];
     if (!(normal > 0.0)) return rp_fail(RP_NO_RESULT, "no weight on the floor");
     for (size_t k = 0; k < s->n_walls; k++)
         if (fabs(dem_wall_now(s->sim, s->walls[k]).direction[0]) > 1e-9)
@@ -109,7 +111,7 @@ static rp_status evaluate(const exp_view *s, const void *params, double out[])
     out[SXX] = scale * stress.xx, out[SXY] = scale * stress.xy;
     out[SYX] = scale * stress.yx, out[SYY] = scale * stress.yy;
     out[FRICTION] = out[H] / out[N],
-    out[BULK] = circle.mobilised < 0.5 * M_PI - 1e-9 ? tan(circle.mobilised) : NAN;
+    out[BULK] = circle.mobilised < 0.5 * M_PI - 1e-9 ? rp_tan(circle.mobilised) : NAN;
     out[COUPLE] = circle.couple / circle.pressure;
     return check_balance(s, n, contacts, g, weight, out);
 }

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "core/arena.h"
+#include "core/elementary.h"
 #include "experiment/modules/module.h"
 #include "stats/stats.h"
 
@@ -132,7 +133,7 @@ static rp_status measure(const exp_view *s, const dem_state states[], double out
         const double at[3] = {p[i].x / width, p[i].y / s->d, p[i].depth / s->d};
         sum += p[i].square;
         for (int k = 0; k < 3; k++) out[MOVES_X + k] += p[i].square * at[k], out[ALL_X + k] += at[k];
-        reach[i] = hypot(p[i].ux, p[i].uy);
+        reach[i] = rp_hypot(p[i].ux, p[i].uy);
     }
     gsl_sort(reach, 1, n);
     for (int k = 0; k < 3; k++) out[MOVES_X + k] /= sum, out[ALL_X + k] /= (double)n;

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 #include "core/arena.h"
+#include "core/elementary.h"
 #include "experiment/modules/module.h"
 
 static const rp_param schema[] = {{0}};
@@ -62,7 +63,7 @@ double exp_bond_order(size_t n, const dem_state grains[], double order[], int ne
 /* Within 10 degrees of 60 or 120 degrees to the horizontal. */
 static bool is_at_60(const dem_contact *c)
 {
-    const double turn = atan2(fabs(c->y_b - c->y), fabs(c->x_b - c->x)) * (180.0 / M_PI);
+    const double turn = rp_atan2(fabs(c->y_b - c->y), fabs(c->x_b - c->x)) * (180.0 / M_PI);
     return fabs(turn - 60.0) <= 10.0;
 }
 

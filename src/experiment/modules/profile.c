@@ -2,6 +2,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "core/elementary.h"
 #include "experiment/modules/module.h"
 #include "params/units.h"
 #include "table/table.h"
@@ -41,7 +42,7 @@ static void add_contacts(const exp_view *s, const profile_params *p, size_t n, c
                          double sums[])
 {
     for (const dem_contact *c = contacts; c < contacts + n; c++) {
-        const double lx = c->x - c->x_b, ly = c->y - c->y_b, l = hypot(lx, ly),
+        const double lx = c->x - c->x_b, ly = c->y - c->y_b, l = rp_hypot(lx, ly),
                      fx = (c->normal_force * lx + c->shear_force * ly) / l,
                      fy = (c->normal_force * ly - c->shear_force * lx) / l;
         double x = 0.5 * (c->x + c->x_b), y = 0.5 * (c->y + c->y_b);
