@@ -35,7 +35,7 @@ CHECK   := $(call objects,tests) $(call objects,validation) $(FUZZ)
 ALL     := $(CLI) $(REPORTER) $(foreach m,$(MODULES),$(call sources,$(m)))
 REPOSE  := $(B)/repose
 REPORT  := $(B)/report
-.PHONY: all figures studies bench report check-report check test validate asan lint setup help clean FORCE
+.PHONY: all figures studies bench report check-report check check-arm64 test validate asan lint setup help clean FORCE
 all: $(REPOSE) $(REPORT) ## build the programs: build/repose, and build/report, which makes the report
 help: ## this list
 	@sed -n 's/^\([a-z][a-z-]*\):.*## /  \1\t/p' $(MAKEFILE_LIST) | expand -t 16
@@ -86,6 +86,8 @@ SANITIZE := -fsanitize=address,undefined -fno-sanitize-recover=all -static-libas
 asan: | $(SETUP_FIRST) ## the same tests under the address and undefined-behaviour sanitizers
 	@$(MAKE) --no-print-directory -j$(JOBS) B=$(B)/asan SAN='$(SANITIZE)' $(addprefix $(B)/asan/,check repose report)
 	@echo "check   with sanitizers" && REPOSE=$(B)/asan/repose RP_CHECK_FAST=1 $(B)/asan/check -j$(JOBS)
+check-arm64: $(REPOSE) ## the tests of equal bits for 64-bit Arm, by qemu in a Debian root of its own; needs root, mmdebstrap and 1 GB
+	@sh tests/arm64.sh
 test: $(B)/check $(REPOSE) $(REPORT) ## some tests: make test SUITE=dem TEST='part of a name'
 	@REPOSE=$(REPOSE) $(B)/check -j$(JOBS) $(SUITE) --test '$(TEST)'
 

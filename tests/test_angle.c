@@ -1,5 +1,6 @@
 /* The angle toolkit against closed forms, planted surfaces and GSL. */
 #include <gsl/gsl_cdf.h>
+#include <gsl/gsl_fit.h>
 #include <gsl/gsl_poly.h>
 #include <gsl/gsl_randist.h>
 #include <gsl/gsl_sf_psi.h>
@@ -599,6 +600,14 @@ static void test_line_fit(void)
     CHECK_NEAR(line.slope_se, 1.0 / sqrt(sxx), fit_error);
     CHECK_NEAR(line.chi2, syy - sxy * sxy / sxx, fit_error);
     CU_ASSERT(line.dof == 4 && line.intercept == 0.0 && line.covariance == 0.0);
+    double gsl[6];
+    gsl_fit_wlinear(x, 1, (double[]){1, 2, 3, 4, 5}, 1, y, 1, 5, &gsl[0], &gsl[1], &gsl[2], &gsl[3], &gsl[4],
+                    &gsl[5]);
+    CHECK_OK(stats_line_fit(&(stats_xy){5, x, y, (double[]){1, M_SQRT1_2, 1 / sqrt(3.0), 0.5, 1 / sqrt(5.0)}},
+                            false, &line));
+    CHECK_NEAR(line.slope, gsl[1], 1e-12);
+    CHECK_NEAR(line.intercept_se * line.intercept_se, gsl[2], 1e-12);
+    CHECK_NEAR(line.chi2, gsl[5], 1e-12);
     /* without errors, by hand: slope 1/2, residuals 1/6, -1/3, 1/6 */
     CHECK_OK(stats_line_fit(&(stats_xy){3, (double[]){1, 2, 3}, (double[]){1, 1, 2}, NULL}, false, &line));
     CHECK_NEAR(line.slope, 0.5, tight);

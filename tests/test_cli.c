@@ -8,7 +8,6 @@
 #include <sys/ptrace.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
-#include <sys/user.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -385,8 +384,12 @@ static void test_random_folders(void)
  * true if it came to that call. */
 static bool kill_at(long k, char *const words[])
 {
-    static const long calls[] = {SYS_write,     SYS_pwrite64, SYS_ftruncate, SYS_fsync,
-                                 SYS_fdatasync, SYS_mkdir,    SYS_rename,    SYS_unlink};
+    static const unsigned long calls[] = {SYS_write,     SYS_pwrite64, SYS_ftruncate, SYS_fsync,
+                                          SYS_fdatasync, SYS_mkdirat,  SYS_renameat2, SYS_unlinkat,
+#ifdef SYS_mkdir /* older calls that some processors have */
+                                          SYS_mkdir,     SYS_rename,   SYS_unlink
+#endif
+    };
     int end = 0;
     char folder[256], program[PATH_MAX];
     path_of(".", folder);
@@ -399,12 +402,13 @@ static bool kill_at(long k, char *const words[])
         execv(program, words);
         _exit(127);
     }
-    for (bool entry = false; waitpid(child, &end, 0) == child && WIFSTOPPED(end); entry = !entry) {
-        struct user_regs_struct r;
-        ptrace(PTRACE_GETREGS, child, NULL, &r);
-        bool changes = r.orig_rax == SYS_openat && r.rdx & O_CREAT;
-        for (size_t i = 0; i < sizeof calls / sizeof *calls; i++) changes |= (long)r.orig_rax == calls[i];
-        if (entry && changes && --k == 0) kill(child, SIGKILL);
+    while (waitpid(child, &end, 0) == child && WIFSTOPPED(end)) {
+        struct __ptrace_syscall_info call = {0};
+        ptrace(PTRACE_SETOPTIONS, child, NULL, PTRACE_O_TRACESYSGOOD);
+        ptrace(PTRACE_GET_SYSCALL_INFO, child, sizeof call, &call);
+        bool changes = call.entry.nr == SYS_openat && call.entry.args[2] & O_CREAT;
+        for (size_t i = 0; i < sizeof calls / sizeof *calls; i++) changes |= call.entry.nr == calls[i];
+        if (call.op == PTRACE_SYSCALL_INFO_ENTRY && changes && --k == 0) kill(child, SIGKILL);
         ptrace(PTRACE_SYSCALL, child, NULL, NULL);
     }
     return WIFSIGNALED(end);

@@ -9,6 +9,7 @@
 
 #include "params/config.h"
 #include "params/guess.h"
+#include "core/elementary.h"
 #include "core/random.h"
 #include "core/file.h"
 #include "table/where.h"
@@ -734,6 +735,70 @@ static void guesses(void)
     CU_ASSERT_STRING_EQUAL(rp_guess_text(&guess), "");
 }
 
+/* ---- elementary functions ---- */
+
+/* |value - reference| in units of the last place of value. */
+static double places(double value, long double reference)
+{
+    return (double)(fabsl(value - reference) / (nextafter(fabs(value), INFINITY) - fabs(value)));
+}
+
+static bool same_number(double a, double b)
+{
+    return isnan(a) ? isnan(b) : fabs(a - b) <= 1e-15 * fabs(b) || a == b;
+}
+
+/* Rounded correctly: half a unit in the last place, and the error of the reference, long double, of 64 bits
+ * at least. */
+static void elementary(void)
+{
+    static const struct {
+        double (*ours)(double);
+        long double (*reference)(long double);
+        double from, to; /* of x, or of the power of 10 in 1 + 10^x */
+        bool above_1;
+    } functions[] = {{rp_exp, expl, -700.0, 700.0, false}, {rp_log, logl, -0.999, 1.0, true},
+                     {rp_log, logl, 0.01, 50.0, false},    {rp_acosh, acoshl, -10.0, 300.0, true},
+                     {rp_sin, sinl, -40.0, 40.0, false},   {rp_cos, cosl, -40.0, 40.0, false},
+                     {rp_tan, tanl, -5.0, 5.0, false},     {rp_asin, asinl, -1.0, 1.0, false},
+                     {rp_acos, acosl, -1.0, 1.0, false},   {rp_atan, atanl, -9.0, 9.0, false}};
+    scoped_rng *r = gsl_rng_alloc(rp_rng_philox);
+    gsl_rng_set(r, 1);
+    for (size_t f = 0; f < sizeof functions / sizeof *functions; f++) {
+        double worst = 0.0;
+        for (int i = 0; i < 20000; i++) {
+            double x = functions[f].from + (functions[f].to - functions[f].from) * gsl_rng_uniform(r);
+            if (functions[f].above_1) x = 1.0 + pow(10.0, x);
+            worst = fmax(worst, places(functions[f].ours(x), functions[f].reference(x)));
+        }
+        if (!(worst < 0.502)) fprintf(stderr, "function %zu: %g units in the last place\n", f, worst);
+        CU_ASSERT(worst < 0.502);
+    }
+    double worst[3] = {0.0, 0.0, 0.0};
+    for (int i = 0; i < 20000; i++) {
+        const double x = gsl_rng_uniform(r) - 0.5, y = pow(10.0, 600.0 * x) * (gsl_rng_uniform(r) - 0.5);
+        worst[0] = fmax(worst[0], places(rp_hypot(x, y), hypotl(x, y)));
+        worst[1] = fmax(worst[1], places(rp_atan2(x, y), atan2l(x, y)));
+        worst[2] = fmax(worst[2], places(rp_pow(fabs(y), x), powl(fabs(y), x)));
+    }
+    CU_ASSERT(worst[0] < 0.6 && worst[1] < 0.502 && worst[2] < 0.502);
+    static const double special[] = {0.0,   INFINITY, -INFINITY, NAN, 1.0,  -1.0,
+                                     1e308, -1e308,   1e-300,    2.0, 750.0};
+    enum { SPECIAL = sizeof special / sizeof *special };
+    for (int i = 0; i < SPECIAL; i++) {
+        const double x = special[i];
+        CU_ASSERT(same_number(rp_exp(x), exp(x)) && same_number(rp_log(x), log(x)));
+        CU_ASSERT(same_number(rp_atan(x), atan(x)) && same_number(rp_asin(x), asin(x)));
+        CU_ASSERT(same_number(rp_acos(x), acos(x)) && same_number(rp_acosh(x), acosh(x)));
+        for (int k = 0; k < SPECIAL; k++) {
+            CU_ASSERT(same_number(rp_hypot(x, special[k]), hypot(x, special[k])));
+            CU_ASSERT(same_number(rp_atan2(x, special[k]), atan2(x, special[k])));
+            CU_ASSERT(x < 0.0 || same_number(rp_pow(x, special[k]), pow(x, special[k])));
+        }
+    }
+    CU_ASSERT(isnan(rp_sin(1e9)) && isnan(rp_cos(INFINITY)) && isnan(rp_tan(NAN)));
+}
+
 void suite_core(void)
 {
     static const check_case cases[] = {{"statuses and messages", statuses},
@@ -751,6 +816,7 @@ void suite_core(void)
                                        {"random numbers: known answer", random_known_answer},
                                        {"random streams are distinct", random_streams},
                                        {"truncated normal deviates", cut_normal},
+                                       {"elementary functions", elementary},
                                        {"tables", tables},
                                        {"tables: text", table_text},
                                        {"tables: conditions, notes", table_conditions},

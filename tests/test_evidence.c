@@ -347,7 +347,7 @@ static void test_failed_cells(void)
         snprintf(text + strlen(text), sizeof text - strlen(text),
                  "%s\t-\tlh\t-\ts\tabove\t-\t-\t-\t-\t%s\t%s\t%s\t-\n", cases[k].id, cases[k].answer,
                  cases[k].against, cases[k].id);
-    write_text("claims.tsv", text);
+    write_text("claims.tsv", "%s", text);
     write_text("s/points.tsv",
                SWEEP("s") "14 of 30 (overlap 14)\n# k\tg\tn\tn_failed\ta_mean\ta_sd\ta_se\ta_n\n"
                           "1\t1\t4\t1\t3\t1\t1\t4\n2\t1\t3\t2\t3\t1\t1\t3\n3\t1\t0\t5\tnan\tnan\tnan\t0\n"

@@ -467,7 +467,8 @@ static bool is_set_out(const char *figure)
     snprintf(path, sizeof path, "figures/%s.gp", figure);
     slurp(path, text, sizeof text);
     const bool own_height = strstr(text, "ratio = ") || file_holds("set", "set size ratio -1");
-    const bool good = letters_are_readable(svg) & panels_are_alike(svg, own_height) & legend_is_of_drawn();
+    const bool readable = letters_are_readable(svg), alike = panels_are_alike(svg, own_height),
+               good = legend_is_of_drawn() && readable && alike;
     if (!good) fprintf(stderr, "%s: layout\n", figure);
     return good;
 }

@@ -1,27 +1,12 @@
 /* Fills: laws of radii, patterns, several fills in one scene. */
 #include <math.h>
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "check.h"
-#include "core/elementary.h"
 #include "dem/scene/scene.h"
 #include "grains.h"
-
-/* ---- elementary functions ---- */
-
-static void test_elementary(void)
-{
-    double worst[2] = {0.0, 0.0};
-    for (int k = 0; k < 20000; k++) {
-        const double x = -700.0 + 0.07 * k, y = exp(0.05 * (k - 10000) / 10.0) * (1.0 + 1e-5 * k);
-        worst[0] = fmax(worst[0], fabs(rp_exp(x) / exp(x) - 1.0));
-        if (fabs(log(y)) > 1e-3) worst[1] = fmax(worst[1], fabs(rp_log(y) / log(y) - 1.0));
-    }
-    CU_ASSERT(worst[0] < 1e-15 && worst[1] < 1e-15);
-    CU_ASSERT(rp_exp(0.0) == 1.0 && rp_log(1.0) == 0.0);
-    CHECK_NEAR(rp_log(1.0 + 1e-9), 1e-9, 1e-16);
-}
 
 /* ---- laws of radii ---- */
 
@@ -157,8 +142,8 @@ static void test_cut(void)
 {
     static const char *const fills[] = {
         "{ pattern = \"row\"; W = 3.0; spacing = 0.5; radius_width = 0.0; }",
-        "{ pattern = \"lattice\"; W = 2.2; H = 9.0; spacing = 0.2; radius_width = 0.0;\n"
-        "  polygon = ( (0.07, 0.05), (2.13, 0.05), (1.1, 1.84) ); }",
+        ("{ pattern = \"lattice\"; W = 2.2; H = 9.0; spacing = 0.2; radius_width = 0.0; polygon = ( (0.07, "
+         "0.05), (2.13, 0.05), (1.1, 1.84) ); }"),
         "{ N = 300; W = 8.0; H = 8.0; polygon = ( (0.0, 0.0), (8.0, 0.0), (0.0, 8.0) ); }"};
     static const size_t counts[] = {6, 66, 300}; /* of the second 11 rows of 11 to 1 */
     for (int k = 0; k < 3; k++) {
@@ -183,7 +168,9 @@ static void test_cut(void)
         fclose(out);
         CHECK_OK(grains_read(written, NULL, &back));
         CHECK_OK(dem_scene_grains(&back, &again, &m, NULL));
-        CU_ASSERT(m == n && memcmp(grains, again, n * sizeof *grains) == 0);
+        CU_ASSERT_FATAL(m == n);
+        for (size_t i = 0; i < n; i++)
+            CU_ASSERT(memcmp(&grains[i], &again[i], offsetof(dem_grain, fixed)) == 0);
         free(grains), free(again), free(written);
     }
     static const char *const refused[][2] = {
@@ -343,16 +330,11 @@ static void test_extremes(void)
 
 void suite_fills(void)
 {
-    static const check_case cases[] = {{"exp and log", test_elementary},
-                                       {"spacing and polygons", test_cut},
-                                       {"groups with a condition", test_if},
-                                       {"laws of radii", test_laws},
-                                       {"radii of a table", test_table},
-                                       {"rows and lattices", test_patterns},
-                                       {"several fills", test_several},
-                                       {"constants", test_constants},
-                                       {"few in much room", test_sparse},
-                                       {"none, and too many", test_extremes},
-                                       {0}};
+    static const check_case cases[] = {
+        {"spacing and polygons", test_cut},    {"groups with a condition", test_if},
+        {"laws of radii", test_laws},          {"radii of a table", test_table},
+        {"rows and lattices", test_patterns},  {"several fills", test_several},
+        {"constants", test_constants},         {"few in much room", test_sparse},
+        {"none, and too many", test_extremes}, {0}};
     check_register("fills", cases);
 }

@@ -93,7 +93,7 @@ static void planted(size_t n_names)
     const size_t n = check_fast() ? 12 : n_names < 3 || check_full() ? 1000 : 120;
     stand_in s = {.n_names = n_names, .n_numbers = n_names + 1, .scatter = {1.0, 0.8, 0.6, 0.5}};
     double *z = malloc(n * n_names * sizeof *z);
-    size_t inside[STATS_NAMES] = {0}, ok = 0, used = 0, tried = 0, recovered = 0;
+    size_t inside[STATS_NAMES] = {0}, used = 0, tried = 0, recovered = 0;
     s.noise = rp_random_alloc(2026, n_names, RP_PURPOSE_TEST);
     for (size_t i = 0; i < n; i++) {
         double truth[STATS_NAMES];
@@ -106,7 +106,6 @@ static void planted(size_t n_names)
         bool known = true;
         for (size_t p = 0; p < n_names; p++) known = known && isfinite(a.x[p]);
         if (!known) continue; /* no_match: one case in a hundred */
-        ok += a.status[0] == STATS_IDENTIFIED_OK;
         tried += a.tried, recovered += a.recovered;
         for (size_t p = 0; p < n_names; p++) {
             inside[p] += truth[p] >= a.own[p].lower && truth[p] <= a.own[p].upper;

@@ -357,8 +357,8 @@ static void test_digest_of_plan(void)
         "replicas = 3; seed = 7; fixed = { mass = 2.0; }; grid = { x = [0.5, 1.5, 2.5]; k = [9, 5, 7]; };",
         "replicas = 3; seed = 7; fixed = { mass = 2.0; }; grid = { x = [0.5, 1.5, 2.5]; k = [9, 8, 5]; };",
         "replicas = 3; seed = 7; fixed = { mass = 2.0; }; grid = { k = [9, 8, 7]; x = [0.5, 1.5, 2.5]; };",
-        "replicas = 3; seed = 7; fixed = { mass = 2.0; }; piles = \"shared\";\n"
-        "grid = { x = [0.5, 1.5, 2.5]; k = [9, 8, 7]; };"};
+        ("replicas = 3; seed = 7; fixed = { mass = 2.0; }; piles = \"shared\"; grid = { x = [0.5, 1.5, 2.5]; "
+         "k = [9, 8, 7]; };")};
     enum { N = sizeof texts / sizeof *texts };
     char digests[N][33];
     fresh("");
@@ -1414,8 +1414,8 @@ static void test_shards(void)
             if (n == 8 && k == 4) CU_ASSERT_STRING_EQUAL(c.shards, "2,5-7 of 8");
         }
         CHECK_OK(sweep_status(dir, toys, &c));
-        char list[32];
-        snprintf(list, sizeof list, n > 1 ? "%d of %d" : "", orders[i][n], n);
+        char list[32] = "";
+        if (n > 1) snprintf(list, sizeof list, "%d of %d", orders[i][n], n);
         CU_ASSERT_STRING_EQUAL(c.shards, list);
         if (n == 8) {
             CHECK_OK(sweep_merge(dir, toys, 0, NULL, &m, &c));

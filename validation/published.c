@@ -351,7 +351,7 @@ static void oblique_collision(void)
         run_strike(&p, 1e-3 / w);
         /* both codes count the first step of the spring in full; their step is 1/50 of a contact time */
         const double their_dt = M_PI / w / 50.0, first = sqrt(a * kappa) * w * their_dt;
-        const double slides =
+        const bool slides =
             row[0] >= 30.0; /* sliding throughout: no spring, the normal impulse is of second order */
         const double bound = (slides ? pow(w * their_dt, 2.0) : first) + 3.0 * places;
         const double slip = bound * (p.u + p.v_n * MU) / a; /* of the centre's speed */

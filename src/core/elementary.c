@@ -177,8 +177,8 @@ double rp_pow(double x, double p)
 
 double rp_acosh(double x)
 {
-    if (!(x >= 1.0)) return NAN;
-    if (x > 0x1p+400) return rp_log(x) + LN2.high;
+    if (!(x >= 1.0) || isinf(x)) return x >= 1.0 ? x : NAN;
+    if (x > 0x1p+400) return rounded(add(logarithm(of(x)), LN2));
     return rounded(logarithm(add(of(x), root(multiply(sum_of(x, -1.0), sum_of(x, 1.0))))));
 }
 

@@ -3,7 +3,22 @@
 #include <xmmintrin.h>
 #define get_mode _mm_getcsr
 #define set_mode _mm_setcsr
+#define FLUSH    0x8040u /* results and operands */
+#elif defined __aarch64__
+#define FLUSH 0x1000000u /* FPCR.FZ: both */
+static unsigned get_mode(void)
+{
+    unsigned long mode;
+    __asm__ volatile("mrs %0, fpcr" : "=r"(mode));
+    return (unsigned)mode;
+}
+
+static void set_mode(unsigned mode)
+{
+    __asm__ volatile("msr fpcr, %0" : : "r"((unsigned long)mode) : "memory");
+}
 #else
+#define FLUSH          0u
 #define get_mode()     0
 #define set_mode(mode) (void)(mode)
 #endif
@@ -36,9 +51,8 @@ static rp_status advance(dem_sim *sim, long steps)
  */
 rp_status dem_run(dem_sim *sim, long steps)
 {
-    enum { RESULTS = 0x8000, OPERANDS = 0x40 };
     const unsigned mode = get_mode();
-    set_mode(mode | RESULTS | OPERANDS);
+    set_mode(mode | FLUSH);
     rp_status status = advance(sim, steps);
     set_mode(mode);
     return status;

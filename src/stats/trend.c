@@ -126,7 +126,9 @@ static void set_moments(sample *s)
     s->sw = s->x_mean = s->sxx = s->s3 = 0.0;
     for (size_t j = 0; j < s->n_x; j++) {
         cell *q = &s->cells[j];
-        const double w = power == 0.0 ? 1.0 : s->of->log10_x ? rp_pow(10.0, power * q->x) : rp_pow(q->x, power);
+        const double w = power == 0.0     ? 1.0
+                         : s->of->log10_x ? rp_pow(10.0, power * q->x)
+                                          : rp_pow(q->x, power);
         s->sw += q->w = q->n * w;
     }
     for (size_t j = 0; j < s->n_x; j++) s->x_mean += s->cells[j].w * s->cells[j].x / s->sw;
