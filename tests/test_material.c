@@ -243,6 +243,41 @@ static void rolling_models(void)
         }
 }
 
+/* Of a pair of radii 0.1 and 0.05 that rolls fast, and of a grain that rolls on a wall: the torque is the arm
+ * times mu F_n, and of the viscous model times the speed at that arm too. */
+static void rolling_arms(void)
+{
+    static const char *const models[] = {"constant", "spring", "viscous"}, *const arms[] = {"reduced",
+                                                                                            "radius"};
+    for (int k = 0; k < 12; k++) {
+        const int model = k % 3, wall = k / 6;
+        const double r = 0.1, omega = 300.0, mu = model == 2 ? 1e-4 : 0.01,
+                     arm = wall ? r : (k / 3 % 2 ? 2.0 : 1.0) * 0.1 * 0.05 / 0.15;
+        char text[1024];
+        scoped_scene s;
+        scoped_sim *sim = NULL;
+        dem_contact *list;
+        size_t n;
+        snprintf(
+            text, sizeof text,
+            "%srotation = true; gravity = [0.0, 0.0]; dt = 2e-7; rolling = { model = \"%s\"; arm = \"%s\"; "
+            "mu = %g; };\n"
+            "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; } );\n"
+            "particles = ( { x = 0.0; y = %g; r = %g; omega = %g; }, { x = 0.1499; y = %g; r = 0.05; } );\n",
+            material, models[model], arms[k / 3 % 2], mu, wall ? 0.0999 : 5.0, r, omega, wall ? 9.0 : 5.0);
+        CHECK_OK(grains_read(text, NULL, &s));
+        CHECK_OK(dem_scene_start(&s, &sim));
+        CHECK_OK(dem_run(sim, 60)); /* the spring comes to its limit */
+        CHECK_OK(dem_contacts(sim, &list, &n));
+        CU_ASSERT_FATAL(n == 1);
+        const dem_contact c = *list;
+        free(list);
+        const double speed = model == 2 ? arm * omega : 1.0;
+        CHECK_NEAR(fabs(c.rolling_torque), arm * mu * c.normal_force * speed,
+                   0.02 * arm * mu * c.normal_force * speed);
+    }
+}
+
 /* A surface acts the same as a whole line and as a segment, at rest and, seen from a frame that moves along,
  * moving. */
 static void walls_alike(void)
@@ -282,6 +317,7 @@ void suite_material(void)
                                        {"a scene's material", group_of_a_scene},
                                        {"walls of all kinds", walls_alike},
                                        {"models of rolling resistance", rolling_models},
+                                       {"arms of rolling resistance", rolling_arms},
                                        {"ledger", ledger_closes},
                                        {0}};
     check_register("material", cases);

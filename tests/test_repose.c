@@ -244,10 +244,10 @@ static void test_keys_of_the_scene(void)
     static const struct {
         const char *name, *value;
     } others[] = {
-        {"rotation", "true"}, {"shape", "disk"},      {"density", "2"},      {"integrator", "gear5"},
-        {"dt", "2e-5"},       {"normal", "linear"},   {"tension", "false"},  {"tangential", "slip_roll"},
-        {"k_s", "9000"},      {"gamma_s", "7"},       {"damping", "inside"}, {"k_roll", "5"},
-        {"gamma_roll", "6"},  {"rolling", "constant"}};
+        {"rotation", "true"}, {"shape", "disk"},       {"density", "2"},         {"integrator", "gear5"},
+        {"dt", "2e-5"},       {"normal", "linear"},    {"tension", "false"},     {"tangential", "slip_roll"},
+        {"k_s", "9000"},      {"gamma_s", "7"},        {"damping", "inside"},    {"k_roll", "5"},
+        {"gamma_roll", "6"},  {"rolling", "constant"}, {"rolling_arm", "radius"}};
     sweep_experiment *text;
     const sweep_protocol *open;
     size_t n = 0, left = 0;

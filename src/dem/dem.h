@@ -127,6 +127,7 @@ typedef struct {
     dem_normal_law normal;
     dem_tangential_law tangential;
     dem_rolling rolling;
+    dem_arm rolling_arm;
     dem_slip slip;
     dem_damping damping;
     double restitution_speed; /* at which the restitution of a law without a damping ratio holds; INFINITY:

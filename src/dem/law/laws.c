@@ -38,6 +38,7 @@ const char *dem_tangential_manual(int law)
 }
 
 DEM_MANUAL_OF(DEM_ROLLINGS, dem_rolling_manual)
+DEM_MANUAL_OF(DEM_ARMS, dem_arm_manual)
 DEM_MANUAL_OF(DEM_SLIPS, dem_slip_manual)
 DEM_MANUAL_OF(DEM_DAMPINGS, dem_damping_manual)
 

@@ -71,13 +71,20 @@ RP_C_BEGIN
     X(DEM_ROLL_VISCOUS, viscous,                                                                             \
       "mu F_n v of the rolling speed v, mu in s/cm or s/m; holds nothing at rest: model B")
 
+/* Arm of the rolling resistance between grains; at a wall it is the grain's radius. */
+#define DEM_ARMS(X)                                                                                          \
+    X(DEM_ARM_REDUCED, reduced, "r_i r_j/(r_i + r_j): half the radius of equal grains")                      \
+    X(DEM_ARM_RADIUS, radius, "2 r_i r_j/(r_i + r_j): the radius of equal grains, as at a wall")
+
 typedef enum { DEM_NORMAL_LAWS(DEM_ID) } dem_normal_law;
 typedef enum { DEM_TANGENTIAL_LAWS(DEM_ID) } dem_tangential_law;
 typedef enum { DEM_ROLLINGS(DEM_ID) } dem_rolling;
+typedef enum { DEM_ARMS(DEM_ID) } dem_arm;
 typedef enum { DEM_SLIPS(DEM_ID) } dem_slip;
 typedef enum { DEM_DAMPINGS(DEM_ID) } dem_damping;
 enum { DEM_NORMAL_N = DEM_NORMAL_LAWS(DEM_ONE), DEM_TANGENTIAL_N = DEM_TANGENTIAL_LAWS(DEM_ONE) };
-dem_manual dem_normal_manual, dem_tangential_manual, dem_rolling_manual, dem_slip_manual, dem_damping_manual;
+dem_manual dem_normal_manual, dem_tangential_manual, dem_rolling_manual, dem_arm_manual, dem_slip_manual,
+    dem_damping_manual;
 
 #define DEM_LAW_FRICTION(id, word, manual, friction, ...)       | (unsigned)friction << id
 #define DEM_LAW_SPRING(id, word, manual, friction, spring, ...) | (unsigned)spring << id

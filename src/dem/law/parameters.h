@@ -88,6 +88,8 @@
     DEM_MU_ROLL_PARAM(X, "0.0") \
     X(SCENE, RP_CHOICE, rolling, DEM_KEY("model"), DEM_UNIT(""), DEM_DEFAULT("spring"), DEM_RANGE(DEM_WORDS(DEM_ROLLINGS)), \
       DEM_NO_WALL, DEM_MEANING("resistance to rolling"), DEM_MANUAL_BY(dem_rolling_manual)) \
+    X(SCENE, RP_CHOICE, rolling_arm, DEM_KEY("arm"), DEM_UNIT(""), DEM_DEFAULT("reduced"), DEM_RANGE(DEM_WORDS(DEM_ARMS)), \
+      DEM_NO_WALL, DEM_MEANING("arm of rolling resistance between grains"), DEM_MANUAL_BY(dem_arm_manual)) \
     X(MATERIAL, RP_REAL, k_roll, DEM_KEY("k"), DEM_UNIT("dyn/cm"), DEM_DEFAULT("auto"), DEM_RANGE("[0, inf)"), \
       DEM_ALSO(" | auto"), DEM_AUTOMATIC(m->k_s), DEM_WALL(1.0), DEM_MEANING("stiffness of rolling; auto: k_s")) \
     X(MATERIAL, RP_REAL, gamma_roll, DEM_KEY("gamma"), DEM_UNIT("1/s"), DEM_DEFAULT("auto"), DEM_RANGE("[0, inf)"), \
@@ -100,7 +102,7 @@
 #define DEM_MU_ROLL_PARAM(X, default_mu) \
     X(MATERIAL, RP_REAL, mu_roll, DEM_KEY("mu"), DEM_UNIT(""), DEM_DEFAULT(default_mu), DEM_RANGE("[0, inf) | infinite"), DEM_ALSO(""), \
       DEM_AUTOMATIC(m->mu_roll), DEM_WALL(1.0), \
-      DEM_MEANING("rolling resistance: limit of its force, at an arm r_i r_j/(r_i + r_j), over the normal force"))
+      DEM_MEANING("rolling resistance: limit of its force over the normal force"))
 
 /* Radii of grains that are drawn: group `fill`. */
 #define DEM_RADIUS_PARAMS(X) \
@@ -147,8 +149,8 @@
 
 /* Coefficients of one kind of contact, grain-grain or grain-wall. mu and mu_roll may be INFINITY.
  * Rolling resistance acts through the force of a spring and a dashpot against R_eff (omega_i - omega_j),
- * R_eff = r_i r_j/(r_i + r_j) (at a wall r_i), limited to mu_roll max(F_n, 0), at an arm of R_eff. Damping
- * coefficients are per effective mass. */
+ * R_eff = r_i r_j/(r_i + r_j) (at a wall r_i), limited to mu_roll max(F_n, 0), at the arm of rolling_arm.
+ * Damping coefficients are per effective mass. */
 typedef struct {
     DEM_CONTACT_PARAMS(DEM_MATERIAL_MEMBER)
 } dem_material;

@@ -206,9 +206,8 @@ const dem_scene_group dem_scene_schemas[] = {
     {"normal", normal_schema, "force of a contact along the line of centres; overlap x, parting at v_n"},
     {"tangential", tangential_schema, "force of a contact across the line of centres"},
     {"rolling", rolling_schema,
-     "resistance to rolling: a spring and a dashpot of the rolling displacement, under the limit mu F_n, at "
-     "the "
-     "arm r_i r_j/(r_i + r_j) (Ai, Chen, Rotter & Ooi 2011, model C)"},
+     "resistance to rolling: a spring and a dashpot of the rolling displacement, under the limit mu F_n "
+     "(Ai, Chen, Rotter & Ooi 2011, model C)"},
     {"material", material_schema,
      "elastic spheres by their material: stands for normal = { law = \"elastic\"; tension = false; } with "
      "k_n = 4/3 E*, "

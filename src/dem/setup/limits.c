@@ -49,14 +49,14 @@ static double contact_step_limit(const dem_definition *def, const dem_material *
                  gamma_n = law->damping_rate(scaled, c->gamma_n, of.m_eff, overlap);
     double unused = 0.0;
     dem_slider slider = dem_slider_of(def->slip, def->damping, c->k_s, c->gamma_s, 0.0),
-               roll = dem_rolls_of(c);
+               roll = dem_rolls_of(def->rolling, dem_arm_of(def, c), c);
     if (def->tangential == DEM_MINDLIN) {
         slider = dem_law_mindlin(slider, of.r_eff, of.m_eff, overlap, overlap, &unused);
         roll = dem_law_mindlin(roll, of.r_eff, of.m_eff, overlap, overlap, &unused);
     }
     if (def->rolling != DEM_ROLL_SPRING) roll.k = roll.gamma = 0.0;
     if (def->rolling == DEM_ROLL_VISCOUS) /* of the spring's force at this overlap */
-        roll.gamma = c->mu_roll * dem_law_elastic(def->normal, scaled, overlap) / of.m_eff;
+        roll.gamma = roll.mu * dem_law_elastic(def->normal, scaled, overlap) / of.m_eff;
     const double turns = def->rotation ? 1.0 / dem_inertia(def->shape, 1.0, 1.0) : 0.0;
     const bool shear = dem_has_friction(def->tangential), spring = dem_has_spring(def->tangential),
                rolls = shear && c->mu_roll > 0.0;

@@ -149,4 +149,10 @@ static inline void dem_hold_fixed(dem_sim *sim)
 rp_status dem_stop(dem_sim *sim, dem_fault fault, size_t grain, const char *format, ...)
     __attribute__((format(printf, 4, 5)));
 
+/* Arm of the rolling resistance over R_eff, of coefficients c of a pair or of a wall. */
+static inline double dem_arm_of(const dem_definition *def, const dem_material *c)
+{
+    return def->rolling_arm == DEM_ARM_RADIUS && c == &def->material ? 2.0 : 1.0;
+}
+
 #endif
