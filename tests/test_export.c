@@ -490,6 +490,40 @@ static void test_lammps_input(void)
     }
 }
 
+/* A grain that hits a wall, and two that hit each other, with spin: LAMMPS takes the slip at the radii, and
+ * the spins differ by a share of the overlap, which falls as E^-0.4. */
+static void spin_apart(const char *shape, double E, double apart[3])
+{
+    write_text("spin.cfg",
+               "gravity = [0.0, 0.0]; dt = 2.0e-7; steps = 15000; rotation = true; shape = \"%s\";\n"
+               "material = { E = %g; nu = 0.3; restitution = 0.7; mu = 0.3; };\n"
+               "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; } );\n"
+               "particles = ( { x = 0.0; y = 0.12; r = 0.1; vx = 9.0; vy = -40.0; omega = 100.0; },\n"
+               "  { x = 1.0; y = 0.5; r = 0.1; vx = 30.0; vy = 3.0; omega = 20.0; },\n"
+               "  { x = 1.211; y = 0.53; r = 0.11; vx = -10.0; omega = 70.0; } );\n",
+               shape, E);
+    GOOD("export spin.cfg --to lammps-input -o spin.in");
+    GOOD("run spin.cfg -o spin --force");
+    CU_ASSERT(shell("lmp -in spin.in >said && tail -n 3 spin.lammpstrj | awk '{ print $NF }' >out") == 0);
+    double theirs[3];
+    CU_ASSERT(sscanf(out, "%lf %lf %lf", &theirs[0], &theirs[1], &theirs[2]) == 3);
+    scoped_table ours = read_table("spin/states.tsv");
+    for (int i = 0; i < 3; i++) apart[i] = fabs(cell(&ours, (size_t)i, "omega") - theirs[i]);
+}
+
+static void test_spins(void)
+{
+    if (!has("command -v lmp", "lmp")) return;
+    for (int disk = 0; disk < 2; disk++) {
+        double soft[3], stiff[3];
+        spin_apart(disk ? "disk" : "sphere", 3e8, soft);
+        spin_apart(disk ? "disk" : "sphere", 3e9, stiff);
+        for (int i = 0; i < 3; i++) {
+            CU_ASSERT(soft[i] < 4.0 && soft[i] > 2.0 * stiff[i] && soft[i] < 3.2 * stiff[i]); /* 2.5 */
+        }
+    }
+}
+
 /* Fixed grains, the first and the last among them, are held by their numbers. */
 static void test_held(void)
 {
@@ -677,7 +711,7 @@ static void test_refused(void)
     static const struct {
         const char *set, *message;
     } refused[] = {{"integrator=gear5", "integrator: LAMMPS steps as"},
-                   {"rotation=true", "rotation = true"},
+                   {"rotation=true --set rolling.mu=0.1", "rolling.mu = 0.1"},
                    {"normal.tension=true", "normal.tension = true"},
                    {"tangential.slip=total", "tangential.slip = \"total\""},
                    {"tangential.damping=outside", "tangential.damping = \"outside\""},
@@ -710,7 +744,6 @@ static void test_refused(void)
     }
     static const char *const scenes[][2] = {
         {"normal = { law = \"tsuji\"; gamma_n = 0.1; };", "normal.law = \"tsuji\""},
-        {"rotation = true; normal = { tension = false; }; hard = { restitution = 0.5; };", "rotation"},
         {"normal = { tension = false; }; hard = { restitution = 0.5; };", "hard: "},
         {"normal = { tension = false; }; phases = ( { name = \"a\"; steps = 1; } );", "phases: "},
         {"walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; } ); ground = { mu_static = 0.5; a = 0.01; "
@@ -844,6 +877,7 @@ void suite_export(void)
                                        {"VTP, whole files", test_vtk_files},
                                        {"CSV and JSON, whole files", test_text_files},
                                        {"LAMMPS input: 1000 steps of lmp", test_lammps_input},
+                                       {"LAMMPS input: spins", test_spins},
                                        {"LAMMPS input: fixed grains", test_held},
                                        {"LAMMPS input: whole files", test_input_files},
                                        {"LAMMPS input: a plain scene", test_plain_input},

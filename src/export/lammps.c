@@ -29,12 +29,14 @@ static const dem_normal_descriptor *normal_law(const dem_definition *def)
     return &dem_normal_descriptors[def->normal];
 }
 
-/* Rolling friction needs rotation, which is refused. */
 static rp_status check_material(const dem_definition *def, const dem_material *m, const char *of)
 {
     const bool slides = dem_has_friction(def->tangential);
     if (slides && isinf(m->mu))
         return rp_fail(RP_BAD_INPUT, "%stangential.mu = infinite: LAMMPS needs a number", of);
+    if (m->mu_roll > 0.0)
+        return rp_fail(RP_BAD_INPUT, "%srolling.mu = %g: LAMMPS damps rolling without the mass", of,
+                       m->mu_roll);
     if (normal_law(def)->lammps_damping && m->gamma_n > 1.2728)
         return rp_fail(RP_BAD_INPUT, "%snormal.gamma_n = %g: LAMMPS' damping tsuji goes up to 1.2728", of,
                        m->gamma_n);
@@ -74,7 +76,6 @@ static rp_status check_scene(const dem_definition *def)
         const char *message;
     } checks[] = {
         {def->integrator != DEM_VERLET, "integrator: LAMMPS steps as \"verlet\" does"},
-        {def->rotation, "rotation = true: LAMMPS takes the slip at the radius, not at the contact"},
         {slides && def->tension,
          "normal.tension = true: LAMMPS limits friction by mu |F_n| where the force pulls; set it to false"},
         {dem_has_spring(def->tangential) && def->slip != DEM_TRUNCATED,
@@ -136,7 +137,7 @@ static rp_status start_scene(rp_arena *arena, lammps_scene *s)
         const dem_state *p = &s->grains[i];
         const double x[2] = {p->x, p->y};
         grains[i] = (dem_grain){.x = p->x, .y = p->y, .r = p->r, .m = p->m, .fixed = p->fixed};
-        grains[i].vx = p->vx, grains[i].vy = p->vy;
+        grains[i].vx = p->vx, grains[i].vy = p->vy, grains[i].omega = p->omega;
         for (int k = 0; k < 2; k++) {
             s->box[k][0] = fmin(s->box[k][0], x[k] - p->r);
             s->box[k][1] = fmax(s->box[k][1], x[k] + p->r);
@@ -171,8 +172,8 @@ static void write_data(const lammps_scene *s, const char *scene, FILE *out)
     }
     fputs("\nVelocities\n\n", out);
     for (size_t i = 0; i < s->n; i++)
-        fprintf(out, "%u %s %s 0 0 0 0\n", s->grains[i].id, EXPORT_SHORT(s->grains[i].vx),
-                EXPORT_SHORT(s->grains[i].vy));
+        fprintf(out, "%u %s %s 0 0 0 %s\n", s->grains[i].id, EXPORT_SHORT(s->grains[i].vx),
+                EXPORT_SHORT(s->grains[i].vy), EXPORT_SHORT(s->grains[i].omega));
 }
 
 /* LAMMPS takes Tsuji's damping from a restitution, by a polynomial of its manual: where that has this value.
@@ -211,9 +212,11 @@ static void write_about(const lammps_scene *s, const char *scene, FILE *out)
     const bool spring = dem_has_spring(s->def.tangential), slides = dem_has_friction(s->def.tangential);
     fprintf(out, "# %s for LAMMPS, written by repose export. Run it in this folder: lmp -in FILE\n#\n",
             scene);
-    fprintf(
-        out,
-        "# Laws that coincide, up to round-off, with those of `repose run` (spheres that do not rotate):\n");
+    fprintf(out, "# Laws that coincide with those of `repose run`, up to %s:\n",
+            s->def.rotation
+                ? "round-off and the slip that spin makes, which LAMMPS takes at the radii, `repose run` "
+                  "at the contact, nearer by half an overlap"
+                : "round-off (spheres that do not rotate)");
     fprintf(out, "# normal force: %s%s, dashpot gamma_n m_eff%s\n", normal_law(&s->def)->name,
             normal_law(&s->def)->lammps_by_radius
                 ? "; LAMMPS' own stiffness is k sqrt(R_eff), so that each radius is a type"
@@ -276,7 +279,10 @@ static void write_motion(const lammps_scene *s, FILE *out)
     if (magnitude > 0.0)
         fprintf(out, "fix gravity mobile gravity %s vector %s %s 0\n", EXPORT_SHORT(magnitude),
                 EXPORT_SHORT(g[0]), EXPORT_SHORT(g[1]));
-    fputs("fix move mobile nve\nfix flat all enforce2d\n", out);
+    fprintf(out, "fix move mobile nve%s\nfix flat all enforce2d\n",
+            !s->def.rotation             ? ""
+            : s->def.shape == DEM_SPHERE ? "/sphere"
+                                         : "/sphere disc");
 }
 
 static void write_input(const lammps_scene *s, const char *scene, const char *stem, FILE *out)
@@ -301,9 +307,10 @@ static void write_input(const lammps_scene *s, const char *scene, const char *st
             EXPORT_SHORT(0.5 * s->largest), EXPORT_SHORT(s->def.dt));
     write_motion(s, out);
     write_walls(s, out);
-    fputs("\ndump frames all custom ${every} ${dump} id type x y z radius mass vx vy vz\n"
-          "dump_modify frames sort id format float %.17g\nthermo ${every}\nrun ${steps}\n",
-          out);
+    fprintf(out,
+            "\ndump frames all custom ${every} ${dump} id type x y z radius mass vx vy vz%s\n"
+            "dump_modify frames sort id format float %%.17g\nthermo ${every}\nrun ${steps}\n",
+            s->def.rotation ? " omegaz" : "");
 }
 
 static rp_status write_files(rp_arena *arena, const lammps_scene *s, const char *scene, const char *path)
