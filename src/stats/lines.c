@@ -6,8 +6,8 @@
 #include <gsl/gsl_multifit.h>
 #include <gsl/gsl_statistics_double.h>
 #include <math.h>
-#include <stdlib.h>
 
+#include "core/arena.h"
 #include "stats/stats.h"
 
 static rp_status check_points(const stats_xy *p, bool origin)
@@ -32,8 +32,9 @@ rp_status stats_line_fit(const stats_xy *p, bool origin, stats_line *line)
     const size_t n = p->n;
     *line = (stats_line){n, 0, NAN, NAN, NAN, NAN, NAN, NAN, NAN};
     RP_TRY(check_points(p, origin));
-    double *w = malloc(n * sizeof *w), variance = 0.0, slope_variance;
-    if (!w) return rp_fail(RP_NO_MEMORY, "line: out of memory");
+    RP_SCOPE(memory);
+    double *w, variance = 0.0, slope_variance;
+    RP_NEW(&memory, w, n);
     for (size_t i = 0; i < n; i++) w[i] = p->se ? 1.0 / (p->se[i] * p->se[i]) : 1.0;
     line->intercept = line->covariance = 0.0;
     if (origin)
@@ -41,7 +42,6 @@ rp_status stats_line_fit(const stats_xy *p, bool origin, stats_line *line)
     else
         gsl_fit_wlinear(p->x, 1, w, 1, p->y, 1, n, &line->intercept, &line->slope, &variance,
                         &line->covariance, &slope_variance, &line->chi2);
-    free(w);
     line->dof = n - (origin ? 1 : 2);
     const double scale = p->se ? 1.0 : line->dof > 0 ? line->chi2 / (double)line->dof : NAN;
     line->covariance *= scale;

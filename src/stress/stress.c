@@ -73,8 +73,7 @@ rp_status stress_cells(size_t n, const stress_contact contacts[], const stress_g
     const stress_grid *g = grid;
     if (!(g->dx > 0.0 && g->dy > 0.0 && isfinite(g->x0 + g->y0 + g->dx + g->dy) && g->nx > 0 && g->ny > 0))
         return rp_fail(RP_BAD_INPUT,
-                       "grid: %zu x %zu cells of %g x %g from (%g, %g): at least one, allowed: "
-                       "(0, inf)",
+                       "grid: %zu x %zu cells of %g x %g from (%g, %g): at least one, allowed: (0, inf)",
                        g->nx, g->ny, g->dx, g->dy, g->x0, g->y0);
     for (size_t k = 0; k < g->nx * g->ny; k++) stress[k] = (stress_tensor){0};
     for (size_t k = 0; k < n; k++) {

@@ -16,10 +16,16 @@ static rp_table *new_table(rp_arena *arena)
     return rp_arena_keep(arena, rp_arena_memory(arena, 1, sizeof(rp_table)), free_table);
 }
 
-rp_status rp_table_load(rp_arena *arena, const char *path, rp_table **table)
+rp_status rp_table_keep(rp_arena *arena, const char *path, rp_status (*read)(const char *, rp_table *),
+                        rp_table **table)
 {
     *table = new_table(arena);
-    const rp_status status = rp_table_read(path, *table);
+    return read(path, *table);
+}
+
+rp_status rp_table_load(rp_arena *arena, const char *path, rp_table **table)
+{
+    const rp_status status = rp_table_keep(arena, path, rp_table_read, table);
     rp_units_set(rp_units_find(status ? NULL : rp_table_find_note(*table, "system")));
     return status;
 }
