@@ -1,5 +1,5 @@
 /* Stress from contacts: hand-made arrangements with known stress, momentum balance in a simulated box, Mohr's
- * circle against a scan of planes, tilts of planted responses, and protocol `stress`. */
+ * circle against a scan of planes, and protocol `stress`. */
 #include <gsl/gsl_cdf.h>
 #include <gsl/gsl_fit.h>
 #include <gsl/gsl_sort.h>
@@ -298,7 +298,7 @@ static void test_momentum(void)
     for (int ab = 0; ab < 4; ab++) CHECK_NEAR(total[ab / 2][ab % 2], sum[ab / 2][ab % 2], 10.0 * rounding);
 }
 
-/* ---- Mohr, tilts ---- */
+/* ---- Mohr ---- */
 
 static void test_mohr(void)
 {
@@ -327,18 +327,6 @@ static void test_mohr(void)
     CHECK_NEAR(stress_mohr(&(stress_tensor){1.0, 0.0, 0.0, -0.2}).mobilised, M_PI_2, 0.0);
     CHECK_NEAR(stress_mohr(&(stress_tensor){1.0, 0.0, 0.0, 3.0}).mobilised, 30.0 * deg, tight);
     CHECK_NEAR(stress_mohr(&(stress_tensor){1.0, 0.0, 0.0, 3.0}).direction, M_PI_2, tight);
-}
-
-static void test_tilts(void)
-{
-    /* a block: all its weight on the floor */
-    const stress_linear weight = {1.0, 0.0}, slides = {0.0, 1.0}, stays = {0.1, 0.0};
-    CHECK_NEAR(stress_floor_tilt(&weight, &slides, 0.31), atan(0.31), tight);
-    CU_ASSERT(isnan(stress_floor_tilt(&weight, &stays, 0.2)));
-    /* a wall carries part of the weight: friction 0.05 + 0.5 t on 0.8 - 0.1 t */
-    const stress_linear n = {0.8, -0.1}, h = {0.05, 0.5};
-    double t = tan(stress_floor_tilt(&n, &h, 0.2));
-    CHECK_NEAR((0.05 + 0.5 * t) / (0.8 - 0.1 * t), 0.2, tight);
 }
 
 /* ---- the dip of an ensemble ---- */
@@ -616,7 +604,6 @@ void suite_stress(void)
                                        {"momentum balance in a simulated box", test_momentum},
                                        {"Mohr's circle", test_mohr},
                                        {"wedge of rays", wedge},
-                                       {"tilts from a response", test_tilts},
                                        {"dips of an ensemble, from the same resamples", test_dips},
                                        {"grids that cannot be", test_bad_grids},
                                        {"protocol stress", test_protocol},

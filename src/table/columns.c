@@ -142,7 +142,7 @@ static rp_status leave_out(const request *q, size_t row, rp_rows *r, double numb
     rp_status status = RP_OK;
     for (size_t c = 0; c < q->n && !failed && !status; c++) {
         status = rp_table_number(q->t, row, q->columns[c], true, &numbers[c]);
-        missing |= !choice->any_number && isnan(numbers[c]);
+        missing |= isnan(numbers[c]);
     }
     const bool outside = choice->range && (numbers[0] < choice->range[0] || numbers[0] > choice->range[1]);
     *out = failed || missing || outside;
@@ -186,7 +186,6 @@ rp_status rp_rows_read(rp_arena *arena, const rp_table *t, const char *names, co
     ranked *rank = rp_arena_memory(arena, t->n_rows, sizeof *rank);
     for (size_t i = 0; i < t->n_rows; i++) {
         bool out;
-        if (choice->among && !choice->among[i]) continue;
         RP_TRY(leave_out(&q, i, r, numbers + i * k, &out));
         if (out) continue;
         const double key = choice->groups ? (double)choice->groups->of_row[i] : numbers[i * k];

@@ -62,8 +62,7 @@ rp_status rp_group_rows(rp_arena *arena, const rp_table *table, const char *by, 
 
 /* Which rows count. Zero: those whose status, if there is such a column, starts with ok, and without nan. */
 typedef struct {
-    bool any_status, any_number;
-    const bool *among;       /* rows of the table; NULL: all */
+    bool any_status;
     const double *range;     /* least and largest number in the first column; NULL: any */
     const rp_groups *groups; /* ordered by these, */
     bool grouped;            /* or by the numbers of the first column, each a group; else as in the table */

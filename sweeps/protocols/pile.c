@@ -136,17 +136,15 @@ static rp_status check(const void *params)
         return rp_fail(RP_BAD_INPUT, "set_again = true: needs wells of a half-width, which can break");
     /* counting needs no memory for the disks; the rest shows in a small pile */
     enum { SMALL = 40 };
-    sweep_outline all = {0}, h = {0};
+    RP_ENDS(sweep_outline_free) sweep_outline all = {0}, h = {0};
     statics_pile *pile = NULL;
     sweep_pile small = *p;
     if (small.base > SMALL) small.base = SMALL + p->base % 2;
-    rp_status status = make_outline(p, true, &all);
-    if (!status) status = sweep_pile_outline(&small, 0, 0, &h);
+    RP_TRY(make_outline(p, true, &all));
+    RP_TRY(sweep_pile_outline(&small, 0, 0, &h));
     const statics_definition def = define(p, &h);
-    if (!status) status = statics_create(&def, &pile);
+    const rp_status status = statics_create(&def, &pile);
     statics_free(pile);
-    sweep_outline_free(&h);
-    sweep_outline_free(&all);
     return status;
 }
 
@@ -254,23 +252,21 @@ static void compare_diagonals(sweep_solved *s, const double x[], double exact[],
 
 static rp_status measure(sweep_solved *s, pile_values *v)
 {
+    RP_SCOPE(memory);
     const size_t k = s->r.wells;
-    double *x = malloc((4 * k + 1) * sizeof *x), *r = x + k;
-    if (!x) return rp_fail(RP_NO_MEMORY, "pile: out of memory");
+    double *x;
+    RP_NEW(&memory, x, 4 * k);
+    double *r = x + k, *exact = s->h->exact ? r + k : NULL;
     for (size_t i = 0; i < k; i++) {
         x[i] = s->h->disks[s->disk[i]].x;
         r[i] = 0.5;
     }
-    double *exact = s->h->exact ? r + k : NULL;
     if (exact) compare_diagonals(s, x, exact, v);
-    rp_status status = base_profile(k, x, r, s->N, exact, v);
-    if (!status) status = find_level(s->pile, v);
-    if (!status) {
-        v->H_N_max = sweep_outline_friction(k, s->N, s->H);
-        compare_continuum(s, x, v);
-    }
-    free(x);
-    return status;
+    RP_TRY(base_profile(k, x, r, s->N, exact, v));
+    RP_TRY(find_level(s->pile, v));
+    v->H_N_max = sweep_outline_friction(k, s->N, s->H);
+    compare_continuum(s, x, v);
+    return RP_OK;
 }
 
 rp_status sweep_pile_solve(const sweep_pile *p, const sweep_outline *h,
@@ -299,9 +295,8 @@ rp_status sweep_pile_solve(const sweep_pile *p, const sweep_outline *h,
     v->energy = s->r.energy;
     v->released = s->r.released;
     if (status) return rp_fail(status, "%s", results->message);
-    s->disk = malloc((s->r.wells + 1) * sizeof *s->disk);
-    s->N = malloc((2 * s->r.wells + 1) * sizeof *s->N);
-    if (!s->disk || !s->N) return rp_fail(RP_NO_MEMORY, "pile: out of memory");
+    RP_NEW(&s->memory, s->disk, s->r.wells);
+    RP_NEW(&s->memory, s->N, 2 * s->r.wells);
     s->H = s->N + s->r.wells;
     statics_base(s->pile, s->disk, s->N, s->H);
     return measure(s, v);
@@ -310,8 +305,7 @@ rp_status sweep_pile_solve(const sweep_pile *p, const sweep_outline *h,
 void sweep_solved_free(sweep_solved *s)
 {
     statics_free(s->pile);
-    free(s->disk);
-    free(s->N);
+    rp_arena_end(&s->memory);
 }
 
 static rp_status is_stable(const sweep_pile *p, const sweep_outline *h, double eps, bool *stable,
@@ -358,17 +352,14 @@ static rp_status run_one(const void *params, unsigned long seed, unsigned long r
                          const sweep_tables *tables, sweep_result *results)
 {
     const sweep_pile *p = params;
-    sweep_outline h = {0};
-    sweep_solved s = {0};
+    RP_ENDS(sweep_outline_free) sweep_outline h = {0};
+    RP_ENDS(sweep_solved_free) sweep_solved s = {0};
     rp_status status = sweep_pile_outline(p, seed, run, &h);
     if (!status)
         status = p->threshold ? sweep_pile_threshold(p, &h, results)
                               : sweep_pile_solve(p, &h, NULL, NULL, &s, results);
-    if (status == RP_NO_RESULT) status = RP_OK; /* a row with its status */
-    if (!status && tables && tables->directory && s.pile) status = sweep_pile_write(&s, tables);
-    sweep_solved_free(&s);
-    sweep_outline_free(&h);
-    return status;
+    if (status && status != RP_NO_RESULT) return status; /* that is a row with its status */
+    return tables && tables->directory && s.pile ? sweep_pile_write(&s, tables) : RP_OK;
 }
 
 enum { MOST_SHORT = 16 };

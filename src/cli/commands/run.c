@@ -662,7 +662,7 @@ static rp_status run_file(const cli_call *call, const char *path, const run_opti
 {
     RP_ENDS(free_text) scene_text t;
     origin of = {.call = call};
-    scene_run r = {.plan = {.snapshot = o->snapshot, .dump = o->dump}, .threads = o->j};
+    RP_ENDS(free_run) scene_run r = {.plan = {.snapshot = o->snapshot, .dump = o->dump}, .threads = o->j};
     if (cli_given(call, "row")) return rp_fail(RP_USAGE, "--row needs a sweep file; %s is a scene", path);
     if (o->snapshot > 0 && !*o->o) return rp_fail(RP_USAGE, "--snapshot needs -o DIR");
     if (o->dump && !*o->o) return rp_fail(RP_USAGE, "--dump needs -o DIR");
@@ -694,9 +694,7 @@ static rp_status run_file(const cli_call *call, const char *path, const run_opti
     if (!status && *o->from) status = begin_from(call->arena, path, o->from, t.phases, &r, &of.start);
     if (of.start) fprintf(stderr, "repose run: %s: %s\n", path, of.start);
     if (!status && !t.phases) r.energy = growth_of(&t.scene, r.sim);
-    if (!status) status = run_scene(&of, &r, o);
-    free_run(&r);
-    return status;
+    return status ? status : run_scene(&of, &r, o);
 }
 
 /* A scene file that is given must be that of the snapshot, or without a plan that of the finished
@@ -722,7 +720,7 @@ static rp_status resume(const cli_call *call, const run_options *o)
 {
     const char *scene = cli_argument(call, 0);
     RP_ENDS(free_text) scene_text t = {0};
-    scene_run r = {.threads = o->j};
+    RP_ENDS(free_run) scene_run r = {.threads = o->j};
     origin of = {.call = call};
     outputs out = outputs_in(call->arena, o->resume, true, o->quiet);
     if (cli_given(call, "o") || cli_given(call, "every") || cli_given(call, "row") ||
@@ -741,14 +739,10 @@ static rp_status resume(const cli_call *call, const run_options *o)
     if (!status && done) {
         if (scene) status = check_scene(scene, o, &t, NULL, out.unfinished.holds);
         if (!status) printf("%s: the run is done; its tables are in this folder\n", o->resume);
-        free_run(&r);
         return status;
     }
     if (!status && scene) status = check_scene(scene, o, &t, &r.plan, NULL);
-    if (status) {
-        free_run(&r);
-        return cli_unfinished_end(&out.unfinished, true, status);
-    }
+    if (status) return cli_unfinished_end(&out.unfinished, true, status);
     cli_call first = *call;
     if (r.exp) first.line = r.line, of.call = &first, memcpy(of.run, r.run, sizeof of.run);
     if (r.exp)
@@ -756,9 +750,7 @@ static rp_status resume(const cli_call *call, const run_options *o)
     else
         printf("%s: continues from step %ld to %ld\n", o->resume, dem_step(r.sim), r.plan.steps);
     take_growing(&out);
-    status = finish_scene(&of, &r, &out, RP_OK);
-    free_run(&r);
-    return status;
+    return finish_scene(&of, &r, &out, RP_OK);
 }
 
 static rp_status run_any(cli_call *call, const void *values)
