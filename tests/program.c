@@ -32,6 +32,7 @@ void enter(void)
     }
     snprintf(beside, sizeof beside, "%.*s/report", (int)(strrchr(program, '/') - program), program);
     setenv("REPOSE_DATA", folder, 1); /* no file of the source by chance */
+    fclose(file_of("out")), fclose(file_of("err"));
 }
 
 void path_of(const char *name, char path[256])

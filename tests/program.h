@@ -44,6 +44,7 @@ bool failed(const char *file, int line, int status, int expected, const char *te
 
 #define GOOD(...)                CU_ASSERT(good(__FILE__, __LINE__, run(__VA_ARGS__)))
 #define FAILS(status, text, ...) CU_ASSERT(failed(__FILE__, __LINE__, run(__VA_ARGS__), status, text))
+#define SHELL(text)              CU_ASSERT(shell(text) == 0)
 #define REPORTS(...)             CU_ASSERT(good(__FILE__, __LINE__, run_report(__VA_ARGS__)))
 #define REPORT_FAILS(status, text, ...)                                                                      \
     CU_ASSERT(failed(__FILE__, __LINE__, run_report(__VA_ARGS__), status, text))

@@ -263,8 +263,8 @@ static void test_slurm(void)
     slurp("folder", folder, sizeof folder);
     slurp("program", program, sizeof program);
     slurp("d/array.sh", script, sizeof script);
-    CU_ASSERT(shell("\"$REPOSE\" sweep slurm d --shards 1000 >most && grep -q -- '^#SBATCH --array=1-1000$' "
-                    "d/array.sh") == 0);
+    SHELL("\"$REPOSE\" sweep slurm d --shards 1000 >most && grep -q -- '^#SBATCH --array=1-1000$' "
+          "d/array.sh");
     snprintf(expected, sizeof expected,
              "sbatch %s/array.sh\n"
              "parallel -q --sshlogin HOST1,HOST2 %s sweep run %s --shard {}/7 -j 3 ::: $(seq 7)\n"
@@ -292,16 +292,13 @@ static void test_slurm_names(void)
     for (size_t k = 0; k < sizeof names / sizeof *names; k++) {
         write_text("name", "%s", names[k]);
         const char script[] =
-            "d=\"$(cat name)\"; \"$REPOSE\" sweep plan s.cfg -o "
-            "\"$d\" "
-            ">out 2>err || exit 1; \"$REPOSE\" sweep slurm \"$d\" --shards 2 >said 2>>err || exit 2; "
-            "SLURM_ARRAY_TASK_ID=1 bash \"$d/array.sh\" || exit 3; "
-            "sed -n 's/^parallel -q --sshlogin HOST1,HOST2 //; s/{}/2/; s/ ::: .*//; 2p' said >second; "
-            "sh second >out 2>>err || exit 4; sed -n 's/^repose/\"$REPOSE\"/; 3p' said >third; "
-            "REPOSE=\"$REPOSE\" sh third >out 2>>err || exit 5; "
-            "sh -c \"$(sed -n 's/^sbatch/test -f/; 1p' said)\" || exit 6; test -s \"$d/shards/1-of-2.log\" "
-            "|| exit 7; "
-            "! ls hit >>out 2>&1";
+            "d=\"$(cat name)\"; \"$REPOSE\" sweep plan s.cfg -o \"$d\" >out 2>err || exit 1; \"$REPOSE\" "
+            "sweep slurm \"$d\" --shards 2 >said 2>>err || exit 2; SLURM_ARRAY_TASK_ID=1 bash "
+            "\"$d/array.sh\" || exit 3; sed -n 's/^parallel -q --sshlogin HOST1,HOST2 //; s/{}/2/; s/ ::: "
+            ".*//; 2p' said >second; sh second >out 2>>err || exit 4; sed -n 's/^repose/\"$REPOSE\"/; 3p' "
+            "said >third; REPOSE=\"$REPOSE\" sh third >out 2>>err || exit 5; sh -c \"$(sed -n "
+            "'s/^sbatch/test -f/; 1p' said)\" || exit 6; test -s \"$d/shards/1-of-2.log\" || exit 7; ! ls "
+            "hit >>out 2>&1";
         const int status = shell(script);
         if (status) fprintf(stderr, "sweep slurm in \"%s\": step %d: %s\n", names[k], status, err);
         CU_ASSERT_EQUAL(status, 0);
@@ -359,7 +356,7 @@ static void test_random_folders(void)
                 merge + strlen("repose sweep merge "));
     }
     fclose(words);
-    CU_ASSERT(shell("sh words.sh >read 2>err && ! ls hit >out 2>>err") == 0);
+    SHELL("sh words.sh >read 2>err && ! ls hit >out 2>>err");
     snprintf(folder, sizeof folder, "%s/hit", root);
     CU_ASSERT(access(folder, F_OK) != 0);
     path_of("read", folder);
@@ -429,16 +426,15 @@ static void test_killed_plans(void)
     char line[512];
     write_text("s.cfg", "protocol = \"pile\"; replicas = 2; fixed = { base = 4; };\n");
     GOOD("sweep plan s.cfg -o made");
-    CU_ASSERT(
-        shell("cp -r made half; for d in made 'half --shard 2/2'; do \"$REPOSE\" sweep run $d -j 1 >out "
-              "2>err || exit 1; done") == 0);
+    SHELL("cp -r made half; for d in made 'half --shard 2/2'; do \"$REPOSE\" sweep run $d -j 1 >out "
+          "2>err || exit 1; done");
     for (size_t c = 0; c < sizeof cases / sizeof *cases; c++) {
         long k = 0;
         for (bool killed = true; killed; k += killed ? cases[c].step : 0) {
             snprintf(line, sizeof line, "%s >out 2>err", cases[c].before);
             CU_ASSERT_FATAL(shell(line) == 0);
             killed = kill_at(k + 1, cases[c].words);
-            if (c > 0) CU_ASSERT(shell("\"$REPOSE\" sweep status d >out 2>err") == 0);
+            if (c > 0) SHELL("\"$REPOSE\" sweep status d >out 2>err");
             snprintf(line, sizeof line, "{ %s && \"$REPOSE\" sweep status d; } >out 2>err", cases[c].after);
             const int status = shell(line);
             if (status) fprintf(stderr, "killed at call %ld of %s: %s\n", k + 1, cases[c].words[2], err);
@@ -516,7 +512,7 @@ static void test_bench(void)
              "\"$REPOSE\" bench --start start.tsv --steps %.0f --repeat 1 >out 2>err & p=$!; sleep 0.1; "
              "kill -STOP $p; sleep 0.8; kill -CONT $p; wait $p",
              steps);
-    CU_ASSERT(shell(line) == 0);
+    SHELL(line);
     const double wall = rp_clock() - begun;
     read_again(&t, "out");
     const double took = 3.0 * steps / (1e6 * cell(&t, 0, "median"));
@@ -804,7 +800,7 @@ static void test_outline(void)
         }
     }
     /* the same picture with its rows counted from the top: the angles agree but for their last bits */
-    CU_ASSERT(shell("awk -F, 'NR > 1 { $2 = 480 - $2 } { print $1 \",\" $2 }' outline.csv >rows.csv") == 0);
+    SHELL("awk -F, 'NR > 1 { $2 = 480 - $2 } { print $1 \",\" $2 }' outline.csv >rows.csv");
     scoped_table up = read_table("out");
     GOOD("angle slope rows.csv --y-axis down");
     scoped_table down = read_table("out");
@@ -883,18 +879,18 @@ static void test_slope_anywhere(void)
     FAILS(1, "no pile: 0 flanks", "angle slope heap.csv --from 401");
     FAILS(64, "--from and --to are without it", "angle slope heap.csv --from 1 --width 3 --cell 20");
     FAILS(64, "need --width", "angle slope heap.csv --cell 1");
-    CU_ASSERT(shell("awk -F, -v OFS=, 'NR > 1 { print $1, $2; print $1 + 801, $2 }' heap.csv >two.csv") == 0);
+    SHELL("awk -F, -v OFS=, 'NR > 1 { print $1, $2; print $1 + 801, $2 }' heap.csv >two.csv");
     FAILS(1, "two.csv: choose a flank by --from and --to: no pile: 4 flanks", "angle slope two.csv");
     CU_ASSERT(strstr(out, "\tno_pile\n") != NULL);
     /* a box takes y = 0 for its ground, x = 0 for its wall, and one flank */
     CU_ASSERT(run("angle slope heap.csv --width 401 --cell 20") == 0 &&
               strstr(err, "a box leaves out x < 0"));
-    CU_ASSERT(shell("awk -F, -v OFS=, 'NR > 1 { $1 += 400 } { print }' heap.csv >right.csv") == 0);
+    SHELL("awk -F, -v OFS=, 'NR > 1 { $1 += 400 } { print }' heap.csv >right.csv");
     CU_ASSERT(run("angle slope right.csv --width 801 --cell 20") == 0 && strstr(err, "it has one flank"));
     CU_ASSERT(run("angle slope right.csv --width 1001 --cell 20") == 0 &&
               strstr(err, "empty cells have height 0"));
     FAILS(1, "sparse: ", "angle slope right.csv --where 'x>=200' --width 801 --cell 20");
-    CU_ASSERT(shell("awk -F, -v OFS=, 'NR > 1 { $2 -= 50 } { print }' right.csv >low.csv") == 0);
+    SHELL("awk -F, -v OFS=, 'NR > 1 { $2 -= 50 } { print }' right.csv >low.csv");
     FAILS(1, "the lowest y -43, where a box begins at 0, 0", "angle slope low.csv --width 801 --cell 20");
     GOOD("angle slope low.csv");
 }
@@ -972,17 +968,17 @@ static void test_stress_tables(void)
     for (size_t k = 0; k < 3; k++) {
         snprintf(change, sizeof change, "$2 = %s", walls[k % 2]);
         snprintf(command, sizeof command, named, change);
-        CU_ASSERT(shell(command) == 0);
+        SHELL(command);
         GOOD("stress base w --width 1.2 --cell 0.2 %s", k == 2 ? "--floor 2" : "");
         scoped_table w = read_table("out");
         for (size_t i = 0; i < t.n_rows; i++) CHECK_NEAR(cell(&w, i, "N"), cell(&t, i, "N"), 0.0);
     }
     snprintf(command, sizeof command, named, "if ($3 > 0.6 && $2) { $2 = 3; $6 = 0.05 }");
-    CU_ASSERT(shell(command) == 0);
+    SHELL(command);
     FAILS(65, "w: walls carry grains at y = 0 and 0.05: name the floor by --floor",
           "stress base w --width 1.2");
     snprintf(command, sizeof command, named, "if ($2) $5 += 0.01");
-    CU_ASSERT(shell(command) == 0);
+    SHELL(command);
     FAILS(65, "w: no contact with a level floor: name its wall by --floor", "stress base w --width 1.2");
     GOOD("stress base w --width 1.2 --floor 1");
     FAILS(65, "w: no contact with a level floor", "stress base w --width 1.2 --floor 7");
@@ -1006,11 +1002,9 @@ static void test_stress_tables(void)
     write_text("si_grains.tsv", "# system: si\n# units: m\tm\tkg\n# "
                                 "x\ty\tm\n0.001\t0.001\t1e-3\n0.005\t0.001\t2e-3\n0.003\t0.003\t1e-3\n"
                                 "0.007\t0.001\t5e-4\n0.009\t0.001\t5e-4\n0.011\t0.001\t5e-4\n");
-    CU_ASSERT(
-        shell("awk -F'\t' -v OFS='\t' 'NR > 1 { for (k = 3; k < 7; k++) $k /= 100; $7 *= 1e-5; $8 *= 1e-5 } "
-              "NR == 1 { print \"# system: si\"; print \"# units: 1\\t1\\tm\\tm\\tm\\tm\\tN\\tN\" } { print "
-              "}' p_contacts.tsv "
-              ">si_contacts.tsv") == 0);
+    SHELL("awk -F'\t' -v OFS='\t' 'NR > 1 { for (k = 3; k < 7; k++) $k /= 100; $7 *= 1e-5; $8 *= 1e-5 } NR "
+          "== 1 { print \"# system: si\"; print \"# units: 1\\t1\\tm\\tm\\tm\\tm\\tN\\tN\" } { print }' "
+          "p_contacts.tsv >si_contacts.tsv");
     GOOD("stress base p --width 1.2");
     scoped_table cgs = read_table("out");
     GOOD("stress base si --width 0.012");
@@ -1222,7 +1216,7 @@ static void test_stats_select(void)
 static void check_verdict(const char *id, const char *column, const char *expected)
 {
     char path[256];
-    rp_table t;
+    scoped_table t = {0};
     path_of("out", path);
     CHECK_OK(rp_table_read_texts(path, &t));
     const char *found = "no such claim";
@@ -1231,7 +1225,6 @@ static void check_verdict(const char *id, const char *column, const char *expect
             found = t.cells[row * t.n_columns + (size_t)rp_table_column(&t, column)];
     if (strcmp(found, expected) != 0) fprintf(stderr, "claim %s: %s, expected %s\n", id, found, expected);
     CU_ASSERT_STRING_EQUAL(found, expected);
-    rp_table_free(&t);
 }
 
 /* A claim as of MEMBER, and what a column says of it. */
@@ -1385,7 +1378,7 @@ static void test_families(void)
               MEMBER("far", "q", "independent", "2", "t k=5 change", "-")
                   MEMBER("same", "q", "independent", "2", "t k=5 change", "-"));
     /* claims without the column are no families */
-    CU_ASSERT(shell("cut -f 1-11,13- claims.tsv >plain.tsv") == 0);
+    SHELL("cut -f 1-11,13- claims.tsv >plain.tsv");
     REPORTS("claims --claims plain.tsv --tables .");
     check_verdict("near", "verdict", "reproduced");
 }
@@ -1616,8 +1609,8 @@ static void test_broken_run(void)
     FAILS(1, "leaked at step ", "run scene.cfg --every 100 -o d");
     CU_ASSERT(shell("exec \"$REPOSE\" run scene.cfg --every 100 >out 2>err") == 1);
     CU_ASSERT(equal_tables("out", "d/unfinished/states.tsv"));
-    CU_ASSERT(shell("tail -n 1 out | grep -q '^# unfinished: leaked at step'") == 0);
-    CU_ASSERT(shell("tail -n 1 d/unfinished/energy.tsv | grep -q '^# unfinished: leaked at step'") == 0);
+    SHELL("tail -n 1 out | grep -q '^# unfinished: leaked at step'");
+    SHELL("tail -n 1 d/unfinished/energy.tsv | grep -q '^# unfinished: leaked at step'");
     /* an overlap beyond the radius, or a step beyond it, is no result of the scene, and no fault of the
      * program */
     write_text("crush.cfg", "gravity = [0.0, 0.0]; normal = { k_n = 1.0; gamma_n = 0.0; };\n"
@@ -1661,12 +1654,11 @@ static void test_sweep(void)
               strstr(out, "{\"runs\": 4, \"points\": 2, \"replicas\": 2, \"stored\": 0}"));
     FAILS(1, "d1: 4 of 4 runs are missing", "sweep digest d1");
     FAILS(1, "the table is not whole: d1: 4 of 4 runs are missing", "sweep export d1 -o part.tsv");
-    CU_ASSERT(shell("test $(grep -vc '^#' part.tsv) = 1") == 0); /* the names, and no run */
+    SHELL("test $(grep -vc '^#' part.tsv) = 1"); /* the names, and no run */
     FAILS(1, "not whole", "export d1 --to csv");
     GOOD("sweep run d1 -j 1");
     GOOD("sweep digest d1 --json");
-    CU_ASSERT(
-        shell("grep -q '\"runs\": 4' out && grep -q \"$(\"$REPOSE\" sweep digest d1 | cut -f 1)\" out") == 0);
+    SHELL("grep -q '\"runs\": 4' out && grep -q \"$(\"$REPOSE\" sweep digest d1 | cut -f 1)\" out");
     GOOD("sweep digest d1");
     CU_ASSERT(strspn(out, "0123456789abcdef") == 32 && strcmp(out + 32, "\t4\n") == 0);
     snprintf(digest, sizeof digest, "%.*s", 40, out);
@@ -1721,7 +1713,7 @@ static void test_make(void)
     CHECK_NEAR(cell(&line, 0, "slope"),
                (cell(&reduced, 1, "theta_r3_deg_mean") - cell(&reduced, 0, "theta_r3_deg_mean")) / 0.1, 1e-9);
     CHECK_NEAR(cell(&row, 0, "theta_r2_deg"), cell(&runs, 2, "theta_r2_deg"), 0.0);
-    CU_ASSERT(shell("test -s t/row_0/energy.tsv && test -s t/row_1/energy.tsv") == 0);
+    SHELL("test -s t/row_0/energy.tsv && test -s t/row_1/energy.tsv");
     /* lineage, handed on to what is derived from a derived table */
     GOOD("sweep digest d");
     char source[64];
@@ -1740,13 +1732,13 @@ static void test_make(void)
                "          { table = \"f\"; with = \"pile\"; base = 3; eps = 1e-3; folder = true; } );\n");
     /* folders of tables are made anew too, but not those of a person or of another command */
     for (int again = 0; again < 2; again++) GOOD("sweep make m.cfg -o d --tables u");
-    CU_ASSERT(shell("test -e u/f/disks.tsv") == 0);
+    SHELL("test -e u/f/disks.tsv");
     GOOD("continuum --alpha-deg 30");
-    CU_ASSERT(shell("grep -v '^#' out >a && grep -v '^#' u/1.tsv | cmp - a") == 0);
+    SHELL("grep -v '^#' out >a && grep -v '^#' u/1.tsv | cmp - a");
     CU_ASSERT(run("pile --base 4 -o t/f2") == 0);
     write_text("m.cfg", "model = ( { table = \"f2\"; with = \"pile\"; base = 3; folder = true; } );\n");
     FAILS(65, "f2: t/f2: holds repose pile --base 4 -o t/f2", "sweep make m.cfg -o d --tables t");
-    CU_ASSERT(shell("echo mine >t/runs.tsv") == 0);
+    SHELL("echo mine >t/runs.tsv");
     FAILS(65, "t/runs.tsv: nothing in it shows", "sweep make s.cfg -o d --tables t --study");
 }
 
@@ -1926,7 +1918,7 @@ static void test_limits(void)
     }
     CU_ASSERT(run("sweep make s.cfg -o d --tables t --time 0.5") == 1 && strstr(err, "(time_limit 1)"));
     CU_ASSERT_STRING_EQUAL(out, "s: 2 runs: 1 ok_fixed_time, 1 time_limit\n");
-    CU_ASSERT(shell("! ls t | grep -q .") == 0);
+    SHELL("! ls t | grep -q .");
     write_text("p.cfg", "protocol = \"pile\"; replicas = 1; fixed = { disorder = 1.0e-3; well = 1.0; };\n"
                         "grid = { base = [12, 700]; };\n");
     GOOD("sweep plan p.cfg -o p");
@@ -1948,7 +1940,7 @@ static void test_stopped(void)
                        "  sleep 0.05; i=$((i + 1)); done\n"
                        "\"$REPOSE\" sweep status d >during; kill -TERM $p; wait $p");
     CU_ASSERT(failed(__FILE__, __LINE__, status, 75, "1 of 2 stored"));
-    CU_ASSERT(shell("grep -q '^# running: 1$' during") == 0);
+    SHELL("grep -q '^# running: 1$' during");
     GOOD("sweep status d");
     CU_ASSERT(strstr(out, "# running: 0\n") != NULL);
     CU_ASSERT(strstr(out, "# stored: 1\n# missing: 1\n") != NULL);
@@ -1982,7 +1974,7 @@ static void test_run_help(void)
                                         "grains, steps, at rest", "grains, contacts and walls",
                                         "disks, contacts, wells"};
     static char help[sizeof out];
-    CU_ASSERT(shell("\"$REPOSE\" run --help 2>err | tr '\\n' ' ' >out") == 0);
+    SHELL("\"$REPOSE\" run --help 2>err | tr '\\n' ' ' >out");
     slurp("out", help, sizeof help);
     for (size_t k = 0; k < sizeof lists / sizeof *lists; k++) CU_ASSERT_PTR_NOT_NULL(strstr(help, lists[k]));
     const char *at = strstr(help, "state of each grain: ");
@@ -2075,7 +2067,7 @@ static void test_run_stopped(void)
                "grid = { relax_steps = [100, 1000000000]; };\n");
     GOOD("run s.cfg --every 10 -o d --force");
     GOOD("run r.cfg --row 0 -o r");
-    CU_ASSERT(shell("cat d/*.tsv r/* >before") == 0);
+    SHELL("cat d/*.tsv r/* >before");
     static const char *const signals[] = {"TERM", "INT", "HUP"};
     for (int k = 0; k < 3; k++) {
         char line[512];
@@ -2088,7 +2080,7 @@ static void test_run_stopped(void)
                          "of 2000000000; the tables so far are in d/unfinished"));
         scoped_table t = read_table("d/unfinished/states.tsv");
         CU_ASSERT(t.n_rows >= 1 && cell(&t, 0, "step") == 0.0);
-        CU_ASSERT(shell("tail -n 1 d/unfinished/states.tsv | grep -q '^# unfinished: stopped at step'") == 0);
+        SHELL("tail -n 1 d/unfinished/states.tsv | grep -q '^# unfinished: stopped at step'");
         snprintf(
             line, sizeof line,
             "\"$REPOSE\" run r.cfg --row 20 --force -o r >out 2>err & p=$!; sleep 0.5; kill -%s $p; wait $p",
@@ -2096,7 +2088,7 @@ static void test_run_stopped(void)
         CU_ASSERT(
             failed(__FILE__, __LINE__, shell(line), 75, "stopped; the tables so far are in r/unfinished"));
     }
-    CU_ASSERT(shell("! ls d | grep -q tmp; cat d/*.tsv r/*.* | cmp - before") == 0);
+    SHELL("! ls d | grep -q tmp; cat d/*.tsv r/*.* | cmp - before");
     /* without tables to write meanwhile as well: few steps pass between two looks at the signal */
     write_text("many.cfg", "steps = 2000000000; fill = { N = 90; W = 2.0; H = 4.0; };\n"
                            "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; } );\n");
@@ -2104,13 +2096,13 @@ static void test_run_stopped(void)
                      shell("\"$REPOSE\" run many.cfg >out 2>err & p=$!; sleep 0.5; kill $p; wait $p"), 75,
                      "stopped at step"));
     /* neither a run that can be resumed nor that of another process is thrown away */
-    CU_ASSERT(shell("touch d/unfinished/snapshot") == 0);
+    SHELL("touch d/unfinished/snapshot");
     FAILS(65, "an unfinished run; continue with --resume d", "run s.cfg -o d --force");
-    CU_ASSERT(shell("rm d/unfinished/snapshot") == 0);
+    SHELL("rm d/unfinished/snapshot");
     CU_ASSERT(shell("flock d \"$REPOSE\" run s.cfg -o d >out 2>err") == 74 &&
               strstr(err, "another process runs in this folder"));
     GOOD("run s.cfg --every 10 -o d --force");
-    CU_ASSERT(shell("! test -e d/unfinished; cat d/*.tsv r/*.* | cmp - before") == 0);
+    SHELL("! test -e d/unfinished; cat d/*.tsv r/*.* | cmp - before");
 }
 
 /* A folder with results of something else is not written over: scene, row and sweep into each other's. */
@@ -2125,10 +2117,10 @@ static void test_folders(void)
                "relax_steps = 10; };\n");
     GOOD("run a.cfg --every 10 -o a");
     CU_ASSERT_STRING_EQUAL(out, "");
-    CU_ASSERT(shell("cp s.cfg t.cfg") == 0);
+    SHELL("cp s.cfg t.cfg");
     GOOD("run s.cfg -o r");
     GOOD("sweep plan s.cfg -o s");
-    CU_ASSERT(shell("cat a/* r/* >before") == 0);
+    SHELL("cat a/* r/* >before");
     static const failure refused[] = {
         {65, "a: holds a.cfg, 20 steps, a frame each 10, key ", "run b.cfg -o a"},
         {65, "(repose run a.cfg --every 10 -o a); give another folder, or --force", "run b.cfg -o a"},
@@ -2146,21 +2138,20 @@ static void test_folders(void)
         {65, "a: holds a.cfg, 20 steps", "sweep make s.cfg -o a --tables ."},
         {65, "r: holds s.cfg row 0", "sweep make s.cfg -o r --tables ."}};
     CHECK_FAILURES(refused);
-    CU_ASSERT(shell("cat a/* r/* | cmp - before && ! test -e s/states.tsv && ! test -e a/unfinished") == 0);
+    SHELL("cat a/* r/* | cmp - before && ! test -e s/states.tsv && ! test -e a/unfinished");
     GOOD("sweep plan s.cfg -o s");
     GOOD("sweep plan s.cfg --replicas 3 -o s");
     /* as asked for; a dump goes with its tables */
     GOOD("run b.cfg -o a --force --dump vtk");
     FAILS(65, "a: holds b.cfg, 20 steps", "run a.cfg -o a");
     GOOD("run a.cfg -o a --force");
-    CU_ASSERT(shell("test \"$(ls a | tr '\\n' ' ')\" = 'contacts.tsv energy.tsv states.tsv walls.tsv '") ==
-              0);
+    SHELL("test \"$(ls a | tr '\\n' ' ')\" = 'contacts.tsv energy.tsv states.tsv walls.tsv '");
     CU_ASSERT(run("pile -o a --force") == 0);
-    CU_ASSERT(shell("test \"$(ls a | tr '\\n' ' ')\" = 'base.tsv contacts.tsv disks.tsv wells.tsv '") == 0);
+    SHELL("test \"$(ls a | tr '\\n' ' ')\" = 'base.tsv contacts.tsv disks.tsv wells.tsv '");
     GOOD("sweep plan t.cfg -o s --force");
     FAILS(65, "s: holds the sweep t.cfg", "run a.cfg -o s");
     /* older versions made no markers: what they made is not written over, and their sweeps go on */
-    CU_ASSERT(shell("rm a/.repose s/.repose") == 0);
+    SHELL("rm a/.repose s/.repose");
     FAILS(65, "a/disks.tsv: not listed as the program's own; move it away", "run b.cfg -o a --force");
     FAILS(65, "a/disks.tsv: not listed", "sweep plan s.cfg -o a");
     FAILS(65, "s/store.sqlite: not listed", "run b.cfg -o s");

@@ -104,7 +104,7 @@ static void mirror_and_relabel_of(bool rotation)
     def.rotation = rotation;
     if (rotation) def.material.mu_roll = 0.1;
     for (int i = 0; rotation && i < 80; i++) grains[i].omega = 0.5 * i;
-    dem_sim *sim = grains_start(&def), *mirrored, *renumbered;
+    scoped_sim *sim = grains_start(&def), *mirrored = NULL, *renumbered = NULL;
     for (int i = 0; i < 80; i++) {
         other[i] = grains[i];
         other[i].x = 2.4 - grains[i].x;
@@ -136,7 +136,7 @@ static void mirror_and_relabel_of(bool rotation)
         CHECK_NEAR(r[79 - i].omega, s[i].omega, 1e-5);
     }
     CU_ASSERT(contacts > 40);
-    dem_free(sim), dem_free(mirrored), dem_free(renumbered), free(grains);
+    free(grains);
 }
 
 EITHER(mirror_and_relabel)
@@ -1593,13 +1593,12 @@ static void limit_of_gear(void)
         const double start =
             fmin(0.85 / hypot(damped, 3.0 * omega),
                  3.4 / (3.0 * gammas[k] + sqrt(9.0 * gammas[k] * gammas[k] + 12.0 * omega * omega)));
-        dem_sim *sim = NULL;
+        scoped_sim *sim = NULL;
         grains[1].x = 0.199;
         def.dt = 1.0001 * start;
         CHECK_FAILS(dem_create(&def, &sim), RP_BAD_INPUT, "too large for an initial overlap");
         def.dt = 0.9999 * start;
         CHECK_OK(dem_create(&def, &sim));
-        dem_free(sim);
     }
 }
 

@@ -324,12 +324,11 @@ static void gear_settles(void)
     def.integrator = DEM_GEAR5;
     def.dt = dem_time_step_limit(&def, NULL);
     CU_ASSERT(def.dt < 0.95 * verlet_limit);
-    dem_sim *sim = grains_after(&def, 20000);
+    scoped_sim *sim = grains_after(&def, 20000);
     dem_rest rest;
     CHECK_OK(dem_rest_state(sim, 0.0, 2.0, &rest));
     CU_ASSERT(rest.kinetic_energy < 1e-5);
     CU_ASSERT(rest.n == 60 && rest.contact_number > 2.5);
-    dem_free(sim);
     def.dt *= 1.001;
     CHECK_FAILS(dem_create(&def, &sim), RP_BAD_INPUT, "the limit is");
     /* damping alone: limit of the predictor, three contacts per grain */
@@ -558,7 +557,7 @@ static void fixed_is_a_wall(void)
         def.integrator = integrators[k % 2];
         def.gravity[1] *= up;
         def.walls[0].direction[1] = up;
-        dem_sim *on_wall = grains_start(&def), *on_grain;
+        scoped_sim *on_wall = grains_start(&def), *on_grain = NULL;
         def.n_walls = 0, def.n_grains = 2;
         on_grain = grains_start(&def);
         dem_state s[2];
@@ -579,7 +578,6 @@ static void fixed_is_a_wall(void)
         dem_energy energy;
         dem_energies(on_grain, &energy);
         CHECK_NEAR(energy.gravity, M * 981.0 * R, 1e-3 * M * 981.0);
-        dem_free(on_wall), dem_free(on_grain);
     }
 }
 

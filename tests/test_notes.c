@@ -151,7 +151,7 @@ static void test_pile(void)
             check_note(&t, "released", "%.6g m g eps sigma, from the primary state on", s.r.released);
         sweep_solved_free(&s);
         sweep_outline_free(&h);
-        CU_ASSERT(shell("rm -r d") == 0);
+        SHELL("rm -r d");
     }
 }
 
@@ -393,7 +393,7 @@ static void check_merge(void)
                "protocol = \"pile\"; replicas = 2; seed = 5; fixed = { base = 10; disorder = 0.02; };\n"
                "grid = { eps = [5e-3]; };\n");
     GOOD("sweep plan f.cfg -o f");
-    CU_ASSERT(shell("cp -r s a") == 0);
+    SHELL("cp -r s a");
     run("sweep run a -j 1 --shard 3/3");
     for (int again = 0; again < 2; again++) {
         run("sweep merge s a"); /* the store of the copy and its two shards */

@@ -510,7 +510,7 @@ static void check_limits(const dem_sim *sim, size_t n, const dem_state at[], con
     static const char *const names[] = {"limit_floor_0", "limit_wall_0", "limit_inside_0"};
     const sweep_protocol *p = protocol_of(&sweep_protocol_onset);
     double grains = 0.0, loose = 0.0, of[3] = {0.0}, slide[3] = {0.0}, force = 0.0, held = 0.0;
-    dem_contact *contacts = NULL;
+    scoped dem_contact *contacts = NULL;
     size_t n_contacts = 0;
     for (size_t i = 0; i < n; i++)
         if (at[i].x > 0.0 && at[i].x < 2.0) grains++, loose += at[i].contacts < 2;
@@ -523,7 +523,6 @@ static void check_limits(const dem_sim *sim, size_t n, const dem_state at[], con
         of[where]++, slide[where] += slides;
         force += c->normal_force, held += slides ? c->normal_force : 0.0;
     }
-    free(contacts);
     for (int k = 0; k < 3; k++)
         if (of[k] > 0.0) CHECK_NEAR(protocol_output(p, r, names[k]), slide[k] / of[k], tight);
     CHECK_NEAR(protocol_output(p, r, "limit_force_0"), held / force, tight);

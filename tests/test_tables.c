@@ -1022,7 +1022,7 @@ static void test_systems(void)
         units = rp_table_find_note(&t, "units");
         snprintf(text, sizeof text, "\t%s\t%s\t%s\t", systems[k].unit, systems[k].force, systems[k].force);
         CU_ASSERT(units && strstr(units, text) != NULL);
-        CU_ASSERT(shell("cat d/states.tsv >out 2>err") == 0);
+        SHELL("cat d/states.tsv >out 2>err");
         GOOD("stats select d/states.tsv");
         CU_ASSERT((strstr(out, "# system: ") != NULL) == (k > 0) && strstr(out, systems[k].note) != NULL);
     }
@@ -1045,13 +1045,12 @@ static void test_systems_of_sweeps(void)
     CU_ASSERT(strstr(out, "1 already stored") != NULL); /* keys know numbers alone */
     write_text("b.cfg", "units = \"si\"; " SWEEP, "0.02", "0.02", short_run);
     GOOD("sweep make b.cfg -o b --tables bt");
-    CU_ASSERT(shell("cat at/points.tsv bt/points.tsv >out 2>err") == 0);
-    CU_ASSERT(shell("grep -q '^# k_n: 1e+06 dyn' at/points.tsv && ! grep -q '^# system' at/points.tsv && "
-                    "grep -q '^# k_n: 10000 N/m^1.5$' bt/points.tsv && grep -q '^# system: "
-                    "si$' bt/points.tsv") == 0);
+    SHELL("cat at/points.tsv bt/points.tsv >out 2>err");
+    SHELL("grep -q '^# k_n: 1e+06 dyn' at/points.tsv && ! grep -q '^# system' at/points.tsv && grep -q '^# "
+          "k_n: 10000 N/m^1.5$' bt/points.tsv && grep -q '^# system: si$' bt/points.tsv");
     write_text("b.cfg", "units = \"si\"; " SWEEP, "0.02", "0.02", "fill_steps = 5000; relax_steps = 200; ");
     GOOD("run b.cfg -o r");
-    CU_ASSERT(shell("[ -e r/phases.tsv ] && [ ! -e r/scene.cfg ]") == 0); /* the text is in other units */
+    SHELL("[ -e r/phases.tsv ] && [ ! -e r/scene.cfg ]"); /* the text is in other units */
     GOOD("stress base r/pile --width 0.02");
     CU_ASSERT(strstr(out, "\n# g: 9.81 m/s^2\n") && strstr(out, "\n# diameter: 0.002 m\n") &&
               strstr(out, "\n# units: 1\tN/m\tN/m\t"));

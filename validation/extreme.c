@@ -991,13 +991,12 @@ static void run_scenes(void)
                     PARAMETERS("%s, %s, gamma_n = %g, mu = %s", law_names[law], dem_schemes[scheme]->name,
                                gamma, frictions[f]);
                     const int status = program("sh -c 'd=$(mktemp -d) || exit 99; trap \"rm -r $d\" EXIT; "
-                                               "printf \"%%s\" \"$1\" >$d/s.cfg; "
-                                               "\"$0\" run $d/s.cfg 2>&1' \"$REPOSE\" 'integrator = \"%s\"; "
-                                               "dt = 1.0e-14; steps = 20; "
+                                               "printf \"%%s\" \"$1\" >$d/s.cfg; \"$0\" run $d/s.cfg 2>&1' "
+                                               "\"$REPOSE\" 'integrator = \"%s\"; dt = 1.0e-14; steps = 20; "
                                                "normal = { law = \"%s\"; k_n = 100.0; gamma_n = %.17e; }; "
-                                               "tangential = { law = \"%s\"; mu = %s; }; "
-                                               "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; } ); "
-                                               "particles = ( { x = 0.0; y = 0.25; r = 0.1; vy = -1.0; } );'",
+                                               "tangential = { law = \"%s\"; mu = %s; }; walls = ( { point = "
+                                               "[0.0, 0.0]; direction = [0.0, 1.0]; } ); particles = ( { x = "
+                                               "0.0; y = 0.25; r = 0.1; vy = -1.0; } );'",
                                                dem_schemes[scheme]->name, law_names[law], gamma,
                                                scheme == DEM_IMPLICIT ? "none" : "spring", frictions[f]);
                     const double vy = last_cell("vy");
