@@ -59,7 +59,7 @@ typedef struct {
 static void kernels_of(const features *f, long number)
 {
     const long steps = check_fast() ? 1200 : 4000;
-    scoped dem_grain *grains = NULL;
+    dem_grain *grains;
     dem_definition def = grains_box(GRAINS, 2.0, number, &grains);
     grains_law(&def, f->normal, 1.5e5, 500.0);
     def.tangential = f->tangential, def.slip = f->slip, def.damping = f->damping;

@@ -318,8 +318,7 @@ static void sticking_contact_rings(void)
 /* A box comes to rest with either scheme, also at the largest allowed time step. */
 static void gear_settles(void)
 {
-    scoped dem_grain *grains = NULL;
-    dem_definition def = grains_box(60, 2.0, 5, &grains);
+    dem_definition def = grains_box(60, 2.0, 5, NULL);
     double verlet_limit = dem_time_step_limit(&def, NULL);
     def.integrator = DEM_GEAR5;
     def.dt = dem_time_step_limit(&def, NULL);
@@ -342,14 +341,12 @@ static void gear_settles(void)
 static void determinism(void)
 {
     for (int k = 0; k < 2 * DEM_INTEGRATORS; k++) {
-        dem_grain *grains;
-        dem_definition def = grains_box(90, 2.2, 5, &grains);
+        dem_definition def = grains_box(90, 2.2, 5, NULL);
         def.integrator = k / 2, def.dt = 4e-5, def.x_max = 3.5;
         def.turn_from_step = 3000;
         *(k % 2 ? &def.box_turn_per_step : &def.turn_per_step) = 2e-5;
         def.walls[2].open_at_step = 4001;
         if (dem_scheme_check(&def)) {
-            free(grains);
             continue;
         }
         dem_sim *whole = grains_start(&def), *cut, *copy;
@@ -369,7 +366,7 @@ static void determinism(void)
         dem_count_work(copy, &counts);
         CU_ASSERT(counts.rebuilds > 20 && dem_count(copy) < 90 && dem_count(copy) > 30);
         CU_ASSERT(whole->walls.angle == copy->walls.angle);
-        dem_free(whole), dem_free(copy), free(grains);
+        dem_free(whole), dem_free(copy);
     }
 }
 
@@ -462,8 +459,7 @@ static void box_against_gravity(void)
 static void wall_ledger(void)
 {
     enum { N = 40, STEPS = 4000 };
-    scoped dem_grain *grains = NULL;
-    dem_definition def = grains_box(N, 1.5, 5, &grains);
+    dem_definition def = grains_box(N, 1.5, 5, NULL);
     scoped_sim *sim = grains_start(&def);
     dem_state s[N];
     double p[2][2], impulse[2] = {0.0, 0.0}, mass = 0.0, forces[2 * DEM_FEW_WALLS];

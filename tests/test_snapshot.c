@@ -47,13 +47,14 @@ enum {
     FEATURES = 2048
 };
 
-static dem_definition scene_of(int features, dem_grain **grains)
+static dem_definition scene_of(int features)
 {
-    dem_definition def = grains_box(GRAINS, 1.2, 3, grains);
+    dem_grain *grains;
+    dem_definition def = grains_box(GRAINS, 1.2, 3, &grains);
     for (size_t i = 0; i < GRAINS; i++) {
-        (*grains)[i].vx = 60.0 * ((double)(i % 7) / 3.0 - 1.0);
-        (*grains)[i].vy = -50.0 * (double)(i % 3);
-        if (features & ROTATION) (*grains)[i].omega = (double)i - 20.0;
+        grains[i].vx = 60.0 * ((double)(i % 7) / 3.0 - 1.0);
+        grains[i].vy = -50.0 * (double)(i % 3);
+        if (features & ROTATION) grains[i].omega = (double)i - 20.0;
     }
     def.rotation = features & ROTATION;
     if (features & ROLLING) def.material.mu_roll = 0.1;
@@ -71,10 +72,9 @@ static dem_definition scene_of(int features, dem_grain **grains)
     if (features & OUTFLOW) {
         def.x_max = 1.1, def.walls[DEM_BOX_RIGHT].open_at_step = 0;
         for (size_t i = 0; i < GRAINS; i++)
-            if ((*grains)[i].x > 1.0) (*grains)[i].x -= 0.1, (*grains)[i].y += 4.0;
+            if (grains[i].x > 1.0) grains[i].x -= 0.1, grains[i].y += 4.0;
     }
-    if (features & FIXED)
-        (*grains)[0].fixed = true, (*grains)[0].vx = (*grains)[0].vy = (*grains)[0].omega = 0.0;
+    if (features & FIXED) grains[0].fixed = true, grains[0].vx = grains[0].vy = grains[0].omega = 0.0;
     def.ledger = features & LEDGER;
     return def;
 }
@@ -194,8 +194,7 @@ static void every_law_integrator_and_feature(void)
         for (int tangential = 0; tangential < DEM_TANGENTIAL_N; tangential++)
             for (int integrator = 0; integrator < DEM_INTEGRATORS; integrator++)
                 for (size_t k = 0; k < SETS; k++) {
-                    scoped dem_grain *grains = NULL;
-                    dem_definition def = scene_of(sets[k], &grains);
+                    dem_definition def = scene_of(sets[k]);
                     grains_law(&def, (dem_normal_law)normal, 1e5, 200.0);
                     def.tangential = (dem_tangential_law)tangential;
                     def.integrator = (dem_integrator)integrator;
@@ -255,8 +254,7 @@ static void write_bytes(const char *name, const void *bytes, size_t n)
 /* Write the state of a small scene to the file s; its simulation. */
 static dem_sim *write_small(long steps)
 {
-    scoped dem_grain *grains = NULL;
-    dem_definition def = scene_of(LEDGER, &grains);
+    dem_definition def = scene_of(LEDGER);
     def.n_grains = 10;
     dem_sim *sim = grains_start(&def);
     advance(sim, steps);
@@ -358,8 +356,7 @@ static void foreign_files(void)
 /* A state with a true checksum that no simulation has: refused, or run to some end; never a crash. */
 static void impossible_states(void)
 {
-    scoped dem_grain *grains = NULL;
-    dem_definition def = scene_of(LEDGER | GRAVITY_TURNS | FIXED, &grains);
+    dem_definition def = scene_of(LEDGER | GRAVITY_TURNS | FIXED);
     dem_sim *sim = grains_start(&def), *copy = sim;
     advance(sim, HALF);
     rp_snapshot s = {0};

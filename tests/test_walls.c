@@ -247,8 +247,7 @@ static void turning_box(void)
     static const double TURN = 2e-5; /* a step, clockwise */
     dem_state s[2][9];
     for (int own = 0; own < 2; own++) {
-        scoped dem_grain *grains = NULL;
-        dem_definition def = grains_box(9, 1.0, 5, &grains);
+        dem_definition def = grains_box(9, 1.0, 5, NULL);
         def.rotation = true;
         def.material.mu_roll = 0.2, def.material.k_roll = 1e4, def.material.gamma_roll = 30.0;
         for (size_t w = 0; w < def.n_walls; w++) def.walls[w].material = def.material;

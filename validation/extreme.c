@@ -474,8 +474,7 @@ static const double WIDTH = 2.0, HEIGHT = 2.2;
 
 static dem_sim *start_full_box(int scheme, double mu, bool lid)
 {
-    scoped dem_grain *grains = NULL;
-    dem_definition def = grains_box(MANY, WIDTH, 17, &grains);
+    dem_definition def = grains_box(MANY, WIDTH, 17, NULL);
     def.integrator = scheme, def.material.mu = mu;
     for (size_t w = 0; w < def.n_walls; w++) def.walls[w].material.mu = mu;
     if (lid) def.walls[def.n_walls++] = grains_line(0.0, HEIGHT, 0.0, -1.0, &def.walls[0].material);

@@ -505,8 +505,7 @@ static void avalanches(void)
     for (int k = 0; k < sizes; k++) {
         double row[8] = {5e-5 / (1 << k)}, square = 0.0;
         for (int pile = 0; pile < piles; pile++) {
-            scoped dem_grain *grains = NULL;
-            dem_definition def = grains_box(40, 1.2, pile, &grains);
+            dem_definition def = grains_box(40, 1.2, pile, NULL);
             def.dt = row[0], def.ledger = true;
             def.walls[DEM_BOX_RIGHT].open_at_step = 6000L << k;
             scoped_sim *sim = grains_after(&def, 12000L << k);
