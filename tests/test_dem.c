@@ -411,8 +411,7 @@ static void margins_of_two(void)
     }
 }
 
-/* Disks at rest, each hit by a hard collision in the same step: disks beyond their margins get new ones.
- */
+/* Disks at rest, each hit by a hard collision in the same step: disks beyond their margins get new ones. */
 static void margins_of_many_hit(size_t pairs)
 {
     enum { MOST = 20 };
@@ -568,8 +567,7 @@ static void floor_that_ends(void)
 }
 
 /* The same without a rebuild of the neighbour list: past the corner the grain is below the floor, not through
- * it.
- */
+ * it. */
 static void corner_without_rebuild(void)
 {
     dem_grain grain = {0.96, 0.0995, 0.1, 0.0042, 60.0, 0.0};

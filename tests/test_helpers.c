@@ -272,8 +272,7 @@ static void test_same_bits(void)
     CU_ASSERT(grains_same_bits(fixed, fixed) && !grains_same_bits(a, fixed));
 }
 
-/* A pair that is missing or too far apart is a wrong one; one of two fixed grains belongs to no
- * list. */
+/* A pair that is missing or too far apart is a wrong one; one of two fixed grains belongs to no list. */
 static void test_wrong_pairs(void)
 {
     dem_grain three[] = {{.x = 0.0, .y = 1.0, .r = 0.1, .m = 1.0},

@@ -256,8 +256,7 @@ static void equation_of_motion(void)
     }
 }
 
-/* Relative energy error of an elastic impact, root mean square over phases of contact within a step.
- */
+/* Relative energy error of an elastic impact, root mean square over phases of contact within a step. */
 static double impact_error(int integrator, double dt)
 {
     enum { PHASES = 64 };

@@ -109,8 +109,7 @@ static void dip_closed_forms(void)
     CHECK_NEAR(heaped(45, 0.7, 1), heaped(K, 0.7, 1), TOLERANCE(0.7, 45));
 }
 
-/* Shifted, stretched, mirrored, with doubled loads; the centroid is the origin of an asymmetric load.
- */
+/* Shifted, stretched, mirrored, with doubled loads; the centroid is the origin of an asymmetric load. */
 static void dip_invariances(void)
 {
     enum { K = 31 };

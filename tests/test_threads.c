@@ -147,8 +147,7 @@ static void snapshots(void)
 }
 
 /* The program: tables of a run with one thread, with two, and of a run that is stopped and resumed with
- * three.
- */
+ * three. */
 static void program(void)
 {
     if (check_fast()) return; /* the suite runs threads in its own process */

@@ -232,8 +232,7 @@ static void damped_impacts(void)
                 EXPECTED("comes to rest at overlap %.6g", v / slow[i]);
                 OBSERVED("overlap %.6g, momentum %.6g of %.6g%s", overlap, s[0].vx + 2.0 * s[1].vx, -2.0 * v,
                          status ? rp_message() : "");
-                /* the first step of contact acts from its start: half of v dt, with dt = 0.57/gamma
-                 */
+                /* the first step of contact acts from its start: half of v dt, with dt = 0.57/gamma */
                 verdict("overdamped impact", !status && fabs(overlap * slow[i] / v - 1.0) < 0.5 &&
                                                  fabs(s[1].vx - s[0].vx) < 1e-3 * v &&
                                                  fabs(s[0].vx + 2.0 * s[1].vx + 2.0 * v) < 1e-9 * v);
@@ -810,8 +809,7 @@ static void tilts(void)
 
 static char answer[1 << 16];
 
-/* Run a line of shell with $REPOSE, killed after 60 s. Its output is in `answer`; returns its exit status.
- */
+/* Run a line of shell with $REPOSE, killed after 60 s. Its output is in `answer`; returns its exit status. */
 static int program(const char *format, ...) __attribute__((format(printf, 1, 2)));
 static int program(const char *format, ...)
 {

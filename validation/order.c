@@ -15,8 +15,7 @@
 #include "tests/check.h"
 #include "tests/grains.h"
 
-/* Fitted errors: velocity and position after the rebound, and `integration` of the ledger.
- */
+/* Fitted errors: velocity and position after the rebound, and `integration` of the ledger. */
 enum { VELOCITY, PLACE, INTEGRATION, N_ERRORS };
 
 /* A law and its expected orders: with Verlet's scheme and, where different, with Gear's scheme and with the
@@ -458,8 +457,7 @@ static void smooth(void)
     check_table_close(table, "order_smooth");
 }
 
-/* The references: halving the step changes nothing; an adaptive method and closed forms agree.
- */
+/* The references: halving the step changes nothing; an adaptive method and closed forms agree. */
 static void answers(void)
 {
     for (const law *p = laws; p < laws + N_LAWS; p++) {

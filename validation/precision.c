@@ -41,8 +41,7 @@ static void add(outcomes *o, const char *problem, const char *method, double set
 }
 
 /* The Pareto front of a problem: outcomes that no other outcome beats in error or time without being worse in
- * the other.
- */
+ * the other. */
 static void mark_front(outcomes *o)
 {
     for (size_t i = o->front_from; i < o->n; i++) {

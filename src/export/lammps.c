@@ -175,8 +175,7 @@ static void write_data(const lammps_scene *s, const char *scene, FILE *out)
                 EXPORT_SHORT(s->grains[i].vy));
 }
 
-/* LAMMPS takes Tsuji's damping from a restitution, by a polynomial of its manual: where that has this value.
- */
+/* LAMMPS takes Tsuji's damping from a restitution, by a polynomial of its manual: where that is gamma_n. */
 static double tsuji_restitution(double gamma_n)
 {
     static const double c[] = {1.2728, -4.2783, 11.087, -22.348, 27.467, -18.022, 4.8218};

@@ -73,8 +73,7 @@ static rp_status keep_whole_piles(sample *s)
     return RP_OK;
 }
 
-/* Means and their variances; unpaired points are in order of x. Of paired ones a cell gives its weight alone.
- */
+/* Means and their variances; unpaired points are in order of x. Of paired ones it has its weight alone. */
 static rp_status fill_cells(sample *s)
 {
     bool single = false;

@@ -203,11 +203,6 @@ rp_status rp_rows_read(rp_arena *arena, const rp_table *t, const char *names, co
     return RP_OK;
 }
 
-void rp_rows_note(const rp_table *table, const rp_rows *rows)
-{
-    rp_table_note(stdout, "rows", "%zu used, %zu left out", rows->n, table->n_rows - rows->n);
-}
-
 enum { MOST_BY = 24 };
 
 void rp_column_unit(const rp_table *table, int column, char unit[32])

@@ -80,9 +80,6 @@ typedef struct {
 rp_status rp_rows_read(rp_arena *arena, const rp_table *table, const char *names, const rp_choice *choice,
                        rp_rows *rows);
 
-/* The header line that says how many rows count. */
-void rp_rows_note(const rp_table *table, const rp_rows *rows);
-
 /* The unit of a column as the table's header has it, "1" where it has none. */
 void rp_column_unit(const rp_table *table, int column, char unit[32]);
 

@@ -59,8 +59,7 @@ static char *column_names(sweep_store *s, const char *schema, const sweep_protoc
     return sqlite3_str_finish(names);
 }
 
-/* Append the rows of source.runs, or main.runs, to temp.runs; a result takes the place of a machine's word.
- */
+/* Append the rows of source.runs, or main.runs, to temp.runs; a result replaces a machine's word. */
 static rp_status take_rows(sweep_store *s, const sweep_plan *plan, const char *schema)
 {
     char *into = column_names(NULL, NULL, plan->protocol), *from = column_names(s, schema, plan->protocol);

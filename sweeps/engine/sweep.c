@@ -173,11 +173,11 @@ rp_status sweep_check_output(const char *dir, const char *path)
     return RP_OK;
 }
 
-static rp_status check_points(const sweep_plan *plan, const char *file, const sweep_watch *watch)
+static rp_status check_points(const sweep_plan *plan, const char *file, sweep_watch *watch)
 {
     for (size_t i = 0; i < plan->n_points; i++) {
         RP_TRY(sweep_plan_check_point(plan, file, i));
-        if (watch && watch->call) watch->call("grid points checked", i + 1, plan->n_points, watch->context);
+        if (watch) watch("grid points checked", i + 1, plan->n_points);
     }
     return RP_OK;
 }
@@ -191,8 +191,7 @@ static rp_status write_text(const char *path, const char *text)
 }
 
 rp_status sweep_prepare(const char *file, const char *dir, size_t replicas,
-                        const sweep_protocol *const *protocols, const sweep_watch *watch,
-                        sweep_counts *counts)
+                        const sweep_protocol *const *protocols, sweep_watch *watch, sweep_counts *counts)
 {
     RP_ENDS(sweep_folder_close) sweep_folder f;
     RP_TRY(name_files(dir, &f));

@@ -5,7 +5,9 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <xxhash.h>
 
+#include "sweeps/protocols/protocols.h"
 #include "sweeps/protocols/pile.h"
 
 #define AT(field) offsetof(sweep_pile, field)
@@ -70,11 +72,17 @@ const rp_param sweep_pile_schema[] = {
     X(left_deg, "degree", "slope of the left side; of a tent from the edge to the top") \
     X(right_deg, "degree", "slope of the right side; of a tent from the edge to the top")
 /* clang-format on */
+#define MEMBER(name, unit, meaning) double name;
+#define ROW(name, unit, meaning)    {#name, unit, meaning},
+#define BIN_ROW(k)                  {"n_" #k, "", "pressure in bin " #k " of 20 of the base, left to right, over the mean"},
 typedef struct {
-    OUTPUTS(SWEEP_OUTPUT_MEMBER)
-    SWEEP_FAMILY(n[STRESS_DIP_BINS], STRESS_DIP_BIN_LIST(SWEEP_N_MEMBER))
+    OUTPUTS(MEMBER)
+    double n[STRESS_DIP_BINS]; /* as `repose stress dip` reads them */
 } pile_values;
-static const sweep_output outputs[] = {OUTPUTS(SWEEP_OUTPUT_ROW) STRESS_DIP_BIN_LIST(SWEEP_N_ROW){0}};
+static const sweep_output outputs[] = {OUTPUTS(ROW) STRESS_DIP_BIN_LIST(BIN_ROW){0}};
+static_assert(sizeof(pile_values) == sizeof(double) * (sizeof outputs / sizeof *outputs - 1) &&
+                  sizeof(pile_values) <= sizeof(double) * SWEEP_MAX_OUTPUTS,
+              "each output is a member of the values");
 
 static rp_status outline(const sweep_pile *p, an_point v[5], size_t *n)
 {
@@ -362,49 +370,70 @@ static rp_status run_one(const void *params, unsigned long seed, unsigned long r
     return tables && tables->directory && s.pile ? sweep_pile_write(&s, tables) : RP_OK;
 }
 
-enum { MOST_SHORT = 16 };
-
 typedef struct {
     sweep_pile p;
-    size_t n;
-    sweep_result results[MOST_SHORT];
+    XXH3_state_t *hash;
 } series;
 
+/* Numbers of a small pile, to fewer digits than a solver's order of operations changes. */
 static rp_status run_short(const rp_param *changed, const char *word, void *context)
 {
     (void)word;
     series *all = context;
+    sweep_result result;
+    const pile_values *v = (const void *)result.values;
     if (check(&all->p)) return changed ? RP_OK : RP_BROKEN; /* not with these wells */
-    if (all->n == MOST_SHORT) return rp_fail(RP_BROKEN, "more than %d short runs of piles", MOST_SHORT);
-    sweep_result *result = &all->results[all->n++];
-    rp_status status = run_one(&all->p, 1, 0, NULL, result);
-    for (size_t i = 0; i < SWEEP_MAX_OUTPUTS; i++) result->values[i] = floor(result->values[i] * 1e6 + 0.5);
-    return status;
+    RP_TRY(run_one(&all->p, 1, 0, NULL, &result));
+    double hashed[] = {v->n_disks,
+                       v->D,
+                       v->D_diagonals,
+                       v->H_ratio,
+                       v->N_error_rms,
+                       v->N_continuum_rms,
+                       v->H_continuum_rms,
+                       v->negative_modes,
+                       v->smallest_pivot,
+                       v->contacts,
+                       v->strongest_level,
+                       v->broken,
+                       v->load,
+                       v->eps_c,
+                       v->n[4]};
+    for (size_t i = 0; i < sizeof hashed / sizeof *hashed; i++)
+        hashed[i] = isnan(hashed[i]) ? -1e300 : floor(hashed[i] * 1e6 + 0.5);
+    XXH3_128bits_update(all->hash, hashed, sizeof hashed);
+    return RP_OK;
 }
 
-/* Numbers of small piles, to fewer digits than a solver's order of operations changes: with wells of both
- * kinds, and with each word of each choice. */
+/* With wells of both kinds, and with each word of each choice. */
 static rp_status fingerprint(char digits[33])
 {
-    static const char hashed[] =
-        "n_disks D D_diagonals H_ratio N_error_rms N_continuum_rms H_continuum_rms "
-        "negative_modes smallest_pivot contacts strongest_level broken load eps_c n_05";
     static const double wells[] = {-1, 0.05};
-    series all = {.n = 0};
+    series all = {.hash = XXH3_createState()};
+    rp_status status = all.hash ? RP_OK : rp_fail(RP_NO_MEMORY, "fingerprint: out of memory");
     rp_params_defaults(sweep_pile_schema, &all.p);
     all.p.base = 9;
     all.p.mu = 0.2;
     all.p.alpha_deg = 30;
     all.p.disorder = 1e-4;
     all.p.load_steps = 3;
-    for (size_t k = 0; k < sizeof wells / sizeof *wells; k++) {
+    if (!status) XXH3_128bits_reset(all.hash);
+    for (size_t k = 0; k < sizeof wells / sizeof *wells && !status; k++) {
         all.p.well = wells[k];
-        RP_TRY(run_short(NULL, NULL, &all));
-        RP_TRY(sweep_each_word(sweep_pile_schema, &all.p, run_short, &all));
+        status = run_short(NULL, NULL, &all);
+        if (!status) status = sweep_each_word(sweep_pile_schema, &all.p, run_short, &all);
     }
-    sweep_results_digits(all.n, all.results, outputs, hashed, digits);
-    return RP_OK;
+    if (!status) rp_hash_digits(XXH3_128bits_digest(all.hash), digits);
+    XXH3_freeState(all.hash);
+    return status;
 }
 
-SWEEP_PROTOCOL(pile, sweep_pile_schema, sweep_pile, pile_values, check,
-               "static equilibrium of a close-packed pile of soft disks (Liffman, Chan & Hughes 1992)");
+const sweep_protocol sweep_protocol_pile = {
+    .name = "pile",
+    .about = "static equilibrium of a close-packed pile of soft disks (Liffman, Chan & Hughes 1992)",
+    .schema = sweep_pile_schema,
+    .params_size = sizeof(sweep_pile),
+    .outputs = outputs,
+    .check = check,
+    .fingerprint = fingerprint,
+    .run = run_one};

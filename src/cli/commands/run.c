@@ -54,9 +54,7 @@ typedef struct {
 } run_plan;
 
 /* Energy without source must not grow. Samples of the first and of the last quarter of a long run are
- * compared: a step near the limit of stability heats a scene with little damping, slowly and without an
- * end.
- */
+ * compared: a step near the limit of stability heats a scene with little damping, slowly, endlessly. */
 enum { SAMPLES = 64, LEAST_STEPS = 100 * SAMPLES };
 static const double MOST_GROWTH = 0.02; /* of the largest sum of kinetic and elastic energy */
 

@@ -66,8 +66,7 @@ static rp_status find_kind(const char *path, const struct kind **kind)
     return rp_fail(RP_USAGE, "-o %s: a name that ends in .png, .svg, .pdf, .gif or .mp4 expected", path);
 }
 
-/* The step at which a phase of an experiment ended last, by the notes of its measures; NAN: none does.
- */
+/* The step at which a phase of an experiment ended last, by the notes of its measures; NAN: none does. */
 static double step_of_phase(rp_arena *arena, const char *folder, const char *phase)
 {
     const char *path = rp_text(arena, "%s/measures.tsv", folder), *note = NULL;
