@@ -144,10 +144,21 @@ rp_table read_table(const char *name)
     return table;
 }
 
-void read_again(rp_table *table, const char *name)
+void replace_table(rp_table *table, rp_table by)
 {
     rp_table_free(table);
-    *table = read_table(name);
+    *table = by;
+}
+
+void read_again(rp_table *table, const char *name)
+{
+    replace_table(table, read_table(name));
+}
+
+rp_table table_of(const char *file, int line, int status)
+{
+    CU_ASSERT(good(file, line, status));
+    return read_table("out");
 }
 
 const char *word(const rp_table *t, size_t row, const char *column)
@@ -163,6 +174,19 @@ double cell(const rp_table *t, size_t row, const char *column)
 {
     const char *text = word(t, row, column);
     return *text ? strtod(text, NULL) : NAN;
+}
+
+void check_cells(const char *file, int line, const rp_table *t, size_t row, double tolerance, size_t n,
+                 const checked_value values[])
+{
+    for (size_t k = 0; k < n; k++) {
+        const double found = cell(t, row, values[k].column);
+        const bool near = fabs(found - values[k].value) <= tolerance;
+        if (!near)
+            fprintf(stderr, "%s:%d: %s = %.17g, expected %.17g within %g\n", file, line, values[k].column,
+                    found, values[k].value, tolerance);
+        CU_ASSERT(near);
+    }
 }
 
 checked checked_read(const char *name)

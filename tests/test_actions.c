@@ -583,9 +583,8 @@ static void test_profile(void)
     for (size_t k = 0; k < 2; k++) {
         CHECK_NEAR(cell(&rows, k, "y"), expected[k][0], 1e-14);
         CHECK_NEAR(cell(&rows, k, "grains"), expected[k][1], 0.0);
-        CHECK_NEAR(cell(&rows, k, "vx"), expected[k][2], 1e-12);
-        CHECK_NEAR(cell(&rows, k, "vy"), expected[k][3], 1e-12);
-        CHECK_NEAR(cell(&rows, k, "fraction"), expected[k][1] * M_PI * 0.01 / 2.0, 1e-12);
+        CHECK_CELLS(&rows, k, 1e-12, {"vx", expected[k][2]}, {"vy", expected[k][3]},
+                    {"fraction", expected[k][1] * M_PI * 0.01 / 2.0});
     }
     CU_ASSERT(cell(&rows, 0, "sxx") == 0.0 && cell(&rows, 1, "sxx") > 10.0);
     CHECK_NEAR(0.5 * cell(&rows, 1, "sxx"), cell(&measures, 0, "value"), 1e-10);

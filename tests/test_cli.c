@@ -584,8 +584,7 @@ static void test_bad_scenes(void)
          "set");
     scoped_table walls = read_table("set/walls.tsv"), grains = read_table("set/states.tsv");
     CHECK_NEAR(cell(&walls, 0, "direction_y"), 1.0, 0.0);
-    CHECK_NEAR(cell(&walls, 1, "x"), 0.5 * 10 * 5e-5, 1e-12);
-    CHECK_NEAR(cell(&walls, 1, "direction_y"), sin(3.0 * 10 * 5e-5), 1e-12);
+    CHECK_CELLS(&walls, 1, 1e-12, {"x", 0.5 * 10 * 5e-5}, {"direction_y", sin(3.0 * 10 * 5e-5)});
     CHECK_NEAR(cell(&grains, 0, "vy"), -1.0 * 10 * 5e-5, 1e-12);
     write_text("s.cfg", "particles_file = \"/dev/zero\";\n");
     FAILS(65, "/dev/zero: no text", "run s.cfg");
@@ -702,39 +701,32 @@ static void test_broken_output(void)
 
 static void test_static_models(void)
 {
-    GOOD("lattice --layers 45");
-    scoped_table t = read_table("out");
+    scoped_table t = TABLE_OF("lattice --layers 45");
     CU_ASSERT(t.n_rows == 45);
     for (size_t i = 0; i < t.n_rows; i++) {
         /* (42): N = (k + 1)/2; (44): H grows by equal parts from toe to toe, 0 in the middle */
-        CHECK_NEAR(cell(&t, i, "N/mg"), 23.0, FORM_TOLERANCE);
-        CHECK_NEAR(cell(&t, i, "H/mg"), ((double)i - 22.0) / sqrt(3.0), FORM_TOLERANCE);
+        CHECK_CELLS(&t, i, FORM_TOLERANCE, {"N/mg", 23.0}, {"H/mg", ((double)i - 22.0) / sqrt(3.0)});
     }
 
     /* rays of 60 degrees from the middle reach the flanks at B tan 30 / (2 (sin 60 + tan 30 cos 60)) = B/4
      * each, and from x in the flank, (54): sqrt 3 x sin 30 cos 30 / (2 sin 90 sin 30) = 3/4 x */
-    GOOD("continuum --alpha-deg 30 --at 0.5,0.12,0.88");
-    read_again(&t, "out");
+    AGAIN_OF(t, "continuum --alpha-deg 30 --at 0.5,0.12,0.88");
     CU_ASSERT(t.n_rows == 3);
-    CHECK_NEAR(cell(&t, 0, "N/(chi*g*B)"), 0.25, FORM_TOLERANCE);
-    CHECK_NEAR(cell(&t, 0, "H/(chi*g*B)"), 0.0, FORM_TOLERANCE);
-    CHECK_NEAR(cell(&t, 1, "N/(chi*g*B)"), 0.09, FORM_TOLERANCE);
-    CHECK_NEAR(cell(&t, 1, "H/(chi*g*B)"), -0.12 / (4.0 * sqrt(3.0)), FORM_TOLERANCE);
+    CHECK_CELLS(&t, 0, FORM_TOLERANCE, {"N/(chi*g*B)", 0.25}, {"H/(chi*g*B)", 0.0});
+    CHECK_CELLS(&t, 1, FORM_TOLERANCE, {"N/(chi*g*B)", 0.09}, {"H/(chi*g*B)", -0.12 / (4.0 * sqrt(3.0))});
     CHECK_NEAR(cell(&t, 2, "H/(chi*g*B)"), 0.12 / (4.0 * sqrt(3.0)), FORM_TOLERANCE);
 
     /* a tent whose slopes are equal is a triangle */
-    GOOD("continuum --alpha-deg 23.85 --points 31");
-    read_again(&t, "out");
-    GOOD("tent --outer-deg 23.85 --inner-deg 23.85 --x1 0.2385 --points 31");
-    scoped_table tent = read_table("out");
+    AGAIN_OF(t, "continuum --alpha-deg 23.85 --points 31");
+    scoped_table tent = TABLE_OF("tent --outer-deg 23.85 --inner-deg 23.85 --x1 0.2385 --points 31");
     CU_ASSERT(t.n_rows == 31 && tent.n_rows == 31);
     for (size_t i = 0; i < 31; i++) {
         CHECK_NEAR(cell(&t, i, "x/B"), (double)i / 30.0, FORM_TOLERANCE);
         CHECK_NEAR(cell(&tent, i, "x/B"), (double)i / 30.0, FORM_TOLERANCE);
         CHECK_NEAR(cell(&tent, i, "y/B"), tan(23.85 * deg) * fmin((double)i, 30.0 - (double)i) / 30.0,
                    FORM_TOLERANCE);
-        CHECK_NEAR(cell(&tent, i, "N/(chi*g*B)"), cell(&t, i, "N/(chi*g*B)"), FORM_TOLERANCE);
-        CHECK_NEAR(cell(&tent, i, "H/(chi*g*B)"), cell(&t, i, "H/(chi*g*B)"), FORM_TOLERANCE);
+        CHECK_CELLS(&tent, i, FORM_TOLERANCE, {"N/(chi*g*B)", cell(&t, i, "N/(chi*g*B)")},
+                    {"H/(chi*g*B)", cell(&t, i, "H/(chi*g*B)")});
     }
 
     /* the dip of Fig. 19; a steeper outer slope has none */
@@ -758,21 +750,17 @@ static void test_angles(void)
         {"sine", 0.5 * (phi - 18.0 * deg - asin(cos(120.0 * deg) * sin(phi + 18.0 * deg))) / deg, 1e-9, 42.0},
         {"lattice", atan((0.2 - t18 / 3.0) / (1.0 - 0.2 * t18)) / deg, 1e-9, 90.0}};
     scoped_table t = {0};
-    GOOD("angle marginal --mu 0.2");
-    read_again(&t, "out");
+    AGAIN_OF(t, "angle marginal --mu 0.2");
     CHECK_NEAR(cell(&t, 0, "theta_ms_deg"), atan(0.6) / deg, FORM_TOLERANCE);
     CU_ASSERT_STRING_EQUAL(word(&t, 0, "status"), "ok");
     for (size_t i = 0; i < sizeof forms / sizeof *forms; i++) {
-        GOOD("angle tilt --mu 0.2 --theta-r-deg 18 --form %s", forms[i].form);
-        read_again(&t, "out");
+        AGAIN_OF(t, "angle tilt --mu 0.2 --theta-r-deg 18 --form %s", forms[i].form);
         CHECK_NEAR(cell(&t, 0, "theta_t_deg"), forms[i].theta_t, forms[i].tolerance);
-        CHECK_NEAR(cell(&t, 0, "margin_deg"), atan(0.6) / deg - 18.0, FORM_TOLERANCE);
-        CHECK_NEAR(cell(&t, 0, "theta_ms_deg"), atan(0.6) / deg, FORM_TOLERANCE);
-        CHECK_NEAR(cell(&t, 0, "limit_deg"), forms[i].limit, FORM_TOLERANCE);
+        CHECK_CELLS(&t, 0, FORM_TOLERANCE, {"margin_deg", atan(0.6) / deg - 18.0},
+                    {"theta_ms_deg", atan(0.6) / deg}, {"limit_deg", forms[i].limit});
         CU_ASSERT_STRING_EQUAL(word(&t, 0, "status"), "ok");
     }
-    GOOD("angle tilt --mu 0.2 --theta-r-deg 38.5");
-    read_again(&t, "out");
+    AGAIN_OF(t, "angle tilt --mu 0.2 --theta-r-deg 38.5");
     CU_ASSERT_STRING_EQUAL(word(&t, 0, "theta_t_deg"), "nan");
     CHECK_NEAR(cell(&t, 0, "margin_deg"), atan(0.6) / deg - 38.5, FORM_TOLERANCE);
     CU_ASSERT_STRING_EQUAL(word(&t, 0, "status"), "already_unstable");
@@ -792,8 +780,7 @@ static void test_outline(void)
         for (int x = 0; x <= 400; x += step + (step > 1 && x % 3 == 0))
             fprintf(file, "%d,%.0f\n", x, round(220.0 - tan(25.0 * deg) * x));
         fclose(file);
-        GOOD("angle slope outline.csv");
-        scoped_table t = read_table("out");
+        scoped_table t = TABLE_OF("angle slope outline.csv");
         for (size_t i = 0; i < t.n_rows; i++) {
             CHECK_NEAR(cell(&t, i, "theta_deg"), 25.0, 3.0 * cell(&t, i, "theta_se_deg"));
             CU_ASSERT(cell(&t, i, "theta_se_deg") < 1.0);
@@ -802,8 +789,7 @@ static void test_outline(void)
     /* the same picture with its rows counted from the top: the angles agree but for their last bits */
     SHELL("awk -F, 'NR > 1 { $2 = 480 - $2 } { print $1 \",\" $2 }' outline.csv >rows.csv");
     scoped_table up = read_table("out");
-    GOOD("angle slope rows.csv --y-axis down");
-    scoped_table down = read_table("out");
+    scoped_table down = TABLE_OF("angle slope rows.csv --y-axis down");
     for (size_t i = 0; i < 3; i++) CHECK_NEAR(cell(&down, i, "theta_deg"), cell(&up, i, "theta_deg"), 1e-9);
     CU_ASSERT(!*err);
     CU_ASSERT(run("angle slope rows.csv") == 0 && strstr(err, "--y-axis down"));
@@ -844,8 +830,7 @@ static void test_slope_anywhere(void)
         fputs("x,y\n", file);
         for (int x = 0; x <= 400; x += 4) fprintf(file, "%d,%.0f\n", x + right, 260.0 + tan(25.0 * deg) * x);
         fclose(file);
-        GOOD("angle slope away.csv --y-axis down");
-        scoped_table t = read_table("out");
+        scoped_table t = TABLE_OF("angle slope away.csv --y-axis down");
         CU_ASSERT_FATAL(t.n_rows == 3 && !*err);
         for (size_t i = 0; i < 3; i++) {
             if (!right) theta[i] = cell(&t, i, "theta_deg");
@@ -862,8 +847,7 @@ static void test_slope_anywhere(void)
         fprintf(file, "%d,%.17g\n", x, 7.0 + fmax(0.0, 100.0 - tan(25.0 * deg) * abs(x)));
     fclose(file);
     for (int down = 0; down < 2; down++) {
-        GOOD("angle slope heap.csv %s", down ? "--y-axis down" : "");
-        scoped_table t = read_table("out");
+        scoped_table t = TABLE_OF("angle slope heap.csv %s", down ? "--y-axis down" : "");
         CU_ASSERT_FATAL(t.n_rows == 9 && !*err);
         for (size_t i = 0; i < 9; i++) {
             CU_ASSERT_STRING_EQUAL(word(&t, i, "status"), words[i / 3]);
@@ -871,8 +855,7 @@ static void test_slope_anywhere(void)
             CHECK_NEAR(cell(&t, i, "slope"), tan(cell(&t, i, "theta_deg") * deg), 1e-12);
         }
     }
-    GOOD("angle slope heap.csv --from 1 --to 380");
-    scoped_table t = read_table("out");
+    scoped_table t = TABLE_OF("angle slope heap.csv --from 1 --to 380");
     CU_ASSERT(t.n_rows == 3 && cell(&t, 0, "n_cells") == 380.0);
     CHECK_NEAR(cell(&t, 1, "theta_deg"), 25.0, 1e-9);
     FAILS(1, "no pile: 1 flanks, of 2 and 0 points", "angle slope heap.csv --from 212");
@@ -920,8 +903,7 @@ static void test_angle_tables(void)
     for (int j = 0; j < 20; j++)
         fprintf(file, "%.17g\t%.17g\t0.1\n", 0.1 + 0.2 * j, 2.0 - 0.385 * (0.1 + 0.2 * j));
     fclose(file);
-    GOOD("angle slope pile.tsv --width 4 --cell 0.2");
-    scoped_table t = read_table("out");
+    scoped_table t = TABLE_OF("angle slope pile.tsv --width 4 --cell 0.2");
     CU_ASSERT(t.n_rows == 3);
     for (size_t i = 0; i < t.n_rows; i++) CHECK_NEAR(cell(&t, i, "theta_deg"), atan(0.385) / deg, 1e-9);
     write_text("pile.tsv", "0.1 0.2\n0.3 0.2\n0.5 0.1\n");
@@ -930,10 +912,8 @@ static void test_angle_tables(void)
     test_outline();
     test_slope_anywhere();
     write_text("line.tsv", "# mu\ttheta\tse\n0.05\t1.5\t0.1\n0.1\t2.5\t0.1\n0.2\t4.5\t0.2\n0.3\tnan\tnan\n");
-    GOOD("stats fit line.tsv -x mu -y theta --se se");
-    read_again(&t, "out");
-    CHECK_NEAR(cell(&t, 0, "slope"), 20.0, 1e-10);
-    CHECK_NEAR(cell(&t, 0, "intercept"), 0.5, 1e-10);
+    AGAIN_OF(t, "stats fit line.tsv -x mu -y theta --se se");
+    CHECK_CELLS(&t, 0, 1e-10, {"slope", 20.0}, {"intercept", 0.5});
     CHECK_NEAR(cell(&t, 0, "n"), 3.0, 0.0);
     FAILS(65, "no column \"theta_r3_deg\"", "angle compare line.tsv");
 }
@@ -951,14 +931,11 @@ static void test_stress_tables(void)
                "0\t2\t0.1\t0.1\t0\t0.1\t490.5\t0\n0\t1\t0.7\t0.1\t0.7\t0\t490.5\t0\n"
                "0\t1\t0.9\t0.1\t0.9\t0\t490.5\t0\n0\t1\t1.1\t0.1\t1.1\t0\t490.5\t0\n",
                490.5 * sqrt(2.0), 490.5 * sqrt(2.0));
-    GOOD("stress base p --width 1.2 --cell 0.2");
-    scoped_table t = read_table("out");
+    scoped_table t = TABLE_OF("stress base p --width 1.2 --cell 0.2");
     static const double n[] = {1471.5, 0.0, 2452.5, 490.5}, weight[] = {981.0, 981.0, 1962.0, 490.5};
     for (size_t i = 0; i < 4; i++) {
-        CHECK_NEAR(cell(&t, i, "N"), n[i] / 0.2, 1e-8);
-        CHECK_NEAR(cell(&t, i, "H"), i == 2 ? 490.5 / 0.2 : 0.0, 1e-8);
-        CHECK_NEAR(cell(&t, i, "weight"), weight[i] / 0.2, 1e-8);
-        CHECK_NEAR(cell(&t, i, "imbalance"), 0.0, 1e-8);
+        CHECK_CELLS(&t, i, 1e-8, {"N", n[i] / 0.2}, {"H", i == 2 ? 490.5 / 0.2 : 0.0},
+                    {"weight", weight[i] / 0.2}, {"imbalance", 0.0});
     }
     /* the floor is the same by any number, and in parts; level walls at two heights, and none, are told */
     static const char *const walls[] = {"$2 ? 3 - $2 : 0", "$2 == 1 ? 3 + ($3 > 0.6) : $2"};
@@ -969,8 +946,7 @@ static void test_stress_tables(void)
         snprintf(change, sizeof change, "$2 = %s", walls[k % 2]);
         snprintf(command, sizeof command, named, change);
         SHELL(command);
-        GOOD("stress base w --width 1.2 --cell 0.2 %s", k == 2 ? "--floor 2" : "");
-        scoped_table w = read_table("out");
+        scoped_table w = TABLE_OF("stress base w --width 1.2 --cell 0.2 %s", k == 2 ? "--floor 2" : "");
         for (size_t i = 0; i < t.n_rows; i++) CHECK_NEAR(cell(&w, i, "N"), cell(&t, i, "N"), 0.0);
     }
     snprintf(command, sizeof command, named, "if ($3 > 0.6 && $2) { $2 = 3; $6 = 0.05 }");
@@ -982,13 +958,12 @@ static void test_stress_tables(void)
     FAILS(65, "w: no contact with a level floor: name its wall by --floor", "stress base w --width 1.2");
     GOOD("stress base w --width 1.2 --floor 1");
     FAILS(65, "w: no contact with a level floor", "stress base w --width 1.2 --floor 7");
-    GOOD("stress field p p_contacts.tsv --width 1.2 --cell 1.2");
-    read_again(&t, "out");
+    AGAIN_OF(t, "stress field p p_contacts.tsv --width 1.2 --cell 1.2");
     /* sum of force times branch vector over 1.44: two contacts of 490.5 x 0.2 per side; floor and wall at 0.1
      */
-    CHECK_NEAR(cell(&t, 0, "sxx"), (2.0 * 490.5 * 0.2 + 490.5 * 0.1) / 1.44, 1e-8);
-    CHECK_NEAR(cell(&t, 0, "syy"), (2.0 * 490.5 * 0.2 + (1471.5 + 2452.5 + 3.0 * 490.5) * 0.1) / 1.44, 1e-8);
-    CHECK_NEAR(cell(&t, 0, "sxy"), -490.5 * 0.1 / 1.44, 1e-8);
+    CHECK_CELLS(&t, 0, 1e-8, {"sxx", (2.0 * 490.5 * 0.2 + 490.5 * 0.1) / 1.44},
+                {"syy", (2.0 * 490.5 * 0.2 + (1471.5 + 2452.5 + 3.0 * 490.5) * 0.1) / 1.44},
+                {"sxy", -490.5 * 0.1 / 1.44});
     /* a grain that flew off is named with its pile; 100000 cells away it still has one */
     shell(
         "cp p_contacts.tsv far_contacts.tsv; sed 's/^0.7/2e4/' p_grains.tsv >far_grains.tsv; "
@@ -1005,16 +980,14 @@ static void test_stress_tables(void)
     SHELL("awk -F'\t' -v OFS='\t' 'NR > 1 { for (k = 3; k < 7; k++) $k /= 100; $7 *= 1e-5; $8 *= 1e-5 } NR "
           "== 1 { print \"# system: si\"; print \"# units: 1\\t1\\tm\\tm\\tm\\tm\\tN\\tN\" } { print }' "
           "p_contacts.tsv >si_contacts.tsv");
-    GOOD("stress base p --width 1.2");
-    scoped_table cgs = read_table("out");
-    GOOD("stress base si --width 0.012");
-    scoped_table si = read_table("out");
+    scoped_table cgs = TABLE_OF("stress base p --width 1.2");
+    scoped_table si = TABLE_OF("stress base si --width 0.012");
     CU_ASSERT_FATAL(cgs.n_rows == si.n_rows && cgs.n_rows == 4);
     for (size_t i = 0; i < si.n_rows; i++) {
         CHECK_NEAR(cell(&si, i, "x/W"), cell(&cgs, i, "x/W"), 1e-12);
-        CHECK_NEAR(cell(&si, i, "N"), 1e-3 * cell(&cgs, i, "N"), 1e-9);
-        CHECK_NEAR(cell(&si, i, "weight"), 1e-3 * cell(&cgs, i, "weight"), 1e-9);
-        CHECK_NEAR(cell(&si, i, "N_theory"), 1e-3 * cell(&cgs, i, "N_theory"), 1e-9);
+        CHECK_CELLS(&si, i, 1e-9, {"N", 1e-3 * cell(&cgs, i, "N")},
+                    {"weight", 1e-3 * cell(&cgs, i, "weight")},
+                    {"N_theory", 1e-3 * cell(&cgs, i, "N_theory")});
     }
     FAILS(65, "q_contacts.tsv: cannot read", "stress field q --width 4");
     write_text("r_contacts.tsv", "# x\ty\n1\t2\n");
@@ -1035,11 +1008,9 @@ static void test_stress_dip(void)
         for (int k = 0; k < 20; k++) fprintf(file, "\t%d", k == 8 || k == 11 ? 2 : 1);
     }
     fclose(file);
-    GOOD("stress dip piles.tsv");
-    scoped_table t = read_table("out");
+    scoped_table t = TABLE_OF("stress dip piles.tsv");
     CHECK_NEAR(cell(&t, 0, "n"), 4.0, 0.0);
-    CHECK_NEAR(cell(&t, 0, "excess"), 0.1, 1e-15);
-    CHECK_NEAR(cell(&t, 0, "middle"), 0.5 / 1.1, 1e-15);
+    CHECK_CELLS(&t, 0, 1e-15, {"excess", 0.1}, {"middle", 0.5 / 1.1});
 }
 
 /* Piles with an unfinished drop, and layers, are failed runs, excluded from the mean dip. */
@@ -1055,8 +1026,7 @@ static void test_cut_drops(void)
     GOOD("sweep export d --reduce -o points.tsv");
     scoped_table t = read_table("points.tsv");
     for (size_t k = 0; k < 3; k++) {
-        CHECK_NEAR(cell(&t, k, "n"), k == 0 ? 3.0 : 0.0, 0.0);
-        CHECK_NEAR(cell(&t, k, "n_failed"), k == 0 ? 0.0 : 3.0, 0.0);
+        CHECK_CELLS(&t, k, 0.0, {"n", k == 0 ? 3.0 : 0.0}, {"n_failed", k == 0 ? 0.0 : 3.0});
     }
     GOOD("sweep export d -o runs.tsv");
     read_again(&t, "runs.tsv");
@@ -1077,13 +1047,9 @@ static void test_stats_trends(void)
     fprintf(file, "0.1\t2\t1e4\t99\t9\tnot_at_rest\n0.1\t2\t1e4\tnan\t9\tok\n0.3\t2\t1e4\tnan\t9\tok\n"
                   "0.2\t80\t1e4\t99\t9\tok\n");
     fclose(file);
-    GOOD("stats size runs.tsv -x W -y theta --by mu --to 6");
-    scoped_table t = read_table("out");
+    scoped_table t = TABLE_OF("stats size runs.tsv -x W -y theta --by mu --to 6");
     CU_ASSERT(t.n_rows == 3);
-    CHECK_NEAR(cell(&t, 1, "limit"), 18.05, 1e-12);
-    CHECK_NEAR(cell(&t, 1, "c"), 0.0, 1e-12);
-    CHECK_NEAR(cell(&t, 1, "x_from"), 2.0, 1e-12);
-    CHECK_NEAR(cell(&t, 1, "x_to"), 6.0, 1e-12);
+    CHECK_CELLS(&t, 1, 1e-12, {"limit", 18.05}, {"c", 0.0}, {"x_from", 2.0}, {"x_to", 6.0});
     CU_ASSERT_STRING_EQUAL(t.cells[3 * t.n_columns - 1], "no_result");
     GOOD("stats trend runs.tsv -x k -y theta --by mu --to 1e6 --scale log --pair");
     CU_ASSERT(strstr(out, "# rows: 25 used, 1 without result, 2 with nan, 0 outside") != NULL);
@@ -1099,8 +1065,7 @@ static void test_stats_trends(void)
     /* several tables are read as one; those of other columns are refused */
     write_text("less.tsv", "# mu\tW\tk\ttheta\tpile\tstatus\n0.3\t2\t1\t17\t0\tok\n0.3\t2\t1\t19\t0\tok\n");
     write_text("more.tsv", "# mu\tW\tk\ttheta\tpile\tstatus\n0.3\t4\t1\t21\t0\tok\n0.3\t4\t1\t23\t0\tok\n");
-    GOOD("stats trend less.tsv more.tsv runs.tsv -x W -y theta --by mu --to 6");
-    read_again(&t, "out");
+    AGAIN_OF(t, "stats trend less.tsv more.tsv runs.tsv -x W -y theta --by mu --to 6");
     CU_ASSERT(t.n_rows == 3);
     CHECK_NEAR(cell(&t, 0, "n"), 4.0, 0.0);
     CHECK_NEAR(cell(&t, 0, "slope"), 2.0, 1e-12);
@@ -1115,8 +1080,7 @@ static void test_stats_trends(void)
     /* groups in the order in which they appear, the first of them without a row that counts */
     write_text("empty.tsv", "g\tx\ty\tstatus\nfew\t1\t9\tleaked\nb\t1\t2\tok\nb\t2\t4\tok\nb\t3\t6\tok\n"
                             "none\t1\tnan\tok\nd\t1\t5\tok\nd\t2\t4\tok\nd\t3\t3\tok\n");
-    GOOD("stats trend empty.tsv -x x -y y --by g");
-    read_again(&t, "out");
+    AGAIN_OF(t, "stats trend empty.tsv -x x -y y --by g");
     CU_ASSERT_FATAL(t.n_rows == 4);
     for (size_t k = 0; k < 4; k++) {
         CU_ASSERT_STRING_EQUAL(word(&t, k, "g"), k == 0 ? "few" : k == 1 ? "b" : k == 2 ? "none" : "d");
@@ -1138,8 +1102,7 @@ static void test_stats_trends(void)
         CU_ASSERT_STRING_EQUAL(word(&t, row, "a"), "1");
         CU_ASSERT_STRING_EQUAL(word(&t, row, "b"), row ? "v" : "u");
     }
-    CHECK_NEAR(cell(&t, 0, "change"), 2.25, 1e-12);
-    CHECK_NEAR(cell(&t, 0, "change_se"), 0.25, 1e-12);
+    CHECK_CELLS(&t, 0, 1e-12, {"change", 2.25}, {"change_se", 0.25});
     CHECK_NEAR(cell(&t, 1, "change"), 0.0, 1e-12);
     /* one word among numbers, wherever it stands, makes words of all */
     static const char *const mixed[] = {"old\t1\n2\t2\n3\t4\n", "2\t1\nold\t2\n3\t4\n",
@@ -1179,8 +1142,7 @@ static void test_stats_select(void)
     FAILS(65, "NAME=VALUE expected", "stats select a.tsv --where frob");
     FAILS(65, "\"old\" is not a number", "stats select a.tsv --where 'law<old'");
     write_text("p.tsv", "# eps\te\tmodes\n1e-2\t9\t3\n1e-4\t2e-4\t0\n1e-6\t2e-6\t0\n1e-8\t2e-8\t0\n");
-    GOOD("stats fit p.tsv -x eps -y e --scale log --where modes=0");
-    scoped_table t = read_table("out");
+    scoped_table t = TABLE_OF("stats fit p.tsv -x eps -y e --scale log --where modes=0");
     CU_ASSERT(t.n_rows == 1);
     CHECK_NEAR(cell(&t, 0, "slope"), 1.0, 1e-12);
     CHECK_NEAR(cell(&t, 0, "intercept"), log(2.0), 1e-11);
@@ -1537,12 +1499,9 @@ static void test_free_fall(void)
     for (size_t i = 0; i < t.n_rows && i < 5; i++) {
         double time = steps[i] * 5e-5;
         CHECK_NEAR(cell(&t, i, "step"), steps[i], 0.0);
-        CHECK_NEAR(cell(&t, i, "t"), time, FALL_TOLERANCE);
-        CHECK_NEAR(cell(&t, i, "x"), x + vx * time + 0.5 * gx * time * time, FALL_TOLERANCE);
-        CHECK_NEAR(cell(&t, i, "y"), y + vy * time + 0.5 * gy * time * time, FALL_TOLERANCE);
-        CHECK_NEAR(cell(&t, i, "vx"), vx + gx * time, FALL_TOLERANCE);
-        CHECK_NEAR(cell(&t, i, "vy"), vy + gy * time, FALL_TOLERANCE);
-        CHECK_NEAR(cell(&t, i, "fy"), 0.5 * gy, FALL_TOLERANCE);
+        CHECK_CELLS(&t, i, FALL_TOLERANCE, {"t", time}, {"x", x + vx * time + 0.5 * gx * time * time},
+                    {"y", y + vy * time + 0.5 * gy * time * time}, {"vx", vx + gx * time},
+                    {"vy", vy + gy * time}, {"fy", 0.5 * gy});
     }
     /* without --every, the final state alone: the same row */
     GOOD("run scene.cfg --set dt=5e-5");
@@ -1573,9 +1532,7 @@ static void test_output_folder(void)
     read_again(&t, "new/d/contacts.tsv");
     CU_ASSERT(t.n_rows == 3);
     for (size_t i = 0; i < t.n_rows; i++) {
-        CHECK_NEAR(cell(&t, i, "step"), 50.0 * (double)i, 0.0);
-        CHECK_NEAR(cell(&t, i, "id_a"), 1.0, 0.0);
-        CHECK_NEAR(cell(&t, i, "wall"), 1.0, 0.0);
+        CHECK_CELLS(&t, i, 0.0, {"step", 50.0 * (double)i}, {"id_a", 1.0}, {"wall", 1.0});
         CHECK_NEAR(cell(&t, i, "normal_force"), weight, relative * weight);
     }
     read_again(&t, "new/d/walls.tsv");
@@ -1585,9 +1542,8 @@ static void test_output_folder(void)
     CU_ASSERT(t.n_rows == 3);
     for (size_t i = 0; i < t.n_rows; i++) {
         CHECK_NEAR(cell(&t, i, "step"), 50.0 * (double)i, 0.0);
-        CHECK_NEAR(cell(&t, i, "elastic"), 0.4 * weight * overlap, relative * weight);
-        CHECK_NEAR(cell(&t, i, "gravity"), weight * (0.1 - overlap), relative * weight);
-        CHECK_NEAR(cell(&t, i, "start"), weight * (0.1 - 0.6 * overlap), relative * weight);
+        CHECK_CELLS(&t, i, relative * weight, {"elastic", 0.4 * weight * overlap},
+                    {"gravity", weight * (0.1 - overlap)}, {"start", weight * (0.1 - 0.6 * overlap)});
     }
     GOOD("run scene.cfg -o new/d --force");
     read_again(&t, "new/d/energy.tsv");
@@ -1678,16 +1634,14 @@ static void test_sweep(void)
     GOOD("sweep export d1 -o runs.tsv");
     scoped_table runs = read_table("runs.tsv");
     CU_ASSERT(runs.n_rows == 4);
-    GOOD("sweep export d1 --reduce");
-    read_again(&t, "out");
+    AGAIN_OF(t, "sweep export d1 --reduce");
     CU_ASSERT(t.n_rows == 2);
     for (size_t i = 0; i < 2; i++) {
         double a = cell(&runs, 2 * i, "theta_r2_deg"), b = cell(&runs, 2 * i + 1, "theta_r2_deg");
         CHECK_NEAR(cell(&runs, 2 * i + 1, "mu"), i == 0 ? 0.2 : 0.3, 0.0);
-        CHECK_NEAR(cell(&t, i, "theta_r2_deg_mean"), 0.5 * (a + b), FORM_TOLERANCE);
-        CHECK_NEAR(cell(&t, i, "theta_r2_deg_se"), 0.5 * fabs(a - b), FORM_TOLERANCE);
-        CHECK_NEAR(cell(&t, i, "n"), 2.0, 0.0);
-        CHECK_NEAR(cell(&t, i, "n_failed"), 0.0, 0.0);
+        CHECK_CELLS(&t, i, FORM_TOLERANCE, {"theta_r2_deg_mean", 0.5 * (a + b)},
+                    {"theta_r2_deg_se", 0.5 * fabs(a - b)});
+        CHECK_CELLS(&t, i, 0.0, {"n", 2.0}, {"n_failed", 0.0});
     }
 }
 
@@ -1867,8 +1821,7 @@ static void test_shared_piles(void)
 static void test_row_again(void)
 {
     write_sweep();
-    GOOD("run s.cfg --row 1 -o box --every 1000 --ledger");
-    scoped_table again = read_table("out");
+    scoped_table again = TABLE_OF("run s.cfg --row 1 -o box --every 1000 --ledger");
     GOOD("sweep plan s.cfg -o d");
     GOOD("sweep run d -j 2");
     GOOD("sweep export d -o runs.tsv");
@@ -1880,8 +1833,7 @@ static void test_row_again(void)
     CU_ASSERT(equal_tables("again/pile_contacts.tsv", "box/pile_contacts.tsv"));
     CU_ASSERT(!equal_tables("again/pile_grains.tsv", "box/filled_grains.tsv"));
     CU_ASSERT(equal_tables("again/phases.tsv", "box/phases.tsv"));
-    GOOD("run box/scene.cfg");
-    scoped_table measures = read_table("out");
+    scoped_table measures = TABLE_OF("run box/scene.cfg");
     for (size_t row = 0; row < measures.n_rows; row++)
         CU_ASSERT_STRING_EQUAL(word(&measures, row, "value"),
                                word(&again, 0, word(&measures, row, "measure")));
@@ -1913,8 +1865,7 @@ static void test_limits(void)
     }
     scoped_table points = read_table("out");
     for (size_t k = 0; k < 2; k++) {
-        CHECK_NEAR(cell(&points, k, "n"), k == 0, 0.0);
-        CHECK_NEAR(cell(&points, k, "n_failed"), k == 1, 0.0);
+        CHECK_CELLS(&points, k, 0.0, {"n", k == 0}, {"n_failed", k == 1});
     }
     CU_ASSERT(run("sweep make s.cfg -o d --tables t --time 0.5") == 1 && strstr(err, "(time_limit 1)"));
     CU_ASSERT_STRING_EQUAL(out, "s: 2 runs: 1 ok_fixed_time, 1 time_limit\n");

@@ -182,8 +182,7 @@ static void check_response(checked *o, double mu, double width)
 
 static double slope_of(const char *grains, double width)
 {
-    GOOD("angle slope %s --width %g --cell 0.2", grains, width);
-    scoped_table t = read_table("out");
+    scoped_table t = TABLE_OF("angle slope %s --width %g --cell 0.2", grains, width);
     const double theta = cell(&t, 2, "theta_deg");
     return theta;
 }
@@ -392,8 +391,7 @@ static void test_dip(void)
     check_profile(n);
     /* without rays */
     shell("cut -f 1-3,5,7,9,11,13,15,17,19,21,23,25,27,29,31,33,35,37,39,41 piles.tsv >plain.tsv");
-    GOOD("stress dip plain.tsv --profile");
-    scoped_table t = read_table("out");
+    scoped_table t = TABLE_OF("stress dip plain.tsv --profile");
     for (size_t row = 0; row < STRESS_DIP_BINS / 2; row++) CU_ASSERT(isnan(cell(&t, row, "rays")));
 }
 
@@ -515,9 +513,7 @@ static void test_bench_fill(void)
         CHECK_OK(dem_states(sim, states));
         CU_ASSERT_EQUAL(start.n_rows, N);
         for (size_t i = 0; i < N; i++) {
-            CHECK_NEAR(cell(&start, i, "x"), states[i].x, 0.0);
-            CHECK_NEAR(cell(&start, i, "angle"), states[i].angle, 0.0);
-            CHECK_NEAR(cell(&start, i, "r"), states[i].r, 0.0);
+            CHECK_CELLS(&start, i, 0.0, {"x", states[i].x}, {"angle", states[i].angle}, {"r", states[i].r});
             /* 1/r is uniform between its ends, here at the middles of N equal parts; 1/0.1^2 is their product
              */
             const double least = 10.0 / sqrt(list[k].size_ratio), most = 10.0 * sqrt(list[k].size_ratio),
@@ -529,8 +525,8 @@ static void test_bench_fill(void)
         CHECK_OK(dem_run(sim, STEPS));
         dem_count_work(sim, &after);
         const double left = (double)dem_count(sim);
-        CHECK_NEAR(cell(&t, 0, "contacts"), (double)after.contacts / left, 1e-14);
-        CHECK_NEAR(cell(&t, 0, "pairs"), (double)after.pairs / left, 1e-14);
+        CHECK_CELLS(&t, 0, 1e-14, {"contacts", (double)after.contacts / left},
+                    {"pairs", (double)after.pairs / left});
         CHECK_NEAR(cell(&t, 0, "rebuilds"), (double)(after.rebuilds - before.rebuilds), 0.0);
         CU_ASSERT(after.contacts > 5);
     }
@@ -592,8 +588,7 @@ static double slope_of_grains(const rp_table *grains, double width)
     for (size_t i = 0; i < grains->n_rows; i++)
         fprintf(shifted, "%.17g\t%.17g\n", cell(grains, i, "x") - left, cell(grains, i, "y") - bottom);
     fclose(shifted);
-    GOOD("angle slope shifted.tsv --width %.17g --cell %.17g", width - left, d);
-    scoped_table t = read_table("out");
+    scoped_table t = TABLE_OF("angle slope shifted.tsv --width %.17g --cell %.17g", width - left, d);
     const double theta = cell(&t, 2, "theta_deg");
     return theta;
 }
@@ -619,11 +614,10 @@ static void test_bench_sample(void)
         const size_t left = dem_count(sim);
         CU_ASSERT_EQUAL_FATAL(end.n_rows, left);
         for (size_t i = 0; i < left; i++) {
-            CHECK_NEAR(cell(&end, i, "x"), states[i].x, 0.0);
-            CHECK_NEAR(cell(&end, i, "y"), states[i].y, 0.0);
+            CHECK_CELLS(&end, i, 0.0, {"x", states[i].x}, {"y", states[i].y});
         }
-        CHECK_NEAR(cell(&t, 0, "contacts"), (double)counts.contacts / (double)left, 1e-14);
-        CHECK_NEAR(cell(&t, 0, "pairs"), (double)counts.pairs / (double)left, 1e-14);
+        CHECK_CELLS(&t, 0, 1e-14, {"contacts", (double)counts.contacts / (double)left},
+                    {"pairs", (double)counts.pairs / (double)left});
         CHECK_NEAR(cell(&t, 0, "rebuilds"), (double)counts.rebuilds, 0.0);
         const double theta = strtod(rp_table_find_note(&t, "theta_r"), NULL);
         if (k == 0) CHECK_NEAR(theta, slope_of_grains(&end, widths[k]), 1e-9); /* the table has 17 digits */

@@ -621,8 +621,7 @@ static void test_holm(void)
     fclose(file);
     for (size_t k = 0; k < 2; k++) {
         size_t between = 0;
-        GOOD("stats %s runs.tsv -x x -y y --by group", tests[k]);
-        scoped_table t = read_table("out");
+        scoped_table t = TABLE_OF("stats %s runs.tsv -x x -y y --by group", tests[k]);
         CU_ASSERT_FATAL(t.n_rows == 4);
         for (size_t g = 0; g < 4; g++) p[g] = cell(&t, g, "p_value");
         for (size_t g = 0; g < 4; g++) {
@@ -669,8 +668,7 @@ static void test_dips(void)
                  {0.0, 0.3, "0.01", "undecided"}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         write_profiles(cases[i].change, cases[i].scatter);
-        GOOD("stress dip piles.tsv --margin %s", cases[i].margin);
-        scoped_table t = read_table("out");
+        scoped_table t = TABLE_OF("stress dip piles.tsv --margin %s", cases[i].margin);
         CU_ASSERT_STRING_EQUAL(word(&t, 0, "verdict"), cases[i].verdict);
         const double middle = cell(&t, 0, "middle"), se = cell(&t, 0, "middle_se");
         const double sign = cases[i].change;
@@ -694,11 +692,9 @@ static void test_rays(void)
     const double deg = M_PI / 180.0;
     for (int k = 0; k < 3; k++) {
         const double phi = 50.0 + 5.0 * k, marginal = atan(0.2 * pow(tan(phi * deg), 2.0)) / deg;
-        GOOD("angle marginal --mu 0.2 --phi-deg %g", phi);
-        scoped_table t = read_table("out");
+        scoped_table t = TABLE_OF("angle marginal --mu 0.2 --phi-deg %g", phi);
         CHECK_NEAR(cell(&t, 0, "theta_ms_deg"), marginal, 1e-12);
-        GOOD("angle tilt --mu 0.2 --theta-r-deg 10 --phi-deg %g", phi);
-        read_again(&t, "out");
+        AGAIN_OF(t, "angle tilt --mu 0.2 --theta-r-deg 10 --phi-deg %g", phi);
         CHECK_NEAR(cell(&t, 0, "margin_deg"), marginal - 10.0, 1e-12);
     }
 }

@@ -270,10 +270,8 @@ static void test_walls(void)
         const double px = first ? 3.0 : 0.0, py = first ? 0.5 : 0.0, nx = first ? -1.0 : 0.6,
                      ny = first ? 0.0 : 0.8;
         CHECK_NEAR(cell(&w, row, "step"), step, 0.0);
-        CHECK_NEAR(cell(&w, row, "x"), c * px + s * py, 1e-13);
-        CHECK_NEAR(cell(&w, row, "y"), c * py - s * px, 1e-13);
-        CHECK_NEAR(cell(&w, row, "direction_x"), c * nx + s * ny, 1e-13);
-        CHECK_NEAR(cell(&w, row, "direction_y"), c * ny - s * nx, 1e-13);
+        CHECK_CELLS(&w, row, 1e-13, {"x", c * px + s * py}, {"y", c * py - s * px},
+                    {"direction_x", c * nx + s * ny}, {"direction_y", c * ny - s * nx});
         CHECK_NEAR(cell(&w, row, "from"),
                    first ? -0.5 + 20.0 * dt * fmax(step - 40.0, 0.0) : (vanished ? 2.5 : -2.0), 1e-13);
         CHECK_NEAR(cell(&w, row, "to"), first ? 9.0 : 2.5, 0.0);
@@ -526,8 +524,7 @@ static void test_sweep(void)
         seconds += at(&runs, row, "seconds");
         CHECKED_WORD(&runs, row, "status", "ok");
         if (row % 5) continue; /* three of them */
-        GOOD("run s.cfg --row %zu -o again --force", row);
-        scoped_table again = read_table("out");
+        scoped_table again = TABLE_OF("run s.cfg --row %zu -o again --force", row);
         const char *const own = rp_table_find_note(&again, "units");
         const size_t length = strlen(units) - strlen("1\t1\t1\t1\t1\t1\t") - strlen("\ts");
         CU_ASSERT(own && strlen(own) == length + 2 &&
@@ -608,8 +605,7 @@ static void test_failed(void)
                "1\t2\t5\t2\toverlap:1,a:1\n2\t3\t5\t2\toverlap:2\n2.5\tnan\t0\t7\ta:7\n3\t4\t5\t0\t-\n"
                "4\t5\t5\t1\ta:1\n");
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
-        GOOD("%s %s", cases[k].command, cases[k].table);
-        scoped_table c = read_table("out");
+        scoped_table c = TABLE_OF("%s %s", cases[k].command, cases[k].table);
         for (size_t row = 0; row < 3 && cases[k].failed[row]; row++) {
             char text[128];
             CU_ASSERT_FATAL(row < c.n_rows);
@@ -651,8 +647,7 @@ static void test_compare(void)
     for (size_t f = 0; f < 4; f++) {
         static const char *const parts[] = {"theta_t", "diff", "theta_rt", "gain"};
         char column[64];
-        GOOD("angle tilt --mu 0.2 --theta-r-deg 10 --phi-deg 55 --form %s", forms[f]);
-        scoped_table tilt = read_table("out");
+        scoped_table tilt = TABLE_OF("angle tilt --mu 0.2 --theta-r-deg 10 --phi-deg 55 --form %s", forms[f]);
         const double theory = cell(&tilt, 0, "theta_t_deg"), miss = fabs(mean_t - theory);
         const double expected[] = {theory, mean_t - theory, mean_r + theory, miss - miss_ms};
         for (size_t k = 0; k < 4; k++) {
@@ -671,15 +666,16 @@ static void test_compare(void)
         "more.tsv",
         "# mu\ttheta_r3_deg\ttheta_t_displacement_deg\tstatus\n0.3\t12\t5\tok\n0.1\t5\t2\tok\n0.2\t9\t3\tok\n"
         "0.2\t11\t3.5\tok\n");
-    GOOD("angle compare more.tsv --bootstrap 10");
-    scoped_table t_more = read_table("out");
+    scoped_table t_more = TABLE_OF("angle compare more.tsv --bootstrap 10");
     CU_ASSERT_FATAL(t_more.n_rows == 3);
     for (size_t g = 0; g < 3; g++) {
         const double mu = 0.1 * ((double)g + 1.0);
         CHECK_NEAR(cell(&t_more, g, "mu"), mu, 1e-15);
         CHECK_NEAR(cell(&t_more, g, "n"), g == 1 ? 2.0 : 1.0, 0.0);
-        CHECK_NEAR(cell(&t_more, g, "theta_ms_deg"), atan(3.0 * mu) * 180.0 / M_PI, 1e-12);
-        CHECK_NEAR(cell(&t_more, g, "theta_rt_deg"), g == 0 ? 7.0 : g == 1 ? 13.25 : 17.0, 1e-12);
+        CHECK_CELLS(&t_more, g, 1e-12, {"theta_ms_deg", atan(3.0 * mu) * 180.0 / M_PI},
+                    {"theta_rt_deg", g == 0   ? 7.0
+                                     : g == 1 ? 13.25
+                                              : 17.0});
     }
     /* the word is that of the first form that is not ok */
     const char *first_word = "ok";
@@ -687,15 +683,13 @@ static void test_compare(void)
     write_text("more.tsv",
                "# mu\ttheta_r3_deg\ttheta_t_displacement_deg\tstatus\n0.4\t4\t5\tok\n0.4\t6\t7\tok\n");
     for (size_t f = 0; f < 4; f++) {
-        GOOD("angle tilt --mu 0.4 --theta-r-deg 5 --phi-deg 74 --form %s", forms[f]);
-        scoped_table tilt = read_table("out");
+        scoped_table tilt = TABLE_OF("angle tilt --mu 0.4 --theta-r-deg 5 --phi-deg 74 --form %s", forms[f]);
         snprintf(found[f], sizeof found[f], "%s", word(&tilt, 0, "status"));
     }
     for (size_t f = 4; f-- > 0;)
         if (strcmp(found[f], "ok") != 0) first_word = found[f];
     CU_ASSERT(strcmp(found[0], "ok") == 0 && strcmp(first_word, "ok") != 0);
-    GOOD("angle compare more.tsv --bootstrap 10 --phi-deg 74");
-    read_again(&t_more, "out");
+    AGAIN_OF(t_more, "angle compare more.tsv --bootstrap 10 --phi-deg 74");
     CU_ASSERT_STRING_EQUAL(word(&t_more, 0, "status"), first_word);
 }
 
@@ -906,22 +900,16 @@ static void check_trends(const char *options, bool paired, bool logarithm, doubl
         p[g] = stats_contrast_p(&t[g].change);
     }
     stats_holm(GROUPS, p, p_holm);
-    GOOD("stats trend groups.tsv -x x -y y --by g --margin 0.4 --level 0.1 %s", options);
-    scoped_table c = read_table("out");
+    scoped_table c = TABLE_OF("stats trend groups.tsv -x x -y y --by g --margin 0.4 --level 0.1 %s", options);
     CU_ASSERT_FATAL(c.n_rows == GROUPS);
     for (size_t g = 0; g < GROUPS; g++) {
         CU_ASSERT(*word(&c, g, "g") == "abc"[g]);
-        CHECK_NEAR(cell(&c, g, "n"), (double)t[g].n, 0.0);
-        CHECK_NEAR(cell(&c, g, "n_left"), (double)(grouped.n[g] - t[g].n), 0.0);
-        CHECK_NEAR(cell(&c, g, "x_from"), grouped.x[g][0], 1e-12);
-        CHECK_NEAR(cell(&c, g, "x_to"), grouped.x[g][grouped.n[g] - 1], 1e-12);
-        CHECK_NEAR(cell(&c, g, "slope"), t[g].slope.value, 1e-12);
-        CHECK_NEAR(cell(&c, g, "slope_se"), t[g].slope.se, 1e-12);
+        CHECK_CELLS(&c, g, 0.0, {"n", (double)t[g].n}, {"n_left", (double)(grouped.n[g] - t[g].n)});
+        CHECK_CELLS(&c, g, 1e-12, {"x_from", grouped.x[g][0]}, {"x_to", grouped.x[g][grouped.n[g] - 1]},
+                    {"slope", t[g].slope.value}, {"slope_se", t[g].slope.se});
         CHECK_NEAR(cell(&c, g, "dof"), t[g].slope.dof, 1e-10);
         CHECK_NEAR(cell(&c, g, "change"), t[g].change.value, 1e-12);
-        CHECK_NEAR(cell(&c, g, "p_value"), p[g], 1e-13);
-        CHECK_NEAR(cell(&c, g, "p_holm"), p_holm[g], 1e-13);
-        CHECK_NEAR(cell(&c, g, "p_margin"), t[g].p_margin, 1e-13);
+        CHECK_CELLS(&c, g, 1e-13, {"p_value", p[g]}, {"p_holm", p_holm[g]}, {"p_margin", t[g].p_margin});
         CU_ASSERT_STRING_EQUAL(word(&c, g, "verdict"), stats_trend_word(&t[g], p_holm[g], 0.1));
     }
 }
@@ -938,8 +926,7 @@ static void check_sizes(void)
         p[g] = stats_contrast_p(&t[g].change);
     }
     stats_holm(GROUPS, p, p_holm);
-    GOOD("stats size groups.tsv -x x -y y --by g --power 1.5");
-    scoped_table c = read_table("out");
+    scoped_table c = TABLE_OF("stats size groups.tsv -x x -y y --by g --power 1.5");
     CU_ASSERT_FATAL(c.n_rows == GROUPS);
     for (size_t g = 0; g < GROUPS; g++) {
         CU_ASSERT(*word(&c, g, "g") == "abc"[g]);
@@ -985,8 +972,7 @@ static void test_correlations(void)
             CU_ASSERT(*checked_word(&c, row, "g") == "abc"[g]);
             CHECKED_WORD(&c, row, "quantity", names[k]);
         }
-    GOOD("stats correlation groups.tsv -y y -x x");
-    scoped_table t = read_table("out");
+    scoped_table t = TABLE_OF("stats correlation groups.tsv -y y -x x");
     CU_ASSERT(t.n_rows == 1 && cell(&t, 0, "n") == (double)(grouped.n[0] + grouped.n[1] + grouped.n[2]));
 }
 
