@@ -176,19 +176,6 @@ double cell(const rp_table *t, size_t row, const char *column)
     return *text ? strtod(text, NULL) : NAN;
 }
 
-void check_cells(const char *file, int line, const rp_table *t, size_t row, double tolerance, size_t n,
-                 const checked_value values[])
-{
-    for (size_t k = 0; k < n; k++) {
-        const double found = cell(t, row, values[k].column);
-        const bool near = fabs(found - values[k].value) <= tolerance;
-        if (!near)
-            fprintf(stderr, "%s:%d: %s = %.17g, expected %.17g within %g\n", file, line, values[k].column,
-                    found, values[k].value, tolerance);
-        CU_ASSERT(near);
-    }
-}
-
 checked checked_read(const char *name)
 {
     checked c = {.t = read_table(name)};
@@ -225,7 +212,7 @@ const char *checked_word(checked *c, size_t row, const char *column)
 void checked_row(checked *c, size_t row, size_t n, const checked_value values[], double tolerance)
 {
     for (size_t k = 0; k < n; k++) {
-        const double found = at(c, row, values[k].column), value = values[k].value;
+        const double found = at(c, row, values[k].name), value = values[k].value;
         CU_ASSERT(isnan(found) == isnan(value));
         if (!isnan(value)) CHECK_NEAR(found, value, tolerance * (1.0 + fabs(value)));
     }

@@ -8,6 +8,7 @@
 #include <stdio.h>
 
 #include "table/table.h"
+#include "tests/check.h"
 
 /* Output of the last run, also in the files `out` and `err` of the test's folder. */
 extern char out[1 << 20], err[1 << 14];
@@ -64,18 +65,6 @@ void replace_table(rp_table *table, rp_table by);
 const char *word(const rp_table *t, size_t row, const char *column);
 double cell(const rp_table *t, size_t row, const char *column);
 
-/* Cells of a row, {column, value} each, within a tolerance; NaN fails. */
-typedef struct {
-    const char *column;
-    double value;
-} checked_value;
-#define CHECK_CELLS(t, row, tolerance, ...)                                                                  \
-    check_cells(__FILE__, __LINE__, t, row, tolerance,                                                       \
-                sizeof((checked_value[]){__VA_ARGS__}) / sizeof(checked_value),                              \
-                (checked_value[]){__VA_ARGS__})
-void check_cells(const char *file, int line, const rp_table *t, size_t row, double tolerance, size_t n,
-                 const checked_value values[]);
-
 /* A table whose columns must all be read: the end, of a scoped_checked that of its scope, fails, and names
  * them, for columns that `at` has not seen. */
 #define scoped_checked __attribute__((cleanup(checked_end))) checked
@@ -94,6 +83,7 @@ double at(checked *c, size_t row, const char *column);
 #define CHECKED_WORD(c, row, column, text) CU_ASSERT_STRING_EQUAL(checked_word(c, row, column), text)
 const char *checked_word(checked *c, size_t row, const char *column);
 /* Columns of a row against n values, within tolerance of 1 + |value|; NaN where the value is NaN. */
+typedef check_value checked_value;
 /* A column with the name of a field of s; of a field with mean and error, NAME and NAME_se. */
 #define CHECKED_COLUMN(name, value) ((checked_value){name, value})
 #define CHECKED_FIELD(s, name)      CHECKED_COLUMN(#name, (s).name)

@@ -584,7 +584,7 @@ static void test_bad_scenes(void)
          "set");
     scoped_table walls = read_table("set/walls.tsv"), grains = read_table("set/states.tsv");
     CHECK_NEAR(cell(&walls, 0, "direction_y"), 1.0, 0.0);
-    CHECK_CELLS(&walls, 1, 1e-12, {"x", 0.5 * 10 * 5e-5}, {"direction_y", sin(3.0 * 10 * 5e-5)});
+    CHECK_EACH(cell(&walls, 1, NAME), 1e-12, {"x", 0.5 * 10 * 5e-5}, {"direction_y", sin(3.0 * 10 * 5e-5)});
     CHECK_NEAR(cell(&grains, 0, "vy"), -1.0 * 10 * 5e-5, 1e-12);
     write_text("s.cfg", "particles_file = \"/dev/zero\";\n");
     FAILS(65, "/dev/zero: no text", "run s.cfg");
@@ -705,15 +705,17 @@ static void test_static_models(void)
     CU_ASSERT(t.n_rows == 45);
     for (size_t i = 0; i < t.n_rows; i++) {
         /* (42): N = (k + 1)/2; (44): H grows by equal parts from toe to toe, 0 in the middle */
-        CHECK_CELLS(&t, i, FORM_TOLERANCE, {"N/mg", 23.0}, {"H/mg", ((double)i - 22.0) / sqrt(3.0)});
+        CHECK_EACH(cell(&t, i, NAME), FORM_TOLERANCE, {"N/mg", 23.0},
+                   {"H/mg", ((double)i - 22.0) / sqrt(3.0)});
     }
 
     /* rays of 60 degrees from the middle reach the flanks at B tan 30 / (2 (sin 60 + tan 30 cos 60)) = B/4
      * each, and from x in the flank, (54): sqrt 3 x sin 30 cos 30 / (2 sin 90 sin 30) = 3/4 x */
     AGAIN_OF(t, "continuum --alpha-deg 30 --at 0.5,0.12,0.88");
     CU_ASSERT(t.n_rows == 3);
-    CHECK_CELLS(&t, 0, FORM_TOLERANCE, {"N/(chi*g*B)", 0.25}, {"H/(chi*g*B)", 0.0});
-    CHECK_CELLS(&t, 1, FORM_TOLERANCE, {"N/(chi*g*B)", 0.09}, {"H/(chi*g*B)", -0.12 / (4.0 * sqrt(3.0))});
+    CHECK_EACH(cell(&t, 0, NAME), FORM_TOLERANCE, {"N/(chi*g*B)", 0.25}, {"H/(chi*g*B)", 0.0});
+    CHECK_EACH(cell(&t, 1, NAME), FORM_TOLERANCE, {"N/(chi*g*B)", 0.09},
+               {"H/(chi*g*B)", -0.12 / (4.0 * sqrt(3.0))});
     CHECK_NEAR(cell(&t, 2, "H/(chi*g*B)"), 0.12 / (4.0 * sqrt(3.0)), FORM_TOLERANCE);
 
     /* a tent whose slopes are equal is a triangle */
@@ -725,8 +727,8 @@ static void test_static_models(void)
         CHECK_NEAR(cell(&tent, i, "x/B"), (double)i / 30.0, FORM_TOLERANCE);
         CHECK_NEAR(cell(&tent, i, "y/B"), tan(23.85 * deg) * fmin((double)i, 30.0 - (double)i) / 30.0,
                    FORM_TOLERANCE);
-        CHECK_CELLS(&tent, i, FORM_TOLERANCE, {"N/(chi*g*B)", cell(&t, i, "N/(chi*g*B)")},
-                    {"H/(chi*g*B)", cell(&t, i, "H/(chi*g*B)")});
+        CHECK_EACH(cell(&tent, i, NAME), FORM_TOLERANCE, {"N/(chi*g*B)", cell(&t, i, "N/(chi*g*B)")},
+                   {"H/(chi*g*B)", cell(&t, i, "H/(chi*g*B)")});
     }
 
     /* the dip of Fig. 19; a steeper outer slope has none */
@@ -756,8 +758,8 @@ static void test_angles(void)
     for (size_t i = 0; i < sizeof forms / sizeof *forms; i++) {
         AGAIN_OF(t, "angle tilt --mu 0.2 --theta-r-deg 18 --form %s", forms[i].form);
         CHECK_NEAR(cell(&t, 0, "theta_t_deg"), forms[i].theta_t, forms[i].tolerance);
-        CHECK_CELLS(&t, 0, FORM_TOLERANCE, {"margin_deg", atan(0.6) / deg - 18.0},
-                    {"theta_ms_deg", atan(0.6) / deg}, {"limit_deg", forms[i].limit});
+        CHECK_EACH(cell(&t, 0, NAME), FORM_TOLERANCE, {"margin_deg", atan(0.6) / deg - 18.0},
+                   {"theta_ms_deg", atan(0.6) / deg}, {"limit_deg", forms[i].limit});
         CU_ASSERT_STRING_EQUAL(word(&t, 0, "status"), "ok");
     }
     AGAIN_OF(t, "angle tilt --mu 0.2 --theta-r-deg 38.5");
@@ -913,7 +915,7 @@ static void test_angle_tables(void)
     test_slope_anywhere();
     write_text("line.tsv", "# mu\ttheta\tse\n0.05\t1.5\t0.1\n0.1\t2.5\t0.1\n0.2\t4.5\t0.2\n0.3\tnan\tnan\n");
     AGAIN_OF(t, "stats fit line.tsv -x mu -y theta --se se");
-    CHECK_CELLS(&t, 0, 1e-10, {"slope", 20.0}, {"intercept", 0.5});
+    CHECK_EACH(cell(&t, 0, NAME), 1e-10, {"slope", 20.0}, {"intercept", 0.5});
     CHECK_NEAR(cell(&t, 0, "n"), 3.0, 0.0);
     FAILS(65, "no column \"theta_r3_deg\"", "angle compare line.tsv");
 }
@@ -934,8 +936,8 @@ static void test_stress_tables(void)
     scoped_table t = TABLE_OF("stress base p --width 1.2 --cell 0.2");
     static const double n[] = {1471.5, 0.0, 2452.5, 490.5}, weight[] = {981.0, 981.0, 1962.0, 490.5};
     for (size_t i = 0; i < 4; i++) {
-        CHECK_CELLS(&t, i, 1e-8, {"N", n[i] / 0.2}, {"H", i == 2 ? 490.5 / 0.2 : 0.0},
-                    {"weight", weight[i] / 0.2}, {"imbalance", 0.0});
+        CHECK_EACH(cell(&t, i, NAME), 1e-8, {"N", n[i] / 0.2}, {"H", i == 2 ? 490.5 / 0.2 : 0.0},
+                   {"weight", weight[i] / 0.2}, {"imbalance", 0.0});
     }
     /* the floor is the same by any number, and in parts; level walls at two heights, and none, are told */
     static const char *const walls[] = {"$2 ? 3 - $2 : 0", "$2 == 1 ? 3 + ($3 > 0.6) : $2"};
@@ -961,9 +963,9 @@ static void test_stress_tables(void)
     AGAIN_OF(t, "stress field p p_contacts.tsv --width 1.2 --cell 1.2");
     /* sum of force times branch vector over 1.44: two contacts of 490.5 x 0.2 per side; floor and wall at 0.1
      */
-    CHECK_CELLS(&t, 0, 1e-8, {"sxx", (2.0 * 490.5 * 0.2 + 490.5 * 0.1) / 1.44},
-                {"syy", (2.0 * 490.5 * 0.2 + (1471.5 + 2452.5 + 3.0 * 490.5) * 0.1) / 1.44},
-                {"sxy", -490.5 * 0.1 / 1.44});
+    CHECK_EACH(cell(&t, 0, NAME), 1e-8, {"sxx", (2.0 * 490.5 * 0.2 + 490.5 * 0.1) / 1.44},
+               {"syy", (2.0 * 490.5 * 0.2 + (1471.5 + 2452.5 + 3.0 * 490.5) * 0.1) / 1.44},
+               {"sxy", -490.5 * 0.1 / 1.44});
     /* a grain that flew off is named with its pile; 100000 cells away it still has one */
     shell(
         "cp p_contacts.tsv far_contacts.tsv; sed 's/^0.7/2e4/' p_grains.tsv >far_grains.tsv; "
@@ -985,9 +987,9 @@ static void test_stress_tables(void)
     CU_ASSERT_FATAL(cgs.n_rows == si.n_rows && cgs.n_rows == 4);
     for (size_t i = 0; i < si.n_rows; i++) {
         CHECK_NEAR(cell(&si, i, "x/W"), cell(&cgs, i, "x/W"), 1e-12);
-        CHECK_CELLS(&si, i, 1e-9, {"N", 1e-3 * cell(&cgs, i, "N")},
-                    {"weight", 1e-3 * cell(&cgs, i, "weight")},
-                    {"N_theory", 1e-3 * cell(&cgs, i, "N_theory")});
+        CHECK_EACH(cell(&si, i, NAME), 1e-9, {"N", 1e-3 * cell(&cgs, i, "N")},
+                   {"weight", 1e-3 * cell(&cgs, i, "weight")},
+                   {"N_theory", 1e-3 * cell(&cgs, i, "N_theory")});
     }
     FAILS(65, "q_contacts.tsv: cannot read", "stress field q --width 4");
     write_text("r_contacts.tsv", "# x\ty\n1\t2\n");
@@ -1010,7 +1012,7 @@ static void test_stress_dip(void)
     fclose(file);
     scoped_table t = TABLE_OF("stress dip piles.tsv");
     CHECK_NEAR(cell(&t, 0, "n"), 4.0, 0.0);
-    CHECK_CELLS(&t, 0, 1e-15, {"excess", 0.1}, {"middle", 0.5 / 1.1});
+    CHECK_EACH(cell(&t, 0, NAME), 1e-15, {"excess", 0.1}, {"middle", 0.5 / 1.1});
 }
 
 /* Piles with an unfinished drop, and layers, are failed runs, excluded from the mean dip. */
@@ -1026,7 +1028,7 @@ static void test_cut_drops(void)
     GOOD("sweep export d --reduce -o points.tsv");
     scoped_table t = read_table("points.tsv");
     for (size_t k = 0; k < 3; k++) {
-        CHECK_CELLS(&t, k, 0.0, {"n", k == 0 ? 3.0 : 0.0}, {"n_failed", k == 0 ? 0.0 : 3.0});
+        CHECK_EACH(cell(&t, k, NAME), 0.0, {"n", k == 0 ? 3.0 : 0.0}, {"n_failed", k == 0 ? 0.0 : 3.0});
     }
     GOOD("sweep export d -o runs.tsv");
     read_again(&t, "runs.tsv");
@@ -1049,7 +1051,7 @@ static void test_stats_trends(void)
     fclose(file);
     scoped_table t = TABLE_OF("stats size runs.tsv -x W -y theta --by mu --to 6");
     CU_ASSERT(t.n_rows == 3);
-    CHECK_CELLS(&t, 1, 1e-12, {"limit", 18.05}, {"c", 0.0}, {"x_from", 2.0}, {"x_to", 6.0});
+    CHECK_EACH(cell(&t, 1, NAME), 1e-12, {"limit", 18.05}, {"c", 0.0}, {"x_from", 2.0}, {"x_to", 6.0});
     CU_ASSERT_STRING_EQUAL(t.cells[3 * t.n_columns - 1], "no_result");
     GOOD("stats trend runs.tsv -x k -y theta --by mu --to 1e6 --scale log --pair");
     CU_ASSERT(strstr(out, "# rows: 25 used, 1 without result, 2 with nan, 0 outside") != NULL);
@@ -1102,7 +1104,7 @@ static void test_stats_trends(void)
         CU_ASSERT_STRING_EQUAL(word(&t, row, "a"), "1");
         CU_ASSERT_STRING_EQUAL(word(&t, row, "b"), row ? "v" : "u");
     }
-    CHECK_CELLS(&t, 0, 1e-12, {"change", 2.25}, {"change_se", 0.25});
+    CHECK_EACH(cell(&t, 0, NAME), 1e-12, {"change", 2.25}, {"change_se", 0.25});
     CHECK_NEAR(cell(&t, 1, "change"), 0.0, 1e-12);
     /* one word among numbers, wherever it stands, makes words of all */
     static const char *const mixed[] = {"old\t1\n2\t2\n3\t4\n", "2\t1\nold\t2\n3\t4\n",
@@ -1499,9 +1501,10 @@ static void test_free_fall(void)
     for (size_t i = 0; i < t.n_rows && i < 5; i++) {
         double time = steps[i] * 5e-5;
         CHECK_NEAR(cell(&t, i, "step"), steps[i], 0.0);
-        CHECK_CELLS(&t, i, FALL_TOLERANCE, {"t", time}, {"x", x + vx * time + 0.5 * gx * time * time},
-                    {"y", y + vy * time + 0.5 * gy * time * time}, {"vx", vx + gx * time},
-                    {"vy", vy + gy * time}, {"fy", 0.5 * gy});
+        CHECK_EACH(cell(&t, i, NAME), FALL_TOLERANCE, {"t", time},
+                   {"x", x + vx * time + 0.5 * gx * time * time},
+                   {"y", y + vy * time + 0.5 * gy * time * time}, {"vx", vx + gx * time},
+                   {"vy", vy + gy * time}, {"fy", 0.5 * gy});
     }
     /* without --every, the final state alone: the same row */
     GOOD("run scene.cfg --set dt=5e-5");
@@ -1532,7 +1535,7 @@ static void test_output_folder(void)
     read_again(&t, "new/d/contacts.tsv");
     CU_ASSERT(t.n_rows == 3);
     for (size_t i = 0; i < t.n_rows; i++) {
-        CHECK_CELLS(&t, i, 0.0, {"step", 50.0 * (double)i}, {"id_a", 1.0}, {"wall", 1.0});
+        CHECK_EACH(cell(&t, i, NAME), 0.0, {"step", 50.0 * (double)i}, {"id_a", 1.0}, {"wall", 1.0});
         CHECK_NEAR(cell(&t, i, "normal_force"), weight, relative * weight);
     }
     read_again(&t, "new/d/walls.tsv");
@@ -1542,8 +1545,8 @@ static void test_output_folder(void)
     CU_ASSERT(t.n_rows == 3);
     for (size_t i = 0; i < t.n_rows; i++) {
         CHECK_NEAR(cell(&t, i, "step"), 50.0 * (double)i, 0.0);
-        CHECK_CELLS(&t, i, relative * weight, {"elastic", 0.4 * weight * overlap},
-                    {"gravity", weight * (0.1 - overlap)}, {"start", weight * (0.1 - 0.6 * overlap)});
+        CHECK_EACH(cell(&t, i, NAME), relative * weight, {"elastic", 0.4 * weight * overlap},
+                   {"gravity", weight * (0.1 - overlap)}, {"start", weight * (0.1 - 0.6 * overlap)});
     }
     GOOD("run scene.cfg -o new/d --force");
     read_again(&t, "new/d/energy.tsv");
@@ -1639,9 +1642,9 @@ static void test_sweep(void)
     for (size_t i = 0; i < 2; i++) {
         double a = cell(&runs, 2 * i, "theta_r2_deg"), b = cell(&runs, 2 * i + 1, "theta_r2_deg");
         CHECK_NEAR(cell(&runs, 2 * i + 1, "mu"), i == 0 ? 0.2 : 0.3, 0.0);
-        CHECK_CELLS(&t, i, FORM_TOLERANCE, {"theta_r2_deg_mean", 0.5 * (a + b)},
-                    {"theta_r2_deg_se", 0.5 * fabs(a - b)});
-        CHECK_CELLS(&t, i, 0.0, {"n", 2.0}, {"n_failed", 0.0});
+        CHECK_EACH(cell(&t, i, NAME), FORM_TOLERANCE, {"theta_r2_deg_mean", 0.5 * (a + b)},
+                   {"theta_r2_deg_se", 0.5 * fabs(a - b)});
+        CHECK_EACH(cell(&t, i, NAME), 0.0, {"n", 2.0}, {"n_failed", 0.0});
     }
 }
 
@@ -1865,7 +1868,7 @@ static void test_limits(void)
     }
     scoped_table points = read_table("out");
     for (size_t k = 0; k < 2; k++) {
-        CHECK_CELLS(&points, k, 0.0, {"n", k == 0}, {"n_failed", k == 1});
+        CHECK_EACH(cell(&points, k, NAME), 0.0, {"n", k == 0}, {"n_failed", k == 1});
     }
     CU_ASSERT(run("sweep make s.cfg -o d --tables t --time 0.5") == 1 && strstr(err, "(time_limit 1)"));
     CU_ASSERT_STRING_EQUAL(out, "s: 2 runs: 1 ok_fixed_time, 1 time_limit\n");

@@ -174,12 +174,12 @@ static void test_case_tables(void)
         CU_ASSERT_STRING_EQUAL(word(&cases, i, "problem"), rows[i].problem);
         CU_ASSERT_STRING_EQUAL(word(&cases, i, "parameters"), rows[i].parameters);
         CU_ASSERT_STRING_EQUAL(word(&cases, i, "quantity"), rows[i].quantity);
-        CHECK_CELLS(&cases, i, 0.0, {"expected", rows[i].expected}, {"observed", rows[i].observed},
-                    {"error", rows[i].error}, {"bound", rows[i].bound});
+        CHECK_EACH(cell(&cases, i, NAME), 0.0, {"expected", rows[i].expected}, {"observed", rows[i].observed},
+                   {"error", rows[i].error}, {"bound", rows[i].bound});
     }
     for (size_t i = 0; i < 2; i++) {
         CU_ASSERT_STRING_EQUAL(word(&t, i, "problem"), rows[i].problem);
-        CHECK_CELLS(&t, i, 0.0, {"cases", 1.0 + (double)i}, {"worst_over_bound", i ? 0.75 : 0.5});
+        CHECK_EACH(cell(&t, i, NAME), 0.0, {"cases", 1.0 + (double)i}, {"worst_over_bound", i ? 0.75 : 0.5});
     }
 }
 

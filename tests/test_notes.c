@@ -284,8 +284,9 @@ static void check_lattice(int base, double alpha_deg, double theta_deg)
     CHECK_NEAR(strtod(note(&t, "B"), NULL), B, 1e-9);
     for (size_t i = 0; i < t.n_rows; i++) {
         CHECK_NEAR(cell(&t, i, "i"), (double)i + 1.0, 0.0);
-        CHECK_CELLS(&t, i, 1e-12, {"x/B", 0.5 + 2.0 * sin(theta) * ((double)i - 0.5 * (base - 1)) / B},
-                    {"N/(chi*g*B)", cell(&t, i, "N/mg") / B}, {"H/(chi*g*B)", cell(&t, i, "H/mg") / B});
+        CHECK_EACH(cell(&t, i, NAME), 1e-12,
+                   {"x/B", 0.5 + 2.0 * sin(theta) * ((double)i - 0.5 * (base - 1)) / B},
+                   {"N/(chi*g*B)", cell(&t, i, "N/mg") / B}, {"H/(chi*g*B)", cell(&t, i, "H/mg") / B});
     }
     check_note(&t, "base", "%d", base);
     check_note(&t, "layers", "auto");

@@ -399,8 +399,7 @@ static void test_protocol(void)
     CHECK_OK(p->run(params, 1993, 2, NULL, &r));
     CU_ASSERT_STRING_EQUAL(r.status, "ok");
     /* at rest no net force exceeds 1e-2 m g, on some 70 grains */
-    CHECK_NEAR(output(&r, "balance_error"), 0.0, 1e-2);
-    CHECK_NEAR(output(&r, "weight_error"), 0.0, 1e-2);
+    CHECK_EACH(output(&r, NAME), 1e-2, {"balance_error", 0.0}, {"weight_error", 0.0});
     /* friction without tilt against the response: the curvature of floor forces is below 1 % of the weight */
     const double n_0 = output(&r, "n_0");
     CU_ASSERT(n_0 > 0.3 && n_0 <= 1.01);
@@ -499,9 +498,8 @@ static void check_lines(size_t n, const dem_state at[], const sweep_result *r)
         gsl_fit_linear(x, 1, h + k, 1, 5, &unused, &slope, &unused, &unused, &unused, &unused);
         theta_deg[k] = -atan(slope) / deg;
     }
-    CHECK_NEAR(protocol_output(p, r, "theta_steepest_deg"), steepest, 1e-9);
-    CHECK_NEAR(protocol_output(p, r, "theta_upper_deg"), theta_deg[0], 1e-9);
-    CHECK_NEAR(protocol_output(p, r, "theta_lower_deg"), theta_deg[5], 1e-9);
+    CHECK_EACH(protocol_output(p, r, NAME), 1e-9, {"theta_steepest_deg", steepest},
+               {"theta_upper_deg", theta_deg[0]}, {"theta_lower_deg", theta_deg[5]});
 }
 
 /* Of the pile at rest: grains that nothing holds, and contacts whose spring is at mu N, by hand. */
