@@ -25,8 +25,7 @@ typedef struct {
  *
  * theta is the angle of the diagonals to the vertical: pi/6 where the disks of a row touch, up to pi/3, where
  * disks two rows apart touch. Lengths are in disk diameters sigma, so the disks of a row are 2 sin(theta)
- * apart.
- */
+ * apart. */
 
 enum {
     AN_LAYERS_MAX = 1000000, /* disks in the base, closed form and counts */

@@ -7,8 +7,7 @@
 
 static const double DEG = 180.0 / M_PI;
 static const double LEAN = 0.57735026918962576; /* 1/sqrt 3: the diagonals' dx/dy */
-/* Least (dx - LEAN dy)/dx of an edge: a smaller one is 60 degrees steep within the rounding of the vertices.
- */
+/* Least (dx - LEAN dy)/dx of an edge: a smaller one is 60 degrees steep within rounding of the vertices. */
 static const double STEEP = 1e-14;
 
 rp_status an_profile_set(an_profile *profile, const an_point *v, size_t n)

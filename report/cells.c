@@ -24,32 +24,25 @@ report_words report_split(rp_arena *arena, const char *text)
 struct report_read {
     struct report_read *before;
     const char *name;
-    rp_table table;
+    rp_table *table;
 };
-
-static void free_table(void *table)
-{
-    rp_table_free(table);
-}
 
 rp_status report_table(report_tables *tables, const char *name, const rp_table **table)
 {
     rp_arena *arena = tables->arena;
     *table = NULL;
     for (struct report_read *r = tables->read; r && !*table; r = r->before)
-        if (strcmp(r->name, name) == 0) *table = &r->table;
+        if (strcmp(r->name, name) == 0) *table = r->table;
     for (const char *folder = tables->folders; folder && !*table; folder = strchr(folder, ',')) {
         const char *path;
         folder += *folder == ',';
         RP_TRY(rp_path(arena, &path, "%.*s/%s.tsv", (int)strcspn(folder, ","), folder, name));
         if (access(path, F_OK) != 0) continue;
         struct report_read *read = rp_arena_memory(arena, 1, sizeof *read);
-        *read = (struct report_read){tables->read, rp_text(arena, "%s", name), {0}};
-        const rp_status status = rp_table_read(path, &read->table);
-        rp_arena_keep(arena, &read->table, free_table);
-        RP_TRY(status);
+        *read = (struct report_read){tables->read, rp_text(arena, "%s", name), NULL};
+        RP_TRY(rp_table_keep(arena, path, rp_table_read, &read->table));
         tables->read = read;
-        *table = &read->table;
+        *table = read->table;
     }
     return RP_OK;
 }

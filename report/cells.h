@@ -1,5 +1,4 @@
-/* Cells of tables that claims and pages name by "TABLE key=value ... COLUMN". What is made stays in an arena.
- */
+/* Cells of tables that claims and pages name by "TABLE key=value ... COLUMN". All stays in an arena. */
 #ifndef REPORT_CELLS_H
 #define REPORT_CELLS_H
 

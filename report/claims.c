@@ -7,8 +7,7 @@
 
 #include "report/lineage.h"
 
-/* What each test needs: a table that answers, a published number, `against`, a margin; and what decides it.
- */
+/* What each test needs: a table that answers, a published number, `against`, a margin; what decides it. */
 enum { BY_WORD, BY_DIFFERENCE, BY_SIDE, BY_BOUND, BY_CHANGE };
 static const struct {
     const char *word;
@@ -125,25 +124,15 @@ static rp_status read_claim(rp_arena *arena, report_claims *all, size_t row)
     return RP_OK;
 }
 
-static void free_table(void *table)
-{
-    rp_table_free(table);
-}
-
 rp_status report_claims_read(rp_arena *arena, const char *path, report_claims *claims)
 {
-#define X(column) #column,
-    static const char *const columns[] = {REPORT_CLAIM_TEXTS(X) "samples", "margin"};
-#undef X
 #define X(column) #column " "
     static const char expected[] = REPORT_CLAIM_TEXTS(X) "samples margin";
 #undef X
-    rp_table *t = rp_arena_memory(arena, 1, sizeof *t);
-    const rp_status status = rp_table_read_texts(path, t);
-    rp_arena_keep(arena, t, free_table);
-    RP_TRY(status);
-    for (size_t k = 0; k < sizeof columns / sizeof *columns; k++)
-        RP_TRY(rp_table_find(t, columns[k], expected, &(int){0}));
+    const report_words columns = report_split(arena, expected);
+    rp_table *t;
+    RP_TRY(rp_table_keep(arena, path, rp_table_read_texts, &t));
+    for (int k = 0; k < columns.n; k++) RP_TRY(rp_table_find(t, columns.word[k], expected, &(int){0}));
     *claims = (report_claims){t, rp_arena_memory(arena, t->n_rows, sizeof *claims->claims), 0};
     for (size_t row = 0; row < t->n_rows; row++) RP_TRY(read_claim(arena, claims, row));
     return RP_OK;

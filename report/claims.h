@@ -84,8 +84,7 @@ typedef struct {
     const char *word, *note;             /* the verdict, and what explains it */
 } report_judged;
 
-/* Every claim. Errors: RP_BAD_INPUT (a table without the cells that the claim names), those of rp_table_read.
- */
+/* Every claim. Errors: RP_BAD_INPUT (a table without the cells that it names), those of rp_table_read. */
 rp_status report_judge(const report_claims *claims, report_tables *tables, report_judged **judged);
 
 /* "12 reproduced, 5 not reproduced, ..." of a paper's claims, without variants; "" for none. */

@@ -4,9 +4,7 @@
 
 #include "report/cells.h"
 
-/* A sweep by the name in the header lines "# source: NAME DIGEST RUNS" of the tables that are made of its
- * runs.
- */
+/* A sweep by the name in the header lines "# source: NAME DIGEST RUNS" of the tables made of its runs. */
 typedef struct report_sweep {
     const char *name;
     const char

@@ -1,5 +1,4 @@
-/* `report page`: a text whose numbers and verdicts come from tables and from the claims; see the help below.
- */
+/* `report page`: a text whose numbers and verdicts come from tables and claims; see the help below. */
 #include "report/pages.h"
 
 #include <math.h>

@@ -130,6 +130,25 @@ void check_table_close(FILE *table, const char *name);
         CU_ASSERT(near_);                                                                                    \
     } while (0)
 
+/* |found - value| <= tolerance for each {name, value}, by its name; `found` is an expression of NAME. */
+typedef struct {
+    const char *name;
+    double value;
+} check_value;
+#define NAME named_->name
+#define CHECK_EACH(found, tolerance, ...)                                                                    \
+    do {                                                                                                     \
+        const check_value list_[] = {__VA_ARGS__};                                                           \
+        for (const check_value *named_ = list_; named_ < list_ + sizeof list_ / sizeof *list_; named_++) {   \
+            const double found_ = (found), t_ = (tolerance);                                                 \
+            const bool near_ = fabs(found_ - named_->value) <= t_;                                           \
+            if (!near_)                                                                                      \
+                fprintf(stderr, "%s:%d: %s = %.17g, expected %.17g within %g\n", __FILE__, __LINE__, NAME,   \
+                        found_, named_->value, t_);                                                          \
+            CU_ASSERT(near_);                                                                                \
+        }                                                                                                    \
+    } while (0)
+
 /* The call fails with this status, and its message contains `text`. */
 #define CHECK_FAILS(call, status, text)                                                                      \
     do {                                                                                                     \

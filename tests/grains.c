@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/arena.h"
 #include "dem/state/state.h"
 #include "tests/check.h"
 #include "tests/folder.h"
@@ -81,19 +82,22 @@ dem_definition grains_box(long N, double W, long run, dem_grain **grains)
 {
     dem_fill fill = {N, W, 2.5 * (double)N * 0.04 / W, 0.1, 0.02, 0.07, 0.13, 1.0, DEM_SPHERE, 7, run};
     dem_definition def = dem_definition_default();
-    *grains = malloc((size_t)N * sizeof **grains);
-    CHECK_OK(dem_fill_random(&fill, *grains));
-    def.grains = *grains, def.n_grains = (size_t)N;
+    static rp_arena kept;
+    dem_grain *made = rp_arena_memory(&kept, (size_t)N, sizeof *made);
+    CHECK_OK(dem_fill_random(&fill, made));
+    def.grains = made, def.n_grains = (size_t)N;
+    if (grains) *grains = made;
     dem_material wall = def.material;
     wall.k_n *= 2.0;
     dem_box_walls(&def, W, &wall);
     return def;
 }
 
-dem_definition grains_outflow(long N, long part, bool rotation, dem_grain **grains)
+dem_definition grains_outflow(long N, long part, bool rotation)
 {
-    dem_definition def = grains_box(N, 4.0, 9, grains);
-    for (long i = 0; i < N; i += 50) (*grains)[i].fixed = true;
+    dem_grain *made;
+    dem_definition def = grains_box(N, 4.0, 9, &made);
+    for (long i = 0; i < N; i += 50) made[i].fixed = true;
     def.walls[DEM_BOX_RIGHT].open_at_step = 2 * part;
     def.walls[DEM_BOX_FLOOR].open_at_step = 3 * part, def.x_max = 8.0, def.y_min = -0.5;
     def.rotation = rotation;
@@ -101,9 +105,9 @@ dem_definition grains_outflow(long N, long part, bool rotation, dem_grain **grai
     return def;
 }
 
-dem_definition grains_too_soft(bool floor, dem_grain **grains)
+dem_definition grains_too_soft(bool floor)
 {
-    dem_definition def = grains_box(1200, 6.0, 9, grains);
+    dem_definition def = grains_box(1200, 6.0, 9, NULL);
     *(floor ? &def.walls[DEM_BOX_FLOOR].material.k_n : &def.material.k_n) = 1e3;
     def.material.gamma_n = def.walls[DEM_BOX_FLOOR].material.gamma_n = 1e-9;
     return def;

@@ -21,16 +21,16 @@ dem_definition grains_disks(size_t n, const dem_grain *grains, double k);
 /* Unequal disks, three a row, that move in a box of width 3.6. */
 void grains_gas(size_t n, dem_grain *grains);
 
-/* N grains, of stream `run`, loosely filled into a box of width W with floor, left and right wall. Free
- * *grains. */
+/* N grains, of stream `run`, loosely filled into a box of width W with floor, left and right wall. They last
+ * as long as the test; *grains (may be NULL) to change them. */
 dem_definition grains_box(long N, double W, long run, dem_grain **grains);
 
 /* Such a box of width 4 that is opened on the right after 2 `part` steps and below after 3: an avalanche,
  * fixed grains in between, cells that wrap around, grains that leave. */
-dem_definition grains_outflow(long N, long part, bool rotation, dem_grain **grains);
+dem_definition grains_outflow(long N, long part, bool rotation);
 
 /* A box whose grains, or whose floor, are so soft that the overlap breaks the run. */
-dem_definition grains_too_soft(bool floor, dem_grain **grains);
+dem_definition grains_too_soft(bool floor);
 
 /* Both runs end broken: at the same step, by the same fault, with the same message. */
 void grains_break_alike(dem_sim *a, dem_sim *b);

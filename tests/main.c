@@ -288,7 +288,7 @@ int main(int argc, char **argv)
     if (!add_suites(argc - optind, argv + optind)) return 64;
     const unsigned registered = CU_get_registry()->uiNumberOfTests;
     if (registered == 0) fprintf(stderr, "check: no test's name contains \"%s\"\n", only ? only : "");
-    run *runs;
+    scoped run *runs = NULL;
     const double begin = rp_clock();
     const size_t n = list_runs(&runs);
     CU_RunSummary *sum = CU_get_run_summary();
@@ -299,6 +299,5 @@ int main(int argc, char **argv)
     bool good = complete && broken_registrations == 0 && sum->nTestsFailed == 0 &&
                 sum->nFailureRecords == 0 && sum->nTestsRun == registered && registered > 0;
     CU_cleanup_registry();
-    free(runs);
     return good ? EXIT_SUCCESS : EXIT_FAILURE;
 }

@@ -32,6 +32,7 @@ void enter(void)
     }
     snprintf(beside, sizeof beside, "%.*s/report", (int)(strrchr(program, '/') - program), program);
     setenv("REPOSE_DATA", folder, 1); /* no file of the source by chance */
+    fclose(file_of("out")), fclose(file_of("err"));
 }
 
 void path_of(const char *name, char path[256])
@@ -143,10 +144,21 @@ rp_table read_table(const char *name)
     return table;
 }
 
-void read_again(rp_table *table, const char *name)
+void replace_table(rp_table *table, rp_table by)
 {
     rp_table_free(table);
-    *table = read_table(name);
+    *table = by;
+}
+
+void read_again(rp_table *table, const char *name)
+{
+    replace_table(table, read_table(name));
+}
+
+rp_table table_of(const char *file, int line, int status)
+{
+    CU_ASSERT(good(file, line, status));
+    return read_table("out");
 }
 
 const char *word(const rp_table *t, size_t row, const char *column)
@@ -200,7 +212,7 @@ const char *checked_word(checked *c, size_t row, const char *column)
 void checked_row(checked *c, size_t row, size_t n, const checked_value values[], double tolerance)
 {
     for (size_t k = 0; k < n; k++) {
-        const double found = at(c, row, values[k].column), value = values[k].value;
+        const double found = at(c, row, values[k].name), value = values[k].value;
         CU_ASSERT(isnan(found) == isnan(value));
         if (!isnan(value)) CHECK_NEAR(found, value, tolerance * (1.0 + fabs(value)));
     }

@@ -8,6 +8,7 @@
 #include <stdio.h>
 
 #include "table/table.h"
+#include "tests/check.h"
 
 /* Output of the last run, also in the files `out` and `err` of the test's folder. */
 extern char out[1 << 20], err[1 << 14];
@@ -44,6 +45,7 @@ bool failed(const char *file, int line, int status, int expected, const char *te
 
 #define GOOD(...)                CU_ASSERT(good(__FILE__, __LINE__, run(__VA_ARGS__)))
 #define FAILS(status, text, ...) CU_ASSERT(failed(__FILE__, __LINE__, run(__VA_ARGS__), status, text))
+#define SHELL(text)              CU_ASSERT(shell(text) == 0)
 #define REPORTS(...)             CU_ASSERT(good(__FILE__, __LINE__, run_report(__VA_ARGS__)))
 #define REPORT_FAILS(status, text, ...)                                                                      \
     CU_ASSERT(failed(__FILE__, __LINE__, run_report(__VA_ARGS__), status, text))
@@ -52,6 +54,12 @@ bool failed(const char *file, int line, int status, int expected, const char *te
 #define scoped_table __attribute__((cleanup(rp_table_free))) rp_table
 rp_table read_table(const char *name);
 void read_again(rp_table *table, const char *name); /* in place of what it holds */
+
+/* The table that a successful run prints, and in place of what one holds. */
+#define TABLE_OF(...)        table_of(__FILE__, __LINE__, run(__VA_ARGS__))
+#define AGAIN_OF(table, ...) replace_table(&(table), TABLE_OF(__VA_ARGS__))
+rp_table table_of(const char *file, int line, int status);
+void replace_table(rp_table *table, rp_table by);
 
 /* Text and number of a cell; a failed assertion, "" and NaN if there is no such cell. */
 const char *word(const rp_table *t, size_t row, const char *column);
@@ -75,10 +83,7 @@ double at(checked *c, size_t row, const char *column);
 #define CHECKED_WORD(c, row, column, text) CU_ASSERT_STRING_EQUAL(checked_word(c, row, column), text)
 const char *checked_word(checked *c, size_t row, const char *column);
 /* Columns of a row against n values, within tolerance of 1 + |value|; NaN where the value is NaN. */
-typedef struct {
-    const char *column;
-    double value;
-} checked_value;
+typedef check_value checked_value;
 /* A column with the name of a field of s; of a field with mean and error, NAME and NAME_se. */
 #define CHECKED_COLUMN(name, value) ((checked_value){name, value})
 #define CHECKED_FIELD(s, name)      CHECKED_COLUMN(#name, (s).name)

@@ -39,30 +39,30 @@ static void test_runs(void)
     write_text("slide.cfg", "%s", slide);
     /* v = 1000 (0.5 - mu cos 30) t, at mu = 0.3 */
     write_fit("{ experiment = \"slide.cfg\"; of = \"v\"; value = 12.05; error = 0.3; }");
-    CU_ASSERT(shell("$REPOSE calibrate fit.cfg -o c >out 2>err") == 0);
+    SHELL("$REPOSE calibrate fit.cfg -o c >out 2>err");
     CHECK_NEAR(found("mu", "value"), 0.3, 0.01);
     CU_ASSERT(found("mu", "lower") < 0.3 && found("mu", "upper") > 0.3);
     CHECK_NEAR(found("mu", "se"), 0.3 / (50.0 * 0.866), 0.003);
     CU_ASSERT(strstr(err, "stage 1, slide.cfg: 12 points, 2 runs each") != NULL);
-    CU_ASSERT(shell("cp out first && $REPOSE calibrate fit.cfg -o c >out 2>err && cmp out first") == 0);
+    SHELL("cp out first && $REPOSE calibrate fit.cfg -o c >out 2>err && cmp out first");
     CU_ASSERT_STRING_EQUAL(err, ""); /* all runs are there */
     GOOD("calibrate fit.cfg --dry-run -o d");
     CU_ASSERT(strstr(out, "first stage: 12 points, 24 runs; at most 400") != NULL);
     /* two numbers of two texts, a name that one of them lacks */
-    CU_ASSERT(shell("sed 's/mu_roll = 0.1; //; s/.*name = .both.*//; s/10\\*x. },/10*x\\\" } );/' slide.cfg "
-                    ">other.cfg") == 0);
+    SHELL("sed 's/mu_roll = 0.1; //; s/.*name = .both.*//; s/10\\*x. },/10*x\\\" } );/' slide.cfg "
+          ">other.cfg");
     write_text(
         "two.cfg",
         "fit = { mu = [0.05, 0.45]; mu_roll = [0.0, 0.5]; }; where = \"mu_roll < 2*mu\"; budget = 900;\n"
         "measured = ( { experiment = \"slide.cfg\"; of = \"both\"; value = 16.0; error = 0.5; },\n"
         " { experiment = \"slide.cfg\"; of = \"v\"; value = 12.05; error = 0.3; fixed = { T = 0.05; }; } "
         ");\n");
-    CU_ASSERT(shell("$REPOSE calibrate two.cfg -o e >out 2>err") == 0);
+    SHELL("$REPOSE calibrate two.cfg -o e >out 2>err");
     CHECK_NEAR(found("mu", "value"), 0.3, 0.02);
     CHECK_NEAR(found("mu_roll", "value"), 0.2, 0.05);
     CU_ASSERT(strstr(out, "# correlation: mu and mu_roll: ") && strstr(out, "# left out: "));
-    CU_ASSERT(shell("sed -i 's/.*of = .v.*/ );/; s/error = 0.5; },/error = 0.5; }/' two.cfg && ! $REPOSE "
-                    "calibrate two.cfg -o f >out 2>err") == 0);
+    SHELL("sed -i 's/.*of = .v.*/ );/; s/error = 0.5; },/error = 0.5; }/' two.cfg && ! $REPOSE "
+          "calibrate two.cfg -o f >out 2>err");
     CU_ASSERT(strstr(err, "not_identified: ") && strstr(err, "determined is mu") &&
               strstr(err, "best to separate the names: ") != NULL);
 }
@@ -92,19 +92,18 @@ static void test_table(void)
 /* A folder that is there and holds what is somebody's, of a name with a blank; again. */
 static void test_folder(void)
 {
-    CU_ASSERT(shell(": >out; : >err; mkdir -p 'a b' && echo mine >'a b/mine.txt'") == 0);
+    SHELL(": >out; : >err; mkdir -p 'a b' && echo mine >'a b/mine.txt'");
     write_text("a b/slide.cfg", "%s", slide);
     write_text(
         "a b/fit.cfg",
         "fit = { mu = [0.05, 0.45]; };\nmeasured = ( { experiment = \"slide.cfg\"; of = \"v\"; value = "
         "12.05; error = 0.3; fixed = { T = 0.05; }; } );\n");
-    for (int k = 0; k < 2; k++)
-        CU_ASSERT(shell("cd 'a b' && $REPOSE calibrate fit.cfg -o . --quiet >../out 2>../err") == 0);
+    for (int k = 0; k < 2; k++) SHELL("cd 'a b' && $REPOSE calibrate fit.cfg -o . --quiet >../out 2>../err");
     CHECK_NEAR(found("mu", "value"), 0.3, 0.01);
-    CU_ASSERT(shell("echo x >'a b/stage_1_1.cfg'") == 0);
-    CU_ASSERT(shell("cd 'a b' && ! $REPOSE calibrate fit.cfg -o . --quiet >../out 2>../err") == 0);
+    SHELL("echo x >'a b/stage_1_1.cfg'");
+    SHELL("cd 'a b' && ! $REPOSE calibrate fit.cfg -o . --quiet >../out 2>../err");
     CU_ASSERT(strstr(err, "stage_1_1.cfg: nothing in it shows that this program wrote it") != NULL);
-    CU_ASSERT(shell("test mine = \"$(cat 'a b/mine.txt')\"") == 0);
+    SHELL("test mine = \"$(cat 'a b/mine.txt')\"");
 }
 
 static void test_refused(void)
@@ -119,38 +118,31 @@ static void test_refused(void)
                  {"fit = { mu = [0.1, 0.8]; }; measured = ( { of = \"v\"; value = 1.0; error = 0.1; } );",
                   "one of experiment, protocol and runs"},
                  {"fit = { mu = [0.1, 0.8]; }; measured = ( { experiment = \"slide.cfg\"; of = \"v\"; value "
-                  "= 1.0; error = "
-                  "0.0; } );",
+                  "= 1.0; error = 0.0; } );",
                   "error = 0: out of range, allowed: (0, inf)"},
                  {"fit = { mu = [0.1, 0.8]; }; measured = ( { experiment = \"no.cfg\"; of = \"v\"; value = "
-                  "1.0; error = 0.1; } "
-                  ");",
+                  "1.0; error = 0.1; } );",
                   "experiment = \"no.cfg\": no such file"},
                  {"fit = { mu = [0.1, 0.8]; }; measured = ( { experiment = \"slide.cfg\"; of = \"vv\"; value "
-                  "= 1.0; error = "
-                  "0.1; } );",
+                  "= 1.0; error = 0.1; } );",
                   "of = \"vv\": the runs have no such column (did you mean \"v\"?)"},
                  {"fit = { nu = [0.1, 0.8]; }; measured = ( { experiment = \"slide.cfg\"; of = \"v\"; value "
-                  "= 1.0; error = 0.1; "
-                  "} );",
+                  "= 1.0; error = 0.1; } );",
                   "fit.nu: no experiment has this name"},
                  {"fit = { mu = [0.1, 0.8]; }; where = \"nu < 1\"; measured = ( { experiment = "
-                  "\"slide.cfg\"; of = \"v\"; value "
-                  "= 1.0; error = 0.1; } );",
+                  "\"slide.cfg\"; of = \"v\"; value = 1.0; error = 0.1; } );",
                   "where nu < 1: character 1: unknown name nu (did you mean \"mu\"?)"},
                  {"fit = { mu = [0.1, 0.8]; }; budget = 20; measured = ( { experiment = \"slide.cfg\"; of = "
-                  "\"v\"; value = 1.0; "
-                  "error = 0.1; } );",
+                  "\"v\"; value = 1.0; error = 0.1; } );",
                   "budget = 20: the first stage needs 24 runs"},
                  {"fit = { mu = [0.1, 0.8]; }; measured = ( { experiment = \"slide.cfg\"; of = \"v\"; value "
-                  "= 1.0; error = 0.1; "
-                  "}, { runs = \"t.tsv\"; of = \"y\"; value = 1.0; error = 0.1; } );",
+                  "= 1.0; error = 0.1; }, { runs = \"t.tsv\"; of = \"y\"; value = 1.0; error = 0.1; } );",
                   "don't go together"}};
     write_text("slide.cfg", "%s", slide);
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         write_text("fit.cfg", "%s\n", cases[k].text);
         FAILS(65, cases[k].message, "calibrate fit.cfg -o r --quiet");
-        CU_ASSERT(shell("! test -e r/stage_1_1") == 0); /* before any run */
+        SHELL("! test -e r/stage_1_1"); /* before any run */
     }
     FAILS(64, "says what is measured", "calibrate fit.cfg --theta-r-deg 20 --error-deg 1");
 }

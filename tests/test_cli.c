@@ -262,8 +262,8 @@ static void test_slurm(void)
     slurp("folder", folder, sizeof folder);
     slurp("program", program, sizeof program);
     slurp("d/array.sh", script, sizeof script);
-    CU_ASSERT(shell("\"$REPOSE\" sweep slurm d --shards 1000 >most && grep -q -- '^#SBATCH --array=1-1000$' "
-                    "d/array.sh") == 0);
+    SHELL("\"$REPOSE\" sweep slurm d --shards 1000 >most && grep -q -- '^#SBATCH --array=1-1000$' "
+          "d/array.sh");
     snprintf(expected, sizeof expected,
              "sbatch %s/array.sh\n"
              "parallel -q --sshlogin HOST1,HOST2 %s sweep run %s --shard {}/7 -j 3 ::: $(seq 7)\n"
@@ -291,16 +291,13 @@ static void test_slurm_names(void)
     for (size_t k = 0; k < sizeof names / sizeof *names; k++) {
         write_text("name", "%s", names[k]);
         const char script[] =
-            "d=\"$(cat name)\"; \"$REPOSE\" sweep plan s.cfg -o "
-            "\"$d\" "
-            ">out 2>err || exit 1; \"$REPOSE\" sweep slurm \"$d\" --shards 2 >said 2>>err || exit 2; "
-            "SLURM_ARRAY_TASK_ID=1 bash \"$d/array.sh\" || exit 3; "
-            "sed -n 's/^parallel -q --sshlogin HOST1,HOST2 //; s/{}/2/; s/ ::: .*//; 2p' said >second; "
-            "sh second >out 2>>err || exit 4; sed -n 's/^repose/\"$REPOSE\"/; 3p' said >third; "
-            "REPOSE=\"$REPOSE\" sh third >out 2>>err || exit 5; "
-            "sh -c \"$(sed -n 's/^sbatch/test -f/; 1p' said)\" || exit 6; test -s \"$d/shards/1-of-2.log\" "
-            "|| exit 7; "
-            "! ls hit >>out 2>&1";
+            "d=\"$(cat name)\"; \"$REPOSE\" sweep plan s.cfg -o \"$d\" >out 2>err || exit 1; \"$REPOSE\" "
+            "sweep slurm \"$d\" --shards 2 >said 2>>err || exit 2; SLURM_ARRAY_TASK_ID=1 bash "
+            "\"$d/array.sh\" || exit 3; sed -n 's/^parallel -q --sshlogin HOST1,HOST2 //; s/{}/2/; s/ ::: "
+            ".*//; 2p' said >second; sh second >out 2>>err || exit 4; sed -n 's/^repose/\"$REPOSE\"/; 3p' "
+            "said >third; REPOSE=\"$REPOSE\" sh third >out 2>>err || exit 5; sh -c \"$(sed -n "
+            "'s/^sbatch/test -f/; 1p' said)\" || exit 6; test -s \"$d/shards/1-of-2.log\" || exit 7; ! ls "
+            "hit >>out 2>&1";
         const int status = shell(script);
         if (status) fprintf(stderr, "sweep slurm in \"%s\": step %d: %s\n", names[k], status, err);
         CU_ASSERT_EQUAL(status, 0);
@@ -358,7 +355,7 @@ static void test_random_folders(void)
                 merge + strlen("repose sweep merge "));
     }
     fclose(words);
-    CU_ASSERT(shell("sh words.sh >read 2>err && ! ls hit >out 2>>err") == 0);
+    SHELL("sh words.sh >read 2>err && ! ls hit >out 2>>err");
     snprintf(folder, sizeof folder, "%s/hit", root);
     CU_ASSERT(access(folder, F_OK) != 0);
     path_of("read", folder);
@@ -433,16 +430,15 @@ static void test_killed_plans(void)
     char line[512];
     write_text("s.cfg", "protocol = \"pile\"; replicas = 2; fixed = { base = 4; };\n");
     GOOD("sweep plan s.cfg -o made");
-    CU_ASSERT(
-        shell("cp -r made half; for d in made 'half --shard 2/2'; do \"$REPOSE\" sweep run $d -j 1 >out "
-              "2>err || exit 1; done") == 0);
+    SHELL("cp -r made half; for d in made 'half --shard 2/2'; do \"$REPOSE\" sweep run $d -j 1 >out "
+          "2>err || exit 1; done");
     for (size_t c = 0; c < sizeof cases / sizeof *cases; c++) {
         long k = 0;
         for (bool killed = true; killed; k += killed ? cases[c].step : 0) {
             snprintf(line, sizeof line, "%s >out 2>err", cases[c].before);
             CU_ASSERT_FATAL(shell(line) == 0);
             killed = kill_at(k + 1, cases[c].words);
-            if (c > 0) CU_ASSERT(shell("\"$REPOSE\" sweep status d >out 2>err") == 0);
+            if (c > 0) SHELL("\"$REPOSE\" sweep status d >out 2>err");
             snprintf(line, sizeof line, "{ %s && \"$REPOSE\" sweep status d; } >out 2>err", cases[c].after);
             const int status = shell(line);
             if (status) fprintf(stderr, "killed at call %ld of %s: %s\n", k + 1, cases[c].words[2], err);
@@ -520,7 +516,7 @@ static void test_bench(void)
              "\"$REPOSE\" bench --start start.tsv --steps %.0f --repeat 1 >out 2>err & p=$!; sleep 0.1; "
              "kill -STOP $p; sleep 0.8; kill -CONT $p; wait $p",
              steps);
-    CU_ASSERT(shell(line) == 0);
+    SHELL(line);
     const double wall = rp_clock() - begun;
     read_again(&t, "out");
     const double took = 3.0 * steps / (1e6 * cell(&t, 0, "median"));
@@ -592,8 +588,7 @@ static void test_bad_scenes(void)
          "set");
     scoped_table walls = read_table("set/walls.tsv"), grains = read_table("set/states.tsv");
     CHECK_NEAR(cell(&walls, 0, "direction_y"), 1.0, 0.0);
-    CHECK_NEAR(cell(&walls, 1, "x"), 0.5 * 10 * 5e-5, 1e-12);
-    CHECK_NEAR(cell(&walls, 1, "direction_y"), sin(3.0 * 10 * 5e-5), 1e-12);
+    CHECK_EACH(cell(&walls, 1, NAME), 1e-12, {"x", 0.5 * 10 * 5e-5}, {"direction_y", sin(3.0 * 10 * 5e-5)});
     CHECK_NEAR(cell(&grains, 0, "vy"), -1.0 * 10 * 5e-5, 1e-12);
     write_text("s.cfg", "particles_file = \"/dev/zero\";\n");
     FAILS(65, "/dev/zero: no text", "run s.cfg");
@@ -710,39 +705,34 @@ static void test_broken_output(void)
 
 static void test_static_models(void)
 {
-    GOOD("lattice --layers 45");
-    scoped_table t = read_table("out");
+    scoped_table t = TABLE_OF("lattice --layers 45");
     CU_ASSERT(t.n_rows == 45);
     for (size_t i = 0; i < t.n_rows; i++) {
         /* (42): N = (k + 1)/2; (44): H grows by equal parts from toe to toe, 0 in the middle */
-        CHECK_NEAR(cell(&t, i, "N/mg"), 23.0, FORM_TOLERANCE);
-        CHECK_NEAR(cell(&t, i, "H/mg"), ((double)i - 22.0) / sqrt(3.0), FORM_TOLERANCE);
+        CHECK_EACH(cell(&t, i, NAME), FORM_TOLERANCE, {"N/mg", 23.0},
+                   {"H/mg", ((double)i - 22.0) / sqrt(3.0)});
     }
 
     /* rays of 60 degrees from the middle reach the flanks at B tan 30 / (2 (sin 60 + tan 30 cos 60)) = B/4
      * each, and from x in the flank, (54): sqrt 3 x sin 30 cos 30 / (2 sin 90 sin 30) = 3/4 x */
-    GOOD("continuum --alpha-deg 30 --at 0.5,0.12,0.88");
-    read_again(&t, "out");
+    AGAIN_OF(t, "continuum --alpha-deg 30 --at 0.5,0.12,0.88");
     CU_ASSERT(t.n_rows == 3);
-    CHECK_NEAR(cell(&t, 0, "N/(chi*g*B)"), 0.25, FORM_TOLERANCE);
-    CHECK_NEAR(cell(&t, 0, "H/(chi*g*B)"), 0.0, FORM_TOLERANCE);
-    CHECK_NEAR(cell(&t, 1, "N/(chi*g*B)"), 0.09, FORM_TOLERANCE);
-    CHECK_NEAR(cell(&t, 1, "H/(chi*g*B)"), -0.12 / (4.0 * sqrt(3.0)), FORM_TOLERANCE);
+    CHECK_EACH(cell(&t, 0, NAME), FORM_TOLERANCE, {"N/(chi*g*B)", 0.25}, {"H/(chi*g*B)", 0.0});
+    CHECK_EACH(cell(&t, 1, NAME), FORM_TOLERANCE, {"N/(chi*g*B)", 0.09},
+               {"H/(chi*g*B)", -0.12 / (4.0 * sqrt(3.0))});
     CHECK_NEAR(cell(&t, 2, "H/(chi*g*B)"), 0.12 / (4.0 * sqrt(3.0)), FORM_TOLERANCE);
 
     /* a tent whose slopes are equal is a triangle */
-    GOOD("continuum --alpha-deg 23.85 --points 31");
-    read_again(&t, "out");
-    GOOD("tent --outer-deg 23.85 --inner-deg 23.85 --x1 0.2385 --points 31");
-    scoped_table tent = read_table("out");
+    AGAIN_OF(t, "continuum --alpha-deg 23.85 --points 31");
+    scoped_table tent = TABLE_OF("tent --outer-deg 23.85 --inner-deg 23.85 --x1 0.2385 --points 31");
     CU_ASSERT(t.n_rows == 31 && tent.n_rows == 31);
     for (size_t i = 0; i < 31; i++) {
         CHECK_NEAR(cell(&t, i, "x/B"), (double)i / 30.0, FORM_TOLERANCE);
         CHECK_NEAR(cell(&tent, i, "x/B"), (double)i / 30.0, FORM_TOLERANCE);
         CHECK_NEAR(cell(&tent, i, "y/B"), tan(23.85 * deg) * fmin((double)i, 30.0 - (double)i) / 30.0,
                    FORM_TOLERANCE);
-        CHECK_NEAR(cell(&tent, i, "N/(chi*g*B)"), cell(&t, i, "N/(chi*g*B)"), FORM_TOLERANCE);
-        CHECK_NEAR(cell(&tent, i, "H/(chi*g*B)"), cell(&t, i, "H/(chi*g*B)"), FORM_TOLERANCE);
+        CHECK_EACH(cell(&tent, i, NAME), FORM_TOLERANCE, {"N/(chi*g*B)", cell(&t, i, "N/(chi*g*B)")},
+                   {"H/(chi*g*B)", cell(&t, i, "H/(chi*g*B)")});
     }
 
     /* the dip of Fig. 19; a steeper outer slope has none */
@@ -766,21 +756,17 @@ static void test_angles(void)
         {"sine", 0.5 * (phi - 18.0 * deg - asin(cos(120.0 * deg) * sin(phi + 18.0 * deg))) / deg, 1e-9, 42.0},
         {"lattice", atan((0.2 - t18 / 3.0) / (1.0 - 0.2 * t18)) / deg, 1e-9, 90.0}};
     scoped_table t = {0};
-    GOOD("angle marginal --mu 0.2");
-    read_again(&t, "out");
+    AGAIN_OF(t, "angle marginal --mu 0.2");
     CHECK_NEAR(cell(&t, 0, "theta_ms_deg"), atan(0.6) / deg, FORM_TOLERANCE);
     CU_ASSERT_STRING_EQUAL(word(&t, 0, "status"), "ok");
     for (size_t i = 0; i < sizeof forms / sizeof *forms; i++) {
-        GOOD("angle tilt --mu 0.2 --theta-r-deg 18 --form %s", forms[i].form);
-        read_again(&t, "out");
+        AGAIN_OF(t, "angle tilt --mu 0.2 --theta-r-deg 18 --form %s", forms[i].form);
         CHECK_NEAR(cell(&t, 0, "theta_t_deg"), forms[i].theta_t, forms[i].tolerance);
-        CHECK_NEAR(cell(&t, 0, "margin_deg"), atan(0.6) / deg - 18.0, FORM_TOLERANCE);
-        CHECK_NEAR(cell(&t, 0, "theta_ms_deg"), atan(0.6) / deg, FORM_TOLERANCE);
-        CHECK_NEAR(cell(&t, 0, "limit_deg"), forms[i].limit, FORM_TOLERANCE);
+        CHECK_EACH(cell(&t, 0, NAME), FORM_TOLERANCE, {"margin_deg", atan(0.6) / deg - 18.0},
+                   {"theta_ms_deg", atan(0.6) / deg}, {"limit_deg", forms[i].limit});
         CU_ASSERT_STRING_EQUAL(word(&t, 0, "status"), "ok");
     }
-    GOOD("angle tilt --mu 0.2 --theta-r-deg 38.5");
-    read_again(&t, "out");
+    AGAIN_OF(t, "angle tilt --mu 0.2 --theta-r-deg 38.5");
     CU_ASSERT_STRING_EQUAL(word(&t, 0, "theta_t_deg"), "nan");
     CHECK_NEAR(cell(&t, 0, "margin_deg"), atan(0.6) / deg - 38.5, FORM_TOLERANCE);
     CU_ASSERT_STRING_EQUAL(word(&t, 0, "status"), "already_unstable");
@@ -800,18 +786,16 @@ static void test_outline(void)
         for (int x = 0; x <= 400; x += step + (step > 1 && x % 3 == 0))
             fprintf(file, "%d,%.0f\n", x, round(220.0 - tan(25.0 * deg) * x));
         fclose(file);
-        GOOD("angle slope outline.csv");
-        scoped_table t = read_table("out");
+        scoped_table t = TABLE_OF("angle slope outline.csv");
         for (size_t i = 0; i < t.n_rows; i++) {
             CHECK_NEAR(cell(&t, i, "theta_deg"), 25.0, 3.0 * cell(&t, i, "theta_se_deg"));
             CU_ASSERT(cell(&t, i, "theta_se_deg") < 1.0);
         }
     }
     /* the same picture with its rows counted from the top: the angles agree but for their last bits */
-    CU_ASSERT(shell("awk -F, 'NR > 1 { $2 = 480 - $2 } { print $1 \",\" $2 }' outline.csv >rows.csv") == 0);
+    SHELL("awk -F, 'NR > 1 { $2 = 480 - $2 } { print $1 \",\" $2 }' outline.csv >rows.csv");
     scoped_table up = read_table("out");
-    GOOD("angle slope rows.csv --y-axis down");
-    scoped_table down = read_table("out");
+    scoped_table down = TABLE_OF("angle slope rows.csv --y-axis down");
     for (size_t i = 0; i < 3; i++) CHECK_NEAR(cell(&down, i, "theta_deg"), cell(&up, i, "theta_deg"), 1e-9);
     CU_ASSERT(!*err);
     CU_ASSERT(run("angle slope rows.csv") == 0 && strstr(err, "--y-axis down"));
@@ -852,8 +836,7 @@ static void test_slope_anywhere(void)
         fputs("x,y\n", file);
         for (int x = 0; x <= 400; x += 4) fprintf(file, "%d,%.0f\n", x + right, 260.0 + tan(25.0 * deg) * x);
         fclose(file);
-        GOOD("angle slope away.csv --y-axis down");
-        scoped_table t = read_table("out");
+        scoped_table t = TABLE_OF("angle slope away.csv --y-axis down");
         CU_ASSERT_FATAL(t.n_rows == 3 && !*err);
         for (size_t i = 0; i < 3; i++) {
             if (!right) theta[i] = cell(&t, i, "theta_deg");
@@ -870,8 +853,7 @@ static void test_slope_anywhere(void)
         fprintf(file, "%d,%.17g\n", x, 7.0 + fmax(0.0, 100.0 - tan(25.0 * deg) * abs(x)));
     fclose(file);
     for (int down = 0; down < 2; down++) {
-        GOOD("angle slope heap.csv %s", down ? "--y-axis down" : "");
-        scoped_table t = read_table("out");
+        scoped_table t = TABLE_OF("angle slope heap.csv %s", down ? "--y-axis down" : "");
         CU_ASSERT_FATAL(t.n_rows == 9 && !*err);
         for (size_t i = 0; i < 9; i++) {
             CU_ASSERT_STRING_EQUAL(word(&t, i, "status"), words[i / 3]);
@@ -879,26 +861,25 @@ static void test_slope_anywhere(void)
             CHECK_NEAR(cell(&t, i, "slope"), tan(cell(&t, i, "theta_deg") * deg), 1e-12);
         }
     }
-    GOOD("angle slope heap.csv --from 1 --to 380");
-    scoped_table t = read_table("out");
+    scoped_table t = TABLE_OF("angle slope heap.csv --from 1 --to 380");
     CU_ASSERT(t.n_rows == 3 && cell(&t, 0, "n_cells") == 380.0);
     CHECK_NEAR(cell(&t, 1, "theta_deg"), 25.0, 1e-9);
     FAILS(1, "no pile: 1 flanks, of 2 and 0 points", "angle slope heap.csv --from 212");
     FAILS(1, "no pile: 0 flanks", "angle slope heap.csv --from 401");
     FAILS(64, "--from and --to are without it", "angle slope heap.csv --from 1 --width 3 --cell 20");
     FAILS(64, "need --width", "angle slope heap.csv --cell 1");
-    CU_ASSERT(shell("awk -F, -v OFS=, 'NR > 1 { print $1, $2; print $1 + 801, $2 }' heap.csv >two.csv") == 0);
+    SHELL("awk -F, -v OFS=, 'NR > 1 { print $1, $2; print $1 + 801, $2 }' heap.csv >two.csv");
     FAILS(1, "two.csv: choose a flank by --from and --to: no pile: 4 flanks", "angle slope two.csv");
     CU_ASSERT(strstr(out, "\tno_pile\n") != NULL);
     /* a box takes y = 0 for its ground, x = 0 for its wall, and one flank */
     CU_ASSERT(run("angle slope heap.csv --width 401 --cell 20") == 0 &&
               strstr(err, "a box leaves out x < 0"));
-    CU_ASSERT(shell("awk -F, -v OFS=, 'NR > 1 { $1 += 400 } { print }' heap.csv >right.csv") == 0);
+    SHELL("awk -F, -v OFS=, 'NR > 1 { $1 += 400 } { print }' heap.csv >right.csv");
     CU_ASSERT(run("angle slope right.csv --width 801 --cell 20") == 0 && strstr(err, "it has one flank"));
     CU_ASSERT(run("angle slope right.csv --width 1001 --cell 20") == 0 &&
               strstr(err, "empty cells have height 0"));
     FAILS(1, "sparse: ", "angle slope right.csv --where 'x>=200' --width 801 --cell 20");
-    CU_ASSERT(shell("awk -F, -v OFS=, 'NR > 1 { $2 -= 50 } { print }' right.csv >low.csv") == 0);
+    SHELL("awk -F, -v OFS=, 'NR > 1 { $2 -= 50 } { print }' right.csv >low.csv");
     FAILS(1, "the lowest y -43, where a box begins at 0, 0", "angle slope low.csv --width 801 --cell 20");
     GOOD("angle slope low.csv");
 }
@@ -928,8 +909,7 @@ static void test_angle_tables(void)
     for (int j = 0; j < 20; j++)
         fprintf(file, "%.17g\t%.17g\t0.1\n", 0.1 + 0.2 * j, 2.0 - 0.385 * (0.1 + 0.2 * j));
     fclose(file);
-    GOOD("angle slope pile.tsv --width 4 --cell 0.2");
-    scoped_table t = read_table("out");
+    scoped_table t = TABLE_OF("angle slope pile.tsv --width 4 --cell 0.2");
     CU_ASSERT(t.n_rows == 3);
     for (size_t i = 0; i < t.n_rows; i++) CHECK_NEAR(cell(&t, i, "theta_deg"), atan(0.385) / deg, 1e-9);
     write_text("pile.tsv", "0.1 0.2\n0.3 0.2\n0.5 0.1\n");
@@ -938,10 +918,8 @@ static void test_angle_tables(void)
     test_outline();
     test_slope_anywhere();
     write_text("line.tsv", "# mu\ttheta\tse\n0.05\t1.5\t0.1\n0.1\t2.5\t0.1\n0.2\t4.5\t0.2\n0.3\tnan\tnan\n");
-    GOOD("stats fit line.tsv -x mu -y theta --se se");
-    read_again(&t, "out");
-    CHECK_NEAR(cell(&t, 0, "slope"), 20.0, 1e-10);
-    CHECK_NEAR(cell(&t, 0, "intercept"), 0.5, 1e-10);
+    AGAIN_OF(t, "stats fit line.tsv -x mu -y theta --se se");
+    CHECK_EACH(cell(&t, 0, NAME), 1e-10, {"slope", 20.0}, {"intercept", 0.5});
     CHECK_NEAR(cell(&t, 0, "n"), 3.0, 0.0);
     FAILS(65, "no column \"theta_r3_deg\"", "angle compare line.tsv");
 }
@@ -959,14 +937,11 @@ static void test_stress_tables(void)
                "0\t2\t0.1\t0.1\t0\t0.1\t490.5\t0\n0\t1\t0.7\t0.1\t0.7\t0\t490.5\t0\n"
                "0\t1\t0.9\t0.1\t0.9\t0\t490.5\t0\n0\t1\t1.1\t0.1\t1.1\t0\t490.5\t0\n",
                490.5 * sqrt(2.0), 490.5 * sqrt(2.0));
-    GOOD("stress base p --width 1.2 --cell 0.2");
-    scoped_table t = read_table("out");
+    scoped_table t = TABLE_OF("stress base p --width 1.2 --cell 0.2");
     static const double n[] = {1471.5, 0.0, 2452.5, 490.5}, weight[] = {981.0, 981.0, 1962.0, 490.5};
     for (size_t i = 0; i < 4; i++) {
-        CHECK_NEAR(cell(&t, i, "N"), n[i] / 0.2, 1e-8);
-        CHECK_NEAR(cell(&t, i, "H"), i == 2 ? 490.5 / 0.2 : 0.0, 1e-8);
-        CHECK_NEAR(cell(&t, i, "weight"), weight[i] / 0.2, 1e-8);
-        CHECK_NEAR(cell(&t, i, "imbalance"), 0.0, 1e-8);
+        CHECK_EACH(cell(&t, i, NAME), 1e-8, {"N", n[i] / 0.2}, {"H", i == 2 ? 490.5 / 0.2 : 0.0},
+                   {"weight", weight[i] / 0.2}, {"imbalance", 0.0});
     }
     /* the floor is the same by any number, and in parts; level walls at two heights, and none, are told */
     static const char *const walls[] = {"$2 ? 3 - $2 : 0", "$2 == 1 ? 3 + ($3 > 0.6) : $2"};
@@ -976,27 +951,25 @@ static void test_stress_tables(void)
     for (size_t k = 0; k < 3; k++) {
         snprintf(change, sizeof change, "$2 = %s", walls[k % 2]);
         snprintf(command, sizeof command, named, change);
-        CU_ASSERT(shell(command) == 0);
-        GOOD("stress base w --width 1.2 --cell 0.2 %s", k == 2 ? "--floor 2" : "");
-        scoped_table w = read_table("out");
+        SHELL(command);
+        scoped_table w = TABLE_OF("stress base w --width 1.2 --cell 0.2 %s", k == 2 ? "--floor 2" : "");
         for (size_t i = 0; i < t.n_rows; i++) CHECK_NEAR(cell(&w, i, "N"), cell(&t, i, "N"), 0.0);
     }
     snprintf(command, sizeof command, named, "if ($3 > 0.6 && $2) { $2 = 3; $6 = 0.05 }");
-    CU_ASSERT(shell(command) == 0);
+    SHELL(command);
     FAILS(65, "w: walls carry grains at y = 0 and 0.05: name the floor by --floor",
           "stress base w --width 1.2");
     snprintf(command, sizeof command, named, "if ($2) $5 += 0.01");
-    CU_ASSERT(shell(command) == 0);
+    SHELL(command);
     FAILS(65, "w: no contact with a level floor: name its wall by --floor", "stress base w --width 1.2");
     GOOD("stress base w --width 1.2 --floor 1");
     FAILS(65, "w: no contact with a level floor", "stress base w --width 1.2 --floor 7");
-    GOOD("stress field p p_contacts.tsv --width 1.2 --cell 1.2");
-    read_again(&t, "out");
+    AGAIN_OF(t, "stress field p p_contacts.tsv --width 1.2 --cell 1.2");
     /* sum of force times branch vector over 1.44: two contacts of 490.5 x 0.2 per side; floor and wall at 0.1
      */
-    CHECK_NEAR(cell(&t, 0, "sxx"), (2.0 * 490.5 * 0.2 + 490.5 * 0.1) / 1.44, 1e-8);
-    CHECK_NEAR(cell(&t, 0, "syy"), (2.0 * 490.5 * 0.2 + (1471.5 + 2452.5 + 3.0 * 490.5) * 0.1) / 1.44, 1e-8);
-    CHECK_NEAR(cell(&t, 0, "sxy"), -490.5 * 0.1 / 1.44, 1e-8);
+    CHECK_EACH(cell(&t, 0, NAME), 1e-8, {"sxx", (2.0 * 490.5 * 0.2 + 490.5 * 0.1) / 1.44},
+               {"syy", (2.0 * 490.5 * 0.2 + (1471.5 + 2452.5 + 3.0 * 490.5) * 0.1) / 1.44},
+               {"sxy", -490.5 * 0.1 / 1.44});
     /* a grain that flew off is named with its pile; 100000 cells away it still has one */
     shell(
         "cp p_contacts.tsv far_contacts.tsv; sed 's/^0.7/2e4/' p_grains.tsv >far_grains.tsv; "
@@ -1010,21 +983,17 @@ static void test_stress_tables(void)
     write_text("si_grains.tsv", "# system: si\n# units: m\tm\tkg\n# "
                                 "x\ty\tm\n0.001\t0.001\t1e-3\n0.005\t0.001\t2e-3\n0.003\t0.003\t1e-3\n"
                                 "0.007\t0.001\t5e-4\n0.009\t0.001\t5e-4\n0.011\t0.001\t5e-4\n");
-    CU_ASSERT(
-        shell("awk -F'\t' -v OFS='\t' 'NR > 1 { for (k = 3; k < 7; k++) $k /= 100; $7 *= 1e-5; $8 *= 1e-5 } "
-              "NR == 1 { print \"# system: si\"; print \"# units: 1\\t1\\tm\\tm\\tm\\tm\\tN\\tN\" } { print "
-              "}' p_contacts.tsv "
-              ">si_contacts.tsv") == 0);
-    GOOD("stress base p --width 1.2");
-    scoped_table cgs = read_table("out");
-    GOOD("stress base si --width 0.012");
-    scoped_table si = read_table("out");
+    SHELL("awk -F'\t' -v OFS='\t' 'NR > 1 { for (k = 3; k < 7; k++) $k /= 100; $7 *= 1e-5; $8 *= 1e-5 } NR "
+          "== 1 { print \"# system: si\"; print \"# units: 1\\t1\\tm\\tm\\tm\\tm\\tN\\tN\" } { print }' "
+          "p_contacts.tsv >si_contacts.tsv");
+    scoped_table cgs = TABLE_OF("stress base p --width 1.2");
+    scoped_table si = TABLE_OF("stress base si --width 0.012");
     CU_ASSERT_FATAL(cgs.n_rows == si.n_rows && cgs.n_rows == 4);
     for (size_t i = 0; i < si.n_rows; i++) {
         CHECK_NEAR(cell(&si, i, "x/W"), cell(&cgs, i, "x/W"), 1e-12);
-        CHECK_NEAR(cell(&si, i, "N"), 1e-3 * cell(&cgs, i, "N"), 1e-9);
-        CHECK_NEAR(cell(&si, i, "weight"), 1e-3 * cell(&cgs, i, "weight"), 1e-9);
-        CHECK_NEAR(cell(&si, i, "N_theory"), 1e-3 * cell(&cgs, i, "N_theory"), 1e-9);
+        CHECK_EACH(cell(&si, i, NAME), 1e-9, {"N", 1e-3 * cell(&cgs, i, "N")},
+                   {"weight", 1e-3 * cell(&cgs, i, "weight")},
+                   {"N_theory", 1e-3 * cell(&cgs, i, "N_theory")});
     }
     FAILS(65, "q_contacts.tsv: cannot read", "stress field q --width 4");
     write_text("r_contacts.tsv", "# x\ty\n1\t2\n");
@@ -1045,11 +1014,9 @@ static void test_stress_dip(void)
         for (int k = 0; k < 20; k++) fprintf(file, "\t%d", k == 8 || k == 11 ? 2 : 1);
     }
     fclose(file);
-    GOOD("stress dip piles.tsv");
-    scoped_table t = read_table("out");
+    scoped_table t = TABLE_OF("stress dip piles.tsv");
     CHECK_NEAR(cell(&t, 0, "n"), 4.0, 0.0);
-    CHECK_NEAR(cell(&t, 0, "excess"), 0.1, 1e-15);
-    CHECK_NEAR(cell(&t, 0, "middle"), 0.5 / 1.1, 1e-15);
+    CHECK_EACH(cell(&t, 0, NAME), 1e-15, {"excess", 0.1}, {"middle", 0.5 / 1.1});
 }
 
 /* Piles with an unfinished drop, and layers, are failed runs, excluded from the mean dip. */
@@ -1065,8 +1032,7 @@ static void test_cut_drops(void)
     GOOD("sweep export d --reduce -o points.tsv");
     scoped_table t = read_table("points.tsv");
     for (size_t k = 0; k < 3; k++) {
-        CHECK_NEAR(cell(&t, k, "n"), k == 0 ? 3.0 : 0.0, 0.0);
-        CHECK_NEAR(cell(&t, k, "n_failed"), k == 0 ? 0.0 : 3.0, 0.0);
+        CHECK_EACH(cell(&t, k, NAME), 0.0, {"n", k == 0 ? 3.0 : 0.0}, {"n_failed", k == 0 ? 0.0 : 3.0});
     }
     GOOD("sweep export d -o runs.tsv");
     read_again(&t, "runs.tsv");
@@ -1087,13 +1053,9 @@ static void test_stats_trends(void)
     fprintf(file, "0.1\t2\t1e4\t99\t9\tnot_at_rest\n0.1\t2\t1e4\tnan\t9\tok\n0.3\t2\t1e4\tnan\t9\tok\n"
                   "0.2\t80\t1e4\t99\t9\tok\n");
     fclose(file);
-    GOOD("stats size runs.tsv -x W -y theta --by mu --to 6");
-    scoped_table t = read_table("out");
+    scoped_table t = TABLE_OF("stats size runs.tsv -x W -y theta --by mu --to 6");
     CU_ASSERT(t.n_rows == 3);
-    CHECK_NEAR(cell(&t, 1, "limit"), 18.05, 1e-12);
-    CHECK_NEAR(cell(&t, 1, "c"), 0.0, 1e-12);
-    CHECK_NEAR(cell(&t, 1, "x_from"), 2.0, 1e-12);
-    CHECK_NEAR(cell(&t, 1, "x_to"), 6.0, 1e-12);
+    CHECK_EACH(cell(&t, 1, NAME), 1e-12, {"limit", 18.05}, {"c", 0.0}, {"x_from", 2.0}, {"x_to", 6.0});
     CU_ASSERT_STRING_EQUAL(t.cells[3 * t.n_columns - 1], "no_result");
     GOOD("stats trend runs.tsv -x k -y theta --by mu --to 1e6 --scale log --pair");
     CU_ASSERT(strstr(out, "# rows: 25 used, 1 without result, 2 with nan, 0 outside") != NULL);
@@ -1109,8 +1071,7 @@ static void test_stats_trends(void)
     /* several tables are read as one; those of other columns are refused */
     write_text("less.tsv", "# mu\tW\tk\ttheta\tpile\tstatus\n0.3\t2\t1\t17\t0\tok\n0.3\t2\t1\t19\t0\tok\n");
     write_text("more.tsv", "# mu\tW\tk\ttheta\tpile\tstatus\n0.3\t4\t1\t21\t0\tok\n0.3\t4\t1\t23\t0\tok\n");
-    GOOD("stats trend less.tsv more.tsv runs.tsv -x W -y theta --by mu --to 6");
-    read_again(&t, "out");
+    AGAIN_OF(t, "stats trend less.tsv more.tsv runs.tsv -x W -y theta --by mu --to 6");
     CU_ASSERT(t.n_rows == 3);
     CHECK_NEAR(cell(&t, 0, "n"), 4.0, 0.0);
     CHECK_NEAR(cell(&t, 0, "slope"), 2.0, 1e-12);
@@ -1125,8 +1086,7 @@ static void test_stats_trends(void)
     /* groups in the order in which they appear, the first of them without a row that counts */
     write_text("empty.tsv", "g\tx\ty\tstatus\nfew\t1\t9\tleaked\nb\t1\t2\tok\nb\t2\t4\tok\nb\t3\t6\tok\n"
                             "none\t1\tnan\tok\nd\t1\t5\tok\nd\t2\t4\tok\nd\t3\t3\tok\n");
-    GOOD("stats trend empty.tsv -x x -y y --by g");
-    read_again(&t, "out");
+    AGAIN_OF(t, "stats trend empty.tsv -x x -y y --by g");
     CU_ASSERT_FATAL(t.n_rows == 4);
     for (size_t k = 0; k < 4; k++) {
         CU_ASSERT_STRING_EQUAL(word(&t, k, "g"), k == 0 ? "few" : k == 1 ? "b" : k == 2 ? "none" : "d");
@@ -1148,8 +1108,7 @@ static void test_stats_trends(void)
         CU_ASSERT_STRING_EQUAL(word(&t, row, "a"), "1");
         CU_ASSERT_STRING_EQUAL(word(&t, row, "b"), row ? "v" : "u");
     }
-    CHECK_NEAR(cell(&t, 0, "change"), 2.25, 1e-12);
-    CHECK_NEAR(cell(&t, 0, "change_se"), 0.25, 1e-12);
+    CHECK_EACH(cell(&t, 0, NAME), 1e-12, {"change", 2.25}, {"change_se", 0.25});
     CHECK_NEAR(cell(&t, 1, "change"), 0.0, 1e-12);
     /* one word among numbers, wherever it stands, makes words of all */
     static const char *const mixed[] = {"old\t1\n2\t2\n3\t4\n", "2\t1\nold\t2\n3\t4\n",
@@ -1189,8 +1148,7 @@ static void test_stats_select(void)
     FAILS(65, "NAME=VALUE expected", "stats select a.tsv --where frob");
     FAILS(65, "\"old\" is not a number", "stats select a.tsv --where 'law<old'");
     write_text("p.tsv", "# eps\te\tmodes\n1e-2\t9\t3\n1e-4\t2e-4\t0\n1e-6\t2e-6\t0\n1e-8\t2e-8\t0\n");
-    GOOD("stats fit p.tsv -x eps -y e --scale log --where modes=0");
-    scoped_table t = read_table("out");
+    scoped_table t = TABLE_OF("stats fit p.tsv -x eps -y e --scale log --where modes=0");
     CU_ASSERT(t.n_rows == 1);
     CHECK_NEAR(cell(&t, 0, "slope"), 1.0, 1e-12);
     CHECK_NEAR(cell(&t, 0, "intercept"), log(2.0), 1e-11);
@@ -1226,7 +1184,7 @@ static void test_stats_select(void)
 static void check_verdict(const char *id, const char *column, const char *expected)
 {
     char path[256];
-    rp_table t;
+    scoped_table t = {0};
     path_of("out", path);
     CHECK_OK(rp_table_read_texts(path, &t));
     const char *found = "no such claim";
@@ -1235,7 +1193,6 @@ static void check_verdict(const char *id, const char *column, const char *expect
             found = t.cells[row * t.n_columns + (size_t)rp_table_column(&t, column)];
     if (strcmp(found, expected) != 0) fprintf(stderr, "claim %s: %s, expected %s\n", id, found, expected);
     CU_ASSERT_STRING_EQUAL(found, expected);
-    rp_table_free(&t);
 }
 
 /* A claim as of MEMBER, and what a column says of it. */
@@ -1389,7 +1346,7 @@ static void test_families(void)
               MEMBER("far", "q", "independent", "2", "t k=5 change", "-")
                   MEMBER("same", "q", "independent", "2", "t k=5 change", "-"));
     /* claims without the column are no families */
-    CU_ASSERT(shell("cut -f 1-11,13- claims.tsv >plain.tsv") == 0);
+    SHELL("cut -f 1-11,13- claims.tsv >plain.tsv");
     REPORTS("claims --claims plain.tsv --tables .");
     check_verdict("near", "verdict", "reproduced");
 }
@@ -1548,12 +1505,10 @@ static void test_free_fall(void)
     for (size_t i = 0; i < t.n_rows && i < 5; i++) {
         double time = steps[i] * 5e-5;
         CHECK_NEAR(cell(&t, i, "step"), steps[i], 0.0);
-        CHECK_NEAR(cell(&t, i, "t"), time, FALL_TOLERANCE);
-        CHECK_NEAR(cell(&t, i, "x"), x + vx * time + 0.5 * gx * time * time, FALL_TOLERANCE);
-        CHECK_NEAR(cell(&t, i, "y"), y + vy * time + 0.5 * gy * time * time, FALL_TOLERANCE);
-        CHECK_NEAR(cell(&t, i, "vx"), vx + gx * time, FALL_TOLERANCE);
-        CHECK_NEAR(cell(&t, i, "vy"), vy + gy * time, FALL_TOLERANCE);
-        CHECK_NEAR(cell(&t, i, "fy"), 0.5 * gy, FALL_TOLERANCE);
+        CHECK_EACH(cell(&t, i, NAME), FALL_TOLERANCE, {"t", time},
+                   {"x", x + vx * time + 0.5 * gx * time * time},
+                   {"y", y + vy * time + 0.5 * gy * time * time}, {"vx", vx + gx * time},
+                   {"vy", vy + gy * time}, {"fy", 0.5 * gy});
     }
     /* without --every, the final state alone: the same row */
     GOOD("run scene.cfg --set dt=5e-5");
@@ -1584,9 +1539,7 @@ static void test_output_folder(void)
     read_again(&t, "new/d/contacts.tsv");
     CU_ASSERT(t.n_rows == 3);
     for (size_t i = 0; i < t.n_rows; i++) {
-        CHECK_NEAR(cell(&t, i, "step"), 50.0 * (double)i, 0.0);
-        CHECK_NEAR(cell(&t, i, "id_a"), 1.0, 0.0);
-        CHECK_NEAR(cell(&t, i, "wall"), 1.0, 0.0);
+        CHECK_EACH(cell(&t, i, NAME), 0.0, {"step", 50.0 * (double)i}, {"id_a", 1.0}, {"wall", 1.0});
         CHECK_NEAR(cell(&t, i, "normal_force"), weight, relative * weight);
     }
     read_again(&t, "new/d/walls.tsv");
@@ -1596,9 +1549,8 @@ static void test_output_folder(void)
     CU_ASSERT(t.n_rows == 3);
     for (size_t i = 0; i < t.n_rows; i++) {
         CHECK_NEAR(cell(&t, i, "step"), 50.0 * (double)i, 0.0);
-        CHECK_NEAR(cell(&t, i, "elastic"), 0.4 * weight * overlap, relative * weight);
-        CHECK_NEAR(cell(&t, i, "gravity"), weight * (0.1 - overlap), relative * weight);
-        CHECK_NEAR(cell(&t, i, "start"), weight * (0.1 - 0.6 * overlap), relative * weight);
+        CHECK_EACH(cell(&t, i, NAME), relative * weight, {"elastic", 0.4 * weight * overlap},
+                   {"gravity", weight * (0.1 - overlap)}, {"start", weight * (0.1 - 0.6 * overlap)});
     }
     GOOD("run scene.cfg -o new/d --force");
     read_again(&t, "new/d/energy.tsv");
@@ -1620,8 +1572,8 @@ static void test_broken_run(void)
     FAILS(1, "leaked at step ", "run scene.cfg --every 100 -o d");
     CU_ASSERT(shell("exec \"$REPOSE\" run scene.cfg --every 100 >out 2>err") == 1);
     CU_ASSERT(equal_tables("out", "d/unfinished/states.tsv"));
-    CU_ASSERT(shell("tail -n 1 out | grep -q '^# unfinished: leaked at step'") == 0);
-    CU_ASSERT(shell("tail -n 1 d/unfinished/energy.tsv | grep -q '^# unfinished: leaked at step'") == 0);
+    SHELL("tail -n 1 out | grep -q '^# unfinished: leaked at step'");
+    SHELL("tail -n 1 d/unfinished/energy.tsv | grep -q '^# unfinished: leaked at step'");
     /* an overlap beyond the radius, or a step beyond it, is no result of the scene, and no fault of the
      * program */
     write_text("crush.cfg", "gravity = [0.0, 0.0]; normal = { k_n = 1.0; gamma_n = 0.0; };\n"
@@ -1665,12 +1617,11 @@ static void test_sweep(void)
               strstr(out, "{\"runs\": 4, \"points\": 2, \"replicas\": 2, \"stored\": 0}"));
     FAILS(1, "d1: 4 of 4 runs are missing", "sweep digest d1");
     FAILS(1, "the table is not whole: d1: 4 of 4 runs are missing", "sweep export d1 -o part.tsv");
-    CU_ASSERT(shell("test $(grep -vc '^#' part.tsv) = 1") == 0); /* the names, and no run */
+    SHELL("test $(grep -vc '^#' part.tsv) = 1"); /* the names, and no run */
     FAILS(1, "not whole", "export d1 --to csv");
     GOOD("sweep run d1 -j 1");
     GOOD("sweep digest d1 --json");
-    CU_ASSERT(
-        shell("grep -q '\"runs\": 4' out && grep -q \"$(\"$REPOSE\" sweep digest d1 | cut -f 1)\" out") == 0);
+    SHELL("grep -q '\"runs\": 4' out && grep -q \"$(\"$REPOSE\" sweep digest d1 | cut -f 1)\" out");
     GOOD("sweep digest d1");
     CU_ASSERT(strspn(out, "0123456789abcdef") == 32 && strcmp(out + 32, "\t4\n") == 0);
     snprintf(digest, sizeof digest, "%.*s", 40, out);
@@ -1690,16 +1641,14 @@ static void test_sweep(void)
     GOOD("sweep export d1 -o runs.tsv");
     scoped_table runs = read_table("runs.tsv");
     CU_ASSERT(runs.n_rows == 4);
-    GOOD("sweep export d1 --reduce");
-    read_again(&t, "out");
+    AGAIN_OF(t, "sweep export d1 --reduce");
     CU_ASSERT(t.n_rows == 2);
     for (size_t i = 0; i < 2; i++) {
         double a = cell(&runs, 2 * i, "theta_r2_deg"), b = cell(&runs, 2 * i + 1, "theta_r2_deg");
         CHECK_NEAR(cell(&runs, 2 * i + 1, "mu"), i == 0 ? 0.2 : 0.3, 0.0);
-        CHECK_NEAR(cell(&t, i, "theta_r2_deg_mean"), 0.5 * (a + b), FORM_TOLERANCE);
-        CHECK_NEAR(cell(&t, i, "theta_r2_deg_se"), 0.5 * fabs(a - b), FORM_TOLERANCE);
-        CHECK_NEAR(cell(&t, i, "n"), 2.0, 0.0);
-        CHECK_NEAR(cell(&t, i, "n_failed"), 0.0, 0.0);
+        CHECK_EACH(cell(&t, i, NAME), FORM_TOLERANCE, {"theta_r2_deg_mean", 0.5 * (a + b)},
+                   {"theta_r2_deg_se", 0.5 * fabs(a - b)});
+        CHECK_EACH(cell(&t, i, NAME), 0.0, {"n", 2.0}, {"n_failed", 0.0});
     }
 }
 
@@ -1725,7 +1674,7 @@ static void test_make(void)
     CHECK_NEAR(cell(&line, 0, "slope"),
                (cell(&reduced, 1, "theta_r3_deg_mean") - cell(&reduced, 0, "theta_r3_deg_mean")) / 0.1, 1e-9);
     CHECK_NEAR(cell(&row, 0, "theta_r2_deg"), cell(&runs, 2, "theta_r2_deg"), 0.0);
-    CU_ASSERT(shell("test -s t/row_0/energy.tsv && test -s t/row_1/energy.tsv") == 0);
+    SHELL("test -s t/row_0/energy.tsv && test -s t/row_1/energy.tsv");
     /* lineage, handed on to what is derived from a derived table */
     GOOD("sweep digest d");
     char source[64];
@@ -1744,13 +1693,13 @@ static void test_make(void)
                "          { table = \"f\"; with = \"pile\"; base = 3; eps = 1e-3; folder = true; } );\n");
     /* folders of tables are made anew too, but not those of a person or of another command */
     for (int again = 0; again < 2; again++) GOOD("sweep make m.cfg -o d --tables u");
-    CU_ASSERT(shell("test -e u/f/disks.tsv") == 0);
+    SHELL("test -e u/f/disks.tsv");
     GOOD("continuum --alpha-deg 30");
-    CU_ASSERT(shell("grep -v '^#' out >a && grep -v '^#' u/1.tsv | cmp - a") == 0);
+    SHELL("grep -v '^#' out >a && grep -v '^#' u/1.tsv | cmp - a");
     CU_ASSERT(run("pile --base 4 -o t/f2") == 0);
     write_text("m.cfg", "model = ( { table = \"f2\"; with = \"pile\"; base = 3; folder = true; } );\n");
     FAILS(65, "f2: t/f2: holds repose pile --base 4 -o t/f2", "sweep make m.cfg -o d --tables t");
-    CU_ASSERT(shell("echo mine >t/runs.tsv") == 0);
+    SHELL("echo mine >t/runs.tsv");
     FAILS(65, "t/runs.tsv: nothing in it shows", "sweep make s.cfg -o d --tables t --study");
 }
 
@@ -1879,8 +1828,7 @@ static void test_shared_piles(void)
 static void test_row_again(void)
 {
     write_sweep();
-    GOOD("run s.cfg --row 1 -o box --every 1000 --ledger");
-    scoped_table again = read_table("out");
+    scoped_table again = TABLE_OF("run s.cfg --row 1 -o box --every 1000 --ledger");
     GOOD("sweep plan s.cfg -o d");
     GOOD("sweep run d -j 2");
     GOOD("sweep export d -o runs.tsv");
@@ -1892,8 +1840,7 @@ static void test_row_again(void)
     CU_ASSERT(equal_tables("again/pile_contacts.tsv", "box/pile_contacts.tsv"));
     CU_ASSERT(!equal_tables("again/pile_grains.tsv", "box/filled_grains.tsv"));
     CU_ASSERT(equal_tables("again/phases.tsv", "box/phases.tsv"));
-    GOOD("run box/scene.cfg");
-    scoped_table measures = read_table("out");
+    scoped_table measures = TABLE_OF("run box/scene.cfg");
     for (size_t row = 0; row < measures.n_rows; row++)
         CU_ASSERT_STRING_EQUAL(word(&measures, row, "value"),
                                word(&again, 0, word(&measures, row, "measure")));
@@ -1925,12 +1872,11 @@ static void test_limits(void)
     }
     scoped_table points = read_table("out");
     for (size_t k = 0; k < 2; k++) {
-        CHECK_NEAR(cell(&points, k, "n"), k == 0, 0.0);
-        CHECK_NEAR(cell(&points, k, "n_failed"), k == 1, 0.0);
+        CHECK_EACH(cell(&points, k, NAME), 0.0, {"n", k == 0}, {"n_failed", k == 1});
     }
     CU_ASSERT(run("sweep make s.cfg -o d --tables t --time 0.5") == 1 && strstr(err, "(time_limit 1)"));
     CU_ASSERT_STRING_EQUAL(out, "s: 2 runs: 1 ok_fixed_time, 1 time_limit\n");
-    CU_ASSERT(shell("! ls t | grep -q .") == 0);
+    SHELL("! ls t | grep -q .");
     write_text("p.cfg", "protocol = \"pile\"; replicas = 1; fixed = { disorder = 1.0e-3; well = 1.0; };\n"
                         "grid = { base = [12, 700]; };\n");
     GOOD("sweep plan p.cfg -o p");
@@ -1952,7 +1898,7 @@ static void test_stopped(void)
                        "  sleep 0.05; i=$((i + 1)); done\n"
                        "\"$REPOSE\" sweep status d >during; kill -TERM $p; wait $p");
     CU_ASSERT(failed(__FILE__, __LINE__, status, 75, "1 of 2 stored"));
-    CU_ASSERT(shell("grep -q '^# running: 1$' during") == 0);
+    SHELL("grep -q '^# running: 1$' during");
     GOOD("sweep status d");
     CU_ASSERT(strstr(out, "# running: 0\n") != NULL);
     CU_ASSERT(strstr(out, "# stored: 1\n# missing: 1\n") != NULL);
@@ -1986,7 +1932,7 @@ static void test_run_help(void)
                                         "grains, steps, at rest", "grains, contacts and walls",
                                         "disks, contacts, wells"};
     static char help[sizeof out];
-    CU_ASSERT(shell("\"$REPOSE\" run --help 2>err | tr '\\n' ' ' >out") == 0);
+    SHELL("\"$REPOSE\" run --help 2>err | tr '\\n' ' ' >out");
     slurp("out", help, sizeof help);
     for (size_t k = 0; k < sizeof lists / sizeof *lists; k++) CU_ASSERT_PTR_NOT_NULL(strstr(help, lists[k]));
     const char *at = strstr(help, "state of each grain: ");
@@ -2079,7 +2025,7 @@ static void test_run_stopped(void)
                "grid = { relax_steps = [100, 1000000000]; };\n");
     GOOD("run s.cfg --every 10 -o d --force");
     GOOD("run r.cfg --row 0 -o r");
-    CU_ASSERT(shell("cat d/*.tsv r/* >before") == 0);
+    SHELL("cat d/*.tsv r/* >before");
     static const char *const signals[] = {"TERM", "INT", "HUP"};
     for (int k = 0; k < 3; k++) {
         char line[512];
@@ -2092,7 +2038,7 @@ static void test_run_stopped(void)
                          "of 2000000000; the tables so far are in d/unfinished"));
         scoped_table t = read_table("d/unfinished/states.tsv");
         CU_ASSERT(t.n_rows >= 1 && cell(&t, 0, "step") == 0.0);
-        CU_ASSERT(shell("tail -n 1 d/unfinished/states.tsv | grep -q '^# unfinished: stopped at step'") == 0);
+        SHELL("tail -n 1 d/unfinished/states.tsv | grep -q '^# unfinished: stopped at step'");
         snprintf(
             line, sizeof line,
             "\"$REPOSE\" run r.cfg --row 20 --force -o r >out 2>err & p=$!; sleep 0.5; kill -%s $p; wait $p",
@@ -2100,7 +2046,7 @@ static void test_run_stopped(void)
         CU_ASSERT(
             failed(__FILE__, __LINE__, shell(line), 75, "stopped; the tables so far are in r/unfinished"));
     }
-    CU_ASSERT(shell("! ls d | grep -q tmp; cat d/*.tsv r/*.* | cmp - before") == 0);
+    SHELL("! ls d | grep -q tmp; cat d/*.tsv r/*.* | cmp - before");
     /* without tables to write meanwhile as well: few steps pass between two looks at the signal */
     write_text("many.cfg", "steps = 2000000000; fill = { N = 90; W = 2.0; H = 4.0; };\n"
                            "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; } );\n");
@@ -2108,13 +2054,13 @@ static void test_run_stopped(void)
                      shell("\"$REPOSE\" run many.cfg >out 2>err & p=$!; sleep 0.5; kill $p; wait $p"), 75,
                      "stopped at step"));
     /* neither a run that can be resumed nor that of another process is thrown away */
-    CU_ASSERT(shell("touch d/unfinished/snapshot") == 0);
+    SHELL("touch d/unfinished/snapshot");
     FAILS(65, "an unfinished run; continue with --resume d", "run s.cfg -o d --force");
-    CU_ASSERT(shell("rm d/unfinished/snapshot") == 0);
+    SHELL("rm d/unfinished/snapshot");
     CU_ASSERT(shell("flock d \"$REPOSE\" run s.cfg -o d >out 2>err") == 74 &&
               strstr(err, "another process runs in this folder"));
     GOOD("run s.cfg --every 10 -o d --force");
-    CU_ASSERT(shell("! test -e d/unfinished; cat d/*.tsv r/*.* | cmp - before") == 0);
+    SHELL("! test -e d/unfinished; cat d/*.tsv r/*.* | cmp - before");
 }
 
 /* A folder with results of something else is not written over: scene, row and sweep into each other's. */
@@ -2129,10 +2075,10 @@ static void test_folders(void)
                "relax_steps = 10; };\n");
     GOOD("run a.cfg --every 10 -o a");
     CU_ASSERT_STRING_EQUAL(out, "");
-    CU_ASSERT(shell("cp s.cfg t.cfg") == 0);
+    SHELL("cp s.cfg t.cfg");
     GOOD("run s.cfg -o r");
     GOOD("sweep plan s.cfg -o s");
-    CU_ASSERT(shell("cat a/* r/* >before") == 0);
+    SHELL("cat a/* r/* >before");
     static const failure refused[] = {
         {65, "a: holds a.cfg, 20 steps, a frame each 10, key ", "run b.cfg -o a"},
         {65, "(repose run a.cfg --every 10 -o a); give another folder, or --force", "run b.cfg -o a"},
@@ -2150,21 +2096,20 @@ static void test_folders(void)
         {65, "a: holds a.cfg, 20 steps", "sweep make s.cfg -o a --tables ."},
         {65, "r: holds s.cfg row 0", "sweep make s.cfg -o r --tables ."}};
     CHECK_FAILURES(refused);
-    CU_ASSERT(shell("cat a/* r/* | cmp - before && ! test -e s/states.tsv && ! test -e a/unfinished") == 0);
+    SHELL("cat a/* r/* | cmp - before && ! test -e s/states.tsv && ! test -e a/unfinished");
     GOOD("sweep plan s.cfg -o s");
     GOOD("sweep plan s.cfg --replicas 3 -o s");
     /* as asked for; a dump goes with its tables */
     GOOD("run b.cfg -o a --force --dump vtk");
     FAILS(65, "a: holds b.cfg, 20 steps", "run a.cfg -o a");
     GOOD("run a.cfg -o a --force");
-    CU_ASSERT(shell("test \"$(ls a | tr '\\n' ' ')\" = 'contacts.tsv energy.tsv states.tsv walls.tsv '") ==
-              0);
+    SHELL("test \"$(ls a | tr '\\n' ' ')\" = 'contacts.tsv energy.tsv states.tsv walls.tsv '");
     CU_ASSERT(run("pile -o a --force") == 0);
-    CU_ASSERT(shell("test \"$(ls a | tr '\\n' ' ')\" = 'base.tsv contacts.tsv disks.tsv wells.tsv '") == 0);
+    SHELL("test \"$(ls a | tr '\\n' ' ')\" = 'base.tsv contacts.tsv disks.tsv wells.tsv '");
     GOOD("sweep plan t.cfg -o s --force");
     FAILS(65, "s: holds the sweep t.cfg", "run a.cfg -o s");
     /* older versions made no markers: what they made is not written over, and their sweeps go on */
-    CU_ASSERT(shell("rm a/.repose s/.repose") == 0);
+    SHELL("rm a/.repose s/.repose");
     FAILS(65, "a/disks.tsv: not listed as the program's own; move it away", "run b.cfg -o a --force");
     FAILS(65, "a/disks.tsv: not listed", "sweep plan s.cfg -o a");
     FAILS(65, "s/store.sqlite: not listed", "run b.cfg -o s");

@@ -94,8 +94,7 @@ enum { TILTS = 5, QUANTITIES = 6 };
 static const double tilts_deg[TILTS] = {0.0, 0.5, 1.0, 2.0, 4.0};
 
 /* n, h and the stress of a tilt over the weight normal to the floor; what grains of the pile are from
- * balance.
- */
+ * balance. */
 typedef struct {
     double t, q[QUANTITIES], weight_error, balance_error;
 } response;
@@ -167,10 +166,9 @@ static void check_response(checked *o, double mu, double width)
     scan_planes(s, &most, &mobilised);
     CHECK_NEAR(at(o, 0, "floor_friction_0"), r[0].q[1] / r[0].q[0], tight);
     CHECK_NEAR(at(o, 0, "bulk_friction_0"), tan(mobilised), 1e-6);
-    CHECK_NEAR(at(o, 0, "couple_0"), (s[1] - s[2]) / (s[0] + s[3]), tight);
-    CHECK_NEAR(at(o, 0, "weight_error"), r[0].weight_error, tight);
-    CHECK_NEAR(at(o, 0, "balance_error"), balance_error, tight);
-    CHECK_NEAR(at(o, 0, "friction_4"), r[4].q[1] / r[4].q[0], tight);
+    CHECK_EACH(at(o, 0, NAME), tight, {"couple_0", (s[1] - s[2]) / (s[0] + s[3])},
+               {"weight_error", r[0].weight_error}, {"balance_error", balance_error},
+               {"friction_4", r[4].q[1] / r[4].q[0]});
     const double beyond = (line[1][0] + line[1][1] * last) / (line[0][0] + line[0][1] * last);
     CHECK_NEAR(at(o, 0, "floor_friction_beyond"), r[4].q[1] / r[4].q[0] - beyond, 1e-9);
     /* friction along the line passes mu there, from below */
@@ -183,8 +181,7 @@ static void check_response(checked *o, double mu, double width)
 
 static double slope_of(const char *grains, double width)
 {
-    GOOD("angle slope %s --width %g --cell 0.2", grains, width);
-    scoped_table t = read_table("out");
+    scoped_table t = TABLE_OF("angle slope %s --width %g --cell 0.2", grains, width);
     const double theta = cell(&t, 2, "theta_deg");
     return theta;
 }
@@ -204,12 +201,12 @@ static void check_cell(checked *field, size_t row, checked piles[2], double widt
             s[0] += part * f.fx * f.lx, s[1] += part * f.fx * f.ly;
             s[2] += part * f.fy * f.lx, s[3] += part * f.fy * f.ly;
         }
-    CHECK_NEAR(at(field, row, "x/W"), (column + 0.5) * size / width, 1e-14);
-    CHECK_NEAR(at(field, row, "y/W"), (height + 0.5) * size / width, 1e-14);
+    CHECK_EACH(at(field, row, NAME), 1e-14, {"x/W", (column + 0.5) * size / width},
+               {"y/W", (height + 0.5) * size / width});
     const double large = fabs(s[0]) + fabs(s[3]);
     for (int a = 0; a < 4; a++) CHECK_NEAR(at(field, row, names[a]), s[a], tight * large);
-    CHECK_NEAR(at(field, row, "p"), 0.5 * (s[0] + s[3]), tight * large);
-    CHECK_NEAR(at(field, row, "couple"), 0.5 * (s[1] - s[2]), tight * large);
+    CHECK_EACH(at(field, row, NAME), tight * large, {"p", 0.5 * (s[0] + s[3])},
+               {"couple", 0.5 * (s[1] - s[2])});
     scan_planes(s, &most, &mobilised);
     CHECK_NEAR(at(field, row, "p") + at(field, row, "shear"), most, 1e-7 * large);
     const double a = at(field, row, "direction"), x = cos(a), y = sin(a),
@@ -245,13 +242,9 @@ static void check_column(checked *base, size_t row, checked contacts[2], checked
     const double N = 0.5 * (n[0] + n[1]), H = 0.5 * (h[0] + h[1]), large = fabs(N) + fabs(weight) + 1.0,
                  t2 = square(tan(slope * deg) / tan(55.0 * deg));
     CHECK_NEAR(at(base, row, "x/W"), ((double)row + 0.5) * size / width, 1e-14);
-    CHECK_NEAR(at(base, row, "N"), N, tight * large);
-    CHECK_NEAR(at(base, row, "H"), H, tight * large);
-    CHECK_NEAR(at(base, row, "N_se"), 0.5 * fabs(n[0] - n[1]), tight * large);
-    CHECK_NEAR(at(base, row, "H_se"), 0.5 * fabs(h[0] - h[1]), tight * large);
-    CHECK_NEAR(at(base, row, "weight"), weight, tight * large);
-    CHECK_NEAR(at(base, row, "imbalance"), net, 1e-9 * large);
-    CHECK_NEAR(at(base, row, "through"), N - weight - net, 1e-9 * large);
+    CHECK_EACH(at(base, row, NAME), tight * large, {"N", N}, {"H", H}, {"N_se", 0.5 * fabs(n[0] - n[1])},
+               {"H_se", 0.5 * fabs(h[0] - h[1])}, {"weight", weight});
+    CHECK_EACH(at(base, row, NAME), 1e-9 * large, {"imbalance", net}, {"through", N - weight - net});
     const double ratio = at(base, row, "H/N");
     if (N > 0.0)
         CHECK_NEAR(ratio, H / N, 1e-9);
@@ -359,9 +352,8 @@ static void check_profile(double n[DIP_PILES][STRESS_DIP_BINS])
         for (int i = 0; i < DIP_PILES; i++) squares += square(both[i] - mean);
         const double se = sqrt(squares / (DIP_PILES * (DIP_PILES - 1.0))), left = 9.0 - (double)row,
                      right = 10.0 + (double)row;
-        CHECK_NEAR(at(&c, row, "distance"), 0.025 + 0.05 * (double)row, 1e-14);
-        CHECK_NEAR(at(&c, row, "N"), mean, 1e-14);
-        CHECK_NEAR(at(&c, row, "N_se"), se, 1e-14);
+        CHECK_EACH(at(&c, row, NAME), 1e-14, {"distance", 0.025 + 0.05 * (double)row}, {"N", mean},
+                   {"N_se", se});
         CHECK_NEAR(at(&c, row, "rays"), 1.2 + 0.005 * (left * left + right * right), 1e-13);
     }
 }
@@ -393,8 +385,7 @@ static void test_dip(void)
     check_profile(n);
     /* without rays */
     shell("cut -f 1-3,5,7,9,11,13,15,17,19,21,23,25,27,29,31,33,35,37,39,41 piles.tsv >plain.tsv");
-    GOOD("stress dip plain.tsv --profile");
-    scoped_table t = read_table("out");
+    scoped_table t = TABLE_OF("stress dip plain.tsv --profile");
     for (size_t row = 0; row < STRESS_DIP_BINS / 2; row++) CU_ASSERT(isnan(cell(&t, row, "rays")));
 }
 
@@ -433,10 +424,9 @@ static void test_bench(void)
     dem_count_work(sim, &before);
     CHECK_OK(dem_run(sim, STEPS));
     dem_count_work(sim, &after);
-    CHECK_NEAR(at(&c, 0, "grains"), 3.0, 0.0);
-    CHECK_NEAR(at(&c, 0, "steps"), STEPS, 0.0);
-    CHECK_NEAR(at(&c, 0, "contacts"), (double)after.contacts / 3.0, 1e-15);
-    CHECK_NEAR(at(&c, 0, "pairs"), (double)after.pairs / 3.0, 1e-15);
+    CHECK_EACH(at(&c, 0, NAME), 0.0, {"grains", 3.0}, {"steps", STEPS});
+    CHECK_EACH(at(&c, 0, NAME), 1e-15, {"contacts", (double)after.contacts / 3.0},
+               {"pairs", (double)after.pairs / 3.0});
     CHECK_NEAR(at(&c, 0, "rebuilds"), (double)(after.rebuilds - before.rebuilds), 0.0);
     CU_ASSERT(after.contacts == 2 && after.pairs == 3);
     const double lists = at(&c, 0, "share_lists"), walls = at(&c, 0, "share_walls"),
@@ -516,9 +506,8 @@ static void test_bench_fill(void)
         CHECK_OK(dem_states(sim, states));
         CU_ASSERT_EQUAL(start.n_rows, N);
         for (size_t i = 0; i < N; i++) {
-            CHECK_NEAR(cell(&start, i, "x"), states[i].x, 0.0);
-            CHECK_NEAR(cell(&start, i, "angle"), states[i].angle, 0.0);
-            CHECK_NEAR(cell(&start, i, "r"), states[i].r, 0.0);
+            CHECK_EACH(cell(&start, i, NAME), 0.0, {"x", states[i].x}, {"angle", states[i].angle},
+                       {"r", states[i].r});
             /* 1/r is uniform between its ends, here at the middles of N equal parts; 1/0.1^2 is their product
              */
             const double least = 10.0 / sqrt(list[k].size_ratio), most = 10.0 * sqrt(list[k].size_ratio),
@@ -530,8 +519,8 @@ static void test_bench_fill(void)
         CHECK_OK(dem_run(sim, STEPS));
         dem_count_work(sim, &after);
         const double left = (double)dem_count(sim);
-        CHECK_NEAR(cell(&t, 0, "contacts"), (double)after.contacts / left, 1e-14);
-        CHECK_NEAR(cell(&t, 0, "pairs"), (double)after.pairs / left, 1e-14);
+        CHECK_EACH(cell(&t, 0, NAME), 1e-14, {"contacts", (double)after.contacts / left},
+                   {"pairs", (double)after.pairs / left});
         CHECK_NEAR(cell(&t, 0, "rebuilds"), (double)(after.rebuilds - before.rebuilds), 0.0);
         CU_ASSERT(after.contacts > 5);
     }
@@ -593,8 +582,7 @@ static double slope_of_grains(const rp_table *grains, double width)
     for (size_t i = 0; i < grains->n_rows; i++)
         fprintf(shifted, "%.17g\t%.17g\n", cell(grains, i, "x") - left, cell(grains, i, "y") - bottom);
     fclose(shifted);
-    GOOD("angle slope shifted.tsv --width %.17g --cell %.17g", width - left, d);
-    scoped_table t = read_table("out");
+    scoped_table t = TABLE_OF("angle slope shifted.tsv --width %.17g --cell %.17g", width - left, d);
     const double theta = cell(&t, 2, "theta_deg");
     return theta;
 }
@@ -620,11 +608,10 @@ static void test_bench_sample(void)
         const size_t left = dem_count(sim);
         CU_ASSERT_EQUAL_FATAL(end.n_rows, left);
         for (size_t i = 0; i < left; i++) {
-            CHECK_NEAR(cell(&end, i, "x"), states[i].x, 0.0);
-            CHECK_NEAR(cell(&end, i, "y"), states[i].y, 0.0);
+            CHECK_EACH(cell(&end, i, NAME), 0.0, {"x", states[i].x}, {"y", states[i].y});
         }
-        CHECK_NEAR(cell(&t, 0, "contacts"), (double)counts.contacts / (double)left, 1e-14);
-        CHECK_NEAR(cell(&t, 0, "pairs"), (double)counts.pairs / (double)left, 1e-14);
+        CHECK_EACH(cell(&t, 0, NAME), 1e-14, {"contacts", (double)counts.contacts / (double)left},
+                   {"pairs", (double)counts.pairs / (double)left});
         CHECK_NEAR(cell(&t, 0, "rebuilds"), (double)counts.rebuilds, 0.0);
         const double theta = strtod(rp_table_find_note(&t, "theta_r"), NULL);
         if (k == 0) CHECK_NEAR(theta, slope_of_grains(&end, widths[k]), 1e-9); /* the table has 17 digits */
@@ -723,9 +710,8 @@ static void check_strongest(checked *o, const rp_table *grains, const rp_table *
             all[0]++, all[1] += both, steep[0] += is_steep, steep[1] += is_steep && both;
         }
     CU_ASSERT(all[1] > 0.0 && steep[0] > 0.0 && steep[0] < all[0]);
-    CHECK_NEAR(at(o, 0, "packed"), close / disks, 1e-14);
-    CHECK_NEAR(at(o, 0, "strongest_60"), steep[0] / all[0], 1e-14);
-    CHECK_NEAR(at(o, 0, "packed_60"), steep[1] / all[1], 1e-14);
+    CHECK_EACH(at(o, 0, NAME), 1e-14, {"packed", close / disks}, {"strongest_60", steep[0] / all[0]},
+               {"packed_60", steep[1] / all[1]});
 }
 
 /* Height along a ray, to the left or right (side -1 or 1), from x on the base to where it leaves an outline:
@@ -862,8 +848,7 @@ static void check_base(checked *o, const rp_table *grains, const rp_table *conta
         for (size_t j = 0; j < n; j++) held += fabs(x[j] - centroid) <= fabs(x[k] - centroid) ? N[j] : 0.0;
         if (held >= 0.98 * total) width = fmin(width, 2.0 * fabs(x[k] - centroid));
     }
-    CHECK_NEAR(at(o, 0, "centroid"), centroid, 1e-12);
-    CHECK_NEAR(at(o, 0, "width"), width, 1e-12);
+    CHECK_EACH(at(o, 0, NAME), 1e-12, {"centroid", centroid}, {"width", width});
     CHECK_NEAR(at(o, 0, "load"), total, 1e-12 * total);
     CHECK_NEAR(at(o, 0, "balance"), 1.0 - total / weight, 1e-12);
     /* load left of a line, each disk's spread evenly over its width; bins are differences */
@@ -910,11 +895,8 @@ static void test_rough(void)
         height = fmax(height, cell(&grains, i, "y") + cell(&grains, i, "r"));
     }
     CU_ASSERT(glued == 26.0 && grains.n_rows == DROPPED + 26 && right > limit);
-    CHECK_NEAR(at(&o, 0, "disks"), DROPPED, 0.0);
-    CHECK_NEAR(at(&o, 0, "away"), 0.0, 0.0);
-    CHECK_NEAR(at(&o, 0, "height"), height, 0.0);
-    CHECK_NEAR(at(&o, 0, "contacts"), contact_number, 1e-12);
-    CHECK_NEAR(at(&o, 0, "balance"), 1.0 - carried / DROPPED, 1e-12);
+    CHECK_EACH(at(&o, 0, NAME), 0.0, {"disks", DROPPED}, {"away", 0.0}, {"height", height});
+    CHECK_EACH(at(&o, 0, NAME), 1e-12, {"contacts", contact_number}, {"balance", 1.0 - carried / DROPPED});
     CHECK_NEAR(at(&o, 0, "balance"), 0.0, 1e-5);
     check_base(&o, &grains, &contacts, limit);
     check_fabric(&o, &grains, &contacts, limit, "fabric", "fabric_deg", NULL);
@@ -981,14 +963,12 @@ static void test_drop(void)
         height = fmax(height, cell(&grains, i, "y") + cell(&grains, i, "r"));
     }
     CU_ASSERT(disks > 40.0 && disks < DROPPED && large > 0.0);
-    CHECK_NEAR(at(&o, 0, "disks"), disks, 0.0);
-    CHECK_NEAR(at(&o, 0, "away"), DROPPED - disks, 0.0);
-    CHECK_NEAR(at(&o, 0, "height"), height, 0.0);
+    CHECK_EACH(at(&o, 0, NAME), 0.0, {"disks", disks}, {"away", DROPPED - disks}, {"height", height});
     CHECK_NEAR(at(&o, 0, "contacts"), touching / disks, 1e-14);
     CHECK_NEAR(at(&o, 0, "moved_max"), most, 0.0);
     CHECK_NEAR(at(&o, 0, "moved_share"), large / DROPPED, 1e-14);
-    CHECK_NEAR(at(&o, 0, "left_deg"), side_angle(&grains, away, -1.0), 1e-11);
-    CHECK_NEAR(at(&o, 0, "right_deg"), side_angle(&grains, away, 1.0), 1e-11);
+    CHECK_EACH(at(&o, 0, NAME), 1e-11, {"left_deg", side_angle(&grains, away, -1.0)},
+               {"right_deg", side_angle(&grains, away, 1.0)});
     CHECK_NEAR(at(&o, 0, "psi6"), mean_order(&grains, away, packed), 1e-12);
     check_strongest(&o, &grains, &contacts, away, packed);
     CU_ASSERT(fmod(at(&o, 0, "steps"), 20.0) == 0.0 && at(&o, 0, "steps") > 20.0 * DROPPED);

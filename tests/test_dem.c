@@ -61,7 +61,7 @@ static double angular_momentum(const dem_definition *def, const dem_state *s)
 /* Momentum, and with rotation angular momentum, of a collapsing cloud. */
 static void momentum_of(bool rotation)
 {
-    scoped dem_grain *grains = NULL;
+    dem_grain *grains;
     dem_definition def = grains_box(60, 2.0, 3, &grains);
     double p0[2] = {0.0, 0.0}, p1[2] = {0.0, 0.0}, l0 = 0.0, l1 = 0.0, scale = 0.0;
     def.n_walls = 0, def.gravity[1] = 0.0, def.rotation = rotation;
@@ -104,7 +104,7 @@ static void mirror_and_relabel_of(bool rotation)
     def.rotation = rotation;
     if (rotation) def.material.mu_roll = 0.1;
     for (int i = 0; rotation && i < 80; i++) grains[i].omega = 0.5 * i;
-    dem_sim *sim = grains_start(&def), *mirrored, *renumbered;
+    scoped_sim *sim = grains_start(&def), *mirrored = NULL, *renumbered = NULL;
     for (int i = 0; i < 80; i++) {
         other[i] = grains[i];
         other[i].x = 2.4 - grains[i].x;
@@ -136,7 +136,6 @@ static void mirror_and_relabel_of(bool rotation)
         CHECK_NEAR(r[79 - i].omega, s[i].omega, 1e-5);
     }
     CU_ASSERT(contacts > 40);
-    dem_free(sim), dem_free(mirrored), dem_free(renumbered), free(grains);
 }
 
 EITHER(mirror_and_relabel)
@@ -144,7 +143,7 @@ EITHER(mirror_and_relabel)
 /* The neighbour list has every touching pair throughout an avalanche. */
 static void list_is_complete_of(double speed, long steps)
 {
-    scoped dem_grain *grains = NULL;
+    dem_grain *grains;
     dem_definition def = grains_box(120, 2.6, 11, &grains);
     for (int i = 0; i < 120; i++) grains[i].vx = i % 3 ? 0.0 : speed, grains[i].vy = i % 7 ? 0.0 : -speed;
     if (speed > 0.0) def.dt = 2e-5;
@@ -176,8 +175,7 @@ static void list_is_complete(void)
 /* Removal of grains from a continued list equals a rebuild, except for the order of sums. */
 static void leaving_of(bool rotation)
 {
-    scoped dem_grain *grains = NULL;
-    dem_definition def = grains_box(100, 2.2, 3, &grains);
+    dem_definition def = grains_box(100, 2.2, 3, NULL);
     def.rotation = rotation;
     if (rotation) def.material.mu_roll = 0.1;
     def.x_max = 2.3;
@@ -265,7 +263,7 @@ static void work(void)
 /* Rebuilding the list more often than needed carries the springs over and changes the order of sums only. */
 static void extra_rebuilds_of(bool rotation)
 {
-    scoped dem_grain *grains = NULL;
+    dem_grain *grains;
     dem_definition def = grains_box(100, 2.2, 3, &grains);
     def.rotation = rotation;
     if (rotation) def.material.mu_roll = 0.1;
@@ -315,8 +313,7 @@ static void avalanche_in_chunks(bool rotation)
 {
     enum { N = 400, PARTS = 4 };
     const long part = check_fast() ? 700 : 2500;
-    scoped dem_grain *grains = NULL;
-    dem_definition def = grains_outflow(N, part, rotation, &grains);
+    dem_definition def = grains_outflow(N, part, rotation);
     def.kernel = DEM_REFERENCE;
     dem_sim *reference[PARTS + 1] = {grains_start_in_chunks(&def, 0)};
     for (int k = 0; k < PARTS; k++) {
@@ -347,8 +344,7 @@ static void avalanche_in_chunks(bool rotation)
 /* A fault is found at the same step, with the same message. */
 static void faults_in_chunks(bool wall)
 {
-    scoped dem_grain *grains = NULL;
-    dem_definition def = grains_too_soft(wall, &grains);
+    dem_definition def = grains_too_soft(wall);
     def.kernel = DEM_REFERENCE;
     scoped_sim *reference = grains_start_in_chunks(&def, 0);
     def.kernel = DEM_FAST;
@@ -385,7 +381,7 @@ static long beyond_margins(dem_sim *sim, int steps)
 static void margins_of(bool hard, int kernel)
 {
     enum { N = 150 };
-    scoped dem_grain *grains = NULL;
+    dem_grain *grains;
     dem_definition def = grains_box(N, 3.0, 4, &grains);
     for (int i = 0; i < N; i++) grains[i].vx = 100.0 * (i % 5 - 2), grains[i].vy = i % 3 ? -200.0 : 0.0;
     def.dt = 2e-5, def.kernel = kernel, def.x_max = 3.1;
@@ -415,8 +411,7 @@ static void margins_of_two(void)
     }
 }
 
-/* Disks at rest, each hit by a hard collision in the same step: disks beyond their margins get new ones.
- */
+/* Disks at rest, each hit by a hard collision in the same step: disks beyond their margins get new ones. */
 static void margins_of_many_hit(size_t pairs)
 {
     enum { MOST = 20 };
@@ -459,8 +454,7 @@ static void margins(void)
  * call, and with observation. */
 static void determinism_of(bool rotation)
 {
-    scoped dem_grain *grains = NULL;
-    dem_definition def = grains_box(90, 2.2, 17, &grains);
+    dem_definition def = grains_box(90, 2.2, 17, NULL);
     def.rotation = rotation;
     if (rotation) def.material.mu_roll = 0.1;
     dem_sim *whole, *cut = grains_start(&def), *copy;
@@ -573,8 +567,7 @@ static void floor_that_ends(void)
 }
 
 /* The same without a rebuild of the neighbour list: past the corner the grain is below the floor, not through
- * it.
- */
+ * it. */
 static void corner_without_rebuild(void)
 {
     dem_grain grain = {0.96, 0.0995, 0.1, 0.0042, 60.0, 0.0};
@@ -700,8 +693,7 @@ static size_t sliding_of_sums(const dem_sim *sim)
 static void contacts_add_up(void)
 {
     enum { N = SPINNING };
-    scoped dem_grain *grains = NULL;
-    dem_definition def = grains_box(N, 2.0, 25, &grains);
+    dem_definition def = grains_box(N, 2.0, 25, NULL);
     def.rotation = true, def.damping = DEM_DAMPING_INSIDE, def.material.gamma_s = 200.0;
     def.material.mu_roll = 0.1;
     for (int w = 0; w < 3; w++) def.walls[w].material.mu_roll = 0.07;
@@ -828,8 +820,7 @@ static void filling(void)
  * grain does not change the cells, nor the order of sums. */
 static void added_far_away_of(bool rotation)
 {
-    scoped dem_grain *grains = NULL;
-    dem_definition def = grains_box(80, 2.2, 6, &grains);
+    dem_definition def = grains_box(80, 2.2, 6, NULL);
     def.rotation = rotation;
     def.n_walls = 1; /* the pile spreads over the floor */
     scoped_sim *sim = grains_start(&def), *more = NULL;
@@ -858,7 +849,7 @@ EITHER(added_far_away)
 static void added_one_by_one(void)
 {
     enum { N = 300, FALL = 400 };
-    scoped dem_grain *grains = NULL;
+    dem_grain *grains;
     dem_definition def = grains_box(N, 3.0, 8, &grains), first = def;
     first.n_grains = 1;
     scoped_sim *all = grains_start(&def), *sim = grains_start(&first);
@@ -1407,7 +1398,7 @@ static void contacts_of_the_start(void)
 /* The limit of dt is below instability: a box at the limit settles. */
 static void time_step_limit(void)
 {
-    scoped dem_grain *grains = NULL;
+    dem_grain *grains;
     dem_definition def = grains_box(60, 2.0, 1, &grains);
     const char *what;
     double limit = dem_time_step_limit(&def, &what);
@@ -1593,13 +1584,12 @@ static void limit_of_gear(void)
         const double start =
             fmin(0.85 / hypot(damped, 3.0 * omega),
                  3.4 / (3.0 * gammas[k] + sqrt(9.0 * gammas[k] * gammas[k] + 12.0 * omega * omega)));
-        dem_sim *sim = NULL;
+        scoped_sim *sim = NULL;
         grains[1].x = 0.199;
         def.dt = 1.0001 * start;
         CHECK_FAILS(dem_create(&def, &sim), RP_BAD_INPUT, "too large for an initial overlap");
         def.dt = 0.9999 * start;
         CHECK_OK(dem_create(&def, &sim));
-        dem_free(sim);
     }
 }
 
@@ -1846,8 +1836,7 @@ static void arrays_follow_grains(void)
     enum { N = 60 };
     for (int k = 0; k < 2 * DEM_INTEGRATORS; k++) {
         static unsigned char bytes[N + 1][1024];
-        scoped dem_grain *grains = NULL;
-        dem_definition def = grains_box(N, 2.0, 5, &grains);
+        dem_definition def = grains_box(N, 2.0, 5, NULL);
         def.integrator = k / 2, def.rotation = k % 2, def.dt = 4e-5;
         if (!dem_scheme_check(&def)) {
             scoped_sim *sim = grains_start(&def), *copy = NULL;

@@ -138,8 +138,7 @@ static void make_folder(void)
     CU_ASSERT_PTR_NOT_NULL_FATAL(getcwd(root, sizeof root));
     snprintf(line, sizeof line,
              "{ mkdir page && cd page && ln -s '%s'/* . && rm build && mkdir build && ln -s \"$REPOSE\" "
-             "\"$REPORT\" build/; }"
-             " >out 2>err",
+             "\"$REPORT\" build/; } >out 2>err",
              root);
     CU_ASSERT_EQUAL_FATAL(shell(line), 0);
     setenv("PYTHONDONTWRITEBYTECODE", "1", 1);

@@ -340,8 +340,7 @@ static void every_disk_must_rest(void)
 }
 
 /* With little rolling resistance disks roll away: they are counted, carry no load and do not belong to the
- * pile.
- */
+ * pile. */
 static void away_is_no_part(void)
 {
     sweep_result r = run("N=30 mu_roll=0.02 x_limit=10");

@@ -130,7 +130,7 @@ static void test_verdicts(void)
     char line[512], path[256], template[8192] = "";
     write_claims();
     REPORTS("claims --claims claims.tsv --tables .");
-    rp_table t;
+    scoped_table t = {0};
     path_of("out", path);
     CHECK_OK(rp_table_read_texts(path, &t));
     CU_ASSERT_FATAL(t.n_rows == N_ANSWERS);
@@ -149,7 +149,6 @@ static void test_verdicts(void)
         if (detail_of(i)) CU_ASSERT_STRING_EQUAL(word(&t, i, "detail"), detail_of(i));
         snprintf(template + strlen(template), sizeof template - strlen(template), "{{verdict c%zu}}\n", i);
     }
-    rp_table_free(&t);
     write_text("in.md", "{{scores all}}\n{{claims lh}}\n{{counts lh}}\n%s", template);
     REPORTS("page in.md --tables . --claims claims.tsv");
     for (size_t i = 0; i < N_ANSWERS; i++) {
@@ -363,7 +362,7 @@ static void test_failed_cells(void)
                "# source: s D 30\n# units: 1\t1\t1\t1\t1\t1\ng\tn\tchange\tchange_se\tn_failed\tfailed_for\n"
                "1\t8\t3\t1\t2\tno_pile:1,overlap:1\n2\t7\t3\t1\t3\tno_pile:3\n");
     REPORTS("claims --claims claims.tsv --tables .");
-    rp_table t;
+    scoped_table t = {0};
     path_of("out", path);
     CHECK_OK(rp_table_read_texts(path, &t));
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
@@ -371,7 +370,6 @@ static void test_failed_cells(void)
             fprintf(stderr, "%s: %s\n", cases[k].id, word(&t, k, "failed"));
         CU_ASSERT_STRING_EQUAL(word(&t, k, "failed"), cases[k].failed);
     }
-    rp_table_free(&t);
 }
 
 /* A reference finds its row by numbers as numbers and by words as words. */
@@ -496,7 +494,7 @@ static void test_needs(void)
 /* A row of a claim in `out`: what stands in its columns. */
 static void check_claim(const char *id, const char *ours, const char *detail)
 {
-    rp_table t;
+    scoped_table t = {0};
     char path[256];
     bool found = false;
     path_of("out", path);
@@ -510,7 +508,6 @@ static void check_claim(const char *id, const char *ours, const char *detail)
         found = true;
     }
     CU_ASSERT(found);
-    rp_table_free(&t);
 }
 
 #define ROW(id, test, margin, family, answer, against)                                                       \
@@ -571,14 +568,13 @@ static void test_joint_claims(void)
              "chi² = %.1f over 2, p = %.2g; with a common shift of %.2f ± %.2f, %.1f over 1", chi2,
              exp(-0.5 * chi2), shift, 1.0 / sqrt(w1 + w2), left);
     check_claim("both", text, "-");
-    rp_table t;
+    scoped_table t = {0};
     char path[256];
     path_of("out", path);
     CHECK_OK(rp_table_read_texts(path, &t));
     static const char *const verdicts[] = {"reproduced",     "not reproduced", "no data",
                                            "not reproduced", "reproduced",     "no data"};
     for (size_t row = 0; row < 6; row++) CU_ASSERT_STRING_EQUAL(word(&t, row, "verdict"), verdicts[row]);
-    rp_table_free(&t);
     /* the printed number is a standard error, or a deviation of so many samples */
     static const char claim[] =
         "id\tof\tpaper\tplace\tsection\ttest\tpublished\tpublished_se\terror\tsamples\tmargin\t"
@@ -625,8 +621,7 @@ static void test_holm(void)
     fclose(file);
     for (size_t k = 0; k < 2; k++) {
         size_t between = 0;
-        GOOD("stats %s runs.tsv -x x -y y --by group", tests[k]);
-        scoped_table t = read_table("out");
+        scoped_table t = TABLE_OF("stats %s runs.tsv -x x -y y --by group", tests[k]);
         CU_ASSERT_FATAL(t.n_rows == 4);
         for (size_t g = 0; g < 4; g++) p[g] = cell(&t, g, "p_value");
         for (size_t g = 0; g < 4; g++) {
@@ -673,8 +668,7 @@ static void test_dips(void)
                  {0.0, 0.3, "0.01", "undecided"}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         write_profiles(cases[i].change, cases[i].scatter);
-        GOOD("stress dip piles.tsv --margin %s", cases[i].margin);
-        scoped_table t = read_table("out");
+        scoped_table t = TABLE_OF("stress dip piles.tsv --margin %s", cases[i].margin);
         CU_ASSERT_STRING_EQUAL(word(&t, 0, "verdict"), cases[i].verdict);
         const double middle = cell(&t, 0, "middle"), se = cell(&t, 0, "middle_se");
         const double sign = cases[i].change;
@@ -698,11 +692,9 @@ static void test_rays(void)
     const double deg = M_PI / 180.0;
     for (int k = 0; k < 3; k++) {
         const double phi = 50.0 + 5.0 * k, marginal = atan(0.2 * pow(tan(phi * deg), 2.0)) / deg;
-        GOOD("angle marginal --mu 0.2 --phi-deg %g", phi);
-        scoped_table t = read_table("out");
+        scoped_table t = TABLE_OF("angle marginal --mu 0.2 --phi-deg %g", phi);
         CHECK_NEAR(cell(&t, 0, "theta_ms_deg"), marginal, 1e-12);
-        GOOD("angle tilt --mu 0.2 --theta-r-deg 10 --phi-deg %g", phi);
-        read_again(&t, "out");
+        AGAIN_OF(t, "angle tilt --mu 0.2 --theta-r-deg 10 --phi-deg %g", phi);
         CHECK_NEAR(cell(&t, 0, "margin_deg"), marginal - 10.0, 1e-12);
     }
 }
@@ -838,7 +830,7 @@ static void check_at(const rp_table *t, size_t row, const char *path, const conf
 
 static void test_settings(void)
 {
-    rp_table t;
+    scoped_table t = {0};
     size_t n_checked = 0;
     CHECK_OK(rp_table_read_texts("report/claims.tsv", &t));
     for (size_t row = 0; row < t.n_rows; row++) {
@@ -859,7 +851,6 @@ static void test_settings(void)
         if (protocol) check_at(&t, row, path, &config, protocol);
         config_destroy(&config);
     }
-    rp_table_free(&t);
     CU_ASSERT(n_checked > 100);
 }
 
@@ -966,7 +957,7 @@ static void check_derived(const char *sweep, const config_setting_t *setting)
     static const char *const others[] = {"table", "with", "rows", "of", "stage"};
     const char *table = "", *with = "", *source = NULL;
     char path[256], name[160];
-    rp_table t;
+    scoped_table t = {0};
     size_t n = 1;
     config_setting_lookup_string(setting, "table", &table);
     config_setting_lookup_string(setting, "with", &with);
@@ -990,14 +981,13 @@ static void check_derived(const char *sweep, const config_setting_t *setting)
     same &= n == count_words(said) && !rp_table_next_note(&t, "source", source);
     if (!same) fprintf(stderr, "%s: %s; not the setting of %s\n", path, said, sweep);
     CU_ASSERT(same);
-    rp_table_free(&t);
 }
 
 /* The runs that a table of results is of: their seed, number, grid points and every setting. */
 static void check_runs(const char *file, const char *name, const sweep_recipe *recipe)
 {
     char path[256], runs[512];
-    rp_table t;
+    scoped_table t = {0};
     sweep_plan plan;
     snprintf(path, sizeof path, "results/%s/points.tsv", name);
     if (rp_table_read_texts(path, &t)) return;
@@ -1015,7 +1005,6 @@ static void check_runs(const char *file, const char *name, const sweep_recipe *r
         }
     CU_ASSERT(same);
     sweep_plan_free(&plan);
-    rp_table_free(&t);
 }
 
 /* A table of results says by which runs it was made: those of its sweep's file, unless this was changed
@@ -1116,7 +1105,7 @@ static void test_claims_again(void)
 {
     static const char *const columns[] = {"id",      "paper",  "test",   "published", "published_se", "error",
                                           "samples", "margin", "family", "answer",    "against"};
-    rp_table t;
+    scoped_table t = {0};
     FILE *in = fopen("tests/claims.txt", "r");
     CU_ASSERT_PTR_NOT_NULL_FATAL(in);
     CHECK_OK(rp_table_read_texts("report/claims.tsv", &t));
@@ -1127,7 +1116,6 @@ static void test_claims_again(void)
                      word(&t, row, columns[k]));
         check_entry(in, "tests/claims.txt", wanted);
     }
-    rp_table_free(&t);
     check_end(in);
 }
 
@@ -1161,11 +1149,10 @@ static void test_checksums(void)
 static void test_commits(void)
 {
     holds_in_tree("[ \"$(git rev-parse --is-shallow-repository 2>/dev/null)\" = false ] || exit 0; git "
-                  "rev-list HEAD >$to/commits; "
-                  "find results -name '*.tsv' -exec sed -n '/^# program:/p; /^# runs made by:/p' {} + | "
-                  "grep -oE 'commit [0-9a-f]+(-dirty)?' | sort -u | while read -r _ made; do "
-                  "grep -q \"^$made\" $to/commits || { grep -rl \"commit $made\" results; echo \"$made: no "
-                  "commit of this history\"; exit 1; }; done");
+                  "rev-list HEAD >$to/commits; find results -name '*.tsv' -exec sed -n '/^# program:/p; /^# "
+                  "runs made by:/p' {} + | grep -oE 'commit [0-9a-f]+(-dirty)?' | sort -u | while read -r _ "
+                  "made; do grep -q \"^$made\" $to/commits || { grep -rl \"commit $made\" results; echo "
+                  "\"$made: no commit of this history\"; exit 1; }; done");
 }
 
 static void test_remade(void)

@@ -77,7 +77,6 @@ static void shear_box(void)
 /* Angle of repose by the protocol `repose`, degrees. */
 static double theta_r(void)
 {
-    enter();
     write_text("r.cfg", "protocol = \"repose\"; replicas = 3; seed = 1993;\n"
                         "fixed = { W = 4.0; H = 4.0; floor = \"extends\"; mu = 0.2; };\n");
     GOOD("sweep plan r.cfg -o r > log");
@@ -86,9 +85,7 @@ static double theta_r(void)
     scoped_table t = read_table("r.tsv");
     double sum = 0.0;
     for (size_t i = 0; i < t.n_rows; i++) sum += cell(&t, i, "theta_r3_deg");
-    const double mean = sum / (double)t.n_rows;
-    leave();
-    return mean;
+    return sum / (double)t.n_rows;
 }
 
 /* A folder of its own, from which the examples are found. */
@@ -123,14 +120,12 @@ static void drum(void)
     static const char balance[] =
         "measure=( { name = \"balance\"; of = \"1 + drum.torque/(mass*g*x)\"; during = \"turn\"; } )";
     double theta_ms;
-    enter_folder();
     const double angle = measured("drum.cfg", "turns=1", "angle_deg") * M_PI / 180.0;
     if (!check_fast()) {
-        GOOD("run examples/drum.cfg --set '%s' --set rotation=true --set turns=0.5", balance);
-        scoped_table t = read_table("out");
+        scoped_table t =
+            TABLE_OF("run examples/drum.cfg --set '%s' --set rotation=true --set turns=0.5", balance);
         CHECK_NEAR(cell(&t, 0, "value"), 0.0, 4.0 * cell(&t, 2, "value"));
     }
-    leave();
     if (check_fast()) return;
     CHECK_OK(ang_marginal(0.2, M_PI / 3.0, &theta_ms, NULL));
     const double repose = theta_r() * M_PI / 180.0;
@@ -145,20 +140,16 @@ static void hopper(void)
     static const char *const D[] = {"D=1.6", "D=2", "D=2.6", "D=1.4", "D=1.8", "D=2.3"};
     const int n = check_full() ? 6 : check_fast() ? 1 : 3;
     double C[6], mean = 0.0;
-    enter_folder();
     for (int k = 0; k < n; k++) mean += (C[k] = measured("hopper.cfg", D[k], "C")) / n;
     for (int k = 0; k < n && !check_fast(); k++) CHECK_NEAR(C[k], mean, 0.1 * mean);
     GOOD("sweep plan examples/hopper_sweep.cfg -o outlets");
-    leave();
 }
 
 /* The slope of a heap falls with the speed of the lift. */
 static void cylinder(void)
 {
-    enter_folder();
     const double slow = measured("cylinder.cfg", "v=1.0", "heap_mean_deg"),
                  fast = measured("cylinder.cfg", "v=8.0", "heap_mean_deg");
-    leave();
     if (check_fast()) return;
     CHECK_NEAR(slow, 20.0, 2.0);
     CHECK_NEAR(fast, 10.0, 2.0);
@@ -168,20 +159,16 @@ static void cylinder(void)
  * runs farther than a short one. */
 static void column(void)
 {
-    enter_folder();
     const double near = measured("column.cfg", "a=1.0", "run_out"),
                  far = measured("column.cfg", "a=3.0", "run_out");
-    leave();
     if (!check_fast()) CU_ASSERT(near > 0.5 && near < 1.5 && far > 2.2 * near && far < 6.0);
 }
 
 /* Grains that have fallen make a flatter heap than those that stay. */
 static void ledge(void)
 {
-    enter_folder();
     const double above = measured("ledge.cfg", "slot=2.4", "draw_down_deg"),
                  below = measured("ledge.cfg", NULL, "heap_mean_deg");
-    leave();
     if (!check_fast()) CU_ASSERT(above > below + 4.0 && above < 31.0 && below > 4.0);
 }
 
@@ -191,7 +178,6 @@ static void wedge(void)
     static const char few[] =
         "small=500' --set 'large=100' --set 'opened=1.0' --set 'end=4.0' --set 'mu_roll=%g";
     double height[2];
-    enter_folder();
     GOOD("sweep plan examples/wedge_sweep.cfg -o plan");
     for (int k = 0; k < 2; k++) {
         char set[128];
@@ -204,11 +190,10 @@ static void wedge(void)
     for (int k = 0; k < 5 && check_full(); k++) {
         char row[64];
         snprintf(row, sizeof row, "$REPOSE run examples/wedge_sweep.cfg --row %d -o heap%d >out", 10 * k, k);
-        CU_ASSERT(shell(row) == 0);
+        SHELL(row);
         scoped_table t = read_table("out");
         CHECK_NEAR(cell(&t, 0, "height"), said[k], 4.0 * sd);
     }
-    leave();
     if (!check_fast()) CU_ASSERT(height[0] > 0.03 && height[1] > 1.3 * height[0] && height[1] < 0.15);
 }
 
@@ -216,12 +201,10 @@ static void wedge(void)
  * degrees at mu = 0.5. */
 static void biaxial(void)
 {
-    enter_folder();
     const double low = measured("biaxial.cfg", "mu=0.1", "phi_deg"),
                  high = measured("biaxial.cfg", "mu=0.5", "phi_deg"),
                  ratio = measured("biaxial.cfg", NULL, "ratio0"),
                  p = measured("biaxial.cfg", NULL, "pressure0");
-    leave();
     if (check_fast()) return;
     CHECK_NEAR(ratio, 1.0, 0.1);
     CHECK_NEAR(p, 1.0, 0.15);
@@ -231,13 +214,12 @@ static void biaxial(void)
 /* The faster, the deeper and the stronger; soon over. */
 static void crater(void)
 {
-    enter_folder();
     if (!check_fast()) {
         double depth[2], force[2], time[2];
         GOOD("run examples/crater.cfg -o bed");
         for (int k = 0; k < 2; k++) {
-            CU_ASSERT(shell(k ? "$REPOSE run examples/crater.cfg --from bed --set v=80 >out 2>err"
-                              : "$REPOSE run examples/crater.cfg --from bed --set v=40 >out 2>err") == 0);
+            SHELL(k ? "$REPOSE run examples/crater.cfg --from bed --set v=80 >out 2>err"
+                    : "$REPOSE run examples/crater.cfg --from bed --set v=40 >out 2>err");
             depth[k] = measured("crater.cfg", NULL, "depth"),
             force[k] = measured("crater.cfg", NULL, "force");
             time[k] = measured("crater.cfg", NULL, "stop_time");
@@ -246,7 +228,6 @@ static void crater(void)
     } else {
         GOOD("params examples/crater.cfg");
     }
-    leave();
 }
 
 void suite_examples(void)
@@ -257,5 +238,5 @@ void suite_examples(void)
                                        {"a column", column},           {"a ledge", ledge},
                                        {"a loaded sample", biaxial},   {"a wedge hopper", wedge},
                                        {"a crater", crater},           {NULL, NULL}};
-    check_register("examples", cases);
+    check_register_within("examples", enter_folder, leave, cases);
 }

@@ -47,21 +47,14 @@ static const char fall[] =
 static void test_closed_forms(void)
 {
     scoped_trial t;
-    start(&t, fall);
-    finish(&t, 1000);
-    CU_ASSERT_STRING_EQUAL(exp_ended(t.run)->status, "ok");
+    run_whole(&t, fall, 1000, "ok");
     const double T = 0.05, fell = 0.5 * 1000.0 * T * T;
     /* Verlet has the fall exact */
-    CHECK_NEAR(measured(&t, "y1"), 5.0 - fell, 1e-9);
-    CHECK_NEAR(measured(&t, "v"), -50.0, 1e-9);
-    CHECK_NEAR(measured(&t, "all"), 5.0 - fell, 1e-9);
-    CHECK_NEAR(measured(&t, "fastest"), 50.0, 1e-9);
-    CHECK_NEAR(measured(&t, "e"), 0.5 * 0.04 * 2500.0, 1e-9);
-    CHECK_NEAR(measured(&t, "mean_e"), 0.25 * 0.04 * 2500.0, 1e-9);
+    CHECK_EACH(measured(&t, NAME), 1e-9, {"y1", 5.0 - fell}, {"v", -50.0}, {"all", 5.0 - fell},
+               {"fastest", 50.0}, {"e", 0.5 * 0.04 * 2500.0}, {"mean_e", 0.25 * 0.04 * 2500.0});
     CU_ASSERT(measured(&t, "fell") == 2.0 && measured(&t, "not") == 0.0);
     CU_ASSERT(measured(&t, "in") == 1.0 && measured(&t, "in_m") == 0.03);
-    CHECK_NEAR(measured(&t, "t1"), T, 1e-12);
-    CHECK_NEAR(measured(&t, "T"), 1e-4 * measured(&t, "s"), 1e-12);
+    CHECK_EACH(measured(&t, NAME), 1e-12, {"t1", T}, {"T", 1e-4 * measured(&t, "s")});
     CHECK_NEAR(measured(&t, "rate_y"), -1000.0, 1e-6);
     CHECK_NEAR(measured(&t, "mean_t"), 0.0275, 1e-12);
     CHECK_NEAR(measured(&t, "late"), 0.03, 1e-12); /* samples each 0.005 s; the first beyond 25 cm/s */
@@ -71,8 +64,7 @@ static void test_closed_forms(void)
     CHECK_NEAR(measured(&t, "weight"), -0.04 * 1000.0, 0.4);
     CU_ASSERT(measured(&t, "side") == 0.0);
     CHECK_NEAR(measured(&t, "top"), 0.4, 1e-3);
-    CHECK_NEAR(measured(&t, "l"), 0.9, 1e-9);
-    CHECK_NEAR(measured(&t, "r"), 3.2, 1e-9);
+    CHECK_EACH(measured(&t, NAME), 1e-9, {"l", 0.9}, {"r", 3.2});
     CU_ASSERT(measured(&t, "touching") == 1.0 && measured(&t, "columns") == 2.0);
     CHECK_NEAR(measured(&t, "sum"), -48.0, 1e-9);
     CU_ASSERT(isnan(measured(&t, "rate_y_se"))); /* ten samples are too few for an error */
@@ -97,9 +89,7 @@ static void test_phases(void)
         "  { name = \"nothing\"; of = \"tilt_deg\"; at = \"never\"; }, { name = \"steps\"; of = \"step\"; } "
         ");\n";
     scoped_trial t;
-    start(&t, text);
-    finish(&t, 37);
-    CU_ASSERT_STRING_EQUAL(exp_ended(t.run)->status, "ok_turned");
+    run_whole(&t, text, 37, "ok_turned");
     CHECK_NEAR(measured(&t, "tilt"), 5.0, 1e-9);
     CU_ASSERT(measured(&t, "passes") == 5.0 && measured(&t, "steps") == 5.0 * 200.0 + 3.0);
     CU_ASSERT(isnan(measured(&t, "nothing")) && exp_steps(t.run) == 1003);
@@ -126,9 +116,7 @@ static void test_known_so_far(void)
         "  { name = \"last\"; of = \"step\"; },\n"
         "  { name = \"fall\"; of = \"vy\"; during = \"flight\"; take = \"line\"; against = \"t\"; } );\n";
     scoped_trial t;
-    start(&t, text);
-    finish(&t, 7);
-    CU_ASSERT_STRING_EQUAL(exp_ended(t.run)->status, "ok");
+    run_whole(&t, text, 7, "ok");
     CHECK_NEAR(measured(&t, "most"), 5.0 + 50.0 * 50.0 / 2000.0, 1e-3);
     CU_ASSERT(measured(&t, "fell") < measured(&t, "most") - 0.2 &&
               measured(&t, "fell") > measured(&t, "most") - 0.25);
@@ -136,8 +124,7 @@ static void test_known_so_far(void)
      * higher than the flight */
     CU_ASSERT(measured(&t, "by_block") == 1.0 && measured(&t, "before") == 0.0);
     CHECK_NEAR(measured(&t, "fall_0"), 50.0, 1e-9); /* vy = 50 - 1000 t */
-    CHECK_NEAR(measured(&t, "fall_1"), -1000.0, 1e-7);
-    CHECK_NEAR(measured(&t, "fall_1_se"), 0.0, 1e-7);
+    CHECK_EACH(measured(&t, NAME), 1e-7, {"fall_1", -1000.0}, {"fall_1_se", 0.0});
     CU_ASSERT(measured(&t, "by_phase") == 0.0 && measured(&t, "last") == (double)exp_steps(t.run));
 }
 
@@ -160,9 +147,7 @@ static void test_forces(void)
         char made[2048];
         scoped_trial t;
         snprintf(made, sizeof made, text, at[0], at[1], at[2], at[3], at[4]);
-        start(&t, made);
-        finish(&t, 1000);
-        CU_ASSERT_STRING_EQUAL(exp_ended(t.run)->status, k < 2 ? "ok" : "no_pile");
+        run_whole(&t, made, 1000, k < 2 ? "ok" : "no_pile");
         if (k == 2) CU_ASSERT(strstr(exp_ended(t.run)->message, "the floor is not level") != NULL);
         if (k == 2) continue;
         CHECK_NEAR(measured(&t, "f_n"), 0.5, 1e-6); /* of two such grains */
@@ -170,8 +155,7 @@ static void test_forces(void)
                    1e-3); /* half of the weight at an arm of half of d, less the overlap */
         CHECK_NEAR(measured(&t, "f_h"), 0.0, 1e-12);
         CU_ASSERT(isnan(measured(&t, "f_bulk"))); /* nothing presses from the sides */
-        CHECK_NEAR(measured(&t, "f_weight_error"), 0.0, 1e-6);
-        CHECK_NEAR(measured(&t, "f_balance_error"), 0.0, 1e-6);
+        CHECK_EACH(measured(&t, NAME), 1e-6, {"f_weight_error", 0.0}, {"f_balance_error", 0.0});
     }
 }
 
@@ -229,9 +213,7 @@ static void test_cuts(void)
     static const long parts[] = {1, 7, 333};
     for (int text = 0; text < 2; text++) {
         scoped_trial whole;
-        start(&whole, text ? shaken : small_hopper());
-        finish(&whole, 1000000);
-        CU_ASSERT_STRING_EQUAL(exp_ended(whole.run)->status, "ok");
+        run_whole(&whole, text ? shaken : small_hopper(), 1000000, "ok");
         size_t n;
         exp_outputs(whole.plan, &n);
         CU_ASSERT(text ? measured(&whole, "xs") != 1.0 : n == 8 && measured(&whole, "rate") > 100.0);
@@ -409,18 +391,16 @@ static void test_keys(void)
                  {"of = \"height\"", "of = \"2*height\"", true}};
     scoped_trial base;
     CHECK_OK(read_text(&base, small_hopper()));
-    char *expected = exp_key(base.plan);
+    scoped char *expected = exp_key(base.plan);
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         char text[8192];
         scoped_trial t;
         replaced(small_hopper(), cases[k].from, cases[k].to, text);
         CHECK_OK(read_text(&t, text));
-        char *key = exp_key(t.plan);
+        scoped char *key = exp_key(t.plan);
         if ((strcmp(key, expected) != 0) != cases[k].matters) fprintf(stderr, "%s\n", cases[k].to);
         CU_ASSERT((strcmp(key, expected) != 0) == cases[k].matters);
-        free(key);
     }
-    free(expected);
 }
 
 /* ---- the program ---- */
@@ -446,27 +426,24 @@ static void test_run(void)
 /* Stopped in each phase, and resumed: the same bytes, in folders of the same name. */
 static void test_resumed(void)
 {
-    write_text("out", "%s", ""), write_text("err", "%s", "");
     write_text("h.cfg", "%s", small_hopper());
-    CU_ASSERT(shell("mkdir a b && cp h.cfg a && cp h.cfg b && cd a && $REPOSE run h.cfg -o o --snapshot 300 "
-                    "--every 700 >a.out 2>/dev/null") == 0);
+    SHELL("mkdir a b && cp h.cfg a && cp h.cfg b && cd a && $REPOSE run h.cfg -o o --snapshot 300 "
+          "--every 700 >a.out 2>/dev/null");
     static const char *const delays[] = {"0.02", "0.05", "0.1", "0.2"};
     for (size_t k = 0; k < 4; k++) {
         char line[1024];
         snprintf(line, sizeof line,
                  "cd b && rm -rf o && timeout --foreground -s KILL %s $REPOSE run h.cfg -o o --snapshot 300 "
-                 "--every 700 "
-                 ">/dev/null 2>&1; "
-                 "resume() { $REPOSE run h.cfg --resume o >/dev/null 2>&1 || exit 9; }; "
-                 "[ ! -e o/unfinished/snapshot ] || resume; "
+                 "--every 700 >/dev/null 2>&1; resume() { $REPOSE run h.cfg --resume o >/dev/null 2>&1 || "
+                 "exit 9; }; [ ! -e o/unfinished/snapshot ] || resume; "
                  /* timeout waits for the one it has killed, which holds the lock until then; a kill while the
                     result takes its place leaves the rest of that to the next command */
                  "[ ! -e o/states.tsv ] || diff -r ../a/o o >/dev/null || { resume; diff -r ../a/o o; }",
                  delays[k]);
-        CU_ASSERT(shell(line) == 0);
+        SHELL(line);
     }
-    CU_ASSERT(shell("cd b && rm -rf o && timeout -s INT 0.1 $REPOSE run h.cfg -o o --snapshot 300 >/dev/null "
-                    "2>err; [ ! -e o/unfinished/snapshot ] || grep -q 'stopped at step .* of f' err") == 0);
+    SHELL("cd b && rm -rf o && timeout -s INT 0.1 $REPOSE run h.cfg -o o --snapshot 300 >/dev/null "
+          "2>err; [ ! -e o/unfinished/snapshot ] || grep -q 'stopped at step .* of f' err");
     if (shell("[ -e b/o/unfinished/snapshot ]") == 0) {
         FAILS(65, "phases: give the file too", "run --resume b/o");
         FAILS(65, "not the scene that the snapshot in b/o is of", "run h.cfg --set mu=0.3 --resume b/o");
@@ -475,32 +452,29 @@ static void test_resumed(void)
 
 static void test_swept(void)
 {
-    write_text("out", "%s", ""), write_text("err", "%s", "");
     write_text("h.cfg", "%s", small_hopper());
     write_text("s.cfg", "experiment = \"h.cfg\"; replicas = 3; seed = 5; set = [ \"rest.looks=9\" ];\n"
                         "fixed = { mu = 0.25; }; grid = { D = [1.4, 1.6]; };\n");
-    CU_ASSERT(shell("sed -i 's/^regions/rest = { looks = 10; }; regions/' h.cfg") == 0);
+    SHELL("sed -i 's/^regions/rest = { looks = 10; }; regions/' h.cfg");
     GOOD("sweep make s.cfg -o s --tables t -j 2 --quiet");
     scoped_table t = read_table("t/runs.tsv");
     CU_ASSERT(t.n_rows == 6 && cell(&t, 0, "D") == 1.4 && cell(&t, 5, "D") == 1.6);
     CU_ASSERT(cell(&t, 5, "rate") > 100.0 && cell(&t, 5, "rate") != cell(&t, 4, "rate"));
     /* a row again, alone; the folder has all that it needs */
-    CU_ASSERT(shell("mv h.cfg gone.cfg && $REPOSE run s/sweep.cfg --row 5 -o row >row.out 2>/dev/null") == 0);
+    SHELL("mv h.cfg gone.cfg && $REPOSE run s/sweep.cfg --row 5 -o row >row.out 2>/dev/null");
     scoped_table row = read_table("row.out");
     CU_ASSERT(cell(&row, 0, "rate") == cell(&t, 5, "rate"));
     scoped_table series = read_table("row/series_mean_y.tsv");
     CU_ASSERT(series.n_rows > 10);
     GOOD("sweep status s");
     /* in shards, with the same digest; killed and gone on with */
-    CU_ASSERT(shell("mv gone.cfg h.cfg && $REPOSE sweep plan s.cfg -o p >/dev/null && for k in 1 2 3; do "
-                    "timeout --foreground -s KILL 0.05 $REPOSE sweep run p --shard $k/3 -j 1 --quiet; "
-                    "$REPOSE sweep run p "
-                    "--shard $k/3 -j 1 --quiet || exit 9; done; "
-                    "$REPOSE sweep merge p >/dev/null && [ \"$($REPOSE sweep digest s)\" = \"$($REPOSE sweep "
-                    "digest p)\" ]") == 0);
+    SHELL("mv gone.cfg h.cfg && $REPOSE sweep plan s.cfg -o p >/dev/null && for k in 1 2 3; do timeout "
+          "--foreground -s KILL 0.05 $REPOSE sweep run p --shard $k/3 -j 1 --quiet; $REPOSE sweep run p "
+          "--shard $k/3 -j 1 --quiet || exit 9; done; $REPOSE sweep merge p >/dev/null && [ \"$($REPOSE "
+          "sweep digest s)\" = \"$($REPOSE sweep digest p)\" ]");
     /* another phase is another plan; its rows are made again */
-    CU_ASSERT(shell("sed -i 's/least = 2000/least = 2100/' h.cfg && $REPOSE sweep plan s.cfg -o s | grep -q "
-                    "' 0 already stored'") == 0);
+    SHELL("sed -i 's/least = 2000/least = 2100/' h.cfg && $REPOSE sweep plan s.cfg -o s | grep -q "
+          "' 0 already stored'");
 }
 
 static void test_sweeps_refused(void)
@@ -532,14 +506,13 @@ static void test_sweeps_refused(void)
     write_text("plain.cfg", "steps = 3; particles = ( { x = 0.0; y = 0.0; r = 0.1; } );\n");
     write_text("files.cfg", "particles_file = \"p.tsv\"; phases = ( { name = \"a\"; steps = 3; } );\n");
     write_text("p.tsv", "x\ty\tr\n0\t0\t0.1\n");
-    write_text("out", "%s", ""), write_text("err", "%s", "");
-    CU_ASSERT(shell("sed 's/packed/sum/' h.cfg >taken.cfg; sed 's/packed/RATE/' h.cfg >twice.cfg; "
-                    "sed 's/unused/seed/' h.cfg >seed.cfg") == 0);
+    SHELL("sed 's/packed/sum/' h.cfg >taken.cfg; sed 's/packed/RATE/' h.cfg >twice.cfg; "
+          "sed 's/unused/seed/' h.cfg >seed.cfg");
     write_text("included.cfg", "@include \"h.cfg\"\n");
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         write_text("s.cfg", "%s\n", cases[k][0]);
         FAILS(65, cases[k][1], "sweep plan s.cfg -o s");
-        CU_ASSERT(shell("[ ! -e s ]") == 0);
+        SHELL("[ ! -e s ]");
     }
 }
 
@@ -570,9 +543,7 @@ static const char lift[] =
 static void test_walls(void)
 {
     scoped_trial t;
-    start(&t, lift);
-    finish(&t, 321);
-    CU_ASSERT_STRING_EQUAL(exp_ended(t.run)->status, "ok");
+    run_whole(&t, lift, 321, "ok");
     CHECK_NEAR(measured(&t, "torque"), -0.01 * 1000.0 * 0.5, 1e-3); /* the weight at its arm */
     CHECK_NEAR(measured(&t, "vy_"), 2.0, 0.2);
     CHECK_NEAR(measured(&t, "wall_vy"), 2.0, 0.0);
@@ -612,8 +583,7 @@ static void test_vibrated(void)
         CHECK_OK(exp_check(t.plan));
         finish(&t, 777);
         const double w = 2.0 * M_PI * 10.0, A = (strong ? 2.0 : 0.8) * 981.0 / (w * w);
-        CHECK_NEAR(measured(&t, "top"), 2.0 * A, 1e-5);
-        CHECK_NEAR(measured(&t, "end"), 2.0 * A, 1e-5);
+        CHECK_EACH(measured(&t, NAME), 1e-5, {"top", 2.0 * A}, {"end", 2.0 * A});
         CHECK_NEAR(measured(&t, "fastest"), A * w, 1e-4 * A * w);
         if (strong)
             CHECK_NEAR(measured(&t, "flies"), acos(-0.5) / w,
@@ -642,9 +612,8 @@ static void test_modules(void)
              ", { x = 4.7; y = 0.9; r = 0.1; }, { x = 9.0; y = 0.1; r = 0.1; }, { x = 9.19; y = 0.1; r = "
              "0.1; } );\n"
              "phases = ( { name = \"look\"; steps = 0; } );\n"
-             "measure = ( { name = \"heap\"; of = \"flanks\"; in = \"all\"; }, { name = "
-             "\"gap\"; of = \"flanks\"; in = \"wide\"; }, { name = \"d_\"; of = "
-             "\"deposit\"; },\n"
+             "measure = ( { name = \"heap\"; of = \"flanks\"; in = \"all\"; }, { name = \"gap\"; of = "
+             "\"flanks\"; in = \"wide\"; }, { name = \"d_\"; of = \"deposit\"; },\n"
              "  { name = \"s\"; of = \"slope\"; in = \"right_side\"; height = \"top\"; }, { name = \"two\"; "
              "of = \"slope.r2_deg\"; in = \"right_side\"; height = \"top\"; },\n"
              "  { name = \"mirrored\"; of = \"slope.r1_deg\"; in = \"right_side\"; falls = \"left\"; } );\n");
@@ -653,24 +622,22 @@ static void test_modules(void)
     finish(&t, 100);
     const double deg = M_PI / 180.0;
     CU_ASSERT_STRING_EQUAL(exp_ended(t.run)->status, "ok");
-    CHECK_NEAR(measured(&t, "heap_right_deg"), atan(0.4) / deg, 1e-6);
-    CHECK_NEAR(measured(&t, "heap_left_deg"), atan(0.8) / deg, 1e-6);
+    CHECK_EACH(measured(&t, NAME), 1e-6, {"heap_right_deg", atan(0.4) / deg},
+               {"heap_left_deg", atan(0.8) / deg});
     CHECK_NEAR(measured(&t, "gap_right_deg"), measured(&t, "heap_right_deg"),
                1e-9); /* beyond an empty column */
-    CHECK_NEAR(measured(&t, "heap_mean_deg"), 0.5 * (atan(0.4) + atan(0.8)) / deg, 1e-6);
-    CHECK_NEAR(measured(&t, "heap_height"), 2.0, 1e-6);
+    CHECK_EACH(measured(&t, NAME), 1e-6, {"heap_mean_deg", 0.5 * (atan(0.4) + atan(0.8)) / deg},
+               {"heap_height", 2.0});
     CHECK_NEAR(measured(&t, "heap_apex"), 0.1, 0.02);
     CHECK_NEAR(measured(&t, "heap_width"), 29 * 0.2, 1e-6);
     CU_ASSERT(measured(&t, "heap_right_error_deg") < 1e-6);
     CHECK_NEAR(measured(&t, "s_r2_deg"), atan(0.4) / deg, 1e-6);
     CHECK_NEAR(measured(&t, "two"), measured(&t, "s_r2_deg"), 0.0);
-    CHECK_NEAR(measured(&t, "s_r1_deg"), atan(0.4) / deg, 1e-6);
-    CHECK_NEAR(measured(&t, "mirrored"), -atan(0.4) / deg, 1e-6);
+    CHECK_EACH(measured(&t, NAME), 1e-6, {"s_r1_deg", atan(0.4) / deg}, {"mirrored", -atan(0.4) / deg});
     CU_ASSERT(measured(&t, "s_cells") == 20.0);
     /* the two that overlap by a hundredth are the only ones that touch */
     CU_ASSERT(measured(&t, "d__grains") == 2.0);
-    CHECK_NEAR(measured(&t, "d__left"), 8.9, 1e-9);
-    CHECK_NEAR(measured(&t, "d__right"), 9.29, 1e-9);
+    CHECK_EACH(measured(&t, NAME), 1e-9, {"d__left", 8.9}, {"d__right", 9.29});
 }
 
 /* A saw of known teeth, by a drop and by events; levelling off; a time step by its limit. */
@@ -689,17 +656,13 @@ static void test_avalanches(void)
         "  { name = \"none\"; of = \"1\"; during = \"saw\"; take = \"avalanches\"; drop = 1.0; optional = "
         "true; } );\n";
     scoped_trial t;
-    start(&t, text);
-    finish(&t, 1 << 20);
-    CU_ASSERT_STRING_EQUAL(exp_ended(t.run)->status, "ok");
+    run_whole(&t, text, 1 << 20, "ok");
     CU_ASSERT(measured(&t, "fall_n") == 10.0 && measured(&t, "shock_n") == 10.0 &&
               measured(&t, "none_n") == 0.0);
-    CHECK_NEAR(measured(&t, "fall_before"), 3.0, 0.05);
-    CHECK_NEAR(measured(&t, "fall_after"), 0.0, 0.05);
+    CHECK_EACH(measured(&t, NAME), 0.05, {"fall_before", 3.0}, {"fall_after", 0.0});
     CU_ASSERT(measured(&t, "fall_before_se") < 0.01);
-    CHECK_NEAR(measured(&t, "shock_before"), 4.5, 1e-12);
-    CHECK_NEAR(measured(&t, "shock_after"), 5.5, 1e-12);
-    CHECK_NEAR(measured(&t, "shock_after_se"), sqrt(82.5 / 9.0 / 10.0), 1e-12);
+    CHECK_EACH(measured(&t, NAME), 1e-12, {"shock_before", 4.5}, {"shock_after", 5.5},
+               {"shock_after_se", sqrt(82.5 / 9.0 / 10.0)});
     CHECK_NEAR(measured(&t, "level"), 1.0, 0.01);
     /* the limit is that of a check with the same fall */
     static const char *const factors[] = {"0.999", "1.001"};
@@ -740,10 +703,7 @@ static void test_more_modules(void)
 {
     static const char text[] =
         "dt = 1.0e-5; normal = { gamma_n = 0.0; }; gravity = (0.0, 0.0); particles = ( { x = 0.0; y = 0.0; r "
-        "= 0.1; fixed = true; }, { x "
-        "= 0.3; y = 0.0; r = "
-        "0.1; fixed = "
-        "true; },\n"
+        "= 0.1; fixed = true; }, { x = 0.3; y = 0.0; r = 0.1; fixed = true; },\n"
         "  { x = 0.0; y = 0.1999; r = 0.1; }, { x = 0.3; y = 0.1998; r = 0.1; }, { x = 0.6; y = 0.0999; r = "
         "0.1; } );\n"
         "walls = ( { name = \"floor\"; point = (0.0, 0.0); direction = (0.0, 1.0); } );\n"
@@ -751,9 +711,7 @@ static void test_more_modules(void)
         "measure = ( { name = \"a\"; of = \"base\"; wall = \"floor\"; prefix = \"\"; fixed = true; },\n"
         "  { name = \"b\"; of = \"base\"; wall = \"floor\"; prefix = \"alone\"; optional = true; } );\n";
     scoped_trial t;
-    start(&t, text);
-    finish(&t, 100);
-    CU_ASSERT_STRING_EQUAL(exp_ended(t.run)->status, "ok");
+    run_whole(&t, text, 100, "ok");
     const double k = 1e6, one = k * pow(1e-4, 1.5), two = k * pow(2e-4, 1.5), wall = 2.0 * k * pow(1e-4, 1.5);
     CHECK_NEAR(measured(&t, "load"), one + two + wall, 1e-6);
     CHECK_NEAR(measured(&t, "centroid"), (0.3 * two + 0.6 * wall) / (one + two + wall), 1e-9);
@@ -795,9 +753,7 @@ static void test_refused_more(void)
     CHECK_OK(read_text(&timed, text));
     CHECK_FAILS(exp_check(timed.plan), RP_BAD_INPUT, "phase up: wall plate needs dt <= ");
     replaced(lift, "\"v\"", "\"v*(1e5 + y)\"", text); /* known to the run alone */
-    start(&fast, text);
-    finish(&fast, 1000);
-    CU_ASSERT_STRING_EQUAL(exp_ended(fast.run)->status, "too_fast");
+    run_whole(&fast, text, 1000, "too_fast");
 }
 
 /* Much of what phases can do, for a while. */
@@ -816,8 +772,7 @@ static const char acting[] =
     "      add = { N = 1; kind = \"c\"; r = 0.1; x = (2.2, 2.8); y = \"touch + r\"; vy = \"-y\"; };\n"
     "      every = 10; most = 100; go_on = true; until = \"touched\"; } ); },\n"
     "  { name = \"again\"; from = \"fall\"; tangential = { mu = 0.2; }; dt = 2e-5; remove = \"part\"; steps "
-    "= "
-    "50; } );\n"
+    "= 50; } );\n"
     "measure = ( { name = \"s\"; of = \"part.syy + c.y + sliding\"; at = \"feed\"; optional = true; },\n"
     "  { name = \"order\"; of = \"order\"; at = \"fall\"; }, { name = \"load\"; of = \"base\"; wall = "
     "\"base\"; at = \"press\"; optional = true; } );\n";

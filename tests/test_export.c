@@ -85,13 +85,12 @@ static void test_sources(void)
     write_run();
     GOOD("export pile --to csv --columns y,id --where step=1000");
     CU_ASSERT(strncmp(out, "y,id\n0.", 7) == 0 && strstr(out, ",4\n") && !strstr(out, ",1\n"));
-    CU_ASSERT(shell("cp pile/states.tsv one_grains.tsv; cp pile/contacts.tsv one_contacts.tsv") == 0);
+    SHELL("cp pile/states.tsv one_grains.tsv; cp pile/contacts.tsv one_contacts.tsv");
     GOOD("export pile --to lammps -o a.lammpstrj");
     GOOD("export one_grains.tsv --to lammps -o b.lammpstrj");
-    CU_ASSERT(shell("cmp a.lammpstrj b.lammpstrj >out && cmp a.contacts.lammpstrj b.contacts.lammpstrj") ==
-              0);
+    SHELL("cmp a.lammpstrj b.lammpstrj >out && cmp a.contacts.lammpstrj b.contacts.lammpstrj");
     GOOD("export pile --to lammps");
-    CU_ASSERT(shell("cp out said; cmp said a.lammpstrj >out") == 0);
+    SHELL("cp out said; cmp said a.lammpstrj >out");
     write_text("xyr.tsv", "x y r\n0.25 0.5 0.125\n1 2 0.5\n");
     GOOD("export xyr.tsv --to xyz");
     CU_ASSERT_STRING_EQUAL(out, "2\nProperties=id:I:1:pos:R:3:radius:R:1 Time=0 step=0 pbc=\"F F F\"\n"
@@ -123,30 +122,27 @@ static void test_empty_frames(void)
     static const struct {
         const char *words, *steps;
     } cases[] = {{"o", "0 50 100 150 200 \n"}, {"o --where step=50", "50 \n"}, {"o/states.tsv", "50 150 \n"}};
-    CU_ASSERT(shell("mkdir o >out 2>err") == 0);
+    SHELL("mkdir o >out 2>err");
     write_text("o/states.tsv",
                "step\tt\tid\tx\ty\tr\n50\t.5\t1\t0\t0\t1\n50\t.5\t2\t3\t0\t1\n150\t1.5\t2\t3\t0\t1\n");
     write_text("o/energy.tsv", "step\tt\tkinetic\n0\t0\t0\n50\t.5\t0\n100\t1\t0\n150\t1.5\t0\n200\t2\t0\n");
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
-        CU_ASSERT(shell("rm -f a.lammpstrj") == 0);
+        SHELL("rm -f a.lammpstrj");
         GOOD("export %s --to lammps -o a.lammpstrj", cases[k].words);
-        CU_ASSERT(
-            shell("grep -A1 'ITEM: TIMESTEP' a.lammpstrj | grep '^[0-9]' | tr '\\n' ' ' >out; echo >>out") ==
-            0);
+        SHELL("grep -A1 'ITEM: TIMESTEP' a.lammpstrj | grep '^[0-9]' | tr '\\n' ' ' >out; echo >>out");
         CU_ASSERT_STRING_EQUAL(out, cases[k].steps);
     }
     GOOD("export o --to xyz");
     CU_ASSERT(strstr(out, "0\nProperties=") == out &&
               strstr(out, "Time=1 step=100 pbc=\"F F F\"\n1\nProperties="));
     GOOD("export o --to vtk -o a.pvd");
-    CU_ASSERT(shell("grep -o 'timestep=\"[^\"]*' a.pvd | tr -dc '0-9.\\n' | tr '\\n' ' ' >out; echo >>out") ==
-              0);
+    SHELL("grep -o 'timestep=\"[^\"]*' a.pvd | tr -dc '0-9.\\n' | tr '\\n' ' ' >out; echo >>out");
     CU_ASSERT_STRING_EQUAL(out, "0 0.5 1 1.5 2 \n");
-    CU_ASSERT(shell("grep -q 'NumberOfPoints=\"0\"' a_frames/grains_000004.vtp") == 0);
+    SHELL("grep -q 'NumberOfPoints=\"0\"' a_frames/grains_000004.vtp");
     GOOD("view o -o a.svg");
-    CU_ASSERT(shell("grep -q 'step 200, .*0 grains' a.svg") == 0);
+    SHELL("grep -q 'step 200, .*0 grains' a.svg");
     GOOD("view o -o a.svg --frame step=150");
-    CU_ASSERT(shell("grep -q '1 grains\\|1 grain' a.svg") == 0);
+    SHELL("grep -q '1 grains\\|1 grain' a.svg");
 }
 
 /* A name of 4000 characters is the longest from which those of other files are made: here ./././... */
@@ -160,15 +156,15 @@ static void test_dump(void)
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         char line[256];
         GOOD("run scene.cfg --every 250 -o pile%zu --dump %s", k, cases[k].format);
-        CU_ASSERT(shell("mkdir apart >out 2>err") == 0);
+        SHELL("mkdir apart >out 2>err");
         GOOD("export pile%zu --to %s -o apart/%s", k, cases[k].format, cases[k].name);
         snprintf(line, sizeof line,
                  "for f in apart/*; do diff -r -x .repose $f pile%zu/${f#apart/} || exit 1; done >out 2>err",
                  k);
-        CU_ASSERT(shell(line) == 0);
-        CU_ASSERT(shell("rm -r apart >out 2>err") == 0);
+        SHELL(line);
+        SHELL("rm -r apart >out 2>err");
     }
-    CU_ASSERT(shell("ls pile0/run.lammpstrj pile0/run.contacts.lammpstrj pile2/run_frames >out 2>err") == 0);
+    SHELL("ls pile0/run.lammpstrj pile0/run.contacts.lammpstrj pile2/run_frames >out 2>err");
     FAILS(64, "--dump needs -o DIR", "run scene.cfg --dump xyz");
     FAILS(65, "none | lammps | xyz | vtk", "run scene.cfg -o pile --dump csv");
     write_text("s.cfg", "protocol = \"repose\"; replicas = 1;\n");
@@ -224,9 +220,9 @@ static void test_errors(void)
     FAILS(64, "takes no --columns, --where or --reduce",
           "export scene.cfg --to lammps-input --reduce -o a.in");
     FAILS(74, "/dev/full: cannot write", "export pile --to json -o /dev/full");
-    CU_ASSERT(shell("ln -s /dev/full full.gz") == 0);
+    SHELL("ln -s /dev/full full.gz");
     FAILS(74, "full.gz: cannot write", "export pile --to json -o full.gz");
-    CU_ASSERT(shell("cp old.tsv pile/contacts.tsv") == 0);
+    SHELL("cp old.tsv pile/contacts.tsv");
     FAILS(65, "pile/contacts.tsv: no column \"step\"", "export pile --to lammps");
 }
 
@@ -236,7 +232,7 @@ static void test_errors(void)
  * and without ends. All numbers are exact in binary. */
 static void write_small(void)
 {
-    CU_ASSERT(shell("mkdir d >out 2>err") == 0);
+    SHELL("mkdir d >out 2>err");
     write_text("d/states.tsv",
                "step\tt\tid\tx\ty\tr\tm\tvx\tvy\tfx\tfy\tomega\tcontacts\n"
                "0\t0\t7\t0.5\t1\t0.5\t2\t1\t-1\t3\t-4\t0.25\t1\n0\t0\t3\t2\t1.5\t0.25\t4\t5\t6\t7\t8\t-9\t2\n"
@@ -281,7 +277,7 @@ static void test_dump_files(void)
     GOOD("export d --to lammps");
     CU_ASSERT(shell("ls | grep contacts >out") == 0 && strcmp(out, "a.contacts.dump\n") == 0);
     GOOD("export d/states.tsv --to lammps -o b.dump");
-    CU_ASSERT(shell("cmp a.dump b.dump >out && ! test -e b.contacts.dump") == 0);
+    SHELL("cmp a.dump b.dump >out && ! test -e b.contacts.dump");
     GOOD("export d --to xyz");
     file_is("out",
             "2\nProperties=id:I:1:pos:R:3:radius:R:1:mass:R:1:velo:R:3:force:R:3:omega:R:1:contacts:R:1 "
@@ -531,7 +527,7 @@ static void test_held(void)
     write_text("held.cfg", "particles_file = \"g.tsv\"; dt = 1e-5; steps = 10;\n"
                            "normal = { law = \"linear\"; tension = false; };\n");
     GOOD("export held.cfg --to lammps-input -o held.in");
-    CU_ASSERT(shell("grep '^group fixed' held.in >out") == 0);
+    SHELL("grep '^group fixed' held.in >out");
     CU_ASSERT_STRING_EQUAL(out, "group fixed id 1\ngroup fixed id 3\n");
 }
 
@@ -815,8 +811,8 @@ static void test_random_texts(void)
         fputs("\n", table);
         fclose(table);
         fclose(names);
-        CU_ASSERT(shell("mkdir made >out 2>err") == 0);
-        CU_ASSERT(shell("rm -f random.csv random.json") == 0);
+        SHELL("mkdir made >out 2>err");
+        SHELL("rm -f random.csv random.json");
         GOOD("export random.tsv --to csv -o random.csv");
         GOOD("export random.tsv --to json -o random.json");
         for (int k = 0; k < 4; k++) {
@@ -826,8 +822,7 @@ static void test_random_texts(void)
             write_text("format", "%s", formats[k]);
             const char *line =
                 k == 3
-                    ? "cp l.cfg \"made/$(cat file).cfg\"; \"$REPOSE\" export \"made/$(cat file).cfg\" "
-                      "--to "
+                    ? "cp l.cfg \"made/$(cat file).cfg\"; \"$REPOSE\" export \"made/$(cat file).cfg\" --to "
                       "lammps-input -o \"made/$(cat file)\" >out 2>err"
                     : "\"$REPOSE\" export random.tsv --to $(cat format) -o \"made/$(cat file)\" >out 2>err";
             const int status = shell(line);
@@ -835,7 +830,7 @@ static void test_random_texts(void)
             CU_ASSERT(status == 0 || (k == 3 && status == 64 && strstr(err, "letters, digits and ._+-")));
         }
         CU_ASSERT(readers("random"));
-        CU_ASSERT(shell("! ls hit made/hit >out 2>err && rm -r made") == 0);
+        SHELL("! ls hit made/hit >out 2>err && rm -r made");
     }
     CU_ASSERT(taken > 0);
 }
@@ -860,7 +855,7 @@ static void test_package(void)
     CU_ASSERT(readers("package"));
     CU_ASSERT_PTR_NOT_NULL_FATAL(realpath("python/pile.py", script));
     snprintf(line, sizeof line, "export REPOSE; " PYTHON "%s example >out 2>err", script);
-    CU_ASSERT(shell(line) == 0);
+    SHELL(line);
     CU_ASSERT(strstr(out, "theta_R by method 3: ") && *err == '\0');
 }
 

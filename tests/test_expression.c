@@ -168,13 +168,12 @@ static void test_messages(void)
         CHECK_FAILS(rp_expression_read(&arena, cases[k][0], &outside, &e), RP_BAD_INPUT, cases[k][1]);
     for (int k = 0; k < 120; k++) strcat(deep, k % 2 ? "(" : "-");
     CHECK_FAILS(rp_expression_read(&arena, deep, &outside, &e), RP_BAD_INPUT, "too deep");
-    char *wide = calloc(2000, 1);
+    scoped char *wide = calloc(2000, 1);
     for (int k = 0; k < 300; k++) strcat(wide, k ? "+mu*W" : "grains");
     CHECK_OK(rp_expression_read(&arena, "grains + 0.2", &outside, &e));
     *wide = '\0';
     for (int k = 0; k < 150; k++) strcat(wide, k ? "+grains" : "grains");
     CHECK_FAILS(rp_expression_read(&arena, wide, &outside, &e), RP_BAD_INPUT, "too many parts");
-    free(wide);
     CHECK_FAILS(rp_expression_read_as(&arena, "mu", RP_X_TRUTH, &outside, &e), RP_BAD_INPUT,
                 "is a number, a condition is expected");
 }

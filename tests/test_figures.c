@@ -354,10 +354,9 @@ static bool check_line(const char *words)
 static void copy_figures(void)
 {
     CU_ASSERT_FATAL(
-        shell("for f in $(cd \"$OLDPWD\" && ls figures/*.gp figures/*/*.gp); do mkdir -p ${f%/*}; "
-              "sed -e '/^ *set format/d' -e 's/yerrorlines/yerrorbars/' "
-              "-e 's/with circles .*, \\\\$/with yerrorbars notitle, \\\\/' "
-              "-e 's/with circles .*[^\\\\]$/with yerrorbars notitle/' \"$OLDPWD/$f\" >$f; "
+        shell("for f in $(cd \"$OLDPWD\" && ls figures/*.gp figures/*/*.gp); do mkdir -p ${f%/*}; sed -e '/^ "
+              "*set format/d' -e 's/yerrorlines/yerrorbars/' -e 's/with circles .*, \\\\$/with yerrorbars "
+              "notitle, \\\\/' -e 's/with circles .*[^\\\\]$/with yerrorbars notitle/' \"$OLDPWD/$f\" >$f; "
               "done >out 2>err") == 0);
 }
 
@@ -371,9 +370,8 @@ static bool draw(const char *figure)
                                  (int)strcspn(fixtures[i].name, "/"), fixtures[i].name);
     }
     snprintf(command, sizeof command,
-             "w=$PWD/; set -- -e \"folders='$w'; sweeps='%s'; terminal='svg'\"; "
-             "(cd \"$OLDPWD\"; exec gnuplot \"$@\" -e \"file='${w}plain'\" figures/style.gp figures/%s.gp "
-             ">${w}out 2>${w}err) & "
+             "w=$PWD/; set -- -e \"folders='$w'; sweeps='%s'; terminal='svg'\"; (cd \"$OLDPWD\"; exec "
+             "gnuplot \"$@\" -e \"file='${w}plain'\" figures/style.gp figures/%s.gp >${w}out 2>${w}err) & "
              "gnuplot \"$@\" -e \"file='none'\" figures/style.gp -e \"set table '${w}drawn'\" figures/%s.gp "
              "-e \"save set '${w}set'\" 2>table_err; status=$?; wait $! && cat table_err >>err; exit $status",
              sweeps, figure, figure);

@@ -59,7 +59,7 @@ static const dem_fill wide = {.N = 3000,
 
 static void test_laws(void)
 {
-    dem_grain *grains = malloc((size_t)wide.N * sizeof *grains);
+    scoped dem_grain *grains = malloc((size_t)wide.N * sizeof *grains);
     const struct {
         dem_share by;
         dem_shape shape;
@@ -79,14 +79,13 @@ static void test_laws(void)
             CU_ASSERT(n == (size_t)wide.N && right < 1.95); /* p > 0.001 */
             CU_ASSERT(wrong > 3.0);                         /* it would be seen */
         }
-    free(grains);
 }
 
 /* Of each radius as many as its share of number, area or mass says. */
 static void test_table(void)
 {
     static const double radii[] = {0.1, 2.0, 0.2, 1.0, 0.15, 0.0, 0.3, 1.0};
-    dem_grain *grains = malloc((size_t)wide.N * sizeof *grains);
+    scoped dem_grain *grains = malloc((size_t)wide.N * sizeof *grains);
     for (int by = DEM_BY_NUMBER; by <= DEM_BY_MASS; by++) {
         dem_fill f = wide;
         size_t n, count[4] = {0};
@@ -105,7 +104,6 @@ static void test_table(void)
         }
         CU_ASSERT(chi2 < 13.8); /* two degrees of freedom, p > 0.001 */
     }
-    free(grains);
 }
 
 /* ---- patterns ---- */
@@ -149,7 +147,7 @@ static void test_cut(void)
     for (int k = 0; k < 3; k++) {
         char text[512], *written = NULL;
         scoped_scene s, back;
-        dem_grain *grains, *again;
+        scoped dem_grain *grains = NULL, *again = NULL;
         size_t n, m, size, low = 0;
         snprintf(text, sizeof text, "fill = %s;\n", fills[k]);
         CHECK_OK(grains_read(text, NULL, &s));
@@ -171,20 +169,19 @@ static void test_cut(void)
         CU_ASSERT_FATAL(m == n);
         for (size_t i = 0; i < n; i++)
             CU_ASSERT(memcmp(&grains[i], &again[i], offsetof(dem_grain, fixed)) == 0);
-        free(grains), free(again), free(written);
+        free(written);
     }
     static const char *const refused[][2] = {
         {"N = 3; W = 1.0; H = 1.0; spacing = 0.3;", "spacing: of a row or a lattice"},
         {"pattern = \"row\"; W = 3.0; spacing = 0.17; radius_width = 0.0;", "overlap by more than a tenth"},
         {"N = 3; W = 1.0; H = 1.0; polygon = ( (0.0, 0.0), (1.0, 1.0) );", "at least 3 points"}};
     scoped_scene far;
-    dem_grain *none = NULL;
+    scoped dem_grain *none = NULL;
     size_t n;
     CHECK_OK(grains_read("fill = { pattern = \"lattice\"; W = 1.0; H = 1.0; polygon = ( (5.0, 5.0), (6.0, "
                          "5.0), (5.0, 6.0) ); };\n",
                          NULL, &far));
     CHECK_FAILS(dem_scene_grains(&far, &none, &n, NULL), RP_NO_RESULT, "no place for a grain");
-    free(none);
     for (int k = 0; k < 3; k++) {
         char text[256];
         scoped_scene s;
@@ -227,7 +224,7 @@ static const char several[] =
 static void test_several(void)
 {
     scoped_scene s, back;
-    dem_grain *grains, *again;
+    scoped dem_grain *grains = NULL, *again = NULL;
     size_t n, m, ends[3];
     CHECK_OK(grains_read(several, NULL, &s));
     CU_ASSERT(s.has_fill && s.n_more == 2 && strcmp(s.kinds[2], "large") == 0);
@@ -257,7 +254,7 @@ static void test_several(void)
     for (size_t i = 0; i < n && m == n; i++)
         CU_ASSERT(grains[i].x == again[i].x && grains[i].y == again[i].y && grains[i].r == again[i].r &&
                   grains[i].m == again[i].m && grains[i].fixed == again[i].fixed);
-    free(grains), free(again), free(text);
+    free(text);
 }
 
 /* d is that of the mean grain of what is there first. */
@@ -268,8 +265,7 @@ static void test_constants(void)
         double d;
     } cases[] = {
         {"fill = ( { if = \"not all\"; N = 3; W = 1.0; H = 1.0; radius_mean = 0.12; }, { N = 3; W = 5.0; H = "
-         "5.0; "
-         "radius_mean = 0.2; radius_width = 0.0; } );",
+         "5.0; radius_mean = 0.2; radius_width = 0.0; } );",
          0.4},
         {"fill = { N = 3; W = 5.0; H = 5.0; radius_law = \"table\"; radii = ( (0.1, 3.0), (0.2, 1.0) ); };",
          0.25},
@@ -299,7 +295,7 @@ static void test_sparse(void)
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         char text[200];
         scoped_scene s;
-        dem_grain *grains;
+        scoped dem_grain *grains = NULL;
         size_t n = 0;
         snprintf(text, sizeof text, "fill = { pattern = \"lattice\"; radius_width = 0.0; %s };",
                  cases[k].text);
@@ -307,7 +303,6 @@ static void test_sparse(void)
         const rp_status status = dem_scene_grains(&s, &grains, &n, NULL);
         CU_ASSERT(status == (cases[k].n ? RP_OK : RP_NO_RESULT) && n == cases[k].n);
         if (n == cases[k].n && n > 0) CHECK_NEAR(grains[n - 1].y, cases[k].y, 1e-12);
-        free(grains);
     }
 }
 

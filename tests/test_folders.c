@@ -31,7 +31,7 @@ static void refused(const char *what, const char *command, const char *text)
              "rm -rf d side && mkdir d side && echo notes >side/notes && %s && cp -a d side before/", what);
     CU_ASSERT(shell("rm -rf before; mkdir before") == 0 && shell(line) == 0);
     FAILS(65, text, "%s", command);
-    CU_ASSERT(shell("diff -r --no-dereference d before/d >out && diff -r side before/side >out") == 0);
+    SHELL("diff -r --no-dereference d before/d >out && diff -r side before/side >out");
 }
 
 static void test_refusals(void)
@@ -82,43 +82,39 @@ static void test_refusals(void)
     for (size_t k = 0; k < sizeof exports / sizeof *exports; k++)
         for (int again = 0; again < (signs ? 3 : 1); again++)
             GOOD("export r --to %s %s", exports[k], again == 2 ? "--where id=1" : "");
-    CU_ASSERT(shell("echo more >>a.csv") == 0);
+    SHELL("echo more >>a.csv");
     FAILS(65, "a.csv: nothing in it shows", "export r --to csv -o a.csv");
     /* of a finished result the marker has no name that is gone */
     GOOD("run s.cfg --every 2 --dump vtk -o v");
-    CU_ASSERT(shell("cd v/run_frames && test -e grains_000000.vtp && cut -c 36- .repose | sed 1,2d | while "
-                    "read name; do test -e \"$name\" || exit 1; done") == 0);
+    SHELL("cd v/run_frames && test -e grains_000000.vtp && cut -c 36- .repose | sed 1,2d | while "
+          "read name; do test -e \"$name\" || exit 1; done");
     /* patterns are names */
     GOOD("run s.cfg -o 'r[1]'");
     FAILS(65, "r[1]: holds s.cfg, 4 steps", "run s.cfg --set steps=3 -o 'r[1]'");
     /* an older process that was killed leaves no command to move a person's files */
-    CU_ASSERT(shell("mkdir d2 d2/unfinished.moving && echo a >d2/unfinished.moving/notes.txt && echo b "
-                    ">d2/notes.txt") == 0);
+    SHELL("mkdir d2 d2/unfinished.moving && echo a >d2/unfinished.moving/notes.txt && echo b >d2/notes.txt");
     GOOD("run s.cfg -o d2");
-    CU_ASSERT(shell("grep -q a d2/unfinished.moving/notes.txt && grep -q b d2/notes.txt") == 0);
+    SHELL("grep -q a d2/unfinished.moving/notes.txt && grep -q b d2/notes.txt");
 }
 
 /* Folders of sweeps: a link for the lock of a planned one, snapshots of another name. */
 static void test_sweeps(void)
 {
     write_text("w.cfg", SWEEP);
-    CU_ASSERT(shell(":>out; :>err; mkdir y1 y1/snapshots 'y?' && echo a "
-                    ">y1/snapshots/0123456789abcdef0123456789abcdef && "
-                    "echo n >n") == 0);
+    SHELL(":>out; :>err; mkdir y1 y1/snapshots 'y?' && echo a >y1/snapshots/0123456789abcdef0123456789abcdef "
+          "&& echo n >n");
     GOOD("sweep plan w.cfg -o 'y?'");
     CU_ASSERT(run("sweep run 'y?' -j 1 --quiet") == 0);
-    CU_ASSERT(shell("test -s y1/snapshots/0123456789abcdef0123456789abcdef && ! test -e 'y?/snapshots'") ==
-              0);
-    CU_ASSERT(shell("mkdir 'y?/snapshots' && echo a >'y?/snapshots/photo.png' && rm 'y?/lock' && ln -s ../n "
-                    "'y?/lock'") == 0);
+    SHELL("test -s y1/snapshots/0123456789abcdef0123456789abcdef && ! test -e 'y?/snapshots'");
+    SHELL("mkdir 'y?/snapshots' && echo a >'y?/snapshots/photo.png' && rm 'y?/lock' && ln -s ../n 'y?/lock'");
     FAILS(65, "y?/lock: not made by this program; move it away", "sweep run 'y?'");
-    CU_ASSERT(shell("rm 'y?/lock' && mv 'y?/snapshots' s && ln -s ../s 'y?/snapshots'") == 0);
+    SHELL("rm 'y?/lock' && mv 'y?/snapshots' s && ln -s ../s 'y?/snapshots'");
     GOOD("sweep plan w.cfg --replicas 3 -o 'y?'");
     FAILS(65, "y?/snapshots: no folder of this program", "sweep run 'y?'");
-    CU_ASSERT(shell("test \"$(cat n)\" = n && test \"$(ls s)\" = photo.png") == 0);
-    CU_ASSERT(shell("rm 'y?/snapshots' && mv s 'y?/snapshots'") == 0);
+    SHELL("test \"$(cat n)\" = n && test \"$(ls s)\" = photo.png");
+    SHELL("rm 'y?/snapshots' && mv s 'y?/snapshots'");
     CU_ASSERT(run("sweep run 'y?' -j 1 --quiet") == 0);
-    CU_ASSERT(shell("test \"$(ls 'y?/snapshots')\" = photo.png") == 0);
+    SHELL("test \"$(ls 'y?/snapshots')\" = photo.png");
 }
 
 /* ---- 400 folders ---- */

@@ -235,8 +235,7 @@ static void misprint_signs(void)
     CU_ASSERT(gained > 0.25 * hits && broken > 0.1 * hits);
 }
 
-/* (14): after no sticking collision are the surfaces at relative rest, and angular momentum is lost.
- */
+/* (14): after no sticking collision are the surfaces at relative rest, and angular momentum is lost. */
 static void misprint_spin(void)
 {
     scoped_rng *r = numbers_of(1992, 3);

@@ -193,8 +193,7 @@ static void test_help(void)
         char line[128];
         snprintf(line, sizeof line,
                  "for c in '%s' %s; do COLUMNS=$c \"$REPOSE\" calibrate --help >help_$c 2>err; done; cmp "
-                 "help_%s help_%s "
-                 ">out",
+                 "help_%s help_%s >out",
                  same[k][0], same[k][1], same[k][0], same[k][1]);
         CU_ASSERT_EQUAL(shell(line), 0);
     }
@@ -203,10 +202,9 @@ static void test_help(void)
         fprintf(stderr, "help: no terminal of script(1): its width is not tested\n");
     else
         CU_ASSERT_EQUAL(shell("export REPOSE; script -qec 'stty cols 100; $REPOSE calibrate --help; "
-                              "COLUMNS=70 $REPOSE calibrate "
-                              "--help' typed </dev/null >out; tr -d '\\r' <out >said; "
-                              "for c in 100 70; do COLUMNS=$c \"$REPOSE\" calibrate --help; done >wanted; "
-                              "cmp said wanted >out"),
+                              "COLUMNS=70 $REPOSE calibrate --help' typed </dev/null >out; tr -d '\\r' <out "
+                              ">said; for c in 100 70; do COLUMNS=$c \"$REPOSE\" calibrate --help; done "
+                              ">wanted; cmp said wanted >out"),
                         0);
 }
 

@@ -156,10 +156,9 @@ static void test_case_tables(void)
         return;
     }
     CU_ASSERT_FATAL(readlink("/proc/self/exe", program, sizeof program - 1) > 0);
-    enter();
     snprintf(line, sizeof line, "\"%s\" --full -o . --test 'tables of cases' helpers >out 2>err", program);
     CU_ASSERT_EQUAL(shell(line), 0);
-    rp_table t = read_table("made/made.tsv"), cases = read_table("made/cases.tsv");
+    scoped_table t = read_table("made/made.tsv"), cases = read_table("made/cases.tsv");
     CU_ASSERT_STRING_EQUAL(rp_table_find_note(&t, "source_impact"), "equation (1)");
     CU_ASSERT_STRING_EQUAL(rp_table_find_note(&t, "bound_impact"), "order 2");
     CU_ASSERT_STRING_EQUAL(rp_table_find_note(&t, "source_roll"), "equation (7)");
@@ -175,18 +174,13 @@ static void test_case_tables(void)
         CU_ASSERT_STRING_EQUAL(word(&cases, i, "problem"), rows[i].problem);
         CU_ASSERT_STRING_EQUAL(word(&cases, i, "parameters"), rows[i].parameters);
         CU_ASSERT_STRING_EQUAL(word(&cases, i, "quantity"), rows[i].quantity);
-        CHECK_NEAR(cell(&cases, i, "expected"), rows[i].expected, 0.0);
-        CHECK_NEAR(cell(&cases, i, "observed"), rows[i].observed, 0.0);
-        CHECK_NEAR(cell(&cases, i, "error"), rows[i].error, 0.0);
-        CHECK_NEAR(cell(&cases, i, "bound"), rows[i].bound, 0.0);
+        CHECK_EACH(cell(&cases, i, NAME), 0.0, {"expected", rows[i].expected}, {"observed", rows[i].observed},
+                   {"error", rows[i].error}, {"bound", rows[i].bound});
     }
     for (size_t i = 0; i < 2; i++) {
         CU_ASSERT_STRING_EQUAL(word(&t, i, "problem"), rows[i].problem);
-        CHECK_NEAR(cell(&t, i, "cases"), 1.0 + (double)i, 0.0);
-        CHECK_NEAR(cell(&t, i, "worst_over_bound"), i ? 0.75 : 0.5, 0.0);
+        CHECK_EACH(cell(&t, i, NAME), 0.0, {"cases", 1.0 + (double)i}, {"worst_over_bound", i ? 0.75 : 0.5});
     }
-    rp_table_free(&cases), rp_table_free(&t);
-    leave();
 }
 
 /* ---- oblique impact ---- */
@@ -275,8 +269,7 @@ static void test_same_bits(void)
     CU_ASSERT(grains_same_bits(fixed, fixed) && !grains_same_bits(a, fixed));
 }
 
-/* A pair that is missing or too far apart is a wrong one; one of two fixed grains belongs to no
- * list. */
+/* A pair that is missing or too far apart is a wrong one; one of two fixed grains belongs to no list. */
 static void test_wrong_pairs(void)
 {
     dem_grain three[] = {{.x = 0.0, .y = 1.0, .r = 0.1, .m = 1.0},
@@ -376,15 +369,13 @@ static void test_solved_pile(void)
 static void test_commit(void)
 {
     char line[256] = "", commit[128] = "";
-    enter();
-    CU_ASSERT(shell("cat \"$(dirname \"$REPOSE\")/commit\" >out 2>err") == 0);
+    SHELL("cat \"$(dirname \"$REPOSE\")/commit\" >out 2>err");
     snprintf(commit, sizeof commit, "%.*s", (int)strcspn(out, "\n"), out);
     CU_ASSERT(*commit != 0);
     CU_ASSERT_STRING_EQUAL(rp_build_commit, commit);
     GOOD("lattice --layers 2");
     snprintf(line, sizeof line, "commit %s", commit);
     CU_ASSERT_PTR_NOT_NULL(strstr(out, line));
-    leave();
 }
 
 /* A commit is named as such only where the files are those of the commit; what a study has written is none of
@@ -393,22 +384,16 @@ static void test_dirty_commit(void)
 {
     static const char script[] =
         "exec >out 2>err; here=$PWD; tar -C \"$REPOSE_SOURCE\" --exclude=./build* --exclude=./.git "
-        "--exclude=./results "
-        "-c . | tar x && git init -q . && mkdir results && echo 1 >results/t && echo 1 >code && git add . "
-        "':!out' ':!err' && "
-        "git -c user.name=a -c user.email=a@b commit -q -m a || exit 8; "
-        "say() { env -u MAKEFLAGS -u MFLAGS make -s build/commit >&2 && cat build/commit; }; "
-        "a=$(say); case $a in ''|unknown|*-dirty) exit 1;; esac; echo 2 >results/t; [ \"$(say)\" = $a ] || "
-        "exit 2; "
+        "--exclude=./results -c . | tar x && git init -q . && mkdir results && echo 1 >results/t && echo 1 "
+        ">code && git add . ':!out' ':!err' && git -c user.name=a -c user.email=a@b commit -q -m a || exit "
+        "8; say() { env -u MAKEFLAGS -u MFLAGS make -s build/commit >&2 && cat build/commit; }; a=$(say); "
+        "case $a in ''|unknown|*-dirty) exit 1;; esac; echo 2 >results/t; [ \"$(say)\" = $a ] || exit 2; "
         "echo 2 >code; [ \"$(say)\" = $a-dirty ] || exit 3; git add code; [ \"$(say)\" = $a-dirty ] || exit "
-        "4; "
-        "git checkout -q HEAD code; [ \"$(say)\" = $a ] || exit 5";
+        "4; git checkout -q HEAD code; [ \"$(say)\" = $a ] || exit 5";
     char source[PATH_MAX];
     CU_ASSERT_PTR_NOT_NULL_FATAL(getcwd(source, sizeof source));
     setenv("REPOSE_SOURCE", source, 1);
-    enter();
     CU_ASSERT_EQUAL(shell(script), 0);
-    leave();
 }
 
 void suite_helpers(void)
@@ -426,5 +411,5 @@ void suite_helpers(void)
                                        {"commit of the program", test_commit},
                                        {"commit that was changed", test_dirty_commit},
                                        {0}};
-    check_register("helpers", cases);
+    check_register_within("helpers", enter, leave, cases);
 }

@@ -92,7 +92,7 @@ static void planted(size_t n_names)
 {
     const size_t n = check_fast() ? 12 : n_names < 3 || check_full() ? 1000 : 120;
     stand_in s = {.n_names = n_names, .n_numbers = n_names + 1, .scatter = {1.0, 0.8, 0.6, 0.5}};
-    double *z = malloc(n * n_names * sizeof *z);
+    scoped double *z = malloc(n * n_names * sizeof *z);
     size_t inside[STATS_NAMES] = {0}, used = 0, tried = 0, recovered = 0;
     s.noise = rp_random_alloc(2026, n_names, RP_PURPOSE_TEST);
     for (size_t i = 0; i < n; i++) {
@@ -117,16 +117,14 @@ static void planted(size_t n_names)
     }
     CU_ASSERT((double)used >= 0.9 * (double)n);
     for (size_t p = 0; p < n_names; p++) {
-        double *own = malloc(used * sizeof *own);
+        scoped double *own = malloc(used * sizeof *own);
         for (size_t i = 0; i < used; i++) own[i] = z[i * n_names + p];
         const double share = (double)inside[p] / (double)used, far = distance_from_normal(used, own);
         const bool good = check_fast() ? share > 0.7 : n < 1000 ? share > 0.88 : share > 0.93 && share < 0.97;
         CU_ASSERT(good && far < 1.95);
-        free(own);
     }
     CU_ASSERT((double)recovered > (check_full() ? 0.8 : 0.7) * (double)tried);
     gsl_rng_free(s.noise);
-    free(z);
 }
 
 static void test_one(void)

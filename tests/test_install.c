@@ -68,8 +68,7 @@ static void test_targets(void)
 static void test_data(void)
 {
     install_program();
-    PASSES("$PREFIX/bin/repose sweep plan "
-           "sweeps/studies/calibrate.cfg -o planned");
+    PASSES("$PREFIX/bin/repose sweep plan sweeps/studies/calibrate.cfg -o planned");
     CU_ASSERT(strstr(out, "60 runs") != NULL);
     PASSES("$PREFIX/bin/repose params sweeps/protocols/flux.cfg | grep -q ^v_cut");
     PASSES("$PREFIX/bin/repose run examples/pile.cfg --set steps=10 --quiet | grep -q '^10'");
@@ -189,8 +188,7 @@ static void test_examples(void)
     check_same("pile.tsv", "base.tsv", 3, (const char *const[]){"i", "N/mg", "H/mg"});
     /* a module needs the libraries of its own .pc alone; also with --static */
     PASSES("examples=$PREFIX/share/doc/repose/examples; for e in profile=analytic run=dem slope=angle "
-           "pile=statics; "
-           "do " COMPILE
+           "pile=statics; do " COMPILE
            "${e%=*}.c $(pkg-config --static --cflags --libs repose-${e#*=}) -o a || exit 1; done");
     PASSES("pkg-config --libs repose-analytic");
     CU_ASSERT(strstr(out, "-lrepose -lm") && !strstr(out, "gsl") && !strstr(out, "cholmod"));

@@ -114,8 +114,7 @@ static const char *const scenes[] = {
         GRAINS(SPIN),
     /* E as of the candidates up to 1e5; the first lies on the floor */
     "steps = 300; gravity = [0.0, -20.0]; rotation = true; dt = 1.0e-4; material = { E = 1.0e5; nu = 0.3; "
-    "restitution = "
-    "0.6; mu = 0.3; };\n" WALLS GRAINS(SPIN),
+    "restitution = 0.6; mu = 0.3; };\n" WALLS GRAINS(SPIN),
     "steps = 300; fill = { pattern = \"lattice\"; W = 1.0; H = 1.2; radius_width = 0.0; };\n" WALLS,
     /* where the segment ends, the grain is carried by its corner or, with a turn, not yet */
     "steps = 300; walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; extent = [-1.0, 0.3]; } );\n"

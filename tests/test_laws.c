@@ -59,7 +59,7 @@ typedef struct {
 static void kernels_of(const features *f, long number)
 {
     const long steps = check_fast() ? 1200 : 4000;
-    scoped dem_grain *grains = NULL;
+    dem_grain *grains;
     dem_definition def = grains_box(GRAINS, 2.0, number, &grains);
     grains_law(&def, f->normal, 1.5e5, 500.0);
     def.tangential = f->tangential, def.slip = f->slip, def.damping = f->damping;
@@ -309,7 +309,7 @@ static void bad_restitution(void)
 {
     dem_grain grains[2] = {{.x = 0.0, .r = 0.1, .m = 0.004}, {.x = 0.3, .r = 0.1, .m = 0.004}};
     dem_definition def = grains_afloat(2, grains);
-    dem_sim *sim;
+    scoped_sim *sim = NULL;
     double gamma_n;
     def.material.restitution = 0.5;
     CHECK_FAILS(dem_create(&def, &sim), RP_BAD_INPUT, "restitution = 0.5, gamma_n = 500: give one");
@@ -318,7 +318,6 @@ static void bad_restitution(void)
     CHECK_FAILS(dem_create(&def, &sim), RP_BAD_INPUT, "give restitution_speed, in (0, inf)");
     def.restitution_speed = 0.01;
     CHECK_OK(dem_create(&def, &sim));
-    dem_free(sim);
     def.material.restitution = 1.1;
     CHECK_FAILS(dem_create(&def, &sim), RP_BAD_INPUT, "restitution = 1.1");
     def.material.restitution = 0.5, def.material.k_n = 0.0;

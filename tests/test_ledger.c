@@ -136,8 +136,7 @@ static void avalanche(void)
 {
     const long steps = check_fast() ? 6000 : 12000;
     for (int choice = 0; choice < 9; choice++) {
-        scoped dem_grain *grains = NULL;
-        dem_definition def = grains_box(40, 1.2, choice, &grains);
+        dem_definition def = grains_box(40, 1.2, choice, NULL);
         def.walls[DEM_BOX_RIGHT].open_at_step = steps / 2, def.x_max = 2.0;
         if (choice == 1) def.slip = DEM_TOTAL;
         if (choice == 2) def.damping = DEM_DAMPING_INSIDE, def.tension = false;
@@ -169,8 +168,7 @@ static void avalanche(void)
 static void turns(void)
 {
     for (int choice = 0; choice < 4; choice++) {
-        scoped dem_grain *grains = NULL;
-        dem_definition def = grains_box(20, 0.8, 3 + choice, &grains);
+        dem_definition def = grains_box(20, 0.8, 3 + choice, NULL);
         def.turn_from_step = 3000;
         if (choice & 2) def.rotation = true, def.material.mu_roll = 0.1;
         if (choice & 2)
@@ -181,8 +179,7 @@ static void turns(void)
         CU_ASSERT(seen(choice & 1 ? l.wall_work : l.gravity_turn, &l));
         CU_ASSERT((choice & 1 ? l.gravity_turn : l.wall_work) == 0.0);
     }
-    scoped dem_grain *grains = NULL;
-    dem_definition def = grains_box(20, 0.8, 3, &grains);
+    dem_definition def = grains_box(20, 0.8, 3, NULL);
     def.ledger = true;
     scoped_sim *sim = grains_after(&def, 3000);
     dem_energy before, after;
@@ -227,7 +224,7 @@ static void grains_put_in(void)
 static void hard_and_wells(void)
 {
     for (int choice = 0; choice < 6; choice++) {
-        scoped dem_grain *grains = NULL;
+        dem_grain *grains;
         dem_definition def = grains_box(30, 1.0, 11 + choice, &grains);
         def.tangential = DEM_SLIP_ROLL, def.tension = false, def.normal = DEM_LINEAR;
         def.material.k_n = 2e4, def.rotation = choice & 1;
@@ -249,7 +246,7 @@ static void implicit_box(void)
 {
     const long steps = check_fast() ? 600 : 2400;
     for (int choice = 0; choice < 6; choice++) {
-        scoped dem_grain *grains = NULL;
+        dem_grain *grains;
         dem_definition def = grains_box(20, 1.0, 21 + choice, &grains);
         def.integrator = DEM_IMPLICIT;
         def.implicit.solver = choice & 1 ? DEM_SOLVER_SOR : DEM_SOLVER_DIRECT;
@@ -338,8 +335,7 @@ static void sticking(void)
  * under slightly rotated gravity, no contact slides while two grains collide above. */
 static void pile_sticks(void)
 {
-    scoped dem_grain *grains = NULL;
-    dem_definition def = grains_box(20, 0.8, 5, &grains);
+    dem_definition def = grains_box(20, 0.8, 5, NULL);
     def.ledger = true, def.material.mu = INFINITY;
     for (int w = 0; w < DEM_BOX_N; w++) def.walls[w].material.mu = INFINITY;
     scoped_sim *sim = grains_after(&def, 30000);

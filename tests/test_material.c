@@ -180,7 +180,7 @@ static void group_of_a_scene(void)
  * takes it at all times. */
 static void ledger_of(dem_rolling model)
 {
-    scoped dem_grain *grains = NULL;
+    dem_grain *grains;
     dem_definition def = grains_box(60, 2.0, 4, &grains);
     double k_n, k_s, lost = 0.0, rolled = 0.0;
     dem_elastic_contact((double[]){3e7, 3e7}, (double[]){0.3, 0.3}, &k_n, &k_s);

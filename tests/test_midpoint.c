@@ -476,7 +476,7 @@ static void same_bits(void)
         dem_grain grains[GAS];
         dem_definition def = gas(grains, 0.5);
         def.implicit.solver = solver;
-        dem_sim *a = grains_start(&def), *b, *c;
+        scoped_sim *a = grains_start(&def), *b = NULL, *c = NULL;
         def.kernel = DEM_REFERENCE;
         c = grains_start(&def);
         CHECK_OK(dem_run(a, 500));
@@ -491,7 +491,6 @@ static void same_bits(void)
         const double before = grains_energy(a);
         CHECK_OK(dem_run(a, 500));
         CHECK_NEAR(grains_energy(a), before, 1e-11);
-        dem_free(a), dem_free(b), dem_free(c);
     }
 }
 
@@ -515,7 +514,7 @@ static void disks_leave(void)
 static void refusals(void)
 {
     const dem_grain grain = {.x = 0.0, .y = 2.0, .r = R, .m = 1.0};
-    dem_sim *sim;
+    scoped_sim *sim = NULL;
 #define REFUSES(change, text)                                                                                \
     do {                                                                                                     \
         dem_definition def = on_floor(&grain, 1, 1.0);                                                       \
@@ -539,7 +538,6 @@ static void refusals(void)
     sim = grains_start(&def);
     dem_box_turn(sim, 0.01);
     CHECK_FAILS(dem_run(sim, 1), RP_BAD_INPUT, "the integrator implicit needs walls that stand");
-    dem_free(sim);
 }
 
 void suite_midpoint(void)

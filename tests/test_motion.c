@@ -256,8 +256,7 @@ static void equation_of_motion(void)
     }
 }
 
-/* Relative energy error of an elastic impact, root mean square over phases of contact within a step.
- */
+/* Relative energy error of an elastic impact, root mean square over phases of contact within a step. */
 static double impact_error(int integrator, double dt)
 {
     enum { PHASES = 64 };
@@ -318,18 +317,16 @@ static void sticking_contact_rings(void)
 /* A box comes to rest with either scheme, also at the largest allowed time step. */
 static void gear_settles(void)
 {
-    scoped dem_grain *grains = NULL;
-    dem_definition def = grains_box(60, 2.0, 5, &grains);
+    dem_definition def = grains_box(60, 2.0, 5, NULL);
     double verlet_limit = dem_time_step_limit(&def, NULL);
     def.integrator = DEM_GEAR5;
     def.dt = dem_time_step_limit(&def, NULL);
     CU_ASSERT(def.dt < 0.95 * verlet_limit);
-    dem_sim *sim = grains_after(&def, 20000);
+    scoped_sim *sim = grains_after(&def, 20000);
     dem_rest rest;
     CHECK_OK(dem_rest_state(sim, 0.0, 2.0, &rest));
     CU_ASSERT(rest.kinetic_energy < 1e-5);
     CU_ASSERT(rest.n == 60 && rest.contact_number > 2.5);
-    dem_free(sim);
     def.dt *= 1.001;
     CHECK_FAILS(dem_create(&def, &sim), RP_BAD_INPUT, "the limit is");
     /* damping alone: limit of the predictor, three contacts per grain */
@@ -343,14 +340,12 @@ static void gear_settles(void)
 static void determinism(void)
 {
     for (int k = 0; k < 2 * DEM_INTEGRATORS; k++) {
-        dem_grain *grains;
-        dem_definition def = grains_box(90, 2.2, 5, &grains);
+        dem_definition def = grains_box(90, 2.2, 5, NULL);
         def.integrator = k / 2, def.dt = 4e-5, def.x_max = 3.5;
         def.turn_from_step = 3000;
         *(k % 2 ? &def.box_turn_per_step : &def.turn_per_step) = 2e-5;
         def.walls[2].open_at_step = 4001;
         if (dem_scheme_check(&def)) {
-            free(grains);
             continue;
         }
         dem_sim *whole = grains_start(&def), *cut, *copy;
@@ -370,7 +365,7 @@ static void determinism(void)
         dem_count_work(copy, &counts);
         CU_ASSERT(counts.rebuilds > 20 && dem_count(copy) < 90 && dem_count(copy) > 30);
         CU_ASSERT(whole->walls.angle == copy->walls.angle);
-        dem_free(whole), dem_free(copy), free(grains);
+        dem_free(whole), dem_free(copy);
     }
 }
 
@@ -463,8 +458,7 @@ static void box_against_gravity(void)
 static void wall_ledger(void)
 {
     enum { N = 40, STEPS = 4000 };
-    scoped dem_grain *grains = NULL;
-    dem_definition def = grains_box(N, 1.5, 5, &grains);
+    dem_definition def = grains_box(N, 1.5, 5, NULL);
     scoped_sim *sim = grains_start(&def);
     dem_state s[N];
     double p[2][2], impulse[2] = {0.0, 0.0}, mass = 0.0, forces[2 * DEM_FEW_WALLS];
@@ -558,7 +552,7 @@ static void fixed_is_a_wall(void)
         def.integrator = integrators[k % 2];
         def.gravity[1] *= up;
         def.walls[0].direction[1] = up;
-        dem_sim *on_wall = grains_start(&def), *on_grain;
+        scoped_sim *on_wall = grains_start(&def), *on_grain = NULL;
         def.n_walls = 0, def.n_grains = 2;
         on_grain = grains_start(&def);
         dem_state s[2];
@@ -579,7 +573,6 @@ static void fixed_is_a_wall(void)
         dem_energy energy;
         dem_energies(on_grain, &energy);
         CHECK_NEAR(energy.gravity, M * 981.0 * R, 1e-3 * M * 981.0);
-        dem_free(on_wall), dem_free(on_grain);
     }
 }
 

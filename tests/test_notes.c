@@ -151,7 +151,7 @@ static void test_pile(void)
             check_note(&t, "released", "%.6g m g eps sigma, from the primary state on", s.r.released);
         sweep_solved_free(&s);
         sweep_outline_free(&h);
-        CU_ASSERT(shell("rm -r d") == 0);
+        SHELL("rm -r d");
     }
 }
 
@@ -166,8 +166,7 @@ static void test_piles(void)
                PILES);
     GOOD("sweep plan s.cfg -o s");
     run("sweep run s -j 1");
-    GOOD("sweep export s");
-    scoped_table t = read_table("out");
+    scoped_table t = TABLE_OF("sweep export s");
     CU_ASSERT_FATAL(t.n_rows == PILES);
     for (size_t k = 0; k < PILES; k++) {
         const bool stands = strncmp(word(&t, k, "status"), "ok", 2) == 0;
@@ -276,8 +275,7 @@ static void test_terminal(void)
 static void check_lattice(int base, double alpha_deg, double theta_deg)
 {
     const double alpha = alpha_deg * M_PI / 180.0, theta = theta_deg * M_PI / 180.0;
-    GOOD("lattice --base %d --alpha-deg %g --theta-deg %g", base, alpha_deg, theta_deg);
-    scoped_table t = read_table("out");
+    scoped_table t = TABLE_OF("lattice --base %d --alpha-deg %g --theta-deg %g", base, alpha_deg, theta_deg);
     double weight = 0.0;
     CU_ASSERT_FATAL(t.n_rows == (size_t)base);
     for (size_t i = 0; i < t.n_rows; i++) weight += cell(&t, i, "N/mg");
@@ -286,9 +284,9 @@ static void check_lattice(int base, double alpha_deg, double theta_deg)
     CHECK_NEAR(strtod(note(&t, "B"), NULL), B, 1e-9);
     for (size_t i = 0; i < t.n_rows; i++) {
         CHECK_NEAR(cell(&t, i, "i"), (double)i + 1.0, 0.0);
-        CHECK_NEAR(cell(&t, i, "x/B"), 0.5 + 2.0 * sin(theta) * ((double)i - 0.5 * (base - 1)) / B, 1e-12);
-        CHECK_NEAR(cell(&t, i, "N/(chi*g*B)"), cell(&t, i, "N/mg") / B, 1e-12);
-        CHECK_NEAR(cell(&t, i, "H/(chi*g*B)"), cell(&t, i, "H/mg") / B, 1e-12);
+        CHECK_EACH(cell(&t, i, NAME), 1e-12,
+                   {"x/B", 0.5 + 2.0 * sin(theta) * ((double)i - 0.5 * (base - 1)) / B},
+                   {"N/(chi*g*B)", cell(&t, i, "N/mg") / B}, {"H/(chi*g*B)", cell(&t, i, "H/mg") / B});
     }
     check_note(&t, "base", "%d", base);
     check_note(&t, "layers", "auto");
@@ -308,16 +306,13 @@ static void test_models(void)
     FAILS(65, "10001 disks in the base: out of range",
           "lattice --base 10001 --alpha-deg 30 --method recursion");
     GOOD("lattice --base 10001 --alpha-deg 30");
-    GOOD("lattice --layers 10001");
-    scoped_table t = read_table("out");
+    scoped_table t = TABLE_OF("lattice --layers 10001");
     CU_ASSERT_FATAL(t.n_rows == 10001);
     for (size_t i = 0; i < t.n_rows; i += 1000) CHECK_NEAR(cell(&t, i, "N/mg"), 5001.0, 1e-9);
-    GOOD("lattice --layers 45 --method recursion");
-    read_again(&t, "out");
+    AGAIN_OF(t, "lattice --layers 45 --method recursion");
     check_note(&t, "method", "recursion");
     for (size_t i = 0; i < t.n_rows; i++) CHECK_NEAR(cell(&t, i, "N/mg"), 23.0, 1e-10);
-    GOOD("tent --outer-deg 30 --inner-deg 45 --x1 0.3 --points 2001");
-    read_again(&t, "out");
+    AGAIN_OF(t, "tent --outer-deg 30 --inner-deg 45 --x1 0.3 --points 2001");
     size_t top = 0, middle = t.n_rows / 2;
     for (size_t i = 0; i <= middle; i++)
         if (cell(&t, i, "N/(chi*g*B)") > cell(&t, top, "N/(chi*g*B)")) top = i;
@@ -333,12 +328,10 @@ static void test_models(void)
     check_note(&t, "x1", "0.3 B");
     check_note(&t, "points", "2001");
     CU_ASSERT(!rp_table_find_note(&t, "at") && !rp_table_find_note(&t, "json"));
-    GOOD("continuum --alpha-deg 30");
-    read_again(&t, "out");
+    AGAIN_OF(t, "continuum --alpha-deg 30");
     CU_ASSERT_FATAL(t.n_rows == 201);
     for (size_t i = 0; i < t.n_rows; i++) CHECK_NEAR(cell(&t, i, "x/B"), 0.005 * (double)i, 1e-15);
-    GOOD("continuum --alpha-deg 30 --points 4001");
-    read_again(&t, "out");
+    AGAIN_OF(t, "continuum --alpha-deg 30 --points 4001");
     top = 0;
     for (size_t i = 0; i < t.n_rows / 2; i++)
         if (fabs(cell(&t, i, "H/(chi*g*B)")) > fabs(cell(&t, top, "H/(chi*g*B)"))) top = i;
@@ -393,7 +386,7 @@ static void check_merge(void)
                "protocol = \"pile\"; replicas = 2; seed = 5; fixed = { base = 10; disorder = 0.02; };\n"
                "grid = { eps = [5e-3]; };\n");
     GOOD("sweep plan f.cfg -o f");
-    CU_ASSERT(shell("cp -r s a") == 0);
+    SHELL("cp -r s a");
     run("sweep run a -j 1 --shard 3/3");
     for (int again = 0; again < 2; again++) {
         run("sweep merge s a"); /* the store of the copy and its two shards */
@@ -454,8 +447,7 @@ static void test_dip(void)
                  i < 5 ? "ok" : "no_pile");
     }
     write_text("piles.tsv", "%s", text);
-    GOOD("stress dip piles.tsv --profile");
-    scoped_table t = read_table("out");
+    scoped_table t = TABLE_OF("stress dip piles.tsv --profile");
     check_note(&t, "rows", "5 used, 2 left out");
 }
 

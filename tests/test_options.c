@@ -40,8 +40,7 @@ static const struct {
     {"tent", "--outer-deg 30 --inner-deg 45 --x1 0.3",
      "--outer-deg 31|--inner-deg 44|--x1 0.31|--points 7|--at 0.2"},
     {"pile", "--base 7 --eps 1e-3",
-     "--base 8|--eps 2e-3|--alpha-deg 30|--gap 0.01|--disorder 0.01|--k-x 0.5|"
-     "--summary|--threshold"},
+     "--base 8|--eps 2e-3|--alpha-deg 30|--gap 0.01|--disorder 0.01|--k-x 0.5|--summary|--threshold"},
     {"pile", "--base 9 --eps 1e-3 --alpha-deg 30 --inner-deg 45", "--inner-deg 40|--x-1 0.3"},
     {"pile", "--base 9 --alpha-deg 30 --well 0.3 --mu 0.2 --eps 1e-3", "--well 0.4|--mu 0.25|--set-load 0.5"},
     {"pile", "--base 9 --alpha-deg 30 --disorder 0.02", "--seed 4|--piles 3"},
@@ -306,7 +305,7 @@ static void check_json(const char *command, const char *base)
     snprintf(words, sizeof words, "%s --json", base);
     const int status = run_command(command, base);
     memcpy(keep, out, sizeof out);
-    rp_table t;
+    scoped_table t = {0};
     CU_ASSERT_EQUAL_FATAL(rp_table_parse("table", strdup(keep), &t), RP_OK);
     CU_ASSERT_EQUAL(run_command(command, words), status);
     json_t *all = json_loads(out, JSON_REJECT_DUPLICATES, NULL), *rows = json_object_get(all, "rows");
@@ -320,7 +319,6 @@ static void check_json(const char *command, const char *base)
     if (!same) fprintf(stderr, "repose %s %s --json: another table\n", command, base);
     CU_ASSERT(same);
     json_decref(all);
-    rp_table_free(&t);
 }
 
 /* The parameters as objects are those that are printed, each with its unit, default and range. */

@@ -109,8 +109,7 @@ static void dip_closed_forms(void)
     CHECK_NEAR(heaped(45, 0.7, 1), heaped(K, 0.7, 1), TOLERANCE(0.7, 45));
 }
 
-/* Shifted, stretched, mirrored, with doubled loads; the centroid is the origin of an asymmetric load.
- */
+/* Shifted, stretched, mirrored, with doubled loads; the centroid is the origin of an asymmetric load. */
 static void dip_invariances(void)
 {
     enum { K = 31 };
@@ -347,15 +346,11 @@ static void open_rows(void)
         sweep_result r;
         CHECK_OK(RUN(0, &r, "base=50", "alpha_deg=30", "x_1=0.38", "eps=0", "gap=0.005", inner[tent]));
         CU_ASSERT_STRING_EQUAL(r.status, "ok");
-        CHECK_NEAR(output(&r, "N_error_rms"), 0, BALANCE);
-        CHECK_NEAR(output(&r, "N_error_max"), 0, BALANCE);
-        CHECK_NEAR(output(&r, "H_ratio"), 1, BALANCE);
-        CHECK_NEAR(output(&r, "thrust_ratio"), 1, BALANCE);
-        CHECK_NEAR(output(&r, "H_slope_ratio"), 1, BALANCE);
+        CHECK_EACH(output(&r, NAME), BALANCE, {"N_error_rms", 0}, {"N_error_max", 0}, {"H_ratio", 1},
+                   {"thrust_ratio", 1}, {"H_slope_ratio", 1});
         CU_ASSERT(output(&r, "strongest_level") == 0 && output(&r, "weakest_level") == 0);
-        CHECK_NEAR(output(&r, "D"), output(&r, "D_diagonals"), BALANCE);
-        CHECK_NEAR(output(&r, "middle"), output(&r, "middle_diagonals"), BALANCE);
-        CHECK_NEAR(output(&r, "excess"), 0, BALANCE);
+        CHECK_EACH(output(&r, NAME), BALANCE, {"D", output(&r, "D_diagonals")},
+                   {"middle", output(&r, "middle_diagonals")}, {"excess", 0});
         CU_ASSERT(output(&r, "horizontal") == 0 && output(&r, "negative_modes") == 0);
         CU_ASSERT((output(&r, "middle") < -0.02) == (tent == 1));
     }
@@ -442,20 +437,18 @@ static void check_base(const pile_case *c, const sweep_outline *h, const double 
         ours[n] = H[i];
         theirs[n++] = h->exact[i].H;
     }
-    CHECK_NEAR(output(r, "N_error_max"), gsl_stats_max(e, 1, K), BALANCE);
-    CHECK_NEAR(output(r, "N_error_rms"), sqrt(gsl_stats_tss_m(e, 1, K, 0) / K), BALANCE);
-    CHECK_NEAR(output(r, "thrust_ratio"), (out[1] - out[0]) / (exact_out[1] - exact_out[0]), BALANCE);
-    CHECK_NEAR(output(r, "D"), dip_of(K, x, N, 1), BALANCE);
-    CHECK_NEAR(output(r, "D_diagonals"), dip_of(K, x, exact, 1), BALANCE);
+    CHECK_EACH(output(r, NAME), BALANCE, {"N_error_max", gsl_stats_max(e, 1, K)},
+               {"N_error_rms", sqrt(gsl_stats_tss_m(e, 1, K, 0) / K)},
+               {"thrust_ratio", (out[1] - out[0]) / (exact_out[1] - exact_out[0])}, {"D", dip_of(K, x, N, 1)},
+               {"D_diagonals", dip_of(K, x, exact, 1)});
     double largest = gsl_stats_max(flank, 1, K), slope[2], unused;
     for (size_t i = 0; i < K; i++) flank[i] = fabs(h->exact[i].H);
     CHECK_NEAR(output(r, "H_ratio"), largest / gsl_stats_max(flank, 1, K), BALANCE);
     gsl_fit_mul(u, 1, ours, 1, n, &slope[0], &unused, &unused);
     gsl_fit_mul(u, 1, theirs, 1, n, &slope[1], &unused, &unused);
     CU_ASSERT(n >= 4 && n < K);
-    CHECK_NEAR(output(r, "H_slope_ratio"), slope[0] / slope[1], BALANCE);
-    CHECK_NEAR(output(r, "left_deg"), atan(2 * c->height) / DEG, BALANCE);
-    CHECK_NEAR(output(r, "right_deg"), atan(2 * c->height) / DEG, BALANCE);
+    CHECK_EACH(output(r, NAME), BALANCE, {"H_slope_ratio", slope[0] / slope[1]},
+               {"left_deg", atan(2 * c->height) / DEG}, {"right_deg", atan(2 * c->height) / DEG});
     stress_base base, diagonals;
     double rays[STRESS_DIP_BINS];
     CHECK_OK(stress_base_profile(K, x, r_disk, N, &base));
@@ -466,9 +459,8 @@ static void check_base(const pile_case *c, const sweep_outline *h, const double 
         snprintf(name, sizeof name, "n_%02d", k + 1);
         CHECK_NEAR(output(r, name), base.N[k], BALANCE);
     }
-    CHECK_NEAR(output(r, "middle"), middle_of(base.N), BALANCE);
-    CHECK_NEAR(output(r, "middle_diagonals"), middle_of(diagonals.N), BALANCE);
-    CHECK_NEAR(output(r, "excess"), inner(base.N) - inner(rays), BALANCE);
+    CHECK_EACH(output(r, NAME), BALANCE, {"middle", middle_of(base.N)},
+               {"middle_diagonals", middle_of(diagonals.N)}, {"excess", inner(base.N) - inner(rays)});
 }
 
 static void check_continuum(const pile_case *c, const sweep_outline *h, const double x[], const double N[],
@@ -547,8 +539,8 @@ static void outputs_a_second_way(void)
         check_base(c, &h, x, N, H, &r);
         check_continuum(c, &h, x, N, H, &r);
         CHECK_OK(statics_contacts(pile, &list, &n));
-        CHECK_NEAR(output(&r, "strongest_level"), level_part(n, list, 1), 1e-15);
-        CHECK_NEAR(output(&r, "weakest_level"), level_part(n, list, -1), 1e-15);
+        CHECK_EACH(output(&r, NAME), 1e-15, {"strongest_level", level_part(n, list, 1)},
+                   {"weakest_level", level_part(n, list, -1)});
         CU_ASSERT(output(&r, "n_disks") == (double)h.n && output(&r, "contacts") == (double)n);
         CU_ASSERT(output(&r, "horizontal") == (double)solved.horizontal);
         CU_ASSERT(output(&r, "negative_modes") == (double)solved.negative_modes);

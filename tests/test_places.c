@@ -359,7 +359,7 @@ static void test_words(void)
 {
     static const char *const texts[] = {"report/text/*.md.in"};
     static around a;
-    rp_table claims;
+    scoped_table claims = {0};
     CHECK_OK(rp_table_read_texts("report/claims.tsv", &claims));
     a.claims = &claims;
     for (size_t k = 0; k < 1; k++) {
@@ -369,7 +369,6 @@ static void test_words(void)
             if (!strstr(found.gl_pathv[i], "/validation")) CU_ASSERT(text_fits(found.gl_pathv[i], &a));
         globfree(&found);
     }
-    rp_table_free(&claims);
 }
 
 void suite_places(void)

@@ -448,7 +448,6 @@ static void cut_sweeps(bool shared)
     const size_t cuts = check_fast() ? 40 : 250;
     char digest[33];
     size_t n;
-    enter();
     fault_shared_file_system = shared;
     put_shim();
     disk.on = true;
@@ -471,7 +470,6 @@ static void cut_sweeps(bool shared)
     fault_shared_file_system = false;
     sqlite3_vfs_unregister(&layer);
     sqlite3_reset_auto_extension();
-    leave();
 }
 
 static void write_ahead_log(void)
@@ -635,7 +633,6 @@ static void replaced_results(void)
                                 "particles = ( { x = 0.1; y = 0.1; r = 0.1; } );\n",
                       sweep[] = "protocol = \"pile\"; replicas = 2; fixed = { base = 4; };\n";
     char path[128];
-    enter();
     seen = mmap(NULL, sizeof *seen, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
     CU_ASSERT_FATAL(seen != MAP_FAILED);
     snprintf(path, sizeof path, "%s/start", base);
@@ -651,7 +648,6 @@ static void replaced_results(void)
     replace_result("scene.cfg --snapshot 1 --dump vtk");
     replace_result("sweep.cfg --row 1");
     munmap(seen, sizeof *seen);
-    leave();
 }
 
 void suite_power(void)
@@ -660,5 +656,5 @@ void suite_power(void)
                                        {"store with a rollback journal", rollback_journal},
                                        {"results that others replace", replaced_results},
                                        {0}};
-    check_register("power", cases);
+    check_register_within("power", enter, leave, cases);
 }

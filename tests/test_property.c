@@ -463,7 +463,7 @@ static double pile_in_balance(const double x[])
     def.k_x = 0.5 + pick(x[4], -1);
     statics_pile *pile = NULL;
     statics_result r;
-    statics_contact *c = NULL;
+    scoped statics_contact *c = NULL;
     if (statics_create(&def, &pile)) return NAN;
     const rp_status status = statics_solve(pile, &r);
     if (status || statics_contacts(pile, &c, &n_contacts)) {
@@ -480,7 +480,6 @@ static double pile_in_balance(const double x[])
         net[c[i].a][0] -= f * dx / length, net[c[i].a][1] -= f * dy / length;
         net[c[i].b][0] += f * dx / length, net[c[i].b][1] += f * dy / length;
     }
-    free(c);
     double worst = 0.0;
     for (size_t i = 0; i < r.wells; i++) {
         net[base[i]][0] -= H[i], net[base[i]][1] += N[i];

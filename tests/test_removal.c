@@ -77,7 +77,7 @@ static void compare(const dem_definition *def, long steps)
 
 static void streams(void)
 {
-    scoped dem_grain *grains = NULL;
+    dem_grain *grains;
     dem_definition def = stream(&grains);
     compare(&def, check_fast() ? 150 : 300);
     def.rotation = true;
@@ -103,7 +103,6 @@ static void at_once(void)
             for (size_t i = 0; i < def.n_grains; i++) grains[i].fixed = false;
         }
         compare(&def, 150);
-        free(grains);
     }
 }
 
@@ -113,8 +112,7 @@ static void order(void)
 {
     static const int leave[][3] = {{3, -1, -1}, {10, 150, 11}, {-2, 40, -1}, {199, 0, -1}, {30, 31, 198}};
     enum { N = 200, DROPS = sizeof leave / sizeof *leave };
-    scoped dem_grain *grains = NULL;
-    dem_definition def = grains_box(N, 4.0, 3, &grains);
+    dem_definition def = grains_box(N, 4.0, 3, NULL);
     def.x_max = 10.0;
     scoped_sim *now = grains_start_in_chunks(&def, 0), *later = grains_start_in_chunks(&def, 64);
     CHECK_OK(dem_run(now, 8000));
@@ -164,8 +162,7 @@ static void order(void)
 /* A grain that left stays where it is, and the list as it is, however long the others are at rest. */
 static void rest(void)
 {
-    scoped dem_grain *grains = NULL;
-    dem_definition def = grains_box(600, 6.0, 3, &grains);
+    dem_definition def = grains_box(600, 6.0, 3, NULL);
     def.dt = 4e-5;
     scoped_sim *sim = grains_start_in_chunks(&def, 64);
     CHECK_OK(dem_run(sim, 20000));

@@ -100,8 +100,8 @@ static void check_halves(const grains *g, int cells, const sweep_result *result)
     }
     const int half = cells / 2;
     double upper = line_deg(half, h, 0.2), lower = line_deg(half, h + half + 1, 0.2);
-    CHECK_NEAR(output(result, "theta_lower_less_upper_deg"), lower - upper, ANGLE_TOLERANCE_DEG);
-    CHECK_NEAR(output(result, "theta_upper_deg"), upper, ANGLE_TOLERANCE_DEG);
+    CHECK_EACH(output(result, NAME), ANGLE_TOLERANCE_DEG, {"theta_lower_less_upper_deg", lower - upper},
+               {"theta_upper_deg", upper});
 }
 
 /* In a triangular lattice every grain has order 1; a line of three has it in the middle, and ends with one
@@ -443,12 +443,10 @@ static void check_pile(const sweep_result *result, double W)
     CHECK_OK(ang_slopes(s.n, s.column, s.h, s.cell, options.parabola, slopes));
     const double theta[3] = {slopes[0].theta * RADIAN_DEG, slopes[1].theta * RADIAN_DEG,
                              slopes[2].theta * RADIAN_DEG};
-    CHECK_NEAR(output(result, "theta_r1_deg"), theta[0], ANGLE_TOLERANCE_DEG);
-    CHECK_NEAR(output(result, "theta_r2_deg"), theta[1], ANGLE_TOLERANCE_DEG);
-    CHECK_NEAR(output(result, "theta_r3_deg"), theta[2], ANGLE_TOLERANCE_DEG);
-    CHECK_NEAR(output(result, "theta_r3_error_deg"), slopes[2].theta_se * RADIAN_DEG, ANGLE_TOLERANCE_DEG);
-    CHECK_NEAR(output(result, "theta_r12_deg"), theta[0] - theta[1], ANGLE_TOLERANCE_DEG);
-    CHECK_NEAR(output(result, "theta_r23_deg"), theta[1] - theta[2], ANGLE_TOLERANCE_DEG);
+    CHECK_EACH(output(result, NAME), ANGLE_TOLERANCE_DEG, {"theta_r1_deg", theta[0]},
+               {"theta_r2_deg", theta[1]}, {"theta_r3_deg", theta[2]},
+               {"theta_r3_error_deg", slopes[2].theta_se * RADIAN_DEG},
+               {"theta_r12_deg", theta[0] - theta[1]}, {"theta_r23_deg", theta[1] - theta[2]});
     CU_ASSERT(output(result, "cells") == (double)s.n_occupied);
     ang_surface_free(&s);
 }
@@ -559,8 +557,8 @@ static void test_outputs(void)
         const long steps = dem_step(sim);
         CHECK_OK(dem_clone(sim, &again));
         onset(sim, t, &displacement, &energy);
-        CHECK_NEAR(output(&result, "theta_t_displacement_deg"), displacement, ANGLE_TOLERANCE_DEG);
-        CHECK_NEAR(output(&result, "theta_t_energy_deg"), energy, ANGLE_TOLERANCE_DEG);
+        CHECK_EACH(output(&result, NAME), ANGLE_TOLERANCE_DEG, {"theta_t_displacement_deg", displacement},
+                   {"theta_t_energy_deg", energy});
         CHECK_NEAR(output(&result, "theta_rt_deg"), output(&result, "theta_r3_deg") + displacement,
                    ANGLE_TOLERANCE_DEG);
         CHECK_NEAR(output(&result, "theta_t_static_deg"), static_onset(again, t), ANGLE_TOLERANCE_DEG);

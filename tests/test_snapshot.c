@@ -24,6 +24,7 @@
 #include "tests/faults.h"
 #include "tests/folder.h"
 #include "tests/grains.h"
+#include "tests/program.h"
 #include "tests/protocol.h"
 
 /* ---- Simulations ---- */
@@ -46,13 +47,14 @@ enum {
     FEATURES = 2048
 };
 
-static dem_definition scene_of(int features, dem_grain **grains)
+static dem_definition scene_of(int features)
 {
-    dem_definition def = grains_box(GRAINS, 1.2, 3, grains);
+    dem_grain *grains;
+    dem_definition def = grains_box(GRAINS, 1.2, 3, &grains);
     for (size_t i = 0; i < GRAINS; i++) {
-        (*grains)[i].vx = 60.0 * ((double)(i % 7) / 3.0 - 1.0);
-        (*grains)[i].vy = -50.0 * (double)(i % 3);
-        if (features & ROTATION) (*grains)[i].omega = (double)i - 20.0;
+        grains[i].vx = 60.0 * ((double)(i % 7) / 3.0 - 1.0);
+        grains[i].vy = -50.0 * (double)(i % 3);
+        if (features & ROTATION) grains[i].omega = (double)i - 20.0;
     }
     def.rotation = features & ROTATION;
     if (features & ROLLING) def.material.mu_roll = 0.1;
@@ -70,15 +72,14 @@ static dem_definition scene_of(int features, dem_grain **grains)
     if (features & OUTFLOW) {
         def.x_max = 1.1, def.walls[DEM_BOX_RIGHT].open_at_step = 0;
         for (size_t i = 0; i < GRAINS; i++)
-            if ((*grains)[i].x > 1.0) (*grains)[i].x -= 0.1, (*grains)[i].y += 4.0;
+            if (grains[i].x > 1.0) grains[i].x -= 0.1, grains[i].y += 4.0;
     }
-    if (features & FIXED)
-        (*grains)[0].fixed = true, (*grains)[0].vx = (*grains)[0].vy = (*grains)[0].omega = 0.0;
+    if (features & FIXED) grains[0].fixed = true, grains[0].vx = grains[0].vy = grains[0].omega = 0.0;
     def.ledger = features & LEDGER;
     return def;
 }
 
-static void run(dem_sim *sim, long steps)
+static void advance(dem_sim *sim, long steps)
 {
     CHECK_OK(dem_run(sim, steps));
 }
@@ -149,9 +150,9 @@ static bool continues(dem_definition *def, int features, size_t *contacts)
     const rp_status status = dem_create(def, &sim);
     CU_ASSERT(!status || status == RP_BAD_INPUT);
     if (status) return false;
-    run(sim, HALF - 40);
+    advance(sim, HALF - 40);
     put_in(sim, features);
-    run(sim, 40);
+    advance(sim, 40);
     dem_counts counts;
     dem_count_work(sim, &counts);
     *contacts += counts.contacts;
@@ -160,9 +161,9 @@ static bool continues(dem_definition *def, int features, size_t *contacts)
     CU_ASSERT(same(sim, copy));
     for (int k = 0; k < 2; k++) {
         put_in(sim, features), put_in(copy, features);
-        run(sim, HALF / 2);
-        run(copy, HALF / 3);
-        run(copy, HALF / 2 - HALF / 3);
+        advance(sim, HALF / 2);
+        advance(copy, HALF / 3);
+        advance(copy, HALF / 2 - HALF / 3);
         CU_ASSERT(same(sim, copy));
     }
     return true;
@@ -193,8 +194,7 @@ static void every_law_integrator_and_feature(void)
         for (int tangential = 0; tangential < DEM_TANGENTIAL_N; tangential++)
             for (int integrator = 0; integrator < DEM_INTEGRATORS; integrator++)
                 for (size_t k = 0; k < SETS; k++) {
-                    scoped dem_grain *grains = NULL;
-                    dem_definition def = scene_of(sets[k], &grains);
+                    dem_definition def = scene_of(sets[k]);
                     grains_law(&def, (dem_normal_law)normal, 1e5, 200.0);
                     def.tangential = (dem_tangential_law)tangential;
                     def.integrator = (dem_integrator)integrator;
@@ -222,10 +222,10 @@ static void large_pile(void)
     dem_definition def = dem_definition_default();
     grains_on_floor(&def, N, grains);
     scoped_sim *sim = grains_start(&def);
-    run(sim, 30);
+    advance(sim, 30);
     scoped_sim *copy = again(sim);
-    run(sim, 30);
-    run(copy, 30);
+    advance(sim, 30);
+    advance(copy, 30);
     dem_counts counts;
     dem_count_work(sim, &counts);
     CU_ASSERT(counts.pairs > 6 * 8192 && counts.rebuilds > 2);
@@ -234,35 +234,10 @@ static void large_pile(void)
 
 /* ---- Files ---- */
 
-static char folder[FOLDER_PATH];
-
-static void enter(void)
-{
-    folder_make("snapshot", folder);
-}
-
-/* Exit status of a line of shell in the folder, -1 after a signal; $REPOSE is the program. Its messages are
- * in the file err. */
-static int shell(const char *line)
-{
-    char text[4 * PATH_MAX], program[PATH_MAX];
-    const char *name = getenv("REPOSE");
-    if (!realpath(name ? name : "build/repose", program))
-        CU_FAIL_FATAL("no program; REPOSE=path of the program");
-    snprintf(text, sizeof text, "cd %s; export REPOSE='%s'; %s", folder, program, line);
-    const int status = system(text);
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-}
-
-static void leave(void)
-{
-    folder_remove(folder);
-}
-
 static const char *in_folder(const char *name)
 {
     static char path[256];
-    snprintf(path, sizeof path, "%s/%s", folder, name);
+    path_of(name, path);
     return path;
 }
 
@@ -279,11 +254,10 @@ static void write_bytes(const char *name, const void *bytes, size_t n)
 /* Write the state of a small scene to the file s; its simulation. */
 static dem_sim *write_small(long steps)
 {
-    scoped dem_grain *grains = NULL;
-    dem_definition def = scene_of(LEDGER, &grains);
+    dem_definition def = scene_of(LEDGER);
     def.n_grains = 10;
     dem_sim *sim = grains_start(&def);
-    run(sim, steps);
+    advance(sim, steps);
     rp_snapshot s = {0};
     dem_keep(&s, &sim);
     CHECK_OK(rp_snapshot_write(&s, in_folder("s"), "test", dem_keep_layout()));
@@ -310,7 +284,7 @@ static void refused(const char *text)
     dem_sim *sim;
     CHECK_FAILS(read_small("test", dem_keep_layout(), &sim), RP_BAD_INPUT, text);
     CU_ASSERT_PTR_NULL(sim);
-    CU_ASSERT(strstr(rp_message(), folder) != NULL); /* which file */
+    CU_ASSERT(strstr(rp_message(), in_folder("s")) != NULL); /* which file */
 }
 
 /* Where numbers of the head are; its size. */
@@ -327,7 +301,6 @@ static void sign(unsigned char *bytes, size_t n)
 
 static void damaged_files(void)
 {
-    enter();
     scoped_sim *sim = write_small(50), *copy = NULL;
     size_t n;
     unsigned char *bytes = read_bytes("s", &n);
@@ -358,12 +331,10 @@ static void damaged_files(void)
     CU_ASSERT(mkdir(in_folder("s"), 0777) == 0);
     refused("not a regular file");
     free(bytes);
-    leave();
 }
 
 static void foreign_files(void)
 {
-    enter();
     dem_sim *sim = write_small(20), *copy;
     size_t n;
     CHECK_FAILS(read_small("other", dem_keep_layout(), &copy), RP_BAD_INPUT,
@@ -380,16 +351,14 @@ static void foreign_files(void)
     write_bytes("s", bytes, n);
     refused("made by model version ");
     free(bytes), dem_free(sim);
-    leave();
 }
 
 /* A state with a true checksum that no simulation has: refused, or run to some end; never a crash. */
 static void impossible_states(void)
 {
-    scoped dem_grain *grains = NULL;
-    dem_definition def = scene_of(LEDGER | GRAVITY_TURNS | FIXED, &grains);
+    dem_definition def = scene_of(LEDGER | GRAVITY_TURNS | FIXED);
     dem_sim *sim = grains_start(&def), *copy = sim;
-    run(sim, HALF);
+    advance(sim, HALF);
     rp_snapshot s = {0};
     dem_keep(&s, &copy);
     size_t refusals = 0;
@@ -419,11 +388,10 @@ static void impossible_states(void)
 /* Without room for the new one, the older snapshot stays, and no other file. */
 static void full_disk(void)
 {
-    enter();
     scoped_sim *sim = write_small(20), *copy = NULL;
     const struct rlimit little = {2000, RLIM_INFINITY}, all = {RLIM_INFINITY, RLIM_INFINITY};
     rp_snapshot s = {0};
-    run(sim, 20);
+    advance(sim, 20);
     dem_keep(&s, &sim);
     signal(SIGXFSZ, SIG_IGN);
     setrlimit(RLIMIT_FSIZE, &little);
@@ -434,8 +402,7 @@ static void full_disk(void)
     rp_snapshot_free(&s);
     CHECK_OK(read_small("test", dem_keep_layout(), &copy));
     CU_ASSERT(dem_step(copy) == 20);
-    CU_ASSERT(shell("test \"$(ls)\" = s") == 0);
-    leave();
+    SHELL("test \"$(ls -I out -I err)\" = s");
 }
 
 /* ---- The program ---- */
@@ -463,7 +430,7 @@ static void run_whole(const char *interval)
 {
     char line[256];
     snprintf(line, sizeof line, START "%s && mv d whole", interval);
-    CU_ASSERT(shell(line) == 0);
+    SHELL(line);
 }
 
 /* All tables equal those of the undisturbed run, and nothing else is left. */
@@ -475,17 +442,14 @@ static bool equal_files(void)
 /* Message of the last command with 2>err. */
 static bool says(const char *text)
 {
-    size_t n;
-    scoped char *bytes = (char *)read_bytes("err", &n);
-    bytes[n] = '\0';
-    const bool there = strstr(bytes, text) != NULL && strchr(bytes, '\n') == bytes + n - 1;
-    if (!there) fprintf(stderr, "message \"%s\", expected \"%s\"\n", bytes, text);
+    const char *end = strchr(err, '\n');
+    const bool there = strstr(err, text) != NULL && end && !end[1];
+    if (!there) fprintf(stderr, "message \"%s\", expected \"%s\"\n", err, text);
     return there;
 }
 
 static void killed_runs(void)
 {
-    enter();
     write_scene();
     run_whole("100");
     for (int k = 0; k < 4; k++) {
@@ -505,37 +469,31 @@ static void killed_runs(void)
         CU_ASSERT(status == 0);
         CU_ASSERT(equal_files());
     }
-    leave();
 }
 
 /* A finished result is there until the new one is whole. */
 static void stopped_runs(void)
 {
-    enter();
     write_scene();
     run_whole("100");
     CU_ASSERT(shell("cp -r whole d; cp s.cfg t.cfg; ulimit -f 40; " START
                     "300 --set steps=1400 --force 2>err") == 74);
     CU_ASSERT(says("cannot write: File too large"));
-    CU_ASSERT(shell("cp -r d/unfinished u && rm -r d/unfinished && diff -r -x .repose d whole && cp -r u "
-                    "d/unfinished") == 0);
+    SHELL("cp -r d/unfinished u && rm -r d/unfinished && diff -r -x .repose d whole && cp -r u d/unfinished");
     CU_ASSERT(shell(START "100 --force 2>err") == 65);
     CU_ASSERT(says("d/unfinished/snapshot: an unfinished run; continue with --resume d"));
     CU_ASSERT(shell("\"$REPOSE\" run s.cfg --resume d 2>err") == 65);
     CU_ASSERT(says("s.cfg: not the scene that the snapshot in d is of"));
-    CU_ASSERT(shell("\"$REPOSE\" run s.cfg --set steps=1400 --set kernel=reference --resume d && ! test -e "
-                    "d/unfinished") == 0);
-    CU_ASSERT(shell("mv d resumed && cp -r whole d && " START
-                    "300 --set steps=1400 --force && diff -r d resumed") == 0);
-    leave();
+    SHELL("\"$REPOSE\" run s.cfg --set steps=1400 --set kernel=reference --resume d && ! test -e "
+          "d/unfinished");
+    SHELL("mv d resumed && cp -r whole d && " START "300 --set steps=1400 --force && diff -r d resumed");
 }
 
 static void refused_resumes(void)
 {
-    enter();
     write_scene();
     CU_ASSERT(shell("ulimit -f 40; " START "300 2>err") == 74);
-    CU_ASSERT(shell("cp -r d good") == 0);
+    SHELL("cp -r d good");
     static const struct {
         const char *change, *text;
     } list[] = {
@@ -567,16 +525,15 @@ static void refused_resumes(void)
     CU_ASSERT(shell("\"$REPOSE\" run --resume d --set dt=1 2>err") == 64 && says("--set and --ledger need"));
     CU_ASSERT(shell("\"$REPOSE\" run s.cfg --snapshot 5 2>err") == 64 && says("--snapshot needs -o"));
     CU_ASSERT(shell("\"$REPOSE\" run 2>err") == 64 && says("give a file, or --resume DIR"));
-    CU_ASSERT(shell("rm -rf d && cp -r good d") == 0);
+    SHELL("rm -rf d && cp -r good d");
     const int other = open(in_folder("d"), O_RDONLY | O_DIRECTORY);
     CU_ASSERT(flock(other, LOCK_EX) == 0);
     CU_ASSERT(shell("\"$REPOSE\" run --resume d 2>err") == 74 && says("another process runs in this folder"));
     close(other);
-    CU_ASSERT(shell("\"$REPOSE\" run --resume d && \"$REPOSE\" run --resume d >done && "
-                    "grep -q 'd: the run is done' done && mv d again && " START
-                    "300 && diff -r d again") == 0);
+    SHELL("\"$REPOSE\" run --resume d && \"$REPOSE\" run --resume d >done && "
+          "grep -q 'd: the run is done' done && mv d again && " START "300 && diff -r d again");
     /* a finished run is that of its scene */
-    CU_ASSERT(shell("\"$REPOSE\" run s.cfg --resume again >done") == 0);
+    SHELL("\"$REPOSE\" run s.cfg --resume again >done");
     static const char *const others[] = {"--set steps=300", "--set tangential.mu=0.4"};
     for (size_t k = 0; k < sizeof others / sizeof *others; k++) {
         char line[128];
@@ -585,7 +542,6 @@ static void refused_resumes(void)
     }
     CU_ASSERT(shell("mkdir empty && \"$REPOSE\" run --resume empty 2>err") == 65 &&
               says("no unfinished run"));
-    leave();
 }
 
 /* ---- Protocols ---- */
@@ -659,7 +615,6 @@ static void stop_at_once(const sweep_protocol *protocol, const void *params)
 /* A run that is stopped, and then killed again and again, ends with the row of the undisturbed one. */
 static void goes_on(const sweep_protocol *protocol, const char *settings, const char *word)
 {
-    enter();
     scoped void *params = PROTOCOL_PARAMS(protocol, settings);
     sweep_result whole, parts;
     const clock_t begin = clock();
@@ -679,7 +634,6 @@ static void goes_on(const sweep_protocol *protocol, const char *settings, const 
                     parts.values[k], whole.values[k]);
         CU_ASSERT(equal);
     }
-    leave();
 }
 
 static void protocol_repose(void)
@@ -718,21 +672,21 @@ static void plan_twice(int replicas)
                "protocol = \"repose\"; replicas = %d; seed = 5;\n"
                "fixed = { W = 1.6; H = 1.6; }; grid = { mu = [0.1, 0.2]; };\n",
                replicas);
-    CU_ASSERT(shell("for d in whole d; do \"$REPOSE\" sweep plan s.cfg -o $d; done >plan") == 0);
+    SHELL("for d in whole d; do \"$REPOSE\" sweep plan s.cfg -o $d; done >plan");
 }
 
 /* The driven sweep has the rows of the undisturbed one, and no snapshot. */
 static void check_driven(void)
 {
-    CU_ASSERT(shell("test \"$(\"$REPOSE\" sweep digest d)\" = \"$(\"$REPOSE\" sweep digest whole)\"") == 0);
-    CU_ASSERT(shell("! test -e d/snapshots") == 0);
+    SHELL("test \"$(\"$REPOSE\" sweep digest d)\" = \"$(\"$REPOSE\" sweep digest whole)\"");
+    SHELL("! test -e d/snapshots");
 }
 
 /* Seconds that the command takes; it must succeed. */
 static double time_of(const char *line)
 {
     const double begin = rp_clock();
-    CU_ASSERT(shell(line) == 0);
+    SHELL(line);
     return rp_clock() - begin;
 }
 
@@ -743,8 +697,10 @@ static char done[16];
 static void note_done(const char *call, int file, const char *from, const char *to)
 {
     struct stat info, of_folder;
+    char here[256];
     (void)from;
-    const bool sync = strcmp(call, "fsync") == 0 && fstat(file, &info) == 0 && stat(folder, &of_folder) == 0,
+    path_of(".", here);
+    const bool sync = strcmp(call, "fsync") == 0 && fstat(file, &info) == 0 && stat(here, &of_folder) == 0,
                own = sync && S_ISDIR(info.st_mode) && info.st_ino == of_folder.st_ino;
     if ((sync || to) && strlen(done) < sizeof done - 1) strcat(done, to ? "r" : own ? "d" : "f");
 }
@@ -754,7 +710,6 @@ static void synced(void)
 {
     rp_snapshot s = {0};
     long step = 7;
-    enter();
     RP_KEEP(&s, step);
     *done = '\0';
     fault_watch = note_done;
@@ -762,7 +717,6 @@ static void synced(void)
     fault_watch = NULL;
     CU_ASSERT_STRING_EQUAL(done, "frd");
     rp_snapshot_free(&s);
-    leave();
 }
 
 /* Of fault_watch: that snapshot of a run before which its whole sweep is killed. */
@@ -800,18 +754,16 @@ static bool drive_until_snapshot(int n)
  * damaged snapshot is refused, and its run starts anew. */
 static void sweep_rows(void)
 {
-    enter();
     plan_twice(2);
-    CU_ASSERT(shell("\"$REPOSE\" sweep run whole --snapshot 0 >counts && ! test -e whole/snapshots") == 0);
+    SHELL("\"$REPOSE\" sweep run whole --snapshot 0 >counts && ! test -e whole/snapshots");
     int kills = 0;
     /* a run has one snapshot at least, and comes farther each time */
     while (drive_until_snapshot(2 + kills)) {
-        CU_ASSERT(shell("ls d/snapshots/???????????????????????????????? >kept") == 0);
+        SHELL("ls d/snapshots/???????????????????????????????? >kept");
         if (++kills == 2) shell("for f in d/snapshots/*; do truncate -s 999 $f; done");
     }
     CU_ASSERT(kills > 2);
     check_driven();
-    leave();
 }
 
 /* Stop the command again and again until it is done, first after a tenth of the seconds that it took alone.
@@ -834,7 +786,6 @@ static int stop_until_done(const char *arguments, double seconds, const char *le
 /* A sweep that is told to stop keeps its long runs, though no snapshot is due. */
 static void stopped_sweep(void)
 {
-    enter();
     plan_twice(1);
     const double seconds = time_of("\"$REPOSE\" sweep run whole >counts");
     int kept = 0;
@@ -842,31 +793,26 @@ static void stopped_sweep(void)
                               "d/snapshots/????????????????????????????????", &kept) == 0);
     CU_ASSERT(kept > 0);
     check_driven();
-    leave();
 }
 
 /* One run of a sweep that is stopped again and again leaves the tables of the undisturbed one. */
 static void stopped_row(void)
 {
     static const char *const files[] = {
-        "protocol = \"repose\"; fixed = { W = 1.6; H = 1.6; theta_t = true; "
-        "tilt_rate_deg = 0.01; };",
+        "protocol = \"repose\"; fixed = { W = 1.6; H = 1.6; theta_t = true; tilt_rate_deg = 0.01; };",
         "protocol = \"drop\"; fixed = { N = 90; radius_width = 0.03; rest_force = 0.1; };"};
-    enter();
     for (int k = check_fast(); k < 2; k++) {
         write_bytes("r.cfg", files[k], strlen(files[k]));
-        CU_ASSERT(shell("rm -rf d whole") == 0);
+        SHELL("rm -rf d whole");
         const double seconds = time_of("\"$REPOSE\" run r.cfg --row 1 -o d >row");
-        CU_ASSERT(shell("mv d whole") == 0);
+        SHELL("mv d whole");
         int kept = 0;
         CU_ASSERT(stop_until_done("run r.cfg --row 1 -o d >again", seconds, "d/unfinished/snapshot", &kept) ==
                   0);
         CU_ASSERT(kept > 0);
         CU_ASSERT(equal_files());
-        CU_ASSERT(
-            shell("for t in row again; do grep -v run_time $t >$t.rest; done; cmp row.rest again.rest") == 0);
+        SHELL("for t in row again; do grep -v run_time $t >$t.rest; done; cmp row.rest again.rest");
     }
-    leave();
 }
 
 void suite_snapshot(void)
@@ -891,5 +837,5 @@ void suite_snapshot(void)
         {"stopped sweep", stopped_sweep},
         {"stopped row", stopped_row},
         {0}};
-    check_register("snapshot", cases);
+    check_register_within("snapshot", enter, leave, cases);
 }

@@ -516,8 +516,7 @@ static void arc_over_a_disk(void)
     }
 }
 
-/* Far from the origin, where positions are rounded to 1e-8, a touching pair collides as at the origin.
- */
+/* Far from the origin, where positions are rounded to 1e-8, a touching pair collides as at the origin. */
 static void far_from_the_origin(void)
 {
     for (int kernel = DEM_REFERENCE; kernel < DEM_KERNELS; kernel++) {

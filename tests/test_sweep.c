@@ -1908,54 +1908,14 @@ static void test_fingerprint_words(void)
     CU_ASSERT_STRING_NOT_EQUAL(first, second);
 }
 
-/* Each value of each named output counts in the digits of results; an output that is not named does not. */
-static void test_digits(void)
+/* A result begins without a value. */
+static void test_cleared(void)
 {
-    sweep_result r[2];
-    char right[33], digits[33];
-    for (int i = 0; i < 2; i++) {
-        sweep_result_clear(&r[i]);
-        r[i].values[0] = 1.0 + i;
-    }
-    sweep_results_digits(2, r, toy_outputs, "y_deg never", right);
-    for (int i = 0; i < 2; i++)
-        for (int k = 0; k < 2; k++) {
-            const double before = r[i].values[k];
-            r[i].values[k] = 7.0;
-            sweep_results_digits(2, r, toy_outputs, "y_deg never", digits);
-            CU_ASSERT(strcmp(digits, right) != 0);
-            r[i].values[k] = before;
-        }
-    sweep_results_digits(2, r, toy_outputs, "y_deg never", digits);
-    CU_ASSERT_STRING_EQUAL(digits, right);
-    sweep_results_digits(2, r, toy_outputs, "y_deg", right);
-    r[1].values[1] = 7.0;
-    sweep_results_digits(2, r, toy_outputs, "y_deg", digits);
-    CU_ASSERT_STRING_EQUAL(digits, right);
-}
-
-/* A result begins without a value. Of angles six decimals count, of other outputs every bit. */
-static void test_rounded_digits(void)
-{
-    static const sweep_output two[] = {
-        {"theta_deg", "degree", "an angle"}, {"length", "cm", "a length"}, {0}};
     sweep_result r;
-    char right[33], digits[33];
     memset(&r, 0, sizeof r);
     sweep_result_clear(&r);
     CU_ASSERT_STRING_EQUAL(r.status, "");
     for (int k = 0; k < SWEEP_MAX_OUTPUTS; k++) CU_ASSERT(isnan(r.values[k]));
-    static const struct {
-        double theta_deg, length;
-        bool same;
-    } cases[] = {
-        {18.3, 2.5, true}, {18.3 + 1e-8, 2.5, true}, {18.300001, 2.5, false}, {18.3, 2.5 + 1e-15, false}};
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        r.values[0] = cases[i].theta_deg;
-        r.values[1] = cases[i].length;
-        sweep_results_digits(1, &r, two, "theta_deg length", i ? digits : right);
-        if (i) CU_ASSERT((strcmp(digits, right) == 0) == cases[i].same);
-    }
 }
 
 /* Names become columns of one table, in which SQLite ignores case. */
@@ -2024,8 +1984,7 @@ void suite_sweep(void)
                                        {"signs of life", test_running},
                                        {"recipes", test_recipes},
                                        {"physical parameters of protocols", test_physics},
-                                       {"digits of results", test_digits},
-                                       {"rounded digits of results", test_rounded_digits},
+                                       {"a result without values", test_cleared},
                                        {"column names", test_columns},
                                        {NULL, NULL}};
     check_register("sweep", cases);

@@ -127,10 +127,9 @@ static void check_contact(checked *c, size_t row, checked *s, double dt, sums *s
     const double k_n = coefficients[wall].k_n, k_s = coefficients[wall].k_s,
                  k_roll = coefficients[wall].k_roll;
     double by_steps, roll_by_steps;
-    CHECK_NEAR(at(c, row, "x"), at(s, row_of(STEPS, id_a), "x"), 0.0);
-    CHECK_NEAR(at(c, row, "y"), at(s, row_of(STEPS, id_a), "y"), 0.0);
-    CHECK_NEAR(at(c, row, "x_b"), g.foot[0], 1e-15);
-    CHECK_NEAR(at(c, row, "y_b"), g.foot[1], 1e-15);
+    CHECK_EACH(at(c, row, NAME), 0.0, {"x", at(s, row_of(STEPS, id_a), "x")},
+               {"y", at(s, row_of(STEPS, id_a), "y")});
+    CHECK_EACH(at(c, row, NAME), 1e-15, {"x_b", g.foot[0]}, {"y_b", g.foot[1]});
     NEAR_RELATIVE(overlap, g.overlap, RELATIVE);
     NEAR_RELATIVE(normal, k_n * pow(g.overlap, 1.5), RELATIVE);
     CU_ASSERT(overlap > 0.0 && fabs(spring) > 0.0 && fabs(roll) > 0.0);
@@ -154,14 +153,12 @@ static void check_states(checked *s, const sums *sum, double dt)
         const size_t row = row_of(STEPS, id), before = row_of(STEPS - 1, id);
         const double m = at(s, row, "m"), r = at(s, row, "r"), inertia = 0.4 * m * r * r;
         const double size = fabs(sum->fx[id]) + fabs(sum->fy[id]) + 900.0 * m;
-        CHECK_NEAR(at(s, row, "id"), id, 0.0);
-        CHECK_NEAR(at(s, row, "step"), STEPS, 0.0);
+        CHECK_EACH(at(s, row, NAME), 0.0, {"id", id}, {"step", STEPS});
         CHECK_NEAR(at(s, row, "t"), STEPS * dt, 1e-15);
         if (id != 4) NEAR_RELATIVE(m, 4.0 / 3.0 * M_PI * r * r * r, 1e-14);
-        CHECK_NEAR(at(s, row, "fx"), sum->fx[id] + 40.0 * m, RELATIVE * size);
-        CHECK_NEAR(at(s, row, "fy"), sum->fy[id] - 900.0 * m, RELATIVE * size);
-        CHECK_NEAR(at(s, row, "contacts"), sum->contacts[id], 0.0);
-        CHECK_NEAR(at(s, row, "fixed"), 0.0, 0.0);
+        CHECK_EACH(at(s, row, NAME), RELATIVE * size, {"fx", sum->fx[id] + 40.0 * m},
+                   {"fy", sum->fy[id] - 900.0 * m});
+        CHECK_EACH(at(s, row, NAME), 0.0, {"contacts", sum->contacts[id]}, {"fixed", 0.0});
         /* forces change by a few percent a step */
         CHECK_NEAR((at(s, row, "vx") - at(s, before, "vx")) / dt,
                    0.5 * (at(s, row, "fx") + at(s, before, "fx")) / m, 1e-9 * size / m);
@@ -190,9 +187,8 @@ static void check_energy(checked *e, checked *s, const sums *sum)
         rotational += 0.5 * 0.4 * m * r * r * pow(at(s, row, "omega"), 2.0);
         gravity += m * (900.0 * at(s, row, "y") - 40.0 * at(s, row, "x"));
     }
-    CHECK_NEAR(at(e, last, "step"), STEPS, 0.0);
-    CHECK_NEAR(at(e, last, "t"), at(s, row_of(STEPS, 1), "t"), 0.0);
-    CHECK_NEAR(at(e, last, "grains"), GRAINS, 0.0);
+    CHECK_EACH(at(e, last, NAME), 0.0, {"step", STEPS}, {"t", at(s, row_of(STEPS, 1), "t")},
+               {"grains", GRAINS});
     NEAR_RELATIVE(at(e, last, "kinetic"), kinetic, RELATIVE);
     NEAR_RELATIVE(at(e, last, "rotational"), rotational, RELATIVE);
     NEAR_RELATIVE(at(e, last, "kinetic_per_grain"), (kinetic + rotational) / GRAINS, RELATIVE);
@@ -208,9 +204,7 @@ static void check_frames(checked *c, checked *s)
         const long step = lround(at(c, row, "step"));
         CU_ASSERT_FATAL(step >= 0 && step <= STEPS);
         const size_t a = row_of(step, at(c, row, "id_a"));
-        CHECK_NEAR(at(c, row, "t"), at(s, a, "t"), 0.0);
-        CHECK_NEAR(at(c, row, "x"), at(s, a, "x"), 0.0);
-        CHECK_NEAR(at(c, row, "y"), at(s, a, "y"), 0.0);
+        CHECK_EACH(at(c, row, NAME), 0.0, {"t", at(s, a, "t")}, {"x", at(s, a, "x")}, {"y", at(s, a, "y")});
         count[a]++;
         if (at(c, row, "id_b") > 0.0) count[row_of(step, at(c, row, "id_b"))]++;
     }
@@ -237,11 +231,8 @@ static void test_scene(void)
         const int wall = 1 + (int)(row % 2);
         CHECK_NEAR(at(&w, row, "step"), (double)(row / 2), 0.0);
         CHECK_NEAR(at(&w, row, "t"), (double)(row / 2) * dt, 1e-15);
-        CHECK_NEAR(at(&w, row, "wall"), wall, 0.0);
-        CHECK_NEAR(at(&w, row, "x"), 0.0, 0.0);
-        CHECK_NEAR(at(&w, row, "y"), 0.0, 0.0);
-        CHECK_NEAR(at(&w, row, "direction_x"), coefficients[wall].nx, 0.0);
-        CHECK_NEAR(at(&w, row, "direction_y"), coefficients[wall].ny, 0.0);
+        CHECK_EACH(at(&w, row, NAME), 0.0, {"wall", wall}, {"x", 0.0}, {"y", 0.0},
+                   {"direction_x", coefficients[wall].nx}, {"direction_y", coefficients[wall].ny});
         CU_ASSERT(at(&w, row, "from") == -INFINITY && at(&w, row, "to") == INFINITY);
         if (row / 2 < STEPS) continue;
         NEAR_RELATIVE(at(&w, row, "fx"), sum.wall[wall][0], RELATIVE);
@@ -270,10 +261,8 @@ static void test_walls(void)
         const double px = first ? 3.0 : 0.0, py = first ? 0.5 : 0.0, nx = first ? -1.0 : 0.6,
                      ny = first ? 0.0 : 0.8;
         CHECK_NEAR(cell(&w, row, "step"), step, 0.0);
-        CHECK_NEAR(cell(&w, row, "x"), c * px + s * py, 1e-13);
-        CHECK_NEAR(cell(&w, row, "y"), c * py - s * px, 1e-13);
-        CHECK_NEAR(cell(&w, row, "direction_x"), c * nx + s * ny, 1e-13);
-        CHECK_NEAR(cell(&w, row, "direction_y"), c * ny - s * nx, 1e-13);
+        CHECK_EACH(cell(&w, row, NAME), 1e-13, {"x", c * px + s * py}, {"y", c * py - s * px},
+                   {"direction_x", c * nx + s * ny}, {"direction_y", c * ny - s * nx});
         CHECK_NEAR(cell(&w, row, "from"),
                    first ? -0.5 + 20.0 * dt * fmax(step - 40.0, 0.0) : (vanished ? 2.5 : -2.0), 1e-13);
         CHECK_NEAR(cell(&w, row, "to"), first ? 9.0 : 2.5, 0.0);
@@ -355,10 +344,10 @@ static void test_ledger(void)
         {"step", 2500.0},
         {"t", 0.05}};
     for (size_t k = 0; k < sizeof columns / sizeof *columns; k++) {
-        NEAR_RELATIVE(at(&e, 0, columns[k].column), columns[k].value, 1e-14);
+        NEAR_RELATIVE(at(&e, 0, columns[k].name), columns[k].value, 1e-14);
         for (size_t j = 0; j < k; j++) /* a wrong column has a wrong value */
             CU_ASSERT(fabs(columns[k].value) > 1e-9 && columns[k].value != columns[j].value);
-        if (fabs(columns[k].value) < 1e-9) fprintf(stderr, "%s is 0\n", columns[k].column);
+        if (fabs(columns[k].value) < 1e-9) fprintf(stderr, "%s is 0\n", columns[k].name);
     }
     CHECK_NEAR(at(&e, 0, "put_in"), 0.0, 0.0);
     CHECK_NEAR(at(&e, 0, "residual"), 0.0, 1e-12 * l.turnover);
@@ -379,10 +368,8 @@ static void check_disks(checked *d, checked *c, checked *w, double eps)
         const size_t i = (size_t)a - 1, j = (size_t)b - 1;
         const double dx = at(d, i, "x") - at(d, j, "x"), dy = at(d, i, "y") - at(d, j, "y"),
                      force = at(c, k, "force"), distance = hypot(dx, dy);
-        CHECK_NEAR(at(c, k, "x"), at(d, i, "x"), 0.0);
-        CHECK_NEAR(at(c, k, "y"), at(d, i, "y"), 0.0);
-        CHECK_NEAR(at(c, k, "x_b"), at(d, j, "x"), 0.0);
-        CHECK_NEAR(at(c, k, "y_b"), at(d, j, "y"), 0.0);
+        CHECK_EACH(at(c, k, NAME), 0.0, {"x", at(d, i, "x")}, {"y", at(d, i, "y")}, {"x_b", at(d, j, "x")},
+                   {"y_b", at(d, j, "y")});
         NEAR_RELATIVE(force, (1.0 - distance) / eps, RELATIVE);
         CHECK_NEAR(at(c, k, "horizontal"), fabs(dy) < 0.1, 0.0);
         fx[a] += force * dx / distance, fy[a] += force * dy / distance;
@@ -393,8 +380,8 @@ static void check_disks(checked *d, checked *c, checked *w, double eps)
     for (size_t k = 0; k < c->t.n_rows; k++) {
         const int a = (int)at(c, k, "a"), b = (int)at(c, k, "b");
         const double force = at(c, k, "force"), slack = 1e-9 * force;
-        CHECK_NEAR(at(c, k, "strongest"), force >= most[a] - slack || force >= most[b] - slack, 0.0);
-        CHECK_NEAR(at(c, k, "weakest"), force <= least[a] + slack || force <= least[b] + slack, 0.0);
+        CHECK_EACH(at(c, k, NAME), 0.0, {"strongest", force >= most[a] - slack || force >= most[b] - slack},
+                   {"weakest", force <= least[a] + slack || force <= least[b] + slack});
     }
     for (size_t k = 0; k < w->t.n_rows; k++) {
         const int id = (int)at(w, k, "disk");
@@ -411,8 +398,7 @@ static void check_disks(checked *d, checked *c, checked *w, double eps)
         const size_t i = (size_t)id - 1;
         CHECK_NEAR(fx[id], 0.0, 1e-9);
         CHECK_NEAR(fy[id], 1.0, 1e-9);
-        CHECK_NEAR(at(d, i, "id"), id, 0.0);
-        CHECK_NEAR(at(d, i, "r"), 0.5, 0.0);
+        CHECK_EACH(at(d, i, NAME), 0.0, {"id", id}, {"r", 0.5});
         /* in units of half a diameter and of a row's height the lattice has whole numbers */
         const double x_0 = 2.0 * (at(d, i, "x") - eps * at(d, i, "u_x")),
                      row = (at(d, i, "y") - eps * at(d, i, "u_y") - 0.5) / sqrt(0.75);
@@ -429,11 +415,10 @@ static void check_base(checked *b, checked *w)
     for (size_t k = 0; k < BASE; k++) {
         CHECK_NEAR(at(b, k, "i"), (double)k + 1.0, 0.0);
         CHECK_NEAR(at(b, k, "x"), (double)k, 1e-12);
-        CHECK_NEAR(at(b, k, "N/mg"), at(w, k, "N"), 0.0);
-        CHECK_NEAR(at(b, k, "H/mg"), at(w, k, "H"), 0.0);
-        CHECK_NEAR(at(b, k, "N_diagonals/mg"), 0.5 * (BASE + 1.0), 1e-13);
-        CHECK_NEAR(at(b, k, "H_diagonals/mg"), ((double)k - 0.5 * (BASE - 1.0)) / sqrt(3.0), 1e-13);
-        CHECK_NEAR(at(b, k, "x/B"), 0.5 + ((double)k - 0.5 * (BASE - 1.0)) / width, 1e-13);
+        CHECK_EACH(at(b, k, NAME), 0.0, {"N/mg", at(w, k, "N")}, {"H/mg", at(w, k, "H")});
+        CHECK_EACH(at(b, k, NAME), 1e-13, {"N_diagonals/mg", 0.5 * (BASE + 1.0)},
+                   {"H_diagonals/mg", ((double)k - 0.5 * (BASE - 1.0)) / sqrt(3.0)},
+                   {"x/B", 0.5 + ((double)k - 0.5 * (BASE - 1.0)) / width});
         NEAR_RELATIVE(at(b, k, "N/(chi*g*B)"), at(w, k, "N") / width, 1e-13);
         NEAR_RELATIVE(at(b, k, "H/(chi*g*B)"), at(w, k, "H") / width, 1e-13);
     }
@@ -482,9 +467,8 @@ static void test_ensemble(void)
         NEAR_RELATIVE(at(&c, i, "N_se/(chi*g*B)") * width, at(&c, i, "N_se/mg"), 1e-13);
         NEAR_RELATIVE(at(&c, i, "H/(chi*g*B)") * width, at(&c, i, "H/mg"), 1e-13);
         NEAR_RELATIVE(at(&c, i, "H_se/(chi*g*B)") * width, at(&c, i, "H_se/mg"), 1e-13);
-        CHECK_NEAR(at(&c, i, "N_diagonals/mg"), at(each, i, "N_diagonals/mg"), 0.0);
-        CHECK_NEAR(at(&c, i, "H_diagonals/mg"), at(each, i, "H_diagonals/mg"), 0.0);
-        CHECK_NEAR(at(&c, i, "i"), (double)i + 1.0, 0.0);
+        CHECK_EACH(at(&c, i, NAME), 0.0, {"N_diagonals/mg", at(each, i, "N_diagonals/mg")},
+                   {"H_diagonals/mg", at(each, i, "H_diagonals/mg")}, {"i", (double)i + 1.0});
     }
     checked_end(&c);
     for (int r = 0; r < PILES; r++) rp_table_free(&each[r].t);
@@ -514,20 +498,18 @@ static void test_sweep(void)
     CU_ASSERT_FATAL(runs.t.n_rows == 12 && points.n_rows == 4);
     double seconds = 0.0;
     for (size_t row = 0; row < 12; row++) {
-        CHECK_NEAR(at(&runs, row, "run"), (double)row, 0.0);
-        CHECK_NEAR(at(&runs, row, "replica"), (double)(row % 3), 0.0);
+        CHECK_EACH(at(&runs, row, NAME), 0.0, {"run", (double)row}, {"replica", (double)(row % 3)});
         const double pile = at(&runs, row, "pile");
         CHECK_NEAR(pile, cell(&runs.t, row - row % 3, "pile") + (double)(row % 3),
                    0.0); /* of its own, in a row */
         CU_ASSERT(row < 3 || pile != cell(&runs.t, row - 3, "pile"));
-        CHECK_NEAR(at(&runs, row, "base"), row < 6 ? 9.0 : 12.0, 0.0);
-        CHECK_NEAR(at(&runs, row, "eps"), row % 6 < 3 ? 1e-4 : 2e-4, 0.0);
+        CHECK_EACH(at(&runs, row, NAME), 0.0, {"base", row < 6 ? 9.0 : 12.0},
+                   {"eps", row % 6 < 3 ? 1e-4 : 2e-4});
         CU_ASSERT(at(&runs, row, "seconds") > 0.0);
         seconds += at(&runs, row, "seconds");
         CHECKED_WORD(&runs, row, "status", "ok");
         if (row % 5) continue; /* three of them */
-        GOOD("run s.cfg --row %zu -o again --force", row);
-        scoped_table again = read_table("out");
+        scoped_table again = TABLE_OF("run s.cfg --row %zu -o again --force", row);
         const char *const own = rp_table_find_note(&again, "units");
         const size_t length = strlen(units) - strlen("1\t1\t1\t1\t1\t1\t") - strlen("\ts");
         CU_ASSERT(own && strlen(own) == length + 2 &&
@@ -608,8 +590,7 @@ static void test_failed(void)
                "1\t2\t5\t2\toverlap:1,a:1\n2\t3\t5\t2\toverlap:2\n2.5\tnan\t0\t7\ta:7\n3\t4\t5\t0\t-\n"
                "4\t5\t5\t1\ta:1\n");
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
-        GOOD("%s %s", cases[k].command, cases[k].table);
-        scoped_table c = read_table("out");
+        scoped_table c = TABLE_OF("%s %s", cases[k].command, cases[k].table);
         for (size_t row = 0; row < 3 && cases[k].failed[row]; row++) {
             char text[128];
             CU_ASSERT_FATAL(row < c.n_rows);
@@ -634,25 +615,19 @@ static void test_compare(void)
     none_failed(&c);
     const double ms = atan(0.2 * pow(tan(55.0 * M_PI / 180.0), 2.0)) * 180.0 / M_PI;
     const double miss_ms = fabs(mean_r + mean_t - ms);
-    CHECK_NEAR(at(&c, 0, "mu"), 0.2, 0.0);
-    CHECK_NEAR(at(&c, 0, "n"), 4.0, 0.0);
-    CHECK_NEAR(at(&c, 0, "theta_r_deg"), mean_r, 1e-12);
-    CHECK_NEAR(at(&c, 0, "theta_t_deg"), mean_t, 1e-12);
-    CHECK_NEAR(at(&c, 0, "theta_rt_deg"), mean_r + mean_t, 1e-12);
-    CHECK_NEAR(at(&c, 0, "theta_r_se_deg"), sqrt(2.5 / 3.0 / 4.0), 1e-12);
-    CHECK_NEAR(at(&c, 0, "theta_t_se_deg"), sqrt(1.25 / 3.0 / 4.0), 1e-12);
+    CHECK_EACH(at(&c, 0, NAME), 0.0, {"mu", 0.2}, {"n", 4.0});
+    CHECK_EACH(at(&c, 0, NAME), 1e-12, {"theta_r_deg", mean_r}, {"theta_t_deg", mean_t},
+               {"theta_rt_deg", mean_r + mean_t}, {"theta_r_se_deg", sqrt(2.5 / 3.0 / 4.0)},
+               {"theta_t_se_deg", sqrt(1.25 / 3.0 / 4.0)});
     CHECK_NEAR(at(&c, 0, "theta_rt_se_deg"), sqrt(3.25 / 3.0 / 4.0), 1e-12); /* 12, 14.5, 13, 13.5 */
-    CHECK_NEAR(at(&c, 0, "theta_ms_deg"), ms, 1e-12);
-    CHECK_NEAR(at(&c, 0, "diff_ms_deg"), mean_r + mean_t - ms, 1e-12);
+    CHECK_EACH(at(&c, 0, NAME), 1e-12, {"theta_ms_deg", ms}, {"diff_ms_deg", mean_r + mean_t - ms});
     CHECK_NEAR(at(&c, 0, "diff_ms_se_deg"), resampled_error(4, r, t, 400, 31), 1e-11);
-    CHECK_NEAR(at(&c, 0, "n_unstable"), 0.0, 0.0);
-    CHECK_NEAR(at(&c, 0, "n_lost"), 0.0, 0.0);
+    CHECK_EACH(at(&c, 0, NAME), 0.0, {"n_unstable", 0.0}, {"n_lost", 0.0});
     CHECKED_WORD(&c, 0, "status", "ok");
     for (size_t f = 0; f < 4; f++) {
         static const char *const parts[] = {"theta_t", "diff", "theta_rt", "gain"};
         char column[64];
-        GOOD("angle tilt --mu 0.2 --theta-r-deg 10 --phi-deg 55 --form %s", forms[f]);
-        scoped_table tilt = read_table("out");
+        scoped_table tilt = TABLE_OF("angle tilt --mu 0.2 --theta-r-deg 10 --phi-deg 55 --form %s", forms[f]);
         const double theory = cell(&tilt, 0, "theta_t_deg"), miss = fabs(mean_t - theory);
         const double expected[] = {theory, mean_t - theory, mean_r + theory, miss - miss_ms};
         for (size_t k = 0; k < 4; k++) {
@@ -671,15 +646,16 @@ static void test_compare(void)
         "more.tsv",
         "# mu\ttheta_r3_deg\ttheta_t_displacement_deg\tstatus\n0.3\t12\t5\tok\n0.1\t5\t2\tok\n0.2\t9\t3\tok\n"
         "0.2\t11\t3.5\tok\n");
-    GOOD("angle compare more.tsv --bootstrap 10");
-    scoped_table t_more = read_table("out");
+    scoped_table t_more = TABLE_OF("angle compare more.tsv --bootstrap 10");
     CU_ASSERT_FATAL(t_more.n_rows == 3);
     for (size_t g = 0; g < 3; g++) {
         const double mu = 0.1 * ((double)g + 1.0);
         CHECK_NEAR(cell(&t_more, g, "mu"), mu, 1e-15);
         CHECK_NEAR(cell(&t_more, g, "n"), g == 1 ? 2.0 : 1.0, 0.0);
-        CHECK_NEAR(cell(&t_more, g, "theta_ms_deg"), atan(3.0 * mu) * 180.0 / M_PI, 1e-12);
-        CHECK_NEAR(cell(&t_more, g, "theta_rt_deg"), g == 0 ? 7.0 : g == 1 ? 13.25 : 17.0, 1e-12);
+        CHECK_EACH(cell(&t_more, g, NAME), 1e-12, {"theta_ms_deg", atan(3.0 * mu) * 180.0 / M_PI},
+                   {"theta_rt_deg", g == 0   ? 7.0
+                                    : g == 1 ? 13.25
+                                             : 17.0});
     }
     /* the word is that of the first form that is not ok */
     const char *first_word = "ok";
@@ -687,15 +663,13 @@ static void test_compare(void)
     write_text("more.tsv",
                "# mu\ttheta_r3_deg\ttheta_t_displacement_deg\tstatus\n0.4\t4\t5\tok\n0.4\t6\t7\tok\n");
     for (size_t f = 0; f < 4; f++) {
-        GOOD("angle tilt --mu 0.4 --theta-r-deg 5 --phi-deg 74 --form %s", forms[f]);
-        scoped_table tilt = read_table("out");
+        scoped_table tilt = TABLE_OF("angle tilt --mu 0.4 --theta-r-deg 5 --phi-deg 74 --form %s", forms[f]);
         snprintf(found[f], sizeof found[f], "%s", word(&tilt, 0, "status"));
     }
     for (size_t f = 4; f-- > 0;)
         if (strcmp(found[f], "ok") != 0) first_word = found[f];
     CU_ASSERT(strcmp(found[0], "ok") == 0 && strcmp(first_word, "ok") != 0);
-    GOOD("angle compare more.tsv --bootstrap 10 --phi-deg 74");
-    read_again(&t_more, "out");
+    AGAIN_OF(t_more, "angle compare more.tsv --bootstrap 10 --phi-deg 74");
     CU_ASSERT_STRING_EQUAL(word(&t_more, 0, "status"), first_word);
 }
 
@@ -721,11 +695,8 @@ static void test_models(void)
     for (size_t i = 0; i < 5; i++) {
         const double N = 3.0, H = ((double)i - 2.0) / sqrt(3.0);
         CHECK_NEAR(at(&lattice, i, "i"), (double)i + 1.0, 0.0);
-        CHECK_NEAR(at(&lattice, i, "N/mg"), N, 1e-13);
-        CHECK_NEAR(at(&lattice, i, "H/mg"), H, 1e-13);
-        CHECK_NEAR(at(&lattice, i, "N/(chi*g*B)"), N / width, 1e-13);
-        CHECK_NEAR(at(&lattice, i, "H/(chi*g*B)"), H / width, 1e-13);
-        CHECK_NEAR(at(&lattice, i, "x/B"), 0.5 + ((double)i - 2.0) / width, 1e-13);
+        CHECK_EACH(at(&lattice, i, NAME), 1e-13, {"N/mg", N}, {"H/mg", H}, {"N/(chi*g*B)", N / width},
+                   {"H/(chi*g*B)", H / width}, {"x/B", 0.5 + ((double)i - 2.0) / width});
     }
 }
 
@@ -738,10 +709,8 @@ static void test_continuum(void)
         an_force f;
         CHECK_OK(an_continuum(40.0 * M_PI / 180.0, x[i], &f));
         CHECK_NEAR(at(&c, i, "x/B"), x[i], 1e-15);
-        CHECK_NEAR(at(&c, i, "N/(chi*g*B)"), f.N, 1e-14);
-        CHECK_NEAR(at(&c, i, "H/(chi*g*B)"), f.H, 1e-14);
-        CHECK_NEAR(at(&c, 5 - i, "N/(chi*g*B)"), f.N, 1e-14);
-        CHECK_NEAR(at(&c, 5 - i, "H/(chi*g*B)"), -f.H, 1e-14);
+        CHECK_EACH(at(&c, i, NAME), 1e-14, {"N/(chi*g*B)", f.N}, {"H/(chi*g*B)", f.H});
+        CHECK_EACH(at(&c, 5 - i, NAME), 1e-14, {"N/(chi*g*B)", f.N}, {"H/(chi*g*B)", -f.H});
         CU_ASSERT(i == 0 || i > 2 || f.N > at(&c, i - 1, "N/(chi*g*B)"));
     }
 }
@@ -750,9 +719,9 @@ static void test_continuum(void)
 static void check_named(checked *c, size_t row, size_t n, const checked_value list[])
 {
     for (size_t k = 0; k < n; k++) {
-        CHECK_NEAR(at(c, row, list[k].column), list[k].value, 1e-12 * fabs(list[k].value) + 1e-15);
+        CHECK_NEAR(at(c, row, list[k].name), list[k].value, 1e-12 * fabs(list[k].value) + 1e-15);
         for (size_t j = 0; j < k; j++) /* a wrong column has a wrong value */
-            CU_ASSERT(list[k].value != list[j].value || strchr("nx", *list[k].column));
+            CU_ASSERT(list[k].value != list[j].value || strchr("nx", *list[k].name));
     }
 }
 #define CHECK_NAMED(c, row, list) check_named(c, row, sizeof(list) / sizeof *(list), list)
@@ -848,11 +817,9 @@ static void test_fits(void)
                                       {"covariance", l->covariance}, {"chi2", l->chi2},
                                       {"p_value", l->p_value}};
         for (size_t k = 0; k < sizeof line / sizeof *line; k++)
-            CHECK_NEAR(at(&c, row, line[k].column), line[k].value, 1e-12 * fabs(line[k].value) + 1e-15);
-        CHECK_NEAR(at(&c, row, "dof"), POINTS - 2.0 + (double)row, 0.0);
-        CHECK_NEAR(at(&c, row, "n"), POINTS, 0.0);
-        CHECK_NEAR(at(&c, row, "x_from"), 1.0, 0.0);
-        CHECK_NEAR(at(&c, row, "x_to"), 5.0, 0.0);
+            CHECK_NEAR(at(&c, row, line[k].name), line[k].value, 1e-12 * fabs(line[k].value) + 1e-15);
+        CHECK_EACH(at(&c, row, NAME), 0.0, {"dof", POINTS - 2.0 + (double)row}, {"n", POINTS},
+                   {"x_from", 1.0}, {"x_to", 5.0});
         double residual = 0.0;
         for (int i = 0; i < POINTS; i++)
             residual = fmax(residual, fabs(y[i] - l->intercept - l->slope * x[i]));
@@ -906,22 +873,19 @@ static void check_trends(const char *options, bool paired, bool logarithm, doubl
         p[g] = stats_contrast_p(&t[g].change);
     }
     stats_holm(GROUPS, p, p_holm);
-    GOOD("stats trend groups.tsv -x x -y y --by g --margin 0.4 --level 0.1 %s", options);
-    scoped_table c = read_table("out");
+    scoped_table c = TABLE_OF("stats trend groups.tsv -x x -y y --by g --margin 0.4 --level 0.1 %s", options);
     CU_ASSERT_FATAL(c.n_rows == GROUPS);
     for (size_t g = 0; g < GROUPS; g++) {
         CU_ASSERT(*word(&c, g, "g") == "abc"[g]);
-        CHECK_NEAR(cell(&c, g, "n"), (double)t[g].n, 0.0);
-        CHECK_NEAR(cell(&c, g, "n_left"), (double)(grouped.n[g] - t[g].n), 0.0);
-        CHECK_NEAR(cell(&c, g, "x_from"), grouped.x[g][0], 1e-12);
-        CHECK_NEAR(cell(&c, g, "x_to"), grouped.x[g][grouped.n[g] - 1], 1e-12);
-        CHECK_NEAR(cell(&c, g, "slope"), t[g].slope.value, 1e-12);
-        CHECK_NEAR(cell(&c, g, "slope_se"), t[g].slope.se, 1e-12);
+        CHECK_EACH(cell(&c, g, NAME), 0.0, {"n", (double)t[g].n},
+                   {"n_left", (double)(grouped.n[g] - t[g].n)});
+        CHECK_EACH(cell(&c, g, NAME), 1e-12, {"x_from", grouped.x[g][0]},
+                   {"x_to", grouped.x[g][grouped.n[g] - 1]}, {"slope", t[g].slope.value},
+                   {"slope_se", t[g].slope.se});
         CHECK_NEAR(cell(&c, g, "dof"), t[g].slope.dof, 1e-10);
         CHECK_NEAR(cell(&c, g, "change"), t[g].change.value, 1e-12);
-        CHECK_NEAR(cell(&c, g, "p_value"), p[g], 1e-13);
-        CHECK_NEAR(cell(&c, g, "p_holm"), p_holm[g], 1e-13);
-        CHECK_NEAR(cell(&c, g, "p_margin"), t[g].p_margin, 1e-13);
+        CHECK_EACH(cell(&c, g, NAME), 1e-13, {"p_value", p[g]}, {"p_holm", p_holm[g]},
+                   {"p_margin", t[g].p_margin});
         CU_ASSERT_STRING_EQUAL(word(&c, g, "verdict"), stats_trend_word(&t[g], p_holm[g], 0.1));
     }
 }
@@ -938,8 +902,7 @@ static void check_sizes(void)
         p[g] = stats_contrast_p(&t[g].change);
     }
     stats_holm(GROUPS, p, p_holm);
-    GOOD("stats size groups.tsv -x x -y y --by g --power 1.5");
-    scoped_table c = read_table("out");
+    scoped_table c = TABLE_OF("stats size groups.tsv -x x -y y --by g --power 1.5");
     CU_ASSERT_FATAL(c.n_rows == GROUPS);
     for (size_t g = 0; g < GROUPS; g++) {
         CU_ASSERT(*word(&c, g, "g") == "abc"[g]);
@@ -985,8 +948,7 @@ static void test_correlations(void)
             CU_ASSERT(*checked_word(&c, row, "g") == "abc"[g]);
             CHECKED_WORD(&c, row, "quantity", names[k]);
         }
-    GOOD("stats correlation groups.tsv -y y -x x");
-    scoped_table t = read_table("out");
+    scoped_table t = TABLE_OF("stats correlation groups.tsv -y y -x x");
     CU_ASSERT(t.n_rows == 1 && cell(&t, 0, "n") == (double)(grouped.n[0] + grouped.n[1] + grouped.n[2]));
 }
 
@@ -1022,7 +984,7 @@ static void test_systems(void)
         units = rp_table_find_note(&t, "units");
         snprintf(text, sizeof text, "\t%s\t%s\t%s\t", systems[k].unit, systems[k].force, systems[k].force);
         CU_ASSERT(units && strstr(units, text) != NULL);
-        CU_ASSERT(shell("cat d/states.tsv >out 2>err") == 0);
+        SHELL("cat d/states.tsv >out 2>err");
         GOOD("stats select d/states.tsv");
         CU_ASSERT((strstr(out, "# system: ") != NULL) == (k > 0) && strstr(out, systems[k].note) != NULL);
     }
@@ -1045,13 +1007,12 @@ static void test_systems_of_sweeps(void)
     CU_ASSERT(strstr(out, "1 already stored") != NULL); /* keys know numbers alone */
     write_text("b.cfg", "units = \"si\"; " SWEEP, "0.02", "0.02", short_run);
     GOOD("sweep make b.cfg -o b --tables bt");
-    CU_ASSERT(shell("cat at/points.tsv bt/points.tsv >out 2>err") == 0);
-    CU_ASSERT(shell("grep -q '^# k_n: 1e+06 dyn' at/points.tsv && ! grep -q '^# system' at/points.tsv && "
-                    "grep -q '^# k_n: 10000 N/m^1.5$' bt/points.tsv && grep -q '^# system: "
-                    "si$' bt/points.tsv") == 0);
+    SHELL("cat at/points.tsv bt/points.tsv >out 2>err");
+    SHELL("grep -q '^# k_n: 1e+06 dyn' at/points.tsv && ! grep -q '^# system' at/points.tsv && grep -q '^# "
+          "k_n: 10000 N/m^1.5$' bt/points.tsv && grep -q '^# system: si$' bt/points.tsv");
     write_text("b.cfg", "units = \"si\"; " SWEEP, "0.02", "0.02", "fill_steps = 5000; relax_steps = 200; ");
     GOOD("run b.cfg -o r");
-    CU_ASSERT(shell("[ -e r/phases.tsv ] && [ ! -e r/scene.cfg ]") == 0); /* the text is in other units */
+    SHELL("[ -e r/phases.tsv ] && [ ! -e r/scene.cfg ]"); /* the text is in other units */
     GOOD("stress base r/pile --width 0.02");
     CU_ASSERT(strstr(out, "\n# g: 9.81 m/s^2\n") && strstr(out, "\n# diameter: 0.002 m\n") &&
               strstr(out, "\n# units: 1\tN/m\tN/m\t"));

@@ -221,7 +221,7 @@ static void soft(void)
 static void hard(void)
 {
     for (int k = 0; k < 2; k++) {
-        scoped dem_grain *grains = NULL;
+        dem_grain *grains;
         dem_definition def = grains_box(60, 2.0, 4, &grains);
         for (int i = 0; i < 60; i++) grains[i].vx = 90.0 * sin(3.0 * i), grains[i].vy = 90.0 * cos(7.0 * i);
         def.hard = (dem_hard){.on = true, .restitution = 0.7, .mu = 0.3};
@@ -238,8 +238,7 @@ static void hard(void)
 static void gear_and_ground(void)
 {
     for (int k = 0; k < 4; k++) {
-        scoped dem_grain *grains = NULL;
-        dem_definition def = grains_box(40, 2.0, 5, &grains);
+        dem_definition def = grains_box(40, 2.0, 5, NULL);
         def.dt = 1e-5;
         if (k == 0) def.integrator = DEM_GEAR5;
         if (k > 0) {

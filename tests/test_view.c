@@ -151,8 +151,8 @@ static void test_forces(void)
     CHECK_NEAR(half->x2, circles[1].x, 0.02);
     CHECK_NEAR(half->y2, circles[1].y, 0.02);
     CU_ASSERT(count_strokes(WALL) == 2); /* the open wall has nothing left */
-    CU_ASSERT(shell("grep -q 'normal force 12 N' a.svg && grep -q 'x (m)' a.svg && "
-                    "grep -q 'step 7, t = 0.5 s, 3 grains' a.svg") == 0);
+    SHELL("grep -q 'normal force 12 N' a.svg && grep -q 'x (m)' a.svg && "
+          "grep -q 'step 7, t = 0.5 s, 3 grains' a.svg");
 }
 
 /* Walls without end reach from border to border of the window: a level one, an upright one, and two that
@@ -306,7 +306,7 @@ static void test_colors(void)
     write_pile();
     check_colors(". -o a.svg --color m", 3,
                  (const char *[]){"rgb(255, 247, 188)", "rgb(204,  76,   2)", "rgb(254, 153,  41)"});
-    CU_ASSERT(shell("grep -q 'm (kg)' a.svg") == 0);
+    SHELL("grep -q 'm (kg)' a.svg");
     write_text("t.csv", "x,y,r,charge\n0,0,1,-4\n3,0,1,0\n6,0,1,4\n");
     check_colors("t.csv -o a.svg --color charge", 3, (const char *[]){LEAST, ZERO, LARGEST});
     /* in the second frame, that frame's values */
@@ -338,9 +338,9 @@ static void test_stress(void)
     }
     CU_ASSERT(upright == 1);
     /* the pressure's axis ends above 4, not above 12 */
-    CU_ASSERT(shell("grep -q '> 4<' a.svg && ! grep -q '> 10<' a.svg") == 0);
-    CU_ASSERT(shell("grep -q 'principal stress, largest 2 ' a.svg && grep -q '>pressure' a.svg") == 0);
-    CU_ASSERT(shell("grep -c 'fill = .rgb(158, 202, 225)' a.svg | grep -qx 1") == 0);
+    SHELL("grep -q '> 4<' a.svg && ! grep -q '> 10<' a.svg");
+    SHELL("grep -q 'principal stress, largest 2 ' a.svg && grep -q '>pressure' a.svg");
+    SHELL("grep -c 'fill = .rgb(158, 202, 225)' a.svg | grep -qx 1");
     /* marks of the pressure from 0 at steps of 1, 2 or 5 times a power of ten, four or so; the axis ends at
      * 1.08 times the largest. The bar over x = 2 to 5 m is as high as the pressure. */
     static const struct {
@@ -368,11 +368,11 @@ static void test_stress(void)
     write_text("contacts.tsv", "x\ty\tx_b\ty_b\tforce\twall\n2.5\t1.5\t2.5\t0\t12\t1\n");
     /* in a single cell, which is the last one too */
     GOOD("view . -o a.svg --stress --cell 20");
-    CU_ASSERT(shell("grep -q 'principal stress, largest 0.045 ' a.svg") == 0);
+    SHELL("grep -q 'principal stress, largest 0.045 ' a.svg");
     /* 12 N along a branch of 2.5 m that leans: 12 * 2.5/400, whatever its direction */
     write_text("contacts.tsv", "x\ty\tx_b\ty_b\tforce\twall\n2.5\t1.5\t0.5\t0\t12\t1\n");
     GOOD("view . -o a.svg --stress --cell 20");
-    CU_ASSERT(shell("grep -q 'principal stress, largest 0.075 ' a.svg") == 0);
+    SHELL("grep -q 'principal stress, largest 0.075 ' a.svg");
 }
 
 /* ---- frames ---- */
@@ -392,19 +392,19 @@ static void test_frames(void)
     write_moving();
     CU_ASSERT(run("run s.cfg --every 50 -o d") == 0);
     GOOD("view d -o a.gif --fps 20");
-    CU_ASSERT(shell("head -c 6 a.gif | grep -qx GIF89a") == 0);
+    SHELL("head -c 6 a.gif | grep -qx GIF89a");
     /* a graphic control extension a frame, with its delay in hundredths of a second */
-    CU_ASSERT(shell("LC_ALL=C grep -aob \"$(printf '\\041\\371\\004')\" a.gif | wc -l | grep -qx 3") == 0);
-    CU_ASSERT(shell("LC_ALL=C grep -aPq '\\x21\\xf9\\x04.\\x05\\x00' a.gif") == 0);
+    SHELL("LC_ALL=C grep -aob \"$(printf '\\041\\371\\004')\" a.gif | wc -l | grep -qx 3");
+    SHELL("LC_ALL=C grep -aPq '\\x21\\xf9\\x04.\\x05\\x00' a.gif");
     GOOD("view d -o a.gif --frame 1");
-    CU_ASSERT(shell("LC_ALL=C grep -aob \"$(printf '\\041\\371\\004')\" a.gif | wc -l | grep -qx 1") == 0);
+    SHELL("LC_ALL=C grep -aob \"$(printf '\\041\\371\\004')\" a.gif | wc -l | grep -qx 1");
     double top[3];
     static const char *const frames[] = {"0", "step=50", "last"};
     for (int k = 0; k < 3; k++) {
         char line[64];
         GOOD("view d -o a.svg --frame %s --window -0.2,1.2,-0.2,0.8", frames[k]);
         snprintf(line, sizeof line, "grep -q 'step %d, ' a.svg", 50 * k);
-        CU_ASSERT(shell(line) == 0);
+        SHELL(line);
         read_svg("a.svg");
         const mark *wall = find_stroke(WALL);
         CU_ASSERT_FATAL(wall && n_circles == 4 && wall->x == wall->x2);
@@ -422,14 +422,13 @@ static void test_film(void)
     CU_ASSERT(run("run s.cfg --every 50 -o d") == 0);
     if (shell("command -v ffmpeg >which") == 0) {
         GOOD("view d -o a.mp4");
-        CU_ASSERT(shell("head -c 8 a.mp4 | tail -c 4 | grep -q ftyp") == 0);
-        CU_ASSERT(
-            shell("test \"$(ffprobe -v error -count_frames -show_entries stream=nb_read_frames -of csv=p=0 "
-                  "a.mp4)\" = 3") == 0);
+        SHELL("head -c 8 a.mp4 | tail -c 4 | grep -q ftyp");
+        SHELL("test \"$(ffprobe -v error -count_frames -show_entries stream=nb_read_frames -of csv=p=0 "
+              "a.mp4)\" = 3");
     } else {
         FAILS(1, "ffmpeg: cannot start: No such file or directory; Debian has it in the package ffmpeg",
               "view d -o a.mp4");
-        CU_ASSERT(shell("! ls | grep -q mp4") == 0);
+        SHELL("! ls | grep -q mp4");
     }
 }
 
@@ -609,7 +608,7 @@ static void test_chosen(void)
     for (size_t k = 0; k < sizeof wrong / sizeof *wrong; k++)
         FAILS(64, "last, all, a number or step=N", "view . -o a.svg --frame %s", wrong[k]);
     FAILS(64, "--frame all: a picture shows one frame; -o NAME.gif shows 5", "view . -o a.svg --frame all");
-    CU_ASSERT(shell("grep -v '^[59]\\|^1[02]' states.tsv >one.tsv") == 0);
+    SHELL("grep -v '^[59]\\|^1[02]' states.tsv >one.tsv");
     CU_ASSERT_EQUAL(tell("one.tsv -o a.svg --frame all"), 0); /* of one frame */
     static const char *const windows[] = {"1,1,0,1",          "0,1,1,1",         "0,1,2,1",   "0,1,0",
                                           "0,1,0,1,",         "0,1,0,1,2",       "0,1,0,x",   "",
@@ -715,7 +714,7 @@ static void test_bins(void)
         is_told("set ylabel 'pressure (N/m)' noenhanced\nset xlabel 'x (m)' noenhanced\nset boxwidth 3\n"));
     CU_ASSERT(is_told("set label 1 'step 7, t = 0.5 s, 3 grains'"));
     /* a unit of both, or none */
-    CU_ASSERT(shell("sed s/N/1/ contacts.tsv >bare; cp bare contacts.tsv") == 0);
+    SHELL("sed s/N/1/ contacts.tsv >bare; cp bare contacts.tsv");
     CU_ASSERT_EQUAL(tell(". -o a.png --base --cell 3"), 0);
     CU_ASSERT(is_told("set ylabel 'pressure' noenhanced\nset xlabel 'x (m)' noenhanced\n"));
     write_text("states.tsv", "x\ty\tr\n0\t1\t1\n");
@@ -736,7 +735,7 @@ static void test_bins(void)
     CU_ASSERT(is_told("set boxwidth 2.5\n"));
     /* of a static pile the forces are those of its base; without names of the units */
     write_text("disks.tsv", "x\ty\tr\n0\t0.5\t0.5\n1\t0.5\t0.5\n2\t0.5\t0.5\n");
-    CU_ASSERT(shell("rm contacts.tsv walls.tsv states.tsv") == 0);
+    SHELL("rm contacts.tsv walls.tsv states.tsv");
     write_text("base.tsv", "i\tx\tN/mg\tH/mg\n1\t0\t0.25\t7\n2\t1\t0.5\t7\n3\t2\t0.125\t7\n");
     CU_ASSERT_EQUAL(tell(". -o a.png --base --cell 1"), 0);
     check_data("base", 0, 4, 2, (double[]){0, 0.25, 1, 0.5, 2, 0.125, 3, 0});
@@ -750,7 +749,7 @@ static void test_styles(void)
     static const int windows[] = {50, 136, 1000};
     write_pile();
     write_text("states.tsv", "# units: m\tm\tm\nx\ty\tr\n0\t1\t1\n2\t1\t1\n");
-    CU_ASSERT(shell("rm walls.tsv >out 2>err") == 0);
+    SHELL("rm walls.tsv >out 2>err");
     for (int k = 0; k < 3; k++) {
         const double length = 14.0 / windows[k], width = fmin(fmax(0.9 * length * 37.8, 2.0), 5.0);
         char words[128], text[512];
@@ -824,7 +823,7 @@ static void test_stages(void)
 {
     static const char *const names[] = {"a", "b", "d"};
     static const int order[] = {9, 1, 5};
-    CU_ASSERT(shell("mkdir d >out 2>err") == 0);
+    SHELL("mkdir d >out 2>err");
     for (int k = 0; k < 3; k++) {
         char name[32];
         snprintf(name, sizeof name, "d/%s_grains.tsv", names[k]);
@@ -848,22 +847,22 @@ static void test_kinds(void)
 {
     write_pile();
     GOOD("view states.tsv -o a.png");
-    CU_ASSERT(shell("head -c 8 a.png | od -An -tx1 | grep -q '89 50 4e 47 0d 0a 1a 0a'") == 0);
+    SHELL("head -c 8 a.png | od -An -tx1 | grep -q '89 50 4e 47 0d 0a 1a 0a'");
     /* 18 cm at 80 pixels */
-    CU_ASSERT(shell("head -c 20 a.png | tail -c 4 | od -An -tx1 | grep -q '00 00 05 a0'") == 0);
+    SHELL("head -c 20 a.png | tail -c 4 | od -An -tx1 | grep -q '00 00 05 a0'");
     GOOD("view . -o a.pdf --width 9");
-    CU_ASSERT(shell("head -c 5 a.pdf | grep -q ^%PDF-") == 0);
+    SHELL("head -c 5 a.pdf | grep -q ^%PDF-");
     GOOD("pile --base 5 --eps 1e-3 -o static");
     GOOD("view static -o a.svg --base");
     read_svg("a.svg");
     CU_ASSERT(n_circles == 2 * 15);
-    CU_ASSERT(shell("grep -q 'y (sigma)' a.svg && grep -q 'pressure (m g/sigma)' a.svg") == 0);
+    SHELL("grep -q 'y (sigma)' a.svg && grep -q 'pressure (m g/sigma)' a.svg");
     write_text("r.cfg",
                "protocol = \"repose\"; fixed = { W = 1.0; H = 1.0; fill_steps = 100; stop = \"steps\"; "
                "relax_steps = 100; };\ngrid = { mu = [0.1]; };\n");
     CU_ASSERT(run("run r.cfg -o stages") <= 1);
     GOOD("view stages -o a.gif"); /* the ends of phases */
-    CU_ASSERT(shell("LC_ALL=C grep -aob \"$(printf '\\041\\371\\004')\" a.gif | wc -l | grep -qx 5") == 0);
+    SHELL("LC_ALL=C grep -aob \"$(printf '\\041\\371\\004')\" a.gif | wc -l | grep -qx 5");
 }
 
 /* No text of a table is a command to gnuplot: backquotes, quotes, ends of lines in units, names and folders.
@@ -1004,7 +1003,7 @@ static void test_refusals(void)
     CU_ASSERT(shell("mkdir empty; PATH=empty DISPLAY= \"$(command -v \"$REPOSE\")\" view . -o a.svg 2>err") ==
                   1 &&
               shell("grep -q 'Debian has it in the package gnuplot-nox' err") == 0);
-    CU_ASSERT(shell("! ls | grep -q svg") == 0);
+    SHELL("! ls | grep -q svg");
     CU_ASSERT(shell("mkdir none; \"$REPOSE\" view none -o a.svg 2>err") == 65 &&
               shell("grep -q 'no rows in a states.tsv, disks.tsv or ..._grains.tsv' err") == 0);
 }

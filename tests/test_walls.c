@@ -247,8 +247,7 @@ static void turning_box(void)
     static const double TURN = 2e-5; /* a step, clockwise */
     dem_state s[2][9];
     for (int own = 0; own < 2; own++) {
-        scoped dem_grain *grains = NULL;
-        dem_definition def = grains_box(9, 1.0, 5, &grains);
+        dem_definition def = grains_box(9, 1.0, 5, NULL);
         def.rotation = true;
         def.material.mu_roll = 0.2, def.material.k_roll = 1e4, def.material.gamma_roll = 30.0;
         for (size_t w = 0; w < def.n_walls; w++) def.walls[w].material = def.material;
@@ -848,8 +847,7 @@ static void refused(void)
          " ); " ONE,
          "wall 1: lies on wall 2, a whole line"},
         {"box_turn_deg_per_step = 0.01; walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; omega = 1.0; "
-         "} "
-         ");" ONE,
+         "} );" ONE,
          "wall 1: velocity or omega: not in a box that turns"},
         {"integrator = \"implicit\"; walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0];\n"
          "velocity = [1.0, 0.0]; } );" ONE,
@@ -881,10 +879,9 @@ static void refused(void)
         "walls = ( " FLOOR
         ", { point = [0.5, 0.1]; direction = [0.0, 1.0]; extent = [2.0, 3.0]; k_n = 7e5; } ); " ONE};
     for (size_t k = 0; k < sizeof alike / sizeof *alike; k++) {
-        dem_sim *sim = NULL;
+        scoped_sim *sim = NULL;
         CHECK_OK(grains_read(alike[k], NULL, &s));
         CHECK_OK(dem_scene_start(&s, &sim));
-        dem_free(sim);
         dem_scene_free(&s);
     }
 }

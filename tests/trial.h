@@ -44,6 +44,14 @@ static inline void finish(trial *t, long part)
     while (!exp_done(t->run)) CHECK_OK(exp_advance(t->run, part));
 }
 
+/* From the start to an end of this status. */
+static inline void run_whole(trial *t, const char *text, long part, const char *status)
+{
+    start(t, text);
+    finish(t, part);
+    CU_ASSERT_STRING_EQUAL(exp_ended(t->run)->status, status);
+}
+
 static inline double measured(const trial *t, const char *name)
 {
     size_t n;

@@ -37,8 +37,8 @@ static void measure(size_t names, const double truth[], int seed, double value[]
         snprintf(text + strlen(text), sizeof text - strlen(text), "%s = %.17e; ", of[p].name, truth[p]);
     write_text("truth.cfg", "experiment = \"impact.cfg\"; replicas = %d; seed = %d;\nfixed = { %s};\n", RUNS,
                seed, text);
-    CU_ASSERT(shell("rm -rf truth && $REPOSE sweep make truth.cfg -o truth --quiet >out 2>err && $REPOSE "
-                    "sweep export truth --reduce >out 2>err") == 0);
+    SHELL("rm -rf truth && $REPOSE sweep make truth.cfg -o truth --quiet >out 2>err && $REPOSE "
+          "sweep export truth --reduce >out 2>err");
     scoped_table t = read_table("out");
     for (size_t p = 0; p < names; p++) {
         char column[32];

@@ -58,8 +58,7 @@ static void note(series *s, double t, double d, double first)
 
 static dem_sim *filled_box(long N, double W, double dt, long stream, int kernel)
 {
-    scoped dem_grain *grains = NULL;
-    dem_definition def = grains_box(N, W, stream, &grains);
+    dem_definition def = grains_box(N, W, stream, NULL);
     def.dt = dt, def.x_max = 3.0 * W, def.kernel = kernel;
     dem_sim *sim = grains_start(&def);
     return sim;

@@ -300,9 +300,8 @@ static void cradle_simulate(const cradle *c, int launched, double v, double gap,
     for (int i = 0; i < c->n; i++) speeds[i] = s[i].vx;
 }
 
-/* Linear springs, three grains, one launched: the overlaps are the half sum and difference of
- * v sin(w t)/w and v sin(sqrt 3 w t)/(sqrt 3 w) until the first contact opens; then two grains separate at
- * sqrt 2 w. */
+/* Linear springs, three grains, one launched: the overlaps are the half sum and difference of v sin(w t)/w
+ * and v sin(sqrt 3 w t)/(sqrt 3 w) until the first contact opens; then two grains separate at sqrt 2 w. */
 static double first_overlap(double wt, const void *data)
 {
     (void)data;

@@ -232,8 +232,7 @@ static void damped_impacts(void)
                 EXPECTED("comes to rest at overlap %.6g", v / slow[i]);
                 OBSERVED("overlap %.6g, momentum %.6g of %.6g%s", overlap, s[0].vx + 2.0 * s[1].vx, -2.0 * v,
                          status ? rp_message() : "");
-                /* the first step of contact acts from its start: half of v dt, with dt = 0.57/gamma
-                 */
+                /* the first step of contact acts from its start: half of v dt, with dt = 0.57/gamma */
                 verdict("overdamped impact", !status && fabs(overlap * slow[i] / v - 1.0) < 0.5 &&
                                                  fabs(s[1].vx - s[0].vx) < 1e-3 * v &&
                                                  fabs(s[0].vx + 2.0 * s[1].vx + 2.0 * v) < 1e-9 * v);
@@ -474,8 +473,7 @@ static const double WIDTH = 2.0, HEIGHT = 2.2;
 
 static dem_sim *start_full_box(int scheme, double mu, bool lid)
 {
-    scoped dem_grain *grains = NULL;
-    dem_definition def = grains_box(MANY, WIDTH, 17, &grains);
+    dem_definition def = grains_box(MANY, WIDTH, 17, NULL);
     def.integrator = scheme, def.material.mu = mu;
     for (size_t w = 0; w < def.n_walls; w++) def.walls[w].material.mu = mu;
     if (lid) def.walls[def.n_walls++] = grains_line(0.0, HEIGHT, 0.0, -1.0, &def.walls[0].material);
@@ -811,8 +809,7 @@ static void tilts(void)
 
 static char answer[1 << 16];
 
-/* Run a line of shell with $REPOSE, killed after 60 s. Its output is in `answer`; returns its exit status.
- */
+/* Run a line of shell with $REPOSE, killed after 60 s. Its output is in `answer`; returns its exit status. */
 static int program(const char *format, ...) __attribute__((format(printf, 1, 2)));
 static int program(const char *format, ...)
 {
@@ -991,13 +988,12 @@ static void run_scenes(void)
                     PARAMETERS("%s, %s, gamma_n = %g, mu = %s", law_names[law], dem_schemes[scheme]->name,
                                gamma, frictions[f]);
                     const int status = program("sh -c 'd=$(mktemp -d) || exit 99; trap \"rm -r $d\" EXIT; "
-                                               "printf \"%%s\" \"$1\" >$d/s.cfg; "
-                                               "\"$0\" run $d/s.cfg 2>&1' \"$REPOSE\" 'integrator = \"%s\"; "
-                                               "dt = 1.0e-14; steps = 20; "
+                                               "printf \"%%s\" \"$1\" >$d/s.cfg; \"$0\" run $d/s.cfg 2>&1' "
+                                               "\"$REPOSE\" 'integrator = \"%s\"; dt = 1.0e-14; steps = 20; "
                                                "normal = { law = \"%s\"; k_n = 100.0; gamma_n = %.17e; }; "
-                                               "tangential = { law = \"%s\"; mu = %s; }; "
-                                               "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; } ); "
-                                               "particles = ( { x = 0.0; y = 0.25; r = 0.1; vy = -1.0; } );'",
+                                               "tangential = { law = \"%s\"; mu = %s; }; walls = ( { point = "
+                                               "[0.0, 0.0]; direction = [0.0, 1.0]; } ); particles = ( { x = "
+                                               "0.0; y = 0.25; r = 0.1; vy = -1.0; } );'",
                                                dem_schemes[scheme]->name, law_names[law], gamma,
                                                scheme == DEM_IMPLICIT ? "none" : "spring", frictions[f]);
                     const double vy = last_cell("vy");

@@ -287,7 +287,7 @@ static pile_difference compare(const solved_pile *pile, const dem_sim *sim)
 {
     pile_difference d = {0};
     scoped dem_contact *list = NULL;
-    statics_contact *solved;
+    scoped statics_contact *solved = NULL;
     size_t n, m, base = 0;
     CHECK_OK(dem_contacts(sim, &list, &n));
     CHECK_OK(statics_contacts(pile->equilibrium, &solved, &m));
@@ -315,7 +315,6 @@ static pile_difference compare(const solved_pile *pile, const dem_sim *sim)
             fmax(d.position, hypot((states[i].x - pile->grains[i].x) / pile->eps - pile->u[2 * i],
                                    (states[i].y - pile->grains[i].y) / pile->eps - pile->u[2 * i + 1]));
     }
-    free(solved);
     return d;
 }
 

@@ -183,8 +183,7 @@ static void tents(void)
 }
 
 /* T/N of the forces along the two rays: proportional to the chords, in the balanced form also to the widths
- * of the beams.
- */
+ * of the beams. */
 static double needed(int form, double theta_r, double theta, double P)
 {
     const double a = P - theta, b = P + theta, t = tan(theta_r);

@@ -15,8 +15,7 @@
 #include "tests/check.h"
 #include "tests/grains.h"
 
-/* Fitted errors: velocity and position after the rebound, and `integration` of the ledger.
- */
+/* Fitted errors: velocity and position after the rebound, and `integration` of the ledger. */
 enum { VELOCITY, PLACE, INTEGRATION, N_ERRORS };
 
 /* A law and its expected orders: with Verlet's scheme and, where different, with Gear's scheme and with the
@@ -458,8 +457,7 @@ static void smooth(void)
     check_table_close(table, "order_smooth");
 }
 
-/* The references: halving the step changes nothing; an adaptive method and closed forms agree.
- */
+/* The references: halving the step changes nothing; an adaptive method and closed forms agree. */
 static void answers(void)
 {
     for (const law *p = laws; p < laws + N_LAWS; p++) {
@@ -505,8 +503,7 @@ static void avalanches(void)
     for (int k = 0; k < sizes; k++) {
         double row[8] = {5e-5 / (1 << k)}, square = 0.0;
         for (int pile = 0; pile < piles; pile++) {
-            scoped dem_grain *grains = NULL;
-            dem_definition def = grains_box(40, 1.2, pile, &grains);
+            dem_definition def = grains_box(40, 1.2, pile, NULL);
             def.dt = row[0], def.ledger = true;
             def.walls[DEM_BOX_RIGHT].open_at_step = 6000L << k;
             scoped_sim *sim = grains_after(&def, 12000L << k);

@@ -41,8 +41,7 @@ static void add(outcomes *o, const char *problem, const char *method, double set
 }
 
 /* The Pareto front of a problem: outcomes that no other outcome beats in error or time without being worse in
- * the other.
- */
+ * the other. */
 static void mark_front(outcomes *o)
 {
     for (size_t i = o->front_from; i < o->n; i++) {
@@ -410,8 +409,7 @@ static void damped_column(void)
 static void settling(void)
 {
     outcomes o = {0};
-    dem_grain *grains;
-    motion p = {"settling", grains_box(check_fast() ? 30 : 100, 2.0, 1, &grains), 0.03, 2.0 * R, NULL};
+    motion p = {"settling", grains_box(check_fast() ? 30 : 100, 2.0, 1, NULL), 0.03, 2.0 * R, NULL};
     p.def.tangential = DEM_NONE;
     p.def.material = (dem_material){.k_n = 1e6, .gamma_n = 500.0};
     const dem_material wall = {.k_n = 2e6, .gamma_n = 500.0};
@@ -422,7 +420,7 @@ static void settling(void)
     sweep_steps(&p, doubt, 1, check_full() ? DECADES : 1.0, 3.0, &o);
     for (int i = 0; i < DEM_INTEGRATORS; i++) check_gain(&o, p.name, dem_schemes[i]->name, 1.0);
     write_outcomes(&o, "precision_settling", "dt", "limit", "diameter");
-    free(p.answer), free(grains);
+    free(p.answer);
 }
 
 /* ---- Static piles ---- */

@@ -120,8 +120,7 @@ static gsl_odeiv2_driver *reference(const gsl_odeiv2_system *system, double leng
 }
 
 /* A sphere dropped from a height of 0.5 m: position and velocity every 5 ms, and (DEM02) heights of its
- * bounces.
- */
+ * bounces. */
 static vertical dropped(double k, double e)
 {
     vertical p = {.n = 1, .k = k, .r = 0.1, .m = {sphere_mass(2600.0, 0.1)}};

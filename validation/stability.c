@@ -646,8 +646,7 @@ static void implicit_limits(void)
 static bool box_rests(int law, int scheme, double gamma, long stream, double times, double *limit)
 {
     enum { N = 60 };
-    scoped dem_grain *grains = NULL;
-    dem_definition def = grains_box(N, 2.0, stream, &grains);
+    dem_definition def = grains_box(N, 2.0, stream, NULL);
     def.normal = law, def.integrator = scheme;
     def.material.k_n = law == DEM_HERTZ ? 1e6 : 1e5;
     def.material.gamma_n = gamma;

@@ -56,8 +56,7 @@ const char *cli_data(rp_arena *arena, const char *name);
  * rp_table_read and rp_table_append. */
 rp_status cli_tables_read(const cli_call *call, rp_table **table, size_t *n_first);
 
-/* Start a table with provenance; cli_table notes the numbers and words among the values of the options too.
- */
+/* Start a table with provenance; cli_table notes the numbers and words among the options' values too. */
 void cli_provenance(const cli_call *call, FILE *out);
 void cli_table(const cli_call *call, FILE *out);
 

@@ -8,8 +8,7 @@
  * subcommand, and the action's own. */
 rp_status cli_run(cli_call *call, const cli_command *command, int argc, char **argv);
 
-/* Act, what the command prints going to `out`; `table` in place of the tables of the arguments, NULL: these.
- */
+/* Act, what the command prints going to `out`; `table` in place of the arguments' tables, NULL: these. */
 rp_status cli_act_into(cli_call *call, rp_table *table, FILE *out);
 
 /* The header of a call's table has the lines `source` of the table that it is made of. */

@@ -109,19 +109,17 @@ static void report(void *context, const char *format, ...)
     *(bool *)context = false;
 }
 
-static void draw_part(const char *what, size_t done, size_t of, void *context)
+static void draw_part(const char *what, size_t done, size_t of)
 {
-    (void)context;
     static double next;
     if (of < 100000 || (done < of && rp_clock() < next)) return;
     next = rp_clock() + 0.5;
     fprintf(stderr, "\r%zu of %zu %s%s", done, of, what, done == of ? "\n" : "");
 }
 
-const sweep_watch *cli_watch(bool quiet)
+sweep_watch *cli_watch(bool quiet)
 {
-    static const sweep_watch watch = {draw_part, NULL};
-    return !quiet && isatty(STDERR_FILENO) ? &watch : NULL;
+    return !quiet && isatty(STDERR_FILENO) ? draw_part : NULL;
 }
 
 void cli_sweep_progress(sweep_options *options, bool quiet, bool *drawn)

@@ -25,6 +25,6 @@ void cli_progress_tell(cli_progress *p, double now, const char *where, FILE *out
 void cli_sweep_progress(sweep_options *options, bool quiet, bool *drawn);
 
 /* For long preparations: progress on a terminal, unless `quiet`. */
-const sweep_watch *cli_watch(bool quiet);
+sweep_watch *cli_watch(bool quiet);
 
 #endif

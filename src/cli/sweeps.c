@@ -68,8 +68,7 @@ rp_status cli_claim_sweep(const char *directory, const char *file, bool force)
         return force ? RP_OK : status;
     return rp_fail(
         RP_BAD_INPUT,
-        "%s: holds the sweep %s; give another folder, or --force to plan %s there (stored runs are "
-        "kept)",
+        "%s: holds the sweep %s; give another folder, or --force to plan %s there (stored runs are kept)",
         directory, sweep, file);
 }
 

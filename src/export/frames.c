@@ -115,13 +115,6 @@ size_t export_frame_at(const export_frames *f, double step)
     return k;
 }
 
-static bool is_number(const char *text)
-{
-    char *end;
-    strtod(text, &end);
-    return *text && !*end;
-}
-
 /* Every cell of a frame's table is a number, and steps rise. */
 static rp_status find_frames(rp_arena *arena, rp_table *table, export_frames *f)
 {
@@ -130,7 +123,7 @@ static rp_status find_frames(rp_arena *arena, rp_table *table, export_frames *f)
         .table = table, .step = rp_table_column(table, "step"), .t = rp_table_column(table, "t")};
     for (size_t i = 0; i < table->n_rows; i++) {
         for (size_t c = 0; c < table->n_columns; c++)
-            if (!is_number(export_cell(table, i, (int)c)))
+            if (!rp_text_number(export_cell(table, i, (int)c), &unused))
                 RP_TRY(rp_table_number(table, i, (int)c, true, &unused));
         t[i] = f->t < 0 ? NAN : strtod(rp_cell(table, i, f->t), NULL);
         if (f->step >= 0) RP_TRY(rp_table_number(table, i, f->step, false, &step[i]));

@@ -176,8 +176,7 @@ static void write_data(const lammps_scene *s, const char *scene, FILE *out)
                 EXPORT_SHORT(s->grains[i].vy), EXPORT_SHORT(s->grains[i].omega));
 }
 
-/* LAMMPS takes Tsuji's damping from a restitution, by a polynomial of its manual: where that has this value.
- */
+/* LAMMPS takes Tsuji's damping from a restitution, by a polynomial of its manual: where that is gamma_n. */
 static double tsuji_restitution(double gamma_n)
 {
     static const double c[] = {1.2728, -4.2783, 11.087, -22.348, 27.467, -18.022, 4.8218};
@@ -224,8 +223,7 @@ static void write_about(const lammps_scene *s, const char *scene, FILE *out)
             s->def.tension ? ", which may pull" : ", together not below 0");
     if (normal_law(&s->def)->lammps_damping)
         fputs("# damping: LAMMPS takes it from a restitution by a polynomial; the number here is where that "
-              "has gamma_n, not "
-              "the restitution of impacts\n",
+              "has gamma_n, not the restitution of impacts\n",
               out);
     fprintf(out, "# shear force: %s\n# walls: the same with R_eff = r and m_eff = m, whole planes at rest\n",
             s->def.tangential == DEM_MINDLIN ? "spring k_s sqrt(R_eff x) and dashpot, together limited by mu "
@@ -239,8 +237,7 @@ static void write_about(const lammps_scene *s, const char *scene, FILE *out)
         "# integrator: velocity Verlet; forces that depend on velocity take that of half a step before\n");
     if (spring)
         fputs("# start: of contacts whose dashpot alone exceeds mu F_n, LAMMPS leaves the shear force out of "
-              "the first "
-              "half step\n",
+              "the first half step\n",
               out);
     fprintf(out, "# Every other setting of a scene is refused by repose export.\n\n");
 }

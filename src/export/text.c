@@ -59,9 +59,8 @@ static bool write_json(json_t *value, FILE *out)
 /* A cell as it stands, if JSON has such a number; nan is null, any other word a string. */
 static bool write_value(const char *text, FILE *out)
 {
-    char *end;
-    const double number = strtod(text, &end);
-    const bool is_number = *text && !*end;
+    double number;
+    const bool is_number = rp_text_number(text, &number);
     json_t *value = json_loads(text, JSON_DECODE_ANY, NULL);
     const bool as_is = is_number && json_is_number(value);
     json_decref(value);

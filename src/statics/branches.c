@@ -160,8 +160,7 @@ static void expect_wells(statics_pile *pile, const statics_pile *half, const rp_
 }
 
 /* Contacts that are expected to carry a force: all but the horizontal ones; if all neighbours touch, those
- * that do at the same position in the linearised pile of half the size. The solution does not depend on it.
- */
+ * that do at the same position in the linearised pile of half the size. The solution does not need it. */
 static rp_status expect_contacts(statics_pile *pile, double a)
 {
     bool touching = pile->n >= HALVED;

@@ -132,8 +132,7 @@ typedef struct {
 /* The same disks' wells: result.wells of them, also where there is no equilibrium. */
 void statics_wells(const statics_pile *pile, statics_well *wells);
 
-/* Contacts between disks. Strongest and weakest: of those of at least one of its two disks; equal ones all.
- */
+/* Contacts between disks. Strongest and weakest: of those of at least one of its disks; equal ones all. */
 typedef struct {
     size_t a, b;
     double x, y, x_b, y_b; /* displaced centres, sigma */

@@ -140,8 +140,7 @@ double statics_largest_force(const statics_pile *pile)
 }
 
 /* Factorise at w, softened until the matrix is not singular, and for a minimum not negative; disks that are
- * still free get a weak hold. The softening is kept for the next time, and lowered while the residual falls.
- */
+ * still free get a weak hold. The softening is kept for the next time, lowered while the residual falls. */
 static rp_status factorise(statics_pile *pile, bool start, int mode, bool falling)
 {
     const bool positive = mode != FOLLOW;

@@ -5,8 +5,8 @@
 #include <gsl/gsl_multifit.h>
 #include <gsl/gsl_statistics_double.h>
 #include <math.h>
-#include <stdlib.h>
 
+#include "core/arena.h"
 #include "stats/stats.h"
 
 static rp_status check_points(const stats_xy *p, bool origin)

@@ -53,8 +53,5 @@ rp_status stats_level_off(size_t n, const double v[], size_t *from)
         *from = i;
     }
     if (*from < n / 2) return RP_OK;
-    return rp_fail(RP_NO_RESULT,
-                   "the series of %zu values has not levelled off before its "
-                   "second half",
-                   n);
+    return rp_fail(RP_NO_RESULT, "the series of %zu values has not levelled off before its second half", n);
 }

@@ -1,5 +1,4 @@
-/* Statistics of plain arrays of numbers: ensembles, straight lines, series in time, trends and equivalence.
- */
+/* Statistics of plain arrays of numbers: ensembles, straight lines, series in time, trends, equivalence. */
 #ifndef STATS_STATS_H
 #define STATS_STATS_H
 

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/arena.h"
 #include "core/elementary.h"
 #include "stats/stats.h"
 
@@ -73,8 +74,7 @@ static rp_status keep_whole_piles(sample *s)
     return RP_OK;
 }
 
-/* Means and their variances; unpaired points are in order of x. Of paired ones a cell gives its weight alone.
- */
+/* Means and their variances; unpaired points are in order of x. Of paired ones it has its weight alone. */
 static rp_status fill_cells(sample *s)
 {
     bool single = false;
@@ -250,19 +250,14 @@ rp_status stats_trend_fit(const stats_sample *of, stats_trend *trend)
             return rp_fail(RP_BAD_INPUT,
                            "value %zu: x = %g: out of range for weights x^%g, allowed: (0, inf)", i + 1,
                            of->x[i], of->power);
+    RP_SCOPE(memory);
     sample s = {.of = of, .n = of->n};
-    s.points = calloc(of->n + 1, sizeof *s.points);
-    s.cells = calloc(of->n + 1, sizeof *s.cells);
-    s.c = calloc(2 * of->n + 1, sizeof *s.c);
+    RP_NEW(&memory, s.points, of->n);
+    RP_NEW(&memory, s.cells, of->n);
+    RP_NEW(&memory, s.c, 2 * of->n);
     s.work = s.c + of->n;
-    rp_status status = RP_OK;
-    if (!s.points || !s.cells || !s.c) status = rp_fail(RP_NO_MEMORY, "trend: out of memory");
-    if (!status) status = load_points(&s);
-    if (!status) status = analyse(&s, trend);
-    free(s.points);
-    free(s.cells);
-    free(s.c);
-    return status;
+    RP_TRY(load_points(&s));
+    return analyse(&s, trend);
 }
 
 void stats_holm(size_t n, const double p[], double corrected[])

@@ -1,4 +1,4 @@
-/* Stress in a pile from its contacts, and the tilt at which Coulomb's law is reached; see stress.h.
+/* Stress in a pile from its contacts; see stress.h.
  *
  * Cells. Force f on grain a along the branch l from b to a: s_ab = (1/area) sum f_a l_b w, w the part of the
  * branch in the cell. A contact then carries its force along its branch, so that the force through a line is
@@ -12,14 +12,7 @@
  * pressure, R the radius and c = (xy - yx)/2 the point (pressure, shear) runs on the circle of radius R about
  * (p, +-c), so that the steepest line from the origin to it has the angle
  *     asin(R/sqrt(p^2 + c^2)) + atan(|c|/p);
- * without couple asin(R/p), the angle of friction mobilised.
- *
- * Tilt. Of a pile that does not move and whose contacts neither slide nor part, forces are linear in the two
- * components of gravity. Divided by the component normal to the floor they are linear in t, the tangent of
- * the tilt; the two coefficients are measured at small tilts. Coulomb's law is then put to the floor: h/n =
- * mu, as (3) and (4) do, but with the measured forces, summed over the base. Assumed: linearity up to failure
- * (contacts that slide already, and those that start to, carry no more), and failure of the sum and not of
- * its weakest part. */
+ * without couple asin(R/p), the angle of friction mobilised. */
 #include <gsl/gsl_math.h>
 #include <math.h>
 #include <stdlib.h>
@@ -74,8 +67,7 @@ rp_status stress_cells(size_t n, const stress_contact contacts[], const stress_g
     const stress_grid *g = grid;
     if (!(g->dx > 0.0 && g->dy > 0.0 && isfinite(g->x0 + g->y0 + g->dx + g->dy) && g->nx > 0 && g->ny > 0))
         return rp_fail(RP_BAD_INPUT,
-                       "grid: %zu x %zu cells of %g x %g from (%g, %g): at least one, allowed: "
-                       "(0, inf)",
+                       "grid: %zu x %zu cells of %g x %g from (%g, %g): at least one, allowed: (0, inf)",
                        g->nx, g->ny, g->dx, g->dy, g->x0, g->y0);
     for (size_t k = 0; k < g->nx * g->ny; k++) stress[k] = (stress_tensor){0};
     for (size_t k = 0; k < n; k++) {
@@ -108,11 +100,4 @@ stress_circle stress_mohr(const stress_tensor *s)
                       ? fmin(rp_asin(m.shear / reach) + rp_atan(fabs(m.couple) / m.pressure), M_PI_2)
                       : (reach > 0.0 || m.shear > 0.0 ? M_PI_2 : NAN);
     return m;
-}
-
-double stress_floor_tilt(const stress_linear *n, const stress_linear *h, double mu)
-{
-    /* h->at_0 + h->rise t = mu (n->at_0 + n->rise t) */
-    const double rise = h->rise - mu * n->rise;
-    return rise > 0.0 ? rp_atan((mu * n->at_0 - h->at_0) / rise) : NAN;
 }

@@ -1,4 +1,4 @@
-/* Stress in a pile from its contact forces, and the tilt at which Coulomb's law is reached from it. */
+/* Stress in a pile from its contact forces, and the pressure on its base. */
 #ifndef STRESS_STRESS_H
 #define STRESS_STRESS_H
 
@@ -85,18 +85,6 @@ rp_status stress_floor_forces(size_t n, const stress_pile piles[], double size, 
  * 6), where the column above weighs `weight`: n = weight/(1 - t^2/k) and h = n t/k, t = tan slope, k = tan^2
  * phi. Angles in rad. */
 void stress_wedge(double weight, double slope, double phi, double *n, double *h);
-
-/* ---- tilt (stress.c) ---- */
-
-/* Response of a part of a pile's forces to tilt: at_0 + rise t, t = tan of the tilt, per weight normal to the
- * floor. */
-typedef struct {
-    double at_0, rise;
-} stress_linear;
-
-/* Tilt at which the friction h/n of the floor reaches mu: n normal to it, h along it, by the pile, down the
- * tilt. Negative if it exceeds mu without tilt; NaN if it stays below mu up to pi/2. */
-double stress_floor_tilt(const stress_linear *n, const stress_linear *h, double mu);
 
 /* ---- pressure on the base of piles, and whether it dips in the middle (dip.c) ---- */
 

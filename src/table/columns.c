@@ -16,10 +16,16 @@ static rp_table *new_table(rp_arena *arena)
     return rp_arena_keep(arena, rp_arena_memory(arena, 1, sizeof(rp_table)), free_table);
 }
 
-rp_status rp_table_load(rp_arena *arena, const char *path, rp_table **table)
+rp_status rp_table_keep(rp_arena *arena, const char *path, rp_status (*read)(const char *, rp_table *),
+                        rp_table **table)
 {
     *table = new_table(arena);
-    const rp_status status = rp_table_read(path, *table);
+    return read(path, *table);
+}
+
+rp_status rp_table_load(rp_arena *arena, const char *path, rp_table **table)
+{
+    const rp_status status = rp_table_keep(arena, path, rp_table_read, table);
     rp_units_set(rp_units_find(status ? NULL : rp_table_find_note(*table, "system")));
     return status;
 }
@@ -136,7 +142,7 @@ static rp_status leave_out(const request *q, size_t row, rp_rows *r, double numb
     rp_status status = RP_OK;
     for (size_t c = 0; c < q->n && !failed && !status; c++) {
         status = rp_table_number(q->t, row, q->columns[c], true, &numbers[c]);
-        missing |= !choice->any_number && isnan(numbers[c]);
+        missing |= isnan(numbers[c]);
     }
     const bool outside = choice->range && (numbers[0] < choice->range[0] || numbers[0] > choice->range[1]);
     *out = failed || missing || outside;
@@ -180,7 +186,6 @@ rp_status rp_rows_read(rp_arena *arena, const rp_table *t, const char *names, co
     ranked *rank = rp_arena_memory(arena, t->n_rows, sizeof *rank);
     for (size_t i = 0; i < t->n_rows; i++) {
         bool out;
-        if (choice->among && !choice->among[i]) continue;
         RP_TRY(leave_out(&q, i, r, numbers + i * k, &out));
         if (out) continue;
         const double key = choice->groups ? (double)choice->groups->of_row[i] : numbers[i * k];
@@ -196,11 +201,6 @@ rp_status rp_rows_read(rp_arena *arena, const rp_table *t, const char *names, co
         for (size_t i = 0; i < r->n; i++) r->column[c][i] = numbers[(r->row[i] = rank[i].row) * k + c];
     }
     return RP_OK;
-}
-
-void rp_rows_note(const rp_table *table, const rp_rows *rows)
-{
-    rp_table_note(stdout, "rows", "%zu used, %zu left out", rows->n, table->n_rows - rows->n);
 }
 
 enum { MOST_BY = 24 };

@@ -7,8 +7,10 @@
 #include "core/arena.h"
 #include "table/table.h"
 
-/* As rp_table_read and rp_table_parse; the table is freed with the arena. The system of units becomes that of
- * a table that was read by the first of them. */
+/* As `read`, rp_table_read and rp_table_parse; the table is freed with the arena. The system of units becomes
+ * that of a table that was read by the second of them. */
+rp_status rp_table_keep(rp_arena *arena, const char *path, rp_status (*read)(const char *, rp_table *),
+                        rp_table **table);
 rp_status rp_table_load(rp_arena *arena, const char *path, rp_table **table);
 rp_status rp_table_load_text(rp_arena *arena, const char *name, char *text, rp_table **table);
 
@@ -60,8 +62,7 @@ rp_status rp_group_rows(rp_arena *arena, const rp_table *table, const char *by, 
 
 /* Which rows count. Zero: those whose status, if there is such a column, starts with ok, and without nan. */
 typedef struct {
-    bool any_status, any_number;
-    const bool *among;       /* rows of the table; NULL: all */
+    bool any_status;
     const double *range;     /* least and largest number in the first column; NULL: any */
     const rp_groups *groups; /* ordered by these, */
     bool grouped;            /* or by the numbers of the first column, each a group; else as in the table */
@@ -78,9 +79,6 @@ typedef struct {
 /* Errors: RP_BAD_INPUT; RP_NO_RESULT without a row that counts. */
 rp_status rp_rows_read(rp_arena *arena, const rp_table *table, const char *names, const rp_choice *choice,
                        rp_rows *rows);
-
-/* The header line that says how many rows count. */
-void rp_rows_note(const rp_table *table, const rp_rows *rows);
 
 /* The unit of a column as the table's header has it, "1" where it has none. */
 void rp_column_unit(const rp_table *table, int column, char unit[32]);

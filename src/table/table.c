@@ -125,7 +125,7 @@ static void split_cells(char *line, const char *blanks, char **cells)
     }
 }
 
-static bool as_number(const char *text, double *value)
+bool rp_text_number(const char *text, double *value)
 {
     char *end;
     *value = strtod(text, &end);
@@ -138,7 +138,7 @@ static bool holds_number(char *line, const char *blanks)
     double value;
     for (size_t n; (cell = next_cell(&line, blanks, &n));) {
         snprintf(word, sizeof word, "%.*s", (int)n, cell);
-        if (n < sizeof word && as_number(word, &value)) return true;
+        if (n < sizeof word && rp_text_number(word, &value)) return true;
     }
     return false;
 }

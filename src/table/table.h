@@ -87,6 +87,9 @@ rp_status rp_table_find(const rp_table *table, const char *name, const char *exp
 const char *rp_table_find_note(const rp_table *table, const char *key);
 const char *rp_table_next_note(const rp_table *table, const char *key, const char *previous);
 
+/* Is a whole text a number? */
+bool rp_text_number(const char *text, double *value);
+
 /* A cell as a number; "nan", "infinite", "inf" and "-inf" are allowed only if `missing_ok`. Errors:
  * RP_BAD_INPUT with file, line, column. */
 rp_status rp_table_number(const rp_table *table, size_t row, int column, int missing_ok, double *value);

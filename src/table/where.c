@@ -5,13 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static bool as_number(const char *text, double *value)
-{
-    char *end;
-    *value = strtod(text, &end);
-    return end != text && !*end;
-}
-
 rp_status rp_condition_read(const char *text, rp_condition *c)
 {
     double number;
@@ -22,7 +15,7 @@ rp_status rp_condition_read(const char *text, rp_condition *c)
     if (length == 0 || length >= sizeof c->column || !*c->op || strcmp(c->op, "!") == 0 ||
         strcmp(c->op, "==") == 0)
         return rp_fail(RP_BAD_INPUT, "condition \"%s\": NAME=VALUE expected, or != < <= > >=", text);
-    if (strchr("<>", *c->op) && !as_number(c->value, &number))
+    if (strchr("<>", *c->op) && !rp_text_number(c->value, &number))
         return rp_fail(RP_BAD_INPUT, "condition \"%s\": \"%s\" is not a number", text, c->value);
     return RP_OK;
 }
@@ -32,7 +25,7 @@ static bool is_equal(const char *cell, const char *value)
     double a, b;
     char *end;
     if (strcmp(cell, value) == 0) return true;
-    if (!as_number(cell, &a)) return false;
+    if (!rp_text_number(cell, &a)) return false;
     b = strtod(value, &end);
     if (*end == ':' && end > value) return a >= b && a <= strtod(end + 1, NULL);
     const bool near = isfinite(b) && fabs(a - b) <= 1e-12 * fabs(b);
@@ -45,7 +38,7 @@ static bool meets(const char *cell, const rp_condition *c)
     const bool equal = is_equal(cell, c->value);
     if (*c->op == '=') return equal;
     if (*c->op == '!') return !equal;
-    if (!as_number(cell, &a) || !as_number(c->value, &b)) return false;
+    if (!rp_text_number(cell, &a) || !rp_text_number(c->value, &b)) return false;
     return (c->op[1] && equal) || (*c->op == '<' ? a < b : a > b);
 }
 
@@ -55,7 +48,7 @@ static size_t extreme_row(const rp_table *t, int column, bool largest)
     size_t found = t->n_rows;
     double value = NAN, most = 0.0;
     for (size_t row = 0; row < t->n_rows; row++)
-        if (as_number(t->cells[row * t->n_columns + (size_t)column], &value) && isfinite(value) &&
+        if (rp_text_number(t->cells[row * t->n_columns + (size_t)column], &value) && isfinite(value) &&
             (found == t->n_rows || (largest ? value > most : value < most)))
             found = row, most = value;
     return found;

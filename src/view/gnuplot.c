@@ -63,8 +63,7 @@ rp_status view_gnuplot_close(view_gnuplot *g)
     for (char *c = text; (c = strpbrk(c, "\n\t"));) *c = ' ';
     if (WIFEXITED(status) && WEXITSTATUS(status) == NO_WINDOW)
         return rp_fail(RP_NO_RESULT,
-                       "this gnuplot opens no window; Debian's package gnuplot-qt does, -o FILE "
-                       "needs none");
+                       "this gnuplot opens no window; Debian's package gnuplot-qt does, -o FILE needs none");
     return !failed && status == 0 ? RP_OK
                                   : rp_fail(RP_IO, "%s failed: %s", g->name, text + strspn(text, " "));
 }

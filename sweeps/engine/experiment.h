@@ -18,11 +18,12 @@ rp_status sweep_protocol_open(const sweep_protocol *protocol, const rp_texts *ch
 /* The units of the parameters of an open protocol, where they are not those of its text. */
 void sweep_experiment_in(sweep_experiment *e, rp_units units);
 
-/* Make a physical parameter of scenes (dem/scene/text.h) one of these runs too, if the text has no let of
- * this name.
- */
+/* Make a physical parameter of scenes (dem/scene/text.h) one of these runs too, if no let has its name. */
 void sweep_experiment_also(sweep_experiment *e, const char *name);
 void sweep_experiment_close(sweep_experiment *e);
+
+/* Refuse a text that includes files: `what` must be whole in itself. Errors: RP_BAD_INPUT. */
+rp_status sweep_refuse_includes(const char *path, const char *text, const char *what);
 
 const sweep_protocol *sweep_experiment_protocol(const sweep_experiment *e);
 const char *sweep_experiment_text(const sweep_experiment *e); /* the file's bytes */

@@ -21,8 +21,7 @@ typedef struct sweep_keep {
 
 /* Prepare for a run whose path, key, interval and stop are set: with `look`, read its snapshot if there is a
  * good one, else the run starts anew. `why` gets the reason why one was refused, or "". sweep_keep_end
- * follows; it removes the file if the run is done.
- */
+ * follows; it removes the file if the run is done. */
 void sweep_keep_begin(sweep_keep *k, bool look, char *why, size_t size);
 void sweep_keep_end(sweep_keep *k, bool done);
 
@@ -32,8 +31,7 @@ bool sweep_keep_is_name(const char *name);
 /* Remove the snapshot of a run, and one that was being written. */
 void sweep_keep_remove(const char *path);
 
-/* What snapshots hold from now on, and has been read if there is one to resume from. Errors: those of `by`.
- */
+/* What snapshots hold from now on, and is read if there is one to resume from. Errors: those of `by`. */
 rp_status sweep_keep_resume(sweep_keep *k, void (*by)(rp_snapshot *, void *data), void *data);
 
 /* A table in the making, of rp_file_open: the text so far. */

@@ -59,8 +59,7 @@ static char *column_names(sweep_store *s, const char *schema, const sweep_protoc
     return sqlite3_str_finish(names);
 }
 
-/* Append the rows of source.runs, or main.runs, to temp.runs; a result takes the place of a machine's word.
- */
+/* Append the rows of source.runs, or main.runs, to temp.runs; a result replaces a machine's word. */
 static rp_status take_rows(sweep_store *s, const sweep_plan *plan, const char *schema)
 {
     char *into = column_names(NULL, NULL, plan->protocol), *from = column_names(s, schema, plan->protocol);
@@ -115,47 +114,45 @@ rp_status sweep_store_unite(sweep_store *s, const sweep_plan *plan, size_t n, ch
     bool same = true;
     long long foreign = 0;
     *found = (sweep_merged){0};
-    rp_status status = sweep_store_running(s, "main", &found->running);
-    if (!status) status = sweep_store_make_runs(s, "temp", plan->protocol);
-    if (!status) status = take_rows(s, plan, "main");
-    for (size_t i = 0; !status && i < n; i++) {
+    RP_TRY(sweep_store_running(s, "main", &found->running));
+    RP_TRY(sweep_store_make_runs(s, "temp", plan->protocol));
+    RP_TRY(take_rows(s, plan, "main"));
+    for (size_t i = 0; i < n; i++) {
         char *uri = sweep_store_uri(paths[i], true);
-        status = rp_prefix(sweep_sql(s, "open a store", "ATTACH %Q AS source", uri), "%s: ", paths[i]);
+        const rp_status attached = sweep_sql(s, "open a store", "ATTACH %Q AS source", uri);
         sqlite3_free(uri);
-        if (status) break;
-        status = take_source(s, plan, paths[i], verify, &same, found);
-        rp_status detached = sweep_sql(s, "close a store", "DETACH source");
-        if (!status) status = detached;
+        RP_TRY(rp_prefix(attached, "%s: ", paths[i]));
+        const rp_status status = take_source(s, plan, paths[i], verify, &same, found),
+                        detached = sweep_sql(s, "close a store", "DETACH source");
+        RP_TRY(status ? status : detached);
     }
-    if (!status && !same) status = sweep_store_number(s, plan, NULL);
-    if (!status)
-        status = sweep_store_make_runs(s, "temp", plan->protocol); /* its index, unless it is there */
-    if (!status) status = sweep_sql_number(s, "SELECT count(*) FROM temp.runs WHERE run IS NULL", &foreign);
+    if (!same) RP_TRY(sweep_store_number(s, plan, NULL));
+    RP_TRY(sweep_store_make_runs(s, "temp", plan->protocol)); /* its index, unless it is there */
+    RP_TRY(sweep_sql_number(s, "SELECT count(*) FROM temp.runs WHERE run IS NULL", &foreign));
     found->foreign = (size_t)foreign;
-    return status;
+    return RP_OK;
 }
 
 rp_status sweep_store_merge(sweep_store *s, const sweep_plan *plan, size_t n, char *const paths[],
                             sweep_merged *found)
 {
     long long before, after;
-    rp_status status = sweep_store_unite(s, plan, n, paths, true, found);
-    if (!status)
-        status = sweep_sql_number(s, "SELECT count(*) FROM main.runs WHERE run IS NOT NULL", &before);
+    RP_TRY(sweep_store_unite(s, plan, n, paths, true, found));
+    RP_TRY(sweep_sql_number(s, "SELECT count(*) FROM main.runs WHERE run IS NOT NULL", &before));
     char *names = column_names(NULL, NULL, plan->protocol);
-    if (!status)
-        status =
-            sweep_sql(s, "merge the stores",
-                      "BEGIN IMMEDIATE;"
-                      "DELETE FROM main.runs WHERE status IN " SWEEP_MACHINE " AND run IS NOT NULL;"
-                      "INSERT OR IGNORE INTO main.runs (%s) SELECT %s FROM temp.runs WHERE run IS NOT NULL;"
-                      "COMMIT",
-                      names, names);
+    const rp_status status =
+        sweep_sql(s, "merge the stores",
+                  "BEGIN IMMEDIATE;"
+                  "DELETE FROM main.runs WHERE status IN " SWEEP_MACHINE " AND run IS NOT NULL;"
+                  "INSERT OR IGNORE INTO main.runs (%s) SELECT %s FROM temp.runs WHERE run IS NOT NULL;"
+                  "COMMIT",
+                  names, names);
     if (status) sqlite3_exec(s->db, "ROLLBACK", NULL, NULL, NULL);
     sqlite3_free(names);
-    if (!status) status = sweep_sql_number(s, "SELECT count(*) FROM main.runs WHERE run IS NOT NULL", &after);
-    if (!status) found->taken = (size_t)(after - before);
-    return status;
+    RP_TRY(status);
+    RP_TRY(sweep_sql_number(s, "SELECT count(*) FROM main.runs WHERE run IS NOT NULL", &after));
+    found->taken = (size_t)(after - before);
+    return RP_OK;
 }
 
 /* Copy the whole rows of a damaged store, one by one; those of damaged pages fail by themselves. */
@@ -163,7 +160,7 @@ static rp_status copy_whole_rows(sweep_store *s, const sweep_plan *plan, sweep_s
 {
     enum {
         MOST_IN_A_ROW = 20000
-    }; /* row numbers without a row: the end. A lost inner page holds some 4000 rows */
+    }; /* numbers without a row: the end. A lost inner page holds some 4000 rows */
     sqlite3_str *select = sqlite3_str_new(s->db);
     sqlite3_str_appendall(select, "SELECT ");
     sweep_store_columns(damaged, "main", select, plan->protocol);

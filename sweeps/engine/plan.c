@@ -78,20 +78,6 @@ static rp_status read_head(const char *file, const config_setting_t *root,
     return units && *h->experiment ? rp_config_fail(units, "units: the experiment's text has it") : RP_OK;
 }
 
-/* A sweep's folder keeps one file that says everything. */
-static rp_status refuse_includes(const char *file, const char *text)
-{
-    int number = 1;
-    for (const char *line = text; *line; number++) {
-        if (strncmp(line + strspn(line, " \t"), "@include", 8) == 0)
-            return rp_fail(RP_BAD_INPUT, "%s:%d: @include: a sweep file must be whole in itself", file,
-                           number);
-        line += strcspn(line, "\n");
-        line += *line == '\n';
-    }
-    return RP_OK;
-}
-
 static int length(const config_setting_t *group)
 {
     return group ? config_setting_length(group) : 0;
@@ -430,7 +416,7 @@ rp_status sweep_plan_read(const char *file, const sweep_protocol *const *protoco
     head h;
     RP_TRY(rp_config_read(file, &plan->config));
     RP_TRY(rp_file_read(file, &plan->text));
-    RP_TRY(refuse_includes(file, plan->text));
+    RP_TRY(sweep_refuse_includes(file, plan->text, "a sweep file"));
     const config_setting_t *root = config_root_setting(&plan->config),
                            *fixed = config_setting_get_member(root, "fixed"),
                            *grid = config_setting_get_member(root, "grid");

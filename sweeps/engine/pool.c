@@ -446,8 +446,7 @@ static bool is_busy(const pool *p)
     return false;
 }
 
-/* Let the workers end by themselves: a run that is nearly done ends with its row, a long one with a snapshot.
- */
+/* Let the workers end by themselves: a run that is nearly done with its row, a long one with a snapshot. */
 static rp_status stop(pool *p, struct pollfd *polled, int signals)
 {
     const double begin = rp_clock();

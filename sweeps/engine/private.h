@@ -102,8 +102,7 @@ void sweep_plan_setting(const sweep_plan *plan, size_t run, char digits[33]);
 /* "mu = 0.2, W = 4" of a grid point; returns `buffer`. */
 const char *sweep_plan_describe(const sweep_plan *plan, size_t point, char *buffer, size_t size);
 
-/* "{"mu":0.2,"W":4}": what the file fixes and the grid's values. `size` is at least 8192; returns `buffer`.
- */
+/* "{"mu":0.2,"W":4}": what the file fixes and the grid's values. `size` is 8192 or more; returns `buffer`. */
 const char *sweep_plan_parameters(const sweep_plan *plan, size_t point, char *buffer, size_t size);
 
 /* Open a store: to read it; to write; to write, made if there is none. Afterwards sweep_store_close, also
@@ -115,8 +114,7 @@ void sweep_store_close(sweep_store *store);
  * where nothing can be written, and no writer has left a file, SQLite is told that it does not change. */
 char *sweep_store_uri(const char *path, bool reads);
 
-/* Has a process made a store of this file? One that was killed may have left it empty, or a copy broken off.
- */
+/* Has a process made a store of this file? A killed one may have left it empty, or a copy broken off. */
 bool sweep_store_is_made(const char *path);
 
 /* Until it is closed, read the store as it is now, whoever writes. */
@@ -132,7 +130,7 @@ rp_status sweep_store_check_rows(sweep_store *store, const char *schema, const c
 /* Replace the plan, keeping all rows. `file` is noted as its origin.
  * Errors: RP_BAD_INPUT if the store belongs to another protocol. */
 rp_status sweep_store_write_plan(sweep_store *store, const sweep_plan *plan, const char *file,
-                                 const sweep_watch *watch);
+                                 sweep_watch *watch);
 
 /* Errors: RP_BAD_INPUT if the stored plan is not `plan`. */
 rp_status sweep_store_check_plan(sweep_store *store, const sweep_plan *plan);
@@ -188,10 +186,9 @@ rp_status sweep_store_check_outputs(sweep_store *store, const char *schema, cons
                                     const sweep_protocol *protocol);
 
 /* Give each row of the table `runs` its number in the plan. */
-rp_status sweep_store_number(sweep_store *store, const sweep_plan *plan, const sweep_watch *watch);
+rp_status sweep_store_number(sweep_store *store, const sweep_plan *plan, sweep_watch *watch);
 
-/* Count a store, of this schema, to which a process writes: it has given a sign of life in the last minute.
- */
+/* Count a store, of this schema, to which a process writes: with a sign of life in the last minute. */
 rp_status sweep_store_running(sweep_store *store, const char *schema, size_t *running);
 
 /* From now on the table `runs` of `store` is, for this process alone, its own rows with those of the stores

@@ -6,7 +6,6 @@
 #include <stdarg.h>
 #include <string.h>
 #include <strings.h>
-#include <xxhash.h>
 
 #include "core/file.h"
 #include "dem/scene/scene.h"
@@ -71,33 +70,6 @@ size_t sweep_count_outputs(const sweep_protocol *protocol)
     size_t n = 0;
     while (protocol->outputs[n].name) n++;
     return n;
-}
-
-static size_t find_output(const sweep_output outputs[], const char *name)
-{
-    size_t i = 0;
-    while (strcmp(outputs[i].name, name) != 0) i++;
-    return i;
-}
-
-void sweep_results_digits(size_t n, const sweep_result results[], const sweep_output outputs[],
-                          const char *names, char digits[33])
-{
-    const double DIGITS = 1e6;
-    char name[64];
-    int length;
-    XXH3_state_t *hash = XXH3_createState();
-    XXH3_128bits_reset(hash);
-    for (const sweep_result *r = results; r < results + n; r++)
-        for (const char *c = names; sscanf(c, "%63s%n", name, &length) == 1; c += length) {
-            const size_t i = find_output(outputs, name);
-            double v = r->values[i];
-            if (strcmp(outputs[i].unit, "degree") == 0) v = round(v * DIGITS);
-            if (isnan(v)) v = -1e300;
-            XXH3_128bits_update(hash, &v, sizeof v);
-        }
-    rp_hash_digits(XXH3_128bits_digest(hash), digits);
-    XXH3_freeState(hash);
 }
 
 rp_status sweep_each_word(const rp_param *schema, void *params,

@@ -3,7 +3,6 @@
 #ifndef SWEEP_PROTOCOL_H
 #define SWEEP_PROTOCOL_H
 
-#include <assert.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdio.h>
@@ -23,24 +22,6 @@ typedef struct {
     const char *unit; /* "" where there is none */
     const char *meaning;
 } sweep_output;
-
-/* A protocol's outputs are one list, X(name, unit, meaning). It makes the members of the protocol's structure
- * of values, all doubles, and in the same order the rows of `outputs`. A family of members is an array too.
- */
-#define SWEEP_OUTPUT_MEMBER(name, unit, meaning) double name;
-#define SWEEP_OUTPUT_ROW(name, unit, meaning)    {#name, unit, meaning},
-#define SWEEP_FAMILY(array, members)                                                                         \
-    union {                                                                                                  \
-        struct {                                                                                             \
-            members                                                                                          \
-        };                                                                                                   \
-        double array;                                                                                        \
-    };
-
-/* The bins of the base, of a protocol whose piles `repose stress dip` reads: the pressure there. */
-#define SWEEP_N_MEMBER(k) double n_##k;
-#define SWEEP_N_ROW(k)                                                                                       \
-    {"n_" #k, "", "pressure in bin " #k " of 20 of the base, left to right, over the mean"},
 
 /* What one run yields. `status` is one of the protocol's words, "ok" for a full result; values that the
  * run has no result for are NaN. Wall time is kept apart, by the caller. */
@@ -95,30 +76,13 @@ typedef struct {
                      sweep_result *result);
 } sweep_protocol;
 
-/* The protocol of a file that has `outputs`, `fingerprint` and `run_one`; its structures of parameters and
- * values.
- */
-#define SWEEP_PROTOCOL(NAME, SCHEMA, PARAMS, VALUES, CHECK, ABOUT)                                           \
-    static_assert(sizeof(VALUES) == sizeof(double) * (sizeof outputs / sizeof *outputs - 1),                 \
-                  "each output is a member of the values");                                                  \
-    static_assert(sizeof(VALUES) <= sizeof(double) * SWEEP_MAX_OUTPUTS, "too many outputs");                 \
-    const sweep_protocol sweep_protocol_##NAME = {.name = #NAME,                                             \
-                                                  .about = ABOUT,                                            \
-                                                  .schema = SCHEMA,                                          \
-                                                  .params_size = sizeof(PARAMS),                             \
-                                                  .outputs = outputs,                                        \
-                                                  .check = CHECK,                                            \
-                                                  .fingerprint = fingerprint,                                \
-                                                  .run = run_one}
-
 /* Number of a protocol's outputs. */
 size_t sweep_count_outputs(const sweep_protocol *protocol);
 
 /* No status word, no message, every value NaN. */
 void sweep_result_clear(sweep_result *result);
 
-/* Give a result its status word and, unless NULL, its message. RP_NO_RESULT if the word is that of a failure.
- */
+/* Give a result its status word and, unless NULL, its message. RP_NO_RESULT if it is that of a failure. */
 rp_status sweep_conclude(sweep_result *result, const char *status, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
@@ -134,11 +98,6 @@ rp_status sweep_table_close(sweep_file *file, rp_status status);
 /* Tables <stage>_grains.tsv, <stage>_contacts.tsv and <stage>_walls.tsv of the present state; none if
  * `tables` is NULL. */
 rp_status sweep_state_write(const sweep_tables *tables, const dem_sim *sim, const char *stage);
-
-/* Hash of the outputs `names`, with blanks between, of n short runs. Angles count to a millionth of a degree,
- * because the C library's atan may differ in its last digits; all NaN are one. */
-void sweep_results_digits(size_t n, const sweep_result results[], const sweep_output outputs[],
-                          const char *names, char digits[33]);
 
 /* Call `visit` with each choice and each flag of the schema at each of its other words, one at a time;
  * afterwards the parameters are as before. Stops at an error. */

@@ -259,62 +259,51 @@ static rp_status gather(const sweep_row *row, void *context)
 
 static rp_status write_reduced(table *t, sweep_store *store)
 {
-    t->n_finite = calloc(t->n_outputs + 1, sizeof *t->n_finite);
-    t->finite = calloc(t->n_outputs * t->plan->replicas + 1, sizeof *t->finite);
-    rp_status status = t->n_finite && t->finite ? RP_OK : rp_fail(RP_NO_MEMORY, "table: out of memory");
-    if (!status) status = sweep_store_visit(store, t->plan, gather, t);
-    if (!status) write_point(t);
-    free(t->n_finite);
-    free(t->finite);
-    return status;
+    RP_SCOPE(memory);
+    RP_NEW(&memory, t->n_finite, t->n_outputs);
+    RP_NEW(&memory, t->finite, t->n_outputs * t->plan->replicas);
+    RP_TRY(sweep_store_visit(store, t->plan, gather, t));
+    write_point(t);
+    return RP_OK;
 }
 
 rp_status sweep_export(const char *dir, const sweep_protocol *const *protocols, unsigned what,
                        const char *command, sweep_counts *counts, sweep_numbers *numbers, FILE *out)
 {
-    sweep_folder f;
+    RP_ENDS(sweep_folder_close) sweep_folder f;
     sweep_counts unused;
-    rp_status status = sweep_folder_read(dir, protocols, true, &f);
-    if (!status) {
-        table t = {.plan = &f.plan,
-                   .out = out,
-                   .what = what,
-                   .n_outputs = sweep_count_outputs(f.plan.protocol),
-                   .numbers = numbers};
-        status = write_head(&f.plan, f.store, command, counts ? counts : &unused, out);
-        if (!status) status = write_columns(&t);
-        if (!status)
-            status = what & SWEEP_POINTS ? write_reduced(&t, f.store)
-                                         : sweep_store_visit(f.store, &f.plan, write_run, &t);
-        if (!status) status = rp_file_finish(out, "table");
-    }
-    sweep_folder_close(&f);
-    return status;
+    RP_TRY(sweep_folder_read(dir, protocols, true, &f));
+    table t = {.plan = &f.plan,
+               .out = out,
+               .what = what,
+               .n_outputs = sweep_count_outputs(f.plan.protocol),
+               .numbers = numbers};
+    RP_TRY(write_head(&f.plan, f.store, command, counts ? counts : &unused, out));
+    RP_TRY(write_columns(&t));
+    RP_TRY(what & SWEEP_POINTS ? write_reduced(&t, f.store)
+                               : sweep_store_visit(f.store, &f.plan, write_run, &t));
+    return rp_file_finish(out, "table");
 }
 
 rp_status sweep_columns(const char *file, const sweep_protocol *const *protocols, unsigned what, FILE *out)
 {
-    sweep_plan plan;
-    rp_status status = sweep_plan_read(file, protocols, &plan);
-    if (!status)
-        status = write_columns(&(table){
-            .plan = &plan, .out = out, .what = what, .n_outputs = sweep_count_outputs(plan.protocol)});
-    sweep_plan_free(&plan);
-    return status;
+    RP_ENDS(sweep_plan_free) sweep_plan plan;
+    RP_TRY(sweep_plan_read(file, protocols, &plan));
+    return write_columns(
+        &(table){.plan = &plan, .out = out, .what = what, .n_outputs = sweep_count_outputs(plan.protocol)});
 }
 
 rp_status sweep_digest(const char *dir, const sweep_protocol *const *protocols, char digest[33],
                        size_t *n_rows)
 {
-    sweep_folder f;
+    RP_ENDS(sweep_folder_close) sweep_folder f;
     digester d = {0};
+    sweep_counts counts;
     rp_status status = sweep_folder_read(dir, protocols, true, &f);
     if (!status) status = find_digest(&f.plan, f.store, &d);
     memcpy(digest, d.text, sizeof d.text);
     *n_rows = d.n_rows;
-    sweep_counts counts;
-    if (!status) status = sweep_store_count(f.store, &f.plan, &counts);
-    if (!status) status = rp_prefix(sweep_check_whole(dir, &counts), "no digest: ");
-    sweep_folder_close(&f);
-    return status;
+    RP_TRY(status);
+    RP_TRY(sweep_store_count(f.store, &f.plan, &counts));
+    return rp_prefix(sweep_check_whole(dir, &counts), "no digest: ");
 }

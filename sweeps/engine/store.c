@@ -273,7 +273,7 @@ static rp_status make_tables(sweep_store *s, const sweep_protocol *protocol)
     return sweep_store_check_outputs(s, "main", s->path, protocol);
 }
 
-rp_status sweep_store_number(sweep_store *s, const sweep_plan *plan, const sweep_watch *watch)
+rp_status sweep_store_number(sweep_store *s, const sweep_plan *plan, sweep_watch *watch)
 {
     long long rows;
     rp_status status = sweep_sql(s, "write the store", "UPDATE runs SET run = NULL WHERE run IS NOT NULL");
@@ -287,7 +287,7 @@ rp_status sweep_store_number(sweep_store *s, const sweep_plan *plan, const sweep
         sqlite3_bind_text(q, 2, key, -1, SQLITE_STATIC);
         if (sqlite3_step(q) != SQLITE_DONE) break;
         sqlite3_reset(q);
-        if (watch && watch->call) watch->call("rows looked up", r + 1, plan->n_runs, watch->context);
+        if (watch) watch("rows looked up", r + 1, plan->n_runs);
     }
     return sweep_sql_finish(s, "write the store", q);
 }
@@ -307,8 +307,7 @@ static rp_status write_notes(sweep_store *s, const sweep_plan *plan, const char 
     return RP_OK;
 }
 
-rp_status sweep_store_write_plan(sweep_store *s, const sweep_plan *plan, const char *file,
-                                 const sweep_watch *watch)
+rp_status sweep_store_write_plan(sweep_store *s, const sweep_plan *plan, const char *file, sweep_watch *watch)
 {
     char owner[64] = "", before[33] = "";
     RP_TRY(sweep_sql(s, "write the store", "BEGIN IMMEDIATE"));

@@ -73,13 +73,14 @@ static rp_status find_shards(const sweep_folder *f, const char *folder, rp_paths
     return RP_OK;
 }
 
+static const char *const names[] = {
+    "sweep.cfg",        "lock",           "store.sqlite", "store.sqlite-journal", "store.sqlite-wal",
+    "store.sqlite-shm", "experiment.cfg", "snapshots"};
+enum { N_NAMES = sizeof names / sizeof *names };
+
 /* The sweep's files are the program's own; those of an older version, whose store says so. */
 static rp_status claim(const sweep_folder *f, const char *file)
 {
-    static const char *const names[] = {
-        "sweep.cfg",        "lock",           "store.sqlite", "store.sqlite-journal", "store.sqlite-wal",
-        "store.sqlite-shm", "experiment.cfg", "snapshots"};
-    enum { N_NAMES = sizeof names / sizeof *names };
     char before[256] = "", holds[512];
     RP_ENDS(rp_folder_close) rp_folder folder = {0};
     struct stat info;
@@ -161,17 +162,10 @@ rp_status sweep_source(const char *dir, char file[256])
 
 rp_status sweep_check_output(const char *dir, const char *path)
 {
-    static const char *const names[] = {"store.sqlite",
-                                        "store.sqlite-journal",
-                                        "store.sqlite-wal",
-                                        "store.sqlite-shm",
-                                        "sweep.cfg",
-                                        "experiment.cfg",
-                                        "lock"};
     RP_SCOPE(memory);
     const char *own;
     struct stat a, b;
-    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+    for (size_t i = 0; i < N_NAMES - 1; i++) { /* all but the folder */
         RP_TRY(rp_path(&memory, &own, "%s/%s", dir, names[i]));
         if (stat(own, &a) == 0 && stat(path, &b) == 0 && a.st_dev == b.st_dev && a.st_ino == b.st_ino)
             return rp_fail(RP_BAD_INPUT, "%s: is the sweep's own %s; give another file", path, names[i]);
@@ -179,11 +173,11 @@ rp_status sweep_check_output(const char *dir, const char *path)
     return RP_OK;
 }
 
-static rp_status check_points(const sweep_plan *plan, const char *file, const sweep_watch *watch)
+static rp_status check_points(const sweep_plan *plan, const char *file, sweep_watch *watch)
 {
     for (size_t i = 0; i < plan->n_points; i++) {
         RP_TRY(sweep_plan_check_point(plan, file, i));
-        if (watch && watch->call) watch->call("grid points checked", i + 1, plan->n_points, watch->context);
+        if (watch) watch("grid points checked", i + 1, plan->n_points);
     }
     return RP_OK;
 }
@@ -197,8 +191,7 @@ static rp_status write_text(const char *path, const char *text)
 }
 
 rp_status sweep_prepare(const char *file, const char *dir, size_t replicas,
-                        const sweep_protocol *const *protocols, const sweep_watch *watch,
-                        sweep_counts *counts)
+                        const sweep_protocol *const *protocols, sweep_watch *watch, sweep_counts *counts)
 {
     RP_ENDS(sweep_folder_close) sweep_folder f;
     RP_TRY(name_files(dir, &f));

@@ -46,11 +46,8 @@ typedef struct {
     } words[SWEEP_MAX_WORDS]; /* by status, in alphabetical order */
 } sweep_counts;
 
-/* Told how far something long is; `call` may be NULL. */
-typedef struct {
-    void (*call)(const char *what, size_t done, size_t of, void *context);
-    void *context;
-} sweep_watch;
+/* Told how far something long is. */
+typedef void sweep_watch(const char *what, size_t done, size_t of);
 
 /* What a watcher is shown: after each row, and several times a second in between. */
 typedef struct {
@@ -88,8 +85,7 @@ void sweep_recipe_free(sweep_recipe *recipe);
  * `replicas` instead of the file's, unless 0: runs that both have are the same runs. Nothing is made unless
  * the whole file is good. Errors: RP_BAD_INPUT, RP_IO, RP_NO_MEMORY. */
 rp_status sweep_prepare(const char *file, const char *dir, size_t replicas,
-                        const sweep_protocol *const *protocols, const sweep_watch *watch,
-                        sweep_counts *counts);
+                        const sweep_protocol *const *protocols, sweep_watch *watch, sweep_counts *counts);
 
 /* Make the runs that are not stored yet, each in a worker process; one row is committed a finished run. A
  * run whose worker dies or hangs is tried three times. It is then a row with status "crashed", one beyond a

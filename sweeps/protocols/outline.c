@@ -3,7 +3,6 @@
 #include "sweeps/protocols/pile.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "core/random.h"
@@ -35,10 +34,9 @@ static double area(const an_profile *p)
 /* Disks of a stepped outline, and their exact forces. */
 static rp_status fill_outline(sweep_outline *h, double theta)
 {
-    h->disks = malloc(h->n * sizeof *h->disks);
-    h->exact = malloc(h->k * sizeof *h->exact);
-    if (!h->disks || !h->exact) return rp_fail(RP_NO_MEMORY, "pile: out of memory");
     size_t n = 0;
+    RP_NEW(&h->memory, h->disks, h->n);
+    RP_NEW(&h->memory, h->exact, h->k);
     for (size_t s = 0; s < h->k; s++)
         for (long j = 0; j < h->up[s]; j++)
             h->disks[n++] = (statics_disk){((double)s + 0.5 * (double)j) * 2 * rp_sin(theta),
@@ -47,13 +45,12 @@ static rp_status fill_outline(sweep_outline *h, double theta)
 }
 
 /* Disks in each row of an outline, and B. */
-static rp_status cut_outline(sweep_outline *h, double theta, double alpha, size_t n, const an_point v[],
-                             long up[])
+static rp_status cut_outline(sweep_outline *h, double theta, double alpha, size_t n, const an_point v[])
 {
     an_profile profile;
-    RP_TRY(n > 0 ? an_profile_set(&profile, v, n) : an_lattice_cut((long)h->k, theta, alpha, up));
-    if (n > 0) RP_TRY(cut_profile(&profile, (long)h->k, theta, up));
-    for (size_t s = 0; s < h->k; s++) h->n += (size_t)up[s];
+    RP_TRY(n > 0 ? an_profile_set(&profile, v, n) : an_lattice_cut((long)h->k, theta, alpha, h->up));
+    if (n > 0) RP_TRY(cut_profile(&profile, (long)h->k, theta, h->up));
+    for (size_t s = 0; s < h->k; s++) h->n += (size_t)h->up[s];
     if (h->n > STATICS_MAX) /* before there is memory for them */
         return rp_fail(RP_BAD_INPUT, "base of %zu disks: a pile of %zu, allowed: up to %d", h->k, h->n,
                        STATICS_MAX);
@@ -66,12 +63,9 @@ rp_status sweep_outline_count(sweep_outline *h, long k, double gap, double alpha
                               const an_point v[])
 {
     const double theta = rp_asin((1 + gap) / 2); /* of the diagonals to the vertical */
-    long *up = malloc((size_t)k * sizeof *up);
-    if (!up) return rp_fail(RP_NO_MEMORY, "pile: out of memory");
     *h = (sweep_outline){.k = (size_t)k};
-    rp_status status = cut_outline(h, theta, alpha > 0 ? alpha : M_PI / 2 - theta, n, v, up);
-    h->up = up;
-    return status;
+    RP_NEW(&h->memory, h->up, h->k);
+    return cut_outline(h, theta, alpha > 0 ? alpha : M_PI / 2 - theta, n, v);
 }
 
 rp_status sweep_outline_make(sweep_outline *h, long k, double gap, double alpha, size_t n, const an_point v[])
@@ -82,9 +76,7 @@ rp_status sweep_outline_make(sweep_outline *h, long k, double gap, double alpha,
 
 void sweep_outline_free(sweep_outline *h)
 {
-    free(h->up);
-    free(h->disks);
-    free(h->exact);
+    rp_arena_end(&h->memory);
 }
 
 rp_status sweep_outline_disorder(sweep_outline *h, double S, unsigned long seed, unsigned long run)

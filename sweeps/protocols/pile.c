@@ -5,8 +5,10 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <xxhash.h>
 
 #include "core/elementary.h"
+#include "sweeps/protocols/protocols.h"
 #include "sweeps/protocols/pile.h"
 
 #define AT(field) offsetof(sweep_pile, field)
@@ -71,11 +73,17 @@ const rp_param sweep_pile_schema[] = {
     X(left_deg, "degree", "slope of the left side; of a tent from the edge to the top") \
     X(right_deg, "degree", "slope of the right side; of a tent from the edge to the top")
 /* clang-format on */
+#define MEMBER(name, unit, meaning) double name;
+#define ROW(name, unit, meaning)    {#name, unit, meaning},
+#define BIN_ROW(k)                  {"n_" #k, "", "pressure in bin " #k " of 20 of the base, left to right, over the mean"},
 typedef struct {
-    OUTPUTS(SWEEP_OUTPUT_MEMBER)
-    SWEEP_FAMILY(n[STRESS_DIP_BINS], STRESS_DIP_BIN_LIST(SWEEP_N_MEMBER))
+    OUTPUTS(MEMBER)
+    double n[STRESS_DIP_BINS]; /* as `repose stress dip` reads them */
 } pile_values;
-static const sweep_output outputs[] = {OUTPUTS(SWEEP_OUTPUT_ROW) STRESS_DIP_BIN_LIST(SWEEP_N_ROW){0}};
+static const sweep_output outputs[] = {OUTPUTS(ROW) STRESS_DIP_BIN_LIST(BIN_ROW){0}};
+static_assert(sizeof(pile_values) == sizeof(double) * (sizeof outputs / sizeof *outputs - 1) &&
+                  sizeof(pile_values) <= sizeof(double) * SWEEP_MAX_OUTPUTS,
+              "each output is a member of the values");
 
 static rp_status outline(const sweep_pile *p, an_point v[5], size_t *n)
 {
@@ -137,17 +145,15 @@ static rp_status check(const void *params)
         return rp_fail(RP_BAD_INPUT, "set_again = true: needs wells of a half-width, which can break");
     /* counting needs no memory for the disks; the rest shows in a small pile */
     enum { SMALL = 40 };
-    sweep_outline all = {0}, h = {0};
+    RP_ENDS(sweep_outline_free) sweep_outline all = {0}, h = {0};
     statics_pile *pile = NULL;
     sweep_pile small = *p;
     if (small.base > SMALL) small.base = SMALL + p->base % 2;
-    rp_status status = make_outline(p, true, &all);
-    if (!status) status = sweep_pile_outline(&small, 0, 0, &h);
+    RP_TRY(make_outline(p, true, &all));
+    RP_TRY(sweep_pile_outline(&small, 0, 0, &h));
     const statics_definition def = define(p, &h);
-    if (!status) status = statics_create(&def, &pile);
+    const rp_status status = statics_create(&def, &pile);
     statics_free(pile);
-    sweep_outline_free(&h);
-    sweep_outline_free(&all);
     return status;
 }
 
@@ -255,23 +261,21 @@ static void compare_diagonals(sweep_solved *s, const double x[], double exact[],
 
 static rp_status measure(sweep_solved *s, pile_values *v)
 {
+    RP_SCOPE(memory);
     const size_t k = s->r.wells;
-    double *x = malloc((4 * k + 1) * sizeof *x), *r = x + k;
-    if (!x) return rp_fail(RP_NO_MEMORY, "pile: out of memory");
+    double *x;
+    RP_NEW(&memory, x, 4 * k);
+    double *r = x + k, *exact = s->h->exact ? r + k : NULL;
     for (size_t i = 0; i < k; i++) {
         x[i] = s->h->disks[s->disk[i]].x;
         r[i] = 0.5;
     }
-    double *exact = s->h->exact ? r + k : NULL;
     if (exact) compare_diagonals(s, x, exact, v);
-    rp_status status = base_profile(k, x, r, s->N, exact, v);
-    if (!status) status = find_level(s->pile, v);
-    if (!status) {
-        v->H_N_max = sweep_outline_friction(k, s->N, s->H);
-        compare_continuum(s, x, v);
-    }
-    free(x);
-    return status;
+    RP_TRY(base_profile(k, x, r, s->N, exact, v));
+    RP_TRY(find_level(s->pile, v));
+    v->H_N_max = sweep_outline_friction(k, s->N, s->H);
+    compare_continuum(s, x, v);
+    return RP_OK;
 }
 
 rp_status sweep_pile_solve(const sweep_pile *p, const sweep_outline *h,
@@ -300,9 +304,8 @@ rp_status sweep_pile_solve(const sweep_pile *p, const sweep_outline *h,
     v->energy = s->r.energy;
     v->released = s->r.released;
     if (status) return rp_fail(status, "%s", results->message);
-    s->disk = malloc((s->r.wells + 1) * sizeof *s->disk);
-    s->N = malloc((2 * s->r.wells + 1) * sizeof *s->N);
-    if (!s->disk || !s->N) return rp_fail(RP_NO_MEMORY, "pile: out of memory");
+    RP_NEW(&s->memory, s->disk, s->r.wells);
+    RP_NEW(&s->memory, s->N, 2 * s->r.wells);
     s->H = s->N + s->r.wells;
     statics_base(s->pile, s->disk, s->N, s->H);
     return measure(s, v);
@@ -311,8 +314,7 @@ rp_status sweep_pile_solve(const sweep_pile *p, const sweep_outline *h,
 void sweep_solved_free(sweep_solved *s)
 {
     statics_free(s->pile);
-    free(s->disk);
-    free(s->N);
+    rp_arena_end(&s->memory);
 }
 
 static rp_status is_stable(const sweep_pile *p, const sweep_outline *h, double eps, bool *stable,
@@ -359,62 +361,80 @@ static rp_status run_one(const void *params, unsigned long seed, unsigned long r
                          const sweep_tables *tables, sweep_result *results)
 {
     const sweep_pile *p = params;
-    sweep_outline h = {0};
-    sweep_solved s = {0};
+    RP_ENDS(sweep_outline_free) sweep_outline h = {0};
+    RP_ENDS(sweep_solved_free) sweep_solved s = {0};
     rp_status status = sweep_pile_outline(p, seed, run, &h);
     if (!status)
         status = p->threshold ? sweep_pile_threshold(p, &h, results)
                               : sweep_pile_solve(p, &h, NULL, NULL, &s, results);
-    if (status == RP_NO_RESULT) status = RP_OK; /* a row with its status */
-    if (!status && tables && tables->directory && s.pile) status = sweep_pile_write(&s, tables);
-    sweep_solved_free(&s);
-    sweep_outline_free(&h);
-    return status;
+    if (status && status != RP_NO_RESULT) return status; /* that is a row with its status */
+    return tables && tables->directory && s.pile ? sweep_pile_write(&s, tables) : RP_OK;
 }
-
-enum { MOST_SHORT = 16 };
 
 typedef struct {
     sweep_pile p;
-    size_t n;
-    sweep_result results[MOST_SHORT];
+    XXH3_state_t *hash;
 } series;
 
+/* Numbers of a small pile, to fewer digits than a solver's order of operations changes. */
 static rp_status run_short(const rp_param *changed, const char *word, void *context)
 {
     (void)word;
     series *all = context;
+    sweep_result result;
+    const pile_values *v = (const void *)result.values;
     if (check(&all->p)) return changed ? RP_OK : RP_BROKEN; /* not with these wells */
-    if (all->n == MOST_SHORT) return rp_fail(RP_BROKEN, "more than %d short runs of piles", MOST_SHORT);
-    sweep_result *result = &all->results[all->n++];
-    rp_status status = run_one(&all->p, 1, 0, NULL, result);
-    for (size_t i = 0; i < SWEEP_MAX_OUTPUTS; i++) result->values[i] = floor(result->values[i] * 1e6 + 0.5);
-    return status;
+    RP_TRY(run_one(&all->p, 1, 0, NULL, &result));
+    double hashed[] = {v->n_disks,
+                       v->D,
+                       v->D_diagonals,
+                       v->H_ratio,
+                       v->N_error_rms,
+                       v->N_continuum_rms,
+                       v->H_continuum_rms,
+                       v->negative_modes,
+                       v->smallest_pivot,
+                       v->contacts,
+                       v->strongest_level,
+                       v->broken,
+                       v->load,
+                       v->eps_c,
+                       v->n[4]};
+    for (size_t i = 0; i < sizeof hashed / sizeof *hashed; i++)
+        hashed[i] = isnan(hashed[i]) ? -1e300 : floor(hashed[i] * 1e6 + 0.5);
+    XXH3_128bits_update(all->hash, hashed, sizeof hashed);
+    return RP_OK;
 }
 
-/* Numbers of small piles, to fewer digits than a solver's order of operations changes: with wells of both
- * kinds, and with each word of each choice. */
+/* With wells of both kinds, and with each word of each choice. */
 static rp_status fingerprint(char digits[33])
 {
-    static const char hashed[] =
-        "n_disks D D_diagonals H_ratio N_error_rms N_continuum_rms H_continuum_rms "
-        "negative_modes smallest_pivot contacts strongest_level broken load eps_c n_05";
     static const double wells[] = {-1, 0.05};
-    series all = {.n = 0};
+    series all = {.hash = XXH3_createState()};
+    rp_status status = all.hash ? RP_OK : rp_fail(RP_NO_MEMORY, "fingerprint: out of memory");
     rp_params_defaults(sweep_pile_schema, &all.p);
     all.p.base = 9;
     all.p.mu = 0.2;
     all.p.alpha_deg = 30;
     all.p.disorder = 1e-4;
     all.p.load_steps = 3;
-    for (size_t k = 0; k < sizeof wells / sizeof *wells; k++) {
+    if (!status) XXH3_128bits_reset(all.hash);
+    for (size_t k = 0; k < sizeof wells / sizeof *wells && !status; k++) {
         all.p.well = wells[k];
-        RP_TRY(run_short(NULL, NULL, &all));
-        RP_TRY(sweep_each_word(sweep_pile_schema, &all.p, run_short, &all));
+        status = run_short(NULL, NULL, &all);
+        if (!status) status = sweep_each_word(sweep_pile_schema, &all.p, run_short, &all);
     }
-    sweep_results_digits(all.n, all.results, outputs, hashed, digits);
-    return RP_OK;
+    if (!status) rp_hash_digits(XXH3_128bits_digest(all.hash), digits);
+    XXH3_freeState(all.hash);
+    return status;
 }
 
-SWEEP_PROTOCOL(pile, sweep_pile_schema, sweep_pile, pile_values, check,
-               "static equilibrium of a close-packed pile of soft disks (Liffman, Chan & Hughes 1992)");
+const sweep_protocol sweep_protocol_pile = {
+    .name = "pile",
+    .about = "static equilibrium of a close-packed pile of soft disks (Liffman, Chan & Hughes 1992)",
+    .schema = sweep_pile_schema,
+    .params_size = sizeof(sweep_pile),
+    .outputs = outputs,
+    .check = check,
+    .fingerprint = fingerprint,
+    .run = run_one};

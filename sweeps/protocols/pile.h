@@ -15,6 +15,7 @@ typedef struct {
     statics_disk *disks;
     an_force *exact; /* [k] by diagonals alone, of equal disks; NULL if not known */
     double B;        /* base of the same outline and the same weight; NAN if not known */
+    rp_arena memory;
 } sweep_outline;
 
 /* k disks in the base and slopes alpha on both sides, by an_lattice_cut; alpha <= 0 is the full triangle. Or
@@ -64,6 +65,7 @@ typedef struct {
     size_t *disk;                             /* [r.wells] of the base, from left to right; */
     double *N, *H;                            /* forces on them, m g */
     double N_error_rms, N_error_max, H_ratio; /* outputs; NAN where diagonals alone are not known */
+    rp_arena memory;
 } sweep_solved;
 rp_status sweep_pile_solve(const sweep_pile *p, const sweep_outline *h,
                            void (*watch)(size_t n, const statics_result *so_far, void *context),

@@ -74,8 +74,9 @@ static rp_status write_contacts(const sweep_solved *s, FILE *out)
 
 static rp_status write_disks(const sweep_solved *s, FILE *out)
 {
-    double *u = malloc(2 * s->h->n * sizeof *u);
-    if (!u) return rp_fail(RP_NO_MEMORY, "pile: out of memory");
+    RP_SCOPE(memory);
+    double *u;
+    RP_NEW(&memory, u, 2 * s->h->n);
     const double eps = s->r.eps;
     statics_displacements(s->pile, u);
     rp_table_header(out, "id, x [sigma], y [sigma], r [sigma], u_x [eps sigma], u_y [eps sigma]");
@@ -84,7 +85,6 @@ static rp_status write_disks(const sweep_solved *s, FILE *out)
         const double u_x = u[2 * i], u_y = u[2 * i + 1];
         rp_table_row(out, 6, (double[]){(double)i + 1, p->x + eps * u_x, p->y + eps * u_y, p->r, u_x, u_y});
     }
-    free(u);
     return RP_OK;
 }
 
@@ -92,8 +92,9 @@ static rp_status write_wells(const sweep_solved *s, FILE *out)
 {
     static const char *const states[] = {
         [STATICS_WELL_HOLDS] = "holds", [STATICS_WELL_BROKEN] = "broken", [STATICS_WELL_ANEW] = "set_anew"};
-    statics_well *wells = malloc((s->r.wells + 1) * sizeof *wells);
-    if (!wells) return rp_fail(RP_NO_MEMORY, "pile: out of memory");
+    RP_SCOPE(memory);
+    statics_well *wells;
+    RP_NEW(&memory, wells, s->r.wells);
     statics_wells(s->pile, wells);
     rp_table_note(out, "x_0", "position at which a well rests; of a broken one, at which it broke");
     rp_table_header(out, "disk, x [sigma], x_0 [sigma], x-x_0 [eps sigma], N [m g], H [m g], state");
@@ -104,7 +105,6 @@ static rp_status write_wells(const sweep_solved *s, FILE *out)
                                      w->x - w->x_0, w->N, w->H},
                           states[w->state]);
     }
-    free(wells);
     return RP_OK;
 }
 

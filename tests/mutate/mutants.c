@@ -11,8 +11,7 @@
  * of a choice, the sense of a query; of a figure a column becomes another, within `using`. Left alone:
  * comments, strings, help, messages of errors, the preprocessor, enumerations, named constants, sizes of
  * memory and what follows where it is short. Binary operators are known by the blanks that the format puts
- * around them.
- */
+ * around them. */
 #include <ctype.h>
 #include <regex.h>
 #include <stdbool.h>

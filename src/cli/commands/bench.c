@@ -1,5 +1,4 @@
-/* `repose bench`: particle-steps per second on this machine, and the share of each phase, for the box scene.
- */
+/* `repose bench`: particle-steps per second on this machine, and each phase's share, for the box scene. */
 #include <gsl/gsl_sort.h>
 #include <malloc.h>
 

@@ -316,20 +316,26 @@ static void add_run(stats_runs *r, double y)
     r->n++, r->mean += d / r->n, r->squares += d * (y - r->mean);
 }
 
-/* Numbers of a group's table, whose rows go by points. */
-static rp_status take_numbers(const problem *s, size_t g, size_t n, size_t replicas, stats_runs *runs)
+static bool is_result_of(const rp_table *t, size_t row)
+{
+    const int status = rp_table_column(t, "status");
+    return status < 0 || rp_is_result(rp_cell(t, row, status));
+}
+
+/* Numbers of a group's table: of point at[row] of n, or for NULL of so many rows a point. */
+static rp_status take_numbers(const problem *s, size_t g, size_t n, const size_t at[], size_t replicas,
+                              stats_runs *runs)
 {
     const rp_table *t = s->group[g].table;
-    const int status = rp_table_column(t, "status");
     for (size_t k = 0; k < s->quest.n_numbers; k++) {
         int column;
         if (s->quest.group[k] != g) continue;
         RP_TRY(column_of(s, t, k, &column));
-        for (size_t row = 0; row < t->n_rows && row < n * replicas; row++) {
+        for (size_t row = 0; row < t->n_rows && (at || row < n * replicas); row++) {
             double y;
-            if (status >= 0 && !rp_is_result(rp_cell(t, row, status))) continue;
+            if (!is_result_of(t, row)) continue;
             RP_TRY(rp_table_number(t, row, column, 1, &y));
-            if (isfinite(y)) add_run(&runs[k * n + row / replicas], y);
+            if (isfinite(y)) add_run(&runs[k * n + (at ? at[row] : row / replicas)], y);
         }
     }
     return RP_OK;
@@ -361,7 +367,7 @@ static rp_status run_stage(void *host, size_t stage, size_t *n, const double **x
     RP_NEW(s->call->arena, *runs, *n * s->quest.n_numbers);
     for (size_t g = 0; g < s->quest.n_groups; g++) {
         RP_TRY(run_group(s, stage, g, *n, *x, replicas[g]));
-        RP_TRY(take_numbers(s, g, *n, replicas[g], *runs));
+        RP_TRY(take_numbers(s, g, *n, NULL, replicas[g], *runs));
     }
     return RP_OK;
 }
@@ -369,8 +375,10 @@ static rp_status run_stage(void *host, size_t stage, size_t *n, const double **x
 /* Points and numbers of tables: rows with equal names are runs of one point. */
 static rp_status read_tables(problem *s)
 {
-    const size_t p = s->quest.n_names, K = s->quest.n_numbers;
-    size_t rows = 0;
+    const size_t p = s->quest.n_names;
+    const char *names = s->name[0];
+    size_t rows = 0, *at, row_at = 0;
+    for (size_t i = 1; i < p; i++) names = rp_text(s->call->arena, "%s,%s", names, s->name[i]);
     for (size_t g = 0; g < s->quest.n_groups; g++) {
         const char *path;
         RP_TRY(rp_path(s->call->arena, &path, "%s%s", *s->group[g].runs == '/' ? "" : s->folder,
@@ -378,36 +386,25 @@ static rp_status read_tables(problem *s)
         RP_TRY(rp_table_load(s->call->arena, path, &s->group[g].table));
         rows += s->group[g].table->n_rows;
     }
-    RP_NEW(s->call->arena, s->points, rows * p + 1);
-    stats_runs *runs;
-    RP_NEW(s->call->arena, runs, rows * K + 1);
-    RP_NEW(s->call->arena, s->runs, rows * K + 1);
+    RP_NEW(s->call->arena, s->points, rows * p);
+    RP_NEW(s->call->arena, at, rows);
     for (size_t g = 0; g < s->quest.n_groups; g++) {
         const rp_table *t = s->group[g].table;
-        const int status = rp_table_column(t, "status");
-        const char *names = s->name[0];
-        for (size_t i = 1; i < p; i++) names = rp_text(s->call->arena, "%s,%s", names, s->name[i]);
         double *v;
         RP_TRY(rp_columns_read(s->call->arena, t, names, &v));
-        for (size_t row = 0; row < t->n_rows; row++) {
+        for (size_t row = 0; row < t->n_rows; row++, row_at++) {
             double x[STATS_NAMES];
             size_t i = 0;
-            if (status >= 0 && !rp_is_result(rp_cell(t, row, status))) continue;
+            if (!is_result_of(t, row)) continue;
             for (size_t c = 0; c < p; c++) x[c] = v[c * t->n_rows + row];
             while (i < s->n_table_points && memcmp(&s->points[i * p], x, p * sizeof *x) != 0) i++;
             if (i == s->n_table_points) memcpy(&s->points[s->n_table_points++ * p], x, p * sizeof *x);
-            for (size_t k = 0; k < K; k++) {
-                int column;
-                double y;
-                if (s->quest.group[k] != g) continue;
-                RP_TRY(column_of(s, t, k, &column));
-                RP_TRY(rp_table_number(t, row, column, 1, &y));
-                if (isfinite(y)) add_run(&runs[i * K + k], y);
-            }
+            at[row_at] = i;
         }
     }
-    for (size_t i = 0; i < s->n_table_points; i++)
-        for (size_t k = 0; k < K; k++) s->runs[k * s->n_table_points + i] = runs[i * K + k];
+    RP_NEW(s->call->arena, s->runs, s->n_table_points * s->quest.n_numbers);
+    for (size_t g = 0; g < s->quest.n_groups; at += s->group[g++].table->n_rows)
+        RP_TRY(take_numbers(s, g, s->n_table_points, at, 0, s->runs));
     return RP_OK;
 }
 
@@ -665,8 +662,7 @@ const cli_command cmd_calibrate = {
     "names over the runs of a design; where that agrees with the measurements, a smaller box gets more runs, "
     "until the\n"
     "answer is settled. Each stage is a sweep in DIR: the same command continues. The first one takes 24 "
-    "runs of "
-    "each\n"
+    "runs of each\n"
     "experiment for one name, 40 for two, 56 for three.\n"
     "\n"
     "--theta-r-deg: the friction of a box that is opened on one side, whose pile has this angle of repose; "

@@ -56,11 +56,25 @@ static void print_manual(const rp_param *schema)
             printf("#   %s = %s: %s\n", p->name, word, p->manual(k));
 }
 
+/* Rows of a table, for --json. */
+static void schema_rows(const char *of, const char *kind, const rp_param *schema)
+{
+    char text[64];
+    for (const rp_param *p = schema; p->name; p++)
+        printf("%s\t%s\t%s\t%s\t%s\t%s\t%s\t%s\n", of, kind, p->name, shown(rp_unit(p->unit)),
+               type_words[p->type], default_of(p, text), shown(p->range), p->meaning);
+}
+
 /* A scene file has a group of keys for each of its schemas. */
-static void print_scene(void)
+static void print_scene(bool rows)
 {
     for (const dem_scene_group *g = dem_scene_schemas; g->name; g++) {
-        printf("# scene file, %s: %s\n", g == dem_scene_schemas ? "top level" : g->name, g->manual);
+        const char *name = g == dem_scene_schemas ? "top level" : g->name;
+        if (rows) {
+            schema_rows("scene", name, g->schema);
+            continue;
+        }
+        printf("# scene file, %s: %s\n", name, g->manual);
         print_schema(g->schema);
         print_manual(g->schema);
     }
@@ -74,15 +88,19 @@ static bool is_next(const char *name, const char *after)
            isdigit((unsigned char)name[n - 2]) && strncmp(name, after, n - 2) == 0;
 }
 
-static void print_experiment(void)
+static void print_experiment(bool rows)
 {
     RP_SCOPE(arena);
     for (const exp_group *g = exp_groups; g->name; g++) {
-        printf("# experiment, %s: %s\n", g->name, g->manual);
-        print_schema(g->schema);
+        if (!rows) printf("# experiment, %s: %s\n", g->name, g->manual), print_schema(g->schema);
+        if (rows) schema_rows("experiment", g->name, g->schema);
     }
     exp_group m;
     for (size_t k = 0; (m = exp_module_at(k)).name; k++) {
+        if (rows) {
+            schema_rows("experiment", m.name, m.schema);
+            continue;
+        }
         printf("# experiment, measure of = \"%s\": %s; a column is the measure's name with one of\n", m.name,
                m.manual);
         for (const exp_output *o = m.outputs; o->name; o++) {
@@ -93,15 +111,24 @@ static void print_experiment(void)
         }
         print_schema(m.schema);
     }
-    printf("# experiment, what expressions may ask for\n# %-25s %-10s %-14s %s\n", "name", "unit", "of",
-           "meaning");
+    if (!rows)
+        printf("# experiment, what expressions may ask for\n# %-25s %-10s %-14s %s\n", "name", "unit", "of",
+               "meaning");
     exp_word w;
     for (size_t k = 0; (w = exp_observable_at(k)).name; k++)
-        printf("  %-25s %-10s %-14s %s\n", w.name, shown(rp_unit(w.unit)), w.of, w.meaning);
+        printf(rows ? "experiment\tobservable\t%s\t%s\t-\t-\t%s\t%s\n" : "  %-25s %-10s %-14s %s\n", w.name,
+               shown(rp_unit(w.unit)), w.of, w.meaning);
 }
 
-static void print_protocol(const sweep_protocol *protocol)
+static void print_protocol(const sweep_protocol *protocol, bool rows)
 {
+    if (rows) {
+        schema_rows(protocol->name, "parameter", protocol->schema);
+        for (const sweep_output *o = protocol->outputs; o->name; o++)
+            printf("%s\toutput\t%s\t%s\treal\t-\t-\t%s\n", protocol->name, o->name, shown(rp_unit(o->unit)),
+                   o->meaning);
+        return;
+    }
     printf("# protocol %s: %s\n", protocol->name, protocol->about);
     print_schema(protocol->schema);
     if (protocol->context) {
@@ -113,33 +140,6 @@ static void print_protocol(const sweep_protocol *protocol)
     printf("# outputs of protocol %s\n# %-36s %-10s %s\n", protocol->name, "name", "unit", "meaning");
     for (const sweep_output *o = protocol->outputs; o->name; o++)
         printf("  %-36s %-10s %s\n", o->name, shown(rp_unit(o->unit)), o->meaning);
-}
-
-/* ---- the same as rows of a table, for --json ---- */
-
-static void schema_rows(const char *of, const char *kind, const rp_param *schema)
-{
-    char text[64];
-    for (const rp_param *p = schema; p->name; p++)
-        printf("%s\t%s\t%s\t%s\t%s\t%s\t%s\t%s\n", of, kind, p->name, shown(rp_unit(p->unit)),
-               type_words[p->type], default_of(p, text), shown(p->range), p->meaning);
-}
-
-static void scene_rows(void)
-{
-    for (const dem_scene_group *g = dem_scene_schemas; g->name; g++)
-        schema_rows("scene", g == dem_scene_schemas ? "top level" : g->name, g->schema);
-}
-
-static void experiment_rows(void)
-{
-    exp_word w;
-    exp_group m;
-    for (const exp_group *g = exp_groups; g->name; g++) schema_rows("experiment", g->name, g->schema);
-    for (size_t k = 0; (m = exp_module_at(k)).name; k++) schema_rows("experiment", m.name, m.schema);
-    for (size_t k = 0; (w = exp_observable_at(k)).name; k++)
-        printf("experiment\tobservable\t%s\t%s\t-\t-\t%s\t%s\n", w.name, shown(rp_unit(w.unit)), w.of,
-               w.meaning);
 }
 
 /* The names and measures of a file. */
@@ -174,14 +174,6 @@ static rp_status file_rows(const cli_call *call, const char *path)
     return status;
 }
 
-static void protocol_rows(const sweep_protocol *protocol)
-{
-    schema_rows(protocol->name, "parameter", protocol->schema);
-    for (const sweep_output *o = protocol->outputs; o->name; o++)
-        printf("%s\toutput\t%s\t%s\treal\t-\t-\t%s\n", protocol->name, o->name, shown(rp_unit(o->unit)),
-               o->meaning);
-}
-
 static rp_status print_all(cli_call *call, const void *values)
 {
     const params_options *o = values;
@@ -201,20 +193,16 @@ static rp_status print_all(cli_call *call, const void *values)
         const sweep_protocol *opened;
         const rp_status status = sweep_protocol_open(*p, NULL, &text, &opened);
         if (!status && text) sweep_experiment_in(text, (rp_units)o->units);
-        if (!status) (rows ? protocol_rows : print_protocol)(opened);
+        if (!status) print_protocol(opened, rows);
         sweep_experiment_close(text);
         rp_units_set((rp_units)o->units); /* a text has its own */
         RP_TRY(status);
         found = true;
     }
-    if (!name || strcmp(name, "scene") == 0) {
+    for (int k = 0; k < 2; k++) {
+        if (name && strcmp(name, k ? "experiment" : "scene") != 0) continue;
         if (found && !rows) putchar('\n');
-        (rows ? scene_rows : print_scene)();
-        found = true;
-    }
-    if (!name || strcmp(name, "experiment") == 0) {
-        if (found && !rows) putchar('\n');
-        (rows ? experiment_rows : print_experiment)();
+        (k ? print_experiment : print_scene)(rows);
         found = true;
     }
     if (found) return RP_OK;

@@ -69,8 +69,7 @@ static rp_status read_disks(rp_arena *arena, const char *path, sweep_outline *h)
     rp_columns_beside(table, ",id,x,y,r,", unused);
     if (*unused) fprintf(stderr, "repose pile: %s: not used:%s\n", path, unused);
     h->n = table->n_rows;
-    h->disks = malloc((h->n + 1) * sizeof *h->disks);
-    if (!h->disks) return rp_fail(RP_NO_MEMORY, "pile: out of memory");
+    RP_NEW(&h->memory, h->disks, h->n);
     for (size_t i = 0; i < h->n; i++) {
         const double *y = x + h->n, r = radii ? y[h->n + i] : 0.5;
         h->disks[i] = (statics_disk){x[i], y[i], r, 4 * r * r};
@@ -187,7 +186,7 @@ static void draw(size_t n, const statics_result *r, void *context)
 
 static rp_status solve(const cli_call *call, options *o, const sweep_outline *h)
 {
-    sweep_solved s;
+    RP_ENDS(sweep_solved_free) sweep_solved s = {0};
     sweep_result results;
     double start = rp_clock();
     const bool watched = isatty(STDERR_FILENO);
@@ -207,9 +206,7 @@ static rp_status solve(const cli_call *call, options *o, const sweep_outline *h)
                         ended = cli_unfinished_end(&u, false, written);
         status = ended ? ended : status ? rp_fail(status, "%s", results.message) : RP_OK;
     }
-    status = cli_unfinished_end(&u, false, status); /* of a pile without a state */
-    sweep_solved_free(&s);
-    return status;
+    return cli_unfinished_end(&u, false, status); /* of a pile without a state */
 }
 
 /* Piles: how many, those with an equilibrium, and of these the unstable ones; N and H[disk][pile]. */
@@ -245,7 +242,7 @@ static rp_status solve_ensemble(const cli_call *call, const options *o, sweep_ou
     e.N = rp_arena_memory(call->arena, 2 * h->k * e.piles, sizeof *e.N);
     e.H = e.N + h->k * e.piles;
     for (size_t run = 0; run < e.piles; run++) {
-        sweep_solved s = {0};
+        RP_ENDS(sweep_solved_free) sweep_solved s = {0};
         sweep_result results;
         rp_status status = sweep_outline_disorder(h, o->pile.disorder, (unsigned long)o->own.seed, run);
         if (!status) status = sweep_pile_solve(&o->pile, h, NULL, NULL, &s, &results);
@@ -255,7 +252,6 @@ static rp_status solve_ensemble(const cli_call *call, const options *o, sweep_ou
         }
         e.unstable += !status && s.r.negative_modes;
         e.solved += !status;
-        sweep_solved_free(&s);
         if (status && status != RP_NO_RESULT) return status;
         if (status) fprintf(stderr, "pile %zu: %s\n", run, rp_message());
     }
@@ -272,18 +268,14 @@ static rp_status solve_any(cli_call *call, const void *values)
     options *o = call->values; /* the header has the pile that is solved */
     (void)values;
     RP_TRY(check_usage(call, o));
-    sweep_outline h = {0};
-    rp_status status =
-        *o->own.disks ? read_disks(call->arena, o->own.disks, &h) : make_outline(call->arena, o, &h);
+    RP_ENDS(sweep_outline_free) sweep_outline h = {0};
+    RP_TRY(*o->own.disks ? read_disks(call->arena, o->own.disks, &h) : make_outline(call->arena, o, &h));
     /* what the parameters do not describe */
     if (*o->own.disks || *o->own.outline) o->pile.alpha_deg = -1;
     if (*o->own.disks) o->pile.gap = o->pile.disorder = NAN;
-    if (!status)
-        status = o->own.piles > 1    ? solve_ensemble(call, o, &h)
-                 : o->pile.threshold ? find_threshold(call, o, &h)
-                                     : solve(call, o, &h);
-    sweep_outline_free(&h);
-    return status;
+    return o->own.piles > 1    ? solve_ensemble(call, o, &h)
+           : o->pile.threshold ? find_threshold(call, o, &h)
+                               : solve(call, o, &h);
 }
 
 const cli_command cmd_pile = {

@@ -54,9 +54,7 @@ typedef struct {
 } run_plan;
 
 /* Energy without source must not grow. Samples of the first and of the last quarter of a long run are
- * compared: a step near the limit of stability heats a scene with little damping, slowly and without an
- * end.
- */
+ * compared: a step near the limit of stability heats a scene with little damping, slowly, endlessly. */
 enum { SAMPLES = 64, LEAST_STEPS = 100 * SAMPLES };
 static const double MOST_GROWTH = 0.02; /* of the largest sum of kinetic and elastic energy */
 
@@ -662,7 +660,7 @@ static rp_status run_file(const cli_call *call, const char *path, const run_opti
 {
     RP_ENDS(free_text) scene_text t;
     origin of = {.call = call};
-    scene_run r = {.plan = {.snapshot = o->snapshot, .dump = o->dump}, .threads = o->j};
+    RP_ENDS(free_run) scene_run r = {.plan = {.snapshot = o->snapshot, .dump = o->dump}, .threads = o->j};
     if (cli_given(call, "row")) return rp_fail(RP_USAGE, "--row needs a sweep file; %s is a scene", path);
     if (o->snapshot > 0 && !*o->o) return rp_fail(RP_USAGE, "--snapshot needs -o DIR");
     if (o->dump && !*o->o) return rp_fail(RP_USAGE, "--dump needs -o DIR");
@@ -694,9 +692,7 @@ static rp_status run_file(const cli_call *call, const char *path, const run_opti
     if (!status && *o->from) status = begin_from(call->arena, path, o->from, t.phases, &r, &of.start);
     if (of.start) fprintf(stderr, "repose run: %s: %s\n", path, of.start);
     if (!status && !t.phases) r.energy = growth_of(&t.scene, r.sim);
-    if (!status) status = run_scene(&of, &r, o);
-    free_run(&r);
-    return status;
+    return status ? status : run_scene(&of, &r, o);
 }
 
 /* A scene file that is given must be that of the snapshot, or without a plan that of the finished
@@ -722,7 +718,7 @@ static rp_status resume(const cli_call *call, const run_options *o)
 {
     const char *scene = cli_argument(call, 0);
     RP_ENDS(free_text) scene_text t = {0};
-    scene_run r = {.threads = o->j};
+    RP_ENDS(free_run) scene_run r = {.threads = o->j};
     origin of = {.call = call};
     outputs out = outputs_in(call->arena, o->resume, true, o->quiet);
     if (cli_given(call, "o") || cli_given(call, "every") || cli_given(call, "row") ||
@@ -741,14 +737,10 @@ static rp_status resume(const cli_call *call, const run_options *o)
     if (!status && done) {
         if (scene) status = check_scene(scene, o, &t, NULL, out.unfinished.holds);
         if (!status) printf("%s: the run is done; its tables are in this folder\n", o->resume);
-        free_run(&r);
         return status;
     }
     if (!status && scene) status = check_scene(scene, o, &t, &r.plan, NULL);
-    if (status) {
-        free_run(&r);
-        return cli_unfinished_end(&out.unfinished, true, status);
-    }
+    if (status) return cli_unfinished_end(&out.unfinished, true, status);
     cli_call first = *call;
     if (r.exp) first.line = r.line, of.call = &first, memcpy(of.run, r.run, sizeof of.run);
     if (r.exp)
@@ -756,9 +748,7 @@ static rp_status resume(const cli_call *call, const run_options *o)
     else
         printf("%s: continues from step %ld to %ld\n", o->resume, dem_step(r.sim), r.plan.steps);
     take_growing(&out);
-    status = finish_scene(&of, &r, &out, RP_OK);
-    free_run(&r);
-    return status;
+    return finish_scene(&of, &r, &out, RP_OK);
 }
 
 static rp_status run_any(cli_call *call, const void *values)
@@ -786,68 +776,48 @@ const cli_command cmd_run = {
     "[--force]]\n"
     "[SCENE.cfg] --resume DIR\n"
     "SWEEP.cfg [--row N] -o DIR [--every N] [--ledger] [--force]",
-    "A file that the current folder lacks, as examples/pile.cfg, is read from the program's own "
-    "files:\n"
+    "A file that the current folder lacks, as examples/pile.cfg, is read from the program's own files:\n"
     "PREFIX/share/repose where it is installed.\n"
     "\n"
-    "SCENE.cfg: simulate the scene and print the state of each grain: step, t (s), id, x, y (cm), "
-    "angle\n"
-    "(rad), vx, vy (cm/s), omega (rad/s), net force fx, fy (dyn), r (cm), m (g), contacts, fixed. With "
-    "-o, "
+    "SCENE.cfg: simulate the scene and print the state of each grain: step, t (s), id, x, y (cm), angle\n"
+    "(rad), vx, vy (cm/s), omega (rad/s), net force fx, fy (dyn), r (cm), m (g), contacts, fixed. With -o, "
     "the\n"
-    "folder gets the tables states.tsv, contacts.tsv, walls.tsv and energy.tsv, with rows of every "
-    "frame. A\n"
-    "wall is a line through x, y with the unit normal direction_x, direction_y, between the ends "
-    "`from` and\n"
-    "`to` along the normal turned clockwise; an open wall has equal ends. `repose params scene` lists "
-    "the\n"
+    "folder gets the tables states.tsv, contacts.tsv, walls.tsv and energy.tsv, with rows of every frame. A\n"
+    "wall is a line through x, y with the unit normal direction_x, direction_y, between the ends `from` and\n"
+    "`to` along the normal turned clockwise; an open wall has equal ends. `repose params scene` lists the\n"
     "keys of a scene file. Tables of a run that was stopped or failed go to DIR/unfinished:\n"
-    "only a whole result takes its place in DIR. A finished result is replaced with --force alone; "
-    "what the\n"
+    "only a whole result takes its place in DIR. A finished result is replaced with --force alone; what the\n"
     "program did not write there is never touched (DIR/.repose lists what it did).\n"
-    "--dump lammps, xyz or vtk adds DIR/run.lammpstrj, DIR/run.xyz or DIR/run.pvd, as `repose export` "
-    "has\n"
+    "--dump lammps, xyz or vtk adds DIR/run.lammpstrj, DIR/run.xyz or DIR/run.pvd, as `repose export` has\n"
     "them.\n"
-    "The run ends with one line on standard error: grains, steps, at rest or not (a mean kinetic "
-    "energy "
+    "The run ends with one line on standard error: grains, steps, at rest or not (a mean kinetic energy "
     "below\n"
-    "1e-7 m g d, and forces that balance to 1e-2 m g, by ten looks in the last 5000 steps), and "
-    "theta_R by\n"
+    "1e-7 m g d, and forces that balance to 1e-2 m g, by ten looks in the last 5000 steps), and theta_R by\n"
     "method 3 where the surface at rest falls to one side by all three methods.\n"
-    "The slope is measured from the standing wall to the opened one, or over the whole pile if no "
-    "wall\n"
+    "The slope is measured from the standing wall to the opened one, or over the whole pile if no wall\n"
     "opens.\n"
     "\n"
-    "--snapshot N: the tables grow in DIR/unfinished, where a snapshot is written every N steps and "
-    "at\n"
-    "SIGINT, SIGTERM or SIGHUP. `repose run --resume DIR` continues after a stop, a kill or a power "
-    "cut, "
+    "--snapshot N: the tables grow in DIR/unfinished, where a snapshot is written every N steps and at\n"
+    "SIGINT, SIGTERM or SIGHUP. `repose run --resume DIR` continues after a stop, a kill or a power cut, "
     "and\n"
-    "ends with the files of an undisturbed run, byte by byte. A snapshot of another scene, program "
-    "version\n"
+    "ends with the files of an undisturbed run, byte by byte. A snapshot of another scene, program version\n"
     "or model, or a damaged one, is refused.\n"
     "\n"
-    "SWEEP.cfg (a file with the key `protocol`): repeat one run of the sweep and print its results. "
-    "The\n"
-    "folder gets the tables of this run. A long run of any protocol but pile keeps a snapshot there: "
-    "after\n"
+    "SWEEP.cfg (a file with the key `protocol`): repeat one run of the sweep and print its results. The\n"
+    "folder gets the tables of this run. A long run of any protocol but pile keeps a snapshot there: after\n"
     "a stop or a kill the same command continues. Of a text: grains, contacts and walls at the end of each\n"
     "phase, phases.tsv, energies, and a file scene.cfg that `repose run` repeats bit for bit. For a static "
-    "pile: disks, contacts, wells and "
-    "the\n"
+    "pile: disks, contacts, wells and the\n"
     "forces on the base.",
     "repose run scene.cfg --set tangential.mu=0.3 --every 1000 -o out",
     run_params,
     .refuses =
-        "A folder with a finished result: give another one, or --force. A sweep's folder, and files in "
-        "the way.\n"
-        "--snapshot and --dump without -o; --row with a scene; --set, -j, --snapshot, --dump and "
-        "--from with "
+        "A folder with a finished result: give another one, or --force. A sweep's folder, and files in the "
+        "way.\n"
+        "--snapshot and --dump without -o; --row with a scene; --set, -j, --snapshot, --dump and --from with "
         "a sweep.\n"
         "--from without a phase that keeps its end, or where the folder's text begins otherwise.\n"
-        "--resume with -o, --every, --row, --snapshot, --dump, --from or --force: it continues with "
-        "the "
-        "options of "
-        "the start.\n"
+        "--resume with -o, --every, --row, --snapshot, --dump, --from or --force: it continues with the "
+        "options of the start.\n"
         "A snapshot of another scene, program version or model, or a damaged one.",
     .act = run_any};

@@ -46,8 +46,7 @@ CLI_OPTIONS(slurm, SLURM_OPTIONS)
 
 enum { MOST_TASKS = 1000 }; /* of an array: Slurm's MaxArraySize is 1001 where no one has set it */
 
-/* The job is told before its time is out, and then ends its processes and queues again; a cancelled one ends.
- */
+/* The job is told before its time is out, then ends its processes and queues again; a cancelled one ends. */
 static const char array_script[] =
     "#!/bin/bash\n"
     "# Makes what is missing of a sweep, written by repose sweep slurm; submit it again to resume.\n"

@@ -66,8 +66,7 @@ static rp_status find_kind(const char *path, const struct kind **kind)
     return rp_fail(RP_USAGE, "-o %s: a name that ends in .png, .svg, .pdf, .gif or .mp4 expected", path);
 }
 
-/* The step at which a phase of an experiment ended last, by the notes of its measures; NAN: none does.
- */
+/* The step at which a phase of an experiment ended last, by the notes of its measures; NAN: none does. */
 static double step_of_phase(rp_arena *arena, const char *folder, const char *phase)
 {
     const char *path = rp_text(arena, "%s/measures.tsv", folder), *note = NULL;
@@ -221,17 +220,14 @@ static rp_status act_view(cli_call *call, const void *values)
 const cli_command cmd_view = {
     "view",
     "grains, walls and forces as a picture or an animation",
-    "DIR|TABLE [-o FILE] [--frame K] [--color COLUMN] [--stress] [--base] [--cell X] [--window "
-    "X0,X1,Y0,Y1] "
+    "DIR|TABLE [-o FILE] [--frame K] [--color COLUMN] [--stress] [--base] [--cell X] [--window X0,X1,Y0,Y1] "
     "[--width W] [--fps N]",
-    "DIR: folder of `repose run -o`, for a scene or for one run of a sweep (its stages are the frames; "
-    "of an\n"
-    "experiment the ends of its phases), or of `repose pile -o`. TABLE: one of its tables of grains, "
-    "or any table with columns x, y, r. Width and\n"
-    "darkness of a line between two centres show the normal force; orange: tension. Lengths and "
-    "forces\n"
-    "have the units of the tables. All frames of an animation have one scale: the widest line stands "
-    "for a\n"
+    "DIR: folder of `repose run -o`, for a scene or for one run of a sweep (its stages are the frames; of "
+    "an\n"
+    "experiment the ends of its phases), or of `repose pile -o`. TABLE: one of its tables of grains, or any "
+    "table with columns x, y, r. Width and\n"
+    "darkness of a line between two centres show the normal force; orange: tension. Lengths and forces\n"
+    "have the units of the tables. All frames of an animation have one scale: the widest line stands for a\n"
     "force that a quarter of the frames exceed. gnuplot draws the pictures. An .mp4 file needs ffmpeg.",
     "repose view out -o pile.png --color contacts",
     view_params,

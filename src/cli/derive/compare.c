@@ -76,7 +76,7 @@ static rp_status compare_table(cli_call *call, rp_table *table, const void *valu
     RP_TRY(read_piles(call->arena, table, &piles));
     gsl_rng *rng = cli_random(call, 0);
     cli_table(call, stdout);
-    rp_rows_note(table, &piles);
+    rp_table_note(stdout, "rows", "%zu used, %zu left out", piles.n, table->n_rows - piles.n);
     print_compare_header();
     for (size_t g = 0; g < piles.n_groups; g++) {
         const size_t first = piles.first[g];
