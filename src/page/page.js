@@ -98,10 +98,13 @@ function act(...bodies) {
     tell();
   });
 }
-function one_by_one(job) { held++; return queue = queue.then(job).catch((e) => { say(advice(e.message), true); }).then(() => { held--; return running ? 0 : once(); }); }
+function one_by_one(job) { /* true if it went well */
+  held++;
+  return queue = queue.then(job).then(() => true, (e) => { say(advice(e.message), true); return false; }).then(async (good) => { held--; if (running) show(); else await once(); return good; });
+}
 function advice(message) {
-  const what = /dt|too large for/.test(message) ? 'Choose a smaller stiffness or speed.' : /touch|no place|overlap/.test(message) ? 'Choose a free place.'
-    : /turns/.test(message) ? 'Tilt gravity instead, or start again.' : /room/.test(message) ? 'Choose fewer grains or a wider box.' : 'Change it, or start again.';
+  const what = /that turns/.test(message) ? 'Start again, and tilt gravity instead.' : /touch|no place|overlap/.test(message) ? 'Choose a free place.'
+    : /dt = /.test(message) ? 'Choose a smaller stiffness or speed.' : /room/.test(message) ? 'Choose fewer grains or a wider box.' : 'Change it, or start again.';
   return `${message[0].toUpperCase()}${message.slice(1)}. ${what}`;
 }
 function say(text, bad) { $('say').textContent = text; $('say').className = bad ? 'bad' : ''; }
@@ -129,12 +132,13 @@ async function read(seconds, most) {
   frame = f;
   frame.n = Object.fromEntries('step t grains links walls done energy rest tilt gx gy mu mass'.split(' ').map((k, i) => [k, f.number[i]]));
   frame.theta = f.number.slice(13, 16), frame.error = f.number.slice(16, 19), frame.flanks = [f.number.slice(19, 22), f.number.slice(22, 25)], frame.columns = f.number[25] || 0;
-  if (tilting && f.where !== tilting && f.where.startsWith('act')) { theta_t = Math.abs(frame.n.tilt); tilting = ''; say(`The pile moves: θ_T = ${theta_t.toFixed(1)}°. Tilt goes on with the same button.`); }
+  if (tilting && f.where !== tilting && f.where.startsWith('act')) { theta_t = Math.abs(frame.n.tilt); tilting = ''; }
   if (f.fault) { fault = true; running = false; say(advice(f.fault), true); }
-  if (frame.n.done && running) { running = false; tell(); }
+  if (frame.n.done && running) running = false;
+  if (frame.where !== told) { told = frame.where; if (running) tell(); }
 }
 async function once() { await read(0, 0).catch(() => 0); draw(); show(); }
-let last = 0;
+let last = 0, told = '';
 function turn(now) {
   requestAnimationFrame(turn);
   const seconds = Math.min(0.05, (now - last) / 1000) * +$('speed').value;
@@ -152,27 +156,25 @@ function turn(now) {
   }).catch((e) => say(advice(e.message), true)).finally(() => { busy = false; });
 }
 function play(on) {
-  if (on && frame && frame.n.done) { act('').then(() => { running = true; tell(); }); return; }
+  if (on && frame && frame.n.done) { act('').then((good) => good && play(true)); return; }
   running = on && !fault;
   tell();
 }
-function do_act() { if (kind === 'cylinder') p.lifts = true; act(kinds[kind].body(p)).then(() => play(true)); }
+function do_act() { if (kind === 'cylinder') p.lifts = true; act(kinds[kind].body(p)).then((good) => good && play(true)); }
 function tilt(sign) {
   const box = $('turns').value === 'box', key = box ? 'box_turn_deg_per_step' : 'gravity_turn_deg_per_step', rate = sign * (5 * DT);
   if (!sign) { tilting = ''; return act('gravity_turn_deg_per_step = 0.0; box_turn_deg_per_step = 0.0;'); }
-  const still_to_move = isNaN(theta_t);
-  theta_t = still_to_move ? theta_t : -1;
   return act({ body: `${key} = ${rate.toFixed(7)};`, end: `every = 50; most = 2000000; until = "${kinds[kind].moved || 'moved(0.1*d) >= 0.05*marked'}";`, name: `tilt${record.closed.length}` },
-    `${key} = 0.0;`).then(() => { tilting = (record.live[0].match(/name = "(\w+)"/) || [])[1] || ''; theta_t = NaN; play(true); });
+    `${key} = 0.0;`).then((good) => { if (!good) return; tilting = (record.live[0].match(/name = "(\w+)"/) || [])[1] || ''; theta_t = NaN; play(true); });
 }
 function pour() {
   if (!kinds[kind].pour) return say('The drum is closed: click into it to put in a grain.', true);
   const [a, b] = kinds[kind].pour(p), bodies = [];
   for (let k = 0; k < 10; k++) {
     const r = 0.1 * (1 + p.scatter * (Math.random() + Math.random() - 1)), x = a + (b - a) * (k + 0.2 + 0.6 * Math.random()) / 10;
-    bodies.push(`add = { r = ${r.toFixed(4)}; x = ${x.toFixed(4)}; y = "touch + 2*d"; };`);
+    bodies.push(`add = { r = ${r.toFixed(4)}; x = ${x.toFixed(4)}; y = "max(touch, 0) + 2*d"; };`);
   }
-  return act(...bodies).then(() => play(true));
+  return act(...bodies).then((good) => good && play(true));
 }
 
 /* ---- the picture ---- */
@@ -229,7 +231,7 @@ function draw() {
       if (q[k + 4] > 0) { widths[w].moveTo(q[k], q[k + 1]); widths[w].lineTo(q[k + 2], q[k + 3]); }
     }
     pen.strokeStyle = css('--ink'); pen.lineCap = 'round';
-    widths.forEach((path, k) => { pen.lineWidth = 0.016 * (k + 0.35) ** 1.15 * 1.1; pen.stroke(path); });
+    widths.forEach((path, k) => { pen.lineWidth = 0.012 * (k + 0.35); pen.stroke(path); });
   }
   pen.beginPath();
   for (let k = walls; k < walls + 4 * f.n.walls; k += 4) if (!isNaN(q[k + 2])) { pen.moveTo(q[k], q[k + 1]); pen.lineTo(q[k + 2], q[k + 3]); }
@@ -251,7 +253,7 @@ function draw_slopes(f, q, n, px, outline) {
   pen.rotate(-boxed * Math.PI / 180);
   pen.strokeStyle = css('--line');
   const line = (m, x, y, slope, half) => { pen.beginPath(); pen.moveTo(x - half, y + slope * half); pen.lineTo(x + half, y - slope * half); pen.setLineDash(dashes[m].map((v) => v * px)); pen.lineWidth = (m === 2 ? 3 : 2.2) * px; pen.stroke(); };
-  if (type === 1 && f.columns > 2) {
+  if (type === 1 && f.columns > 2 && begun()) {
     const h = q.subarray(q.length - f.columns), mean = h.reduce((a, b) => a + b, 0) / h.length, half = (to - from) / 2;
     for (let m = 0; m < 3; m++) { const slope = Math.tan(f.theta[m] * Math.PI / 180); line(m, from + half, (m ? mean : h[0] - slope * (half - D / 2)) + D / 2, slope, half); }
   }
@@ -284,10 +286,11 @@ function draw_rays(f, q, n, px, { columns, x0, at }) {
   const base = middle / sum, slope = Math.tan(Math.PI / 3);
   pen.strokeStyle = pen.fillStyle = css('--theory');
   pen.lineWidth = 2 * px;
-  for (const way of [-1, 1]) {
+  for (const way of [-1, 1]) { /* fixed to gravity */
+    const dx = way * 0.5 * map.c - 0.866 * map.s, dy = way * 0.5 * map.s + 0.866 * map.c;
     let s = 0;
-    while (s < 2 * high && s * slope < at(base + way * s)) s += 0.02;
-    pen.beginPath(); pen.moveTo(base, 0); pen.lineTo(base + way * s, s * slope); pen.stroke();
+    while (s < 3 * high && s * dy < at(base + s * dx)) s += 0.02;
+    pen.beginPath(); pen.moveTo(base, 0); pen.lineTo(base + s * dx, s * dy); pen.stroke();
   }
   pen.beginPath(); pen.arc(base, 0, 4 * px, 0, 7); pen.fill();
   const rise = p.mu * slope * slope, foot = kind === 'box' ? kinds.box.surface(p)[2] : x0 + D * (columns.length - [...columns].reverse().findIndex((h) => h > D));
@@ -297,30 +300,33 @@ function draw_rays(f, q, n, px, { columns, x0, at }) {
   pen.setLineDash([]);
 }
 
+/* Is the wall open, the cylinder lifted, the drum turned? */
+const begun = () => hand ? [...record.closed, ...record.live].some((b) => /open = |velocity = |omega = /.test(b)) : kind !== 'box' && frame.where !== 'fill';
+
 /* ---- words and numbers ---- */
-const number = (v, digits = 1) => Number.isFinite(v) ? v.toFixed(digits) : '–';
+const number = (v, digits = 1, unit = '') => Number.isFinite(v) ? v.toFixed(digits) + unit : '–';
 function show() {
   if (!frame) return;
   const f = frame, type = kinds[kind].surface(p)[0], key = (m) => `<svg aria-hidden="true"><path d="M0 5h26" stroke="var(--line)" stroke-width="${m === 2 ? 3 : 2.2}" stroke-dasharray="${dashes[m]}"/></svg>`, rows = [];
   const row = (name, value, unit = '', rule) => rows.push(`<tr${rule ? ' class="rule"' : ''}><td>${name}</td><td>${value}</td><td>${unit}</td></tr>`);
-  const angle = (m) => [`${number(f.theta[m])}°`, Number.isFinite(f.error[m]) ? `± ${number(f.error[m])}°` : ''], theta = '<i class="v">θ</i>';
-  if (type) ['first to last column', 'straight line', 'parabola of the sum'].forEach((name, m) => row(`${key(m)}${theta}<sub>R</sub>, ${type === 2 && !m ? 'top to foot' : name}`, ...angle(m)));
-  if (kind === 'drum') row(`${key(2)}slope, by the centre of mass`, `${number(f.drum)}°`);
+  const angle = (m) => !begun() ? ['–', ''] : [number(f.theta[m], 1, '°'), Number.isFinite(f.error[m]) ? `± ${number(f.error[m])}°` : ''], theta = '<i class="v">θ</i>';
+  if (type) ['first to last', 'straight line', 'parabola'].forEach((name, m) => row(`${key(m)}${theta}<sub>R</sub>, ${name}`, ...angle(m)));
+  if (kind === 'drum') row(`${key(2)}slope, by the centre of mass`, number(f.drum, 1, '°'));
   if (kind === 'hopper') row('grains through the outlet', flow(f.n), '1/s');
-  row(`tilt`, `${number(f.n.tilt)}°`, '', true);
-  row(`${theta}<sub>T</sub>, the pile moves`, `${number(theta_t > 0 ? theta_t : NaN)}°`);
-  row(`${theta}<sub>MS</sub> by eq. (3)`, `${number(Math.atan(3 * p.mu) * 180 / Math.PI)}°`);
+  row(`tilt`, number(f.n.tilt + 0, 1, '°'), '', true);
+  row(`${theta}<sub>T</sub>, the pile moves`, number(theta_t, 1, '°'));
+  row(`${theta}<sub>MS</sub> by eq. (3)`, number(Math.atan(3 * p.mu) * 180 / Math.PI, 1, '°'));
   row('grains', f.n.grains, '', true);
   row('contacts a grain', number(f.n.grains ? 2 * f.n.links / f.n.grains : NaN, 2));
   row('kinetic energy a grain', f.n.energy ? f.n.energy.toExponential(1) : '0', '<i class="v">m g d</i>');
   row('state', f.n.rest ? 'at rest' : 'moves', '');
   $('table').innerHTML = rows.join('');
   $('time').textContent = f.n.t.toFixed(2);
-  $('rate').textContent = running ? `${seen.rate.toFixed(seen.rate < 0.095 ? 2 : 1)} × real time, ${Math.round(seen.fps || 0)} frames/s` : fault ? 'stopped' : 'paused';
+  $('rate').textContent = running ? `${seen.rate.toFixed(seen.rate < 0.095 ? 2 : 1)} × real time` : fault ? 'stopped' : 'paused';
   $('most').textContent = most_now.toFixed(0);
-  $('what').textContent = $('show').value === 'lines' ? 'force of a contact, mean weights' : 'load of a grain, mean weights';
+  $('what').textContent = $('show').value === 'lines' ? 'contact force, mean weights' : 'load, mean weights';
   $('legend').classList.toggle('lines', $('show').value === 'lines');
-  $('act').disabled = fault; $('stop').disabled = !record.live.some((b) => /turn_deg_per_step = -?0\.0*[1-9]/.test(b));
+  $('act').disabled = fault || begun(); $('stop').disabled = !record.live.some((b) => /turn_deg_per_step = -?0\.0*[1-9]/.test(b));
 }
 let flow_from = null, flow_now = NaN;
 function flow({ t, grains }) { /* over the last half second */
@@ -336,7 +342,7 @@ function tell() {
   $('pour').disabled = !k.pour;
   if (fault || !frame) return;
   if (frame.n.done && !running) say(k.hint && !hand ? k.hint : `The experiment has ended${frame.n.rest ? ', at rest' : ''}. Run goes on.`);
-  else if (hand) say(tilting ? 'Tilted by 5° a second, until 5 % of the grains have moved by d/10.' : 'Changed by hand: the run goes on until you end it.');
+  else if (hand) say(tilting ? 'Tilted by 5° a second, until 5 % of the grains have moved by d/10.' : theta_t > 0 ? `The pile moves at a tilt of ${theta_t.toFixed(1)}°. The same button tilts on.` : 'Changed by hand: the run goes on until you end it.');
   else if (!running) say('Paused.');
   else say(kind === 'box' ? 'Grains fall in. Open the wall now, or when they are at rest.' : waiting[frame.where] || '');
   if (!running) show();
@@ -355,7 +361,7 @@ function make_sliders() {
   for (const [place, live] of [['live', true], ['starts', false]]) {
     $(place).innerHTML = Object.entries(sliders).filter(([key, s]) => key in p && !!s.law === live).map(([key, s]) => {
       const [a, b, step] = s.range, v = s.scale ? s.scale.to(p[key]) : p[key];
-      return `<label class="slider"><span>${s.name}</span><output id="of-${key}"></output><input type="range" id="in-${key}" min="${a}" max="${b}" step="${step}" value="${v}"></label>`;
+      return `<label class="slider" for="in-${key}"><span>${s.name}</span><output id="of-${key}"></output><input type="range" id="in-${key}" min="${a}" max="${b}" step="${step}" value="${v}"></label>`;
     }).join('');
   }
   for (const key of Object.keys(sliders)) {
@@ -397,7 +403,7 @@ $('read').onclick = () => start($('text').value, '');
 canvas.onclick = (e) => {
   if (!map) return;
   const u = (e.offsetX - map.ox) / map.k, v = (map.oy - e.offsetY) / map.k, x = map.c * u - map.s * v, y = map.s * u + map.c * v;
-  act(`add = { r = 0.1; x = ${x.toFixed(4)}; y = ${y.toFixed(4)}; };`).then(() => { if (!fault) play(true); });
+  act(`add = { r = 0.1; x = ${x.toFixed(4)}; y = ${y.toFixed(4)}; };`).then((good) => good && play(true));
 };
 addEventListener('keydown', (e) => {
   if (e.ctrlKey || e.metaKey || e.altKey || /TEXTAREA|SELECT/.test(e.target.tagName) || (e.target.type === 'range' && e.key.startsWith('Arrow'))) return;

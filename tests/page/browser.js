@@ -50,7 +50,7 @@ module.exports = async function open(log) {
     media: (features) => send('Emulation.setEmulatedMedia', { features: Object.entries(features).map(([name, v]) => ({ name, value: v })) }),
     goto: async (file) => { const loaded = new Promise((done) => listeners.push((m) => m === 'Page.loadEventFired' && done())); await send('Page.navigate', { url: `file://${path.resolve(file)}` }); await loaded; },
     shot: async (file, whole) => fs.writeFileSync(file, Buffer.from((await send('Page.captureScreenshot', { format: 'png', captureBeyondViewport: !!whole, ...(whole ? { clip: { ...(await send('Page.getLayoutMetrics')).cssContentSize, scale: 1 } } : {}) })).data, 'base64')),
-    key: async (key, code) => { for (const type of ['keyDown', 'keyUp']) await send('Input.dispatchKeyEvent', { type, key, code, text: type === 'keyDown' && key.length === 1 ? key : undefined, windowsVirtualKeyCode: code }); },
+    key: async (key, windowsVirtualKeyCode) => { for (const type of ['keyDown', 'keyUp']) await send('Input.dispatchKeyEvent', { type, key, text: type === 'keyDown' && key.length === 1 ? key : undefined, windowsVirtualKeyCode }); },
     click: async (x, y) => { for (const type of ['mousePressed', 'mouseReleased']) await send('Input.dispatchMouseEvent', { type, x, y, button: 'left', clickCount: 1 }); },
     tap: async (x, y) => { await send('Input.dispatchTouchEvent', { type: 'touchStart', touchPoints: [{ x, y }] }); await send('Input.dispatchTouchEvent', { type: 'touchEnd', touchPoints: [] }); },
     close: () => { child.kill(); fs.rmSync(folder, { recursive: true, force: true, maxRetries: 5 }); },
