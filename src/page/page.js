@@ -44,7 +44,7 @@ const sliders = {
   scatter: { name: 'scatter of the radii', unit: 'of the mean', range: [0, 0.3, 0.01] },
 };
 let kind = 'box', p = { ...kinds.box.start }, running = false, frame = null, busy = false, held = 0, queue = Promise.resolve(), version = 0;
-let theta_t = NaN, tilting = '', hand = false, seen = { rate: 0, at: 0, steps: 0 }, fault = false;
+let theta_t = NaN, tilting = '', hand = false, seen = { rate: 1, at: 0, steps: 0, fps: 60 }, fault = false;
 
 /* ---- the text of what is done: phases, each with its steps ---- */
 let record = { source: '', head: '', closed: [], live: [], begun: 0 };
@@ -138,22 +138,30 @@ async function read(seconds, most) {
   if (frame.where !== told) { told = frame.where; if (running) tell(); }
 }
 async function once() { await read(0, 0).catch(() => 0); draw(); show(); }
-let last = 0, told = '';
+/* The engine works all the time where it is slower than wanted; the picture follows the screen. */
+let last = 0, drawn = 0, fresh = false, told = '';
 function turn(now) {
   requestAnimationFrame(turn);
-  const seconds = Math.min(0.05, (now - last) / 1000) * +$('speed').value;
-  if (!running || busy || held || !frame || (still.matches && now - last < 250)) { if (!running) last = now; return; }
-  busy = true;
-  const elapsed = now - last, before = frame.n.t;
+  if (!busy) pump();
+  if (!fresh || (still.matches && now - drawn < 250)) return;
+  fresh = false;
+  draw();
+  seen.fps = 0.95 * seen.fps + 0.05 * 1000 / (now - drawn);
+  drawn = now;
+  if (now - seen.at > 120) { seen.at = now; show(); }
+}
+async function pump() {
+  const now = performance.now(), elapsed = (now - last) / 1000, wanted = Math.min(0.05, elapsed) * $('speed').value;
   last = now;
-  read(seconds, still.matches ? 60 : 13).then(() => {
-    draw();
-    const rate = (frame.n.t - before) / (elapsed / 1000);
-    seen.rate = rate >= 0 ? 0.95 * seen.rate + 0.05 * rate : 0;
-    seen.steps = 0.95 * seen.steps + 0.05 * frame.done * frame.n.grains / (elapsed / 1000);
-    seen.fps = 0.95 * (seen.fps || 60) + 0.05 * 1000 / elapsed;
-    if (now - seen.at > 120) { seen.at = now; show(); }
-  }).catch((e) => say(advice(e.message), true)).finally(() => { busy = false; });
+  if (!running || held || !frame || wanted < DT) return;
+  busy = true;
+  const before = frame.n.t;
+  await read(wanted, 13).catch((e) => say(advice(e.message), true));
+  busy = false, fresh = true;
+  const spent = (performance.now() - now) / 1000;
+  seen.steps += 0.05 * (frame.done * frame.n.grains / spent - seen.steps);
+  seen.rate += 0.05 * (Math.max(0, frame.n.t - before) / elapsed - seen.rate);
+  if (frame.done * DT < 0.9 * wanted) pump();
 }
 function play(on) {
   if (on && frame && frame.n.done) { act('').then((good) => good && play(true)); return; }
@@ -271,7 +279,6 @@ function draw_slopes(f, q, n, px, outline) {
   if (kind === 'drum' && n) {
     let x = 0, y = 0;
     for (let i = 0; i < n; i++) x += q[5 * i] / n, y += q[5 * i + 1] / n;
-    f.drum = Math.atan2(-x, y) * 180 / Math.PI;
     f.drum = Math.atan(-x / y) * 180 / Math.PI;
     line(2, 0.45 * x, 0.45 * y, x / y, 0.75 * outline.columns.length * D / 2);
   }
@@ -345,6 +352,7 @@ function tell() {
   else if (hand) say(tilting ? 'Tilted by 5° a second, until 5 % of the grains have moved by d/10.' : theta_t > 0 ? `The pile moves at a tilt of ${theta_t.toFixed(1)}°. The same button tilts on.` : 'Changed by hand: the run goes on until you end it.');
   else if (!running) say('Paused.');
   else say(kind === 'box' ? 'Grains fall in. Open the wall now, or when they are at rest.' : waiting[frame.where] || '');
+  $('play').className = $('act').disabled ? 'main' : '';
   if (!running) show();
 }
 async function show_record() {
