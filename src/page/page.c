@@ -7,6 +7,7 @@
 
 #include "angle/angle.h"
 #include "experiment/experiment.h"
+#include "table/columns.h"
 
 #define EXPORT(name) __attribute__((export_name(#name))) name
 
@@ -17,14 +18,13 @@ typedef struct {
     exp_run *run;
 } experiment;
 static experiment *now;
-static char *room, *words;
-static float *picture;
+static char *words;
 
 /* What is read at once; the page has the same list. Angles in degrees; NaN: none. */
 static struct {
-    double step, t, grains, links, walls, done, energy, at_rest, tilt, gravity[2], mu, mass;
+    double step, t, grains, links, walls, done, energy, at_rest, tilt, gravity[2], mu, weight;
     double theta[ANG_N_METHODS], error[ANG_N_METHODS], flank[2][ANG_N_METHODS];
-    double columns; /* of the surface, whose heights are the last of the picture */
+    double columns, picture; /* of the surface, whose heights are the last of the picture; its address */
 } number;
 static const double degree = 180.0 / M_PI, d = 0.2; /* nominal diameter, as all built-in texts have it */
 
@@ -47,28 +47,24 @@ static rp_status read_text(const char *bytes, const rp_texts *changes, experimen
     return exp_check(e->plan);
 }
 
-/* The next experiment instead of the last, unless it failed. */
-static int replace(rp_status status, experiment *next)
+/* The next experiment instead of the last, unless it failed. The calls return a message then, else NULL. */
+static const char *replace(rp_status status, experiment *next)
 {
     if (!status && !exp_sim(next->run)) status = rp_fail(RP_NO_RESULT, "%s", exp_ended(next->run)->message);
     forget(status ? next : now);
     if (!status) now = next;
-    return (int)status;
+    return status ? rp_message() : NULL;
 }
 
 /* Room for texts that are handed over. */
 char *EXPORT(page_room)(int size)
 {
+    static char *room;
     return room = realloc(room, (size_t)size);
 }
 
-const char *EXPORT(page_message)(void)
-{
-    return rp_message();
-}
-
 /* Begin with a text, and changes of it as --set has them, a line each. */
-int EXPORT(page_start)(const char *bytes, char *changes)
+const char *EXPORT(page_start)(const char *bytes, char *changes)
 {
     rp_texts texts = {0};
     experiment *next;
@@ -82,7 +78,7 @@ int EXPORT(page_start)(const char *bytes, char *changes)
 }
 
 /* Go on with a text whose phases but the last n have passed, by one step. After an error all is as before. */
-int EXPORT(page_go_on)(const char *bytes, int n)
+const char *EXPORT(page_go_on)(const char *bytes, int n)
 {
     experiment *next;
     const long before = exp_steps(now->run);
@@ -135,7 +131,7 @@ const char *EXPORT(page_digest)(void)
 }
 
 /* Go on by so many steps, or to the end. */
-int EXPORT(page_run)(int steps)
+const char *EXPORT(page_run)(int steps)
 {
     const long end = exp_steps(now->run) + steps;
     rp_status status = RP_OK;
@@ -143,7 +139,7 @@ int EXPORT(page_run)(int steps)
         status = exp_advance(now->run, end - exp_steps(now->run));
     if (!status && exp_done(now->run) && !rp_is_result(exp_ended(now->run)->status))
         status = rp_fail(RP_NO_RESULT, "%s: %s", exp_ended(now->run)->status, exp_ended(now->run)->message);
-    return (int)status;
+    return status ? rp_message() : NULL;
 }
 
 static float *put(float *to, int n, const double v[])
@@ -153,7 +149,7 @@ static float *put(float *to, int n, const double v[])
 }
 
 /* theta_R of a surface that falls to the right between two ends, and the heights of its columns. */
-static rp_status read_one_side(size_t n, const double x[], const double y[], double width, float *picture_end)
+static void read_one_side(size_t n, const double x[], const double y[], double width, float *picture_end)
 {
     ang_surface s = {0};
     ang_slope slopes[ANG_N_METHODS];
@@ -163,19 +159,17 @@ static rp_status read_one_side(size_t n, const double x[], const double y[], dou
         number.theta[m] = slopes[m].theta * degree, number.error[m] = slopes[m].theta_se * degree;
     if (!status) number.columns = (double)s.n, put(picture_end, (int)s.n, s.h);
     ang_surface_free(&s);
-    return status;
 }
 
 /* The same of both flanks of a heap. */
-static rp_status read_flanks(size_t n, const double x[], const double y[])
+static void read_flanks(size_t n, const double x[], const double y[])
 {
     ang_pile pile;
-    RP_TRY(ang_pile_find(n, x, y, (double[]){-INFINITY, INFINITY}, &pile));
+    if (ang_pile_find(n, x, y, (double[]){-INFINITY, INFINITY}, &pile)) return;
     for (int m = 0; m < ANG_N_METHODS; m++) {
         number.theta[m] = pile.mean[m].theta * degree, number.error[m] = pile.mean[m].theta_se * degree;
         for (size_t k = 0; k < pile.n_flanks; k++) number.flank[k][m] = pile.flank[k][m].theta * degree;
     }
-    return RP_OK;
 }
 
 static void read_numbers(const dem_sim *sim, size_t n, const dem_state *s)
@@ -189,16 +183,17 @@ static void read_numbers(const dem_sim *sim, size_t n, const dem_state *s)
     memcpy(down, number.gravity, sizeof down);
     dem_box_frame(sim, &down[0], &down[1]);
     number.tilt = atan2(down[0], -down[1]) * degree;
-    for (size_t i = 0; i < n; i++) number.mass += s[i].m / (double)n;
-    const double weight = number.mass * hypot(down[0], down[1]);
-    if (!dem_rest_state(sim, -INFINITY, INFINITY, &rest)) number.energy = rest.kinetic_energy / (weight * d);
-    number.at_rest = dem_at_rest(&rest, DEM_REST_ENERGY * weight * d, DEM_REST_FORCE * weight, true);
+    for (size_t i = 0; i < n; i++) number.weight += s[i].m / (double)n * hypot(down[0], down[1]);
+    if (!dem_rest_state(sim, -INFINITY, INFINITY, &rest))
+        number.energy = rest.kinetic_energy / (number.weight * d);
+    number.at_rest =
+        dem_at_rest(&rest, DEM_REST_ENERGY * number.weight * d, DEM_REST_FORCE * number.weight, true);
     for (double *at = number.theta; at < &number.columns; at++) *at = NAN;
 }
 
 /* Read all that is seen. kind: 0, 1 slope between two ends in x, 2 flanks. The picture has of grains x, y, r,
- * load, angle; of contacts x, y, x, y, normal force; of walls x, y, x, y; heights of columns. Loads and
- * forces are over the mean weight; a grain's load is half of the sum over its contacts. */
+ * load, angle; of contacts x, y, x, y, normal force; of walls point, direction, ends; heights of columns.
+ * Loads and forces are over the mean weight; a grain's load is half of the sum over its contacts. */
 double *EXPORT(page_read)(int kind, double from, double to)
 {
     const dem_sim *sim = exp_sim(now->run);
@@ -207,29 +202,27 @@ double *EXPORT(page_read)(int kind, double from, double to)
     double *x = malloc((2 * n + 1) * sizeof *x), *y = x + n, *load = NULL;
     dem_contact *c = NULL;
     size_t n_links = 0;
-    if (!s || !x || dem_states(sim, s) || dem_contacts(sim, &c, &n_links)) return NULL;
-    if (!(load = calloc(n ? s[n - 1].id + 1 : 1, sizeof *load))) return NULL; /* by ids, which rise */
+    if (!s || !x || dem_states(sim, s) || dem_contacts(sim, &c, &n_links) ||
+        !(load = calloc(n ? s[n - 1].id + 1 : 1, sizeof *load))) /* by ids, which rise */
+        return NULL;
     read_numbers(sim, n, s);
-    const double weight = number.mass * hypot(number.gravity[0], number.gravity[1]);
-    float *p = picture = realloc(picture, (6 * n + 5 * n_links + 4 * n_walls + 65536) * sizeof *picture);
+    static float *picture;
+    float *p = picture = realloc(picture, (6 * n + 5 * n_links + 6 * n_walls + 65536) * sizeof *picture);
     for (size_t k = 0; k < n_links; k++) {
-        load[c[k].id_a] += 0.5 * c[k].normal_force / weight;
-        if (c[k].id_b) load[c[k].id_b] += 0.5 * c[k].normal_force / weight;
+        load[c[k].id_a] += 0.5 * c[k].normal_force / number.weight;
+        if (c[k].id_b) load[c[k].id_b] += 0.5 * c[k].normal_force / number.weight;
     }
     for (size_t i = 0; i < n; i++)
         p = put(p, 5, (double[]){s[i].x, s[i].y, s[i].r, load[s[i].id], s[i].angle});
     for (size_t k = 0; k < n_links; k++)
-        p = put(p, 5, (double[]){c[k].x, c[k].y, c[k].x_b, c[k].y_b, c[k].normal_force / weight});
+        p = put(p, 5, (double[]){c[k].x, c[k].y, c[k].x_b, c[k].y_b, c[k].normal_force / number.weight});
     for (size_t k = 0; k < n_walls; k++) {
         const dem_wall_state w = dem_wall_now(sim, k);
-        const double t[2] = {w.direction[1], -w.direction[0]}, a = fmax(w.ends[0], -1e4),
-                     b = fmin(w.ends[1], 1e4);
-        const bool gone = w.ends[0] >= w.ends[1];
-        p = put(p, 4,
-                (double[]){w.point[0] + a * t[0], w.point[1] + a * t[1], gone ? NAN : w.point[0] + b * t[0],
-                           w.point[1] + b * t[1]});
+        p = put(p, 4, (double[]){w.point[0], w.point[1], w.direction[0], w.direction[1]});
+        p = put(p, 2, w.ends);
     }
-    number.links = (double)n_links, number.walls = (double)n_walls;
+    number.links = (double)n_links, number.walls = (double)n_walls,
+    number.picture = (double)(uintptr_t)picture;
     for (size_t i = 0; i < n; i++) {
         x[i] = s[i].x, y[i] = s[i].y;
         dem_box_frame(sim, &x[i], &y[i]);
@@ -239,9 +232,4 @@ double *EXPORT(page_read)(int kind, double from, double to)
     if (kind == 2 && n > 0) read_flanks(n, x, y);
     free(s), free(x), free(c), free(load);
     return &number.step;
-}
-
-float *EXPORT(page_picture)(void)
-{
-    return picture;
 }

@@ -55,8 +55,7 @@ function parts(list, at) { /* pieces of a text between separators that are in no
     const c = list[i];
     if (c === '"' && list[i - 1] !== '\\') quote = !quote;
     if (quote) continue;
-    if ('({['.includes(c)) depth++;
-    if (')}]'.includes(c)) depth--;
+    depth += '({['.includes(c) - ')}]'.includes(c);
     if (c === at && depth === 0) { found.push(list.slice(from, i).trim()); from = i + 1; }
   }
   return [...found, list.slice(from).trim()].filter((s) => s);
@@ -80,10 +79,7 @@ function close_phases({ where, phases, step }) {
   return closed;
 }
 const text_of = (head, phases) => `${head}phases = (\n  ${phases.join(',\n  ')} );\n`;
-async function record_text(state) {
-  const blocks = state.phases.some((q) => q.inner), ended = !state.phases.some((q) => q.name === state.where);
-  return blocks || (ended && !hand) ? record.source : text_of(record.head, close_phases(state));
-}
+const record_text = (state) => state.phases.some((q) => q.inner) || (!hand && !state.phases.some((q) => q.name === state.where)) ? record.source : text_of(record.head, close_phases(state));
 /* End the phase, begin others. A text without an end of its own ends at once, the last one never. */
 function act(...bodies) {
   return one_by_one(async () => {
@@ -93,8 +89,7 @@ function act(...bodies) {
     const phases = live.map((b, k) => `{ name = "${b.name}"; ${b.body} ${b.end || `steps = ${k < live.length - 1 ? 0 : 1000000000};`} }`);
     await ask('go_on', text_of(record.head, [...closed, ...phases]), live.length);
     record = { ...record, closed, live: live.map((b) => `name = "${b.name}"; ${b.body}`), begun: state.step };
-    hand = true;
-    fault = false;
+    hand = true, fault = false;
     tell();
   });
 }
@@ -111,31 +106,32 @@ function say(text, bad) { $('say').textContent = text; $('say').className = bad 
 
 /* ---- start, run, read ---- */
 async function start(text, changes) {
-  version++;
-  running = false;
+  version++, running = false;
   return one_by_one(async () => {
     await engine;
     open_record(await ask('start', text ?? source(`${kind}.cfg`), changes ?? kinds[kind].changes(p)));
     for (const line of ['head', 'source']) record[line] = short(record[line]);
-    theta_t = NaN, tilting = '', hand = false, fault = false, frame = null, p.lifts = false;
-    top_now = 0;
-    $('record').open && show_record();
+    theta_t = NaN, tilting = '', hand = false, fault = false, frame = null, p.lifts = false, top_now = 0;
+    $('record').open = false;
     await once();
+    if (text) p.mu = frame.n.mu;
     running = !still.matches;
     tell();
   });
 }
-const restart = () => start();
 async function read(seconds, most) {
   const mine = version, f = await ask('frame', seconds, DT, most, kinds[kind].surface(p));
   if (mine !== version) return;
   frame = f;
-  frame.n = Object.fromEntries('step t grains links walls done energy rest tilt gx gy mu mass'.split(' ').map((k, i) => [k, f.number[i]]));
+  frame.n = Object.fromEntries('step t grains links walls done energy rest tilt gx gy mu weight'.split(' ').map((k, i) => [k, f.number[i]]));
   frame.theta = f.number.slice(13, 16), frame.error = f.number.slice(16, 19), frame.flanks = [f.number.slice(19, 22), f.number.slice(22, 25)], frame.columns = f.number[25] || 0;
   if (tilting && f.where !== tilting && f.where.startsWith('act')) { theta_t = Math.abs(frame.n.tilt); tilting = ''; }
   if (f.fault) { fault = true; running = false; say(advice(f.fault), true); }
-  if (frame.n.done && running) running = false;
-  if (frame.where !== told) { told = frame.where; if (running) tell(); }
+  const news = running && (frame.where !== told || frame.n.done);
+  told = frame.where;
+  if (frame.n.done) running = false;
+  if (news) tell();
+  return f;
 }
 async function once() { await read(0, 0).catch(() => 0); draw(); show(); }
 /* The engine works all the time where it is slower than wanted; the picture follows the screen. */
@@ -156,12 +152,13 @@ async function pump() {
   if (!running || held || !frame || wanted < DT) return;
   busy = true;
   const before = frame.n.t;
-  await read(wanted, 13).catch((e) => say(advice(e.message), true));
-  busy = false, fresh = true;
-  const spent = (performance.now() - now) / 1000;
-  seen.steps += 0.05 * (frame.done * frame.n.grains / spent - seen.steps);
-  seen.rate += 0.05 * (Math.max(0, frame.n.t - before) / elapsed - seen.rate);
-  if (frame.done * DT < 0.9 * wanted) pump();
+  const f = await read(wanted, 13).catch((e) => say(advice(e.message), true));
+  busy = false;
+  if (!f) return;
+  fresh = true;
+  seen.steps += 0.05 * (f.done * f.n.grains / (performance.now() - now) * 1000 - seen.steps);
+  seen.rate += 0.05 * (Math.max(0, f.n.t - before) / elapsed - seen.rate);
+  if (f.done * DT < 0.9 * wanted) pump();
 }
 function play(on) {
   if (on && frame && frame.n.done) { act('').then((good) => good && play(true)); return; }
@@ -207,9 +204,9 @@ function fit(f) { /* lab to screen: gravity points down; the width of the experi
   const margin = 26, k = Math.min((w - 2 * margin) / (right - left), (h - 2 * margin - 30) / (upper - bottom));
   const ox = w / 2 - k * (left + right) / 2, oy = h - margin + k * bottom;
   map = { k, c, s, ox, oy, ratio };
-  pen.setTransform(1, 0, 0, 1, 0, 0);
+  pen.resetTransform();
   pen.clearRect(0, 0, canvas.width, canvas.height);
-  pen.setTransform(ratio * k * c, -ratio * -k * s * 1, ratio * k * s, -ratio * k * c, ratio * ox, ratio * oy);
+  pen.setTransform(ratio * k * c, ratio * k * s, ratio * k * s, -ratio * k * c, ratio * ox, ratio * oy);
   return { x0, x1 };
 }
 function draw() {
@@ -242,7 +239,10 @@ function draw() {
     widths.forEach((path, k) => { pen.lineWidth = 0.012 * (k + 0.35); pen.stroke(path); });
   }
   pen.beginPath();
-  for (let k = walls; k < walls + 4 * f.n.walls; k += 4) if (!isNaN(q[k + 2])) { pen.moveTo(q[k], q[k + 1]); pen.lineTo(q[k + 2], q[k + 3]); }
+  for (let k = walls; k < walls + 6 * f.n.walls; k += 6) {
+    const [x, y, nx, ny] = q.subarray(k), a = Math.max(q[k + 4], -1e4), b = Math.min(q[k + 5], 1e4);
+    if (a < b) { pen.moveTo(x + a * ny, y - a * nx); pen.lineTo(x + b * ny, y - b * nx); }
+  }
   pen.lineWidth = 2.5 * px; pen.strokeStyle = css('--wall'); pen.lineCap = 'butt'; pen.stroke();
   const outline = surface_of(q, n, x0, x1);
   if ($('slopes').checked) draw_slopes(f, q, n, px, outline);
@@ -251,7 +251,7 @@ function draw() {
 /* Highest places over columns one diameter wide, in the box's frame as long as that does not turn. */
 function surface_of(q, n, x0, x1) {
   const columns = new Float64Array(Math.max(1, Math.ceil((x1 - x0) / D)));
-  for (let i = 0; i < n; i++) { const k = Math.floor((q[5 * i] - x0) / D); if (k >= 0 && k < columns.length) columns[k] = Math.max(columns[k], q[5 * i + 1] + q[5 * i + 2]); }
+  for (let i = 0; i < n; i++) { const k = Math.floor((q[5 * i] - x0) / D); if (k in columns) columns[k] = Math.max(columns[k], q[5 * i + 1] + q[5 * i + 2]); }
   return { columns, x0, at: (x) => columns[Math.floor((x - x0) / D)] || 0 };
 }
 const dashes = [[1, 4], [8, 5], []];
@@ -286,13 +286,9 @@ function draw_slopes(f, q, n, px, outline) {
   pen.setLineDash([]);
 }
 function draw_rays(f, q, n, px, { columns, x0, at }) {
-  const high = Math.max(...columns);
+  const high = Math.max(...columns), sum = columns.reduce((a, h) => a + h, 0), base = columns.reduce((a, h, k) => a + h * (x0 + (k + 0.5) * D), 0) / sum;
   if (kind === 'drum' || kind === 'hopper' || !high) return;
-  let sum = 0, middle = 0;
-  columns.forEach((h, k) => { sum += h; middle += h * (x0 + (k + 0.5) * D); });
-  const base = middle / sum, slope = Math.tan(Math.PI / 3);
-  pen.strokeStyle = pen.fillStyle = css('--theory');
-  pen.lineWidth = 2 * px;
+  pen.strokeStyle = pen.fillStyle = css('--theory'); pen.lineWidth = 2 * px;
   for (const way of [-1, 1]) { /* fixed to gravity */
     const dx = way * 0.5 * map.c - 0.866 * map.s, dy = way * 0.5 * map.s + 0.866 * map.c;
     let s = 0;
@@ -300,7 +296,7 @@ function draw_rays(f, q, n, px, { columns, x0, at }) {
     pen.beginPath(); pen.moveTo(base, 0); pen.lineTo(base + s * dx, s * dy); pen.stroke();
   }
   pen.beginPath(); pen.arc(base, 0, 4 * px, 0, 7); pen.fill();
-  const rise = p.mu * slope * slope, foot = kind === 'box' ? kinds.box.surface(p)[2] : x0 + D * (columns.length - [...columns].reverse().findIndex((h) => h > D));
+  const rise = 3 * p.mu, foot = kind === 'box' ? kinds.box.surface(p)[2] : x0 + D * (columns.length - [...columns].reverse().findIndex((h) => h > D));
   const back = Math.min(foot - x0, (top_now || high) / Math.max(rise, 1e-6));
   pen.setLineDash([10 * px, 4 * px, 2 * px, 4 * px]);
   pen.beginPath(); pen.moveTo(foot, 0); pen.lineTo(foot - back, back * rise); pen.stroke();
@@ -328,12 +324,10 @@ function show() {
   row('kinetic energy a grain', f.n.energy ? f.n.energy.toExponential(1) : '0', '<i class="v">m g d</i>');
   row('state', f.n.rest ? 'at rest' : 'moves', '');
   $('table').innerHTML = rows.join('');
-  $('time').textContent = f.n.t.toFixed(2);
-  $('rate').textContent = running ? `${seen.rate.toFixed(seen.rate < 0.095 ? 2 : 1)} × real time` : fault ? 'stopped' : 'paused';
-  $('most').textContent = most_now.toFixed(0);
-  $('what').textContent = $('show').value === 'lines' ? 'contact force, mean weights' : 'load, mean weights';
+  $('time').textContent = f.n.t.toFixed(2), $('rate').textContent = running ? `${seen.rate.toFixed(seen.rate < 0.095 ? 2 : 1)} × real time` : fault ? 'stopped' : 'paused';
+  $('most').textContent = most_now.toFixed(0), $('what').textContent = $('show').value === 'lines' ? 'contact force, mean weights' : 'load, mean weights';
   $('legend').classList.toggle('lines', $('show').value === 'lines');
-  $('act').disabled = fault || begun(); $('stop').disabled = !record.live.some((b) => /turn_deg_per_step = -?0\.0*[1-9]/.test(b));
+  $('act').disabled = fault || begun(), $('stop').disabled = !record.live.some((b) => /turn_deg_per_step = -?0\.0*[1-9]/.test(b));
 }
 let flow_from = null, flow_now = NaN;
 function flow({ t, grains }) { /* over the last half second */
@@ -358,7 +352,7 @@ function tell() {
 async function show_record() {
   if (!$('record').open || !frame) return;
   running = false;
-  const state = await ask('state'), text = await record_text(state);
+  const state = await ask('state'), text = record_text(state);
   $('text').value = text; $('digest').textContent = state.digest;
   $('until').textContent = `What was done up to step ${state.step}, where the run is paused. A change here and “Run this text” begin anew.`;
   tell();
@@ -376,7 +370,7 @@ function make_sliders() {
     const input = $(`in-${key}`), s = sliders[key];
     if (!input) continue;
     input.oninput = () => { p[key] = s.scale ? s.scale.from(+input.value) : +input.value; label(key); };
-    input.onchange = () => { if (!s.law) return restart(); const body = s.law(p[key], p); return body && act(body); };
+    input.onchange = () => { if (!s.law) return start(); const body = s.law(p[key], p); return body && act(body); };
     label(key);
   }
   $('rotation').checked = p.rotation;
@@ -387,27 +381,20 @@ function label(key) {
   $(`in-${key}`).disabled = !!(s.off && s.off(p));
 }
 function choose(next) {
-  kind = next;
-  p = { ...kinds[kind].start };
+  kind = next, p = { ...kinds[kind].start };
   document.querySelector(`#tabs input[value=${kind}]`).checked = true;
   make_sliders();
   return start();
 }
 $('tabs').innerHTML = Object.entries(kinds).map(([key, k]) => `<label><input type="radio" name="kind" value="${key}">${k.name}</label>`).join('');
 $('tabs').onchange = (e) => choose(e.target.value);
-$('act').onclick = do_act;
-$('play').onclick = () => play(!running);
-$('again').onclick = restart;
-$('pour').onclick = pour;
-$('left').onclick = () => tilt(-1);
-$('right').onclick = () => tilt(1);
-$('stop').onclick = () => tilt(0);
-$('rotation').onchange = () => { p.rotation = $('rotation').checked; make_sliders(); restart(); };
+const jobs = { act: do_act, play: () => play(!running), again: () => start(), pour, left: () => tilt(-1), right: () => tilt(1), stop: () => tilt(0), read: () => start($('text').value, '') };
+for (const [id, job] of Object.entries(jobs)) $(id).onclick = job;
+$('rotation').onchange = () => { p.rotation = $('rotation').checked; make_sliders(); start(); };
 for (const id of ['show', 'slopes', 'rays']) $(id).onchange = () => { draw(); show(); };
 $('record').ontoggle = show_record;
 $('copy').onclick = async () => { try { await navigator.clipboard.writeText($('text').value); } catch { $('text').select(); document.execCommand('copy'); } say('The text is copied.'); };
 $('save').onclick = () => { const a = document.createElement('a'); a.href = URL.createObjectURL(new Blob([$('text').value])); a.download = 'scene.cfg'; a.click(); };
-$('read').onclick = () => start($('text').value, '');
 canvas.onclick = (e) => {
   if (!map) return;
   const u = (e.offsetX - map.ox) / map.k, v = (map.oy - e.offsetY) / map.k, x = map.c * u - map.s * v, y = map.s * u + map.c * v;
@@ -416,8 +403,7 @@ canvas.onclick = (e) => {
 addEventListener('keydown', (e) => {
   if (e.ctrlKey || e.metaKey || e.altKey || /TEXTAREA|SELECT/.test(e.target.tagName) || (e.target.type === 'range' && e.key.startsWith('Arrow'))) return;
   if (e.target.type === 'radio' && e.key.startsWith('Arrow')) return;
-  const keys = { ' ': () => play(!running), o: do_act, r: restart, g: pour, ArrowLeft: () => tilt(-1), ArrowRight: () => tilt(1), ArrowDown: () => tilt(0) };
-  const job = keys[e.key.length === 1 ? e.key.toLowerCase() : e.key];
+  const job = jobs[{ ' ': 'play', o: 'act', r: 'again', g: 'pour', ArrowLeft: 'left', ArrowRight: 'right', ArrowDown: 'stop' }[e.key.length === 1 ? e.key.toLowerCase() : e.key]];
   if (!job || (e.key === ' ' && /BUTTON|SUMMARY|INPUT/.test(e.target.tagName))) return;
   e.preventDefault();
   job();
@@ -425,5 +411,4 @@ addEventListener('keydown', (e) => {
 addEventListener('resize', draw);
 dark.onchange = () => { read_colours(); draw(); };
 read_colours();
-say('Loading …');
 choose('box').then(() => requestAnimationFrame(turn));

@@ -2,7 +2,8 @@
 # Debian's sources. Nothing else needs any of this.
 PAGE     := $(B)/page
 PAGE_CC  := clang --target=wasm32-wasi --sysroot=/usr -ffp-contract=off -D_GNU_SOURCE -I$(PAGE)/include
-PAGE_C   := -std=c11 -O3 -fno-math-errno -Wall -Wextra -DXXH_INLINE_ALL -Isrc/page/posix -Isrc -I. $(WERROR)
+PAGE_C   := -std=c11 -O3 -fno-math-errno -Wall -Wextra -Wno-missing-field-initializers -DXXH_INLINE_ALL= -Isrc/page/posix -Isrc -I. \
+            -D_WASI_EMULATED_PROCESS_CLOCKS -Dru_maxrss=ru_utime.tv_sec -DMADV_HUGEPAGE=0 '-Dgetrandom(to,n,how)=-1' $(WERROR)
 PAGE_GSL := blas/blas block/init err/error err/stream err/strerror fit/linear ode-initval2/control ode-initval2/cstd \
             ode-initval2/driver ode-initval2/evolve ode-initval2/rk8pd ode-initval2/step randist/tdist rng/inline rng/mt rng/rng \
             roots/brent roots/convergence roots/fsolver sort/sortvec sys/infnan sys/pow_int \
@@ -29,7 +30,7 @@ check-page: page $(REPOSE) ## that page in headless Chromium: every control, dig
 $(PAGE)/obj/libconfig/%.o: PAGE_C := -O2 -w
 $(PAGE)/obj/gsl/%.o: PAGE_C := -O2 -w -DHAVE_CONFIG_H -I$(PAGE)/gsl
 $(PAGE)/obj/src/core/random.o: PAGE_C += -D__arm__ # of the machines that Random123 knows, the one with 32 bits and no more
-$(PAGE)/obj/%.o: %.c
+$(PAGE)/obj/%.o: %.c src/page/page.mk
 	@mkdir -p $(@D) && echo "wasm    $<" && $(PAGE_CC) $(PAGE_C) -MMD -MP -c $< -o $@
 $(PAGE)/obj/gsl/%.o $(PAGE)/obj/libconfig/%.o: | $(PAGE)/include
 	@mkdir -p $(@D) && $(PAGE_CC) $(PAGE_C) -I$(dir $(PAGE)/$(@:$(PAGE)/obj/%=%)) -c $(@:$(PAGE)/obj/%.o=$(PAGE)/%.c) -o $@

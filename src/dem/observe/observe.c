@@ -221,7 +221,7 @@ void dem_count_work(const dem_sim *sim, dem_counts *counts)
 
 rp_status dem_digest(const dem_sim *sim, uint64_t *digest)
 {
-    const size_t n = dem_count(sim);
+    const size_t n = sim->grains.n;
     dem_state *states = malloc((n + 1) * sizeof *states);
     double(*v)[6] = malloc((n + 1) * sizeof *v);
     rp_status status = states && v ? dem_states(sim, states) : rp_fail(RP_NO_MEMORY, "digest: out of memory");

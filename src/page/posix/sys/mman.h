@@ -1,2 +1,1 @@
-#define MADV_HUGEPAGE         0
-#define madvise(at, size, as) ((void)(at), (void)(size), 0)
+#define madvise(at, size, as) (void)((void)(at), (void)(size), 0)
