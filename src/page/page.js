@@ -21,7 +21,7 @@ const kinds = {
     hint: 'The box is full and at rest. Open the wall.', region: 'pile',
     changes: (p) => `N=${p.N}\nW=${p.W}\nmu=${p.mu}\nmu_roll=${p.rotation ? p.mu_roll : 0}\nrotation=${p.rotation}\nk_n=${p.k_n}\nscatter=${p.scatter}\nopens=false` },
   cylinder: { name: 'Lifted cylinder', act: 'Lift the cylinder', body: (p) => `walls = { cylinder = { velocity = (0.0, ${p.v.toFixed(2)}); }; };`, surface: () => [2, -1e3, 1e3],
-    x: (p) => [-1.6 * p.W, 1.6 * p.W], pour: (p) => [-0.3 * p.W, 0.3 * p.W], start: { mu: 0.5, mu_roll: 0.1, k_n: 1e6, N: 600, W: 4, scatter: 0.2, v: 2, rotation: true },
+    x: (p) => [-1.8 * p.W, 1.8 * p.W], pour: (p) => [-0.3 * p.W, 0.3 * p.W], start: { mu: 0.5, mu_roll: 0.1, k_n: 1e6, N: 600, W: 4, scatter: 0.2, v: 2, rotation: true },
     changes: (p) => `D=${p.W}\nv=${p.v}\nmu=${p.mu}\nmu_roll=${p.rotation ? p.mu_roll : 0}\naspect=${p.N * D * D / (p.W * p.W)}\n${turned(p)}` },
   hopper: { name: 'Hopper', act: 'Open the gate', body: () => 'open = "gate";', surface: () => [0, 0, 1], x: () => [0, 6], pour: () => [D, 6 - D],
     start: { mu: 0.2, mu_roll: 0.1, k_n: 1e6, N: 1200, D: 1.6, scatter: 0.2, rotation: false },
@@ -315,13 +315,13 @@ function show() {
   const angle = (m) => !begun() ? ['–', ''] : [number(f.theta[m], 1, '°'), Number.isFinite(f.error[m]) ? `± ${number(f.error[m])}°` : ''], theta = '<i class="v">θ</i>';
   if (type) ['first to last', 'straight line', 'parabola'].forEach((name, m) => row(`${key(m)}${theta}<sub>R</sub>, ${name}`, ...angle(m)));
   if (kind === 'drum') row(`${key(2)}slope, by the centre of mass`, number(f.drum, 1, '°'));
-  if (kind === 'hopper') row('grains through the outlet', flow(f.n), '1/s');
+  if (kind === 'hopper') row('outflow', flow(f.n), 'grains/s');
   row(`tilt`, number(f.n.tilt + 0, 1, '°'), '', true);
   row(`${theta}<sub>T</sub>, the pile moves`, number(theta_t, 1, '°'));
   row(`${theta}<sub>MS</sub> by eq. (3)`, number(Math.atan(3 * p.mu) * 180 / Math.PI, 1, '°'));
   row('grains', f.n.grains, '', true);
   row('contacts a grain', number(f.n.grains ? 2 * f.n.links / f.n.grains : NaN, 2));
-  row('kinetic energy a grain', f.n.energy ? f.n.energy.toExponential(1) : '0', '<i class="v">m g d</i>');
+  row('kinetic energy', f.n.energy ? f.n.energy.toExponential(1) : '0', '<i class="v">m g d</i>');
   row('state', f.n.rest ? 'at rest' : 'moves', '');
   $('table').innerHTML = rows.join('');
   $('time').textContent = f.n.t.toFixed(2), $('rate').textContent = running ? `${seen.rate.toFixed(seen.rate < 0.095 ? 2 : 1)} × real time` : fault ? 'stopped' : 'paused';
@@ -343,7 +343,7 @@ function tell() {
   $('pour').disabled = !k.pour;
   if (fault || !frame) return;
   if (frame.n.done && !running) say(k.hint && !hand ? k.hint : `The experiment has ended${frame.n.rest ? ', at rest' : ''}. Run goes on.`);
-  else if (hand) say(tilting ? 'Tilted by 5° a second, until 5 % of the grains have moved by d/10.' : theta_t > 0 ? `The pile moves at a tilt of ${theta_t.toFixed(1)}°. The same button tilts on.` : 'Changed by hand: the run goes on until you end it.');
+  else if (hand) say(tilting ? 'Tilted by 5° a second, until 5 % of the grains have moved by d/10.' : theta_t > 0 ? `The pile moves at a tilt of ${theta_t.toFixed(1)}°. The same button tilts on.` : 'By hand now: the run goes on until it is paused.');
   else if (!running) say('Paused.');
   else say(kind === 'box' ? 'Grains fall in. Open the wall now, or when they are at rest.' : waiting[frame.where] || '');
   $('play').className = $('act').disabled ? 'main' : '';
@@ -353,7 +353,7 @@ async function show_record() {
   if (!$('record').open || !frame) return;
   running = false;
   const state = await ask('state'), text = record_text(state);
-  $('text').value = text; $('digest').textContent = state.digest;
+  $('text').value = text; $('digest').textContent = state.digest; $('text').scrollTop = 1e6;
   $('until').textContent = `What was done up to step ${state.step}, where the run is paused. A change here and “Run this text” begin anew.`;
   tell();
 }

@@ -30,11 +30,12 @@ check-page: page $(REPOSE) ## that page in headless Chromium: every control, dig
 $(PAGE)/obj/libconfig/%.o: PAGE_C := -O2 -w
 $(PAGE)/obj/gsl/%.o: PAGE_C := -O2 -w -DHAVE_CONFIG_H -I$(PAGE)/gsl
 $(PAGE)/obj/src/core/random.o: PAGE_C += -D__arm__ # of the machines that Random123 knows, the one with 32 bits and no more
+$(PAGE)/obj/src/dem/loops/width_1.o: PAGE_C += -msimd128 # grains that roll go a quarter faster
 $(PAGE)/obj/%.o: %.c src/page/page.mk
 	@mkdir -p $(@D) && echo "wasm    $<" && $(PAGE_CC) $(PAGE_C) -MMD -MP -c $< -o $@
 $(PAGE)/obj/gsl/%.o $(PAGE)/obj/libconfig/%.o: | $(PAGE)/include
 	@mkdir -p $(@D) && $(PAGE_CC) $(PAGE_C) -I$(dir $(PAGE)/$(@:$(PAGE)/obj/%=%)) -c $(@:$(PAGE)/obj/%.o=$(PAGE)/%.c) -o $@
-$(PAGE)/include:
+$(PAGE)/include: | $(filter setup-page,$(MAKECMDGOALS))
 	@[ -d $@ ] || { echo "page: first run: make setup-page" >&2; exit 1; }
 -include $(patsubst %.o,%.d,$(PAGE_OWN:%.c=$(PAGE)/obj/%.o) $(PAGE)/obj/src/page/page.o)
 $(PAGE_OWN:%.c=$(PAGE)/obj/%.o) $(PAGE)/obj/src/page/page.o: | $(PAGE)/include
