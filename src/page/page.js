@@ -44,7 +44,7 @@ const sliders = {
   scatter: { name: 'scatter of the radii', unit: 'of the mean', range: [0, 0.3, 0.01] },
 };
 let kind = 'box', p = { ...kinds.box.start }, running = false, frame = null, busy = false, held = 0, queue = Promise.resolve(), version = 0;
-let theta_t = NaN, tilting = '', hand = false, seen = { rate: 1, at: 0, steps: 0, fps: 60 }, fault = false;
+let theta_t = NaN, rested = true, tilting = '', hand = false, seen = { rate: 1, at: 0, steps: 0, fps: 60 }, fault = false;
 
 /* ---- the text of what is done: phases, each with its steps ---- */
 let record = { source: '', head: '', closed: [], live: [], begun: 0 };
@@ -168,6 +168,7 @@ function play(on) {
 function do_act() { if (kind === 'cylinder') p.lifts = true; act(kinds[kind].body(p)).then((good) => good && play(true)); }
 function tilt(sign) {
   const box = $('turns').value === 'box', key = box ? 'box_turn_deg_per_step' : 'gravity_turn_deg_per_step', rate = sign * (5 * DT);
+  rested = !!frame.n.rest;
   if (!sign) { tilting = ''; return act('gravity_turn_deg_per_step = 0.0; box_turn_deg_per_step = 0.0;'); }
   return act({ body: `${key} = ${rate.toFixed(7)};`, end: `every = 50; most = 2000000; until = "${kinds[kind].moved || 'moved(0.1*d) >= 0.05*marked'}";`, name: `tilt${record.closed.length}` },
     `${key} = 0.0;`).then((good) => { if (!good) return; tilting = (record.live[0].match(/name = "(\w+)"/) || [])[1] || ''; theta_t = NaN; play(true); });
@@ -343,7 +344,7 @@ function tell() {
   $('pour').disabled = !k.pour;
   if (fault || !frame) return;
   if (frame.n.done && !running) say(k.hint && !hand ? k.hint : `The experiment has ended${frame.n.rest ? ', at rest' : ''}. Run goes on.`);
-  else if (hand) say(tilting ? 'Tilted by 5° a second, until 5 % of the grains have moved by d/10.' : theta_t > 0 ? `The pile moves at a tilt of ${theta_t.toFixed(1)}°. The same button tilts on.` : 'By hand now: the run goes on until it is paused.');
+  else if (hand) say(tilting ? 'Tilted by 5° a second, until 5 % of the grains have moved by d/10.' : theta_t > 0 ? `The pile moves at a tilt of ${theta_t.toFixed(1)}°${rested ? '' : ', but it was not at rest before'}. The same button tilts on.` : 'By hand now: the run goes on until it is paused.');
   else if (!running) say('Paused.');
   else say(kind === 'box' ? 'Grains fall in. Open the wall now, or when they are at rest.' : waiting[frame.where] || '');
   $('play').className = $('act').disabled ? 'main' : '';

@@ -198,4 +198,4 @@ async function main() {
   console.log(`see     ${WIDTHS.map((w) => `${folder}/${w}-light.png ${w}-dark.png`).join(' ')}`);
   process.exit(bad ? 1 : 0);
 }
-main().catch((e) => { console.error(`check-page: ${e.stack}`); process.exit(1); });
+main().catch((e) => { console.error(`check-page: ${/^there is no/.test(e.message) ? e.message : e.stack}`); process.exit(1); });
