@@ -151,7 +151,7 @@ $(B)/studied/%: %.cfg $(CODE)
 	@echo "sweep   $* --study" && $(REPOSE) sweep make $< -o $(B)/sweeps/$* --tables $(B)/studies/$* -j $(JOBS) --study
 	@mkdir -p $(@D) results/$* && cp $$(ls $(B)/studies/$*/*.tsv | grep -v '/runs.tsv$$\|/row_[0-9]*.tsv$$') results/$* && sh report/keep.sh && touch $@
 $(B)/studied/lh_size_large $(B)/studied/lh2b_wide $(B)/studied/lh_rough_large: $(addprefix $(B)/studied/,lh_size lh_size_mid lh2b_narrow lh_rough)
-include tests/longer.mk install.mk
+include tests/longer.mk install.mk src/page/page.mk
 .PRECIOUS: $(T)/%/done
 clean: ## remove everything made
 	rm -rf $(B)

@@ -155,6 +155,20 @@ static void cylinder(void)
     CHECK_NEAR(fast, 10.0, 2.0);
 }
 
+/* The page's box: the same grains as those of pile.cfg, whose wall waits for rest. */
+static void box(void)
+{
+    enter_folder();
+    const double theta = measured("box.cfg", "mu=0.2", "theta_r3_deg"),
+                 rough = measured("box.cfg", "mu=0.5", "theta_r3_deg"),
+                 full = measured("box.cfg", "opens=false", "height");
+    leave();
+    if (check_fast()) return;
+    CHECK_NEAR(theta, 12.0, 0.5);
+    CHECK_NEAR(rough, 22.0, 0.5);
+    CHECK_NEAR(full, 4.0, 0.1);
+}
+
 /* A column keeps its area: the triangle or trapezium of its deposit holds what the column held. A tall one
  * runs farther than a short one. */
 static void column(void)
@@ -232,11 +246,18 @@ static void crater(void)
 
 void suite_examples(void)
 {
-    static const check_case cases[] = {{"two grains collide", impact}, {"a chute", chute},
-                                       {"a shear box", shear_box},     {"a drum", drum},
-                                       {"a hopper", hopper},           {"a lifted cylinder", cylinder},
-                                       {"a column", column},           {"a ledge", ledge},
-                                       {"a loaded sample", biaxial},   {"a wedge hopper", wedge},
-                                       {"a crater", crater},           {NULL, NULL}};
+    static const check_case cases[] = {{"two grains collide", impact},
+                                       {"a chute", chute},
+                                       {"a shear box", shear_box},
+                                       {"a drum", drum},
+                                       {"a hopper", hopper},
+                                       {"a lifted cylinder", cylinder},
+                                       {"a box", box},
+                                       {"a column", column},
+                                       {"a ledge", ledge},
+                                       {"a loaded sample", biaxial},
+                                       {"a wedge hopper", wedge},
+                                       {"a crater", crater},
+                                       {NULL, NULL}};
     check_register_within("examples", enter_folder, leave, cases);
 }

@@ -1,5 +1,6 @@
 /* Experiments: observables and measures against closed forms, what is refused, and that cuts, snapshots and
  * sweeps change no bit. */
+#include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -403,6 +404,48 @@ static void test_keys(void)
     }
 }
 
+/* A text, and its later phases alone with the simulation of those before. */
+static const char three_phases[] =
+    "dt = 5.0e-5; tangential = { law = \"spring\"; mu = 0.3; };\n"
+    "walls = ( { name = \"floor\"; point = (0.0, 0.0); direction = (0.0, 1.0); },\n"
+    "          { name = \"left\"; point = (0.0, 0.0); direction = (1.0, 0.0); },\n"
+    "          { name = \"right\"; point = (2.0, 0.0); direction = (-1.0, 0.0); } );\n"
+    "fill = { N = 60; W = 2.0; H = 4.0; };\n"
+    "phases = ( { name = \"a\"; steps = 6000; }, { name = \"b\"; tangential = { mu = "
+    "0.6; }; dt = 4.0e-5; steps = 3000; },\n"
+    "           { name = \"c\"; open = \"right\"; add = { r = 0.1; x = 1.0; y = "
+    "\"touch + d\"; }; time = 0.2; } );\n"
+    "measure = ( { name = \"n\"; of = \"grains\"; } );\n";
+
+static uint64_t digest_of(const trial *t)
+{
+    uint64_t digest = 0;
+    CHECK_OK(dem_digest(exp_sim(t->run), &digest));
+    return digest;
+}
+
+static void test_started_at(void)
+{
+    scoped_trial whole;
+    start(&whole, three_phases);
+    finish(&whole, 1000000);
+    CU_ASSERT(measured(&whole, "n") == 61.0);
+    for (size_t phase = 1; phase < 3; phase++) {
+        scoped_trial first, rest;
+        start(&first, three_phases);
+        while (exp_stages(first.run) < phase) CHECK_OK(exp_advance(first.run, 1000000));
+        const uint64_t before = digest_of(&first);
+        CHECK_OK(read_text(&rest, three_phases));
+        CHECK_OK(exp_start_at(rest.plan, phase, exp_sim(first.run), &rest.run));
+        CU_ASSERT(digest_of(&rest) == before);
+        finish(&rest, 77);
+        CU_ASSERT(digest_of(&first) == before && digest_of(&rest) == digest_of(&whole));
+        CU_ASSERT(exp_steps(rest.run) == exp_steps(whole.run) && measured(&rest, "n") == 61.0);
+        CHECK_OK(exp_advance(first.run, 1));
+        CU_ASSERT(digest_of(&first) != before);
+    }
+}
+
 /* ---- the program ---- */
 
 static void test_run(void)
@@ -411,6 +454,14 @@ static void test_run(void)
     GOOD("run h.cfg --json");
     CU_ASSERT(strstr(out, "\"status\": \"ok\"") != NULL);
     CU_ASSERT(strstr(out, "{\"measure\": \"rate\", \"value\": ") != NULL);
+    scoped_trial t; /* run 0 of the seed 1993, as a text has it */
+    char line[64];
+    CHECK_OK(read_text(&t, small_hopper()));
+    CHECK_OK(exp_start(t.plan, 1993, 0, &t.run));
+    finish(&t, 1000000);
+    snprintf(line, sizeof line, "\n# digest: %016" PRIx64 " of ", digest_of(&t));
+    GOOD("run h.cfg");
+    CU_ASSERT(strstr(out, line) != NULL);
     GOOD("run h.cfg -o whole --snapshot 500 --every 700");
     CU_ASSERT(strstr(err, "repose run: ok, ") && strstr(err, "; tables in whole"));
     scoped_table m = read_table("whole/measures.tsv");
@@ -830,6 +881,7 @@ void suite_experiment(void)
                                        {"refused walls and modules", test_refused_more},
                                        {"cuts", test_cuts},
                                        {"kept and gone on with", test_kept},
+                                       {"started at a phase", test_started_at},
                                        {"words of the end", test_words},
                                        {"refused", test_refused},
                                        {"keys", test_keys},

@@ -347,6 +347,10 @@ typedef struct {
  * Errors: RP_NO_MEMORY. */
 rp_status dem_states(const dem_sim *sim, dem_state *states);
 
+/* XXH3 of x, y, vx, vy, fx, fy of all grains, in the order of their ids: equal for runs with the same bits.
+ * Errors: RP_NO_MEMORY. */
+rp_status dem_digest(const dem_sim *sim, uint64_t *digest);
+
 typedef enum { DEM_WELL_NONE, DEM_WELL_HOLDS, DEM_WELL_BROKEN } dem_well;
 typedef struct dem_contact {
     uint32_t id_a, id_b; /* id_b = 0: a wall, then `wall` is its number */

@@ -58,6 +58,11 @@ char *exp_key(const exp_plan *plan);
 /* Start a run with the random streams (seed, stream, purpose). A scene that can't be filled is a run that has
  * ended. Afterwards exp_run_free, also after an error. Errors: RP_BAD_INPUT, RP_NO_MEMORY. */
 rp_status exp_start(const exp_plan *plan, unsigned long seed, unsigned long stream, exp_run **run);
+
+/* The same from this phase of the top level on, with a copy of a simulation that is where the phase begins,
+ * as a run of a text that is the same up to there has it. Marks, samples, loads of walls and random streams
+ * begin here. Errors: RP_NO_MEMORY. */
+rp_status exp_start_at(const exp_plan *plan, size_t phase, const dem_sim *sim, exp_run **run);
 void exp_run_free(exp_run *run);
 
 /* Go on by `most` steps, at least one, or to the next look or the end of a phase if that comes earlier. What

@@ -111,29 +111,59 @@ static rp_status fill(exp_run *run, dem_scene *scene)
     return RP_OK;
 }
 
-rp_status exp_start(const exp_plan *plan, unsigned long seed, unsigned long stream, exp_run **made)
+/* A run without a simulation. */
+static rp_status make_run(const exp_plan *plan, unsigned long seed, unsigned long stream, exp_run **made)
 {
     exp_run *run = *made = calloc(1, sizeof *run);
     if (!run) return rp_fail(RP_NO_MEMORY, "run: out of memory");
-    dem_scene scene = plan->scene;
-    scene.fill.seed = (long)seed, scene.fill.run = (long)stream;
     run->plan = plan;
     RP_TRY(make_room(run));
     for (int k = 0; k < 2 && plan->adds; k++) {
         run->random[k] = rp_random_alloc(seed, stream, k ? RP_PURPOSE_PLACES : RP_PURPOSE_RADII);
-        if (!(scene.fill.streams[k] = run->random[k])) return rp_fail(RP_NO_MEMORY, "run: out of memory");
+        if (!run->random[k]) return rp_fail(RP_NO_MEMORY, "run: out of memory");
     }
-    run->at.now.turn[0] = scene.def.turn_per_step * (180.0 / M_PI);
-    run->at.now.turn[1] = scene.def.box_turn_per_step * (180.0 / M_PI);
+    run->at.now.turn[0] = plan->scene.def.turn_per_step * (180.0 / M_PI);
+    run->at.now.turn[1] = plan->scene.def.box_turn_per_step * (180.0 / M_PI);
     run->at.now.laws = SIZE_MAX;
-    rp_status status = fill(run, &scene);
-    if (status == RP_NO_RESULT) return exp_conclude(run, "no_room", "%s", rp_message()), RP_OK;
-    if (status) return rp_prefix(status, "%s: ", plan->text->path);
+    return RP_OK;
+}
+
+/* What is there when the first phase begins. */
+static void count_start(exp_run *run)
+{
     run->at.grains0 = dem_count(run->sim);
     const dem_state *s = exp_states(run);
     for (size_t i = 0; s && i < run->n_states; i++) run->at.mass0 += s[i].m;
+}
+
+rp_status exp_start(const exp_plan *plan, unsigned long seed, unsigned long stream, exp_run **made)
+{
+    RP_TRY(make_run(plan, seed, stream, made));
+    exp_run *run = *made;
+    dem_scene scene = plan->scene;
+    scene.fill.seed = (long)seed, scene.fill.run = (long)stream;
+    for (int k = 0; k < 2; k++) scene.fill.streams[k] = run->random[k];
+    rp_status status = fill(run, &scene);
+    if (status == RP_NO_RESULT) return exp_conclude(run, "no_room", "%s", rp_message()), RP_OK;
+    if (status) return rp_prefix(status, "%s: ", plan->text->path);
+    count_start(run);
     run->at.phase = present(plan, 0, plan->n_phases);
     if (run->at.phase == plan->n_phases) exp_conclude(run, plan->result, "%s", "");
+    return run->failed;
+}
+
+rp_status exp_start_at(const exp_plan *plan, size_t phase, const dem_sim *sim, exp_run **made)
+{
+    const dem_fill *fill = &plan->scene.fill;
+    RP_TRY(make_run(plan, (unsigned long)fill->seed, (unsigned long)fill->run, made));
+    exp_run *run = *made;
+    RP_TRY(dem_clone(sim, &run->sim));
+    count_start(run);
+    run->at.steps = dem_step(sim), run->at.phase = phase;
+    for (size_t k = 0; k < phase; k++)
+        if (plan->phases[k].has_laws) run->at.now.laws = k;
+    const dem_state *s = exp_states(run);
+    if (!exp_make_ids(run, s && run->n_states ? s[run->n_states - 1].id + 1 : 1)) return run->failed;
     return run->failed;
 }
 

@@ -1,5 +1,6 @@
 /* `repose run`: any scene from a file, with snapshots from which it resumes; or one run of a sweep again with
  * its tables. */
+#include <inttypes.h>
 #include <limits.h>
 #include <math.h>
 #include <signal.h>
@@ -340,6 +341,9 @@ static void write_measures(const cli_call *call, const scene_run *r, const exp_p
     rp_table_note(out, "status", "%s", end->status);
     if (*end->message) rp_table_note(out, "message", "%s", end->message);
     rp_table_note(out, "steps", "%ld", exp_steps(r->exp));
+    uint64_t digest;
+    if (r->sim && !dem_digest(r->sim, &digest))
+        rp_table_note(out, "digest", "%016" PRIx64 " of the grains' places, velocities and forces", digest);
     const rp_lets *lets = exp_lets(plan);
     for (size_t k = 0; k < lets->n; k++) {
         char key[80];

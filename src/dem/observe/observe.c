@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <xxhash.h>
 
 #include "dem/forces/forces.h"
 #include "dem/observe/observe.h"
@@ -216,4 +217,19 @@ void dem_count_work(const dem_sim *sim, dem_counts *counts)
     *counts = (dem_counts){sim->pairs.n,         dem_count_touching(&sim->pairs), sim->walls.n_slots,
                            sim->count.rebuilds,  sim->count.collisions,           sim->count.grain_steps,
                            sim->count.iterations};
+}
+
+rp_status dem_digest(const dem_sim *sim, uint64_t *digest)
+{
+    const size_t n = sim->grains.n;
+    dem_state *states = malloc((n + 1) * sizeof *states);
+    double(*v)[6] = malloc((n + 1) * sizeof *v);
+    rp_status status = states && v ? dem_states(sim, states) : rp_fail(RP_NO_MEMORY, "digest: out of memory");
+    for (size_t i = 0; i < n && !status; i++) {
+        const dem_state *s = &states[i];
+        memcpy(v[i], (double[]){s->x, s->y, s->vx, s->vy, s->fx, s->fy}, sizeof v[i]);
+    }
+    if (!status) *digest = XXH3_64bits(v, n * sizeof *v);
+    free(states), free(v);
+    return status;
 }
