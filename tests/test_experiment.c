@@ -528,6 +528,52 @@ static void test_swept(void)
           "' 0 already stored'");
 }
 
+/* Rows of shared piles begin with the end of a phase that one of them has made: the same bits in a part of
+ * the time. A damaged end is made again, and streams of their own share nothing. */
+static void test_shared_ends(void)
+{
+    static const char text[] =
+        "let = { v = 5.0; };\ndt = 5e-5; tangential = { law = \"spring\"; mu = 0.4; };\n"
+        "walls = ( { polygon = ( (0.0, 9.0), (0.0, 0.0), (2.0, 0.0), (2.0, 9.0) ); closed = false; } );\n"
+        "fill = { N = 60; W = 2.0; H = 3.0; };\n"
+        "phases = ( { name = \"bed\"; least = 20000; until = \"rest\";%s },\n"
+        "  { name = \"hit\"; add = { r = 0.1; x = 1.0; y = \"touch\"; vy = \"-v\"; }; steps = 200; } );\n"
+        "measure = ( { name = \"bed_height\"; of = \"height\"; at = \"bed\"; }, { name = \"after\"; of = "
+        "\"energy\"; } );\n";
+    static const char sweep[] = "experiment = \"%s.cfg\"; replicas = 2; seed = 5; piles = \"%s\"; grid = { v "
+                                "= [5.0, 9.0, 12.0]; };\n";
+    write_text("kept.cfg", text, " keep = true;");
+    write_text("alone.cfg", text, "");
+    for (int k = 0; k < 3; k++) {
+        write_text("s.cfg", sweep, k == 1 ? "alone" : "kept", k == 2 ? "own" : "shared");
+        GOOD("sweep make s.cfg -o shared%d --tables shared%d/t -j 1 --quiet", k, k);
+    }
+    scoped_table t = read_table("shared0/t/runs.tsv"), own = read_table("shared2/t/runs.tsv");
+    for (size_t i = 0; i < 6; i++) {
+        CU_ASSERT(cell(&t, i, "bed_height") == cell(&t, i % 2, "bed_height"));
+        if (i > 1) CU_ASSERT(cell(&t, i, "seconds") < 0.5 * cell(&t, i % 2, "seconds"));
+        if (i > 1) CU_ASSERT(cell(&own, i, "bed_height") != cell(&own, i % 2, "bed_height"));
+    }
+    SHELL("[ \"$($REPOSE sweep digest shared0)\" = \"$($REPOSE sweep digest shared1)\" ] && [ ! -e "
+          "shared0/snapshots ]");
+    /* the ends of a shard's rows are taken by the next, those that are damaged are not; the merged folder has
+     * none */
+    write_text("s.cfg", sweep, "kept", "shared");
+    for (int damaged = 0; damaged < 2; damaged++) {
+        GOOD("sweep plan s.cfg -o left%d", damaged);
+        GOOD("sweep run left%d --shard 1/3 -j 1 --quiet", damaged);
+        write_text("damage",
+                   "for f in left1/snapshots/*; do printf x | dd of=$f bs=1 seek=300 conv=notrunc; done");
+        if (damaged) SHELL("sh damage 2>/dev/null && ls left1/snapshots | grep -c . >out");
+        for (int k = 2; k < 4; k++) GOOD("sweep run left%d --shard %d/3 -j 1 --quiet", damaged, k);
+        GOOD("sweep merge left%d", damaged);
+        GOOD("sweep digest left%d", damaged);
+        SHELL(damaged
+                  ? "[ \"$(cat out)\" = \"$($REPOSE sweep digest shared1)\" ] && [ ! -e left1/snapshots ]"
+                  : "[ \"$(cat out)\" = \"$($REPOSE sweep digest shared1)\" ] && [ ! -e left0/snapshots ]");
+    }
+}
+
 static void test_sweeps_refused(void)
 {
     static const char *const cases[][2] = {
@@ -889,6 +935,7 @@ void suite_experiment(void)
                                        {"repose run", test_run},
                                        {"stopped and resumed", test_resumed},
                                        {"swept", test_swept},
+                                       {"ends that rows share", test_shared_ends},
                                        {"sweeps that are refused", test_sweeps_refused},
                                        {0}};
     check_register_within("experiment", enter, leave, cases);

@@ -100,12 +100,13 @@ void exp_series_write(const exp_run *run, size_t k, FILE *out);
 /* Write the state of a run into a snapshot, or read it into one that has been started. */
 void exp_keep(rp_snapshot *s, exp_run *run);
 
-/* The states at the ends of phases with `keep`, from which a run that begins alike may start: what such a
- * beginning is, with these streams, as a text (NULL without memory; free it); the bytes, which a run has once
+/* The states at the ends of phases with `keep`, from which a run that begins alike may start: 32 digits of
+ * such a beginning, with these streams (errors: RP_NO_MEMORY); the bytes, which a run has once
  * the phase has ended, of n = 0 before. exp_begin reads a state into a run that has been started. */
 size_t exp_kept_count(const exp_plan *plan);
 const char *exp_kept_name(const exp_plan *plan, size_t k);
-char *exp_kept_key(const exp_plan *plan, size_t k, unsigned long seed, unsigned long stream);
+rp_status exp_kept_key(const exp_plan *plan, size_t k, unsigned long seed, unsigned long stream,
+                       char digits[33]);
 const rp_snapshot *exp_kept(const exp_run *run, size_t k);
 rp_status exp_begin(exp_run *run, size_t k, rp_snapshot *state);
 

@@ -647,14 +647,19 @@ const rp_snapshot *exp_kept(const exp_run *run, size_t k)
     return &run->kept[nth_kept(run->plan, k)];
 }
 
-char *exp_kept_key(const exp_plan *plan, size_t k, unsigned long seed, unsigned long stream)
+rp_status exp_kept_key(const exp_plan *plan, size_t k, unsigned long seed, unsigned long stream,
+                       char digits[33])
 {
-    char *whole = NULL, *begun = exp_key_to(plan, nth_kept(plan, k) + 1);
-    if (begun && asprintf(&whole, "%sarrays %zu %zu %zu %zu streams %lu %lu\n", begun, plan->n_states,
-                          plan->n_outputs, plan->n_measures, plan->n_loads, seed, stream) < 0)
-        whole = NULL;
+    RP_SCOPE(arena);
+    char *begun = exp_key_to(plan, nth_kept(plan, k) + 1);
+    const char *whole =
+        begun ? rp_text(&arena, "%sarrays %zu %zu %zu %zu streams %lu %lu\n", begun, plan->n_states,
+                        plan->n_outputs, plan->n_measures, plan->n_loads, seed, stream)
+              : NULL;
     free(begun);
-    return whole;
+    if (!whole) return rp_fail(RP_NO_MEMORY, "state: out of memory");
+    rp_hash_digits(XXH3_128bits(whole, strlen(whole)), digits);
+    return RP_OK;
 }
 
 rp_status exp_begin(exp_run *run, size_t k, rp_snapshot *state)

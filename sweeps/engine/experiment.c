@@ -101,6 +101,7 @@ typedef struct {
     const sweep_tables *tables; /* NULL: none */
     const exp_plan *plan;
     exp_run *run;
+    unsigned long seed, stream;
     sweep_file energy;
     long *passes; /* of phases, that are written */
 } trace;
@@ -192,19 +193,50 @@ static rp_status write_tables(const exp_plan *plan, const exp_run *run, const sw
     return sweep_state_write(tables, exp_sim(run), "end");
 }
 
-/* From its start or its snapshot to the end. */
+/* Begin with the last end of a phase that another run has left, of a text that is the same up to there. */
+static rp_status begin_with_end(const trace *t, const sweep_keep *keep)
+{
+    char digits[33];
+    for (size_t k = exp_kept_count(t->plan); k-- > 0;) {
+        rp_snapshot end = {0};
+        rp_status status = exp_kept_key(t->plan, k, t->seed, t->stream, digits);
+        const bool found = !status && sweep_keep_find(keep, digits, &end);
+        if (found) status = exp_begin(t->run, k, &end);
+        rp_snapshot_free(&end);
+        if (found || status) return status;
+    }
+    return RP_OK;
+}
+
+static rp_status leave_ends(const trace *t, const sweep_keep *keep)
+{
+    char digits[33];
+    for (size_t k = 0; k < exp_kept_count(t->plan); k++) {
+        if (exp_kept(t->run, k)->n == 0) continue;
+        RP_TRY(exp_kept_key(t->plan, k, t->seed, t->stream, digits));
+        sweep_keep_leave(keep, digits, exp_kept(t->run, k));
+    }
+    return RP_OK;
+}
+
+/* From its start, its snapshot or the end of a phase that runs share to the end. */
 static rp_status go(trace *t, sweep_keep *keep)
 {
     enum { PART = 1000 };
     exp_run *const run = t->run;
+    const bool shares = keep && keep->ends && !t->tables && exp_sim(run);
     rp_status status = begin_trace(t);
+    if (!status && shares && keep->source.n == 0) status = begin_with_end(t, keep);
     if (!status) status = sweep_keep_resume(keep, keep_trace, t);
+    size_t stages = exp_stages(run);
     for (size_t k = 0; k < exp_phase_count(t->plan) && t->passes; k++)
         t->passes[k] = exp_phase_at(run, k).passes;
     while (!status && !exp_done(run)) {
         const long step = exp_sim(run) ? dem_step(exp_sim(run)) : 0;
         status = exp_advance(run, part_of(t, PART));
         if (!status) status = note_phase(t, step);
+        if (!status && shares && exp_stages(run) != stages) status = leave_ends(t, keep);
+        stages = exp_stages(run);
         if (!status && !exp_done(run)) status = sweep_keep_look(keep);
     }
     return t->energy.out ? sweep_table_close(&t->energy, status) : status;
@@ -218,7 +250,8 @@ static rp_status run_one(const void *params, unsigned long seed, unsigned long s
     size_t n = 0;
     sweep_result_clear(result);
     rp_status status = plan_of(params, &plan);
-    trace t = {.tables = tables && tables->directory ? tables : NULL, .plan = plan};
+    trace t = {
+        .tables = tables && tables->directory ? tables : NULL, .plan = plan, .seed = seed, .stream = stream};
     if (!status && t.tables && tables->ledger) exp_keep_ledger(plan);
     if (!status) status = exp_start(plan, seed, stream, &run);
     t.run = run;

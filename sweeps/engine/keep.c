@@ -47,6 +47,21 @@ void sweep_keep_end(sweep_keep *k, bool done)
     if (done) sweep_keep_remove(k->path);
 }
 
+bool sweep_keep_find(const sweep_keep *k, const char digits[33], rp_snapshot *end)
+{
+    char path[4096 + 40];
+    snprintf(path, sizeof path, "%s/%s", k->ends, digits);
+    return access(path, F_OK) == 0 && rp_snapshot_read(end, path, digits, layout()) == RP_OK;
+}
+
+void sweep_keep_leave(const sweep_keep *k, const char digits[33], const rp_snapshot *end)
+{
+    char path[4096 + 40];
+    rp_snapshot copy = *end;
+    snprintf(path, sizeof path, "%s/%s", k->ends, digits);
+    if (access(path, F_OK) != 0) rp_snapshot_write(&copy, path, digits, layout());
+}
+
 void sweep_keep_file(rp_snapshot *s, FILE *file)
 {
     size_t n = fflush(file) == 0 && !s->reading ? (size_t)ftell(file) : 0;

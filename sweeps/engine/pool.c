@@ -101,7 +101,11 @@ static rp_status make(const pool *p, const task *t, sweep_result *result)
     const sweep_plan *plan = p->plan;
     const size_t run = t->run;
     char key[33], path[4096], why[sizeof result->message] = "";
-    sweep_keep keep = {.path = path, .key = key, .interval = p->options->snapshot, .stop = &p->board->stop};
+    sweep_keep keep = {.path = path,
+                       .key = key,
+                       .interval = p->options->snapshot,
+                       .stop = &p->board->stop,
+                       .ends = plan->shared_piles ? p->options->snapshots : NULL};
     const sweep_tables kept = {.keep = &keep};
     const bool keeps = p->options->snapshots != NULL;
     if (keeps) {

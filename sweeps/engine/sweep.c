@@ -260,8 +260,8 @@ static rp_status open_shard(const sweep_options *options, sweep_folder *f)
     return sweep_store_check_rows(f->store, "main", path, &f->plan);
 }
 
-/* Snapshots of a sweep whose runs are all stored: a driver that was killed may have left some. Other files of
- * the folder, and then the folder, stay. */
+/* Snapshots of a sweep whose runs are all stored: a driver that was killed may have left some, and runs their
+ * ends. Other files of the folder, and then the folder, stay. */
 static void remove_snapshots(const sweep_folder *f)
 {
     RP_ENDS(rp_folder_close) rp_folder snapshots = {0}, folder = {0};
@@ -376,6 +376,7 @@ rp_status sweep_merge(const char *dir, const sweep_protocol *const *protocols, s
                        *f.store->skipped ? "; none yet: " : "", f.store->skipped);
     RP_TRY(sweep_store_merge(f.store, &f.plan, sources.n, sources.path, merged));
     RP_TRY(sweep_store_count(f.store, &f.plan, counts));
+    if (counts->stored == counts->planned && sweep_count_aborted(counts) == 0) remove_snapshots(&f);
     return list_shards(&f, counts->shards, sizeof counts->shards);
 }
 

@@ -375,15 +375,6 @@ static void write_measures(const cli_call *call, const scene_run *r, const exp_p
 
 /* A state at the end of a phase belongs to all texts that are the same up to there. */
 #define KEPT "end_%s.state"
-static rp_status name_kept(const exp_plan *plan, size_t k, const unsigned long streams[2], char owner[33])
-{
-    char *key = exp_kept_key(plan, k, streams[0], streams[1]);
-    if (!key) return rp_fail(RP_NO_MEMORY, "state: out of memory");
-    rp_hash_digits(XXH3_128bits(key, strlen(key)), owner);
-    free(key);
-    return RP_OK;
-}
-
 static rp_status write_results(const origin *of, const scene_run *r, const outputs *out)
 {
     rp_arena *arena = of->call->arena;
@@ -399,7 +390,7 @@ static rp_status write_results(const origin *of, const scene_run *r, const outpu
         const rp_snapshot *state = exp_kept(r->exp, k);
         char owner[33];
         if (state->n == 0) continue;
-        RP_TRY(name_kept(of->phases, k, r->streams, owner));
+        RP_TRY(exp_kept_key(of->phases, k, r->streams[0], r->streams[1], owner));
         RP_TRY(rp_path(arena, &path, "%s/" KEPT, stage, exp_kept_name(of->phases, k)));
         RP_TRY(rp_file_open(path, &table));
         RP_TRY(rp_file_close(path, table, rp_snapshot_print(state, table, owner, layout())));
@@ -647,7 +638,7 @@ static rp_status begin_from(rp_arena *arena, const char *path, const char *direc
         rp_snapshot s = {0};
         RP_TRY(rp_path(arena, &state, "%s/" KEPT, directory, exp_kept_name(plan, k)));
         if (access(state, F_OK)) continue;
-        RP_TRY(name_kept(plan, k, r->streams, owner));
+        RP_TRY(exp_kept_key(plan, k, r->streams[0], r->streams[1], owner));
         rp_status status = rp_snapshot_read(&s, state, owner, layout());
         if (!status) status = exp_begin(r->exp, k, &s);
         rp_snapshot_free(&s);
