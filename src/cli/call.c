@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include "table/columns.h"
+#include "core/file.h"
 #include "core/random.h"
 #include "params/units.h"
 
@@ -55,8 +56,7 @@ static const char *const beside[] = {"../share/repose", "..", "../.."};
 /* The program's folder; "" where the system does not tell. */
 static void find_program(char folder[PATH_MAX])
 {
-    const ssize_t n = readlink("/proc/self/exe", folder, PATH_MAX - 1);
-    folder[n > 0 ? n : 0] = '\0';
+    rp_program(folder, PATH_MAX);
     char *slash = strrchr(folder, '/');
     if (slash) *slash = '\0';
 }

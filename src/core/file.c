@@ -63,6 +63,13 @@ rp_status rp_file_close(const char *path, FILE *out, rp_status keep)
     return status;
 }
 
+bool rp_program(char path[], size_t size)
+{
+    const ssize_t n = readlink("/proc/self/exe", path, size - 1);
+    path[n > 0 ? n : 0] = '\0';
+    return n > 0;
+}
+
 bool rp_ends_in(const char *text, const char *end)
 {
     return strlen(text) >= strlen(end) && strcmp(text + strlen(text) - strlen(end), end) == 0;

@@ -23,6 +23,9 @@ rp_status rp_file_close(const char *path, FILE *out, rp_status keep);
  * Errors: RP_BAD_INPUT (cannot be read, more than 1 GB, a byte 0), RP_NO_MEMORY. */
 rp_status rp_file_read(const char *path, char **text);
 
+/* The file of this program; false, and "", where the system does not tell. */
+bool rp_program(char path[], size_t size);
+
 /* Does a text, as a file's name, end in these letters? */
 bool rp_ends_in(const char *text, const char *end);
 

@@ -89,7 +89,7 @@ static rp_status act_slurm(cli_call *call, const void *values)
     char dir[PATH_MAX], self[PATH_MAX];
     const char *shards, *path;
     FILE *out;
-    if (!realpath(cli_argument(call, 0), dir) || !realpath("/proc/self/exe", self))
+    if (!realpath(cli_argument(call, 0), dir) || !rp_program(self, sizeof self))
         return rp_fail(RP_BAD_INPUT, "%s: no such folder", cli_argument(call, 0));
     if (o->shards > MOST_TASKS)
         return rp_fail(
