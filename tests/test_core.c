@@ -774,6 +774,11 @@ static void elementary(void)
         CU_ASSERT(worst < 0.502);
     }
     double worst[3] = {0.0, 0.0, 0.0};
+    for (int n = 1; n < 5000; n++) { /* where what is left of the angle is small */
+        const double x = n * M_PI_2;
+        worst[0] = fmax(worst[0], n % 2 ? places(rp_cos(x), cosl(x)) : places(rp_sin(x), sinl(x)));
+    }
+    CU_ASSERT(worst[0] < 0.502);
     for (int i = 0; i < 20000; i++) {
         const double x = gsl_rng_uniform(r) - 0.5, y = pow(10.0, 600.0 * x) * (gsl_rng_uniform(r) - 0.5);
         worst[0] = fmax(worst[0], places(rp_hypot(x, y), hypotl(x, y)));

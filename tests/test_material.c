@@ -278,6 +278,48 @@ static void rolling_arms(void)
     }
 }
 
+/* Below its limit the spring's torque on a pair, of k or of gamma, is four times as large at twice the arm;
+ * the viscous model bounds the time step by a quarter. */
+static double below_limit(const char *arm, const char *law, double *limit)
+{
+    char text[1024];
+    scoped_scene s, bound;
+    scoped_sim *sim = NULL;
+    dem_contact *list;
+    size_t n;
+    snprintf(
+        text, sizeof text,
+        "%srotation = true; dt = 1e-9;         rolling = { arm = \"%s\"; %s };\n"
+        "particles = ( { x = 0.0; y = 0.0; r = 0.1; omega = 1.0; }, { x = 0.1499; y = 0.0; r = 0.05; } );\n",
+        material, arm, law);
+    CHECK_OK(grains_read(text, NULL, &s));
+    CHECK_OK(dem_scene_start(&s, &sim));
+    CHECK_OK(dem_run(sim, 4));
+    CHECK_OK(dem_contacts(sim, &list, &n));
+    CU_ASSERT_FATAL(n == 1);
+    const double torque = list->rolling_torque;
+    free(list);
+    memcpy(strstr(text, "dt = 1e-9;        "), "dt = \"dt_limit(9)\";", 18);
+    CHECK_OK(grains_read(text, NULL, &bound));
+    *limit = bound.def.dt;
+    return torque;
+}
+
+static void arms_below_the_limit(void)
+{
+    static const char *const laws[] = {"mu = 1.0e6; k = 1.0e6; gamma = 0.0;",
+                                       "mu = 1.0e6; k = 1.0e-9; gamma = 0.5;",
+                                       "mu = 1.0; model = \"viscous\";"};
+    for (int k = 0; k < 3; k++) {
+        double limits[2];
+        const double half = below_limit("reduced", laws[k], &limits[0]),
+                     whole = below_limit("radius", laws[k], &limits[1]);
+        CU_ASSERT(half != 0.0);
+        CHECK_NEAR(whole / half, 4.0, 0.01);
+        if (k == 2) CHECK_NEAR(limits[0] / limits[1], 4.0, 0.5);
+    }
+}
+
 /* A surface acts the same as a whole line and as a segment, at rest and, seen from a frame that moves along,
  * moving. */
 static void walls_alike(void)
@@ -318,6 +360,7 @@ void suite_material(void)
                                        {"walls of all kinds", walls_alike},
                                        {"models of rolling resistance", rolling_models},
                                        {"arms of rolling resistance", rolling_arms},
+                                       {"arms below the limit", arms_below_the_limit},
                                        {"ledger", ledger_closes},
                                        {0}};
     check_register("material", cases);

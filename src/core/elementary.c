@@ -97,8 +97,7 @@ static pair logarithm(pair a)
     const double s = (f - 1.0) / (f + 1.0), s2 = s * s;
     for (int n = 23; n > 0; n -= 2) sum = 1.0 / n + s2 * sum;
     const double y = 2.0 * s * sum;
-    const pair scaled = {f, ldexp(a.low, -k)}, left = add(multiply(scaled, exponential(of(-y))), of(-1.0)),
-               step = add(left, of(-0.5 * left.high * left.high));
+    const pair scaled = {f, ldexp(a.low, -k)}, step = add(multiply(scaled, exponential(of(-y))), of(-1.0));
     return add(add(product_of(k, LN2.high), product_of(k, LN2.low)), add(of(y), step));
 }
 

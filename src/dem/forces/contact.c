@@ -81,7 +81,7 @@ dem_contact dem_law_forces(const dem_sim *sim, const dem_relative *r, double h)
     const dem_definition *def = &sim->def;
     const double k_n = dem_law_k_n(def->normal, r->c->k_n, r->r_eff);
     dem_slider shear = dem_slider_of(def->slip, def->damping, r->c->k_s, r->c->gamma_s, r->mu),
-               rolls = dem_rolls_of(def->rolling, dem_arm_of(def, r->c), r->c);
+               rolls = dem_rolls_of(def->rolling, def->tangential, dem_arm_of(def, r->c), r->c);
     dem_contact c = {.overlap = r->overlap, .shear_spring = r->spring, .rolling_spring = r->roll};
     c.normal_force =
         dem_law_normal(def->normal, def->tension, k_n, r->c->gamma_n, r->m_eff, r->overlap, r->v_n);

@@ -284,11 +284,14 @@ LAW num dem_law_tangential(dem_tangential_law law, dem_slider c, num m_eff, num 
  * wall: r_i) from both centres, against the speed v = R_eff (omega_i - omega_j). Of a spring and a slider as
  * for shear, at most mu_roll max(F_n, 0), dashpot included, *xi the rolling displacement; or that limit; or
  * mu_roll F_n v. The torque of R_eff times it on i, and its opposite on j, conserve angular momentum. An arm
- * of `arm` R_eff is R_eff with that times the limit, and its square times what multiplies xi and v. */
-LAW dem_slider dem_rolls_of(dem_rolling model, double arm, const dem_material *c)
+ * of `arm` R_eff is R_eff with that times the limit, and its square times what multiplies xi and v: of
+ * Mindlin's dashpot the root of the stiffness has one of the two. */
+LAW dem_slider dem_rolls_of(dem_rolling model, dem_tangential_law law, double arm, const dem_material *c)
 {
-    return dem_slider_of(DEM_TRUNCATED, DEM_DAMPING_INSIDE, arm * arm * c->k_roll, arm * arm * c->gamma_roll,
-                         (model == DEM_ROLL_VISCOUS ? arm * arm : arm) * c->mu_roll);
+    const double square = arm * arm;
+    return dem_slider_of(DEM_TRUNCATED, DEM_DAMPING_INSIDE, square * c->k_roll,
+                         (law == DEM_MINDLIN ? arm : square) * c->gamma_roll,
+                         (model == DEM_ROLL_VISCOUS ? square : arm) * c->mu_roll);
 }
 
 LAW num dem_law_rolling(dem_rolling model, dem_slider c, num m_eff, num v, num normal_force, double h,

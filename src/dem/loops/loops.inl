@@ -57,7 +57,7 @@ INLINE dem_laws laws_of(const dem_definition *def, const dem_material *c, double
                       .k_n = c->k_n,
                       .gamma_n = c->gamma_n,
                       .shear = dem_slider_of(def->slip, def->damping, c->k_s, c->gamma_s, mu),
-                      .rolls = dem_rolls_of(def->rolling, dem_arm_of(def, c), c)};
+                      .rolls = dem_rolls_of(def->rolling, def->tangential, dem_arm_of(def, c), c)};
 }
 
 INLINE num normal_force(const dem_laws *law, num r_eff, num m_eff, num overlap, num v_n)

@@ -49,7 +49,7 @@ static double contact_step_limit(const dem_definition *def, const dem_material *
                  gamma_n = law->damping_rate(scaled, c->gamma_n, of.m_eff, overlap);
     double unused = 0.0;
     dem_slider slider = dem_slider_of(def->slip, def->damping, c->k_s, c->gamma_s, 0.0),
-               roll = dem_rolls_of(def->rolling, dem_arm_of(def, c), c);
+               roll = dem_rolls_of(def->rolling, def->tangential, dem_arm_of(def, c), c);
     if (def->tangential == DEM_MINDLIN) {
         slider = dem_law_mindlin(slider, of.r_eff, of.m_eff, overlap, overlap, &unused);
         roll = dem_law_mindlin(roll, of.r_eff, of.m_eff, overlap, overlap, &unused);
