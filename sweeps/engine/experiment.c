@@ -166,9 +166,7 @@ static rp_status write_phases(const exp_plan *plan, const exp_run *run, const sw
 {
     sweep_file f;
     RP_TRY(sweep_table_open(tables, "phases.tsv", &f));
-    rp_table_columns(
-        f.out, 4,
-        (const char *const[][2]){{"phase", ""}, {"passes", ""}, {"step", ""}, {"time", rp_unit("s")}});
+    rp_table_header(f.out, "phase, passes, step, time [s]");
     for (size_t k = 0; k < exp_phase_count(plan); k++) {
         const exp_passed p = exp_phase_at(run, k);
         char time[32];
@@ -391,10 +389,12 @@ static rp_status open_text(const char *path, const rp_texts *changes, sweep_expe
     return status;
 }
 
-rp_status sweep_experiment_open(const char *path, const rp_texts *changes, sweep_experiment **made)
+rp_status sweep_experiment_open(const char *path, const rp_texts *changes, sweep_experiment **made,
+                                const sweep_protocol **opened)
 {
     *made = calloc(1, sizeof **made);
     if (!*made) return rp_fail(RP_NO_MEMORY, "experiment: out of memory");
+    *opened = &(*made)->protocol;
     const char *kept = rp_text(&(*made)->arena, "%s", path);
     return kept ? open_text(kept, changes, *made) : RP_NO_MEMORY;
 }
@@ -434,11 +434,6 @@ void sweep_experiment_close(sweep_experiment *e)
     rp_arena_end(&e->arena);
     free(e->bytes);
     free(e);
-}
-
-const sweep_protocol *sweep_experiment_protocol(const sweep_experiment *e)
-{
-    return &e->protocol;
 }
 
 const char *sweep_experiment_text(const sweep_experiment *e)

@@ -9,7 +9,8 @@ typedef struct sweep_experiment sweep_experiment;
 
 /* Read a text, with changes as of --set. Afterwards sweep_experiment_close, also after an error.
  * Errors: RP_BAD_INPUT (also: it has no phases, or names other files), RP_NO_MEMORY. */
-rp_status sweep_experiment_open(const char *path, const rp_texts *changes, sweep_experiment **made);
+rp_status sweep_experiment_open(const char *path, const rp_texts *changes, sweep_experiment **made,
+                                const sweep_protocol **opened);
 
 /* The same of a protocol that is a text of the program; one that is not is itself, and *made NULL. */
 rp_status sweep_protocol_open(const sweep_protocol *protocol, const rp_texts *changes,
@@ -25,7 +26,6 @@ void sweep_experiment_close(sweep_experiment *e);
 /* Refuse a text that includes files: `what` must be whole in itself. Errors: RP_BAD_INPUT. */
 rp_status sweep_refuse_includes(const char *path, const char *text, const char *what);
 
-const sweep_protocol *sweep_experiment_protocol(const sweep_experiment *e);
 const char *sweep_experiment_text(const sweep_experiment *e); /* the file's bytes */
 
 #endif

@@ -151,9 +151,8 @@ static rp_status open_experiment(const char *file, const head *h, sweep_plan *pl
     }
     plan->has_copy = true;
     RP_TRY(rp_path(&arena, &path, "%.*s%s", slash && *name != '/' ? (int)(slash - file) + 1 : 0, file, name));
-    rp_status status = sweep_experiment_open(path, &changes, &plan->experiment);
-    if (status) return rp_prefix(status, "%s: experiment: ", file);
-    plan->protocol = sweep_experiment_protocol(plan->experiment);
+    RP_TRY(rp_prefix(sweep_experiment_open(path, &changes, &plan->experiment, &plan->protocol),
+                     "%s: experiment: ", file));
     add_keys(plan);
     return rename_text(config_lookup(&plan->config, "experiment"), "experiment.cfg", &plan->text);
 }

@@ -225,9 +225,7 @@ static rp_status hand_out(pool *p, worker *w)
                         : share < BATCH                                                    ? share
                                                                                            : BATCH;
     if (w->n > 0 || p->waiting == 0) return RP_OK;
-    if (w->socket < 0) {
-        RP_TRY(start_worker(p, w));
-    }
+    if (w->socket < 0) RP_TRY(start_worker(p, w));
     while (w->n < most && p->waiting > 0) {
         w->tasks[w->n++] = p->todo[p->next];
         p->next = (p->next + 1) % p->n_todo;

@@ -32,9 +32,9 @@ CLI_OPTIONS(calibrate, CALIBRATE_OPTIONS)
 /* Runs that give some of the numbers: of an experiment or protocol with values of its own, or of a table. */
 typedef struct {
     const char *kind, *source, *runs; /* "experiment" or "protocol" and its name; a table */
-    const config_setting_t *fixed;
-    bool has[STATS_NAMES]; /* it has this name */
-    rp_table *table;       /* of the last stage */
+    const char *fixed;                /* values, as a sweep's file has them; NULL: none */
+    bool has[STATS_NAMES];            /* it has this name */
+    rp_table *table;                  /* of the last stage */
 } group;
 
 typedef struct {
@@ -84,24 +84,19 @@ static rp_status read_fit(problem *s, const config_setting_t *fit)
     return RP_OK;
 }
 
-static bool same_setting(const config_setting_t *a, const config_setting_t *b)
+/* A setting as it is written; NULL for none. */
+static rp_status text_of(rp_arena *arena, const config_setting_t *setting, const char **text)
 {
-    rp_value u, v;
-    if (!a || !b) return a == b;
-    const int n = config_setting_is_aggregate(a) ? config_setting_length(a) : 0;
-    if (config_setting_is_aggregate(a) != config_setting_is_aggregate(b)) return false;
-    if (!config_setting_is_aggregate(a)) {
-        if (rp_config_scalar(a, &u) || rp_config_scalar(b, &v) || u.kind != v.kind) return false;
-        return u.kind == RP_V_TEXT ? strcmp(u.s, v.s) == 0 : u.kind == RP_V_REAL ? u.r == v.r : u.i == v.i;
-    }
-    bool same = n == config_setting_length(b);
-    for (int i = 0; i < n && same; i++) {
-        const config_setting_t *p = config_setting_get_elem(a, (unsigned)i),
-                               *q = config_setting_get_elem(b, (unsigned)i);
-        const char *one = config_setting_name(p), *other = config_setting_name(q);
-        same = (!one || (other && strcmp(one, other) == 0)) && same_setting(p, q);
-    }
-    return same;
+    char *written = NULL;
+    size_t size;
+    *text = NULL;
+    FILE *out = setting ? open_memstream(&written, &size) : NULL;
+    if (!setting) return RP_OK;
+    if (!out) return rp_fail(RP_NO_MEMORY, "calibrate: out of memory");
+    rp_config_write_value(out, setting);
+    fclose(out);
+    *text = rp_arena_keep(arena, written, free);
+    return RP_OK;
 }
 
 static bool same_text(const char *a, const char *b)
@@ -110,7 +105,7 @@ static bool same_text(const char *a, const char *b)
 }
 
 /* The group of a number: that of an earlier one of the same runs, or a new one. */
-static size_t group_of(problem *s, const measured *m, const config_setting_t *fixed)
+static size_t group_of(problem *s, const measured *m, const char *fixed)
 {
     const group own = {.kind = *m->experiment ? "experiment" : "protocol",
                        .source = *m->experiment ? m->experiment : m->protocol,
@@ -119,7 +114,7 @@ static size_t group_of(problem *s, const measured *m, const config_setting_t *fi
     size_t g = 0;
     while (g < s->quest.n_groups &&
            !(same_text(s->group[g].source, own.source) && same_text(s->group[g].runs, own.runs) &&
-             same_setting(s->group[g].fixed, fixed)))
+             same_text(s->group[g].fixed, fixed)))
         g++;
     if (g == s->quest.n_groups) s->group[s->quest.n_groups++] = own;
     return g;
@@ -139,6 +134,7 @@ static rp_status read_measured(problem *s, const config_setting_t *setting, size
         {"runs", "", RP_TEXT, AT(runs), "", "", "table of another program"},
         {0}};
     measured *m = &s->number[k];
+    const char *fixed;
     if (!config_setting_is_group(setting))
         return rp_config_fail(setting, "measured: a list ( { ... } ) expected");
     rp_params_defaults(schema, m);
@@ -149,7 +145,8 @@ static rp_status read_measured(problem *s, const config_setting_t *setting, size
         return rp_config_fail(member(setting, "fixed"), "fixed: a table is as it is");
     s->quest.value[k] = m->value;
     s->quest.error[k] = hypot(m->error, m->model_error);
-    s->quest.group[k] = group_of(s, m, member(setting, "fixed"));
+    RP_TRY(text_of(s->call->arena, member(setting, "fixed"), &fixed));
+    s->quest.group[k] = group_of(s, m, fixed);
     s->quest.fixed_runs |= *m->runs != 0;
     return RP_OK;
 }
@@ -248,7 +245,7 @@ static rp_status write_sweep(const problem *s, const group *g, const char *path,
     fprintf(out, "# program: repose %s\n%s = ", RP_VERSION, g->kind); /* by which it knows its own */
     rp_config_write_text(out, source);
     fprintf(out, ";\nreplicas = %zu;\nseed = %ld;\n", replicas, s->seed);
-    if (g->fixed) fputs("fixed = ", out), rp_config_write_value(out, g->fixed), fputs(";\n", out);
+    if (g->fixed) fprintf(out, "fixed = %s;\n", g->fixed);
     fputs("zip = true;\ngrid = {\n", out);
     for (size_t p = 0; p < s->quest.n_names; p++) {
         if (!g->has[p]) continue;
