@@ -318,6 +318,7 @@ static void bad_restitution(void)
     CHECK_FAILS(dem_create(&def, &sim), RP_BAD_INPUT, "give restitution_speed, in (0, inf)");
     def.restitution_speed = 0.01;
     CHECK_OK(dem_create(&def, &sim));
+    dem_free(sim);
     def.material.restitution = 1.1;
     CHECK_FAILS(dem_create(&def, &sim), RP_BAD_INPUT, "restitution = 1.1");
     def.material.restitution = 0.5, def.material.k_n = 0.0;
