@@ -1000,8 +1000,6 @@ static void test_stress_tables(void)
     FAILS(65, "no column \"id_b\"", "stress field r --width 4");
 }
 
-/* Planted tables of runs: limit + c/W exactly, a change of -3 and of 0 over two decades, a line that bends.
- */
 /* Rows of piles without a result or an excess do not count. */
 static void test_stress_dip(void)
 {
@@ -1041,6 +1039,8 @@ static void test_cut_drops(void)
     CU_ASSERT(strstr(out, "# rows: 3 used, 6 left out\n") != NULL);
 }
 
+/* Planted tables of runs: limit + c/W exactly, a change of -3 and of 0 over two decades, a line that bends.
+ */
 static void test_stats_trends(void)
 {
     FILE *file = file_of("runs.tsv");
