@@ -327,6 +327,7 @@ static void gear_settles(void)
     CHECK_OK(dem_rest_state(sim, 0.0, 2.0, &rest));
     CU_ASSERT(rest.kinetic_energy < 1e-5);
     CU_ASSERT(rest.n == 60 && rest.contact_number > 2.5);
+    dem_free(sim);
     def.dt *= 1.001;
     CHECK_FAILS(dem_create(&def, &sim), RP_BAD_INPUT, "the limit is");
     /* damping alone: limit of the predictor, three contacts per grain */
