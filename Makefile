@@ -35,7 +35,7 @@ CHECK   := $(call objects,tests) $(call objects,validation) $(FUZZ)
 ALL     := $(CLI) $(REPORTER) $(foreach m,$(MODULES),$(call sources,$(m)))
 REPOSE  := $(B)/repose
 REPORT  := $(B)/report
-.PHONY: all figures studies bench report check-report check check-arm64 test validate asan lint setup help clean FORCE
+.PHONY: all figures bench report check test validate asan lint setup help clean FORCE
 all: $(REPOSE) $(REPORT) ## build the programs: build/repose, and build/report, which makes the report
 help: ## this list
 	@sed -n 's/^\([a-z][a-z-]*\):.*## /  \1\t/p' $(MAKEFILE_LIST) | expand -t 16
@@ -86,8 +86,6 @@ SANITIZE := -fsanitize=address,undefined -fno-sanitize-recover=all -static-libas
 asan: | $(SETUP_FIRST) ## the same tests under the address and undefined-behaviour sanitizers
 	@$(MAKE) --no-print-directory -j$(JOBS) B=$(B)/asan SAN='$(SANITIZE)' $(addprefix $(B)/asan/,check repose report)
 	@echo "check   with sanitizers" && REPOSE=$(B)/asan/repose RP_CHECK_FAST=1 $(B)/asan/check -j$(JOBS)
-check-arm64: $(REPOSE) ## the tests of equal bits for 64-bit Arm, by qemu in a Debian root of its own; needs root, mmdebstrap and 1 GB
-	@sh tests/arm64.sh
 test: $(B)/check $(REPOSE) $(REPORT) ## some tests: make test SUITE=dem TEST='part of a name'
 	@REPOSE=$(REPOSE) $(B)/check -j$(JOBS) $(SUITE) --test '$(TEST)'
 
@@ -144,13 +142,6 @@ report: figures validate $(SHOWN:%=$(B)/figures/shown/%.png) ## paper-repro.md, 
 	@cp $(SHOWN:%=$(B)/figures/shown/%.png) figures/shown && $(make_html)
 	@[ ! -e .git ] || git --no-pager diff --exit-code --stat HEAD -- $(PAGES:=.md) results || \
 	  { echo "report: these differ from the last commit; look at them (git diff), and commit them" >&2; exit 1; }
-check-report: figures ## build/report.html in headless Chromium: pictures, controls, console, widths; installs pandoc and Chromium
-	@$(make_html) && sh report/page/check.sh $(B)
-studies: $(STUDIES:%=$(B)/studied/%) ## larger ensembles, for days: their tables, into results; resumable
-$(B)/studied/%: %.cfg $(CODE)
-	@echo "sweep   $* --study" && $(REPOSE) sweep make $< -o $(B)/sweeps/$* --tables $(B)/studies/$* -j $(JOBS) --study
-	@mkdir -p $(@D) results/$* && cp $$(ls $(B)/studies/$*/*.tsv | grep -v '/runs.tsv$$\|/row_[0-9]*.tsv$$') results/$* && sh report/keep.sh && touch $@
-$(B)/studied/lh_size_large $(B)/studied/lh2b_wide $(B)/studied/lh_rough_large: $(addprefix $(B)/studied/,lh_size lh_size_mid lh2b_narrow lh_rough)
 include tests/longer.mk install.mk src/page/page.mk
 .PRECIOUS: $(T)/%/done
 clean: ## remove everything made

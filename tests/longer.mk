@@ -1,5 +1,5 @@
-# Checks that take long, or need programs that `make setup` does not install.
-.PHONY: fuzz analyze drill mutate check-slurm check-readers
+# What takes long, or needs programs that `make setup` does not install.
+.PHONY: fuzz analyze drill mutate check-slurm check-readers check-arm64 check-report studies
 fuzz: ## every reader by libFuzzer, with clang: make fuzz FOR=60 (seconds each), FOR=runs=100000, TARGETS='scene line'
 	@sh tests/fuzz/fuzz.sh $(B) $(or $(FOR),60) $(JOBS) $(TARGETS)
 analyze: $(REPOSE) ## gcc -fanalyzer, cppcheck, clang-tidy, scan-build, valgrind, against the list in tests/analyze.txt
@@ -13,6 +13,15 @@ check-slurm: $(REPOSE) ## sweeps on a real Slurm, here: a controller and two vir
 check-readers: $(REPOSE) $(B)/check ## exports read by LAMMPS, VTK and pandas; as root, installs them
 	@sh tests/setup.sh lammps python3-vtk9 python3-pandas
 	@REPOSE=$(REPOSE) $(B)/check export
+check-arm64: $(REPOSE) ## the tests of equal bits for 64-bit Arm, by qemu in a Debian root of its own; needs root, mmdebstrap and 1 GB
+	@sh tests/arm64.sh
+check-report: figures ## build/report.html in headless Chromium: pictures, controls, console, widths; installs pandoc and Chromium
+	@$(make_html) && sh report/page/check.sh $(B)
+studies: $(STUDIES:%=$(B)/studied/%) ## larger ensembles, for days: their tables, into results; resumable
+$(B)/studied/%: %.cfg $(CODE)
+	@echo "sweep   $* --study" && $(REPOSE) sweep make $< -o $(B)/sweeps/$* --tables $(B)/studies/$* -j $(JOBS) --study
+	@mkdir -p $(@D) results/$* && cp $$(ls $(B)/studies/$*/*.tsv | grep -v '/runs.tsv$$\|/row_[0-9]*.tsv$$') results/$* && sh report/keep.sh && touch $@
+$(B)/studied/lh_size_large $(B)/studied/lh2b_wide $(B)/studied/lh_rough_large: $(addprefix $(B)/studied/,lh_size lh_size_mid lh2b_narrow lh_rough)
 # Speed, against LAMMPS and LIGGGHTS where installed; for a quiet machine, two hours. Starts are kept.
 BENCH_peers        = peers.sh $(REPOSE) $(B)/bench 5
 BENCH_instructions = instructions.sh $(REPOSE) $(B)/bench
