@@ -24,7 +24,8 @@ const rp_param exp_phase_schema[] = {
     {"from", "", RP_TEXT, IN(from), "", "", "earlier phase to whose end the run first goes back"},
     {"remove", "", RP_TEXT, IN(remove), "", "", "region whose grains are taken out at the start"},
     {"keep", "", RP_BOOL, IN(keep), "false", "",
-     "whether the state at the end is kept: by `repose run -o` for `--from`, for rows of a sweep of shared piles"},
+     "whether the state at the end is kept: by `repose run -o` for `--from`, for rows of a sweep of shared "
+     "piles"},
     {"repeat", "", RP_INT, IN(repeat), "auto", "[1, 1000000000] | auto", "passes of a block"},
     {0}};
 
