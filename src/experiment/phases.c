@@ -163,7 +163,7 @@ rp_status exp_start_at(const exp_plan *plan, size_t phase, const dem_sim *sim, e
     for (size_t k = 0; k < phase; k++)
         if (plan->phases[k].has_laws) run->at.now.laws = k;
     const dem_state *s = exp_states(run);
-    if (!exp_make_ids(run, s && run->n_states ? s[run->n_states - 1].id + 1 : 1)) return run->failed;
+    exp_make_ids(run, s && run->n_states ? s[run->n_states - 1].id + 1 : 1);
     return run->failed;
 }
 

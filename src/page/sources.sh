@@ -6,7 +6,9 @@ set -eu
 mkdir -p "$1/apt/lists/partial" "$1/apt/cache/archives/partial"
 cd "$1"
 [ ! -d include ] || exit 0
-echo "deb-src http://deb.debian.org/debian $(. /etc/os-release && echo "$VERSION_CODENAME") main" >apt/sources.list
+# From where the system has its packages.
+apt-get indextargets --format 'deb-src $(REPO_URI) $(CODENAME) $(COMPONENT)' 'Created-By: Packages' |
+    grep " $(. /etc/os-release && echo "$VERSION_CODENAME") main$" | sort -u >apt/sources.list
 apt() {
     apt-get -q -o Dir::Etc::SourceList="$PWD/apt/sources.list" -o Dir::Etc::SourceParts=/dev/null -o Dir::State::Lists="$PWD/apt/lists" \
         -o Dir::Cache="$PWD/apt/cache" -o APT::Sandbox::User="$(id -un)" "$@" >apt/log 2>&1 || { cat apt/log >&2; exit 1; }
