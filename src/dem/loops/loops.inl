@@ -48,16 +48,18 @@ typedef struct {
     num fx, fy, on_i, on_j;
 } forces;
 
-INLINE dem_laws laws_of(const dem_definition *def, const dem_material *c, double mu)
+INLINE dem_laws laws_of(const dem_sim *sim, const dem_material *c, double mu)
 {
-    return (dem_laws){.normal = def->normal,
-                      .tangential = def->tangential,
-                      .rolling = def->rolling,
-                      .tension = def->tension,
-                      .k_n = c->k_n,
-                      .gamma_n = c->gamma_n,
-                      .shear = dem_slider_of(def->slip, def->damping, c->k_s, c->gamma_s, mu),
-                      .rolls = dem_rolls_of(def->rolling, def->tangential, dem_arm_of(def, c), c)};
+    const dem_definition *def = &sim->def;
+    dem_laws laws = {.normal = def->normal,
+                     .tangential = def->tangential,
+                     .rolling = def->rolling,
+                     .tension = def->tension,
+                     .k_n = c->k_n,
+                     .gamma_n = c->gamma_n,
+                     .shear = dem_slider_of(def->slip, def->damping, c->k_s, c->gamma_s, mu)};
+    if (sim->pairs.rolling) laws.rolls = dem_rolls_of(def->rolling, def->tangential, dem_arm_of(def, c), c);
+    return laws;
 }
 
 INLINE num normal_force(const dem_laws *law, num r_eff, num m_eff, num overlap, num v_n)
@@ -259,7 +261,7 @@ INLINE void run_of_law(dem_sim *sim, size_t from, size_t to, double h, dem_laws 
 
 static void pairs(dem_sim *sim, size_t from, size_t to, double h)
 {
-    dem_laws law = laws_of(&sim->def, &sim->def.material, sim->mu);
+    dem_laws law = laws_of(sim, &sim->def.material, sim->mu);
     switch (law.normal) {
 #define X(id, ...)                                                                                           \
     case id:                                                                                                 \
@@ -354,7 +356,7 @@ static void line(dem_sim *sim, size_t k, size_t end, double h)
 {
     const dem_wall_slot *slot = sim->walls.slot;
     const uint32_t w = slot[k].wall;
-    const dem_laws law = laws_of(&sim->def, &sim->walls.wall[w].material, sim->walls.mu[w]);
+    const dem_laws law = laws_of(sim, &sim->walls.wall[w].material, sim->walls.mu[w]);
     dem_vec wall = sim->walls.force[w];
     for (; k < end; k += WIDTH) {
         static const uint32_t all[8] = {0, 1, 2, 3, 4, 5, 6, 7};

@@ -11,7 +11,7 @@ const dem_loops dem_loops_1 = LOOPS("baseline", false, pairs, line, next_approac
 /* Displacements in excess of v dt count. */
 static void any_pairs(dem_sim *sim, size_t from, size_t to, double h)
 {
-    const dem_laws law = laws_of(&sim->def, &sim->def.material, sim->mu);
+    const dem_laws law = laws_of(sim, &sim->def.material, sim->mu);
     pair_loop(sim, from, to, h,
               (features){law, sim->def.rotation, sim->pairs.rolling,
                          sim->grains.excess && dem_has_spring(law.tangential)});
