@@ -523,6 +523,17 @@ static void test_swept(void)
           "--foreground -s KILL 0.05 $REPOSE sweep run p --shard $k/3 -j 1 --quiet; $REPOSE sweep run p "
           "--shard $k/3 -j 1 --quiet || exit 9; done; $REPOSE sweep merge p >/dev/null && [ \"$($REPOSE "
           "sweep digest s)\" = \"$($REPOSE sweep digest p)\" ]");
+    /* with other measures the runs are made again; those of before come back with their measures */
+    SHELL("cp h.cfg kept.cfg && sed -i 's/name = \"rate\"/name = \"flux\"/' h.cfg && $REPOSE sweep plan "
+          "s.cfg -o s "
+          "| grep -q ' 0 already stored' && $REPOSE sweep make s.cfg -o s --tables flux --quiet && cp "
+          "kept.cfg h.cfg "
+          "&& $REPOSE sweep plan s.cfg -o s | grep -q ' 6 already stored' && $REPOSE sweep make s.cfg -o s "
+          "--tables "
+          "again --quiet");
+    scoped_table flux = read_table("flux/runs.tsv"), again = read_table("again/runs.tsv");
+    CU_ASSERT(cell(&flux, 5, "flux") == cell(&t, 5, "rate") &&
+              cell(&again, 5, "rate") == cell(&t, 5, "rate"));
     /* another phase is another plan; its rows are made again */
     SHELL("sed -i 's/least = 2000/least = 2100/' h.cfg && $REPOSE sweep plan s.cfg -o s | grep -q "
           "' 0 already stored'");

@@ -4,6 +4,7 @@
  *          message, seconds, seed, model, program, pile, parameters (JSON: those that the file
  *          gives), a column for each output (NULL: no value; 'none': stored before the program had this
  *          output), sum (checksum of all but `run`)
+ *   "runs of a, b"  those of an experiment whose text had the measures a and b, and now has others
  * Planning again renumbers the rows, and removes none. Rows are committed in groups of a quarter of a second,
  * each synced to the disk. An open store is the parent's alone: no worker touches it. */
 #include "table/columns.h"
@@ -263,12 +264,53 @@ rp_status sweep_store_check_outputs(sweep_store *s, const char *schema, const ch
     return status ? status : read;
 }
 
-static rp_status make_tables(sweep_store *s, const sweep_protocol *protocol)
+/* With other measures an experiment has other runs. Those of before stay in a table of their own, and are the
+ * runs again once the text has their measures. */
+static rp_status set_aside(sweep_store *s, const sweep_protocol *protocol)
 {
+    char sql[160];
+    size_t lacks = 0;
+    sqlite3_str *names = sqlite3_str_new(s->db);
+    for (const sweep_output *o = protocol->outputs; o->name; o++) {
+        sqlite3_str_appendf(names, "%s%s", sqlite3_str_length(names) ? ", " : "", o->name);
+        lacks += !sweep_store_has(s, "main", o->name);
+    }
+    char *now = sqlite3_str_finish(names);
+    snprintf(
+        sql, sizeof sql,
+        "SELECT group_concat(name, ', '), count(*) FROM pragma_table_info('runs', 'main') WHERE cid >= %d",
+        N_COLUMNS);
+    sqlite3_stmt *q = sweep_sql_query(s, sql);
+    rp_status status = RP_OK;
+    if (now && sqlite3_step(q) == SQLITE_ROW && sqlite3_column_int64(q, 1) > 0 &&
+        (lacks || sqlite3_column_int64(q, 1) != (sqlite3_int64)sweep_count_outputs(protocol))) {
+        char *before = sqlite3_mprintf("%s", sqlite3_column_text(q, 0));
+        sqlite3_reset(q);
+        status = sweep_sql(s, "write the store",
+                           "DROP INDEX main.by_run; DROP INDEX main.by_status;"
+                           "ALTER TABLE main.runs RENAME TO \"runs of %w\"",
+                           before);
+        sqlite3_free(before);
+        char *aside = sqlite3_mprintf("runs of %s", now);
+        if (!status && aside &&
+            sqlite3_table_column_metadata(s->db, "main", aside, "key", NULL, NULL, NULL, NULL, NULL) ==
+                SQLITE_OK)
+            status = sweep_sql(s, "write the store", "ALTER TABLE main.\"%w\" RENAME TO runs", aside);
+        sqlite3_free(aside);
+    }
+    sqlite3_free(now);
+    const rp_status read = sweep_sql_finish(s, "read the store", q);
+    return status ? status : read;
+}
+
+static rp_status make_tables(sweep_store *s, const sweep_plan *plan)
+{
+    const sweep_protocol *protocol = plan->protocol;
     RP_TRY(sweep_sql(s, "write the store",
                      "PRAGMA user_version = %d; CREATE TABLE IF NOT EXISTS sweep"
                      " (name TEXT PRIMARY KEY, value TEXT NOT NULL, sum INTEGER)",
                      SWEEP_FORMAT));
+    if (plan->experiment) RP_TRY(set_aside(s, protocol));
     RP_TRY(sweep_store_make_runs(s, "main", protocol));
     return sweep_store_check_outputs(s, "main", s->path, protocol);
 }
@@ -311,7 +353,7 @@ rp_status sweep_store_write_plan(sweep_store *s, const sweep_plan *plan, const c
 {
     char owner[64] = "", before[33] = "";
     RP_TRY(sweep_sql(s, "write the store", "BEGIN IMMEDIATE"));
-    rp_status status = make_tables(s, plan->protocol);
+    rp_status status = make_tables(s, plan);
     if (!status) status = sweep_store_note(s, "main", "protocol", owner, sizeof owner);
     if (!status) status = sweep_store_note(s, "main", "plan", before, sizeof before);
     if (!status && *owner && strcmp(owner, plan->protocol->name) != 0)
