@@ -29,6 +29,9 @@ for figure in figures/*/*.gp; do
         case $named in *" $sweep "*) ;; *) echo "lint: $figure reads a table of $sweep, which is not among its # sweeps:" && bad=1 ;; esac
     done
 done
+for suite in $(sed -n '/^suites_of/,/^}/s/.*) echo \([a-z_ ]*\) ;;$/\1/p; /^suites_of/,/^}/s/^ *echo \([a-z_ ]*\) ;;$/\1/p' tests/mutate/mutate.sh); do
+    grep -qw "suite_$suite" tests/check.h || { echo "lint: tests/mutate/mutate.sh: no suite $suite" && bad=1; }
+done
 # A build whose arithmetic has other bits is refused.
 for flag in -ffast-math $([ "$(uname -m)" != x86_64 ] || echo -mfma); do
     ${CC:-gcc} "$flag" -Isrc -fsyntax-only src/core/version.c 2>&1 | grep -q 'changes the bits' || {

@@ -20,12 +20,12 @@ times=/dev/null # of the suites
 flags='-O1 -Werror=format -Werror=int-conversion -Werror=incompatible-pointer-types -Werror=discarded-qualifiers'
 tab='	'
 
-files='analytic/*.c src/angle/*.c src/core/sparse.c src/statics/*.c src/stats/*.c src/stress/*.c
+files='analytic/*.c src/angle/*.c src/core/sparse.c src/core/elementary.c src/statics/*.c src/stats/*.c src/stress/*.c
     src/dem/law/law.inl src/dem/law/laws.c src/dem/law/bodies.c src/dem/loops/loops.inl src/dem/loops/width_1.c src/dem/state/motion.inl
     src/dem/methods/ahead.c src/dem/methods/verlet.c src/dem/methods/gear.c
     src/dem/methods/implicit.c src/dem/methods/gravity.c src/dem/methods/hard.c src/dem/methods/step.c src/dem/state/slots.c src/dem/state/vec.c
-    src/dem/forces/*.c src/dem/list/removal.c src/dem/observe/*.c src/dem/setup/*.c src/dem/sim.c src/dem/run.c
-    sweeps/*/*.c src/table/*.c src/params/params.c src/dem/scene/output.c src/dem/scene/scene.c
+    src/dem/forces/*.c src/dem/list/removal.c src/dem/observe/*.c src/dem/setup/*.c src/dem/sim.c src/dem/run.c src/dem/change.c
+    sweeps/*/*.c src/table/*.c src/params/*.c src/dem/scene/*.c src/experiment/*.c src/experiment/modules/*.c
     report/*.c src/cli/*.c src/cli/commands/*.c src/cli/derive/*.c
     src/export/*.c src/view/*.c
     figures/lh/*.gp figures/li/*.gp
@@ -37,16 +37,22 @@ suites_of() {
     src/angle/*) echo property angle view tables ;;
     src/stats/ensemble.c | src/stats/series.c) echo trend angle notes flux ;;
     report/verdict.c) echo claims ;;
-    src/stats/lines.c | src/stats/trend.c | src/stats/limit.c) echo trend evidence calibrate tables angle ;;
-    src/stats/*) echo calibrate columns ;;
+    src/stats/lines.c | src/stats/trend.c) echo trend evidence calibrate_text tables angle ;;
+    src/stats/identify.c | src/stats/least.c) echo identify calibrate_text ;;
+    src/experiment/*) echo expression experiment actions columns repose flux drop stress sweep ;;
+    src/core/elementary.c) echo core expression golden ;;
+    src/dem/change.c) echo actions experiment ;;
+    src/params/expression.c | src/params/lets.c) echo expression experiment ;;
     figures/*) echo figures ;;
     validation/*) echo helpers contacts rotation property ;;
     src/core/sparse.c) echo sparse property piles equilibrium midpoint implicit ;;
     src/statics/*) echo property piles equilibrium ;;
-    src/dem/scene/scene.c) echo walls scene tables keys cli ;;
+    src/dem/scene/fill.c | src/dem/scene/radii.c) echo fills scene golden experiment ;;
+    src/dem/scene/output.c) echo core tables scene keys evidence sweep cli ;;
+    src/dem/scene/*) echo walls scene tables keys notes cli ;;
     src/dem/setup/physics.c | src/dem/setup/check.c) echo scene dem laws walls keys units hard motion soft tables sweep ;;
-    src/core/* | src/params/* | src/table/table.c | src/dem/scene/output.c) echo core tables scene keys evidence sweep cli ;;
-    src/table/columns.c | src/table/where.c) echo core columns calibrate tables evidence options cli ;;
+    src/core/* | src/params/* | src/table/table.c) echo core tables scene keys evidence sweep cli ;;
+    src/table/columns.c | src/table/where.c) echo core columns calibrate_text tables evidence options cli ;;
     src/cli/commands/export.c | src/export/*) echo export view help options ;;
     report/pages.c) echo help evidence claims cli ;;
     src/cli/commands/view.c | src/view/*) echo view help options ;;
@@ -55,6 +61,7 @@ suites_of() {
     src/cli/closing.c | src/cli/progress.c) echo view snapshot ;;
     src/cli/unfinished.c | src/cli/folder.c) echo snapshot cli ;;
     src/cli/options.c | src/cli/command.c) echo help notes evidence options tables columns claims cli ;;
+    src/cli/commands/calibrate.c) echo calibrate_text options ;;
     src/cli/commands/run.c) echo view tables options snapshot cli ;;
     src/cli/commands/pile.c) echo notes equilibrium tables options cli ;;
     report/*) echo evidence claims options cli ;;
@@ -69,13 +76,12 @@ suites_of() {
     src/dem/list/removal.c) echo removal dem units ;;
     src/dem/setup/* | src/dem/methods/gravity.c | src/dem/state/vec.c | src/dem/methods/step.c | src/dem/sim.c | src/dem/run.c)
         echo units scene walls golden motion hard soft rotation dem laws ;;
-    sweeps/engine/keep.c) echo sweep snapshot ;;
+    sweeps/engine/keep.c | sweeps/engine/experiment.c) echo experiment sweep snapshot ;;
     sweeps/protocols/protocols.c) echo sweep golden tables notes cli ;;
     sweeps/engine/pool.c | sweeps/engine/sweep.c) echo sweep drill notes tables evidence cli snapshot ;;
-    sweeps/protocols/physics.c) echo golden keys sweep ;;
+    sweeps/engine/physics.c) echo golden keys sweep ;;
     sweeps/protocols/outline.c) echo golden piles equilibrium ;;
     sweeps/protocols/pile.c) echo piles golden ;;
-    sweeps/protocols/*) suite=${1##*/} && echo "${suite%.c}" golden columns snapshot ;;
     sweeps/engine/*) echo sweep notes tables evidence cli ;;
     src/dem/forces/walls.c | src/dem/forces/touch.c | src/dem/state/slots.c) echo units walls scene tables contacts incline rotation golden ledger ;;
     *) echo units soft property rotation incline contacts published motion hard walls golden scene dem laws ;;
