@@ -32,6 +32,7 @@ done
 for suite in $(sed -n '/^suites_of/,/^}/s/.*) echo \([a-z_ ]*\) ;;$/\1/p; /^suites_of/,/^}/s/^ *echo \([a-z_ ]*\) ;;$/\1/p' tests/mutate/mutate.sh); do
     grep -qw "suite_$suite" tests/check.h || { echo "lint: tests/mutate/mutate.sh: no suite $suite" && bad=1; }
 done
+sh tests/mutate/mutate.sh "$build" 0 1 0 || { echo "lint: validation/mutants.txt has lines that are no mutants" && bad=1; }
 # A build whose arithmetic has other bits is refused.
 for flag in -ffast-math $([ "$(uname -m)" != x86_64 ] || echo -mfma); do
     ${CC:-gcc} "$flag" -Isrc -fsyntax-only src/core/version.c 2>&1 | grep -q 'changes the bits' || {
