@@ -92,9 +92,9 @@ char *exp_key_to(const exp_plan *plan, size_t end)
     for (size_t k = 0; k < plan->n_regions; k++) {
         const exp_region *r = &plan->regions[k];
         fprintf(out, "region %s", r->name);
-        for (int c = 0; c < 3 && r->circle; c++) put(out, &arena, "circle", &r->circle_of[c]);
+        for (int c = 0; c < 3 && r->circle; c++) put(out, &arena, "circle", &r->at[c]);
         for (int c = 0; c < 2 && !r->circle && !r->n_points; c++)
-            put(out, &arena, "x", &r->x[c]), put(out, &arena, "y", &r->y[c]);
+            put(out, &arena, "x", &r->at[c]), put(out, &arena, "y", &r->at[2 + c]);
         for (size_t c = 0; c < 2 * r->n_points; c++) put(out, &arena, "p", &r->points[c]);
         fputc('\n', out);
     }

@@ -175,6 +175,7 @@ void exp_run_free(exp_run *run)
         dem_free(run->saved[k].sim), free(run->saved[k].loads);
     for (size_t k = 0; run->kept && k < run->plan->n_phases; k++) rp_snapshot_free(&run->kept[k]);
     free(run->counters), free(run->values), free(run->samples), free(run->marks), free(run->states);
+    free(run->contacts);
     for (size_t k = 0; run->points && k < run->plan->n_regions; k++) free(run->points[k]);
     free(run->kinds), free(run->loads), free(run->saved), free(run->points), free(run->kept);
     free(run->passed);

@@ -72,12 +72,12 @@ static rp_status read_region(const config_setting_t *setting, exp_place *place, 
     RP_TRY(rp_config_group(setting, none, NULL, (const char *const[]){"x", "y", "circle", "polygon", NULL}));
     if ((x || y) + (circle != NULL) + (polygon != NULL) != 1)
         return rp_config_fail(setting, "%s: x, y or both, or circle, or polygon expected", r->name);
-    for (int k = 0; k < 2; k++)
-        r->x[k].x = r->y[k].x = (rp_expression){.known = true, .value = k ? INFINITY : -INFINITY};
-    if (circle) return exp_read_list(circle, "circle", 3, place, r->circle_of);
+    for (int k = 0; k < 4; k++)
+        r->at[k].x = (rp_expression){.known = true, .value = k % 2 ? INFINITY : -INFINITY};
+    if (circle) return exp_read_list(circle, "circle", 3, place, r->at);
     if (polygon) return read_polygon(polygon, place, r);
-    if (x) RP_TRY(exp_read_list(x, "x", 2, place, r->x));
-    return y ? exp_read_list(y, "y", 2, place, r->y) : RP_OK;
+    if (x) RP_TRY(exp_read_list(x, "x", 2, place, r->at));
+    return y ? exp_read_list(y, "y", 2, place, r->at + 2) : RP_OK;
 }
 
 static rp_status read_regions(exp_plan *plan)

@@ -29,8 +29,8 @@ typedef struct {
 typedef struct exp_use exp_use;
 typedef struct {
     const char *name;
-    enum { OF_RUN = 1, OF_GRAINS = 2, OF_REGION = 4, OF_WALL = 8 } of; /* sums */
-    int least, most;                                                   /* numbers in brackets */
+    enum { OF_RUN = 1, OF_GRAINS = 2, OF_REGION = 4, OF_PART = 6, OF_WALL = 8 } of; /* sums; part: of both */
+    int least, most;                                                                /* numbers in brackets */
     rp_x_type type;
     const char *unit, *meaning;
     double (*value)(exp_run *run, const exp_use *use, const double args[]);
@@ -48,8 +48,8 @@ struct exp_use {
 typedef struct {
     const char *name;
     bool circle;
-    exp_expression x[2], y[2], circle_of[3];
-    size_t n_points; /* of a polygon, x and y of each */
+    exp_expression at[4]; /* x from and to, y from and to; or centre and radius */
+    size_t n_points;      /* of a polygon, x and y of each */
     exp_expression *points;
 } exp_region;
 
@@ -244,8 +244,9 @@ struct exp_run {
     double grain[EXP_GRAIN_N]; /* that is being added */
     /* readings of the present state, made when they are asked for */
     bool fresh;
-    size_t n_states;
+    size_t n_states, n_contacts;
     dem_state *states;
+    dem_contact *contacts; /* NULL: not asked for */
     size_t n_ids;
 };
 
@@ -262,6 +263,7 @@ bool exp_changes(const exp_expression *e);
 
 /* The states of the grains as they are now; NULL after a failure. */
 const dem_state *exp_states(exp_run *run);
+const dem_contact *exp_contacts(exp_run *run, size_t *n); /* the same of the contacts, none after a failure */
 void exp_mark(exp_run *run);
 
 /* The grains of a scope at this look: of a region, or of a kind. */
