@@ -16,13 +16,12 @@ static void put(FILE *out, rp_arena *arena, const char *key, const exp_expressio
                 e->x.known && e->x.n == 0 ? rp_number_text(e->x.value, 6, (char[32]){0}, 32) : text);
 }
 
-static void put_add(FILE *out, rp_arena *arena, const exp_plan *plan, const exp_add *a)
+static void put_add(FILE *out, rp_arena *arena, const exp_add *a)
 {
     const exp_expression *const e[] = {&a->n,    &a->r,  &a->density, &a->x[0],  &a->x[1], &a->y[0],
                                        &a->y[1], &a->vx, &a->vy,      &a->omega, &a->gap};
     const dem_fill *f = &a->radii;
-    fprintf(out, " add kind=%s range=%d r=%d", a->kind < 0 ? "" : plan->kinds[a->kind], a->in_range,
-            a->has_r);
+    fprintf(out, " add kind=%s range=%d r=%d", a->kind < 0 ? "" : a->kind_name, a->in_range, a->has_r);
     for (size_t k = 0; k < sizeof e / sizeof *e; k++) put(out, arena, "e", e[k]);
     fprintf(out, " radii %a %a %a %a %d %d", f->radius_mean, f->radius_width, f->radius_min, f->radius_max,
             f->law, f->by);
@@ -46,7 +45,7 @@ static void put_phase(FILE *out, rp_arena *arena, const exp_plan *plan, const ex
             for (size_t k = 0; k < sizeof *p->given / sizeof(double); k++)
                 fprintf(out, " %a", ((const double *)&p->given[w])[k]);
     }
-    if (p->add.on) put_add(out, arena, plan, &p->add);
+    if (p->add.on) put_add(out, arena, &p->add);
     if (p->opens >= 0) fprintf(out, " open=%s", plan->walls[p->opens].name);
     put(out, arena, ends[p->ending], &p->end);
     for (int k = 0; k < 2; k++) {

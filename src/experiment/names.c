@@ -5,22 +5,28 @@
 #include "experiment/private.h"
 #include "params/config.h"
 
-/* The region, wall or kind in "NAME.", of length n. */
-static bool find_scope(const exp_plan *plan, const char *name, size_t n, exp_scope *scope)
+const exp_scope *exp_scope_named(const exp_plan *plan, unsigned sorts, const char *name, size_t length,
+                                 rp_guess *guess)
 {
-    for (size_t k = 0; k < plan->n_regions; k++)
-        if (strlen(plan->regions[k].name) == n && strncmp(plan->regions[k].name, name, n) == 0)
-            return *scope = (exp_scope){EXP_REGION, k}, true;
-    for (size_t k = 0; k < plan->n_walls; k++)
-        if (strlen(plan->walls[k].name) == n && strncmp(plan->walls[k].name, name, n) == 0)
-            return *scope = (exp_scope){EXP_WALL, k}, true;
-    for (size_t k = 0; k < plan->n_kinds; k++)
-        if (strlen(plan->kinds[k]) == n && strncmp(plan->kinds[k], name, n) == 0)
-            return *scope = (exp_scope){EXP_KIND, k}, true;
-    return false;
+    for (const exp_scope *s = plan->scopes; s < plan->scopes + plan->n_scopes; s++) {
+        if (!(s->sort & sorts)) continue;
+        if (strlen(s->name) == length && strncmp(s->name, name, length) == 0) return s;
+        if (guess) rp_guess_try(guess, s->name);
+    }
+    return NULL;
 }
 
-static const exp_observable *find_observable(const char *name, unsigned of)
+/* Of what an observable may be asked after a name of this sort; EXP_ALL: without one. */
+static unsigned asked_of(int sort)
+{
+    static const unsigned of[] = {[EXP_ALL] = OF_RUN | OF_GRAINS,
+                                  [EXP_REGION] = OF_REGION,
+                                  [EXP_WALL] = OF_WALL,
+                                  [EXP_KIND] = OF_GRAINS};
+    return sort < (int)(sizeof of / sizeof *of) ? of[sort] : 0;
+}
+
+const exp_observable *exp_observable_named(const char *name, unsigned of)
 {
     for (const exp_observable *o = exp_observables; o->name; o++)
         if ((o->of & of) && strcmp(o->name, name) == 0) return o;
@@ -95,19 +101,15 @@ static rp_status find(void *host, const char *name, int n_args, rp_x_symbol *sym
     exp_place *place = host;
     exp_plan *plan = place->plan;
     const char *dot = strchr(name, '.');
-    exp_scope scope = {EXP_ALL, 0};
-    const exp_observable *o = NULL;
+    const exp_scope all = {.sort = EXP_ALL},
+                    *scope = dot ? exp_scope_named(plan, EXP_SCOPES, name, (size_t)(dot - name), NULL) : &all;
     if (place->of_grain && n_args < 0 && find_of_grain(name, symbol)) return *known = true, RP_OK;
     if (!dot && n_args < 0) RP_TRY(rp_lets_find(&plan->text->lets, name, symbol, known));
     if (*known) return RP_OK;
-    if (dot && find_scope(plan, name, (size_t)(dot - name), &scope))
-        o = find_observable(dot + 1, scope.kind == EXP_WALL   ? OF_WALL
-                                     : scope.kind == EXP_KIND ? OF_GRAINS
-                                                              : OF_REGION);
-    else if (!dot)
-        o = find_observable(name, OF_RUN | OF_GRAINS);
+    const exp_observable *o =
+        scope ? exp_observable_named(dot ? dot + 1 : name, asked_of(scope->sort)) : NULL;
     if (o && place->lets_alone) return rp_fail(RP_BAD_INPUT, "%s is not known before the run", name);
-    if (o) return *known = true, use(plan, o, scope, name, n_args, symbol);
+    if (o) return *known = true, use(plan, o, *scope, name, n_args, symbol);
     return n_args < 0 && !place->lets_alone ? find_measure(place, name, symbol, known) : RP_OK;
 }
 
@@ -118,13 +120,10 @@ static void list(void *host, rp_guess *guess)
     char name[128];
     rp_lets_list(&plan->text->lets, guess);
     for (const exp_observable *o = exp_observables; o->name; o++) {
-        if (o->of & (OF_RUN | OF_GRAINS)) rp_guess_try(guess, o->name);
-        for (size_t k = 0; k < plan->n_regions && (o->of & OF_REGION); k++)
-            snprintf(name, sizeof name, "%s.%s", plan->regions[k].name, o->name), rp_guess_try(guess, name);
-        for (size_t k = 0; k < plan->n_kinds && (o->of & OF_GRAINS); k++)
-            snprintf(name, sizeof name, "%s.%s", plan->kinds[k], o->name), rp_guess_try(guess, name);
-        for (size_t k = 0; k < plan->n_walls && (o->of & OF_WALL); k++)
-            snprintf(name, sizeof name, "%s.%s", plan->walls[k].name, o->name), rp_guess_try(guess, name);
+        if (o->of & asked_of(EXP_ALL)) rp_guess_try(guess, o->name);
+        for (const exp_scope *s = plan->scopes; s < plan->scopes + plan->n_scopes; s++)
+            if (o->of & asked_of(s->sort))
+                snprintf(name, sizeof name, "%s.%s", s->name, o->name), rp_guess_try(guess, name);
     }
     for (int k = 0; k < EXP_GRAIN_N && place->of_grain; k++) rp_guess_try(guess, grain_names[k]);
     for (size_t k = 0; k < plan->n_outputs; k++) rp_guess_try(guess, plan->outputs[k].name);

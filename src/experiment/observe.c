@@ -10,8 +10,8 @@
 
 exp_within exp_within_now(exp_run *run, const exp_scope *scope)
 {
-    exp_within a = {.all = scope->kind != EXP_REGION};
-    if (scope->kind == EXP_KIND) a.kinds = run->kinds, a.kind = (int32_t)scope->index;
+    exp_within a = {.all = scope->sort != EXP_REGION};
+    if (scope->sort == EXP_KIND) a.kinds = run->kinds, a.kind = (int32_t)scope->index;
     if (a.all) return a;
     const exp_region *r = &run->plan->regions[scope->index];
     a.circle = r->circle;

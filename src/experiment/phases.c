@@ -82,13 +82,6 @@ static rp_status make_room(exp_run *run)
     return RP_OK;
 }
 
-static int kind_named(const exp_plan *plan, const char *name)
-{
-    for (size_t k = 0; k < plan->n_kinds; k++)
-        if (strcmp(plan->kinds[k], name) == 0) return (int)k;
-    return -1;
-}
-
 /* The simulation, and the kinds of its grains. */
 static rp_status fill(exp_run *run, dem_scene *scene)
 {
@@ -106,8 +99,11 @@ static rp_status fill(exp_run *run, dem_scene *scene)
     if (status) return status;
     if (!exp_make_ids(run, def.n_grains + 1)) return run->failed;
     i = scene->grains ? scene->def.n_grains : 0;
-    for (size_t k = 0; dem_scene_fill_at(scene, k); k++)
-        for (const int kind = kind_named(plan, scene->kinds[k]); i < ends[k]; i++) run->kinds[i] = kind;
+    for (size_t k = 0; dem_scene_fill_at(scene, k); k++) {
+        const char *name = scene->kinds[k];
+        const exp_scope *kind = exp_scope_named(plan, EXP_KIND, name, strlen(name), NULL);
+        for (; i < ends[k]; i++) run->kinds[i] = kind ? (int32_t)kind->index : -1;
+    }
     return RP_OK;
 }
 

@@ -13,19 +13,12 @@ bool exp_has_phases(const dem_text *text)
     return config_lookup(&text->config, "phases") != NULL;
 }
 
-static bool is_observable(const char *name)
-{
-    for (const exp_observable *o = exp_observables; o->name; o++)
-        if (strcmp(o->name, name) == 0) return true;
-    return false;
-}
-
 /* A let's name stands alone, as an observable's does. */
 static rp_status check_lets(const exp_plan *plan)
 {
     const config_setting_t *let = config_lookup(&plan->text->config, "let");
     for (size_t k = 0; k < plan->text->lets.n; k++)
-        if (is_observable(plan->text->lets.lets[k].name))
+        if (exp_observable_named(plan->text->lets.lets[k].name, ~0u))
             return rp_config_fail(let, "let.%s: is an observable", plan->text->lets.lets[k].name);
     return RP_OK;
 }
@@ -42,6 +35,7 @@ static rp_status read_walls(exp_plan *plan)
         exp_wall *wall = &plan->walls[k];
         if (k == plan->n_walls) {
             RP_TRY(exp_check_name(plan, list, "a wall", s->names[w]));
+            exp_add_scope(plan, EXP_WALL, k, s->names[w]);
             wall->name = s->names[w];
             RP_NEW(&plan->arena, wall->walls, s->n_names);
             plan->n_walls++;
@@ -92,7 +86,7 @@ static rp_status read_regions(exp_plan *plan)
     for (size_t i = 0; i < length(group); i++) {
         RP_TRY(exp_check_name(plan, element(group, i), "a region", config_setting_name(element(group, i))));
         RP_TRY(read_region(element(group, i), &place, &plan->regions[i]));
-        plan->n_regions++;
+        exp_add_scope(plan, EXP_REGION, plan->n_regions++, plan->regions[i].name);
     }
     return RP_OK;
 }
@@ -192,11 +186,14 @@ static rp_status read(exp_plan *plan)
     RP_TRY(read_result(plan));
     RP_TRY(check_required(plan));
     RP_TRY(check_lets(plan));
+    RP_NEW(&plan->arena, plan->scopes,
+           plan->scene.n_names + plan->scene.n_more + 1 +
+               2 * exp_count_phases(config_lookup(&text->config, "phases")) +
+               length(config_lookup(&text->config, "regions")));
     RP_TRY(read_walls(plan));
-    RP_TRY(exp_name_kinds(plan));
+    RP_TRY(exp_name_phases(plan));
     RP_TRY(read_regions(plan));
     RP_TRY(read_rest(plan));
-    RP_TRY(exp_name_phases(plan));
     RP_TRY(exp_name_measures(plan));
     for (size_t k = 0; k < plan->n_phases; k++) RP_TRY(exp_read_phase(plan, k));
     for (size_t k = 0; k < plan->n_measures; k++) RP_TRY(exp_read_measure(plan, k));

@@ -20,11 +20,14 @@ typedef struct {
     size_t state;
 } exp_expression;
 
-/* What an observable is of. */
+/* What a name of the text stands for, by its number among those of its sort; so what an observable is of.
+ * Sorts are bits. */
 typedef struct {
-    enum { EXP_ALL, EXP_REGION, EXP_WALL, EXP_KIND } kind;
+    enum { EXP_ALL = 0, EXP_REGION = 1, EXP_WALL = 2, EXP_KIND = 4, EXP_PHASE = 8 } sort;
     size_t index;
+    const char *name;
 } exp_scope;
+enum { EXP_SCOPES = EXP_REGION | EXP_WALL | EXP_KIND }; /* their names differ from each other's */
 
 typedef struct exp_use exp_use;
 typedef struct {
@@ -35,7 +38,8 @@ typedef struct {
     const char *unit, *meaning;
     double (*value)(exp_run *run, const exp_use *use, const double args[]);
 } exp_observable;
-extern const exp_observable exp_observables[]; /* ended by a NULL name */
+extern const exp_observable exp_observables[];                             /* ended by a NULL name */
+const exp_observable *exp_observable_named(const char *name, unsigned of); /* NULL: none */
 
 struct exp_use {
     const exp_observable *of;
@@ -77,7 +81,8 @@ typedef struct {
 /* Grains that a phase puts in. */
 typedef struct {
     bool on, has_r, has_density, in_range; /* in_range: anywhere between y[0] and y[1] */
-    long kind;                             /* -1: none */
+    long kind;                             /* number, -1: none */
+    const char *kind_name;
     exp_expression n, r, density, x[2], y[2], vx, vy, omega, gap;
     dem_fill radii;
 } exp_add;
@@ -156,8 +161,8 @@ struct exp_plan {
         double energy, force;
         long looks, every;
     } rest;
-    size_t n_regions, n_walls, n_phases, n_measures, n_outputs, n_uses, n_states, n_kinds, n_loads;
-    const char **kinds;
+    size_t n_scopes, n_regions, n_walls, n_phases, n_measures, n_outputs, n_uses, n_states, n_kinds, n_loads;
+    exp_scope *scopes; /* in the order of the text */
     exp_move **loads;
     bool adds; /* some phase does */
     exp_region *regions;
@@ -167,6 +172,11 @@ struct exp_plan {
     exp_output *outputs;
     exp_use *uses;
 };
+
+/* The first of these sorts, added together, whose name are so many letters; NULL: there is none. `guess` (may
+ * be NULL) tries all names. */
+const exp_scope *exp_scope_named(const exp_plan *plan, unsigned sorts, const char *name, size_t length,
+                                 rp_guess *guess);
 
 /* Where an expression stands: what it may name. */
 typedef struct {

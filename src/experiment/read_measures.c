@@ -90,19 +90,17 @@ static rp_status read_module(exp_plan *plan, const config_setting_t *setting, ex
 static rp_status read_scope(const exp_plan *plan, exp_measure *m)
 {
     const config_setting_t *in = member(m->setting, "in");
-    rp_guess guess = rp_guess_of(m->in);
     const bool on_wall = m->module && m->module->on_wall;
     if (on_wall != (*m->wall != '\0'))
         return rp_config_fail(m->setting, "measure %s: wall: %s", m->name,
                               on_wall ? "missing, whose load is measured" : "of the module base");
-    if (on_wall) RP_TRY(exp_find_wall(plan, member(m->setting, "wall"), "wall", m->wall, &m->on));
+    if (on_wall) RP_TRY(exp_find(plan, EXP_WALL, member(m->setting, "wall"), "wall", m->wall, &m->on));
     if (in && !m->module)
         return rp_config_fail(in, "in: of a module; an expression names its region, as in %s.grains", m->in);
-    for (size_t k = 0; k < plan->n_regions && *m->in; k++) {
-        rp_guess_try(&guess, plan->regions[k].name);
-        if (strcmp(plan->regions[k].name, m->in) == 0) return m->scope = (exp_scope){EXP_REGION, k}, RP_OK;
+    if (*m->in) {
+        m->scope.sort = EXP_REGION;
+        return exp_find(plan, EXP_REGION, in, "in", m->in, &m->scope.index);
     }
-    if (*m->in) return rp_config_fail(in, "in = \"%s\": no such region%s", m->in, rp_guess_text(&guess));
     return m->module && m->module->bounded
                ? rp_config_fail(m->setting, "measure %s: in: missing (a region with two ends in x)", m->name)
                : RP_OK;
@@ -118,8 +116,8 @@ static rp_status read_when(exp_plan *plan, exp_measure *m)
     while (m->phase > 0 && (plan->phases[m->phase].block != SIZE_MAX || plan->phases[m->phase].left_out))
         m->phase--;
     if (*m->at || *m->during)
-        RP_TRY(
-            exp_find_phase(plan, setting, *m->at ? "at" : "during", *m->at ? m->at : m->during, &m->phase));
+        RP_TRY(exp_find(plan, EXP_PHASE, setting, *m->at ? "at" : "during", *m->at ? m->at : m->during,
+                        &m->phase));
     const exp_phase *phase = &plan->phases[m->phase];
     const bool many = *m->during || phase->block != SIZE_MAX;
     if (*m->during && phase->n_inner > 0)
@@ -154,11 +152,10 @@ static const char *unit_of(exp_plan *plan, const exp_measure *m, const char *of)
 {
     if (*m->unit) return m->unit;
     if (m->module) return m->pick < 0 ? "" : rp_unit(m->module->outputs[m->pick].unit);
-    const char *dot = of ? strchr(of, '.') : NULL, *name = dot ? dot + 1 : of, *unit = "";
-    for (const exp_observable *o = exp_observables; of && o->name; o++)
-        if (strcmp(o->name, name) == 0) unit = rp_unit(o->unit);
-    if (m->take != TAKE_RATE) return unit;
-    unit = rp_text(&plan->arena, "%s/%s", *unit ? unit : "1", rp_unit("s"));
+    const char *dot = of ? strchr(of, '.') : NULL, *name = dot ? dot + 1 : of, *unit;
+    const exp_observable *o = of ? exp_observable_named(name, ~0u) : NULL;
+    if (m->take != TAKE_RATE) return o ? rp_unit(o->unit) : "";
+    unit = rp_text(&plan->arena, "%s/%s", o && *o->unit ? rp_unit(o->unit) : "1", rp_unit("s"));
     return unit ? unit : "";
 }
 

@@ -95,7 +95,7 @@ static rp_status open_wall(const exp_plan *plan, const config_setting_t *setting
     size_t wall = 0;
     p->opens = -1;
     if (!*p->open) return RP_OK;
-    RP_TRY(exp_find_wall(plan, member(setting, "open"), "open", p->open, &wall));
+    RP_TRY(exp_find(plan, EXP_WALL, member(setting, "open"), "open", p->open, &wall));
     p->opens = (long)wall;
     return RP_OK;
 }
@@ -118,7 +118,7 @@ static rp_status read_move(const config_setting_t *setting, exp_place *place, ex
     exp_plan *plan = place->plan;
     const char *name = config_setting_name(setting);
     bool coefficients = false;
-    RP_TRY(exp_find_wall(plan, setting, NULL, name, &m->wall));
+    RP_TRY(exp_find(plan, EXP_WALL, setting, NULL, name, &m->wall));
     if (!config_setting_is_group(setting))
         return rp_config_fail(setting, "%s: a group { ... } expected", name);
     for (size_t k = 0; k < plan->walls[m->wall].n; k++)
@@ -187,8 +187,8 @@ static rp_status read_add(const config_setting_t *group, exp_place *place, exp_a
     const char *kind = NULL;
     if (member(group, "kind") && !(kind = config_setting_get_string(member(group, "kind"))))
         return rp_config_fail(member(group, "kind"), "kind: a name expected");
-    for (size_t k = 0; kind && k < plan->n_kinds; k++)
-        if (strcmp(plan->kinds[k], kind) == 0) a->kind = (long)k;
+    const exp_scope *named = kind ? exp_scope_named(plan, EXP_KIND, kind, strlen(kind), NULL) : NULL;
+    if (named) a->kind = (long)named->index, a->kind_name = named->name;
     place->of_grain = true;
     for (size_t k = 0; k < sizeof numbers / sizeof *numbers; k++) {
         const config_setting_t *value = member(group, numbers[k].key);
@@ -263,7 +263,7 @@ static rp_status read_from(exp_plan *plan, size_t k, exp_phase *p)
     const config_setting_t *from = member(p->setting, "from"), *remove = member(p->setting, "remove");
     p->source = SIZE_MAX;
     if (*p->from) {
-        RP_TRY(exp_find_phase(plan, from, "from", p->from, &p->source));
+        RP_TRY(exp_find(plan, EXP_PHASE, from, "from", p->from, &p->source));
         exp_phase *source = &plan->phases[p->source];
         if (p->source >= k || source->left_out || (p->block != SIZE_MAX && p->source == p->block))
             return rp_config_fail(from, "from = \"%s\": an earlier phase that is not left out expected",
@@ -275,15 +275,19 @@ static rp_status read_from(exp_plan *plan, size_t k, exp_phase *p)
         }
         source->is_source = true;
     }
-    rp_guess guess = rp_guess_of(p->remove);
-    for (size_t r = 0; r < plan->n_regions && *p->remove; r++) {
-        rp_guess_try(&guess, plan->regions[r].name);
-        if (strcmp(plan->regions[r].name, p->remove) == 0) p->removes = (exp_scope){EXP_REGION, r};
+    if (*p->remove) {
+        p->removes.sort = EXP_REGION;
+        RP_TRY(exp_find(plan, EXP_REGION, remove, "remove", p->remove, &p->removes.index));
     }
-    return !*p->remove || p->removes.kind == EXP_REGION
-               ? RP_OK
-               : rp_config_fail(remove, "remove = \"%s\": no such region%s", p->remove,
-                                rp_guess_text(&guess));
+    return RP_OK;
+}
+
+/* The kind of a fill, or of what a phase adds; "": none. */
+static rp_status name_kind(exp_plan *plan, const config_setting_t *setting, const char *kind)
+{
+    if (!*kind || exp_scope_named(plan, EXP_KIND, kind, strlen(kind), NULL)) return RP_OK;
+    RP_TRY(exp_check_name(plan, setting, "a kind", kind));
+    return exp_add_scope(plan, EXP_KIND, plan->n_kinds++, kind), RP_OK;
 }
 
 /* The head of a phase: its own keys, and whether it is left out. */
@@ -296,7 +300,8 @@ static rp_status name_phase(exp_plan *plan, const config_setting_t *setting, siz
     /* clang-format on */
     static const char *const of_block[] = {"if", "until", "phases", NULL};
     exp_phase *p = &plan->phases[plan->n_phases];
-    const config_setting_t *when = member(setting, "if");
+    const config_setting_t *when = member(setting, "if"), *add = member(setting, "add"),
+                           *kind = add ? member(add, "kind") : NULL;
     exp_place place;
     exp_place_in(&place, plan);
     place.lets_alone = true;
@@ -306,9 +311,8 @@ static rp_status name_phase(exp_plan *plan, const config_setting_t *setting, siz
     if (block != SIZE_MAX && !member(setting, "mark")) p->mark = false;
     if (!exp_is_word(p->name))
         return rp_config_fail(setting, "name = \"%s\": up to 23 letters, digits and _ expected", p->name);
-    for (size_t k = 0; k < plan->n_phases; k++)
-        if (strcmp(plan->phases[k].name, p->name) == 0)
-            return rp_config_fail(setting, "name = \"%s\": names two phases", p->name);
+    if (exp_scope_named(plan, EXP_PHASE, p->name, strlen(p->name), NULL))
+        return rp_config_fail(setting, "name = \"%s\": names two phases", p->name);
     for (const char *const *key =
              (const char *const[]){"least", "every", "most", "open", "mark", "damp", "remove", "keep", NULL};
          has_inner && *key; key++)
@@ -324,8 +328,10 @@ static rp_status name_phase(exp_plan *plan, const config_setting_t *setting, siz
         RP_TRY(exp_expression_read(when, "if", RP_X_TRUTH, &place, &e));
         p->left_out = e.x.value == 0.0;
     }
-    plan->n_phases++;
-    return RP_OK;
+    if (kind && config_setting_get_string(kind))
+        RP_TRY(name_kind(plan, kind, config_setting_get_string(kind)));
+    plan->n_loads += length(member(setting, "walls"));
+    return exp_add_scope(plan, EXP_PHASE, plan->n_phases++, p->name), RP_OK;
 }
 
 static rp_status name_phases(exp_plan *plan, const config_setting_t *list, size_t block)
@@ -393,57 +399,22 @@ rp_status exp_read_phase(exp_plan *plan, size_t k)
     return open_wall(plan, p->setting, p);
 }
 
-/* Of phases, or with a key of what they have under it. */
-static size_t count(const config_setting_t *list, const char *key)
+size_t exp_count_phases(const config_setting_t *list)
 {
-    size_t n = key ? 0 : length(list);
-    for (size_t i = 0; i < length(list); i++) {
-        const config_setting_t *phase = element(list, i);
-        if (!config_setting_is_group(phase)) continue;
-        n += key ? length(member(phase, key)) : 0;
-        if (member(phase, "phases")) n += count(member(phase, "phases"), key);
-    }
+    size_t n = 0;
+    for (size_t i = 0; i < length(list); i++) n += 1 + length(member(element(list, i), "phases"));
     return n;
-}
-
-/* Kinds of the fills, then of what phases add. */
-static rp_status name_kind(exp_plan *plan, const config_setting_t *setting, const char *kind)
-{
-    for (size_t k = 0; k < plan->n_kinds; k++)
-        if (strcmp(plan->kinds[k], kind) == 0) return RP_OK;
-    RP_TRY(exp_check_name(plan, setting, "a kind", kind));
-    plan->kinds[plan->n_kinds++] = kind;
-    return RP_OK;
-}
-
-static rp_status name_added(exp_plan *plan, const config_setting_t *list)
-{
-    for (size_t i = 0; i < length(list); i++) {
-        const config_setting_t *phase = element(list, i);
-        if (!config_setting_is_group(phase)) continue;
-        const config_setting_t *add = member(phase, "add"),
-                               *kind = add && config_setting_is_group(add) ? member(add, "kind") : NULL;
-        if (kind && config_setting_get_string(kind))
-            RP_TRY(name_kind(plan, kind, config_setting_get_string(kind)));
-        if (member(phase, "phases")) RP_TRY(name_added(plan, member(phase, "phases")));
-    }
-    return RP_OK;
-}
-
-rp_status exp_name_kinds(exp_plan *plan)
-{
-    const config_setting_t *list = config_lookup(&plan->text->config, "phases"),
-                           *fill = config_lookup(&plan->text->config, "fill");
-    RP_NEW(&plan->arena, plan->kinds, count(list, NULL) + plan->scene.n_more + 1);
-    for (size_t k = 0; dem_scene_fill_at(&plan->scene, k); k++)
-        if (*plan->scene.kinds[k]) RP_TRY(name_kind(plan, fill, plan->scene.kinds[k]));
-    return name_added(plan, list);
 }
 
 rp_status exp_name_phases(exp_plan *plan)
 {
-    const config_setting_t *list = config_lookup(&plan->text->config, "phases");
-    RP_NEW(&plan->arena, plan->phases, count(list, NULL));
-    RP_NEW(&plan->arena, plan->loads, count(list, "walls"));
-    return name_phases(plan, list, SIZE_MAX);
+    const config_setting_t *list = config_lookup(&plan->text->config, "phases"),
+                           *fill = config_lookup(&plan->text->config, "fill");
+    for (size_t k = 0; dem_scene_fill_at(&plan->scene, k); k++)
+        RP_TRY(name_kind(plan, fill, plan->scene.kinds[k]));
+    RP_NEW(&plan->arena, plan->phases, exp_count_phases(list));
+    RP_TRY(name_phases(plan, list, SIZE_MAX));
+    RP_NEW(&plan->arena, plan->loads, plan->n_loads);
+    plan->n_loads = 0; /* known so far */
+    return RP_OK;
 }

@@ -25,15 +25,12 @@ rp_status exp_check_word(const config_setting_t *setting, const char *what, cons
 rp_status exp_check_name(const exp_plan *plan, const config_setting_t *setting, const char *what,
                          const char *name)
 {
-    const char *other = is_let(plan, name) ? "a let" : NULL;
-    for (size_t k = 0; k < plan->n_walls; k++)
-        if (strcmp(plan->walls[k].name, name) == 0) other = "a wall";
-    for (size_t k = 0; k < plan->n_regions; k++)
-        if (strcmp(plan->regions[k].name, name) == 0) other = "a region";
-    for (size_t k = 0; k < plan->n_kinds; k++)
-        if (strcmp(plan->kinds[k], name) == 0) other = "a kind";
+    static const char *const sorts[] = {
+        [EXP_REGION] = "a region", [EXP_WALL] = "a wall", [EXP_KIND] = "a kind"};
+    const exp_scope *scope = exp_scope_named(plan, EXP_SCOPES, name, strlen(name), NULL);
     RP_TRY(exp_check_word(setting, what, name));
-    return other ? rp_config_fail(setting, "%s names %s and %s", name, other, what) : RP_OK;
+    if (!scope && !is_let(plan, name)) return RP_OK;
+    return rp_config_fail(setting, "%s names %s and %s", name, scope ? sorts[scope->sort] : "a let", what);
 }
 
 bool exp_is_word(const char *word)
@@ -43,27 +40,21 @@ bool exp_is_word(const char *word)
            strspn(word, RP_NAME_LETTERS) == n;
 }
 
-rp_status exp_find_wall(const exp_plan *plan, const config_setting_t *setting, const char *key,
-                        const char *name, size_t *at)
+rp_status exp_find(const exp_plan *plan, int sort, const config_setting_t *setting, const char *key,
+                   const char *name, size_t *index)
 {
+    static const char *const none[] = {
+        [EXP_REGION] = "no such region", [EXP_WALL] = "no wall has this name", [EXP_PHASE] = "no such phase"};
     rp_guess guess = rp_guess_of(name);
-    for (size_t k = 0; k < plan->n_walls; k++) {
-        if (strcmp(plan->walls[k].name, name) == 0) return *at = k, RP_OK;
-        rp_guess_try(&guess, plan->walls[k].name);
-    }
-    if (!key) return rp_config_fail(setting, "%s: no wall has this name%s", name, rp_guess_text(&guess));
-    return rp_config_fail(setting, "%s = \"%s\": no wall has this name%s", key, name, rp_guess_text(&guess));
+    const exp_scope *scope = exp_scope_named(plan, (unsigned)sort, name, strlen(name), &guess);
+    if (scope) return *index = scope->index, RP_OK;
+    if (!key) return rp_config_fail(setting, "%s: %s%s", name, none[sort], rp_guess_text(&guess));
+    return rp_config_fail(setting, "%s = \"%s\": %s%s", key, name, none[sort], rp_guess_text(&guess));
 }
 
-rp_status exp_find_phase(const exp_plan *plan, const config_setting_t *setting, const char *key,
-                         const char *name, size_t *phase)
+void exp_add_scope(exp_plan *plan, int sort, size_t index, const char *name)
 {
-    rp_guess guess = rp_guess_of(name);
-    for (size_t k = 0; k < plan->n_phases; k++) {
-        if (strcmp(plan->phases[k].name, name) == 0) return *phase = k, RP_OK;
-        rp_guess_try(&guess, plan->phases[k].name);
-    }
-    return rp_config_fail(setting, "%s = \"%s\": no such phase%s", key, name, rp_guess_text(&guess));
+    plan->scopes[plan->n_scopes++] = (exp_scope){.sort = sort, .index = index, .name = name};
 }
 
 /* Numbers or expressions, (a, b) or (a, b, c). */

@@ -26,16 +26,15 @@ bool exp_is_word(const char *word); /* of a run's status */
 rp_status exp_read_list(const config_setting_t *list, const char *key, size_t n, exp_place *place,
                         exp_expression *e);
 
-/* A name among those of walls, or of phases, *at its number; a failure names the nearest. Without a key the
- * setting itself bears the name. */
-rp_status exp_find_wall(const exp_plan *plan, const config_setting_t *setting, const char *key,
-                        const char *name, size_t *at);
-rp_status exp_find_phase(const exp_plan *plan, const config_setting_t *setting, const char *key,
-                         const char *name, size_t *phase);
+/* The number of a name of this sort; a failure names the nearest. Without a key the setting itself bears the
+ * name. */
+rp_status exp_find(const exp_plan *plan, int sort, const config_setting_t *setting, const char *key,
+                   const char *name, size_t *index);
+void exp_add_scope(exp_plan *plan, int sort, size_t index, const char *name);
 
-/* Kinds of grains first, then names and places of the phases, then of the measures; then what their
- * expressions say. */
-rp_status exp_name_kinds(exp_plan *plan);
+/* Names and places of the phases, with the kinds of grains; of the measures; then what their expressions say.
+ */
+size_t exp_count_phases(const config_setting_t *list);
 rp_status exp_name_phases(exp_plan *plan);
 rp_status exp_name_measures(exp_plan *plan);
 rp_status exp_read_phase(exp_plan *plan, size_t phase);
