@@ -15,11 +15,9 @@ void exp_save(exp_run *run, size_t phase)
     const size_t n = 2 * run->plan->n_walls;
     dem_free(saved->sim);
     saved->sim = NULL;
-    if (!saved->loads && !(saved->loads = calloc(n + 1, sizeof *saved->loads)))
-        run->failed = rp_fail(RP_NO_MEMORY, "run: out of memory");
-    if (run->failed || (run->failed = dem_clone(run->sim, &saved->sim))) return;
+    if ((run->failed = dem_clone(run->sim, &saved->sim))) return;
     saved->now = run->at.now;
-    if (n) memcpy(saved->loads, run->loads, n * sizeof *saved->loads);
+    memcpy(saved->loads, run->loads, n * sizeof *saved->loads);
 }
 
 void exp_go_back(exp_run *run, const exp_phase *p)
@@ -37,7 +35,7 @@ void exp_go_back(exp_run *run, const exp_phase *p)
     dem_free(run->sim);
     run->sim = copy;
     run->at.now = saved->now;
-    if (n) memcpy(run->loads, saved->loads, n * sizeof *saved->loads);
+    memcpy(run->loads, saved->loads, n * sizeof *saved->loads);
 }
 
 /* ---- laws, and grains that go ---- */
@@ -139,10 +137,9 @@ static bool draw_grain(exp_run *run, const exp_phase *p, dem_grain *g)
     const exp_add *a = &p->add;
     enum { TRIES = 10000 };
     const exp_plan *plan = run->plan;
-    double *const of = run->grain;
     const dem_fill *first = dem_scene_fill_at((dem_scene *)&plan->scene, 0);
     *g = (dem_grain){.r = a->has_r ? exp_value(run, &a->r) : dem_radius_draw(&a->radii, run->random[0])};
-    of[EXP_R] = g->r, of[EXP_Y] = of[EXP_TOUCH] = NAN;
+    run->grain.r = g->r, run->grain.y = run->grain.touch = NAN;
     const double density = a->has_density ? exp_value(run, &a->density)
                            : first        ? first->density
                                           : plan->scene.laws.physics.density,
@@ -156,14 +153,14 @@ static bool draw_grain(exp_run *run, const exp_phase *p, dem_grain *g)
     }
     for (int k = 0; k < TRIES; k++) {
         g->x = between(run, x);
-        of[EXP_TOUCH] = a->in_range ? NAN : touch_height(run, g->x, g->r, gap);
+        run->grain.touch = a->in_range ? NAN : touch_height(run, g->x, g->r, gap);
         const double y[2] = {exp_value(run, &a->y[0]), a->in_range ? exp_value(run, &a->y[1]) : NAN};
         g->y = a->in_range ? between(run, y) : y[0];
         if (!a->in_range) break;
         if (!touches(run, g->x, g->y, g->r)) break;
         if (k == TRIES - 1) return false;
     }
-    of[EXP_Y] = g->y;
+    run->grain.y = g->y;
     g->vx = exp_value(run, &a->vx), g->vy = exp_value(run, &a->vy), g->omega = exp_value(run, &a->omega);
     return isfinite(g->x) && isfinite(g->y);
 }

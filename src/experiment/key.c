@@ -136,7 +136,7 @@ typedef struct {
 static double at_moment(void *host, int id, const double args[])
 {
     const moment *m = host;
-    const exp_use *use = id < EXP_ID_GRAIN ? &m->plan->uses[id] : NULL;
+    const exp_use *use = id < EXP_ID_MEASURE ? &m->plan->uses[id] : NULL;
     (void)args;
     if (use && strcmp(use->of->name, "t") == 0) return m->t;
     return use && strcmp(use->of->name, "phase_step") == 0 ? m->t / m->dt : NAN;

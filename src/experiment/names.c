@@ -83,19 +83,6 @@ static rp_status find_measure(const exp_place *place, const char *name, rp_x_sym
     return RP_OK;
 }
 
-/* What a new grain knows of itself. */
-static const char *const grain_names[EXP_GRAIN_N] = EXP_GRAIN_NAMES;
-
-static bool find_of_grain(const char *name, rp_x_symbol *symbol)
-{
-    for (int k = 0; k < EXP_GRAIN_N; k++)
-        if (strcmp(grain_names[k], name) == 0)
-            return *symbol =
-                       (rp_x_symbol){.type = RP_X_NUMBER, .key = grain_names[k], .id = EXP_ID_GRAIN + k},
-                   true;
-    return false;
-}
-
 static rp_status find(void *host, const char *name, int n_args, rp_x_symbol *symbol, bool *known)
 {
     exp_place *place = host;
@@ -103,11 +90,11 @@ static rp_status find(void *host, const char *name, int n_args, rp_x_symbol *sym
     const char *dot = strchr(name, '.');
     const exp_scope all = {.sort = EXP_ALL},
                     *scope = dot ? exp_scope_named(plan, EXP_SCOPES, name, (size_t)(dot - name), NULL) : &all;
-    if (place->of_grain && n_args < 0 && find_of_grain(name, symbol)) return *known = true, RP_OK;
-    if (!dot && n_args < 0) RP_TRY(rp_lets_find(&plan->text->lets, name, symbol, known));
-    if (*known) return RP_OK;
     const exp_observable *o =
-        scope ? exp_observable_named(dot ? dot + 1 : name, asked_of(scope->sort)) : NULL;
+        place->of_grain && n_args < 0 && !dot ? exp_observable_named(name, OF_NEW) : NULL;
+    if (!o && !dot && n_args < 0) RP_TRY(rp_lets_find(&plan->text->lets, name, symbol, known));
+    if (*known) return RP_OK;
+    if (!o && scope) o = exp_observable_named(dot ? dot + 1 : name, asked_of(scope->sort));
     if (o && place->lets_alone) return rp_fail(RP_BAD_INPUT, "%s is not known before the run", name);
     if (o) return *known = true, use(plan, o, *scope, name, n_args, symbol);
     return n_args < 0 && !place->lets_alone ? find_measure(place, name, symbol, known) : RP_OK;
@@ -120,12 +107,11 @@ static void list(void *host, rp_guess *guess)
     char name[128];
     rp_lets_list(&plan->text->lets, guess);
     for (const exp_observable *o = exp_observables; o->name; o++) {
-        if (o->of & asked_of(EXP_ALL)) rp_guess_try(guess, o->name);
+        if (o->of & (asked_of(EXP_ALL) | (place->of_grain ? OF_NEW : 0))) rp_guess_try(guess, o->name);
         for (const exp_scope *s = plan->scopes; s < plan->scopes + plan->n_scopes; s++)
             if (o->of & asked_of(s->sort))
                 snprintf(name, sizeof name, "%s.%s", s->name, o->name), rp_guess_try(guess, name);
     }
-    for (int k = 0; k < EXP_GRAIN_N && place->of_grain; k++) rp_guess_try(guess, grain_names[k]);
     for (size_t k = 0; k < plan->n_outputs; k++) rp_guess_try(guess, plan->outputs[k].name);
 }
 

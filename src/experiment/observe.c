@@ -376,7 +376,10 @@ static double wall_force(exp_run *run, const exp_use *use, int component)
     X(OF_WALL, angle, 0, 0, RP_X_NUMBER, "rad", "turned since the start, counter-clockwise", wall_now(run, use, 0).angle) \
     X(OF_WALL, torque, 0, 0, RP_X_NUMBER, "dyn cm", "torque of the grains on it about its pivot", wall_torque(run, use)) \
     X(OF_WALL, fx, 0, 0, RP_X_NUMBER, "dyn", "force of the grains on it", wall_force(run, use, 0)) \
-    X(OF_WALL, fy, 0, 0, RP_X_NUMBER, "dyn", "force of the grains on it", wall_force(run, use, 1))
+    X(OF_WALL, fy, 0, 0, RP_X_NUMBER, "dyn", "force of the grains on it", wall_force(run, use, 1)) \
+    X(OF_NEW, r, 0, 0, RP_X_NUMBER, "cm", "radius of the grain that is put in", run->grain.r) \
+    X(OF_NEW, y, 0, 0, RP_X_NUMBER, "cm", "its centre", run->grain.y) \
+    X(OF_NEW, touch, 0, 0, RP_X_NUMBER, "cm", "lowest place above which it meets nothing", run->grain.touch)
 /* clang-format on */
 #define FUNCTION(of, name, least, most, type, unit, meaning, value)                                          \
     static double of##_##name(exp_run *run, const exp_use *use, const double args[])                         \
@@ -445,6 +448,7 @@ rp_status exp_module_values(exp_run *run, const exp_measure *m, double out[EXP_M
 exp_word exp_observable_at(size_t k)
 {
     const exp_observable *o = &exp_observables[k];
+    if (o->of == OF_NEW) return (exp_word){0}; /* the last, which `add` alone knows */
     return (exp_word){o->name,
                       o->of & OF_WALL      ? "WALL."
                       : o->of == OF_REGION ? "REGION."
@@ -459,7 +463,6 @@ double exp_observe(void *host, int id, const double args[])
 {
     exp_run *run = host;
     if (id >= EXP_ID_MEASURE) return run->values[id - EXP_ID_MEASURE];
-    if (id >= EXP_ID_GRAIN) return run->grain[id - EXP_ID_GRAIN];
     const exp_use *use = &run->plan->uses[id];
     return run->failed ? NAN : use->of->value(run, use, args);
 }

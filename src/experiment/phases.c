@@ -55,27 +55,21 @@ static size_t end_of_block(const exp_plan *plan, size_t block)
 static rp_status make_room(exp_run *run)
 {
     const exp_plan *p = run->plan;
-    run->counters = calloc(p->n_states + 1, sizeof *run->counters);
-    run->values = calloc(p->n_outputs + 1, sizeof *run->values);
-    run->samples = calloc(p->n_measures + 1, sizeof *run->samples);
-    run->saved = calloc(p->n_phases + 1, sizeof *run->saved);
-    run->loads = calloc(2 * p->n_walls + 1, sizeof *run->loads);
-    run->points = calloc(p->n_regions + 1, sizeof *run->points);
-    run->kept = calloc(p->n_phases + 1, sizeof *run->kept);
-    run->tables = calloc(p->n_measures + 1, sizeof *run->tables);
-    run->passed = calloc(p->n_phases + 1, sizeof *run->passed);
-    if (!run->kept) return rp_fail(RP_NO_MEMORY, "run: out of memory");
-    if (!run->counters || !run->values || !run->samples || !run->saved || !run->loads || !run->points ||
-        !run->passed || !run->tables)
-        return rp_fail(RP_NO_MEMORY, "run: out of memory");
-    for (size_t k = 0; k < p->n_regions; k++)
-        if (!(run->points[k] = calloc(2 * p->regions[k].n_points + 1, sizeof **run->points)))
-            return rp_fail(RP_NO_MEMORY, "run: out of memory");
+    rp_arena *const arena = &run->arena;
+    RP_NEW(arena, run->counters, p->n_states);
+    RP_NEW(arena, run->values, p->n_outputs);
+    RP_NEW(arena, run->samples, p->n_measures);
+    RP_NEW(arena, run->tables, p->n_measures);
+    RP_NEW(arena, run->loads, 2 * p->n_walls);
+    RP_NEW(arena, run->points, p->n_regions);
+    RP_NEW(arena, run->saved, p->n_phases);
+    RP_NEW(arena, run->kept, p->n_phases);
+    RP_NEW(arena, run->passed, p->n_phases);
+    for (size_t k = 0; k < p->n_regions; k++) RP_NEW(arena, run->points[k], 2 * p->regions[k].n_points);
+    for (size_t k = 0; k < p->n_phases; k++) RP_NEW(arena, run->saved[k].loads, 2 * p->n_walls);
     for (size_t k = 0; k < p->n_measures; k++) {
         const exp_measure *m = &p->measures[k];
-        if (!m->module || !m->module->add) continue;
-        run->tables[k].sums = calloc(m->module->room(m->params), sizeof(double));
-        if (!run->tables[k].sums) return rp_fail(RP_NO_MEMORY, "run: out of memory");
+        if (m->module && m->module->add) RP_NEW(arena, run->tables[k].sums, m->module->room(m->params));
     }
     for (size_t k = 0; k < p->n_outputs; k++) run->values[k] = NAN;
     for (size_t k = 0; k < 2 * p->n_walls; k++) run->loads[k] = -1;
@@ -167,19 +161,13 @@ void exp_run_free(exp_run *run)
 {
     if (!run) return;
     for (size_t k = 0; run->samples && k < run->plan->n_measures; k++) free(run->samples[k].at);
-    for (size_t k = 0; run->saved && k < run->plan->n_phases; k++)
-        dem_free(run->saved[k].sim), free(run->saved[k].loads);
+    for (size_t k = 0; run->saved && k < run->plan->n_phases; k++) dem_free(run->saved[k].sim);
     for (size_t k = 0; run->kept && k < run->plan->n_phases; k++) rp_snapshot_free(&run->kept[k]);
-    free(run->counters), free(run->values), free(run->samples), free(run->marks), free(run->states);
-    free(run->contacts);
-    for (size_t k = 0; run->points && k < run->plan->n_regions; k++) free(run->points[k]);
-    free(run->kinds), free(run->loads), free(run->saved), free(run->points), free(run->kept);
-    free(run->passed);
-    for (size_t k = 0; run->tables && k < run->plan->n_measures; k++) free(run->tables[k].sums);
-    free(run->tables);
+    free(run->marks), free(run->kinds), free(run->states), free(run->contacts);
     for (int k = 0; k < 2; k++)
         if (run->random[k]) gsl_rng_free(run->random[k]);
     dem_free(run->sim);
+    rp_arena_end(&run->arena);
     free(run);
 }
 
@@ -451,7 +439,7 @@ bool exp_goes_back(const exp_plan *plan)
 static double show(void *host, int id, const double args[])
 {
     const exp_run *run = host;
-    const exp_use *use = id < EXP_ID_GRAIN ? &run->plan->uses[id] : NULL;
+    const exp_use *use = id < EXP_ID_MEASURE ? &run->plan->uses[id] : NULL;
     return use && use->of->type == RP_X_TRUTH ? run->counters[use->state] : exp_observe(host, id, args);
 }
 
@@ -519,10 +507,7 @@ static void keep_saved(rp_snapshot *s, const exp_run *run, exp_saved *saved)
     keep_sim(s, &saved->sim);
     if (!saved->sim || s->status) return;
     RP_KEEP(s, saved->now);
-    if (!saved->loads && !(saved->loads = calloc(n + 1, sizeof *saved->loads)))
-        s->status = rp_fail(RP_NO_MEMORY, "run: out of memory");
-    else
-        keep_longs(s, saved->loads, n, -1, run->plan->n_loads);
+    keep_longs(s, saved->loads, n, -1, run->plan->n_loads);
     rp_keep_check(s, saved->now.laws == SIZE_MAX || saved->now.laws < run->plan->n_phases,
                   "a run of another file");
 }

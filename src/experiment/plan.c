@@ -18,7 +18,7 @@ static rp_status check_lets(const exp_plan *plan)
 {
     const config_setting_t *let = config_lookup(&plan->text->config, "let");
     for (size_t k = 0; k < plan->text->lets.n; k++)
-        if (exp_observable_named(plan->text->lets.lets[k].name, ~0u))
+        if (exp_observable_named(plan->text->lets.lets[k].name, ~(unsigned)OF_NEW))
             return rp_config_fail(let, "let.%s: is an observable", plan->text->lets.lets[k].name);
     return RP_OK;
 }

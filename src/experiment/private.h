@@ -6,13 +6,8 @@
 
 #include "experiment/experiment.h"
 
-/* Symbols: below the first uses of observables, then what a new grain knows of itself, then outputs. */
-enum { EXP_ID_GRAIN = 1 << 19, EXP_ID_MEASURE = 1 << 20 };
-#define EXP_GRAIN_NAMES                                                                                      \
-    {                                                                                                        \
-        "r", "y", "touch"                                                                                    \
-    }
-enum { EXP_R, EXP_Y, EXP_TOUCH, EXP_GRAIN_N };
+/* Symbols: uses of observables below this, then outputs. */
+enum { EXP_ID_MEASURE = 1 << 20 };
 
 /* An expression of the text, with its place in a run's counters. */
 typedef struct {
@@ -32,8 +27,8 @@ enum { EXP_SCOPES = EXP_REGION | EXP_WALL | EXP_KIND }; /* their names differ fr
 typedef struct exp_use exp_use;
 typedef struct {
     const char *name;
-    enum { OF_RUN = 1, OF_GRAINS = 2, OF_REGION = 4, OF_PART = 6, OF_WALL = 8 } of; /* sums; part: of both */
-    int least, most;                                                                /* numbers in brackets */
+    enum { OF_RUN = 1, OF_GRAINS = 2, OF_REGION = 4, OF_PART = 6, OF_WALL = 8, OF_NEW = 16 } of; /* sums */
+    int least, most; /* numbers in brackets */
     rp_x_type type;
     const char *unit, *meaning;
     double (*value)(exp_run *run, const exp_use *use, const double args[]);
@@ -224,6 +219,7 @@ typedef struct {
 
 struct exp_run {
     const exp_plan *plan;
+    rp_arena arena; /* of what has the same size all along */
     dem_sim *sim;
     rp_status failed; /* of a look */
     bool ahead;       /* t and phase_step are those of the step to come, at its middle */
@@ -251,7 +247,9 @@ struct exp_run {
     exp_passed *passed;        /* of phases; their names aside */
     rp_snapshot *kept;         /* of phases: their ends, for other runs */
     double **points;           /* of regions: the corners of a polygon, as they were last asked for */
-    double grain[EXP_GRAIN_N]; /* that is being added */
+    struct {
+        double r, y, touch;
+    } grain; /* that is being added */
     /* readings of the present state, made when they are asked for */
     bool fresh;
     size_t n_states, n_contacts;

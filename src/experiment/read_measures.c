@@ -153,7 +153,7 @@ static const char *unit_of(exp_plan *plan, const exp_measure *m, const char *of)
     if (*m->unit) return m->unit;
     if (m->module) return m->pick < 0 ? "" : rp_unit(m->module->outputs[m->pick].unit);
     const char *dot = of ? strchr(of, '.') : NULL, *name = dot ? dot + 1 : of, *unit;
-    const exp_observable *o = of ? exp_observable_named(name, ~0u) : NULL;
+    const exp_observable *o = of ? exp_observable_named(name, ~(unsigned)OF_NEW) : NULL;
     if (m->take != TAKE_RATE) return o ? rp_unit(o->unit) : "";
     unit = rp_text(&plan->arena, "%s/%s", o && *o->unit ? rp_unit(o->unit) : "1", rp_unit("s"));
     return unit ? unit : "";

@@ -5,13 +5,7 @@
 #include <string.h>
 
 #include "params/config.h"
-
-static bool is_let(const exp_plan *plan, const char *name)
-{
-    for (size_t k = 0; k < plan->text->lets.n; k++)
-        if (strcmp(plan->text->lets.lets[k].name, name) == 0) return true;
-    return false;
-}
+#include "params/lets.h"
 
 rp_status exp_check_word(const config_setting_t *setting, const char *what, const char *name)
 {
@@ -29,7 +23,7 @@ rp_status exp_check_name(const exp_plan *plan, const config_setting_t *setting, 
         [EXP_REGION] = "a region", [EXP_WALL] = "a wall", [EXP_KIND] = "a kind"};
     const exp_scope *scope = exp_scope_named(plan, EXP_SCOPES, name, strlen(name), NULL);
     RP_TRY(exp_check_word(setting, what, name));
-    if (!scope && !is_let(plan, name)) return RP_OK;
+    if (!scope && !rp_lets_has(setting, name)) return RP_OK;
     return rp_config_fail(setting, "%s names %s and %s", name, scope ? sorts[scope->sort] : "a let", what);
 }
 
