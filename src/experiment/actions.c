@@ -138,11 +138,12 @@ static bool draw_grain(exp_run *run, const exp_phase *p, dem_grain *g)
     enum { TRIES = 10000 };
     const exp_plan *plan = run->plan;
     const dem_fill *first = dem_scene_fill_at((dem_scene *)&plan->scene, 0);
-    *g = (dem_grain){.r = a->has_r ? exp_value(run, &a->r) : dem_radius_draw(&a->radii, run->random[0])};
+    *g = (dem_grain){.r = exp_given(&a->r) ? exp_value(run, &a->r)
+                                           : dem_radius_draw(&a->radii, run->random[0])};
     run->grain.r = g->r, run->grain.y = run->grain.touch = NAN;
-    const double density = a->has_density ? exp_value(run, &a->density)
-                           : first        ? first->density
-                                          : plan->scene.laws.physics.density,
+    const double density = exp_given(&a->density) ? exp_value(run, &a->density)
+                           : first                ? first->density
+                                                  : plan->scene.laws.physics.density,
                  gap = exp_value(run, &a->gap);
     g->m = dem_mass(plan->scene.def.shape, density, g->r);
     const double x[2] = {exp_value(run, &a->x[0]), exp_value(run, &a->x[1])};

@@ -428,10 +428,12 @@ rp_status exp_module_values(exp_run *run, const exp_measure *m, double out[EXP_M
     RP_SCOPE(memory);
     for (int c = 0; c < 2 && !in.all && !in.circle; c++)
         view.lo[c] = in.at[2 * c], view.hi[c] = in.at[2 * c + 1];
-    if (module->bounded && !(isfinite(view.lo[0]) && view.hi[0] > view.lo[0] && isfinite(view.hi[0])))
+    if ((module->needs & EXP_BOUNDED) &&
+        !(isfinite(view.lo[0]) && view.hi[0] > view.lo[0] && isfinite(view.hi[0])))
         return rp_fail(RP_NO_RESULT, "the region goes from x = %g to %g", view.lo[0], view.hi[0]);
-    if (module->on_wall) view.walls = plan->walls[m->on].walls, view.n_walls = plan->walls[m->on].n;
-    if (module->on_contacts) view.contacts = exp_contacts(run, &view.n_contacts);
+    if (module->needs & EXP_ON_WALL)
+        view.walls = plan->walls[m->on].walls, view.n_walls = plan->walls[m->on].n;
+    if (module->needs & EXP_ON_CONTACTS) view.contacts = exp_contacts(run, &view.n_contacts);
     view.all = exp_states(run), view.n_all = run->n_states;
     if (run->failed) return run->failed;
     RP_NEW(&memory, grains, view.n_all);
@@ -479,14 +481,22 @@ bool exp_true(exp_run *run, const exp_expression *e)
     return exp_value(run, e) == 1.0;
 }
 
+typedef struct {
+    const exp_plan *plan;
+    const char *observable;
+    bool asks;
+} question;
+
 static void ask(void *host, int id)
 {
-    *(bool *)host |= id < EXP_ID_MEASURE;
+    question *q = host;
+    q->asks |=
+        id < EXP_ID_MEASURE && (!q->observable || strcmp(q->plan->uses[id].of->name, q->observable) == 0);
 }
 
-bool exp_changes(const exp_expression *e)
+bool exp_asks(const exp_plan *plan, const exp_expression *e, const char *observable)
 {
-    bool asks = false;
-    rp_expression_each(&e->x, ask, &asks);
-    return asks;
+    question q = {plan, observable, false};
+    rp_expression_each(&e->x, ask, &q);
+    return q.asks;
 }

@@ -180,16 +180,16 @@ static void clear(exp_run *run, const size_t states[2])
 
 static void move_walls(exp_run *run, const exp_phase *p, const exp_move *m)
 {
-    const double velocity[2] = {m->has_velocity ? exp_value(run, &m->velocity[0]) : 0.0,
-                                m->has_velocity ? exp_value(run, &m->velocity[1]) : 0.0},
-                 omega = m->has_omega ? exp_value(run, &m->omega) : NAN;
-    exp_move_wall(run, p, &run->plan->walls[m->wall], m->has_velocity ? velocity : NULL, omega);
+    const bool moves = exp_given(&m->velocity[0]);
+    const double velocity[2] = {exp_value(run, &m->velocity[0]), exp_value(run, &m->velocity[1])},
+                 omega = exp_given(&m->omega) ? exp_value(run, &m->omega) : NAN;
+    exp_move_wall(run, p, &run->plan->walls[m->wall], moves ? velocity : NULL, omega);
 }
 
 /* Gravity and the motion of walls, at the phase's start; before each step those that change. */
 static void set_forces(exp_run *run, const exp_phase *p, bool each_step)
 {
-    if (p->has_gravity && p->gravity_each_step == each_step)
+    if (exp_given(&p->gravity[0]) && p->gravity_each_step == each_step)
         dem_gravity_set(run->sim, (double[]){exp_value(run, &p->gravity[0]), exp_value(run, &p->gravity[1])});
     for (size_t k = 0; k < p->n_moves; k++)
         if (p->moves[k].each_step == each_step) move_walls(run, p, &p->moves[k]);
@@ -248,7 +248,7 @@ static void begin_phase(exp_run *run)
     exp_load_walls(run, p);
     set_forces(run, p, false);
     for (int k = 0; k < 2; k++)
-        if (p->turns[k]) {
+        if (exp_given(&p->turn[k])) {
             run->at.now.turn[k] = exp_value(run, &p->turn[k]);
             (k ? dem_box_turn : dem_gravity_turn)(run->sim, run->at.now.turn[k] * (M_PI / 180.0));
         }

@@ -59,11 +59,11 @@ static rp_status read_polygon(const config_setting_t *list, exp_place *place, ex
 
 static rp_status read_region(const config_setting_t *setting, exp_place *place, exp_region *r)
 {
-    static const rp_param none[] = {{0}};
     const config_setting_t *x = member(setting, "x"), *y = member(setting, "y"),
                            *circle = member(setting, "circle"), *polygon = member(setting, "polygon");
     *r = (exp_region){.name = config_setting_name(setting), .circle = circle != NULL};
-    RP_TRY(rp_config_group(setting, none, NULL, (const char *const[]){"x", "y", "circle", "polygon", NULL}));
+    RP_TRY(rp_config_group(setting, exp_no_keys, NULL,
+                           (const char *const[]){"x", "y", "circle", "polygon", NULL}));
     if ((x || y) + (circle != NULL) + (polygon != NULL) != 1)
         return rp_config_fail(setting, "%s: x, y or both, or circle, or polygon expected", r->name);
     for (int k = 0; k < 4; k++)
@@ -237,8 +237,6 @@ const exp_output *exp_outputs(const exp_plan *plan, size_t *n)
     return plan->outputs;
 }
 
-static const rp_param no_schema[] = {{0}};
-
 const exp_group exp_groups[] = {
     {"phases", exp_phase_schema,
      "a list, in its order: name; one of steps (a number), time (s), until (a condition, looked at every "
@@ -252,11 +250,11 @@ const exp_group exp_groups[] = {
      "a list of columns: name; of (an expression, a module or MODULE.OUTPUT); at or during a phase; when (a "
      "condition, of samples); if (a condition of lets); columns = [\"NAME\", ...] (the first of its columns, "
      "by these names)"},
-    {"regions", no_schema,
+    {"regions", exp_no_keys,
      "NAME = { x = (from, to); y = (from, to); }, { circle = (x, y, radius); } or { polygon = ( (x, y), ... "
      "); "
      "}, in the box's frame, by expressions"},
-    {"require", no_schema,
+    {"require", exp_no_keys,
      "( (\"condition\", \"message\"), ... ): what must hold of the lets; asked before anything runs"},
     {"rest", rest_schema, "what the condition `rest` asks, in m, |g| and d of the mean grain"},
     {0}};

@@ -15,6 +15,11 @@ typedef struct {
     size_t state;
 } exp_expression;
 
+static inline bool exp_given(const exp_expression *e)
+{
+    return e->x.text != NULL;
+}
+
 /* What a name of the text stands for, by its number among those of its sort; so what an observable is of.
  * Sorts are bits. */
 typedef struct {
@@ -65,8 +70,8 @@ typedef struct {
 /* What a wall does from here on: a motion, a load along x or y in which it is free, or the end of that. */
 typedef enum { EXP_SAME, EXP_LOADED, EXP_FREED } exp_loading;
 typedef struct {
-    size_t wall;                             /* number among the plan's */
-    bool has_velocity, has_omega, each_step; /* the latter: it asks for what changes from step to step */
+    size_t wall;    /* number among the plan's */
+    bool each_step; /* it asks for what changes from step to step */
     exp_expression velocity[2], omega;
     exp_loading loading[2];
     exp_expression load[2], speed;
@@ -75,8 +80,8 @@ typedef struct {
 
 /* Grains that a phase puts in. */
 typedef struct {
-    bool on, has_r, has_density, in_range; /* in_range: anywhere between y[0] and y[1] */
-    long kind;                             /* number, -1: none */
+    bool on, in_range; /* the latter: anywhere between y[0] and y[1] */
+    long kind;         /* number, -1: none */
     const char *kind_name;
     exp_expression n, r, density, x[2], y[2], vx, vy, omega, gap;
     dem_fill radii;
@@ -97,8 +102,8 @@ typedef struct {
     exp_expression end;     /* steps, time or until; of a block, its until */
     exp_expression turn[2]; /* degrees a step: gravity, box */
     exp_expression gravity[2];
-    bool turns[2], has_gravity, gravity_each_step, each_step; /* the last: this or a move */
-    long opens;                                               /* number of the wall, or -1 */
+    bool gravity_each_step, each_step; /* the last: this or a move */
+    long opens;                        /* number of the wall, or -1 */
     size_t n_moves;
     exp_move *moves;
     exp_add add;
@@ -266,8 +271,8 @@ double exp_dt(const exp_run *run); /* of the laws that hold */
 double exp_value(exp_run *run, const exp_expression *e);
 bool exp_true(exp_run *run, const exp_expression *e);
 
-/* Does an expression ask for anything but measures? */
-bool exp_changes(const exp_expression *e);
+/* Does an expression ask for this observable; NULL: for any, and not for measures alone? */
+bool exp_asks(const exp_plan *plan, const exp_expression *e, const char *observable);
 
 /* The states of the grains as they are now; NULL after a failure. */
 const dem_state *exp_states(exp_run *run);

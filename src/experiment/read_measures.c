@@ -90,7 +90,7 @@ static rp_status read_module(exp_plan *plan, const config_setting_t *setting, ex
 static rp_status read_scope(const exp_plan *plan, exp_measure *m)
 {
     const config_setting_t *in = member(m->setting, "in");
-    const bool on_wall = m->module && m->module->on_wall;
+    const bool on_wall = m->module && (m->module->needs & EXP_ON_WALL);
     if (on_wall != (*m->wall != '\0'))
         return rp_config_fail(m->setting, "measure %s: wall: %s", m->name,
                               on_wall ? "missing, whose load is measured" : "of the module base");
@@ -101,7 +101,7 @@ static rp_status read_scope(const exp_plan *plan, exp_measure *m)
         m->scope.sort = EXP_REGION;
         return exp_find(plan, EXP_REGION, in, "in", m->in, &m->scope.index);
     }
-    return m->module && m->module->bounded
+    return m->module && (m->module->needs & EXP_BOUNDED)
                ? rp_config_fail(m->setting, "measure %s: in: missing (a region with two ends in x)", m->name)
                : RP_OK;
 }
@@ -243,7 +243,6 @@ static rp_status read_level(exp_plan *plan, exp_measure *m)
 static rp_status name_measure(exp_plan *plan, const config_setting_t *setting, exp_measure *m)
 {
     const char *others[EXP_MODULE_OUTPUTS] = {"of", "when", "if", "event", "columns", "against", NULL};
-    exp_place place;
     *m = (exp_measure){.setting = setting};
     rp_params_defaults(exp_measure_schema, m);
     if (!config_setting_is_group(setting))
@@ -255,13 +254,7 @@ static rp_status name_measure(exp_plan *plan, const config_setting_t *setting, e
                                     : exp_check_name(plan, setting, "a measure", m->name));
     if (!member(setting, "of"))
         return rp_config_fail(setting, "measure %s: of: missing (what is measured)", m->name);
-    exp_place_in(&place, plan);
-    place.lets_alone = true;
-    if (member(setting, "if")) {
-        exp_expression e;
-        RP_TRY(exp_expression_read(member(setting, "if"), "if", RP_X_TRUTH, &place, &e));
-        m->left_out = e.x.value == 0.0;
-    }
+    RP_TRY(exp_read_if(plan, setting, &m->left_out));
     RP_TRY(check_columns(plan, m));
     m->file =
         rp_text(&plan->arena, "%s_%s.tsv", m->module && m->module->add ? m->module->name : "series", m->name);
@@ -302,22 +295,21 @@ rp_status exp_name_measures(exp_plan *plan)
 rp_status exp_read_measure(exp_plan *plan, size_t k)
 {
     exp_measure *m = &plan->measures[k];
-    const config_setting_t *when = member(m->setting, "when");
+    const config_setting_t *when = member(m->setting, "when"), *event = member(m->setting, "event");
+    const exp_key_of keys[] = {{"of", m->module ? NULL : &m->of},
+                               {"event", &m->event, .type = RP_X_TRUTH},
+                               {"when", &m->when, .type = RP_X_TRUTH},
+                               {"against", &m->against},
+                               {0}};
     exp_place place;
     exp_place_in(&place, plan);
     place.names.measure = true;
     place.measure = k;
-    m->states[0] = plan->n_states;
-    const config_setting_t *event = member(m->setting, "event");
-    if (!m->module) RP_TRY(exp_expression_read(member(m->setting, "of"), "of", RP_X_NUMBER, &place, &m->of));
     if (event && m->take != TAKE_AVALANCHES)
         return rp_config_fail(event, "event: needs take = \"avalanches\"");
-    if (event) RP_TRY(exp_expression_read(event, "event", RP_X_TRUTH, &place, &m->event));
     if (when && m->take == TAKE_VALUE) return rp_config_fail(when, "when: needs samples, during = \"PHASE\"");
-    if (when) RP_TRY(exp_expression_read(when, "when", RP_X_TRUTH, &place, &m->when));
-    if (m->take == TAKE_LINE)
-        RP_TRY(
-            exp_expression_read(member(m->setting, "against"), "against", RP_X_NUMBER, &place, &m->against));
+    m->states[0] = plan->n_states;
+    RP_TRY(exp_read_keys(m->setting, "", keys, &place));
     m->states[1] = plan->n_states;
     return RP_OK;
 }

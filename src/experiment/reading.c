@@ -61,3 +61,36 @@ rp_status exp_read_list(const config_setting_t *list, const char *key, size_t n,
         RP_TRY(exp_expression_read(element(list, i), key, RP_X_NUMBER, place, &e[i]));
     return RP_OK;
 }
+
+rp_status exp_read_keys(const config_setting_t *group, const char *within, const exp_key_of *keys,
+                        exp_place *place)
+{
+    for (; keys->key; keys++) {
+        const config_setting_t *setting = member(group, keys->key);
+        exp_expression *e = keys->e;
+        char name[64];
+        double number;
+        if (!setting || !e) continue;
+        if (keys->n > 0)
+            RP_TRY(exp_read_list(setting, keys->key, keys->n, place, e));
+        else
+            RP_TRY(exp_expression_read(setting, keys->key, keys->type, place, e));
+        if (!keys->range || !e->x.known) continue;
+        snprintf(name, sizeof name, "%s%s", within, keys->key);
+        const rp_param param = {.name = name, .unit = "", .type = RP_REAL, .range = keys->range};
+        if (rp_params_set(&param, &number, &(rp_value){.kind = RP_V_REAL, .r = e->x.value}))
+            return rp_config_fail(setting, "%s", rp_message());
+    }
+    return RP_OK;
+}
+
+rp_status exp_read_if(exp_plan *plan, const config_setting_t *group, bool *left_out)
+{
+    exp_expression e = {0};
+    exp_place place;
+    exp_place_in(&place, plan);
+    place.lets_alone = true;
+    RP_TRY(exp_read_keys(group, "", (const exp_key_of[]){{"if", &e, .type = RP_X_TRUTH}, {0}}, &place));
+    *left_out = exp_given(&e) && e.x.value == 0.0;
+    return RP_OK;
+}

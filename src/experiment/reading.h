@@ -26,6 +26,22 @@ bool exp_is_word(const char *word); /* of a run's status */
 rp_status exp_read_list(const config_setting_t *list, const char *key, size_t n, exp_place *place,
                         exp_expression *e);
 
+/* Keys of a group that are expressions, ended by a NULL key; those that are there are read, but for e = NULL.
+ * n: numbers of a list, 0: one alone. The range is that of a number that is known, as of a parameter, NULL:
+ * any; `within` stands before the key where it fails. Errors: RP_BAD_INPUT. */
+typedef struct {
+    const char *key;
+    exp_expression *e;
+    size_t n;
+    rp_x_type type;
+    const char *range;
+} exp_key_of;
+rp_status exp_read_keys(const config_setting_t *group, const char *within, const exp_key_of *keys,
+                        exp_place *place);
+
+/* The condition `if` of a phase or measure: whether that is left out. */
+rp_status exp_read_if(exp_plan *plan, const config_setting_t *group, bool *left_out);
+
 /* The number of a name of this sort; a failure names the nearest. Without a key the setting itself bears the
  * name. */
 rp_status exp_find(const exp_plan *plan, int sort, const config_setting_t *setting, const char *key,

@@ -86,12 +86,5 @@ static rp_status evaluate(const exp_view *s, const void *params, double out[])
     return RP_OK;
 }
 
-const exp_module exp_module_base = {.name = "base",
-                                    .about = "load of a pile on a level wall under it, and its profile",
-                                    .word = "no_pile",
-                                    .schema = schema,
-                                    .size = sizeof(base_params),
-                                    .outputs = outputs,
-                                    .on_wall = true,
-                                    .on_contacts = true,
-                                    .evaluate = evaluate};
+EXP_MODULE(base, "load of a pile on a level wall under it, and its profile", "no_pile", schema, base_params,
+           outputs, EXP_ON_WALL | EXP_ON_CONTACTS, .evaluate = evaluate);

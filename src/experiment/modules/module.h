@@ -31,14 +31,14 @@ typedef struct {
     const size_t *walls;
 } exp_view;
 
+/* What a module needs, added together: a region with two ends in x, a wall, the contacts. */
+enum { EXP_BOUNDED = 1, EXP_ON_WALL = 2, EXP_ON_CONTACTS = 4 };
 typedef struct {
     const char *name, *about, *word; /* the word: status of a run for which it has no numbers */
     const rp_param *schema;          /* of the structure below */
     size_t size;
     const exp_output *outputs; /* endings of names */
-    bool bounded;              /* its region must have two ends in x */
-    bool on_wall;              /* it is of a wall too */
-    bool on_contacts;          /* it asks for the contacts */
+    unsigned needs;
     /* Errors: RP_NO_RESULT; others. */
     rp_status (*evaluate)(const exp_view *view, const void *params, double out[]);
     /* Of one that has a table instead of outputs: how many sums it needs; what a sample adds to them, 0 at
@@ -47,6 +47,16 @@ typedef struct {
     rp_status (*add)(const exp_view *view, const void *params, double sums[]);
     void (*write)(const void *params, double samples, const double sums[], FILE *out);
 } exp_module;
+extern const rp_param exp_no_keys[]; /* the schema of one without parameters, a char */
+#define EXP_MODULE(NAME, ABOUT, WORD, KEYS, TYPE, OUTPUTS, NEEDS, ...)                                       \
+    const exp_module exp_module_##NAME = {.name = #NAME,                                                     \
+                                          .about = ABOUT,                                                    \
+                                          .word = WORD,                                                      \
+                                          .schema = KEYS,                                                    \
+                                          .size = sizeof(TYPE),                                              \
+                                          .outputs = OUTPUTS,                                                \
+                                          .needs = NEEDS,                                                    \
+                                          __VA_ARGS__}
 
 /* Is a grain of this id in a view, whose ids rise? */
 bool exp_view_has(const exp_view *view, uint32_t id);
