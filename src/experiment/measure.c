@@ -275,34 +275,19 @@ void exp_measure_phase(exp_run *run, size_t phase)
 
 /* ---- series ---- */
 
-static bool has_table(const exp_measure *m)
-{
-    return m->series || (m->module && m->module->add);
-}
-
-static size_t nth_series(const exp_plan *plan, size_t k)
-{
-    size_t m = 0;
-    for (; m < plan->n_measures; m++)
-        if (has_table(&plan->measures[m]) && k-- == 0) break;
-    return m;
-}
-
 size_t exp_series_count(const exp_plan *plan)
 {
-    size_t n = 0;
-    for (size_t m = 0; m < plan->n_measures; m++) n += has_table(&plan->measures[m]);
-    return n;
+    return plan->n_series;
 }
 
 const char *exp_series_name(const exp_plan *plan, size_t k)
 {
-    return plan->measures[nth_series(plan, k)].file;
+    return plan->measures[plan->series[k]].file;
 }
 
 void exp_series_write(const exp_run *run, size_t k, FILE *out)
 {
-    const size_t number = nth_series(run->plan, k);
+    const size_t number = run->plan->series[k];
     const exp_samples *s = &run->samples[number];
     const exp_measure *m = &run->plan->measures[number];
     const exp_table *table = &run->tables[number];

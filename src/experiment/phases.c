@@ -604,36 +604,26 @@ void exp_keep_end(exp_run *run, size_t phase)
     run->failed = kept->status;
 }
 
-static size_t nth_kept(const exp_plan *plan, size_t k)
-{
-    size_t phase = 0;
-    for (; phase < plan->n_phases; phase++)
-        if (plan->phases[phase].keep && !plan->phases[phase].left_out && k-- == 0) break;
-    return phase;
-}
-
 size_t exp_kept_count(const exp_plan *plan)
 {
-    size_t n = 0;
-    for (size_t k = 0; k < plan->n_phases; k++) n += plan->phases[k].keep && !plan->phases[k].left_out;
-    return n;
+    return plan->n_kept;
 }
 
 const char *exp_kept_name(const exp_plan *plan, size_t k)
 {
-    return plan->phases[nth_kept(plan, k)].name;
+    return plan->phases[plan->kept[k]].name;
 }
 
 const rp_snapshot *exp_kept(const exp_run *run, size_t k)
 {
-    return &run->kept[nth_kept(run->plan, k)];
+    return &run->kept[run->plan->kept[k]];
 }
 
 rp_status exp_kept_key(const exp_plan *plan, size_t k, unsigned long seed, unsigned long stream,
                        char digits[33])
 {
     RP_SCOPE(arena);
-    char *begun = exp_key_to(plan, nth_kept(plan, k) + 1);
+    char *begun = exp_key_to(plan, plan->kept[k] + 1);
     const char *whole =
         begun ? rp_text(&arena, "%sarrays %zu %zu %zu %zu streams %lu %lu\n", begun, plan->n_states,
                         plan->n_outputs, plan->n_measures, plan->n_loads, seed, stream)
@@ -646,7 +636,7 @@ rp_status exp_kept_key(const exp_plan *plan, size_t k, unsigned long seed, unsig
 
 rp_status exp_begin(exp_run *run, size_t k, rp_snapshot *state)
 {
-    const size_t phase = nth_kept(run->plan, k);
+    const size_t phase = run->plan->kept[k];
     keep_state(state, run, phase + 1);
     RP_TRY(rp_snapshot_end(state));
     if (run->at.phase <= phase && !run->at.done)

@@ -189,7 +189,8 @@ static rp_status read(exp_plan *plan)
     RP_NEW(&plan->arena, plan->scopes,
            plan->scene.n_names + plan->scene.n_more + 1 +
                2 * exp_count_phases(config_lookup(&text->config, "phases")) +
-               length(config_lookup(&text->config, "regions")));
+               length(config_lookup(&text->config, "regions")) +
+               length(config_lookup(&text->config, "measure")));
     RP_TRY(read_walls(plan));
     RP_TRY(exp_name_phases(plan));
     RP_TRY(read_regions(plan));

@@ -23,7 +23,7 @@ static inline bool exp_given(const exp_expression *e)
 /* What a name of the text stands for, by its number among those of its sort; so what an observable is of.
  * Sorts are bits. */
 typedef struct {
-    enum { EXP_ALL = 0, EXP_REGION = 1, EXP_WALL = 2, EXP_KIND = 4, EXP_PHASE = 8 } sort;
+    enum { EXP_ALL = 0, EXP_REGION = 1, EXP_WALL = 2, EXP_KIND = 4, EXP_PHASE = 8, EXP_MEASURE = 16 } sort;
     size_t index;
     const char *name;
 } exp_scope;
@@ -161,8 +161,10 @@ struct exp_plan {
         double energy, force;
         long looks, every;
     } rest;
-    size_t n_scopes, n_regions, n_walls, n_phases, n_measures, n_outputs, n_uses, n_states, n_kinds, n_loads;
-    exp_scope *scopes; /* in the order of the text */
+    size_t n_scopes, n_regions, n_walls, n_phases, n_measures, n_outputs, n_uses, n_states, n_kinds, n_loads,
+        n_series, n_kept;
+    size_t *series, *kept; /* measures with a table; phases whose ends are kept */
+    exp_scope *scopes;     /* in the order of the text */
     exp_move **loads;
     bool adds; /* some phase does */
     exp_region *regions;

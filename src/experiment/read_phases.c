@@ -369,6 +369,9 @@ rp_status exp_name_phases(exp_plan *plan)
     RP_NEW(&plan->arena, plan->phases, exp_count_phases(list));
     RP_TRY(name_phases(plan, list, SIZE_MAX));
     RP_NEW(&plan->arena, plan->loads, plan->n_loads);
+    RP_NEW(&plan->arena, plan->kept, plan->n_phases);
+    for (size_t k = 0; k < plan->n_phases; k++)
+        if (plan->phases[k].keep && !plan->phases[k].left_out) plan->kept[plan->n_kept++] = k;
     plan->n_loads = 0; /* known so far */
     return RP_OK;
 }

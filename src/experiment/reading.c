@@ -37,8 +37,10 @@ bool exp_is_word(const char *word)
 rp_status exp_find(const exp_plan *plan, int sort, const config_setting_t *setting, const char *key,
                    const char *name, size_t *index)
 {
-    static const char *const none[] = {
-        [EXP_REGION] = "no such region", [EXP_WALL] = "no wall has this name", [EXP_PHASE] = "no such phase"};
+    static const char *const none[] = {[EXP_REGION] = "no such region",
+                                       [EXP_WALL] = "no wall has this name",
+                                       [EXP_PHASE] = "no such phase",
+                                       [EXP_MEASURE] = "no earlier measure has this name"};
     rp_guess guess = rp_guess_of(name);
     const exp_scope *scope = exp_scope_named(plan, (unsigned)sort, name, strlen(name), &guess);
     if (scope) return *index = scope->index, RP_OK;
