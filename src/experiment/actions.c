@@ -202,17 +202,22 @@ void exp_add_grains(exp_run *run, const exp_phase *p)
 
 /* ---- walls ---- */
 
-/* All walls of a name move as one; along a direction in which one is free, its load sees to that. */
-void exp_move_wall(exp_run *run, const exp_phase *p, const exp_wall *wall, const double velocity[2],
-                   double omega)
+/* All walls of a name move as one. */
+static void give_velocity(exp_run *run, const exp_wall *wall, const double velocity[2], double omega)
+{
+    for (size_t k = 0; k < wall->n && !run->at.done; k++)
+        if (dem_wall_move(run->sim, wall->walls[k], velocity, omega))
+            exp_conclude(run, "too_fast", "phase %s: %s: %s", run->plan->phases[run->at.phase].name,
+                         wall->name, rp_message());
+}
+
+void exp_move_wall(exp_run *run, const exp_wall *wall, const double velocity[2], double omega)
 {
     const size_t w = (size_t)(wall - run->plan->walls);
     const dem_wall_state now = dem_wall_now(run->sim, wall->walls[0]);
     double v[2];
     for (int c = 0; c < 2 && velocity; c++) v[c] = run->loads[2 * w + c] >= 0 ? now.velocity[c] : velocity[c];
-    for (size_t k = 0; k < wall->n && !run->at.done; k++)
-        if (dem_wall_move(run->sim, wall->walls[k], velocity ? v : NULL, omega))
-            exp_conclude(run, "too_fast", "phase %s: %s: %s", p->name, wall->name, rp_message());
+    give_velocity(run, wall, velocity ? v : NULL, omega);
 }
 
 void exp_load_walls(exp_run *run, const exp_phase *p)
@@ -228,7 +233,7 @@ void exp_load_walls(exp_run *run, const exp_phase *p)
             if (m->loading[c] == EXP_FREED && *load >= 0) *load = -1, v[c] = 0.0, freed = true;
             if (m->loading[c] == EXP_LOADED) *load = (long)m->number;
         }
-        if (freed) exp_move_wall(run, p, wall, v, NAN);
+        if (freed) exp_move_wall(run, wall, v, NAN);
     }
 }
 
@@ -264,8 +269,6 @@ void exp_push_walls(exp_run *run)
             for (size_t k = 0; k < wall->n; k++) force += dem_wall_now(run->sim, wall->walls[k]).force[c];
             v[c] = fmin(fmax(v[c] + dt / mass * force, -most), most);
         }
-        for (size_t k = 0; k < wall->n && loaded && !run->at.done; k++)
-            if (dem_wall_move(run->sim, wall->walls[k], v, NAN))
-                exp_conclude(run, "too_fast", "%s: %s", wall->name, rp_message());
+        if (loaded) give_velocity(run, wall, v, NAN);
     }
 }

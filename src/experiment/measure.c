@@ -20,19 +20,20 @@ static bool samples_at_looks(const exp_measure *m, size_t phase)
     return samples_in(m, phase) && *m->during;
 }
 
-bool exp_measures_in(const exp_run *run, long *next)
+long exp_next_look(long since, long every)
 {
-    const exp_phase *phase = &run->plan->phases[run->at.phase];
-    bool some = false;
+    return since < 0 ? every - since : every == 1 ? 1 : every - since % every; /* a division takes long */
+}
+
+void exp_measures_in(const exp_run *run, long *next)
+{
+    const long since = run->at.phase_step - run->plan->phases[run->at.phase].least;
     for (size_t k = 0; k < run->plan->n_measures; k++) {
         const exp_measure *m = &run->plan->measures[k];
         if (!samples_at_looks(m, run->at.phase)) continue;
-        const long since = run->at.phase_step - phase->least,
-                   left = since < 0 ? m->every - since : m->every - since % m->every;
+        const long left = exp_next_look(since, m->every);
         *next = left < *next ? left : *next;
-        some = true;
     }
-    return some;
 }
 
 /* A measure whose module has no numbers. */

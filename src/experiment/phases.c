@@ -178,12 +178,12 @@ static void clear(exp_run *run, const size_t states[2])
     for (size_t k = states[0]; k < states[1]; k++) run->counters[k] = 0.0;
 }
 
-static void move_walls(exp_run *run, const exp_phase *p, const exp_move *m)
+static void move_walls(exp_run *run, const exp_move *m)
 {
     const bool moves = exp_given(&m->velocity[0]);
     const double velocity[2] = {exp_value(run, &m->velocity[0]), exp_value(run, &m->velocity[1])},
                  omega = exp_given(&m->omega) ? exp_value(run, &m->omega) : NAN;
-    exp_move_wall(run, p, &run->plan->walls[m->wall], moves ? velocity : NULL, omega);
+    exp_move_wall(run, &run->plan->walls[m->wall], moves ? velocity : NULL, omega);
 }
 
 /* Gravity and the motion of walls, at the phase's start; before each step those that change. */
@@ -192,33 +192,25 @@ static void set_forces(exp_run *run, const exp_phase *p, bool each_step)
     if (exp_given(&p->gravity[0]) && p->gravity_each_step == each_step)
         dem_gravity_set(run->sim, (double[]){exp_value(run, &p->gravity[0]), exp_value(run, &p->gravity[1])});
     for (size_t k = 0; k < p->n_moves; k++)
-        if (p->moves[k].each_step == each_step) move_walls(run, p, &p->moves[k]);
+        if (p->moves[k].each_step == each_step) move_walls(run, &p->moves[k]);
 }
 
-/* Steps whose forces change from one to the next. */
-static rp_status go_by_steps(exp_run *run, long steps)
+/* Go on by some steps; one by one where forces change from step to step. */
+static rp_status go(exp_run *run, long steps, bool one_by_one)
 {
-    rp_status status = RP_OK;
-    for (; steps > 0 && !status && !run->failed && !run->at.done; steps--) {
+    for (const long part = one_by_one ? 1 : steps; steps > 0; steps -= part) {
         run->fresh = false;
-        run->ahead = true;
-        set_forces(run, phase_of(run), true);
-        if (!run->at.done) exp_push_walls(run);
-        run->ahead = false;
-        if (run->at.done || run->failed) break;
-        status = dem_run(run->sim, 1);
-        if (!status) run->at.phase_step++, run->at.steps++;
-        if (!status) run->at.now.tilt += run->at.now.turn[0] + run->at.now.turn[1];
+        if (one_by_one) {
+            run->ahead = true;
+            set_forces(run, phase_of(run), true);
+            if (!run->at.done) exp_push_walls(run);
+            run->ahead = false;
+            if (run->at.done || run->failed) break;
+        }
+        RP_TRY(dem_run(run->sim, part));
+        run->at.phase_step += part, run->at.steps += part;
+        run->at.now.tilt += (double)part * (run->at.now.turn[0] + run->at.now.turn[1]);
     }
-    return status;
-}
-
-static rp_status go(exp_run *run, long steps)
-{
-    rp_status status = dem_run(run->sim, steps);
-    if (status) return status;
-    run->at.phase_step += steps, run->at.steps += steps;
-    run->at.now.tilt += (double)steps * (run->at.now.turn[0] + run->at.now.turn[1]);
     return RP_OK;
 }
 
@@ -382,16 +374,13 @@ rp_status exp_advance(exp_run *run, long most)
     if (run->at.done || run->failed) return run->failed;
     const exp_phase *p = phase_of(run);
     long next = LONG_MAX;
-    if (p->ending == EXP_UNTIL || p->n_fails > 0 || p->damp) {
-        const long since = run->at.phase_step - p->least;
-        next = since < 0 ? p->every - since : p->every == 1 ? 1 : p->every - since % p->every;
-    }
+    if (p->ending == EXP_UNTIL || p->n_fails > 0 || p->damp)
+        next = exp_next_look(run->at.phase_step - p->least, p->every);
     if (p->is_sampled) exp_measures_in(run, &next);
     const long left = run->at.most - run->at.phase_step, part = least_of(most, least_of(next, left));
     if (part > 0) {
-        rp_status status = p->each_step || (run->plan->n_loads > 0 && exp_is_loaded(run))
-                               ? go_by_steps(run, part)
-                               : go(run, part);
+        const rp_status status =
+            go(run, part, p->each_step || (run->plan->n_loads > 0 && exp_is_loaded(run)));
         run->fresh = false;
         if (status == RP_BROKEN) {
             exp_conclude(run, dem_fault_text(dem_sim_fault(run->sim)), "%s", rp_message());

@@ -152,13 +152,11 @@ static rp_status check_required(const exp_plan *plan)
         return rp_config_fail(list, "require: a list ( (\"condition\", \"message\"), ... ) expected");
     for (size_t k = 0; k < length(list); k++) {
         const config_setting_t *pair = element(list, k);
-        const bool two =
-            !config_setting_is_scalar(pair) && !config_setting_is_group(pair) && length(pair) == 2;
-        const char *condition = two ? config_setting_get_string(element(pair, 0)) : NULL,
-                   *message = two ? config_setting_get_string(element(pair, 1)) : NULL;
+        const char *condition = config_setting_get_string_elem(pair, 0),
+                   *message = config_setting_get_string_elem(pair, 1);
         rp_x_symbol is = {0};
         char values[256];
-        if (!condition || !message)
+        if (!condition || !message || length(pair) != 2 || config_setting_is_group(pair))
             return rp_config_fail(pair, "require: (\"condition\", \"message\") expected");
         if (rp_lets_value(pair, condition, &is))
             return rp_config_fail(pair, "require \"%s\": %s", condition, rp_message());
@@ -173,16 +171,15 @@ static rp_status check_required(const exp_plan *plan)
 static rp_status read(exp_plan *plan)
 {
     dem_text *text = plan->text;
-    rp_x_symbol d = {0}, m = {0}, g = {0};
-    bool known = false;
+    const double *constants = text->lets.constants;
+    static const char *const asked[] = {"g", "d", "m"};
     RP_TRY(dem_text_scene(text, &plan->scene));
-    RP_TRY(rp_lets_find(&text->lets, "g", &g, &known));
-    known = false;
-    RP_TRY(rp_prefix(rp_lets_find(&text->lets, "d", &d, &known), "%s: ", text->path));
-    known = false;
-    RP_TRY(rp_lets_find(&text->lets, "m", &m, &known));
-    plan->d = text->lets.constants[RP_LET_D], plan->m = text->lets.constants[RP_LET_M],
-    plan->g = text->lets.constants[RP_LET_G];
+    for (size_t k = 0; k < sizeof asked / sizeof *asked; k++) {
+        rp_x_symbol is = {0};
+        bool known = false;
+        RP_TRY(rp_prefix(rp_lets_find(&text->lets, asked[k], &is, &known), "%s: ", text->path));
+    }
+    plan->d = constants[RP_LET_D], plan->m = constants[RP_LET_M], plan->g = constants[RP_LET_G];
     RP_TRY(read_result(plan));
     RP_TRY(check_required(plan));
     RP_TRY(check_lets(plan));
@@ -242,8 +239,8 @@ const exp_group exp_groups[] = {
     {"phases", exp_phase_schema,
      "a list, in its order: name; one of steps (a number), time (s), until (a condition, looked at every "
      "`every` steps); if (a condition of lets); fail = { word = \"condition\"; }. From here on: gravity = "
-     "(gx, "
-     "gy); gravity_turn_deg_per_step; box_turn_deg_per_step; dt; x_min; x_max; y_min; normal; tangential; "
+     "(gx, gy); gravity_turn_deg_per_step; box_turn_deg_per_step; dt; x_min; x_max; y_min; normal; "
+     "tangential; "
      "rolling; walls = { NAME = { velocity = (vx, vy); omega; load_x; load_y; speed; coefficients }; }. New "
      "grains: add = { N; kind; r, or radii as of a fill; density; x; y; vx; vy; omega; gap; }. A block has "
      "phases of its own, and repeat or until"},

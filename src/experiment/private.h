@@ -310,8 +310,9 @@ void exp_add_grains(exp_run *run, const exp_phase *p);
 void exp_load_walls(exp_run *run, const exp_phase *p);
 bool exp_is_loaded(const exp_run *run);
 void exp_push_walls(exp_run *run);
-void exp_move_wall(exp_run *run, const exp_phase *p, const exp_wall *wall, const double velocity[2],
-                   double omega);
+/* Along a direction in which one is free, its load sees to its motion. velocity may be NULL, omega NAN: as
+ * before. */
+void exp_move_wall(exp_run *run, const exp_wall *wall, const double velocity[2], double omega);
 double exp_observe(void *run, int id, const double args[]);
 
 /* The numbers of a module. Errors: RP_NO_RESULT; others. */
@@ -321,6 +322,7 @@ const exp_module *exp_module_find(const char *name, size_t length); /* NULL: non
 /* Take the samples of a look; the values of the measures of a phase that has ended. */
 void exp_sample(exp_run *run);
 void exp_measure_phase(exp_run *run, size_t phase);
-bool exp_measures_in(const exp_run *run, long *next); /* steps of the phase to the next sample */
+void exp_measures_in(const exp_run *run, long *next); /* lowered to the steps to the next sample */
+long exp_next_look(long since, long every);           /* steps to it, so many after looks have begun */
 
 #endif

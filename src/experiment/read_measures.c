@@ -66,7 +66,7 @@ static rp_status add_output(exp_plan *plan, const exp_measure *m, const char *en
     const size_t number = plan->n_outputs - m->output;
     const char *begin = strcmp(m->prefix, "auto") == 0 ? m->name : m->prefix;
     if (names && number >= length(names)) return RP_OK;
-    o->name = names ? config_setting_get_string(element(names, number))
+    o->name = names ? config_setting_get_string_elem(names, (int)number)
                     : rp_text(&plan->arena, "%s%s", begin, ending + (!*begin && *ending));
     o->unit = strcmp(ending, "_n") == 0 ? "" : unit;
     o->meaning = number == 0 && *m->meaning ? m->meaning : meaning;

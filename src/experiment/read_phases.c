@@ -218,15 +218,11 @@ static rp_status read_laws(exp_plan *plan, exp_phase *p)
 
 static rp_status begin_laws(exp_plan *plan, size_t k, exp_phase *p)
 {
-    const size_t n = plan->scene.def.n_walls, before = p->source != SIZE_MAX ? p->source : k - 1;
+    const size_t n = plan->scene.def.n_walls;
+    const exp_phase *before = p->source != SIZE_MAX ? &plan->phases[p->source] : k ? p - 1 : NULL;
     RP_NEW(&plan->arena, p->given, n);
-    if (p->source == SIZE_MAX && k == 0) {
-        p->laws = plan->scene.laws;
-        if (n) memcpy(p->given, plan->scene.given, n * sizeof *p->given);
-    } else {
-        p->laws = plan->phases[before].laws;
-        if (n) memcpy(p->given, plan->phases[before].given, n * sizeof *p->given);
-    }
+    p->laws = before ? before->laws : plan->scene.laws;
+    if (n) memcpy(p->given, before ? before->given : plan->scene.given, n * sizeof *p->given);
     return RP_OK;
 }
 

@@ -7,11 +7,20 @@
 #include "params/config.h"
 #include "params/lets.h"
 
+static bool is_name(const char *word, size_t bytes)
+{
+    const size_t n = strlen(word);
+    return n < bytes && isalpha((unsigned char)*word) && strspn(word, RP_NAME_LETTERS) == n;
+}
+
+bool exp_is_word(const char *word)
+{
+    return is_name(word, sizeof((exp_end *)NULL)->status);
+}
+
 rp_status exp_check_word(const config_setting_t *setting, const char *what, const char *name)
 {
-    bool word = isalpha((unsigned char)*name) && strlen(name) < DEM_NAME_BYTES;
-    for (const char *c = name; *c; c++) word = word && (isalnum((unsigned char)*c) || *c == '_');
-    if (word) return RP_OK;
+    if (is_name(name, DEM_NAME_BYTES)) return RP_OK;
     return rp_config_fail(setting, "\"%s\": the name of %s has up to %d letters, digits and _", name, what,
                           DEM_NAME_BYTES - 1);
 }
@@ -25,13 +34,6 @@ rp_status exp_check_name(const exp_plan *plan, const config_setting_t *setting, 
     RP_TRY(exp_check_word(setting, what, name));
     if (!scope && !rp_lets_has(setting, name)) return RP_OK;
     return rp_config_fail(setting, "%s names %s and %s", name, scope ? sorts[scope->sort] : "a let", what);
-}
-
-bool exp_is_word(const char *word)
-{
-    const size_t n = strlen(word);
-    return n > 0 && n < sizeof((exp_end *)NULL)->status && isalpha((unsigned char)*word) &&
-           strspn(word, RP_NAME_LETTERS) == n;
 }
 
 rp_status exp_find(const exp_plan *plan, int sort, const config_setting_t *setting, const char *key,
