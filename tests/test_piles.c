@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "experiment/modules/base.h"
+#include "experiment/modules/module.h"
 #include "stress/stress.h"
 #include "table/table.h"
 #include "sweeps/protocols/pile.h"

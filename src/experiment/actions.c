@@ -40,11 +40,12 @@ void exp_go_back(exp_run *run, const exp_phase *p)
 
 /* ---- laws, and grains that go ---- */
 
-static void renew(exp_run *run, const exp_phase *p, rp_status status)
+/* The simulation has changed; what can't be ends the run with this word. */
+static void renew(exp_run *run, const exp_phase *p, rp_status status, const char *word)
 {
     run->fresh = false;
     if (status == RP_BAD_INPUT || status == RP_BROKEN)
-        exp_conclude(run, "too_fast", "phase %s: %s", p->name, rp_message());
+        exp_conclude(run, word, "phase %s: %s", p->name, rp_message());
     else
         run->failed = status;
 }
@@ -54,19 +55,18 @@ void exp_change_laws(exp_run *run, const exp_phase *p)
     const exp_plan *plan = run->plan;
     const dem_scene *scene = &plan->scene;
     dem_definition def;
-    dem_wall *walls = calloc(scene->def.n_walls + 1, sizeof *walls);
-    rp_status status = walls ? dem_laws_apply(&p->laws, p->given, scene, &def, walls)
-                             : rp_fail(RP_NO_MEMORY, "laws: out of memory");
+    RP_SCOPE(memory);
+    dem_wall *walls = rp_arena_memory(&memory, scene->def.n_walls, sizeof *walls);
+    rp_status status = walls ? dem_laws_apply(&p->laws, p->given, scene, &def, walls) : RP_NO_MEMORY;
     if (!status) status = dem_change(&run->sim, &def);
-    free(walls);
     run->at.now.laws = (size_t)(p - plan->phases);
-    renew(run, p, status);
+    renew(run, p, status, "too_fast");
 }
 
 void exp_remove(exp_run *run, const exp_phase *p)
 {
     const exp_within in = exp_within_now(run, &p->removes);
-    renew(run, p, dem_remove(&run->sim, exp_is_within, &in));
+    renew(run, p, dem_remove(&run->sim, exp_is_within, &in), "too_fast");
 }
 
 /* ---- grains that come ---- */
@@ -131,20 +131,22 @@ static double between(exp_run *run, const double ends[2])
     return ends[0] == ends[1] ? ends[0] : ends[0] + (ends[1] - ends[0]) * gsl_rng_uniform(run->random[1]);
 }
 
+double exp_density(const exp_plan *plan, const exp_add *a, double given)
+{
+    const dem_fill *first = dem_scene_fill_at((dem_scene *)&plan->scene, 0);
+    return exp_given(&a->density) ? given : first ? first->density : plan->scene.laws.physics.density;
+}
+
 /* Draw a grain and its place. False: there is none. */
 static bool draw_grain(exp_run *run, const exp_phase *p, dem_grain *g)
 {
     const exp_add *a = &p->add;
     enum { TRIES = 10000 };
     const exp_plan *plan = run->plan;
-    const dem_fill *first = dem_scene_fill_at((dem_scene *)&plan->scene, 0);
     *g = (dem_grain){.r = exp_given(&a->r) ? exp_value(run, &a->r)
                                            : dem_radius_draw(&a->radii, run->random[0])};
     run->grain.r = g->r, run->grain.y = run->grain.touch = NAN;
-    const double density = exp_given(&a->density) ? exp_value(run, &a->density)
-                           : first                ? first->density
-                                                  : plan->scene.laws.physics.density,
-                 gap = exp_value(run, &a->gap);
+    const double density = exp_density(plan, a, exp_value(run, &a->density)), gap = exp_value(run, &a->gap);
     g->m = dem_mass(plan->scene.def.shape, density, g->r);
     const double x[2] = {exp_value(run, &a->x[0]), exp_value(run, &a->x[1])};
     if (!(g->r > 0.0) || !(g->m > 0.0) || !(gap >= 0.0) || !isfinite(x[0]) || !isfinite(x[1])) {
@@ -177,12 +179,9 @@ static void add_grain(exp_run *run, const exp_phase *p)
         return;
     }
     const rp_status status = dem_add(run->sim, &g, &id);
-    run->fresh = false;
-    if (status == RP_BAD_INPUT)
-        exp_conclude(run, strstr(rp_message(), "too large for") ? "too_fast" : "no_room", "phase %s: %s",
-                     p->name, rp_message());
-    else
-        run->failed = status;
+    if (status == RP_BROKEN) run->failed = status;
+    if (run->failed) return;
+    renew(run, p, status, status && strstr(rp_message(), "too large for") ? "too_fast" : "no_room");
     if (run->failed || run->at.done || !exp_make_ids(run, id)) return;
     run->kinds[id - 1] = (int32_t)p->add.kind;
     run->marks[2 * (id - 1)] = run->marks[2 * (id - 1) + 1] = NAN;

@@ -228,10 +228,7 @@ static rp_status check_phases(const exp_plan *plan, dem_definition *def)
 /* The lightest that a phase may add, as far as that is known. */
 static bool lightest_added(const exp_plan *plan, const exp_add *a, dem_grain *g)
 {
-    const dem_fill *first = dem_scene_fill_at((dem_scene *)&plan->scene, 0);
-    const double density = exp_given(&a->density) ? (a->density.x.known ? a->density.x.value : NAN)
-                           : first                ? first->density
-                                                  : plan->scene.laws.physics.density;
+    const double density = exp_density(plan, a, a->density.x.known ? a->density.x.value : NAN);
     *g = (dem_grain){.r = !exp_given(&a->r) ? dem_radius_least(&a->radii)
                           : a->r.x.known    ? a->r.x.value
                                             : NAN};

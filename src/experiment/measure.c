@@ -58,29 +58,29 @@ static void add_sample(exp_run *run, size_t k)
     }
     if (m->module && m->module->add) return;
     const double value = m->module ? out[m->pick] : exp_value(run, &m->of);
-    const double event = m->take == TAKE_LINE ? exp_value(run, &m->against)
-                         : m->event.x.text    ? exp_true(run, &m->event)
-                                              : 0.0;
-    double *last = s->n > 0 ? &s->at[EXP_SAMPLE * (s->n - 1)] : NULL;
+    const double beside = m->take == TAKE_LINE ? exp_value(run, &m->against)
+                          : m->event.x.text    ? exp_true(run, &m->event)
+                                               : 0.0;
+    const exp_sampled *last = s->n > 0 ? &s->at[s->n - 1] : NULL;
     if (run->failed) return;
     const bool extreme = m->take == TAKE_MAX || m->take == TAKE_MIN; /* of all samples so far */
     const bool some = m->skip != 0.0 || *m->level_of;
     if (!some && (m->take == TAKE_FIRST || (extreme && !m->series))) { /* one sample is enough */
-        if (last && (m->take == TAKE_FIRST || !(m->take == TAKE_MAX ? value > last[1] : value < last[1])))
+        if (last &&
+            (m->take == TAKE_FIRST || !(m->take == TAKE_MAX ? value > last->value : value < last->value)))
             return;
         s->n = 0;
     }
     if (s->n == s->room) {
         const size_t room = s->room ? 2 * s->room : 64;
-        double *more = realloc(s->at, EXP_SAMPLE * room * sizeof *more);
+        exp_sampled *more = realloc(s->at, room * sizeof *more);
         if (!more) {
             run->failed = rp_fail(RP_NO_MEMORY, "%s: out of memory", m->name);
             return;
         }
         s->at = more, s->room = room;
     }
-    double *now = &s->at[EXP_SAMPLE * s->n++];
-    now[0] = dem_time(run->sim), now[1] = value, now[2] = event, now[3] = (double)run->at.steps;
+    s->at[s->n++] = (exp_sampled){dem_time(run->sim), value, beside, (double)run->at.steps};
     /* what is known while the phase lasts */
     double *const known = &run->values[m->output];
     if (some) return;
@@ -107,7 +107,7 @@ static rp_status first_of(const exp_run *run, const exp_measure *m, double work[
     const exp_samples *s = &run->samples[m->levels_with];
     if (s->n != run->samples[m - run->plan->measures].n)
         return rp_fail(RP_NO_RESULT, "%s has other samples", level->name);
-    for (size_t i = 0; i < s->n; i++) work[i] = s->at[EXP_SAMPLE * i + 1];
+    for (size_t i = 0; i < s->n; i++) work[i] = s->at[i].value;
     if (isinf(level->skip)) return stats_level_off(s->n, work, from);
     *from = (size_t)ceil(level->skip * (double)s->n);
     return RP_OK;
@@ -118,15 +118,14 @@ enum { BLOCKS = 10 };
 /* Change over time, and its standard error from ten blocks. */
 static void rate(const exp_samples *s, size_t from, double out[])
 {
-    const double *at = &s->at[EXP_SAMPLE * from];
+    const exp_sampled *at = &s->at[from];
     const size_t last = s->n - 1 - from;
     double rates[BLOCKS], mean = 0.0, sum = 0.0;
-    out[0] = (at[EXP_SAMPLE * last + 1] - at[1]) / (at[EXP_SAMPLE * last] - at[0]);
+    out[0] = (at[last].value - at[0].value) / (at[last].time - at[0].time);
     if (last < 2 * BLOCKS) return;
     for (size_t b = 0; b < BLOCKS; b++) {
-        const double *lo = &at[EXP_SAMPLE * (last * b / BLOCKS)],
-                     *hi = &at[EXP_SAMPLE * (last * (b + 1) / BLOCKS)];
-        mean += rates[b] = (hi[1] - lo[1]) / (hi[0] - lo[0]);
+        const exp_sampled *lo = &at[last * b / BLOCKS], *hi = &at[last * (b + 1) / BLOCKS];
+        mean += rates[b] = (hi->value - lo->value) / (hi->time - lo->time);
     }
     mean /= BLOCKS;
     for (size_t b = 0; b < BLOCKS; b++) sum += (rates[b] - mean) * (rates[b] - mean);
@@ -150,7 +149,7 @@ static rp_status avalanches(const exp_measure *m, const exp_samples *s, const do
     for (size_t i = from + 1; i <= s->n; i++) {
         const bool end = i == s->n;
         double pair[2] = {v[i - 1], end ? NAN : v[i]};
-        bool found = !end && s->at[EXP_SAMPLE * i + 2] != 0.0;
+        bool found = !end && s->at[i].beside != 0.0;
         if (isfinite(m->drop)) {
             found = falls && (end || v[i] >= least + m->drop);
             pair[0] = most, pair[1] = least;
@@ -178,7 +177,7 @@ static rp_status straight(const exp_samples *s, const double v[], size_t from, d
 {
     stats_line line;
     for (size_t i = from; i < s->n; i++)
-        if (!isfinite(x[i] = s->at[EXP_SAMPLE * i + 2])) return rp_fail(RP_NO_RESULT, "against is %g", x[i]);
+        if (!isfinite(x[i] = s->at[i].beside)) return rp_fail(RP_NO_RESULT, "against is %g", x[i]);
     RP_TRY(stats_line_fit(&(stats_xy){s->n - from, x + from, v + from, NULL}, false, &line));
     out[0] = line.intercept, out[1] = line.slope;
     if (line.dof > 0) out[2] = line.intercept_se, out[3] = line.slope_se;
@@ -196,7 +195,7 @@ static rp_status reduce(const exp_run *run, const exp_measure *m, const exp_samp
     RP_NEW(&arena, v, s->n);
     RP_NEW(&arena, work, s->n);
     for (size_t i = 0; i < s->n; i++)
-        if (!isfinite(v[i] = s->at[EXP_SAMPLE * i + 1])) return rp_fail(RP_NO_RESULT, "a sample is %g", v[i]);
+        if (!isfinite(v[i] = s->at[i].value)) return rp_fail(RP_NO_RESULT, "a sample is %g", v[i]);
     RP_TRY(first_of(run, m, work, &from));
     if (from >= s->n) return rp_fail(RP_NO_RESULT, "one sample, and skip = %g", m->skip);
     if (m->take == TAKE_LINE) return straight(s, v, from, work, out);
@@ -299,8 +298,6 @@ void exp_series_write(const exp_run *run, size_t k, FILE *out)
     const char *const columns[][2] = {
         {"step", ""}, {"time", rp_unit("s")}, {m->name, run->plan->outputs[m->output].unit}};
     rp_table_columns(out, 3, columns);
-    for (size_t i = 0; i < s->n; i++) {
-        const double *at = &s->at[EXP_SAMPLE * i];
-        rp_table_row(out, 3, (double[]){at[3], at[0], at[1]});
-    }
+    for (const exp_sampled *at = s->at; at < s->at + s->n; at++)
+        rp_table_row(out, 3, (double[]){at->step, at->time, at->value});
 }

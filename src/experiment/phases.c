@@ -463,14 +463,14 @@ static void keep_samples(rp_snapshot *s, exp_samples *samples)
 {
     RP_KEEP(s, samples->n);
     if (s->reading) {
-        rp_keep_check(s, samples->n <= (s->n - s->at) / sizeof(double) / EXP_SAMPLE, "samples without end");
+        rp_keep_check(s, samples->n <= (s->n - s->at) / sizeof *samples->at, "samples without end");
         if (s->status) return;
         free(samples->at);
         samples->room = samples->n;
-        samples->at = malloc((EXP_SAMPLE * samples->room + 1) * sizeof *samples->at);
+        samples->at = malloc((samples->room + 1) * sizeof *samples->at);
         if (!samples->at) s->status = rp_fail(RP_NO_MEMORY, "samples: out of memory");
     }
-    if (!s->status && samples->n > 0) rp_keep(s, samples->at, EXP_SAMPLE * samples->n * sizeof *samples->at);
+    if (!s->status && samples->n > 0) rp_keep(s, samples->at, samples->n * sizeof *samples->at);
 }
 
 static void keep_longs(rp_snapshot *s, long *v, size_t n, long least, size_t most)

@@ -195,11 +195,13 @@ void exp_place_in(exp_place *place, exp_plan *plan);
 rp_status exp_expression_read(const config_setting_t *setting, const char *key, rp_x_type type,
                               exp_place *place, exp_expression *e);
 
-/* Samples of a measure: time, value, whether there was an event or what it is against, step. */
-enum { EXP_SAMPLE = 4 };
+/* Samples of a measure; beside: what it is against, or whether there was an event. */
+typedef struct {
+    double time, value, beside, step;
+} exp_sampled;
 typedef struct {
     size_t n, room;
-    double *at;
+    exp_sampled *at;
 } exp_samples;
 
 /* What belongs to the simulation, beside itself: a phase that goes back gets it back. */
@@ -305,6 +307,7 @@ char *exp_key_to(const exp_plan *plan, size_t end); /* exp_key of the phases bef
 void exp_change_laws(exp_run *run, const exp_phase *p);
 void exp_remove(exp_run *run, const exp_phase *p);
 void exp_add_grains(exp_run *run, const exp_phase *p);
+double exp_density(const exp_plan *plan, const exp_add *a, double given); /* given: if the text says one */
 
 /* Loads of walls: begin or end with a phase; then give their walls their speed for a step. */
 void exp_load_walls(exp_run *run, const exp_phase *p);

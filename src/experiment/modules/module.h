@@ -4,6 +4,7 @@
 
 #include "dem/dem.h"
 #include "params/params.h"
+#include "stress/stress.h"
 
 /* A number that a run yields. */
 typedef struct {
@@ -75,6 +76,12 @@ void exp_contact_force(const dem_contact *contact, double force[2]);
  * than 1.25 times touching; 1 in a triangular lattice. Fixed grains and those with fewer than two neighbours
  * are left out; NaN if all are. order[n], neighbours[n] (may be NULL): of each grain; NaN where left out. */
 double exp_bond_order(size_t n, const dem_state grains[], double order[], int neighbours[]);
+
+/* Profile that rays of 60 degrees put on this base under the outline of a pile of disks of mean diameter 1:
+ * the highest points of columns of that width, where disks have their highest points (x, top), joined by
+ * straight lines. Steps steeper than rays are filled. Errors: RP_NO_MEMORY, RP_BAD_INPUT (not finite). */
+rp_status exp_outline_rays(size_t n, const double x[], const double top[], const stress_base *base,
+                           double N[STRESS_DIP_BINS]);
 
 #define EXP_MODULES(X)                                                                                       \
     X(slope)                                                                                                 \
