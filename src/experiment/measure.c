@@ -36,13 +36,13 @@ void exp_measures_in(const exp_run *run, long *next)
     }
 }
 
-/* A measure whose module has no numbers. */
-static void no_numbers(exp_run *run, const exp_measure *m, rp_status status)
+/* What comes of a measure without numbers; RP_OK: nothing. */
+static void no_numbers(exp_run *run, const exp_measure *m, rp_status status, const char *word)
 {
-    if (status != RP_NO_RESULT)
+    if (status && status != RP_NO_RESULT)
         run->failed = status;
-    else if (!m->optional)
-        exp_conclude(run, m->module->word, "%s: %s", m->name, rp_message());
+    else if (status && !m->optional)
+        exp_conclude(run, word, "%s: %s", m->name, rp_message());
 }
 
 static void add_sample(exp_run *run, size_t k)
@@ -52,11 +52,8 @@ static void add_sample(exp_run *run, size_t k)
     double out[EXP_MODULE_OUTPUTS];
     if (m->when.x.text && !exp_true(run, &m->when)) return;
     rp_status status = m->module && !run->failed ? exp_module_values(run, m, out) : RP_OK;
-    if (status) {
-        no_numbers(run, m, status);
-        return;
-    }
-    if (m->module && m->module->add) return;
+    no_numbers(run, m, status, m->module ? m->module->word : "");
+    if (status || (m->module && m->module->add)) return;
     const double value = m->module ? out[m->pick] : exp_value(run, &m->of);
     const double beside = m->take == TAKE_LINE ? exp_value(run, &m->against)
                           : m->event.x.text    ? exp_true(run, &m->event)
@@ -237,15 +234,12 @@ static void measure(exp_run *run, size_t k)
     if (m->take != TAKE_VALUE) {
         const rp_status status = reduce(run, m, &run->samples[k], all);
         memcpy(out, all, m->n_outputs * sizeof *out);
-        if (status && status != RP_NO_RESULT)
-            run->failed = status;
-        else if (status && !m->optional)
-            exp_conclude(run, "no_samples", "%s: %s", m->name, rp_message());
+        no_numbers(run, m, status, "no_samples");
         return;
     }
     if (m->module) {
         const rp_status status = exp_module_values(run, m, all);
-        if (status) no_numbers(run, m, status);
+        no_numbers(run, m, status, m->module->word);
         for (size_t o = 0; !status && o < m->n_outputs; o++) out[o] = all[m->pick < 0 ? (long)o : m->pick];
         return;
     }

@@ -451,12 +451,14 @@ const char *exp_where(const exp_run *run, char *text, size_t size)
 
 /* ---- snapshots ---- */
 
+#define ANOTHER "a run of another file"
+
 static void keep_array(rp_snapshot *s, double *v, size_t n)
 {
     size_t there = n;
     RP_KEEP(s, there);
-    rp_keep_check(s, there == n, "a run of another file");
-    if (!s->status && n > 0) rp_keep(s, v, n * sizeof *v);
+    rp_keep_check(s, there == n, ANOTHER);
+    rp_keep(s, v, n * sizeof *v);
 }
 
 static void keep_samples(rp_snapshot *s, exp_samples *samples)
@@ -470,56 +472,54 @@ static void keep_samples(rp_snapshot *s, exp_samples *samples)
         samples->at = malloc((samples->room + 1) * sizeof *samples->at);
         if (!samples->at) s->status = rp_fail(RP_NO_MEMORY, "samples: out of memory");
     }
-    if (!s->status && samples->n > 0) rp_keep(s, samples->at, samples->n * sizeof *samples->at);
+    rp_keep(s, samples->at, samples->n * sizeof *samples->at);
 }
 
-static void keep_longs(rp_snapshot *s, long *v, size_t n, long least, size_t most)
+static void keep_loads(rp_snapshot *s, const exp_plan *plan, long loads[])
 {
-    if (!s->status && n > 0) rp_keep(s, v, n * sizeof *v);
     bool known = true;
-    for (size_t k = 0; k < n; k++) known &= v[k] >= least && v[k] < (long)most;
-    rp_keep_check(s, known, "a run of another file");
+    rp_keep(s, loads, 2 * plan->n_walls * sizeof *loads);
+    for (size_t k = 0; k < 2 * plan->n_walls; k++) known &= loads[k] >= -1 && loads[k] < (long)plan->n_loads;
+    rp_keep_check(s, known, ANOTHER);
 }
 
 static void keep_sim(rp_snapshot *s, dem_sim **sim)
 {
     bool there = *sim != NULL;
     RP_KEEP(s, there);
-    rp_keep_check(s, rp_keep_bool(&there), "a run of another file");
+    rp_keep_check(s, rp_keep_bool(&there), ANOTHER);
     if (s->reading) dem_free(*sim), *sim = NULL;
     if (there && !s->status) dem_keep(s, sim);
 }
 
-static void keep_saved(rp_snapshot *s, const exp_run *run, exp_saved *saved)
+static bool has_laws(const exp_plan *plan, const exp_world *now)
 {
-    const size_t n = 2 * run->plan->n_walls;
+    return now->laws == SIZE_MAX || now->laws < plan->n_phases;
+}
+
+static void keep_saved(rp_snapshot *s, const exp_plan *plan, exp_saved *saved)
+{
     keep_sim(s, &saved->sim);
-    if (!saved->sim || s->status) return;
+    if (!saved->sim) return;
     RP_KEEP(s, saved->now);
-    keep_longs(s, saved->loads, n, -1, run->plan->n_loads);
-    rp_keep_check(s, saved->now.laws == SIZE_MAX || saved->now.laws < run->plan->n_phases,
-                  "a run of another file");
+    keep_loads(s, plan, saved->loads);
+    rp_keep_check(s, has_laws(plan, &saved->now), ANOTHER);
 }
 
 /* Marks and kinds, of as many ids as there have been. */
 static void keep_ids(rp_snapshot *s, exp_run *run)
 {
     size_t n = run->n_ids;
+    bool known = true;
     RP_KEEP(s, n);
-    if (s->reading) {
-        rp_keep_check(s, n <= (s->n - s->at) / (2 * sizeof(double)), "grains without end");
-        if (!s->status && n > run->n_ids) {
-            run->n_ids = run->n_ids ? run->n_ids : 1;
-            if (!exp_make_ids(run, n)) s->status = run->failed;
-        }
-        run->n_ids = s->status ? run->n_ids : n;
-    }
-    if (s->status || n == 0) return;
+    rp_keep_check(s, n <= (s->n - s->at) / (2 * sizeof(double)), "grains without end");
+    if (s->reading && !s->status && !exp_make_ids(run, n)) s->status = run->failed;
+    if (s->status) return;
+    run->n_ids = n;
     rp_keep(s, run->marks, 2 * n * sizeof *run->marks);
     rp_keep(s, run->kinds, n * sizeof *run->kinds);
-    bool known = true;
     for (size_t k = 0; k < n; k++) known &= run->kinds[k] >= -1 && run->kinds[k] < (int)run->plan->n_kinds;
-    rp_keep_check(s, known, "a run of another file");
+    rp_keep_check(s, known, ANOTHER);
 }
 
 /* n: of how many phases the ends are kept. */
@@ -531,13 +531,12 @@ static void keep_state(rp_snapshot *s, exp_run *run, size_t n)
                   rp_keep_bool(&run->at.started) && rp_keep_bool(&run->at.done) &&
                       rp_keep_bool(&run->at.now.touched) && run->at.phase <= p->n_phases &&
                       (run->at.done || run->at.phase < p->n_phases) && run->at.phase_step >= 0 &&
-                      (run->at.now.laws == SIZE_MAX || run->at.now.laws < p->n_phases) &&
-                      memchr(run->at.end.status, 0, sizeof run->at.end.status) &&
+                      has_laws(p, &run->at.now) && memchr(run->at.end.status, 0, sizeof run->at.end.status) &&
                       memchr(run->at.end.message, 0, sizeof run->at.end.message),
                   "a place that no run is at");
     keep_array(s, run->counters, p->n_states);
     keep_array(s, run->values, p->n_outputs);
-    for (size_t k = 0; k < n && !s->status; k++) {
+    for (size_t k = 0; k < n; k++) {
         exp_passed *passed = &run->passed[k];
         RP_KEEP(s, passed->passes);
         RP_KEEP(s, passed->step);
@@ -545,7 +544,7 @@ static void keep_state(rp_snapshot *s, exp_run *run, size_t n)
         rp_keep_check(s, passed->passes >= 0 && passed->step >= 0, "a phase that has not been");
     }
     keep_ids(s, run);
-    if (!s->status) keep_longs(s, run->loads, 2 * p->n_walls, -1, p->n_loads);
+    keep_loads(s, p, run->loads);
     for (int k = 0; k < 2 && run->random[k] && !s->status; k++) {
         rp_keep(s, gsl_rng_state(run->random[k]), gsl_rng_size(run->random[k]));
         rp_keep_check(s, rp_random_is_whole(run->random[k]), "a random stream that is none");
@@ -557,7 +556,7 @@ static void keep_state(rp_snapshot *s, exp_run *run, size_t n)
         keep_array(s, run->tables[k].sums, p->measures[k].module->room(p->measures[k].params));
     }
     for (size_t k = 0; k < p->n_phases && !s->status; k++)
-        if (p->phases[k].is_source) keep_saved(s, run, &run->saved[k]);
+        if (p->phases[k].is_source) keep_saved(s, p, &run->saved[k]);
     if (!s->status) keep_sim(s, &run->sim);
     run->fresh = false;
 }
