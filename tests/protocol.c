@@ -7,6 +7,7 @@
 #include "dem/scene/scene.h"
 #include "sweeps/engine/experiment.h"
 #include "tests/check.h"
+#include "tests/program.h"
 
 const sweep_protocol *protocol_of(const sweep_protocol *protocol)
 {
@@ -42,6 +43,20 @@ void *protocol_params(const sweep_protocol *protocol, const char *const changes[
     return params;
 }
 
+static void no_header(const void *context, FILE *table)
+{
+    (void)context, (void)table;
+}
+
+void protocol_trace(const sweep_protocol *protocol, const void *params, long every, sweep_result *result)
+{
+    char folder[256];
+    SHELL("rm -rf t");
+    path_of("t", folder);
+    CHECK_OK(protocol->check(params));
+    CHECK_OK(protocol->run(params, 1993, 0, &(sweep_tables){folder, every, no_header}, result));
+}
+
 void protocol_box(double W, double H, long run, const double steps[2], dem_sim **sim)
 {
     dem_scene scene = {.def = dem_definition_default(), .has_fill = true};
@@ -75,10 +90,4 @@ double protocol_output(const sweep_protocol *protocol, const sweep_result *resul
     fprintf(stderr, "protocol %s: no output %s\n", protocol->name, name);
     CU_FAIL("no such output");
     return NAN;
-}
-
-void protocol_no_header(const void *context, FILE *table)
-{
-    (void)context;
-    (void)table;
 }

@@ -12,14 +12,15 @@ const sweep_protocol *protocol_of(const sweep_protocol *protocol);
 void *protocol_params(const sweep_protocol *protocol, const char *const changes[]);
 #define PROTOCOL_PARAMS(protocol, ...) protocol_params(protocol, (const char *const[]){__VA_ARGS__, NULL})
 
+/* A checked run of stream (1993, 0) with its tables in the folder `t` of the test (program.h), and a row of
+ * energies every so many steps. */
+void protocol_trace(const sweep_protocol *protocol, const void *params, long every, sweep_result *result);
+
 /* The box of protocol repose by hand, of stream (1993, run): filled for so many steps, then open for so many.
  */
 void protocol_box(double W, double H, long run, const double steps[2], dem_sim **sim);
 
 /* An output by its name; a failed assertion and NaN if there is none. */
 double protocol_output(const sweep_protocol *protocol, const sweep_result *result, const char *name);
-
-/* Tables of a run have no header of their own. */
-void protocol_no_header(const void *context, FILE *table);
 
 #endif

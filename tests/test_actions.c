@@ -15,18 +15,17 @@
 /* A lid of mass M = 10 m that a load has made fast meets a free grain: an elastic collision of two bodies. */
 static const char lid[] =
     "dt = 1.0e-5; gravity = (0.0, 0.0);\n"
-    "normal = { law = \"linear\"; k_n = 1.0e4; gamma_n = 0.0; };\n"
-    "walls = ( { name = \"lid\"; point = (0.0, 0.21); direction = (0.0, -1.0); k_n = 1.0e4; } );\n"
+    "normal = { law = `linear`; k_n = 1.0e4; gamma_n = 0.0; };\n"
+    "walls = ( { name = `lid`; point = (0.0, 0.21); direction = (0.0, -1.0); k_n = 1.0e4; } );\n"
     "particles = ( { x = 0.0; y = 0.1; r = 0.1; m = 0.01; }, { x = 9.0; y = -7.0; r = 0.1; m = 0.01; } );\n"
-    "phases = ( { name = \"near\"; walls = { lid = { load_y = -10.0; speed = 100.0; }; }; every = 1; until = "
-    "\"lid.fy > 0\"; },\n"
-    "  { name = \"touch\"; walls = { lid = { load_y = 0.0; speed = 100.0; }; }; every = 1; until = \"lid.fy "
-    "== 0\"; } );\n"
+    "phases = ( { name = `near`; walls = { lid = { load_y = -10.0; speed = 100.0; }; }; every = 1; until = "
+    "`lid.fy > 0`; },\n"
+    "  { name = `touch`; walls = { lid = { load_y = 0.0; speed = 100.0; }; }; every = 1; until = `lid.fy == "
+    "0`; } );\n"
     "regions = { left = { x = (-1.0, 1.0); }; };\n"
-    "measure = ( { name = \"v0\"; of = \"lid.vy\"; at = \"near\"; }, { name = \"last\"; of = \"t\"; at = "
-    "\"touch\"; },\n"
-    "  { name = \"deep\"; of = \"lid.fy\"; during = \"touch\"; take = \"max\"; },\n"
-    "  { name = \"v1\"; of = \"lid.vy\"; }, { name = \"u1\"; of = \"left.vy\"; } );\n";
+    "measure = ( { name = `v0`; of = `lid.vy`; at = `near`; }, { name = `last`; of = `t`; at = `touch`; },\n"
+    "  { name = `deep`; of = `lid.fy`; during = `touch`; take = `max`; }, { name = `v1`; of = `lid.vy`; },\n"
+    "  { name = `u1`; of = `left.vy`; } );\n";
 
 static void test_oscillator(void)
 {
@@ -46,23 +45,22 @@ static void test_column(void)
 {
     static const char text[] =
         "dt = 2.0e-5; let = { W = 2.0; load = 3.0e3; };\n"
-        "walls = ( { name = \"box\"; polygon = ( (0.0, 9.0), (0.0, 0.0), (\"W\", 0.0), (\"W\", 9.0) ); "
-        "closed = false; },\n"
-        "  { name = \"lid\"; point = (0.0, 6.0); direction = (0.0, -1.0); } );\n"
-        "fill = { N = 60; W = \"W\"; H = 4.0; };\n"
-        "regions = { all = { polygon = ( (0.0, 0.0), (\"W\", 0.0), (\"W\", \"lid.y\"), (0.0, \"lid.y\") ); "
-        "}; };\n"
-        "phases = ( { name = \"fill\"; least = 5000; until = \"rest\"; },\n"
-        "  { name = \"press\"; walls = { lid = { load_y = \"-load\"; speed = 30.0; }; }; least = 5000; until "
-        "= \"rest\"; },\n"
-        "  { name = \"free\"; walls = { lid = { load_y = \"none\"; }; }; steps = 100; } );\n"
-        "measure = ( { name = \"top\"; of = \"lid.fy/load\"; at = \"press\"; },\n"
-        "  { name = \"floor\"; of = \"-box.fy/(load + mass*g)\"; at = \"press\"; },\n"
-        "  { name = \"sides\"; of = \"box.fx/load\"; at = \"press\"; },\n"
-        "  { name = \"mean\"; of = \"all.syy*W/load\"; at = \"press\"; },\n"
-        "  { name = \"area\"; of = \"all.fraction*W*lid.y\"; at = \"press\"; },\n"
-        "  { name = \"symmetric\"; of = \"all.sxy/all.syy\"; at = \"press\"; },\n"
-        "  { name = \"still\"; of = \"lid.vy\"; at = \"free\"; } );\n";
+        "walls = ( { name = `box`; polygon = ( (0.0, 9.0), (0.0, 0.0), (`W`, 0.0), (`W`, 9.0) ); closed = "
+        "false; },\n"
+        "  { name = `lid`; point = (0.0, 6.0); direction = (0.0, -1.0); } );\n"
+        "fill = { N = 60; W = `W`; H = 4.0; };\n"
+        "regions = { all = { polygon = ( (0.0, 0.0), (`W`, 0.0), (`W`, `lid.y`), (0.0, `lid.y`) ); }; };\n"
+        "phases = ( { name = `fill`; least = 5000; until = `rest`; },\n"
+        "  { name = `press`; walls = { lid = { load_y = `-load`; speed = 30.0; }; }; least = 5000; until = "
+        "`rest`; },\n"
+        "  { name = `free`; walls = { lid = { load_y = `none`; }; }; steps = 100; } );\n"
+        "measure = ( { name = `top`; of = `lid.fy/load`; at = `press`; },\n"
+        "  { name = `floor`; of = `-box.fy/(load + mass*g)`; at = `press`; },\n"
+        "  { name = `sides`; of = `box.fx/load`; at = `press`; },\n"
+        "  { name = `mean`; of = `all.syy*W/load`; at = `press`; },\n"
+        "  { name = `area`; of = `all.fraction*W*lid.y`; at = `press`; },\n"
+        "  { name = `symmetric`; of = `all.sxy/all.syy`; at = `press`; },\n"
+        "  { name = `still`; of = `lid.vy`; at = `free`; } );\n";
     scoped_trial t;
     run_whole(&t, text, 1000, "ok");
     CHECK_EACH(measured(&t, NAME), 2e-3, {"top", 1.0}, {"floor", 1.0}, {"sides", 0.0});
@@ -200,19 +198,17 @@ static void test_halt_in_contact(void)
 
 /* mu that changes in a phase: a grain on an incline stays, then slides with g (sin - mu cos). */
 static const char incline[] =
-    "dt = 1e-5; let = { a = \"30*deg\"; mu = 0.7; later = 0.2; };\n"
-    "tangential = { law = \"spring\"; mu = \"mu\"; k_s = 1e6; gamma_s = 0.0; };\n"
-    "gravity = (\"1000*sin(a)\", \"-1000*cos(a)\");\n"
-    "walls = ( { name = \"floor\"; point = (0.0, 0.0); direction = (0.0, 1.0); } );\n"
+    "dt = 1e-5; let = { a = `30*deg`; mu = 0.7; later = 0.2; };\n"
+    "tangential = { law = `spring`; mu = `mu`; k_s = 1e6; gamma_s = 0.0; };\n"
+    "gravity = (`1000*sin(a)`, `-1000*cos(a)`);\n"
+    "walls = ( { name = `floor`; point = (0.0, 0.0); direction = (0.0, 1.0); } );\n"
     "particles = ( { x = 0.0; y = 0.1; r = 0.1; m = 0.01; } );\n"
-    "phases = ( { name = \"stay\"; steps = 20000; }, { name = \"slide\"; tangential = { mu = \"later\"; }; "
-    "steps = 10000; },\n"
-    "  { name = \"again\"; dt = 5e-6; walls = { floor = { mu = 0.0; }; }; time = 0.1; } );\n"
-    "measure = ( { name = \"v0\"; of = \"vx\"; at = \"stay\"; }, { name = \"no\"; of = \"sliding\"; at = "
-    "\"stay\"; },\n"
-    "  { name = \"v1\"; of = \"vx\"; at = \"slide\"; }, { name = \"yes\"; of = \"sliding\"; at = \"slide\"; "
-    "},\n"
-    "  { name = \"v2\"; of = \"vx\"; at = \"again\"; }, { name = \"T\"; of = \"time\"; } );\n";
+    "phases = ( { name = `stay`; steps = 20000; }, { name = `slide`; tangential = { mu = `later`; }; steps = "
+    "10000; },\n"
+    "  { name = `again`; dt = 5e-6; walls = { floor = { mu = 0.0; }; }; time = 0.1; } );\n"
+    "measure = ( { name = `v0`; of = `vx`; at = `stay`; }, { name = `no`; of = `sliding`; at = `stay`; },\n"
+    "  { name = `v1`; of = `vx`; at = `slide`; }, { name = `yes`; of = `sliding`; at = `slide`; },\n"
+    "  { name = `v2`; of = `vx`; at = `again`; }, { name = `T`; of = `time`; } );\n";
 
 static void test_friction_changes(void)
 {
@@ -227,29 +223,26 @@ static void test_friction_changes(void)
 /* ---- grains that come and go ---- */
 
 static const char rain[] =
-    "dt = 5e-5; seed = 11; tangential = { law = \"spring\"; mu = 0.5; }; let = { n = 6; };\n"
-    "walls = ( { name = \"floor\"; point = (0.0, 0.0); direction = (0.0, 1.0); } );\n"
+    "dt = 5e-5; seed = 11; tangential = { law = `spring`; mu = 0.5; }; let = { n = 6; };\n"
+    "walls = ( { name = `floor`; point = (0.0, 0.0); direction = (0.0, 1.0); } );\n"
     "regions = { right = { polygon = ( (0.0, -1.0), (9.0, -1.0), (9.0, 9.0), (0.0, 9.0) ); }; };\n"
     "phases = (\n"
-    "  { name = \"first\"; add = { kind = \"stone\"; r = 0.3; density = 2.0; x = 0.5; y = \"touch\"; gap = "
-    "0.0; }; steps = 1; },\n"
-    "  { name = \"rain\"; repeat = \"n\"; phases = ( { name = \"drop\"; mark = true; every = 10;\n"
-    "      add = { N = 2; kind = \"drop\"; x = (-1.0, 1.0); y = \"touch + 0.2\"; vy = \"-sqrt(2*g*0.1)\"; "
-    "};\n"
-    "      until = \"touched and held(speed < 1, 5)\"; } ); },\n"
-    "  { name = \"cloud\"; add = { N = 20; kind = \"drop\"; x = (-1.5, 1.5); y = (3.0, 4.0); }; steps = 1; "
-    "},\n"
-    "  { name = \"clear\"; remove = \"right\"; steps = 1; } );\n"
-    "measure = ( { name = \"y1\"; of = \"stone.y\"; at = \"first\"; }, { name = \"m1\"; of = \"stone.mass\"; "
-    "at = \"first\"; },\n"
-    "  { name = \"n1\"; of = \"drop.grains\"; at = \"rain\"; }, { name = \"moved\"; of = \"moved(0.1)\"; at "
-    "= \"drop\"; take = \"max\"; },\n"
-    "  { name = \"added1\"; of = \"added\"; at = \"rain\"; }, { name = \"x\"; of = \"drop.x\"; at = "
-    "\"rain\"; },\n"
-    "  { name = \"n2\"; of = \"grains\"; at = \"cloud\"; }, { name = \"lost\"; of = \"right.grains\"; at = "
-    "\"cloud\"; },\n"
-    "  { name = \"n3\"; of = \"grains\"; at = \"clear\"; }, { name = \"gone\"; of = \"out\"; at = \"clear\"; "
-    "}, { name = \"stones\"; of = \"stone.grains\"; } );\n";
+    "  { name = `first`; add = { kind = `stone`; r = 0.3; density = 2.0; x = 0.5; y = `touch`; gap = 0.0; }; "
+    "steps = 1; },\n"
+    "  { name = `rain`; repeat = `n`; phases = ( { name = `drop`; mark = true; every = 10;\n"
+    "      add = { N = 2; kind = `drop`; x = (-1.0, 1.0); y = `touch + 0.2`; vy = `-sqrt(2*g*0.1)`; };\n"
+    "      until = `touched and held(speed < 1, 5)`; } ); },\n"
+    "  { name = `cloud`; add = { N = 20; kind = `drop`; x = (-1.5, 1.5); y = (3.0, 4.0); }; steps = 1; },\n"
+    "  { name = `clear`; remove = `right`; steps = 1; } );\n"
+    "measure = ( { name = `y1`; of = `stone.y`; at = `first`; },\n"
+    "  { name = `m1`; of = `stone.mass`; at = `first`; },\n"
+    "  { name = `n1`; of = `drop.grains`; at = `rain`; },\n"
+    "  { name = `moved`; of = `moved(0.1)`; at = `drop`; take = `max`; },\n"
+    "  { name = `added1`; of = `added`; at = `rain`; }, { name = `x`; of = `drop.x`; at = `rain`; },\n"
+    "  { name = `n2`; of = `grains`; at = `cloud`; },\n"
+    "  { name = `lost`; of = `right.grains`; at = `cloud`; },\n"
+    "  { name = `n3`; of = `grains`; at = `clear`; }, { name = `gone`; of = `out`; at = `clear`; },\n"
+    "  { name = `stones`; of = `stone.grains`; } );\n";
 
 static void test_added(void)
 {
@@ -288,13 +281,12 @@ static void test_touch(void)
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         char text[1000];
         scoped_trial t;
-        snprintf(
-            text, sizeof text,
-            "dt = 1e-6; walls = ( %s ); particles = ( { x = -3.0; y = 3.0; r = 0.1; } );\n"
-            "phases = ( { name = \"a\"; add = { kind = \"new\"; r = 0.1; x = %s; y = \"touch\"; gap = 1e-9; "
-            "}; steps = 0; } );\n"
-            "measure = ( { name = \"y\"; of = \"new.y\"; } );\n",
-            cases[k].walls, cases[k].x);
+        snprintf(text, sizeof text,
+                 "dt = 1e-6; walls = ( %s ); particles = ( { x = -3.0; y = 3.0; r = 0.1; } );\n"
+                 "phases = ( { name = `a`; add = { kind = `new`; r = 0.1; x = %s; y = `touch`; gap = 1e-9; "
+                 "}; steps = 0; } );\n"
+                 "measure = ( { name = `y`; of = `new.y`; } );\n",
+                 cases[k].walls, cases[k].x);
         run_whole(&t, text, 10, cases[k].status);
         if (strcmp(cases[k].status, "ok") == 0) CHECK_NEAR(measured(&t, "y"), cases[k].y, 1e-8);
     }
@@ -307,13 +299,12 @@ static void test_added_radii(void)
     for (size_t k = 0; k < 2; k++) {
         char text[900];
         scoped_trial t;
-        snprintf(
-            text, sizeof text,
-            "dt = 1e-5; walls = ( { point = (0.0, 0.0); direction = (0.0, 1.0); } );\n"
-            "fill = { N = 2; W = 2.0; H = 2.0; radius_law = \"table\"; radii = ( (0.2, 1.0) ); };\n"
-            "phases = ( { name = \"add\"; add = { kind = \"new\"; x = 5.0; y = \"r\"; %s }; steps = 0; } );\n"
-            "measure = ( { name = \"r\"; of = \"new.y\"; } );\n",
-            cases[k][0]);
+        snprintf(text, sizeof text,
+                 "dt = 1e-5; walls = ( { point = (0.0, 0.0); direction = (0.0, 1.0); } );\n"
+                 "fill = { N = 2; W = 2.0; H = 2.0; radius_law = `table`; radii = ( (0.2, 1.0) ); };\n"
+                 "phases = ( { name = `add`; add = { kind = `new`; x = 5.0; y = `r`; %s }; steps = 0; } );\n"
+                 "measure = ( { name = `r`; of = `new.y`; } );\n",
+                 cases[k][0]);
         start(&t, text);
         finish(&t, 10);
         CHECK_NEAR(measured(&t, "r"), atof(cases[k][1]), 1e-15);
@@ -327,16 +318,15 @@ static void test_base_order(void)
 {
     static const char text[] =
         "dt = 1e-5;\n"
-        "walls = ( { name = \"base\"; point = (0.0, 0.0); direction = (0.0, 1.0); } );\n"
-        "fill = ( { pattern = \"row\"; W = 8.0; x0 = 1.0; radius_width = 0.0; },\n"
-        "  { pattern = \"lattice\"; W = 0.81; H = 0.56; x0 = 20.0; y0 = 30.0; radius_width = 0.0; } );\n"
+        "walls = ( { name = `base`; point = (0.0, 0.0); direction = (0.0, 1.0); } );\n"
+        "fill = ( { pattern = `row`; W = 8.0; x0 = 1.0; radius_width = 0.0; },\n"
+        "  { pattern = `lattice`; W = 0.81; H = 0.56; x0 = 20.0; y0 = 30.0; radius_width = 0.0; } );\n"
         "regions = { up = { y = (20.0, 40.0); }; low = { y = (-1.0, 1.0); }; };\n"
-        "phases = ( { name = \"start\"; steps = 0; },\n"
-        "  { name = \"sink\"; remove = \"up\"; damp = true; every = 10; until = \"held(force < 1e-6*m*g, "
-        "2)\"; } );\n"
-        "measure = ( { name = \"o\"; of = \"order\"; in = \"up\"; at = \"start\"; },\n"
-        "  { name = \"b\"; of = \"base\"; wall = \"base\"; }, { name = \"weight\"; of = \"low.mass*g\"; } "
-        ");\n";
+        "phases = ( { name = `start`; steps = 0; },\n"
+        "  { name = `sink`; remove = `up`; damp = true; every = 10; until = `held(force < 1e-6*m*g, 2)`; } "
+        ");\n"
+        "measure = ( { name = `o`; of = `order`; in = `up`; at = `start`; },\n"
+        "  { name = `b`; of = `base`; wall = `base`; }, { name = `weight`; of = `low.mass*g`; } );\n";
     scoped_trial t;
     run_whole(&t, text, 1000, "ok");
     CHECK_NEAR(measured(&t, "o_psi6"), 1.0, 1e-12);
@@ -355,14 +345,14 @@ static void test_fabric(void)
     static const char text[] =
         "dt = 1e-6; gravity = (0.0, 0.0); walls = ( { point = (0.0, 0.0); direction = (0.0, 1.0); } );\n"
         "particles = ( { x = 1.0; y = 0.099; r = 0.1; }, { x = 1.0; y = 0.298; r = 0.1; },\n"
-        "  { x = -1.0; y = 0.5; r = 0.1; }, { x = \"-1 + 0.198*sin(30*deg)\"; y = \"0.5 + "
-        "0.198*cos(30*deg)\"; r = 0.1; } );\n"
+        "  { x = -1.0; y = 0.5; r = 0.1; }, { x = `-1 + 0.198*sin(30*deg)`; y = `0.5 + 0.198*cos(30*deg)`; r "
+        "= 0.1; } );\n"
         "regions = { left = { x = (-2.0, 0.0); }; none = { y = (7.0, 8.0); }; };\n"
-        "phases = ( { name = \"p\"; steps = 0; } );\n"
-        "measure = ( { name = \"all\"; of = \"fabric\"; }, { name = \"lean\"; of = \"fabric.fabric_deg\"; in "
-        "= \"left\"; },\n"
-        "  { name = \"mirror\"; of = \"fabric\"; about = 0.0; }, { name = \"empty\"; of = \"fabric\"; in = "
-        "\"none\"; optional = true; } );\n";
+        "phases = ( { name = `p`; steps = 0; } );\n"
+        "measure = ( { name = `all`; of = `fabric`; },\n"
+        "  { name = `lean`; of = `fabric.fabric_deg`; in = `left`; },\n"
+        "  { name = `mirror`; of = `fabric`; about = 0.0; },\n"
+        "  { name = `empty`; of = `fabric`; in = `none`; optional = true; } );\n";
     scoped_trial t;
     run_whole(&t, text, 10, "ok");
     /* |1 + exp(i 60 degrees)|/2 = cos 30 degrees; forces are Hertzian, of overlaps 0.001 and 0.002 */
@@ -379,23 +369,22 @@ static void test_fabric(void)
 /* ---- going back ---- */
 
 static const char back[] =
-    "dt = 5e-5; tangential = { law = \"spring\"; mu = 0.3; };\n"
-    "walls = ( { name = \"base\"; point = (0.0, 0.0); direction = (0.0, 1.0); }, { point = (0.0, 0.0); "
-    "direction = (1.0, 0.0); }, { name = \"gate\"; point = (2.0, 0.0); direction = (-1.0, 0.0); } );\n"
+    "dt = 5e-5; tangential = { law = `spring`; mu = 0.3; };\n"
+    "walls = ( { name = `base`; point = (0.0, 0.0); direction = (0.0, 1.0); }, { point = (0.0, 0.0); "
+    "direction = (1.0, 0.0); }, { name = `gate`; point = (2.0, 0.0); direction = (-1.0, 0.0); } );\n"
     "x_max = 4.0; fill = { N = 50; W = 2.0; H = 4.0; };\n"
-    "phases = ( { name = \"fill\"; least = 3000; every = 100; until = \"held(energy < 1e-2, 3)\"; },\n"
-    "  { name = \"one\"; gravity_turn_deg_per_step = 0.01; walls = { base = { mu = 0.0; }; }; open = "
-    "\"gate\"; steps = 1500; add = { r = 0.1; x = 1.0; y = \"touch + 1\"; }; },\n"
-    "  { name = \"two\"; from = \"fill\"; gravity_turn_deg_per_step = 0.01; walls = { base = { mu = 0.0; }; "
-    "}; open = \"gate\"; steps = 1500; },\n"
-    "  { name = \"three\"; from = \"fill\"; steps = 0; } );\n"
-    "measure = ( { name = \"y0\"; of = \"y\"; at = \"fill\"; }, { name = \"y1\"; of = \"y\"; at = \"one\"; "
-    "},\n"
-    "  { name = \"y2\"; of = \"y\"; at = \"two\"; }, { name = \"tilt\"; of = \"tilt_deg\"; at = \"two\"; },\n"
-    "  { name = \"out1\"; of = \"out\"; at = \"one\"; }, { name = \"n1\"; of = \"added\"; at = \"one\"; },\n"
-    "  { name = \"y3\"; of = \"y\"; at = \"three\"; }, { name = \"n3\"; of = \"added\"; }, { name = "
-    "\"tilt3\"; of = \"tilt_deg\"; }, { name = \"steps\"; of = \"step\"; }, { name = \"grains3\"; of = "
-    "\"grains\"; } );\n";
+    "phases = ( { name = `fill`; least = 3000; every = 100; until = `held(energy < 1e-2, 3)`; },\n"
+    "  { name = `one`; gravity_turn_deg_per_step = 0.01; walls = { base = { mu = 0.0; }; }; open = `gate`; "
+    "steps = 1500; add = { r = 0.1; x = 1.0; y = `touch + 1`; }; },\n"
+    "  { name = `two`; from = `fill`; gravity_turn_deg_per_step = 0.01; walls = { base = { mu = 0.0; }; }; "
+    "open = `gate`; steps = 1500; },\n"
+    "  { name = `three`; from = `fill`; steps = 0; } );\n"
+    "measure = ( { name = `y0`; of = `y`; at = `fill`; }, { name = `y1`; of = `y`; at = `one`; },\n"
+    "  { name = `y2`; of = `y`; at = `two`; }, { name = `tilt`; of = `tilt_deg`; at = `two`; },\n"
+    "  { name = `out1`; of = `out`; at = `one`; }, { name = `n1`; of = `added`; at = `one`; },\n"
+    "  { name = `y3`; of = `y`; at = `three`; }, { name = `n3`; of = `added`; },\n"
+    "  { name = `tilt3`; of = `tilt_deg`; }, { name = `steps`; of = `step`; },\n"
+    "  { name = `grains3`; of = `grains`; } );\n";
 
 static void test_back(void)
 {
@@ -417,86 +406,47 @@ static void test_cuts(void)
     static const long parts[] = {1, 7, 130};
     for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
         scoped_trial whole;
-        size_t n;
-        start(&whole, texts[i]);
-        finish(&whole, 1000000);
-        exp_outputs(whole.plan, &n);
-        for (size_t k = 0; k < 9; k++) {
-            scoped_trial cut, kept;
-            start(&cut, texts[i]), start(&kept, texts[i]);
-            const long total = exp_steps(whole.run) * (long)(k + 1) / 10;
-            while (exp_steps(cut.run) < total && !exp_done(cut.run))
-                CHECK_OK(exp_advance(cut.run, parts[k % 3]));
-            rp_snapshot s = {0};
-            exp_keep(&s, cut.run);
-            s.reading = true;
-            exp_keep(&s, kept.run);
-            CHECK_OK(rp_snapshot_end(&s));
-            rp_snapshot_free(&s);
-            finish(&cut, 50);
-            finish(&kept, 333);
-            CU_ASSERT(memcmp(exp_values(cut.run), exp_values(whole.run), n * sizeof(double)) == 0);
-            CU_ASSERT(memcmp(exp_values(kept.run), exp_values(whole.run), n * sizeof(double)) == 0);
-        }
+        run_whole(&whole, texts[i], 1000000, "ok");
+        for (long k = 0; k < 9; k++)
+            check_cut(texts[i], &whole, parts[k % 3], exp_steps(whole.run) * (k + 1) / 10, 50);
     }
-}
-
-static char *changed(const char *text, const char *from, const char *to)
-{
-    const char *at = strstr(text, from);
-    char *made = malloc(strlen(text) + strlen(to) + 1);
-    CU_ASSERT_PTR_NOT_NULL_FATAL(at);
-    sprintf(made, "%.*s%s%s", (int)(at - text), text, to, at + strlen(from));
-    return made;
 }
 
 /* What changes a run changes its key; what does not, doesn't. */
 static void test_keys(void)
 {
-    static const struct {
-        const char *text, *from, *to;
-        bool same;
-    } cases[] = {{lid, "load_y = -10.0", "load_y = -11.0", false},
-                 {lid, "speed = 100.0", "speed = 90.0", false},
-                 {lid, "load_y = -10.0", "load_y = \"-5*2\"", true},
-                 {incline, "later = 0.2", "later = 0.25", false},
-                 {incline, "dt = 5e-6", "dt = 6e-6", false},
-                 {incline, "mu = 0.0; }; }; time", "mu = 0.1; }; }; time", false},
-                 {rain, "r = 0.3", "r = 0.31", false},
-                 {rain, "density = 2.0", "density = 2.1", false},
-                 {rain, "y = \"touch + 0.2\"", "y = \"touch + 0.3\"", false},
-                 {rain, "N = 20", "N = 21", false},
-                 {rain, "remove = \"right\"; ", "", false},
-                 {rain, "(9.0, 9.0)", "(9.0, 8.0)", false},
-                 {rain, "name = \"floor\"", "name = \"ground\"", false},
-                 {rain, "mark = true; ", "", false},
-                 {back, "from = \"fill\"; steps", "from = \"one\"; steps", false},
-                 {back, "name = \"three\";", "name = \"three\"; keep = true;", true},
-                 {back, "steps = 0;", "steps = 0; damp = true;", false}};
-    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
-        scoped_trial a, b;
-        scoped char *other = changed(cases[k].text, cases[k].from, cases[k].to);
-        CHECK_OK(read_text(&a, cases[k].text));
-        CHECK_OK(read_text(&b, other));
-        scoped char *key = exp_key(a.plan), *now = exp_key(b.plan);
-        const bool same = strcmp(key, now) == 0;
-        if (same != cases[k].same) fprintf(stderr, "key of %s\n", cases[k].to);
-        CU_ASSERT(same == cases[k].same);
-    }
+    static const trial_change cases[] = {{lid, "load_y = -10.0", "load_y = -11.0", "another"},
+                                         {lid, "speed = 100.0", "speed = 90.0", "another"},
+                                         {lid, "load_y = -10.0", "load_y = `-5*2`", "same"},
+                                         {incline, "later = 0.2", "later = 0.25", "another"},
+                                         {incline, "dt = 5e-6", "dt = 6e-6", "another"},
+                                         {incline, "mu = 0.0; }; }; time", "mu = 0.1; }; }; time", "another"},
+                                         {rain, "r = 0.3", "r = 0.31", "another"},
+                                         {rain, "density = 2.0", "density = 2.1", "another"},
+                                         {rain, "y = `touch + 0.2`", "y = `touch + 0.3`", "another"},
+                                         {rain, "N = 20", "N = 21", "another"},
+                                         {rain, "remove = `right`; ", "", "another"},
+                                         {rain, "(9.0, 9.0)", "(9.0, 8.0)", "another"},
+                                         {rain, "name = `floor`", "name = `ground`", "another"},
+                                         {rain, "mark = true; ", "", "another"},
+                                         {back, "from = `fill`; steps", "from = `one`; steps", "another"},
+                                         {back, "name = `three`;", "name = `three`; keep = true;", "same"},
+                                         {back, "steps = 0;", "steps = 0; damp = true;", "another"}};
+    check_keys(sizeof cases / sizeof *cases, cases);
 }
 
 static void test_refused(void)
 {
-    static const char *const cases[][4] = {
+    static const trial_change cases[] = {
         {lid, "speed = 100.0; ", "", "lid: load_y needs speed"},
         {lid, "speed = 100.0", "speed = 0.0", "speed = 0: out of range, allowed: (0, inf)"},
         {lid, "load_y = -10.0", "load_z = -10.0", "load_z: unknown key"},
-        {lid, "load_y = -10.0", "load_y = \"fast\"", "unknown name fast"},
+        {lid, "load_y = -10.0", "load_y = `fast`", "unknown name fast"},
         {lid, "speed = 100.0", "speed = 9.0e4", "phase near: wall lid moves 0.9 in one step"},
-        {incline, "tangential = { mu = \"later\"; }", "tangential = { muu = 1.0; }", "muu: unknown key"},
-        {incline, "tangential = { mu = \"later\"; }", "tangential = { law = \"none\"; }",
+        {incline, "tangential = { mu = `later`; }", "tangential = { muu = 1.0; }", "muu: unknown key"},
+        {incline, "tangential = { mu = `later`; }", "tangential = { law = `none`; }",
          "needs a tangential law"},
-        {incline, "tangential = { mu = \"later\"; }", "rolling = { mu = 0.1; }", "needs rotation = true"},
+        {incline, "tangential = { mu = `later`; }", "rolling = { mu = 0.1; }", "needs rotation = true"},
         {incline, "dt = 5e-6", "dt = 5e-3", "phase again: dt = 0.005: too large"},
         {incline, "floor = { mu = 0.0; }", "floor = { mu = -1.0; }", "mu = -1: out of range"},
         {incline, "floor = { mu = 0.0; }", "flor = { mu = 0.0; }",
@@ -508,52 +458,38 @@ static void test_refused(void)
         {rain, "N = 20", "N = -20", "add.N = -20: out of range"},
         {rain, "x = 0.5; ", "", "add: x: missing"},
         {rain, "r = 0.3", "s = 0.3", "s: unknown key"},
-        {rain, "y = \"touch\"", "y = \"tuch\"", "unknown name tuch (did you mean \"touch\"?)"},
-        {rain, "kind = \"stone\"", "kind = \"floor\"", "floor names a wall and a kind"},
-        {rain, "kind = \"stone\"", "kind = 3", "kind: a name expected"},
-        {rain, "remove = \"right\"", "remove = \"rigt\"", "remove = \"rigt\": no such region (did you mean"},
+        {rain, "y = `touch`", "y = `tuch`", "unknown name tuch (did you mean \"touch\"?)"},
+        {rain, "kind = `stone`", "kind = `floor`", "floor names a wall and a kind"},
+        {rain, "kind = `stone`", "kind = 3", "kind: a name expected"},
+        {rain, "remove = `right`", "remove = `rigt`", "remove = \"rigt\": no such region (did you mean"},
         {rain, "(9.0, 9.0), ", "", NULL},
         {rain, "( (0.0, -1.0), (9.0, -1.0), (9.0, 9.0), (0.0, 9.0) )", "( (0.0, -1.0), (9.0, -1.0) )",
          "polygon: a list ( (x, y), ... ) of at least 3"},
-        {rain, "of = \"stone.y\"", "of = \"stone.fy\"", "unknown name stone.fy"},
-        {back, "from = \"fill\"; g", "from = \"two\"; g", "from = \"two\": an earlier phase"},
-        {back, "from = \"fill\"; g", "from = \"fil\"; g", "from = \"fil\": no such phase (did you mean"},
-        {back, "of = \"y\"; at = \"fill\"", "of = \"base\"; at = \"fill\"", "wall: missing, whose load"},
-        {back, "of = \"y\"; at = \"fill\"", "of = \"base\"; wall = \"bas\"; at = \"fill\"",
+        {rain, "of = `stone.y`", "of = `stone.fy`", "unknown name stone.fy"},
+        {back, "from = `fill`; g", "from = `two`; g", "from = \"two\": an earlier phase"},
+        {back, "from = `fill`; g", "from = `fil`; g", "from = \"fil\": no such phase (did you mean"},
+        {back, "of = `y`; at = `fill`", "of = `base`; at = `fill`", "wall: missing, whose load"},
+        {back, "of = `y`; at = `fill`", "of = `base`; wall = `bas`; at = `fill`",
          "wall = \"bas\": no wall has this name"},
-        {back, "of = \"y\"; at = \"fill\"", "of = \"y\"; wall = \"base\"; at = \"fill\"",
-         "wall: of the module base"}};
-    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
-        scoped_trial t;
-        scoped char *text = changed(cases[k][0], cases[k][1], cases[k][2]);
-        rp_status status = read_text(&t, text);
-        if (!status) status = exp_check(t.plan);
-        if (!cases[k][3])
-            CHECK_OK(status);
-        else
-            CHECK_FAILS(status, RP_BAD_INPUT, cases[k][3]);
-    }
+        {back, "of = `y`; at = `fill`", "of = `y`; wall = `base`; at = `fill`", "wall: of the module base"}};
+    check_refused(sizeof cases / sizeof *cases, cases);
 }
 
 /* What only the run can know. */
 static void test_ends(void)
 {
-    static const char *const cases[][4] = {
+    static const trial_change cases[] = {
         {rain, "N = 20", "N = 2000", "no_room"},
-        {rain, "N = 2; kind", "N = 2; r = \"0/grains\"; kind", "nan"},
-        {rain, "density = 2.0", "density = \"0*grains\"", "nan"},
-        {lid, "load_y = -10.0", "load_y = \"-1/(grains - 2)\"", "nan"},
-        {rain, "y = \"touch + 0.2\"", "y = \"touch + 4000\"", "too_fast"},
-        {rain, "y = \"touch + 0.2\"", "y = \"touch - 0.05\"", "no_room"},
-        {rain, "repeat = \"n\"", "until = \"added > 4\"", "ok"},
-        {rain, "repeat = \"n\"", "repeat = 2; until = \"added > 40\"", "ok"},
-        {rain, "repeat = \"n\"", "repeat = 2; status = \"dry\"; until = \"added > 40\"", "dry"},
+        {rain, "N = 2; kind", "N = 2; r = `0/grains`; kind", "nan"},
+        {rain, "density = 2.0", "density = `0*grains`", "nan"},
+        {lid, "load_y = -10.0", "load_y = `-1/(grains - 2)`", "nan"},
+        {rain, "y = `touch + 0.2`", "y = `touch + 4000`", "too_fast"},
+        {rain, "y = `touch + 0.2`", "y = `touch - 0.05`", "no_room"},
+        {rain, "repeat = `n`", "until = `added > 4`", "ok"},
+        {rain, "repeat = `n`", "repeat = 2; until = `added > 40`", "ok"},
+        {rain, "repeat = `n`", "repeat = 2; status = `dry`; until = `added > 40`", "dry"},
         {incline, "later = 0.2", "later = 0.2; z = 0.0", "ok"}};
-    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
-        scoped_trial t;
-        scoped char *text = changed(cases[k][0], cases[k][1], cases[k][2]);
-        run_whole(&t, text, 1000, cases[k][3]);
-    }
+    check_ends(sizeof cases / sizeof *cases, cases);
 }
 
 /* Bins of a box, by what is put there; over samples their mean; the stress is that of the region. */
@@ -565,12 +501,12 @@ static void test_profile(void)
         "  { x = 0.5; y = 1.5; r = 0.1; vx = 2.0; vy = 1.0; }, { x = 1.2; y = 1.5; r = 0.1; }, { x = 1.39; y "
         "= 1.5; r = 0.1; }, { x = 7.0; y = 1.0; r = 0.1; } );\n"
         "regions = { box = { x = (0.0, 2.0); y = (0.0, 2.0); }; half = { x = (0.0, 2.0); }; };\n"
-        "phases = ( { name = \"p\"; steps = 0; }, { name = \"q\"; steps = 30; } );\n"
-        "measure = ( { name = \"rows\"; of = \"profile\"; bins = 2; in = \"box\"; at = \"p\"; }, { name = "
-        "\"sxx\"; of = \"box.sxx\"; at = \"p\"; },\n"
-        "  { name = \"mean\"; of = \"profile\"; along = \"x\"; bins = 4; in = \"box\"; during = \"q\"; every "
-        "= 10; } );\n";
-    write_text("p.cfg", "%s", text);
+        "phases = ( { name = `p`; steps = 0; }, { name = `q`; steps = 30; } );\n"
+        "measure = ( { name = `rows`; of = `profile`; bins = 2; in = `box`; at = `p`; },\n"
+        "  { name = `sxx`; of = `box.sxx`; at = `p`; },\n"
+        "  { name = `mean`; of = `profile`; along = `x`; bins = 4; in = `box`; during = `q`; every = 10; } "
+        ");\n";
+    write_trial("p.cfg", text);
     GOOD("run p.cfg -o p --snapshot 7");
     scoped_table rows = read_table("p/profile_rows.tsv");
     scoped_table measures = read_table("p/measures.tsv");
@@ -610,11 +546,10 @@ static void test_kept(void)
         "0.0); }, { point = (2.0, 0.0); direction = (-1.0, 0.0); } );\n"
         "output = { states = 700; contacts = 0; energy = 100; };\n"
         "fill = { N = 30; W = 2.0; H = 3.0; };\n"
-        "phases = ( { name = \"bed\"; steps = 4000; keep = true; },\n"
-        "  { name = \"hit\"; add = { r = 0.1; x = 1.0; y = \"touch\"; vy = \"-v\"; }; steps = 500; } );\n"
-        "measure = ( { name = \"before\"; of = \"y\"; at = \"bed\"; }, { name = \"after\"; of = \"y\"; } "
-        ");\n";
-    write_text("k.cfg", "%s", text);
+        "phases = ( { name = `bed`; steps = 4000; keep = true; },\n"
+        "  { name = `hit`; add = { r = 0.1; x = 1.0; y = `touch`; vy = `-v`; }; steps = 500; } );\n"
+        "measure = ( { name = `before`; of = `y`; at = `bed`; }, { name = `after`; of = `y`; } );\n";
+    write_trial("k.cfg", text);
     GOOD("run k.cfg -o whole --snapshot 900");
     SHELL("cut -f1 whole/states.tsv | grep -v '^#' | sort -nu | tr '\\n' ' ' >out");
     CU_ASSERT_STRING_EQUAL(out, "step 700 1400 2100 2800 3500 4200 4500 ");

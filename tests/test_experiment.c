@@ -14,36 +14,30 @@
 /* Two grains fall from rest beside each other, then lie on a floor that is a wall with a name. */
 static const char fall[] =
     "dt = 1.0e-4; gravity = (0.0, -1000.0); let = { h = 5.0; };\n"
-    "walls = ( { name = \"floor\"; point = (0.0, 0.0); direction = (0.0, 1.0); } );\n"
-    "particles = ( { x = 1.0; y = \"h\"; r = 0.1; m = 0.01; }, { x = 3.0; y = \"h\"; r = 0.2; m = 0.03; } "
-    ");\n"
-    "regions = { left_half = { x = (0.0, 2.0); }; disk = { circle = (3.0, \"h\", 1.5); }; };\n"
-    "phases = ( { name = \"fall\"; steps = 500; every = 50; },\n"
-    "           { name = \"land\"; least = 1000; every = 100; until = \"rest\"; } );\n"
-    "measure = (\n"
-    "  { name = \"y1\"; of = \"left_half.y\"; at = \"fall\"; }, { name = \"v\"; of = \"vy\"; at = \"fall\"; "
-    "},\n"
-    "  { name = \"all\"; of = \"y\"; at = \"fall\"; }, { name = \"fastest\"; of = \"speed\"; at = \"fall\"; "
-    "},\n"
-    "  { name = \"e\"; of = \"kinetic\"; at = \"fall\"; }, { name = \"mean_e\"; of = \"energy\"; at = "
-    "\"fall\"; },\n"
-    "  { name = \"fell\"; of = \"moved(1.2)\"; at = \"fall\"; }, { name = \"not\"; of = \"moved(1.3)\"; at = "
-    "\"fall\"; },\n"
-    "  { name = \"in\"; of = \"disk.grains\"; at = \"fall\"; }, { name = \"in_m\"; of = \"disk.mass\"; at = "
-    "\"fall\"; },\n"
-    "  { name = \"t1\"; of = \"t\"; at = \"fall\"; }, { name = \"T\"; of = \"time\"; }, { name = \"s\"; of = "
-    "\"step\"; },\n"
-    "  { name = \"rate_y\"; of = \"vy\"; during = \"fall\"; take = \"rate\"; },\n"
-    "  { name = \"mean_t\"; of = \"t\"; during = \"fall\"; },\n"
-    "  { name = \"late\"; of = \"t\"; during = \"fall\"; when = \"vy < -26\"; take = \"first\"; },\n"
-    "  { name = \"most\"; of = \"-vy\"; during = \"fall\"; take = \"max\"; skip = 0.5; },\n"
-    "  { name = \"least\"; of = \"-vy\"; during = \"fall\"; take = \"min\"; skip = 0.5; },\n"
-    "  { name = \"step_y\"; of = \"change(t)\"; during = \"fall\"; take = \"max\"; every = 25; },\n"
-    "  { name = \"weight\"; of = \"floor.fy\"; }, { name = \"side\"; of = \"floor.fx\"; },\n"
-    "  { name = \"top\"; of = \"height\"; }, { name = \"l\"; of = \"left\"; }, { name = \"r\"; of = "
-    "\"right\"; },\n"
-    "  { name = \"touching\"; of = \"contacts\"; }, { name = \"columns\"; of = \"cells\"; },\n"
-    "  { name = \"sum\"; of = \"v + exp(log(2))\"; } );\n";
+    "walls = ( { name = `floor`; point = (0.0, 0.0); direction = (0.0, 1.0); } );\n"
+    "particles = ( { x = 1.0; y = `h`; r = 0.1; m = 0.01; }, { x = 3.0; y = `h`; r = 0.2; m = 0.03; } );\n"
+    "regions = { left_half = { x = (0.0, 2.0); }; disk = { circle = (3.0, `h`, 1.5); }; };\n"
+    "phases = ( { name = `fall`; steps = 500; every = 50; },\n"
+    "           { name = `land`; least = 1000; every = 100; until = `rest`; } );\n"
+    "measure = ( { name = `y1`; of = `left_half.y`; at = `fall`; },\n"
+    "  { name = `v`; of = `vy`; at = `fall`; }, { name = `all`; of = `y`; at = `fall`; },\n"
+    "  { name = `fastest`; of = `speed`; at = `fall`; }, { name = `e`; of = `kinetic`; at = `fall`; },\n"
+    "  { name = `mean_e`; of = `energy`; at = `fall`; },\n"
+    "  { name = `fell`; of = `moved(1.2)`; at = `fall`; },\n"
+    "  { name = `not`; of = `moved(1.3)`; at = `fall`; },\n"
+    "  { name = `in`; of = `disk.grains`; at = `fall`; },\n"
+    "  { name = `in_m`; of = `disk.mass`; at = `fall`; }, { name = `t1`; of = `t`; at = `fall`; },\n"
+    "  { name = `T`; of = `time`; }, { name = `s`; of = `step`; },\n"
+    "  { name = `rate_y`; of = `vy`; during = `fall`; take = `rate`; },\n"
+    "  { name = `mean_t`; of = `t`; during = `fall`; },\n"
+    "  { name = `late`; of = `t`; during = `fall`; when = `vy < -26`; take = `first`; },\n"
+    "  { name = `most`; of = `-vy`; during = `fall`; take = `max`; skip = 0.5; },\n"
+    "  { name = `least`; of = `-vy`; during = `fall`; take = `min`; skip = 0.5; },\n"
+    "  { name = `step_y`; of = `change(t)`; during = `fall`; take = `max`; every = 25; },\n"
+    "  { name = `weight`; of = `floor.fy`; }, { name = `side`; of = `floor.fx`; },\n"
+    "  { name = `top`; of = `height`; }, { name = `l`; of = `left`; }, { name = `r`; of = `right`; },\n"
+    "  { name = `touching`; of = `contacts`; }, { name = `columns`; of = `cells`; },\n"
+    "  { name = `sum`; of = `v + exp(log(2))`; } );\n";
 
 static void test_closed_forms(void)
 {
@@ -76,19 +70,18 @@ static void test_phases(void)
 {
     static const char text[] =
         "dt = 1.0e-4; let = { turns = true; rate = 0.01; };\n"
-        "walls = ( { name = \"floor\"; point = (0.0, 0.0); direction = (0.0, 1.0); } );\n"
-        "tangential = { law = \"spring\"; mu = 1.0; }; particles = ( { x = 1.0; y = 0.1; r = 0.1; } );\n"
-        "result = \"ok_turned\";\n"
-        "phases = ( { name = \"never\"; if = \"not turns\"; steps = 100; },\n"
-        "  { name = \"steps\"; repeat = 6; until = \"tilt_deg > 4.5\"; phases = (\n"
-        "    { name = \"turn\"; gravity_turn_deg_per_step = \"rate\"; steps = \"round(1/rate)\"; },\n"
-        "    { name = \"no\"; if = \"rate > 1\"; steps = 1; },\n"
-        "    { name = \"wait\"; gravity_turn_deg_per_step = 0.0; time = 0.01; } ); },\n"
-        "  { name = \"back\"; gravity = (0.0, -981.0); steps = 3; } );\n"
-        "measure = ( { name = \"tilt\"; of = \"tilt_deg\"; at = \"wait\"; take = \"max\"; },\n"
-        "  { name = \"passes\"; of = \"pass\"; at = \"wait\"; take = \"max\"; series = true; },\n"
-        "  { name = \"nothing\"; of = \"tilt_deg\"; at = \"never\"; }, { name = \"steps\"; of = \"step\"; } "
-        ");\n";
+        "walls = ( { name = `floor`; point = (0.0, 0.0); direction = (0.0, 1.0); } );\n"
+        "tangential = { law = `spring`; mu = 1.0; }; particles = ( { x = 1.0; y = 0.1; r = 0.1; } );\n"
+        "result = `ok_turned`;\n"
+        "phases = ( { name = `never`; if = `not turns`; steps = 100; },\n"
+        "  { name = `steps`; repeat = 6; until = `tilt_deg > 4.5`; phases = (\n"
+        "    { name = `turn`; gravity_turn_deg_per_step = `rate`; steps = `round(1/rate)`; },\n"
+        "    { name = `no`; if = `rate > 1`; steps = 1; },\n"
+        "    { name = `wait`; gravity_turn_deg_per_step = 0.0; time = 0.01; } ); },\n"
+        "  { name = `back`; gravity = (0.0, -981.0); steps = 3; } );\n"
+        "measure = ( { name = `tilt`; of = `tilt_deg`; at = `wait`; take = `max`; },\n"
+        "  { name = `passes`; of = `pass`; at = `wait`; take = `max`; series = true; },\n"
+        "  { name = `nothing`; of = `tilt_deg`; at = `never`; }, { name = `steps`; of = `step`; } );\n";
     scoped_trial t;
     run_whole(&t, text, 37, "ok_turned");
     CHECK_NEAR(measured(&t, "tilt"), 5.0, 1e-9);
@@ -104,18 +97,17 @@ static void test_known_so_far(void)
 {
     static const char text[] =
         "dt = 1.0e-4; gravity = [0.0, -1000.0]; particles = ( { x = 1.0; y = 5.0; r = 0.1; vy = 50.0; } );\n"
-        "phases = ( { name = \"flight\"; every = 10; until = \"y < most - 0.2\"; most = 5000; },\n"
-        "  { name = \"twice\"; repeat = 2; phases = ( { name = \"on\"; steps = 100; } ); },\n"
-        "  { name = \"marked\"; repeat = 2; phases = ( { name = \"again\"; mark = true; steps = 100; } ); "
-        "},\n"
-        "  { name = \"never\"; if = \"1 > 2\"; steps = 3; } );\n"
-        "measure = ( { name = \"most\"; of = \"y\"; during = \"flight\"; take = \"max\"; },\n"
-        "  { name = \"fell\"; of = \"y\"; at = \"flight\"; },\n"
-        "  { name = \"by_block\"; of = \"moved(0.5)\"; at = \"on\"; take = \"max\"; },\n"
-        "  { name = \"before\"; of = \"moved(0.7)\"; at = \"on\"; take = \"max\"; },\n"
-        "  { name = \"by_phase\"; of = \"moved(0.6)\"; at = \"again\"; take = \"max\"; },\n"
-        "  { name = \"last\"; of = \"step\"; },\n"
-        "  { name = \"fall\"; of = \"vy\"; during = \"flight\"; take = \"line\"; against = \"t\"; } );\n";
+        "phases = ( { name = `flight`; every = 10; until = `y < most - 0.2`; most = 5000; },\n"
+        "  { name = `twice`; repeat = 2; phases = ( { name = `on`; steps = 100; } ); },\n"
+        "  { name = `marked`; repeat = 2; phases = ( { name = `again`; mark = true; steps = 100; } ); },\n"
+        "  { name = `never`; if = `1 > 2`; steps = 3; } );\n"
+        "measure = ( { name = `most`; of = `y`; during = `flight`; take = `max`; },\n"
+        "  { name = `fell`; of = `y`; at = `flight`; },\n"
+        "  { name = `by_block`; of = `moved(0.5)`; at = `on`; take = `max`; },\n"
+        "  { name = `before`; of = `moved(0.7)`; at = `on`; take = `max`; },\n"
+        "  { name = `by_phase`; of = `moved(0.6)`; at = `again`; take = `max`; },\n"
+        "  { name = `last`; of = `step`; },\n"
+        "  { name = `fall`; of = `vy`; during = `flight`; take = `line`; against = `t`; } );\n";
     scoped_trial t;
     run_whole(&t, text, 7, "ok");
     CHECK_NEAR(measured(&t, "most"), 5.0 + 50.0 * 50.0 / 2000.0, 1e-3);
@@ -135,11 +127,11 @@ static void test_forces(void)
 {
     static const char text[] =
         "dt = 4.0e-5; normal = { gamma_n = 2000.0; }; rest = { energy = 1e-20; force = 1e-9; };\n"
-        "walls = ( { name = \"base\"; point = (0.0, %s); direction = (%s, 1.0); } );\n"
+        "walls = ( { name = `base`; point = (0.0, %s); direction = (%s, 1.0); } );\n"
         "particles = ( { x = 1.0; y = %s; r = 0.1; }, { x = 3.0; y = %s; r = 0.1; } );\n"
         "regions = { here = { x = (0.5, 1.5); y = (%s, 9.0); }; };\n"
-        "phases = ( { name = \"lie\"; until = \"rest\"; most = 200000; go_on = true; } );\n"
-        "measure = ( { name = \"f\"; of = \"forces\"; in = \"here\"; wall = \"base\"; } );\n";
+        "phases = ( { name = `lie`; until = `rest`; most = 200000; go_on = true; } );\n"
+        "measure = ( { name = `f`; of = `forces`; in = `here`; wall = `base`; } );\n";
     static const char *const places[][5] = {{"0.0", "0.0", "0.099", "0.099", "0.0"},
                                             {"-7.0", "0.0", "-6.901", "-6.901", "-7.0"},
                                             {"0.0", "0.2", "-0.09", "-0.49", "-1.0"}};
@@ -160,82 +152,48 @@ static void test_forces(void)
     }
 }
 
-/* Replace the first `from` of a text. */
-static void replaced(const char *text, const char *from, const char *to, char made[8192])
-{
-    const char *at = strstr(text, from);
-    CU_ASSERT_FATAL(at != NULL);
-    snprintf(made, 8192, "%.*s%s%s", (int)(at - text), text, to, at + strlen(from));
-}
-
 static const char hopper[] =
-    "let = { D = { value = 1.6; unit = \"cm\"; range = \"(0, 6)\"; meaning = \"outlet\"; }; mu = 0.2; N = "
-    "60; left = 20; };\n"
+    "let = { D = { value = 1.6; unit = `cm`; range = `(0, 6)`; meaning = `outlet`; }; mu = 0.2; N = 60; stop "
+    "= 20; };\n"
     "dt = 5.0e-5; y_min = -1.0;\n"
-    "tangential = { law = \"spring\"; mu = \"mu\"; };\n"
-    "walls = ( { name = \"bin\"; polygon = ( ( 0.0, 40.0 ), ( 0.0, 0.0 ), ( \"1 - D/4\", 0.0 ) ); closed = "
+    "tangential = { law = `spring`; mu = `mu`; };\n"
+    "walls = ( { name = `bin`; polygon = ( ( 0.0, 40.0 ), ( 0.0, 0.0 ), ( `1 - D/4`, 0.0 ) ); closed = "
     "false; },\n"
-    "          { name = \"bin\"; polygon = ( ( \"1 + D/4\", 0.0 ), ( 2.0, 0.0 ), ( 2.0, 40.0 ) ); closed = "
+    "          { name = `bin`; polygon = ( ( `1 + D/4`, 0.0 ), ( 2.0, 0.0 ), ( 2.0, 40.0 ) ); closed = "
     "false; },\n"
-    "          { name = \"gate\"; polygon = ( ( \"1 - D/4\", 0.0 ), ( \"1 + D/4\", 0.0 ) ); closed = false; "
-    "} );\n"
-    "fill = { N = \"N\"; W = 2.0; H = 4.0; };\n"
+    "          { name = `gate`; polygon = ( ( `1 - D/4`, 0.0 ), ( `1 + D/4`, 0.0 ) ); closed = false; } );\n"
+    "fill = { N = `N`; W = 2.0; H = 4.0; };\n"
     "regions = { bulk = { x = [0.5, 1.5]; y = [0.0, 1.0]; }; };\n"
-    "phases = ( { name = \"fill\"; least = 2000; every = 100; until = \"held(energy < 1e-3, 3)\"; },\n"
-    "           { name = \"flow\"; open = \"gate\"; every = 50; until = \"grains < stop\"; most = 40000;\n"
-    "             fail = { clogged = \"rest\"; }; } );\n"
-    "measure = ( { name = \"depth\"; of = \"height\"; at = \"fill\"; },\n"
-    "  { name = \"rate\"; of = \"out\"; during = \"flow\"; take = \"rate\"; unit = \"1/s\"; },\n"
-    "  { name = \"packed\"; of = \"bulk.fraction\"; at = \"fill\"; },\n"
-    "  { name = \"mean_y\"; of = \"y\"; during = \"flow\"; series = true; } );\n";
+    "phases = ( { name = `fill`; least = 2000; every = 100; until = `held(energy < 1e-3, 3)`; },\n"
+    "           { name = `flow`; open = `gate`; every = 50; until = `grains < stop`; most = 40000;\n"
+    "             fail = { clogged = `rest`; }; } );\n"
+    "measure = ( { name = `depth`; of = `height`; at = `fill`; },\n"
+    "  { name = `rate`; of = `out`; during = `flow`; take = `rate`; unit = `1/s`; },\n"
+    "  { name = `packed`; of = `bulk.fraction`; at = `fill`; },\n"
+    "  { name = `mean_y`; of = `y`; during = `flow`; series = true; } );\n";
 
-static const char *small_hopper(void)
-{
-    static char text[8192], renamed[8192];
-    replaced(hopper, "left = 20", "stop = 20", renamed);
-    replaced(renamed, "H = 4.0", "H = 4.0", text);
-    return text;
-}
-
-static const char shaken[] =
-    "dt = 5.0e-5; let = { f = 20.0; A = 0.05; w = \"2*pi*f\"; };\n"
-    "walls = ( { name = \"box\"; polygon = ((0.0, 9.0), (0.0, 0.0), (2.0, 0.0), (2.0, 9.0)); closed = false; "
-    "} );\n"
-    "fill = { N = 40; W = 2.0; H = 3.0; };\n"
-    "phases = ( { name = \"fall\"; steps = 2000; },\n"
-    "  { name = \"shake\"; walls = { box = { velocity = (0.0, \"A*w*sin(w*t)\"); }; }; time = \"2/f\"; every "
-    "= 50; },\n"
-    "  { name = \"sway\"; gravity = (\"300*sin(w*t)\", -981.0); time = \"1/f\"; } );\n"
-    "measure = ( { name = \"rises\"; of = \"y\"; during = \"shake\"; take = \"max\"; }, { name = \"xs\"; of "
-    "= \"x\"; } );\n";
+static const char shaken[] = "dt = 5.0e-5; let = { f = 20.0; A = 0.05; w = `2*pi*f`; };\n"
+                             "walls = ( { name = `box`; polygon = ((0.0, 9.0), (0.0, 0.0), (2.0, 0.0), (2.0, "
+                             "9.0)); closed = false; } );\n"
+                             "fill = { N = 40; W = 2.0; H = 3.0; };\n"
+                             "phases = ( { name = `fall`; steps = 2000; },\n"
+                             "  { name = `shake`; walls = { box = { velocity = (0.0, `A*w*sin(w*t)`); }; }; "
+                             "time = `2/f`; every = 50; },\n"
+                             "  { name = `sway`; gravity = (`300*sin(w*t)`, -981.0); time = `1/f`; } );\n"
+                             "measure = ( { name = `rises`; of = `y`; during = `shake`; take = `max`; }, { "
+                             "name = `xs`; of = `x`; } );\n";
 
 static void test_cuts(void)
 {
     static const long parts[] = {1, 7, 333};
     for (int text = 0; text < 2; text++) {
         scoped_trial whole;
-        run_whole(&whole, text ? shaken : small_hopper(), 1000000, "ok");
+        run_whole(&whole, text ? shaken : hopper, 1000000, "ok");
         size_t n;
         exp_outputs(whole.plan, &n);
         CU_ASSERT(text ? measured(&whole, "xs") != 1.0 : n == 8 && measured(&whole, "rate") > 100.0);
-        for (size_t k = 0; k < 3; k++) {
-            scoped_trial cut, kept;
-            start(&cut, text ? shaken : small_hopper());
-            for (int part = 0; part < 2000 / parts[k] + 20 && !exp_done(cut.run); part++)
-                CHECK_OK(exp_advance(cut.run, parts[k]));
-            rp_snapshot s = {0};
-            start(&kept, text ? shaken : small_hopper());
-            exp_keep(&s, cut.run);
-            s.reading = true;
-            exp_keep(&s, kept.run);
-            CHECK_OK(rp_snapshot_end(&s));
-            rp_snapshot_free(&s);
-            finish(&cut, parts[k]);
-            finish(&kept, 50);
-            CU_ASSERT(memcmp(exp_values(cut.run), exp_values(whole.run), n * sizeof(double)) == 0);
-            CU_ASSERT(memcmp(exp_values(kept.run), exp_values(whole.run), n * sizeof(double)) == 0);
-            CU_ASSERT(exp_steps(cut.run) == exp_steps(whole.run));
-        }
+        for (size_t k = 0; k < 3; k++)
+            check_cut(text ? shaken : hopper, &whole, parts[k], 2000 + 20 * parts[k], parts[k]);
     }
 }
 
@@ -243,179 +201,130 @@ static void test_cuts(void)
 static void test_kept(void)
 {
     scoped_trial whole;
-    start(&whole, small_hopper());
-    finish(&whole, 1000000);
-    size_t n;
-    exp_outputs(whole.plan, &n);
-    for (long k = 1; k < 12; k++) {
-        scoped_trial first, again;
-        start(&first, small_hopper());
-        start(&again, small_hopper());
-        for (long part = 0; part < 5 * k && !exp_done(first.run); part++)
-            CHECK_OK(exp_advance(first.run, 61 * k));
-        rp_snapshot s = {0};
-        exp_keep(&s, first.run);
-        CHECK_OK(s.status);
-        s.reading = true;
-        exp_keep(&s, again.run);
-        CHECK_OK(s.status);
-        CHECK_OK(rp_snapshot_end(&s));
-        rp_snapshot_free(&s);
-        finish(&again, 10000);
-        CU_ASSERT(memcmp(exp_values(again.run), exp_values(whole.run), n * sizeof(double)) == 0);
-    }
+    run_whole(&whole, hopper, 1000000, "ok");
+    for (long k = 1; k < 12; k++) check_cut(hopper, &whole, 61 * k, 5 * k * 61 * k, 61 * k);
 }
 
 static void test_words(void)
 {
-    static const char *const cases[][3] = {
-        {"grains < stop", "grains < -1", "most_flow"},
-        {"most = 40000;", "most = 100; status = \"slow\";", "slow"},
-        {"most = 40000;", "most = 100; status = \"slow\"; go_on = true;", "slow"},
-        {"most = 40000;", "most = 100; go_on = true;", "ok"},
-        {"clogged = \"rest\"", "deep = \"grains < 50\"", "deep"},
-        {"N = 60", "N = 6000", "no_room"},
-        {"\"height\"", "\"sqrt(-height)\"", "nan"},
-        {"held(energy < 1e-3, 3)\"", "rest\"; most = 4000", "not_at_rest"},
-        {"take = \"rate\"", "when = \"grains < 0\"; take = \"rate\"", "no_samples"},
-        {"clogged = \"rest\"", "narrow = \"D < 2\"", "narrow"},
-        {"clogged = \"rest\"", "narrow = \"D > 2\"", "ok"},
-        {"phases = (", "phases = ( { name = \"none\"; steps = 0; fail = { at_end = \"grains > 0\"; }; }, ",
-         "at_end"},
-        {"phases = (", "result = \"D > 2 ? 'ok' : 'ok_narrow'\"; phases = (", "ok_narrow"},
-        {"take = \"rate\"", "when = \"grains < 0\"; optional = true; take = \"rate\"", "ok"}};
-    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
-        char text[8192];
-        scoped_trial t;
-        replaced(small_hopper(), cases[k][0], cases[k][1], text);
-        start(&t, text);
-        finish(&t, 100000);
-        const exp_end *end_of = exp_ended(t.run);
-        if (strcmp(end_of->status, cases[k][2]) != 0)
-            fprintf(stderr, "%s: %s (%s), not %s\n", cases[k][1], end_of->status, end_of->message,
-                    cases[k][2]);
-        CU_ASSERT_STRING_EQUAL(end_of->status, cases[k][2]);
-        CU_ASSERT(strncmp(end_of->status, "ok", 2) == 0 || *end_of->message);
-    }
+    static const trial_change cases[] = {
+        {hopper, "grains < stop", "grains < -1", "most_flow"},
+        {hopper, "most = 40000;", "most = 100; status = `slow`;", "slow"},
+        {hopper, "most = 40000;", "most = 100; status = `slow`; go_on = true;", "slow"},
+        {hopper, "most = 40000;", "most = 100; go_on = true;", "ok"},
+        {hopper, "clogged = `rest`", "deep = `grains < 50`", "deep"},
+        {hopper, "N = 60", "N = 6000", "no_room"},
+        {hopper, "`height`", "`sqrt(-height)`", "nan"},
+        {hopper, "held(energy < 1e-3, 3)`", "rest`; most = 4000", "not_at_rest"},
+        {hopper, "take = `rate`", "when = `grains < 0`; take = `rate`", "no_samples"},
+        {hopper, "clogged = `rest`", "narrow = `D < 2`", "narrow"},
+        {hopper, "clogged = `rest`", "narrow = `D > 2`", "ok"},
+        {hopper, "phases = (",
+         "phases = ( { name = `none`; steps = 0; fail = { at_end = `grains > 0`; }; }, ", "at_end"},
+        {hopper, "phases = (", "result = `D > 2 ? 'ok' : 'ok_narrow'`; phases = (", "ok_narrow"},
+        {hopper, "take = `rate`", "when = `grains < 0`; optional = true; take = `rate`", "ok"}};
+    check_ends(sizeof cases / sizeof *cases, cases);
 }
 
 static void test_refused(void)
 {
-    static const char *const cases[][3] = {
-        {"grains < stop", "grians < stop",
+    static const trial_change cases[] = {
+        {hopper, "grains < stop", "grians < stop",
          "e.cfg:10: until \"grians < stop\", character 1: unknown name grians (did you mean \"grains\"?)"},
-        {"grains < stop", "bulk.grain < 3", "unknown name bulk.grain (did you mean \"bulk.grains\"?)"},
-        {"grains < stop", "D > 3", "until \"D > 3\" never changes"},
-        {"take = \"rate\"", "take = \"line\"", "take = \"line\" goes with against"},
-        {"take = \"rate\"", "take = \"rate\"; against = \"t\"", "take = \"line\" goes with against"},
-        {"clogged = \"rest\"", "clogged = true", "clogged = 1 never changes"},
-        {"phases = (", "result = \"D > 2 ? 'ok' : 'narrow'\"; phases = (",
+        {hopper, "grains < stop", "bulk.grain < 3",
+         "unknown name bulk.grain (did you mean \"bulk.grains\"?)"},
+        {hopper, "grains < stop", "D > 3", "until \"D > 3\" never changes"},
+        {hopper, "take = `rate`", "take = `line`", "take = \"line\" goes with against"},
+        {hopper, "take = `rate`", "take = `rate`; against = `t`", "take = \"line\" goes with against"},
+        {hopper, "clogged = `rest`", "clogged = true", "clogged = 1 never changes"},
+        {hopper, "phases = (", "result = `D > 2 ? 'ok' : 'narrow'`; phases = (",
          "result = \"narrow\": ok or ok_... expected"},
-        {"phases = (", "require = ( (\"D > 2 or mu == 0\", \"too narrow\") ); phases = (",
+        {hopper, "phases = (", "require = ( (`D > 2 or mu == 0`, `too narrow`) ); phases = (",
          "too narrow (D > 2 or mu == 0; D = 1.6; mu = 0.2)"},
-        {"phases = (", "require = ( (\"D\", \"x\") ); phases = (", "require \"D\": a condition expected"},
-        {"phases = (", "require = ( (\"grains > 2\", \"x\") ); phases = (", "unknown name grains"},
-        {"phases = (", "require = ( \"D > 2\" ); phases = (",
+        {hopper, "phases = (", "require = ( (`D`, `x`) ); phases = (", "require \"D\": a condition expected"},
+        {hopper, "phases = (", "require = ( (`grains > 2`, `x`) ); phases = (", "unknown name grains"},
+        {hopper, "phases = (", "require = ( `D > 2` ); phases = (",
          "require: (\"condition\", \"message\") expected"},
-        {"grains < stop", "D", "until \"D\" is a number, a condition is expected"},
-        {"grains < stop", "rate > 3", "rate is measured at flow, after this phase"},
-        {"grains < stop", "atan(y) > 1", "atan: only in measure"},
-        {"grains < stop", "moved() > 1", "moved: 1 to 2 numbers in brackets expected"},
-        {"grains < stop", "grains(3) > 1", "grains: takes nothing in brackets"},
-        {"until = \"grains < stop\"; ", "", "phase flow: steps, time or until is missing"},
-        {"until = \"grains < stop\"; ", "until = \"grains < stop\"; steps = 3; ",
+        {hopper, "grains < stop", "D", "until \"D\" is a number, a condition is expected"},
+        {hopper, "grains < stop", "rate > 3", "rate is measured at flow, after this phase"},
+        {hopper, "grains < stop", "atan(y) > 1", "atan: only in measure"},
+        {hopper, "grains < stop", "moved() > 1", "moved: 1 to 2 numbers in brackets expected"},
+        {hopper, "grains < stop", "grains(3) > 1", "grains: takes nothing in brackets"},
+        {hopper, "until = `grains < stop`; ", "", "phase flow: steps, time or until is missing"},
+        {hopper, "until = `grains < stop`; ", "until = `grains < stop`; steps = 3; ",
          "phase flow: steps and until; keep one"},
-        {"until = \"grains < stop\"; ", "time = -3.0; ", "time = -3: out of range"},
-        {"open = \"gate\"", "open = \"gat\"",
+        {hopper, "until = `grains < stop`; ", "time = -3.0; ", "time = -3: out of range"},
+        {hopper, "open = `gate`", "open = `gat`",
          "open = \"gat\": no wall has this name (did you mean \"gate\"?)"},
-        {"open = \"gate\"", "opens = \"gate\"", "opens: unknown key (did you mean \"open\"?)"},
-        {"clogged =", "ok_clogged =", "fail: ok_clogged: a word"},
-        {"name = \"flow\"", "name = \"fill\"", "name = \"fill\": names two phases"},
-        {"bulk = {", "gate = {", "gate names a wall and a region"},
-        {"bulk = {", "D = {", "D names a let and a region"},
-        {"mu = 0.2;", "mu = 0.2; height = 3.0;", "let.height: is an observable"},
-        {"x = [0.5, 1.5]; y = [0.0, 1.0];", "z = 3;", "regions.bulk.z: unknown key"},
-        {"x = [0.5, 1.5]; y = [0.0, 1.0];", "", "bulk: x, y or both, or circle, or polygon expected"},
-        {"name = \"depth\"", "name = \"D\"", "D names a let and a measure"},
-        {"name = \"depth\"", "name = \"rate\"", "rate: two measures have this column"},
-        {"at = \"fill\"", "at = \"fil\"", "at = \"fil\": no such phase (did you mean \"fill\"?)"},
-        {"at = \"fill\"", "at = \"fill\"; take = \"mean\"", "measure depth: take = \"mean\": needs during"},
-        {"of = \"height\"; ", "", "measure depth: of: missing"},
-        {"of = \"height\"", "of = \"height > 1\"", "of \"height > 1\" is a condition, a number is expected"},
-        {"of = \"height\"", "of = \"mean_y\"", "mean_y is measured after this"},
-        {"unit = \"1/s\"", "unit = 3", "unit"},
-        {"unit = \"1/s\"", "level_of = \"dept\"",
+        {hopper, "open = `gate`", "opens = `gate`", "opens: unknown key (did you mean \"open\"?)"},
+        {hopper, "clogged =", "ok_clogged =", "fail: ok_clogged: a word"},
+        {hopper, "name = `flow`", "name = `fill`", "name = \"fill\": names two phases"},
+        {hopper, "bulk = {", "gate = {", "gate names a wall and a region"},
+        {hopper, "bulk = {", "D = {", "D names a let and a region"},
+        {hopper, "mu = 0.2;", "mu = 0.2; height = 3.0;", "let.height: is an observable"},
+        {hopper, "x = [0.5, 1.5]; y = [0.0, 1.0];", "z = 3;", "regions.bulk.z: unknown key"},
+        {hopper, "x = [0.5, 1.5]; y = [0.0, 1.0];", "", "bulk: x, y or both, or circle, or polygon expected"},
+        {hopper, "name = `depth`", "name = `D`", "D names a let and a measure"},
+        {hopper, "name = `depth`", "name = `rate`", "rate: two measures have this column"},
+        {hopper, "at = `fill`", "at = `fil`", "at = \"fil\": no such phase (did you mean \"fill\"?)"},
+        {hopper, "at = `fill`", "at = `fill`; take = `mean`", "measure depth: take = \"mean\": needs during"},
+        {hopper, "of = `height`; ", "", "measure depth: of: missing"},
+        {hopper, "of = `height`", "of = `height > 1`",
+         "of \"height > 1\" is a condition, a number is expected"},
+        {hopper, "of = `height`", "of = `mean_y`", "mean_y is measured after this"},
+        {hopper, "unit = `1/s`", "unit = 3", "unit"},
+        {hopper, "unit = `1/s`", "level_of = `dept`",
          "level_of = \"dept\": no earlier measure has this name (did you"},
-        {"unit = \"1/s\"", "level_of = \"depth\"",
+        {hopper, "unit = `1/s`", "level_of = `depth`",
          "level_of = \"depth\": samples of the same looks expected"},
-        {"unit = \"1/s\"", "level_of = \"depth\"; skip = 0.1", "level_of and skip; keep one"},
-        {"unit = \"1/s\"", "columns = 3", "columns: names, [\"NAME\", ...], expected"},
-        {"unit = \"1/s\"", "columns = [\"mu\"]", "mu names a let and a column"},
-        {"unit = \"1/s\"", "columns = [\"depth\"]", "depth: two measures have this column"},
-        {"regions =", "result = \"fine\"; regions =", "result = \"fine\": ok or ok_... expected"},
-        {"dt = 5.0e-5", "dt = \"D > 1\"", "dt = \"D > 1\": "}};
-    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
-        char text[8192];
-        scoped_trial t;
-        replaced(small_hopper(), cases[k][0], cases[k][1], text);
-        CHECK_FAILS(read_text(&t, text), RP_BAD_INPUT, cases[k][2]);
-    }
-    char text[8192];
-    scoped_trial t;
-    replaced(small_hopper(), "dt = 5.0e-5", "dt = 5.0e-3", text);
-    CHECK_OK(read_text(&t, text));
-    CHECK_FAILS(exp_check(t.plan), RP_BAD_INPUT, "dt = 0.005: too large for");
+        {hopper, "unit = `1/s`", "level_of = `depth`; skip = 0.1", "level_of and skip; keep one"},
+        {hopper, "unit = `1/s`", "columns = 3", "columns: names, [\"NAME\", ...], expected"},
+        {hopper, "unit = `1/s`", "columns = [`mu`]", "mu names a let and a column"},
+        {hopper, "unit = `1/s`", "columns = [`depth`]", "depth: two measures have this column"},
+        {hopper, "regions =", "result = `fine`; regions =", "result = \"fine\": ok or ok_... expected"},
+        {hopper, "dt = 5.0e-5", "dt = `D > 1`", "dt = \"D > 1\": "},
+        {hopper, "dt = 5.0e-5", "dt = 5.0e-3", "dt = 0.005: too large for"}};
+    check_refused(sizeof cases / sizeof *cases, cases);
 }
 
 static void test_keys(void)
 {
     /* what is replaced by what, and whether that may change the numbers */
-    static const struct {
-        const char *from, *to;
-        bool matters;
-    } cases[] = {{"D = {", "/* outlet */ D = {", false},
-                 {"meaning = \"outlet\"", "meaning = \"gap\"", false},
-                 {"grains < stop", "grains < 4*5", false},
-                 {"  { name = \"packed\"", "\n { name = \"packed\"", false},
-                 {"unit = \"1/s\"", "columns = [\"rate\", \"other\"]", true},
-                 {"value = 1.6", "value = 1.7", true},
-                 {"stop = 20", "stop = 21", true},
-                 {"mu = 0.2", "mu = 0.3", true},
-                 {"least = 2000", "least = 2001", true},
-                 {"every = 100", "every = 101", true},
-                 {"most = 40000", "most = 40001", true},
-                 {"clogged = \"rest\"", "clogged = \"bulk.rest\"", true},
-                 {"open = \"gate\"; ", "", true},
-                 {"x = [0.5, 1.5]", "x = [0.5, 1.6]", true},
-                 {"regions =", "rest = { looks = 9; }; regions =", true},
-                 {"take = \"rate\"", "take = \"max\"", true},
-                 {"of = \"height\"", "of = \"2*height\"", true}};
-    scoped_trial base;
-    CHECK_OK(read_text(&base, small_hopper()));
-    scoped char *expected = exp_key(base.plan);
-    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
-        char text[8192];
-        scoped_trial t;
-        replaced(small_hopper(), cases[k].from, cases[k].to, text);
-        CHECK_OK(read_text(&t, text));
-        scoped char *key = exp_key(t.plan);
-        if ((strcmp(key, expected) != 0) != cases[k].matters) fprintf(stderr, "%s\n", cases[k].to);
-        CU_ASSERT((strcmp(key, expected) != 0) == cases[k].matters);
-    }
+    static const trial_change cases[] = {{hopper, "D = {", "/* outlet */ D = {", "same"},
+                                         {hopper, "meaning = `outlet`", "meaning = `gap`", "same"},
+                                         {hopper, "grains < stop", "grains < 4*5", "same"},
+                                         {hopper, "  { name = `packed`",
+                                          "\n"
+                                          " { name = `packed`",
+                                          "same"},
+                                         {hopper, "unit = `1/s`", "columns = [`rate`, `other`]", "another"},
+                                         {hopper, "value = 1.6", "value = 1.7", "another"},
+                                         {hopper, "stop = 20", "stop = 21", "another"},
+                                         {hopper, "mu = 0.2", "mu = 0.3", "another"},
+                                         {hopper, "least = 2000", "least = 2001", "another"},
+                                         {hopper, "every = 100", "every = 101", "another"},
+                                         {hopper, "most = 40000", "most = 40001", "another"},
+                                         {hopper, "clogged = `rest`", "clogged = `bulk.rest`", "another"},
+                                         {hopper, "open = `gate`; ", "", "another"},
+                                         {hopper, "x = [0.5, 1.5]", "x = [0.5, 1.6]", "another"},
+                                         {hopper, "regions =", "rest = { looks = 9; }; regions =", "another"},
+                                         {hopper, "take = `rate`", "take = `max`", "another"},
+                                         {hopper, "of = `height`", "of = `2*height`", "another"}};
+    check_keys(sizeof cases / sizeof *cases, cases);
 }
 
 /* A text, and its later phases alone with the simulation of those before. */
 static const char three_phases[] =
-    "dt = 5.0e-5; tangential = { law = \"spring\"; mu = 0.3; };\n"
-    "walls = ( { name = \"floor\"; point = (0.0, 0.0); direction = (0.0, 1.0); },\n"
-    "          { name = \"left\"; point = (0.0, 0.0); direction = (1.0, 0.0); },\n"
-    "          { name = \"right\"; point = (2.0, 0.0); direction = (-1.0, 0.0); } );\n"
+    "dt = 5.0e-5; tangential = { law = `spring`; mu = 0.3; };\n"
+    "walls = ( { name = `floor`; point = (0.0, 0.0); direction = (0.0, 1.0); },\n"
+    "          { name = `left`; point = (0.0, 0.0); direction = (1.0, 0.0); },\n"
+    "          { name = `right`; point = (2.0, 0.0); direction = (-1.0, 0.0); } );\n"
     "fill = { N = 60; W = 2.0; H = 4.0; };\n"
-    "phases = ( { name = \"a\"; steps = 6000; }, { name = \"b\"; tangential = { mu = "
-    "0.6; }; dt = 4.0e-5; steps = 3000; },\n"
-    "           { name = \"c\"; open = \"right\"; add = { r = 0.1; x = 1.0; y = "
-    "\"touch + d\"; }; time = 0.2; } );\n"
-    "measure = ( { name = \"n\"; of = \"grains\"; } );\n";
+    "phases = ( { name = `a`; steps = 6000; }, { name = `b`; tangential = { mu = 0.6; }; dt = 4.0e-5; steps "
+    "= 3000; },\n"
+    "           { name = `c`; open = `right`; add = { r = 0.1; x = 1.0; y = `touch + d`; }; time = 0.2; } "
+    ");\n"
+    "measure = ( { name = `n`; of = `grains`; } );\n";
 
 static uint64_t digest_of(const trial *t)
 {
@@ -450,13 +359,13 @@ static void test_started_at(void)
 
 static void test_run(void)
 {
-    write_text("h.cfg", "%s", small_hopper());
+    write_trial("h.cfg", hopper);
     GOOD("run h.cfg --json");
     CU_ASSERT(strstr(out, "\"status\": \"ok\"") != NULL);
     CU_ASSERT(strstr(out, "{\"measure\": \"rate\", \"value\": ") != NULL);
     scoped_trial t; /* run 0 of the seed 1993, as a text has it */
     char line[64];
-    CHECK_OK(read_text(&t, small_hopper()));
+    CHECK_OK(read_text(&t, hopper));
     CHECK_OK(exp_start(t.plan, 1993, 0, &t.run));
     finish(&t, 1000000);
     snprintf(line, sizeof line, "\n# digest: %016" PRIx64 " of ", digest_of(&t));
@@ -477,7 +386,7 @@ static void test_run(void)
 /* Stopped in each phase, and resumed: the same bytes, in folders of the same name. */
 static void test_resumed(void)
 {
-    write_text("h.cfg", "%s", small_hopper());
+    write_trial("h.cfg", hopper);
     SHELL("mkdir a b && cp h.cfg a && cp h.cfg b && cd a && $REPOSE run h.cfg -o o --snapshot 300 "
           "--every 700 >a.out 2>/dev/null");
     static const char *const delays[] = {"0.02", "0.05", "0.1", "0.2"};
@@ -503,7 +412,7 @@ static void test_resumed(void)
 
 static void test_swept(void)
 {
-    write_text("h.cfg", "%s", small_hopper());
+    write_trial("h.cfg", hopper);
     write_text("s.cfg", "experiment = \"h.cfg\"; replicas = 3; seed = 5; set = [ \"rest.looks=9\" ];\n"
                         "fixed = { mu = 0.25; }; grid = { D = [1.4, 1.6]; };\n");
     SHELL("sed -i 's/^regions/rest = { looks = 10; }; regions/' h.cfg");
@@ -608,9 +517,8 @@ static void test_sweeps_refused(void)
         {"experiment = \"seed.cfg\"; grid = { seed = [1.0, 2.0]; };",
          "seed: is a column that every sweep has"},
         {"replicas = 3;", "protocol or experiment: missing"}};
-    char text[8192];
-    replaced(small_hopper(), "mu = 0.2", "mu = 0.2; unused = 1.0", text);
-    write_text("h.cfg", "%s", text);
+    scoped char *text = changed(hopper, "mu = 0.2", "mu = 0.2; unused = 1.0");
+    write_trial("h.cfg", text);
     write_text("plain.cfg", "steps = 3; particles = ( { x = 0.0; y = 0.0; r = 0.1; } );\n");
     write_text("files.cfg", "particles_file = \"p.tsv\"; phases = ( { name = \"a\"; steps = 3; } );\n");
     write_text("p.tsv", "x\ty\tr\n0\t0\t0.1\n");
@@ -628,24 +536,20 @@ static void test_sweeps_refused(void)
 
 static const char lift[] =
     "dt = 1.0e-4; gravity = (0.0, -1000.0); let = { v = 2.0; };\n"
-    "walls = ( { name = \"plate\"; polygon = ((-1.0, 0.0), (1.0, 0.0)); closed = false; } );\n"
-    "particles = ( { x = 0.5; y = 0.1; r = 0.1; m = 0.01; } ); tangential = { law = \"spring\"; mu = 0.5; "
-    "};\n"
-    "phases = ( { name = \"lie\"; steps = 3000; },\n"
-    "  { name = \"up\"; walls = { plate = { velocity = (0.0, \"v\"); }; }; every = 10; until = \"plate.y >= "
-    "0.5\"; },\n"
-    "  { name = \"wait\"; walls = { plate = { velocity = (0.0, 0.0); }; }; steps = 3000; },\n"
-    "  { name = \"tilt\"; walls = { plate = { omega = 0.1; }; }; time = 2.0; },\n"
-    "  { name = \"stop\"; walls = { plate = { omega = 0.0; }; }; steps = 3000; } );\n"
-    "measure = ( { name = \"y0\"; of = \"y\"; at = \"lie\"; }, { name = \"torque\"; of = \"plate.torque\"; "
-    "at = \"lie\"; },\n"
-    "  { name = \"vy_\"; of = \"vy\"; at = \"up\"; }, { name = \"wall_vy\"; of = \"plate.vy\"; at = \"up\"; "
+    "walls = ( { name = `plate`; polygon = ((-1.0, 0.0), (1.0, 0.0)); closed = false; } );\n"
+    "particles = ( { x = 0.5; y = 0.1; r = 0.1; m = 0.01; } ); tangential = { law = `spring`; mu = 0.5; };\n"
+    "phases = ( { name = `lie`; steps = 3000; },\n"
+    "  { name = `up`; walls = { plate = { velocity = (0.0, `v`); }; }; every = 10; until = `plate.y >= 0.5`; "
     "},\n"
-    "  { name = \"y1\"; of = \"y\"; at = \"wait\"; }, { name = \"p1\"; of = \"plate.y\"; at = \"wait\"; },\n"
-    "  { name = \"turned\"; of = \"plate.angle\"; }, { name = \"x2\"; of = \"x\"; }, { name = \"y2\"; of = "
-    "\"y\"; },\n"
-    "  { name = \"px\"; of = \"plate.x\"; }, { name = \"py\"; of = \"plate.y\"; }, { name = \"f\"; of = "
-    "\"plate.fy\"; } );\n";
+    "  { name = `wait`; walls = { plate = { velocity = (0.0, 0.0); }; }; steps = 3000; },\n"
+    "  { name = `tilt`; walls = { plate = { omega = 0.1; }; }; time = 2.0; },\n"
+    "  { name = `stop`; walls = { plate = { omega = 0.0; }; }; steps = 3000; } );\n"
+    "measure = ( { name = `y0`; of = `y`; at = `lie`; },\n"
+    "  { name = `torque`; of = `plate.torque`; at = `lie`; }, { name = `vy_`; of = `vy`; at = `up`; },\n"
+    "  { name = `wall_vy`; of = `plate.vy`; at = `up`; }, { name = `y1`; of = `y`; at = `wait`; },\n"
+    "  { name = `p1`; of = `plate.y`; at = `wait`; }, { name = `turned`; of = `plate.angle`; },\n"
+    "  { name = `x2`; of = `x`; }, { name = `y2`; of = `y`; }, { name = `px`; of = `plate.x`; },\n"
+    "  { name = `py`; of = `plate.y`; }, { name = `f`; of = `plate.fy`; } );\n";
 
 /* A grain on a plate that rises, stands, turns about its middle and stands again. */
 static void test_walls(void)
@@ -674,18 +578,18 @@ static void test_vibrated(void)
         char text[2048];
         scoped_trial t;
         snprintf(text, sizeof text,
-                 "dt = 1.0e-5; gravity = (0.0, -981.0); let = { f = 10.0; gamma = %s; w = \"2*pi*f\"; A = "
-                 "\"gamma*g/w^2\"; };\n"
-                 "walls = ( { name = \"plate\"; polygon = ((-1.0, 0.0), (1.0, 0.0)); closed = false; } );\n"
+                 "dt = 1.0e-5; gravity = (0.0, -981.0); let = { f = 10.0; gamma = %s; w = `2*pi*f`; A = "
+                 "`gamma*g/w^2`; };\n"
+                 "walls = ( { name = `plate`; polygon = ((-1.0, 0.0), (1.0, 0.0)); closed = false; } );\n"
                  "particles = ( { x = 0.0; y = 0.0999; r = 0.1; m = 0.004; } );\n"
-                 "phases = ( { name = \"lie\"; steps = 5000; },\n"
-                 "  { name = \"shake\"; walls = { plate = { velocity = (0.0, \"A*w*sin(w*t)\"); }; }; time = "
-                 "\"0.5/f\"; every = 5; } );\n"
-                 "measure = ( { name = \"flies\"; of = \"t\"; during = \"shake\"; take = \"first\"; when = "
-                 "\"contacts == 0\"; optional = true; },\n"
-                 "  { name = \"top\"; of = \"plate.y\"; during = \"shake\"; take = \"max\"; }, { name = "
-                 "\"end\"; of = \"plate.y\"; },\n"
-                 "  { name = \"fastest\"; of = \"plate.vy\"; during = \"shake\"; take = \"max\"; } );\n",
+                 "phases = ( { name = `lie`; steps = 5000; },\n"
+                 "  { name = `shake`; walls = { plate = { velocity = (0.0, `A*w*sin(w*t)`); }; }; time = "
+                 "`0.5/f`; every = 5; } );\n"
+                 "measure = ( { name = `flies`; of = `t`; during = `shake`; take = `first`; when = `contacts "
+                 "== 0`; optional = true; },\n"
+                 "  { name = `top`; of = `plate.y`; during = `shake`; take = `max`; },\n"
+                 "  { name = `end`; of = `plate.y`; },\n"
+                 "  { name = `fastest`; of = `plate.vy`; during = `shake`; take = `max`; } );\n",
                  strong ? "2.0" : "0.8");
         start(&t, text);
         CHECK_OK(exp_check(t.plan));
@@ -706,10 +610,10 @@ static void test_modules(void)
 {
     char text[16384];
     size_t n = 0;
-    n += (size_t)snprintf(
-        text, sizeof text,
-        "dt = 1.0e-5; gravity = (0.0, 0.0); regions = { all = { x = (-2.0, 4.2); y = (0.0, "
-        "9.0); }; right_side = { x = (0.0, 4.0); }; wide = { x = (-2.0, 6.0); }; };\nparticles = (");
+    n += (size_t)snprintf(text, sizeof text,
+                          "dt = 1.0e-5; gravity = (0.0, 0.0); regions = { all = { x = (-2.0, 4.2); y = (0.0, "
+                          "9.0); }; right_side = { x = (0.0, 4.0); }; wide = { x = (-2.0, 6.0); }; };\n"
+                          "particles = (");
     /* columns of width 0.2: heights 2 - 0.4 |x| to the right, 2 - 0.8 |x| to the left */
     for (int k = -9; k <= 19; k++) {
         const double x = 0.2 * k, top = k < 0 ? 2.0 + 0.8 * x : 2.0 - 0.4 * x;
@@ -719,12 +623,12 @@ static void test_modules(void)
     snprintf(text + n, sizeof text - n,
              ", { x = 4.7; y = 0.9; r = 0.1; }, { x = 9.0; y = 0.1; r = 0.1; }, { x = 9.19; y = 0.1; r = "
              "0.1; } );\n"
-             "phases = ( { name = \"look\"; steps = 0; } );\n"
-             "measure = ( { name = \"heap\"; of = \"flanks\"; in = \"all\"; }, { name = \"gap\"; of = "
-             "\"flanks\"; in = \"wide\"; }, { name = \"d_\"; of = \"deposit\"; },\n"
-             "  { name = \"s\"; of = \"slope\"; in = \"right_side\"; height = \"top\"; }, { name = \"two\"; "
-             "of = \"slope.r2_deg\"; in = \"right_side\"; height = \"top\"; },\n"
-             "  { name = \"mirrored\"; of = \"slope.r1_deg\"; in = \"right_side\"; falls = \"left\"; } );\n");
+             "phases = ( { name = `look`; steps = 0; } );\n"
+             "measure = ( { name = `heap`; of = `flanks`; in = `all`; },\n"
+             "  { name = `gap`; of = `flanks`; in = `wide`; }, { name = `d_`; of = `deposit`; },\n"
+             "  { name = `s`; of = `slope`; in = `right_side`; height = `top`; },\n"
+             "  { name = `two`; of = `slope.r2_deg`; in = `right_side`; height = `top`; },\n"
+             "  { name = `mirrored`; of = `slope.r1_deg`; in = `right_side`; falls = `left`; } );\n");
     scoped_trial t;
     start(&t, text);
     finish(&t, 100);
@@ -752,17 +656,17 @@ static void test_modules(void)
 static void test_avalanches(void)
 {
     static const char text[] =
-        "dt = \"min(1e-4, 0.9*dt_limit(20))\"; gravity = (0.0, 0.0); particles = ( { x = 0.0; y = 0.0; r = "
+        "dt = `min(1e-4, 0.9*dt_limit(20))`; gravity = (0.0, 0.0); particles = ( { x = 0.0; y = 0.0; r = "
         "0.1; } );\n"
-        "phases = ( { name = \"saw\"; steps = 10000; every = 10; } );\n"
-        "measure = ( { name = \"fall\"; of = \"3*(phase_step/995 - floor(phase_step/995))\"; during = "
-        "\"saw\"; take = \"avalanches\"; drop = 1.0; },\n"
-        "  { name = \"shock\"; of = \"floor(phase_step/995)\"; during = \"saw\"; take = \"avalanches\"; "
-        "event = \"change(floor(phase_step/995)) > 0\"; },\n"
-        "  { name = \"level\"; of = \"max(1, 5 - phase_step/500)\"; during = \"saw\"; skip = \"level\"; "
-        "series = true; },\n"
-        "  { name = \"none\"; of = \"1\"; during = \"saw\"; take = \"avalanches\"; drop = 1.0; optional = "
-        "true; } );\n";
+        "phases = ( { name = `saw`; steps = 10000; every = 10; } );\n"
+        "measure = ( { name = `fall`; of = `3*(phase_step/995 - floor(phase_step/995))`; during = `saw`; "
+        "take = `avalanches`; drop = 1.0; },\n"
+        "  { name = `shock`; of = `floor(phase_step/995)`; during = `saw`; take = `avalanches`; event = "
+        "`change(floor(phase_step/995)) > 0`; },\n"
+        "  { name = `level`; of = `max(1, 5 - phase_step/500)`; during = `saw`; skip = `level`; series = "
+        "true; },\n"
+        "  { name = `none`; of = `1`; during = `saw`; take = `avalanches`; drop = 1.0; optional = true; } "
+        ");\n";
     scoped_trial t;
     run_whole(&t, text, 1 << 20, "ok");
     CU_ASSERT(measured(&t, "fall_n") == 10.0 && measured(&t, "shock_n") == 10.0 &&
@@ -778,9 +682,9 @@ static void test_avalanches(void)
         char fall_text[1024];
         scoped_trial f;
         snprintf(fall_text, sizeof fall_text,
-                 "dt = \"%s*dt_limit(sqrt(2*g*(1 - 0)))\"; fill = { N = 3; W = 2.0; H = 1.0; };\n"
-                 "walls = ( { point = (0.0, 0.0); direction = (0.0, 1.0); } );\nphases = ( { name = \"a\"; "
-                 "steps = 1; } );\n",
+                 "dt = `%s*dt_limit(sqrt(2*g*(1 - 0)))`; fill = { N = 3; W = 2.0; H = 1.0; };\n"
+                 "walls = ( { point = (0.0, 0.0); direction = (0.0, 1.0); } );\n"
+                 "phases = ( { name = `a`; steps = 1; } );\n",
                  factors[k]);
         CHECK_OK(read_text(&f, fall_text));
         CU_ASSERT(exp_check(f.plan) == (k ? RP_BAD_INPUT : RP_OK));
@@ -795,9 +699,9 @@ static void test_limits_of_radii(void)
         char text[512];
         scoped_trial t;
         snprintf(text, sizeof text,
-                 "dt = \"0.5*dt_limit(20%s)\"; gravity = (0.0, 0.0); particles = ( { x = 0.0; y = 0.0; r = "
-                 "%s; } );\n"
-                 "phases = ( { name = \"a\"; steps = 1; } );\n",
+                 "dt = `0.5*dt_limit(20%s)`; gravity = (0.0, 0.0); particles = ( { x = 0.0; y = 0.0; r = %s; "
+                 "} );\n"
+                 "phases = ( { name = `a`; steps = 1; } );\n",
                  k ? ", 0.04" : "", k ? "0.1" : "0.04");
         CHECK_OK(read_text(&t, text));
         dt[k] = exp_scene(t.plan)->def.dt;
@@ -814,10 +718,10 @@ static void test_more_modules(void)
         "= 0.1; fixed = true; }, { x = 0.3; y = 0.0; r = 0.1; fixed = true; },\n"
         "  { x = 0.0; y = 0.1999; r = 0.1; }, { x = 0.3; y = 0.1998; r = 0.1; }, { x = 0.6; y = 0.0999; r = "
         "0.1; } );\n"
-        "walls = ( { name = \"floor\"; point = (0.0, 0.0); direction = (0.0, 1.0); } );\n"
-        "phases = ( { name = \"look\"; steps = 0; } );\n"
-        "measure = ( { name = \"a\"; of = \"base\"; wall = \"floor\"; prefix = \"\"; fixed = true; },\n"
-        "  { name = \"b\"; of = \"base\"; wall = \"floor\"; prefix = \"alone\"; optional = true; } );\n";
+        "walls = ( { name = `floor`; point = (0.0, 0.0); direction = (0.0, 1.0); } );\n"
+        "phases = ( { name = `look`; steps = 0; } );\n"
+        "measure = ( { name = `a`; of = `base`; wall = `floor`; prefix = ``; fixed = true; },\n"
+        "  { name = `b`; of = `base`; wall = `floor`; prefix = `alone`; optional = true; } );\n";
     scoped_trial t;
     run_whole(&t, text, 100, "ok");
     const double k = 1e6, one = k * pow(1e-4, 1.5), two = k * pow(2e-4, 1.5), wall = 2.0 * k * pow(1e-4, 1.5);
@@ -828,69 +732,58 @@ static void test_more_modules(void)
 
 static void test_refused_more(void)
 {
-    static const char *const cases[][3] = {
-        {"plate = { velocity = (0.0, \"v\"); };", "plat = { omega = 1.0; };",
+    static const trial_change cases[] = {
+        {lift, "plate = { velocity = (0.0, `v`); };", "plat = { omega = 1.0; };",
          "plat: no wall has this name (did you mean \"plate\"?)"},
-        {"plate = { velocity = (0.0, \"v\"); };", "plate = { };",
+        {lift, "plate = { velocity = (0.0, `v`); };", "plate = { };",
          "plate: velocity, omega, load_x, load_y or coefficients expected"},
-        {"plate = { velocity = (0.0, \"v\"); };", "plate = { speed = 3.0; };",
+        {lift, "plate = { velocity = (0.0, `v`); };", "plate = { speed = 3.0; };",
          "speed: needs load_x or load_y"},
-        {"(0.0, \"v\")", "(\"v\")", "velocity: (a, b) expected"},
-        {"of = \"y\"; at = \"lie\"", "of = \"slope\"; at = \"lie\"", "measure y0: in: missing"},
-        {"of = \"y\"; at = \"lie\"", "of = \"flanks.r3\"; at = \"lie\"",
+        {lift, "(0.0, `v`)", "(`v`)", "velocity: (a, b) expected"},
+        {lift, "of = `y`; at = `lie`", "of = `slope`; at = `lie`", "measure y0: in: missing"},
+        {lift, "of = `y`; at = `lie`", "of = `flanks.r3`; at = `lie`",
          "of = \"flanks.r3\": flanks has no such number"},
-        {"of = \"y\"; at = \"lie\"", "of = \"flanks\"; in = \"here\"", "in = \"here\": no such region"},
-        {"of = \"y\"; at = \"lie\"", "of = \"flanks\"; during = \"lie\"",
+        {lift, "of = `y`; at = `lie`", "of = `flanks`; in = `here`", "in = \"here\": no such region"},
+        {lift, "of = `y`; at = `lie`", "of = `flanks`; during = `lie`",
          "samples are of one number, as in of = \"flanks.left_deg\""},
-        {"of = \"y\"; at = \"lie\"", "of = \"flanks\"; from = 2.0", "from = 2: out of range"},
-        {"of = \"y\"; at = \"lie\"", "of = \"y\"; in = \"here\"", "in: of a module"},
-        {"of = \"y\"; at = \"lie\"", "of = \"y\"; during = \"lie\"; take = \"avalanches\"",
-         "avalanches are found by drop, or by event"}};
-    char text[8192];
-    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
-        scoped_trial t;
-        replaced(lift, cases[k][0], cases[k][1], text);
-        CHECK_FAILS(read_text(&t, text), RP_BAD_INPUT, cases[k][2]);
-    }
-    scoped_trial t, fast;
-    replaced(lift, "v = 2.0", "v = 900.0", text);
-    CHECK_OK(read_text(&t, text));
-    CHECK_FAILS(exp_check(t.plan), RP_BAD_INPUT, "phase up: wall plate needs dt <= ");
-    replaced(lift, "\"v\"", "\"2000*cos(t)\"", text); /* a function of time alone */
-    scoped_trial timed;
-    CHECK_OK(read_text(&timed, text));
-    CHECK_FAILS(exp_check(timed.plan), RP_BAD_INPUT, "phase up: wall plate needs dt <= ");
-    replaced(lift, "\"v\"", "\"v*(1e5 + y)\"", text); /* known to the run alone */
-    run_whole(&fast, text, 1000, "too_fast");
+        {lift, "of = `y`; at = `lie`", "of = `flanks`; from = 2.0", "from = 2: out of range"},
+        {lift, "of = `y`; at = `lie`", "of = `y`; in = `here`", "in: of a module"},
+        {lift, "of = `y`; at = `lie`", "of = `y`; during = `lie`; take = `avalanches`",
+         "avalanches are found by drop, or by event"},
+        {lift, "v = 2.0", "v = 900.0", "phase up: wall plate needs dt <= "},
+        {lift, "`v`", "`2000*cos(t)`", "phase up: wall plate needs dt <= "}};
+    check_refused(sizeof cases / sizeof *cases, cases);
+    static const trial_change fast = {lift, "`v`", "`v*(1e5 + y)`", "too_fast"}; /* known to the run alone */
+    check_ends(1, &fast);
 }
 
 /* Much of what phases can do, for a while. */
 static const char acting[] =
-    "dt = 5e-5; seed = 2; let = { n = 3; }; tangential = { law = \"spring\"; mu = 0.4; };\n"
-    "walls = ( { name = \"base\"; point = (0.0, 0.0); direction = (0.0, 1.0); },\n"
-    "  { name = \"lid\"; point = (0.0, 5.0); direction = (0.0, -1.0); } );\n"
-    "fill = ( { kind = \"a\"; N = 20; W = 2.0; H = 3.0; radius_law = \"lognormal\"; by = \"mass\"; },\n"
-    "  { kind = \"b\"; pattern = \"row\"; W = 2.0; x0 = 3.0; } );\n"
-    "regions = { part = { polygon = ( (0.0, 0.0), (2.0, 0.0), (1.0, \"lid.y\") ); }; };\n"
+    "dt = 5e-5; seed = 2; let = { n = 3; }; tangential = { law = `spring`; mu = 0.4; };\n"
+    "walls = ( { name = `base`; point = (0.0, 0.0); direction = (0.0, 1.0); },\n"
+    "  { name = `lid`; point = (0.0, 5.0); direction = (0.0, -1.0); } );\n"
+    "fill = ( { kind = `a`; N = 20; W = 2.0; H = 3.0; radius_law = `lognormal`; by = `mass`; },\n"
+    "  { kind = `b`; pattern = `row`; W = 2.0; x0 = 3.0; } );\n"
+    "regions = { part = { polygon = ( (0.0, 0.0), (2.0, 0.0), (1.0, `lid.y`) ); }; };\n"
     "output = { states = 100; contacts = 0; };\n"
-    "phases = ( { name = \"fall\"; steps = 200; damp = true; every = 20; keep = true; },\n"
-    "  { name = \"press\"; walls = { lid = { load_y = \"-10*lid.y\"; speed = 50.0; mu = 0.1; }; }; steps = "
-    "100; },\n"
-    "  { name = \"feed\"; repeat = \"n\"; phases = ( { name = \"drop\"; mark = true;\n"
-    "      add = { N = 1; kind = \"c\"; r = 0.1; x = (2.2, 2.8); y = \"touch + r\"; vy = \"-y\"; };\n"
-    "      every = 10; most = 100; go_on = true; until = \"touched\"; } ); },\n"
-    "  { name = \"again\"; from = \"fall\"; tangential = { mu = 0.2; }; dt = 2e-5; remove = \"part\"; steps "
-    "= 50; } );\n"
-    "measure = ( { name = \"s\"; of = \"part.syy + c.y + sliding\"; at = \"feed\"; optional = true; },\n"
-    "  { name = \"order\"; of = \"order\"; at = \"fall\"; }, { name = \"load\"; of = \"base\"; wall = "
-    "\"base\"; at = \"press\"; optional = true; } );\n";
+    "phases = ( { name = `fall`; steps = 200; damp = true; every = 20; keep = true; },\n"
+    "  { name = `press`; walls = { lid = { load_y = `-10*lid.y`; speed = 50.0; mu = 0.1; }; }; steps = 100; "
+    "},\n"
+    "  { name = `feed`; repeat = `n`; phases = ( { name = `drop`; mark = true;\n"
+    "      add = { N = 1; kind = `c`; r = 0.1; x = (2.2, 2.8); y = `touch + r`; vy = `-y`; };\n"
+    "      every = 10; most = 100; go_on = true; until = `touched`; } ); },\n"
+    "  { name = `again`; from = `fall`; tangential = { mu = 0.2; }; dt = 2e-5; remove = `part`; steps = 50; "
+    "} );\n"
+    "measure = ( { name = `s`; of = `part.syy + c.y + sliding`; at = `feed`; optional = true; },\n"
+    "  { name = `order`; of = `order`; at = `fall`; },\n"
+    "  { name = `load`; of = `base`; wall = `base`; at = `press`; optional = true; } );\n";
 
 /* A thousand texts with parts exchanged, doubled or left out: refused with a message, or run to a word. */
 static void test_random_texts(void)
 {
     static const char *const texts[] = {hopper, lift, fall, acting};
-    static const char *const parts[] = {"0.0",  "-1",  "1e300", "\"inf\"",  "\"0/0\"", "\"grains\"",
-                                        "true", "( )", "{ }",   "\"rest\"", "1e-300",  "\"1/(grains - 60)\""};
+    static const char *const parts[] = {"0.0",  "-1",  "1e300", "`inf`",  "`0/0`",  "`grains`",
+                                        "true", "( )", "{ }",   "`rest`", "1e-300", "`1/(grains - 60)`"};
     unsigned random = 1993;
     const int n = check_fast() ? 150 : 1000;
     for (int k = 0; k < n; k++) {
@@ -918,7 +811,11 @@ static void test_random_texts(void)
         for (int part = 0; !status && part < 100 && !exp_done(t.run); part++) status = exp_advance(t.run, 50);
         const bool right =
             status ? status == RP_BAD_INPUT && *rp_message() : !exp_done(t.run) || *exp_ended(t.run)->status;
-        if (!right) fprintf(stderr, "status %d, %s\n%s\n", status, rp_message(), text);
+        if (!right)
+            fprintf(stderr,
+                    "status %d, %s\n"
+                    "%s\n",
+                    status, rp_message(), text);
         CU_ASSERT(right);
     }
 }

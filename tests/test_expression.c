@@ -55,67 +55,25 @@ static double value_of(const char *text)
 
 static void test_values(void)
 {
-    static const struct {
-        const char *text;
-        double value;
-    } cases[] = {{"1 + 2*3 - 4/2", 5.0},
-                 {"-2^2", -4.0},
-                 {"2*-3", -6.0},
-                 {"(1 + 2)*3", 9.0},
-                 {"8/2/2", 2.0},
-                 {"2^3^1", 8.0},
-                 {"2^-1", 0.5},
-                 {"16^0.5", 4.0},
-                 {"4^2.5", 32.0},
-                 {"4^-1.5", 0.125},
-                 {"9^0", 1.0},
-                 {".5e1 + 1E-1", 5.1},
-                 {"2*W", 8.0},
-                 {"mu*grains", 0.2 * 12.0},
-                 {"pile.speed + 1", 1.5},
-                 {"min(3, W, 2)", 2.0},
-                 {"max(W, grains, 3)", 12.0},
-                 {"abs(-W)", 4.0},
-                 {"sqrt(W)", 2.0},
-                 {"floor(-1.5)", -2.0},
-                 {"round(-1.5)", -2.0},
-                 {"round(2.5)", 3.0},
-                 {"round(0.49999999999999994)", 1.0},
-                 {"moved(1, 2)", 3.0 + 1.0 - 20.0},
-                 {"W > 3 ? 1 : 2", 1.0},
-                 {"grains < 3 ? 1 : grains < 20 ? 5 : 7", 5.0},
-                 {"1 < 2", 1.0},
-                 {"2 <= 2 and 2 >= 2", 1.0},
-                 {"not 1 < 2", 0.0},
-                 {"not rest or 1 > 2", 0.0},
-                 {"1 == 1 and 1 != 2", 1.0},
-                 {"true or false and false", 1.0},
-                 {"floor == 'ends'", 1.0},
-                 {"floor != 'ends' ? 1 : 2", 2.0},
-                 {"rest == true", 1.0},
-                 {"180*deg - pi", 0.0},
-                 {"-inf", -INFINITY},
-                 {"exp(log(W))", 4.0},
-                 {"atan(1) - pi/4", 0.0},
-                 {"known(theta) ? 1 : 0", 0.0},
-                 {"known(grains)", 1.0},
-                 {" ( ( 1 ) ) ", 1.0},
-                 {"1 - 1 - 1", -1.0},
-                 {"min(theta, 1)", NAN}};
     at[GRAINS] = 12.0, at[REST] = 1.0, at[MOVED] = 3.0, at[THETA] = NAN, at[SPEED] = 0.5;
-    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
-        const double v = value_of(cases[k].text);
-        const bool right =
-            isnan(cases[k].value) ? isnan(v) : v == cases[k].value || fabs(v - cases[k].value) < 1e-15;
-        if (!right) fprintf(stderr, "%s: %.17g\n", cases[k].text, v);
-        CU_ASSERT(right);
-    }
+    CHECK_EACH(
+        value_of(NAME), 1e-15, {"1 + 2*3 - 4/2", 5.0}, {"-2^2", -4.0}, {"2*-3", -6.0}, {"(1 + 2)*3", 9.0},
+        {"8/2/2", 2.0}, {"2^3^1", 8.0}, {"2^-1", 0.5}, {"16^0.5", 4.0}, {"4^2.5", 32.0}, {"4^-1.5", 0.125},
+        {"9^0", 1.0}, {".5e1 + 1E-1", 5.1}, {"2*W", 8.0}, {"mu*grains", 0.2 * 12.0}, {"pile.speed + 1", 1.5},
+        {"min(3, W, 2)", 2.0}, {"max(W, grains, 3)", 12.0}, {"abs(-W)", 4.0}, {"sqrt(W)", 2.0},
+        {"floor(-1.5)", -2.0}, {"round(-1.5)", -2.0}, {"round(2.5)", 3.0},
+        {"round(0.49999999999999994)", 1.0}, {"moved(1, 2)", 3.0 + 1.0 - 20.0}, {"W > 3 ? 1 : 2", 1.0},
+        {"grains < 3 ? 1 : grains < 20 ? 5 : 7", 5.0}, {"1 < 2", 1.0}, {"2 <= 2 and 2 >= 2", 1.0},
+        {"not 1 < 2", 0.0}, {"not rest or 1 > 2", 0.0}, {"1 == 1 and 1 != 2", 1.0},
+        {"true or false and false", 1.0}, {"floor == 'ends'", 1.0}, {"floor != 'ends' ? 1 : 2", 2.0},
+        {"rest == true", 1.0}, {"180*deg - pi", 0.0}, {"exp(log(W))", 4.0}, {"atan(1) - pi/4", 0.0},
+        {"known(theta) ? 1 : 0", 0.0}, {"known(grains)", 1.0}, {" ( ( 1 ) ) ", 1.0}, {"1 - 1 - 1", -1.0});
+    CU_ASSERT(value_of("-inf") == -INFINITY && isnan(value_of("min(theta, 1)")));
     for (double x = -1000.0; x < 1000.0; x += 0.37) {
-        char text[64];
-        snprintf(text, sizeof text, "sin(%.17g)", x);
-        CHECK_NEAR(value_of(text), sin(x), 4e-15 + 1e-16 * fabs(x));
-        snprintf(text, sizeof text, "cos(%.17g)", x);
-        CHECK_NEAR(value_of(text), cos(x), 4e-15 + 1e-16 * fabs(x));
+        char text[2][64];
+        snprintf(text[0], sizeof text[0], "sin(%.17g)", x);
+        snprintf(text[1], sizeof text[1], "cos(%.17g)", x);
+        CHECK_EACH(value_of(NAME), 4e-15 + 1e-16 * fabs(x), {text[0], sin(x)}, {text[1], cos(x)});
     }
     CHECK_NEAR(value_of("tan(0.7)"), tan(0.7), 1e-15);
     CU_ASSERT(isnan(value_of("sin(inf)")));

@@ -2,13 +2,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "table/table.h"
-#include "sweeps/engine/experiment.h"
 #include "experiment/modules/module.h"
 #include "tests/check.h"
 #include "tests/numbers.h"
 #include "tests/protocol.h"
-#include "tests/folder.h"
+#include "tests/program.h"
 
 static void height_closed_forms(void)
 {
@@ -52,48 +50,32 @@ static void height_of_random_piles(void)
     }
 }
 
-/* A run with its tables in a folder of its own. */
+/* A run with its tables in the folder `t` of the test. */
 typedef struct {
-    sweep_experiment *text;
     const sweep_protocol *protocol;
     sweep_result result;
-    char folder[FOLDER_PATH];
     rp_table series, grains;
 } traced;
 
-static void trace(const char *const changes[], traced *t)
-{
-    char path[FOLDER_PATH + 24];
-    CHECK_OK(sweep_protocol_open(&sweep_protocol_flux, NULL, &t->text, &t->protocol));
-    scoped void *p = protocol_params(t->protocol, changes);
-    folder_make("flux", t->folder);
-    const sweep_tables tables = {t->folder, 1000000, protocol_no_header};
-    CHECK_OK(t->protocol->check(p));
-    CHECK_OK(t->protocol->run(p, 1993, 0, &tables, &t->result));
-    snprintf(path, sizeof path, "%s/series_theta.tsv", t->folder);
-    CHECK_OK(rp_table_read(path, &t->series));
-    snprintf(path, sizeof path, "%s/end_grains.tsv", t->folder);
-    CHECK_OK(rp_table_read(path, &t->grains));
-}
-
 static void trace_free(traced *t)
 {
-    folder_remove(t->folder);
     rp_table_free(&t->series);
     rp_table_free(&t->grains);
-    sweep_experiment_close(t->text);
+}
+#define scoped_trace __attribute__((cleanup(trace_free))) traced
+
+static traced trace(const char *const changes[])
+{
+    traced t = {.protocol = protocol_of(&sweep_protocol_flux)};
+    scoped void *p = protocol_params(t.protocol, changes);
+    protocol_trace(t.protocol, p, 1000000, &t.result);
+    t.series = read_table("t/series_theta.tsv"), t.grains = read_table("t/end_grains.tsv");
+    return t;
 }
 
 static double output(const traced *t, const char *name)
 {
     return protocol_output(t->protocol, &t->result, name);
-}
-
-static double cell(const rp_table *table, size_t row, const char *name)
-{
-    double value = NAN;
-    CHECK_OK(rp_table_number(table, row, rp_table_column(table, name), 0, &value));
-    return value;
 }
 
 /* A grain falls two diameters in sqrt(2 h/g)/dt steps; with so high a v_cut the pile counts as quiet
@@ -103,14 +85,10 @@ static void waits_for_contact(void)
     static const char *const high[] = {"W=1", "insertions=4", "v_cut=1e6", "drop_height=2", NULL};
     static const char *const low[] = {"W=1", "insertions=4", "v_cut=1e6", NULL};
     const double steps = sqrt(2.0 * (2.0 * 0.2 + 0.2e-6) / 981.0) / 5e-5;
-    traced t;
-    trace(high, &t);
+    scoped_trace t = trace(high), slow = trace(low);
     CU_ASSERT(cell(&t.series, 1, "step") - cell(&t.series, 0, "step") == ceil(steps));
-    trace_free(&t);
-    trace(low, &t);
     for (size_t k = 1; k < 4; k++)
-        CU_ASSERT(cell(&t.series, k, "step") - cell(&t.series, k - 1, "step") == 200.0);
-    trace_free(&t);
+        CU_ASSERT(cell(&slow.series, k, "step") - cell(&slow.series, k - 1, "step") == 200.0);
 }
 
 /* Every grain is in the box or fell over the edge; at the end the box is quiet. The outputs are of the
@@ -118,8 +96,7 @@ static void waits_for_contact(void)
 static void outputs_from_series(void)
 {
     static const char *const small[] = {"W=1.3", "insertions=148", "entry_width=1", "avalanche=2", NULL};
-    traced t;
-    trace(small, &t);
+    scoped_trace t = trace(small);
     const size_t n = t.series.n_rows, from = (size_t)output(&t, "level_insertion");
     double inside = 0.0, last = 0.0, sum = 0.0, squares = 0.0, most = -INFINITY;
     CU_ASSERT_STRING_EQUAL(t.result.status, "ok");
@@ -159,7 +136,6 @@ static void outputs_from_series(void)
         CHECK_OK(t.protocol->run(p, 1993, 1, NULL, &again));
         CU_ASSERT(protocol_output(t.protocol, &again, "theta_deg") != output(&t, "theta_deg"));
     }
-    trace_free(&t);
 }
 
 static void ends_without_result(void)
@@ -171,14 +147,12 @@ static void ends_without_result(void)
                  {"W=1 steps_max=30000", "ok", 30000.0},
                  {"W=1 v_cut=1e-9 steps_max=8000", "no_samples", 8000.0}};
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
-        traced t;
-        trace((const char *const[]){cases[k].changes, NULL}, &t);
+        scoped_trace t = trace((const char *const[]){cases[k].changes, NULL});
         CU_ASSERT_STRING_EQUAL(t.result.status, cases[k].status);
         if (k == 1) CU_ASSERT(output(&t, "insertions_made") > 4.0 && output(&t, "insertions_made") < 100.0);
         if (k == 1)
             CU_ASSERT(output(&t, "steps") >= cases[k].steps && output(&t, "steps") < 1.5 * cases[k].steps);
         if (k != 1) CU_ASSERT(isnan(output(&t, "theta_deg")));
-        trace_free(&t);
     }
 }
 
@@ -190,5 +164,5 @@ void suite_flux(void)
                                        {"outputs from the series", outputs_from_series},
                                        {"runs without a result", ends_without_result},
                                        {NULL, NULL}};
-    check_register("constant flux", cases);
+    check_register_within("constant flux", enter, leave, cases);
 }

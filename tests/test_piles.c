@@ -6,14 +6,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "experiment/modules/base.h"
+#include "experiment/modules/module.h"
 #include "stress/stress.h"
-#include "table/table.h"
 #include "sweeps/protocols/pile.h"
 #include "sweeps/protocols/protocols.h"
 #include "tests/check.h"
 #include "tests/protocol.h"
-#include "tests/folder.h"
+#include "tests/program.h"
 
 static const double DEG = M_PI / 180;
 
@@ -191,8 +190,8 @@ static void rays_under_walls(void)
     for (int k = 0; k < STRESS_DIP_BINS / 2; k++) {
         CHECK_NEAR(rays[k], rays[STRESS_DIP_BINS - 1 - k], 1e-9);
         /* from x up to 17 along both rays within the block and its filled feet, 10 wide each */
-        const double out = fmax(fabs(-16 + 1.6 * (k + 0.5)) - 4, 0);
-        CU_ASSERT(out > 10.1 ? rays[k] < 1e-12 : rays[k] > 0.01);
+        const double beyond = fmax(fabs(-16 + 1.6 * (k + 0.5)) - 4, 0);
+        CU_ASSERT(beyond > 10.1 ? rays[k] < 1e-12 : rays[k] > 0.01);
     }
     const stress_base wide = {.centroid = 3.5, .width = 60}; /* far beyond the one disk */
     CHECK_OK(exp_outline_rays(1, (double[]){3.5}, (double[]){1.7}, &wide, rays));
@@ -321,7 +320,7 @@ static void unequal_piles_stand(void)
 /* ---- the protocol ---- */
 
 /* Run with "name=value" changes of the defaults, ended by NULL. */
-static rp_status run(const char *const changes[], unsigned long number, sweep_result *result)
+static rp_status run_pile(const char *const changes[], unsigned long number, sweep_result *result)
 {
     const sweep_protocol *p = &sweep_protocol_pile;
     scoped void *params = protocol_params(p, changes);
@@ -330,7 +329,7 @@ static rp_status run(const char *const changes[], unsigned long number, sweep_re
     return status;
 }
 
-#define RUN(number, result, ...) run((const char *const[]){__VA_ARGS__, NULL}, number, result)
+#define RUN(number, result, ...) run_pile((const char *const[]){__VA_ARGS__, NULL}, number, result)
 
 static double output(const sweep_result *result, const char *name)
 {
@@ -423,15 +422,15 @@ static void check_base(const pile_case *c, const sweep_outline *h, const double 
                        const double H[], const sweep_result *r)
 {
     enum { K = 22 };
-    double e[K], exact[K], flank[K], r_disk[K], u[K], ours[K], theirs[K], out[2] = {0}, exact_out[2] = {0};
+    double e[K], exact[K], flank[K], r_disk[K], u[K], ours[K], theirs[K], push[2] = {0}, exact_push[2] = {0};
     size_t n = 0;
     for (size_t i = 0; i < K; i++) {
         exact[i] = h->exact[i].N;
         e[i] = fabs(N[i] / exact[i] - 1);
         flank[i] = fabs(H[i]);
         r_disk[i] = 0.5;
-        out[i >= K / 2] += H[i];
-        exact_out[i >= K / 2] += h->exact[i].H;
+        push[i >= K / 2] += H[i];
+        exact_push[i >= K / 2] += h->exact[i].H;
         if (fabs(x[i] - (x[0] + x[K - 1]) / 2) >= h->B / 10) continue;
         u[n] = x[i] - (x[0] + x[K - 1]) / 2;
         ours[n] = H[i];
@@ -439,8 +438,8 @@ static void check_base(const pile_case *c, const sweep_outline *h, const double 
     }
     CHECK_EACH(output(r, NAME), BALANCE, {"N_error_max", gsl_stats_max(e, 1, K)},
                {"N_error_rms", sqrt(gsl_stats_tss_m(e, 1, K, 0) / K)},
-               {"thrust_ratio", (out[1] - out[0]) / (exact_out[1] - exact_out[0])}, {"D", dip_of(K, x, N, 1)},
-               {"D_diagonals", dip_of(K, x, exact, 1)});
+               {"thrust_ratio", (push[1] - push[0]) / (exact_push[1] - exact_push[0])},
+               {"D", dip_of(K, x, N, 1)}, {"D_diagonals", dip_of(K, x, exact, 1)});
     double largest = gsl_stats_max(flank, 1, K), slope[2], unused;
     for (size_t i = 0; i < K; i++) flank[i] = fabs(h->exact[i].H);
     CHECK_NEAR(output(r, "H_ratio"), largest / gsl_stats_max(flank, 1, K), BALANCE);
@@ -531,7 +530,7 @@ static void outputs_a_second_way(void)
         statics_contact *list;
         const char *settings[10] = {"base=22"};
         memcpy(settings + 1, c->settings, sizeof c->settings);
-        CHECK_OK(run(settings, 3, &r));
+        CHECK_OK(run_pile(settings, 3, &r));
         CU_ASSERT_STRING_EQUAL(r.status, "ok");
         solve(c, &h, &pile, &solved);
         statics_base(pile, disk, N, H);
@@ -575,12 +574,6 @@ static void without_result(void)
     CHECK_FAILS(RUN(0, &r, "alpha_deg=59.9", "gap=0.1", "disorder=1e-3"), RP_BAD_INPUT, "alpha");
 }
 
-static void header(const void *context, FILE *out)
-{
-    (void)context;
-    (void)out;
-}
-
 /* What `repose pile` does with --threshold, --leave and --well, as runs of a sweep. */
 static void solver_choices(void)
 {
@@ -612,29 +605,20 @@ static void solver_choices(void)
 /* Tables of a traced run: the forces that its outputs are of. */
 static void traced(void)
 {
-    char folder[FOLDER_PATH], path[80];
     sweep_pile p;
     sweep_result r;
-    rp_table t;
     rp_params_defaults(sweep_pile_schema, &p);
     p.base = 12;
-    folder_make("pile", folder);
-    CHECK_OK(sweep_protocol_pile.run(&p, 1, 0, &(sweep_tables){.directory = folder, .header = header}, &r));
-    snprintf(path, sizeof path, "%s/base.tsv", folder);
-    CHECK_OK(rp_table_read(path, &t));
+    protocol_trace(&sweep_protocol_pile, &p, 0, &r);
+    scoped_table t = read_table("t/base.tsv");
     double weight = 0, most = 0;
     for (size_t i = 0; i < t.n_rows; i++) {
-        double N, H;
-        CHECK_OK(rp_table_number(&t, i, rp_table_column(&t, "N/mg"), 0, &N));
-        CHECK_OK(rp_table_number(&t, i, rp_table_column(&t, "H/mg"), 0, &H));
-        weight += N;
-        most = fmax(most, fabs(H) / N);
+        weight += cell(&t, i, "N/mg");
+        most = fmax(most, fabs(cell(&t, i, "H/mg")) / cell(&t, i, "N/mg"));
     }
     CU_ASSERT(t.n_rows == 12);
     CHECK_NEAR(weight, 78, BALANCE * 78);
     CHECK_NEAR(output(&r, "H_N_max"), most, BALANCE);
-    rp_table_free(&t);
-    folder_remove(folder);
 }
 
 void suite_piles(void)
@@ -657,5 +641,5 @@ void suite_piles(void)
                                        {"threshold, minima, wells", solver_choices},
                                        {"tables of a run", traced},
                                        {NULL, NULL}};
-    check_register("piles", cases);
+    check_register_within("piles", enter, leave, cases);
 }

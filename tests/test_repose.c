@@ -2,18 +2,16 @@
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "experiment/modules/module.h"
 #include "angle/angle.h"
-#include "table/table.h"
 #include "dem/scene/scene.h"
 #include "dem/scene/text.h"
 #include "sweeps/engine/experiment.h"
 #include "sweeps/protocols/protocols.h"
 #include "tests/check.h"
 #include "tests/grains.h"
-#include "tests/folder.h"
+#include "tests/program.h"
 #include "tests/protocol.h"
 
 /* Angles from the same numbers in another order of summation: some ulp of 30 degrees. */
@@ -28,9 +26,7 @@ static double output(const sweep_result *result, const char *name)
     return protocol_output(protocol, result, name);
 }
 
-/* A run with its tables in `folder`. */
-static char folder[FOLDER_PATH];
-
+/* A run with its tables in the folder `t` of the test. */
 __attribute__((format(printf, 2, 3))) static void traced_run(sweep_result *result, const char *format, ...)
 {
     char settings[256];
@@ -38,23 +34,9 @@ __attribute__((format(printf, 2, 3))) static void traced_run(sweep_result *resul
     va_start(args, format);
     vsnprintf(settings, sizeof settings, format, args);
     va_end(args);
-    folder_make("repose", folder);
     protocol = protocol_of(&sweep_protocol_repose);
     scoped void *params = PROTOCOL_PARAMS(protocol, settings);
-    CHECK_OK(protocol->check(params));
-    CHECK_OK(protocol->run(params, 1993, 0, &(sweep_tables){folder, 1000, protocol_no_header}, result));
-}
-
-static const char *path_of(const char *name)
-{
-    static char path[FOLDER_PATH + 32];
-    snprintf(path, sizeof path, "%s/%s", folder, name);
-    return path;
-}
-
-static void clean(void)
-{
-    folder_remove(folder);
+    protocol_trace(protocol, params, 1000, result);
 }
 
 typedef struct {
@@ -64,16 +46,11 @@ typedef struct {
 
 static void read_grains(const char *name, grains *g)
 {
-    rp_table t;
-    CHECK_OK(rp_table_read(path_of(name), &t));
+    scoped_table t = read_table(name);
     CU_ASSERT_FATAL(t.n_rows > 0 && t.n_rows <= 256);
     g->n = t.n_rows;
-    for (size_t i = 0; i < g->n; i++) {
-        CHECK_OK(rp_table_number(&t, i, rp_table_column(&t, "x"), 0, &g->x[i]));
-        CHECK_OK(rp_table_number(&t, i, rp_table_column(&t, "y"), 0, &g->y[i]));
-        CHECK_OK(rp_table_number(&t, i, rp_table_column(&t, "r"), 0, &g->r[i]));
-    }
-    rp_table_free(&t);
+    for (size_t i = 0; i < g->n; i++)
+        g->x[i] = cell(&t, i, "x"), g->y[i] = cell(&t, i, "y"), g->r[i] = cell(&t, i, "r");
 }
 
 /* Slope of the least-squares line through (j, h_j), by the normal equations. */
@@ -132,7 +109,7 @@ static void check_order(const sweep_result *result)
 {
     grains g;
     double sum = 0.0, n = 0.0;
-    read_grains("filled_grains.tsv", &g);
+    read_grains("t/filled_grains.tsv", &g);
     for (size_t i = 0; i < g.n; i++) {
         double re = 0.0, im = 0.0, near = 0.0;
         for (size_t j = 0; j < g.n; j++) {
@@ -157,11 +134,10 @@ static void test_surfaces(void)
     CU_ASSERT_STRING_EQUAL(result.status, "ok_fixed_time");
     CU_ASSERT(output(&result, "fill_steps_used") == 4000.0 && output(&result, "relax_steps_used") == 4000.0);
     CU_ASSERT(output(&result, "steps") == 8000.0);
-    read_grains("pile_grains.tsv", &g);
+    read_grains("t/pile_grains.tsv", &g);
     CU_ASSERT(output(&result, "cells") < 11.0);
     check_halves(&g, 11, &result);
     check_order(&result);
-    clean();
 }
 
 /* Three cells make a half, two do not; a step of relaxation is one. */
@@ -172,14 +148,10 @@ static void test_small_halves(void)
         traced_run(&result, "W=%s H=1 stop=steps fill_steps=1500 relax_steps=1", cells == 5 ? "1" : "1.4");
         CU_ASSERT(output(&result, "steps") == 1501.0 && output(&result, "relax_steps_used") == 1.0);
         CU_ASSERT(output(&result, "cells") == cells);
-        if (cells == 5) {
-            CU_ASSERT(isnan(output(&result, "theta_upper_deg")));
-        } else {
-            grains g;
-            read_grains("pile_grains.tsv", &g);
-            check_halves(&g, cells, &result);
-        }
-        clean();
+        grains g;
+        read_grains("t/pile_grains.tsv", &g);
+        if (cells == 5) CU_ASSERT(isnan(output(&result, "theta_upper_deg")));
+        if (cells == 7) check_halves(&g, cells, &result);
     }
 }
 
@@ -216,26 +188,19 @@ static void test_frictions(void)
     traced_run(&result, "W=1 H=1 mu_floor=0 stop=steps fill_steps=10 relax_steps=10");
     CU_ASSERT_STRING_EQUAL(result.status, "no_pile");
     CU_ASSERT(strstr(result.message, "mu_floor == 0") != NULL);
-    clean();
 }
 
 /* The box by a second way, to the steps at which the run has its pile, equal in every bit. */
 static void box_again(const sweep_result *result, double W, dem_sim **sim)
 {
     dem_state states[256];
-    rp_table t;
     const double steps[] = {output(result, "fill_steps_used"), output(result, "relax_steps_used")};
     protocol_box(W, W, 0, steps, sim);
-    CHECK_OK(rp_table_read(path_of("pile_grains.tsv"), &t));
+    scoped_table t = read_table("t/pile_grains.tsv");
     CU_ASSERT_FATAL(dem_count(*sim) <= 256 && dem_count(*sim) == t.n_rows);
     CHECK_OK(dem_states(*sim, states));
-    for (size_t i = 0; i < t.n_rows; i++) {
-        double x, y;
-        CHECK_OK(rp_table_number(&t, i, rp_table_column(&t, "x"), 0, &x));
-        CHECK_OK(rp_table_number(&t, i, rp_table_column(&t, "y"), 0, &y));
-        CU_ASSERT(x == states[i].x && y == states[i].y);
-    }
-    rp_table_free(&t);
+    for (size_t i = 0; i < t.n_rows; i++)
+        CU_ASSERT(cell(&t, i, "x") == states[i].x && cell(&t, i, "y") == states[i].y);
 }
 
 /* Whatever of the physics the text has no name for is a parameter by its own name, and a part of the key. */
@@ -309,15 +274,11 @@ static void test_names(void)
 static void test_ramp(void)
 {
     sweep_result result;
-    rp_table start, full;
     double y[2];
     for (int k = 0; k < 2; k++) {
         traced_run(&result, "W=1 H=4 N=1 fill=ramp stop=steps fill_steps=%d relax_steps=1", k == 0 ? 2 : 800);
-        rp_table *t = k == 0 ? &start : &full;
-        CHECK_OK(rp_table_read(path_of("filled_grains.tsv"), t));
-        CHECK_OK(rp_table_number(t, 0, rp_table_column(t, "y"), 0, &y[k]));
-        rp_table_free(t);
-        clean();
+        scoped_table t = read_table("t/filled_grains.tsv");
+        y[k] = cell(&t, 0, "y");
     }
     const double T = 400 * 5e-5, fall = 7.0 / 6.0 * 981.0 * T * T;
     CHECK_NEAR(y[0] - y[1], fall, fall * 2.0 / 400.0);
@@ -336,11 +297,8 @@ static void test_ramp_where_soft(void)
         traced_run(&result, "W=1 H=4 k_n=%s fill=auto stop=steps fill_steps=400 relax_steps=10",
                    cases[i].k_n);
         CU_ASSERT_STRING_EQUAL(result.status, "ok_fixed_time");
-        rp_table phases;
-        CHECK_OK(rp_table_read(path_of("phases.tsv"), &phases));
+        scoped_table phases = read_table("t/phases.tsv");
         CU_ASSERT(phases.n_rows == (cases[i].ramp ? 5 : 4));
-        rp_table_free(&phases);
-        clean();
     }
 }
 
@@ -377,14 +335,10 @@ static void test_rest_in_turning_box(void)
 /* Numbers of a table's column. */
 static size_t read_column(const char *file, const char *column, double values[1024])
 {
-    rp_table t;
-    CHECK_OK(rp_table_read(path_of(file), &t));
-    const size_t n = t.n_rows;
-    CU_ASSERT_FATAL(n <= 1024);
-    for (size_t i = 0; i < n; i++)
-        CHECK_OK(rp_table_number(&t, i, rp_table_column(&t, column), 0, &values[i]));
-    rp_table_free(&t);
-    return n;
+    scoped_table t = read_table(file);
+    CU_ASSERT_FATAL(t.n_rows <= 1024);
+    for (size_t i = 0; i < t.n_rows; i++) values[i] = cell(&t, i, column);
+    return t.n_rows;
 }
 
 /* Contacts per grain with 0 < x < W, from the tables of a stage; number of these grains. */
@@ -392,10 +346,10 @@ static double contact_number(const char *stage, double W, size_t *n_pile)
 {
     char file[64];
     double id[1024], x[1024], a[1024], b[1024], count = 0.0;
-    snprintf(file, sizeof file, "%s_grains.tsv", stage);
+    snprintf(file, sizeof file, "t/%s_grains.tsv", stage);
     const size_t n = read_column(file, "id", id);
     read_column(file, "x", x);
-    snprintf(file, sizeof file, "%s_contacts.tsv", stage);
+    snprintf(file, sizeof file, "t/%s_contacts.tsv", stage);
     const size_t n_contacts = read_column(file, "id_a", a);
     read_column(file, "id_b", b);
     *n_pile = 0;
@@ -412,14 +366,14 @@ static void check_pile(const sweep_result *result, double W)
 {
     double x[1024], y[1024], vx[1024], vy[1024], fx[1024], fy[1024], m[1024], touching[1024], step[1024];
     const double mg = dem_mass(DEM_SPHERE, 1.0, 0.1) * 981.0, round_off = 1e-13; /* of sums of 50 */
-    const size_t n = read_column("pile_grains.tsv", "x", x);
+    const size_t n = read_column("t/pile_grains.tsv", "x", x);
     const struct {
         const char *name;
         double *to;
     } columns[] = {{"y", y},   {"vx", vx}, {"vy", vy},     {"fx", fx},
                    {"fy", fy}, {"m", m},   {"step", step}, {"contacts", touching}};
     for (size_t c = 0; c < sizeof columns / sizeof *columns; c++)
-        read_column("pile_grains.tsv", columns[c].name, columns[c].to);
+        read_column("t/pile_grains.tsv", columns[c].name, columns[c].to);
     double energy = 0.0, force = 0.0, filled[1024];
     size_t n_pile, n_full;
     for (size_t i = 0; i < n; i++) {
@@ -433,7 +387,7 @@ static void check_pile(const sweep_result *result, double W)
     CU_ASSERT(output(result, "grains") == (double)n_pile && n_pile < n_full);
     CHECK_NEAR(output(result, "residual_energy") / (energy / (double)n_pile / (mg * 0.2)), 1.0, round_off);
     CHECK_NEAR(output(result, "residual_force") / (force / mg), 1.0, round_off);
-    read_column("filled_grains.tsv", "step", filled);
+    read_column("t/filled_grains.tsv", "step", filled);
     CU_ASSERT(output(result, "fill_steps_used") == filled[0]);
     CU_ASSERT(output(result, "relax_steps_used") == step[0] - filled[0]);
     const ang_options options = ANG_OPTIONS_DEFAULT;
@@ -563,7 +517,6 @@ static void test_outputs(void)
                    ANGLE_TOLERANCE_DEG);
         CHECK_NEAR(output(&result, "theta_t_static_deg"), static_onset(again, t), ANGLE_TOLERANCE_DEG);
         CU_ASSERT(output(&result, "steps") == (double)(dem_step(sim) - steps + dem_step(again)));
-        clean();
     }
 }
 
@@ -586,7 +539,6 @@ static void test_stands(void)
         } else {
             CHECK_NEAR(tilt, 6000.0, 1.0); /* sums of 0.01 end just below 60, or above */
         }
-        clean();
     }
 }
 
@@ -601,7 +553,6 @@ static void test_restless(void)
         CU_ASSERT_STRING_EQUAL(result.status, "ok");
         CU_ASSERT((output(&result, "restless") == 12500.0) == bounded);
         theta[bounded] = output(&result, "theta_t_static_deg");
-        clean();
     }
     CU_ASSERT(theta[0] > 1.0 && theta[1] == theta[0]);
 }
@@ -704,5 +655,5 @@ void suite_repose(void)
                                        {"most steps of a phase", test_patience},
                                        {"refusals", test_refusals},
                                        {0}};
-    check_register("protocol repose", cases);
+    check_register_within("protocol repose", enter, leave, cases);
 }

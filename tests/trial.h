@@ -3,6 +3,7 @@
 #define TRIAL_H
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "check.h"
@@ -23,11 +24,29 @@ static inline void end(trial *t)
 }
 #define scoped_trial __attribute__((cleanup(end))) trial
 
+/* Texts of tests have ` in place of ". */
+static inline void write_trial(const char *name, const char *text)
+{
+    scoped char *made = strdup(text);
+    for (char *c = made; *c; c++) *c = *c == '`' ? '"' : *c;
+    write_text(name, "%s", made);
+}
+
+/* The text with another part in place of the first `from`. Free it. */
+static inline char *changed(const char *text, const char *from, const char *to)
+{
+    const char *at = strstr(text, from);
+    char *made = malloc(strlen(text) + strlen(to) + 1);
+    CU_ASSERT_PTR_NOT_NULL_FATAL(at);
+    sprintf(made, "%.*s%s%s", (int)(at - text), text, to, at + strlen(from));
+    return made;
+}
+
 static inline rp_status read_text(trial *t, const char *text)
 {
     static char path[256]; /* which the text borrows */
     *t = (trial){0};
-    write_text("e.cfg", "%s", text);
+    write_trial("e.cfg", text);
     path_of("e.cfg", path);
     RP_TRY(dem_text_open(path, NULL, &t->text));
     return exp_read(&t->text, &t->plan);
@@ -49,7 +68,82 @@ static inline void run_whole(trial *t, const char *text, long part, const char *
 {
     start(t, text);
     finish(t, part);
-    CU_ASSERT_STRING_EQUAL(exp_ended(t->run)->status, status);
+    const exp_end *now = exp_ended(t->run);
+    if (strcmp(now->status, status) != 0)
+        fprintf(stderr, "%s (%s), not %s\n", now->status, now->message, status);
+    CU_ASSERT_STRING_EQUAL(now->status, status);
+    CU_ASSERT(strncmp(now->status, "ok", 2) == 0 || *now->message);
+}
+
+/* A change of a text, and what comes of it. */
+typedef struct {
+    const char *text, *from, *to, *expected;
+} trial_change;
+
+/* Each is refused with this message, when it is read or checked; NULL: it is not. Each run ends with this
+ * word. Each has "another" key, or the "same". */
+static inline void check_refused(size_t n, const trial_change changes[])
+{
+    for (const trial_change *c = changes; c < changes + n; c++) {
+        scoped_trial t;
+        scoped char *text = changed(c->text, c->from, c->to);
+        rp_status status = read_text(&t, text);
+        if (!status) status = exp_check(t.plan);
+        if (c->expected)
+            CHECK_FAILS(status, RP_BAD_INPUT, c->expected);
+        else
+            CHECK_OK(status);
+    }
+}
+
+static inline void check_ends(size_t n, const trial_change changes[])
+{
+    for (const trial_change *c = changes; c < changes + n; c++) {
+        scoped_trial t;
+        scoped char *text = changed(c->text, c->from, c->to);
+        run_whole(&t, text, 100000, c->expected);
+    }
+}
+
+static inline void check_keys(size_t n, const trial_change changes[])
+{
+    for (const trial_change *c = changes; c < changes + n; c++) {
+        scoped_trial a, b;
+        scoped char *text = changed(c->text, c->from, c->to);
+        CHECK_OK(read_text(&a, c->text));
+        CHECK_OK(read_text(&b, text));
+        scoped char *key = exp_key(a.plan), *now = exp_key(b.plan);
+        const char *is = strcmp(key, now) == 0 ? "same" : "another";
+        if (strcmp(is, c->expected) != 0) fprintf(stderr, "key of %s: %s\n", c->to, is);
+        CU_ASSERT_STRING_EQUAL(is, c->expected);
+    }
+}
+
+static inline void check_same_values(const trial *t, const trial *whole)
+{
+    size_t n;
+    exp_outputs(whole->plan, &n);
+    CU_ASSERT(memcmp(exp_values(t->run), exp_values(whole->run), n * sizeof(double)) == 0);
+    CU_ASSERT(exp_steps(t->run) == exp_steps(whole->run));
+}
+
+/* A run that is cut into parts, others from so many steps on, and one that has been kept then and gone on
+ * with in another, give what the whole one gives. */
+static inline void check_cut(const char *text, const trial *whole, long part, long steps, long then)
+{
+    scoped_trial cut, kept;
+    rp_snapshot s = {0};
+    start(&cut, text), start(&kept, text);
+    while (exp_steps(cut.run) < steps && !exp_done(cut.run)) CHECK_OK(exp_advance(cut.run, part));
+    exp_keep(&s, cut.run);
+    CHECK_OK(s.status);
+    s.reading = true;
+    exp_keep(&s, kept.run);
+    CHECK_OK(rp_snapshot_end(&s));
+    rp_snapshot_free(&s);
+    finish(&cut, then);
+    finish(&kept, 333);
+    check_same_values(&cut, whole), check_same_values(&kept, whole);
 }
 
 static inline double measured(const trial *t, const char *name)

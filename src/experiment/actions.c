@@ -15,11 +15,9 @@ void exp_save(exp_run *run, size_t phase)
     const size_t n = 2 * run->plan->n_walls;
     dem_free(saved->sim);
     saved->sim = NULL;
-    if (!saved->loads && !(saved->loads = calloc(n + 1, sizeof *saved->loads)))
-        run->failed = rp_fail(RP_NO_MEMORY, "run: out of memory");
-    if (run->failed || (run->failed = dem_clone(run->sim, &saved->sim))) return;
+    if ((run->failed = dem_clone(run->sim, &saved->sim))) return;
     saved->now = run->at.now;
-    if (n) memcpy(saved->loads, run->loads, n * sizeof *saved->loads);
+    memcpy(saved->loads, run->loads, n * sizeof *saved->loads);
 }
 
 void exp_go_back(exp_run *run, const exp_phase *p)
@@ -37,16 +35,17 @@ void exp_go_back(exp_run *run, const exp_phase *p)
     dem_free(run->sim);
     run->sim = copy;
     run->at.now = saved->now;
-    if (n) memcpy(run->loads, saved->loads, n * sizeof *saved->loads);
+    memcpy(run->loads, saved->loads, n * sizeof *saved->loads);
 }
 
 /* ---- laws, and grains that go ---- */
 
-static void renew(exp_run *run, const exp_phase *p, rp_status status)
+/* The simulation has changed; what can't be ends the run with this word. */
+static void renew(exp_run *run, const exp_phase *p, rp_status status, const char *word)
 {
     run->fresh = false;
     if (status == RP_BAD_INPUT || status == RP_BROKEN)
-        exp_conclude(run, "too_fast", "phase %s: %s", p->name, rp_message());
+        exp_conclude(run, word, "phase %s: %s", p->name, rp_message());
     else
         run->failed = status;
 }
@@ -56,19 +55,18 @@ void exp_change_laws(exp_run *run, const exp_phase *p)
     const exp_plan *plan = run->plan;
     const dem_scene *scene = &plan->scene;
     dem_definition def;
-    dem_wall *walls = calloc(scene->def.n_walls + 1, sizeof *walls);
-    rp_status status = walls ? dem_laws_apply(&p->laws, p->given, scene, &def, walls)
-                             : rp_fail(RP_NO_MEMORY, "laws: out of memory");
+    RP_SCOPE(memory);
+    dem_wall *walls = rp_arena_memory(&memory, scene->def.n_walls, sizeof *walls);
+    rp_status status = walls ? dem_laws_apply(&p->laws, p->given, scene, &def, walls) : RP_NO_MEMORY;
     if (!status) status = dem_change(&run->sim, &def);
-    free(walls);
     run->at.now.laws = (size_t)(p - plan->phases);
-    renew(run, p, status);
+    renew(run, p, status, "too_fast");
 }
 
 void exp_remove(exp_run *run, const exp_phase *p)
 {
     const exp_within in = exp_within_now(run, &p->removes);
-    renew(run, p, dem_remove(&run->sim, exp_is_within, &in));
+    renew(run, p, dem_remove(&run->sim, exp_is_within, &in), "too_fast");
 }
 
 /* ---- grains that come ---- */
@@ -133,20 +131,22 @@ static double between(exp_run *run, const double ends[2])
     return ends[0] == ends[1] ? ends[0] : ends[0] + (ends[1] - ends[0]) * gsl_rng_uniform(run->random[1]);
 }
 
+double exp_density(const exp_plan *plan, const exp_add *a, double given)
+{
+    const dem_fill *first = dem_scene_fill_at((dem_scene *)&plan->scene, 0);
+    return exp_given(&a->density) ? given : first ? first->density : plan->scene.laws.physics.density;
+}
+
 /* Draw a grain and its place. False: there is none. */
 static bool draw_grain(exp_run *run, const exp_phase *p, dem_grain *g)
 {
     const exp_add *a = &p->add;
     enum { TRIES = 10000 };
     const exp_plan *plan = run->plan;
-    double *const of = run->grain;
-    const dem_fill *first = dem_scene_fill_at((dem_scene *)&plan->scene, 0);
-    *g = (dem_grain){.r = a->has_r ? exp_value(run, &a->r) : dem_radius_draw(&a->radii, run->random[0])};
-    of[EXP_R] = g->r, of[EXP_Y] = of[EXP_TOUCH] = NAN;
-    const double density = a->has_density ? exp_value(run, &a->density)
-                           : first        ? first->density
-                                          : plan->scene.laws.physics.density,
-                 gap = exp_value(run, &a->gap);
+    *g = (dem_grain){.r = exp_given(&a->r) ? exp_value(run, &a->r)
+                                           : dem_radius_draw(&a->radii, run->random[0])};
+    run->grain.r = g->r, run->grain.y = run->grain.touch = NAN;
+    const double density = exp_density(plan, a, exp_value(run, &a->density)), gap = exp_value(run, &a->gap);
     g->m = dem_mass(plan->scene.def.shape, density, g->r);
     const double x[2] = {exp_value(run, &a->x[0]), exp_value(run, &a->x[1])};
     if (!(g->r > 0.0) || !(g->m > 0.0) || !(gap >= 0.0) || !isfinite(x[0]) || !isfinite(x[1])) {
@@ -156,14 +156,14 @@ static bool draw_grain(exp_run *run, const exp_phase *p, dem_grain *g)
     }
     for (int k = 0; k < TRIES; k++) {
         g->x = between(run, x);
-        of[EXP_TOUCH] = a->in_range ? NAN : touch_height(run, g->x, g->r, gap);
+        run->grain.touch = a->in_range ? NAN : touch_height(run, g->x, g->r, gap);
         const double y[2] = {exp_value(run, &a->y[0]), a->in_range ? exp_value(run, &a->y[1]) : NAN};
         g->y = a->in_range ? between(run, y) : y[0];
         if (!a->in_range) break;
         if (!touches(run, g->x, g->y, g->r)) break;
         if (k == TRIES - 1) return false;
     }
-    of[EXP_Y] = g->y;
+    run->grain.y = g->y;
     g->vx = exp_value(run, &a->vx), g->vy = exp_value(run, &a->vy), g->omega = exp_value(run, &a->omega);
     return isfinite(g->x) && isfinite(g->y);
 }
@@ -179,12 +179,9 @@ static void add_grain(exp_run *run, const exp_phase *p)
         return;
     }
     const rp_status status = dem_add(run->sim, &g, &id);
-    run->fresh = false;
-    if (status == RP_BAD_INPUT)
-        exp_conclude(run, strstr(rp_message(), "too large for") ? "too_fast" : "no_room", "phase %s: %s",
-                     p->name, rp_message());
-    else
-        run->failed = status;
+    if (status == RP_BROKEN) run->failed = status;
+    if (run->failed) return;
+    renew(run, p, status, status && strstr(rp_message(), "too large for") ? "too_fast" : "no_room");
     if (run->failed || run->at.done || !exp_make_ids(run, id)) return;
     run->kinds[id - 1] = (int32_t)p->add.kind;
     run->marks[2 * (id - 1)] = run->marks[2 * (id - 1) + 1] = NAN;
@@ -204,17 +201,22 @@ void exp_add_grains(exp_run *run, const exp_phase *p)
 
 /* ---- walls ---- */
 
-/* All walls of a name move as one; along a direction in which one is free, its load sees to that. */
-void exp_move_wall(exp_run *run, const exp_phase *p, const exp_wall *wall, const double velocity[2],
-                   double omega)
+/* All walls of a name move as one. */
+static void give_velocity(exp_run *run, const exp_wall *wall, const double velocity[2], double omega)
+{
+    for (size_t k = 0; k < wall->n && !run->at.done; k++)
+        if (dem_wall_move(run->sim, wall->walls[k], velocity, omega))
+            exp_conclude(run, "too_fast", "phase %s: %s: %s", run->plan->phases[run->at.phase].name,
+                         wall->name, rp_message());
+}
+
+void exp_move_wall(exp_run *run, const exp_wall *wall, const double velocity[2], double omega)
 {
     const size_t w = (size_t)(wall - run->plan->walls);
     const dem_wall_state now = dem_wall_now(run->sim, wall->walls[0]);
     double v[2];
     for (int c = 0; c < 2 && velocity; c++) v[c] = run->loads[2 * w + c] >= 0 ? now.velocity[c] : velocity[c];
-    for (size_t k = 0; k < wall->n && !run->at.done; k++)
-        if (dem_wall_move(run->sim, wall->walls[k], velocity ? v : NULL, omega))
-            exp_conclude(run, "too_fast", "phase %s: %s: %s", p->name, wall->name, rp_message());
+    give_velocity(run, wall, velocity ? v : NULL, omega);
 }
 
 void exp_load_walls(exp_run *run, const exp_phase *p)
@@ -230,7 +232,7 @@ void exp_load_walls(exp_run *run, const exp_phase *p)
             if (m->loading[c] == EXP_FREED && *load >= 0) *load = -1, v[c] = 0.0, freed = true;
             if (m->loading[c] == EXP_LOADED) *load = (long)m->number;
         }
-        if (freed) exp_move_wall(run, p, wall, v, NAN);
+        if (freed) exp_move_wall(run, wall, v, NAN);
     }
 }
 
@@ -266,8 +268,6 @@ void exp_push_walls(exp_run *run)
             for (size_t k = 0; k < wall->n; k++) force += dem_wall_now(run->sim, wall->walls[k]).force[c];
             v[c] = fmin(fmax(v[c] + dt / mass * force, -most), most);
         }
-        for (size_t k = 0; k < wall->n && loaded && !run->at.done; k++)
-            if (dem_wall_move(run->sim, wall->walls[k], v, NAN))
-                exp_conclude(run, "too_fast", "%s: %s", wall->name, rp_message());
+        if (loaded) give_velocity(run, wall, v, NAN);
     }
 }

@@ -16,13 +16,13 @@ static void put(FILE *out, rp_arena *arena, const char *key, const exp_expressio
                 e->x.known && e->x.n == 0 ? rp_number_text(e->x.value, 6, (char[32]){0}, 32) : text);
 }
 
-static void put_add(FILE *out, rp_arena *arena, const exp_plan *plan, const exp_add *a)
+static void put_add(FILE *out, rp_arena *arena, const exp_add *a)
 {
     const exp_expression *const e[] = {&a->n,    &a->r,  &a->density, &a->x[0],  &a->x[1], &a->y[0],
                                        &a->y[1], &a->vx, &a->vy,      &a->omega, &a->gap};
     const dem_fill *f = &a->radii;
-    fprintf(out, " add kind=%s range=%d r=%d", a->kind < 0 ? "" : plan->kinds[a->kind], a->in_range,
-            a->has_r);
+    fprintf(out, " add kind=%s range=%d r=%d", a->kind < 0 ? "" : a->kind_name, a->in_range,
+            exp_given(&a->r));
     for (size_t k = 0; k < sizeof e / sizeof *e; k++) put(out, arena, "e", e[k]);
     fprintf(out, " radii %a %a %a %a %d %d", f->radius_mean, f->radius_width, f->radius_min, f->radius_max,
             f->law, f->by);
@@ -46,18 +46,18 @@ static void put_phase(FILE *out, rp_arena *arena, const exp_plan *plan, const ex
             for (size_t k = 0; k < sizeof *p->given / sizeof(double); k++)
                 fprintf(out, " %a", ((const double *)&p->given[w])[k]);
     }
-    if (p->add.on) put_add(out, arena, plan, &p->add);
+    if (p->add.on) put_add(out, arena, &p->add);
     if (p->opens >= 0) fprintf(out, " open=%s", plan->walls[p->opens].name);
     put(out, arena, ends[p->ending], &p->end);
     for (int k = 0; k < 2; k++) {
-        if (p->has_gravity) put(out, arena, "g", &p->gravity[k]);
-        if (p->turns[k]) put(out, arena, k ? "box" : "turn", &p->turn[k]);
+        put(out, arena, "g", &p->gravity[k]);
+        put(out, arena, k ? "box" : "turn", &p->turn[k]);
     }
     for (size_t k = 0; k < p->n_moves; k++) {
         const exp_move *m = &p->moves[k];
         fprintf(out, " wall %s", plan->walls[m->wall].name);
-        for (int c = 0; c < 2 && m->has_velocity; c++) put(out, arena, "v", &m->velocity[c]);
-        if (m->has_omega) put(out, arena, "omega", &m->omega);
+        for (int c = 0; c < 2; c++) put(out, arena, "v", &m->velocity[c]);
+        put(out, arena, "omega", &m->omega);
         for (int c = 0; c < 2; c++) {
             if (m->loading[c] != EXP_SAME) fprintf(out, " load %d %d", c, m->loading[c]);
             if (m->loading[c] == EXP_LOADED) put(out, arena, "load", &m->load[c]);
@@ -92,9 +92,9 @@ char *exp_key_to(const exp_plan *plan, size_t end)
     for (size_t k = 0; k < plan->n_regions; k++) {
         const exp_region *r = &plan->regions[k];
         fprintf(out, "region %s", r->name);
-        for (int c = 0; c < 3 && r->circle; c++) put(out, &arena, "circle", &r->circle_of[c]);
+        for (int c = 0; c < 3 && r->circle; c++) put(out, &arena, "circle", &r->at[c]);
         for (int c = 0; c < 2 && !r->circle && !r->n_points; c++)
-            put(out, &arena, "x", &r->x[c]), put(out, &arena, "y", &r->y[c]);
+            put(out, &arena, "x", &r->at[c]), put(out, &arena, "y", &r->at[2 + c]);
         for (size_t c = 0; c < 2 * r->n_points; c++) put(out, &arena, "p", &r->points[c]);
         fputc('\n', out);
     }
@@ -119,7 +119,7 @@ char *exp_key_to(const exp_plan *plan, size_t end)
             continue;
         }
         fprintf(out, " module=%s %ld in=%s ", m->module->name, m->pick, m->in);
-        if (m->module->on_wall) fprintf(out, "wall=%s ", m->wall);
+        if (m->module->needs & EXP_ON_WALL) fprintf(out, "wall=%s ", m->wall);
         rp_config_write(out, m->module->schema, m->params);
         fputc('\n', out);
     }
@@ -137,7 +137,7 @@ typedef struct {
 static double at_moment(void *host, int id, const double args[])
 {
     const moment *m = host;
-    const exp_use *use = id < EXP_ID_GRAIN ? &m->plan->uses[id] : NULL;
+    const exp_use *use = id < EXP_ID_MEASURE ? &m->plan->uses[id] : NULL;
     (void)args;
     if (use && strcmp(use->of->name, "t") == 0) return m->t;
     return use && strcmp(use->of->name, "phase_step") == 0 ? m->t / m->dt : NAN;
@@ -153,6 +153,7 @@ static void largest(const exp_plan *plan, const exp_phase *p, const exp_expressi
                         : p->ending == EXP_STEPS ? end * dt
                                                  : (double)p->most * dt;
     double *states = rp_arena_memory(arena, e->x.n_states, sizeof *states), most = -INFINITY;
+    if (!exp_given(e)) return;
     if (e->x.known) {
         *v = e->x.value;
         return;
@@ -168,11 +169,11 @@ static void largest(const exp_plan *plan, const exp_phase *p, const exp_expressi
 static void let_move(const exp_plan *plan, const exp_phase *p, const exp_move *m, rp_arena *arena,
                      dem_wall *w)
 {
-    for (int c = 0; c < 2 && m->has_velocity; c++) largest(plan, p, &m->velocity[c], arena, &w->velocity[c]);
-    if (m->has_omega) largest(plan, p, &m->omega, arena, &w->omega);
+    for (int c = 0; c < 2; c++) largest(plan, p, &m->velocity[c], arena, &w->velocity[c]);
+    largest(plan, p, &m->omega, arena, &w->omega);
     for (int c = 0; c < 2; c++) {
         if (m->loading[c] == EXP_LOADED) largest(plan, p, &m->speed, arena, &w->velocity[c]);
-        if (m->loading[c] == EXP_FREED && !m->has_velocity) w->velocity[c] = 0.0;
+        if (m->loading[c] == EXP_FREED && !exp_given(&m->velocity[0])) w->velocity[c] = 0.0;
     }
 }
 
@@ -227,11 +228,10 @@ static rp_status check_phases(const exp_plan *plan, dem_definition *def)
 /* The lightest that a phase may add, as far as that is known. */
 static bool lightest_added(const exp_plan *plan, const exp_add *a, dem_grain *g)
 {
-    const dem_fill *first = dem_scene_fill_at((dem_scene *)&plan->scene, 0);
-    const double density = a->has_density ? (a->density.x.known ? a->density.x.value : NAN)
-                           : first        ? first->density
-                                          : plan->scene.laws.physics.density;
-    *g = (dem_grain){.r = !a->has_r ? dem_radius_least(&a->radii) : a->r.x.known ? a->r.x.value : NAN};
+    const double density = exp_density(plan, a, a->density.x.known ? a->density.x.value : NAN);
+    *g = (dem_grain){.r = !exp_given(&a->r) ? dem_radius_least(&a->radii)
+                          : a->r.x.known    ? a->r.x.value
+                                            : NAN};
     g->m = dem_mass(plan->scene.def.shape, density, g->r);
     return a->on && g->m > 0.0;
 }

@@ -20,28 +20,29 @@ static bool samples_at_looks(const exp_measure *m, size_t phase)
     return samples_in(m, phase) && *m->during;
 }
 
-bool exp_measures_in(const exp_run *run, long *next)
+long exp_next_look(long since, long every)
 {
-    const exp_phase *phase = &run->plan->phases[run->at.phase];
-    bool some = false;
+    return since < 0 ? every - since : every == 1 ? 1 : every - since % every; /* a division takes long */
+}
+
+void exp_measures_in(const exp_run *run, long *next)
+{
+    const long since = run->at.phase_step - run->plan->phases[run->at.phase].least;
     for (size_t k = 0; k < run->plan->n_measures; k++) {
         const exp_measure *m = &run->plan->measures[k];
         if (!samples_at_looks(m, run->at.phase)) continue;
-        const long since = run->at.phase_step - phase->least,
-                   left = since < 0 ? m->every - since : m->every - since % m->every;
+        const long left = exp_next_look(since, m->every);
         *next = left < *next ? left : *next;
-        some = true;
     }
-    return some;
 }
 
-/* A measure whose module has no numbers. */
-static void no_numbers(exp_run *run, const exp_measure *m, rp_status status)
+/* What comes of a measure without numbers; RP_OK: nothing. */
+static void no_numbers(exp_run *run, const exp_measure *m, rp_status status, const char *word)
 {
-    if (status != RP_NO_RESULT)
+    if (status && status != RP_NO_RESULT)
         run->failed = status;
-    else if (!m->optional)
-        exp_conclude(run, m->module->word, "%s: %s", m->name, rp_message());
+    else if (status && !m->optional)
+        exp_conclude(run, word, "%s: %s", m->name, rp_message());
 }
 
 static void add_sample(exp_run *run, size_t k)
@@ -51,35 +52,32 @@ static void add_sample(exp_run *run, size_t k)
     double out[EXP_MODULE_OUTPUTS];
     if (m->when.x.text && !exp_true(run, &m->when)) return;
     rp_status status = m->module && !run->failed ? exp_module_values(run, m, out) : RP_OK;
-    if (status) {
-        no_numbers(run, m, status);
-        return;
-    }
-    if (m->module && m->module->add) return;
+    no_numbers(run, m, status, m->module ? m->module->word : "");
+    if (status || (m->module && m->module->add)) return;
     const double value = m->module ? out[m->pick] : exp_value(run, &m->of);
-    const double event = m->take == TAKE_LINE ? exp_value(run, &m->against)
-                         : m->event.x.text    ? exp_true(run, &m->event)
-                                              : 0.0;
-    double *last = s->n > 0 ? &s->at[EXP_SAMPLE * (s->n - 1)] : NULL;
+    const double beside = m->take == TAKE_LINE ? exp_value(run, &m->against)
+                          : m->event.x.text    ? exp_true(run, &m->event)
+                                               : 0.0;
+    const exp_sampled *last = s->n > 0 ? &s->at[s->n - 1] : NULL;
     if (run->failed) return;
     const bool extreme = m->take == TAKE_MAX || m->take == TAKE_MIN; /* of all samples so far */
     const bool some = m->skip != 0.0 || *m->level_of;
     if (!some && (m->take == TAKE_FIRST || (extreme && !m->series))) { /* one sample is enough */
-        if (last && (m->take == TAKE_FIRST || !(m->take == TAKE_MAX ? value > last[1] : value < last[1])))
+        if (last &&
+            (m->take == TAKE_FIRST || !(m->take == TAKE_MAX ? value > last->value : value < last->value)))
             return;
         s->n = 0;
     }
     if (s->n == s->room) {
         const size_t room = s->room ? 2 * s->room : 64;
-        double *more = realloc(s->at, EXP_SAMPLE * room * sizeof *more);
+        exp_sampled *more = realloc(s->at, room * sizeof *more);
         if (!more) {
             run->failed = rp_fail(RP_NO_MEMORY, "%s: out of memory", m->name);
             return;
         }
         s->at = more, s->room = room;
     }
-    double *now = &s->at[EXP_SAMPLE * s->n++];
-    now[0] = dem_time(run->sim), now[1] = value, now[2] = event, now[3] = (double)run->at.steps;
+    s->at[s->n++] = (exp_sampled){dem_time(run->sim), value, beside, (double)run->at.steps};
     /* what is known while the phase lasts */
     double *const known = &run->values[m->output];
     if (some) return;
@@ -106,7 +104,7 @@ static rp_status first_of(const exp_run *run, const exp_measure *m, double work[
     const exp_samples *s = &run->samples[m->levels_with];
     if (s->n != run->samples[m - run->plan->measures].n)
         return rp_fail(RP_NO_RESULT, "%s has other samples", level->name);
-    for (size_t i = 0; i < s->n; i++) work[i] = s->at[EXP_SAMPLE * i + 1];
+    for (size_t i = 0; i < s->n; i++) work[i] = s->at[i].value;
     if (isinf(level->skip)) return stats_level_off(s->n, work, from);
     *from = (size_t)ceil(level->skip * (double)s->n);
     return RP_OK;
@@ -117,15 +115,14 @@ enum { BLOCKS = 10 };
 /* Change over time, and its standard error from ten blocks. */
 static void rate(const exp_samples *s, size_t from, double out[])
 {
-    const double *at = &s->at[EXP_SAMPLE * from];
+    const exp_sampled *at = &s->at[from];
     const size_t last = s->n - 1 - from;
     double rates[BLOCKS], mean = 0.0, sum = 0.0;
-    out[0] = (at[EXP_SAMPLE * last + 1] - at[1]) / (at[EXP_SAMPLE * last] - at[0]);
+    out[0] = (at[last].value - at[0].value) / (at[last].time - at[0].time);
     if (last < 2 * BLOCKS) return;
     for (size_t b = 0; b < BLOCKS; b++) {
-        const double *lo = &at[EXP_SAMPLE * (last * b / BLOCKS)],
-                     *hi = &at[EXP_SAMPLE * (last * (b + 1) / BLOCKS)];
-        mean += rates[b] = (hi[1] - lo[1]) / (hi[0] - lo[0]);
+        const exp_sampled *lo = &at[last * b / BLOCKS], *hi = &at[last * (b + 1) / BLOCKS];
+        mean += rates[b] = (hi->value - lo->value) / (hi->time - lo->time);
     }
     mean /= BLOCKS;
     for (size_t b = 0; b < BLOCKS; b++) sum += (rates[b] - mean) * (rates[b] - mean);
@@ -149,7 +146,7 @@ static rp_status avalanches(const exp_measure *m, const exp_samples *s, const do
     for (size_t i = from + 1; i <= s->n; i++) {
         const bool end = i == s->n;
         double pair[2] = {v[i - 1], end ? NAN : v[i]};
-        bool found = !end && s->at[EXP_SAMPLE * i + 2] != 0.0;
+        bool found = !end && s->at[i].beside != 0.0;
         if (isfinite(m->drop)) {
             found = falls && (end || v[i] >= least + m->drop);
             pair[0] = most, pair[1] = least;
@@ -177,7 +174,7 @@ static rp_status straight(const exp_samples *s, const double v[], size_t from, d
 {
     stats_line line;
     for (size_t i = from; i < s->n; i++)
-        if (!isfinite(x[i] = s->at[EXP_SAMPLE * i + 2])) return rp_fail(RP_NO_RESULT, "against is %g", x[i]);
+        if (!isfinite(x[i] = s->at[i].beside)) return rp_fail(RP_NO_RESULT, "against is %g", x[i]);
     RP_TRY(stats_line_fit(&(stats_xy){s->n - from, x + from, v + from, NULL}, false, &line));
     out[0] = line.intercept, out[1] = line.slope;
     if (line.dof > 0) out[2] = line.intercept_se, out[3] = line.slope_se;
@@ -195,7 +192,7 @@ static rp_status reduce(const exp_run *run, const exp_measure *m, const exp_samp
     RP_NEW(&arena, v, s->n);
     RP_NEW(&arena, work, s->n);
     for (size_t i = 0; i < s->n; i++)
-        if (!isfinite(v[i] = s->at[EXP_SAMPLE * i + 1])) return rp_fail(RP_NO_RESULT, "a sample is %g", v[i]);
+        if (!isfinite(v[i] = s->at[i].value)) return rp_fail(RP_NO_RESULT, "a sample is %g", v[i]);
     RP_TRY(first_of(run, m, work, &from));
     if (from >= s->n) return rp_fail(RP_NO_RESULT, "one sample, and skip = %g", m->skip);
     if (m->take == TAKE_LINE) return straight(s, v, from, work, out);
@@ -237,15 +234,12 @@ static void measure(exp_run *run, size_t k)
     if (m->take != TAKE_VALUE) {
         const rp_status status = reduce(run, m, &run->samples[k], all);
         memcpy(out, all, m->n_outputs * sizeof *out);
-        if (status && status != RP_NO_RESULT)
-            run->failed = status;
-        else if (status && !m->optional)
-            exp_conclude(run, "no_samples", "%s: %s", m->name, rp_message());
+        no_numbers(run, m, status, "no_samples");
         return;
     }
     if (m->module) {
         const rp_status status = exp_module_values(run, m, all);
-        if (status) no_numbers(run, m, status);
+        no_numbers(run, m, status, m->module->word);
         for (size_t o = 0; !status && o < m->n_outputs; o++) out[o] = all[m->pick < 0 ? (long)o : m->pick];
         return;
     }
@@ -275,34 +269,19 @@ void exp_measure_phase(exp_run *run, size_t phase)
 
 /* ---- series ---- */
 
-static bool has_table(const exp_measure *m)
-{
-    return m->series || (m->module && m->module->add);
-}
-
-static size_t nth_series(const exp_plan *plan, size_t k)
-{
-    size_t m = 0;
-    for (; m < plan->n_measures; m++)
-        if (has_table(&plan->measures[m]) && k-- == 0) break;
-    return m;
-}
-
 size_t exp_series_count(const exp_plan *plan)
 {
-    size_t n = 0;
-    for (size_t m = 0; m < plan->n_measures; m++) n += has_table(&plan->measures[m]);
-    return n;
+    return plan->n_series;
 }
 
 const char *exp_series_name(const exp_plan *plan, size_t k)
 {
-    return plan->measures[nth_series(plan, k)].file;
+    return plan->measures[plan->series[k]].file;
 }
 
 void exp_series_write(const exp_run *run, size_t k, FILE *out)
 {
-    const size_t number = nth_series(run->plan, k);
+    const size_t number = run->plan->series[k];
     const exp_samples *s = &run->samples[number];
     const exp_measure *m = &run->plan->measures[number];
     const exp_table *table = &run->tables[number];
@@ -313,8 +292,6 @@ void exp_series_write(const exp_run *run, size_t k, FILE *out)
     const char *const columns[][2] = {
         {"step", ""}, {"time", rp_unit("s")}, {m->name, run->plan->outputs[m->output].unit}};
     rp_table_columns(out, 3, columns);
-    for (size_t i = 0; i < s->n; i++) {
-        const double *at = &s->at[EXP_SAMPLE * i];
-        rp_table_row(out, 3, (double[]){at[3], at[0], at[1]});
-    }
+    for (const exp_sampled *at = s->at; at < s->at + s->n; at++)
+        rp_table_row(out, 3, (double[]){at->step, at->time, at->value});
 }

@@ -1,26 +1,34 @@
-/* What names stand for: lets and constants, observables of the run, of regions and of walls, measures. */
+/* What names stand for: lets and constants, observables of the run, of regions and of walls, measures. Then
+ * what the readers of a text's parts share; see reading.h. */
+#include <ctype.h>
 #include <math.h>
 #include <string.h>
 
-#include "experiment/private.h"
+#include "experiment/reading.h"
 #include "params/config.h"
 
-/* The region, wall or kind in "NAME.", of length n. */
-static bool find_scope(const exp_plan *plan, const char *name, size_t n, exp_scope *scope)
+const exp_scope *exp_scope_named(const exp_plan *plan, unsigned sorts, const char *name, size_t length,
+                                 rp_guess *guess)
 {
-    for (size_t k = 0; k < plan->n_regions; k++)
-        if (strlen(plan->regions[k].name) == n && strncmp(plan->regions[k].name, name, n) == 0)
-            return *scope = (exp_scope){EXP_REGION, k}, true;
-    for (size_t k = 0; k < plan->n_walls; k++)
-        if (strlen(plan->walls[k].name) == n && strncmp(plan->walls[k].name, name, n) == 0)
-            return *scope = (exp_scope){EXP_WALL, k}, true;
-    for (size_t k = 0; k < plan->n_kinds; k++)
-        if (strlen(plan->kinds[k]) == n && strncmp(plan->kinds[k], name, n) == 0)
-            return *scope = (exp_scope){EXP_KIND, k}, true;
-    return false;
+    for (const exp_scope *s = plan->scopes; s < plan->scopes + plan->n_scopes; s++) {
+        if (!(s->sort & sorts)) continue;
+        if (strlen(s->name) == length && strncmp(s->name, name, length) == 0) return s;
+        if (guess) rp_guess_try(guess, s->name);
+    }
+    return NULL;
 }
 
-static const exp_observable *find_observable(const char *name, unsigned of)
+/* Of what an observable may be asked after a name of this sort; EXP_ALL: without one. */
+static unsigned asked_of(int sort)
+{
+    static const unsigned of[] = {[EXP_ALL] = OF_RUN | OF_GRAINS,
+                                  [EXP_REGION] = OF_REGION,
+                                  [EXP_WALL] = OF_WALL,
+                                  [EXP_KIND] = OF_GRAINS};
+    return sort < (int)(sizeof of / sizeof *of) ? of[sort] : 0;
+}
+
+const exp_observable *exp_observable_named(const char *name, unsigned of)
 {
     for (const exp_observable *o = exp_observables; o->name; o++)
         if ((o->of & of) && strcmp(o->name, name) == 0) return o;
@@ -77,37 +85,20 @@ static rp_status find_measure(const exp_place *place, const char *name, rp_x_sym
     return RP_OK;
 }
 
-/* What a new grain knows of itself. */
-static const char *const grain_names[EXP_GRAIN_N] = EXP_GRAIN_NAMES;
-
-static bool find_of_grain(const char *name, rp_x_symbol *symbol)
-{
-    for (int k = 0; k < EXP_GRAIN_N; k++)
-        if (strcmp(grain_names[k], name) == 0)
-            return *symbol =
-                       (rp_x_symbol){.type = RP_X_NUMBER, .key = grain_names[k], .id = EXP_ID_GRAIN + k},
-                   true;
-    return false;
-}
-
 static rp_status find(void *host, const char *name, int n_args, rp_x_symbol *symbol, bool *known)
 {
     exp_place *place = host;
     exp_plan *plan = place->plan;
     const char *dot = strchr(name, '.');
-    exp_scope scope = {EXP_ALL, 0};
-    const exp_observable *o = NULL;
-    if (place->of_grain && n_args < 0 && find_of_grain(name, symbol)) return *known = true, RP_OK;
-    if (!dot && n_args < 0) RP_TRY(rp_lets_find(&plan->text->lets, name, symbol, known));
+    const exp_scope all = {.sort = EXP_ALL},
+                    *scope = dot ? exp_scope_named(plan, EXP_SCOPES, name, (size_t)(dot - name), NULL) : &all;
+    const exp_observable *o =
+        place->of_grain && n_args < 0 && !dot ? exp_observable_named(name, OF_NEW) : NULL;
+    if (!o && !dot && n_args < 0) RP_TRY(rp_lets_find(&plan->text->lets, name, symbol, known));
     if (*known) return RP_OK;
-    if (dot && find_scope(plan, name, (size_t)(dot - name), &scope))
-        o = find_observable(dot + 1, scope.kind == EXP_WALL   ? OF_WALL
-                                     : scope.kind == EXP_KIND ? OF_GRAINS
-                                                              : OF_REGION);
-    else if (!dot)
-        o = find_observable(name, OF_RUN | OF_GRAINS);
+    if (!o && scope) o = exp_observable_named(dot ? dot + 1 : name, asked_of(scope->sort));
     if (o && place->lets_alone) return rp_fail(RP_BAD_INPUT, "%s is not known before the run", name);
-    if (o) return *known = true, use(plan, o, scope, name, n_args, symbol);
+    if (o) return *known = true, use(plan, o, *scope, name, n_args, symbol);
     return n_args < 0 && !place->lets_alone ? find_measure(place, name, symbol, known) : RP_OK;
 }
 
@@ -118,15 +109,11 @@ static void list(void *host, rp_guess *guess)
     char name[128];
     rp_lets_list(&plan->text->lets, guess);
     for (const exp_observable *o = exp_observables; o->name; o++) {
-        if (o->of & (OF_RUN | OF_GRAINS)) rp_guess_try(guess, o->name);
-        for (size_t k = 0; k < plan->n_regions && (o->of & OF_REGION); k++)
-            snprintf(name, sizeof name, "%s.%s", plan->regions[k].name, o->name), rp_guess_try(guess, name);
-        for (size_t k = 0; k < plan->n_kinds && (o->of & OF_GRAINS); k++)
-            snprintf(name, sizeof name, "%s.%s", plan->kinds[k], o->name), rp_guess_try(guess, name);
-        for (size_t k = 0; k < plan->n_walls && (o->of & OF_WALL); k++)
-            snprintf(name, sizeof name, "%s.%s", plan->walls[k].name, o->name), rp_guess_try(guess, name);
+        if (o->of & (asked_of(EXP_ALL) | (place->of_grain ? OF_NEW : 0))) rp_guess_try(guess, o->name);
+        for (const exp_scope *s = plan->scopes; s < plan->scopes + plan->n_scopes; s++)
+            if (o->of & asked_of(s->sort))
+                snprintf(name, sizeof name, "%s.%s", s->name, o->name), rp_guess_try(guess, name);
     }
-    for (int k = 0; k < EXP_GRAIN_N && place->of_grain; k++) rp_guess_try(guess, grain_names[k]);
     for (size_t k = 0; k < plan->n_outputs; k++) rp_guess_try(guess, plan->outputs[k].name);
 }
 
@@ -158,5 +145,99 @@ rp_status exp_expression_read(const config_setting_t *setting, const char *key, 
         return rp_config_fail(setting, "%s \"%s\" is nan", key, v.s);
     e->state = plan->n_states;
     plan->n_states += e->x.n_states;
+    return RP_OK;
+}
+
+/* ---- readers ---- */
+
+static bool is_name(const char *word, size_t bytes)
+{
+    const size_t n = strlen(word);
+    return n < bytes && isalpha((unsigned char)*word) && strspn(word, RP_NAME_LETTERS) == n;
+}
+
+bool exp_is_word(const char *word)
+{
+    return is_name(word, sizeof((exp_end *)NULL)->status);
+}
+
+rp_status exp_check_word(const config_setting_t *setting, const char *what, const char *name)
+{
+    if (is_name(name, DEM_NAME_BYTES)) return RP_OK;
+    return rp_config_fail(setting, "\"%s\": the name of %s has up to %d letters, digits and _", name, what,
+                          DEM_NAME_BYTES - 1);
+}
+
+rp_status exp_check_name(const exp_plan *plan, const config_setting_t *setting, const char *what,
+                         const char *name)
+{
+    static const char *const sorts[] = {
+        [EXP_REGION] = "a region", [EXP_WALL] = "a wall", [EXP_KIND] = "a kind"};
+    const exp_scope *scope = exp_scope_named(plan, EXP_SCOPES, name, strlen(name), NULL);
+    RP_TRY(exp_check_word(setting, what, name));
+    if (!scope && !rp_lets_has(setting, name)) return RP_OK;
+    return rp_config_fail(setting, "%s names %s and %s", name, scope ? sorts[scope->sort] : "a let", what);
+}
+
+rp_status exp_find(const exp_plan *plan, int sort, const config_setting_t *setting, const char *key,
+                   const char *name, size_t *index)
+{
+    static const char *const none[] = {[EXP_REGION] = "no such region",
+                                       [EXP_WALL] = "no wall has this name",
+                                       [EXP_PHASE] = "no such phase",
+                                       [EXP_MEASURE] = "no earlier measure has this name"};
+    rp_guess guess = rp_guess_of(name);
+    const exp_scope *scope = exp_scope_named(plan, (unsigned)sort, name, strlen(name), &guess);
+    if (scope) return *index = scope->index, RP_OK;
+    if (!key) return rp_config_fail(setting, "%s: %s%s", name, none[sort], rp_guess_text(&guess));
+    return rp_config_fail(setting, "%s = \"%s\": %s%s", key, name, none[sort], rp_guess_text(&guess));
+}
+
+void exp_add_scope(exp_plan *plan, int sort, size_t index, const char *name)
+{
+    plan->scopes[plan->n_scopes++] = (exp_scope){.sort = sort, .index = index, .name = name};
+}
+
+/* Numbers or expressions, (a, b) or (a, b, c). */
+rp_status exp_read_list(const config_setting_t *list, const char *key, size_t n, exp_place *place,
+                        exp_expression *e)
+{
+    if ((!config_setting_is_list(list) && !config_setting_is_array(list)) || length(list) != n)
+        return rp_config_fail(list, "%s: %s expected", key, n == 2 ? "(a, b)" : "(a, b, c)");
+    for (size_t i = 0; i < n; i++)
+        RP_TRY(exp_expression_read(element(list, i), key, RP_X_NUMBER, place, &e[i]));
+    return RP_OK;
+}
+
+rp_status exp_read_keys(const config_setting_t *group, const char *within, const exp_key_of *keys,
+                        exp_place *place)
+{
+    for (; keys->key; keys++) {
+        const config_setting_t *setting = member(group, keys->key);
+        exp_expression *e = keys->e;
+        char name[64];
+        double number;
+        if (!setting || !e) continue;
+        if (keys->n > 0)
+            RP_TRY(exp_read_list(setting, keys->key, keys->n, place, e));
+        else
+            RP_TRY(exp_expression_read(setting, keys->key, keys->type, place, e));
+        if (!keys->range || !e->x.known) continue;
+        snprintf(name, sizeof name, "%s%s", within, keys->key);
+        const rp_param param = {.name = name, .unit = "", .type = RP_REAL, .range = keys->range};
+        if (rp_params_set(&param, &number, &(rp_value){.kind = RP_V_REAL, .r = e->x.value}))
+            return rp_config_fail(setting, "%s", rp_message());
+    }
+    return RP_OK;
+}
+
+rp_status exp_read_if(exp_plan *plan, const config_setting_t *group, bool *left_out)
+{
+    exp_expression e = {0};
+    exp_place place;
+    exp_place_in(&place, plan);
+    place.lets_alone = true;
+    RP_TRY(exp_read_keys(group, "", (const exp_key_of[]){{"if", &e, .type = RP_X_TRUTH}, {0}}, &place));
+    *left_out = exp_given(&e) && e.x.value == 0.0;
     return RP_OK;
 }

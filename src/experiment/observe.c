@@ -1,7 +1,6 @@
 /* Observables: what expressions may ask of a simulation. What a text does not name is not computed. */
 #include <float.h>
 #include <math.h>
-#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -11,14 +10,12 @@
 
 exp_within exp_within_now(exp_run *run, const exp_scope *scope)
 {
-    exp_within a = {.all = scope->kind != EXP_REGION};
-    if (scope->kind == EXP_KIND) a.kinds = run->kinds, a.kind = (int32_t)scope->index;
+    exp_within a = {.all = scope->sort != EXP_REGION};
+    if (scope->sort == EXP_KIND) a.kinds = run->kinds, a.kind = (int32_t)scope->index;
     if (a.all) return a;
     const exp_region *r = &run->plan->regions[scope->index];
     a.circle = r->circle;
-    const exp_expression *const box[4] = {&r->x[0], &r->x[1], &r->y[0], &r->y[1]};
-    for (int k = 0; k < (r->circle ? 3 : 4); k++)
-        a.at[k] = exp_value(run, r->circle ? &r->circle_of[k] : box[k]);
+    for (int k = 0; k < (r->circle ? 3 : 4); k++) a.at[k] = exp_value(run, &r->at[k]);
     if (r->n_points == 0) return a;
     double *points = run->points[scope->index];
     a.points = points, a.n_points = r->n_points;
@@ -64,9 +61,9 @@ typedef struct {
     dem_state s; /* its centre in the box's frame */
 } walk;
 
-static walk walk_over(exp_run *run, const exp_use *use)
+static walk walk_over(exp_run *run, const exp_scope *scope)
 {
-    walk w = {.run = run, .in = exp_within_now(run, &use->scope)};
+    walk w = {.run = run, .in = exp_within_now(run, scope)};
     w.all = exp_states(run);
     w.n = w.all ? run->n_states : 0;
     return w;
@@ -82,225 +79,100 @@ static bool next(walk *w)
     return false;
 }
 
-#define EACH(w) for (walk w = walk_over(run, use); next(&w);)
-#define OBSERVABLE(name)                                                                                     \
-    static double name(exp_run *run, const exp_use *use, const double args[]) /* NOLINT */
-#define NO_ARGS (void)use, (void)args
+#define EACH(w) for (walk w = walk_over(run, &use->scope); next(&w);)
 
-/* ---- of the run ---- */
+/* ---- of grains ---- */
 
-OBSERVABLE(run_time)
+/* Sums over the grains of an observable, and their outermost values. */
+typedef struct {
+    double n, mass, kinetic, area;
+    double few, x, y, vx, vy; /* share with fewer than two contacts; means by mass */
+    double speed2, spin, imbalance, left, right, top;
+    double lo, hi; /* x of the outermost centres */
+} totals;
+
+static totals totals_of(exp_run *run, const exp_use *use)
 {
-    return NO_ARGS, dem_time(run->sim);
-}
-OBSERVABLE(run_t)
-{
-    return NO_ARGS, dem_time(run->sim) - run->at.begun + (run->ahead ? 0.5 * exp_dt(run) : 0.0);
-}
-OBSERVABLE(run_step)
-{
-    return NO_ARGS, (double)run->at.steps;
-}
-OBSERVABLE(run_phase_step)
-{
-    return NO_ARGS, (double)(run->at.phase_step + run->ahead);
-}
-OBSERVABLE(run_pass)
-{
-    return NO_ARGS, (double)run->at.pass;
-}
-OBSERVABLE(run_tilt)
-{
-    return NO_ARGS, run->at.now.tilt;
-}
-OBSERVABLE(run_out)
-{
-    return NO_ARGS, (double)(run->at.grains0 + run->at.now.added) - (double)dem_count(run->sim);
+    totals t = {.left = INFINITY, .right = -INFINITY, .top = -INFINITY, .lo = INFINITY, .hi = -INFINITY};
+    const exp_plan *plan = run->plan;
+    EACH(w)
+    {
+        const dem_state *s = &w.s;
+        const double v2 = s->vx * s->vx + s->vy * s->vy, weight = s->m * plan->g,
+                     f = sqrt(s->fx * s->fx + s->fy * s->fy);
+        t.n++, t.few += s->contacts < 2, t.mass += s->m, t.area += M_PI * s->r * s->r;
+        t.x += s->m * s->x, t.y += s->m * s->y, t.vx += s->m * s->vx, t.vy += s->m * s->vy;
+        t.kinetic +=
+            0.5 * s->m * v2 + 0.5 * dem_inertia(plan->scene.def.shape, s->m, s->r) * s->omega * s->omega;
+        t.speed2 = fmax(t.speed2, v2), t.spin = fmax(t.spin, fabs(s->omega) * s->r);
+        t.imbalance = fmax(t.imbalance, fmax(f / weight, fabs(s->torque) / (weight * s->r)));
+        t.left = fmin(t.left, s->x - s->r), t.right = fmax(t.right, s->x + s->r);
+        t.top = fmax(t.top, s->y + s->r);
+        t.lo = fmin(t.lo, s->x), t.hi = fmax(t.hi, s->x);
+    }
+    t.few /= t.n, t.x /= t.mass, t.y /= t.mass, t.vx /= t.mass, t.vy /= t.mass;
+    if (t.n == 0.0) t.left = t.right = t.top = 0.0;
+    return t;
 }
 
-OBSERVABLE(run_out_mass)
+static dem_rest rest_of(exp_run *run, const exp_use *use)
+{
+    dem_rest rest = {0};
+    const exp_within in = exp_within_now(run, &use->scope);
+    if (!run->failed) run->failed = dem_rest_in(run->sim, exp_is_within, &in, &rest);
+    return rest;
+}
+
+static double contacts_a_grain(exp_run *run, const exp_use *use)
+{
+    const dem_rest rest = rest_of(run, use);
+    return rest.n ? rest.contact_number : NAN;
+}
+
+static double mass_taken_out(exp_run *run)
 {
     double mass = 0.0;
-    NO_ARGS;
     const dem_state *s = exp_states(run);
     for (size_t i = 0; s && i < run->n_states; i++) mass += s[i].m;
     return run->at.mass0 + run->at.now.added_mass - mass;
 }
 
-OBSERVABLE(run_added)
-{
-    return NO_ARGS, (double)run->at.now.added;
-}
-OBSERVABLE(run_touched)
-{
-    return NO_ARGS, run->at.now.touched;
-}
-
-/* ---- of grains ---- */
-
-OBSERVABLE(grains)
-{
-    double n = 0.0;
-    (void)args;
-    EACH(w) n++;
-    return n;
-}
-
-OBSERVABLE(mass)
-{
-    double sum = 0.0;
-    (void)args;
-    EACH(w) sum += w.s.m;
-    return sum;
-}
-
-static double kinetic_of(const exp_run *run, const dem_state *s)
-{
-    return 0.5 * s->m * (s->vx * s->vx + s->vy * s->vy) +
-           0.5 * dem_inertia(run->plan->scene.def.shape, s->m, s->r) * s->omega * s->omega;
-}
-
-OBSERVABLE(kinetic)
-{
-    double sum = 0.0;
-    (void)args;
-    EACH(w) sum += kinetic_of(run, &w.s);
-    return sum;
-}
-
-OBSERVABLE(energy)
-{
-    dem_rest rest = {0};
-    const exp_within in = exp_within_now(run, &use->scope);
-    (void)args;
-    if (!run->failed) run->failed = dem_rest_in(run->sim, exp_is_within, &in, &rest);
-    return rest.kinetic_energy;
-}
-
-OBSERVABLE(force)
-{
-    dem_rest rest = {0};
-    const exp_within in = exp_within_now(run, &use->scope);
-    (void)args;
-    if (!run->failed) run->failed = dem_rest_in(run->sim, exp_is_within, &in, &rest);
-    return rest.net_force;
-}
-
-OBSERVABLE(rattlers)
-{
-    double n = 0.0, all = 0.0;
-    (void)args;
-    EACH(w) all++, n += w.s.contacts < 2;
-    return n / all;
-}
-OBSERVABLE(contacts)
-{
-    dem_rest rest = {0};
-    const exp_within in = exp_within_now(run, &use->scope);
-    (void)args;
-    if (!run->failed) run->failed = dem_rest_in(run->sim, exp_is_within, &in, &rest);
-    return rest.n ? rest.contact_number : NAN;
-}
-
-OBSERVABLE(elastic)
+static double elastic_energy(const exp_run *run)
 {
     dem_energy e;
-    NO_ARGS;
     dem_energies(run->sim, &e);
     return e.elastic;
 }
 
-OBSERVABLE(speed)
+static double largest_speed(exp_run *run, const exp_use *use)
 {
     const exp_within in = exp_within_now(run, &use->scope);
-    double most = 0.0, x = 1.0, y = 0.0;
-    (void)args;
+    double x = 1.0, y = 0.0;
     dem_box_frame(run->sim, &x, &y);
     /* without a copy of all grains, for conditions that are looked at in each step */
     if (!in.kinds && !in.circle && !in.n_points && x == 1.0 && (in.all || isinf(in.at[3] - in.at[2])))
         return dem_largest_speed(run->sim, in.all ? -INFINITY : in.at[0], in.all ? INFINITY : in.at[1]);
-    EACH(w) most = fmax(most, w.s.vx * w.s.vx + w.s.vy * w.s.vy);
-    return sqrt(most);
+    return sqrt(totals_of(run, use).speed2);
 }
 
-OBSERVABLE(spin)
+static double marked(const exp_run *run, const exp_within *in)
 {
-    double most = 0.0;
-    (void)args;
-    EACH(w) most = fmax(most, fabs(w.s.omega) * w.s.r);
-    return most;
-}
-
-OBSERVABLE(imbalance)
-{
-    double most = 0.0;
-    (void)args;
-    EACH(w)
-    {
-        const double weight = w.s.m * run->plan->g, f = sqrt(w.s.fx * w.s.fx + w.s.fy * w.s.fy);
-        most = fmax(most, fmax(f / weight, fabs(w.s.torque) / (weight * w.s.r)));
-    }
-    return most;
-}
-
-/* Means by mass of x, y, vx, vy. */
-static double mean_of(exp_run *run, const exp_use *use, size_t offset)
-{
-    double sum = 0.0, weight = 0.0;
-    EACH(w) sum += w.s.m * *(const double *)((const char *)&w.s + offset), weight += w.s.m;
-    return sum / weight;
-}
-OBSERVABLE(mean_x)
-{
-    return (void)args, mean_of(run, use, offsetof(dem_state, x));
-}
-OBSERVABLE(mean_y)
-{
-    return (void)args, mean_of(run, use, offsetof(dem_state, y));
-}
-OBSERVABLE(mean_vx)
-{
-    return (void)args, mean_of(run, use, offsetof(dem_state, vx));
-}
-OBSERVABLE(mean_vy)
-{
-    return (void)args, mean_of(run, use, offsetof(dem_state, vy));
-}
-
-/* The outermost point to one side; without grains 0. */
-static double outermost(exp_run *run, const exp_use *use, double x, double y)
-{
-    double most = -INFINITY;
-    EACH(w) most = fmax(most, x * w.s.x + y * w.s.y + w.s.r);
-    return isinf(most) ? 0.0 : most;
-}
-OBSERVABLE(height)
-{
-    return (void)args, outermost(run, use, 0.0, 1.0);
-}
-OBSERVABLE(left)
-{
-    return (void)args, -outermost(run, use, -1.0, 0.0);
-}
-OBSERVABLE(right)
-{
-    return (void)args, outermost(run, use, 1.0, 0.0);
-}
-
-OBSERVABLE(marked)
-{
-    const exp_within in = exp_within_now(run, &use->scope);
     double n = 0.0;
-    (void)args;
     for (size_t k = 0; k < run->n_ids; k++)
         n += !isnan(run->marks[2 * k]) &&
-             exp_is_within(&in, (uint32_t)k + 1, run->marks[2 * k], run->marks[2 * k + 1]);
+             exp_is_within(in, (uint32_t)k + 1, run->marks[2 * k], run->marks[2 * k + 1]);
     return n;
+}
+
+static double count_marked(exp_run *run, const exp_use *use)
+{
+    const exp_within in = exp_within_now(run, &use->scope);
+    return marked(run, &in);
 }
 
 /* How many of the marked of the region are farther than args[0] from their mark and have args[1] contacts or
  * more; those that are gone included. */
-OBSERVABLE(moved)
+static double moved(exp_run *run, const exp_use *use, const double args[])
 {
     const exp_within in = exp_within_now(run, &use->scope);
     const dem_state *s = exp_states(run);
@@ -314,19 +186,19 @@ OBSERVABLE(moved)
         const double dx = x - mark[0], dy = y - mark[1];
         n += dx * dx + dy * dy > args[0] * args[0] && (use->n_args < 2 || s[i].contacts >= args[1]);
     }
-    return (double)n + marked(run, use, args) - (double)there;
+    return (double)n + marked(run, &in) - (double)there;
 }
 
 /* Columns of width about d, between the ends of a region or of the grains, that hold a centre. */
-OBSERVABLE(cells)
+static double cells(exp_run *run, const exp_use *use)
 {
-    (void)args;
-    exp_within in = exp_within_now(run, &use->scope);
-    double lo = INFINITY, hi = -INFINITY, n = 0.0;
-    EACH(w) lo = fmin(lo, w.s.x), hi = fmax(hi, w.s.x);
-    if (!(hi >= lo)) return 0.0;
-    if (!in.all && !in.circle && isfinite(in.at[0]) && isfinite(in.at[1])) lo = in.at[0], hi = in.at[1];
-    const double width = fmax(hi - lo, DBL_MIN), columns = fmin(fmax(round(width / run->plan->d), 1.0), 1e7);
+    const exp_within in = exp_within_now(run, &use->scope);
+    const totals t = totals_of(run, use);
+    const bool ends = !in.all && !in.circle && isfinite(in.at[0]) && isfinite(in.at[1]);
+    const double lo = ends ? in.at[0] : t.lo, hi = ends ? in.at[1] : t.hi, width = fmax(hi - lo, DBL_MIN),
+                 columns = fmin(fmax(round(width / run->plan->d), 1.0), 1e7);
+    double n = 0.0;
+    if (t.n == 0.0) return 0.0;
     bool *held = calloc((size_t)columns + 1, sizeof *held);
     if (!held) run->failed = rp_fail(RP_NO_MEMORY, "cells: out of memory");
     EACH(w)
@@ -339,41 +211,13 @@ OBSERVABLE(cells)
     return n;
 }
 
-/* Area of the grains by centre over the region's own. */
-OBSERVABLE(fraction)
+static double area_now(exp_run *run, const exp_use *use)
 {
     const exp_within in = exp_within_now(run, &use->scope);
-    double sum = 0.0;
-    (void)args;
-    EACH(w) sum += M_PI * w.s.r * w.s.r;
-    return sum / area_of(&in);
+    return area_of(&in);
 }
 
-/* Sum over the contacts of a scope of what each adds: those with their middle in a region, or with a grain of
- * a kind. */
-static double over_contacts(exp_run *run, const exp_use *use,
-                            double (*part)(const exp_run *run, const dem_contact *c, const double f[2]),
-                            double *n)
-{
-    dem_contact *c = NULL;
-    size_t n_contacts = 0;
-    double sum = 0.0;
-    const exp_within in = exp_within_now(run, &use->scope);
-    if (!run->failed) run->failed = dem_contacts(run->sim, &c, &n_contacts);
-    *n = 0.0;
-    for (size_t k = 0; k < n_contacts; k++) {
-        double f[2], x = 0.5 * (c[k].x + c[k].x_b), y = 0.5 * (c[k].y + c[k].y_b);
-        dem_box_frame(run->sim, &x, &y);
-        if (!exp_is_within(&in, c[k].id_a, x, y) &&
-            !(in.kinds && c[k].id_b && exp_is_within(&in, c[k].id_b, x, y)))
-            continue;
-        (*n)++;
-        exp_contact_force(&c[k], f);
-        sum += part(run, &c[k], f);
-    }
-    free(c);
-    return sum;
-}
+/* ---- of contacts ---- */
 
 static const dem_physics *physics_now(const exp_run *run)
 {
@@ -381,81 +225,67 @@ static const dem_physics *physics_now(const exp_run *run)
     return &(laws == SIZE_MAX ? &run->plan->scene.laws : &run->plan->phases[laws].laws)->physics;
 }
 
-static double slides(const exp_run *run, const dem_contact *c, const double f[2])
+static bool slides(const exp_run *run, const dem_contact *c)
 {
     const double mu = c->id_b ? physics_now(run)->mu : dem_wall_now(run->sim, (size_t)c->wall).mu;
-    (void)f;
     return c->normal_force > 0.0 && fabs(c->shear_force) >= 0.999 * mu * c->normal_force;
 }
 
-OBSERVABLE(sliding)
+/* Sums over the contacts of a scope, those with their middle in a region, or with a grain of a kind: branch
+ * vector times force, compression positive. */
+typedef struct {
+    double n, sliding, xx, xy, yy;
+} contact_totals;
+
+static contact_totals over_contacts(exp_run *run, const exp_use *use)
 {
-    double n;
-    (void)args;
-    const double sum = over_contacts(run, use, slides, &n);
-    return n > 0.0 ? sum / n : NAN;
+    contact_totals t = {0};
+    size_t n;
+    const exp_within in = exp_within_now(run, &use->scope);
+    const dem_contact *const all = exp_contacts(run, &n);
+    for (const dem_contact *c = all; c < all + n; c++) {
+        double f[2], x = 0.5 * (c->x + c->x_b), y = 0.5 * (c->y + c->y_b);
+        const double lx = c->x - c->x_b, ly = c->y - c->y_b;
+        dem_box_frame(run->sim, &x, &y);
+        if (!exp_is_within(&in, c->id_a, x, y) && !(in.kinds && c->id_b && exp_is_within(&in, c->id_b, x, y)))
+            continue;
+        exp_contact_force(c, f);
+        t.n++, t.sliding += slides(run, c);
+        t.xx += lx * f[0], t.yy += ly * f[1], t.xy += 0.5 * (lx * f[1] + ly * f[0]);
+    }
+    return t;
 }
 
-/* Branch vector times force, compression positive. */
-static double part_xx(const exp_run *run, const dem_contact *c, const double f[2])
+static double sliding(exp_run *run, const exp_use *use)
 {
-    return (void)run, (c->x - c->x_b) * f[0];
-}
-static double part_yy(const exp_run *run, const dem_contact *c, const double f[2])
-{
-    return (void)run, (c->y - c->y_b) * f[1];
-}
-static double part_xy(const exp_run *run, const dem_contact *c, const double f[2])
-{
-    return (void)run, 0.5 * ((c->x - c->x_b) * f[1] + (c->y - c->y_b) * f[0]);
-}
-OBSERVABLE(stress_xx)
-{
-    double n;
-    const exp_within in = exp_within_now(run, &use->scope);
-    return (void)args, over_contacts(run, use, part_xx, &n) / area_of(&in);
-}
-OBSERVABLE(stress_yy)
-{
-    double n;
-    const exp_within in = exp_within_now(run, &use->scope);
-    return (void)args, over_contacts(run, use, part_yy, &n) / area_of(&in);
-}
-OBSERVABLE(stress_xy)
-{
-    double n;
-    const exp_within in = exp_within_now(run, &use->scope);
-    return (void)args, over_contacts(run, use, part_xy, &n) / area_of(&in);
+    const contact_totals t = over_contacts(run, use);
+    return t.n > 0.0 ? t.sliding / t.n : NAN;
 }
 
 /* Mean normal force of the contacts: what forces are compared with where nothing has a weight. */
 static double mean_force(exp_run *run)
 {
-    dem_contact *c = NULL;
-    size_t n = 0;
+    size_t n;
     double sum = 0.0;
-    if (!run->failed) run->failed = dem_contacts(run->sim, &c, &n);
+    const dem_contact *c = exp_contacts(run, &n);
     for (size_t i = 0; i < n; i++) sum += c[i].normal_force;
-    free(c);
     return n > 0 ? sum / (double)n : 0.0;
 }
 
 /* Looks in a row that found the grains at rest, some steps apart whatever the phase's own looks. */
-OBSERVABLE(rest)
+static bool is_at_rest(exp_run *run, const exp_use *use)
 {
     enum { PASSED, LAST, LOOKED };
     const exp_plan *p = run->plan;
     double *c = &run->counters[use->state];
-    (void)args;
-    if (c[LOOKED] != 0.0 && (double)run->at.phase_step - c[LAST] < (double)p->rest.every)
-        return c[PASSED] >= (double)p->rest.looks;
-    const exp_within in = exp_within_now(run, &use->scope);
-    const double f0 = p->g > 0.0 ? p->m * p->g : mean_force(run);
-    dem_rest now = {0};
-    if (!run->failed) run->failed = dem_rest_in(run->sim, exp_is_within, &in, &now);
-    const bool quiet = f0 > 0.0 && dem_at_rest(&now, p->rest.energy * f0 * p->d, p->rest.force * f0, false);
-    c[PASSED] = quiet ? c[PASSED] + 1.0 : 0.0;
-    c[LAST] = (double)run->at.phase_step, c[LOOKED] = 1.0;
+    if (c[LOOKED] == 0.0 || (double)run->at.phase_step - c[LAST] >= (double)p->rest.every) {
+        const double f0 = p->g > 0.0 ? p->m * p->g : mean_force(run);
+        const dem_rest now = rest_of(run, use);
+        const bool quiet =
+            f0 > 0.0 && dem_at_rest(&now, p->rest.energy * f0 * p->d, p->rest.force * f0, false);
+        c[PASSED] = quiet ? c[PASSED] + 1.0 : 0.0;
+        c[LAST] = (double)run->at.phase_step, c[LOOKED] = 1.0;
+    }
     return c[PASSED] >= (double)p->rest.looks;
 }
 
@@ -472,46 +302,21 @@ static double wall_place(const exp_run *run, const exp_use *use, int component)
     const dem_wall_state w = wall_now(run, use, 0);
     return isinf(w.ends[0]) && isinf(w.ends[1]) ? w.point[component] : w.pivot[component];
 }
-OBSERVABLE(wall_x)
-{
-    return (void)args, wall_place(run, use, 0);
-}
-OBSERVABLE(wall_y)
-{
-    return (void)args, wall_place(run, use, 1);
-}
-OBSERVABLE(wall_vx)
-{
-    return (void)args, wall_now(run, use, 0).velocity[0];
-}
-OBSERVABLE(wall_vy)
-{
-    return (void)args, wall_now(run, use, 0).velocity[1];
-}
-OBSERVABLE(wall_angle)
-{
-    return (void)args, wall_now(run, use, 0).angle;
-}
 
 /* Torque of the grains on it about its pivot. */
-OBSERVABLE(wall_torque)
+static double wall_torque(exp_run *run, const exp_use *use)
 {
     const exp_wall *wall = &run->plan->walls[use->scope.index];
-    dem_contact *c = NULL;
-    size_t n = 0;
-    double sum = 0.0;
-    (void)args;
-    if (!run->failed) run->failed = dem_contacts(run->sim, &c, &n);
+    size_t n;
+    double sum = 0.0, f[2];
+    const dem_contact *c = exp_contacts(run, &n);
     for (size_t i = 0; i < n; i++)
         for (size_t k = 0; k < wall->n && c[i].id_b == 0; k++) {
             if ((size_t)c[i].wall != wall->walls[k]) continue;
             const dem_wall_state w = wall_now(run, use, k);
-            const double dx = c[i].x - c[i].x_b, dy = c[i].y - c[i].y_b, l = sqrt(dx * dx + dy * dy),
-                         nx = dx / l, ny = dy / l, fx = c[i].normal_force * nx + c[i].shear_force * ny,
-                         fy = c[i].normal_force * ny - c[i].shear_force * nx;
-            sum -= (c[i].x_b - w.pivot[0]) * fy - (c[i].y_b - w.pivot[1]) * fx + c[i].rolling_torque;
+            exp_contact_force(&c[i], f);
+            sum -= (c[i].x_b - w.pivot[0]) * f[1] - (c[i].y_b - w.pivot[1]) * f[0] + c[i].rolling_torque;
         }
-    free(c);
     return sum;
 }
 
@@ -522,65 +327,69 @@ static double wall_force(exp_run *run, const exp_use *use, int component)
         sum += wall_now(run, use, k).force[component];
     return sum;
 }
-OBSERVABLE(wall_fx)
-{
-    return (void)args, wall_force(run, use, 0);
-}
-OBSERVABLE(wall_fy)
-{
-    return (void)args, wall_force(run, use, 1);
-}
 
-#define ALL_GRAINS (OF_GRAINS | OF_REGION)
+/* What they are of, name, numbers in brackets, type, unit, meaning; value, of run, use and args. */
+#define SUM(member) totals_of(run, use).member
 /* clang-format off */
-const exp_observable exp_observables[] = {
-    {"time", OF_RUN, 0, 0, RP_X_NUMBER, "s", "time since the start", run_time},
-    {"t", OF_RUN, 0, 0, RP_X_NUMBER, "s", "time since the phase began", run_t},
-    {"step", OF_RUN, 0, 0, RP_X_NUMBER, "", "steps since the start", run_step},
-    {"phase_step", OF_RUN, 0, 0, RP_X_NUMBER, "", "steps since the phase began", run_phase_step},
-    {"pass", OF_RUN, 0, 0, RP_X_NUMBER, "", "number of the block's pass, from 1", run_pass},
-    {"tilt_deg", OF_RUN, 0, 0, RP_X_NUMBER, "degree", "turn of gravity against the box so far; positive lowers +x", run_tilt},
-    {"out", OF_RUN, 0, 0, RP_X_NUMBER, "", "grains taken out so far", run_out},
-    {"out_mass", OF_RUN, 0, 0, RP_X_NUMBER, "g", "their mass", run_out_mass},
-    {"added", OF_RUN, 0, 0, RP_X_NUMBER, "", "grains put in so far", run_added},
-    {"touched", OF_RUN, 0, 0, RP_X_TRUTH, "", "whether the last that was put in has had a contact at a look", run_touched},
-    {"elastic", OF_RUN, 0, 0, RP_X_NUMBER, "erg", "elastic energy of all contacts", elastic},
-    {"grains", ALL_GRAINS, 0, 0, RP_X_NUMBER, "", "number of grains", grains},
-    {"mass", ALL_GRAINS, 0, 0, RP_X_NUMBER, "g", "their mass", mass},
-    {"energy", ALL_GRAINS, 0, 0, RP_X_NUMBER, "erg", "mean kinetic energy of a grain, of translation and spin", energy},
-    {"kinetic", ALL_GRAINS, 0, 0, RP_X_NUMBER, "erg", "sum of the kinetic energies", kinetic},
-    {"speed", ALL_GRAINS, 0, 0, RP_X_NUMBER, "cm/s", "largest speed of a centre", speed},
-    {"spin", ALL_GRAINS, 0, 0, RP_X_NUMBER, "cm/s", "largest speed at a rim by spin", spin},
-    {"force", ALL_GRAINS, 0, 0, RP_X_NUMBER, "dyn", "largest net force on a grain with a contact", force},
-    {"imbalance", ALL_GRAINS, 0, 0, RP_X_NUMBER, "", "largest net force on a grain over its weight, or torque over weight times radius; 1 of one that falls freely", imbalance},
-    {"contacts", ALL_GRAINS, 0, 0, RP_X_NUMBER, "", "mean contacts of a grain", contacts},
-    {"rattlers", ALL_GRAINS, 0, 0, RP_X_NUMBER, "", "share of the grains with fewer than two contacts", rattlers},
-    {"x", ALL_GRAINS, 0, 0, RP_X_NUMBER, "cm", "centre of mass", mean_x},
-    {"y", ALL_GRAINS, 0, 0, RP_X_NUMBER, "cm", "centre of mass", mean_y},
-    {"vx", ALL_GRAINS, 0, 0, RP_X_NUMBER, "cm/s", "its velocity", mean_vx},
-    {"vy", ALL_GRAINS, 0, 0, RP_X_NUMBER, "cm/s", "its velocity", mean_vy},
-    {"height", ALL_GRAINS, 0, 0, RP_X_NUMBER, "cm", "highest point of a grain, 0 without grains", height},
-    {"left", ALL_GRAINS, 0, 0, RP_X_NUMBER, "cm", "leftmost point", left},
-    {"right", ALL_GRAINS, 0, 0, RP_X_NUMBER, "cm", "rightmost point", right},
-    {"marked", ALL_GRAINS, 0, 0, RP_X_NUMBER, "", "grains whose position is marked, by where that is", marked},
-    {"moved", ALL_GRAINS, 1, 2, RP_X_NUMBER, "", "moved(s, k): marked grains farther than s from their mark, with k contacts or more", moved},
-    {"cells", ALL_GRAINS, 0, 0, RP_X_NUMBER, "", "columns of about d that hold a grain", cells},
-    {"rest", ALL_GRAINS, 0, 0, RP_X_TRUTH, "", "whether the grains are at rest, by several looks in a row", rest},
-    {"sliding", ALL_GRAINS, 0, 0, RP_X_NUMBER, "", "share of the contacts whose shear force is at Coulomb's limit", sliding},
-    {"sxx", OF_REGION, 0, 0, RP_X_NUMBER, "dyn/cm", "stress: sum of branch vector times force over area, compression positive", stress_xx},
-    {"sxy", OF_REGION, 0, 0, RP_X_NUMBER, "dyn/cm", "its mixed component, the mean of the two", stress_xy},
-    {"syy", OF_REGION, 0, 0, RP_X_NUMBER, "dyn/cm", "its component along y", stress_yy},
-    {"fraction", OF_REGION, 0, 0, RP_X_NUMBER, "", "area of the grains over that of the region", fraction},
-    {"x", OF_WALL, 0, 0, RP_X_NUMBER, "cm", "the wall's pivot, of a whole line its point", wall_x},
-    {"y", OF_WALL, 0, 0, RP_X_NUMBER, "cm", "the wall's pivot, of a whole line its point", wall_y},
-    {"vx", OF_WALL, 0, 0, RP_X_NUMBER, "cm/s", "its velocity", wall_vx},
-    {"vy", OF_WALL, 0, 0, RP_X_NUMBER, "cm/s", "its velocity", wall_vy},
-    {"angle", OF_WALL, 0, 0, RP_X_NUMBER, "rad", "turned since the start, counter-clockwise", wall_angle},
-    {"torque", OF_WALL, 0, 0, RP_X_NUMBER, "dyn cm", "torque of the grains on it about its pivot", wall_torque},
-    {"fx", OF_WALL, 0, 0, RP_X_NUMBER, "dyn", "force of the grains on it", wall_fx},
-    {"fy", OF_WALL, 0, 0, RP_X_NUMBER, "dyn", "force of the grains on it", wall_fy},
-    {0}};
+#define OBSERVABLES(X) \
+    X(OF_RUN, time, 0, 0, RP_X_NUMBER, "s", "time since the start", dem_time(run->sim)) \
+    X(OF_RUN, t, 0, 0, RP_X_NUMBER, "s", "time since the phase began", dem_time(run->sim) - run->at.begun + (run->ahead ? 0.5 * exp_dt(run) : 0.0)) \
+    X(OF_RUN, step, 0, 0, RP_X_NUMBER, "", "steps since the start", (double)run->at.steps) \
+    X(OF_RUN, phase_step, 0, 0, RP_X_NUMBER, "", "steps since the phase began", (double)(run->at.phase_step + run->ahead)) \
+    X(OF_RUN, pass, 0, 0, RP_X_NUMBER, "", "number of the block's pass, from 1", (double)run->at.pass) \
+    X(OF_RUN, tilt_deg, 0, 0, RP_X_NUMBER, "degree", "turn of gravity against the box so far; positive lowers +x", run->at.now.tilt) \
+    X(OF_RUN, out, 0, 0, RP_X_NUMBER, "", "grains taken out so far", (double)(run->at.grains0 + run->at.now.added) - (double)dem_count(run->sim)) \
+    X(OF_RUN, out_mass, 0, 0, RP_X_NUMBER, "g", "their mass", mass_taken_out(run)) \
+    X(OF_RUN, added, 0, 0, RP_X_NUMBER, "", "grains put in so far", (double)run->at.now.added) \
+    X(OF_RUN, touched, 0, 0, RP_X_TRUTH, "", "whether the last that was put in has had a contact at a look", run->at.now.touched) \
+    X(OF_RUN, elastic, 0, 0, RP_X_NUMBER, "erg", "elastic energy of all contacts", elastic_energy(run)) \
+    X(OF_PART, grains, 0, 0, RP_X_NUMBER, "", "number of grains", SUM(n)) \
+    X(OF_PART, mass, 0, 0, RP_X_NUMBER, "g", "their mass", SUM(mass)) \
+    X(OF_PART, energy, 0, 0, RP_X_NUMBER, "erg", "mean kinetic energy of a grain, of translation and spin", rest_of(run, use).kinetic_energy) \
+    X(OF_PART, kinetic, 0, 0, RP_X_NUMBER, "erg", "sum of the kinetic energies", SUM(kinetic)) \
+    X(OF_PART, speed, 0, 0, RP_X_NUMBER, "cm/s", "largest speed of a centre", largest_speed(run, use)) \
+    X(OF_PART, spin, 0, 0, RP_X_NUMBER, "cm/s", "largest speed at a rim by spin", SUM(spin)) \
+    X(OF_PART, force, 0, 0, RP_X_NUMBER, "dyn", "largest net force on a grain with a contact", rest_of(run, use).net_force) \
+    X(OF_PART, imbalance, 0, 0, RP_X_NUMBER, "", "largest net force on a grain over its weight, or torque over weight times radius; 1 of one that falls freely", SUM(imbalance)) \
+    X(OF_PART, contacts, 0, 0, RP_X_NUMBER, "", "mean contacts of a grain", contacts_a_grain(run, use)) \
+    X(OF_PART, rattlers, 0, 0, RP_X_NUMBER, "", "share of the grains with fewer than two contacts", SUM(few)) \
+    X(OF_PART, x, 0, 0, RP_X_NUMBER, "cm", "centre of mass", SUM(x)) \
+    X(OF_PART, y, 0, 0, RP_X_NUMBER, "cm", "centre of mass", SUM(y)) \
+    X(OF_PART, vx, 0, 0, RP_X_NUMBER, "cm/s", "its velocity", SUM(vx)) \
+    X(OF_PART, vy, 0, 0, RP_X_NUMBER, "cm/s", "its velocity", SUM(vy)) \
+    X(OF_PART, height, 0, 0, RP_X_NUMBER, "cm", "highest point of a grain, 0 without grains", SUM(top)) \
+    X(OF_PART, left, 0, 0, RP_X_NUMBER, "cm", "leftmost point", SUM(left)) \
+    X(OF_PART, right, 0, 0, RP_X_NUMBER, "cm", "rightmost point", SUM(right)) \
+    X(OF_PART, marked, 0, 0, RP_X_NUMBER, "", "grains whose position is marked, by where that is", count_marked(run, use)) \
+    X(OF_PART, moved, 1, 2, RP_X_NUMBER, "", "moved(s, k): marked grains farther than s from their mark, with k contacts or more", moved(run, use, args)) \
+    X(OF_PART, cells, 0, 0, RP_X_NUMBER, "", "columns of about d that hold a grain", cells(run, use)) \
+    X(OF_PART, rest, 0, 0, RP_X_TRUTH, "", "whether the grains are at rest, by several looks in a row", is_at_rest(run, use)) \
+    X(OF_PART, sliding, 0, 0, RP_X_NUMBER, "", "share of the contacts whose shear force is at Coulomb's limit", sliding(run, use)) \
+    X(OF_REGION, sxx, 0, 0, RP_X_NUMBER, "dyn/cm", "stress: sum of branch vector times force over area, compression positive", over_contacts(run, use).xx / area_now(run, use)) \
+    X(OF_REGION, sxy, 0, 0, RP_X_NUMBER, "dyn/cm", "its mixed component, the mean of the two", over_contacts(run, use).xy / area_now(run, use)) \
+    X(OF_REGION, syy, 0, 0, RP_X_NUMBER, "dyn/cm", "its component along y", over_contacts(run, use).yy / area_now(run, use)) \
+    X(OF_REGION, fraction, 0, 0, RP_X_NUMBER, "", "area of the grains over that of the region", SUM(area) / area_now(run, use)) \
+    X(OF_WALL, x, 0, 0, RP_X_NUMBER, "cm", "the wall's pivot, of a whole line its point", wall_place(run, use, 0)) \
+    X(OF_WALL, y, 0, 0, RP_X_NUMBER, "cm", "the wall's pivot, of a whole line its point", wall_place(run, use, 1)) \
+    X(OF_WALL, vx, 0, 0, RP_X_NUMBER, "cm/s", "its velocity", wall_now(run, use, 0).velocity[0]) \
+    X(OF_WALL, vy, 0, 0, RP_X_NUMBER, "cm/s", "its velocity", wall_now(run, use, 0).velocity[1]) \
+    X(OF_WALL, angle, 0, 0, RP_X_NUMBER, "rad", "turned since the start, counter-clockwise", wall_now(run, use, 0).angle) \
+    X(OF_WALL, torque, 0, 0, RP_X_NUMBER, "dyn cm", "torque of the grains on it about its pivot", wall_torque(run, use)) \
+    X(OF_WALL, fx, 0, 0, RP_X_NUMBER, "dyn", "force of the grains on it", wall_force(run, use, 0)) \
+    X(OF_WALL, fy, 0, 0, RP_X_NUMBER, "dyn", "force of the grains on it", wall_force(run, use, 1)) \
+    X(OF_NEW, r, 0, 0, RP_X_NUMBER, "cm", "radius of the grain that is put in", run->grain.r) \
+    X(OF_NEW, y, 0, 0, RP_X_NUMBER, "cm", "its centre", run->grain.y) \
+    X(OF_NEW, touch, 0, 0, RP_X_NUMBER, "cm", "lowest place above which it meets nothing", run->grain.touch)
 /* clang-format on */
+#define FUNCTION(of, name, least, most, type, unit, meaning, value)                                          \
+    static double of##_##name(exp_run *run, const exp_use *use, const double args[])                         \
+    {                                                                                                        \
+        return (void)run, (void)use, (void)args, (value);                                                    \
+    }
+OBSERVABLES(FUNCTION)
+#define ROW(of, name, least, most, type, unit, meaning, value)                                               \
+    {#name, of, least, most, type, unit, meaning, of##_##name},
+const exp_observable exp_observables[] = {OBSERVABLES(ROW){0}};
 
 /* ---- modules ---- */
 
@@ -603,48 +412,45 @@ exp_group exp_module_at(size_t k)
 
 rp_status exp_module_values(exp_run *run, const exp_measure *m, double out[EXP_MODULE_OUTPUTS])
 {
-    const exp_use use = {.scope = m->scope};
+    const exp_plan *plan = run->plan;
+    const exp_module *module = m->module;
     const exp_within in = exp_within_now(run, &m->scope);
-    exp_view sample = {.d = run->plan->d,
-                       .m = run->plan->m,
-                       .sim = run->sim,
-                       .mu = physics_now(run)->mu,
-                       .n_marks = run->marks ? run->n_ids : 0,
-                       .marks = run->marks,
-                       .lo = {-INFINITY, -INFINITY},
-                       .hi = {INFINITY, INFINITY}};
+    exp_table *table = &run->tables[m - plan->measures];
+    exp_view view = {.d = plan->d,
+                     .m = plan->m,
+                     .sim = run->sim,
+                     .mu = physics_now(run)->mu,
+                     .n_marks = run->marks ? run->n_ids : 0,
+                     .marks = run->marks,
+                     .lo = {-INFINITY, -INFINITY},
+                     .hi = {INFINITY, INFINITY}};
+    dem_state *grains;
+    RP_SCOPE(memory);
     for (int c = 0; c < 2 && !in.all && !in.circle; c++)
-        sample.lo[c] = in.at[2 * c], sample.hi[c] = in.at[2 * c + 1];
-    if (m->module->bounded &&
-        !(isfinite(sample.lo[0]) && sample.hi[0] > sample.lo[0] && isfinite(sample.hi[0])))
-        return rp_fail(RP_NO_RESULT, "the region goes from x = %g to %g", sample.lo[0], sample.hi[0]);
-    if (!(sample.all = exp_states(run))) return run->failed;
-    sample.n_all = run->n_states;
-    dem_state *grains = malloc((run->n_states + 1) * sizeof *grains);
-    if (!grains) return rp_fail(RP_NO_MEMORY, "%s: out of memory", m->name);
-    for (walk w = walk_over(run, &use); next(&w);)
-        if (exp_is_within(&in, w.s.id, w.s.x, w.s.y)) grains[sample.n++] = w.s;
-    for (size_t i = 0; i < run->n_states; i++) sample.mass += run->states[i].fixed ? 0.0 : run->states[i].m;
+        view.lo[c] = in.at[2 * c], view.hi[c] = in.at[2 * c + 1];
+    if ((module->needs & EXP_BOUNDED) &&
+        !(isfinite(view.lo[0]) && view.hi[0] > view.lo[0] && isfinite(view.hi[0])))
+        return rp_fail(RP_NO_RESULT, "the region goes from x = %g to %g", view.lo[0], view.hi[0]);
+    if (module->needs & EXP_ON_WALL)
+        view.walls = plan->walls[m->on].walls, view.n_walls = plan->walls[m->on].n;
+    if (module->needs & EXP_ON_CONTACTS) view.contacts = exp_contacts(run, &view.n_contacts);
+    view.all = exp_states(run), view.n_all = run->n_states;
+    if (run->failed) return run->failed;
+    RP_NEW(&memory, grains, view.n_all);
+    for (walk w = walk_over(run, &m->scope); next(&w);) grains[view.n++] = w.s;
+    view.grains = grains;
+    for (size_t i = 0; i < view.n_all; i++) view.mass += view.all[i].fixed ? 0.0 : view.all[i].m;
     for (int k = 0; k < EXP_MODULE_OUTPUTS; k++) out[k] = NAN;
-    sample.grains = grains;
-    if (m->module->on_wall)
-        sample.walls = run->plan->walls[m->on].walls, sample.n_walls = run->plan->walls[m->on].n;
-    exp_table *table = &run->tables[m - run->plan->measures];
-    dem_contact *contacts = NULL;
-    rp_status status = m->module->on_contacts ? dem_contacts(run->sim, &contacts, &sample.n_contacts) : RP_OK;
-    sample.contacts = contacts;
-    if (!status)
-        status = m->module->add ? m->module->add(&sample, m->params, table->sums)
-                                : m->module->evaluate(&sample, m->params, out);
+    const rp_status status =
+        module->add ? module->add(&view, m->params, table->sums) : module->evaluate(&view, m->params, out);
     table->samples += !status;
-    free(contacts);
-    free(grains);
     return status;
 }
 
 exp_word exp_observable_at(size_t k)
 {
     const exp_observable *o = &exp_observables[k];
+    if (o->of == OF_NEW) return (exp_word){0}; /* the last, which `add` alone knows */
     return (exp_word){o->name,
                       o->of & OF_WALL      ? "WALL."
                       : o->of == OF_REGION ? "REGION."
@@ -659,7 +465,6 @@ double exp_observe(void *host, int id, const double args[])
 {
     exp_run *run = host;
     if (id >= EXP_ID_MEASURE) return run->values[id - EXP_ID_MEASURE];
-    if (id >= EXP_ID_GRAIN) return run->grain[id - EXP_ID_GRAIN];
     const exp_use *use = &run->plan->uses[id];
     return run->failed ? NAN : use->of->value(run, use, args);
 }
@@ -676,14 +481,22 @@ bool exp_true(exp_run *run, const exp_expression *e)
     return exp_value(run, e) == 1.0;
 }
 
+typedef struct {
+    const exp_plan *plan;
+    const char *observable;
+    bool asks;
+} question;
+
 static void ask(void *host, int id)
 {
-    *(bool *)host |= id < EXP_ID_MEASURE;
+    question *q = host;
+    q->asks |=
+        id < EXP_ID_MEASURE && (!q->observable || strcmp(q->plan->uses[id].of->name, q->observable) == 0);
 }
 
-bool exp_changes(const exp_expression *e)
+bool exp_asks(const exp_plan *plan, const exp_expression *e, const char *observable)
 {
-    bool asks = false;
-    rp_expression_each(&e->x, ask, &asks);
-    return asks;
+    question q = {plan, observable, false};
+    rp_expression_each(&e->x, ask, &q);
+    return q.asks;
 }

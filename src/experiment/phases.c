@@ -55,38 +55,25 @@ static size_t end_of_block(const exp_plan *plan, size_t block)
 static rp_status make_room(exp_run *run)
 {
     const exp_plan *p = run->plan;
-    run->counters = calloc(p->n_states + 1, sizeof *run->counters);
-    run->values = calloc(p->n_outputs + 1, sizeof *run->values);
-    run->samples = calloc(p->n_measures + 1, sizeof *run->samples);
-    run->saved = calloc(p->n_phases + 1, sizeof *run->saved);
-    run->loads = calloc(2 * p->n_walls + 1, sizeof *run->loads);
-    run->points = calloc(p->n_regions + 1, sizeof *run->points);
-    run->kept = calloc(p->n_phases + 1, sizeof *run->kept);
-    run->tables = calloc(p->n_measures + 1, sizeof *run->tables);
-    run->passed = calloc(p->n_phases + 1, sizeof *run->passed);
-    if (!run->kept) return rp_fail(RP_NO_MEMORY, "run: out of memory");
-    if (!run->counters || !run->values || !run->samples || !run->saved || !run->loads || !run->points ||
-        !run->passed || !run->tables)
-        return rp_fail(RP_NO_MEMORY, "run: out of memory");
-    for (size_t k = 0; k < p->n_regions; k++)
-        if (!(run->points[k] = calloc(2 * p->regions[k].n_points + 1, sizeof **run->points)))
-            return rp_fail(RP_NO_MEMORY, "run: out of memory");
+    rp_arena *const arena = &run->arena;
+    RP_NEW(arena, run->counters, p->n_states);
+    RP_NEW(arena, run->values, p->n_outputs);
+    RP_NEW(arena, run->samples, p->n_measures);
+    RP_NEW(arena, run->tables, p->n_measures);
+    RP_NEW(arena, run->loads, 2 * p->n_walls);
+    RP_NEW(arena, run->points, p->n_regions);
+    RP_NEW(arena, run->saved, p->n_phases);
+    RP_NEW(arena, run->kept, p->n_phases);
+    RP_NEW(arena, run->passed, p->n_phases);
+    for (size_t k = 0; k < p->n_regions; k++) RP_NEW(arena, run->points[k], 2 * p->regions[k].n_points);
+    for (size_t k = 0; k < p->n_phases; k++) RP_NEW(arena, run->saved[k].loads, 2 * p->n_walls);
     for (size_t k = 0; k < p->n_measures; k++) {
         const exp_measure *m = &p->measures[k];
-        if (!m->module || !m->module->add) continue;
-        run->tables[k].sums = calloc(m->module->room(m->params), sizeof(double));
-        if (!run->tables[k].sums) return rp_fail(RP_NO_MEMORY, "run: out of memory");
+        if (m->module && m->module->add) RP_NEW(arena, run->tables[k].sums, m->module->room(m->params));
     }
     for (size_t k = 0; k < p->n_outputs; k++) run->values[k] = NAN;
     for (size_t k = 0; k < 2 * p->n_walls; k++) run->loads[k] = -1;
     return RP_OK;
-}
-
-static int kind_named(const exp_plan *plan, const char *name)
-{
-    for (size_t k = 0; k < plan->n_kinds; k++)
-        if (strcmp(plan->kinds[k], name) == 0) return (int)k;
-    return -1;
 }
 
 /* The simulation, and the kinds of its grains. */
@@ -106,8 +93,11 @@ static rp_status fill(exp_run *run, dem_scene *scene)
     if (status) return status;
     if (!exp_make_ids(run, def.n_grains + 1)) return run->failed;
     i = scene->grains ? scene->def.n_grains : 0;
-    for (size_t k = 0; dem_scene_fill_at(scene, k); k++)
-        for (const int kind = kind_named(plan, scene->kinds[k]); i < ends[k]; i++) run->kinds[i] = kind;
+    for (size_t k = 0; dem_scene_fill_at(scene, k); k++) {
+        const char *name = scene->kinds[k];
+        const exp_scope *kind = exp_scope_named(plan, EXP_KIND, name, strlen(name), NULL);
+        for (; i < ends[k]; i++) run->kinds[i] = kind ? (int32_t)kind->index : -1;
+    }
     return RP_OK;
 }
 
@@ -171,18 +161,13 @@ void exp_run_free(exp_run *run)
 {
     if (!run) return;
     for (size_t k = 0; run->samples && k < run->plan->n_measures; k++) free(run->samples[k].at);
-    for (size_t k = 0; run->saved && k < run->plan->n_phases; k++)
-        dem_free(run->saved[k].sim), free(run->saved[k].loads);
+    for (size_t k = 0; run->saved && k < run->plan->n_phases; k++) dem_free(run->saved[k].sim);
     for (size_t k = 0; run->kept && k < run->plan->n_phases; k++) rp_snapshot_free(&run->kept[k]);
-    free(run->counters), free(run->values), free(run->samples), free(run->marks), free(run->states);
-    for (size_t k = 0; run->points && k < run->plan->n_regions; k++) free(run->points[k]);
-    free(run->kinds), free(run->loads), free(run->saved), free(run->points), free(run->kept);
-    free(run->passed);
-    for (size_t k = 0; run->tables && k < run->plan->n_measures; k++) free(run->tables[k].sums);
-    free(run->tables);
+    free(run->marks), free(run->kinds), free(run->states), free(run->contacts);
     for (int k = 0; k < 2; k++)
         if (run->random[k]) gsl_rng_free(run->random[k]);
     dem_free(run->sim);
+    rp_arena_end(&run->arena);
     free(run);
 }
 
@@ -193,47 +178,39 @@ static void clear(exp_run *run, const size_t states[2])
     for (size_t k = states[0]; k < states[1]; k++) run->counters[k] = 0.0;
 }
 
-static void move_walls(exp_run *run, const exp_phase *p, const exp_move *m)
+static void move_walls(exp_run *run, const exp_move *m)
 {
-    const double velocity[2] = {m->has_velocity ? exp_value(run, &m->velocity[0]) : 0.0,
-                                m->has_velocity ? exp_value(run, &m->velocity[1]) : 0.0},
-                 omega = m->has_omega ? exp_value(run, &m->omega) : NAN;
-    exp_move_wall(run, p, &run->plan->walls[m->wall], m->has_velocity ? velocity : NULL, omega);
+    const bool moves = exp_given(&m->velocity[0]);
+    const double velocity[2] = {exp_value(run, &m->velocity[0]), exp_value(run, &m->velocity[1])},
+                 omega = exp_given(&m->omega) ? exp_value(run, &m->omega) : NAN;
+    exp_move_wall(run, &run->plan->walls[m->wall], moves ? velocity : NULL, omega);
 }
 
 /* Gravity and the motion of walls, at the phase's start; before each step those that change. */
 static void set_forces(exp_run *run, const exp_phase *p, bool each_step)
 {
-    if (p->has_gravity && p->gravity_each_step == each_step)
+    if (exp_given(&p->gravity[0]) && p->gravity_each_step == each_step)
         dem_gravity_set(run->sim, (double[]){exp_value(run, &p->gravity[0]), exp_value(run, &p->gravity[1])});
     for (size_t k = 0; k < p->n_moves; k++)
-        if (p->moves[k].each_step == each_step) move_walls(run, p, &p->moves[k]);
+        if (p->moves[k].each_step == each_step) move_walls(run, &p->moves[k]);
 }
 
-/* Steps whose forces change from one to the next. */
-static rp_status go_by_steps(exp_run *run, long steps)
+/* Go on by some steps; one by one where forces change from step to step. */
+static rp_status go(exp_run *run, long steps, bool one_by_one)
 {
-    rp_status status = RP_OK;
-    for (; steps > 0 && !status && !run->failed && !run->at.done; steps--) {
+    for (const long part = one_by_one ? 1 : steps; steps > 0; steps -= part) {
         run->fresh = false;
-        run->ahead = true;
-        set_forces(run, phase_of(run), true);
-        if (!run->at.done) exp_push_walls(run);
-        run->ahead = false;
-        if (run->at.done || run->failed) break;
-        status = dem_run(run->sim, 1);
-        if (!status) run->at.phase_step++, run->at.steps++;
-        if (!status) run->at.now.tilt += run->at.now.turn[0] + run->at.now.turn[1];
+        if (one_by_one) {
+            run->ahead = true;
+            set_forces(run, phase_of(run), true);
+            if (!run->at.done) exp_push_walls(run);
+            run->ahead = false;
+            if (run->at.done || run->failed) break;
+        }
+        RP_TRY(dem_run(run->sim, part));
+        run->at.phase_step += part, run->at.steps += part;
+        run->at.now.tilt += (double)part * (run->at.now.turn[0] + run->at.now.turn[1]);
     }
-    return status;
-}
-
-static rp_status go(exp_run *run, long steps)
-{
-    rp_status status = dem_run(run->sim, steps);
-    if (status) return status;
-    run->at.phase_step += steps, run->at.steps += steps;
-    run->at.now.tilt += (double)steps * (run->at.now.turn[0] + run->at.now.turn[1]);
     return RP_OK;
 }
 
@@ -263,7 +240,7 @@ static void begin_phase(exp_run *run)
     exp_load_walls(run, p);
     set_forces(run, p, false);
     for (int k = 0; k < 2; k++)
-        if (p->turns[k]) {
+        if (exp_given(&p->turn[k])) {
             run->at.now.turn[k] = exp_value(run, &p->turn[k]);
             (k ? dem_box_turn : dem_gravity_turn)(run->sim, run->at.now.turn[k] * (M_PI / 180.0));
         }
@@ -397,16 +374,13 @@ rp_status exp_advance(exp_run *run, long most)
     if (run->at.done || run->failed) return run->failed;
     const exp_phase *p = phase_of(run);
     long next = LONG_MAX;
-    if (p->ending == EXP_UNTIL || p->n_fails > 0 || p->damp) {
-        const long since = run->at.phase_step - p->least;
-        next = since < 0 ? p->every - since : p->every == 1 ? 1 : p->every - since % p->every;
-    }
+    if (p->ending == EXP_UNTIL || p->n_fails > 0 || p->damp)
+        next = exp_next_look(run->at.phase_step - p->least, p->every);
     if (p->is_sampled) exp_measures_in(run, &next);
     const long left = run->at.most - run->at.phase_step, part = least_of(most, least_of(next, left));
     if (part > 0) {
-        rp_status status = p->each_step || (run->plan->n_loads > 0 && exp_is_loaded(run))
-                               ? go_by_steps(run, part)
-                               : go(run, part);
+        const rp_status status =
+            go(run, part, p->each_step || (run->plan->n_loads > 0 && exp_is_loaded(run)));
         run->fresh = false;
         if (status == RP_BROKEN) {
             exp_conclude(run, dem_fault_text(dem_sim_fault(run->sim)), "%s", rp_message());
@@ -454,7 +428,7 @@ bool exp_goes_back(const exp_plan *plan)
 static double show(void *host, int id, const double args[])
 {
     const exp_run *run = host;
-    const exp_use *use = id < EXP_ID_GRAIN ? &run->plan->uses[id] : NULL;
+    const exp_use *use = id < EXP_ID_MEASURE ? &run->plan->uses[id] : NULL;
     return use && use->of->type == RP_X_TRUTH ? run->counters[use->state] : exp_observe(host, id, args);
 }
 
@@ -477,78 +451,75 @@ const char *exp_where(const exp_run *run, char *text, size_t size)
 
 /* ---- snapshots ---- */
 
+#define ANOTHER "a run of another file"
+
 static void keep_array(rp_snapshot *s, double *v, size_t n)
 {
     size_t there = n;
     RP_KEEP(s, there);
-    rp_keep_check(s, there == n, "a run of another file");
-    if (!s->status && n > 0) rp_keep(s, v, n * sizeof *v);
+    rp_keep_check(s, there == n, ANOTHER);
+    rp_keep(s, v, n * sizeof *v);
 }
 
 static void keep_samples(rp_snapshot *s, exp_samples *samples)
 {
     RP_KEEP(s, samples->n);
     if (s->reading) {
-        rp_keep_check(s, samples->n <= (s->n - s->at) / sizeof(double) / EXP_SAMPLE, "samples without end");
+        rp_keep_check(s, samples->n <= (s->n - s->at) / sizeof *samples->at, "samples without end");
         if (s->status) return;
         free(samples->at);
         samples->room = samples->n;
-        samples->at = malloc((EXP_SAMPLE * samples->room + 1) * sizeof *samples->at);
+        samples->at = malloc((samples->room + 1) * sizeof *samples->at);
         if (!samples->at) s->status = rp_fail(RP_NO_MEMORY, "samples: out of memory");
     }
-    if (!s->status && samples->n > 0) rp_keep(s, samples->at, EXP_SAMPLE * samples->n * sizeof *samples->at);
+    rp_keep(s, samples->at, samples->n * sizeof *samples->at);
 }
 
-static void keep_longs(rp_snapshot *s, long *v, size_t n, long least, size_t most)
+static void keep_loads(rp_snapshot *s, const exp_plan *plan, long loads[])
 {
-    if (!s->status && n > 0) rp_keep(s, v, n * sizeof *v);
     bool known = true;
-    for (size_t k = 0; k < n; k++) known &= v[k] >= least && v[k] < (long)most;
-    rp_keep_check(s, known, "a run of another file");
+    rp_keep(s, loads, 2 * plan->n_walls * sizeof *loads);
+    for (size_t k = 0; k < 2 * plan->n_walls; k++) known &= loads[k] >= -1 && loads[k] < (long)plan->n_loads;
+    rp_keep_check(s, known, ANOTHER);
 }
 
 static void keep_sim(rp_snapshot *s, dem_sim **sim)
 {
     bool there = *sim != NULL;
     RP_KEEP(s, there);
-    rp_keep_check(s, rp_keep_bool(&there), "a run of another file");
+    rp_keep_check(s, rp_keep_bool(&there), ANOTHER);
     if (s->reading) dem_free(*sim), *sim = NULL;
     if (there && !s->status) dem_keep(s, sim);
 }
 
-static void keep_saved(rp_snapshot *s, const exp_run *run, exp_saved *saved)
+static bool has_laws(const exp_plan *plan, const exp_world *now)
 {
-    const size_t n = 2 * run->plan->n_walls;
+    return now->laws == SIZE_MAX || now->laws < plan->n_phases;
+}
+
+static void keep_saved(rp_snapshot *s, const exp_plan *plan, exp_saved *saved)
+{
     keep_sim(s, &saved->sim);
-    if (!saved->sim || s->status) return;
+    if (!saved->sim) return;
     RP_KEEP(s, saved->now);
-    if (!saved->loads && !(saved->loads = calloc(n + 1, sizeof *saved->loads)))
-        s->status = rp_fail(RP_NO_MEMORY, "run: out of memory");
-    else
-        keep_longs(s, saved->loads, n, -1, run->plan->n_loads);
-    rp_keep_check(s, saved->now.laws == SIZE_MAX || saved->now.laws < run->plan->n_phases,
-                  "a run of another file");
+    keep_loads(s, plan, saved->loads);
+    rp_keep_check(s, has_laws(plan, &saved->now), ANOTHER);
 }
 
 /* Marks and kinds, of as many ids as there have been. */
 static void keep_ids(rp_snapshot *s, exp_run *run)
 {
     size_t n = run->n_ids;
+    bool known = true;
     RP_KEEP(s, n);
-    if (s->reading) {
-        rp_keep_check(s, n <= (s->n - s->at) / (2 * sizeof(double)), "grains without end");
-        if (!s->status && n > run->n_ids) {
-            run->n_ids = run->n_ids ? run->n_ids : 1;
-            if (!exp_make_ids(run, n)) s->status = run->failed;
-        }
-        run->n_ids = s->status ? run->n_ids : n;
-    }
-    if (s->status || n == 0) return;
+    rp_keep_check(s, n <= (s->n - s->at) / (2 * sizeof(double)), "grains without end");
+    if (s->reading && !s->status && !exp_make_ids(run, n)) s->status = run->failed;
+    if (s->status) return;
+    run->n_ids = n;
     rp_keep(s, run->marks, 2 * n * sizeof *run->marks);
     rp_keep(s, run->kinds, n * sizeof *run->kinds);
-    bool known = true;
     for (size_t k = 0; k < n; k++) known &= run->kinds[k] >= -1 && run->kinds[k] < (int)run->plan->n_kinds;
-    rp_keep_check(s, known, "a run of another file");
+    rp_keep_check(s, known, ANOTHER);
 }
 
 /* n: of how many phases the ends are kept. */
@@ -560,13 +531,12 @@ static void keep_state(rp_snapshot *s, exp_run *run, size_t n)
                   rp_keep_bool(&run->at.started) && rp_keep_bool(&run->at.done) &&
                       rp_keep_bool(&run->at.now.touched) && run->at.phase <= p->n_phases &&
                       (run->at.done || run->at.phase < p->n_phases) && run->at.phase_step >= 0 &&
-                      (run->at.now.laws == SIZE_MAX || run->at.now.laws < p->n_phases) &&
-                      memchr(run->at.end.status, 0, sizeof run->at.end.status) &&
+                      has_laws(p, &run->at.now) && memchr(run->at.end.status, 0, sizeof run->at.end.status) &&
                       memchr(run->at.end.message, 0, sizeof run->at.end.message),
                   "a place that no run is at");
     keep_array(s, run->counters, p->n_states);
     keep_array(s, run->values, p->n_outputs);
-    for (size_t k = 0; k < n && !s->status; k++) {
+    for (size_t k = 0; k < n; k++) {
         exp_passed *passed = &run->passed[k];
         RP_KEEP(s, passed->passes);
         RP_KEEP(s, passed->step);
@@ -574,7 +544,7 @@ static void keep_state(rp_snapshot *s, exp_run *run, size_t n)
         rp_keep_check(s, passed->passes >= 0 && passed->step >= 0, "a phase that has not been");
     }
     keep_ids(s, run);
-    if (!s->status) keep_longs(s, run->loads, 2 * p->n_walls, -1, p->n_loads);
+    keep_loads(s, p, run->loads);
     for (int k = 0; k < 2 && run->random[k] && !s->status; k++) {
         rp_keep(s, gsl_rng_state(run->random[k]), gsl_rng_size(run->random[k]));
         rp_keep_check(s, rp_random_is_whole(run->random[k]), "a random stream that is none");
@@ -586,7 +556,7 @@ static void keep_state(rp_snapshot *s, exp_run *run, size_t n)
         keep_array(s, run->tables[k].sums, p->measures[k].module->room(p->measures[k].params));
     }
     for (size_t k = 0; k < p->n_phases && !s->status; k++)
-        if (p->phases[k].is_source) keep_saved(s, run, &run->saved[k]);
+        if (p->phases[k].is_source) keep_saved(s, p, &run->saved[k]);
     if (!s->status) keep_sim(s, &run->sim);
     run->fresh = false;
 }
@@ -622,36 +592,26 @@ void exp_keep_end(exp_run *run, size_t phase)
     run->failed = kept->status;
 }
 
-static size_t nth_kept(const exp_plan *plan, size_t k)
-{
-    size_t phase = 0;
-    for (; phase < plan->n_phases; phase++)
-        if (plan->phases[phase].keep && !plan->phases[phase].left_out && k-- == 0) break;
-    return phase;
-}
-
 size_t exp_kept_count(const exp_plan *plan)
 {
-    size_t n = 0;
-    for (size_t k = 0; k < plan->n_phases; k++) n += plan->phases[k].keep && !plan->phases[k].left_out;
-    return n;
+    return plan->n_kept;
 }
 
 const char *exp_kept_name(const exp_plan *plan, size_t k)
 {
-    return plan->phases[nth_kept(plan, k)].name;
+    return plan->phases[plan->kept[k]].name;
 }
 
 const rp_snapshot *exp_kept(const exp_run *run, size_t k)
 {
-    return &run->kept[nth_kept(run->plan, k)];
+    return &run->kept[run->plan->kept[k]];
 }
 
 rp_status exp_kept_key(const exp_plan *plan, size_t k, unsigned long seed, unsigned long stream,
                        char digits[33])
 {
     RP_SCOPE(arena);
-    char *begun = exp_key_to(plan, nth_kept(plan, k) + 1);
+    char *begun = exp_key_to(plan, plan->kept[k] + 1);
     const char *whole =
         begun ? rp_text(&arena, "%sarrays %zu %zu %zu %zu streams %lu %lu\n", begun, plan->n_states,
                         plan->n_outputs, plan->n_measures, plan->n_loads, seed, stream)
@@ -664,7 +624,7 @@ rp_status exp_kept_key(const exp_plan *plan, size_t k, unsigned long seed, unsig
 
 rp_status exp_begin(exp_run *run, size_t k, rp_snapshot *state)
 {
-    const size_t phase = nth_kept(run->plan, k);
+    const size_t phase = run->plan->kept[k];
     keep_state(state, run, phase + 1);
     RP_TRY(rp_snapshot_end(state));
     if (run->at.phase <= phase && !run->at.done)

@@ -13,19 +13,12 @@ bool exp_has_phases(const dem_text *text)
     return config_lookup(&text->config, "phases") != NULL;
 }
 
-static bool is_observable(const char *name)
-{
-    for (const exp_observable *o = exp_observables; o->name; o++)
-        if (strcmp(o->name, name) == 0) return true;
-    return false;
-}
-
 /* A let's name stands alone, as an observable's does. */
 static rp_status check_lets(const exp_plan *plan)
 {
     const config_setting_t *let = config_lookup(&plan->text->config, "let");
     for (size_t k = 0; k < plan->text->lets.n; k++)
-        if (is_observable(plan->text->lets.lets[k].name))
+        if (exp_observable_named(plan->text->lets.lets[k].name, ~(unsigned)OF_NEW))
             return rp_config_fail(let, "let.%s: is an observable", plan->text->lets.lets[k].name);
     return RP_OK;
 }
@@ -42,6 +35,7 @@ static rp_status read_walls(exp_plan *plan)
         exp_wall *wall = &plan->walls[k];
         if (k == plan->n_walls) {
             RP_TRY(exp_check_name(plan, list, "a wall", s->names[w]));
+            exp_add_scope(plan, EXP_WALL, k, s->names[w]);
             wall->name = s->names[w];
             RP_NEW(&plan->arena, wall->walls, s->n_names);
             plan->n_walls++;
@@ -65,19 +59,19 @@ static rp_status read_polygon(const config_setting_t *list, exp_place *place, ex
 
 static rp_status read_region(const config_setting_t *setting, exp_place *place, exp_region *r)
 {
-    static const rp_param none[] = {{0}};
     const config_setting_t *x = member(setting, "x"), *y = member(setting, "y"),
                            *circle = member(setting, "circle"), *polygon = member(setting, "polygon");
     *r = (exp_region){.name = config_setting_name(setting), .circle = circle != NULL};
-    RP_TRY(rp_config_group(setting, none, NULL, (const char *const[]){"x", "y", "circle", "polygon", NULL}));
+    RP_TRY(rp_config_group(setting, exp_no_keys, NULL,
+                           (const char *const[]){"x", "y", "circle", "polygon", NULL}));
     if ((x || y) + (circle != NULL) + (polygon != NULL) != 1)
         return rp_config_fail(setting, "%s: x, y or both, or circle, or polygon expected", r->name);
-    for (int k = 0; k < 2; k++)
-        r->x[k].x = r->y[k].x = (rp_expression){.known = true, .value = k ? INFINITY : -INFINITY};
-    if (circle) return exp_read_list(circle, "circle", 3, place, r->circle_of);
+    for (int k = 0; k < 4; k++)
+        r->at[k].x = (rp_expression){.known = true, .value = k % 2 ? INFINITY : -INFINITY};
+    if (circle) return exp_read_list(circle, "circle", 3, place, r->at);
     if (polygon) return read_polygon(polygon, place, r);
-    if (x) RP_TRY(exp_read_list(x, "x", 2, place, r->x));
-    return y ? exp_read_list(y, "y", 2, place, r->y) : RP_OK;
+    if (x) RP_TRY(exp_read_list(x, "x", 2, place, r->at));
+    return y ? exp_read_list(y, "y", 2, place, r->at + 2) : RP_OK;
 }
 
 static rp_status read_regions(exp_plan *plan)
@@ -92,7 +86,7 @@ static rp_status read_regions(exp_plan *plan)
     for (size_t i = 0; i < length(group); i++) {
         RP_TRY(exp_check_name(plan, element(group, i), "a region", config_setting_name(element(group, i))));
         RP_TRY(read_region(element(group, i), &place, &plan->regions[i]));
-        plan->n_regions++;
+        exp_add_scope(plan, EXP_REGION, plan->n_regions++, plan->regions[i].name);
     }
     return RP_OK;
 }
@@ -158,13 +152,11 @@ static rp_status check_required(const exp_plan *plan)
         return rp_config_fail(list, "require: a list ( (\"condition\", \"message\"), ... ) expected");
     for (size_t k = 0; k < length(list); k++) {
         const config_setting_t *pair = element(list, k);
-        const bool two =
-            !config_setting_is_scalar(pair) && !config_setting_is_group(pair) && length(pair) == 2;
-        const char *condition = two ? config_setting_get_string(element(pair, 0)) : NULL,
-                   *message = two ? config_setting_get_string(element(pair, 1)) : NULL;
+        const char *condition = config_setting_get_string_elem(pair, 0),
+                   *message = config_setting_get_string_elem(pair, 1);
         rp_x_symbol is = {0};
         char values[256];
-        if (!condition || !message)
+        if (!condition || !message || length(pair) != 2 || config_setting_is_group(pair))
             return rp_config_fail(pair, "require: (\"condition\", \"message\") expected");
         if (rp_lets_value(pair, condition, &is))
             return rp_config_fail(pair, "require \"%s\": %s", condition, rp_message());
@@ -179,24 +171,27 @@ static rp_status check_required(const exp_plan *plan)
 static rp_status read(exp_plan *plan)
 {
     dem_text *text = plan->text;
-    rp_x_symbol d = {0}, m = {0}, g = {0};
-    bool known = false;
+    const double *constants = text->lets.constants;
+    static const char *const asked[] = {"g", "d", "m"};
     RP_TRY(dem_text_scene(text, &plan->scene));
-    RP_TRY(rp_lets_find(&text->lets, "g", &g, &known));
-    known = false;
-    RP_TRY(rp_prefix(rp_lets_find(&text->lets, "d", &d, &known), "%s: ", text->path));
-    known = false;
-    RP_TRY(rp_lets_find(&text->lets, "m", &m, &known));
-    plan->d = text->lets.constants[RP_LET_D], plan->m = text->lets.constants[RP_LET_M],
-    plan->g = text->lets.constants[RP_LET_G];
+    for (size_t k = 0; k < sizeof asked / sizeof *asked; k++) {
+        rp_x_symbol is = {0};
+        bool known = false;
+        RP_TRY(rp_prefix(rp_lets_find(&text->lets, asked[k], &is, &known), "%s: ", text->path));
+    }
+    plan->d = constants[RP_LET_D], plan->m = constants[RP_LET_M], plan->g = constants[RP_LET_G];
     RP_TRY(read_result(plan));
     RP_TRY(check_required(plan));
     RP_TRY(check_lets(plan));
+    RP_NEW(&plan->arena, plan->scopes,
+           plan->scene.n_names + plan->scene.n_more + 1 +
+               2 * exp_count_phases(config_lookup(&text->config, "phases")) +
+               length(config_lookup(&text->config, "regions")) +
+               length(config_lookup(&text->config, "measure")));
     RP_TRY(read_walls(plan));
-    RP_TRY(exp_name_kinds(plan));
+    RP_TRY(exp_name_phases(plan));
     RP_TRY(read_regions(plan));
     RP_TRY(read_rest(plan));
-    RP_TRY(exp_name_phases(plan));
     RP_TRY(exp_name_measures(plan));
     for (size_t k = 0; k < plan->n_phases; k++) RP_TRY(exp_read_phase(plan, k));
     for (size_t k = 0; k < plan->n_measures; k++) RP_TRY(exp_read_measure(plan, k));
@@ -240,14 +235,12 @@ const exp_output *exp_outputs(const exp_plan *plan, size_t *n)
     return plan->outputs;
 }
 
-static const rp_param no_schema[] = {{0}};
-
 const exp_group exp_groups[] = {
     {"phases", exp_phase_schema,
      "a list, in its order: name; one of steps (a number), time (s), until (a condition, looked at every "
      "`every` steps); if (a condition of lets); fail = { word = \"condition\"; }. From here on: gravity = "
-     "(gx, "
-     "gy); gravity_turn_deg_per_step; box_turn_deg_per_step; dt; x_min; x_max; y_min; normal; tangential; "
+     "(gx, gy); gravity_turn_deg_per_step; box_turn_deg_per_step; dt; x_min; x_max; y_min; normal; "
+     "tangential; "
      "rolling; walls = { NAME = { velocity = (vx, vy); omega; load_x; load_y; speed; coefficients }; }. New "
      "grains: add = { N; kind; r, or radii as of a fill; density; x; y; vx; vy; omega; gap; }. A block has "
      "phases of its own, and repeat or until"},
@@ -255,11 +248,11 @@ const exp_group exp_groups[] = {
      "a list of columns: name; of (an expression, a module or MODULE.OUTPUT); at or during a phase; when (a "
      "condition, of samples); if (a condition of lets); columns = [\"NAME\", ...] (the first of its columns, "
      "by these names)"},
-    {"regions", no_schema,
+    {"regions", exp_no_keys,
      "NAME = { x = (from, to); y = (from, to); }, { circle = (x, y, radius); } or { polygon = ( (x, y), ... "
      "); "
      "}, in the box's frame, by expressions"},
-    {"require", no_schema,
+    {"require", exp_no_keys,
      "( (\"condition\", \"message\"), ... ): what must hold of the lets; asked before anything runs"},
     {"rest", rest_schema, "what the condition `rest` asks, in m, |g| and d of the mean grain"},
     {0}};

@@ -6,13 +6,8 @@
 
 #include "experiment/experiment.h"
 
-/* Symbols: below the first uses of observables, then what a new grain knows of itself, then outputs. */
-enum { EXP_ID_GRAIN = 1 << 19, EXP_ID_MEASURE = 1 << 20 };
-#define EXP_GRAIN_NAMES                                                                                      \
-    {                                                                                                        \
-        "r", "y", "touch"                                                                                    \
-    }
-enum { EXP_R, EXP_Y, EXP_TOUCH, EXP_GRAIN_N };
+/* Symbols: uses of observables below this, then outputs. */
+enum { EXP_ID_MEASURE = 1 << 20 };
 
 /* An expression of the text, with its place in a run's counters. */
 typedef struct {
@@ -20,22 +15,31 @@ typedef struct {
     size_t state;
 } exp_expression;
 
-/* What an observable is of. */
+static inline bool exp_given(const exp_expression *e)
+{
+    return e->x.text != NULL;
+}
+
+/* What a name of the text stands for, by its number among those of its sort; so what an observable is of.
+ * Sorts are bits. */
 typedef struct {
-    enum { EXP_ALL, EXP_REGION, EXP_WALL, EXP_KIND } kind;
+    enum { EXP_ALL = 0, EXP_REGION = 1, EXP_WALL = 2, EXP_KIND = 4, EXP_PHASE = 8, EXP_MEASURE = 16 } sort;
     size_t index;
+    const char *name;
 } exp_scope;
+enum { EXP_SCOPES = EXP_REGION | EXP_WALL | EXP_KIND }; /* their names differ from each other's */
 
 typedef struct exp_use exp_use;
 typedef struct {
     const char *name;
-    enum { OF_RUN = 1, OF_GRAINS = 2, OF_REGION = 4, OF_WALL = 8 } of; /* sums */
-    int least, most;                                                   /* numbers in brackets */
+    enum { OF_RUN = 1, OF_GRAINS = 2, OF_REGION = 4, OF_PART = 6, OF_WALL = 8, OF_NEW = 16 } of; /* sums */
+    int least, most; /* numbers in brackets */
     rp_x_type type;
     const char *unit, *meaning;
     double (*value)(exp_run *run, const exp_use *use, const double args[]);
 } exp_observable;
-extern const exp_observable exp_observables[]; /* ended by a NULL name */
+extern const exp_observable exp_observables[];                             /* ended by a NULL name */
+const exp_observable *exp_observable_named(const char *name, unsigned of); /* NULL: none */
 
 struct exp_use {
     const exp_observable *of;
@@ -48,8 +52,8 @@ struct exp_use {
 typedef struct {
     const char *name;
     bool circle;
-    exp_expression x[2], y[2], circle_of[3];
-    size_t n_points; /* of a polygon, x and y of each */
+    exp_expression at[4]; /* x from and to, y from and to; or centre and radius */
+    size_t n_points;      /* of a polygon, x and y of each */
     exp_expression *points;
 } exp_region;
 
@@ -66,8 +70,8 @@ typedef struct {
 /* What a wall does from here on: a motion, a load along x or y in which it is free, or the end of that. */
 typedef enum { EXP_SAME, EXP_LOADED, EXP_FREED } exp_loading;
 typedef struct {
-    size_t wall;                             /* number among the plan's */
-    bool has_velocity, has_omega, each_step; /* the latter: it asks for what changes from step to step */
+    size_t wall;    /* number among the plan's */
+    bool each_step; /* it asks for what changes from step to step */
     exp_expression velocity[2], omega;
     exp_loading loading[2];
     exp_expression load[2], speed;
@@ -76,8 +80,9 @@ typedef struct {
 
 /* Grains that a phase puts in. */
 typedef struct {
-    bool on, has_r, has_density, in_range; /* in_range: anywhere between y[0] and y[1] */
-    long kind;                             /* -1: none */
+    bool on, in_range; /* the latter: anywhere between y[0] and y[1] */
+    long kind;         /* number, -1: none */
+    const char *kind_name;
     exp_expression n, r, density, x[2], y[2], vx, vy, omega, gap;
     dem_fill radii;
 } exp_add;
@@ -97,8 +102,8 @@ typedef struct {
     exp_expression end;     /* steps, time or until; of a block, its until */
     exp_expression turn[2]; /* degrees a step: gravity, box */
     exp_expression gravity[2];
-    bool turns[2], has_gravity, gravity_each_step, each_step; /* the last: this or a move */
-    long opens;                                               /* number of the wall, or -1 */
+    bool gravity_each_step, each_step; /* the last: this or a move */
+    long opens;                        /* number of the wall, or -1 */
     size_t n_moves;
     exp_move *moves;
     exp_add add;
@@ -156,8 +161,10 @@ struct exp_plan {
         double energy, force;
         long looks, every;
     } rest;
-    size_t n_regions, n_walls, n_phases, n_measures, n_outputs, n_uses, n_states, n_kinds, n_loads;
-    const char **kinds;
+    size_t n_scopes, n_regions, n_walls, n_phases, n_measures, n_outputs, n_uses, n_states, n_kinds, n_loads,
+        n_series, n_kept;
+    size_t *series, *kept; /* measures with a table; phases whose ends are kept */
+    exp_scope *scopes;     /* in the order of the text */
     exp_move **loads;
     bool adds; /* some phase does */
     exp_region *regions;
@@ -167,6 +174,11 @@ struct exp_plan {
     exp_output *outputs;
     exp_use *uses;
 };
+
+/* The first of these sorts, added together, whose name are so many letters; NULL: there is none. `guess` (may
+ * be NULL) tries all names. */
+const exp_scope *exp_scope_named(const exp_plan *plan, unsigned sorts, const char *name, size_t length,
+                                 rp_guess *guess);
 
 /* Where an expression stands: what it may name. */
 typedef struct {
@@ -183,11 +195,13 @@ void exp_place_in(exp_place *place, exp_plan *plan);
 rp_status exp_expression_read(const config_setting_t *setting, const char *key, rp_x_type type,
                               exp_place *place, exp_expression *e);
 
-/* Samples of a measure: time, value, whether there was an event or what it is against, step. */
-enum { EXP_SAMPLE = 4 };
+/* Samples of a measure; beside: what it is against, or whether there was an event. */
+typedef struct {
+    double time, value, beside, step;
+} exp_sampled;
 typedef struct {
     size_t n, room;
-    double *at;
+    exp_sampled *at;
 } exp_samples;
 
 /* What belongs to the simulation, beside itself: a phase that goes back gets it back. */
@@ -214,6 +228,7 @@ typedef struct {
 
 struct exp_run {
     const exp_plan *plan;
+    rp_arena arena; /* of what has the same size all along */
     dem_sim *sim;
     rp_status failed; /* of a look */
     bool ahead;       /* t and phase_step are those of the step to come, at its middle */
@@ -241,11 +256,14 @@ struct exp_run {
     exp_passed *passed;        /* of phases; their names aside */
     rp_snapshot *kept;         /* of phases: their ends, for other runs */
     double **points;           /* of regions: the corners of a polygon, as they were last asked for */
-    double grain[EXP_GRAIN_N]; /* that is being added */
+    struct {
+        double r, y, touch;
+    } grain; /* that is being added */
     /* readings of the present state, made when they are asked for */
     bool fresh;
-    size_t n_states;
+    size_t n_states, n_contacts;
     dem_state *states;
+    dem_contact *contacts; /* NULL: not asked for */
     size_t n_ids;
 };
 
@@ -257,11 +275,12 @@ double exp_dt(const exp_run *run); /* of the laws that hold */
 double exp_value(exp_run *run, const exp_expression *e);
 bool exp_true(exp_run *run, const exp_expression *e);
 
-/* Does an expression ask for anything but measures? */
-bool exp_changes(const exp_expression *e);
+/* Does an expression ask for this observable; NULL: for any, and not for measures alone? */
+bool exp_asks(const exp_plan *plan, const exp_expression *e, const char *observable);
 
 /* The states of the grains as they are now; NULL after a failure. */
 const dem_state *exp_states(exp_run *run);
+const dem_contact *exp_contacts(exp_run *run, size_t *n); /* the same of the contacts, none after a failure */
 void exp_mark(exp_run *run);
 
 /* The grains of a scope at this look: of a region, or of a kind. */
@@ -288,13 +307,15 @@ char *exp_key_to(const exp_plan *plan, size_t end); /* exp_key of the phases bef
 void exp_change_laws(exp_run *run, const exp_phase *p);
 void exp_remove(exp_run *run, const exp_phase *p);
 void exp_add_grains(exp_run *run, const exp_phase *p);
+double exp_density(const exp_plan *plan, const exp_add *a, double given); /* given: if the text says one */
 
 /* Loads of walls: begin or end with a phase; then give their walls their speed for a step. */
 void exp_load_walls(exp_run *run, const exp_phase *p);
 bool exp_is_loaded(const exp_run *run);
 void exp_push_walls(exp_run *run);
-void exp_move_wall(exp_run *run, const exp_phase *p, const exp_wall *wall, const double velocity[2],
-                   double omega);
+/* Along a direction in which one is free, its load sees to its motion. velocity may be NULL, omega NAN: as
+ * before. */
+void exp_move_wall(exp_run *run, const exp_wall *wall, const double velocity[2], double omega);
 double exp_observe(void *run, int id, const double args[]);
 
 /* The numbers of a module. Errors: RP_NO_RESULT; others. */
@@ -304,6 +325,7 @@ const exp_module *exp_module_find(const char *name, size_t length); /* NULL: non
 /* Take the samples of a look; the values of the measures of a phase that has ended. */
 void exp_sample(exp_run *run);
 void exp_measure_phase(exp_run *run, size_t phase);
-bool exp_measures_in(const exp_run *run, long *next); /* steps of the phase to the next sample */
+void exp_measures_in(const exp_run *run, long *next); /* lowered to the steps to the next sample */
+long exp_next_look(long since, long every);           /* steps to it, so many after looks have begun */
 
 #endif

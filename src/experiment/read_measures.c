@@ -34,8 +34,28 @@ const rp_param exp_measure_schema[] = {
     {"wall", "", RP_TEXT, IN(wall), "", "", "wall of the module base"},
     {0}};
 
-static const char *const take_words[] = {"value", "mean", "max",        "min",
-                                         "first", "rate", "avalanches", "line"};
+/* What is made of samples, or a value: endings of columns, with what their meaning begins with. */
+enum { MOST_OUTPUTS = 5 };
+static const exp_output takes[][MOST_OUTPUTS + 1] = {
+    [TAKE_VALUE] = {{"", NULL, ""}},
+    [TAKE_MEAN] = {{"", NULL, "mean"},
+                   {"_sd", NULL, "standard deviation of the samples"},
+                   {"_se", NULL, "standard error of the mean, by blocking"},
+                   {"_n", NULL, "decorrelated samples"}},
+    [TAKE_MAX] = {{"", NULL, "max"}},
+    [TAKE_MIN] = {{"", NULL, "min"}},
+    [TAKE_FIRST] = {{"", NULL, "first"}},
+    [TAKE_RATE] = {{"", NULL, "change over time"},
+                   {"_se", NULL, "standard error of the rate, from ten blocks"}},
+    [TAKE_AVALANCHES] = {{"_n", NULL, "avalanches"},
+                         {"_before", NULL, "mean before one"},
+                         {"_before_se", NULL, "its standard error"},
+                         {"_after", NULL, "mean after one"},
+                         {"_after_se", NULL, "its standard error"}},
+    [TAKE_LINE] = {{"_0", NULL, "value at against = 0 of the straight line"},
+                   {"_1", NULL, "rise of the straight line"},
+                   {"_0_se", NULL, "standard error of the value, from the scatter"},
+                   {"_1_se", NULL, "standard error of the rise"}}};
 
 /* The next column: by the measure's name and an ending, or by `columns`, beyond which there is none. */
 static rp_status add_output(exp_plan *plan, const exp_measure *m, const char *ending, const char *unit,
@@ -46,7 +66,7 @@ static rp_status add_output(exp_plan *plan, const exp_measure *m, const char *en
     const size_t number = plan->n_outputs - m->output;
     const char *begin = strcmp(m->prefix, "auto") == 0 ? m->name : m->prefix;
     if (names && number >= length(names)) return RP_OK;
-    o->name = names ? config_setting_get_string(element(names, number))
+    o->name = names ? config_setting_get_string_elem(names, (int)number)
                     : rp_text(&plan->arena, "%s%s", begin, ending + (!*begin && *ending));
     o->unit = strcmp(ending, "_n") == 0 ? "" : unit;
     o->meaning = number == 0 && *m->meaning ? m->meaning : meaning;
@@ -57,8 +77,6 @@ static rp_status add_output(exp_plan *plan, const exp_measure *m, const char *en
     plan->n_outputs++;
     return RP_OK;
 }
-
-enum { MOST_OUTPUTS = 5 }; /* of samples */
 
 /* Of a module: all its numbers, or with MODULE.OUTPUT one; its keys are the measure's too. */
 static rp_status read_module(exp_plan *plan, const config_setting_t *setting, exp_measure *m,
@@ -90,20 +108,18 @@ static rp_status read_module(exp_plan *plan, const config_setting_t *setting, ex
 static rp_status read_scope(const exp_plan *plan, exp_measure *m)
 {
     const config_setting_t *in = member(m->setting, "in");
-    rp_guess guess = rp_guess_of(m->in);
-    const bool on_wall = m->module && m->module->on_wall;
+    const bool on_wall = m->module && (m->module->needs & EXP_ON_WALL);
     if (on_wall != (*m->wall != '\0'))
         return rp_config_fail(m->setting, "measure %s: wall: %s", m->name,
                               on_wall ? "missing, whose load is measured" : "of the module base");
-    if (on_wall) RP_TRY(exp_find_wall(plan, member(m->setting, "wall"), "wall", m->wall, &m->on));
+    if (on_wall) RP_TRY(exp_find(plan, EXP_WALL, member(m->setting, "wall"), "wall", m->wall, &m->on));
     if (in && !m->module)
         return rp_config_fail(in, "in: of a module; an expression names its region, as in %s.grains", m->in);
-    for (size_t k = 0; k < plan->n_regions && *m->in; k++) {
-        rp_guess_try(&guess, plan->regions[k].name);
-        if (strcmp(plan->regions[k].name, m->in) == 0) return m->scope = (exp_scope){EXP_REGION, k}, RP_OK;
+    if (*m->in) {
+        m->scope.sort = EXP_REGION;
+        return exp_find(plan, EXP_REGION, in, "in", m->in, &m->scope.index);
     }
-    if (*m->in) return rp_config_fail(in, "in = \"%s\": no such region%s", m->in, rp_guess_text(&guess));
-    return m->module && m->module->bounded
+    return m->module && (m->module->needs & EXP_BOUNDED)
                ? rp_config_fail(m->setting, "measure %s: in: missing (a region with two ends in x)", m->name)
                : RP_OK;
 }
@@ -118,8 +134,8 @@ static rp_status read_when(exp_plan *plan, exp_measure *m)
     while (m->phase > 0 && (plan->phases[m->phase].block != SIZE_MAX || plan->phases[m->phase].left_out))
         m->phase--;
     if (*m->at || *m->during)
-        RP_TRY(
-            exp_find_phase(plan, setting, *m->at ? "at" : "during", *m->at ? m->at : m->during, &m->phase));
+        RP_TRY(exp_find(plan, EXP_PHASE, setting, *m->at ? "at" : "during", *m->at ? m->at : m->during,
+                        &m->phase));
     const exp_phase *phase = &plan->phases[m->phase];
     const bool many = *m->during || phase->block != SIZE_MAX;
     if (*m->during && phase->n_inner > 0)
@@ -131,7 +147,7 @@ static rp_status read_when(exp_plan *plan, exp_measure *m)
             many
                 ? "measure %s: take = \"%s\" of samples: one of mean, max, min, first, rate, avalanches, line"
                 : "measure %s: take = \"%s\": needs during = \"PHASE\"",
-            m->name, take_words[m->take]);
+            m->name, rp_word_at(EXP_TAKES, m->take, (char[16]){0}, 16));
     if (m->module && m->module->add && (m->series || (many && m->take != TAKE_MEAN)))
         return rp_config_fail(setting, "measure %s: %s has a table of means, and no series", m->name,
                               m->module->name);
@@ -148,59 +164,30 @@ static rp_status read_when(exp_plan *plan, exp_measure *m)
     return RP_OK;
 }
 
-/* The columns of a measure. */
 /* The unit of a number: as given; of a module's output, or of an observable that stands alone. */
 static const char *unit_of(exp_plan *plan, const exp_measure *m, const char *of)
 {
     if (*m->unit) return m->unit;
     if (m->module) return m->pick < 0 ? "" : rp_unit(m->module->outputs[m->pick].unit);
-    const char *dot = of ? strchr(of, '.') : NULL, *name = dot ? dot + 1 : of, *unit = "";
-    for (const exp_observable *o = exp_observables; of && o->name; o++)
-        if (strcmp(o->name, name) == 0) unit = rp_unit(o->unit);
-    if (m->take != TAKE_RATE) return unit;
-    unit = rp_text(&plan->arena, "%s/%s", *unit ? unit : "1", rp_unit("s"));
+    const char *dot = of ? strchr(of, '.') : NULL, *name = dot ? dot + 1 : of, *unit;
+    const exp_observable *o = of ? exp_observable_named(name, ~(unsigned)OF_NEW) : NULL;
+    if (m->take != TAKE_RATE) return o ? rp_unit(o->unit) : "";
+    unit = rp_text(&plan->arena, "%s/%s", o && *o->unit ? rp_unit(o->unit) : "1", rp_unit("s"));
     return unit ? unit : "";
 }
 
+/* The columns of a measure. */
 static rp_status name_outputs(exp_plan *plan, exp_measure *m)
 {
-    static const char *const of_mean[][2] = {{"", "mean"},
-                                             {"_sd", "standard deviation of the samples"},
-                                             {"_se", "standard error of the mean, by blocking"},
-                                             {"_n", "decorrelated samples"},
-                                             {0}},
-                             *const of_rate[][2] = {{"", "change over time"},
-                                                    {"_se", "standard error of the rate, from ten blocks"},
-                                                    {0}},
-                             *const of_falls[][2] = {{"_n", "avalanches"},
-                                                     {"_before", "mean before one"},
-                                                     {"_before_se", "its standard error"},
-                                                     {"_after", "mean after one"},
-                                                     {"_after_se", "its standard error"},
-                                                     {0}},
-                             *const of_line[][2] = {{"_0", "value at against = 0 of the straight line"},
-                                                    {"_1", "rise of the straight line"},
-                                                    {"_0_se",
-                                                     "standard error of the value, from the scatter"},
-                                                    {"_1_se", "standard error of the rise"},
-                                                    {0}},
-                             *const of_one[][2] = {{"", NULL}, {0}};
-    const char *const(*list)[2] = m->take == TAKE_MEAN         ? of_mean
-                                  : m->take == TAKE_RATE       ? of_rate
-                                  : m->take == TAKE_AVALANCHES ? of_falls
-                                  : m->take == TAKE_LINE       ? of_line
-                                                               : of_one;
-    const exp_output *o = m->module && m->pick < 0 ? m->module->outputs : NULL;
-    const char *of = config_setting_get_string(member(m->setting, "of")),
-               *phase = plan->phases[m->phase].name, *unit = unit_of(plan, m, of);
-    const char *words = m->take == TAKE_VALUE ? "" : take_words[m->take];
+    const bool all = m->module && m->pick < 0; /* numbers of the module */
+    const char *of = config_setting_get_string(member(m->setting, "of")), *unit = unit_of(plan, m, of);
     m->output = plan->n_outputs;
-    for (; o && o->name; o++) RP_TRY(add_output(plan, m, o->name, rp_unit(o->unit), o->meaning));
-    for (size_t k = 0; !(m->module && m->pick < 0) && list[k][0]; k++)
-        RP_TRY(add_output(plan, m, list[k][0], unit,
-                          rp_text(&plan->arena, "%s%s%s, %s %s", list[k][1] ? list[k][1] : words,
-                                  *words || list[k][1] ? " of " : "", of ? of : "a number",
-                                  *m->during ? "during" : "at the end of", phase)));
+    for (const exp_output *o = all ? m->module->outputs : takes[m->take]; o->name; o++)
+        RP_TRY(add_output(plan, m, o->name, all ? rp_unit(o->unit) : unit,
+                          all ? o->meaning
+                              : rp_text(&plan->arena, "%s%s%s, %s %s", o->meaning, *o->meaning ? " of " : "",
+                                        of ? of : "a number", *m->during ? "during" : "at the end of",
+                                        plan->phases[m->phase].name)));
     m->n_outputs = plan->n_outputs - m->output;
     return RP_OK;
 }
@@ -209,44 +196,32 @@ static rp_status name_outputs(exp_plan *plan, exp_measure *m)
 static rp_status check_columns(const exp_plan *plan, const exp_measure *m)
 {
     const config_setting_t *names = member(m->setting, "columns");
-    const bool list = names && (config_setting_is_list(names) || config_setting_is_array(names));
-    if (names && (!list || length(names) == 0 || length(names) > EXP_MODULE_OUTPUTS))
-        return rp_config_fail(names, "columns: names, [\"NAME\", ...], expected");
-    for (size_t k = 0; k < length(names); k++) {
-        const char *name = config_setting_get_string(element(names, k));
-        if (!name) return rp_config_fail(names, "columns: names, [\"NAME\", ...], expected");
-        RP_TRY(exp_check_name(plan, names, "a column", name));
-    }
+    if (!names) return RP_OK;
+    bool good = !config_setting_is_group(names) && length(names) > 0 && length(names) <= EXP_MODULE_OUTPUTS;
+    for (size_t k = 0; k < length(names); k++) good &= config_setting_get_string(element(names, k)) != NULL;
+    if (!good) return rp_config_fail(names, "columns: names, [\"NAME\", ...], expected");
+    for (size_t k = 0; k < length(names); k++)
+        RP_TRY(exp_check_name(plan, names, "a column", config_setting_get_string(element(names, k))));
     return RP_OK;
 }
 
-static rp_status read_level(exp_plan *plan, exp_measure *m)
+static rp_status read_level(const exp_plan *plan, exp_measure *m)
 {
-    const size_t own = (size_t)(m - plan->measures);
     const config_setting_t *setting = member(m->setting, "level_of");
-    rp_guess guess = rp_guess_of(m->level_of);
-    m->levels_with = own;
+    m->levels_with = (size_t)(m - plan->measures);
     if (!*m->level_of) return RP_OK;
     if (member(m->setting, "skip")) return rp_config_fail(setting, "level_of and skip; keep one");
-    for (size_t k = 0; k < own; k++) {
-        const exp_measure *other = &plan->measures[k];
-        rp_guess_try(&guess, other->name);
-        if (strcmp(other->name, m->level_of) != 0) continue;
-        if (other->phase != m->phase || other->every != m->every || other->take == TAKE_VALUE ||
-            other->take == TAKE_FIRST || *other->during != *m->during || other->left_out)
-            return rp_config_fail(setting, "level_of = \"%s\": samples of the same looks expected",
-                                  m->level_of);
-        m->levels_with = k;
-        return RP_OK;
-    }
-    return rp_config_fail(setting, "level_of = \"%s\": no earlier measure has this name%s", m->level_of,
-                          rp_guess_text(&guess));
+    RP_TRY(exp_find(plan, EXP_MEASURE, setting, "level_of", m->level_of, &m->levels_with));
+    const exp_measure *other = &plan->measures[m->levels_with];
+    if (other->phase != m->phase || other->every != m->every || other->take == TAKE_VALUE ||
+        other->take == TAKE_FIRST || *other->during != *m->during || other->left_out)
+        return rp_config_fail(setting, "level_of = \"%s\": samples of the same looks expected", m->level_of);
+    return RP_OK;
 }
 
 static rp_status name_measure(exp_plan *plan, const config_setting_t *setting, exp_measure *m)
 {
     const char *others[EXP_MODULE_OUTPUTS] = {"of", "when", "if", "event", "columns", "against", NULL};
-    exp_place place;
     *m = (exp_measure){.setting = setting};
     rp_params_defaults(exp_measure_schema, m);
     if (!config_setting_is_group(setting))
@@ -258,13 +233,7 @@ static rp_status name_measure(exp_plan *plan, const config_setting_t *setting, e
                                     : exp_check_name(plan, setting, "a measure", m->name));
     if (!member(setting, "of"))
         return rp_config_fail(setting, "measure %s: of: missing (what is measured)", m->name);
-    exp_place_in(&place, plan);
-    place.lets_alone = true;
-    if (member(setting, "if")) {
-        exp_expression e;
-        RP_TRY(exp_expression_read(member(setting, "if"), "if", RP_X_TRUTH, &place, &e));
-        m->left_out = e.x.value == 0.0;
-    }
+    RP_TRY(exp_read_if(plan, setting, &m->left_out));
     RP_TRY(check_columns(plan, m));
     m->file =
         rp_text(&plan->arena, "%s_%s.tsv", m->module && m->module->add ? m->module->name : "series", m->name);
@@ -276,28 +245,19 @@ static rp_status name_measure(exp_plan *plan, const config_setting_t *setting, e
     return name_outputs(plan, m);
 }
 
-static size_t count_outputs(const config_setting_t *list)
-{
-    size_t n = 0;
-    for (size_t i = 0; i < length(list); i++) {
-        const config_setting_t *of =
-            config_setting_is_group(element(list, i)) ? member(element(list, i), "of") : NULL;
-        const char *name = of ? config_setting_get_string(of) : NULL;
-        n += name && exp_module_find(name, strlen(name)) ? EXP_MODULE_OUTPUTS : MOST_OUTPUTS;
-    }
-    return n;
-}
-
 rp_status exp_name_measures(exp_plan *plan)
 {
     const config_setting_t *list = config_lookup(&plan->text->config, "measure");
     if (list && !config_setting_is_list(list))
         return rp_config_fail(list, "measure: a list ( { ... } ) expected");
     RP_NEW(&plan->arena, plan->measures, length(list));
-    RP_NEW(&plan->arena, plan->outputs, count_outputs(list));
+    RP_NEW(&plan->arena, plan->outputs, length(list) * EXP_MODULE_OUTPUTS);
+    RP_NEW(&plan->arena, plan->series, length(list));
     for (size_t i = 0; i < length(list); i++) {
+        const exp_measure *m = &plan->measures[i];
         RP_TRY(name_measure(plan, element(list, i), &plan->measures[i]));
-        plan->n_measures++;
+        if (m->series || (m->module && m->module->add)) plan->series[plan->n_series++] = i;
+        exp_add_scope(plan, EXP_MEASURE, plan->n_measures++, m->name);
     }
     return RP_OK;
 }
@@ -305,22 +265,21 @@ rp_status exp_name_measures(exp_plan *plan)
 rp_status exp_read_measure(exp_plan *plan, size_t k)
 {
     exp_measure *m = &plan->measures[k];
-    const config_setting_t *when = member(m->setting, "when");
+    const config_setting_t *when = member(m->setting, "when"), *event = member(m->setting, "event");
+    const exp_key_of keys[] = {{"of", m->module ? NULL : &m->of},
+                               {"event", &m->event, .type = RP_X_TRUTH},
+                               {"when", &m->when, .type = RP_X_TRUTH},
+                               {"against", &m->against},
+                               {0}};
     exp_place place;
     exp_place_in(&place, plan);
     place.names.measure = true;
     place.measure = k;
-    m->states[0] = plan->n_states;
-    const config_setting_t *event = member(m->setting, "event");
-    if (!m->module) RP_TRY(exp_expression_read(member(m->setting, "of"), "of", RP_X_NUMBER, &place, &m->of));
     if (event && m->take != TAKE_AVALANCHES)
         return rp_config_fail(event, "event: needs take = \"avalanches\"");
-    if (event) RP_TRY(exp_expression_read(event, "event", RP_X_TRUTH, &place, &m->event));
     if (when && m->take == TAKE_VALUE) return rp_config_fail(when, "when: needs samples, during = \"PHASE\"");
-    if (when) RP_TRY(exp_expression_read(when, "when", RP_X_TRUTH, &place, &m->when));
-    if (m->take == TAKE_LINE)
-        RP_TRY(
-            exp_expression_read(member(m->setting, "against"), "against", RP_X_NUMBER, &place, &m->against));
+    m->states[0] = plan->n_states;
+    RP_TRY(exp_read_keys(m->setting, "", keys, &place));
     m->states[1] = plan->n_states;
     return RP_OK;
 }

@@ -26,16 +26,31 @@ bool exp_is_word(const char *word); /* of a run's status */
 rp_status exp_read_list(const config_setting_t *list, const char *key, size_t n, exp_place *place,
                         exp_expression *e);
 
-/* A name among those of walls, or of phases, *at its number; a failure names the nearest. Without a key the
- * setting itself bears the name. */
-rp_status exp_find_wall(const exp_plan *plan, const config_setting_t *setting, const char *key,
-                        const char *name, size_t *at);
-rp_status exp_find_phase(const exp_plan *plan, const config_setting_t *setting, const char *key,
-                         const char *name, size_t *phase);
+/* Keys of a group that are expressions, ended by a NULL key; those that are there are read, but for e = NULL.
+ * n: numbers of a list, 0: one alone. The range is that of a number that is known, as of a parameter, NULL:
+ * any; `within` stands before the key where it fails. Errors: RP_BAD_INPUT. */
+typedef struct {
+    const char *key;
+    exp_expression *e;
+    size_t n;
+    rp_x_type type;
+    const char *range;
+} exp_key_of;
+rp_status exp_read_keys(const config_setting_t *group, const char *within, const exp_key_of *keys,
+                        exp_place *place);
 
-/* Kinds of grains first, then names and places of the phases, then of the measures; then what their
- * expressions say. */
-rp_status exp_name_kinds(exp_plan *plan);
+/* The condition `if` of a phase or measure: whether that is left out. */
+rp_status exp_read_if(exp_plan *plan, const config_setting_t *group, bool *left_out);
+
+/* The number of a name of this sort; a failure names the nearest. Without a key the setting itself bears the
+ * name. */
+rp_status exp_find(const exp_plan *plan, int sort, const config_setting_t *setting, const char *key,
+                   const char *name, size_t *index);
+void exp_add_scope(exp_plan *plan, int sort, size_t index, const char *name);
+
+/* Names and places of the phases, with the kinds of grains; of the measures; then what their expressions say.
+ */
+size_t exp_count_phases(const config_setting_t *list);
 rp_status exp_name_phases(exp_plan *plan);
 rp_status exp_name_measures(exp_plan *plan);
 rp_status exp_read_phase(exp_plan *plan, size_t phase);

@@ -29,7 +29,16 @@ const dem_state *exp_states(exp_run *run)
     run->failed = dem_states(run->sim, run->states);
     run->n_states = n;
     run->fresh = !run->failed;
+    free(run->contacts), run->contacts = NULL;
     return run->failed ? NULL : run->states;
+}
+
+const dem_contact *exp_contacts(exp_run *run, size_t *n)
+{
+    if (exp_states(run) && !run->contacts)
+        run->failed = dem_contacts(run->sim, &run->contacts, &run->n_contacts);
+    *n = run->failed ? 0 : run->n_contacts;
+    return run->contacts;
 }
 
 double exp_dt(const exp_run *run)

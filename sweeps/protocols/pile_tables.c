@@ -20,10 +20,7 @@ void sweep_pile_notes(const sweep_solved *s, FILE *out)
     if (!isnan(r->released))
         rp_table_note(out, "released", "%.6g m g eps sigma, from the primary state on", r->released);
     rp_table_note(out, "residual", "%.3g m g", r->residual);
-    if (r->fault)
-        rp_table_note(out, "negative_modes", "nan");
-    else
-        rp_table_note(out, "negative_modes", "%zu", r->negative_modes);
+    rp_table_note_number(out, "negative_modes", r->fault ? NAN : (double)r->negative_modes, "");
     if (isnan(r->smallest_pivot))
         rp_table_note(out, "smallest_pivot", "nan");
     else

@@ -51,11 +51,5 @@ static rp_status evaluate(const exp_view *s, const void *params, double out[])
     return RP_OK;
 }
 
-const exp_module exp_module_fabric = {.name = "fabric",
-                                      .about = "directions of the contacts between grains",
-                                      .word = "no_contacts",
-                                      .schema = schema,
-                                      .size = sizeof(fabric_params),
-                                      .outputs = outputs,
-                                      .on_contacts = true,
-                                      .evaluate = evaluate};
+EXP_MODULE(fabric, "directions of the contacts between grains", "no_contacts", schema, fabric_params, outputs,
+           EXP_ON_CONTACTS, .evaluate = evaluate);

@@ -1,8 +1,8 @@
 /* The two flanks of a heap: straight lines from the highest point outwards. */
 #include <math.h>
-#include <stdlib.h>
 
 #include "angle/angle.h"
+#include "core/arena.h"
 #include "core/elementary.h"
 #include "experiment/modules/module.h"
 
@@ -60,11 +60,13 @@ static rp_status evaluate(const exp_view *s, const void *params, double out[])
     const flanks_params *p = params;
     const double ground = isfinite(s->lo[1]) ? s->lo[1] : 0.0;
     const ang_options options = {s->d, ANG_TOP, ANG_EMPTY_SKIP, ANG_PARABOLA_FREE};
-    double left = INFINITY, right = -INFINITY, top = -INFINITY, apex = 0.0,
-           *x = malloc((3 * s->n + 1) * sizeof *x), *y = x + s->n, *r = y + s->n;
-    ang_surface surface = {0};
+    double left = INFINITY, right = -INFINITY, top = -INFINITY, apex = 0.0, *x;
+    RP_ENDS(ang_surface_free) ang_surface surface = {0};
+    RP_SCOPE(memory);
     size_t column = 0;
-    if (!x) return rp_fail(RP_NO_MEMORY, "flanks: out of memory");
+    if (s->n == 0) return rp_fail(RP_NO_RESULT, "no grains");
+    RP_NEW(&memory, x, 3 * s->n);
+    double *y = x + s->n, *r = y + s->n;
     for (size_t i = 0; i < s->n; i++) {
         r[i] = s->grains[i].r, y[i] = s->grains[i].y - ground, x[i] = s->grains[i].x;
         left = fmin(left, x[i] - r[i]), right = fmax(right, x[i] + r[i]);
@@ -73,27 +75,14 @@ static rp_status evaluate(const exp_view *s, const void *params, double out[])
     /* columns one diameter wide, the middle one about the apex */
     const double beside = ceil((apex - left) / s->d), columns = beside + 1.0 + ceil((right - apex) / s->d);
     for (size_t i = 0; i < s->n; i++) x[i] = x[i] - apex + (beside + 0.5) * s->d;
-    rp_status status = s->n ? ang_surface_make(s->n, x, y, r, columns * s->d, &options, &surface)
-                            : rp_fail(RP_NO_RESULT, "no grains");
+    RP_TRY(ang_surface_make(s->n, x, y, r, columns * s->d, &options, &surface));
     while (column + 1 < surface.n && (double)surface.column[column] < beside) column++;
-    for (int side = 0; side < 2 && !status; side++) status = flank(&surface, column, side, p, out);
-    if (!status) {
-        out[MEAN] = 0.5 * (out[LEFT] + out[RIGHT]);
-        out[MEAN_ERROR] = 0.5 * rp_hypot(out[LEFT_ERROR], out[RIGHT_ERROR]);
-        out[HEIGHT] = top;
-        out[APEX] = apex;
-        out[WIDTH] = right - left;
-    }
-    ang_surface_free(&surface);
-    free(x);
-    return status;
+    for (int side = 0; side < 2; side++) RP_TRY(flank(&surface, column, side, p, out));
+    out[MEAN] = 0.5 * (out[LEFT] + out[RIGHT]);
+    out[MEAN_ERROR] = 0.5 * rp_hypot(out[LEFT_ERROR], out[RIGHT_ERROR]);
+    out[HEIGHT] = top, out[APEX] = apex, out[WIDTH] = right - left;
+    return RP_OK;
 }
 
-const exp_module exp_module_flanks = {
-    .name = "flanks",
-    .about = "both flanks of a heap, by straight lines from the highest point outwards",
-    .word = "no_pile",
-    .schema = schema,
-    .size = sizeof(flanks_params),
-    .outputs = outputs,
-    .evaluate = evaluate};
+EXP_MODULE(flanks, "both flanks of a heap, by straight lines from the highest point outwards", "no_pile",
+           schema, flanks_params, outputs, 0, .evaluate = evaluate);

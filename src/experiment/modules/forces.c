@@ -7,16 +7,6 @@
 #include "experiment/modules/module.h"
 #include "stress/stress.h"
 
-static const rp_param schema[] = {{0}};
-
-void exp_contact_force(const dem_contact *c, double force[2])
-{
-    const double lx = c->x - c->x_b, ly = c->y - c->y_b, l = sqrt(lx * lx + ly * ly), nx = lx / l,
-                 ny = ly / l;
-    force[0] = c->normal_force * nx + c->shear_force * ny;
-    force[1] = c->normal_force * ny - c->shear_force * nx;
-}
-
 static bool is_floor(const exp_view *s, const dem_contact *c)
 {
     bool floor = false;
@@ -51,10 +41,7 @@ static rp_status check_balance(const exp_view *s, size_t n, const dem_contact co
 {
     RP_SCOPE(arena);
     double *f, x, y;
-    size_t n_ids = s->n ? s->grains[s->n - 1].id : 0;
-    for (size_t k = 0; k < n; k++) n_ids = contacts[k].id_a > n_ids ? contacts[k].id_a : n_ids;
-    for (size_t k = 0; k < n; k++) n_ids = contacts[k].id_b > n_ids ? contacts[k].id_b : n_ids;
-    RP_NEW(&arena, f, 2 * n_ids);
+    RP_NEW(&arena, f, s->n_all ? 2 * s->all[s->n_all - 1].id : 0);
     for (const dem_contact *c = contacts; c < contacts + n; c++) {
         double force[2];
         exp_contact_force(c, force);
@@ -116,16 +103,8 @@ static rp_status evaluate(const exp_view *s, const void *params, double out[])
     return check_balance(s, n, contacts, g, weight, out);
 }
 
-const exp_module exp_module_forces = {.name = "forces",
-                                      .about = "forces on a level floor, mean stress and balance",
-                                      .word = "no_pile",
-                                      .schema = schema,
-                                      .size = 1,
-                                      .outputs = outputs,
-                                      .bounded = true,
-                                      .on_wall = true,
-                                      .on_contacts = true,
-                                      .evaluate = evaluate};
+EXP_MODULE(forces, "forces on a level floor, mean stress and balance", "no_pile", exp_no_keys, char, outputs,
+           EXP_BOUNDED | EXP_ON_WALL | EXP_ON_CONTACTS, .evaluate = evaluate);
 
 /* ---- the limit of friction ---- */
 
@@ -163,13 +142,5 @@ static rp_status count(const exp_view *s, const void *params, double out[])
     return RP_OK;
 }
 
-const exp_module exp_module_limit = {.name = "limit",
-                                     .about = "contacts that are at the limit of friction",
-                                     .word = "no_contacts",
-                                     .schema = schema,
-                                     .size = 1,
-                                     .outputs = limit_outputs,
-                                     .bounded = true,
-                                     .on_wall = true,
-                                     .on_contacts = true,
-                                     .evaluate = count};
+EXP_MODULE(limit, "contacts that are at the limit of friction", "no_contacts", exp_no_keys, char,
+           limit_outputs, EXP_BOUNDED | EXP_ON_WALL | EXP_ON_CONTACTS, .evaluate = count);

@@ -4,6 +4,7 @@
 
 #include "dem/dem.h"
 #include "params/params.h"
+#include "stress/stress.h"
 
 /* A number that a run yields. */
 typedef struct {
@@ -31,14 +32,14 @@ typedef struct {
     const size_t *walls;
 } exp_view;
 
+/* What a module needs, added together: a region with two ends in x, a wall, the contacts. */
+enum { EXP_BOUNDED = 1, EXP_ON_WALL = 2, EXP_ON_CONTACTS = 4 };
 typedef struct {
     const char *name, *about, *word; /* the word: status of a run for which it has no numbers */
     const rp_param *schema;          /* of the structure below */
     size_t size;
     const exp_output *outputs; /* endings of names */
-    bool bounded;              /* its region must have two ends in x */
-    bool on_wall;              /* it is of a wall too */
-    bool on_contacts;          /* it asks for the contacts */
+    unsigned needs;
     /* Errors: RP_NO_RESULT; others. */
     rp_status (*evaluate)(const exp_view *view, const void *params, double out[]);
     /* Of one that has a table instead of outputs: how many sums it needs; what a sample adds to them, 0 at
@@ -47,6 +48,16 @@ typedef struct {
     rp_status (*add)(const exp_view *view, const void *params, double sums[]);
     void (*write)(const void *params, double samples, const double sums[], FILE *out);
 } exp_module;
+extern const rp_param exp_no_keys[]; /* the schema of one without parameters, a char */
+#define EXP_MODULE(NAME, ABOUT, WORD, KEYS, TYPE, OUTPUTS, NEEDS, ...)                                       \
+    const exp_module exp_module_##NAME = {.name = #NAME,                                                     \
+                                          .about = ABOUT,                                                    \
+                                          .word = WORD,                                                      \
+                                          .schema = KEYS,                                                    \
+                                          .size = sizeof(TYPE),                                              \
+                                          .outputs = OUTPUTS,                                                \
+                                          .needs = NEEDS,                                                    \
+                                          __VA_ARGS__}
 
 /* Is a grain of this id in a view, whose ids rise? */
 bool exp_view_has(const exp_view *view, uint32_t id);
@@ -65,6 +76,12 @@ void exp_contact_force(const dem_contact *contact, double force[2]);
  * than 1.25 times touching; 1 in a triangular lattice. Fixed grains and those with fewer than two neighbours
  * are left out; NaN if all are. order[n], neighbours[n] (may be NULL): of each grain; NaN where left out. */
 double exp_bond_order(size_t n, const dem_state grains[], double order[], int neighbours[]);
+
+/* Profile that rays of 60 degrees put on this base under the outline of a pile of disks of mean diameter 1:
+ * the highest points of columns of that width, where disks have their highest points (x, top), joined by
+ * straight lines. Steps steeper than rays are filled. Errors: RP_NO_MEMORY, RP_BAD_INPUT (not finite). */
+rp_status exp_outline_rays(size_t n, const double x[], const double top[], const stress_base *base,
+                           double N[STRESS_DIP_BINS]);
 
 #define EXP_MODULES(X)                                                                                       \
     X(slope)                                                                                                 \

@@ -1,15 +1,12 @@
 /* How the grains of a pile have moved from their marks, otherwise than the pile as a whole; and where. */
 #include <gsl/gsl_math.h>
 #include <gsl/gsl_sort.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "core/arena.h"
 #include "core/elementary.h"
 #include "experiment/modules/module.h"
 #include "stats/stats.h"
-
-static const rp_param schema[] = {{0}};
 
 /* Zones: quarters of the width, from the left; of each the surface, the inside and the floor. */
 enum { QUARTERS = 4, SURFACE = 0, BULK = 1, BASE = 2, LAYERS = 3 };
@@ -49,8 +46,7 @@ static size_t column_of(double x, double width, size_t n)
 }
 
 /* Of the grains that are still there. Columns are those of the surface, about d wide. */
-static rp_status find_places(const exp_view *s, rp_arena *arena, size_t n, const dem_state states[], place *p,
-                             size_t *found)
+static rp_status find_places(const exp_view *s, rp_arena *arena, place *p, size_t *found)
 {
     const double width = s->hi[0] - s->lo[0];
     const size_t columns = (size_t)fmax(round(width / s->d), 1.0);
@@ -64,9 +60,9 @@ static rp_status find_places(const exp_view *s, rp_arena *arena, size_t n, const
             *t = fmax(*t, at[1]);
         }
     *found = 0;
-    for (size_t i = 0; i < n; i++) {
-        double x = states[i].x, y = states[i].y;
-        if (!mark_of(s, states[i].id, at)) continue;
+    for (const dem_state *g = s->all; g < s->all + s->n_all; g++) {
+        double x = g->x, y = g->y;
+        if (!mark_of(s, g->id, at)) continue;
         dem_box_frame(s->sim, &x, &y);
         p[(*found)++] = (place){
             at[0] - s->lo[0],   at[1] - ground,     top[column_of(at[0] - s->lo[0], width, columns)] - at[1],
@@ -117,15 +113,16 @@ static void note_zones(const exp_view *s, size_t n, const place p[], double out[
         for (int j = 0; j < LAYERS; j++) out[MOVED + LAYERS * k + j] = moved[k][j] / all[k][j];
 }
 
-static rp_status measure(const exp_view *s, const dem_state states[], double out[])
+static rp_status evaluate(const exp_view *s, const void *params, double out[])
 {
     RP_SCOPE(arena);
     place *p;
     double *reach, about_mean, sum = 0.0, width = s->hi[0] - s->lo[0];
     size_t n;
-    RP_NEW(&arena, p, dem_count(s->sim));
-    RP_NEW(&arena, reach, dem_count(s->sim));
-    RP_TRY(find_places(s, &arena, dem_count(s->sim), states, p, &n));
+    (void)params;
+    RP_NEW(&arena, p, s->n_all);
+    RP_NEW(&arena, reach, s->n_all);
+    RP_TRY(find_places(s, &arena, p, &n));
     if (n < 4) return rp_fail(RP_NO_RESULT, "%zu grains with a mark in the region, at least 4 needed", n);
     RP_TRY(take_affine(s, &arena, n, p, &about_mean));
     for (int k = MOVES_X; k < MOVED; k++) out[k] = 0.0;
@@ -143,22 +140,5 @@ static rp_status measure(const exp_view *s, const dem_state states[], double out
     return RP_OK;
 }
 
-static rp_status evaluate(const exp_view *s, const void *params, double out[])
-{
-    dem_state *states = malloc((dem_count(s->sim) + 1) * sizeof *states);
-    (void)params;
-    rp_status status = states ? dem_states(s->sim, states) : rp_fail(RP_NO_MEMORY, "motion: out of memory");
-    if (!status) status = measure(s, states, out);
-    free(states);
-    return status;
-}
-
-const exp_module exp_module_motion = {
-    .name = "motion",
-    .about = "displacements from the marks in a region, less the best affine one",
-    .word = "no_pile",
-    .schema = schema,
-    .size = 1,
-    .outputs = outputs,
-    .bounded = true,
-    .evaluate = evaluate};
+EXP_MODULE(motion, "displacements from the marks in a region, less the best affine one", "no_pile",
+           exp_no_keys, char, outputs, EXP_BOUNDED, .evaluate = evaluate);

@@ -7,8 +7,6 @@
 #include "core/elementary.h"
 #include "experiment/modules/module.h"
 
-static const rp_param schema[] = {{0}};
-
 static const exp_output outputs[] = {
     {"_psi6", "", "mean |psi_6| of the grains with two or more neighbours"},
     {"_packed", "", "share of the grains that are close-packed: six neighbours, |psi_6| at least 0.9"},
@@ -17,23 +15,6 @@ static const exp_output outputs[] = {
      "or 120"},
     {"_packed_60", "", "the same of contacts between close-packed grains"},
     {0}};
-
-static int by_id(const void *a, const void *b)
-{
-    const uint32_t p = ((const dem_state *)a)->id, q = ((const dem_state *)b)->id;
-    return (p > q) - (p < q);
-}
-
-const dem_state *exp_grain_of(size_t n, const dem_state grains[], uint32_t id)
-{
-    const dem_state wanted = {.id = id};
-    return bsearch(&wanted, grains, n, sizeof wanted, by_id);
-}
-
-bool exp_view_has(const exp_view *view, uint32_t id)
-{
-    return exp_grain_of(view->n, view->grains, id) != NULL;
-}
 
 double exp_bond_order(size_t n, const dem_state grains[], double order[], int neighbours[])
 {
@@ -109,11 +90,5 @@ static rp_status evaluate(const exp_view *s, const void *params, double out[])
     return RP_OK;
 }
 
-const exp_module exp_module_order = {.name = "order",
-                                     .about = "bond order of grains and their neighbours",
-                                     .word = "no_pile",
-                                     .schema = schema,
-                                     .size = 1,
-                                     .outputs = outputs,
-                                     .on_contacts = true,
-                                     .evaluate = evaluate};
+EXP_MODULE(order, "bond order of grains and their neighbours", "no_pile", exp_no_keys, char, outputs,
+           EXP_ON_CONTACTS, .evaluate = evaluate);

@@ -97,14 +97,5 @@ static void write(const void *params, double samples, const double sums[], FILE 
     }
 }
 
-const exp_module exp_module_profile = {.name = "profile",
-                                       .about =
-                                           "fraction, velocity and stress in bins of a region: a table alone",
-                                       .word = "no_region",
-                                       .schema = schema,
-                                       .size = sizeof(profile_params),
-                                       .outputs = outputs,
-                                       .on_contacts = true,
-                                       .room = room,
-                                       .add = add,
-                                       .write = write};
+EXP_MODULE(profile, "fraction, velocity and stress in bins of a region: a table alone", "no_region", schema,
+           profile_params, outputs, EXP_ON_CONTACTS, .room = room, .add = add, .write = write);

@@ -1,8 +1,8 @@
 /* The slope of a surface that falls to one side, by the three methods of Lee & Herrmann 1993. */
 #include <math.h>
-#include <stdlib.h>
 
 #include "angle/angle.h"
+#include "core/arena.h"
 #include "experiment/modules/module.h"
 #include "stats/stats.h"
 
@@ -40,23 +40,23 @@ static rp_status find_columns(const exp_view *s, const slope_params *p, ang_surf
 {
     const ang_options options = {s->d, (ang_height)p->height, (ang_empty)p->empty, (ang_parabola)p->parabola};
     const double ground = isfinite(s->lo[1]) ? s->lo[1] : 0.0;
-    *surface = (ang_surface){0};
+    RP_SCOPE(memory);
+    double *x;
     *first = *n = 0;
-    double *x = malloc((3 * s->n + 1) * sizeof *x), *y = x + s->n, *r = y + s->n;
-    if (!x) return rp_fail(RP_NO_MEMORY, "slope: out of memory");
+    RP_NEW(&memory, x, 3 * s->n);
+    double *y = x + s->n, *r = y + s->n;
     for (size_t i = 0; i < s->n; i++) {
         x[i] = p->falls ? s->hi[0] - s->grains[i].x : s->grains[i].x - s->lo[0];
         y[i] = s->grains[i].y - ground, r[i] = s->grains[i].r;
     }
-    rp_status status = ang_surface_make(s->n, x, y, r, s->hi[0] - s->lo[0], &options, surface);
+    RP_TRY(ang_surface_make(s->n, x, y, r, s->hi[0] - s->lo[0], &options, surface));
     const double lo = ceil(p->from * (double)surface->n_cells - 1e-9),
                  hi = floor(p->to * (double)surface->n_cells + 1e-9);
-    for (size_t k = 0; k < surface->n && !status; k++) {
+    for (size_t k = 0; k < surface->n; k++) {
         *first += (double)surface->column[k] < lo;
         *n += (double)surface->column[k] >= lo && (double)surface->column[k] < hi;
     }
-    free(x);
-    return status || *n >= 3 ? status : rp_fail(RP_NO_RESULT, "%zu columns, at least 3 needed", *n);
+    return *n >= 3 ? RP_OK : rp_fail(RP_NO_RESULT, "%zu columns, at least 3 needed", *n);
 }
 
 static rp_status slopes_of(const ang_surface *s, size_t first, size_t n, int parabola,
@@ -70,30 +70,20 @@ static const double degree = 180.0 / M_PI;
 static rp_status evaluate(const exp_view *s, const void *params, double out[])
 {
     const slope_params *p = params;
-    ang_surface surface;
+    RP_ENDS(ang_surface_free) ang_surface surface = {0};
     ang_slope slopes[ANG_N_METHODS];
     size_t first, n;
-    rp_status status = find_columns(s, p, &surface, &first, &n);
-    if (!status) status = slopes_of(&surface, first, n, p->parabola, slopes);
-    if (!status) {
-        for (int k = 0; k < ANG_N_METHODS; k++) out[k] = slopes[k].theta * degree;
-        out[3] = slopes[2].theta_se * degree;
-        out[4] = out[0] - out[1], out[5] = out[1] - out[2];
-        out[6] = (double)surface.n_occupied;
-    }
-    ang_surface_free(&surface);
-    return status;
+    RP_TRY(find_columns(s, p, &surface, &first, &n));
+    RP_TRY(slopes_of(&surface, first, n, p->parabola, slopes));
+    for (int k = 0; k < ANG_N_METHODS; k++) out[k] = slopes[k].theta * degree;
+    out[3] = slopes[2].theta_se * degree;
+    out[4] = out[0] - out[1], out[5] = out[1] - out[2];
+    out[6] = (double)surface.n_occupied;
+    return RP_OK;
 }
 
-const exp_module exp_module_slope = {
-    .name = "slope",
-    .about = "slope of a surface that falls to one side, over y = 0 or the region's lower end",
-    .word = "no_pile",
-    .schema = schema,
-    .size = sizeof(slope_params),
-    .outputs = outputs,
-    .bounded = true,
-    .evaluate = evaluate};
+EXP_MODULE(slope, "slope of a surface that falls to one side, over y = 0 or the region's lower end",
+           "no_pile", schema, slope_params, outputs, EXP_BOUNDED, .evaluate = evaluate);
 
 /* ---- what else the surface says ---- */
 
@@ -115,48 +105,36 @@ static const exp_output surface_outputs[] = {
     {"_theta_t_deg", "degree", "tilt at which (4), balanced, lets a pile of this slope (method 3) move"},
     {0}};
 
-static rp_status look_closer(const ang_surface *s, size_t first, size_t n, double d, double mu, double out[])
-{
-    const size_t part = (2 * n + 4) / 5;
-    double *x = malloc(n * sizeof *x);
-    ang_slope slopes[ANG_N_METHODS];
-    ang_tilt_result theory;
-    stats_line line;
-    if (!x) return rp_fail(RP_NO_MEMORY, "surface: out of memory");
-    for (size_t k = 0; k < n; k++) x[k] = (double)s->column[first + k];
-    rp_status status = stats_line_fit(&(stats_xy){n, x, s->h + first, NULL}, false, &line);
-    free(x);
-    if (!status) out[0] = sqrt(line.chi2 / (double)n) / d;
-    for (size_t k = 0; k + part <= n && part >= 3 && !status; k++) {
-        status = slopes_of(s, first + k, part, ANG_PARABOLA_FREE, slopes);
-        if (!status) out[1] = fmax(out[1], slopes[1].theta * degree);
-    }
-    if (!status) status = slopes_of(s, first, n, ANG_PARABOLA_FREE, slopes);
-    if (status || isinf(mu) || slopes[2].theta < 0.0) return status;
-    status = ang_tilt(ANG_BALANCED, mu, slopes[2].theta, M_PI / 3.0, &theory);
-    if (!status) out[2] = theory.theta_t * degree;
-    return status;
-}
-
 static rp_status evaluate_surface(const exp_view *s, const void *params, double out[])
 {
     const surface_params *p = params;
     slope_params whole = p->slope;
-    ang_surface surface;
+    RP_ENDS(ang_surface_free) ang_surface surface = {0};
+    RP_SCOPE(memory);
+    double *x;
     size_t first, n;
+    ang_slope slopes[ANG_N_METHODS];
+    ang_tilt_result theory;
+    stats_line line;
     whole.from = 0.0, whole.to = 1.0;
-    rp_status status = find_columns(s, &whole, &surface, &first, &n);
-    if (!status) status = look_closer(&surface, first, n, s->d, p->mu, out);
-    ang_surface_free(&surface);
-    return status;
+    RP_TRY(find_columns(s, &whole, &surface, &first, &n));
+    RP_NEW(&memory, x, n);
+    for (size_t k = 0; k < n; k++) x[k] = (double)surface.column[first + k];
+    RP_TRY(stats_line_fit(&(stats_xy){n, x, surface.h + first, NULL}, false, &line));
+    out[0] = sqrt(line.chi2 / (double)n) / s->d;
+    const size_t part = (2 * n + 4) / 5;
+    for (size_t k = 0; k + part <= n && part >= 3; k++) {
+        RP_TRY(slopes_of(&surface, first + k, part, ANG_PARABOLA_FREE, slopes));
+        out[1] = fmax(out[1], slopes[1].theta * degree);
+    }
+    RP_TRY(slopes_of(&surface, first, n, ANG_PARABOLA_FREE, slopes));
+    if (isinf(p->mu) || slopes[2].theta < 0.0) return RP_OK;
+    RP_TRY(ang_tilt(ANG_BALANCED, p->mu, slopes[2].theta, M_PI / 3.0, &theory));
+    out[2] = theory.theta_t * degree;
+    return RP_OK;
 }
 
-const exp_module exp_module_surface = {.name = "surface",
-                                       .about = "scatter and steepest part of a surface that falls to one "
-                                                "side, and the tilt of LH's (4) for its slope",
-                                       .word = "no_pile",
-                                       .schema = surface_schema,
-                                       .size = sizeof(surface_params),
-                                       .outputs = surface_outputs,
-                                       .bounded = true,
-                                       .evaluate = evaluate_surface};
+EXP_MODULE(
+    surface,
+    "scatter and steepest part of a surface that falls to one side, and the tilt of LH's (4) for its slope",
+    "no_pile", surface_schema, surface_params, surface_outputs, EXP_BOUNDED, .evaluate = evaluate_surface);
