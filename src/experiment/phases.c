@@ -107,7 +107,8 @@ static rp_status fill(exp_run *run, dem_scene *scene)
     if (!exp_make_ids(run, def.n_grains + 1)) return run->failed;
     i = scene->grains ? scene->def.n_grains : 0;
     for (size_t k = 0; dem_scene_fill_at(scene, k); k++)
-        for (const int kind = kind_named(plan, scene->kinds[k]); i < ends[k]; i++) run->kinds[i] = kind;
+        for (const int kind = kind_named(plan, dem_scene_fill_at(scene, k)->kind); i < ends[k]; i++)
+            run->kinds[i] = kind;
     return RP_OK;
 }
 

@@ -164,8 +164,8 @@ static rp_status read_moves(const config_setting_t *group, exp_place *place, exp
 /* add = { N; kind; r, or radii as of a fill; density; x; y; vx; vy; omega; gap; }. */
 static rp_status read_add(const config_setting_t *group, exp_place *place, exp_add *a)
 {
-    static const char *const keys[] = {"N",  "kind", "r",     "density", "x", "y",
-                                       "vx", "vy",   "omega", "gap",     NULL};
+    static const char *const keys[] = {"N",  "kind", "r",     "density", "x",     "y",
+                                       "vx", "vy",   "omega", "gap",     "radii", NULL};
     exp_plan *plan = place->plan;
     const config_setting_t *x = member(group, "x"), *y = member(group, "y");
     const struct {
@@ -209,18 +209,10 @@ static rp_status read_add(const config_setting_t *group, exp_place *place, exp_a
     RP_TRY(a->in_range ? exp_read_list(y, "y", 2, place, a->y)
                        : exp_expression_read(y, "y", RP_X_NUMBER, place, &a->y[0]));
     place->of_grain = false;
-    dem_fill *const first = dem_scene_fill_at(&plan->scene, 0);
-    RP_TRY(dem_text_radii(group, keys, first, &a->radii));
-    if (a->has_r && member(group, "radius_mean"))
-        return rp_config_fail(group, "add: r and radius_mean; keep one");
-    if (!a->radii.n_radii || (first && a->radii.radii == first->radii)) return RP_OK;
-    double *own; /* of the plan */
-    const double *read = a->radii.radii;
-    RP_NEW(&plan->arena, own, 2 * a->radii.n_radii);
-    memcpy(own, read, 2 * a->radii.n_radii * sizeof *own);
-    a->radii.radii = own;
-    free((void *)read);
-    return RP_OK;
+    RP_TRY(dem_text_radii(&plan->arena, group, keys, dem_scene_fill_at(&plan->scene, 0), &a->radii));
+    return a->has_r && member(group, "radius_mean")
+               ? rp_config_fail(group, "add: r and radius_mean; keep one")
+               : RP_OK;
 }
 
 static bool changes_laws(const config_setting_t *setting)
@@ -436,7 +428,8 @@ rp_status exp_name_kinds(exp_plan *plan)
                            *fill = config_lookup(&plan->text->config, "fill");
     RP_NEW(&plan->arena, plan->kinds, count(list, NULL) + plan->scene.n_more + 1);
     for (size_t k = 0; dem_scene_fill_at(&plan->scene, k); k++)
-        if (*plan->scene.kinds[k]) RP_TRY(name_kind(plan, fill, plan->scene.kinds[k]));
+        if (*dem_scene_fill_at(&plan->scene, k)->kind)
+            RP_TRY(name_kind(plan, fill, dem_scene_fill_at(&plan->scene, k)->kind));
     return name_added(plan, list);
 }
 
