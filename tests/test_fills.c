@@ -227,7 +227,7 @@ static void test_several(void)
     scoped dem_grain *grains = NULL, *again = NULL;
     size_t n, m, ends[3];
     CHECK_OK(grains_read(several, NULL, &s));
-    CU_ASSERT(s.has_fill && s.n_more == 2 && strcmp(s.kinds[2], "large") == 0);
+    CU_ASSERT(s.has_fill && s.n_more == 2 && strcmp(s.more[1].kind, "large") == 0);
     CHECK_OK(dem_scene_grains(&s, &grains, &n, ends));
     CU_ASSERT(n == ends[2] && ends[2] - ends[1] == 12 && ends[1] - ends[0] == 150 && ends[0] > 15);
     double nearest = INFINITY;

@@ -317,7 +317,7 @@ static dem_sim *drum(dem_kernel_choice kernel, bool ledger, dem_integrator integ
     scene.def.kernel = kernel, scene.def.ledger = ledger, scene.def.integrator = integrator;
     if (integrator == DEM_GEAR5) scene.def.rotation = false, scene.def.material.mu_roll = 0.0;
     for (size_t w = 0; w < scene.def.n_walls && integrator == DEM_GEAR5; w++)
-        scene.walls[w].material.mu_roll = 0.0;
+        ((dem_wall *)dem_walls_of(&scene.def))[w].material.mu_roll = 0.0;
     CU_ASSERT_EQUAL(scene.def.n_walls, 67);
     CHECK_OK(dem_scene_start(&scene, &sim));
     CU_ASSERT_PTR_NOT_NULL_FATAL(sim);

@@ -94,7 +94,7 @@ static rp_status fill(exp_run *run, dem_scene *scene)
     if (!exp_make_ids(run, def.n_grains + 1)) return run->failed;
     i = scene->grains ? scene->def.n_grains : 0;
     for (size_t k = 0; dem_scene_fill_at(scene, k); k++) {
-        const char *name = scene->kinds[k];
+        const char *name = dem_scene_fill_at(scene, k)->kind;
         const exp_scope *kind = exp_scope_named(plan, EXP_KIND, name, strlen(name), NULL);
         for (; i < ends[k]; i++) run->kinds[i] = kind ? (int32_t)kind->index : -1;
     }

@@ -27,8 +27,8 @@ static rp_status read_walls(exp_plan *plan)
 {
     const dem_scene *s = &plan->scene;
     const config_setting_t *list = config_lookup(&plan->text->config, "walls");
-    RP_NEW(&plan->arena, plan->walls, s->n_names);
-    for (size_t w = 0; w < s->n_names; w++) {
+    RP_NEW(&plan->arena, plan->walls, s->def.n_walls);
+    for (size_t w = 0; w < s->def.n_walls; w++) {
         size_t k = 0;
         if (!*s->names[w]) continue;
         while (k < plan->n_walls && strcmp(plan->walls[k].name, s->names[w]) != 0) k++;
@@ -37,7 +37,7 @@ static rp_status read_walls(exp_plan *plan)
             RP_TRY(exp_check_name(plan, list, "a wall", s->names[w]));
             exp_add_scope(plan, EXP_WALL, k, s->names[w]);
             wall->name = s->names[w];
-            RP_NEW(&plan->arena, wall->walls, s->n_names);
+            RP_NEW(&plan->arena, wall->walls, s->def.n_walls);
             plan->n_walls++;
         }
         wall->walls[wall->n++] = w;

@@ -11,41 +11,50 @@
 
 enum { MOST_STEPS = 200, MOST_WORD = 64, MOST_POWER = 64, MOST_NESTED = 50, MOST_ARGS = 4 };
 
-typedef enum {
-    X_NUMBER,
-    X_NAME,
-    X_NEGATIVE,
-    X_NOT,
-    X_ADD,
-    X_TAKE,
-    X_TIMES,
-    X_OVER,
-    X_POWER,
-    X_LESS,
-    X_LEAST,
-    X_MORE,
-    X_MOST,
-    X_IS,
-    X_IS_NOT,
-    X_AND,
-    X_OR,
-    X_CHOICE,
-    X_MIN,
-    X_MAX,
-    X_ABS,
-    X_SQRT,
-    X_FLOOR,
-    X_ROUND,
-    X_SIN,
-    X_COS,
-    X_TAN,
-    X_ATAN,
-    X_EXP,
-    X_LOG,
-    X_HELD,
-    X_KNOWN,
-    X_CHANGE
-} x_kind;
+/* Steps, a row each: name, how it stands in texts and keys, operands on the stack, value of the step s with
+ * the operands a, b, c. Of an operator between two parts also its priority, the lowest first, and what it
+ * takes; of a function its least and most arguments, and whether it is for measures alone. */
+/* clang-format off */
+#define X_OPERATORS(X) \
+    X(OR, "or", 2, a != 0.0 || b != 0.0, 1, RP_X_TRUTH) \
+    X(AND, "and", 2, a != 0.0 && b != 0.0, 2, RP_X_TRUTH) \
+    X(LESS, "<", 2, a < b, 3, RP_X_NUMBER) \
+    X(LEAST, "<=", 2, a <= b, 3, RP_X_NUMBER) \
+    X(MORE, ">", 2, a > b, 3, RP_X_NUMBER) \
+    X(MOST, ">=", 2, a >= b, 3, RP_X_NUMBER) \
+    X(IS, "==", 2, a == b, 3, RP_X_NUMBER) \
+    X(IS_NOT, "!=", 2, a != b, 3, RP_X_NUMBER) \
+    X(ADD, "+", 2, a + b, 4, RP_X_NUMBER) \
+    X(TAKE, "-", 2, a - b, 4, RP_X_NUMBER) \
+    X(TIMES, "*", 2, a * b, 5, RP_X_NUMBER) \
+    X(OVER, "/", 2, a / b, 5, RP_X_NUMBER)
+#define X_FUNCTIONS(X) \
+    X(MIN, "min", 2, isnan(a) || a < b ? a : b, 2, 9, false) \
+    X(MAX, "max", 2, isnan(a) || a > b ? a : b, 2, 9, false) \
+    X(ABS, "abs", 1, fabs(a), 1, 1, false) \
+    X(SQRT, "sqrt", 1, sqrt(a), 1, 1, false) \
+    X(FLOOR, "floor", 1, floor(a), 1, 1, false) \
+    X(ROUND, "round", 1, a < 0.0 ? -floor(0.5 - a) : floor(a + 0.5), 1, 1, false) \
+    X(SIN, "sin", 1, rp_sin(a), 1, 1, false) \
+    X(COS, "cos", 1, rp_cos(a), 1, 1, false) \
+    X(TAN, "tan", 1, rp_tan(a), 1, 1, false) \
+    X(ATAN, "atan", 1, rp_atan(a), 1, 1, true) \
+    X(EXP, "exp", 1, rp_exp(a), 1, 1, true) \
+    X(LOG, "log", 1, rp_log(a), 1, 1, true) \
+    X(HELD, "held", 1, held(a != 0.0, &states[s->n]) >= s->number, 2, 2, false) \
+    X(KNOWN, "known", 0, NAN, 1, 1, false) \
+    X(CHANGE, "change", 1, change(a, &states[s->n]), 1, 1, true)
+#define X_OTHERS(X) \
+    X(NUMBER, "", 0, s->number, 0) \
+    X(NAME, "", 0, NAN, 0) \
+    X(NEGATIVE, "neg", 1, -a, 0) \
+    X(NOT, "not", 1, a == 0.0, 0) \
+    X(POWER, "^", 1, power(a, s->number), 0) \
+    X(CHOICE, "?", 3, a != 0.0 ? b : c, 0)
+/* clang-format on */
+#define X_ID(id, ...) X_##id,
+typedef enum { X_OPERATORS(X_ID) X_FUNCTIONS(X_ID) X_OTHERS(X_ID) } x_kind;
+enum { HIGHEST = 5, COMPARISON = 3 }; /* priorities */
 
 /* A step takes its operands from a stack and leaves one number; `n` of a name: its arguments, of held and
  * change: its state. */
@@ -57,20 +66,23 @@ struct rp_x_step {
     const char *key; /* X_NAME, X_KNOWN */
 };
 
-/* How a step stands in keys; operands it takes, a name aside. */
 static const struct {
     const char *text;
-    int takes;
+    int takes, priority;
+    rp_x_type of;
+    int least, most;
+    bool measure;
 } kinds[] = {
-    [X_NUMBER] = {"", 0},      [X_NAME] = {"", 0},     [X_NEGATIVE] = {"neg", 1}, [X_NOT] = {"not", 1},
-    [X_ADD] = {"+", 2},        [X_TAKE] = {"-", 2},    [X_TIMES] = {"*", 2},      [X_OVER] = {"/", 2},
-    [X_POWER] = {"^", 1},      [X_LESS] = {"<", 2},    [X_LEAST] = {"<=", 2},     [X_MORE] = {">", 2},
-    [X_MOST] = {">=", 2},      [X_IS] = {"==", 2},     [X_IS_NOT] = {"!=", 2},    [X_AND] = {"and", 2},
-    [X_OR] = {"or", 2},        [X_CHOICE] = {"?", 3},  [X_MIN] = {"min", 2},      [X_MAX] = {"max", 2},
-    [X_ABS] = {"abs", 1},      [X_SQRT] = {"sqrt", 1}, [X_FLOOR] = {"floor", 1},  [X_ROUND] = {"round", 1},
-    [X_SIN] = {"sin", 1},      [X_COS] = {"cos", 1},   [X_TAN] = {"tan", 1},      [X_ATAN] = {"atan", 1},
-    [X_EXP] = {"exp", 1},      [X_LOG] = {"log", 1},   [X_HELD] = {"held", 1},    [X_KNOWN] = {"known", 0},
-    [X_CHANGE] = {"change", 1}};
+#define X(id, text, takes, value, ...) [X_##id] = {text, takes, __VA_ARGS__},
+    X_OPERATORS(X)
+#undef X
+#define X(id, text, takes, value, ...) [X_##id] = {text, takes, 0, RP_X_NUMBER, __VA_ARGS__},
+        X_FUNCTIONS(X)
+#undef X
+#define X(id, text, takes, value, priority) [X_##id] = {text, takes, priority},
+            X_OTHERS(X)
+#undef X
+};
 
 /* ---- values ---- */
 
@@ -83,46 +95,30 @@ static double power(double x, double p)
     return p < 0.0 ? 1.0 / product : product;
 }
 
+/* Looks so far at which a condition has held. */
+static double held(bool holds, double *state)
+{
+    return *state = holds ? *state + 1.0 : 0.0;
+}
+
+/* Since the last sample; of the first 0. */
+static double change(double a, double state[2])
+{
+    const double by = state[1] != 0.0 ? a - state[0] : 0.0;
+    state[0] = a, state[1] = 1.0;
+    return by;
+}
+
 /* One step of known operands a, b, c; of state where it has one. */
 static double apply(const rp_x_step *s, double a, double b, double c, double states[])
 {
     switch (s->kind) {
-    case X_NUMBER: return s->number;
-    case X_NEGATIVE: return -a;
-    case X_NOT: return a == 0.0;
-    case X_ADD: return a + b;
-    case X_TAKE: return a - b;
-    case X_TIMES: return a * b;
-    case X_OVER: return a / b;
-    case X_POWER: return power(a, s->number);
-    case X_LESS: return a < b;
-    case X_LEAST: return a <= b;
-    case X_MORE: return a > b;
-    case X_MOST: return a >= b;
-    case X_IS: return a == b;
-    case X_IS_NOT: return a != b;
-    case X_AND: return a != 0.0 && b != 0.0;
-    case X_OR: return a != 0.0 || b != 0.0;
-    case X_CHOICE: return a != 0.0 ? b : c;
-    case X_MIN: return isnan(a) || a < b ? a : b;
-    case X_MAX: return isnan(a) || a > b ? a : b;
-    case X_ABS: return fabs(a);
-    case X_SQRT: return sqrt(a);
-    case X_FLOOR: return floor(a);
-    case X_ROUND: return a < 0.0 ? -floor(0.5 - a) : floor(a + 0.5);
-    case X_SIN: return rp_sin(a);
-    case X_COS: return rp_cos(a);
-    case X_TAN: return rp_tan(a);
-    case X_ATAN: return rp_atan(a);
-    case X_EXP: return rp_exp(a);
-    case X_LOG: return rp_log(a);
-    case X_HELD: return (states[s->n] = a != 0.0 ? states[s->n] + 1.0 : 0.0) >= s->number;
-    case X_CHANGE:
-        b = states[s->n + 1] != 0.0 ? a - states[s->n] : 0.0; /* since the last sample, of the first 0 */
-        states[s->n] = a, states[s->n + 1] = 1.0;
-        return b;
-    case X_NAME:
-    case X_KNOWN: break;
+#define X(id, text, takes, value, ...)                                                                       \
+    case X_##id: return value;
+        X_OPERATORS(X)
+        X_FUNCTIONS(X)
+        X_OTHERS(X)
+#undef X
     }
     return NAN;
 }
@@ -274,24 +270,11 @@ static rp_status take_known(x_reader *r, const x_part *part, const char *what, d
     return RP_OK;
 }
 
-static const struct {
-    const char *name;
-    x_kind kind;
-    int least, most; /* arguments */
-    bool measure;
-} functions[] = {
-    {"min", X_MIN, 2, 9, false},   {"max", X_MAX, 2, 9, false},     {"abs", X_ABS, 1, 1, false},
-    {"sqrt", X_SQRT, 1, 1, false}, {"floor", X_FLOOR, 1, 1, false}, {"round", X_ROUND, 1, 1, false},
-    {"sin", X_SIN, 1, 1, false},   {"cos", X_COS, 1, 1, false},     {"tan", X_TAN, 1, 1, false},
-    {"atan", X_ATAN, 1, 1, true},  {"exp", X_EXP, 1, 1, true},      {"log", X_LOG, 1, 1, true},
-    {"held", X_HELD, 2, 2, false}, {"known", X_KNOWN, 1, 1, false}, {"change", X_CHANGE, 1, 1, true}};
-
 static rp_status fail_unknown(const x_reader *r, const char *at, const char *name, bool call)
 {
     rp_guess guess = rp_guess_of(name);
     if (r->names->list) r->names->list(r->names->host, &guess);
-    for (size_t k = 0; k < sizeof functions / sizeof *functions && call; k++)
-        rp_guess_try(&guess, functions[k].name);
+    for (x_kind k = X_MIN; k <= X_CHANGE && call; k++) rp_guess_try(&guess, kinds[k].text);
     return fail_at(r, at, "unknown name %s%s", name, rp_guess_text(&guess));
 }
 
@@ -334,55 +317,57 @@ static rp_status take_call(x_reader *r, x_part *part, const char *name, int n)
     return take_name(r, part, name, n, X_NAME);
 }
 
+/* The name of a measure, after known( */
+static rp_status read_known(x_reader *r, x_part *part)
+{
+    char measure[MOST_WORD];
+    if (r->sort != T_NAME) return fail_at(r, r->begins, "known: the name of a measure expected%s%s", "", "");
+    memcpy(measure, r->token, sizeof measure);
+    part->begins = r->begins;
+    RP_TRY(next(r));
+    RP_TRY(take_name(r, part, measure, -1, X_KNOWN));
+    part->type = RP_X_TRUTH;
+    return expect(r, ")");
+}
+
+/* Argument number n of held: a condition, then how many looks. */
+static rp_status take_held(x_reader *r, x_part *part, const x_part *arg, int n)
+{
+    double looks;
+    if (n == 0) return want(r, arg, RP_X_TRUTH);
+    if (n > 1) return RP_OK; /* too many */
+    RP_TRY(take_known(r, arg, "the second number of held", &looks));
+    if (!(looks >= 1.0)) return fail_at(r, arg->begins, "held: at least one look expected%s%s", "", "");
+    return add(r, part, (rp_x_step){.kind = X_HELD, .n = r->n_states++, .number = ceil(looks)});
+}
+
 /* After the opening bracket of a call. */
 static rp_status read_call(x_reader *r, x_part *part, const char *name)
 {
-    size_t f = 0;
-    const size_t n_functions = sizeof functions / sizeof *functions;
-    while (f < n_functions && strcmp(functions[f].name, name) != 0) f++;
-    const bool own = f < n_functions;
-    if (own && functions[f].measure && !r->names->measure)
+    x_kind f = X_MIN;
+    while (f <= X_CHANGE && strcmp(kinds[f].text, name) != 0) f++;
+    const bool own = f <= X_CHANGE;
+    if (own && kinds[f].measure && !r->names->measure)
         return fail_at(r, part->begins, "%s: only in measure%s", name, "");
-    if (own && functions[f].kind == X_KNOWN) {
-        if (r->sort != T_NAME)
-            return fail_at(r, r->begins, "known: the name of a measure expected%s%s", "", "");
-        char measure[MOST_WORD];
-        memcpy(measure, r->token, sizeof measure);
-        part->begins = r->begins;
-        RP_TRY(next(r));
-        RP_TRY(take_name(r, part, measure, -1, X_KNOWN));
-        part->type = RP_X_TRUTH;
-        return expect(r, ")");
-    }
+    if (f == X_KNOWN) return read_known(r, part);
     int n = 0;
     for (x_part arg; !is_sign(r, ")"); n++) {
         if (n > 0) RP_TRY(expect(r, ","));
         RP_TRY(read_choice(r, &arg));
-        if (own && n == (functions[f].kind == X_HELD)) RP_TRY(want(r, &arg, RP_X_NUMBER));
-        if (own && n > 0 && (functions[f].kind == X_MIN || functions[f].kind == X_MAX)) {
+        if (f == X_HELD)
+            RP_TRY(take_held(r, part, &arg, n));
+        else if (!own || n == 0 || kinds[f].most > 1)
             RP_TRY(want(r, &arg, RP_X_NUMBER));
-            RP_TRY(add(r, part, (rp_x_step){.kind = functions[f].kind}));
-        }
-        if (own && functions[f].kind == X_HELD) {
-            double looks;
-            if (n == 0) RP_TRY(want(r, &arg, RP_X_TRUTH));
-            if (n == 1) {
-                RP_TRY(take_known(r, &arg, "the second number of held", &looks));
-                if (!(looks >= 1.0))
-                    return fail_at(r, arg.begins, "held: at least one look expected%s%s", "", "");
-                RP_TRY(add(r, part, (rp_x_step){.kind = X_HELD, .n = r->n_states++, .number = ceil(looks)}));
-            }
-        }
-        if (!own) RP_TRY(want(r, &arg, RP_X_NUMBER));
+        if (n > 0 && (f == X_MIN || f == X_MAX)) RP_TRY(add(r, part, (rp_x_step){.kind = f}));
     }
     RP_TRY(expect(r, ")"));
     if (!own) return take_call(r, part, name, n);
-    if (n < functions[f].least || n > functions[f].most)
+    if (n < kinds[f].least || n > kinds[f].most)
         return fail_at(r, part->begins, "%s: another number of arguments expected%s", name, "");
-    part->type = functions[f].kind == X_HELD ? RP_X_TRUTH : RP_X_NUMBER;
-    if (functions[f].most > 1) return RP_OK;
-    if (functions[f].kind == X_CHANGE) r->n_states += 2;
-    return add(r, part, (rp_x_step){.kind = functions[f].kind, .n = r->n_states - 2});
+    part->type = f == X_HELD ? RP_X_TRUTH : RP_X_NUMBER;
+    if (kinds[f].most > 1) return RP_OK;
+    if (f == X_CHANGE) r->n_states += 2;
+    return add(r, part, (rp_x_step){.kind = f, .n = r->n_states - 2});
 }
 
 static rp_status read_atom(x_reader *r, x_part *part)
@@ -420,17 +405,22 @@ static rp_status read_atom(x_reader *r, x_part *part)
                    r->sort == T_END ? "" : name, "");
 }
 
+/* A sign before a part of this type, which `read` reads. */
+static rp_status read_prefix(x_reader *r, x_part *part, x_kind kind, rp_x_type type,
+                             rp_status (*read)(x_reader *r, x_part *part))
+{
+    const char *begins = r->begins;
+    if (++r->nested > MOST_NESTED) return fail_at(r, begins, "too deep%s%s", "", "");
+    RP_TRY(next(r));
+    RP_TRY(read(r, part));
+    r->nested--, part->begins = begins;
+    RP_TRY(want(r, part, type));
+    return add(r, part, (rp_x_step){.kind = kind});
+}
+
 static rp_status read_signed(x_reader *r, x_part *part)
 {
-    if (is_sign(r, "-")) {
-        const char *begins = r->begins;
-        if (++r->nested > MOST_NESTED) return fail_at(r, begins, "too deep%s%s", "", "");
-        RP_TRY(next(r));
-        RP_TRY(read_signed(r, part));
-        r->nested--, part->begins = begins;
-        RP_TRY(want(r, part, RP_X_NUMBER));
-        return add(r, part, (rp_x_step){.kind = X_NEGATIVE});
-    }
+    if (is_sign(r, "-")) return read_prefix(r, part, X_NEGATIVE, RP_X_NUMBER, read_signed);
     RP_TRY(read_atom(r, part));
     if (!is_sign(r, "^")) return RP_OK;
     x_part exponent;
@@ -445,73 +435,44 @@ static rp_status read_signed(x_reader *r, x_part *part)
     return add(r, part, (rp_x_step){.kind = X_POWER, .number = p});
 }
 
-/* Operators of one priority, from left to right: their signs, and the type that they take and give. */
-typedef struct {
-    const char *signs[2];
-    x_kind kinds[2];
-    rp_x_type type;
-} x_level;
-static const x_level levels[] = {{{"or", NULL}, {X_OR, X_OR}, RP_X_TRUTH},
-                                 {{"and", NULL}, {X_AND, X_AND}, RP_X_TRUTH},
-                                 {{"+", "-"}, {X_ADD, X_TAKE}, RP_X_NUMBER},
-                                 {{"*", "/"}, {X_TIMES, X_OVER}, RP_X_NUMBER}};
-
-static rp_status read_level(x_reader *r, int level, x_part *part);
+static rp_status read_level(x_reader *r, int priority, x_part *part);
 
 static rp_status read_comparison(x_reader *r, x_part *part)
 {
-    static const char *const signs[] = {"<", "<=", ">", ">=", "==", "!="};
-    if (is_sign(r, "not")) {
-        const char *begins = r->begins;
-        if (++r->nested > MOST_NESTED) return fail_at(r, begins, "too deep%s%s", "", "");
-        RP_TRY(next(r));
-        RP_TRY(read_comparison(r, part));
-        r->nested--, part->begins = begins;
-        RP_TRY(want(r, part, RP_X_TRUTH));
-        return add(r, part, (rp_x_step){.kind = X_NOT});
-    }
-    RP_TRY(read_level(r, 2, part));
-    for (int k = 0; k < 6; k++) {
-        if (!is_sign(r, signs[k])) continue;
-        x_part right;
-        RP_TRY(next(r));
-        RP_TRY(read_level(r, 2, &right));
-        if (part->type == RP_X_WORD && k >= 4) {
-            RP_TRY(want(r, &right, RP_X_WORD));
-            return add_number(r, part, RP_X_TRUTH, (strcmp(part->word, right.word) == 0) == (k == 4));
-        }
-        RP_TRY(want(r, part, k < 4 || part->type == RP_X_WORD ? RP_X_NUMBER : part->type));
-        RP_TRY(want(r, &right, part->type));
-        part->type = RP_X_TRUTH;
-        return add(r, part, (rp_x_step){.kind = (x_kind)(X_LESS + k)});
-    }
-    return RP_OK;
+    return read_level(r, COMPARISON, part);
 }
 
-static rp_status read_level(x_reader *r, int level, x_part *part)
+/* Operators of one priority, from left to right; of comparisons one. */
+static rp_status read_level(x_reader *r, int priority, x_part *part)
 {
-    if (level == 4) return read_signed(r, part);
-    const x_level *l = &levels[level];
-    RP_TRY(level == 1 ? read_comparison(r, part) : read_level(r, level + 1, part));
+    if (priority > HIGHEST) return read_signed(r, part);
+    if (priority == COMPARISON && is_sign(r, "not"))
+        return read_prefix(r, part, X_NOT, RP_X_TRUTH, read_comparison);
+    RP_TRY(read_level(r, priority + 1, part));
     for (;;) {
-        const int k = is_sign(r, l->signs[0]) ? 0 : l->signs[1] && is_sign(r, l->signs[1]) ? 1 : -1;
+        x_kind op = X_OR;
         x_part right;
-        if (k < 0) return RP_OK;
+        while (op <= X_OVER && (kinds[op].priority != priority || !is_sign(r, kinds[op].text))) op++;
+        if (op > X_OVER) return RP_OK;
         const size_t last = r->n - 1, looks = r->n_states + r->n_truths;
-        RP_TRY(want(r, part, l->type));
+        const bool equal = op == X_IS || op == X_IS_NOT; /* of any type */
+        RP_TRY(want(r, part, equal ? part->type : kinds[op].of));
         RP_TRY(next(r));
-        RP_TRY(level == 1 ? read_comparison(r, &right) : read_level(r, level + 1, &right));
-        RP_TRY(want(r, &right, l->type));
-        RP_TRY(add(r, part, (rp_x_step){.kind = l->kinds[k]}));
-        if (level < 2 && r->n - 1 > last && r->n_states + r->n_truths == looks)
+        RP_TRY(read_level(r, priority + 1, &right));
+        RP_TRY(want(r, &right, part->type));
+        if (part->type == RP_X_WORD)
+            return add_number(r, part, RP_X_TRUTH, (strcmp(part->word, right.word) == 0) == (op == X_IS));
+        RP_TRY(add(r, part, (rp_x_step){.kind = op}));
+        if (priority < COMPARISON && r->n - 1 > last && r->n_states + r->n_truths == looks)
             r->steps[last].skip = r->n - 1 - last;
+        if (priority == COMPARISON) return part->type = RP_X_TRUTH, RP_OK;
     }
 }
 
 static rp_status read_choice(x_reader *r, x_part *part)
 {
     if (++r->nested > MOST_NESTED) return fail_at(r, r->begins, "too deep%s%s", "", "");
-    RP_TRY(read_level(r, 0, part));
+    RP_TRY(read_level(r, 1, part));
     if (is_sign(r, "?")) {
         x_part yes, no;
         const bool known = is_known(r, part->start), first = known && r->steps[r->n - 1].number != 0.0;

@@ -49,7 +49,7 @@ const char *rp_word_at(const char *list, int index, char *buffer, size_t size)
     return buffer;
 }
 
-static int word_index(const char *list, const char *word)
+int rp_word_index(const char *list, const char *word)
 {
     char buffer[64];
     for (int i = 0; *rp_word_at(list, i, buffer, sizeof buffer); i++)
@@ -118,7 +118,7 @@ static rp_status set_number(const rp_param *param, void *field, const rp_value *
     const numeric_range range = parse_range(param->range);
     const bool whole = param->type == RP_INT;
     double v = value->kind == RP_V_INT ? (double)value->i : value->r;
-    if (value->kind == RP_V_TEXT && word_index(range.words, value->s) >= 0)
+    if (value->kind == RP_V_TEXT && rp_word_index(range.words, value->s) >= 0)
         v = whole || strcmp(value->s, "auto") == 0 ? -1.0 : INFINITY;
     else if (value->kind != RP_V_INT && (whole || value->kind != RP_V_REAL))
         return wrong_type(param, value, whole ? "a whole number" : "a number");
@@ -137,7 +137,7 @@ static rp_status set_number(const rp_param *param, void *field, const rp_value *
 static rp_status set_word(const rp_param *param, void *field, const rp_value *value)
 {
     if (value->kind != RP_V_TEXT) return wrong_type(param, value, "a word");
-    int index = word_index(param->range, value->s);
+    int index = rp_word_index(param->range, value->s);
     if (index < 0) {
         rp_guess guess = rp_guess_of(value->s);
         rp_guess_words(&guess, param->range);

@@ -77,6 +77,9 @@ const char *rp_number_text(double v, int digits, char *buffer, size_t size);
 /* Word number `index` of a list separated by "|" and blanks; empty past the end. Returns `buffer`. */
 const char *rp_word_at(const char *list, int index, char *buffer, size_t size);
 
+/* Number of a word in such a list, or -1. */
+int rp_word_index(const char *list, const char *word);
+
 /* The value of one parameter as text that rp_params_set_text reads back exactly; returns `buffer`. */
 const char *rp_params_text(const rp_param *param, const void *values, char *buffer, size_t size);
 

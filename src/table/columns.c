@@ -20,7 +20,7 @@ rp_status rp_table_keep(rp_arena *arena, const char *path, rp_status (*read)(con
                         rp_table **table)
 {
     *table = new_table(arena);
-    return read(path, *table);
+    return *table ? read(path, *table) : RP_NO_MEMORY;
 }
 
 rp_status rp_table_load(rp_arena *arena, const char *path, rp_table **table)
@@ -108,7 +108,7 @@ rp_status rp_columns_read(rp_arena *arena, const rp_table *table, const char *na
     int columns[RP_MOST_COLUMNS];
     size_t n, used = 0;
     RP_TRY(rp_column_list(table, names, RP_MOST_COLUMNS, &n, columns));
-    *block = rp_arena_memory(arena, n * table->n_rows, sizeof **block);
+    RP_NEW(arena, *block, n * table->n_rows);
     for (size_t c = 0; c < n; c++)
         for (size_t i = 0; i < table->n_rows; i++)
             RP_TRY(rp_table_number(table, i, columns[c], false, *block + used++));

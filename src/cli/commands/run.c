@@ -548,7 +548,7 @@ static rp_status hash_scene(const dem_scene *scene, const exp_plan *phases, XXH1
         fwrite(p, offsetof(dem_grain, fixed), 1, out);
         fputc(p->fixed, out);
     }
-    for (const dem_contact *c = any.contacts; c < any.contacts + any.def.n_contacts; c++)
+    for (const dem_contact *c = any.def.contacts; c < any.def.contacts + any.def.n_contacts; c++)
         fprintf(out, "%u %u %d %a %a\n", c->id_a, c->id_b, c->wall, c->shear_spring, c->rolling_spring);
     fclose(out);
     *hash = XXH3_128bits(text, size);

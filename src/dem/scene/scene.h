@@ -4,6 +4,7 @@
 
 #include <stdio.h>
 
+#include "core/arena.h"
 #include "params/params.h"
 #include "dem/dem.h"
 
@@ -26,20 +27,17 @@ typedef struct {
     bool has_fill, from_table; /* of its grains; the table of particles_file */
     bool phases;               /* its text has some, which are the experiment's */
     dem_fill fill;             /* the first; H here is the height of the region that grains are placed in */
-    size_t n_more;             /* fills after it; owned */
+    size_t n_more;             /* fills after it */
     dem_fill *more;
-    char (*kinds)[32]; /* of the grains of each fill, "" for none; owned, NULL without a fill */
     long steps;
     dem_intervals output;
-    dem_grain *grains;     /* owned */
-    dem_contact *contacts; /* owned, as the next two */
-    dem_wall *walls;       /* owned; NULL where the definition holds its few walls itself */
-    size_t *lines;         /* of the grains in their list; owned */
-    dem_scene_laws laws;   /* as given, "auto" not resolved */
-    dem_material *given;   /* of the walls, the same; owned */
-    size_t n_names;
-    char (*names)[32]; /* of the walls, "" of one without; owned, NULL where none has one */
-    char unused[256];  /* columns of particles_file, if there are any */
+    dem_grain *grains;
+    size_t *lines;       /* of the grains in their list */
+    dem_scene_laws laws; /* as given, "auto" not resolved */
+    dem_material *given; /* of the walls, the same */
+    const char **names;  /* of the walls, "" of one without; NULL: none has one */
+    char unused[256];    /* columns of particles_file, if there are any */
+    rp_arena arena;      /* of all arrays and texts of the scene and its definition */
 } dem_scene;
 
 /* Read a scene file; `changes` are further "key=value" or "group.key=value" settings, numbers, words or
@@ -58,7 +56,13 @@ rp_status dem_scene_grains(const dem_scene *scene, dem_grain **grains, size_t *n
 
 /* Fill if there is something to fill, and make the simulation. Errors: as dem_fill_grains, dem_create. */
 rp_status dem_scene_start(const dem_scene *scene, dem_sim **sim);
-dem_fill *dem_scene_fill_at(dem_scene *scene, size_t k); /* number k of the fills; NULL past the last */
+
+/* Number k of the fills; NULL past the last. */
+static inline dem_fill *dem_scene_fill_at(dem_scene *scene, size_t k)
+{
+    if (!scene->has_fill || k > scene->n_more) return NULL;
+    return k == 0 ? &scene->fill : &scene->more[k - 1];
+}
 
 /* Write a scene that dem_scene_read reads back to the same bits (a turn of gravity: to round-off). */
 void dem_scene_write(const dem_scene *scene, FILE *out);

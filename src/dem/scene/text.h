@@ -6,7 +6,6 @@
 #include <libconfig.h>
 
 #include "dem/scene/scene.h"
-#include "core/arena.h"
 #include "params/lets.h"
 
 enum { DEM_NAME_BYTES = 32 }; /* of a wall's name, and of other names that a text gives */
@@ -61,9 +60,9 @@ void dem_laws_write(const dem_scene_laws *laws, FILE *out);
 rp_status dem_text_coefficients(const config_setting_t *group, const char *const others[], bool *some,
                                 dem_material *given);
 
-/* Keys of radii in a group, beside other keys; without any the radii of `as`, or the defaults of a fill.
- * After success the caller frees radii->radii where they are not those of `as`. Errors: RP_BAD_INPUT. */
-rp_status dem_text_radii(const config_setting_t *group, const char *const others[], const dem_fill *as,
-                         dem_fill *radii);
+/* Keys of radii in a group, beside other keys, `radii` among them; without any the radii of `as`, or the
+ * defaults of a fill. Errors: RP_BAD_INPUT. */
+rp_status dem_text_radii(rp_arena *arena, const config_setting_t *group, const char *const others[],
+                         const dem_fill *as, dem_fill *radii);
 
 #endif

@@ -1,0 +1,89 @@
+/* What the readers and the writer of a scene file share. */
+#ifndef DEM_SCENE_FILE_H
+#define DEM_SCENE_FILE_H
+
+#include "dem/scene/text.h"
+#include "params/config.h"
+
+#define member(group, name) config_setting_get_member(group, name)
+
+static inline const config_setting_t *element(const config_setting_t *list, size_t i)
+{
+    return config_setting_get_elem(list, (unsigned)i);
+}
+
+static inline size_t length(const config_setting_t *list)
+{
+    return list ? (size_t)config_setting_length(list) : 0;
+}
+
+/* What a scene file says, before defaults that depend on one another are filled in. */
+typedef struct {
+    dem_scene scene;
+    dem_physics physics;
+    bool has_density; /* given, no default */
+    double x_min, y_min, turn_deg, box_turn_deg;
+    int units;
+    const char *particles_file, *contacts_file;
+    long particles_step; /* -1: the last */
+} dem_scene_file;
+
+/* What it says of a wall: one wall, or a polygon or circle of several. */
+typedef struct {
+    dem_wall line;
+    long sides;
+    bool closed;
+    const char *name;
+    double E, nu;
+    const config_setting_t *setting; /* for messages on its place */
+    size_t n_points;                 /* of a polygon or circle: x and y of each */
+    double *points;
+} dem_wall_entry;
+
+/* The groups of dem_scene_schemas, and schemas of some keys of them: a wall's coefficients as given, in a
+ * dem_material; what tells the radii of a dem_fill. */
+enum { TOP, NORMAL, TANGENTIAL, ROLLING, MATERIAL, WALLS, GROUND, HARD, IMPLICIT, OUTPUT, PARTICLES, FILL };
+#define SCHEMA(group) dem_scene_schemas[group].schema
+extern const rp_param dem_coefficient_schema[], dem_radii_schema[];
+/* The first rows of a wall are of entries: their sides are written as segments, each with the name. */
+enum { SHAPE_ROWS = 5 };
+
+/* An end that takes out grains below it: "none" is above all numbers in a file, below them in a definition;
+ * either from the other. */
+static inline double dem_lower_end(double end)
+{
+    return isinf(end) ? -end : end;
+}
+
+/* Read those keys ("a b") of a group that stand there, before the group is read: others may be written with
+ * them. */
+rp_status dem_peek(const config_setting_t *group, const rp_param *schema, const char *keys, void *values);
+
+/* Is a group there, or left out by its condition? */
+rp_status dem_is_wanted(const config_setting_t *group, bool *wanted);
+
+/* A name of the file, which is kept in the arena. */
+rp_status dem_read_name(rp_arena *arena, const config_setting_t *setting, const char *key, const char **name);
+
+/* `polygon = ( [x, y], ... )`, as a new array. */
+rp_status dem_read_points(rp_arena *arena, const config_setting_t *list, size_t least, size_t *n,
+                          double **points);
+
+/* The groups of the contacts' parameters that stand in a text, over those that are there. */
+rp_status dem_read_physics(const config_setting_t *root, dem_scene_file *file, dem_definition *def);
+
+rp_status dem_read_walls(const config_setting_t *root, dem_scene *scene);
+rp_status dem_read_fills(const config_setting_t *fill, dem_scene_file *file);
+rp_status dem_read_grains(const char *path, const config_setting_t *root, dem_scene_file *file);
+
+/* The first fill that is there, and the first group `add` of phases; NULL: none. What tells the radii and the
+ * density of a fill. */
+rp_status dem_first_fill(const config_setting_t *root, const config_setting_t **fill);
+const config_setting_t *dem_first_add(const config_setting_t *phases);
+rp_status dem_peek_radii(rp_arena *arena, const config_setting_t *group, dem_fill *fill);
+
+/* What d, m, g and dt are in a file's expressions, and dt_limit; the host is the dem_text. */
+rp_status dem_know(void *host, rp_let_constant which, double *value);
+rp_status dem_call(void *host, const char *name, int n, const double args[], double *value, bool *known);
+
+#endif

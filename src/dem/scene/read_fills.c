@@ -1,0 +1,120 @@
+/* Reading the fills of a scene file, and radii alone. */
+#include <math.h>
+
+#include "dem/scene/file.h"
+#include "dem/scene/radii.h"
+
+/* radii = ( [r, share], ... ), of the law `table`. */
+static rp_status read_radii(rp_arena *arena, const config_setting_t *group, dem_fill *f)
+{
+    const config_setting_t *list = member(group, "radii");
+    double *radii;
+    if ((list != NULL) != (f->law == DEM_RADII_TABLE))
+        return rp_config_fail(list ? list : group, "radii: %s radius_law = \"table\"",
+                              list ? "needs" : "missing, of");
+    if (!list) return RP_OK;
+    RP_NEW(arena, radii, 2 * length(list));
+    for (size_t k = 0; k < length(list); k++) RP_TRY(rp_config_pair(element(list, k), &radii[2 * k]));
+    f->radii = radii, f->n_radii = length(list);
+    return RP_OK;
+}
+
+rp_status dem_text_radii(rp_arena *arena, const config_setting_t *group, const char *const others[],
+                         const dem_fill *as, dem_fill *radii)
+{
+    bool given = member(group, "radii") != NULL;
+    for (const rp_param *row = dem_radii_schema; row->name; row++) given |= member(group, row->name) != NULL;
+    *radii = (dem_fill){0};
+    rp_params_defaults(SCHEMA(FILL), radii);
+    if (as && !given) *radii = *as;
+    RP_TRY(rp_config_group(group, dem_radii_schema, radii, others));
+    if (given || !as) RP_TRY(read_radii(arena, group, radii));
+    return dem_radii_check(radii) ? rp_config_fail(group, "%s", rp_message()) : RP_OK;
+}
+
+rp_status dem_peek_radii(rp_arena *arena, const config_setting_t *group, dem_fill *fill)
+{
+    *fill = (dem_fill){0};
+    rp_params_defaults(SCHEMA(FILL), fill);
+    RP_TRY(dem_peek(group, SCHEMA(FILL),
+                    "radius_mean radius_width radius_min radius_max radius_law by density", fill));
+    RP_TRY(read_radii(arena, group, fill));
+    return fill->law == DEM_RADII_TABLE ? dem_radii_check(fill) : RP_OK;
+}
+
+static rp_status check_fill(const config_setting_t *group, const dem_scene_file *file, const dem_fill *f)
+{
+    char pattern[16];
+    rp_status status = dem_radii_check(f);
+    if (!status && f->density < 0.0) status = dem_density_check(file->physics.shape, file->has_density);
+    if (status) return rp_config_fail(group, "%s", rp_message());
+    if (f->N < 0 && f->pattern == DEM_PATTERN_RANDOM)
+        return rp_config_fail(group, "N: missing (number of grains)");
+    if (f->spacing > 0.0 && f->pattern == DEM_PATTERN_RANDOM)
+        return rp_config_fail(group, "spacing: of a row or a lattice");
+    if (f->spacing > 0.0 && f->spacing < 2.0 * (1.0 - DEM_SPACING_OVERLAP) * dem_radius_most(f))
+        return rp_config_fail(group, "spacing = %g: grains of radius %g overlap by more than a tenth",
+                              f->spacing, dem_radius_most(f));
+    if (f->H < 0.0 && f->pattern != DEM_PATTERN_ROW)
+        return rp_config_fail(group, "H: missing (height of the region of a %s fill)",
+                              rp_word_at(DEM_WORDS(DEM_PATTERNS), (int)f->pattern, pattern, sizeof pattern));
+    return RP_OK;
+}
+
+static rp_status read_fill(const config_setting_t *group, dem_scene_file *file, dem_fill *f)
+{
+    static const char *const others[] = {"radii", "polygon", "if", NULL};
+    rp_arena *arena = &file->scene.arena;
+    const config_setting_t *polygon = member(group, "polygon");
+    double *corners = NULL;
+    rp_params_defaults(SCHEMA(FILL), f);
+    RP_TRY(rp_config_group(group, SCHEMA(FILL), f, others));
+    RP_TRY(read_radii(arena, group, f));
+    if (polygon) RP_TRY(dem_read_points(arena, polygon, 3, &f->n_corners, &corners));
+    f->corners = corners;
+    RP_TRY(check_fill(group, file, f));
+    RP_TRY(dem_read_name(arena, group, "kind", &f->kind));
+    f->shape = file->physics.shape;
+    if (f->density < 0.0) f->density = file->physics.density;
+    if (f->H < 0.0) f->H = INFINITY;
+    return RP_OK;
+}
+
+/* Number k of the fills that a text lists, whether they are there or not; NULL past the last. */
+static const config_setting_t *fill_at(const config_setting_t *fill, size_t k)
+{
+    if (fill && config_setting_is_list(fill)) return element(fill, k);
+    return k == 0 ? fill : NULL;
+}
+
+rp_status dem_first_fill(const config_setting_t *root, const config_setting_t **first)
+{
+    const config_setting_t *fill = member(root, "fill");
+    bool wanted;
+    for (size_t k = 0; (*first = fill_at(fill, k)); k++) {
+        RP_TRY(dem_is_wanted(*first, &wanted));
+        if (wanted && config_setting_is_group(*first)) break;
+    }
+    return RP_OK;
+}
+
+rp_status dem_read_fills(const config_setting_t *fill, dem_scene_file *file)
+{
+    dem_scene *scene = &file->scene;
+    const config_setting_t *group;
+    bool wanted;
+    if (!fill_at(fill, 0))
+        return rp_config_fail(fill, "fill: a group { ... }, or a list of one or more, expected");
+    RP_NEW(&scene->arena, scene->more, config_setting_is_list(fill) ? length(fill) : 1);
+    for (size_t k = 0; (group = fill_at(fill, k)); k++) {
+        if (!config_setting_is_group(group)) return rp_config_fail(group, "fill: a group { ... } expected");
+        RP_TRY(dem_is_wanted(group, &wanted));
+        if (!wanted) continue;
+        const size_t there = scene->has_fill ? ++scene->n_more : 0;
+        scene->has_fill = true;
+        dem_fill *f = dem_scene_fill_at(scene, there);
+        RP_TRY(read_fill(group, file, f));
+        f->number = (long)there;
+    }
+    return RP_OK;
+}

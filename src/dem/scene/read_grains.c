@@ -1,0 +1,193 @@
+/* Reading the grains of a scene file: those that it lists, those of a table and their contacts, and what it
+ * fills. */
+#include <ctype.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+#include "core/elementary.h"
+#include "dem/scene/file.h"
+#include "table/columns.h"
+#include "table/where.h"
+
+static rp_status alloc_grains(dem_scene *scene, size_t n)
+{
+    scene->def.n_grains = n;
+    RP_NEW(&scene->arena, scene->grains, n);
+    RP_NEW(&scene->arena, scene->lines, n);
+    return RP_OK;
+}
+
+static rp_status mass_of(const dem_scene_file *file, double r, double *m)
+{
+    *m = dem_mass(file->physics.shape, file->physics.density, r);
+    return dem_density_check(file->physics.shape, file->has_density);
+}
+
+static rp_status read_particles(const config_setting_t *list, dem_scene_file *file)
+{
+    if (!config_setting_is_list(list)) return rp_config_fail(list, "particles: a list ( { ... } ) expected");
+    if (length(list) == 0) return rp_config_fail(list, "particles: no particles");
+    RP_TRY(alloc_grains(&file->scene, length(list)));
+    for (size_t i = 0; i < length(list); i++) {
+        dem_grain *p = &file->scene.grains[i];
+        rp_params_defaults(SCHEMA(PARTICLES), p);
+        RP_TRY(rp_config_group(element(list, i), SCHEMA(PARTICLES), p, NULL));
+        file->scene.lines[i] = config_setting_source_line(element(list, i));
+        if (p->m < 0.0) RP_TRY(mass_of(file, p->r, &p->m));
+    }
+    return RP_OK;
+}
+
+/* A number; of a boolean also its word, as pandas spells it too. */
+static rp_status read_cell(const rp_table *table, size_t row, int column, const rp_param *key, double *v)
+{
+    const char *cell = rp_cell(table, row, column);
+    if (key->type != RP_BOOL || (strcasecmp(cell, "true") != 0 && strcasecmp(cell, "false") != 0))
+        return rp_table_number(table, row, column, 0, v);
+    *v = tolower((unsigned char)*cell) == 't';
+    return RP_OK;
+}
+
+static rp_status read_particles_table(const rp_table *table, dem_scene_file *file)
+{
+    enum { N = 9 }; /* keys of a grain */
+    static const char *const numbers[N] = {"1", "2", "3", "4", "5", "6", "7", "8", "9"};
+    const rp_param *keys = SCHEMA(PARTICLES);
+    int columns[N];
+    const bool named = table->n_columns > 0 && table->names[0];
+    if (table->n_rows == 0) return rp_fail(RP_BAD_INPUT, "%s: no particles", table->path);
+    for (int c = 0; c < N; c++) {
+        const rp_status found = rp_table_find(table, named ? keys[c].name : numbers[c],
+                                              "x y r, and m vx vy angle omega fixed as needed", &columns[c]);
+        if (found && !keys[c].fallback) return found;
+    }
+    RP_TRY(alloc_grains(&file->scene, table->n_rows));
+    for (size_t i = 0; i < table->n_rows; i++) {
+        double v[N] = {0.0};
+        for (int c = 0; c < N; c++)
+            if (columns[c] >= 0) RP_TRY(read_cell(table, i, columns[c], &keys[c], &v[c]));
+        if (!(v[2] > 0.0))
+            return rp_fail(RP_BAD_INPUT, "%s:%zu: r = %g: out of range, allowed: (0, inf)",
+                           table->places[i].path, table->places[i].line, v[2]);
+        if (columns[3] < 0) RP_TRY(mass_of(file, v[2], &v[3]));
+        file->scene.grains[i] = (dem_grain){v[0], v[1], v[2], v[3], v[4], v[5], v[6], v[7], v[8] != 0.0};
+        file->scene.lines[i] = table->places[i].line;
+    }
+    return RP_OK;
+}
+
+/* Of a table of states that holds a pile at several steps, the one that is wanted; -1: the last. */
+static rp_status take_step(rp_table *table, long wanted)
+{
+    char condition[64];
+    const int step = rp_table_column(table, "step");
+    if (wanted < 0 && (step < 0 || table->n_rows == 0)) return RP_OK;
+    if (wanted < 0)
+        snprintf(condition, sizeof condition, "step=%s", rp_cell(table, table->n_rows - 1, step));
+    else
+        snprintf(condition, sizeof condition, "step=%ld", wanted);
+    RP_TRY(rp_table_where(table, condition));
+    return table->n_rows ? RP_OK : rp_fail(RP_BAD_INPUT, "%s: no rows with %s", table->path, condition);
+}
+
+/* A table, whose relative name is meant from the scene file's folder, at one step. */
+static rp_status read_step(rp_arena *arena, const char *path, const char *name, long step, rp_table **table)
+{
+    const char *slash = strrchr(path, '/');
+    const int folder = slash && *name != '/' ? (int)(slash - path) + 1 : 0;
+    RP_TRY(rp_path(arena, &name, "%.*s%s", folder, path, name));
+    RP_TRY(rp_table_keep(arena, name, rp_table_read, table));
+    return take_step(*table, step);
+}
+
+static int by_number(const void *a, const void *b)
+{
+    const double *p = a, *q = b;
+    return (*p > *q) - (*p < *q);
+}
+
+/* The contacts, with their springs, of grains that were read from rows of states; ids rise there. Those with
+ * grains and walls that are gone are left out. */
+static rp_status read_contacts(rp_arena *arena, const rp_table *states, const rp_table *table,
+                               dem_scene *scene)
+{
+    dem_definition *def = &scene->def;
+    const size_t m = table->n_rows, n = states->n_rows;
+    double *id, *v;
+    dem_contact *c;
+    RP_TRY(rp_columns_read(arena, states, "id", &id));
+    RP_TRY(rp_columns_read(arena, table, "id_a,id_b,wall,x_b,y_b,overlap,shear_spring,rolling_spring", &v));
+    RP_NEW(&scene->arena, c, m);
+    def->contacts = c;
+    for (size_t k = 0; k < m; k++, v++) {
+        const double *a = bsearch(v, id, n, sizeof *id, by_number),
+                     *b = v[m] > 0.0 ? bsearch(v + m, id, n, sizeof *id, by_number) : NULL;
+        const bool wall = v[2 * m] >= 1.0 && v[2 * m] <= (double)def->n_walls;
+        if (!a || a == b || (!b && !wall)) continue;
+        const dem_grain *p = &scene->grains[a - id], *q = &scene->grains[b ? b - id : 0];
+        const dem_wall *w = b ? NULL : &dem_walls_of(def)[(size_t)v[2 * m] - 1];
+        const double overlap = b ? p->r + q->r - rp_hypot(p->x - q->x, p->y - q->y)
+                                 : p->r - rp_hypot(p->x - v[3 * m], p->y - v[4 * m]),
+                     off = b ? 0.0
+                             : (v[3 * m] - w->point[0]) * w->direction[0] +
+                                   (v[4 * m] - w->point[1]) * w->direction[1];
+        if (!(fabs(overlap - v[5 * m]) + fabs(off) <= 1e-6 * p->r))
+            return rp_fail(RP_BAD_INPUT,
+                           "%s:%zu: no contact of these grains and walls, which keep their numbers",
+                           table->path, table->places[k].line);
+        c[def->n_contacts++] = (dem_contact){.id_a = (uint32_t)(a - id) + 1,
+                                             .id_b = b ? (uint32_t)(b - id) + 1 : 0,
+                                             .wall = b ? -1 : (int)v[2 * m] - 1,
+                                             .shear_spring = v[6 * m],
+                                             .rolling_spring = v[7 * m]};
+    }
+    return RP_OK;
+}
+
+/* Columns of grains, and those of states that follow from them. */
+#define USED ",x,y,r,m,vx,vy,angle,omega,fixed,step,t,id,fx,fy,contacts,index,"
+
+static rp_status read_table(const char *path, dem_scene_file *file)
+{
+    rp_table *table, *contacts;
+    RP_SCOPE(arena);
+    RP_TRY(read_step(&arena, path, file->particles_file, file->particles_step, &table));
+    RP_TRY(read_particles_table(table, file));
+    rp_columns_beside(table, USED, file->scene.unused);
+    if (!*file->contacts_file) return RP_OK;
+    const int step = rp_table_column(table, "step");
+    RP_TRY(read_step(&arena, path, file->contacts_file, step < 0 ? -1 : atol(rp_cell(table, 0, step)),
+                     &contacts));
+    return read_contacts(&arena, table, contacts, &file->scene);
+}
+
+const config_setting_t *dem_first_add(const config_setting_t *phases)
+{
+    const config_setting_t *add = NULL;
+    for (size_t i = 0; phases && config_setting_is_list(phases) && i < length(phases) && !add; i++) {
+        if (!config_setting_is_group(element(phases, i))) continue;
+        add = member(element(phases, i), "add");
+        if (!add) add = dem_first_add(member(element(phases, i), "phases"));
+    }
+    return add && config_setting_is_group(add) ? add : NULL;
+}
+
+rp_status dem_read_grains(const char *path, const config_setting_t *root, dem_scene_file *file)
+{
+    const config_setting_t *list = member(root, "particles"), *fill = member(root, "fill");
+    const bool from_table = file->scene.from_table = *file->particles_file != '\0';
+    if (list && from_table)
+        return rp_config_fail(member(root, "particles_file"), "particles and particles_file; keep one");
+    if (!(list || fill || from_table || dem_first_add(member(root, "phases"))))
+        return rp_fail(RP_BAD_INPUT, "%s: no grains: particles, particles_file or fill is needed", path);
+    if (!from_table && (file->particles_step >= 0 || *file->contacts_file))
+        return rp_fail(RP_BAD_INPUT, "%s: %s: needs particles_file", path,
+                       *file->contacts_file ? "contacts_file" : "particles_step");
+    if (*file->contacts_file && file->scene.def.ground.wall)
+        return rp_fail(RP_BAD_INPUT, "%s: contacts_file: its table does not have the wells of a ground",
+                       path);
+    if (fill) RP_TRY(dem_read_fills(fill, file));
+    return list ? read_particles(list, file) : from_table ? read_table(path, file) : RP_OK;
+}

@@ -1,0 +1,144 @@
+/* Changes of a scene file's text: --set, and values of its lets. */
+#include <ctype.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "dem/scene/file.h"
+#include "params/guess.h"
+#include "params/units.h"
+
+/* Read "v = VALUE;"; a bare word is a string. */
+static rp_status read_value(const char *value, config_t *one)
+{
+    char line[512];
+    for (int quoted = 0; quoted < 2; quoted++) {
+        const int n = snprintf(line, sizeof line, quoted ? "v = \"%s\";" : "v = %s;", value);
+        if (n >= (int)sizeof line) return rp_fail(RP_BAD_INPUT, "--set: a value of more than 500 bytes");
+        RP_TRY(rp_config_scan_text("--set", line));
+        if (config_read_string(one, line) && length(config_root_setting(one)) == 1) return RP_OK;
+    }
+    return rp_fail(RP_BAD_INPUT, "--set: cannot read the value");
+}
+
+static rp_status no_member(const config_setting_t *group, const char *name, const char *text)
+{
+    rp_guess guess = rp_guess_of(name);
+    for (size_t i = 0; i < length(group); i++) rp_guess_try(&guess, config_setting_name(element(group, i)));
+    return rp_fail(RP_BAD_INPUT, "--set %s: the file has no such group%s", text, rp_guess_text(&guess));
+}
+
+/* The index in "walls[2]", which ends the name there; -1 for a name alone, -2 for no index. */
+static long take_index(char *name)
+{
+    char *open = strchr(name, '['), *end;
+    if (!open) return -1;
+    const long i = strtol(open + 1, &end, 10);
+    const bool whole = isdigit((unsigned char)open[1]) && strcmp(end, "]") == 0;
+    *open = '\0';
+    return whole ? i : -2;
+}
+
+/* One step of a path: the member `name` of the group, or its entry where the name has an index. */
+static rp_status step_into(char *name, const char *text, config_setting_t **group)
+{
+    const long i = take_index(name);
+    config_setting_t *at = member(*group, name);
+    for (int k = NORMAL; k <= ROLLING && !at && i == -1 && config_setting_is_root(*group); k++)
+        if (strcmp(name, dem_scene_schemas[k].name) == 0) /* laws have defaults */
+            at = config_setting_add(*group, name, CONFIG_TYPE_GROUP);
+    if (!at) return no_member(*group, name, text);
+    const int n = config_setting_length(at);
+    if (config_setting_is_list(at) && (i < 0 || i >= n))
+        return rp_fail(RP_BAD_INPUT, "--set %s: %s is a list of %d entries: %s[0] to %s[%d]", text, name, n,
+                       name, name, n - 1);
+    if (!config_setting_is_list(at) && i != -1)
+        return rp_fail(RP_BAD_INPUT, "--set %s: %s is no list with entries", text, name);
+    *group = i < 0 ? at : config_setting_get_elem(at, (unsigned)i);
+    if (config_setting_is_group(*group)) return RP_OK;
+    return rp_fail(RP_BAD_INPUT, "--set %s: %s has no keys of its own", text, name);
+}
+
+/* Add a copy of the value to a group under this name; to a list or an array without a name. */
+static bool add_copy(config_setting_t *parent, const char *name, const config_setting_t *value)
+{
+    const int type = config_setting_type(value);
+    config_setting_t *copy = config_setting_add(parent, name, type);
+    if (!copy) return false;
+    switch (type) {
+    case CONFIG_TYPE_INT: return config_setting_set_int(copy, config_setting_get_int(value));
+    case CONFIG_TYPE_INT64: return config_setting_set_int64(copy, config_setting_get_int64(value));
+    case CONFIG_TYPE_FLOAT: return config_setting_set_float(copy, config_setting_get_float(value));
+    case CONFIG_TYPE_BOOL: return config_setting_set_bool(copy, config_setting_get_bool(value));
+    case CONFIG_TYPE_STRING: return config_setting_set_string(copy, config_setting_get_string(value));
+    default: break;
+    }
+    bool whole = true;
+    for (size_t i = 0; i < length(value) && whole; i++)
+        whole = add_copy(copy, config_setting_name(element(value, i)), element(value, i));
+    return whole;
+}
+
+static const config_setting_t *let_of(const dem_text *text, const char *name)
+{
+    const config_setting_t *let = config_lookup(&text->config, "let");
+    return let ? member(let, name) : NULL;
+}
+
+rp_status dem_text_give(dem_text *text, const char *name, const rp_value *value)
+{
+    rp_lets *lets = &text->lets;
+    const config_setting_t *let = let_of(text, name);
+    size_t k = 0;
+    while (k < lets->n_given && strcmp(lets->given[k].name, name) != 0) k++;
+    if (!let) return rp_fail(RP_BAD_INPUT, "let: the text has no %s", name);
+    if (k == RP_LETS_MOST) return rp_fail(RP_BAD_INPUT, "let: more than %d values are given", RP_LETS_MOST);
+    lets->given[k] = (rp_let_given){config_setting_name(let), *value};
+    lets->n_given += k == lets->n_given;
+    if (value->kind != RP_V_TEXT) return RP_OK;
+    lets->given[k].value.s = rp_text(&text->memory, "%s", value->s);
+    return lets->given[k].value.s ? RP_OK : RP_NO_MEMORY;
+}
+
+#define NAMED_KEY(...) NAMED_KEY_OF(__VA_ARGS__)
+#define NAMED_KEY_OF(group, kind, type, name, key, unit, fallback, range, also, automatic, wall, ...)        \
+    {{#name, unit, type, 0, fallback, DEM_ALLOWED_##kind(range, also), __VA_ARGS__}, group key},
+#define OF_TOP(...)        NAMED_KEY("", __VA_ARGS__)
+#define OF_NORMAL(...)     NAMED_KEY("normal.", __VA_ARGS__)
+#define OF_TANGENTIAL(...) NAMED_KEY("tangential.", __VA_ARGS__)
+#define OF_ROLLING(...)    NAMED_KEY("rolling.", __VA_ARGS__)
+#define OF_FILL(...)       NAMED_KEY("fill.", __VA_ARGS__)
+const dem_named_key dem_named_keys[] = {
+    DEM_GRAIN_PARAMS(OF_TOP) DEM_NORMAL_PARAMS(OF_NORMAL) DEM_TANGENTIAL_PARAMS(OF_TANGENTIAL)
+        DEM_ROLLING_PARAMS(OF_ROLLING) DEM_RADIUS_PARAMS(OF_FILL){{0}, NULL}};
+
+/* Put "group.key=value" or "list[0].key=value" into the tree that was read, instead of what stands there. */
+rp_status dem_text_change(dem_text *scene, const char *text)
+{
+    RP_ENDS(config_destroy) config_t one;
+    char path[128], *key = path;
+    const char *equals = strchr(text, '=');
+    config_setting_t *group = config_root_setting(&scene->config);
+    rp_value value;
+    config_init(&one);
+    if (!equals || equals == text || equals - text >= (long)sizeof path)
+        return rp_fail(RP_BAD_INPUT, "--set %s: key=value expected", text);
+    snprintf(path, sizeof path, "%.*s", (int)(equals - text), text);
+    for (char *dot; (dot = strstr(path, ".["));)
+        memmove(dot, dot + 1, strlen(dot)); /* libconfig's spelling */
+    RP_TRY(read_value(equals + 1, &one));
+    for (char *dot; (dot = strchr(key, '.')); key = dot + 1) {
+        *dot = '\0';
+        RP_TRY(step_into(key, text, &group));
+    }
+    if (key == path && let_of(scene, key) && !rp_config_scalar(config_lookup(&one, "v"), &value))
+        return dem_text_give(scene, key, &value);
+    for (const dem_named_key *k = dem_named_keys; k->key && key == path; k++)
+        if (strcmp(k->param.name, key) == 0 && strchr(k->key, '.') && strncmp(k->key, key, strlen(key)) != 0)
+            return rp_fail(RP_BAD_INPUT, "--set %s: of a scene the key is %s", text, k->key);
+    if (strchr(key, '['))
+        return rp_fail(RP_BAD_INPUT, "--set %s: give a key of the entry, or the whole list", text);
+    if (member(group, key)) config_setting_remove(group, key);
+    return add_copy(group, key, config_lookup(&one, "v"))
+               ? RP_OK
+               : rp_fail(RP_BAD_INPUT, "--set %s: not a key", text);
+}

@@ -1,0 +1,180 @@
+/* Writing scene files, and texts with the values that were given. */
+#include <math.h>
+#include <string.h>
+
+#include "dem/scene/file.h"
+#include "dem/state/method.h"
+#include "params/units.h"
+
+static void write_pair(FILE *out, const char *key, const double pair[2])
+{
+    fprintf(out, "%s = ( %.17g, %.17g ); ", key, pair[0], pair[1]);
+}
+
+static void write_group(FILE *out, int group, const void *values)
+{
+    fprintf(out, "%s = { ", dem_scene_schemas[group].name);
+    rp_config_write(out, SCHEMA(group), values);
+    fputs("};\n", out);
+}
+
+static void write_contacts(FILE *out, const dem_physics *physics)
+{
+    for (int k = NORMAL; k <= ROLLING; k++) write_group(out, k, physics);
+}
+
+void dem_laws_write(const dem_scene_laws *laws, FILE *out)
+{
+    fprintf(out, "dt = %.17g; ends = ( %.17g, %.17g, %.17g );\n", laws->physics.dt, laws->ends[0],
+            laws->ends[1], laws->ends[2]);
+    write_contacts(out, &laws->physics);
+}
+
+static void write_top(FILE *out, const dem_scene *scene)
+{
+    const dem_definition *def = &scene->def;
+    const double density = scene->has_fill ? scene->fill.density : dem_physics_default().density;
+    dem_scene_file file = {.scene = *scene,
+                           .physics = dem_physics_of(def, density),
+                           .particles_file = "",
+                           .particles_step = -1,
+                           .contacts_file = ""};
+    if (def->skin == 0.0) file.scene.def.skin = -1.0;
+    file.x_min = dem_lower_end(def->x_min), file.y_min = dem_lower_end(def->y_min);
+    file.turn_deg = def->turn_per_step * (180.0 / M_PI);
+    file.box_turn_deg = def->box_turn_per_step * (180.0 / M_PI);
+    if (scene->has_fill) file.physics.shape = scene->fill.shape;
+    file.units = (int)rp_units_now();
+    write_pair(out, "gravity", def->gravity);
+    rp_config_write(out, SCHEMA(TOP), &file);
+    fputc('\n', out);
+}
+
+static void write_walls(FILE *out, const dem_scene *scene)
+{
+    const dem_definition *def = &scene->def;
+    fputs("walls = (", out);
+    for (size_t w = 0; w < def->n_walls; w++) {
+        const dem_wall *wall = &dem_walls_of(def)[w];
+        dem_wall_entry entry = {.line = *wall};
+        fputs(w ? ",\n  { " : "\n  { ", out);
+        if (scene->names && *scene->names[w]) fprintf(out, "name = \"%s\"; ", scene->names[w]);
+        write_pair(out, "point", wall->point);
+        write_pair(out, "direction", wall->direction);
+        /* libconfig has no infinity: an open end is written as a number far away */
+        double ends[2] = {fmax(wall->extent[0], -1e300), fmin(wall->extent[1], 1e300)};
+        if (isfinite(wall->extent[0]) || isfinite(wall->extent[1])) write_pair(out, "extent", ends);
+        if (dem_wall_moves(wall)) {
+            write_pair(out, "velocity", wall->velocity);
+            write_pair(out, "pivot", wall->pivot);
+        }
+        rp_config_write(out, SCHEMA(WALLS) + SHAPE_ROWS, &entry);
+        fputs("}", out);
+    }
+    fputs(" );\n", out);
+}
+
+static void write_particles(FILE *out, const dem_scene *scene)
+{
+    fputs("particles = (", out);
+    for (size_t i = 0; i < scene->def.n_grains; i++) {
+        fputs(i ? ",\n  { " : "\n  { ", out);
+        rp_config_write(out, SCHEMA(PARTICLES), &scene->grains[i]);
+        fputs("}", out);
+    }
+    fputs(" );\n", out);
+}
+
+/* A fill: the rows that it always had, then those that are not at their defaults, so that a new one leaves
+ * keys as they are. */
+static void write_fill(FILE *out, const dem_fill *fill, double density)
+{
+    dem_fill plain;
+    char is[512], was[512];
+    rp_params_defaults(SCHEMA(FILL), &plain);
+    plain.density = density;
+    for (const rp_param *row = SCHEMA(FILL); row->name; row++) {
+        rp_params_text(row, fill, is, sizeof is), rp_params_text(row, &plain, was, sizeof was);
+        const bool always = row < rp_params_find(SCHEMA(FILL), "radius_law");
+        if (always || strcmp(is, was) != 0) rp_config_write(out, (const rp_param[]){*row, {0}}, fill);
+    }
+}
+
+static void write_points(FILE *out, const char *key, size_t n, const double points[])
+{
+    if (n > 0) fprintf(out, "%s = (", key);
+    for (size_t i = 0; i < n; i++)
+        fprintf(out, "%s( %.17g, %.17g )", i ? ", " : " ", points[2 * i], points[2 * i + 1]);
+    if (n > 0) fputs(" ); ", out);
+}
+
+static void write_fills(FILE *out, const dem_scene *scene)
+{
+    const dem_fill *f;
+    fputs(scene->n_more ? "fill = (\n" : "fill = ", out);
+    for (size_t k = 0; (f = dem_scene_fill_at((dem_scene *)scene, k)); k++) {
+        dem_fill fill = *f;
+        if (isinf(f->H)) fill.H = -1.0;
+        if (!(f->spacing > 0.0)) fill.spacing = -1.0;
+        fputs(k ? ",\n{ " : "{ ", out);
+        write_fill(out, &fill, scene->fill.density);
+        write_points(out, "radii", f->n_radii, f->radii);
+        write_points(out, "polygon", f->n_corners, f->corners);
+        fputs("}", out);
+    }
+    fputs(scene->n_more ? " );\n" : ";\n", out);
+}
+
+void dem_scene_write(const dem_scene *scene, FILE *out)
+{
+    const dem_definition *def = &scene->def;
+    const dem_physics physics = dem_physics_of(def, 0.0);
+    write_top(out, scene);
+    write_contacts(out, &physics);
+    write_walls(out, scene);
+    if (def->ground.wall) write_group(out, GROUND, &def->ground);
+    if (def->hard.on) write_group(out, HARD, &def->hard);
+    if (dem_schemes[def->integrator]->solves) write_group(out, IMPLICIT, &def->implicit);
+    if (scene->has_fill) write_fills(out, scene);
+    if (scene->grains) write_particles(out, scene);
+}
+
+/* A let, with the value that it was given. */
+static void write_let(const rp_lets *lets, const config_setting_t *let, FILE *out)
+{
+    const rp_let_given *given = lets->given;
+    while (given < lets->given + lets->n_given && strcmp(given->name, config_setting_name(let)) != 0) given++;
+    fprintf(out, "  %s = ", config_setting_name(let));
+    if (given == lets->given + lets->n_given) {
+        rp_config_write_value(out, let);
+    } else if (!config_setting_is_group(let)) {
+        rp_config_write_scalar(out, &given->value);
+    } else {
+        fputs("{ ", out);
+        for (size_t i = 0; i < length(let); i++) {
+            const config_setting_t *m = element(let, i);
+            const bool value = strcmp(config_setting_name(m), "value") == 0;
+            fprintf(out, "%s = ", config_setting_name(m));
+            value ? rp_config_write_scalar(out, &given->value) : rp_config_write_value(out, m);
+            fputs("; ", out);
+        }
+        fputc('}', out);
+    }
+    fputs(";\n", out);
+}
+
+void dem_text_write(const dem_text *text, unsigned long seed, unsigned long stream, FILE *out)
+{
+    const config_setting_t *root = config_root_setting(&text->config);
+    fprintf(out, "seed = %lu;\nrun = %lu;\n", seed, stream);
+    for (size_t i = 0; i < length(root); i++) {
+        const config_setting_t *s = element(root, i);
+        const char *name = config_setting_name(s);
+        const bool let = strcmp(name, "let") == 0;
+        if (strcmp(name, "seed") == 0 || strcmp(name, "run") == 0) continue;
+        fprintf(out, let ? "%s = {\n" : "%s = ", name);
+        for (size_t k = 0; k < length(s) && let; k++) write_let(&text->lets, element(s, k), out);
+        let ? (void)fputc('}', out) : rp_config_write_value(out, s);
+        fputs(";\n", out);
+    }
+}
