@@ -184,7 +184,7 @@ static rp_status read(exp_plan *plan)
     RP_TRY(check_required(plan));
     RP_TRY(check_lets(plan));
     RP_NEW(&plan->arena, plan->scopes,
-           plan->scene.n_names + plan->scene.n_more + 1 +
+           plan->scene.def.n_walls + plan->scene.n_more + 1 +
                2 * exp_count_phases(config_lookup(&text->config, "phases")) +
                length(config_lookup(&text->config, "regions")) +
                length(config_lookup(&text->config, "measure")));

@@ -137,13 +137,8 @@ static rp_status read_moves(const config_setting_t *group, exp_place *place, exp
 /* add = { N; kind; r, or radii as of a fill; density; x; y; vx; vy; omega; gap; }. */
 static rp_status read_add(const config_setting_t *group, exp_place *place, exp_add *a)
 {
-<<<<<<< HEAD
-    static const char *const others[] = {"N",  "kind", "r",     "density", "x", "y",
-                                         "vx", "vy",   "omega", "gap",     NULL};
-=======
-    static const char *const keys[] = {"N",  "kind", "r",     "density", "x",     "y",
-                                       "vx", "vy",   "omega", "gap",     "radii", NULL};
->>>>>>> room2
+    static const char *const others[] = {"N",  "kind", "r",     "density", "x",     "y",
+                                         "vx", "vy",   "omega", "gap",     "radii", NULL};
     exp_plan *plan = place->plan;
     const config_setting_t *x = member(group, "x"), *y = member(group, "y"), *kind = member(group, "kind");
     const double fallbacks[] = {1.0, NAN, NAN, 0.0, 0.0, 0.0, 1e-6 * plan->d};
@@ -169,28 +164,13 @@ static rp_status read_add(const config_setting_t *group, exp_place *place, exp_a
     place->of_grain = true;
     RP_TRY(exp_read_keys(group, "add.", keys, place));
     place->of_grain = false;
-<<<<<<< HEAD
     for (size_t k = 0; k < sizeof fallbacks / sizeof *fallbacks; k++)
         if (!exp_given(keys[k].e)) keys[k].e->x = (rp_expression){.known = true, .value = fallbacks[k]};
     if (!x_range) a->x[1] = a->x[0];
-    dem_fill *const first = dem_scene_fill_at(&plan->scene, 0);
-    RP_TRY(dem_text_radii(group, others, first, &a->radii));
-    if (exp_given(&a->r) && member(group, "radius_mean"))
-        return rp_config_fail(group, "add: r and radius_mean; keep one");
-    if (!a->radii.n_radii || (first && a->radii.radii == first->radii)) return RP_OK;
-    double *own; /* of the plan */
-    const double *read = a->radii.radii;
-    RP_NEW(&plan->arena, own, 2 * a->radii.n_radii);
-    memcpy(own, read, 2 * a->radii.n_radii * sizeof *own);
-    a->radii.radii = own;
-    free((void *)read);
-    return RP_OK;
-=======
-    RP_TRY(dem_text_radii(&plan->arena, group, keys, dem_scene_fill_at(&plan->scene, 0), &a->radii));
-    return a->has_r && member(group, "radius_mean")
+    RP_TRY(dem_text_radii(&plan->arena, group, others, dem_scene_fill_at(&plan->scene, 0), &a->radii));
+    return exp_given(&a->r) && member(group, "radius_mean")
                ? rp_config_fail(group, "add: r and radius_mean; keep one")
                : RP_OK;
->>>>>>> room2
 }
 
 /* Keys of a phase that are read by hand, laws first. */
@@ -368,50 +348,12 @@ size_t exp_count_phases(const config_setting_t *list)
     return n;
 }
 
-<<<<<<< HEAD
-=======
-/* Kinds of the fills, then of what phases add. */
-static rp_status name_kind(exp_plan *plan, const config_setting_t *setting, const char *kind)
-{
-    for (size_t k = 0; k < plan->n_kinds; k++)
-        if (strcmp(plan->kinds[k], kind) == 0) return RP_OK;
-    RP_TRY(exp_check_name(plan, setting, "a kind", kind));
-    plan->kinds[plan->n_kinds++] = kind;
-    return RP_OK;
-}
-
-static rp_status name_added(exp_plan *plan, const config_setting_t *list)
-{
-    for (size_t i = 0; i < length(list); i++) {
-        const config_setting_t *phase = element(list, i);
-        if (!config_setting_is_group(phase)) continue;
-        const config_setting_t *add = member(phase, "add"),
-                               *kind = add && config_setting_is_group(add) ? member(add, "kind") : NULL;
-        if (kind && config_setting_get_string(kind))
-            RP_TRY(name_kind(plan, kind, config_setting_get_string(kind)));
-        if (member(phase, "phases")) RP_TRY(name_added(plan, member(phase, "phases")));
-    }
-    return RP_OK;
-}
-
-rp_status exp_name_kinds(exp_plan *plan)
-{
-    const config_setting_t *list = config_lookup(&plan->text->config, "phases"),
-                           *fill = config_lookup(&plan->text->config, "fill");
-    RP_NEW(&plan->arena, plan->kinds, count(list, NULL) + plan->scene.n_more + 1);
-    for (size_t k = 0; dem_scene_fill_at(&plan->scene, k); k++)
-        if (*dem_scene_fill_at(&plan->scene, k)->kind)
-            RP_TRY(name_kind(plan, fill, dem_scene_fill_at(&plan->scene, k)->kind));
-    return name_added(plan, list);
-}
-
->>>>>>> room2
 rp_status exp_name_phases(exp_plan *plan)
 {
     const config_setting_t *list = config_lookup(&plan->text->config, "phases"),
                            *fill = config_lookup(&plan->text->config, "fill");
     for (size_t k = 0; dem_scene_fill_at(&plan->scene, k); k++)
-        RP_TRY(name_kind(plan, fill, plan->scene.kinds[k]));
+        RP_TRY(name_kind(plan, fill, dem_scene_fill_at(&plan->scene, k)->kind));
     RP_NEW(&plan->arena, plan->phases, exp_count_phases(list));
     RP_TRY(name_phases(plan, list, SIZE_MAX));
     RP_NEW(&plan->arena, plan->loads, plan->n_loads);
