@@ -133,7 +133,7 @@ static void check_whole(void)
     snprintf(path, sizeof path, "%s/runs.tsv", base);
     FILE *out = fopen(path, "w");
     CU_ASSERT_PTR_NOT_NULL_FATAL(out);
-    CHECK_OK(sweep_export(dir, protocols, SWEEP_RUNS, NULL, NULL, NULL, out));
+    CHECK_OK(sweep_export(dir, protocols, SWEEP_RUNS, NULL, NULL, out));
     fclose(out);
     rp_table t;
     CHECK_OK(rp_table_read(path, &t));
@@ -466,7 +466,7 @@ static char *export(void)
     char *text = NULL;
     size_t size = 0;
     FILE *out = open_memstream(&text, &size);
-    rp_status status = out ? sweep_export(dir, protocols, SWEEP_RUNS, NULL, NULL, NULL, out) : RP_NO_MEMORY;
+    rp_status status = out ? sweep_export(dir, protocols, SWEEP_RUNS, NULL, NULL, out) : RP_NO_MEMORY;
     fclose(out);
     if (!status) return text;
     free(text);

@@ -390,7 +390,7 @@ static rp_status read_rows(const char *folder, char lines[ROWS][256], size_t *n)
     size_t run;
     snprintf(path, sizeof path, "%s/rows.tsv", base);
     FILE *rows = fopen(path, "w+");
-    rp_status status = sweep_export(folder, protocols, false, NULL, NULL, NULL, rows);
+    rp_status status = sweep_export(folder, protocols, false, NULL, NULL, rows);
     rewind(rows);
     *n = 0;
     for (size_t k = 0; k < ROWS; k++) *lines[k] = '\0';

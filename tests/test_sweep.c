@@ -197,7 +197,7 @@ static void export_table(bool reduce, rp_table *t, char *path, size_t size)
     snprintf(path, size, "%s/table.tsv", base);
     FILE *out = fopen(path, "w");
     CU_ASSERT_PTR_NOT_NULL_FATAL(out);
-    CHECK_OK(sweep_export(dir, toys, reduce, "the command", NULL, NULL, out));
+    CHECK_OK(sweep_export(dir, toys, reduce, "the command", NULL, out));
     fclose(out);
     CHECK_OK(rp_table_read(path, t));
 }
@@ -722,7 +722,7 @@ static void test_half_made(void)
             CU_ASSERT(c.stored == 2 && (named || strstr(c.skipped, "/shards/1-of-2.sqlite")));
             CU_ASSERT_STRING_EQUAL(c.shards, "1 of 2");
             FILE *out = open_memstream(&text, &size);
-            CHECK_OK(sweep_export(dir, toys, SWEEP_RUNS, NULL, &c, NULL, out));
+            CHECK_OK(sweep_export(dir, toys, SWEEP_RUNS, NULL, &c, out));
             fclose(out);
             CU_ASSERT(named == !strstr(text, "# left out, no stores yet: /tmp/"));
             free(text);
@@ -775,7 +775,7 @@ static void test_damaged_rows(void)
             if (where < 2) {
                 CHECK_FAILS(sweep_status(dir, toys, &c), RP_IO, message);
                 CHECK_FAILS(sweep_digest(dir, toys, d, &n), RP_IO, message);
-                CHECK_FAILS(sweep_export(dir, toys, SWEEP_RUNS, NULL, NULL, NULL, stdout), RP_IO, message);
+                CHECK_FAILS(sweep_export(dir, toys, SWEEP_RUNS, NULL, NULL, stdout), RP_IO, message);
                 CHECK_FAILS(run(1, NULL), RP_IO, message);
                 CHECK_FAILS(sweep_run(dir, toys, &half, &c), RP_IO, message);
             }
@@ -814,7 +814,7 @@ static void test_makers(void)
     CHECK_OK(sweep_merge(dir, toys, 1, (char *const[]){other}, &m, &c));
     CHECK_OK(run(1, NULL));
     FILE *out = open_memstream(&text, &size);
-    CHECK_OK(sweep_export(dir, toys, SWEEP_RUNS, NULL, NULL, NULL, out));
+    CHECK_OK(sweep_export(dir, toys, SWEEP_RUNS, NULL, NULL, out));
     fclose(out);
     snprintf(plain, sizeof plain, "# runs made by: repose %s, commit %s, %s (2)\n", RP_VERSION,
              rp_build_commit, rp_build_compiler);
@@ -871,7 +871,7 @@ static void test_read_only(void)
             FILE *out = open_memstream(&text, &size);
             const bool good = sweep_status(dir, toys, &c) == RP_OK && c.stored == 6 &&
                               sweep_digest(dir, toys, found, &n) == RP_OK && strcmp(found, right) == 0 &&
-                              sweep_export(dir, toys, SWEEP_RUNS, NULL, NULL, NULL, out) == RP_OK;
+                              sweep_export(dir, toys, SWEEP_RUNS, NULL, NULL, out) == RP_OK;
             if (!good) fprintf(stderr, "read-only: %s\n", rp_message());
             _exit(!good);
         }
@@ -1071,7 +1071,7 @@ static void test_further_output(void)
     snprintf(path, sizeof path, "%s/table.tsv", base);
     FILE *out = fopen(path, "w");
     CU_ASSERT_PTR_NOT_NULL_FATAL(out);
-    CHECK_OK(sweep_export(dir, later, SWEEP_RUNS, NULL, &c, NULL, out));
+    CHECK_OK(sweep_export(dir, later, SWEEP_RUNS, NULL, &c, out));
     fclose(out);
     scoped char *text = NULL;
     CHECK_OK(rp_file_read(path, &text));
@@ -1181,7 +1181,7 @@ static void test_bad_folders(void)
     CHECK_FAILS(run(1, NULL), RP_BAD_INPUT, "no such folder");
     CHECK_FAILS(sweep_status(dir, toys, &c), RP_BAD_INPUT, "sweep.cfg: cannot read");
     CHECK_FAILS(sweep_digest(dir, toys, d, &n), RP_BAD_INPUT, "sweep.cfg: cannot read");
-    CHECK_FAILS(sweep_export(dir, toys, SWEEP_POINTS, NULL, NULL, NULL, stdout), RP_BAD_INPUT,
+    CHECK_FAILS(sweep_export(dir, toys, SWEEP_POINTS, NULL, NULL, stdout), RP_BAD_INPUT,
                 "sweep.cfg: cannot read");
     snprintf(below, sizeof below, "%s/d", file); /* below a regular file */
     CHECK_FAILS(sweep_prepare(file, below, 0, toys, NULL, &c), RP_IO, "cannot make the directory");
@@ -1210,7 +1210,7 @@ static void test_bad_folders(void)
     CHECK_OK(prepare(NULL));
     FILE *full = fopen("/dev/full", "w");
     CU_ASSERT_PTR_NOT_NULL_FATAL(full);
-    CHECK_FAILS(sweep_export(dir, toys, SWEEP_RUNS, NULL, NULL, NULL, full), RP_IO,
+    CHECK_FAILS(sweep_export(dir, toys, SWEEP_RUNS, NULL, NULL, full), RP_IO,
                 "No space left on device");
     fclose(full);
     clean();
@@ -1524,7 +1524,7 @@ static char *exported(void)
     scoped char *text = NULL;
     size_t size = 0;
     FILE *out = open_memstream(&text, &size);
-    const rp_status status = sweep_export(dir, toys, SWEEP_RUNS, NULL, NULL, NULL, out);
+    const rp_status status = sweep_export(dir, toys, SWEEP_RUNS, NULL, NULL, out);
     fclose(out);
     char *from = status ? NULL : strstr(text, "# sweep:"), *kept = strdup(from ? from : "");
     return kept;
@@ -1564,7 +1564,7 @@ static void test_salvage(void)
     snprintf(kept, sizeof kept, "%s/damaged.sqlite", dir);
     for (int part = 3; part <= 9; part += 2) {
         file_write(store, bytes, size * (size_t)part / 10);
-        CHECK_FAILS(sweep_export(dir, toys, SWEEP_RUNS, NULL, NULL, NULL, stdout), RP_IO, "store.sqlite");
+        CHECK_FAILS(sweep_export(dir, toys, SWEEP_RUNS, NULL, NULL, stdout), RP_IO, "store.sqlite");
         CHECK_OK(sweep_salvage(dir, toys, &n));
         CU_ASSERT(n < 600 && n >= most);
         sweep_counts c;
