@@ -105,21 +105,6 @@ static const config_setting_t *element(const config_setting_t *group, size_t i)
     return config_setting_get_elem(group, (unsigned)i);
 }
 
-/* What fixed and grid name of the physics, though the text has no let of it. */
-static void add_keys(sweep_plan *plan)
-{
-    const config_setting_t *grid = config_lookup(&plan->config, "grid"),
-                           *fixed = config_lookup(&plan->config, "fixed");
-    const bool bundles = grid && config_setting_is_list(grid);
-    for (int g = -1; g < (bundles ? length(grid) : 1); g++) {
-        const config_setting_t *group = g < 0 ? fixed : bundles ? element(grid, (size_t)g) : grid;
-        for (int i = 0; i < length(group); i++) {
-            const char *name = config_setting_name(element(group, (size_t)i));
-            if (name) sweep_experiment_also(plan->experiment, name);
-        }
-    }
-}
-
 /* Open the experiment's file, beside the sweep's, or the protocol's text. */
 static rp_status open_experiment(const char *file, const head *h, sweep_plan *plan)
 {
@@ -145,7 +130,6 @@ static rp_status open_experiment(const char *file, const head *h, sweep_plan *pl
                 return rp_config_fail(units, "units: protocol %s is in sigma, without a unit of length",
                                       plan->protocol->name);
             if (units) sweep_experiment_in(plan->experiment, (rp_units)h->units);
-            add_keys(plan);
         }
         return rp_prefix(status, "%s: ", file);
     }
@@ -153,13 +137,14 @@ static rp_status open_experiment(const char *file, const head *h, sweep_plan *pl
     RP_TRY(rp_path(&arena, &path, "%.*s%s", slash && *name != '/' ? (int)(slash - file) + 1 : 0, file, name));
     RP_TRY(rp_prefix(sweep_experiment_open(path, &changes, &plan->experiment, &plan->protocol),
                      "%s: experiment: ", file));
-    add_keys(plan);
     return rename_text(config_lookup(&plan->config, "experiment"), "experiment.cfg", &plan->text);
 }
 
-static rp_status find_param(const sweep_protocol *protocol, const config_setting_t *setting,
-                            const rp_param **param)
+/* A parameter that fixed or grid names, of the physics though the text has no let of it. */
+static rp_status find_param(const sweep_plan *plan, const config_setting_t *setting, const rp_param **param)
 {
+    const sweep_protocol *protocol = plan->protocol;
+    if (plan->experiment) sweep_experiment_also(plan->experiment, config_setting_name(setting));
     *param = rp_params_find(protocol->schema, config_setting_name(setting));
     if (*param) return RP_OK;
     char more[64];
@@ -176,7 +161,7 @@ static rp_status read_fixed(const sweep_plan *plan, const config_setting_t *fixe
     for (int i = 0; i < length(fixed); i++) {
         const rp_param *param;
         const config_setting_t *setting = element(fixed, (size_t)i);
-        RP_TRY(find_param(plan->protocol, setting, &param));
+        RP_TRY(find_param(plan, setting, &param));
         RP_TRY(rp_config_value(setting, param, values));
     }
     return RP_OK;
@@ -211,7 +196,7 @@ static rp_status read_axis(sweep_plan *plan, size_t a, const config_setting_t *f
 {
     sweep_axis *axis = &plan->axes[a];
     const char *name = config_setting_name(axis->list);
-    RP_TRY(find_param(plan->protocol, axis->list, &axis->param));
+    RP_TRY(find_param(plan, axis->list, &axis->param));
     for (size_t other = 0; other < a; other++)
         if (plan->axes[other].param == axis->param)
             return rp_config_fail(axis->list, "%s: appears twice in the grid; keep one", name);
