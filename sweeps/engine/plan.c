@@ -473,6 +473,13 @@ sweep_stream sweep_plan_stream(const sweep_plan *plan, size_t run)
     return (sweep_stream){hash & most, ((hash >> 33) + replica) & most, (hash >> 12) + replica};
 }
 
+rp_status sweep_plan_run(const sweep_plan *plan, size_t run, const sweep_tables *tables, sweep_result *result)
+{
+    const sweep_stream stream = sweep_plan_stream(plan, run);
+    return plan->protocol->run(sweep_plan_point(plan, run / plan->replicas), stream.seed, stream.run, tables,
+                               result);
+}
+
 /* Hash of the parameters and streams of a run, and of the text before them. */
 static void hash_run(const sweep_plan *plan, size_t run, const char *before, char digits[33])
 {

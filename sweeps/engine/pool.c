@@ -105,9 +105,7 @@ static rp_status make(const pool *p, const task *t, sweep_result *result)
         snapshot_of(p, run, key, path);
         sweep_keep_begin(&keep, t->kept, why, sizeof why);
     }
-    const sweep_stream stream = sweep_plan_stream(plan, run);
-    rp_status status = plan->protocol->run(sweep_plan_point(plan, run / plan->replicas), stream.seed,
-                                           stream.run, keeps ? &kept : NULL, result);
+    const rp_status status = sweep_plan_run(plan, run, keeps ? &kept : NULL, result);
     if (keeps) sweep_keep_end(&keep, false);
     if (!*result->message) snprintf(result->message, sizeof result->message, "%s", why);
     return status;

@@ -94,6 +94,10 @@ const void *sweep_plan_point(const sweep_plan *plan, size_t point);
  * piles, on seed and replica alone; never on the place in the grid. */
 sweep_stream sweep_plan_stream(const sweep_plan *plan, size_t run);
 
+/* Make a run, as its protocol does. */
+rp_status sweep_plan_run(const sweep_plan *plan, size_t run, const sweep_tables *tables,
+                         sweep_result *result);
+
 /* Key of a run: a hash of parameters, streams and model. And a hash without the model, whose bits may be the
  * same in another one. */
 void sweep_plan_key(const sweep_plan *plan, size_t run, char key[33]);
@@ -162,11 +166,12 @@ rp_status sweep_store_visit(sweep_store *store, const sweep_plan *plan,
                             rp_status (*visit)(const sweep_row *row, void *context), void *context);
 
 /* Statements, for store.c, merge.c and reduce.c. A query that cannot be prepared is NULL: its first step
- * fails, and finish says why; query_text frees its text; number is the first column of the first row; columns
- * are those of a row in the order in which it is bound and read, 'none' for an output that this schema of the
- * store, unless NULL, has none of. */
+ * fails, and finish says why; the functions of a text free it; number is the first column of the first row;
+ * columns are those of a row in the order in which it is bound and read, 'none' for an output that this
+ * schema of the store, unless NULL, has none of. */
 rp_status sweep_sql_fail(const sweep_store *store, const char *what);
 rp_status sweep_sql(sweep_store *store, const char *what, const char *format, ...);
+rp_status sweep_sql_text(sweep_store *store, const char *what, sqlite3_str *text);
 sqlite3_stmt *sweep_sql_query(sweep_store *store, const char *sql);
 sqlite3_stmt *sweep_sql_query_text(sweep_store *store, sqlite3_str *text);
 rp_status sweep_sql_finish(sweep_store *store, const char *what, sqlite3_stmt *query);

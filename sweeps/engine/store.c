@@ -31,15 +31,22 @@ rp_status sweep_sql_fail(const sweep_store *s, const char *what)
     return rp_fail(RP_IO, "%s: cannot %s: %s", s->path, what, sqlite3_errmsg(s->db));
 }
 
-rp_status sweep_sql(sweep_store *s, const char *what, const char *format, ...)
+rp_status sweep_sql_text(sweep_store *s, const char *what, sqlite3_str *text)
 {
-    va_list args;
-    va_start(args, format);
-    char *sql = sqlite3_vmprintf(format, args);
-    va_end(args);
+    char *sql = sqlite3_str_finish(text);
     int rc = sql ? sqlite3_exec(s->db, sql, NULL, NULL, NULL) : SQLITE_NOMEM;
     sqlite3_free(sql);
     return rc == SQLITE_OK ? RP_OK : sweep_sql_fail(s, what);
+}
+
+rp_status sweep_sql(sweep_store *s, const char *what, const char *format, ...)
+{
+    sqlite3_str *text = sqlite3_str_new(s->db);
+    va_list args;
+    va_start(args, format);
+    sqlite3_str_vappendf(text, format, args);
+    va_end(args);
+    return sweep_sql_text(s, what, text);
 }
 
 sqlite3_stmt *sweep_sql_query(sweep_store *s, const char *sql)
@@ -490,7 +497,7 @@ rp_status sweep_store_verify(sweep_store *s, const char *schema, const char *pat
 rp_status sweep_store_drop_crashed(sweep_store *s)
 {
     return sweep_sql(s, "write the store",
-                     "DELETE FROM runs WHERE status IN " SWEEP_MACHINE " AND run IS NOT NULL");
+                     "DELETE FROM main.runs WHERE status IN " SWEEP_MACHINE " AND run IS NOT NULL");
 }
 
 rp_status sweep_store_mark(sweep_store *s, size_t n_runs, unsigned char *done)

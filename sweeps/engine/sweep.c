@@ -415,44 +415,30 @@ static void trace_owner(const sweep_plan *plan, size_t row, const sweep_tables *
     rp_hash_digits(XXH3_128bits(text, strlen(text)), owner);
 }
 
-static rp_status copy_outputs(rp_arena *arena, const sweep_protocol *protocol, const sweep_output **outputs)
+static void free_plan(void *plan)
 {
-    const size_t n = sweep_count_outputs(protocol);
-    sweep_output *copy;
-    RP_NEW(arena, copy, n);
-    for (size_t k = 0; k < n; k++) {
-        copy[k].name = rp_text(arena, "%s", protocol->outputs[k].name);
-        copy[k].unit = rp_text(arena, "%s", protocol->outputs[k].unit);
-        copy[k].meaning = "";
-        if (!copy[k].name || !copy[k].unit) return RP_NO_MEMORY;
-    }
-    *outputs = copy;
-    return RP_OK;
+    sweep_plan_free(plan);
 }
 
 rp_status sweep_trace(const char *file, const sweep_protocol *const *protocols, size_t row,
                       const sweep_tables *tables, rp_arena *arena, const sweep_output **outputs,
                       sweep_result *result)
 {
-    RP_ENDS(sweep_plan_free) sweep_plan plan;
+    sweep_plan *plan;
     char owner[33], why[1024] = "";
-    sweep_keep keep = {
-        .path = tables->snapshot, .key = owner, .interval = tables->interval, .stop = tables->stop};
-    sweep_tables kept = *tables;
-    kept.keep = tables->snapshot ? &keep : NULL;
-    rp_status status = sweep_plan_read(file, protocols, &plan);
-    RP_TRY(status);
-    RP_TRY(copy_outputs(arena, plan.protocol, outputs));
-    if (row >= plan.n_runs)
+    sweep_keep *keep = tables->keep;
+    RP_NEW(arena, plan, 1);
+    rp_arena_keep(arena, plan, free_plan);
+    RP_TRY(sweep_plan_read(file, protocols, plan));
+    *outputs = plan->protocol->outputs;
+    if (row >= plan->n_runs)
         return rp_fail(RP_BAD_INPUT, "row = %zu: out of range, allowed: [0, %zu], the runs of %s", row,
-                       plan.n_runs - 1, file);
-    RP_TRY(sweep_plan_check_point(&plan, file, row / plan.replicas));
-    trace_owner(&plan, row, tables, owner);
-    if (kept.keep) sweep_keep_begin(&keep, true, why, sizeof why);
-    const sweep_stream stream = sweep_plan_stream(&plan, row);
-    status = *why ? rp_fail(RP_BAD_INPUT, "%s; remove this file to start anew", why)
-                  : plan.protocol->run(sweep_plan_point(&plan, row / plan.replicas), stream.seed, stream.run,
-                                       &kept, result);
-    if (kept.keep) sweep_keep_end(&keep, status == RP_OK);
+                       plan->n_runs - 1, file);
+    RP_TRY(sweep_plan_check_point(plan, file, row / plan->replicas));
+    trace_owner(plan, row, tables, owner);
+    if (keep) keep->key = owner, sweep_keep_begin(keep, true, why, sizeof why);
+    const rp_status status = *why ? rp_fail(RP_BAD_INPUT, "%s; remove this file to start anew", why)
+                                  : sweep_plan_run(plan, row, tables, result);
+    if (keep) sweep_keep_end(keep, status == RP_OK);
     return status;
 }
