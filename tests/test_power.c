@@ -88,121 +88,61 @@ static void forget(void)
 
 /* ---- The shim */
 
+/* A file is that of the layer below, with other methods, and this behind it. */
 typedef struct {
-    sqlite3_file base;
+    const sqlite3_io_methods *real;
+    sqlite3_io_methods methods;
     int file;
     bool sync_folder; /* with the first sync, as SQLite does for a new journal */
-    sqlite3_file real[];
 } shim;
 
 static sqlite3_vfs *below, layer;
 
-#define REAL(f) (((shim *)(f))->real)
-
-static int shim_close(sqlite3_file *f)
+static shim *shim_of(sqlite3_file *f)
 {
-    return REAL(f)->pMethods->xClose(REAL(f));
-}
-
-static int shim_read(sqlite3_file *f, void *bytes, int n, sqlite3_int64 at)
-{
-    return REAL(f)->pMethods->xRead(REAL(f), bytes, n, at);
+    return (shim *)((char *)f + below->szOsFile);
 }
 
 static int shim_write(sqlite3_file *f, const void *bytes, int n, sqlite3_int64 at)
 {
-    event *e = note(WRITE, ((shim *)f)->file);
+    event *e = note(WRITE, shim_of(f)->file);
     *e = (event){WRITE, e->file, at, (size_t)n, disk.on ? malloc((size_t)n) : NULL};
     if (e->bytes) memcpy(e->bytes, bytes, (size_t)n);
-    return REAL(f)->pMethods->xWrite(REAL(f), bytes, n, at);
+    return shim_of(f)->real->xWrite(f, bytes, n, at);
 }
 
 static int shim_truncate(sqlite3_file *f, sqlite3_int64 length)
 {
-    note(TRUNCATE, ((shim *)f)->file)->at = length;
-    return REAL(f)->pMethods->xTruncate(REAL(f), length);
+    note(TRUNCATE, shim_of(f)->file)->at = length;
+    return shim_of(f)->real->xTruncate(f, length);
 }
 
 static int shim_sync(sqlite3_file *f, int flags)
 {
-    shim *s = (shim *)f;
-    const int rc = s->real->pMethods->xSync(s->real, flags);
+    shim *s = shim_of(f);
+    const int rc = s->real->xSync(f, flags);
     note(SYNC, s->file);
     if (s->sync_folder) note(SYNC_FOLDER, -1);
     s->sync_folder = false;
     return rc;
 }
 
-static int shim_size(sqlite3_file *f, sqlite3_int64 *size)
-{
-    return REAL(f)->pMethods->xFileSize(REAL(f), size);
-}
-
-static int shim_lock(sqlite3_file *f, int kind)
-{
-    return REAL(f)->pMethods->xLock(REAL(f), kind);
-}
-
-static int shim_unlock(sqlite3_file *f, int kind)
-{
-    return REAL(f)->pMethods->xUnlock(REAL(f), kind);
-}
-
-static int shim_reserved(sqlite3_file *f, int *yes)
-{
-    return REAL(f)->pMethods->xCheckReservedLock(REAL(f), yes);
-}
-
-static int shim_control(sqlite3_file *f, int op, void *arg)
-{
-    return REAL(f)->pMethods->xFileControl(REAL(f), op, arg);
-}
-
-static int shim_sector(sqlite3_file *f)
-{
-    return REAL(f)->pMethods->xSectorSize(REAL(f));
-}
-
-static int shim_device(sqlite3_file *f)
-{
-    return REAL(f)->pMethods->xDeviceCharacteristics(REAL(f));
-}
-
-static int shim_map(sqlite3_file *f, int page, int size, int extend, void volatile **at)
-{
-    return REAL(f)->pMethods->xShmMap(REAL(f), page, size, extend, at);
-}
-
-static int shim_map_lock(sqlite3_file *f, int offset, int n, int flags)
-{
-    return REAL(f)->pMethods->xShmLock(REAL(f), offset, n, flags);
-}
-
-static void shim_barrier(sqlite3_file *f)
-{
-    REAL(f)->pMethods->xShmBarrier(REAL(f));
-}
-
-static int shim_unmap(sqlite3_file *f, int delete)
-{
-    return REAL(f)->pMethods->xShmUnmap(REAL(f), delete);
-}
-
-static const sqlite3_io_methods methods = {
-    2,           shim_close, shim_read,     shim_write,    shim_truncate, shim_sync,
-    shim_size,   shim_lock,  shim_unlock,   shim_reserved, shim_control,  shim_sector,
-    shim_device, shim_map,   shim_map_lock, shim_barrier,  shim_unmap,    NULL,
-    NULL};
-
 static int shim_open(sqlite3_vfs *vfs, const char *path, sqlite3_file *f, int flags, int *out)
 {
     (void)vfs;
-    shim *s = (shim *)f;
+    shim *s = shim_of(f);
     const bool there = path && access(path, F_OK) == 0;
-    const int rc = below->xOpen(below, path, s->real, flags, out);
-    s->base.pMethods = rc == SQLITE_OK ? &methods : NULL;
+    const int rc = below->xOpen(below, path, f, flags, out);
     s->file = -1;
-    if (rc != SQLITE_OK || !path || !disk.on) return rc;
+    if (rc != SQLITE_OK) return rc;
+    s->real = f->pMethods;
+    s->methods = *s->real;
+    s->methods.iVersion = 2; /* without maps of the file */
+    s->methods.xWrite = shim_write;
+    s->methods.xTruncate = shim_truncate;
+    s->methods.xSync = shim_sync;
+    f->pMethods = &s->methods;
+    if (!path || !disk.on) return rc;
     s->file = there ? find_file(path) : make_file(path);
     CU_ASSERT_FATAL(s->file >= 0);
     s->sync_folder = !there && !(flags & SQLITE_OPEN_MAIN_DB);
@@ -258,7 +198,7 @@ static void put_shim(void)
     below = sqlite3_vfs_find(NULL);
     layer = *below;
     layer.zName = "power cut";
-    layer.szOsFile = (int)sizeof(shim) + below->szOsFile;
+    layer.szOsFile = below->szOsFile + (int)sizeof(shim);
     layer.xOpen = shim_open;
     layer.xDelete = shim_delete;
     CU_ASSERT_FATAL(sqlite3_vfs_register(&layer, 1) == SQLITE_OK);
