@@ -77,6 +77,17 @@ double protocol_output(const sweep_protocol *protocol, const sweep_result *resul
     return NAN;
 }
 
+char *protocol_export(const char *folder, const sweep_protocol *const *protocols, unsigned what)
+{
+    char *text = NULL;
+    size_t size = 0;
+    FILE *out = open_memstream(&text, &size);
+    const rp_status status = sweep_export(folder, protocols, what, "the command", NULL, out);
+    fclose(out);
+    if (status) *text = '\0';
+    return text;
+}
+
 void protocol_no_header(const void *context, FILE *table)
 {
     (void)context;

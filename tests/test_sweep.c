@@ -212,22 +212,10 @@ static sqlite3_int64 sql_number(const char *text)
 
 #define scoped_table __attribute__((cleanup(rp_table_free))) rp_table
 
-/* The export of a folder as it is printed; "" where it is refused. Free it. */
-static char *printed(const char *folder, const sweep_protocol *const *protocols, unsigned what)
-{
-    char *text = NULL;
-    size_t size = 0;
-    FILE *out = open_memstream(&text, &size);
-    const rp_status status = sweep_export(folder, protocols, what, "the command", &c, out);
-    fclose(out);
-    if (status) *text = '\0';
-    return text;
-}
-
 static rp_table exported(unsigned what)
 {
     rp_table t;
-    CHECK_OK(rp_table_parse("table", printed(dir, toys, what), &t));
+    CHECK_OK(rp_table_parse("table", protocol_export(dir, toys, what), &t));
     return t;
 }
 
@@ -451,7 +439,7 @@ static void test_reduce(void)
     CU_ASSERT_STRING_EQUAL(cell(&t, 0, "n_failed"), "4");
     CU_ASSERT_STRING_EQUAL(cell(&t, 1, "x"), "2.75");
     CU_ASSERT_STRING_EQUAL(cell(&t, 1, "n"), "3");
-    scoped char *text = printed(dir, toys, SWEEP_POINTS);
+    scoped char *text = protocol_export(dir, toys, SWEEP_POINTS);
     CU_ASSERT_PTR_NOT_NULL(strstr(
         text,
         "# units: 1\tcm\tdeg\tdeg\tdeg\tdeg\tdeg\t1\ts\ts\ts\ts\ts\t1\t1\t1\t1\n")); /* numbers n have none */
@@ -699,7 +687,7 @@ static void test_half_made(void)
             CHECK_OK(sweep_status(dir, toys, &c));
             CU_ASSERT(c.stored == 2 && (named || strstr(c.skipped, "/shards/1-of-2.sqlite")));
             CU_ASSERT_STRING_EQUAL(c.shards, "1 of 2");
-            scoped char *text = printed(dir, toys, SWEEP_RUNS);
+            scoped char *text = protocol_export(dir, toys, SWEEP_RUNS);
             CU_ASSERT(*text && named == !strstr(text, "# left out, no stores yet: /tmp/"));
             char shards[160];
             snprintf(shards, sizeof shards, "%s/shards/2-of-2.sqlite", dir);
@@ -778,7 +766,7 @@ static void test_makers(void)
     sweep_plan_free(&plan);
     CHECK_OK(sweep_merge(dir, toys, 1, (char *const[]){other}, &m, &c));
     CHECK_OK(run(1));
-    scoped char *text = printed(dir, toys, SWEEP_RUNS);
+    scoped char *text = protocol_export(dir, toys, SWEEP_RUNS);
     snprintf(plain, sizeof plain, "# runs made by: repose %s, commit %s, %s (2)\n", RP_VERSION,
              rp_build_commit, rp_build_compiler);
     CU_ASSERT(strstr(text, "# runs made by: repose 0.1.9, commit 0123abc-dirty, gcc 9 (2)\n") &&
@@ -825,7 +813,7 @@ static void test_read_only(void)
             if (geteuid() == 0 && setresuid(65534, 65534, 65534) != 0) _exit(9);
             const bool good = sweep_status(dir, toys, &c) == RP_OK && c.stored == 6 &&
                               sweep_digest(dir, toys, found, &n) == RP_OK && strcmp(found, right) == 0 &&
-                              *printed(dir, toys, SWEEP_RUNS);
+                              *protocol_export(dir, toys, SWEEP_RUNS);
             if (!good) fprintf(stderr, "read-only: %s\n", rp_message());
             _exit(!good);
         }
@@ -1009,7 +997,7 @@ static void test_further_output(void)
     CU_ASSERT(sql_number("SELECT count(*) FROM runs WHERE further = 'none' AND never IS NULL") == 4);
     CHECK_OK(sweep_digest(dir, later, found, &rows));
     CU_ASSERT(rows == 6);
-    scoped char *text = printed(dir, later, SWEEP_RUNS);
+    scoped char *text = protocol_export(dir, later, SWEEP_RUNS);
     CU_ASSERT(strstr(text, "# no value: further of 4 runs, stored before the program had this output\n") &&
               strstr(text, "\tnan\t") && strstr(text, "\t2.385\t"));
     CHECK_OK(sweep_merge(dir, later, 1, (char *const[]){other}, &m, &c));
@@ -1433,7 +1421,7 @@ static void test_flips(void)
     enum { FLIPS = 400 };
     made_by(2, GRID_SWEEP);
     size_t size, refused = 0, silent = 0;
-    scoped char *bytes = file_read(store, &size), *right = printed(dir, toys, SWEEP_RUNS);
+    scoped char *bytes = file_read(store, &size), *right = protocol_export(dir, toys, SWEEP_RUNS);
     CU_ASSERT(strlen(right) > 0);
     for (size_t i = 0; i < FLIPS; i++) {
         const size_t at = i * size / FLIPS + i % 97;
@@ -1441,7 +1429,7 @@ static void test_flips(void)
         bytes[at < size ? at : i] = before ^ mask;
         file_write(store, bytes, size);
         bytes[at < size ? at : i] = before;
-        scoped char *text = printed(dir, toys, SWEEP_RUNS);
+        scoped char *text = protocol_export(dir, toys, SWEEP_RUNS);
         refused += !*text;
         silent += *text && strcmp(text, right) != 0;
     }
