@@ -506,9 +506,8 @@ static stats_identified status_of(const stats_quest *q, const stats_answer *a, s
                                               : STATS_IDENTIFIED_BUDGET;
 }
 
-static void judge(const search *s, bool converged, stats_answer *a)
+static void judge(const stats_quest *q, bool converged, stats_answer *a)
 {
-    const stats_quest *q = s->q;
     a->dof = q->n_numbers > q->n_names ? q->n_numbers - q->n_names : 0;
     const bool match = a->chi2 <= gsl_cdf_chisq_Pinv(0.99, a->dof ? (double)a->dof : 1.0);
     const stats_identified none = q->n_numbers > 1             ? STATS_IDENTIFIED_NO_MATCH
@@ -521,7 +520,6 @@ static void judge(const search *s, bool converged, stats_answer *a)
         a->x[p] = a->se[p] = NAN, a->n_intervals[p] = 0;
         a->own[p] = (stats_interval){NAN, NAN, NAN};
     }
-    memcpy(a->box_lo, s->lo, sizeof s->lo), memcpy(a->box_hi, s->hi, sizeof s->hi);
 }
 
 static rp_status go(search *s, gsl_qrng *sobol, stats_answer *a)
@@ -567,7 +565,7 @@ static rp_status go(search *s, gsl_qrng *sobol, stats_answer *a)
     note_fits(s, a);
     note_reach(s, a);
     a->n_points = s->n, a->n_failed = count_failed(s);
-    judge(s, q->fixed_runs || (!smaller && good), a);
+    judge(q, q->fixed_runs || (!smaller && good), a);
     return q->leave_out ? recover(s, a) : RP_OK;
 }
 

@@ -432,5 +432,5 @@ void sweep_experiment_close(sweep_experiment *e)
 
 const char *sweep_experiment_text(const sweep_experiment *e)
 {
-    return e->bytes;
+    return e ? e->bytes : NULL;
 }

@@ -111,7 +111,8 @@ static rp_status open_experiment(const char *file, const head *h, sweep_plan *pl
     RP_SCOPE(arena);
     rp_texts changes = {0};
     const char *const name = h->experiment, *path, *slash = strrchr(file, '/');
-    const config_setting_t *set = config_lookup(&plan->config, "set");
+    const config_setting_t *set = config_lookup(&plan->config, "set"),
+                           *units = config_lookup(&plan->config, "units");
     if (set && !config_setting_is_list(set) && !config_setting_is_array(set))
         return rp_config_fail(set, "set: a list [ \"key=value\" ] expected");
     for (int i = 0; i < length(set); i++) {
@@ -121,23 +122,20 @@ static rp_status open_experiment(const char *file, const head *h, sweep_plan *pl
                                   sizeof changes.items / sizeof *changes.items);
         changes.items[changes.n++] = text;
     }
-    if (!*name) {
-        const rp_status status =
-            sweep_protocol_open(plan->protocol, &changes, &plan->experiment, &plan->protocol);
-        if (!status && plan->experiment) {
-            const config_setting_t *units = config_lookup(&plan->config, "units");
-            if (units && rp_units_now() == RP_SIGMA && h->units != RP_SIGMA)
-                return rp_config_fail(units, "units: protocol %s is in sigma, without a unit of length",
-                                      plan->protocol->name);
-            if (units) sweep_experiment_in(plan->experiment, (rp_units)h->units);
-        }
-        return rp_prefix(status, "%s: ", file);
+    if (*name) {
+        RP_TRY(rp_path(&arena, &path, "%.*s%s", slash && *name != '/' ? (int)(slash - file) + 1 : 0, file,
+                       name));
+        RP_TRY(rp_prefix(sweep_experiment_open(path, &changes, &plan->experiment, &plan->protocol),
+                         "%s: experiment: ", file));
+        return rename_text(config_lookup(&plan->config, "experiment"), "experiment.cfg", &plan->text);
     }
-    plan->has_copy = true;
-    RP_TRY(rp_path(&arena, &path, "%.*s%s", slash && *name != '/' ? (int)(slash - file) + 1 : 0, file, name));
-    RP_TRY(rp_prefix(sweep_experiment_open(path, &changes, &plan->experiment, &plan->protocol),
-                     "%s: experiment: ", file));
-    return rename_text(config_lookup(&plan->config, "experiment"), "experiment.cfg", &plan->text);
+    RP_TRY(rp_prefix(sweep_protocol_open(plan->protocol, &changes, &plan->experiment, &plan->protocol),
+                     "%s: ", file));
+    if (units && rp_units_now() == RP_SIGMA && h->units != RP_SIGMA)
+        return rp_config_fail(units, "units: protocol %s is in sigma, without a unit of length",
+                              plan->protocol->name);
+    if (units) sweep_experiment_in(plan->experiment, (rp_units)h->units);
+    return RP_OK;
 }
 
 /* A parameter that fixed or grid names, of the physics though the text has no let of it. */

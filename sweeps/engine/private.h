@@ -39,7 +39,6 @@ typedef struct {
     char model[128], hash[33], fixed_json[4096]; /* the last without its closing brace */
     char *text;                   /* of the file; with an experiment it names the folder's copy */
     sweep_experiment *experiment; /* NULL: none */
-    bool has_copy;                /* the folder has one of its file */
     config_t config;              /* owns the texts among the parameters */
 } sweep_plan;
 
@@ -120,9 +119,6 @@ char *sweep_store_uri(const char *path, bool reads);
 
 /* Has a process made a store of this file? A killed one may have left it empty, or a copy broken off. */
 bool sweep_store_is_made(const char *path);
-
-/* Until it is closed, read the store as it is now, whoever writes. */
-rp_status sweep_store_freeze(sweep_store *store);
 
 /* Is every page of this store ("main"), or of an attached one, sound? */
 rp_status sweep_store_verify(sweep_store *store, const char *schema, const char *path);

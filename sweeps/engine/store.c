@@ -475,11 +475,6 @@ rp_status sweep_store_tick(sweep_store *s)
 
 /* ---- reading rows ---- */
 
-rp_status sweep_store_freeze(sweep_store *s)
-{
-    return sweep_sql(s, "read the store", "BEGIN");
-}
-
 rp_status sweep_store_verify(sweep_store *s, const char *schema, const char *path)
 {
     char sql[64], text[256];

@@ -4,6 +4,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -94,7 +95,7 @@ static rp_status claim(const sweep_folder *f, const char *file)
                        *folder.holds ? folder.holds : "an unfinished run");
     const bool snapshots = access(f->snapshots, F_OK) == 0; /* people's, if it was there before */
     for (size_t i = 0; i < (snapshots ? N_NAMES - 1 : N_NAMES); i++) {
-        if (i == N_NAMES - 2 && !f->plan.has_copy) continue;
+        if (i == N_NAMES - 2 && !sweep_experiment_text(f->plan.experiment)) continue;
         if (!older || (i == 0 && !*before)) RP_TRY(rp_folder_check(&folder, names[i]));
         RP_TRY(rp_folder_list(&folder, names[i], RP_OWN_STAYS));
     }
@@ -138,7 +139,7 @@ rp_status sweep_folder_read(const char *dir, const sweep_protocol *const *protoc
     if (verify) RP_TRY(sweep_store_verify(store, "main", store->path));
     if (shards.n > 0)
         return sweep_store_unite(store, &folder->plan, shards.n, shards.path, verify, &folder->found);
-    RP_TRY(sweep_store_freeze(store));
+    RP_TRY(sweep_sql(store, "read the store", "BEGIN")); /* as it is now, whoever writes */
     return sweep_store_running(store, "main", &folder->found.running);
 }
 
@@ -202,7 +203,8 @@ rp_status sweep_prepare(const char *file, const char *dir, size_t replicas,
     RP_TRY(lock_folder(&f));
     RP_TRY(sweep_store_open(f.sqlite, SWEEP_CREATE, &f.store));
     RP_TRY(sweep_store_write_plan(f.store, &f.plan, file, watch));
-    if (f.plan.has_copy) RP_TRY(write_text(f.experiment, sweep_experiment_text(f.plan.experiment)));
+    const char *experiment = sweep_experiment_text(f.plan.experiment);
+    if (experiment) RP_TRY(write_text(f.experiment, experiment));
     RP_TRY(write_text(f.cfg, f.plan.text));
     return sweep_store_count(f.store, &f.plan, counts);
 }
@@ -278,8 +280,7 @@ rp_status sweep_run(const char *dir, const sweep_protocol *const *protocols, con
     RP_ENDS(sweep_folder_close) sweep_folder f = {.lock = -1};
     size_t *todo, n = 0;
     const bool whole = options->shards == 0;
-    if (options->workers < 1)
-        return rp_fail(RP_BAD_INPUT, "workers = %d: out of range, allowed: [1, inf)", options->workers);
+    RP_TRY(rp_check_range("workers", options->workers, 1.0, DBL_MAX, "[1, inf)"));
     if (!whole && (options->shard < 1 || options->shard > options->shards))
         return rp_fail(RP_BAD_INPUT, "shard = %d/%d: out of range, allowed: 1/%d to %d/%d", options->shard,
                        options->shards, options->shards, options->shards, options->shards);
