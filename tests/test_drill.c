@@ -433,11 +433,7 @@ static void test_read_only(void)
     kill(driver, SIGTERM);
     end_of(driver);
     static const char *const names[] = {"store.sqlite", "lock", "sweep.cfg", ""};
-    char path[128];
-    for (int k = 0; k < 4; k++) {
-        snprintf(path, sizeof path, "%s/%s", dir, names[k]);
-        chmod(path, *names[k] ? 0444 : 0555);
-    }
+    for (int k = 0; k < 4; k++) chmod(folder_path(dir, names[k]), *names[k] ? 0444 : 0555);
     chmod(base, 0755);
     const pid_t child = fork();
     if (child == 0) {
@@ -445,10 +441,7 @@ static void test_read_only(void)
         _exit((int)drive((sweep_options){0}, NULL));
     }
     CU_ASSERT(end_of(child) == RP_IO);
-    for (int k = 3; k >= 0; k--) {
-        snprintf(path, sizeof path, "%s/%s", dir, names[k]);
-        chmod(path, *names[k] ? 0644 : 0755);
-    }
+    for (int k = 3; k >= 0; k--) chmod(folder_path(dir, names[k]), *names[k] ? 0644 : 0755);
     conclude();
 }
 
@@ -456,13 +449,13 @@ static void test_read_only(void)
 static void test_flips(void)
 {
     static const char *const names[] = {"store.sqlite", "sweep.cfg"};
-    char path[128], digest[33];
+    char digest[33];
     long noticed = 0;
     CHECK_OK(drive((sweep_options){0}, NULL));
     scoped char *good = protocol_export(dir, protocols, SWEEP_RUNS);
     CU_ASSERT_FATAL(*good);
     for (long k = size_of_drill(60); k > 0; k--) {
-        snprintf(path, sizeof path, "%s/%s", dir, names[k % 8 == 0]);
+        const char *path = folder_path(dir, names[k % 8 == 0]);
         size_t size, n;
         scoped char *bytes = file_read(path, &size);
         const size_t at = draw((unsigned)size);
@@ -486,11 +479,10 @@ static void test_flips(void)
 static void test_truncated(void)
 {
     enum { FIRST_PAGES = 8192 };
-    char path[128];
     struct stat info;
     for (long k = size_of_drill(6) / 20 + 4; k > 0; k--) {
         CHECK_OK(drive((sweep_options){0}, NULL));
-        snprintf(path, sizeof path, "%s/store.sqlite", dir);
+        const char *path = folder_path(dir, "store.sqlite");
         CU_ASSERT(stat(path, &info) == 0);
         const off_t length = draw((unsigned)info.st_size);
         CU_ASSERT(truncate(path, length) == 0);

@@ -236,7 +236,6 @@ static void write_part(const event *e, double share, unsigned char *bytes, size_
 static void write_file(int file, size_t cut, double share, const char *folder)
 {
     static unsigned char bytes[MOST_BYTES];
-    char path[256];
     size_t synced = 0, length = 0;
     memset(bytes, 0, sizeof bytes);
     for (size_t i = 0; i < cut; i++)
@@ -251,11 +250,7 @@ static void write_file(int file, size_t cut, double share, const char *folder)
         if ((size_t)e->at < length) memset(bytes + e->at, 0, length - (size_t)e->at);
         length = (size_t)e->at;
     }
-    snprintf(path, sizeof path, "%s/%s", folder, strrchr(disk.first_names[file], '/') + 1);
-    FILE *out = fopen(path, "w");
-    CU_ASSERT_PTR_NOT_NULL_FATAL(out);
-    CU_ASSERT(fwrite(bytes, 1, length, out) == length);
-    fclose(out);
+    file_write(folder_path(folder, strrchr(disk.first_names[file], '/') + 1), bytes, length);
 }
 
 /* Names come and go in order: up to the last sync of the folder all, and of the later ones the first few. */
@@ -353,14 +348,13 @@ static void rows_at(size_t cut, size_t *least, size_t *most)
 static void check_cut(size_t cut, size_t planned, char good[ROWS][256], const char *digest)
 {
     static char left[ROWS][256];
-    char from[128], line[512], again[33];
+    char again[33];
     size_t least, most, n;
     CU_ASSERT(mkdir(cut_dir, 0777) == 0);
     write_disk(cut, cut_dir);
     for (int k = 0; k < 1 + (cut >= planned); k++) { /* those that Repose writes itself */
-        snprintf(from, sizeof from, "%s/%s", dir, k ? "sweep.cfg" : ".repose");
-        snprintf(line, sizeof line, "%s/%s", cut_dir, k ? "sweep.cfg" : ".repose");
-        CU_ASSERT(link(from, line) == 0);
+        const char *name = k ? "sweep.cfg" : ".repose";
+        CU_ASSERT(link(folder_path(dir, name), folder_path(cut_dir, name)) == 0);
     }
     if (cut >= planned) {
         n = read_rows(cut_dir, left);
@@ -491,7 +485,9 @@ static int run_in(const char *folder, const char *text, long kill_at)
     words[n] = NULL;
     const pid_t child = fork();
     if (child == 0) {
-        if (chdir(folder) != 0 || !freopen("out", "w", stdout) || !freopen("err", "w", stderr)) _exit(99);
+        if (chdir(folder_path(base, folder)) != 0 || !freopen("out", "w", stdout) ||
+            !freopen("err", "w", stderr))
+            _exit(99);
         fault_watch = watch;
         exit(repose_main(n, words));
     }
@@ -528,23 +524,20 @@ static void make_case(const char *name, const char *from)
  * part of it, or of the new one; never of both. The same command, or --resume, ends with the new one. */
 static void replace_result(const char *options)
 {
-    char old[256], new[256], in[128], line[160];
+    char old[256], new[256], line[160];
     int n, n_new, kills = 0;
     snprintf(old, sizeof old, "repose run %s --every 2 -o d", options);
     snprintf(new, sizeof new, "repose run %s --every 1 -o d --force", options);
     make_case("old", "start");
-    snprintf(in, sizeof in, "%s/old", base);
-    CU_ASSERT(run_in(in, old, 0) == 0);
+    CU_ASSERT(run_in("old", old, 0) == 0);
     make_case("new", "start");
-    snprintf(in, sizeof in, "%s/new", base);
-    CU_ASSERT(run_in(in, new, 0) == 0);
+    CU_ASSERT(run_in("new", new, 0) == 0);
     CU_ASSERT(seen->renames > 1 && seen->early == 0 && seen->loose == 0);
     count_equal("new", "new", &n_new);
     CU_ASSERT(n_new >= 3 && count_equal("new", "old", &n) == 0);
-    snprintf(in, sizeof in, "%s/k", base);
     for (long k = 1;; k += check_fast() ? 5 : 1) {
         make_case("k", "old");
-        const int end = run_in(in, new, k);
+        const int end = run_in("k", new, k);
         if (end != 128 + SIGKILL) {
             CU_ASSERT(end == 0);
             break;
@@ -554,7 +547,7 @@ static void replace_result(const char *options)
         snprintf(line, sizeof line, "grep -qs '^[+-]' %s/k/d/.repose", base);
         const bool begun = system(line) == 0;
         CU_ASSERT(begun || n == n_new);
-        if (begun || run_in(in, new, 0) != 0) CU_ASSERT(run_in(in, "repose run --resume d", 0) == 0);
+        if (begun || run_in("k", new, 0) != 0) CU_ASSERT(run_in("k", "repose run --resume d", 0) == 0);
         CU_ASSERT(count_equal("k", "new", &n) == n_new && n == n_new);
         kills++;
     }
@@ -567,18 +560,11 @@ static void replaced_results(void)
                                 "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; } );\n"
                                 "particles = ( { x = 0.1; y = 0.1; r = 0.1; } );\n",
                       sweep[] = "protocol = \"pile\"; replicas = 2; fixed = { base = 4; };\n";
-    char path[128];
     seen = mmap(NULL, sizeof *seen, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
     CU_ASSERT_FATAL(seen != MAP_FAILED);
-    snprintf(path, sizeof path, "%s/start", base);
-    CU_ASSERT(mkdir(path, 0777) == 0);
-    for (int k = 0; k < 2; k++) {
-        snprintf(path, sizeof path, "%s/start/%s.cfg", base, k ? "sweep" : "scene");
-        FILE *out = fopen(path, "w");
-        CU_ASSERT_PTR_NOT_NULL_FATAL(out);
-        fputs(k ? sweep : scene, out);
-        fclose(out);
-    }
+    CU_ASSERT(mkdir(folder_path(base, "start"), 0777) == 0);
+    file_print(folder_path(base, "start/scene.cfg"), "%s", scene);
+    file_print(folder_path(base, "start/sweep.cfg"), "%s", sweep);
     replace_result("scene.cfg");
     replace_result("scene.cfg --snapshot 1 --dump vtk");
     replace_result("sweep.cfg --row 1");

@@ -229,13 +229,10 @@ static const char *cell(const rp_table *t, size_t row, const char *name)
 /* Store a row in a folder as the driver does. */
 static rp_status put_row_in(const char *folder, const sweep_row *row)
 {
-    char path[160];
     sweep_plan plan;
     sweep_store *opened = NULL;
-    snprintf(path, sizeof path, "%s/sweep.cfg", folder);
-    rp_status status = sweep_plan_read(path, toys, &plan);
-    snprintf(path, sizeof path, "%s/store.sqlite", folder);
-    if (!status) status = sweep_store_open(path, SWEEP_WRITE, &opened);
+    rp_status status = sweep_plan_read(folder_path(folder, "sweep.cfg"), toys, &plan);
+    if (!status) status = sweep_store_open(folder_path(folder, "store.sqlite"), SWEEP_WRITE, &opened);
     if (!status) status = sweep_store_insert(opened, &plan, row);
     sweep_store_close(opened);
     sweep_plan_free(&plan);
@@ -450,9 +447,8 @@ static void test_reduce(void)
         strstr(text, "s.cfg, protocol toy, seed 1993, 2 grid points x 8 replicas, shared piles\n"));
     CU_ASSERT_PTR_NOT_NULL(strstr(text, "# k: 3\n"));
     CU_ASSERT_PTR_NULL(strstr(text, "# x: "));
-    char d[33];
-    size_t n;
-    CHECK_FAILS(sweep_digest(dir, toys, d, &n), RP_NO_RESULT, "1 of 16 runs are missing");
+    CHECK_FAILS(sweep_digest(dir, toys, (char[33]){0}, &(size_t){0}), RP_NO_RESULT,
+                "1 of 16 runs are missing");
 }
 
 /* A result is a row whose status begins with ok; whatever else ended a run, its numbers count nowhere. */
@@ -594,12 +590,11 @@ static void test_stop(void)
 static void test_crash(void)
 {
     fresh("protocol = \"toy\"; replicas = 10; piles = \"shared\"; fixed = { mode = \"crash\"; };");
-    char d[33];
-    size_t n;
     CHECK_OK(prepare());
     CHECK_FAILS(run(2), RP_NO_RESULT, "3 of 10 runs were aborted (crashed 3); the same command retries them");
     CU_ASSERT(c.stored == 10 && c.failed == 3 && c.words[0].runs == 3);
-    CHECK_FAILS(sweep_digest(dir, toys, d, &n), RP_NO_RESULT, ": 3 of 10 runs were aborted");
+    CHECK_FAILS(sweep_digest(dir, toys, (char[33]){0}, &(size_t){0}), RP_NO_RESULT,
+                ": 3 of 10 runs were aborted");
     CU_ASSERT_STRING_EQUAL(c.words[0].status, "crashed");
     CU_ASSERT(
         sql_number("SELECT count(*) FROM runs WHERE status = 'crashed' AND run % 3 = 1 AND y_deg IS NULL"
@@ -665,7 +660,6 @@ static void test_stop_of_all(void)
 static void test_half_made(void)
 {
     enum { EMPTY, NO_TABLE, CUT, FOLDER, KINDS };
-    char path[160];
     size_t size;
     fresh("protocol = \"toy\"; replicas = 4;");
     CHECK_OK(rp_make_directory(dir));
@@ -676,9 +670,9 @@ static void test_half_made(void)
             const sweep_options second = {.workers = 1, .shard = 2, .shards = 2};
             CHECK_OK(prepare());
             CHECK_OK(sweep_run(dir, toys, &second, &c));
-            snprintf(path, sizeof path, named ? "%s" : "%s/shards", named ? other : dir);
-            mkdir(path, 0777);
-            strcat(path, named ? "/store.sqlite" : "/1-of-2.sqlite");
+            const char *folder = named ? other : folder_path(dir, "shards"),
+                       *path = folder_path(folder, named ? "store.sqlite" : "1-of-2.sqlite");
+            mkdir(folder, 0777);
             if (kind == FOLDER) mkdir(path, 0777);
             if (kind == EMPTY) file_write(path, "", 0);
             if (kind == NO_TABLE) sql_in(path, "CREATE TABLE a (b); DROP TABLE a");
@@ -689,10 +683,9 @@ static void test_half_made(void)
             CU_ASSERT_STRING_EQUAL(c.shards, "1 of 2");
             scoped char *text = protocol_export(dir, toys, SWEEP_RUNS);
             CU_ASSERT(*text && named == !strstr(text, "# left out, no stores yet: /tmp/"));
-            char shards[160];
-            snprintf(shards, sizeof shards, "%s/shards/2-of-2.sqlite", dir);
+            char *const both[] = {other, (char *)folder_path(dir, "shards/2-of-2.sqlite")};
             if (named)
-                CHECK_OK(sweep_merge(dir, toys, 2, (char *const[]){other, shards}, &m, &c));
+                CHECK_OK(sweep_merge(dir, toys, 2, both, &m, &c));
             else
                 CHECK_OK(sweep_merge(dir, toys, 0, NULL, &m, &c));
             CU_ASSERT(m.stores == 1 && c.stored == 2 && strstr(c.skipped, path));
@@ -716,9 +709,7 @@ static void test_damaged_rows(void)
                                           "UPDATE runs SET key = 'a' || substr(key, 2) WHERE run = 4",
                                           "UPDATE runs SET run = NULL, y_deg = 3 WHERE run = 4"};
     static const char message[] = "is damaged (checksum); `repose sweep salvage` keeps the whole rows";
-    char path[160], d[33];
     char *const paths[] = {other};
-    size_t n;
     for (size_t k = 0; k < sizeof damages / sizeof *damages; k++)
         for (int where = 0; where < 3; where++) {
             made_by(1, "protocol = \"toy\"; replicas = 8; grid = { x = [0.125, 2.385]; };");
@@ -727,12 +718,12 @@ static void test_damaged_rows(void)
             const sweep_options half = {.workers = 1, .shard = 1, .shards = 2}; /* runs 0, 2, 4 ... */
             if (where == 1) sql("DELETE FROM runs");
             if (where > 0) CHECK_OK(sweep_run(where == 1 ? dir : other, toys, &half, &c));
-            snprintf(path, sizeof path, "%s/%s", where == 2 ? other : dir,
-                     where ? "shards/1-of-2.sqlite" : "store.sqlite");
+            const char *path =
+                folder_path(where == 2 ? other : dir, where ? "shards/1-of-2.sqlite" : "store.sqlite");
             sql_in(path, damages[k]);
             if (where < 2) {
                 CHECK_FAILS(sweep_status(dir, toys, &c), RP_IO, message);
-                CHECK_FAILS(sweep_digest(dir, toys, d, &n), RP_IO, message);
+                CHECK_FAILS(sweep_digest(dir, toys, (char[33]){0}, &(size_t){0}), RP_IO, message);
                 CHECK_FAILS(sweep_export(dir, toys, SWEEP_RUNS, NULL, NULL, stdout), RP_IO, message);
                 CHECK_FAILS(run(1), RP_IO, message);
                 CHECK_FAILS(sweep_run(dir, toys, &half, &c), RP_IO, message);
@@ -747,15 +738,14 @@ static void test_damaged_rows(void)
 static void test_makers(void)
 {
     static const char program[] = "repose 0.1.9, commit 0123abc-dirty, gcc 9";
-    char path[160], plain[300];
+    char plain[300];
     fresh("protocol = \"toy\"; replicas = 4; fixed = { x = 2.385; };");
-    snprintf(path, sizeof path, "%s/store.sqlite", other);
     CHECK_OK(prepare());
     CHECK_OK(sweep_prepare(file, other, 0, toys, NULL, &c));
     sweep_plan plan;
     sweep_store *opened;
     CHECK_OK(sweep_plan_read(file, toys, &plan));
-    CHECK_OK(sweep_store_open(path, SWEEP_WRITE, &opened));
+    CHECK_OK(sweep_store_open(folder_path(other, "store.sqlite"), SWEEP_WRITE, &opened));
     for (size_t k = 0; k < 2; k++) { /* two rows by another program, as one of another commit writes them */
         strcpy(opened->program, program);
         opened->point = SIZE_MAX;
@@ -794,7 +784,7 @@ static void test_read_only(void)
 {
     static const char *const names[] = {"sweep.cfg", "store.sqlite", "lock", "shards/2-of-3.sqlite", "shards",
                                         ""};
-    char right[33], path[192];
+    char right[33];
     made_by(1, "protocol = \"toy\"; replicas = 6;");
     const sweep_options shard = {.workers = 1, .shard = 2, .shards = 3};
     sql("DELETE FROM runs WHERE run IN (1, 4)");
@@ -802,10 +792,8 @@ static void test_read_only(void)
     strcpy(right, digest(6));
     chmod(base, 0755);
     for (int closed = 1; closed >= 0; closed--) { /* the folders too, or the files alone */
-        for (size_t k = 0; k < sizeof names / sizeof *names; k++) {
-            snprintf(path, sizeof path, "%s/%s", dir, names[k]);
-            chmod(path, k < 4 ? 0444 : closed ? 0555 : 0777);
-        }
+        for (size_t k = 0; k < sizeof names / sizeof *names; k++)
+            chmod(folder_path(dir, names[k]), k < 4 ? 0444 : closed ? 0555 : 0777);
         const pid_t child = fork();
         if (child == 0) {
             size_t n;
@@ -821,10 +809,7 @@ static void test_read_only(void)
         waitpid(child, &end, 0);
         CU_ASSERT_EQUAL(end, 0);
     }
-    for (size_t k = 0; k < sizeof names / sizeof *names; k++) {
-        snprintf(path, sizeof path, "%s/%s", dir, names[k]);
-        chmod(path, 0777);
-    }
+    for (size_t k = 0; k < sizeof names / sizeof *names; k++) chmod(folder_path(dir, names[k]), 0777);
 }
 
 /* Names of folders are literal, also where SQLite takes names for addresses and shells for patterns. */
@@ -838,8 +823,7 @@ static void test_literal_names(void)
     file_print("s.cfg", "protocol = \"toy\"; replicas = 6;");
     mkdir("x1", 0777);
     for (size_t k = 0; k < sizeof names / sizeof *names; k++) {
-        struct stat info;
-        char path[200], found[33];
+        char found[33];
         size_t n;
         CHECK_OK(sweep_prepare("s.cfg", names[k], 0, toys, NULL, &c));
         for (int i = 1; i <= 2; i++)
@@ -849,21 +833,18 @@ static void test_literal_names(void)
         CU_ASSERT(m.stores == 2 && m.taken == 6);
         CHECK_OK(sweep_digest(names[k], toys, k ? found : right, &n));
         CU_ASSERT(k == 0 || strcmp(found, right) == 0);
-        snprintf(path, sizeof path, "%s/shards/2-of-2.sqlite", names[k]);
-        CU_ASSERT(stat(path, &info) == 0 && info.st_size > 0);
-        snprintf(path, sizeof path, "%s/store.sqlite", names[k]);
-        CU_ASSERT(stat(path, &info) == 0 && info.st_size > 0);
+        CU_ASSERT(size_of(folder_path(names[k], "shards/2-of-2.sqlite")) > 0);
+        CU_ASSERT(size_of(folder_path(names[k], "store.sqlite")) > 0);
     }
     /* random ones: the folder, and nothing else, is there */
     scoped_rng *rng = numbers_of(2385, 10);
     for (int k = 0; k < (check_fast() ? 100 : 1000); k++) {
-        char name[NUMBERS_TEXT + 2] = "d/", path[64];
+        char name[NUMBERS_TEXT + 2] = "d/";
         numbers_text(rng, "/", name + 2);
         if (strspn(name + 2, ".") == strlen(name + 2)) continue;
         CHECK_OK(sweep_prepare("s.cfg", name, 0, toys, NULL, &c));
         CHECK_OK(sweep_status(name, toys, &c));
-        snprintf(path, sizeof path, "%s/store.sqlite", name);
-        CU_ASSERT(size_of(path) > 0);
+        CU_ASSERT(size_of(folder_path(name, "store.sqlite")) > 0);
         folder_remove(name);
         CU_ASSERT(rmdir("d") == 0);
     }
@@ -887,20 +868,19 @@ static void test_left_snapshots(void)
                  {"%s0", false, "repose snapshot\n"},
                  {"%.31s", false, "repose snapshot\n"},
                  {"1%.31s", false, "notes\n"}};
-    char name[64], path[320];
+    char name[64];
     planned("protocol = \"toy\"; replicas = 4; fixed = { mode = \"crash\"; }; piles = \"shared\";");
-    snprintf(path, sizeof path, "%s/snapshots", dir);
-    mkdir(path, 0777);
+    char in[128];
+    snprintf(in, sizeof in, "%s/snapshots", dir);
+    mkdir(in, 0777);
     for (int done = 0; done < 2; done++) {
         for (int checks = 0; checks < 2; checks++) {
             for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
                 snprintf(name, sizeof name, files[i].format, key);
-                snprintf(path, sizeof path, "%s/snapshots/%s", dir, name);
-                if (checks) {
-                    CU_ASSERT((access(path, F_OK) != 0) == (done && files[i].own));
-                } else {
-                    file_write(path, files[i].text, strlen(files[i].text));
-                }
+                if (checks)
+                    CU_ASSERT((access(folder_path(in, name), F_OK) != 0) == (done && files[i].own))
+                else
+                    file_write(folder_path(in, name), files[i].text, strlen(files[i].text));
             }
             calm = done;
             if (!checks) CU_ASSERT(run(1) == (done ? RP_OK : RP_NO_RESULT));
@@ -946,8 +926,7 @@ static void test_plan_again(void)
     CHECK_OK(sweep_status(dir, toys, &c)); /* and the refused plan changed nothing */
     CU_ASSERT(c.planned == 8);
     /* a copy of the file that was edited in place */
-    char copy[128];
-    snprintf(copy, sizeof copy, "%s/sweep.cfg", dir);
+    const char *copy = folder_path(dir, "sweep.cfg");
     file_print(copy, "protocol = \"toy\"; replicas = 2; grid = { x = [0.5]; };");
     CHECK_FAILS(sweep_status(dir, toys, &c), RP_BAD_INPUT, "plan again");
     CHECK_FAILS(run(1), RP_BAD_INPUT, "plan again");
@@ -1078,9 +1057,7 @@ static void test_bad_files(void)
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         fresh(cases[i].text);
-        char more[128];
-        snprintf(more, sizeof more, "%s/more.cfg", base);
-        file_print(more, "replicas = 2;");
+        file_print(folder_path(base, "more.cfg"), "replicas = 2;");
         CHECK_FAILS(prepare(), RP_BAD_INPUT, cases[i].message);
         CU_ASSERT(access(dir, F_OK) != 0); /* no folder was created */
     }
@@ -1094,16 +1071,14 @@ static void test_bad_files(void)
 
 static void test_bad_folders(void)
 {
-    char d[33], below[128];
-    size_t n;
     fresh(SMALL_SWEEP);
     CHECK_FAILS(run(1), RP_BAD_INPUT, "no such folder");
     CHECK_FAILS(sweep_status(dir, toys, &c), RP_BAD_INPUT, "sweep.cfg: cannot read");
-    CHECK_FAILS(sweep_digest(dir, toys, d, &n), RP_BAD_INPUT, "sweep.cfg: cannot read");
+    CHECK_FAILS(sweep_digest(dir, toys, (char[33]){0}, &(size_t){0}), RP_BAD_INPUT, "sweep.cfg: cannot read");
     CHECK_FAILS(sweep_export(dir, toys, SWEEP_POINTS, NULL, NULL, stdout), RP_BAD_INPUT,
                 "sweep.cfg: cannot read");
-    snprintf(below, sizeof below, "%s/d", file); /* below a regular file */
-    CHECK_FAILS(sweep_prepare(file, below, 0, toys, NULL, &c), RP_IO, "cannot make the directory");
+    CHECK_FAILS(sweep_prepare(file, folder_path(file, "d"), 0, toys, NULL, &c), RP_IO,
+                "cannot make the directory"); /* below a regular file */
     CHECK_OK(prepare());
     CHECK_FAILS(run(0), RP_BAD_INPUT, "workers = 0");
     const sweep_output *outputs;
@@ -1136,10 +1111,9 @@ static void test_bad_folders(void)
 /* The lock file counts drives that failed, one after another; a whole one begins anew. */
 static void test_failed_drives(void)
 {
-    char path[128];
     unsigned char count = 0;
     planned("protocol = \"toy\"; replicas = 6; piles = \"shared\"; fixed = { mode = \"break\"; };");
-    snprintf(path, sizeof path, "%s/lock", dir);
+    const char *path = folder_path(dir, "lock");
     for (int k = 1; k < 4; k++) {
         CHECK_FAILS(run(1), RP_BROKEN, "planted failure");
         FILE *lock = fopen(path, "r");
@@ -1261,8 +1235,7 @@ static pid_t start_holder(const char *path)
 static void test_lock(void)
 {
     planned(SMALL_SWEEP);
-    char path[128];
-    snprintf(path, sizeof path, "%s/lock", dir);
+    const char *path = folder_path(dir, "lock");
     const pid_t holder = start_holder(path); /* a second process on the same sweep is refused */
     CHECK_FAILS(run(1), RP_IO, "another process runs or plans this sweep");
     CHECK_FAILS(prepare(), RP_IO, "another process runs or plans this sweep");
@@ -1350,10 +1323,8 @@ static void test_shards(void)
 /* Folders made apart: the rows that both plans have count once; two results of one run refuse each other. */
 static void test_merge(void)
 {
-    char path[160];
     fresh(GRID_SWEEP);
-    snprintf(path, sizeof path, "%s/store.sqlite", other);
-    char *const paths[] = {other};
+    char *path = (char *)folder_path(other, "store.sqlite"), *const paths[] = {other};
     file_print(file,
                "protocol = \"toy\"; replicas = 5; seed = 77; grid = { x = [0.125, 7.0]; k = [4, 3]; };");
     CHECK_OK(sweep_prepare(file, other, 0, toys, NULL, &c));
@@ -1441,11 +1412,11 @@ static void test_flips(void)
 static void test_salvage(void)
 {
     made_by(2, "protocol = \"toy\"; replicas = 300; seed = 77; grid = { x = [0.125, 1.5]; };");
-    char right[33], kept[160];
+    char right[33];
     strcpy(right, digest(600));
     size_t size, n, most = 0;
     scoped char *bytes = file_read(store, &size);
-    snprintf(kept, sizeof kept, "%s/damaged.sqlite", dir);
+    const char *kept = folder_path(dir, "damaged.sqlite");
     for (int part = 3; part <= 9; part += 2) {
         file_write(store, bytes, size * (size_t)part / 10);
         CHECK_FAILS(sweep_export(dir, toys, SWEEP_RUNS, NULL, NULL, stdout), RP_IO, "store.sqlite");
@@ -1466,7 +1437,6 @@ static void test_salvage(void)
 static void test_salvage_gaps(void)
 {
     size_t n;
-    char kept[160];
     made_by(1, "protocol = \"toy\"; replicas = 6; fixed = { x = 2.385; };");
     static const struct {
         const char *gap;
@@ -1476,7 +1446,7 @@ static void test_salvage_gaps(void)
                   6},
                  {"UPDATE runs SET rowid = rowid + 19998 WHERE rowid > 4", 6},
                  {"UPDATE runs SET rowid = rowid + 19999 WHERE rowid > 4", 4}}; /* no page holds as many */
-    snprintf(kept, sizeof kept, "%s/damaged.sqlite", dir);
+    const char *kept = folder_path(dir, "damaged.sqlite");
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         sql(cases[k].gap);
         CHECK_OK(sweep_salvage(dir, toys, &n));
