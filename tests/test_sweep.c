@@ -665,6 +665,8 @@ static void test_half_made(void)
     CHECK_OK(rp_make_directory(dir));
     file_write(store, "", 0);
     CHECK_FAILS(sweep_status(dir, toys, &c), RP_BAD_INPUT, "sweep.cfg: cannot read");
+    CHECK_FAILS(prepare(), RP_BAD_INPUT, "store.sqlite: not listed as the program's own; move it away");
+    unlink(store);
     for (int kind = 0; kind < KINDS; kind++)
         for (int named = 0; named < 2; named++) {
             const sweep_options second = {.workers = 1, .shard = 2, .shards = 2};
@@ -748,7 +750,6 @@ static void test_makers(void)
     CHECK_OK(sweep_store_open(folder_path(other, "store.sqlite"), SWEEP_WRITE, &opened));
     for (size_t k = 0; k < 2; k++) { /* two rows by another program, as one of another commit writes them */
         strcpy(opened->program, program);
-        opened->point = SIZE_MAX;
         const sweep_row row = {.run = k, .seconds = 1.0, .result = {.status = "ok", .values = {1.0, NAN}}};
         CHECK_OK(sweep_store_insert(opened, &plan, &row));
     }

@@ -38,18 +38,13 @@ static rp_status count_cells(double width, double diameter, size_t *n_cells)
     return RP_OK;
 }
 
-static bool within(double x, double width)
-{
-    return x >= 0.0 && x < width;
-}
-
 /* Highest value in each cell, -inf in an empty one. */
 static void raise_surface(ang_surface *s, size_t n, const double x[], const double y[], const double r[],
                           double width)
 {
     for (size_t j = 0; j < s->n_cells; j++) s->h[j] = -INFINITY;
     for (size_t i = 0; i < n; i++) {
-        if (!within(x[i], width)) continue;
+        if (!(x[i] >= 0.0 && x[i] < width)) continue;
         size_t j = (size_t)(x[i] / s->cell);
         if (j >= s->n_cells) j = s->n_cells - 1; /* round-off next to the right edge */
         s->h[j] = fmax(s->h[j], r ? y[i] + r[i] : y[i]);

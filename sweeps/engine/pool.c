@@ -347,15 +347,6 @@ static void report_slow(const pool *p, worker *w)
                        name_run(p, w->tasks->run, name, sizeof name), w->elapsed, median(p));
 }
 
-/* How long the worker has been at its run, and how long without processor time. */
-static void measure(worker *w, double passed)
-{
-    const double cpu = cpu_time(w->pid);
-    w->idle = cpu > w->cpu ? 0.0 : w->idle + passed;
-    w->cpu = cpu;
-    w->elapsed += passed;
-}
-
 /* End runs beyond the limit of time, and workers that no longer get on: stopped, or waiting for what never
  * comes. Time in which this process was stopped itself does not count. */
 static rp_status look_after(pool *p)
@@ -368,7 +359,10 @@ static rp_status look_after(pool *p)
     p->last_tick = now;
     for (worker *w = p->workers; !status && w < p->workers + p->n_workers; w++) {
         if (w->n == 0) continue;
-        measure(w, passed);
+        const double cpu = cpu_time(w->pid);
+        w->idle = cpu > w->cpu ? 0.0 : w->idle + passed;
+        w->cpu = cpu;
+        w->elapsed += passed;
         report_slow(p, w);
         if (p->options->time > 0.0 && w->elapsed > p->options->time) {
             snprintf(cause, sizeof cause, "ended after %.3g s, the limit of time is %g s", w->elapsed,

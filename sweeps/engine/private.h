@@ -62,8 +62,7 @@ typedef struct {
     double committed, beaten;      /* rp_clock; 0: never */
     bool writes, pending;          /* rows that are not committed yet */
     char path[4096], skipped[256]; /* the latter: shards that no process has made yet */
-    size_t point;                  /* of the parameters, the texts of the latest row */
-    char program[256], parameters[8192];
+    char program[256];             /* of new rows */
 } sweep_store;
 
 enum { SWEEP_FORMAT = 4 }; /* of a store */
@@ -132,9 +131,6 @@ rp_status sweep_store_check_rows(sweep_store *store, const char *schema, const c
 rp_status sweep_store_write_plan(sweep_store *store, const sweep_plan *plan, const char *file,
                                  sweep_watch *watch);
 
-/* Errors: RP_BAD_INPUT if the stored plan is not `plan`. */
-rp_status sweep_store_check_plan(sweep_store *store, const sweep_plan *plan);
-
 /* A note of this store ("main") or of an attached one, "" if it has none: protocol, file (name of the sweep
  * file as it was given), seed, replicas, model, plan, beat. Errors: RP_IO, also for a wrong checksum. */
 rp_status sweep_store_note(sweep_store *store, const char *schema, const char *name, char *buffer,
@@ -201,9 +197,6 @@ rp_status sweep_store_unite(sweep_store *store, const sweep_plan *plan, size_t n
 /* Unite, and add to the store itself what the others have of the plan. */
 rp_status sweep_store_merge(sweep_store *store, const sweep_plan *plan, size_t n, char *const paths[],
                             sweep_merged *found);
-
-/* Mean processor time of the latest rows, s; NaN without a row. */
-rp_status sweep_store_pace(sweep_store *store, double *seconds);
 
 /* Copy the whole rows of a damaged store, and number them. *n is how many there are. Errors: RP_IO. */
 rp_status sweep_store_salvage(sweep_store *store, const sweep_plan *plan, const char *damaged, size_t *n);

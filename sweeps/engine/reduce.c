@@ -32,11 +32,9 @@ static rp_status note_makers(sweep_store *store, FILE *out)
 {
     sqlite3_stmt *q = sweep_sql_query(
         store, "SELECT program, count(*) FROM runs WHERE run IS NOT NULL GROUP BY program ORDER BY program");
-    while (sqlite3_step(q) == SQLITE_ROW) {
-        const char *program = (const char *)sqlite3_column_text(q, 0);
-        rp_table_note(out, "runs made by", "%s (%lld)", program ? program : "an older version",
+    while (sqlite3_step(q) == SQLITE_ROW)
+        rp_table_note(out, "runs made by", "%s (%lld)", (const char *)sqlite3_column_text(q, 0),
                       sqlite3_column_int64(q, 1));
-    }
     return sweep_sql_finish(store, "read the rows", q);
 }
 

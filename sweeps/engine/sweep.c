@@ -79,24 +79,21 @@ static const char *const names[] = {
     "store.sqlite-shm", "experiment.cfg", "snapshots"};
 enum { N_NAMES = sizeof names / sizeof *names };
 
-/* The sweep's files are the program's own; those of an older version, whose store says so. */
+/* The sweep's files are the program's own. */
 static rp_status claim(const sweep_folder *f, const char *file)
 {
-    char before[256] = "", holds[512];
+    char holds[512];
     RP_ENDS(rp_folder_close) rp_folder folder = {0};
-    struct stat info;
     RP_TRY(rp_make_directory(f->dir));
     RP_TRY(rp_folder_enter(f->dir, &folder));
-    const bool older = !folder.marked && lstat(f->sqlite, &info) == 0 && S_ISREG(info.st_mode);
-    if (older) RP_TRY(sweep_source(f->dir, before));
-    if (!folder.marked && !older) RP_TRY(rp_folder_vacant(&folder, false));
+    if (!folder.marked) RP_TRY(rp_folder_vacant(&folder, false));
     if (folder.marked && !rp_folder_find(&folder, "sweep.cfg"))
         return rp_fail(RP_BAD_INPUT, "%s: holds %s; give another folder", f->dir,
                        *folder.holds ? folder.holds : "an unfinished run");
     const bool snapshots = access(f->snapshots, F_OK) == 0; /* people's, if it was there before */
     for (size_t i = 0; i < (snapshots ? N_NAMES - 1 : N_NAMES); i++) {
         if (i == N_NAMES - 2 && !sweep_experiment_text(f->plan.experiment)) continue;
-        if (!older || (i == 0 && !*before)) RP_TRY(rp_folder_check(&folder, names[i]));
+        RP_TRY(rp_folder_check(&folder, names[i]));
         RP_TRY(rp_folder_list(&folder, names[i], RP_OWN_STAYS));
     }
     snprintf(holds, sizeof holds, "the sweep %s", file);
@@ -117,14 +114,19 @@ static rp_status make_folder(const char *path)
 /* Read the plan of a folder, and open its store. */
 static rp_status open_main(const sweep_protocol *const *protocols, sweep_access access, sweep_folder *folder)
 {
-    char text[32];
+    char text[33];
     RP_TRY(sweep_plan_read(folder->cfg, protocols, &folder->plan));
     RP_TRY(sweep_store_open(folder->sqlite, access, &folder->store));
     RP_TRY(sweep_store_note(folder->store, "main", "replicas", text, sizeof text));
     const size_t replicas = strtoul(text, NULL, 10);
     if (replicas > 0 && replicas != folder->plan.replicas)
         RP_TRY(sweep_plan_replicate(&folder->plan, replicas));
-    RP_TRY(sweep_store_check_plan(folder->store, &folder->plan));
+    RP_TRY(sweep_store_note(folder->store, "main", "plan", text, sizeof text));
+    if (strcmp(text, folder->plan.hash) != 0)
+        return rp_fail(RP_BAD_INPUT,
+                       "%s: the plan is not that of sweep.cfg and this version of the program; "
+                       "plan again with `repose sweep plan` (stored rows are kept)",
+                       folder->sqlite);
     return sweep_store_check_rows(folder->store, "main", folder->sqlite, &folder->plan);
 }
 
@@ -174,15 +176,6 @@ rp_status sweep_check_output(const char *dir, const char *path)
     return RP_OK;
 }
 
-static rp_status check_points(const sweep_plan *plan, const char *file, sweep_watch *watch)
-{
-    for (size_t i = 0; i < plan->n_points; i++) {
-        RP_TRY(sweep_plan_check_point(plan, file, i));
-        if (watch) watch("grid points checked", i + 1, plan->n_points);
-    }
-    return RP_OK;
-}
-
 static rp_status write_text(const char *path, const char *text)
 {
     FILE *out;
@@ -198,7 +191,10 @@ rp_status sweep_prepare(const char *file, const char *dir, size_t replicas,
     RP_TRY(name_files(dir, &f));
     RP_TRY(sweep_plan_read(file, protocols, &f.plan));
     if (replicas > 0) RP_TRY(sweep_plan_replicate(&f.plan, replicas));
-    RP_TRY(check_points(&f.plan, file, watch));
+    for (size_t i = 0; i < f.plan.n_points; i++) {
+        RP_TRY(sweep_plan_check_point(&f.plan, file, i));
+        if (watch) watch("grid points checked", i + 1, f.plan.n_points);
+    }
     RP_TRY(claim(&f, file));
     RP_TRY(lock_folder(&f));
     RP_TRY(sweep_store_open(f.sqlite, SWEEP_CREATE, &f.store));
@@ -343,7 +339,6 @@ rp_status sweep_status(const char *dir, const sweep_protocol *const *protocols, 
     RP_ENDS(sweep_folder_close) sweep_folder f;
     RP_TRY(sweep_folder_read(dir, protocols, false, &f));
     RP_TRY(sweep_store_count(f.store, &f.plan, counts));
-    RP_TRY(sweep_store_pace(f.store, &counts->seconds));
     counts->running = f.found.running;
     return list_shards(&f, counts->shards, sizeof counts->shards);
 }

@@ -36,8 +36,8 @@ enum { SWEEP_MAX_WORDS = 32 };
 /* How far a sweep is. A result is a row whose status starts with "ok"; the others are failed. */
 typedef struct {
     size_t points, replicas, planned, stored, failed, n_words;
-    size_t running;    /* stores to which a process writes; of sweep_status alone, as are those below */
     double seconds;    /* of the latest runs, on average; NaN without any */
+    size_t running;    /* stores to which a process writes; of sweep_status alone, as are those below */
     char shards[256];  /* "2,5-7 of 8": those with runs to do; "" without shards, or when all are done */
     char skipped[256]; /* of sweep_run too: stores of shards that are none yet, and were left out */
     struct {
