@@ -30,6 +30,15 @@ static int remove_entry(const char *path, const struct stat *info, int type, str
     return remove(path);
 }
 
+const char *folder_path(const char *folder, const char *name)
+{
+    static char paths[8][512];
+    static unsigned next;
+    char *path = paths[next++ % 8];
+    snprintf(path, sizeof *paths, "%s/%s", folder, name);
+    return path;
+}
+
 void folder_remove(const char *path)
 {
     nftw(path, remove_entry, 8, FTW_DEPTH | FTW_PHYS);

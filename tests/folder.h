@@ -11,6 +11,9 @@ enum { FOLDER_PATH = 64 };
 void folder_make(const char *name, char path[FOLDER_PATH]);
 void folder_make_in_memory(const char *name, char path[FOLDER_PATH]);
 
+/* FOLDER/NAME, in one of eight buffers, which take turns. */
+const char *folder_path(const char *folder, const char *name);
+
 /* Remove a file or a folder with all that it holds. */
 void folder_remove(const char *path);
 

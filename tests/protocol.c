@@ -91,3 +91,14 @@ double protocol_output(const sweep_protocol *protocol, const sweep_result *resul
     CU_FAIL("no such output");
     return NAN;
 }
+
+char *protocol_export(const char *folder, const sweep_protocol *const *protocols, unsigned what)
+{
+    char *text = NULL;
+    size_t size = 0;
+    FILE *table = open_memstream(&text, &size);
+    const rp_status status = sweep_export(folder, protocols, what, "the command", NULL, table);
+    fclose(table);
+    if (status) *text = '\0';
+    return text;
+}

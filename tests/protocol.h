@@ -23,4 +23,7 @@ void protocol_box(double W, double H, long run, const double steps[2], dem_sim *
 /* An output by its name; a failed assertion and NaN if there is none. */
 double protocol_output(const sweep_protocol *protocol, const sweep_result *result, const char *name);
 
+/* The export of a sweep as it is printed; "" where it is refused. Free it. */
+char *protocol_export(const char *folder, const sweep_protocol *const *protocols, unsigned what);
+
 #endif

@@ -24,6 +24,7 @@
 #include "tests/faults.h"
 #include "tests/folder.h"
 #include "tests/noise.h"
+#include "tests/protocol.h"
 
 /* ---- A protocol that misbehaves, and its sweep */
 
@@ -80,11 +81,6 @@ static const sweep_protocol *const protocols[] = {&protocol, NULL};
 static char base[FOLDER_PATH], file[96], dir[96];
 static char undisturbed[33];
 
-static void clear(void)
-{
-    folder_remove(dir);
-}
-
 static void leave(void)
 {
     folder_remove(base);
@@ -95,6 +91,13 @@ static void leave(void)
 static rp_status plan(void)
 {
     return sweep_prepare(file, dir, 0, protocols, NULL, &(sweep_counts){0});
+}
+
+/* The sweep in a new folder. */
+static void afresh(void)
+{
+    folder_remove(dir);
+    CHECK_OK(plan());
 }
 
 static rp_status drive(sweep_options options, sweep_counts *counts)
@@ -125,18 +128,13 @@ static int end_of(pid_t child)
 /* Nothing lost, none double, same digest. */
 static void check_whole(void)
 {
-    char digest[33] = "", path[128];
+    char digest[33] = "";
     size_t n = 0;
     CHECK_OK(sweep_digest(dir, protocols, digest, &n));
     CU_ASSERT(n == RUNS);
     CU_ASSERT_STRING_EQUAL(digest, undisturbed);
-    snprintf(path, sizeof path, "%s/runs.tsv", base);
-    FILE *out = fopen(path, "w");
-    CU_ASSERT_PTR_NOT_NULL_FATAL(out);
-    CHECK_OK(sweep_export(dir, protocols, SWEEP_RUNS, NULL, NULL, NULL, out));
-    fclose(out);
     rp_table t;
-    CHECK_OK(rp_table_read(path, &t));
+    CHECK_OK(rp_table_parse("runs", protocol_export(dir, protocols, SWEEP_RUNS), &t));
     CU_ASSERT(t.n_rows == RUNS);
     const int column = rp_table_column(&t, "run");
     CU_ASSERT_FATAL(column >= 0);
@@ -170,8 +168,7 @@ static void enter(void)
     CHECK_OK(plan());
     CHECK_OK(drive((sweep_options){.workers = 1}, NULL));
     CHECK_OK(sweep_digest(dir, protocols, undisturbed, &n));
-    clear();
-    CHECK_OK(plan());
+    afresh();
 }
 
 /* Number of kills of the long form, or what a test for every day takes. */
@@ -235,8 +232,7 @@ static void test_kills(void)
         CHECK_OK(sweep_status(dir, protocols, &c));
         if (c.stored < RUNS) continue;
         conclude();
-        clear();
-        CHECK_OK(plan());
+        afresh();
         whole++;
     }
     conclude();
@@ -246,7 +242,7 @@ static void test_kills(void)
 /* The k-th call fails, in the driver and in each worker, or all calls from there on. Did it matter? */
 static bool inject(fault kind, long call, bool persistent)
 {
-    clear();
+    folder_remove(dir);
     const pid_t child = fork();
     if (child == 0) {
         fault_order(kind, call, persistent);
@@ -288,8 +284,7 @@ static void check_aborted(conduct as, long times, sweep_options options, const c
     size_t n;
     CHECK_FAILS(sweep_digest(dir, protocols, digest, &n), RP_NO_RESULT, " runs were aborted (");
     conclude();
-    clear();
-    CHECK_OK(plan());
+    afresh();
 }
 
 static void test_hung_and_hungry(void)
@@ -309,8 +304,7 @@ static void test_hung_and_hungry(void)
         shared->times = 2;
         CHECK_OK(drive(impatient, NULL));
         check_whole();
-        clear();
-        CHECK_OK(plan());
+        afresh();
     }
 }
 
@@ -369,8 +363,7 @@ static void test_stops(void)
     shared->as = PLAIN;
     CU_ASSERT(end_of(driver) == RP_OK);
     check_whole();
-    clear();
-    CHECK_OK(plan());
+    afresh();
     driver = start_and_wait(HANGS);
     const double begin = rp_clock();
     kill(driver, SIGTERM);
@@ -414,8 +407,7 @@ static void test_doubled(void)
         CU_ASSERT((end_a == RP_OK || end_a == RP_IO) && (end_b == RP_OK || end_b == RP_IO));
         CU_ASSERT(end_a == RP_OK || end_b == RP_OK);
         check_whole();
-        clear();
-        CHECK_OK(plan());
+        afresh();
     }
 }
 
@@ -441,11 +433,7 @@ static void test_read_only(void)
     kill(driver, SIGTERM);
     end_of(driver);
     static const char *const names[] = {"store.sqlite", "lock", "sweep.cfg", ""};
-    char path[128];
-    for (int k = 0; k < 4; k++) {
-        snprintf(path, sizeof path, "%s/%s", dir, names[k]);
-        chmod(path, *names[k] ? 0444 : 0555);
-    }
+    for (int k = 0; k < 4; k++) chmod(folder_path(dir, names[k]), *names[k] ? 0444 : 0555);
     chmod(base, 0755);
     const pid_t child = fork();
     if (child == 0) {
@@ -453,57 +441,33 @@ static void test_read_only(void)
         _exit((int)drive((sweep_options){0}, NULL));
     }
     CU_ASSERT(end_of(child) == RP_IO);
-    for (int k = 3; k >= 0; k--) {
-        snprintf(path, sizeof path, "%s/%s", dir, names[k]);
-        chmod(path, *names[k] ? 0644 : 0755);
-    }
+    for (int k = 3; k >= 0; k--) chmod(folder_path(dir, names[k]), *names[k] ? 0644 : 0755);
     conclude();
-}
-
-/* What an export says, to be freed; NULL if it is refused. */
-static char *export(void)
-{
-    char *text = NULL;
-    size_t size = 0;
-    FILE *out = open_memstream(&text, &size);
-    rp_status status = out ? sweep_export(dir, protocols, SWEEP_RUNS, NULL, NULL, NULL, out) : RP_NO_MEMORY;
-    fclose(out);
-    if (!status) return text;
-    free(text);
-    return NULL;
-}
-
-static size_t read_bytes(const char *path, char *bytes, size_t most)
-{
-    FILE *in = fopen(path, "r");
-    const size_t n = in ? fread(bytes, 1, most, in) : 0;
-    if (in) fclose(in);
-    return n;
 }
 
 /* One byte of the store or of the sweep's file is another: refused, or of no effect. */
 static void test_flips(void)
 {
     static const char *const names[] = {"store.sqlite", "sweep.cfg"};
-    static char bytes[1000000];
-    char path[128], digest[33];
+    char digest[33];
     long noticed = 0;
     CHECK_OK(drive((sweep_options){0}, NULL));
-    scoped char *good = export();
-    CU_ASSERT_PTR_NOT_NULL_FATAL(good);
+    scoped char *good = protocol_export(dir, protocols, SWEEP_RUNS);
+    CU_ASSERT_FATAL(*good);
     for (long k = size_of_drill(60); k > 0; k--) {
-        snprintf(path, sizeof path, "%s/%s", dir, names[k % 8 == 0]);
-        const size_t size = read_bytes(path, bytes, sizeof bytes), at = draw((unsigned)size);
+        const char *path = folder_path(dir, names[k % 8 == 0]);
+        size_t size, n;
+        scoped char *bytes = file_read(path, &size);
+        const size_t at = draw((unsigned)size);
         const char before = bytes[at];
         bytes[at] ^= (char)(1u << draw(8));
         file_write(path, bytes, size);
-        size_t n;
         if (sweep_digest(dir, protocols, digest, &n))
             noticed++;
         else
             CU_ASSERT_STRING_EQUAL(digest, undisturbed);
-        scoped char *text = export();
-        CU_ASSERT(!text || strcmp(text, good) == 0);
+        scoped char *text = protocol_export(dir, protocols, SWEEP_RUNS);
+        CU_ASSERT(!*text || strcmp(text, good) == 0);
         bytes[at] = before;
         file_write(path, bytes, size);
     }
@@ -515,11 +479,10 @@ static void test_flips(void)
 static void test_truncated(void)
 {
     enum { FIRST_PAGES = 8192 };
-    char path[128];
     struct stat info;
     for (long k = size_of_drill(6) / 20 + 4; k > 0; k--) {
         CHECK_OK(drive((sweep_options){0}, NULL));
-        snprintf(path, sizeof path, "%s/store.sqlite", dir);
+        const char *path = folder_path(dir, "store.sqlite");
         CU_ASSERT(stat(path, &info) == 0);
         const off_t length = draw((unsigned)info.st_size);
         CU_ASSERT(truncate(path, length) == 0);
@@ -528,8 +491,7 @@ static void test_truncated(void)
         CU_ASSERT(!status || (status == RP_IO && length < FIRST_PAGES)); /* which say what there is */
         CU_ASSERT(rows <= RUNS);
         conclude();
-        clear();
-        CHECK_OK(plan());
+        afresh();
     }
 }
 
@@ -564,8 +526,7 @@ static void test_shards(void)
         CHECK_OK(sweep_merge(dir, protocols, (size_t)parts[k], list, &merged, &c));
         CU_ASSERT(merged.taken == RUNS && c.stored == RUNS);
         check_whole();
-        clear();
-        CHECK_OK(plan());
+        afresh();
     }
 }
 

@@ -23,6 +23,7 @@
 #include "tests/faults.h"
 #include "tests/folder.h"
 #include "tests/noise.h"
+#include "tests/protocol.h"
 
 /* ---- What happened to the disk */
 
@@ -88,121 +89,61 @@ static void forget(void)
 
 /* ---- The shim */
 
+/* A file is that of the layer below, with other methods, and this behind it. */
 typedef struct {
-    sqlite3_file base;
+    const sqlite3_io_methods *real;
+    sqlite3_io_methods methods;
     int file;
     bool sync_folder; /* with the first sync, as SQLite does for a new journal */
-    sqlite3_file real[];
 } shim;
 
 static sqlite3_vfs *below, layer;
 
-#define REAL(f) (((shim *)(f))->real)
-
-static int shim_close(sqlite3_file *f)
+static shim *shim_of(sqlite3_file *f)
 {
-    return REAL(f)->pMethods->xClose(REAL(f));
-}
-
-static int shim_read(sqlite3_file *f, void *bytes, int n, sqlite3_int64 at)
-{
-    return REAL(f)->pMethods->xRead(REAL(f), bytes, n, at);
+    return (shim *)((char *)f + below->szOsFile);
 }
 
 static int shim_write(sqlite3_file *f, const void *bytes, int n, sqlite3_int64 at)
 {
-    event *e = note(WRITE, ((shim *)f)->file);
+    event *e = note(WRITE, shim_of(f)->file);
     *e = (event){WRITE, e->file, at, (size_t)n, disk.on ? malloc((size_t)n) : NULL};
     if (e->bytes) memcpy(e->bytes, bytes, (size_t)n);
-    return REAL(f)->pMethods->xWrite(REAL(f), bytes, n, at);
+    return shim_of(f)->real->xWrite(f, bytes, n, at);
 }
 
 static int shim_truncate(sqlite3_file *f, sqlite3_int64 length)
 {
-    note(TRUNCATE, ((shim *)f)->file)->at = length;
-    return REAL(f)->pMethods->xTruncate(REAL(f), length);
+    note(TRUNCATE, shim_of(f)->file)->at = length;
+    return shim_of(f)->real->xTruncate(f, length);
 }
 
 static int shim_sync(sqlite3_file *f, int flags)
 {
-    shim *s = (shim *)f;
-    const int rc = s->real->pMethods->xSync(s->real, flags);
+    shim *s = shim_of(f);
+    const int rc = s->real->xSync(f, flags);
     note(SYNC, s->file);
     if (s->sync_folder) note(SYNC_FOLDER, -1);
     s->sync_folder = false;
     return rc;
 }
 
-static int shim_size(sqlite3_file *f, sqlite3_int64 *size)
-{
-    return REAL(f)->pMethods->xFileSize(REAL(f), size);
-}
-
-static int shim_lock(sqlite3_file *f, int kind)
-{
-    return REAL(f)->pMethods->xLock(REAL(f), kind);
-}
-
-static int shim_unlock(sqlite3_file *f, int kind)
-{
-    return REAL(f)->pMethods->xUnlock(REAL(f), kind);
-}
-
-static int shim_reserved(sqlite3_file *f, int *yes)
-{
-    return REAL(f)->pMethods->xCheckReservedLock(REAL(f), yes);
-}
-
-static int shim_control(sqlite3_file *f, int op, void *arg)
-{
-    return REAL(f)->pMethods->xFileControl(REAL(f), op, arg);
-}
-
-static int shim_sector(sqlite3_file *f)
-{
-    return REAL(f)->pMethods->xSectorSize(REAL(f));
-}
-
-static int shim_device(sqlite3_file *f)
-{
-    return REAL(f)->pMethods->xDeviceCharacteristics(REAL(f));
-}
-
-static int shim_map(sqlite3_file *f, int page, int size, int extend, void volatile **at)
-{
-    return REAL(f)->pMethods->xShmMap(REAL(f), page, size, extend, at);
-}
-
-static int shim_map_lock(sqlite3_file *f, int offset, int n, int flags)
-{
-    return REAL(f)->pMethods->xShmLock(REAL(f), offset, n, flags);
-}
-
-static void shim_barrier(sqlite3_file *f)
-{
-    REAL(f)->pMethods->xShmBarrier(REAL(f));
-}
-
-static int shim_unmap(sqlite3_file *f, int delete)
-{
-    return REAL(f)->pMethods->xShmUnmap(REAL(f), delete);
-}
-
-static const sqlite3_io_methods methods = {
-    2,           shim_close, shim_read,     shim_write,    shim_truncate, shim_sync,
-    shim_size,   shim_lock,  shim_unlock,   shim_reserved, shim_control,  shim_sector,
-    shim_device, shim_map,   shim_map_lock, shim_barrier,  shim_unmap,    NULL,
-    NULL};
-
 static int shim_open(sqlite3_vfs *vfs, const char *path, sqlite3_file *f, int flags, int *out)
 {
     (void)vfs;
-    shim *s = (shim *)f;
+    shim *s = shim_of(f);
     const bool there = path && access(path, F_OK) == 0;
-    const int rc = below->xOpen(below, path, s->real, flags, out);
-    s->base.pMethods = rc == SQLITE_OK ? &methods : NULL;
+    const int rc = below->xOpen(below, path, f, flags, out);
     s->file = -1;
-    if (rc != SQLITE_OK || !path || !disk.on) return rc;
+    if (rc != SQLITE_OK) return rc;
+    s->real = f->pMethods;
+    s->methods = *s->real;
+    s->methods.iVersion = 2; /* without maps of the file */
+    s->methods.xWrite = shim_write;
+    s->methods.xTruncate = shim_truncate;
+    s->methods.xSync = shim_sync;
+    f->pMethods = &s->methods;
+    if (!path || !disk.on) return rc;
     s->file = there ? find_file(path) : make_file(path);
     CU_ASSERT_FATAL(s->file >= 0);
     s->sync_folder = !there && !(flags & SQLITE_OPEN_MAIN_DB);
@@ -258,7 +199,7 @@ static void put_shim(void)
     below = sqlite3_vfs_find(NULL);
     layer = *below;
     layer.zName = "power cut";
-    layer.szOsFile = (int)sizeof(shim) + below->szOsFile;
+    layer.szOsFile = below->szOsFile + (int)sizeof(shim);
     layer.xOpen = shim_open;
     layer.xDelete = shim_delete;
     CU_ASSERT_FATAL(sqlite3_vfs_register(&layer, 1) == SQLITE_OK);
@@ -295,7 +236,6 @@ static void write_part(const event *e, double share, unsigned char *bytes, size_
 static void write_file(int file, size_t cut, double share, const char *folder)
 {
     static unsigned char bytes[MOST_BYTES];
-    char path[256];
     size_t synced = 0, length = 0;
     memset(bytes, 0, sizeof bytes);
     for (size_t i = 0; i < cut; i++)
@@ -310,11 +250,7 @@ static void write_file(int file, size_t cut, double share, const char *folder)
         if ((size_t)e->at < length) memset(bytes + e->at, 0, length - (size_t)e->at);
         length = (size_t)e->at;
     }
-    snprintf(path, sizeof path, "%s/%s", folder, strrchr(disk.first_names[file], '/') + 1);
-    FILE *out = fopen(path, "w");
-    CU_ASSERT_PTR_NOT_NULL_FATAL(out);
-    CU_ASSERT(fwrite(bytes, 1, length, out) == length);
-    fclose(out);
+    file_write(folder_path(folder, strrchr(disk.first_names[file], '/') + 1), bytes, length);
 }
 
 /* Names come and go in order: up to the last sync of the folder all, and of the later ones the first few. */
@@ -384,20 +320,15 @@ static rp_status plan(const char *folder)
 }
 
 /* The lines of an export by the number of their run; "" for a run that is not there. */
-static rp_status read_rows(const char *folder, char lines[ROWS][256], size_t *n)
+static size_t read_rows(const char *folder, char lines[ROWS][256])
 {
-    char path[128], line[4096];
-    size_t run;
-    snprintf(path, sizeof path, "%s/rows.tsv", base);
-    FILE *rows = fopen(path, "w+");
-    rp_status status = sweep_export(folder, protocols, false, NULL, NULL, NULL, rows);
-    rewind(rows);
-    *n = 0;
+    scoped char *text = protocol_export(folder, protocols, SWEEP_RUNS);
+    size_t run, n = 0;
     for (size_t k = 0; k < ROWS; k++) *lines[k] = '\0';
-    while (!status && fgets(line, sizeof line, rows))
-        if (sscanf(line, "%zu", &run) == 1 && run < ROWS) snprintf(lines[run], 256, "%.255s", line), ++*n;
-    fclose(rows);
-    return status;
+    for (char *rest = text, *line; (line = strsep(&rest, "\n"));)
+        if (sscanf(line, "%zu", &run) == 1 && run < ROWS) snprintf(lines[run], 256, "%.255s", line), n++;
+    CU_ASSERT(*text);
+    return n;
 }
 
 /* Rows of the groups that were committed before the cut, and of the one that was being committed. */
@@ -417,17 +348,16 @@ static void rows_at(size_t cut, size_t *least, size_t *most)
 static void check_cut(size_t cut, size_t planned, char good[ROWS][256], const char *digest)
 {
     static char left[ROWS][256];
-    char from[128], line[512], again[33];
+    char again[33];
     size_t least, most, n;
     CU_ASSERT(mkdir(cut_dir, 0777) == 0);
     write_disk(cut, cut_dir);
     for (int k = 0; k < 1 + (cut >= planned); k++) { /* those that Repose writes itself */
-        snprintf(from, sizeof from, "%s/%s", dir, k ? "sweep.cfg" : ".repose");
-        snprintf(line, sizeof line, "%s/%s", cut_dir, k ? "sweep.cfg" : ".repose");
-        CU_ASSERT(link(from, line) == 0);
+        const char *name = k ? "sweep.cfg" : ".repose";
+        CU_ASSERT(link(folder_path(dir, name), folder_path(cut_dir, name)) == 0);
     }
     if (cut >= planned) {
-        CHECK_OK(read_rows(cut_dir, left, &n));
+        n = read_rows(cut_dir, left);
         rows_at(cut, &least, &most);
         CU_ASSERT(n == least || n == most);
         if (n != least && n != most) fprintf(stderr, "cut %zu: %zu rows, %zu or %zu\n", cut, n, least, most);
@@ -456,9 +386,8 @@ static void cut_sweeps(bool shared)
     CHECK_OK(drive(dir));
     end_group();
     disk.on = false;
-    CHECK_OK(read_rows(dir, good, &n));
     CHECK_OK(sweep_digest(dir, protocols, digest, &n));
-    CU_ASSERT(n == ROWS && disk.rows == ROWS && disk.n_groups > 5);
+    CU_ASSERT(n == ROWS && read_rows(dir, good) == ROWS && disk.rows == ROWS && disk.n_groups > 5);
     bool journal = false;
     for (int k = 0; k < disk.n_files; k++) journal |= strstr(disk.first_names[k], "-wal") != NULL;
     CU_ASSERT(journal != shared);
@@ -556,7 +485,9 @@ static int run_in(const char *folder, const char *text, long kill_at)
     words[n] = NULL;
     const pid_t child = fork();
     if (child == 0) {
-        if (chdir(folder) != 0 || !freopen("out", "w", stdout) || !freopen("err", "w", stderr)) _exit(99);
+        if (chdir(folder_path(base, folder)) != 0 || !freopen("out", "w", stdout) ||
+            !freopen("err", "w", stderr))
+            _exit(99);
         fault_watch = watch;
         exit(repose_main(n, words));
     }
@@ -593,23 +524,20 @@ static void make_case(const char *name, const char *from)
  * part of it, or of the new one; never of both. The same command, or --resume, ends with the new one. */
 static void replace_result(const char *options)
 {
-    char old[256], new[256], in[128], line[160];
+    char old[256], new[256], line[160];
     int n, n_new, kills = 0;
     snprintf(old, sizeof old, "repose run %s --every 2 -o d", options);
     snprintf(new, sizeof new, "repose run %s --every 1 -o d --force", options);
     make_case("old", "start");
-    snprintf(in, sizeof in, "%s/old", base);
-    CU_ASSERT(run_in(in, old, 0) == 0);
+    CU_ASSERT(run_in("old", old, 0) == 0);
     make_case("new", "start");
-    snprintf(in, sizeof in, "%s/new", base);
-    CU_ASSERT(run_in(in, new, 0) == 0);
+    CU_ASSERT(run_in("new", new, 0) == 0);
     CU_ASSERT(seen->renames > 1 && seen->early == 0 && seen->loose == 0);
     count_equal("new", "new", &n_new);
     CU_ASSERT(n_new >= 3 && count_equal("new", "old", &n) == 0);
-    snprintf(in, sizeof in, "%s/k", base);
     for (long k = 1;; k += check_fast() ? 5 : 1) {
         make_case("k", "old");
-        const int end = run_in(in, new, k);
+        const int end = run_in("k", new, k);
         if (end != 128 + SIGKILL) {
             CU_ASSERT(end == 0);
             break;
@@ -619,7 +547,7 @@ static void replace_result(const char *options)
         snprintf(line, sizeof line, "grep -qs '^[+-]' %s/k/d/.repose", base);
         const bool begun = system(line) == 0;
         CU_ASSERT(begun || n == n_new);
-        if (begun || run_in(in, new, 0) != 0) CU_ASSERT(run_in(in, "repose run --resume d", 0) == 0);
+        if (begun || run_in("k", new, 0) != 0) CU_ASSERT(run_in("k", "repose run --resume d", 0) == 0);
         CU_ASSERT(count_equal("k", "new", &n) == n_new && n == n_new);
         kills++;
     }
@@ -632,18 +560,11 @@ static void replaced_results(void)
                                 "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; } );\n"
                                 "particles = ( { x = 0.1; y = 0.1; r = 0.1; } );\n",
                       sweep[] = "protocol = \"pile\"; replicas = 2; fixed = { base = 4; };\n";
-    char path[128];
     seen = mmap(NULL, sizeof *seen, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
     CU_ASSERT_FATAL(seen != MAP_FAILED);
-    snprintf(path, sizeof path, "%s/start", base);
-    CU_ASSERT(mkdir(path, 0777) == 0);
-    for (int k = 0; k < 2; k++) {
-        snprintf(path, sizeof path, "%s/start/%s.cfg", base, k ? "sweep" : "scene");
-        FILE *out = fopen(path, "w");
-        CU_ASSERT_PTR_NOT_NULL_FATAL(out);
-        fputs(k ? sweep : scene, out);
-        fclose(out);
-    }
+    CU_ASSERT(mkdir(folder_path(base, "start"), 0777) == 0);
+    file_print(folder_path(base, "start/scene.cfg"), "%s", scene);
+    file_print(folder_path(base, "start/sweep.cfg"), "%s", sweep);
     replace_result("scene.cfg");
     replace_result("scene.cfg --snapshot 1 --dump vtk");
     replace_result("sweep.cfg --row 1");

@@ -57,6 +57,13 @@ static const sweep_output toy_outputs[] = {
  * interrupted cannot end first. */
 static volatile int *hold, *made; /* shared with the workers: whether runs wait; their number */
 
+static volatile int *shared_number(void)
+{
+    void *page = mmap(NULL, sizeof(int), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    CU_ASSERT_FATAL(page != MAP_FAILED);
+    return page;
+}
+
 /* In a quiet moment no run crashes; what the words of results end with. */
 static bool calm;
 static char ending[4];
@@ -106,7 +113,11 @@ static const sweep_protocol toy_protocol = TOY("toy"), other_protocol = TOY("oth
 static const sweep_protocol *const toys[] = {&toy_protocol, &other_protocol, NULL};
 
 /* One folder for each test: `base` holds s.cfg and the sweep `dir`. */
-static char base[FOLDER_PATH], file[96], dir[96], store[128];
+static char base[FOLDER_PATH], file[96], dir[96], store[128], other[96]; /* `other`: of a second sweep */
+
+/* What the latest call has counted. */
+static sweep_counts c;
+static sweep_merged m;
 
 static long size_of(const char *path)
 {
@@ -116,41 +127,48 @@ static long size_of(const char *path)
 
 static void clean(void)
 {
-    folder_remove(base);
+    if (*base) folder_remove(base);
+    *base = '\0';
 }
 
+/* A new folder with this sweep file, in place of the test's last one. */
 static void fresh(const char *text)
 {
+    clean();
     folder_make("sweep", base);
     snprintf(file, sizeof file, "%s/s.cfg", base);
     snprintf(dir, sizeof dir, "%s/deep/d", base);
     snprintf(store, sizeof store, "%s/store.sqlite", dir);
+    snprintf(other, sizeof other, "%s/other", base);
     file_print(file, "%s", text);
 }
 
-static rp_status prepare(sweep_counts *counts)
+static rp_status prepare(void)
 {
-    sweep_counts ignored;
-    return sweep_prepare(file, dir, 0, toys, NULL, counts ? counts : &ignored);
+    return sweep_prepare(file, dir, 0, toys, NULL, &c);
 }
 
-static rp_status run(int workers, sweep_counts *counts)
+static rp_status run_in(const char *folder, int workers)
 {
-    sweep_counts ignored;
-    return sweep_run(dir, toys, &(sweep_options){.workers = workers}, counts ? counts : &ignored);
+    return sweep_run(folder, toys, &(sweep_options){.workers = workers}, &c);
+}
+
+static rp_status run(int workers)
+{
+    return run_in(dir, workers);
 }
 
 /* A new folder with the plan of this text, and with all its runs made by so many workers. */
 static void planned(const char *text)
 {
     fresh(text);
-    CHECK_OK(prepare(NULL));
+    CHECK_OK(prepare());
 }
 
 static void made_by(int workers, const char *text)
 {
     planned(text);
-    CHECK_OK(run(workers, NULL));
+    CHECK_OK(run(workers));
 }
 
 /* The digest of the sweep in `dir`; empty, and a failed assertion, if there is none. */
@@ -192,33 +210,29 @@ static sqlite3_int64 sql_number(const char *text)
     return n;
 }
 
-static void export_table(bool reduce, rp_table *t, char *path, size_t size)
+#define scoped_table __attribute__((cleanup(rp_table_free))) rp_table
+
+static rp_table exported(unsigned what)
 {
-    snprintf(path, size, "%s/table.tsv", base);
-    FILE *out = fopen(path, "w");
-    CU_ASSERT_PTR_NOT_NULL_FATAL(out);
-    CHECK_OK(sweep_export(dir, toys, reduce, "the command", NULL, NULL, out));
-    fclose(out);
-    CHECK_OK(rp_table_read(path, t));
+    rp_table t;
+    CHECK_OK(rp_table_parse("table", protocol_export(dir, toys, what), &t));
+    return t;
 }
 
 static const char *cell(const rp_table *t, size_t row, const char *name)
 {
-    int c = rp_table_column(t, name);
-    CU_ASSERT_FATAL(c >= 0 && row < t->n_rows);
-    return t->cells[row * t->n_columns + (size_t)c];
+    const int column = rp_table_column(t, name);
+    CU_ASSERT_FATAL(column >= 0 && row < t->n_rows);
+    return t->cells[row * t->n_columns + (size_t)column];
 }
 
 /* Store a row in a folder as the driver does. */
 static rp_status put_row_in(const char *folder, const sweep_row *row)
 {
-    char path[160];
     sweep_plan plan;
     sweep_store *opened = NULL;
-    snprintf(path, sizeof path, "%s/sweep.cfg", folder);
-    rp_status status = sweep_plan_read(path, toys, &plan);
-    snprintf(path, sizeof path, "%s/store.sqlite", folder);
-    if (!status) status = sweep_store_open(path, SWEEP_WRITE, &opened);
+    rp_status status = sweep_plan_read(folder_path(folder, "sweep.cfg"), toys, &plan);
+    if (!status) status = sweep_store_open(folder_path(folder, "store.sqlite"), SWEEP_WRITE, &opened);
     if (!status) status = sweep_store_insert(opened, &plan, row);
     sweep_store_close(opened);
     sweep_plan_free(&plan);
@@ -242,14 +256,11 @@ static void test_order(void)
 {
     fresh("protocol = \"toy\"; replicas = 3; seed = 77; fixed = { picks = [\"green\"]; odd = true; };"
           "piles = \"shared\"; grid = { x = [0.125, 2.385]; k = (5, \"auto\"); };");
-    sweep_counts c;
-    CHECK_OK(prepare(&c));
+    CHECK_OK(prepare());
     CU_ASSERT(c.planned == 12 && c.points == 4 && c.replicas == 3 && c.stored == 0);
-    CHECK_OK(run(2, &c));
+    CHECK_OK(run(2));
     CU_ASSERT(c.stored == 12 && c.failed == 0 && c.n_words == 2);
-    rp_table t;
-    char path[128];
-    export_table(false, &t, path, sizeof path);
+    scoped_table t = exported(SWEEP_RUNS);
     CU_ASSERT_FATAL(t.n_rows == 12);
     static const char *const names[] = {"run",  "status", "x",     "k",      "replica",
                                         "pile", "y_deg",  "never", "seconds"};
@@ -266,12 +277,10 @@ static void test_order(void)
         CU_ASSERT(strtod(cell(&t, r, "y_deg"), NULL) == expected(x, five ? 5 : -1, 77, r % 3));
         CU_ASSERT_STRING_EQUAL(cell(&t, r, "never"), "nan");
     }
-    rp_table_free(&t);
     /* the store has the same values when opened directly */
     CU_ASSERT(
         sql_number("SELECT count(*) FROM runs WHERE parameters = '{\"odd\":\"true\",\"picks\":\"green\","
                    "\"x\":2.385,\"k\":\"auto\"}' AND never IS NULL AND pile < 3") == 3);
-    clean();
 }
 
 #define X "(parameters ->> 'x')"
@@ -281,54 +290,45 @@ static void test_bundles(void)
 {
     fresh("protocol = \"toy\"; replicas = 1;\n"
           "grid = ( { x = [0.5, 1.5, 2.5]; k = [9, 8, 7]; }, { mass = [1.0, 3.0]; } );");
-    sweep_counts c;
-    CHECK_OK(prepare(&c));
+    CHECK_OK(prepare());
     CU_ASSERT(c.planned == 6);
-    CHECK_OK(run(1, NULL));
+    CHECK_OK(run(1));
     /* 2 (4.5 + 12 + 17.5) times 1 + 3; the last group is the fastest */
     CU_ASSERT(sql_number("SELECT 2 * sum(" X " * " K " * (parameters ->> 'mass')) FROM runs") == 68 * 4);
     CU_ASSERT(sql_number("SELECT 2 * " X " * (parameters ->> 'mass') FROM runs WHERE run = 3") == 9);
-    clean();
 }
 
 static void test_zip(void)
 {
     fresh("protocol = \"toy\"; replicas = 1; zip = true; grid = { x = [0.5, 1.5, 2.5]; k = [9, 8, 7]; };");
-    sweep_counts c;
-    CHECK_OK(prepare(&c));
+    CHECK_OK(prepare());
     CU_ASSERT(c.planned == 3);
-    CHECK_OK(run(1, NULL));
+    CHECK_OK(run(1));
     CU_ASSERT(sql_number("SELECT 2 * sum(" X " * " K ") FROM runs") == 68); /* 2 (4.5 + 12 + 17.5) */
-    clean();
 }
 
 /* Replica k of every grid point has the same streams, those of the file's seed. */
 static void test_shared_piles(void)
 {
     fresh("protocol = \"toy\"; replicas = 3; seed = 77; grid = { x = [0.125, 2.385]; };");
-    sweep_counts c;
-    CHECK_OK(prepare(NULL));
-    CHECK_OK(run(1, NULL));
+    CHECK_OK(prepare());
+    CHECK_OK(run(1));
     const char *own = digest(6);
     file_print(file, "protocol = \"toy\"; replicas = 3; seed = 77; piles = \"shared\";"
                      "grid = { x = [0.125, 2.385]; };");
-    CHECK_OK(prepare(&c));
+    CHECK_OK(prepare());
     CU_ASSERT(c.planned == 6 && c.stored == 0);
-    CHECK_OK(run(2, NULL));
+    CHECK_OK(run(2));
     CU_ASSERT_STRING_NOT_EQUAL(digest(6), own);
-    rp_table t;
-    char path[128];
-    export_table(false, &t, path, sizeof path);
+    scoped_table t = exported(SWEEP_RUNS);
     CU_ASSERT_FATAL(t.n_rows == 6);
     for (size_t r = 0; r < 6; r++) {
         CU_ASSERT(strtoul(cell(&t, r, "run"), NULL, 10) == r);
         CU_ASSERT(strtoul(cell(&t, r, "pile"), NULL, 10) == r % 3);
         CU_ASSERT(strtod(cell(&t, r, "y_deg"), NULL) == expected(r < 3 ? 0.125 : 2.385, 3, 77, r % 3));
     }
-    rp_table_free(&t);
     CU_ASSERT(sql_number("SELECT count(*) FROM runs WHERE pile = run % 3") == 6);
     CU_ASSERT(sql_number("SELECT count(DISTINCT pile) FROM runs WHERE run IS NULL") == 6);
-    clean();
 }
 
 /* The noise of the run with these values, or NaN: y - x - k. */
@@ -370,7 +370,6 @@ static void test_digest_of_plan(void)
         sweep_plan_free(&plan);
         for (size_t j = 0; j < i; j++) CU_ASSERT_STRING_NOT_EQUAL(digests[i], digests[j]);
     }
-    clean();
 }
 
 /* A stored run is that of its values and replica, wherever its point stands in the grid: put in between,
@@ -394,25 +393,21 @@ static void test_growing(void)
     };
     fresh("");
     double first = NAN;
-    sweep_counts c;
     for (size_t i = 0; i < sizeof steps / sizeof *steps; i++) {
-        char text[256], path[128];
-        rp_table t;
+        char text[256];
         snprintf(text, sizeof text, "protocol = \"toy\"; seed = 77; %s", steps[i].text);
         file_print(file, "%s", text);
-        CHECK_OK(prepare(&c));
+        CHECK_OK(prepare());
         CU_ASSERT(c.planned == steps[i].planned && c.stored == steps[i].stored);
-        CHECK_OK(run(2, &c));
+        CHECK_OK(run(2));
         CU_ASSERT(c.stored == c.planned);
-        export_table(false, &t, path, sizeof path);
+        scoped_table t = exported(SWEEP_RUNS);
         if (i == 0) first = noise(&t, "2.385", NULL, "1");
         CU_ASSERT(noise(&t, "2.385", steps[i].k, "1") == first);
-        rp_table_free(&t);
     }
     CU_ASSERT(sql_number("SELECT count(DISTINCT y_deg - coalesce(parameters ->> 'k', 3)"
                          " - (parameters ->> 'x')) = count(*) FROM runs") == 1); /* no two share a stream */
     CHECK_FAILS(sweep_prepare(file, dir, 5000001, toys, NULL, &c), RP_BAD_INPUT, "allowed: [1, 5000000]");
-    clean();
 }
 
 /* Student's t for 3 degrees of freedom at 97.5 %: 3.182446305284263 (tables). */
@@ -421,9 +416,7 @@ static void test_reduce(void)
     made_by(2, "protocol = \"toy\"; replicas = 8; piles = \"shared\";"
                "grid = { mode = [\"half_no_pile\"]; x = [1.25, 2.75]; };");
     sql("DELETE FROM runs WHERE run = 14"); /* one result of the second point is missing */
-    rp_table t;
-    char path[128];
-    export_table(true, &t, path, sizeof path);
+    scoped_table t = exported(SWEEP_POINTS);
     CU_ASSERT_FATAL(t.n_rows == 2);
     double y[4], mean = 0.0, square = 0.0;
     for (size_t i = 0; i < 4; i++) mean += (y[i] = expected(1.25, 3, 1993, 2 * i)) / 4.0;
@@ -443,11 +436,7 @@ static void test_reduce(void)
     CU_ASSERT_STRING_EQUAL(cell(&t, 0, "n_failed"), "4");
     CU_ASSERT_STRING_EQUAL(cell(&t, 1, "x"), "2.75");
     CU_ASSERT_STRING_EQUAL(cell(&t, 1, "n"), "3");
-    rp_table_free(&t);
-    char text[4096] = "";
-    FILE *in = fopen(path, "r");
-    CU_ASSERT(fread(text, 1, sizeof text - 1, in) > 0);
-    fclose(in);
+    scoped char *text = protocol_export(dir, toys, SWEEP_POINTS);
     CU_ASSERT_PTR_NOT_NULL(strstr(
         text,
         "# units: 1\tcm\tdeg\tdeg\tdeg\tdeg\tdeg\t1\ts\ts\ts\ts\ts\t1\t1\t1\t1\n")); /* numbers n have none */
@@ -458,10 +447,8 @@ static void test_reduce(void)
         strstr(text, "s.cfg, protocol toy, seed 1993, 2 grid points x 8 replicas, shared piles\n"));
     CU_ASSERT_PTR_NOT_NULL(strstr(text, "# k: 3\n"));
     CU_ASSERT_PTR_NULL(strstr(text, "# x: "));
-    char d[33];
-    size_t n;
-    CHECK_FAILS(sweep_digest(dir, toys, d, &n), RP_NO_RESULT, "1 of 16 runs are missing");
-    clean();
+    CHECK_FAILS(sweep_digest(dir, toys, (char[33]){0}, &(size_t){0}), RP_NO_RESULT,
+                "1 of 16 runs are missing");
 }
 
 /* A result is a row whose status begins with ok; whatever else ended a run, its numbers count nowhere. */
@@ -476,16 +463,13 @@ static void test_statuses(void)
                  {"not_solved", false}, {"broken", false},       {"not_ok", false}};
     made_by(1, "protocol = \"toy\"; replicas = 4; piles = \"shared\"; fixed = { x = 2.385; };");
     for (size_t k = 0; k < sizeof words / sizeof *words; k++) {
-        char path[128];
-        rp_table t;
-        sweep_counts c;
         sweep_row row = {.run = 1, .seconds = 1.0, .result.values = {expected(2.385, 3, 1993, 1), NAN}};
         snprintf(row.result.status, sizeof row.result.status, "%s", words[k].status);
         sql("DELETE FROM runs WHERE run = 1");
         CHECK_OK(put_row(&row));
         CHECK_OK(sweep_status(dir, toys, &c));
         CU_ASSERT(c.stored == 4 && c.failed == (words[k].result ? 0 : 1));
-        export_table(true, &t, path, sizeof path);
+        scoped_table t = exported(SWEEP_POINTS);
         CU_ASSERT_STRING_EQUAL(cell(&t, 0, "n"), words[k].result ? "4" : "3");
         CU_ASSERT_STRING_EQUAL(cell(&t, 0, "y_deg_n"), words[k].result ? "4" : "3");
         CU_ASSERT_STRING_EQUAL(cell(&t, 0, "n_failed"), words[k].result ? "0" : "1");
@@ -494,9 +478,7 @@ static void test_statuses(void)
             if (words[k].result || i != 1)
                 mean += expected(2.385, 3, 1993, i) / (words[k].result ? 4.0 : 3.0);
         CHECK_NEAR(strtod(cell(&t, 0, "y_deg_mean"), NULL), mean, 1e-13);
-        rp_table_free(&t);
     }
-    clean();
 }
 
 /* A run is stored once: a second result under the same key is refused, and the first stays. */
@@ -508,7 +490,6 @@ static void test_stored_once(void)
     CHECK_FAILS(put_row(&row), RP_IO, "cannot store run 2");
     CU_ASSERT_STRING_EQUAL(digest(4), before);
     CU_ASSERT(sql_number("SELECT count(*) FROM runs WHERE y_deg = 99") == 0);
-    clean();
 }
 
 #define SLOW_SWEEP                                                                                           \
@@ -519,13 +500,12 @@ enum { SLOW_RUNS = 30 };
 /* Run the sweep in a separate process, and send it `signal` once `rows` rows are stored. */
 static int interrupted(int signal, size_t rows)
 {
-    sweep_counts c = {0};
     int end = 0;
-    hold = mmap(NULL, sizeof *hold, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
-    CU_ASSERT_FATAL(hold != MAP_FAILED);
+    hold = shared_number();
+    c.stored = 0;
     *hold = 1;
     pid_t child = fork();
-    if (child == 0) _exit((int)run(2, NULL));
+    if (child == 0) _exit((int)run(2));
     while (c.stored < rows && waitpid(child, &end, WNOHANG) == 0) {
         CHECK_OK(sweep_status(dir, toys, &c));
         usleep(2000);
@@ -544,30 +524,27 @@ static void test_digest(void)
 {
     made_by(1, SLOW_SWEEP);
     const char *one = digest(SLOW_RUNS);
-    clean();
     made_by(2, SLOW_SWEEP);
     CU_ASSERT_STRING_EQUAL(digest(SLOW_RUNS), one);
-    clean();
 
     planned(SLOW_SWEEP);
     int end = interrupted(SIGKILL, 4);
     CU_ASSERT(WIFSIGNALED(end) && WTERMSIG(end) == SIGKILL);
-    sweep_counts c;
     CHECK_OK(sweep_status(dir, toys, &c));
     CU_ASSERT(c.stored >= 4 && c.stored < SLOW_RUNS);
+    const size_t stored = c.stored;
     sql(KEEP);
-    CHECK_OK(run(2, NULL));
+    CHECK_OK(run(2));
     CU_ASSERT_STRING_EQUAL(digest(SLOW_RUNS), one);
-    CU_ASSERT(sql_number(KEPT) == (sqlite3_int64)c.stored);
+    CU_ASSERT(sql_number(KEPT) == (sqlite3_int64)stored);
 
     sql("DELETE FROM runs WHERE run >= 5");
     end = interrupted(SIGTERM, 9);
     CU_ASSERT(WIFEXITED(end) && WEXITSTATUS(end) == RP_STOPPED);
     CHECK_OK(sweep_status(dir, toys, &c));
     CU_ASSERT(c.stored >= 9 && c.stored < SLOW_RUNS);
-    CHECK_OK(run(3, NULL));
+    CHECK_OK(run(3));
     CU_ASSERT_STRING_EQUAL(digest(SLOW_RUNS), one);
-    clean();
 }
 
 /* Workers that outlive the parent would continue, and could hold the lock. */
@@ -588,10 +565,8 @@ static void count_calls(const sweep_progress *p, void *context)
 static void test_stop(void)
 {
     planned(SLOW_SWEEP);
-    made = mmap(NULL, sizeof *made, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
-    CU_ASSERT_FATAL(made != MAP_FAILED);
+    made = shared_number();
     size_t calls = 0;
-    sweep_counts c;
     sweep_options o = {.workers = 1, .watch = count_calls, .context = &calls};
     const double begin = rp_clock();
     CHECK_FAILS(sweep_run(dir, toys, &o, &c), RP_STOPPED, " of 30 stored; run again to resume");
@@ -610,37 +585,31 @@ static void test_stop(void)
     CU_ASSERT(calls == before && c.stored == SLOW_RUNS);
     sql("DELETE FROM sweep"); /* as it is before a plan has been entered */
     CHECK_FAILS(sweep_status(dir, toys, &c), RP_BAD_INPUT, "plan again with");
-    clean();
 }
 
 static void test_crash(void)
 {
     fresh("protocol = \"toy\"; replicas = 10; piles = \"shared\"; fixed = { mode = \"crash\"; };");
-    sweep_counts c;
-    char d[33];
-    size_t n;
-    CHECK_OK(prepare(NULL));
-    CHECK_FAILS(run(2, &c), RP_NO_RESULT,
-                "3 of 10 runs were aborted (crashed 3); the same command retries them");
+    CHECK_OK(prepare());
+    CHECK_FAILS(run(2), RP_NO_RESULT, "3 of 10 runs were aborted (crashed 3); the same command retries them");
     CU_ASSERT(c.stored == 10 && c.failed == 3 && c.words[0].runs == 3);
-    CHECK_FAILS(sweep_digest(dir, toys, d, &n), RP_NO_RESULT, ": 3 of 10 runs were aborted");
+    CHECK_FAILS(sweep_digest(dir, toys, (char[33]){0}, &(size_t){0}), RP_NO_RESULT,
+                ": 3 of 10 runs were aborted");
     CU_ASSERT_STRING_EQUAL(c.words[0].status, "crashed");
     CU_ASSERT(
         sql_number("SELECT count(*) FROM runs WHERE status = 'crashed' AND run % 3 = 1 AND y_deg IS NULL"
                    " AND message = 'worker ended by signal 6 (Aborted)'") == 3);
     /* a crash may be the machine's fault: only crashed runs are repeated */
     sql(KEEP " WHERE status <> 'crashed'");
-    CHECK_FAILS(run(1, &c), RP_NO_RESULT, "crashed 3");
+    CHECK_FAILS(run(1), RP_NO_RESULT, "crashed 3");
     CU_ASSERT(c.stored == 10 && c.failed == 3);
     CU_ASSERT(sql_number(KEPT) == 7);
-    clean();
     /* an error of the protocol, in contrast, stops the sweep; stored runs stay */
     planned("protocol = \"toy\"; replicas = 6; piles = \"shared\"; fixed = { mode = \"break\"; };\n"
             "grid = { x = [0.5, 1.5, 2.5, 3.5]; };");
-    CHECK_FAILS(run(1, NULL), RP_BROKEN, "run 3 (x = 0.5): planted failure");
+    CHECK_FAILS(run(1), RP_BROKEN, "run 3 (x = 0.5): planted failure");
     CHECK_OK(sweep_status(dir, toys, &c));
     CU_ASSERT(c.stored == 3);
-    clean();
 }
 
 /* A run may take what its limit says beyond what the process has; a worker has its socket alone, and no other
@@ -651,7 +620,6 @@ static void test_limits(void)
     for (size_t k = 0; k < sizeof limits / sizeof *limits; k++) {
         const bool fails = limits[k] > 0.0 && limits[k] < 30.0;
         const sweep_options o = {.workers = 2, .memory = limits[k]};
-        sweep_counts c;
         if (isnormal(limits[k]) && check_fast()) continue; /* a sanitizer takes memory of its own */
         planned("protocol = \"toy\"; replicas = 4; fixed = { mode = \"take\"; k = 30; };");
         if (fails)
@@ -659,18 +627,15 @@ static void test_limits(void)
         else
             CHECK_OK(sweep_run(dir, toys, &o, &c));
         CU_ASSERT(fails || sql_number("SELECT count(*) FROM runs WHERE y_deg = 1") == 4);
-        clean();
     }
 }
 
 /* A run that is shorter than the limits of time is no failure, nor one that waits for a while. */
 static void test_within_limits(void)
 {
-    sweep_counts c;
     planned("protocol = \"toy\"; replicas = 2; fixed = { mode = \"sleep\"; };");
     CHECK_OK(sweep_run(dir, toys, &(sweep_options){.workers = 2, .time = 1.2, .patience = 1.2}, &c));
     CU_ASSERT(c.stored == 2 && c.failed == 0);
-    clean();
 }
 
 /* All workers that are busy end their runs when a drive is stopped. */
@@ -683,13 +648,11 @@ static void interrupt(const sweep_progress *p, void *context)
 static void test_stop_of_all(void)
 {
     size_t calls = 0;
-    sweep_counts c;
     planned("protocol = \"toy\"; replicas = 4; fixed = { mode = \"sleep\"; };");
     const sweep_options o = {.workers = 2, .watch = interrupt, .context = &calls};
     CHECK_FAILS(sweep_run(dir, toys, &o, &c), RP_STOPPED, "stopped: 2 of 4 stored");
     CHECK_OK(sweep_status(dir, toys, &c));
     CU_ASSERT_EQUAL(c.stored, 2);
-    clean();
 }
 
 /* A shard, or the folder of another machine, that a killed process or a broken copy left half made is named
@@ -697,22 +660,21 @@ static void test_stop_of_all(void)
 static void test_half_made(void)
 {
     enum { EMPTY, NO_TABLE, CUT, FOLDER, KINDS };
-    char path[160], *text = NULL;
     size_t size;
-    sweep_counts c;
-    sweep_merged m;
     fresh("protocol = \"toy\"; replicas = 4;");
     CHECK_OK(rp_make_directory(dir));
     file_write(store, "", 0);
     CHECK_FAILS(sweep_status(dir, toys, &c), RP_BAD_INPUT, "sweep.cfg: cannot read");
+    CHECK_FAILS(prepare(), RP_BAD_INPUT, "store.sqlite: not listed as the program's own; move it away");
+    unlink(store);
     for (int kind = 0; kind < KINDS; kind++)
         for (int named = 0; named < 2; named++) {
             const sweep_options second = {.workers = 1, .shard = 2, .shards = 2};
-            CHECK_OK(prepare(NULL));
+            CHECK_OK(prepare());
             CHECK_OK(sweep_run(dir, toys, &second, &c));
-            snprintf(path, sizeof path, named ? "%s/other" : "%s/shards", dir);
-            mkdir(path, 0777);
-            snprintf(path, sizeof path, named ? "%s/other/store.sqlite" : "%s/shards/1-of-2.sqlite", dir);
+            const char *folder = named ? other : folder_path(dir, "shards"),
+                       *path = folder_path(folder, named ? "store.sqlite" : "1-of-2.sqlite");
+            mkdir(folder, 0777);
             if (kind == FOLDER) mkdir(path, 0777);
             if (kind == EMPTY) file_write(path, "", 0);
             if (kind == NO_TABLE) sql_in(path, "CREATE TABLE a (b); DROP TABLE a");
@@ -721,27 +683,21 @@ static void test_half_made(void)
             CHECK_OK(sweep_status(dir, toys, &c));
             CU_ASSERT(c.stored == 2 && (named || strstr(c.skipped, "/shards/1-of-2.sqlite")));
             CU_ASSERT_STRING_EQUAL(c.shards, "1 of 2");
-            FILE *out = open_memstream(&text, &size);
-            CHECK_OK(sweep_export(dir, toys, SWEEP_RUNS, NULL, &c, NULL, out));
-            fclose(out);
-            CU_ASSERT(named == !strstr(text, "# left out, no stores yet: /tmp/"));
-            free(text);
-            char shards[160], other[160];
-            snprintf(shards, sizeof shards, "%s/shards/2-of-2.sqlite", dir);
-            snprintf(other, sizeof other, "%s/other", dir);
+            scoped char *text = protocol_export(dir, toys, SWEEP_RUNS);
+            CU_ASSERT(*text && named == !strstr(text, "# left out, no stores yet: /tmp/"));
+            char *const both[] = {other, (char *)folder_path(dir, "shards/2-of-2.sqlite")};
             if (named)
-                CHECK_OK(sweep_merge(dir, toys, 2, (char *const[]){other, shards}, &m, &c));
+                CHECK_OK(sweep_merge(dir, toys, 2, both, &m, &c));
             else
                 CHECK_OK(sweep_merge(dir, toys, 0, NULL, &m, &c));
             CU_ASSERT(m.stores == 1 && c.stored == 2 && strstr(c.skipped, path));
             if (named)
                 CHECK_FAILS(sweep_merge(dir, toys, 1, (char *const[]){other}, &m, &c), RP_BAD_INPUT,
                             "none yet: ");
-            CHECK_OK(run(1, &c));
+            CHECK_OK(run(1));
             CU_ASSERT(c.stored == 4 && (named || strstr(c.skipped, path)));
-            folder_remove(dir);
+            folder_remove(dir), folder_remove(other);
         }
-    clean();
 }
 
 /* One row of a store is another than its checksum says: no reader takes it, in the sweep's store, in a shard
@@ -755,34 +711,28 @@ static void test_damaged_rows(void)
                                           "UPDATE runs SET key = 'a' || substr(key, 2) WHERE run = 4",
                                           "UPDATE runs SET run = NULL, y_deg = 3 WHERE run = 4"};
     static const char message[] = "is damaged (checksum); `repose sweep salvage` keeps the whole rows";
-    char other[128], path[160], d[33];
     char *const paths[] = {other};
-    sweep_counts c;
-    sweep_merged m;
-    size_t n;
     for (size_t k = 0; k < sizeof damages / sizeof *damages; k++)
         for (int where = 0; where < 3; where++) {
             made_by(1, "protocol = \"toy\"; replicas = 8; grid = { x = [0.125, 2.385]; };");
-            snprintf(other, sizeof other, "%s/other", base);
             CHECK_OK(sweep_prepare(file, other, 0, toys, NULL, &c));
-            if (where == 0) CHECK_OK(sweep_run(other, toys, &(sweep_options){.workers = 1}, &c));
+            if (where == 0) CHECK_OK(run_in(other, 1));
             const sweep_options half = {.workers = 1, .shard = 1, .shards = 2}; /* runs 0, 2, 4 ... */
             if (where == 1) sql("DELETE FROM runs");
             if (where > 0) CHECK_OK(sweep_run(where == 1 ? dir : other, toys, &half, &c));
-            snprintf(path, sizeof path, "%s/%s", where == 2 ? other : dir,
-                     where ? "shards/1-of-2.sqlite" : "store.sqlite");
+            const char *path =
+                folder_path(where == 2 ? other : dir, where ? "shards/1-of-2.sqlite" : "store.sqlite");
             sql_in(path, damages[k]);
             if (where < 2) {
                 CHECK_FAILS(sweep_status(dir, toys, &c), RP_IO, message);
-                CHECK_FAILS(sweep_digest(dir, toys, d, &n), RP_IO, message);
-                CHECK_FAILS(sweep_export(dir, toys, SWEEP_RUNS, NULL, NULL, NULL, stdout), RP_IO, message);
-                CHECK_FAILS(run(1, NULL), RP_IO, message);
+                CHECK_FAILS(sweep_digest(dir, toys, (char[33]){0}, &(size_t){0}), RP_IO, message);
+                CHECK_FAILS(sweep_export(dir, toys, SWEEP_RUNS, NULL, NULL, stdout), RP_IO, message);
+                CHECK_FAILS(run(1), RP_IO, message);
                 CHECK_FAILS(sweep_run(dir, toys, &half, &c), RP_IO, message);
             }
             CHECK_FAILS(sweep_merge(dir, toys, where != 1, paths, &m, &c), RP_IO, message);
             CU_ASSERT(sql_number("SELECT count(*) FROM runs") == (where == 1 ? 0 : 16));
             CU_ASSERT(strncmp(rp_message(), path, strlen(path)) == 0);
-            clean();
         }
 }
 
@@ -790,59 +740,44 @@ static void test_damaged_rows(void)
 static void test_makers(void)
 {
     static const char program[] = "repose 0.1.9, commit 0123abc-dirty, gcc 9";
-    char other[128], path[160], plain[300], *text = NULL;
-    sweep_counts c;
-    sweep_merged m;
-    size_t size;
+    char plain[300];
     fresh("protocol = \"toy\"; replicas = 4; fixed = { x = 2.385; };");
-    snprintf(other, sizeof other, "%s/other", base);
-    snprintf(path, sizeof path, "%s/store.sqlite", other);
-    CHECK_OK(prepare(NULL));
+    CHECK_OK(prepare());
     CHECK_OK(sweep_prepare(file, other, 0, toys, NULL, &c));
     sweep_plan plan;
     sweep_store *opened;
     CHECK_OK(sweep_plan_read(file, toys, &plan));
-    CHECK_OK(sweep_store_open(path, SWEEP_WRITE, &opened));
+    CHECK_OK(sweep_store_open(folder_path(other, "store.sqlite"), SWEEP_WRITE, &opened));
     for (size_t k = 0; k < 2; k++) { /* two rows by another program, as one of another commit writes them */
         strcpy(opened->program, program);
-        opened->point = SIZE_MAX;
         const sweep_row row = {.run = k, .seconds = 1.0, .result = {.status = "ok", .values = {1.0, NAN}}};
         CHECK_OK(sweep_store_insert(opened, &plan, &row));
     }
     sweep_store_close(opened);
     sweep_plan_free(&plan);
     CHECK_OK(sweep_merge(dir, toys, 1, (char *const[]){other}, &m, &c));
-    CHECK_OK(run(1, NULL));
-    FILE *out = open_memstream(&text, &size);
-    CHECK_OK(sweep_export(dir, toys, SWEEP_RUNS, NULL, NULL, NULL, out));
-    fclose(out);
+    CHECK_OK(run(1));
+    scoped char *text = protocol_export(dir, toys, SWEEP_RUNS);
     snprintf(plain, sizeof plain, "# runs made by: repose %s, commit %s, %s (2)\n", RP_VERSION,
              rp_build_commit, rp_build_compiler);
     CU_ASSERT(strstr(text, "# runs made by: repose 0.1.9, commit 0123abc-dirty, gcc 9 (2)\n") &&
               strstr(text, plain));
-    free(text);
-    clean();
 }
 
 /* Runs that crashed are made again, and forgotten then; those of another plan stay. */
 static void test_crashed_of_another_plan(void)
 {
     static const char crashed[] = "SELECT count(*) FROM runs WHERE status = 'crashed' AND run IS NULL";
-    char other[128];
-    sweep_counts c;
-    sweep_merged m;
     planned("protocol = \"toy\"; replicas = 4; piles = \"shared\"; fixed = { mode = \"crash\"; };");
-    CHECK_FAILS(run(1, NULL), RP_NO_RESULT, "crashed 1");
+    CHECK_FAILS(run(1), RP_NO_RESULT, "crashed 1");
     file_print(file, "protocol = \"toy\"; replicas = 4; piles = \"shared\"; fixed = { x = 2.385; };");
-    CHECK_OK(prepare(NULL));
-    CHECK_OK(run(1, NULL));
+    CHECK_OK(prepare());
+    CHECK_OK(run(1));
     CU_ASSERT(sql_number(crashed) == 1);
-    snprintf(other, sizeof other, "%s/other", base);
     CHECK_OK(sweep_prepare(file, other, 0, toys, NULL, &c));
-    CHECK_OK(sweep_run(other, toys, &(sweep_options){.workers = 1}, &c));
+    CHECK_OK(run_in(other, 1));
     CHECK_OK(sweep_merge(dir, toys, 1, (char *const[]){other}, &m, &c));
     CU_ASSERT(m.duplicates == 4 && sql_number(crashed) == 1);
-    clean();
 }
 
 /* Files and folders that may only be read: a finished sweep, and its shards, are read all the same. */
@@ -850,28 +785,24 @@ static void test_read_only(void)
 {
     static const char *const names[] = {"sweep.cfg", "store.sqlite", "lock", "shards/2-of-3.sqlite", "shards",
                                         ""};
-    char right[33], path[192];
+    char right[33];
     made_by(1, "protocol = \"toy\"; replicas = 6;");
     const sweep_options shard = {.workers = 1, .shard = 2, .shards = 3};
-    sweep_counts c;
     sql("DELETE FROM runs WHERE run IN (1, 4)");
     CHECK_OK(sweep_run(dir, toys, &shard, &c));
     strcpy(right, digest(6));
     chmod(base, 0755);
     for (int closed = 1; closed >= 0; closed--) { /* the folders too, or the files alone */
-        for (size_t k = 0; k < sizeof names / sizeof *names; k++) {
-            snprintf(path, sizeof path, "%s/%s", dir, names[k]);
-            chmod(path, k < 4 ? 0444 : closed ? 0555 : 0777);
-        }
+        for (size_t k = 0; k < sizeof names / sizeof *names; k++)
+            chmod(folder_path(dir, names[k]), k < 4 ? 0444 : closed ? 0555 : 0777);
         const pid_t child = fork();
         if (child == 0) {
-            size_t n, size;
-            char found[33], *text;
+            size_t n;
+            char found[33];
             if (geteuid() == 0 && setresuid(65534, 65534, 65534) != 0) _exit(9);
-            FILE *out = open_memstream(&text, &size);
             const bool good = sweep_status(dir, toys, &c) == RP_OK && c.stored == 6 &&
                               sweep_digest(dir, toys, found, &n) == RP_OK && strcmp(found, right) == 0 &&
-                              sweep_export(dir, toys, SWEEP_RUNS, NULL, NULL, NULL, out) == RP_OK;
+                              *protocol_export(dir, toys, SWEEP_RUNS);
             if (!good) fprintf(stderr, "read-only: %s\n", rp_message());
             _exit(!good);
         }
@@ -879,11 +810,7 @@ static void test_read_only(void)
         waitpid(child, &end, 0);
         CU_ASSERT_EQUAL(end, 0);
     }
-    for (size_t k = 0; k < sizeof names / sizeof *names; k++) {
-        snprintf(path, sizeof path, "%s/%s", dir, names[k]);
-        chmod(path, 0777);
-    }
-    clean();
+    for (size_t k = 0; k < sizeof names / sizeof *names; k++) chmod(folder_path(dir, names[k]), 0777);
 }
 
 /* Names of folders are literal, also where SQLite takes names for addresses and shells for patterns. */
@@ -892,15 +819,12 @@ static void test_literal_names(void)
     static const char *const names[] = {"x[1]",   "y?z*",           "a%20b#c?mode=memory", "it's; \"q\"",
                                         "file:d", "file:d?mode=ro", "localhost",           "\xc3\xa9 \xff"};
     char before[PATH_MAX], right[33] = "";
-    sweep_merged m;
-    sweep_counts c;
     folder_make_in_memory("sweep", base);
     CU_ASSERT_FATAL(getcwd(before, sizeof before) && chdir(base) == 0);
     file_print("s.cfg", "protocol = \"toy\"; replicas = 6;");
     mkdir("x1", 0777);
     for (size_t k = 0; k < sizeof names / sizeof *names; k++) {
-        struct stat info;
-        char path[200], found[33];
+        char found[33];
         size_t n;
         CHECK_OK(sweep_prepare("s.cfg", names[k], 0, toys, NULL, &c));
         for (int i = 1; i <= 2; i++)
@@ -910,28 +834,24 @@ static void test_literal_names(void)
         CU_ASSERT(m.stores == 2 && m.taken == 6);
         CHECK_OK(sweep_digest(names[k], toys, k ? found : right, &n));
         CU_ASSERT(k == 0 || strcmp(found, right) == 0);
-        snprintf(path, sizeof path, "%s/shards/2-of-2.sqlite", names[k]);
-        CU_ASSERT(stat(path, &info) == 0 && info.st_size > 0);
-        snprintf(path, sizeof path, "%s/store.sqlite", names[k]);
-        CU_ASSERT(stat(path, &info) == 0 && info.st_size > 0);
+        CU_ASSERT(size_of(folder_path(names[k], "shards/2-of-2.sqlite")) > 0);
+        CU_ASSERT(size_of(folder_path(names[k], "store.sqlite")) > 0);
     }
     /* random ones: the folder, and nothing else, is there */
     scoped_rng *rng = numbers_of(2385, 10);
     for (int k = 0; k < (check_fast() ? 100 : 1000); k++) {
-        char name[NUMBERS_TEXT + 2] = "d/", path[64];
+        char name[NUMBERS_TEXT + 2] = "d/";
         numbers_text(rng, "/", name + 2);
         if (strspn(name + 2, ".") == strlen(name + 2)) continue;
         CHECK_OK(sweep_prepare("s.cfg", name, 0, toys, NULL, &c));
         CHECK_OK(sweep_status(name, toys, &c));
-        snprintf(path, sizeof path, "%s/store.sqlite", name);
-        CU_ASSERT(size_of(path) > 0);
+        CU_ASSERT(size_of(folder_path(name, "store.sqlite")) > 0);
         folder_remove(name);
         CU_ASSERT(rmdir("d") == 0);
     }
     CU_ASSERT(access("hit", F_OK) != 0);
     CU_ASSERT(rmdir("x1") == 0 && access("d", F_OK) != 0 && access("a b", F_OK) != 0);
     CU_ASSERT(chdir(before) == 0);
-    clean();
 }
 
 /* A snapshot that a killed drive left goes once all runs are stored; no other file does, whatever its name.
@@ -949,27 +869,25 @@ static void test_left_snapshots(void)
                  {"%s0", false, "repose snapshot\n"},
                  {"%.31s", false, "repose snapshot\n"},
                  {"1%.31s", false, "notes\n"}};
-    char name[64], path[320];
+    char name[64];
     planned("protocol = \"toy\"; replicas = 4; fixed = { mode = \"crash\"; }; piles = \"shared\";");
-    snprintf(path, sizeof path, "%s/snapshots", dir);
-    mkdir(path, 0777);
+    char in[128];
+    snprintf(in, sizeof in, "%s/snapshots", dir);
+    mkdir(in, 0777);
     for (int done = 0; done < 2; done++) {
         for (int checks = 0; checks < 2; checks++) {
             for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
                 snprintf(name, sizeof name, files[i].format, key);
-                snprintf(path, sizeof path, "%s/snapshots/%s", dir, name);
-                if (checks) {
-                    CU_ASSERT((access(path, F_OK) != 0) == (done && files[i].own));
-                } else {
-                    file_write(path, files[i].text, strlen(files[i].text));
-                }
+                if (checks)
+                    CU_ASSERT((access(folder_path(in, name), F_OK) != 0) == (done && files[i].own))
+                else
+                    file_write(folder_path(in, name), files[i].text, strlen(files[i].text));
             }
             calm = done;
-            if (!checks) CU_ASSERT(run(1, NULL) == (done ? RP_OK : RP_NO_RESULT));
+            if (!checks) CU_ASSERT(run(1) == (done ? RP_OK : RP_NO_RESULT));
         }
     }
     calm = false;
-    clean();
 }
 
 static rp_status toy_fingerprint(char digits[33])
@@ -982,23 +900,19 @@ static rp_status toy_fingerprint(char digits[33])
 static void test_plan_again(void)
 {
     fresh("protocol = \"toy\"; replicas = 2; grid = { x = [0.5, 1.5, 2.5]; };");
-    sweep_counts c;
-    CHECK_OK(prepare(NULL));
-    CHECK_OK(run(1, NULL));
+    CHECK_OK(prepare());
+    CHECK_OK(run(1));
     file_print(file, "protocol = \"toy\"; replicas = 2; grid = { x = [0.5, 1.75, 2.5, 3.5]; };");
-    CHECK_OK(prepare(&c));
+    CHECK_OK(prepare());
     CU_ASSERT(c.planned == 8 && c.stored == 4); /* x = 1.5 is no longer planned, but stays in the store */
     CU_ASSERT(sql_number("SELECT count(*) FROM runs") == 6);
-    char path[128];
-    rp_table t;
-    export_table(false, &t, path, sizeof path);
+    scoped_table t = exported(SWEEP_RUNS);
     CU_ASSERT(t.n_rows == 4);
-    rp_table_free(&t);
     sql(KEEP);
-    CHECK_OK(run(2, &c));
+    CHECK_OK(run(2));
     CU_ASSERT(c.stored == 8 && sql_number(KEPT) == 6);
     file_print(file, "protocol = \"toy\"; replicas = 2; seed = 1994; grid = { x = [0.5, 1.75, 2.5, 3.5]; };");
-    CHECK_OK(prepare(&c));
+    CHECK_OK(prepare());
     CU_ASSERT(c.stored == 0); /* another seed, other results */
     /* the same protocol with other bits: no stored run matches */
     sweep_protocol changed = toy_protocol;
@@ -1006,26 +920,24 @@ static void test_plan_again(void)
     file_print(file, "protocol = \"toy\"; replicas = 2; grid = { x = [0.5, 1.75, 2.5, 3.5]; };");
     CHECK_OK(sweep_prepare(file, dir, 0, (const sweep_protocol *const[]){&changed, NULL}, NULL, &c));
     CU_ASSERT(c.planned == 8 && c.stored == 0);
-    CHECK_OK(prepare(&c));
+    CHECK_OK(prepare());
     CU_ASSERT(c.stored == 8);
     file_print(file, "protocol = \"other\"; replicas = 2;");
-    CHECK_FAILS(prepare(&c), RP_BAD_INPUT, "holds runs of protocol \"toy\", not \"other\"");
+    CHECK_FAILS(prepare(), RP_BAD_INPUT, "holds runs of protocol \"toy\", not \"other\"");
     CHECK_OK(sweep_status(dir, toys, &c)); /* and the refused plan changed nothing */
     CU_ASSERT(c.planned == 8);
     /* a copy of the file that was edited in place */
-    char copy[128];
-    snprintf(copy, sizeof copy, "%s/sweep.cfg", dir);
+    const char *copy = folder_path(dir, "sweep.cfg");
     file_print(copy, "protocol = \"toy\"; replicas = 2; grid = { x = [0.5]; };");
     CHECK_FAILS(sweep_status(dir, toys, &c), RP_BAD_INPUT, "plan again");
-    CHECK_FAILS(run(1, NULL), RP_BAD_INPUT, "plan again");
+    CHECK_FAILS(run(1), RP_BAD_INPUT, "plan again");
     CHECK_OK(sweep_prepare(copy, dir, 0, toys, NULL, &c)); /* the folder's own file can be planned */
     CU_ASSERT(c.planned == 2);
     /* an output that the store has no column for yet */
     sql("DELETE FROM runs; ALTER TABLE runs DROP COLUMN never");
-    CHECK_FAILS(run(1, NULL), RP_IO, "never");
+    CHECK_FAILS(run(1), RP_IO, "never");
     CHECK_OK(sweep_prepare(copy, dir, 0, toys, NULL, &c));
-    CHECK_OK(run(1, NULL));
-    clean();
+    CHECK_OK(run(1));
 }
 
 /* The toy protocol with an output before its own. */
@@ -1050,13 +962,10 @@ static void test_further_output(void)
     further.run = further_run;
     const sweep_protocol *const later[] = {&further, NULL};
     const sweep_options one = {.workers = 1};
-    char other[128], path[160], found[33];
-    sweep_counts c;
-    sweep_merged m;
+    char found[33];
     size_t rows;
     made_by(1, "protocol = \"toy\"; replicas = 2; grid = { x = [0.5, 1.5]; };");
     CHECK_FAILS(sweep_status(dir, later, &c), RP_BAD_INPUT, "plan again");
-    snprintf(other, sizeof other, "%s/other", base);
     CHECK_OK(sweep_prepare(file, other, 0, toys, NULL, &c));
     CHECK_OK(sweep_run(other, toys, &one, &c));
     CHECK_OK(sweep_prepare(file, dir, 3, later, NULL, &c));
@@ -1068,13 +977,7 @@ static void test_further_output(void)
     CU_ASSERT(sql_number("SELECT count(*) FROM runs WHERE further = 'none' AND never IS NULL") == 4);
     CHECK_OK(sweep_digest(dir, later, found, &rows));
     CU_ASSERT(rows == 6);
-    snprintf(path, sizeof path, "%s/table.tsv", base);
-    FILE *out = fopen(path, "w");
-    CU_ASSERT_PTR_NOT_NULL_FATAL(out);
-    CHECK_OK(sweep_export(dir, later, SWEEP_RUNS, NULL, &c, NULL, out));
-    fclose(out);
-    scoped char *text = NULL;
-    CHECK_OK(rp_file_read(path, &text));
+    scoped char *text = protocol_export(dir, later, SWEEP_RUNS);
     CU_ASSERT(strstr(text, "# no value: further of 4 runs, stored before the program had this output\n") &&
               strstr(text, "\tnan\t") && strstr(text, "\t2.385\t"));
     CHECK_OK(sweep_merge(dir, later, 1, (char *const[]){other}, &m, &c));
@@ -1088,7 +991,6 @@ static void test_further_output(void)
         sweep_prepare(file, dir, 0, toys, NULL, &c), RP_BAD_INPUT,
         "its runs have the output further, which this version of the program lacks; plan in another folder");
     CHECK_OK(sweep_status(dir, later, &c)); /* and the refused plan changed nothing */
-    clean();
 }
 
 static void test_bad_files(void)
@@ -1156,37 +1058,30 @@ static void test_bad_files(void)
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         fresh(cases[i].text);
-        char more[128];
-        snprintf(more, sizeof more, "%s/more.cfg", base);
-        file_print(more, "replicas = 2;");
-        CHECK_FAILS(prepare(NULL), RP_BAD_INPUT, cases[i].message);
+        file_print(folder_path(base, "more.cfg"), "replicas = 2;");
+        CHECK_FAILS(prepare(), RP_BAD_INPUT, cases[i].message);
         CU_ASSERT(access(dir, F_OK) != 0); /* no folder was created */
-        clean();
     }
     fresh("");
     unlink(file);
-    CHECK_FAILS(prepare(NULL), RP_BAD_INPUT, "s.cfg: cannot read: No such file");
-    CHECK_FAILS(sweep_prepare(base, dir, 0, toys, NULL, &(sweep_counts){0}), RP_BAD_INPUT, "is a directory");
-    clean();
+    CHECK_FAILS(prepare(), RP_BAD_INPUT, "s.cfg: cannot read: No such file");
+    CHECK_FAILS(sweep_prepare(base, dir, 0, toys, NULL, &c), RP_BAD_INPUT, "is a directory");
 }
 
 #define SMALL_SWEEP "protocol = \"toy\"; replicas = 40; fixed = { x = 2.385; };"
 
 static void test_bad_folders(void)
 {
-    sweep_counts c;
-    char d[33], below[128];
-    size_t n;
     fresh(SMALL_SWEEP);
-    CHECK_FAILS(run(1, NULL), RP_BAD_INPUT, "no such folder");
+    CHECK_FAILS(run(1), RP_BAD_INPUT, "no such folder");
     CHECK_FAILS(sweep_status(dir, toys, &c), RP_BAD_INPUT, "sweep.cfg: cannot read");
-    CHECK_FAILS(sweep_digest(dir, toys, d, &n), RP_BAD_INPUT, "sweep.cfg: cannot read");
-    CHECK_FAILS(sweep_export(dir, toys, SWEEP_POINTS, NULL, NULL, NULL, stdout), RP_BAD_INPUT,
+    CHECK_FAILS(sweep_digest(dir, toys, (char[33]){0}, &(size_t){0}), RP_BAD_INPUT, "sweep.cfg: cannot read");
+    CHECK_FAILS(sweep_export(dir, toys, SWEEP_POINTS, NULL, NULL, stdout), RP_BAD_INPUT,
                 "sweep.cfg: cannot read");
-    snprintf(below, sizeof below, "%s/d", file); /* below a regular file */
-    CHECK_FAILS(sweep_prepare(file, below, 0, toys, NULL, &c), RP_IO, "cannot make the directory");
-    CHECK_OK(prepare(NULL));
-    CHECK_FAILS(run(0, NULL), RP_BAD_INPUT, "workers = 0");
+    CHECK_FAILS(sweep_prepare(file, folder_path(file, "d"), 0, toys, NULL, &c), RP_IO,
+                "cannot make the directory"); /* below a regular file */
+    CHECK_OK(prepare());
+    CHECK_FAILS(run(0), RP_BAD_INPUT, "workers = 0");
     const sweep_output *outputs;
     sweep_result result;
     const sweep_tables tables = {base, 1, NULL};
@@ -1194,46 +1089,42 @@ static void test_bad_folders(void)
     CHECK_FAILS(sweep_trace(file, toys, 40, &tables, &arena, &outputs, &result), RP_BAD_INPUT,
                 "allowed: [0, 39]");
     unlink(store);
-    CHECK_FAILS(run(1, NULL), RP_IO, "store.sqlite: cannot open the store");
+    CHECK_FAILS(run(1), RP_IO, "store.sqlite: cannot open the store");
     mkdir(store, 0777);
-    CHECK_FAILS(run(1, NULL), RP_IO, "store.sqlite: cannot open the store");
-    CHECK_FAILS(prepare(NULL), RP_IO, "store.sqlite: cannot open the store");
+    CHECK_FAILS(run(1), RP_IO, "store.sqlite: cannot open the store");
+    CHECK_FAILS(prepare(), RP_IO, "store.sqlite: cannot open the store");
     rmdir(store);
     file_print(store, "this is not a database, although it is long enough to be taken for one at first sight "
                       "by a program that looks at the size only, which must be refused all the same.");
     CHECK_FAILS(sweep_status(dir, toys, &c), RP_IO,
                 "store.sqlite: cannot read the store: file is not a database");
-    CHECK_FAILS(run(1, NULL), RP_IO, "file is not a database");
-    CHECK_FAILS(prepare(NULL), RP_IO, "file is not a database");
+    CHECK_FAILS(run(1), RP_IO, "file is not a database");
+    CHECK_FAILS(prepare(), RP_IO, "file is not a database");
     file_write(store, "", 0);
     CHECK_FAILS(sweep_status(dir, toys, &c), RP_BAD_INPUT, "plan again with `repose sweep plan`");
-    CHECK_OK(prepare(NULL));
+    CHECK_OK(prepare());
     FILE *full = fopen("/dev/full", "w");
     CU_ASSERT_PTR_NOT_NULL_FATAL(full);
-    CHECK_FAILS(sweep_export(dir, toys, SWEEP_RUNS, NULL, NULL, NULL, full), RP_IO,
-                "No space left on device");
+    CHECK_FAILS(sweep_export(dir, toys, SWEEP_RUNS, NULL, NULL, full), RP_IO, "No space left on device");
     fclose(full);
-    clean();
 }
 
 /* The lock file counts drives that failed, one after another; a whole one begins anew. */
 static void test_failed_drives(void)
 {
-    char path[128];
     unsigned char count = 0;
     planned("protocol = \"toy\"; replicas = 6; piles = \"shared\"; fixed = { mode = \"break\"; };");
-    snprintf(path, sizeof path, "%s/lock", dir);
+    const char *path = folder_path(dir, "lock");
     for (int k = 1; k < 4; k++) {
-        CHECK_FAILS(run(1, NULL), RP_BROKEN, "planted failure");
+        CHECK_FAILS(run(1), RP_BROKEN, "planted failure");
         FILE *lock = fopen(path, "r");
         CU_ASSERT(lock && fread(&count, 1, 1, lock) == 1 && count == k && size_of(path) == 1);
         if (lock) fclose(lock);
     }
     file_print(file, "protocol = \"toy\"; replicas = 6;");
-    CHECK_OK(prepare(NULL));
-    CHECK_OK(run(1, NULL));
+    CHECK_OK(prepare());
+    CHECK_OK(run(1));
     CU_ASSERT(size_of(path) == 0);
-    clean();
 }
 
 /* ---- kept variables ---- */
@@ -1304,7 +1195,6 @@ static void test_keep(void)
     sweep_keep_end(&k, true);
     CU_ASSERT(size_of(path) == -1 && size_of(unfinished) == -1);
     fclose(now.table), fclose(later.table);
-    clean();
 }
 
 /* A table of no more than what a snapshot holds is read from it. */
@@ -1346,20 +1236,17 @@ static pid_t start_holder(const char *path)
 static void test_lock(void)
 {
     planned(SMALL_SWEEP);
-    char path[128];
-    snprintf(path, sizeof path, "%s/lock", dir);
+    const char *path = folder_path(dir, "lock");
     const pid_t holder = start_holder(path); /* a second process on the same sweep is refused */
-    sweep_counts c;
-    CHECK_FAILS(run(1, NULL), RP_IO, "another process runs or plans this sweep");
-    CHECK_FAILS(prepare(NULL), RP_IO, "another process runs or plans this sweep");
+    CHECK_FAILS(run(1), RP_IO, "another process runs or plans this sweep");
+    CHECK_FAILS(prepare(), RP_IO, "another process runs or plans this sweep");
     CHECK_OK(sweep_status(dir, toys, &c)); /* readers do not wait */
     kill(holder, SIGKILL);
     waitpid(holder, NULL, 0);
-    CHECK_OK(run(1, NULL));
+    CHECK_OK(run(1));
     unlink(path);
     mkdir(path, 0777);
-    CHECK_FAILS(run(1, NULL), RP_IO, "lock: cannot write");
-    clean();
+    CHECK_FAILS(run(1), RP_IO, "lock: cannot write");
 }
 
 /* The digest has the whole word of each status. */
@@ -1369,11 +1256,10 @@ static void test_digest_of_words(void)
     for (int k = 0; k < 3; k++) {
         fresh(SMALL_SWEEP);
         snprintf(ending, sizeof ending, "%s", k == 0 ? "_a" : k == 1 ? "_b" : "_a");
-        CHECK_OK(prepare(NULL));
-        CHECK_OK(run(1, NULL));
+        CHECK_OK(prepare());
+        CHECK_OK(run(1));
         size_t n;
         CHECK_OK(sweep_digest(dir, toys, digests[k], &n));
-        clean();
     }
     *ending = 0;
     CU_ASSERT(strcmp(digests[0], digests[1]) != 0 && strcmp(digests[0], digests[2]) == 0);
@@ -1387,7 +1273,6 @@ enum { GRID_RUNS = 45 };
 
 static rp_status run_shard(int shard, int shards)
 {
-    sweep_counts c;
     sweep_options o = {.workers = 1, .shard = shard, .shards = shards};
     rp_status status = sweep_run(dir, toys, &o, &c);
     size_t own = 0; /* every so many runs */
@@ -1400,11 +1285,8 @@ static rp_status run_shard(int shard, int shards)
 static void test_shards(void)
 {
     static const int orders[][9] = {{1, 1}, {3, 2, 3, 1}, {8, 3, 8, 1, 4, 2, 7, 5, 6}};
-    sweep_counts c;
-    sweep_merged m;
     made_by(2, GRID_SWEEP);
     const char *whole = digest(GRID_RUNS);
-    clean();
     for (size_t i = 0; i < sizeof orders / sizeof *orders; i++) {
         const int n = orders[i][0];
         planned(GRID_SWEEP);
@@ -1424,8 +1306,8 @@ static void test_shards(void)
         }
         CHECK_OK(run_shard(orders[i][n], n));
         CU_ASSERT_STRING_EQUAL(digest(GRID_RUNS), whole); /* not merged yet */
-        made = mmap(NULL, sizeof *made, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
-        CHECK_OK(run(1, NULL));
+        made = shared_number();
+        CHECK_OK(run(1));
         CU_ASSERT(*made == 0); /* the shards have all of them */
         munmap((void *)made, sizeof *made);
         made = NULL;
@@ -1433,30 +1315,23 @@ static void test_shards(void)
         CU_ASSERT(c.stored == GRID_RUNS && m.stores == (size_t)n && !*c.shards);
         CHECK_OK(run_shard(1, n)); /* nothing to do */
         CU_ASSERT_STRING_EQUAL(digest(GRID_RUNS), whole);
-        clean();
     }
     planned(GRID_SWEEP);
     CHECK_FAILS(run_shard(4, 3), RP_BAD_INPUT, "shard = 4/3: out of range");
     CHECK_FAILS(sweep_merge(dir, toys, 0, NULL, &m, &c), RP_BAD_INPUT, "no shards, and no other store");
-    clean();
 }
 
 /* Folders made apart: the rows that both plans have count once; two results of one run refuse each other. */
 static void test_merge(void)
 {
-    char other[128], path[160];
-    sweep_counts c;
-    sweep_merged m;
     fresh(GRID_SWEEP);
-    snprintf(other, sizeof other, "%s/other", base);
-    snprintf(path, sizeof path, "%s/store.sqlite", other);
-    char *const paths[] = {other};
+    char *path = (char *)folder_path(other, "store.sqlite"), *const paths[] = {other};
     file_print(file,
                "protocol = \"toy\"; replicas = 5; seed = 77; grid = { x = [0.125, 7.0]; k = [4, 3]; };");
     CHECK_OK(sweep_prepare(file, other, 0, toys, NULL, &c));
-    CHECK_OK(sweep_run(other, toys, &(sweep_options){.workers = 1}, &c));
+    CHECK_OK(run_in(other, 1));
     file_print(file, "%s", GRID_SWEEP);
-    CHECK_OK(prepare(NULL));
+    CHECK_OK(prepare());
     CHECK_OK(run_shard(2, 3));
     CHECK_OK(sweep_merge(dir, toys, 1, paths, &m, &c));
     CU_ASSERT(m.stores == 1 && m.taken == 10 && m.foreign == 10 && m.duplicates == 0);
@@ -1486,21 +1361,16 @@ static void test_merge(void)
     CHECK_FAILS(sweep_merge(dir, toys, 1, paths, &m, &c), RP_BAD_INPUT, "other/store.sqlite");
     unlink(path);
     CHECK_FAILS(sweep_merge(dir, toys, 1, files, &m, &c), RP_BAD_INPUT, "no store");
-    clean();
 }
 
 /* A run that crashed in one store and not in the other: the result counts, whichever store takes the other.
  */
 static void test_merge_of_crashed(void)
 {
-    char other[128];
-    sweep_counts c;
-    sweep_merged m;
     for (int way = 0; way < 2; way++) {
         fresh("protocol = \"toy\"; replicas = 10; piles = \"shared\"; fixed = { mode = \"crash\"; };");
-        snprintf(other, sizeof other, "%s/other", base);
         char *const paths[] = {other};
-        CHECK_OK(prepare(NULL));
+        CHECK_OK(prepare());
         CHECK_OK(sweep_prepare(file, other, 0, toys, NULL, &c));
         for (int k = 0; k < 2; k++) {
             calm = k == way;
@@ -1512,23 +1382,10 @@ static void test_merge_of_crashed(void)
         CU_ASSERT(c.stored == 10 && c.failed == 0 && sweep_count_aborted(&c) == 0);
         CU_ASSERT(m.duplicates == 10);
         digest(10);
-        clean();
     }
 }
 
 /* ---- damage ---- */
-
-/* The text of the export but for its first lines, or "" where it is refused. */
-static char *exported(void)
-{
-    scoped char *text = NULL;
-    size_t size = 0;
-    FILE *out = open_memstream(&text, &size);
-    const rp_status status = sweep_export(dir, toys, SWEEP_RUNS, NULL, NULL, NULL, out);
-    fclose(out);
-    char *from = status ? NULL : strstr(text, "# sweep:"), *kept = strdup(from ? from : "");
-    return kept;
-}
 
 /* One byte of the store changed anywhere: the export is refused, or has not changed. */
 static void test_flips(void)
@@ -1536,7 +1393,7 @@ static void test_flips(void)
     enum { FLIPS = 400 };
     made_by(2, GRID_SWEEP);
     size_t size, refused = 0, silent = 0;
-    scoped char *bytes = file_read(store, &size), *right = exported();
+    scoped char *bytes = file_read(store, &size), *right = protocol_export(dir, toys, SWEEP_RUNS);
     CU_ASSERT(strlen(right) > 0);
     for (size_t i = 0; i < FLIPS; i++) {
         const size_t at = i * size / FLIPS + i % 97;
@@ -1544,47 +1401,43 @@ static void test_flips(void)
         bytes[at < size ? at : i] = before ^ mask;
         file_write(store, bytes, size);
         bytes[at < size ? at : i] = before;
-        scoped char *text = exported();
+        scoped char *text = protocol_export(dir, toys, SWEEP_RUNS);
         refused += !*text;
         silent += *text && strcmp(text, right) != 0;
     }
     CU_ASSERT(silent == 0 && refused > FLIPS / 4);
     if (silent) fprintf(stderr, "flips: %zu of %d silent\n", silent, FLIPS);
-    clean();
 }
 
 /* A truncated store: the rows that are whole are kept, the others are made again. */
 static void test_salvage(void)
 {
     made_by(2, "protocol = \"toy\"; replicas = 300; seed = 77; grid = { x = [0.125, 1.5]; };");
-    char right[33], kept[160];
+    char right[33];
     strcpy(right, digest(600));
     size_t size, n, most = 0;
     scoped char *bytes = file_read(store, &size);
-    snprintf(kept, sizeof kept, "%s/damaged.sqlite", dir);
+    const char *kept = folder_path(dir, "damaged.sqlite");
     for (int part = 3; part <= 9; part += 2) {
         file_write(store, bytes, size * (size_t)part / 10);
-        CHECK_FAILS(sweep_export(dir, toys, SWEEP_RUNS, NULL, NULL, NULL, stdout), RP_IO, "store.sqlite");
+        CHECK_FAILS(sweep_export(dir, toys, SWEEP_RUNS, NULL, NULL, stdout), RP_IO, "store.sqlite");
         CHECK_OK(sweep_salvage(dir, toys, &n));
         CU_ASSERT(n < 600 && n >= most);
-        sweep_counts c;
         CHECK_OK(sweep_status(dir, toys, &c));
         CU_ASSERT(c.stored == n); /* under their keys */
         most = n;
         CHECK_FAILS(sweep_salvage(dir, toys, &n), RP_BAD_INPUT, "kept of an earlier salvage");
-        CHECK_OK(run(1, NULL));
+        CHECK_OK(run(1));
         CU_ASSERT_STRING_EQUAL(digest(600), right);
         unlink(kept);
     }
     CU_ASSERT(most > 200);
-    clean();
 }
 
 /* Rows with long gaps before them, as lost pages leave them. */
 static void test_salvage_gaps(void)
 {
     size_t n;
-    char kept[160];
     made_by(1, "protocol = \"toy\"; replicas = 6; fixed = { x = 2.385; };");
     static const struct {
         const char *gap;
@@ -1594,14 +1447,13 @@ static void test_salvage_gaps(void)
                   6},
                  {"UPDATE runs SET rowid = rowid + 19998 WHERE rowid > 4", 6},
                  {"UPDATE runs SET rowid = rowid + 19999 WHERE rowid > 4", 4}}; /* no page holds as many */
-    snprintf(kept, sizeof kept, "%s/damaged.sqlite", dir);
+    const char *kept = folder_path(dir, "damaged.sqlite");
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         sql(cases[k].gap);
         CHECK_OK(sweep_salvage(dir, toys, &n));
         CU_ASSERT_EQUAL(n, cases[k].rows);
         unlink(kept);
     }
-    clean();
 }
 
 /* Keys name stored runs for ever: these are of model version 3, whose number is in them. */
@@ -1636,7 +1488,6 @@ static void test_known_keys(void)
     CU_ASSERT_STRING_EQUAL(sweep_plan_parameters(&plan, 4, text, sizeof text),
                            "{\"k\":5,\"odd\":\"true\",\"x\":-1.5,\"mass\":2.5,\"mode\":\"slow\"}");
     sweep_plan_free(&plan);
-    clean();
 }
 
 /* The digest is that of parameters and streams, status and outputs of the rows in their order, a missing
@@ -1646,7 +1497,6 @@ static void test_digest_of_rows(void)
     static const char query[] = "SELECT status, y_deg, never FROM runs ORDER BY run";
     char expected[33], setting[33];
     sweep_plan plan;
-    sweep_counts c;
     size_t n = 0;
     made_by(1, "protocol = \"toy\"; replicas = 5; seed = 77; grid = { x = [0.125, -1.5]; };");
     sqlite3 *db;
@@ -1679,7 +1529,6 @@ static void test_digest_of_rows(void)
     CHECK_OK(sweep_run(dir, model, &(sweep_options){.workers = 1}, &c));
     CHECK_OK(sweep_digest(dir, model, setting, &n));
     CU_ASSERT_STRING_EQUAL(setting, expected);
-    clean();
 }
 
 /* Every column of the rows, and their sums, from what the plan and the protocol say. */
@@ -1727,7 +1576,6 @@ static void test_stored_columns(void)
     CU_ASSERT_EQUAL(n, 4);
     sqlite3_close(db);
     sweep_plan_free(&plan);
-    clean();
 }
 
 /* A store is being written if its last sign of life is less than a minute old, by a clock that may be wrong
@@ -1739,7 +1587,6 @@ static void test_running(void)
         size_t running;
     } cases[] = {{0, 1}, {57, 1}, {60, 0}, {-57, 1}, {-63, 0}, {1000000, 0}};
     made_by(1, "protocol = \"toy\"; replicas = 2; fixed = { x = 2.385; };");
-    sweep_counts c;
     CHECK_OK(sweep_status(dir, toys, &c));
     CU_ASSERT_EQUAL(c.running, 0);
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
@@ -1751,7 +1598,6 @@ static void test_running(void)
         CHECK_OK(sweep_status(dir, toys, &c));
         CU_ASSERT_EQUAL(c.running, cases[k].running);
     }
-    clean();
 }
 
 /* ---- recipes ---- */
@@ -1781,7 +1627,6 @@ static void test_recipes(void)
         CU_ASSERT(cases[k].message || r.has_runs == (strncmp(cases[k].text, "protocol", 8) == 0));
         sweep_recipe_free(&r);
     }
-    clean();
 }
 
 /* A file that may not grow, as on a full disk: the run ends with a message, and the stored rows stay. */
@@ -1797,7 +1642,7 @@ static void test_full_disk(void)
         struct rlimit limit = {(rlim_t)info.st_size + 8192, (rlim_t)info.st_size + 8192};
         signal(SIGXFSZ, SIG_IGN);
         setrlimit(RLIMIT_FSIZE, &limit);
-        rp_status status = run(1, NULL);
+        rp_status status = run(1);
         if (write(pipes[1], rp_message(), strlen(rp_message()) + 1) < 0) _exit(1);
         _exit((int)status);
     }
@@ -1809,12 +1654,10 @@ static void test_full_disk(void)
     CU_ASSERT_PTR_NOT_NULL(strstr(message, "store.sqlite: cannot store "));
     close(pipes[0]);
     close(pipes[1]);
-    sweep_counts c;
     CHECK_OK(sweep_status(dir, toys, &c));
     CU_ASSERT(c.stored > 0 && c.stored < 2000);
     sql("UPDATE runs SET message = 'writable' WHERE run = 0"); /* the store is intact */
     CU_ASSERT(sql_number("SELECT count(*) FROM pragma_integrity_check WHERE integrity_check = 'ok'") == 1);
-    clean();
 }
 
 /* Every parameter of the list of dem/law/parameters.h is known to sweeps of texts and, by its key, to scenes.
@@ -1987,5 +1830,5 @@ void suite_sweep(void)
                                        {"a result without values", test_cleared},
                                        {"column names", test_columns},
                                        {NULL, NULL}};
-    check_register("sweep", cases);
+    check_register_within("sweep", NULL, clean, cases);
 }

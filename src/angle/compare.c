@@ -3,6 +3,7 @@
  * (4) is taken at the mean theta_r. Its error and those of the differences come from one bootstrap: each
  * resample of the piles gives a mean theta_r and a mean theta_t, and (4) at that theta_r, so that the
  * correlation of the two angles within a pile is kept. */
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -51,9 +52,10 @@ static void take_estimates(size_t n, const double q[], size_t n_resamples, doubl
     const double unbias = sqrt((double)n / (double)(n - 1));
     stats_number all[N_QUANTITIES];
     for (int k = 0; k < N_QUANTITIES; k++) {
-        const stats_spread spread = stats_resampled(n_resamples, sample + (size_t)k * n_resamples);
-        all[k] = (stats_number){q[k], n > 1 && !isnan(q[k]) ? unbias * spread.sd : NAN};
-        if (n > 1 && n_resamples - spread.n > c->n_lost) c->n_lost = n_resamples - spread.n;
+        size_t used;
+        const double sd = stats_resampled(n_resamples, sample + (size_t)k * n_resamples, &used);
+        all[k] = (stats_number){q[k], n > 1 && !isnan(q[k]) ? unbias * sd : NAN};
+        if (n > 1 && n_resamples - used > c->n_lost) c->n_lost = n_resamples - used;
     }
     c->diff_ms = all[0];
     for (int f = 0; f < ANG_N_FORMS; f++) {
@@ -78,7 +80,7 @@ rp_status ang_compare(const ang_piles *piles, double phi, size_t n_resamples, gs
     RP_TRY(stats_mean(n, theta_t, &c->theta_t));
     RP_TRY(stats_paired(n, theta_r, 1.0, theta_t, &c->theta_rt));
     RP_TRY(quantities(mu, phi, c->theta_ms, c->theta_r.mean, c->theta_t.mean, q, word));
-    RP_TRY(stats_check_resamples(n_resamples));
+    RP_TRY(rp_check_range("resamples", (double)n_resamples, 2.0, DBL_MAX, "[2, inf)"));
     for (size_t i = 0; i < n; i++) c->n_unstable += theta_r[i] > c->theta_ms;
     for (int f = 0; f < ANG_N_FORMS; f++) c->form[f].status = word[f];
     double *sample = malloc(N_QUANTITIES * n_resamples * sizeof *sample);

@@ -2,6 +2,7 @@
  *
  * Every slope is a linear combination of the heights, sum c_j h_j, so with independent scatter of variance
  * s^2 about the straight line its standard error is s sqrt(sum c_j^2). */
+#include <float.h>
 #include <gsl/gsl_sort.h>
 #include <gsl/gsl_statistics_double.h>
 #include <math.h>
@@ -27,11 +28,8 @@ static rp_status check_grains(size_t n, const double x[], const double y[], cons
 
 static rp_status count_cells(double width, double diameter, size_t *n_cells)
 {
-    if (!(diameter > 0.0 && isfinite(diameter)))
-        return rp_fail(RP_BAD_INPUT, "cell (nominal diameter) = %g: out of range, allowed: (0, inf)",
-                       diameter);
-    if (!(width > 0.0 && isfinite(width)))
-        return rp_fail(RP_BAD_INPUT, "width = %g: out of range, allowed: (0, inf)", width);
+    RP_TRY(rp_check_range("cell (nominal diameter)", diameter, DBL_MIN, DBL_MAX, "(0, inf)"));
+    RP_TRY(rp_check_range("width", width, DBL_MIN, DBL_MAX, "(0, inf)"));
     double n = round(width / diameter);
     if (n < 1.0 || n > most_cells)
         return rp_fail(RP_BAD_INPUT, "width = %g: %g cells of %g, allowed: 1 to %g", width, n, diameter,
@@ -40,18 +38,13 @@ static rp_status count_cells(double width, double diameter, size_t *n_cells)
     return RP_OK;
 }
 
-static bool within(double x, double width)
-{
-    return x >= 0.0 && x < width;
-}
-
 /* Highest value in each cell, -inf in an empty one. */
 static void raise_surface(ang_surface *s, size_t n, const double x[], const double y[], const double r[],
                           double width)
 {
     for (size_t j = 0; j < s->n_cells; j++) s->h[j] = -INFINITY;
     for (size_t i = 0; i < n; i++) {
-        if (!within(x[i], width)) continue;
+        if (!(x[i] >= 0.0 && x[i] < width)) continue;
         size_t j = (size_t)(x[i] / s->cell);
         if (j >= s->n_cells) j = s->n_cells - 1; /* round-off next to the right edge */
         s->h[j] = fmax(s->h[j], r ? y[i] + r[i] : y[i]);
@@ -195,8 +188,7 @@ rp_status ang_slopes(size_t n, const size_t column[], const double h[], double c
                      ang_slope slopes[ANG_N_METHODS])
 {
     if (n < 3) return rp_fail(RP_BAD_INPUT, "slopes: %zu cells, at least 3 needed", n);
-    if (!(cell > 0.0 && isfinite(cell)))
-        return rp_fail(RP_BAD_INPUT, "cell = %g: out of range, allowed: (0, inf)", cell);
+    RP_TRY(rp_check_range("cell", cell, DBL_MIN, DBL_MAX, "(0, inf)"));
     for (size_t k = 0; k < n; k++) {
         if (!isfinite(h[k])) return rp_fail(RP_BAD_INPUT, "height %zu = %g: not finite", k + 1, h[k]);
         if (column && k > 0 && column[k] <= column[k - 1])

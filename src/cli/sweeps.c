@@ -40,7 +40,7 @@ rp_status cli_sweep_export(const cli_call *call, const char *dir, unsigned what,
 {
     FILE *out;
     RP_TRY(rp_file_open(path, &out));
-    return rp_file_close(path, out, sweep_export(dir, sweep_protocols, what, call->line, counts, NULL, out));
+    return rp_file_close(path, out, sweep_export(dir, sweep_protocols, what, call->line, counts, out));
 }
 
 rp_status cli_sweep_table(const cli_call *call, const char *dir, unsigned what, rp_table **table,
@@ -50,14 +50,10 @@ rp_status cli_sweep_table(const cli_call *call, const char *dir, unsigned what, 
     size_t size;
     FILE *out = open_memstream(&text, &size);
     if (!out) return rp_fail(RP_NO_MEMORY, "%s: out of memory", dir);
-    sweep_numbers numbers = {.arena = call->arena};
-    rp_status status = sweep_export(dir, sweep_protocols, what, call->line, counts, &numbers, out);
+    rp_status status = sweep_export(dir, sweep_protocols, what, call->line, counts, out);
     fclose(out);
     if (status) return free(text), status;
-    RP_TRY(rp_table_load_text(call->arena, dir, text, table));
-    for (size_t i = 0; i < (*table)->n_rows; i++)
-        (*table)->places[i].numbers = numbers.of + i * numbers.n_columns;
-    return RP_OK;
+    return rp_table_load_text(call->arena, dir, text, table);
 }
 
 rp_status cli_claim_sweep(const char *directory, const char *file, bool force)

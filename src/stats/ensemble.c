@@ -83,21 +83,13 @@ rp_status stats_correlate(size_t n, const double x[], const double y[], stats_co
     return RP_OK;
 }
 
-rp_status stats_check_resamples(size_t n_resamples)
+double stats_resampled(size_t n, double sample[], size_t *used)
 {
-    if (n_resamples >= 2) return RP_OK;
-    return rp_fail(RP_BAD_INPUT, "resamples = %zu: out of range, allowed: [2, inf)", n_resamples);
-}
-
-stats_spread stats_resampled(size_t n, double sample[])
-{
-    const double tail = 0.5 * (1.0 - confidence);
     size_t found = 0;
     for (size_t k = 0; k < n; k++)
         if (!isnan(sample[k])) sample[found++] = sample[k];
-    if (found < 2) return (stats_spread){found, NAN, NAN, NAN};
+    *used = found;
+    if (found < 2) return NAN;
     gsl_sort(sample, 1, found);
-    return (stats_spread){found, gsl_stats_sd(sample, 1, found),
-                          gsl_stats_quantile_from_sorted_data(sample, 1, found, tail),
-                          gsl_stats_quantile_from_sorted_data(sample, 1, found, 1.0 - tail)};
+    return gsl_stats_sd(sample, 1, found);
 }

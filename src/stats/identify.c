@@ -42,11 +42,6 @@ typedef struct {
     rp_arena arena;
 } search;
 
-static size_t terms_of(size_t n_names)
-{
-    return n_names == 1 ? 4 : (n_names + 1) * (n_names + 2) / 2;
-}
-
 static void terms_at(const search *s, const double x[], double t[STATS_TERMS])
 {
     const size_t p = s->q->n_names;
@@ -441,28 +436,22 @@ static void note_fits(const search *s, stats_answer *a)
     }
 }
 
-static void note_reach(const search *s, stats_answer *a)
+/* What the points reach, and how many of them lack a number. */
+static void note_points(const search *s, stats_answer *a)
 {
-    for (size_t k = 0; k < s->q->n_numbers; k++) {
-        a->reach[k][0] = INFINITY, a->reach[k][1] = -INFINITY;
-        for (size_t i = 0; i < s->n; i++) {
-            const stats_runs *r = &s->runs[k + s->q->n_numbers * i];
+    const size_t K = s->q->n_numbers;
+    for (size_t k = 0; k < K; k++) a->reach[k][0] = INFINITY, a->reach[k][1] = -INFINITY;
+    for (size_t i = 0; i < s->n; i++) {
+        bool whole = true;
+        for (size_t k = 0; k < K; k++) {
+            const stats_runs *r = &s->runs[k + K * i];
+            whole = whole && r->n > 0.0;
             if (!(r->n > 0.0)) continue;
             a->reach[k][0] = fmin(a->reach[k][0], r->mean), a->reach[k][1] = fmax(a->reach[k][1], r->mean);
         }
+        a->n_failed += !whole;
     }
-}
-
-static size_t count_failed(const search *s)
-{
-    size_t n = 0;
-    for (size_t i = 0; i < s->n; i++) {
-        bool whole = true;
-        for (size_t k = 0; k < s->q->n_numbers; k++)
-            whole = whole && s->runs[k + s->q->n_numbers * i].n > 0.0;
-        n += !whole;
-    }
-    return n;
+    a->n_points = s->n;
 }
 
 /* Leave each point of the box out once, and look for it by its own numbers. */
@@ -506,9 +495,8 @@ static stats_identified status_of(const stats_quest *q, const stats_answer *a, s
                                               : STATS_IDENTIFIED_BUDGET;
 }
 
-static void judge(const search *s, bool converged, stats_answer *a)
+static void judge(const stats_quest *q, bool converged, stats_answer *a)
 {
-    const stats_quest *q = s->q;
     a->dof = q->n_numbers > q->n_names ? q->n_numbers - q->n_names : 0;
     const bool match = a->chi2 <= gsl_cdf_chisq_Pinv(0.99, a->dof ? (double)a->dof : 1.0);
     const stats_identified none = q->n_numbers > 1             ? STATS_IDENTIFIED_NO_MATCH
@@ -521,7 +509,6 @@ static void judge(const search *s, bool converged, stats_answer *a)
         a->x[p] = a->se[p] = NAN, a->n_intervals[p] = 0;
         a->own[p] = (stats_interval){NAN, NAN, NAN};
     }
-    memcpy(a->box_lo, s->lo, sizeof s->lo), memcpy(a->box_hi, s->hi, sizeof s->hi);
 }
 
 static rp_status go(search *s, gsl_qrng *sobol, stats_answer *a)
@@ -565,16 +552,17 @@ static rp_status go(search *s, gsl_qrng *sobol, stats_answer *a)
     RP_TRY(fit_all(s));
     RP_TRY(invert(s, true, a));
     note_fits(s, a);
-    note_reach(s, a);
-    a->n_points = s->n, a->n_failed = count_failed(s);
-    judge(s, q->fixed_runs || (!smaller && good), a);
+    note_points(s, a);
+    judge(q, q->fixed_runs || (!smaller && good), a);
     return q->leave_out ? recover(s, a) : RP_OK;
 }
 
 rp_status stats_identify(const stats_quest *q, stats_answer *a)
 {
     *a = (stats_answer){0};
-    search s = {.q = q, .skipped = SIZE_MAX, .n_terms = terms_of(q->n_names)};
+    search s = {.q = q,
+                .skipped = SIZE_MAX,
+                .n_terms = q->n_names == 1 ? 4 : (q->n_names + 1) * (q->n_names + 2) / 2};
     for (size_t p = 0; p < q->n_names; p++)
         if (!(q->hi[p] > q->lo[p]) || !isfinite(q->lo[p]) || !isfinite(q->hi[p]))
             return rp_fail(RP_BAD_INPUT, "range of name %zu: [%g, %g]", p + 1, q->lo[p], q->hi[p]);

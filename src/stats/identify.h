@@ -79,7 +79,6 @@ typedef struct {
     size_t tried, recovered;                   /* design points that are left out, and found again */
     /* the combination of the names that is determined best: sum of weight x = value +- error */
     double weight[STATS_NAMES], sum, sum_error;
-    double box_lo[STATS_NAMES], box_hi[STATS_NAMES]; /* of the last stage */
 } stats_answer;
 
 /* Errors: RP_BAD_INPUT (no range, too few points), RP_NO_RESULT (too few points with numbers), RP_NO_MEMORY,

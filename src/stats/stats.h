@@ -44,17 +44,9 @@ typedef struct {
 /* Errors: RP_NO_RESULT for n < 4, RP_BAD_INPUT for a value that is not finite. */
 rp_status stats_correlate(size_t n, const double x[], const double y[], stats_correlation *correlation);
 
-/* Spread of a statistic over resamples: standard deviation and the central 95 %, NaN below two numbers. */
-typedef struct {
-    size_t n; /* numbers */
-    double sd, lo, hi;
-} stats_spread;
-
-/* The spread of the numbers of sample[n], which are sorted to its front; NaN is left out. */
-stats_spread stats_resampled(size_t n, double sample[]);
-
-/* Errors: RP_BAD_INPUT for fewer than two resamples. */
-rp_status stats_check_resamples(size_t n_resamples);
+/* Standard deviation of a statistic over its resamples sample[n], of which NaN is left out, and *used counts
+ * the others, sorted to the front; NaN below two of them. */
+double stats_resampled(size_t n, double sample[], size_t *used);
 
 /* ---- one series in time (series.c) ---- */
 

@@ -1,5 +1,6 @@
 /* Trends over a parameter, and tests that there is none; see stats.h. Every quantity is a contrast: a linear
  * combination of the means at the different x, with Student's t. */
+#include <float.h>
 #include <gsl/gsl_cdf.h>
 #include <math.h>
 #include <stdlib.h>
@@ -243,8 +244,7 @@ rp_status stats_trend_fit(const stats_sample *of, stats_trend *trend)
 {
     const stats_contrast none = {NAN, NAN, NAN};
     *trend = (stats_trend){0, 0, NAN, NAN, none, none, none, none, none, NAN, NAN};
-    if (!(of->margin > 0.0 && isfinite(of->margin)))
-        return rp_fail(RP_BAD_INPUT, "margin = %g: out of range, allowed: (0, inf)", of->margin);
+    RP_TRY(rp_check_range("margin", of->margin, DBL_MIN, DBL_MAX, "(0, inf)"));
     for (size_t i = 0; i < of->n && of->power != 0.0 && !of->log10_x; i++)
         if (!(of->x[i] > 0.0))
             return rp_fail(RP_BAD_INPUT,

@@ -379,9 +379,7 @@ const char *rp_table_next_note(const rp_table *table, const char *key, const cha
 rp_status rp_table_number(const rp_table *table, size_t row, int column, int missing_ok, double *value)
 {
     const char *cell = table->cells[row * table->n_columns + (size_t)column];
-    const double *numbers = table->places[row].numbers;
     char *end;
-    if (numbers && isfinite(numbers[column])) return *value = numbers[column], RP_OK;
     if (missing_ok && strcmp(cell, "infinite") == 0) {
         *value = INFINITY;
         return RP_OK;

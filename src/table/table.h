@@ -37,12 +37,10 @@ void rp_table_row(FILE *out, size_t n, const double values[]);
 /* One row of n numbers and a last column of one word, such as a status. */
 void rp_table_row_word(FILE *out, size_t n, const double values[], const char *word);
 
-/* Where a row stands: its file, a borrowed name, and line. And the numbers of its cells, where they were not
- * read as text; NaN for other cells, NULL: all are texts. */
+/* Where a row stands: its file, a borrowed name, and line. */
 typedef struct {
     const char *path;
     size_t line;
-    const double *numbers;
 } rp_place;
 
 /* A table read whole. cells[row * n_columns + column] are texts. */

@@ -27,8 +27,8 @@ struct sweep_experiment {
     sweep_protocol protocol;
     rp_arena arena;
     dem_text text;
-    bool open;
-    char *bytes;
+    exp_plan *plan;   /* with the text's own values: owns the names of the outputs */
+    char *bytes;      /* of a file */
     rp_param *schema; /* of lets, then of keys of the scene */
     size_t n_lets, n_params;
     const char **keys;
@@ -271,8 +271,9 @@ static rp_status run_one(const void *params, unsigned long seed, unsigned long s
 
 /* ---- the text's parameters and outputs ---- */
 
-static rp_status add_let(sweep_experiment *e, const rp_let *let, rp_param *p)
+static rp_status add_let(sweep_experiment *e, const rp_let *let)
 {
+    rp_param *const p = &e->schema[e->n_lets];
     const bool number = let->is.type == RP_X_NUMBER, word = let->is.type == RP_X_WORD;
     char text[32];
     *p = (rp_param){.name = let->name,
@@ -283,7 +284,8 @@ static rp_status add_let(sweep_experiment *e, const rp_let *let, rp_param *p)
                             : *let->range ? RP_CHOICE
                                           : RP_TEXT,
                     .range = "",
-                    .inherited = true}; /* streams stay when a text gets one more name */
+                    .offset = sizeof(slot) * ++e->n_lets, /* behind the experiment */
+                    .inherited = true};                   /* streams stay when a text gets one more name */
     if (number) p->range = *let->range ? let->range : "(-inf, inf)";
     if (word) p->range = let->range;
     if (isinf(let->is.value) && number)
@@ -298,57 +300,46 @@ static rp_status add_let(sweep_experiment *e, const rp_let *let, rp_param *p)
     return p->fallback && p->range ? RP_OK : RP_NO_MEMORY;
 }
 
-static rp_status describe(sweep_experiment *e, const exp_plan *plan)
+/* A column is told from those that every sweep has, from the columns before it, and from the lets. */
+static rp_status check_output(const sweep_experiment *e, const sweep_output outputs[], size_t k)
+{
+    const char *name = outputs[k].name, *path = e->text.path;
+    if (sweep_column_is_taken(name, true))
+        return rp_fail(RP_BAD_INPUT, "%s: %s is a column that every sweep has; give the measure another name",
+                       path, name);
+    for (size_t j = 0; j < k; j++)
+        if (strcasecmp(outputs[j].name, name) == 0)
+            return rp_fail(RP_BAD_INPUT,
+                           "%s: %s and %s differ by capitals alone, which a store does not tell", path,
+                           outputs[j].name, name);
+    if (!rp_params_find(e->schema, name)) return RP_OK;
+    return rp_fail(RP_BAD_INPUT, "%s: %s is a let and a column of a measure", path, name);
+}
+
+static rp_status describe(sweep_experiment *e)
 {
     const rp_lets *lets = &e->text.lets;
-    rp_param *schema;
     sweep_output *outputs;
-    size_t n, n_params = 0, n_keys = 0;
-    const exp_output *o = exp_outputs(plan, &n);
+    size_t n, n_keys = 0;
+    const exp_output *o = exp_outputs(e->plan, &n);
     if (n > SWEEP_MAX_OUTPUTS)
         return rp_fail(RP_BAD_INPUT, "%s: %zu columns of measures; a sweep has up to %d", e->text.path, n,
                        SWEEP_MAX_OUTPUTS);
     while (dem_named_keys[n_keys].key) n_keys++;
-    RP_NEW(&e->arena, schema, lets->n + n_keys + 1);
+    RP_NEW(&e->arena, e->schema, lets->n + n_keys + 1);
     RP_NEW(&e->arena, e->keys, lets->n + n_keys);
     RP_NEW(&e->arena, outputs, n);
-    for (size_t k = 0; k < lets->n; k++) {
-        if (lets->lets[k].computed && lets->lets[k].is.type != RP_X_NUMBER)
-            continue; /* the text's own affair */
-        RP_TRY(add_let(e, &lets->lets[k], &schema[n_params]));
-        schema[n_params].name = rp_text(&e->arena, "%s", lets->lets[k].name);
-        schema[n_params].offset = sizeof(slot) * (1 + n_params);
-        n_params++;
-    }
+    for (size_t k = 0; k < lets->n; k++) /* a truth or word that is computed is the text's own affair */
+        if (!lets->lets[k].computed || lets->lets[k].is.type == RP_X_NUMBER)
+            RP_TRY(add_let(e, &lets->lets[k]));
     for (size_t k = 0; k < n; k++) {
-        outputs[k] = (sweep_output){rp_text(&e->arena, "%s", o[k].name), rp_text(&e->arena, "%s", o[k].unit),
-                                    rp_text(&e->arena, "%s", o[k].meaning)};
-        if (outputs[k].name && sweep_column_is_taken(outputs[k].name, true))
-            return rp_fail(RP_BAD_INPUT,
-                           "%s: %s is a column that every sweep has; give the measure another name",
-                           e->text.path, outputs[k].name);
-        for (size_t j = 0; j < k; j++)
-            if (outputs[k].name && strcasecmp(outputs[j].name, outputs[k].name) == 0)
-                return rp_fail(RP_BAD_INPUT,
-                               "%s: %s and %s differ by capitals alone, which a store does not tell",
-                               e->text.path, outputs[j].name, outputs[k].name);
-        for (size_t p = 0; p < n_params; p++)
-            if (outputs[k].name && schema[p].name && strcmp(schema[p].name, outputs[k].name) == 0)
-                return rp_fail(RP_BAD_INPUT, "%s: %s is a let and a column of a measure", e->text.path,
-                               outputs[k].name);
-        if (!outputs[k].name || !outputs[k].unit || !outputs[k].meaning) return RP_NO_MEMORY;
+        outputs[k] = (sweep_output){o[k].name, o[k].unit, o[k].meaning};
+        RP_TRY(check_output(e, outputs, k));
     }
-    e->schema = schema, e->n_lets = e->n_params = n_params;
-    e->protocol = (sweep_protocol){.name = "experiment",
-                                   .about = "a scene with phases and measures",
-                                   .schema = schema,
-                                   .params_size = sizeof(slot) * (1 + n_params + n_keys),
-                                   .outputs = outputs,
-                                   .check = check,
-                                   .hash = hash,
-                                   .fingerprint = fingerprint,
-                                   .run = run_one,
-                                   .context = e};
+    e->n_params = e->n_lets;
+    e->protocol.schema = e->schema;
+    e->protocol.params_size = sizeof(slot) * (1 + e->n_lets + n_keys);
+    e->protocol.outputs = outputs;
     return RP_OK;
 }
 
@@ -373,42 +364,44 @@ static rp_status refuse_files(const sweep_experiment *e)
     return sweep_refuse_includes(e->text.path, e->bytes, "a text that is swept");
 }
 
-static rp_status open_text(const char *path, const rp_texts *changes, sweep_experiment *e)
+/* The text of a protocol, or of the file `path`. */
+static rp_status open_text(const sweep_protocol *of, const char *path, const rp_texts *changes,
+                           sweep_experiment **made, const sweep_protocol **opened)
 {
-    exp_plan *plan = NULL;
-    const bool inside = e->bytes; /* the program */
-    if (!inside) RP_TRY(rp_file_read(path, &e->bytes));
-    e->open = true;
-    RP_TRY(dem_text_open_bytes(path, inside ? e->bytes : NULL, changes, &e->text));
+    sweep_experiment *e = *made = calloc(1, sizeof *e);
+    if (!e || !(path = rp_text(&e->arena, "%s", path)))
+        return rp_fail(RP_NO_MEMORY, "experiment: out of memory");
+    *opened = &e->protocol;
+    e->protocol = (sweep_protocol){.name = of->name,
+                                   .about = of->about,
+                                   .check = check,
+                                   .hash = hash,
+                                   .fingerprint = fingerprint,
+                                   .run = run_one,
+                                   .context = e};
+    if (!of->text) RP_TRY(rp_file_read(path, &e->bytes));
+    RP_TRY(dem_text_open_bytes(path, of->text, changes, &e->text));
     if (!exp_has_phases(&e->text))
         return rp_fail(RP_BAD_INPUT, "%s: has no phases; a sweep needs an experiment", path);
     RP_TRY(refuse_files(e));
-    rp_status status = exp_read(&e->text, &plan);
-    if (!status) status = describe(e, plan);
-    exp_free(plan);
-    return status;
+    RP_TRY(exp_read(&e->text, &e->plan));
+    return describe(e);
 }
 
 rp_status sweep_experiment_open(const char *path, const rp_texts *changes, sweep_experiment **made,
                                 const sweep_protocol **opened)
 {
-    *made = calloc(1, sizeof **made);
-    if (!*made) return rp_fail(RP_NO_MEMORY, "experiment: out of memory");
-    *opened = &(*made)->protocol;
-    const char *kept = rp_text(&(*made)->arena, "%s", path);
-    return kept ? open_text(kept, changes, *made) : RP_NO_MEMORY;
+    static const sweep_protocol any = {.name = "experiment", .about = "a scene with phases and measures"};
+    return open_text(&any, path, changes, made, opened);
 }
 
 rp_status sweep_protocol_open(const sweep_protocol *protocol, const rp_texts *changes,
                               sweep_experiment **made, const sweep_protocol **opened)
 {
+    char path[64];
     *made = NULL, *opened = protocol;
-    if (!protocol->text) return RP_OK;
-    sweep_experiment *e = *made = calloc(1, sizeof **made);
-    if (!e || !(e->bytes = strdup(protocol->text))) return rp_fail(RP_NO_MEMORY, "protocol: out of memory");
-    RP_TRY(open_text(rp_text(&e->arena, "protocol %s", protocol->name), changes, e));
-    e->protocol.name = protocol->name, e->protocol.about = protocol->about;
-    return *opened = &e->protocol, RP_OK;
+    snprintf(path, sizeof path, "protocol %s", protocol->name);
+    return protocol->text ? open_text(protocol, path, changes, made, opened) : RP_OK;
 }
 
 void sweep_experiment_in(sweep_experiment *e, rp_units units)
@@ -430,7 +423,8 @@ void sweep_experiment_also(sweep_experiment *e, const char *name)
 void sweep_experiment_close(sweep_experiment *e)
 {
     if (!e) return;
-    if (e->open) dem_text_close(&e->text);
+    exp_free(e->plan);
+    dem_text_close(&e->text);
     rp_arena_end(&e->arena);
     free(e->bytes);
     free(e);
@@ -438,5 +432,5 @@ void sweep_experiment_close(sweep_experiment *e)
 
 const char *sweep_experiment_text(const sweep_experiment *e)
 {
-    return e->bytes;
+    return e ? e->bytes : NULL;
 }

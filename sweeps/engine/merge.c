@@ -51,29 +51,27 @@ static rp_status find_conflict(sweep_store *s, const sweep_plan *plan, const cha
     return status ? status : read;
 }
 
-/* The columns of a row as a list for SQL; sqlite3_free it. */
-static char *column_names(sweep_store *s, const char *schema, const sweep_protocol *protocol)
+/* Copy rows, `which` of them, from one schema to another that lacks their keys. */
+static rp_status copy_rows(sweep_store *s, const sweep_plan *plan, const char *from, const char *into,
+                           const char *which)
 {
-    sqlite3_str *names = sqlite3_str_new(NULL);
-    sweep_store_columns(s, schema, names, protocol);
-    return sqlite3_str_finish(names);
+    sqlite3_str *sql = sqlite3_str_new(s->db);
+    sqlite3_str_appendf(sql, "INSERT OR IGNORE INTO %s.runs (", into);
+    sweep_store_columns(NULL, NULL, sql, plan->protocol);
+    sqlite3_str_appendall(sql, ") SELECT ");
+    sweep_store_columns(s, from, sql, plan->protocol);
+    sqlite3_str_appendf(sql, " FROM %s.runs%s", from, which);
+    return sweep_sql_text(s, "unite the stores", sql);
 }
 
 /* Append the rows of source.runs, or main.runs, to temp.runs; a result replaces a machine's word. */
 static rp_status take_rows(sweep_store *s, const sweep_plan *plan, const char *schema)
 {
-    char *into = column_names(NULL, NULL, plan->protocol), *from = column_names(s, schema, plan->protocol);
-    rp_status status =
-        into && from
-            ? sweep_sql(s, "unite the stores",
-                        "DELETE FROM temp.runs WHERE status IN " SWEEP_MACHINE
-                        " AND key IN (SELECT key FROM %s.runs WHERE status NOT IN " SWEEP_MACHINE ");"
-                        "INSERT OR IGNORE INTO temp.runs (%s) SELECT %s FROM %s.runs",
-                        schema, into, from, schema)
-            : rp_fail(RP_NO_MEMORY, "%s: out of memory", s->path);
-    sqlite3_free(into);
-    sqlite3_free(from);
-    return status;
+    RP_TRY(sweep_sql(s, "unite the stores",
+                     "DELETE FROM temp.runs WHERE status IN " SWEEP_MACHINE
+                     " AND key IN (SELECT key FROM %s.runs WHERE status NOT IN " SWEEP_MACHINE ")",
+                     schema));
+    return copy_rows(s, plan, schema, "temp", "");
 }
 
 rp_status sweep_store_running(sweep_store *s, const char *schema, size_t *running)
@@ -139,16 +137,11 @@ rp_status sweep_store_merge(sweep_store *s, const sweep_plan *plan, size_t n, ch
     long long before, after;
     RP_TRY(sweep_store_unite(s, plan, n, paths, true, found));
     RP_TRY(sweep_sql_number(s, "SELECT count(*) FROM main.runs WHERE run IS NOT NULL", &before));
-    char *names = column_names(NULL, NULL, plan->protocol);
-    const rp_status status =
-        sweep_sql(s, "merge the stores",
-                  "BEGIN IMMEDIATE;"
-                  "DELETE FROM main.runs WHERE status IN " SWEEP_MACHINE " AND run IS NOT NULL;"
-                  "INSERT OR IGNORE INTO main.runs (%s) SELECT %s FROM temp.runs WHERE run IS NOT NULL;"
-                  "COMMIT",
-                  names, names);
+    rp_status status = sweep_sql(s, "merge the stores", "BEGIN IMMEDIATE");
+    if (!status) status = sweep_store_drop_crashed(s);
+    if (!status) status = copy_rows(s, plan, "temp", "main", " WHERE run IS NOT NULL");
+    if (!status) status = sweep_sql(s, "merge the stores", "COMMIT");
     if (status) sqlite3_exec(s->db, "ROLLBACK", NULL, NULL, NULL);
-    sqlite3_free(names);
     RP_TRY(status);
     RP_TRY(sweep_sql_number(s, "SELECT count(*) FROM main.runs WHERE run IS NOT NULL", &after));
     found->taken = (size_t)(after - before);

@@ -105,28 +105,14 @@ static const config_setting_t *element(const config_setting_t *group, size_t i)
     return config_setting_get_elem(group, (unsigned)i);
 }
 
-/* What fixed and grid name of the physics, though the text has no let of it. */
-static void add_keys(sweep_plan *plan)
-{
-    const config_setting_t *grid = config_lookup(&plan->config, "grid"),
-                           *fixed = config_lookup(&plan->config, "fixed");
-    const bool bundles = grid && config_setting_is_list(grid);
-    for (int g = -1; g < (bundles ? length(grid) : 1); g++) {
-        const config_setting_t *group = g < 0 ? fixed : bundles ? element(grid, (size_t)g) : grid;
-        for (int i = 0; i < length(group); i++) {
-            const char *name = config_setting_name(element(group, (size_t)i));
-            if (name) sweep_experiment_also(plan->experiment, name);
-        }
-    }
-}
-
 /* Open the experiment's file, beside the sweep's, or the protocol's text. */
 static rp_status open_experiment(const char *file, const head *h, sweep_plan *plan)
 {
     RP_SCOPE(arena);
     rp_texts changes = {0};
     const char *const name = h->experiment, *path, *slash = strrchr(file, '/');
-    const config_setting_t *set = config_lookup(&plan->config, "set");
+    const config_setting_t *set = config_lookup(&plan->config, "set"),
+                           *units = config_lookup(&plan->config, "units");
     if (set && !config_setting_is_list(set) && !config_setting_is_array(set))
         return rp_config_fail(set, "set: a list [ \"key=value\" ] expected");
     for (int i = 0; i < length(set); i++) {
@@ -136,30 +122,27 @@ static rp_status open_experiment(const char *file, const head *h, sweep_plan *pl
                                   sizeof changes.items / sizeof *changes.items);
         changes.items[changes.n++] = text;
     }
-    if (!*name) {
-        const rp_status status =
-            sweep_protocol_open(plan->protocol, &changes, &plan->experiment, &plan->protocol);
-        if (!status && plan->experiment) {
-            const config_setting_t *units = config_lookup(&plan->config, "units");
-            if (units && rp_units_now() == RP_SIGMA && h->units != RP_SIGMA)
-                return rp_config_fail(units, "units: protocol %s is in sigma, without a unit of length",
-                                      plan->protocol->name);
-            if (units) sweep_experiment_in(plan->experiment, (rp_units)h->units);
-            add_keys(plan);
-        }
-        return rp_prefix(status, "%s: ", file);
+    if (*name) {
+        RP_TRY(rp_path(&arena, &path, "%.*s%s", slash && *name != '/' ? (int)(slash - file) + 1 : 0, file,
+                       name));
+        RP_TRY(rp_prefix(sweep_experiment_open(path, &changes, &plan->experiment, &plan->protocol),
+                         "%s: experiment: ", file));
+        return rename_text(config_lookup(&plan->config, "experiment"), "experiment.cfg", &plan->text);
     }
-    plan->has_copy = true;
-    RP_TRY(rp_path(&arena, &path, "%.*s%s", slash && *name != '/' ? (int)(slash - file) + 1 : 0, file, name));
-    RP_TRY(rp_prefix(sweep_experiment_open(path, &changes, &plan->experiment, &plan->protocol),
-                     "%s: experiment: ", file));
-    add_keys(plan);
-    return rename_text(config_lookup(&plan->config, "experiment"), "experiment.cfg", &plan->text);
+    RP_TRY(rp_prefix(sweep_protocol_open(plan->protocol, &changes, &plan->experiment, &plan->protocol),
+                     "%s: ", file));
+    if (units && rp_units_now() == RP_SIGMA && h->units != RP_SIGMA)
+        return rp_config_fail(units, "units: protocol %s is in sigma, without a unit of length",
+                              plan->protocol->name);
+    if (units) sweep_experiment_in(plan->experiment, (rp_units)h->units);
+    return RP_OK;
 }
 
-static rp_status find_param(const sweep_protocol *protocol, const config_setting_t *setting,
-                            const rp_param **param)
+/* A parameter that fixed or grid names, of the physics though the text has no let of it. */
+static rp_status find_param(const sweep_plan *plan, const config_setting_t *setting, const rp_param **param)
 {
+    const sweep_protocol *protocol = plan->protocol;
+    if (plan->experiment) sweep_experiment_also(plan->experiment, config_setting_name(setting));
     *param = rp_params_find(protocol->schema, config_setting_name(setting));
     if (*param) return RP_OK;
     char more[64];
@@ -176,7 +159,7 @@ static rp_status read_fixed(const sweep_plan *plan, const config_setting_t *fixe
     for (int i = 0; i < length(fixed); i++) {
         const rp_param *param;
         const config_setting_t *setting = element(fixed, (size_t)i);
-        RP_TRY(find_param(plan->protocol, setting, &param));
+        RP_TRY(find_param(plan, setting, &param));
         RP_TRY(rp_config_value(setting, param, values));
     }
     return RP_OK;
@@ -211,7 +194,7 @@ static rp_status read_axis(sweep_plan *plan, size_t a, const config_setting_t *f
 {
     sweep_axis *axis = &plan->axes[a];
     const char *name = config_setting_name(axis->list);
-    RP_TRY(find_param(plan->protocol, axis->list, &axis->param));
+    RP_TRY(find_param(plan, axis->list, &axis->param));
     for (size_t other = 0; other < a; other++)
         if (plan->axes[other].param == axis->param)
             return rp_config_fail(axis->list, "%s: appears twice in the grid; keep one", name);
@@ -486,6 +469,13 @@ sweep_stream sweep_plan_stream(const sweep_plan *plan, size_t run)
     move_to(plan, run / plan->replicas);
     const unsigned long most = 0x7fffffff, hash = hash_point(&plan->at->settings, text).low64;
     return (sweep_stream){hash & most, ((hash >> 33) + replica) & most, (hash >> 12) + replica};
+}
+
+rp_status sweep_plan_run(const sweep_plan *plan, size_t run, const sweep_tables *tables, sweep_result *result)
+{
+    const sweep_stream stream = sweep_plan_stream(plan, run);
+    return plan->protocol->run(sweep_plan_point(plan, run / plan->replicas), stream.seed, stream.run, tables,
+                               result);
 }
 
 /* Hash of the parameters and streams of a run, and of the text before them. */

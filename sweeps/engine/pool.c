@@ -2,8 +2,8 @@
  * worker sends back records. The parent is the only one that writes. Determinism: a run depends on its
  * parameters, the seed and its pile only, never on the worker or the order.
  *
- * Runs of less than a few milliseconds go to and fro in batches, because each message wakes a process. A
- * page of memory that all share says how far a worker is in its batch.
+ * Runs of less than a few milliseconds are handed out in batches, so that a worker does not wait for the
+ * parent between them; each comes back by itself.
  *
  * A worker that dies, or that has used no processor time for a minute, is replaced, and its run goes to the
  * end of the queue. After three tries, or at once beyond a limit, the run is aborted: a row that says why.
@@ -32,8 +32,8 @@
 #include <unistd.h>
 
 enum { MOST_TRIES = 3, BATCH = 32, LEARNT = 16, SAMPLES = 63 };
-/* s; a batch takes less than BATCH SHORT, and a row waits in a worker no longer than FLUSH */
-static const double TICK = 0.25, PATIENCE = 60.0, GRACE = 10.0, SLOW = 600.0, SHORT = 3e-3, FLUSH = 1e-2;
+/* s; a batch takes less than BATCH SHORT */
+static const double TICK = 0.25, PATIENCE = 60.0, GRACE = 10.0, SLOW = 600.0, SHORT = 3e-3;
 static const double MANY = 100.0; /* times the median run: worth a line */
 
 typedef struct {
@@ -42,18 +42,11 @@ typedef struct {
     bool kept;           /* there may be a snapshot of an earlier try or drive */
 } task;
 
-/* What workers and parent share. */
-typedef struct {
-    volatile bool stop;
-    volatile size_t made[]; /* of each worker: runs that it has ended, whether or not they have been sent */
-} board;
-
 typedef struct {
     pid_t pid;
     int socket; /* -1: no process */
     task tasks[BATCH];
-    size_t n, sent;   /* of the tasks, the first is the next to come back; rows that came back in all */
-    size_t seen;      /* runs that it had ended when it was looked at last */
+    size_t n;         /* of the tasks; it is at the first */
     bool reported;    /* as slow */
     double elapsed;   /* of the run that it is busy with, to a tick; s */
     double cpu, idle; /* processor time so far, and since when it has been the same; s */
@@ -72,8 +65,8 @@ typedef struct {
     double pace, samples[SAMPLES]; /* s a run: lately, and of the last ones */
     worker *workers;
     size_t n_workers;
-    board *board;
-    int signals; /* descriptor on which stop signals arrive */
+    volatile bool *stop; /* shared with the workers */
+    int signals;         /* descriptor on which stop signals arrive */
 } pool;
 
 /* The file from which a run resumes after its worker has died; it stays until the row is stored. */
@@ -104,7 +97,7 @@ static rp_status make(const pool *p, const task *t, sweep_result *result)
     sweep_keep keep = {.path = path,
                        .key = key,
                        .interval = p->options->snapshot,
-                       .stop = &p->board->stop,
+                       .stop = p->stop,
                        .ends = plan->shared_piles ? p->options->snapshots : NULL};
     const sweep_tables kept = {.keep = &keep};
     const bool keeps = p->options->snapshots != NULL;
@@ -112,9 +105,7 @@ static rp_status make(const pool *p, const task *t, sweep_result *result)
         snapshot_of(p, run, key, path);
         sweep_keep_begin(&keep, t->kept, why, sizeof why);
     }
-    const sweep_stream stream = sweep_plan_stream(plan, run);
-    rp_status status = plan->protocol->run(sweep_plan_point(plan, run / plan->replicas), stream.seed,
-                                           stream.run, keeps ? &kept : NULL, result);
+    const rp_status status = sweep_plan_run(plan, run, keeps ? &kept : NULL, result);
     if (keeps) sweep_keep_end(&keep, false);
     if (!*result->message) snprintf(result->message, sizeof result->message, "%s", why);
     return status;
@@ -133,49 +124,29 @@ static void limit_memory(double mb)
     setrlimit(RLIMIT_DATA, &(struct rlimit){most, most});
 }
 
-static bool give_back(int socket, sweep_row rows[], size_t *n)
+/* Make a run and give its row back; false if that is this worker's end. */
+static bool make_row(const pool *p, const task *t, int socket)
 {
-    const size_t bytes = *n * sizeof *rows;
-    *n = 0;
-    return bytes == 0 || send(socket, rows, bytes, MSG_NOSIGNAL) == (ssize_t)bytes;
-}
-
-/* Make the runs of a batch; false if that is this worker's end. */
-static bool make_batch(const pool *p, size_t index, int socket, const task tasks[], size_t n)
-{
-    static sweep_row rows[BATCH];
-    size_t n_rows = 0;
-    double sent = rp_clock();
-    for (size_t i = 0; i < n; i++) {
-        sweep_row *row = &rows[n_rows++];
-        *row = (sweep_row){.run = tasks[i].run};
-        sweep_result_clear(&row->result);
-        const double start = rp_clock();
-        row->status = make(p, &tasks[i], &row->result);
-        const double now = rp_clock();
-        row->seconds = now - start;
-        if (row->status == RP_STOPPED) {
-            n_rows--;
-            give_back(socket, rows, &n_rows);
-            return false;
-        }
-        if (row->status) snprintf(row->result.message, sizeof row->result.message, "%s", rp_message());
-        p->board->made[index]++;
-        if (i + 1 < n && !row->status && now - sent < FLUSH && !p->board->stop) continue;
-        if (!give_back(socket, rows, &n_rows) || p->board->stop) return false;
-        sent = now;
-    }
-    return true;
+    sweep_row row = {.run = t->run};
+    const double start = rp_clock();
+    sweep_result_clear(&row.result);
+    row.status = make(p, t, &row.result);
+    row.seconds = rp_clock() - start;
+    if (row.status == RP_STOPPED) return false;
+    if (row.status) snprintf(row.result.message, sizeof row.result.message, "%s", rp_message());
+    return send(socket, &row, sizeof row, MSG_NOSIGNAL) == (ssize_t)sizeof row && !*p->stop;
 }
 
 /* The life of a worker. It ends when the parent does. */
-static void work(const pool *p, size_t index, int socket)
+static void work(const pool *p, int socket)
 {
     task tasks[BATCH];
     ssize_t n;
+    bool goes_on = true;
     if (isnormal(p->options->memory)) limit_memory(p->options->memory);
-    while ((n = recv(socket, tasks, sizeof tasks, 0)) > 0)
-        if (!make_batch(p, index, socket, tasks, (size_t)n / sizeof *tasks)) break;
+    while (goes_on && (n = recv(socket, tasks, sizeof tasks, 0)) > 0)
+        for (size_t i = 0; goes_on && i < (size_t)n / sizeof *tasks; i++)
+            goes_on = make_row(p, &tasks[i], socket);
     _exit(0);
 }
 
@@ -184,7 +155,6 @@ static rp_status start_worker(const pool *p, worker *w)
 {
     int pair[2];
     pid_t parent = getpid();
-    const size_t made = p->board->made[w - p->workers];
     if (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, pair) != 0)
         return rp_fail(RP_IO, "cannot start a worker: %s", strerror(errno));
     w->pid = fork();
@@ -194,7 +164,7 @@ static rp_status start_worker(const pool *p, worker *w)
         /* the lock, the store and the others' sockets are none of its business */
         if (pair[1] > 3) close_range(3, (unsigned)pair[1] - 1, 0);
         close_range((unsigned)pair[1] + 1, ~0u, 0);
-        work(p, (size_t)(w - p->workers), pair[1]);
+        work(p, pair[1]);
     }
     int why = errno;
     close(pair[1]);
@@ -202,7 +172,7 @@ static rp_status start_worker(const pool *p, worker *w)
         close(pair[0]);
         return rp_fail(RP_IO, "cannot start a worker: %s", strerror(why));
     }
-    *w = (worker){.pid = w->pid, .socket = pair[0], .sent = made, .seen = made};
+    *w = (worker){.pid = w->pid, .socket = pair[0]};
     return RP_OK;
 }
 
@@ -275,25 +245,16 @@ static void put_back(pool *p, task t)
     p->todo[(p->next + p->waiting++) % p->n_todo] = t;
 }
 
-/* The task that a worker is at: those before are made, but their rows have not come back. */
-static size_t at_task(const pool *p, const worker *w)
-{
-    const size_t ahead = p->board->made[w - p->workers] - w->sent;
-    return ahead < w->n ? ahead : w->n - 1;
-}
-
 /* A run failed, and not because of its physics: its worker is ended, and the run is tried again after all
  * others, or stored as `word`. So are the other runs of its batch. */
 static rp_status give_up(pool *p, worker *w, const char *word, const char *cause)
 {
-    const size_t failed = at_task(p, w);
-    task t = w->tasks[failed];
+    task t = w->tasks[0];
     const bool again = strcmp(word, "crashed") == 0 && t.tries + 1 < MOST_TRIES;
     char name[320];
     sweep_row row = {.run = t.run, .seconds = w->elapsed};
     if (w->socket >= 0) end_worker(w);
-    for (size_t i = 0; i < w->n; i++)
-        if (i != failed) put_back(p, w->tasks[i]);
+    for (size_t i = 1; i < w->n; i++) put_back(p, w->tasks[i]);
     w->n = 0;
     if (p->options->report)
         p->options->report(p->options->context, "%s: %s; %s", name_run(p, t.run, name, sizeof name), cause,
@@ -327,12 +288,12 @@ static rp_status take_row(pool *p, worker *w, sweep_row *row)
     char name[320];
     if (row->status == RP_NO_MEMORY) {
         end_worker(w); /* which may be at the next run */
-        p->board->made[w - p->workers] = w->sent;
         return give_up(p, w, "no_memory", row->result.message);
     }
     const task t = w->tasks[0];
     memmove(w->tasks, w->tasks + 1, --w->n * sizeof *w->tasks);
-    w->sent++;
+    w->elapsed = 0.0;
+    w->reported = false;
     if (row->status)
         return rp_fail(row->status, "%s: %s", name_run(p, row->run, name, sizeof name), row->result.message);
     RP_TRY(store_row(p, row));
@@ -342,15 +303,14 @@ static rp_status take_row(pool *p, worker *w, sweep_row *row)
 /* A busy worker has spoken or died: store its runs. */
 static rp_status collect(pool *p, worker *w)
 {
-    static sweep_row rows[BATCH];
-    const ssize_t bytes = recv(w->socket, rows, sizeof rows, 0);
-    if (bytes <= 0) {
-        if (!p->board->stop) return crashed(p, w);
-        end_worker(w);
-        w->n = 0;
-        return RP_OK;
-    }
-    for (size_t i = 0; i < (size_t)bytes / sizeof *rows && w->n > 0; i++) RP_TRY(take_row(p, w, &rows[i]));
+    sweep_row row;
+    ssize_t bytes = 1;
+    while (w->n > 0 && (bytes = recv(w->socket, &row, sizeof row, MSG_DONTWAIT)) > 0)
+        RP_TRY(take_row(p, w, &row));
+    if (bytes > 0 || (bytes < 0 && errno == EAGAIN)) return RP_OK;
+    if (!*p->stop) return crashed(p, w);
+    end_worker(w);
+    w->n = 0;
     return RP_OK;
 }
 
@@ -384,19 +344,7 @@ static void report_slow(const pool *p, worker *w)
     p->options->report(p->options->context,
                        "%s: at work for %.3g s, the median of the others is %.3g s; a limit (--time) ends "
                        "such runs",
-                       name_run(p, w->tasks[at_task(p, w)].run, name, sizeof name), w->elapsed, median(p));
-}
-
-/* How long the worker has been at its run, and how long without processor time. */
-static void measure(const pool *p, worker *w, double passed)
-{
-    const double cpu = cpu_time(w->pid);
-    const size_t made = p->board->made[w - p->workers];
-    w->idle = cpu > w->cpu ? 0.0 : w->idle + passed;
-    w->cpu = cpu;
-    w->elapsed = made == w->seen ? w->elapsed + passed : 0.0;
-    if (made != w->seen) w->reported = false;
-    w->seen = made;
+                       name_run(p, w->tasks->run, name, sizeof name), w->elapsed, median(p));
 }
 
 /* End runs beyond the limit of time, and workers that no longer get on: stopped, or waiting for what never
@@ -411,7 +359,10 @@ static rp_status look_after(pool *p)
     p->last_tick = now;
     for (worker *w = p->workers; !status && w < p->workers + p->n_workers; w++) {
         if (w->n == 0) continue;
-        measure(p, w, passed);
+        const double cpu = cpu_time(w->pid);
+        w->idle = cpu > w->cpu ? 0.0 : w->idle + passed;
+        w->cpu = cpu;
+        w->elapsed += passed;
         report_slow(p, w);
         if (p->options->time > 0.0 && w->elapsed > p->options->time) {
             snprintf(cause, sizeof cause, "ended after %.3g s, the limit of time is %g s", w->elapsed,
@@ -453,7 +404,7 @@ static rp_status stop(pool *p, struct pollfd *polled, int signals)
 {
     const double begin = rp_clock();
     rp_status status = RP_OK;
-    p->board->stop = true;
+    *p->stop = true;
     while (!status && signals < 2 && is_busy(p) && rp_clock() - begin < GRACE)
         status = serve(p, polled, &signals);
     return status || p->finished == p->n_todo
@@ -465,11 +416,10 @@ static rp_status stop(pool *p, struct pollfd *polled, int signals)
 static rp_status run_all(pool *p)
 {
     struct pollfd *polled = calloc(p->n_workers + 1, sizeof *polled);
-    const size_t size = sizeof *p->board + p->n_workers * sizeof *p->board->made;
     int signals = 0;
     p->workers = calloc(p->n_workers, sizeof *p->workers);
-    p->board = mmap(NULL, size, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
-    rp_status status = polled && p->workers && p->board != MAP_FAILED
+    p->stop = mmap(NULL, sizeof *p->stop, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    rp_status status = polled && p->workers && p->stop != MAP_FAILED
                            ? RP_OK
                            : rp_fail(RP_NO_MEMORY, "workers: out of memory");
     for (size_t i = 0; p->workers && i < p->n_workers; i++) p->workers[i].socket = -1;
@@ -482,7 +432,7 @@ static rp_status run_all(pool *p)
     }
     for (size_t i = 0; p->workers && i < p->n_workers; i++)
         if (p->workers[i].socket >= 0) end_worker(&p->workers[i]);
-    if (p->board != MAP_FAILED) munmap(p->board, size);
+    if (p->stop != MAP_FAILED) munmap((void *)p->stop, sizeof *p->stop);
     free(p->workers);
     free(polled);
     return status;

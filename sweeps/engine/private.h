@@ -39,7 +39,6 @@ typedef struct {
     char model[128], hash[33], fixed_json[4096]; /* the last without its closing brace */
     char *text;                   /* of the file; with an experiment it names the folder's copy */
     sweep_experiment *experiment; /* NULL: none */
-    bool has_copy;                /* the folder has one of its file */
     config_t config;              /* owns the texts among the parameters */
 } sweep_plan;
 
@@ -63,8 +62,7 @@ typedef struct {
     double committed, beaten;      /* rp_clock; 0: never */
     bool writes, pending;          /* rows that are not committed yet */
     char path[4096], skipped[256]; /* the latter: shards that no process has made yet */
-    size_t point;                  /* of the parameters, the texts of the latest row */
-    char program[256], parameters[8192];
+    char program[256];             /* of new rows */
 } sweep_store;
 
 enum { SWEEP_FORMAT = 4 }; /* of a store */
@@ -94,6 +92,10 @@ const void *sweep_plan_point(const sweep_plan *plan, size_t point);
  * piles, on seed and replica alone; never on the place in the grid. */
 sweep_stream sweep_plan_stream(const sweep_plan *plan, size_t run);
 
+/* Make a run, as its protocol does. */
+rp_status sweep_plan_run(const sweep_plan *plan, size_t run, const sweep_tables *tables,
+                         sweep_result *result);
+
 /* Key of a run: a hash of parameters, streams and model. And a hash without the model, whose bits may be the
  * same in another one. */
 void sweep_plan_key(const sweep_plan *plan, size_t run, char key[33]);
@@ -117,9 +119,6 @@ char *sweep_store_uri(const char *path, bool reads);
 /* Has a process made a store of this file? A killed one may have left it empty, or a copy broken off. */
 bool sweep_store_is_made(const char *path);
 
-/* Until it is closed, read the store as it is now, whoever writes. */
-rp_status sweep_store_freeze(sweep_store *store);
-
 /* Is every page of this store ("main"), or of an attached one, sound? */
 rp_status sweep_store_verify(sweep_store *store, const char *schema, const char *path);
 
@@ -131,9 +130,6 @@ rp_status sweep_store_check_rows(sweep_store *store, const char *schema, const c
  * Errors: RP_BAD_INPUT if the store belongs to another protocol. */
 rp_status sweep_store_write_plan(sweep_store *store, const sweep_plan *plan, const char *file,
                                  sweep_watch *watch);
-
-/* Errors: RP_BAD_INPUT if the stored plan is not `plan`. */
-rp_status sweep_store_check_plan(sweep_store *store, const sweep_plan *plan);
 
 /* A note of this store ("main") or of an attached one, "" if it has none: protocol, file (name of the sweep
  * file as it was given), seed, replicas, model, plan, beat. Errors: RP_IO, also for a wrong checksum. */
@@ -162,11 +158,12 @@ rp_status sweep_store_visit(sweep_store *store, const sweep_plan *plan,
                             rp_status (*visit)(const sweep_row *row, void *context), void *context);
 
 /* Statements, for store.c, merge.c and reduce.c. A query that cannot be prepared is NULL: its first step
- * fails, and finish says why; query_text frees its text; number is the first column of the first row; columns
- * are those of a row in the order in which it is bound and read, 'none' for an output that this schema of the
- * store, unless NULL, has none of. */
+ * fails, and finish says why; the functions of a text free it; number is the first column of the first row;
+ * columns are those of a row in the order in which it is bound and read, 'none' for an output that this
+ * schema of the store, unless NULL, has none of. */
 rp_status sweep_sql_fail(const sweep_store *store, const char *what);
 rp_status sweep_sql(sweep_store *store, const char *what, const char *format, ...);
+rp_status sweep_sql_text(sweep_store *store, const char *what, sqlite3_str *text);
 sqlite3_stmt *sweep_sql_query(sweep_store *store, const char *sql);
 sqlite3_stmt *sweep_sql_query_text(sweep_store *store, sqlite3_str *text);
 rp_status sweep_sql_finish(sweep_store *store, const char *what, sqlite3_stmt *query);
@@ -200,9 +197,6 @@ rp_status sweep_store_unite(sweep_store *store, const sweep_plan *plan, size_t n
 /* Unite, and add to the store itself what the others have of the plan. */
 rp_status sweep_store_merge(sweep_store *store, const sweep_plan *plan, size_t n, char *const paths[],
                             sweep_merged *found);
-
-/* Mean processor time of the latest rows, s; NaN without a row. */
-rp_status sweep_store_pace(sweep_store *store, double *seconds);
 
 /* Copy the whole rows of a damaged store, and number them. *n is how many there are. Errors: RP_IO. */
 rp_status sweep_store_salvage(sweep_store *store, const sweep_plan *plan, const char *damaged, size_t *n);

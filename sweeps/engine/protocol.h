@@ -39,11 +39,6 @@ typedef struct {
     const void *context;
     bool ledger;             /* the energies with the ledger */
     struct sweep_keep *keep; /* NULL: none. Protocols without snapshots ignore it. */
-    /* For sweep_trace, which sets `keep`: file of the snapshot, NULL: none; processor time from one to the
-     * next, s; of which true asks for one now, and for the run's end. */
-    const char *snapshot;
-    double interval;
-    const volatile bool *stop;
 } sweep_tables;
 
 typedef struct {

@@ -20,7 +20,6 @@ typedef struct {
     FILE *out;
     unsigned what;
     size_t n_outputs;
-    sweep_numbers *numbers; /* may be NULL */
     /* the grid point that is being gathered */
     size_t point, n_rows, n_results;
     rp_tally causes;  /* of those without a result */
@@ -33,11 +32,9 @@ static rp_status note_makers(sweep_store *store, FILE *out)
 {
     sqlite3_stmt *q = sweep_sql_query(
         store, "SELECT program, count(*) FROM runs WHERE run IS NOT NULL GROUP BY program ORDER BY program");
-    while (sqlite3_step(q) == SQLITE_ROW) {
-        const char *program = (const char *)sqlite3_column_text(q, 0);
-        rp_table_note(out, "runs made by", "%s (%lld)", program ? program : "an older version",
+    while (sqlite3_step(q) == SQLITE_ROW)
+        rp_table_note(out, "runs made by", "%s (%lld)", (const char *)sqlite3_column_text(q, 0),
                       sqlite3_column_int64(q, 1));
-    }
     return sweep_sql_finish(store, "read the rows", q);
 }
 
@@ -163,7 +160,6 @@ static rp_status write_columns(const table *t)
                        reduce && k == N_STATISTICS - 1 ? "" : o[i].unit);
     fputs(reduce ? "n, n_failed, failed_for" : "seconds [s]", list);
     fclose(list);
-    for (const char *c = text; t->numbers && c; c = strstr(c + 1, ", ")) t->numbers->n_columns++;
     rp_table_header(t->out, text);
     free(text);
     return RP_OK;
@@ -186,22 +182,6 @@ static void write_parameters(const table *t, size_t point)
         if (!sweep_plan_is_axis(t->plan, p)) write_parameter(t->out, p, values);
 }
 
-/* The last numbers of a row, after its texts. */
-static void keep_numbers(sweep_numbers *s, size_t n, const double values[], size_t texts_after)
-{
-    if (!s) return;
-    if (s->n + s->n_columns > s->room) {
-        s->room = 2 * s->room + 64 * s->n_columns;
-        double *more = rp_arena_memory(s->arena, s->room, sizeof *more);
-        if (s->n) memcpy(more, s->of, s->n * sizeof *more);
-        s->of = more;
-    }
-    for (size_t c = 0; c < s->n_columns; c++) {
-        const size_t first = s->n_columns - texts_after - n;
-        s->of[s->n++] = c >= first && c < first + n ? values[c - first] : NAN;
-    }
-}
-
 static rp_status write_run(const sweep_row *row, void *context)
 {
     const table *t = context;
@@ -212,7 +192,6 @@ static rp_status write_run(const sweep_row *row, void *context)
     memcpy(values, row->result.values, t->n_outputs * sizeof *values);
     values[t->n_outputs] = row->seconds;
     rp_table_row(t->out, t->n_outputs + 1, values);
-    keep_numbers(t->numbers, t->n_outputs + 1, values, 0);
     return RP_OK;
 }
 
@@ -234,7 +213,6 @@ static void write_point(table *t)
         write_parameters(t, t->point);
         rp_tally_text(&t->causes, causes);
         rp_table_row_word(t->out, n, values, causes);
-        keep_numbers(t->numbers, n, values, 1);
     }
     t->n_rows = t->n_results = 0;
     t->causes.n = 0;
@@ -268,16 +246,12 @@ static rp_status write_reduced(table *t, sweep_store *store)
 }
 
 rp_status sweep_export(const char *dir, const sweep_protocol *const *protocols, unsigned what,
-                       const char *command, sweep_counts *counts, sweep_numbers *numbers, FILE *out)
+                       const char *command, sweep_counts *counts, FILE *out)
 {
     RP_ENDS(sweep_folder_close) sweep_folder f;
     sweep_counts unused;
     RP_TRY(sweep_folder_read(dir, protocols, true, &f));
-    table t = {.plan = &f.plan,
-               .out = out,
-               .what = what,
-               .n_outputs = sweep_count_outputs(f.plan.protocol),
-               .numbers = numbers};
+    table t = {.plan = &f.plan, .out = out, .what = what, .n_outputs = sweep_count_outputs(f.plan.protocol)};
     RP_TRY(write_head(&f.plan, f.store, command, counts ? counts : &unused, out));
     RP_TRY(write_columns(&t));
     RP_TRY(what & SWEEP_POINTS ? write_reduced(&t, f.store)

@@ -32,15 +32,22 @@ rp_status sweep_sql_fail(const sweep_store *s, const char *what)
     return rp_fail(RP_IO, "%s: cannot %s: %s", s->path, what, sqlite3_errmsg(s->db));
 }
 
-rp_status sweep_sql(sweep_store *s, const char *what, const char *format, ...)
+rp_status sweep_sql_text(sweep_store *s, const char *what, sqlite3_str *text)
 {
-    va_list args;
-    va_start(args, format);
-    char *sql = sqlite3_vmprintf(format, args);
-    va_end(args);
+    char *sql = sqlite3_str_finish(text);
     int rc = sql ? sqlite3_exec(s->db, sql, NULL, NULL, NULL) : SQLITE_NOMEM;
     sqlite3_free(sql);
     return rc == SQLITE_OK ? RP_OK : sweep_sql_fail(s, what);
+}
+
+rp_status sweep_sql(sweep_store *s, const char *what, const char *format, ...)
+{
+    sqlite3_str *text = sqlite3_str_new(s->db);
+    va_list args;
+    va_start(args, format);
+    sqlite3_str_vappendf(text, format, args);
+    va_end(args);
+    return sweep_sql_text(s, what, text);
 }
 
 sqlite3_stmt *sweep_sql_query(sweep_store *s, const char *sql)
@@ -136,6 +143,8 @@ rp_status sweep_store_open(const char *path, sweep_access access, sweep_store **
     sweep_store *s = *store = calloc(1, sizeof **store);
     if (!s) return rp_fail(RP_NO_MEMORY, "%s: out of memory", path);
     snprintf(s->path, sizeof s->path, "%s", path);
+    snprintf(s->program, sizeof s->program, "repose %s, commit %s, %s", RP_VERSION, rp_build_commit,
+             rp_build_compiler);
     s->writes = access != SWEEP_READ;
     const int flags = SQLITE_OPEN_READWRITE | SQLITE_OPEN_URI | SQLITE_OPEN_NOMUTEX |
                       (access == SWEEP_CREATE ? SQLITE_OPEN_CREATE : 0);
@@ -367,18 +376,6 @@ rp_status sweep_store_write_plan(sweep_store *s, const sweep_plan *plan, const c
     return status;
 }
 
-rp_status sweep_store_check_plan(sweep_store *s, const sweep_plan *plan)
-{
-    char hash[33];
-    RP_TRY(sweep_store_note(s, "main", "plan", hash, sizeof hash));
-    if (strcmp(hash, plan->hash) != 0)
-        return rp_fail(RP_BAD_INPUT,
-                       "%s: the plan is not that of sweep.cfg and this version of the program; "
-                       "plan again with `repose sweep plan` (stored rows are kept)",
-                       s->path);
-    return RP_OK;
-}
-
 /* ---- writing rows ---- */
 
 /* All of a row but its number, as it is stored. */
@@ -404,7 +401,7 @@ static sqlite3_int64 record_sum(const record *r, const sweep_output outputs[])
     const sqlite3_int64 whole[] = {r->seed, r->model, r->pile};
     XXH64_hash_t sum = XXH3_64bits(whole, sizeof whole);
     for (size_t i = 0; i < sizeof texts / sizeof *texts; i++)
-        sum = XXH3_64bits_withSeed(texts[i] ? texts[i] : "", texts[i] ? strlen(texts[i]) : 0, sum + i);
+        sum = XXH3_64bits_withSeed(texts[i], strlen(texts[i]), sum + i);
     sum = hash_value("seconds", r->seconds, sum);
     for (size_t i = 0; outputs[i].name; i++) sum += hash_value(outputs[i].name, r->values[i], 0);
     return (sqlite3_int64)sum;
@@ -448,33 +445,21 @@ static void bind_record(sqlite3_stmt *q, const record *r, size_t run, const swee
     for (size_t i = 0; outputs[i].name; i++) sqlite3_bind_double(q, ++column, r->values[i]); /* NaN: NULL */
 }
 
-/* The texts that all rows of a point have. */
-static void describe(sweep_store *s, const sweep_plan *plan, size_t point)
-{
-    if (!*s->program)
-        snprintf(s->program, sizeof s->program, "repose %s, commit %s, %s", RP_VERSION, rp_build_commit,
-                 rp_build_compiler);
-    else if (point == s->point)
-        return;
-    s->point = point;
-    sweep_plan_parameters(plan, point, s->parameters, sizeof s->parameters);
-}
-
 rp_status sweep_store_insert(sweep_store *s, const sweep_plan *plan, const sweep_row *row)
 {
     if (!s->insert && !(s->insert = sweep_store_query_insert(s, plan->protocol)))
         return sweep_sql_fail(s, "write the store");
     rp_status status = s->pending ? RP_OK : sweep_sql(s, "write the store", "BEGIN IMMEDIATE");
     if (status) return status;
-    char key[33];
+    char key[33], parameters[8192];
     const sweep_stream stream = sweep_plan_stream(plan, row->run);
     sweep_plan_key(plan, row->run, key);
-    describe(s, plan, row->run / plan->replicas);
+    sweep_plan_parameters(plan, row->run / plan->replicas, parameters, sizeof parameters);
     const record r = {.key = key,
                       .status = row->result.status,
                       .message = row->result.message,
                       .program = s->program,
-                      .parameters = s->parameters,
+                      .parameters = parameters,
                       .seconds = row->seconds,
                       .seed = (sqlite3_int64)stream.seed,
                       .model = RP_MODEL_VERSION,
@@ -510,11 +495,6 @@ rp_status sweep_store_tick(sweep_store *s)
 
 /* ---- reading rows ---- */
 
-rp_status sweep_store_freeze(sweep_store *s)
-{
-    return sweep_sql(s, "read the store", "BEGIN");
-}
-
 rp_status sweep_store_verify(sweep_store *s, const char *schema, const char *path)
 {
     char sql[64], text[256];
@@ -532,7 +512,7 @@ rp_status sweep_store_verify(sweep_store *s, const char *schema, const char *pat
 rp_status sweep_store_drop_crashed(sweep_store *s)
 {
     return sweep_sql(s, "write the store",
-                     "DELETE FROM runs WHERE status IN " SWEEP_MACHINE " AND run IS NOT NULL");
+                     "DELETE FROM main.runs WHERE status IN " SWEEP_MACHINE " AND run IS NOT NULL");
 }
 
 rp_status sweep_store_mark(sweep_store *s, size_t n_runs, unsigned char *done)
@@ -544,6 +524,13 @@ rp_status sweep_store_mark(sweep_store *s, size_t n_runs, unsigned char *done)
         if (run < n_runs) done[run / 8] |= (unsigned char)(1u << run % 8);
     }
     return sweep_sql_finish(s, "read the store", q);
+}
+
+/* NaN for NULL and for 'none'. */
+static double column_number(sqlite3_stmt *q, int column)
+{
+    const int type = sqlite3_column_type(q, column);
+    return type == SQLITE_FLOAT || type == SQLITE_INTEGER ? sqlite3_column_double(q, column) : NAN;
 }
 
 rp_status sweep_store_count(sweep_store *s, const sweep_plan *plan, sweep_counts *counts)
@@ -560,21 +547,10 @@ rp_status sweep_store_count(sweep_store *s, const sweep_plan *plan, sweep_counts
         counts->stored += runs;
         if (!rp_is_result(counts->words[i].status)) counts->failed += runs;
     }
-    return sweep_sql_finish(s, "count the rows", q);
-}
-
-/* NaN for NULL and for 'none'. */
-static double column_number(sqlite3_stmt *q, int column)
-{
-    const int type = sqlite3_column_type(q, column);
-    return type == SQLITE_FLOAT || type == SQLITE_INTEGER ? sqlite3_column_double(q, column) : NAN;
-}
-
-rp_status sweep_store_pace(sweep_store *s, double *seconds)
-{
-    sqlite3_stmt *q = sweep_sql_query(
-        s, "SELECT avg(seconds) FROM (SELECT seconds FROM runs ORDER BY rowid DESC LIMIT 1000)");
-    *seconds = sqlite3_step(q) == SQLITE_ROW ? column_number(q, 0) : NAN;
+    RP_TRY(sweep_sql_finish(s, "count the rows", q));
+    q = sweep_sql_query(s,
+                        "SELECT avg(seconds) FROM (SELECT seconds FROM runs ORDER BY rowid DESC LIMIT 1000)");
+    counts->seconds = sqlite3_step(q) == SQLITE_ROW ? column_number(q, 0) : NAN;
     return sweep_sql_finish(s, "read the store", q);
 }
 

@@ -4,6 +4,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -78,24 +79,21 @@ static const char *const names[] = {
     "store.sqlite-shm", "experiment.cfg", "snapshots"};
 enum { N_NAMES = sizeof names / sizeof *names };
 
-/* The sweep's files are the program's own; those of an older version, whose store says so. */
+/* The sweep's files are the program's own. */
 static rp_status claim(const sweep_folder *f, const char *file)
 {
-    char before[256] = "", holds[512];
+    char holds[512];
     RP_ENDS(rp_folder_close) rp_folder folder = {0};
-    struct stat info;
     RP_TRY(rp_make_directory(f->dir));
     RP_TRY(rp_folder_enter(f->dir, &folder));
-    const bool older = !folder.marked && lstat(f->sqlite, &info) == 0 && S_ISREG(info.st_mode);
-    if (older) RP_TRY(sweep_source(f->dir, before));
-    if (!folder.marked && !older) RP_TRY(rp_folder_vacant(&folder, false));
+    if (!folder.marked) RP_TRY(rp_folder_vacant(&folder, false));
     if (folder.marked && !rp_folder_find(&folder, "sweep.cfg"))
         return rp_fail(RP_BAD_INPUT, "%s: holds %s; give another folder", f->dir,
                        *folder.holds ? folder.holds : "an unfinished run");
     const bool snapshots = access(f->snapshots, F_OK) == 0; /* people's, if it was there before */
     for (size_t i = 0; i < (snapshots ? N_NAMES - 1 : N_NAMES); i++) {
-        if (i == N_NAMES - 2 && !f->plan.has_copy) continue;
-        if (!older || (i == 0 && !*before)) RP_TRY(rp_folder_check(&folder, names[i]));
+        if (i == N_NAMES - 2 && !sweep_experiment_text(f->plan.experiment)) continue;
+        RP_TRY(rp_folder_check(&folder, names[i]));
         RP_TRY(rp_folder_list(&folder, names[i], RP_OWN_STAYS));
     }
     snprintf(holds, sizeof holds, "the sweep %s", file);
@@ -116,14 +114,19 @@ static rp_status make_folder(const char *path)
 /* Read the plan of a folder, and open its store. */
 static rp_status open_main(const sweep_protocol *const *protocols, sweep_access access, sweep_folder *folder)
 {
-    char text[32];
+    char text[33];
     RP_TRY(sweep_plan_read(folder->cfg, protocols, &folder->plan));
     RP_TRY(sweep_store_open(folder->sqlite, access, &folder->store));
     RP_TRY(sweep_store_note(folder->store, "main", "replicas", text, sizeof text));
     const size_t replicas = strtoul(text, NULL, 10);
     if (replicas > 0 && replicas != folder->plan.replicas)
         RP_TRY(sweep_plan_replicate(&folder->plan, replicas));
-    RP_TRY(sweep_store_check_plan(folder->store, &folder->plan));
+    RP_TRY(sweep_store_note(folder->store, "main", "plan", text, sizeof text));
+    if (strcmp(text, folder->plan.hash) != 0)
+        return rp_fail(RP_BAD_INPUT,
+                       "%s: the plan is not that of sweep.cfg and this version of the program; "
+                       "plan again with `repose sweep plan` (stored rows are kept)",
+                       folder->sqlite);
     return sweep_store_check_rows(folder->store, "main", folder->sqlite, &folder->plan);
 }
 
@@ -138,7 +141,7 @@ rp_status sweep_folder_read(const char *dir, const sweep_protocol *const *protoc
     if (verify) RP_TRY(sweep_store_verify(store, "main", store->path));
     if (shards.n > 0)
         return sweep_store_unite(store, &folder->plan, shards.n, shards.path, verify, &folder->found);
-    RP_TRY(sweep_store_freeze(store));
+    RP_TRY(sweep_sql(store, "read the store", "BEGIN")); /* as it is now, whoever writes */
     return sweep_store_running(store, "main", &folder->found.running);
 }
 
@@ -173,15 +176,6 @@ rp_status sweep_check_output(const char *dir, const char *path)
     return RP_OK;
 }
 
-static rp_status check_points(const sweep_plan *plan, const char *file, sweep_watch *watch)
-{
-    for (size_t i = 0; i < plan->n_points; i++) {
-        RP_TRY(sweep_plan_check_point(plan, file, i));
-        if (watch) watch("grid points checked", i + 1, plan->n_points);
-    }
-    return RP_OK;
-}
-
 static rp_status write_text(const char *path, const char *text)
 {
     FILE *out;
@@ -197,12 +191,16 @@ rp_status sweep_prepare(const char *file, const char *dir, size_t replicas,
     RP_TRY(name_files(dir, &f));
     RP_TRY(sweep_plan_read(file, protocols, &f.plan));
     if (replicas > 0) RP_TRY(sweep_plan_replicate(&f.plan, replicas));
-    RP_TRY(check_points(&f.plan, file, watch));
+    for (size_t i = 0; i < f.plan.n_points; i++) {
+        RP_TRY(sweep_plan_check_point(&f.plan, file, i));
+        if (watch) watch("grid points checked", i + 1, f.plan.n_points);
+    }
     RP_TRY(claim(&f, file));
     RP_TRY(lock_folder(&f));
     RP_TRY(sweep_store_open(f.sqlite, SWEEP_CREATE, &f.store));
     RP_TRY(sweep_store_write_plan(f.store, &f.plan, file, watch));
-    if (f.plan.has_copy) RP_TRY(write_text(f.experiment, sweep_experiment_text(f.plan.experiment)));
+    const char *experiment = sweep_experiment_text(f.plan.experiment);
+    if (experiment) RP_TRY(write_text(f.experiment, experiment));
     RP_TRY(write_text(f.cfg, f.plan.text));
     return sweep_store_count(f.store, &f.plan, counts);
 }
@@ -278,8 +276,7 @@ rp_status sweep_run(const char *dir, const sweep_protocol *const *protocols, con
     RP_ENDS(sweep_folder_close) sweep_folder f = {.lock = -1};
     size_t *todo, n = 0;
     const bool whole = options->shards == 0;
-    if (options->workers < 1)
-        return rp_fail(RP_BAD_INPUT, "workers = %d: out of range, allowed: [1, inf)", options->workers);
+    RP_TRY(rp_check_range("workers", options->workers, 1.0, DBL_MAX, "[1, inf)"));
     if (!whole && (options->shard < 1 || options->shard > options->shards))
         return rp_fail(RP_BAD_INPUT, "shard = %d/%d: out of range, allowed: 1/%d to %d/%d", options->shard,
                        options->shards, options->shards, options->shards, options->shards);
@@ -342,7 +339,6 @@ rp_status sweep_status(const char *dir, const sweep_protocol *const *protocols, 
     RP_ENDS(sweep_folder_close) sweep_folder f;
     RP_TRY(sweep_folder_read(dir, protocols, false, &f));
     RP_TRY(sweep_store_count(f.store, &f.plan, counts));
-    RP_TRY(sweep_store_pace(f.store, &counts->seconds));
     counts->running = f.found.running;
     return list_shards(&f, counts->shards, sizeof counts->shards);
 }
@@ -415,44 +411,30 @@ static void trace_owner(const sweep_plan *plan, size_t row, const sweep_tables *
     rp_hash_digits(XXH3_128bits(text, strlen(text)), owner);
 }
 
-static rp_status copy_outputs(rp_arena *arena, const sweep_protocol *protocol, const sweep_output **outputs)
+static void free_plan(void *plan)
 {
-    const size_t n = sweep_count_outputs(protocol);
-    sweep_output *copy;
-    RP_NEW(arena, copy, n);
-    for (size_t k = 0; k < n; k++) {
-        copy[k].name = rp_text(arena, "%s", protocol->outputs[k].name);
-        copy[k].unit = rp_text(arena, "%s", protocol->outputs[k].unit);
-        copy[k].meaning = "";
-        if (!copy[k].name || !copy[k].unit) return RP_NO_MEMORY;
-    }
-    *outputs = copy;
-    return RP_OK;
+    sweep_plan_free(plan);
 }
 
 rp_status sweep_trace(const char *file, const sweep_protocol *const *protocols, size_t row,
                       const sweep_tables *tables, rp_arena *arena, const sweep_output **outputs,
                       sweep_result *result)
 {
-    RP_ENDS(sweep_plan_free) sweep_plan plan;
+    sweep_plan *plan;
     char owner[33], why[1024] = "";
-    sweep_keep keep = {
-        .path = tables->snapshot, .key = owner, .interval = tables->interval, .stop = tables->stop};
-    sweep_tables kept = *tables;
-    kept.keep = tables->snapshot ? &keep : NULL;
-    rp_status status = sweep_plan_read(file, protocols, &plan);
-    RP_TRY(status);
-    RP_TRY(copy_outputs(arena, plan.protocol, outputs));
-    if (row >= plan.n_runs)
+    sweep_keep *keep = tables->keep;
+    RP_NEW(arena, plan, 1);
+    rp_arena_keep(arena, plan, free_plan);
+    RP_TRY(sweep_plan_read(file, protocols, plan));
+    *outputs = plan->protocol->outputs;
+    if (row >= plan->n_runs)
         return rp_fail(RP_BAD_INPUT, "row = %zu: out of range, allowed: [0, %zu], the runs of %s", row,
-                       plan.n_runs - 1, file);
-    RP_TRY(sweep_plan_check_point(&plan, file, row / plan.replicas));
-    trace_owner(&plan, row, tables, owner);
-    if (kept.keep) sweep_keep_begin(&keep, true, why, sizeof why);
-    const sweep_stream stream = sweep_plan_stream(&plan, row);
-    status = *why ? rp_fail(RP_BAD_INPUT, "%s; remove this file to start anew", why)
-                  : plan.protocol->run(sweep_plan_point(&plan, row / plan.replicas), stream.seed, stream.run,
-                                       &kept, result);
-    if (kept.keep) sweep_keep_end(&keep, status == RP_OK);
+                       plan->n_runs - 1, file);
+    RP_TRY(sweep_plan_check_point(plan, file, row / plan->replicas));
+    trace_owner(plan, row, tables, owner);
+    if (keep) keep->key = owner, sweep_keep_begin(keep, true, why, sizeof why);
+    const rp_status status = *why ? rp_fail(RP_BAD_INPUT, "%s; remove this file to start anew", why)
+                                  : sweep_plan_run(plan, row, tables, result);
+    if (keep) sweep_keep_end(keep, status == RP_OK);
     return status;
 }

@@ -36,8 +36,8 @@ enum { SWEEP_MAX_WORDS = 32 };
 /* How far a sweep is. A result is a row whose status starts with "ok"; the others are failed. */
 typedef struct {
     size_t points, replicas, planned, stored, failed, n_words;
-    size_t running;    /* stores to which a process writes; of sweep_status alone, as are those below */
     double seconds;    /* of the latest runs, on average; NaN without any */
+    size_t running;    /* stores to which a process writes; of sweep_status alone, as are those below */
     char shards[256];  /* "2,5-7 of 8": those with runs to do; "" without shards, or when all are done */
     char skipped[256]; /* of sweep_run too: stores of shards that are none yet, and were left out */
     struct {
@@ -130,22 +130,15 @@ rp_status sweep_source(const char *dir, char file[256]);
 /* Refuse to write into a file that the sweep itself lives in. Errors: RP_BAD_INPUT. */
 rp_status sweep_check_output(const char *dir, const char *path);
 
-/* The numbers of a table's cells, row by row, NaN where a cell is a text; in an arena. */
-typedef struct {
-    rp_arena *arena;
-    size_t n_columns, n, room;
-    double *of;
-} sweep_numbers;
-
 /* Write a table of what is stored: one row a run or, with SWEEP_POINTS, one row a grid point with mean,
  * standard deviation, standard error, 95 % interval (Student's t) and number of the finite values of each
  * output, over the rows with a result. With SWEEP_PARAMETERS the parameters that all runs share are columns
  * too, "-" for an empty one. `command` is for the header and may be NULL; so may `counts`, of the rows that
- * the table is made of, and `numbers`. sweep_columns: the header alone, before any run, of a sweep's file.
+ * the table is made of. sweep_columns: the header alone, before any run, of a sweep's file.
  * Errors: RP_BAD_INPUT, RP_IO, RP_NO_MEMORY. */
 enum { SWEEP_RUNS = 0, SWEEP_POINTS = 1, SWEEP_PARAMETERS = 2 };
 rp_status sweep_export(const char *dir, const sweep_protocol *const *protocols, unsigned what,
-                       const char *command, sweep_counts *counts, sweep_numbers *numbers, FILE *out);
+                       const char *command, sweep_counts *counts, FILE *out);
 rp_status sweep_columns(const char *file, const sweep_protocol *const *protocols, unsigned what, FILE *out);
 
 /* XXH3-128 over parameters, streams, status and bits of the outputs of all rows in the order of the plan, as
@@ -156,8 +149,9 @@ rp_status sweep_digest(const char *dir, const sweep_protocol *const *protocols, 
                        size_t *n_rows);
 
 /* Make run number `row` of a sweep `file` again, in this process, and leave its tables. Sets *outputs, names
- * and units in an arena, and *result. With tables->snapshot the run resumes from there. Errors: RP_BAD_INPUT
- * (the file, a row it does not have, the snapshot of another run), RP_STOPPED, RP_IO, the protocol's. */
+ * and units in an arena, and *result. With tables->keep, whose path, interval and stop are set, the run
+ * resumes from there. Errors: RP_BAD_INPUT (the file, a row it does not have, the snapshot of another run),
+ * RP_STOPPED, RP_IO, the protocol's. */
 rp_status sweep_trace(const char *file, const sweep_protocol *const *protocols, size_t row,
                       const sweep_tables *tables, rp_arena *arena, const sweep_output **outputs,
                       sweep_result *result);

@@ -278,8 +278,8 @@ static void read_store(size_t n, const char text[])
     put("d/store.sqlite", size < store_size ? size : store_size, bytes);
     FILE *out = fopen("/dev/null", "w");
     if (asks(n, 0)) (void)!sweep_status("d", toys, &counts);
-    if (asks(n, 1)) (void)!sweep_export("d", toys, SWEEP_RUNS, NULL, NULL, NULL, out);
-    if (asks(n, 2)) (void)!sweep_export("d", toys, SWEEP_POINTS, NULL, NULL, NULL, out);
+    if (asks(n, 1)) (void)!sweep_export("d", toys, SWEEP_RUNS, NULL, NULL, out);
+    if (asks(n, 2)) (void)!sweep_export("d", toys, SWEEP_POINTS, NULL, NULL, out);
     if (asks(n, 3)) (void)!sweep_digest("d", toys, digest, &rows);
     fclose(out);
 }

@@ -436,10 +436,9 @@ static const char *separator(const problem *s, const stats_answer *a)
         for (size_t i = 0; i < p && whole; i++) whole = (names[i] = rp_table_column(t, s->name[i])) >= 0;
         for (size_t c = 0; c < (whole ? t->n_columns : 0); c++) {
             RP_SCOPE(arena);
-            const double *cells = t->places[0].numbers;
             double *X, *y, coefficients[STATS_NAMES + 1], covariance[(STATS_NAMES + 1) * (STATS_NAMES + 1)],
                 along = 0.0, power = 0.0, weight2 = 0.0;
-            bool used = !cells;
+            bool used = !s->group[g].source; /* not one of runs */
             for (size_t k = 0; k < s->quest.n_numbers; k++) used |= strcmp(s->number[k].of, t->names[c]) == 0;
             for (size_t i = 0; i < p; i++) used |= names[i] == (int)c;
             for (const char *const *other = (const char *const[]){"run", "replica", "pile", "seconds", NULL};

@@ -20,6 +20,7 @@
 #include "params/units.h"
 #include "dem/scene/text.h"
 #include "experiment/experiment.h"
+#include "sweeps/engine/keep.h"
 #include "sweeps/protocols/protocols.h"
 
 #define RUN_OPTIONS(X)                                                                                       \
@@ -488,14 +489,13 @@ static rp_status run_row(const cli_call *call, const char *path, const run_optio
     RP_TRY(rp_path(call->arena, &stage, "%s/unfinished", o->o));
     RP_TRY(rp_path(call->arena, &snapshot, "%s/snapshot", stage));
     cli_unfinished_stops(o->o, &stopped);
+    sweep_keep keep = {.path = snapshot, .interval = CLI_SNAPSHOT, .stop = &stopped};
     const sweep_tables tables = {.directory = stage,
                                  .every = o->every > 0 ? o->every : 100,
                                  .header = put_origin,
                                  .context = &of,
                                  .ledger = o->ledger,
-                                 .snapshot = snapshot,
-                                 .interval = CLI_SNAPSHOT,
-                                 .stop = &stopped};
+                                 .keep = &keep};
     rp_status status =
         sweep_trace(path, sweep_protocols, (size_t)o->row, &tables, call->arena, &made, &result);
     RP_TRY(cli_unfinished_end(&folder, false, status));

@@ -9,15 +9,6 @@
 
 CLI_OPTIONS(compare, COMPARE_OPTIONS)
 
-/* Piles ordered by mu: mu, theta_r, theta_t. */
-static rp_status read_piles(rp_arena *arena, const rp_table *table, rp_rows *piles)
-{
-    RP_TRY(rp_rows_read(arena, table, "mu,theta_r3_deg,theta_t_displacement_deg",
-                        &(rp_choice){.grouped = true}, piles));
-    for (size_t i = 0; i < piles->n; i++) piles->column[1][i] *= deg, piles->column[2][i] *= deg;
-    return RP_OK;
-}
-
 static void print_compare_header(void)
 {
     static const char *const parts[] = {"theta_t", "diff", "theta_rt", "gain"};
@@ -72,8 +63,10 @@ static void print_comparison(rp_arena *arena, double mu, const ang_comparison *c
 static rp_status compare_table(cli_call *call, rp_table *table, const void *values)
 {
     const compare_options *o = values;
-    rp_rows piles;
-    RP_TRY(read_piles(call->arena, table, &piles));
+    rp_rows piles; /* ordered by mu: mu, theta_r, theta_t */
+    RP_TRY(rp_rows_read(call->arena, table, "mu,theta_r3_deg,theta_t_displacement_deg",
+                        &(rp_choice){.grouped = true}, &piles));
+    for (size_t i = 0; i < piles.n; i++) piles.column[1][i] *= deg, piles.column[2][i] *= deg;
     gsl_rng *rng = cli_random(call, 0);
     cli_table(call, stdout);
     rp_table_note(stdout, "rows", "%zu used, %zu left out", piles.n, table->n_rows - piles.n);

@@ -10,43 +10,24 @@
 
 CLI_OPTIONS(dip, DIP_OPTIONS)
 
-typedef struct {
-    size_t n;
-    double *profiles, *excess;
-    double rays[STRESS_DIP_BINS / 2]; /* mean of both sides and all piles; NaN where the table has none */
-} dip_piles;
-
 #define BIN_NAME(k)  "n_" #k ","
 #define RAYS_NAME(k) "rays_" #k ","
 
-/* Mean profile of rays, if the table has it. */
-static rp_status read_rays(rp_arena *arena, const rp_table *t, dip_piles *p)
+enum { HALF = STRESS_DIP_BINS / 2 };
+
+/* Mean profile of rays over both sides and all piles; NaN where the table has none. */
+static rp_status read_rays(rp_arena *arena, const rp_table *t, double rays[HALF])
 {
     rp_rows rows;
-    for (int k = 0; k < STRESS_DIP_BINS / 2; k++) p->rays[k] = NAN;
+    for (int k = 0; k < HALF; k++) rays[k] = NAN;
     if (rp_table_column(t, "rays_01") < 0) return RP_OK;
     RP_TRY(rp_rows_read(arena, t, STRESS_DIP_BIN_LIST(RAYS_NAME) "excess", &(rp_choice){0}, &rows));
-    for (int k = 0; k < STRESS_DIP_BINS / 2; k++) {
-        p->rays[k] = 0.0;
+    for (int k = 0; k < HALF; k++) {
+        rays[k] = 0.0;
         for (size_t i = 0; i < rows.n; i++)
-            p->rays[k] +=
-                0.5 *
-                (rows.column[STRESS_DIP_BINS / 2 - 1 - k][i] + rows.column[STRESS_DIP_BINS / 2 + k][i]) /
-                (double)rows.n;
+            rays[k] += 0.5 * (rows.column[HALF - 1 - k][i] + rows.column[HALF + k][i]) / (double)rows.n;
     }
     return RP_OK;
-}
-
-static rp_status read_piles(rp_arena *arena, const rp_table *t, dip_piles *p)
-{
-    rp_rows rows;
-    RP_TRY(rp_rows_read(arena, t, STRESS_DIP_BIN_LIST(BIN_NAME) "excess", &(rp_choice){0}, &rows));
-    p->n = rows.n;
-    p->profiles = rp_arena_memory(arena, rows.n * STRESS_DIP_BINS, sizeof *p->profiles);
-    p->excess = rows.column[STRESS_DIP_BINS];
-    for (size_t i = 0; i < rows.n * STRESS_DIP_BINS; i++)
-        p->profiles[i] = rows.column[i % STRESS_DIP_BINS][i / STRESS_DIP_BINS];
-    return read_rays(arena, t, p);
 }
 
 static void print_dip(rp_arena *arena, const stress_dips *d, const dip_options *o, const char *failed)
@@ -61,27 +42,27 @@ static void print_dip(rp_arena *arena, const stress_dips *d, const dip_options *
                  e->lo, e->hi);
 }
 
-static void print_profile(const stress_dips *d, const dip_piles *p)
-{
-    rp_table_header(stdout, "distance [B], N [mean], N_se [mean], rays [mean]");
-    for (int k = 0; k < STRESS_DIP_BINS / 2; k++)
-        CLI_ROW((k + 0.5) / STRESS_DIP_BINS, d->N[k], d->N_se[k], p->rays[k]);
-}
-
 static rp_status dip_of_table(cli_call *call, rp_table *table, const void *values)
 {
     const dip_options *o = values;
-    dip_piles piles;
+    rp_rows piles;
     stress_dips dips;
-    RP_TRY(read_piles(call->arena, table, &piles));
-    RP_TRY(rp_prefix(stress_dip_ensemble(piles.n, piles.profiles, piles.excess, o->margin, &dips),
+    double rays[HALF];
+    RP_TRY(rp_rows_read(call->arena, table, STRESS_DIP_BIN_LIST(BIN_NAME) "excess", &(rp_choice){0}, &piles));
+    double *profiles = rp_arena_memory(call->arena, piles.n * STRESS_DIP_BINS, sizeof *profiles);
+    for (size_t i = 0; i < piles.n * STRESS_DIP_BINS; i++)
+        profiles[i] = piles.column[i % STRESS_DIP_BINS][i / STRESS_DIP_BINS];
+    RP_TRY(read_rays(call->arena, table, rays));
+    RP_TRY(rp_prefix(stress_dip_ensemble(piles.n, profiles, piles.column[STRESS_DIP_BINS], o->margin, &dips),
                      "%s: ", table->path));
     cli_table(call, stdout);
     rp_table_note(stdout, "rows", "%zu used, %zu left out", piles.n, table->n_rows - piles.n);
-    if (o->profile)
-        print_profile(&dips, &piles);
-    else
+    if (!o->profile) {
         print_dip(call->arena, &dips, o, cli_failed(call->arena, table, NULL, 0, NULL, NULL));
+        return RP_OK;
+    }
+    rp_table_header(stdout, "distance [B], N [mean], N_se [mean], rays [mean]");
+    for (int k = 0; k < HALF; k++) CLI_ROW((k + 0.5) / STRESS_DIP_BINS, dips.N[k], dips.N_se[k], rays[k]);
     return RP_OK;
 }
 

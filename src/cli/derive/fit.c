@@ -18,12 +18,6 @@ enum { SCALE_LINEAR, SCALE_LOG };
 
 CLI_OPTIONS(fit, FIT_OPTIONS)
 
-static void note_rows(const rp_rows *rows)
-{
-    rp_table_note(stdout, "rows", "%zu used, %zu left out for nan, %zu outside the range of x", rows->n,
-                  rows->n_nan, rows->n_outside);
-}
-
 static rp_status take_logarithms(const rp_table *t, size_t n, double v[], const char *name)
 {
     for (size_t i = 0; i < n; i++) {
@@ -71,7 +65,8 @@ static rp_status fit_table(cli_call *call, rp_table *table, const void *values)
     double range[2];
     const char *failed = cli_failed(call->arena, table, NULL, 0, o->x, choice.range);
     cli_table(call, stdout);
-    note_rows(&rows);
+    rp_table_note(stdout, "rows", "%zu used, %zu left out for nan, %zu outside the range of x", rows.n,
+                  rows.n_nan, rows.n_outside);
     gsl_stats_minmax(&range[0], &range[1], x, 1, rows.n);
     rp_status status = logarithms ? take_logarithms(table, rows.n, x, o->x) : RP_OK;
     if (logarithms && !status) status = take_logarithms(table, rows.n, y, o->y);

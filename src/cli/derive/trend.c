@@ -96,16 +96,6 @@ static void print_size(rp_arena *arena, const stats_trend *t, double p_holm, con
                  t->slope.se, lo[1], hi[1], stats_contrast_p(&t->slope), p_holm, stats_contrast_p(&t->bend));
 }
 
-static rp_status print_header(const cli_call *call, const rp_table *t, const rows *r, const trend_options *o,
-                              const char *columns)
-{
-    cli_table(call, stdout);
-    rp_table_note(stdout, "rows", "%zu used, %zu without result, %zu with nan, %zu outside the range of x",
-                  r->of.n, r->of.n_failed, r->of.n_nan, r->of.n_outside);
-    if (*r->x_words) rp_table_note(stdout, "words", "%s", r->x_words);
-    return rp_header_by(t, o->by, columns);
-}
-
 /* A trend, or a limit of infinite size, which is the trend in 1/x. */
 static rp_status fit_group(const rows *r, size_t g, const trend_options *o, bool size, stats_trend *t)
 {
@@ -137,7 +127,11 @@ static rp_status fit_groups(const cli_call *call, const rp_table *t, const rows 
     }
     if (with_result == 0) return status;
     stats_holm(n_groups, p, p_holm);
-    RP_TRY(print_header(call, t, r, o, size ? SIZE_COLUMNS : TREND_COLUMNS));
+    cli_table(call, stdout);
+    rp_table_note(stdout, "rows", "%zu used, %zu without result, %zu with nan, %zu outside the range of x",
+                  r->of.n, r->of.n_failed, r->of.n_nan, r->of.n_outside);
+    if (*r->x_words) rp_table_note(stdout, "words", "%s", r->x_words);
+    RP_TRY(rp_header_by(t, o->by, size ? SIZE_COLUMNS : TREND_COLUMNS));
     for (size_t g = 0; g < n_groups; g++) {
         if (*r->groups.words[g]) printf("%s\t", r->groups.words[g]);
         const char *failed = cli_failed(call->arena, t, &r->groups, g, o->x, (double[]){o->from, o->to});
