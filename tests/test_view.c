@@ -1125,13 +1125,13 @@ static void test_sweep_progress(void)
     for (int k = 0; k < 2; k++) {
         FILE *file = tmpfile();
         char text[2048] = "";
-        bool drawn;
+        cli_progress progress;
         sweep_options options = {0};
         const bool ready = k == 0 || (terminal >= 0 && grantpt(terminal) == 0 && unlockpt(terminal) == 0);
         CU_ASSERT_FATAL(file && ready);
         const int slave = k == 0 ? dup(fileno(file)) : open(ptsname(terminal), O_RDWR | O_NOCTTY);
         dup2(slave, STDERR_FILENO);
-        cli_sweep_progress(&options, false, &drawn);
+        cli_sweep_progress(&options, false, &progress);
         for (int i = 0; i < SHOWN; i++) options.watch(&shown[i], options.context);
         dup2(kept, STDERR_FILENO);
         if (k == 0) rewind(file);
@@ -1139,7 +1139,7 @@ static void test_sweep_progress(void)
             got = read(k == 0 ? fileno(file) : terminal, text + used, sizeof text - 1 - (size_t)used);
         close(slave);
         fclose(file);
-        CU_ASSERT(drawn == (k == 1));
+        CU_ASSERT(progress.drawn == (k == 1));
         if (k == 0)
             CU_ASSERT_STRING_EQUAL(text, "repose sweep: 2 of 30 runs, 1 failed, 1:15 left\n"
                                          "repose sweep: 15 of 30 runs, 2 failed, 1:01:01 left\n");

@@ -9,11 +9,11 @@
 
 rp_status cli_sweep_run(const char *dir, sweep_options options, bool quiet, sweep_counts *counts)
 {
-    bool drawn;
+    cli_progress progress;
     if (options.workers < 1) options.workers = (int)sysconf(_SC_NPROCESSORS_ONLN);
-    cli_sweep_progress(&options, quiet, &drawn);
+    cli_sweep_progress(&options, quiet, &progress);
     rp_status status = sweep_run(dir, sweep_protocols, &options, counts);
-    if (drawn) fputc('\n', stderr);
+    if (progress.drawn) fputc('\n', stderr);
     return status;
 }
 

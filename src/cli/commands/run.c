@@ -275,7 +275,7 @@ static void show_progress(const scene_run *r, cli_progress *p)
     const double now = rp_clock();
     if (!r->exp)
         cli_progress_show(p, now, dem_step(r->sim), stderr);
-    else if (is_done(r) || cli_progress_due(p, now))
+    else
         cli_progress_tell(p, now, is_done(r) ? NULL : exp_where(r->exp, text, sizeof text), stderr);
 }
 
