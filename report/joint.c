@@ -1,5 +1,5 @@
 /* The command `joint`: several published numbers together, against each choice that a paper leaves open. */
-#include "cli/command.h"
+#include "cli/cli.h"
 #include "report/pages.h"
 
 #include <math.h>

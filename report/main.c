@@ -1,5 +1,5 @@
 /* The program `report`: what two papers claim, what our tables say of each claim, and pages of both. */
-#include "cli/command.h"
+#include "cli/cli.h"
 #include "report/pages.h"
 
 #include <math.h>

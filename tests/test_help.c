@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "cli/command.h"
+#include "cli/cli.h"
 #include "params/units.h"
 #include "core/version.h"
 #include "dem/scene/scene.h"

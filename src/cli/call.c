@@ -1,14 +1,11 @@
-/* What a command was called with; see call.h. */
-#include "cli/call.h"
+/* What a command was called with; see cli.h. */
+#include "cli/cli.h"
 
 #include <limits.h>
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
-#include "table/columns.h"
-#include "core/file.h"
 #include "core/random.h"
 #include "params/units.h"
 
@@ -85,18 +82,6 @@ const char *cli_data(rp_arena *arena, const char *name)
     return found ? found : name;
 }
 
-rp_status cli_tables_read(const cli_call *call, rp_table **table, size_t *n_first)
-{
-    RP_TRY(rp_table_load(call->arena, cli_data(call->arena, cli_argument(call, 0)), table));
-    if (n_first) *n_first = (*table)->n_rows;
-    for (int i = 1; i < call->n_arguments; i++) {
-        rp_table *more;
-        RP_TRY(rp_table_load(call->arena, cli_data(call->arena, cli_argument(call, i)), &more));
-        RP_TRY(rp_table_append(*table, more));
-    }
-    return RP_OK;
-}
-
 /* ---- the table that is printed ---- */
 
 void cli_provenance(const cli_call *call, FILE *out)
@@ -113,35 +98,4 @@ void cli_table(const cli_call *call, FILE *out)
         if (p->type != RP_TEXT && p->type != RP_TEXTS)
             rp_table_note(out, p->name, "%s%s%s", rp_params_text(p, call->values, text, sizeof text),
                           *p->unit ? " " : "", rp_unit(p->unit));
-}
-
-/* ---- positions ---- */
-
-/* Read "0.1,0.25,..." */
-static rp_status read_positions(rp_arena *arena, const char *text, double **x, size_t *n)
-{
-    *n = 1;
-    for (const char *p = text; *p; p++) *n += *p == ',';
-    *x = rp_arena_memory(arena, *n, sizeof **x);
-    for (size_t i = 0; i < *n; i++) {
-        char *end;
-        (*x)[i] = strtod(text, &end);
-        if (end == text || (*end && *end != ',') || !isfinite((*x)[i]))
-            return rp_fail(RP_BAD_INPUT, "--at: \"%.40s\": numbers separated by commas expected", text);
-        if ((*x)[i] < 0 || (*x)[i] > 1)
-            return rp_fail(RP_BAD_INPUT, "--at: x/B = %.15g: out of range, allowed: [0, 1]", (*x)[i]);
-        text = end + (*end == ',');
-    }
-    return RP_OK;
-}
-
-rp_status cli_positions(rp_arena *arena, long points, const char *at, double **x, size_t *n)
-{
-    const bool listed = strcmp(at, "auto") != 0;
-    if (listed && points > 0) return rp_fail(RP_USAGE, "give --points or --at, not both");
-    if (listed) return read_positions(arena, at, x, n);
-    *n = points > 0 ? (size_t)points : 201;
-    *x = rp_arena_memory(arena, *n, sizeof **x);
-    for (size_t i = 0; i < *n; i++) (*x)[i] = (double)i / (double)(*n - 1);
-    return RP_OK;
 }

@@ -1,6 +1,9 @@
-/* From the words of a command line to the command; see command.h. */
-#include "cli/command.h"
+/* From the words of a command line to the command, and the main function of a program of commands; see cli.h.
+ */
+#include "cli/cli.h"
 
+#include <gsl/gsl_errno.h>
+#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -54,13 +57,25 @@ void cli_sources(cli_call *call, const rp_table *table)
         call->lineage = rp_text(call->arena, "%s# source: %s\n", call->lineage ? call->lineage : "", n);
 }
 
+/* The tables of all arguments as one. */
+static rp_status read_tables(const cli_call *call, rp_table **table)
+{
+    RP_TRY(rp_table_load(call->arena, cli_data(call->arena, cli_argument(call, 0)), table));
+    for (int i = 1; i < call->n_arguments; i++) {
+        rp_table *more;
+        RP_TRY(rp_table_load(call->arena, cli_data(call->arena, cli_argument(call, i)), &more));
+        RP_TRY(rp_table_append(*table, more));
+    }
+    return RP_OK;
+}
+
 static rp_status act(cli_call *call, rp_table *table)
 {
     const cli_command *command = call->command;
     if (!command->on_table) return command->act(call, call->values);
     const rp_param *where = rp_params_find(call->options, "where");
     if (!table) {
-        RP_TRY(cli_tables_read(call, &table, NULL));
+        RP_TRY(read_tables(call, &table));
         cli_sources(call, table);
     }
     const rp_texts *conditions = where ? value_of(call, where) : NULL;
@@ -134,4 +149,57 @@ void cli_overview(const cli_program *program, FILE *out)
             RP_VERSION, program->about, program->name, program->name);
     for (const cli_command *const *c = program->commands; *c; c++)
         fprintf(out, "  %-10s %s\n", (*c)->name, (*c)->summary);
+}
+
+/* ---- a program ---- */
+
+static void exhausted(void)
+{
+    fputs("out of memory\n", stderr);
+    exit(RP_NO_MEMORY);
+}
+
+/* "repose run scene.cfg" */
+static char *line_of(rp_arena *arena, const char *name, int argc, char *const argv[])
+{
+    size_t size = strlen(name) + 1;
+    for (int i = 1; i < argc; i++) size += strlen(argv[i]) + 1;
+    char *line = strcpy(rp_arena_memory(arena, size, 1), name), *end = line;
+    for (int i = 1; i < argc; i++) end = stpcpy(stpcpy(end + strlen(end), " "), argv[i]);
+    return line;
+}
+
+static rp_status run(cli_call *call, int argc, char **argv, const char **name)
+{
+    const cli_program *program = call->program;
+    const char *word = argv[1];
+    const cli_command *command = cli_find(program->commands, word);
+    if (command) {
+        *name = word;
+        return cli_run(call, command, argc - 1, argv + 1);
+    }
+    if (strcmp(word, "--help") == 0 || strcmp(word, "-h") == 0)
+        cli_overview(program, stdout);
+    else if (strcmp(word, "--version") == 0 || strcmp(word, "-V") == 0)
+        printf("%s %s (commit %s)\n", program->name, RP_VERSION, rp_build_commit);
+    else
+        return cli_unknown_command(program, word, NULL);
+    return RP_OK;
+}
+
+int cli_main(const cli_program *program, int argc, char **argv)
+{
+    signal(SIGXFSZ, SIG_IGN);    /* a file that reaches the limit of its size is a failed write */
+    gsl_set_error_handler_off(); /* each caller of GSL checks the returned status */
+    rp_arena arena = {.exhausted = exhausted};
+    const char *name = "";
+    cli_call call = {.arena = &arena, .program = program, .line = line_of(&arena, program->name, argc, argv)};
+    if (argc < 2) cli_overview(program, stderr);
+    rp_status status = argc < 2 ? RP_USAGE : run(&call, argc, argv, &name);
+    /* a failed write is an error, and a failure has one message */
+    if (!status) status = rp_file_finish(stdout, "standard output");
+    if (status && argc > 1)
+        fprintf(stderr, "%s%s%s: %s\n", program->name, *name ? " " : "", name, rp_message());
+    rp_arena_release(&arena, NULL);
+    return (int)status;
 }

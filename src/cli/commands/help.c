@@ -2,7 +2,7 @@
  * option lists and schemas. */
 #include <string.h>
 
-#include "cli/command.h"
+#include "cli/cli.h"
 #include "core/version.h"
 #include "dem/scene/scene.h"
 #include "sweeps/engine/experiment.h"

@@ -3,7 +3,7 @@
 #include <libgen.h>
 #include <string.h>
 
-#include "cli/command.h"
+#include "cli/cli.h"
 #include "cli/derive/derive.h"
 #include "cli/progress.h"
 #include "core/folder.h"

@@ -1,5 +1,7 @@
 /* repose lattice, continuum and tent: the analytic models of a pile's forces on its base. */
 #include <math.h>
+#include <stdlib.h>
+#include <string.h>
 
 #include "analytic/analytic.h"
 #include "cli/cli.h"
@@ -89,6 +91,38 @@ const cli_command cmd_lattice = {
                "More than 10000 disks in the base by recursion: take the closed form.",
     .act = write_pile};
 
+/* ---- positions ---- */
+
+/* Read "0.1,0.25,..." */
+static rp_status read_positions(rp_arena *arena, const char *text, double **x, size_t *n)
+{
+    *n = 1;
+    for (const char *p = text; *p; p++) *n += *p == ',';
+    *x = rp_arena_memory(arena, *n, sizeof **x);
+    for (size_t i = 0; i < *n; i++) {
+        char *end;
+        (*x)[i] = strtod(text, &end);
+        if (end == text || (*end && *end != ',') || !isfinite((*x)[i]))
+            return rp_fail(RP_BAD_INPUT, "--at: \"%.40s\": numbers separated by commas expected", text);
+        if ((*x)[i] < 0 || (*x)[i] > 1)
+            return rp_fail(RP_BAD_INPUT, "--at: x/B = %.15g: out of range, allowed: [0, 1]", (*x)[i]);
+        text = end + (*end == ',');
+    }
+    return RP_OK;
+}
+
+/* Values of CLI_POSITIONS as a new array of fractions of the base; points -1, at "auto": not given. */
+static rp_status positions(rp_arena *arena, long points, const char *at, double **x, size_t *n)
+{
+    const bool listed = strcmp(at, "auto") != 0;
+    if (listed && points > 0) return rp_fail(RP_USAGE, "give --points or --at, not both");
+    if (listed) return read_positions(arena, at, x, n);
+    *n = points > 0 ? (size_t)points : 201;
+    *x = rp_arena_memory(arena, *n, sizeof **x);
+    for (size_t i = 0; i < *n; i++) (*x)[i] = (double)i / (double)(*n - 1);
+    return RP_OK;
+}
+
 /* ---- continuum ---- */
 
 #define CONTINUUM_OPTIONS(X)                                                                                 \
@@ -104,7 +138,7 @@ static rp_status write_triangle(cli_call *call, const void *values)
     size_t n = 0;
     double alpha = o->alpha_deg * M_PI / 180;
     RP_TRY(an_continuum_kink(alpha, &x_c));
-    RP_TRY(cli_positions(call->arena, o->points, o->at, &x, &n));
+    RP_TRY(positions(call->arena, o->points, o->at, &x, &n));
     cli_table(call, stdout);
     rp_table_note_number(stdout, "x_c/B", x_c, "");
     rp_table_header(stdout, "x/B, N/(chi*g*B), H/(chi*g*B)");
@@ -149,7 +183,7 @@ static rp_status write_tent(cli_call *call, const void *values)
     size_t n = 0;
     RP_TRY(an_tent(o->outer_deg * M_PI / 180, o->inner_deg * M_PI / 180, o->x1, v));
     RP_TRY(an_profile_set(&tent, v, 5));
-    RP_TRY(cli_positions(call->arena, o->points, o->at, &x, &n));
+    RP_TRY(positions(call->arena, o->points, o->at, &x, &n));
     RP_TRY(an_profile_largest(&tent, &x_most, &most));
     RP_TRY(an_profile_force(&tent, 0.5, &f));
     cli_table(call, stdout);
