@@ -14,16 +14,15 @@ const char *cli_argument(const cli_call *call, int i)
     return i < call->n_arguments ? call->arguments[i] : NULL;
 }
 
-size_t cli_option(const cli_call *call, const char *name)
+void *cli_value(const cli_call *call, const char *name)
 {
-    size_t i = 0;
-    while (strcmp(call->options[i].name, name) != 0) i++;
-    return i;
+    const rp_param *option = rp_params_find(call->options, name);
+    return option ? (char *)call->values + option->offset : NULL;
 }
 
 bool cli_given(const cli_call *call, const char *name)
 {
-    return call->given[cli_option(call, name)];
+    return call->given[rp_params_find(call->options, name) - call->options];
 }
 
 static void free_generator(void *rng)
@@ -33,8 +32,7 @@ static void free_generator(void *rng)
 
 gsl_rng *cli_random(const cli_call *call, unsigned long run)
 {
-    const size_t at = call->options[cli_option(call, "seed")].offset;
-    const long seed = *(const long *)((const char *)call->values + at);
+    const long seed = *(const long *)cli_value(call, "seed");
     return rp_arena_keep(call->arena, rp_random_alloc((unsigned long)seed, run, RP_PURPOSE_BOOTSTRAP),
                          free_generator);
 }

@@ -39,8 +39,9 @@ typedef struct {
 /* Argument number i, NULL beyond their end. */
 const char *cli_argument(const cli_call *call, int i);
 
-/* Index of an option, and whether it was given. The command must have it. */
-size_t cli_option(const cli_call *call, const char *name);
+/* The value of an option, NULL where the command has none; whether it was given, which the command must have.
+ */
+void *cli_value(const cli_call *call, const char *name);
 bool cli_given(const cli_call *call, const char *name);
 
 /* Generator of resamples: stream `run` of the option --seed, which the command must have. */
@@ -188,6 +189,9 @@ rp_status cli_sweep_table(const cli_call *call, const char *dir, unsigned what, 
                           sweep_counts *counts);
 rp_status cli_sweep_export(const cli_call *call, const char *dir, unsigned what, const char *path,
                            sweep_counts *counts);
+
+/* The columns of the table that a sweep's file would make, as a table without rows. */
+rp_status cli_sweep_columns(const cli_call *call, const char *file, unsigned what, rp_table **table);
 
 /* How many runs are planned, stored and missing, and how many have which status. */
 void cli_print_counts(const sweep_counts *counts);

@@ -46,11 +46,6 @@ static rp_status run_group(cli_call *call, const cli_command *group, int argc, c
     return RP_OK;
 }
 
-static const void *value_of(const cli_call *call, const rp_param *option)
-{
-    return (const char *)call->values + option->offset;
-}
-
 void cli_sources(cli_call *call, const rp_table *table)
 {
     for (const char *n = NULL; (n = rp_table_next_note(table, "source", n));)
@@ -73,13 +68,12 @@ static rp_status act(cli_call *call, rp_table *table)
 {
     const cli_command *command = call->command;
     if (!command->on_table) return command->act(call, call->values);
-    const rp_param *where = rp_params_find(call->options, "where");
+    const rp_texts *where = cli_value(call, "where");
     if (!table) {
         RP_TRY(read_tables(call, &table));
         cli_sources(call, table);
     }
-    const rp_texts *conditions = where ? value_of(call, where) : NULL;
-    for (size_t i = 0; where && i < conditions->n; i++) RP_TRY(rp_table_where(table, conditions->items[i]));
+    for (size_t i = 0; where && i < where->n; i++) RP_TRY(rp_table_where(table, where->items[i]));
     return command->on_table(call, table, call->values);
 }
 
@@ -116,7 +110,7 @@ static rp_status act_as_json(cli_call *call)
     size_t size;
     const rp_param *o = rp_params_find(call->options, "o");
     if (o && o->fallback && strcmp(o->fallback, "-") == 0 &&
-        strcmp(*(const char *const *)value_of(call, o), "-") != 0)
+        strcmp(*(const char *const *)cli_value(call, "o"), "-") != 0)
         return rp_fail(RP_USAGE,
                        "--json is of standard output; repose export --to json -o FILE writes a file");
     FILE *memory = open_memstream(&text, &size);
@@ -139,8 +133,8 @@ rp_status cli_run(cli_call *call, const cli_command *command, int argc, char **a
     if (command->group) return run_group(call, command, argc, argv);
     RP_TRY(cli_parse(call, command, argc, argv, &helped));
     if (helped) return RP_OK;
-    const rp_param *json = command->prints_text ? NULL : rp_params_find(call->options, "json");
-    return json && *(const bool *)value_of(call, json) ? act_as_json(call) : act(call, NULL);
+    const bool *json = cli_value(call, "json");
+    return json && *json ? act_as_json(call) : act(call, NULL);
 }
 
 void cli_overview(const cli_program *program, FILE *out)

@@ -296,7 +296,10 @@ rp_status cli_parse(cli_call *call, const cli_command *command, int argc, char *
         if (c == ':')
             return rp_fail(RP_USAGE, "option %s needs a value; see %s %s --help", argv[optind - 1],
                            call->program->name, command->name);
-        status = set_option(call, c < 256 ? cli_option(call, letter + 1) : (size_t)c - 256, optarg);
+        status = set_option(call,
+                            c < 256 ? (size_t)(rp_params_find(call->options, letter + 1) - call->options)
+                                    : (size_t)c - 256,
+                            optarg);
     }
     call->n_arguments = argc - optind;
     call->arguments = argv + optind;

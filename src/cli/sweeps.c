@@ -60,6 +60,18 @@ rp_status cli_sweep_table(const cli_call *call, const char *dir, unsigned what, 
     return RP_OK;
 }
 
+rp_status cli_sweep_columns(const cli_call *call, const char *file, unsigned what, rp_table **table)
+{
+    char *text;
+    size_t size;
+    FILE *out = open_memstream(&text, &size);
+    if (!out) return rp_fail(RP_NO_MEMORY, "%s: out of memory", file);
+    const rp_status status = sweep_columns(file, sweep_protocols, what, out);
+    fclose(out);
+    if (status) return free(text), status;
+    return rp_table_load_text(call->arena, what == SWEEP_POINTS ? "points" : "runs", text, table);
+}
+
 rp_status cli_claim_sweep(const char *directory, const char *file, bool force)
 {
     char sweep[256];

@@ -267,18 +267,6 @@ static rp_status column_of(const problem *s, const rp_table *table, size_t k, in
                                   s->number[k].of, rp_guess_text(&guess));
 }
 
-/* Of the head of a group's table: does it have the columns of its numbers? */
-static rp_status check_columns(const problem *s, size_t g, char *head)
-{
-    rp_table t;
-    int column;
-    rp_status status = rp_table_parse(s->path, head, &t);
-    for (size_t k = 0; k < s->quest.n_numbers && !status; k++)
-        if (s->quest.group[k] == g) status = rp_prefix(column_of(s, &t, k, &column), "%s: ", s->path);
-    rp_table_free(&t);
-    return status;
-}
-
 /* The names that a sweep of the group may have, tried one by one. */
 static rp_status find_names(problem *s, size_t k, const char *path)
 {
@@ -287,21 +275,16 @@ static rp_status find_names(problem *s, size_t k, const char *path)
     double x[STATS_NAMES];
     for (size_t p = 0; p < s->quest.n_names; p++) x[p] = 0.5 * (s->quest.lo[p] + s->quest.hi[p]);
     for (size_t p = 0; p < s->quest.n_names; p++) {
-        char *text = NULL;
-        size_t size;
+        rp_table *table;
+        int column;
         memset(g->has, 0, sizeof g->has);
         g->has[p] = true;
         RP_TRY(write_sweep(s, g, path, 1, x, 1));
-        FILE *columns = open_memstream(&text, &size);
-        if (!columns) return rp_fail(RP_NO_MEMORY, "calibrate: out of memory");
-        const rp_status status = sweep_columns(path, sweep_protocols, SWEEP_RUNS, columns);
-        fclose(columns);
-        has[p] = !status;
-        if (has[p])
-            RP_TRY(check_columns(s, k, text));
-        else
-            free(text);
+        const rp_status status = cli_sweep_columns(s->call, path, SWEEP_RUNS, &table);
         if (status && !strstr(rp_message(), "unknown key")) return status;
+        has[p] = !status;
+        for (size_t n = 0; n < s->quest.n_numbers && has[p]; n++)
+            if (s->quest.group[n] == k) RP_TRY(rp_prefix(column_of(s, table, n, &column), "%s: ", s->path));
     }
     memcpy(g->has, has, sizeof has);
     return RP_OK;

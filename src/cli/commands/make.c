@@ -105,11 +105,9 @@ static const char *describe(const step *s, const rp_param *schema)
             text = rp_text(arena, "%s %s=%s", text, p->name,
                            rp_params_text(p, s->call.values, value, sizeof value));
     }
-    const rp_param *where = rp_params_find(s->call.options, "where");
-    const rp_texts *conditions =
-        where ? (const rp_texts *)((const char *)s->call.values + where->offset) : NULL;
-    for (size_t i = 0; conditions && i < conditions->n; i++)
-        text = rp_text(arena, "%s where=%s", text, conditions->items[i]);
+    const rp_texts *where = cli_value(&s->call, "where");
+    for (size_t i = 0; where && i < where->n; i++)
+        text = rp_text(arena, "%s where=%s", text, where->items[i]);
     return text;
 }
 
@@ -117,22 +115,16 @@ static const char *describe(const step *s, const rp_param *schema)
 static rp_status check_columns(const making *m, const step *s, const rp_param *schema)
 {
     static const char *const names[] = {"x", "y", "se", "by", "column"};
-    char *text;
-    size_t size, n;
+    size_t n;
     rp_table *table;
     int *columns;
     const bool points = strcmp(s->rows, "points") == 0;
     if (!points && strcmp(s->rows, "runs") != 0) return RP_OK;
-    FILE *out = open_memstream(&text, &size);
-    if (!out) return rp_fail(RP_NO_MEMORY, "%s: out of memory", m->file);
-    rp_status status = sweep_columns(m->file, sweep_protocols, points ? SWEEP_POINTS : SWEEP_RUNS, out);
-    fclose(out);
-    if (status) return free(text), status;
-    RP_TRY(rp_table_load_text(s->call.arena, points ? "points" : "runs", text, &table));
+    rp_status status = cli_sweep_columns(&s->call, m->file, points ? SWEEP_POINTS : SWEEP_RUNS, &table);
     for (size_t i = 0; i < N_OF(names) && !status; i++) {
         const rp_param *p = rp_params_find(schema, names[i]);
         if (!p || p->type != RP_TEXT) continue;
-        const char *list = *(const char *const *)((const char *)s->call.values + p->offset);
+        const char *list = *(const char *const *)cli_value(&s->call, names[i]);
         if (strcmp(list, "none") != 0) status = rp_columns(s->call.arena, table, list, &n, &columns);
         if (status) status = rp_config_fail(s->setting, "%s: %s: %s", s->table, p->name, rp_message());
     }
@@ -232,12 +224,6 @@ static rp_status read_model(making *m, const config_setting_t *setting)
     return read_options(m, s, command, others);
 }
 
-/* The option of a call, to be set. */
-static void *value_of(const cli_call *call, const char *name)
-{
-    return (char *)call->values + call->options[cli_option(call, name)].offset;
-}
-
 static rp_status read_trace(making *m, const config_setting_t *setting)
 {
     static const char *const others[] = {"rows", NULL};
@@ -254,8 +240,8 @@ static rp_status read_trace(making *m, const config_setting_t *setting)
         s->call.n_arguments = 1;
         s->call.arguments = rp_arena_memory(m->call->arena, 1, sizeof *s->call.arguments);
         *(const char **)s->call.arguments = m->file;
-        *(long *)value_of(&s->call, "row") = row;
-        *(bool *)value_of(&s->call, "quiet") = true;
+        *(long *)cli_value(&s->call, "row") = row;
+        *(bool *)cli_value(&s->call, "quiet") = true;
     }
     return RP_OK;
 }
@@ -377,8 +363,8 @@ static rp_status make_step(const making *m, const step *s)
     if (s->rows) RP_TRY(load_rows(m, s, &call, &table));
     if (s->stage) RP_TRY(name_piles(m, s, &call));
     if (s->folder) {
-        *(const char **)value_of(&call, "o") = folder;
-        *(bool *)value_of(&call, "force") = is_own_folder(folder, call.line);
+        *(const char **)cli_value(&call, "o") = folder;
+        *(bool *)cli_value(&call, "force") = is_own_folder(folder, call.line);
     }
     RP_TRY(rp_file_open(path, &out));
     rp_status status = cli_act_into(&call, table, out);
