@@ -49,13 +49,6 @@ rp_status report_table(report_tables *tables, const char *name, const rp_table *
 
 /* ---- references ---- */
 
-static rp_status read_conditions(rp_arena *arena, int n, char *const words[], rp_condition **conditions)
-{
-    *conditions = rp_arena_memory(arena, (size_t)n, sizeof **conditions);
-    for (int w = 0; w < n; w++) RP_TRY(rp_condition_read(words[w], &(*conditions)[w]));
-    return RP_OK;
-}
-
 rp_status report_reference_read(rp_arena *arena, const char *text, report_reference **reference)
 {
     const char *less = strstr(text, " less ");
@@ -71,30 +64,19 @@ rp_status report_reference_read(rp_arena *arena, const char *text, report_refere
         r->table = w.word[0];
         r->column = w.word[w.n - 1];
         r->n = (size_t)w.n - 2;
-        RP_TRY(read_conditions(arena, w.n - 2, w.word + 1, &r->conditions));
+        r->conditions = rp_arena_memory(arena, r->n, sizeof *r->conditions);
+        for (size_t i = 0; i < r->n; i++) RP_TRY(rp_condition_read(w.word[i + 1], &r->conditions[i]));
     }
     *reference = first;
     return less ? report_reference_read(arena, less + 6, &first->less) : RP_OK;
-}
-
-static bool *all_rows(rp_arena *arena, const rp_table *table)
-{
-    return memset(rp_arena_memory(arena, table->n_rows, sizeof(bool)), true, table->n_rows);
-}
-
-rp_status report_rows_of(rp_arena *arena, const rp_table *table, int n, char *const words[], bool **rows)
-{
-    rp_condition *conditions;
-    *rows = all_rows(arena, table);
-    RP_TRY(read_conditions(arena, n, words, &conditions));
-    return rp_conditions_mark(table, (size_t)n, conditions, *rows);
 }
 
 rp_status report_rows(report_tables *tables, const report_reference *r, const rp_table **table, bool **rows)
 {
     RP_TRY(report_table(tables, r->table, table));
     if (!*table) return RP_OK;
-    *rows = all_rows(tables->arena, *table);
+    *rows = rp_arena_memory(tables->arena, (*table)->n_rows, sizeof **rows);
+    memset(*rows, true, (*table)->n_rows);
     return rp_conditions_mark(*table, r->n, r->conditions, *rows);
 }
 

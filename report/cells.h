@@ -40,9 +40,8 @@ typedef struct report_reference {
 /* Errors: RP_BAD_INPUT (no column, no condition). */
 rp_status report_reference_read(rp_arena *arena, const char *text, report_reference **reference);
 
-/* Which rows of a table meet these words, each a condition; and which a reference reads, *table NULL where no
- * folder holds it. Errors: RP_BAD_INPUT (no condition, no such column). */
-rp_status report_rows_of(rp_arena *arena, const rp_table *table, int n, char *const words[], bool **rows);
+/* Which rows a reference reads, *table NULL where no folder holds it. Errors: RP_BAD_INPUT (no such
+ * column). */
 rp_status report_rows(report_tables *tables, const report_reference *reference, const rp_table **table,
                       bool **rows);
 

@@ -66,10 +66,8 @@ static rp_status find_number(const report_claims *all, report_claim *c)
     RP_TRY(report_claims_find(all, c->of, &original));
     if (!isnan(c->number.value))
         return rp_fail(RP_BAD_INPUT, "variant %s of %s: a number is published once", c->id, c->of);
-    c->number = original->number;
-    c->published = original->published;
-    c->published_se = original->published_se;
-    c->samples = original->samples;
+    c->number = original->number, c->samples = original->samples;
+    c->published = original->published, c->published_se = original->published_se;
     return RP_OK;
 }
 
@@ -363,13 +361,11 @@ rp_status report_judge(const report_claims *all, report_tables *tables, report_j
 const char *report_count(rp_arena *arena, const report_claims *claims, const report_judged judged[],
                          const char *paper)
 {
-    size_t counts[REPORT_VERDICTS], n = 0;
+    size_t counts[REPORT_VERDICTS] = {0}, n = 0;
     const char *text = "";
-    report_verdict *verdicts = rp_arena_memory(arena, claims->n, sizeof *verdicts);
     for (size_t i = 0; i < claims->n; i++)
         if (!*claims->claims[i].of && strcmp(claims->claims[i].paper, paper) == 0)
-            verdicts[n++] = judged[i].verdict;
-    report_count_verdicts(n, verdicts, counts);
+            counts[judged[i].verdict]++, n++;
     for (report_verdict v = 0; v < REPORT_NO_DATA && n > 0; v++)
         text = rp_text(arena, "%s%s%zu %s", text, v ? ", " : "", counts[v],
                        report_verdict_text(v, strcmp(paper, "ours") == 0));
