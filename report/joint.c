@@ -131,11 +131,9 @@ const cli_command report_joint_command = {
     .name = "joint",
     .summary = "published numbers together, for each choice that a paper leaves open",
     .synopsis = "[options]",
-    .about =
-        "Each row of the table is a choice that the claims do not set, such as the mass of a grain: chi^2 "
-        "of\n"
-        "the published numbers, the shift that all have in common, and what it leaves of chi^2. `n_least`:\n"
-        "piles of the setting that has fewest; `n_failed`: runs without a result.",
+    .about = "Each row of the table is a choice that the claims do not set, such as the mass of a grain: "
+             "chi^2 of the published numbers, the shift that all have in common, and what it leaves of "
+             "chi^2. `n_least`: piles of the setting that has fewest; `n_failed`: runs without a result.",
     .example = "report joint --id lh-five --table lh_choices/points",
     .refuses = "A claim that is no joint one; a table that is not there.",
     .options = joint_params,

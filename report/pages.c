@@ -274,8 +274,7 @@ const cli_command report_page = {
     "page",
     "a text of the report, filled from tables",
     "TEXT [--tables DIR,...] [-o FILE]",
-    "Fill the places {{word ...}} of a text. The row of a table is the one whose cells equal all\n"
-    "key=value.\n"
+    "Fill the places {{word ...}} of a text. The row of a table is the one whose cells equal all key=value.\n"
     "  {{value T k=v COL}}          value +- standard error\n"
     "  {{cell T k=v COL FORMAT}}    the cell itself, in the format given (%.Ng or %.Nf)\n"
     "  {{note T KEY}}               a header line of the table\n"

@@ -253,13 +253,13 @@ const cli_command cmd_bench = {
     "[--n N | --start TABLE] [--width W] [--size-ratio R] [--rotation] [--mu-roll MU] [--state "
     "settled|flowing|sample] [--floor extends|absorbs] [--steps N] [--kernel NAME] [--repeat N] [-j N] [-o "
     "TABLE]",
-    "Fill a square box with grains of Lee & Herrmann's parameters (mu = 0.2; no rotation, unless asked\n"
-    "for), let them settle, and time the simulator on one core: 1e6 particle-steps per second of\n"
-    "processor time, best and median of several runs. An extra run times the phases one after another:\n"
-    "shares of contacts, neighbour lists, integration and walls, and `bound`, the rate without lists\n"
-    "and walls. Numbers of contacts and listed pairs are per grain, at the end. `bytes` is the memory\n"
-    "held per grain, `peak_bytes` what the largest memory of the process has grown by so far. Of a sample a\n"
-    "line above the table has theta_R by method 3; nan: the surface does not fall to one side.",
+    "Fill a square box with grains of Lee & Herrmann's parameters (mu = 0.2; no rotation, unless asked for), "
+    "let them settle, and time the simulator on one core: 1e6 particle-steps per second of processor time, "
+    "best and median of several runs. An extra run times the phases one after another: shares of contacts, "
+    "neighbour lists, integration and walls, and `bound`, the rate without lists and walls. Numbers of "
+    "contacts and listed pairs are per grain, at the end. `bytes` is the memory held per grain, `peak_bytes` "
+    "what the largest memory of the process has grown by so far. Of a sample a line above the table has "
+    "theta_R by method 3; nan: the surface does not fall to one side.",
     "repose bench --n 1600 --state flowing --floor absorbs",
     bench_params,
     .refuses = "More than 100000 grains of its own fill: larger piles come by --start.",

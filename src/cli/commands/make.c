@@ -398,7 +398,7 @@ const cli_command cmd_sweep_make = {
     "sweep make",
     "plan, run, and write all tables of the sweep file",
     "FILE -o DIR [--tables DIR] [-j N] [--mem MB] [--time S] [--replicas N | --study] [--quiet] [--force]",
-    "Plan a sweep, make its missing runs, and write its tables: runs.tsv, points.tsv, one row per grid\n"
+    "Plan a sweep, make its missing runs, and write its tables: runs.tsv, points.tsv, one row per grid "
     "point, and those that settings of the file ask for. All are checked before the first run.\n"
     "\n"
     "  study  = 60;                                   # runs per grid point with --study\n"
@@ -409,12 +409,11 @@ const cli_command cmd_sweep_make = {
     "row_0\n"
     "  model  = ( { table = \"30\"; with = \"continuum\"; alpha_deg = 30.0; } );\n"
     "\n"
-    "with: a command of repose stats, stress or angle that reads a table, for a model pile, tent, continuum\n"
+    "with: a command of repose stats, stress or angle that reads a table, for a model pile, tent, continuum "
     "or lattice (folder = true: the tables of a pile too). rows: runs, points, or an earlier table; where = "
-    "[\"mu=0.2\", \"eps<1e-5\"]: as --where.\n"
-    "of = [\"a\", \"b\"]: the runs of these sweeps, made before, whose folders lie beside DIR. stage = "
-    "\"pile\":\n"
-    "for field and base, the piles of the traces at this stage. A file without a protocol has models alone.",
+    "[\"mu=0.2\", \"eps<1e-5\"]: as --where. of = [\"a\", \"b\"]: the runs of these sweeps, made before, "
+    "whose folders lie beside DIR. stage = \"pile\": for field and base, the piles of the traces at this "
+    "stage. A file without a protocol has models alone.",
     "repose sweep make sweeps/li/tent.cfg -o build/sweeps/tent",
     make_params,
     .refuses =

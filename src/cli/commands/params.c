@@ -197,13 +197,12 @@ const cli_command cmd_params = {
     "params",
     "every parameter of a protocol or scene file, with unit, default and range",
     "[PROTOCOL | scene | experiment | FILE.cfg] [--units WORD]",
-    "Prints the parameters of a sweep's protocol with unit, type, default, range and meaning, and the\n"
-    "protocol's outputs. `scene` prints the keys of a scene file, and what each word of a choice stands\n"
-    "for; `experiment` those of phases and measures, and what expressions may ask for. FILE.cfg: the names\n"
-    "that this file gives, with values, units and ranges, and the columns that it measures. Without an "
-    "argument, everything is printed. With --json, each parameter, key and output is an\n"
-    "object of `rows`, with the members of, kind, name, unit, type, default, range and meaning; \"-\"\n"
-    "stands for none.",
+    "Prints the parameters of a sweep's protocol with unit, type, default, range and meaning, and the "
+    "protocol's outputs. `scene` prints the keys of a scene file, and what each word of a choice stands for; "
+    "`experiment` those of phases and measures, and what expressions may ask for. FILE.cfg: the names that "
+    "this file gives, with values, units and ranges, and the columns that it measures. Without an argument, "
+    "everything is printed. With --json, each parameter, key and output is an object of `rows`, with the "
+    "members of, kind, name, unit, type, default, range and meaning; \"-\" stands for none.",
     "repose params repose",
     params_params,
     .refuses = "A name that is no protocol; the message names the nearest one.",
