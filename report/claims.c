@@ -5,8 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "report/lineage.h"
-
 /* What each test needs: a table that answers, a published number, `against`, a margin; what decides it. */
 enum { BY_WORD, BY_DIFFERENCE, BY_SIDE, BY_BOUND, BY_CHANGE };
 static const struct {

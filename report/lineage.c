@@ -1,5 +1,5 @@
-/* Runs behind a claim, and those without a result; see lineage.h. */
-#include "report/lineage.h"
+/* Runs behind a claim, and those without a result; see cells.h. */
+#include "report/cells.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -8,7 +8,6 @@
 #include <unistd.h>
 
 #include "core/file.h"
-#include "report/lineage.h"
 
 #define PAGE_OPTIONS(X)                                                                                      \
     REPORT_OPTIONS(X)                                                                                        \

@@ -176,9 +176,6 @@ const char *cli_option_text(const rp_param *option, char *text, size_t size);
 const char *cli_dashes(const rp_param *option);
 const char *cli_own_name(const cli_command *command);
 
-/* Warn of the g of SI among values in cgs, of a file whose units have been read. */
-void cli_warn_gravity(const char *path, double g);
-
 /* sweep_run with these options, workers below 1: one per processor; its progress unless `quiet`, and
  * a line for each run that fails. */
 rp_status cli_sweep_run(const char *dir, sweep_options options, bool quiet, sweep_counts *counts);
@@ -195,9 +192,6 @@ rp_status cli_sweep_columns(const cli_call *call, const char *file, unsigned wha
 
 /* How many runs are planned, stored and missing, and how many have which status. */
 void cli_print_counts(const sweep_counts *counts);
-
-/* As sweep_check_whole, of a table that was written without the runs that lack. */
-rp_status cli_check_whole(const char *dir, const sweep_counts *counts);
 
 /* May this sweep's file be planned in the folder? Not over another sweep, unless by `force`. Errors:
  * RP_BAD_INPUT; RP_IO. */

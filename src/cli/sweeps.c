@@ -5,7 +5,6 @@
 #include "cli/cli.h"
 #include "cli/progress.h"
 #include "params/config.h"
-#include "params/units.h"
 
 rp_status cli_sweep_run(const char *dir, sweep_options options, bool quiet, sweep_counts *counts)
 {
@@ -28,11 +27,6 @@ void cli_print_counts(const sweep_counts *counts)
     rp_table_columns(stdout, 2, (const char *const[][2]){{"status", ""}, {"runs", ""}});
     for (size_t i = 0; i < counts->n_words; i++)
         printf("%s\t%zu\n", counts->words[i].status, counts->words[i].runs);
-}
-
-rp_status cli_check_whole(const char *dir, const sweep_counts *counts)
-{
-    return rp_prefix(sweep_check_whole(dir, counts), "the table is not whole: ");
 }
 
 rp_status cli_sweep_export(const cli_call *call, const char *dir, unsigned what, const char *path,
@@ -82,12 +76,4 @@ rp_status cli_claim_sweep(const char *directory, const char *file, bool force)
         RP_BAD_INPUT,
         "%s: holds the sweep %s; give another folder, or --force to plan %s there (stored runs are kept)",
         directory, sweep, file);
-}
-
-void cli_warn_gravity(const char *path, double g)
-{
-    if (rp_units_now() == RP_CGS && g > 9.7 && g < 9.9)
-        fprintf(stderr,
-                "repose: warning: %s: g = %g among values in cm, g and s; give units = \"si\", or g = %g\n",
-                path, g, 100.0 * g);
 }

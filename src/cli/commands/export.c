@@ -52,7 +52,7 @@ static rp_status export_table(const cli_call *call, const char *source, const ex
     RP_TRY(export_open(o->o, &e));
     rp_status status = (o->to == TO_CSV ? export_csv : export_json)(t, n, columns, e.out);
     RP_TRY(export_close(&e, status));
-    return cli_check_whole(source, &counts);
+    return rp_prefix(sweep_check_whole(source, &counts), "the table is not whole: ");
 }
 
 static rp_status export_grains(const cli_call *call, const char *source, const export_options *o)

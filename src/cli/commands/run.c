@@ -568,6 +568,15 @@ static rp_status hash_scene(const scene_run *r, XXH128_hash_t *hash)
     return RP_OK;
 }
 
+/* Of the g of SI among values in cgs, of a file whose units have been read. */
+static void warn_gravity(const char *path, double g)
+{
+    if (rp_units_now() == RP_CGS && g > 9.7 && g < 9.9)
+        fprintf(stderr,
+                "repose: warning: %s: g = %g among values in cm, g and s; give units = \"si\", or g = %g\n",
+                path, g, 100.0 * g);
+}
+
 static rp_status read_text(const char *path, scene_run *r)
 {
     dem_scene *scene = &r->scene;
@@ -580,7 +589,7 @@ static rp_status read_text(const char *path, scene_run *r)
         RP_TRY(dem_text_scene(&r->text, scene));
     }
     if (*scene->unused) fprintf(stderr, "repose run: particles_file: not used:%s\n", scene->unused);
-    cli_warn_gravity(path, hypot(scene->def.gravity[0], scene->def.gravity[1]));
+    warn_gravity(path, hypot(scene->def.gravity[0], scene->def.gravity[1]));
     if (r->o->ledger) scene->def.ledger = true;
     return RP_OK;
 }

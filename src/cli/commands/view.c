@@ -7,7 +7,6 @@
 #include <unistd.h>
 
 #include "cli/cli.h"
-#include "view/gnuplot.h"
 #include "view/view.h"
 
 #define VIEW_OPTIONS(X)                                                                                      \
