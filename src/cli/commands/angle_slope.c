@@ -52,13 +52,6 @@ static rp_status refuse_several_steps(const rp_table *table)
     return RP_OK;
 }
 
-/* A height above the ground instead of a row of a picture. */
-static void turn_over(size_t n, double y[], double diameter)
-{
-    const double lowest = gsl_stats_max(y, 1, n);
-    for (size_t i = 0; i < n; i++) y[i] = lowest - y[i] + 0.5 * diameter;
-}
-
 /* A table does not tell whether its surface falls to the left or its y points down. */
 static void warn_negative(const cli_call *call, const ang_slope slopes[ANG_N_METHODS])
 {
@@ -150,7 +143,9 @@ static rp_status slope_of_table(cli_call *call, rp_table *table, const void *val
     RP_TRY(read_grains(call->arena, table, o, &with_r, &block));
     const size_t n = table->n_rows;
     if (box) RP_TRY(choose_cell(o, table, block, with_r, &cell, &origin));
-    if (o->y_axis) turn_over(n, block + n, box ? cell : 0.0);
+    /* a height above the ground instead of a row of a picture */
+    const double lowest = gsl_stats_max(block + n, 1, n), above = box ? 0.5 * cell : 0.0;
+    for (size_t i = n; i < 2 * n && o->y_axis; i++) block[i] = lowest - block[i] + above;
     for (size_t i = 0; i < n && !box && o->height == ANG_TOP; i++) block[n + i] += block[2 * n + i];
     rp_status status = box ? slope_of_box(n, block, with_r, o, cell, &pile)
                            : ang_pile_find(n, block, block + n, (double[]){o->from, o->to}, &pile);

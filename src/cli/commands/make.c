@@ -50,25 +50,18 @@ static const char *text_of(const config_setting_t *group, const char *key)
     return text;
 }
 
-/* Options that a setting cannot have: where the table goes is settled. */
-static bool is_settled(const char *name)
-{
-    static const char *const names[] = {"o", "force", "quiet", "j", "set", "resume", "dump", "snapshot"};
-    size_t i = 0;
-    while (i < N_OF(names) && strcmp(names[i], name) != 0) i++;
-    return i < N_OF(names);
-}
-
 /* The options of the command, their names as in a file, and which of them the setting has. */
 static rp_param *schema_of(step *s)
 {
+    /* where the table goes is settled, and conditions are a list */
+    static const char settled[] = "|o|force|quiet|j|set|resume|dump|snapshot|where|";
     cli_call *call = &s->call;
     rp_param *schema = rp_arena_memory(call->arena, call->n_own, sizeof *schema), *to = schema;
     for (size_t i = 0; i < call->n_own; i++) {
         char *name = rp_text(call->arena, "%s", call->options[i].name);
         for (char *c = name; (c = strchr(c, '-'));) *c = '_';
         call->given[i] = config_setting_get_member(s->setting, name) != NULL;
-        if (is_settled(name) || strcmp(name, "where") == 0) continue;
+        if (strstr(settled, rp_text(call->arena, "|%s|", name))) continue;
         *to = call->options[i];
         to++->name = name;
     }
@@ -267,16 +260,6 @@ static rp_status export_to(const making *m, const char *name, unsigned what)
     return cli_sweep_export(m->call, m->o->o, what, path, NULL);
 }
 
-/* "lh3: 80 runs: 78 ok, 2 not_at_rest" */
-static void print_summary(const char *name, const sweep_counts *counts)
-{
-    printf("%s: %zu runs", name, counts->stored);
-    for (size_t i = 0; i < counts->n_words; i++)
-        printf("%s %zu %s", i ? "," : ":", counts->words[i].runs, counts->words[i].status);
-    putchar('\n');
-    fflush(stdout); /* before what is told of tables */
-}
-
 static rp_status make_runs(const making *m)
 {
     const make_options *o = m->o;
@@ -287,7 +270,13 @@ static rp_status make_runs(const making *m)
     RP_TRY(cli_claim_sweep(o->o, m->file, o->force));
     RP_TRY(sweep_prepare(m->file, o->o, replicas, sweep_protocols, cli_watch(o->quiet), &counts));
     const rp_status status = cli_sweep_run(o->o, options, o->quiet, &counts);
-    if (!status || status == RP_NO_RESULT) print_summary(m->recipe.name, &counts);
+    if (!status || status == RP_NO_RESULT) { /* "lh3: 80 runs: 78 ok, 2 not_at_rest" */
+        printf("%s: %zu runs", m->recipe.name, counts.stored);
+        for (size_t i = 0; i < counts.n_words; i++)
+            printf("%s %zu %s", i ? "," : ":", counts.words[i].runs, counts.words[i].status);
+        putchar('\n');
+        fflush(stdout); /* before what is told of tables */
+    }
     RP_TRY(status);
     RP_TRY(export_to(m, "runs", SWEEP_RUNS));
     return export_to(m, "points", SWEEP_POINTS);

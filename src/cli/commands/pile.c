@@ -37,25 +37,17 @@ typedef struct {
 
 /* ---- Outlines ---- */
 
-static rp_status read_outline(rp_arena *arena, const char *path, an_point **v, size_t *n)
-{
-    double *block;
-    RP_TRY(rp_columns_read_file(arena, path, "x,y", &block, n));
-    *v = rp_arena_memory(arena, *n, sizeof **v);
-    for (size_t i = 0; i < *n; i++) (*v)[i] = (an_point){block[i], block[*n + i]};
-    return RP_OK;
-}
-
 static rp_status make_outline(rp_arena *arena, const options *o, sweep_outline *h)
 {
-    an_point *v = NULL;
+    double *x;
     size_t n = 0;
     if (!*o->own.outline) return sweep_pile_outline(&o->pile, (unsigned long)o->own.seed, 0, h);
-    RP_TRY(read_outline(arena, o->own.outline, &v, &n));
+    RP_TRY(rp_columns_read_file(arena, o->own.outline, "x,y", &x, &n));
+    an_point *v = rp_arena_memory(arena, n, sizeof *v);
+    for (size_t i = 0; i < n; i++) v[i] = (an_point){x[i], x[n + i]};
     RP_TRY(sweep_outline_make(h, o->pile.base, o->pile.gap, 0, n, v));
-    if (o->pile.disorder > 0)
-        RP_TRY(sweep_outline_disorder(h, o->pile.disorder, (unsigned long)o->own.seed, 0));
-    return RP_OK;
+    if (!(o->pile.disorder > 0)) return RP_OK;
+    return sweep_outline_disorder(h, o->pile.disorder, (unsigned long)o->own.seed, 0);
 }
 
 static rp_status read_disks(rp_arena *arena, const char *path, sweep_outline *h)
