@@ -280,14 +280,6 @@ void view_draw_start(const view_scene *scene, const view_style *style, const vie
     if (*style->color) put_palette(scene, style, s, out);
 }
 
-static void put_grains(const view_frame *f, FILE *out)
-{
-    fputs("$grains << end\n", out);
-    for (size_t i = 0; i < f->n; i++)
-        fprintf(out, "%.9g %.9g %.9g %.9g\n", f->x[i], f->y[i], f->r[i], f->value ? f->value[i] : 0.0);
-    fputs("end\n", out);
-}
-
 static void put_contacts(const view_frame *f, const view_scale *s, FILE *out)
 {
     const int classes = find_colours().classes;
@@ -435,7 +427,10 @@ rp_status view_draw(rp_arena *arena, const view_scene *scene, const view_frame *
     const rp_mark mark = rp_arena_mark(arena);
     const bool chains = f->n_contacts > 0 && s->force > 0.0;
     rp_status status = RP_OK;
-    put_grains(f, out);
+    fputs("$grains << end\n", out);
+    for (size_t i = 0; i < f->n; i++)
+        fprintf(out, "%.9g %.9g %.9g %.9g\n", f->x[i], f->y[i], f->r[i], f->value ? f->value[i] : 0.0);
+    fputs("end\n", out);
     if (chains) put_contacts(f, s, out);
     const bool walls = put_walls(f, s, out);
     if (style->stress) status = put_stress(arena, f, s, out);
