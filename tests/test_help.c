@@ -295,8 +295,12 @@ static void test_room(void)
     rp_arena arena = {0};
     cli_call call = {.arena = &arena, .program = &cli_repose};
     char name[] = "many", needed[] = "--needed";
-    cli_command c = {
-        .name = name, .protocol = rows, .prints_text = true, .synopsis = "[options]", .act = nothing};
+    cli_command c = {.name = name,
+                     .protocol = rows,
+                     .protocol_size = FAR * MOST,
+                     .prints_text = true,
+                     .synopsis = "[options]",
+                     .act = nothing};
     for (int i = 0; i < MOST; i++) rows[i] = (rp_param){"a", "", RP_TEXT, FAR * i, "of a", "", "", false};
     rows[3].name = long_name;
     cli_options_of(&call, &c);

@@ -45,39 +45,22 @@ void cli_defaults_in_units(const cli_call *call)
 
 /* ---- data ---- */
 
-/* Folders of data next to the program: where it is installed, then the source above its build folder. */
-static const char *const beside[] = {"../share/repose", "..", "../.."};
-
-/* The program's folder; "" where the system does not tell. */
-static void find_program(char folder[PATH_MAX])
-{
-    rp_program(folder, PATH_MAX);
-    char *slash = strrchr(folder, '/');
-    if (slash) *slash = '\0';
-}
-
-/* The file in a folder of another one, NULL without. */
-static const char *find_in(rp_arena *arena, const char *folder, const char *sub, const char *name)
-{
-    const char *path;
-    if (rp_path(arena, &path, "%s/%s/%s", folder, sub, name)) return NULL;
-    char *real = realpath(path, NULL);
-    return real ? rp_arena_keep(arena, real, free) : NULL;
-}
-
 const char *cli_data(rp_arena *arena, const char *name)
 {
+    /* next to the program: where it is installed, then the source above its build folder */
+    static const char *const beside[] = {"../share/repose", "..", "../..", NULL};
+    const char *const set[] = {".", NULL}, *folder = getenv("REPOSE_DATA"), *path;
     char program[PATH_MAX];
-    const char *folder = getenv("REPOSE_DATA"), *found = NULL;
     if (*name == '/' || access(name, F_OK) == 0) return name;
-    if (folder && *folder) {
-        found = find_in(arena, folder, ".", name);
-    } else {
-        find_program(program);
-        for (size_t i = 0; i < sizeof beside / sizeof *beside && !found && *program; i++)
-            found = find_in(arena, program, beside[i], name);
+    const bool is_set = folder && *folder;
+    if (!is_set && !rp_program(program, sizeof program)) return name;
+    if (!is_set) *strrchr(program, '/') = '\0';
+    for (const char *const *sub = is_set ? set : beside; *sub; sub++) {
+        if (rp_path(arena, &path, "%s/%s/%s", is_set ? folder : program, *sub, name)) continue;
+        char *real = realpath(path, NULL);
+        if (real) return rp_arena_keep(arena, real, free);
     }
-    return found ? found : name;
+    return name;
 }
 
 /* ---- the table that is printed ---- */
