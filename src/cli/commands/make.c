@@ -145,13 +145,19 @@ static step *add_step(making *m, const config_setting_t *setting, const char *ta
     return s;
 }
 
+/* Does an earlier setting, or the sweep itself, make a table of this name? */
+static bool is_made(const making *m, const char *name)
+{
+    bool is = strcmp(name, "runs") == 0 || strcmp(name, "points") == 0;
+    for (const step *s = m->first; s; s = s->next) is |= strcmp(s->table, name) == 0;
+    return is;
+}
+
 /* The name of a table is one of a file, and stands once. */
 static rp_status check_name(const making *m, const config_setting_t *setting, const char *name)
 {
     if (!name) return rp_config_fail(setting, "table: missing (the name of the table)");
-    bool taken = strcmp(name, "runs") == 0 || strcmp(name, "points") == 0;
-    for (const step *s = m->first; s; s = s->next) taken |= strcmp(s->table, name) == 0;
-    if (taken) return rp_config_fail(setting, "table: %s: stands twice", name);
+    if (is_made(m, name)) return rp_config_fail(setting, "table: %s: stands twice", name);
     if (!*name || *name == '.' || strchr(name, '/') || strlen(name) > 64)
         return rp_config_fail(
             setting, "table: %s: the name of a file expected, without / and at most 64 letters", name);
@@ -175,15 +181,12 @@ static rp_status read_derive(making *m, const config_setting_t *setting)
     static const char allowed[] = CLI_STATS(X) CLI_STRESS(X) CLI_ANGLE(X);
 #undef X
     const cli_command *const *const lists[] = {cmd_stats.group, cmd_stress.group, cmd_angle.group}, *command;
-    if (!config_setting_is_group(setting)) return rp_config_fail(setting, "derive: groups { ... } expected");
     const char *name = text_of(setting, "table"), *rows = text_of(setting, "rows");
     RP_TRY(check_name(m, setting, name));
     RP_TRY(find_command(setting, lists, N_OF(lists), allowed, &command));
     if (!command->derives)
         return rp_config_fail(setting, "with = \"%s\": allowed:%s", text_of(setting, "with"), allowed);
-    bool known = !rows || strcmp(rows, "runs") == 0 || strcmp(rows, "points") == 0;
-    for (const step *s = m->first; s; s = s->next) known |= rows && strcmp(s->table, rows) == 0;
-    if (!known)
+    if (rows && !is_made(m, rows))
         return rp_config_fail(setting,
                               "rows = \"%s\": runs, points or an earlier table of this file expected", rows);
     step *s = add_step(m, setting, name);
@@ -206,7 +209,6 @@ static rp_status read_model(making *m, const config_setting_t *setting)
 {
     static const char *const others[] = {"table", "with", "folder", NULL};
     const cli_command *const models[] = {&cmd_pile, &cmd_tent, &cmd_continuum, &cmd_lattice, NULL}, *command;
-    if (!config_setting_is_group(setting)) return rp_config_fail(setting, "model: groups { ... } expected");
     RP_TRY(check_name(m, setting, text_of(setting, "table")));
     RP_TRY(find_command(setting, (const cli_command *const *const[]){models}, 1,
                         " pile tent continuum lattice", &command));
@@ -220,7 +222,6 @@ static rp_status read_model(making *m, const config_setting_t *setting)
 static rp_status read_trace(making *m, const config_setting_t *setting)
 {
     static const char *const others[] = {"rows", NULL};
-    if (!config_setting_is_group(setting)) return rp_config_fail(setting, "trace: groups { ... } expected");
     const config_setting_t *rows = config_setting_get_member(setting, "rows");
     if (!rows || !config_setting_length(rows))
         return rp_config_fail(setting, "rows: missing (numbers of runs, as in [0, 10])");
@@ -246,8 +247,12 @@ static rp_status read_list(making *m, const char *key,
     if (!list) return RP_OK;
     if (!config_setting_is_list(list))
         return rp_config_fail(list, "%s: a list ( { ... }, ... ) expected", key);
-    for (int i = 0; i < config_setting_length(list); i++)
-        RP_TRY(read(m, config_setting_get_elem(list, (unsigned)i)));
+    for (int i = 0; i < config_setting_length(list); i++) {
+        const config_setting_t *setting = config_setting_get_elem(list, (unsigned)i);
+        if (!config_setting_is_group(setting))
+            return rp_config_fail(setting, "%s: groups { ... } expected", key);
+        RP_TRY(read(m, setting));
+    }
     return RP_OK;
 }
 
