@@ -78,14 +78,12 @@ static void print_about(const char *text)
 }
 
 /* Lines, each filled and begun with these words; from the second on the first of them is blank. */
-static void print_lines(const char *text, const char *first, const char *second, const char *third)
+static void print_lines(const char *text, const char *first, const char *second)
 {
     const int indent = (int)strlen(first);
     for (const char *line = text; *line; first = "") {
         const size_t n = strcspn(line, "\n");
-        const int at =
-            printf("%-*s%s%s%s%s", indent, first, second, *second ? " " : "", third, *third ? " " : "");
-        print_words(line, n, at, *second ? indent + 4 : indent + 2);
+        print_words(line, n, printf("%-*s%s", indent, first, second), indent + (*second ? 4 : 2));
         putchar('\n');
         line += n + (line[n] == '\n');
     }
@@ -94,7 +92,7 @@ static void print_lines(const char *text, const char *first, const char *second,
 static void print_help(const cli_call *call)
 {
     const cli_command *c = call->command;
-    print_lines(c->synopsis, "usage: ", call->program->name, c->name);
+    print_lines(c->synopsis, "usage: ", rp_text(call->arena, "%s %s ", call->program->name, c->name));
     putchar('\n');
     print_about(c->about);
     puts("\noptions:");
@@ -109,7 +107,7 @@ static void print_help(const cli_call *call)
     printf("  %-22s this text\n\n", "--help");
     if (c->refuses) {
         puts("refuses:");
-        print_lines(c->refuses, "  ", "", "");
+        print_lines(c->refuses, "  ", "");
         putchar('\n');
     }
     printf("example:\n  %s\n", c->example);

@@ -483,12 +483,6 @@ static rp_status run_row(const cli_call *call, const char *path, const run_optio
                        "%s is a sweep file; repose run %s --row N -o DIR makes one of its runs, with tables; "
                        "repose sweep make %s -o DIR makes all",
                        path, path, path);
-    if (o->set.n > 0) return rp_fail(RP_USAGE, "--set needs a scene; %s is a sweep file", path);
-    if (cli_given(call, "j"))
-        return rp_fail(RP_USAGE,
-                       "-j needs a scene; %s is a sweep file, whose runs take one processor each; repose "
-                       "sweep make -j works on several runs",
-                       path);
     sweep_result result;
     const sweep_output *made;
     const double started = rp_clock();
@@ -742,6 +736,7 @@ static rp_status resume(const cli_call *call, const run_options *o)
 
 static rp_status run_any(cli_call *call, const void *values)
 {
+    static const char *const of_scenes[] = {"j", "set", "snapshot", "dump", "from"};
     const run_options *o = values;
     const char *path = cli_argument(call, 0);
     bool sweep;
@@ -749,12 +744,13 @@ static rp_status run_any(cli_call *call, const void *values)
     if (!path) return rp_fail(RP_USAGE, "give a file, or --resume DIR; see repose run --help");
     path = cli_data(call->arena, path);
     RP_TRY(is_sweep(path, &sweep));
-    if (sweep && (o->snapshot > 0 || o->dump || *o->from))
-        return rp_fail(RP_USAGE, "--%s needs a scene; %s is a sweep file",
-                       o->dump    ? "dump"
-                       : *o->from ? "from"
-                                  : "snapshot",
-                       path);
+    for (size_t i = 0; sweep && i < N_OF(of_scenes); i++)
+        if (cli_given(call, of_scenes[i]))
+            return rp_fail(RP_USAGE, "%s%s needs a scene; %s is a sweep file%s", i == 0 ? "-" : "--",
+                           of_scenes[i], path,
+                           i > 0 ? ""
+                                 : ", whose runs take one processor each; repose sweep make -j works on "
+                                   "several runs");
     return sweep ? run_row(call, path, values) : run_file(call, path, values);
 }
 
