@@ -38,35 +38,10 @@ static rp_status read_numbers(rp_arena *arena, const char *path, const char *con
     return RP_OK;
 }
 
-/* Tables that may lie beside one of grains. */
-typedef struct {
-    const char *contacts, *walls, *base, *energy; /* NULL: none */
-} source;
-
 static bool is_file(const char *path)
 {
     struct stat s;
     return stat(path, &s) == 0 && S_ISREG(s.st_mode);
-}
-
-/* The table `name` instead of the last `length` characters of `path`; NULL where there is none. */
-static const char *find_beside(rp_arena *arena, const char *path, size_t length, const char *name)
-{
-    const char *found = rp_text(arena, "%.*s%s", (int)(strlen(path) - length), path, name);
-    return is_file(found) ? found : NULL;
-}
-
-static void find_source(rp_arena *arena, const char *path, source *s)
-{
-    static const char *const grains[] = {"states.tsv", "grains.tsv", "disks.tsv"};
-    *s = (source){0};
-    for (size_t k = 0; k < sizeof grains / sizeof *grains; k++) {
-        if (!rp_ends_in(path, grains[k])) continue;
-        s->contacts = find_beside(arena, path, strlen(grains[k]), "contacts.tsv");
-        s->walls = find_beside(arena, path, strlen(grains[k]), "walls.tsv");
-        if (k == 0) s->energy = find_beside(arena, path, strlen(grains[k]), "energy.tsv");
-        if (k == 2) s->base = find_beside(arena, path, strlen(grains[k]), "base.tsv");
-    }
 }
 
 /* Forces on the first grain: the normal one from b to a, the shear along the normal turned clockwise. */
@@ -134,16 +109,20 @@ static size_t rows_of(const export_frames *f, double step, bool one, size_t *fir
 static rp_status add_source(rp_arena *arena, const char *path, const char *color, view_scene *scene)
 {
     const char *names[] = {"?step", "?t", "x", "y", "r", *color ? color : NULL, NULL};
-    source s;
+    const char *contacts_path = export_beside(arena, path, "contacts.tsv"),
+               *walls_path = export_beside(arena, path, "walls.tsv"),
+               *base_path = rp_ends_in(path, "disks.tsv") ? export_beside(arena, path, "base.tsv") : NULL,
+               *energy_path =
+                   rp_ends_in(path, "states.tsv") ? export_beside(arena, path, "energy.tsv") : NULL;
     numbers g = {0}, c = {0}, w = {0}, b = {0}, e = {0};
     view_contact *contacts =
         rp_arena_memory(arena, 0, sizeof *contacts); /* frames point into both, also if empty */
     view_wall *walls = rp_arena_memory(arena, 0, sizeof *walls);
-    find_source(arena, path, &s);
     RP_TRY(read_numbers(arena, path, names, "x y r", &g));
-    if (s.contacts) RP_TRY(read_contacts(arena, s.contacts, &c, &contacts, scene->force));
-    if (s.walls) RP_TRY(read_walls(arena, s.walls, &w, &walls));
-    if (s.base) RP_TRY(read_numbers(arena, s.base, (const char *const[]){"x", "N/mg", NULL}, "x N/mg", &b));
+    if (contacts_path) RP_TRY(read_contacts(arena, contacts_path, &c, &contacts, scene->force));
+    if (walls_path) RP_TRY(read_walls(arena, walls_path, &w, &walls));
+    if (base_path)
+        RP_TRY(read_numbers(arena, base_path, (const char *const[]){"x", "N/mg", NULL}, "x N/mg", &b));
     if (g.n == 0) return RP_OK;
     const double *x = g.column[2], *y = g.column[3], *r = g.column[4], *value = g.column[5];
     for (size_t k = 0; k < g.n; k++)
@@ -152,8 +131,8 @@ static rp_status add_source(rp_arena *arena, const char *path, const char *color
     snprintf(scene->length, sizeof scene->length, "%s", g.unit[2]);
     snprintf(scene->time, sizeof scene->time, "%s", g.unit[1]);
     if (*color) snprintf(scene->quantity, sizeof scene->quantity, "%s", g.unit[5]);
-    if (s.energy)
-        RP_TRY(read_numbers(arena, s.energy, (const char *const[]){"step", "t", NULL}, "step t", &e));
+    if (energy_path)
+        RP_TRY(read_numbers(arena, energy_path, (const char *const[]){"step", "t", NULL}, "step t", &e));
     export_frames grains = split(arena, &g);
     const export_frames energies = split(arena, &e), of_contacts = split(arena, &c),
                         of_walls = split(arena, &w);
