@@ -190,6 +190,11 @@ rp_status cli_sweep_export(const cli_call *call, const char *dir, unsigned what,
 /* The columns of the table that a sweep's file would make, as a table without rows. */
 rp_status cli_sweep_columns(const cli_call *call, const char *file, unsigned what, rp_table **table);
 
+/* The row of one run on standard output, and before it the columns: those of parameters (NULL: without), of
+ * results, and its status. */
+void cli_result_row(const rp_param *schema, const void *parameters, const sweep_output *outputs,
+                    const sweep_result *result);
+
 /* How many runs are planned, stored and missing, and how many have which status. */
 void cli_print_counts(const sweep_counts *counts);
 

@@ -16,6 +16,22 @@ rp_status cli_sweep_run(const char *dir, sweep_options options, bool quiet, swee
     return status;
 }
 
+void cli_result_row(const rp_param *schema, const void *parameters, const sweep_output *outputs,
+                    const sweep_result *result)
+{
+    const char *columns[40 + SWEEP_MAX_OUTPUTS + 1][2];
+    char text[64];
+    size_t n = 0, n_outputs = 0;
+    for (const rp_param *p = schema; p && p->name; p++, n++) columns[n][0] = p->name, columns[n][1] = p->unit;
+    for (const sweep_output *p = outputs; p->name; p++, n++, n_outputs++)
+        columns[n][0] = p->name, columns[n][1] = p->unit;
+    columns[n][0] = "status", columns[n][1] = "";
+    rp_table_columns(stdout, n + 1, (const char *const(*)[2])columns);
+    for (const rp_param *p = schema; p && p->name; p++)
+        printf("%s\t", *rp_params_text(p, parameters, text, sizeof text) ? text : "nan");
+    rp_table_row_word(stdout, n_outputs, result->values, result->status);
+}
+
 void cli_print_counts(const sweep_counts *counts)
 {
     rp_table_note(stdout, "planned", "%zu", counts->planned);

@@ -505,14 +505,9 @@ static rp_status run_row(const cli_call *call, const char *path, const run_optio
     rp_status status =
         sweep_trace(path, sweep_protocols, (size_t)o->row, &tables, call->arena, &made, &result);
     RP_TRY(cli_unfinished_end(&folder, false, status));
-    const char *columns[SWEEP_MAX_OUTPUTS + 1][2];
-    size_t n = 0;
-    for (const sweep_output *p = made; p->name; p++, n++) columns[n][0] = p->name, columns[n][1] = p->unit;
-    columns[n][0] = "status", columns[n][1] = "";
     cli_provenance(call, stdout);
     rp_table_note(stdout, "run_time", "%.3g s", rp_clock() - started);
-    rp_table_columns(stdout, n + 1, (const char *const(*)[2])columns);
-    rp_table_row_word(stdout, n, result.values, result.status);
+    cli_result_row(NULL, NULL, made, &result);
     if (!o->quiet && rp_is_result(result.status)) report_row(made, &result, o->o);
     if (rp_is_result(result.status)) return RP_OK;
     return rp_fail(RP_NO_RESULT, "%s%s%s", result.status, *result.message ? ": " : "", result.message);
