@@ -161,8 +161,8 @@ const cli_command *cli_find(const cli_command *const *among, const char *word);
 /* The error of a word that is no command of the group, or for NULL of the program, with the nearest one. */
 rp_status cli_unknown_command(const cli_program *program, const char *word, const cli_command *group);
 
-/* What a program's --help prints. */
-void cli_overview(const cli_program *program, FILE *out);
+/* What --help of a group prints, or for NULL that of the program. */
+void cli_overview(const cli_program *program, const cli_command *group, FILE *out);
 
 /* The main function of a program. */
 int cli_main(const cli_program *program, int argc, char **argv);

@@ -31,18 +31,31 @@ const cli_command *cli_find(const cli_command *const *among, const char *word)
     return *among;
 }
 
-static rp_status run_group(cli_call *call, const cli_command *group, int argc, char **argv)
+void cli_overview(const cli_program *program, const cli_command *group, FILE *out)
 {
-    const char *name = call->program->name;
-    if (argc < 2) return rp_fail(RP_USAGE, "a command is missing; see %s %s --help", name, group->name);
-    const cli_command *command = cli_find(group->group, argv[1]);
+    const char *name = program->name, *of = group ? group->name : "", *blank = group ? " " : "";
+    if (!group) fprintf(out, "%s %s: %s.\n\n", program->title, RP_VERSION, program->about);
+    fprintf(out, "usage: %s %s%sCOMMAND [options]; %s %s%sCOMMAND --help says more\n\n", name, of, blank,
+            name, of, blank);
+    for (const cli_command *const *c = group ? group->group : program->commands; *c; c++)
+        fprintf(out, "  %-10s %s\n", cli_own_name(*c), (*c)->summary);
+}
+
+/* The command of a group, or for NULL of the program, that argv[1] names. */
+static rp_status run_among(cli_call *call, const cli_command *group, int argc, char **argv)
+{
+    const cli_program *program = call->program;
+    if (argc < 2)
+        return rp_fail(RP_USAGE, "a command is missing; see %s %s --help", program->name, group->name);
+    const char *word = argv[1];
+    const cli_command *command = cli_find(group ? group->group : program->commands, word);
     if (command) return cli_run(call, command, argc - 1, argv + 1);
-    if (strcmp(argv[1], "--help") != 0 && strcmp(argv[1], "-h") != 0)
-        return cli_unknown_command(call->program, argv[1], group);
-    printf("usage: %s %s COMMAND [options]; %s %s COMMAND --help says more\n\n", name, group->name, name,
-           group->name);
-    for (const cli_command *const *c = group->group; *c; c++)
-        printf("  %-10s %s\n", cli_own_name(*c), (*c)->summary);
+    if (strcmp(word, "--help") == 0 || strcmp(word, "-h") == 0)
+        cli_overview(program, group, stdout);
+    else if (!group && (strcmp(word, "--version") == 0 || strcmp(word, "-V") == 0))
+        printf("%s %s (commit %s)\n", program->name, RP_VERSION, rp_build_commit);
+    else
+        return cli_unknown_command(program, word, group);
     return RP_OK;
 }
 
@@ -130,19 +143,11 @@ static rp_status act_as_json(cli_call *call)
 rp_status cli_run(cli_call *call, const cli_command *command, int argc, char **argv)
 {
     bool helped;
-    if (command->group) return run_group(call, command, argc, argv);
+    if (command->group) return run_among(call, command, argc, argv);
     RP_TRY(cli_parse(call, command, argc, argv, &helped));
     if (helped) return RP_OK;
     const bool *json = cli_value(call, "json");
     return json && *json ? act_as_json(call) : act(call, NULL);
-}
-
-void cli_overview(const cli_program *program, FILE *out)
-{
-    fprintf(out, "%s %s: %s.\n\nusage: %s COMMAND [options]; %s COMMAND --help says more\n\n", program->title,
-            RP_VERSION, program->about, program->name, program->name);
-    for (const cli_command *const *c = program->commands; *c; c++)
-        fprintf(out, "  %-10s %s\n", (*c)->name, (*c)->summary);
 }
 
 /* ---- a program ---- */
@@ -163,37 +168,19 @@ static char *line_of(rp_arena *arena, const char *name, int argc, char *const ar
     return line;
 }
 
-static rp_status run(cli_call *call, int argc, char **argv, const char **name)
-{
-    const cli_program *program = call->program;
-    const char *word = argv[1];
-    const cli_command *command = cli_find(program->commands, word);
-    if (command) {
-        *name = word;
-        return cli_run(call, command, argc - 1, argv + 1);
-    }
-    if (strcmp(word, "--help") == 0 || strcmp(word, "-h") == 0)
-        cli_overview(program, stdout);
-    else if (strcmp(word, "--version") == 0 || strcmp(word, "-V") == 0)
-        printf("%s %s (commit %s)\n", program->name, RP_VERSION, rp_build_commit);
-    else
-        return cli_unknown_command(program, word, NULL);
-    return RP_OK;
-}
-
 int cli_main(const cli_program *program, int argc, char **argv)
 {
     signal(SIGXFSZ, SIG_IGN);    /* a file that reaches the limit of its size is a failed write */
     gsl_set_error_handler_off(); /* each caller of GSL checks the returned status */
     rp_arena arena = {.exhausted = exhausted};
-    const char *name = "";
     cli_call call = {.arena = &arena, .program = program, .line = line_of(&arena, program->name, argc, argv)};
-    if (argc < 2) cli_overview(program, stderr);
-    rp_status status = argc < 2 ? RP_USAGE : run(&call, argc, argv, &name);
+    const bool named = argc > 1 && cli_find(program->commands, argv[1]);
+    if (argc < 2) cli_overview(program, NULL, stderr);
+    rp_status status = argc < 2 ? RP_USAGE : run_among(&call, NULL, argc, argv);
     /* a failed write is an error, and a failure has one message */
     if (!status) status = rp_file_finish(stdout, "standard output");
     if (status && argc > 1)
-        fprintf(stderr, "%s%s%s: %s\n", program->name, *name ? " " : "", name, rp_message());
+        fprintf(stderr, "%s%s%s: %s\n", program->name, named ? " " : "", named ? argv[1] : "", rp_message());
     rp_arena_release(&arena, NULL);
     return (int)status;
 }

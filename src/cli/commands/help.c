@@ -214,7 +214,7 @@ static rp_status act_help(cli_call *call, const void *values)
     if (cli_argument(call, 0)) return help_on(*call);
     if (o->markdown) return print_manual(call);
     if (o->completion) return print_completion(call), RP_OK;
-    cli_overview(call->program, stdout);
+    cli_overview(call->program, NULL, stdout);
     printf("\n%s", about_data);
     return RP_OK;
 }
