@@ -49,13 +49,6 @@ rp_status report_table(report_tables *tables, const char *name, const rp_table *
 
 /* ---- references ---- */
 
-static rp_status read_conditions(rp_arena *arena, int n, char *const words[], rp_condition **conditions)
-{
-    *conditions = rp_arena_memory(arena, (size_t)n, sizeof **conditions);
-    for (int w = 0; w < n; w++) RP_TRY(rp_condition_read(words[w], &(*conditions)[w]));
-    return RP_OK;
-}
-
 rp_status report_reference_read(rp_arena *arena, const char *text, report_reference **reference)
 {
     const char *less = strstr(text, " less ");
@@ -71,30 +64,19 @@ rp_status report_reference_read(rp_arena *arena, const char *text, report_refere
         r->table = w.word[0];
         r->column = w.word[w.n - 1];
         r->n = (size_t)w.n - 2;
-        RP_TRY(read_conditions(arena, w.n - 2, w.word + 1, &r->conditions));
+        r->conditions = rp_arena_memory(arena, r->n, sizeof *r->conditions);
+        for (size_t i = 0; i < r->n; i++) RP_TRY(rp_condition_read(w.word[i + 1], &r->conditions[i]));
     }
     *reference = first;
     return less ? report_reference_read(arena, less + 6, &first->less) : RP_OK;
-}
-
-static bool *all_rows(rp_arena *arena, const rp_table *table)
-{
-    return memset(rp_arena_memory(arena, table->n_rows, sizeof(bool)), true, table->n_rows);
-}
-
-rp_status report_rows_of(rp_arena *arena, const rp_table *table, int n, char *const words[], bool **rows)
-{
-    rp_condition *conditions;
-    *rows = all_rows(arena, table);
-    RP_TRY(read_conditions(arena, n, words, &conditions));
-    return rp_conditions_mark(table, (size_t)n, conditions, *rows);
 }
 
 rp_status report_rows(report_tables *tables, const report_reference *r, const rp_table **table, bool **rows)
 {
     RP_TRY(report_table(tables, r->table, table));
     if (!*table) return RP_OK;
-    *rows = all_rows(tables->arena, *table);
+    *rows = rp_arena_memory(tables->arena, (*table)->n_rows, sizeof **rows);
+    memset(*rows, true, (*table)->n_rows);
     return rp_conditions_mark(*table, r->n, r->conditions, *rows);
 }
 
@@ -196,41 +178,28 @@ static rp_status read_summary(const report_cell *cell, stats_summary *values)
 }
 
 /* The mean of fitted numbers, which are of no values, weighted by their errors. */
-static rp_status read_weighted(report_tables *tables, const report_reference *r, report_cell *cell,
-                               report_number *number)
+static rp_status read_weighted(size_t n, const report_cell cells[], report_number *number)
 {
     double weights = 0.0, sum = 0.0;
-    report_number one;
-    number->n = NAN;
-    for (; r; r = r->next) {
-        RP_TRY(report_cell_find(tables, r, cell));
-        if (!cell->table) return RP_OK;
-        RP_TRY(report_cell_number(cell, &one));
+    for (size_t k = 0; k < n; k++) {
+        report_number one;
+        RP_TRY(report_cell_number(&cells[k], &one));
         const double weight = 1.0 / (one.shown.se * one.shown.se);
         weights += weight;
         sum += weight * one.shown.value;
     }
+    number->n = NAN;
     number->shown = number->tested = (stats_number){sum / weights, 1.0 / sqrt(weights)};
     return RP_OK;
 }
 
 /* The mean of all values of several cells; of columns NAME_sd, their standard deviation. */
-static rp_status read_pooled(report_tables *tables, const report_reference *r, report_cell *cell,
-                             report_number *number)
+static rp_status read_pooled(rp_arena *arena, size_t n, const report_cell cells[], report_number *number)
 {
-    size_t n = 0;
-    RP_TRY(report_cell_find(tables, r, cell));
-    if (!cell->table) return RP_OK;
-    if (!beside(cell, "_sd", "_sd")) return read_weighted(tables, r, cell, number);
-    for (const report_reference *part = r; part; part = part->next) n++;
-    stats_summary *parts = rp_arena_memory(tables->arena, n, sizeof *parts);
-    for (n = 0; r; r = r->next) {
-        RP_TRY(report_cell_find(tables, r, cell));
-        if (!cell->table) return RP_OK;
-        RP_TRY(read_summary(cell, &parts[n++]));
-    }
+    stats_summary *parts = rp_arena_memory(arena, n, sizeof *parts);
+    for (size_t k = 0; k < n; k++) RP_TRY(read_summary(&cells[k], &parts[k]));
     const stats_summary all = stats_pooled(n, parts);
-    const bool deviation = rp_ends_in(cell->column, "_sd");
+    const bool deviation = rp_ends_in(cells[n - 1].column, "_sd");
     number->n = (double)all.n;
     number->shown = deviation ? (stats_number){all.sd, report_deviation_error(all.sd, number->n)}
                               : (stats_number){all.mean, all.se};
@@ -247,14 +216,20 @@ rp_status report_number_find(report_tables *tables, const report_reference *refe
                              report_number *number, bool *missing)
 {
     report_number less;
+    size_t n = 0;
     *number = (report_number){0};
-    if (reference->next) {
-        RP_TRY(read_pooled(tables, reference, cell, number));
-    } else {
-        RP_TRY(report_cell_find(tables, reference, cell));
-        if (cell->table) RP_TRY(report_cell_number(cell, number));
+    for (const report_reference *r = reference; r; r = r->next) n++;
+    report_cell *cells = rp_arena_memory(tables->arena, n, sizeof *cells);
+    n = 0;
+    for (const report_reference *r = reference; r; r = r->next, n++) {
+        RP_TRY(report_cell_find(tables, r, &cells[n]));
+        *missing |= !cells[n].table;
     }
-    *missing |= !cell->table;
+    if (*missing) return RP_OK;
+    *cell = cells[n - 1];
+    RP_TRY(n == 1                        ? report_cell_number(cell, number)
+           : beside(cells, "_sd", "_sd") ? read_pooled(tables->arena, n, cells, number)
+                                         : read_weighted(n, cells, number));
     if (!reference->less) return RP_OK;
     RP_TRY(report_number_find(tables, reference->less, cell, &less, missing));
     number->shown = report_difference(number->shown, less.shown);

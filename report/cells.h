@@ -40,9 +40,8 @@ typedef struct report_reference {
 /* Errors: RP_BAD_INPUT (no column, no condition). */
 rp_status report_reference_read(rp_arena *arena, const char *text, report_reference **reference);
 
-/* Which rows of a table meet these words, each a condition; and which a reference reads, *table NULL where no
- * folder holds it. Errors: RP_BAD_INPUT (no condition, no such column). */
-rp_status report_rows_of(rp_arena *arena, const rp_table *table, int n, char *const words[], bool **rows);
+/* Which rows a reference reads, *table NULL where no folder holds it. Errors: RP_BAD_INPUT (no such
+ * column). */
 rp_status report_rows(report_tables *tables, const report_reference *reference, const rp_table **table,
                       bool **rows);
 
@@ -92,5 +91,26 @@ const char *report_number_text(rp_arena *arena, stats_number number);
 /* The text of a cell in a format such as %.3g or %.0f; without one a count stands as it is, other numbers
  * take %.3g. Errors: RP_BAD_INPUT for any other format. */
 rp_status report_format(rp_arena *arena, const char *cell, const char *format, const char **text);
+
+/* ---- the sweeps whose runs answer a claim, and those of their runs that have no result ---- */
+
+/* A sweep by the name in the header lines "# source: NAME DIGEST RUNS" of the tables made of its runs. */
+typedef struct report_sweep {
+    const char *name;
+    const char
+        *failed; /* of NAME/points: runs without a result, "8 of 15 (no_pile 6, overlap 2)"; "": none */
+    struct report_sweep *next;
+} report_sweep;
+
+/* Add the sweeps behind both sides of a claim to a list, NULL at first. A side is a cell or several cells
+ * that are pooled; NULL: a number, or none. Errors: those of rp_table_read, RP_BAD_INPUT. */
+rp_status report_sweeps(report_tables *tables, const report_reference *answer,
+                        const report_reference *against, report_sweep **sweeps);
+
+/* Runs without a result behind the rows that both sides read, with their causes and how the mean changes
+ * without them: "11 of 185 (no_response 11): the weakest piles are left out, theta_T is too large"; "" if
+ * there are none. Errors: as above. */
+rp_status report_failed(report_tables *tables, const report_reference *answer,
+                        const report_reference *against, const char **text);
 
 #endif

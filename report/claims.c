@@ -5,8 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "report/lineage.h"
-
 /* What each test needs: a table that answers, a published number, `against`, a margin; what decides it. */
 enum { BY_WORD, BY_DIFFERENCE, BY_SIDE, BY_BOUND, BY_CHANGE };
 static const struct {
@@ -66,10 +64,8 @@ static rp_status find_number(const report_claims *all, report_claim *c)
     RP_TRY(report_claims_find(all, c->of, &original));
     if (!isnan(c->number.value))
         return rp_fail(RP_BAD_INPUT, "variant %s of %s: a number is published once", c->id, c->of);
-    c->number = original->number;
-    c->published = original->published;
-    c->published_se = original->published_se;
-    c->samples = original->samples;
+    c->number = original->number, c->samples = original->samples;
+    c->published = original->published, c->published_se = original->published_se;
     return RP_OK;
 }
 
@@ -99,29 +95,24 @@ static rp_status read_sides(rp_arena *arena, report_claim *c)
     return *end ? report_reference_read(arena, c->against, &c->againsts) : RP_OK;
 }
 
-static rp_status read_claim(rp_arena *arena, report_claims *all, size_t row)
+static rp_status read_claim(rp_arena *arena, const report_claims *all, size_t row, report_claim *c)
 {
     const rp_table *t = all->table;
-    report_claim *c = &all->claims[all->n];
 #define X(column) c->column = text_of(t, row, #column);
     REPORT_CLAIM_TEXTS(X)
+    X(family)
+    X(on)
+    X(error)
+    X(fixed)
+    X(says)
 #undef X
-    c->family = text_of(t, row, "family");
-    c->on = text_of(t, row, "on");
-    c->error = text_of(t, row, "error");
-    c->fixed = text_of(t, row, "fixed");
-    c->says = text_of(t, row, "says");
     while (c->kind < N_CLAIM_TESTS && strcmp(c->test, tests[c->kind].word) != 0) c->kind++;
-    rp_status status = c->kind < N_CLAIM_TESTS
-                           ? RP_OK
-                           : rp_fail(RP_BAD_INPUT, "claim %s: unknown test \"%s\"", c->id, c->test);
-    if (!status) status = read_numbers(t, row, c);
-    if (!status) status = find_number(all, c);
-    if (!status) status = check(all, c);
-    if (!status) status = read_sides(arena, c);
-    RP_TRY(rp_prefix(status, "%s:%zu: ", t->places[row].path, t->places[row].line));
-    all->n++;
-    return RP_OK;
+    if (c->kind == N_CLAIM_TESTS)
+        return rp_fail(RP_BAD_INPUT, "claim %s: unknown test \"%s\"", c->id, c->test);
+    RP_TRY(read_numbers(t, row, c));
+    RP_TRY(find_number(all, c));
+    RP_TRY(check(all, c));
+    return read_sides(arena, c);
 }
 
 rp_status report_claims_read(rp_arena *arena, const char *path, report_claims *claims)
@@ -134,7 +125,9 @@ rp_status report_claims_read(rp_arena *arena, const char *path, report_claims *c
     RP_TRY(rp_table_keep(arena, path, rp_table_read_texts, &t));
     for (int k = 0; k < columns.n; k++) RP_TRY(rp_table_find(t, columns.word[k], expected, &(int){0}));
     *claims = (report_claims){t, rp_arena_memory(arena, t->n_rows, sizeof *claims->claims), 0};
-    for (size_t row = 0; row < t->n_rows; row++) RP_TRY(read_claim(arena, claims, row));
+    for (size_t row = 0; row < t->n_rows; row++, claims->n++)
+        RP_TRY(rp_prefix(read_claim(arena, claims, row, &claims->claims[row]),
+                         "%s:%zu: ", t->places[row].path, t->places[row].line));
     return RP_OK;
 }
 
@@ -363,13 +356,11 @@ rp_status report_judge(const report_claims *all, report_tables *tables, report_j
 const char *report_count(rp_arena *arena, const report_claims *claims, const report_judged judged[],
                          const char *paper)
 {
-    size_t counts[REPORT_VERDICTS], n = 0;
+    size_t counts[REPORT_VERDICTS] = {0}, n = 0;
     const char *text = "";
-    report_verdict *verdicts = rp_arena_memory(arena, claims->n, sizeof *verdicts);
     for (size_t i = 0; i < claims->n; i++)
         if (!*claims->claims[i].of && strcmp(claims->claims[i].paper, paper) == 0)
-            verdicts[n++] = judged[i].verdict;
-    report_count_verdicts(n, verdicts, counts);
+            counts[judged[i].verdict]++, n++;
     for (report_verdict v = 0; v < REPORT_NO_DATA && n > 0; v++)
         text = rp_text(arena, "%s%s%zu %s", text, v ? ", " : "", counts[v],
                        report_verdict_text(v, strcmp(paper, "ours") == 0));

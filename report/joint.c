@@ -1,5 +1,5 @@
 /* The command `joint`: several published numbers together, against each choice that a paper leaves open. */
-#include "cli/command.h"
+#include "cli/cli.h"
 #include "report/pages.h"
 
 #include <math.h>
@@ -21,18 +21,22 @@ typedef struct {
     bool *set;
 } joint_points;
 
-static bool is_alike(const rp_table *t, size_t a, size_t b, int column)
-{
-    return strcmp(rp_cell(t, a, column), rp_cell(t, b, column)) == 0;
-}
-
 /* Are two rows of one choice? */
 static bool is_same_choice(const joint_points *p, size_t a, size_t b)
 {
     bool same = true;
     for (int k = 0; k < p->n_keys; k++)
-        same = same && (p->set[k] || k == p->either || is_alike(p->table, a, b, k));
+        same = same &&
+               (p->set[k] || k == p->either || strcmp(rp_cell(p->table, a, k), rp_cell(p->table, b, k)) == 0);
     return same;
+}
+
+/* What a claim's cell says of a column; NULL: nothing. */
+static const rp_condition *condition_on(const report_claim *c, const char *column)
+{
+    for (size_t i = 0; i < c->answers->n; i++)
+        if (strcmp(c->answers->conditions[i].column, column) == 0) return &c->answers->conditions[i];
+    return NULL;
 }
 
 /* The setting of a claim: its cell's conditions on columns of the table, and for other columns that claims
@@ -40,20 +44,17 @@ static bool is_same_choice(const joint_points *p, size_t a, size_t b)
 static rp_status conditions_of(rp_arena *arena, const report_claims *all, const report_claim *c,
                                const joint_points *p, bool rows[])
 {
-    const report_reference *r = c->answers;
     const char *usual = rp_table_find_note(all->table, rp_text(arena, "at %s", c->paper));
     const report_words words = report_split(arena, usual ? usual : "");
     for (int k = 0; k < p->n_keys; k++) {
+        const char *column = p->table->names[k];
+        const rp_condition *said = condition_on(c, column);
         rp_condition condition;
-        bool said = false;
-        for (size_t i = 0; i < r->n && !said; i++)
-            if (strcmp(r->conditions[i].column, p->table->names[k]) == 0)
-                condition = r->conditions[i], said = true;
         for (int w = 0; w < words.n && !said && p->set[k]; w++) {
             RP_TRY(rp_condition_read(words.word[w], &condition));
-            said = strcmp(condition.column, p->table->names[k]) == 0;
+            if (strcmp(condition.column, column) == 0) said = &condition;
         }
-        if (said) RP_TRY(rp_conditions_mark(p->table, 1, &condition, rows));
+        if (said) RP_TRY(rp_conditions_mark(p->table, 1, said, rows));
     }
     return RP_OK;
 }
@@ -80,10 +81,7 @@ static rp_status print_joint(cli_call *call, const void *values)
     bool **rows = rp_arena_memory(arena, (size_t)ids.n, sizeof *rows);
     for (int i = 0; i < ids.n; i++) {
         RP_TRY(report_claims_find(&all, ids.word[i], &claims[i]));
-        const report_reference *r = claims[i]->answers;
-        for (int k = 0; k < p.n_keys; k++)
-            for (size_t n = 0; n < r->n; n++)
-                p.set[k] |= strcmp(r->conditions[n].column, p.table->names[k]) == 0;
+        for (int k = 0; k < p.n_keys; k++) p.set[k] |= condition_on(claims[i], p.table->names[k]) != NULL;
     }
     for (int i = 0; i < ids.n; i++) {
         rows[i] = rp_arena_memory(arena, p.table->n_rows, sizeof **rows);
@@ -133,11 +131,9 @@ const cli_command report_joint_command = {
     .name = "joint",
     .summary = "published numbers together, for each choice that a paper leaves open",
     .synopsis = "[options]",
-    .about =
-        "Each row of the table is a choice that the claims do not set, such as the mass of a grain: chi^2 "
-        "of\n"
-        "the published numbers, the shift that all have in common, and what it leaves of chi^2. `n_least`:\n"
-        "piles of the setting that has fewest; `n_failed`: runs without a result.",
+    .about = "Each row of the table is a choice that the claims do not set, such as the mass of a grain: "
+             "chi^2 of the published numbers, the shift that all have in common, and what it leaves of "
+             "chi^2. `n_least`: piles of the setting that has fewest; `n_failed`: runs without a result.",
     .example = "report joint --id lh-five --table lh_choices/points",
     .refuses = "A claim that is no joint one; a table that is not there.",
     .options = joint_params,

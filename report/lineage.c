@@ -1,5 +1,5 @@
-/* Runs behind a claim, and those without a result; see lineage.h. */
-#include "report/lineage.h"
+/* Runs behind a claim, and those without a result; see cells.h. */
+#include "report/cells.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -63,11 +63,6 @@ static void add_entry(failures *f, const char *note, size_t row)
     if (open && open < note + strcspn(note, ";")) add_causes(f, open + 1, true);
 }
 
-static double number_at(const rp_table *t, size_t row, int column)
-{
-    return column < 0 ? 0.0 : strtod(rp_cell(t, row, column), NULL);
-}
-
 /* Of the rows of a table: its columns n_failed and failed_for say it, else an entry of its header line for
  * each row; the line of a whole sweep says the causes. */
 static void add_table(failures *f, const read_table *r)
@@ -80,8 +75,11 @@ static void add_table(failures *f, const read_table *r)
     for (size_t row = 0; row < t->n_rows; row++) {
         if (!r->counted[row]) continue;
         if (column < 0 && note) add_entry(f, note, row);
-        failed += number_at(t, row, column);
-        if (column >= 0) f->runs += number_at(t, row, n) + number_at(t, row, column);
+        if (column >= 0) {
+            const double lost = strtod(rp_cell(t, row, column), NULL);
+            failed += lost;
+            f->runs += lost + (n < 0 ? 0.0 : strtod(rp_cell(t, row, n), NULL));
+        }
         if (words >= 0) rp_tally_add_text(&f->causes, rp_cell(t, row, words));
     }
     if (failed > 0.0 && words < 0 && open) add_causes(f, open + 1, failed == strtod(note, NULL));

@@ -1,5 +1,5 @@
 /* The program `report`: what two papers claim, what our tables say of each claim, and pages of both. */
-#include "cli/command.h"
+#include "cli/cli.h"
 #include "report/pages.h"
 
 #include <math.h>
@@ -110,9 +110,9 @@ static const cli_command claims = {
     "              claims, beyond the papers (`ours`): supported, not supported\n"
     "  open        our error or the paper's is too large\n"
     "  no data     the table with our value has not been made\n"
-    "Column `fixed`: whether the test was fixed before the runs, or after a look at some. Column `failed`:\n"
-    "runs without a result at the grid points that the claim reads, of all runs there, their causes, and\n"
-    "how the mean changes without them.",
+    "Column `fixed`: whether the test was fixed before the runs, or after a look at some. Column `failed`: "
+    "runs without a result at the grid points that the claim reads, of all runs there, their causes, and how "
+    "the mean changes without them.",
     "report claims --paper lh",
     claims_params,
     .refuses = "A claim without what its test needs; a table without the cells that a claim names.",

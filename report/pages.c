@@ -8,7 +8,6 @@
 #include <unistd.h>
 
 #include "core/file.h"
-#include "report/lineage.h"
 
 #define PAGE_OPTIONS(X)                                                                                      \
     REPORT_OPTIONS(X)                                                                                        \
@@ -57,12 +56,6 @@ static rp_status fill_cell(page *p, const char *reference, const char *format)
     return RP_OK;
 }
 
-static rp_status fill_note(page *p, const report_words *w)
-{
-    if (w->n != 3) return rp_fail(RP_BAD_INPUT, "{{note ...}}: table and key expected");
-    return fill_cell(p, rp_text(p->tables.arena, "%s #%s", w->word[1], w->word[2]), NULL);
-}
-
 /* One cell of a line of {{rows}}: COLUMN, COLUMN:FORMAT or COLUMN:+-. */
 static rp_status fill_column(page *p, const rp_table *table, size_t row, const char *word)
 {
@@ -72,24 +65,26 @@ static rp_status fill_column(page *p, const rp_table *table, size_t row, const c
     return fill_text(p, &cell, colon ? colon + 1 : NULL);
 }
 
-static rp_status fill_rows(page *p, const report_words *w)
+/* "TABLE key=value ... | COLUMN ..." */
+static rp_status fill_rows(page *p, const char *text)
 {
-    int bar = 2;
+    rp_arena *arena = p->tables.arena;
+    const char *bar = strstr(text, " | "), *begin = "|";
     const rp_table *table;
-    while (bar < w->n && strcmp(w->word[bar], "|") != 0) bar++;
-    if (bar >= w->n - 1) return rp_fail(RP_BAD_INPUT, "{{rows ...}}: a table, | and columns expected");
-    RP_TRY(report_table(&p->tables, w->word[1], &table));
-    if (!table) return fprintf(p->out, "| %s |", no_data), RP_OK;
-    const char *begin = "|";
+    report_reference *r;
     bool *rows;
-    RP_TRY(report_rows_of(p->tables.arena, table, bar - 2, w->word + 2, &rows));
+    if (!bar) return rp_fail(RP_BAD_INPUT, "{{rows ...}}: a table, | and columns expected");
+    const report_words columns = report_split(arena, bar + 3);
+    RP_TRY(report_reference_read(arena, rp_text(arena, "%.*s |", (int)(bar - text), text), &r));
+    RP_TRY(report_rows(&p->tables, r, &table, &rows));
+    if (!table) return fprintf(p->out, "| %s |", no_data), RP_OK;
     for (size_t row = 0; row < table->n_rows; row++) {
         if (!rows[row]) continue;
         fputs(begin, p->out);
         begin = "\n|";
-        for (int k = bar + 1; k < w->n; k++) {
+        for (int k = 0; k < columns.n; k++) {
             fputc(' ', p->out);
-            RP_TRY(fill_column(p, table, row, w->word[k]));
+            RP_TRY(fill_column(p, table, row, columns.word[k]));
             fputs(" |", p->out);
         }
     }
@@ -135,17 +130,12 @@ static void print_in_full(page *p, const report_claim *c, const report_judged *j
     fputs(" |", p->out);
 }
 
-static bool is_own(const report_claim *c)
-{
-    return strcmp(c->paper, "ours") == 0;
-}
-
 /* The line that is read first: what is claimed, both sides, the verdict. */
 static void print_in_short(page *p, const report_claim *c, const report_judged *j)
 {
     const bool change = c->kind == CLAIM_INDEPENDENT || c->kind == CLAIM_RISES || c->kind == CLAIM_FALLS;
     fprintf(p->out, "%s | ", c->statement);
-    if (!is_own(c)) fprintf(p->out, "%s | ", report_published(p->tables.arena, c));
+    if (strcmp(c->paper, "ours") != 0) fprintf(p->out, "%s | ", report_published(p->tables.arena, c));
     fprintf(p->out, "%s | %s |",
             change && *j->text ? report_number_text(p->tables.arena, j->ours.shown) : j->text, j->word);
 }
@@ -189,13 +179,6 @@ static rp_status fill_failures(page *p, const char *which)
     return RP_OK;
 }
 
-static rp_status fill_counts(page *p, const char *paper)
-{
-    RP_TRY(judge(p));
-    fputs(report_count(p->tables.arena, &p->claims, p->judged, paper), p->out);
-    return RP_OK;
-}
-
 /* ---- places ---- */
 
 static rp_status fill_place(page *p, char *text)
@@ -210,13 +193,17 @@ static rp_status fill_place(page *p, char *text)
         if (format) *format++ = '\0';
         return fill_cell(p, rest, format);
     }
-    if (strcmp(word, "note") == 0) return fill_note(p, &w);
-    if (strcmp(word, "rows") == 0) return fill_rows(p, &w);
+    if (strcmp(word, "note") == 0 && w.n == 3)
+        return fill_cell(p, rp_text(p->tables.arena, "%s #%s", first, w.word[2]), NULL);
+    if (strcmp(word, "rows") == 0) return fill_rows(p, rest);
     if (strcmp(word, "published") == 0 || strcmp(word, "ours") == 0 || strcmp(word, "number") == 0 ||
         strcmp(word, "verdict") == 0)
         return fill_claim(p, first, *word);
     if (strcmp(word, "claims") == 0 || strcmp(word, "scores") == 0) return fill_section(p, word, first);
-    if (strcmp(word, "counts") == 0) return fill_counts(p, first);
+    if (strcmp(word, "counts") == 0) {
+        RP_TRY(judge(p));
+        return fputs(report_count(p->tables.arena, &p->claims, p->judged, first), p->out), RP_OK;
+    }
     if (strcmp(word, "failures") == 0) return fill_failures(p, first);
     return rp_fail(RP_BAD_INPUT, "{{%s ...}}: unknown word", word);
 }
@@ -286,8 +273,7 @@ const cli_command report_page = {
     "page",
     "a text of the report, filled from tables",
     "TEXT [--tables DIR,...] [-o FILE]",
-    "Fill the places {{word ...}} of a text. The row of a table is the one whose cells equal all\n"
-    "key=value.\n"
+    "Fill the places {{word ...}} of a text. The row of a table is the one whose cells equal all key=value.\n"
     "  {{value T k=v COL}}          value +- standard error\n"
     "  {{cell T k=v COL FORMAT}}    the cell itself, in the format given (%.Ng or %.Nf)\n"
     "  {{note T KEY}}               a header line of the table\n"

@@ -3,7 +3,6 @@
 
 #include <gsl/gsl_cdf.h>
 #include <math.h>
-#include <string.h>
 
 static const double errors_that_decide = 2.0, level = 0.05;
 
@@ -119,10 +118,4 @@ stats_number report_quotient(stats_number a, stats_number b)
 {
     const double q = a.value / b.value;
     return (stats_number){q, hypot(a.se, q * b.se) / fabs(b.value)};
-}
-
-void report_count_verdicts(size_t n, const report_verdict verdicts[], size_t counts[REPORT_VERDICTS])
-{
-    memset(counts, 0, REPORT_VERDICTS * sizeof *counts);
-    for (size_t i = 0; i < n; i++) counts[verdicts[i]]++;
 }

@@ -89,7 +89,4 @@ typedef struct {
 } report_together;
 report_together report_joint(size_t n, const stats_number differences[]);
 
-/* How many of each verdict. */
-void report_count_verdicts(size_t n, const report_verdict verdicts[], size_t counts[REPORT_VERDICTS]);
-
 #endif

@@ -34,7 +34,7 @@ printf 'steps = 50; fill = { N = 9; W = 1.0; H = 1.0; }; walls = ( { point = [0.
 printf 'fit = { mu = [0.1, 0.8]; }; measured = ( { runs = "%s/tests/fuzz/corpus/calibrate/piles"; of = "theta_r3_deg"; value = 20.0; error = 1.0; } );\n' "$PWD" >"$build/analyze/fit.cfg"
 while read -r line; do
     valgrind -q --error-exitcode=99 --leak-check=full --trace-children=no "$build/repose" $line >/dev/null 2>"$build/analyze/valgrind.log"
-    [ $? != 99 ] || { echo "valgrind src/cli/main.c ${line%% *}" >>"$found.raw"; cat "$build/analyze/valgrind.log"; }
+    [ $? != 99 ] || { echo "valgrind src/cli/command.c ${line%% *}" >>"$found.raw"; cat "$build/analyze/valgrind.log"; }
 done <<END
 lattice --base 20 --alpha-deg 30
 tent --x1 0.38 --outer-deg 30 --inner-deg 45

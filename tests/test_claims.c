@@ -10,7 +10,7 @@
 #include <unistd.h>
 
 #include "table/table.h"
-#include "report/verdict.h"
+#include "report/claims.h"
 #include "sweeps/engine/private.h"
 #include "sweeps/protocols/protocols.h"
 #include "tests/check.h"
@@ -181,12 +181,21 @@ static void test_few(void)
 
 static void test_counts(void)
 {
-    size_t counts[REPORT_VERDICTS];
-    const report_verdict v[] = {REPORT_NO_DATA, REPORT_REPRODUCED, REPORT_NO_DATA, REPORT_OPEN,
-                                REPORT_NO_DATA};
-    report_count_verdicts(5, v, counts);
-    CU_ASSERT(counts[REPORT_NO_DATA] == 3 && counts[REPORT_REPRODUCED] == 1 && counts[REPORT_OPEN] == 1 &&
-              counts[REPORT_NOT_REPRODUCED] == 0);
+    RP_SCOPE(arena);
+    report_claim lh[] = {{.of = "", .paper = "lh"},
+                         {.of = "", .paper = "lh"},
+                         {.of = "", .paper = "li"},
+                         {.of = "", .paper = "lh"},
+                         {.of = "a", .paper = "lh"}};
+    const report_judged judged[] = {{.verdict = REPORT_NO_DATA},
+                                    {.verdict = REPORT_REPRODUCED},
+                                    {.verdict = REPORT_OPEN},
+                                    {.verdict = REPORT_OPEN},
+                                    {.verdict = REPORT_REPRODUCED}};
+    const report_claims all = {.claims = lh, .n = 5};
+    CU_ASSERT_STRING_EQUAL(report_count(&arena, &all, judged, "lh"),
+                           "1 reproduced, 0 not reproduced, 1 open");
+    CU_ASSERT_STRING_EQUAL(report_count(&arena, &all, judged, "ours"), "");
 }
 
 /* ---- the claims themselves ---- */

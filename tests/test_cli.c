@@ -12,7 +12,7 @@
 #include <unistd.h>
 
 #include "analytic/analytic.h"
-#include "cli/command.h"
+#include "cli/cli.h"
 #include "core/clock.h"
 #include "dem/scene/scene.h"
 #include "sweeps/protocols/protocols.h"

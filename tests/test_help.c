@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "cli/command.h"
+#include "cli/cli.h"
 #include "params/units.h"
 #include "core/version.h"
 #include "dem/scene/scene.h"
@@ -119,7 +119,7 @@ static const char *own_name(const cli_command *c)
 /* The description: paragraphs are filled, lines that begin with a blank stand as they are. */
 static void check_about(const char *about, int width)
 {
-    char text[8192] = "", line[1024];
+    char text[8192] = "", line[4096];
     for (const char *from = about; *from;) {
         const size_t length = strcspn(from, "\n");
         snprintf(line, sizeof line, "%.*s", (int)length, from);
@@ -295,8 +295,12 @@ static void test_room(void)
     rp_arena arena = {0};
     cli_call call = {.arena = &arena, .program = &cli_repose};
     char name[] = "many", needed[] = "--needed";
-    cli_command c = {
-        .name = name, .protocol = rows, .prints_text = true, .synopsis = "[options]", .act = nothing};
+    cli_command c = {.name = name,
+                     .protocol = rows,
+                     .protocol_size = FAR * MOST,
+                     .prints_text = true,
+                     .synopsis = "[options]",
+                     .act = nothing};
     for (int i = 0; i < MOST; i++) rows[i] = (rp_param){"a", "", RP_TEXT, FAR * i, "of a", "", "", false};
     rows[3].name = long_name;
     cli_options_of(&call, &c);
@@ -393,7 +397,7 @@ static void item_is(const char *dashes, const char *name, const char *text)
 /* Lines in the form of the text are indented, with a blank line before and after. */
 static void lines_are(const char *text)
 {
-    char line[1024];
+    char line[4096];
     for (bool kept = false; *text; text += strcspn(text, "\n"), text += *text == '\n') {
         snprintf(line, sizeof line, "%.*s", (int)strcspn(text, "\n"), text);
         if (*line && kept != (*line == ' ')) {
@@ -437,7 +441,7 @@ static void command_is(const cli_command *c)
     }
     snprintf(text, sizeof text, "**repose %s** ", c->name);
     for (const char *way = c->synopsis; *way; way += strcspn(way, "\n"), way += *way == '\n') {
-        char line[1024];
+        char line[4096];
         snprintf(line, sizeof line, "%.*s", (int)strcspn(way, "\n"), way);
         marked(text, line, "");
         line_is("%s", "");
@@ -450,7 +454,7 @@ static void command_is(const cli_command *c)
     }
     snprintf(text, sizeof text, "Refuses: ");
     for (const char *way = c->refuses; *way; way += strcspn(way, "\n"), way += *way == '\n') {
-        char line[1024];
+        char line[4096];
         snprintf(line, sizeof line, "%.*s", (int)strcspn(way, "\n"), way);
         marked(text, line, "");
         *text = '\0';

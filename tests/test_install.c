@@ -5,7 +5,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "cli/command.h"
+#include "cli/cli.h"
 #include "core/version.h"
 #include "tests/check.h"
 #include "tests/program.h"

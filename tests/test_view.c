@@ -1,6 +1,7 @@
 /* What is seen. Pictures by their contents: an svg file has each grain, force and wall at its position, in
  * its colour and width; a gif file has every frame. */
 #include <fcntl.h>
+#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -437,20 +438,29 @@ static void test_film(void)
 static char told[1 << 16];
 
 /* A program of gnuplot's name writes to a file what it is told, before the words that start the program. */
-static int tell(const char *words)
+static int tell(const char *words, ...) __attribute__((format(printf, 1, 2)));
+static int tell(const char *words, ...)
 {
-    char line[512];
+    char line[512] = "chmod +x gnuplot ffmpeg; PATH=.:$PATH \"$REPOSE\" view ";
+    va_list args;
     write_text("gnuplot", "#!/bin/sh\nexec cat >told\n");
     write_text("ffmpeg", "#!/bin/sh\necho \"$@\" >film\nexec cat >>film\n");
-    snprintf(line, sizeof line, "chmod +x gnuplot ffmpeg; PATH=.:$PATH \"$REPOSE\" view %s >out 2>err",
-             words);
-    const int status = shell(line);
+    va_start(args, words);
+    vsnprintf(line + strlen(line), 256, words, args);
+    va_end(args);
+    const int status = shell(strcat(line, " >out 2>err"));
     if (status == 0) slurp("told", told, sizeof told);
     return status;
 }
 
-static bool is_told(const char *text)
+static bool is_told(const char *format, ...) __attribute__((format(printf, 1, 2)));
+static bool is_told(const char *format, ...)
 {
+    char text[512];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(text, sizeof text, format, args);
+    va_end(args);
     const bool is = strstr(told, text) != NULL;
     if (!is) fprintf(stderr, "gnuplot is not told: %s\n", text);
     return is;
@@ -532,8 +542,7 @@ static void test_animation(void)
     for (size_t k = 0; k < FRAMES; k++) {
         const double *a = place[k][0], *b = place[k][1];
         check_data("grains", k, 2, 4, a);
-        snprintf(text, sizeof text, "set label 1 'step %g, t = %g s, 2 grains' ", steps[k], 0.1 * steps[k]);
-        CU_ASSERT(is_told(text));
+        CU_ASSERT(is_told("set label 1 'step %g, t = %g s, 2 grains' ", steps[k], 0.1 * steps[k]));
         const double data[3][5] = {
             {4, 2, 0, -1, 22}, {3, 2, 0.5, 0.5, 6}, {a[0], a[1], b[0] - a[0], b[1] - a[1], classes[k]}};
         if (k != 2) check_data("contacts", with_contacts++, k == 1 ? 3 : 1, 5, data[k == 1 ? 0 : 2]);
@@ -577,13 +586,11 @@ static void test_chosen(void)
                   "pngcairo enhanced font 'DejaVu Sans,11' fontscale 1.1 linewidth 1.5 size 1080,840", 5}};
     write_frames();
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
-        char words[128], text[128];
+        char text[128];
         size_t n = 0;
         /* 15.5 by 11.1 cm, and 2.9 cm above and below */
-        snprintf(words, sizeof words, ". --window 0,15.5,0,11.1 -o %s", cases[k].words);
-        CU_ASSERT_EQUAL(tell(words), 0);
-        snprintf(text, sizeof text, "set terminal %s", cases[k].terminal);
-        CU_ASSERT(is_told(text));
+        CU_ASSERT_EQUAL(tell(". --window 0,15.5,0,11.1 -o %s", cases[k].words), 0);
+        CU_ASSERT(is_told("set terminal %s", cases[k].terminal));
         snprintf(text, sizeof text, "'step %s, ", cases[k].step);
         const char *first = strstr(told, "set label 1 '");
         CU_ASSERT(first && strncmp(first + 12, text, strlen(text)) == 0);
@@ -639,17 +646,15 @@ static void test_range(void)
                  {-6.0, -6.0, "-9:-3"}, {0.5, 0.5, "0:1"},   {-0.5, 0.25, "-0.5:0.5"}};
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         const bool both = cases[k].a * cases[k].b < 0.0;
-        char text[64];
         write_text("t.tsv", "x\ty\tr\tq\n0\t0\t1\t%g\n3\t0\t1\tnan\n6\t0\t1\t%g\n", cases[k].a, cases[k].b);
         CU_ASSERT_EQUAL(tell("t.tsv -o a.png --color q"), 0);
-        snprintf(text, sizeof text, "set cbrange [%s]\n", cases[k].range);
-        CU_ASSERT(is_told(text));
+        CU_ASSERT(is_told("set cbrange [%s]\n", cases[k].range));
         CU_ASSERT(is_told(both ? "'#f7f7f7'" : "'#fff7bc'") && is_told("set cblabel 'q' noenhanced"));
         CU_ASSERT(is_told("plot $grains using 1:2:3:4 with circles lw 0.4 fc palette notitle\n"));
         /* a window of 8 by 2 m with a radius around it, whose plot is 13.6 cm wide */
-        snprintf(text, sizeof text, "set lmargin at screen %.5f\nset rmargin at screen %.5f\n", 0.1,
-                 1.0 - 2.6 / 18.0);
-        CU_ASSERT(is_told(text) && is_told("set xrange [-2:8]\n") && is_told("set yrange [-2:2]\n"));
+        CU_ASSERT(
+            is_told("set lmargin at screen %.5f\nset rmargin at screen %.5f\n", 0.1, 1.0 - 2.6 / 18.0) &&
+            is_told("set xrange [-2:8]\n") && is_told("set yrange [-2:2]\n"));
         CU_ASSERT(is_told("'3 grains'") && is_told("set xlabel 'x' noenhanced"));
     }
 }
@@ -676,10 +681,9 @@ static void test_crosses(void)
             sizeof crosses[k]);
     }
     check_data("stress", 0, 3, 5, *crosses);
-    char text[128];
-    snprintf(text, sizeof text, "arrowstyle 50 title 'principal stress, largest %.4g 1/m' noenhanced\n",
-             4.0 * sqrt(2.0) / 9.0);
-    CU_ASSERT(is_told(text) && !strstr(told, "normal force"));
+    CU_ASSERT(is_told("arrowstyle 50 title 'principal stress, largest %.4g 1/m' noenhanced\n",
+                      4.0 * sqrt(2.0) / 9.0) &&
+              !strstr(told, "normal force"));
     /* a single cell, of 20 m */
     write_text("contacts.tsv", "x\ty\tx_b\ty_b\tforce\n2.5\t1.5\t2.5\t0\t12\n");
     CU_ASSERT_EQUAL(tell(". -o a.png --stress --cell 20"), 0);
@@ -752,43 +756,35 @@ static void test_styles(void)
     SHELL("rm walls.tsv >out 2>err");
     for (int k = 0; k < 3; k++) {
         const double length = 14.0 / windows[k], width = fmin(fmax(0.9 * length * 37.8, 2.0), 5.0);
-        char words[128], text[512];
-        snprintf(words, sizeof words, ". -o a.svg --window 0,%d,0,%d", windows[k], windows[k]);
-        CU_ASSERT_EQUAL(tell(words), 0);
+        CU_ASSERT_EQUAL(tell(". -o a.svg --window 0,%d,0,%d", windows[k], windows[k]), 0);
         static const char *const shades[] = {"#96aac3", "#495a78", "#08183a"};
         static const int classes[] = {1, 7, 12};
         for (int i = 0; i < 3; i++) {
-            snprintf(text, sizeof text,
-                     "set style arrow %d nohead lw %.3g lc rgb '%s'\nset style arrow %d nohead lw %.3g lc "
-                     "rgb '#d55e00'\n",
-                     classes[i], width * (classes[i] - 0.5) / 12.0, shades[i], classes[i] + 20,
-                     width * (classes[i] - 0.5) / 12.0);
-            CU_ASSERT(is_told(text));
+            CU_ASSERT(
+                is_told("set style arrow %d nohead lw %.3g lc rgb '%s'\nset style arrow %d nohead lw %.3g lc "
+                        "rgb '#d55e00'\n",
+                        classes[i], width * (classes[i] - 0.5) / 12.0, shades[i], classes[i] + 20,
+                        width * (classes[i] - 0.5) / 12.0));
         }
-        snprintf(text, sizeof text,
-                 "set style arrow 50 nohead lw %.3g lc rgb '#0072b2'\nset style arrow 51 nohead lw %.3g lc "
-                 "rgb '#d55e00'\n",
-                 fmax(0.4 * width, 1.0), fmax(0.4 * width, 1.0));
-        CU_ASSERT(is_told(text));
-        snprintf(
-            text, sizeof text,
+        CU_ASSERT(is_told(
+            "set style arrow 50 nohead lw %.3g lc rgb '#0072b2'\nset style arrow 51 nohead lw %.3g lc "
+            "rgb '#d55e00'\n",
+            fmax(0.4 * width, 1.0), fmax(0.4 * width, 1.0)));
+        CU_ASSERT(is_told(
             "plot $grains using 1:2:($3*%.9g + %g) with points pt 7 ps variable lc rgb '#a8a8a8' notitle, "
             "\\\n"
             " $grains using 1:2:($3*%.9g - %g) with points pt 7 ps variable lc rgb '#eeeeee' notitle, \\\n"
             " $contacts using",
-            length * 37.8 / 4.125, 0.25 / 4.125, length * 37.8 / 4.125, 0.25 / 4.125);
-        CU_ASSERT(is_told(text));
-        snprintf(text, sizeof text,
-                 "set yrange [0:%d]\nset tmargin at screen %.5f\nset bmargin at screen %.5f\n"
-                 "set key at graph 1, screen %.5f right bottom horizontal samplen 2\nset ylabel 'y (m)' "
-                 "noenhanced\n",
-                 windows[k], 1.0 - 1.4 / 16.9, 1.5 / 16.9, 1.0 - 1.3 / 16.9);
-        CU_ASSERT(is_told(text));
-        snprintf(text, sizeof text, "lmargin at screen %.5f\nset rmargin at screen %.5f\n", 1.8 / 16.5,
-                 1.0 - 0.7 / 16.5);
-        CU_ASSERT(is_told(text));
-        snprintf(text, sizeof text, "'2 grains' noenhanced at graph 0, screen %.5f left\n", 1.0 - 0.5 / 16.9);
-        CU_ASSERT(is_told(text) && !strstr(told, "$walls with"));
+            length * 37.8 / 4.125, 0.25 / 4.125, length * 37.8 / 4.125, 0.25 / 4.125));
+        CU_ASSERT(
+            is_told("set yrange [0:%d]\nset tmargin at screen %.5f\nset bmargin at screen %.5f\n"
+                    "set key at graph 1, screen %.5f right bottom horizontal samplen 2\nset ylabel 'y (m)' "
+                    "noenhanced\n",
+                    windows[k], 1.0 - 1.4 / 16.9, 1.5 / 16.9, 1.0 - 1.3 / 16.9));
+        CU_ASSERT(
+            is_told("lmargin at screen %.5f\nset rmargin at screen %.5f\n", 1.8 / 16.5, 1.0 - 0.7 / 16.5));
+        CU_ASSERT(is_told("'2 grains' noenhanced at graph 0, screen %.5f left\n", 1.0 - 0.5 / 16.9) &&
+                  !strstr(told, "$walls with"));
     }
     CU_ASSERT_EQUAL(tell(". -o a.png --color r"), 0);
     CU_ASSERT(is_told("set style arrow 7 nohead lw 2.71 lc rgb '#000000'\n"));
@@ -1125,13 +1121,13 @@ static void test_sweep_progress(void)
     for (int k = 0; k < 2; k++) {
         FILE *file = tmpfile();
         char text[2048] = "";
-        bool drawn;
+        cli_progress progress;
         sweep_options options = {0};
         const bool ready = k == 0 || (terminal >= 0 && grantpt(terminal) == 0 && unlockpt(terminal) == 0);
         CU_ASSERT_FATAL(file && ready);
         const int slave = k == 0 ? dup(fileno(file)) : open(ptsname(terminal), O_RDWR | O_NOCTTY);
         dup2(slave, STDERR_FILENO);
-        cli_sweep_progress(&options, false, &drawn);
+        cli_sweep_progress(&options, false, &progress);
         for (int i = 0; i < SHOWN; i++) options.watch(&shown[i], options.context);
         dup2(kept, STDERR_FILENO);
         if (k == 0) rewind(file);
@@ -1139,7 +1135,7 @@ static void test_sweep_progress(void)
             got = read(k == 0 ? fileno(file) : terminal, text + used, sizeof text - 1 - (size_t)used);
         close(slave);
         fclose(file);
-        CU_ASSERT(drawn == (k == 1));
+        CU_ASSERT(progress.drawn == (k == 1));
         if (k == 0)
             CU_ASSERT_STRING_EQUAL(text, "repose sweep: 2 of 30 runs, 1 failed, 1:15 left\n"
                                          "repose sweep: 15 of 30 runs, 2 failed, 1:01:01 left\n");

@@ -1,14 +1,11 @@
-/* What a command was called with; see call.h. */
-#include "cli/call.h"
+/* What a command was called with; see cli.h. */
+#include "cli/cli.h"
 
 #include <limits.h>
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
-#include "table/columns.h"
-#include "core/file.h"
 #include "core/random.h"
 #include "params/units.h"
 
@@ -17,16 +14,15 @@ const char *cli_argument(const cli_call *call, int i)
     return i < call->n_arguments ? call->arguments[i] : NULL;
 }
 
-size_t cli_option(const cli_call *call, const char *name)
+void *cli_value(const cli_call *call, const char *name)
 {
-    size_t i = 0;
-    while (strcmp(call->options[i].name, name) != 0) i++;
-    return i;
+    const rp_param *option = rp_params_find(call->options, name);
+    return option ? (char *)call->values + option->offset : NULL;
 }
 
 bool cli_given(const cli_call *call, const char *name)
 {
-    return call->given[cli_option(call, name)];
+    return call->given[rp_params_find(call->options, name) - call->options];
 }
 
 static void free_generator(void *rng)
@@ -36,8 +32,7 @@ static void free_generator(void *rng)
 
 gsl_rng *cli_random(const cli_call *call, unsigned long run)
 {
-    const size_t at = call->options[cli_option(call, "seed")].offset;
-    const long seed = *(const long *)((const char *)call->values + at);
+    const long seed = *(const long *)cli_value(call, "seed");
     return rp_arena_keep(call->arena, rp_random_alloc((unsigned long)seed, run, RP_PURPOSE_BOOTSTRAP),
                          free_generator);
 }
@@ -50,51 +45,22 @@ void cli_defaults_in_units(const cli_call *call)
 
 /* ---- data ---- */
 
-/* Folders of data next to the program: where it is installed, then the source above its build folder. */
-static const char *const beside[] = {"../share/repose", "..", "../.."};
-
-/* The program's folder; "" where the system does not tell. */
-static void find_program(char folder[PATH_MAX])
-{
-    rp_program(folder, PATH_MAX);
-    char *slash = strrchr(folder, '/');
-    if (slash) *slash = '\0';
-}
-
-/* The file in a folder of another one, NULL without. */
-static const char *find_in(rp_arena *arena, const char *folder, const char *sub, const char *name)
-{
-    const char *path;
-    if (rp_path(arena, &path, "%s/%s/%s", folder, sub, name)) return NULL;
-    char *real = realpath(path, NULL);
-    return real ? rp_arena_keep(arena, real, free) : NULL;
-}
-
 const char *cli_data(rp_arena *arena, const char *name)
 {
+    /* next to the program: where it is installed, then the source above its build folder */
+    static const char *const beside[] = {"../share/repose", "..", "../..", NULL};
+    const char *const set[] = {".", NULL}, *folder = getenv("REPOSE_DATA"), *path;
     char program[PATH_MAX];
-    const char *folder = getenv("REPOSE_DATA"), *found = NULL;
     if (*name == '/' || access(name, F_OK) == 0) return name;
-    if (folder && *folder) {
-        found = find_in(arena, folder, ".", name);
-    } else {
-        find_program(program);
-        for (size_t i = 0; i < sizeof beside / sizeof *beside && !found && *program; i++)
-            found = find_in(arena, program, beside[i], name);
+    const bool is_set = folder && *folder;
+    if (!is_set && !rp_program(program, sizeof program)) return name;
+    if (!is_set) *strrchr(program, '/') = '\0';
+    for (const char *const *sub = is_set ? set : beside; *sub; sub++) {
+        if (rp_path(arena, &path, "%s/%s/%s", is_set ? folder : program, *sub, name)) continue;
+        char *real = realpath(path, NULL);
+        if (real) return rp_arena_keep(arena, real, free);
     }
-    return found ? found : name;
-}
-
-rp_status cli_tables_read(const cli_call *call, rp_table **table, size_t *n_first)
-{
-    RP_TRY(rp_table_load(call->arena, cli_data(call->arena, cli_argument(call, 0)), table));
-    if (n_first) *n_first = (*table)->n_rows;
-    for (int i = 1; i < call->n_arguments; i++) {
-        rp_table *more;
-        RP_TRY(rp_table_load(call->arena, cli_data(call->arena, cli_argument(call, i)), &more));
-        RP_TRY(rp_table_append(*table, more));
-    }
-    return RP_OK;
+    return name;
 }
 
 /* ---- the table that is printed ---- */
@@ -113,35 +79,4 @@ void cli_table(const cli_call *call, FILE *out)
         if (p->type != RP_TEXT && p->type != RP_TEXTS)
             rp_table_note(out, p->name, "%s%s%s", rp_params_text(p, call->values, text, sizeof text),
                           *p->unit ? " " : "", rp_unit(p->unit));
-}
-
-/* ---- positions ---- */
-
-/* Read "0.1,0.25,..." */
-static rp_status read_positions(rp_arena *arena, const char *text, double **x, size_t *n)
-{
-    *n = 1;
-    for (const char *p = text; *p; p++) *n += *p == ',';
-    *x = rp_arena_memory(arena, *n, sizeof **x);
-    for (size_t i = 0; i < *n; i++) {
-        char *end;
-        (*x)[i] = strtod(text, &end);
-        if (end == text || (*end && *end != ',') || !isfinite((*x)[i]))
-            return rp_fail(RP_BAD_INPUT, "--at: \"%.40s\": numbers separated by commas expected", text);
-        if ((*x)[i] < 0 || (*x)[i] > 1)
-            return rp_fail(RP_BAD_INPUT, "--at: x/B = %.15g: out of range, allowed: [0, 1]", (*x)[i]);
-        text = end + (*end == ',');
-    }
-    return RP_OK;
-}
-
-rp_status cli_positions(rp_arena *arena, long points, const char *at, double **x, size_t *n)
-{
-    const bool listed = strcmp(at, "auto") != 0;
-    if (listed && points > 0) return rp_fail(RP_USAGE, "give --points or --at, not both");
-    if (listed) return read_positions(arena, at, x, n);
-    *n = points > 0 ? (size_t)points : 201;
-    *x = rp_arena_memory(arena, *n, sizeof **x);
-    for (size_t i = 0; i < *n; i++) (*x)[i] = (double)i / (double)(*n - 1);
-    return RP_OK;
 }

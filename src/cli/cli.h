@@ -3,13 +3,63 @@
 #ifndef CLI_H
 #define CLI_H
 
+#include <gsl/gsl_rng.h>
 #include <math.h>
 
-#include "cli/call.h"
-#include "table/columns.h"
 #include "core/file.h"
-#include "core/status.h"
 #include "sweeps/protocols/protocols.h"
+#include "table/columns.h"
+
+/* ---- what a command was called with: its options' values, its arguments, its memory ---- */
+
+struct cli_command;
+
+/* A program of commands. */
+typedef struct {
+    const char *name, *title;                  /* as it is typed, as it is written */
+    const char *about;                         /* in one line */
+    const struct cli_command *const *commands; /* in the order of the overview, to NULL */
+    const struct cli_removed *removed;         /* to a NULL name; NULL: none */
+} cli_program;
+
+typedef struct {
+    rp_arena *arena; /* of the whole command */
+    const cli_program *program;
+    const char *line;    /* the command line, for provenance */
+    const char *lineage; /* further header lines of its table; may be NULL */
+    const struct cli_command *command;
+    rp_param *options; /* of the command, with names as they are typed */
+    bool *given;       /* each option: on the command line? */
+    void *values;
+    size_t n_own; /* options of the command itself; those after them are of every command */
+    int n_arguments;
+    char *const *arguments;
+} cli_call;
+
+/* Argument number i, NULL beyond their end. */
+const char *cli_argument(const cli_call *call, int i);
+
+/* The value of an option, NULL where the command has none; whether it was given, which the command must have.
+ */
+void *cli_value(const cli_call *call, const char *name);
+bool cli_given(const cli_call *call, const char *name);
+
+/* Generator of resamples: stream `run` of the option --seed, which the command must have. */
+gsl_rng *cli_random(const cli_call *call, unsigned long run);
+
+/* The defaults of options that are not given again, once a table has told its system of units. */
+void cli_defaults_in_units(const cli_call *call);
+
+/* A file that the program brings along, as "sweeps/lh/lh3.cfg", by this name in the current folder; else in
+ * the data folder. That is the one REPOSE_DATA names; where it is not set, ../share/repose next to the
+ * program, or the source that the program was built in. The name itself where there is no such file. */
+const char *cli_data(rp_arena *arena, const char *name);
+
+/* Start a table with provenance; cli_table notes the numbers and words among the options' values too. */
+void cli_provenance(const cli_call *call, FILE *out);
+void cli_table(const cli_call *call, FILE *out);
+
+/* ---- commands and their options ---- */
 
 /* One option of a command is X(type, name, unit, default, range, meaning), as in rp_param: type REAL, INT,
  * BOOL, ..., name with underlines for dashes, default NULL for a required one. CLI_OPTIONS(name, LIST) makes
@@ -95,14 +145,36 @@ void cli_options_of(cli_call *call, const cli_command *command);
  * RP_BAD_INPUT (a value). */
 rp_status cli_parse(cli_call *call, const cli_command *command, int argc, char **argv, bool *helped);
 
+/* Parse argv[1..] and act. --help prints its text. Errors: those of cli_parse, RP_USAGE for an unknown
+ * subcommand, and the action's own. */
+rp_status cli_run(cli_call *call, const cli_command *command, int argc, char **argv);
+
+/* Act, what the command prints going to `out`; `table` in place of the arguments' tables, NULL: these. */
+rp_status cli_act_into(cli_call *call, rp_table *table, FILE *out);
+
+/* The header of a call's table has the lines `source` of the table that it is made of. */
+void cli_sources(cli_call *call, const rp_table *table);
+
+/* The one of these commands whose own name is `word`; NULL: none. */
+const cli_command *cli_find(const cli_command *const *among, const char *word);
+
+/* The error of a word that is no command of the group, or for NULL of the program, with the nearest one. */
+rp_status cli_unknown_command(const cli_program *program, const char *word, const cli_command *group);
+
+/* What --help of a group prints, or for NULL that of the program. */
+void cli_overview(const cli_program *program, const cli_command *group, FILE *out);
+
+/* The main function of a program. */
+int cli_main(const cli_program *program, int argc, char **argv);
+
+/* The program `repose`. */
+extern const cli_program cli_repose;
+
 /* The text of an option in help, meaning, unit, range and default; returns `text`. What stands before its
  * name: one dash before a letter, else two. The last word of a command's name, the one to type. */
 const char *cli_option_text(const rp_param *option, char *text, size_t size);
 const char *cli_dashes(const rp_param *option);
 const char *cli_own_name(const cli_command *command);
-
-/* Warn of the g of SI among values in cgs, of a file whose units have been read. */
-void cli_warn_gravity(const char *path, double g);
 
 /* sweep_run with these options, workers below 1: one per processor; its progress unless `quiet`, and
  * a line for each run that fails. */
@@ -115,11 +187,16 @@ rp_status cli_sweep_table(const cli_call *call, const char *dir, unsigned what, 
 rp_status cli_sweep_export(const cli_call *call, const char *dir, unsigned what, const char *path,
                            sweep_counts *counts);
 
+/* The columns of the table that a sweep's file would make, as a table without rows. */
+rp_status cli_sweep_columns(const cli_call *call, const char *file, unsigned what, rp_table **table);
+
+/* The row of one run on standard output, and before it the columns: those of parameters (NULL: without), of
+ * results, and its status. */
+void cli_result_row(const rp_param *schema, const void *parameters, const sweep_output *outputs,
+                    const sweep_result *result);
+
 /* How many runs are planned, stored and missing, and how many have which status. */
 void cli_print_counts(const sweep_counts *counts);
-
-/* As sweep_check_whole, of a table that was written without the runs that lack. */
-rp_status cli_check_whole(const char *dir, const sweep_counts *counts);
 
 /* May this sweep's file be planned in the folder? Not over another sweep, unless by `force`. Errors:
  * RP_BAD_INPUT; RP_IO. */

@@ -80,22 +80,18 @@ static void find_pile(const dem_sim *sim, double x[2])
     }
 }
 
-static rp_status find_slope(rp_arena *arena, const dem_sim *sim, const pile *s, cli_slope *slope)
-{
-    double gravity[2], *x = rp_arena_memory(arena, 2 * s->n, sizeof *x), *y = x + s->n;
-    *slope = (cli_slope){{NAN, NAN, NAN, NAN}, {s->x[0], s->x[1]}};
-    dem_gravity(sim, gravity);
-    if (!(gravity[0] == 0.0 && gravity[1] < 0.0)) return RP_OK;
-    find_pile(sim, slope->x);
-    for (size_t i = 0; i < s->n; i++) x[i] = s->grain[i].x, y[i] = s->grain[i].y - s->bottom;
-    return ang_one_sided(s->n, x, y, slope->x, s->d, &slope->theta_r);
-}
-
 rp_status cli_slope_of(rp_arena *arena, const dem_sim *sim, cli_slope *slope)
 {
     pile s;
+    double gravity[2];
     RP_TRY(measure(arena, sim, &s));
-    return find_slope(arena, sim, &s, slope);
+    *slope = (cli_slope){{NAN, NAN, NAN, NAN}, {s.x[0], s.x[1]}};
+    dem_gravity(sim, gravity);
+    if (!(gravity[0] == 0.0 && gravity[1] < 0.0)) return RP_OK;
+    find_pile(sim, slope->x);
+    double *x = rp_arena_memory(arena, 2 * s.n, sizeof *x), *y = x + s.n;
+    for (size_t i = 0; i < s.n; i++) x[i] = s.grain[i].x, y[i] = s.grain[i].y - s.bottom;
+    return ang_one_sided(s.n, x, y, slope->x, s.d, &slope->theta_r);
 }
 
 void cli_close_line(const char *directory)
@@ -116,12 +112,11 @@ static const char *unit_text(const char *cgs, char text[32])
 void cli_close_run(rp_arena *arena, const dem_sim *sim, const cli_rest *looks, const char *directory)
 {
     const bool rest = looks->passed == DEM_REST_LOOKS;
-    pile s;
     char unit[32];
     cli_slope slope;
-    if (measure(arena, sim, &s) || find_slope(arena, sim, &s, &slope)) return;
-    fprintf(stderr, "repose run: %zu grains, %ld steps, t = %.5g%s; %s", s.n, dem_step(sim), dem_time(sim),
-            unit_text("s", unit), rest ? "at rest" : "not at rest");
+    if (cli_slope_of(arena, sim, &slope)) return;
+    fprintf(stderr, "repose run: %zu grains, %ld steps, t = %.5g%s; %s", dem_count(sim), dem_step(sim),
+            dem_time(sim), unit_text("s", unit), rest ? "at rest" : "not at rest");
     if (rest && !isnan(slope.theta_r.theta)) {
         static const double deg = M_PI / 180.0;
         /* walls give way by parts of a grain: three digits of the length, and no minus of a zero */

@@ -1,6 +1,9 @@
-/* From the words of a command line to the command; see command.h. */
-#include "cli/command.h"
+/* From the words of a command line to the command, and the main function of a program of commands; see cli.h.
+ */
+#include "cli/cli.h"
 
+#include <gsl/gsl_errno.h>
+#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -28,24 +31,32 @@ const cli_command *cli_find(const cli_command *const *among, const char *word)
     return *among;
 }
 
-static rp_status run_group(cli_call *call, const cli_command *group, int argc, char **argv)
+void cli_overview(const cli_program *program, const cli_command *group, FILE *out)
 {
-    const char *name = call->program->name;
-    if (argc < 2) return rp_fail(RP_USAGE, "a command is missing; see %s %s --help", name, group->name);
-    const cli_command *command = cli_find(group->group, argv[1]);
-    if (command) return cli_run(call, command, argc - 1, argv + 1);
-    if (strcmp(argv[1], "--help") != 0 && strcmp(argv[1], "-h") != 0)
-        return cli_unknown_command(call->program, argv[1], group);
-    printf("usage: %s %s COMMAND [options]; %s %s COMMAND --help says more\n\n", name, group->name, name,
-           group->name);
-    for (const cli_command *const *c = group->group; *c; c++)
-        printf("  %-10s %s\n", cli_own_name(*c), (*c)->summary);
-    return RP_OK;
+    const char *name = program->name, *of = group ? group->name : "", *blank = group ? " " : "";
+    if (!group) fprintf(out, "%s %s: %s.\n\n", program->title, RP_VERSION, program->about);
+    fprintf(out, "usage: %s %s%sCOMMAND [options]; %s %s%sCOMMAND --help says more\n\n", name, of, blank,
+            name, of, blank);
+    for (const cli_command *const *c = group ? group->group : program->commands; *c; c++)
+        fprintf(out, "  %-10s %s\n", cli_own_name(*c), (*c)->summary);
 }
 
-static const void *value_of(const cli_call *call, const rp_param *option)
+/* The command of a group, or for NULL of the program, that argv[1] names. */
+static rp_status run_among(cli_call *call, const cli_command *group, int argc, char **argv)
 {
-    return (const char *)call->values + option->offset;
+    const cli_program *program = call->program;
+    if (argc < 2)
+        return rp_fail(RP_USAGE, "a command is missing; see %s %s --help", program->name, group->name);
+    const char *word = argv[1];
+    const cli_command *command = cli_find(group ? group->group : program->commands, word);
+    if (command) return cli_run(call, command, argc - 1, argv + 1);
+    if (strcmp(word, "--help") == 0 || strcmp(word, "-h") == 0)
+        cli_overview(program, group, stdout);
+    else if (!group && (strcmp(word, "--version") == 0 || strcmp(word, "-V") == 0))
+        printf("%s %s (commit %s)\n", program->name, RP_VERSION, rp_build_commit);
+    else
+        return cli_unknown_command(program, word, group);
+    return RP_OK;
 }
 
 void cli_sources(cli_call *call, const rp_table *table)
@@ -54,17 +65,28 @@ void cli_sources(cli_call *call, const rp_table *table)
         call->lineage = rp_text(call->arena, "%s# source: %s\n", call->lineage ? call->lineage : "", n);
 }
 
+/* The tables of all arguments as one. */
+static rp_status read_tables(const cli_call *call, rp_table **table)
+{
+    RP_TRY(rp_table_load(call->arena, cli_data(call->arena, cli_argument(call, 0)), table));
+    for (int i = 1; i < call->n_arguments; i++) {
+        rp_table *more;
+        RP_TRY(rp_table_load(call->arena, cli_data(call->arena, cli_argument(call, i)), &more));
+        RP_TRY(rp_table_append(*table, more));
+    }
+    return RP_OK;
+}
+
 static rp_status act(cli_call *call, rp_table *table)
 {
     const cli_command *command = call->command;
     if (!command->on_table) return command->act(call, call->values);
-    const rp_param *where = rp_params_find(call->options, "where");
+    const rp_texts *where = cli_value(call, "where");
     if (!table) {
-        RP_TRY(cli_tables_read(call, &table, NULL));
+        RP_TRY(read_tables(call, &table));
         cli_sources(call, table);
     }
-    const rp_texts *conditions = where ? value_of(call, where) : NULL;
-    for (size_t i = 0; where && i < conditions->n; i++) RP_TRY(rp_table_where(table, conditions->items[i]));
+    for (size_t i = 0; where && i < where->n; i++) RP_TRY(rp_table_where(table, where->items[i]));
     return command->on_table(call, table, call->values);
 }
 
@@ -101,7 +123,7 @@ static rp_status act_as_json(cli_call *call)
     size_t size;
     const rp_param *o = rp_params_find(call->options, "o");
     if (o && o->fallback && strcmp(o->fallback, "-") == 0 &&
-        strcmp(*(const char *const *)value_of(call, o), "-") != 0)
+        strcmp(*(const char *const *)cli_value(call, "o"), "-") != 0)
         return rp_fail(RP_USAGE,
                        "--json is of standard output; repose export --to json -o FILE writes a file");
     FILE *memory = open_memstream(&text, &size);
@@ -121,17 +143,44 @@ static rp_status act_as_json(cli_call *call)
 rp_status cli_run(cli_call *call, const cli_command *command, int argc, char **argv)
 {
     bool helped;
-    if (command->group) return run_group(call, command, argc, argv);
+    if (command->group) return run_among(call, command, argc, argv);
     RP_TRY(cli_parse(call, command, argc, argv, &helped));
     if (helped) return RP_OK;
-    const rp_param *json = command->prints_text ? NULL : rp_params_find(call->options, "json");
-    return json && *(const bool *)value_of(call, json) ? act_as_json(call) : act(call, NULL);
+    const bool *json = cli_value(call, "json");
+    return json && *json ? act_as_json(call) : act(call, NULL);
 }
 
-void cli_overview(const cli_program *program, FILE *out)
+/* ---- a program ---- */
+
+static void exhausted(void)
 {
-    fprintf(out, "%s %s: %s.\n\nusage: %s COMMAND [options]; %s COMMAND --help says more\n\n", program->title,
-            RP_VERSION, program->about, program->name, program->name);
-    for (const cli_command *const *c = program->commands; *c; c++)
-        fprintf(out, "  %-10s %s\n", (*c)->name, (*c)->summary);
+    fputs("out of memory\n", stderr);
+    exit(RP_NO_MEMORY);
+}
+
+/* "repose run scene.cfg" */
+static char *line_of(rp_arena *arena, const char *name, int argc, char *const argv[])
+{
+    size_t size = strlen(name) + 1;
+    for (int i = 1; i < argc; i++) size += strlen(argv[i]) + 1;
+    char *line = strcpy(rp_arena_memory(arena, size, 1), name), *end = line;
+    for (int i = 1; i < argc; i++) end = stpcpy(stpcpy(end + strlen(end), " "), argv[i]);
+    return line;
+}
+
+int cli_main(const cli_program *program, int argc, char **argv)
+{
+    signal(SIGXFSZ, SIG_IGN);    /* a file that reaches the limit of its size is a failed write */
+    gsl_set_error_handler_off(); /* each caller of GSL checks the returned status */
+    rp_arena arena = {.exhausted = exhausted};
+    cli_call call = {.arena = &arena, .program = program, .line = line_of(&arena, program->name, argc, argv)};
+    const bool named = argc > 1 && cli_find(program->commands, argv[1]);
+    if (argc < 2) cli_overview(program, NULL, stderr);
+    rp_status status = argc < 2 ? RP_USAGE : run_among(&call, NULL, argc, argv);
+    /* a failed write is an error, and a failure has one message */
+    if (!status) status = rp_file_finish(stdout, "standard output");
+    if (status && argc > 1)
+        fprintf(stderr, "%s%s%s: %s\n", program->name, named ? " " : "", named ? argv[1] : "", rp_message());
+    rp_arena_release(&arena, NULL);
+    return (int)status;
 }

@@ -17,13 +17,12 @@ const char *cli_dashes(const rp_param *option)
 
 const char *cli_option_text(const rp_param *p, char *text, size_t size)
 {
-    const bool range = p->range && *p->range, known = p->fallback && *p->fallback && p->type != RP_BOOL;
-    snprintf(text, size, "%s%s%s%s%s%s%s%s", p->meaning, *p->unit ? ", " : "", p->unit, range ? "; " : "",
-             range ? p->range : "",
-             known         ? " (default "
-             : p->fallback ? ""
-                           : " (required",
-             known ? p->fallback : "", known || !p->fallback ? ")" : "");
+    const char *separator = p->range && *p->range ? "; " : "", *open = "", *close = "";
+    const bool known = p->fallback && *p->fallback && p->type != RP_BOOL;
+    if (known) open = " (default ", close = ")";
+    if (!p->fallback) open = " (required)";
+    snprintf(text, size, "%s%s%s%s%s%s%s%s", p->meaning, *p->unit ? ", " : "", p->unit, separator,
+             *separator ? p->range : "", open, known ? p->fallback : "", close);
     return text;
 }
 
@@ -79,14 +78,12 @@ static void print_about(const char *text)
 }
 
 /* Lines, each filled and begun with these words; from the second on the first of them is blank. */
-static void print_lines(const char *text, const char *first, const char *second, const char *third)
+static void print_lines(const char *text, const char *first, const char *second)
 {
     const int indent = (int)strlen(first);
     for (const char *line = text; *line; first = "") {
         const size_t n = strcspn(line, "\n");
-        const int at =
-            printf("%-*s%s%s%s%s", indent, first, second, *second ? " " : "", third, *third ? " " : "");
-        print_words(line, n, at, *second ? indent + 4 : indent + 2);
+        print_words(line, n, printf("%-*s%s", indent, first, second), indent + (*second ? 4 : 2));
         putchar('\n');
         line += n + (line[n] == '\n');
     }
@@ -95,7 +92,7 @@ static void print_lines(const char *text, const char *first, const char *second,
 static void print_help(const cli_call *call)
 {
     const cli_command *c = call->command;
-    print_lines(c->synopsis, "usage: ", call->program->name, c->name);
+    print_lines(c->synopsis, "usage: ", rp_text(call->arena, "%s %s ", call->program->name, c->name));
     putchar('\n');
     print_about(c->about);
     puts("\noptions:");
@@ -110,7 +107,7 @@ static void print_help(const cli_call *call)
     printf("  %-22s this text\n\n", "--help");
     if (c->refuses) {
         puts("refuses:");
-        print_lines(c->refuses, "  ", "", "");
+        print_lines(c->refuses, "  ", "");
         putchar('\n');
     }
     printf("example:\n  %s\n", c->example);
@@ -118,13 +115,9 @@ static void print_help(const cli_call *call)
 
 /* ---- the options of a command ---- */
 
-typedef struct {
-    bool json;
-} generic;
-
 /* Options of every command that prints a table. */
 static const rp_param generic_options[] = {
-    {"json", "", RP_BOOL, offsetof(generic, json), "false", "",
+    {"json", "", RP_BOOL, 0, "false", "",
      "print the table as JSON: header lines, units, and rows as objects; nan as null"},
     {0}};
 
@@ -144,33 +137,27 @@ static size_t count(const rp_param *schema)
     return n;
 }
 
-/* Add a schema whose values begin at `offset`, with dashes for underlines. */
-static void add_options(cli_call *call, const rp_param *schema, size_t *n, size_t offset)
-{
-    for (const rp_param *p = schema; p && p->name; p++, ++*n) {
-        char *name = strcpy(rp_arena_memory(call->arena, strlen(p->name), 1), p->name);
-        for (char *c = name; (c = strchr(c, '_'));) *c = '-';
-        call->options[*n] = *p;
-        call->options[*n].name = name;
-        call->options[*n].offset += offset;
-    }
-}
-
 void cli_options_of(cli_call *call, const cli_command *command)
 {
-    const rp_param *own = command->options ? command->options() : NULL,
-                   *every = command->prints_text ? NULL : generic_options;
-    const size_t n = count(command->protocol) + count(own) + count(every),
-                 at = command->protocol_size + size_of(command->protocol) + size_of(own);
-    size_t added = 0;
+    const rp_param *const lists[] = {command->protocol, command->options ? command->options() : NULL,
+                                     command->prints_text ? NULL : generic_options};
+    const size_t at[] = {0, command->protocol_size, command->protocol_size + size_of(lists[1])};
+    size_t n = 0;
+    for (size_t k = 0; k < N_OF(lists); k++) n += count(lists[k]);
     call->command = command;
     call->options = rp_arena_memory(call->arena, n, sizeof *call->options);
     call->given = rp_arena_memory(call->arena, n, sizeof *call->given);
-    call->values = rp_arena_memory(call->arena, at + size_of(every), 1);
-    add_options(call, command->protocol, &added, 0);
-    add_options(call, own, &added, command->protocol_size);
-    call->n_own = added;
-    add_options(call, every, &added, at);
+    call->values = rp_arena_memory(call->arena, at[2] + size_of(generic_options), 1);
+    call->n_own = count(lists[0]) + count(lists[1]);
+    rp_param *to = call->options;
+    for (size_t k = 0; k < N_OF(lists); k++)
+        for (const rp_param *p = lists[k]; p && p->name; p++, to++) {
+            char *name = rp_text(call->arena, "%s", p->name); /* with dashes for underlines */
+            for (char *c = name; (c = strchr(c, '_'));) *c = '-';
+            *to = *p;
+            to->name = name;
+            to->offset += at[k];
+        }
     rp_params_defaults(call->options, call->values);
 }
 
@@ -296,7 +283,10 @@ rp_status cli_parse(cli_call *call, const cli_command *command, int argc, char *
         if (c == ':')
             return rp_fail(RP_USAGE, "option %s needs a value; see %s %s --help", argv[optind - 1],
                            call->program->name, command->name);
-        status = set_option(call, c < 256 ? cli_option(call, letter + 1) : (size_t)c - 256, optarg);
+        status = set_option(call,
+                            c < 256 ? (size_t)(rp_params_find(call->options, letter + 1) - call->options)
+                                    : (size_t)c - 256,
+                            optarg);
     }
     call->n_arguments = argc - optind;
     call->arguments = argv + optind;

@@ -6,8 +6,6 @@
 #include "cli/progress.h"
 #include "core/clock.h"
 
-static const char bar[] = "##############################";
-
 /* "1:02:03" or "2:03"; "-" for NaN. */
 static const char *clock_text(double seconds, char *buffer, size_t size)
 {
@@ -26,87 +24,77 @@ cli_progress cli_progress_start(bool quiet, bool terminal, double now, long from
     return (cli_progress){quiet, terminal, false, now, now + (terminal ? 0.5 : 60.0), from, to};
 }
 
-static void progress_text(const cli_progress *p, double now, long step, char text[120])
+static bool is_due(cli_progress *p, double now)
 {
-    char left[32];
-    const double done = (double)(step - p->from), all = (double)(p->to - p->from),
-                 seconds = done > 0.0 ? (now - p->started) * (all - done) / done : NAN;
-    snprintf(text, 120, "step %ld of %ld, %.0f %%, %s left", step, p->to,
-             floor(100.0 * (double)step / fmax((double)p->to, 1.0)), clock_text(seconds, left, sizeof left));
+    if (p->quiet || now < p->next) return false;
+    p->next = now + (p->terminal ? 0.1 : 60.0);
+    return true;
+}
+
+/* One line, redrawn in place, in plain text. */
+static void draw(cli_progress *p, double part, const char *text, FILE *out)
+{
+    static const char bar[] = "##############################";
+    const int width = (int)sizeof bar - 1, full = (int)(part * width);
+    fprintf(out, "\r[%.*s%*s] %-46s", full, bar, width - full, "", text);
+    fflush(out);
+    p->drawn = true;
 }
 
 void cli_progress_show(cli_progress *p, double now, long step, FILE *out)
 {
-    char text[120];
-    const bool ends = step == p->to && p->drawn;
-    if (p->quiet || (now < p->next && !(p->terminal && ends))) return;
-    if (!p->terminal && step == p->to) return;
-    p->next = now + (p->terminal ? 0.1 : 60.0);
-    p->drawn = true;
-    progress_text(p, now, step, text);
-    if (!p->terminal) {
+    char text[120], left[32];
+    const bool ends = step == p->to;
+    if (ends ? !(p->terminal && p->drawn) : !is_due(p, now)) return;
+    const double done = (double)(step - p->from), to = fmax((double)p->to, 1.0),
+                 seconds = done > 0.0 ? (now - p->started) * (double)(p->to - step) / done : NAN;
+    snprintf(text, sizeof text, "step %ld of %ld, %.0f %%, %s left", step, p->to,
+             floor(100.0 * (double)step / to), clock_text(seconds, left, sizeof left));
+    if (p->terminal)
+        draw(p, (double)step / to, text, out);
+    else
         fprintf(out, "repose run: %s\n", text);
-        return;
-    }
-    const int width = (int)sizeof bar - 1,
-              full = p->to > 0 ? (int)((double)step / (double)p->to * width) : width;
-    fprintf(out, "\r[%.*s%*s] %-60s%s", full, bar, width - full, "", text, ends ? "\n" : "");
-    fflush(out);
-}
-
-bool cli_progress_due(const cli_progress *p, double now)
-{
-    return !p->quiet && now >= p->next;
+    if (ends) fputc('\n', out);
 }
 
 void cli_progress_tell(cli_progress *p, double now, const char *where, FILE *out)
 {
-    p->next = now + (p->terminal ? 0.1 : 60.0);
-    if (p->terminal && (where || p->drawn))
+    if (where ? !is_due(p, now) : !(p->terminal && p->drawn)) return;
+    if (p->terminal)
         fprintf(out, where ? "\r%-79.79s" : "\r%79s\r", where ? where : "");
-    else if (where)
+    else
         fprintf(out, "repose run: %s\n", where);
     p->drawn = where != NULL;
     fflush(out);
 }
 
-static double due; /* when a sweep shows its progress again, in its own time */
-
-/* One line, redrawn in place, in plain text. */
-static void draw(const sweep_progress *p, void *context)
+static void show_sweep(const sweep_progress *s, void *context)
 {
-    if (p->stored < p->planned && p->elapsed < due) return;
-    due = p->elapsed + 0.1;
-    *(bool *)context = true;
-    char elapsed[32], left[32], line[160];
-    int width = (int)sizeof bar - 1, full = (int)(p->stored * (size_t)width / p->planned);
-    snprintf(line, sizeof line, "[%.*s%*s] %zu/%zu  %zu failed  %s  left %s", full, bar, width - full, "",
-             p->stored, p->planned, p->failed, clock_text(p->elapsed, elapsed, sizeof elapsed),
-             clock_text(p->left, left, sizeof left));
-    fprintf(stderr, "\r%-79s", line);
-    fflush(stderr);
-}
-
-/* A line a minute. */
-static void print(const sweep_progress *p, void *context)
-{
-    (void)context;
-    char left[32];
-    if (p->elapsed < due) return;
-    due = p->elapsed + 60.0;
-    fprintf(stderr, "repose sweep: %zu of %zu runs, %zu failed, %s left\n", p->stored, p->planned, p->failed,
-            clock_text(p->left, left, sizeof left));
+    cli_progress *p = context;
+    char elapsed[32], left[32], line[120];
+    const bool ends = p->terminal && s->stored == s->planned;
+    if (!is_due(p, s->elapsed) && !ends) return;
+    clock_text(s->left, left, sizeof left);
+    if (p->terminal) {
+        snprintf(line, sizeof line, "%zu/%zu  %zu failed  %s  left %s", s->stored, s->planned, s->failed,
+                 clock_text(s->elapsed, elapsed, sizeof elapsed), left);
+        draw(p, (double)s->stored / (double)s->planned, line, stderr);
+    } else {
+        fprintf(stderr, "repose sweep: %zu of %zu runs, %zu failed, %s left\n", s->stored, s->planned,
+                s->failed, left);
+    }
 }
 
 static void report(void *context, const char *format, ...)
 {
+    cli_progress *p = context;
     va_list args;
-    fputs(*(bool *)context ? "\nrepose sweep: " : "repose sweep: ", stderr);
+    fputs(p->drawn ? "\nrepose sweep: " : "repose sweep: ", stderr);
     va_start(args, format);
     vfprintf(stderr, format, args);
     va_end(args);
     fputc('\n', stderr);
-    *(bool *)context = false;
+    p->drawn = false;
 }
 
 static void draw_part(const char *what, size_t done, size_t of)
@@ -122,11 +110,11 @@ sweep_watch *cli_watch(bool quiet)
     return !quiet && isatty(STDERR_FILENO) ? draw_part : NULL;
 }
 
-void cli_sweep_progress(sweep_options *options, bool quiet, bool *drawn)
+void cli_sweep_progress(sweep_options *options, bool quiet, cli_progress *p)
 {
-    *drawn = false;
-    options->watch = quiet ? NULL : isatty(STDERR_FILENO) ? draw : print;
-    options->context = drawn;
-    due = options->watch == print ? 60.0 : 0.0;
+    const bool terminal = isatty(STDERR_FILENO);
+    *p = (cli_progress){.terminal = terminal, .next = terminal ? 0.0 : 60.0};
+    options->watch = quiet ? NULL : show_sweep;
+    options->context = p;
     options->report = report;
 }

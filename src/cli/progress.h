@@ -17,12 +17,11 @@ typedef struct {
 cli_progress cli_progress_start(bool quiet, bool terminal, double now, long from, long to);
 void cli_progress_show(cli_progress *p, double now, long step, FILE *out);
 
-/* The same of a run whose length is not known: where it is; NULL: it has ended. Is it due? */
-bool cli_progress_due(const cli_progress *p, double now);
+/* The same of a run whose length is not known: where it is; NULL: it has ended. */
 void cli_progress_tell(cli_progress *p, double now, const char *where, FILE *out);
 
-/* That of a sweep, and a line for each run that fails; *drawn: a line has been begun. */
-void cli_sweep_progress(sweep_options *options, bool quiet, bool *drawn);
+/* That of a sweep, in its own time, and a line for each run that fails. */
+void cli_sweep_progress(sweep_options *options, bool quiet, cli_progress *p);
 
 /* For long preparations: progress on a terminal, unless `quiet`. */
 sweep_watch *cli_watch(bool quiet);

@@ -1,5 +1,5 @@
 /* The program `repose`. */
-#include "cli/command.h"
+#include "cli/cli.h"
 
 int main(int argc, char **argv)
 {

@@ -5,16 +5,31 @@
 #include "cli/cli.h"
 #include "cli/progress.h"
 #include "params/config.h"
-#include "params/units.h"
 
 rp_status cli_sweep_run(const char *dir, sweep_options options, bool quiet, sweep_counts *counts)
 {
-    bool drawn;
+    cli_progress progress;
     if (options.workers < 1) options.workers = (int)sysconf(_SC_NPROCESSORS_ONLN);
-    cli_sweep_progress(&options, quiet, &drawn);
+    cli_sweep_progress(&options, quiet, &progress);
     rp_status status = sweep_run(dir, sweep_protocols, &options, counts);
-    if (drawn) fputc('\n', stderr);
+    if (progress.drawn) fputc('\n', stderr);
     return status;
+}
+
+void cli_result_row(const rp_param *schema, const void *parameters, const sweep_output *outputs,
+                    const sweep_result *result)
+{
+    const char *columns[40 + SWEEP_MAX_OUTPUTS + 1][2];
+    char text[64];
+    size_t n = 0, n_outputs = 0;
+    for (const rp_param *p = schema; p && p->name; p++, n++) columns[n][0] = p->name, columns[n][1] = p->unit;
+    for (const sweep_output *p = outputs; p->name; p++, n++, n_outputs++)
+        columns[n][0] = p->name, columns[n][1] = p->unit;
+    columns[n][0] = "status", columns[n][1] = "";
+    rp_table_columns(stdout, n + 1, (const char *const(*)[2])columns);
+    for (const rp_param *p = schema; p && p->name; p++)
+        printf("%s\t", *rp_params_text(p, parameters, text, sizeof text) ? text : "nan");
+    rp_table_row_word(stdout, n_outputs, result->values, result->status);
 }
 
 void cli_print_counts(const sweep_counts *counts)
@@ -28,11 +43,6 @@ void cli_print_counts(const sweep_counts *counts)
     rp_table_columns(stdout, 2, (const char *const[][2]){{"status", ""}, {"runs", ""}});
     for (size_t i = 0; i < counts->n_words; i++)
         printf("%s\t%zu\n", counts->words[i].status, counts->words[i].runs);
-}
-
-rp_status cli_check_whole(const char *dir, const sweep_counts *counts)
-{
-    return rp_prefix(sweep_check_whole(dir, counts), "the table is not whole: ");
 }
 
 rp_status cli_sweep_export(const cli_call *call, const char *dir, unsigned what, const char *path,
@@ -56,6 +66,18 @@ rp_status cli_sweep_table(const cli_call *call, const char *dir, unsigned what, 
     return rp_table_load_text(call->arena, dir, text, table);
 }
 
+rp_status cli_sweep_columns(const cli_call *call, const char *file, unsigned what, rp_table **table)
+{
+    char *text;
+    size_t size;
+    FILE *out = open_memstream(&text, &size);
+    if (!out) return rp_fail(RP_NO_MEMORY, "%s: out of memory", file);
+    const rp_status status = sweep_columns(file, sweep_protocols, what, out);
+    fclose(out);
+    if (status) return free(text), status;
+    return rp_table_load_text(call->arena, what == SWEEP_POINTS ? "points" : "runs", text, table);
+}
+
 rp_status cli_claim_sweep(const char *directory, const char *file, bool force)
 {
     char sweep[256];
@@ -66,12 +88,4 @@ rp_status cli_claim_sweep(const char *directory, const char *file, bool force)
         RP_BAD_INPUT,
         "%s: holds the sweep %s; give another folder, or --force to plan %s there (stored runs are kept)",
         directory, sweep, file);
-}
-
-void cli_warn_gravity(const char *path, double g)
-{
-    if (rp_units_now() == RP_CGS && g > 9.7 && g < 9.9)
-        fprintf(stderr,
-                "repose: warning: %s: g = %g among values in cm, g and s; give units = \"si\", or g = %g\n",
-                path, g, 100.0 * g);
 }

@@ -37,33 +37,31 @@ static void close_all(cli_unfinished *u)
     u->entered = false;
 }
 
-static rp_status make_hashes(cli_unfinished *u)
+static rp_status open_table(cli_unfinished *u, int k, int flags)
 {
-    for (int k = 0; k < CLI_GROWING && u->names; k++) {
-        u->table[k].name = u->names[k];
-        if (!(u->table[k].hash = XXH3_createState())) return rp_fail(RP_NO_MEMORY, "tables: out of memory");
-        XXH3_128bits_reset(u->table[k].hash);
-    }
-    return RP_OK;
+    cli_growing *t = &u->table[k];
+    t->name = u->names[k];
+    if (!(t->hash = XXH3_createState())) return rp_fail(RP_NO_MEMORY, "tables: out of memory");
+    XXH3_128bits_reset(t->hash);
+    return rp_folder_file(&u->stage, t->name, flags, &t->file);
 }
 
 /* A run that can be resumed is not thrown away; one that writes its own tables resumes by itself. */
 static rp_status open_tables(cli_unfinished *u)
 {
+    const int n = u->names ? CLI_GROWING : 0;
     if (rp_is_in(u->stage.path, "snapshot"))
-        return !u->names ? RP_OK
-                         : rp_fail(RP_BAD_INPUT,
-                                   "%s: an unfinished run; continue with --resume %s, or remove the folder",
-                                   path_of(u, "snapshot"), u->directory);
+        return n == 0 ? RP_OK
+                      : rp_fail(RP_BAD_INPUT,
+                                "%s: an unfinished run; continue with --resume %s, or remove the folder",
+                                path_of(u, "snapshot"), u->directory);
     RP_TRY(rp_folder_clear(&u->stage));
-    for (int k = 0; k < CLI_GROWING && u->names; k++)
-        RP_TRY(rp_folder_list(&u->stage, u->names[k], RP_OWN_STAYS));
+    for (int k = 0; k < n; k++) RP_TRY(rp_folder_list(&u->stage, u->names[k], RP_OWN_STAYS));
     RP_TRY(rp_folder_list(&u->stage, "snapshot", RP_OWN_GOES));
     RP_TRY(rp_folder_list(&u->stage, "snapshot.new", RP_OWN_GOES));
     snprintf(u->stage.holds, sizeof u->stage.holds, "%s", u->holds);
     RP_TRY(rp_folder_write(&u->stage));
-    for (int k = 0; k < CLI_GROWING && u->names; k++)
-        RP_TRY(rp_folder_file(&u->stage, u->names[k], O_RDWR | O_CREAT | O_EXCL, &u->table[k].file));
+    for (int k = 0; k < n; k++) RP_TRY(open_table(u, k, O_RDWR | O_CREAT | O_EXCL));
     return RP_OK;
 }
 
@@ -76,7 +74,6 @@ static rp_status start(cli_unfinished *u)
     RP_TRY(rp_folder_vacant(&u->folder, u->force));
     for (int k = 0; k < CLI_GROWING && u->names; k++) RP_TRY(rp_folder_check(&u->folder, u->names[k]));
     RP_TRY(rp_folder_stage(&u->folder, true, &u->stage, &any));
-    RP_TRY(make_hashes(u));
     return open_tables(u);
 }
 
@@ -104,31 +101,37 @@ static rp_status hash_to(cli_growing *t, long length)
     return RP_OK;
 }
 
-static void keep_table(rp_snapshot *s, cli_growing *t, long *length, XXH128_hash_t *hash)
+/* The tables as they were at the snapshot, and that they are these; then the caller's part. */
+static rp_status keep_all(cli_unfinished *u, rp_snapshot *s, cli_keep *keep, void *context)
 {
-    *length = t->hashed;
-    *hash = XXH3_128bits_digest(t->hash);
-    RP_KEEP(s, *length);
-    RP_KEEP(s, *hash);
-}
-
-/* Cut a table back to its length at the snapshot. */
-static rp_status reopen(cli_unfinished *u, cli_growing *t, long length, XXH128_hash_t hash)
-{
-    const char *path = path_of(u, t->name);
-    if (rp_folder_file(&u->stage, t->name, O_RDWR, &t->file))
-        return rp_fail(RP_BAD_INPUT, "%s: cannot open: %s", path, strerror(errno));
-    RP_TRY(hash_to(t, length));
-    if (!XXH128_isEqual(hash, XXH3_128bits_digest(t->hash)))
-        return rp_fail(RP_BAD_INPUT, "%s: not the table that the snapshot was written with", path);
-    return ftruncate(fileno(t->file), length) == 0 && fseek(t->file, 0, SEEK_END) == 0 ? RP_OK : failed(path);
+    long length[CLI_GROWING];
+    XXH128_hash_t hash[CLI_GROWING];
+    for (int k = 0; k < CLI_GROWING; k++) {
+        if (!s->reading) length[k] = u->table[k].hashed, hash[k] = XXH3_128bits_digest(u->table[k].hash);
+        RP_KEEP(s, length[k]);
+        RP_KEEP(s, hash[k]);
+    }
+    keep(s, context);
+    if (!s->reading) return RP_OK;
+    RP_TRY(rp_snapshot_end(s));
+    for (int k = 0; k < CLI_GROWING; k++) {
+        const char *path = path_of(u, u->names[k]);
+        if (open_table(u, k, O_RDWR))
+            return rp_fail(RP_BAD_INPUT, "%s: cannot open: %s", path, strerror(errno));
+        cli_growing *t = &u->table[k];
+        RP_TRY(hash_to(t, length[k]));
+        if (!XXH128_isEqual(hash[k], XXH3_128bits_digest(t->hash)))
+            return rp_fail(RP_BAD_INPUT, "%s: not the table that the snapshot was written with", path);
+        /* what came later goes */
+        if (ftruncate(fileno(t->file), length[k]) != 0 || fseek(t->file, 0, SEEK_END) != 0)
+            return failed(path);
+    }
+    return RP_OK;
 }
 
 static rp_status resume(cli_unfinished *u, cli_keep *keep, void *context, bool *done)
 {
-    long length[CLI_GROWING];
-    XXH128_hash_t hash[CLI_GROWING];
-    rp_snapshot s = {0};
+    RP_ENDS(rp_snapshot_free) rp_snapshot s = {0};
     bool there;
     if (access(u->directory, F_OK) != 0) return rp_fail(RP_BAD_INPUT, "%s: no unfinished run", u->directory);
     RP_TRY(rp_folder_enter(u->directory, &u->folder));
@@ -138,16 +141,8 @@ static rp_status resume(cli_unfinished *u, cli_keep *keep, void *context, bool *
     *done |= table && (!there || u->stage.n == 0);
     if (*done) return RP_OK;
     if (!there || !u->stage.marked) return rp_fail(RP_BAD_INPUT, "%s: no unfinished run", u->directory);
-    RP_TRY(make_hashes(u));
-    rp_status status = rp_snapshot_read(&s, path_of(u, "snapshot"), OWNER, u->layout);
-    if (!status) {
-        for (int k = 0; k < CLI_GROWING; k++) keep_table(&s, &u->table[k], &length[k], &hash[k]);
-        keep(&s, context);
-        status = rp_snapshot_end(&s);
-    }
-    for (int k = 0; k < CLI_GROWING && !status; k++) status = reopen(u, &u->table[k], length[k], hash[k]);
-    rp_snapshot_free(&s);
-    return status;
+    RP_TRY(rp_snapshot_read(&s, path_of(u, "snapshot"), OWNER, u->layout));
+    return keep_all(u, &s, keep, context);
 }
 
 rp_status cli_unfinished_resume(cli_unfinished *u, cli_keep *keep, void *context, bool *done)
@@ -160,37 +155,27 @@ rp_status cli_unfinished_resume(cli_unfinished *u, cli_keep *keep, void *context
     return status;
 }
 
-rp_status cli_unfinished_write(cli_unfinished *u, cli_keep *keep, void *context)
-{
-    const rp_mark mark = rp_arena_mark(u->arena);
-    rp_snapshot s = {0};
-    rp_status status = RP_OK;
-    for (int k = 0; k < CLI_GROWING && !status; k++) {
-        cli_growing *t = &u->table[k];
-        long length;
-        XXH128_hash_t hash;
-        const char *path = path_of(u, t->name);
-        status = rp_file_finish(t->file, path);
-        if (!status) status = hash_to(t, ftell(t->file));
-        if (!status && fsync(fileno(t->file)) != 0) status = failed(path);
-        keep_table(&s, t, &length, &hash);
-    }
-    if (!status) {
-        keep(&s, context);
-        status = rp_snapshot_write(&s, path_of(u, "snapshot"), OWNER, u->layout);
-    }
-    rp_snapshot_free(&s);
-    rp_arena_release(u->arena, mark);
-    return status;
-}
-
+/* On the disk, those that are open. */
 static rp_status sync_tables(const cli_unfinished *u)
 {
-    for (int k = 0; k < CLI_GROWING; k++) {
-        if (!u->table[k].file) continue;
-        RP_TRY(rp_file_finish(u->table[k].file, u->table[k].name));
-        if (fsync(fileno(u->table[k].file)) != 0) RP_TRY(failed(u->table[k].name));
+    for (const cli_growing *t = u->table; t < u->table + CLI_GROWING; t++) {
+        if (!t->file) continue;
+        const char *path = path_of(u, t->name);
+        RP_TRY(rp_file_finish(t->file, path));
+        if (fsync(fileno(t->file)) != 0) return failed(path);
     }
+    return RP_OK;
+}
+
+rp_status cli_unfinished_write(cli_unfinished *u, cli_keep *keep, void *context)
+{
+    RP_ENDS(rp_snapshot_free) rp_snapshot s = {0};
+    const rp_mark mark = rp_arena_mark(u->arena);
+    RP_TRY(sync_tables(u));
+    for (int k = 0; k < CLI_GROWING; k++) RP_TRY(hash_to(&u->table[k], ftell(u->table[k].file)));
+    RP_TRY(keep_all(u, &s, keep, context));
+    RP_TRY(rp_snapshot_write(&s, path_of(u, "snapshot"), OWNER, u->layout));
+    rp_arena_release(u->arena, mark);
     return RP_OK;
 }
 

@@ -73,6 +73,10 @@ rp_status export_dump(const export_run *run, const char *path);
 rp_status export_xyz(const export_run *run, const char *path);
 rp_status export_vtk(const export_run *run, const char *path);
 
+/* The table NAME beside one of grains, DIR/NAME of DIR/states.tsv or DIR/disks.tsv, X_NAME of X_grains.tsv;
+ * NULL without. */
+const char *export_beside(rp_arena *arena, const char *grains, const char *name);
+
 /* The grains of a table, that of `source`, as a run with these columns ("a,b,..." or "all"); contacts and
  * walls come from the tables beside: contacts.tsv in the folder of a run, X_contacts.tsv of X_grains.tsv.
  * Errors: RP_BAD_INPUT; those of the tables. */

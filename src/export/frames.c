@@ -216,16 +216,24 @@ static rp_status find_grains(rp_arena *arena, export_run *run, const char *names
     return RP_OK;
 }
 
-/* The table beside that of the grains: DIR/contacts.tsv, or X_contacts.tsv of X_grains.tsv. */
+const char *export_beside(rp_arena *arena, const char *grains, const char *name)
+{
+    static const char *const ends[] = {"states.tsv", "grains.tsv", "disks.tsv"};
+    const char *path = NULL;
+    for (size_t k = 0; k < sizeof ends / sizeof *ends && !path; k++)
+        if (rp_ends_in(grains, ends[k]))
+            path = rp_text(arena, "%.*s%s", (int)(strlen(grains) - strlen(ends[k])), grains, name);
+    return path && access(path, F_OK) == 0 ? path : NULL;
+}
+
+/* The table beside that of the grains in the folder of a run, or of a stage. */
 static rp_status read_beside(rp_arena *arena, const char *source, const char *name, export_frames *frames)
 {
-    static const char grains[] = "grains.tsv";
-    const bool run = rp_is_in(source, "states.tsv"), stage = rp_ends_in(source, grains);
-    const int stem = (int)(strlen(source) - (stage ? strlen(grains) : 0));
-    char *path = rp_arena_memory(arena, strlen(source) + 64, 1);
+    const bool run = rp_is_in(source, "states.tsv"), stage = rp_ends_in(source, "grains.tsv");
+    const char *grains = run ? rp_text(arena, "%s/states.tsv", source) : source,
+               *path = run || stage ? export_beside(arena, grains, name) : NULL;
     rp_table *table;
-    sprintf(path, "%.*s%s%s.tsv", stem, source, run ? "/" : "", name);
-    if (!(run || stage) || access(path, F_OK) != 0) return RP_OK;
+    if (!path) return RP_OK;
     RP_TRY(rp_table_load(arena, path, &table));
     RP_TRY(find_frames(arena, table, frames));
     if (frames->step < 0 && table->n_rows > 0)
@@ -241,10 +249,10 @@ rp_status export_run_read(rp_arena *arena, const char *source, rp_table *table, 
     RP_TRY(find_grains(arena, run, columns));
     if (run->grains.n == 0) return rp_fail(RP_BAD_INPUT, "%s: no grains", source);
     export_frames energies = {0}; /* of every frame, also of those without grains */
-    RP_TRY(read_beside(arena, source, "energy", &energies));
+    RP_TRY(read_beside(arena, source, "energy.tsv", &energies));
     if (run->grains.step >= 0 && !table->chosen) export_add_empty(arena, &energies, &run->grains);
-    RP_TRY(read_beside(arena, source, "contacts", &run->contacts));
-    RP_TRY(read_beside(arena, source, "walls", &run->walls));
+    RP_TRY(read_beside(arena, source, "contacts.tsv", &run->contacts));
+    RP_TRY(read_beside(arena, source, "walls.tsv", &run->walls));
     const rp_table *tables[] = {run->grains.table, run->contacts.table, run->walls.table};
     for (size_t i = 0; i < sizeof tables / sizeof *tables; i++)
         for (size_t c = 0; tables[i] && c < tables[i]->n_columns; c++)

@@ -102,10 +102,7 @@ static rp_status check_scene(const dem_definition *def)
 
 static rp_status find_types(rp_arena *arena, lammps_scene *s)
 {
-    if (!normal_law(&s->def)->lammps_by_radius) {
-        s->n_types = 1;
-        return RP_OK;
-    }
+    if (!normal_law(&s->def)->lammps_by_radius) return s->n_types = 1, RP_OK;
     double *r = rp_arena_memory(arena, s->n, sizeof *r);
     for (size_t i = 0; i < s->n; i++) r[i] = s->grains[i].r;
     gsl_sort(r, 1, s->n);
@@ -150,13 +147,6 @@ static rp_status start_scene(rp_arena *arena, lammps_scene *s)
     return status ? status : dem_physics_resolve(&s->def);
 }
 
-static size_t type_of(const lammps_scene *s, double r)
-{
-    size_t type = 0;
-    while (type + 1 < s->n_types && s->radius[type] != r) type++;
-    return type + 1;
-}
-
 /* LAMMPS takes the mass of a sphere from its density. */
 static void write_data(const lammps_scene *s, const char *scene, FILE *out)
 {
@@ -167,7 +157,9 @@ static void write_data(const lammps_scene *s, const char *scene, FILE *out)
             EXPORT_SHORT(s->box[1][1]), EXPORT_SHORT(-s->largest), EXPORT_SHORT(s->largest));
     for (size_t i = 0; i < s->n; i++) {
         const dem_state *p = &s->grains[i];
-        fprintf(out, "%u %zu %s %s %s %s 0\n", p->id, type_of(s, p->r), EXPORT_SHORT(2.0 * p->r),
+        size_t type = 0;
+        while (type + 1 < s->n_types && s->radius[type] != p->r) type++;
+        fprintf(out, "%u %zu %s %s %s %s 0\n", p->id, type + 1, EXPORT_SHORT(2.0 * p->r),
                 EXPORT_SHORT(p->m / dem_mass(DEM_SPHERE, 1.0, p->r)), EXPORT_SHORT(p->x), EXPORT_SHORT(p->y));
     }
     fputs("\nVelocities\n\n", out);
@@ -266,13 +258,9 @@ static void write_motion(const lammps_scene *s, FILE *out)
 {
     const double *g = s->def.gravity, magnitude = hypot(g[0], g[1]);
     bool any = false;
-    for (size_t i = 0; i < s->n; i++) {
-        if (!s->grains[i].fixed) continue;
-        fprintf(out, "group fixed id %u\n", s->grains[i].id);
-        any = true;
-    }
-    if (any) fputs("fix hold fixed freeze\n", out);
-    fputs(any ? "group mobile subtract all fixed\n" : "group mobile union all\n", out);
+    for (size_t i = 0; i < s->n; any |= s->grains[i++].fixed)
+        if (s->grains[i].fixed) fprintf(out, "group fixed id %u\n", s->grains[i].id);
+    fputs(any ? "fix hold fixed freeze\ngroup mobile subtract all fixed\n" : "group mobile union all\n", out);
     if (magnitude > 0.0)
         fprintf(out, "fix gravity mobile gravity %s vector %s %s 0\n", EXPORT_SHORT(magnitude),
                 EXPORT_SHORT(g[0]), EXPORT_SHORT(g[1]));
@@ -327,23 +315,27 @@ static rp_status write_files(rp_arena *arena, const lammps_scene *s, const char 
     return export_close(&e, RP_OK);
 }
 
+static void free_scene(lammps_scene *s)
+{
+    dem_physics_free(&s->def, &s->scene.def);
+    dem_scene_free(&s->scene);
+}
+
+/* What can be written of a scene that was read. */
+static rp_status prepare(rp_arena *arena, lammps_scene *s)
+{
+    if (s->scene.phases) return rp_fail(RP_BAD_INPUT, "phases: the input is of a scene without them");
+    RP_TRY(check_scene(&s->scene.def));
+    RP_TRY(start_scene(arena, s));
+    return find_types(arena, s);
+}
+
 rp_status export_lammps_input(rp_arena *arena, const char *scene, const rp_texts *changes, const char *path)
 {
-    lammps_scene s = {.n = 0};
-    const size_t n = strlen(path);
-    if (n < 4 || !rp_ends_in(path, ".in"))
+    RP_ENDS(free_scene) lammps_scene s = {.n = 0};
+    if (strlen(path) < 4 || !rp_ends_in(path, ".in"))
         return rp_fail(RP_USAGE, "-o %s: lammps-input needs a name that ends in .in", path);
-    rp_status status = dem_scene_read(scene, changes, &s.scene);
-    if (!status && s.scene.phases)
-        status = rp_fail(RP_BAD_INPUT, "%s: phases: the input is of a scene without them", scene);
-    if (!status) {
-        status = check_scene(&s.scene.def);
-        if (!status) status = start_scene(arena, &s);
-        if (!status) status = find_types(arena, &s);
-        rp_prefix(status, "%s: ", scene);
-    }
-    if (!status) status = write_files(arena, &s, scene, path);
-    dem_physics_free(&s.def, &s.scene.def);
-    dem_scene_free(&s.scene);
-    return status;
+    RP_TRY(dem_scene_read(scene, changes, &s.scene));
+    RP_TRY(rp_prefix(prepare(arena, &s), "%s: ", scene));
+    return write_files(arena, &s, scene, path);
 }

@@ -43,40 +43,29 @@ rp_status export_csv(const rp_table *t, size_t n, const int columns[], FILE *out
 /* ---- JSON ---- */
 
 /* A file that cannot be written is reported when it is closed. */
-static rp_status not_written(const rp_table *t, FILE *out)
+static rp_status write_json(const rp_table *t, json_t *value, size_t flags, FILE *out)
 {
-    if (ferror(out)) return RP_OK;
+    const size_t as = flags | JSON_ENCODE_ANY | JSON_REAL_PRECISION(17);
+    const bool written = value && json_dumpf(value, out, as) == 0;
+    json_decref(value);
+    if (written || ferror(out)) return RP_OK;
     return rp_fail(RP_NO_MEMORY, "%s: out of memory, or no UTF-8", t->path);
 }
 
-static bool write_json(json_t *value, FILE *out)
-{
-    const bool written = value && json_dumpf(value, out, JSON_ENCODE_ANY | JSON_REAL_PRECISION(17)) == 0;
-    json_decref(value);
-    return written;
-}
-
 /* A cell as it stands, if JSON has such a number; nan is null, any other word a string. */
-static bool write_value(const char *text, FILE *out)
+static rp_status write_value(const rp_table *t, const char *text, FILE *out)
 {
     double number;
     const bool is_number = rp_text_number(text, &number);
     json_t *value = json_loads(text, JSON_DECODE_ANY, NULL);
     const bool as_is = is_number && json_is_number(value);
     json_decref(value);
-    if (as_is) return fputs(text, out) >= 0;
-    return write_json(!is_number || isinf(number) ? json_string(text)
+    if (as_is) return fputs(text, out), RP_OK;
+    return write_json(t,
+                      !is_number || isinf(number) ? json_string(text)
                       : isnan(number)             ? json_null()
                                                   : json_real(number),
-                      out);
-}
-
-static bool write_object(const char *key, json_t *object, FILE *out)
-{
-    fprintf(out, "\"%s\": ", key);
-    const bool written = object && json_dumpf(object, out, JSON_INDENT(1)) == 0;
-    json_decref(object);
-    return written && fputs(",\n", out) >= 0;
+                      0, out);
 }
 
 /* A key that stands again has a list of its texts. */
@@ -124,18 +113,19 @@ static json_t *units_of(const rp_table *t, size_t n, const int columns[])
 
 rp_status export_json(const rp_table *t, size_t n, const int columns[], FILE *out)
 {
-    fputs("{", out);
-    if (!write_object("notes", notes_of(t), out) || !write_object("units", units_of(t, n, columns), out))
-        return not_written(t, out);
-    fputs("\"rows\": [", out);
+    fputs("{\"notes\": ", out);
+    RP_TRY(write_json(t, notes_of(t), JSON_INDENT(1), out));
+    fputs(",\n\"units\": ", out);
+    RP_TRY(write_json(t, units_of(t, n, columns), JSON_INDENT(1), out));
+    fputs(",\n\"rows\": [", out);
     for (size_t i = 0; i < t->n_rows; i++)
         for (size_t c = 0; c < n; c++) {
             char name[128];
             name_of(t, columns[c], name);
             fputs(c > 0 ? ", " : i > 0 ? ",\n{" : "\n{", out);
-            if (!write_json(json_string(name), out)) return not_written(t, out);
+            RP_TRY(write_json(t, json_string(name), 0, out));
             fputs(": ", out);
-            if (!write_value(rp_cell(t, i, columns[c]), out)) return not_written(t, out);
+            RP_TRY(write_value(t, rp_cell(t, i, columns[c]), out));
             if (c + 1 == n) fputs("}", out);
         }
     fputs("\n]}\n", out);

@@ -12,9 +12,10 @@
 typedef struct {
     const export_frames *frames;
     size_t first, end;
-    int size;          /* 1: vertices; 2: lines */
-    const char *cells; /* "Verts" */
+    int size; /* 1: vertices; 2: lines */
 } piece;
+
+#define END "</Piece>\n</PolyData>\n</VTKFile>\n"
 
 static void start_array(FILE *out, const char *name, int components)
 {
@@ -49,19 +50,15 @@ static void start(FILE *out, const piece *p)
 static void write_cells(FILE *out, const piece *p)
 {
     const size_t n = p->end - p->first, size = (size_t)p->size;
+    const char *cells = size == 1 ? "Verts" : "Lines";
     fprintf(
         out,
         "</DataArray>\n</Points>\n<%s>\n<DataArray type=\"Int64\" Name=\"connectivity\" format=\"ascii\">\n",
-        p->cells);
+        cells);
     for (size_t i = 0; i < n * size; i++) fprintf(out, "%zu%c", i, (i + 1) % size ? ' ' : '\n');
     fputs("</DataArray>\n<DataArray type=\"Int64\" Name=\"offsets\" format=\"ascii\">\n", out);
     for (size_t i = 1; i <= n; i++) fprintf(out, "%zu\n", i * size);
-    fprintf(out, "</DataArray>\n</%s>\n", p->cells);
-}
-
-static void finish(FILE *out)
-{
-    fputs("</Piece>\n</PolyData>\n</VTKFile>\n", out);
+    fprintf(out, "</DataArray>\n</%s>\n", cells);
 }
 
 static rp_status write_grains(const export_run *run, const piece *p, FILE *out)
@@ -75,8 +72,7 @@ static rp_status write_grains(const export_run *run, const piece *p, FILE *out)
     if (run->id >= 0) write_column(out, p, "id", run->id, -1);
     for (size_t f = 0; f < run->n_fields; f++)
         write_column(out, p, run->fields[f].vtk, run->fields[f].column[0], run->fields[f].column[1]);
-    fputs("</PointData>\n", out);
-    finish(out);
+    fputs("</PointData>\n" END, out);
     return RP_OK;
 }
 
@@ -91,8 +87,7 @@ static void write_line_data(const piece *p, size_t n, const int ends[], FILE *ou
         for (size_t k = 0; k < n; k++) data &= c != ends[k];
         if (data) write_column(out, p, t->names[c], c, -1);
     }
-    fputs("</CellData>\n", out);
-    finish(out);
+    fputs("</CellData>\n" END, out);
 }
 
 static rp_status find_columns(const rp_table *t, size_t n, const char *const names[], int columns[])
@@ -158,8 +153,7 @@ static rp_status write_frame(const export_run *run, size_t k, const char *folder
     for (size_t i = 0; i < sizeof parts / sizeof *parts; i++) {
         const export_frames *f = parts[i].frames;
         const size_t at = i == 0 ? k : f->table ? export_frame_at(f, export_frame_step(run, k)) : 0;
-        const piece p = {f, at < f->n ? f->first[at] : 0, at < f->n ? f->first[at + 1] : 0, parts[i].size,
-                         parts[i].size == 1 ? "Verts" : "Lines"};
+        const piece p = {f, at < f->n ? f->first[at] : 0, at < f->n ? f->first[at + 1] : 0, parts[i].size};
         if (!f->table) continue;
         const char *path = rp_text(run->arena, "%s/%s_%06zu.vtp", folder, parts[i].name, k);
         export_file e;
@@ -175,8 +169,7 @@ static rp_status write_frame(const export_run *run, size_t k, const char *folder
 rp_status export_vtk(const export_run *run, const char *path)
 {
     export_file e;
-    const size_t n = strlen(path);
-    if (n < 5 || !rp_ends_in(path, ".pvd"))
+    if (strlen(path) < 5 || !rp_ends_in(path, ".pvd"))
         return rp_fail(RP_USAGE, "-o %s: vtk needs a name that ends in .pvd", path);
     char *folder = rp_text(run->arena, "%s_frames", export_stem(run->arena, path));
     export_word(basename(folder)); /* of an attribute in XML */

@@ -10,7 +10,7 @@
  * Colours are distinct for the colour-blind, and by their lightness alone. */
 enum { PULLS = 20 }; /* above all classes */
 static const double LEFT = 1.8, RIGHT = 0.7, COLOUR_BAR = 2.6, TOP = 1.4, BOTTOM = 1.5; /* cm */
-static const double PANEL = 3.2, TALLEST = 14.0, FLATTEST = 1.2, NARROWEST = 11.0;
+static const double LOW = 4.0, ROOM = 0.5, PANEL = 3.2, TALLEST = 14.0, FLATTEST = 1.2, NARROWEST = 11.0;
 static const double PER_CM = 37.8; /* of lines' widths */
 static const char WALL[] = "#404040", PRESS[] = "#0072b2", PULL[] = "#d55e00";
 
@@ -172,9 +172,7 @@ rp_status view_scale_of(rp_arena *arena, const view_scene *scene, size_t first, 
         return rp_fail(RP_BAD_INPUT, "cell = %g: more than %d cells", s->cell, MOST_CELLS);
     lay_out(style, s);
     const size_t n = last - first + 1;
-    double *force = rp_arena_memory(arena, n, sizeof *force),
-           *stress = rp_arena_memory(arena, n, sizeof *stress),
-           *pressure = rp_arena_memory(arena, n, sizeof *pressure);
+    double *force = rp_arena_memory(arena, 3 * n, sizeof *force), *stress = force + n, *pressure = stress + n;
     for (size_t k = 0; k < n; k++) {
         force[k] = largest_force(from + k);
         RP_TRY(measure(arena, from + k, style, s, &stress[k], &pressure[k]));
@@ -221,10 +219,8 @@ static const char *unit_after(const char *unit, char text[40])
 static void put_label(FILE *out, const char *set, const char *name, const char *unit)
 {
     fprintf(out, "set %s ", set);
-    if (strcmp(unit, "1") != 0)
-        put_quoted(out, "%s (%s)", name, unit);
-    else
-        put_quoted(out, "%s", name);
+    const bool any = strcmp(unit, "1") != 0;
+    put_quoted(out, "%s%s%s%s", name, any ? " (" : "", any ? unit : "", any ? ")" : "");
     fputs(" noenhanced\n", out);
 }
 
@@ -278,14 +274,6 @@ void view_draw_start(const view_scene *scene, const view_style *style, const vie
     put_label(out, "xlabel", "x", scene->length);
     put_chains(style, s, out);
     if (*style->color) put_palette(scene, style, s, out);
-}
-
-static void put_grains(const view_frame *f, FILE *out)
-{
-    fputs("$grains << end\n", out);
-    for (size_t i = 0; i < f->n; i++)
-        fprintf(out, "%.9g %.9g %.9g %.9g\n", f->x[i], f->y[i], f->r[i], f->value ? f->value[i] : 0.0);
-    fputs("end\n", out);
 }
 
 static void put_contacts(const view_frame *f, const view_scale *s, FILE *out)
@@ -390,16 +378,6 @@ static void put_panel(rp_arena *arena, const view_scene *scene, const view_frame
             s->cell);
 }
 
-/* Where the picture is low, with room between their numbers. */
-static void put_ticks(const view_scale *s, FILE *out)
-{
-    const double low = 4.0, room = 0.5; /* cm */
-    if ((s->window[3] - s->window[2]) * s->per_length < low)
-        fprintf(out, "set ytics %g\n", round_step(room / s->per_length));
-    else
-        fputs("set ytics autofreq\n", out);
-}
-
 /* What the picture shows, above it. */
 static void put_title(const view_scene *scene, const view_frame *f, const view_scale *s, FILE *out)
 {
@@ -435,13 +413,19 @@ rp_status view_draw(rp_arena *arena, const view_scene *scene, const view_frame *
     const rp_mark mark = rp_arena_mark(arena);
     const bool chains = f->n_contacts > 0 && s->force > 0.0;
     rp_status status = RP_OK;
-    put_grains(f, out);
+    fputs("$grains << end\n", out);
+    for (size_t i = 0; i < f->n; i++)
+        fprintf(out, "%.9g %.9g %.9g %.9g\n", f->x[i], f->y[i], f->r[i], f->value ? f->value[i] : 0.0);
+    fputs("end\n", out);
     if (chains) put_contacts(f, s, out);
     const bool walls = put_walls(f, s, out);
     if (style->stress) status = put_stress(arena, f, s, out);
     put_title(scene, f, s, out);
     if (style->base) fputs("set multiplot\nunset xlabel\n", out);
-    put_ticks(s, out);
+    if ((s->window[3] - s->window[2]) * s->per_length < LOW) /* with room between the numbers */
+        fprintf(out, "set ytics %g\n", round_step(ROOM / s->per_length));
+    else
+        fputs("set ytics autofreq\n", out);
     fprintf(out,
             "set size ratio -1\nset yrange [%.17g:%.17g]\nset tmargin at screen %.5f\n"
             "set bmargin at screen %.5f\nset key at graph 1, screen %.5f right bottom horizontal samplen 2\n",

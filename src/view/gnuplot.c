@@ -1,4 +1,4 @@
-/* A gnuplot that reads its commands from this process; see gnuplot.h. */
+/* A gnuplot that reads its commands from this process; see view.h. */
 #include <errno.h>
 #include <fcntl.h>
 #include <signal.h>
@@ -9,7 +9,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "view/gnuplot.h"
+#include "view/view.h"
 
 extern char **environ;
 

@@ -1,5 +1,4 @@
 /* Frames of a run from its tables; see view.h. */
-#include <dirent.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -17,64 +16,32 @@ typedef struct {
     char unit[MOST][32];
 } numbers;
 
-static rp_status read_column(rp_arena *arena, const rp_table *t, const char *name, const char *expected,
-                             double **values, char unit[32])
-{
-    const bool optional = *name == '?';
-    int column = rp_table_column(t, name + optional);
-    strcpy(unit, "1");
-    *values = rp_arena_memory(arena, t->n_rows, sizeof **values);
-    if (column < 0 && !optional) RP_TRY(rp_table_find(t, name, expected, &column));
-    if (column >= 0) rp_column_unit(t, column, unit);
-    for (size_t i = 0; i < t->n_rows; i++) {
-        (*values)[i] = NAN;
-        if (column >= 0) RP_TRY(rp_table_number(t, i, column, 1, &(*values)[i]));
-    }
-    return RP_OK;
-}
-
 /* A table without rows is empty, whatever its columns. */
 static rp_status read_numbers(rp_arena *arena, const char *path, const char *const names[],
                               const char *expected, numbers *out)
 {
-    rp_table t;
-    rp_status status = rp_table_read(path, &t);
+    RP_ENDS(rp_table_free) rp_table t = {0};
+    RP_TRY(rp_table_read(path, &t));
     out->n = t.n_rows;
-    for (size_t k = 0; names[k] && t.n_rows > 0 && !status; k++)
-        status = read_column(arena, &t, names[k], expected, &out->column[k], out->unit[k]);
-    rp_table_free(&t);
-    return status;
+    for (size_t k = 0; names[k] && t.n_rows > 0; k++) {
+        const bool optional = *names[k] == '?';
+        int column = rp_table_column(&t, names[k] + optional);
+        double *values = out->column[k] = rp_arena_memory(arena, t.n_rows, sizeof *values);
+        if (!optional) RP_TRY(rp_table_find(&t, names[k], expected, &column));
+        strcpy(out->unit[k], "1");
+        if (column >= 0) rp_column_unit(&t, column, out->unit[k]);
+        for (size_t i = 0; i < t.n_rows; i++) {
+            values[i] = NAN;
+            if (column >= 0) RP_TRY(rp_table_number(&t, i, column, 1, &values[i]));
+        }
+    }
+    return RP_OK;
 }
-
-/* A table of grains, and those that may lie beside it. */
-typedef struct {
-    const char *grains, *contacts, *walls, *base, *energy; /* NULL: none */
-} source;
 
 static bool is_file(const char *path)
 {
     struct stat s;
     return stat(path, &s) == 0 && S_ISREG(s.st_mode);
-}
-
-/* The table `name` instead of the last `length` characters of `path`; NULL where there is none. */
-static const char *find_beside(rp_arena *arena, const char *path, size_t length, const char *name)
-{
-    const char *found = rp_text(arena, "%.*s%s", (int)(strlen(path) - length), path, name);
-    return is_file(found) ? found : NULL;
-}
-
-static void find_source(rp_arena *arena, const char *path, source *s)
-{
-    static const char *const grains[] = {"states.tsv", "grains.tsv", "disks.tsv"};
-    *s = (source){.grains = path};
-    for (size_t k = 0; k < sizeof grains / sizeof *grains; k++) {
-        if (!rp_ends_in(path, grains[k])) continue;
-        s->contacts = find_beside(arena, path, strlen(grains[k]), "contacts.tsv");
-        s->walls = find_beside(arena, path, strlen(grains[k]), "walls.tsv");
-        if (k == 0) s->energy = find_beside(arena, path, strlen(grains[k]), "energy.tsv");
-        if (k == 2) s->base = find_beside(arena, path, strlen(grains[k]), "base.tsv");
-    }
 }
 
 /* Forces on the first grain: the normal one from b to a, the shear along the normal turned clockwise. */
@@ -139,60 +106,59 @@ static size_t rows_of(const export_frames *f, double step, bool one, size_t *fir
     return one ? f->first[f->n] : k == f->n ? 0 : f->first[k + 1] - *first;
 }
 
-static void put_frames(const numbers *g, const export_frames *grains, const export_frames *c,
-                       const export_frames *w, const view_contact *contacts, const view_wall *walls,
-                       view_frame *frames)
-{
-    for (size_t k = 0; k < grains->n; k++) {
-        const size_t i = grains->first[k];
-        size_t ci, wi;
-        const size_t n_c = rows_of(c, grains->steps[k], grains->n == 1, &ci),
-                     n_w = rows_of(w, grains->steps[k], grains->n == 1, &wi);
-        frames[k] = (view_frame){.step = grains->steps[k],
-                                 .t = grains->times[k],
-                                 .n = grains->first[k + 1] - i,
-                                 .x = g->column[2] + i,
-                                 .y = g->column[3] + i,
-                                 .r = g->column[4] + i,
-                                 .value = g->column[5] ? g->column[5] + i : NULL,
-                                 .n_contacts = n_c,
-                                 .contacts = contacts + ci,
-                                 .n_walls = n_w,
-                                 .walls = walls + wi};
-    }
-}
-
-static rp_status add_source(rp_arena *arena, const source *s, const char *color, view_scene *scene)
+static rp_status add_source(rp_arena *arena, const char *path, const char *color, view_scene *scene)
 {
     const char *names[] = {"?step", "?t", "x", "y", "r", *color ? color : NULL, NULL};
+    const char *contacts_path = export_beside(arena, path, "contacts.tsv"),
+               *walls_path = export_beside(arena, path, "walls.tsv"),
+               *base_path = rp_ends_in(path, "disks.tsv") ? export_beside(arena, path, "base.tsv") : NULL,
+               *energy_path =
+                   rp_ends_in(path, "states.tsv") ? export_beside(arena, path, "energy.tsv") : NULL;
     numbers g = {0}, c = {0}, w = {0}, b = {0}, e = {0};
     view_contact *contacts =
         rp_arena_memory(arena, 0, sizeof *contacts); /* frames point into both, also if empty */
     view_wall *walls = rp_arena_memory(arena, 0, sizeof *walls);
-    RP_TRY(read_numbers(arena, s->grains, names, "x y r", &g));
-    if (s->contacts) RP_TRY(read_contacts(arena, s->contacts, &c, &contacts, scene->force));
-    if (s->walls) RP_TRY(read_walls(arena, s->walls, &w, &walls));
-    if (s->base) RP_TRY(read_numbers(arena, s->base, (const char *const[]){"x", "N/mg", NULL}, "x N/mg", &b));
+    RP_TRY(read_numbers(arena, path, names, "x y r", &g));
+    if (contacts_path) RP_TRY(read_contacts(arena, contacts_path, &c, &contacts, scene->force));
+    if (walls_path) RP_TRY(read_walls(arena, walls_path, &w, &walls));
+    if (base_path)
+        RP_TRY(read_numbers(arena, base_path, (const char *const[]){"x", "N/mg", NULL}, "x N/mg", &b));
     if (g.n == 0) return RP_OK;
+    const double *x = g.column[2], *y = g.column[3], *r = g.column[4], *value = g.column[5];
     for (size_t k = 0; k < g.n; k++)
-        if (!(isfinite(g.column[2][k] + g.column[3][k]) && g.column[4][k] > 0.0 && isfinite(g.column[4][k])))
-            return rp_fail(RP_BAD_INPUT, "%s: row %zu: x, y and a radius above 0 expected", s->grains, k + 1);
+        if (!(isfinite(x[k] + y[k]) && r[k] > 0.0 && isfinite(r[k])))
+            return rp_fail(RP_BAD_INPUT, "%s: row %zu: x, y and a radius above 0 expected", path, k + 1);
     snprintf(scene->length, sizeof scene->length, "%s", g.unit[2]);
     snprintf(scene->time, sizeof scene->time, "%s", g.unit[1]);
     if (*color) snprintf(scene->quantity, sizeof scene->quantity, "%s", g.unit[5]);
-    if (s->energy)
-        RP_TRY(read_numbers(arena, s->energy, (const char *const[]){"step", "t", NULL}, "step t", &e));
+    if (energy_path)
+        RP_TRY(read_numbers(arena, energy_path, (const char *const[]){"step", "t", NULL}, "step t", &e));
     export_frames grains = split(arena, &g);
     const export_frames energies = split(arena, &e), of_contacts = split(arena, &c),
                         of_walls = split(arena, &w);
     if (grains.step >= 0) export_add_empty(arena, &energies, &grains);
     view_frame *frames = rp_arena_memory(arena, scene->n + grains.n, sizeof *frames);
     if (scene->n > 0) memcpy(frames, scene->frames, scene->n * sizeof *frames);
-    put_frames(&g, &grains, &of_contacts, &of_walls, contacts, walls, frames + scene->n);
-    for (view_frame *f = frames + scene->n; f < frames + scene->n + grains.n; f++) {
-        if (f->n_contacts > 0)
-            qsort(contacts + (f->contacts - contacts), f->n_contacts, sizeof *contacts, by_force);
-        f->n_base = b.n, f->base_x = b.column[0], f->base_force = b.column[1];
+    for (size_t k = 0; k < grains.n; k++) {
+        const size_t i = grains.first[k];
+        size_t ci, wi;
+        const size_t n_c = rows_of(&of_contacts, grains.steps[k], grains.n == 1, &ci),
+                     n_w = rows_of(&of_walls, grains.steps[k], grains.n == 1, &wi);
+        if (n_c > 0) qsort(contacts + ci, n_c, sizeof *contacts, by_force);
+        frames[scene->n + k] = (view_frame){.step = grains.steps[k],
+                                            .t = grains.times[k],
+                                            .n = grains.first[k + 1] - i,
+                                            .x = x + i,
+                                            .y = y + i,
+                                            .r = r + i,
+                                            .value = value ? value + i : NULL,
+                                            .n_contacts = n_c,
+                                            .contacts = contacts + ci,
+                                            .n_walls = n_w,
+                                            .walls = walls + wi,
+                                            .n_base = b.n,
+                                            .base_x = b.column[0],
+                                            .base_force = b.column[1]};
     }
     scene->frames = frames;
     scene->n += grains.n;
@@ -205,29 +171,21 @@ static int by_step(const void *a, const void *b)
     return (f > g) - (f < g);
 }
 
+static bool is_stage(const char *name)
+{
+    return rp_ends_in(name, "_grains.tsv");
+}
+
 /* The tables of a folder: of a scene, of a static pile, or of each stage of a sweep's run. */
 static rp_status read_folder(rp_arena *arena, const char *path, const char *color, view_scene *scene)
 {
-    static const char *const one[] = {"states.tsv", "disks.tsv"};
-    const char *table;
-    source s;
-    for (size_t k = 0; k < sizeof one / sizeof *one; k++) {
-        table = rp_text(arena, "%s/%s", path, one[k]);
-        if (!is_file(table)) continue;
-        find_source(arena, table, &s);
-        return add_source(arena, &s, color, scene);
-    }
-    rp_status status = RP_OK;
-    struct dirent **names;
-    const int n = scandir(path, &names, NULL, alphasort);
-    for (int k = 0; k < n; k++) {
-        table = rp_text(arena, "%s/%s", path, names[k]->d_name);
-        find_source(arena, table, &s);
-        if (!status && rp_ends_in(names[k]->d_name, "_grains.tsv"))
-            status = add_source(arena, &s, color, scene);
-        free(names[k]);
-    }
-    if (n >= 0) free(names);
+    const char *states = rp_text(arena, "%s/states.tsv", path), *disks = rp_text(arena, "%s/disks.tsv", path);
+    if (is_file(states)) return add_source(arena, states, color, scene);
+    if (is_file(disks)) return add_source(arena, disks, color, scene);
+    rp_paths stages = {0};
+    rp_status status = rp_paths_in(&stages, path, is_stage);
+    for (size_t k = 0; k < stages.n && !status; k++) status = add_source(arena, stages.path[k], color, scene);
+    rp_paths_free(&stages);
     if (scene->n > 0) qsort(scene->frames, scene->n, sizeof *scene->frames, by_step);
     return status;
 }
@@ -235,11 +193,9 @@ static rp_status read_folder(rp_arena *arena, const char *path, const char *colo
 rp_status view_read(rp_arena *arena, const char *path, const char *color, view_scene *scene)
 {
     struct stat info;
-    source s;
     *scene = (view_scene){.length = "1", .force = "1", .time = "1", .quantity = "1"};
     const bool folder = stat(path, &info) == 0 && S_ISDIR(info.st_mode);
-    find_source(arena, path, &s);
-    RP_TRY(folder ? read_folder(arena, path, color, scene) : add_source(arena, &s, color, scene));
+    RP_TRY((folder ? read_folder : add_source)(arena, path, color, scene));
     if (scene->n > 0) return RP_OK;
     return folder ? rp_fail(RP_BAD_INPUT, "%s: no rows in a states.tsv, disks.tsv or ..._grains.tsv", path)
                   : rp_fail(RP_BAD_INPUT, "%s: no rows", path);

@@ -28,8 +28,8 @@ static const cli_command marginal = {
     "angle marginal",
     "angle of marginal stability, (3)",
     "--mu MU [options]",
-    "Angle of marginal stability, tan theta_MS = mu tan^2 phi (Lee & Herrmann 1993, (3)).\n"
-    "status: ok, or extrapolated where theta_MS >= phi, beyond the derivation.",
+    "Angle of marginal stability, tan theta_MS = mu tan^2 phi (Lee & Herrmann 1993, (3)). status: ok, or "
+    "extrapolated where theta_MS >= phi, beyond the derivation.",
     "repose angle marginal --mu 0.2",
     marginal_params,
     .refuses = "A negative friction; rays that are level or upright.",
@@ -65,13 +65,12 @@ static const cli_command tilt = {
     "angle tilt",
     "tilt at which a pile slides, (4)",
     "--mu MU --theta-r-deg ANGLE [options]",
-    "Tilt theta_T at which a pile slides (Lee & Herrmann 1993, (4)), theta_MS of (3), margin theta_MS -\n"
-    "theta_R, and the tilt up to which the form is defined.\n"
-    "form: balanced (rays fixed to gravity, forces balance), lattice (rays fixed to the pile, forces\n"
-    "balance), sine ((4b) with sines for tangents), printed.\n"
-    "status: ok; ok_pulling (found, but there one ray of the lattice form pulls); already_unstable\n"
-    "(margin negative, no theta_T); no_slide (no theta_T below the limit); rays_miss (theta_R >= phi,\n"
-    "no theory: exit status 1).",
+    "Tilt theta_T at which a pile slides (Lee & Herrmann 1993, (4)), theta_MS of (3), margin theta_MS - "
+    "theta_R, and the tilt up to which the form is defined. form: balanced (rays fixed to gravity, forces "
+    "balance), lattice (rays fixed to the pile, forces balance), sine ((4b) with sines for tangents), "
+    "printed. status: ok; ok_pulling (found, but there one ray of the lattice form pulls); already_unstable "
+    "(margin negative, no theta_T); no_slide (no theta_T below the limit); rays_miss (theta_R >= phi, no "
+    "theory: exit status 1).",
     "repose angle tilt --mu 0.2 --theta-r-deg 18 --form balanced",
     tilt_params,
     .refuses = "theta_R >= phi, where no ray leaves through the flank: exit status 1.",

@@ -52,13 +52,6 @@ static rp_status refuse_several_steps(const rp_table *table)
     return RP_OK;
 }
 
-/* A height above the ground instead of a row of a picture. */
-static void turn_over(size_t n, double y[], double diameter)
-{
-    const double lowest = gsl_stats_max(y, 1, n);
-    for (size_t i = 0; i < n; i++) y[i] = lowest - y[i] + 0.5 * diameter;
-}
-
 /* A table does not tell whether its surface falls to the left or its y points down. */
 static void warn_negative(const cli_call *call, const ang_slope slopes[ANG_N_METHODS])
 {
@@ -150,7 +143,9 @@ static rp_status slope_of_table(cli_call *call, rp_table *table, const void *val
     RP_TRY(read_grains(call->arena, table, o, &with_r, &block));
     const size_t n = table->n_rows;
     if (box) RP_TRY(choose_cell(o, table, block, with_r, &cell, &origin));
-    if (o->y_axis) turn_over(n, block + n, box ? cell : 0.0);
+    /* a height above the ground instead of a row of a picture */
+    const double lowest = gsl_stats_max(block + n, 1, n), above = box ? 0.5 * cell : 0.0;
+    for (size_t i = n; i < 2 * n && o->y_axis; i++) block[i] = lowest - block[i] + above;
     for (size_t i = 0; i < n && !box && o->height == ANG_TOP; i++) block[n + i] += block[2 * n + i];
     rp_status status = box ? slope_of_box(n, block, with_r, o, cell, &pile)
                            : ang_pile_find(n, block, block + n, (double[]){o->from, o->to}, &pile);
@@ -178,20 +173,18 @@ const cli_command cmd_angle_slope = {
     "angle slope",
     "slope of a table of grains by three methods",
     "FILE [options]",
-    "Slope of a pile's surface h(x), positive where it falls to the right, by the methods of Lee &\n"
-    "Herrmann 1993: 1 first to last cell, 2 straight line, 3 parabola through the running sum of h. The\n"
-    "standard error is propagated from the scatter of h about its straight line.\n"
-    "FILE (- for standard input): one row a grain or a point of an outline, columns x y r by name,\n"
-    "otherwise the first three; r is needed for --height top only. For points in pixels, whose y is the\n"
-    "row of a picture, give --y-axis down.\n"
-    "The pile is found wherever it is, on any ground. A point that lies below another by more than 57\n"
-    "degrees is inside; n_cells points are left as the surface. A flank is what lies between the lowest\n"
-    "and the highest tenth of the surface, n_occupied points. Two flanks have their rows, ok_left and\n"
-    "ok_right, and as ok_mean the mean of their steepness. Otherwise: no_pile, and exit status 1.\n"
-    "With --width the surface is that of a box, with its ground at y = 0: the highest grain of each cell.\n"
-    "A cell is as wide as the mean diameter of the grains, or --cell. Fewer than 5 filled cells: no_pile; no "
-    "more\n"
-    "than half of the cells, none at x = 0, or grains below y = 0: sparse; both have exit status 1.",
+    "Slope of a pile's surface h(x), positive where it falls to the right, by the methods of Lee & Herrmann "
+    "1993: 1 first to last cell, 2 straight line, 3 parabola through the running sum of h. The standard "
+    "error is propagated from the scatter of h about its straight line. FILE (- for standard input): one row "
+    "a grain or a point of an outline, columns x y r by name, otherwise the first three; r is needed for "
+    "--height top only. For points in pixels, whose y is the row of a picture, give --y-axis down. The pile "
+    "is found wherever it is, on any ground. A point that lies below another by more than 57 degrees is "
+    "inside; n_cells points are left as the surface. A flank is what lies between the lowest and the highest "
+    "tenth of the surface, n_occupied points. Two flanks have their rows, ok_left and ok_right, and as "
+    "ok_mean the mean of their steepness. Otherwise: no_pile, and exit status 1. With --width the surface is "
+    "that of a box, with its ground at y = 0: the highest grain of each cell. A cell is as wide as the mean "
+    "diameter of the grains, or --cell. Fewer than 5 filled cells: no_pile; no more than half of the cells, "
+    "none at x = 0, or grains below y = 0: sparse; both have exit status 1.",
     "repose angle slope pile.tsv --y-axis down",
     slope_params,
     .refuses = "Grains of several steps: choose one by --where step=N.\n"

@@ -59,20 +59,16 @@ static rp_status read_start(rp_arena *arena, const char *path, dem_grain **grain
     return RP_OK;
 }
 
-/* Radii from the largest to the smallest. Equal areas of equal ranges of r, n(r) ~ 1/r^2, are equal numbers
+/* Radii from the largest to the smallest: equal areas of equal ranges of r, n(r) ~ 1/r^2, are equal numbers
  * of equal ranges of 1/r; the mean of r^2 is the product of both ends. */
-static void radii_of_ratio(long n, double ratio, dem_grain grains[])
-{
-    const double first = 10.0 / sqrt(ratio), last = 10.0 * sqrt(ratio); /* 1/cm */
-    for (long i = 0; i < n; i++) grains[i].r = 1.0 / (first + (last - first) * ((double)i + 0.5) / (double)n);
-}
-
 static rp_status fill(rp_arena *arena, const bench_options *o, dem_grain **grains)
 {
     const dem_fill dilute = {o->n, o->width, 2.0 * o->width, 0.1, 0.02, 0.07, 0.13, 1.0, DEM_SPHERE, 1993, 0};
     *grains = rp_arena_memory(arena, (size_t)o->n, sizeof **grains);
     if (!(o->size_ratio > 0.0)) return dem_fill_random(&dilute, *grains);
-    radii_of_ratio(o->n, o->size_ratio, *grains);
+    const double first = 10.0 / sqrt(o->size_ratio), last = 10.0 * sqrt(o->size_ratio); /* 1/cm */
+    for (long i = 0; i < o->n; i++)
+        (*grains)[i].r = 1.0 / (first + (last - first) * ((double)i + 0.5) / (double)o->n);
     return dem_fill_place(&dilute, *grains);
 }
 
@@ -81,10 +77,9 @@ static rp_status begin(rp_arena *arena, bench_options *o, dem_sim **sim, double 
 {
     dem_grain *grains = NULL;
     const rp_mark mark = rp_arena_mark(arena); /* memory counts */
-    rp_status status = *o->start ? read_start(arena, o->start, &grains, &o->n) : RP_OK;
+    if (*o->start) RP_TRY(read_start(arena, o->start, &grains, &o->n));
     if (!(o->width > 0.0)) o->width = fmax(0.4, sqrt(0.04 * (double)o->n));
-    if (!status && !grains) status = fill(arena, o, &grains);
-    if (status) return status;
+    if (!grains) RP_TRY(fill(arena, o, &grains));
     dem_definition def = dem_definition_default();
     def.rotation = o->rotation;
     def.material.mu_roll = o->mu_roll;
@@ -97,10 +92,10 @@ static rp_status begin(rp_arena *arena, bench_options *o, dem_sim **sim, double 
     def.kernel = o->kernel;
     /* smaller from some 50 000 grains on: the grains fall from a great height */
     *dt = def.dt = fmin(def.dt, dem_time_step_limit(&def, NULL));
-    status = dem_create(&def, sim);
-    if (!status) dem_threads(*sim, (size_t)o->j);
+    RP_TRY(dem_create(&def, sim));
+    dem_threads(*sim, (size_t)o->j);
     rp_arena_release(arena, mark);
-    return status;
+    return RP_OK;
 }
 
 static rp_status write_grains(const cli_call *call, const char *path, const dem_sim *sim)
@@ -162,26 +157,27 @@ typedef struct {
     cli_slope slope;   /* of a sample */
 } bench_run;
 
+static void free_sim(dem_sim **sim)
+{
+    dem_free(*sim);
+}
+
 /* One run, of a sample or from `settled` on. */
 static rp_status run_once(const cli_call *call, bench_options *o, const dem_sim *settled, dem_phases *times,
                           bench_run *run)
 {
     dem_counts before = {0};
-    dem_sim *sim = NULL;
-    rp_status status = settled ? dem_clone(settled, &sim) : RP_OK;
-    if (!status && settled) dem_count_work(sim, &before);
+    RP_ENDS(free_sim) dem_sim *sim = NULL;
+    if (settled) RP_TRY(dem_clone(settled, &sim));
+    if (settled) dem_count_work(sim, &before);
     const double cpu = rp_cpu_clock(), wall = rp_clock();
-    if (!status)
-        status = settled ? advance(sim, o->steps, times) : run_sample(call, o, &sim, times, &run->slope);
+    RP_TRY(settled ? advance(sim, o->steps, times) : run_sample(call, o, &sim, times, &run->slope));
     const double seconds = o->j > 1 ? rp_clock() - wall : rp_cpu_clock() - cpu;
-    if (!status) {
-        dem_count_work(sim, &run->counts);
-        run->rate = (run->counts.grain_steps - before.grain_steps) / seconds / 1e6;
-        run->rebuilds = run->counts.rebuilds - before.rebuilds;
-        run->grains = dem_count(sim);
-    }
-    dem_free(sim);
-    return status;
+    dem_count_work(sim, &run->counts);
+    run->rate = (run->counts.grain_steps - before.grain_steps) / seconds / 1e6;
+    run->rebuilds = run->counts.rebuilds - before.rebuilds;
+    run->grains = dem_count(sim);
+    return RP_OK;
 }
 
 /* Bytes allocated by malloc. */
@@ -214,37 +210,33 @@ static rp_status measure(cli_call *call, const void *values)
     bench_options *o = call->values; /* the header has what stands for auto */
     (void)values;
     const double begun = rp_clock(), heap_before = heap(), peak_before = rp_peak_memory();
-    dem_sim *sim = NULL;
+    RP_ENDS(free_sim) dem_sim *sim = NULL;
     dem_phases times = {0};
-    bench_run run = {0};
+    bench_run run = {0}, timed;
     double rates[MOST], dt = NAN;
-    rp_status status = begin(call->arena, o, &sim, &dt);
-    if (o->state == SAMPLE)
+    const bool sample = o->state == SAMPLE;
+    RP_TRY(begin(call->arena, o, &sim, &dt));
+    if (sample)
         o->steps = FILL_STEPS + RELAX_STEPS;
     else if (o->steps <= 0) { /* after 10000 steps the pile flows no more */
         const double most = o->state == FLOWING ? 10000.0 : INFINITY;
         o->steps = (long)fmin(fmax(100.0, 2e7 / (double)o->n), most);
     }
-    if (!status && o->state != SAMPLE) status = prepare(call, o, sim, dt);
+    if (!sample) RP_TRY(prepare(call, o, sim, dt));
     const double memory[2] = {heap() - heap_before, 1e6 * (rp_peak_memory() - peak_before)};
-    const dem_sim *from = o->state == SAMPLE ? NULL : sim;
-    for (int k = 0; !status && k < o->repeat; k++) {
-        status = run_once(call, o, from, NULL, &run);
+    const dem_sim *from = sample ? NULL : sim;
+    for (int k = 0; k < o->repeat; k++) {
+        RP_TRY(run_once(call, o, from, NULL, &run));
         rates[k] = run.rate;
     }
-    bench_run timed;
-    if (!status && o->repeat > 1) status = run_once(call, o, from, &times, &timed);
-    if (!status) {
-        cli_tell_threads(sim, "bench", o->j);
-        cli_table(call, stdout);
-        rp_table_note(stdout, "pair_loop", "%s", dem_kernel_name(sim));
-        rp_table_note(stdout, "dt", "%.17g s", dt);
-        if (o->state == SAMPLE)
-            rp_table_note(stdout, "theta_r", "%.17g degrees", run.slope.theta_r.theta / deg);
-        write_row(o, rates, &run, &times, memory, rp_clock() - begun);
-    }
-    dem_free(sim);
-    return status;
+    if (o->repeat > 1) RP_TRY(run_once(call, o, from, &times, &timed));
+    cli_tell_threads(sim, "bench", o->j);
+    cli_table(call, stdout);
+    rp_table_note(stdout, "pair_loop", "%s", dem_kernel_name(sim));
+    rp_table_note(stdout, "dt", "%.17g s", dt);
+    if (sample) rp_table_note(stdout, "theta_r", "%.17g degrees", run.slope.theta_r.theta / deg);
+    write_row(o, rates, &run, &times, memory, rp_clock() - begun);
+    return RP_OK;
 }
 
 const cli_command cmd_bench = {
@@ -253,13 +245,13 @@ const cli_command cmd_bench = {
     "[--n N | --start TABLE] [--width W] [--size-ratio R] [--rotation] [--mu-roll MU] [--state "
     "settled|flowing|sample] [--floor extends|absorbs] [--steps N] [--kernel NAME] [--repeat N] [-j N] [-o "
     "TABLE]",
-    "Fill a square box with grains of Lee & Herrmann's parameters (mu = 0.2; no rotation, unless asked\n"
-    "for), let them settle, and time the simulator on one core: 1e6 particle-steps per second of\n"
-    "processor time, best and median of several runs. An extra run times the phases one after another:\n"
-    "shares of contacts, neighbour lists, integration and walls, and `bound`, the rate without lists\n"
-    "and walls. Numbers of contacts and listed pairs are per grain, at the end. `bytes` is the memory\n"
-    "held per grain, `peak_bytes` what the largest memory of the process has grown by so far. Of a sample a\n"
-    "line above the table has theta_R by method 3; nan: the surface does not fall to one side.",
+    "Fill a square box with grains of Lee & Herrmann's parameters (mu = 0.2; no rotation, unless asked for), "
+    "let them settle, and time the simulator on one core: 1e6 particle-steps per second of processor time, "
+    "best and median of several runs. An extra run times the phases one after another: shares of contacts, "
+    "neighbour lists, integration and walls, and `bound`, the rate without lists and walls. Numbers of "
+    "contacts and listed pairs are per grain, at the end. `bytes` is the memory held per grain, `peak_bytes` "
+    "what the largest memory of the process has grown by so far. Of a sample a line above the table has "
+    "theta_R by method 3; nan: the surface does not fall to one side.",
     "repose bench --n 1600 --state flowing --floor absorbs",
     bench_params,
     .refuses = "More than 100000 grains of its own fill: larger piles come by --start.",

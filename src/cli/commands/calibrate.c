@@ -31,10 +31,10 @@ CLI_OPTIONS(calibrate, CALIBRATE_OPTIONS)
 
 /* Runs that give some of the numbers: of an experiment or protocol with values of its own, or of a table. */
 typedef struct {
-    const char *kind, *source, *runs; /* "experiment" or "protocol" and its name; a table */
-    const char *fixed;                /* values, as a sweep's file has them; NULL: none */
-    bool has[STATS_NAMES];            /* it has this name */
-    rp_table *table;                  /* of the last stage */
+    const char *kind, *source; /* "experiment", "protocol" or "runs", and its name */
+    const char *fixed;         /* values, as a sweep's file has them; "": none */
+    bool has[STATS_NAMES];     /* it has this name */
+    rp_table *table;           /* of the last stage */
 } group;
 
 typedef struct {
@@ -84,14 +84,12 @@ static rp_status read_fit(problem *s, const config_setting_t *fit)
     return RP_OK;
 }
 
-/* A setting as it is written; NULL for none. */
+/* A setting as it is written. */
 static rp_status text_of(rp_arena *arena, const config_setting_t *setting, const char **text)
 {
-    char *written = NULL;
+    char *written;
     size_t size;
-    *text = NULL;
-    FILE *out = setting ? open_memstream(&written, &size) : NULL;
-    if (!setting) return RP_OK;
+    FILE *out = open_memstream(&written, &size);
     if (!out) return rp_fail(RP_NO_MEMORY, "calibrate: out of memory");
     rp_config_write_value(out, setting);
     fclose(out);
@@ -99,25 +97,19 @@ static rp_status text_of(rp_arena *arena, const config_setting_t *setting, const
     return RP_OK;
 }
 
-static bool same_text(const char *a, const char *b)
-{
-    return a == b || (a && b && strcmp(a, b) == 0);
-}
-
 /* The group of a number: that of an earlier one of the same runs, or a new one. */
 static size_t group_of(problem *s, const measured *m, const char *fixed)
 {
-    const group own = {.kind = *m->experiment ? "experiment" : "protocol",
-                       .source = *m->experiment ? m->experiment : m->protocol,
-                       .runs = *m->runs ? m->runs : NULL,
-                       .fixed = fixed};
-    size_t g = 0;
-    while (g < s->quest.n_groups &&
-           !(same_text(s->group[g].source, own.source) && same_text(s->group[g].runs, own.runs) &&
-             same_text(s->group[g].fixed, fixed)))
-        g++;
-    if (g == s->quest.n_groups) s->group[s->quest.n_groups++] = own;
-    return g;
+    const char *kind = *m->experiment ? "experiment"
+                       : *m->protocol ? "protocol"
+                                      : "runs",
+               *source = rp_text(s->call->arena, "%s%s%s", m->experiment, m->protocol, m->runs);
+    for (size_t g = 0; g < s->quest.n_groups; g++)
+        if (strcmp(s->group[g].kind, kind) == 0 && strcmp(s->group[g].source, source) == 0 &&
+            strcmp(s->group[g].fixed, fixed) == 0)
+            return g;
+    s->group[s->quest.n_groups] = (group){.kind = kind, .source = source, .fixed = fixed};
+    return s->quest.n_groups++;
 }
 
 static rp_status read_measured(problem *s, const config_setting_t *setting, size_t k)
@@ -134,18 +126,18 @@ static rp_status read_measured(problem *s, const config_setting_t *setting, size
         {"runs", "", RP_TEXT, AT(runs), "", "", "table of another program"},
         {0}};
     measured *m = &s->number[k];
-    const char *fixed;
+    const config_setting_t *values = member(setting, "fixed");
+    const char *fixed = "";
     if (!config_setting_is_group(setting))
         return rp_config_fail(setting, "measured: a list ( { ... } ) expected");
     rp_params_defaults(schema, m);
     RP_TRY(rp_config_group(setting, schema, m, (const char *const[]){"fixed", NULL}));
     if ((*m->experiment != 0) + (*m->protocol != 0) + (*m->runs != 0) != 1)
         return rp_config_fail(setting, "measured: one of experiment, protocol and runs expected");
-    if (*m->runs && member(setting, "fixed"))
-        return rp_config_fail(member(setting, "fixed"), "fixed: a table is as it is");
+    if (*m->runs && values) return rp_config_fail(values, "fixed: a table is as it is");
     s->quest.value[k] = m->value;
     s->quest.error[k] = hypot(m->error, m->model_error);
-    RP_TRY(text_of(s->call->arena, member(setting, "fixed"), &fixed));
+    if (values) RP_TRY(text_of(s->call->arena, values, &fixed));
     s->quest.group[k] = group_of(s, m, fixed);
     s->quest.fixed_runs |= *m->runs != 0;
     return RP_OK;
@@ -167,21 +159,16 @@ static void list_names(void *host, rp_guess *guess)
     for (size_t p = 0; p < s->quest.n_names; p++) rp_guess_try(guess, s->name[p]);
 }
 
-typedef struct {
-    const double *x;
-} place;
-
 static double load(void *host, int id, const double args[])
 {
     (void)args;
-    return ((const place *)host)->x[id];
+    return (*(const double *const *)host)[id];
 }
 
 static bool allowed(void *host, const double x[])
 {
     const problem *s = host;
-    place at = {x};
-    const rp_x_values values = {&at, load};
+    const rp_x_values values = {&x, load};
     return rp_expression_value(&s->where, &values, NULL) != 0.0;
 }
 
@@ -213,7 +200,7 @@ static rp_status read_file(problem *s)
     for (int k = 0; k < n; k++)
         RP_TRY(read_measured(s, config_setting_get_elem(list, (unsigned)k), (size_t)k));
     for (size_t g = 0; g < s->quest.n_groups && s->quest.fixed_runs; g++)
-        if (!s->group[g].runs)
+        if (strcmp(s->group[g].kind, "runs") != 0)
             return rp_config_fail(list, "measured: numbers of tables and of experiments don't go together");
     s->quest.budget = (size_t)(s->o->budget > 0 ? s->o->budget : s->budget);
     if (!where) return RP_OK;
@@ -228,6 +215,12 @@ static rp_status read_file(problem *s)
 
 /* ---- stages ---- */
 
+/* A file that the problem's own names. */
+static rp_status beside(const problem *s, const char *name, const char **path)
+{
+    return rp_path(s->call->arena, path, "%s%s", *name == '/' ? "" : s->folder, name);
+}
+
 /* The sweep of a group's runs at the points; names that it does not have are left out. */
 static rp_status write_sweep(const problem *s, const group *g, const char *path, size_t n, const double x[],
                              size_t replicas)
@@ -236,7 +229,7 @@ static rp_status write_sweep(const problem *s, const group *g, const char *path,
     char real[PATH_MAX];
     const char *source = g->source;
     if (strcmp(g->kind, "experiment") == 0) {
-        RP_TRY(rp_path(s->call->arena, &source, "%s%s", *g->source == '/' ? "" : s->folder, g->source));
+        RP_TRY(beside(s, g->source, &source));
         if (!realpath(cli_data(s->call->arena, source), real))
             return rp_fail(RP_BAD_INPUT, "%s: experiment = \"%s\": no such file", s->path, source);
         source = real;
@@ -245,7 +238,7 @@ static rp_status write_sweep(const problem *s, const group *g, const char *path,
     fprintf(out, "# program: repose %s\n%s = ", RP_VERSION, g->kind); /* by which it knows its own */
     rp_config_write_text(out, source);
     fprintf(out, ";\nreplicas = %zu;\nseed = %ld;\n", replicas, s->seed);
-    if (g->fixed) fprintf(out, "fixed = %s;\n", g->fixed);
+    if (*g->fixed) fprintf(out, "fixed = %s;\n", g->fixed);
     fputs("zip = true;\ngrid = {\n", out);
     for (size_t p = 0; p < s->quest.n_names; p++) {
         if (!g->has[p]) continue;
@@ -267,18 +260,6 @@ static rp_status column_of(const problem *s, const rp_table *table, size_t k, in
                                   s->number[k].of, rp_guess_text(&guess));
 }
 
-/* Of the head of a group's table: does it have the columns of its numbers? */
-static rp_status check_columns(const problem *s, size_t g, char *head)
-{
-    rp_table t;
-    int column;
-    rp_status status = rp_table_parse(s->path, head, &t);
-    for (size_t k = 0; k < s->quest.n_numbers && !status; k++)
-        if (s->quest.group[k] == g) status = rp_prefix(column_of(s, &t, k, &column), "%s: ", s->path);
-    rp_table_free(&t);
-    return status;
-}
-
 /* The names that a sweep of the group may have, tried one by one. */
 static rp_status find_names(problem *s, size_t k, const char *path)
 {
@@ -287,21 +268,16 @@ static rp_status find_names(problem *s, size_t k, const char *path)
     double x[STATS_NAMES];
     for (size_t p = 0; p < s->quest.n_names; p++) x[p] = 0.5 * (s->quest.lo[p] + s->quest.hi[p]);
     for (size_t p = 0; p < s->quest.n_names; p++) {
-        char *text = NULL;
-        size_t size;
+        rp_table *table;
+        int column;
         memset(g->has, 0, sizeof g->has);
         g->has[p] = true;
         RP_TRY(write_sweep(s, g, path, 1, x, 1));
-        FILE *columns = open_memstream(&text, &size);
-        if (!columns) return rp_fail(RP_NO_MEMORY, "calibrate: out of memory");
-        const rp_status status = sweep_columns(path, sweep_protocols, SWEEP_RUNS, columns);
-        fclose(columns);
-        has[p] = !status;
-        if (has[p])
-            RP_TRY(check_columns(s, k, text));
-        else
-            free(text);
+        const rp_status status = cli_sweep_columns(s->call, path, SWEEP_RUNS, &table);
         if (status && !strstr(rp_message(), "unknown key")) return status;
+        has[p] = !status;
+        for (size_t n = 0; n < s->quest.n_numbers && has[p]; n++)
+            if (s->quest.group[n] == k) RP_TRY(rp_prefix(column_of(s, table, n, &column), "%s: ", s->path));
     }
     memcpy(g->has, has, sizeof has);
     return RP_OK;
@@ -378,8 +354,7 @@ static rp_status read_tables(problem *s)
     for (size_t i = 1; i < p; i++) names = rp_text(s->call->arena, "%s,%s", names, s->name[i]);
     for (size_t g = 0; g < s->quest.n_groups; g++) {
         const char *path;
-        RP_TRY(rp_path(s->call->arena, &path, "%s%s", *s->group[g].runs == '/' ? "" : s->folder,
-                       s->group[g].runs));
+        RP_TRY(beside(s, s->group[g].source, &path));
         RP_TRY(rp_table_load(s->call->arena, path, &s->group[g].table));
         rows += s->group[g].table->n_rows;
     }
@@ -422,60 +397,63 @@ static const char *combination(const problem *s, const stats_answer *a)
     return text;
 }
 
+/* Is a column of runs one that is fitted, varied or of no meaning? */
+static bool is_used(const problem *s, const char *column)
+{
+    static const char *const of_none[] = {"run", "replica", "pile", "seconds"};
+    bool used = false;
+    for (size_t k = 0; k < s->quest.n_numbers; k++) used |= strcmp(s->number[k].of, column) == 0;
+    for (size_t i = 0; i < s->quest.n_names; i++) used |= strcmp(s->name[i], column) == 0;
+    for (size_t i = 0; i < N_OF(of_none); i++) used |= strcmp(of_none[i], column) == 0;
+    return used;
+}
+
+/* The slope of a column across the combination, beside its scatter, by a straight line through the rows; 0
+ * where there is none. */
+static double slope_across(const problem *s, const stats_answer *a, const rp_table *t, int column,
+                           const int names[])
+{
+    RP_SCOPE(arena);
+    const size_t p = s->quest.n_names;
+    double coefficients[STATS_NAMES + 1], covariance[(STATS_NAMES + 1) * (STATS_NAMES + 1)],
+        along = 0.0, power = 0.0, weight2 = 0.0, *X = rp_arena_memory(&arena, t->n_rows * (p + 1), sizeof *X),
+        *y = rp_arena_memory(&arena, t->n_rows, sizeof *y);
+    stats_linear fit = {
+        .p = p + 1, .X = X, .y = y, .tolerance = 1e-12, .c = coefficients, .covariance = covariance};
+    for (size_t row = 0; row < t->n_rows && X && y; row++) {
+        double v = NAN, *x = &X[fit.n * (p + 1)];
+        if (rp_table_number(t, row, column, 1, &v) || !isfinite(v)) continue;
+        x[0] = 1.0, y[fit.n++] = v;
+        for (size_t i = 0; i < p; i++) {
+            rp_table_number(t, row, names[i], 1, &v);
+            x[1 + i] = (v - s->quest.lo[i]) / (s->quest.hi[i] - s->quest.lo[i]);
+        }
+    }
+    if (fit.n < 2 * p + 4 || stats_linear_fit(&fit) || !(fit.chi2 > 0.0)) return 0.0;
+    for (size_t i = 0; i < p; i++) {
+        const double w = a->weight[i] * (s->quest.hi[i] - s->quest.lo[i]), slope = coefficients[i + 1];
+        along += w * slope, weight2 += w * w, power += slope * slope;
+    }
+    return sqrt(fmax(power - along * along / weight2, 0.0) / (fit.chi2 / (double)(fit.n - p - 1)));
+}
+
 /* Of the numbers that the runs give besides, the one whose slope across the combination is largest beside its
- * scatter; by straight lines through the last stage's runs. */
+ * scatter, in the last stage; NULL: none stands out. */
 static const char *separator(const problem *s, const stats_answer *a)
 {
-    const size_t p = s->quest.n_names;
     double most = 3.0;
     const char *best = NULL;
     for (size_t g = 0; g < s->quest.n_groups; g++) {
         const rp_table *t = s->group[g].table;
         int names[STATS_NAMES];
-        bool whole = t && t->n_rows > 4 * p;
-        for (size_t i = 0; i < p && whole; i++) whole = (names[i] = rp_table_column(t, s->name[i])) >= 0;
-        for (size_t c = 0; c < (whole ? t->n_columns : 0); c++) {
-            RP_SCOPE(arena);
-            double *X, *y, coefficients[STATS_NAMES + 1], covariance[(STATS_NAMES + 1) * (STATS_NAMES + 1)],
-                along = 0.0, power = 0.0, weight2 = 0.0;
-            bool used = !s->group[g].source; /* not one of runs */
-            for (size_t k = 0; k < s->quest.n_numbers; k++) used |= strcmp(s->number[k].of, t->names[c]) == 0;
-            for (size_t i = 0; i < p; i++) used |= names[i] == (int)c;
-            for (const char *const *other = (const char *const[]){"run", "replica", "pile", "seconds", NULL};
-                 *other; other++)
-                used |= strcmp(*other, t->names[c]) == 0;
-            X = rp_arena_memory(&arena, t->n_rows * (p + 1), sizeof *X),
-            y = rp_arena_memory(&arena, t->n_rows, sizeof *y);
-            size_t n = 0;
-            for (size_t row = 0; row < t->n_rows && X && y && !used; row++) {
-                double v = NAN;
-                if (rp_table_number(t, row, (int)c, 1, &v) || !isfinite(v)) continue;
-                X[n * (p + 1)] = 1.0, y[n] = v;
-                for (size_t i = 0; i < p; i++) {
-                    double x = NAN;
-                    rp_table_number(t, row, names[i], 1, &x);
-                    X[n * (p + 1) + 1 + i] = (x - s->quest.lo[i]) / (s->quest.hi[i] - s->quest.lo[i]);
-                }
-                n++;
-            }
-            stats_linear fit = {.n = n,
-                                .p = p + 1,
-                                .X = X,
-                                .y = y,
-                                .tolerance = 1e-12,
-                                .c = coefficients,
-                                .covariance = covariance};
-            if (n < 2 * p + 4 || stats_linear_fit(&fit) || !(fit.chi2 > 0.0)) continue;
-            for (size_t i = 0; i < p; i++) {
-                const double w = a->weight[i] * (s->quest.hi[i] - s->quest.lo[i]);
-                along += w * coefficients[i + 1], weight2 += w * w,
-                    power += coefficients[i + 1] * coefficients[i + 1];
-            }
-            const double across =
-                sqrt(fmax(power - along * along / weight2, 0.0) / (fit.chi2 / (double)(n - p - 1)));
-            if (across > most)
-                most = across, best = rp_text(s->call->arena, "%s of %s", t->names[c],
-                                              s->group[g].source ? s->group[g].source : s->group[g].runs);
+        bool whole = t && t->n_rows > 4 * s->quest.n_names && s->group[g].source;
+        for (size_t i = 0; i < s->quest.n_names && whole; i++)
+            whole = (names[i] = rp_table_column(t, s->name[i])) >= 0;
+        for (size_t c = 0; whole && c < t->n_columns; c++) {
+            const double across = is_used(s, t->names[c]) ? 0.0 : slope_across(s, a, t, (int)c, names);
+            if (!(across > most)) continue;
+            most = across;
+            best = rp_text(s->call->arena, "%s of %s", t->names[c], s->group[g].source);
         }
     }
     return best;
@@ -584,9 +562,9 @@ static rp_status find(problem *s)
 
 static rp_status calibrate_file(const cli_call *call, const char *path, const calibrate_options *o)
 {
-    problem s = {.call = call, .o = o, .path = path, .folder = ""};
     const char *slash = strrchr(path, '/');
-    if (slash) s.folder = rp_text(call->arena, "%.*s", (int)(slash - path) + 1, path);
+    const int folder = slash ? (int)(slash - path) + 1 : 0;
+    problem s = {.call = call, .o = o, .path = path, .folder = rp_text(call->arena, "%.*s", folder, path)};
     rp_status status = find(&s);
     config_destroy(&s.config);
     return status;
@@ -648,42 +626,32 @@ const cli_command cmd_calibrate = {
     "parameters that give measured numbers, with their intervals",
     "FILE.cfg [-o DIR] [--budget RUNS] [--dry-run]\n"
     "--theta-r-deg ANGLE --error-deg SE [options]",
-    "FILE.cfg: find up to three names of experiments (`let`) from several measured numbers. It has\n"
-    "fit = { NAME = [from, to]; } and measured = ( { experiment, of, value, error } ), where `of` is a "
-    "column of the\n"
+    "FILE.cfg: find up to three names of experiments (`let`) from several measured numbers. It has fit = { "
+    "NAME = [from, to]; } and measured = ( { experiment, of, value, error } ), where `of` is a column of the "
     "experiment's sweep, and if wanted fixed = { ... }, model_error, protocol instead of experiment, or "
-    "runs, a table\n"
-    "of another program; where = \"CONDITION\" of the names, seed, budget. Each number is fitted by a "
-    "quadratic of the\n"
-    "names over the runs of a design; where that agrees with the measurements, a smaller box gets more runs, "
-    "until the\n"
-    "answer is settled. Each stage is a sweep in DIR: the same command continues. The first one takes 24 "
-    "runs of each\n"
-    "experiment for one name, 40 for two, 56 for three.\n"
+    "runs, a table of another program; where = \"CONDITION\" of the names, seed, budget. Each number is "
+    "fitted by a quadratic of the names over the runs of a design; where that agrees with the measurements, "
+    "a smaller box gets more runs, until the answer is settled. Each stage is a sweep in DIR: the same "
+    "command continues. The first one takes 24 runs of each experiment for one name, 40 for two, 56 for "
+    "three.\n"
     "\n"
     "--theta-r-deg: the friction of a box that is opened on one side, whose pile has this angle of repose; "
-    "--theta-t-deg:\n"
-    "this tilting angle too. DIR/angle.cfg is the file that says so; for other piles change a copy of it.\n"
+    "--theta-t-deg: this tilting angle too. DIR/angle.cfg is the file that says so; for other piles change a "
+    "copy of it.\n"
     "\n"
     "The interval from lower to upper is of 95 %, by profiles of chi2: of the measurement's error, the "
-    "scatter of the\n"
-    "runs, and the lack of fit. The header has each number's residual and reach, correlations, the "
-    "combination of the\n"
-    "names that is determined best, and how many points of the design the others find again.\n"
+    "scatter of the runs, and the lack of fit. The header has each number's residual and reach, "
+    "correlations, the combination of the names that is determined best, and how many points of the design "
+    "the others find again.\n"
     "\n"
-    "status is ok, or\n"
-    "  several          several intervals agree with the numbers, one row each\n"
-    "  at_least         the upper end of the interval lies beyond the range\n"
-    "  at_most          the lower end lies beyond it\n"
-    "  not_identified   nine tenths of the range agree\n"
-    "  budget           not settled yet: what is known so far\n"
-    "  above_range      the number is larger than the fitted one anywhere in the range\n"
-    "  below_range      the number is smaller than the fitted one anywhere in the range\n"
-    "  no_match         no values of the names agree with all numbers together\n"
-    "The exit status is 1 unless the status is ok.\n"
-    "\n"
-    "The answer holds for the experiments that ran. It does not carry over to another model, protocol or "
-    "size.",
+    "status is one of\n"
+#define X(name, word, meaning) "  " word ": " meaning "\n"
+    STATS_IDENTIFIED_LIST(X)
+#undef X
+        "The exit status is 1 unless the status is ok.\n"
+        "\n"
+        "The answer holds for the experiments that ran. It does not carry over to another model, protocol or "
+        "size.",
     "repose calibrate fit.cfg -o found",
     calibrate_params,
     .refuses = "An angle without its standard error; a column that the runs do not have; a name that no "

@@ -1,5 +1,5 @@
 /* The commands of the program `repose`. */
-#include "cli/command.h"
+#include "cli/cli.h"
 
 static const cli_command *const commands[] = {
     &cmd_lattice, &cmd_continuum, &cmd_tent,   &cmd_pile,      &cmd_angle,  &cmd_stress, &cmd_stats, &cmd_run,

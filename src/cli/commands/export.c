@@ -52,7 +52,7 @@ static rp_status export_table(const cli_call *call, const char *source, const ex
     RP_TRY(export_open(o->o, &e));
     rp_status status = (o->to == TO_CSV ? export_csv : export_json)(t, n, columns, e.out);
     RP_TRY(export_close(&e, status));
-    return cli_check_whole(source, &counts);
+    return rp_prefix(sweep_check_whole(source, &counts), "the table is not whole: ");
 }
 
 static rp_status export_grains(const cli_call *call, const char *source, const export_options *o)
@@ -90,17 +90,17 @@ const cli_command cmd_export = {
     "SOURCE --to FORMAT [-o FILE] [options]",
     "SOURCE is the folder of a run (`repose run -o`), a table, the folder of a sweep, or a scene.\n"
     "\n"
-    "csv, json: a table; of a run its states.tsv; of a sweep its runs, with all parameters as columns. CSV\n"
-    "starts with the names of the columns. JSON is { notes, units, rows: [{column: value}] }; nan is null.\n"
-    "lammps: LAMMPS dump of the grains, a frame for each step, and beside FILE.lammpstrj the contacts as\n"
-    "FILE.contacts.lammpstrj, a dump local. Names are those of LAMMPS: radius, mass, vx vy vz, omegaz.\n"
-    "xyz: extended XYZ of the grains, for OVITO and ASE.\n"
-    "vtk: FILE.pvd for ParaView: grains as points, contacts and walls as lines, VTP files in FILE_frames.\n"
-    "These three take a table of grains (x, y, r) too, with the contacts and walls beside X_grains.tsv.\n"
-    "Lengths, times and masses keep the units of the source; z is 0.\n"
+    "csv, json: a table; of a run its states.tsv; of a sweep its runs, with all parameters as columns. CSV "
+    "starts with the names of the columns. JSON is { notes, units, rows: [{column: value}] }; nan is null. "
+    "lammps: LAMMPS dump of the grains, a frame for each step, and beside FILE.lammpstrj the contacts as "
+    "FILE.contacts.lammpstrj, a dump local. Names are those of LAMMPS: radius, mass, vx vy vz, omegaz. xyz: "
+    "extended XYZ of the grains, for OVITO and ASE. vtk: FILE.pvd for ParaView: grains as points, contacts "
+    "and walls as lines, VTP files in FILE_frames. These three take a table of grains (x, y, r) too, with "
+    "the contacts and walls beside X_grains.tsv. Lengths, times and masses keep the units of the source; z "
+    "is 0.\n"
     "\n"
-    "lammps-input: FILE.in and FILE.data, the same scene for LAMMPS. A key whose law LAMMPS does not have\n"
-    "is refused; the head of FILE.in says which laws coincide.",
+    "lammps-input: FILE.in and FILE.data, the same scene for LAMMPS. A key whose law LAMMPS does not have is "
+    "refused; the head of FILE.in says which laws coincide.",
     "repose export out --to lammps -o pile.lammpstrj.gz",
     export_params,
     .refuses =

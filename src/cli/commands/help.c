@@ -2,7 +2,7 @@
  * option lists and schemas. */
 #include <string.h>
 
-#include "cli/command.h"
+#include "cli/cli.h"
 #include "core/version.h"
 #include "dem/scene/scene.h"
 #include "sweeps/engine/experiment.h"
@@ -20,28 +20,31 @@ static const char about_data[] =
 
 /* ---- manual, as pandoc's Markdown ---- */
 
-/* A text that stands as it is: its marks of Markdown are escaped. */
+/* n bytes of a text that stand as they are: marks of Markdown are escaped. */
+static void put_part(const char *text, size_t n)
+{
+    for (const char *c = text; c < text + n; c++) {
+        if (strchr("\\`*_{}[]<>#~^$@|+!&-", *c)) putchar('\\');
+        putchar(*c);
+    }
+}
+
 static void put(const char *text)
 {
-    for (; *text; text++) {
-        if (strchr("\\`*_{}[]<>#~^$@|+!&-", *text)) putchar('\\');
-        putchar(*text);
-    }
+    put_part(text, strlen(text));
 }
 
 /* Lines that begin with a blank keep their form, the others are filled. */
 static void put_lines(const char *text)
 {
     bool kept = false;
-    char line[1024];
-    for (size_t length; *text; text += length + (text[length] == '\n')) {
-        length = strcspn(text, "\n");
-        snprintf(line, sizeof line, "%.*s", (int)length, text);
-        if (*line && kept != (*line == ' ')) kept = !kept, putchar('\n');
+    for (size_t n; *text; text += n + (text[n] == '\n')) {
+        n = strcspn(text, "\n");
+        if (n > 0 && kept != (*text == ' ')) kept = !kept, putchar('\n');
         if (kept)
-            printf("    %s", line);
+            printf("    %.*s", (int)n, text);
         else
-            put(line);
+            put_part(text, n);
         putchar('\n');
     }
     putchar('\n');
@@ -90,11 +93,11 @@ static void put_command(cli_call call, const cli_command *c)
         return;
     }
     cli_options_of(&call, c);
-    for (const char *line = c->synopsis; *line; line += *line == '\n') {
-        const char *end = line + strcspn(line, "\n");
+    for (const char *line = c->synopsis, *end; *line; line = end + (*end == '\n')) {
+        end = line + strcspn(line, "\n");
         printf("**repose %s** ", c->name);
-        put_lines(rp_text(call.arena, "%.*s", (int)(end - line), line));
-        line = end;
+        put_part(line, (size_t)(end - line));
+        puts("\n");
     }
     put_lines(c->about);
     for (const rp_param *p = call.options; p->name; p++)
@@ -160,7 +163,7 @@ static void complete(cli_call call, const cli_command *c)
         for (const cli_command *const *g = c->group; *g; g++) complete(call, *g);
         printf("    '%s ') words='", c->name);
         for (const cli_command *const *g = c->group; *g; g++) printf("%s ", cli_own_name(*g));
-        puts("--help' ;;");
+        puts(*c->name ? "--help' ;;" : "--help --version' ;;");
         return;
     }
     cli_options_of(&call, c);
@@ -180,12 +183,11 @@ static void complete(cli_call call, const cli_command *c)
 
 static void print_completion(const cli_call *call)
 {
+    const cli_command all = {.name = "", .group = call->program->commands};
     puts("# Completion of repose, from `repose help --completion`; names of files where no word fits.\n"
          "_repose()\n{\n    local words=\n    case \"${COMP_WORDS[*]:1:COMP_CWORD-1} \" in");
-    for (const cli_command *const *c = call->program->commands; *c; c++) complete(*call, *c);
-    fputs("    ' ') words='", stdout);
-    for (const cli_command *const *c = call->program->commands; *c; c++) printf("%s ", (*c)->name);
-    puts("--help --version' ;;\n    esac\n"
+    complete(*call, &all);
+    puts("    esac\n"
          "    mapfile -t COMPREPLY < <(compgen -W \"$words\" -- \"${COMP_WORDS[COMP_CWORD]}\")\n}\n"
          "complete -o bashdefault -o default -F _repose repose");
 }
@@ -195,14 +197,13 @@ static void print_completion(const cli_call *call)
 /* Help of the command that the arguments name, word by word. */
 static rp_status help_on(cli_call call)
 {
-    const cli_command *const *among = call.program->commands, *found = NULL;
-    static const cli_command *const none[] = {NULL};
+    const cli_command *found = NULL;
     char option[] = "--help";
     for (char *const *word = call.arguments; *word; word++) {
-        const cli_command *next = cli_find(among, *word);
+        const cli_command *const *among = found ? found->group : call.program->commands,
+                                 *next = among ? cli_find(among, *word) : NULL;
         if (!next) return cli_unknown_command(call.program, *word, found);
         found = next;
-        among = found->group ? found->group : none;
     }
     return cli_run(&call, found, 2, (char *[]){option, option, NULL});
 }
@@ -211,14 +212,10 @@ static rp_status act_help(cli_call *call, const void *values)
 {
     const help_options *o = values;
     if (cli_argument(call, 0)) return help_on(*call);
-    if (o->markdown) {
-        RP_TRY(print_manual(call));
-    } else if (o->completion) {
-        print_completion(call);
-    } else {
-        cli_overview(call->program, stdout);
-        printf("\n%s", about_data);
-    }
+    if (o->markdown) return print_manual(call);
+    if (o->completion) return print_completion(call), RP_OK;
+    cli_overview(call->program, NULL, stdout);
+    printf("\n%s", about_data);
     return RP_OK;
 }
 
@@ -226,9 +223,9 @@ const cli_command cmd_help = {
     "help",
     "help on a command; manual, completion of the shell",
     "[COMMAND...] [--markdown | --completion]",
-    "Prints the help of a command, or without one the list of commands and where the program's own files\n"
-    "are looked for. --markdown prints the manual of all commands, keys of scene files, and parameters and\n"
-    "outputs of protocols; pandoc makes a manual page or a web page of it. --completion prints the\n"
+    "Prints the help of a command, or without one the list of commands and where the program's own files are "
+    "looked for. --markdown prints the manual of all commands, keys of scene files, and parameters and "
+    "outputs of protocols; pandoc makes a manual page or a web page of it. --completion prints the "
     "completion of bash, to be read by `source`; `make install` installs it.",
     "repose help sweep plan",
     help_params,

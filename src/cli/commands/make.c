@@ -3,7 +3,7 @@
 #include <libgen.h>
 #include <string.h>
 
-#include "cli/command.h"
+#include "cli/cli.h"
 #include "cli/derive/derive.h"
 #include "cli/progress.h"
 #include "core/folder.h"
@@ -50,25 +50,18 @@ static const char *text_of(const config_setting_t *group, const char *key)
     return text;
 }
 
-/* Options that a setting cannot have: where the table goes is settled. */
-static bool is_settled(const char *name)
-{
-    static const char *const names[] = {"o", "force", "quiet", "j", "set", "resume", "dump", "snapshot"};
-    size_t i = 0;
-    while (i < N_OF(names) && strcmp(names[i], name) != 0) i++;
-    return i < N_OF(names);
-}
-
 /* The options of the command, their names as in a file, and which of them the setting has. */
 static rp_param *schema_of(step *s)
 {
+    /* where the table goes is settled, and conditions are a list */
+    static const char settled[] = "|o|force|quiet|j|set|resume|dump|snapshot|where|";
     cli_call *call = &s->call;
     rp_param *schema = rp_arena_memory(call->arena, call->n_own, sizeof *schema), *to = schema;
     for (size_t i = 0; i < call->n_own; i++) {
         char *name = rp_text(call->arena, "%s", call->options[i].name);
         for (char *c = name; (c = strchr(c, '-'));) *c = '_';
         call->given[i] = config_setting_get_member(s->setting, name) != NULL;
-        if (is_settled(name) || strcmp(name, "where") == 0) continue;
+        if (strstr(settled, rp_text(call->arena, "|%s|", name))) continue;
         *to = call->options[i];
         to++->name = name;
     }
@@ -105,11 +98,9 @@ static const char *describe(const step *s, const rp_param *schema)
             text = rp_text(arena, "%s %s=%s", text, p->name,
                            rp_params_text(p, s->call.values, value, sizeof value));
     }
-    const rp_param *where = rp_params_find(s->call.options, "where");
-    const rp_texts *conditions =
-        where ? (const rp_texts *)((const char *)s->call.values + where->offset) : NULL;
-    for (size_t i = 0; conditions && i < conditions->n; i++)
-        text = rp_text(arena, "%s where=%s", text, conditions->items[i]);
+    const rp_texts *where = cli_value(&s->call, "where");
+    for (size_t i = 0; where && i < where->n; i++)
+        text = rp_text(arena, "%s where=%s", text, where->items[i]);
     return text;
 }
 
@@ -117,22 +108,16 @@ static const char *describe(const step *s, const rp_param *schema)
 static rp_status check_columns(const making *m, const step *s, const rp_param *schema)
 {
     static const char *const names[] = {"x", "y", "se", "by", "column"};
-    char *text;
-    size_t size, n;
+    size_t n;
     rp_table *table;
     int *columns;
     const bool points = strcmp(s->rows, "points") == 0;
     if (!points && strcmp(s->rows, "runs") != 0) return RP_OK;
-    FILE *out = open_memstream(&text, &size);
-    if (!out) return rp_fail(RP_NO_MEMORY, "%s: out of memory", m->file);
-    rp_status status = sweep_columns(m->file, sweep_protocols, points ? SWEEP_POINTS : SWEEP_RUNS, out);
-    fclose(out);
-    if (status) return free(text), status;
-    RP_TRY(rp_table_load_text(s->call.arena, points ? "points" : "runs", text, &table));
+    rp_status status = cli_sweep_columns(&s->call, m->file, points ? SWEEP_POINTS : SWEEP_RUNS, &table);
     for (size_t i = 0; i < N_OF(names) && !status; i++) {
         const rp_param *p = rp_params_find(schema, names[i]);
         if (!p || p->type != RP_TEXT) continue;
-        const char *list = *(const char *const *)((const char *)s->call.values + p->offset);
+        const char *list = *(const char *const *)cli_value(&s->call, names[i]);
         if (strcmp(list, "none") != 0) status = rp_columns(s->call.arena, table, list, &n, &columns);
         if (status) status = rp_config_fail(s->setting, "%s: %s: %s", s->table, p->name, rp_message());
     }
@@ -160,13 +145,19 @@ static step *add_step(making *m, const config_setting_t *setting, const char *ta
     return s;
 }
 
+/* Does an earlier setting, or the sweep itself, make a table of this name? */
+static bool is_made(const making *m, const char *name)
+{
+    bool is = strcmp(name, "runs") == 0 || strcmp(name, "points") == 0;
+    for (const step *s = m->first; s; s = s->next) is |= strcmp(s->table, name) == 0;
+    return is;
+}
+
 /* The name of a table is one of a file, and stands once. */
 static rp_status check_name(const making *m, const config_setting_t *setting, const char *name)
 {
     if (!name) return rp_config_fail(setting, "table: missing (the name of the table)");
-    bool taken = strcmp(name, "runs") == 0 || strcmp(name, "points") == 0;
-    for (const step *s = m->first; s; s = s->next) taken |= strcmp(s->table, name) == 0;
-    if (taken) return rp_config_fail(setting, "table: %s: stands twice", name);
+    if (is_made(m, name)) return rp_config_fail(setting, "table: %s: stands twice", name);
     if (!*name || *name == '.' || strchr(name, '/') || strlen(name) > 64)
         return rp_config_fail(
             setting, "table: %s: the name of a file expected, without / and at most 64 letters", name);
@@ -190,15 +181,12 @@ static rp_status read_derive(making *m, const config_setting_t *setting)
     static const char allowed[] = CLI_STATS(X) CLI_STRESS(X) CLI_ANGLE(X);
 #undef X
     const cli_command *const *const lists[] = {cmd_stats.group, cmd_stress.group, cmd_angle.group}, *command;
-    if (!config_setting_is_group(setting)) return rp_config_fail(setting, "derive: groups { ... } expected");
     const char *name = text_of(setting, "table"), *rows = text_of(setting, "rows");
     RP_TRY(check_name(m, setting, name));
     RP_TRY(find_command(setting, lists, N_OF(lists), allowed, &command));
     if (!command->derives)
         return rp_config_fail(setting, "with = \"%s\": allowed:%s", text_of(setting, "with"), allowed);
-    bool known = !rows || strcmp(rows, "runs") == 0 || strcmp(rows, "points") == 0;
-    for (const step *s = m->first; s; s = s->next) known |= rows && strcmp(s->table, rows) == 0;
-    if (!known)
+    if (rows && !is_made(m, rows))
         return rp_config_fail(setting,
                               "rows = \"%s\": runs, points or an earlier table of this file expected", rows);
     step *s = add_step(m, setting, name);
@@ -221,7 +209,6 @@ static rp_status read_model(making *m, const config_setting_t *setting)
 {
     static const char *const others[] = {"table", "with", "folder", NULL};
     const cli_command *const models[] = {&cmd_pile, &cmd_tent, &cmd_continuum, &cmd_lattice, NULL}, *command;
-    if (!config_setting_is_group(setting)) return rp_config_fail(setting, "model: groups { ... } expected");
     RP_TRY(check_name(m, setting, text_of(setting, "table")));
     RP_TRY(find_command(setting, (const cli_command *const *const[]){models}, 1,
                         " pile tent continuum lattice", &command));
@@ -232,16 +219,9 @@ static rp_status read_model(making *m, const config_setting_t *setting)
     return read_options(m, s, command, others);
 }
 
-/* The option of a call, to be set. */
-static void *value_of(const cli_call *call, const char *name)
-{
-    return (char *)call->values + call->options[cli_option(call, name)].offset;
-}
-
 static rp_status read_trace(making *m, const config_setting_t *setting)
 {
     static const char *const others[] = {"rows", NULL};
-    if (!config_setting_is_group(setting)) return rp_config_fail(setting, "trace: groups { ... } expected");
     const config_setting_t *rows = config_setting_get_member(setting, "rows");
     if (!rows || !config_setting_length(rows))
         return rp_config_fail(setting, "rows: missing (numbers of runs, as in [0, 10])");
@@ -254,8 +234,8 @@ static rp_status read_trace(making *m, const config_setting_t *setting)
         s->call.n_arguments = 1;
         s->call.arguments = rp_arena_memory(m->call->arena, 1, sizeof *s->call.arguments);
         *(const char **)s->call.arguments = m->file;
-        *(long *)value_of(&s->call, "row") = row;
-        *(bool *)value_of(&s->call, "quiet") = true;
+        *(long *)cli_value(&s->call, "row") = row;
+        *(bool *)cli_value(&s->call, "quiet") = true;
     }
     return RP_OK;
 }
@@ -267,8 +247,12 @@ static rp_status read_list(making *m, const char *key,
     if (!list) return RP_OK;
     if (!config_setting_is_list(list))
         return rp_config_fail(list, "%s: a list ( { ... }, ... ) expected", key);
-    for (int i = 0; i < config_setting_length(list); i++)
-        RP_TRY(read(m, config_setting_get_elem(list, (unsigned)i)));
+    for (int i = 0; i < config_setting_length(list); i++) {
+        const config_setting_t *setting = config_setting_get_elem(list, (unsigned)i);
+        if (!config_setting_is_group(setting))
+            return rp_config_fail(setting, "%s: groups { ... } expected", key);
+        RP_TRY(read(m, setting));
+    }
     return RP_OK;
 }
 
@@ -281,16 +265,6 @@ static rp_status export_to(const making *m, const char *name, unsigned what)
     return cli_sweep_export(m->call, m->o->o, what, path, NULL);
 }
 
-/* "lh3: 80 runs: 78 ok, 2 not_at_rest" */
-static void print_summary(const char *name, const sweep_counts *counts)
-{
-    printf("%s: %zu runs", name, counts->stored);
-    for (size_t i = 0; i < counts->n_words; i++)
-        printf("%s %zu %s", i ? "," : ":", counts->words[i].runs, counts->words[i].status);
-    putchar('\n');
-    fflush(stdout); /* before what is told of tables */
-}
-
 static rp_status make_runs(const making *m)
 {
     const make_options *o = m->o;
@@ -301,7 +275,13 @@ static rp_status make_runs(const making *m)
     RP_TRY(cli_claim_sweep(o->o, m->file, o->force));
     RP_TRY(sweep_prepare(m->file, o->o, replicas, sweep_protocols, cli_watch(o->quiet), &counts));
     const rp_status status = cli_sweep_run(o->o, options, o->quiet, &counts);
-    if (!status || status == RP_NO_RESULT) print_summary(m->recipe.name, &counts);
+    if (!status || status == RP_NO_RESULT) { /* "lh3: 80 runs: 78 ok, 2 not_at_rest" */
+        printf("%s: %zu runs", m->recipe.name, counts.stored);
+        for (size_t i = 0; i < counts.n_words; i++)
+            printf("%s %zu %s", i ? "," : ":", counts.words[i].runs, counts.words[i].status);
+        putchar('\n');
+        fflush(stdout); /* before what is told of tables */
+    }
     RP_TRY(status);
     RP_TRY(export_to(m, "runs", SWEEP_RUNS));
     return export_to(m, "points", SWEEP_POINTS);
@@ -377,8 +357,8 @@ static rp_status make_step(const making *m, const step *s)
     if (s->rows) RP_TRY(load_rows(m, s, &call, &table));
     if (s->stage) RP_TRY(name_piles(m, s, &call));
     if (s->folder) {
-        *(const char **)value_of(&call, "o") = folder;
-        *(bool *)value_of(&call, "force") = is_own_folder(folder, call.line);
+        *(const char **)cli_value(&call, "o") = folder;
+        *(bool *)cli_value(&call, "force") = is_own_folder(folder, call.line);
     }
     RP_TRY(rp_file_open(path, &out));
     rp_status status = cli_act_into(&call, table, out);
@@ -412,7 +392,7 @@ const cli_command cmd_sweep_make = {
     "sweep make",
     "plan, run, and write all tables of the sweep file",
     "FILE -o DIR [--tables DIR] [-j N] [--mem MB] [--time S] [--replicas N | --study] [--quiet] [--force]",
-    "Plan a sweep, make its missing runs, and write its tables: runs.tsv, points.tsv, one row per grid\n"
+    "Plan a sweep, make its missing runs, and write its tables: runs.tsv, points.tsv, one row per grid "
     "point, and those that settings of the file ask for. All are checked before the first run.\n"
     "\n"
     "  study  = 60;                                   # runs per grid point with --study\n"
@@ -423,12 +403,11 @@ const cli_command cmd_sweep_make = {
     "row_0\n"
     "  model  = ( { table = \"30\"; with = \"continuum\"; alpha_deg = 30.0; } );\n"
     "\n"
-    "with: a command of repose stats, stress or angle that reads a table, for a model pile, tent, continuum\n"
+    "with: a command of repose stats, stress or angle that reads a table, for a model pile, tent, continuum "
     "or lattice (folder = true: the tables of a pile too). rows: runs, points, or an earlier table; where = "
-    "[\"mu=0.2\", \"eps<1e-5\"]: as --where.\n"
-    "of = [\"a\", \"b\"]: the runs of these sweeps, made before, whose folders lie beside DIR. stage = "
-    "\"pile\":\n"
-    "for field and base, the piles of the traces at this stage. A file without a protocol has models alone.",
+    "[\"mu=0.2\", \"eps<1e-5\"]: as --where. of = [\"a\", \"b\"]: the runs of these sweeps, made before, "
+    "whose folders lie beside DIR. stage = \"pile\": for field and base, the piles of the traces at this "
+    "stage. A file without a protocol has models alone.",
     "repose sweep make sweeps/li/tent.cfg -o build/sweeps/tent",
     make_params,
     .refuses =

@@ -1,5 +1,7 @@
 /* repose lattice, continuum and tent: the analytic models of a pile's forces on its base. */
 #include <math.h>
+#include <stdlib.h>
+#include <string.h>
 
 #include "analytic/analytic.h"
 #include "cli/cli.h"
@@ -77,17 +79,49 @@ const cli_command cmd_lattice = {
     "lattice",
     "forces on the base of a close-packed pile, lattice model (37)-(44)",
     "(--layers K | --base K --alpha-deg ANGLE) [--theta-deg ANGLE] [--method closed|recursion]",
-    "Forces of a pile of equal disks on its base. Only contacts along the diagonals of the lattice\n"
-    "carry force. Equations (37)-(44) of Liffman, Chan & Hughes 1992 give the full triangle; the same\n"
-    "force balance gives piles with slopes cut out of the lattice. Row i = 1..K is base disk i from the\n"
-    "left. N is the normal force of the ground. H is the horizontal force of the pile on the ground,\n"
-    "positive to the right. The columns in chi g B (chi = m/sigma) compare with `repose continuum`; B\n"
-    "is the base of the triangle of equal weight.",
+    "Forces of a pile of equal disks on its base. Only contacts along the diagonals of the lattice carry "
+    "force. Equations (37)-(44) of Liffman, Chan & Hughes 1992 give the full triangle; the same force "
+    "balance gives piles with slopes cut out of the lattice. Row i = 1..K is base disk i from the left. N is "
+    "the normal force of the ground. H is the horizontal force of the pile on the ground, positive to the "
+    "right. The columns in chi g B (chi = m/sigma) compare with `repose continuum`; B is the base of the "
+    "triangle of equal weight.",
     "repose lattice --base 45 --alpha-deg 30",
     lattice_params,
     .refuses = "--layers together with --base, and --base without --alpha-deg.\n"
                "More than 10000 disks in the base by recursion: take the closed form.",
     .act = write_pile};
+
+/* ---- positions ---- */
+
+/* Read "0.1,0.25,..." */
+static rp_status read_positions(rp_arena *arena, const char *text, double **x, size_t *n)
+{
+    *n = 1;
+    for (const char *p = text; *p; p++) *n += *p == ',';
+    *x = rp_arena_memory(arena, *n, sizeof **x);
+    for (size_t i = 0; i < *n; i++) {
+        char *end;
+        (*x)[i] = strtod(text, &end);
+        if (end == text || (*end && *end != ',') || !isfinite((*x)[i]))
+            return rp_fail(RP_BAD_INPUT, "--at: \"%.40s\": numbers separated by commas expected", text);
+        if ((*x)[i] < 0 || (*x)[i] > 1)
+            return rp_fail(RP_BAD_INPUT, "--at: x/B = %.15g: out of range, allowed: [0, 1]", (*x)[i]);
+        text = end + (*end == ',');
+    }
+    return RP_OK;
+}
+
+/* Values of CLI_POSITIONS as a new array of fractions of the base; points -1, at "auto": not given. */
+static rp_status positions(rp_arena *arena, long points, const char *at, double **x, size_t *n)
+{
+    const bool listed = strcmp(at, "auto") != 0;
+    if (listed && points > 0) return rp_fail(RP_USAGE, "give --points or --at, not both");
+    if (listed) return read_positions(arena, at, x, n);
+    *n = points > 0 ? (size_t)points : 201;
+    *x = rp_arena_memory(arena, *n, sizeof **x);
+    for (size_t i = 0; i < *n; i++) (*x)[i] = (double)i / (double)(*n - 1);
+    return RP_OK;
+}
 
 /* ---- continuum ---- */
 
@@ -104,7 +138,7 @@ static rp_status write_triangle(cli_call *call, const void *values)
     size_t n = 0;
     double alpha = o->alpha_deg * M_PI / 180;
     RP_TRY(an_continuum_kink(alpha, &x_c));
-    RP_TRY(cli_positions(call->arena, o->points, o->at, &x, &n));
+    RP_TRY(positions(call->arena, o->points, o->at, &x, &n));
     cli_table(call, stdout);
     rp_table_note_number(stdout, "x_c/B", x_c, "");
     rp_table_header(stdout, "x/B, N/(chi*g*B), H/(chi*g*B)");
@@ -120,10 +154,10 @@ const cli_command cmd_continuum = {
     "continuum",
     "forces on the base of a triangular pile, continuum model (49)-(59)",
     "--alpha-deg ANGLE [--points N | --at X,X,...]",
-    "Forces of a triangular pile on its base, continuum model (49)-(59) of Liffman, Chan & Hughes 1992.\n"
-    "x is a fraction of the base B. N is the normal force of the ground. H is the horizontal force of\n"
-    "the pile on the ground, positive to the right. The unit of both is chi g B, where chi is the mass\n"
-    "per length of a diagonal.",
+    "Forces of a triangular pile on its base, continuum model (49)-(59) of Liffman, Chan & Hughes 1992. x is "
+    "a fraction of the base B. N is the normal force of the ground. H is the horizontal force of the pile on "
+    "the ground, positive to the right. The unit of both is chi g B, where chi is the mass per length of a "
+    "diagonal.",
     "repose continuum --alpha-deg 30 --at 0.1,0.25",
     continuum_params,
     .refuses = "--points together with --at; a position outside [0, 1].",
@@ -149,7 +183,7 @@ static rp_status write_tent(cli_call *call, const void *values)
     size_t n = 0;
     RP_TRY(an_tent(o->outer_deg * M_PI / 180, o->inner_deg * M_PI / 180, o->x1, v));
     RP_TRY(an_profile_set(&tent, v, 5));
-    RP_TRY(cli_positions(call->arena, o->points, o->at, &x, &n));
+    RP_TRY(positions(call->arena, o->points, o->at, &x, &n));
     RP_TRY(an_profile_largest(&tent, &x_most, &most));
     RP_TRY(an_profile_force(&tent, 0.5, &f));
     cli_table(call, stdout);
@@ -168,11 +202,10 @@ const cli_command cmd_tent = {
     "tent",
     "forces on the base of a tent-shaped pile",
     "--outer-deg ANGLE --inner-deg ANGLE --x1 X [--points N | --at X,X,...]",
-    "Outline of a symmetric pile with two slopes, and its forces on the base: the tents of Figs. 18 and\n"
-    "19 of Liffman, Chan & Hughes 1992. x and y are fractions of the base B. N is the normal force of\n"
-    "the ground. H is the horizontal force of the pile on the ground, positive to the right. The unit\n"
-    "of both is chi g B, where chi is the mass per length of a diagonal. The dip is (max N - N in the\n"
-    "middle)/max N.",
+    "Outline of a symmetric pile with two slopes, and its forces on the base: the tents of Figs. 18 and 19 "
+    "of Liffman, Chan & Hughes 1992. x and y are fractions of the base B. N is the normal force of the "
+    "ground. H is the horizontal force of the pile on the ground, positive to the right. The unit of both is "
+    "chi g B, where chi is the mass per length of a diagonal. The dip is (max N - N in the middle)/max N.",
     "repose tent --outer-deg 30 --inner-deg 45 --x1 0.38",
     tent_params,
     .refuses = "--points together with --at; a position outside [0, 1].",

@@ -38,31 +38,21 @@ static const char *default_of(const rp_param *p, char text[64])
     return rp_params_text(&alone, &number, text, 64);
 }
 
-static void print_schema(const rp_param *schema)
+/* Rows of a table, for --json, or lines to be read, with what each word of a choice stands for. */
+static void print_schema(bool rows, const char *of, const char *kind, const rp_param *schema)
 {
-    printf("# %-25s %-10s %-6s %-12s %-34s %s\n", "name", "unit", "type", "default", "range", "meaning");
-    char text[64];
-    for (const rp_param *p = schema; p->name; p++)
-        printf("  %-25s %-10s %-6s %-12s %-34s %s\n", p->name, shown(rp_unit(p->unit)), type_words[p->type],
-               default_of(p, text), p->type == RP_BOOL ? "true | false" : shown(p->range), p->meaning);
-}
-
-/* What each word of a choice stands for. */
-static void print_manual(const rp_param *schema)
-{
-    char word[64];
-    for (const rp_param *p = schema; p->name; p++)
+    char text[64], word[64];
+    if (!rows)
+        printf("# %-25s %-10s %-6s %-12s %-34s %s\n", "name", "unit", "type", "default", "range", "meaning");
+    for (const rp_param *p = schema; p->name; p++) {
+        if (rows) printf("%s\t%s\t", of, kind);
+        printf(rows ? "%s\t%s\t%s\t%s\t%s\t%s\n" : "  %-25s %-10s %-6s %-12s %-34s %s\n", p->name,
+               shown(rp_unit(p->unit)), type_words[p->type], default_of(p, text),
+               p->type == RP_BOOL && !rows ? "true | false" : shown(p->range), p->meaning);
+    }
+    for (const rp_param *p = rows ? NULL : schema; p && p->name; p++)
         for (int k = 0; p->manual && *rp_word_at(p->range, k, word, sizeof word); k++)
             printf("#   %s = %s: %s\n", p->name, word, p->manual(k));
-}
-
-/* Rows of a table, for --json. */
-static void schema_rows(const char *of, const char *kind, const rp_param *schema)
-{
-    char text[64];
-    for (const rp_param *p = schema; p->name; p++)
-        printf("%s\t%s\t%s\t%s\t%s\t%s\t%s\t%s\n", of, kind, p->name, shown(rp_unit(p->unit)),
-               type_words[p->type], default_of(p, text), shown(p->range), p->meaning);
 }
 
 /* A scene file has a group of keys for each of its schemas. */
@@ -70,13 +60,8 @@ static void print_scene(bool rows)
 {
     for (const dem_scene_group *g = dem_scene_schemas; g->name; g++) {
         const char *name = g == dem_scene_schemas ? "top level" : g->name;
-        if (rows) {
-            schema_rows("scene", name, g->schema);
-            continue;
-        }
-        printf("# scene file, %s: %s\n", name, g->manual);
-        print_schema(g->schema);
-        print_manual(g->schema);
+        if (!rows) printf("# scene file, %s: %s\n", name, g->manual);
+        print_schema(rows, "scene", name, g->schema);
     }
 }
 
@@ -92,24 +77,22 @@ static void print_experiment(bool rows)
 {
     RP_SCOPE(arena);
     for (const exp_group *g = exp_groups; g->name; g++) {
-        if (!rows) printf("# experiment, %s: %s\n", g->name, g->manual), print_schema(g->schema);
-        if (rows) schema_rows("experiment", g->name, g->schema);
+        if (!rows) printf("# experiment, %s: %s\n", g->name, g->manual);
+        print_schema(rows, "experiment", g->name, g->schema);
     }
     exp_group m;
     for (size_t k = 0; (m = exp_module_at(k)).name; k++) {
-        if (rows) {
-            schema_rows("experiment", m.name, m.schema);
-            continue;
-        }
-        printf("# experiment, measure of = \"%s\": %s; a column is the measure's name with one of\n", m.name,
-               m.manual);
-        for (const exp_output *o = m.outputs; o->name; o++) {
-            const char *first = o->name, *unit = shown(o->unit), *meaning = o->meaning;
+        if (!rows)
+            printf("# experiment, measure of = \"%s\": %s; a column is the measure's name with one of\n",
+                   m.name, m.manual);
+        for (const exp_output *o = m.outputs; o->name && !rows; o++) {
+            const exp_output *first = o;
             while (is_next(o->name, o[1].name)) o++;
             printf("#   %-25s %-10s %s\n",
-                   o->name == first ? first : rp_text(&arena, "%s to %s", first, o->name), unit, meaning);
+                   o == first ? o->name : rp_text(&arena, "%s to %s", first->name, o->name),
+                   shown(first->unit), first->meaning);
         }
-        print_schema(m.schema);
+        print_schema(rows, "experiment", m.name, m.schema);
     }
     if (!rows)
         printf("# experiment, what expressions may ask for\n# %-25s %-10s %-14s %s\n", "name", "unit", "of",
@@ -122,24 +105,21 @@ static void print_experiment(bool rows)
 
 static void print_protocol(const sweep_protocol *protocol, bool rows)
 {
-    if (rows) {
-        schema_rows(protocol->name, "parameter", protocol->schema);
-        for (const sweep_output *o = protocol->outputs; o->name; o++)
-            printf("%s\toutput\t%s\t%s\treal\t-\t-\t%s\n", protocol->name, o->name, shown(rp_unit(o->unit)),
-                   o->meaning);
-        return;
-    }
-    printf("# protocol %s: %s\n", protocol->name, protocol->about);
-    print_schema(protocol->schema);
-    if (protocol->context) {
+    if (!rows) printf("# protocol %s: %s\n", protocol->name, protocol->about);
+    print_schema(rows, protocol->name, "parameter", protocol->schema);
+    if (protocol->context && !rows) {
         printf("# for sweeps also these of a scene:");
         for (const dem_named_key *k = dem_named_keys; k->key; k++)
             if (!rp_params_find(protocol->schema, k->param.name)) printf(" %s", k->param.name);
         putchar('\n');
     }
-    printf("# outputs of protocol %s\n# %-36s %-10s %s\n", protocol->name, "name", "unit", "meaning");
-    for (const sweep_output *o = protocol->outputs; o->name; o++)
-        printf("  %-36s %-10s %s\n", o->name, shown(rp_unit(o->unit)), o->meaning);
+    if (!rows)
+        printf("# outputs of protocol %s\n# %-36s %-10s %s\n", protocol->name, "name", "unit", "meaning");
+    for (const sweep_output *o = protocol->outputs; o->name; o++) {
+        if (rows) printf("%s\toutput\t", protocol->name);
+        printf(rows ? "%s\t%s\treal\t-\t-\t%s\n" : "  %-36s %-10s %s\n", o->name, shown(rp_unit(o->unit)),
+               o->meaning);
+    }
 }
 
 /* The names and measures of a file. */
@@ -217,13 +197,12 @@ const cli_command cmd_params = {
     "params",
     "every parameter of a protocol or scene file, with unit, default and range",
     "[PROTOCOL | scene | experiment | FILE.cfg] [--units WORD]",
-    "Prints the parameters of a sweep's protocol with unit, type, default, range and meaning, and the\n"
-    "protocol's outputs. `scene` prints the keys of a scene file, and what each word of a choice stands\n"
-    "for; `experiment` those of phases and measures, and what expressions may ask for. FILE.cfg: the names\n"
-    "that this file gives, with values, units and ranges, and the columns that it measures. Without an "
-    "argument, everything is printed. With --json, each parameter, key and output is an\n"
-    "object of `rows`, with the members of, kind, name, unit, type, default, range and meaning; \"-\"\n"
-    "stands for none.",
+    "Prints the parameters of a sweep's protocol with unit, type, default, range and meaning, and the "
+    "protocol's outputs. `scene` prints the keys of a scene file, and what each word of a choice stands for; "
+    "`experiment` those of phases and measures, and what expressions may ask for. FILE.cfg: the names that "
+    "this file gives, with values, units and ranges, and the columns that it measures. Without an argument, "
+    "everything is printed. With --json, each parameter, key and output is an object of `rows`, with the "
+    "members of, kind, name, unit, type, default, range and meaning; \"-\" stands for none.",
     "repose params repose",
     params_params,
     .refuses = "A name that is no protocol; the message names the nearest one.",

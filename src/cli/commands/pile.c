@@ -37,25 +37,17 @@ typedef struct {
 
 /* ---- Outlines ---- */
 
-static rp_status read_outline(rp_arena *arena, const char *path, an_point **v, size_t *n)
-{
-    double *block;
-    RP_TRY(rp_columns_read_file(arena, path, "x,y", &block, n));
-    *v = rp_arena_memory(arena, *n, sizeof **v);
-    for (size_t i = 0; i < *n; i++) (*v)[i] = (an_point){block[i], block[*n + i]};
-    return RP_OK;
-}
-
 static rp_status make_outline(rp_arena *arena, const options *o, sweep_outline *h)
 {
-    an_point *v = NULL;
+    double *x;
     size_t n = 0;
     if (!*o->own.outline) return sweep_pile_outline(&o->pile, (unsigned long)o->own.seed, 0, h);
-    RP_TRY(read_outline(arena, o->own.outline, &v, &n));
+    RP_TRY(rp_columns_read_file(arena, o->own.outline, "x,y", &x, &n));
+    an_point *v = rp_arena_memory(arena, n, sizeof *v);
+    for (size_t i = 0; i < n; i++) v[i] = (an_point){x[i], x[n + i]};
     RP_TRY(sweep_outline_make(h, o->pile.base, o->pile.gap, 0, n, v));
-    if (o->pile.disorder > 0)
-        RP_TRY(sweep_outline_disorder(h, o->pile.disorder, (unsigned long)o->own.seed, 0));
-    return RP_OK;
+    if (!(o->pile.disorder > 0)) return RP_OK;
+    return sweep_outline_disorder(h, o->pile.disorder, (unsigned long)o->own.seed, 0);
 }
 
 static rp_status read_disks(rp_arena *arena, const char *path, sweep_outline *h)
@@ -83,37 +75,13 @@ static rp_status read_disks(rp_arena *arena, const char *path, sweep_outline *h)
 /* One row: parameters, results, status. */
 static void write_summary(const options *o, const sweep_result *results)
 {
-    const char *columns[40 + SWEEP_MAX_OUTPUTS + 1][2];
-    char text[64];
-    size_t n = 0, n_outputs = 0;
-    for (const rp_param *p = sweep_pile_schema; p->name; p++, n++)
-        columns[n][0] = p->name, columns[n][1] = p->unit;
-    for (const sweep_output *p = sweep_protocol_pile.outputs; p->name; p++, n++, n_outputs++)
-        columns[n][0] = p->name, columns[n][1] = p->unit;
-    columns[n][0] = "status", columns[n][1] = "";
     rp_table_note(stdout, "cost", "%.3g s, %.4g MB", rp_cpu_clock(), rp_peak_memory());
-    rp_table_columns(stdout, n + 1, (const char *const(*)[2])columns);
-    for (const rp_param *p = sweep_pile_schema; p->name; p++)
-        printf("%s\t", *rp_params_text(p, &o->pile, text, sizeof text) ? text : "nan");
-    rp_table_row_word(stdout, n_outputs, results->values, results->status);
+    cli_result_row(sweep_pile_schema, &o->pile, sweep_protocol_pile.outputs, results);
 }
 
-/* The tables of a pile. Without an equilibrium N and H are no result: those of the state where the solve was
- * given up are in the folder's tables alone. */
 static void put_header(const void *call, FILE *out)
 {
     cli_table(call, out);
-}
-
-static void write_tables(const cli_call *call, const options *o, const sweep_solved *s,
-                         const sweep_result *results)
-{
-    cli_table(call, stdout);
-    sweep_pile_notes(s, stdout);
-    if (o->own.summary)
-        write_summary(o, results);
-    else if (!s->r.fault)
-        sweep_pile_write_base(s, stdout);
 }
 
 /* Options that would have no effect beside others. */
@@ -164,15 +132,6 @@ static rp_status check_usage(const cli_call *call, const options *o)
     return check_idle(call, o);
 }
 
-static rp_status find_threshold(const cli_call *call, const options *o, const sweep_outline *h)
-{
-    sweep_result results;
-    RP_TRY(sweep_pile_threshold(&o->pile, h, &results));
-    cli_table(call, stdout);
-    write_summary(o, &results);
-    return RP_OK;
-}
-
 /* One line on a terminal, drawn over and over, once it takes long. */
 static void draw(size_t n, const statics_result *r, void *context)
 {
@@ -184,7 +143,7 @@ static void draw(size_t n, const statics_result *r, void *context)
     fflush(stderr);
 }
 
-static rp_status solve(const cli_call *call, options *o, const sweep_outline *h)
+static rp_status solve(const cli_call *call, options *o, sweep_outline *h)
 {
     RP_ENDS(sweep_solved_free) sweep_solved s = {0};
     sweep_result results;
@@ -200,7 +159,14 @@ static rp_status solve(const cli_call *call, options *o, const sweep_outline *h)
         fprintf(stderr, "repose pile: unstable: %zu negative mode%s; --branch minimum seeks a stable state\n",
                 s.r.negative_modes, s.r.negative_modes == 1 ? "" : "s");
     if (!status || status == RP_NO_RESULT) {
-        write_tables(call, o, &s, &results);
+        cli_table(call, stdout);
+        sweep_pile_notes(&s, stdout);
+        /* without an equilibrium N and H are no result: those of the state where the solve was given up are
+         * in the folder's tables alone */
+        if (o->own.summary)
+            write_summary(o, &results);
+        else if (!s.r.fault)
+            sweep_pile_write_base(&s, stdout);
         const sweep_tables tables = {.directory = u.stage.path, .header = put_header, .context = call};
         const rp_status written = u.entered ? sweep_pile_write(&s, &tables) : RP_OK,
                         ended = cli_unfinished_end(&u, false, written);
@@ -236,7 +202,7 @@ static void write_means(const cli_call *call, const options *o, const sweep_outl
 }
 
 /* An ensemble of unequal disks; piles without an equilibrium are told on the way. */
-static rp_status solve_ensemble(const cli_call *call, const options *o, sweep_outline *h)
+static rp_status solve_ensemble(const cli_call *call, options *o, sweep_outline *h)
 {
     ensemble e = {.piles = (size_t)o->own.piles};
     e.N = rp_arena_memory(call->arena, 2 * h->k * e.piles, sizeof *e.N);
@@ -273,9 +239,11 @@ static rp_status solve_any(cli_call *call, const void *values)
     /* what the parameters do not describe */
     if (*o->own.disks || *o->own.outline) o->pile.alpha_deg = -1;
     if (*o->own.disks) o->pile.gap = o->pile.disorder = NAN;
-    return o->own.piles > 1    ? solve_ensemble(call, o, &h)
-           : o->pile.threshold ? find_threshold(call, o, &h)
-                               : solve(call, o, &h);
+    if (!o->pile.threshold) return (o->own.piles > 1 ? solve_ensemble : solve)(call, o, &h);
+    sweep_result results;
+    RP_TRY(sweep_pile_threshold(&o->pile, &h, &results));
+    cli_table(call, stdout);
+    return write_summary(o, &results), RP_OK;
 }
 
 const cli_command cmd_pile = {
@@ -284,16 +252,16 @@ const cli_command cmd_pile = {
     "[--base K] [--alpha-deg A [--inner-deg A --x-1 X] | --outline FILE | --disks FILE] [--eps E] "
     "[--k-x K | --well A [--mu MU]] [--branch primary|minimum [--leave N]] [--disorder S [--seed N] "
     "[--piles N]] [--summary | --threshold] [-o DIR [--force]]",
-    "Static equilibrium of soft frictionless disks, close-packed on a flat base: the computer model of\n"
-    "Liffman, Chan & Hughes 1992 at rest. Row i is base disk i from the left. N is the normal force of\n"
-    "the ground on the disk, H the horizontal force of the disk on the ground, positive to the right.\n"
-    "Further columns: N and H of diagonal contacts alone, the exact limit of hard disks in which no\n"
-    "contact within a row closes; N and H in chi g B, as in `repose continuum`. negative_modes in the\n"
-    "header counts the unstable directions. An unstable primary state is a result all the same: exit\n"
-    "status 0, with a note on standard error.\n"
+    "Static equilibrium of soft frictionless disks, close-packed on a flat base: the computer model of "
+    "Liffman, Chan & Hughes 1992 at rest. Row i is base disk i from the left. N is the normal force of the "
+    "ground on the disk, H the horizontal force of the disk on the ground, positive to the right. Further "
+    "columns: N and H of diagonal contacts alone, the exact limit of hard disks in which no contact within a "
+    "row closes; N and H in chi g B, as in `repose continuum`. negative_modes in the header counts the "
+    "unstable directions. An unstable primary state is a result all the same: exit status 0, with a note on "
+    "standard error.\n"
     "\n"
-    "Without an equilibrium: exit status 1, a message that names disks and wells, and one of these\n"
-    "statuses. The tables of -o then hold the last state of the solver.\n"
+    "Without an equilibrium: exit status 1, a message that names disks and wells, and one of these statuses. "
+    "The tables of -o then hold the last state of the solver.\n"
     "  spreads        wells broke, and neighbours slid apart\n"
     "  collapses      neighbours slid apart although no well broke: toppled, or disks or springs too soft\n"
     "  creeps         with --set-again: wells are set anew without end\n"

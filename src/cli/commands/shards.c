@@ -26,9 +26,9 @@ const cli_command cmd_sweep_merge = {
     "sweep merge",
     "take the rows of shards and of other stores",
     "DIR...",
-    "Take the rows of the shards of the first folder, or of the further folders and stores, into its\n"
-    "store. Refused, with nothing taken: two results of the same run that differ; a store of another\n"
-    "protocol or another model of the physics; a damaged store. Exit status 1 while runs are missing.",
+    "Take the rows of the shards of the first folder, or of the further folders and stores, into its store. "
+    "Refused, with nothing taken: two results of the same run that differ; a store of another protocol or "
+    "another model of the physics; a damaged store. Exit status 1 while runs are missing.",
     "repose sweep merge build/sweeps/lh3",
     NULL,
     .refuses = "Two results of the same run that differ; a store of another protocol or another model of the "
@@ -118,8 +118,8 @@ const cli_command cmd_sweep_slurm = {
     "sweep slurm",
     "write a job array for Slurm",
     "DIR --shards N [-j N] [--time T] [--mem M]",
-    "Write DIR/array.sh, a job array for Slurm with a shard a job, and print the commands that submit it,\n"
-    "that do the same by GNU parallel over ssh, and that unite the shards. The folder is one that all\n"
+    "Write DIR/array.sh, a job array for Slurm with a shard a job, and print the commands that submit it, "
+    "that do the same by GNU parallel over ssh, and that unite the shards. The folder is one that all "
     "machines share.",
     "repose sweep slurm build/sweeps/lh3 --shards 8 --time 0:30:00",
     slurm_params,
@@ -142,8 +142,8 @@ const cli_command cmd_sweep_salvage = {
     "sweep salvage",
     "get the whole rows out of a damaged store",
     "DIR",
-    "Replace a damaged or truncated store by a new one, with all rows whose checksum is right. The\n"
-    "damaged file is kept as DIR/damaged.sqlite; `sweep run` makes the lost runs again.",
+    "Replace a damaged or truncated store by a new one, with all rows whose checksum is right. The damaged "
+    "file is kept as DIR/damaged.sqlite; `sweep run` makes the lost runs again.",
     "repose sweep salvage build/sweeps/lh3",
     NULL,
     .refuses =

@@ -41,8 +41,8 @@ static const cli_command select_rows = {
     "stats select",
     "rows and columns of a table",
     "TABLE [options]",
-    "Rows and columns of a table, its cells unchanged. TABLE (- for standard input); several tables\n"
-    "with the same columns, one after the other, are read as one.",
+    "Rows and columns of a table, its cells unchanged. TABLE (- for standard input); several tables with the "
+    "same columns, one after the other, are read as one.",
     "repose stats select build/tables/li_disorder_runs.tsv --where 'eps<1e-5' --columns disorder,D",
     select_params,
     .refuses = "A column that the table lacks.",

@@ -43,9 +43,9 @@ static const cli_command plan = {
     "sweep plan",
     "check a sweep file and plan its runs in a folder",
     "FILE -o DIR [--replicas N] [--quiet] [--force]",
-    "Check a sweep file and every point of its grid, and plan its runs in a folder. Planning again\n"
-    "after a change, or for more replicas, keeps all stored runs and reuses those that match. A folder with\n"
-    "a sweep of another name, or with a run, is refused without --force. The file (libconfig syntax):\n"
+    "Check a sweep file and every point of its grid, and plan its runs in a folder. Planning again after a "
+    "change, or for more replicas, keeps all stored runs and reuses those that match. A folder with a sweep "
+    "of another name, or with a run, is refused without --force. The file (libconfig syntax):\n"
     "\n"
     "  protocol = \"repose\";  replicas = 20;  seed = 1993;   # runs per grid point; seed: 0 to 2147483647\n"
     "  fixed = { W = 4.0; };                               # keys: repose params repose\n"
@@ -95,14 +95,13 @@ static const cli_command run = {
     "sweep run",
     "run what is planned and not yet stored",
     "DIR [-j N] [--mem MB] [--time S] [--shard I/N] [--snapshot S]",
-    "Make all runs of a planned sweep that are not stored yet; each run is stored when it ends. After a\n"
-    "stop, even by SIGKILL, the same command resumes. Long runs resume from their last snapshots (all\n"
-    "protocols but pile), with the same bits; SIGINT, SIGTERM and SIGHUP write these, a second signal ends\n"
-    "the sweep at once. Exit status 0 if every run is stored with its outcome; 75 if\n"
-    "stopped; 1 while runs are aborted, which the same command tries again: status crashed (its worker died\n"
-    "or hung, three times), no_memory, time_limit.\n"
-    "With --shard, machines that share the folder, or have copies of it, each make a part; `sweep merge`\n"
-    "unites the parts.",
+    "Make all runs of a planned sweep that are not stored yet; each run is stored when it ends. After a "
+    "stop, even by SIGKILL, the same command resumes. Long runs resume from their last snapshots (all "
+    "protocols but pile), with the same bits; SIGINT, SIGTERM and SIGHUP write these, a second signal ends "
+    "the sweep at once. Exit status 0 if every run is stored with its outcome; 75 if stopped; 1 while runs "
+    "are aborted, which the same command tries again: status crashed (its worker died or hung, three times), "
+    "no_memory, time_limit. With --shard, machines that share the folder, or have copies of it, each make a "
+    "part; `sweep merge` unites the parts.",
     "repose sweep run build/sweeps/lh3 -j 2",
     run_params,
     .refuses = "A folder without a planned sweep, and one in which another process runs or plans it.",
@@ -125,9 +124,9 @@ static const cli_command status_of = {
     "sweep status",
     "numbers of stored runs and of each status",
     "DIR",
-    "Numbers of planned, stored and missing runs, and of runs with each status, with all shards in the\n"
-    "folder; processes that write to it, the time left, and the shards with missing runs as a list for\n"
-    "an array of jobs.",
+    "Numbers of planned, stored and missing runs, and of runs with each status, with all shards in the "
+    "folder; processes that write to it, the time left, and the shards with missing runs as a list for an "
+    "array of jobs.",
     "repose sweep status build/sweeps/lh3",
     NULL,
     .refuses = "A folder without a planned sweep.",
@@ -147,17 +146,17 @@ static rp_status act_export(cli_call *call, const void *values)
     RP_TRY(sweep_check_output(cli_argument(call, 0), o->o));
     RP_TRY(
         cli_sweep_export(call, cli_argument(call, 0), o->reduce ? SWEEP_POINTS : SWEEP_RUNS, o->o, &counts));
-    return cli_check_whole(cli_argument(call, 0), &counts);
+    return rp_prefix(sweep_check_whole(cli_argument(call, 0), &counts), "the table is not whole: ");
 }
 
 static const cli_command export = {
     "sweep export",
     "write the runs, or their statistics, as a table",
     "DIR [--reduce] [-o FILE]",
-    "Write the stored runs as a table, one row per run in the order of the plan. With --reduce, a run\n"
-    "whose status starts with \"ok\" counts as a result (column n), any other as failed (n_failed). Runs\n"
-    "that are aborted (see sweep run) are among the failed; the header then has their number. While runs\n"
-    "are missing or aborted, the table has the others, and the exit status is 1.",
+    "Write the stored runs as a table, one row per run in the order of the plan. With --reduce, a run whose "
+    "status starts with \"ok\" counts as a result (column n), any other as failed (n_failed). Runs that are "
+    "aborted (see sweep run) are among the failed; the header then has their number. While runs are missing "
+    "or aborted, the table has the others, and the exit status is 1.",
     "repose sweep export build/sweeps/lh3 --reduce -o build/tables/lh3.tsv",
     export_params,
     .refuses = "An output that is a file of the sweep itself.",
@@ -181,9 +180,9 @@ static const cli_command digest = {
     "sweep digest",
     "print a digest of all results",
     "DIR",
-    "Digest (XXH3-128) of key, status and outputs of all rows, and the number of rows. The digest does\n"
-    "not depend on the number of workers or on interruptions. Exit status 1 while rows are missing. With\n"
-    "--json, the digest is among the notes.",
+    "Digest (XXH3-128) of key, status and outputs of all rows, and the number of rows. The digest does not "
+    "depend on the number of workers or on interruptions. Exit status 1 while rows are missing. With --json, "
+    "the digest is among the notes.",
     "repose sweep digest build/sweeps/lh3",
     NULL,
     .refuses = "A folder without a planned sweep.",

@@ -7,7 +7,6 @@
 #include <unistd.h>
 
 #include "cli/cli.h"
-#include "view/gnuplot.h"
 #include "view/view.h"
 
 #define VIEW_OPTIONS(X)                                                                                      \
@@ -222,13 +221,12 @@ const cli_command cmd_view = {
     "grains, walls and forces as a picture or an animation",
     "DIR|TABLE [-o FILE] [--frame K] [--color COLUMN] [--stress] [--base] [--cell X] [--window X0,X1,Y0,Y1] "
     "[--width W] [--fps N]",
-    "DIR: folder of `repose run -o`, for a scene or for one run of a sweep (its stages are the frames; of "
-    "an\n"
+    "DIR: folder of `repose run -o`, for a scene or for one run of a sweep (its stages are the frames; of an "
     "experiment the ends of its phases), or of `repose pile -o`. TABLE: one of its tables of grains, or any "
-    "table with columns x, y, r. Width and\n"
-    "darkness of a line between two centres show the normal force; orange: tension. Lengths and forces\n"
-    "have the units of the tables. All frames of an animation have one scale: the widest line stands for a\n"
-    "force that a quarter of the frames exceed. gnuplot draws the pictures. An .mp4 file needs ffmpeg.",
+    "table with columns x, y, r. Width and darkness of a line between two centres show the normal force; "
+    "orange: tension. Lengths and forces have the units of the tables. All frames of an animation have one "
+    "scale: the widest line stands for a force that a quarter of the frames exceed. gnuplot draws the "
+    "pictures. An .mp4 file needs ffmpeg.",
     "repose view out -o pile.png --color contacts",
     view_params,
     .refuses = "A window without a screen: give -o. --frame all with a picture: give -o NAME.gif.\n"
