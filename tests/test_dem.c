@@ -226,7 +226,7 @@ static void leaving_below_others(void)
     CU_ASSERT(fabs(s[2].y - grains[4].y) < 1e-3);
 }
 
-static void leaving(void)
+static void grains_leave_the_list(void)
 {
     leaving_of(false);
     leaving_of(true);
@@ -235,7 +235,7 @@ static void leaving(void)
 
 /* Work is counted in grains present at each step, by every integrator; one of three grains leaves on the way.
  */
-static void work(void)
+static void work_is_counted(void)
 {
     for (int way = 0; way < 4; way++) {
         dem_grain grains[] = {{0.2, 0.5, 0.1, 0.0042, 0.0, 0.0},
@@ -353,7 +353,7 @@ static void faults_in_chunks(bool wall)
     CU_ASSERT(sim->pairs.n_chunks > 0);
 }
 
-static void chunks(void)
+static void integration_behind_the_pair_loop(void)
 {
     avalanche_in_chunks(false);
     avalanche_in_chunks(true);
@@ -1858,56 +1858,13 @@ static void arrays_follow_grains(void)
     }
 }
 
-void suite_dem(void)
-{
-    static const check_case cases[] = {{"momentum", momentum},
-                                       {"mirror and relabelling symmetry", mirror_and_relabel},
-                                       {"neighbour list finds every contact", list_is_complete},
-                                       {"grains leave the list", leaving},
-                                       {"work is counted in grains", work},
-                                       {"every array follows its grain", arrays_follow_grains},
-                                       {"extra rebuilds change round-off only", extra_rebuilds},
-                                       {"integration behind the pair loop", chunks},
-                                       {"Verlet margins", margins},
-                                       {"same bits for any division of the run", determinism},
-                                       {"gravity turns", gravity_turns},
-                                       {"floor that ends", floor_that_ends},
-                                       {"corner without a rebuild", corner_without_rebuild},
-                                       {"springs end with their contacts", springs_end},
-                                       {"rolling couple of a pair", rolling_couple},
-                                       {"contacts add up to net forces", contacts_add_up},
-                                       {"lifted wall", lifted_wall},
-                                       {"lifted wall drags", lifted_wall_drags},
-                                       {"outlet", outlet},
-                                       {"random filling", filling},
-                                       {"a distant added grain", added_far_away},
-                                       {"grains added one by one", added_one_by_one},
-                                       {"a grain added with each integrator", added_by_either_scheme},
-                                       {"ids and errors of an added grain", added_names_and_errors},
-                                       {"faults stop the run", faults},
-                                       {"bad definitions", bad_definitions},
-                                       {"defaults", defaults},
-                                       {"contacts of the start", contacts_of_the_start},
-                                       {"ranges: numbers", ranges_of_numbers},
-                                       {"ranges: walls", ranges_of_walls},
-                                       {"ranges: ground", ranges_of_ground},
-                                       {"ranges: grains", ranges_of_grains},
-                                       {"ranges: scenes", ranges_of_scenes},
-                                       {"limit of the time step", time_step_limit},
-                                       {"limit of unequal grains", limit_of_unequal},
-                                       {"limit of Gear's scheme", limit_of_gear},
-                                       {"overlaps that are too deep", overlaps_too_deep},
-                                       {"sine and cosine", sine_and_cosine},
-                                       {"limit of a fall", limit_of_a_fall},
-                                       {"limit without damping", limit_without_damping},
-                                       {"limit of several grains", limit_of_several},
-                                       {"limit in any direction", limit_in_any_direction},
-                                       {"limit of rotation", limit_of_rotation},
-                                       {"initial overlap", overlap_of_the_start},
-                                       {"energy of a long spring", energy_of_a_long_spring},
-                                       {"notes of the header", header_notes},
-                                       {"state near rest", state_near_rest},
-                                       {"at rest", at_rest},
-                                       {NULL, NULL}};
-    check_register("dem", cases);
-}
+CHECK_SUITE(dem, "dem", momentum, mirror_and_relabel, list_is_complete, grains_leave_the_list,
+            work_is_counted, arrays_follow_grains, extra_rebuilds, integration_behind_the_pair_loop, margins,
+            determinism, gravity_turns, floor_that_ends, corner_without_rebuild, springs_end, rolling_couple,
+            contacts_add_up, lifted_wall, lifted_wall_drags, outlet, filling, added_far_away,
+            added_one_by_one, added_by_either_scheme, added_names_and_errors, faults, bad_definitions,
+            defaults, contacts_of_the_start, ranges_of_numbers, ranges_of_walls, ranges_of_ground,
+            ranges_of_grains, ranges_of_scenes, time_step_limit, limit_of_unequal, limit_of_gear,
+            overlaps_too_deep, sine_and_cosine, limit_of_a_fall, limit_without_damping, limit_of_several,
+            limit_in_any_direction, limit_of_rotation, overlap_of_the_start, energy_of_a_long_spring,
+            header_notes, state_near_rest, at_rest)

@@ -424,11 +424,4 @@ static void test_scene(void)
     check_digest("scene", XXH3_64bits(values, sizeof values), SCENE_DIGEST);
 }
 
-void suite_golden(void)
-{
-    static const check_case cases[] = {{"short runs of each protocol", test_protocols},
-                                       {"fingerprints", test_fingerprints},
-                                       {"a scene", test_scene},
-                                       {0}};
-    check_register("golden digests", cases);
-}
+CHECK_SUITE(golden, "golden digests", test_protocols, test_fingerprints, test_scene)

@@ -294,14 +294,5 @@ static void vector_to_contact(void)
     CU_ASSERT(hits > 800 && kept[0] == hits && surface[0] == hits && kept[1] == 0 && surface[1] == 0);
 }
 
-void suite_hard(void)
-{
-    static const check_case cases[] = {{"random pairs: conservation, closed form of the loss", random_pairs},
-                                       {"a million pairs: energy and Coulomb's bound", million_pairs},
-                                       {"closed forms", closed_forms},
-                                       {"signs of (7) and (19) as printed", misprint_signs},
-                                       {"sign of (14) as printed", misprint_spin},
-                                       {"r from the contact point to the centre", vector_to_contact},
-                                       {NULL, NULL}};
-    check_register("hard collisions", cases);
-}
+CHECK_SUITE(hard, "hard collisions", random_pairs, million_pairs, closed_forms, misprint_signs, misprint_spin,
+            vector_to_contact)

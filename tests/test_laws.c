@@ -445,20 +445,7 @@ static void restitution_of_any_wall(void)
     }
 }
 
-void suite_laws(void)
-{
-    static const check_case cases[] = {{"each kernel matches the reference loop", kernels_match_reference},
-                                       {"springs agree with their descriptors", springs_agree},
-                                       {"dashpots agree with their descriptors", dashpots_agree},
-                                       {"force that an observer reads", observed_force},
-                                       {"restitution has a closed form", restitution_has_closed_form},
-                                       {"restitution is inverted", restitution_is_inverted},
-                                       {"restitution near 0, sticking", little_restitution},
-                                       {"restitution instead of damping", restitution_in_place_of_damping},
-                                       {"bad restitution", bad_restitution},
-                                       {"defaults need a rate", defaults_need_a_rate},
-                                       {"restitution of walls", restitution_of_walls},
-                                       {"restitution of any wall", restitution_of_any_wall},
-                                       {NULL, NULL}};
-    check_register("laws", cases);
-}
+CHECK_SUITE(laws, "laws", kernels_match_reference, springs_agree, dashpots_agree, observed_force,
+            restitution_has_closed_form, restitution_is_inverted, little_restitution,
+            restitution_in_place_of_damping, bad_restitution, defaults_need_a_rate, restitution_of_walls,
+            restitution_of_any_wall)

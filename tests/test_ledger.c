@@ -429,22 +429,6 @@ static void hit_by_a_belt(void)
     CHECK_NEAR(l.hard, slid * belt - gain, CLOSES * l.turnover);
 }
 
-void suite_ledger(void)
-{
-    static const check_case cases[] = {{"impacts", impacts},
-                                       {"sliding block", sliding_block},
-                                       {"what sticks", sticking},
-                                       {"viscous slip", slip_roll},
-                                       {"a sticking pile", pile_sticks},
-                                       {"work of a wall", work_of_a_wall},
-                                       {"hit and leaving in one step", hit_and_gone},
-                                       {"hit by a belt", hit_by_a_belt},
-                                       {"avalanches", avalanche},
-                                       {"gravity or the box rotates", turns},
-                                       {"added grains, clone", grains_put_in},
-                                       {"hard collisions, wells", hard_and_wells},
-                                       {"implicit: boxes", implicit_box},
-                                       {"implicit: nothing lost to the scheme", implicit_conserves},
-                                       {NULL, NULL}};
-    check_register("energy ledger", cases);
-}
+CHECK_SUITE(ledger, "energy ledger", impacts, sliding_block, sticking, slip_roll, pile_sticks, work_of_a_wall,
+            hit_and_gone, hit_by_a_belt, avalanche, turns, grains_put_in, hard_and_wells, implicit_box,
+            implicit_conserves)

@@ -540,29 +540,8 @@ static void refusals(void)
     CHECK_FAILS(dem_run(sim, 1), RP_BAD_INPUT, "the integrator implicit needs walls that stand");
 }
 
-void suite_midpoint(void)
-{
-    static const check_case cases[] = {
-        {"phase of an oscillator", phase_of_oscillator},
-        {"sliding and creeping", slides_and_creeps},
-        {"energy of a well", well_conserves},
-        {"(30) with varying N has no potential", well_follows_load},
-        {"order", second_order},
-        {"energy of a gas", energy_of_gas},
-        {"long steps", long_steps},
-        {"momentum", momentum},
-        {"damping dissipates energy", damping_takes_energy},
-        {"restitution", restitution},
-        {"slip during contact", slip_while_it_touches},
-        {"(24) as printed does not conserve energy", printed_form_loses_energy},
-        {"SOR matches the direct solver", sweeps_match_direct},
-        {"work of both solvers", work_of_both},
-        {"a linear contact on a slope", newton_is_exact_on_a_slope},
-        {"meaning of the tolerance", what_the_tolerance_asks},
-        {"unsolvable steps", what_is_not_solved},
-        {"same bits", same_bits},
-        {"disks that leave", disks_leave},
-        {"refused input", refusals},
-        {NULL, NULL}};
-    check_register("implicit integrator", cases);
-}
+CHECK_SUITE(midpoint, "implicit integrator", phase_of_oscillator, slides_and_creeps, well_conserves,
+            well_follows_load, second_order, energy_of_gas, long_steps, momentum, damping_takes_energy,
+            restitution, slip_while_it_touches, printed_form_loses_energy, sweeps_match_direct, work_of_both,
+            newton_is_exact_on_a_slope, what_the_tolerance_asks, what_is_not_solved, same_bits, disks_leave,
+            refusals)

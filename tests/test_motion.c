@@ -683,27 +683,7 @@ static void refusals(void)
     CHECK_FAILS(dem_create(&def, &sim), RP_BAD_INPUT, "grains that rotate need the integrator verlet");
 }
 
-void suite_motion(void)
-{
-    static const check_case cases[] = {
-        {"bounces match a program for one grain", matches_naive_program},
-        {"Gear's order", gear_order},
-        {"free flight, gravity set by a call", free_flight},
-        {"every loop and method takes the equation of motion", equation_of_motion},
-        {"order of an elastic impact", impact_order},
-        {"a sticking contact oscillates", sticking_contact_rings},
-        {"Gear: settling and the limit of the time step", gear_settles},
-        {"same bits for any division of the run", determinism},
-        {"angle and frame of the box", box_angle},
-        {"frictionless grain in a rotating box", slides_in_turning_box},
-        {"rotated box against rotated gravity", box_against_gravity},
-        {"impulse of rotating walls", wall_ledger},
-        {"list follows rotating walls", list_follows_turning_walls},
-        {"outlet rotates with the box", outlet_turns},
-        {"rolling with the box", rolls_with_box},
-        {"a fixed grain is a wall", fixed_is_a_wall},
-        {"fixed grains stay", fixed_stay},
-        {"refusals", refusals},
-        {NULL, NULL}};
-    check_register("motion", cases);
-}
+CHECK_SUITE(motion, "motion", matches_naive_program, gear_order, free_flight, equation_of_motion,
+            impact_order, sticking_contact_rings, gear_settles, determinism, box_angle, slides_in_turning_box,
+            box_against_gravity, wall_ledger, list_follows_turning_walls, outlet_turns, rolls_with_box,
+            fixed_is_a_wall, fixed_stay, refusals)

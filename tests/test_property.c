@@ -578,13 +578,4 @@ static void of_piles(void)
     property_check(&pile, SEED, check_fast() ? 40 : 200);
 }
 
-void suite_property(void)
-{
-    static const check_case cases[] = {{"the simplest input that fails", finds_the_simplest},
-                                       {"analytic models", of_models},
-                                       {"tilt and slopes", of_angles},
-                                       {"collisions and contacts", of_contacts},
-                                       {"piles of soft disks", of_piles},
-                                       {NULL, NULL}};
-    check_register("property", cases);
-}
+CHECK_SUITE(property, "property", finds_the_simplest, of_models, of_angles, of_contacts, of_piles)

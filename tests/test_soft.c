@@ -837,40 +837,11 @@ static void slow_disk_hit_by_a_fast_one(void)
     }
 }
 
-void suite_soft(void)
-{
-    static const check_case cases[] = {{"a disk and a column sink by their weight", sinks_by_its_weight},
-                                       {"a well holds up to mu N, then breaks", well_holds_and_breaks},
-                                       {"limit of a well", limit_of_a_well},
-                                       {"a well of the start", well_of_the_start},
-                                       {"a well's energy", energy_of_well},
-                                       {"when wells are set", when_wells_are_set},
-                                       {"slip: viscous, then capped", slip_is_viscous_then_capped},
-                                       {"sliding to rolling", slides_then_rolls},
-                                       {"resistance to rolling", rolling_resistance},
-                                       {"equations as printed", misprints},
-                                       {"(29), (32) as printed", misprints_of_slip},
-                                       {"(22) as printed", misprint_of_flight},
-                                       {"(2b) as printed", misprints_of_spring},
-                                       {"a soft pair", soft_pair},
-                                       {"bounces until the contact is soft", switches_to_soft},
-                                       {"collisions in flight", collide_in_flight},
-                                       {"an impulse passes through a row", passes_through_a_row},
-                                       {"a hit while sliding", hits_while_it_slides},
-                                       {"rounds of collisions", rounds_end},
-                                       {"an arc over a disk", arc_over_a_disk},
-                                       {"collisions far from the origin", far_from_the_origin},
-                                       {"fixed disks stay to the bit", fixed_stay_to_the_bit},
-                                       {"law of slip", law_of_slip},
-                                       {"touching is no contact", touching_is_no_contact},
-                                       {"rest while it turns", rests_while_it_turns},
-                                       {"rest on a ground that moves", rests_on_a_ground_that_moves},
-                                       {"a touch at the end of a step", touches_at_the_end},
-                                       {"a corner", bounces_off_a_corner},
-                                       {"no collision is missed", no_collision_is_missed},
-                                       {"a pile of disks", pile_of_disks},
-                                       {"a slow disk hit by a fast one", slow_disk_hit_by_a_fast_one},
-                                       {"refused", refused},
-                                       {NULL, NULL}};
-    check_register("soft particles", cases);
-}
+CHECK_SUITE(soft, "soft particles", sinks_by_its_weight, well_holds_and_breaks, limit_of_a_well,
+            well_of_the_start, energy_of_well, when_wells_are_set, slip_is_viscous_then_capped,
+            slides_then_rolls, rolling_resistance, misprints, misprints_of_slip, misprint_of_flight,
+            misprints_of_spring, soft_pair, switches_to_soft, collide_in_flight, passes_through_a_row,
+            hits_while_it_slides, rounds_end, arc_over_a_disk, far_from_the_origin, fixed_stay_to_the_bit,
+            law_of_slip, touching_is_no_contact, rests_while_it_turns, rests_on_a_ground_that_moves,
+            touches_at_the_end, bounces_off_a_corner, no_collision_is_missed, pile_of_disks,
+            slow_disk_hit_by_a_fast_one, refused)

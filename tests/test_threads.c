@@ -167,16 +167,4 @@ static void program(void)
     leave();
 }
 
-const check_case threads_cases[] = {{"a whole avalanche", avalanche},
-                                    {"wrapped cells, fixed grains, outflow", outflows},
-                                    {"moving walls, turning gravity, turning box", turning},
-                                    {"what takes one thread", one_thread},
-                                    {"faults", faults},
-                                    {"snapshots with another number", snapshots},
-                                    {"the program", program},
-                                    {NULL, NULL}};
-
-void suite_threads(void)
-{
-    check_register("threads", threads_cases);
-}
+CHECK_SUITE(threads, "threads", avalanche, outflows, turning, one_thread, faults, snapshots, program)

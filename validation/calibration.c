@@ -100,8 +100,4 @@ static void test_found_again(void)
     gsl_rng_free(rng);
 }
 
-void suite_calibration(void)
-{
-    static const check_case cases[] = {{"names found again by runs", test_found_again}, {0}};
-    check_register_within("calibration", enter, leave, cases);
-}
+CHECK_SUITE_WITHIN(calibration, "calibration", enter, leave, test_found_again)

@@ -109,7 +109,7 @@ static void round_off_grows(void)
     CU_ASSERT(small.last > 1e6 * small.first);
 }
 
-static void lyapunov(void)
+static void growth_rate(void)
 {
     const struct {
         double dt, shift;
@@ -164,7 +164,7 @@ static void kernels_agree(void)
 }
 
 /* Piles of a sweep have the same digest from one, two and five workers. */
-static void workers_agree(void)
+static void any_number_of_workers(void)
 {
     char base[FOLDER_PATH], file[80], digests[3][33];
     folder_make("chaos", base);
@@ -189,12 +189,4 @@ static void workers_agree(void)
     folder_remove(base);
 }
 
-void suite_chaos(void)
-{
-    static const check_case cases[] = {{"small differences grow", round_off_grows},
-                                       {"growth rate over seeds and time steps", lyapunov},
-                                       {"all kernels of the pair loop agree", kernels_agree},
-                                       {"any number of workers agrees", workers_agree},
-                                       {NULL, NULL}};
-    check_register("validation: chaos", cases);
-}
+CHECK_SUITE(chaos, "validation: chaos", round_off_grows, growth_rate, kernels_agree, any_number_of_workers)

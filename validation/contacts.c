@@ -367,13 +367,4 @@ static void cases(void)
     case_write("contacts", problems, sizeof problems / sizeof *problems);
 }
 
-void suite_contacts(void)
-{
-    static const check_case list[] = {{"bounce with gravity during contact", bounce},
-                                      {"two compressed grains", stack},
-                                      {"columns at rest", column},
-                                      {"Newton's cradles", cradles},
-                                      {"cases", cases, true},
-                                      {NULL, NULL}};
-    check_register("validation: lasting contacts", list);
-}
+CHECK_SUITE_SUMMED(contacts, "validation: lasting contacts", bounce, stack, column, cradles, cases)

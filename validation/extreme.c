@@ -1028,7 +1028,7 @@ static void million(void)
     number("1e6 grains", most, 0.0, 250.0, 20.0 * 0x1p-51);
 }
 
-static void extremes(void)
+static void right_or_refused(void)
 {
     table = check_table("extreme");
     const char *const columns[][2] = {{"case", "word"},
@@ -1075,9 +1075,4 @@ static void extremes(void)
     table = NULL;
 }
 
-void suite_extreme(void)
-{
-    static const check_case cases[] = {{"correct result, or refused with the reason", extremes},
-                                       {NULL, NULL}};
-    check_register("validation: extreme cases", cases);
-}
+CHECK_SUITE(extreme, "validation: extreme cases", right_or_refused)

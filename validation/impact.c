@@ -394,15 +394,5 @@ static void cases(void)
     case_write("impact", problems, sizeof problems / sizeof *problems);
 }
 
-void suite_impact(void)
-{
-    static const check_case list[] = {{"elastic impacts", elastic},
-                                      {"damped impacts", damped},
-                                      {"sticking threshold", sticking},
-                                      {"solver of single impacts", single_impacts},
-                                      {"single impacts, strongly damped", strong_damping},
-                                      {"range of damping", damping_range},
-                                      {"cases", cases, true},
-                                      {NULL, NULL}};
-    check_register("validation: impacts", list);
-}
+CHECK_SUITE_SUMMED(impact, "validation: impacts", elastic, damped, sticking, single_impacts, strong_damping,
+                   damping_range, cases)

@@ -380,14 +380,5 @@ static void pile_at_rest(void)
     check_table_close(out, "implicit_pile");
 }
 
-void suite_implicit(void)
-{
-    static const check_case cases[] = {{"energy over many steps", energy_is_kept},
-                                       {"phase", phase},
-                                       {"cost of SOR sweeps and direct solutions", cost},
-                                       {"convergence rate of SOR", contraction},
-                                       {"pile at rest against static solution", pile_at_rest},
-                                       {"strong dashpots", strong_dashpots},
-                                       {NULL, NULL}};
-    check_register("validation: the implicit integrator", cases);
-}
+CHECK_SUITE(implicit, "validation: the implicit integrator", energy_is_kept, phase, cost, contraction,
+            pile_at_rest, strong_dashpots)

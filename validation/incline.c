@@ -196,14 +196,5 @@ static void cases(void)
     case_write("incline", problems, sizeof problems / sizeof *problems);
 }
 
-void suite_incline(void)
-{
-    static const check_case list[] = {{"sticks", sticks},
-                                      {"slips, loaded slowly", slow_loading},
-                                      {"slips, loaded suddenly", sudden_loading},
-                                      {"slides", slides},
-                                      {"kicked: stops, comes back", kicked},
-                                      {"cases", cases, true},
-                                      {NULL, NULL}};
-    check_register("validation: friction on an incline", list);
-}
+CHECK_SUITE_SUMMED(incline, "validation: friction on an incline", sticks, slow_loading, sudden_loading,
+                   slides, kicked, cases)

@@ -265,15 +265,4 @@ static void cases(void)
     case_write("models", problems, sizeof problems / sizeof *problems);
 }
 
-void suite_models(void)
-{
-    static const check_case list[] = {{"hard collisions", hard},
-                                      {"lattice: two methods, and the continuum limit", lattice},
-                                      {"continuum against numerical chords", continuum},
-                                      {"tents: base carries the weight", tents},
-                                      {"equations (3) and (4)", tilt},
-                                      {"static piles against diagonal contacts alone", static_piles},
-                                      {"cases", cases, true},
-                                      {NULL, NULL}};
-    check_register("validation: models", list);
-}
+CHECK_SUITE_SUMMED(models, "validation: models", hard, lattice, continuum, tents, tilt, static_piles, cases)

@@ -524,13 +524,4 @@ static void avalanches(void)
     for (int k = 1; k < sizes; k++) CHECK_NEAR(log2(integration[k - 1] / integration[k]), 2.0, SAME_ORDER);
 }
 
-void suite_order(void)
-{
-    static const check_case cases[] = {{"the answers", answers},
-                                       {"the leapfrog of the trials", same_leapfrog},
-                                       {"observed order", orders},
-                                       {"order in permanent contact", smooth},
-                                       {"integration error in avalanches", avalanches},
-                                       {NULL, NULL}};
-    check_register("validation: order", cases);
-}
+CHECK_SUITE(order, "validation: order", answers, same_leapfrog, orders, smooth, avalanches)

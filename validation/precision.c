@@ -560,10 +560,4 @@ static void fronts(void)
     for (int i = 0; i < 6; i++) CU_ASSERT_EQUAL(o.front[i], front[i]);
 }
 
-void suite_precision(void)
-{
-    static const check_case cases[] = {{"Pareto fronts", fronts},          {"impacts", impacts},
-                                       {"a damped column", damped_column}, {"settling", settling},
-                                       {"static piles", static_piles},     {NULL, NULL}};
-    check_register("validation: precision", cases);
-}
+CHECK_SUITE(precision, "validation: precision", fronts, impacts, damped_column, settling, static_piles)

@@ -149,7 +149,7 @@ static void check_dem01(double k, double e)
     gsl_odeiv2_driver_free(driver);
 }
 
-static void freely_falling(void)
+static void dem01_freely_falling(void)
 {
     static const double k[] = {1e4, 2.5e4, 5e4, 1e5}, e[] = {0.6, 0.7, 0.8, 0.9, 1.0};
     for (int i = 0; i < 4 * 5; i += case_stride(3))
@@ -196,14 +196,14 @@ static void check_dem02(double k, double e)
     gsl_odeiv2_driver_free(driver);
 }
 
-static void bouncing(void)
+static void dem02_bouncing(void)
 {
     static const double k[] = {5e4, 5e5, 5e6}, e[] = {0.5, 0.6, 0.7, 0.8, 0.9, 1.0};
     for (int i = 0; i < 3 * 6; i += case_stride(7)) check_dem02(k[i % 3], e[i / 3]);
 }
 
 /* Two spheres compressed by walls 3.6 r apart, from positions without force balance. */
-static void stacked(void)
+static void dem03_stacked(void)
 {
     for (int i = 0; i < 6; i += case_stride(2)) {
         const double e = 1.0 - 0.1 * i, r = 0.5e-3, lid = 3.6 * r, damping = damping_for(e, true);
@@ -232,7 +232,7 @@ static void stacked(void)
 }
 
 /* A sphere placed on a rough floor with speed u: slips until 2 u/(7 mu g), then rolls at 5/7 u. */
-static void slipping(void)
+static void dem04_slipping(void)
 {
     for (int i = 0; i < 9; i += case_stride(2)) {
         const double mu = 0.2 + 0.1 * i, u = 0.05, r = 0.5e-3, m = sphere_mass(1e4, r), k = 1e4,
@@ -347,7 +347,7 @@ static const double MFIX_DEM05[][3] = {
     {50.0, 45.2158, 459.8864}, {55.0, 51.2073, 410.4812}, {60.0, 57.1372, 357.9511},
     {65.0, 62.9718, 302.6790}};
 
-static void oblique_collision(void)
+static void dem05_oblique_collision(void)
 {
     for (size_t i = 0; i < sizeof MFIX_DEM05 / sizeof *MFIX_DEM05; i++) {
         const double *row = MFIX_DEM05[i];
@@ -467,7 +467,7 @@ static void check_rebounds(case_problem *problem, void (*run)(strike *p))
                  rebound_e_t);
 }
 
-static void measured(void)
+static void kharaz_rebounds(void)
 {
     check_rebounds(&kharaz, by_springs);
 }
@@ -496,7 +496,7 @@ static void check_hertz(case_problem *problem, const char *material, strike p, d
     hertz_is(problem, material, &p);
 }
 
-static void elastic_normal(void)
+static void chung_ooi_1_and_2_elastic(void)
 {
     const double r = 0.01, plane = 0.1;
     strike glass = {.r = r, .m = sphere_mass(2800.0, r), .r_other = r, .v_n = 20.0}, limestone = glass;
@@ -512,7 +512,7 @@ static void elastic_normal(void)
 }
 
 /* Test 3: the prescribed restitution, with and without attractive damped forces. */
-static void normal_restitution(void)
+static void chung_ooi_3_restitution(void)
 {
     for (int i = 0; i < 2 * 2 * 5; i++) {
         const double e = 0.2 * (1 + i / 4);
@@ -540,7 +540,7 @@ static double slide(strike *p, double e)
 
 /* Test 4: one speed, sliding angles (tan > 7/2 mu (1 + e), plus the contribution of the spring); curves of
  * tangential restitution and spin for aluminium oxide, as digitised. */
-static void oblique_angles(void)
+static void chung_ooi_4_oblique(void)
 {
     static const double curves[][4] = {
         /* angle and value of each curve */
@@ -564,7 +564,7 @@ static void oblique_angles(void)
 
 /* Test 5: a small sphere of steel, elastic; (u + r omega)/(mu v_n) after against before, with finite elements
  * from the literature. */
-static void small_sphere(void)
+static void chung_ooi_5_small_sphere(void)
 {
     static const double elements[][2] = {{9.117824773413897, 2.1466666666666665},
                                          {12.356495468277945, 5.426666666666667}};
@@ -594,7 +594,7 @@ static void small_sphere(void)
 /* Tests 6 and 8: a spinning sphere on a plane, on one of five times its radius, and that a thousand times as
  * dense: ratio of slip after to slip before impact, -1 + 7/2 mu (1 + e) v_n/slip. Test 7: two equal spheres
  * whose spins give no slip. */
-static void spinning(void)
+static void chung_ooi_6_to_8_spinning(void)
 {
     static const double curve[][2] = {{0.17621145374449387, -0.8200274348422496},
                                       {0.35242290748898686, -0.6334705075445815},
@@ -675,21 +675,7 @@ static void cases(void)
     case_write("published", problems, sizeof problems / sizeof *problems);
 }
 
-void suite_published(void)
-{
-    static const check_case list[] = {{"DEM01: freely falling particle", freely_falling},
-                                      {"DEM02: bouncing particle", bouncing},
-                                      {"DEM03: two stacked particles", stacked},
-                                      {"DEM04: slipping on a rough surface", slipping},
-                                      {"DEM05: oblique collision", oblique_collision},
-                                      {"Kharaz: measured rebounds", measured},
-                                      {"Chung & Ooi 1, 2: elastic normal impacts", elastic_normal},
-                                      {"Chung & Ooi 3: restitution", normal_restitution},
-                                      {"Chung & Ooi 4: oblique impacts", oblique_angles},
-                                      {"Chung & Ooi 5: small sphere", small_sphere},
-                                      {"Chung & Ooi 6 to 8: spinning spheres", spinning},
-                                      {"Chung & Ooi 2, 4, Kharaz: by E and nu", by_material},
-                                      {"cases", cases, true},
-                                      {NULL, NULL}};
-    check_register("validation: published cases", list);
-}
+CHECK_SUITE_SUMMED(published, "validation: published cases", dem01_freely_falling, dem02_bouncing,
+                   dem03_stacked, dem04_slipping, dem05_oblique_collision, kharaz_rebounds,
+                   chung_ooi_1_and_2_elastic, chung_ooi_3_restitution, chung_ooi_4_oblique,
+                   chung_ooi_5_small_sphere, chung_ooi_6_to_8_spinning, by_material, cases)

@@ -426,21 +426,6 @@ static void cases(void)
     case_write("rotation", problems, sizeof problems / sizeof *problems);
 }
 
-void suite_rotation(void)
-{
-    static const check_case list[] = {{"law with the dashpot inside", inside_law},
-                                      {"incline with the dashpot inside", inside_incline},
-                                      {"sliding, then rolling", slides_then_rolls},
-                                      {"oblique impact that slides", oblique_sliding},
-                                      {"oblique impact that sticks", oblique_sticking},
-                                      {"oblique impacts event by event: both ends", oblique_ends},
-                                      {"oblique impacts: stick, slide, reverse", oblique_any},
-                                      {"a pair conserves its momenta", pair_conserves},
-                                      {"energy stays", energy_stays},
-                                      {"rolling resistance stops", rolling_stops},
-                                      {"rolling on an incline", rolling_incline},
-                                      {"time step limit of rotation", rotating_time_step},
-                                      {"cases", cases, true},
-                                      {NULL, NULL}};
-    check_register("validation: rotation and rolling", list);
-}
+CHECK_SUITE_SUMMED(rotation, "validation: rotation and rolling", inside_law, inside_incline,
+                   slides_then_rolls, oblique_sliding, oblique_sticking, oblique_ends, oblique_any,
+                   pair_conserves, energy_stays, rolling_stops, rolling_incline, rotating_time_step, cases)

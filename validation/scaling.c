@@ -248,14 +248,6 @@ static void table_of_goals(void)
     check_table_close(out, "scaling_goals");
 }
 
-void suite_scaling(void)
-{
-    /* tables first: forked processes do not inherit the threads that CHOLMOD starts */
-    static const check_case cases[] = {{"scaling of time and memory", table_of_sizes},
-                                       {"goals of processor time", table_of_goals},
-                                       {"one factorisation per linearised pile", one_factorisation},
-                                       {"large piles by supernodes", large_pile},
-                                       {"large unstable pile", large_unstable_pile},
-                                       {NULL, NULL}};
-    check_register("validation: scaling of the static solver", cases);
-}
+/* tables first: forked processes do not inherit the threads that CHOLMOD starts */
+CHECK_SUITE(scaling, "validation: scaling of the static solver", table_of_sizes, table_of_goals,
+            one_factorisation, large_pile, large_unstable_pile)

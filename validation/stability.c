@@ -445,7 +445,7 @@ static void map_radii(int scheme)
         check_one(&c);
 }
 
-static void map(void)
+static void largest_time_step(void)
 {
     if (check_fast()) return; /* numbers of code that other tests run under sanitizers */
     table = check_table("stability");
@@ -699,12 +699,4 @@ static void boxes(void)
     check_table_close(out, "stability_boxes");
 }
 
-void suite_stability(void)
-{
-    static const check_case cases[] = {{"largest time step: measured, theory, limit", map},
-                                       {"implicit: rest, at any step", implicit_rest},
-                                       {"implicit: solvable steps", implicit_limits},
-                                       {"boxes come to rest at the limit", boxes},
-                                       {NULL, NULL}};
-    check_register("validation: stability", cases);
-}
+CHECK_SUITE(stability, "validation: stability", largest_time_step, implicit_rest, implicit_limits, boxes)
