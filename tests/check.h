@@ -126,8 +126,13 @@ bool check_full(void);
 
 /* A table of the suite that NAME begins with, for NAME chaos_fit DIR/chaos/fit.tsv, for chaos
  * DIR/chaos/chaos.tsv, with its provenance, to be finished by check_table_close; NULL unless `check --full -o
- * DIR`. */
-FILE *check_table(const char *name);
+ * DIR`. Columns as of rp_table_header; NULL: notes come first. */
+FILE *check_table(const char *name, const char *columns);
+
+/* A row of the table, if there is one: numbers, and a last word, or NULL. */
+#define CHECK_ROW(table, word, ...)                                                                          \
+    check_row(table, sizeof((double[]){__VA_ARGS__}) / sizeof(double), (double[]){__VA_ARGS__}, word)
+void check_row(FILE *table, size_t n, const double values[], const char *word);
 void check_table_close(FILE *table, const char *name);
 
 /* |a - b| <= tolerance; NaN fails. On failure the values are printed. */

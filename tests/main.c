@@ -112,7 +112,7 @@ static void table_path(const char *name, char path[static 512])
     snprintf(path, 512, "%s/%.*s/%s.tsv", folder, (int)strcspn(name, "_"), name, table ? table + 1 : name);
 }
 
-FILE *check_table(const char *name)
+FILE *check_table(const char *name, const char *columns)
 {
     FILE *out = NULL;
     if (!full || !folder) return NULL;
@@ -123,7 +123,14 @@ FILE *check_table(const char *name)
     table_path(name, path);
     CHECK_OK(rp_file_open(path, &out));
     if (out) rp_table_provenance(out, "check --full");
+    if (out && columns) rp_table_header(out, columns);
     return out;
+}
+
+void check_row(FILE *table, size_t n, const double values[], const char *word)
+{
+    if (table && word) rp_table_row_word(table, n, values, word);
+    if (table && !word) rp_table_row(table, n, values);
 }
 
 void check_table_close(FILE *table, const char *name)

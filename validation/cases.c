@@ -51,21 +51,17 @@ int case_stride(int daily)
 
 void case_write(const char *suite, case_problem *const problems[], size_t n)
 {
-    static const char *const columns[][2] = {{"problem", ""}, {"cases", "1"}, {"worst_over_bound", "1"}},
-                             *const case_columns[][2] = {
-                                 {"problem", ""},  {"parameters", ""}, {"quantity", ""}, {"expected", ""},
-                                 {"observed", ""}, {"error", ""},      {"bound", ""}};
     char name[64], key[80];
     snprintf(name, sizeof name, "%s_cases", suite);
-    FILE *out = check_table(suite), *cases = check_table(name);
+    FILE *out = check_table(suite, NULL),
+         *cases = check_table(name, "problem, parameters, quantity, expected, observed, error, bound");
     for (size_t i = 0; i < n && out; i++) {
         snprintf(key, sizeof key, "source_%s", problems[i]->problem);
         rp_table_note(out, key, "%s", problems[i]->source);
         snprintf(key, sizeof key, "bound_%s", problems[i]->problem);
         rp_table_note(out, key, "%s", problems[i]->bound);
     }
-    if (out) rp_table_columns(out, sizeof columns / sizeof *columns, columns);
-    if (cases) rp_table_columns(cases, sizeof case_columns / sizeof *case_columns, case_columns);
+    if (out) rp_table_header(out, "problem, cases [1], worst_over_bound [1]");
     for (size_t i = 0; i < n; i++) {
         case_problem *p = problems[i];
         CU_ASSERT(p->n > 0);

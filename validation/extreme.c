@@ -1030,13 +1030,8 @@ static void million(void)
 
 static void right_or_refused(void)
 {
-    table = check_table("extreme");
-    const char *const columns[][2] = {{"case", "word"},
-                                      {"parameters", "text"},
-                                      {"expected", "text"},
-                                      {"observed", "text"},
-                                      {"verdict", "word"}};
-    if (table) rp_table_columns(table, COUNT(columns), columns);
+    table = check_table("extreme",
+                        "case [word], parameters [text], expected [text], observed [text], verdict [word]");
     n_cases = n_right = n_refused = 0;
     const double start = rp_clock();
     static_overlaps();
@@ -1064,13 +1059,8 @@ static void right_or_refused(void)
     if (check_full()) million();
     CU_ASSERT(n_cases >= 300);
     check_table_close(table, "extreme");
-    table = check_table("extreme_sums");
-    if (table) {
-        rp_table_columns(
-            table, 4,
-            (const char *const[][2]){{"cases", ""}, {"right", ""}, {"refused", ""}, {"run_time", "s"}});
-        fprintf(table, "%d\t%d\t%d\t%.3g\n", n_cases, n_right, n_refused, rp_clock() - start);
-    }
+    table = check_table("extreme_sums", "cases, right, refused, run_time [s]");
+    if (table) fprintf(table, "%d\t%d\t%d\t%.3g\n", n_cases, n_right, n_refused, rp_clock() - start);
     check_table_close(table, "extreme_sums");
     table = NULL;
 }

@@ -349,16 +349,13 @@ static void single_impacts(void)
  * figure. */
 static void damping_range(void)
 {
-    static const char *const columns[][2] = {
-        {"damping", "1"},     {"pulls_exact", "1"},  {"pulls", "1"},
-        {"pulls_error", "1"}, {"pulls_bound", "1"},  {"pushes_exact", "1"},
-        {"pushes", "1"},      {"pushes_error", "1"}, {"pushes_bound", "1"}};
     for (int law = DEM_HERTZ; law <= DEM_LINEAR; law++) {
         const char *const name = law == DEM_HERTZ ? "impact_hertz" : "impact_linear";
-        FILE *out = check_table(name);
+        FILE *out = check_table(name, NULL);
         if (!out) return;
         rp_table_note(out, "steps", "1000 per elastic contact time, at least 1000/(2 damping) per 1/gamma");
-        rp_table_columns(out, sizeof columns / sizeof *columns, columns);
+        rp_table_header(out, "damping [1], pulls_exact [1], pulls [1], pulls_error [1], pulls_bound [1], "
+                             "pushes_exact [1], pushes [1], pushes_error [1], pushes_bound [1]");
         for (int i = 0; i <= 48; i++) {
             impact p = {.law = law,
                         .k_n = 1e6,

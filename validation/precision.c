@@ -93,19 +93,17 @@ static void note_cheapest(FILE *out, const outcomes *o, const char *setting)
 static void write_outcomes(const outcomes *o, const char *name, const char *setting, const char *unit,
                            const char *error_unit)
 {
-    FILE *out = check_table(name);
+    FILE *out = check_table(name, NULL);
+    char columns[80];
     if (!out) return;
     rp_table_note(out, "seconds",
                   "processor time, least of several (one run if 0.5 s or more); front: on the Pareto front");
     note_cheapest(out, o, setting);
-    rp_table_columns(
-        out, 5,
-        (const char *const[][2]){
-            {setting, unit}, {"error", error_unit}, {"seconds", "s"}, {"front", ""}, {"method", ""}});
-    for (size_t i = 0; i < o->n; i++)
-        rp_table_row_word(
-            out, 4, (double[]){o->row[i].setting, o->row[i].error, o->row[i].seconds, (double)o->front[i]},
-            o->row[i].method);
+    snprintf(columns, sizeof columns, "%s [%s], error [%s], seconds [s], front, method", setting, unit,
+             error_unit);
+    rp_table_header(out, columns);
+    for (const outcome *r = o->row; r < o->row + o->n; r++)
+        CHECK_ROW(out, r->method, r->setting, r->error, r->seconds, (double)o->front[r - o->row]);
     check_table_close(out, name);
 }
 

@@ -165,10 +165,7 @@ static void table_of_sizes(void)
     enum { SHAPES = 2, SIZES = 6 };
     static const double alpha_deg[SHAPES] = {30, 60};
     static const long bases[SHAPES][SIZES] = {{45, 77, 180, 387, 774, 1224}, {26, 45, 104, 223, 447, 707}};
-    static const char *const columns[][2] = {
-        {"alpha_deg", "degrees"}, {"n_disks", ""},        {"seconds", "s"},   {"memory", "MB"}, {"steps", ""},
-        {"factorisations", ""},   {"negative_modes", ""}, {"residual", "m g"}};
-    FILE *out = check_table("scaling");
+    FILE *out = check_table("scaling", NULL);
     if (!out) return;
     row rows[SHAPES][SIZES];
     rp_table_note(out, "seconds", "processor time to assemble and solve a linearised pile; memory: peak");
@@ -187,12 +184,11 @@ static void table_of_sizes(void)
         snprintf(key, sizeof key, "memory_exponent_%g", alpha_deg[i]);
         rp_table_note(out, key, "%.2f", exponent(SIZES / 2, n + SIZES / 2, memory + SIZES / 2));
     }
-    rp_table_columns(out, 8, columns);
+    rp_table_header(out, "alpha_deg [degrees], n_disks, seconds [s], memory [MB], steps, factorisations, "
+                         "negative_modes, residual [m g]");
     for (const row *r = rows[0]; r < rows[0] + SHAPES * SIZES; r++)
-        rp_table_row(out, 8,
-                     (double[]){r->alpha_deg, (double)r->n, r->seconds, r->memory, (double)r->result.steps,
-                                (double)r->result.factored, (double)r->result.negative_modes,
-                                r->result.residual});
+        CHECK_ROW(out, NULL, r->alpha_deg, (double)r->n, r->seconds, r->memory, (double)r->result.steps,
+                  (double)r->result.factored, (double)r->result.negative_modes, r->result.residual);
     check_table_close(out, "scaling");
 }
 
@@ -222,28 +218,22 @@ static void table_of_goals(void)
         bool soft;
     } piles[] = {
         {30, 0.005, 45, 5, true}, {60, 0.02, 45, 5, true}, {30, 0.15, 180, 3, true}, {30, 10, 774, 1, false}};
-    static const char *const columns[][2] = {
-        {"alpha_deg", "degrees"}, {"n_disks", ""},        {"eps", ""},
-        {"well", "eps sigma"},    {"goal", "s"},          {"seconds", "s"},
-        {"memory", "MB"},         {"factorisations", ""}, {"negative_modes", ""},
-        {"verdict", ""}};
-    FILE *out = check_table("scaling_goals");
+    FILE *out = check_table("scaling_goals", NULL);
     if (!out) return;
     rp_table_note(out, "seconds",
                   "processor time to assemble and solve a pile and to count its modes, median of up to 5");
     rp_table_note(out, "eps", "0: linearised");
     rp_table_note(out, "well", "half-width of friction wells, mu = 1; 0: springs of K_s");
-    rp_table_columns(out, 10, columns);
+    rp_table_header(out, "alpha_deg [degrees], n_disks, eps, well [eps sigma], goal [s], seconds [s], "
+                         "memory [MB], factorisations, negative_modes, verdict");
     for (size_t i = 0; i < sizeof piles / sizeof *piles; i++)
         for (int kind = 0; kind < (piles[i].soft ? 4 : 2); kind++) {
             const double eps = kind < 2 ? 0 : 1e-4, well = kind % 2;
             const row r = measure_median(piles[i].times, piles[i].alpha_deg, piles[i].base, eps, well);
             CU_ASSERT(r.result.fault == STATICS_OK && r.result.load == 1);
-            rp_table_row_word(out, 9,
-                              (double[]){r.alpha_deg, (double)r.n, eps, well, piles[i].goal, r.seconds,
-                                         r.memory, (double)r.result.factored,
-                                         (double)r.result.negative_modes},
-                              r.seconds <= piles[i].goal ? "met" : "missed");
+            CHECK_ROW(out, r.seconds <= piles[i].goal ? "met" : "missed", r.alpha_deg, (double)r.n, eps, well,
+                      piles[i].goal, r.seconds, r.memory, (double)r.result.factored,
+                      (double)r.result.negative_modes);
         }
     check_table_close(out, "scaling_goals");
 }
