@@ -64,8 +64,8 @@ static void momentum_of(bool rotation)
     dem_grain *grains;
     dem_definition def = grains_box(60, 2.0, 3, &grains);
     double p0[2] = {0.0, 0.0}, p1[2] = {0.0, 0.0}, l0 = 0.0, l1 = 0.0, scale = 0.0;
-    def.n_walls = 0, def.gravity[1] = 0.0, def.rotation = rotation;
-    if (rotation) def.material.mu_roll = 0.1;
+    def.n_walls = 0, def.gravity[1] = 0.0;
+    def.rotation = rotation, def.material.mu_roll = rotation ? 0.1 : 0.0;
     for (size_t i = 0; i < 60; i++) { /* towards the middle */
         grains[i].vx = 20.0 * (1.0 - grains[i].x);
         grains[i].vy = 20.0 * (1.5 - grains[i].y);
@@ -101,8 +101,7 @@ static void mirror_and_relabel_of(bool rotation)
 {
     dem_grain *grains, other[80];
     dem_definition def = grains_box(80, 2.4, 5, &grains);
-    def.rotation = rotation;
-    if (rotation) def.material.mu_roll = 0.1;
+    def.rotation = rotation, def.material.mu_roll = rotation ? 0.1 : 0.0;
     for (int i = 0; rotation && i < 80; i++) grains[i].omega = 0.5 * i;
     scoped_sim *sim = grains_start(&def), *mirrored = NULL, *renumbered = NULL;
     for (int i = 0; i < 80; i++) {
@@ -176,8 +175,7 @@ static void list_is_complete(void)
 static void leaving_of(bool rotation)
 {
     dem_definition def = grains_box(100, 2.2, 3, NULL);
-    def.rotation = rotation;
-    if (rotation) def.material.mu_roll = 0.1;
+    def.rotation = rotation, def.material.mu_roll = rotation ? 0.1 : 0.0;
     def.x_max = 2.3;
     scoped_sim *sim = grains_start(&def), *rebuilt = NULL;
     CHECK_OK(dem_run(sim, 8000));
@@ -265,8 +263,7 @@ static void extra_rebuilds_of(bool rotation)
 {
     dem_grain *grains;
     dem_definition def = grains_box(100, 2.2, 3, &grains);
-    def.rotation = rotation;
-    if (rotation) def.material.mu_roll = 0.1;
+    def.rotation = rotation, def.material.mu_roll = rotation ? 0.1 : 0.0;
     /* 16 columns of some 0.3 cm wrap around inside the box, so that either grain of a pair may come first */
     for (int i = 0; i < 100; i++) grains[i].x += 3.8;
     for (int w = 0; w < 3; w++) {
@@ -455,8 +452,7 @@ static void margins(void)
 static void determinism_of(bool rotation)
 {
     dem_definition def = grains_box(90, 2.2, 17, NULL);
-    def.rotation = rotation;
-    if (rotation) def.material.mu_roll = 0.1;
+    def.rotation = rotation, def.material.mu_roll = rotation ? 0.1 : 0.0;
     dem_sim *whole, *cut = grains_start(&def), *copy;
     def.walls[2].open_at_step = 4001;
     whole = grains_after(&def, 9000);
@@ -1037,6 +1033,7 @@ static void overlaps_too_deep(void)
     }
 }
 
+/* What ranges_of_... below do not reach, and that all of them are asked. */
 static void bad_definitions(void)
 {
     dem_grain grains[2] = {{0.0, 0.5, 0.1, 0.004, 0.0, 0.0}, {0.0, 0.9, 0.1, 0.004, 0.0, 0.0}};
@@ -1054,44 +1051,17 @@ static void bad_definitions(void)
     } while (0)
     REFUSES(bad.n_grains = 0, "no particles");
     REFUSES(grains[0].r = -0.1, "particle 1: r = -0.1");
-    REFUSES(grains[0].m = 0.0, "particle 1: m = 0");
-    REFUSES(grains[0].x = NAN, "particle 1");
     REFUSES(grains[0].y = 0.85, "overlap");
     REFUSES(grains[0].y = -0.05, "behind wall 1");
-    REFUSES(bad.dt = 0.0, "dt = 0");
-    REFUSES(bad.dt = NAN, "dt = nan");
     REFUSES(bad.dt = 1e-3, "the limit is");
     REFUSES(bad.material.k_n = -1.0, "k_n = -1");
-    REFUSES(bad.material.gamma_n = INF, "gamma_n = inf");
-    REFUSES(bad.material.mu = -0.1, "mu = -0.1");
-    REFUSES(bad.material.k_s = 0.0, "k_s = 0");
     REFUSES(bad.tangential = DEM_NONE, "needs a tangential law");
-    REFUSES(grains[0].omega = 2.0, "particle 1: angle = 0, omega = 2: needs rotation");
-    REFUSES((bad.rotation = true, grains[0].omega = NAN), "omega = nan: must be finite");
     REFUSES(bad.material.mu_roll = 0.1, "particles: mu_roll = 0.1: needs rotation");
     REFUSES(bad.walls[0].material.mu_roll = 0.1, "wall 1: mu_roll = 0.1: needs rotation");
-    def.rotation = true;
-    REFUSES(bad.material.mu_roll = -INF, "mu_roll = -inf");
-    REFUSES((bad.material.mu_roll = 0.1, bad.walls[0].material.k_roll = 0.0), "wall 1: k_roll = 0");
-    REFUSES((bad.material.mu_roll = 0.1, bad.material.gamma_roll = -1.0), "particles: gamma_roll = -1");
-    REFUSES((bad.material.mu_roll = 0.1, bad.material.mu = bad.walls[0].material.mu = 0.0,
-             bad.tangential = DEM_NONE),
+    REFUSES((bad.rotation = true, bad.material.mu_roll = 0.1, bad.tangential = DEM_NONE,
+             bad.material.mu = bad.walls[0].material.mu = 0.0),
             "mu_roll = 0.1: needs a tangential law");
-    def.rotation = false;
-    REFUSES(bad.walls[0].direction[0] = 0.3, "unit vector");
-    REFUSES((bad.walls[0].extent[0] = 2.0, bad.walls[0].extent[1] = 1.0), "extent");
     REFUSES(bad.n_walls = 9, "9 walls");
-    REFUSES((bad.walls[0].open_at_step = 1, bad.walls[0].open_speed = 1.0), "open_speed");
-    double *const moving[] = {&bad.walls[0].velocity[0], &bad.walls[0].velocity[1], &bad.walls[0].omega,
-                              &bad.walls[0].pivot[0], &bad.walls[0].pivot[1]};
-    for (size_t i = 0; i < sizeof moving / sizeof *moving; i++) {
-        REFUSES(*moving[i] = NAN, "velocity, omega and pivot must be finite");
-        REFUSES(*moving[i] = INFINITY, "velocity, omega and pivot must be finite");
-    }
-    REFUSES(bad.gravity[0] = NAN, "gravity");
-    REFUSES(bad.skin = -1.0, "skin");
-    REFUSES(bad.x_max = -0.1, "starts beyond x_max");
-    REFUSES((grains[0].y = 0.72, bad.gravity[1] = 0.0, bad.dt = 3e-4), "an initial overlap");
 #undef REFUSES
 }
 

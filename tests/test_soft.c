@@ -299,11 +299,11 @@ static void misprints(void)
  * uses (27), truncated at (29) and opposed to the slip. */
 static void misprints_of_slip(void)
 {
-    const double k_slip = 3.0, mu_roll = 0.2, F_n = 5.0, cap = mu_roll * F_n;
+    const double m = 0.7, gamma = 5.0, k_slip = gamma * m, mu_roll = 0.2, F_n = 5.0, cap = mu_roll * F_n;
     for (int k = -4; k <= 4; k++) {
-        const double v = 0.31 * k, printed = fmin(-k_slip * v, -cap);
-        CHECK_NEAR(dem_law_slip_roll(k_slip, mu_roll, 1.0, v, F_n), -fmax(fmin(k_slip * v, cap), -cap),
-                   1e-15);
+        const double v = 0.26 * k, printed = fmin(-k_slip * v, -cap);
+        CHECK_NEAR(dem_law_slip_roll(gamma, mu_roll, m, v, F_n), -fmax(fmin(k_slip * v, cap), -cap), 1e-15);
+        CHECK_NEAR(dem_law_slip_roll(gamma, mu_roll, m, v, -F_n), 0.0, 0.0); /* no friction where it pulls */
         if (k <= 0) CU_ASSERT(printed * v >= 0.0 && printed < 0.0); /* along the slip, or without any */
         if (k == 4) CU_ASSERT(fabs(printed) > 3.0 * cap);
     }
@@ -339,36 +339,6 @@ static void misprints_of_spring(void)
             if (side > 0) CU_ASSERT(pulls ? printed > 0.0 : printed == ours); /* along ds: propulsive */
             if (side < 0) CHECK_NEAR(printed, k_s * ds, 1e-15); /* to the left too, without limit */
         }
-}
-
-/* Soft off-centre collision of two unequal disks: momentum and angular momentum are conserved, energy falls.
- */
-static void soft_pair(void)
-{
-    const dem_grain grains[2] = {{0.0, 2.0, 0.5, 1.0, 1.0, 0.3, 0.0, 2.0},
-                                 {0.9, 2.5, 0.4, 0.6, -1.0, 0.0, 0.0, -3.0}};
-    dem_definition def = on_ground(grains, 2);
-    def.gravity[1] = 0.0, def.rotation = true;
-    scoped_sim *sim = grains_start(&def);
-    double sums[2][3], least = 2.0, first = grains_energy(sim), last = 0.0;
-    for (int k = 0; k < 2; k++) {
-        dem_state s[2];
-        CHECK_OK(dem_states(sim, s));
-        memset(sums[k], 0, sizeof sums[k]);
-        for (int i = 0; i < 2; i++) {
-            sums[k][0] += s[i].m * s[i].vx;
-            sums[k][1] += s[i].m * s[i].vy;
-            sums[k][2] += s[i].m * (s[i].x * s[i].vy - s[i].y * s[i].vx) +
-                          dem_inertia(DEM_DISK, s[i].m, s[i].r) * s[i].omega;
-        }
-        for (int step = 0; k == 0 && step < 1000; step++) {
-            grains_run(sim, 1, s);
-            least = fmin(least, hypot(s[1].x - s[0].x, s[1].y - s[0].y));
-        }
-        last = grains_energy(sim);
-    }
-    for (int a = 0; a < 3; a++) CHECK_NEAR(sums[1][a], sums[0][a], 1e-11); /* 1000 steps' round-off */
-    CU_ASSERT(least < 0.9 && last < 0.9 * first);
 }
 
 /* A disk dropped onto the ground, or onto a fixed disk, bounces by hard collisions. Each bounce loses the
@@ -551,18 +521,6 @@ static void fixed_stay_to_the_bit(void)
         CHECK_OK(dem_states(sim, states));
         for (int i = 0; i < N - 1; i++) CU_ASSERT(states[i].y == 0.0 && signbit(states[i].y));
         CU_ASSERT(states[N - 1].y < 0.0);
-    }
-}
-
-/* (27), (29) and (32) at forces and masses other than 1. */
-static void law_of_slip(void)
-{
-    const double gamma = 5.0, mu = 0.3, m = 0.7, f = 2.5, edge = mu * f / (gamma * m);
-    for (int side = -1; side <= 1; side += 2) {
-        CHECK_NEAR(dem_law_slip_roll(gamma, mu, m, 0.9 * side * edge, f), -0.9 * side * mu * f, 1e-15);
-        CHECK_NEAR(dem_law_slip_roll(gamma, mu, m, 3.0 * side * edge, f), -side * mu * f, 1e-15);
-        CHECK_NEAR(dem_law_slip_roll(gamma, mu, m, side, -f), 0.0,
-                   0.0); /* attractive contacts have no friction */
     }
 }
 
@@ -840,8 +798,7 @@ static void slow_disk_hit_by_a_fast_one(void)
 CHECK_SUITE(soft, "soft particles", sinks_by_its_weight, well_holds_and_breaks, limit_of_a_well,
             well_of_the_start, energy_of_well, when_wells_are_set, slip_is_viscous_then_capped,
             slides_then_rolls, rolling_resistance, misprints, misprints_of_slip, misprint_of_flight,
-            misprints_of_spring, soft_pair, switches_to_soft, collide_in_flight, passes_through_a_row,
+            misprints_of_spring, switches_to_soft, collide_in_flight, passes_through_a_row,
             hits_while_it_slides, rounds_end, arc_over_a_disk, far_from_the_origin, fixed_stay_to_the_bit,
-            law_of_slip, touching_is_no_contact, rests_while_it_turns, rests_on_a_ground_that_moves,
-            touches_at_the_end, bounces_off_a_corner, no_collision_is_missed, pile_of_disks,
-            slow_disk_hit_by_a_fast_one, refused)
+            touching_is_no_contact, rests_while_it_turns, rests_on_a_ground_that_moves, touches_at_the_end,
+            bounces_off_a_corner, no_collision_is_missed, pile_of_disks, slow_disk_hit_by_a_fast_one, refused)

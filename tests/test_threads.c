@@ -81,19 +81,11 @@ static void turning(void)
     }
 }
 
-/* What threads do not serve takes one: hard collisions, the ledger, clocks around the phases, Gear's
- * integrator. */
+/* Clocks around the phases take one; so do hard collisions, the ledger and Gear's integrator, see the suite
+ * `removal`. */
 static void one_thread(void)
 {
-    dem_grain *grains;
-    for (int k = 0; k < 3; k++) {
-        dem_definition def = grains_box(400, 4.0, 9, &grains);
-        if (k == 0) def.hard = (dem_hard){.on = true, .restitution = 0.1, .mu = 0.2}, def.tension = false;
-        if (k == 1) def.ledger = true;
-        if (k == 2) def.integrator = DEM_GEAR5, def.dt *= 0.5;
-        compare(&def, 2, 100);
-    }
-    dem_definition def = grains_box(400, 4.0, 9, &grains);
+    dem_definition def = grains_box(400, 4.0, 9, NULL);
     scoped_sim *one = start(&def, 1), *timed = start(&def, 3);
     dem_phases times = {0};
     CHECK_OK(dem_run(one, 200));

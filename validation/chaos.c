@@ -137,24 +137,6 @@ static void growth_rate(void)
     check_table_close(fits, "chaos_fit");
 }
 
-/* A box that settles and discharges has the same bits with every kernel of the pair loop. */
-static void kernels_agree(void)
-{
-    const long N = check_fast() ? 30 : 100;
-    scoped_sim *reference = filled_box(N, 2.0, 5e-5, 3, DEM_REFERENCE);
-    CHECK_OK(dem_run(reference, 3000));
-    dem_wall_open(reference, DEM_BOX_RIGHT, INFINITY);
-    CHECK_OK(dem_run(reference, 3000));
-    for (int kernel = DEM_FAST; kernel < DEM_KERNELS; kernel++) {
-        if (!dem_kernel_runs(kernel)) continue;
-        scoped_sim *sim = filled_box(N, 2.0, 5e-5, 3, kernel);
-        CHECK_OK(dem_run(sim, 3000));
-        dem_wall_open(sim, DEM_BOX_RIGHT, INFINITY);
-        CHECK_OK(dem_run(sim, 3000));
-        CU_ASSERT(grains_same_bits(sim, reference));
-    }
-}
-
 /* Piles of a sweep have the same digest from one, two and five workers. */
 static void any_number_of_workers(void)
 {
@@ -181,4 +163,4 @@ static void any_number_of_workers(void)
     folder_remove(base);
 }
 
-CHECK_SUITE(chaos, "validation: chaos", round_off_grows, growth_rate, kernels_agree, any_number_of_workers)
+CHECK_SUITE(chaos, "validation: chaos", round_off_grows, growth_rate, any_number_of_workers)
