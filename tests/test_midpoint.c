@@ -35,27 +35,6 @@ static dem_definition gas(dem_grain grains[GAS], double dt)
     return def;
 }
 
-/* In permanent contact the scheme is the mid-point rule of a harmonic oscillator: exactly cos(n theta),
- * tan(theta/2) = omega dt/2, at any dt, and v = -omega A sin(n theta). */
-static void phase_of_oscillator(void)
-{
-    const double omega = sqrt(K), A = 0.6 / K;
-    for (double angle = 0.05; angle < 40.0; angle *= 5.0) {
-        const dem_grain grain = {.x = 0.3, .y = R - 1.0 / K + A, .r = R, .m = 1.0};
-        dem_definition def = on_floor(&grain, 1, 1.0);
-        def.dt = angle / omega;
-        scoped_sim *sim = grains_start(&def);
-        const double theta = 2.0 * atan(0.5 * angle);
-        for (int n = 1; n <= 200; n++) {
-            CHECK_OK(dem_run(sim, 1));
-            const dem_state s = grains_state_of_one(sim);
-            /* positions are rounded to 1e-16; the phase error adds up over n steps */
-            CHECK_NEAR(s.y, R - 1.0 / K + A * cos(n * theta), 1e-13);
-            CHECK_NEAR(s.vy, -omega * A * sin(n * theta), 1e-13 * omega);
-        }
-    }
-}
-
 /* A disk that slides on a floor, N = m g: decelerated by mu g, then creep by (1 - h)/(1 + h) per step, h =
  * gamma dt/2, once the viscous force is below the limit. */
 static void slides_and_creeps(void)
@@ -355,20 +334,6 @@ static void work_of_both(void)
     }
 }
 
-/* A lasting linear contact is a linear equation, also on a slope: one factorisation per step. */
-static void newton_is_exact_on_a_slope(void)
-{
-    const dem_grain grain = {.x = -0.6 * (R - 1e-3), .y = 0.8 * (R - 1e-3), .r = R, .m = 1.0};
-    dem_definition def = on_floor(&grain, 1, 3.0);
-    def.walls[0] = grains_line(0.0, 0.0, -0.6, 0.8, &def.material);
-    def.gravity[0] = 6.0;
-    def.gravity[1] = -8.0; /* 10, onto the wall: deep enough for permanent contact */
-    scoped_sim *sim = grains_after(&def, 50);
-    dem_counts counts;
-    dem_count_work(sim, &counts);
-    CU_ASSERT(counts.contacts == 0 && counts.iterations <= 2 * 50);
-}
-
 static void what_is_not_solved(void)
 {
     enum { N = 12 };
@@ -496,8 +461,7 @@ static void refusals(void)
     CHECK_FAILS(dem_run(sim, 1), RP_BAD_INPUT, "the integrator implicit needs walls that stand");
 }
 
-CHECK_SUITE(midpoint, "implicit integrator", phase_of_oscillator, slides_and_creeps, well_conserves,
-            well_follows_load, energy_of_gas, long_steps, momentum, damping_takes_energy,
-            slip_while_it_touches, printed_form_loses_energy, sweeps_match_direct, work_of_both,
-            newton_is_exact_on_a_slope, what_the_tolerance_asks, what_is_not_solved, same_bits, disks_leave,
-            refusals)
+CHECK_SUITE(midpoint, "implicit integrator", slides_and_creeps, well_conserves, well_follows_load,
+            energy_of_gas, long_steps, momentum, damping_takes_energy, slip_while_it_touches,
+            printed_form_loses_energy, sweeps_match_direct, work_of_both, what_the_tolerance_asks,
+            what_is_not_solved, same_bits, disks_leave, refusals)
