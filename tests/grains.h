@@ -12,6 +12,9 @@ dem_wall grains_line(double x, double y, double nx, double ny, const dem_materia
 dem_definition grains_of(size_t n, const dem_grain *grains);
 dem_definition grains_afloat(size_t n, const dem_grain *grains);
 
+/* Without gravity and tangential forces, and of a material what is named. */
+dem_definition grains_bare(size_t n, const dem_grain *grains, dem_normal_law law, dem_material material);
+
 /* The grains, and as the only wall a floor of the definition's material through the origin. */
 void grains_on_floor(dem_definition *def, size_t n, const dem_grain *grains);
 

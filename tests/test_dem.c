@@ -530,10 +530,8 @@ static void floor_that_ends(void)
 {
     const double r = 0.1, m = 0.0042, g = 981.0, k = 2e6;
     dem_grain grain = {0.8, r - pow(m * g / k, 2.0 / 3.0), r, m, 3.0, 0.0};
-    dem_definition def = dem_definition_default();
-    def.tangential = DEM_NONE;
-    def.material = (dem_material){.k_n = 1e6};
-    def.dt = 1e-5, def.grains = &grain, def.n_grains = 1;
+    dem_definition def = grains_bare(1, &grain, DEM_HERTZ, (dem_material){.k_n = 1e6});
+    def.gravity[1] = -g, def.dt = 1e-5;
     put_wall(&def, 0.0, 0.0, 0.0, 1.0);
     def.walls[0].extent[1] = 1.0, def.y_min = -0.4;
     dem_sim *sim = grains_start(&def);
@@ -1500,10 +1498,7 @@ static void limit_of_unequal(void)
             used[at] = true;
             order[i] = grains[at];
         }
-        dem_definition def = dem_definition_default();
-        def.gravity[1] = 0.0, def.normal = DEM_LINEAR, def.tangential = DEM_NONE;
-        def.material = (dem_material){.k_n = k_n};
-        def.grains = order, def.n_grains = 4;
+        dem_definition def = grains_bare(4, order, DEM_LINEAR, (dem_material){.k_n = k_n});
         const char *what;
         CHECK_NEAR(dem_time_step_limit(&def, &what) / (3.8 / sqrt(12.0 * k_n * (first + second))), 1.0,
                    1e-14);
@@ -1535,11 +1530,9 @@ static void limit_of_gear(void)
     const double omega = sqrt(k_n / (0.5 * m));
     for (int k = 0; k < 3; k++) {
         dem_grain grains[2] = {{.x = 0.0, .r = 0.1, .m = m}, {.x = 0.3, .r = 0.1, .m = m}};
-        dem_definition def = dem_definition_default();
-        def.gravity[1] = 0.0, def.integrator = DEM_GEAR5, def.normal = DEM_LINEAR;
-        def.tangential = DEM_NONE;
-        def.material = (dem_material){.k_n = k_n, .gamma_n = gammas[k]};
-        def.grains = grains, def.n_grains = 2;
+        dem_definition def =
+            grains_bare(2, grains, DEM_LINEAR, (dem_material){.k_n = k_n, .gamma_n = gammas[k]});
+        def.integrator = DEM_GEAR5;
         const double damped = 3.0 * gammas[k] * 551.0 / 90.0, rest = 1.0 / hypot(damped, 2.0 * omega);
         CHECK_NEAR(dem_time_step_limit(&def, NULL) / rest, 1.0, 1e-14);
         const double start =

@@ -77,10 +77,8 @@ static void refusal(const char *name, rp_status status, rp_status expected, cons
 
 static dem_definition bare(int law, int scheme)
 {
-    dem_definition def = dem_definition_default();
-    def.normal = law, def.integrator = scheme, def.tangential = DEM_NONE;
-    def.gravity[1] = 0.0;
-    def.material = (dem_material){.k_n = 1e6};
+    dem_definition def = grains_bare(0, NULL, law, (dem_material){.k_n = 1e6});
+    def.integrator = scheme;
     return def;
 }
 

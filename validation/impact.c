@@ -35,19 +35,15 @@ static double effective_mass(const impact *p)
 static dem_definition scene(const impact *p, double dt, dem_grain grains[2])
 {
     const bool wall = isinf(p->m_b);
-    dem_definition def = dem_definition_default();
     const double gap = p->phase * p->v * dt, distance = R_A + (wall ? 0.0 : R_B) + gap;
     const double ux = 0.6, uy = 0.8; /* off the axes */
     const double share_a = wall ? 1.0 : p->m_b / (p->m_a + p->m_b), share_b = 1.0 - share_a;
     grains[0] = (dem_grain){0.0, 0.0, R_A, p->m_a, ux * p->v * share_a, uy * p->v * share_a};
     grains[1] =
         (dem_grain){ux * distance, uy * distance, R_B, p->m_b, -ux * p->v * share_b, -uy * p->v * share_b};
-    def.gravity[1] = 0.0, def.normal = p->law, def.tension = !p->clipped;
-    def.tangential = DEM_NONE;
-    def.material = (dem_material){.k_n = p->k_n, .gamma_n = p->gamma_n};
-    def.dt = dt, def.grains = grains;
-    def.n_grains = wall ? 1 : 2;
-    def.n_walls = wall;
+    dem_definition def =
+        grains_bare(2 - wall, grains, p->law, (dem_material){.k_n = p->k_n, .gamma_n = p->gamma_n});
+    def.tension = !p->clipped, def.dt = dt, def.n_walls = wall;
     def.walls[0] = grains_line(ux * distance, uy * distance, -ux, -uy, &def.material);
     return def;
 }

@@ -40,14 +40,10 @@ static void check_hard(bool pair, int shape, double e, double mu, double ratio)
     const double m_eff = pair ? m * m2 / (m + m2) : m;
     dem_grain grains[2] = {{0.0, r + 1.5 * v_n * dt, r, m, v_s - r * spin, -v_n, 0.0, spin},
                            {0.0, -r2, r2, m2, 0.0, 0.0}};
-    dem_definition def = dem_definition_default();
-    def.gravity[1] = 0.0, def.normal = DEM_LINEAR, def.tension = false;
-    def.tangential = DEM_SLIP_ROLL, def.rotation = true, def.shape = shape;
+    dem_definition def = grains_bare(1 + pair, grains, DEM_LINEAR, (dem_material){.k_n = 1e5});
+    def.tension = false, def.tangential = DEM_SLIP_ROLL, def.rotation = true, def.shape = shape;
     def.hard = (dem_hard){true, e, mu};
-    def.material = (dem_material){.k_n = 1e5};
-    def.dt = dt, def.grains = grains;
-    def.n_grains = pair ? 2 : 1;
-    def.n_walls = !pair;
+    def.dt = dt, def.n_walls = !pair;
     def.walls[0] = grains_line(0.0, 0.0, 0.0, 1.0, &def.material);
     scoped_sim *sim = grains_start(&def);
     dem_state s[2] = {0};

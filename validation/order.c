@@ -393,10 +393,8 @@ static double sway(double gamma_n, int integrator, double n)
     const double k = 8e4, g = 1e5, half = 0.5 * gamma_n, w = sqrt(k / M - half * half), deep = M * g / k;
     const double reach = 0.5 * deep;
     dem_grain grain = {0.0, R - deep + reach, R, M, 0.0, 0.0};
-    dem_definition def = dem_definition_default();
+    dem_definition def = grains_bare(1, &grain, DEM_LINEAR, (dem_material){.k_n = k, .gamma_n = gamma_n});
     def.gravity[1] = -g, def.dt = 2.0 * M_PI / w / n, def.integrator = integrator;
-    def.normal = DEM_LINEAR, def.tangential = DEM_NONE;
-    def.material = (dem_material){.k_n = k, .gamma_n = gamma_n};
     grains_on_floor(&def, 1, &grain);
     scoped_sim *sim = grains_after(&def, lround(2.0 * n));
     const long steps = lround(n);

@@ -308,8 +308,10 @@ static motion impact(int law, dem_grain grains[2])
 {
     const dem_collision_result c = impact_of(law);
     const double gap = 0.37 * c.time * SPEED, after = R + 0.1 * c.restitution * SPEED * c.time;
-    motion p = {laws[law].name, dem_definition_default(), 1.57 * c.time, SPEED * c.time,
-                malloc(8 * sizeof(double))};
+    motion p = {laws[law].name,
+                grains_bare(2, grains, laws[law].normal,
+                            (dem_material){.k_n = laws[law].k_n, .gamma_n = laws[law].gamma_n}),
+                1.57 * c.time, SPEED * c.time, malloc(8 * sizeof(double))};
     for (int i = 0; i < 2; i++) {
         const double side = i ? 1.0 : -1.0;
         grains[i] =
@@ -317,9 +319,6 @@ static motion impact(int law, dem_grain grains[2])
         memcpy(p.answer + 4 * i, (double[]){side * after, 1.0, 0.5 * side * c.restitution * SPEED, 0.0},
                4 * sizeof(double));
     }
-    p.def.gravity[1] = 0.0, p.def.normal = laws[law].normal, p.def.tangential = DEM_NONE;
-    p.def.material = (dem_material){.k_n = laws[law].k_n, .gamma_n = laws[law].gamma_n};
-    p.def.grains = grains, p.def.n_grains = 2;
     return p;
 }
 

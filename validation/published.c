@@ -95,19 +95,14 @@ static int vertical_rates(double t, const double y[], double rate[], void *data)
 static dem_sim *vertical_start(const vertical *p, const double y[2], double dt, const dem_hard *hard)
 {
     dem_grain grains[2] = {{0.0, y[0], p->r, p->m[0], 0.0, 0.0}, {0.0, y[1], p->r, p->m[1], 0.0, 0.0}};
-    dem_definition def = dem_definition_default();
-    def.gravity[1] = -G, def.normal = DEM_LINEAR, def.tangential = DEM_NONE;
-    def.material = (dem_material){.k_n = p->k};
-    def.dt = dt, def.grains = grains, def.n_grains = (size_t)p->n;
-    def.n_walls = (size_t)p->n;
+    dem_definition def = grains_bare((size_t)p->n, grains, DEM_LINEAR, (dem_material){.k_n = p->k});
+    def.gravity[1] = -G, def.dt = dt, def.n_walls = (size_t)p->n;
     def.walls[0] = grains_line(0.0, 0.0, 0.0, 1.0, &def.material);
     def.walls[1] = grains_line(0.0, p->lid, 0.0, -1.0, &def.material);
     def.walls[0].material.gamma_n = p->eta[0] / p->m[0];
     def.walls[1].material.gamma_n = p->eta[2] / p->m[1];
     if (p->n == 2) def.material.gamma_n = p->eta[1] * (1.0 / p->m[0] + 1.0 / p->m[1]);
-    if (hard) {
-        def.hard = *hard, def.tension = false;
-    }
+    if (hard) def.hard = *hard, def.tension = false;
     return grains_start(&def);
 }
 
@@ -290,15 +285,12 @@ static void run_strike(strike *p, double dt)
     const double gap = 0.381 * p->v_n * dt;
     dem_grain grains[2] = {{0.0, p->r + gap, p->r, p->m, p->u, -p->v_n, 0.0, p->omega},
                            {0.0, -p->r_other, p->r_other, p->m_other, 0.0, 0.0, 0.0, p->omega_other}};
-    dem_definition def = dem_definition_default();
-    def.gravity[1] = 0.0;
-    def.normal = p->hertz ? DEM_HERTZ : DEM_LINEAR;
+    dem_definition def =
+        grains_bare(2 - wall, grains, p->hertz ? DEM_HERTZ : DEM_LINEAR,
+                    (dem_material){.k_n = p->k, .gamma_n = p->gamma, .k_s = p->k_s, .mu = p->mu});
     def.tension = p->pulls, def.rotation = true, def.tangential = p->tangential;
-    def.material = (dem_material){.k_n = p->k, .gamma_n = p->gamma, .k_s = p->k_s, .mu = p->mu};
     if (p->tangential == DEM_SLIP_ROLL) def.material.gamma_s = 100.0 * strike_rate(p);
-    def.dt = dt, def.grains = grains;
-    def.n_grains = wall ? 1 : 2;
-    def.n_walls = wall;
+    def.dt = dt, def.n_walls = wall;
     def.walls[0] = grains_line(0.0, 0.0, 0.0, 1.0, &def.material);
     scoped_sim *sim = grains_start(&def);
     dem_state s[2] = {0};

@@ -136,13 +136,10 @@ static void collide(oblique *p, double steps)
     const double vx = p->v_s - R * spin[0] - r2 * spin[1];
     dem_grain grains[2] = {{0.0, R + gap, R, M, vx, -p->v_n, 0.0, spin[0]},
                            {0.0, -r2, r2, m2, 0.0, 0.0, 0.0, spin[1]}};
-    dem_definition def = dem_definition_default();
-    def.gravity[1] = 0.0, def.normal = DEM_LINEAR, def.rotation = true;
-    def.shape = p->shape;
-    def.material = (dem_material){.k_n = LINEAR_K, .k_s = p->k_s, .mu = p->mu};
-    def.dt = dt, def.grains = grains;
-    def.n_grains = p->pair ? 2 : 1;
-    def.n_walls = !p->pair;
+    dem_definition def = grains_bare(1 + p->pair, grains, DEM_LINEAR,
+                                     (dem_material){.k_n = LINEAR_K, .k_s = p->k_s, .mu = p->mu});
+    def.tangential = DEM_SPRING, def.rotation = true, def.shape = p->shape;
+    def.dt = dt, def.n_walls = !p->pair;
     def.walls[0] = grains_line(0.0, 0.0, 0.0, 1.0, &def.material);
     scoped_sim *sim = grains_start(&def);
     dem_state s[2] = {0};

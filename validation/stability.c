@@ -519,12 +519,10 @@ static gas_run run_gas(const equation_solver *with, double depth, double times)
                                 .vx = 0.5 * v * cos(angle),
                                 .vy = 0.5 * v * sin(angle)};
     }
-    dem_definition def = dem_definition_default();
+    dem_definition def = grains_bare(GAS, grains, DEM_HERTZ, (dem_material){.k_n = k_n});
     def.integrator = DEM_IMPLICIT, def.implicit.solver = with->solver;
-    def.implicit.tolerance = with->tolerance, def.tangential = DEM_NONE, def.gravity[1] = 0.0;
-    def.material = (dem_material){.k_n = k_n};
-    def.skin = 0.4 * R, def.dt = out.dt = times * out.contact_time, def.grains = grains;
-    def.n_grains = GAS;
+    def.implicit.tolerance = with->tolerance;
+    def.skin = 0.4 * R, def.dt = out.dt = times * out.contact_time;
     dem_box_walls(&def, 1.51, &def.material);
     def.walls[def.n_walls++] = grains_line(0.0, 1.51, 0.0, -1.0, &def.material);
     scoped_sim *sim = grains_start(&def);
