@@ -22,16 +22,20 @@ static void print_cell(FILE *out, const char *text)
 void case_near(case_problem *problem, const char *quantity, double expected, double observed, double bound,
                const char *format, ...)
 {
-    char parameters[256];
     va_list arguments;
     va_start(arguments, format);
-    vsnprintf(parameters, sizeof parameters, format, arguments);
+    vsnprintf(problem->parameters, sizeof problem->parameters, format, arguments);
     va_end(arguments);
+    case_also(problem, quantity, expected, observed, bound);
+}
+
+void case_also(case_problem *problem, const char *quantity, double expected, double observed, double bound)
+{
     const double error = fabs(observed - expected);
     const bool near = error <= bound;
     if (!near)
-        fprintf(stderr, "%s, %s: %s = %.17g, expected %.17g within %g\n", problem->problem, parameters,
-                quantity, observed, expected, bound);
+        fprintf(stderr, "%s, %s: %s = %.17g, expected %.17g within %g\n", problem->problem,
+                problem->parameters, quantity, observed, expected, bound);
     CU_ASSERT(near);
     const double ratio = isnan(error) ? INFINITY : error > 0.0 ? error / bound : 0.0;
     problem->n++;
@@ -39,7 +43,7 @@ void case_near(case_problem *problem, const char *quantity, double expected, dou
     if (!problem->text) problem->text = open_memstream(&problem->rows, &problem->size);
     CU_ASSERT_PTR_NOT_NULL_FATAL(problem->text);
     print_cell(problem->text, problem->problem);
-    print_cell(problem->text, parameters);
+    print_cell(problem->text, problem->parameters);
     print_cell(problem->text, quantity);
     fprintf(problem->text, "%.17g\t%.17g\t%.17g\t%.17g\n", expected, observed, error, bound);
 }

@@ -319,16 +319,13 @@ static void check_solver(impact *p)
             dem_collision_result c;
             CHECK_OK(dem_collision(
                 &(dem_head_on){p->law, !clipped, p->k_n, p->gamma_n, effective_mass(p), p->v}, &c));
-            const char *format = "%s %s damping=%g k_n=%g m_eff=%g v=%g";
-            const char *reading = clipped ? "pushes" : "pulls";
             /* some 1e2 to 1e3 adaptive steps of 1e-13; the largest overlap comes from a parabola through a
              * step of 0.01: some 1e-6 */
-            case_near(&solver_problem, "restitution", exact.restitution, c.restitution, 1e-10, format,
-                      LAW[p->law], reading, numbers[i], p->k_n, effective_mass(p), p->v);
-            case_near(&solver_problem, "time", exact.time, c.time, 1e-10 / exact.restitution * exact.time,
-                      format, LAW[p->law], reading, numbers[i], p->k_n, effective_mass(p), p->v);
-            case_near(&solver_problem, "overlap", exact.overlap, c.overlap, 2e-6 * exact.overlap, format,
-                      LAW[p->law], reading, numbers[i], p->k_n, effective_mass(p), p->v);
+            case_near(&solver_problem, "restitution", exact.restitution, c.restitution, 1e-10,
+                      "%s %s damping=%g k_n=%g m_eff=%g v=%g", LAW[p->law], clipped ? "pushes" : "pulls",
+                      numbers[i], p->k_n, effective_mass(p), p->v);
+            case_also(&solver_problem, "time", exact.time, c.time, 1e-10 / exact.restitution * exact.time);
+            case_also(&solver_problem, "overlap", exact.overlap, c.overlap, 2e-6 * exact.overlap);
         }
     }
 }

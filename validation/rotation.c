@@ -71,7 +71,6 @@ static void inside_law(void)
  * t = v0/(mu g (1 + b^2/(q r^2))). */
 static void check_rolls(int shape, double mu, double v0)
 {
-    const char *const name = shape == DEM_SPHERE ? "sphere" : "disk", *const format = "%s mu=%g v0=%g dt=%g";
     const double q = inertia_ratio(shape);
     dem_material c = {.k_n = 1e6, .gamma_n = 500.0, .k_s = 1e4, .gamma_s = 0.0, .mu = mu};
     dem_grain grain;
@@ -89,22 +88,20 @@ static void check_rolls(int shape, double mu, double v0)
     }
     /* the spring is loaded after mu m g/(k_s v0), the force a step later */
     const double late = mu * M * G / (1e4 * v0) + def.dt;
-    case_near(&rolls_problem, "time", exact, dem_time(sim) - def.dt * slip / (slip - last), late, format,
-              name, mu, v0, def.dt);
-    case_near(&rolls_problem, "distance", v0 * exact - 0.5 * mu * G * exact * exact, s.x, v0 * late, format,
-              name, mu, v0, def.dt);
-    case_near(&rolls_problem, "kept", v0, s.vx - q * R * R / b * s.omega,
-              DBL_EPSILON * v0 * dem_time(sim) / def.dt, format, name, mu, v0, def.dt);
+    case_near(&rolls_problem, "time", exact, dem_time(sim) - def.dt * slip / (slip - last), late,
+              "%s mu=%g v0=%g dt=%g", shape == DEM_SPHERE ? "sphere" : "disk", mu, v0, def.dt);
+    case_also(&rolls_problem, "distance", v0 * exact - 0.5 * mu * G * exact * exact, s.x, v0 * late);
+    case_also(&rolls_problem, "kept", v0, s.vx - q * R * R / b * s.omega,
+              DBL_EPSILON * v0 * dem_time(sim) / def.dt);
     dem_free(sim);
     /* the remaining spring force oscillates and decays as exp(-gamma_s (1 + 1/q) t/2) */
     def.walls[0].material.gamma_s = 40.0;
     sim = grains_start(&def);
     s = run(sim, exact + 0.6, def.dt);
-    case_near(&rolls_problem, "speed", v0 / (1.0 + ratio), s.vx, 1e-9 * v0, format, name, mu, v0, def.dt);
-    case_near(&rolls_problem, "spin", -s.vx / b, s.omega, 1e-9 * v0 / b, format, name, mu, v0, def.dt);
+    case_also(&rolls_problem, "speed", v0 / (1.0 + ratio), s.vx, 1e-9 * v0);
+    case_also(&rolls_problem, "spin", -s.vx / b, s.omega, 1e-9 * v0 / b);
     /* x + b angle is the slip distance; the conserved quantity gives the other relation */
-    case_near(&rolls_problem, "angle", v0 * dem_time(sim), s.x - q * R * R / b * s.angle, 1e-9 * v0, format,
-              name, mu, v0, def.dt);
+    case_also(&rolls_problem, "angle", v0 * dem_time(sim), s.x - q * R * R / b * s.angle, 1e-9 * v0);
     dem_free(sim);
 }
 
@@ -174,13 +171,11 @@ static void oblique_any(void)
         const double first = sqrt(a * p.k_s / LINEAR_K) * M_PI / steps * p.v_s;
         const double places = depth / R + (p.pair ? 2.0 * p.v_s * M_PI * depth / p.v_n / (R + 0.0871) : 0.0);
         const double bound = first + 3.0 * places * (p.v_s + p.v_n);
-        const char *const format = "%s %s k_s/k_n=%g mu=%g v_s/v_n=%g";
-        const char *const shape = p.shape == DEM_SPHERE ? "sphere" : "disk", *const on =
-                                                                                 p.pair ? "grain" : "wall";
-        case_near(&oblique_problem, "slip", out, p.out_s, bound, format, shape, on, kappas[i / 4 % 3], p.mu,
-                  slopes[i / 24]);
-        case_near(&oblique_problem, "spin", m_eff * (out - p.v_s) / (a * q * M * R), p.turned,
-                  m_eff * bound / (q * M * R), format, shape, on, kappas[i / 4 % 3], p.mu, slopes[i / 24]);
+        case_near(&oblique_problem, "slip", out, p.out_s, bound, "%s %s k_s/k_n=%g mu=%g v_s/v_n=%g",
+                  p.shape == DEM_SPHERE ? "sphere" : "disk", p.pair ? "grain" : "wall", kappas[i / 4 % 3],
+                  p.mu, slopes[i / 24]);
+        case_also(&oblique_problem, "spin", m_eff * (out - p.v_s) / (a * q * M * R), p.turned,
+                  m_eff * bound / (q * M * R));
     }
 }
 
