@@ -1,9 +1,8 @@
-/* The simulator: symmetries, conservation, the neighbour list, determinism, kernels, faults, bad input. */
+/* The simulator: symmetries, conservation, the neighbour list, kernels, faults, bad input. */
 #include <float.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "core/clock.h"
 #include "dem/setup/definition.h"
 #include "dem/state/method.h"
 #include "dem/scene/scene.h"
@@ -446,40 +445,6 @@ static void margins(void)
     for (int kernel = DEM_REFERENCE; kernel < DEM_KERNELS; kernel++)
         for (int hard = 0; hard < 2 && dem_kernel_runs(kernel); hard++) margins_of(hard, kernel);
 }
-
-/* The same bits for any division of the steps, from a clone, with the wall opened by the definition or by a
- * call, and with observation. */
-static void determinism_of(bool rotation)
-{
-    dem_definition def = grains_box(90, 2.2, 17, NULL);
-    def.rotation = rotation, def.material.mu_roll = rotation ? 0.1 : 0.0;
-    dem_sim *whole, *cut = grains_start(&def), *copy;
-    def.walls[2].open_at_step = 4001;
-    whole = grains_after(&def, 9000);
-    dem_state s[90];
-    for (int k = 0; k < 40; k++) {
-        dem_energy e;
-        dem_rest rest;
-        grains_run(cut, 100, s);
-        dem_energies(cut, &e);
-        dem_rest_state(cut, 0.0, 2.2, &rest);
-    }
-    dem_wall_open(cut, 2, INF);
-    CHECK_OK(dem_run(cut, 2500));
-    CHECK_OK(dem_clone(cut, &copy));
-    dem_free(cut);
-    dem_phases t = {0};
-    const double started = rp_clock();
-    CHECK_OK(dem_run_timed(copy, 2500, &t));
-    const double elapsed = rp_clock() - started, all = t.integration + t.lists + t.contacts + t.walls;
-    CU_ASSERT(t.integration > 0.0 && t.lists > 0.0 && t.contacts > 0.0 && t.walls > 0.0);
-    CU_ASSERT(all > 0.5 * elapsed && all <= elapsed * (1.0 + 1e-6));
-    CU_ASSERT(grains_same_bits(whole, copy));
-    CU_ASSERT(dem_count(copy) == 90);
-    dem_free(whole), dem_free(copy);
-}
-
-EITHER(determinism)
 
 /* The rotation of gravity keeps its length and accumulates to the angle. */
 static void gravity_turns(void)
@@ -1814,7 +1779,7 @@ static void arrays_follow_grains(void)
 
 CHECK_SUITE(dem, "dem", momentum, mirror_and_relabel, list_is_complete, grains_leave_the_list,
             work_is_counted, arrays_follow_grains, extra_rebuilds, integration_behind_the_pair_loop, margins,
-            determinism, gravity_turns, floor_that_ends, corner_without_rebuild, springs_end, rolling_couple,
+            gravity_turns, floor_that_ends, corner_without_rebuild, springs_end, rolling_couple,
             contacts_add_up, lifted_wall, lifted_wall_drags, outlet, filling, added_far_away,
             added_one_by_one, added_by_either_scheme, added_names_and_errors, faults, bad_definitions,
             defaults, contacts_of_the_start, ranges_of_numbers, ranges_of_walls, ranges_of_ground,

@@ -2,6 +2,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/clock.h"
 #include "dem/setup/definition.h"
 #include "dem/state/method.h"
 #include "dem/state/state.h"
@@ -260,13 +261,14 @@ static void sticking_contact_rings(void)
     }
 }
 
-/* The same bits for any division of the steps, from a clone, after many rebuilds of the list, while the box
- * or gravity rotates. */
+/* The same bits for any division of the steps, from a clone, with the wall opened by the definition or by a
+ * call, with observation, after many rebuilds of the list, while the box or gravity rotates. */
 static void determinism(void)
 {
     for (int k = 0; k < 2 * DEM_INTEGRATORS; k++) {
         dem_definition def = grains_box(90, 2.2, 5, NULL);
         def.integrator = k / 2, def.dt = 4e-5, def.x_max = 3.5;
+        def.rotation = k == 0, def.material.mu_roll = k == 0 ? 0.1 : 0.0;
         def.turn_from_step = 3000;
         *(k % 2 ? &def.box_turn_per_step : &def.turn_per_step) = 2e-5;
         def.walls[2].open_at_step = 4001;
@@ -277,14 +279,26 @@ static void determinism(void)
         def.walls[2].open_at_step = -1, def.box_turn_per_step = def.turn_per_step = 0.0;
         cut = grains_start(&def);
         CHECK_OK(dem_run(whole, 9000));
-        CHECK_OK(dem_run(cut, 3000));
+        for (int part = 0; part < 30; part++) {
+            dem_energy e;
+            dem_rest rest;
+            dem_state s[90];
+            grains_run(cut, 100, s);
+            dem_energies(cut, &e);
+            CHECK_OK(dem_rest_state(cut, 0.0, 2.2, &rest));
+        }
         (k % 2 ? dem_box_turn : dem_gravity_turn)(cut, 2e-5);
         CHECK_OK(dem_run(cut, 1000));
         dem_wall_open(cut, 2, INFINITY);
         CHECK_OK(dem_run(cut, 2500));
         CHECK_OK(dem_clone(cut, &copy));
         dem_free(cut);
-        CHECK_OK(dem_run(copy, 2500));
+        dem_phases t = {0};
+        const double started = rp_clock();
+        CHECK_OK(dem_run_timed(copy, 2500, &t));
+        const double elapsed = rp_clock() - started, all = t.integration + t.lists + t.contacts + t.walls;
+        CU_ASSERT(t.integration > 0.0 && t.lists > 0.0 && t.contacts > 0.0 && t.walls > 0.0);
+        CU_ASSERT(all > 0.5 * elapsed && all <= elapsed * (1.0 + 1e-6));
         CU_ASSERT(grains_same_bits(whole, copy));
         dem_counts counts;
         dem_count_work(copy, &counts);

@@ -7,6 +7,7 @@
  * Theory for a force that is not smooth at a contact within a step: a jump (damped law) gives an error of
  * first order, a kink (linear law, shear spring) of second, the exponent 3/2 of Hertz of order 5/2. Each
  * factor depends on the phase. */
+#include <gsl/gsl_fit.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -248,6 +249,8 @@ static errors leapfrog(const law *p, int variant, const rebound *exact, double n
 
 /* ---- the fits ---- */
 
+enum { MAX_SIZES = 16 };
+
 typedef struct {
     double slope, se;
 } fit;
@@ -261,18 +264,10 @@ static fit fit_order(int sizes, const double n[], const double error[])
     bool exact = true;
     for (int k = 0; k < sizes; k++) exact = exact && error[k] < EXACT;
     if (exact) return (fit){NAN, NAN};
-    double x = 0.0, y = 0.0, xx = 0.0, xy = 0.0, rest = 0.0;
-    for (int k = 0; k < sizes; k++) x -= log(n[k]) / sizes, y += log(error[k]) / sizes;
-    for (int k = 0; k < sizes; k++) {
-        const double dx = -log(n[k]) - x;
-        xx += dx * dx;
-        xy += dx * (log(error[k]) - y);
-    }
-    for (int k = 0; k < sizes; k++) {
-        const double r = log(error[k]) - y - xy / xx * (-log(n[k]) - x);
-        rest += r * r;
-    }
-    return (fit){xy / xx, sqrt(rest / (sizes - 2) / xx)};
+    double x[MAX_SIZES], y[MAX_SIZES], start, slope, cov[3], rest;
+    for (int k = 0; k < sizes; k++) x[k] = -log(n[k]), y[k] = log(error[k]);
+    gsl_fit_linear(x, 1, y, 1, (size_t)sizes, &start, &slope, cov, cov + 1, cov + 2, &rest);
+    return (fit){slope, sqrt(cov[2])};
 }
 
 /* ---- the suite ---- */
@@ -286,8 +281,6 @@ typedef struct {
 
 static const scheme located = {"located", leapfrog, LOCATED},
                     located_full_step = {"located_full_step", leapfrog, LOCATED_FULL_STEP};
-
-enum { MAX_SIZES = 16 };
 
 /* Does the simulator accept this time step? */
 static bool allowed(const law *p, const scheme *s, double dt)
