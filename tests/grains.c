@@ -146,6 +146,12 @@ dem_sim *grains_after(const dem_definition *def, long steps)
     return sim;
 }
 
+void grains_again(dem_sim **sim, const dem_definition *def, long steps)
+{
+    dem_free(*sim);
+    *sim = grains_after(def, steps);
+}
+
 dem_sim *grains_start_in_chunks(const dem_definition *def, size_t chunk)
 {
     dem_sim *sim = grains_start(def);

@@ -49,6 +49,7 @@ void grains_law(dem_definition *def, dem_normal_law law, double stiffness, doubl
 void grains_end(dem_sim **sim);
 dem_sim *grains_start(const dem_definition *def);
 dem_sim *grains_after(const dem_definition *def, long steps);
+void grains_again(dem_sim **sim, const dem_definition *def, long steps); /* in place of another */
 dem_sim *grains_start_in_chunks(const dem_definition *def, size_t chunk);
 dem_state grains_state_of_one(const dem_sim *sim);
 

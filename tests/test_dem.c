@@ -451,7 +451,7 @@ static void gravity_turns(void)
 {
     dem_grain grain = {0.0, 0.0, 0.1, 0.004, 0.0, 0.0};
     dem_definition def = grains_of(1, &grain);
-    dem_sim *sim = grains_start(&def);
+    scoped_sim *sim = grains_start(&def);
     double g[2], rate = 1e-3 * M_PI / 180.0;
     dem_gravity_turn(sim, rate);
     CHECK_OK(dem_run(sim, 30000));
@@ -464,17 +464,15 @@ static void gravity_turns(void)
     CHECK_OK(dem_run(sim, 10));
     dem_gravity(sim, g);
     CHECK_NEAR(g[0], 981.0 * sin(30000 * rate), 1e-9);
-    dem_free(sim);
     /* any angle a step, any unit of length; the norm is that of the start */
     def.gravity[1] = -0.3;
-    sim = grains_start(&def);
+    grains_again(&sim, &def, 0);
     dem_gravity_turn(sim, 1.0);
     CHECK_OK(dem_run(sim, 2000));
     dem_gravity(sim, g);
     CHECK_NEAR(g[0], 0.3 * sin(2000.0), 1e-12);
     CHECK_NEAR(g[1], -0.3 * cos(2000.0), 1e-12);
     CHECK_NEAR(hypot(g[0], g[1]), 0.3, 1e-16);
-    dem_free(sim);
 }
 
 /* Their series has 24 terms: at pi the first one left out is pi^24/24! = 1.4e-12 of the cosine. */
@@ -499,7 +497,7 @@ static void floor_that_ends(void)
     def.gravity[1] = -g, def.dt = 1e-5;
     put_wall(&def, 0.0, 0.0, 0.0, 1.0);
     def.walls[0].extent[1] = 1.0, def.y_min = -0.4;
-    dem_sim *sim = grains_start(&def);
+    scoped_sim *sim = grains_start(&def);
     dem_energy e0, e;
     dem_state s;
     dem_energies(sim, &e0);
@@ -516,13 +514,11 @@ static void floor_that_ends(void)
     CU_ASSERT(dem_count(sim) == 0); /* dropped below y_min */
     CU_ASSERT(lowest < -0.3);
     CHECK_NEAR(most, 0.0, 1e-4 * m * g * 0.4); /* second order in dt at the soft corner */
-    dem_free(sim);
     /* thrown back under the floor, it bounces off the underside without a reported leak */
     grain = (dem_grain){1.09, -0.15, r, m, -30.0, 20.0};
-    sim = grains_start(&def);
+    grains_again(&sim, &def, 0);
     grains_run(sim, 300, &s);
     CU_ASSERT(s.vy < 0.0 && s.y < 0.0);
-    dem_free(sim);
 }
 
 /* The same without a rebuild of the neighbour list: past the corner the grain is below the floor, not through
@@ -534,19 +530,17 @@ static void corner_without_rebuild(void)
     def.material.mu = 0.0, def.skin = 3.0;
     put_wall(&def, 0.0, 0.0, 0.0, 1.0);
     def.walls[0].extent[1] = 1.0;
-    dem_sim *sim = grains_start(&def);
+    scoped_sim *sim = grains_start(&def);
     dem_counts counts;
     dem_state s;
     CHECK_OK(dem_run(sim, 60)); /* now beyond the corner */
-    dem_free(sim);
     grain = (dem_grain){1.15, 0.12, 0.1, 0.0042, 0.0, -150.0};
     def.gravity[0] = -40000.0; /* round the corner and back under the floor */
-    sim = grains_start(&def);
+    grains_again(&sim, &def, 0);
     grains_run(sim, 90, &s);
     dem_count_work(sim, &counts);
     CU_ASSERT_EQUAL(counts.rebuilds, 1);
     CU_ASSERT(s.x < 1.0 && s.y < -0.1);
-    dem_free(sim);
 }
 
 /* A shear spring ends with its contact: a grain that bounces between a heavy grain and a ceiling, sliding
@@ -687,7 +681,7 @@ static void outlet(void)
     dem_definition def = grains_afloat(3, grains);
     def.x_max = 0.30125; /* passed in step 603 of 5e-4 each */
     def.y_min = 0.49975; /* passed in step 1001 */
-    dem_sim *sim = grains_after(&def, 602);
+    scoped_sim *sim = grains_after(&def, 602);
     CU_ASSERT_EQUAL(dem_count(sim), 3);
     CHECK_OK(dem_run(sim, 1));
     CU_ASSERT_EQUAL(dem_count(sim), 2);
@@ -698,13 +692,11 @@ static void outlet(void)
     dem_state s;
     grains_run(sim, 100, &s);
     CU_ASSERT(s.id == 3 && s.x == -0.5 && s.y == 2.0);
-    dem_free(sim);
     def.n_grains = 1; /* the last to go */
-    sim = grains_after(&def, 602);
+    grains_again(&sim, &def, 602);
     CU_ASSERT_EQUAL(dem_count(sim), 1);
     CHECK_OK(dem_run(sim, 1));
     CU_ASSERT_EQUAL(dem_count(sim), 0);
-    dem_free(sim);
 }
 
 /* A lifted wall releases grains below, and holds those above. */
@@ -717,24 +709,21 @@ static void lifted_wall(void)
     def.walls[0].extent[0] = -0.2, def.walls[0].open_at_step = 100;
     def.walls[0].open_speed = 100.0;
     grains[0].vx = 30.0;
-    dem_sim *sim = grains_after(&def, 99);
+    scoped_sim *sim = grains_after(&def, 99);
     dem_state s[2];
     dem_states(sim, s);
     CU_ASSERT(s[0].vx < 0.0 && s[1].vx < 0.0); /* both came back from the closed wall */
-    dem_free(sim);
     def.walls[0].open_at_step = 1; /* 0.1 s for the lower end to pass y = 0.8: too late for the upper grain */
     grains[0].x = 0.6;
-    sim = grains_start(&def);
+    grains_again(&sim, &def, 0);
     grains_run(sim, 700, s);
     CU_ASSERT(s[0].x > 1.2);
     CU_ASSERT(s[1].x < 1.0 && s[1].vx < 0.0);
-    dem_free(sim);
     def.walls[0].extent[1] = -0.1; /* lifted past its upper end: no corner remains for a grain above */
     grains[0] = (dem_grain){1.0, 0.5, 0.1, 0.0042, 0.0, 0.0};
-    sim = grains_start(&def);
+    grains_again(&sim, &def, 0);
     grains_run(sim, 700, s);
     CU_ASSERT(s[0].x == 1.0 && s[0].y == 0.5);
-    dem_free(sim);
 }
 
 static void filling(void)
@@ -912,32 +901,28 @@ static void faults(void)
     dem_definition def = grains_of(2, grains);
     put_wall(&def, 0.0, 0.0, 0.0, 1.0);
     def.walls[0].material.k_n = 10.0; /* too soft to carry the fall */
-    dem_sim *sim = grains_start(&def);
+    scoped_sim *sim = grains_start(&def);
     CHECK_FAILS(dem_run(sim, 100000), RP_BROKEN, "grain 1: its centre passed wall 1");
     CU_ASSERT_EQUAL(dem_sim_fault(sim), DEM_FAULT_LEAKED);
-    dem_free(sim);
 
     def.n_walls = 0, def.gravity[1] = 0.0, def.material.k_n = 1.0;
     def.material.gamma_n = 0.0;
     grains[1].vy = -200.0;
     for (def.kernel = DEM_FAST; def.kernel < DEM_KERNELS; def.kernel++) {
         if (!dem_kernel_runs(def.kernel)) continue;
-        sim = grains_start(&def);
+        grains_again(&sim, &def, 0);
         CHECK_FAILS(dem_run(sim, 100000), RP_BROKEN, "overlap at step 31:");
         CU_ASSERT_EQUAL(dem_sim_fault(sim), DEM_FAULT_OVERLAP);
-        dem_free(sim);
     }
 
     def = dem_definition_default();
     def.grains = grains, def.n_grains = 1, def.gravity[1] = -1e9;
-    sim = grains_start(&def);
+    grains_again(&sim, &def, 0);
     CHECK_FAILS(dem_run(sim, 100000), RP_BROKEN, "too_fast at step");
-    dem_free(sim);
     def.gravity[1] = -1e308, def.dt = 1e100, def.material.k_n = def.material.k_s = 1e-300;
     def.material.gamma_n = def.material.gamma_s = 0.0;
-    sim = grains_start(&def);
+    grains_again(&sim, &def, 0);
     CHECK_FAILS(dem_run(sim, 100000), RP_BROKEN, "non_finite at step");
-    dem_free(sim);
 }
 
 /* Which of some pairs and grains at walls are looked at, and what is said: an overlap may be as large as the
@@ -1300,19 +1285,18 @@ static void contacts_of_the_start(void)
     def.walls[1] = grains_line(0.3, 0.0, 0.0, 1.0, &def.material);
     def.walls[2] = grains_line(2.5, 1.0, 0.0, 1.0, &def.material);
     def.walls[2].extent[0] = -0.5, def.walls[2].extent[1] = 2.0;
-    dem_sim *sim = grains_after(&def, 20);
+    scoped_sim *sim = grains_after(&def, 20);
     dem_state s[N];
     scoped dem_contact *before = NULL, *after = NULL;
     size_t n, n_after;
     CHECK_OK(dem_states(sim, s));
     CHECK_OK(dem_contacts(sim, &before, &n));
-    dem_free(sim);
     CU_ASSERT(n > 64 + 4);
     for (int i = 0; i < N; i++)
         grains[i].x = s[i].x, grains[i].y = s[i].y, grains[i].vx = s[i].vx, grains[i].vy = s[i].vy,
         grains[i].angle = s[i].angle, grains[i].omega = s[i].omega;
     def.contacts = before, def.n_contacts = n;
-    sim = grains_start(&def);
+    grains_again(&sim, &def, 0);
     CHECK_OK(dem_contacts(sim, &after, &n_after));
     CU_ASSERT_EQUAL(n, n_after);
     size_t rolled = 0;
@@ -1325,7 +1309,6 @@ static void contacts_of_the_start(void)
         CHECK_NEAR(c->overlap, before[k].overlap, 1e-14);
     }
     CU_ASSERT(rolled > n - 4);
-    dem_free(sim);
 }
 
 /* The limit of dt in a box. */
@@ -1566,22 +1549,20 @@ static void overlap_of_the_start(void)
                                       : m[0] * m[1] / (m[0] + m[1]),
                      crowd = k == 5 ? (1.0 / m[0] + M_PI / 6.0 / asin(0.25) / m[1]) * m_eff : 1.0,
                      limit = 0.85 * 4.0 / sqrt(12.0 * 1.5 * k_n * sqrt(d) * crowd / m_eff);
-        dem_sim *sim = NULL;
+        scoped_sim *sim = NULL;
         dem_energy energy;
         def.dt = 1.0001 * limit;
         CHECK_FAILS(dem_create(&def, &sim), RP_BAD_INPUT, "too large for an initial overlap");
         def.dt = 0.9999 * limit;
-        sim = grains_start(&def);
+        grains_again(&sim, &def, 0);
         dem_energies(sim, &energy);
         CHECK_NEAR(energy.elastic / (0.4 * k_n * pow(d, 2.5)), 1.0, 1e-12);
         const dem_contact c = grains_only_contact(sim);
         CU_ASSERT(c.shear_force == 0.0 && c.rolling_torque == 0.0);
-        dem_free(sim);
         def.normal = DEM_LINEAR, def.dt = 1e-7;
-        sim = grains_start(&def);
+        grains_again(&sim, &def, 0);
         dem_energies(sim, &energy);
         CHECK_NEAR(energy.elastic / (0.5 * k_n * d * d), 1.0, 1e-12);
-        dem_free(sim);
     }
 }
 
@@ -1672,32 +1653,29 @@ static void state_near_rest(void)
                                  {.x = -0.5, .y = 0.6, .r = 0.1, .m = 0.004, .vx = 50.0}};
     dem_definition def = grains_afloat(4, grains);
     def.rotation = true, def.dt = dt;
-    dem_sim *sim = grains_start(&def);
+    scoped_sim *sim = grains_start(&def);
     dem_rest rest;
     CHECK_OK(dem_rest_state(sim, 0.0, 1.0, &rest));
     CU_ASSERT(rest.n == 1 && rest.contact_number == 0.0 && rest.net_force == 0.0);
     const double inertia = dem_inertia(def.shape, 0.004, 0.1);
     CHECK_NEAR(rest.kinetic_energy, 0.5 * inertia * 9.0, 1e-12);
-    dem_free(sim);
     def.n_grains = 2, def.box_turn_per_step = turn;
-    sim = grains_after(&def, 1);
+    grains_again(&sim, &def, 1);
     CHECK_OK(dem_rest_state(sim, 0.0, 1.0, &rest));
     /* the point of the box reached the grain's position along a chord; its spin is clockwise */
     const double chord = hypot(0.5, 0.6) * 2.0 * sin(0.5 * turn) / dt, spin = 3.0 + sin(turn) / dt;
     CHECK_NEAR(rest.kinetic_energy, 0.5 * 0.004 * chord * chord + 0.5 * inertia * spin * spin, 1e-10);
-    dem_free(sim);
     /* one on a floor that carries half of its weight, and one in free fall */
     dem_grain two[2] = {{.x = 0.5, .r = 0.1, .m = 0.004}, {.x = 0.5, .y = 1.0, .r = 0.1, .m = 0.004}};
     def = dem_definition_default();
     two[0].y = 0.1 - pow(0.5 * 0.004 * 981.0 / (2.0 * def.material.k_n), 2.0 / 3.0);
     def.grains = two, def.n_grains = 2;
     put_wall(&def, 0.0, 0.0, 0.0, 1.0);
-    sim = grains_start(&def);
+    grains_again(&sim, &def, 0);
     CHECK_OK(dem_rest_state(sim, 0.0, 1.0, &rest));
     CU_ASSERT(rest.n == 2 && rest.contact_number == 0.5);
     CHECK_NEAR(rest.net_force, 0.5 * 0.004 * 981.0, 1e-9);
     CHECK_NEAR(rest.free_force, 0.004 * 981.0, 1e-9);
-    dem_free(sim);
 }
 
 /* Both limits count; where looks follow soon, a grain in the air is at rest only if nothing accelerates it.

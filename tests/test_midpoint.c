@@ -342,23 +342,20 @@ static void what_is_not_solved(void)
     def.material.gamma_n = 0.0;
     def.dt *= 10.0;
     def.implicit = (dem_implicit_solver){DEM_SOLVER_SOR, 1.9, 1e-12, 300};
-    dem_sim *sim = grains_start(&def);
+    scoped_sim *sim = grains_start(&def);
     CHECK_FAILS(dem_run(sim, 100), RP_BROKEN, "after 300 sweeps its own Newton step is");
     CU_ASSERT_EQUAL(dem_sim_fault(sim), DEM_FAULT_NOT_SOLVED);
-    dem_free(sim);
     def.implicit = (dem_implicit_solver){DEM_SOLVER_DIRECT, 0.7, 1e-12, 1};
-    sim = grains_start(&def);
+    grains_again(&sim, &def, 0);
     CHECK_FAILS(dem_run(sim, 100), RP_BROKEN, "after 1 factorisations");
     dem_counts counts;
     dem_count_work(sim, &counts);
     CU_ASSERT(counts.iterations == 1.0);
-    dem_free(sim);
     grains[11].vx = 0.11 / def.dt; /* the skin is 0.2 */
     def.implicit.max_iterations = 100;
-    sim = grains_start(&def);
+    grains_again(&sim, &def, 0);
     CHECK_FAILS(dem_run(sim, 100), RP_BROKEN, "in one step, half the skin is 0.1");
     CU_ASSERT_EQUAL(dem_sim_fault(sim), DEM_FAULT_TOO_FAST);
-    dem_free(sim);
 }
 
 /* The tolerance limits the displacement that the residual of a grain implies for this grain alone, over its

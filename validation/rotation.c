@@ -78,7 +78,7 @@ static void check_rolls(int shape, double mu, double v0)
     def.shape = shape;
     grain.vx = v0;
     const double b = grain.y, ratio = q * R * R / (b * b), exact = v0 / (mu * G * (1.0 + 1.0 / ratio));
-    dem_sim *sim = grains_start(&def);
+    scoped_sim *sim = grains_start(&def);
     dem_state s = {0};
     double slip = v0, last = v0;
     while (dem_time(sim) < 2.0 * exact && slip > 0.0) {
@@ -93,16 +93,14 @@ static void check_rolls(int shape, double mu, double v0)
     case_also(&rolls_problem, "distance", v0 * exact - 0.5 * mu * G * exact * exact, s.x, v0 * late);
     case_also(&rolls_problem, "kept", v0, s.vx - q * R * R / b * s.omega,
               DBL_EPSILON * v0 * dem_time(sim) / def.dt);
-    dem_free(sim);
     /* the remaining spring force oscillates and decays as exp(-gamma_s (1 + 1/q) t/2) */
     def.walls[0].material.gamma_s = 40.0;
-    sim = grains_start(&def);
+    grains_again(&sim, &def, 0);
     s = run(sim, exact + 0.6, def.dt);
     case_also(&rolls_problem, "speed", v0 / (1.0 + ratio), s.vx, 1e-9 * v0);
     case_also(&rolls_problem, "spin", -s.vx / b, s.omega, 1e-9 * v0 / b);
     /* x + b angle is the slip distance; the conserved quantity gives the other relation */
     case_also(&rolls_problem, "angle", v0 * dem_time(sim), s.x - q * R * R / b * s.angle, 1e-9 * v0);
-    dem_free(sim);
 }
 
 static void slides_then_rolls(void)
