@@ -93,12 +93,18 @@ static void one_thread(void)
     CU_ASSERT(grains_same_bits(one, timed) && times.lists > 0.0 && times.walls > 0.0);
 }
 
-/* A fault is found at the same step, with the same message. */
+/* A fault is found at the same step, with the same message: by the reference loop, in chunks, and in threads.
+ */
 static void fault(bool wall)
 {
-    const dem_definition def = grains_too_soft(wall);
+    dem_definition def = grains_too_soft(wall);
     scoped_sim *one = start(&def, 1), *three = start(&def, 3);
-    grains_break_alike(one, three);
+    for (int k = 0; k < 2; k++) {
+        def.kernel = DEM_REFERENCE;
+        scoped_sim *reference = grains_start_in_chunks(&def, 0);
+        grains_break_alike(reference, k ? three : one);
+    }
+    CU_ASSERT(one->pairs.n_chunks > 0);
 }
 
 /* Of an overlap with a grain or a wall; of a number that a rebuilding finds. */

@@ -262,7 +262,7 @@ typedef struct {
     bool hertz, pulls;
     int tangential; /* slip_roll slides from the first step, since it has no spring */
     double v_n, u, omega, omega_other;
-    double out_n, out_u, out_omega, out_u_other, depth, force, time;
+    double out_n, out_u, out_omega, depth, force, time;
 } strike;
 
 static double strike_mass(const strike *p)
@@ -274,6 +274,23 @@ static double strike_rate(const strike *p)
 {
     const double m = strike_mass(p), deepest = pow(1.25 * m * p->v_n * p->v_n / p->k, 0.4);
     return sqrt((p->hertz ? 1.5 * p->k * sqrt(deepest) : p->k) / m);
+}
+
+/* Step by step until they part. */
+static void follow(strike *p, dem_sim *sim, double dt)
+{
+    const bool wall = isinf(p->m_other);
+    dem_state s[2] = {0};
+    double overlap;
+    p->depth = p->force = 0.0;
+    do {
+        CU_ASSERT_FATAL(dem_run(sim, 1) == RP_OK && dem_time(sim) * strike_rate(p) < 100.0);
+        dem_states(sim, s);
+        overlap = wall ? p->r - s[0].y : p->r + p->r_other - hypot(s[0].x - s[1].x, s[0].y - s[1].y);
+        p->depth = fmax(p->depth, overlap), p->force = fmax(p->force, s[0].fy);
+    } while (s[0].contacts > 0 || dem_time(sim) < 2.0 * dt);
+    p->out_n = s[0].vy - s[1].vy, p->out_u = s[0].vx, p->out_omega = s[0].omega;
+    p->time = dem_time(sim) + overlap / p->out_n - 0.381 * dt;
 }
 
 static void run_strike(strike *p, double dt)
@@ -290,21 +307,7 @@ static void run_strike(strike *p, double dt)
     def.dt = dt, def.n_walls = wall;
     def.walls[0] = grains_line(0.0, 0.0, 0.0, 1.0, &def.material);
     scoped_sim *sim = grains_start(&def);
-    dem_state s[2] = {0};
-    double overlap;
-    p->depth = p->force = 0.0;
-    do {
-        CU_ASSERT_FATAL(dem_run(sim, 1) == RP_OK && dem_time(sim) * strike_rate(p) < 100.0);
-        dem_states(sim, s);
-        overlap = wall ? p->r - s[0].y : p->r + p->r_other - hypot(s[0].x - s[1].x, s[0].y - s[1].y);
-        p->depth = fmax(p->depth, overlap);
-        p->force = fmax(p->force, s[0].fy);
-    } while (s[0].contacts > 0 || dem_time(sim) < 2.0 * dt);
-    p->out_n = s[0].vy - s[1].vy;
-    p->out_u = s[0].vx;
-    p->out_omega = s[0].omega;
-    p->out_u_other = s[1].vx;
-    p->time = dem_time(sim) + overlap / p->out_n - 0.381 * dt;
+    follow(p, sim, dt);
 }
 
 /* DEM05: aluminium oxide on glass at 3.9 m/s, linear springs. */
@@ -370,20 +373,13 @@ static const double KHARAZ_ANGLE[][2] = {{2.2945, 1.7630},   {4.2922, 2.9577},  
                                        {20.0845, 0.5964}, {30.2218, 0.6883}, {39.3031, 0.7719},
                                        {49.5459, 0.8469}, {59.8416, 0.9019}};
 
-static double rebound_angle(const strike *p)
-{
-    return atan2(p->out_u, p->out_n) * 180.0 / M_PI;
-}
-
-static double rebound_spin(const strike *p)
-{
-    return -p->out_omega;
-}
-
-static double rebound_e_t(const strike *p)
-{
-    return p->out_u / p->u;
-}
+static const struct {
+    const char *quantity;
+    const double (*data)[2];
+    size_t n;
+} KHARAZ[] = {{"rebound angle", KHARAZ_ANGLE, sizeof KHARAZ_ANGLE / sizeof *KHARAZ_ANGLE},
+              {"spin", KHARAZ_SPIN, sizeof KHARAZ_SPIN / sizeof *KHARAZ_SPIN},
+              {"tangential restitution", KHARAZ_E_T, sizeof KHARAZ_E_T / sizeof *KHARAZ_E_T}};
 
 /* A sphere on a wall by a scene's `material`, in SI: E, nu, those of the wall (E = INFINITY: rigid),
  * restitution. */
@@ -409,15 +405,7 @@ static void run_material(strike *p, double density, double E, double nu, double 
              density, dt, E, nu, e, p->mu, wall, p->r + 0.381 * p->v_n * dt, p->r, p->u, -p->v_n, p->omega);
     CHECK_OK(grains_read(text, NULL, &scene));
     CHECK_OK(dem_scene_start(&scene, &sim));
-    dem_state s;
-    p->depth = p->force = 0.0;
-    do {
-        CU_ASSERT_FATAL(dem_run(sim, 1) == RP_OK && dem_time(sim) * strike_rate(p) < 100.0);
-        dem_states(sim, &s);
-        p->depth = fmax(p->depth, p->r - s.y), p->force = fmax(p->force, s.fy);
-    } while (s.contacts > 0 || dem_time(sim) < 2.0 * dt);
-    p->out_n = s.vy, p->out_u = s.vx, p->out_omega = s.omega;
-    p->time = dem_time(sim) + (p->r - s.y) / p->out_n - 0.381 * dt;
+    follow(p, sim, dt);
     rp_units_set(RP_CGS);
 }
 
@@ -434,26 +422,20 @@ static void on_glass(strike *p)
 }
 
 /* Mean of |simulated - measured| over the mean of |measured|. */
-static void check_kharaz(case_problem *problem, void (*run)(strike *p), const char *quantity,
-                         const double (*data)[2], size_t n, double (*observe)(const strike *p))
-{
-    double error = 0.0, size = 0.0;
-    for (size_t i = 0; i < n; i++) {
-        strike p = oxide(data[i][0]);
-        run(&p);
-        error += fabs(observe(&p) - data[i][1]);
-        size += fabs(data[i][1]);
-    }
-    case_near(problem, quantity, 0.0, error / size, 0.1, "mean error over %zu angles, relative", n);
-}
-
 static void check_rebounds(case_problem *problem, void (*run)(strike *p))
 {
-    check_kharaz(problem, run, "rebound angle", KHARAZ_ANGLE, sizeof KHARAZ_ANGLE / sizeof *KHARAZ_ANGLE,
-                 rebound_angle);
-    check_kharaz(problem, run, "spin", KHARAZ_SPIN, sizeof KHARAZ_SPIN / sizeof *KHARAZ_SPIN, rebound_spin);
-    check_kharaz(problem, run, "tangential restitution", KHARAZ_E_T, sizeof KHARAZ_E_T / sizeof *KHARAZ_E_T,
-                 rebound_e_t);
+    for (int q = 0; q < 3; q++) {
+        double error = 0.0, size = 0.0;
+        for (size_t i = 0; i < KHARAZ[q].n; i++) {
+            strike p = oxide(KHARAZ[q].data[i][0]);
+            run(&p);
+            const double observed[] = {atan2(p.out_u, p.out_n) * 180.0 / M_PI, -p.out_omega, p.out_u / p.u};
+            error += fabs(observed[q] - KHARAZ[q].data[i][1]);
+            size += fabs(KHARAZ[q].data[i][1]);
+        }
+        case_near(problem, KHARAZ[q].quantity, 0.0, error / size, 0.1, "mean error over %zu angles, relative",
+                  KHARAZ[q].n);
+    }
 }
 
 static void kharaz_rebounds(void)
