@@ -115,9 +115,7 @@ typedef struct {
     bool pair;
     int shape;
     double k_s, mu, v_n, v_s;
-    double out_n, out_s;       /* after */
-    double impulse_n, impulse; /* on the first grain, normal and along s */
-    double turned;             /* change of its spin */
+    double out_s, turned; /* after; change of the first grain's spin */
 } oblique;
 
 static const double LINEAR_K = 1e5;
@@ -142,10 +140,7 @@ static void collide(oblique *p, double steps)
         CU_ASSERT_FATAL(dem_run(sim, 10) == RP_OK && dem_time(sim) < 3.0 * steps * dt);
         dem_states(sim, s);
     } while (s[0].contacts > 0 || dem_time(sim) < 2.0 * dt);
-    p->out_n = s[0].vy - s[1].vy;
     p->out_s = s[0].vx - s[1].vx + R * s[0].omega + r2 * s[1].omega;
-    p->impulse_n = M * (s[0].vy + p->v_n);
-    p->impulse = M * (s[0].vx - vx);
     p->turned = s[0].omega - spin[0];
 }
 
