@@ -90,18 +90,29 @@ CHECK_UNIT(X)
 CHECK_VALIDATION(X)
 #undef X
 
-/* Register a suite of (name, function) pairs ended by a NULL name. */
+/* A suite: its tests in the order in which they run, each named as its function, with blanks for underscores
+ * and without "test ". SUMMED: the last reads what the others left, which then run before it in the same
+ * process. WITHIN: with what is done before each test, and after it even where the test has ended early. */
+#define CHECK_SUITE(suite, title, ...)        CHECK_SUITE_OF(suite, title, NULL, NULL, false, __VA_ARGS__)
+#define CHECK_SUITE_SUMMED(suite, title, ...) CHECK_SUITE_OF(suite, title, NULL, NULL, true, __VA_ARGS__)
+#define CHECK_SUITE_WITHIN(suite, title, before, after, ...)                                                 \
+    CHECK_SUITE_OF(suite, title, before, after, false, __VA_ARGS__)
+#define CHECK_SUITE_OF(suite, title, before, after, summed, ...)                                             \
+    void suite_##suite(void)                                                                                 \
+    {                                                                                                        \
+        check_suite(title, before, after, summed, #__VA_ARGS__, (check_test *const[]){__VA_ARGS__});         \
+    }
+typedef void check_test(void);
+void check_suite(const char *suite, check_test *before, check_test *after, bool summed, const char *names,
+                 check_test *const tests[]);
+
+/* The same of (name, function) pairs ended by a NULL name. */
 typedef struct {
     const char *name;
-    void (*function)(void);
-    bool
-        after_all; /* reads what the suite's other tests left, which then run before it in the same process */
+    check_test *function;
 } check_case;
 void check_register(const char *suite, const check_case *cases);
-
-/* The same with what is done before each test, and after it even where the test has ended early. */
-void check_register_within(const char *suite, void (*before)(void), void (*after)(void),
-                           const check_case *cases);
+void check_register_within(const char *suite, check_test *before, check_test *after, const check_case *cases);
 
 /* Memory of malloc that is freed at the end of its pointer's scope. */
 #define scoped __attribute__((cleanup(check_free)))
@@ -115,8 +126,13 @@ bool check_full(void);
 
 /* A table of the suite that NAME begins with, for NAME chaos_fit DIR/chaos/fit.tsv, for chaos
  * DIR/chaos/chaos.tsv, with its provenance, to be finished by check_table_close; NULL unless `check --full -o
- * DIR`. */
-FILE *check_table(const char *name);
+ * DIR`. Columns as of rp_table_header; NULL: notes come first. */
+FILE *check_table(const char *name, const char *columns);
+
+/* A row of the table, if there is one: numbers, and a last word, or NULL. */
+#define CHECK_ROW(table, word, ...)                                                                          \
+    check_row(table, sizeof((double[]){__VA_ARGS__}) / sizeof(double), (double[]){__VA_ARGS__}, word)
+void check_row(FILE *table, size_t n, const double values[], const char *word);
 void check_table_close(FILE *table, const char *name);
 
 /* |a - b| <= tolerance; NaN fails. On failure the values are printed. */

@@ -34,6 +34,13 @@ dem_definition grains_afloat(size_t n, const dem_grain *grains)
     return def;
 }
 
+dem_definition grains_bare(size_t n, const dem_grain *grains, dem_normal_law law, dem_material material)
+{
+    dem_definition def = grains_afloat(n, grains);
+    def.normal = law, def.tangential = DEM_NONE, def.material = material;
+    return def;
+}
+
 void grains_run(dem_sim *sim, long steps, dem_state *states)
 {
     CHECK_OK(dem_run(sim, steps));
@@ -50,11 +57,8 @@ void grains_on_floor(dem_definition *def, size_t n, const dem_grain *grains)
 
 dem_definition grains_disks(size_t n, const dem_grain *grains, double k)
 {
-    dem_definition def = dem_definition_default();
-    def.integrator = DEM_IMPLICIT, def.gravity[1] = -1.0, def.normal = DEM_LINEAR;
-    def.tangential = DEM_NONE, def.shape = DEM_DISK;
-    def.material = (dem_material){.k_n = k};
-    def.grains = grains, def.n_grains = n;
+    dem_definition def = grains_bare(n, grains, DEM_LINEAR, (dem_material){.k_n = k});
+    def.integrator = DEM_IMPLICIT, def.gravity[1] = -1.0, def.shape = DEM_DISK;
     return def;
 }
 
@@ -140,6 +144,12 @@ dem_sim *grains_after(const dem_definition *def, long steps)
     dem_sim *sim = grains_start(def);
     CHECK_OK(dem_run(sim, steps));
     return sim;
+}
+
+void grains_again(dem_sim **sim, const dem_definition *def, long steps)
+{
+    dem_free(*sim);
+    *sim = grains_after(def, steps);
 }
 
 dem_sim *grains_start_in_chunks(const dem_definition *def, size_t chunk)

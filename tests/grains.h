@@ -12,6 +12,9 @@ dem_wall grains_line(double x, double y, double nx, double ny, const dem_materia
 dem_definition grains_of(size_t n, const dem_grain *grains);
 dem_definition grains_afloat(size_t n, const dem_grain *grains);
 
+/* Without gravity and tangential forces, and of a material what is named. */
+dem_definition grains_bare(size_t n, const dem_grain *grains, dem_normal_law law, dem_material material);
+
 /* The grains, and as the only wall a floor of the definition's material through the origin. */
 void grains_on_floor(dem_definition *def, size_t n, const dem_grain *grains);
 
@@ -46,6 +49,7 @@ void grains_law(dem_definition *def, dem_normal_law law, double stiffness, doubl
 void grains_end(dem_sim **sim);
 dem_sim *grains_start(const dem_definition *def);
 dem_sim *grains_after(const dem_definition *def, long steps);
+void grains_again(dem_sim **sim, const dem_definition *def, long steps); /* in place of another */
 dem_sim *grains_start_in_chunks(const dem_definition *def, size_t chunk);
 dem_state grains_state_of_one(const dem_sim *sim);
 

@@ -45,23 +45,50 @@ static bool is_wanted(const char *name)
     return !only || strstr(name, only);
 }
 
+static void add_test(CU_pSuite *s, const char *suite, check_test *before, check_test *after, const char *name,
+                     check_test *test)
+{
+    if (!*s) *s = CU_add_suite_with_setup_and_teardown(suite, NULL, NULL, before, after);
+    if (!*s || !CU_add_test(*s, name, test)) broken_registrations++;
+}
+
+/* The name that a list "test_one, two, ..." begins with, as that of a test; returns the rest of the list. */
+static const char *first_name(const char *names, char name[static 128])
+{
+    const size_t from = strncmp(names, "test_", 5) == 0 ? 5 : 0, to = strcspn(names, ",");
+    snprintf(name, 128, "%.*s", (int)(to - from), names + from);
+    for (char *c = name; *c; c++)
+        if (*c == '_') *c = ' ';
+    return names + to + strspn(names + to, ", ");
+}
+
+void check_suite(const char *suite, check_test *before, check_test *after, bool summed, const char *names,
+                 check_test *const tests[])
+{
+    CU_pSuite s = NULL;
+    char name[128];
+    const char *last = strrchr(names, ' ');
+    first_name(last ? last + 1 : names, name);
+    const bool all = summed && is_wanted(name);
+    while (*names) {
+        names = first_name(names, name);
+        if (all || (is_wanted(name) && !(summed && !*names)))
+            add_test(&s, suite, before, after, name, *tests);
+        tests++;
+    }
+    if (all && n_joint < sizeof joint / sizeof *joint) joint[n_joint++] = s;
+}
+
 void check_register(const char *suite, const check_case *cases)
 {
     check_register_within(suite, NULL, NULL, cases);
 }
 
-void check_register_within(const char *suite, void (*before)(void), void (*after)(void),
-                           const check_case *cases)
+void check_register_within(const char *suite, check_test *before, check_test *after, const check_case *cases)
 {
     CU_pSuite s = NULL;
-    bool all = false;
-    for (const check_case *c = cases; c->name; c++) all |= c->after_all && is_wanted(c->name);
-    for (const check_case *c = cases; c->name; c++) {
-        if (!all && (c->after_all || !is_wanted(c->name))) continue;
-        if (!s) s = CU_add_suite_with_setup_and_teardown(suite, NULL, NULL, before, after);
-        if (!s || !CU_add_test(s, c->name, c->function)) broken_registrations++;
-    }
-    if (all && n_joint < sizeof joint / sizeof *joint) joint[n_joint++] = s;
+    for (const check_case *c = cases; c->name; c++)
+        if (is_wanted(c->name)) add_test(&s, suite, before, after, c->name, c->function);
 }
 
 void check_free(void *pointer)
@@ -85,7 +112,7 @@ static void table_path(const char *name, char path[static 512])
     snprintf(path, 512, "%s/%.*s/%s.tsv", folder, (int)strcspn(name, "_"), name, table ? table + 1 : name);
 }
 
-FILE *check_table(const char *name)
+FILE *check_table(const char *name, const char *columns)
 {
     FILE *out = NULL;
     if (!full || !folder) return NULL;
@@ -96,7 +123,14 @@ FILE *check_table(const char *name)
     table_path(name, path);
     CHECK_OK(rp_file_open(path, &out));
     if (out) rp_table_provenance(out, "check --full");
+    if (out && columns) rp_table_header(out, columns);
     return out;
+}
+
+void check_row(FILE *table, size_t n, const double values[], const char *word)
+{
+    if (table && word) rp_table_row_word(table, n, values, word);
+    if (table && !word) rp_table_row(table, n, values);
 }
 
 void check_table_close(FILE *table, const char *name)

@@ -18,7 +18,7 @@ gsl_rng *numbers_of(unsigned long seed, unsigned long run)
 
 void numbers_text(gsl_rng *rng, const char *without, char text[NUMBERS_TEXT])
 {
-    static const char *const parts[] = {"`>hit`",
+    static const char *const words[] = {"`>hit`",
                                         "$(>hit)",
                                         "`touch hit`",
                                         "$(touch hit)",
@@ -34,51 +34,15 @@ void numbers_text(gsl_rng *rng, const char *without, char text[NUMBERS_TEXT])
                                         "..",
                                         ">hit",
                                         "!touch hit",
-                                        "\xc3\xa9",
-                                        "'",
-                                        "\"",
-                                        "\\",
-                                        "`",
-                                        "$",
-                                        ";",
-                                        "|",
-                                        "&",
-                                        "<",
-                                        ">",
-                                        "#",
-                                        "%",
-                                        "{",
-                                        "}",
-                                        "[",
-                                        "]",
-                                        "(",
-                                        ")",
-                                        "*",
-                                        "?",
-                                        "~",
-                                        "!",
-                                        "^",
-                                        "@",
-                                        "=",
-                                        "+",
-                                        "-",
-                                        "_",
-                                        ",",
-                                        ".",
-                                        ":",
-                                        "/",
-                                        " ",
-                                        "\n",
-                                        "\t",
-                                        "\r",
-                                        "\x01",
-                                        "a",
-                                        "Z",
-                                        "9"};
+                                        "\xc3\xa9"};
+    static const char letters[] = "'\"\\`$;|&<>#%{}[]()*?~!^@=+-_,.:/ \n\t\r\x01"
+                                  "aZ9";
+    const size_t n_words = sizeof words / sizeof *words;
     const size_t most = 1 + gsl_rng_uniform_int(rng, NUMBERS_TEXT - 1);
     *text = '\0';
     for (int k = 0; k < 12 || !*text; k++) {
-        const char *part = parts[gsl_rng_uniform_int(rng, sizeof parts / sizeof *parts)];
+        const size_t at = gsl_rng_uniform_int(rng, n_words + sizeof letters - 1);
+        const char *part = at < n_words ? words[at] : (char[]){letters[at - n_words], '\0'};
         if (strlen(text) + strlen(part) <= (*text ? most : NUMBERS_TEXT - 1) && !strpbrk(part, without))
             strcat(text, part);
     }

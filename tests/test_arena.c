@@ -103,13 +103,4 @@ static void exhausted(void)
     CU_ASSERT_PTR_NULL(rp_arena_mark(&arena));
 }
 
-void suite_arena(void)
-{
-    static const check_case cases[] = {{"the latest thing is released first, once", order},
-                                       {"memory is zeroed, with a zero behind it", zeroed},
-                                       {"paths in the format of printf", paths},
-                                       {"texts in the format of printf", texts},
-                                       {"without memory nothing is kept", exhausted},
-                                       {0}};
-    check_register("arena", cases);
-}
+CHECK_SUITE(arena, "arena", order, zeroed, paths, texts, exhausted)

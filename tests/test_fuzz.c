@@ -149,9 +149,4 @@ static void extreme_scenes(void)
     if (n_run < LEAST_RUN) fprintf(stderr, "%d of %d scenes ran\n", n_run, SCENES);
 }
 
-void suite_fuzz(void)
-{
-    static const check_case cases[] = {
-        {"corpus of every target", every_target}, {"extreme scenes", extreme_scenes}, {NULL, NULL}};
-    check_register("fuzz", cases);
-}
+CHECK_SUITE(fuzz, "fuzz", every_target, extreme_scenes)

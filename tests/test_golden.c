@@ -21,70 +21,39 @@ enum { GOLDEN_VERSION = 3 };
  * or so. */
 static const double ANGLE_TOLERANCE_DEG = 1e-9;
 
-typedef struct {
-    const char *name, *value;
-} named_text;
-typedef struct {
-    const char *name;
-    double value;
-} named_number;
+enum { MAX_SETTINGS = 16 };
 
-enum { MAX_HASHED = 16, MAX_SETTINGS = 16 }; /* and a name that is NULL */
-
+/* Settings NAME=VALUE and names of outputs that are hashed, with blanks between them. A run without the
+ * latter only tests/golden.txt holds. */
 typedef struct {
-    const char *protocol;
-    named_text settings[MAX_SETTINGS];
-    const char *const *hashed; /* names of outputs, at most MAX_HASHED */
-    const char *status;
+    const char *protocol, *settings, *hashed, *status;
     uint64_t digest;
-    named_number angles[11];
+    check_value angles[11];
 } golden_run;
 
-static const char *const repose_hashed[] = {"grains",
-                                            "cells",
-                                            "fill_steps_used",
-                                            "relax_steps_used",
-                                            "steps",
-                                            "contact_number",
-                                            "residual_energy",
-                                            "residual_force",
-                                            "theta_t_displacement_deg",
-                                            "theta_t_energy_deg",
-                                            NULL};
+static const char repose_hashed[] =
+    "grains cells fill_steps_used relax_steps_used steps contact_number residual_energy residual_force "
+    "theta_t_displacement_deg theta_t_energy_deg";
 
-static const char *const flux_hashed[] = {"level_step", "level_insertion", "avalanches", "grains", NULL};
+static const char flux_hashed[] = "level_step level_insertion avalanches grains";
 
 /* Without the coefficients of lines, whose last digits are GSL's. */
-static const char *const stress_hashed[] = {"tilts",        "grains",        "steps",
-                                            "weight_error", "balance_error", NULL};
+static const char stress_hashed[] = "tilts grains steps weight_error balance_error";
 
 /* Without coefficients of lines, as above. */
-static const char *const onset_hashed[] = {"grains",
-                                           "steps",
-                                           "contact_number",
-                                           "rattlers",
-                                           "limit_floor_2",
-                                           "limit_inside_2",
-                                           "limit_inside_4",
-                                           "limit_probe",
-                                           "floor_friction_0",
-                                           "all_x",
-                                           NULL};
+static const char onset_hashed[] = "grains steps contact_number rattlers limit_floor_2 limit_inside_2 "
+                                   "limit_inside_4 limit_probe floor_friction_0 all_x";
 
 /* Counts: the forces of a static solve depend on the order of its operations in the last digits. */
-static const char *const pile_hashed[] = {"n_disks", "contacts", "horizontal", "negative_modes",
-                                          "broken",  "jumps",    "load",       NULL};
-static const char *const drop_hashed[] = {"disks", "height",   "width", "centroid", "dip",         "balance",
-                                          "psi6",  "contacts", "steps", "settled",  "relax_steps", NULL};
-
-/* Runs that only tests/golden.txt holds. */
-static const char *const none[] = {NULL};
+static const char pile_hashed[] = "n_disks contacts horizontal negative_modes broken jumps load";
+static const char drop_hashed[] =
+    "disks height width centroid dip balance psi6 contacts steps settled relax_steps";
 
 /* The second run of `repose`: the other floor, spring and mass, a lifted wall, contacts without attraction.
  */
 static const golden_run runs[] = {
     {"repose",
-     {{"W", "2"}, {"H", "2"}, {"theta_t", "true"}},
+     "W=2 H=2 theta_t=true",
      repose_hashed,
      "ok",
      0x69f885c6c90388ee,
@@ -92,16 +61,8 @@ static const golden_run runs[] = {
       {"theta_r2_deg", 18.815473553970179},
       {"theta_r3_deg", 18.30022251707566}}},
     {"repose",
-     {{"W", "2"},
-      {"H", "2"},
-      {"floor", "ends"},
-      {"slip", "total"},
-      {"stop", "steps"},
-      {"fill_steps", "6000"},
-      {"relax_steps", "4000"},
-      {"shape", "disk"},
-      {"open", "100"},
-      {"tension", "false"}},
+     "W=2 H=2 floor=ends slip=total stop=steps fill_steps=6000 relax_steps=4000 shape=disk open=100 "
+     "tension=false",
      repose_hashed,
      "ok_fixed_time",
      0x1fa9841e0524b556,
@@ -109,7 +70,7 @@ static const golden_run runs[] = {
       {"theta_r2_deg", 18.224371711593523},
       {"theta_r3_deg", 12.736310147046545}}},
     {"flux",
-     {{"W", "1.4"}, {"insertions", "120"}, {"avalanche", "2"}, {"drop_height", "1"}},
+     "W=1.4 insertions=120 avalanche=2 drop_height=1",
      flux_hashed,
      "ok",
      0xeb77f06b1de2a1a7,
@@ -117,7 +78,7 @@ static const golden_run runs[] = {
       {"theta_sd_deg", 6.1207856161898553},
       {"theta_max_deg", 33.042196553399904}}},
     {"pile",
-     {{"base", "20"}, {"alpha_deg", "30"}, {"disorder", "1e-4"}, {"well", "10"}},
+     "base=20 alpha_deg=30 disorder=1e-4 well=10",
      pile_hashed,
      "ok",
      0xccfb61335d8449d0,
@@ -126,7 +87,7 @@ static const golden_run runs[] = {
       {"N_error_rms", 0.080162131496141514},
       {"N_continuum_rms", 0.046214916864963797}}},
     {"stress",
-     {{"W", "2"}, {"H", "2"}},
+     "W=2 H=2",
      stress_hashed,
      "ok",
      0xe0da2cde73d7c18a,
@@ -141,7 +102,7 @@ static const golden_run runs[] = {
       {"syx_1", -0.12825093952911693},
       {"syy_1", -0.12225664625404206}}},
     {"onset",
-     {{"W", "2"}, {"H", "2"}},
+     "W=2 H=2",
      onset_hashed,
      "ok",
      0xcd19fa6f329f6201,
@@ -149,110 +110,31 @@ static const golden_run runs[] = {
       {"theta_t_displacement_deg", 5.4399999999999284},
       {"theta_steepest_deg", 31.027190318490319}}},
     {"drop",
-     {{"N", "60"}, {"radius_width", "0.03"}, {"source_width", "5"}, {"rest_force", "0.1"}},
+     "N=60 radius_width=0.03 source_width=5 rest_force=0.1",
      drop_hashed,
      "ok",
      0x6c319f6307257f63,
      {{"left_deg", 21.184612925174505}, {"right_deg", 34.218076651644886}}},
     {"repose",
-     {{"W", "1.6"},
-      {"H", "1.6"},
-      {"rotation", "true"},
-      {"mu_roll", "0.1"},
-      {"fill", "ramp"},
-      {"gamma_n", "2000"},
-      {"theta_t", "true"},
-      {"theta_t_static", "true"},
-      {"tilt_rate_deg", "0.01"}},
-     none,
-     "ok"},
+     "W=1.6 H=1.6 rotation=true mu_roll=0.1 fill=ramp gamma_n=2000 theta_t=true theta_t_static=true "
+     "tilt_rate_deg=0.01",
+     "", "ok"},
     {"repose",
-     {{"W", "1.6"},
-      {"N", "35"},
-      {"mu_wall", "0.3"},
-      {"mu_floor", "0.4"},
-      {"k_n_wall", "3e6"},
-      {"floor", "absorbs"},
-      {"open", "50"},
-      {"theta_t", "true"},
-      {"tilt", "box"},
-      {"tilt_rate_deg", "0.01"}},
-     none,
+     "W=1.6 N=35 mu_wall=0.3 mu_floor=0.4 k_n_wall=3e6 floor=absorbs open=50 theta_t=true tilt=box "
+     "tilt_rate_deg=0.01",
+     "", "ok"},
+    {"stress", "W=1.6 H=1.6 mu_floor=0.4 mu_wall=0.1 tilt_rate_deg=0.01", "", "ok"},
+    {"onset", "W=1.6 H=1.6 mu_floor=0.4 mu_wall=0.1 floor=ends tilt_rate_deg=0.01", "", "ok"},
+    {"pile", "base=14 alpha_deg=30 inner_deg=45 x_1=0.3 eps=1e-3 gap=0.1 k_x=0.5 disorder=0.01", "", "ok"},
+    {"pile", "base=12 alpha_deg=30 eps=1e-3 well=1 mu=0.2 set_again=true set_load=0.5 load_steps=3", "",
      "ok"},
-    {"stress",
-     {{"W", "1.6"}, {"H", "1.6"}, {"mu_floor", "0.4"}, {"mu_wall", "0.1"}, {"tilt_rate_deg", "0.01"}},
-     none,
-     "ok"},
-    {"onset",
-     {{"W", "1.6"},
-      {"H", "1.6"},
-      {"mu_floor", "0.4"},
-      {"mu_wall", "0.1"},
-      {"floor", "ends"},
-      {"tilt_rate_deg", "0.01"}},
-     none,
-     "ok"},
-    {"pile",
-     {{"base", "14"},
-      {"alpha_deg", "30"},
-      {"inner_deg", "45"},
-      {"x_1", "0.3"},
-      {"eps", "1e-3"},
-      {"gap", "0.1"},
-      {"k_x", "0.5"},
-      {"disorder", "0.01"}},
-     none,
-     "ok"},
-    {"pile",
-     {{"base", "12"},
-      {"alpha_deg", "30"},
-      {"eps", "1e-3"},
-      {"well", "1"},
-      {"mu", "0.2"},
-      {"set_again", "true"},
-      {"set_load", "0.5"},
-      {"load_steps", "3"}},
-     none,
-     "ok"},
-    {"pile", {{"base", "9"}, {"eps", "0.008"}, {"branch", "minimum"}, {"leave", "1"}}, none, "ok"},
-    {"pile", {{"base", "9"}, {"threshold", "true"}}, none, "ok"},
-    {"drop",
-     {{"N", "15"},
-      {"lattice", "15"},
-      {"lattice_deg", "40"},
-      {"glued", "1"},
-      {"law", "spring"},
-      {"radius_width", "0.03"}},
-     none,
-     "ok"},
-    {"drop",
-     {{"N", "25"},
-      {"collisions", "soft"},
-      {"mu_base", "0.8"},
-      {"source_width", "4"},
-      {"drop_height", "1"},
-      {"mu_roll", "0.2"}},
-     none,
-     "ok"},
-    {"drop",
-     {{"N", "60"},
-      {"x_limit", "10"},
-      {"mu_roll", "0.03"},
-      {"mu", "0.3"},
-      {"law", "spring"},
-      {"restitution", "0.7"}},
-     none,
-     "ok"},
-    {"drop",
-     {{"N", "40"},
-      {"glued", "1.6"},
-      {"radius_width", "0.15"},
-      {"a", "0.02"},
-      {"mu_static", "0.3"},
-      {"eps", "1e-3"}},
-     none,
-     "ok"},
-    {"flux", {{"W", "2"}, {"insertions", "40"}, {"drop_height", "0.3"}, {"entry_width", "0.5"}}, none, "ok"},
+    {"pile", "base=9 eps=0.008 branch=minimum leave=1", "", "ok"},
+    {"pile", "base=9 threshold=true", "", "ok"},
+    {"drop", "N=15 lattice=15 lattice_deg=40 glued=1 law=spring radius_width=0.03", "", "ok"},
+    {"drop", "N=25 collisions=soft mu_base=0.8 source_width=4 drop_height=1 mu_roll=0.2", "", "ok"},
+    {"drop", "N=60 x_limit=10 mu_roll=0.03 mu=0.3 law=spring restitution=0.7", "", "ok"},
+    {"drop", "N=40 glued=1.6 radius_width=0.15 a=0.02 mu_static=0.3 eps=1e-3", "", "ok"},
+    {"flux", "W=2 insertions=40 drop_height=0.3 entry_width=0.5", "", "ok"},
 };
 enum { N_RUNS = sizeof runs / sizeof *runs };
 
@@ -273,7 +155,9 @@ static void check_digest(const char *what, uint64_t digest, uint64_t golden)
 }
 
 /* The key of stored runs: an accidental change loses all stored runs. */
-static const named_text fingerprints[] = {{"pile", "c7a1768420111129d3b453153b2511ef"}};
+static const struct {
+    const char *name, *value;
+} fingerprints[] = {{"pile", "c7a1768420111129d3b453153b2511ef"}};
 enum { N_FINGERPRINTS = sizeof fingerprints / sizeof *fingerprints };
 
 /* An output of number `run` of the list above, from 1 on, with the pile `pile`. False: the file lacks it.
@@ -317,6 +201,17 @@ static void check_outputs(size_t run, unsigned long pile, const sweep_protocol *
     }
 }
 
+/* The words between blanks and = of a text; returns their number. */
+static size_t split(const char *text, char words[512], char *word[2 * MAX_SETTINGS])
+{
+    size_t n = 0;
+    char *save;
+    snprintf(words, 512, "%s", text);
+    for (char *w = strtok_r(words, " =", &save); w && n < 2 * MAX_SETTINGS; w = strtok_r(NULL, " =", &save))
+        word[n++] = w;
+    return n;
+}
+
 static void check_run(const golden_run *g, unsigned long pile)
 {
     const sweep_protocol *p = find_protocol(g->protocol);
@@ -325,24 +220,25 @@ static void check_run(const golden_run *g, unsigned long pile)
     CHECK_OK(sweep_protocol_open(p, NULL, &text, &p));
     scoped void *params = protocol_params(p, (const char *const[]){NULL});
     sweep_result result;
-    for (const named_text *s = g->settings; s->name; s++) {
-        if (text) sweep_experiment_also(text, s->name);
-        const rp_param *param = rp_params_find(p->schema, s->name);
+    char words[512], *word[2 * MAX_SETTINGS];
+    for (size_t n = split(g->settings, words, word), k = 0; k < n; k += 2) {
+        if (text) sweep_experiment_also(text, word[k]);
+        const rp_param *param = rp_params_find(p->schema, word[k]);
         CU_ASSERT_PTR_NOT_NULL_FATAL(param);
-        CHECK_OK(rp_params_set_text(param, params, s->value));
+        CHECK_OK(rp_params_set_text(param, params, word[k + 1]));
     }
     CHECK_OK(p->check(params));
     CHECK_OK(p->run(params, 1993, pile, NULL, &result));
     CU_ASSERT_STRING_EQUAL(result.status, g->status);
 
-    double values[MAX_HASHED];
-    size_t n = 0;
-    for (; n < MAX_HASHED && g->hashed[n]; n++) {
-        double v = protocol_output(p, &result, g->hashed[n]);
-        values[n] = isnan(v) ? NAN : v; /* NaN has many bit patterns */
+    double values[2 * MAX_SETTINGS];
+    const size_t n = split(g->hashed, words, word);
+    for (size_t k = 0; k < n; k++) {
+        double v = protocol_output(p, &result, word[k]);
+        values[k] = isnan(v) ? NAN : v; /* NaN has many bit patterns */
     }
     if (n > 0) check_digest(g->protocol, XXH3_64bits(values, n * sizeof *values), g->digest);
-    for (const named_number *a = g->angles; a->name; a++)
+    for (const check_value *a = g->angles; a->name; a++)
         CHECK_NEAR(protocol_output(p, &result, a->name), a->value, ANGLE_TOLERANCE_DEG);
     check_outputs((size_t)(g - runs) + 1, pile, p, &result);
     sweep_experiment_close(text);
@@ -367,18 +263,18 @@ static void test_fingerprints(void)
     for (const sweep_protocol *const *p = sweep_protocols; *p; p++) {
         if ((*p)->text) continue;
         char digits[33];
-        const named_text *known = fingerprints;
-        while (known < fingerprints + N_FINGERPRINTS && strcmp(known->name, (*p)->name) != 0) known++;
-        CU_ASSERT_FATAL(known < fingerprints + N_FINGERPRINTS);
+        size_t k = 0;
+        while (k < N_FINGERPRINTS && strcmp(fingerprints[k].name, (*p)->name) != 0) k++;
+        CU_ASSERT_FATAL(k < N_FINGERPRINTS);
         CHECK_OK((*p)->fingerprint(digits));
         n++;
-        if (strcmp(digits, known->value) != 0)
+        if (strcmp(digits, fingerprints[k].value) != 0)
             fprintf(
                 stderr,
                 "protocol %s: fingerprint %s, expected %s.\nIts stored runs are lost: if that is meant, put "
                 "the new one into %s.\n",
-                known->name, digits, known->value, __FILE__);
-        CU_ASSERT_STRING_EQUAL(digits, known->value);
+                (*p)->name, digits, fingerprints[k].value, __FILE__);
+        CU_ASSERT_STRING_EQUAL(digits, fingerprints[k].value);
     }
     CU_ASSERT(n == N_FINGERPRINTS);
 }
@@ -392,15 +288,7 @@ static void test_scene(void)
     dem_definition def = dem_definition_default();
     dem_material wall = def.material;
     wall.k_n *= 2.0;
-    static const double walls[3][3] = {{0.0, 0.0, 1.0}, {0.0, 1.0, 0.0}, {2.0, -1.0, 0.0}}; /* x, direction */
-    def.n_walls = 3;
-    for (int w = 0; w < 3; w++)
-        def.walls[w] = (dem_wall){.point = {walls[w][0], 0.0},
-                                  .direction = {walls[w][1], walls[w][2]},
-                                  .material = wall,
-                                  .extent = {-INFINITY, INFINITY},
-                                  .open_at_step = -1,
-                                  .open_speed = INFINITY};
+    dem_box_walls(&def, 2.0, &wall);
     def.grains = grains, def.n_grains = N;
     scoped_sim *sim = NULL;
     CHECK_OK(dem_fill_random(&fill, grains));
@@ -424,11 +312,4 @@ static void test_scene(void)
     check_digest("scene", XXH3_64bits(values, sizeof values), SCENE_DIGEST);
 }
 
-void suite_golden(void)
-{
-    static const check_case cases[] = {{"short runs of each protocol", test_protocols},
-                                       {"fingerprints", test_fingerprints},
-                                       {"a scene", test_scene},
-                                       {0}};
-    check_register("golden digests", cases);
-}
+CHECK_SUITE(golden, "golden digests", test_protocols, test_fingerprints, test_scene)

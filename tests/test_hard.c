@@ -150,49 +150,6 @@ static void random_pairs(void)
     CU_ASSERT(hits > 0.45 * pairs && slips > 0.1 * hits && slips < 0.9 * hits);
 }
 
-/* A million pairs: no energy is gained and Coulomb's bound holds. */
-static void million_pairs(void)
-{
-    const int pairs = check_fast() ? 50000 : 1000000;
-    scoped_rng *r = numbers_of(1992, 1);
-    int gained = 0, broken = 0, hits = 0;
-    for (int k = 0; k < pairs; k++) {
-        const pair p = random_pair(r, k);
-        dem_body a = p.one, b = p.two;
-        dem_impulse impulse;
-        if (!dem_impact(&a, &b, p.n, p.e, p.mu, &impulse)) continue;
-        hits++;
-        const double before = energy(&p.one, &p.two, p.two.v), after = energy(&a, &b, p.two.v);
-        gained += !(after <= before * (1.0 + ROUND));
-        broken += !(fabs(impulse.tangential) <= p.mu * fabs(impulse.normal));
-    }
-    CU_ASSERT(hits > 0.45 * pairs && gained == 0 && broken == 0);
-}
-
-/* Two disks of equal mass swap velocities in a head-on collision. A disk that hits a wall at 45 degrees rolls
- * afterwards with 2/3 of its tangential speed (I = m r^2/2), or loses mu (1 + e) v_n at most. */
-static void closed_forms(void)
-{
-    const double n[2] = {0.6, 0.8}, down[2] = {0.0, -1.0};
-    dem_body a = {{1.2, 1.6}, 0.0, 0.3, 2.0, 0.0}, b = {{0.0, 0.0}, 0.0, 0.2, 2.0, 0.0}, wall = {{0.0, 0.0}};
-    dem_impulse impulse;
-    CU_ASSERT(dem_impact(&a, &b, n, 1.0, 0.4, &impulse) && !impulse.slips);
-    CHECK_NEAR(hypot(a.v[0], a.v[1]), 0.0, ROUND);
-    CHECK_NEAR(b.v[0], 1.2, ROUND);
-    CHECK_NEAR(b.v[1], 1.6, ROUND);
-    CHECK_NEAR(impulse.normal, -1.0, ROUND); /* m v = 0.5 * 2 */
-    const dem_body disk = {{3.0, -3.0}, 0.0, 0.5, 2.0, 1.0 / dem_inertia(DEM_DISK, 0.5, 0.5)};
-    a = disk;
-    CU_ASSERT(dem_impact(&a, &wall, down, 0.5, 0.9, &impulse) && !impulse.slips);
-    CHECK_NEAR(a.v[0], 2.0, ROUND);
-    CHECK_NEAR(a.v[1], 1.5, ROUND);
-    CHECK_NEAR(a.omega, -4.0, ROUND); /* rolls to +x: clockwise */
-    a = disk;
-    CU_ASSERT(dem_impact(&a, &wall, down, 0.5, 0.1, &impulse) && impulse.slips);
-    CHECK_NEAR(a.v[0], 3.0 - 0.1 * 4.5, ROUND);
-    CHECK_NEAR(a.omega, -2.0 * 0.1 * 4.5 / 0.5, ROUND); /* r m dv/I */
-}
-
 /* As (7), (14) and (19) are printed, n from 1 to 2; returns P_t. */
 static double collide_as_printed(dem_body *a, dem_body *b, const pair *p, bool signs, bool sign14)
 {
@@ -294,14 +251,4 @@ static void vector_to_contact(void)
     CU_ASSERT(hits > 800 && kept[0] == hits && surface[0] == hits && kept[1] == 0 && surface[1] == 0);
 }
 
-void suite_hard(void)
-{
-    static const check_case cases[] = {{"random pairs: conservation, closed form of the loss", random_pairs},
-                                       {"a million pairs: energy and Coulomb's bound", million_pairs},
-                                       {"closed forms", closed_forms},
-                                       {"signs of (7) and (19) as printed", misprint_signs},
-                                       {"sign of (14) as printed", misprint_spin},
-                                       {"r from the contact point to the centre", vector_to_contact},
-                                       {NULL, NULL}};
-    check_register("hard collisions", cases);
-}
+CHECK_SUITE(hard, "hard collisions", random_pairs, misprint_signs, misprint_spin, vector_to_contact)

@@ -53,12 +53,9 @@ static dem_definition two_grains(dem_grain grains[2], dem_normal_law law, double
 {
     grains[0] = (dem_grain){0.0, 0.0, 0.13, 0.011, 6.1, 5.2};
     grains[1] = (dem_grain){0.19, 0.17, 0.09, 0.0032, -9.3, -11.7};
-    dem_definition def = dem_definition_default();
-    def.gravity[1] = 0.0, def.normal = law, def.tension = tension;
-    def.tangential = DEM_NONE;
-    def.material = (dem_material){0};
+    dem_definition def = grains_bare(2, grains, law, (dem_material){0});
     grains_law(&def, law, 2e4, rate);
-    def.dt = 2e-6, def.grains = grains, def.n_grains = 2;
+    def.tension = tension, def.dt = 2e-6;
     return def;
 }
 
@@ -392,12 +389,9 @@ static void work_of_a_wall(void)
 static void hit_and_gone(void)
 {
     dem_grain grains[2] = {{0.0, 0.0, 0.1, 0.004, 50.0, 0.0}, {0.2001, 0.0, 0.1, 0.004}};
-    dem_definition def = dem_definition_default();
-    def.gravity[1] = 0.0, def.dt = 1e-4, def.tangential = DEM_NONE;
-    def.tension = false;
-    def.material = (dem_material){.k_n = 1e5};
+    dem_definition def = grains_bare(2, grains, DEM_HERTZ, (dem_material){.k_n = 1e5});
+    def.dt = 1e-4, def.tension = false, def.x_max = 0.2005;
     def.hard = (dem_hard){true, 0.5, 0.0};
-    def.x_max = 0.2005, def.grains = grains, def.n_grains = 2;
     const dem_ledger l = run_closed("gone", &def, 1, 1);
     const double v = 50.0;
     CHECK_NEAR(l.taken_out, 0.5 * 0.004 * 0.75 * 0.75 * v * v, CLOSES * l.turnover);
@@ -412,12 +406,9 @@ static void hit_by_a_belt(void)
     const double n[2] = {-0.6, 0.8}, t[2] = {0.8, 0.6};
     dem_grain grain = {.x = 1.0 + 1.0001 * r * n[0], .y = 2.0 + 1.0001 * r * n[1], .r = r, .m = m};
     grain.vx = -v_n * n[0] + v_t * t[0], grain.vy = -v_n * n[1] + v_t * t[1];
-    dem_definition def = dem_definition_default();
-    def.gravity[1] = 0.0, def.dt = 1e-4, def.tangential = DEM_NONE;
-    def.tension = false, def.rotation = true;
-    def.material = (dem_material){.k_n = 1e5};
-    def.hard = (dem_hard){true, e, mu};
-    def.grains = &grain, def.n_grains = 1, def.n_walls = 1;
+    dem_definition def = grains_bare(1, &grain, DEM_HERTZ, (dem_material){.k_n = 1e5});
+    def.dt = 1e-4, def.tension = false, def.rotation = true;
+    def.hard = (dem_hard){true, e, mu}, def.n_walls = 1;
     def.walls[0] = grains_line(1.0, 2.0, n[0], n[1], &def.material);
     def.walls[0].extent[0] = -1.0, def.walls[0].open_at_step = 0;
     def.walls[0].open_speed = belt;
@@ -429,22 +420,6 @@ static void hit_by_a_belt(void)
     CHECK_NEAR(l.hard, slid * belt - gain, CLOSES * l.turnover);
 }
 
-void suite_ledger(void)
-{
-    static const check_case cases[] = {{"impacts", impacts},
-                                       {"sliding block", sliding_block},
-                                       {"what sticks", sticking},
-                                       {"viscous slip", slip_roll},
-                                       {"a sticking pile", pile_sticks},
-                                       {"work of a wall", work_of_a_wall},
-                                       {"hit and leaving in one step", hit_and_gone},
-                                       {"hit by a belt", hit_by_a_belt},
-                                       {"avalanches", avalanche},
-                                       {"gravity or the box rotates", turns},
-                                       {"added grains, clone", grains_put_in},
-                                       {"hard collisions, wells", hard_and_wells},
-                                       {"implicit: boxes", implicit_box},
-                                       {"implicit: nothing lost to the scheme", implicit_conserves},
-                                       {NULL, NULL}};
-    check_register("energy ledger", cases);
-}
+CHECK_SUITE(ledger, "energy ledger", impacts, sliding_block, sticking, slip_roll, pile_sticks, work_of_a_wall,
+            hit_and_gone, hit_by_a_belt, avalanche, turns, grains_put_in, hard_and_wells, implicit_box,
+            implicit_conserves)

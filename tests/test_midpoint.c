@@ -35,27 +35,6 @@ static dem_definition gas(dem_grain grains[GAS], double dt)
     return def;
 }
 
-/* In permanent contact the scheme is the mid-point rule of a harmonic oscillator: exactly cos(n theta),
- * tan(theta/2) = omega dt/2, at any dt, and v = -omega A sin(n theta). */
-static void phase_of_oscillator(void)
-{
-    const double omega = sqrt(K), A = 0.6 / K;
-    for (double angle = 0.05; angle < 40.0; angle *= 5.0) {
-        const dem_grain grain = {.x = 0.3, .y = R - 1.0 / K + A, .r = R, .m = 1.0};
-        dem_definition def = on_floor(&grain, 1, 1.0);
-        def.dt = angle / omega;
-        scoped_sim *sim = grains_start(&def);
-        const double theta = 2.0 * atan(0.5 * angle);
-        for (int n = 1; n <= 200; n++) {
-            CHECK_OK(dem_run(sim, 1));
-            const dem_state s = grains_state_of_one(sim);
-            /* positions are rounded to 1e-16; the phase error adds up over n steps */
-            CHECK_NEAR(s.y, R - 1.0 / K + A * cos(n * theta), 1e-13);
-            CHECK_NEAR(s.vy, -omega * A * sin(n * theta), 1e-13 * omega);
-        }
-    }
-}
-
 /* A disk that slides on a floor, N = m g: decelerated by mu g, then creep by (1 - h)/(1 + h) per step, h =
  * gamma dt/2, once the viscous force is below the limit. */
 static void slides_and_creeps(void)
@@ -135,30 +114,6 @@ static void well_follows_load(void)
         }
         CU_ASSERT(!well || (c.well == DEM_WELL_HOLDS && most > 0.1 * depth));
     }
-}
-
-static double height_after(double time, double dt)
-{
-    const dem_grain grain = {.x = 0.0, .y = R - 1e-3, .r = R, .m = 1.0};
-    dem_definition def = on_floor(&grain, 1, 1.0);
-    def.normal = DEM_HERTZ, def.dt = dt;
-    scoped_sim *sim = grains_after(&def, lround(time / dt));
-    const double y = grains_state_of_one(sim).y;
-    dem_counts counts;
-    dem_count_work(sim, &counts);
-    CU_ASSERT(counts.iterations <=
-              2.0 * time /
-                  dt); /* the derivative is exact: the number of digits doubles with each iteration */
-    return y;
-}
-
-/* A lasting contact with a nonlinear spring. */
-static void second_order(void)
-{
-    const double time = 0.3, dt = time / 32.0;
-    double y[4];
-    for (int k = 0; k < 4; k++) y[k] = height_after(time, dt / (1 << k));
-    for (int k = 0; k < 2; k++) CHECK_NEAR(log2((y[k] - y[k + 1]) / (y[k + 1] - y[k + 2])), 2.0, 0.2);
 }
 
 /* Linear and Hertz, direct solver and SOR, with steps short and long relative to a contact time: contacts
@@ -265,26 +220,6 @@ static void damping_takes_energy(void)
             before = now;
         }
         CU_ASSERT(fall > 1.0);
-    }
-}
-
-/* A damped impact against an independent solution; a contact without attractive forces dissipates less. */
-static void restitution(void)
-{
-    for (int k = 0; k < 4; k++) {
-        const dem_grain grain = {.x = 0.0, .y = R + 0.003, .r = R, .m = 1.0, .vy = -1.0};
-        dem_definition def = on_floor(&grain, 1, 0.01);
-        def.gravity[1] = 0.0;
-        def.normal = k / 2 ? DEM_HERTZ : DEM_LINEAR;
-        def.tension = k % 2;
-        def.walls[0].material.gamma_n = k / 2 ? 15.0 : 60.0;
-        scoped_sim *sim = grains_start(&def);
-        dem_collision_result exact;
-        CHECK_OK(dem_collision(
-            &(dem_head_on){def.normal, def.tension, K, def.walls[0].material.gamma_n, 1.0, 1.0}, &exact));
-        CHECK_OK(dem_run(sim, lround(0.3 / def.dt)));
-        /* second order: the dashpot acts over the fraction of a step in contact */
-        CHECK_NEAR(grains_state_of_one(sim).vy, exact.restitution, K * def.dt * def.dt);
     }
 }
 
@@ -399,20 +334,6 @@ static void work_of_both(void)
     }
 }
 
-/* A lasting linear contact is a linear equation, also on a slope: one factorisation per step. */
-static void newton_is_exact_on_a_slope(void)
-{
-    const dem_grain grain = {.x = -0.6 * (R - 1e-3), .y = 0.8 * (R - 1e-3), .r = R, .m = 1.0};
-    dem_definition def = on_floor(&grain, 1, 3.0);
-    def.walls[0] = grains_line(0.0, 0.0, -0.6, 0.8, &def.material);
-    def.gravity[0] = 6.0;
-    def.gravity[1] = -8.0; /* 10, onto the wall: deep enough for permanent contact */
-    scoped_sim *sim = grains_after(&def, 50);
-    dem_counts counts;
-    dem_count_work(sim, &counts);
-    CU_ASSERT(counts.contacts == 0 && counts.iterations <= 2 * 50);
-}
-
 static void what_is_not_solved(void)
 {
     enum { N = 12 };
@@ -421,23 +342,20 @@ static void what_is_not_solved(void)
     def.material.gamma_n = 0.0;
     def.dt *= 10.0;
     def.implicit = (dem_implicit_solver){DEM_SOLVER_SOR, 1.9, 1e-12, 300};
-    dem_sim *sim = grains_start(&def);
+    scoped_sim *sim = grains_start(&def);
     CHECK_FAILS(dem_run(sim, 100), RP_BROKEN, "after 300 sweeps its own Newton step is");
     CU_ASSERT_EQUAL(dem_sim_fault(sim), DEM_FAULT_NOT_SOLVED);
-    dem_free(sim);
     def.implicit = (dem_implicit_solver){DEM_SOLVER_DIRECT, 0.7, 1e-12, 1};
-    sim = grains_start(&def);
+    grains_again(&sim, &def, 0);
     CHECK_FAILS(dem_run(sim, 100), RP_BROKEN, "after 1 factorisations");
     dem_counts counts;
     dem_count_work(sim, &counts);
     CU_ASSERT(counts.iterations == 1.0);
-    dem_free(sim);
     grains[11].vx = 0.11 / def.dt; /* the skin is 0.2 */
     def.implicit.max_iterations = 100;
-    sim = grains_start(&def);
+    grains_again(&sim, &def, 0);
     CHECK_FAILS(dem_run(sim, 100), RP_BROKEN, "in one step, half the skin is 0.1");
     CU_ASSERT_EQUAL(dem_sim_fault(sim), DEM_FAULT_TOO_FAST);
-    dem_free(sim);
 }
 
 /* The tolerance limits the displacement that the residual of a grain implies for this grain alone, over its
@@ -540,29 +458,7 @@ static void refusals(void)
     CHECK_FAILS(dem_run(sim, 1), RP_BAD_INPUT, "the integrator implicit needs walls that stand");
 }
 
-void suite_midpoint(void)
-{
-    static const check_case cases[] = {
-        {"phase of an oscillator", phase_of_oscillator},
-        {"sliding and creeping", slides_and_creeps},
-        {"energy of a well", well_conserves},
-        {"(30) with varying N has no potential", well_follows_load},
-        {"order", second_order},
-        {"energy of a gas", energy_of_gas},
-        {"long steps", long_steps},
-        {"momentum", momentum},
-        {"damping dissipates energy", damping_takes_energy},
-        {"restitution", restitution},
-        {"slip during contact", slip_while_it_touches},
-        {"(24) as printed does not conserve energy", printed_form_loses_energy},
-        {"SOR matches the direct solver", sweeps_match_direct},
-        {"work of both solvers", work_of_both},
-        {"a linear contact on a slope", newton_is_exact_on_a_slope},
-        {"meaning of the tolerance", what_the_tolerance_asks},
-        {"unsolvable steps", what_is_not_solved},
-        {"same bits", same_bits},
-        {"disks that leave", disks_leave},
-        {"refused input", refusals},
-        {NULL, NULL}};
-    check_register("implicit integrator", cases);
-}
+CHECK_SUITE(midpoint, "implicit integrator", slides_and_creeps, well_conserves, well_follows_load,
+            energy_of_gas, long_steps, momentum, damping_takes_energy, slip_while_it_touches,
+            printed_form_loses_energy, sweeps_match_direct, work_of_both, what_the_tolerance_asks,
+            what_is_not_solved, same_bits, disks_leave, refusals)

@@ -2,6 +2,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/clock.h"
 #include "dem/setup/definition.h"
 #include "dem/state/method.h"
 #include "dem/state/state.h"
@@ -108,27 +109,6 @@ static void naive_gear(naive *p, double x[2], double v[2], long steps)
         x[k] = q[k][0];
         v[k] = q[k][1] / dt;
     }
-}
-
-/* The reference scheme is of fifth order: x'' = -x - 0.2 x', from exact
- * derivatives, against exp(-0.1 t) cos(w t), w^2 = 0.99. */
-static void gear_order(void)
-{
-    double error[3];
-    for (int k = 0; k < 3; k++) {
-        const int steps = 50 << k;
-        const double dt = 5.0 / steps, w = sqrt(0.99);
-        double q[6], derivative[6] = {1.0, -0.1};
-        for (int i = 2; i < 6; i++) derivative[i] = -derivative[i - 2] - 0.2 * derivative[i - 1];
-        double scale = 1.0;
-        for (int i = 0; i < 6; i++, scale *= dt / i) q[i] = derivative[i] * scale;
-        for (int n = 0; n < steps; n++) {
-            predict(q);
-            correct(q, 0.5 * dt * dt * (-q[0] - 0.2 * q[1] / dt));
-        }
-        error[k] = fabs(q[0] - exp(-0.5) * cos(5.0 * w));
-    }
-    for (int k = 0; k < 2; k++) CHECK_NEAR(log2(error[k] / error[k + 1]), 5.0, 0.5);
 }
 
 /* Bounces with friction and damping to rest, on a fixed or rotating floor. */
@@ -256,39 +236,6 @@ static void equation_of_motion(void)
     }
 }
 
-/* Relative energy error of an elastic impact, root mean square over phases of contact within a step. */
-static double impact_error(int integrator, double dt)
-{
-    enum { PHASES = 64 };
-    double sum = 0.0;
-    for (int k = 0; k < PHASES; k++) {
-        const double v = 50.0 + 0.385 * k; /* so that the phase of the release varies by itself */
-        dem_grain grain = {0.0, R + (2.0 + (k + 0.385) / PHASES) * v * dt, R, M, 0.0, -v};
-        dem_definition def = one_on_floor(&grain);
-        def.tangential = DEM_NONE, def.gravity[1] = 0.0;
-        def.material = def.walls[0].material = (dem_material){.k_n = 1e6};
-        def.integrator = integrator, def.dt = dt;
-        scoped_sim *sim = grains_after(&def, (long)(8e-4 / dt)); /* the contact lasts 5e-4 */
-        dem_state s = grains_state_of_one(sim);
-        CU_ASSERT(s.vy > 0.0 && s.contacts == 0);
-        sum += pow(s.vy * s.vy / (v * v) - 1.0, 2.0);
-    }
-    return sqrt(sum / PHASES);
-}
-
-/* A Hertz force starts as overlap^(3/2): its kinks at contact and separation cause an error of dt^(5/2),
- * equal for both schemes at any order of the scheme. */
-static void impact_order(void)
-{
-    double error[2][3];
-    for (int i = 0; i < 2; i++) {
-        for (int k = 0; k < 3; k++) error[i][k] = impact_error(integrators[i], 1e-5 / (1 << k));
-        /* 64 phases: two errors of the mean of squares of 10 % each */
-        for (int k = 0; k < 2; k++) CHECK_NEAR(log2(error[i][k] / error[i][k + 1]), 2.5, 0.2);
-    }
-    CHECK_NEAR(error[1][0], error[0][0], 0.05 * error[0][0]);
-}
-
 /* A sticking contact without damping oscillates for ever, at a wall, and between two grains of which one is
  * fixed and nearly flat. At omega dt = 0.2 Verlet's energy oscillates by (omega dt)^2/4, and Gear's falls
  * by 2.2e-5 per period (numerical damping 0.1 (omega dt)^5). A spring that grows by predicted velocities
@@ -314,35 +261,14 @@ static void sticking_contact_rings(void)
     }
 }
 
-/* A box comes to rest with either scheme, also at the largest allowed time step. */
-static void gear_settles(void)
-{
-    dem_definition def = grains_box(60, 2.0, 5, NULL);
-    double verlet_limit = dem_time_step_limit(&def, NULL);
-    def.integrator = DEM_GEAR5;
-    def.dt = dem_time_step_limit(&def, NULL);
-    CU_ASSERT(def.dt < 0.95 * verlet_limit);
-    scoped_sim *sim = grains_after(&def, 20000);
-    dem_rest rest;
-    CHECK_OK(dem_rest_state(sim, 0.0, 2.0, &rest));
-    CU_ASSERT(rest.kinetic_energy < 1e-5);
-    CU_ASSERT(rest.n == 60 && rest.contact_number > 2.5);
-    dem_free(sim);
-    def.dt *= 1.001;
-    CHECK_FAILS(dem_create(&def, &sim), RP_BAD_INPUT, "the limit is");
-    /* damping alone: limit of the predictor, three contacts per grain */
-    def.material = (dem_material){.k_n = 1e-9, .gamma_n = 3e5, .k_s = 1e-9};
-    for (int w = 0; w < 3; w++) def.walls[w].material = def.material;
-    CHECK_NEAR(dem_time_step_limit(&def, NULL), 90.0 / 551.0 / 3.0 / 3e5, 1e-3 / 3e5);
-}
-
-/* The same bits for any division of the steps, from a clone, after many rebuilds of the list, while the box
- * or gravity rotates. */
+/* The same bits for any division of the steps, from a clone, with the wall opened by the definition or by a
+ * call, with observation, after many rebuilds of the list, while the box or gravity rotates. */
 static void determinism(void)
 {
     for (int k = 0; k < 2 * DEM_INTEGRATORS; k++) {
         dem_definition def = grains_box(90, 2.2, 5, NULL);
         def.integrator = k / 2, def.dt = 4e-5, def.x_max = 3.5;
+        def.rotation = k == 0, def.material.mu_roll = k == 0 ? 0.1 : 0.0;
         def.turn_from_step = 3000;
         *(k % 2 ? &def.box_turn_per_step : &def.turn_per_step) = 2e-5;
         def.walls[2].open_at_step = 4001;
@@ -353,14 +279,26 @@ static void determinism(void)
         def.walls[2].open_at_step = -1, def.box_turn_per_step = def.turn_per_step = 0.0;
         cut = grains_start(&def);
         CHECK_OK(dem_run(whole, 9000));
-        CHECK_OK(dem_run(cut, 3000));
+        for (int part = 0; part < 30; part++) {
+            dem_energy e;
+            dem_rest rest;
+            dem_state s[90];
+            grains_run(cut, 100, s);
+            dem_energies(cut, &e);
+            CHECK_OK(dem_rest_state(cut, 0.0, 2.2, &rest));
+        }
         (k % 2 ? dem_box_turn : dem_gravity_turn)(cut, 2e-5);
         CHECK_OK(dem_run(cut, 1000));
         dem_wall_open(cut, 2, INFINITY);
         CHECK_OK(dem_run(cut, 2500));
         CHECK_OK(dem_clone(cut, &copy));
         dem_free(cut);
-        CHECK_OK(dem_run(copy, 2500));
+        dem_phases t = {0};
+        const double started = rp_clock();
+        CHECK_OK(dem_run_timed(copy, 2500, &t));
+        const double elapsed = rp_clock() - started, all = t.integration + t.lists + t.contacts + t.walls;
+        CU_ASSERT(t.integration > 0.0 && t.lists > 0.0 && t.contacts > 0.0 && t.walls > 0.0);
+        CU_ASSERT(all > 0.5 * elapsed && all <= elapsed * (1.0 + 1e-6));
         CU_ASSERT(grains_same_bits(whole, copy));
         dem_counts counts;
         dem_count_work(copy, &counts);
@@ -389,69 +327,6 @@ static void box_angle(void)
     dem_box_frame(sim, &x, &y);
     CHECK_NEAR(x, 2.0, 1e-11);
     CHECK_NEAR(y, 0.7, 1e-11);
-}
-
-/* A frictionless grain on a floor that starts to rotate about the contact point: x'' = w^2 x + g sin(w t) in
- * the box's frame, from x' = -w R, the box's velocity at the grain's centre. */
-static void slides_in_turning_box(void)
-{
-    const double rate = 1e-4, k_n = 1e6, g = 981.0, depth = pow(M * g / k_n, 2.0 / 3.0);
-    for (int k = 0; k < 2; k++) {
-        dem_grain grain = {0.0, R - depth, R, M, 0.0, 0.0};
-        dem_definition def = one_on_floor(&grain);
-        def.integrator = integrators[k], def.tangential = DEM_NONE;
-        def.material.mu = def.walls[0].material.mu = 0.0;
-        scoped_sim *sim = grains_start(&def);
-        dem_box_turn(sim, rate);
-        const double w = rate / def.dt;
-        for (long steps = 500; steps <= 4000; steps *= 2) {
-            CHECK_OK(dem_run(sim, steps - dem_step(sim)));
-            dem_state s = grains_state_of_one(sim);
-            dem_box_frame(sim, &s.x, &s.y);
-            const double t = (double)steps * def.dt;
-            const double c = -(R - depth) + 0.5 * g / (w * w); /* of sinh */
-            const double x = c * sinh(w * t) - 0.5 * g / (w * w) * sin(w * t);
-            /* x is of second order in dt, except for the overlap, which Coriolis and centrifugal forces and
-             * cos(w t) change slightly: 2 w y' moves x by less than 2 w t times the overlap */
-            CHECK_NEAR(s.x, x, 2.0 * w * t * depth);
-            CHECK_NEAR(s.y, R, 3.0 * depth);
-        }
-    }
-}
-
-/* After slow rotation to the same angle, frictionless grains have the same positions in the frame of the box
- * for rotated box and rotated gravity; wall forces agree too. */
-static void box_against_gravity(void)
-{
-    const double angle = 0.1;
-    const long steps = 20000;
-    dem_state s[2][5];
-    double forces[2][2 * DEM_FEW_WALLS];
-    for (int k = 0; k < 2; k++) {
-        dem_grain grains[5];
-        for (int i = 0; i < 5; i++)
-            grains[i] = (dem_grain){0.11 + 0.08 * (i % 2), 0.12 + 0.19 * i, R, M, 0.0, 0.0};
-        dem_definition def = grains_of(5, grains);
-        def.tangential = DEM_NONE, def.material.mu = 0.0;
-        dem_box_walls(&def, 0.31, &def.material);
-        scoped_sim *sim = grains_after(&def, 8000);
-        (k ? dem_box_turn : dem_gravity_turn)(sim, angle / (double)steps);
-        CHECK_OK(dem_run(sim, steps));
-        (k ? dem_box_turn : dem_gravity_turn)(sim, 0.0);
-        CHECK_OK(dem_run(sim, 40000)); /* the stop of the box disturbs the column, which creeps back */
-        CHECK_OK(dem_states(sim, s[k]));
-        grains_wall_forces(sim, forces[k]);
-        for (int i = 0; i < 5; i++) dem_box_frame(sim, &s[k][i].x, &s[k][i].y);
-        for (int w = 0; w < 3; w++) dem_box_frame(sim, &forces[k][2 * w], &forces[k][2 * w + 1]);
-    }
-    for (int i = 0; i < 5; i++) {
-        CHECK_NEAR(s[0][i].x, s[1][i].x, 1e-9);
-        CHECK_NEAR(s[0][i].y, s[1][i].y, 1e-9);
-        CHECK_NEAR(hypot(s[0][i].vx, s[0][i].vy), 0.0, 1e-7);
-        CHECK_NEAR(hypot(s[1][i].vx, s[1][i].vy), 0.0, 1e-7);
-    }
-    for (int w = 0; w < 6; w++) CHECK_NEAR(forces[0][w], forces[1][w], 1e-5 * M * 981.0);
-    CU_ASSERT(fabs(forces[0][5 - 1]) > M * 981.0 * sin(angle)); /* the grains press on the side wall */
 }
 
 /* The gain of momentum is the impulse of walls and gravity, while the box rotates fast enough to throw
@@ -522,7 +397,7 @@ static void outlet_turns(void)
     dem_definition def = grains_afloat(2, grains);
     const double rate = 1e-4;
     def.x_max = 2.5, def.y_min = -1.0;
-    dem_sim *sim = grains_start(&def);
+    scoped_sim *sim = grains_start(&def);
     dem_box_turn(sim, -rate);
     /* the first passes x_max where |x| cos(atan2(5, 2) - a) = 2.5 */
     const long first = 1 + (long)((atan2(5.0, 2.0) - acos(2.5 / hypot(5.0, 2.0))) / rate);
@@ -530,15 +405,13 @@ static void outlet_turns(void)
     CU_ASSERT_EQUAL(dem_count(sim), 2);
     CHECK_OK(dem_run(sim, 1));
     CU_ASSERT_EQUAL(dem_count(sim), 1);
-    dem_free(sim);
-    sim = grains_start(&def);
+    grains_again(&sim, &def, 0);
     dem_box_turn(sim, rate);
     const long second = 1 + (long)((asin(1.0 / hypot(4.0, 0.5)) + atan2(0.5, 4.0)) / rate);
     CHECK_OK(dem_run(sim, second - 1));
     CU_ASSERT_EQUAL(dem_count(sim), 2);
     CHECK_OK(dem_run(sim, 1));
     CU_ASSERT_EQUAL(dem_count(sim), 1);
-    dem_free(sim);
 }
 
 /* A fixed grain is a round wall: the same head-on trajectory, and the same mass in the damping. With gravity
@@ -656,54 +529,10 @@ static void refusals(void)
     dem_box_turn(sim, 1e-5);
     CHECK_FAILS(dem_run(sim, 1), RP_BAD_INPUT, "the box turns, but some grains are fixed");
     dem_free(sim);
-    def.box_turn_per_step = 1e-5;
-    CHECK_FAILS(dem_create(&def, &sim), RP_BAD_INPUT, "particle 1: the box turns");
-    def.box_turn_per_step = 0.0;
-    grain.vx = 1.0;
-    CHECK_FAILS(dem_create(&def, &sim), RP_BAD_INPUT, "particle 1: vx = 1, vy = 0, omega = 0: must be 0");
-    grain = (dem_grain){0.0, 0.5, R, M, 0.0, 0.0};
-    def.box_turn_per_step = NAN;
-    CHECK_FAILS(dem_create(&def, &sim), RP_BAD_INPUT, "box_turn_per_step = nan");
-    def.box_turn_per_step = 1.0;
-    CHECK_FAILS(dem_create(&def, &sim), RP_BAD_INPUT, "below one radian");
-    def.box_turn_per_step = 0.0, def.integrator = DEM_GEAR5;
-    grain.y = 0.09;
-    def.dt = 9e-5; /* at this overlap Verlet allows it */
-    CHECK_FAILS(dem_create(&def, &sim), RP_BAD_INPUT, "an initial overlap");
-    def.rotation = true;
-    CHECK_FAILS(dem_create(&def, &sim), RP_BAD_INPUT, "need the integrator verlet");
-    def.rotation = false, def.integrator = DEM_VERLET;
-    CHECK_OK(dem_create(&def, &sim));
-    dem_free(sim);
-    def.rotation = true;
-    grain.fixed = true, grain.omega = 2.0;
-    CHECK_FAILS(dem_create(&def, &sim), RP_BAD_INPUT, "omega = 2: must be 0, it is fixed");
-    def.integrator = DEM_GEAR5;
-    grain.omega = 0.0;
+    def.integrator = DEM_GEAR5, def.rotation = true;
     CHECK_FAILS(dem_create(&def, &sim), RP_BAD_INPUT, "grains that rotate need the integrator verlet");
 }
 
-void suite_motion(void)
-{
-    static const check_case cases[] = {
-        {"bounces match a program for one grain", matches_naive_program},
-        {"Gear's order", gear_order},
-        {"free flight, gravity set by a call", free_flight},
-        {"every loop and method takes the equation of motion", equation_of_motion},
-        {"order of an elastic impact", impact_order},
-        {"a sticking contact oscillates", sticking_contact_rings},
-        {"Gear: settling and the limit of the time step", gear_settles},
-        {"same bits for any division of the run", determinism},
-        {"angle and frame of the box", box_angle},
-        {"frictionless grain in a rotating box", slides_in_turning_box},
-        {"rotated box against rotated gravity", box_against_gravity},
-        {"impulse of rotating walls", wall_ledger},
-        {"list follows rotating walls", list_follows_turning_walls},
-        {"outlet rotates with the box", outlet_turns},
-        {"rolling with the box", rolls_with_box},
-        {"a fixed grain is a wall", fixed_is_a_wall},
-        {"fixed grains stay", fixed_stay},
-        {"refusals", refusals},
-        {NULL, NULL}};
-    check_register("motion", cases);
-}
+CHECK_SUITE(motion, "motion", matches_naive_program, free_flight, equation_of_motion, sticking_contact_rings,
+            determinism, box_angle, wall_ledger, list_follows_turning_walls, outlet_turns, rolls_with_box,
+            fixed_is_a_wall, fixed_stay, refusals)

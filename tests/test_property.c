@@ -274,52 +274,6 @@ static double pile_on_ground(const double v[])
 
 /* ---- collisions and contacts ---- */
 
-static double kinetic(const dem_body *b)
-{
-    return 0.5 * (b->v[0] * b->v[0] + b->v[1] * b->v[1]) / b->inverse_mass +
-           0.5 * b->omega * b->omega / b->inverse_inertia;
-}
-
-static dem_body a_body(double seed, long k)
-{
-    dem_body b = {{pick(seed, k) - 0.5, pick(seed, k + 1) - 0.5}, .omega = 4.0 * pick(seed, k + 2) - 2.0};
-    b.arm = 0.2 + pick(seed, k + 3);
-    b.inverse_mass = 0.5 + pick(seed, k + 4);
-    b.inverse_inertia = b.inverse_mass * (2.0 + 0.5 * pick(seed, k + 5)) / (b.arm * b.arm);
-    return b;
-}
-
-/* Momenta stay; energy falls by what hard.h says, never rises; the bodies part. */
-static double impact_conserves(const double x[])
-{
-    const double n[2] = {cos(x[1]), sin(x[1])}, restitution = x[2], mu = x[3];
-    const dem_body a = a_body(x[0], 0), b = a_body(x[0], 10);
-    dem_body c = a, d = b;
-    dem_impulse p;
-    const double v_n = (a.v[0] - b.v[0]) * n[0] + (a.v[1] - b.v[1]) * n[1];
-    if (!dem_impact(&c, &d, n, restitution, mu, &p)) return v_n > 0.0 ? NAN : 0.0;
-    double worst = 0.0;
-    for (int i = 0; i < 2; i++)
-        worst = larger(fabs((c.v[i] - a.v[i]) / a.inverse_mass + (d.v[i] - b.v[i]) / b.inverse_mass), worst);
-    /* about the point of contact, where the centres are at -arm n and +arm n */
-    const double spin = (c.omega - a.omega) / a.inverse_inertia + (d.omega - b.omega) / b.inverse_inertia;
-    const double orbit = -a.arm * (n[0] * (c.v[1] - a.v[1]) - n[1] * (c.v[0] - a.v[0])) / a.inverse_mass +
-                         b.arm * (n[0] * (d.v[1] - b.v[1]) - n[1] * (d.v[0] - b.v[0])) / b.inverse_mass;
-    worst = larger(fabs(spin + orbit), worst);
-    const double parting = (d.v[0] - c.v[0]) * n[0] + (d.v[1] - c.v[1]) * n[1];
-    worst = larger(fabs(parting - restitution * v_n), worst);
-    const double lost = kinetic(&a) + kinetic(&b) - kinetic(&c) - kinetic(&d),
-                 inverse = a.inverse_mass + b.inverse_mass;
-    const double v_t =
-        (a.v[1] - b.v[1]) * n[0] - (a.v[0] - b.v[0]) * n[1] + a.arm * a.omega + b.arm * b.omega;
-    const double inverse_t = inverse + a.arm * a.arm * a.inverse_inertia + b.arm * b.arm * b.inverse_inertia;
-    const double formula = (1.0 - restitution * restitution) * v_n * v_n / (2.0 * inverse) +
-                           fabs(p.tangential * v_t) - 0.5 * p.tangential * p.tangential * inverse_t;
-    worst = larger(fabs(lost - formula), worst) / 1e-14;
-    worst = larger(p.slips ? fabs(fabs(p.tangential) + mu * p.normal) / 1e-14 : 0.0, worst);
-    return lost >= -1e-13 ? worst : NAN;
-}
-
 enum { STEPS = 40 };
 
 static bool rotates(double seed)
@@ -547,13 +501,6 @@ static void of_angles(void)
 
 static void of_contacts(void)
 {
-    const property impact = {"impact: conservation",
-                             impact_conserves,
-                             {{"seed", 0, 1e4, true},
-                              {"angle", 0, 2 * M_PI, false},
-                              {"restitution", 0, 1, false},
-                              {"mu", 0, 1.5, false}}};
-    property_check(&impact, SEED, 2000);
 #define PAIR                                                                                                 \
     {"seed", 0, 1e4, true}, {"distance", 0, 1, false}, {"v_n", -10, 10, false}, {"v_s", -10, 10, false},     \
         {"spin", -20, 20, false},                                                                            \
@@ -578,13 +525,4 @@ static void of_piles(void)
     property_check(&pile, SEED, check_fast() ? 40 : 200);
 }
 
-void suite_property(void)
-{
-    static const check_case cases[] = {{"the simplest input that fails", finds_the_simplest},
-                                       {"analytic models", of_models},
-                                       {"tilt and slopes", of_angles},
-                                       {"collisions and contacts", of_contacts},
-                                       {"piles of soft disks", of_piles},
-                                       {NULL, NULL}};
-    check_register("property", cases);
-}
+CHECK_SUITE(property, "property", finds_the_simplest, of_models, of_angles, of_contacts, of_piles)

@@ -182,12 +182,4 @@ static void rest(void)
     CU_ASSERT(grains_same_bits(sim, twin));
 }
 
-void suite_removal(void)
-{
-    static const check_case cases[] = {{"streams", streams},
-                                       {"what closes gaps at once", at_once},
-                                       {"order", order},
-                                       {"at rest", rest},
-                                       {NULL, NULL}};
-    check_register("removal", cases);
-}
+CHECK_SUITE(removal, "removal", streams, at_once, order, rest)

@@ -119,11 +119,4 @@ static void runs(void)
     for (int k = 0; k < RUNS; k++) dem_free(sim[k]);
 }
 
-void suite_sizes(void)
-{
-    static const check_case cases[] = {{"the list of the plain search", lists},
-                                       {"choice of the search", choice},
-                                       {"runs", runs},
-                                       {NULL, NULL}};
-    check_register("sizes", cases);
-}
+CHECK_SUITE(sizes, "sizes", lists, choice, runs)

@@ -81,19 +81,11 @@ static void turning(void)
     }
 }
 
-/* What threads do not serve takes one: hard collisions, the ledger, clocks around the phases, Gear's
- * integrator. */
+/* Clocks around the phases take one; so do hard collisions, the ledger and Gear's integrator, see the suite
+ * `removal`. */
 static void one_thread(void)
 {
-    dem_grain *grains;
-    for (int k = 0; k < 3; k++) {
-        dem_definition def = grains_box(400, 4.0, 9, &grains);
-        if (k == 0) def.hard = (dem_hard){.on = true, .restitution = 0.1, .mu = 0.2}, def.tension = false;
-        if (k == 1) def.ledger = true;
-        if (k == 2) def.integrator = DEM_GEAR5, def.dt *= 0.5;
-        compare(&def, 2, 100);
-    }
-    dem_definition def = grains_box(400, 4.0, 9, &grains);
+    dem_definition def = grains_box(400, 4.0, 9, NULL);
     scoped_sim *one = start(&def, 1), *timed = start(&def, 3);
     dem_phases times = {0};
     CHECK_OK(dem_run(one, 200));
@@ -101,12 +93,18 @@ static void one_thread(void)
     CU_ASSERT(grains_same_bits(one, timed) && times.lists > 0.0 && times.walls > 0.0);
 }
 
-/* A fault is found at the same step, with the same message. */
+/* A fault is found at the same step, with the same message: by the reference loop, in chunks, and in threads.
+ */
 static void fault(bool wall)
 {
-    const dem_definition def = grains_too_soft(wall);
+    dem_definition def = grains_too_soft(wall);
     scoped_sim *one = start(&def, 1), *three = start(&def, 3);
-    grains_break_alike(one, three);
+    for (int k = 0; k < 2; k++) {
+        def.kernel = DEM_REFERENCE;
+        scoped_sim *reference = grains_start_in_chunks(&def, 0);
+        grains_break_alike(reference, k ? three : one);
+    }
+    CU_ASSERT(one->pairs.n_chunks > 0);
 }
 
 /* Of an overlap with a grain or a wall; of a number that a rebuilding finds. */
@@ -167,16 +165,4 @@ static void program(void)
     leave();
 }
 
-const check_case threads_cases[] = {{"a whole avalanche", avalanche},
-                                    {"wrapped cells, fixed grains, outflow", outflows},
-                                    {"moving walls, turning gravity, turning box", turning},
-                                    {"what takes one thread", one_thread},
-                                    {"faults", faults},
-                                    {"snapshots with another number", snapshots},
-                                    {"the program", program},
-                                    {NULL, NULL}};
-
-void suite_threads(void)
-{
-    check_register("threads", threads_cases);
-}
+CHECK_SUITE(threads, "threads", avalanche, outflows, turning, one_thread, faults, snapshots, program)

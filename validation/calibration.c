@@ -67,10 +67,9 @@ static void test_found_again(void)
 {
     const int cases = check_full() ? 10 : 1;
     gsl_rng *rng = rp_random_alloc(39, 3, RP_PURPOSE_TEST);
-    FILE *table = check_table("calibration");
+    FILE *table = check_table("calibration", "names, case, parameter, truth, value, lower, upper, status");
     int inside = 0, near = 0, n = 0;
     write_text("impact.cfg", "%s", impact);
-    if (table) rp_table_header(table, "names, case, parameter, truth, value, lower, upper, status");
     for (size_t names = 1; names <= (check_full() ? NAMES : 1); names++)
         for (int k = 0; k < cases; k++) {
             double truth[NAMES], value[NAMES], error[NAMES];
@@ -100,8 +99,4 @@ static void test_found_again(void)
     gsl_rng_free(rng);
 }
 
-void suite_calibration(void)
-{
-    static const check_case cases[] = {{"names found again by runs", test_found_again}, {0}};
-    check_register_within("calibration", enter, leave, cases);
-}
+CHECK_SUITE_WITHIN(calibration, "calibration", enter, leave, test_found_again)

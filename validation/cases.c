@@ -22,16 +22,20 @@ static void print_cell(FILE *out, const char *text)
 void case_near(case_problem *problem, const char *quantity, double expected, double observed, double bound,
                const char *format, ...)
 {
-    char parameters[256];
     va_list arguments;
     va_start(arguments, format);
-    vsnprintf(parameters, sizeof parameters, format, arguments);
+    vsnprintf(problem->parameters, sizeof problem->parameters, format, arguments);
     va_end(arguments);
+    case_also(problem, quantity, expected, observed, bound);
+}
+
+void case_also(case_problem *problem, const char *quantity, double expected, double observed, double bound)
+{
     const double error = fabs(observed - expected);
     const bool near = error <= bound;
     if (!near)
-        fprintf(stderr, "%s, %s: %s = %.17g, expected %.17g within %g\n", problem->problem, parameters,
-                quantity, observed, expected, bound);
+        fprintf(stderr, "%s, %s: %s = %.17g, expected %.17g within %g\n", problem->problem,
+                problem->parameters, quantity, observed, expected, bound);
     CU_ASSERT(near);
     const double ratio = isnan(error) ? INFINITY : error > 0.0 ? error / bound : 0.0;
     problem->n++;
@@ -39,7 +43,7 @@ void case_near(case_problem *problem, const char *quantity, double expected, dou
     if (!problem->text) problem->text = open_memstream(&problem->rows, &problem->size);
     CU_ASSERT_PTR_NOT_NULL_FATAL(problem->text);
     print_cell(problem->text, problem->problem);
-    print_cell(problem->text, parameters);
+    print_cell(problem->text, problem->parameters);
     print_cell(problem->text, quantity);
     fprintf(problem->text, "%.17g\t%.17g\t%.17g\t%.17g\n", expected, observed, error, bound);
 }
@@ -51,21 +55,17 @@ int case_stride(int daily)
 
 void case_write(const char *suite, case_problem *const problems[], size_t n)
 {
-    static const char *const columns[][2] = {{"problem", ""}, {"cases", "1"}, {"worst_over_bound", "1"}},
-                             *const case_columns[][2] = {
-                                 {"problem", ""},  {"parameters", ""}, {"quantity", ""}, {"expected", ""},
-                                 {"observed", ""}, {"error", ""},      {"bound", ""}};
     char name[64], key[80];
     snprintf(name, sizeof name, "%s_cases", suite);
-    FILE *out = check_table(suite), *cases = check_table(name);
+    FILE *out = check_table(suite, NULL),
+         *cases = check_table(name, "problem, parameters, quantity, expected, observed, error, bound");
     for (size_t i = 0; i < n && out; i++) {
         snprintf(key, sizeof key, "source_%s", problems[i]->problem);
         rp_table_note(out, key, "%s", problems[i]->source);
         snprintf(key, sizeof key, "bound_%s", problems[i]->problem);
         rp_table_note(out, key, "%s", problems[i]->bound);
     }
-    if (out) rp_table_columns(out, sizeof columns / sizeof *columns, columns);
-    if (cases) rp_table_columns(cases, sizeof case_columns / sizeof *case_columns, case_columns);
+    if (out) rp_table_header(out, "problem, cases [1], worst_over_bound [1]");
     for (size_t i = 0; i < n; i++) {
         case_problem *p = problems[i];
         CU_ASSERT(p->n > 0);

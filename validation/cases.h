@@ -11,7 +11,8 @@ typedef struct {
     const char *source;  /* of the expected results */
     const char *bound;   /* derivation of the bound */
     long n;
-    double worst; /* largest error/bound */
+    double worst;         /* largest error/bound */
+    char parameters[256]; /* of the latest case */
     char *rows;
     size_t size;
     FILE *text;
@@ -20,6 +21,9 @@ typedef struct {
 /* One case: fails unless |observed - expected| <= bound; NaN fails. `format` names the parameters. */
 void case_near(case_problem *problem, const char *quantity, double expected, double observed, double bound,
                const char *format, ...) __attribute__((format(printf, 6, 7)));
+
+/* Another quantity of the same case. */
+void case_also(case_problem *problem, const char *quantity, double expected, double observed, double bound);
 
 /* Stride over the cases of a grid: 1 in full, `daily` otherwise, five times that under the sanitizers. */
 int case_stride(int daily);

@@ -86,7 +86,7 @@ static growth avalanche(long N, double W, double dt, double shift, long stream, 
         g.last = distance(a, b, s, s + N);
         if (k == 40) g.tenth = g.last;
         note(fit, t, g.last, g.first);
-        if (out && k % 4 == 0) rp_table_row(out, 5, (double[]){dt, shift, (double)stream, t, g.last});
+        if (k % 4 == 0) CHECK_ROW(out, NULL, dt, shift, (double)stream, t, g.last);
     }
     double c0, cov[3], sumsq;
     if (fit->grown && fit->n > 2)
@@ -109,20 +109,15 @@ static void round_off_grows(void)
     CU_ASSERT(small.last > 1e6 * small.first);
 }
 
-static void lyapunov(void)
+static void growth_rate(void)
 {
     const struct {
         double dt, shift;
     } groups[] = {{5e-5, 1e-15}, {2.5e-5, 1e-15}, {5e-5, 1e-12}};
-    const char *const columns[][2] = {
-        {"dt", "s"}, {"shift", "cm"}, {"seed", ""}, {"t", "s"}, {"distance", "d"}};
-    const char *const fit_columns[][2] = {{"dt", "s"},     {"shift", "cm"},    {"n", ""},
-                                          {"rate", "1/s"}, {"rate_se", "1/s"}, {"doubling", "s"}};
     enum { SEEDS = 12, GROUPS = sizeof groups / sizeof *groups };
     double rates[GROUPS], errors[GROUPS];
-    FILE *out = check_table("chaos"), *fits = check_table("chaos_fit");
-    if (out) rp_table_columns(out, 5, columns);
-    if (fits) rp_table_columns(fits, 6, fit_columns);
+    FILE *out = check_table("chaos", "dt [s], shift [cm], seed, t [s], distance [d]"),
+         *fits = check_table("chaos_fit", "dt [s], shift [cm], n, rate [1/s], rate_se [1/s], doubling [s]");
     for (int i = 0; i < GROUPS && check_full(); i++) {
         double rate[SEEDS];
         for (int seed = 0; seed < SEEDS; seed++) {
@@ -136,35 +131,14 @@ static void lyapunov(void)
          * avalanche, and a larger shift is fitted over a different part of it. */
         CHECK_NEAR(rates[i], rates[0],
                    groups[i].shift > groups[0].shift ? 0.25 * rates[0] : 4.0 * hypot(errors[i], errors[0]));
-        if (fits)
-            rp_table_row(
-                fits, 6,
-                (double[]){groups[i].dt, groups[i].shift, SEEDS, rates[i], errors[i], M_LN2 / rates[i]});
+        CHECK_ROW(fits, NULL, groups[i].dt, groups[i].shift, SEEDS, rates[i], errors[i], M_LN2 / rates[i]);
     }
     check_table_close(out, "chaos");
     check_table_close(fits, "chaos_fit");
 }
 
-/* A box that settles and discharges has the same bits with every kernel of the pair loop. */
-static void kernels_agree(void)
-{
-    const long N = check_fast() ? 30 : 100;
-    scoped_sim *reference = filled_box(N, 2.0, 5e-5, 3, DEM_REFERENCE);
-    CHECK_OK(dem_run(reference, 3000));
-    dem_wall_open(reference, DEM_BOX_RIGHT, INFINITY);
-    CHECK_OK(dem_run(reference, 3000));
-    for (int kernel = DEM_FAST; kernel < DEM_KERNELS; kernel++) {
-        if (!dem_kernel_runs(kernel)) continue;
-        scoped_sim *sim = filled_box(N, 2.0, 5e-5, 3, kernel);
-        CHECK_OK(dem_run(sim, 3000));
-        dem_wall_open(sim, DEM_BOX_RIGHT, INFINITY);
-        CHECK_OK(dem_run(sim, 3000));
-        CU_ASSERT(grains_same_bits(sim, reference));
-    }
-}
-
 /* Piles of a sweep have the same digest from one, two and five workers. */
-static void workers_agree(void)
+static void any_number_of_workers(void)
 {
     char base[FOLDER_PATH], file[80], digests[3][33];
     folder_make("chaos", base);
@@ -189,12 +163,4 @@ static void workers_agree(void)
     folder_remove(base);
 }
 
-void suite_chaos(void)
-{
-    static const check_case cases[] = {{"small differences grow", round_off_grows},
-                                       {"growth rate over seeds and time steps", lyapunov},
-                                       {"all kernels of the pair loop agree", kernels_agree},
-                                       {"any number of workers agrees", workers_agree},
-                                       {NULL, NULL}};
-    check_register("validation: chaos", cases);
-}
+CHECK_SUITE(chaos, "validation: chaos", round_off_grows, growth_rate, any_number_of_workers)

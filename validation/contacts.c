@@ -80,10 +80,8 @@ static void drop(int law, const bouncing *p, double k, double m, double gamma, d
 {
     const double r = 0.1193, before = (3.0 + phase) * dt; /* it starts a few steps before contact */
     dem_grain grain = {0.0, r + (p->v - 0.5 * p->g * before) * before, r, m, 0.0, -(p->v - p->g * before)};
-    dem_definition def = dem_definition_default();
-    def.normal = law, def.tangential = DEM_NONE, def.gravity[1] = -p->g;
-    def.material = (dem_material){.k_n = k, .gamma_n = gamma};
-    def.dt = dt;
+    dem_definition def = grains_bare(1, &grain, law, (dem_material){.k_n = k, .gamma_n = gamma});
+    def.gravity[1] = -p->g, def.dt = dt;
     grains_on_floor(&def, 1, &grain);
     scoped_sim *sim = grains_start(&def);
     dem_state s = {0};
@@ -121,8 +119,7 @@ static void check_bounce(double heavy, double damping, double k, double m, doubl
     drop(DEM_HERTZ, &p, k, m, 0.0, hertz_dt, phase, observed);
     case_near(&bounce_problem, "speed", v, observed[0], bound * v, "hertz v=%g k_n=%g m=%g dt=%g", v, k, m,
               hertz_dt);
-    case_near(&bounce_problem, "overlap", deepest, observed[1], bound * deepest,
-              "hertz v=%g k_n=%g m=%g dt=%g", v, k, m, hertz_dt);
+    case_also(&bounce_problem, "overlap", deepest, observed[1], bound * deepest);
 }
 
 static void bounce(void)
@@ -157,12 +154,10 @@ static double settle(dem_sim *sim, double gamma, double most)
 static double compress(int law, double k, double k_wall, size_t n, const dem_grain *grains, double lid,
                        double force[MOST + 1])
 {
-    dem_definition def = dem_definition_default();
+    dem_definition def = grains_bare(n, grains, law, (dem_material){.k_n = k});
     double heaviest = 0.0;
     for (size_t i = 0; i < n; i++) heaviest = fmax(heaviest, grains[i].m);
-    def.normal = law, def.tangential = DEM_NONE;
-    def.material = (dem_material){.k_n = k};
-    def.grains = grains, def.n_grains = n, def.n_walls = 1 + isfinite(lid);
+    def.gravity[1] = -981.0, def.n_walls = 1 + isfinite(lid);
     def.walls[0] = grains_line(0.0, 0.0, 0.0, 1.0, &def.material);
     def.walls[1] = grains_line(0.0, lid, 0.0, -1.0, &def.material);
     def.walls[0].material.k_n = def.walls[1].material.k_n = k_wall;
@@ -289,10 +284,8 @@ static void cradle_simulate(const cradle *c, int launched, double v, double gap,
     dem_grain grains[MOST];
     for (int i = 0; i < c->n; i++)
         grains[i] = (dem_grain){i * (2.0 * r + gap), 0.0, r, c->m, i < launched ? v : 0.0, 0.0};
-    dem_definition def = dem_definition_default();
-    def.gravity[1] = 0.0, def.normal = c->law, def.tangential = DEM_NONE;
-    def.material = (dem_material){.k_n = c->k};
-    def.dt = dt, def.grains = grains, def.n_grains = (size_t)c->n;
+    dem_definition def = grains_bare((size_t)c->n, grains, c->law, (dem_material){.k_n = c->k});
+    def.dt = dt;
     scoped_sim *sim = grains_start(&def);
     dem_state s[MOST];
     CU_ASSERT_EQUAL_FATAL(dem_run(sim, lround(time / dt)), RP_OK);
@@ -367,13 +360,4 @@ static void cases(void)
     case_write("contacts", problems, sizeof problems / sizeof *problems);
 }
 
-void suite_contacts(void)
-{
-    static const check_case list[] = {{"bounce with gravity during contact", bounce},
-                                      {"two compressed grains", stack},
-                                      {"columns at rest", column},
-                                      {"Newton's cradles", cradles},
-                                      {"cases", cases, true},
-                                      {NULL, NULL}};
-    check_register("validation: lasting contacts", list);
-}
+CHECK_SUITE_SUMMED(contacts, "validation: lasting contacts", bounce, stack, column, cradles, cases)

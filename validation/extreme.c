@@ -4,7 +4,6 @@
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "analytic/analytic.h"
 #include "angle/angle.h"
@@ -14,6 +13,7 @@
 #include "dem/state/state.h"
 #include "tests/check.h"
 #include "tests/grains.h"
+#include "tests/program.h"
 
 static const double R = 0.1, M = 0.004, G = 981.0;
 static const char *const law_names[] = {"hertz", "linear"};
@@ -77,10 +77,8 @@ static void refusal(const char *name, rp_status status, rp_status expected, cons
 
 static dem_definition bare(int law, int scheme)
 {
-    dem_definition def = dem_definition_default();
-    def.normal = law, def.integrator = scheme, def.tangential = DEM_NONE;
-    def.gravity[1] = 0.0;
-    def.material = (dem_material){.k_n = 1e6};
+    dem_definition def = grains_bare(0, NULL, law, (dem_material){.k_n = 1e6});
+    def.integrator = scheme;
     return def;
 }
 
@@ -539,11 +537,11 @@ static void turned_boxes(void)
                     const double weight = mass * G, turned = sim->walls.angle;
                     double f[8], along[4], sum[2] = {0.0, 0.0};
                     grains_wall_forces(sim, f);
-                    static const double out[4][2] = {{0.0, -1.0}, {-1.0, 0.0}, {1.0, 0.0}, {0.0, 1.0}};
+                    static const double outwards[4][2] = {{0.0, -1.0}, {-1.0, 0.0}, {1.0, 0.0}, {0.0, 1.0}};
                     for (int w = 0; w < 4; w++) {
                         double x = f[2 * w], y = f[2 * w + 1];
                         dem_box_frame(sim, &x, &y);
-                        along[w] = (x * out[w][0] + y * out[w][1]) / weight;
+                        along[w] = (x * outwards[w][0] + y * outwards[w][1]) / weight;
                         sum[0] += x / weight, sum[1] += y / weight;
                     }
                     PARAMETERS("%d grains, mu = %g, %d degrees, %s turned, %s", MANY, rough ? 0.2 : 0.0,
@@ -807,64 +805,28 @@ static void tilts(void)
 
 /* ---- The program */
 
-static char answer[1 << 16];
-
-/* Run a line of shell with $REPOSE, killed after 60 s. Its output is in `answer`; returns its exit status. */
+/* Exit status of `repose` with these arguments, killed after 60 s. */
 static int program(const char *format, ...) __attribute__((format(printf, 1, 2)));
 static int program(const char *format, ...)
 {
-    char line[2048];
-    const char *name = getenv("REPOSE");
-    CU_ASSERT_FATAL(access(name ? name : "build/repose", X_OK) == 0);
-    int used = snprintf(line, sizeof line, "REPOSE=%s; timeout -s KILL 60 ", name ? name : "build/repose");
+    char arguments[256], line[320];
     va_list args;
     va_start(args, format);
-    vsnprintf(line + used, sizeof line - (size_t)used, format, args);
+    vsnprintf(arguments, sizeof arguments, format, args);
     va_end(args);
-    FILE *pipe = popen(line, "r");
-    CU_ASSERT_PTR_NOT_NULL_FATAL(pipe);
-    answer[fread(answer, 1, sizeof answer - 1, pipe)] = '\0';
-    const int status = pclose(pipe);
-    return status & 0x7f ? -1 : status >> 8;
+    snprintf(line, sizeof line, "timeout -s KILL 60 \"$REPOSE\" %s >out 2>err", arguments);
+    return shell(line);
 }
 
-/* The number in a named column of the last row of the answer, which messages may stand around. */
-static double last_cell(const char *column)
+/* The answer is the message, or else the first cell of the table. */
+static void program_refuses(const char *name, int status, int expected, const char *part)
 {
-    const char *row = NULL;
-    int place = -1;
-    for (char *at = answer, *end; *at; at = *end ? end + 1 : end) {
-        end = at + strcspn(at, "\n");
-        const char *found = place < 0 && *at != '#' ? strstr(at, column) : NULL;
-        if (found && found < end && (found == at || found[-1] == '\t') &&
-            strchr("\t\n", found[strlen(column)])) {
-            place = 0;
-            for (const char *c = at; c < found; c++) place += *c == '\t';
-        } else if (place >= 0 && memchr(at, '\t', (size_t)(end - at)))
-            row = at;
-    }
-    for (int k = 0; row && k < place; k++) {
-        row = strchr(row, '\t');
-        if (row) row++;
-    }
-    return row ? strtod(row, NULL) : NAN;
-}
-
-/* First line of the answer after the header. */
-static void observe_answer(int status)
-{
-    const char *at = answer;
-    while (*at == '#' && strchr(at, '\n')) at = strchr(at, '\n') + 1;
-    if (memchr(at, '\t', strcspn(at, "\n")) && strchr(at, '\n'))
-        at = strchr(at, '\n') + 1; /* names of columns */
-    OBSERVED("exit status %d: %.*s", status, (int)fmin(160.0, (double)strcspn(at, "\n\t")), at);
-}
-
-static void program_refuses(const char *name, int status, int expected, const char *word)
-{
-    EXPECTED("%sexit status %d: %s", expected ? "refused, " : "", expected, word);
-    observe_answer(status);
-    verdict(name, status == expected && strstr(answer, word) != NULL);
+    scoped_table t = {0};
+    if (!*err) t = read_table("out");
+    const char *answer = *err ? err : t.n_rows ? t.cells[0] : "";
+    EXPECTED("%sexit status %d: %s", expected ? "refused, " : "", expected, part);
+    OBSERVED("exit status %d: %.*s", status, (int)fmin(160.0, (double)strcspn(answer, "\n")), answer);
+    verdict(name, status == expected && (strstr(out, part) || strstr(err, part)));
 }
 
 /* Soft piles of the flattest and the steepest slopes, one layer and one disk: the base carries the disks. */
@@ -879,11 +841,12 @@ static void soft_piles(void)
                 CHECK_OK(an_lattice_cut(bases[b], M_PI / 6.0, alphas[i] * M_PI / 180.0, up));
                 for (int s = 0; s < bases[b]; s++) disks += up[s];
                 PARAMETERS("alpha = %g degrees, base of %d, eps = %g", alphas[i], bases[b], eps);
-                const int status = program("\"$REPOSE\" pile --base %d --alpha-deg %.17g --eps %g | "
-                                           "awk -F'\\t' '!/^#/ { n += $3; h += $4 } END { print n, h }' 2>&1",
-                                           bases[b], alphas[i], eps);
-                char *rest;
-                const double N = strtod(answer, &rest), H = strtod(rest, NULL);
+                const int status =
+                    program("pile --base %d --alpha-deg %.17g --eps %g", bases[b], alphas[i], eps);
+                scoped_table t = read_table("out");
+                double N = 0.0, H = 0.0;
+                for (size_t row = 0; row < t.n_rows; row++)
+                    N += cell(&t, row, "N/mg"), H += cell(&t, row, "H/mg");
                 EXPECTED("sum of N %ld, of H 0", disks);
                 OBSERVED("exit status %d: %.9g, %.3g", status, N, H);
                 verdict("soft pile", status == 0 && fabs(N - (double)disks) < 1e-6 * (double)disks &&
@@ -921,17 +884,17 @@ static void box_shapes(void)
         if (boxes[i].N > 0) snprintf(count, sizeof count, "N = %ld;", boxes[i].N);
         PARAMETERS("W = %g, H = %g, dt = %g %s %s", boxes[i].W, boxes[i].H, boxes[i].dt, count,
                    boxes[i].more);
-        const int status = program(
-            "sh -c 'd=$(mktemp -d) || exit 99; trap \"rm -r $d\" EXIT; printf \"%%s\" \"$1\" >$d/box.cfg; "
-            "\"$0\" run $d/box.cfg --row 0 -o $d/out 2>&1' \"$REPOSE\" 'protocol = \"repose\"; "
-            "replicas = 1; piles = \"shared\"; "
-            "seed = 5; fixed = { W = %.6f; H = %.6f; dt = %.9f; %s %s }; grid = { mu = [0.2]; };'",
-            boxes[i].W, boxes[i].H, boxes[i].dt, count, boxes[i].more);
+        write_text("box.cfg",
+                   "protocol = \"repose\"; replicas = 1; piles = \"shared\"; seed = 5; fixed = { W = %.6f; "
+                   "H = %.6f; dt = %.9f; %s %s }; grid = { mu = [0.2]; };",
+                   boxes[i].W, boxes[i].H, boxes[i].dt, count, boxes[i].more);
+        const int status = program("run box.cfg --row 0 -o box_%zu", i);
         if (boxes[i].word) {
             program_refuses("box", status, boxes[i].status, boxes[i].word);
             continue;
         }
-        const double grains = last_cell("grains"), theta = last_cell("theta_r3_deg"),
+        scoped_table t = read_table("out");
+        const double grains = cell(&t, 0, "grains"), theta = cell(&t, 0, "theta_r3_deg"),
                      most = boxes[i].N > 0 ? (double)boxes[i].N : round(boxes[i].W * boxes[i].H / 0.04);
         EXPECTED("a slope of 1 to %g grains", most);
         OBSERVED("exit status %d: theta_R = %g, %g grains", status, theta, grains);
@@ -970,8 +933,7 @@ static void lines(void)
     };
     for (size_t i = 0; i < COUNT(list); i++) {
         PARAMETERS("repose %s", list[i].line);
-        program_refuses("program", program("\"$REPOSE\" %s 2>&1", list[i].line), list[i].status,
-                        list[i].word);
+        program_refuses("program", program("%s", list[i].line), list[i].status, list[i].word);
     }
 }
 
@@ -987,20 +949,21 @@ static void run_scenes(void)
                      f++) {
                     PARAMETERS("%s, %s, gamma_n = %g, mu = %s", law_names[law], dem_schemes[scheme]->name,
                                gamma, frictions[f]);
-                    const int status = program("sh -c 'd=$(mktemp -d) || exit 99; trap \"rm -r $d\" EXIT; "
-                                               "printf \"%%s\" \"$1\" >$d/s.cfg; \"$0\" run $d/s.cfg 2>&1' "
-                                               "\"$REPOSE\" 'integrator = \"%s\"; dt = 1.0e-14; steps = 20; "
-                                               "normal = { law = \"%s\"; k_n = 100.0; gamma_n = %.17e; }; "
-                                               "tangential = { law = \"%s\"; mu = %s; }; walls = ( { point = "
-                                               "[0.0, 0.0]; direction = [0.0, 1.0]; } ); particles = ( { x = "
-                                               "0.0; y = 0.25; r = 0.1; vy = -1.0; } );'",
-                                               dem_schemes[scheme]->name, law_names[law], gamma,
-                                               scheme == DEM_IMPLICIT ? "none" : "spring", frictions[f]);
-                    const double vy = last_cell("vy");
+                    write_text(
+                        "s.cfg",
+                        "integrator = \"%s\"; dt = 1.0e-14; steps = 20; normal = { law = \"%s\"; k_n = "
+                        "100.0; gamma_n = %.17e; }; tangential = { law = \"%s\"; mu = %s; }; walls = ( { "
+                        "point = [0.0, 0.0]; direction = [0.0, 1.0]; } ); particles = ( { x = 0.0; y = "
+                        "0.25; r = 0.1; vy = -1.0; } );",
+                        dem_schemes[scheme]->name, law_names[law], gamma,
+                        scheme == DEM_IMPLICIT ? "none" : "spring", frictions[f]);
+                    const int status = program("run s.cfg");
+                    scoped_table t = read_table("out");
+                    const double vy = cell(&t, t.n_rows - 1, "vy");
                     EXPECTED("flies on at -1");
                     OBSERVED("exit status %d: vy = %.9g", status, vy);
                     verdict("scene", status == 0 && fabs(vy + 1.0) < 1e-9 &&
-                                         strstr(answer, "# impact: two mean") != NULL);
+                                         strstr(out, "# impact: two mean") != NULL);
                 }
 }
 
@@ -1028,15 +991,10 @@ static void million(void)
     number("1e6 grains", most, 0.0, 250.0, 20.0 * 0x1p-51);
 }
 
-static void extremes(void)
+static void right_or_refused(void)
 {
-    table = check_table("extreme");
-    const char *const columns[][2] = {{"case", "word"},
-                                      {"parameters", "text"},
-                                      {"expected", "text"},
-                                      {"observed", "text"},
-                                      {"verdict", "word"}};
-    if (table) rp_table_columns(table, COUNT(columns), columns);
+    table = check_table("extreme",
+                        "case [word], parameters [text], expected [text], observed [text], verdict [word]");
     n_cases = n_right = n_refused = 0;
     const double start = rp_clock();
     static_overlaps();
@@ -1064,20 +1022,10 @@ static void extremes(void)
     if (check_full()) million();
     CU_ASSERT(n_cases >= 300);
     check_table_close(table, "extreme");
-    table = check_table("extreme_sums");
-    if (table) {
-        rp_table_columns(
-            table, 4,
-            (const char *const[][2]){{"cases", ""}, {"right", ""}, {"refused", ""}, {"run_time", "s"}});
-        fprintf(table, "%d\t%d\t%d\t%.3g\n", n_cases, n_right, n_refused, rp_clock() - start);
-    }
+    table = check_table("extreme_sums", "cases, right, refused, run_time [s]");
+    if (table) fprintf(table, "%d\t%d\t%d\t%.3g\n", n_cases, n_right, n_refused, rp_clock() - start);
     check_table_close(table, "extreme_sums");
     table = NULL;
 }
 
-void suite_extreme(void)
-{
-    static const check_case cases[] = {{"correct result, or refused with the reason", extremes},
-                                       {NULL, NULL}};
-    check_register("validation: extreme cases", cases);
-}
+CHECK_SUITE_WITHIN(extreme, "validation: extreme cases", enter, leave, right_or_refused)

@@ -35,19 +35,15 @@ static double effective_mass(const impact *p)
 static dem_definition scene(const impact *p, double dt, dem_grain grains[2])
 {
     const bool wall = isinf(p->m_b);
-    dem_definition def = dem_definition_default();
     const double gap = p->phase * p->v * dt, distance = R_A + (wall ? 0.0 : R_B) + gap;
     const double ux = 0.6, uy = 0.8; /* off the axes */
     const double share_a = wall ? 1.0 : p->m_b / (p->m_a + p->m_b), share_b = 1.0 - share_a;
     grains[0] = (dem_grain){0.0, 0.0, R_A, p->m_a, ux * p->v * share_a, uy * p->v * share_a};
     grains[1] =
         (dem_grain){ux * distance, uy * distance, R_B, p->m_b, -ux * p->v * share_b, -uy * p->v * share_b};
-    def.gravity[1] = 0.0, def.normal = p->law, def.tension = !p->clipped;
-    def.tangential = DEM_NONE;
-    def.material = (dem_material){.k_n = p->k_n, .gamma_n = p->gamma_n};
-    def.dt = dt, def.grains = grains;
-    def.n_grains = wall ? 1 : 2;
-    def.n_walls = wall;
+    dem_definition def =
+        grains_bare(2 - wall, grains, p->law, (dem_material){.k_n = p->k_n, .gamma_n = p->gamma_n});
+    def.tension = !p->clipped, def.dt = dt, def.n_walls = wall;
     def.walls[0] = grains_line(ux * distance, uy * distance, -ux, -uy, &def.material);
     return def;
 }
@@ -323,16 +319,13 @@ static void check_solver(impact *p)
             dem_collision_result c;
             CHECK_OK(dem_collision(
                 &(dem_head_on){p->law, !clipped, p->k_n, p->gamma_n, effective_mass(p), p->v}, &c));
-            const char *format = "%s %s damping=%g k_n=%g m_eff=%g v=%g";
-            const char *reading = clipped ? "pushes" : "pulls";
             /* some 1e2 to 1e3 adaptive steps of 1e-13; the largest overlap comes from a parabola through a
              * step of 0.01: some 1e-6 */
-            case_near(&solver_problem, "restitution", exact.restitution, c.restitution, 1e-10, format,
-                      LAW[p->law], reading, numbers[i], p->k_n, effective_mass(p), p->v);
-            case_near(&solver_problem, "time", exact.time, c.time, 1e-10 / exact.restitution * exact.time,
-                      format, LAW[p->law], reading, numbers[i], p->k_n, effective_mass(p), p->v);
-            case_near(&solver_problem, "overlap", exact.overlap, c.overlap, 2e-6 * exact.overlap, format,
-                      LAW[p->law], reading, numbers[i], p->k_n, effective_mass(p), p->v);
+            case_near(&solver_problem, "restitution", exact.restitution, c.restitution, 1e-10,
+                      "%s %s damping=%g k_n=%g m_eff=%g v=%g", LAW[p->law], clipped ? "pushes" : "pulls",
+                      numbers[i], p->k_n, effective_mass(p), p->v);
+            case_also(&solver_problem, "time", exact.time, c.time, 1e-10 / exact.restitution * exact.time);
+            case_also(&solver_problem, "overlap", exact.overlap, c.overlap, 2e-6 * exact.overlap);
         }
     }
 }
@@ -349,16 +342,13 @@ static void single_impacts(void)
  * figure. */
 static void damping_range(void)
 {
-    static const char *const columns[][2] = {
-        {"damping", "1"},     {"pulls_exact", "1"},  {"pulls", "1"},
-        {"pulls_error", "1"}, {"pulls_bound", "1"},  {"pushes_exact", "1"},
-        {"pushes", "1"},      {"pushes_error", "1"}, {"pushes_bound", "1"}};
     for (int law = DEM_HERTZ; law <= DEM_LINEAR; law++) {
         const char *const name = law == DEM_HERTZ ? "impact_hertz" : "impact_linear";
-        FILE *out = check_table(name);
+        FILE *out = check_table(name, NULL);
         if (!out) return;
         rp_table_note(out, "steps", "1000 per elastic contact time, at least 1000/(2 damping) per 1/gamma");
-        rp_table_columns(out, sizeof columns / sizeof *columns, columns);
+        rp_table_header(out, "damping [1], pulls_exact [1], pulls [1], pulls_error [1], pulls_bound [1], "
+                             "pushes_exact [1], pushes [1], pushes_error [1], pushes_bound [1]");
         for (int i = 0; i <= 48; i++) {
             impact p = {.law = law,
                         .k_n = 1e6,
@@ -394,15 +384,5 @@ static void cases(void)
     case_write("impact", problems, sizeof problems / sizeof *problems);
 }
 
-void suite_impact(void)
-{
-    static const check_case list[] = {{"elastic impacts", elastic},
-                                      {"damped impacts", damped},
-                                      {"sticking threshold", sticking},
-                                      {"solver of single impacts", single_impacts},
-                                      {"single impacts, strongly damped", strong_damping},
-                                      {"range of damping", damping_range},
-                                      {"cases", cases, true},
-                                      {NULL, NULL}};
-    check_register("validation: impacts", list);
-}
+CHECK_SUITE_SUMMED(impact, "validation: impacts", elastic, damped, sticking, single_impacts, strong_damping,
+                   damping_range, cases)

@@ -94,7 +94,7 @@ static void energy_is_kept(void)
         if (c->exact) CHECK_NEAR(most[k], 0.0, walk(steps));
         if (c->integrator == DEM_VERLET && c->dt >= 0.1) CU_ASSERT(most[k] > 1e-5);
     }
-    FILE *out = check_table("implicit_energy");
+    FILE *out = check_table("implicit_energy", NULL);
     if (out) {
         rp_table_columns(out, ENERGY_CASES + 1, (const char *const(*)[2])names);
         for (size_t m = 0; m < marks; m++) {
@@ -104,17 +104,12 @@ static void energy_is_kept(void)
         }
         check_table_close(out, "implicit_energy");
     }
-    out = check_table("implicit_drift");
-    if (!out) return;
-    static const char *const columns[][2] = {
-        {"dt", "contact times"},    {"tolerance", "radius"},  {"steps", ""},
-        {"largest_error", "start"}, {"iterations", "a step"}, {"case", ""}};
-    rp_table_columns(out, 6, columns);
-    for (int k = 0; k < ENERGY_CASES; k++) {
-        const energy_case *c = &energy_cases[k];
-        rp_table_row_word(out, 5, (double[]){c->dt, c->tolerance, (double)steps, most[k], iterations[k]},
-                          c->name);
-    }
+    out =
+        check_table("implicit_drift", "dt [contact times], tolerance [radius], steps, largest_error [start], "
+                                      "iterations [a step], case");
+    for (int k = 0; k < ENERGY_CASES; k++)
+        CHECK_ROW(out, energy_cases[k].name, energy_cases[k].dt, energy_cases[k].tolerance, (double)steps,
+                  most[k], iterations[k]);
     check_table_close(out, "implicit_drift");
 }
 
@@ -122,12 +117,9 @@ static void energy_is_kept(void)
  * atan(omega dt/2). */
 static void phase(void)
 {
-    static const char *const columns[][2] = {
-        {"omega_dt", ""}, {"omega_eff", "omega"}, {"formula", "omega"}, {"verlet", "omega"}};
     const double omega = sqrt(K), A = 0.6 / K;
     const long steps = check_full() ? 100000 : 5000;
-    FILE *out = check_table("implicit_phase");
-    if (out) rp_table_columns(out, 4, columns);
+    FILE *out = check_table("implicit_phase", "omega_dt, omega_eff [omega], formula [omega], verlet [omega]");
     for (int k = -6; k <= 6; k++) {
         const double angle = pow(10.0, 0.25 * k), formula = 2.0 / angle * atan(0.5 * angle);
         const dem_grain grain = {.x = 0.3, .y = R - 1.0 / K + A, .r = R, .m = 1.0};
@@ -147,10 +139,7 @@ static void phase(void)
         /* positions of 0.5 are rounded to 1e-16, relative to an amplitude of 6e-5: random errors of 2e-12 per
          * step */
         CHECK_NEAR(measured, formula, 1e-10 * formula);
-        if (out)
-            rp_table_row(
-                out, 4,
-                (double[]){angle, measured, formula, angle < 2.0 ? 2.0 / angle * asin(0.5 * angle) : NAN});
+        CHECK_ROW(out, NULL, angle, measured, formula, angle < 2.0 ? 2.0 / angle * asin(0.5 * angle) : NAN);
     }
     check_table_close(out, "implicit_phase");
 }
@@ -181,19 +170,17 @@ static void cost_of(long base, double dt, int solver, double *iterations)
 /* SOR sweeps per step grow with dt and size, factorisations hardly. */
 static void cost(void)
 {
-    static const char *const columns[][2] = {
-        {"base", "disks"}, {"dt", "contact times"}, {"sweeps", "a step"}, {"factorisations", "a step"}};
     static const double steps[] = {0.1, 1.0, 10.0};
     const long largest = check_full() ? 40 : 10;
     double before[3] = {0.0};
-    FILE *out = check_table("implicit_sweeps");
-    if (out) rp_table_columns(out, 4, columns);
+    FILE *out = check_table("implicit_sweeps",
+                            "base [disks], dt [contact times], sweeps [a step], factorisations [a step]");
     for (long base = 5; base <= largest; base *= 2)
         for (int k = 0; k < 3; k++) {
             double sweeps, factorisations;
             cost_of(base, steps[k], DEM_SOLVER_SOR, &sweeps);
             cost_of(base, steps[k], DEM_SOLVER_DIRECT, &factorisations);
-            if (out) rp_table_row(out, 4, (double[]){(double)base, steps[k], sweeps, factorisations});
+            CHECK_ROW(out, NULL, (double)base, steps[k], sweeps, factorisations);
             CU_ASSERT(factorisations <= 20.0);
             if (k == 2) CU_ASSERT(sweeps > 1.5 * before[2]);
             before[k] = sweeps;
@@ -245,13 +232,10 @@ static double left_by_sweep(long n, double dt, double w, bool *beyond)
  * same rate with different phases: their sum deviates from the rate by a factor of about n at most. */
 static void contraction(void)
 {
-    static const char *const columns[][2] = {{"disks", ""},       {"dt", "contact times"},
-                                             {"relaxation", ""},  {"sweeps", "a step"},
-                                             {"left", "a sweep"}, {"theory", "a sweep"}};
     static const double steps[] = {10.0, 100.0}, factors[] = {0.5, 0.7, 0.9, 1.0, 1.3, 1.9};
     const double loose = 1e-6, tight = 1e-12;
-    FILE *out = check_table("implicit_contraction");
-    if (out) rp_table_columns(out, 6, columns);
+    FILE *out = check_table("implicit_contraction", "disks, dt [contact times], relaxation, sweeps [a step], "
+                                                    "left [a sweep], theory [a sweep]");
     for (long n = 2; n <= CHAIN; n *= 4)
         for (int k = 0; k < (check_fast() ? 1 : 2); k++)
             for (int f = 0; f < 6; f++) {
@@ -261,10 +245,7 @@ static void contraction(void)
                              sweeps = all - sweeps_of_row(n, steps[k], w, loose);
                 CHECK_NEAR(sweeps, log(tight / loose) / log(theory),
                            beyond ? -log((double)n + 2.0) / log(theory) : 1.0);
-                if (out)
-                    rp_table_row(
-                        out, 6,
-                        (double[]){(double)n, steps[k], w, all, pow(tight / loose, 1.0 / sweeps), theory});
+                CHECK_ROW(out, NULL, (double)n, steps[k], w, all, pow(tight / loose, 1.0 / sweeps), theory);
             }
     check_table_close(out, "implicit_contraction");
 }
@@ -348,18 +329,11 @@ static void strong_dashpots(void)
 
 static void pile_at_rest(void)
 {
-    static const char *const columns[][2] = {{"base", "disks"},
-                                             {"disks", ""},
-                                             {"eps", ""},
-                                             {"N_error", "m*g"},
-                                             {"H_error", "m*g"},
-                                             {"contact_error", "m*g"},
-                                             {"position_error", "eps*sigma"},
-                                             {"integrator", ""}};
     const long bases[] = {8, 45};
     const double eps[] = {1e-3, 1e-5};
-    FILE *out = check_table("implicit_pile");
-    if (out) rp_table_columns(out, 8, columns);
+    FILE *out = check_table("implicit_pile",
+                            "base [disks], disks, eps, N_error [m*g], H_error [m*g], contact_error [m*g], "
+                            "position_error [eps*sigma], integrator");
     for (int k = 0; k < (check_full() ? 2 : 1); k++) {
         solved_pile pile = solved_pile_make(bases[k], 30.0, eps[k], 1);
         const double b = (double)bases[k];
@@ -370,24 +344,13 @@ static void pile_at_rest(void)
             CHECK_NEAR(fmax(d.N, d.H), 0.0, 1e-7);
             CHECK_NEAR(d.contact, 0.0, 1e-7);
             CU_ASSERT_EQUAL(d.missing, 0);
-            if (out)
-                rp_table_row_word(out, 7,
-                                  (double[]){b, (double)pile.n, pile.eps, d.N, d.H, d.contact, d.position},
-                                  verlet ? "verlet" : "implicit");
+            CHECK_ROW(out, verlet ? "verlet" : "implicit", b, (double)pile.n, pile.eps, d.N, d.H, d.contact,
+                      d.position);
         }
         solved_pile_free(&pile);
     }
     check_table_close(out, "implicit_pile");
 }
 
-void suite_implicit(void)
-{
-    static const check_case cases[] = {{"energy over many steps", energy_is_kept},
-                                       {"phase", phase},
-                                       {"cost of SOR sweeps and direct solutions", cost},
-                                       {"convergence rate of SOR", contraction},
-                                       {"pile at rest against static solution", pile_at_rest},
-                                       {"strong dashpots", strong_dashpots},
-                                       {NULL, NULL}};
-    check_register("validation: the implicit integrator", cases);
-}
+CHECK_SUITE(implicit, "validation: the implicit integrator", energy_is_kept, phase, cost, contraction,
+            pile_at_rest, strong_dashpots)

@@ -126,16 +126,14 @@ static void slides(void)
         const dem_material c = {.k_n = 1e6, .gamma_n = 500.0, .k_s = 1e4, .gamma_s = gamma_s, .mu = mu};
         dem_grain grain;
         dem_definition def = incline(angle, &c, 0.0, &grain);
-        dem_sim *sim = grains_start(&def);
+        scoped_sim *sim = grains_start(&def);
         case_near(&terminal_problem, "speed", pull / gamma_s, run(sim, 32.0 / gamma_s, def.dt).vx,
                   1e-12 * G / gamma_s, "mu=%g angle=%g gamma_s=%g", mu, angle, gamma_s);
-        dem_free(sim);
         def.damping = DEM_DAMPING_INSIDE;
-        sim = grains_start(&def);
+        grains_again(&sim, &def, 0);
         const double early = run(sim, 0.2, def.dt).vx, late = run(sim, 0.2, def.dt).vx;
         case_near(&speeding_problem, "acceleration", pull, (late - early) / 0.2, 4000 * 1e-16 * late / 0.2,
                   "mu=%g angle=%g gamma_s=%g", mu, angle, gamma_s);
-        dem_free(sim);
     }
 }
 
@@ -167,8 +165,8 @@ static void check_kick(int slip, double mu, double k_s, double v)
               kink * (v * v / (mu * G) + x1) + mu * G * dt * dt, format, reading, mu, k_s, v, dt);
     if (slip == DEM_TOTAL) {
         case_near(&return_problem, "speed", -v, s.vx, 2.0 * kink * v, format, reading, mu, k_s, v, dt);
-        case_near(&return_problem, "time", 2.0 * turn, dem_time(sim) - dt * s.x / (s.x - last.x),
-                  2.0 * kink * 2.0 * v / (mu * G) + kink / w, format, reading, mu, k_s, v, dt);
+        case_also(&return_problem, "time", 2.0 * turn, dem_time(sim) - dt * s.x / (s.x - last.x),
+                  2.0 * kink * 2.0 * v / (mu * G) + kink / w);
     } else {
         /* when stuck, the grain oscillates for ever about the position x_1 before the turning point; observed
          * half a period later */
@@ -196,14 +194,5 @@ static void cases(void)
     case_write("incline", problems, sizeof problems / sizeof *problems);
 }
 
-void suite_incline(void)
-{
-    static const check_case list[] = {{"sticks", sticks},
-                                      {"slips, loaded slowly", slow_loading},
-                                      {"slips, loaded suddenly", sudden_loading},
-                                      {"slides", slides},
-                                      {"kicked: stops, comes back", kicked},
-                                      {"cases", cases, true},
-                                      {NULL, NULL}};
-    check_register("validation: friction on an incline", list);
-}
+CHECK_SUITE_SUMMED(incline, "validation: friction on an incline", sticks, slow_loading, sudden_loading,
+                   slides, kicked, cases)

@@ -7,6 +7,7 @@
  * Theory for a force that is not smooth at a contact within a step: a jump (damped law) gives an error of
  * first order, a kink (linear law, shear spring) of second, the exponent 3/2 of Hertz of order 5/2. Each
  * factor depends on the phase. */
+#include <gsl/gsl_fit.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -248,6 +249,8 @@ static errors leapfrog(const law *p, int variant, const rebound *exact, double n
 
 /* ---- the fits ---- */
 
+enum { MAX_SIZES = 16 };
+
 typedef struct {
     double slope, se;
 } fit;
@@ -261,18 +264,10 @@ static fit fit_order(int sizes, const double n[], const double error[])
     bool exact = true;
     for (int k = 0; k < sizes; k++) exact = exact && error[k] < EXACT;
     if (exact) return (fit){NAN, NAN};
-    double x = 0.0, y = 0.0, xx = 0.0, xy = 0.0, rest = 0.0;
-    for (int k = 0; k < sizes; k++) x -= log(n[k]) / sizes, y += log(error[k]) / sizes;
-    for (int k = 0; k < sizes; k++) {
-        const double dx = -log(n[k]) - x;
-        xx += dx * dx;
-        xy += dx * (log(error[k]) - y);
-    }
-    for (int k = 0; k < sizes; k++) {
-        const double r = log(error[k]) - y - xy / xx * (-log(n[k]) - x);
-        rest += r * r;
-    }
-    return (fit){xy / xx, sqrt(rest / (sizes - 2) / xx)};
+    double x[MAX_SIZES], y[MAX_SIZES], start, slope, cov[3], rest;
+    for (int k = 0; k < sizes; k++) x[k] = -log(n[k]), y[k] = log(error[k]);
+    gsl_fit_linear(x, 1, y, 1, (size_t)sizes, &start, &slope, cov, cov + 1, cov + 2, &rest);
+    return (fit){slope, sqrt(cov[2])};
 }
 
 /* ---- the suite ---- */
@@ -286,8 +281,6 @@ typedef struct {
 
 static const scheme located = {"located", leapfrog, LOCATED},
                     located_full_step = {"located_full_step", leapfrog, LOCATED_FULL_STEP};
-
-enum { MAX_SIZES = 16 };
 
 /* Does the simulator accept this time step? */
 static bool allowed(const law *p, const scheme *s, double dt)
@@ -312,10 +305,7 @@ static void study(const law *p, const scheme *s, FILE *table, FILE *summary, fit
         /* slightly fewer steps than this occur */
         if (!allowed(p, s, exact.time / (steps - 0.5))) continue;
         const errors e = rms(s->run, p, s->variant, &exact, steps, phases);
-        if (table)
-            rp_table_row_word(
-                table, 5,
-                (double[]){steps, exact.time / steps, e.of[VELOCITY], e.of[PLACE], e.of[INTEGRATION]}, name);
+        CHECK_ROW(table, name, steps, exact.time / steps, e.of[VELOCITY], e.of[PLACE], e.of[INTEGRATION]);
         if (steps < 39.0) continue; /* steps too large for the fit */
         n[sizes] = steps;
         for (int q = 0; q < N_ERRORS; q++) error[q][sizes] = e.of[q];
@@ -326,11 +316,9 @@ static void study(const law *p, const scheme *s, FILE *table, FILE *summary, fit
     errors e = {{NAN, NAN, NAN}};
     if (allowed(p, s, 1.05 * default_dt))
         e = rms(s->run, p, s->variant, &exact, exact.time / default_dt, phases);
-    rp_table_row_word(summary, 10,
-                      (double[]){fits[VELOCITY].slope, fits[VELOCITY].se, fits[PLACE].slope, fits[PLACE].se,
-                                 fits[INTEGRATION].slope, fits[INTEGRATION].se, exact.time / default_dt,
-                                 e.of[VELOCITY], e.of[PLACE], e.of[INTEGRATION]},
-                      name);
+    CHECK_ROW(summary, name, fits[VELOCITY].slope, fits[VELOCITY].se, fits[PLACE].slope, fits[PLACE].se,
+              fits[INTEGRATION].slope, fits[INTEGRATION].se, exact.time / default_dt, e.of[VELOCITY],
+              e.of[PLACE], e.of[INTEGRATION]);
 }
 
 /* Half the difference between orders. */
@@ -361,23 +349,11 @@ static void check_implicit(const law *p, const scheme *s, FILE *table, FILE *sum
 static void orders(void)
 {
     if (check_fast()) return; /* numbers of code that other tests run under sanitizers */
-    static const char *const columns[][2] = {{"steps", ""},          {"dt", "s"},
-                                             {"velocity_error", ""}, {"position_error", ""},
-                                             {"integration", ""},    {"case", ""}};
-    static const char *const fit_columns[][2] = {{"velocity_order", ""},
-                                                 {"velocity_order_se", ""},
-                                                 {"position_order", ""},
-                                                 {"position_order_se", ""},
-                                                 {"integration_order", ""},
-                                                 {"integration_order_se", ""},
-                                                 {"steps", ""},
-                                                 {"velocity_error", ""},
-                                                 {"position_error", ""},
-                                                 {"integration", ""},
-                                                 {"case", ""}};
-    FILE *table = check_table("order"), *summary = check_table("order_fits");
-    if (table) rp_table_columns(table, sizeof columns / sizeof *columns, columns);
-    if (summary) rp_table_columns(summary, sizeof fit_columns / sizeof *fit_columns, fit_columns);
+    FILE *table = check_table("order", "steps, dt [s], velocity_error, position_error, integration, case"),
+         *summary = check_table("order_fits",
+                                "velocity_order, velocity_order_se, position_order, position_order_se, "
+                                "integration_order, integration_order_se, steps, velocity_error, "
+                                "position_error, integration, case");
     for (const law *p = laws; p < laws + N_LAWS; p++) {
         fit fits[N_ERRORS];
         for (int i = 0; i < DEM_INTEGRATORS; i++) {
@@ -410,10 +386,8 @@ static double sway(double gamma_n, int integrator, double n)
     const double k = 8e4, g = 1e5, half = 0.5 * gamma_n, w = sqrt(k / M - half * half), deep = M * g / k;
     const double reach = 0.5 * deep;
     dem_grain grain = {0.0, R - deep + reach, R, M, 0.0, 0.0};
-    dem_definition def = dem_definition_default();
+    dem_definition def = grains_bare(1, &grain, DEM_LINEAR, (dem_material){.k_n = k, .gamma_n = gamma_n});
     def.gravity[1] = -g, def.dt = 2.0 * M_PI / w / n, def.integrator = integrator;
-    def.normal = DEM_LINEAR, def.tangential = DEM_NONE;
-    def.material = (dem_material){.k_n = k, .gamma_n = gamma_n};
     grains_on_floor(&def, 1, &grain);
     scoped_sim *sim = grains_after(&def, lround(2.0 * n));
     const long steps = lround(n);
@@ -432,9 +406,7 @@ static double sway(double gamma_n, int integrator, double n)
 /* Each integrator has the order of its descriptor. */
 static void smooth(void)
 {
-    static const char *const columns[][2] = {{"order", ""}, {"order_se", ""}, {"case", ""}};
-    FILE *table = check_table("order_smooth");
-    if (table) rp_table_columns(table, sizeof columns / sizeof *columns, columns);
+    FILE *table = check_table("order_smooth", "order, order_se, case");
     for (int damped = 0; damped < 2; damped++)
         for (int i = 0; i < DEM_INTEGRATORS; i++) {
             double n[MAX_SIZES], error[MAX_SIZES];
@@ -452,7 +424,7 @@ static void smooth(void)
                 CHECK_NEAR(f.slope, order, SAME_ORDER);
             }
             snprintf(name, sizeof name, "%s/%s", damped ? "damped" : "undamped", dem_schemes[i]->name);
-            if (table) rp_table_row_word(table, 2, (double[]){f.slope, f.se}, name);
+            CHECK_ROW(table, name, f.slope, f.se);
         }
     check_table_close(table, "order_smooth");
 }
@@ -493,13 +465,10 @@ static void same_leapfrog(void)
  * filled and opened. Its error is the standard error over piles. */
 static void avalanches(void)
 {
-    static const char *const columns[][2] = {
-        {"dt", "s"},      {"normal_damping", ""}, {"shear_damping", ""},  {"sliding", ""},
-        {"at_walls", ""}, {"integration", ""},    {"integration_se", ""}, {"residual", ""}};
     const int piles = check_full() ? 16 : check_fast() ? 1 : 2, sizes = check_full() ? 3 : 2;
     double integration[3];
-    FILE *table = check_table("order_ledger");
-    if (table) rp_table_columns(table, sizeof columns / sizeof *columns, columns);
+    FILE *table = check_table("order_ledger", "dt [s], normal_damping, shear_damping, sliding, at_walls, "
+                                              "integration, integration_se, residual");
     for (int k = 0; k < sizes; k++) {
         double row[8] = {5e-5 / (1 << k)}, square = 0.0;
         for (int pile = 0; pile < piles; pile++) {
@@ -518,19 +487,10 @@ static void avalanches(void)
         }
         integration[k] = row[5];
         row[6] = sqrt((square - row[5] * row[5]) / (piles - 1.0));
-        if (table) rp_table_row(table, 8, row);
+        check_row(table, 8, row, NULL);
     }
     check_table_close(table, "order_ledger");
     for (int k = 1; k < sizes; k++) CHECK_NEAR(log2(integration[k - 1] / integration[k]), 2.0, SAME_ORDER);
 }
 
-void suite_order(void)
-{
-    static const check_case cases[] = {{"the answers", answers},
-                                       {"the leapfrog of the trials", same_leapfrog},
-                                       {"observed order", orders},
-                                       {"order in permanent contact", smooth},
-                                       {"integration error in avalanches", avalanches},
-                                       {NULL, NULL}};
-    check_register("validation: order", cases);
-}
+CHECK_SUITE(order, "validation: order", answers, same_leapfrog, orders, smooth, avalanches)

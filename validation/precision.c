@@ -93,19 +93,17 @@ static void note_cheapest(FILE *out, const outcomes *o, const char *setting)
 static void write_outcomes(const outcomes *o, const char *name, const char *setting, const char *unit,
                            const char *error_unit)
 {
-    FILE *out = check_table(name);
+    FILE *out = check_table(name, NULL);
+    char columns[80];
     if (!out) return;
     rp_table_note(out, "seconds",
                   "processor time, least of several (one run if 0.5 s or more); front: on the Pareto front");
     note_cheapest(out, o, setting);
-    rp_table_columns(
-        out, 5,
-        (const char *const[][2]){
-            {setting, unit}, {"error", error_unit}, {"seconds", "s"}, {"front", ""}, {"method", ""}});
-    for (size_t i = 0; i < o->n; i++)
-        rp_table_row_word(
-            out, 4, (double[]){o->row[i].setting, o->row[i].error, o->row[i].seconds, (double)o->front[i]},
-            o->row[i].method);
+    snprintf(columns, sizeof columns, "%s [%s], error [%s], seconds [s], front, method", setting, unit,
+             error_unit);
+    rp_table_header(out, columns);
+    for (const outcome *r = o->row; r < o->row + o->n; r++)
+        CHECK_ROW(out, r->method, r->setting, r->error, r->seconds, (double)o->front[r - o->row]);
     check_table_close(out, name);
 }
 
@@ -310,8 +308,10 @@ static motion impact(int law, dem_grain grains[2])
 {
     const dem_collision_result c = impact_of(law);
     const double gap = 0.37 * c.time * SPEED, after = R + 0.1 * c.restitution * SPEED * c.time;
-    motion p = {laws[law].name, dem_definition_default(), 1.57 * c.time, SPEED * c.time,
-                malloc(8 * sizeof(double))};
+    motion p = {laws[law].name,
+                grains_bare(2, grains, laws[law].normal,
+                            (dem_material){.k_n = laws[law].k_n, .gamma_n = laws[law].gamma_n}),
+                1.57 * c.time, SPEED * c.time, malloc(8 * sizeof(double))};
     for (int i = 0; i < 2; i++) {
         const double side = i ? 1.0 : -1.0;
         grains[i] =
@@ -319,9 +319,6 @@ static motion impact(int law, dem_grain grains[2])
         memcpy(p.answer + 4 * i, (double[]){side * after, 1.0, 0.5 * side * c.restitution * SPEED, 0.0},
                4 * sizeof(double));
     }
-    p.def.gravity[1] = 0.0, p.def.normal = laws[law].normal, p.def.tangential = DEM_NONE;
-    p.def.material = (dem_material){.k_n = laws[law].k_n, .gamma_n = laws[law].gamma_n};
-    p.def.grains = grains, p.def.n_grains = 2;
     return p;
 }
 
@@ -560,10 +557,4 @@ static void fronts(void)
     for (int i = 0; i < 6; i++) CU_ASSERT_EQUAL(o.front[i], front[i]);
 }
 
-void suite_precision(void)
-{
-    static const check_case cases[] = {{"Pareto fronts", fronts},          {"impacts", impacts},
-                                       {"a damped column", damped_column}, {"settling", settling},
-                                       {"static piles", static_piles},     {NULL, NULL}};
-    check_register("validation: precision", cases);
-}
+CHECK_SUITE(precision, "validation: precision", fronts, impacts, damped_column, settling, static_piles)

@@ -65,34 +65,12 @@ static void inside_law(void)
     }
 }
 
-/* A grain that slides down an incline accelerates at g (sin - mu cos) with the dashpot under the limit, and
- * tends to the speed g (sin - mu cos)/gamma_s with the dashpot outside. */
-static void inside_incline(void)
-{
-    const double mu = 0.2385, gamma_s = 40.0, angle = 1.3 * atan(mu),
-                 pull = G * (sin(angle) - mu * cos(angle));
-    dem_material c = {.k_n = 1e6, .gamma_n = 500.0, .k_s = 1e4, .gamma_s = gamma_s, .mu = mu};
-    dem_grain grain;
-    dem_definition def = on_floor(angle, &grain, &c);
-    def.rotation = false;
-    for (int damping = DEM_DAMPING_OUTSIDE; damping <= DEM_DAMPING_INSIDE; damping++) {
-        def.damping = damping;
-        scoped_sim *sim = grains_start(&def);
-        double early = run(sim, 0.5, def.dt).vx, late = run(sim, 0.5, def.dt).vx;
-        if (damping == DEM_DAMPING_INSIDE)
-            CHECK_NEAR(late - early, 0.5 * pull, 1e-9 * pull); /* round-off of 5e4 additions */
-        else
-            CHECK_NEAR(late, pull / gamma_s, 1e-9 * late);
-    }
-}
-
 /* Transition from sliding to rolling. The force f of the floor changes v_x by f/m and omega by b f/(q m r^2),
  * so that v_x - (q r^2/b) omega is constant for any force. Rolling, v_x = -b omega, then has v_x = v0/(1 + q
  * r^2/b^2): without overlap 5/7 of v0 for a sphere, 2/3 for a disk. With the force mu m g, rolling starts at
  * t = v0/(mu g (1 + b^2/(q r^2))). */
 static void check_rolls(int shape, double mu, double v0)
 {
-    const char *const name = shape == DEM_SPHERE ? "sphere" : "disk", *const format = "%s mu=%g v0=%g dt=%g";
     const double q = inertia_ratio(shape);
     dem_material c = {.k_n = 1e6, .gamma_n = 500.0, .k_s = 1e4, .gamma_s = 0.0, .mu = mu};
     dem_grain grain;
@@ -100,7 +78,7 @@ static void check_rolls(int shape, double mu, double v0)
     def.shape = shape;
     grain.vx = v0;
     const double b = grain.y, ratio = q * R * R / (b * b), exact = v0 / (mu * G * (1.0 + 1.0 / ratio));
-    dem_sim *sim = grains_start(&def);
+    scoped_sim *sim = grains_start(&def);
     dem_state s = {0};
     double slip = v0, last = v0;
     while (dem_time(sim) < 2.0 * exact && slip > 0.0) {
@@ -110,23 +88,19 @@ static void check_rolls(int shape, double mu, double v0)
     }
     /* the spring is loaded after mu m g/(k_s v0), the force a step later */
     const double late = mu * M * G / (1e4 * v0) + def.dt;
-    case_near(&rolls_problem, "time", exact, dem_time(sim) - def.dt * slip / (slip - last), late, format,
-              name, mu, v0, def.dt);
-    case_near(&rolls_problem, "distance", v0 * exact - 0.5 * mu * G * exact * exact, s.x, v0 * late, format,
-              name, mu, v0, def.dt);
-    case_near(&rolls_problem, "kept", v0, s.vx - q * R * R / b * s.omega,
-              DBL_EPSILON * v0 * dem_time(sim) / def.dt, format, name, mu, v0, def.dt);
-    dem_free(sim);
+    case_near(&rolls_problem, "time", exact, dem_time(sim) - def.dt * slip / (slip - last), late,
+              "%s mu=%g v0=%g dt=%g", shape == DEM_SPHERE ? "sphere" : "disk", mu, v0, def.dt);
+    case_also(&rolls_problem, "distance", v0 * exact - 0.5 * mu * G * exact * exact, s.x, v0 * late);
+    case_also(&rolls_problem, "kept", v0, s.vx - q * R * R / b * s.omega,
+              DBL_EPSILON * v0 * dem_time(sim) / def.dt);
     /* the remaining spring force oscillates and decays as exp(-gamma_s (1 + 1/q) t/2) */
     def.walls[0].material.gamma_s = 40.0;
-    sim = grains_start(&def);
+    grains_again(&sim, &def, 0);
     s = run(sim, exact + 0.6, def.dt);
-    case_near(&rolls_problem, "speed", v0 / (1.0 + ratio), s.vx, 1e-9 * v0, format, name, mu, v0, def.dt);
-    case_near(&rolls_problem, "spin", -s.vx / b, s.omega, 1e-9 * v0 / b, format, name, mu, v0, def.dt);
+    case_also(&rolls_problem, "speed", v0 / (1.0 + ratio), s.vx, 1e-9 * v0);
+    case_also(&rolls_problem, "spin", -s.vx / b, s.omega, 1e-9 * v0 / b);
     /* x + b angle is the slip distance; the conserved quantity gives the other relation */
-    case_near(&rolls_problem, "angle", v0 * dem_time(sim), s.x - q * R * R / b * s.angle, 1e-9 * v0, format,
-              name, mu, v0, def.dt);
-    dem_free(sim);
+    case_also(&rolls_problem, "angle", v0 * dem_time(sim), s.x - q * R * R / b * s.angle, 1e-9 * v0);
 }
 
 static void slides_then_rolls(void)
@@ -141,9 +115,7 @@ typedef struct {
     bool pair;
     int shape;
     double k_s, mu, v_n, v_s;
-    double out_n, out_s;       /* after */
-    double impulse_n, impulse; /* on the first grain, normal and along s */
-    double turned;             /* change of its spin */
+    double out_s, turned; /* after; change of the first grain's spin */
 } oblique;
 
 static const double LINEAR_K = 1e5;
@@ -157,13 +129,10 @@ static void collide(oblique *p, double steps)
     const double vx = p->v_s - R * spin[0] - r2 * spin[1];
     dem_grain grains[2] = {{0.0, R + gap, R, M, vx, -p->v_n, 0.0, spin[0]},
                            {0.0, -r2, r2, m2, 0.0, 0.0, 0.0, spin[1]}};
-    dem_definition def = dem_definition_default();
-    def.gravity[1] = 0.0, def.normal = DEM_LINEAR, def.rotation = true;
-    def.shape = p->shape;
-    def.material = (dem_material){.k_n = LINEAR_K, .k_s = p->k_s, .mu = p->mu};
-    def.dt = dt, def.grains = grains;
-    def.n_grains = p->pair ? 2 : 1;
-    def.n_walls = !p->pair;
+    dem_definition def = grains_bare(1 + p->pair, grains, DEM_LINEAR,
+                                     (dem_material){.k_n = LINEAR_K, .k_s = p->k_s, .mu = p->mu});
+    def.tangential = DEM_SPRING, def.rotation = true, def.shape = p->shape;
+    def.dt = dt, def.n_walls = !p->pair;
     def.walls[0] = grains_line(0.0, 0.0, 0.0, 1.0, &def.material);
     scoped_sim *sim = grains_start(&def);
     dem_state s[2] = {0};
@@ -171,51 +140,8 @@ static void collide(oblique *p, double steps)
         CU_ASSERT_FATAL(dem_run(sim, 10) == RP_OK && dem_time(sim) < 3.0 * steps * dt);
         dem_states(sim, s);
     } while (s[0].contacts > 0 || dem_time(sim) < 2.0 * dt);
-    p->out_n = s[0].vy - s[1].vy;
     p->out_s = s[0].vx - s[1].vx + R * s[0].omega + r2 * s[1].omega;
-    p->impulse_n = M * (s[0].vy + p->v_n);
-    p->impulse = M * (s[0].vx - vx);
     p->turned = s[0].omega - spin[0];
-}
-
-/* An impact that slides throughout (k_s v_s > mu k_n v_n to its end): in each step the tangential impulse is
- * mu times the normal one, in total mu (1 + e) m_eff v_n with e = 1. */
-static void oblique_sliding(void)
-{
-    for (int k = 0; k < 4; k++) {
-        oblique p = {.pair = k & 1, .shape = k / 2, .k_s = LINEAR_K, .mu = 0.3, .v_n = 2e-4, .v_s = 8e-4};
-        const double n = 2000.0, m_eff = p.pair ? M * 0.00297 / (M + 0.00297) : M;
-        const double depth = p.v_n * sqrt(m_eff / LINEAR_K), q = inertia_ratio(p.shape);
-        collide(&p, n);
-        CHECK_NEAR(p.impulse_n, 2.0 * m_eff * p.v_n, 10.0 / n * m_eff * p.v_n);
-        /* the first grain moves along the other at less than 2 v_s during the time pi depth/v_n */
-        const double turn = p.pair ? 2.0 * p.v_s * M_PI * depth / p.v_n / (R + 0.0871) : 0.0;
-        CHECK_NEAR(p.impulse, -p.mu * p.impulse_n, (turn + 1e-12) * p.impulse_n);
-        CHECK_NEAR(p.turned, p.impulse / (q * M * R), (3.0 * depth / R + turn / p.mu) * fabs(p.turned));
-    }
-}
-
-/* An impact that sticks throughout: the shear spring oscillates at sqrt(k_s (1 + 1/q)/m_eff) during half a
- * period of the normal one at sqrt(k_n/m_eff), so that v_s becomes v_s cos(pi sqrt((1 + 1/q) k_s/k_n)). */
-static void oblique_sticking(void)
-{
-    for (int k = 0; k < 4; k++) {
-        oblique p = {.pair = k & 1,
-                     .shape = k / 2,
-                     .k_s = 0.2385 * LINEAR_K,
-                     .mu = INFINITY,
-                     .v_n = 0.02,
-                     .v_s = 0.01};
-        const double n = 20000.0, q = inertia_ratio(p.shape);
-        const double left = cos(M_PI * sqrt((1.0 + 1.0 / q) * p.k_s / LINEAR_K));
-        const double depth = p.v_n * sqrt(M / LINEAR_K);
-        collide(&p, n);
-        /* the first step of the spring counts in full, although contact starts within it: first order in 1/n;
-         * lever arms and direction change with the overlap and the displacement during contact */
-        CHECK_NEAR(p.out_s / p.v_s, left, 10.0 / n + 10.0 * depth / R);
-        CHECK_NEAR(p.out_n / p.v_n, 1.0, 10.0 / n + 10.0 * depth / R);
-        CHECK_NEAR(p.turned, p.impulse / (q * M * R), 3.0 * depth / R * fabs(p.turned));
-    }
 }
 
 static void oblique_any(void)
@@ -238,13 +164,11 @@ static void oblique_any(void)
         const double first = sqrt(a * p.k_s / LINEAR_K) * M_PI / steps * p.v_s;
         const double places = depth / R + (p.pair ? 2.0 * p.v_s * M_PI * depth / p.v_n / (R + 0.0871) : 0.0);
         const double bound = first + 3.0 * places * (p.v_s + p.v_n);
-        const char *const format = "%s %s k_s/k_n=%g mu=%g v_s/v_n=%g";
-        const char *const shape = p.shape == DEM_SPHERE ? "sphere" : "disk", *const on =
-                                                                                 p.pair ? "grain" : "wall";
-        case_near(&oblique_problem, "slip", out, p.out_s, bound, format, shape, on, kappas[i / 4 % 3], p.mu,
-                  slopes[i / 24]);
-        case_near(&oblique_problem, "spin", m_eff * (out - p.v_s) / (a * q * M * R), p.turned,
-                  m_eff * bound / (q * M * R), format, shape, on, kappas[i / 4 % 3], p.mu, slopes[i / 24]);
+        case_near(&oblique_problem, "slip", out, p.out_s, bound, "%s %s k_s/k_n=%g mu=%g v_s/v_n=%g",
+                  p.shape == DEM_SPHERE ? "sphere" : "disk", p.pair ? "grain" : "wall", kappas[i / 4 % 3],
+                  p.mu, slopes[i / 24]);
+        case_also(&oblique_problem, "spin", m_eff * (out - p.v_s) / (a * q * M * R), p.turned,
+                  m_eff * bound / (q * M * R));
     }
 }
 
@@ -256,35 +180,6 @@ static void oblique_ends(void)
         const double fast = 1.1 * fmax(2.0 * a * mu * v_n + mu * v_n / kappa, mu * v_n / kappa);
         CHECK_NEAR(oblique_left(a, kappa, mu, v_n, fast), fast - 2.0 * a * mu * v_n, 1e-12);
         CHECK_NEAR(oblique_left(a, kappa, 1e9, v_n, 1.0), cos(M_PI * sqrt(a * kappa)), 1e-6);
-    }
-}
-
-/* Momentum and angular momentum of an oblique impact of two unequal spinning grains, everything damped. */
-static void pair_conserves(void)
-{
-    dem_grain grains[2] = {{0.3, 0.2, 0.1385, 0.01313, 11.0, 17.0, 0.0, 90.0},
-                           {0.45, 0.37, 0.0871, 0.00297, -8.0, -5.0, 0.0, 250.0}};
-    for (int damping = DEM_DAMPING_OUTSIDE; damping <= DEM_DAMPING_INSIDE; damping++) {
-        dem_definition def = dem_definition_default();
-        def.gravity[1] = 0.0, def.dt = 1e-5, def.rotation = true;
-        def.damping = damping, def.material.gamma_s = 100.0, def.material.mu_roll = 0.1;
-        def.grains = grains, def.n_grains = 2;
-        scoped_sim *sim = grains_start(&def);
-        double sums[2][3] = {{0.0}, {0.0}}, scale = 0.0;
-        dem_state s[2];
-        for (int after = 0; after < 2; after++) {
-            CHECK_OK(dem_states(sim, s));
-            for (int i = 0; i < 2; i++) {
-                sums[after][0] += s[i].m * s[i].vx;
-                sums[after][1] += s[i].m * s[i].vy;
-                sums[after][2] += s[i].m * (s[i].x * s[i].vy - s[i].y * s[i].vx) +
-                                  0.4 * s[i].m * s[i].r * s[i].r * s[i].omega;
-                scale += s[i].m * hypot(s[i].vx, s[i].vy);
-            }
-            if (!after) CHECK_OK(dem_run(sim, 500));
-        }
-        CU_ASSERT(s[0].contacts == 0 && fabs(s[0].omega - 90.0) > 10.0); /* contact has ended */
-        for (int a = 0; a < 3; a++) CHECK_NEAR(sums[1][a], sums[0][a], 1e-13 * scale);
     }
 }
 
@@ -389,58 +284,11 @@ static void rolling_incline(void)
     }
 }
 
-/* A grain wedged between four walls, with friction and rolling springs on its spin, conserves energy at the
- * largest allowed time step. */
-static void rotating_time_step(void)
-{
-    dem_material c = {.k_n = 10.0, .k_s = 1e4, .mu = INFINITY, .mu_roll = 1e6, .k_roll = 1e4};
-    dem_grain grain = {0.0, 0.0, R, M, 0.0, 0.0, 0.0, 30.0};
-    dem_definition def = dem_definition_default();
-    def.gravity[1] = 0.0, def.normal = DEM_LINEAR, def.material = c;
-    def.rotation = true, def.grains = &grain, def.n_grains = 1;
-    def.n_walls = 4;
-    for (int w = 0; w < 4; w++) {
-        static const double directions[4][2] = {{1.0, 0.0}, {0.0, 1.0}, {-1.0, 0.0}, {0.0, -1.0}};
-        const double *n = directions[w];
-        def.walls[w] = grains_line(-0.99 * R * n[0], -0.99 * R * n[1], n[0], n[1], &c);
-    }
-    /* 0.95 of the root of 4 - 3 omega^2 dt^2, with (2 k_s + k_roll) m r^2/I for the stiffness */
-    const double limit = dem_time_step_limit(&def, NULL);
-    CHECK_NEAR(limit, 0.95 * sqrt(4.0 / 3.0 * M / (5.0 * 1e4 + 2.5 * 1e4)), 1e-12);
-    def.shape = DEM_DISK;
-    CHECK_NEAR(dem_time_step_limit(&def, NULL), 0.95 * sqrt(4.0 / 3.0 * M / (4.0 * 1e4 + 2.0 * 1e4)), 1e-12);
-    def.shape = DEM_SPHERE, def.dt = limit;
-    scoped_sim *sim = grains_start(&def);
-    double most = 0.0;
-    for (int k = 0; k < 2000; k++) most = fmax(most, fabs(run(sim, def.dt, def.dt).omega));
-    CU_ASSERT(most < 2.0 * 30.0); /* stable: omega^2 dt^2 = 3.2 of 4 */
-    def.rotation = false;
-    for (int w = 0; w < 4; w++) def.walls[w].material.mu_roll = 0.0;
-    def.material.mu_roll = 0.0;
-    CHECK_NEAR(dem_time_step_limit(&def, NULL), 0.95 * sqrt(4.0 / 3.0 * M / (1e4 + 10.0 / 3.0)), 1e-12);
-}
-
 static void cases(void)
 {
     case_problem *const problems[] = {&rolls_problem, &oblique_problem};
     case_write("rotation", problems, sizeof problems / sizeof *problems);
 }
 
-void suite_rotation(void)
-{
-    static const check_case list[] = {{"law with the dashpot inside", inside_law},
-                                      {"incline with the dashpot inside", inside_incline},
-                                      {"sliding, then rolling", slides_then_rolls},
-                                      {"oblique impact that slides", oblique_sliding},
-                                      {"oblique impact that sticks", oblique_sticking},
-                                      {"oblique impacts event by event: both ends", oblique_ends},
-                                      {"oblique impacts: stick, slide, reverse", oblique_any},
-                                      {"a pair conserves its momenta", pair_conserves},
-                                      {"energy stays", energy_stays},
-                                      {"rolling resistance stops", rolling_stops},
-                                      {"rolling on an incline", rolling_incline},
-                                      {"time step limit of rotation", rotating_time_step},
-                                      {"cases", cases, true},
-                                      {NULL, NULL}};
-    check_register("validation: rotation and rolling", list);
-}
+CHECK_SUITE_SUMMED(rotation, "validation: rotation and rolling", inside_law, slides_then_rolls, oblique_ends,
+                   oblique_any, energy_stays, rolling_stops, rolling_incline, cases)

@@ -1,5 +1,6 @@
 /* Scaling of the static solver: processor time and memory of linearised piles of 30 and 60 degrees. Forces
  * are compared with known ones; the full run writes tables. */
+#include <gsl/gsl_fit.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
@@ -119,18 +120,15 @@ static void large_unstable_pile(void)
     free_solved(&large);
 }
 
+enum { SHAPES = 2, SIZES = 6 };
+
 /* Slope of log y against log n by least squares. */
 static double exponent(size_t count, const double n[], const double y[])
 {
-    double sx = 0, sy = 0, sxx = 0, sxy = 0;
-    for (size_t i = 0; i < count; i++) {
-        const double lx = log(n[i]), ly = log(y[i]);
-        sx += lx;
-        sy += ly;
-        sxx += lx * lx;
-        sxy += lx * ly;
-    }
-    return (sxy - sx * sy / (double)count) / (sxx - sx * sx / (double)count);
+    double lx[SIZES], ly[SIZES], start, slope, cov[3], rest;
+    for (size_t i = 0; i < count; i++) lx[i] = log(n[i]), ly[i] = log(y[i]);
+    gsl_fit_linear(lx, 1, ly, 1, count, &start, &slope, cov, cov + 1, cov + 2, &rest);
+    return slope;
 }
 
 typedef struct {
@@ -162,13 +160,9 @@ static row measure(double alpha_deg, long k, double eps, double well)
  * sizes. */
 static void table_of_sizes(void)
 {
-    enum { SHAPES = 2, SIZES = 6 };
     static const double alpha_deg[SHAPES] = {30, 60};
     static const long bases[SHAPES][SIZES] = {{45, 77, 180, 387, 774, 1224}, {26, 45, 104, 223, 447, 707}};
-    static const char *const columns[][2] = {
-        {"alpha_deg", "degrees"}, {"n_disks", ""},        {"seconds", "s"},   {"memory", "MB"}, {"steps", ""},
-        {"factorisations", ""},   {"negative_modes", ""}, {"residual", "m g"}};
-    FILE *out = check_table("scaling");
+    FILE *out = check_table("scaling", NULL);
     if (!out) return;
     row rows[SHAPES][SIZES];
     rp_table_note(out, "seconds", "processor time to assemble and solve a linearised pile; memory: peak");
@@ -187,12 +181,11 @@ static void table_of_sizes(void)
         snprintf(key, sizeof key, "memory_exponent_%g", alpha_deg[i]);
         rp_table_note(out, key, "%.2f", exponent(SIZES / 2, n + SIZES / 2, memory + SIZES / 2));
     }
-    rp_table_columns(out, 8, columns);
+    rp_table_header(out, "alpha_deg [degrees], n_disks, seconds [s], memory [MB], steps, factorisations, "
+                         "negative_modes, residual [m g]");
     for (const row *r = rows[0]; r < rows[0] + SHAPES * SIZES; r++)
-        rp_table_row(out, 8,
-                     (double[]){r->alpha_deg, (double)r->n, r->seconds, r->memory, (double)r->result.steps,
-                                (double)r->result.factored, (double)r->result.negative_modes,
-                                r->result.residual});
+        CHECK_ROW(out, NULL, r->alpha_deg, (double)r->n, r->seconds, r->memory, (double)r->result.steps,
+                  (double)r->result.factored, (double)r->result.negative_modes, r->result.residual);
     check_table_close(out, "scaling");
 }
 
@@ -222,40 +215,26 @@ static void table_of_goals(void)
         bool soft;
     } piles[] = {
         {30, 0.005, 45, 5, true}, {60, 0.02, 45, 5, true}, {30, 0.15, 180, 3, true}, {30, 10, 774, 1, false}};
-    static const char *const columns[][2] = {
-        {"alpha_deg", "degrees"}, {"n_disks", ""},        {"eps", ""},
-        {"well", "eps sigma"},    {"goal", "s"},          {"seconds", "s"},
-        {"memory", "MB"},         {"factorisations", ""}, {"negative_modes", ""},
-        {"verdict", ""}};
-    FILE *out = check_table("scaling_goals");
+    FILE *out = check_table("scaling_goals", NULL);
     if (!out) return;
     rp_table_note(out, "seconds",
                   "processor time to assemble and solve a pile and to count its modes, median of up to 5");
     rp_table_note(out, "eps", "0: linearised");
     rp_table_note(out, "well", "half-width of friction wells, mu = 1; 0: springs of K_s");
-    rp_table_columns(out, 10, columns);
+    rp_table_header(out, "alpha_deg [degrees], n_disks, eps, well [eps sigma], goal [s], seconds [s], "
+                         "memory [MB], factorisations, negative_modes, verdict");
     for (size_t i = 0; i < sizeof piles / sizeof *piles; i++)
         for (int kind = 0; kind < (piles[i].soft ? 4 : 2); kind++) {
             const double eps = kind < 2 ? 0 : 1e-4, well = kind % 2;
             const row r = measure_median(piles[i].times, piles[i].alpha_deg, piles[i].base, eps, well);
             CU_ASSERT(r.result.fault == STATICS_OK && r.result.load == 1);
-            rp_table_row_word(out, 9,
-                              (double[]){r.alpha_deg, (double)r.n, eps, well, piles[i].goal, r.seconds,
-                                         r.memory, (double)r.result.factored,
-                                         (double)r.result.negative_modes},
-                              r.seconds <= piles[i].goal ? "met" : "missed");
+            CHECK_ROW(out, r.seconds <= piles[i].goal ? "met" : "missed", r.alpha_deg, (double)r.n, eps, well,
+                      piles[i].goal, r.seconds, r.memory, (double)r.result.factored,
+                      (double)r.result.negative_modes);
         }
     check_table_close(out, "scaling_goals");
 }
 
-void suite_scaling(void)
-{
-    /* tables first: forked processes do not inherit the threads that CHOLMOD starts */
-    static const check_case cases[] = {{"scaling of time and memory", table_of_sizes},
-                                       {"goals of processor time", table_of_goals},
-                                       {"one factorisation per linearised pile", one_factorisation},
-                                       {"large piles by supernodes", large_pile},
-                                       {"large unstable pile", large_unstable_pile},
-                                       {NULL, NULL}};
-    check_register("validation: scaling of the static solver", cases);
-}
+/* tables first: forked processes do not inherit the threads that CHOLMOD starts */
+CHECK_SUITE(scaling, "validation: scaling of the static solver", table_of_sizes, table_of_goals,
+            one_factorisation, large_pile, large_unstable_pile)

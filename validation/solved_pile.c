@@ -49,11 +49,9 @@ void solved_pile_free(solved_pile *pile)
 dem_definition solved_pile_scene(const solved_pile *pile, int integrator, double gamma, double dt)
 {
     const double omega = sqrt(1.0 / pile->eps);
-    dem_definition def = dem_definition_default();
-    def.integrator = integrator, def.gravity[1] = 0.0, def.normal = DEM_LINEAR;
-    def.tension = false, def.tangential = DEM_NONE, def.shape = DEM_DISK;
-    def.dt = dt / omega;
-    def.material = (dem_material){.k_n = 1.0 / pile->eps, .gamma_n = gamma * omega};
+    dem_definition def = grains_bare(pile->n, pile->grains, DEM_LINEAR,
+                                     (dem_material){.k_n = 1.0 / pile->eps, .gamma_n = gamma * omega});
+    def.integrator = integrator, def.tension = false, def.shape = DEM_DISK, def.dt = dt / omega;
     grains_on_floor(&def, pile->n, pile->grains);
     def.ground = (dem_ground){.wall = 1, .mu_static = MU, .a = WELL * pile->eps, .set = DEM_WELL_TOUCH};
     return def;

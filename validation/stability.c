@@ -374,21 +374,12 @@ static void check_one(const stability_case *c)
     summary.most = fmax(summary.most, s.measured / s.limit);
     summary.deviation = fmax(summary.deviation, fabs(s.measured / s.theory - 1.0));
     if (!table) return;
-    const double w = s.omega, v[] = {c->k_n,       c->damping * w,      c->mass_ratio, c->radius_ratio,
-                                     c->shear,     c->rotation,         s.limit,       s.measured,
-                                     s.theory,     c->damping,          w * s.limit,   w * s.measured,
-                                     w * s.theory, s.measured / s.limit};
+    const double w = s.omega;
     fprintf(table, "%s\t%s\t%s\t", system_names[c->system], law_names[c->law],
             dem_schemes[c->integrator]->name);
-    rp_table_row(table, sizeof v / sizeof *v, v);
-}
-
-/* A row of one or two words and n numbers. */
-static void put_row(FILE *out, const char *word, const char *second, size_t n, const double values[])
-{
-    fprintf(out, "%s\t", word);
-    if (second) fprintf(out, "%s\t", second);
-    rp_table_row(out, n, values);
+    CHECK_ROW(table, NULL, c->k_n, c->damping * w, c->mass_ratio, c->radius_ratio, c->shear, c->rotation,
+              s.limit, s.measured, s.theory, c->damping, w * s.limit, w * s.measured, w * s.theory,
+              s.measured / s.limit);
 }
 
 static const stability_case plain = {PACKING, DEM_HERTZ, DEM_VERLET, 1e6, 0.0, 1.0, 1.0, 0.0, false};
@@ -445,38 +436,18 @@ static void map_radii(int scheme)
         check_one(&c);
 }
 
-static void map(void)
+static void largest_time_step(void)
 {
     if (check_fast()) return; /* numbers of code that other tests run under sanitizers */
-    table = check_table("stability");
-    if (table) {
-        const char *const columns[][2] = {{"system", "word"},
-                                          {"law", "word"},
-                                          {"integrator", "word"},
-                                          {"k_n", "dyn/cm^1.5 or dyn/cm"},
-                                          {"gamma_n", "1/s"},
-                                          {"mass_ratio", ""},
-                                          {"radius_ratio", ""},
-                                          {"k_s", "slope of the normal force"},
-                                          {"rotation", ""},
-                                          {"dt_limit", "s"},
-                                          {"dt_measured", "s"},
-                                          {"dt_theory", "s"},
-                                          {"gamma_over_omega", ""},
-                                          {"omega_dt_limit", ""},
-                                          {"omega_dt_measured", ""},
-                                          {"omega_dt_theory", ""},
-                                          {"margin", "measured/limit"}};
-        rp_table_columns(table, sizeof columns / sizeof *columns, columns);
-    }
-    FILE *sums = check_table("stability_sums");
-    const char *const sum_columns[][2] = {{"integrator", "word"},
-                                          {"cases", ""},
-                                          {"margin_least", "measured/limit"},
-                                          {"margin_most", "measured/limit"},
-                                          {"deviation", "largest deviation of measured/theory from 1"},
-                                          {"run_time", "s"}};
-    if (sums) rp_table_columns(sums, 6, sum_columns);
+    table = check_table("stability",
+                        "system [word], law [word], integrator [word], k_n [dyn/cm^1.5 or dyn/cm], "
+                        "gamma_n [1/s], mass_ratio, radius_ratio, k_s [slope of the normal force], rotation, "
+                        "dt_limit [s], dt_measured [s], dt_theory [s], gamma_over_omega, omega_dt_limit, "
+                        "omega_dt_measured, omega_dt_theory, margin [measured/limit]");
+    FILE *sums = check_table("stability_sums",
+                             "integrator [word], cases, margin_least [measured/limit], margin_most "
+                             "[measured/limit], deviation [largest deviation of measured/theory from 1], "
+                             "run_time [s]");
     for (int scheme = DEM_VERLET; scheme <= DEM_GEAR5; scheme++) {
         const double start = rp_clock();
         summary.cases = 0;
@@ -486,10 +457,9 @@ static void map(void)
         map_stiffness(scheme);
         map_shear(scheme);
         map_radii(scheme);
-        if (sums)
-            put_row(sums, dem_schemes[scheme]->name, NULL, 5,
-                    (double[]){summary.cases, summary.least, summary.most, summary.deviation,
-                               rp_clock() - start});
+        if (sums) fprintf(sums, "%s\t", dem_schemes[scheme]->name);
+        CHECK_ROW(sums, NULL, summary.cases, summary.least, summary.most, summary.deviation,
+                  rp_clock() - start);
     }
     check_table_close(table, "stability");
     check_table_close(sums, "stability_sums");
@@ -549,12 +519,10 @@ static gas_run run_gas(const equation_solver *with, double depth, double times)
                                 .vx = 0.5 * v * cos(angle),
                                 .vy = 0.5 * v * sin(angle)};
     }
-    dem_definition def = dem_definition_default();
+    dem_definition def = grains_bare(GAS, grains, DEM_HERTZ, (dem_material){.k_n = k_n});
     def.integrator = DEM_IMPLICIT, def.implicit.solver = with->solver;
-    def.implicit.tolerance = with->tolerance, def.tangential = DEM_NONE, def.gravity[1] = 0.0;
-    def.material = (dem_material){.k_n = k_n};
-    def.skin = 0.4 * R, def.dt = out.dt = times * out.contact_time, def.grains = grains;
-    def.n_grains = GAS;
+    def.implicit.tolerance = with->tolerance;
+    def.skin = 0.4 * R, def.dt = out.dt = times * out.contact_time;
     dem_box_walls(&def, 1.51, &def.material);
     def.walls[def.n_walls++] = grains_line(0.0, 1.51, 0.0, -1.0, &def.material);
     scoped_sim *sim = grains_start(&def);
@@ -579,7 +547,7 @@ static gas_run run_gas(const equation_solver *with, double depth, double times)
  * dt)^2 in the velocity of the next step. */
 static void implicit_rest(void)
 {
-    FILE *out = check_table("stability_implicit_rest");
+    FILE *out = check_table("stability_implicit_rest", NULL);
     const char *const columns[][2] = {{"system", "word"},
                                       {"solver", "word"},
                                       {"tolerance", "radius"},
@@ -593,16 +561,15 @@ static void implicit_rest(void)
                 double times = 1000.0;
                 while (times > 0.9 && !rests_implicitly(system, with, damping, times)) times /= sqrt(10.0);
                 CU_ASSERT(times > (system == LOADED || with->tolerance > 1e-14 ? 3.0 : 999.0));
-                if (out)
-                    put_row(out, system_names[system], solver_names[with->solver], 3,
-                            (double[]){with->tolerance, damping, times});
+                if (out) fprintf(out, "%s\t%s\t", system_names[system], solver_names[with->solver]);
+                CHECK_ROW(out, NULL, with->tolerance, damping, times);
             }
     check_table_close(out, "stability_implicit_rest");
 }
 
 static void implicit_limits(void)
 {
-    FILE *out = check_table("stability_implicit");
+    FILE *out = check_table("stability_implicit", NULL);
     const char *const columns[][2] = {{"solver", "word"},
                                       {"tolerance", "radius"},
                                       {"depth", "overlap of an impact over radius"},
@@ -625,15 +592,9 @@ static void implicit_limits(void)
             }
             CU_ASSERT(largest.dt >= 2.0 * largest.contact_time);
             const double v = 2.9433 * depth * R / next.contact_time;
-            const double numbers[] = {with->tolerance,
-                                      depth,
-                                      next.contact_time,
-                                      largest.dt,
-                                      largest.dt / next.contact_time,
-                                      largest.sweeps,
-                                      0.2 * R / v / next.contact_time};
             if (out) fprintf(out, "%s\t", solver_names[with->solver]);
-            if (out) rp_table_row_word(out, sizeof numbers / sizeof *numbers, numbers, next.ends);
+            CHECK_ROW(out, next.ends, with->tolerance, depth, next.contact_time, largest.dt,
+                      largest.dt / next.contact_time, largest.sweeps, 0.2 * R / v / next.contact_time);
         }
     }
     check_table_close(out, "stability_implicit");
@@ -674,10 +635,8 @@ static bool box_rests(int law, int scheme, double gamma, long stream, double tim
  * three of three do. */
 static void boxes(void)
 {
-    FILE *out = check_table("stability_boxes");
-    const char *const columns[][2] = {{"law", "word"},   {"integrator", "word"}, {"gamma_n", "1/s"},
-                                      {"dt_limit", "s"}, {"dt_rests", "s"},      {"margin", "rests/limit"}};
-    if (out) rp_table_columns(out, 6, columns);
+    FILE *out = check_table("stability_boxes", "law [word], integrator [word], gamma_n [1/s], dt_limit [s], "
+                                               "dt_rests [s], margin [rests/limit]");
     for (int scheme = DEM_VERLET; scheme <= DEM_GEAR5; scheme++)
         for (int law = DEM_HERTZ; law <= (check_fast() ? DEM_HERTZ : DEM_LINEAR); law++)
             for (int g = 0; g < (check_full() ? 5 : 1); g++) {
@@ -692,19 +651,10 @@ static void boxes(void)
                         rests = box_rests(law, scheme, gamma, stream, 1.1 * times, &limit);
                     if (rests) times *= 1.1;
                 }
-                if (out)
-                    put_row(out, law_names[law], dem_schemes[scheme]->name, 4,
-                            (double[]){gamma, limit, times * limit, times});
+                if (out) fprintf(out, "%s\t%s\t", law_names[law], dem_schemes[scheme]->name);
+                CHECK_ROW(out, NULL, gamma, limit, times * limit, times);
             }
     check_table_close(out, "stability_boxes");
 }
 
-void suite_stability(void)
-{
-    static const check_case cases[] = {{"largest time step: measured, theory, limit", map},
-                                       {"implicit: rest, at any step", implicit_rest},
-                                       {"implicit: solvable steps", implicit_limits},
-                                       {"boxes come to rest at the limit", boxes},
-                                       {NULL, NULL}};
-    check_register("validation: stability", cases);
-}
+CHECK_SUITE(stability, "validation: stability", largest_time_step, implicit_rest, implicit_limits, boxes)
