@@ -142,7 +142,7 @@ static void check_dem01(double k, double e)
     gsl_odeiv2_driver_free(driver);
 }
 
-static void freely_falling(void)
+static void dem01_freely_falling(void)
 {
     static const double k[] = {1e4, 2.5e4, 5e4, 1e5}, e[] = {0.6, 0.7, 0.8, 0.9, 1.0};
     for (int i = 0; i < 4 * 5; i += case_stride(3))
@@ -189,14 +189,14 @@ static void check_dem02(double k, double e)
     gsl_odeiv2_driver_free(driver);
 }
 
-static void bouncing(void)
+static void dem02_bouncing(void)
 {
     static const double k[] = {5e4, 5e5, 5e6}, e[] = {0.5, 0.6, 0.7, 0.8, 0.9, 1.0};
     for (int i = 0; i < 3 * 6; i += case_stride(7)) check_dem02(k[i % 3], e[i / 3]);
 }
 
 /* Two spheres compressed by walls 3.6 r apart, from positions without force balance. */
-static void stacked(void)
+static void dem03_stacked(void)
 {
     for (int i = 0; i < 6; i += case_stride(2)) {
         const double e = 1.0 - 0.1 * i, r = 0.5e-3, lid = 3.6 * r, damping = damping_for(e, true);
@@ -225,7 +225,7 @@ static void stacked(void)
 }
 
 /* A sphere placed on a rough floor with speed u: slips until 2 u/(7 mu g), then rolls at 5/7 u. */
-static void slipping(void)
+static void dem04_slipping(void)
 {
     for (int i = 0; i < 9; i += case_stride(2)) {
         const double mu = 0.2 + 0.1 * i, u = 0.05, r = 0.5e-3, m = sphere_mass(1e4, r), k = 1e4,
@@ -375,7 +375,7 @@ static const double MFIX_DEM05[][3] = {
     {50.0, 45.2158, 459.8864}, {55.0, 51.2073, 410.4812}, {60.0, 57.1372, 357.9511},
     {65.0, 62.9718, 302.6790}};
 
-static void oblique_collision(void)
+static void dem05_oblique_collision(void)
 {
     for (size_t i = 0; i < sizeof MFIX_DEM05 / sizeof *MFIX_DEM05; i++) {
         const double *row = MFIX_DEM05[i];
@@ -459,14 +459,14 @@ static void check_rebounds(case_problem *problem, void (*run)(strike *p))
                  rebound_e_t);
 }
 
-static void measured(void)
+static void kharaz_rebounds(void)
 {
     check_rebounds(&kharaz, by_springs);
     check_rebounds(&kharaz_material, on_glass);
 }
 
 /* Tests 1 and 2: elastic, Hertz; on a sphere alike, on a rigid plane. */
-static void elastic_normal(void)
+static void chung_ooi_1_and_2_elastic(void)
 {
     static const struct {
         const char *name;
@@ -494,7 +494,7 @@ static void elastic_normal(void)
 }
 
 /* Test 3: the prescribed restitution, of aluminium oxide and of cast iron. */
-static void normal_restitution(void)
+static void chung_ooi_3_restitution(void)
 {
     for (int i = 0; i < 2 * 5; i++) {
         strike p = oxide(0.0);
@@ -525,7 +525,7 @@ static double lever(const strike *p)
 
 /* Test 4: one speed, sliding angles (tan > 7/2 mu (1 + e), plus the contribution of the spring); curves of
  * tangential restitution and spin for aluminium oxide, as digitised; aluminium alloy besides. */
-static void oblique_angles(void)
+static void chung_ooi_4_oblique(void)
 {
     static const double curves[][4] = {
         /* angle and value of each curve */
@@ -552,7 +552,7 @@ static void oblique_angles(void)
 
 /* Test 5: a small sphere of steel, elastic; (u + r omega)/(mu v_n) after against before, with finite elements
  * from the literature. */
-static void small_sphere(void)
+static void chung_ooi_5_small_sphere(void)
 {
     static const double elements[][2] = {{9.117824773413897, 2.1466666666666665},
                                          {12.356495468277945, 5.426666666666667}};
@@ -582,7 +582,7 @@ static void small_sphere(void)
  * and that a thousand times as dense: ratio of slip after to slip before impact, -1 + 7/2 mu (1 + e)
  * v_n/slip. Test 7: two equal spheres whose spins give no slip. Spheres that slide past
  * each other turn their normal by some overlap/r. */
-static void spinning(void)
+static void chung_ooi_6_to_8_spinning(void)
 {
     static const double curve[][2] = {{0.17621145374449387, -0.8200274348422496},
                                       {0.35242290748898686, -0.6334705075445815},
@@ -627,20 +627,7 @@ static void cases(void)
     case_write("published", problems, sizeof problems / sizeof *problems);
 }
 
-void suite_published(void)
-{
-    static const check_case list[] = {{"DEM01: freely falling particle", freely_falling},
-                                      {"DEM02: bouncing particle", bouncing},
-                                      {"DEM03: two stacked particles", stacked},
-                                      {"DEM04: slipping on a rough surface", slipping},
-                                      {"DEM05: oblique collision", oblique_collision},
-                                      {"Kharaz: measured rebounds", measured},
-                                      {"Chung & Ooi 1, 2: elastic normal impacts", elastic_normal},
-                                      {"Chung & Ooi 3: restitution", normal_restitution},
-                                      {"Chung & Ooi 4: oblique impacts", oblique_angles},
-                                      {"Chung & Ooi 5: small sphere", small_sphere},
-                                      {"Chung & Ooi 6 to 8: spinning spheres", spinning},
-                                      {"cases", cases, true},
-                                      {NULL, NULL}};
-    check_register("validation: published cases", list);
-}
+CHECK_SUITE_SUMMED(published, "validation: published cases", dem01_freely_falling, dem02_bouncing,
+                   dem03_stacked, dem04_slipping, dem05_oblique_collision, kharaz_rebounds,
+                   chung_ooi_1_and_2_elastic, chung_ooi_3_restitution, chung_ooi_4_oblique,
+                   chung_ooi_5_small_sphere, chung_ooi_6_to_8_spinning, cases)
