@@ -624,8 +624,9 @@ static void test_modules(void)
              ", { x = 4.7; y = 0.9; r = 0.1; }, { x = 9.0; y = 0.1; r = 0.1; }, { x = 9.19; y = 0.1; r = "
              "0.1; } );\n"
              "phases = ( { name = `look`; steps = 0; } );\n"
-             "measure = ( { name = `heap`; of = `flanks`; in = `all`; },\n"
-             "  { name = `gap`; of = `flanks`; in = `wide`; }, { name = `d_`; of = `deposit`; },\n"
+             "measure = ( { name = `heap`; of = `flanks`; in = `all`; touching = false; },\n"
+             "  { name = `gap`; of = `flanks`; in = `wide`; touching = false; }, { name = `d_`; of = "
+             "`deposit`; },\n"
              "  { name = `s`; of = `slope`; in = `right_side`; height = `top`; },\n"
              "  { name = `two`; of = `slope.r2_deg`; in = `right_side`; height = `top`; },\n"
              "  { name = `mirrored`; of = `slope.r1_deg`; in = `right_side`; falls = `left`; } );\n");
@@ -650,6 +651,28 @@ static void test_modules(void)
     /* the two that overlap by a hundredth are the only ones that touch */
     CU_ASSERT(measured(&t, "d__grains") == 2.0);
     CHECK_EACH(measured(&t, NAME), 1e-9, {"d__left", 8.9}, {"d__right", 9.29});
+}
+
+/* Flanks of a lattice, 60 degrees, with a grain that flies above and one that has run out; those of all
+ * grains are others. */
+static void test_flanks_of_touching(void)
+{
+    char text[8192];
+    size_t n = (size_t)snprintf(text, sizeof text, "dt = 1.0e-5; gravity = (0.0, 0.0);\nparticles = (");
+    for (int j = 0; j < 9; j++)
+        for (int k = 0; k < 9 - j; k++)
+            n += (size_t)snprintf(text + n, sizeof text - n, "%s { x = %.6f; y = %.6f; r = 0.1; }",
+                                  j + k ? "," : "", 0.1999 * (k + 0.5 * j), 0.1 + 0.1999 * sqrt(0.75) * j);
+    snprintf(text + n, sizeof text - n,
+             ", { x = 0.5; y = 2.6; r = 0.1; }, { x = 3.0; y = 0.1; r = 0.1; } );\n"
+             "phases = ( { name = `look`; steps = 0; } );\n"
+             "measure = ( { name = `heap`; of = `flanks`; },\n"
+             "  { name = `any`; of = `flanks`; touching = false; optional = true; } );\n");
+    scoped_trial t;
+    run_whole(&t, text, 100, "ok");
+    CHECK_EACH(measured(&t, NAME), 1.0, {"heap_left_deg", 60.0}, {"heap_right_deg", 60.0});
+    CHECK_NEAR(measured(&t, "heap_height"), 0.2 + 8.0 * 0.1999 * sqrt(0.75), 1e-6);
+    CU_ASSERT(!(fabs(measured(&t, "any_left_deg") - 60.0) < 5.0));
 }
 
 /* A saw of known teeth, by a drop and by events; levelling off; a time step by its limit. */
@@ -748,6 +771,18 @@ static void test_refused_more(void)
          "samples are of one number, as in of = \"flanks.left_deg\""},
         {lift, "of = `y`; at = `lie`", "of = `flanks`; from = 2.0", "from = 2: out of range"},
         {lift, "of = `y`; at = `lie`", "of = `y`; in = `here`", "in: of a module"},
+        {lift, "of = `y`; at = `lie`", "of = `flank`; at = `lie`",
+         "of \"flank\": unknown name (did you mean \"flanks\"?)"},
+        {lift, "of = `y`; at = `lie`", "of = `y`; unit = `m`", "unit = m: the text's units are cgs; cm"},
+        {lift, "v = 2.0", "v = { value = 2.0; unit = `m/s`; }",
+         "let.v: unit = m/s: the text's units are cgs; cm/s"},
+        {lift, "name = `x2`; of = `x`", "name = `height`; of = `x`; }, { name = `top`; of = `height`",
+         "height is an observable and an earlier measure; give the measure another name"},
+        {lift, "name = `x2`; of = `x`; }, { name = `y2`; of = `y`",
+         "name = `x2`; of = `x`; }, { name = `y2`; of = `2*x2`; at = `wait`", "x2 is measured after this"},
+        {lift, "phases =", "steps = 7; phases =", "steps: a text with phases ends with their last"},
+        {lift, "phases =", "regions = { up = { y = (5.0, 0.0); }; }; phases =",
+         "up: y = (5, 0): from the lower end to the upper"},
         {lift, "of = `y`; at = `lie`", "of = `y`; during = `lie`; take = `avalanches`",
          "avalanches are found by drop, or by event"},
         {lift, "v = 2.0", "v = 900.0", "phase up: wall plate needs dt <= "},
@@ -829,6 +864,7 @@ void suite_experiment(void)
                                        {"walls that change their motion", test_walls},
                                        {"a plate that vibrates", test_vibrated},
                                        {"modules", test_modules},
+                                       {"flanks of grains that touch", test_flanks_of_touching},
                                        {"avalanches", test_avalanches},
                                        {"limits of radii", test_limits_of_radii},
                                        {"grains that never move as a base", test_more_modules},

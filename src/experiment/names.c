@@ -63,6 +63,14 @@ static rp_status use(exp_plan *plan, const exp_observable *o, exp_scope scope, c
     return RP_OK;
 }
 
+/* Is a measure taken after measure k? Phases of one block take turns, and a block ends after its phases. */
+static bool is_later(const exp_plan *plan, const exp_measure *m, size_t k)
+{
+    const size_t here = plan->measures[k].phase, block = plan->phases[m->phase].block;
+    const bool within = block != SIZE_MAX && (block == here || block == plan->phases[here].block);
+    return !m->left_out && m->phase > here && !within;
+}
+
 static rp_status find_measure(const exp_place *place, const char *name, rp_x_symbol *symbol, bool *known)
 {
     const exp_plan *plan = place->plan;
@@ -75,12 +83,28 @@ static rp_status find_measure(const exp_place *place, const char *name, rp_x_sym
             if (place->phase != SIZE_MAX && m->phase >= place->phase && !during)
                 return rp_fail(RP_BAD_INPUT, "%s is measured at %s, after this phase", name,
                                plan->phases[m->phase].name);
-            if (place->phase == SIZE_MAX && k >= place->measure)
+            if (place->phase == SIZE_MAX && (k >= place->measure || is_later(plan, m, place->measure)))
                 return rp_fail(RP_BAD_INPUT, "%s is measured after this", name);
             *symbol = (rp_x_symbol){
                 .type = RP_X_NUMBER, .key = plan->outputs[o].name, .id = EXP_ID_MEASURE + (int)o};
             *known = true;
         }
+    }
+    return RP_OK;
+}
+
+/* An observable is not meant where an earlier measure bears its name. */
+static rp_status check_alone(const exp_place *place, const char *name)
+{
+    const exp_plan *plan = place->plan;
+    for (size_t k = 0; k < plan->n_measures; k++) {
+        const exp_measure *m = &plan->measures[k];
+        const bool earlier = place->phase == SIZE_MAX ? k < place->measure : m->phase < place->phase;
+        for (size_t o = m->output; earlier && o < m->output + m->n_outputs; o++)
+            if (strcmp(plan->outputs[o].name, name) == 0)
+                return rp_fail(RP_BAD_INPUT,
+                               "%s is an observable and an earlier measure; give the measure another name",
+                               name);
     }
     return RP_OK;
 }
@@ -98,6 +122,7 @@ static rp_status find(void *host, const char *name, int n_args, rp_x_symbol *sym
     if (*known) return RP_OK;
     if (!o && scope) o = exp_observable_named(dot ? dot + 1 : name, asked_of(scope->sort));
     if (o && place->lets_alone) return rp_fail(RP_BAD_INPUT, "%s is not known before the run", name);
+    if (o && !dot) RP_TRY(check_alone(place, name));
     if (o) return *known = true, use(plan, o, *scope, name, n_args, symbol);
     return n_args < 0 && !place->lets_alone ? find_measure(place, name, symbol, known) : RP_OK;
 }

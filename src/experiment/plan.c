@@ -71,7 +71,14 @@ static rp_status read_region(const config_setting_t *setting, exp_place *place, 
     if (circle) return exp_read_list(circle, "circle", 3, place, r->at);
     if (polygon) return read_polygon(polygon, place, r);
     if (x) RP_TRY(exp_read_list(x, "x", 2, place, r->at));
-    return y ? exp_read_list(y, "y", 2, place, r->at + 2) : RP_OK;
+    if (y) RP_TRY(exp_read_list(y, "y", 2, place, r->at + 2));
+    for (int k = 0; k < 2; k++) {
+        const rp_expression *from = &r->at[2 * k].x, *to = &r->at[2 * k + 1].x;
+        if (from->known && to->known && !(from->value < to->value))
+            return rp_config_fail(setting, "%s: %s = (%g, %g): from the lower end to the upper", r->name,
+                                  k ? "y" : "x", from->value, to->value);
+    }
+    return RP_OK;
 }
 
 static rp_status read_regions(exp_plan *plan)
@@ -180,6 +187,9 @@ static rp_status read(exp_plan *plan)
         RP_TRY(rp_prefix(rp_lets_find(&text->lets, asked[k], &is, &known), "%s: ", text->path));
     }
     plan->d = constants[RP_LET_D], plan->m = constants[RP_LET_M], plan->g = constants[RP_LET_G];
+    if (config_lookup(&text->config, "phases") && config_lookup(&text->config, "steps"))
+        return rp_config_fail(config_lookup(&text->config, "steps"),
+                              "steps: a text with phases ends with their last");
     RP_TRY(read_result(plan));
     RP_TRY(check_required(plan));
     RP_TRY(check_lets(plan));
@@ -245,8 +255,10 @@ const exp_group exp_groups[] = {
      "grains: add = { N; kind; r, or radii as of a fill; density; x; y; vx; vy; omega; gap; }. A block has "
      "phases of its own, and repeat or until"},
     {"measure", exp_measure_schema,
-     "a list of columns: name; of (an expression, a module or MODULE.OUTPUT); at or during a phase; when (a "
-     "condition, of samples); if (a condition of lets); columns = [\"NAME\", ...] (the first of its columns, "
+     "a list of columns: name; of (an expression, a module or MODULE.OUTPUT); at or during a phase, of "
+     "one that is repeated the mean over its passes; when (a "
+     "condition, of samples); event (a condition, of avalanches); against (an expression, of a line); if (a "
+     "condition of lets); columns = [\"NAME\", ...] (the first of its columns, "
      "by these names)"},
     {"regions", exp_no_keys,
      "NAME = { x = (from, to); y = (from, to); }, { circle = (x, y, radius); } or { polygon = ( (x, y), ... "

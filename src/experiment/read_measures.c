@@ -78,6 +78,18 @@ static rp_status add_output(exp_plan *plan, const exp_measure *m, const char *en
     return RP_OK;
 }
 
+/* A word that nothing has as its name, but a module nearly. */
+static rp_status check_module(const config_setting_t *setting, const char *of)
+{
+    if (!of || !exp_is_word(of) || exp_observable_named(of, ~(unsigned)OF_NEW) || rp_lets_has(setting, of))
+        return RP_OK;
+    rp_guess guess = rp_guess_of(of);
+    for (size_t k = 0; exp_module_at(k).name; k++) rp_guess_try(&guess, exp_module_at(k).name);
+    return *rp_guess_text(&guess)
+               ? rp_config_fail(member(setting, "of"), "of \"%s\": unknown name%s", of, rp_guess_text(&guess))
+               : RP_OK;
+}
+
 /* Of a module: all its numbers, or with MODULE.OUTPUT one; its keys are the measure's too. */
 static rp_status read_module(exp_plan *plan, const config_setting_t *setting, exp_measure *m,
                              const char *others[])
@@ -86,7 +98,7 @@ static rp_status read_module(exp_plan *plan, const config_setting_t *setting, ex
     const char *of = what ? config_setting_get_string(what) : NULL, *dot = of ? strchr(of, '.') : NULL;
     m->module = of ? exp_module_find(of, dot ? (size_t)(dot - of) : strlen(of)) : NULL;
     m->pick = -1;
-    if (!m->module) return RP_OK;
+    if (!m->module) return check_module(setting, of);
     for (long k = 0; dot && m->module->outputs[k].name; k++)
         if (strcmp(m->module->outputs[k].name + 1, dot + 1) == 0) m->pick = k;
     if (dot && m->pick < 0)
@@ -196,6 +208,7 @@ static rp_status name_outputs(exp_plan *plan, exp_measure *m)
 static rp_status check_columns(const exp_plan *plan, const exp_measure *m)
 {
     const config_setting_t *names = member(m->setting, "columns");
+    if (rp_unit_check(m->unit)) return rp_config_fail(member(m->setting, "unit"), "%s", rp_message());
     if (!names) return RP_OK;
     bool good = !config_setting_is_group(names) && length(names) > 0 && length(names) <= EXP_MODULE_OUTPUTS;
     for (size_t k = 0; k < length(names); k++) good &= config_setting_get_string(element(names, k)) != NULL;

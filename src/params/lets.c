@@ -48,10 +48,7 @@ static rp_status read_group(const config_setting_t *setting, bool foreign, rp_le
             }
         if (!known) return rp_fail(RP_BAD_INPUT, "unknown key %s; allowed: value unit range meaning", name);
     }
-    if (!foreign && strcmp(rp_unit(let->unit), let->unit) != 0)
-        return rp_fail(RP_BAD_INPUT, "unit = %s: the text's units are %s; %s", let->unit, rp_units_word(),
-                       rp_unit(let->unit));
-    return RP_OK;
+    return foreign ? RP_OK : rp_unit_check(let->unit);
 }
 
 /* Is it one of the words of a range of numbers, as in "[1, 10] | none"? */

@@ -66,6 +66,19 @@ const char *rp_unit(const char *cgs)
     return i < N_UNITS ? units[i].label[now] : cgs;
 }
 
+rp_status rp_unit_check(const char *label)
+{
+    const char *meant = label;
+    for (size_t i = 0; i < N_UNITS; i++) {
+        const char *const *const of = units[i].label;
+        if (strcmp(of[now], label) == 0) return RP_OK;
+        if (strcmp(of[RP_CGS], label) == 0 || strcmp(of[RP_SI], label) == 0) meant = of[now];
+    }
+    return meant == label
+               ? RP_OK
+               : rp_fail(RP_BAD_INPUT, "unit = %s: the text's units are %s; %s", label, words[now], meant);
+}
+
 double rp_units_value(const char *cgs, double number)
 {
     const size_t i = now == RP_CGS ? N_UNITS : find(cgs);

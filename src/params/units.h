@@ -24,6 +24,9 @@ rp_units rp_units_find(const char *word);
  * are. */
 const char *rp_unit(const char *cgs);
 
+/* RP_BAD_INPUT for a label that is one of another system, and none of this. */
+rp_status rp_unit_check(const char *label);
+
 /* A number of such a quantity in cgs, converted to the system that holds; 12 digits. */
 double rp_units_value(const char *cgs, double number);
 

@@ -17,15 +17,14 @@ static size_t root(size_t *of, size_t i)
     return i;
 }
 
-static rp_status evaluate(const exp_view *s, const void *params, double out[])
+rp_status exp_largest_cluster(const exp_view *s, rp_arena *memory, dem_state **grains, size_t *n)
 {
-    RP_SCOPE(memory);
     size_t largest = 0, *of, *size; /* by id; `of` is 0: not of the sample */
-    (void)params;
     if (s->n == 0) return rp_fail(RP_NO_RESULT, "no grains");
     const size_t n_ids = s->grains[s->n - 1].id;
-    RP_NEW(&memory, of, n_ids + 1);
-    RP_NEW(&memory, size, n_ids + 1);
+    RP_NEW(memory, of, n_ids + 1);
+    RP_NEW(memory, size, n_ids + 1);
+    RP_NEW(memory, *grains, s->n);
     for (size_t i = 0; i < s->n; i++) of[s->grains[i].id] = s->grains[i].id;
     for (const dem_contact *c = s->contacts; c < s->contacts + s->n_contacts; c++) {
         if (c->id_b == 0 || c->id_a > n_ids || c->id_b > n_ids || !of[c->id_a] || !of[c->id_b]) continue;
@@ -35,10 +34,21 @@ static rp_status evaluate(const exp_view *s, const void *params, double out[])
     for (size_t i = 0; i < s->n; i++) size[root(of, s->grains[i].id)]++;
     for (size_t id = 1; id <= n_ids; id++)
         if (size[id] > size[largest]) largest = id;
-    out[0] = INFINITY, out[1] = out[2] = -INFINITY, out[3] = (double)size[largest];
-    for (size_t i = 0; i < s->n; i++) {
-        const dem_state *g = &s->grains[i];
-        if (root(of, g->id) != largest) continue;
+    *n = 0;
+    for (size_t i = 0; i < s->n; i++)
+        if (root(of, s->grains[i].id) == largest) (*grains)[(*n)++] = s->grains[i];
+    return RP_OK;
+}
+
+static rp_status evaluate(const exp_view *s, const void *params, double out[])
+{
+    RP_SCOPE(memory);
+    dem_state *grains;
+    size_t n;
+    (void)params;
+    RP_TRY(exp_largest_cluster(s, &memory, &grains, &n));
+    out[0] = INFINITY, out[1] = out[2] = -INFINITY, out[3] = (double)n;
+    for (const dem_state *g = grains; g < grains + n; g++) {
         out[0] = fmin(out[0], g->x - g->r), out[1] = fmax(out[1], g->x + g->r),
         out[2] = fmax(out[2], g->y + g->r);
     }

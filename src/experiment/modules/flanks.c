@@ -8,12 +8,15 @@
 
 typedef struct {
     double from, to;
+    bool touching;
 } flanks_params;
 
 #define AT(field) offsetof(flanks_params, field)
 static const rp_param schema[] = {
     {"from", "", RP_REAL, AT(from), "0.1", "[0, 1)", "lowest height that counts, of that of the heap"},
     {"to", "", RP_REAL, AT(to), "0.9", "(0, 1]", "highest height that counts"},
+    {"touching", "", RP_BOOL, AT(touching), "true", "",
+     "the largest cluster of grains that touch alone: none that flies or has run out"},
     {0}};
 
 enum { LEFT, RIGHT, MEAN, LEFT_ERROR, RIGHT_ERROR, MEAN_ERROR, HEIGHT, APEX, WIDTH };
@@ -64,18 +67,25 @@ static rp_status evaluate(const exp_view *s, const void *params, double out[])
     RP_ENDS(ang_surface_free) ang_surface surface = {0};
     RP_SCOPE(memory);
     size_t column = 0;
-    if (s->n == 0) return rp_fail(RP_NO_RESULT, "no grains");
-    RP_NEW(&memory, x, 3 * s->n);
-    double *y = x + s->n, *r = y + s->n;
-    for (size_t i = 0; i < s->n; i++) {
-        r[i] = s->grains[i].r, y[i] = s->grains[i].y - ground, x[i] = s->grains[i].x;
+    dem_state *cluster;
+    const dem_state *grains = s->grains;
+    size_t n = s->n;
+    if (p->touching) {
+        RP_TRY(exp_largest_cluster(s, &memory, &cluster, &n));
+        grains = cluster;
+    }
+    if (n == 0) return rp_fail(RP_NO_RESULT, "no grains");
+    RP_NEW(&memory, x, 3 * n);
+    double *y = x + n, *r = y + n;
+    for (size_t i = 0; i < n; i++) {
+        r[i] = grains[i].r, y[i] = grains[i].y - ground, x[i] = grains[i].x;
         left = fmin(left, x[i] - r[i]), right = fmax(right, x[i] + r[i]);
         if (y[i] + r[i] > top) top = y[i] + r[i], apex = x[i];
     }
     /* columns one diameter wide, the middle one about the apex */
     const double beside = ceil((apex - left) / s->d), columns = beside + 1.0 + ceil((right - apex) / s->d);
-    for (size_t i = 0; i < s->n; i++) x[i] = x[i] - apex + (beside + 0.5) * s->d;
-    RP_TRY(ang_surface_make(s->n, x, y, r, columns * s->d, &options, &surface));
+    for (size_t i = 0; i < n; i++) x[i] = x[i] - apex + (beside + 0.5) * s->d;
+    RP_TRY(ang_surface_make(n, x, y, r, columns * s->d, &options, &surface));
     while (column + 1 < surface.n && (double)surface.column[column] < beside) column++;
     for (int side = 0; side < 2; side++) RP_TRY(flank(&surface, column, side, p, out));
     out[MEAN] = 0.5 * (out[LEFT] + out[RIGHT]);
@@ -85,4 +95,4 @@ static rp_status evaluate(const exp_view *s, const void *params, double out[])
 }
 
 EXP_MODULE(flanks, "both flanks of a heap, by straight lines from the highest point outwards", "no_pile",
-           schema, flanks_params, outputs, 0, .evaluate = evaluate);
+           schema, flanks_params, outputs, EXP_ON_CONTACTS, .evaluate = evaluate);

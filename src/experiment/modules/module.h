@@ -2,6 +2,7 @@
 #ifndef EXP_MODULE_H
 #define EXP_MODULE_H
 
+#include "core/arena.h"
 #include "dem/dem.h"
 #include "params/params.h"
 #include "stress/stress.h"
@@ -64,6 +65,10 @@ bool exp_view_has(const exp_view *view, uint32_t id);
 
 /* The grain of that id among n whose ids rise; NULL: there is none. */
 const dem_state *exp_grain_of(size_t n, const dem_state grains[], uint32_t id);
+
+/* The grains of the largest cluster of those that touch, *n of them, in that memory. Errors: RP_NO_RESULT,
+ * RP_NO_MEMORY. */
+rp_status exp_largest_cluster(const exp_view *view, rp_arena *memory, dem_state **grains, size_t *n);
 
 /* Height of the centre at which a grain of radius r, lowered at x onto n grains, is `gap` away from the first
  * of them; at least y. */
