@@ -106,7 +106,7 @@ static double measured(const char *file, const char *set, const char *name)
         GOOD("params examples/%s", file);
         return NAN;
     }
-    if (set) GOOD("run examples/%s --set '%s'", file, set);
+    if (set) GOOD("run examples/%s --set '%s' --quiet", file, set); /* no progress, however slow */
     scoped_table t = read_table("out");
     for (size_t i = 0; i < t.n_rows; i++)
         if (strcmp(word(&t, i, "measure"), name) == 0) value = cell(&t, i, "value");
