@@ -197,12 +197,6 @@ static rp_status read_tables(const report_claim *c, report_tables *tables, repor
     return RP_OK;
 }
 
-static rp_status read_answer(const report_claim *c, report_tables *tables, report_judged *j)
-{
-    *j = (report_judged){.ours = {.n = NAN}, .z = NAN, .failed = "", .text = ""};
-    return tests[c->kind].by == BY_WORD ? RP_OK : rp_prefix(read_tables(c, tables, j), "claim %s: ", c->id);
-}
-
 /* ---- verdicts ---- */
 
 /* The difference that an inequality must not exclude. A limit other than 0 has the smallest effect that
@@ -312,7 +306,8 @@ static rp_status judge_family(const report_claims *all, report_tables *tables, s
     for (size_t i = 0; i < n; i++) {
         const report_claim *c = &all->claims[members[i]];
         report_judged *j = &judged[members[i]];
-        RP_TRY(read_answer(c, tables, j));
+        *j = (report_judged){.ours = {.n = NAN}, .z = NAN, .failed = "", .text = ""};
+        if (tests[c->kind].by != BY_WORD) RP_TRY(rp_prefix(read_tables(c, tables, j), "claim %s: ", c->id));
         if (j->verdict != REPORT_NO_DATA) j->verdict = decide(c, NULL, j);
         j->uncorrected = j->verdict;
         const report_chances p = chances_of(c, j);
