@@ -199,21 +199,16 @@ static rp_status read_tables(const report_claim *c, report_tables *tables, repor
 
 /* ---- verdicts ---- */
 
-/* The difference that an inequality must not exclude. A limit other than 0 has the smallest effect that
- * matters in itself: anything beyond it is enough. */
-static double excluded_margin(const report_claim *c)
-{
-    return !c->againsts && c->limit != 0.0 ? INFINITY : c->margin;
-}
-
 static report_chances chances_of(const report_claim *c, const report_judged *j)
 {
     const stats_number ours = j->ours.tested, against = j->against.tested;
     switch (j->verdict == REPORT_NO_DATA ? BY_WORD : tests[c->kind].by) {
     case BY_DIFFERENCE: return (report_chances){report_agree_p(j->z), NAN};
-    case BY_SIDE:
+    case BY_SIDE: { /* beyond a limit other than 0 anything is enough: no difference is excluded */
+        const double margin = !c->againsts && c->limit != 0.0 ? INFINITY : c->margin;
         return (report_chances){report_exceed_p(ours, against),
-                                report_exceed_p_margin(ours, against, excluded_margin(c))};
+                                report_exceed_p_margin(ours, against, margin)};
+    }
     case BY_CHANGE: {
         const stats_contrast change = {j->ours.shown.value, j->ours.shown.se,
                                        isnan(j->dof) ? INFINITY : j->dof};

@@ -27,6 +27,24 @@ static const char no_data[] = "no data";
 
 /* ---- tables ---- */
 
+/* The text of a cell in a format such as %.3g or %.0f; without one a count stands as it is, other numbers
+ * take %.3g. */
+static rp_status in_format(rp_arena *arena, const char *cell, const char *format, const char **text)
+{
+    /* precision and letter alone are taken from the format, so that it cannot be a harmful one */
+    int precision = 3, used = 0;
+    char letter = 'g', *end;
+    if (format && (sscanf(format, "%%.%1d%c%n", &precision, &letter, &used) != 2 || format[used] ||
+                   !strchr("fg", letter)))
+        return rp_fail(RP_BAD_INPUT, "\"%s\": a format such as %%.3g or %%.0f expected", format);
+    const double value = strtod(cell, &end);
+    const bool as_it_is = *end || (!format && !cell[strspn(cell, "0123456789")]);
+    *text = as_it_is        ? cell
+            : letter == 'f' ? rp_text(arena, "%.*f", precision, value)
+                            : rp_text(arena, "%.*g", precision, value);
+    return RP_OK;
+}
+
 /* A cell's text under a format, or with "+-" its number with the error. */
 static rp_status fill_text(page *p, const report_cell *cell, const char *format)
 {
@@ -39,7 +57,7 @@ static rp_status fill_text(page *p, const report_cell *cell, const char *format)
     } else if (!text)
         return rp_table_find(cell->table, cell->column, NULL, &(int){0});
     else if (*cell->column != '#')
-        RP_TRY(report_format(arena, text, format, &text));
+        RP_TRY(in_format(arena, text, format, &text));
     fputs(text, p->out);
     return RP_OK;
 }

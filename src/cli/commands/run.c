@@ -570,14 +570,6 @@ static rp_status read_text(const char *path, scene_run *r)
     return RP_OK;
 }
 
-static bool has_new_springs(const scene_run *r)
-{
-    dem_counts now;
-    dem_count_work(r->sim, &now);
-    return r->scene.from_table && now.contacts > 0 && !r->scene.def.n_contacts &&
-           dem_has_spring(r->scene.def.tangential);
-}
-
 static void name_run(const char *path, scene_run *r)
 {
     const long *every = r->plan.every;
@@ -660,9 +652,12 @@ static rp_status run_file(const cli_call *call, const char *path, const run_opti
     r.scene.fill.cut = &cut;
     const rp_status status = start(&r);
     if (status == RP_BAD_INPUT && !r.phases) rp_prefix(status, "%s: ", path);
+    dem_counts now = {0};
+    if (!status) dem_count_work(r.sim, &now);
     if (cut)
         r.of.start = "walls cut the region; grains lie in its largest part alone";
-    else if (!status && has_new_springs(&r))
+    else if (r.scene.from_table && now.contacts > 0 && !r.scene.def.n_contacts &&
+             dem_has_spring(r.scene.def.tangential))
         r.of.start = "grains touch, and their shear springs begin at 0; a bed at rest needs contacts_file";
     if (!status && *o->from) RP_TRY(begin_from(path, &r));
     if (r.of.start) fprintf(stderr, "repose run: %s: %s\n", path, r.of.start);
