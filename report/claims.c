@@ -85,16 +85,6 @@ static rp_status check(const report_claims *all, const report_claim *c)
     return *c->answer ? RP_OK : lacks(c, "an answer");
 }
 
-/* Both sides, where tables answer. */
-static rp_status read_sides(rp_arena *arena, report_claim *c)
-{
-    char *end;
-    c->limit = strtod(c->against, &end);
-    if (tests[c->kind].by == BY_WORD) return RP_OK;
-    RP_TRY(report_reference_read(arena, c->answer, &c->answers));
-    return *end ? report_reference_read(arena, c->against, &c->againsts) : RP_OK;
-}
-
 static rp_status read_claim(rp_arena *arena, const report_claims *all, size_t row, report_claim *c)
 {
     const rp_table *t = all->table;
@@ -112,7 +102,11 @@ static rp_status read_claim(rp_arena *arena, const report_claims *all, size_t ro
     RP_TRY(read_numbers(t, row, c));
     RP_TRY(find_number(all, c));
     RP_TRY(check(all, c));
-    return read_sides(arena, c);
+    char *end;
+    c->limit = strtod(c->against, &end);
+    if (tests[c->kind].by == BY_WORD) return RP_OK;
+    RP_TRY(report_reference_read(arena, c->answer, &c->answers));
+    return *end ? report_reference_read(arena, c->against, &c->againsts) : RP_OK;
 }
 
 rp_status report_claims_read(rp_arena *arena, const char *path, report_claims *claims)

@@ -74,16 +74,7 @@ static rp_status fill_cell(page *p, const char *reference, const char *format)
     return RP_OK;
 }
 
-/* One cell of a line of {{rows}}: COLUMN, COLUMN:FORMAT or COLUMN:+-. */
-static rp_status fill_column(page *p, const rp_table *table, size_t row, const char *word)
-{
-    const char *colon = strchr(word, ':');
-    const int length = (int)(colon ? (size_t)(colon - word) : strlen(word));
-    const report_cell cell = {table, row, rp_text(p->tables.arena, "%.*s", length, word)};
-    return fill_text(p, &cell, colon ? colon + 1 : NULL);
-}
-
-/* "TABLE key=value ... | COLUMN ..." */
+/* "TABLE key=value ... | COLUMN ...", of which each may be COLUMN:FORMAT or COLUMN:+-. */
 static rp_status fill_rows(page *p, const char *text)
 {
     rp_arena *arena = p->tables.arena;
@@ -101,8 +92,11 @@ static rp_status fill_rows(page *p, const char *text)
         fputs(begin, p->out);
         begin = "\n|";
         for (int k = 0; k < columns.n; k++) {
+            const int length = (int)strcspn(columns.word[k], ":");
+            const char *format = columns.word[k] + length;
+            const report_cell cell = {table, row, rp_text(arena, "%.*s", length, columns.word[k])};
             fputc(' ', p->out);
-            RP_TRY(fill_column(p, table, row, columns.word[k]));
+            RP_TRY(fill_text(p, &cell, *format ? format + 1 : NULL));
             fputs(" |", p->out);
         }
     }
