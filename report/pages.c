@@ -205,8 +205,9 @@ static rp_status fill_place(page *p, char *text)
         if (format) *format++ = '\0';
         return fill_cell(p, rest, format);
     }
-    if (strcmp(word, "note") == 0 && w.n == 3)
-        return fill_cell(p, rp_text(p->tables.arena, "%s #%s", first, w.word[2]), NULL);
+    if (strcmp(word, "note") == 0)
+        return w.n == 3 ? fill_cell(p, rp_text(p->tables.arena, "%s #%s", first, w.word[2]), NULL)
+                        : rp_fail(RP_BAD_INPUT, "{{note ...}}: table and key expected");
     if (strcmp(word, "rows") == 0) return fill_rows(p, rest);
     if (strcmp(word, "published") == 0 || strcmp(word, "ours") == 0 || strcmp(word, "number") == 0 ||
         strcmp(word, "verdict") == 0)
