@@ -254,19 +254,3 @@ const char *report_number_text(rp_arena *arena, stats_number number)
     const int decimals = report_decimals(number.se);
     return rp_text(arena, "%.*f ± %.*f", decimals, number.value, decimals, number.se);
 }
-
-rp_status report_format(rp_arena *arena, const char *cell, const char *format, const char **text)
-{
-    /* precision and letter alone are taken from the format, so that it cannot be a harmful one */
-    int precision = 3, used = 0;
-    char letter = 'g', *end;
-    if (format && (sscanf(format, "%%.%1d%c%n", &precision, &letter, &used) != 2 || format[used] ||
-                   !strchr("fg", letter)))
-        return rp_fail(RP_BAD_INPUT, "\"%s\": a format such as %%.3g or %%.0f expected", format);
-    const double value = strtod(cell, &end);
-    const bool as_it_is = *end || (!format && !cell[strspn(cell, "0123456789")]);
-    *text = as_it_is        ? cell
-            : letter == 'f' ? rp_text(arena, "%.*f", precision, value)
-                            : rp_text(arena, "%.*g", precision, value);
-    return RP_OK;
-}

@@ -88,10 +88,6 @@ int report_decimals(double se);
 /* "18.04 ± 0.92", two significant digits of the error; "not known" for NaN, "inf" or "-inf". */
 const char *report_number_text(rp_arena *arena, stats_number number);
 
-/* The text of a cell in a format such as %.3g or %.0f; without one a count stands as it is, other numbers
- * take %.3g. Errors: RP_BAD_INPUT for any other format. */
-rp_status report_format(rp_arena *arena, const char *cell, const char *format, const char **text);
-
 /* ---- the sweeps whose runs answer a claim, and those of their runs that have no result ---- */
 
 /* A sweep by the name in the header lines "# source: NAME DIGEST RUNS" of the tables made of its runs. */

@@ -85,16 +85,6 @@ static rp_status check(const report_claims *all, const report_claim *c)
     return *c->answer ? RP_OK : lacks(c, "an answer");
 }
 
-/* Both sides, where tables answer. */
-static rp_status read_sides(rp_arena *arena, report_claim *c)
-{
-    char *end;
-    c->limit = strtod(c->against, &end);
-    if (tests[c->kind].by == BY_WORD) return RP_OK;
-    RP_TRY(report_reference_read(arena, c->answer, &c->answers));
-    return *end ? report_reference_read(arena, c->against, &c->againsts) : RP_OK;
-}
-
 static rp_status read_claim(rp_arena *arena, const report_claims *all, size_t row, report_claim *c)
 {
     const rp_table *t = all->table;
@@ -112,7 +102,11 @@ static rp_status read_claim(rp_arena *arena, const report_claims *all, size_t ro
     RP_TRY(read_numbers(t, row, c));
     RP_TRY(find_number(all, c));
     RP_TRY(check(all, c));
-    return read_sides(arena, c);
+    char *end;
+    c->limit = strtod(c->against, &end);
+    if (tests[c->kind].by == BY_WORD) return RP_OK;
+    RP_TRY(report_reference_read(arena, c->answer, &c->answers));
+    return *end ? report_reference_read(arena, c->against, &c->againsts) : RP_OK;
 }
 
 rp_status report_claims_read(rp_arena *arena, const char *path, report_claims *claims)
@@ -197,29 +191,18 @@ static rp_status read_tables(const report_claim *c, report_tables *tables, repor
     return RP_OK;
 }
 
-static rp_status read_answer(const report_claim *c, report_tables *tables, report_judged *j)
-{
-    *j = (report_judged){.ours = {.n = NAN}, .z = NAN, .failed = "", .text = ""};
-    return tests[c->kind].by == BY_WORD ? RP_OK : rp_prefix(read_tables(c, tables, j), "claim %s: ", c->id);
-}
-
 /* ---- verdicts ---- */
-
-/* The difference that an inequality must not exclude. A limit other than 0 has the smallest effect that
- * matters in itself: anything beyond it is enough. */
-static double excluded_margin(const report_claim *c)
-{
-    return !c->againsts && c->limit != 0.0 ? INFINITY : c->margin;
-}
 
 static report_chances chances_of(const report_claim *c, const report_judged *j)
 {
     const stats_number ours = j->ours.tested, against = j->against.tested;
     switch (j->verdict == REPORT_NO_DATA ? BY_WORD : tests[c->kind].by) {
     case BY_DIFFERENCE: return (report_chances){report_agree_p(j->z), NAN};
-    case BY_SIDE:
+    case BY_SIDE: { /* beyond a limit other than 0 anything is enough: no difference is excluded */
+        const double margin = !c->againsts && c->limit != 0.0 ? INFINITY : c->margin;
         return (report_chances){report_exceed_p(ours, against),
-                                report_exceed_p_margin(ours, against, excluded_margin(c))};
+                                report_exceed_p_margin(ours, against, margin)};
+    }
     case BY_CHANGE: {
         const stats_contrast change = {j->ours.shown.value, j->ours.shown.se,
                                        isnan(j->dof) ? INFINITY : j->dof};
@@ -312,7 +295,8 @@ static rp_status judge_family(const report_claims *all, report_tables *tables, s
     for (size_t i = 0; i < n; i++) {
         const report_claim *c = &all->claims[members[i]];
         report_judged *j = &judged[members[i]];
-        RP_TRY(read_answer(c, tables, j));
+        *j = (report_judged){.ours = {.n = NAN}, .z = NAN, .failed = "", .text = ""};
+        if (tests[c->kind].by != BY_WORD) RP_TRY(rp_prefix(read_tables(c, tables, j), "claim %s: ", c->id));
         if (j->verdict != REPORT_NO_DATA) j->verdict = decide(c, NULL, j);
         j->uncorrected = j->verdict;
         const report_chances p = chances_of(c, j);

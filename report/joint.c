@@ -14,10 +14,10 @@
     X(TEXT, either, "", "k_n_wall", "", "choice that some numbers have no part in: its first or last value")
 CLI_OPTIONS(joint, JOINT_OPTIONS)
 
-/* Points of a sweep, and which of its first n_keys columns the claims set; the others are choices. */
+/* Points of a sweep, which of its first n_keys columns the claims set, and the others, which are choices. */
 typedef struct {
     const rp_table *table;
-    int n_keys, either;
+    int n_keys, n_choices, *choices;
     bool *set;
 } joint_points;
 
@@ -25,9 +25,8 @@ typedef struct {
 static bool is_same_choice(const joint_points *p, size_t a, size_t b)
 {
     bool same = true;
-    for (int k = 0; k < p->n_keys; k++)
-        same = same &&
-               (p->set[k] || k == p->either || strcmp(rp_cell(p->table, a, k), rp_cell(p->table, b, k)) == 0);
+    for (int k = 0; k < p->n_choices; k++)
+        same = same && strcmp(rp_cell(p->table, a, p->choices[k]), rp_cell(p->table, b, p->choices[k])) == 0;
     return same;
 }
 
@@ -76,7 +75,7 @@ static rp_status print_joint(cli_call *call, const void *values)
         return rp_fail(RP_BAD_INPUT, "claim %s: a joint one of at most %zu expected", o->id, N_OF(claims));
     for (p.n_keys = 0; !rp_ends_in(p.table->names[p.n_keys], "_mean"); p.n_keys++)
         if ((size_t)p.n_keys + 1 == p.table->n_columns) break;
-    p.either = rp_table_column(p.table, o->either);
+    p.n_choices = 0, p.choices = rp_arena_memory(arena, (size_t)p.n_keys, sizeof *p.choices);
     p.set = rp_arena_memory(arena, (size_t)p.n_keys, sizeof *p.set);
     bool **rows = rp_arena_memory(arena, (size_t)ids.n, sizeof *rows);
     for (int i = 0; i < ids.n; i++) {
@@ -91,8 +90,11 @@ static rp_status print_joint(cli_call *call, const void *values)
     cli_table(call, stdout);
     rp_table_note(stdout, "dof", "%d, with a common shift %d", ids.n, ids.n - 1);
     const char *columns = "";
-    for (int k = 0; k < p.n_keys; k++)
-        if (!p.set[k] && k != p.either) columns = rp_text(arena, "%s%s, ", columns, p.table->names[k]);
+    for (int k = 0; k < p.n_keys; k++) {
+        if (p.set[k] || strcmp(p.table->names[k], o->either) == 0) continue;
+        p.choices[p.n_choices++] = k;
+        columns = rp_text(arena, "%s%s, ", columns, p.table->names[k]);
+    }
     rp_table_header(
         stdout,
         rp_text(arena, "%s%s [word], chi2, p_value, shift [own], shift_se [own], left, n_least, n_failed",
@@ -118,8 +120,7 @@ static rp_status print_joint(cli_call *call, const void *values)
                 least = fmin(least, ours.n), failed += lost;
             }
             const report_together t = report_joint((size_t)ids.n, differences);
-            for (int k = 0; k < p.n_keys; k++)
-                if (!p.set[k] && k != p.either) printf("%s\t", rp_cell(p.table, row, k));
+            for (int k = 0; k < p.n_choices; k++) printf("%s\t", rp_cell(p.table, row, p.choices[k]));
             printf("%s\t%.6g\t%.6g\t%.6g\t%.6g\t%.6g\t%g\t%g\n", last ? "last" : "first", t.chi2, t.p,
                    t.shift.value, t.shift.se, t.left, least, failed);
         }

@@ -36,16 +36,6 @@ static const char *or_dash(const char *text)
     return *text ? text : "-";
 }
 
-static void note_counts(rp_arena *arena, const report_claims *all, const report_judged judged[],
-                        const claims_options *o)
-{
-    for (size_t p = 1; p < N_OF(papers); p++) {
-        if (one_alone(o) || (o->paper > 0 && o->paper != (int)p)) continue;
-        const char *text = report_count(arena, all, judged, papers[p]);
-        if (*text) rp_table_note(stdout, papers[p], "%s", text);
-    }
-}
-
 static void print_verdicts(rp_arena *arena, const report_claims *all, const report_judged judged[],
                            const claims_options *o)
 {
@@ -75,7 +65,10 @@ static rp_status print_claims(cli_call *call, const void *values)
     if (one_alone(o)) RP_TRY(report_claims_find(&all, o->id, &one));
     RP_TRY(report_judge(&all, &tables, &judged));
     cli_table(call, stdout);
-    note_counts(tables.arena, &all, judged, o);
+    for (size_t p = 1; p < N_OF(papers) && !one_alone(o); p++) {
+        const char *text = report_count(tables.arena, &all, judged, papers[p]);
+        if (*text && (o->paper == 0 || o->paper == (int)p)) rp_table_note(stdout, papers[p], "%s", text);
+    }
     print_verdicts(tables.arena, &all, judged, o);
     return RP_OK;
 }

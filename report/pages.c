@@ -27,6 +27,24 @@ static const char no_data[] = "no data";
 
 /* ---- tables ---- */
 
+/* The text of a cell in a format such as %.3g or %.0f; without one a count stands as it is, other numbers
+ * take %.3g. */
+static rp_status in_format(rp_arena *arena, const char *cell, const char *format, const char **text)
+{
+    /* precision and letter alone are taken from the format, so that it cannot be a harmful one */
+    int precision = 3, used = 0;
+    char letter = 'g', *end;
+    if (format && (sscanf(format, "%%.%1d%c%n", &precision, &letter, &used) != 2 || format[used] ||
+                   !strchr("fg", letter)))
+        return rp_fail(RP_BAD_INPUT, "\"%s\": a format such as %%.3g or %%.0f expected", format);
+    const double value = strtod(cell, &end);
+    const bool as_it_is = *end || (!format && !cell[strspn(cell, "0123456789")]);
+    *text = as_it_is        ? cell
+            : letter == 'f' ? rp_text(arena, "%.*f", precision, value)
+                            : rp_text(arena, "%.*g", precision, value);
+    return RP_OK;
+}
+
 /* A cell's text under a format, or with "+-" its number with the error. */
 static rp_status fill_text(page *p, const report_cell *cell, const char *format)
 {
@@ -39,7 +57,7 @@ static rp_status fill_text(page *p, const report_cell *cell, const char *format)
     } else if (!text)
         return rp_table_find(cell->table, cell->column, NULL, &(int){0});
     else if (*cell->column != '#')
-        RP_TRY(report_format(arena, text, format, &text));
+        RP_TRY(in_format(arena, text, format, &text));
     fputs(text, p->out);
     return RP_OK;
 }
@@ -56,16 +74,7 @@ static rp_status fill_cell(page *p, const char *reference, const char *format)
     return RP_OK;
 }
 
-/* One cell of a line of {{rows}}: COLUMN, COLUMN:FORMAT or COLUMN:+-. */
-static rp_status fill_column(page *p, const rp_table *table, size_t row, const char *word)
-{
-    const char *colon = strchr(word, ':');
-    const int length = (int)(colon ? (size_t)(colon - word) : strlen(word));
-    const report_cell cell = {table, row, rp_text(p->tables.arena, "%.*s", length, word)};
-    return fill_text(p, &cell, colon ? colon + 1 : NULL);
-}
-
-/* "TABLE key=value ... | COLUMN ..." */
+/* "TABLE key=value ... | COLUMN ...", of which each may be COLUMN:FORMAT or COLUMN:+-. */
 static rp_status fill_rows(page *p, const char *text)
 {
     rp_arena *arena = p->tables.arena;
@@ -83,8 +92,11 @@ static rp_status fill_rows(page *p, const char *text)
         fputs(begin, p->out);
         begin = "\n|";
         for (int k = 0; k < columns.n; k++) {
+            const int length = (int)strcspn(columns.word[k], ":");
+            const char *format = columns.word[k] + length;
+            const report_cell cell = {table, row, rp_text(arena, "%.*s", length, columns.word[k])};
             fputc(' ', p->out);
-            RP_TRY(fill_column(p, table, row, columns.word[k]));
+            RP_TRY(fill_text(p, &cell, *format ? format + 1 : NULL));
             fputs(" |", p->out);
         }
     }
@@ -193,8 +205,9 @@ static rp_status fill_place(page *p, char *text)
         if (format) *format++ = '\0';
         return fill_cell(p, rest, format);
     }
-    if (strcmp(word, "note") == 0 && w.n == 3)
-        return fill_cell(p, rp_text(p->tables.arena, "%s #%s", first, w.word[2]), NULL);
+    if (strcmp(word, "note") == 0)
+        return w.n == 3 ? fill_cell(p, rp_text(p->tables.arena, "%s #%s", first, w.word[2]), NULL)
+                        : rp_fail(RP_BAD_INPUT, "{{note ...}}: table and key expected");
     if (strcmp(word, "rows") == 0) return fill_rows(p, rest);
     if (strcmp(word, "published") == 0 || strcmp(word, "ours") == 0 || strcmp(word, "number") == 0 ||
         strcmp(word, "verdict") == 0)

@@ -72,12 +72,22 @@ void slurp(const char *name, char *text, size_t size)
 
 int shell(const char *text)
 {
-    static char line[3 * PATH_MAX];
+    static char line[5 * PATH_MAX];
     snprintf(line, sizeof line, "cd %s; REPOSE='%s' REPORT='%s'; %s", folder, program, beside, text);
     int status = system(line);
     slurp("out", out, sizeof out);
     slurp("err", err, sizeof err);
     return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+int shell_line(const char *format, ...)
+{
+    static char text[2 * PATH_MAX];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    return shell(text);
 }
 
 static int run_program(const char *name, const char *begin, const char *format, va_list args)

@@ -31,6 +31,7 @@ void slurp(const char *name, char *text, size_t size);
 
 /* Exit status of a line of shell in the folder; -1 after a signal. $REPOSE and $REPORT are the programs. */
 int shell(const char *text);
+int shell_line(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
 /* Exit status of `repose` and of `report` with these arguments. */
 int run(const char *format, ...) __attribute__((format(printf, 1, 2)));

@@ -72,10 +72,8 @@ static void test_help_width(void)
 {
     static const int widths[][2] = {{70, 70}, {100, 100}, {200, 110}};
     for (size_t i = 0; i < sizeof widths / sizeof *widths; i++) {
-        char command[128];
         size_t widest = 0;
-        sprintf(command, "COLUMNS=%d \"$REPOSE\" calibrate --help >out 2>err", widths[i][0]);
-        CU_ASSERT_EQUAL(shell(command), 0);
+        CU_ASSERT_EQUAL(shell_line("COLUMNS=%d \"$REPOSE\" calibrate --help >out 2>err", widths[i][0]), 0);
         for (const char *line = out; *line; line += strcspn(line, "\n") + 1)
             if (strcspn(line, "\n") > widest && (line[0] != ' ' || line[2] == '-' || line[3] == ' '))
                 widest = strcspn(line, "\n");
@@ -427,7 +425,6 @@ static void test_killed_plans(void)
                  {"rm -rf d && cp -r made d", "\"$REPOSE\" sweep plan s.cfg -o d --replicas 3", more, 4},
                  {"rm -rf d && cp -r half d",
                   "\"$REPOSE\" sweep run d -j 1 --shard 1/2 && \"$REPOSE\" sweep merge d", shard, 7}};
-    char line[512];
     write_text("s.cfg", "protocol = \"pile\"; replicas = 2; fixed = { base = 4; };\n");
     GOOD("sweep plan s.cfg -o made");
     SHELL("cp -r made half; for d in made 'half --shard 2/2'; do \"$REPOSE\" sweep run $d -j 1 >out "
@@ -435,12 +432,10 @@ static void test_killed_plans(void)
     for (size_t c = 0; c < sizeof cases / sizeof *cases; c++) {
         long k = 0;
         for (bool killed = true; killed; k += killed ? cases[c].step : 0) {
-            snprintf(line, sizeof line, "%s >out 2>err", cases[c].before);
-            CU_ASSERT_FATAL(shell(line) == 0);
+            CU_ASSERT_FATAL(shell_line("%s >out 2>err", cases[c].before) == 0);
             killed = kill_at(k + 1, cases[c].words);
             if (c > 0) SHELL("\"$REPOSE\" sweep status d >out 2>err");
-            snprintf(line, sizeof line, "{ %s && \"$REPOSE\" sweep status d; } >out 2>err", cases[c].after);
-            const int status = shell(line);
+            const int status = shell_line("{ %s && \"$REPOSE\" sweep status d; } >out 2>err", cases[c].after);
             if (status) fprintf(stderr, "killed at call %ld of %s: %s\n", k + 1, cases[c].words[2], err);
             CU_ASSERT_EQUAL(status, 0);
         }
@@ -511,12 +506,10 @@ static void test_bench(void)
     CU_ASSERT(cell(&t, 0, "best") >= cell(&t, 0, "median") && cell(&t, 0, "median") > 0.0);
     /* the time of the processor counts, without that of a stop and of what came before */
     const double steps = check_fast() ? 1e5 : 1e6, begun = rp_clock();
-    char line[256];
-    snprintf(line, sizeof line,
-             "\"$REPOSE\" bench --start start.tsv --steps %.0f --repeat 1 >out 2>err & p=$!; sleep 0.1; "
-             "kill -STOP $p; sleep 0.8; kill -CONT $p; wait $p",
-             steps);
-    SHELL(line);
+    CU_ASSERT(shell_line(
+                  "\"$REPOSE\" bench --start start.tsv --steps %.0f --repeat 1 >out 2>err & p=$!; sleep 0.1; "
+                  "kill -STOP $p; sleep 0.8; kill -CONT $p; wait $p",
+                  steps) == 0);
     const double wall = rp_clock() - begun;
     read_again(&t, "out");
     const double took = 3.0 * steps / (1e6 * cell(&t, 0, "median"));
@@ -947,20 +940,17 @@ static void test_stress_tables(void)
     static const char *const walls[] = {"$2 ? 3 - $2 : 0", "$2 == 1 ? 3 + ($3 > 0.6) : $2"};
     static const char named[] = "awk -v FS='\t' -v OFS='\t' 'NR > 1 { %s } { print }' p_contacts.tsv "
                                 ">w_contacts.tsv && cp p_grains.tsv w_grains.tsv";
-    char command[256], change[96];
+    char change[96];
     for (size_t k = 0; k < 3; k++) {
         snprintf(change, sizeof change, "$2 = %s", walls[k % 2]);
-        snprintf(command, sizeof command, named, change);
-        SHELL(command);
+        CU_ASSERT(shell_line(named, change) == 0);
         scoped_table w = TABLE_OF("stress base w --width 1.2 --cell 0.2 %s", k == 2 ? "--floor 2" : "");
         for (size_t i = 0; i < t.n_rows; i++) CHECK_NEAR(cell(&w, i, "N"), cell(&t, i, "N"), 0.0);
     }
-    snprintf(command, sizeof command, named, "if ($3 > 0.6 && $2) { $2 = 3; $6 = 0.05 }");
-    SHELL(command);
+    CU_ASSERT(shell_line(named, "if ($3 > 0.6 && $2) { $2 = 3; $6 = 0.05 }") == 0);
     FAILS(65, "w: walls carry grains at y = 0 and 0.05: name the floor by --floor",
           "stress base w --width 1.2");
-    snprintf(command, sizeof command, named, "if ($2) $5 += 0.01");
-    SHELL(command);
+    CU_ASSERT(shell_line(named, "if ($2) $5 += 0.01") == 0);
     FAILS(65, "w: no contact with a level floor: name its wall by --floor", "stress base w --width 1.2");
     GOOD("stress base w --width 1.2 --floor 1");
     FAILS(65, "w: no contact with a level floor", "stress base w --width 1.2 --floor 7");
@@ -1441,11 +1431,10 @@ static void test_report(void)
 /* A script of the page of the report on files of the test's folder. */
 static int awk(const char *script, const char *arguments)
 {
-    char path[4096], line[8192], name[64];
+    char path[4096], name[64];
     snprintf(name, sizeof name, "report/page/%s", script);
     CU_ASSERT_PTR_NOT_NULL_FATAL(realpath(name, path));
-    snprintf(line, sizeof line, "awk -f %s %s >out 2>err", path, arguments);
-    return shell(line);
+    return shell_line("awk -f %s %s >out 2>err", path, arguments);
 }
 
 /* Frames of a run: grain 9 leaves; the frame before `from` and a faint contact are left out; a wall is -1. */
@@ -1728,11 +1717,9 @@ static void test_derivations(void)
     write_text("s.cfg", "%s );\n", text);
     CU_ASSERT(run("sweep make s.cfg -o d --tables t -j 1") == 0);
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
-        char line[256];
         run("%s t/runs.tsv", cases[k].command);
-        snprintf(line, sizeof line, "grep -v '^#' out >a && test -s a && grep -v '^#' t/t%zu.tsv | cmp - a",
-                 k);
-        const bool same = shell(line) == 0;
+        const bool same =
+            shell_line("grep -v '^#' out >a && test -s a && grep -v '^#' t/t%zu.tsv | cmp - a", k) == 0;
         if (!same) fprintf(stderr, "%s\n", cases[k].command);
         CU_ASSERT(same);
     }

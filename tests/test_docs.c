@@ -107,10 +107,8 @@ static void run_block(block *b)
         return;
     }
     write_text("block", "%s\n", b->instead[0] ? b->instead : b->commands);
-    char line[256];
-    snprintf(line, sizeof line, ": >err; cd page; PATH=$PWD/build:$PATH %s ../block >../out 2>&1",
-             b->python && !b->instead[0] ? "PYTHONPATH=python python3" : "sh -e");
-    const int status = shell(line);
+    const int status = shell_line(": >err; cd page; PATH=$PWD/build:$PATH %s ../block >../out 2>&1",
+                                  b->python && !b->instead[0] ? "PYTHONPATH=python python3" : "sh -e");
     const bool message = strncmp(b->expected, "repose", 6) == 0 || strstr(b->expected, "\nrepose");
     bool right = status == 0 || (status > 0 && message);
     if (!right) fprintf(stderr, "%s:%d: exit status %d\n%s", b->page, b->line, status, out);
@@ -133,14 +131,15 @@ static void append(char *text, const char *line)
  * build. */
 static void make_folder(void)
 {
-    char root[512], line[2048];
+    char root[512];
     enter();
     CU_ASSERT_PTR_NOT_NULL_FATAL(getcwd(root, sizeof root));
-    snprintf(line, sizeof line,
-             "{ mkdir page && cd page && ln -s '%s'/* . && rm build && mkdir build && ln -s \"$REPOSE\" "
-             "\"$REPORT\" build/; } >out 2>err",
-             root);
-    CU_ASSERT_EQUAL_FATAL(shell(line), 0);
+    CU_ASSERT_EQUAL_FATAL(
+        shell_line(
+            "{ mkdir page && cd page && ln -s '%s'/* . && rm build && mkdir build && ln -s \"$REPOSE\" "
+            "\"$REPORT\" build/; } >out 2>err",
+            root),
+        0);
     setenv("PYTHONDONTWRITEBYTECODE", "1", 1);
     unsetenv("MAKEFLAGS"), unsetenv("REPOSE_DATA");
 }

@@ -1122,9 +1122,7 @@ static void test_claims_again(void)
 /* A line of shell at the top of the tree, `$to` a folder, and what it says of a fault. */
 static void holds_in_tree(const char *line)
 {
-    char text[2048];
-    snprintf(text, sizeof text, "to=$PWD; { cd \"$OLDPWD\" && %s; } >$to/out 2>$to/err", line);
-    const int status = shell(text);
+    const int status = shell_line("to=$PWD; { cd \"$OLDPWD\" && %s; } >$to/out 2>$to/err", line);
     if (status != 0) fprintf(stderr, "%s%s", out, err);
     CU_ASSERT(status == 0);
 }

@@ -16,10 +16,9 @@
 /* Run a case of readers.py in the folder. */
 static bool readers(const char *words)
 {
-    static char script[PATH_MAX], line[2 * PATH_MAX];
+    static char script[PATH_MAX];
     if (!*script) CU_ASSERT_PTR_NOT_NULL_FATAL(realpath("tests/readers.py", script));
-    snprintf(line, sizeof line, "export REPOSE; " PYTHON "%s %s >out 2>err", script, words);
-    const bool right = shell(line) == 0;
+    const bool right = shell_line("export REPOSE; " PYTHON "%s %s >out 2>err", script, words) == 0;
     if (!right) fprintf(stderr, "readers.py %s: %s%s\n", words, out, err);
     return right;
 }
@@ -27,9 +26,7 @@ static bool readers(const char *words)
 /* Is the program, or the module of Python, installed? */
 static bool has(const char *command, const char *what)
 {
-    char line[256];
-    snprintf(line, sizeof line, "{ %s; } >out 2>err", command);
-    const bool there = shell(line) == 0;
+    const bool there = shell_line("{ %s; } >out 2>err", command) == 0;
     if (!there)
         fprintf(stderr, "export: not tested by %s, which is not installed (make check-readers)\n", what);
     return there;
@@ -154,14 +151,13 @@ static void test_dump(void)
     } cases[] = {{"lammps", "run.lammpstrj"}, {"xyz", "run.xyz"}, {"vtk", "run.pvd"}};
     write_scene();
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
-        char line[256];
         GOOD("run scene.cfg --every 250 -o pile%zu --dump %s", k, cases[k].format);
         SHELL("mkdir apart >out 2>err");
         GOOD("export pile%zu --to %s -o apart/%s", k, cases[k].format, cases[k].name);
-        snprintf(line, sizeof line,
-                 "for f in apart/*; do diff -r -x .repose $f pile%zu/${f#apart/} || exit 1; done >out 2>err",
-                 k);
-        SHELL(line);
+        CU_ASSERT(
+            shell_line(
+                "for f in apart/*; do diff -r -x .repose $f pile%zu/${f#apart/} || exit 1; done >out 2>err",
+                k) == 0);
         SHELL("rm -r apart >out 2>err");
     }
     SHELL("ls pile0/run.lammpstrj pile0/run.contacts.lammpstrj pile2/run_frames >out 2>err");
@@ -181,14 +177,13 @@ static void test_long_names(void)
                         "normal = { law = \"linear\"; tension = false; };\n");
     for (int k = 0; k < 2; k++)
         for (size_t n = 4000; n < 4300; n += 200) { /* of the system's 4096 */
-            char name[4300], line[4400];
+            char name[4300];
             const size_t stem = n - strlen(cases[k].end);
             size_t i = 0;
             for (; i + 3 < stem; i += 2) memcpy(name + i, "./", 2);
             memset(name + i, 'a', stem - i);
             strcpy(name + stem, cases[k].end);
-            snprintf(line, sizeof line, "\"$REPOSE\" %s -o %s >out 2>err", cases[k].command, name);
-            const int status = shell(line);
+            const int status = shell_line("\"$REPOSE\" %s -o %s >out 2>err", cases[k].command, name);
             CU_ASSERT(n > 4096 ? (status == RP_BAD_INPUT || status == RP_IO) && *err : status == 0);
         }
 }
@@ -839,7 +834,7 @@ static void test_random_texts(void)
 static void test_package(void)
 {
     if (check_fast()) return; /* Python's part has no sanitizers */
-    char script[PATH_MAX], line[PATH_MAX + 128];
+    char script[PATH_MAX];
     write_run();
     write_text(
         "e.cfg",
@@ -854,8 +849,7 @@ static void test_package(void)
     CU_ASSERT(run("sweep run part -j 1 --shard 2/2") == 0);
     CU_ASSERT(readers("package"));
     CU_ASSERT_PTR_NOT_NULL_FATAL(realpath("python/pile.py", script));
-    snprintf(line, sizeof line, "export REPOSE; " PYTHON "%s example >out 2>err", script);
-    SHELL(line);
+    CU_ASSERT(shell_line("export REPOSE; " PYTHON "%s example >out 2>err", script) == 0);
     CU_ASSERT(strstr(out, "theta_R by method 3: ") && *err == '\0');
 }
 

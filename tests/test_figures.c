@@ -363,19 +363,18 @@ static void copy_figures(void)
 /* Draw a figure of gnuplot into a table, and as it is. */
 static bool draw(const char *figure)
 {
-    char command[4096], sweeps[1024] = "";
+    char sweeps[1024] = "";
     for (size_t i = 0, used = 0; i < n_fixtures; i++) {
         write_fixture(&fixtures[i]);
         used += (size_t)snprintf(sweeps + used, sizeof sweeps - used, "%s%.*s", i ? " " : "",
                                  (int)strcspn(fixtures[i].name, "/"), fixtures[i].name);
     }
-    snprintf(command, sizeof command,
-             "w=$PWD/; set -- -e \"folders='$w'; sweeps='%s'; terminal='svg'\"; (cd \"$OLDPWD\"; exec "
-             "gnuplot \"$@\" -e \"file='${w}plain'\" figures/style.gp figures/%s.gp >${w}out 2>${w}err) & "
-             "gnuplot \"$@\" -e \"file='none'\" figures/style.gp -e \"set table '${w}drawn'\" figures/%s.gp "
-             "-e \"save set '${w}set'\" 2>table_err; status=$?; wait $! && cat table_err >>err; exit $status",
-             sweeps, figure, figure);
-    const int status = shell(command);
+    const int status = shell_line(
+        "w=$PWD/; set -- -e \"folders='$w'; sweeps='%s'; terminal='svg'\"; (cd \"$OLDPWD\"; exec "
+        "gnuplot \"$@\" -e \"file='${w}plain'\" figures/style.gp figures/%s.gp >${w}out 2>${w}err) & "
+        "gnuplot \"$@\" -e \"file='none'\" figures/style.gp -e \"set table '${w}drawn'\" figures/%s.gp "
+        "-e \"save set '${w}set'\" 2>table_err; status=$?; wait $! && cat table_err >>err; exit $status",
+        sweeps, figure, figure);
     if (status != 0 || *err) fprintf(stderr, "%s: gnuplot: %s\n", figure, err);
     return status == 0 && !*err;
 }

@@ -141,8 +141,8 @@ static void check_help(const cli_command *c)
     option options[64];
     char start[80], text[1024];
     for (int width = 60; width <= 110; width += 40) {
-        snprintf(text, sizeof text, "COLUMNS=%d \"$%s\" %s --help >out 2>err", width, variable, c->name);
-        CU_ASSERT_EQUAL_FATAL(shell(text), 0);
+        CU_ASSERT_EQUAL_FATAL(shell_line("COLUMNS=%d \"$%s\" %s --help >out 2>err", width, variable, c->name),
+                              0);
         rest = out;
         snprintf(start, sizeof start, "usage: %s %s ", typed, c->name);
         if (c->group) {
@@ -190,12 +190,12 @@ static void test_help(void)
     static const char *const same[][2] = {
         {"", "80"}, {"0", "80"}, {"-3", "80"}, {"59", "60"}, {"111", "110"}};
     for (size_t k = 0; k < sizeof same / sizeof *same; k++) {
-        char line[128];
-        snprintf(line, sizeof line,
-                 "for c in '%s' %s; do COLUMNS=$c \"$REPOSE\" calibrate --help >help_$c 2>err; done; cmp "
-                 "help_%s help_%s >out",
-                 same[k][0], same[k][1], same[k][0], same[k][1]);
-        CU_ASSERT_EQUAL(shell(line), 0);
+        CU_ASSERT_EQUAL(
+            shell_line(
+                "for c in '%s' %s; do COLUMNS=$c \"$REPOSE\" calibrate --help >help_$c 2>err; done; cmp "
+                "help_%s help_%s >out",
+                same[k][0], same[k][1], same[k][0], same[k][1]),
+            0);
     }
     /* that of a terminal, but for COLUMNS */
     if (shell("script -qec true typed </dev/null >out 2>err") != 0)

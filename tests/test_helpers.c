@@ -145,7 +145,7 @@ static void test_cases(void)
 /* A run with --full -o writes both tables: a row a problem with its source and bound, and a row a case. */
 static void test_case_tables(void)
 {
-    char program[256] = "", line[400];
+    char program[256] = "";
     if (check_full()) {
         case_problem two[] = {{.problem = "impact", .source = "equation (1)", .bound = "order 2"},
                               {.problem = "roll", .source = "equation (7)", .bound = "order 4"}};
@@ -156,8 +156,7 @@ static void test_case_tables(void)
         return;
     }
     CU_ASSERT_FATAL(readlink("/proc/self/exe", program, sizeof program - 1) > 0);
-    snprintf(line, sizeof line, "\"%s\" --full -o . --test 'tables of cases' helpers >out 2>err", program);
-    CU_ASSERT_EQUAL(shell(line), 0);
+    CU_ASSERT_EQUAL(shell_line("\"%s\" --full -o . --test 'tables of cases' helpers >out 2>err", program), 0);
     scoped_table t = read_table("made/made.tsv"), cases = read_table("made/cases.tsv");
     CU_ASSERT_STRING_EQUAL(rp_table_find_note(&t, "source_impact"), "equation (1)");
     CU_ASSERT_STRING_EQUAL(rp_table_find_note(&t, "bound_impact"), "order 2");

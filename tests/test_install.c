@@ -18,9 +18,7 @@
 /* Run a line of shell in the folder of the test: $PREFIX is the tree, $SOURCE the source. */
 static int line_of(const char *text)
 {
-    static char line[4096];
-    snprintf(line, sizeof line, "exec >out 2>err; export PKG_CONFIG_PATH=$PREFIX/lib/pkgconfig; %s", text);
-    return shell(line);
+    return shell_line("exec >out 2>err; export PKG_CONFIG_PATH=$PREFIX/lib/pkgconfig; %s", text);
 }
 
 static bool passes(const char *text)

@@ -428,9 +428,7 @@ static void write_scene(void)
 /* Run undisturbed; its tables are then in the folder `whole`. */
 static void run_whole(const char *interval)
 {
-    char line[256];
-    snprintf(line, sizeof line, START "%s && mv d whole", interval);
-    SHELL(line);
+    CU_ASSERT(shell_line(START "%s && mv d whole", interval) == 0);
 }
 
 /* All tables equal those of the undisturbed run, and nothing else is left. */
@@ -454,16 +452,14 @@ static void killed_runs(void)
     run_whole("100");
     for (int k = 0; k < 4; k++) {
         /* each attempt may take longer, so that some attempt ends */
-        char line[512];
         int status = shell("rm -rf d"), attempts = 0;
         for (int ms = check_fast() ? 300 : 15 + 7 * k; status != 0 || attempts == 0; ms = ms * 6 / 5) {
-            snprintf(line, sizeof line,
-                     "go='run --resume d'; " /* removed here: a killed shell leaves its children behind */
-                     "test -e d/unfinished/snapshot || grep -q '^+' d/.repose || { rm -rf d; "
-                     "go='run s.cfg --every 70 -o d --dump xyz --snapshot 100'; }; "
-                     "timeout -s %s %d.%03d \"$REPOSE\" $go 2>err",
-                     k % 2 ? "KILL" : "TERM", ms / 1000, ms % 1000);
-            status = shell(line);
+            status = shell_line(
+                "go='run --resume d'; " /* removed here: a killed shell leaves its children behind */
+                "test -e d/unfinished/snapshot || grep -q '^+' d/.repose || { rm -rf d; "
+                "go='run s.cfg --every 70 -o d --dump xyz --snapshot 100'; }; "
+                "timeout -s %s %d.%03d \"$REPOSE\" $go 2>err",
+                k % 2 ? "KILL" : "TERM", ms / 1000, ms % 1000);
             if (++attempts == 40) break;
         }
         CU_ASSERT(status == 0);
@@ -508,18 +504,15 @@ static void refused_resumes(void)
          "d/unfinished/states.tsv: not the table that the snapshot was written with"},
     };
     for (size_t k = 0; k < sizeof list / sizeof *list; k++) {
-        char line[512];
-        snprintf(line, sizeof line, "rm -rf d && cp -r good d && %s && \"$REPOSE\" run --resume d 2>err",
-                 list[k].change);
-        CU_ASSERT(shell(line) == 65);
+        CU_ASSERT(shell_line("rm -rf d && cp -r good d && %s && \"$REPOSE\" run --resume d 2>err",
+                             list[k].change) == 65);
         CU_ASSERT(says(list[k].text));
     }
     static const char *const starts[] = {"-o e",         "--every 5",  "--row 1",
                                          "--snapshot 5", "--dump xyz", "--force"};
     for (size_t k = 0; k < sizeof starts / sizeof *starts; k++) {
-        char line[128];
-        snprintf(line, sizeof line, "\"$REPOSE\" run --resume d %s 2>err", starts[k]);
-        CU_ASSERT(shell(line) == 64 && says("--resume continues with the options"));
+        CU_ASSERT(shell_line("\"$REPOSE\" run --resume d %s 2>err", starts[k]) == 64 &&
+                  says("--resume continues with the options"));
     }
     CU_ASSERT(shell("\"$REPOSE\" run --resume d --ledger 2>err") == 64 && says("--set and --ledger need"));
     CU_ASSERT(shell("\"$REPOSE\" run --resume d --set dt=1 2>err") == 64 && says("--set and --ledger need"));
@@ -536,9 +529,8 @@ static void refused_resumes(void)
     SHELL("\"$REPOSE\" run s.cfg --resume again >done");
     static const char *const others[] = {"--set steps=300", "--set tangential.mu=0.4"};
     for (size_t k = 0; k < sizeof others / sizeof *others; k++) {
-        char line[128];
-        snprintf(line, sizeof line, "\"$REPOSE\" run s.cfg %s --resume again 2>err", others[k]);
-        CU_ASSERT(shell(line) == 65 && says("s.cfg: not the scene that the tables in again are of"));
+        CU_ASSERT(shell_line("\"$REPOSE\" run s.cfg %s --resume again 2>err", others[k]) == 65 &&
+                  says("s.cfg: not the scene that the tables in again are of"));
     }
     CU_ASSERT(shell("mkdir empty && \"$REPOSE\" run --resume empty 2>err") == 65 &&
               says("no unfinished run"));
@@ -770,14 +762,13 @@ static void sweep_rows(void)
  * Its last status; *kept: how often `left` was there after a stop. */
 static int stop_until_done(const char *arguments, double seconds, const char *left, int *kept)
 {
-    char line[512], seen[256];
+    char seen[256];
     snprintf(seen, sizeof seen, "ls %s >kept 2>&1", left);
     int status = 75;
     for (double wait = seconds / 10.0; status != 0 && wait < 60.0; wait *= 1.25) {
-        snprintf(line, sizeof line,
-                 "\"$REPOSE\" %s 2>err & sleep %.3f; kill -TERM $! 2>/dev/null; wait $! 2>/dev/null",
-                 arguments, wait);
-        status = shell(line); /* 75, or 143 if the signal came before the first run */
+        status =
+            shell_line("\"$REPOSE\" %s 2>err & sleep %.3f; kill -TERM $! 2>/dev/null; wait $! 2>/dev/null",
+                       arguments, wait); /* 75, or 143 if the signal came before the first run */
         *kept += shell(seen) == 0;
     }
     return status;

@@ -163,14 +163,6 @@ void cli_options_of(cli_call *call, const cli_command *command)
 
 /* ---- the command line ---- */
 
-static rp_status set_option(cli_call *call, size_t i, const char *text)
-{
-    const rp_param *p = &call->options[i];
-    call->given[i] = true;
-    return rp_prefix(rp_params_set_text(p, call->values, p->type == RP_BOOL ? "true" : text), "%s",
-                     cli_dashes(p));
-}
-
 /* Do so many arguments go with a line of the synopsis? */
 static bool count_fits(const char *line, int n)
 {
@@ -283,10 +275,10 @@ rp_status cli_parse(cli_call *call, const cli_command *command, int argc, char *
         if (c == ':')
             return rp_fail(RP_USAGE, "option %s needs a value; see %s %s --help", argv[optind - 1],
                            call->program->name, command->name);
-        status = set_option(call,
-                            c < 256 ? (size_t)(rp_params_find(call->options, letter + 1) - call->options)
-                                    : (size_t)c - 256,
-                            optarg);
+        const rp_param *p = c < 256 ? rp_params_find(call->options, letter + 1) : &call->options[c - 256];
+        call->given[p - call->options] = true;
+        status = rp_params_set_text(p, call->values, p->type == RP_BOOL ? "true" : optarg);
+        rp_prefix(status, "%s", cli_dashes(p));
     }
     call->n_arguments = argc - optind;
     call->arguments = argv + optind;

@@ -122,15 +122,6 @@ static rp_status settle(const bench_options *o, dem_sim *sim, double dt)
     return dem_run(sim, steps);
 }
 
-/* Initial state of the timed runs. */
-static rp_status prepare(const cli_call *call, const bench_options *o, dem_sim *sim, double dt)
-{
-    rp_status status = *o->start ? dem_run(sim, WARM_STEPS) : settle(o, sim, dt);
-    if (!status && *o->o) status = write_grains(call, o->o, sim);
-    if (o->state == FLOWING) dem_wall_open(sim, DEM_BOX_RIGHT, INFINITY);
-    return status;
-}
-
 static rp_status advance(dem_sim *sim, long steps, dem_phases *times)
 {
     return times ? dem_run_timed(sim, steps, times) : dem_run(sim, steps);
@@ -222,7 +213,9 @@ static rp_status measure(cli_call *call, const void *values)
         const double most = o->state == FLOWING ? 10000.0 : INFINITY;
         o->steps = (long)fmin(fmax(100.0, 2e7 / (double)o->n), most);
     }
-    if (!sample) RP_TRY(prepare(call, o, sim, dt));
+    if (!sample) RP_TRY(*o->start ? dem_run(sim, WARM_STEPS) : settle(o, sim, dt));
+    if (!sample && *o->o) RP_TRY(write_grains(call, o->o, sim));
+    if (o->state == FLOWING) dem_wall_open(sim, DEM_BOX_RIGHT, INFINITY);
     const double memory[2] = {heap() - heap_before, 1e6 * (rp_peak_memory() - peak_before)};
     const dem_sim *from = sample ? NULL : sim;
     for (int k = 0; k < o->repeat; k++) {

@@ -560,16 +560,6 @@ static rp_status find(problem *s)
     return conclude(s, &a);
 }
 
-static rp_status calibrate_file(const cli_call *call, const char *path, const calibrate_options *o)
-{
-    const char *slash = strrchr(path, '/');
-    const int folder = slash ? (int)(slash - path) + 1 : 0;
-    problem s = {.call = call, .o = o, .path = path, .folder = rp_text(call->arena, "%.*s", folder, path)};
-    rp_status status = find(&s);
-    config_destroy(&s.config);
-    return status;
-}
-
 /* ---- an angle alone ---- */
 
 /* The file of a friction whose piles have these angles, in the folder of its runs: to look at, and to change
@@ -618,7 +608,12 @@ static rp_status calibrate(cli_call *call, const void *values)
                  !isinf(o->theta_t_error_deg)))
         return rp_fail(RP_USAGE, "%s says what is measured: no --theta-r-deg and no --theta-t-deg", file);
     if (!file) RP_TRY(write_file(call, o, &file));
-    return calibrate_file(call, cli_data(call->arena, file), o);
+    problem s = {.call = call, .o = o, .path = cli_data(call->arena, file)};
+    const char *slash = strrchr(s.path, '/');
+    s.folder = rp_text(call->arena, "%.*s", slash ? (int)(slash - s.path) + 1 : 0, s.path);
+    rp_status status = find(&s);
+    config_destroy(&s.config);
+    return status;
 }
 
 const cli_command cmd_calibrate = {

@@ -17,7 +17,7 @@
     CLI_WHERE(X)
 
 CLI_OPTIONS(export, EXPORT_OPTIONS)
-typedef enum { TO_CSV, TO_JSON, TO_LAMMPS, TO_XYZ, TO_VTK, TO_LAMMPS_INPUT } target;
+enum { TO_CSV, TO_JSON, TO_LAMMPS, TO_XYZ, TO_VTK, TO_LAMMPS_INPUT };
 
 /* ---- what there is to export ---- */
 
@@ -71,14 +71,8 @@ static rp_status act_export(cli_call *call, const void *values)
     const export_options *o = values;
     const char *source = cli_data(call->arena, cli_argument(call, 0));
     if (o->set.n > 0 && o->to != TO_LAMMPS_INPUT) return rp_fail(RP_USAGE, "--set needs --to lammps-input");
-    switch ((target)o->to) {
-    case TO_CSV:
-    case TO_JSON: return export_table(call, source, o);
-    case TO_LAMMPS:
-    case TO_XYZ:
-    case TO_VTK: return export_grains(call, source, o);
-    case TO_LAMMPS_INPUT: break;
-    }
+    if (o->to <= TO_JSON) return export_table(call, source, o);
+    if (o->to < TO_LAMMPS_INPUT) return export_grains(call, source, o);
     if (cli_given(call, "columns") || cli_given(call, "where") || o->reduce)
         return rp_fail(RP_USAGE, "--to lammps-input takes no --columns, --where or --reduce");
     return export_lammps_input(call->arena, source, &o->set, o->o);

@@ -33,43 +33,30 @@ static rp_status check_usage(const lattice_options *o)
     return RP_OK;
 }
 
-/* The pile: base disks, slope, angle of the diagonals, how many disks stand over each, forces of each on the
- * ground, number of disks. */
-typedef struct {
-    long k;
-    double alpha, theta;
-    long *up;
-    an_force *force;
-    double disks;
-} lattice_pile;
-
-static rp_status solve(const lattice_options *o, lattice_pile *p)
-{
-    RP_TRY(an_lattice_cut(p->k, p->theta, p->alpha, p->up));
-    for (long s = 0; s < p->k; s++) p->disks += (double)p->up[s];
-    if (o->method == RECURSION) return an_lattice_recursion(p->k, p->up, p->theta, p->force);
-    if (o->base > 0) return an_lattice_counts(p->k, p->up, p->theta, p->force);
-    for (long i = 1; i <= p->k; i++) RP_TRY(an_lattice_triangle(p->k, p->theta, i, &p->force[i - 1]));
-    return RP_OK;
-}
-
 static rp_status write_pile(cli_call *call, const void *values)
 {
     const lattice_options *o = values;
     RP_TRY(check_usage(o));
-    lattice_pile p = {.k = o->base > 0 ? o->base : o->layers, .theta = o->theta_deg * M_PI / 180};
-    p.alpha = o->base > 0 ? o->alpha_deg * M_PI / 180 : M_PI / 2 - p.theta;
-    p.up = rp_arena_memory(call->arena, (size_t)p.k, sizeof *p.up);
-    p.force = rp_arena_memory(call->arena, (size_t)p.k, sizeof *p.force);
-    RP_TRY(solve(o, &p));
-    const double base = an_lattice_base(p.disks, p.theta, p.alpha);
+    const long k = o->base > 0 ? o->base : o->layers; /* disks in the base */
+    const double theta = o->theta_deg * M_PI / 180,
+                 alpha = o->base > 0 ? o->alpha_deg * M_PI / 180 : M_PI / 2 - theta;
+    long *up = rp_arena_memory(call->arena, (size_t)k, sizeof *up); /* how many disks stand over each */
+    an_force *force = rp_arena_memory(call->arena, (size_t)k, sizeof *force);
+    double disks = 0;
+    RP_TRY(an_lattice_cut(k, theta, alpha, up));
+    for (long s = 0; s < k; s++) disks += (double)up[s];
+    if (o->method == RECURSION) RP_TRY(an_lattice_recursion(k, up, theta, force));
+    if (o->method == CLOSED && o->base > 0) RP_TRY(an_lattice_counts(k, up, theta, force));
+    if (o->method == CLOSED && o->base <= 0)
+        for (long i = 1; i <= k; i++) RP_TRY(an_lattice_triangle(k, theta, i, &force[i - 1]));
+    const double base = an_lattice_base(disks, theta, alpha);
     cli_table(call, stdout);
-    rp_table_note(stdout, "disks", "%.0f", p.disks);
+    rp_table_note(stdout, "disks", "%.0f", disks);
     rp_table_note_number(stdout, "B", base, "sigma, the base of the triangle of equal weight");
     rp_table_header(stdout, "i, N/mg, H/mg, x/B, N/(chi*g*B), H/(chi*g*B)");
-    for (long i = 1; i <= p.k; i++) {
-        const an_force f = p.force[i - 1];
-        const double x = 0.5 + ((double)i - (double)(p.k + 1) / 2) * 2 * sin(p.theta) / base;
+    for (long i = 1; i <= k; i++) {
+        const an_force f = force[i - 1];
+        const double x = 0.5 + ((double)i - (double)(k + 1) / 2) * 2 * sin(theta) / base;
         CLI_ROW((double)i, f.N, f.H, x, f.N / base, f.H / base);
     }
     return RP_OK;

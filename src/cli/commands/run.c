@@ -458,25 +458,6 @@ static rp_status finish_scene(scene_run *r, rp_status status)
     return status;
 }
 
-static rp_status run_scene(scene_run *r)
-{
-    r->unfinished.holds = holds(&r->of);
-    cli_on_stop(note_stop);
-    rp_status status = open_tables(r);
-    if (!status && !is_done(r)) status = write_frame(r, false, false);
-    if (!status && r->plan.snapshot > 0) status = cli_unfinished_write(&r->unfinished, keep_run, r);
-    return finish_scene(r, status);
-}
-
-static void report_row(const sweep_output columns[], const sweep_result *result, const char *directory)
-{
-    fprintf(stderr, "repose run: %s", result->status);
-    for (size_t k = 0; columns[k].name; k++)
-        if (strcmp(columns[k].name, "theta_r3_deg") == 0 && !isnan(result->values[k]))
-            fprintf(stderr, ", theta_R = %.1f degrees (method 3)", result->values[k]);
-    cli_close_line(directory);
-}
-
 static rp_status run_row(const cli_call *call, const char *path, const run_options *o)
 {
     if (!*o->o)
@@ -508,9 +489,15 @@ static rp_status run_row(const cli_call *call, const char *path, const run_optio
     cli_provenance(call, stdout);
     rp_table_note(stdout, "run_time", "%.3g s", rp_clock() - started);
     cli_result_row(NULL, NULL, made, &result);
-    if (!o->quiet && rp_is_result(result.status)) report_row(made, &result, o->o);
-    if (rp_is_result(result.status)) return RP_OK;
-    return rp_fail(RP_NO_RESULT, "%s%s%s", result.status, *result.message ? ": " : "", result.message);
+    if (!rp_is_result(result.status))
+        return rp_fail(RP_NO_RESULT, "%s%s%s", result.status, *result.message ? ": " : "", result.message);
+    if (o->quiet) return RP_OK;
+    fprintf(stderr, "repose run: %s", result.status);
+    for (size_t k = 0; made[k].name; k++)
+        if (strcmp(made[k].name, "theta_r3_deg") == 0 && !isnan(result.values[k]))
+            fprintf(stderr, ", theta_R = %.1f degrees (method 3)", result.values[k]);
+    cli_close_line(o->o);
+    return RP_OK;
 }
 
 /* A sweep has a protocol, or models alone. */
@@ -581,14 +568,6 @@ static rp_status read_text(const char *path, scene_run *r)
     warn_gravity(path, hypot(scene->def.gravity[0], scene->def.gravity[1]));
     if (r->o->ledger) scene->def.ledger = true;
     return RP_OK;
-}
-
-static bool has_new_springs(const scene_run *r)
-{
-    dem_counts now;
-    dem_count_work(r->sim, &now);
-    return r->scene.from_table && now.contacts > 0 && !r->scene.def.n_contacts &&
-           dem_has_spring(r->scene.def.tangential);
 }
 
 static void name_run(const char *path, scene_run *r)
@@ -673,15 +652,23 @@ static rp_status run_file(const cli_call *call, const char *path, const run_opti
     r.scene.fill.cut = &cut;
     const rp_status status = start(&r);
     if (status == RP_BAD_INPUT && !r.phases) rp_prefix(status, "%s: ", path);
+    dem_counts now = {0};
+    if (!status) dem_count_work(r.sim, &now);
     if (cut)
         r.of.start = "walls cut the region; grains lie in its largest part alone";
-    else if (!status && has_new_springs(&r))
+    else if (r.scene.from_table && now.contacts > 0 && !r.scene.def.n_contacts &&
+             dem_has_spring(r.scene.def.tangential))
         r.of.start = "grains touch, and their shear springs begin at 0; a bed at rest needs contacts_file";
     if (!status && *o->from) RP_TRY(begin_from(path, &r));
     if (r.of.start) fprintf(stderr, "repose run: %s: %s\n", path, r.of.start);
     RP_TRY(status);
     if (!r.phases) r.energy = growth_of(&r.scene, r.sim);
-    return run_scene(&r);
+    r.unfinished.holds = holds(&r.of);
+    cli_on_stop(note_stop);
+    rp_status begun = open_tables(&r);
+    if (!begun && !is_done(&r)) begun = write_frame(&r, false, false);
+    if (!begun && o->snapshot > 0) begun = cli_unfinished_write(&r.unfinished, keep_run, &r);
+    return finish_scene(&r, begun);
 }
 
 /* A scene file that is given must be that of the snapshot, or where the run is done that of the finished
