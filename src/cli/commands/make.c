@@ -11,7 +11,7 @@
 
 #define MAKE_OPTIONS(X)                                                                                      \
     X(TEXT, o, "", NULL, "", "folder of the sweep; created if missing")                                      \
-    X(TEXT, tables, "", "auto", "", "folder of the tables; auto: build/tables/NAME")                         \
+    X(TEXT, tables, "", "auto", "", "folder of the tables; auto: DIR/tables")                                \
     CLI_WORKERS(X)                                                                                           \
     CLI_LIMITS(X)                                                                                            \
     X(INT, replicas, "", "auto", "[1, 1000000] | auto", "runs per grid point; auto: the number in the file") \
@@ -379,8 +379,7 @@ static rp_status act_make(cli_call *call, const void *values)
     if (!status) status = read_list(&m, "trace", read_trace);
     if (!status) status = read_list(&m, "derive", read_derive);
     if (!status) status = read_list(&m, "model", read_model);
-    m.tables =
-        strcmp(m.o->tables, "auto") ? m.o->tables : rp_text(call->arena, "build/tables/%s", m.recipe.name);
+    m.tables = strcmp(m.o->tables, "auto") ? m.o->tables : rp_text(call->arena, "%s/tables", m.o->o);
     if (!status) status = rp_make_directory(m.tables);
     if (!status && m.recipe.has_runs) status = make_runs(&m);
     for (const step *s = m.first; s && !status; s = s->next) status = make_step(&m, s);
