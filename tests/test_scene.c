@@ -282,8 +282,8 @@ static void particles_from_table(void)
     first.def.rotation = true;
     CHECK_OK(dem_scene_start(&first, &sim));
     FILE *out = fopen(table, "w");
-    dem_write_state_columns(out);
-    CHECK_OK(dem_write_states(sim, out));
+    dem_write_columns(DEM_TABLE_STATES, false, out);
+    CHECK_OK(dem_write_rows(DEM_TABLE_STATES, sim, out));
     fclose(out);
     CHECK_OK(grains_read(text, NULL, &again));
     CU_ASSERT(again.def.n_grains == 3 && again.grains[1].fixed && !again.grains[0].fixed && !*again.unused);
@@ -451,12 +451,12 @@ static void bed_taken_back(void)
     CHECK_OK(grains_read(text, NULL, &s));
     CHECK_OK(dem_scene_start(&s, &sim));
     FILE *out[2] = {fdopen(mkstemp(states), "w"), fdopen(mkstemp(contacts), "w")};
-    dem_write_state_columns(out[0]);
-    dem_write_contact_columns(out[1]);
+    dem_write_columns(DEM_TABLE_STATES, false, out[0]);
+    dem_write_columns(DEM_TABLE_CONTACTS, false, out[1]);
     for (int part = 0; part < 2; part++) {
         CHECK_OK(dem_run(sim, part ? 10 : 60000));
-        CHECK_OK(dem_write_states(sim, out[0]));
-        CHECK_OK(dem_write_contacts(sim, out[1]));
+        CHECK_OK(dem_write_rows(DEM_TABLE_STATES, sim, out[0]));
+        CHECK_OK(dem_write_rows(DEM_TABLE_CONTACTS, sim, out[1]));
     }
     fclose(out[0]), fclose(out[1]);
     const size_t n = dem_count(sim);
@@ -592,7 +592,7 @@ static void energy_of_few(void)
         size_t size;
         double v[8] = {0.0};
         FILE *out = open_memstream(&text, &size);
-        dem_write_energy(sim, out);
+        CHECK_OK(dem_write_rows(DEM_TABLE_ENERGY, sim, out));
         fclose(out);
         char *at = text;
         for (int c = 0; c < 8; c++) v[c] = strtod(at, &at);

@@ -98,7 +98,7 @@ static rp_status find(void *host, const char *name, int n_args, rp_x_symbol *sym
     exp_scope scope = {EXP_ALL, 0};
     const exp_observable *o = NULL;
     if (place->of_grain && n_args < 0 && find_of_grain(name, symbol)) return *known = true, RP_OK;
-    if (!dot && n_args < 0) RP_TRY(rp_lets_find(&plan->text->lets, name, symbol, known));
+    if (!dot) RP_TRY(rp_lets_find(&plan->text->lets, name, n_args, symbol, known));
     if (*known) return RP_OK;
     if (dot && find_scope(plan, name, (size_t)(dot - name), &scope))
         o = find_observable(dot + 1, scope.kind == EXP_WALL   ? OF_WALL

@@ -182,11 +182,11 @@ static rp_status read(exp_plan *plan)
     rp_x_symbol d = {0}, m = {0}, g = {0};
     bool known = false;
     RP_TRY(dem_text_scene(text, &plan->scene));
-    RP_TRY(rp_lets_find(&text->lets, "g", &g, &known));
+    RP_TRY(rp_lets_find(&text->lets, "g", -1, &g, &known));
     known = false;
-    RP_TRY(rp_prefix(rp_lets_find(&text->lets, "d", &d, &known), "%s: ", text->path));
+    RP_TRY(rp_prefix(rp_lets_find(&text->lets, "d", -1, &d, &known), "%s: ", text->path));
     known = false;
-    RP_TRY(rp_lets_find(&text->lets, "m", &m, &known));
+    RP_TRY(rp_lets_find(&text->lets, "m", -1, &m, &known));
     plan->d = text->lets.constants[RP_LET_D], plan->m = text->lets.constants[RP_LET_M],
     plan->g = text->lets.constants[RP_LET_G];
     RP_TRY(read_result(plan));

@@ -34,7 +34,7 @@ rp_status rp_config_group(const config_setting_t *group, const rp_param *schema,
 rp_status rp_config_unknown(const config_setting_t *setting, const rp_param *schema,
                             const char *const *others, const char *more);
 
-/* Store one setting in its parameter; RP_FLAGS takes a list of words. Errors: RP_BAD_INPUT. */
+/* Store one setting in its parameter. Errors: RP_BAD_INPUT. */
 rp_status rp_config_value(const config_setting_t *setting, const rp_param *param, void *values);
 
 /* Write "name = value; " for each parameter of a schema, as rp_config_group reads it back to the same bits.
@@ -59,10 +59,7 @@ rp_status rp_config_scalar(const config_setting_t *setting, rp_value *value);
 /* Two finite numbers, as in [0.0, 1.0]. Errors: RP_BAD_INPUT. */
 rp_status rp_config_pair(const config_setting_t *setting, double pair[2]);
 
-/* The same, where "inf" and "-inf" stand for an end that is open. */
-rp_status rp_config_ends(const config_setting_t *setting, double pair[2]);
-
-/* n = 2 or 3 finite numbers, as in [0.0, 1.0, 2.0]. Errors: RP_BAD_INPUT. */
-rp_status rp_config_numbers(const config_setting_t *setting, int n, double *numbers);
+/* The same of n = 2 or 3 numbers; unless `finite`, "inf" and "-inf" stand for an end that is open. */
+rp_status rp_config_numbers(const config_setting_t *setting, int n, bool finite, double *numbers);
 
 #endif

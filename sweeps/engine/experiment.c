@@ -113,7 +113,7 @@ static rp_status begin_trace(trace *t)
     t->passes = calloc(exp_phase_count(t->plan) + 1, sizeof *t->passes);
     if (!t->passes) return rp_fail(RP_NO_MEMORY, "run: out of memory");
     RP_TRY(sweep_table_open(t->tables, "energy.tsv", &t->energy));
-    dem_write_energy_columns(t->tables->ledger, t->energy.out);
+    dem_write_columns(DEM_TABLE_ENERGY, t->tables->ledger, t->energy.out);
     return RP_OK;
 }
 
@@ -139,7 +139,8 @@ static rp_status note_phase(trace *t, long step)
     exp_run *const run = t->run;
     if (!t->energy.out) return RP_OK;
     const long every = t->tables->every, now = dem_step(exp_sim(run));
-    if (every > 0 && now != step && now % every == 0) dem_write_energy(exp_sim(run), t->energy.out);
+    if (every > 0 && now != step && now % every == 0)
+        RP_TRY(dem_write_rows(DEM_TABLE_ENERGY, exp_sim(run), t->energy.out));
     for (size_t k = 0; k < exp_phase_count(t->plan); k++) {
         const exp_passed p = exp_phase_at(run, k);
         char stage[64];
@@ -156,7 +157,6 @@ static rp_status write_text(const void *params, const sweep_tables *tables, unsi
                             unsigned long stream)
 {
     sweep_file f;
-    if (experiment_of(params)->text.lets.foreign) return RP_OK; /* other units than the text's */
     RP_TRY(sweep_table_open(tables, "scene.cfg", &f));
     dem_text_write(&experiment_of(params)->text, seed, stream, f.out);
     return sweep_table_close(&f, RP_OK);
@@ -379,7 +379,7 @@ static rp_status open_text(const char *path, const rp_texts *changes, sweep_expe
     const bool inside = e->bytes; /* the program */
     if (!inside) RP_TRY(rp_file_read(path, &e->bytes));
     e->open = true;
-    RP_TRY(dem_text_open_bytes(path, inside ? e->bytes : NULL, changes, &e->text));
+    RP_TRY(dem_text_open(path, inside ? e->bytes : NULL, changes, &e->text));
     if (!exp_has_phases(&e->text))
         return rp_fail(RP_BAD_INPUT, "%s: has no phases; a sweep needs an experiment", path);
     RP_TRY(refuse_files(e));

@@ -219,7 +219,7 @@ static rp_status read_axis(sweep_plan *plan, size_t a, const config_setting_t *f
         return rp_config_fail(axis->list, "%s: is a column that every sweep has; give the let another name",
                               name);
     const rp_type type = axis->param->type;
-    if (type == RP_FLAGS || type == RP_TEXT || type == RP_TEXTS)
+    if (type == RP_TEXT || type == RP_TEXTS)
         return rp_config_fail(axis->list, "%s: cannot vary over a grid; set it under fixed", name);
     if (fixed && config_setting_get_member(fixed, name))
         return rp_config_fail(axis->list, "%s: appears under fixed and under grid; keep one", name);

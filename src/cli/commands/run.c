@@ -167,14 +167,13 @@ static rp_status outputs_open(outputs *o, const origin *of, const scene_run *r)
         RP_TRY(cli_unfinished_start(&o->unfinished));
         take_growing(o);
         for (int k = 0; k < CLI_GROWING; k++) put_origin(of, o->table[k]);
-        dem_write_energy_columns(r->plan.ledger, o->table[ENERGY]);
-        dem_write_contact_columns(o->table[CONTACTS]);
-        dem_write_wall_columns(o->table[WALLS]);
+        for (int k = STATES + 1; k < CLI_GROWING; k++)
+            dem_write_columns((dem_table)k, r->plan.ledger, o->table[k]);
     } else {
         cli_provenance(of->call, stdout);
     }
     dem_write_notes(r->sim, o->table[STATES]);
-    dem_write_state_columns(o->table[STATES]);
+    dem_write_columns(DEM_TABLE_STATES, false, o->table[STATES]);
     return RP_OK;
 }
 
@@ -189,15 +188,11 @@ static long steps_of(const scene_run *r)
 static rp_status outputs_write(const outputs *o, const scene_run *r, bool stage, bool last)
 {
     const long *every = r->plan.every, step = steps_of(r);
-    bool due[CLI_GROWING];
-    for (int k = 0; k < CLI_GROWING; k++)
-        due[k] = o->table[k] && (last           ? every[k] != 0
-                                 : every[k] > 0 ? step % every[k] == 0
-                                                : stage && every[k]);
-    if (due[STATES]) RP_TRY(dem_write_states(r->sim, o->table[STATES]));
-    if (due[ENERGY]) dem_write_energy(r->sim, o->table[ENERGY]);
-    if (due[CONTACTS]) RP_TRY(dem_write_contacts(r->sim, o->table[CONTACTS]));
-    return due[WALLS] ? dem_write_walls(r->sim, o->table[WALLS]) : RP_OK;
+    for (int k = 0; k < CLI_GROWING; k++) {
+        const bool due = last ? every[k] != 0 : every[k] > 0 ? step % every[k] == 0 : stage && every[k];
+        if (due && o->table[k]) RP_TRY(dem_write_rows((dem_table)k, r->sim, o->table[k]));
+    }
+    return RP_OK;
 }
 
 static growth growth_of(const dem_scene *scene, const dem_sim *sim)
@@ -561,7 +556,7 @@ static rp_status read_text(const char *path, const run_options *o, scene_text *t
 {
     dem_scene *scene = &t->scene;
     *t = (scene_text){0};
-    RP_TRY(dem_text_open(path, &o->set, &t->text));
+    RP_TRY(dem_text_open(path, NULL, &o->set, &t->text));
     if (exp_has_phases(&t->text)) {
         RP_TRY(exp_read(&t->text, &t->phases));
         RP_TRY(exp_check(t->phases));

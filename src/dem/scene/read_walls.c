@@ -46,7 +46,7 @@ static rp_status read_line(const config_setting_t *setting, dem_wall *wall)
     RP_TRY(rp_config_pair(point, wall->point));
     RP_TRY(rp_config_pair(direction, wall->direction));
     RP_TRY(normalise(direction, wall->direction));
-    return extent ? rp_config_ends(extent, wall->extent) : RP_OK;
+    return extent ? rp_config_numbers(extent, 2, false, wall->extent) : RP_OK;
 }
 
 /* The sides through the points, with the direction on the left of the way along them. */
@@ -72,7 +72,7 @@ static rp_status add_sides(const dem_wall_entry *entry, dem_scene *scene)
 static rp_status read_circle(rp_arena *arena, const config_setting_t *circle, dem_wall_entry *entry)
 {
     double c[3];
-    RP_TRY(rp_config_numbers(circle, 3, c));
+    RP_TRY(rp_config_numbers(circle, 3, true, c));
     if (!(c[2] > 0.0)) return rp_config_fail(circle, "circle: radius = %g: must be above 0", c[2]);
     memcpy(entry->line.pivot, c, sizeof entry->line.pivot);
     entry->n_points = (size_t)entry->sides, entry->closed = true;

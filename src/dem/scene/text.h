@@ -17,17 +17,16 @@ typedef struct {
     rp_arena memory;
 } dem_text;
 
-/* Read a file and the changes of it, of which those of a let are given to the lets; its units are those of
- * all numbers from here on. Afterwards dem_text_close, also after an error. Errors: RP_BAD_INPUT. */
-rp_status dem_text_open(const char *path, const rp_texts *changes, dem_text *text);
-rp_status dem_text_open_bytes(const char *name, const char *bytes, const rp_texts *changes, dem_text *text);
+/* Read a file, or bytes that are there, and the changes of it, of which those of a let are given to the lets;
+ * its units are those of all numbers from here on. Afterwards dem_text_close, also after an error. Errors:
+ * RP_BAD_INPUT. */
+rp_status dem_text_open(const char *name, const char *bytes, const rp_texts *changes, dem_text *text);
 void dem_text_close(dem_text *text);
 
 /* Change a key, as --set does. Errors: RP_BAD_INPUT. */
 rp_status dem_text_change(dem_text *text, const char *change);
 
-/* Write the text with the values that its lets were given, and these streams; without comments. Nothing is
- * written where the values are in other units than the text. */
+/* Write the text with the values that its lets were given, and these streams; without comments. */
 void dem_text_write(const dem_text *text, unsigned long seed, unsigned long stream, FILE *out);
 
 /* Physical parameters by the names that sweeps have for them (dem/law/parameters.h), and the keys of a scene
