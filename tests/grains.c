@@ -228,3 +228,19 @@ rp_status grains_read(const char *text, const rp_texts *changes, dem_scene *scen
     folder_remove(folder);
     return status;
 }
+
+void grains_refused(const char *text, const rp_texts *changes, const char *message)
+{
+    scoped_scene scene = {0};
+    CHECK_FAILS(grains_read(text, changes, &scene), RP_BAD_INPUT, message);
+}
+
+void grains_again(const dem_scene *written, dem_scene *scene)
+{
+    scoped char *text = NULL;
+    size_t size;
+    FILE *out = open_memstream(&text, &size);
+    dem_scene_write(written, out);
+    fclose(out);
+    CHECK_OK(grains_read(text, NULL, scene));
+}

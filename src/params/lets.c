@@ -29,7 +29,8 @@ static rp_status read_value(const config_setting_t *root, const rp_value *v, rp_
 }
 
 /* Of a group the further keys, and its value. */
-static rp_status read_group(const config_setting_t *group, rp_let *let, const config_setting_t **value)
+static rp_status read_group(const config_setting_t *group, bool foreign, rp_let *let,
+                            const config_setting_t **value)
 {
     static const rp_param schema[] = {{"unit", "", RP_TEXT, offsetof(rp_let, unit), "", "", ""},
                                       {"range", "", RP_TEXT, offsetof(rp_let, range), "", "", ""},
@@ -39,7 +40,7 @@ static rp_status read_group(const config_setting_t *group, rp_let *let, const co
     RP_TRY(rp_config_group(group, schema, let, others));
     *value = config_setting_get_member(group, "value");
     if (!*value) return rp_config_fail(group, "let.%s: value is missing", let->name);
-    return strcmp(rp_unit(let->unit), let->unit) == 0
+    return foreign || strcmp(rp_unit(let->unit), let->unit) == 0
                ? RP_OK
                : rp_config_fail(group, "let.%s: unit = %s: the text's units are %s; %s", let->name, let->unit,
                                 rp_units_word(), rp_unit(let->unit));
@@ -103,7 +104,7 @@ rp_status rp_lets_read(config_setting_t *root, rp_lets *lets)
     for (int i = 0; i < config_setting_length(group); i++) {
         const config_setting_t *setting = config_setting_get_elem(group, (unsigned)i), *value = setting;
         rp_let let = {.name = config_setting_name(setting), .unit = "", .range = "", .meaning = ""};
-        if (config_setting_is_group(setting)) RP_TRY(read_group(setting, &let, &value));
+        if (config_setting_is_group(setting)) RP_TRY(read_group(setting, lets->foreign, &let, &value));
         if (read_let(root, value, let, lets))
             return rp_config_fail(setting, "let.%s: %s", config_setting_name(setting), rp_message());
     }

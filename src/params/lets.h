@@ -28,6 +28,7 @@ enum { RP_LETS_MOST = 64 };
 typedef struct {
     rp_arena arena;
     size_t n, n_given;
+    bool foreign; /* values are given in other units than the text is written in */
     rp_let *lets;
     rp_let_given given[RP_LETS_MOST];   /* set before the reading */
     double constants[RP_LET_CONSTANTS]; /* NAN: not known yet */

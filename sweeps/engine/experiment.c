@@ -157,6 +157,7 @@ static rp_status write_text(const void *params, const sweep_tables *tables, unsi
                             unsigned long stream)
 {
     sweep_file f;
+    if (experiment_of(params)->text.lets.foreign) return RP_OK; /* other units than the text's */
     RP_TRY(sweep_table_open(tables, "scene.cfg", &f));
     dem_text_write(&experiment_of(params)->text, seed, stream, f.out);
     return sweep_table_close(&f, RP_OK);

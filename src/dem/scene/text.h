@@ -26,7 +26,8 @@ void dem_text_close(dem_text *text);
 /* Change a key, as --set does. Errors: RP_BAD_INPUT. */
 rp_status dem_text_change(dem_text *text, const char *change);
 
-/* Write the text with the values that its lets were given, and these streams; without comments. */
+/* Write the text with the values that its lets were given, and these streams; without comments. Nothing is
+ * written where the values are in other units than the text. */
 void dem_text_write(const dem_text *text, unsigned long seed, unsigned long stream, FILE *out);
 
 /* Physical parameters by the names that sweeps have for them (dem/law/parameters.h), and the keys of a scene
