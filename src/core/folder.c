@@ -272,11 +272,6 @@ static rp_status refuse_any(const rp_folder *f, const char *name)
     return not_ours(f, name, "not listed as the program's own");
 }
 
-static rp_status check_listed(const rp_folder *f, const char *name)
-{
-    return rp_folder_find(f, name, 0) ? rp_folder_check(f, name) : refuse_any(f, name);
-}
-
 rp_status rp_folder_check(const rp_folder *f, const char *name)
 {
     struct stat info;
@@ -287,7 +282,7 @@ rp_status rp_folder_check(const rp_folder *f, const char *name)
     if (!own) return refuse_any(f, name);
     if (S_ISDIR(info.st_mode) && strcmp(own->sum, NO_SUM) == 0) {
         RP_TRY(open_in(f, name, &in));
-        return each(&in, check_listed);
+        return each(&in, rp_folder_check);
     }
     RP_TRY(find_sum(f, name, sum));
     const bool same = S_ISREG(info.st_mode) && (strcmp(own->sum, NO_SUM) == 0 || strcmp(own->sum, sum) == 0);

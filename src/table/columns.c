@@ -231,27 +231,22 @@ rp_status rp_header_by(const rp_table *table, const char *by, const char *own)
 
 rp_status rp_group_rows(rp_arena *arena, const rp_table *t, const char *by, char separator, rp_groups *g)
 {
-    size_t n_by = 0, size;
+    size_t n_by = 0;
     int columns[MOST_BY];
-    char *label = NULL, between[] = {separator, '\0'};
     *g = (rp_groups){0};
     if (strcmp(by, "none") != 0) RP_TRY(rp_column_list(t, by, MOST_BY, &n_by, columns));
-    FILE *text = open_memstream(&label, &size);
-    if (!text) return rp_fail(RP_NO_MEMORY, "%s: out of memory", t->path);
-    g->of_row = rp_arena_memory(arena, t->n_rows, sizeof *g->of_row);
-    g->words = rp_arena_memory(arena, t->n_rows, sizeof *g->words);
+    RP_NEW(arena, g->of_row, t->n_rows);
+    RP_NEW(arena, g->words, t->n_rows);
     for (size_t i = 0; i < t->n_rows; i++) {
-        rewind(text);
-        for (size_t k = 0; k < n_by; k++) fprintf(text, "%s%s", k ? between : "", rp_cell(t, i, columns[k]));
-        fputc('\0', text);
-        fflush(text); /* the label is there */
+        RP_SCOPE(row);
+        const char *label = "";
         size_t group = 0;
+        for (size_t k = 0; k < n_by && label; k++)
+            label = rp_text(&row, "%s%.*s%s", label, k > 0, &separator, rp_cell(t, i, columns[k]));
+        if (!label) return RP_NO_MEMORY;
         while (group < g->n_groups && strcmp(g->words[group], label) != 0) group++;
         g->of_row[i] = group;
-        if (group == g->n_groups)
-            g->words[g->n_groups++] = strcpy(rp_arena_memory(arena, strlen(label), 1), label);
+        if (group == g->n_groups) g->words[g->n_groups++] = rp_text(arena, "%s", label);
     }
-    fclose(text);
-    free(label);
     return RP_OK;
 }
