@@ -233,24 +233,16 @@ static void whole_numbers(void)
         {"a = 3000000000e-9; // 1\nb = 3000000000.0; n = 5;", NULL},
         {"a = .3000000000; b = 0.3E+1;", NULL},
         {"text = \"\\\\\"; # 3000000000 \"\nn = 6; /* * 3000000000 **/", NULL},
-        {"@include \"/no/such.cfg\"\n", "/no/such.cfg: cannot read"},
-        {"  @include  \"repose-included.cfg\"\nn = 5;", "repose-included.cfg:2: 3000000000: "},
-        {"@include \"repose-endless.cfg\"\n", "more than 10 files within one another"},
+        {"@include \"/no/such.cfg\"\n", ":1: @include: a file must be whole in itself"},
+        {"n = 5;\n  @include  \"more.cfg\"\n", ":2: @include: a file must be whole in itself"},
+        {"text = \"\n@include\"; /*\n@include \"more.cfg\" */", NULL},
     };
     values v;
-    FILE *more = fopen("/tmp/repose-included.cfg", "w");
-    fputs("# below\nn = 3000000000;", more);
-    fclose(more);
-    more = fopen("/tmp/repose-endless.cfg", "w");
-    fputs("@include \"repose-endless.cfg\"\n", more);
-    fclose(more);
     for (size_t i = 0; i < sizeof list / sizeof *list; i++)
         if (list[i].refused)
             CHECK_FAILS(read_text(list[i].text, &v), RP_BAD_INPUT, list[i].refused);
         else
             CHECK_OK(read_text(list[i].text, &v));
-    unlink("/tmp/repose-included.cfg");
-    unlink("/tmp/repose-endless.cfg");
 }
 
 /* `before`, n times `part`, `after`. */

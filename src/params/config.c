@@ -2,7 +2,6 @@
 #include "params/config.h"
 
 #include <ctype.h>
-#include <limits.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdlib.h>
@@ -43,19 +42,13 @@ rp_status rp_config_read_text(const char *name, const char *text, config_t *conf
 
 rp_status rp_config_read(const char *path, config_t *config)
 {
-    char folder[PATH_MAX];
-    const char *slash = strrchr(path, '/');
     config_init(config);
-    snprintf(folder, sizeof folder, "%.*s", slash ? (int)(slash - path) + (slash == path) : 1,
-             slash ? path : ".");
-    RP_TRY(rp_config_scan_file(path, folder));
-    config_set_include_dir(config, folder);
+    RP_TRY(rp_config_scan_file(path));
     if (config_read_file(config, path) == CONFIG_TRUE) return RP_OK;
-    const char *file = config_error_file(config) ? config_error_file(config) : path,
-               *text = config_error_text(config) ? config_error_text(config) : "cannot read";
+    const char *text = config_error_text(config) ? config_error_text(config) : "cannot read";
     char hint[256];
-    explain(file, text, config_error_line(config), hint);
-    return rp_fail(RP_BAD_INPUT, "%s:%d: %s%s", file, config_error_line(config), text, hint);
+    explain(path, text, config_error_line(config), hint);
+    return rp_fail(RP_BAD_INPUT, "%s:%d: %s%s", path, config_error_line(config), text, hint);
 }
 
 rp_status rp_config_fail(const config_setting_t *setting, const char *format, ...)

@@ -17,9 +17,8 @@ rp_status rp_config_read_text(const char *name, const char *text, config_t *conf
 
 /* Refuse what libconfig would read wrong or without end: a whole number that does not fit an int, or a long
  * one (5L) a long long; a text or comment without its end; more than 64 MB, 65536 bytes in a text, comment or
- * gap, 1000 keys in a group, 31 levels, 10 included files. `folder`: of included files; `name` of a text: for
- * messages. Errors: RP_BAD_INPUT. */
-rp_status rp_config_scan_file(const char *path, const char *folder);
+ * gap, 1000 keys in a group, 31 levels; other files. `name` of a text: for messages. Errors: RP_BAD_INPUT. */
+rp_status rp_config_scan_file(const char *path);
 rp_status rp_config_scan_text(const char *name, const char *text);
 
 /* Read the settings of `group` into `values`, which must hold defaults. Keys that are neither in the

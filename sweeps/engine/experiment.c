@@ -353,15 +353,6 @@ static rp_status describe(sweep_experiment *e, const exp_plan *plan)
     return RP_OK;
 }
 
-rp_status sweep_refuse_includes(const char *path, const char *text, const char *what)
-{
-    int line = 1;
-    for (const char *at = text; at; at = strchr(at, '\n') ? strchr(at, '\n') + 1 : NULL, line++)
-        if (strncmp(at + strspn(at, " \t"), "@include", 8) == 0)
-            return rp_fail(RP_BAD_INPUT, "%s:%d: @include: %s must be whole in itself", path, line, what);
-    return RP_OK;
-}
-
 /* A sweep's folder keeps all that its runs depend on. */
 static rp_status refuse_files(const sweep_experiment *e)
 {
@@ -371,7 +362,7 @@ static rp_status refuse_files(const sweep_experiment *e)
         if (setting)
             return rp_config_fail(setting, "%s: a text that is swept must be whole in itself", keys[k]);
     }
-    return sweep_refuse_includes(e->text.path, e->bytes, "a text that is swept");
+    return RP_OK;
 }
 
 static rp_status open_text(const char *path, const rp_texts *changes, sweep_experiment *e)

@@ -415,7 +415,6 @@ rp_status sweep_plan_read(const char *file, const sweep_protocol *const *protoco
     head h;
     RP_TRY(rp_config_read(file, &plan->config));
     RP_TRY(rp_file_read(file, &plan->text));
-    RP_TRY(sweep_refuse_includes(file, plan->text, "a sweep file"));
     const config_setting_t *root = config_root_setting(&plan->config),
                            *fixed = config_setting_get_member(root, "fixed"),
                            *grid = config_setting_get_member(root, "grid");
