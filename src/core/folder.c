@@ -151,10 +151,7 @@ static bool is_signed(const rp_folder *f, const char *name)
 static bool is_drawn(const char last[64])
 {
     const char *at = memmem(last, 64, "repose view", 11);
-    return at && ((at > last && strchr("%\x0b"
-                                       "e",
-                                       at[-1])) ||
-                  (at >= last + 5 && !memcmp(at - 5, "<!-- ", 5)));
+    return at && ((at > last && strchr("%\013e", at[-1])) || (at >= last + 5 && !memcmp(at - 5, "<!-- ", 5)));
 }
 
 bool rp_folder_shows(const rp_folder *f, const char *name)
