@@ -111,7 +111,7 @@ rp_status rp_config_unknown(const config_setting_t *setting, const rp_param *sch
 rp_status rp_config_scalar(const config_setting_t *setting, rp_value *value)
 {
     switch (config_setting_type(setting)) {
-    case CONFIG_TYPE_INT: *value = (rp_value){.kind = RP_V_INT, .i = config_setting_get_int(setting)}; break;
+    case CONFIG_TYPE_INT:
     case CONFIG_TYPE_INT64:
         *value = (rp_value){.kind = RP_V_INT, .i = (long)config_setting_get_int64(setting)};
         break;
@@ -158,21 +158,18 @@ rp_status rp_config_value(const config_setting_t *setting, const rp_param *param
 {
     rp_value value;
     char path[PATH_BYTES];
-    bool list = config_setting_is_array(setting) || config_setting_is_list(setting);
     if (rp_config_scalar(setting, &value) != RP_OK)
         return rp_config_fail(setting, "%s%s: one value expected, not a %s",
                               path_within(config_setting_parent(setting), path), param->name,
-                              list ? "list" : "group");
+                              config_setting_is_group(setting) ? "group" : "list");
     rp_status status = rp_params_set(param, values, &value);
     if (status && value.kind == RP_V_TEXT) {
-        const rp_status computed = set_computed(setting, param, values, value.s);
-        if (computed && computed != RP_NO_RESULT)
+        status = set_computed(setting, param, values, value.s);
+        if (status && status != RP_NO_RESULT)
             return rp_config_fail(setting, "%s%s = \"%s\": %s", path_within(setting, path), param->name,
                                   value.s, rp_message());
-        if (!computed) status = RP_OK;
     }
-    if (status) return rp_config_fail(setting, "%s%s", path_within(setting, path), rp_message());
-    return RP_OK;
+    return status ? rp_config_fail(setting, "%s%s", path_within(setting, path), rp_message()) : RP_OK;
 }
 
 static bool listed(const char *const *names, const char *name)

@@ -11,9 +11,7 @@
 /* Is a text a name, which stands for itself unless it is an earlier one's? */
 static bool is_word(const char *text)
 {
-    if (!isalpha((unsigned char)*text)) return false;
-    while (isalnum((unsigned char)*text) || *text == '_') text++;
-    return !*text;
+    return isalpha((unsigned char)*text) && strspn(text, RP_NAME_LETTERS) == strlen(text);
 }
 
 static rp_status read_value(const config_setting_t *root, const rp_value *v, rp_x_symbol *is)
@@ -57,9 +55,8 @@ static bool is_word_of(const rp_let *let, const rp_value *is, double *value)
 static rp_status read_let(const config_setting_t *root, const config_setting_t *value, rp_let let,
                           rp_lets *lets)
 {
-    static const char *const taken[] = {"pi", "deg", "inf", "dt", "true", "false", "and", "or", "not"};
-    for (size_t k = 0; k < sizeof taken / sizeof *taken; k++)
-        if (strcmp(let.name, taken[k]) == 0) return rp_fail(RP_BAD_INPUT, "the name is taken");
+    if (rp_word_index("pi deg inf dt true false and or not", let.name) >= 0)
+        return rp_fail(RP_BAD_INPUT, "the name is taken");
     if (!is_word(let.name)) return rp_fail(RP_BAD_INPUT, "a name of letters, digits and _ expected");
     rp_value is;
     if (rp_config_scalar(value, &is))

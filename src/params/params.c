@@ -12,6 +12,8 @@
 #include "params/guess.h"
 #include "params/units.h"
 
+#define DECIMAL "+-.0123456789eE" /* characters of plain decimal numbers */
+
 /* The parts of a numeric range: bounds, whether they are open, and the further spellings. */
 typedef struct {
     double lo, hi;
@@ -82,16 +84,12 @@ void rp_params_default(const rp_param *param, void *values)
     static const size_t sizes[] = {
         [RP_REAL] = sizeof(double), [RP_INT] = sizeof(long),    [RP_BOOL] = sizeof(bool),
         [RP_CHOICE] = sizeof(int),  [RP_TEXT] = sizeof(char *), [RP_TEXTS] = sizeof(rp_texts)};
-    char *field = (char *)values + param->offset;
+    void *field = (char *)values + param->offset;
     memset(field, 0, sizes[param->type]);
     if (!param->fallback || param->type == RP_TEXTS) return;
     rp_params_set_text(param, values, param->fallback);
-    if (param->type == RP_REAL && strspn(param->fallback, "+-.0123456789eE") == strlen(param->fallback)) {
-        double number;
-        memcpy(&number, field, sizeof number);
-        number = rp_units_value(param->unit, number);
-        memcpy(field, &number, sizeof number);
-    }
+    if (param->type == RP_REAL && strspn(param->fallback, DECIMAL) == strlen(param->fallback))
+        *(double *)field = rp_units_value(param->unit, *(double *)field);
 }
 
 void rp_params_defaults(const rp_param *schema, void *values)
@@ -180,25 +178,15 @@ rp_status rp_params_set_text(const rp_param *param, void *values, const char *te
 {
     rp_value v = {.kind = RP_V_TEXT, .s = text};
     char *end;
-    if (param->type == RP_BOOL) {
-        if (strcmp(text, "true") == 0 || strcmp(text, "false") == 0) {
-            v.kind = RP_V_BOOL;
-            v.i = *text == 't';
-        }
-    } else if (param->type == RP_INT || param->type == RP_REAL) {
+    if (param->type == RP_BOOL && (strcmp(text, "true") == 0 || strcmp(text, "false") == 0))
+        v = (rp_value){.kind = RP_V_BOOL, .i = *text == 't'};
+    if (*text && (param->type == RP_INT || param->type == RP_REAL)) {
         errno = 0;
-        long i = strtol(text, &end, 10);
-        if (*text && !*end && errno == 0) {
-            v.kind = RP_V_INT;
-            v.i = i;
-        } else {
-            double r = strtod(text, &end);
-            /* strtod also reads "inf" and hexadecimal: only plain decimal numbers are meant */
-            if (*text && !*end && strspn(text, "+-.0123456789eE") == strlen(text)) {
-                v.kind = RP_V_REAL;
-                v.r = r;
-            }
-        }
+        const long i = strtol(text, &end, 10);
+        if (!*end && errno == 0) return rp_params_set(param, values, &(rp_value){.kind = RP_V_INT, .i = i});
+        const double r = strtod(text, &end);
+        /* strtod also reads "inf" and hexadecimal: only plain decimal numbers are meant */
+        if (!*end && strspn(text, DECIMAL) == strlen(text)) v = (rp_value){.kind = RP_V_REAL, .r = r};
     }
     return rp_params_set(param, values, &v);
 }
