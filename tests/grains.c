@@ -84,7 +84,7 @@ dem_definition grains_box(long N, double W, long run, dem_grain **grains)
     dem_definition def = dem_definition_default();
     static rp_arena kept;
     dem_grain *made = rp_arena_memory(&kept, (size_t)N, sizeof *made);
-    CHECK_OK(dem_fill_random(&fill, made));
+    CHECK_OK(dem_fill_grains(&fill, made, &(size_t){0}));
     def.grains = made, def.n_grains = (size_t)N;
     if (grains) *grains = made;
     dem_material wall = def.material;

@@ -793,9 +793,9 @@ static void filling(void)
 {
     dem_fill fill = {20, 1.2, 1.5, 0.1, 0.02, 0.07, 0.13, 1.0, DEM_SPHERE, 1993, 2};
     dem_grain at[2][20];
-    CHECK_OK(dem_fill_random(&fill, at[0]));
+    CHECK_OK(dem_fill_grains(&fill, at[0], &(size_t){0}));
     fill.x0 = -3.5, fill.y0 = 12.25;
-    CHECK_OK(dem_fill_random(&fill, at[1]));
+    CHECK_OK(dem_fill_grains(&fill, at[1], &(size_t){0}));
     for (int i = 0; i < 20; i++) {
         CHECK_NEAR(at[1][i].x, at[0][i].x - 3.5, 1e-14);
         CHECK_NEAR(at[1][i].y, at[0][i].y + 12.25, 1e-14);

@@ -71,7 +71,7 @@ static rp_status fill(rp_arena *arena, const bench_options *o, dem_grain **grain
 {
     const dem_fill dilute = {o->n, o->width, 2.0 * o->width, 0.1, 0.02, 0.07, 0.13, 1.0, DEM_SPHERE, 1993, 0};
     *grains = rp_arena_memory(arena, (size_t)o->n, sizeof **grains);
-    if (!(o->size_ratio > 0.0)) return dem_fill_random(&dilute, *grains);
+    if (!(o->size_ratio > 0.0)) return dem_fill_grains(&dilute, *grains, &(size_t){0});
     radii_of_ratio(o->n, o->size_ratio, *grains);
     return dem_fill_place(&dilute, *grains);
 }
