@@ -88,7 +88,7 @@ dem_definition grains_box(long N, double W, long run, dem_grain **grains)
     dem_definition def = dem_definition_default();
     static rp_arena kept;
     dem_grain *made = rp_arena_memory(&kept, (size_t)N, sizeof *made);
-    CHECK_OK(dem_fill_random(&fill, made));
+    CHECK_OK(dem_fill_grains(&fill, made, &(size_t){0}));
     def.grains = made, def.n_grains = (size_t)N;
     if (grains) *grains = made;
     dem_material wall = def.material;
@@ -237,4 +237,20 @@ rp_status grains_read(const char *text, const rp_texts *changes, dem_scene *scen
     const rp_status status = dem_scene_read(path, changes, scene);
     folder_remove(folder);
     return status;
+}
+
+void grains_refused(const char *text, const rp_texts *changes, const char *message)
+{
+    scoped_scene scene = {0};
+    CHECK_FAILS(grains_read(text, changes, &scene), RP_BAD_INPUT, message);
+}
+
+void grains_reread(const dem_scene *written, dem_scene *scene)
+{
+    scoped char *text = NULL;
+    size_t size;
+    FILE *out = open_memstream(&text, &size);
+    dem_scene_write(written, out);
+    fclose(out);
+    CHECK_OK(grains_read(text, NULL, scene));
 }

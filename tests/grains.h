@@ -65,6 +65,10 @@ double grains_energy(const dem_sim *sim);
 #define scoped_scene __attribute__((cleanup(dem_scene_free))) dem_scene
 rp_status grains_read(const char *text, const rp_texts *changes, dem_scene *scene);
 
+/* A text that is refused with this message; a scene written, and read again. */
+void grains_refused(const char *text, const rp_texts *changes, const char *message);
+void grains_reread(const dem_scene *written, dem_scene *scene);
+
 /* Pairs that are not listed once although they lie within their cutoffs where the list was made, or that are
  * listed and do not; found among all pairs. Pairs of two fixed grains belong to no list. */
 size_t grains_wrong_pairs(const dem_sim *sim);

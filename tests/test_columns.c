@@ -465,7 +465,8 @@ static dem_sim *bench_sim(const bench_box *b, int n, double width, const rp_tabl
     wall.k_n *= 2.0;
     dem_box_walls(&def, width, &wall);
     for (int i = 0; i < n && b->size_ratio > 0.0; i++) grains[i].r = cell(radii, (size_t)i, "r");
-    CHECK_OK(b->size_ratio > 0.0 ? dem_fill_place(&fill, grains) : dem_fill_random(&fill, grains));
+    CHECK_OK(b->size_ratio > 0.0 ? dem_fill_place(&fill, grains)
+                                 : dem_fill_grains(&fill, grains, &(size_t){0}));
     def.x_max = b->sample ? 3.0 * width : width;
     def.grains = grains;
     def.n_grains = (size_t)n;

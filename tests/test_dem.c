@@ -716,8 +716,8 @@ static void filling(void)
 {
     const dem_fill fill = {500, 4.0, 9.0, 0.1, 0.02, 0.07, 0.13, 1.3, DEM_DISK, 1993, 4};
     dem_grain a[500], b[500];
-    CHECK_OK(dem_fill_random(&fill, a));
-    CHECK_OK(dem_fill_random(&fill, b));
+    CHECK_OK(dem_fill_grains(&fill, a, &(size_t){0}));
+    CHECK_OK(dem_fill_grains(&fill, b, &(size_t){0}));
     CU_ASSERT(memcmp(a, b, sizeof a) == 0);
     for (int i = 0; i < 500; i++) {
         CU_ASSERT(a[i].r >= 0.07 && a[i].r <= 0.13);
@@ -732,10 +732,10 @@ static void filling(void)
     CU_ASSERT(memcmp(a, b, sizeof a) == 0);
     dem_fill other = fill;
     other.run = 5;
-    CHECK_OK(dem_fill_random(&other, b));
+    CHECK_OK(dem_fill_grains(&other, b, &(size_t){0}));
     CU_ASSERT(a[0].x != b[0].x && a[0].r != b[0].r);
     other.W = 0.9, other.H = 1.0;
-    CHECK_FAILS(dem_fill_random(&other, b), RP_NO_RESULT, "of N = ");
+    CHECK_FAILS(dem_fill_grains(&other, b, &(size_t){0}), RP_NO_RESULT, "of N = ");
     long first, have;
     CU_ASSERT(sscanf(rp_message(),
                      "no room for grain %ld of N = 500, of radius 0.%*d, in W = 0.9, H = 1: %ld have room;",

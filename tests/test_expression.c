@@ -358,9 +358,11 @@ static void test_lets_refused(void)
         {"\"-D\"", "\"inf\"", "walls.[0].point: finite numbers expected"},
         {"\"3*D\"", "\"3*later\"", "lets.cfg:2: let.wide: character 3: unknown name later"},
         {"value = 1.6", "value = 7.0", "lets.cfg:1: let.D: D = 7: out of range, allowed: (0, 6) cm"},
-        {"value = 1.6", "valu = 1.6", "let.D: value is missing"},
-        {"unit =", "units =", "let.D: unknown key units; allowed: value unit range meaning"},
-        {"unit = \"cm\"", "unit = 3", "let.D: unit: a text expected"},
+        {"value = 1.6", "valu = 1.6", "let.D.valu: unknown key (did you mean \"value\"?)"},
+        {"unit =", "units =",
+         "lets.cfg:1: let.D.units: unknown key (did you mean \"unit\"?); allowed: unit range meaning"},
+        {"unit = \"cm\"", "unit = 3", "lets.cfg:1: let.D.unit = 3: text expected"},
+        {"mu = 0.2", "mu = { unit = \"1\"; }", "let.mu: value is missing"},
         {"mu = 0.2", "pi = 0.2", "let.pi: the name is taken"},
         {"mu = 0.2", "mu = [1, 2]", "let.mu: a number, true, false, a word or an expression expected"}};
     dem_scene s;

@@ -145,10 +145,10 @@ static void test_cut(void)
         "{ N = 300; W = 8.0; H = 8.0; polygon = ( (0.0, 0.0), (8.0, 0.0), (0.0, 8.0) ); }"};
     static const size_t counts[] = {6, 66, 300}; /* of the second 11 rows of 11 to 1 */
     for (int k = 0; k < 3; k++) {
-        char text[512], *written = NULL;
+        char text[512];
         scoped_scene s, back;
         scoped dem_grain *grains = NULL, *again = NULL;
-        size_t n, m, size, low = 0;
+        size_t n, m, low = 0;
         snprintf(text, sizeof text, "fill = %s;\n", fills[k]);
         CHECK_OK(grains_read(text, NULL, &s));
         CHECK_OK(dem_scene_grains(&s, &grains, &n, NULL));
@@ -161,15 +161,11 @@ static void test_cut(void)
             low += g->x < 4.0 && g->y < 4.0; /* of the triangle a half */
         }
         if (k == 2) CU_ASSERT(fabs((double)low - 150.0) < 3.3 * sqrt(75.0));
-        FILE *out = open_memstream(&written, &size);
-        dem_scene_write(&s, out);
-        fclose(out);
-        CHECK_OK(grains_read(written, NULL, &back));
+        grains_reread(&s, &back);
         CHECK_OK(dem_scene_grains(&back, &again, &m, NULL));
         CU_ASSERT_FATAL(m == n);
         for (size_t i = 0; i < n; i++)
             CU_ASSERT(memcmp(&grains[i], &again[i], offsetof(dem_grain, fixed)) == 0);
-        free(written);
     }
     static const char *const refused[][2] = {
         {"N = 3; W = 1.0; H = 1.0; spacing = 0.3;", "spacing: of a row or a lattice"},
@@ -243,18 +239,12 @@ static void test_several(void)
     CU_ASSERT(nearest >= -1e-14);
     CU_ASSERT(grains[ends[0]].r != grains[1].r); /* streams of its own */
     /* written and read again: the same grains */
-    char *text = NULL;
-    size_t size;
-    FILE *out = open_memstream(&text, &size);
-    dem_scene_write(&s, out);
-    fclose(out);
-    CHECK_OK(grains_read(text, NULL, &back));
+    grains_reread(&s, &back);
     CHECK_OK(dem_scene_grains(&back, &again, &m, NULL));
     CU_ASSERT(m == n);
     for (size_t i = 0; i < n && m == n; i++)
         CU_ASSERT(grains[i].x == again[i].x && grains[i].y == again[i].y && grains[i].r == again[i].r &&
                   grains[i].m == again[i].m && grains[i].fixed == again[i].fixed);
-    free(text);
 }
 
 /* d is that of the mean grain of what is there first. */

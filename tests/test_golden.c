@@ -291,7 +291,7 @@ static void test_scene(void)
     dem_box_walls(&def, 2.0, &wall);
     def.grains = grains, def.n_grains = N;
     scoped_sim *sim = NULL;
-    CHECK_OK(dem_fill_random(&fill, grains));
+    CHECK_OK(dem_fill_grains(&fill, grains, &(size_t){0}));
     CHECK_OK(dem_create(&def, &sim));
     CU_ASSERT_PTR_NOT_NULL_FATAL(sim);
     CHECK_OK(dem_run(sim, 1500));

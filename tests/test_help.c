@@ -530,7 +530,7 @@ static void completion_of(const cli_command *c)
     for (size_t i = 0; i < n; i++) {
         const rp_param *p = options[i].p;
         char choices[512] = "";
-        if (p->type == RP_CHOICE || p->type == RP_FLAGS)
+        if (p->type == RP_CHOICE)
             for (const char *r = p->range; *r; r += *r == '|')
                 strncat(choices, r, strcspn(r, "|")), r += strcspn(r, "|");
         if (p->type != RP_BOOL) line_is("    '%s'*' %s ') words='%s' ;;", c->name, options[i].typed, choices);
@@ -589,9 +589,8 @@ static const char *default_of(const rp_param *p, bool si, char text[64])
 
 static const char *type_of(const rp_param *p)
 {
-    static const char *const words[] = {
-        [RP_REAL] = "real",   [RP_INT] = "whole", [RP_BOOL] = "bool", [RP_CHOICE] = "word",
-        [RP_FLAGS] = "words", [RP_TEXT] = "text", [RP_TEXTS] = "text"};
+    static const char *const words[] = {[RP_REAL] = "real",   [RP_INT] = "whole", [RP_BOOL] = "bool",
+                                        [RP_CHOICE] = "word", [RP_TEXT] = "text", [RP_TEXTS] = "text"};
     return words[p->type];
 }
 

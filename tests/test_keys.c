@@ -56,7 +56,7 @@ static candidates find_candidates(const rp_param *p, const char *now)
     if (p->type == RP_BOOL) {
         add(&c, "true");
         add(&c, "false");
-    } else if (p->type == RP_CHOICE || p->type == RP_FLAGS) {
+    } else if (p->type == RP_CHOICE) {
         char words[256], *rest = words, *word;
         snprintf(words, sizeof words, "%s", p->range);
         while ((word = strsep(&rest, "| ")))
@@ -142,9 +142,9 @@ static char *outcome(const char *text, const char *change)
     if (!status) {
         FILE *out = open_memstream(&tables, &size);
         fprintf(out, "%d\n", (int)dem_run(sim, scene.steps));
-        dem_write_states(sim, out);
-        dem_write_contacts(sim, out);
-        dem_write_energy(sim, out);
+        dem_write_rows(DEM_TABLE_STATES, sim, out);
+        dem_write_rows(DEM_TABLE_CONTACTS, sim, out);
+        CHECK_OK(dem_write_rows(DEM_TABLE_ENERGY, sim, out));
         double *forces = calloc(2 * scene.def.n_walls + 1, sizeof *forces);
         CU_ASSERT_PTR_NOT_NULL_FATAL(forces);
         grains_wall_forces(sim, forces);
@@ -281,7 +281,7 @@ static candidates run_candidates(size_t r, const rp_param *p)
  * that takes numbers some number. */
 static void check_protocol_key(const sweep_result bases[], const sweep_protocol *protocol, const rp_param *p)
 {
-    const bool words = p->type == RP_CHOICE || p->type == RP_FLAGS;
+    const bool words = p->type == RP_CHOICE;
     candidates c[N_RUNS] = {0}, matter = {0};
     const size_t expected = words ? find_candidates(p, "").n - 1 : 1;
     for (size_t r = 0; r < N_RUNS; r++)

@@ -160,7 +160,7 @@ static void scene_with(const char *const changes[], dem_text *text, dem_scene *s
 {
     rp_texts list = {0};
     for (; *changes; changes++) list.items[list.n++] = *changes;
-    CHECK_OK(dem_text_open_bytes("repose", sweep_protocol_repose.text, &list, text));
+    CHECK_OK(dem_text_open("repose", sweep_protocol_repose.text, &list, text));
     CHECK_OK(dem_text_scene(text, scene));
 }
 
@@ -616,7 +616,7 @@ static void test_limit_of_step(void)
     for (size_t k = 0; k < sizeof filled / sizeof *filled; k++) {
         dem_text text;
         scoped_scene scene = {0};
-        CHECK_OK(dem_text_open_bytes("box", filled[k]->text, NULL, &text));
+        CHECK_OK(dem_text_open("box", filled[k]->text, NULL, &text));
         CHECK_OK(dem_text_scene(&text, &scene));
         scene.def.grains = two, scene.def.n_grains = 2;
         const double limit = dem_time_step_limit(&scene.def, NULL);

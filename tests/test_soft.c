@@ -615,7 +615,7 @@ static dem_sim *falling_disks(dem_definition *def)
 {
     dem_fill fill = {HEAP, 6.0, 12.0, R, 0.05, 0.35, 0.65, 1.0, DEM_DISK, 1992, 1};
     static dem_grain grains[HEAP];
-    CHECK_OK(dem_fill_random(&fill, grains));
+    CHECK_OK(dem_fill_grains(&fill, grains, &(size_t){0}));
     for (int i = 0; i < HEAP; i++) grains[i].vx = i % 5 - 2.0;
     *def = on_ground(grains, HEAP);
     def->rotation = true;

@@ -194,7 +194,7 @@ static dem_sim *make_box(void)
 {
     dem_grain grains[GRAINS];
     const dem_fill fill = {GRAINS, 1.7, 3.0, 0.1, 0.02, 0.07, 0.13, 1.0, DEM_SPHERE, 1993, 7};
-    CHECK_OK(dem_fill_random(&fill, grains));
+    CHECK_OK(dem_fill_grains(&fill, grains, &(size_t){0}));
     dem_definition def = dem_definition_default();
     dem_material wall = def.material;
     wall.k_n *= 2.0;

@@ -793,9 +793,9 @@ static void filling(void)
 {
     dem_fill fill = {20, 1.2, 1.5, 0.1, 0.02, 0.07, 0.13, 1.0, DEM_SPHERE, 1993, 2};
     dem_grain at[2][20];
-    CHECK_OK(dem_fill_random(&fill, at[0]));
+    CHECK_OK(dem_fill_grains(&fill, at[0], &(size_t){0}));
     fill.x0 = -3.5, fill.y0 = 12.25;
-    CHECK_OK(dem_fill_random(&fill, at[1]));
+    CHECK_OK(dem_fill_grains(&fill, at[1], &(size_t){0}));
     for (int i = 0; i < 20; i++) {
         CHECK_NEAR(at[1][i].x, at[0][i].x - 3.5, 1e-14);
         CHECK_NEAR(at[1][i].y, at[0][i].y + 12.25, 1e-14);
@@ -832,11 +832,7 @@ static void refused(void)
         {"walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; extent = [0.0, 1.0]; open_at_step = 3;\n"
          "open_speed = 2.0; omega = 1.0; } ); " ONE,
          "can only open at once"}};
-    dem_scene s;
-    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
-        CHECK_FAILS(grains_read(cases[k][0], NULL, &s), RP_BAD_INPUT, cases[k][1]);
-        dem_scene_free(&s);
-    }
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) grains_refused(cases[k][0], NULL, cases[k][1]);
 #define FLOOR "{ point = [0.0, 0.0]; direction = [0.0, 1.0]; }"
     static const char *const starts[][2] = {
         /* what lies on a whole line would never act, unless it is alike, or the line opens */
@@ -867,10 +863,10 @@ static void refused(void)
          ");" ONE,
          "dt = 0.0001: too large for the lightest grain at a wall"}};
     for (size_t k = 0; k < sizeof starts / sizeof *starts; k++) {
+        scoped_scene s = {0};
         dem_sim *sim = NULL;
         CHECK_OK(grains_read(starts[k][0], NULL, &s));
         CHECK_FAILS(dem_scene_start(&s, &sim), RP_BAD_INPUT, starts[k][1]);
-        dem_scene_free(&s);
     }
     static const char *const alike[] = {
         "walls = ( " FLOOR ", { point = [0.5, 0.0]; direction = [0.0, 1.0]; extent = [0.0, 1.0]; } ); " ONE,
@@ -879,10 +875,10 @@ static void refused(void)
         "walls = ( " FLOOR
         ", { point = [0.5, 0.1]; direction = [0.0, 1.0]; extent = [2.0, 3.0]; k_n = 7e5; } ); " ONE};
     for (size_t k = 0; k < sizeof alike / sizeof *alike; k++) {
+        scoped_scene s = {0};
         scoped_sim *sim = NULL;
         CHECK_OK(grains_read(alike[k], NULL, &s));
         CHECK_OK(dem_scene_start(&s, &sim));
-        dem_scene_free(&s);
     }
 }
 

@@ -48,7 +48,7 @@ static inline rp_status read_text(trial *t, const char *text)
     *t = (trial){0};
     write_trial("e.cfg", text);
     path_of("e.cfg", path);
-    RP_TRY(dem_text_open(path, NULL, &t->text));
+    RP_TRY(dem_text_open(path, NULL, NULL, &t->text));
     return exp_read(&t->text, &t->plan);
 }
 

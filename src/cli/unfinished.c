@@ -137,7 +137,7 @@ static rp_status resume(cli_unfinished *u, cli_keep *keep, void *context, bool *
     RP_TRY(rp_folder_enter(u->directory, &u->folder));
     RP_TRY(rp_folder_settle(&u->folder, done));
     RP_TRY(rp_folder_stage(&u->folder, false, &u->stage, &there));
-    const rp_own *table = rp_folder_find(&u->folder, u->names[0]);
+    const rp_own *table = rp_folder_find(&u->folder, u->names[0], 0);
     *done |= table && (!there || u->stage.n == 0);
     if (*done) return RP_OK;
     if (!there || !u->stage.marked) return rp_fail(RP_BAD_INPUT, "%s: no unfinished run", u->directory);

@@ -28,10 +28,7 @@ rp_status rp_file_open(const char *path, FILE **out)
     char temporary[PATH_MAX + 16];
     struct stat info;
     unsigned number;
-    if (strcmp(path, "-") == 0) {
-        *out = stdout;
-        return RP_OK;
-    }
+    if (strcmp(path, "-") == 0) return *out = stdout, RP_OK;
     *out = NULL;
     if (strlen(path) >= PATH_MAX) return rp_fail(RP_BAD_INPUT, "%.60s...: path too long", path);
     if (stat(path, &info) == 0 && !S_ISREG(info.st_mode)) {

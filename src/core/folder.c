@@ -41,16 +41,11 @@ static bool is_there(const rp_folder *f, const char *name, struct stat *info)
 
 /* ---- the marker ---- */
 
-static rp_own *find(const rp_folder *f, const char *name, char act)
+rp_own *rp_folder_find(const rp_folder *f, const char *name, char act)
 {
     for (size_t i = 0; i < f->n; i++)
         if (strcmp(f->own[i].name, name) == 0 && (!act || f->own[i].act == act)) return &f->own[i];
     return NULL;
-}
-
-const rp_own *rp_folder_find(const rp_folder *f, const char *name)
-{
-    return find(f, name, 0);
 }
 
 /* List it without a look at the others: frames may be many. */
@@ -67,7 +62,7 @@ static rp_status add(rp_folder *f, const char *name, char act)
 
 rp_status rp_folder_list(rp_folder *f, const char *name, char act)
 {
-    return find(f, name, act) ? RP_OK : add(f, name, act);
+    return rp_folder_find(f, name, act) ? RP_OK : add(f, name, act);
 }
 
 /* A name of this folder, not of another one. */
@@ -156,10 +151,7 @@ static bool is_signed(const rp_folder *f, const char *name)
 static bool is_drawn(const char last[64])
 {
     const char *at = memmem(last, 64, "repose view", 11);
-    return at && ((at > last && strchr("%\x0b"
-                                       "e",
-                                       at[-1])) ||
-                  (at >= last + 5 && !memcmp(at - 5, "<!-- ", 5)));
+    return at && ((at > last && strchr("%\013e", at[-1])) || (at >= last + 5 && !memcmp(at - 5, "<!-- ", 5)));
 }
 
 bool rp_folder_shows(const rp_folder *f, const char *name)
@@ -277,22 +269,17 @@ static rp_status refuse_any(const rp_folder *f, const char *name)
     return not_ours(f, name, "not listed as the program's own");
 }
 
-static rp_status check_listed(const rp_folder *f, const char *name)
-{
-    return find(f, name, 0) ? rp_folder_check(f, name) : refuse_any(f, name);
-}
-
 rp_status rp_folder_check(const rp_folder *f, const char *name)
 {
     struct stat info;
     char sum[33];
-    const rp_own *own = find(f, name, 0);
+    const rp_own *own = rp_folder_find(f, name, 0);
     RP_ENDS(rp_folder_close) rp_folder in = {0};
     if (!is_there(f, name, &info)) return RP_OK;
     if (!own) return refuse_any(f, name);
     if (S_ISDIR(info.st_mode) && strcmp(own->sum, NO_SUM) == 0) {
         RP_TRY(open_in(f, name, &in));
-        return each(&in, check_listed);
+        return each(&in, rp_folder_check);
     }
     RP_TRY(find_sum(f, name, sum));
     const bool same = S_ISREG(info.st_mode) && (strcmp(own->sum, NO_SUM) == 0 || strcmp(own->sum, sum) == 0);
@@ -357,8 +344,8 @@ rp_status rp_folder_stage(rp_folder *f, bool make, rp_folder *stage, bool *there
     *stage = (rp_folder){0};
     *there = is_there(f, STAGE, &info);
     if (!make && !*there) return RP_OK;
-    if (*there && !find(f, STAGE, 0)) return refuse_any(f, STAGE);
-    if (make && !find(f, STAGE, 0)) { /* first its name, then itself: a process may be killed */
+    if (*there && !rp_folder_find(f, STAGE, 0)) return refuse_any(f, STAGE);
+    if (make && !rp_folder_find(f, STAGE, 0)) { /* first its name, then itself: a process may be killed */
         RP_TRY(rp_folder_list(f, STAGE, RP_OWN_STAYS));
         RP_TRY(rp_folder_write(f));
     }
@@ -379,7 +366,8 @@ static rp_status take_over(rp_folder *f)
     for (rp_own *o = f->own; o < f->own + f->n; o++) {
         /* where the newer one is no more in "unfinished", it is this one */
         if (o->act != RP_OWN_GOES || !is_there(f, o->name, &info)) continue;
-        if (find(f, o->name, RP_OWN_COMES) && !(there && is_there(&stage, o->name, &(struct stat){0})))
+        if (rp_folder_find(f, o->name, RP_OWN_COMES) &&
+            !(there && is_there(&stage, o->name, &(struct stat){0})))
             continue;
         RP_TRY(remove_own(f, o->name, &info));
     }
@@ -431,10 +419,10 @@ static rp_status announce(rp_folder *f)
     RP_TRY(rp_folder_stage(f, false, &stage, &there));
     for (rp_own *o = stage.own; o < stage.own + stage.n; o++) {
         if (o->act == RP_OWN_GOES || !is_there(&stage, o->name, &info)) continue;
-        if (!find(f, o->name, 0)) RP_TRY(rp_folder_check(f, o->name));
+        if (!rp_folder_find(f, o->name, 0)) RP_TRY(rp_folder_check(f, o->name));
         RP_TRY(seal(&stage, o));
         RP_TRY(rp_folder_list(f, o->name, RP_OWN_COMES));
-        strcpy(find(f, o->name, RP_OWN_COMES)->sum, o->sum);
+        strcpy(rp_folder_find(f, o->name, RP_OWN_COMES)->sum, o->sum);
     }
     if (fsync(stage.file) != 0) return failed(f, STAGE);
     strcpy(f->holds, stage.holds);
@@ -484,7 +472,7 @@ rp_status rp_folder_admit(const char *path, const char *temporary)
     struct stat info;
     if (open_of(path, &f, &name)) return RP_OK; /* told by what follows */
     const bool there = is_there(&f, name, &info);
-    if (there && read_marker(&f) == RP_OK && find(&f, name, 0))
+    if (there && read_marker(&f) == RP_OK && rp_folder_find(&f, name, 0))
         RP_TRY(rp_folder_check(&f, name));
     else if (there && !rp_folder_shows(&f, name))
         return rp_fail(RP_BAD_INPUT, "%s: %s; move it away, or give another name", path,

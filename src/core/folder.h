@@ -39,8 +39,9 @@ rp_status rp_folder_open(const char *path, rp_folder *f);
 rp_status rp_folder_enter(const char *path, rp_folder *f);
 void rp_folder_close(rp_folder *f);
 
-/* Is there such an own file, whatever it holds? List one. Write the marker, on the disk when this returns. */
-const rp_own *rp_folder_find(const rp_folder *f, const char *name);
+/* Such an own file, whatever it holds, of which this becomes (0: anything), or NULL. List one. Write the
+ * marker, on the disk when this returns. */
+rp_own *rp_folder_find(const rp_folder *f, const char *name, char act);
 rp_status rp_folder_list(rp_folder *f, const char *name, char act);
 rp_status rp_folder_write(rp_folder *f);
 

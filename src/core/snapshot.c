@@ -71,25 +71,15 @@ static rp_status cannot_write(const char *path)
     return rp_fail(RP_IO, "%s: cannot write: %s", path, strerror(errno));
 }
 
-rp_status rp_sync_folder_of(const char *path)
+/* So that a file renamed in it survives a power cut. */
+static bool sync_folder_of(const char *path)
 {
     char copy[PATH_MAX];
     snprintf(copy, sizeof copy, "%s", path);
     const int folder = open(dirname(copy), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    rp_status status = folder >= 0 && fsync(folder) == 0 ? RP_OK : cannot_write(path);
+    const bool good = folder >= 0 && fsync(folder) == 0;
     if (folder >= 0) close(folder);
-    return status;
-}
-
-static bool write_all(int file, const void *data, size_t size)
-{
-    for (const char *at = data; size > 0;) {
-        const ssize_t n = write(file, at, size);
-        if (n < 0 && errno == EINTR) continue;
-        if (n <= 0) return false;
-        at += n, size -= (size_t)n;
-    }
-    return true;
+    return good;
 }
 
 /* XXH3-128 of head and state. */
@@ -120,39 +110,33 @@ rp_status rp_snapshot_write(rp_snapshot *s, const char *path, const char *owner,
 {
     if (s->status) return s->status;
     char temporary[PATH_MAX];
-    const head h = head_of(s, owner, layout);
-    const XXH128_hash_t hash = checksum(&h, s->bytes, s->n);
     if (snprintf(temporary, sizeof temporary, "%s.new", path) >= (int)sizeof temporary)
         return rp_fail(RP_IO, "%.60s...: path too long", path);
     unlink(temporary); /* of a writer that was killed */
-    const int file = open(temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-    if (file < 0) return cannot_write(path);
-    bool good = write_all(file, &h, sizeof h) && write_all(file, s->bytes, s->n) &&
-                write_all(file, &hash, sizeof hash) && fsync(file) == 0;
-    rp_status status = good ? RP_OK : cannot_write(path);
-    if (close(file) != 0 && !status) status = cannot_write(path);
+    FILE *out = fopen(temporary, "wxe");
+    if (!out) return cannot_write(path);
+    RP_TRY(rp_snapshot_print(s, out, owner, layout));
+    rp_status status =
+        fflush(out) == 0 && !ferror(out) && fsync(fileno(out)) == 0 ? RP_OK : cannot_write(path);
+    if (fclose(out) != 0 && !status) status = cannot_write(path);
     if (!status && rename(temporary, path) != 0) status = cannot_write(path);
     if (status) unlink(temporary);
-    return status ? status : rp_sync_folder_of(path);
+    return status || sync_folder_of(path) ? status : cannot_write(path);
 }
 
 static rp_status read_file(rp_snapshot *s, const char *path)
 {
     const int file = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+    FILE *in = file < 0 ? NULL : fdopen(file, "r");
     struct stat info;
-    if (file < 0) return rp_fail(RP_BAD_INPUT, "cannot read: %s", strerror(errno));
+    if (!in) return rp_fail(RP_BAD_INPUT, "cannot read: %s", strerror(errno));
     rp_status status = fstat(file, &info) == 0 && S_ISREG(info.st_mode)
                            ? RP_OK
                            : rp_fail(RP_BAD_INPUT, "not a regular file");
-    if (!status) make_room(s, (size_t)info.st_size + 1);
-    status = status ? status : s->status;
-    while (!status) {
-        const ssize_t n = read(file, s->bytes + s->n, s->capacity - s->n);
-        if (n < 0 && errno != EINTR) status = rp_fail(RP_BAD_INPUT, "cannot read: %s", strerror(errno));
-        if (n > 0) s->n += (size_t)n;
-        if (n == 0 || s->n == s->capacity) break;
-    }
-    close(file);
+    if (!status) make_room(s, (size_t)info.st_size + 1), status = s->status;
+    if (!status) s->n = fread(s->bytes, 1, s->capacity, in);
+    if (ferror(in)) status = rp_fail(RP_BAD_INPUT, "cannot read: %s", strerror(errno));
+    fclose(in);
     return status;
 }
 

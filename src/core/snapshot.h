@@ -40,7 +40,7 @@ void rp_keep_check(rp_snapshot *s, bool good, const char *what);
  * rp_snapshot_free follows. Errors: RP_IO, that of the status. */
 rp_status rp_snapshot_write(rp_snapshot *s, const char *path, const char *owner, uint64_t layout);
 
-/* The same into an open file, whose errors are the caller's. */
+/* The same into an open file, whose errors are the caller's. Errors: that of the status. */
 rp_status rp_snapshot_print(const rp_snapshot *s, FILE *out, const char *owner, uint64_t layout);
 
 /* Read a file that rp_snapshot_write made, for the rp_keep calls to come. rp_snapshot_free follows, also
@@ -51,9 +51,6 @@ rp_status rp_snapshot_read(rp_snapshot *s, const char *path, const char *owner, 
 /* After the last rp_keep of a reading: RP_BAD_INPUT if data are left over. */
 rp_status rp_snapshot_end(rp_snapshot *s);
 void rp_snapshot_free(rp_snapshot *s);
-
-/* Sync a folder, so that a file renamed in it survives a power cut. Errors: RP_IO. */
-rp_status rp_sync_folder_of(const char *path);
 
 RP_C_END
 

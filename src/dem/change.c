@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/arena.h"
 #include "dem/forces/forces.h"
 #include "dem/list/list.h"
 #include "dem/methods/step.h"
@@ -15,27 +16,24 @@ typedef struct {
     const void *region;
 } choice;
 
-/* The grains in the order of their ids; ids[k] is that of number k. */
-static dem_grain *grains_of(const dem_sim *sim, const choice *out, uint32_t ids[], size_t *left)
+/* Its grains in the order of their ids, but for those that are left out; ids[k] is that of number k. */
+static rp_status copy_grains(rp_arena *arena, const dem_sim *sim, const choice *out, dem_definition *def,
+                             uint32_t ids[])
 {
     const size_t n = dem_count(sim);
-    dem_state *states = malloc((n + 1) * sizeof *states);
-    dem_grain *grains = malloc((n + 1) * sizeof *grains);
-    if (states && grains && dem_states(sim, states) == RP_OK) {
-        *left = 0;
-        for (size_t i = 0; i < n; i++) {
-            const dem_state *s = &states[i];
-            if (out->in && out->in(out->region, s->id, s->x, s->y)) continue;
-            ids[*left] = s->id;
-            grains[(*left)++] =
-                (dem_grain){s->x, s->y, s->r, s->m, s->vx, s->vy, s->angle, s->omega, s->fixed};
-        }
-    } else {
-        free(grains);
-        grains = NULL;
+    dem_state *states;
+    dem_grain *grains;
+    RP_NEW(arena, states, n);
+    RP_NEW(arena, grains, n);
+    RP_TRY(dem_states(sim, states));
+    def->grains = grains, def->n_grains = 0, def->lines = NULL;
+    for (const dem_state *s = states; s < states + n; s++) {
+        if (out->in && out->in(out->region, s->id, s->x, s->y)) continue;
+        ids[def->n_grains] = s->id;
+        grains[def->n_grains++] =
+            (dem_grain){s->x, s->y, s->r, s->m, s->vx, s->vy, s->angle, s->omega, s->fixed};
     }
-    free(states);
-    return grains;
+    return RP_OK;
 }
 
 static int by_id(const void *a, const void *b)
@@ -50,14 +48,33 @@ static uint32_t number_of(uint32_t id, const uint32_t ids[], size_t n)
     return at ? (uint32_t)(at - ids) + 1 : 0;
 }
 
-/* The walls where they are now, with other coefficients. One that is gone stays so. */
-static void walls_of(const dem_sim *sim, const dem_definition *laws, dem_wall walls[])
+/* Its contacts, by the numbers of the grains. */
+static rp_status copy_contacts(rp_arena *arena, const dem_sim *sim, dem_definition *def, const uint32_t ids[])
 {
+    dem_contact *contacts;
+    size_t n;
+    RP_TRY(dem_contacts(sim, &contacts, &n));
+    if (!rp_arena_keep(arena, contacts, free)) return RP_NO_MEMORY;
+    def->contacts = contacts, def->n_contacts = 0;
+    for (size_t k = 0; k < n; k++) {
+        dem_contact c = contacts[k];
+        const bool wall = c.id_b == 0;
+        c.id_a = number_of(c.id_a, ids, def->n_grains), c.id_b = number_of(c.id_b, ids, def->n_grains);
+        if (c.id_a && (wall || c.id_b)) contacts[def->n_contacts++] = c;
+    }
+    return RP_OK;
+}
+
+/* Its walls where they are now, with the coefficients of the definition. One that is gone stays so. */
+static rp_status copy_walls(rp_arena *arena, const dem_sim *sim, dem_definition *def)
+{
+    dem_wall *walls;
+    RP_NEW(arena, walls, sim->def.n_walls);
     for (size_t w = 0; w < sim->def.n_walls; w++) {
         const dem_wall_state now = dem_wall_now(sim, w);
         dem_wall *wall = &walls[w];
         *wall = sim->walls.wall[w];
-        wall->material = dem_walls_of(laws)[w].material;
+        wall->material = dem_walls_of(def)[w].material;
         memcpy(wall->point, now.point, sizeof wall->point);
         memcpy(wall->direction, now.direction, sizeof wall->direction);
         memcpy(wall->pivot, now.pivot, sizeof wall->pivot);
@@ -68,6 +85,8 @@ static void walls_of(const dem_sim *sim, const dem_definition *laws, dem_wall wa
         else
             wall->open_speed = INFINITY;
     }
+    def->wall_list = walls, def->n_walls = sim->def.n_walls;
+    return RP_OK;
 }
 
 /* What goes on from one to the other. */
@@ -89,33 +108,6 @@ static void go_on(dem_sim *made, const dem_sim *old, const uint32_t ids[])
     }
 }
 
-static rp_status make(const dem_sim *old, const dem_definition *laws, const choice *out, dem_wall *walls,
-                      uint32_t *ids, dem_contact *contacts, size_t n_contacts, dem_sim **made)
-{
-    dem_definition def = *laws;
-    size_t n = 0, kept = 0;
-    dem_grain *grains = grains_of(old, out, ids, &n);
-    if (!grains) return rp_fail(RP_NO_MEMORY, "simulation: out of memory");
-    def.n_grains = n;
-    def.radius_to_come = old->start.radius_mean;
-    walls_of(old, laws, walls);
-    def.wall_list = walls, def.n_walls = old->def.n_walls;
-    dem_gravity(old, def.gravity);
-    def.turn_per_step = old->def.turn_per_step, def.turn_from_step = old->def.turn_from_step;
-    def.box_turn_per_step = 0.0;
-    def.grains = grains, def.lines = NULL;
-    for (size_t k = 0; k < n_contacts; k++) {
-        dem_contact c = contacts[k];
-        const bool wall = c.id_b == 0;
-        c.id_a = number_of(c.id_a, ids, n), c.id_b = number_of(c.id_b, ids, n);
-        if (c.id_a && (wall || c.id_b)) contacts[kept++] = c;
-    }
-    def.contacts = contacts, def.n_contacts = kept;
-    rp_status status = dem_create(&def, made);
-    free(grains);
-    return status;
-}
-
 static double energy_of(const dem_energy *e)
 {
     return e->kinetic + e->elastic + e->gravity + e->rotational;
@@ -123,26 +115,29 @@ static double energy_of(const dem_energy *e)
 
 static rp_status renew(dem_sim **sim, const dem_definition *laws, const choice *out)
 {
-    dem_sim *old = *sim, *made = NULL;
-    dem_contact *contacts = NULL;
-    size_t n_contacts = 0;
+    dem_sim *old = *sim, *made;
+    dem_definition def = *laws;
     dem_energy before;
+    dem_ledger sum;
+    uint32_t *ids;
+    RP_SCOPE(arena);
     if (old->def.box_turn_per_step != 0.0 || old->walls.turn[1] != 0.0)
         return rp_fail(RP_BAD_INPUT, "laws, dt and grains can't be changed in a box that turns");
-    uint32_t *ids = malloc((dem_count(old) + 1) * sizeof *ids);
-    dem_wall *walls = malloc((old->def.n_walls + 1) * sizeof *walls);
-    rp_status status = ids && walls ? dem_contacts(old, &contacts, &n_contacts)
-                                    : rp_fail(RP_NO_MEMORY, "simulation: out of memory");
-    if (!status) status = make(old, laws, out, walls, ids, contacts, n_contacts, &made);
-    if (!status) {
-        dem_energies(old, &before);
-        go_on(made, old, ids);
-        dem_ledger sum;
-        if (made->ledger && dem_ledger_read(old, &sum))
-            status = dem_ledger_go_on(made, &sum, energy_of(&before), ids);
+    RP_NEW(&arena, ids, dem_count(old));
+    RP_TRY(copy_grains(&arena, old, out, &def, ids));
+    RP_TRY(copy_contacts(&arena, old, &def, ids));
+    RP_TRY(copy_walls(&arena, old, &def));
+    def.radius_to_come = old->start.radius_mean;
+    dem_gravity(old, def.gravity);
+    def.turn_per_step = old->def.turn_per_step, def.turn_from_step = old->def.turn_from_step;
+    def.box_turn_per_step = 0.0;
+    RP_TRY(dem_create(&def, &made));
+    dem_energies(old, &before);
+    go_on(made, old, ids);
+    if (made->ledger && dem_ledger_read(old, &sum)) {
+        const rp_status status = dem_ledger_go_on(made, &sum, energy_of(&before), ids);
+        if (status) return dem_free(made), status;
     }
-    free(ids), free(walls), free(contacts);
-    if (status) return dem_free(made), status;
     dem_free(old);
     *sim = made;
     return RP_OK;

@@ -502,9 +502,6 @@ typedef struct {
 rp_status dem_fill_grains(const dem_fill *fill, dem_grain *grains, size_t *n);
 size_t dem_fill_most(const dem_fill *fill);
 
-/* The same of a random fill of N grains. */
-rp_status dem_fill_random(const dem_fill *fill, dem_grain *grains);
-
 /* The same with the radii that `grains` already have; those of the fill are not used. Large ones should come
  * first: they find no room among many small ones. */
 rp_status dem_fill_place(const dem_fill *fill, dem_grain *grains);

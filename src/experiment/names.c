@@ -118,7 +118,7 @@ static rp_status find(void *host, const char *name, int n_args, rp_x_symbol *sym
                     *scope = dot ? exp_scope_named(plan, EXP_SCOPES, name, (size_t)(dot - name), NULL) : &all;
     const exp_observable *o =
         place->of_grain && n_args < 0 && !dot ? exp_observable_named(name, OF_NEW) : NULL;
-    if (!o && !dot && n_args < 0) RP_TRY(rp_lets_find(&plan->text->lets, name, symbol, known));
+    if (!o && !dot) RP_TRY(rp_lets_find(&plan->text->lets, name, n_args, symbol, known));
     if (*known) return RP_OK;
     if (!o && scope) o = exp_observable_named(dot ? dot + 1 : name, asked_of(scope->sort));
     if (o && place->lets_alone) return rp_fail(RP_BAD_INPUT, "%s is not known before the run", name);

@@ -184,7 +184,7 @@ static rp_status read(exp_plan *plan)
     for (size_t k = 0; k < sizeof asked / sizeof *asked; k++) {
         rp_x_symbol is = {0};
         bool known = false;
-        RP_TRY(rp_prefix(rp_lets_find(&text->lets, asked[k], &is, &known), "%s: ", text->path));
+        RP_TRY(rp_prefix(rp_lets_find(&text->lets, asked[k], -1, &is, &known), "%s: ", text->path));
     }
     plan->d = constants[RP_LET_D], plan->m = constants[RP_LET_M], plan->g = constants[RP_LET_G];
     if (config_lookup(&text->config, "phases") && config_lookup(&text->config, "steps"))

@@ -3,18 +3,7 @@
 #define EXP_READING_H
 
 #include "experiment/private.h"
-
-#define member(group, name) config_setting_get_member(group, name)
-
-static inline const config_setting_t *element(const config_setting_t *list, size_t i)
-{
-    return config_setting_get_elem(list, (unsigned)i);
-}
-
-static inline size_t length(const config_setting_t *list)
-{
-    return list ? (size_t)config_setting_length(list) : 0;
-}
+#include "params/settings.h"
 
 /* A name; one that nothing else has. */
 rp_status exp_check_word(const config_setting_t *setting, const char *what, const char *name);

@@ -41,7 +41,7 @@ static rp_status read_text(const char *bytes, const rp_texts *changes, experimen
 {
     experiment *e = *made = calloc(1, sizeof *e);
     if (!e) return rp_fail(RP_NO_MEMORY, "text: out of memory");
-    RP_TRY(dem_text_open_bytes("text", bytes, changes, &e->text));
+    RP_TRY(dem_text_open("text", bytes, changes, &e->text));
     if (!exp_has_phases(&e->text)) return rp_fail(RP_BAD_INPUT, "text: no phases; give it some");
     RP_TRY(exp_read(&e->text, &e->plan));
     return exp_check(e->plan);

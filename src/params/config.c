@@ -2,7 +2,6 @@
 #include "params/config.h"
 
 #include <ctype.h>
-#include <limits.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdlib.h>
@@ -43,19 +42,13 @@ rp_status rp_config_read_text(const char *name, const char *text, config_t *conf
 
 rp_status rp_config_read(const char *path, config_t *config)
 {
-    char folder[PATH_MAX];
-    const char *slash = strrchr(path, '/');
     config_init(config);
-    snprintf(folder, sizeof folder, "%.*s", slash ? (int)(slash - path) + (slash == path) : 1,
-             slash ? path : ".");
-    RP_TRY(rp_config_scan_file(path, folder));
-    config_set_include_dir(config, folder);
+    RP_TRY(rp_config_scan_file(path));
     if (config_read_file(config, path) == CONFIG_TRUE) return RP_OK;
-    const char *file = config_error_file(config) ? config_error_file(config) : path,
-               *text = config_error_text(config) ? config_error_text(config) : "cannot read";
+    const char *text = config_error_text(config) ? config_error_text(config) : "cannot read";
     char hint[256];
-    explain(file, text, config_error_line(config), hint);
-    return rp_fail(RP_BAD_INPUT, "%s:%d: %s%s", file, config_error_line(config), text, hint);
+    explain(path, text, config_error_line(config), hint);
+    return rp_fail(RP_BAD_INPUT, "%s:%d: %s%s", path, config_error_line(config), text, hint);
 }
 
 rp_status rp_config_fail(const config_setting_t *setting, const char *format, ...)
@@ -118,7 +111,7 @@ rp_status rp_config_unknown(const config_setting_t *setting, const rp_param *sch
 rp_status rp_config_scalar(const config_setting_t *setting, rp_value *value)
 {
     switch (config_setting_type(setting)) {
-    case CONFIG_TYPE_INT: *value = (rp_value){.kind = RP_V_INT, .i = config_setting_get_int(setting)}; break;
+    case CONFIG_TYPE_INT:
     case CONFIG_TYPE_INT64:
         *value = (rp_value){.kind = RP_V_INT, .i = (long)config_setting_get_int64(setting)};
         break;
@@ -143,7 +136,7 @@ static rp_status set_computed(const config_setting_t *setting, const rp_param *p
 {
     rp_x_symbol is = {0};
     if (param->type == RP_TEXT || param->type == RP_TEXTS) return RP_NO_RESULT;
-    const bool word = param->type == RP_CHOICE || param->type == RP_FLAGS;
+    const bool word = param->type == RP_CHOICE;
     RP_TRY(word && !rp_lets_has(setting, text) && !strpbrk(text, "?'(") ? RP_NO_RESULT
                                                                         : rp_lets_value(setting, text, &is));
     const bool whole = is.type == RP_X_NUMBER && param->type == RP_INT &&
@@ -165,34 +158,18 @@ rp_status rp_config_value(const config_setting_t *setting, const rp_param *param
 {
     rp_value value;
     char path[PATH_BYTES];
-    bool list = config_setting_is_array(setting) || config_setting_is_list(setting);
-    if (param->type == RP_FLAGS && list) {
-        *(unsigned *)((char *)values + param->offset) = 0;
-        for (int i = 0; i < config_setting_length(setting); i++) {
-            const config_setting_t *element = config_setting_get_elem(setting, (unsigned)i);
-            if (rp_config_scalar(element, &value) != RP_OK || value.kind != RP_V_TEXT)
-                return rp_config_fail(element, "%s%s: a list of words expected, allowed: %s",
-                                      path_within(element, path), param->name, param->range);
-            if (rp_params_set(param, values, &value) != RP_OK)
-                return rp_config_fail(element, "%s%s", path_within(element, path), rp_message());
-        }
-        return RP_OK;
-    }
     if (rp_config_scalar(setting, &value) != RP_OK)
         return rp_config_fail(setting, "%s%s: one value expected, not a %s",
                               path_within(config_setting_parent(setting), path), param->name,
-                              list ? "list" : "group");
-    if (param->type == RP_FLAGS) *(unsigned *)((char *)values + param->offset) = 0;
+                              config_setting_is_group(setting) ? "group" : "list");
     rp_status status = rp_params_set(param, values, &value);
     if (status && value.kind == RP_V_TEXT) {
-        const rp_status computed = set_computed(setting, param, values, value.s);
-        if (computed && computed != RP_NO_RESULT)
+        status = set_computed(setting, param, values, value.s);
+        if (status && status != RP_NO_RESULT)
             return rp_config_fail(setting, "%s%s = \"%s\": %s", path_within(setting, path), param->name,
                                   value.s, rp_message());
-        if (!computed) status = RP_OK;
     }
-    if (status) return rp_config_fail(setting, "%s%s", path_within(setting, path), rp_message());
-    return RP_OK;
+    return status ? rp_config_fail(setting, "%s%s", path_within(setting, path), rp_message()) : RP_OK;
 }
 
 static bool listed(const char *const *names, const char *name)
@@ -224,7 +201,7 @@ rp_status rp_config_group(const config_setting_t *group, const rp_param *schema,
     return RP_OK;
 }
 
-static rp_status read_numbers(const config_setting_t *setting, int n, bool finite, double *numbers)
+rp_status rp_config_numbers(const config_setting_t *setting, int n, bool finite, double *numbers)
 {
     const char *name = config_setting_name(setting) ? config_setting_name(setting) : "value";
     char path[PATH_BYTES];
@@ -252,19 +229,9 @@ static rp_status read_numbers(const config_setting_t *setting, int n, bool finit
     return RP_OK;
 }
 
-rp_status rp_config_numbers(const config_setting_t *setting, int n, double *numbers)
-{
-    return read_numbers(setting, n, true, numbers);
-}
-
 rp_status rp_config_pair(const config_setting_t *setting, double pair[2])
 {
-    return read_numbers(setting, 2, true, pair);
-}
-
-rp_status rp_config_ends(const config_setting_t *setting, double pair[2])
-{
-    return read_numbers(setting, 2, false, pair);
+    return rp_config_numbers(setting, 2, true, pair);
 }
 
 void rp_config_write(FILE *out, const rp_param *schema, const void *values)

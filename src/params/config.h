@@ -17,9 +17,8 @@ rp_status rp_config_read_text(const char *name, const char *text, config_t *conf
 
 /* Refuse what libconfig would read wrong or without end: a whole number that does not fit an int, or a long
  * one (5L) a long long; a text or comment without its end; more than 64 MB, 65536 bytes in a text, comment or
- * gap, 1000 keys in a group, 31 levels, 10 included files. `folder`: of included files; `name` of a text: for
- * messages. Errors: RP_BAD_INPUT. */
-rp_status rp_config_scan_file(const char *path, const char *folder);
+ * gap, 1000 keys in a group, 31 levels; other files. `name` of a text: for messages. Errors: RP_BAD_INPUT. */
+rp_status rp_config_scan_file(const char *path);
 rp_status rp_config_scan_text(const char *name, const char *text);
 
 /* Read the settings of `group` into `values`, which must hold defaults. Keys that are neither in the
@@ -34,7 +33,7 @@ rp_status rp_config_group(const config_setting_t *group, const rp_param *schema,
 rp_status rp_config_unknown(const config_setting_t *setting, const rp_param *schema,
                             const char *const *others, const char *more);
 
-/* Store one setting in its parameter; RP_FLAGS takes a list of words. Errors: RP_BAD_INPUT. */
+/* Store one setting in its parameter. Errors: RP_BAD_INPUT. */
 rp_status rp_config_value(const config_setting_t *setting, const rp_param *param, void *values);
 
 /* Write "name = value; " for each parameter of a schema, as rp_config_group reads it back to the same bits.
@@ -59,10 +58,7 @@ rp_status rp_config_scalar(const config_setting_t *setting, rp_value *value);
 /* Two finite numbers, as in [0.0, 1.0]. Errors: RP_BAD_INPUT. */
 rp_status rp_config_pair(const config_setting_t *setting, double pair[2]);
 
-/* The same, where "inf" and "-inf" stand for an end that is open. */
-rp_status rp_config_ends(const config_setting_t *setting, double pair[2]);
-
-/* n = 2 or 3 finite numbers, as in [0.0, 1.0, 2.0]. Errors: RP_BAD_INPUT. */
-rp_status rp_config_numbers(const config_setting_t *setting, int n, double *numbers);
+/* The same of n = 2 or 3 numbers; unless `finite`, "inf" and "-inf" stand for an end that is open. */
+rp_status rp_config_numbers(const config_setting_t *setting, int n, bool finite, double *numbers);
 
 #endif

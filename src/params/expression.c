@@ -169,11 +169,9 @@ typedef struct {
 
 static const char *const types[] = {"a number", "a condition", "a word"};
 
-static rp_status fail_at(const x_reader *r, const char *at, const char *format, const char *a, const char *b)
-{
-    rp_fail(RP_BAD_INPUT, format, a, b);
-    return rp_prefix(RP_BAD_INPUT, "character %zu: ", (size_t)(at - r->text) + 1);
-}
+/* A failure, and one that another function has reported, with the character of the text. */
+#define fail_at(r, at, ...)  place(r, at, rp_fail(RP_BAD_INPUT, __VA_ARGS__))
+#define place(r, at, status) rp_prefix(status, "character %zu: ", (size_t)((at) - (r)->text) + 1)
 
 static rp_status next(x_reader *r)
 {
@@ -196,16 +194,16 @@ static rp_status next(x_reader *r)
     } else if (*end == '\'') {
         r->sort = T_WORD;
         end = strchr(end + 1, '\'');
-        if (!end) return fail_at(r, r->begins, "a word without its end%s%s", "", "");
+        if (!end) return fail_at(r, r->begins, "a word without its end");
         end++;
     } else {
         r->sort = T_SIGN, end++;
         for (size_t k = 0; k < 4; k++)
             if (strncmp(r->begins, pairs[k], 2) == 0) end = r->begins + 2;
         if (!strchr("+-*/^()<>?:,=!", *r->begins) || (end == r->begins + 1 && strchr("=!", *r->begins)))
-            return fail_at(r, r->begins, "\"%.1s\" is no sign of an expression%s", r->begins, "");
+            return fail_at(r, r->begins, "\"%.1s\" is no sign of an expression", r->begins);
     }
-    if (end - r->begins >= MOST_WORD) return fail_at(r, r->begins, "a name or number too long%s%s", "", "");
+    if (end - r->begins >= MOST_WORD) return fail_at(r, r->begins, "a name or number too long");
     snprintf(r->token, sizeof r->token, "%.*s", (int)(end - r->begins), r->begins);
     r->at = end;
     return RP_OK;
@@ -247,7 +245,7 @@ static rp_status add(x_reader *r, x_part *part, rp_x_step step)
         step = (rp_x_step){.kind = X_NUMBER, .number = apply(&step, v[0], v[1], v[2], NULL)};
         r->n = part->start;
     }
-    if (r->n == MOST_STEPS) return fail_at(r, part->begins, "an expression of too many parts%s%s", "", "");
+    if (r->n == MOST_STEPS) return fail_at(r, part->begins, "an expression of too many parts");
     r->steps[r->n++] = step;
     return RP_OK;
 }
@@ -264,8 +262,7 @@ static rp_status read_choice(x_reader *r, x_part *part);
 static rp_status take_known(x_reader *r, const x_part *part, const char *what, double *number)
 {
     RP_TRY(want(r, part, RP_X_NUMBER));
-    if (!is_known(r, part->start))
-        return fail_at(r, part->begins, "%s must be known before the run%s", what, "");
+    if (!is_known(r, part->start)) return fail_at(r, part->begins, "%s must be known before the run", what);
     *number = r->steps[--r->n].number;
     return RP_OK;
 }
@@ -290,8 +287,7 @@ static rp_status take_name(x_reader *r, x_part *part, const char *name, int n_ar
     bool known = false;
     for (int k = 0; k < 3 && n_args < 0 && kind == X_NAME; k++)
         if (strcmp(name, constants[k].name) == 0) return add_number(r, part, RP_X_NUMBER, constants[k].value);
-    RP_TRY(rp_prefix(r->names->find(r->names->host, name, n_args, &symbol, &known),
-                     "character %zu: ", (size_t)(part->begins - r->text) + 1));
+    RP_TRY(place(r, part->begins, r->names->find(r->names->host, name, n_args, &symbol, &known)));
     if (!known) return fail_unknown(r, part->begins, name, n_args >= 0);
     part->type = symbol.type;
     r->n_truths += symbol.type == RP_X_TRUTH && !symbol.known;
@@ -309,8 +305,7 @@ static rp_status take_call(x_reader *r, x_part *part, const char *name, int n)
     bool known = false;
     if (r->names->call && n <= MOST_ARGS && is_known(r, part->start)) {
         for (int k = 0; k < n; k++) args[k] = r->steps[part->start + (size_t)k].number;
-        RP_TRY(rp_prefix(r->names->call(r->names->host, name, n, args, &value, &known),
-                         "character %zu: ", (size_t)(part->begins - r->text) + 1));
+        RP_TRY(place(r, part->begins, r->names->call(r->names->host, name, n, args, &value, &known)));
         if (known) r->n = part->start;
         if (known) return add_number(r, part, RP_X_NUMBER, value);
     }
@@ -321,7 +316,7 @@ static rp_status take_call(x_reader *r, x_part *part, const char *name, int n)
 static rp_status read_known(x_reader *r, x_part *part)
 {
     char measure[MOST_WORD];
-    if (r->sort != T_NAME) return fail_at(r, r->begins, "known: the name of a measure expected%s%s", "", "");
+    if (r->sort != T_NAME) return fail_at(r, r->begins, "known: the name of a measure expected");
     memcpy(measure, r->token, sizeof measure);
     part->begins = r->begins;
     RP_TRY(next(r));
@@ -337,7 +332,7 @@ static rp_status take_held(x_reader *r, x_part *part, const x_part *arg, int n)
     if (n == 0) return want(r, arg, RP_X_TRUTH);
     if (n > 1) return RP_OK; /* too many */
     RP_TRY(take_known(r, arg, "the second number of held", &looks));
-    if (!(looks >= 1.0)) return fail_at(r, arg->begins, "held: at least one look expected%s%s", "", "");
+    if (!(looks >= 1.0)) return fail_at(r, arg->begins, "held: at least one look expected");
     return add(r, part, (rp_x_step){.kind = X_HELD, .n = r->n_states++, .number = ceil(looks)});
 }
 
@@ -348,7 +343,7 @@ static rp_status read_call(x_reader *r, x_part *part, const char *name)
     while (f <= X_CHANGE && strcmp(kinds[f].text, name) != 0) f++;
     const bool own = f <= X_CHANGE;
     if (own && kinds[f].measure && !r->names->measure)
-        return fail_at(r, part->begins, "%s: only in measure%s", name, "");
+        return fail_at(r, part->begins, "%s: only in measure", name);
     if (f == X_KNOWN) return read_known(r, part);
     int n = 0;
     for (x_part arg; !is_sign(r, ")"); n++) {
@@ -363,7 +358,7 @@ static rp_status read_call(x_reader *r, x_part *part, const char *name)
     RP_TRY(expect(r, ")"));
     if (!own) return take_call(r, part, name, n);
     if (n < kinds[f].least || n > kinds[f].most)
-        return fail_at(r, part->begins, "%s: another number of arguments expected%s", name, "");
+        return fail_at(r, part->begins, "%s: another number of arguments expected", name);
     part->type = f == X_HELD ? RP_X_TRUTH : RP_X_NUMBER;
     if (kinds[f].most > 1) return RP_OK;
     if (f == X_CHANGE) r->n_states += 2;
@@ -378,7 +373,7 @@ static rp_status read_atom(x_reader *r, x_part *part)
     if (r->sort == T_NUMBER) {
         char *end;
         const double number = strtod(name, &end);
-        if (*end) return fail_at(r, r->begins, "\"%s\" is no number%s", name, "");
+        if (*end) return fail_at(r, r->begins, "\"%s\" is no number", name);
         RP_TRY(next(r));
         return add_number(r, part, RP_X_NUMBER, number);
     }
@@ -400,9 +395,8 @@ static rp_status read_atom(x_reader *r, x_part *part)
         RP_TRY(read_choice(r, part));
         return expect(r, ")");
     }
-    return fail_at(r, r->begins,
-                   r->sort == T_END ? "ends too early%s%s" : "\"%s\" stands where a value is expected%s",
-                   r->sort == T_END ? "" : name, "");
+    if (r->sort == T_END) return fail_at(r, r->begins, "ends too early");
+    return fail_at(r, r->begins, "\"%s\" stands where a value is expected", name);
 }
 
 /* A sign before a part of this type, which `read` reads. */
@@ -410,7 +404,7 @@ static rp_status read_prefix(x_reader *r, x_part *part, x_kind kind, rp_x_type t
                              rp_status (*read)(x_reader *r, x_part *part))
 {
     const char *begins = r->begins;
-    if (++r->nested > MOST_NESTED) return fail_at(r, begins, "too deep%s%s", "", "");
+    if (++r->nested > MOST_NESTED) return fail_at(r, begins, "too deep");
     RP_TRY(next(r));
     RP_TRY(read(r, part));
     r->nested--, part->begins = begins;
@@ -430,8 +424,7 @@ static rp_status read_signed(x_reader *r, x_part *part)
     RP_TRY(read_signed(r, &exponent));
     RP_TRY(take_known(r, &exponent, "an exponent", &p));
     if (!(fabs(p) <= MOST_POWER) || 2.0 * p != floor(2.0 * p))
-        return fail_at(r, exponent.begins, "an exponent must be a multiple of 0.5 from -64 to 64%s%s", "",
-                       "");
+        return fail_at(r, exponent.begins, "an exponent must be a multiple of 0.5 from -64 to 64");
     return add(r, part, (rp_x_step){.kind = X_POWER, .number = p});
 }
 
@@ -471,7 +464,7 @@ static rp_status read_level(x_reader *r, int priority, x_part *part)
 
 static rp_status read_choice(x_reader *r, x_part *part)
 {
-    if (++r->nested > MOST_NESTED) return fail_at(r, r->begins, "too deep%s%s", "", "");
+    if (++r->nested > MOST_NESTED) return fail_at(r, r->begins, "too deep");
     RP_TRY(read_level(r, 1, part));
     if (is_sign(r, "?")) {
         x_part yes, no;
@@ -483,7 +476,7 @@ static rp_status read_choice(x_reader *r, x_part *part)
         RP_TRY(read_choice(r, &no));
         RP_TRY(want(r, &no, yes.type));
         if (yes.type == RP_X_WORD && !known)
-            return fail_at(r, part->begins, "what chooses a word must be known before the run%s%s", "", "");
+            return fail_at(r, part->begins, "what chooses a word must be known before the run");
         part->type = yes.type;
         memcpy(part->word, first ? yes.word : no.word, sizeof part->word);
         if (known) { /* only what is chosen stays */
@@ -504,8 +497,7 @@ rp_status rp_expression_read(rp_arena *arena, const char *text, const rp_x_names
     x_part whole;
     RP_TRY(next(&r));
     RP_TRY(read_choice(&r, &whole));
-    if (r.sort != T_END)
-        return fail_at(&r, r.begins, "\"%s\" stands where the end is expected%s", r.token, "");
+    if (r.sort != T_END) return fail_at(&r, r.begins, "\"%s\" stands where the end is expected", r.token);
     *e = (rp_expression){.type = whole.type, .text = text, .n = r.n, .n_states = r.n_states};
     e->known = is_known(&r, 0);
     if (e->known && r.n > 0) e->value = r.steps[0].number;

@@ -11,9 +11,7 @@
 /* Is a text a name, which stands for itself unless it is an earlier one's? */
 static bool is_word(const char *text)
 {
-    if (!isalpha((unsigned char)*text)) return false;
-    while (isalnum((unsigned char)*text) || *text == '_') text++;
-    return !*text;
+    return isalpha((unsigned char)*text) && strspn(text, RP_NAME_LETTERS) == strlen(text);
 }
 
 static rp_status read_value(const config_setting_t *root, const rp_value *v, rp_x_symbol *is)
@@ -22,33 +20,27 @@ static rp_status read_value(const config_setting_t *root, const rp_value *v, rp_
     bool known = false;
     *is = (rp_x_symbol){.type = v->kind == RP_V_BOOL ? RP_X_TRUTH : RP_X_NUMBER, .known = true};
     if (v->kind != RP_V_TEXT) return is->value = v->kind == RP_V_REAL ? v->r : (double)v->i, RP_OK;
-    if (is_word(v->s)) RP_TRY(rp_lets_find(config_setting_get_hook(root), v->s, &earlier, &known));
+    if (is_word(v->s)) RP_TRY(rp_lets_find(config_setting_get_hook(root), v->s, -1, &earlier, &known));
     if (known || !is_word(v->s) || strcmp(v->s, "inf") == 0) return rp_lets_value(root, v->s, is);
     is->type = RP_X_WORD, is->word = v->s;
     return RP_OK;
 }
 
-/* The further keys of a group, and the range of a number. */
-static rp_status read_group(const config_setting_t *setting, bool foreign, rp_let *let,
+/* Of a group the further keys, and its value. */
+static rp_status read_group(const config_setting_t *group, bool foreign, rp_let *let,
                             const config_setting_t **value)
 {
-    const struct {
-        const char *key, **at;
-    } texts[] = {{"unit", &let->unit}, {"range", &let->range}, {"meaning", &let->meaning}};
-    *value = config_setting_get_member(setting, "value");
-    if (!*value) return rp_fail(RP_BAD_INPUT, "value is missing");
-    for (int i = 0; i < config_setting_length(setting); i++) {
-        const config_setting_t *member = config_setting_get_elem(setting, (unsigned)i);
-        const char *name = config_setting_name(member);
-        bool known = strcmp(name, "value") == 0;
-        for (int k = 0; k < 3; k++)
-            if (strcmp(name, texts[k].key) == 0) {
-                known = true, *texts[k].at = config_setting_get_string(member);
-                if (!*texts[k].at) return rp_fail(RP_BAD_INPUT, "%s: a text expected", name);
-            }
-        if (!known) return rp_fail(RP_BAD_INPUT, "unknown key %s; allowed: value unit range meaning", name);
-    }
-    return foreign ? RP_OK : rp_unit_check(let->unit);
+    static const rp_param schema[] = {{"unit", "", RP_TEXT, offsetof(rp_let, unit), "", "", ""},
+                                      {"range", "", RP_TEXT, offsetof(rp_let, range), "", "", ""},
+                                      {"meaning", "", RP_TEXT, offsetof(rp_let, meaning), "", "", ""},
+                                      {0}};
+    static const char *const others[] = {"value", NULL};
+    RP_TRY(rp_config_group(group, schema, let, others));
+    *value = config_setting_get_member(group, "value");
+    if (!*value) return rp_config_fail(group, "let.%s: value is missing", let->name);
+    return foreign || !rp_unit_check(let->unit)
+               ? RP_OK
+               : rp_config_fail(group, "let.%s: %s", let->name, rp_message());
 }
 
 /* Is it one of the words of a range of numbers, as in "[1, 10] | none"? */
@@ -59,15 +51,12 @@ static bool is_word_of(const rp_let *let, const rp_value *is, double *value)
            !rp_params_set(&param, value, is);
 }
 
-static rp_status read_let(const config_setting_t *root, const config_setting_t *setting, rp_lets *lets)
+static rp_status read_let(const config_setting_t *root, const config_setting_t *value, rp_let let,
+                          rp_lets *lets)
 {
-    rp_let let = {.name = config_setting_name(setting), .unit = "", .range = "", .meaning = ""};
-    const config_setting_t *value = setting;
-    static const char *const taken[] = {"pi", "deg", "inf", "dt", "true", "false", "and", "or", "not"};
-    for (size_t k = 0; k < sizeof taken / sizeof *taken; k++)
-        if (strcmp(let.name, taken[k]) == 0) return rp_fail(RP_BAD_INPUT, "the name is taken");
+    if (rp_word_index("pi deg inf dt true false and or not", let.name) >= 0)
+        return rp_fail(RP_BAD_INPUT, "the name is taken");
     if (!is_word(let.name)) return rp_fail(RP_BAD_INPUT, "a name of letters, digits and _ expected");
-    if (config_setting_is_group(setting)) RP_TRY(read_group(setting, lets->foreign, &let, &value));
     rp_value is;
     if (rp_config_scalar(value, &is))
         return rp_fail(RP_BAD_INPUT, "a number, true, false, a word or an expression expected");
@@ -89,11 +78,18 @@ static rp_status read_let(const config_setting_t *root, const config_setting_t *
     return RP_OK;
 }
 
+static rp_status call(void *host, const char *name, int n, const double args[], double *value, bool *known)
+{
+    const rp_lets *lets = host;
+    return lets->call(lets->host, name, n, args, value, known);
+}
+
 rp_status rp_lets_read(config_setting_t *root, rp_lets *lets)
 {
     rp_arena_end(&lets->arena);
     lets->n = 0;
-    rp_lets_name(lets);
+    lets->names = (rp_x_names){
+        .host = lets, .find = rp_lets_find, .list = rp_lets_list, .call = lets->call ? call : NULL};
     for (int k = 0; k < RP_LET_CONSTANTS; k++) lets->constants[k] = NAN;
     config_setting_set_hook(root, lets);
     const config_setting_t *group = config_setting_get_member(root, "let");
@@ -102,8 +98,10 @@ rp_status rp_lets_read(config_setting_t *root, rp_lets *lets)
         return rp_config_fail(group, "let: a group { NAME = value; ... } expected");
     RP_NEW(&lets->arena, lets->lets, (size_t)config_setting_length(group));
     for (int i = 0; i < config_setting_length(group); i++) {
-        const config_setting_t *setting = config_setting_get_elem(group, (unsigned)i);
-        if (read_let(root, setting, lets))
+        const config_setting_t *setting = config_setting_get_elem(group, (unsigned)i), *value = setting;
+        rp_let let = {.name = config_setting_name(setting), .unit = "", .range = "", .meaning = ""};
+        if (config_setting_is_group(setting)) RP_TRY(read_group(setting, lets->foreign, &let, &value));
+        if (read_let(root, value, let, lets))
             return rp_config_fail(setting, "let.%s: %s", config_setting_name(setting), rp_message());
     }
     return RP_OK;

@@ -48,12 +48,9 @@ typedef struct {
 rp_status rp_lets_read(config_setting_t *root, rp_lets *lets);
 void rp_lets_end(rp_lets *lets);
 
-/* The names of the lets themselves. */
-void rp_lets_name(rp_lets *lets);
-
-/* For names of a wider place: those of lets and constants. See rp_x_names. */
-rp_status rp_lets_find(rp_lets *lets, const char *name, rp_x_symbol *symbol, bool *known);
-void rp_lets_list(const rp_lets *lets, rp_guess *guess);
+/* The names of lets and constants, as those of rp_x_names; the host is the rp_lets. */
+rp_status rp_lets_find(void *lets, const char *name, int n_args, rp_x_symbol *symbol, bool *known);
+void rp_lets_list(void *lets, rp_guess *guess);
 
 /* The value of an expression that stands for a setting, which must be known before the run. Errors:
  * RP_BAD_INPUT, with the expression and the character; without lets RP_NO_RESULT and no message. */

@@ -19,8 +19,10 @@ static rp_status know(rp_lets *lets, rp_let_constant k)
     return status;
 }
 
-rp_status rp_lets_find(rp_lets *lets, const char *name, rp_x_symbol *symbol, bool *known)
+rp_status rp_lets_find(void *host, const char *name, int n_args, rp_x_symbol *symbol, bool *known)
 {
+    rp_lets *lets = host;
+    if (n_args >= 0) return RP_OK;
     for (size_t k = 0; k < lets->n; k++)
         if (strcmp(lets->lets[k].name, name) == 0) return *symbol = lets->lets[k].is, *known = true, RP_OK;
     for (rp_let_constant k = 0; k < RP_LET_CONSTANTS; k++) {
@@ -32,20 +34,11 @@ rp_status rp_lets_find(rp_lets *lets, const char *name, rp_x_symbol *symbol, boo
     return RP_OK;
 }
 
-static rp_status find(void *host, const char *name, int n_args, rp_x_symbol *symbol, bool *known)
+void rp_lets_list(void *host, rp_guess *guess)
 {
-    return n_args < 0 ? rp_lets_find(host, name, symbol, known) : RP_OK;
-}
-
-void rp_lets_list(const rp_lets *lets, rp_guess *guess)
-{
+    const rp_lets *lets = host;
     for (size_t k = 0; k < lets->n; k++) rp_guess_try(guess, lets->lets[k].name);
     for (int k = 0; k < RP_LET_CONSTANTS; k++) rp_guess_try(guess, constants[k]);
-}
-
-static void list(void *host, rp_guess *guess)
-{
-    rp_lets_list(host, guess);
 }
 
 static const rp_lets *lets_of(const config_setting_t *setting)
@@ -75,15 +68,4 @@ bool rp_lets_has(const config_setting_t *setting, const char *name)
     bool has = false;
     for (size_t k = 0; lets && k < lets->n; k++) has |= strcmp(lets->lets[k].name, name) == 0;
     return has;
-}
-
-static rp_status call(void *host, const char *name, int n, const double args[], double *value, bool *known)
-{
-    const rp_lets *lets = host;
-    return lets->call(lets->host, name, n, args, value, known);
-}
-
-void rp_lets_name(rp_lets *lets)
-{
-    lets->names = (rp_x_names){.host = lets, .find = find, .list = list, .call = lets->call ? call : NULL};
 }

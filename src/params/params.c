@@ -12,6 +12,8 @@
 #include "params/guess.h"
 #include "params/units.h"
 
+#define DECIMAL "+-.0123456789eE" /* characters of plain decimal numbers */
+
 /* The parts of a numeric range: bounds, whether they are open, and the further spellings. */
 typedef struct {
     double lo, hi;
@@ -80,19 +82,14 @@ const rp_param *rp_params_find(const rp_param *schema, const char *name)
 void rp_params_default(const rp_param *param, void *values)
 {
     static const size_t sizes[] = {
-        [RP_REAL] = sizeof(double),   [RP_INT] = sizeof(long),       [RP_BOOL] = sizeof(bool),
-        [RP_CHOICE] = sizeof(int),    [RP_FLAGS] = sizeof(unsigned), [RP_TEXT] = sizeof(char *),
-        [RP_TEXTS] = sizeof(rp_texts)};
-    char *field = (char *)values + param->offset;
+        [RP_REAL] = sizeof(double), [RP_INT] = sizeof(long),    [RP_BOOL] = sizeof(bool),
+        [RP_CHOICE] = sizeof(int),  [RP_TEXT] = sizeof(char *), [RP_TEXTS] = sizeof(rp_texts)};
+    void *field = (char *)values + param->offset;
     memset(field, 0, sizes[param->type]);
     if (!param->fallback || param->type == RP_TEXTS) return;
     rp_params_set_text(param, values, param->fallback);
-    if (param->type == RP_REAL && strspn(param->fallback, "+-.0123456789eE") == strlen(param->fallback)) {
-        double number;
-        memcpy(&number, field, sizeof number);
-        number = rp_units_value(param->unit, number);
-        memcpy(field, &number, sizeof number);
-    }
+    if (param->type == RP_REAL && strspn(param->fallback, DECIMAL) == strlen(param->fallback))
+        *(double *)field = rp_units_value(param->unit, *(double *)field);
 }
 
 void rp_params_defaults(const rp_param *schema, void *values)
@@ -144,10 +141,7 @@ static rp_status set_word(const rp_param *param, void *field, const rp_value *va
         return rp_fail(RP_BAD_INPUT, "%s = \"%.60s\": unknown word, allowed: %s%s", param->name, value->s,
                        param->range, rp_guess_text(&guess));
     }
-    if (param->type == RP_CHOICE)
-        *(int *)field = index;
-    else
-        *(unsigned *)field |= 1u << index;
+    *(int *)field = index;
     return RP_OK;
 }
 
@@ -166,8 +160,7 @@ rp_status rp_params_set(const rp_param *param, void *values, const rp_value *val
     switch (param->type) {
     case RP_REAL:
     case RP_INT: return set_number(param, field, value);
-    case RP_CHOICE:
-    case RP_FLAGS: return set_word(param, field, value);
+    case RP_CHOICE: return set_word(param, field, value);
     case RP_TEXTS: return add_text(param, field, value);
     case RP_BOOL:
         if (value->kind != RP_V_BOOL) return wrong_type(param, value, "true or false");
@@ -181,44 +174,19 @@ rp_status rp_params_set(const rp_param *param, void *values, const rp_value *val
     return rp_fail(RP_BROKEN, "%s: unknown type", param->name);
 }
 
-static rp_status set_flags_text(const rp_param *param, void *values, const char *text)
-{
-    *(unsigned *)((char *)values + param->offset) = 0;
-    while (*text) {
-        char word[64];
-        size_t n = strcspn(text, ",");
-        snprintf(word, sizeof word, "%.*s", (int)n, text);
-        rp_value v = {.kind = RP_V_TEXT, .s = word};
-        RP_TRY(rp_params_set(param, values, &v));
-        text += n + (text[n] == ',');
-    }
-    return RP_OK;
-}
-
 rp_status rp_params_set_text(const rp_param *param, void *values, const char *text)
 {
     rp_value v = {.kind = RP_V_TEXT, .s = text};
     char *end;
-    if (param->type == RP_FLAGS) return set_flags_text(param, values, text);
-    if (param->type == RP_BOOL) {
-        if (strcmp(text, "true") == 0 || strcmp(text, "false") == 0) {
-            v.kind = RP_V_BOOL;
-            v.i = *text == 't';
-        }
-    } else if (param->type == RP_INT || param->type == RP_REAL) {
+    if (param->type == RP_BOOL && (strcmp(text, "true") == 0 || strcmp(text, "false") == 0))
+        v = (rp_value){.kind = RP_V_BOOL, .i = *text == 't'};
+    if (*text && (param->type == RP_INT || param->type == RP_REAL)) {
         errno = 0;
-        long i = strtol(text, &end, 10);
-        if (*text && !*end && errno == 0) {
-            v.kind = RP_V_INT;
-            v.i = i;
-        } else {
-            double r = strtod(text, &end);
-            /* strtod also reads "inf" and hexadecimal: only plain decimal numbers are meant */
-            if (*text && !*end && strspn(text, "+-.0123456789eE") == strlen(text)) {
-                v.kind = RP_V_REAL;
-                v.r = r;
-            }
-        }
+        const long i = strtol(text, &end, 10);
+        if (!*end && errno == 0) return rp_params_set(param, values, &(rp_value){.kind = RP_V_INT, .i = i});
+        const double r = strtod(text, &end);
+        /* strtod also reads "inf" and hexadecimal: only plain decimal numbers are meant */
+        if (!*end && strspn(text, DECIMAL) == strlen(text)) v = (rp_value){.kind = RP_V_REAL, .r = r};
     }
     return rp_params_set(param, values, &v);
 }
@@ -239,7 +207,6 @@ const char *rp_number_text(double v, int digits, char *buffer, size_t size)
 const char *rp_params_text(const rp_param *param, const void *values, char *buffer, size_t size)
 {
     const char *field = (const char *)values + param->offset;
-    char word[64];
     switch (param->type) {
     case RP_REAL: {
         double v = *(const double *)field;
@@ -261,15 +228,6 @@ const char *rp_params_text(const rp_param *param, const void *values, char *buff
     }
     case RP_BOOL: snprintf(buffer, size, "%s", *(const bool *)field ? "true" : "false"); break;
     case RP_CHOICE: rp_word_at(param->range, *(const int *)field, buffer, size); break;
-    case RP_FLAGS: {
-        unsigned bits = *(const unsigned *)field;
-        size_t used = 0;
-        buffer[0] = '\0';
-        for (int i = 0; *rp_word_at(param->range, i, word, sizeof word); i++)
-            if (bits & 1u << i && used < size)
-                used += (size_t)snprintf(buffer + used, size - used, "%s%s", used ? "," : "", word);
-        break;
-    }
     case RP_TEXT: {
         const char *s = *(const char *const *)field;
         snprintf(buffer, size, "%s", s ? s : "");
@@ -289,7 +247,6 @@ static bool is_default(const rp_param *param, const char *text)
         long whole;
         bool yes;
         int word;
-        unsigned words;
     } value;
     char shown[256];
     alone.offset = 0;

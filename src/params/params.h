@@ -16,7 +16,6 @@ typedef enum {
     RP_INT,    /* long */
     RP_BOOL,   /* bool */
     RP_CHOICE, /* int: index into the words of `range` */
-    RP_FLAGS,  /* unsigned: one bit for each word of `range` */
     RP_TEXT,   /* const char *, borrowed from the caller; any text */
     RP_TEXTS   /* rp_texts: an option that may be given several times */
 } rp_type;
@@ -29,7 +28,7 @@ typedef struct {
 /* One parameter. `range` reads "[lo, hi]" with ( ) for open ends, for numbers; words after "|" are further
  * spellings ("[0, inf) | infinite | auto"). For RP_REAL "auto" stands for -1 and any other word for infinity;
  * for RP_INT one word is allowed, and stands for -1.
- * For RP_CHOICE and RP_FLAGS it lists the words: "extends | ends | absorbs".
+ * For RP_CHOICE it lists the words: "extends | ends | absorbs".
  * `fallback` is the default as a user would write it, in cgs; NULL makes the parameter required. */
 typedef struct {
     const char *name;
@@ -61,12 +60,11 @@ const rp_param *rp_params_find(const rp_param *schema, const char *name);
 void rp_params_default(const rp_param *param, void *values);
 void rp_params_defaults(const rp_param *schema, void *values);
 
-/* Check `value` against `param` and store it. RP_FLAGS: sets the bit of one word (clear the field first).
- * Errors: RP_BAD_INPUT for a wrong type, a number out of range or not finite, an unknown word. */
+/* Check `value` against `param` and store it. Errors: RP_BAD_INPUT for a wrong type, a number out of range or
+ * not finite, an unknown word. */
 rp_status rp_params_set(const rp_param *param, void *values, const rp_value *value);
 
-/* The same check for a text from the command line; RP_FLAGS and RP_CHOICE take words, flags joined by commas.
- * Errors: RP_BAD_INPUT. */
+/* The same check for a text from the command line. Errors: RP_BAD_INPUT. */
 rp_status rp_params_set_text(const rp_param *param, void *values, const char *text);
 
 /* The shortest decimal form of at least `digits` significant digits that reads back to the same bits, or

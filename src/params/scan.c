@@ -1,7 +1,7 @@
 /* What libconfig 1.5 does not refuse by itself, found in the text before libconfig reads it: whole numbers
  * that do not fit an int, which it lets wrap, texts and comments without an end, which take the rest of the
- * file, and sizes for which its time grows with the square. The tokens are those of libconfig's scanner,
- * included files as well. */
+ * file, other files that it would include, and sizes for which its time grows with the square. The tokens are
+ * those of libconfig's scanner. */
 #include <ctype.h>
 #include <errno.h>
 #include <limits.h>
@@ -15,16 +15,11 @@
 
 /* libconfig looks for twins of a key in its whole group, and goes back to the start of a token at every 8 kB.
  */
-enum { MOST_BYTES = 64 << 20, MOST_IN_TOKEN = 65536, MOST_KEYS = 1000, MOST_LEVELS = 32, MOST_FILES = 10 };
+enum { MOST_BYTES = 64 << 20, MOST_IN_TOKEN = 65536, MOST_KEYS = 1000, MOST_LEVELS = 32 };
 
 typedef struct {
-    const char *folder; /* of included files; NULL: the current one */
-    size_t bytes;       /* read so far */
-    int files;          /* open: the first, and those that include one another */
     size_t level, keys[MOST_LEVELS];
 } scan;
-
-static rp_status scan_file(scan *s, const char *path);
 
 /* End of a number. *fits: is it no whole number above an int, or with an L above a long long? */
 static const char *number_end(const char *p, bool *fits)
@@ -60,28 +55,6 @@ static const char *token_end(const char *p, bool *fits)
     return p;
 }
 
-/* Beginning of the name in `@include "name"` at the start of a line, or NULL. */
-static const char *included(const char *p)
-{
-    p += strspn(p, " \t");
-    if (strncmp(p, "@include", 8) != 0) return NULL;
-    const size_t gap = strspn(p + 8, " \t");
-    return gap && p[8 + gap] == '"' ? p + 8 + gap + 1 : NULL;
-}
-
-static rp_status scan_included(scan *s, const char *name, const char **end)
-{
-    char path[PATH_MAX];
-    const size_t length = strcspn(name, "\"\\");
-    if (name[length] != '"') return rp_fail(RP_BAD_INPUT, "@include: a plain name in quotes expected");
-    if (s->files == MOST_FILES)
-        return rp_fail(RP_BAD_INPUT, "@include: more than %d files within one another", MOST_FILES);
-    *end = name + length + 1;
-    snprintf(path, sizeof path, "%s%s%.*s", s->folder ? s->folder : "", s->folder ? "/" : "", (int)length,
-             name);
-    return scan_file(s, path);
-}
-
 /* Groups, lists and the number of keys in each. */
 static rp_status count(scan *s, char c)
 {
@@ -100,8 +73,9 @@ static rp_status count(scan *s, char c)
 static rp_status scan_token(scan *s, const char *text, const char **p)
 {
     bool fits = true;
-    const char *start = *p, *name = start == text || start[-1] == '\n' ? included(start) : NULL;
-    if (name) return scan_included(s, name, p);
+    const char *start = *p;
+    if ((start == text || start[-1] == '\n') && strncmp(start + strspn(start, " \t"), "@include", 8) == 0)
+        return rp_fail(RP_BAD_INPUT, "@include: a file must be whole in itself");
     *p = token_end(start, &fits);
     if ((*p ? *p : start + strlen(start)) - start > MOST_IN_TOKEN)
         return rp_fail(RP_BAD_INPUT, "a text, comment, gap, name or number of more than %d bytes",
@@ -117,18 +91,19 @@ static rp_status scan_token(scan *s, const char *text, const char **p)
                           shown, start, INT_MAX, shown, start);
 }
 
-static rp_status scan_text(scan *s, const char *name, const char *text)
+rp_status rp_config_scan_text(const char *name, const char *text)
 {
+    scan s = {0};
     int line = 1;
     for (const char *p = text; *p;) {
         const char *start = p;
-        RP_TRY(rp_prefix(scan_token(s, text, &p), "%s:%d: ", name, line));
+        RP_TRY(rp_prefix(scan_token(&s, text, &p), "%s:%d: ", name, line));
         for (; start < p; start++) line += *start == '\n';
     }
     return RP_OK;
 }
 
-static rp_status scan_file(scan *s, const char *path)
+rp_status rp_config_scan_file(const char *path)
 {
     struct stat info;
     char *text = NULL;
@@ -136,25 +111,10 @@ static rp_status scan_file(scan *s, const char *path)
     if (known && !S_ISREG(info.st_mode))
         return rp_fail(RP_BAD_INPUT, "%s: %s, a parameter file expected", path,
                        S_ISDIR(info.st_mode) ? "is a directory" : "is no regular file");
-    if (known && info.st_size > (off_t)(MOST_BYTES - s->bytes))
+    if (known && info.st_size > MOST_BYTES)
         return rp_fail(RP_BAD_INPUT, "%s: more than %d MB", path, MOST_BYTES >> 20);
     rp_status status = rp_file_read(path, &text);
-    if (!status) {
-        s->bytes += strlen(text);
-        s->files++;
-        status = scan_text(s, path, text);
-        s->files--;
-    }
+    if (!status) status = rp_config_scan_text(path, text);
     free(text);
     return status;
-}
-
-rp_status rp_config_scan_file(const char *path, const char *folder)
-{
-    return scan_file(&(scan){.folder = folder}, path);
-}
-
-rp_status rp_config_scan_text(const char *name, const char *text)
-{
-    return scan_text(&(scan){0}, name, text);
 }

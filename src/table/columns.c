@@ -124,32 +124,16 @@ rp_status rp_columns_read_file(rp_arena *arena, const char *path, const char *na
     return rp_columns_read(arena, table, names, block);
 }
 
-/* The columns and rows that are asked for. */
-typedef struct {
-    const rp_table *t;
-    const rp_choice *choice;
-    int columns[RP_MOST_COLUMNS];
-    size_t n;
-} request;
-
-/* Is this row left out? Count why. Its numbers go to `numbers`. */
-static rp_status leave_out(const request *q, size_t row, rp_rows *r, double numbers[], bool *out)
+/* Is a row of these numbers left out? Count why. */
+static bool is_left_out(const rp_choice *choice, bool failed, size_t n, const double numbers[], rp_rows *r)
 {
-    const rp_choice *choice = q->choice;
-    const int word = choice->any_status ? -1 : rp_table_column(q->t, "status");
-    const bool failed = word >= 0 && !rp_is_result(rp_cell(q->t, row, word));
     bool missing = false;
-    rp_status status = RP_OK;
-    for (size_t c = 0; c < q->n && !failed && !status; c++) {
-        status = rp_table_number(q->t, row, q->columns[c], true, &numbers[c]);
-        missing |= isnan(numbers[c]);
-    }
+    for (size_t c = 0; c < n && !failed; c++) missing |= isnan(numbers[c]);
     const bool outside = choice->range && (numbers[0] < choice->range[0] || numbers[0] > choice->range[1]);
-    *out = failed || missing || outside;
     r->n_failed += failed;
     r->n_nan += !failed && missing;
     r->n_outside += !failed && !missing && outside;
-    return status;
+    return failed || missing || outside;
 }
 
 typedef struct {
@@ -178,16 +162,18 @@ static void find_groups(rp_arena *arena, rp_rows *r, const ranked rank[], const 
 rp_status rp_rows_read(rp_arena *arena, const rp_table *t, const char *names, const rp_choice *choice,
                        rp_rows *r)
 {
-    request q = {.t = t, .choice = choice};
+    int columns[RP_MOST_COLUMNS];
+    size_t k;
     *r = (rp_rows){0};
-    RP_TRY(rp_column_list(t, names, RP_MOST_COLUMNS, &q.n, q.columns));
-    const size_t k = q.n;
+    RP_TRY(rp_column_list(t, names, RP_MOST_COLUMNS, &k, columns));
+    const int word = choice->any_status ? -1 : rp_table_column(t, "status");
     double *numbers = rp_arena_memory(arena, t->n_rows * k, sizeof *numbers);
     ranked *rank = rp_arena_memory(arena, t->n_rows, sizeof *rank);
     for (size_t i = 0; i < t->n_rows; i++) {
-        bool out;
-        RP_TRY(leave_out(&q, i, r, numbers + i * k, &out));
-        if (out) continue;
+        const bool failed = word >= 0 && !rp_is_result(rp_cell(t, i, word));
+        for (size_t c = 0; c < k && !failed; c++)
+            RP_TRY(rp_table_number(t, i, columns[c], true, &numbers[i * k + c]));
+        if (is_left_out(choice, failed, k, numbers + i * k, r)) continue;
         const double key = choice->groups ? (double)choice->groups->of_row[i] : numbers[i * k];
         rank[r->n++] = (ranked){choice->groups || choice->grouped ? key : 0.0, i};
     }
@@ -231,27 +217,22 @@ rp_status rp_header_by(const rp_table *table, const char *by, const char *own)
 
 rp_status rp_group_rows(rp_arena *arena, const rp_table *t, const char *by, char separator, rp_groups *g)
 {
-    size_t n_by = 0, size;
+    size_t n_by = 0;
     int columns[MOST_BY];
-    char *label = NULL, between[] = {separator, '\0'};
     *g = (rp_groups){0};
     if (strcmp(by, "none") != 0) RP_TRY(rp_column_list(t, by, MOST_BY, &n_by, columns));
-    FILE *text = open_memstream(&label, &size);
-    if (!text) return rp_fail(RP_NO_MEMORY, "%s: out of memory", t->path);
-    g->of_row = rp_arena_memory(arena, t->n_rows, sizeof *g->of_row);
-    g->words = rp_arena_memory(arena, t->n_rows, sizeof *g->words);
+    RP_NEW(arena, g->of_row, t->n_rows);
+    RP_NEW(arena, g->words, t->n_rows);
     for (size_t i = 0; i < t->n_rows; i++) {
-        rewind(text);
-        for (size_t k = 0; k < n_by; k++) fprintf(text, "%s%s", k ? between : "", rp_cell(t, i, columns[k]));
-        fputc('\0', text);
-        fflush(text); /* the label is there */
+        RP_SCOPE(row);
+        const char *label = "";
         size_t group = 0;
+        for (size_t k = 0; k < n_by && label; k++)
+            label = rp_text(&row, "%s%.*s%s", label, k > 0, &separator, rp_cell(t, i, columns[k]));
+        if (!label) return RP_NO_MEMORY;
         while (group < g->n_groups && strcmp(g->words[group], label) != 0) group++;
         g->of_row[i] = group;
-        if (group == g->n_groups)
-            g->words[g->n_groups++] = strcpy(rp_arena_memory(arena, strlen(label), 1), label);
+        if (group == g->n_groups) g->words[g->n_groups++] = rp_text(arena, "%s", label);
     }
-    fclose(text);
-    free(label);
     return RP_OK;
 }

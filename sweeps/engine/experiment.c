@@ -113,7 +113,7 @@ static rp_status begin_trace(trace *t)
     t->passes = calloc(exp_phase_count(t->plan) + 1, sizeof *t->passes);
     if (!t->passes) return rp_fail(RP_NO_MEMORY, "run: out of memory");
     RP_TRY(sweep_table_open(t->tables, "energy.tsv", &t->energy));
-    dem_write_energy_columns(t->tables->ledger, t->energy.out);
+    dem_write_columns(DEM_TABLE_ENERGY, t->tables->ledger, t->energy.out);
     return RP_OK;
 }
 
@@ -139,7 +139,8 @@ static rp_status note_phase(trace *t, long step)
     exp_run *const run = t->run;
     if (!t->energy.out) return RP_OK;
     const long every = t->tables->every, now = dem_step(exp_sim(run));
-    if (every > 0 && now != step && now % every == 0) dem_write_energy(exp_sim(run), t->energy.out);
+    if (every > 0 && now != step && now % every == 0)
+        RP_TRY(dem_write_rows(DEM_TABLE_ENERGY, exp_sim(run), t->energy.out));
     for (size_t k = 0; k < exp_phase_count(t->plan); k++) {
         const exp_passed p = exp_phase_at(run, k);
         char stage[64];
@@ -343,15 +344,6 @@ static rp_status describe(sweep_experiment *e)
     return RP_OK;
 }
 
-rp_status sweep_refuse_includes(const char *path, const char *text, const char *what)
-{
-    int line = 1;
-    for (const char *at = text; at; at = strchr(at, '\n') ? strchr(at, '\n') + 1 : NULL, line++)
-        if (strncmp(at + strspn(at, " \t"), "@include", 8) == 0)
-            return rp_fail(RP_BAD_INPUT, "%s:%d: @include: %s must be whole in itself", path, line, what);
-    return RP_OK;
-}
-
 /* A sweep's folder keeps all that its runs depend on. */
 static rp_status refuse_files(const sweep_experiment *e)
 {
@@ -361,7 +353,7 @@ static rp_status refuse_files(const sweep_experiment *e)
         if (setting)
             return rp_config_fail(setting, "%s: a text that is swept must be whole in itself", keys[k]);
     }
-    return sweep_refuse_includes(e->text.path, e->bytes, "a text that is swept");
+    return RP_OK;
 }
 
 /* The text of a protocol, or of the file `path`. */
@@ -380,7 +372,7 @@ static rp_status open_text(const sweep_protocol *of, const char *path, const rp_
                                    .run = run_one,
                                    .context = e};
     if (!of->text) RP_TRY(rp_file_read(path, &e->bytes));
-    RP_TRY(dem_text_open_bytes(path, of->text, changes, &e->text));
+    RP_TRY(dem_text_open(path, of->text, changes, &e->text));
     if (!exp_has_phases(&e->text))
         return rp_fail(RP_BAD_INPUT, "%s: has no phases; a sweep needs an experiment", path);
     RP_TRY(refuse_files(e));

@@ -23,9 +23,6 @@ void sweep_experiment_in(sweep_experiment *e, rp_units units);
 void sweep_experiment_also(sweep_experiment *e, const char *name);
 void sweep_experiment_close(sweep_experiment *e);
 
-/* Refuse a text that includes files: `what` must be whole in itself. Errors: RP_BAD_INPUT. */
-rp_status sweep_refuse_includes(const char *path, const char *text, const char *what);
-
 /* The bytes of the file that it was opened from; NULL: from none, also without an experiment. */
 const char *sweep_experiment_text(const sweep_experiment *e);
 

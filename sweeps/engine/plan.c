@@ -202,7 +202,7 @@ static rp_status read_axis(sweep_plan *plan, size_t a, const config_setting_t *f
         return rp_config_fail(axis->list, "%s: is a column that every sweep has; give the let another name",
                               name);
     const rp_type type = axis->param->type;
-    if (type == RP_FLAGS || type == RP_TEXT || type == RP_TEXTS)
+    if (type == RP_TEXT || type == RP_TEXTS)
         return rp_config_fail(axis->list, "%s: cannot vary over a grid; set it under fixed", name);
     if (fixed && config_setting_get_member(fixed, name))
         return rp_config_fail(axis->list, "%s: appears under fixed and under grid; keep one", name);
@@ -398,7 +398,6 @@ rp_status sweep_plan_read(const char *file, const sweep_protocol *const *protoco
     head h;
     RP_TRY(rp_config_read(file, &plan->config));
     RP_TRY(rp_file_read(file, &plan->text));
-    RP_TRY(sweep_refuse_includes(file, plan->text, "a sweep file"));
     const config_setting_t *root = config_root_setting(&plan->config),
                            *fixed = config_setting_get_member(root, "fixed"),
                            *grid = config_setting_get_member(root, "grid");

@@ -49,18 +49,15 @@ rp_status sweep_state_write(const sweep_tables *tables, const dem_sim *sim, cons
 {
     static const struct {
         const char *name;
-        void (*columns)(FILE *);
-        rp_status (*rows)(const dem_sim *, FILE *);
-    } list[] = {{"grains", dem_write_state_columns, dem_write_states},
-                {"contacts", dem_write_contact_columns, dem_write_contacts},
-                {"walls", dem_write_wall_columns, dem_write_walls}};
+        dem_table table;
+    } list[] = {{"grains", DEM_TABLE_STATES}, {"contacts", DEM_TABLE_CONTACTS}, {"walls", DEM_TABLE_WALLS}};
     for (size_t i = 0; tables && i < sizeof list / sizeof *list; i++) {
         char name[64];
         sweep_file f;
         snprintf(name, sizeof name, "%s_%s.tsv", stage, list[i].name);
         RP_TRY(sweep_table_open(tables, name, &f));
-        list[i].columns(f.out);
-        RP_TRY(sweep_table_close(&f, list[i].rows(sim, f.out)));
+        dem_write_columns(list[i].table, false, f.out);
+        RP_TRY(sweep_table_close(&f, dem_write_rows(list[i].table, sim, f.out)));
     }
     return RP_OK;
 }

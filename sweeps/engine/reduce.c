@@ -165,12 +165,10 @@ static rp_status write_columns(const table *t)
     return RP_OK;
 }
 
-/* A list of words is joined by +: commas separate the cells of other formats. */
 static void write_parameter(FILE *out, const rp_param *param, const void *values)
 {
     char text[256];
     rp_params_text(param, values, text, sizeof text);
-    for (char *c = text; param->type == RP_FLAGS && (c = strchr(c, ','));) *c = '+';
     fprintf(out, "%s\t", *text ? text : "-");
 }
 

@@ -87,7 +87,7 @@ static rp_status claim(const sweep_folder *f, const char *file)
     RP_TRY(rp_make_directory(f->dir));
     RP_TRY(rp_folder_enter(f->dir, &folder));
     if (!folder.marked) RP_TRY(rp_folder_vacant(&folder, false));
-    if (folder.marked && !rp_folder_find(&folder, "sweep.cfg"))
+    if (folder.marked && !rp_folder_find(&folder, "sweep.cfg", 0))
         return rp_fail(RP_BAD_INPUT, "%s: holds %s; give another folder", f->dir,
                        *folder.holds ? folder.holds : "an unfinished run");
     const bool snapshots = access(f->snapshots, F_OK) == 0; /* people's, if it was there before */
@@ -267,7 +267,7 @@ static void remove_snapshots(const sweep_folder *f)
     if (!rp_folder_open(f->snapshots, &snapshots)) rp_paths_in(&left, f->snapshots, sweep_keep_is_name);
     for (size_t i = 0; i < left.n; i++)
         if (rp_folder_shows(&snapshots, basename(left.path[i]))) unlink(left.path[i]);
-    if (!rp_folder_open(f->dir, &folder) && rp_folder_find(&folder, "snapshots")) rmdir(f->snapshots);
+    if (!rp_folder_open(f->dir, &folder) && rp_folder_find(&folder, "snapshots", 0)) rmdir(f->snapshots);
 }
 
 rp_status sweep_run(const char *dir, const sweep_protocol *const *protocols, const sweep_options *options,

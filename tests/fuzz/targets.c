@@ -103,7 +103,7 @@ static void read_experiment(size_t n, const char bytes[])
     dem_text text;
     exp_plan *plan = NULL;
     exp_run *run = NULL;
-    rp_status status = dem_text_open("e.cfg", NULL, &text);
+    rp_status status = dem_text_open("e.cfg", NULL, NULL, &text);
     if (!status) status = exp_read(&text, &plan);
     if (!status) status = exp_check(plan);
     if (!status && exp_scene(plan)->has_fill && exp_scene(plan)->fill.N > 200) status = RP_NO_RESULT;

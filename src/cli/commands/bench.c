@@ -65,7 +65,7 @@ static rp_status fill(rp_arena *arena, const bench_options *o, dem_grain **grain
 {
     const dem_fill dilute = {o->n, o->width, 2.0 * o->width, 0.1, 0.02, 0.07, 0.13, 1.0, DEM_SPHERE, 1993, 0};
     *grains = rp_arena_memory(arena, (size_t)o->n, sizeof **grains);
-    if (!(o->size_ratio > 0.0)) return dem_fill_random(&dilute, *grains);
+    if (!(o->size_ratio > 0.0)) return dem_fill_grains(&dilute, *grains, &(size_t){0});
     const double first = 10.0 / sqrt(o->size_ratio), last = 10.0 * sqrt(o->size_ratio); /* 1/cm */
     for (long i = 0; i < o->n; i++)
         (*grains)[i].r = 1.0 / (first + (last - first) * ((double)i + 0.5) / (double)o->n);
@@ -103,8 +103,8 @@ static rp_status write_grains(const cli_call *call, const char *path, const dem_
     FILE *out;
     RP_TRY(rp_file_open(path, &out));
     cli_provenance(call, out);
-    dem_write_state_columns(out);
-    return rp_file_close(path, out, dem_write_states(sim, out));
+    dem_write_columns(DEM_TABLE_STATES, false, out);
+    return rp_file_close(path, out, dem_write_rows(DEM_TABLE_STATES, sim, out));
 }
 
 /* A fall from 2 W and the time to settle, both growing with the box. Large grains that fall from so high

@@ -170,7 +170,7 @@ static void complete(cli_call call, const cli_command *c)
     for (const rp_param *p = call.options; p->name; p++) {
         if (p->type == RP_BOOL) continue;
         printf("    '%s'*' %s%s ') words='", c->name, cli_dashes(p), p->name);
-        for (const char *r = p->type == RP_CHOICE || p->type == RP_FLAGS ? p->range : ""; *r; r++)
+        for (const char *r = p->type == RP_CHOICE ? p->range : ""; *r; r++)
             if (*r != '|') putchar(*r);
         puts("' ;;");
     }

@@ -18,8 +18,8 @@
 
 CLI_OPTIONS(params, PARAMS_OPTIONS)
 
-static const char *const type_words[] = {[RP_REAL] = "real",   [RP_INT] = "whole",   [RP_BOOL] = "bool",
-                                         [RP_CHOICE] = "word", [RP_FLAGS] = "words", [RP_TEXT] = "text"};
+static const char *const type_words[] = {
+    [RP_REAL] = "real", [RP_INT] = "whole", [RP_BOOL] = "bool", [RP_CHOICE] = "word", [RP_TEXT] = "text"};
 
 static const char *shown(const char *text)
 {
@@ -135,7 +135,7 @@ static rp_status file_rows(const cli_call *call, const char *path)
     dem_scene scene = {0};
     exp_plan *plan = NULL;
     char number[32];
-    rp_status status = dem_text_open(path, NULL, &text);
+    rp_status status = dem_text_open(path, NULL, NULL, &text);
     const bool phases = !status && exp_has_phases(&text);
     if (!status) status = phases ? exp_read(&text, &plan) : dem_text_scene(&text, &scene);
     if (!status) {

@@ -170,15 +170,14 @@ static rp_status open_tables(scene_run *r)
     if (*r->o->o) {
         RP_TRY(cli_unfinished_start(&r->unfinished));
         for (int k = 0; k < CLI_GROWING; k++) put_origin(&r->of, table_of(r, k));
-        dem_write_energy_columns(r->plan.ledger, table_of(r, ENERGY));
-        dem_write_contact_columns(table_of(r, CONTACTS));
-        dem_write_wall_columns(table_of(r, WALLS));
+        for (int k = STATES + 1; k < CLI_GROWING; k++)
+            dem_write_columns((dem_table)k, r->plan.ledger, table_of(r, k));
     } else {
         r->unfinished.table[STATES].file = stdout;
         cli_provenance(&r->of.call, stdout);
     }
     dem_write_notes(r->sim, table_of(r, STATES));
-    dem_write_state_columns(table_of(r, STATES));
+    dem_write_columns(DEM_TABLE_STATES, false, table_of(r, STATES));
     return RP_OK;
 }
 
@@ -193,15 +192,11 @@ static long steps_of(const scene_run *r)
 static rp_status write_frame(const scene_run *r, bool stage, bool last)
 {
     const long *every = r->plan.every, step = steps_of(r);
-    FILE *due[CLI_GROWING];
     for (int k = 0; k < CLI_GROWING; k++) {
-        const bool now = last ? every[k] != 0 : every[k] > 0 ? step % every[k] == 0 : stage && every[k];
-        due[k] = now ? table_of(r, k) : NULL;
+        const bool due = last ? every[k] != 0 : every[k] > 0 ? step % every[k] == 0 : stage && every[k];
+        if (due && table_of(r, k)) RP_TRY(dem_write_rows((dem_table)k, r->sim, table_of(r, k)));
     }
-    if (due[STATES]) RP_TRY(dem_write_states(r->sim, due[STATES]));
-    if (due[ENERGY]) dem_write_energy(r->sim, due[ENERGY]);
-    if (due[CONTACTS]) RP_TRY(dem_write_contacts(r->sim, due[CONTACTS]));
-    return due[WALLS] ? dem_write_walls(r->sim, due[WALLS]) : RP_OK;
+    return RP_OK;
 }
 
 static growth growth_of(const dem_scene *scene, const dem_sim *sim)
@@ -556,7 +551,7 @@ static void warn_gravity(const char *path, double g)
 static rp_status read_text(const char *path, scene_run *r)
 {
     dem_scene *scene = &r->scene;
-    RP_TRY(dem_text_open(path, &r->o->set, &r->text));
+    RP_TRY(dem_text_open(path, NULL, &r->o->set, &r->text));
     if (exp_has_phases(&r->text)) {
         RP_TRY(exp_read(&r->text, &r->phases));
         RP_TRY(exp_check(r->phases));

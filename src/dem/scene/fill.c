@@ -294,9 +294,3 @@ rp_status dem_fill_grains(const dem_fill *f, dem_grain *grains, size_t *n)
     end_stream(f, radii);
     return f->pattern == DEM_PATTERN_RANDOM ? dem_fill_place(f, grains) : status;
 }
-
-rp_status dem_fill_random(const dem_fill *f, dem_grain *grains)
-{
-    size_t n;
-    return dem_fill_grains(f, grains, &n);
-}

@@ -42,8 +42,7 @@ static const rp_param top_schema[] = {
      "step of the table, which may have several"},
     {"contacts_file", "", RP_TEXT, AT(dem_scene_file, contacts_file), "", "",
      "table contacts.tsv beside the states.tsv of `particles_file`, whose springs then go on; without it "
-     "they begin "
-     "at 0, and a bed at rest moves"},
+     "they begin at 0, and a bed at rest moves"},
     {0}};
 
 static const rp_param normal_schema[] = {DEM_NORMAL_PARAMS(ROW){0}};
@@ -127,36 +126,21 @@ static const rp_param particle_schema[] = {
     {"fixed", "", RP_BOOL, AT(dem_grain, fixed), "false", "", "whether it never moves"},
     {0}};
 
-#define INTERVAL(table, what)                                                                                \
-    {                                                                                                        \
-#table, "steps", RP_INT, AT(dem_intervals, table), "auto", "[0, 2147483647] | auto",                 \
-            "from frame to frame of the " what                                                               \
-            "; 0: none; auto: the last frame, and those at the ends of phases"                               \
-    }
-static const rp_param output_schema[] = {INTERVAL(states, "states"),
-                                         INTERVAL(energy, "energies"),
-                                         INTERVAL(contacts, "contacts"),
-                                         INTERVAL(walls, "walls"),
-                                         {0}};
-
+/* clang-format off */
+#define INTERVAL(table, what) \
+    {#table, "steps", RP_INT, AT(dem_intervals, table), "auto", "[0, 2147483647] | auto", \
+     "from frame to frame of the " what "; 0: none; auto: the last frame, and those at the ends of phases"},
 #define OF_FILL(...) DEM_KEY_ROW(dem_fill, , __VA_ARGS__)
-#define RADII_ROWS                                                                                           \
-    DEM_RADIUS_PARAMS(OF_FILL){"radius_law",                                                                 \
-                               "",                                                                           \
-                               RP_CHOICE,                                                                    \
-                               AT(dem_fill, law),                                                            \
-                               "gauss",                                                                      \
-                               DEM_WORDS(DEM_RADIUS_LAWS),                                                   \
-                               "law of the radii",                                                           \
-                               .manual = dem_radius_law_manual},                                             \
-        {"by",                                                                                               \
-         "",                                                                                                 \
-         RP_CHOICE,                                                                                          \
-         AT(dem_fill, by),                                                                                   \
-         "number",                                                                                           \
-         DEM_WORDS(DEM_SHARES),                                                                              \
-         "what the law's shares are of",                                                                     \
-         .manual = dem_share_manual},
+#define RADII_ROWS \
+    DEM_RADIUS_PARAMS(OF_FILL) \
+    {"radius_law", "", RP_CHOICE, AT(dem_fill, law), "gauss", DEM_WORDS(DEM_RADIUS_LAWS), "law of the radii", \
+     .manual = dem_radius_law_manual}, \
+    {"by", "", RP_CHOICE, AT(dem_fill, by), "number", DEM_WORDS(DEM_SHARES), "what the law's shares are of", \
+     .manual = dem_share_manual},
+/* clang-format on */
+
+static const rp_param output_schema[] = {INTERVAL(states, "states") INTERVAL(energy, "energies")
+                                             INTERVAL(contacts, "contacts") INTERVAL(walls, "walls"){0}};
 
 const rp_param dem_radii_schema[] = {RADII_ROWS{0}};
 static const rp_param fill_schema[] = {

@@ -49,12 +49,17 @@ static void put_row(FILE *out, size_t size, const double *values)
     rp_table_row(out, size / sizeof *values, values);
 }
 
-void dem_write_state_columns(FILE *out)
+void dem_write_columns(dem_table table, bool ledger, FILE *out)
 {
-    HEADER(out, STATES);
+    switch (table) {
+    case DEM_TABLE_STATES: HEADER(out, STATES); break;
+    case DEM_TABLE_ENERGY: ledger ? HEADER(out, WITH_LEDGER) : HEADER(out, ENERGIES); break;
+    case DEM_TABLE_CONTACTS: HEADER(out, CONTACTS); break;
+    case DEM_TABLE_WALLS: HEADER(out, WALLS); break;
+    }
 }
 
-rp_status dem_write_states(const dem_sim *sim, FILE *out)
+static rp_status write_states(const dem_sim *sim, FILE *out)
 {
     dem_state *states = malloc((dem_count(sim) + 1) * sizeof *states);
     if (!states) return rp_fail(RP_NO_MEMORY, "states: out of memory");
@@ -64,12 +69,7 @@ rp_status dem_write_states(const dem_sim *sim, FILE *out)
     return status;
 }
 
-void dem_write_contact_columns(FILE *out)
-{
-    HEADER(out, CONTACTS);
-}
-
-rp_status dem_write_contacts(const dem_sim *sim, FILE *out)
+static rp_status write_contacts(const dem_sim *sim, FILE *out)
 {
     dem_contact *contacts;
     size_t n;
@@ -79,29 +79,7 @@ rp_status dem_write_contacts(const dem_sim *sim, FILE *out)
     return status;
 }
 
-void dem_write_wall_columns(FILE *out)
-{
-    HEADER(out, WALLS);
-}
-
-rp_status dem_write_walls(const dem_sim *sim, FILE *out)
-{
-    for (size_t k = 0; k < sim->def.n_walls; k++) {
-        const dem_wall_state w = dem_wall_now(sim, k);
-        ROW(out, WALLS);
-    }
-    return RP_OK;
-}
-
-void dem_write_energy_columns(bool ledger, FILE *out)
-{
-    if (ledger)
-        HEADER(out, WITH_LEDGER);
-    else
-        HEADER(out, ENERGIES);
-}
-
-void dem_write_energy(const dem_sim *sim, FILE *out)
+static void write_energy(const dem_sim *sim, FILE *out)
 {
     const double n = (double)dem_count(sim);
     dem_energy e;
@@ -111,4 +89,16 @@ void dem_write_energy(const dem_sim *sim, FILE *out)
         ROW(out, WITH_LEDGER);
     else
         ROW(out, ENERGIES);
+}
+
+rp_status dem_write_rows(dem_table table, const dem_sim *sim, FILE *out)
+{
+    if (table == DEM_TABLE_STATES) return write_states(sim, out);
+    if (table == DEM_TABLE_CONTACTS) return write_contacts(sim, out);
+    if (table == DEM_TABLE_ENERGY) return write_energy(sim, out), RP_OK;
+    for (size_t k = 0; k < sim->def.n_walls; k++) {
+        const dem_wall_state w = dem_wall_now(sim, k);
+        ROW(out, WALLS);
+    }
+    return RP_OK;
 }

@@ -27,16 +27,6 @@ static rp_status add_wall(const dem_wall_entry *entry, dem_wall wall, dem_scene 
     return status ? rp_config_fail(entry->setting, "%s", rp_message()) : RP_OK;
 }
 
-/* A direction of any length; one of length 1 stays as it is to the bit. */
-static rp_status normalise(const config_setting_t *setting, double v[2])
-{
-    const double length = rp_hypot(v[0], v[1]);
-    if (!(length > 0.0)) return rp_config_fail(setting, "direction = [0, 0]: must not be 0");
-    if (fabs(length - 1.0) < 1e-9) return RP_OK;
-    v[0] /= length, v[1] /= length;
-    return RP_OK;
-}
-
 static rp_status read_line(const config_setting_t *setting, dem_wall *wall)
 {
     const config_setting_t *point = member(setting, "point"), *direction = member(setting, "direction"),
@@ -45,8 +35,11 @@ static rp_status read_line(const config_setting_t *setting, dem_wall *wall)
         return rp_config_fail(setting, "%s: missing (or polygon, or circle)", point ? "direction" : "point");
     RP_TRY(rp_config_pair(point, wall->point));
     RP_TRY(rp_config_pair(direction, wall->direction));
-    RP_TRY(normalise(direction, wall->direction));
-    return extent ? rp_config_ends(extent, wall->extent) : RP_OK;
+    const double norm = rp_hypot(wall->direction[0], wall->direction[1]);
+    if (!(norm > 0.0)) return rp_config_fail(direction, "direction = [0, 0]: must not be 0");
+    if (fabs(norm - 1.0) >= 1e-9) /* one of length 1 stays as it is to the bit */
+        wall->direction[0] /= norm, wall->direction[1] /= norm;
+    return extent ? rp_config_numbers(extent, 2, false, wall->extent) : RP_OK;
 }
 
 /* The sides through the points, with the direction on the left of the way along them. */
@@ -72,7 +65,7 @@ static rp_status add_sides(const dem_wall_entry *entry, dem_scene *scene)
 static rp_status read_circle(rp_arena *arena, const config_setting_t *circle, dem_wall_entry *entry)
 {
     double c[3];
-    RP_TRY(rp_config_numbers(circle, 3, c));
+    RP_TRY(rp_config_numbers(circle, 3, true, c));
     if (!(c[2] > 0.0)) return rp_config_fail(circle, "circle: radius = %g: must be above 0", c[2]);
     memcpy(entry->line.pivot, c, sizeof entry->line.pivot);
     entry->n_points = (size_t)entry->sides, entry->closed = true;

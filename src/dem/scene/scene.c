@@ -7,12 +7,7 @@
 #include "dem/state/method.h"
 #include "params/units.h"
 
-rp_status dem_text_open(const char *path, const rp_texts *changes, dem_text *text)
-{
-    return dem_text_open_bytes(path, NULL, changes, text);
-}
-
-rp_status dem_text_open_bytes(const char *name, const char *bytes, const rp_texts *changes, dem_text *text)
+rp_status dem_text_open(const char *name, const char *bytes, const rp_texts *changes, dem_text *text)
 {
     const char *units = NULL;
     *text = (dem_text){.path = name};
@@ -93,7 +88,7 @@ rp_status dem_scene_read(const char *path, const rp_texts *changes, dem_scene *s
 {
     RP_ENDS(dem_text_close) dem_text text;
     *scene = (dem_scene){0};
-    RP_TRY(dem_text_open(path, changes, &text));
+    RP_TRY(dem_text_open(path, NULL, changes, &text));
     return dem_text_scene(&text, scene);
 }
 

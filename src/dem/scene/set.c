@@ -20,13 +20,6 @@ static rp_status read_value(const char *value, config_t *one)
     return rp_fail(RP_BAD_INPUT, "--set: cannot read the value");
 }
 
-static rp_status no_member(const config_setting_t *group, const char *name, const char *text)
-{
-    rp_guess guess = rp_guess_of(name);
-    for (size_t i = 0; i < length(group); i++) rp_guess_try(&guess, config_setting_name(element(group, i)));
-    return rp_fail(RP_BAD_INPUT, "--set %s: the file has no such group%s", text, rp_guess_text(&guess));
-}
-
 /* The index in "walls[2]", which ends the name there; -1 for a name alone, -2 for no index. */
 static long take_index(char *name)
 {
@@ -46,7 +39,10 @@ static rp_status step_into(char *name, const char *text, config_setting_t **grou
     for (int k = NORMAL; k <= ROLLING && !at && i == -1 && config_setting_is_root(*group); k++)
         if (strcmp(name, dem_scene_schemas[k].name) == 0) /* laws have defaults */
             at = config_setting_add(*group, name, CONFIG_TYPE_GROUP);
-    if (!at) return no_member(*group, name, text);
+    rp_guess guess = rp_guess_of(name);
+    for (size_t k = 0; k < length(*group); k++) rp_guess_try(&guess, config_setting_name(element(*group, k)));
+    if (!at)
+        return rp_fail(RP_BAD_INPUT, "--set %s: the file has no such group%s", text, rp_guess_text(&guess));
     const int n = config_setting_length(at);
     if (config_setting_is_list(at) && (i < 0 || i >= n))
         return rp_fail(RP_BAD_INPUT, "--set %s: %s is a list of %d entries: %s[0] to %s[%d]", text, name, n,

@@ -17,10 +17,10 @@ typedef struct {
     rp_arena memory;
 } dem_text;
 
-/* Read a file and the changes of it, of which those of a let are given to the lets; its units are those of
- * all numbers from here on. Afterwards dem_text_close, also after an error. Errors: RP_BAD_INPUT. */
-rp_status dem_text_open(const char *path, const rp_texts *changes, dem_text *text);
-rp_status dem_text_open_bytes(const char *name, const char *bytes, const rp_texts *changes, dem_text *text);
+/* Read a file, or bytes that are there, and the changes of it, of which those of a let are given to the lets;
+ * its units are those of all numbers from here on. Afterwards dem_text_close, also after an error. Errors:
+ * RP_BAD_INPUT. */
+rp_status dem_text_open(const char *name, const char *bytes, const rp_texts *changes, dem_text *text);
 void dem_text_close(dem_text *text);
 
 /* Change a key, as --set does. Errors: RP_BAD_INPUT. */
