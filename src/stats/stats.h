@@ -2,7 +2,6 @@
 #ifndef STATS_STATS_H
 #define STATS_STATS_H
 
-#include <gsl/gsl_rng.h>
 #include <stdbool.h>
 #include <stddef.h>
 
