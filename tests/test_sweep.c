@@ -671,8 +671,6 @@ static void test_half_made(void)
     CHECK_OK(rp_make_directory(dir));
     file_write(store, "", 0);
     CHECK_FAILS(sweep_status(dir, toys, &c), RP_BAD_INPUT, "sweep.cfg: cannot read");
-    CHECK_FAILS(prepare(), RP_BAD_INPUT, "store.sqlite: not listed as the program's own; move it away");
-    unlink(store);
     for (int kind = 0; kind < KINDS; kind++)
         for (int named = 0; named < 2; named++) {
             const sweep_options second = {.workers = 1, .shard = 2, .shards = 2};
