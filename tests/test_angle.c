@@ -3,7 +3,6 @@
 #include <gsl/gsl_fit.h>
 #include <gsl/gsl_poly.h>
 #include <gsl/gsl_randist.h>
-#include <gsl/gsl_sf_psi.h>
 #include <gsl/gsl_statistics_double.h>
 #include <string.h>
 

@@ -3,9 +3,7 @@
  *
  * The functions of the C library that shall fail are defined here, for the program and its libraries alike.
  * They do as usual until a drill orders a failure. */
-#include <dlfcn.h>
 #include <errno.h>
-#include <fcntl.h>
 #include <signal.h>
 #include <stdarg.h>
 #include <stdlib.h>

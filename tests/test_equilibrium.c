@@ -7,7 +7,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/wait.h>
 
 #include "analytic/analytic.h"
 #include "table/table.h"
@@ -60,6 +59,13 @@ static test_pile make_disks(long k, double alpha_deg, double gap)
 static void free_pile(test_pile *h)
 {
     statics_free(h->pile), free(h->disks), free(h->exact), free(h->u), free(h->N), free(h->H);
+}
+
+/* Another pile in place of one. */
+static void remake(test_pile *h, long k, double alpha_deg)
+{
+    free_pile(h);
+    *h = make_disks(k, alpha_deg, 0);
 }
 
 /* A pile that is freed at the end of its scope. */
@@ -308,7 +314,7 @@ static test_pile slope_and_column(void)
 
 static void test_causes(void)
 {
-    test_pile h = slope_and_column();
+    scoped_pile h = slope_and_column();
     /* in the limit no force stabilises the column's upper disk, with or without broken wells in the slope */
     for (int again = 0; again < 2; again++) {
         statics_definition def = friction(0, again ? 0.18 : 1, 1);
@@ -319,33 +325,28 @@ static void test_causes(void)
         CU_ASSERT(h.result.pivot_disk == h.n - 1 && h.result.smallest_pivot < 1e-11);
         CU_ASSERT(h.result.negative_modes == STATICS_UNCOUNTED && h.result.residual < 1e-9);
     }
-    free_pile(&h);
     /* springs never break: the pile is too soft for its weight */
-    h = make_disks(45, 60, 0);
+    remake(&h, 45, 60);
     CHECK_FAILS(solve(&h, soft(0.1)), RP_NO_RESULT, "collapses: neighbours ");
     CU_ASSERT(h.result.fault == STATICS_COLLAPSES && h.result.eps < 0.1 && h.result.broken == 0);
     statics_definition part = soft(4e-3);
     part.set_load = 0.8;
     CHECK_FAILS(solve(&h, part), RP_NO_RESULT, "collapses");
     CU_ASSERT(h.result.load > 0 && h.result.load * 4e-3 < h.result.eps);
-    free_pile(&h);
     /* the full load shows the spreading; an eighth of the load, with the ground nearer, would not */
-    h = make_disks(12, 30, 0);
+    remake(&h, 12, 30);
     CHECK_FAILS(solve(&h, friction(0.01, 0.1, 30)), RP_NO_RESULT, "spreads: 12 of 12 wells broken");
-    free_pile(&h);
     /* a pile that spread into a layer has free disks and new contacts; spreading is reported first */
-    h = make_disks(5, 60, 0);
+    remake(&h, 5, 60);
     CHECK_FAILS(solve(&h, friction(0.01, 0.1, 100)), RP_NO_RESULT,
                 "against one another; no neighbours, but disk 3 on 6, ");
     CU_ASSERT(h.result.fault == STATICS_SPREADS && h.result.broken == 4);
-    free_pile(&h);
     /* disks that overlap anew are told where all that is known is balanced, and not on the way there */
-    h = make_disks(12, 45, 0);
+    remake(&h, 12, 45);
     statics_definition creeping = friction(0.1, 0.2, 10);
     creeping.set_again = true;
     CHECK_FAILS(solve(&h, creeping), RP_NO_RESULT, "not_converged: the wells' stiffness does not settle");
     CU_ASSERT(h.result.fault == STATICS_NOT_CONVERGED);
-    free_pile(&h);
 }
 
 /* ---- against diagonal contacts alone ---- */
@@ -373,21 +374,19 @@ static void count_closed(const test_pile *h)
 static void test_linearised(void)
 {
     double most;
-    test_pile h = make_disks(45, 60, 0);
+    scoped_pile h = make_disks(45, 60, 0);
     CU_ASSERT(h.n == 1035);
     CHECK_OK(solve(&h, soft(0)));
     CU_ASSERT(N_error(&h, &most) < ROUNDING && most < ROUNDING);
     for (size_t i = 0; i < h.k; i++) CHECK_NEAR(h.H[i], h.exact[i].H, 22.5 * ROUNDING);
     CU_ASSERT(h.result.contacts == 1980 && h.result.horizontal == 0 && h.result.negative_modes == 0);
     CU_ASSERT(h.result.steps == 1 && h.result.factored == 1);
-    free_pile(&h);
     /* the pile of half the size predicts nearly all closed horizontal contacts; without this prediction the
      * solution takes 39 factorisations */
-    test_pile flat = make_disks(90, 30, 0);
-    CHECK_OK(solve(&flat, soft(0)));
-    CU_ASSERT(flat.result.horizontal > 0 && flat.result.steps < 12 && flat.result.factored < 5);
-    count_closed(&flat);
-    free_pile(&flat);
+    remake(&h, 90, 30);
+    CHECK_OK(solve(&h, soft(0)));
+    CU_ASSERT(h.result.horizontal > 0 && h.result.steps < 12 && h.result.factored < 5);
+    count_closed(&h);
     /* gaps in the rows keep horizontal contacts open under any slope */
     scoped_pile gaps = make_disks(31, 27, 0.02);
     CHECK_OK(solve(&gaps, soft(0)));
@@ -476,7 +475,7 @@ static void test_stronger_diagonals(void)
 /* A branch that ends under load: the pile jumps to another branch once, at full load. */
 static void test_jump(void)
 {
-    test_pile h = make_disks(20, 55, 0);
+    scoped_pile h = make_disks(20, 55, 0);
     statics_definition def = soft(3e-3);
     CHECK_OK(solve(&h, def));
     CU_ASSERT(h.result.jumps == 1 && h.result.load == 1);
@@ -486,11 +485,9 @@ static void test_jump(void)
     def.leave = 1; /* no primary state to leave */
     CHECK_OK(solve(&h, def));
     CU_ASSERT(h.result.jumps == 1 && h.result.negative_modes == 0 && isnan(h.result.released));
-    free_pile(&h);
-    h = make_disks(45, 50, 0); /* the descent is symmetric, and leads to a saddle */
+    remake(&h, 45, 50); /* the descent is symmetric, and leads to a saddle */
     CHECK_OK(solve(&h, soft(1e-3)));
     CU_ASSERT(h.result.jumps == 1 && h.result.negative_modes == 0);
-    free_pile(&h);
 }
 
 /* The branch of the large pile of 30 degrees ends before eps = 1e-4. Any steps of loading lead to the same
@@ -557,22 +554,20 @@ static void test_ways(void)
  * weight 1 and stiffness 1, 1/2 - 1. */
 static void test_energy(void)
 {
-    test_pile h = solved(1, 60, soft(1e-3));
+    scoped_pile h = solved(1, 60, soft(1e-3));
     CHECK_NEAR(h.result.energy, -0.5, ROUNDING);
-    free_pile(&h);
-    h = make_disks(45, 60, 0); /* half of the work of all springs, by Clapeyron, in the linearised problem */
+    remake(&h, 45, 60); /* half of the work of all springs, by Clapeyron, in the linearised problem */
     CHECK_OK(solve(&h, soft(0)));
     double work = 0;
     for (size_t i = 0; i < h.n; i++) work += h.u[2 * i + 1];
     CHECK_NEAR(h.result.energy, work / 2, fabs(work) * ROUNDING);
-    free_pile(&h);
     /* of ground, contacts and weight, and of wells that were set under half of the load */
-    h = make_disks(5, 60, 0);
+    remake(&h, 5, 60);
     statics_definition def = friction(1e-3, 0.7, 3);
     def.set_load = 0.5;
     CHECK_OK(solve(&h, def));
     statics_well wells[5];
-    statics_contact *list;
+    scoped statics_contact *list = NULL;
     size_t n;
     double sum = 0, x_0 = 0;
     statics_wells(h.pile, wells);
@@ -583,7 +578,6 @@ static void test_energy(void)
     for (size_t i = 0; i < h.n; i++) sum += h.u[2 * i + 1];
     CU_ASSERT(x_0 > 0.1);
     CHECK_NEAR(h.result.energy, sum, fabs(sum) * 1e-12);
-    free(list), free_pile(&h);
 }
 
 /* Stability is lost at eps_c, about 5.2/k^3 in large piles. */
@@ -1219,7 +1213,7 @@ static void check_outputs(void)
     }
     CU_ASSERT(base.n_rows == 45 && cell(&base, 0, "H/mg") < 0);
     CHECK_NEAR(weight, 360, 360 * ROUNDING);
-    scoped_table contacts = read_table("tables/contacts.tsv"), disks;
+    scoped_table contacts = read_table("tables/contacts.tsv");
     CU_ASSERT(contacts.n_rows == 845);
     size_t horizontal = 0;
     for (size_t i = 0; i < contacts.n_rows; i++) {
@@ -1229,9 +1223,8 @@ static void check_outputs(void)
         horizontal += cell(&contacts, i, "horizontal") > 0;
     }
     CU_ASSERT(horizontal == 239);
-    disks = read_table("tables/disks.tsv");
-    CU_ASSERT(disks.n_rows == 360);
-    rp_table_free(&disks);
+    read_again(&contacts, "tables/disks.tsv");
+    CU_ASSERT(contacts.n_rows == 360);
 }
 
 /* The summary row of a pile, from its rows of base disks. */
@@ -1248,7 +1241,7 @@ static void check_summary(void)
         exact_N[i] = cell(&base, i, "N_diagonals/mg");
         exact_H[i] = cell(&base, i, "H_diagonals/mg");
     }
-    rp_table t = base_table("--alpha-deg 30 --well 1 --mu 0.2 --set-again --set-load 0.25 --summary");
+    scoped_table t = base_table("--alpha-deg 30 --well 1 --mu 0.2 --set-again --set-load 0.25 --summary");
     CU_ASSERT(t.n_rows == 1 && cell(&t, 0, "alpha_deg") == 30 &&
               strcmp(word(&t, 0, "inner_deg"), "auto") == 0);
     CU_ASSERT(cell(&t, 0, "well") == 1 && cell(&t, 0, "mu") == 0.2 && cell(&t, 0, "set_load") == 0.25);
@@ -1262,12 +1255,10 @@ static void check_summary(void)
     CHECK_OK(stress_base_profile(K, x, radius, N, &profile));
     CHECK_EACH(cell(&t, 0, NAME), ROUNDING, {"D", stress_dip(profile.N)},
                {"middle", stress_middle(profile.N)});
-    rp_table_free(&t);
-    t = base_table("--alpha-deg 30 --inner-deg 45 --x-1 0.38 --summary");
+    replace_table(&t, base_table("--alpha-deg 30 --inner-deg 45 --x-1 0.38 --summary"));
     CU_ASSERT(cell(&t, 0, "alpha_deg") == 30 && cell(&t, 0, "inner_deg") == 45);
     CU_ASSERT_STRING_EQUAL(word(&t, 0, "well"), "auto");
     CU_ASSERT_STRING_EQUAL(word(&t, 0, "set_again"), "false");
-    rp_table_free(&t);
 }
 
 /* The same triangle by its slope, as a tent of equal slopes, as a polygon. */
@@ -1280,19 +1271,17 @@ static void check_outlines(void)
     write_text("three", "# x\ty\n7\t0.5\n8\t0.5\n7.5\t1.3660254037844386\n");
     double ratio = NAN;
     for (int i = 0; i < 3; i++) {
-        rp_table t = base_table(words[i]);
+        scoped_table t = base_table(words[i]);
         CU_ASSERT(cell(&t, 0, "n_disks") == 360 && cell(&t, 0, "negative_modes") == 0);
         if (i == 0) ratio = cell(&t, 0, "H_ratio");
         CHECK_NEAR(cell(&t, 0, "H_ratio"), ratio, ROUNDING);
-        rp_table_free(&t);
     }
-    rp_table t = base_table("--disks three");
+    scoped_table t = base_table("--disks three");
     CU_ASSERT(t.n_rows == 2);
     CHECK_NEAR(cell(&t, 1, "N/mg"), 1.5, ROUNDING);
-    rp_table_free(&t);
-    t = base_table("--disks three --summary"); /* not the defaults of parameters that do not describe it */
+    /* not the defaults of parameters that do not describe it */
+    replace_table(&t, base_table("--disks three --summary"));
     CU_ASSERT(cell(&t, 0, "base") == 2 && isnan(cell(&t, 0, "gap")) && isnan(cell(&t, 0, "disorder")));
-    rp_table_free(&t);
 }
 
 /* The mean over an ensemble is that of its piles; the first pile is that without --piles. */

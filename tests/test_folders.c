@@ -1,5 +1,4 @@
 /* What people keep in and beside the program's folders: no command changes it. */
-#include <dirent.h>
 #include <gsl/gsl_rng.h>
 #include <stdarg.h>
 #include <stdlib.h>

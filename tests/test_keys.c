@@ -3,7 +3,6 @@
  * without a run that it changes as well. Keys that change no result by design are listed, with the reason. */
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "dem/scene/scene.h"
 #include "sweeps/protocols/protocols.h"

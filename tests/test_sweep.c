@@ -197,16 +197,29 @@ static void sql(const char *text)
     sql_in(store, text);
 }
 
-static sqlite3_int64 sql_number(const char *text)
+/* A query of the store, and its end. */
+static sqlite3_stmt *query(const char *text)
 {
     sqlite3 *db;
     sqlite3_stmt *q = NULL;
     CU_ASSERT(sqlite3_open(store, &db) == SQLITE_OK);
     CU_ASSERT(sqlite3_prepare_v2(db, text, -1, &q, NULL) == SQLITE_OK);
-    CU_ASSERT(sqlite3_step(q) == SQLITE_ROW);
-    sqlite3_int64 n = sqlite3_column_int64(q, 0);
+    return q;
+}
+
+static void finish(sqlite3_stmt *q)
+{
+    sqlite3 *db = sqlite3_db_handle(q);
     sqlite3_finalize(q);
     sqlite3_close(db);
+}
+
+static sqlite3_int64 sql_number(const char *text)
+{
+    sqlite3_stmt *q = query(text);
+    CU_ASSERT(sqlite3_step(q) == SQLITE_ROW);
+    sqlite3_int64 n = sqlite3_column_int64(q, 0);
+    finish(q);
     return n;
 }
 
@@ -254,9 +267,8 @@ static double expected(double x, long k, unsigned long seed, unsigned long run_i
 
 static void test_order(void)
 {
-    fresh("protocol = \"toy\"; replicas = 3; seed = 77; fixed = { picks = \"green\"; odd = true; };"
-          "piles = \"shared\"; grid = { x = [0.125, 2.385]; k = (5, \"auto\"); };");
-    CHECK_OK(prepare());
+    planned("protocol = \"toy\"; replicas = 3; seed = 77; fixed = { picks = \"green\"; odd = true; };"
+            "piles = \"shared\"; grid = { x = [0.125, 2.385]; k = (5, \"auto\"); };");
     CU_ASSERT(c.planned == 12 && c.points == 4 && c.replicas == 3 && c.stored == 0);
     CHECK_OK(run(2));
     CU_ASSERT(c.stored == 12 && c.failed == 0 && c.n_words == 2);
@@ -288,11 +300,9 @@ static void test_order(void)
 
 static void test_bundles(void)
 {
-    fresh("protocol = \"toy\"; replicas = 1;\n"
-          "grid = ( { x = [0.5, 1.5, 2.5]; k = [9, 8, 7]; }, { mass = [1.0, 3.0]; } );");
-    CHECK_OK(prepare());
+    made_by(1, "protocol = \"toy\"; replicas = 1;\n"
+               "grid = ( { x = [0.5, 1.5, 2.5]; k = [9, 8, 7]; }, { mass = [1.0, 3.0]; } );");
     CU_ASSERT(c.planned == 6);
-    CHECK_OK(run(1));
     /* 2 (4.5 + 12 + 17.5) times 1 + 3; the last group is the fastest */
     CU_ASSERT(sql_number("SELECT 2 * sum(" X " * " K " * (parameters ->> 'mass')) FROM runs") == 68 * 4);
     CU_ASSERT(sql_number("SELECT 2 * " X " * (parameters ->> 'mass') FROM runs WHERE run = 3") == 9);
@@ -300,19 +310,16 @@ static void test_bundles(void)
 
 static void test_zip(void)
 {
-    fresh("protocol = \"toy\"; replicas = 1; zip = true; grid = { x = [0.5, 1.5, 2.5]; k = [9, 8, 7]; };");
-    CHECK_OK(prepare());
+    made_by(1,
+            "protocol = \"toy\"; replicas = 1; zip = true; grid = { x = [0.5, 1.5, 2.5]; k = [9, 8, 7]; };");
     CU_ASSERT(c.planned == 3);
-    CHECK_OK(run(1));
     CU_ASSERT(sql_number("SELECT 2 * sum(" X " * " K ") FROM runs") == 68); /* 2 (4.5 + 12 + 17.5) */
 }
 
 /* Replica k of every grid point has the same streams, those of the file's seed. */
 static void test_shared_piles(void)
 {
-    fresh("protocol = \"toy\"; replicas = 3; seed = 77; grid = { x = [0.125, 2.385]; };");
-    CHECK_OK(prepare());
-    CHECK_OK(run(1));
+    made_by(1, "protocol = \"toy\"; replicas = 3; seed = 77; grid = { x = [0.125, 2.385]; };");
     const char *own = digest(6);
     file_print(file, "protocol = \"toy\"; replicas = 3; seed = 77; piles = \"shared\";"
                      "grid = { x = [0.125, 2.385]; };");
@@ -589,8 +596,7 @@ static void test_stop(void)
 
 static void test_crash(void)
 {
-    fresh("protocol = \"toy\"; replicas = 10; piles = \"shared\"; fixed = { mode = \"crash\"; };");
-    CHECK_OK(prepare());
+    planned("protocol = \"toy\"; replicas = 10; piles = \"shared\"; fixed = { mode = \"crash\"; };");
     CHECK_FAILS(run(2), RP_NO_RESULT, "3 of 10 runs were aborted (crashed 3); the same command retries them");
     CU_ASSERT(c.stored == 10 && c.failed == 3 && c.words[0].runs == 3);
     CHECK_FAILS(sweep_digest(dir, toys, (char[33]){0}, &(size_t){0}), RP_NO_RESULT,
@@ -665,8 +671,6 @@ static void test_half_made(void)
     CHECK_OK(rp_make_directory(dir));
     file_write(store, "", 0);
     CHECK_FAILS(sweep_status(dir, toys, &c), RP_BAD_INPUT, "sweep.cfg: cannot read");
-    CHECK_FAILS(prepare(), RP_BAD_INPUT, "store.sqlite: not listed as the program's own; move it away");
-    unlink(store);
     for (int kind = 0; kind < KINDS; kind++)
         for (int named = 0; named < 2; named++) {
             const sweep_options second = {.workers = 1, .shard = 2, .shards = 2};
@@ -741,8 +745,7 @@ static void test_makers(void)
 {
     static const char program[] = "repose 0.1.9, commit 0123abc-dirty, gcc 9";
     char plain[300];
-    fresh("protocol = \"toy\"; replicas = 4; fixed = { x = 2.385; };");
-    CHECK_OK(prepare());
+    planned("protocol = \"toy\"; replicas = 4; fixed = { x = 2.385; };");
     CHECK_OK(sweep_prepare(file, other, 0, toys, NULL, &c));
     sweep_plan plan;
     sweep_store *opened;
@@ -899,9 +902,7 @@ static rp_status toy_fingerprint(char digits[33])
 
 static void test_plan_again(void)
 {
-    fresh("protocol = \"toy\"; replicas = 2; grid = { x = [0.5, 1.5, 2.5]; };");
-    CHECK_OK(prepare());
-    CHECK_OK(run(1));
+    made_by(1, "protocol = \"toy\"; replicas = 2; grid = { x = [0.5, 1.5, 2.5]; };");
     file_print(file, "protocol = \"toy\"; replicas = 2; grid = { x = [0.5, 1.75, 2.5, 3.5]; };");
     CHECK_OK(prepare());
     CU_ASSERT(c.planned == 8 && c.stored == 4); /* x = 1.5 is no longer planned, but stays in the store */
@@ -1368,9 +1369,8 @@ static void test_merge(void)
 static void test_merge_of_crashed(void)
 {
     for (int way = 0; way < 2; way++) {
-        fresh("protocol = \"toy\"; replicas = 10; piles = \"shared\"; fixed = { mode = \"crash\"; };");
+        planned("protocol = \"toy\"; replicas = 10; piles = \"shared\"; fixed = { mode = \"crash\"; };");
         char *const paths[] = {other};
-        CHECK_OK(prepare());
         CHECK_OK(sweep_prepare(file, other, 0, toys, NULL, &c));
         for (int k = 0; k < 2; k++) {
             calm = k == way;
@@ -1494,17 +1494,13 @@ static void test_known_keys(void)
  * value as NAN. It is the same of another model with the same results. */
 static void test_digest_of_rows(void)
 {
-    static const char query[] = "SELECT status, y_deg, never FROM runs ORDER BY run";
     char expected[33], setting[33];
     sweep_plan plan;
     size_t n = 0;
     made_by(1, "protocol = \"toy\"; replicas = 5; seed = 77; grid = { x = [0.125, -1.5]; };");
-    sqlite3 *db;
-    sqlite3_stmt *q = NULL;
+    sqlite3_stmt *q = query("SELECT status, y_deg, never FROM runs ORDER BY run");
     XXH3_state_t *hash = XXH3_createState();
     XXH3_128bits_reset(hash);
-    CU_ASSERT(sqlite3_open(store, &db) == SQLITE_OK);
-    CU_ASSERT(sqlite3_prepare_v2(db, query, -1, &q, NULL) == SQLITE_OK);
     CHECK_OK(sweep_plan_read(file, toys, &plan));
     while (sqlite3_step(q) == SQLITE_ROW) {
         const char *status = (const char *)sqlite3_column_text(q, 0);
@@ -1515,8 +1511,7 @@ static void test_digest_of_rows(void)
         XXH3_128bits_update(hash, status, strlen(status) + 1);
         XXH3_128bits_update(hash, values, sizeof values);
     }
-    sqlite3_finalize(q);
-    sqlite3_close(db);
+    finish(q);
     rp_hash_digits(XXH3_128bits_digest(hash), expected);
     XXH3_freeState(hash);
     sweep_plan_free(&plan);
@@ -1559,22 +1554,16 @@ static void check_columns(sqlite3_stmt *q, const sweep_plan *plan, size_t run)
 
 static void test_stored_columns(void)
 {
-    static const char rows[] =
-        "SELECT key, status, message, program, parameters, seed, model, pile, seconds, "
-        "y_deg, sum FROM runs ORDER BY run";
     sweep_plan plan;
     made_by(
         1, "protocol = \"toy\"; replicas = 2; seed = 77; piles = \"shared\"; grid = { x = [0.125, -1.5]; };");
     CHECK_OK(sweep_plan_read(file, toys, &plan));
-    sqlite3 *db;
-    sqlite3_stmt *q = NULL;
+    sqlite3_stmt *q = query("SELECT key, status, message, program, parameters, seed, model, pile, seconds, "
+                            "y_deg, sum FROM runs ORDER BY run");
     size_t n = 0;
-    CU_ASSERT(sqlite3_open(store, &db) == SQLITE_OK);
-    CU_ASSERT(sqlite3_prepare_v2(db, rows, -1, &q, NULL) == SQLITE_OK);
     while (sqlite3_step(q) == SQLITE_ROW) check_columns(q, &plan, n++);
-    sqlite3_finalize(q);
+    finish(q);
     CU_ASSERT_EQUAL(n, 4);
-    sqlite3_close(db);
     sweep_plan_free(&plan);
 }
 

@@ -1,8 +1,6 @@
 /* Trends and their absence: closed forms, GSL's fits, and planted cases. */
-#include <gsl/gsl_blas.h>
 #include <gsl/gsl_cdf.h>
 #include <gsl/gsl_fit.h>
-#include <gsl/gsl_multifit_nlinear.h>
 #include <gsl/gsl_randist.h>
 
 #include "stats/stats.h"

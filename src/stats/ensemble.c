@@ -1,9 +1,8 @@
-/* Moments of an ensemble, and its expected maximum; see stats.h. */
+/* Moments of an ensemble, correlation, spread of resamples; see stats.h. */
 #include <gsl/gsl_cdf.h>
 #include <gsl/gsl_sort.h>
 #include <gsl/gsl_statistics_double.h>
 #include <math.h>
-#include <string.h>
 
 #include "stats/stats.h"
 

@@ -3,7 +3,6 @@
 
 #include <gsl/gsl_cdf.h>
 #include <gsl/gsl_eigen.h>
-#include <gsl/gsl_linalg.h>
 #include <gsl/gsl_qrng.h>
 #include <math.h>
 #include <stdint.h>
@@ -135,10 +134,11 @@ static double value_at(const search *s, size_t k, const double x[], double *vari
     return sum;
 }
 
-static double chi2_at(const double x[], void *data)
+static double chi2_at(unsigned n, const double x[], double gradient[], void *data)
 {
     const search *s = data;
     double sum = 0.0;
+    (void)n, (void)gradient;
     if (s->q->allowed && !s->q->allowed(s->q->host, x)) return 1e6;
     for (size_t k = 0; k < s->q->n_numbers; k++) {
         double v;

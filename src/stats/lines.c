@@ -1,12 +1,9 @@
-/* Straight lines through points, where they cease to be straight, and the parabola's bend; see stats.h. */
+/* Straight lines through points, and least squares by columns; see stats.h. */
 #include <gsl/gsl_cdf.h>
 #include <gsl/gsl_errno.h>
-#include <gsl/gsl_math.h>
 #include <gsl/gsl_multifit.h>
-#include <gsl/gsl_statistics_double.h>
 #include <math.h>
 
-#include "core/arena.h"
 #include "stats/stats.h"
 
 static rp_status check_points(const stats_xy *p, bool origin)

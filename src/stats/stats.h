@@ -2,7 +2,6 @@
 #ifndef STATS_STATS_H
 #define STATS_STATS_H
 
-#include <gsl/gsl_rng.h>
 #include <stdbool.h>
 #include <stddef.h>
 
@@ -165,11 +164,13 @@ rp_status stats_linear_fit(stats_linear *fit);
 
 /* ---- least value of a function (least.c) ---- */
 
+/* A function of x[n], as NLopt has it, which asks for no gradient here. */
+typedef double stats_function(unsigned n, const double x[], double gradient[], void *data);
+
 /* Least value of f over a box of n dimensions, up to three: downhill from the best of a grid of so many cells
- * a side, or with 0 cells from x. A side with lo = hi is held. Sets x[n] and *value. Errors: RP_NO_MEMORY,
- * RP_BROKEN. */
-rp_status stats_least(double (*f)(const double x[], void *data), void *data, size_t n, const double lo[],
-                      const double hi[], int cells, double x[], double *value);
+ * a side. A side with lo = hi is held. Sets x[n] and *value. Errors: RP_NO_MEMORY, RP_BROKEN. */
+rp_status stats_least(stats_function *f, void *data, size_t n, const double lo[], const double hi[],
+                      int cells, double x[], double *value);
 
 RP_C_END
 

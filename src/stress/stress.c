@@ -15,7 +15,6 @@
  * without couple asin(R/p), the angle of friction mobilised. */
 #include <gsl/gsl_math.h>
 #include <math.h>
-#include <stdlib.h>
 
 #include "core/elementary.h"
 #include "stress/stress.h"

@@ -2,7 +2,6 @@
 #ifndef STRESS_STRESS_H
 #define STRESS_STRESS_H
 
-#include <gsl/gsl_rng.h>
 #include <stdbool.h>
 #include <stddef.h>
 

@@ -124,16 +124,6 @@ static void keep_trace(rp_snapshot *s, void *data)
     if (t->energy.out) sweep_keep_file(s, t->energy.out);
 }
 
-/* Steps to the next row of energies, or as many as given. */
-static long part_of(const trace *t, long most)
-{
-    const exp_run *run = t->run;
-    const long every = t->tables ? t->tables->every : 0;
-    if (every < 1 || !exp_sim(run)) return most;
-    const long left = every - dem_step(exp_sim(run)) % every;
-    return left < most ? left : most;
-}
-
 static rp_status note_phase(trace *t, long step)
 {
     exp_run *const run = t->run;
@@ -224,6 +214,7 @@ static rp_status go(trace *t, sweep_keep *keep)
     enum { PART = 1000 };
     exp_run *const run = t->run;
     const bool shares = keep && keep->ends && !t->tables && exp_sim(run);
+    const long every = t->tables && exp_sim(run) ? t->tables->every : 0;
     rp_status status = begin_trace(t);
     if (!status && shares && keep->source.n == 0) status = begin_with_end(t, keep);
     if (!status) status = sweep_keep_resume(keep, keep_trace, t);
@@ -231,8 +222,9 @@ static rp_status go(trace *t, sweep_keep *keep)
     for (size_t k = 0; k < exp_phase_count(t->plan) && t->passes; k++)
         t->passes[k] = exp_phase_at(run, k).passes;
     while (!status && !exp_done(run)) {
-        const long step = exp_sim(run) ? dem_step(exp_sim(run)) : 0;
-        status = exp_advance(run, part_of(t, PART));
+        const long step = exp_sim(run) ? dem_step(exp_sim(run)) : 0,
+                   left = every > 0 ? every - step % every : PART;
+        status = exp_advance(run, left < PART ? left : PART); /* to the next row of energies */
         if (!status) status = note_phase(t, step);
         if (!status && shares && exp_stages(run) != stages) status = leave_ends(t, keep);
         stages = exp_stages(run);

@@ -312,18 +312,6 @@ static rp_status set_aside(sweep_store *s, const sweep_protocol *protocol)
     return status ? status : read;
 }
 
-static rp_status make_tables(sweep_store *s, const sweep_plan *plan)
-{
-    const sweep_protocol *protocol = plan->protocol;
-    RP_TRY(sweep_sql(s, "write the store",
-                     "PRAGMA user_version = %d; CREATE TABLE IF NOT EXISTS sweep"
-                     " (name TEXT PRIMARY KEY, value TEXT NOT NULL, sum INTEGER)",
-                     SWEEP_FORMAT));
-    if (plan->experiment) RP_TRY(set_aside(s, protocol));
-    RP_TRY(sweep_store_make_runs(s, "main", protocol));
-    return sweep_store_check_outputs(s, "main", s->path, protocol);
-}
-
 rp_status sweep_store_number(sweep_store *s, const sweep_plan *plan, sweep_watch *watch)
 {
     long long rows;
@@ -362,7 +350,13 @@ rp_status sweep_store_write_plan(sweep_store *s, const sweep_plan *plan, const c
 {
     char owner[64] = "", before[33] = "";
     RP_TRY(sweep_sql(s, "write the store", "BEGIN IMMEDIATE"));
-    rp_status status = make_tables(s, plan);
+    rp_status status = sweep_sql(s, "write the store",
+                                 "PRAGMA user_version = %d; CREATE TABLE IF NOT EXISTS sweep"
+                                 " (name TEXT PRIMARY KEY, value TEXT NOT NULL, sum INTEGER)",
+                                 SWEEP_FORMAT);
+    if (!status && plan->experiment) status = set_aside(s, plan->protocol);
+    if (!status) status = sweep_store_make_runs(s, "main", plan->protocol);
+    if (!status) status = sweep_store_check_outputs(s, "main", s->path, plan->protocol);
     if (!status) status = sweep_store_note(s, "main", "protocol", owner, sizeof owner);
     if (!status) status = sweep_store_note(s, "main", "plan", before, sizeof before);
     if (!status && *owner && strcmp(owner, plan->protocol->name) != 0)

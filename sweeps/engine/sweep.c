@@ -79,21 +79,24 @@ static const char *const names[] = {
     "store.sqlite-shm", "experiment.cfg", "snapshots"};
 enum { N_NAMES = sizeof names / sizeof *names };
 
-/* The sweep's files are the program's own. */
+/* The sweep's files are the program's own; those of an older version, whose store says so. */
 static rp_status claim(const sweep_folder *f, const char *file)
 {
-    char holds[512];
+    char before[256] = "", holds[512];
     RP_ENDS(rp_folder_close) rp_folder folder = {0};
+    struct stat info;
     RP_TRY(rp_make_directory(f->dir));
     RP_TRY(rp_folder_enter(f->dir, &folder));
-    if (!folder.marked) RP_TRY(rp_folder_vacant(&folder, false));
+    const bool older = !folder.marked && lstat(f->sqlite, &info) == 0 && S_ISREG(info.st_mode);
+    if (older) RP_TRY(sweep_source(f->dir, before));
+    if (!folder.marked && !older) RP_TRY(rp_folder_vacant(&folder, false));
     if (folder.marked && !rp_folder_find(&folder, "sweep.cfg", 0))
         return rp_fail(RP_BAD_INPUT, "%s: holds %s; give another folder", f->dir,
                        *folder.holds ? folder.holds : "an unfinished run");
     const bool snapshots = access(f->snapshots, F_OK) == 0; /* people's, if it was there before */
     for (size_t i = 0; i < (snapshots ? N_NAMES - 1 : N_NAMES); i++) {
         if (i == N_NAMES - 2 && !sweep_experiment_text(f->plan.experiment)) continue;
-        RP_TRY(rp_folder_check(&folder, names[i]));
+        if (!older || (i == 0 && !*before)) RP_TRY(rp_folder_check(&folder, names[i]));
         RP_TRY(rp_folder_list(&folder, names[i], RP_OWN_STAYS));
     }
     snprintf(holds, sizeof holds, "the sweep %s", file);

@@ -1,6 +1,5 @@
 /* repose stats trend, repose stats size: how a column of a table of runs depends on another. */
 #include <stdlib.h>
-#include <string.h>
 
 #include "stats/stats.h"
 #include "cli/derive/derive.h"
