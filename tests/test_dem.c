@@ -138,38 +138,6 @@ static void mirror_and_relabel_of(bool rotation)
 
 EITHER(mirror_and_relabel)
 
-/* The neighbour list has every touching pair throughout an avalanche. */
-static void list_is_complete_of(double speed, long steps)
-{
-    dem_grain *grains;
-    dem_definition def = grains_box(120, 2.6, 11, &grains);
-    for (int i = 0; i < 120; i++) grains[i].vx = i % 3 ? 0.0 : speed, grains[i].vy = i % 7 ? 0.0 : -speed;
-    if (speed > 0.0) def.dt = 2e-5;
-    scoped_sim *sim = grains_start(&def);
-    dem_state s[120];
-    for (int round = 0; round < 60; round++) {
-        if (round == 30) dem_wall_open(sim, 2, INF);
-        grains_run(sim, steps, s);
-        size_t touching = 0, n = dem_count(sim);
-        for (size_t i = 0; i < n; i++)
-            for (size_t j = 0; j < i; j++) {
-                double x = s[i].x - s[j].x, y = s[i].y - s[j].y, r = s[i].r + s[j].r;
-                touching += x * x + y * y < r * r;
-            }
-        dem_counts counts;
-        dem_count_work(sim, &counts);
-        CU_ASSERT_EQUAL(counts.contacts, touching);
-    }
-}
-
-/* Slowly; and where margins differ, fast grains hit resting ones, and few steps lie between two rebuildings.
- */
-static void list_is_complete(void)
-{
-    list_is_complete_of(0.0, 137);
-    list_is_complete_of(300.0, 7);
-}
-
 /* Removal of grains from a continued list equals a rebuild, except for the order of sums. */
 static void leaving_of(bool rotation)
 {
@@ -1734,13 +1702,13 @@ static void arrays_follow_grains(void)
     }
 }
 
-CHECK_SUITE(dem, "dem", momentum, mirror_and_relabel, list_is_complete, grains_leave_the_list,
-            work_is_counted, arrays_follow_grains, extra_rebuilds, integration_behind_the_pair_loop, margins,
-            gravity_turns, floor_that_ends, corner_without_rebuild, springs_end, rolling_couple,
-            contacts_add_up, lifted_wall, lifted_wall_drags, outlet, filling, added_far_away,
-            added_one_by_one, added_by_either_scheme, added_names_and_errors, faults, bad_definitions,
-            defaults, contacts_of_the_start, ranges_of_numbers, ranges_of_walls, ranges_of_ground,
-            ranges_of_grains, ranges_of_scenes, time_step_limit, limit_of_unequal, limit_of_gear,
-            overlaps_too_deep, sine_and_cosine, limit_of_a_fall, limit_without_damping, limit_of_several,
-            limit_in_any_direction, limit_of_rotation, overlap_of_the_start, energy_of_a_long_spring,
-            header_notes, state_near_rest, at_rest)
+CHECK_SUITE(dem, "dem", momentum, mirror_and_relabel, grains_leave_the_list, work_is_counted,
+            arrays_follow_grains, extra_rebuilds, integration_behind_the_pair_loop, margins, gravity_turns,
+            floor_that_ends, corner_without_rebuild, springs_end, rolling_couple, contacts_add_up,
+            lifted_wall, lifted_wall_drags, outlet, filling, added_far_away, added_one_by_one,
+            added_by_either_scheme, added_names_and_errors, faults, bad_definitions, defaults,
+            contacts_of_the_start, ranges_of_numbers, ranges_of_walls, ranges_of_ground, ranges_of_grains,
+            ranges_of_scenes, time_step_limit, limit_of_unequal, limit_of_gear, overlaps_too_deep,
+            sine_and_cosine, limit_of_a_fall, limit_without_damping, limit_of_several, limit_in_any_direction,
+            limit_of_rotation, overlap_of_the_start, energy_of_a_long_spring, header_notes, state_near_rest,
+            at_rest)

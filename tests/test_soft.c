@@ -36,6 +36,25 @@ static long collisions(const dem_sim *sim)
     return counts.collisions;
 }
 
+/* (45): a disk sinks by m g/K; a column of four by the weight above. */
+static void sinks_by_its_weight(void)
+{
+    dem_grain grains[4];
+    for (int i = 0; i < 4; i++) grains[i] = (dem_grain){.x = 0.1, .y = R + i, .r = R, .m = 1.0};
+    dem_definition def = on_ground(grains, 4);
+    scoped_sim *sim = grains_after(&def, 40000);
+    scoped dem_contact *list = NULL;
+    size_t n;
+    CHECK_OK(dem_contacts(sim, &list, &n));
+    CU_ASSERT_EQUAL(n, 4);
+    for (size_t k = 0; k < n; k++) {
+        const double load = list[k].wall == 0 ? 4.0 : 4.0 - fmin(list[k].id_a, list[k].id_b);
+        /* round-off of positions, 1e-16, times K; the slowest oscillation has decayed */
+        CHECK_NEAR(list[k].normal_force, load, 1e-10);
+        CHECK_NEAR(list[k].overlap, load / K, 1e-13);
+    }
+}
+
 /* Under slow loading the well holds the disk up to mu N, at the displacement m g_x a/(mu N). Beyond, the well
  * breaks, and the disk slips at g_x/gamma_s if the viscous force is below the limit. */
 static void well_holds_and_breaks(void)
@@ -745,10 +764,10 @@ static void slow_disk_hit_by_a_fast_one(void)
     }
 }
 
-CHECK_SUITE(soft, "soft particles", well_holds_and_breaks, limit_of_a_well, well_of_the_start, energy_of_well,
-            when_wells_are_set, slip_is_viscous_then_capped, slides_then_rolls, misprints, misprints_of_slip,
-            misprint_of_flight, misprints_of_spring, switches_to_soft, collide_in_flight,
-            passes_through_a_row, hits_while_it_slides, rounds_end, arc_over_a_disk, far_from_the_origin,
-            fixed_stay_to_the_bit, touching_is_no_contact, rests_while_it_turns, rests_on_a_ground_that_moves,
-            touches_at_the_end, bounces_off_a_corner, no_collision_is_missed, pile_of_disks,
-            slow_disk_hit_by_a_fast_one, refused)
+CHECK_SUITE(soft, "soft particles", sinks_by_its_weight, well_holds_and_breaks, limit_of_a_well,
+            well_of_the_start, energy_of_well, when_wells_are_set, slip_is_viscous_then_capped,
+            slides_then_rolls, misprints, misprints_of_slip, misprint_of_flight, misprints_of_spring,
+            switches_to_soft, collide_in_flight, passes_through_a_row, hits_while_it_slides, rounds_end,
+            arc_over_a_disk, far_from_the_origin, fixed_stay_to_the_bit, touching_is_no_contact,
+            rests_while_it_turns, rests_on_a_ground_that_moves, touches_at_the_end, bounces_off_a_corner,
+            no_collision_is_missed, pile_of_disks, slow_disk_hit_by_a_fast_one, refused)
