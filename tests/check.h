@@ -103,6 +103,10 @@ void check_register(const char *suite, const check_case *cases);
 void check_register_within(const char *suite, void (*before)(void), void (*after)(void),
                            const check_case *cases);
 
+/* Both, of {name, function}, ... */
+#define CHECK_SUITE(suite, before, after, ...)                                                               \
+    check_register_within(suite, before, after, (const check_case[]){__VA_ARGS__, {0}})
+
 /* Memory of malloc that is freed at the end of its pointer's scope. */
 #define scoped __attribute__((cleanup(check_free)))
 void check_free(void *pointer);

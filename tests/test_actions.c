@@ -587,24 +587,13 @@ static void test_kept(void)
 
 void suite_actions(void)
 {
-    static const check_case cases[] = {{"an oscillator under a load", test_oscillator},
-                                       {"a column under a load", test_column},
-                                       {"laws that change", test_laws_change},
-                                       {"all stand still", test_halt},
-                                       {"stand still in contact", test_halt_in_contact},
-                                       {"friction that changes", test_friction_changes},
-                                       {"grains that come and go", test_added},
-                                       {"where a grain from above is stopped", test_touch},
-                                       {"radii of a phase", test_added_radii},
-                                       {"base and order", test_base_order},
-                                       {"fabric", test_fabric},
-                                       {"going back", test_back},
-                                       {"cut and kept", test_cuts},
-                                       {"keys", test_keys},
-                                       {"refused", test_refused},
-                                       {"words of the end", test_ends},
-                                       {"ends that are kept", test_kept},
-                                       {"a profile", test_profile},
-                                       {0}};
-    check_register_within("actions", enter, leave, cases);
+    CHECK_SUITE("actions", enter, leave, {"an oscillator under a load", test_oscillator},
+                {"a column under a load", test_column}, {"laws that change", test_laws_change},
+                {"all stand still", test_halt}, {"stand still in contact", test_halt_in_contact},
+                {"friction that changes", test_friction_changes}, {"grains that come and go", test_added},
+                {"where a grain from above is stopped", test_touch}, {"radii of a phase", test_added_radii},
+                {"base and order", test_base_order}, {"fabric", test_fabric}, {"going back", test_back},
+                {"cut and kept", test_cuts}, {"keys", test_keys}, {"refused", test_refused},
+                {"words of the end", test_ends}, {"ends that are kept", test_kept},
+                {"a profile", test_profile});
 }

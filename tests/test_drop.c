@@ -572,25 +572,17 @@ static void great_heights(void)
 
 void suite_drop(void)
 {
-    static const check_case cases[] = {{"initial contacts continue", contacts_go_on},
-                                       {"base of known loads", base_of_known_loads},
-                                       {"planted dips", planted_dips},
-                                       {"bad ensembles", bad_ensembles},
-                                       {"great heights", great_heights},
-                                       {"piles stand", piles_stand},
-                                       {"drops stay within their steps", drops_do_not_pass_their_steps},
-                                       {"unfinished drops are no result", cut_drops_are_no_result},
-                                       {"layers are not piles", layers_are_no_piles},
-                                       {"stricter rest takes more steps", rest_takes_its_steps},
-                                       {"rest of every disk", every_disk_must_rest},
-                                       {"disks that rolled away", away_is_no_part},
-                                       {"friction of the base", base_has_its_friction},
-                                       {"drops on a lattice", drops_fall_on_the_lattice},
-                                       {"lattices that fit", lattices_that_fit},
-                                       {"kernels find the same collisions", kernels_collide_alike},
-                                       {"subnormal numbers are zero", tiny_numbers_are_zero},
-                                       {"lists are complete", lists_are_complete},
-                                       {"renewed lists keep springs", renewed_lists_hold_springs},
-                                       {NULL, NULL}};
-    check_register("drop", cases);
+    CHECK_SUITE(
+        "drop", NULL, NULL, {"initial contacts continue", contacts_go_on},
+        {"base of known loads", base_of_known_loads}, {"planted dips", planted_dips},
+        {"bad ensembles", bad_ensembles}, {"great heights", great_heights}, {"piles stand", piles_stand},
+        {"drops stay within their steps", drops_do_not_pass_their_steps},
+        {"unfinished drops are no result", cut_drops_are_no_result},
+        {"layers are not piles", layers_are_no_piles},
+        {"stricter rest takes more steps", rest_takes_its_steps},
+        {"rest of every disk", every_disk_must_rest}, {"disks that rolled away", away_is_no_part},
+        {"friction of the base", base_has_its_friction}, {"drops on a lattice", drops_fall_on_the_lattice},
+        {"lattices that fit", lattices_that_fit}, {"kernels find the same collisions", kernels_collide_alike},
+        {"subnormal numbers are zero", tiny_numbers_are_zero}, {"lists are complete", lists_are_complete},
+        {"renewed lists keep springs", renewed_lists_hold_springs});
 }

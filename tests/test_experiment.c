@@ -811,29 +811,16 @@ static void test_random_texts(void)
 
 void suite_experiment(void)
 {
-    static const check_case cases[] = {{"closed forms", test_closed_forms},
-                                       {"phases and blocks", test_phases},
-                                       {"known so far", test_known_so_far},
-                                       {"forces on a floor", test_forces},
-                                       {"walls that change their motion", test_walls},
-                                       {"a plate that vibrates", test_vibrated},
-                                       {"modules", test_modules},
-                                       {"avalanches", test_avalanches},
-                                       {"limits of radii", test_limits_of_radii},
-                                       {"grains that never move as a base", test_more_modules},
-                                       {"refused walls and modules", test_refused_more},
-                                       {"cuts", test_cuts},
-                                       {"kept and gone on with", test_kept},
-                                       {"started at a phase", test_started_at},
-                                       {"words of the end", test_words},
-                                       {"refused", test_refused},
-                                       {"keys", test_keys},
-                                       {"random texts", test_random_texts},
-                                       {"repose run", test_run},
-                                       {"stopped and resumed", test_resumed},
-                                       {"swept", test_swept},
-                                       {"ends that rows share", test_shared_ends},
-                                       {"sweeps that are refused", test_sweeps_refused},
-                                       {0}};
-    check_register_within("experiment", enter, leave, cases);
+    CHECK_SUITE("experiment", enter, leave, {"closed forms", test_closed_forms},
+                {"phases and blocks", test_phases}, {"known so far", test_known_so_far},
+                {"forces on a floor", test_forces}, {"walls that change their motion", test_walls},
+                {"a plate that vibrates", test_vibrated}, {"modules", test_modules},
+                {"avalanches", test_avalanches}, {"limits of radii", test_limits_of_radii},
+                {"grains that never move as a base", test_more_modules},
+                {"refused walls and modules", test_refused_more}, {"cuts", test_cuts},
+                {"kept and gone on with", test_kept}, {"started at a phase", test_started_at},
+                {"words of the end", test_words}, {"refused", test_refused}, {"keys", test_keys},
+                {"random texts", test_random_texts}, {"repose run", test_run},
+                {"stopped and resumed", test_resumed}, {"swept", test_swept},
+                {"ends that rows share", test_shared_ends}, {"sweeps that are refused", test_sweeps_refused});
 }

@@ -378,14 +378,8 @@ static void test_lets_refused(void)
 
 void suite_expression(void)
 {
-    static const check_case cases[] = {{"values", test_values},
-                                       {"messages", test_messages},
-                                       {"held and change", test_states},
-                                       {"decided conditions", test_decided},
-                                       {"keys", test_keys},
-                                       {"random texts", test_random},
-                                       {"names of a scene", test_lets},
-                                       {"names that are refused", test_lets_refused},
-                                       {0}};
-    check_register("expression", cases);
+    CHECK_SUITE("expression", NULL, NULL, {"values", test_values}, {"messages", test_messages},
+                {"held and change", test_states}, {"decided conditions", test_decided}, {"keys", test_keys},
+                {"random texts", test_random}, {"names of a scene", test_lets},
+                {"names that are refused", test_lets_refused});
 }

@@ -158,11 +158,9 @@ static void ends_without_result(void)
 
 void suite_flux(void)
 {
-    static const check_case cases[] = {{"height of a new grain: closed forms", height_closed_forms},
-                                       {"height of a new grain: random piles", height_of_random_piles},
-                                       {"the next waits for contact", waits_for_contact},
-                                       {"outputs from the series", outputs_from_series},
-                                       {"runs without a result", ends_without_result},
-                                       {NULL, NULL}};
-    check_register_within("constant flux", enter, leave, cases);
+    CHECK_SUITE("constant flux", enter, leave, {"height of a new grain: closed forms", height_closed_forms},
+                {"height of a new grain: random piles", height_of_random_piles},
+                {"the next waits for contact", waits_for_contact},
+                {"outputs from the series", outputs_from_series},
+                {"runs without a result", ends_without_result});
 }

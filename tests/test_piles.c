@@ -623,23 +623,14 @@ static void traced(void)
 
 void suite_piles(void)
 {
-    static const check_case cases[] = {{"steps of a slope of 55 degrees", steps_of_a_slope},
-                                       {"the dip: closed forms", dip_closed_forms},
-                                       {"the dip: invariances", dip_invariances},
-                                       {"dips of a wedge", dips_of_a_wedge},
-                                       {"rays under outlines", rays_under_outlines},
-                                       {"rays under walls", rays_under_walls},
-                                       {"outlines of any size", outlines_of_any_size},
-                                       {"friction required at the base", friction_of_base},
-                                       {"sizes of unequal disks", sizes},
-                                       {"unequal piles are stable", unequal_piles_stand},
-                                       {"open rows: diagonals alone", open_rows},
-                                       {"against the continuum", against_continuum},
-                                       {"outputs by a second method", outputs_a_second_way},
-                                       {"replicas", replicas},
-                                       {"without a result", without_result},
-                                       {"threshold, minima, wells", solver_choices},
-                                       {"tables of a run", traced},
-                                       {NULL, NULL}};
-    check_register_within("piles", enter, leave, cases);
+    CHECK_SUITE("piles", enter, leave, {"steps of a slope of 55 degrees", steps_of_a_slope},
+                {"the dip: closed forms", dip_closed_forms}, {"the dip: invariances", dip_invariances},
+                {"dips of a wedge", dips_of_a_wedge}, {"rays under outlines", rays_under_outlines},
+                {"rays under walls", rays_under_walls}, {"outlines of any size", outlines_of_any_size},
+                {"friction required at the base", friction_of_base}, {"sizes of unequal disks", sizes},
+                {"unequal piles are stable", unequal_piles_stand}, {"open rows: diagonals alone", open_rows},
+                {"against the continuum", against_continuum},
+                {"outputs by a second method", outputs_a_second_way}, {"replicas", replicas},
+                {"without a result", without_result}, {"threshold, minima, wells", solver_choices},
+                {"tables of a run", traced});
 }

@@ -639,21 +639,13 @@ static void test_limit_of_step(void)
 
 void suite_repose(void)
 {
-    static const check_case cases[] = {{"few grains", test_surfaces},
-                                       {"limit of the time step", test_limit_of_step},
-                                       {"halves of three cells", test_small_halves},
-                                       {"bond order", test_bond_order},
-                                       {"friction of the floor", test_frictions},
-                                       {"keys of the scene", test_keys_of_the_scene},
-                                       {"names of the text", test_names},
-                                       {"ramp of gravity", test_ramp},
-                                       {"ramp where grains are soft", test_ramp_where_soft},
-                                       {"rest in a rotating box", test_rest_in_turning_box},
-                                       {"all outputs by a second method", test_outputs},
-                                       {"a stable pile", test_stands},
-                                       {"an unfinished slide", test_restless},
-                                       {"most steps of a phase", test_patience},
-                                       {"refusals", test_refusals},
-                                       {0}};
-    check_register_within("protocol repose", enter, leave, cases);
+    CHECK_SUITE("protocol repose", enter, leave, {"few grains", test_surfaces},
+                {"limit of the time step", test_limit_of_step}, {"halves of three cells", test_small_halves},
+                {"bond order", test_bond_order}, {"friction of the floor", test_frictions},
+                {"keys of the scene", test_keys_of_the_scene}, {"names of the text", test_names},
+                {"ramp of gravity", test_ramp}, {"ramp where grains are soft", test_ramp_where_soft},
+                {"rest in a rotating box", test_rest_in_turning_box},
+                {"all outputs by a second method", test_outputs}, {"a stable pile", test_stands},
+                {"an unfinished slide", test_restless}, {"most steps of a phase", test_patience},
+                {"refusals", test_refusals});
 }
