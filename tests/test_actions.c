@@ -45,7 +45,7 @@ static void test_column(void)
 {
     static const char text[] =
         "dt = 2.0e-5; let = { W = 2.0; load = 3.0e3; };\n"
-        "walls = ( { name = `box`; polygon = ( (0.0, 9.0), (0.0, 0.0), (`W`, 0.0), (`W`, 9.0) ); closed = "
+        "walls = ( { name = `box`; polygon = ((0.0, 9.0), (0.0, 0.0), (`W`, 0.0), (`W`, 9.0)); closed = "
         "false; },\n"
         "  { name = `lid`; point = (0.0, 6.0); direction = (0.0, -1.0); } );\n"
         "fill = { N = 60; W = `W`; H = 4.0; };\n"

@@ -157,10 +157,8 @@ static const char hopper[] =
     "= 20; };\n"
     "dt = 5.0e-5; y_min = -1.0;\n"
     "tangential = { law = `spring`; mu = `mu`; };\n"
-    "walls = ( { name = `bin`; polygon = ( ( 0.0, 40.0 ), ( 0.0, 0.0 ), ( `1 - D/4`, 0.0 ) ); closed = "
-    "false; },\n"
-    "          { name = `bin`; polygon = ( ( `1 + D/4`, 0.0 ), ( 2.0, 0.0 ), ( 2.0, 40.0 ) ); closed = "
-    "false; },\n"
+    "walls = ( { name = `bin`; polygon = ((0.0, 40.0), (0.0, 0.0), (`1 - D/4`, 0.0)); closed = false; },\n"
+    "  { name = `bin`; polygon = ( ( `1 + D/4`, 0.0 ), ( 2.0, 0.0 ), ( 2.0, 40.0 ) ); closed = false; },\n"
     "          { name = `gate`; polygon = ( ( `1 - D/4`, 0.0 ), ( `1 + D/4`, 0.0 ) ); closed = false; } );\n"
     "fill = { N = `N`; W = 2.0; H = 4.0; };\n"
     "regions = { bulk = { x = [0.5, 1.5]; y = [0.0, 1.0]; }; };\n"
@@ -322,8 +320,7 @@ static const char three_phases[] =
     "fill = { N = 60; W = 2.0; H = 4.0; };\n"
     "phases = ( { name = `a`; steps = 6000; }, { name = `b`; tangential = { mu = 0.6; }; dt = 4.0e-5; steps "
     "= 3000; },\n"
-    "           { name = `c`; open = `right`; add = { r = 0.1; x = 1.0; y = `touch + d`; }; time = 0.2; } "
-    ");\n"
+    "  { name = `c`; open = `right`; add = { r = 0.1; x = 1.0; y = `touch + d`; }; time = 0.2; } );\n"
     "measure = ( { name = `n`; of = `grains`; } );\n";
 
 static uint64_t digest_of(const trial *t)
