@@ -177,19 +177,14 @@ static void let_move(const exp_plan *plan, const exp_phase *p, const exp_move *m
     }
 }
 
-static double smallest(size_t n, const dem_grain grains[])
-{
-    double r = INFINITY;
-    for (size_t i = 0; i < n; i++) r = fmin(r, grains[i].r);
-    return r;
-}
-
 /* The time step of each phase, with its laws and the walls' motions that are known, one after the other. */
 static rp_status check_phases(const exp_plan *plan, dem_definition *def)
 {
     RP_SCOPE(arena);
     dem_wall *walls;
     const char *what;
+    double r = INFINITY; /* the smallest */
+    for (size_t i = 0; i < def->n_grains; i++) r = fmin(r, def->grains[i].r);
     RP_NEW(&arena, walls, def->n_walls);
     memcpy(walls, dem_walls_of(def), def->n_walls * sizeof *walls);
     def->wall_list = walls;
@@ -214,8 +209,7 @@ static rp_status check_phases(const exp_plan *plan, dem_definition *def)
                 return rp_config_fail(phase->setting, "phase %s: wall %s needs dt <= %.3g, by %s",
                                       phase->name, wall->name, limit, what);
             const dem_wall *first = &walls[wall->walls[0]];
-            const double way = rp_hypot(first->velocity[0], first->velocity[1]) * def->dt,
-                         r = smallest(def->n_grains, def->grains);
+            const double way = rp_hypot(first->velocity[0], first->velocity[1]) * def->dt;
             if (way > r)
                 return rp_config_fail(phase->setting,
                                       "phase %s: wall %s moves %g in one step, the smallest radius is %g",

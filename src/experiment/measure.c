@@ -129,13 +129,6 @@ static void rate(const exp_samples *s, size_t from, double out[])
     out[1] = sqrt(sum / (BLOCKS - 1) / BLOCKS);
 }
 
-/* Mean and standard error of n numbers whose sum and sum of squares these are. */
-static void mean_of(double n, double sum, double squares, double out[2])
-{
-    out[0] = sum / n;
-    out[1] = n > 1.0 ? sqrt(fmax(squares - sum * sum / n, 0.0) / (n - 1.0) / n) : NAN;
-}
-
 /* Falls of a series: samples with an event, from the one before; or falls by `drop` from a maximum, to the
  * minimum before it has risen as much again. Number; values before and after, each with its error. */
 static rp_status avalanches(const exp_measure *m, const exp_samples *s, const double v[], size_t from,
@@ -165,7 +158,11 @@ static rp_status avalanches(const exp_measure *m, const exp_samples *s, const do
     }
     out[0] = n;
     if (n == 0.0) return rp_fail(RP_NO_RESULT, "no avalanche in %zu samples", s->n - from);
-    for (int k = 0; k < 2; k++) mean_of(n, sums[k], squares[k], &out[1 + 2 * k]);
+    for (int k = 0; k < 2; k++) { /* mean and its standard error */
+        const double about_mean = fmax(squares[k] - sums[k] * sums[k] / n, 0.0);
+        out[1 + 2 * k] = sums[k] / n;
+        out[2 + 2 * k] = n > 1.0 ? sqrt(about_mean / (n - 1.0) / n) : NAN;
+    }
     return RP_OK;
 }
 

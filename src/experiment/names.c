@@ -21,11 +21,11 @@ const exp_scope *exp_scope_named(const exp_plan *plan, unsigned sorts, const cha
 /* Of what an observable may be asked after a name of this sort; EXP_ALL: without one. */
 static unsigned asked_of(int sort)
 {
-    static const unsigned of[] = {[EXP_ALL] = OF_RUN | OF_GRAINS,
-                                  [EXP_REGION] = OF_REGION,
-                                  [EXP_WALL] = OF_WALL,
-                                  [EXP_KIND] = OF_GRAINS};
-    return sort < (int)(sizeof of / sizeof *of) ? of[sort] : 0;
+    return sort == EXP_ALL      ? OF_RUN | OF_GRAINS
+           : sort == EXP_REGION ? OF_REGION
+           : sort == EXP_WALL   ? OF_WALL
+           : sort == EXP_KIND   ? OF_GRAINS
+                                : 0;
 }
 
 const exp_observable *exp_observable_named(const char *name, unsigned of)

@@ -13,16 +13,6 @@ bool exp_has_phases(const dem_text *text)
     return config_lookup(&text->config, "phases") != NULL;
 }
 
-/* A let's name stands alone, as an observable's does. */
-static rp_status check_lets(const exp_plan *plan)
-{
-    const config_setting_t *let = config_lookup(&plan->text->config, "let");
-    for (size_t k = 0; k < plan->text->lets.n; k++)
-        if (exp_observable_named(plan->text->lets.lets[k].name, ~(unsigned)OF_NEW))
-            return rp_config_fail(let, "let.%s: is an observable", plan->text->lets.lets[k].name);
-    return RP_OK;
-}
-
 static rp_status read_walls(exp_plan *plan)
 {
     const dem_scene *s = &plan->scene;
@@ -103,12 +93,6 @@ static const rp_param rest_schema[] = {
     {"every", "steps", RP_INT, REST(every), TEXT(DEM_REST_STEPS), "[1, 1000000000]",
      "least distance of two looks"},
     {0}};
-static rp_status read_rest(exp_plan *plan)
-{
-    const config_setting_t *group = config_lookup(&plan->text->config, "rest");
-    rp_params_defaults(rest_schema, plan);
-    return group ? rp_config_group(group, rest_schema, plan, NULL) : RP_OK;
-}
 
 /* A word, or an expression of one. */
 static rp_status read_result(exp_plan *plan)
@@ -172,6 +156,7 @@ static rp_status read(exp_plan *plan)
 {
     dem_text *text = plan->text;
     const double *constants = text->lets.constants;
+    const config_setting_t *rest = config_lookup(&text->config, "rest");
     static const char *const asked[] = {"g", "d", "m"};
     RP_TRY(dem_text_scene(text, &plan->scene));
     for (size_t k = 0; k < sizeof asked / sizeof *asked; k++) {
@@ -182,7 +167,9 @@ static rp_status read(exp_plan *plan)
     plan->d = constants[RP_LET_D], plan->m = constants[RP_LET_M], plan->g = constants[RP_LET_G];
     RP_TRY(read_result(plan));
     RP_TRY(check_required(plan));
-    RP_TRY(check_lets(plan));
+    for (const rp_let *let = text->lets.lets; let < text->lets.lets + text->lets.n; let++)
+        if (exp_observable_named(let->name, ~(unsigned)OF_NEW)) /* whose name stands alone too */
+            return rp_config_fail(config_lookup(&text->config, "let"), "let.%s: is an observable", let->name);
     RP_NEW(&plan->arena, plan->scopes,
            plan->scene.n_names + plan->scene.n_more + 1 +
                2 * exp_count_phases(config_lookup(&text->config, "phases")) +
@@ -191,7 +178,8 @@ static rp_status read(exp_plan *plan)
     RP_TRY(read_walls(plan));
     RP_TRY(exp_name_phases(plan));
     RP_TRY(read_regions(plan));
-    RP_TRY(read_rest(plan));
+    rp_params_defaults(rest_schema, plan);
+    if (rest) RP_TRY(rp_config_group(rest, rest_schema, plan, NULL));
     RP_TRY(exp_name_measures(plan));
     for (size_t k = 0; k < plan->n_phases; k++) RP_TRY(exp_read_phase(plan, k));
     for (size_t k = 0; k < plan->n_measures; k++) RP_TRY(exp_read_measure(plan, k));

@@ -302,7 +302,6 @@ bool exp_make_ids(exp_run *run, size_t id);
  * What can't be ends the run. */
 void exp_go_back(exp_run *run, const exp_phase *p);
 void exp_save(exp_run *run, size_t phase);
-void exp_keep_end(exp_run *run, size_t phase);
 char *exp_key_to(const exp_plan *plan, size_t end); /* exp_key of the phases before this one */
 void exp_change_laws(exp_run *run, const exp_phase *p);
 void exp_remove(exp_run *run, const exp_phase *p);
