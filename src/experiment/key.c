@@ -219,25 +219,14 @@ static rp_status check_phases(const exp_plan *plan, dem_definition *def)
     return RP_OK;
 }
 
-/* The lightest that a phase may add, as far as that is known. */
-static bool lightest_added(const exp_plan *plan, const exp_add *a, dem_grain *g)
-{
-    const double density = exp_density(plan, a, a->density.x.known ? a->density.x.value : NAN);
-    *g = (dem_grain){.r = !exp_given(&a->r) ? dem_radius_least(&a->radii)
-                          : a->r.x.known    ? a->r.x.value
-                                            : NAN};
-    g->m = dem_mass(plan->scene.def.shape, density, g->r);
-    return a->on && g->m > 0.0;
-}
-
 /* Grains that stand for those of the start, the smallest of each fill at both ends of its height, and for
- * those that come. */
+ * those that come, the lightest of each phase as far as that is known. */
 static rp_status stand_ins(const exp_plan *plan, rp_arena *arena, dem_definition *def)
 {
     dem_scene *s = (dem_scene *)&plan->scene;
     const size_t listed = s->grains ? s->def.n_grains : 0;
     const dem_fill *f;
-    dem_grain *grains, added;
+    dem_grain *grains;
     RP_NEW(arena, grains, listed + 2 * (s->n_more + 1) + plan->n_phases);
     if (listed) memcpy(grains, s->grains, listed * sizeof *grains);
     def->grains = grains, def->n_grains = listed;
@@ -251,9 +240,15 @@ static rp_status stand_ins(const exp_plan *plan, rp_arena *arena, dem_definition
                                                   .fixed = f->fixed};
     }
     const double y = def->n_grains ? grains[0].y : 0.0;
-    for (size_t k = 0; k < plan->n_phases; k++)
-        if (!plan->phases[k].left_out && lightest_added(plan, &plan->phases[k].add, &added))
-            added.y = y, grains[def->n_grains++] = added;
+    for (const exp_phase *p = plan->phases; p < plan->phases + plan->n_phases; p++) {
+        const exp_add *a = &p->add;
+        const double density = exp_density(plan, a, a->density.x.known ? a->density.x.value : NAN),
+                     r = !exp_given(&a->r) ? dem_radius_least(&a->radii)
+                         : a->r.x.known    ? a->r.x.value
+                                           : NAN,
+                     m = dem_mass(s->def.shape, density, r);
+        if (!p->left_out && a->on && m > 0.0) grains[def->n_grains++] = (dem_grain){.y = y, .r = r, .m = m};
+    }
     return RP_OK;
 }
 

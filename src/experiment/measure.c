@@ -209,16 +209,6 @@ static rp_status reduce(const exp_run *run, const exp_measure *m, const exp_samp
     return RP_OK;
 }
 
-/* The names in an expression, with their values. */
-static void blame(exp_run *run, const exp_measure *m)
-{
-    RP_SCOPE(arena);
-    const rp_x_values values = {run, exp_observe};
-    const char *names = rp_expression_operands(&arena, &m->of.x, &values);
-    exp_conclude(run, "nan", "%s = \"%s\" is %g; %s", m->name, m->of.x.text, run->values[m->output],
-                 names ? names : "");
-}
-
 static void measure(exp_run *run, size_t k)
 {
     const exp_measure *m = &run->plan->measures[k];
@@ -241,8 +231,14 @@ static void measure(exp_run *run, size_t k)
         return;
     }
     out[0] = exp_value(run, &m->of);
-    if (!isfinite(out[0]) && !m->optional && !run->failed) blame(run, m);
-    if (!isfinite(out[0])) out[0] = NAN;
+    if (isfinite(out[0])) return;
+    if (!m->optional && !run->failed) {
+        RP_SCOPE(arena);
+        const rp_x_values values = {run, exp_observe};
+        const char *names = rp_expression_operands(&arena, &m->of.x, &values);
+        exp_conclude(run, "nan", "%s = \"%s\" is %g; %s", m->name, m->of.x.text, out[0], names ? names : "");
+    }
+    out[0] = NAN;
 }
 
 void exp_measure_phase(exp_run *run, size_t phase)

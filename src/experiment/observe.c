@@ -40,18 +40,6 @@ bool exp_is_within(const void *within, uint32_t id, double x, double y)
     return dx * dx + dy * dy < a->at[2] * a->at[2];
 }
 
-static double area_of(const exp_within *a)
-{
-    double sum = 0.0;
-    if (a->circle) return M_PI * a->at[2] * a->at[2];
-    if (!a->n_points) return (a->at[1] - a->at[0]) * (a->at[3] - a->at[2]);
-    for (size_t k = 0; k < a->n_points; k++) {
-        const double *p = &a->points[2 * k], *q = &a->points[2 * ((k + 1) % a->n_points)];
-        sum += 0.5 * (p[0] * q[1] - q[0] * p[1]);
-    }
-    return fabs(sum);
-}
-
 /* The grains that an observable is of, one after the other: those that move, in its region. */
 typedef struct {
     exp_run *run;
@@ -203,8 +191,15 @@ static double cells(exp_run *run, const exp_use *use)
 
 static double area_now(exp_run *run, const exp_use *use)
 {
-    const exp_within in = exp_within_now(run, &use->scope);
-    return area_of(&in);
+    const exp_within a = exp_within_now(run, &use->scope);
+    double sum = 0.0;
+    if (a.circle) return M_PI * a.at[2] * a.at[2];
+    if (!a.n_points) return (a.at[1] - a.at[0]) * (a.at[3] - a.at[2]);
+    for (size_t k = 0; k < a.n_points; k++) {
+        const double *p = &a.points[2 * k], *q = &a.points[2 * ((k + 1) % a.n_points)];
+        sum += 0.5 * (p[0] * q[1] - q[0] * p[1]);
+    }
+    return fabs(sum);
 }
 
 /* ---- of contacts ---- */

@@ -35,18 +35,6 @@ static rp_status read_walls(exp_plan *plan)
     return RP_OK;
 }
 
-/* polygon = ( (x, y), ... ). */
-static rp_status read_polygon(const config_setting_t *list, exp_place *place, exp_region *r)
-{
-    if (!config_setting_is_list(list) || length(list) < 3)
-        return rp_config_fail(list, "polygon: a list ( (x, y), ... ) of at least 3 points expected");
-    r->n_points = length(list);
-    RP_NEW(&place->plan->arena, r->points, 2 * r->n_points);
-    for (size_t k = 0; k < r->n_points; k++)
-        RP_TRY(exp_read_list(element(list, k), "polygon", 2, place, &r->points[2 * k]));
-    return RP_OK;
-}
-
 static rp_status read_region(const config_setting_t *setting, exp_place *place, exp_region *r)
 {
     const config_setting_t *x = member(setting, "x"), *y = member(setting, "y"),
@@ -59,7 +47,12 @@ static rp_status read_region(const config_setting_t *setting, exp_place *place, 
     for (int k = 0; k < 4; k++)
         r->at[k].x = (rp_expression){.known = true, .value = k % 2 ? INFINITY : -INFINITY};
     if (circle) return exp_read_list(circle, "circle", 3, place, r->at);
-    if (polygon) return read_polygon(polygon, place, r);
+    if (polygon && (!config_setting_is_list(polygon) || length(polygon) < 3))
+        return rp_config_fail(polygon, "polygon: a list ( (x, y), ... ) of at least 3 points expected");
+    r->n_points = length(polygon);
+    RP_NEW(&place->plan->arena, r->points, 2 * r->n_points);
+    for (size_t k = 0; k < r->n_points; k++)
+        RP_TRY(exp_read_list(element(polygon, k), "polygon", 2, place, &r->points[2 * k]));
     if (x) RP_TRY(exp_read_list(x, "x", 2, place, r->at));
     return y ? exp_read_list(y, "y", 2, place, r->at + 2) : RP_OK;
 }

@@ -123,17 +123,6 @@ static rp_status read_move(const config_setting_t *setting, exp_place *place, ex
     return RP_OK;
 }
 
-/* walls = { NAME = { velocity = (vx, vy); omega = ...; load_y = ...; mu = ...; }; }. */
-static rp_status read_moves(const config_setting_t *group, exp_place *place, exp_phase *p)
-{
-    if (!config_setting_is_group(group))
-        return rp_config_fail(group, "walls: a group { NAME = { ... }; } expected");
-    RP_NEW(&place->plan->arena, p->moves, length(group));
-    for (size_t i = 0; i < length(group); i++, p->n_moves++)
-        RP_TRY(read_move(element(group, i), place, p, &p->moves[i]));
-    return RP_OK;
-}
-
 /* add = { N; kind; r, or radii as of a fill; density; x; y; vx; vy; omega; gap; }. */
 static rp_status read_add(const config_setting_t *group, exp_place *place, exp_add *a)
 {
@@ -315,7 +304,7 @@ static rp_status name_phases(exp_plan *plan, const config_setting_t *list, size_
 rp_status exp_read_phase(exp_plan *plan, size_t k)
 {
     exp_phase *p = &plan->phases[k];
-    const config_setting_t *fail = member(p->setting, "fail");
+    const config_setting_t *fail = member(p->setting, "fail"), *walls = member(p->setting, "walls");
     const exp_key_of keys[] = {{"gravity", p->gravity, .n = 2},
                                {"gravity_turn_deg_per_step", &p->turn[0], .range = "[-10, 10]"},
                                {"box_turn_deg_per_step", &p->turn[1], .range = "[-10, 10]"},
@@ -331,7 +320,12 @@ rp_status exp_read_phase(exp_plan *plan, size_t k)
     if (p->n_inner && p->repeat >= 0 && !*p->status) p->go_on = true;
     if (p->repeat < 0) p->repeat = p->n_inner ? 1000000 : 1;
     if (fail) RP_TRY(read_fails(fail, &place, p));
-    if (member(p->setting, "walls")) RP_TRY(read_moves(member(p->setting, "walls"), &place, p));
+    /* walls = { NAME = { velocity = (vx, vy); omega = ...; load_y = ...; mu = ...; }; } */
+    if (walls && !config_setting_is_group(walls))
+        return rp_config_fail(walls, "walls: a group { NAME = { ... }; } expected");
+    RP_NEW(&plan->arena, p->moves, length(walls));
+    for (; p->n_moves < length(walls); p->n_moves++)
+        RP_TRY(read_move(element(walls, p->n_moves), &place, p, &p->moves[p->n_moves]));
     if (member(p->setting, "add")) RP_TRY(read_add(member(p->setting, "add"), &place, &p->add));
     RP_TRY(read_laws(plan, p));
     RP_TRY(exp_read_keys(p->setting, "", keys, &place));
