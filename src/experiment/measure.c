@@ -215,7 +215,7 @@ static void measure(exp_run *run, size_t k)
     double *out = &run->values[m->output], all[EXP_MODULE_OUTPUTS];
     for (int o = 0; o < EXP_MODULE_OUTPUTS; o++) all[o] = NAN;
     if (m->module && m->module->add && m->take != TAKE_VALUE) {
-        if (run->tables[k].samples == 0.0 && !m->optional) exp_conclude(run, "no_samples", "%s", m->name);
+        if (run->samples[k].taken == 0.0 && !m->optional) exp_conclude(run, "no_samples", "%s", m->name);
         return;
     }
     if (m->take != TAKE_VALUE) {
@@ -277,9 +277,8 @@ void exp_series_write(const exp_run *run, size_t k, FILE *out)
     const size_t number = run->plan->series[k];
     const exp_samples *s = &run->samples[number];
     const exp_measure *m = &run->plan->measures[number];
-    const exp_table *table = &run->tables[number];
-    if (table->sums) {
-        m->module->write(m->params, table->samples, table->sums, out);
+    if (s->sums) {
+        m->module->write(m->params, s->taken, s->sums, out);
         return;
     }
     const char *const columns[][2] = {

@@ -395,7 +395,7 @@ rp_status exp_module_values(exp_run *run, const exp_measure *m, double out[EXP_M
     const exp_plan *plan = run->plan;
     const exp_module *module = m->module;
     const exp_within in = exp_within_now(run, &m->scope);
-    exp_table *table = &run->tables[m - plan->measures];
+    exp_samples *samples = &run->samples[m - plan->measures];
     exp_view view = {.d = plan->d,
                      .m = plan->m,
                      .sim = run->sim,
@@ -422,8 +422,8 @@ rp_status exp_module_values(exp_run *run, const exp_measure *m, double out[EXP_M
     for (size_t i = 0; i < view.n_all; i++) view.mass += view.all[i].fixed ? 0.0 : view.all[i].m;
     for (int k = 0; k < EXP_MODULE_OUTPUTS; k++) out[k] = NAN;
     const rp_status status =
-        module->add ? module->add(&view, m->params, table->sums) : module->evaluate(&view, m->params, out);
-    table->samples += !status;
+        module->add ? module->add(&view, m->params, samples->sums) : module->evaluate(&view, m->params, out);
+    samples->taken += !status;
     return status;
 }
 

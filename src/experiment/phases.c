@@ -59,7 +59,6 @@ static rp_status make_room(exp_run *run)
     RP_NEW(arena, run->counters, p->n_states);
     RP_NEW(arena, run->values, p->n_outputs);
     RP_NEW(arena, run->samples, p->n_measures);
-    RP_NEW(arena, run->tables, p->n_measures);
     RP_NEW(arena, run->loads, 2 * p->n_walls);
     RP_NEW(arena, run->points, p->n_regions);
     RP_NEW(arena, run->saved, p->n_phases);
@@ -69,7 +68,7 @@ static rp_status make_room(exp_run *run)
     for (size_t k = 0; k < p->n_phases; k++) RP_NEW(arena, run->saved[k].loads, 2 * p->n_walls);
     for (size_t k = 0; k < p->n_measures; k++) {
         const exp_measure *m = &p->measures[k];
-        if (m->module && m->module->add) RP_NEW(arena, run->tables[k].sums, m->module->room(m->params));
+        if (m->module && m->module->add) RP_NEW(arena, run->samples[k].sums, m->module->room(m->params));
     }
     for (size_t k = 0; k < p->n_outputs; k++) run->values[k] = NAN;
     for (size_t k = 0; k < 2 * p->n_walls; k++) run->loads[k] = -1;
@@ -549,9 +548,9 @@ static void keep_state(rp_snapshot *s, exp_run *run, size_t n)
     }
     for (size_t k = 0; k < p->n_measures && !s->status; k++) {
         keep_samples(s, &run->samples[k]);
-        if (!run->tables[k].sums) continue;
-        RP_KEEP(s, run->tables[k].samples);
-        keep_array(s, run->tables[k].sums, p->measures[k].module->room(p->measures[k].params));
+        if (!run->samples[k].sums) continue;
+        RP_KEEP(s, run->samples[k].taken);
+        keep_array(s, run->samples[k].sums, p->measures[k].module->room(p->measures[k].params));
     }
     for (size_t k = 0; k < p->n_phases && !s->status; k++)
         if (p->phases[k].is_source) keep_saved(s, p, &run->saved[k]);
