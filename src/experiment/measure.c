@@ -262,14 +262,9 @@ void exp_measure_phase(exp_run *run, size_t phase)
 
 /* ---- series ---- */
 
-size_t exp_series_count(const exp_plan *plan)
-{
-    return plan->n_series;
-}
-
 const char *exp_series_name(const exp_plan *plan, size_t k)
 {
-    return plan->measures[plan->series[k]].file;
+    return k < plan->n_series ? plan->measures[plan->series[k]].file : NULL;
 }
 
 void exp_series_write(const exp_run *run, size_t k, FILE *out)

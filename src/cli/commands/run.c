@@ -395,7 +395,7 @@ static rp_status write_results(const origin *of, const scene_run *r, const outpu
         RP_TRY(rp_file_open(path, &table));
         RP_TRY(rp_file_close(path, table, rp_snapshot_print(state, table, owner, layout())));
     }
-    for (size_t k = 0; k < exp_series_count(of->phases); k++) {
+    for (size_t k = 0; exp_series_name(of->phases, k); k++) {
         RP_TRY(rp_path(arena, &path, "%s/%s", stage, exp_series_name(of->phases, k)));
         RP_TRY(rp_file_open(path, &table));
         put_origin(of, table);
