@@ -1,6 +1,5 @@
 /* Dropped piles: initial contacts of a simulation, protocol `drop`, and the dip. */
 #include <float.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "stress/stress.h"

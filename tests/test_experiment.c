@@ -2,7 +2,6 @@
  * sweeps change no bit. */
 #include <inttypes.h>
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 

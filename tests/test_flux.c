@@ -1,5 +1,4 @@
 /* Protocol `flux`, a text: position and time of each new grain, and outputs of the series. */
-#include <stdlib.h>
 #include <string.h>
 
 #include "experiment/modules/module.h"

@@ -1,6 +1,5 @@
 /* What a plan's numbers depend on, and whether its time step can work. */
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "core/elementary.h"

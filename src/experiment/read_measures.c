@@ -1,8 +1,6 @@
 /* Measures of a text: their names and outputs, before phases ask for them; then what they say. */
-#include <ctype.h>
 #include <math.h>
 #include <stddef.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "experiment/reading.h"

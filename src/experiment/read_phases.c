@@ -1,5 +1,4 @@
 /* Phases of a text: their names, then what they do and how they end. */
-#include <ctype.h>
 #include <math.h>
 #include <stddef.h>
 #include <stdlib.h>

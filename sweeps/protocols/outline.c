@@ -3,7 +3,6 @@
 #include "sweeps/protocols/pile.h"
 
 #include <math.h>
-#include <string.h>
 
 #include "core/random.h"
 

@@ -1,6 +1,5 @@
 /* Profile: what grains and contacts have in bins of a region, as a table; over several samples the mean. */
 #include <math.h>
-#include <stdlib.h>
 
 #include "core/elementary.h"
 #include "experiment/modules/module.h"
