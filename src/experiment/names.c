@@ -179,7 +179,7 @@ rp_status exp_check_name(const exp_plan *plan, const config_setting_t *setting, 
     return rp_config_fail(setting, "%s names %s and %s", name, scope ? sorts[scope->sort] : "a let", what);
 }
 
-rp_status exp_find(const exp_plan *plan, int sort, const config_setting_t *setting, const char *key,
+rp_status exp_find(const exp_plan *plan, int sort, const config_setting_t *group, const char *key,
                    const char *name, size_t *index)
 {
     static const char *const none[] = {[EXP_REGION] = "no such region",
@@ -188,9 +188,11 @@ rp_status exp_find(const exp_plan *plan, int sort, const config_setting_t *setti
                                        [EXP_MEASURE] = "no earlier measure has this name"};
     rp_guess guess = rp_guess_of(name);
     const exp_scope *scope = exp_scope_named(plan, (unsigned)sort, name, strlen(name), &guess);
-    if (scope) return *index = scope->index, RP_OK;
-    if (!key) return rp_config_fail(setting, "%s: %s%s", name, none[sort], rp_guess_text(&guess));
-    return rp_config_fail(setting, "%s = \"%s\": %s%s", key, name, none[sort], rp_guess_text(&guess));
+    if (scope) *index = scope->index;
+    if (scope || !*name) return RP_OK;
+    if (!key) return rp_config_fail(group, "%s: %s%s", name, none[sort], rp_guess_text(&guess));
+    return rp_config_fail(member(group, key), "%s = \"%s\": %s%s", key, name, none[sort],
+                          rp_guess_text(&guess));
 }
 
 void exp_add_scope(exp_plan *plan, int sort, size_t index, const char *name)

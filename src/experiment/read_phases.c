@@ -216,10 +216,10 @@ static rp_status begin_laws(exp_plan *plan, size_t k, exp_phase *p)
 
 static rp_status read_from(exp_plan *plan, size_t k, exp_phase *p)
 {
-    const config_setting_t *from = member(p->setting, "from"), *remove = member(p->setting, "remove");
+    const config_setting_t *from = member(p->setting, "from");
     p->source = SIZE_MAX;
     if (*p->from) {
-        RP_TRY(exp_find(plan, EXP_PHASE, from, "from", p->from, &p->source));
+        RP_TRY(exp_find(plan, EXP_PHASE, p->setting, "from", p->from, &p->source));
         exp_phase *source = &plan->phases[p->source];
         if (p->source >= k || source->left_out || (p->block != SIZE_MAX && p->source == p->block))
             return rp_config_fail(from, "from = \"%s\": an earlier phase that is not left out expected",
@@ -231,11 +231,8 @@ static rp_status read_from(exp_plan *plan, size_t k, exp_phase *p)
         }
         source->is_source = true;
     }
-    if (*p->remove) {
-        p->removes.sort = EXP_REGION;
-        RP_TRY(exp_find(plan, EXP_REGION, remove, "remove", p->remove, &p->removes.index));
-    }
-    return RP_OK;
+    if (*p->remove) p->removes.sort = EXP_REGION;
+    return exp_find(plan, EXP_REGION, p->setting, "remove", p->remove, &p->removes.index);
 }
 
 /* The kind of a fill, or of what a phase adds; "": none. */
@@ -337,7 +334,7 @@ rp_status exp_read_phase(exp_plan *plan, size_t k)
         if (!p->status) return RP_NO_MEMORY;
     }
     size_t wall = 0;
-    if (*p->open) RP_TRY(exp_find(plan, EXP_WALL, member(p->setting, "open"), "open", p->open, &wall));
+    RP_TRY(exp_find(plan, EXP_WALL, p->setting, "open", p->open, &wall));
     p->opens = *p->open ? (long)wall : -1;
     return RP_OK;
 }
