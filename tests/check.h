@@ -106,14 +106,6 @@ typedef void check_test(void);
 void check_suite(const char *suite, check_test *before, check_test *after, bool summed, const char *names,
                  check_test *const tests[]);
 
-/* The same of (name, function) pairs ended by a NULL name. */
-typedef struct {
-    const char *name;
-    check_test *function;
-} check_case;
-void check_register(const char *suite, const check_case *cases);
-void check_register_within(const char *suite, check_test *before, check_test *after, const check_case *cases);
-
 /* Memory of malloc that is freed at the end of its pointer's scope. */
 #define scoped __attribute__((cleanup(check_free)))
 void check_free(void *pointer);

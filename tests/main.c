@@ -79,18 +79,6 @@ void check_suite(const char *suite, check_test *before, check_test *after, bool 
     if (all && n_joint < sizeof joint / sizeof *joint) joint[n_joint++] = s;
 }
 
-void check_register(const char *suite, const check_case *cases)
-{
-    check_register_within(suite, NULL, NULL, cases);
-}
-
-void check_register_within(const char *suite, check_test *before, check_test *after, const check_case *cases)
-{
-    CU_pSuite s = NULL;
-    for (const check_case *c = cases; c->name; c++)
-        if (is_wanted(c->name)) add_test(&s, suite, before, after, c->name, c->function);
-}
-
 void check_free(void *pointer)
 {
     free(*(void **)pointer);

@@ -45,7 +45,7 @@ static void test_column(void)
 {
     static const char text[] =
         "dt = 2.0e-5; let = { W = 2.0; load = 3.0e3; };\n"
-        "walls = ( { name = `box`; polygon = ( (0.0, 9.0), (0.0, 0.0), (`W`, 0.0), (`W`, 9.0) ); closed = "
+        "walls = ( { name = `box`; polygon = ((0.0, 9.0), (0.0, 0.0), (`W`, 0.0), (`W`, 9.0)); closed = "
         "false; },\n"
         "  { name = `lid`; point = (0.0, 6.0); direction = (0.0, -1.0); } );\n"
         "fill = { N = 60; W = `W`; H = 4.0; };\n"
@@ -253,10 +253,10 @@ static void test_added(void)
     CU_ASSERT_STRING_EQUAL(exp_ended(t.run)->status, "ok");
     CHECK_NEAR(measured(&t, "y1"), 0.3, 1e-5);
     CHECK_NEAR(measured(&t, "m1"), 2.0 * 4.0 / 3.0 * M_PI * 0.027, 1e-12);
-    CU_ASSERT(measured(&t, "n1") == 12.0 && measured(&t, "added1") == 13.0 && measured(&t, "n2") == 33.0);
-    CU_ASSERT(fabs(measured(&t, "x")) < 1.0 && measured(&t, "moved") >= 0.0);
-    CU_ASSERT(measured(&t, "lost") > 1.0 && measured(&t, "n3") == 33.0 - measured(&t, "lost"));
-    CU_ASSERT(measured(&t, "gone") == measured(&t, "lost") && measured(&t, "stones") == 0.0);
+    const double lost = measured(&t, "lost");
+    CHECK_EACH(measured(&t, NAME), 0.0, {"n1", 12.0}, {"added1", 13.0}, {"n2", 33.0}, {"n3", 33.0 - lost},
+               {"gone", lost}, {"stones", 0.0});
+    CU_ASSERT(lost > 1.0 && fabs(measured(&t, "x")) < 1.0 && measured(&t, "moved") >= 0.0);
 }
 
 /* Where a body from above is stopped: by a floor, a ledge's end, a slope, a grain, a wall beside it. */
@@ -305,8 +305,7 @@ static void test_added_radii(void)
                  "phases = ( { name = `add`; add = { kind = `new`; x = 5.0; y = `r`; %s }; steps = 0; } );\n"
                  "measure = ( { name = `r`; of = `new.y`; } );\n",
                  cases[k][0]);
-        start(&t, text);
-        finish(&t, 10);
+        run_whole(&t, text, 10, "ok");
         CHECK_NEAR(measured(&t, "r"), atof(cases[k][1]), 1e-15);
     }
 }
@@ -329,8 +328,8 @@ static void test_base_order(void)
         "  { name = `b`; of = `base`; wall = `base`; }, { name = `weight`; of = `low.mass*g`; } );\n";
     scoped_trial t;
     run_whole(&t, text, 1000, "ok");
-    CHECK_NEAR(measured(&t, "o_psi6"), 1.0, 1e-12);
-    CHECK_NEAR(measured(&t, "o_packed"), 1.0 / 11.0, 1e-12); /* the middle one of rows of 4, 3 and 4 */
+    /* the middle one of rows of 4, 3 and 4 */
+    CHECK_EACH(measured(&t, NAME), 1e-12, {"o_psi6", 1.0}, {"o_packed", 1.0 / 11.0});
     CHECK_NEAR(measured(&t, "b_centroid"), 5.0, 1e-6);
     CHECK_NEAR(measured(&t, "b_load"), measured(&t, "weight"), 1e-5 * measured(&t, "weight"));
     CHECK_NEAR(measured(&t, "b_width"), 39.0 * 0.2, 0.05); /* 40 grains, less 1 % at both ends */
@@ -357,12 +356,11 @@ static void test_fabric(void)
     run_whole(&t, text, 10, "ok");
     /* |1 + exp(i 60 degrees)|/2 = cos 30 degrees; forces are Hertzian, of overlaps 0.001 and 0.002 */
     const double w = pow(2.0, 1.5), fx = -1.0 - w * 0.5, fy = w * sqrt(0.75);
-    CHECK_NEAR(measured(&t, "all_contacts"), 2.0, 0.0);
-    CHECK_NEAR(measured(&t, "all_fabric"), sqrt(0.75), 1e-12);
-    CHECK_NEAR(measured(&t, "all_fabric_deg"), 15.0, 1e-10);
+    CHECK_EACH(measured(&t, NAME), 1e-12, {"all_contacts", 2.0}, {"all_fabric", sqrt(0.75)});
     CHECK_NEAR(measured(&t, "all_force"), hypot(fx, fy) / (1.0 + w), 1e-4); /* damped by half a step */
     CHECK_NEAR(measured(&t, "all_force_deg"), 0.5 * atan2(fy, -fx) * 180.0 / M_PI, 0.01);
-    CHECK_EACH(measured(&t, NAME), 1e-10, {"lean", 30.0}, {"mirror_fabric_deg", -15.0});
+    CHECK_EACH(measured(&t, NAME), 1e-10, {"all_fabric_deg", 15.0}, {"lean", 30.0},
+               {"mirror_fabric_deg", -15.0});
     CU_ASSERT(isnan(measured(&t, "empty_fabric")));
 }
 
@@ -390,8 +388,8 @@ static void test_back(void)
 {
     scoped_trial t;
     run_whole(&t, back, 1000, "ok");
-    CU_ASSERT(measured(&t, "y3") == measured(&t, "y0") && measured(&t, "tilt3") == 0.0);
-    CU_ASSERT(measured(&t, "n1") == 1.0 && measured(&t, "n3") == 0.0 && measured(&t, "grains3") == 50.0);
+    CHECK_EACH(measured(&t, NAME), 0.0, {"y3", measured(&t, "y0")}, {"tilt3", 0.0}, {"n1", 1.0}, {"n3", 0.0},
+               {"grains3", 50.0});
     CHECK_NEAR(measured(&t, "tilt"), 15.0, 1e-9);
     CU_ASSERT(measured(&t, "y2") != measured(&t, "y1") && measured(&t, "y2") != measured(&t, "y0"));
     CU_ASSERT(measured(&t, "steps") > 3000.0 + measured(&t, "y0"));
@@ -585,26 +583,7 @@ static void test_kept(void)
     FAILS(65, "damaged", "run k.cfg --from whole");
 }
 
-void suite_actions(void)
-{
-    static const check_case cases[] = {{"an oscillator under a load", test_oscillator},
-                                       {"a column under a load", test_column},
-                                       {"laws that change", test_laws_change},
-                                       {"all stand still", test_halt},
-                                       {"stand still in contact", test_halt_in_contact},
-                                       {"friction that changes", test_friction_changes},
-                                       {"grains that come and go", test_added},
-                                       {"where a grain from above is stopped", test_touch},
-                                       {"radii of a phase", test_added_radii},
-                                       {"base and order", test_base_order},
-                                       {"fabric", test_fabric},
-                                       {"going back", test_back},
-                                       {"cut and kept", test_cuts},
-                                       {"keys", test_keys},
-                                       {"refused", test_refused},
-                                       {"words of the end", test_ends},
-                                       {"ends that are kept", test_kept},
-                                       {"a profile", test_profile},
-                                       {0}};
-    check_register_within("actions", enter, leave, cases);
-}
+CHECK_SUITE_WITHIN(actions, "actions", enter, leave, test_oscillator, test_column, test_laws_change,
+                   test_halt, test_halt_in_contact, test_friction_changes, test_added, test_touch,
+                   test_added_radii, test_base_order, test_fabric, test_back, test_cuts, test_keys,
+                   test_refused, test_ends, test_kept, test_profile)

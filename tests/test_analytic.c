@@ -642,37 +642,10 @@ static void profile_errors(void)
     CHECK_FAILS(an_tent(0.5, 0.7, NAN, v), RP_BAD_INPUT, "X_1");
 }
 
-void suite_analytic(void)
-{
-    static const check_case cases[] = {
-        {"triangle: printed values", triangle_printed_values},
-        {"triangle: recursion, counts, closed form", triangle_three_ways},
-        {"cut piles: numbers of disks", cut_counts},
-        {"cut piles: largest H", cut_largest_H},
-        {"cut piles: the rule, disk by disk", cut_rule},
-        {"cut piles: forces, mirror, weight", cut_forces},
-        {"any stepped outline", any_outline},
-        {"cut piles converge to the continuum", cut_pile_to_continuum},
-        {"lattice errors", lattice_errors},
-        {"continuum: printed values", continuum_printed_values},
-        {"continuum: (54)-(59) against the chords", continuum_by_chords},
-        {"continuum: continuity at x_c", continuum_is_continuous},
-        {"continuum: weight", continuum_weight},
-        {"continuum: mirror, largest |H|/N", continuum_symmetry_and_friction},
-        {"continuum: 60 degrees and 0", continuum_limits},
-        {"continuum: a million points", continuum_million_points},
-        {"continuum errors", continuum_errors},
-        {"tent with equal angles", tent_is_triangle},
-        {"tent: vertices", tent_vertices},
-        {"tent: the dip", tent_dip},
-        {"largest normal force", largest_force},
-        {"theta before (49) as printed", misprint_theta},
-        {"profile: chords end on the outline", profile_chords_end_on_outline},
-        {"profile: weight", profile_weight},
-        {"profile: mirror and scale", profile_mirror_and_scale},
-        {"profile: many vertices", profile_of_many_vertices},
-        {"profile errors", profile_errors},
-        {NULL, NULL},
-    };
-    check_register("analytic", cases);
-}
+CHECK_SUITE(analytic, "analytic", triangle_printed_values, triangle_three_ways, cut_counts, cut_largest_H,
+            cut_rule, cut_forces, any_outline, cut_pile_to_continuum, lattice_errors,
+            continuum_printed_values, continuum_by_chords, continuum_is_continuous, continuum_weight,
+            continuum_symmetry_and_friction, continuum_limits, continuum_million_points, continuum_errors,
+            tent_is_triangle, tent_vertices, tent_dip, largest_force, misprint_theta,
+            profile_chords_end_on_outline, profile_weight, profile_mirror_and_scale, profile_of_many_vertices,
+            profile_errors)

@@ -944,37 +944,9 @@ static void compare_resamples(void)
     CU_ASSERT(c.n_lost > 0 && c.n_lost < B && c.n_unstable == 4);
 }
 
-void suite_angle(void)
-{
-    static const check_case cases[] = {
-        {"closed forms of theta_T", test_closed_forms},
-        {"one crossing below the limit", test_crossings},
-        {"forces on the base by geometry", test_geometry},
-        {"reference angles", test_reference_angles},
-        {"zero tilt against (3)", test_zero_tilt},
-        {"theta_MS", test_marginal},
-        {"piles without theta_T", test_tilt_without_root},
-        {"words of the theory", test_words},
-        {"errors of the theory", test_theory_errors},
-        {"surface and its variants", test_surface},
-        {"errors of the surface", test_surface_errors},
-        {"straight surfaces", test_exact_lines},
-        {"slopes against GSL", test_methods},
-        {"cells left out", test_gap},
-        {"propagated errors of slopes", test_propagated_errors},
-        {"planted piles", test_planted_heaps},
-        {"errors of slopes", test_slope_errors},
-        {"mean and its interval", test_mean},
-        {"paired values", test_paired},
-        {"line fit", test_line_fit},
-        {"blocking of correlated series", test_blocking},
-        {"series: blocks and transients by hand", test_series_by_hand},
-        {"blocking: short and constant series", test_blocking_small},
-        {"end of the transient of a series", test_level_off},
-        {"piles against theory", test_compare},
-        {"compare: gain, flat piles", compare_gain_and_flat_piles},
-        {"compare: errors of known resamples", compare_resamples},
-        {NULL, NULL},
-    };
-    check_register("angle", cases);
-}
+CHECK_SUITE(angle, "angle", test_closed_forms, test_crossings, test_geometry, test_reference_angles,
+            test_zero_tilt, test_marginal, test_tilt_without_root, test_words, test_theory_errors,
+            test_surface, test_surface_errors, test_exact_lines, test_methods, test_gap,
+            test_propagated_errors, test_planted_heaps, test_slope_errors, test_mean, test_paired,
+            test_line_fit, test_blocking, test_series_by_hand, test_blocking_small, test_level_off,
+            test_compare, compare_gain_and_flat_piles, compare_resamples)

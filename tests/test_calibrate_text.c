@@ -147,12 +147,5 @@ static void test_refused(void)
     FAILS(64, "says what is measured", "calibrate fit.cfg --theta-r-deg 20 --error-deg 1");
 }
 
-void suite_calibrate_text(void)
-{
-    static const check_case cases[] = {{"by runs", test_runs},
-                                       {"by a table", test_table},
-                                       {"folders", test_folder},
-                                       {"refused", test_refused},
-                                       {0}};
-    check_register_within("calibrate by a text", enter, leave, cases);
-}
+CHECK_SUITE_WITHIN(calibrate_text, "calibrate by a text", enter, leave, test_runs, test_table, test_folder,
+                   test_refused)

@@ -617,20 +617,5 @@ static void test_pools(void)
     rp_table_free(&t);
 }
 
-void suite_claims(void)
-{
-    static const check_case cases[] = {{"agreement", test_agreement},
-                                       {"inequalities and bounds", test_inequalities},
-                                       {"equivalence and trends", test_changes},
-                                       {"corrected for other tests", test_corrected},
-                                       {"agreements together", test_joint},
-                                       {"few values, quotients", test_few},
-                                       {"counts", test_counts},
-                                       {"the claims and what answers them", test_claims_file},
-                                       {"piles that are pooled", test_pools},
-                                       {"texts of the report", test_report_texts},
-                                       {"sentences without typed results", test_sentences},
-                                       {"the page that is read", test_page},
-                                       {0}};
-    check_register("claims", cases);
-}
+CHECK_SUITE(claims, "claims", test_agreement, test_inequalities, test_changes, test_corrected, test_joint,
+            test_few, test_counts, test_claims_file, test_pools, test_report_texts, test_sentences, test_page)

@@ -1002,20 +1002,6 @@ static void test_drop_of_two(void)
     CU_ASSERT(moved > 0.0 && moved < 6.0);
 }
 
-void suite_columns(void)
-{
-    static const check_case cases[] = {{"protocol stress, stress field, stress base", test_stress},
-                                       {"tilt and steps of protocol stress", test_stress_steps},
-                                       {"stress dip", test_dip},
-                                       {"bench", test_bench},
-                                       {"bench: boxes that it fills", test_bench_fill},
-                                       {"bench: its defaults", test_bench_defaults},
-                                       {"bench: a sample", test_bench_sample},
-                                       {"energies of a box", test_energy_rows},
-                                       {"protocol drop", test_drop},
-                                       {"protocol drop on a rough base", test_rough},
-                                       {"protocol drop from a lattice", test_lattice},
-                                       {"drops of two disks", test_drop_of_two},
-                                       {0}};
-    check_register_within("columns", enter, leave, cases);
-}
+CHECK_SUITE_WITHIN(columns, "columns", enter, leave, test_stress, test_stress_steps, test_dip, test_bench,
+                   test_bench_fill, test_bench_defaults, test_bench_sample, test_energy_rows, test_drop,
+                   test_rough, test_lattice, test_drop_of_two)

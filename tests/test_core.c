@@ -771,31 +771,7 @@ static void elementary(void)
     CU_ASSERT(isnan(rp_sin(1e9)) && isnan(rp_cos(INFINITY)) && isnan(rp_tan(NAN)));
 }
 
-void suite_core(void)
-{
-    static const check_case cases[] = {{"statuses and messages", statuses},
-                                       {"rows of two tables", table_append},
-                                       {"defaults, text and back", defaults_and_text},
-                                       {"ranges and units", ranges_and_units},
-                                       {"refused values", refused_values},
-                                       {"keys", keys},
-                                       {"keys with inherited parameters", inherited},
-                                       {"the word that was meant", guesses},
-                                       {"parameter files", files},
-                                       {"syntax errors", syntax},
-                                       {"whole numbers in parameter files", whole_numbers},
-                                       {"large parameter files", large_files},
-                                       {"random numbers: known answer", random_known_answer},
-                                       {"random streams are distinct", random_streams},
-                                       {"truncated normal deviates", cut_normal},
-                                       {"elementary functions", elementary},
-                                       {"tables", tables},
-                                       {"tables: text", table_text},
-                                       {"tables: conditions, notes", table_conditions},
-                                       {"tables: forms of the header", table_forms},
-                                       {"tables: other columns", table_append_columns},
-                                       {"files are whole", written_files},
-                                       {"hostile tables", hostile_tables},
-                                       {NULL, NULL}};
-    check_register("core", cases);
-}
+CHECK_SUITE(core, "core", statuses, table_append, defaults_and_text, ranges_and_units, refused_values, keys,
+            inherited, guesses, files, syntax, whole_numbers, large_files, random_known_answer,
+            random_streams, cut_normal, elementary, tables, table_text, table_conditions, table_forms,
+            table_append_columns, written_files, hostile_tables)

@@ -256,13 +256,5 @@ static void comparison(void)
     CU_ASSERT_FALSE(same("a\n...\nd\n", "a\nd\ne\n"));
 }
 
-void suite_docs(void)
-{
-#define X(name, path) {path, name},
-    static const check_case cases[] = {
-        {"the comparison of an output", comparison},
-        {"every command of a page is run, every link leads to a file", every_command},
-        PAGES(X){NULL, NULL}};
-#undef X
-    check_register("docs", cases);
-}
+CHECK_SUITE(docs, "docs", comparison, every_command, readme, first_pile, grains, guarantees, install,
+            performance, physics, programs, scenes, sweeps)

@@ -528,22 +528,6 @@ static void test_shards(void)
     }
 }
 
-void suite_drill(void)
-{
-    static const check_case cases[] = {{"kills", test_kills},
-                                       {"failures of fork, fsync, write, send, malloc", test_faults},
-                                       {"hung and hungry workers", test_hung_and_hungry},
-                                       {"batches of short runs", test_batches},
-                                       {"a slow run", test_slow_run},
-                                       {"stops", test_stops},
-                                       {"a worker stopped for good", test_stopped_worker},
-                                       {"a run that ends every driver", test_deadly_run},
-                                       {"two drivers", test_doubled},
-                                       {"clocks", test_clocks},
-                                       {"read-only folder", test_read_only},
-                                       {"bytes flipped", test_flips},
-                                       {"store cut short", test_truncated},
-                                       {"shards", test_shards},
-                                       {NULL, NULL}};
-    check_register_within("drill", enter, leave, cases);
-}
+CHECK_SUITE_WITHIN(drill, "drill", enter, leave, test_kills, test_faults, test_hung_and_hungry, test_batches,
+                   test_slow_run, test_stops, test_stopped_worker, test_deadly_run, test_doubled, test_clocks,
+                   test_read_only, test_flips, test_truncated, test_shards)

@@ -1,7 +1,5 @@
 /* Dropped piles: initial contacts of a simulation, protocol `drop`, and the dip. */
 #include <float.h>
-#include <stdarg.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "stress/stress.h"
@@ -241,13 +239,8 @@ static double output(const sweep_result *r, const char *name)
     return protocol_output(protocol_of(&sweep_protocol_drop), r, name);
 }
 
-__attribute__((format(printf, 1, 2))) static sweep_result run(const char *format, ...)
+static sweep_result run(const char *settings)
 {
-    char settings[256];
-    va_list args;
-    va_start(args, format);
-    vsnprintf(settings, sizeof settings, format, args);
-    va_end(args);
     const sweep_protocol *drop = protocol_of(&sweep_protocol_drop);
     scoped void *p = PROTOCOL_PARAMS(drop, settings);
     sweep_result result;
@@ -259,10 +252,10 @@ __attribute__((format(printf, 1, 2))) static sweep_result run(const char *format
 /* The base carries the weight of the pile, to the accuracy of rest; a second run has the same bits. */
 static void piles_stand(void)
 {
-    const char *const laws[] = {"slip_roll", "spring"}, *const widths[] = {"0", "0.05"};
+    static const char *const piles[] = {"N=40 law=slip_roll radius_width=0",
+                                        "N=40 law=spring radius_width=0.05"};
     for (int k = 0; k < 2; k++) {
-        sweep_result a = run("N=40 law=%s radius_width=%s", laws[k], widths[k]),
-                     b = run("N=40 law=%s radius_width=%s", laws[k], widths[k]);
+        sweep_result a = run(piles[k]), b = run(piles[k]);
         CU_ASSERT_STRING_EQUAL(a.status, "ok");
         CU_ASSERT(memcmp(a.values, b.values, sizeof a.values) == 0);
         CHECK_NEAR(output(&a, "balance"), 0.0, 1e-6);
@@ -289,11 +282,8 @@ static void drops_do_not_pass_their_steps(void)
 /* One unfinished drop invalidates a pile; outputs are kept, and tell how many there were. */
 static void cut_drops_are_no_result(void)
 {
-    static const struct {
-        const char *N, *max_steps;
-    } cases[] = {{"40", "200"}, {"20", "600"}};
     for (int k = 0; k < 2; k++) {
-        sweep_result r = run("N=%s max_steps=%s", cases[k].N, cases[k].max_steps);
+        sweep_result r = run(k == 0 ? "N=40 max_steps=200" : "N=20 max_steps=600");
         CHECK_NEAR(output(&r, "capped_share"), k == 0 ? 0.75 : 0.05, k == 0 ? 0.25 : 1e-12);
         CU_ASSERT_STRING_EQUAL(r.status, "drops_not_quiet");
         CU_ASSERT_STRING_EQUAL(r.message,
@@ -309,7 +299,7 @@ static void layers_are_no_piles(void)
     static const char *const cases[] = {"N=4", "N=12", "N=6 source_width=0", "N=40 mu_roll=0 max_steps=200",
                                         "N=2 mu_roll=0 x_limit=10"};
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
-        sweep_result r = run("%s", cases[k]);
+        sweep_result r = run(cases[k]);
         CU_ASSERT_STRING_EQUAL(r.status, "no_pile");
         CU_ASSERT(strstr(r.message, k == 2 ? "one position" : "pile.height < 2") != NULL);
     }
@@ -318,10 +308,10 @@ static void layers_are_no_piles(void)
 /* A stricter criterion of rest takes more steps per drop. */
 static void rest_takes_its_steps(void)
 {
-    static const char *const limits[] = {"0.1", "0.001"};
     double before = 0.0;
     for (int k = 0; k < 2; k++) {
-        sweep_result r = run("N=15 rest_speed=%s rest_force=%s", limits[k], limits[k]);
+        sweep_result r =
+            run(k == 0 ? "N=15 rest_speed=0.1 rest_force=0.1" : "N=15 rest_speed=0.001 rest_force=0.001");
         CU_ASSERT(output(&r, "steps") > 1.1 * before);
         CHECK_NEAR(output(&r, "capped_share"), 0.0, 0.0);
         before = output(&r, "steps");
@@ -332,11 +322,10 @@ static void rest_takes_its_steps(void)
  * 1e-9 m g. */
 static void every_disk_must_rest(void)
 {
-    static const char *const forces[] = {"10", "1e-9"};
-    for (int k = 0; k < 2; k++) {
-        sweep_result r = run("N=2 rest_speed=1 max_steps=300 rest_force=%s", forces[k]);
-        CHECK_NEAR(output(&r, "capped_share"), k == 0 ? 0.0 : 1.0, 0.0);
-    }
+    sweep_result loose = run("N=2 rest_speed=1 max_steps=300 rest_force=10"),
+                 strict = run("N=2 rest_speed=1 max_steps=300 rest_force=1e-9");
+    CHECK_NEAR(output(&loose, "capped_share"), 0.0, 0.0);
+    CHECK_NEAR(output(&strict, "capped_share"), 1.0, 0.0);
 }
 
 /* With little rolling resistance disks roll away: they are counted, carry no load and do not belong to the
@@ -570,27 +559,8 @@ static void great_heights(void)
     }
 }
 
-void suite_drop(void)
-{
-    static const check_case cases[] = {{"initial contacts continue", contacts_go_on},
-                                       {"base of known loads", base_of_known_loads},
-                                       {"planted dips", planted_dips},
-                                       {"bad ensembles", bad_ensembles},
-                                       {"great heights", great_heights},
-                                       {"piles stand", piles_stand},
-                                       {"drops stay within their steps", drops_do_not_pass_their_steps},
-                                       {"unfinished drops are no result", cut_drops_are_no_result},
-                                       {"layers are not piles", layers_are_no_piles},
-                                       {"stricter rest takes more steps", rest_takes_its_steps},
-                                       {"rest of every disk", every_disk_must_rest},
-                                       {"disks that rolled away", away_is_no_part},
-                                       {"friction of the base", base_has_its_friction},
-                                       {"drops on a lattice", drops_fall_on_the_lattice},
-                                       {"lattices that fit", lattices_that_fit},
-                                       {"kernels find the same collisions", kernels_collide_alike},
-                                       {"subnormal numbers are zero", tiny_numbers_are_zero},
-                                       {"lists are complete", lists_are_complete},
-                                       {"renewed lists keep springs", renewed_lists_hold_springs},
-                                       {NULL, NULL}};
-    check_register("drop", cases);
-}
+CHECK_SUITE(drop, "drop", contacts_go_on, base_of_known_loads, planted_dips, bad_ensembles, great_heights,
+            piles_stand, drops_do_not_pass_their_steps, cut_drops_are_no_result, layers_are_no_piles,
+            rest_takes_its_steps, every_disk_must_rest, away_is_no_part, base_has_its_friction,
+            drops_fall_on_the_lattice, lattices_that_fit, kernels_collide_alike, tiny_numbers_are_zero,
+            lists_are_complete, renewed_lists_hold_springs)

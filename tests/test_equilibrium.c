@@ -1409,37 +1409,9 @@ static void test_program(void)
     leave();
 }
 
-void suite_equilibrium(void)
-{
-    static const check_case cases[] = {{"three disks by hand", test_three_disks},
-                                       {"the softest disk", test_softest_disk},
-                                       {"wells of friction", test_friction_wells},
-                                       {"state of wells", test_state_of_wells},
-                                       {"causes of no equilibrium", test_causes},
-                                       {"a base too smooth", test_smooth_base},
-                                       {"linearised piles against diagonals alone", test_linearised},
-                                       {"soft wells", test_soft_wells},
-                                       {"45 layers: primary state", test_primary},
-                                       {"(47), (48) by counting", test_stronger_diagonals},
-                                       {"45 layers: minimum", test_minimum},
-                                       {"a branch that ends", test_jump},
-                                       {"a large soft pile", test_large_soft},
-                                       {"minima", test_minima},
-                                       {"ways to minima", test_ways},
-                                       {"energy", test_energy},
-                                       {"stability threshold", test_threshold},
-                                       {"plain forces and modes", test_plain_forces_and_modes},
-                                       {"horizontal force of slopes", test_horizontal_force},
-                                       {"order of the disks", test_relabelled},
-                                       {"damped dynamics", test_damped_dynamics},
-                                       {"errors", test_errors},
-                                       {"work", test_work},
-                                       {"ranges", test_ranges},
-                                       {"neighbours", test_neighbours},
-                                       {"disks without support", test_unsupported},
-                                       {"ranges: places", test_ranges_of_places},
-                                       {"the pile of half the size", test_half_pile},
-                                       {"the program", test_program},
-                                       {NULL, NULL}};
-    check_register("equilibrium", cases);
-}
+CHECK_SUITE(equilibrium, "equilibrium", test_three_disks, test_softest_disk, test_friction_wells,
+            test_state_of_wells, test_causes, test_smooth_base, test_linearised, test_soft_wells,
+            test_primary, test_stronger_diagonals, test_minimum, test_jump, test_large_soft, test_minima,
+            test_ways, test_energy, test_threshold, test_plain_forces_and_modes, test_horizontal_force,
+            test_relabelled, test_damped_dynamics, test_errors, test_work, test_ranges, test_neighbours,
+            test_unsupported, test_ranges_of_places, test_half_pile, test_program)

@@ -1160,27 +1160,7 @@ static void test_remade(void)
             "top=$PWD; mkdir $to/copy && cd $to/copy && sh $top/tests/remake.sh $top \"${REPOSE%/*}\"");
 }
 
-void suite_evidence(void)
-{
-    static const check_case cases[] = {{"verdicts and the words of the report", test_verdicts},
-                                       {"a section in short and in full", test_section},
-                                       {"failed runs of a claim's grid points", test_failed_cells},
-                                       {"rows by references", test_references},
-                                       {"what each test needs", test_needs},
-                                       {"claims of one question", test_family},
-                                       {"agreements together, by claims", test_joint_claims},
-                                       {"Holm's correction by groups", test_holm},
-                                       {"dips and peaks", test_dips},
-                                       {"rays at any inclination", test_rays},
-                                       {"sweeps have the claims' settings", test_settings},
-                                       {"sweeps have the rows that places read", test_rows},
-                                       {"sweeps have the settings of their results", test_made},
-                                       {"names of models tell their settings", test_names},
-                                       {"claims, second entry", test_claims_again},
-                                       {"pages are what results say", test_pages},
-                                       {"checksums of results", test_checksums},
-                                       {"commits of results", test_commits},
-                                       {"what make makes anew", test_remade},
-                                       {0}};
-    check_register_within("evidence", enter, leave, cases);
-}
+CHECK_SUITE_WITHIN(evidence, "evidence", enter, leave, test_verdicts, test_section, test_failed_cells,
+                   test_references, test_needs, test_family, test_joint_claims, test_holm, test_dips,
+                   test_rays, test_settings, test_rows, test_made, test_names, test_claims_again, test_pages,
+                   test_checksums, test_commits, test_remade)

@@ -244,20 +244,5 @@ static void crater(void)
     }
 }
 
-void suite_examples(void)
-{
-    static const check_case cases[] = {{"two grains collide", impact},
-                                       {"a chute", chute},
-                                       {"a shear box", shear_box},
-                                       {"a drum", drum},
-                                       {"a hopper", hopper},
-                                       {"a lifted cylinder", cylinder},
-                                       {"a box", box},
-                                       {"a column", column},
-                                       {"a ledge", ledge},
-                                       {"a loaded sample", biaxial},
-                                       {"a wedge hopper", wedge},
-                                       {"a crater", crater},
-                                       {NULL, NULL}};
-    check_register_within("examples", enter_folder, leave, cases);
-}
+CHECK_SUITE_WITHIN(examples, "examples", enter_folder, leave, impact, chute, shear_box, drum, hopper,
+                   cylinder, box, column, ledge, biaxial, wedge, crater)

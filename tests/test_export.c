@@ -853,31 +853,8 @@ static void test_package(void)
     CU_ASSERT(strstr(out, "theta_R by method 3: ") && *err == '\0');
 }
 
-void suite_export(void)
-{
-    static const check_case cases[] = {{"every format, by the standard library of Python", test_formats},
-                                       {"a run, a table, a column, standard output", test_sources},
-                                       {"a sweep with its fixed parameters", test_sweep},
-                                       {"frames of a run as it ends", test_dump},
-                                       {"frames without grains", test_empty_frames},
-                                       {"long names", test_long_names},
-                                       {"errors", test_errors},
-                                       {"dumps and XYZ, whole files", test_dump_files},
-                                       {"VTP, whole files", test_vtk_files},
-                                       {"CSV and JSON, whole files", test_text_files},
-                                       {"LAMMPS input: 1000 steps of lmp", test_lammps_input},
-                                       {"LAMMPS input: spins", test_spins},
-                                       {"LAMMPS input: fixed grains", test_held},
-                                       {"LAMMPS input: whole files", test_input_files},
-                                       {"LAMMPS input: a plain scene", test_plain_input},
-                                       {"LAMMPS input: types", test_types},
-                                       {"LAMMPS input: every law", test_laws},
-                                       {"LAMMPS input: refused keys", test_refused},
-                                       {"dumps by lmp", test_lammps},
-                                       {"VTP by VTK", test_vtk},
-                                       {"CSV and JSON by pandas", test_pandas},
-                                       {"random texts", test_random_texts},
-                                       {"Python package", test_package},
-                                       {NULL, NULL}};
-    check_register_within("export", enter, leave, cases);
-}
+CHECK_SUITE_WITHIN(export, "export", enter, leave, test_formats, test_sources, test_sweep, test_dump,
+                   test_empty_frames, test_long_names, test_errors, test_dump_files, test_vtk_files,
+                   test_text_files, test_lammps_input, test_spins, test_held, test_input_files,
+                   test_plain_input, test_types, test_laws, test_refused, test_lammps, test_vtk, test_pandas,
+                   test_random_texts, test_package)

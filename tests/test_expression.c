@@ -378,16 +378,5 @@ static void test_lets_refused(void)
     remove("build/lets.cfg");
 }
 
-void suite_expression(void)
-{
-    static const check_case cases[] = {{"values", test_values},
-                                       {"messages", test_messages},
-                                       {"held and change", test_states},
-                                       {"decided conditions", test_decided},
-                                       {"keys", test_keys},
-                                       {"random texts", test_random},
-                                       {"names of a scene", test_lets},
-                                       {"names that are refused", test_lets_refused},
-                                       {0}};
-    check_register("expression", cases);
-}
+CHECK_SUITE(expression, "expression", test_values, test_messages, test_states, test_decided, test_keys,
+            test_random, test_lets, test_lets_refused)

@@ -623,13 +623,5 @@ static void test_loaded_files(void)
             "[ $n -gt 20 ]") == 0);
 }
 
-void suite_figures(void)
-{
-    static const check_case cases[] = {{"drawn data", test_drawn},
-                                       {"all are described", test_all_described},
-                                       {"style in one place", test_style_in_one_place},
-                                       {"what is drawn is there", test_present},
-                                       {"files that are loaded", test_loaded_files},
-                                       {0}};
-    check_register("figures", cases);
-}
+CHECK_SUITE(figures, "figures", test_drawn, test_all_described, test_style_in_one_place, test_present,
+            test_loaded_files)

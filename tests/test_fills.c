@@ -313,13 +313,5 @@ static void test_extremes(void)
     }
 }
 
-void suite_fills(void)
-{
-    static const check_case cases[] = {
-        {"spacing and polygons", test_cut},    {"groups with a condition", test_if},
-        {"laws of radii", test_laws},          {"radii of a table", test_table},
-        {"rows and lattices", test_patterns},  {"several fills", test_several},
-        {"constants", test_constants},         {"few in much room", test_sparse},
-        {"none, and too many", test_extremes}, {0}};
-    check_register("fills", cases);
-}
+CHECK_SUITE(fills, "fills", test_cut, test_if, test_laws, test_table, test_patterns, test_several,
+            test_constants, test_sparse, test_extremes)

@@ -1,5 +1,4 @@
 /* Protocol `flux`, a text: position and time of each new grain, and outputs of the series. */
-#include <stdlib.h>
 #include <string.h>
 
 #include "experiment/modules/module.h"
@@ -156,13 +155,5 @@ static void ends_without_result(void)
     }
 }
 
-void suite_flux(void)
-{
-    static const check_case cases[] = {{"height of a new grain: closed forms", height_closed_forms},
-                                       {"height of a new grain: random piles", height_of_random_piles},
-                                       {"the next waits for contact", waits_for_contact},
-                                       {"outputs from the series", outputs_from_series},
-                                       {"runs without a result", ends_without_result},
-                                       {NULL, NULL}};
-    check_register_within("constant flux", enter, leave, cases);
-}
+CHECK_SUITE_WITHIN(flux, "constant flux", enter, leave, height_closed_forms, height_of_random_piles,
+                   waits_for_contact, outputs_from_series, ends_without_result)

@@ -342,11 +342,4 @@ static void test_random_folders(void)
     folder_remove(base);
 }
 
-void suite_folders(void)
-{
-    static const check_case cases[] = {{"what is refused", test_refusals},
-                                       {"sweeps", test_sweeps},
-                                       {"random folders", test_random_folders},
-                                       {0}};
-    check_register_within("folders", enter, leave, cases);
-}
+CHECK_SUITE_WITHIN(folders, "folders", enter, leave, test_refusals, test_sweeps, test_random_folders)

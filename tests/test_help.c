@@ -776,18 +776,5 @@ static void test_params_json(void)
     rp_units_set(RP_CGS);
 }
 
-void suite_help(void)
-{
-    static const check_case cases[] = {{"help of every command", test_help},
-                                       {"orders that help says", test_orders},
-                                       {"names of older versions", test_removed},
-                                       {"commands on several processors", test_parallel},
-                                       {"room for options", test_room},
-                                       {"arguments", test_arguments},
-                                       {"manual, line by line", test_manual},
-                                       {"completion, line by line", test_completion},
-                                       {"lists of parameters", test_params},
-                                       {"parameters as rows", test_params_json},
-                                       {0}};
-    check_register_within("help", enter, leave, cases);
-}
+CHECK_SUITE_WITHIN(help, "help", enter, leave, test_help, test_orders, test_removed, test_parallel, test_room,
+                   test_arguments, test_manual, test_completion, test_params, test_params_json)

@@ -395,20 +395,6 @@ static void test_dirty_commit(void)
     CU_ASSERT_EQUAL(shell(script), 0);
 }
 
-void suite_helpers(void)
-{
-    static const check_case cases[] = {{"near, ok, fails", test_check},
-                                       {"cases of validation", test_cases},
-                                       {"stride of cases", test_stride},
-                                       {"tables of cases", test_case_tables},
-                                       {"oblique impact", test_oblique},
-                                       {"oblique impact: slides, sticks, slides", test_oblique_changes},
-                                       {"oblique impact: slides at the end", test_oblique_end},
-                                       {"same bits", test_same_bits},
-                                       {"wrong pairs", test_wrong_pairs},
-                                       {"solved pile", test_solved_pile},
-                                       {"commit of the program", test_commit},
-                                       {"commit that was changed", test_dirty_commit},
-                                       {0}};
-    check_register_within("helpers", enter, leave, cases);
-}
+CHECK_SUITE_WITHIN(helpers, "helpers", enter, leave, test_check, test_cases, test_stride, test_case_tables,
+                   test_oblique, test_oblique_changes, test_oblique_end, test_same_bits, test_wrong_pairs,
+                   test_solved_pile, test_commit, test_dirty_commit)

@@ -238,14 +238,4 @@ static void test_statuses(void)
     gsl_rng_free(t.noise);
 }
 
-void suite_identify(void)
-{
-    static const check_case cases[] = {{"one name, planted", test_one},
-                                       {"two names, planted", test_two},
-                                       {"three names, planted", test_three},
-                                       {"two values", test_arch},
-                                       {"what can't be told apart", test_degenerate},
-                                       {"statuses", test_statuses},
-                                       {0}};
-    check_register("identify", cases);
-}
+CHECK_SUITE(identify, "identify", test_one, test_two, test_three, test_arch, test_degenerate, test_statuses)

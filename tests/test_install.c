@@ -286,18 +286,5 @@ static void test_debian(void)
            "grep -qw -e \"$p\" $SOURCE/debian/control || { echo $p; exit 1; } ;; esac; done");
 }
 
-void suite_install(void)
-{
-    static const check_case cases[] = {{"targets", test_targets},
-                                       {"files of the program", test_data},
-                                       {"order of the data folders", test_order},
-                                       {"headers alone, C11 and C++17", test_headers},
-                                       {"examples", test_examples},
-
-                                       {"manual page and completion", test_manual},
-
-                                       {"help of a command", test_help_command},
-                                       {"Debian package", test_debian},
-                                       {0}};
-    check_register_within("install", enter, leave, cases);
-}
+CHECK_SUITE_WITHIN(install, "install", enter, leave, test_targets, test_data, test_order, test_headers,
+                   test_examples, test_manual, test_help_command, test_debian)

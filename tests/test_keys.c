@@ -332,12 +332,5 @@ static void check_protocol(const sweep_protocol *protocol)
 SWEEP_PROTOCOLS(X)
 #undef X
 
-void suite_keys(void)
-{
-    static const check_case cases[] = {{"keys of a scene", test_scene_keys},
-#define X(name) {"keys of protocol " #name, test_##name##_keys},
-                                       SWEEP_PROTOCOLS(X)
-#undef X
-                                           {0}};
-    check_register("keys", cases);
-}
+CHECK_SUITE(keys, "keys", test_scene_keys, test_repose_keys, test_onset_keys, test_stress_keys,
+            test_flux_keys, test_drop_keys, test_pile_keys)

@@ -350,18 +350,5 @@ static void walls_alike(void)
         for (int c = 0; c < 3; c++) CHECK_NEAR(speed[k][c], speed[0][c], 1e-9 * fabs(speed[0][c]));
 }
 
-void suite_material(void)
-{
-    static const check_case cases[] = {{"moduli", moduli},
-                                       {"Mindlin's force along a path", mindlin_path},
-                                       {"no energy is gained", no_energy_gained},
-                                       {"Hertz' impact", hertz_impact},
-                                       {"a scene's material", group_of_a_scene},
-                                       {"walls of all kinds", walls_alike},
-                                       {"models of rolling resistance", rolling_models},
-                                       {"arms of rolling resistance", rolling_arms},
-                                       {"arms below the limit", arms_below_the_limit},
-                                       {"ledger", ledger_closes},
-                                       {0}};
-    check_register("material", cases);
-}
+CHECK_SUITE(material, "material", moduli, mindlin_path, no_energy_gained, hertz_impact, group_of_a_scene,
+            walls_alike, rolling_models, rolling_arms, arms_below_the_limit, ledger_closes)

@@ -451,18 +451,5 @@ static void test_dip(void)
     check_note(&t, "rows", "5 used, 2 left out");
 }
 
-void suite_notes(void)
-{
-    static const check_case cases[] = {{"rows used and left out", test_rows},
-                                       {"a static pile", test_pile},
-                                       {"several static piles", test_piles},
-                                       {"disks of a table", test_disks},
-                                       {"options of a pile that would do nothing", test_idle_options},
-                                       {"a pile on a terminal", test_terminal},
-                                       {"models", test_models},
-                                       {"a sweep", test_sweep},
-                                       {"a run", test_run},
-                                       {"dip of the pressure", test_dip},
-                                       {0}};
-    check_register_within("notes", enter, leave, cases);
-}
+CHECK_SUITE_WITHIN(notes, "notes", enter, leave, test_rows, test_pile, test_piles, test_disks,
+                   test_idle_options, test_terminal, test_models, test_sweep, test_run, test_dip)

@@ -428,11 +428,4 @@ static void test_failed_runs(void)
     }
 }
 
-void suite_options(void)
-{
-    static const check_case cases[] = {{"options of commands", test_options},
-                                       {"tables as JSON", test_json},
-                                       {"runs without a result", test_failed_runs},
-                                       {0}};
-    check_register_within("options", enter, leave, cases);
-}
+CHECK_SUITE_WITHIN(options, "options", enter, leave, test_options, test_json, test_failed_runs)

@@ -29,7 +29,7 @@ static void steps_of_a_slope(void)
     const double row = sin(60 * DEG), lacks = (ROWS - 1) * row * (1 / tan(55 * DEG) - 1 / tan(60 * DEG));
     double left[ROWS], right[ROWS];
     size_t steps = 0;
-    sweep_outline h = {0};
+    RP_ENDS(sweep_outline_free) sweep_outline h = {0};
     CHECK_OK(sweep_outline_make(&h, 45, 0, 55 * DEG, 0, NULL));
     for (size_t k = 0; k < ROWS; k++) left[k] = INFINITY, right[k] = -INFINITY;
     for (size_t i = 0; i < h.n; i++) {
@@ -45,7 +45,6 @@ static void steps_of_a_slope(void)
         steps += shift > 1;
     }
     CU_ASSERT(steps == (size_t)lround(lacks) && steps == 4);
-    sweep_outline_free(&h);
 }
 
 /* ---- the dip ---- */
@@ -218,14 +217,13 @@ static void outlines_of_any_size(void)
                 const double width = (double)(k - 1) * sizes[i], left = 3 * sizes[i];
                 const an_point v[] = {
                     {left, 0}, {left + width / 2, width / 2 * tan(alpha_deg * DEG)}, {left + width, 0}};
-                sweep_outline slope = {0}, drawn = {0};
+                RP_ENDS(sweep_outline_free) sweep_outline slope = {0}, drawn = {0};
                 CHECK_OK(sweep_outline_count(&slope, k, 0, alpha_deg * DEG, 0, NULL));
                 CHECK_OK(sweep_outline_count(&drawn, k, 0, 0, 3, v));
                 CU_ASSERT_EQUAL(drawn.n, slope.n);
                 for (long s = 0; s < k; s++) CU_ASSERT_EQUAL(drawn.up[s], slope.up[s]);
                 const double disks = (double)drawn.n * sin(60 * DEG);
                 CHECK_NEAR(drawn.B, sqrt(4 * disks / tan(alpha_deg * DEG)), 1e-9 * drawn.B);
-                sweep_outline_free(&slope), sweep_outline_free(&drawn);
             }
 }
 
@@ -239,7 +237,7 @@ static void friction_of_base(void)
     CU_ASSERT(sweep_outline_friction(1, N + 3, H) == INFINITY &&
               sweep_outline_friction(4, N, pushed) == INFINITY);
     for (long k = 2; k < 50; k += 9) {
-        sweep_outline h = {0};
+        RP_ENDS(sweep_outline_free) sweep_outline h = {0};
         double exact_N[50], exact_H[50];
         CHECK_OK(sweep_outline_make(&h, k, 0, 0, 0, NULL));
         for (long i = 0; i < k; i++) {
@@ -248,7 +246,6 @@ static void friction_of_base(void)
         }
         CHECK_NEAR(sweep_outline_friction(h.k, exact_N, exact_H), (double)(k - 1) / (double)(k + 1) / sqrt(3),
                    1e-12);
-        sweep_outline_free(&h);
     }
 }
 
@@ -257,7 +254,7 @@ static void friction_of_base(void)
 static void sizes(void)
 {
     const double S = 0.02385;
-    sweep_outline a = {0}, b = {0};
+    RP_ENDS(sweep_outline_free) sweep_outline a = {0}, b = {0};
     CHECK_OK(sweep_outline_make(&a, 100, 0, 50 * DEG, 0, NULL));
     CHECK_OK(sweep_outline_make(&b, 100, 0, 50 * DEG, 0, NULL));
     CHECK_OK(sweep_outline_disorder(&a, S, 7, 3));
@@ -284,7 +281,6 @@ static void sizes(void)
     CHECK_NEAR(squares / (double)n, 0.9733, 5 * sqrt(2 / (double)n));
     CHECK_OK(sweep_outline_disorder(&b, S, 7, 3)); /* drawn again */
     for (size_t i = 0; i < a.n; i++) CU_ASSERT(a.disks[i].r == b.disks[i].r);
-    sweep_outline_free(&a), sweep_outline_free(&b);
 }
 
 /* The base carries the weight without a net horizontal force, from nearly equal sizes to gaps and overlaps of
@@ -293,7 +289,7 @@ static void unequal_piles_stand(void)
 {
     static const double S[] = {1e-6, 1e-4, 1e-2}, eps[] = {1e-4, 1e-6};
     for (int c = 0; c < (check_fast() ? 2 : 6); c++) {
-        sweep_outline h = {0};
+        RP_ENDS(sweep_outline_free) sweep_outline h = {0};
         CHECK_OK(sweep_outline_make(&h, 24, 0, 30 * DEG, 0, NULL));
         CHECK_OK(sweep_outline_disorder(&h, S[c / 2], 1992, (unsigned long)c));
         statics_definition def = statics_definition_default();
@@ -313,7 +309,7 @@ static void unequal_piles_stand(void)
         CHECK_NEAR(load, weight, BALANCE);
         CHECK_NEAR(push, 0, BALANCE);
         CU_ASSERT(r.fault == STATICS_OK && r.negative_modes == 0 && r.residual < 1e-9);
-        statics_free(pile), sweep_outline_free(&h);
+        statics_free(pile);
     }
 }
 
@@ -388,7 +384,6 @@ typedef struct {
 
 static void solve(const pile_case *c, sweep_outline *h, statics_pile **pile, statics_result *r)
 {
-    *h = (sweep_outline){0};
     CHECK_OK(sweep_outline_make(h, 22, c->gap, c->alpha, c->n_corners, c->corners));
     if (c->disorder > 0) CHECK_OK(sweep_outline_disorder(h, c->disorder, 1992, 3));
     statics_definition def = statics_definition_default();
@@ -522,7 +517,7 @@ static void outputs_a_second_way(void)
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         const pile_case *c = &cases[i];
         sweep_result r;
-        sweep_outline h;
+        RP_ENDS(sweep_outline_free) sweep_outline h = {0};
         statics_pile *pile = NULL;
         statics_result solved;
         size_t disk[22], n;
@@ -545,7 +540,7 @@ static void outputs_a_second_way(void)
         CU_ASSERT(output(&r, "negative_modes") == (double)solved.negative_modes);
         CU_ASSERT(output(&r, "broken") == 0 && output(&r, "jumps") == (double)solved.jumps);
         CU_ASSERT(output(&r, "smallest_pivot") == solved.smallest_pivot && output(&r, "load") == 1);
-        free(list), statics_free(pile), sweep_outline_free(&h);
+        free(list), statics_free(pile);
     }
 }
 
@@ -621,25 +616,7 @@ static void traced(void)
     CHECK_NEAR(output(&r, "H_N_max"), most, BALANCE);
 }
 
-void suite_piles(void)
-{
-    static const check_case cases[] = {{"steps of a slope of 55 degrees", steps_of_a_slope},
-                                       {"the dip: closed forms", dip_closed_forms},
-                                       {"the dip: invariances", dip_invariances},
-                                       {"dips of a wedge", dips_of_a_wedge},
-                                       {"rays under outlines", rays_under_outlines},
-                                       {"rays under walls", rays_under_walls},
-                                       {"outlines of any size", outlines_of_any_size},
-                                       {"friction required at the base", friction_of_base},
-                                       {"sizes of unequal disks", sizes},
-                                       {"unequal piles are stable", unequal_piles_stand},
-                                       {"open rows: diagonals alone", open_rows},
-                                       {"against the continuum", against_continuum},
-                                       {"outputs by a second method", outputs_a_second_way},
-                                       {"replicas", replicas},
-                                       {"without a result", without_result},
-                                       {"threshold, minima, wells", solver_choices},
-                                       {"tables of a run", traced},
-                                       {NULL, NULL}};
-    check_register_within("piles", enter, leave, cases);
-}
+CHECK_SUITE_WITHIN(piles, "piles", enter, leave, steps_of_a_slope, dip_closed_forms, dip_invariances,
+                   dips_of_a_wedge, rays_under_outlines, rays_under_walls, outlines_of_any_size,
+                   friction_of_base, sizes, unequal_piles_stand, open_rows, against_continuum,
+                   outputs_a_second_way, replicas, without_result, solver_choices, traced)

@@ -371,8 +371,4 @@ static void test_words(void)
     }
 }
 
-void suite_places(void)
-{
-    static const check_case cases[] = {{"words name what is shown", test_words}, {0}};
-    check_register("places", cases);
-}
+CHECK_SUITE(places, "places", test_words)

@@ -571,11 +571,4 @@ static void replaced_results(void)
     munmap(seen, sizeof *seen);
 }
 
-void suite_power(void)
-{
-    static const check_case cases[] = {{"store with a write-ahead log", write_ahead_log},
-                                       {"store with a rollback journal", rollback_journal},
-                                       {"results that others replace", replaced_results},
-                                       {0}};
-    check_register_within("power", enter, leave, cases);
-}
+CHECK_SUITE_WITHIN(power, "power", enter, leave, write_ahead_log, rollback_journal, replaced_results)

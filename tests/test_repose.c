@@ -1,5 +1,4 @@
 /* Protocol `repose`: its scene, and its outputs by a second method from the tables of a run. */
-#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -27,15 +26,11 @@ static double output(const sweep_result *result, const char *name)
 }
 
 /* A run with its tables in the folder `t` of the test. */
-__attribute__((format(printf, 2, 3))) static void traced_run(sweep_result *result, const char *format, ...)
+#define TRACED(result, ...) traced_run(result, (const char *const[]){__VA_ARGS__, NULL})
+static void traced_run(sweep_result *result, const char *const changes[])
 {
-    char settings[256];
-    va_list args;
-    va_start(args, format);
-    vsnprintf(settings, sizeof settings, format, args);
-    va_end(args);
     protocol = protocol_of(&sweep_protocol_repose);
-    scoped void *params = PROTOCOL_PARAMS(protocol, settings);
+    scoped void *params = protocol_params(protocol, changes);
     protocol_trace(protocol, params, 1000, result);
 }
 
@@ -130,7 +125,7 @@ static void test_surfaces(void)
 {
     sweep_result result;
     grains g;
-    traced_run(&result, "W=2.2 N=16 floor=absorbs mu=0.1 stop=steps fill_steps=4000 relax_steps=4000");
+    TRACED(&result, "W=2.2 N=16 floor=absorbs mu=0.1 stop=steps fill_steps=4000 relax_steps=4000");
     CU_ASSERT_STRING_EQUAL(result.status, "ok_fixed_time");
     CU_ASSERT(output(&result, "fill_steps_used") == 4000.0 && output(&result, "relax_steps_used") == 4000.0);
     CU_ASSERT(output(&result, "steps") == 8000.0);
@@ -145,7 +140,7 @@ static void test_small_halves(void)
 {
     sweep_result result;
     for (int cells = 5; cells < 8; cells += 2) {
-        traced_run(&result, "W=%s H=1 stop=steps fill_steps=1500 relax_steps=1", cells == 5 ? "1" : "1.4");
+        TRACED(&result, "H=1 stop=steps fill_steps=1500 relax_steps=1", cells == 5 ? "W=1" : "W=1.4");
         CU_ASSERT(output(&result, "steps") == 1501.0 && output(&result, "relax_steps_used") == 1.0);
         CU_ASSERT(output(&result, "cells") == cells);
         grains g;
@@ -185,7 +180,7 @@ static void test_frictions(void)
         dem_text_close(&text);
     }
     sweep_result result;
-    traced_run(&result, "W=1 H=1 mu_floor=0 stop=steps fill_steps=10 relax_steps=10");
+    TRACED(&result, "W=1 H=1 mu_floor=0 stop=steps fill_steps=10 relax_steps=10");
     CU_ASSERT_STRING_EQUAL(result.status, "no_pile");
     CU_ASSERT(strstr(result.message, "mu_floor == 0") != NULL);
 }
@@ -276,7 +271,8 @@ static void test_ramp(void)
     sweep_result result;
     double y[2];
     for (int k = 0; k < 2; k++) {
-        traced_run(&result, "W=1 H=4 N=1 fill=ramp stop=steps fill_steps=%d relax_steps=1", k == 0 ? 2 : 800);
+        TRACED(&result, "W=1 H=4 N=1 fill=ramp stop=steps relax_steps=1",
+               k == 0 ? "fill_steps=2" : "fill_steps=800");
         scoped_table t = read_table("t/filled_grains.tsv");
         y[k] = cell(&t, 0, "y");
     }
@@ -291,11 +287,10 @@ static void test_ramp_where_soft(void)
     static const struct {
         const char *k_n;
         bool ramp;
-    } cases[] = {{"1e6", false}, {"2e5", false}, {"1.6e5", true}, {"1e4", true}};
+    } cases[] = {{"k_n=1e6", false}, {"k_n=2e5", false}, {"k_n=1.6e5", true}, {"k_n=1e4", true}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         sweep_result result;
-        traced_run(&result, "W=1 H=4 k_n=%s fill=auto stop=steps fill_steps=400 relax_steps=10",
-                   cases[i].k_n);
+        TRACED(&result, "W=1 H=4 fill=auto stop=steps fill_steps=400 relax_steps=10", cases[i].k_n);
         CU_ASSERT_STRING_EQUAL(result.status, "ok_fixed_time");
         scoped_table phases = read_table("t/phases.tsv");
         CU_ASSERT(phases.n_rows == (cases[i].ramp ? 5 : 4));
@@ -499,9 +494,9 @@ static void test_outputs(void)
     for (int k = 0; k < (check_fast() ? 1 : 2); k++) {
         const tilting *t = &cases[k];
         sweep_result result;
-        traced_run(&result, "W=%s H=%s theta_t=true theta_t_static=true tilt=%s tilt_rate_deg=%s",
-                   k == 0 ? "1.4" : "1", k == 0 ? "1.4" : "1", t->box ? "box" : "gravity",
-                   k == 0 ? "0.01" : "0.0005");
+        TRACED(&result, "theta_t=true theta_t_static=true",
+               k == 0 ? "W=1.4 H=1.4 tilt=box tilt_rate_deg=0.01"
+                      : "W=1 H=1 tilt=gravity tilt_rate_deg=0.0005");
         CU_ASSERT_STRING_EQUAL(result.status, "ok");
         CU_ASSERT_STRING_EQUAL(result.message, "");
         check_pile(&result, t->W);
@@ -525,10 +520,10 @@ static void test_outputs(void)
 static void test_stands(void)
 {
     if (check_fast()) return;
-    static const char *const measures[] = {"theta_t", "theta_t_static"};
+    static const char *const measures[] = {"theta_t=true", "theta_t_static=true"};
     for (int quasi_static = 0; quasi_static < 2; quasi_static++) {
         sweep_result result;
-        traced_run(&result, "W=2 N=8 mu=10 floor=ends %s=true tilt_rate_deg=0.01", measures[quasi_static]);
+        TRACED(&result, "W=2 N=8 mu=10 floor=ends tilt_rate_deg=0.01", measures[quasi_static]);
         CU_ASSERT_STRING_EQUAL(result.status, "ok");
         CU_ASSERT(isnan(output(&result, "theta_t_displacement_deg")) &&
                   isnan(output(&result, "theta_t_static_deg")) && isnan(output(&result, "theta_rt_deg")));
@@ -548,8 +543,8 @@ static void test_restless(void)
     double theta[2];
     for (int bounded = 0; bounded < 2; bounded++) {
         sweep_result result;
-        traced_run(&result, "W=1 H=1 theta_t_static=true tilt_rate_deg=0.01 max_steps=%s",
-                   bounded ? "12500" : "400000");
+        TRACED(&result, "W=1 H=1 theta_t_static=true tilt_rate_deg=0.01",
+               bounded ? "max_steps=12500" : "max_steps=400000");
         CU_ASSERT_STRING_EQUAL(result.status, "ok");
         CU_ASSERT((output(&result, "restless") == 12500.0) == bounded);
         theta[bounded] = output(&result, "theta_t_static_deg");
@@ -637,23 +632,7 @@ static void test_limit_of_step(void)
     }
 }
 
-void suite_repose(void)
-{
-    static const check_case cases[] = {{"few grains", test_surfaces},
-                                       {"limit of the time step", test_limit_of_step},
-                                       {"halves of three cells", test_small_halves},
-                                       {"bond order", test_bond_order},
-                                       {"friction of the floor", test_frictions},
-                                       {"keys of the scene", test_keys_of_the_scene},
-                                       {"names of the text", test_names},
-                                       {"ramp of gravity", test_ramp},
-                                       {"ramp where grains are soft", test_ramp_where_soft},
-                                       {"rest in a rotating box", test_rest_in_turning_box},
-                                       {"all outputs by a second method", test_outputs},
-                                       {"a stable pile", test_stands},
-                                       {"an unfinished slide", test_restless},
-                                       {"most steps of a phase", test_patience},
-                                       {"refusals", test_refusals},
-                                       {0}};
-    check_register_within("protocol repose", enter, leave, cases);
-}
+CHECK_SUITE_WITHIN(repose, "protocol repose", enter, leave, test_surfaces, test_limit_of_step,
+                   test_small_halves, test_bond_order, test_frictions, test_keys_of_the_scene, test_names,
+                   test_ramp, test_ramp_where_soft, test_rest_in_turning_box, test_outputs, test_stands,
+                   test_restless, test_patience, test_refusals)

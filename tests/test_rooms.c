@@ -68,8 +68,4 @@ static void test_rooms(void)
     check_says("lint: src/low has 21 .c files, more than 20\n");
 }
 
-void suite_rooms(void)
-{
-    static const check_case cases[] = {{"faults that are planted", test_rooms}, {0}};
-    check_register("rooms", cases);
-}
+CHECK_SUITE(rooms, "rooms", test_rooms)

@@ -573,19 +573,5 @@ static void energy_of_few(void)
     }
 }
 
-void suite_scene(void)
-{
-    static const check_case cases[] = {{"the documented example", example},
-                                       {"written and read: the same bits", written_and_read},
-                                       {"walls with one end", half_lines},
-                                       {"particles from a table", particles_from_table},
-                                       {"infinite rolling", infinite_rolling},
-                                       {"a bed taken back", bed_taken_back},
-                                       {"a filling among walls", fill_among_walls},
-                                       {"overlaps of listed grains", listed_overlaps},
-                                       {"values of a file", values_of_a_file},
-                                       {"energy of few grains", energy_of_few},
-                                       {"refused scenes", refused},
-                                       {NULL, NULL}};
-    check_register("scene", cases);
-}
+CHECK_SUITE(scene, "scene", example, written_and_read, half_lines, particles_from_table, infinite_rolling,
+            bed_taken_back, fill_among_walls, listed_overlaps, values_of_a_file, energy_of_few, refused)

@@ -806,27 +806,7 @@ static void stopped_row(void)
     }
 }
 
-void suite_snapshot(void)
-{
-    static const check_case cases[] = {
-        {"every law, integrator and feature", every_law_integrator_and_feature},
-        {"large pile", large_pile},
-        {"damaged files", damaged_files},
-        {"foreign files", foreign_files},
-        {"impossible states", impossible_states},
-        {"full disk", full_disk},
-        {"killed runs", killed_runs},
-        {"stopped runs", stopped_runs},
-        {"refused resumes", refused_resumes},
-        {"no snapshot", no_snapshot},
-        {"protocol repose", protocol_repose},
-        {"protocol stress", protocol_stress},
-        {"protocol onset", protocol_onset},
-        {"protocol drop", protocol_drop},
-        {"a snapshot and its name are synced", synced},
-        {"sweep rows", sweep_rows},
-        {"stopped sweep", stopped_sweep},
-        {"stopped row", stopped_row},
-        {0}};
-    check_register_within("snapshot", enter, leave, cases);
-}
+CHECK_SUITE_WITHIN(snapshot, "snapshot", enter, leave, every_law_integrator_and_feature, large_pile,
+                   damaged_files, foreign_files, impossible_states, full_disk, killed_runs, stopped_runs,
+                   refused_resumes, no_snapshot, protocol_repose, protocol_stress, protocol_onset,
+                   protocol_drop, synced, sweep_rows, stopped_sweep, stopped_row)

@@ -170,11 +170,4 @@ static void pivots_alone(void)
     }
 }
 
-void suite_sparse(void)
-{
-    static const check_case cases[] = {{"stiffness against a plain matrix", dense},
-                                       {"pivots", pivots_alone},
-                                       {"stiffness near the factorised one", near_factor},
-                                       {NULL, NULL}};
-    check_register("sparse", cases);
-}
+CHECK_SUITE(sparse, "sparse", dense, pivots_alone, near_factor)

@@ -590,21 +590,6 @@ static void wedge(void)
     CHECK_NEAR(h / n, mu, 1e-14);
 }
 
-void suite_stress(void)
-{
-    static const check_case cases[] = {{"stress of a column", test_column},
-                                       {"grids over piles", test_grids},
-                                       {"columns and cells of piles, by hand", test_floor},
-                                       {"hydrostatic stress", test_hydrostatic},
-                                       {"base of a close-packed triangle", test_triangle},
-                                       {"momentum balance in a simulated box", test_momentum},
-                                       {"Mohr's circle", test_mohr},
-                                       {"wedge of rays", wedge},
-                                       {"dips of an ensemble, from the same resamples", test_dips},
-                                       {"grids that cannot be", test_bad_grids},
-                                       {"protocol stress", test_protocol},
-                                       {"protocol onset", test_onset},
-                                       {"protocol onset: grains that move", test_motion},
-                                       {0}};
-    check_register("stress", cases);
-}
+CHECK_SUITE(stress, "stress", test_column, test_grids, test_floor, test_hydrostatic, test_triangle,
+            test_momentum, test_mohr, wedge, test_dips, test_bad_grids, test_protocol, test_onset,
+            test_motion)

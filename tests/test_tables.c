@@ -1048,24 +1048,6 @@ static void test_systems_of_sweeps(void)
     FAILS(65, "units = \"metric\": unknown word, allowed: cgs | si | sigma", "sweep plan w.cfg -o v");
 }
 
-void suite_tables(void)
-{
-    static const check_case cases[] = {{"states, contacts, walls, energies of a scene", test_scene},
-                                       {"walls that open and turn", test_walls},
-                                       {"units", test_units},
-                                       {"systems of units", test_systems},
-                                       {"systems of units of sweeps", test_systems_of_sweeps},
-                                       {"energy ledger", test_ledger},
-                                       {"disks, contacts, wells, base of a pile", test_pile},
-                                       {"ensemble of piles", test_ensemble},
-                                       {"runs and points of a sweep", test_sweep},
-                                       {"angle compare", test_compare},
-                                       {"failed runs behind a row", test_failed},
-                                       {"stats trend, size, fit", test_fits},
-                                       {"stats trend, size by groups", test_groups},
-                                       {"stats correlation", test_correlations},
-                                       {"tent, lattice", test_models},
-                                       {"continuum", test_continuum},
-                                       {0}};
-    check_register_within("tables", enter, leave, cases);
-}
+CHECK_SUITE_WITHIN(tables, "tables", enter, leave, test_scene, test_walls, test_units, test_systems,
+                   test_systems_of_sweeps, test_ledger, test_pile, test_ensemble, test_sweep, test_compare,
+                   test_failed, test_fits, test_groups, test_correlations, test_models, test_continuum)

@@ -357,24 +357,6 @@ static void test_resampled(void)
     CU_ASSERT(isnan(stats_resampled(2, one, &n)) && n == 1);
 }
 
-void suite_trend(void)
-{
-    static const check_case cases[] = {
-        {"one value per x, against GSL", test_single_values},
-        {"two x: Welch and paired", test_two_x},
-        {"order of rows", test_order_of_rows},
-        {"TOST is an interval", test_tost_is_interval},
-        {"planted trends: coverage, false alarms", test_coverage},
-        {"largest pair", test_pairs},
-        {"planted trends: size of TOST", test_tost_size},
-        {"Holm's correction", test_holm},
-        {"verdicts", test_words},
-        {"errors of trends", test_trend_errors},
-        {"correlation", test_correlation},
-        {"planted correlations: coverage", test_planted_correlation},
-        {"pooled summaries", test_pooled},
-        {"spread of resamples", test_resampled},
-        {NULL, NULL},
-    };
-    check_register("trend", cases);
-}
+CHECK_SUITE(trend, "trend", test_single_values, test_two_x, test_order_of_rows, test_tost_is_interval,
+            test_coverage, test_pairs, test_tost_size, test_holm, test_words, test_trend_errors,
+            test_correlation, test_planted_correlation, test_pooled, test_resampled)

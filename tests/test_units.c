@@ -269,12 +269,4 @@ static void implicit(void)
     }
 }
 
-void suite_units(void)
-{
-    static const check_case cases[] = {{"soft contacts", soft},
-                                       {"hard collisions", hard},
-                                       {"Gear's scheme, wells of the ground", gear_and_ground},
-                                       {"implicit scheme", implicit},
-                                       {NULL, NULL}};
-    check_register("units", cases);
-}
+CHECK_SUITE(units, "units", soft, hard, gear_and_ground, implicit)

@@ -1151,32 +1151,8 @@ static void test_sweep_progress(void)
     close(kept), close(terminal);
 }
 
-void suite_view(void)
-{
-    static const check_case cases[] = {{"grains", test_circles},
-                                       {"forces and walls", test_forces},
-                                       {"walls that slope", test_slopes},
-                                       {"segments of walls", test_segment},
-                                       {"frame and labels", test_layout},
-                                       {"colours", test_colors},
-                                       {"stress and base", test_stress},
-                                       {"frames", test_frames},
-                                       {"film", test_film},
-                                       {"an animation, number by number", test_animation},
-                                       {"the frame that is drawn", test_chosen},
-                                       {"progress of a sweep", test_sweep_progress},
-                                       {"range of colours", test_range},
-                                       {"crosses of stress", test_crosses},
-                                       {"bins of the base", test_bins},
-                                       {"widths and shades", test_styles},
-                                       {"walls in the window", test_clipped},
-                                       {"stages of a run", test_stages},
-                                       {"folders and files", test_kinds},
-                                       {"texts of tables are no commands", test_hostile},
-                                       {"random texts are no commands", test_random_texts},
-                                       {"refusals", test_refusals},
-                                       {"closing line of a run", test_closing_line},
-                                       {"progress of a run", test_progress},
-                                       {0}};
-    check_register_within("view", enter, leave, cases);
-}
+CHECK_SUITE_WITHIN(view, "view", enter, leave, test_circles, test_forces, test_slopes, test_segment,
+                   test_layout, test_colors, test_stress, test_frames, test_film, test_animation, test_chosen,
+                   test_sweep_progress, test_range, test_crosses, test_bins, test_styles, test_clipped,
+                   test_stages, test_kinds, test_hostile, test_random_texts, test_refusals, test_closing_line,
+                   test_progress)

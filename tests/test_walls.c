@@ -900,34 +900,7 @@ static void soft_on_moving_wall(void)
     leave();
 }
 
-void suite_walls(void)
-{
-    static const check_case cases[] = {{"a piston's impact", piston},
-                                       {"a floor that slides", sliding_floor},
-                                       {"largest speed of a wall", speed_of_a_wall},
-                                       {"lines of walls", lines_of_walls},
-                                       {"list of a turning box", list_of_a_turning_box},
-                                       {"height of a wall that moves", height_of_a_wall},
-                                       {"walls at rest, grains that move", galilean},
-                                       {"a box that turns, walls that turn", turning_box},
-                                       {"path of a wall", where_it_is},
-                                       {"drum: energy ledger", drum_ledger},
-                                       {"drum: kernels", drum_kernels},
-                                       {"drum: clones and snapshots", drum_snapshot},
-                                       {"no grain leaves a polygon", inside},
-                                       {"surfaces that are cut", cut_surfaces},
-                                       {"landing on a joint", landing_on_a_joint},
-                                       {"a gate in a floor", flush_gate},
-                                       {"mirror images", mirror_images},
-                                       {"contacts at corners", contacts_at_corners},
-                                       {"joints", joints},
-                                       {"a soft contact with a wall that moves", soft_on_moving_wall},
-                                       {"a bowl of many sides", bowl},
-                                       {"directions, polygons, circles", normalised},
-                                       {"lower ends of gates", lower_ends},
-                                       {"circles of few and many sides", sides_of_circle},
-                                       {"filling anywhere", filling},
-                                       {"refused walls", refused},
-                                       {NULL, NULL}};
-    check_register("walls", cases);
-}
+CHECK_SUITE(walls, "walls", piston, sliding_floor, speed_of_a_wall, lines_of_walls, list_of_a_turning_box,
+            height_of_a_wall, galilean, turning_box, where_it_is, drum_ledger, drum_kernels, drum_snapshot,
+            inside, cut_surfaces, landing_on_a_joint, flush_gate, mirror_images, contacts_at_corners, joints,
+            soft_on_moving_wall, bowl, normalised, lower_ends, sides_of_circle, filling, refused)

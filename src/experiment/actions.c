@@ -1,7 +1,5 @@
 /* What a phase does at its start: going back, other laws, grains taken out and put in, loads of walls. */
-#include <float.h>
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "dem/scene/radii.h"

@@ -93,8 +93,7 @@ bool exp_goes_back(const exp_plan *plan); /* some phase begins where an earlier 
 
 /* Tables of measures, by the names of their files: samples of those with `series`, columns step, time and
  * value; and modules that have tables. */
-size_t exp_series_count(const exp_plan *plan);
-const char *exp_series_name(const exp_plan *plan, size_t k);
+const char *exp_series_name(const exp_plan *plan, size_t k); /* NULL past the last */
 void exp_series_write(const exp_run *run, size_t k, FILE *out);
 
 /* Write the state of a run into a snapshot, or read it into one that has been started. */

@@ -1,6 +1,5 @@
 /* What a plan's numbers depend on, and whether its time step can work. */
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "core/elementary.h"
@@ -177,19 +176,14 @@ static void let_move(const exp_plan *plan, const exp_phase *p, const exp_move *m
     }
 }
 
-static double smallest(size_t n, const dem_grain grains[])
-{
-    double r = INFINITY;
-    for (size_t i = 0; i < n; i++) r = fmin(r, grains[i].r);
-    return r;
-}
-
 /* The time step of each phase, with its laws and the walls' motions that are known, one after the other. */
 static rp_status check_phases(const exp_plan *plan, dem_definition *def)
 {
     RP_SCOPE(arena);
     dem_wall *walls;
     const char *what;
+    double r = INFINITY; /* the smallest */
+    for (size_t i = 0; i < def->n_grains; i++) r = fmin(r, def->grains[i].r);
     RP_NEW(&arena, walls, def->n_walls);
     memcpy(walls, dem_walls_of(def), def->n_walls * sizeof *walls);
     def->wall_list = walls;
@@ -214,8 +208,7 @@ static rp_status check_phases(const exp_plan *plan, dem_definition *def)
                 return rp_config_fail(phase->setting, "phase %s: wall %s needs dt <= %.3g, by %s",
                                       phase->name, wall->name, limit, what);
             const dem_wall *first = &walls[wall->walls[0]];
-            const double way = rp_hypot(first->velocity[0], first->velocity[1]) * def->dt,
-                         r = smallest(def->n_grains, def->grains);
+            const double way = rp_hypot(first->velocity[0], first->velocity[1]) * def->dt;
             if (way > r)
                 return rp_config_fail(phase->setting,
                                       "phase %s: wall %s moves %g in one step, the smallest radius is %g",
@@ -225,25 +218,14 @@ static rp_status check_phases(const exp_plan *plan, dem_definition *def)
     return RP_OK;
 }
 
-/* The lightest that a phase may add, as far as that is known. */
-static bool lightest_added(const exp_plan *plan, const exp_add *a, dem_grain *g)
-{
-    const double density = exp_density(plan, a, a->density.x.known ? a->density.x.value : NAN);
-    *g = (dem_grain){.r = !exp_given(&a->r) ? dem_radius_least(&a->radii)
-                          : a->r.x.known    ? a->r.x.value
-                                            : NAN};
-    g->m = dem_mass(plan->scene.def.shape, density, g->r);
-    return a->on && g->m > 0.0;
-}
-
 /* Grains that stand for those of the start, the smallest of each fill at both ends of its height, and for
- * those that come. */
+ * those that come, the lightest of each phase as far as that is known. */
 static rp_status stand_ins(const exp_plan *plan, rp_arena *arena, dem_definition *def)
 {
     dem_scene *s = (dem_scene *)&plan->scene;
     const size_t listed = s->grains ? s->def.n_grains : 0;
     const dem_fill *f;
-    dem_grain *grains, added;
+    dem_grain *grains;
     RP_NEW(arena, grains, listed + 2 * (s->n_more + 1) + plan->n_phases);
     if (listed) memcpy(grains, s->grains, listed * sizeof *grains);
     def->grains = grains, def->n_grains = listed;
@@ -257,9 +239,15 @@ static rp_status stand_ins(const exp_plan *plan, rp_arena *arena, dem_definition
                                                   .fixed = f->fixed};
     }
     const double y = def->n_grains ? grains[0].y : 0.0;
-    for (size_t k = 0; k < plan->n_phases; k++)
-        if (!plan->phases[k].left_out && lightest_added(plan, &plan->phases[k].add, &added))
-            added.y = y, grains[def->n_grains++] = added;
+    for (const exp_phase *p = plan->phases; p < plan->phases + plan->n_phases; p++) {
+        const exp_add *a = &p->add;
+        const double density = exp_density(plan, a, a->density.x.known ? a->density.x.value : NAN),
+                     r = !exp_given(&a->r) ? dem_radius_least(&a->radii)
+                         : a->r.x.known    ? a->r.x.value
+                                           : NAN,
+                     m = dem_mass(s->def.shape, density, r);
+        if (!p->left_out && a->on && m > 0.0) grains[def->n_grains++] = (dem_grain){.y = y, .r = r, .m = m};
+    }
     return RP_OK;
 }
 

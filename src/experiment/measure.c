@@ -129,13 +129,6 @@ static void rate(const exp_samples *s, size_t from, double out[])
     out[1] = sqrt(sum / (BLOCKS - 1) / BLOCKS);
 }
 
-/* Mean and standard error of n numbers whose sum and sum of squares these are. */
-static void mean_of(double n, double sum, double squares, double out[2])
-{
-    out[0] = sum / n;
-    out[1] = n > 1.0 ? sqrt(fmax(squares - sum * sum / n, 0.0) / (n - 1.0) / n) : NAN;
-}
-
 /* Falls of a series: samples with an event, from the one before; or falls by `drop` from a maximum, to the
  * minimum before it has risen as much again. Number; values before and after, each with its error. */
 static rp_status avalanches(const exp_measure *m, const exp_samples *s, const double v[], size_t from,
@@ -165,7 +158,11 @@ static rp_status avalanches(const exp_measure *m, const exp_samples *s, const do
     }
     out[0] = n;
     if (n == 0.0) return rp_fail(RP_NO_RESULT, "no avalanche in %zu samples", s->n - from);
-    for (int k = 0; k < 2; k++) mean_of(n, sums[k], squares[k], &out[1 + 2 * k]);
+    for (int k = 0; k < 2; k++) { /* mean and its standard error */
+        const double about_mean = fmax(squares[k] - sums[k] * sums[k] / n, 0.0);
+        out[1 + 2 * k] = sums[k] / n;
+        out[2 + 2 * k] = n > 1.0 ? sqrt(about_mean / (n - 1.0) / n) : NAN;
+    }
     return RP_OK;
 }
 
@@ -212,23 +209,13 @@ static rp_status reduce(const exp_run *run, const exp_measure *m, const exp_samp
     return RP_OK;
 }
 
-/* The names in an expression, with their values. */
-static void blame(exp_run *run, const exp_measure *m)
-{
-    RP_SCOPE(arena);
-    const rp_x_values values = {run, exp_observe};
-    const char *names = rp_expression_operands(&arena, &m->of.x, &values);
-    exp_conclude(run, "nan", "%s = \"%s\" is %g; %s", m->name, m->of.x.text, run->values[m->output],
-                 names ? names : "");
-}
-
 static void measure(exp_run *run, size_t k)
 {
     const exp_measure *m = &run->plan->measures[k];
     double *out = &run->values[m->output], all[EXP_MODULE_OUTPUTS];
     for (int o = 0; o < EXP_MODULE_OUTPUTS; o++) all[o] = NAN;
     if (m->module && m->module->add && m->take != TAKE_VALUE) {
-        if (run->tables[k].samples == 0.0 && !m->optional) exp_conclude(run, "no_samples", "%s", m->name);
+        if (run->samples[k].taken == 0.0 && !m->optional) exp_conclude(run, "no_samples", "%s", m->name);
         return;
     }
     if (m->take != TAKE_VALUE) {
@@ -244,8 +231,14 @@ static void measure(exp_run *run, size_t k)
         return;
     }
     out[0] = exp_value(run, &m->of);
-    if (!isfinite(out[0]) && !m->optional && !run->failed) blame(run, m);
-    if (!isfinite(out[0])) out[0] = NAN;
+    if (isfinite(out[0])) return;
+    if (!m->optional && !run->failed) {
+        RP_SCOPE(arena);
+        const rp_x_values values = {run, exp_observe};
+        const char *names = rp_expression_operands(&arena, &m->of.x, &values);
+        exp_conclude(run, "nan", "%s = \"%s\" is %g; %s", m->name, m->of.x.text, out[0], names ? names : "");
+    }
+    out[0] = NAN;
 }
 
 void exp_measure_phase(exp_run *run, size_t phase)
@@ -269,14 +262,9 @@ void exp_measure_phase(exp_run *run, size_t phase)
 
 /* ---- series ---- */
 
-size_t exp_series_count(const exp_plan *plan)
-{
-    return plan->n_series;
-}
-
 const char *exp_series_name(const exp_plan *plan, size_t k)
 {
-    return plan->measures[plan->series[k]].file;
+    return k < plan->n_series ? plan->measures[plan->series[k]].file : NULL;
 }
 
 void exp_series_write(const exp_run *run, size_t k, FILE *out)
@@ -284,9 +272,8 @@ void exp_series_write(const exp_run *run, size_t k, FILE *out)
     const size_t number = run->plan->series[k];
     const exp_samples *s = &run->samples[number];
     const exp_measure *m = &run->plan->measures[number];
-    const exp_table *table = &run->tables[number];
-    if (table->sums) {
-        m->module->write(m->params, table->samples, table->sums, out);
+    if (s->sums) {
+        m->module->write(m->params, s->taken, s->sums, out);
         return;
     }
     const char *const columns[][2] = {

@@ -21,11 +21,11 @@ const exp_scope *exp_scope_named(const exp_plan *plan, unsigned sorts, const cha
 /* Of what an observable may be asked after a name of this sort; EXP_ALL: without one. */
 static unsigned asked_of(int sort)
 {
-    static const unsigned of[] = {[EXP_ALL] = OF_RUN | OF_GRAINS,
-                                  [EXP_REGION] = OF_REGION,
-                                  [EXP_WALL] = OF_WALL,
-                                  [EXP_KIND] = OF_GRAINS};
-    return sort < (int)(sizeof of / sizeof *of) ? of[sort] : 0;
+    return sort == EXP_ALL      ? OF_RUN | OF_GRAINS
+           : sort == EXP_REGION ? OF_REGION
+           : sort == EXP_WALL   ? OF_WALL
+           : sort == EXP_KIND   ? OF_GRAINS
+                                : 0;
 }
 
 const exp_observable *exp_observable_named(const char *name, unsigned of)
@@ -204,7 +204,7 @@ rp_status exp_check_name(const exp_plan *plan, const config_setting_t *setting, 
     return rp_config_fail(setting, "%s names %s and %s", name, scope ? sorts[scope->sort] : "a let", what);
 }
 
-rp_status exp_find(const exp_plan *plan, int sort, const config_setting_t *setting, const char *key,
+rp_status exp_find(const exp_plan *plan, int sort, const config_setting_t *group, const char *key,
                    const char *name, size_t *index)
 {
     static const char *const none[] = {[EXP_REGION] = "no such region",
@@ -213,9 +213,11 @@ rp_status exp_find(const exp_plan *plan, int sort, const config_setting_t *setti
                                        [EXP_MEASURE] = "no earlier measure has this name"};
     rp_guess guess = rp_guess_of(name);
     const exp_scope *scope = exp_scope_named(plan, (unsigned)sort, name, strlen(name), &guess);
-    if (scope) return *index = scope->index, RP_OK;
-    if (!key) return rp_config_fail(setting, "%s: %s%s", name, none[sort], rp_guess_text(&guess));
-    return rp_config_fail(setting, "%s = \"%s\": %s%s", key, name, none[sort], rp_guess_text(&guess));
+    if (scope) *index = scope->index;
+    if (scope || !*name) return RP_OK;
+    if (!key) return rp_config_fail(group, "%s: %s%s", name, none[sort], rp_guess_text(&guess));
+    return rp_config_fail(member(group, key), "%s = \"%s\": %s%s", key, name, none[sort],
+                          rp_guess_text(&guess));
 }
 
 void exp_add_scope(exp_plan *plan, int sort, size_t index, const char *name)

@@ -40,18 +40,6 @@ bool exp_is_within(const void *within, uint32_t id, double x, double y)
     return dx * dx + dy * dy < a->at[2] * a->at[2];
 }
 
-static double area_of(const exp_within *a)
-{
-    double sum = 0.0;
-    if (a->circle) return M_PI * a->at[2] * a->at[2];
-    if (!a->n_points) return (a->at[1] - a->at[0]) * (a->at[3] - a->at[2]);
-    for (size_t k = 0; k < a->n_points; k++) {
-        const double *p = &a->points[2 * k], *q = &a->points[2 * ((k + 1) % a->n_points)];
-        sum += 0.5 * (p[0] * q[1] - q[0] * p[1]);
-    }
-    return fabs(sum);
-}
-
 /* The grains that an observable is of, one after the other: those that move, in its region. */
 typedef struct {
     exp_run *run;
@@ -120,13 +108,8 @@ static dem_rest rest_of(exp_run *run, const exp_use *use)
     dem_rest rest = {0};
     const exp_within in = exp_within_now(run, &use->scope);
     if (!run->failed) run->failed = dem_rest_in(run->sim, exp_is_within, &in, &rest);
+    if (rest.n == 0) rest.contact_number = NAN;
     return rest;
-}
-
-static double contacts_a_grain(exp_run *run, const exp_use *use)
-{
-    const dem_rest rest = rest_of(run, use);
-    return rest.n ? rest.contact_number : NAN;
 }
 
 static double mass_taken_out(exp_run *run)
@@ -155,19 +138,14 @@ static double largest_speed(exp_run *run, const exp_use *use)
     return sqrt(totals_of(run, use).speed2);
 }
 
-static double marked(const exp_run *run, const exp_within *in)
+static double marked(exp_run *run, const exp_use *use)
 {
+    const exp_within in = exp_within_now(run, &use->scope);
     double n = 0.0;
     for (size_t k = 0; k < run->n_ids; k++)
         n += !isnan(run->marks[2 * k]) &&
-             exp_is_within(in, (uint32_t)k + 1, run->marks[2 * k], run->marks[2 * k + 1]);
+             exp_is_within(&in, (uint32_t)k + 1, run->marks[2 * k], run->marks[2 * k + 1]);
     return n;
-}
-
-static double count_marked(exp_run *run, const exp_use *use)
-{
-    const exp_within in = exp_within_now(run, &use->scope);
-    return marked(run, &in);
 }
 
 /* How many of the marked of the region are farther than args[0] from their mark and have args[1] contacts or
@@ -186,7 +164,7 @@ static double moved(exp_run *run, const exp_use *use, const double args[])
         const double dx = x - mark[0], dy = y - mark[1];
         n += dx * dx + dy * dy > args[0] * args[0] && (use->n_args < 2 || s[i].contacts >= args[1]);
     }
-    return (double)n + marked(run, &in) - (double)there;
+    return (double)n + marked(run, use) - (double)there;
 }
 
 /* Columns of width about d, between the ends of a region or of the grains, that hold a centre. */
@@ -213,8 +191,15 @@ static double cells(exp_run *run, const exp_use *use)
 
 static double area_now(exp_run *run, const exp_use *use)
 {
-    const exp_within in = exp_within_now(run, &use->scope);
-    return area_of(&in);
+    const exp_within a = exp_within_now(run, &use->scope);
+    double sum = 0.0;
+    if (a.circle) return M_PI * a.at[2] * a.at[2];
+    if (!a.n_points) return (a.at[1] - a.at[0]) * (a.at[3] - a.at[2]);
+    for (size_t k = 0; k < a.n_points; k++) {
+        const double *p = &a.points[2 * k], *q = &a.points[2 * ((k + 1) % a.n_points)];
+        sum += 0.5 * (p[0] * q[1] - q[0] * p[1]);
+    }
+    return fabs(sum);
 }
 
 /* ---- of contacts ---- */
@@ -223,12 +208,6 @@ static const dem_physics *physics_now(const exp_run *run)
 {
     const size_t laws = run->at.now.laws;
     return &(laws == SIZE_MAX ? &run->plan->scene.laws : &run->plan->phases[laws].laws)->physics;
-}
-
-static bool slides(const exp_run *run, const dem_contact *c)
-{
-    const double mu = c->id_b ? physics_now(run)->mu : dem_wall_now(run->sim, (size_t)c->wall).mu;
-    return c->normal_force > 0.0 && fabs(c->shear_force) >= 0.999 * mu * c->normal_force;
 }
 
 /* Sums over the contacts of a scope, those with their middle in a region, or with a grain of a kind: branch
@@ -250,7 +229,8 @@ static contact_totals over_contacts(exp_run *run, const exp_use *use)
         if (!exp_is_within(&in, c->id_a, x, y) && !(in.kinds && c->id_b && exp_is_within(&in, c->id_b, x, y)))
             continue;
         exp_contact_force(c, f);
-        t.n++, t.sliding += slides(run, c);
+        const double mu = c->id_b ? physics_now(run)->mu : dem_wall_now(run->sim, (size_t)c->wall).mu;
+        t.n++, t.sliding += c->normal_force > 0.0 && fabs(c->shear_force) >= 0.999 * mu * c->normal_force;
         t.xx += lx * f[0], t.yy += ly * f[1], t.xy += 0.5 * (lx * f[1] + ly * f[0]);
     }
     return t;
@@ -351,7 +331,7 @@ static double wall_force(exp_run *run, const exp_use *use, int component)
     X(OF_PART, spin, 0, 0, RP_X_NUMBER, "cm/s", "largest speed at a rim by spin", SUM(spin)) \
     X(OF_PART, force, 0, 0, RP_X_NUMBER, "dyn", "largest net force on a grain with a contact", rest_of(run, use).net_force) \
     X(OF_PART, imbalance, 0, 0, RP_X_NUMBER, "", "largest net force on a grain over its weight, or torque over weight times radius; 1 of one that falls freely", SUM(imbalance)) \
-    X(OF_PART, contacts, 0, 0, RP_X_NUMBER, "", "mean contacts of a grain", contacts_a_grain(run, use)) \
+    X(OF_PART, contacts, 0, 0, RP_X_NUMBER, "", "mean contacts of a grain", rest_of(run, use).contact_number) \
     X(OF_PART, rattlers, 0, 0, RP_X_NUMBER, "", "share of the grains with fewer than two contacts", SUM(few)) \
     X(OF_PART, x, 0, 0, RP_X_NUMBER, "cm", "centre of mass", SUM(x)) \
     X(OF_PART, y, 0, 0, RP_X_NUMBER, "cm", "centre of mass", SUM(y)) \
@@ -360,7 +340,7 @@ static double wall_force(exp_run *run, const exp_use *use, int component)
     X(OF_PART, height, 0, 0, RP_X_NUMBER, "cm", "highest point of a grain, 0 without grains", SUM(top)) \
     X(OF_PART, left, 0, 0, RP_X_NUMBER, "cm", "leftmost point", SUM(left)) \
     X(OF_PART, right, 0, 0, RP_X_NUMBER, "cm", "rightmost point", SUM(right)) \
-    X(OF_PART, marked, 0, 0, RP_X_NUMBER, "", "grains whose position is marked, by where that is", count_marked(run, use)) \
+    X(OF_PART, marked, 0, 0, RP_X_NUMBER, "", "grains whose position is marked, by where that is", marked(run, use)) \
     X(OF_PART, moved, 1, 2, RP_X_NUMBER, "", "moved(s, k): marked grains farther than s from their mark, with k contacts or more", moved(run, use, args)) \
     X(OF_PART, cells, 0, 0, RP_X_NUMBER, "", "columns of about d that hold a grain", cells(run, use)) \
     X(OF_PART, rest, 0, 0, RP_X_TRUTH, "", "whether the grains are at rest, by several looks in a row", is_at_rest(run, use)) \
@@ -415,7 +395,7 @@ rp_status exp_module_values(exp_run *run, const exp_measure *m, double out[EXP_M
     const exp_plan *plan = run->plan;
     const exp_module *module = m->module;
     const exp_within in = exp_within_now(run, &m->scope);
-    exp_table *table = &run->tables[m - plan->measures];
+    exp_samples *samples = &run->samples[m - plan->measures];
     exp_view view = {.d = plan->d,
                      .m = plan->m,
                      .sim = run->sim,
@@ -442,8 +422,8 @@ rp_status exp_module_values(exp_run *run, const exp_measure *m, double out[EXP_M
     for (size_t i = 0; i < view.n_all; i++) view.mass += view.all[i].fixed ? 0.0 : view.all[i].m;
     for (int k = 0; k < EXP_MODULE_OUTPUTS; k++) out[k] = NAN;
     const rp_status status =
-        module->add ? module->add(&view, m->params, table->sums) : module->evaluate(&view, m->params, out);
-    table->samples += !status;
+        module->add ? module->add(&view, m->params, samples->sums) : module->evaluate(&view, m->params, out);
+    samples->taken += !status;
     return status;
 }
 

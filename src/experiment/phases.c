@@ -59,7 +59,6 @@ static rp_status make_room(exp_run *run)
     RP_NEW(arena, run->counters, p->n_states);
     RP_NEW(arena, run->values, p->n_outputs);
     RP_NEW(arena, run->samples, p->n_measures);
-    RP_NEW(arena, run->tables, p->n_measures);
     RP_NEW(arena, run->loads, 2 * p->n_walls);
     RP_NEW(arena, run->points, p->n_regions);
     RP_NEW(arena, run->saved, p->n_phases);
@@ -69,7 +68,7 @@ static rp_status make_room(exp_run *run)
     for (size_t k = 0; k < p->n_phases; k++) RP_NEW(arena, run->saved[k].loads, 2 * p->n_walls);
     for (size_t k = 0; k < p->n_measures; k++) {
         const exp_measure *m = &p->measures[k];
-        if (m->module && m->module->add) RP_NEW(arena, run->tables[k].sums, m->module->room(m->params));
+        if (m->module && m->module->add) RP_NEW(arena, run->samples[k].sums, m->module->room(m->params));
     }
     for (size_t k = 0; k < p->n_outputs; k++) run->values[k] = NAN;
     for (size_t k = 0; k < 2 * p->n_walls; k++) run->loads[k] = -1;
@@ -178,21 +177,17 @@ static void clear(exp_run *run, const size_t states[2])
     for (size_t k = states[0]; k < states[1]; k++) run->counters[k] = 0.0;
 }
 
-static void move_walls(exp_run *run, const exp_move *m)
-{
-    const bool moves = exp_given(&m->velocity[0]);
-    const double velocity[2] = {exp_value(run, &m->velocity[0]), exp_value(run, &m->velocity[1])},
-                 omega = exp_given(&m->omega) ? exp_value(run, &m->omega) : NAN;
-    exp_move_wall(run, &run->plan->walls[m->wall], moves ? velocity : NULL, omega);
-}
-
 /* Gravity and the motion of walls, at the phase's start; before each step those that change. */
 static void set_forces(exp_run *run, const exp_phase *p, bool each_step)
 {
     if (exp_given(&p->gravity[0]) && p->gravity_each_step == each_step)
         dem_gravity_set(run->sim, (double[]){exp_value(run, &p->gravity[0]), exp_value(run, &p->gravity[1])});
-    for (size_t k = 0; k < p->n_moves; k++)
-        if (p->moves[k].each_step == each_step) move_walls(run, &p->moves[k]);
+    for (const exp_move *m = p->moves; m < p->moves + p->n_moves; m++) {
+        if (m->each_step != each_step) continue;
+        const double velocity[2] = {exp_value(run, &m->velocity[0]), exp_value(run, &m->velocity[1])},
+                     omega = exp_given(&m->omega) ? exp_value(run, &m->omega) : NAN;
+        exp_move_wall(run, &run->plan->walls[m->wall], exp_given(&m->velocity[0]) ? velocity : NULL, omega);
+    }
 }
 
 /* Go on by some steps; one by one where forces change from step to step. */
@@ -263,6 +258,8 @@ static void begin_phase(exp_run *run)
             clear(run, run->plan->measures[k].states);
 }
 
+static void keep_end(exp_run *run, size_t phase);
+
 /* A phase has ended, or a block with so many passes. */
 static void note_passed(exp_run *run, size_t phase, long passes)
 {
@@ -313,7 +310,7 @@ static void end_phase(exp_run *run)
     const size_t phase = run->at.phase;
     go_to_next(run);
     if (run->plan->phases[phase].keep && !run->failed && (!run->at.done || rp_is_result(run->at.end.status)))
-        exp_keep_end(run, phase);
+        keep_end(run, phase);
 }
 
 /* All velocities become 0 where the kinetic energy begins to fall: it has passed a maximum. */
@@ -551,9 +548,9 @@ static void keep_state(rp_snapshot *s, exp_run *run, size_t n)
     }
     for (size_t k = 0; k < p->n_measures && !s->status; k++) {
         keep_samples(s, &run->samples[k]);
-        if (!run->tables[k].sums) continue;
-        RP_KEEP(s, run->tables[k].samples);
-        keep_array(s, run->tables[k].sums, p->measures[k].module->room(p->measures[k].params));
+        if (!run->samples[k].sums) continue;
+        RP_KEEP(s, run->samples[k].taken);
+        keep_array(s, run->samples[k].sums, p->measures[k].module->room(p->measures[k].params));
     }
     for (size_t k = 0; k < p->n_phases && !s->status; k++)
         if (p->phases[k].is_source) keep_saved(s, p, &run->saved[k]);
@@ -584,7 +581,7 @@ void exp_keep(rp_snapshot *s, exp_run *run)
         if (run->plan->phases[k].keep) keep_bytes(s, &run->kept[k]);
 }
 
-void exp_keep_end(exp_run *run, size_t phase)
+static void keep_end(exp_run *run, size_t phase)
 {
     rp_snapshot *kept = &run->kept[phase];
     rp_snapshot_free(kept);
@@ -629,6 +626,6 @@ rp_status exp_begin(exp_run *run, size_t k, rp_snapshot *state)
     RP_TRY(rp_snapshot_end(state));
     if (run->at.phase <= phase && !run->at.done)
         return rp_fail(RP_BAD_INPUT, "%s: a state within", state->path);
-    exp_keep_end(run, phase);
+    keep_end(run, phase);
     return run->failed;
 }

@@ -13,16 +13,6 @@ bool exp_has_phases(const dem_text *text)
     return config_lookup(&text->config, "phases") != NULL;
 }
 
-/* A let's name stands alone, as an observable's does. */
-static rp_status check_lets(const exp_plan *plan)
-{
-    const config_setting_t *let = config_lookup(&plan->text->config, "let");
-    for (size_t k = 0; k < plan->text->lets.n; k++)
-        if (exp_observable_named(plan->text->lets.lets[k].name, ~(unsigned)OF_NEW))
-            return rp_config_fail(let, "let.%s: is an observable", plan->text->lets.lets[k].name);
-    return RP_OK;
-}
-
 static rp_status read_walls(exp_plan *plan)
 {
     const dem_scene *s = &plan->scene;
@@ -45,18 +35,6 @@ static rp_status read_walls(exp_plan *plan)
     return RP_OK;
 }
 
-/* polygon = ( (x, y), ... ). */
-static rp_status read_polygon(const config_setting_t *list, exp_place *place, exp_region *r)
-{
-    if (!config_setting_is_list(list) || length(list) < 3)
-        return rp_config_fail(list, "polygon: a list ( (x, y), ... ) of at least 3 points expected");
-    r->n_points = length(list);
-    RP_NEW(&place->plan->arena, r->points, 2 * r->n_points);
-    for (size_t k = 0; k < r->n_points; k++)
-        RP_TRY(exp_read_list(element(list, k), "polygon", 2, place, &r->points[2 * k]));
-    return RP_OK;
-}
-
 static rp_status read_region(const config_setting_t *setting, exp_place *place, exp_region *r)
 {
     const config_setting_t *x = member(setting, "x"), *y = member(setting, "y"),
@@ -69,7 +47,12 @@ static rp_status read_region(const config_setting_t *setting, exp_place *place, 
     for (int k = 0; k < 4; k++)
         r->at[k].x = (rp_expression){.known = true, .value = k % 2 ? INFINITY : -INFINITY};
     if (circle) return exp_read_list(circle, "circle", 3, place, r->at);
-    if (polygon) return read_polygon(polygon, place, r);
+    if (polygon && (!config_setting_is_list(polygon) || length(polygon) < 3))
+        return rp_config_fail(polygon, "polygon: a list ( (x, y), ... ) of at least 3 points expected");
+    r->n_points = length(polygon);
+    RP_NEW(&place->plan->arena, r->points, 2 * r->n_points);
+    for (size_t k = 0; k < r->n_points; k++)
+        RP_TRY(exp_read_list(element(polygon, k), "polygon", 2, place, &r->points[2 * k]));
     if (x) RP_TRY(exp_read_list(x, "x", 2, place, r->at));
     if (y) RP_TRY(exp_read_list(y, "y", 2, place, r->at + 2));
     for (int k = 0; k < 2; k++) {
@@ -110,12 +93,6 @@ static const rp_param rest_schema[] = {
     {"every", "steps", RP_INT, REST(every), TEXT(DEM_REST_STEPS), "[1, 1000000000]",
      "least distance of two looks"},
     {0}};
-static rp_status read_rest(exp_plan *plan)
-{
-    const config_setting_t *group = config_lookup(&plan->text->config, "rest");
-    rp_params_defaults(rest_schema, plan);
-    return group ? rp_config_group(group, rest_schema, plan, NULL) : RP_OK;
-}
 
 /* A word, or an expression of one. */
 static rp_status read_result(exp_plan *plan)
@@ -179,6 +156,7 @@ static rp_status read(exp_plan *plan)
 {
     dem_text *text = plan->text;
     const double *constants = text->lets.constants;
+    const config_setting_t *rest = config_lookup(&text->config, "rest");
     static const char *const asked[] = {"g", "d", "m"};
     RP_TRY(dem_text_scene(text, &plan->scene));
     for (size_t k = 0; k < sizeof asked / sizeof *asked; k++) {
@@ -192,7 +170,9 @@ static rp_status read(exp_plan *plan)
                               "steps: a text with phases ends with their last");
     RP_TRY(read_result(plan));
     RP_TRY(check_required(plan));
-    RP_TRY(check_lets(plan));
+    for (const rp_let *let = text->lets.lets; let < text->lets.lets + text->lets.n; let++)
+        if (exp_observable_named(let->name, ~(unsigned)OF_NEW)) /* whose name stands alone too */
+            return rp_config_fail(config_lookup(&text->config, "let"), "let.%s: is an observable", let->name);
     RP_NEW(&plan->arena, plan->scopes,
            plan->scene.def.n_walls + plan->scene.n_more + 1 +
                2 * exp_count_phases(config_lookup(&text->config, "phases")) +
@@ -201,7 +181,8 @@ static rp_status read(exp_plan *plan)
     RP_TRY(read_walls(plan));
     RP_TRY(exp_name_phases(plan));
     RP_TRY(read_regions(plan));
-    RP_TRY(read_rest(plan));
+    rp_params_defaults(rest_schema, plan);
+    if (rest) RP_TRY(rp_config_group(rest, rest_schema, plan, NULL));
     RP_TRY(exp_name_measures(plan));
     for (size_t k = 0; k < plan->n_phases; k++) RP_TRY(exp_read_phase(plan, k));
     for (size_t k = 0; k < plan->n_measures; k++) RP_TRY(exp_read_measure(plan, k));

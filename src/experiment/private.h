@@ -114,21 +114,12 @@ typedef struct {
     exp_scope removes;
     size_t n_fails;
     exp_fail *fails;
-    size_t n_inner,
-        block;        /* phases of a block, which follow it; of an inner phase: its block; else SIZE_MAX */
+    size_t n_inner;   /* phases of a block, which follow it */
+    size_t block;     /* of an inner phase; else SIZE_MAX */
     size_t states[2]; /* counters of its expressions */
 } exp_phase;
 
-typedef enum {
-    TAKE_VALUE,
-    TAKE_MEAN,
-    TAKE_MAX,
-    TAKE_MIN,
-    TAKE_FIRST,
-    TAKE_RATE,
-    TAKE_AVALANCHES,
-    TAKE_LINE
-} exp_take;
+enum { TAKE_VALUE, TAKE_MEAN, TAKE_MAX, TAKE_MIN, TAKE_FIRST, TAKE_RATE, TAKE_AVALANCHES, TAKE_LINE };
 #define EXP_TAKES "value | mean | max | min | first | rate | avalanches | line"
 
 typedef struct {
@@ -195,13 +186,15 @@ void exp_place_in(exp_place *place, exp_plan *plan);
 rp_status exp_expression_read(const config_setting_t *setting, const char *key, rp_x_type type,
                               exp_place *place, exp_expression *e);
 
-/* Samples of a measure; beside: what it is against, or whether there was an event. */
+/* Samples of a measure; beside: what it is against, or whether there was an event. And sums over so many, of
+ * a module that has a table. */
 typedef struct {
     double time, value, beside, step;
 } exp_sampled;
 typedef struct {
     size_t n, room;
     exp_sampled *at;
+    double taken, *sums; /* NULL: none */
 } exp_samples;
 
 /* What belongs to the simulation, beside itself: a phase that goes back gets it back. */
@@ -220,11 +213,6 @@ typedef struct {
     exp_world now;
     long *loads;
 } exp_saved;
-
-/* Sums of a module that has a table. */
-typedef struct {
-    double samples, *sums;
-} exp_table;
 
 struct exp_run {
     const exp_plan *plan;
@@ -247,7 +235,6 @@ struct exp_run {
     } at;
     double *counters, *values; /* of expressions; of outputs */
     exp_samples *samples;      /* of measures */
-    exp_table *tables;         /* of measures; without sums where there is none */
     double *marks;             /* x, y of ids from 1 on, in the box's frame; NAN: none */
     int32_t *kinds;            /* of ids from 1 on; -1: none */
     long *loads;               /* of walls, along x and y: number of the load, or -1 */
@@ -302,7 +289,6 @@ bool exp_make_ids(exp_run *run, size_t id);
  * What can't be ends the run. */
 void exp_go_back(exp_run *run, const exp_phase *p);
 void exp_save(exp_run *run, size_t phase);
-void exp_keep_end(exp_run *run, size_t phase);
 char *exp_key_to(const exp_plan *plan, size_t end); /* exp_key of the phases before this one */
 void exp_change_laws(exp_run *run, const exp_phase *p);
 void exp_remove(exp_run *run, const exp_phase *p);

@@ -1,8 +1,6 @@
 /* Measures of a text: their names and outputs, before phases ask for them; then what they say. */
-#include <ctype.h>
 #include <math.h>
 #include <stddef.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "experiment/reading.h"
@@ -124,16 +122,13 @@ static rp_status read_scope(const exp_plan *plan, exp_measure *m)
     if (on_wall != (*m->wall != '\0'))
         return rp_config_fail(m->setting, "measure %s: wall: %s", m->name,
                               on_wall ? "missing, whose load is measured" : "of the module base");
-    if (on_wall) RP_TRY(exp_find(plan, EXP_WALL, member(m->setting, "wall"), "wall", m->wall, &m->on));
+    RP_TRY(exp_find(plan, EXP_WALL, m->setting, "wall", m->wall, &m->on));
     if (in && !m->module)
         return rp_config_fail(in, "in: of a module; an expression names its region, as in %s.grains", m->in);
-    if (*m->in) {
-        m->scope.sort = EXP_REGION;
-        return exp_find(plan, EXP_REGION, in, "in", m->in, &m->scope.index);
-    }
-    return m->module && (m->module->needs & EXP_BOUNDED)
-               ? rp_config_fail(m->setting, "measure %s: in: missing (a region with two ends in x)", m->name)
-               : RP_OK;
+    if (!*m->in && m->module && (m->module->needs & EXP_BOUNDED))
+        return rp_config_fail(m->setting, "measure %s: in: missing (a region with two ends in x)", m->name);
+    if (*m->in) m->scope.sort = EXP_REGION;
+    return exp_find(plan, EXP_REGION, m->setting, "in", m->in, &m->scope.index);
 }
 
 /* The phase of a measure, and what is made of samples there. */
@@ -145,9 +140,8 @@ static rp_status read_when(exp_plan *plan, exp_measure *m)
     m->phase = plan->n_phases - 1;
     while (m->phase > 0 && (plan->phases[m->phase].block != SIZE_MAX || plan->phases[m->phase].left_out))
         m->phase--;
-    if (*m->at || *m->during)
-        RP_TRY(exp_find(plan, EXP_PHASE, setting, *m->at ? "at" : "during", *m->at ? m->at : m->during,
-                        &m->phase));
+    RP_TRY(exp_find(plan, EXP_PHASE, setting, "at", m->at, &m->phase));
+    RP_TRY(exp_find(plan, EXP_PHASE, setting, "during", m->during, &m->phase));
     const exp_phase *phase = &plan->phases[m->phase];
     const bool many = *m->during || phase->block != SIZE_MAX;
     if (*m->during && phase->n_inner > 0)
@@ -224,7 +218,7 @@ static rp_status read_level(const exp_plan *plan, exp_measure *m)
     m->levels_with = (size_t)(m - plan->measures);
     if (!*m->level_of) return RP_OK;
     if (member(m->setting, "skip")) return rp_config_fail(setting, "level_of and skip; keep one");
-    RP_TRY(exp_find(plan, EXP_MEASURE, setting, "level_of", m->level_of, &m->levels_with));
+    RP_TRY(exp_find(plan, EXP_MEASURE, m->setting, "level_of", m->level_of, &m->levels_with));
     const exp_measure *other = &plan->measures[m->levels_with];
     if (other->phase != m->phase || other->every != m->every || other->take == TAKE_VALUE ||
         other->take == TAKE_FIRST || *other->during != *m->during || other->left_out)

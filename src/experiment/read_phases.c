@@ -1,5 +1,4 @@
 /* Phases of a text: their names, then what they do and how they end. */
-#include <ctype.h>
 #include <math.h>
 #include <stddef.h>
 #include <stdlib.h>
@@ -123,17 +122,6 @@ static rp_status read_move(const config_setting_t *setting, exp_place *place, ex
     return RP_OK;
 }
 
-/* walls = { NAME = { velocity = (vx, vy); omega = ...; load_y = ...; mu = ...; }; }. */
-static rp_status read_moves(const config_setting_t *group, exp_place *place, exp_phase *p)
-{
-    if (!config_setting_is_group(group))
-        return rp_config_fail(group, "walls: a group { NAME = { ... }; } expected");
-    RP_NEW(&place->plan->arena, p->moves, length(group));
-    for (size_t i = 0; i < length(group); i++, p->n_moves++)
-        RP_TRY(read_move(element(group, i), place, p, &p->moves[i]));
-    return RP_OK;
-}
-
 /* add = { N; kind; r, or radii as of a fill; density; x; y; vx; vy; omega; gap; }. */
 static rp_status read_add(const config_setting_t *group, exp_place *place, exp_add *a)
 {
@@ -220,10 +208,10 @@ static rp_status begin_laws(exp_plan *plan, size_t k, exp_phase *p)
 
 static rp_status read_from(exp_plan *plan, size_t k, exp_phase *p)
 {
-    const config_setting_t *from = member(p->setting, "from"), *remove = member(p->setting, "remove");
+    const config_setting_t *from = member(p->setting, "from");
     p->source = SIZE_MAX;
     if (*p->from) {
-        RP_TRY(exp_find(plan, EXP_PHASE, from, "from", p->from, &p->source));
+        RP_TRY(exp_find(plan, EXP_PHASE, p->setting, "from", p->from, &p->source));
         exp_phase *source = &plan->phases[p->source];
         if (p->source >= k || source->left_out || (p->block != SIZE_MAX && p->source == p->block))
             return rp_config_fail(from, "from = \"%s\": an earlier phase that is not left out expected",
@@ -235,11 +223,8 @@ static rp_status read_from(exp_plan *plan, size_t k, exp_phase *p)
         }
         source->is_source = true;
     }
-    if (*p->remove) {
-        p->removes.sort = EXP_REGION;
-        RP_TRY(exp_find(plan, EXP_REGION, remove, "remove", p->remove, &p->removes.index));
-    }
-    return RP_OK;
+    if (*p->remove) p->removes.sort = EXP_REGION;
+    return exp_find(plan, EXP_REGION, p->setting, "remove", p->remove, &p->removes.index);
 }
 
 /* The kind of a fill, or of what a phase adds; "": none. */
@@ -307,7 +292,7 @@ static rp_status name_phases(exp_plan *plan, const config_setting_t *list, size_
 rp_status exp_read_phase(exp_plan *plan, size_t k)
 {
     exp_phase *p = &plan->phases[k];
-    const config_setting_t *fail = member(p->setting, "fail");
+    const config_setting_t *fail = member(p->setting, "fail"), *walls = member(p->setting, "walls");
     const exp_key_of keys[] = {{"gravity", p->gravity, .n = 2},
                                {"gravity_turn_deg_per_step", &p->turn[0], .range = "[-10, 10]"},
                                {"box_turn_deg_per_step", &p->turn[1], .range = "[-10, 10]"},
@@ -323,7 +308,12 @@ rp_status exp_read_phase(exp_plan *plan, size_t k)
     if (p->n_inner && p->repeat >= 0 && !*p->status) p->go_on = true;
     if (p->repeat < 0) p->repeat = p->n_inner ? 1000000 : 1;
     if (fail) RP_TRY(read_fails(fail, &place, p));
-    if (member(p->setting, "walls")) RP_TRY(read_moves(member(p->setting, "walls"), &place, p));
+    /* walls = { NAME = { velocity = (vx, vy); omega = ...; load_y = ...; mu = ...; }; } */
+    if (walls && !config_setting_is_group(walls))
+        return rp_config_fail(walls, "walls: a group { NAME = { ... }; } expected");
+    RP_NEW(&plan->arena, p->moves, length(walls));
+    for (; p->n_moves < length(walls); p->n_moves++)
+        RP_TRY(read_move(element(walls, p->n_moves), &place, p, &p->moves[p->n_moves]));
     if (member(p->setting, "add")) RP_TRY(read_add(member(p->setting, "add"), &place, &p->add));
     RP_TRY(read_laws(plan, p));
     RP_TRY(exp_read_keys(p->setting, "", keys, &place));
@@ -336,7 +326,7 @@ rp_status exp_read_phase(exp_plan *plan, size_t k)
         if (!p->status) return RP_NO_MEMORY;
     }
     size_t wall = 0;
-    if (*p->open) RP_TRY(exp_find(plan, EXP_WALL, member(p->setting, "open"), "open", p->open, &wall));
+    RP_TRY(exp_find(plan, EXP_WALL, p->setting, "open", p->open, &wall));
     p->opens = *p->open ? (long)wall : -1;
     return RP_OK;
 }

@@ -31,9 +31,9 @@ rp_status exp_read_keys(const config_setting_t *group, const char *within, const
 /* The condition `if` of a phase or measure: whether that is left out. */
 rp_status exp_read_if(exp_plan *plan, const config_setting_t *group, bool *left_out);
 
-/* The number of a name of this sort; a failure names the nearest. Without a key the setting itself bears the
- * name. */
-rp_status exp_find(const exp_plan *plan, int sort, const config_setting_t *setting, const char *key,
+/* The number of a name of this sort that a key of a group says, as it was if it says none; a failure names
+ * the nearest. Without a key the group itself bears the name. */
+rp_status exp_find(const exp_plan *plan, int sort, const config_setting_t *group, const char *key,
                    const char *name, size_t *index);
 void exp_add_scope(exp_plan *plan, int sort, size_t index, const char *name);
 

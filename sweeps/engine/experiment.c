@@ -172,7 +172,7 @@ static rp_status write_tables(const exp_plan *plan, const exp_run *run, const sw
 {
     if (!tables || !tables->directory || !exp_sim(run)) return RP_OK;
     RP_TRY(rp_make_directory(tables->directory));
-    for (size_t k = 0; k < exp_series_count(plan); k++) {
+    for (size_t k = 0; exp_series_name(plan, k); k++) {
         sweep_file f;
         RP_TRY(sweep_table_open(tables, exp_series_name(plan, k), &f));
         exp_series_write(run, k, f.out);

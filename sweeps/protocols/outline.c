@@ -3,7 +3,6 @@
 #include "sweeps/protocols/pile.h"
 
 #include <math.h>
-#include <string.h>
 
 #include "core/random.h"
 
@@ -29,19 +28,6 @@ static double area(const an_profile *p)
     for (size_t i = 1; i < p->n; i++) sum += (p->v[i].x - p->v[i - 1].x) * (p->v[i].y + p->v[i - 1].y) / 2;
     const double width = p->v[p->n - 1].x - p->v[0].x;
     return sum / (width * width);
-}
-
-/* Disks of a stepped outline, and their exact forces. */
-static rp_status fill_outline(sweep_outline *h, double theta)
-{
-    size_t n = 0;
-    RP_NEW(&h->memory, h->disks, h->n);
-    RP_NEW(&h->memory, h->exact, h->k);
-    for (size_t s = 0; s < h->k; s++)
-        for (long j = 0; j < h->up[s]; j++)
-            h->disks[n++] = (statics_disk){((double)s + 0.5 * (double)j) * 2 * rp_sin(theta),
-                                           0.5 + (double)j * rp_cos(theta), 0.5, 1};
-    return an_lattice_counts((long)h->k, h->up, theta, h->exact);
 }
 
 /* Disks in each row of an outline, and B. */
@@ -70,8 +56,16 @@ rp_status sweep_outline_count(sweep_outline *h, long k, double gap, double alpha
 
 rp_status sweep_outline_make(sweep_outline *h, long k, double gap, double alpha, size_t n, const an_point v[])
 {
-    rp_status status = sweep_outline_count(h, k, gap, alpha, n, v);
-    return status ? status : fill_outline(h, rp_asin((1 + gap) / 2));
+    const double theta = rp_asin((1 + gap) / 2);
+    size_t made = 0;
+    RP_TRY(sweep_outline_count(h, k, gap, alpha, n, v));
+    RP_NEW(&h->memory, h->disks, h->n);
+    RP_NEW(&h->memory, h->exact, h->k);
+    for (size_t s = 0; s < h->k; s++)
+        for (long j = 0; j < h->up[s]; j++)
+            h->disks[made++] = (statics_disk){((double)s + 0.5 * (double)j) * 2 * rp_sin(theta),
+                                              0.5 + (double)j * rp_cos(theta), 0.5, 1};
+    return an_lattice_counts(k, h->up, theta, h->exact);
 }
 
 void sweep_outline_free(sweep_outline *h)

@@ -182,19 +182,6 @@ static void compare_continuum(const sweep_solved *s, const double x[], pile_valu
     v->H_continuum_rms = sqrt(sum[1] / (double)h->k) / most[1];
 }
 
-static double middle_slope(const sweep_outline *h, const double x[], const double H[])
-{
-    const double WITHIN = 0.1, middle = (x[0] + x[h->k - 1]) / 2;
-    double ours = 0, exact = 0;
-    for (size_t i = 0; i < h->k; i++) {
-        const double u = x[i] - middle;
-        if (!(fabs(u) < WITHIN * h->B)) continue;
-        ours += u * H[i];
-        exact += u * h->exact[i].H;
-    }
-    return ours / exact;
-}
-
 /* Of the contacts that are the strongest, or the weakest, of a disk: the part in a row. */
 static rp_status find_level(const statics_pile *pile, pile_values *v)
 {
@@ -239,24 +226,32 @@ static void compare_diagonals(sweep_solved *s, const double x[], double exact[],
 {
     const sweep_outline *h = s->h;
     const size_t k = h->k;
-    double squares = 0, most = 0, H_most = 0, exact_most = 0, thrust = 0, exact_thrust = 0;
+    const double WITHIN = 0.1, middle = (x[0] + x[k - 1]) / 2;
+    double squares = 0, most = 0, H_most = 0, exact_most = 0, thrust = 0, exact_thrust = 0, slope = 0,
+           exact_slope = 0;
     for (size_t i = 0; i < k; i++) {
         exact[i] = h->exact[i].N;
         exact[k + i] = h->exact[i].H;
-        const double e = s->N[i] / exact[i] - 1, side = 2 * i + 1 > k ? 1 : 2 * i + 1 < k ? -1 : 0;
+        const double e = s->N[i] / exact[i] - 1, u = x[i] - middle,
+                     side = 2 * i + 1 > k   ? 1
+                            : 2 * i + 1 < k ? -1
+                                            : 0;
         squares += e * e;
         most = fmax(most, fabs(e));
         H_most = fmax(H_most, fabs(s->H[i]));
         exact_most = fmax(exact_most, fabs(exact[k + i]));
         thrust += side * s->H[i];
         exact_thrust += side * exact[k + i];
+        if (!(fabs(u) < WITHIN * h->B)) continue;
+        slope += u * s->H[i];
+        exact_slope += u * exact[k + i];
     }
     v->H_N_max_diagonals = sweep_outline_friction(k, exact, exact + k);
     v->H_ratio = s->H_ratio = H_most / exact_most;
     v->thrust_ratio = thrust / exact_thrust;
     v->N_error_rms = s->N_error_rms = sqrt(squares / (double)k);
     v->N_error_max = s->N_error_max = most;
-    v->H_slope_ratio = middle_slope(h, x, s->H);
+    v->H_slope_ratio = slope / exact_slope;
 }
 
 static rp_status measure(sweep_solved *s, pile_values *v)

@@ -397,7 +397,7 @@ static rp_status write_results(const scene_run *r)
         RP_TRY(open_result(r, name, &path, &table));
         RP_TRY(rp_file_close(path, table, rp_snapshot_print(state, table, owner, layout())));
     }
-    for (size_t k = 0; k < exp_series_count(r->phases); k++) {
+    for (size_t k = 0; exp_series_name(r->phases, k); k++) {
         RP_TRY(open_result(r, exp_series_name(r->phases, k), &path, &table));
         put_origin(&r->of, table);
         exp_series_write(r->exp, k, table);

@@ -102,10 +102,9 @@ static void note_zones(const exp_view *s, size_t n, const place p[], double out[
 {
     double moved[QUARTERS][LAYERS] = {{0}}, all[QUARTERS][LAYERS] = {{0}};
     for (size_t i = 0; i < n; i++) {
-        const int quarter = (int)(QUARTERS * p[i].x / (s->hi[0] - s->lo[0])), layer = p[i].depth / s->d < 1.5
-                                                                                          ? SURFACE
-                                                                                      : p[i].y < s->d ? BASE
-                                                                                                      : BULK;
+        const int quarter = (int)(QUARTERS * p[i].x / (s->hi[0] - s->lo[0]));
+        const bool surface = p[i].depth / s->d < 1.5;
+        const int layer = surface ? SURFACE : p[i].y < s->d ? BASE : BULK;
         all[quarter][layer] += 1.0;
         moved[quarter][layer] += gsl_pow_2(p[i].ux) + gsl_pow_2(p[i].uy) > 0.01;
     }

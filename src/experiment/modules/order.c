@@ -1,7 +1,6 @@
 /* Order of the grains: bonds to neighbours, how many lie close-packed, and where their strongest forces run.
  */
 #include <math.h>
-#include <stdlib.h>
 
 #include "core/arena.h"
 #include "core/elementary.h"

@@ -1,6 +1,5 @@
 /* Profile: what grains and contacts have in bins of a region, as a table; over several samples the mean. */
 #include <math.h>
-#include <stdlib.h>
 
 #include "core/elementary.h"
 #include "experiment/modules/module.h"
@@ -38,10 +37,24 @@ static double *bin_of(const exp_view *s, const profile_params *p, double x, doub
     return in ? &sums[HEAD + (size_t)fmin(k, (double)(p->bins - 1)) * SUMS] : NULL;
 }
 
-static void add_contacts(const exp_view *s, const profile_params *p, size_t n, const dem_contact contacts[],
-                         double sums[])
+static rp_status add(const exp_view *s, const void *params, double sums[])
 {
-    for (const dem_contact *c = contacts; c < contacts + n; c++) {
+    const profile_params *p = params;
+    for (int c = 0; c < 2; c++)
+        if (!(s->hi[c] > s->lo[c] && isfinite(s->hi[c] - s->lo[c])))
+            return rp_fail(RP_NO_RESULT, "the region goes from %c = %g to %g", c ? 'y' : 'x', s->lo[c],
+                           s->hi[c]);
+    const int along = p->along == ALONG_Y;
+    sums[LOWER] += s->lo[along], sums[UPPER] += s->hi[along];
+    sums[AREA] += (s->hi[0] - s->lo[0]) * (s->hi[1] - s->lo[1]) / (double)p->bins;
+    for (size_t i = 0; i < s->n; i++) {
+        const dem_state *g = &s->grains[i];
+        double *bin = bin_of(s, p, g->x, g->y, sums);
+        if (!bin) continue;
+        bin[COUNT]++, bin[COVERED] += M_PI * g->r * g->r;
+        bin[MASS] += g->m, bin[P_X] += g->m * g->vx, bin[P_Y] += g->m * g->vy;
+    }
+    for (const dem_contact *c = s->contacts; c < s->contacts + s->n_contacts; c++) {
         const double lx = c->x - c->x_b, ly = c->y - c->y_b, l = rp_hypot(lx, ly),
                      fx = (c->normal_force * lx + c->shear_force * ly) / l,
                      fy = (c->normal_force * ly - c->shear_force * lx) / l;
@@ -51,26 +64,6 @@ static void add_contacts(const exp_view *s, const profile_params *p, size_t n, c
         if (!bin) continue;
         bin[S_XX] += lx * fx, bin[S_YY] += ly * fy, bin[S_XY] += 0.5 * (lx * fy + ly * fx);
     }
-}
-
-static rp_status add(const exp_view *s, const void *params, double sums[])
-{
-    const profile_params *p = params;
-    for (int c = 0; c < 2; c++)
-        if (!(s->hi[c] > s->lo[c] && isfinite(s->hi[c] - s->lo[c])))
-            return rp_fail(RP_NO_RESULT, "the region goes from %c = %g to %g", c ? 'y' : 'x', s->lo[c],
-                           s->hi[c]);
-    const int c = p->along == ALONG_Y;
-    sums[LOWER] += s->lo[c], sums[UPPER] += s->hi[c];
-    sums[AREA] += (s->hi[0] - s->lo[0]) * (s->hi[1] - s->lo[1]) / (double)p->bins;
-    for (size_t i = 0; i < s->n; i++) {
-        const dem_state *g = &s->grains[i];
-        double *bin = bin_of(s, p, g->x, g->y, sums);
-        if (!bin) continue;
-        bin[COUNT]++, bin[COVERED] += M_PI * g->r * g->r;
-        bin[MASS] += g->m, bin[P_X] += g->m * g->vx, bin[P_Y] += g->m * g->vy;
-    }
-    add_contacts(s, p, s->n_contacts, s->contacts, sums);
     return RP_OK;
 }
 
