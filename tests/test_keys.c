@@ -332,5 +332,4 @@ static void check_protocol(const sweep_protocol *protocol)
 SWEEP_PROTOCOLS(X)
 #undef X
 
-CHECK_SUITE(keys, "keys", test_scene_keys, test_repose_keys, test_onset_keys, test_stress_keys,
-            test_flux_keys, test_drop_keys, test_pile_keys)
+CHECK_SUITE(keys, "keys", test_scene_keys, test_pile_keys)
