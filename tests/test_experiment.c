@@ -366,6 +366,7 @@ static void test_run(void)
     scoped_table series = read_table("whole/series_mean_y.tsv");
     CU_ASSERT(series.n_rows > 10);
     FAILS(64, "--every needs -o DIR", "run h.cfg --every 3");
+    FAILS(65, "--set Mu=0.3: no such key or let (did you mean \"mu\"?)", "run h.cfg --set Mu=0.3");
     FAILS(65, "let.D: D = 7: out of range, allowed: (0, 6) cm", "run h.cfg --set D=7");
     FAILS(1, "deep: phase flow, step ", "run h.cfg --set 'phases[1].fail={deep=\"grains<50\"}'");
     CU_ASSERT(strstr(out, "# status: deep") != NULL);

@@ -80,6 +80,21 @@ static const config_setting_t *let_of(const dem_text *text, const char *name)
     return let ? member(let, name) : NULL;
 }
 
+/* A key that is none of a scene, but nearly the name of a let. */
+static rp_status check_let(const dem_text *scene, const char *key, const char *text)
+{
+    const config_setting_t *lets = config_lookup(&scene->config, "let");
+    rp_guess guess = rp_guess_of(key);
+    for (const dem_scene_group *g = dem_scene_schemas; g->name; g++)
+        if (strcmp(g->name, key) == 0 || (g == dem_scene_schemas && rp_params_find(g->schema, key)))
+            return RP_OK;
+    for (size_t k = 0; lets && k < length(lets); k++)
+        rp_guess_try(&guess, config_setting_name(element(lets, k)));
+    return *rp_guess_text(&guess)
+               ? rp_fail(RP_BAD_INPUT, "--set %s: no such key or let%s", text, rp_guess_text(&guess))
+               : RP_OK;
+}
+
 rp_status dem_text_give(dem_text *text, const char *name, const rp_value *value)
 {
     rp_lets *lets = &text->lets;
@@ -131,6 +146,7 @@ rp_status dem_text_change(dem_text *scene, const char *text)
     for (const dem_named_key *k = dem_named_keys; k->key && key == path; k++)
         if (strcmp(k->param.name, key) == 0 && strchr(k->key, '.') && strncmp(k->key, key, strlen(key)) != 0)
             return rp_fail(RP_BAD_INPUT, "--set %s: of a scene the key is %s", text, k->key);
+    if (key == path && !member(group, key)) RP_TRY(check_let(scene, key, text));
     if (strchr(key, '['))
         return rp_fail(RP_BAD_INPUT, "--set %s: give a key of the entry, or the whole list", text);
     if (member(group, key)) config_setting_remove(group, key);
