@@ -225,15 +225,15 @@ static bool file_holds(const char *path, const char *text)
 /* "SUITE: TEST" names a test of that suite, by a row of its list, or by a function. */
 static bool test_exists(const char *answer)
 {
-    char path[256], test[256], function[256];
+    char path[256], name[128], plain[160], prefixed[160];
     const char *colon = strchr(answer, ':');
     if (!colon) return false;
     snprintf(path, sizeof path, "tests/test_%.*s.c", (int)(colon - answer), answer);
-    snprintf(test, sizeof test, "{\"%s\",", colon + 2);
-    snprintf(function, sizeof function, "static void %s(void)", colon + 2);
-    for (char *c = function + strlen("static void "); *c; c++)
-        if (*c == ' ') *c = '_';
-    return file_holds(path, test) || file_holds(path, function);
+    snprintf(name, sizeof name, "%s(void)", colon + 2);
+    for (char *c = name; *c; c++) *c = *c == ' ' ? '_' : *c;
+    snprintf(plain, sizeof plain, "static void %s", name);
+    snprintf(prefixed, sizeof prefixed, "static void test_%s", name);
+    return file_holds(path, plain) || file_holds(path, prefixed);
 }
 
 static const char *cell(const rp_table *t, size_t row, const char *column)
