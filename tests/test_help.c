@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "cli/cli.h"
+#include "params/expression.h"
 #include "params/units.h"
 #include "core/version.h"
 #include "dem/scene/scene.h"
@@ -664,7 +665,8 @@ static void experiment_lines(bool si)
         }
         schema_lines(m.schema, si);
     }
-    line_is("# experiment, what expressions may ask for");
+    line_is("# experiment, what expressions may ask for, besides lets and earlier measures: %s",
+            rp_expression_functions);
     line_is("# %-25s %-10s %-14s %s", "name", "unit", "of", "meaning");
     exp_word w;
     for (size_t k = 0; (w = exp_observable_at(k)).name; k++)

@@ -109,7 +109,7 @@ static void test_stride(void)
     }
     CU_ASSERT_EQUAL(case_stride(7), check_fast() ? 35 : 7);
     CU_ASSERT_FATAL(readlink("/proc/self/exe", program, sizeof program - 1) > 0);
-    snprintf(line, sizeof line, "\"%s\" --full --test 'stride of cases' helpers >/dev/null 2>&1", program);
+    snprintf(line, sizeof line, "\"%s\" --full --test stride helpers >/dev/null 2>&1", program);
     CU_ASSERT_EQUAL(system(line), 0);
 }
 
@@ -156,7 +156,7 @@ static void test_case_tables(void)
         return;
     }
     CU_ASSERT_FATAL(readlink("/proc/self/exe", program, sizeof program - 1) > 0);
-    CU_ASSERT_EQUAL(shell_line("\"%s\" --full -o . --test 'tables of cases' helpers >out 2>err", program), 0);
+    CU_ASSERT_EQUAL(shell_line("\"%s\" --full -o . --test 'case tables' helpers >out 2>err", program), 0);
     scoped_table t = read_table("made/made.tsv"), cases = read_table("made/cases.tsv");
     CU_ASSERT_STRING_EQUAL(rp_table_find_note(&t, "source_impact"), "equation (1)");
     CU_ASSERT_STRING_EQUAL(rp_table_find_note(&t, "bound_impact"), "order 2");

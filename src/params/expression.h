@@ -12,6 +12,9 @@
 
 typedef enum { RP_X_NUMBER, RP_X_TRUTH, RP_X_WORD } rp_x_type;
 
+/* Constants and functions, for people. */
+extern const char rp_expression_functions[];
+
 /* What a name stands for: a value that is known when the text is read, or one that `id` and n_args numbers
  * ask for. */
 typedef struct {

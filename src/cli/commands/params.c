@@ -1,5 +1,6 @@
 /* repose params: parameters and outputs of the protocols. */
 #include "core/arena.h"
+#include "params/expression.h"
 #include "params/units.h"
 #include "cli/cli.h"
 
@@ -95,14 +96,9 @@ static void print_experiment(bool rows)
         print_schema(rows, "experiment", m.name, m.schema);
     }
     if (!rows)
-        printf("# experiment, what expressions may ask for, besides lets, earlier measures, pi, deg, inf, "
-               "dt, d, m, g and\n"
-               "# min max abs sqrt floor round sin cos tan; held(c, n): whether c was true at n looks in a "
-               "row; known(M):\n"
-               "# whether measure M has a value; in dt alone dt_limit(v): largest step for impacts at v; in "
-               "measures\n"
-               "# alone exp log atan; change(e): since the last sample\n# %-25s %-10s %-14s %s\n",
-               "name", "unit", "of", "meaning");
+        printf("# experiment, what expressions may ask for, besides lets and earlier measures: %s\n# %-25s "
+               "%-10s %-14s %s\n",
+               rp_expression_functions, "name", "unit", "of", "meaning");
     exp_word w;
     for (size_t k = 0; (w = exp_observable_at(k)).name; k++)
         printf(rows ? "experiment\tobservable\t%s\t%s\t-\t-\t%s\t%s\n" : "  %-25s %-10s %-14s %s\n", w.name,
