@@ -175,6 +175,16 @@ static const char shaken[] = "dt = 5.0e-5; let = { f = 20.0; A = 0.05; w = `2*pi
 static void test_cuts(void)
 {
     static const long parts[] = {1, 7, 333};
+    static const char turned[] =
+        "dt = 1.0e-4; gravity = (0.0, -981.0); particles = ( { x = 0.0; y = 0.0; r = 0.1; fixed = true; } "
+        ");\n"
+        "phases = ( { name = `turn`; steps = 1997; gravity_turn_deg_per_step = 0.0123; },\n"
+        "  { name = `more`; every = 13; until = `tilt_deg > 40`; most = 9000; } );\n"
+        "measure = ( { name = `a`; of = `tilt_deg`; at = `turn`; }, { name = `b`; of = `tilt_deg`; } );\n";
+    scoped_trial slowly;
+    run_whole(&slowly, turned, 1000000, "ok");
+    CHECK_NEAR(measured(&slowly, "a"), 1997 * 0.0123, 1e-12);
+    for (size_t k = 0; k < 3; k++) check_cut(turned, &slowly, parts[k], 1000 + parts[k], parts[k]);
     for (int text = 0; text < 2; text++) {
         scoped_trial whole;
         run_whole(&whole, text ? shaken : hopper, 1000000, "ok");

@@ -190,6 +190,11 @@ static void set_forces(exp_run *run, const exp_phase *p, bool each_step)
     }
 }
 
+static void add_tilt(exp_run *run)
+{
+    run->at.now.tilt_before = run->at.now.tilt, run->at.now.tilted_at = run->at.phase_step;
+}
+
 /* Go on by some steps; one by one where forces change from step to step. */
 static rp_status go(exp_run *run, long steps, bool one_by_one)
 {
@@ -204,7 +209,9 @@ static rp_status go(exp_run *run, long steps, bool one_by_one)
         }
         RP_TRY(dem_run(run->sim, part));
         run->at.phase_step += part, run->at.steps += part;
-        run->at.now.tilt += (double)part * (run->at.now.turn[0] + run->at.now.turn[1]);
+        run->at.now.tilt = run->at.now.tilt_before + (double)(run->at.phase_step - run->at.now.tilted_at) *
+                                                         (run->at.now.turn[0] + run->at.now.turn[1]);
+        if (one_by_one) add_tilt(run);
     }
     return RP_OK;
 }
@@ -228,6 +235,7 @@ static void begin_phase(exp_run *run)
     run->at.damped = 0.0;
     clear(run, p->states);
     if (p->source != SIZE_MAX) exp_go_back(run, p);
+    add_tilt(run);
     run->at.begun = dem_time(run->sim);
     if (*p->remove) exp_remove(run, p);
     if (p->has_laws && !run->at.done && !run->failed) exp_change_laws(run, p);
@@ -386,7 +394,10 @@ rp_status exp_advance(exp_run *run, long most)
         RP_TRY(status);
         if (run->at.done || run->failed) return run->failed;
     }
-    if (part == next || part == left) look(run, part == left);
+    if (part == next || part == left) {
+        add_tilt(run);
+        look(run, part == left);
+    }
     return run->failed;
 }
 

@@ -200,8 +200,11 @@ typedef struct {
 /* What belongs to the simulation, beside itself: a phase that goes back gets it back. */
 typedef struct {
     double tilt, turn[2]; /* so far, degrees; a step, of gravity and of the box */
-    size_t laws;          /* of this phase, or SIZE_MAX: the scene's */
-    size_t added;         /* grains */
+    double tilt_before;   /* at the last look or the phase's start, that phase step: sums from there on do not
+                             depend on where the run is cut */
+    long tilted_at;
+    size_t laws;  /* of this phase, or SIZE_MAX: the scene's */
+    size_t added; /* grains */
     double added_mass;
     uint32_t last; /* id of the last that was added, 0 before */
     bool touched;  /* it has had a contact */
