@@ -97,11 +97,14 @@ static rp_status read_module(exp_plan *plan, const config_setting_t *setting, ex
     m->module = of ? exp_module_find(of, dot ? (size_t)(dot - of) : strlen(of)) : NULL;
     m->pick = -1;
     if (!m->module) return check_module(setting, of);
-    for (long k = 0; dot && m->module->outputs[k].name; k++)
+    rp_guess guess = rp_guess_of(dot ? dot + 1 : "");
+    for (long k = 0; dot && m->module->outputs[k].name; k++) {
+        rp_guess_try(&guess, m->module->outputs[k].name + 1);
         if (strcmp(m->module->outputs[k].name + 1, dot + 1) == 0) m->pick = k;
+    }
     if (dot && m->pick < 0)
-        return rp_config_fail(member(setting, "of"), "of = \"%s\": %s has no such number", of,
-                              m->module->name);
+        return rp_config_fail(member(setting, "of"), "of = \"%s\": %s has no such number%s", of,
+                              m->module->name, rp_guess_text(&guess));
     m->params = rp_arena_memory(&plan->arena, 1, m->module->size);
     if (!m->params) return RP_NO_MEMORY;
     rp_params_defaults(m->module->schema, m->params);
@@ -111,6 +114,11 @@ static rp_status read_module(exp_plan *plan, const config_setting_t *setting, ex
         *others++ = p->name;
     }
     *others = NULL;
+    const rp_param *from = rp_params_find(m->module->schema, "from"),
+                   *to = rp_params_find(m->module->schema, "to");
+    const char *params = m->params;
+    if (from && to && !(*(const double *)(params + from->offset) < *(const double *)(params + to->offset)))
+        return rp_config_fail(setting, "%s: from is not below to", m->module->name);
     return RP_OK;
 }
 
