@@ -20,7 +20,7 @@ static size_t root(size_t *of, size_t i)
 rp_status exp_largest_cluster(const exp_view *s, rp_arena *memory, dem_state **grains, size_t *n)
 {
     size_t largest = 0, *of, *size; /* by id; `of` is 0: not of the sample */
-    if (s->n == 0) return rp_fail(RP_NO_RESULT, "no grains");
+    if (s->n == 0) return rp_fail(RP_NO_RESULT, "no grains that move");
     const size_t n_ids = s->grains[s->n - 1].id;
     RP_NEW(memory, of, n_ids + 1);
     RP_NEW(memory, size, n_ids + 1);

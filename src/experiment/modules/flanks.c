@@ -74,7 +74,7 @@ static rp_status evaluate(const exp_view *s, const void *params, double out[])
         RP_TRY(exp_largest_cluster(s, &memory, &cluster, &n));
         grains = cluster;
     }
-    if (n == 0) return rp_fail(RP_NO_RESULT, "no grains");
+    if (n == 0) return rp_fail(RP_NO_RESULT, "no grains that move");
     RP_NEW(&memory, x, 3 * n);
     double *y = x + n, *r = y + n;
     for (size_t i = 0; i < n; i++) {

@@ -77,7 +77,7 @@ static rp_status evaluate(const exp_view *s, const void *params, double out[])
     int *neighbours;
     bool *packed;
     (void)params;
-    if (s->n == 0) return rp_fail(RP_NO_RESULT, "no grains");
+    if (s->n == 0) return rp_fail(RP_NO_RESULT, "no grains that move");
     RP_NEW(&memory, order, s->n);
     RP_NEW(&memory, most, s->n);
     RP_NEW(&memory, neighbours, s->n);
