@@ -425,6 +425,8 @@ static void test_swept(void)
     CU_ASSERT(cell(&row, 0, "rate") == cell(&t, 5, "rate"));
     scoped_table series = read_table("row/series_mean_y.tsv");
     CU_ASSERT(series.n_rows > 10);
+    GOOD("view row --frame flow -o row.svg");
+    FAILS(64, "or a phase that has ended", "view row --frame flows -o row.svg");
     GOOD("sweep status s");
     /* in shards, with the same digest; killed and gone on with */
     SHELL("mv gone.cfg h.cfg && $REPOSE sweep plan s.cfg -o p >/dev/null && for k in 1 2 3; do timeout "

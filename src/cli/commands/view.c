@@ -65,14 +65,21 @@ static rp_status find_kind(const char *path, const struct kind **kind)
     return rp_fail(RP_USAGE, "-o %s: a name that ends in .png, .svg, .pdf, .gif or .mp4 expected", path);
 }
 
-/* The step at which a phase of an experiment ended last, by the notes of its measures; NAN: none does. */
+/* The step at which a phase of an experiment ended last, by the notes of its measures, or by phases.tsv of a
+ * row of a sweep; NAN: none does. */
 static double step_of_phase(rp_arena *arena, const char *folder, const char *phase)
 {
     const char *path = rp_text(arena, "%s/measures.tsv", folder), *note = NULL;
+    const bool row = access(path, R_OK) != 0;
     rp_table *table;
     double step = NAN;
-    if (access(path, R_OK) == 0 && !rp_table_load(arena, path, &table))
-        note = rp_table_find_note(table, rp_text(arena, "phase %s", phase));
+    if (row) path = rp_text(arena, "%s/phases.tsv", folder);
+    if (access(path, R_OK) != 0 || rp_table_load(arena, path, &table)) return NAN;
+    const int name = rp_table_column(table, "phase"), at = rp_table_column(table, "step");
+    for (size_t k = 0; row && name >= 0 && at >= 0 && k < table->n_rows; k++)
+        if (strcmp(table->cells[k * table->n_columns + (size_t)name], phase) == 0)
+            rp_table_number(table, k, at, 1, &step);
+    if (!row) note = rp_table_find_note(table, rp_text(arena, "phase %s", phase));
     if (note && (note = strstr(note, "to step "))) sscanf(note, "to step %lf", &step);
     return step;
 }
