@@ -12,7 +12,7 @@
 set -eu
 export LC_ALL=C
 unset MAKEFLAGS # of the make that runs this: the copies build their own
-limit_cpu=30    # seconds, three times what the suites of a file may take
+limit_cpu=100   # seconds, three times what the suites of a file may take
 limit_wall=600  # on a machine that does other things too
 at_once=1       # tests of a suite
 times=/dev/null # of the suites
