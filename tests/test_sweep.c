@@ -1317,6 +1317,12 @@ static void test_shards(void)
         CHECK_OK(run_shard(1, n)); /* nothing to do */
         CU_ASSERT_STRING_EQUAL(digest(GRID_RUNS), whole);
     }
+    planned(
+        "protocol = \"toy\"; replicas = 3; seed = 77; grid = { x = [0.125]; };"); /* run 0 alone is left */
+    for (int k = 2; k < 4; k++)
+        CHECK_OK(sweep_run(dir, toys, &(sweep_options){.workers = 1, .shard = k, .shards = 3}, &c));
+    CHECK_OK(sweep_status(dir, toys, &c));
+    CU_ASSERT_STRING_EQUAL(c.shards, "1 of 3");
     planned(GRID_SWEEP);
     CHECK_FAILS(run_shard(4, 3), RP_BAD_INPUT, "shard = 4/3: out of range");
     CHECK_FAILS(sweep_merge(dir, toys, 0, NULL, &m, &c), RP_BAD_INPUT, "no shards, and no other store");
