@@ -439,9 +439,8 @@ static void test_swept(void)
           "| grep -q ' 0 already stored' && $REPOSE sweep make s.cfg -o s --tables flux --quiet && cp "
           "kept.cfg h.cfg "
           "&& $REPOSE sweep plan s.cfg -o s | grep -q ' 6 already stored' && $REPOSE sweep make s.cfg -o s "
-          "--tables "
-          "again --quiet");
-    scoped_table flux = read_table("flux/runs.tsv"), again = read_table("again/runs.tsv");
+          "--quiet");
+    scoped_table flux = read_table("flux/runs.tsv"), again = read_table("s/tables/runs.tsv");
     CU_ASSERT(cell(&flux, 5, "flux") == cell(&t, 5, "rate") &&
               cell(&again, 5, "rate") == cell(&t, 5, "rate"));
     /* another phase is another plan; its rows are made again */
