@@ -58,6 +58,32 @@ static void test_closed_forms(void)
     CU_ASSERT(isnan(measured(&t, "rate_y_se"))); /* ten samples are too few for an error */
 }
 
+/* Times 64 longer, accelerations 4096 smaller: the same bits but for the exponents. What lies at rest under a
+ * strong gravity lies so under a weak one, after as many steps. */
+static void test_rest_by_gravity(void)
+{
+    static const char column[] =
+        "walls = ( { name = `floor`; point = (0.0, 0.0); direction = (0.0, 1.0); } );\n"
+        "particles = ( { x = 1.0; y = 0.1; r = 0.1; m = 0.01; }, { x = 1.0; y = 0.3; r = 0.1; m = 0.01; },\n"
+        "  { x = 1.0; y = 0.5; r = 0.1; m = 0.01; }, { x = 1.0; y = 0.7; r = 0.1; m = 0.01; } );\n"
+        "phases = ( { name = `lie`; until = `rest`; most = 200000; } );\n";
+    static const struct {
+        double gravity, dt, k_n, gamma_n;
+    } scales[] = {{1024.0, 1e-4, 1e5, 100.0}, {0.25, 64.0 * 1e-4, 1e5 / 4096.0, 100.0 / 64.0}};
+    long steps[2];
+    for (int k = 0; k < 2; k++) {
+        scoped_trial t;
+        char text[2048];
+        snprintf(text, sizeof text,
+                 "gravity = (0.0, -%.17g); dt = %.17g; normal = { law = `linear`; k_n = %.17g; gamma_n = "
+                 "%.17g; };\n%s",
+                 scales[k].gravity, scales[k].dt, scales[k].k_n, scales[k].gamma_n, column);
+        run_whole(&t, text, 1000, "ok");
+        steps[k] = exp_steps(t.run);
+    }
+    CU_ASSERT(steps[0] > 6000 && steps[0] == steps[1]);
+}
+
 /* Blocks, gravity that turns, phases that are left out, ends by time, and words. */
 static void test_phases(void)
 {
@@ -846,8 +872,9 @@ static void test_random_texts(void)
     }
 }
 
-CHECK_SUITE_WITHIN(experiment, "experiment", enter, leave, test_closed_forms, test_phases, test_known_so_far,
-                   test_forces, test_walls, test_vibrated, test_modules, test_flanks_of_touching,
-                   test_avalanches, test_limits_of_radii, test_more_modules, test_refused_more, test_cuts,
-                   test_kept, test_started_at, test_words, test_refused, test_keys, test_random_texts,
-                   test_run, test_resumed, test_swept, test_shared_ends, test_sweeps_refused)
+CHECK_SUITE_WITHIN(experiment, "experiment", enter, leave, test_closed_forms, test_rest_by_gravity,
+                   test_phases, test_known_so_far, test_forces, test_walls, test_vibrated, test_modules,
+                   test_flanks_of_touching, test_avalanches, test_limits_of_radii, test_more_modules,
+                   test_refused_more, test_cuts, test_kept, test_started_at, test_words, test_refused,
+                   test_keys, test_random_texts, test_run, test_resumed, test_swept, test_shared_ends,
+                   test_sweeps_refused)
