@@ -84,6 +84,18 @@ static void test_rest_by_gravity(void)
     CU_ASSERT(steps[0] > 6000 && steps[0] == steps[1]);
 }
 
+/* What lies at rest is looked at each `every` steps of rest, however often the phase looks. */
+static void test_looks_at_rest(void)
+{
+    static const char text[] =
+        "dt = 1.0e-4; rest = { energy = 1e9; force = 1e9; looks = 3; every = 500; };\n"
+        "particles = ( { x = 1.0; y = 1.0; r = 0.1; } );\n"
+        "phases = ( { name = `before`; steps = 70; }, { name = `wait`; every = 100; until = `rest`; } );\n";
+    scoped_trial t;
+    run_whole(&t, text, 1000, "ok");
+    CU_ASSERT(exp_steps(t.run) == 70 + 100 + 2 * 500);
+}
+
 /* Blocks, gravity that turns, phases that are left out, ends by time, and words. */
 static void test_phases(void)
 {
@@ -873,8 +885,8 @@ static void test_random_texts(void)
 }
 
 CHECK_SUITE_WITHIN(experiment, "experiment", enter, leave, test_closed_forms, test_rest_by_gravity,
-                   test_phases, test_known_so_far, test_forces, test_walls, test_vibrated, test_modules,
-                   test_flanks_of_touching, test_avalanches, test_limits_of_radii, test_more_modules,
-                   test_refused_more, test_cuts, test_kept, test_started_at, test_words, test_refused,
-                   test_keys, test_random_texts, test_run, test_resumed, test_swept, test_shared_ends,
-                   test_sweeps_refused)
+                   test_looks_at_rest, test_phases, test_known_so_far, test_forces, test_walls, test_vibrated,
+                   test_modules, test_flanks_of_touching, test_avalanches, test_limits_of_radii,
+                   test_more_modules, test_refused_more, test_cuts, test_kept, test_started_at, test_words,
+                   test_refused, test_keys, test_random_texts, test_run, test_resumed, test_swept,
+                   test_shared_ends, test_sweeps_refused)

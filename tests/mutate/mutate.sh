@@ -83,7 +83,7 @@ suites_of() {
     sweeps/protocols/outline.c) echo golden piles equilibrium ;;
     sweeps/protocols/pile.c) echo piles golden ;;
     sweeps/engine/*) echo sweep notes tables evidence cli ;;
-    src/dem/forces/walls.c | src/dem/forces/touch.c | src/dem/state/slots.c) echo units walls scene tables contacts incline rotation golden ledger ;;
+    src/dem/forces/walls.c | src/dem/forces/touch.c | src/dem/state/slots.c) echo units actions walls scene tables contacts incline rotation golden ledger ;;
     *) echo units soft property rotation incline contacts published motion hard walls golden scene dem laws ;;
     esac
 }
