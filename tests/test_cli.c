@@ -644,7 +644,7 @@ static void test_broken_output(void)
     static const failure list[] = {
         {74, "file/d", "sweep plan s.cfg -o file/d"},
         {74, "file/t.tsv", "sweep export d -o file/t.tsv"},
-        {65, "is the sweep's own store.sqlite", "sweep export d -o ./d/store.sqlite"},
+        {65, "d/store.sqlite: belongs to the sweep s.cfg", "sweep export d -o ./d/store.sqlite"},
         {74, "file/d", "run scene.cfg -o file/d"},
         {74, "file: not a directory", "run scene.cfg -o file"},
         {74, "file/d", "run s.cfg -o file/d"},
@@ -1778,6 +1778,8 @@ static void test_settings(void)
         FAILS(65, cases[k][1], "sweep make s.cfg -o d --tables t");
         CU_ASSERT(strstr(err, "s.cfg:3: ") != NULL);
     }
+    write_text("s.cfg", "experiment = \"gone.cfg\"; replicas = 1;\n");
+    FAILS(65, "gone.cfg: cannot read", "sweep make s.cfg -o d");
     CU_ASSERT(access("d", F_OK) != 0 && access("t", F_OK) != 0);
     write_text(
         "s.cfg",

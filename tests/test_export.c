@@ -109,7 +109,7 @@ static void test_sweep(void)
     CU_ASSERT(readers("sweep"));
     GOOD("stats select runs.csv --columns W,mu --bare"); /* read again, by the name of a fixed parameter */
     CU_ASSERT_STRING_EQUAL(out, "1\t0.1\n1\t0.1\n1\t0.3\n1\t0.3\n");
-    FAILS(65, "is the sweep's own store.sqlite", "export s --to csv -o s/store.sqlite");
+    FAILS(65, "s/store.sqlite: belongs to the sweep sweep.cfg", "export s --to csv -o s/store.sqlite");
     FAILS(64, "has no grains", "export s --to vtk -o s.pvd");
 }
 

@@ -23,7 +23,7 @@ rp_status rp_file_finish(FILE *out, const char *name)
 }
 
 /* A new file beside it, under a name that no one can foresee; devices and pipes are written directly. */
-rp_status rp_file_open(const char *path, FILE **out)
+static rp_status open_new(const char *path, bool owner, FILE **out)
 {
     char temporary[PATH_MAX + 16];
     struct stat info;
@@ -35,11 +35,21 @@ rp_status rp_file_open(const char *path, FILE **out)
         *out = fopen(path, "w");
     } else if (getrandom(&number, sizeof number, 0) == sizeof number) {
         snprintf(temporary, sizeof temporary, "%s.tmp%08x", path, number);
-        RP_TRY(rp_folder_admit(path, temporary));
+        RP_TRY(rp_folder_admit(path, temporary, owner));
         const int file = open(temporary, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
         if (file >= 0) *out = fdopen(file, "w+");
     }
     return *out ? RP_OK : rp_fail(RP_IO, "%s: cannot write: %s", path, strerror(errno));
+}
+
+rp_status rp_file_open(const char *path, FILE **out)
+{
+    return open_new(path, false, out);
+}
+
+rp_status rp_file_open_own(const char *path, FILE **out)
+{
+    return open_new(path, true, out);
 }
 
 rp_status rp_file_close(const char *path, FILE *out, rp_status keep)

@@ -14,9 +14,10 @@ rp_status rp_file_finish(FILE *out, const char *name);
 
 /* Open `path` for writing under a temporary name; rp_file_close renames the complete file once it is on the
  * disk, or removes it if `keep` is not RP_OK. "-" is standard output. A file that is there is replaced only
- * if its bytes, its signature or the marker of its folder show that the program wrote it. Errors: RP_IO,
- * RP_BAD_INPUT (too long; not ours). */
+ * if its bytes, its signature or the marker of its folder show that the program wrote it, and a file of a
+ * result or of a sweep only by its owner. Errors: RP_IO, RP_BAD_INPUT (too long; not ours; of a result). */
 rp_status rp_file_open(const char *path, FILE **out);
+rp_status rp_file_open_own(const char *path, FILE **out);
 rp_status rp_file_close(const char *path, FILE *out, rp_status keep);
 
 /* The whole text of a file ("-": standard input); free it, also after an error.

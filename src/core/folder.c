@@ -465,14 +465,17 @@ static rp_status add_lines(const rp_folder *f, const char *name, const char *tem
     return fclose(out) == 0 ? RP_OK : failed(f, MARKER);
 }
 
-rp_status rp_folder_admit(const char *path, const char *temporary)
+rp_status rp_folder_admit(const char *path, const char *temporary, bool owner)
 {
     RP_ENDS(rp_folder_close) rp_folder f = {0};
     const char *name, *slash = strrchr(temporary, '/');
     struct stat info;
     if (open_of(path, &f, &name)) return RP_OK; /* told by what follows */
     const bool there = is_there(&f, name, &info);
-    if (there && read_marker(&f) == RP_OK && rp_folder_find(&f, name, 0))
+    const bool own = there && read_marker(&f) == RP_OK && rp_folder_find(&f, name, 0);
+    if (own && !owner && !f.parts)
+        return rp_fail(RP_BAD_INPUT, "%s: belongs to %s; give another name", path, f.holds);
+    if (own)
         RP_TRY(rp_folder_check(&f, name));
     else if (there && !rp_folder_shows(&f, name))
         return rp_fail(RP_BAD_INPUT, "%s: %s; move it away, or give another name", path,
@@ -488,10 +491,11 @@ rp_status rp_folder_make(const char *path)
     RP_TRY(open_of(path, &f, &name));
     RP_TRY(add_lines(&f, name, NULL));
     const bool there = is_there(&f, name, &info);
-    if (there) return S_ISDIR(info.st_mode) ? RP_OK : not_ours(&f, name, "no folder");
-    if (mkdir(path, 0777) != 0)
+    if (there && !S_ISDIR(info.st_mode)) return not_ours(&f, name, "no folder");
+    if (!there && mkdir(path, 0777) != 0)
         return rp_fail(RP_IO, "%s: cannot make the directory: %s", path, strerror(errno));
     RP_TRY(rp_folder_open(path, &made));
-    made.parts = true;
+    if (made.parts || (there && !(made.marked && f.parts))) return RP_OK;
+    made.parts = true; /* also of one whose files a process that was killed had sealed */
     return rp_folder_write(&made);
 }

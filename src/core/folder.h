@@ -80,8 +80,8 @@ rp_status rp_folder_settle(rp_folder *f, bool *moved);
 rp_status rp_folder_make(const char *path);
 
 /* For rp_file_open: may it write this path, by this temporary name? Not over a file unless its marker lists
- * it, or rp_folder_shows. Errors: RP_BAD_INPUT. */
-rp_status rp_folder_admit(const char *path, const char *temporary);
+ * it, or rp_folder_shows; over a file of a result or a sweep only as its `owner`. Errors: RP_BAD_INPUT. */
+rp_status rp_folder_admit(const char *path, const char *temporary, bool owner);
 
 /* Sign a file of a format without a header, whole and flushed, by an attribute of it. Where the file system
  * has none, the program does not replace the file later. */

@@ -166,23 +166,10 @@ rp_status sweep_source(const char *dir, char file[256])
     return sweep_store_note(f.store, "main", "file", file, 256);
 }
 
-rp_status sweep_check_output(const char *dir, const char *path)
-{
-    RP_SCOPE(memory);
-    const char *own;
-    struct stat a, b;
-    for (size_t i = 0; i < N_NAMES - 1; i++) { /* all but the folder */
-        RP_TRY(rp_path(&memory, &own, "%s/%s", dir, names[i]));
-        if (stat(own, &a) == 0 && stat(path, &b) == 0 && a.st_dev == b.st_dev && a.st_ino == b.st_ino)
-            return rp_fail(RP_BAD_INPUT, "%s: is the sweep's own %s; give another file", path, names[i]);
-    }
-    return RP_OK;
-}
-
 static rp_status write_text(const char *path, const char *text)
 {
     FILE *out;
-    RP_TRY(rp_file_open(path, &out));
+    RP_TRY(rp_file_open_own(path, &out));
     fputs(text, out);
     return rp_file_close(path, out, RP_OK);
 }

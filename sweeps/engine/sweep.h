@@ -127,9 +127,6 @@ rp_status sweep_status(const char *dir, const sweep_protocol *const *protocols, 
  * Errors: RP_BAD_INPUT, RP_IO. */
 rp_status sweep_source(const char *dir, char file[256]);
 
-/* Refuse to write into a file that the sweep itself lives in. Errors: RP_BAD_INPUT. */
-rp_status sweep_check_output(const char *dir, const char *path);
-
 /* Write a table of what is stored: one row a run or, with SWEEP_POINTS, one row a grid point with mean,
  * standard deviation, standard error, 95 % interval (Student's t) and number of the finite values of each
  * output, over the rows with a result. With SWEEP_PARAMETERS the parameters that all runs share are columns

@@ -48,7 +48,6 @@ static rp_status export_table(const cli_call *call, const char *source, const ex
     int *columns;
     RP_TRY(read_source(call, source, o, &t, &counts));
     RP_TRY(rp_columns(call->arena, t, o->columns, &n, &columns));
-    if (rp_is_in(source, "sweep.cfg")) RP_TRY(sweep_check_output(source, o->o));
     RP_TRY(export_open(o->o, &e));
     rp_status status = (o->to == TO_CSV ? export_csv : export_json)(t, n, columns, e.out);
     RP_TRY(export_close(&e, status));

@@ -265,15 +265,20 @@ static rp_status export_to(const making *m, const char *name, unsigned what)
     return cli_sweep_export(m->call, m->o->o, what, path, NULL);
 }
 
-static rp_status make_runs(const making *m)
+static rp_status plan_runs(const making *m)
 {
     const make_options *o = m->o;
     const size_t replicas = o->replicas > 0 ? (size_t)o->replicas : o->study ? m->recipe.study : 0;
+    RP_TRY(cli_claim_sweep(o->o, m->file, o->force));
+    return sweep_prepare(m->file, o->o, replicas, sweep_protocols, cli_watch(o->quiet), &(sweep_counts){0});
+}
+
+static rp_status make_runs(const making *m)
+{
+    const make_options *o = m->o;
     sweep_counts counts;
     const sweep_options options = {
         .workers = (int)o->j, .memory = o->mem, .time = o->time, .snapshot = CLI_SNAPSHOT};
-    RP_TRY(cli_claim_sweep(o->o, m->file, o->force));
-    RP_TRY(sweep_prepare(m->file, o->o, replicas, sweep_protocols, cli_watch(o->quiet), &counts));
     const rp_status status = cli_sweep_run(o->o, options, o->quiet, &counts);
     if (!status || status == RP_NO_RESULT) { /* "lh3: 80 runs: 78 ok, 2 not_at_rest" */
         printf("%s: %zu runs", m->recipe.name, counts.stored);
@@ -380,7 +385,8 @@ static rp_status act_make(cli_call *call, const void *values)
     if (!status) status = read_list(&m, "derive", read_derive);
     if (!status) status = read_list(&m, "model", read_model);
     m.tables = strcmp(m.o->tables, "auto") ? m.o->tables : rp_text(call->arena, "%s/tables", m.o->o);
-    if (!status) status = rp_make_directory(m.tables);
+    if (!status && m.recipe.has_runs) status = plan_runs(&m);
+    if (!status) status = rp_make_directory(m.tables); /* after all checks, before the first run */
     if (!status && m.recipe.has_runs) status = make_runs(&m);
     for (const step *s = m.first; s && !status; s = s->next) status = make_step(&m, s);
     sweep_recipe_free(&m.recipe);

@@ -143,7 +143,6 @@ static rp_status act_export(cli_call *call, const void *values)
 {
     const export_options *o = values;
     sweep_counts counts;
-    RP_TRY(sweep_check_output(cli_argument(call, 0), o->o));
     RP_TRY(
         cli_sweep_export(call, cli_argument(call, 0), o->reduce ? SWEEP_POINTS : SWEEP_RUNS, o->o, &counts));
     return rp_prefix(sweep_check_whole(cli_argument(call, 0), &counts), "the table is not whole: ");
