@@ -149,6 +149,7 @@ static rp_status solve(const cli_call *call, options *o, sweep_outline *h)
     sweep_result results;
     double start = rp_clock();
     const bool watched = isatty(STDERR_FILENO);
+    RP_ENDS(cli_unfinished_free)
     cli_unfinished u = {
         .arena = call->arena, .directory = o->own.o, .holds = call->line, .force = o->own.force};
     if (*o->own.o) RP_TRY(cli_unfinished_start(&u));
