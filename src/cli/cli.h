@@ -181,14 +181,12 @@ const char *cli_own_name(const cli_command *command);
 rp_status cli_sweep_run(const char *dir, sweep_options options, bool quiet, sweep_counts *counts);
 enum { CLI_SNAPSHOT = 60 }; /* seconds of processor time between the snapshots of a run */
 
-/* sweep_export into a table, and into a file, "-": standard output. */
-rp_status cli_sweep_table(const cli_call *call, const char *dir, unsigned what, rp_table **table,
+/* sweep_export of a folder into a table, and into a file, "-": standard output. A table without counts
+ * (NULL) is that of a sweep's file, which would have these columns, without rows. */
+rp_status cli_sweep_table(const cli_call *call, const char *path, unsigned what, rp_table **table,
                           sweep_counts *counts);
 rp_status cli_sweep_export(const cli_call *call, const char *dir, unsigned what, const char *path,
                            sweep_counts *counts);
-
-/* The columns of the table that a sweep's file would make, as a table without rows. */
-rp_status cli_sweep_columns(const cli_call *call, const char *file, unsigned what, rp_table **table);
 
 /* The row of one run on standard output, and before it the columns: those of parameters (NULL: without), of
  * results, and its status. */
