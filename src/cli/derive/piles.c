@@ -161,17 +161,14 @@ static rp_status mean_slope(size_t n, const stress_pile piles[], const base_opti
     ang_options how = ANG_OPTIONS_DEFAULT;
     how.diameter = o->diameter;
     *theta = 0.0;
-    rp_status status = RP_OK;
-    for (size_t i = 0; i < n && !status; i++) {
-        ang_surface surface;
+    for (size_t i = 0; i < n; i++) {
+        RP_ENDS(ang_surface_free) ang_surface s;
         ang_slope slopes[ANG_N_METHODS];
-        status = ang_surface_make(piles[i].n_grains, piles[i].x, piles[i].y, NULL, o->width, &how, &surface);
-        if (!status)
-            status = ang_slopes(surface.n, surface.column, surface.h, surface.cell, how.parabola, slopes);
-        ang_surface_free(&surface);
-        if (!status) *theta += slopes[2].theta / (double)n;
+        RP_TRY(ang_surface_make(piles[i].n_grains, piles[i].x, piles[i].y, NULL, o->width, &how, &s));
+        RP_TRY(ang_slopes(s.n, s.column, s.h, s.cell, how.parabola, slopes));
+        *theta += slopes[2].theta / (double)n;
     }
-    return status;
+    return RP_OK;
 }
 
 static rp_status print_base(cli_call *call, const void *values)
