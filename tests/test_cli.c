@@ -1259,13 +1259,6 @@ static void test_claims(void)
     check_verdict("angle", "verdict", "not reproduced");
     check_verdict("twin", "verdict", "not reproduced");
     check_verdict("level", "verdict", "no such claim");
-    REPORTS("published --claims claims.tsv");
-    CU_ASSERT(strstr(out, "\nangle\tlh\t20\t1\t20\n") && !strstr(out, "twin"));
-    write_text("claims.tsv",
-               CLAIMS CLAIM("one", "20\t1") PLAIN("none", "formula", "-", "angle: theta_MS", "-")
-                   CLAIM("two", "30\t-") CLAIM("three", "40.0\t2"));
-    REPORTS("published --claims claims.tsv");
-    CU_ASSERT_PTR_NOT_NULL(strstr(out, "\none\tlh\t20\t1\t20\ntwo\tlh\t30\t0\t20\nthree\tlh\t40.0\t2\t20\n"));
 }
 
 /* Three claims of one question, by themselves and as a family. Chances 0.03, 0.03 and 0.0027 are raised to
