@@ -65,13 +65,13 @@ static rp_status open_tables(cli_unfinished *u)
 
 rp_status cli_unfinished_start(cli_unfinished *u)
 {
-    bool any;
+    bool moved;
     RP_TRY(rp_make_directory(u->directory));
     RP_TRY(rp_folder_enter(u->directory, &u->folder));
-    RP_TRY(rp_folder_settle(&u->folder, &any));
+    RP_TRY(rp_folder_settle(&u->folder, &moved));
     RP_TRY(rp_folder_vacant(&u->folder, u->force));
     for (int k = 0; k < CLI_GROWING && u->names; k++) RP_TRY(rp_folder_check(&u->folder, u->names[k]));
-    RP_TRY(rp_folder_stage(&u->folder, true, &u->stage, &any));
+    RP_TRY(rp_folder_stage(&u->folder, true, &u->stage));
     RP_TRY(open_tables(u));
     u->entered = true;
     return RP_OK;
@@ -124,17 +124,16 @@ static rp_status keep_all(cli_unfinished *u, rp_snapshot *s, cli_keep *keep, voi
 rp_status cli_unfinished_resume(cli_unfinished *u, cli_keep *keep, void *context, bool *done)
 {
     RP_ENDS(rp_snapshot_free) rp_snapshot s = {0};
-    bool there;
     *done = false;
     if (access(u->directory, F_OK) != 0) return rp_fail(RP_BAD_INPUT, "%s: no unfinished run", u->directory);
     RP_TRY(rp_folder_enter(u->directory, &u->folder));
     RP_TRY(rp_folder_settle(&u->folder, done));
-    RP_TRY(rp_folder_stage(&u->folder, false, &u->stage, &there));
+    RP_TRY(rp_folder_stage(&u->folder, false, &u->stage));
     u->holds = u->folder.holds;
     const rp_own *table = rp_folder_find(&u->folder, u->names[0], 0);
-    *done |= table && (!there || u->stage.n == 0);
+    *done |= table && u->stage.n == 0;
     if (*done) return RP_OK;
-    if (!there || !u->stage.marked) return rp_fail(RP_BAD_INPUT, "%s: no unfinished run", u->directory);
+    if (!u->stage.marked) return rp_fail(RP_BAD_INPUT, "%s: no unfinished run", u->directory);
     RP_TRY(rp_snapshot_read(&s, path_of(u, "snapshot"), OWNER, u->layout));
     RP_TRY(keep_all(u, &s, keep, context));
     u->entered = true;
