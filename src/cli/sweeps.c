@@ -1,4 +1,5 @@
 /* What several commands do with a sweep; see cli.h. */
+#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 

@@ -17,7 +17,7 @@
       "a polygon: table with columns x, y of its vertices from left to right, in any unit")                  \
     X(TEXT, disks, "", "", "",                                                                               \
       "any disks: table with columns x, y of their centres and, if not 0.5, r (sigma)")                      \
-    CLI_SEED(X, "1", "of the z of --disorder")                                                               \
+    X(INT, seed, "", "1", "[0, 2147483647]", "of the z of --disorder")                                       \
     X(INT, piles, "", "1", "[1, 1000000]",                                                                   \
       "with --disorder: mean over so many piles and its standard error")                                     \
     X(BOOL, summary, "", "false", "",                                                                        \

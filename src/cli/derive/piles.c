@@ -93,7 +93,9 @@ static rp_status read_piles(const cli_call *call, double width, const double *ce
     *piles = rp_arena_memory(call->arena, *n, sizeof **piles);
     for (size_t i = 0; i < *n; i++) {
         RP_TRY(pile_read(call->arena, cli_argument(call, (int)i), floor, &(*piles)[i]));
-        if (i == 0) cli_defaults_in_units(call);
+        /* a table has told its system of units, which is that of defaults too */
+        for (const rp_param *p = call->options; i == 0 && p->name; p++)
+            if (!call->given[p - call->options]) rp_params_default(p, call->values);
         RP_TRY(check_size(&(*piles)[i], cli_argument(call, (int)i), width, *cell));
     }
     cli_table(call, stdout);
