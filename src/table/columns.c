@@ -191,6 +191,12 @@ rp_status rp_rows_read(rp_arena *arena, const rp_table *t, const char *names, co
 
 enum { MOST_BY = 24 };
 
+const char *rp_column_name(const rp_table *table, int column, char text[12])
+{
+    snprintf(text, 12, "%d", column + 1);
+    return table->names[column] ? table->names[column] : text;
+}
+
 void rp_column_unit(const rp_table *table, int column, char unit[32])
 {
     const char *units = rp_table_find_note(table, "units");
@@ -201,14 +207,14 @@ void rp_column_unit(const rp_table *table, int column, char unit[32])
 
 rp_status rp_header_by(const rp_table *table, const char *by, const char *own)
 {
-    char text[4096], unit[32];
+    char text[4096], name[12], unit[32];
     int columns[MOST_BY];
     size_t n = 0, used = 0;
     if (strcmp(by, "none") != 0) RP_TRY(rp_column_list(table, by, MOST_BY, &n, columns));
     for (size_t i = 0; i < n; i++) {
-        const char *name = table->names[columns[i]];
         rp_column_unit(table, columns[i], unit);
-        used += (size_t)snprintf(text + used, sizeof text - used, "%.100s [%s], ", name ? name : "1", unit);
+        used += (size_t)snprintf(text + used, sizeof text - used, "%.100s [%s], ",
+                                 rp_column_name(table, columns[i], name), unit);
     }
     snprintf(text + used, sizeof text - used, "%s", own);
     rp_table_header(stdout, text);

@@ -80,6 +80,9 @@ typedef struct {
 rp_status rp_rows_read(rp_arena *arena, const rp_table *table, const char *names, const rp_choice *choice,
                        rp_rows *rows);
 
+/* The name of a column, or its number where it has none, by way of `text`. */
+const char *rp_column_name(const rp_table *table, int column, char text[12]);
+
 /* The unit of a column as the table's header has it, "1" where it has none. */
 void rp_column_unit(const rp_table *table, int column, char unit[32]);
 
