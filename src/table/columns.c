@@ -50,10 +50,14 @@ void rp_tally_add(rp_tally *t, const char *word, size_t length, double times)
     t->of[i].times += times;
 }
 
-void rp_tally_add_text(rp_tally *t, const char *text)
+void rp_tally_add_text(rp_tally *t, const char *text, double weight)
 {
-    for (const char *colon; (colon = strchr(text, ':')); text += strcspn(text, ","), text += *text == ',')
-        rp_tally_add(t, text, (size_t)(colon - text), strtod(colon + 1, NULL));
+    for (const char *end = text + strcspn(text, ")"); text < end; text += strspn(text, ", ")) {
+        const size_t n = strcspn(text, " :,)");
+        const double number = text[n] == ' ' || text[n] == ':' ? strtod(text + n + 1, NULL) : NAN;
+        if (*text != '-') rp_tally_add(t, text, n, weight * number);
+        text += strcspn(text, ",)");
+    }
 }
 
 void rp_tally_text(const rp_tally *t, char text[1024])

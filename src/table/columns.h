@@ -36,7 +36,8 @@ rp_status rp_columns_read_file(rp_arena *arena, const char *path, const char *na
 /* Is this status that of a full result, ok or ok_...? */
 bool rp_is_result(const char *status);
 
-/* How often words occur, such as statuses; as a text "no_pile:2,overlap:1", "-" for none. */
+/* How often words occur, such as statuses; as a text "no_pile:2,overlap:1", "-" for none. A text is added
+ * with a weight, and may also be "no_pile 2, overlap 1" before a parenthesis; a word alone has NaN. */
 typedef struct {
     size_t n;
     struct {
@@ -45,7 +46,7 @@ typedef struct {
     } of[32];
 } rp_tally;
 void rp_tally_add(rp_tally *tally, const char *word, size_t length, double times);
-void rp_tally_add_text(rp_tally *tally, const char *text);
+void rp_tally_add_text(rp_tally *tally, const char *text, double weight);
 void rp_tally_text(const rp_tally *tally, char text[1024]);
 
 /* Rows of a table grouped by their cells in the columns `by` ("a" or "a,b,..."; "none": one group). */
