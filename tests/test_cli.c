@@ -1149,7 +1149,6 @@ static void test_stats_select(void)
 /* ---- claims and report ---- */
 
 #define CLAIMS                                                                                               \
-    "# "                                                                                                     \
     "id\tof\tpaper\tplace\tsection\ttest\tpublished\tpublished_se\terror\tsamples\tmargin\tfamily\tfixed\t"  \
     "answer\tagainst\tsays\tstatement\tnote\n"
 #define CLAIM(id, number)                                                                                    \
@@ -1173,7 +1172,7 @@ static void check_verdict(const char *id, const char *column, const char *expect
     char path[256];
     scoped_table t = {0};
     path_of("out", path);
-    CHECK_OK(rp_table_read_texts(path, &t));
+    CHECK_OK(rp_table_read(path, &t));
     const char *found = "no such claim";
     for (size_t row = 0; row < t.n_rows; row++)
         if (strcmp(t.cells[row * t.n_columns], id) == 0)

@@ -163,7 +163,7 @@ static void print_piles(FILE *file)
 }
 
 #define CLAIMS                                                                                               \
-    "# id\tof\tpaper\tplace\tsection\ttest\tpublished\tpublished_se\tsamples\tmargin\tanswer\t"              \
+    "id\tof\tpaper\tplace\tsection\ttest\tpublished\tpublished_se\tsamples\tmargin\tanswer\t"                \
     "against\tstatement\tnote\n"
 
 #define FIT                                                                                                  \

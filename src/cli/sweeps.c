@@ -66,7 +66,7 @@ rp_status cli_sweep_table(const cli_call *call, const char *path, unsigned what,
                                     : sweep_columns(path, sweep_protocols, what, out);
     fclose(out);
     if (status) return free(text), status;
-    return rp_table_load_text(call->arena, name, text, table);
+    return rp_table_keep(call->arena, name, text, table);
 }
 
 rp_status cli_claim_sweep(const char *directory, const char *file, bool force)

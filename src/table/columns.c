@@ -11,29 +11,18 @@ static void free_table(void *table)
     rp_table_free(table);
 }
 
-static rp_table *new_table(rp_arena *arena)
+rp_status rp_table_keep(rp_arena *arena, const char *path, char *text, rp_table **table)
 {
-    return rp_arena_keep(arena, rp_arena_memory(arena, 1, sizeof(rp_table)), free_table);
-}
-
-rp_status rp_table_keep(rp_arena *arena, const char *path, rp_status (*read)(const char *, rp_table *),
-                        rp_table **table)
-{
-    *table = new_table(arena);
-    return *table ? read(path, *table) : RP_NO_MEMORY;
+    *table = rp_arena_keep(arena, rp_arena_memory(arena, 1, sizeof **table), free_table);
+    if (!*table) return free(text), RP_NO_MEMORY;
+    return text ? rp_table_parse(path, text, *table) : rp_table_read(path, *table);
 }
 
 rp_status rp_table_load(rp_arena *arena, const char *path, rp_table **table)
 {
-    const rp_status status = rp_table_keep(arena, path, rp_table_read, table);
+    const rp_status status = rp_table_keep(arena, path, NULL, table);
     rp_units_set(rp_units_find(status ? NULL : rp_table_find_note(*table, "system")));
     return status;
-}
-
-rp_status rp_table_load_text(rp_arena *arena, const char *name, char *text, rp_table **table)
-{
-    *table = new_table(arena);
-    return rp_table_parse(name, text, *table);
 }
 
 bool rp_is_result(const char *status)

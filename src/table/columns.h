@@ -7,12 +7,10 @@
 #include "core/arena.h"
 #include "table/table.h"
 
-/* As `read`, rp_table_read and rp_table_parse; the table is freed with the arena. The system of units becomes
- * that of a table that was read by the second of them. */
-rp_status rp_table_keep(rp_arena *arena, const char *path, rp_status (*read)(const char *, rp_table *),
-                        rp_table **table);
+/* As rp_table_parse, or for a text NULL as rp_table_read; the table is freed with the arena. And a table that
+ * is read, whose system of units becomes that which holds. */
+rp_status rp_table_keep(rp_arena *arena, const char *path, char *text, rp_table **table);
 rp_status rp_table_load(rp_arena *arena, const char *path, rp_table **table);
-rp_status rp_table_load_text(rp_arena *arena, const char *name, char *text, rp_table **table);
 
 /* Text of a cell. */
 const char *rp_cell(const rp_table *table, size_t row, int column);
