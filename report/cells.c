@@ -40,7 +40,7 @@ rp_status report_table(report_tables *tables, const char *name, const rp_table *
         if (access(path, F_OK) != 0) continue;
         struct report_read *read = rp_arena_memory(arena, 1, sizeof *read);
         *read = (struct report_read){tables->read, rp_text(arena, "%s", name), NULL};
-        RP_TRY(rp_table_keep(arena, path, rp_table_read, &read->table));
+        RP_TRY(rp_table_keep(arena, path, NULL, &read->table));
         tables->read = read;
         *table = read->table;
     }

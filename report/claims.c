@@ -116,7 +116,7 @@ rp_status report_claims_read(rp_arena *arena, const char *path, report_claims *c
 #undef X
     const report_words columns = report_split(arena, expected);
     rp_table *t;
-    RP_TRY(rp_table_keep(arena, path, rp_table_read_texts, &t));
+    RP_TRY(rp_table_keep(arena, path, NULL, &t));
     for (int k = 0; k < columns.n; k++) RP_TRY(rp_table_find(t, columns.word[k], expected, &(int){0}));
     *claims = (report_claims){t, rp_arena_memory(arena, t->n_rows, sizeof *claims->claims), 0};
     for (size_t row = 0; row < t->n_rows; row++, claims->n++)

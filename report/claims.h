@@ -61,7 +61,7 @@ typedef struct {
 } report_claims;
 
 /* Errors: RP_BAD_INPUT with file and line (unknown test, a claim twice, a number or answer that its test
- * needs), those of rp_table_read_texts. */
+ * needs), those of rp_table_read. */
 rp_status report_claims_read(rp_arena *arena, const char *path, report_claims *claims);
 
 /* The claim called `id`; of a variant, the paper's number is that of the claim it varies. Errors:

@@ -14,21 +14,12 @@
     X(TEXT, either, "", "k_n_wall", "", "choice that some numbers have no part in: its first or last value")
 CLI_OPTIONS(joint, JOINT_OPTIONS)
 
-/* Points of a sweep, which of its first n_keys columns the claims set, and the others, which are choices. */
+/* Points of a sweep, and which of its first n_keys columns the claims set; the others are choices. */
 typedef struct {
     const rp_table *table;
-    int n_keys, n_choices, *choices;
+    int n_keys;
     bool *set;
 } joint_points;
-
-/* Are two rows of one choice? */
-static bool is_same_choice(const joint_points *p, size_t a, size_t b)
-{
-    bool same = true;
-    for (int k = 0; k < p->n_choices; k++)
-        same = same && strcmp(rp_cell(p->table, a, p->choices[k]), rp_cell(p->table, b, p->choices[k])) == 0;
-    return same;
-}
 
 /* What a claim's cell says of a column; NULL: nothing. */
 static const rp_condition *condition_on(const report_claim *c, const char *column)
@@ -66,6 +57,7 @@ static rp_status print_joint(cli_call *call, const void *values)
     report_claims all;
     const report_claim *joint, *claims[16];
     joint_points p;
+    rp_groups groups; /* rows of one choice */
     RP_TRY(report_claims_read(arena, o->claims, &all));
     RP_TRY(report_claims_find(&all, o->id, &joint));
     RP_TRY(report_table(&tables, o->table, &p.table));
@@ -75,7 +67,6 @@ static rp_status print_joint(cli_call *call, const void *values)
         return rp_fail(RP_BAD_INPUT, "claim %s: a joint one of at most %zu expected", o->id, N_OF(claims));
     for (p.n_keys = 0; !rp_ends_in(p.table->names[p.n_keys], "_mean"); p.n_keys++)
         if ((size_t)p.n_keys + 1 == p.table->n_columns) break;
-    p.n_choices = 0, p.choices = rp_arena_memory(arena, (size_t)p.n_keys, sizeof *p.choices);
     p.set = rp_arena_memory(arena, (size_t)p.n_keys, sizeof *p.set);
     bool **rows = rp_arena_memory(arena, (size_t)ids.n, sizeof *rows);
     for (int i = 0; i < ids.n; i++) {
@@ -89,26 +80,26 @@ static rp_status print_joint(cli_call *call, const void *values)
     }
     cli_table(call, stdout);
     rp_table_note(stdout, "dof", "%d, with a common shift %d", ids.n, ids.n - 1);
-    const char *columns = "";
+    const char *choices = "", *columns = "";
     for (int k = 0; k < p.n_keys; k++) {
-        if (p.set[k] || strcmp(p.table->names[k], o->either) == 0) continue;
-        p.choices[p.n_choices++] = k;
-        columns = rp_text(arena, "%s%s, ", columns, p.table->names[k]);
+        const char *name = p.table->names[k];
+        if (p.set[k] || strcmp(name, o->either) == 0) continue;
+        choices = rp_text(arena, "%s%s%s", choices, *choices ? "," : "", name);
+        columns = rp_text(arena, "%s%s, ", columns, name);
     }
+    RP_TRY(rp_group_rows(arena, p.table, *choices ? choices : "none", '\t', &groups));
     rp_table_header(
         stdout,
         rp_text(arena, "%s%s [word], chi2, p_value, shift [own], shift_se [own], left, n_least, n_failed",
                 columns, o->either));
-    for (size_t row = 0; row < p.table->n_rows; row++) {
-        bool first = true;
-        for (size_t before = 0; before < row; before++) first = first && !is_same_choice(&p, before, row);
-        for (int last = 0; last < 2 && first; last++) {
+    for (size_t g = 0; g < groups.n_groups; g++) {
+        for (int last = 0; last < 2; last++) {
             stats_number differences[N_OF(claims)];
             double least = INFINITY, failed = 0.0;
             for (int i = 0; i < ids.n; i++) {
                 report_cell cell = {p.table, p.table->n_rows, o->column};
                 for (size_t r = 0; r < p.table->n_rows; r++)
-                    if (rows[i][r] && is_same_choice(&p, r, row) && (last || cell.row == p.table->n_rows))
+                    if (rows[i][r] && groups.of_row[r] == g && (last || cell.row == p.table->n_rows))
                         cell.row = r;
                 report_number ours = {.tested = {NAN, NAN}, .n = 0.0};
                 double lost = 0.0;
@@ -120,9 +111,8 @@ static rp_status print_joint(cli_call *call, const void *values)
                 least = fmin(least, ours.n), failed += lost;
             }
             const report_together t = report_joint((size_t)ids.n, differences);
-            for (int k = 0; k < p.n_choices; k++) printf("%s\t", rp_cell(p.table, row, p.choices[k]));
-            printf("%s\t%.6g\t%.6g\t%.6g\t%.6g\t%.6g\t%g\t%g\n", last ? "last" : "first", t.chi2, t.p,
-                   t.shift.value, t.shift.se, t.left, least, failed);
+            printf("%s%s%s\t%.6g\t%.6g\t%.6g\t%.6g\t%.6g\t%g\t%g\n", groups.words[g], *choices ? "\t" : "",
+                   last ? "last" : "first", t.chi2, t.p, t.shift.value, t.shift.se, t.left, least, failed);
         }
     }
     return RP_OK;

@@ -41,17 +41,6 @@ typedef struct {
     rp_tally causes;
 } failures;
 
-/* "no_pile 2, overlap 1" of a header, up to the parenthesis; as many runs as they say only if `whole`. */
-static void add_causes(failures *f, const char *text, bool whole)
-{
-    for (const char *end = text + strcspn(text, ")"); text < end; text += strspn(text, ", ")) {
-        const size_t n = strcspn(text, " ,)");
-        const double number = text[n] == ' ' ? strtod(text + n, NULL) : NAN;
-        rp_tally_add(&f->causes, text, n, whole ? number : NAN);
-        text += strcspn(text, ",)");
-    }
-}
-
 /* "8 of 60 (no_pile 8)", the entry of a row among those that semicolons separate. */
 static void add_entry(failures *f, const char *note, size_t row)
 {
@@ -60,7 +49,7 @@ static void add_entry(failures *f, const char *note, size_t row)
     const char *of = strstr(note, " of "), *open = strchr(note, '(');
     f->failed += strtod(note, NULL);
     f->runs += of ? strtod(of + 4, NULL) : 0.0;
-    if (open && open < note + strcspn(note, ";")) add_causes(f, open + 1, true);
+    if (open && open < note + strcspn(note, ";")) rp_tally_add_text(&f->causes, open + 1, 1.0);
 }
 
 /* Of the rows of a table: its columns n_failed and failed_for say it, else an entry of its header line for
@@ -80,9 +69,11 @@ static void add_table(failures *f, const read_table *r)
             failed += lost;
             f->runs += lost + (n < 0 ? 0.0 : strtod(rp_cell(t, row, n), NULL));
         }
-        if (words >= 0) rp_tally_add_text(&f->causes, rp_cell(t, row, words));
+        if (words >= 0) rp_tally_add_text(&f->causes, rp_cell(t, row, words), 1.0);
     }
-    if (failed > 0.0 && words < 0 && open) add_causes(f, open + 1, failed == strtod(note, NULL));
+    /* as many runs as the line says only if all of them are read */
+    if (failed > 0.0 && words < 0 && open)
+        rp_tally_add_text(&f->causes, open + 1, failed == strtod(note, NULL) ? 1.0 : NAN);
     f->failed += failed;
 }
 

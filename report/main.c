@@ -14,7 +14,6 @@
       "also the claims under other choices that a paper leaves open; the header does not count them")
 
 CLI_OPTIONS(claims, CLAIMS_OPTIONS)
-CLI_OPTIONS(published, REPORT_CLAIMS)
 
 static const char *const papers[] = {"all", "lh", "li", "ours"};
 
@@ -73,27 +72,6 @@ static rp_status print_claims(cli_call *call, const void *values)
     return RP_OK;
 }
 
-static rp_status print_published(cli_call *call, const void *values)
-{
-    const published_options *o = values;
-    report_claims all;
-    RP_TRY(report_claims_read(call->arena, o->claims, &all));
-    static const char *const untested[] = {"dip_small", "dip_large"};
-    cli_table(call, stdout);
-    for (size_t i = 0; i < N_OF(untested); i++) {
-        const char *number = rp_table_find_note(all.table, untested[i]);
-        if (number) rp_table_note(stdout, untested[i], "%s", number);
-    }
-    rp_table_header(stdout, "id, paper, published [own], published_se [own], samples");
-    for (size_t i = 0; i < all.n; i++) {
-        const report_claim *c = &all.claims[i];
-        if (*c->of || isnan(c->number.value)) continue;
-        printf("%s\t%s\t%s\t%s\t%g\n", c->id, c->paper, c->published,
-               *c->published_se ? c->published_se : "0", c->samples);
-    }
-    return RP_OK;
-}
-
 static const cli_command claims = {
     "claims",
     "published claims and their verdicts",
@@ -111,17 +89,7 @@ static const cli_command claims = {
     .refuses = "A claim without what its test needs; a table without the cells that a claim names.",
     .act = print_claims};
 
-static const cli_command published = {
-    .name = "published",
-    .summary = "published numbers, for figures",
-    .synopsis = "[options]",
-    .about = "The number of each claim that has one, with its error and its samples.",
-    .example = "report published",
-    .refuses = "A claim without what its test needs.",
-    .options = published_params,
-    .act = print_published};
-
-const cli_command *const report_commands[] = {&claims, &published, &report_joint_command, &report_page, NULL};
+const cli_command *const report_commands[] = {&claims, &report_joint_command, &report_page, NULL};
 
 int main(int argc, char **argv)
 {

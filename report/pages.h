@@ -6,11 +6,10 @@
 #include "report/claims.h"
 
 /* Options of the commands. */
-#define REPORT_CLAIMS(X) X(TEXT, claims, "", "report/claims.tsv", "", "file of the claims")
 #define REPORT_OPTIONS(X)                                                                                    \
     X(TEXT, tables, "", "results,build/tables,results/kept", "",                                             \
       "folders of tables, joined by commas; a table is read from the first folder that holds it")            \
-    REPORT_CLAIMS(X)
+    X(TEXT, claims, "", "report/claims.tsv", "", "file of the claims")
 
 extern const cli_command report_page, report_joint_command;
 

@@ -254,7 +254,7 @@ static void test_claims_file(void)
              slash ? (int)(slash - program) : 5, slash ? program : "build", path);
     CU_ASSERT_FATAL(system(line) == 0);
     rp_table t;
-    CHECK_OK(rp_table_read_texts(path, &t));
+    CHECK_OK(rp_table_read(path, &t));
     CU_ASSERT(t.n_rows > 100);
     for (size_t row = 0; row < t.n_rows; row++) {
         const char *test = cell(&t, row, "test"), *answer = cell(&t, row, "answer"),
@@ -295,7 +295,7 @@ static void test_report_texts(void)
     for (size_t k = 0; k < sizeof words / sizeof *words; k++) {
         CU_ASSERT(files_with("report/text/beyond.md.in", words[k], false) == 0);
     }
-    CHECK_OK(rp_table_read_texts("report/claims.tsv", &t));
+    CHECK_OK(rp_table_read("report/claims.tsv", &t));
     for (size_t row = 0; row < t.n_rows; row++) {
         char place[128];
         snprintf(place, sizeof place, "{{claims %s}}", cell(&t, row, "paper"));
@@ -498,7 +498,7 @@ static void test_page(void)
     fclose(in);
     CU_ASSERT_FATAL(size < sizeof text - 1);
     text[size] = '\0';
-    CHECK_OK(rp_table_read_texts("report/claims.tsv", &t));
+    CHECK_OK(rp_table_read("report/claims.tsv", &t));
     for (size_t row = 0; row < t.n_rows; row++) {
         char start[256];
         if (strcmp(cell(&t, row, "on"), "page") != 0) continue;
@@ -587,7 +587,7 @@ static void test_pools(void)
     static uint64_t streams[MOST_PILES];
     rp_table t;
     size_t pools = 0;
-    CHECK_OK(rp_table_read_texts("report/claims.tsv", &t));
+    CHECK_OK(rp_table_read("report/claims.tsv", &t));
     for (size_t side = 0; side < 2 * t.n_rows; side++) {
         char text[1024], *rest = text;
         sweep_plan plans[MOST_CELLS];

@@ -20,7 +20,7 @@
 /* ---- from a table to the words of the report ---- */
 
 #define CLAIMS                                                                                               \
-    "# id\tof\tpaper\tplace\tsection\ttest\tpublished\tpublished_se\tsamples\tmargin\tanswer\t"              \
+    "id\tof\tpaper\tplace\tsection\ttest\tpublished\tpublished_se\tsamples\tmargin\tanswer\t"                \
     "against\tstatement\tnote\n"
 
 /* A test, the published number, the rows of ours, the verdict and the words of the cell `ours`. Errors of 1
@@ -132,7 +132,7 @@ static void test_verdicts(void)
     REPORTS("claims --claims claims.tsv --tables .");
     scoped_table t = {0};
     path_of("out", path);
-    CHECK_OK(rp_table_read_texts(path, &t));
+    CHECK_OK(rp_table_read(path, &t));
     CU_ASSERT_FATAL(t.n_rows == N_ANSWERS);
     for (size_t i = 0; i < N_ANSWERS; i++) {
         const char *verdict = word(&t, i, "verdict"), *ours = word(&t, i, "ours");
@@ -219,10 +219,7 @@ static void check_claims_table(void)
          {"\n# ours: 1 ", head, seven},
          {"\n# lh: ", "\n# li: ", "\nfive\t"}},
         {"claims --tables . --id one", {head, one, two}, {"\n# lh: ", "\n# li: ", "\n# ours: ", "\nthree\t"}},
-        {"claims --tables . --id two", {head, two}, {"\n# lh: ", "\none\t"}},
-        {"published",
-         {"\nid\tpaper\tpublished\tpublished_se\tsamples\none\tlh\t20\t0.9\t40\n"},
-         {"\ntwo", "\nthree", "\nfour"}}};
+        {"claims --tables . --id two", {head, two}, {"\n# lh: ", "\none\t"}}};
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         REPORTS("%s --claims claims.tsv", cases[k].words);
         for (int i = 0; i < 4; i++) {
@@ -364,7 +361,7 @@ static void test_failed_cells(void)
     REPORTS("claims --claims claims.tsv --tables .");
     scoped_table t = {0};
     path_of("out", path);
-    CHECK_OK(rp_table_read_texts(path, &t));
+    CHECK_OK(rp_table_read(path, &t));
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         if (strcmp(word(&t, k, "failed"), cases[k].failed))
             fprintf(stderr, "%s: %s\n", cases[k].id, word(&t, k, "failed"));
@@ -426,7 +423,7 @@ static void test_references(void)
 /* ---- what a claim needs, families, numbers of the papers ---- */
 
 #define HEADER                                                                                               \
-    "# id\tof\tpaper\tplace\tsection\ttest\tpublished\tpublished_se\tsamples\tmargin\tfamily\tanswer\t"      \
+    "id\tof\tpaper\tplace\tsection\ttest\tpublished\tpublished_se\tsamples\tmargin\tfamily\tanswer\t"        \
     "against\tstatement\tnote\n"
 
 #define ASK "claims --claims claims.tsv --tables ."
@@ -498,7 +495,7 @@ static void check_claim(const char *id, const char *ours, const char *detail)
     char path[256];
     bool found = false;
     path_of("out", path);
-    CHECK_OK(rp_table_read_texts(path, &t));
+    CHECK_OK(rp_table_read(path, &t));
     for (size_t row = 0; row < t.n_rows; row++) {
         if (strcmp(word(&t, row, "id"), id) != 0) continue;
         const bool same =
@@ -571,7 +568,7 @@ static void test_joint_claims(void)
     scoped_table t = {0};
     char path[256];
     path_of("out", path);
-    CHECK_OK(rp_table_read_texts(path, &t));
+    CHECK_OK(rp_table_read(path, &t));
     static const char *const verdicts[] = {"reproduced",     "not reproduced", "no data",
                                            "not reproduced", "reproduced",     "no data"};
     for (size_t row = 0; row < 6; row++) CU_ASSERT_STRING_EQUAL(word(&t, row, "verdict"), verdicts[row]);
@@ -832,7 +829,7 @@ static void test_settings(void)
 {
     scoped_table t = {0};
     size_t n_checked = 0;
-    CHECK_OK(rp_table_read_texts("report/claims.tsv", &t));
+    CHECK_OK(rp_table_read("report/claims.tsv", &t));
     for (size_t row = 0; row < t.n_rows; row++) {
         static const char *const texts[] = {"answer", "statement", "note"};
         char path[256];
@@ -962,7 +959,7 @@ static void check_derived(const char *sweep, const config_setting_t *setting)
     config_setting_lookup_string(setting, "table", &table);
     config_setting_lookup_string(setting, "with", &with);
     snprintf(path, sizeof path, "results/%s/%s.tsv", sweep, table);
-    if (rp_table_read_texts(path, &t)) return;
+    if (rp_table_read(path, &t)) return;
     const char *said = rp_table_find_note(&t, "derived by");
     CU_ASSERT_PTR_NOT_NULL_FATAL(said);
     bool same = strncmp(said, with, strlen(with)) == 0;
@@ -990,7 +987,7 @@ static void check_runs(const char *file, const char *name, const sweep_recipe *r
     scoped_table t = {0};
     sweep_plan plan;
     snprintf(path, sizeof path, "results/%s/points.tsv", name);
-    if (rp_table_read_texts(path, &t)) return;
+    if (rp_table_read(path, &t)) return;
     CHECK_OK(sweep_plan_read(file, sweep_protocols, &plan));
     if (recipe->study) CHECK_OK(sweep_plan_replicate(&plan, recipe->study));
     snprintf(runs, sizeof runs, "%s, protocol %s, seed %lu, %zu grid points x %zu replicas", file,
@@ -1108,7 +1105,7 @@ static void test_claims_again(void)
     scoped_table t = {0};
     FILE *in = fopen("tests/claims.txt", "r");
     CU_ASSERT_PTR_NOT_NULL_FATAL(in);
-    CHECK_OK(rp_table_read_texts("report/claims.tsv", &t));
+    CHECK_OK(rp_table_read("report/claims.tsv", &t));
     for (size_t row = 0; row < t.n_rows; row++) {
         char wanted[2048] = "";
         for (size_t k = 0; k < sizeof columns / sizeof *columns; k++)

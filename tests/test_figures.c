@@ -592,11 +592,11 @@ static void test_style_in_one_place(void)
 static void test_present(void)
 {
     CU_ASSERT(
-        system("made=$(build/report published) && n=0 || exit 1\n"
+        system("made=$(cut -f 1,8 report/claims.tsv) && n=0\n"
                "numbers=\"published('[^']*'\\|printed('[^']*', '[^']*'\\|note('claims/[^']*', '[^']*'\"\n"
                "for name in $(grep -oh \"$numbers\" figures/l*/*.gp figures/studies/*.gp |\n"
                "  sed \"s/'$//; s/.*'//\"); do\n"
-               "  n=$((n + 1)); echo \"$made\" | grep -q \"^$name\t\\|^# $name: \" ||\n"
+               "  n=$((n + 1)); echo \"$made\" | grep -q \"^$name\t[0-9]\\|^# $name: \" ||\n"
                "  { echo \"$name: not published\"; exit 1; }\n"
                "done\n"
                "for table in $(sed -n 's/^table \\([^ ]*\\).*/\\1/p' tests/figures.txt); do\n"

@@ -209,28 +209,6 @@ static void test_help(void)
                         0);
 }
 
-static char parallel[256];
-
-static void add_parallel(const cli_command *c)
-{
-    option options[64];
-    const size_t n = options_of(c, options);
-    for (size_t i = 0; i < n && !c->group; i++)
-        if (strcmp(options[i].typed, "-j") == 0)
-            sprintf(parallel + strlen(parallel), "%s%s", *parallel ? ", " : "", c->name);
-}
-
-/* -j is asked for of other commands too. */
-static void test_parallel(void)
-{
-    char message[400];
-    each(cli_repose.commands, add_parallel);
-    snprintf(message, sizeof message,
-             "unknown option -j: repose lattice works on one processor; -j is for %s\n", parallel);
-    FAILS(64, message, "lattice -j 2");
-    FAILS(64, message, "lattice -j");
-}
-
 /* Where help says an order, it is that of the output. */
 static void test_orders(void)
 {
@@ -778,5 +756,5 @@ static void test_params_json(void)
     rp_units_set(RP_CGS);
 }
 
-CHECK_SUITE_WITHIN(help, "help", enter, leave, test_help, test_orders, test_removed, test_parallel, test_room,
+CHECK_SUITE_WITHIN(help, "help", enter, leave, test_help, test_orders, test_removed, test_room,
                    test_arguments, test_manual, test_completion, test_params, test_params_json)

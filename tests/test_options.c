@@ -51,7 +51,6 @@ static const struct {
     {"pile", "--disks disks.tsv", "--eps 1e-3"},
     {"report claims", "--claims claims.tsv --tables .",
      "--claims other.tsv|--tables nowhere|--paper li|--id angle|--variants"},
-    {"report published", "--claims claims.tsv", "--claims other.tsv"},
     {"bench", "-n 9 --steps 10 --repeat 1", "-n 10|--steps 11|--start start.tsv|--size-ratio 5"}};
 
 /* Options that change no row, or that other tests follow. */
@@ -164,7 +163,7 @@ static void print_piles(FILE *file)
 }
 
 #define CLAIMS                                                                                               \
-    "# id\tof\tpaper\tplace\tsection\ttest\tpublished\tpublished_se\tsamples\tmargin\tanswer\t"              \
+    "id\tof\tpaper\tplace\tsection\ttest\tpublished\tpublished_se\tsamples\tmargin\tanswer\t"                \
     "against\tstatement\tnote\n"
 
 #define FIT                                                                                                  \

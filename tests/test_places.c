@@ -360,7 +360,7 @@ static void test_words(void)
     static const char *const texts[] = {"report/text/*.md.in"};
     static around a;
     scoped_table claims = {0};
-    CHECK_OK(rp_table_read_texts("report/claims.tsv", &claims));
+    CHECK_OK(rp_table_read("report/claims.tsv", &claims));
     a.claims = &claims;
     for (size_t k = 0; k < 1; k++) {
         glob_t found;

@@ -5,10 +5,10 @@
  * correlation of the two angles within a pile is kept. */
 #include <float.h>
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "angle/angle.h"
+#include "core/arena.h"
 
 enum { OF_FORM = 5, N_QUANTITIES = 1 + OF_FORM * ANG_N_FORMS };
 
@@ -83,16 +83,15 @@ rp_status ang_compare(const ang_piles *piles, double phi, size_t n_resamples, gs
     RP_TRY(rp_check_range("resamples", (double)n_resamples, 2.0, DBL_MAX, "[2, inf)"));
     for (size_t i = 0; i < n; i++) c->n_unstable += theta_r[i] > c->theta_ms;
     for (int f = 0; f < ANG_N_FORMS; f++) c->form[f].status = word[f];
-    double *sample = malloc(N_QUANTITIES * n_resamples * sizeof *sample);
-    if (!sample) return rp_fail(RP_NO_MEMORY, "comparison: out of memory");
-    rp_status status = RP_OK;
-    for (size_t i = 0; i < n_resamples && !status; i++) {
+    RP_SCOPE(memory);
+    double *sample;
+    RP_NEW(&memory, sample, N_QUANTITIES * n_resamples);
+    for (size_t i = 0; i < n_resamples; i++) {
         double r, t;
         resample(piles, rng, &r, &t);
-        status = quantities(mu, phi, c->theta_ms, r, t, one, word);
+        RP_TRY(quantities(mu, phi, c->theta_ms, r, t, one, word));
         for (size_t k = 0; k < N_QUANTITIES; k++) sample[k * n_resamples + i] = one[k];
     }
-    if (!status) take_estimates(n, q, n_resamples, sample, c);
-    free(sample);
-    return status;
+    take_estimates(n, q, n_resamples, sample, c);
+    return RP_OK;
 }

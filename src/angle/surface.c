@@ -9,6 +9,7 @@
 #include <stdlib.h>
 
 #include "angle/angle.h"
+#include "core/arena.h"
 #include "core/elementary.h"
 
 static const double most_cells = 1e8;
@@ -91,8 +92,7 @@ void ang_surface_free(ang_surface *surface)
 {
     free(surface->column);
     free(surface->h);
-    surface->column = NULL;
-    surface->h = NULL;
+    *surface = (ang_surface){0};
 }
 
 /* The heights as the methods see them: x counts cells from the first. Lengths in cells until the end. */
@@ -283,22 +283,21 @@ rp_status ang_one_sided(size_t n, const double x[], const double y[], const doub
 {
     static const double CLEAR = 3.0; /* standard errors */
     ang_options options = ANG_OPTIONS_DEFAULT;
-    double *seen = malloc((n + 1) * sizeof *seen);
-    rp_status status = seen ? RP_OK : rp_fail(RP_NO_MEMORY, "slope of %zu grains: out of memory", n);
+    RP_SCOPE(memory);
+    double *seen;
+    RP_NEW(&memory, seen, n);
     *slope = (ang_slope){NAN, NAN, NAN, NAN};
     options.diameter = diameter;
-    for (int mirrored = 0; mirrored < 2 && !status && ends[0] < ends[1]; mirrored++) {
-        ang_surface surface = {0};
+    for (int mirrored = 0; mirrored < 2 && ends[0] < ends[1]; mirrored++) {
+        RP_ENDS(ang_surface_free) ang_surface s;
         ang_slope slopes[ANG_N_METHODS];
         for (size_t i = 0; i < n; i++) seen[i] = mirrored ? ends[1] - x[i] : x[i] - ends[0];
-        status = ang_surface_make(n, seen, y, NULL, ends[1] - ends[0], &options, &surface);
-        if (!status)
-            status = ang_slopes(surface.n, surface.column, surface.h, surface.cell, options.parabola, slopes);
-        bool clear = !status && 2 * surface.n_occupied >= surface.n_cells;
+        rp_status status = ang_surface_make(n, seen, y, NULL, ends[1] - ends[0], &options, &s);
+        if (!status) status = ang_slopes(s.n, s.column, s.h, s.cell, options.parabola, slopes);
+        if (status) return status == RP_NO_MEMORY ? status : RP_OK; /* too few cells: no slope */
+        bool clear = 2 * s.n_occupied >= s.n_cells;
         for (int k = 0; k < ANG_N_METHODS && clear; k++) clear = slopes[k].slope > CLEAR * slopes[k].slope_se;
         if (clear) *slope = slopes[ANG_N_METHODS - 1];
-        ang_surface_free(&surface);
     }
-    free(seen);
-    return status == RP_NO_MEMORY ? status : RP_OK; /* too few cells: no slope */
+    return RP_OK;
 }

@@ -6,7 +6,6 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "core/random.h"
 #include "params/units.h"
 
 const char *cli_argument(const cli_call *call, int i)
@@ -23,24 +22,6 @@ void *cli_value(const cli_call *call, const char *name)
 bool cli_given(const cli_call *call, const char *name)
 {
     return call->given[rp_params_find(call->options, name) - call->options];
-}
-
-static void free_generator(void *rng)
-{
-    gsl_rng_free(rng);
-}
-
-gsl_rng *cli_random(const cli_call *call, unsigned long run)
-{
-    const long seed = *(const long *)cli_value(call, "seed");
-    return rp_arena_keep(call->arena, rp_random_alloc((unsigned long)seed, run, RP_PURPOSE_BOOTSTRAP),
-                         free_generator);
-}
-
-void cli_defaults_in_units(const cli_call *call)
-{
-    for (size_t i = 0; call->options[i].name; i++)
-        if (!call->given[i]) rp_params_default(&call->options[i], call->values);
 }
 
 /* ---- data ---- */

@@ -3,7 +3,6 @@
 #ifndef CLI_H
 #define CLI_H
 
-#include <gsl/gsl_rng.h>
 #include <math.h>
 
 #include "core/file.h"
@@ -44,12 +43,6 @@ const char *cli_argument(const cli_call *call, int i);
 void *cli_value(const cli_call *call, const char *name);
 bool cli_given(const cli_call *call, const char *name);
 
-/* Generator of resamples: stream `run` of the option --seed, which the command must have. */
-gsl_rng *cli_random(const cli_call *call, unsigned long run);
-
-/* The defaults of options that are not given again, once a table has told its system of units. */
-void cli_defaults_in_units(const cli_call *call);
-
 /* A file that the program brings along, as "sweeps/lh/lh3.cfg", by this name in the current folder; else in
  * the data folder. That is the one REPOSE_DATA names; where it is not set, ../share/repose next to the
  * program, or the source that the program was built in. The name itself where there is no such file. */
@@ -88,10 +81,6 @@ void cli_table(const cli_call *call, FILE *out);
 #define CLI_WHERE(X)                                                                                         \
     X(TEXTS, where, "", "", "",                                                                              \
       "use only rows with NAME=VALUE, or != < <= > >=; several conditions must all hold")
-#define CLI_SEED(X, fallback, meaning) X(INT, seed, "", fallback, "[0, 2147483647]", meaning)
-#define CLI_BOOTSTRAP(X, fallback)                                                                           \
-    X(INT, bootstrap, "", fallback, "[2, 10000000]", "resamples of the piles")                               \
-    CLI_SEED(X, "1993", "seed of the resamples")
 #define CLI_BY(X, fallback, what)                                                                            \
     X(TEXT, by, "", fallback, "", "columns (a or a,b,...) whose different cells make the " what)
 #define CLI_RANGE(X, what)                                                                                   \
@@ -181,14 +170,12 @@ const char *cli_own_name(const cli_command *command);
 rp_status cli_sweep_run(const char *dir, sweep_options options, bool quiet, sweep_counts *counts);
 enum { CLI_SNAPSHOT = 60 }; /* seconds of processor time between the snapshots of a run */
 
-/* sweep_export into a table, and into a file, "-": standard output. */
-rp_status cli_sweep_table(const cli_call *call, const char *dir, unsigned what, rp_table **table,
+/* sweep_export of a folder into a table, and into a file, "-": standard output. A table without counts
+ * (NULL) is that of a sweep's file, which would have these columns, without rows. */
+rp_status cli_sweep_table(const cli_call *call, const char *path, unsigned what, rp_table **table,
                           sweep_counts *counts);
 rp_status cli_sweep_export(const cli_call *call, const char *dir, unsigned what, const char *path,
                            sweep_counts *counts);
-
-/* The columns of the table that a sweep's file would make, as a table without rows. */
-rp_status cli_sweep_columns(const cli_call *call, const char *file, unsigned what, rp_table **table);
 
 /* The row of one run on standard output, and before it the columns: those of parameters (NULL: without), of
  * results, and its status. */

@@ -110,7 +110,7 @@ static rp_status print_as_json(rp_arena *arena, char *text)
         free(text);
         return RP_OK;
     }
-    RP_TRY(rp_table_load_text(arena, "--json", text, &table));
+    RP_TRY(rp_table_keep(arena, "--json", text, &table));
     RP_TRY(rp_columns(arena, table, "all", &n, &columns));
     return export_json(table, n, columns, stdout);
 }

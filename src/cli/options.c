@@ -189,26 +189,6 @@ static rp_status check_given(const cli_call *call)
     return status;
 }
 
-/* Names of the commands that work on several processors. */
-static void list_parallel(const cli_command *const *c, char *names, size_t size)
-{
-    for (; *c; c++) {
-        const size_t used = strlen(names);
-        if ((*c)->group)
-            list_parallel((*c)->group, names, size);
-        else if ((*c)->options && rp_params_find((*c)->options(), "j"))
-            snprintf(names + used, size - used, "%s%s", used ? ", " : "", (*c)->name);
-    }
-}
-
-static rp_status not_parallel(const cli_call *call)
-{
-    char names[256] = "";
-    list_parallel(call->program->commands, names, sizeof names);
-    return rp_fail(RP_USAGE, "unknown option -j: %s %s works on one processor; -j is for %s",
-                   call->program->name, call->command->name, names);
-}
-
 rp_status cli_check_removed(const cli_program *program, const char *command, const char *option)
 {
     const size_t n = strlen(command);
@@ -227,7 +207,6 @@ static rp_status unknown_option(const cli_call *call, const char *text)
     const char *name = text + strspn(text, "-");
     snprintf(word, sizeof word, "%.*s", (int)strcspn(name, "="), name);
     RP_TRY(cli_check_removed(call->program, call->command->name, word));
-    if (strcmp(word, "j") == 0) return not_parallel(call);
     rp_guess guess = rp_guess_of(word);
     rp_guess_schema(&guess, call->options);
     rp_guess_try(&guess, "help");

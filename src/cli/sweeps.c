@@ -1,4 +1,5 @@
 /* What several commands do with a sweep; see cli.h. */
+#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -53,29 +54,19 @@ rp_status cli_sweep_export(const cli_call *call, const char *dir, unsigned what,
     return rp_file_close(path, out, sweep_export(dir, sweep_protocols, what, call->line, counts, out));
 }
 
-rp_status cli_sweep_table(const cli_call *call, const char *dir, unsigned what, rp_table **table,
+rp_status cli_sweep_table(const cli_call *call, const char *path, unsigned what, rp_table **table,
                           sweep_counts *counts)
 {
     char *text;
     size_t size;
     FILE *out = open_memstream(&text, &size);
-    if (!out) return rp_fail(RP_NO_MEMORY, "%s: out of memory", dir);
-    rp_status status = sweep_export(dir, sweep_protocols, what, call->line, counts, out);
+    if (!out) return rp_fail(RP_NO_MEMORY, "%s: out of memory", path);
+    const char *name = counts ? path : what == SWEEP_POINTS ? "points" : "runs";
+    const rp_status status = counts ? sweep_export(path, sweep_protocols, what, call->line, counts, out)
+                                    : sweep_columns(path, sweep_protocols, what, out);
     fclose(out);
     if (status) return free(text), status;
-    return rp_table_load_text(call->arena, dir, text, table);
-}
-
-rp_status cli_sweep_columns(const cli_call *call, const char *file, unsigned what, rp_table **table)
-{
-    char *text;
-    size_t size;
-    FILE *out = open_memstream(&text, &size);
-    if (!out) return rp_fail(RP_NO_MEMORY, "%s: out of memory", file);
-    const rp_status status = sweep_columns(file, sweep_protocols, what, out);
-    fclose(out);
-    if (status) return free(text), status;
-    return rp_table_load_text(call->arena, what == SWEEP_POINTS ? "points" : "runs", text, table);
+    return rp_table_keep(call->arena, name, text, table);
 }
 
 rp_status cli_claim_sweep(const char *directory, const char *file, bool force)

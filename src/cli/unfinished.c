@@ -25,16 +25,14 @@ static rp_status failed(const char *path)
     return rp_fail(RP_IO, "%s: %s", path, strerror(errno));
 }
 
-static void close_all(cli_unfinished *u)
+void cli_unfinished_free(cli_unfinished *u)
 {
     for (int k = 0; k < CLI_GROWING; k++) {
-        if (u->table[k].file) fclose(u->table[k].file);
+        if (u->table[k].hash && u->table[k].file) fclose(u->table[k].file);
         XXH3_freeState(u->table[k].hash);
-        u->table[k] = (cli_growing){0};
     }
     rp_folder_close(&u->stage);
     rp_folder_close(&u->folder);
-    u->entered = false;
 }
 
 static rp_status open_table(cli_unfinished *u, int k, int flags)
@@ -65,24 +63,18 @@ static rp_status open_tables(cli_unfinished *u)
     return RP_OK;
 }
 
-static rp_status start(cli_unfinished *u)
-{
-    bool any;
-    RP_TRY(rp_make_directory(u->directory));
-    RP_TRY(rp_folder_enter(u->directory, &u->folder));
-    RP_TRY(rp_folder_settle(&u->folder, &any));
-    RP_TRY(rp_folder_vacant(&u->folder, u->force));
-    for (int k = 0; k < CLI_GROWING && u->names; k++) RP_TRY(rp_folder_check(&u->folder, u->names[k]));
-    RP_TRY(rp_folder_stage(&u->folder, true, &u->stage, &any));
-    return open_tables(u);
-}
-
 rp_status cli_unfinished_start(cli_unfinished *u)
 {
-    const rp_status status = start(u);
-    u->entered = !status;
-    if (status) close_all(u);
-    return status;
+    bool moved;
+    RP_TRY(rp_make_directory(u->directory));
+    RP_TRY(rp_folder_enter(u->directory, &u->folder));
+    RP_TRY(rp_folder_settle(&u->folder, &moved));
+    RP_TRY(rp_folder_vacant(&u->folder, u->force));
+    for (int k = 0; k < CLI_GROWING && u->names; k++) RP_TRY(rp_folder_check(&u->folder, u->names[k]));
+    RP_TRY(rp_folder_stage(&u->folder, true, &u->stage));
+    RP_TRY(open_tables(u));
+    u->entered = true;
+    return RP_OK;
 }
 
 /* Take the bytes up to `length` into the hash. */
@@ -129,30 +121,23 @@ static rp_status keep_all(cli_unfinished *u, rp_snapshot *s, cli_keep *keep, voi
     return RP_OK;
 }
 
-static rp_status resume(cli_unfinished *u, cli_keep *keep, void *context, bool *done)
+rp_status cli_unfinished_resume(cli_unfinished *u, cli_keep *keep, void *context, bool *done)
 {
     RP_ENDS(rp_snapshot_free) rp_snapshot s = {0};
-    bool there;
+    *done = false;
     if (access(u->directory, F_OK) != 0) return rp_fail(RP_BAD_INPUT, "%s: no unfinished run", u->directory);
     RP_TRY(rp_folder_enter(u->directory, &u->folder));
     RP_TRY(rp_folder_settle(&u->folder, done));
-    RP_TRY(rp_folder_stage(&u->folder, false, &u->stage, &there));
+    RP_TRY(rp_folder_stage(&u->folder, false, &u->stage));
+    u->holds = u->folder.holds;
     const rp_own *table = rp_folder_find(&u->folder, u->names[0], 0);
-    *done |= table && (!there || u->stage.n == 0);
+    *done |= table && u->stage.n == 0;
     if (*done) return RP_OK;
-    if (!there || !u->stage.marked) return rp_fail(RP_BAD_INPUT, "%s: no unfinished run", u->directory);
+    if (!u->stage.marked) return rp_fail(RP_BAD_INPUT, "%s: no unfinished run", u->directory);
     RP_TRY(rp_snapshot_read(&s, path_of(u, "snapshot"), OWNER, u->layout));
-    return keep_all(u, &s, keep, context);
-}
-
-rp_status cli_unfinished_resume(cli_unfinished *u, cli_keep *keep, void *context, bool *done)
-{
-    *done = false;
-    const rp_status status = resume(u, keep, context, done);
-    u->entered = !status && !*done;
-    u->holds = rp_text(u->arena, "%s", u->folder.holds);
-    if (!u->entered) close_all(u);
-    return status;
+    RP_TRY(keep_all(u, &s, keep, context));
+    u->entered = true;
+    return RP_OK;
 }
 
 /* On the disk, those that are open. */
@@ -207,7 +192,7 @@ rp_status cli_unfinished_end(cli_unfinished *u, bool resumable, rp_status run)
     } else if (!resumable) {
         run = leave_tables(u, run);
     }
-    close_all(u);
+    u->entered = false;
     return run;
 }
 

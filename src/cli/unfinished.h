@@ -38,9 +38,9 @@ typedef struct {
 typedef void cli_keep(rp_snapshot *s, void *context);
 
 /* Make the folder, with empty tables; without names it stays as it is if it holds a snapshot.
- * cli_unfinished_end follows, except after an error. Errors: RP_BAD_INPUT (it holds a run that can be
- * resumed, a finished result, or files that are not ours), RP_IO (also: another process is at it),
- * RP_NO_MEMORY. */
+ * cli_unfinished_end follows, and cli_unfinished_free also after an error. Errors: RP_BAD_INPUT (it holds a
+ * run that can be resumed, a finished result, or files that are not ours), RP_IO (also: another process is at
+ * it), RP_NO_MEMORY. */
 rp_status cli_unfinished_start(cli_unfinished *u);
 
 /* The same with the tables as they were at the snapshot, after the caller's part has been read. *done: the
@@ -55,6 +55,7 @@ rp_status cli_unfinished_write(cli_unfinished *u, cli_keep *keep, void *context)
  * is there. Those of another one stay; unless it is resumable, they say that they are unfinished, and the
  * message where they are. Nothing is done for a folder that was not entered. Errors: RP_IO. */
 rp_status cli_unfinished_end(cli_unfinished *u, bool resumable, rp_status run);
+void cli_unfinished_free(cli_unfinished *u);
 
 /* SIGINT, SIGTERM and SIGHUP call `handler`, or set *stop; a second one, or ten seconds, then end this
  * process with RP_STOPPED and a message that names the folder. */

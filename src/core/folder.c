@@ -338,14 +338,14 @@ rp_status rp_folder_remove(const rp_folder *f, const char *name)
 
 /* ---- a result ---- */
 
-rp_status rp_folder_stage(rp_folder *f, bool make, rp_folder *stage, bool *there)
+rp_status rp_folder_stage(rp_folder *f, bool make, rp_folder *stage)
 {
     struct stat info;
+    const bool there = is_there(f, STAGE, &info), listed = rp_folder_find(f, STAGE, 0);
     *stage = (rp_folder){0};
-    *there = is_there(f, STAGE, &info);
-    if (!make && !*there) return RP_OK;
-    if (*there && !rp_folder_find(f, STAGE, 0)) return refuse_any(f, STAGE);
-    if (make && !rp_folder_find(f, STAGE, 0)) { /* first its name, then itself: a process may be killed */
+    if (!make && !there) return RP_OK;
+    if (there && !listed) return refuse_any(f, STAGE);
+    if (make && !listed) { /* first its name, then itself: a process may be killed */
         RP_TRY(rp_folder_list(f, STAGE, RP_OWN_STAYS));
         RP_TRY(rp_folder_write(f));
     }
@@ -361,18 +361,17 @@ static rp_status take_over(rp_folder *f)
 {
     RP_ENDS(rp_folder_close) rp_folder stage;
     struct stat info;
-    bool there;
-    RP_TRY(rp_folder_stage(f, false, &stage, &there));
+    RP_TRY(rp_folder_stage(f, false, &stage));
     for (rp_own *o = f->own; o < f->own + f->n; o++) {
         /* where the newer one is no more in "unfinished", it is this one */
         if (o->act != RP_OWN_GOES || !is_there(f, o->name, &info)) continue;
         if (rp_folder_find(f, o->name, RP_OWN_COMES) &&
-            !(there && is_there(&stage, o->name, &(struct stat){0})))
+            !(stage.file && is_there(&stage, o->name, &(struct stat){0})))
             continue;
         RP_TRY(remove_own(f, o->name, &info));
     }
     if (fsync(f->file) != 0) return failed(f, "");
-    for (rp_own *o = f->own; there && o < f->own + f->n; o++) {
+    for (rp_own *o = f->own; stage.file && o < f->own + f->n; o++) {
         if (o->act != RP_OWN_COMES || !is_there(&stage, o->name, &info)) continue;
         if (is_there(f, o->name, &info)) return refuse_any(f, o->name);
         if (renameat(stage.file, o->name, f->file, o->name) != 0) return failed(f, o->name);
@@ -415,8 +414,7 @@ static rp_status announce(rp_folder *f)
 {
     RP_ENDS(rp_folder_close) rp_folder stage;
     struct stat info;
-    bool there;
-    RP_TRY(rp_folder_stage(f, false, &stage, &there));
+    RP_TRY(rp_folder_stage(f, false, &stage));
     for (rp_own *o = stage.own; o < stage.own + stage.n; o++) {
         if (o->act == RP_OWN_GOES || !is_there(&stage, o->name, &info)) continue;
         if (!rp_folder_find(f, o->name, 0)) RP_TRY(rp_folder_check(f, o->name));

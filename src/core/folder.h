@@ -59,8 +59,8 @@ rp_status rp_folder_check(const rp_folder *f, const char *name);
  * version may have made. Errors: RP_BAD_INPUT, with what to do. */
 rp_status rp_folder_vacant(const rp_folder *f, bool force);
 
-/* The folder "unfinished" in f, made if need be; *there: without being made. */
-rp_status rp_folder_stage(rp_folder *f, bool make, rp_folder *stage, bool *there);
+/* The folder "unfinished" in f, made on demand; not open where it is not there. */
+rp_status rp_folder_stage(rp_folder *f, bool make, rp_folder *stage);
 
 /* Remove the own files of a folder, and its marker unless others are left; of a folder in f, and then the
  * empty folder. */

@@ -12,6 +12,7 @@
 #include <unistd.h>
 #include <xxhash.h>
 
+#include "core/file.h"
 #include "core/version.h"
 
 /* The head of a file. The numbers are the machine's own: another byte order is another format. */
@@ -115,12 +116,7 @@ rp_status rp_snapshot_write(rp_snapshot *s, const char *path, const char *owner,
     unlink(temporary); /* of a writer that was killed */
     FILE *out = fopen(temporary, "wxe");
     if (!out) return cannot_write(path);
-    RP_TRY(rp_snapshot_print(s, out, owner, layout));
-    rp_status status =
-        fflush(out) == 0 && !ferror(out) && fsync(fileno(out)) == 0 ? RP_OK : cannot_write(path);
-    if (fclose(out) != 0 && !status) status = cannot_write(path);
-    if (!status && rename(temporary, path) != 0) status = cannot_write(path);
-    if (status) unlink(temporary);
+    const rp_status status = rp_file_close(path, out, rp_snapshot_print(s, out, owner, layout));
     return status || sync_folder_of(path) ? status : cannot_write(path);
 }
 

@@ -133,12 +133,8 @@ void rp_stiffness_free(rp_stiffness *m)
     cholmod_free_sparse(&m->A, &m->common);
     cholmod_free_factor(&m->S, &m->common);
     cholmod_free_factor(&m->L, &m->common);
-    cholmod_free_dense(&m->b, &m->common);
-    cholmod_free_dense(&m->x, &m->common);
-    cholmod_free_dense(&m->y, &m->common);
-    cholmod_free_dense(&m->e, &m->common);
-    cholmod_free_dense(&m->p, &m->common);
-    cholmod_free_dense(&m->q, &m->common);
+    cholmod_dense **const dense[] = {&m->b, &m->x, &m->y, &m->e, &m->p, &m->q};
+    for (size_t k = 0; k < sizeof dense / sizeof *dense; k++) cholmod_free_dense(dense[k], &m->common);
     cholmod_finish(&m->common);
     free(m->first);
     free(m->row);

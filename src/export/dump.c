@@ -52,17 +52,17 @@ static rp_status write_contacts(const export_run *run, const char *path)
     export_file e;
     RP_TRY(export_open(path, &e));
     for (size_t k = 0; k < run->grains.n; k++) {
-        const size_t at = export_frame_at(f, export_frame_step(run, k)), first = at < f->n ? f->first[at] : 0,
-                     end = at < f->n ? f->first[at + 1] : 0;
-        write_head(run, k, "ENTRIES", end - first, e.out);
+        size_t first;
+        const size_t n = export_rows_at(f, export_frame_step(run, k), &first);
+        write_head(run, k, "ENTRIES", n, e.out);
         fputs("ITEM: ENTRIES", e.out);
         for (size_t c = 0; c < t->n_columns; c++)
             if ((int)c != f->step && (int)c != f->t) fprintf(e.out, " %s", t->names[c]);
         fputc('\n', e.out);
-        for (size_t i = first; i < end; i++, fputc('\n', e.out))
-            for (size_t c = 0, n = 0; c < t->n_columns; c++)
+        for (size_t i = first; i < first + n; i++, fputc('\n', e.out))
+            for (size_t c = 0, written = 0; c < t->n_columns; c++)
                 if ((int)c != f->step && (int)c != f->t)
-                    fprintf(e.out, "%s%s", n++ ? " " : "", export_cell(t, i, (int)c));
+                    fprintf(e.out, "%s%s", written++ ? " " : "", export_cell(t, i, (int)c));
     }
     return export_close(&e, RP_OK);
 }

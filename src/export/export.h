@@ -53,10 +53,10 @@ typedef struct {
     double largest;                          /* radius */
 } export_run;
 
-/* Sets n, first, steps and times from the steps and times of n rows; steps of NaN: one frame. The frame with
- * this step, where the table has a column of steps; none: n. */
+/* Sets n, first, steps and times from the steps and times of n rows; steps of NaN: one frame. How many rows
+ * the frame with this step has, from *first on; of a table without a column of steps the first frame. */
 void export_split(rp_arena *arena, size_t n, const double step[], const double t[], export_frames *frames);
-size_t export_frame_at(const export_frames *frames, double step);
+size_t export_rows_at(const export_frames *frames, double step, size_t *first);
 
 /* Add the frames of `all` that `frames` lacks, as empty ones: all grains have left. Steps of both rise. */
 void export_add_empty(rp_arena *arena, const export_frames *all, export_frames *frames);

@@ -108,11 +108,12 @@ void export_add_empty(rp_arena *arena, const export_frames *all, export_frames *
     frames->first[frames->n] = f.first[f.n];
 }
 
-size_t export_frame_at(const export_frames *f, double step)
+size_t export_rows_at(const export_frames *f, double step, size_t *first)
 {
     size_t k = 0;
     while (k < f->n && f->step >= 0 && f->steps[k] != step) k++;
-    return k;
+    *first = k < f->n ? f->first[k] : 0;
+    return k < f->n ? f->first[k + 1] - *first : 0;
 }
 
 /* Every cell of a frame's table is a number, and steps rise. */

@@ -5,14 +5,6 @@
 
 #include "export/export.h"
 
-static void name_of(const rp_table *t, int column, char name[128])
-{
-    if (t->names[column])
-        snprintf(name, 128, "%s", t->names[column]);
-    else
-        snprintf(name, 128, "%d", column + 1);
-}
-
 static void write_quoted(const char *text, FILE *out)
 {
     if (!strpbrk(text, ",\"\r\n")) {
@@ -26,10 +18,9 @@ static void write_quoted(const char *text, FILE *out)
 
 rp_status export_csv(const rp_table *t, size_t n, const int columns[], FILE *out)
 {
-    char name[128];
+    char number[12];
     for (size_t c = 0; c < n; c++) {
-        name_of(t, columns[c], name);
-        write_quoted(name, out);
+        write_quoted(rp_column_name(t, columns[c], number), out);
         fputc(c + 1 < n ? ',' : '\n', out);
     }
     for (size_t i = 0; i < t->n_rows; i++)
@@ -103,10 +94,9 @@ static json_t *units_of(const rp_table *t, size_t n, const int columns[])
 {
     json_t *units = json_object();
     for (size_t c = 0; c < n; c++) {
-        char name[128], unit[32];
-        name_of(t, columns[c], name);
+        char number[12], unit[32];
         rp_column_unit(t, columns[c], unit);
-        json_object_set_new(units, name, json_string(unit));
+        json_object_set_new(units, rp_column_name(t, columns[c], number), json_string(unit));
     }
     return units;
 }
@@ -120,10 +110,9 @@ rp_status export_json(const rp_table *t, size_t n, const int columns[], FILE *ou
     fputs(",\n\"rows\": [", out);
     for (size_t i = 0; i < t->n_rows; i++)
         for (size_t c = 0; c < n; c++) {
-            char name[128];
-            name_of(t, columns[c], name);
+            char number[12];
             fputs(c > 0 ? ", " : i > 0 ? ",\n{" : "\n{", out);
-            RP_TRY(write_json(t, json_string(name), 0, out));
+            RP_TRY(write_json(t, json_string(rp_column_name(t, columns[c], number)), 0, out));
             fputs(": ", out);
             RP_TRY(write_value(t, rp_cell(t, i, columns[c]), out));
             if (c + 1 == n) fputs("}", out);

@@ -76,66 +76,57 @@ static rp_status write_grains(const export_run *run, const piece *p, FILE *out)
     return RP_OK;
 }
 
-/* Columns of lines that are not among the n that give their ends. */
-static void write_line_data(const piece *p, size_t n, const int ends[], FILE *out)
-{
-    const rp_table *t = p->frames->table;
-    write_cells(out, p);
-    fputs("<CellData>\n", out);
-    for (int c = 0; c < (int)t->n_columns; c++) {
-        bool data = c != p->frames->step && c != p->frames->t;
-        for (size_t k = 0; k < n; k++) data &= c != ends[k];
-        if (data) write_column(out, p, t->names[c], c, -1);
-    }
-    fputs("</CellData>\n" END, out);
-}
+/* Lines: n columns that give their ends, and what prints these. */
+typedef struct {
+    size_t n;
+    const char *columns[6];
+    void (*put)(const export_run *run, const rp_table *t, size_t row, const int columns[], FILE *out);
+} lines;
 
-static rp_status find_columns(const rp_table *t, size_t n, const char *const names[], int columns[])
-{
-    for (size_t k = 0; k < n; k++) RP_TRY(rp_table_find(t, names[k], names[k], &columns[k]));
-    return RP_OK;
-}
-
-static rp_status write_contacts(const export_run *run, const piece *p, FILE *out)
+static void put_contact(const export_run *run, const rp_table *t, size_t row, const int c[], FILE *out)
 {
     (void)run;
-    const rp_table *t = p->frames->table;
-    int ends[4];
-    RP_TRY(find_columns(t, 4, (const char *const[]){"x", "y", "x_b", "y_b"}, ends));
-    start(out, p);
-    for (size_t i = p->first; i < p->end; i++)
-        fprintf(out, "%s %s 0\n%s %s 0\n", rp_cell(t, i, ends[0]), rp_cell(t, i, ends[1]),
-                rp_cell(t, i, ends[2]), rp_cell(t, i, ends[3]));
-    write_line_data(p, 4, ends, out);
-    return RP_OK;
+    fprintf(out, "%s %s 0\n%s %s 0\n", rp_cell(t, row, c[0]), rp_cell(t, row, c[1]), rp_cell(t, row, c[2]),
+            rp_cell(t, row, c[3]));
 }
 
 /* From end to end along the direction turned clockwise; an open end reaches as far as the grains of all
  * frames do. */
-static rp_status write_walls(const export_run *run, const piece *p, FILE *out)
+static void put_wall(const export_run *run, const rp_table *t, size_t row, const int c[], FILE *out)
+{
+    double v[6], reach[2] = {INFINITY, -INFINITY};
+    for (int k = 0; k < 6; k++) v[k] = strtod(export_cell(t, row, c[k]), NULL);
+    const double tangent[2] = {v[3], -v[2]};
+    for (int corner = 0; corner < 4; corner++) {
+        const double along =
+            (run->box[0][corner % 2] - v[0]) * tangent[0] + (run->box[1][corner / 2] - v[1]) * tangent[1];
+        reach[0] = fmin(reach[0], along), reach[1] = fmax(reach[1], along);
+    }
+    for (int end = 0; end < 2; end++) {
+        const double s = isinf(v[4 + end]) ? reach[end] : v[4 + end];
+        fprintf(out, "%s %s 0\n", EXPORT_SHORT(v[0] + s * tangent[0]), EXPORT_SHORT(v[1] + s * tangent[1]));
+    }
+}
+
+static const lines contacts = {4, {"x", "y", "x_b", "y_b"}, put_contact},
+                   walls = {6, {"x", "y", "direction_x", "direction_y", "from", "to"}, put_wall};
+
+/* With all other columns as their data. */
+static rp_status write_lines(const export_run *run, const piece *p, const lines *l, FILE *out)
 {
     const rp_table *t = p->frames->table;
-    int columns[6];
-    double v[6];
-    RP_TRY(find_columns(t, 6, (const char *const[]){"x", "y", "direction_x", "direction_y", "from", "to"},
-                        columns));
+    int ends[6];
+    for (size_t k = 0; k < l->n; k++) RP_TRY(rp_table_find(t, l->columns[k], l->columns[k], &ends[k]));
     start(out, p);
-    for (size_t i = p->first; i < p->end; i++) {
-        for (int k = 0; k < 6; k++) v[k] = strtod(export_cell(t, i, columns[k]), NULL);
-        const double tangent[2] = {v[3], -v[2]};
-        double reach[2] = {INFINITY, -INFINITY};
-        for (int corner = 0; corner < 4; corner++) {
-            const double along =
-                (run->box[0][corner % 2] - v[0]) * tangent[0] + (run->box[1][corner / 2] - v[1]) * tangent[1];
-            reach[0] = fmin(reach[0], along), reach[1] = fmax(reach[1], along);
-        }
-        for (int end = 0; end < 2; end++) {
-            const double s = isinf(v[4 + end]) ? reach[end] : v[4 + end];
-            fprintf(out, "%s %s 0\n", EXPORT_SHORT(v[0] + s * tangent[0]),
-                    EXPORT_SHORT(v[1] + s * tangent[1]));
-        }
+    for (size_t i = p->first; i < p->end; i++) l->put(run, t, i, ends, out);
+    write_cells(out, p);
+    fputs("<CellData>\n", out);
+    for (int c = 0; c < (int)t->n_columns; c++) {
+        bool data = c != p->frames->step && c != p->frames->t;
+        for (size_t k = 0; k < l->n; k++) data &= c != ends[k];
+        if (data) write_column(out, p, t->names[c], c, -1);
     }
-    write_line_data(p, 6, columns, out);
+    fputs("</CellData>\n" END, out);
     return RP_OK;
 }
 
@@ -145,20 +136,21 @@ static rp_status write_frame(const export_run *run, size_t k, const char *folder
     const struct {
         const char *name;
         const export_frames *frames;
-        rp_status (*write)(const export_run *, const piece *, FILE *);
-        int size;
-    } parts[] = {{"grains", &run->grains, write_grains, 1},
-                 {"contacts", &run->contacts, write_contacts, 2},
-                 {"walls", &run->walls, write_walls, 2}};
+        const lines *lines;
+    } parts[] = {{"grains", &run->grains, NULL},
+                 {"contacts", &run->contacts, &contacts},
+                 {"walls", &run->walls, &walls}};
     for (size_t i = 0; i < sizeof parts / sizeof *parts; i++) {
         const export_frames *f = parts[i].frames;
-        const size_t at = i == 0 ? k : f->table ? export_frame_at(f, export_frame_step(run, k)) : 0;
-        const piece p = {f, at < f->n ? f->first[at] : 0, at < f->n ? f->first[at + 1] : 0, parts[i].size};
+        size_t first = run->grains.first[k], n = run->grains.first[k + 1] - first;
         if (!f->table) continue;
+        if (parts[i].lines) n = export_rows_at(f, export_frame_step(run, k), &first);
+        const piece p = {f, first, first + n, parts[i].lines ? 2 : 1};
         const char *path = rp_text(run->arena, "%s/%s_%06zu.vtp", folder, parts[i].name, k);
         export_file e;
         RP_TRY(export_open(path, &e));
-        RP_TRY(export_close(&e, parts[i].write(run, &p, e.out)));
+        RP_TRY(export_close(&e, parts[i].lines ? write_lines(run, &p, parts[i].lines, e.out)
+                                               : write_grains(run, &p, e.out)));
         fprintf(collection, "<DataSet timestep=\"%s\" part=\"%zu\" name=\"%s\" file=\"%s/%s_%06zu.vtp\"/>\n",
                 EXPORT_SHORT(export_frame_time(run, k)), i, parts[i].name, basename(folder), parts[i].name,
                 k);

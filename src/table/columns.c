@@ -11,29 +11,18 @@ static void free_table(void *table)
     rp_table_free(table);
 }
 
-static rp_table *new_table(rp_arena *arena)
+rp_status rp_table_keep(rp_arena *arena, const char *path, char *text, rp_table **table)
 {
-    return rp_arena_keep(arena, rp_arena_memory(arena, 1, sizeof(rp_table)), free_table);
-}
-
-rp_status rp_table_keep(rp_arena *arena, const char *path, rp_status (*read)(const char *, rp_table *),
-                        rp_table **table)
-{
-    *table = new_table(arena);
-    return *table ? read(path, *table) : RP_NO_MEMORY;
+    *table = rp_arena_keep(arena, rp_arena_memory(arena, 1, sizeof **table), free_table);
+    if (!*table) return free(text), RP_NO_MEMORY;
+    return text ? rp_table_parse(path, text, *table) : rp_table_read(path, *table);
 }
 
 rp_status rp_table_load(rp_arena *arena, const char *path, rp_table **table)
 {
-    const rp_status status = rp_table_keep(arena, path, rp_table_read, table);
+    const rp_status status = rp_table_keep(arena, path, NULL, table);
     rp_units_set(rp_units_find(status ? NULL : rp_table_find_note(*table, "system")));
     return status;
-}
-
-rp_status rp_table_load_text(rp_arena *arena, const char *name, char *text, rp_table **table)
-{
-    *table = new_table(arena);
-    return rp_table_parse(name, text, *table);
 }
 
 bool rp_is_result(const char *status)
@@ -50,10 +39,14 @@ void rp_tally_add(rp_tally *t, const char *word, size_t length, double times)
     t->of[i].times += times;
 }
 
-void rp_tally_add_text(rp_tally *t, const char *text)
+void rp_tally_add_text(rp_tally *t, const char *text, double weight)
 {
-    for (const char *colon; (colon = strchr(text, ':')); text += strcspn(text, ","), text += *text == ',')
-        rp_tally_add(t, text, (size_t)(colon - text), strtod(colon + 1, NULL));
+    for (const char *end = text + strcspn(text, ")"); text < end; text += strspn(text, ", ")) {
+        const size_t n = strcspn(text, " :,)");
+        const double number = text[n] == ' ' || text[n] == ':' ? strtod(text + n + 1, NULL) : NAN;
+        if (*text != '-') rp_tally_add(t, text, n, weight * number);
+        text += strcspn(text, ",)");
+    }
 }
 
 void rp_tally_text(const rp_tally *t, char text[1024])
@@ -191,6 +184,12 @@ rp_status rp_rows_read(rp_arena *arena, const rp_table *t, const char *names, co
 
 enum { MOST_BY = 24 };
 
+const char *rp_column_name(const rp_table *table, int column, char text[12])
+{
+    snprintf(text, 12, "%d", column + 1);
+    return table->names[column] ? table->names[column] : text;
+}
+
 void rp_column_unit(const rp_table *table, int column, char unit[32])
 {
     const char *units = rp_table_find_note(table, "units");
@@ -201,14 +200,14 @@ void rp_column_unit(const rp_table *table, int column, char unit[32])
 
 rp_status rp_header_by(const rp_table *table, const char *by, const char *own)
 {
-    char text[4096], unit[32];
+    char text[4096], name[12], unit[32];
     int columns[MOST_BY];
     size_t n = 0, used = 0;
     if (strcmp(by, "none") != 0) RP_TRY(rp_column_list(table, by, MOST_BY, &n, columns));
     for (size_t i = 0; i < n; i++) {
-        const char *name = table->names[columns[i]];
         rp_column_unit(table, columns[i], unit);
-        used += (size_t)snprintf(text + used, sizeof text - used, "%.100s [%s], ", name ? name : "1", unit);
+        used += (size_t)snprintf(text + used, sizeof text - used, "%.100s [%s], ",
+                                 rp_column_name(table, columns[i], name), unit);
     }
     snprintf(text + used, sizeof text - used, "%s", own);
     rp_table_header(stdout, text);

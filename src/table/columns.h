@@ -7,12 +7,10 @@
 #include "core/arena.h"
 #include "table/table.h"
 
-/* As `read`, rp_table_read and rp_table_parse; the table is freed with the arena. The system of units becomes
- * that of a table that was read by the second of them. */
-rp_status rp_table_keep(rp_arena *arena, const char *path, rp_status (*read)(const char *, rp_table *),
-                        rp_table **table);
+/* As rp_table_parse, or for a text NULL as rp_table_read; the table is freed with the arena. And a table that
+ * is read, whose system of units becomes that which holds. */
+rp_status rp_table_keep(rp_arena *arena, const char *path, char *text, rp_table **table);
 rp_status rp_table_load(rp_arena *arena, const char *path, rp_table **table);
-rp_status rp_table_load_text(rp_arena *arena, const char *name, char *text, rp_table **table);
 
 /* Text of a cell. */
 const char *rp_cell(const rp_table *table, size_t row, int column);
@@ -36,7 +34,8 @@ rp_status rp_columns_read_file(rp_arena *arena, const char *path, const char *na
 /* Is this status that of a full result, ok or ok_...? */
 bool rp_is_result(const char *status);
 
-/* How often words occur, such as statuses; as a text "no_pile:2,overlap:1", "-" for none. */
+/* How often words occur, such as statuses; as a text "no_pile:2,overlap:1", "-" for none. A text is added
+ * with a weight, and may also be "no_pile 2, overlap 1" before a parenthesis; a word alone has NaN. */
 typedef struct {
     size_t n;
     struct {
@@ -45,7 +44,7 @@ typedef struct {
     } of[32];
 } rp_tally;
 void rp_tally_add(rp_tally *tally, const char *word, size_t length, double times);
-void rp_tally_add_text(rp_tally *tally, const char *text);
+void rp_tally_add_text(rp_tally *tally, const char *text, double weight);
 void rp_tally_text(const rp_tally *tally, char text[1024]);
 
 /* Rows of a table grouped by their cells in the columns `by` ("a" or "a,b,..."; "none": one group). */
@@ -79,6 +78,9 @@ typedef struct {
 /* Errors: RP_BAD_INPUT; RP_NO_RESULT without a row that counts. */
 rp_status rp_rows_read(rp_arena *arena, const rp_table *table, const char *names, const rp_choice *choice,
                        rp_rows *rows);
+
+/* The name of a column, or its number where it has none, by way of `text`. */
+const char *rp_column_name(const rp_table *table, int column, char text[12]);
 
 /* The unit of a column as the table's header has it, "1" where it has none. */
 void rp_column_unit(const rp_table *table, int column, char unit[32]);

@@ -272,13 +272,6 @@ static rp_status split_text(bool texts, rp_table *table)
     return status || table->names ? status : take_names(&r, r.above ? r.above : none);
 }
 
-static rp_status read_table(const char *path, bool texts, rp_table *table)
-{
-    *table = (rp_table){.path = path};
-    rp_status status = rp_file_read(path, &table->text);
-    return status ? status : split_text(texts, table);
-}
-
 rp_status rp_table_parse(const char *name, char *text, rp_table *table)
 {
     *table = (rp_table){.path = name, .text = text};
@@ -287,12 +280,9 @@ rp_status rp_table_parse(const char *name, char *text, rp_table *table)
 
 rp_status rp_table_read(const char *path, rp_table *table)
 {
-    return read_table(path, false, table);
-}
-
-rp_status rp_table_read_texts(const char *path, rp_table *table)
-{
-    return read_table(path, true, table);
+    *table = (rp_table){.path = path};
+    const rp_status status = rp_file_read(path, &table->text);
+    return status ? status : split_text(false, table);
 }
 
 void rp_table_free(rp_table *table)

@@ -61,15 +61,12 @@ typedef struct {
  * (missing file, rows of unequal length), RP_IO, RP_NO_MEMORY. */
 rp_status rp_table_read(const char *path, rp_table *table);
 
-/* The same for a table whose cells hold blanks: only tabs separate them, or commas in a table without
- * tabs. */
-rp_status rp_table_read_texts(const char *path, rp_table *table);
-
 /* The rows of `more`, whose texts are borrowed, after those of `table`; messages on the whole name the path
  * of `table`. Errors: RP_BAD_INPUT for other columns or units, RP_NO_MEMORY. */
 rp_status rp_table_append(rp_table *table, const rp_table *more);
 
-/* The same for a text from malloc, which the table takes; `name` is for messages, and borrowed. */
+/* As rp_table_read, of a text from malloc, which the table takes; `name` is for messages, and borrowed. Its
+ * cells may hold blanks: only tabs separate them, or commas in a table without tabs. */
 rp_status rp_table_parse(const char *name, char *text, rp_table *table);
 void rp_table_free(rp_table *table);
 

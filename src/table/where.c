@@ -1,6 +1,8 @@
 /* Conditions on the rows of a table; see where.h. */
 #include "table/where.h"
 
+#include "core/arena.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -75,19 +77,17 @@ rp_status rp_table_where(rp_table *t, const char *condition)
     size_t kept = 0;
     const size_t columns = t->n_columns;
     RP_TRY(rp_condition_read(condition, &c));
-    bool *rows = malloc(t->n_rows + 1);
-    if (!rows) return rp_fail(RP_NO_MEMORY, "%s: out of memory", t->path);
+    RP_SCOPE(memory);
+    bool *rows;
+    RP_NEW(&memory, rows, t->n_rows);
     memset(rows, true, t->n_rows);
-    const rp_status status = rp_conditions_mark(t, 1, &c, rows);
-    for (size_t i = 0; i < t->n_rows && !status; i++) {
+    RP_TRY(rp_conditions_mark(t, 1, &c, rows));
+    for (size_t i = 0; i < t->n_rows; i++) {
         if (!rows[i]) continue;
         memmove(t->cells + kept * columns, t->cells + i * columns, columns * sizeof *t->cells);
         t->places[kept++] = t->places[i];
     }
-    if (!status) {
-        t->chosen |= kept < t->n_rows;
-        t->n_rows = kept;
-    }
-    free(rows);
-    return status;
+    t->chosen |= kept < t->n_rows;
+    t->n_rows = kept;
+    return RP_OK;
 }

@@ -16,12 +16,13 @@ typedef struct {
     char unit[MOST][32];
 } numbers;
 
-/* A table without rows is empty, whatever its columns. */
+/* A table without rows is empty, whatever its columns, and so is one that is not there, of path NULL. */
 static rp_status read_numbers(rp_arena *arena, const char *path, const char *const names[],
                               const char *expected, numbers *out)
 {
     RP_ENDS(rp_table_free) rp_table t = {0};
-    RP_TRY(rp_table_read(path, &t));
+    *out = (numbers){0};
+    if (path) RP_TRY(rp_table_read(path, &t));
     out->n = t.n_rows;
     for (size_t k = 0; names[k] && t.n_rows > 0; k++) {
         const bool optional = *names[k] == '?';
@@ -38,12 +39,6 @@ static rp_status read_numbers(rp_arena *arena, const char *path, const char *con
     return RP_OK;
 }
 
-static bool is_file(const char *path)
-{
-    struct stat s;
-    return stat(path, &s) == 0 && S_ISREG(s.st_mode);
-}
-
 /* Forces on the first grain: the normal one from b to a, the shear along the normal turned clockwise. */
 static int by_force(const void *a, const void *b)
 {
@@ -51,14 +46,15 @@ static int by_force(const void *a, const void *b)
     return (f > g) - (f < g);
 }
 
-static rp_status read_contacts(rp_arena *arena, const char *path, numbers *c, view_contact **contacts,
+static rp_status read_contacts(rp_arena *arena, const char *grains, numbers *c, view_contact **contacts,
                                char unit[32])
 {
+    const char *path = export_beside(arena, grains, "contacts.tsv");
     static const char *const names[] = {"?step",        "x",     "y", "x_b", "y_b", "?normal_force", "?force",
                                         "?shear_force", "?wall", NULL};
     RP_TRY(read_numbers(arena, path, names, "x y x_b y_b, and normal_force or force", c));
-    if (c->n == 0) return RP_OK;
     *contacts = rp_arena_memory(arena, c->n, sizeof **contacts);
+    if (c->n == 0) return RP_OK;
     for (size_t k = 0; k < c->n; k++) {
         view_contact *v = &(*contacts)[k];
         const double normal = isnan(c->column[5][k]) ? c->column[6][k] : c->column[5][k],
@@ -75,8 +71,9 @@ static rp_status read_contacts(rp_arena *arena, const char *path, numbers *c, vi
     return RP_OK;
 }
 
-static rp_status read_walls(rp_arena *arena, const char *path, numbers *w, view_wall **walls)
+static rp_status read_walls(rp_arena *arena, const char *grains, numbers *w, view_wall **walls)
 {
+    const char *path = export_beside(arena, grains, "walls.tsv");
     static const char *const names[] = {"?step", "x", "y", "direction_x", "direction_y", "from", "to", NULL};
     RP_TRY(read_numbers(arena, path, names, "x y direction_x direction_y from to", w));
     *walls = rp_arena_memory(arena, w->n, sizeof **walls);
@@ -101,28 +98,22 @@ static export_frames split(rp_arena *arena, const numbers *t)
  * grains have one frame only. Returns the number, and the first one. */
 static size_t rows_of(const export_frames *f, double step, bool one, size_t *first)
 {
-    const size_t k = f->step < 0 ? f->n : export_frame_at(f, step);
-    *first = one || k == f->n ? 0 : f->first[k];
-    return one ? f->first[f->n] : k == f->n ? 0 : f->first[k + 1] - *first;
+    *first = 0;
+    return one ? f->first[f->n] : f->step < 0 ? 0 : export_rows_at(f, step, first);
 }
 
 static rp_status add_source(rp_arena *arena, const char *path, const char *color, view_scene *scene)
 {
     const char *names[] = {"?step", "?t", "x", "y", "r", *color ? color : NULL, NULL};
-    const char *contacts_path = export_beside(arena, path, "contacts.tsv"),
-               *walls_path = export_beside(arena, path, "walls.tsv"),
-               *base_path = rp_ends_in(path, "disks.tsv") ? export_beside(arena, path, "base.tsv") : NULL,
-               *energy_path =
-                   rp_ends_in(path, "states.tsv") ? export_beside(arena, path, "energy.tsv") : NULL;
-    numbers g = {0}, c = {0}, w = {0}, b = {0}, e = {0};
-    view_contact *contacts =
-        rp_arena_memory(arena, 0, sizeof *contacts); /* frames point into both, also if empty */
-    view_wall *walls = rp_arena_memory(arena, 0, sizeof *walls);
+    const char *base = rp_ends_in(path, "disks.tsv") ? export_beside(arena, path, "base.tsv") : NULL,
+               *energy = rp_ends_in(path, "states.tsv") ? export_beside(arena, path, "energy.tsv") : NULL;
+    numbers g, c, w, b, e;
+    view_contact *contacts;
+    view_wall *walls;
     RP_TRY(read_numbers(arena, path, names, "x y r", &g));
-    if (contacts_path) RP_TRY(read_contacts(arena, contacts_path, &c, &contacts, scene->force));
-    if (walls_path) RP_TRY(read_walls(arena, walls_path, &w, &walls));
-    if (base_path)
-        RP_TRY(read_numbers(arena, base_path, (const char *const[]){"x", "N/mg", NULL}, "x N/mg", &b));
+    RP_TRY(read_contacts(arena, path, &c, &contacts, scene->force));
+    RP_TRY(read_walls(arena, path, &w, &walls));
+    RP_TRY(read_numbers(arena, base, (const char *const[]){"x", "N/mg", NULL}, "x N/mg", &b));
     if (g.n == 0) return RP_OK;
     const double *x = g.column[2], *y = g.column[3], *r = g.column[4], *value = g.column[5];
     for (size_t k = 0; k < g.n; k++)
@@ -131,8 +122,7 @@ static rp_status add_source(rp_arena *arena, const char *path, const char *color
     snprintf(scene->length, sizeof scene->length, "%s", g.unit[2]);
     snprintf(scene->time, sizeof scene->time, "%s", g.unit[1]);
     if (*color) snprintf(scene->quantity, sizeof scene->quantity, "%s", g.unit[5]);
-    if (energy_path)
-        RP_TRY(read_numbers(arena, energy_path, (const char *const[]){"step", "t", NULL}, "step t", &e));
+    RP_TRY(read_numbers(arena, energy, (const char *const[]){"step", "t", NULL}, "step t", &e));
     export_frames grains = split(arena, &g);
     const export_frames energies = split(arena, &e), of_contacts = split(arena, &c),
                         of_walls = split(arena, &w);
@@ -179,9 +169,10 @@ static bool is_stage(const char *name)
 /* The tables of a folder: of a scene, of a static pile, or of each stage of a sweep's run. */
 static rp_status read_folder(rp_arena *arena, const char *path, const char *color, view_scene *scene)
 {
-    const char *states = rp_text(arena, "%s/states.tsv", path), *disks = rp_text(arena, "%s/disks.tsv", path);
-    if (is_file(states)) return add_source(arena, states, color, scene);
-    if (is_file(disks)) return add_source(arena, disks, color, scene);
+    static const char *const whole[] = {"states.tsv", "disks.tsv"};
+    for (size_t k = 0; k < sizeof whole / sizeof *whole; k++)
+        if (rp_is_in(path, whole[k]))
+            return add_source(arena, rp_text(arena, "%s/%s", path, whole[k]), color, scene);
     rp_paths stages = {0};
     rp_status status = rp_paths_in(&stages, path, is_stage);
     for (size_t k = 0; k < stages.n && !status; k++) status = add_source(arena, stages.path[k], color, scene);

@@ -273,7 +273,7 @@ static rp_status find_names(problem *s, size_t k, const char *path)
         memset(g->has, 0, sizeof g->has);
         g->has[p] = true;
         RP_TRY(write_sweep(s, g, path, 1, x, 1));
-        const rp_status status = cli_sweep_columns(s->call, path, SWEEP_RUNS, &table);
+        const rp_status status = cli_sweep_table(s->call, path, SWEEP_RUNS, &table, NULL);
         if (status && !strstr(rp_message(), "unknown key")) return status;
         has[p] = !status;
         for (size_t n = 0; n < s->quest.n_numbers && has[p]; n++)

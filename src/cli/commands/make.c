@@ -113,7 +113,7 @@ static rp_status check_columns(const making *m, const step *s, const rp_param *s
     int *columns;
     const bool points = strcmp(s->rows, "points") == 0;
     if (!points && strcmp(s->rows, "runs") != 0) return RP_OK;
-    rp_status status = cli_sweep_columns(&s->call, m->file, points ? SWEEP_POINTS : SWEEP_RUNS, &table);
+    rp_status status = cli_sweep_table(&s->call, m->file, points ? SWEEP_POINTS : SWEEP_RUNS, &table, NULL);
     for (size_t i = 0; i < N_OF(names) && !status; i++) {
         const rp_param *p = rp_params_find(schema, names[i]);
         if (!p || p->type != RP_TEXT) continue;

@@ -80,33 +80,25 @@ const cli_command cmd_lattice = {
 
 /* ---- positions ---- */
 
-/* Read "0.1,0.25,..." */
-static rp_status read_positions(rp_arena *arena, const char *text, double **x, size_t *n)
-{
-    *n = 1;
-    for (const char *p = text; *p; p++) *n += *p == ',';
-    *x = rp_arena_memory(arena, *n, sizeof **x);
-    for (size_t i = 0; i < *n; i++) {
-        char *end;
-        (*x)[i] = strtod(text, &end);
-        if (end == text || (*end && *end != ',') || !isfinite((*x)[i]))
-            return rp_fail(RP_BAD_INPUT, "--at: \"%.40s\": numbers separated by commas expected", text);
-        if ((*x)[i] < 0 || (*x)[i] > 1)
-            return rp_fail(RP_BAD_INPUT, "--at: x/B = %.15g: out of range, allowed: [0, 1]", (*x)[i]);
-        text = end + (*end == ',');
-    }
-    return RP_OK;
-}
-
-/* Values of CLI_POSITIONS as a new array of fractions of the base; points -1, at "auto": not given. */
+/* Values of CLI_POSITIONS as a new array of fractions of the base, of a list "0.1,0.25,..." or equidistant;
+ * points -1, at "auto": not given. */
 static rp_status positions(rp_arena *arena, long points, const char *at, double **x, size_t *n)
 {
     const bool listed = strcmp(at, "auto") != 0;
     if (listed && points > 0) return rp_fail(RP_USAGE, "give --points or --at, not both");
-    if (listed) return read_positions(arena, at, x, n);
-    *n = points > 0 ? (size_t)points : 201;
+    *n = listed ? 1 : points > 0 ? (size_t)points : 201;
+    for (const char *c = at; *c; c++) *n += *c == ',';
     *x = rp_arena_memory(arena, *n, sizeof **x);
-    for (size_t i = 0; i < *n; i++) (*x)[i] = (double)i / (double)(*n - 1);
+    for (size_t i = 0; i < *n; i++) {
+        char *end;
+        (*x)[i] = listed ? strtod(at, &end) : (double)i / (double)(*n - 1);
+        if (!listed) continue;
+        if (end == at || (*end && *end != ',') || !isfinite((*x)[i]))
+            return rp_fail(RP_BAD_INPUT, "--at: \"%.40s\": numbers separated by commas expected", at);
+        if ((*x)[i] < 0 || (*x)[i] > 1)
+            return rp_fail(RP_BAD_INPUT, "--at: x/B = %.15g: out of range, allowed: [0, 1]", (*x)[i]);
+        at = end + (*end == ',');
+    }
     return RP_OK;
 }
 

@@ -17,7 +17,7 @@
       "a polygon: table with columns x, y of its vertices from left to right, in any unit")                  \
     X(TEXT, disks, "", "", "",                                                                               \
       "any disks: table with columns x, y of their centres and, if not 0.5, r (sigma)")                      \
-    CLI_SEED(X, "1", "of the z of --disorder")                                                               \
+    X(INT, seed, "", "1", "[0, 2147483647]", "of the z of --disorder")                                       \
     X(INT, piles, "", "1", "[1, 1000000]",                                                                   \
       "with --disorder: mean over so many piles and its standard error")                                     \
     X(BOOL, summary, "", "false", "",                                                                        \
@@ -149,6 +149,7 @@ static rp_status solve(const cli_call *call, options *o, sweep_outline *h)
     sweep_result results;
     double start = rp_clock();
     const bool watched = isatty(STDERR_FILENO);
+    RP_ENDS(cli_unfinished_free)
     cli_unfinished u = {
         .arena = call->arena, .directory = o->own.o, .holds = call->line, .force = o->own.force};
     if (*o->own.o) RP_TRY(cli_unfinished_start(&u));

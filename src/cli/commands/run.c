@@ -134,6 +134,7 @@ static void free_run(scene_run *r)
     if (!r->phases) dem_scene_free(&r->scene);
     exp_free(r->phases);
     dem_text_close(&r->text);
+    cli_unfinished_free(&r->unfinished);
 }
 
 static void keep_run(rp_snapshot *s, void *context)
@@ -467,6 +468,7 @@ static rp_status run_row(const cli_call *call, const char *path, const run_optio
     const char *snapshot;
     origin of = {.call = *call};
     snprintf(of.run, sizeof of.run, "%s row %ld", path, o->row);
+    RP_ENDS(cli_unfinished_free)
     cli_unfinished folder = {.arena = call->arena, .directory = o->o, .holds = holds(&of), .force = o->force};
     RP_TRY(cli_unfinished_start(&folder));
     RP_TRY(rp_path(call->arena, &snapshot, "%s/snapshot", folder.stage.path));

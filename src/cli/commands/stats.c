@@ -12,17 +12,14 @@ CLI_OPTIONS(select, SELECT_OPTIONS)
 
 static void print_selected_header(const cli_call *call, const rp_table *t, size_t n, const int columns[])
 {
-    char(*units)[32] = rp_arena_memory(call->arena, n, sizeof *units),
-    (*numbers)[12] = rp_arena_memory(call->arena, n, sizeof *numbers);
-    const char *(*header)[2] = rp_arena_memory(call->arena, n, sizeof *header);
-    for (size_t c = 0; c < n; c++) {
-        rp_column_unit(t, columns[c], units[c]);
-        snprintf(numbers[c], sizeof numbers[c], "%d", columns[c] + 1);
-        header[c][0] = t->names[columns[c]] ? t->names[columns[c]] : numbers[c];
-        header[c][1] = units[c];
-    }
+    char number[12], unit[32];
     cli_provenance(call, stdout);
-    rp_table_columns(stdout, n, (const char *const(*)[2])header);
+    for (size_t c = 0; c < n; c++) {
+        rp_column_unit(t, columns[c], unit);
+        printf("%s%s", c ? "\t" : "# units: ", unit);
+    }
+    for (size_t c = 0; c < n; c++) printf("%c%s", c ? '\t' : '\n', rp_column_name(t, columns[c], number));
+    putchar('\n');
 }
 
 static rp_status select_of_table(cli_call *call, rp_table *t, const void *options)

@@ -1,10 +1,12 @@
 /* repose angle compare: measured piles against (3) and (4). */
 #include "angle/angle.h"
 #include "cli/derive/derive.h"
+#include "core/random.h"
 
 #define COMPARE_OPTIONS(X)                                                                                   \
     CLI_PHI(X)                                                                                               \
-    CLI_BOOTSTRAP(X, "2000")                                                                                 \
+    X(INT, bootstrap, "", "2000", "[2, 10000000]", "resamples of the piles")                                 \
+    X(INT, seed, "", "1993", "[0, 2147483647]", "seed of the resamples")                                     \
     CLI_WHERE(X)
 
 CLI_OPTIONS(compare, COMPARE_OPTIONS)
@@ -60,6 +62,11 @@ static void print_comparison(rp_arena *arena, double mu, const ang_comparison *c
     rp_table_row_word(stdout, N_OF(v), v, rp_text(arena, "%s\t%s", failed, ang_tilt_words[worst]));
 }
 
+static void free_random(void *rng)
+{
+    gsl_rng_free(rng);
+}
+
 static rp_status compare_table(cli_call *call, rp_table *table, const void *values)
 {
     const compare_options *o = values;
@@ -67,7 +74,8 @@ static rp_status compare_table(cli_call *call, rp_table *table, const void *valu
     RP_TRY(rp_rows_read(call->arena, table, "mu,theta_r3_deg,theta_t_displacement_deg",
                         &(rp_choice){.grouped = true}, &piles));
     for (size_t i = 0; i < piles.n; i++) piles.column[1][i] *= deg, piles.column[2][i] *= deg;
-    gsl_rng *rng = cli_random(call, 0);
+    gsl_rng *rng = rp_arena_keep(
+        call->arena, rp_random_alloc((unsigned long)o->seed, 0, RP_PURPOSE_BOOTSTRAP), free_random);
     cli_table(call, stdout);
     rp_table_note(stdout, "rows", "%zu used, %zu left out", piles.n, table->n_rows - piles.n);
     print_compare_header();

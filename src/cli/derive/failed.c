@@ -20,7 +20,7 @@ const char *cli_failed(rp_arena *arena, const rp_table *t, const rp_groups *grou
         /* points without any result enter no mean */
         if (failed >= 0 && (n < 0 || strtod(rp_cell(t, i, n), NULL) > 0.0)) {
             runs += strtod(rp_cell(t, i, failed), NULL);
-            if (words >= 0) rp_tally_add_text(&causes, rp_cell(t, i, words));
+            if (words >= 0) rp_tally_add_text(&causes, rp_cell(t, i, words), 1.0);
         } else if (failed < 0 && status >= 0 && !rp_is_result(rp_cell(t, i, status))) {
             runs++;
             rp_tally_add(&causes, rp_cell(t, i, status), strlen(rp_cell(t, i, status)), 1.0);

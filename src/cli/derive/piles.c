@@ -93,7 +93,9 @@ static rp_status read_piles(const cli_call *call, double width, const double *ce
     *piles = rp_arena_memory(call->arena, *n, sizeof **piles);
     for (size_t i = 0; i < *n; i++) {
         RP_TRY(pile_read(call->arena, cli_argument(call, (int)i), floor, &(*piles)[i]));
-        if (i == 0) cli_defaults_in_units(call);
+        /* a table has told its system of units, which is that of defaults too */
+        for (const rp_param *p = call->options; i == 0 && p->name; p++)
+            if (!call->given[p - call->options]) rp_params_default(p, call->values);
         RP_TRY(check_size(&(*piles)[i], cli_argument(call, (int)i), width, *cell));
     }
     cli_table(call, stdout);
@@ -161,17 +163,14 @@ static rp_status mean_slope(size_t n, const stress_pile piles[], const base_opti
     ang_options how = ANG_OPTIONS_DEFAULT;
     how.diameter = o->diameter;
     *theta = 0.0;
-    rp_status status = RP_OK;
-    for (size_t i = 0; i < n && !status; i++) {
-        ang_surface surface;
+    for (size_t i = 0; i < n; i++) {
+        RP_ENDS(ang_surface_free) ang_surface s;
         ang_slope slopes[ANG_N_METHODS];
-        status = ang_surface_make(piles[i].n_grains, piles[i].x, piles[i].y, NULL, o->width, &how, &surface);
-        if (!status)
-            status = ang_slopes(surface.n, surface.column, surface.h, surface.cell, how.parabola, slopes);
-        ang_surface_free(&surface);
-        if (!status) *theta += slopes[2].theta / (double)n;
+        RP_TRY(ang_surface_make(piles[i].n_grains, piles[i].x, piles[i].y, NULL, o->width, &how, &s));
+        RP_TRY(ang_slopes(s.n, s.column, s.h, s.cell, how.parabola, slopes));
+        *theta += slopes[2].theta / (double)n;
     }
-    return status;
+    return RP_OK;
 }
 
 static rp_status print_base(cli_call *call, const void *values)

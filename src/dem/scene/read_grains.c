@@ -98,7 +98,7 @@ static rp_status read_step(rp_arena *arena, const char *path, const char *name, 
     const char *slash = strrchr(path, '/');
     const int folder = slash && *name != '/' ? (int)(slash - path) + 1 : 0;
     RP_TRY(rp_path(arena, &name, "%.*s%s", folder, path, name));
-    RP_TRY(rp_table_keep(arena, name, rp_table_read, table));
+    RP_TRY(rp_table_keep(arena, name, NULL, table));
     return take_step(*table, step);
 }
 
