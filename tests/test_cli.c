@@ -933,6 +933,14 @@ static void test_stress_tables(void)
         CHECK_EACH(cell(&t, i, NAME), 1e-8, {"N", n[i] / 0.2}, {"H", i == 2 ? 490.5 / 0.2 : 0.0},
                    {"weight", weight[i] / 0.2}, {"imbalance", 0.0});
     }
+    /* of a run's folder; of several steps one is named */
+    SHELL("mkdir d; for t in contacts:contacts grains:states; do (sed '1s/# /# step\t/; 2,$s/^/1\t/' "
+          "p_${t%:*}.tsv; sed '1d; s/^/2\t/' p_${t%:*}.tsv) >d/${t#*:}.tsv; done");
+    FAILS(65, "d/contacts.tsv:10: step = 2 after 1: one step expected", "stress base d --width 1.2");
+    scoped_table d = TABLE_OF("stress base d --width 1.2 --cell 0.2 --where step=2");
+    CU_ASSERT_FATAL(d.n_rows == t.n_rows);
+    for (size_t i = 0; i < t.n_rows; i++)
+        CHECK_EACH(cell(&d, i, NAME), 0.0, {"N", cell(&t, i, "N")}, {"weight", cell(&t, i, "weight")});
     /* the floor is the same by any number, and in parts; level walls at two heights, and none, are told */
     static const char *const walls[] = {"$2 ? 3 - $2 : 0", "$2 == 1 ? 3 + ($3 > 0.6) : $2"};
     static const char named[] = "awk -v FS='\t' -v OFS='\t' 'NR > 1 { %s } { print }' p_contacts.tsv "

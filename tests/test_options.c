@@ -60,6 +60,8 @@ static const struct {
                   {"export", "-o", "a file: suite export"},
                   {"export", "--reduce", "of a sweep: suite export"},
                   {"export", "--set", "of a scene: suite export"},
+                  {"stress field", "--where", "tables of several steps: suite cli"},
+                  {"stress base", "--where", "tables of several steps: suite cli"},
                   {"lattice", "--method", "a second way to the same numbers: suite analytic"},
                   {"pile", "--set-again", "needs wells that break: suite keys"},
                   {"pile", "--load-steps", "the same state, in more steps: suite keys"},

@@ -108,6 +108,18 @@ rp_status rp_columns_read(rp_arena *arena, const rp_table *table, const char *na
     return RP_OK;
 }
 
+rp_status rp_table_one_step(const rp_table *table)
+{
+    int column = rp_table_column(table, "step");
+    for (size_t i = 1; column >= 0 && i < table->n_rows; i++)
+        if (strcmp(rp_cell(table, i, column), rp_cell(table, 0, column)) != 0)
+            return rp_fail(RP_BAD_INPUT,
+                           "%s:%zu: step = %s after %s: one step expected; choose it by --where step=N",
+                           table->places[i].path, table->places[i].line, rp_cell(table, i, column),
+                           rp_cell(table, 0, column));
+    return RP_OK;
+}
+
 rp_status rp_columns_read_file(rp_arena *arena, const char *path, const char *names, double **block,
                                size_t *n_rows)
 {

@@ -24,6 +24,9 @@ rp_status rp_columns(rp_arena *arena, const rp_table *table, const char *names, 
 /* Names of the columns that are none of `names`, ",a,b,", each after a blank. */
 void rp_columns_beside(const rp_table *table, const char *names, char text[256]);
 
+/* Refuse rows of several steps: a table of states may hold a pile at several times. Errors: RP_BAD_INPUT. */
+rp_status rp_table_one_step(const rp_table *table);
+
 /* The columns of the list `names` as new arrays of finite numbers, one after the other in one block; of a
  * table, and of one in a file. Errors: RP_BAD_INPUT; those of rp_table_read. */
 enum { RP_MOST_COLUMNS = 32 };

@@ -9,7 +9,7 @@
 /* Force chains are dark on pale grains: line style k of `classes` has a width in proportion to the force.
  * Colours are distinct for the colour-blind, and by their lightness alone. */
 enum { PULLS = 20 }; /* above all classes */
-static const double LEFT = 1.8, RIGHT = 0.7, COLOUR_BAR = 2.6, TOP = 1.4, BOTTOM = 1.5; /* cm */
+static const double LEFT = 1.8, RIGHT = 0.7, COLOUR_BAR = 3.1, TOP = 1.4, BOTTOM = 1.5; /* cm */
 static const double LOW = 4.0, ROOM = 0.5, PANEL = 3.2, TALLEST = 14.0, FLATTEST = 1.2, NARROWEST = 11.0;
 static const double PER_CM = 37.8; /* of lines' widths */
 static const char WALL[] = "#404040", PRESS[] = "#0072b2", PULL[] = "#d55e00";
@@ -96,10 +96,12 @@ static rp_status stress_of(rp_arena *arena, const view_frame *f, const view_scal
     return stress_cells(f->n_contacts, contacts, &g, *cells);
 }
 
-static void add_to_bin(const view_scale *s, size_t n, double pressure[], double x, double force)
+/* A force is spread over the diameter of a mean grain: how many grains a bin has makes no peak or dip. */
+static void add_to_bins(const view_scale *s, size_t n, double pressure[], double x, double force)
 {
-    const double k = floor((x - s->start[0]) / s->cell);
-    if (k >= 0.0 && k < (double)n) pressure[(size_t)k] += force / s->cell;
+    const double from = (x - s->radius - s->start[0]) / s->cell, to = (x + s->radius - s->start[0]) / s->cell;
+    for (size_t k = (size_t)fmax(from, 0.0); k < n && (double)k < to; k++)
+        pressure[k] += force / s->cell * (fmin(to, (double)k + 1.0) - fmax(from, (double)k)) / (to - from);
 }
 
 /* Vertical force on the base a unit of length, in bins: of contacts with walls that are no steeper than 45
@@ -110,8 +112,8 @@ static double *pressure_of(rp_arena *arena, const view_frame *f, const view_scal
     double *pressure = rp_arena_memory(arena, *n, sizeof *pressure);
     for (const view_contact *v = f->contacts; v < f->contacts + f->n_contacts; v++)
         if (v->wall && v->c.y - v->c.y_b >= fabs(v->c.x - v->c.x_b))
-            add_to_bin(s, *n, pressure, v->c.x_b, v->c.fy);
-    for (size_t k = 0; k < f->n_base; k++) add_to_bin(s, *n, pressure, f->base_x[k], f->base_force[k]);
+            add_to_bins(s, *n, pressure, v->c.x_b, v->c.fy);
+    for (size_t k = 0; k < f->n_base; k++) add_to_bins(s, *n, pressure, f->base_x[k], f->base_force[k]);
     return pressure;
 }
 
@@ -374,7 +376,7 @@ static void put_panel(rp_arena *arena, const view_scene *scene, const view_frame
     put_label(out, "xlabel", "x", scene->length);
     fprintf(out,
             "set boxwidth %.17g\nplot $base using 1:2 with boxes fc rgb '#9ecae1' notitle\n"
-            "unset multiplot\nset colorbox\n",
+            "unset multiplot\n",
             s->cell);
 }
 
@@ -431,6 +433,10 @@ rp_status view_draw(rp_arena *arena, const view_scene *scene, const view_frame *
             "set bmargin at screen %.5f\nset key at graph 1, screen %.5f right bottom horizontal samplen 2\n",
             s->window[2], s->window[3], 1.0 - TOP / s->height, (BOTTOM + s->panel) / s->height,
             1.0 - (TOP - 0.1) / s->height);
+    if (*style->color) /* as far from the plot, and as wide, in pictures of all sizes */
+        fprintf(out, "set colorbox user origin %.5f, %.5f size %.5f, %.5f\n",
+                1.0 - (COLOUR_BAR - 0.4) / s->width, (BOTTOM + s->panel) / s->height, 0.5 / s->width,
+                1.0 - (TOP + BOTTOM + s->panel) / s->height);
     put_label(out, "ylabel", "y", scene->length);
     put_circles(style, s, out);
     if (chains) fputs(", \\\n $contacts using 1:2:3:4:5 with vectors arrowstyle variable notitle", out);

@@ -40,18 +40,6 @@ static rp_status read_grains(rp_arena *arena, rp_table *t, const slope_options *
     return rp_columns_read(arena, t, *with_r ? "x,y,r" : "x,y", block);
 }
 
-/* A table of states may hold a pile at several times. */
-static rp_status refuse_several_steps(const rp_table *table)
-{
-    int column = rp_table_column(table, "step");
-    for (size_t i = 1; column >= 0 && i < table->n_rows; i++)
-        if (strcmp(rp_cell(table, i, column), rp_cell(table, 0, column)) != 0)
-            return rp_fail(RP_BAD_INPUT, "%s:%zu: step = %s after %s: one step's grains expected",
-                           table->places[i].path, table->places[i].line, rp_cell(table, i, column),
-                           rp_cell(table, 0, column));
-    return RP_OK;
-}
-
 /* A table does not tell whether its surface falls to the left or its y points down. */
 static void warn_negative(const cli_call *call, const ang_slope slopes[ANG_N_METHODS])
 {
@@ -139,7 +127,7 @@ static rp_status slope_of_table(cli_call *call, rp_table *table, const void *val
             : cli_given(call, "cell") || cli_given(call, "empty") || cli_given(call, "parabola"))
         return rp_fail(RP_USAGE,
                        "--cell, --empty and --parabola need --width, --from and --to are without it");
-    RP_TRY(refuse_several_steps(table));
+    RP_TRY(rp_table_one_step(table));
     RP_TRY(read_grains(call->arena, table, o, &with_r, &block));
     const size_t n = table->n_rows;
     if (box) RP_TRY(choose_cell(o, table, block, with_r, &cell, &origin));

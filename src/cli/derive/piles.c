@@ -3,22 +3,32 @@
 
 #include "angle/angle.h"
 #include "stress/stress.h"
+#include "table/where.h"
 #include "cli/derive/derive.h"
 
 #define BOX_OPTIONS(X)                                                                                       \
     X(REAL, width, "cm", NULL, "(0, inf)", "width W of the box, from x = 0")                                 \
-    X(REAL, cell, "cm", "0.4", "(0, inf)", "cells; round(W/cell) to W")
+    X(REAL, cell, "cm", "0.4", "(0, inf)", "cells; round(W/cell) to W")                                      \
+    CLI_WHERE(X)
 
 /* ---- piles out of their tables ---- */
 
-static rp_status read_block(rp_arena *arena, const char *prefix, const char *what, const char *names,
-                            double **block, size_t *rows)
+/* One step's rows of a table of a run's folder, or of PREFIX_..., one file of which names it too. */
+static rp_status read_block(rp_arena *arena, const char *prefix, bool contacts, const rp_texts *where,
+                            const char *names, double **block, size_t *rows)
 {
-    const char *path,
-        *suffix = strstr(prefix, "_contacts.tsv"); /* the file itself, as a shell's * finds it */
-    RP_TRY(rp_path(arena, &path, "%.*s_%s.tsv", (int)(suffix ? suffix - prefix : (long)strlen(prefix)),
-                   prefix, what));
-    return rp_columns_read_file(arena, path, names, block, rows);
+    const char *path, *end = strstr(prefix, "_contacts.tsv"); /* as a shell's * finds it */
+    rp_table *table;
+    if (rp_is_in(prefix, "contacts.tsv"))
+        RP_TRY(rp_path(arena, &path, "%s/%s.tsv", prefix, contacts ? "contacts" : "states"));
+    else
+        RP_TRY(rp_path(arena, &path, "%.*s_%s.tsv", (int)(end ? end - prefix : (long)strlen(prefix)), prefix,
+                       contacts ? "contacts" : "grains"));
+    RP_TRY(rp_table_load(arena, path, &table));
+    for (size_t i = 0; i < where->n; i++) RP_TRY(rp_table_where(table, where->items[i]));
+    RP_TRY(rp_table_one_step(table));
+    *rows = table->n_rows;
+    return rp_columns_read(arena, table, names, block);
 }
 
 /* Mark the contacts with the floor: wall number `asked`, or, for auto, walls at the one height at which walls
@@ -48,12 +58,13 @@ static rp_status find_floor(const char *prefix, const double *block, long asked,
 }
 
 /* *floor as --floor has it; NULL: not needed. */
-static rp_status pile_read(rp_arena *arena, const char *prefix, const long *floor, stress_pile *p)
+static rp_status pile_read(rp_arena *arena, const char *prefix, const rp_texts *where, const long *floor,
+                           stress_pile *p)
 {
     double *block;
-    RP_TRY(read_block(arena, prefix, "contacts", "id_b,wall,x,y,x_b,y_b,normal_force,shear_force", &block,
+    RP_TRY(read_block(arena, prefix, true, where, "id_b,wall,x,y,x_b,y_b,normal_force,shear_force", &block,
                       &p->n));
-    RP_TRY(read_block(arena, prefix, "grains", "x,y,m", &p->x, &p->n_grains));
+    RP_TRY(read_block(arena, prefix, false, where, "x,y,m", &p->x, &p->n_grains));
     p->y = p->x + p->n_grains; /* columns of one block */
     p->m = p->y + p->n_grains;
     p->contacts = rp_arena_memory(arena, p->n, sizeof *p->contacts);
@@ -85,14 +96,14 @@ static rp_status check_size(const stress_pile *p, const char *prefix, double wid
 }
 
 /* The piles of all arguments, and the header of a table of them. */
-static rp_status read_piles(const cli_call *call, double width, const double *cell, const long *floor,
-                            size_t *n, stress_pile **piles)
+static rp_status read_piles(const cli_call *call, double width, const double *cell, const rp_texts *where,
+                            const long *floor, size_t *n, stress_pile **piles)
 {
     *n = 0;
     while (cli_argument(call, (int)*n)) ++*n;
     *piles = rp_arena_memory(call->arena, *n, sizeof **piles);
     for (size_t i = 0; i < *n; i++) {
-        RP_TRY(pile_read(call->arena, cli_argument(call, (int)i), floor, &(*piles)[i]));
+        RP_TRY(pile_read(call->arena, cli_argument(call, (int)i), where, floor, &(*piles)[i]));
         /* a table has told its system of units, which is that of defaults too */
         for (const rp_param *p = call->options; i == 0 && p->name; p++)
             if (!call->given[p - call->options]) rp_params_default(p, call->values);
@@ -112,7 +123,7 @@ static rp_status print_field(cli_call *call, const void *values)
     const field_options *o = values;
     stress_pile *piles;
     size_t n;
-    RP_TRY(read_piles(call, o->width, &o->cell, NULL, &n, &piles));
+    RP_TRY(read_piles(call, o->width, &o->cell, &o->where, NULL, &n, &piles));
     const stress_grid g = stress_grid_over(n, piles, o->width, o->cell);
     const size_t cells = g.nx * g.ny;
     stress_tensor *mean = rp_arena_memory(call->arena, cells, sizeof *mean);
@@ -132,14 +143,16 @@ static rp_status print_field(cli_call *call, const void *values)
 const cli_command cmd_stress_field = {
     "stress field",
     "stress in the cells of piles, from their contacts",
-    "PREFIX... --width W [options]",
-    "Mean over piles of the stress in cells, from the tables PREFIX_contacts.tsv and PREFIX_grains.tsv\n"
-    "of each: s_ab, force along a, branch along b, compression positive, 0 where there are no grains; p\n"
+    "DIR|PREFIX... --width W [options]",
+    "Mean over piles of the stress in cells, from contacts.tsv and states.tsv in DIR, or the tables\n"
+    "PREFIX_contacts.tsv and PREFIX_grains.tsv, of each: s_ab, force along a, branch along b, compression "
+    "positive, 0 where there are no grains; p\n"
     "mean pressure, shear radius of Mohr's circle, couple (xy - yx)/2, direction of the largest\n"
     "compression, mobilised angle.",
     "repose stress field pile --width 4",
     field_params,
-    .refuses = "More than 100000 cells, or a grain so many cells away: leave it out of the table, or give a "
+    .refuses = "Tables of several steps: choose one by --where step=N.\n"
+               "More than 100000 cells, or a grain so many cells away: leave it out of the table, or give a "
                "larger --cell.\n"
                "A contact whose two ends are one point.",
     .derives = true,
@@ -179,7 +192,7 @@ static rp_status print_base(cli_call *call, const void *values)
     double theta, size;
     stress_pile *piles;
     size_t n;
-    RP_TRY(read_piles(call, o->width, &o->cell, &o->floor, &n, &piles));
+    RP_TRY(read_piles(call, o->width, &o->cell, &o->where, &o->floor, &n, &piles));
     RP_TRY(mean_slope(n, piles, o, &theta));
     const size_t cells = stress_floor_cells(n, piles, o->width, o->cell, &size);
     stress_floor *floor = rp_arena_memory(call->arena, cells, sizeof *floor);
@@ -201,15 +214,17 @@ static rp_status print_base(cli_call *call, const void *values)
 const cli_command cmd_stress_base = {
     "stress base",
     "forces on the floor of piles, from their contacts",
-    "PREFIX... --width W [options]",
-    "Forces of piles without tilt on the floor, in columns, mean over piles, all per length; from the\n"
-    "tables PREFIX_contacts.tsv and PREFIX_grains.tsv of each. N: normal; H: away from the left wall;\n"
+    "DIR|PREFIX... --width W [options]",
+    "Forces of piles without tilt on the floor, in columns, mean over piles, all per length; from\n"
+    "contacts.tsv and states.tsv in DIR, or PREFIX_contacts.tsv and PREFIX_grains.tsv, of each. N: normal; "
+    "H: away from the left wall;\n"
     "weight: of the column above; through: vertical force through its sides; imbalance: N - weight -\n"
     "through; N_theory, H_theory: rays of inclination phi in a wedge of the mean slope by method 3, of\n"
     "that weight. The floor is what touches grains at the height of level walls.",
     "repose stress base pile --width 4",
     base_params,
-    .refuses = "More than 100000 cells, or a grain so many cells away: leave it out of the table, or give a "
+    .refuses = "Tables of several steps: choose one by --where step=N.\n"
+               "More than 100000 cells, or a grain so many cells away: leave it out of the table, or give a "
                "larger --cell.\n"
                "A contact whose two ends are one point.\n"
                "No level wall below grains, or several at different heights: choose one by --floor.",
