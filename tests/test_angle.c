@@ -221,17 +221,6 @@ static void test_tilt_without_root(void)
     CHECK_NEAR(r.limit, M_PI_2 - 1.2, tight);
 }
 
-static void test_words(void)
-{
-    static const char *const forms[ANG_N_FORMS] = {[ANG_BALANCED] = "balanced",
-                                                   [ANG_LATTICE] = "lattice",
-                                                   [ANG_SINE] = "sine",
-                                                   [ANG_PRINTED] = "printed"};
-    for (int i = 0; i < ANG_N_FORMS; i++) CU_ASSERT_STRING_EQUAL(ang_form_words[i], forms[i]);
-    CU_ASSERT_STRING_EQUAL(ang_tilt_words[ANG_TILT_OK], "ok");
-    CU_ASSERT_STRING_EQUAL(ang_tilt_words[ANG_TILT_RAYS_MISS], "rays_miss");
-}
-
 static void test_theory_errors(void)
 {
     ang_tilt_result r;
@@ -920,8 +909,8 @@ static void compare_resamples(void)
 }
 
 CHECK_SUITE(angle, "angle", test_closed_forms, test_crossings, test_geometry, test_reference_angles,
-            test_zero_tilt, test_marginal, test_tilt_without_root, test_words, test_theory_errors,
-            test_surface, test_surface_errors, test_exact_lines, test_methods, test_gap,
-            test_propagated_errors, test_planted_heaps, test_slope_errors, test_mean, test_paired,
-            test_line_fit, test_blocking, test_series_by_hand, test_blocking_small, test_level_off,
-            test_compare, compare_gain_and_flat_piles, compare_resamples)
+            test_zero_tilt, test_marginal, test_tilt_without_root, test_theory_errors, test_surface,
+            test_surface_errors, test_exact_lines, test_methods, test_gap, test_propagated_errors,
+            test_planted_heaps, test_slope_errors, test_mean, test_paired, test_line_fit, test_blocking,
+            test_series_by_hand, test_blocking_small, test_level_off, test_compare,
+            compare_gain_and_flat_piles, compare_resamples)

@@ -25,8 +25,6 @@
 
 /* Closed forms take a few operations on numbers up to 180. */
 #define FORM_TOLERANCE (16.0 * 180.0 * 0x1p-53)
-/* 1000 steps, each rounding a velocity and a position up to 64: 1000 * 64 * 2^-53. */
-#define FALL_TOLERANCE (1000.0 * 64.0 * 0x1p-53)
 
 /* Measured after a fixed time, which is sooner than rest. */
 #define SHORT_RUN "W = 2.0; H = 2.0; stop = \"steps\"; fill_steps = 2500; relax_steps = 1500;"
@@ -358,8 +356,6 @@ static void test_bad_values(void)
         {65, "empty.tsv: no grains", "angle slope empty.tsv --width 4"},
         {65, "-n = 0: out of range", "bench -n 0"},
         {65, "-n = 100001: out of range, allowed: [1, 100000]", "bench -n 100001"},
-        {65, "\"frob\": unknown protocol", "params frob"},
-        {65, "\"scenes\": unknown protocol (did you mean \"scene\"?)", "params scenes"},
         {65, "none.cfg: cannot read", "run none.cfg"},
         {65, "none.cfg: cannot read", "sweep plan none.cfg -o d"},
         {65, "none: no such folder", "sweep run none"},
@@ -401,25 +397,13 @@ static void test_bench(void)
 
 #define GRAIN "{ x = 0.1; y = 0.2; r = 0.1; }"
 
+/* The suite `scene` has what else is refused. */
 static void test_bad_scenes(void)
 {
-#define FLOOR "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; } );\n"
-#define SCENE "\n" FLOOR "particles = ( " GRAIN " );"
+#define SCENE " walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; } ); particles = ( " GRAIN " );"
     static const char *const list[][2] = {
         {"frob = 3;" SCENE, "s.cfg:1: frob: unknown key"},
-        {"dt = \"fast\";" SCENE, "s.cfg:1: dt = \"fast\": character 1: unknown name fast"},
-        {"steps = 4.5;" SCENE, "s.cfg:1: steps = 4.5: a whole number expected"},
-        {"dt = 0.0;" SCENE, "s.cfg:1: dt = 0: out of range, allowed: (0, inf)"},
         {"dt = 1.0e-2;" SCENE, "the limit is "},
-        {"steps = 3000000000;" SCENE, "s.cfg:1: 3000000000: whole numbers go up to 2147483647"},
-        {"dt = 1e400;" SCENE, "s.cfg:1: dt"},
-        {"steps = ;" SCENE, "s.cfg:1: syntax error"},
-        {"tangential = { mu = 0.2; };" SCENE, "s.cfg:1: mu = 0.2: needs a tangential law"},
-        {FLOOR "particles = (\n{ x = 0.1; y = 0.2; r = -0.1; } );",
-         "s.cfg:3: particles.[0].r = -0.1: out of range, allowed: (0, inf)"},
-        {FLOOR "particles = (\n{ x = 0.1; y = 0.2; } );", "s.cfg:3: particles.[0].r: missing"},
-        {FLOOR "particles = ( );", "s.cfg:2: particles: no particles"},
-        {FLOOR, "s.cfg: no grains: particles, particles_file or fill is needed"},
         {"particles_file = \"/dev/zero\";", "/dev/zero: no text"},
     };
     CHECK_REFUSED(list, "s.cfg", "run s.cfg -o made");
@@ -427,9 +411,6 @@ static void test_bad_scenes(void)
     static const failure changes[] = {
         {64, "--row needs a sweep", "run s.cfg --row 1"},
         {65, "frob: unknown key", "run s.cfg --set frob=1"},
-        {65, "--set steps: key=value expected", "run s.cfg --set steps"},
-        {65, "--set k_n=1e5: of a scene the key is normal.k_n", "run s.cfg --set k_n=1e5"},
-        {65, "steps", "run s.cfg --set steps=many"},
         {65, "--set:1: 4294967396: whole numbers go up to", "run s.cfg --set steps=4294967396"},
         {65, "steps = \"5; dt = 6\"", "run s.cfg --set 'steps=5; dt = 6'"}};
     CHECK_FAILURES(changes);
@@ -438,14 +419,8 @@ static void test_bad_scenes(void)
     write_text("s.cfg", "steps = 10; particles = ( " GRAIN " );\n"
                         "walls = ( { point = [0.0, 0.0]; direction = [0.0, 1.0]; },\n"
                         "{ point = [0.0, 0.0]; direction = [1.0, 0.0]; velocity = [0.0, 0.0]; } );\n");
-    FAILS(65, "--set walls[2].mu=1: walls is a list of 2 entries: walls[0] to walls[1]",
-          "run s.cfg --set 'walls[2].mu=1'");
-    FAILS(65, "walls is a list of 2 entries", "run s.cfg --set 'walls.mu=1'");
     FAILS(65, "walls is a list of 2 entries", "run s.cfg --set 'walls[1x].mu=1'");
-    FAILS(65, "steps is no list with entries", "run s.cfg --set 'steps[0].mu=1'");
     FAILS(65, "steps has no keys of its own", "run s.cfg --set 'steps.mu=1'");
-    FAILS(65, "no such group (did you mean \"walls\"?)", "run s.cfg --set 'wals[0].mu=1'");
-    FAILS(65, "give a key of the entry, or the whole list", "run s.cfg --set 'walls[0]=1'");
     FAILS(65, "did you mean \"omega\"", "run s.cfg --set 'walls[1].omeg=3'");
     GOOD("run s.cfg --set 'walls[1].omega=3' --set 'walls[1].velocity=(0.5, 0)' --set 'gravity=[0, -1]' -o "
          "set");
@@ -470,20 +445,14 @@ static void test_sweep_or_scene(void)
     FAILS(65, "tables.cfg is a sweep file of models alone; repose sweep make", "run tables.cfg -o d");
 }
 
+/* The suite `sweep` has what else is refused. */
 static void test_bad_sweeps(void)
 {
 #define REPOSE "protocol = \"repose\"; seed = 1; replicas = 1; "
     static const char *const list[][2] = {
-        {"protocol = \"frob\"; seed = 1; replicas = 1;", "frob"},
-        {"particles = ( { x = 0.0; y = 0.1; r = 0.1; } );",
-         "s.cfg: a scene (it has particles), no sweep; repose run s.cfg simulates it"},
-        {"protocol = \"repose\"; seed = 1; replicas = 0;", "s.cfg:1: replicas = 0: out of range"},
-        {"protocol = \"repose\"; seed = -1; replicas = 1;", "s.cfg:1: seed = -1: out of range"},
         {REPOSE "fixed = { frob = 1; };", "frob: unknown key"},
-        {REPOSE "fixed = { floor = \"up\"; };", "floor = \"up\": unknown word"},
         {REPOSE "fixed = { dt = 1.0e-3; };", "the limit is "},
         {REPOSE "fixed = { slip = \"total\"; };", "needs stop = \"steps\""},
-        {REPOSE "grid = { mu = [0.1, -0.2]; };", "mu = -0.2: out of range"},
     };
     CHECK_REFUSED(list, "s.cfg", "sweep plan s.cfg -o d");
     SHELL("! test -e d");
@@ -1217,27 +1186,19 @@ static void test_page_circles(void)
 
 /* ---- run ---- */
 
-/* Free fall under a slanting gravity, for which Verlet is exact. */
+/* Frames at multiples of their interval and at the end; the suite `tables` has all columns. */
 static void test_free_fall(void)
 {
-    static const double gx = 12.5, gy = -981.0, x = 0.385, y = 52.85, vx = 23.85, vy = 17.5;
     static const int steps[] = {0, 300, 600, 900, 1000};
     write_text("scene.cfg",
-               "gravity = ( %.17g, %.17g ); dt = 1.0; steps = 1000;\n"
-               "particles = ( { x = %.17g; y = %.17g; r = 0.1; m = 0.5; vx = %.17g; vy = %.17g; } );\n",
-               gx, gy, x, y, vx, vy);
+               "gravity = ( 12.5, -981.0 ); dt = 1.0; steps = 1000;\n"
+               "particles = ( { x = 0.385; y = 52.85; r = 0.1; m = 0.5; vx = 23.85; vy = 17.5; } );\n");
     PRINTS("\nstep\tt\tid\tx\ty\tangle\tvx\tvy\tomega\tfx\tfy\tr\tm\tcontacts\tfixed\n",
            "run scene.cfg --set dt=5e-5 --every 300");
     scoped_table t = read_table("out");
     CU_ASSERT(t.n_rows == 5);
-    for (size_t i = 0; i < t.n_rows && i < 5; i++) {
-        double time = steps[i] * 5e-5;
-        CHECK_NEAR(cell(&t, i, "step"), steps[i], 0.0);
-        CHECK_EACH(cell(&t, i, NAME), FALL_TOLERANCE, {"t", time},
-                   {"x", x + vx * time + 0.5 * gx * time * time},
-                   {"y", y + vy * time + 0.5 * gy * time * time}, {"vx", vx + gx * time},
-                   {"vy", vy + gy * time}, {"fy", 0.5 * gy});
-    }
+    for (size_t i = 0; i < t.n_rows && i < 5; i++)
+        CHECK_EACH(cell(&t, i, NAME), 1e-15, {"step", steps[i]}, {"t", steps[i] * 5e-5});
     /* without --every, the final state alone: the same row */
     GOOD("run scene.cfg --set dt=5e-5");
     const char *last = strstr(out, "\n1000\t");
