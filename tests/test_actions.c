@@ -1,12 +1,9 @@
-/* What phases do: loads on walls, laws that change, grains that come and go, going back, ends that are kept.
- */
+/* What phases do: loads on walls, laws that change, grains that come and go, going back, kept ends. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "check.h"
-#include "folder.h"
 #include "grains.h"
 #include "trial.h"
 

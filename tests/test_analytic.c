@@ -216,8 +216,7 @@ static void any_outline(void)
 }
 
 /* The cut pile converges to the continuum as 1/k. Each count deviates by less than 1 from its chord, B by
- * less than 2 sigma, hence N/(chi g B) by less than 1/k + 2 slope/k, where the flank's slope is the largest.
- */
+ * less than 2 sigma, hence N/(chi g B) by less than 1/k + 2 slope/k, where the flank's slope is largest. */
 static void cut_pile_to_continuum(void)
 {
     const double slopes_deg[] = {30, 32.6, 45, 50, 55};

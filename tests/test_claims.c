@@ -438,8 +438,7 @@ static void check_page_line(const char *line)
     CHECK_OR_SAY(*line != '|' || strlen(line) <= LONGEST_ROW, "a long row: %s", line);
 }
 
-/* The page is short enough to be read, its links lead somewhere, and each claim that belongs on it has a row.
- */
+/* The page is short enough to be read, its links lead somewhere, each claim that belongs on it has a row. */
 static void test_page(void)
 {
     size_t size;

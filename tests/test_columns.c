@@ -1,14 +1,12 @@
 /* Tables of commands and protocols whose numbers follow from other tables: every column is computed a second
  * time, in another way, from grains and contacts, from planted rows, or from a shorter run. */
 #include <complex.h>
-#include <gsl/gsl_poly.h>
 #include <malloc.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "core/clock.h"
-#include "core/random.h"
 #include "dem/scene/scene.h"
 #include "stats/stats.h"
 #include "stress/stress.h"
@@ -23,11 +21,6 @@
 static const double deg = M_PI / 180.0;
 /* sums of some hundred rounded products */
 static const double tight = 1e-11;
-
-static double square(double x)
-{
-    return x * x;
-}
 
 /* ---- a pile: its grains and contacts as tables ---- */
 
@@ -73,8 +66,7 @@ static double share(const checked *c, size_t k, double size, double column, doub
     return part;
 }
 
-/* Over all planes: the largest pressure and the largest angle between traction and normal; pi/2 if one pulls.
- */
+/* Over all planes: the largest pressure and angle between traction and normal; pi/2 if one pulls. */
 static void scan_planes(const double s[4], double *pressure, double *mobilised)
 {
     enum { PLANES = 20000 };
@@ -227,7 +219,7 @@ static void check_column(checked *base, size_t row, checked contacts[2], checked
         }
     }
     const double N = 0.5 * (n[0] + n[1]), H = 0.5 * (h[0] + h[1]), large = fabs(N) + fabs(weight) + 1.0,
-                 t2 = square(tan(slope * deg) / tan(55.0 * deg));
+                 t2 = pow(tan(slope * deg) / tan(55.0 * deg), 2.0);
     CHECK_NEAR(at(base, row, "x/W"), ((double)row + 0.5) * size / width, 1e-14);
     CHECK_EACH(at(base, row, NAME), tight * large, {"N", N}, {"H", H}, {"N_se", 0.5 * fabs(n[0] - n[1])},
                {"H_se", 0.5 * fabs(h[0] - h[1])}, {"weight", weight});
@@ -238,7 +230,7 @@ static void check_column(checked *base, size_t row, checked contacts[2], checked
     else
         CU_ASSERT(isnan(ratio));
     CHECK_NEAR(at(base, row, "N_theory"), weight / (1.0 - t2), tight * large);
-    CHECK_NEAR(at(base, row, "H_theory"), weight / (1.0 - t2) * tan(slope * deg) / square(tan(55.0 * deg)),
+    CHECK_NEAR(at(base, row, "H_theory"), weight / (1.0 - t2) * tan(slope * deg) / pow(tan(55.0 * deg), 2.0),
                tight * large);
 }
 
@@ -259,8 +251,7 @@ static void test_stress(void)
     for (size_t i = 0; i < grains[0].t.n_rows; i++)
         inside += at(&grains[0], i, "x") > 0.0 && at(&grains[0], i, "x") < width;
     CHECK_NEAR(at(&o, 0, "grains"), inside, 0.0);
-    /* to the last tilt at rest and one look, then again from the pile on until it moves, 1e-3 degree a step
-     */
+    /* to the last tilt at rest and one look, then from the pile on until it moves, 1e-3 degree a step */
     scoped_table last = read_table("d/read_5_grains.tsv");
     CHECK_NEAR(at(&o, 0, "steps"),
                cell(&last, 0, "step") + 500.0 + 1e3 * at(&o, 0, "theta_t_displacement_deg"), 1e-6);
@@ -476,8 +467,7 @@ static void test_bench_fill(void)
         for (size_t i = 0; i < N; i++) {
             CHECK_EACH(cell(&start, i, NAME), 0.0, {"x", states[i].x}, {"angle", states[i].angle},
                        {"r", states[i].r});
-            /* 1/r is uniform between its ends, here at the middles of N equal parts; 1/0.1^2 is their product
-             */
+            /* 1/r is uniform between its ends, at the middles of N equal parts; 1/0.1^2 is their product */
             const double least = 10.0 / sqrt(list[k].size_ratio), most = 10.0 * sqrt(list[k].size_ratio),
                          share = ((double)i + 0.5) / N;
             if (list[k].size_ratio > 0.0)
@@ -876,8 +866,7 @@ static void test_lattice(void)
     CHECK_NEAR(sqrt(square / unequal), 1e-3, 4e-4);
 }
 
-/* A pile from which some disks roll away: everything from its grains, its contacts and what each drop moved.
- */
+/* A pile from which some disks roll away: all from its grains, its contacts and what each drop moved. */
 static void test_drop(void)
 {
     const double limit = 10.0;

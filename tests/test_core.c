@@ -185,14 +185,9 @@ static void files(void)
     CHECK_FAILS(read_text("flag = 1;", &v), RP_BAD_INPUT, "flag = 1: true or false expected");
     CHECK_FAILS(read_text("a = 61.5;", &v), RP_BAD_INPUT, ":1: a = 61.5: out of range");
     CHECK_FAILS(read_text("a = 1e400;", &v), RP_BAD_INPUT, "finite");
-    CHECK_FAILS(read_text("n = 2147483648;", &v), RP_BAD_INPUT, ":1: 2147483648: whole numbers go up to");
-    CHECK_FAILS(read_text("// 99999999999\n/* 2147483648 \n */ text = \"4294967296\"; n = 4294967297;", &v),
-                RP_BAD_INPUT, ":3: 4294967297");
-    CHECK_OK(read_text("a = 3.0; // 2147483648\n# 2147483648\ntext = \"2147483648\";", &v));
     CHECK_FAILS(read_text("a = [0, 0.1];", &v), RP_BAD_INPUT, "write 0.0 for 0");
     CHECK_FAILS(read_text("a = (1.0);", &v), RP_BAD_INPUT, "a: one value expected, not a list");
     CHECK_OK(read_text("a = 1.0", &v)); /* the last semicolon may be left out */
-    CHECK_FAILS(read_text("a = = 1.0;", &v), RP_BAD_INPUT, ":1: syntax error");
     CHECK_FAILS(read_text("word = [1, 2];", &v), RP_BAD_INPUT, "word: one value expected, not a list");
     config_t config;
     CHECK_FAILS(rp_config_read("/no/such/file.cfg", &config), RP_BAD_INPUT, "/no/such/file.cfg: cannot read");
@@ -232,6 +227,7 @@ static void whole_numbers(void)
         {"n = -3000000000;", ":1: -3000000000: "},
         {"n = 5;\r\n\tm\f=[1,2,+2147483648];", ":2: +2147483648: "},
         {"n = 99999999999999999999L;", "99999999999999999999L: "},
+        {"// 99999999999\n/* 2147483648 \n */ text = \"4294967296\"; n = 4294967297;", ":3: 4294967297"},
         {"n = 0xffffffffffffffffL;", "0xffffffffffffffffL: "},
         {"/**/n=/*\n*/2147483648", ":2: 2147483648: "},
         {"text = \"\\\"\";n = 2147483648;", "2147483648: "},

@@ -195,8 +195,7 @@ static void grains_leave_the_list(void)
     leaving_below_others();
 }
 
-/* Work is counted in grains present at each step, by every integrator; one of three grains leaves on the way.
- */
+/* Work is counted in grains present at each step, by every integrator; one of three leaves on the way. */
 static void work_is_counted(void)
 {
     for (int way = 0; way < 4; way++) {
@@ -1095,8 +1094,7 @@ static void ranges_of_ground(void)
     CHECK_OK(dem_laws_check(&def));
 }
 
-/* Numbers of a grain: sizes above 0, all finite; 0 what does not count; at the ends of the scene, not beyond.
- */
+/* Numbers of a grain: sizes above 0, all finite; 0 what does not count; not beyond the scene's ends. */
 static void ranges_of_grains(void)
 {
     dem_definition def = dem_definition_default();
@@ -1520,8 +1518,7 @@ static void limit_of_rotation(void)
     }
 }
 
-/* Header of a table for a scene of unequal free grains: values of the mean grain, at twice the largest speed.
- */
+/* Header of a table for a scene of unequal free grains: values of the mean grain, at twice the top speed. */
 static void header_notes(void)
 {
     const dem_grain grains[3] = {{.x = 0.5, .y = 0.5, .r = 0.1, .m = 0.004, .vx = 30.0},
@@ -1586,8 +1583,7 @@ static void state_near_rest(void)
     CHECK_ALL_NEAR(1e-9, {rest.net_force, 0.5 * 0.004 * 981.0}, {rest.free_force, 0.004 * 981.0});
 }
 
-/* Both limits count; where looks follow soon, a grain in the air is at rest only if nothing accelerates it.
- */
+/* Both limits count; where looks follow soon, one in the air is at rest only if nothing accelerates it. */
 static void at_rest(void)
 {
     const double weight = 0.004 * 981.0, energy = 1e-7 * weight * 0.2, force = 1e-2 * weight;

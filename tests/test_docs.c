@@ -86,8 +86,7 @@ static char *next_output(char **text)
     return line;
 }
 
-/* Whether the output is as shown; else the first line that is shown and missing, or the first one too many.
- */
+/* Whether the output is as shown; else the first line shown and missing, or the first one too many. */
 static bool output_matches(char *shown, char *output, const char **missing)
 {
     bool gap = false;

@@ -56,8 +56,7 @@ static dem_sim *moving_pile(bool spring)
     return grains_after(&def, 150);
 }
 
-/* A new simulation of the same state, with or without its contacts, in ascending or descending order of ids.
- */
+/* A new simulation of the same state, with or without its contacts, in ascending or descending ids. */
 static dem_sim *again(const dem_sim *sim, bool spring, bool with, bool turned)
 {
     dem_state states[HEAP];

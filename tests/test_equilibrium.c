@@ -9,7 +9,6 @@
 #include <string.h>
 
 #include "analytic/analytic.h"
-#include "table/table.h"
 #include "statics/bonds.h"
 #include "dem/dem.h"
 #include "statics/equilibrium.h"
@@ -21,8 +20,7 @@
 
 static const double DEG = M_PI / 180;
 
-/* Displacements up to 1e3 (eps sigma) are rounded by 1e-13; six contacts each, and as much again in the test.
- */
+/* Displacements up to 1e3 (eps sigma) are rounded by 1e-13; six contacts each, and the same in the test. */
 #define ROUNDING 1e-11
 
 /* ---- making piles ---- */
@@ -597,8 +595,7 @@ static void test_threshold(void)
     }
 }
 
-/* Net forces and energy from the positions of all pairs of disks: eps = 1e-3 leaves 12 digits of an overlap.
- */
+/* Net forces and energy from positions of all pairs of disks: eps = 1e-3 leaves 12 digits of an overlap. */
 static double plain_forces(const test_pile *h, const double *u, double eps, double k_x, double *force)
 {
     double energy = 0;
@@ -632,8 +629,7 @@ static double worst_of(const double *v, size_t n)
     return worst;
 }
 
-/* Negative eigenvalues of the stiffness by differences of forces, independent of the solver's factorisation.
- */
+/* Negative eigenvalues of the stiffness by differences of forces, independent of the factorisation. */
 static size_t plain_negative_modes(const test_pile *h, double eps, double k_x)
 {
     const size_t n = 2 * h->n;
@@ -1099,8 +1095,7 @@ static void count_step(size_t n, const statics_result *so_far, void *context)
 }
 
 /* Newton steps, also with those of smaller piles, and factorisations of piles of all kinds, counted once. A
- * start, a softening, an update or a well that is not as it should be leads to the same state, by more work.
- */
+ * start, a softening, an update or a wrong well leads to the same state by more work. */
 static void test_work(void)
 {
     static const struct {
@@ -1223,8 +1218,7 @@ static void check_unequal(void)
     for (size_t i = 0; i < K; i++) CU_ASSERT(cell(&one, i, "N/mg") == N[i]);
 }
 
-/* A pile that spreads: the broken wells in the folder and in the message, and nan for undetermined numbers.
- */
+/* A pile that spreads: broken wells in the folder and in the message, nan for undetermined numbers. */
 static void check_failed(void)
 {
     size_t broken = 0, told = 0;

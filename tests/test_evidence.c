@@ -2,7 +2,6 @@
  * the papers against the settings that report/claims.tsv states. */
 #include <ctype.h>
 #include <glob.h>
-#include <gsl/gsl_cdf.h>
 #include <libconfig.h>
 #include <math.h>
 #include <stdlib.h>

@@ -3,10 +3,8 @@
 #include <inttypes.h>
 #include <math.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "check.h"
-#include "folder.h"
 #include "program.h"
 #include "trial.h"
 
@@ -81,8 +79,7 @@ static void test_phases(void)
 }
 
 /* A grain rises and falls: the largest height so far is known while the phase lasts. A block marks positions
- * at its start alone, its phases where they say so. A measure without a phase is of the last that is there.
- */
+ * at its start alone, its phases where they say so. A measure without a phase is of the last one. */
 static void test_known_so_far(void)
 {
     static const char text[] =
@@ -695,8 +692,7 @@ static void test_limits_of_radii(void)
     CHECK_NEAR(dt[0], dt[1], 0.0);
 }
 
-/* The base of a pile on grains that never move; names with a beginning of one's own; a flank ends at a gap.
- */
+/* The base of a pile on grains that never move; names with an own beginning; a flank ends at a gap. */
 static void test_more_modules(void)
 {
     static const char text[] =

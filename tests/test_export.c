@@ -314,8 +314,7 @@ static void test_dump_files(void)
 #define PART(time, part, name, file)                                                                         \
     "<DataSet timestep=\"" time "\" part=\"" part "\" name=\"" name "\" file=\"a_frames/" file ".vtp\"/>\n"
 
-/* The corners of the grains' box, from (1, 2) along (1, -1/2) and (1, 1/2): -7/8 to 21/8, and -15/8 to 13/8.
- */
+/* The corners of the grains' box, from (1, 2) along (1, -1/2) and (1, 1/2): -7/8 to 21/8, -15/8 to 13/8. */
 static void test_vtk_files(void)
 {
     write_small();
